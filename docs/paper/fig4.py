@@ -17,7 +17,7 @@ SLACK = 1.4  # a run may end a little before or after its time, by whole samples
 def error_at(s, seconds):
     """Mean error over the seeds after so many seconds; None where some seed had no picture yet."""
     found = []
-    for points in s.curves("seconds"):
+    for points in s.curves("seconds", pages.ERROR):
         if seconds < points[0][0] or seconds > points[-1][0] * SLACK:
             return None
         found.append(lab.interpolate(points, min(seconds, points[-1][0])))

@@ -10,7 +10,7 @@ from campaigns import lab
 
 NAME, TITLE = "table2", "Table 2: granularity of the octree"
 CAMPAIGNS = campaigns.of_table2
-HEADS = ["T", "leaves, paper", "leaves, here", "relL2, paper", "relL2, here", "worst 0.1 % left out",
+HEADS = ["T", "leaves, paper", "leaves, here", "relL2, paper", "relL2Abs, here", "worst 0.1 % left out",
          "error over that of T = 4096, paper", "here", "KB, paper", "KB, here", "overhead s, paper",
          "overhead s, here"]
 
@@ -25,7 +25,7 @@ def cells(s, base):
     if s is None:
         return [pages.MISSING] * 6
     size = s.get("bytes")
-    return [pages.whole(s.get("leaves")), pages.error_text(s), pages.num(s.error("relL2Trimmed")),
+    return [pages.whole(s.get("leaves")), pages.error_text(s), pages.num(s.error(pages.TRIMMED)),
             pages.num(pages.ratio(s, base)), pages.num(size / 1024 if size is not None else None),
             pages.num(overhead(s), 2)]
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "pbrt/core/error.h"
 #include "pbrt/images/flip.h"
@@ -12,7 +13,14 @@ namespace pbrt {
 
 namespace {
 
-double Term(Metric metric, double x, double r) {
+constexpr double kAbsoluteEpsilon = 0.01;
+
+/// `epsilon` of a reference for RelL2 and RelL2Abs.
+double EpsilonOf(Metric metric, const Image &reference) {
+    return metric == Metric::RelL2 ? RelL2Epsilon(reference) : kAbsoluteEpsilon;
+}
+
+double Term(Metric metric, double x, double r, double epsilon) {
     const double d = x - r;
     switch (metric) {
         case Metric::MAE:
@@ -22,7 +30,8 @@ double Term(Metric metric, double x, double r) {
         case Metric::MRSE:
             return d * d / ((r + 0.01) * (r + 0.01));
         case Metric::RelL2:
-            return d * d / (r * r + 0.01);
+        case Metric::RelL2Abs:
+            return d * d / (r * r + epsilon);
         case Metric::SMAPE:
             return std::abs(d) / ((std::abs(x) + std::abs(r)) / 2 + 0.01);
         case Metric::FLIP:
@@ -54,7 +63,8 @@ size_t CountNotFinite(const Image &image) {
 
 const std::vector<std::string> &MetricNames() {
     // In the order of the enumeration.
-    static const std::vector<std::string> names = {"MAE", "MSE", "MRSE", "relL2", "SMAPE", "FLIP", "HDR-FLIP"};
+    static const std::vector<std::string> names = {"MAE",      "MSE",   "MRSE", "relL2",
+                                                   "relL2Abs", "SMAPE", "FLIP", "HDR-FLIP"};
     return names;
 }
 
@@ -66,6 +76,29 @@ std::optional<Metric> ParseMetric(const std::string &name) {
     return {};
 }
 
+double RelL2Epsilon(double mean) { return mean != 0 ? 0.01 * mean * mean : kAbsoluteEpsilon; }
+
+double RelL2Epsilon(const Image &reference) {
+    std::vector<int> channels;
+    for (const char *name : {"R", "G", "B"})
+        if (const int c = reference.FindChannel(name); c >= 0) channels.push_back(c);
+    if (channels.size() < 3) {
+        channels.resize(static_cast<size_t>(reference.ChannelCount()));
+        std::iota(channels.begin(), channels.end(), 0);
+    }
+    double sum = 0;
+    size_t counted = 0;
+    for (int y = 0; y < reference.Resolution().y; ++y)
+        for (int x = 0; x < reference.Resolution().x; ++x)
+            for (const int c : channels) {
+                const auto v = static_cast<double>(reference.Get({x, y}, c));
+                if (!std::isfinite(v)) continue;
+                sum += std::abs(v);
+                ++counted;
+            }
+    return RelL2Epsilon(counted ? sum / static_cast<double>(counted) : 0);
+}
+
 double ImageError(const Image &image, const Image &reference, Metric metric, Image *errorImage, size_t *skipped) {
     RequireSameShape(image, reference);
     if (metric == Metric::FLIP || metric == Metric::HdrFLIP) {
@@ -74,6 +107,7 @@ double ImageError(const Image &image, const Image &reference, Metric metric, Ima
         settings.hdr = metric == Metric::HdrFLIP;
         return FlipReference(reference, settings).Compare(image, errorImage);
     }
+    const double epsilon = EpsilonOf(metric, reference);
     if (errorImage) *errorImage = Image(PixelFormat::Float, image.Resolution(), image.Channels());
     double sum = 0;
     size_t counted = 0, dropped = 0;
@@ -83,8 +117,8 @@ double ImageError(const Image &image, const Image &reference, Metric metric, Ima
         for (int x = 0; x < image.Resolution().x; ++x)
             for (int c = 0; c < image.ChannelCount(); ++c) {
                 Point2i p(x, y);
-                double term =
-                    Term(metric, static_cast<double>(image.Get(p, c)), static_cast<double>(reference.Get(p, c)));
+                double term = Term(metric, static_cast<double>(image.Get(p, c)),
+                                   static_cast<double>(reference.Get(p, c)), epsilon);
                 if (errorImage) errorImage->Set(p, c, static_cast<Float>(term));
                 if (std::isfinite(term)) {
                     row += term;
@@ -99,8 +133,9 @@ double ImageError(const Image &image, const Image &reference, Metric metric, Ima
     return counted ? sum / static_cast<double>(counted) : 0;
 }
 
-double TrimmedRelL2(const Image &image, const Image &reference, double share, size_t *skipped) {
+double TrimmedRelL2(const Image &image, const Image &reference, double share, size_t *skipped, Metric metric) {
     RequireSameShape(image, reference);
+    const double epsilon = EpsilonOf(metric, reference);
     std::vector<double> terms;
     size_t dropped = 0;
     for (int y = 0; y < image.Resolution().y; ++y)
@@ -108,8 +143,8 @@ double TrimmedRelL2(const Image &image, const Image &reference, double share, si
             double sum = 0;
             int counted = 0;
             for (int c = 0; c < image.ChannelCount(); ++c) {
-                const double term = Term(Metric::RelL2, static_cast<double>(image.Get({x, y}, c)),
-                                         static_cast<double>(reference.Get({x, y}, c)));
+                const double term = Term(metric, static_cast<double>(image.Get({x, y}, c)),
+                                         static_cast<double>(reference.Get({x, y}, c)), epsilon);
                 if (std::isfinite(term)) {
                     sum += term;
                     ++counted;

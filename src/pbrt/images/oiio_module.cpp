@@ -146,6 +146,16 @@ class CachedTiles final : public TileStore {
     int tileSize_;
 };
 
+/// Bytes of the pixels of an uncompressed TIFF file, or fewer. A palette has one sample a pixel, whatever its colours.
+uintmax_t StoredBytes(const OIIO::ImageSpec &spec) {
+    constexpr int kPalette = 3, kYCbCr = 6;
+    const int kind = spec.get_int_attribute("tiff:PhotometricInterpretation", -1);
+    if (kind == kYCbCr) return 0;  // colours may be stored at a lower resolution
+    const int bits = spec.get_int_attribute("oiio:BitsPerSample", static_cast<int>(spec.format.basesize()) * 8);
+    const auto rowBits = uintmax_t(spec.width) * uintmax_t(kind == kPalette ? 1 : spec.nchannels) * uintmax_t(bits);
+    return rowBits / 8 * uintmax_t(spec.height);
+}
+
 class OpenInput final : public OpenFile {
   public:
     OpenInput(const std::string &path, std::unique_ptr<OIIO::ImageInput> input) : input_(std::move(input)) {
@@ -159,10 +169,7 @@ class OpenInput final : public OpenFile {
         const bool png = format == "png";
         channels = std::min(spec.nchannels, png ? PngChannels(path) : spec.nchannels >= 3 ? 3 : 1);
         // OpenImageIO fills what is missing in uncompressed TIFF files with 0, so callers check the size of the file.
-        const int bits = static_cast<int>(spec.format.basesize()) * 8;
-        if (format == "tiff" && spec.get_string_attribute("compression") == "none" &&
-            spec.get_int_attribute("oiio:BitsPerSample", bits) == bits)
-            minFileBytes = spec.image_bytes(true);
+        if (format == "tiff" && spec.get_string_attribute("compression") == "none") minFileBytes = StoredBytes(spec);
         // Everything but float and 16-bit PNG is read as 8 bit.
         type = spec.format.is_floating_point()     ? ValueType::Float
                : png && spec.format.basesize() > 1 ? ValueType::U16

@@ -61,6 +61,11 @@ ImageFile ReadOther(const std::string &path, std::optional<ColorEncoding> encodi
                        : 1,
               MaxExpansion(file->format));
     std::error_code failed;
+    if (file->format == "hdr" && file->orientation > 4)
+        throw UserError(
+            fmt::format("{}: the pixels are stored column by column; only row by row is supported (a resolution line "
+                        "such as \"-Y {} +X {}\").",
+                        path, file->height, file->width));
     if (std::filesystem::file_size(path, failed) < file->minFileBytes)
         throw UserError(fmt::format("{}: the pixels end too early.", path));
     ImageFile result;

@@ -6,9 +6,11 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "pbrt/core/error.h"
+#include "pbrt/images/metrics.h"
 #include "pbrt/lab/tile_noise.h"
 #include "pbrt/math/statistics.h"
 
@@ -144,13 +146,16 @@ class Channel {
         if (!ofRuns_.Known()) ofRuns_.Add(parts_, sampleRatio_);
         if (!ofReference_.Known()) ofReference_.Add(runs_, 1);
         if (reference.parts.size() == 1 && reference.relL2 && runs.size() > 1) {
+            const std::vector<double> &values = reference.parts[0].values;
+            const double mean = std::accumulate(values.begin(), values.end(), 0.) / static_cast<double>(values.size());
+            const double epsilon = RelL2Epsilon(mean);
             // Pixel filters make neighbouring pixels alike: a tile's mean has about twice the variance.
             for (int t = 0; t < grid_.Count(); ++t) {
                 const auto i = static_cast<size_t>(t);
                 const Bounds2i pixels = grid_.Pixels(t % grid_.tilesX, t / grid_.tilesX);
                 const double area = (pixels.high.x - pixels.low.x) * (pixels.high.y - pixels.low.y);
                 const double value = reference.parts[0](t, channel);
-                known_.push_back(2 * *reference.relL2 * (value * value + 0.01) * weights_[i] * weights_[i] / area);
+                known_.push_back(2 * *reference.relL2 * (value * value + epsilon) * weights_[i] * weights_[i] / area);
             }
         }
     }

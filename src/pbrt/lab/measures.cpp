@@ -26,13 +26,10 @@ MeasuringReference::MeasuringReference(Image reference)
 
 Measures MeasuringReference::Compare(const Image &image) const {
     auto error = [&](Metric metric) { return ImageError(image, reference_, metric); };
-    return {error(Metric::RelL2),
-            error(Metric::MSE),
-            error(Metric::MRSE),
-            error(Metric::MAE),
-            error(Metric::SMAPE),
-            flip_->Compare(image),
-            TrimmedRelL2(image, reference_)};
+    auto trimmed = [&](Metric metric) { return TrimmedRelL2(image, reference_, 0.001, nullptr, metric); };
+    return {error(Metric::RelL2),   error(Metric::MSE),      error(Metric::MRSE),
+            error(Metric::MAE),     error(Metric::SMAPE),    flip_->Compare(image),
+            trimmed(Metric::RelL2), error(Metric::RelL2Abs), trimmed(Metric::RelL2Abs)};
 }
 
 }  // namespace pbrt::lab

@@ -8,11 +8,11 @@
 
 namespace pbrt::lab {
 
-/// The error measures of every round, in the order of the results file.
-enum class Measure { RelL2, MSE, MRSE, MAE, SMAPE, FLIP, RelL2Trimmed };
-constexpr size_t MeasureCount = 7;
-constexpr std::array<const char *, MeasureCount> MeasureNames = {"relL2", "MSE",  "MRSE",        "MAE",
-                                                                 "SMAPE", "FLIP", "relL2Trimmed"};
+/// The error measures of every round, in the order of the results file. The two Abs are for the paper's tables only.
+enum class Measure { RelL2, MSE, MRSE, MAE, SMAPE, FLIP, RelL2Trimmed, RelL2Abs, RelL2AbsTrimmed };
+constexpr size_t MeasureCount = 9;
+constexpr std::array<const char *, MeasureCount> MeasureNames = {
+    "relL2", "MSE", "MRSE", "MAE", "SMAPE", "FLIP", "relL2Trimmed", "relL2Abs", "relL2AbsTrimmed"};
 using Measures = std::array<double, MeasureCount>;
 inline double Get(const Measures &m, Measure which) { return m[static_cast<size_t>(which)]; }
 

@@ -9,6 +9,7 @@
 #include "pbrt/core/count_text.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
+#include "pbrt/images/metrics.h"
 #include "pbrt/lab/html.h"
 #include "pbrt/lab/results.h"
 #include "pbrt/lab/sampler_run.h"
@@ -21,7 +22,6 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 constexpr double kTrimmedShare = 0.001;
-constexpr double kFloor = 0.01;  ///< as in relL2
 
 /// The pictures of one sampler with paths of at most `depth` scattering events; none if cancelled.
 std::vector<Image> Pictures(const NoiseOptions &options, const LabScene &scene, const SamplerChoice &choice, int depth,
@@ -100,6 +100,7 @@ svg text { fill: currentColor; } svg text.in { fill: #fff; }
 Noise NoiseOf(const std::vector<Image> &pictures, const Image &reference) {
     const auto n = static_cast<double>(pictures.size());
     const int channels = reference.ChannelCount();
+    const double epsilon = RelL2Epsilon(reference);
     std::vector<double> terms;
     for (int y = 0; y < reference.Resolution().y; ++y)
         for (int x = 0; x < reference.Resolution().x; ++x) {
@@ -108,7 +109,7 @@ Noise NoiseOf(const std::vector<Image> &pictures, const Image &reference) {
                 double sum = 0, squares = 0;
                 for (const Image &p : pictures) sum += static_cast<double>(p.Get({x, y}, c));
                 for (const Image &p : pictures) squares += Sqr(static_cast<double>(p.Get({x, y}, c)) - sum / n);
-                term += squares / (n - 1) / (Sqr(static_cast<double>(reference.Get({x, y}, c))) + kFloor) / channels;
+                term += squares / (n - 1) / (Sqr(static_cast<double>(reference.Get({x, y}, c))) + epsilon) / channels;
             }
             terms.push_back(term);
         }

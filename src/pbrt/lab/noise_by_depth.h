@@ -15,8 +15,9 @@ struct NoiseOptions {
     std::vector<std::string> samplers;
 };
 
-/// The noise of pictures of one scene: their variance per pixel and channel over (r^2 + 0.01), mean over the picture;
-/// the relL2 that one of them is expected to have. `r`: what it is measured against. There are at least two pictures.
+/// The noise of pictures of one scene: their variance per pixel and channel over (r^2 + RelL2Epsilon), mean over the
+/// picture; the relL2 that one of them is expected to have. `r`: what it is measured against. There are at least two
+/// pictures.
 struct Noise {
     double plain = 0;
     double trimmed = 0;  ///< without the 0.1 % of the pixels that have most

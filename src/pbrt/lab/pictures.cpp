@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "pbrt/images/false_color.h"
+#include "pbrt/images/metrics.h"
 #include "pbrt/lab/run_record.h"
 
 namespace pbrt::lab {
@@ -74,13 +75,14 @@ void WriteRangePicture(const std::string &path, const Image &image) {
 std::vector<float> ErrorMap(const Image &image, const Image &reference) {
     std::vector<float> map;
     const Point2i resolution = image.Resolution();
+    const double epsilon = RelL2Epsilon(reference);
     map.reserve(static_cast<size_t>(resolution.x) * static_cast<size_t>(resolution.y));
     for (int y = 0; y < resolution.y; ++y)
         for (int x = 0; x < resolution.x; ++x) {
             double sum = 0;
             for (int c = 0; c < 3; ++c) {
                 const double r = double(reference.Get({x, y}, c)), d = double(image.Get({x, y}, c)) - r;
-                sum += d * d / (r * r + 0.01);
+                sum += d * d / (r * r + epsilon);
             }
             map.push_back(std::isfinite(sum) ? static_cast<float>(std::sqrt(sum / 3)) : 0.f);
         }

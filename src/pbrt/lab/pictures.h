@@ -18,7 +18,8 @@ void WritePicture(const std::string &path, const Image &image, double exposure);
 /// run-length coding. The page shows it at any exposure.
 void WriteRangePicture(const std::string &path, const Image &image);
 
-/// Relative error of every pixel as relL2 weighs it, |x - r| / sqrt(r^2 + 0.01), root of the mean square over R, G, B.
+/// Relative error of every pixel as relL2 weighs it, |x - r| / sqrt(r^2 + RelL2Epsilon), root of the mean square over
+/// R, G, B.
 std::vector<float> ErrorMap(const Image &image, const Image &reference);
 /// End of the colour scale for several maps: the largest of their 99th percentiles.
 double ChooseErrorScale(std::span<const std::vector<float>> maps);

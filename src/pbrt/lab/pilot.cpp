@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pbrt/images/metrics.h"
 #include "pbrt/lab/reference.h"
 #include "pbrt/lab/sampler_run.h"
 #include "pbrt/lab/tile_statistics.h"
@@ -55,8 +56,8 @@ struct Pilot {
 
 /// Variance of one sample, relative as in relL2, from the differences of the candidate's two pictures. The denominators
 /// are tile means of the other candidates' pictures: a rare bright hit must not enlarge what it is divided by, or the
-/// sampler with the rarest hits looks best.
-double VarianceBetweenPictures(const std::vector<Pilot> &pilots, size_t which, int samples) {
+/// sampler with the rarest hits looks best. `epsilon`: RelL2Epsilon of all candidates' mean.
+double VarianceBetweenPictures(const std::vector<Pilot> &pilots, size_t which, int samples, double epsilon) {
     const auto &[a, b] = pilots[which].pictures;
     const TileGrid &grid = pilots[which].tiles.grid;
     double sum = 0;
@@ -73,7 +74,7 @@ double VarianceBetweenPictures(const std::vector<Pilot> &pilots, size_t which, i
                         const double d = double(a.Get({x, y}, c)) - double(b.Get({x, y}, c));
                         if (std::isfinite(d)) squares += d * d / 2;
                     }
-                sum += squares / (others * others + 0.01);
+                sum += squares / (others * others + epsilon);
             }
     return samples * sum / (3 * static_cast<double>(a.Resolution().x) * static_cast<double>(a.Resolution().y));
 }
@@ -82,7 +83,7 @@ double VarianceBetweenPictures(const std::vector<Pilot> &pilots, size_t which, i
 /// mean. This shows light that the candidate finds so rarely that neither of its pictures has it. `between`:
 /// VarianceBetweenPictures of all.
 double VarianceAgainstOthers(const std::vector<Pilot> &pilots, size_t which, int samples,
-                             const std::vector<double> &between) {
+                             const std::vector<double> &between, double epsilon) {
     // Noisy candidates count less. None counts more than the median one, because a candidate that finds no light looks
     // quiet.
     std::vector<double> sorted = between, weights(between.size(), 0);
@@ -102,7 +103,7 @@ double VarianceAgainstOthers(const std::vector<Pilot> &pilots, size_t which, int
                 for (size_t k = 0; k < pilots.size(); ++k) others += weights[k] / total * pilots[k].tiles(tile, c);
                 const double d = pilots[which].tiles(tile, c) - others;
                 const auto pixels = static_cast<double>(grid.Pixels(tx, ty).Area());
-                sum += pixels * pixels * d * d / (others * others + 0.01);
+                sum += pixels * pixels * d * d / (others * others + epsilon);
                 area += pixels;
             }
     return 2 * samples * sum / area - noise;
@@ -181,10 +182,14 @@ std::optional<std::vector<PilotEntry>> RunPilot(const CampaignSettings &settings
         display.SetAfter(2 * ReferenceRule::For(settings).EstimateSeconds(perSample) + EstimateRuns(settings, entries));
         pilots.emplace_back(std::move(pair));
     }
+    double mean = 0;
+    for (const Pilot &p : pilots)
+        for (const double v : p.tiles.values) mean += v / static_cast<double>(pilots.size() * p.tiles.values.size());
+    const double epsilon = RelL2Epsilon(mean);
     std::vector<double> between;
-    for (size_t i = 0; i < pilots.size(); ++i) between.push_back(VarianceBetweenPictures(pilots, i, samples));
+    for (size_t i = 0; i < pilots.size(); ++i) between.push_back(VarianceBetweenPictures(pilots, i, samples, epsilon));
     for (size_t i = 0; i < pilots.size(); ++i)
-        entries[i].variance = std::max(between[i], VarianceAgainstOthers(pilots, i, samples, between));
+        entries[i].variance = std::max(between[i], VarianceAgainstOthers(pilots, i, samples, between, epsilon));
     std::stable_sort(entries.begin(), entries.end(),
                      [](const PilotEntry &a, const PilotEntry &b) { return a.variance < b.variance; });
     records.SaveNote("pilot.json", ToJson(entries));

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "pbrt/core/error.h"
+#include "pbrt/images/metrics.h"
 
 namespace pbrt::lab {
 
@@ -59,8 +60,7 @@ MeanImage AverageImages(std::span<const Image *const> images) {
             throw UserError("Images of different resolution or channels cannot be averaged.");
     MeanImage out{Image(PixelFormat::Float, first.Resolution(), first.Channels())};
     const auto n = static_cast<double>(images.size());
-    double noise = 0;
-    size_t counted = 0;
+    std::vector<double> variances;
     for (int y = 0; y < first.Resolution().y; ++y)
         for (int x = 0; x < first.Resolution().x; ++x)
             for (int c = 0; c < first.ChannelCount(); ++c) {
@@ -72,7 +72,15 @@ MeanImage AverageImages(std::span<const Image *const> images) {
                     squares += d * d;
                 }
                 out.image.Set({x, y}, c, static_cast<Float>(mean));
-                const double term = n > 1 ? squares / (n - 1) / n / (mean * mean + 0.01) : 0;
+                variances.push_back(n > 1 ? squares / (n - 1) / n : 0);
+            }
+    const double epsilon = RelL2Epsilon(out.image);
+    double noise = 0;
+    size_t counted = 0, i = 0;
+    for (int y = 0; y < first.Resolution().y; ++y)
+        for (int x = 0; x < first.Resolution().x; ++x)
+            for (int c = 0; c < first.ChannelCount(); ++c) {
+                const double term = variances[i++] / (Sqr(static_cast<double>(out.image.Get({x, y}, c))) + epsilon);
                 if (!std::isfinite(term)) continue;
                 noise += term;
                 ++counted;

@@ -1,5 +1,6 @@
 #include "pbrt/shapes/ply.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <charconv>
@@ -32,6 +33,7 @@ struct Header {
     std::vector<Element> elements;
     size_t bodyOffset = 0;
     int lines = 0;
+    char lineEnd = '\n';
 };
 
 size_t SizeOf(Scalar t) {
@@ -58,6 +60,9 @@ class HeaderReader {
     Header Read() {
         std::string_view line;
         bool hasFormat = false;
+        // The first line decides, so that a binary body may begin with any byte.
+        const size_t end = std::min(content_.find_first_of("\r\n"), content_.size());
+        if (content_.substr(end, 1) == "\r" && content_.substr(end, 2) != "\r\n") header_.lineEnd = '\r';
         if (!NextLine(&line) || Words(line) != std::vector<std::string_view>{"ply"})
             throw UserError(fmt::format("{}: is not a PLY file: the first line must be \"ply\".", name_));
         while (NextLine(&line)) {
@@ -88,7 +93,7 @@ class HeaderReader {
     }
     bool NextLine(std::string_view *line) {
         if (position_ >= content_.size()) return false;
-        size_t end = content_.find('\n', position_);
+        size_t end = content_.find(header_.lineEnd, position_);
         if (end == std::string_view::npos) end = content_.size();
         *line = content_.substr(position_, end - position_);
         position_ = std::min(end + 1, content_.size());
@@ -130,7 +135,11 @@ class HeaderReader {
         } else {
             Fail("a property line must read \"property <type> <name>\" or \"property list <type> <type> <name>\"");
         }
-        header_.elements.back().properties.push_back(std::move(p));
+        Element &e = header_.elements.back();
+        for (const Property &other : e.properties)
+            if (other.name == p.name)
+                Fail(fmt::format("property \"{}\" is declared twice in element \"{}\"", p.name, e.name));
+        e.properties.push_back(std::move(p));
     }
     Scalar TypeOf(std::string_view word) const {
         static const std::vector<std::string> kOld = {"char", "uchar", "short", "ushort",
@@ -156,6 +165,7 @@ class BodyReader {
           end_(content.data() + content.size()),
           name_(name),
           encoding_(header.encoding),
+          lineEnd_(header.lineEnd),
           line_(header.lines + 1) {}
 
     /// For messages: what is being read.
@@ -219,7 +229,8 @@ class BodyReader {
   private:
     template <class T>
     T AsciiNumber(const char *kind) {
-        while (at_ != end_ && (*at_ == ' ' || *at_ == '\t' || *at_ == '\r' || *at_ == '\n')) line_ += *at_++ == '\n';
+        while (at_ != end_ && (*at_ == ' ' || *at_ == '\t' || *at_ == '\r' || *at_ == '\n'))
+            line_ += *at_++ == lineEnd_;
         if (at_ == end_) Fail("the file ends too early");
         const char *start = at_;
         if (*at_ == '+') ++at_;
@@ -246,30 +257,34 @@ class BodyReader {
     const char *at_, *end_;
     const std::string &name_;
     Encoding encoding_;
+    char lineEnd_;
     int line_;
     const std::string *element_ = nullptr;
     uint64_t index_ = 0;
 };
 
-/// Where a vertex property goes: component 0-2 position, 3-5 normal, 6-7 uv, -1 nowhere.
-int VertexSlot(const std::string &name) {
-    static constexpr std::array<std::pair<std::string_view, int>, 14> kSlots = {{{"x", 0},
-                                                                                 {"y", 1},
-                                                                                 {"z", 2},
-                                                                                 {"nx", 3},
-                                                                                 {"ny", 4},
-                                                                                 {"nz", 5},
-                                                                                 {"u", 6},
-                                                                                 {"v", 7},
-                                                                                 {"s", 6},
-                                                                                 {"t", 7},
-                                                                                 {"texture_u", 6},
-                                                                                 {"texture_v", 7},
-                                                                                 {"texture_s", 6},
-                                                                                 {"texture_t", 7}}};
-    for (const auto &[word, slot] : kSlots)
-        if (name == word) return slot;
-    return -1;
+/// Where each property of a vertex goes: component 0-2 position, 3-5 normal, 6-7 uv, -1 nowhere. Of several pairs of
+/// texture coordinates, the first complete one of the list below is used.
+std::vector<int> VertexSlots(const Element &e) {
+    std::array<std::string_view, 8> names = {"x", "y", "z", "nx", "ny", "nz"};
+    static constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kPairs = {
+        {{"u", "v"}, {"s", "t"}, {"texture_u", "texture_v"}, {"texture_s", "texture_t"}}};
+    auto has = [&](std::string_view name) {
+        return std::any_of(e.properties.begin(), e.properties.end(),
+                           [&](const Property &p) { return !p.isList && p.name == name; });
+    };
+    for (const auto &[u, v] : kPairs)
+        if (has(u) && has(v)) {
+            names[6] = u;
+            names[7] = v;
+            break;
+        }
+    std::vector<int> slots;
+    for (const Property &p : e.properties) {
+        const auto slot = std::find(names.begin(), names.end(), p.name);
+        slots.push_back(p.isList || slot == names.end() ? -1 : static_cast<int>(slot - names.begin()));
+    }
+    return slots;
 }
 
 void SkipProperty(BodyReader &body, const Property &p) {
@@ -301,13 +316,10 @@ T Sanitized(T v, size_t *broken) {
 /// Positions must be finite; returns how many normals and uv were not.
 size_t ReadVertices(BodyReader &body, const Element &e, MeshData &mesh) {
     size_t broken = 0;
-    std::vector<int> slots;
+    const std::vector<int> slots = VertexSlots(e);
     std::array<bool, 8> has{};
-    for (const Property &p : e.properties) {
-        int slot = p.isList ? -1 : VertexSlot(p.name);
-        slots.push_back(slot);
+    for (int slot : slots)
         if (slot >= 0) has[static_cast<size_t>(slot)] = true;
-    }
     if (!(has[0] && has[1] && has[2])) body.Fail("vertices need the properties x, y and z");
     bool hasNormals = has[3] && has[4] && has[5], hasUv = has[6] && has[7];
     mesh.p.resize(e.count);

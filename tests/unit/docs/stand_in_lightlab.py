@@ -24,18 +24,22 @@ def bias(label, seeds):
             "selection": {"visibleSixteenth": 0.007}}
 
 
+def metrics(whole, trimmed):
+    return {"relL2": whole, "relL2Trimmed": trimmed, "relL2Abs": whole, "relL2AbsTrimmed": trimmed}
+
+
 def sampler(label, seconds, samples, seeds):
     seconds *= 3 if label == "spatial" else 1  # longer than the time budget
     error = ERRORS.get(label, 0.5)
     spread = {"mean": error, "stdDev": STANDARD_ERROR * 2 ** 0.5, "standardError": STANDARD_ERROR}
     octree = label.startswith("octree")
     rounds = [{"checkpoint": i, "samples": 2 ** i, "seconds": seconds / 2 ** (6 - i), "cpuSeconds": 1.0,
-               "metrics": {"relL2": error * 2 ** (6 - i), "relL2Trimmed": error}} for i in range(7)]
+               "metrics": metrics(error * 2 ** (6 - i), error)} for i in range(7)]
     return {"label": label, "lightSampler": label.split(":")[0].split("+")[0], "parameters": {},
             "isOracle": label.startswith("oracle"), "reference": 0,
             "report": {"leavesBeforePruning": 77} if label == "octree" else {},
             "runs": [{"seed": s, "rounds": rounds} for s in range(seeds)],
-            "summary": {"samples": samples, "seconds": seconds, "metrics": {"relL2": spread, "relL2Trimmed": spread},
+            "summary": {"samples": samples, "seconds": seconds, "metrics": metrics(spread, spread),
                         "firefliesDecide": False, "cpuSecondsPerSample": 1.0, "preparationShare": 0.05,
                         "overhead": {"prepassSeconds": 0.02, "buildSeconds": 0.03, "renderSeconds": seconds - 0.05},
                         "leaves": 4321 if octree else None, "bytes": 51200 if octree else None,

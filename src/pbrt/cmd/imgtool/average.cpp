@@ -16,13 +16,11 @@ struct AverageOptions {
 int Average(const AverageOptions &o) {
     const std::vector<std::string> paths = FindImages(o.names, {o.outfile});
     ImageFile first = ReadAsFloat(paths[0]);
-    const Point2i resolution = first.image.Resolution();
     std::vector<double> sums(first.image.ValueCount(), 0);
     for (const std::string &path : paths) {
-        const Image image = path == paths[0] ? first.image : ReadAsFloat(path).image;
-        if (image.Resolution() != resolution || image.Channels() != first.image.Channels())
-            throw UserError(fmt::format("{} and {} have different resolutions or channels.", paths[0], path));
-        const float *values = static_cast<const float *>(image.Data());
+        const ImageFile file = path == paths[0] ? first : ReadAsFloat(path);
+        CheckComparable(first, paths[0], file, path);
+        const float *values = static_cast<const float *>(file.image.Data());
         for (size_t i = 0; i < sums.size(); ++i) sums[i] += static_cast<double>(values[i]);
     }
     float *values = static_cast<float *>(first.image.Data());

@@ -43,29 +43,35 @@ const ColorSpace &SpaceOf(const ImageFile &file) {
     return file.metadata.colorSpace ? *file.metadata.colorSpace : ColorSpace::SRGB();
 }
 
-Bounds2i CropBounds(const std::vector<int> &n, Point2i resolution, const std::string &path) {
+Bounds2i WindowOf(const ImageFile &file) {
+    return file.metadata.pixelBounds.value_or(Bounds2i{{0, 0}, file.image.Resolution()});
+}
+
+std::string WindowText(const ImageFile &file) {
+    const Bounds2i w = WindowOf(file);
+    return fmt::format("x {} to {}, y {} to {}", w.low.x, w.high.x, w.low.y, w.high.y);
+}
+
+void ApplyCrop(ImageFile &file, const std::vector<int> &n, const std::string &path) {
+    if (n.empty()) return;
     PBRT_CHECK(n.size() == 4);
-    Bounds2i bounds{{n[0], n[2]}, {n[1], n[3]}};
+    const Bounds2i window = WindowOf(file), bounds{{n[0], n[2]}, {n[1], n[3]}};
     if (bounds.IsEmpty())
         throw UserError(
             fmt::format("--crop {},{},{},{}: nothing is left; the order is x0,x1,y0,y1.", n[0], n[1], n[2], n[3]));
-    if (bounds.low.x < 0 || bounds.low.y < 0 || bounds.high.x > resolution.x || bounds.high.y > resolution.y)
-        throw UserError(fmt::format("--crop {},{},{},{}: {} has only {} x {} pixels.", n[0], n[1], n[2], n[3], path,
-                                    resolution.x, resolution.y));
-    return bounds;
-}
-
-void ApplyCrop(ImageFile &file, const std::vector<int> &numbers, const std::string &path) {
-    if (numbers.empty()) return;
-    Bounds2i bounds = CropBounds(numbers, file.image.Resolution(), path);
-    file.image = file.image.Crop(bounds);
-    Bounds2i &window = file.metadata.pixelBounds ? *file.metadata.pixelBounds : file.metadata.pixelBounds.emplace();
-    window = {window.low + bounds.low, window.low + bounds.high};
+    if (bounds.low.x < window.low.x || bounds.low.y < window.low.y || bounds.high.x > window.high.x ||
+        bounds.high.y > window.high.y)
+        throw UserError(fmt::format("--crop {},{},{},{}: {} has only {} x {} pixels: {} (ends excluded).", n[0], n[1],
+                                    n[2], n[3], path, window.Width(), window.Height(), WindowText(file)));
+    file.image = file.image.Crop({bounds.low - window.low, bounds.high - window.low});
+    file.metadata.pixelBounds = bounds;
 }
 
 CLI::Option *AddCropOption(CLI::App &command, std::vector<int> &numbers) {
     return command
-        .add_option("--crop", numbers, "Only these pixels: columns x0 up to x1, rows y0 up to y1 (ends excluded)")
+        .add_option("--crop", numbers,
+                    "Only these pixels: columns x0 up to x1, rows y0 up to y1 (ends excluded), counted in the whole "
+                    "picture also if the file has a part of it")
         ->delimiter(',')
         ->expected(4)
         ->type_name("x0,x1,y0,y1");
@@ -88,6 +94,10 @@ void CheckComparable(const ImageFile &a, const std::string &pathA, const ImageFi
     if (a.image.Resolution() != b.image.Resolution())
         throw UserError(fmt::format("Different resolutions: {} has {}, {} has {}.", pathA, SizeText(a.image), pathB,
                                     SizeText(b.image)));
+    // Formats other than EXR store no window.
+    if (a.metadata.pixelBounds && b.metadata.pixelBounds && WindowOf(a).low != WindowOf(b).low)
+        throw UserError(fmt::format("Different parts of a picture: {} has {}, {} has {} (ends excluded).", pathA,
+                                    WindowText(a), pathB, WindowText(b)));
     if (&SpaceOf(a) != &SpaceOf(b))
         throw UserError(fmt::format("Different colour spaces: {} has {}, {} has {}.", pathA, SpaceOf(a).Name(), pathB,
                                     SpaceOf(b).Name()));

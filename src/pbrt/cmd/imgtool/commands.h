@@ -52,9 +52,10 @@ std::string SizeText(const Image &image);
 /// The colour space of the file; sRGB if the file does not name one.
 const ColorSpace &SpaceOf(const ImageFile &file);
 
-/// Four numbers x0,x1,y0,y1, half-open, of pixels stored in the file, inside `resolution`. Throws UserError.
-Bounds2i CropBounds(const std::vector<int> &numbers, Point2i resolution, const std::string &path);
-/// Crops the pixels and moves the data window along.
+/// The pixels of the whole picture that the file has: its data window, or all.
+Bounds2i WindowOf(const ImageFile &file);
+/// Crops to the four numbers x0,x1,y0,y1 (half-open, in pixels of the whole picture; none: everything) and sets the
+/// data window. Throws UserError if they are not inside the window.
 void ApplyCrop(ImageFile &file, const std::vector<int> &numbers, const std::string &path);
 
 /// Adds --crop to a subcommand.
@@ -64,7 +65,8 @@ CLI::Option *AddOutfileOption(CLI::App &command, std::string &path, bool isPosit
 
 /// The metric called `name`. Throws UserError with the choices.
 Metric ChosenMetric(const std::string &name);
-/// Resolution, colour space and channels must agree. Throws UserError; `hint` ends the sentence about channels.
+/// Resolution, data window, colour space and channels must agree. Throws UserError; `hint` ends the sentence about
+/// channels.
 void CheckComparable(const ImageFile &a, const std::string &pathA, const ImageFile &b, const std::string &pathB,
                      const std::string &hint = "");
 

@@ -11,8 +11,8 @@ namespace {
 struct ConvertOptions {
     std::string path, outfile, channels;
     std::vector<int> crop;
-    Float scale = 1, exposure = 0, gamma = 1, maxLuminance = 1;
-    std::optional<Float> clamp;
+    Float scale = 1, exposure = 0, gamma = 1;
+    std::optional<Float> clamp, maxLuminance;
     bool tonemap = false, blackAndWhite = false, flipY = false, half = false;
     int repeat = 1;
 };
@@ -33,19 +33,39 @@ void MapColors(Image &image, F &&f) {
     });
 }
 
-// Reinhard et al. 2002, eq. 4: luminance L becomes L (1 + L / max^2) / (1 + L), so that `maxLuminance` becomes 1.
-void Tonemap(Image &image, Float maxLuminance, const ColorSpace &space) {
+// Limits magnitudes: R, G and B of a pixel by a common factor, which keeps the hue; other colours one by one.
+void Clamp(Image &image, Float limit) {
+    const std::array<int, 3> rgb = {image.FindChannel("R"), image.FindChannel("G"), image.FindChannel("B")};
+    const bool isColor = std::all_of(rgb.begin(), rgb.end(), [](int c) { return c >= 0; });
+    ForEachPixel(image, [&](Point2i p) {
+        if (!isColor) return;
+        const Rgb color = GetRgb(image, p, rgb);
+        const Float largest = MaxComponent(glm::abs(color));
+        if (largest > limit && std::isfinite(largest)) SetRgb(image, p, rgb, color / largest * limit);
+    });
+    MapColors(image, [&](Float v) { return std::clamp(v, -limit, limit); });
+}
+
+// Reinhard et al. 2002, eq. 4: luminance L becomes L (1 + L / max^2) / (1 + L), so that `maxLuminance` becomes 1. The
+// default is the largest luminance of the image, or 1 if that is less.
+void Tonemap(Image &image, std::optional<Float> maxLuminance, const ColorSpace &space) {
     const int r = image.FindChannel("R"), g = image.FindChannel("G"), b = image.FindChannel("B");
     const bool color = r >= 0 && g >= 0 && b >= 0;
     if (!color && image.ChannelCount() != 1)
         throw UserError("--tonemap needs the channels R, G and B or a single channel.");
     const Rgb weights = space.Luminance();
     const std::vector<int> scaled = color ? std::vector<int>{r, g, b} : std::vector<int>{0};
+    auto luminanceOf = [&](Point2i p) {
+        return std::max(color ? glm::dot(weights, GetRgb(image, p, {r, g, b})) : image.Get(p, 0), Float(0));
+    };
+    Float white = maxLuminance.value_or(1);
+    if (!maxLuminance)
+        ForEachPixel(image, [&](Point2i p) {
+            if (const Float luminance = luminanceOf(p); std::isfinite(luminance)) white = std::max(white, luminance);
+        });
     ForEachPixel(image, [&](Point2i p) {
-        Float luminance =
-            color ? glm::dot(weights, Rgb(image.Get(p, r), image.Get(p, g), image.Get(p, b))) : image.Get(p, 0);
-        luminance = std::max(luminance, Float(0));
-        const Float factor = (1 + luminance / Sqr(maxLuminance)) / (1 + luminance);
+        const Float luminance = luminanceOf(p);
+        const Float factor = (1 + luminance / Sqr(white)) / (1 + luminance);
         for (int c : scaled) image.Set(p, c, image.Get(p, c) * factor);
     });
 }
@@ -81,21 +101,27 @@ int Convert(const ConvertOptions &o) {
     const ColorSpace &space = SpaceOf(file);
     if (const Float scale = o.scale * std::exp2(o.exposure); scale != 1)
         MapColors(image, [&](Float v) { return v * scale; });
-    if (o.clamp) MapColors(image, [&](Float v) { return std::clamp(v, -*o.clamp, *o.clamp); });
+    if (o.clamp) Clamp(image, *o.clamp);
     if (o.tonemap) Tonemap(image, o.maxLuminance, space);
     if (o.gamma != 1) MapColors(image, [&](Float v) { return std::pow(std::max(v, Float(0)), o.gamma); });
     if (o.blackAndWhite) image = AverageChannels(image);
     if (o.flipY) {
         const int last = image.Resolution().y - 1;
         image = Rearrange(image, image.Resolution(), [&](Point2i p) { return Point2i(p.x, last - p.y); });
+        if (file.metadata.pixelBounds) {
+            Bounds2i &window = *file.metadata.pixelBounds;
+            const int height = file.metadata.fullResolution ? file.metadata.fullResolution->y : window.high.y;
+            window = {{window.low.x, height - window.high.y}, {window.high.x, height - window.low.y}};
+        }
     }
     if (o.repeat > 1) {
         const int64_t widest = std::max(image.Resolution().x, image.Resolution().y);
         if (widest * o.repeat > (1 << 20))
             throw UserError(fmt::format("--repeatpix {}: the image becomes too large.", o.repeat));
         image = Rearrange(image, image.Resolution() * o.repeat, [&](Point2i p) { return p / o.repeat; });
-        file.metadata.pixelBounds.reset();
-        file.metadata.fullResolution.reset();
+        if (std::optional<Bounds2i> &window = file.metadata.pixelBounds)
+            window = {window->low * o.repeat, window->high * o.repeat};
+        if (file.metadata.fullResolution) *file.metadata.fullResolution *= o.repeat;
     }
     if (o.half || keepHalf) image = image.ConvertTo(PixelFormat::Half);
     WriteImage(o.outfile, image, file.metadata);
@@ -117,11 +143,17 @@ void AddConvert(CLI::App &app, Action &action) {
                      "Stops by which the image becomes brighter: multiply colours by 2 to this power")
         ->check(CLI::Range(-100.0, 100.0))
         ->capture_default_str();
-    command->add_option("--clamp", o->clamp, "Limit colours to -v .. v")->check(CLI::NonNegativeNumber);
-    command->add_flag("--tonemap", o->tonemap, "Reinhard's tone mapping; see --maxluminance");
-    command->add_option("--maxluminance", o->maxLuminance, "Luminance that --tonemap maps to 1")
+    command
+        ->add_option("--clamp", o->clamp,
+                     "Scale R, G and B of brighter pixels so that the largest is this; limit other channels")
+        ->check(CLI::NonNegativeNumber);
+    CLI::Option *tonemap =
+        command->add_flag("--tonemap", o->tonemap, "Reinhard's tone mapping: compress luminances to 0 .. 1");
+    command
+        ->add_option("--maxluminance", o->maxLuminance,
+                     "Luminance that --tonemap maps to 1 (default: the largest of the image, at least 1)")
         ->check(CLI::PositiveNumber)
-        ->capture_default_str();
+        ->needs(tonemap);
     command->add_option("--gamma", o->gamma, "Raise colours to this power")
         ->check(CLI::PositiveNumber)
         ->capture_default_str();

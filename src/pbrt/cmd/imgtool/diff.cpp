@@ -75,7 +75,8 @@ void AddDiff(CLI::App &app, Action &action) {
     command
         ->add_option(
             "--metric", o->metric,
-            "MAE, MSE, MRSE, relL2 (mean of (x - ref)^2 / (ref^2 + 0.01)), SMAPE (mean of |x - ref| / "
+            "MAE, MSE, MRSE (mean of (x - ref)^2 / (ref + 0.01)^2), relL2 (mean of (x - ref)^2 / (ref^2 + 0.01 m^2), m "
+            "the mean of ref), relL2Abs (the paper's: 0.01 instead of 0.01 m^2), SMAPE (mean of |x - ref| / "
             "((|x| + |ref|) / 2 + 0.01)), FLIP (seen at 67 pixels per degree; R, G, B clamped to 0..1) or HDR-FLIP "
             "(largest FLIP over exposures from the brightest value of the reference to its median)")
         ->capture_default_str()

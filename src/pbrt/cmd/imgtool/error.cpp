@@ -63,7 +63,9 @@ void AddError(CLI::App &app, Action &action) {
                      "Image to compare with; not compared itself, even if a pattern or the start of a name fits it")
         ->required()
         ->type_name("FILE");
-    command->add_option("--metric", o->metric, "MAE, MSE, MRSE, relL2, SMAPE, FLIP or HDR-FLIP; see imgtool help diff")
+    command
+        ->add_option("--metric", o->metric,
+                     "MAE, MSE, MRSE, relL2, relL2Abs, SMAPE, FLIP or HDR-FLIP; see imgtool help diff")
         ->capture_default_str()
         ->type_name("NAME");
     AddCropOption(*command, o->crop);

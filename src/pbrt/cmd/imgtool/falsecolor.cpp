@@ -46,7 +46,8 @@ Range ChooseRange(std::vector<Float> values) {
 }
 
 int Falsecolor(const FalsecolorOptions &o) {
-    const Image image = ReadAsFloat(o.path).image;
+    const ImageFile file = ReadAsFloat(o.path);
+    const Image &image = file.image;
     const Point2i resolution = image.Resolution();
     Image mean(PixelFormat::Float, resolution, {"Y"});
     std::vector<Float> sizes;
@@ -61,7 +62,12 @@ int Falsecolor(const FalsecolorOptions &o) {
     const Range range = ChooseRange(std::move(sizes));
     style.most = o.maxValue.value_or(range.most);
     style.legendRows = o.ramp ? LegendRows : 0;
-    WriteImage(o.outfile, FalseColor(mean, 0, style));
+    ImageMetadata metadata;
+    if (!o.ramp) {
+        metadata.pixelBounds = file.metadata.pixelBounds;
+        metadata.fullResolution = file.metadata.fullResolution;
+    }
+    WriteImage(o.outfile, FalseColor(mean, 0, style), metadata);
     fmt::print("{}: {} to {}", o.outfile, o.plusMinus ? -style.most : 0, style.most);
     if (!o.maxValue && range.largest > style.most)
         fmt::print(", which {} % of the pixels do not exceed; the largest value is {}", kShown, range.largest);

@@ -51,6 +51,7 @@ int Splitn(const SplitnOptions &o) {
         CheckComparable(files[0], o.paths[0], files.back(), path);
     }
     const Point2i resolution = files[0].image.Resolution();
+    for (Point2i &corner : corners) corner -= WindowOf(files[0]).low;
     for (size_t i = 0; i < corners.size(); ++i)
         if (corners[i].x < 0 || corners[i].y < 0 || corners[i].x + o.cropSize > resolution.x ||
             corners[i].y + o.cropSize > resolution.y)

@@ -9,7 +9,9 @@
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 
 #include "image_fixtures.h"
 #include "pbrt/core/error.h"
@@ -151,6 +153,76 @@ TEST_F(ReadImageFile, RadianceIsLinearFloatTopRowFirst) {
         const Float expected = values[static_cast<size_t>(i)];
         EXPECT_NEAR(image.Get({i / 3 % 2, i / 6}, i % 3), expected, 0.05f * expected) << i;
     }
+}
+
+TEST_F(ReadImageFile, RadianceRowsComeOutUprightAndColumnsAreRefused) {
+    // 3 x 2 pixels, not run-length coded; pixel i has the mantissa 16 (i + 1) in red.
+    std::string pixels;
+    for (int i = 0; i < 6; ++i) pixels += Bytes({16 * (i + 1), 0, 0, 128});
+    auto write = [&](const std::string &lines) {
+        return WriteBytes("o.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n" + lines + "\n" + pixels);
+    };
+    const std::map<std::string, std::array<int, 6>> rows = {{"-Y 2 +X 3", {0, 1, 2, 3, 4, 5}},
+                                                            {"-Y 2 -X 3", {2, 1, 0, 5, 4, 3}},
+                                                            {"+Y 2 -X 3", {5, 4, 3, 2, 1, 0}},
+                                                            {"+Y 2 +X 3", {3, 4, 5, 0, 1, 2}}};
+    for (const auto &[lines, order] : rows) {
+        const Image image = ReadImage(write(lines)).image;
+        ASSERT_EQ(image.Resolution(), Point2i(3, 2)) << lines;
+        for (int i = 0; i < 6; ++i)
+            EXPECT_NEAR(image.Get({i % 3, i / 3}, 0), 0.0625 * (order[static_cast<size_t>(i)] + 1), 0.01)
+                << lines << " " << i;
+    }
+    for (const char *lines : {"+X 3 -Y 2", "+X 3 +Y 2", "-X 3 -Y 2", "-X 3 +Y 2"}) {
+        const std::string message = Message([&] { ReadImage(write(lines)); });
+        EXPECT_NE(message.find("o.hdr: the pixels are stored column by column"), std::string::npos) << message;
+    }
+}
+
+TEST_F(ReadImageFile, UncompressedTiffOfEveryDepthAndPalette) {
+    // 256 x 64 pixels of `bits` bits; 1: grey, 3: palette. The palette's entry i is (255 i / last, 0, 255) of 8 bits.
+    auto tiff = [&](int bits, int kind, int rowsLeft) {
+        const int colors = 1 << bits, rowBytes = 32 * bits;
+        std::string out = Bytes({'I', 'I', 42, 0, 8, 0, 0, 0});
+        auto put = [&](uint32_t v, int bytes) {
+            for (int i = 0; i < bytes; ++i) out += static_cast<char>(v >> (8 * i));
+        };
+        const int entries = kind == 3 ? 10 : 9;
+        const uint32_t after = 8 + 2 + 12 * static_cast<uint32_t>(entries) + 4;
+        const uint32_t mapBytes = kind == 3 ? 6 * static_cast<uint32_t>(colors) : 0;
+        auto entry = [&](uint32_t tag, uint32_t type, uint32_t count, uint32_t value) {
+            put(tag, 2);
+            put(type, 2);
+            put(count, 4);
+            put(value, 4);
+        };
+        put(static_cast<uint32_t>(entries), 2);
+        entry(256, 3, 1, 256);
+        entry(257, 3, 1, 64);
+        entry(258, 3, 1, static_cast<uint32_t>(bits));
+        entry(259, 3, 1, 1);
+        entry(262, 3, 1, static_cast<uint32_t>(kind));
+        entry(273, 4, 1, after + mapBytes);
+        entry(277, 3, 1, 1);
+        entry(278, 3, 1, 64);
+        entry(279, 4, 1, static_cast<uint32_t>(64 * rowBytes));
+        if (kind == 3) entry(320, 3, 3 * static_cast<uint32_t>(colors), after);
+        put(0, 4);
+        for (int c = 0; kind == 3 && c < 3; ++c)
+            for (int i = 0; i < colors; ++i)
+                put(static_cast<uint32_t>(c == 0 ? 257 * (255 * i / (colors - 1)) : c == 1 ? 0 : 65535), 2);
+        out += std::string(static_cast<size_t>(rowsLeft * rowBytes), '\xff');  // the last entry, or white
+        return WriteBytes("t.tif", out);
+    };
+    for (const int kind : {1, 3})
+        for (const int bits : {1, 2, 4, 8}) {
+            const Image image = ReadImage(tiff(bits, kind, 64)).image;
+            ASSERT_EQ(image.Resolution(), Point2i(256, 64));
+            EXPECT_FLOAT_EQ(image.Get({200, 60}, 0), 1) << kind << " " << bits;
+            EXPECT_EQ(image.Get({200, 60}, image.ChannelCount() == 3 ? 1 : 0), kind == 3 ? 0 : 1) << bits;
+            const std::string message = Message([&] { ReadImage(tiff(bits, kind, 30)); });
+            EXPECT_NE(message.find("too early"), std::string::npos) << kind << " " << bits << message;
+        }
 }
 
 TEST_F(ReadImageFile, PfmHasItsBottomRowFirstInEitherByteOrder) {

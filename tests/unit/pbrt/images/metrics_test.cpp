@@ -8,8 +8,8 @@
 namespace pbrt {
 
 namespace {
-constexpr Metric kMetrics[] = {Metric::MAE,   Metric::MSE,  Metric::MRSE,   Metric::RelL2,
-                               Metric::SMAPE, Metric::FLIP, Metric::HdrFLIP};
+constexpr Metric kMetrics[] = {Metric::MAE,      Metric::MSE,   Metric::MRSE, Metric::RelL2,
+                               Metric::RelL2Abs, Metric::SMAPE, Metric::FLIP, Metric::HdrFLIP};
 
 Image Values(std::initializer_list<Float> values) {
     Image image(PixelFormat::Float, {static_cast<int>(values.size()), 1}, {"Y"});
@@ -58,6 +58,36 @@ TEST(ImageError, SmapeIsSymmetricAndAtMostTwo) {
     EXPECT_GT(ImageError(Values({1e6f}), Values({0}), Metric::SMAPE), 1.99);
 }
 
+TEST(ImageError, RelL2DoesNotDependOnTheExposure) {
+    const Image image = test::NoiseImage(PixelFormat::Float, {40, 30}, {"R", "G", "B", "A"});
+    Image reference = image;
+    for (int y = 0; y < 30; ++y)
+        for (int x = 0; x < 40; ++x) reference.Set({x, y}, x % 3, 0.7f * image.Get({y, x % 30}, y % 3));
+    const double error = ImageError(image, reference, Metric::RelL2), trimmed = TrimmedRelL2(image, reference);
+    EXPECT_GT(trimmed, 0.01);
+    for (const Float exposure : {1e-12f, 0.01f, 100.f, 1e12f}) {
+        auto exposed = [&](Image i) {
+            for (int y = 0; y < 30; ++y)
+                for (int x = 0; x < 40; ++x)
+                    for (int c = 0; c < 3; ++c) i.Set({x, y}, c, i.Get({x, y}, c) * exposure);
+            return i;
+        };
+        EXPECT_NEAR(ImageError(exposed(image), exposed(reference), Metric::RelL2) / error, 1, 1e-5) << exposure;
+        EXPECT_NEAR(TrimmedRelL2(exposed(image), exposed(reference)) / trimmed, 1, 1e-5) << exposure;
+    }
+}
+
+TEST(ImageError, EpsilonOfRelL2IsRelativeToTheMeanOfTheReference) {
+    const Image image = Values({11, 20}), reference = Values({10, -30});  // mean magnitude 20: epsilon 4
+    EXPECT_NEAR(ImageError(image, reference, Metric::RelL2), (1 / 104. + 2500 / 904.) / 2, 1e-12);
+    EXPECT_NEAR(ImageError(image, reference, Metric::RelL2Abs), (1 / 100.01 + 2500 / 900.01) / 2, 1e-12);
+    EXPECT_NEAR(TrimmedRelL2(image, reference, 0.1, nullptr, Metric::RelL2Abs), 1 / 100.01, 1e-12);
+    // A black reference has no scale.
+    EXPECT_NEAR(ImageError(Values({0.5f, 0}), Values({0, 0}), Metric::RelL2), 0.25 / 0.01 / 2, 1e-12);
+    EXPECT_EQ(ImageError(Values({0, 0}), Values({0, 0}), Metric::RelL2), 0);
+    EXPECT_NEAR(ImageError(Values({3, 1}), Values({2, NAN}), Metric::RelL2), 1 / 4.04, 1e-12);
+}
+
 TEST(TrimmedRelL2, LeavesOutTheWorstPixelsAsAWhole) {
     Image reference(PixelFormat::Float, {50, 50}, {"R", "G", "B"}), image = reference;
     for (int y = 0; y < 50; ++y)
@@ -85,6 +115,7 @@ TEST(ImageError, KnowsTheNamesOfTheFormat) {
     EXPECT_EQ(ParseMetric("MSE"), Metric::MSE);
     EXPECT_EQ(ParseMetric("MRSE"), Metric::MRSE);
     EXPECT_EQ(ParseMetric("relL2"), Metric::RelL2);
+    EXPECT_EQ(ParseMetric("relL2Abs"), Metric::RelL2Abs);
     EXPECT_EQ(ParseMetric("SMAPE"), Metric::SMAPE);
     EXPECT_EQ(ParseMetric("FLIP"), Metric::FLIP);
     EXPECT_EQ(ParseMetric("HDR-FLIP"), Metric::HdrFLIP);

@@ -167,6 +167,44 @@ TEST_F(Campaign, RepeatGivesTheSamePictures) {
     EXPECT_NE(std::memcmp(a.Data(), b.Data(), a.Bytes()), 0);
 }
 
+TEST_F(Campaign, ErrorsAndVerdictsDoNotDependOnTheExposure) {
+    auto run = [&](const std::string &name) {
+        CampaignSettings settings = Settings(name, {"uniform", "power", "blind"});
+        settings.samplesPerPixel = 16;
+        settings.referenceSamples = 256;
+        return Run(settings).value().results;
+    };
+    // The floor has a mean radiance of about 0.1, so an absolute epsilon of 0.01 would matter.
+    const Json plain = run("plain");
+    std::string scene = kScene;
+    for (size_t at = 0; (at = scene.find("\"rgb I\"", at)) != std::string::npos; at += 25)
+        scene.insert(at, "\"float scale\" 100 ");
+    std::ofstream(folder_ / "scene.pbrt") << scene;
+    const Json bright = run("bright");
+    for (size_t i = 0; i < 3; ++i) {
+        const Json &a = plain.at("samplers").at(i).at("summary"), &b = bright.at("samplers").at(i).at("summary");
+        for (const char *measure : {"relL2", "relL2Trimmed"}) {
+            const double one = a.at("metrics").at(measure).at("mean"), other = b.at("metrics").at(measure).at("mean");
+            EXPECT_GT(one, 0.001);
+            EXPECT_NEAR(other / one, 1, 1e-3) << i << " " << measure;
+        }
+        EXPECT_EQ(a.at("bias").at("verdict"), b.at("bias").at("verdict"));
+        EXPECT_EQ(a.at("firefliesDecide"), b.at("firefliesDecide"));
+    }
+    for (const char *part : {"lowestError", "headline"})
+        EXPECT_EQ(plain.at("conclusion").at(part), bright.at("conclusion").at(part));
+    for (size_t i = 0; i < plain.at("references").size(); ++i)
+        EXPECT_NEAR(bright.at("references").at(i).at("noise").get<double>() /
+                        plain.at("references").at(i).at("noise").get<double>(),
+                    1, 1e-3);
+    // One pilot, so one choice of the samplers of the references.
+    const Json pilot = ReadJson(folder_ / "plain/records/pilot.json").at("note");
+    for (const Json &e : ReadJson(folder_ / "bright/records/pilot.json").at("note"))
+        for (const Json &o : pilot)
+            if (o.at("sampler") == e.at("sampler"))
+                EXPECT_NEAR(e.at("variance").get<double>() / o.at("variance").get<double>(), 1, 1e-3);
+}
+
 TEST_F(Campaign, BiasedSamplerIsFoundAndNeverWins) {
     CampaignSettings settings = Settings("out", {"uniform", "blind", "honest"});
     settings.samplesPerPixel = 32;

@@ -21,13 +21,13 @@ TEST(NoiseByDepth, IsTheVarianceOverTheReferenceSquared) {
                 pictures[0].Set({x, y}, c, 0.2f);
                 pictures[1].Set({x, y}, c, c == 0 ? 0.4f : 0.2f);
             }
-    // Of two values 0.2 apart the variance is 0.02, in one of two channels; 0.3^2 + 0.01 is 0.1.
-    EXPECT_NEAR(NoiseOf(pictures, reference).plain, 0.1, 1e-6);
-    EXPECT_NEAR(NoiseOf(pictures, reference).trimmed, 0.1, 1e-6);
+    // Of two values 0.2 apart the variance is 0.02, in one of two channels; the epsilon is 0.01 * 0.3^2.
+    EXPECT_NEAR(NoiseOf(pictures, reference).plain, 0.01 / 0.0909, 1e-6);
+    EXPECT_NEAR(NoiseOf(pictures, reference).trimmed, 0.01 / 0.0909, 1e-6);
     // One of 2,000 pixels is a firefly: the two worst are left out.
     pictures[1].Set({7, 8}, 1, 1000);
     EXPECT_GT(NoiseOf(pictures, reference).plain, 100);
-    EXPECT_NEAR(NoiseOf(pictures, reference).trimmed, 0.1, 1e-6);
+    EXPECT_NEAR(NoiseOf(pictures, reference).trimmed, 0.01 / 0.0909, 1e-6);
 }
 
 TEST(NoiseByDepth, DepthsEndWithTheLargest) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <limits>
@@ -91,6 +92,58 @@ TEST(Ply, EveryUvNameIsRead) {
     }
 }
 
+/// A triangle whose vertices have these float properties after x, y and z, with the values 1, 2, 3, ... at each.
+std::string WithProperties(const std::vector<std::string> &names) {
+    std::string head =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+    std::string values;
+    for (size_t i = 0; i < names.size(); ++i) {
+        head += "property float " + names[i] + "\n";
+        values += fmt::format(" {}", i + 1);
+    }
+    return head + "element face 1\nproperty list uchar uint vertex_indices\nend_header\n0 0 0" + values + "\n1 0 0" +
+           values + "\n0 1 0" + values + "\n3 0 1 2\n";
+}
+
+TEST(Ply, FirstCompletePairOfTextureCoordinatesIsUsed) {
+    auto uv = [](const std::vector<std::string> &names) {
+        return ParsePly(WithProperties(names), "a.ply").triangles.uv;
+    };
+    EXPECT_EQ(uv({"u", "v", "s", "t"}).at(0), Point2(1, 2));
+    EXPECT_EQ(uv({"s", "t", "u", "v"}).at(0), Point2(3, 4));
+    EXPECT_EQ(uv({"texture_s", "texture_t", "texture_v", "texture_u"}).at(0), Point2(4, 3));
+    EXPECT_EQ(uv({"u", "s", "t"}).at(0), Point2(2, 3));
+    EXPECT_EQ(uv({"v", "texture_u", "texture_v", "s"}).at(0), Point2(2, 3));
+    for (const auto &names : {std::vector<std::string>{"u", "t"}, {"s", "v"}, {"texture_u", "texture_t"}, {"u"}})
+        EXPECT_TRUE(uv(names).empty()) << names[0];
+    EXPECT_TRUE(ParsePly(WithProperties({"nx", "ny"}), "a.ply").triangles.n.empty());
+}
+
+TEST(Ply, LinesMayEndLikeOnAnySystem) {
+    auto with = [](std::string text, const std::string &end) {
+        for (size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += end.size()) text.replace(at, 1, end);
+        return text;
+    };
+    for (const std::string end : {"\r", "\r\n"}) {
+        std::string ascii = Ascii();
+        std::erase(ascii, '\r');
+        CheckMesh(ParsePly(with(ascii, end), "a.ply"));
+        const std::string binary = Binary(false), mark = "end_header\n";
+        const size_t body = binary.find(mark) + mark.size();
+        CheckMesh(ParsePly(with(binary.substr(0, body), end) + binary.substr(body), "b.ply"));
+    }
+    // The first byte of a body may be that of a line end.
+    for (const std::string end : {"\n", "\r", "\r\n"}) {
+        std::string s = with(
+            "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty uchar x\n"
+            "property uchar y\nproperty uchar z\nelement face 1\n"
+            "property list uchar uchar vertex_indices\nend_header\n",
+            end);
+        s += std::string("\n\r\0\1\0\0\0\1\0\3\0\1\2", 13);
+        EXPECT_EQ(ParsePly(s, "b.ply").triangles.p.at(0), Point3(10, 13, 0));
+    }
+}
+
 std::string ErrorOf(const std::string &content) {
     try {
         ParsePly(content, "bad.ply");
@@ -119,6 +172,16 @@ TEST(Ply, MistakesAreNamedWithTheirPlace) {
     EXPECT_NE(word.find("1.0.5"), std::string::npos);
     EXPECT_NE(word.find("vertex 3"), std::string::npos);
     EXPECT_NE(word.find("line 23"), std::string::npos) << word;
+    EXPECT_NE(ErrorOf(Replaced(Ascii(), "float y", "float x"))
+                  .find("line 6: property \"x\" is declared twice in element \"vertex\""),
+              std::string::npos);
+    EXPECT_NE(ErrorOf(Replaced(Ascii(), "int face_indices", "int vertex_indices"))
+                  .find("\"vertex_indices\" is declared twice in element \"face\""),
+              std::string::npos);
+    std::string mac = Replaced(Ascii(), "-2.5e-1", "1.0.5");
+    std::erase(mac, '\r');
+    std::replace(mac.begin(), mac.end(), '\n', '\r');
+    EXPECT_NE(ErrorOf(mac).find("line 23"), std::string::npos) << ErrorOf(mac);
     EXPECT_NE(ErrorOf(Replaced(Ascii(), "vertex 4", "vertex 0")).find("no vertices"), std::string::npos);
     EXPECT_NE(ErrorOf(Replaced(Ascii(), "vertex 4", "vertex 99999999999")).find("too early"), std::string::npos);
 }

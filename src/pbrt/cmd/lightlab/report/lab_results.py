@@ -28,7 +28,7 @@ VARIANT_MIXES = [0.0, 0.42, -0.35, 0.62, -0.55]
 VARIANT_DASHES = [None, (0, (5, 1.5)), (0, (1.2, 1.2)), (0, (6, 1.5, 1.2, 1.5)), (0, (2.5, 2.5))]
 # Stops of the error pictures' colours, from 0 to "errorScale": those of src/pbrt/images/false_color.cpp.
 ERROR_RAMP = ["#05051a", "#401a8c", "#0d73a6", "#26b34d", "#f2cc26", "#fffae6"]
-ERROR_MEASURE = "|x − r| / √(r² + 0.01) of the pixel"
+ERROR_MEASURE = "|x − r| / √(r² + 0.01 m²) of the pixel, m the mean of r"
 
 
 class ResultsError(Exception):

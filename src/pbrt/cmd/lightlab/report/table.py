@@ -68,7 +68,7 @@ COLUMNS = [
     Column("verdict", "bias", lambda s: {"clean": 0, "unknown": 1}.get(s.verdict, 2), lambda s: s.verdict,
            "verdict of the bias check: tile means against the reference", "trust", True),
     Column("relL2", "relL2", metric("relL2"), with_error("relL2"),
-           "mean over seeds ± standard error of mean((x - r)² / (r² + 0.01))", "error", True, "low"),
+           "mean over seeds ± standard error of mean((x - r)² / (r² + 0.01 m²)), m the mean of r", "error", True, "low"),
     Column("relL2Trimmed", "relL2 trimmed", metric("relL2Trimmed"), trimmed,
            "relL2 without the worst 0.1 % of the pixels", "error", True, "low"),
     Column("MSE", "MSE", metric("MSE"), with_error("MSE"), "mean squared error", "error", False, "low"),

@@ -67,7 +67,8 @@ def wobble(*key):
 
 def metrics_of(error):
     return {"relL2": error, "MSE": error * 0.02, "MRSE": error * 1.1, "MAE": error ** 0.5 * 0.1,
-            "SMAPE": min(error ** 0.5, 2.0), "FLIP": min(error ** 0.4 * 0.2, 1.0), "relL2Trimmed": error * 0.8}
+            "SMAPE": min(error ** 0.5, 2.0), "FLIP": min(error ** 0.4 * 0.2, 1.0), "relL2Trimmed": error * 0.8,
+            "relL2Abs": error * 0.9, "relL2AbsTrimmed": error * 0.7}
 
 
 def sampler_entry(label, seeds, rounds):

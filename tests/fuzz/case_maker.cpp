@@ -9,6 +9,8 @@ namespace pbrt::fuzz {
 
 namespace {
 
+constexpr const char *kState = "state";
+
 std::vector<std::string> TextsOf(const Corpus &corpus) {
     std::vector<std::string> texts;
     for (const SeedScene &s : corpus.scenes) texts.push_back(s.text);
@@ -27,6 +29,7 @@ CaseMaker::CaseMaker(Corpus corpus) : corpus_(std::move(corpus)), words_(TextsOf
         }
     }
     for (const auto &[kind, uses] : uses_) kinds_.push_back(kind);
+    kinds_.push_back(kState);
     std::sort(kinds_.begin(), kinds_.end());
 }
 
@@ -60,6 +63,7 @@ FuzzCase CaseMaker::Make(uint64_t seed, uint64_t number, const std::vector<std::
     // Lenses take ten times as long as everything else.
     std::string kind = dice.Pick(kinds);
     if (kind == "lens" && !dice.OneIn(4)) kind = dice.Pick(kinds);
+    if (kind == kState) return MakeStateCase(dice.Pick(corpus_.states), dice);
     size_t changes = 1;
     while (changes < 6 && dice.OneIn(3)) ++changes;
 

@@ -54,6 +54,8 @@ Corpus Corpus::Load(const std::string &assetFolder) {
         std::ofstream(path, std::ios::binary) << asset.bytes;
     }
 
+    corpus.states = MakeStateSeeds(fs::path(assetFolder).parent_path().string());
+
     std::set<std::string> notSupported;
     std::ifstream list(PBRT_SOURCE_DIR "/tests/conformance/not_supported.txt");
     for (std::string name; list >> name;) notSupported.insert(name);

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "fuzz/fuzz_case.h"
+#include "fuzz/states.h"
 
 namespace pbrt::fuzz {
 
@@ -17,6 +18,7 @@ struct SeedScene {
 struct Corpus {
     std::vector<SeedScene> scenes;
     std::vector<CaseFile> assets;
+    std::vector<StateSeed> states;
 
     static Corpus Load(const std::string &assetFolder);
     const CaseFile *Asset(const std::string &name) const;

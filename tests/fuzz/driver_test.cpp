@@ -304,6 +304,27 @@ TEST_F(Driver, SeedsRenderUnchanged) {
     EXPECT_GT(rendered, 80u);
 }
 
+TEST_F(Driver, StatesAreReadUnchanged) {
+    Workplace place(Folder("job"));
+    for (const StateSeed &state : Maker().Seeds().states) {
+        const FuzzCase unchanged{"state", state.name, {{"scene.pbrt", state.scene}, state.file}, state.arguments};
+        const CaseResult result = place.Run(unchanged, {});
+        EXPECT_LE(result.verdict.outcome, Outcome::Warned) << state.name << ": " << result.run.messages;
+    }
+}
+
+TEST_F(Driver, AnAcceptedChangeOfAStructureIsAFailure) {
+    const StateSeed &state = Maker().Seeds().states.front();
+    FuzzCase unchanged{"state", state.name, {{"scene.pbrt", state.scene}, state.file}, state.arguments};
+    unchanged.mustBeRefused = true;
+    Workplace place(Folder("job"));
+    EXPECT_EQ(place.Run(unchanged, {}).verdict.outcome, Outcome::Accepted);
+    int marked = 0;
+    for (uint64_t i = 0; i < 200; ++i) marked += Maker().Make(1, i, {"state"}).mustBeRefused;
+    EXPECT_GT(marked, 40);
+    EXPECT_LT(marked, 160);
+}
+
 TEST_F(Driver, EveryAssetIsNamedByASeed) {
     std::set<std::string> named;
     for (const SeedScene &scene : Maker().Seeds().scenes)

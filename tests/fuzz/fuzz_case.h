@@ -17,6 +17,7 @@ struct FuzzCase {
     std::vector<CaseFile> files;
     std::vector<std::string> arguments;  ///< without the program, the scene and --outfile
     std::string output = "out.exr";
+    bool mustBeRefused = false;  ///< a render is a failure
 };
 
 /// Uniform numbers from a seed, the same on every machine.

@@ -126,7 +126,7 @@ std::string SanitizersFinding(const std::string &messages) {
 const char *Name(Outcome outcome) {
     static constexpr std::array<const char *, kOutcomeCount> kNames = {"rendered", "warned",    "refused", "stopped",
                                                                        "signal",   "sanitizer", "hang",    "memory",
-                                                                       "message",  "silent",    "picture"};
+                                                                       "message",  "silent",    "picture", "accepted"};
     return kNames[static_cast<size_t>(outcome)];
 }
 
@@ -163,6 +163,7 @@ Verdict Judge(const ChildResult &r, const FuzzCase &fuzzCase, const std::vector<
             case PictureReport::State::WrongSize:
                 return {Outcome::Picture, std::string("size: ") + r.picture.text.data()};
         }
+        if (fuzzCase.mustBeRefused) return {Outcome::Accepted, "changed state of " + fuzzCase.seed};
         return {r.messages.find("Warning: ") == std::string::npos ? Outcome::Rendered : Outcome::Warned, ""};
     }
     if (r.status != 1) return {Outcome::Silent, fmt::format("exit status {}", r.status)};

@@ -19,8 +19,9 @@ enum class Outcome {
     Message,    ///< an error without a place, in the words of a library, or of more than a megabyte
     Silent,     ///< an error without a message, or success without a picture
     Picture,    ///< values that are not finite, or a picture in spite of an error
+    Accepted,   ///< a render from a file that must be refused (FuzzCase::mustBeRefused)
 };
-constexpr int kOutcomeCount = 11;
+constexpr int kOutcomeCount = 12;
 
 const char *Name(Outcome outcome);
 inline bool IsFailure(Outcome outcome) { return outcome >= Outcome::Signal; }

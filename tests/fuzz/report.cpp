@@ -91,6 +91,7 @@ void SaveCase(const std::string &folder, const FuzzCase &fuzzCase, const Verdict
     for (const CaseFile &file : fuzzCase.files) j["files"].push_back(file.name);
     j["arguments"] = fuzzCase.arguments;
     j["output"] = fuzzCase.output;
+    j["mustBeRefused"] = fuzzCase.mustBeRefused;
     std::ofstream(fs::path(folder) / "case.json") << j.dump(2, ' ', true, Record::error_handler_t::replace) << '\n';
     std::ofstream(fs::path(folder) / "messages.txt") << messages;
 }
@@ -102,6 +103,7 @@ FuzzCase ReadCase(const std::string &caseJson) {
     fuzzCase.kind = j.at("kind");
     fuzzCase.seed = j.at("scene");
     fuzzCase.output = j.at("output");
+    fuzzCase.mustBeRefused = j.at("mustBeRefused");
     for (const std::string argument : j.at("arguments")) fuzzCase.arguments.push_back(argument);
     for (const std::string name : j.at("files")) {
         std::ostringstream bytes;

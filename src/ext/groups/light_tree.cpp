@@ -218,6 +218,15 @@ Float LightTree::PMFWithin(uint32_t node, const LightQuery &query, uint32_t posi
     return value > 0 ? pmf * (value / EvaluateFarNode(node, query)) : Float(0);
 }
 
+bool LightTree::IsCut(std::span<const uint32_t> nodes) const {
+    uint32_t position = 0;
+    for (uint32_t node : nodes) {
+        if (node >= NodeCount() || At(node).begin != position) return false;
+        position = At(node).end;
+    }
+    return position == LightCount();
+}
+
 size_t LightTree::FindInCut(std::span<const uint32_t> cut, uint32_t position) const {
     auto after = std::upper_bound(cut.begin(), cut.end(), position,
                                   [&](uint32_t p, uint32_t node) { return p < ranges_[node].begin; });

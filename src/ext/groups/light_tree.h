@@ -57,6 +57,9 @@ class LightTree {
     /// The index in a cut (nodes in rising order) of the node that holds a position.
     size_t FindInCut(std::span<const uint32_t> cut, uint32_t position) const;
 
+    /// True if the nodes are a cut, in rising order.
+    bool IsCut(std::span<const uint32_t> nodes) const;
+
     /// For WalkDown (weighted_choice.h): up to eight nodes, in order, that hold the lights of a node with children.
     static constexpr int kLanes = EmitterPacket::kLanes;
     using Node = uint32_t;

@@ -73,6 +73,8 @@ class CellOctree {
     void ShrinkToFit() { nodes_.shrink_to_fit(); }
     void Save(StateWriter &writer) const;
     void Load(StateReader &reader);
+    /// Empty, or why look-ups would go astray or reach a row beyond `rows`.
+    std::optional<std::string> Validate(size_t rows) const;
 
   private:
     template <class Visit>

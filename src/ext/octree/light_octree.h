@@ -23,6 +23,9 @@ class LightOctree {
     bool operator==(const LightOctree &o) const { return cells_ == o.cells_ && cdf_ == o.cdf_; }
     void Save(StateWriter &writer) const;
     void Load(StateReader &reader);
+    /// Empty, or what is wrong with an octree that was read. One without rows is valid.
+    std::optional<std::string> Validate() const;
+    size_t GroupCount() const { return groups_; }
 
   private:
     friend class LightOctreeBuilder;

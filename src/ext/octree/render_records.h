@@ -20,6 +20,7 @@ class RenderRecords {
         if (path.next < path.end) places_[path.next++] = {p, inMedium, found};
     }
     void Save(StateWriter &writer) const;
+    /// Throws UserError if what was saved has other places than this object (Begin).
     void Load(StateReader &reader);
     /// See LightLearner.
     void Take(StateWriter &writer);

@@ -11,7 +11,7 @@ namespace ext {
 namespace {
 
 /// Changes with everything that this file writes.
-constexpr uint32_t kVersion = 2;
+constexpr uint32_t kVersion = 3;
 
 /// Calls act(number) for values that are written and read in the same order.
 struct Writing {
@@ -31,41 +31,33 @@ struct Reading {
 
 }  // namespace
 
+constexpr std::string_view kOtherVersion = "another version of this light sampler wrote it";
+
 void CellOctree::Save(StateWriter &writer) const {
     Writing{writer}(low_, scale_);
-    writer.Vector(nodes_);
+    writer.Structure(nodes_);
 }
 
 void CellOctree::Load(StateReader &reader) {
     Reading{reader}(low_, scale_);
-    reader.Vector(&nodes_);
-    if (nodes_.size() < TopCount) reader.Refuse();
-    for (uint32_t node : nodes_)
-        if (!(node & LeafBit) && size_t(node) + 8 > nodes_.size()) reader.Refuse();
+    reader.Structure(&nodes_);
 }
 
 void VisibilityTree::Save(StateWriter &writer) const {
     cells_.Save(writer);
-    writer.Vector(offset_);
-    writer.Vector(nodes_);
+    writer.Structure(offset_);
+    writer.Structure(nodes_);
     writer.Vector(codes_);
     Writing{writer}(leaves_, depth_);
 }
 
 void VisibilityTree::Load(StateReader &reader) {
     cells_.Load(reader);
-    reader.Vector(&offset_);
-    reader.Vector(&nodes_);
+    reader.Structure(&offset_);
+    reader.Structure(&nodes_);
     reader.Vector(&codes_);
     Reading{reader}(leaves_, depth_);
-    const bool isSorted = std::is_sorted(offset_.begin(), offset_.end());
-    if (!isSorted || (!offset_.empty() && offset_.back() != codes_.size()) ||
-        (!nodes_.empty() && nodes_.size() != codes_.size()))
-        reader.Refuse();
-    if (RowCount() > 0)
-        cells_.ForEachLeaf([&](uint32_t, uint32_t row, int) {
-            if (row >= RowCount()) reader.Refuse();
-        });
+    reader.RequireValid(Validate());
 }
 
 void LightOctree::Save(StateWriter &writer) const {
@@ -78,10 +70,7 @@ void LightOctree::Load(StateReader &reader) {
     cells_.Load(reader);
     reader.Vector(&cdf_);
     Reading{reader}(groups_, leaves_, depth_);
-    if (RowCount() > 0)
-        cells_.ForEachLeaf([&](uint32_t, uint32_t row, int) {
-            if (row >= RowCount()) reader.Refuse();
-        });
+    reader.RequireValid(Validate());
 }
 
 void RenderRecords::Save(StateWriter &writer) const {
@@ -97,18 +86,21 @@ void RenderRecords::Save(StateWriter &writer) const {
 }
 
 void RenderRecords::Load(StateReader &reader) {
-    uint64_t count = 0, filled = 0;
-    Reading{reader}(pixels_, first_, end_, stride_, vertices_, placesPerRow_, count, filled);
-    // As many as Begin makes.
-    const auto rows = static_cast<uint64_t>(std::max(0, pixels_.high.y - pixels_.low.y));
-    if (stride_ < 1 ||
-        count != (first_ < end_ ? placesPerRow_ * rows * static_cast<uint64_t>(end_ - first_) * vertices_ : 0))
-        reader.Refuse();
-    places_.assign(count, {});
-    for (; filled > 0; --filled) {
+    RenderRecords saved;
+    uint64_t count = 0;
+    Reading{reader}(saved.pixels_, saved.first_, saved.end_, saved.stride_, saved.vertices_, saved.placesPerRow_,
+                    count);
+    reader.Require(saved.pixels_.low == pixels_.low && saved.pixels_.high == pixels_.high && saved.first_ == first_ &&
+                       saved.end_ == end_ && saved.stride_ == stride_ && saved.vertices_ == vertices_ &&
+                       saved.placesPerRow_ == placesPerRow_ && count == places_.size(),
+                   "it has other records than the render makes");
+    uint64_t next = 0;
+    for (auto filled = reader.Value<uint64_t>(); filled > 0; --filled) {
         const auto i = reader.Value<uint64_t>();
-        if (i >= count) reader.Refuse();
+        reader.Require(i >= next && i < count, "a record has no place");
         Reading{reader}(places_[i].p, places_[i].inMedium, places_[i].found);
+        reader.Require(places_[i].found.weight > 0, "a record has no weight");
+        next = i + 1;
     }
 }
 
@@ -125,10 +117,10 @@ void RenderRecords::Take(StateWriter &writer) {
 }
 
 void RenderRecords::Add(StateReader &reader) {
-    if (reader.Value<uint64_t>() != places_.size()) reader.Refuse();
+    reader.Require(reader.Value<uint64_t>() == places_.size(), "it has other records than the render makes");
     for (auto filled = reader.Value<uint64_t>(); filled > 0; --filled) {
         const auto i = reader.Value<uint32_t>();
-        if (i >= places_.size()) reader.Refuse();
+        reader.Require(i < places_.size(), "a record has no place");
         Reading{reader}(places_[i].p, places_[i].inMedium, places_[i].found);
     }
 }
@@ -151,10 +143,8 @@ void SkyCells::Save(StateWriter &writer) const {
     for (const Row &row : rows_) Writing{writer}(row.first, row.tiles, row.isOpen);
     writer.Vector(packets_);
     writer.Vector(visible_);
-    writer.Vector(numbers_);
-    writer.Vector(keys_);
-    writer.Vector(halves_);
-    Writing{writer}(traced_, left_, tileCount_);
+    writer.Structure(numbers_);
+    Writing{writer}(traced_, left_);
     std::vector<uint64_t> counts(CountCount());
     for (size_t i = 0; i < counts.size(); ++i) counts[i] = counts_[i].load(std::memory_order_relaxed);
     writer.CopyOfVector(counts);
@@ -171,21 +161,21 @@ void SkyCells::TakeFound(StateWriter &writer) {
 }
 
 void SkyCells::AddFound(StateReader &reader) {
-    const size_t lanes = CountCount();
-    if (reader.Value<uint64_t>() != lanes) reader.Refuse();
+    const size_t count = CountCount();
+    reader.Require(reader.Value<uint64_t>() == count, "it counts rays towards other tiles");
     for (auto counted = reader.Value<uint64_t>(); counted > 0; --counted) {
         const auto lane = reader.Value<uint32_t>();
-        if (lane >= lanes) reader.Refuse();
+        reader.Require(lane < count, "it counts rays towards other tiles");
         counts_[lane].fetch_add(reader.Value<uint64_t>(), std::memory_order_relaxed);
     }
 }
 
-void SkyCells::Load(StateReader &reader, const Settings &settings) {
+void SkyCells::Load(StateReader &reader, const Settings &settings, size_t skies) {
     settings_ = settings;
     octree_.Load(reader);
     const auto readCount = [&] {
         const auto count = reader.Value<uint64_t>();
-        if (count > reader.BytesLeft()) reader.Refuse();
+        reader.Require(count <= reader.BytesLeft(), "it is shorter than what it announces");
         return count;
     };
     cells_.assign(readCount(), {});
@@ -201,21 +191,25 @@ void SkyCells::Load(StateReader &reader, const Settings &settings) {
     for (Row &row : rows_) Reading{reader}(row.first, row.tiles, row.isOpen);
     reader.Vector(&packets_);
     reader.Vector(&visible_);
-    reader.Vector(&numbers_);
-    reader.Vector(&keys_);
-    reader.Vector(&halves_);
-    Reading{reader}(traced_, left_, tileCount_);
+    reader.Structure(&numbers_);
+    Reading{reader}(traced_, left_);
     std::vector<uint64_t> counts;
     reader.Vector(&counts);
-    const size_t lanes = packets_.size() * kLanes;
-    if (rows_.size() != cells_.size() || visible_.size() != cells_.size() || numbers_.size() != lanes ||
-        keys_.size() != lanes || halves_.size() != lanes || (!counts.empty() && counts.size() != 2 * lanes))
-        reader.Refuse();
-    counts_.reset();
-    if (!counts.empty()) {
-        counts_.reset(new std::atomic<uint64_t>[2 * lanes]());
-        for (size_t i = 0; i < counts.size(); ++i) counts_[i].store(counts[i], std::memory_order_relaxed);
-    }
+    reader.RequireValid(Validate(skies));
+    reader.Require(counts.empty() || counts.size() == 2 * numbers_.size(), "it counts rays towards other tiles");
+    counts_.reset(counts.empty() ? nullptr : new std::atomic<uint64_t>[counts.size()]());
+    for (size_t i = 0; i < counts.size(); ++i) counts_[i].store(counts[i], std::memory_order_relaxed);
+    keys_.assign(numbers_.size(), kNoKey);
+    halves_.assign(numbers_.size(), 0);
+    tileCount_ = 0;
+    for (const Row &row : rows_)
+        for (size_t k = 0; k < skies; ++k) {
+            const size_t firstLane = row.first[k] * kLanes;
+            for (size_t lane = firstLane; lane < firstLane + row.tiles[k]; ++lane)
+                keys_[lane] = SkyTiles::KeyOf(numbers_[lane]);
+            MakeHalves(firstLane, row.tiles[k]);
+            tileCount_ += row.tiles[k];
+        }
 }
 
 void SkyChoice::Save(StateWriter &writer, bool goesOn) const {
@@ -226,14 +220,24 @@ void SkyChoice::Save(StateWriter &writer, bool goesOn) const {
 }
 
 void SkyChoice::Load(StateReader &reader) {
-    if (reader.Value<uint64_t>() != skies_.size()) reader.Refuse();
+    reader.Require(reader.Value<uint64_t>() == skies_.size(), "it has another number of skies");
     for (SkyTiles &sky : skies_) {
         std::vector<uint32_t> known;
         reader.Vector(&known);
+        for (size_t i = 0; i < known.size(); ++i)
+            reader.Require(known[i] < SkyTile::kCount && (i == 0 || known[i - 1] < known[i]),
+                           "a sky has no tile of this number");
         sky.Know(known);
     }
-    cells_.Load(reader, settings_);
+    cells_.Load(reader, settings_, skies_.size());
     reader.Value(&seenShare_);
+    reader.Require(seenShare_ >= 0 && seenShare_ <= 1, "a share is not from 0 to 1");
+}
+
+bool SkyChoice::CanLearn() const {
+    bool areKnown = true;
+    cells_.ForEachLearnedTile([&](size_t k, uint32_t number) { areKnown = areKnown && skies_[k].KnowsAround(number); });
+    return areKnown && cells_.CanLearn();
 }
 
 void VisibilityOctreeLightSampler::TakeFound(StateWriter &out) {
@@ -263,8 +267,6 @@ void VisibilityOctreeLightSampler::Knowledge::Load(StateReader &reader) {
     reader.Vector(&recordsPerNode);
     reader.Vector(&known.records);
     reader.Vector(&known.tries);
-    for (const VisibilityRecord &r : known.records)
-        if (size_t(r.firstTry) + r.tryCount > known.tries.size()) reader.Refuse();
 }
 
 uint64_t VisibilityOctreeLightSampler::NamesHash() const {
@@ -283,31 +285,38 @@ void VisibilityOctreeLightSampler::SaveLearned(StateWriter &writer, bool goesOn)
           skySeenShare_, sceneBounds_, pixels_, goesOn ? nextLearning_ : 0, samplesPerPixel_, depth_);
     onSurfaces_.Save(writer, goesOn);
     inMedia_.Save(writer, goesOn);
-    (goesOn ? found_ : RenderRecords()).Save(writer);
     if (sky_) sky_->Save(writer, goesOn);
+    (goesOn ? found_ : RenderRecords()).Save(writer);
 }
 
-void VisibilityOctreeLightSampler::LoadLearned(StateReader &reader, bool learnsOn) {
+void VisibilityOctreeLightSampler::LoadLearned(const PrepareContext &context, StateReader &reader) {
     Reading read{reader};
-    if (reader.Value<uint32_t>() != kVersion) reader.Refuse();
+    reader.Require(reader.Value<uint32_t>() == kVersion, kOtherVersion);
     const auto names = reader.Value<uint64_t>();
     const auto hasSky = reader.Value<bool>();
     const auto hasTiles = reader.Value<bool>();
     const auto goesOn = reader.Value<bool>();
-    if ((hasSky && !sky_) || (learnsOn && !goesOn)) reader.Refuse();
+    reader.Require(!hasSky || sky_, "it divides skies that are not divided here");
+    reader.Require(goesOn == context.learnsOn, "it is of another use");
     if (!hasSky && sky_) KeepSkiesWhole();
     if (hasSky && !hasTiles) {
         sky_ = MakeWindows();
         tiles_ = nullptr;
     }
-    if (names != NamesHash()) reader.Refuse();
+    reader.Require(names == NamesHash(), "it belongs to other lights");
     read(prepassRecords_, prepassTries_, learnedTries_, prepassSeconds_, buildSeconds_, learningSeconds_, skySeconds_,
          skySeenShare_, sceneBounds_, pixels_, nextLearning_, samplesPerPixel_, depth_);
-    onSurfaces_.Load(reader);
-    inMedia_.Load(reader);
-    found_.Load(reader);
+    for (Knowledge *knowledge : {&onSurfaces_, &inMedia_}) {
+        knowledge->Load(reader);
+        reader.RequireValid(knowledge->Validate(groups_.Size(), lightTree_.get()));
+    }
     if (sky_) sky_->Load(reader);
-    if (!learnsOn || nextLearning_ == 0) EndLearning();
+    reader.RequireValid(TakeUpLearning(context));
+    found_.Load(reader);
+    VisibilityRecords all;
+    for (const bool inMedium : {false, true}) found_.AppendTo(&all, inMedium);
+    reader.RequireValid(all.Validate(groups_.Size(), lightTree_.get()));
+    if (nextLearning_ == 0) EndLearning();
 }
 
 void PaperOctreeLightSampler::SaveLearned(StateWriter &writer, bool) const {
@@ -317,10 +326,13 @@ void PaperOctreeLightSampler::SaveLearned(StateWriter &writer, bool) const {
 }
 
 void PaperOctreeLightSampler::LoadLearned(StateReader &reader) {
-    if (reader.Value<uint32_t>() != kVersion) reader.Refuse();
+    reader.Require(reader.Value<uint32_t>() == kVersion, kOtherVersion);
     Reading{reader}(learned_, vertices_, prepassSeconds_, buildSeconds_);
     tree_.Load(reader);
     reader.Vector(&recordsPerNode_);
+    reader.Require(!learned_ || tree_.GroupCount() == groups_.Size(), "it has another number of lights");
+    reader.Require(!learned_ || (tree_.RowCount() > 0 && recordsPerNode_.size() == tree_.Cells().NodeCount()),
+                   "counts of records do not fit the octree");
 }
 
 }  // namespace ext

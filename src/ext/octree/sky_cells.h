@@ -83,7 +83,19 @@ class SkyCells {
 
     /// All that is known, with the rays that were counted since Learn.
     void Save(StateWriter &writer) const;
-    void Load(StateReader &reader, const Settings &settings);
+    /// `skies`: how many there are.
+    void Load(StateReader &reader, const Settings &settings, size_t skies);
+    /// Empty, or what is wrong with cells that were read.
+    std::optional<std::string> Validate(size_t skies) const;
+    /// False if cells were saved without what only learning needs.
+    bool CanLearn() const { return cells_.empty() || (counts_ && !cells_[0].cuts.empty()); }
+    /// Calls visit(sky, tile number) for every tile that some cell learns of.
+    template <class Visit>
+    void ForEachLearnedTile(Visit &&visit) const {
+        for (const Cell &cell : cells_)
+            for (size_t k = 0; k < cell.cuts.size(); ++k)
+                for (const SkyCut::Tile &tile : cell.cuts[k].Tiles()) visit(k, tile.number);
+    }
     /// See LightLearner.
     void TakeFound(StateWriter &writer);
     void AddFound(StateReader &reader);
@@ -102,6 +114,7 @@ class SkyCells {
     void Divide(std::span<const SkyTiles> skies);
     void MakeRows(std::span<const SkyTiles> skies);
     size_t CountCount() const { return counts_ ? 2 * numbers_.size() : 0; }
+    std::optional<std::string> ValidateCell(size_t cell, size_t skies) const;
     void MakeHalves(size_t firstLane, size_t tiles);
 
     Settings settings_;

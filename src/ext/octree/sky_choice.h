@@ -43,6 +43,8 @@ class SkyChoice final : public SkyParts {
     void Learn(bool judges);
     void Save(StateWriter &writer, bool goesOn) const override;
     void Load(StateReader &reader) override;
+    /// False if it was saved without what only learning needs.
+    bool CanLearn() const;
     /// See LightLearner.
     void TakeFound(StateWriter &out) { cells_.TakeFound(out); }
     void AddFound(StateReader &in) { cells_.AddFound(in); }

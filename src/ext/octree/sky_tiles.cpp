@@ -31,6 +31,15 @@ void SkyTiles::Know(std::span<const uint32_t> numbers) {
     for (size_t i = 0; i < unknown.size(); ++i) tiles_[unknown[i]] = measured[i];
 }
 
+bool SkyTiles::KnowsAround(uint32_t number) const {
+    for (;; number = (number - 1) / 4) {
+        const uint32_t first = number - (number - 1) % 4;
+        for (uint32_t n = first; n < first + 4; ++n)
+            if (!tiles_.contains(n)) return false;
+        if (SkyTile::LevelOf(number) <= kMinLevel) return true;
+    }
+}
+
 SkyTiles::Tile SkyTiles::Measure(uint32_t number) const {
     Tile tile;
     // Samples follow the pixels' mean of R, G, B, so what they find over their density differs by the colour only.

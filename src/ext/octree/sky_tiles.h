@@ -50,6 +50,8 @@ class SkyTiles {
     std::vector<uint32_t> FirstCut(size_t count);
     /// An estimate of G of the whole sky: positive everywhere, unless the sky is black.
     Float Unoccluded(const LightQuery &query) const { return whole_.m0 > 0 ? EvaluateFar(whole_, query) : Float(0); }
+    /// True if the tile, its siblings and all tiles that they come from by division are known.
+    bool KnowsAround(uint32_t number) const;
     /// The numbers of all tiles that are known, rising.
     std::vector<uint32_t> Known() const;
     size_t Bytes() const { return tiles_.size() * (sizeof(Tile) + 4 * sizeof(void *)); }

@@ -106,7 +106,7 @@ double VisibilityOctreeLightSampler::PathsPerPixel(const PrepareContext &context
 
 void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
     if (sky_ && !tiles_) UseTiles();  // it was prepared before
-    if (context.learned) return LoadLearned(*context.learned, context.learnsOn);
+    if (context.learned) return LoadLearned(context, *context.learned);
     if (groups_.Size() <= 1 && !sky_) return;
     auto start = std::chrono::steady_clock::now();
     depth_ = std::min(params_.depth, std::max(1, context.maxDepth));
@@ -223,8 +223,25 @@ bool VisibilityOctreeLightSampler::Build(int records, const Progress &progress) 
     return true;
 }
 
+std::span<const int> VisibilityOctreeLightSampler::Plan() const {
+    return lightTree_ ? std::span<const int>(kLearnAfter) : kLookAfter;
+}
+
+std::optional<std::string> VisibilityOctreeLightSampler::TakeUpLearning(const PrepareContext &context) {
+    if (nextLearning_ == 0) return {};
+    const std::span<const int> plan = Plan();
+    const auto next = std::find(plan.begin(), plan.end(), nextLearning_);
+    if (!Learner() || next == plan.end()) return "learning is due after a wrong number of samples";
+    if (pixels_.low != context.pixelBounds.low || pixels_.high != context.pixelBounds.high ||
+        depth_ != std::min(params_.depth, std::max(1, context.maxDepth)) || samplesPerPixel_ < nextLearning_)
+        return "it was learned for other pixels or paths";
+    if (tiles_ && !tiles_->CanLearn()) return "the counts of a sky are missing";
+    if (lightTree_) found_.Begin(pixels_, next == plan.begin() ? 0 : next[-1], nextLearning_, depth_, kMaxFound);
+    return {};
+}
+
 void VisibilityOctreeLightSampler::BeginLearning(int first) {
-    const std::span<const int> plan = lightTree_ ? std::span<const int>(kLearnAfter) : kLookAfter;
+    const std::span<const int> plan = Plan();
     const auto next = std::upper_bound(plan.begin(), plan.end(), first);
     const int toCome = lightTree_ ? 4 : 2;
     nextLearning_ = Learner() && next != plan.end() && toCome * *next <= samplesPerPixel_ ? *next : 0;

@@ -91,7 +91,9 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler, private 
     void KeepSkiesWhole();
     double PathsPerPixel(const PrepareContext &context) const;
     size_t Tries() const { return TriesPerRecord(groups_.Size(), params_.tries); }
-    void LoadLearned(StateReader &reader, bool learnsOn);
+    void LoadLearned(const PrepareContext &context, StateReader &reader);
+    /// Empty, or what is wrong with the schedule of learning that was read. Makes places for the render's records.
+    std::optional<std::string> TakeUpLearning(const PrepareContext &context);
     /// Frees what only learning needs.
     void EndLearning();
     /// Changes with the numbers of the light tree's nodes and with the lights.
@@ -106,6 +108,8 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler, private 
         size_t leavesBefore = 0;
         void Save(StateWriter &writer, bool goesOn) const;
         void Load(StateReader &reader);
+        /// Empty, or why it does not fit so many groups of lights and the tree over them (or null).
+        std::optional<std::string> Validate(size_t groups, const LightTree *lights) const;
     };
     const Knowledge &KnowledgeAt(const LightQuery &query) const {
         return query.ns == Normal3(0) ? inMedia_ : onSurfaces_;
@@ -125,6 +129,8 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler, private 
     void AddFound(StateReader &in) override;
     /// False: cancelled; nothing was changed.
     bool LearnLamps(const Progress &progress);
+    /// The numbers of samples per pixel after which it learns.
+    std::span<const int> Plan() const;
     void BeginLearning(int first);
 
     OctreeParams params_;

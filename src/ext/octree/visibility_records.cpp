@@ -80,7 +80,7 @@ void Exchange(Ranks &ranks, std::vector<VisibilityRecords> &chunks) {
     const auto read = [&](StateReader &in) {
         for (auto count = in.Value<uint64_t>(); count > 0; --count) {
             const auto i = in.Value<uint64_t>();
-            if (i >= chunks.size()) in.Refuse();
+            in.Require(i < chunks.size(), "a part of the records has a wrong number");
             in.Vector(&chunks[i].records);
             in.Vector(&chunks[i].tries);
             isHere[i] = true;

@@ -11,6 +11,9 @@ namespace ext {
 struct VisibilityRecords {
     std::vector<VisibilityRecord> records;
     std::vector<VisibilityTry> tries;
+
+    /// Empty, or what is wrong with records that were read. `groups`: of lights; `lights`: the tree over them, or null.
+    std::optional<std::string> Validate(size_t groups, const LightTree *lights) const;
 };
 
 /// The number of shadow rays from a vertex. `wanted` 0: one to each of up to 64 groups, and 8 to drawn groups if there

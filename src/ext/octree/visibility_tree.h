@@ -42,6 +42,8 @@ class VisibilityTree {
     bool operator==(const VisibilityTree &o) const = default;
     void Save(StateWriter &writer) const;
     void Load(StateReader &reader);
+    /// Empty, or what is wrong with a tree that was read. A tree without rows is valid.
+    std::optional<std::string> Validate() const;
 
     static const std::array<Float, 256> &Table();  ///< Decode of every code
 

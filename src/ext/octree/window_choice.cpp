@@ -246,12 +246,15 @@ void WindowChoice::Save(StateWriter &writer, bool) const {
 void WindowChoice::Load(StateReader &reader) {
     std::vector<SkyWindow> windows;
     reader.Vector(&windows);
-    if (windows.empty() || windows.size() > SkyWindows::kMost) reader.Refuse();
+    reader.Require(!windows.empty() && windows.size() <= SkyWindows::kMost, "it has a wrong number of windows");
+    for (const SkyWindow &window : windows) reader.RequireValid(window.Validate());
     Use(std::move(windows));
+    if (windows_.empty()) throw UserError(fmt::format("{}: too many sets of windows are in use.", reader.What()));
     tree_.Load(reader);
-    if (windows_.empty() || tree_.RowCount() == 0) reader.Refuse();
+    reader.Require(tree_.RowCount() > 0, "nothing is known of its windows");
     for (uint32_t row = 0; row < tree_.RowCount(); ++row)
-        if (tree_.GetRow(row).codes.size() != PartCount() * Count()) reader.Refuse();
+        reader.Require(tree_.GetRow(row).codes.size() == PartCount() * Count() && tree_.GetRow(row).nodes.empty(),
+                       "a row of an octree is not of all windows");
 }
 
 void WindowChoice::Report(nlohmann::ordered_json &report) const {

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::array<char, 8> kMagic = {'p', 'b', 'r', 't', 's', 't', 'a', 't'};
 /// Changes with the layout of the file or of anything in it.
-constexpr uint32_t kVersion = 1;
+constexpr uint32_t kVersion = 2;
 constexpr size_t kLengthAt = sizeof(kMagic) + sizeof(kVersion);
 constexpr size_t kHeadBytes = kLengthAt + sizeof(uint64_t), kSumBytes = sizeof(uint64_t);
 
@@ -57,8 +57,10 @@ StateFile::StateFile(const std::string &path, const std::string &kind) : path_(p
     if (const std::string is = reader.Text(); is != kind) refuse(fmt::format("is a {}, not a {}", is, kind));
     for (auto count = reader.Value<uint32_t>(); count > 0; --count) {
         const std::string name = reader.Text();
+        reader.Require(!Has(name), "it has a section twice");
         sections_[name] = reader.Take(reader.Value<uint64_t>());
     }
+    reader.RequireEnd();
 }
 
 std::string_view StateFile::Section(const std::string &name) const {

@@ -1,6 +1,8 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -9,6 +11,18 @@
 #include "pbrt/core/error.h"
 
 namespace pbrt {
+
+/// A hash of the bytes of a structure; see StateWriter::Structure.
+inline uint64_t StructureHash(std::string_view bytes) {
+    uint64_t hash = 0xcbf29ce484222325ull ^ bytes.size();
+    for (size_t at = 0; at < bytes.size(); at += sizeof(uint64_t)) {
+        uint64_t word = 0;
+        std::memcpy(&word, bytes.data() + at, std::min(sizeof(word), bytes.size() - at));
+        hash = (hash ^ word) * 0x9e3779b97f4a7c15ull;
+        hash ^= hash >> 32;
+    }
+    return hash;
+}
 
 /// Collects values for a binary file or message, bit by bit and in this machine's byte order. Numbers, texts and copies
 /// are kept here; what was given to Refer or Vector is only referred to, so that big arrays are not in memory twice:
@@ -31,7 +45,14 @@ class StateWriter {
         Value(uint64_t{values.size()});
         Refer(values.data(), values.size() * sizeof(T));
     }
-    /// The same for a vector that does not stay.
+    /// The same with a hash of the elements, for indices, offsets and names: others are refused even where they would
+    /// make a valid structure, too.
+    template <class T>
+    void Structure(const std::vector<T> &values) {
+        Vector(values);
+        Value(StructureHash({reinterpret_cast<const char *>(values.data()), values.size() * sizeof(T)}));
+    }
+    /// As Vector, for a vector that does not stay.
     template <class T>
     void CopyOfVector(const std::vector<T> &values) {
         static_assert(std::is_trivially_copyable_v<T>);
@@ -87,9 +108,15 @@ class StateReader {
     template <class T>
     T Value() {
         static_assert(std::is_trivially_copyable_v<T>);
-        T value;
-        std::memcpy(&value, Take(sizeof(T)).data(), sizeof(T));
-        return value;
+        if constexpr (std::is_same_v<T, bool>) {
+            const auto byte = Value<uint8_t>();
+            Require(byte <= 1, "a flag is neither 0 nor 1");
+            return byte == 1;
+        } else {
+            T value;
+            std::memcpy(&value, Take(sizeof(T)).data(), sizeof(T));
+            return value;
+        }
     }
     template <class T>
     void Value(T *value) {
@@ -100,13 +127,21 @@ class StateReader {
     void Vector(std::vector<T> *values) {
         static_assert(std::is_trivially_copyable_v<T>);
         const auto count = Value<uint64_t>();
-        if (count > rest_.size() / sizeof(T)) Refuse();
+        Require(count <= rest_.size() / sizeof(T), kTooShort);
         const std::string_view bytes = Take(count * sizeof(T));
         values->resize(count);
         if (count > 0) std::memcpy(values->data(), bytes.data(), bytes.size());
     }
+    /// What StateWriter::Structure wrote.
+    template <class T>
+    void Structure(std::vector<T> *values) {
+        Vector(values);
+        const uint64_t hash =
+            StructureHash({reinterpret_cast<const char *>(values->data()), values->size() * sizeof(T)});
+        Require(Value<uint64_t>() == hash, "the hash of a structure does not fit");
+    }
     std::string_view Take(uint64_t bytes) {
-        if (bytes > rest_.size()) Refuse();
+        Require(bytes <= rest_.size(), kTooShort);
         const std::string_view taken = rest_.substr(0, bytes);
         rest_.remove_prefix(bytes);
         return taken;
@@ -114,10 +149,22 @@ class StateReader {
     size_t BytesLeft() const { return rest_.size(); }
     /// As messages name what is read.
     const std::string &What() const { return what_; }
-    /// Throws: the bytes are not what they should be.
-    [[noreturn]] void Refuse() const { throw UserError(fmt::format("{}: its content is damaged.", what_)); }
+    /// Throws: the bytes are not what they should be. `why`: a clause.
+    [[noreturn]] void Refuse(std::string_view why) const {
+        throw UserError(fmt::format("{}: its content is damaged: {}.", what_, why));
+    }
+    void Require(bool isRight, std::string_view why) const {
+        if (!isRight) Refuse(why);
+    }
+    /// Throws if a structure that was read is not valid. `fault`: the result of its Validate.
+    void RequireValid(const std::optional<std::string> &fault) const {
+        if (fault) Refuse(*fault);
+    }
+    /// Throws if bytes are left.
+    void RequireEnd() const { Require(rest_.empty(), "it is longer than what it holds"); }
 
   private:
+    static constexpr std::string_view kTooShort = "it is shorter than what it announces";
     std::string_view rest_;
     std::string what_;
 };

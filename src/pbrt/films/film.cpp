@@ -1,6 +1,7 @@
 #include "pbrt/films/film.h"
 
 #include <algorithm>
+#include <cmath>
 #include <ostream>
 
 #include "pbrt/films/aov_film.h"
@@ -39,6 +40,18 @@ std::unique_ptr<Film> MakeFilm(const std::string &type, const ParamSet &params, 
     std::unique_ptr<Film> film = Films().Make(type, params, FilmRequest{context, sink});
     if (context.overrides.aovs.empty()) return film;
     return std::make_unique<AovFilm>(std::move(film), context);
+}
+
+/// True if no double among the sums is infinite or not a number. Beside doubles there are only counts, which are no
+/// such double either; sums of splats have any bits.
+static bool AreFinite(const std::vector<std::byte> &sums) {
+    bool areFinite = true;
+    for (size_t at = 0; at + sizeof(double) <= sums.size(); at += sizeof(double)) {
+        double value = 0;
+        std::memcpy(&value, sums.data() + at, sizeof(value));
+        areFinite = areFinite && std::isfinite(value);
+    }
+    return areFinite;
 }
 
 ImageMetadata Film::Metadata() const {
@@ -102,6 +115,8 @@ void Film::Add(std::istream &in, bool forgetsFirst) {
         const SavedState::Block *saved = state.Find(block.name);
         const bool hasNone = block.isOfSplats && saved && saved->data.empty();
         if (!saved || (saved->data.size() != block.bytes && !hasNone)) refuse();
+        if (!block.isOfSplats && !AreFinite(saved->data))
+            throw UserError("the saved state of a film has sums that are not finite.");
     }
     for (const StateBlock &block : blocks) {
         const std::vector<std::byte> &data = state.Find(block.name)->data;

@@ -115,10 +115,11 @@ void TakeSums(StateWriter &out, const std::vector<StateBlock> &blocks) {
 void AddSums(StateReader &in, const std::vector<StateBlock> &blocks) {
     for (const StateBlock &block : blocks) {
         const auto all = in.Value<uint64_t>();
-        if (all != block.bytes && !(block.isOfSplats && all == 0)) in.Refuse();
+        in.Require(all == block.bytes || (block.isOfSplats && all == 0), "its sums are of another film");
         for (auto begin = in.Value<uint64_t>(); begin < all; begin = in.Value<uint64_t>()) {
             const auto bytes = in.Value<uint64_t>();
-            if (bytes > all - begin || begin % block.sumBytes != 0 || bytes % block.sumBytes != 0) in.Refuse();
+            in.Require(bytes <= all - begin && begin % block.sumBytes == 0 && bytes % block.sumBytes == 0,
+                       "its sums are of another film");
             block.add(block.data + begin, reinterpret_cast<const std::byte *>(in.Take(bytes).data()), bytes);
         }
     }

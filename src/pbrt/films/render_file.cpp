@@ -2,7 +2,9 @@
 
 #include <fmt/ranges.h>
 
+#include <cmath>
 #include <istream>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <streambuf>
 
@@ -42,7 +44,11 @@ Json ToJson(const RenderFileHead &h) {
 RenderFileHead HeadOf(const StateFile &file) {
     RenderFileHead h;
     try {
-        const Json json = Json::parse(file.Section("head"));
+        StateReader in(file.Section("head"), file.Path());
+        std::vector<char> text;
+        in.Structure(&text);
+        in.RequireEnd();
+        const Json json = Json::parse(text);
         h.identity = json.at("identity").get<RenderIdentity>();
         h.samplesFlag = json.at("samplesFlag");
         h.samplesPerBatch = json.at("samplesPerBatch");
@@ -56,8 +62,9 @@ RenderFileHead HeadOf(const StateFile &file) {
         h.film = FilmRecipe::FromJson(json.at("film"));
         h.metadata = MetadataFromJson(json.at("metadata"));
     } catch (const Json::exception &) {
-        throw UserError(fmt::format("{}: its content is damaged.", file.Path()));
+        throw UserError(fmt::format("{}: its content is damaged: its head is not readable.", file.Path()));
     }
+    StateReader({}, file.Path()).RequireValid(h.Validate());
     return h;
 }
 
@@ -95,32 +102,50 @@ std::string DifferencesOf(const RenderIdentity &mine, const RenderIdentity &othe
     return fmt::format("{}", fmt::join(differences, "; "));
 }
 
+std::optional<std::string> RenderFileHead::Validate() const {
+    const auto isTime = [](double s) { return s >= 0 && std::isfinite(s); };
+    if (samplesFlag < 0 || samplesPerBatch < 1 || first < 0 || done < first || passCount < 0 ||
+        passCount > std::numeric_limits<int>::max() - done || end < 0 || (end > 0 && (end <= first || end < done)))
+        return "its numbers of samples are not possible";
+    return isTime(seconds) && isTime(renderSeconds) ? std::nullopt : std::optional("its times are not possible");
+}
+
 RenderFile::RenderFile(const std::string &path) : file_(path, kKind), head_(HeadOf(file_)) {}
 
 std::vector<uint32_t> RenderFile::PassDone() const {
     std::vector<uint32_t> done;
-    StateReader(file_.Section("pass"), Path()).Vector(&done);
+    StateReader in(file_.Section("pass"), Path());
+    in.Structure(&done);
+    in.RequireEnd();
     return done;
 }
 
-void RenderFile::LoadFilm(Film &film) const {
+void RenderFile::ReadFilm(const std::function<void(std::istream &)> &read) const {
     View view(file_.Section("film"));
     std::istream in(&view);
-    film.Load(in);
+    try {
+        read(in);
+    } catch (const UserError &e) {
+        throw UserError(fmt::format("{}: {}", Path(), e.Diagnostics()[0].message));
+    }
+    StateReader({}, Path()).Require(in.peek() == std::istream::traits_type::eof(), "its film is too long");
+}
+
+void RenderFile::LoadFilm(Film &film) const {
+    ReadFilm([&](std::istream &in) { film.Load(in); });
 }
 
 void RenderFile::MergeFilm(Film &film) const {
-    View view(file_.Section("film"));
-    std::istream in(&view);
-    film.Merge(in);
+    ReadFilm([&](std::istream &in) { film.Merge(in); });
 }
 
 void WriteRenderFile(const std::string &path, const RenderFileHead &head, const std::vector<uint32_t> &passDone,
                      const Film &film, const StateWriter &learned) {
     StateWriter headBytes, pass, sums;
     const std::string text = ToJson(head).dump(-1, ' ', false, Json::error_handler_t::replace);
-    headBytes.Copy(text.data(), text.size());
-    pass.Vector(passDone);
+    const std::vector<char> headText(text.begin(), text.end());
+    headBytes.Structure(headText);
+    pass.Structure(passDone);
     film.Save(sums);
     WriteStateFile(path, kKind, {{"head", &headBytes}, {"pass", &pass}, {"film", &sums}, {"learned", &learned}});
 }

@@ -1,5 +1,7 @@
 #pragma once
+#include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,6 +33,8 @@ struct RenderFileHead {
     ImageMetadata metadata;  ///< attributes of the picture that the film makes
 
     bool IsComplete() const { return (end == 0 || done == end) && passCount == 0; }
+    /// Empty, or what is wrong with a head that was read.
+    std::optional<std::string> Validate() const;
 };
 
 /// A checkpoint or part that was read.
@@ -50,6 +54,8 @@ class RenderFile {
     StateReader Learned() const { return {file_.Section("learned"), Path()}; }
 
   private:
+    /// Names the file in errors. Throws UserError if `read` leaves something.
+    void ReadFilm(const std::function<void(std::istream &)> &read) const;
     StateFile file_;
     RenderFileHead head_;
 };

@@ -378,6 +378,20 @@ Float GuideCells::ShinesAt(const Point3 &p) const {
     return radiance > 0 ? radiance / brightest : 0;
 }
 
+GuideRecord GuideRecord::Read(StateReader &in) {
+    // Flags are the last four bytes.
+    StateReader flags = in;
+    flags.Take(offsetof(GuideRecord, bothSides));
+    for (int i = 0; i < 4; ++i) flags.Value<bool>();
+    const auto r = in.Value<GuideRecord>();
+    for (const Vector3 &v : {Vector3(r.p), Vector3(r.target), r.normal, r.wi})
+        in.Require(std::isfinite(v.x + v.y + v.z), "a record is not finite");
+    in.Require(r.pdf > 0 && std::isfinite(r.pdf) && r.bsdfPdf >= 0 && std::isfinite(r.bsdfPdf) && r.beta >= 0 &&
+                   std::isfinite(r.beta) && std::isfinite(r.radiance) && std::isfinite(r.found),
+               "a record is not finite");
+    return r;
+}
+
 void GuideCells::Save(StateWriter &out) const {
     out.Vector(leaves_);
     out.Vector(targets_);
@@ -387,14 +401,25 @@ void GuideCells::Save(StateWriter &out) const {
 void GuideCells::Load(StateReader &in) {
     in.Vector(&leaves_);
     in.Vector(&targets_);
-    if (targets_.size() > kMostGuideTargets) in.Refuse();
+    in.Require(targets_.size() <= kMostGuideTargets, "it has too many places that shine");
     tree_.Load(in, 1, leaves_.size());
+    in.RequireValid(Validate());
+    LeavesChanged();
+}
+
+std::optional<std::string> GuideCells::Validate() const {
+    const auto isNumber = [](Float v) { return v >= 0 && std::isfinite(v); };
     for (const Leaf &leaf : leaves_) {
         for (const size_t kind : {0, 1})
-            if (!(leaf.share[kind] >= 0 && leaf.share[kind] < 1 && leaf.gain[kind] >= 0)) in.Refuse();
+            if (!(leaf.share[kind] >= 0 && leaf.share[kind] < 1) || !isNumber(leaf.gain[kind]))
+                return "a cell of the guide has a wrong share";
+        if (!std::all_of(leaf.radiances.begin(), leaf.radiances.end(), isNumber))
+            return "a cell of the guide has a radiance that is not a finite number";
     }
-    LeavesChanged();
-    if (largestGain_ > 0 && tree_.IsEmpty()) in.Refuse();
+    for (const GuideTarget &t : targets_)
+        if (!std::isfinite(t.p.x + t.p.y + t.p.z) || !isNumber(t.r2) || !isNumber(t.radiance))
+            return "a place that shines is not finite";
+    return tree_.IsEmpty() != leaves_.empty() ? std::optional("cells of the guide belong to no tree") : std::nullopt;
 }
 
 size_t GuideCells::GuidingCells() const {

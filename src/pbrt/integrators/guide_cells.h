@@ -22,6 +22,9 @@ struct GuideRecord {
     bool isGlossy = false;       ///< the BSDF has a glossy lobe
     bool isOfFirstHalf = false;  ///< one of the halves of the paths, each of which judges what the other one taught
     bool unused = false;         ///< no padding, so that saved records have the same bytes
+
+    /// Throws UserError if what is read is no record.
+    static GuideRecord Read(StateReader &in);
 };
 
 /// Which places in the scene shine, as bounces found them (GuideTarget), and in a tree of cells: which of them the cell
@@ -60,6 +63,8 @@ class GuideCells {
     void Forget() { *this = {}; }
     void Save(StateWriter &out) const;
     void Load(StateReader &in);
+    /// Empty, or what is wrong with cells that were read, but for the tree.
+    std::optional<std::string> Validate() const;
 
     size_t Cells() const { return leaves_.size(); }
     size_t GuidingCells() const;

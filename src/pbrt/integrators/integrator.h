@@ -1,6 +1,7 @@
 #pragma once
 #include <limits>
 #include <span>
+#include <string_view>
 
 #include "pbrt/cameras/camera.h"
 #include "pbrt/films/film.h"
@@ -30,6 +31,7 @@ struct RenderPass {
     /// when Render is called (empty: nothing) is left out, and when it returns all is done, or what was done until it
     /// was cancelled.
     std::vector<uint32_t> *done = nullptr;
+    std::string_view doneFile{};  ///< that `done` was read from, for messages
     Progress &progress;
     /// Null, or the processes that render the pass together, each with its own film: samples are handed out among them.
     /// Afterwards `done` of the first process holds what all have done.

@@ -207,8 +207,6 @@ bool MltIntegrator::Render(const RenderPass &pass) {
             "Integrator \"mlt\" has no camera rays of single pixels, so it cannot tell the film what they see: use "
             "Film \"rgb\" or \"spectral\" without further channels.");
     Renderer renderer(*this, pass);
-    if (pass.done && !pass.done->empty() && static_cast<int64_t>(pass.done->size()) != renderer.Parts())
-        throw UserError("what is left of a pass does not fit the picture.");
     renderer.Bootstrap();
     return RenderParts(pass, {.count = renderer.Parts(),
                               .splat = true,

@@ -51,6 +51,9 @@ bool ReducePass(const RenderPass &pass, int64_t parts, int64_t whole, int64_t un
 bool RenderParts(const RenderPass &pass, const PassParts &parts) {
     if (pass.done && pass.done->empty()) pass.done->assign(static_cast<size_t>(parts.count), 0);
     const auto doneBefore = [&](int64_t i) { return pass.done ? (*pass.done)[static_cast<size_t>(i)] : 0; };
+    for (int64_t i = 0; pass.done && i < parts.count; ++i)
+        if (pass.done->size() != static_cast<size_t>(parts.count) || doneBefore(i) > parts.samplesOf(i))
+            throw UserError(fmt::format("{}: what is left of a pass does not fit the picture.", pass.doneFile));
     if (parts.splat) pass.film.ExpectSplats();
     std::atomic<int64_t> whole = 0;
     std::atomic<uint64_t> paths = 0;

@@ -64,23 +64,24 @@ void PathGuide::Prepare(PrepareContext &prepare, int maxDepth) {
     // A file of learned lights has nothing for the guide if the render that made it had none.
     if (!prepare.learned || prepare.learned->BytesLeft() == 0) return;
     StateReader &in = *prepare.learned;
-    if (in.Value<uint32_t>() != kVersion) in.Refuse();
+    in.Require(in.Value<uint32_t>() == kVersion, "another version of the guide wrote it");
     if (!prepare.learnsOn) return LoadOfOther(in);
     const int first = in.Value<int>(), next = in.Value<int>();
-    if (next != 0 && (first < 0 || next != NextAfter(first))) in.Refuse();
-    learnsDirections_ = in.Value<uint32_t>() != 0;
-    if (learnsDirections_ && !params_.directions) in.Refuse();
-    cells_.Load(in);
-    roulette_.Load(in);
+    int learned = 0;
+    while (learned < first && NextAfter(learned) != 0) learned = NextAfter(learned);
+    in.Require(learned == first && next == NextAfter(first), "the guide learns after a wrong number of samples");
+    LoadCells(in);
+    in.Require(!roulette_.Knows() || roulette_.Size() == Size(), "roulette was learned for another picture");
     BeginLearning(first, next);
     AddRecords(in);
+    in.RequireEnd();
 }
 
 void PathGuide::Save(StateWriter &out) const {
     out.Value(kVersion);
     out.Value(first_);
     out.Value(next_);
-    out.Value(uint32_t{learnsDirections_});
+    out.Value(learnsDirections_);
     cells_.Save(out);
     roulette_.Save(out);
     TakeRecords(out);
@@ -114,9 +115,16 @@ void PathGuide::SaveForOthers(StateWriter &out) const {
     out.Value(kVersion);
     out.Text(EffectiveParamsText(params_));
     out.Value(view_);
-    out.Value(uint32_t{learnsDirections_});
+    out.Value(learnsDirections_);
     cells_.Save(out);
     roulette_.Save(out);
+}
+
+void PathGuide::LoadCells(StateReader &in) {
+    learnsDirections_ = in.Value<bool>();
+    in.Require(params_.directions || !learnsDirections_, "it has directions, which are off");
+    cells_.Load(in);
+    roulette_.Load(in);
 }
 
 void PathGuide::LoadOfOther(StateReader &in) {
@@ -125,9 +133,8 @@ void PathGuide::LoadOfOther(StateReader &in) {
         throw UserError(fmt::format("{}: was learned by a guide with other parameters: {}; here they are {}.",
                                     in.What(), saved, here));
     const auto view = in.Value<View>();
-    learnsDirections_ = in.Value<uint32_t>() != 0;
-    cells_.Load(in);
-    roulette_.Load(in);
+    LoadCells(in);
+    in.RequireEnd();
     roulette_.UseFor(Size(), IsSame(view, view_));
     BeginLearning(0, 0);
 }
@@ -268,11 +275,11 @@ void PathGuide::TakeRecords(StateWriter &out) const {
 }
 
 void PathGuide::AddRecords(StateReader &in) {
-    if (in.Value<uint64_t>() != places_.size()) in.Refuse();
+    in.Require(in.Value<uint64_t>() == places_.size(), "it has other records than the render makes");
     for (auto filled = in.Value<uint64_t>(); filled > 0; --filled) {
         const auto i = in.Value<uint64_t>();
-        if (i >= places_.size()) in.Refuse();
-        in.Value(&places_[i]);
+        in.Require(i < places_.size(), "a record has no place");
+        places_[i] = GuideRecord::Read(in);
     }
     roulette_.AddRecords(in);
 }

@@ -116,6 +116,7 @@ class PathGuide final : public LightLearner {
     /// True if both show the same, but for what another resolution changes.
     bool IsSame(const View &a, const View &b) const;
     void LoadOfOther(StateReader &in);
+    void LoadCells(StateReader &in);
 
     Vector2i Size() const { return pixels_.IsEmpty() ? Vector2i(0) : pixels_.high - pixels_.low; }
     size_t Pixels() const { return static_cast<size_t>(Size().x) * static_cast<size_t>(Size().y); }

@@ -24,6 +24,11 @@ constexpr double kTilePaths = 64;
 
 bool IsFilled(const RouletteRecord &record) { return record.here.cost > 0; }
 bool IsFilled(const PathTotal &total) { return total.cost > 0; }
+// Of what was read. What a path found may be infinite; Learn leaves it out.
+bool IsFinite(const RouletteRecord &r) {
+    return std::isfinite(r.p.x + r.p.y + r.p.z) && std::isfinite(r.here.cost) && std::isfinite(r.onwards.cost);
+}
+bool IsFinite(const PathTotal &total) { return std::isfinite(total.cost); }
 
 /// Of what was found from vertices on.
 struct Moments {
@@ -221,16 +226,22 @@ void PathRoulette::Load(StateReader &in) {
     in.Value(&size_);
     in.Value(&tile_);
     in.Vector(&tiles_);
-    if (!Knows()) return;
+    in.RequireValid(Validate());
+}
+
+std::optional<std::string> PathRoulette::Validate() const {
+    if (!Knows())
+        return cells_.empty() && tiles_.empty() ? std::nullopt : std::optional("cells of roulette belong to no tree");
     constexpr int kMaxSide = 1 << 24;
     if (tile_ < 1 || tile_ > kMaxSide || size_.x < 1 || size_.y < 1 || size_.x > kMaxSide || size_.y > kMaxSide)
-        in.Refuse();
+        return "roulette was learned for no picture";
     const auto along = [&](int pixels) { return static_cast<size_t>((pixels + tile_ - 1) / tile_); };
-    if (tiles_.size() != along(size_.x) * along(size_.y)) in.Refuse();
+    if (tiles_.size() != along(size_.x) * along(size_.y)) return "the tiles of roulette do not cover the picture";
     for (const Float tile : tiles_)
-        if (!(tile > 0)) in.Refuse();
+        if (!(tile > 0)) return "a tile of roulette has no worth";
     for (const Cell &cell : cells_)
-        if (!std::isfinite(cell.here) || !std::isfinite(cell.onwards)) in.Refuse();
+        if (!std::isfinite(cell.here) || !std::isfinite(cell.onwards)) return "a cell of roulette is not finite";
+    return {};
 }
 
 void PathRoulette::TakeRecords(StateWriter &out) const {
@@ -251,17 +262,17 @@ void PathRoulette::TakeRecords(StateWriter &out) const {
 
 void PathRoulette::AddRecords(StateReader &in) {
     const auto add = [&](auto &places) {
-        if (in.Value<uint64_t>() != places.size()) in.Refuse();
+        in.Require(in.Value<uint64_t>() == places.size(), "it has other records than the render makes");
         for (auto filled = in.Value<uint64_t>(); filled > 0; --filled) {
             const auto i = in.Value<uint64_t>();
-            if (i >= places.size()) in.Refuse();
+            in.Require(i < places.size(), "a record has no place");
             in.Value(&places[i]);
+            in.Require(IsFilled(places[i]) && IsFinite(places[i]), "a record is not finite");
         }
     };
     add(records_);
     add(totals_);
-    for (const RouletteRecord &r : records_)
-        if (r.kind >= kKinds) in.Refuse();
+    for (const RouletteRecord &r : records_) in.Require(r.kind < kKinds, "a record is of no kind");
 }
 
 }  // namespace pbrt

@@ -102,6 +102,9 @@ class PathRoulette {
 
     void Save(StateWriter &out) const;
     void Load(StateReader &in);
+    /// Empty, or what is wrong with what was read, but for the tree.
+    std::optional<std::string> Validate() const;
+    Vector2i Size() const { return size_; }
     void TakeRecords(StateWriter &out) const;
     void AddRecords(StateReader &in);
     void ClearRecords();

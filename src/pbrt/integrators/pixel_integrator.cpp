@@ -92,11 +92,9 @@ class Parts {
         const Vector2i tiles = (bounds_.high - bounds_.low + (kTileSize - 1)) / kTileSize;
         tilesPerRow_ = tiles.x;
         const int64_t count = bounds_.IsEmpty() ? 0 : int64_t{tiles.x} * tiles.y;
-        // A pass that was begun goes on with the parts that it has.
+        // A pass that was begun goes on with the parts that it has; RenderParts checks their number.
         if (pass.done && !pass.done->empty()) {
-            const auto begun = static_cast<int64_t>(pass.done->size());
-            if (count == 0 || begun % count != 0) throw UserError("what is left of a pass does not fit the picture.");
-            perTile_ = begun / count;
+            perTile_ = static_cast<int64_t>(pass.done->size()) / std::max(count, int64_t{1});
         } else if (pass.ranks && count > 0) {
             const int64_t wanted = kPartsPerThread * pass.ranks->TotalThreads();
             perTile_ = std::clamp((wanted + count - 1) / count, int64_t{1}, int64_t{kTileSize} * kTileSize);

@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -59,17 +60,32 @@ class PointTree {
         return second;
     }
 
-    void Save(StateWriter &out) const { out.Vector(nodes_); }
-    /// Refuses a tree that LeafOf would not leave, or that has numbers of `leaves` and more.
+    void Save(StateWriter &out) const { out.Structure(nodes_); }
+    /// Throws UserError if the tree is not valid.
     void Load(StateReader &in, size_t roots, size_t leaves) {
-        in.Vector(&nodes_);
-        if (!nodes_.empty() && nodes_.size() < roots) in.Refuse();
+        in.Structure(&nodes_);
+        in.RequireValid(Validate(roots, leaves));
+    }
+    /// Empty, or why LeafOf would go astray or end at a leaf with a number of `leaves` or more. Nodes that no root
+    /// leads to are allowed.
+    std::optional<std::string> Validate(size_t roots, size_t leaves) const {
+        if (nodes_.empty()) return {};
+        if (nodes_.size() < roots || (nodes_.size() - roots) % 2 != 0) return "a tree of places lacks nodes";
+        std::vector<bool> isChild((nodes_.size() - roots) / 2, false);
         for (size_t i = 0; i < nodes_.size(); ++i) {
             const Node &node = nodes_[i];
-            if (node.axis > kLeaf ||
-                (node.IsLeaf() ? node.below >= leaves : node.below <= i || size_t{node.below} + 1 >= nodes_.size()))
-                in.Refuse();
+            if (node.axis > kLeaf) return "a tree of places is divided across no axis";
+            if (node.IsLeaf()) {
+                if (node.below >= leaves) return "a tree of places has a leaf with a wrong number";
+                continue;
+            }
+            const size_t pair = (size_t{node.below} - roots) / 2;
+            if (node.below <= i || node.below < roots || (node.below - roots) % 2 != 0 || pair >= isChild.size() ||
+                isChild[pair] || std::isnan(node.split))
+                return "a node of a tree of places has no children of its own";
+            isChild[pair] = true;
         }
+        return {};
     }
 
   private:

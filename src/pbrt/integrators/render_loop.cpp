@@ -70,10 +70,11 @@ bool WaveRenderer::RenderPassOf(int size) {
                           .keepsSamples = !isRepeating_,
                           .isCounted = settings_.timeBudget <= 0 && !isRepeating_,
                           .done = &position_.passDone,
+                          .doneFile = position_.file,
                           .progress = progress_,
                           .ranks = settings_.ranks};
     if (!integrator_.Render(pass)) return false;
-    position_ = {Done() + size, 0, {}};
+    position_ = {.done = Done() + size};
     return true;
 }
 
@@ -82,7 +83,7 @@ void WaveRenderer::ContinueFrom(int samples) {
     while (learner_ && learner_->NextLearning() > 0 && Done() < samples)
         if (Render(samples - Done()) == 0) break;
     isRepeating_ = false;
-    position_ = {samples, 0, {}};
+    position_ = {.done = samples};
 }
 
 void WaveRenderer::Say(Command command) {

@@ -18,6 +18,7 @@ struct RenderPosition {
     /// (RenderPass::done).
     int passCount = 0;
     std::vector<uint32_t> passDone{};
+    std::string file{};  ///< that it was read from
 };
 
 struct RenderSettings {

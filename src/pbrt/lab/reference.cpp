@@ -80,8 +80,9 @@ class ReferenceMaker {
     bool RenderPart(const SamplerChoice &choice, int seed, int samples, int partsAfter, const std::string &file,
                     Reference *reference) {
         if (IsWholePicture(file, scene_.Resolution())) {
-            const ImageFile known = ReadImage(file);
-            reference->seconds += double(std::get<float>(known.metadata.attributes.at("renderTimeSeconds")));
+            ImageFile known = ReadImage(file);
+            if (const auto *seconds = std::get_if<float>(&known.metadata.attributes["renderTimeSeconds"]))
+                reference->seconds += double(*seconds);
             reference->parts.push_back(known.image.Select({"R", "G", "B"}));
             return true;
         }

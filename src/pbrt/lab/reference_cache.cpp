@@ -7,6 +7,7 @@
 #include "pbrt/core/log.h"
 #include "pbrt/core/version.h"
 #include "pbrt/lab/machine.h"
+#include "pbrt/lab/take_up.h"
 #include "pbrt/lab/tile_statistics.h"
 #include "pbrt/scenefile/content_hash.h"
 
@@ -41,6 +42,7 @@ std::optional<Reference> ReadCached(const std::string &path, Point2i resolution)
         reference.parts.push_back(std::move(image));
     }
     AverageParts(&reference);
+    if (!IsFinite(reference.image)) return {};
     reference.sampler = Attribute<std::string>(file.metadata, "lightlab.sampler", "");
     reference.samples = Attribute(file.metadata, "samplesPerPixel", 0);
     reference.seconds = double(Attribute(file.metadata, "renderTimeSeconds", 0.f));
@@ -157,6 +159,8 @@ Reference ReadReference(const std::string &path, const LabScene &scene) {
     const Bounds2i window{wanted.low - have.low, wanted.high - have.low};
     Reference reference;
     reference.image = file.image.Select({"R", "G", "B"}).Crop(window);
+    if (!IsFinite(reference.image))
+        throw UserError(fmt::format("{}: the reference has pixels that are not finite.", path));
     reference.sampler = Attribute<std::string>(file.metadata, "lightlab.sampler", "");
     reference.samples = Attribute(file.metadata, "samplesPerPixel", 0);
     reference.seconds = double(Attribute(file.metadata, "renderTimeSeconds", 0.f));

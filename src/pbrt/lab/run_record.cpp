@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
@@ -16,6 +17,17 @@ namespace {
 
 Json ToJson(const TimeSpent &t) { return {{"wall", t.wall}, {"cpu", t.cpu}}; }
 TimeSpent TimeFromJson(const Json &json) { return {json.at("wall").get<double>(), json.at("cpu").get<double>()}; }
+
+/// Whether the last round of a run that was read can be one.
+bool IsPossible(const RunRecord &run) {
+    const auto isTime = [](const TimeSpent &t) {
+        return t.wall >= 0 && t.cpu >= 0 && std::isfinite(t.wall) && std::isfinite(t.cpu);
+    };
+    const RoundRecord &round = run.rounds.back();
+    const int before = run.rounds.size() > 1 ? run.rounds[run.rounds.size() - 2].samples : 0;
+    return round.samples > before && run.expectedSamples > 0 && isTime(round.spent) && isTime(run.prepare) &&
+           round.shadowRaysBlocked <= round.shadowRays;
+}
 
 Json ReadJson(const std::string &path) {
     std::ifstream in(path);
@@ -57,6 +69,7 @@ RunRecord RecordFolder::LoadRun(const std::string &sampler, int seed, int most) 
             upToHere.gateReport = json.at("gateReport");
             upToHere.structure = json.at("structure").get<std::string>();
             upToHere.rounds.push_back(round);
+            if (!IsPossible(upToHere)) break;
             run = std::move(upToHere);
         } catch (const Json::exception &) {
             break;

@@ -1,5 +1,6 @@
 #include "pbrt/lab/take_up.h"
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
@@ -23,10 +24,19 @@ bool IsWholeFilm(const std::string &file, const LabScene &scene) {
 
 }  // namespace
 
+bool IsFinite(const Image &picture) {
+    for (int y = 0; y < picture.Resolution().y; ++y)
+        for (int x = 0; x < picture.Resolution().x; ++x)
+            for (int c = 0; c < 3; ++c)
+                if (!std::isfinite(picture.Get({x, y}, c))) return false;
+    return true;
+}
+
 bool IsWholePicture(const std::string &file, Point2i resolution) {
     if (!std::filesystem::exists(file)) return false;
     try {
-        return ReadImage(file).image.Select({"R", "G", "B"}).Resolution() == resolution;
+        const Image picture = ReadImage(file).image.Select({"R", "G", "B"});
+        return picture.Resolution() == resolution && IsFinite(picture);
     } catch (const UserError &) {
         return false;
     }

@@ -11,7 +11,10 @@ namespace pbrt::lab {
 RunRecord TakeUpRun(const RecordFolder &records, const LabScene &scene, const std::string &sampler, int seed,
                     size_t checkpoints, const std::string &picture);
 
-/// True: the picture can be read, and has R, G and B at this resolution.
+/// True if all pixels of R, G and B are finite.
+bool IsFinite(const Image &picture);
+
+/// True: the picture can be read, and has finite R, G and B at this resolution.
 bool IsWholePicture(const std::string &file, Point2i resolution);
 
 }  // namespace pbrt::lab

@@ -12,6 +12,18 @@ bool AreEqual(const Frame &a, const Frame &b) { return a.x == b.x && a.y == b.y 
 
 }  // namespace
 
+std::optional<std::string> SkyWindow::Validate() const {
+    const auto isOne = [](Float v) { return std::abs(v - 1) < Float(1e-3f); };
+    const auto isNone = [](Float v) { return std::abs(v) < Float(1e-3f); };
+    const auto &[x, y, z] = frame;
+    if (!isOne(Dot(x, x)) || !isOne(Dot(y, y)) || !isOne(Dot(z, z)) || !isNone(Dot(x, y)) || !isNone(Dot(y, z)) ||
+        !isNone(Dot(z, x)))
+        return "the frame of a window is not orthonormal";
+    if (!(low.x < high.x && low.y < high.y && low.z == high.z) || !std::isfinite(Length(low) + Length(high)))
+        return "a window is no rectangle";
+    return {};
+}
+
 SkyWindows::SkyWindows(const Light &sky, std::span<const SkyWindow> windows)
     : windows_(windows.begin(), windows.end()) {
     PBRT_CHECK(sky.HasTiles() && windows.size() <= kMost);

@@ -1,6 +1,8 @@
 #pragma once
 #include <memory>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "pbrt/lights/sky_tile.h"
@@ -12,6 +14,9 @@ namespace pbrt {
 struct SkyWindow {
     Frame frame;           ///< x and y along the sides, z to the outside
     Point3 low{}, high{};  ///< opposite corners, in coordinates of the frame, with low.z = high.z
+
+    /// Empty, or what is wrong with a window that was read from a file.
+    std::optional<std::string> Validate() const;
 
     Point3 Middle() const { return frame.FromLocal((low + high) * Float(0.5)); }
 

@@ -57,8 +57,8 @@ class Scene {
         return Occluded(ShadowRay(from, to));
     }
     bool Occluded(const Ray &ray) const { return Occluded(ray, nullptr); }
-    /// The segment between both points as a ray to its end, which is moved off the light's surface by the error bound of
-    /// the sample and of the intersection; its direction has no unit length.
+    /// The segment between both points as a ray to its end, which is moved off the light's surface by the error bound
+    /// of the sample and of the intersection; its direction has no unit length.
     static Ray ShadowRay(const LightSampleContext &from, const LightLiSample &to);
     /// A surface between media on a ray, and the medium behind it.
     struct Interface {

@@ -85,9 +85,16 @@ void Checkpoint::Begin(const BuiltScene &built, RenderSettings *settings) {
         settings->endSample = head_.end;
         return;
     }
-    PBRT_CHECK(head_.samplesPerBatch == built.samplesPerPixel);
     file_->LoadFilm(*built.film);
-    settings->from = RenderPosition{head_.done, head_.passCount, file_->PassDone()};
+    settings->from = RenderPosition{head_.done, head_.passCount, file_->PassDone(), path_};
+    const LightLearner *learner = built.integrator->Learner();
+    const int next = learner ? learner->NextLearning() : 0, ahead = head_.done + head_.passCount;
+    StateReader({}, path_).Require(head_.samplesPerBatch == built.samplesPerPixel &&
+                                       head_.passCount <= head_.samplesPerBatch - head_.done % head_.samplesPerBatch &&
+                                       head_.passCount <= built.integrator->MaxPassSamples() &&
+                                       (head_.passCount > 0) == !settings->from->passDone.empty() &&
+                                       (next == 0 || next >= ahead),
+                                   "its numbers of samples do not fit the scene");
     if (head_.done > head_.first) settings->secondsPerSample = head_.renderSeconds / (head_.done - head_.first);
     // Time that was spent before counts.
     settings->start -=

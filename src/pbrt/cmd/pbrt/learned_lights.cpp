@@ -48,9 +48,13 @@ void LearnedLights::Check(const BuiltScene &built) const {
     if (!loaded_) return;
     RenderIdentity saved;
     try {
-        saved = Json::parse(loaded_->Section("identity")).get<RenderIdentity>();
+        StateReader in(loaded_->Section("identity"), loaded_->Path());
+        std::vector<char> text;
+        in.Structure(&text);
+        in.RequireEnd();
+        saved = Json::parse(text).get<RenderIdentity>();
     } catch (const Json::exception &) {
-        throw UserError(fmt::format("{}: its content is damaged.", loaded_->Path()));
+        throw UserError(fmt::format("{}: its content is damaged: its head is not readable.", loaded_->Path()));
     }
     if (const std::string differences = DifferencesOf(IdentityOf(built), saved, loaded_->Path()); !differences.empty())
         throw UserError(fmt::format("{}: was learned for other lights: {}.", loaded_->Path(), differences));
@@ -59,7 +63,8 @@ void LearnedLights::Check(const BuiltScene &built) const {
 void LearnedLights::Save(const BuiltScene &built) const {
     StateWriter identity, learned;
     const std::string text = Json(IdentityOf(built)).dump();
-    identity.Copy(text.data(), text.size());
+    const std::vector<char> head(text.begin(), text.end());
+    identity.Structure(head);
     built.integrator->SaveForOthers(learned);
     WriteStateFile(savePath_, kKind, {{"identity", &identity}, {"learned", &learned}});
 }

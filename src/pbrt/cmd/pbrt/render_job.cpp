@@ -141,6 +141,8 @@ void PrepareLights(std::optional<StateReader> reader, const LearnedLights &light
     }
     if (reader) context.learned = &*reader;
     built.integrator->Prepare(context);
+    // A file of learned lights may have more than this integrator uses.
+    if (reader && context.learnsOn) reader->RequireEnd();
 }
 
 /// mpirun gives its standard input to the first process only.

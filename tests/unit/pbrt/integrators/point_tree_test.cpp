@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "pbrt/math/rng.h"
+#include "support/structure.h"
 
 namespace pbrt::test {
 namespace {
@@ -83,12 +84,26 @@ TEST(PointTree, RefusesADamagedOne) {
     load(saved, 1, built.leaves.size());
     EXPECT_THROW(load(saved, 1, built.leaves.size() - 1), UserError);
     EXPECT_THROW(load(saved, built.tree.Nodes().size() + 1, built.leaves.size()), UserError);
-    // The root's children: behind the last node, and the root itself.
-    for (const uint32_t below : {static_cast<uint32_t>(built.tree.Nodes().size() - 1), 0u}) {
-        std::string damaged = saved;
-        std::memcpy(damaged.data() + sizeof(uint64_t) + offsetof(PointTree::Node, below), &below, sizeof(below));
-        EXPECT_THROW(load(damaged, 1, built.leaves.size()), UserError);
+    const std::vector<PointTree::Node> &nodes = built.tree.Nodes();
+    for (size_t i = 0; i < nodes.size(); ++i) {
+        const auto refuses = [&](auto &&change) {
+            PointTree::Node node = nodes[i];
+            change(node);
+            EXPECT_THROW(load(WithElement(saved, 0, i, node), 1, built.leaves.size()), UserError) << i;
+        };
+        refuses([](PointTree::Node &n) { n.axis = 4; });
+        refuses([](PointTree::Node &n) { n.below = 0xffffffffu; });
+        if (nodes[i].IsLeaf()) continue;
+        // Behind the last node, itself, the children of another one, and neighbours that are not siblings.
+        refuses([&](PointTree::Node &n) { n.below = static_cast<uint32_t>(nodes.size() - 1); });
+        refuses([&](PointTree::Node &n) { n.below = static_cast<uint32_t>(i); });
+        refuses([&](PointTree::Node &n) { n.below += n.below + 3 < nodes.size() ? 2 : -2; });
+        refuses([&](PointTree::Node &n) { ++n.below; });
+        refuses([](PointTree::Node &n) { n.split = std::numeric_limits<Float>::quiet_NaN(); });
     }
+    std::string changed = saved;
+    ++changed[sizeof(uint64_t) + offsetof(PointTree::Node, split)];
+    EXPECT_THROW(load(changed, 1, built.leaves.size()), UserError) << "the hash does not fit";
 }
 
 }  // namespace

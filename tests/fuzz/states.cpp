@@ -1,0 +1,295 @@
+#include "fuzz/states.h"
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <stdexcept>
+
+#include "fuzz/byte_mutators.h"
+#include "fuzz/program.h"
+#include "pbrt/core/state_io.h"
+
+namespace pbrt::fuzz {
+
+namespace {
+
+namespace fs = std::filesystem;
+constexpr size_t kMagicBytes = 12;  // and version
+
+template <class T>
+T ValueAt(std::string_view bytes, size_t at) {
+    T value{};
+    std::memcpy(&value, bytes.data() + at, sizeof(T));
+    return value;
+}
+template <class T>
+void Put(std::string &bytes, size_t at, T value) {
+    std::memcpy(bytes.data() + at, &value, sizeof(T));
+}
+template <class T>
+void Append(std::string &bytes, T value) {
+    bytes.append(reinterpret_cast<const char *>(&value), sizeof(T));
+}
+void AppendText(std::string &bytes, const std::string &text) {
+    Append(bytes, uint64_t{text.size()});
+    bytes += text;
+}
+
+/// The parts of a StateFile.
+struct State {
+    std::string magic, kind;
+    std::vector<CaseFile> sections;
+
+    explicit State(const std::string &file) {
+        size_t at = kMagicBytes + sizeof(uint64_t);
+        const auto text = [&] {
+            const auto length = ValueAt<uint64_t>(file, at);
+            at += sizeof(length) + length;
+            return file.substr(at - length, length);
+        };
+        magic = file.substr(0, kMagicBytes);
+        kind = text();
+        auto count = ValueAt<uint32_t>(file, at);
+        for (at += sizeof(count); count > 0; --count) {
+            const std::string name = text();
+            sections.push_back({name, text()});
+        }
+    }
+    /// As a file with its length and checksum.
+    std::string Bytes() const {
+        std::string bytes = magic;
+        Append(bytes, uint64_t{0});
+        AppendText(bytes, kind);
+        Append(bytes, static_cast<uint32_t>(sections.size()));
+        for (const CaseFile &section : sections) {
+            AppendText(bytes, section.name);
+            AppendText(bytes, section.bytes);
+        }
+        Put(bytes, kMagicBytes, uint64_t{bytes.size() + sizeof(uint64_t)});
+        Append(bytes, uint64_t{crc32_z(0, reinterpret_cast<const Bytef *>(bytes.data()), bytes.size())});
+        return bytes;
+    }
+    std::string &Section(const std::string &name) {
+        for (CaseFile &section : sections)
+            if (section.name == name) return section.bytes;
+        throw std::runtime_error("a state has no section " + name);
+    }
+};
+
+/// A vector that StateWriter::Structure wrote: its number of elements, they, their hash.
+struct Structure {
+    size_t at = 0, count = 0, size = 0;
+    size_t First() const { return at + sizeof(uint64_t); }
+    size_t HashAt() const { return First() + count * size; }
+    size_t End() const { return HashAt() + sizeof(uint64_t); }
+};
+
+/// Those that are not empty, found by their hashes.
+std::vector<Structure> StructuresIn(std::string_view bytes) {
+    std::vector<Structure> found;
+    for (size_t at = 0; at + 2 * sizeof(uint64_t) <= bytes.size(); ++at) {
+        const auto count = ValueAt<uint64_t>(bytes, at);
+        const size_t left = bytes.size() - at - 2 * sizeof(uint64_t);
+        for (const size_t size : {1, 4, 12}) {
+            if (count == 0 || count > left / size) continue;
+            const Structure s{at, count, size};
+            if (StructureHash(bytes.substr(s.First(), count * size)) != ValueAt<uint64_t>(bytes, s.HashAt())) continue;
+            found.push_back(s);
+            at = s.End() - 1;
+            break;
+        }
+    }
+    return found;
+}
+
+void RepairHash(std::string &bytes, const Structure &s) {
+    Put(bytes, s.HashAt(), StructureHash(std::string_view(bytes).substr(s.First(), s.count * s.size)));
+}
+
+/// Changes one word of four bytes to an extreme, a neighbouring or another value of the bytes.
+void ChangeWord(std::string &bytes, size_t at, size_t other, Dice &dice) {
+    static constexpr uint32_t kWords[] = {0,          1,          2,          0xffffffff, 0x7fffffff, 0x80000000,
+                                          0x80000001, 0x7fc00000, 0x7f800000, 0xff800000, 0xbf800000, 0x00000001};
+    const auto word = ValueAt<uint32_t>(bytes, at);
+    switch (dice.Below(4)) {
+        case 0: return Put(bytes, at, dice.Pick(kWords));
+        case 1: return Put(bytes, at, word + 1);
+        case 2: return Put(bytes, at, word - 1);
+        default: {
+            const auto swapped = ValueAt<uint32_t>(bytes, other);
+            Put(bytes, other, word);
+            Put(bytes, at, swapped);
+        }
+    }
+}
+
+/// Changes elements of a structure, or their number, and makes the hash fit.
+void ChangeStructure(std::string &bytes, Structure s, Dice &dice) {
+    const size_t words = s.count * s.size / sizeof(uint32_t);
+    if (s.size == 1 || dice.OneIn(5)) {
+        // An element less or one twice.
+        const size_t element = s.First() + s.size * dice.Below(s.count);
+        if (dice.OneIn(2)) {
+            bytes.erase(element, s.size);
+            --s.count;
+        } else {
+            bytes.insert(element, bytes.substr(element, s.size));
+            ++s.count;
+        }
+        Put(bytes, s.at, uint64_t{s.count});
+    } else {
+        for (size_t changes = 1 + dice.Below(3); changes > 0; --changes)
+            ChangeWord(bytes, s.First() + sizeof(uint32_t) * dice.Below(words),
+                       s.First() + sizeof(uint32_t) * dice.Below(words), dice);
+    }
+    RepairHash(bytes, s);
+}
+
+/// Changes the content of a section. True: what it is must not be accepted.
+bool ChangeSection(std::string &bytes, Dice &dice) {
+    const std::string before = bytes;
+    const std::vector<Structure> structures = StructuresIn(bytes);
+    const size_t words = bytes.size() / sizeof(uint32_t);
+    const size_t way = dice.Below(10);
+    if (way < 4 && !structures.empty()) {
+        ChangeStructure(bytes, dice.Pick(structures), dice);
+        return false;
+    }
+    if (way < 8 && words > 0)
+        ChangeWord(bytes, sizeof(uint32_t) * dice.Below(words), sizeof(uint32_t) * dice.Below(words), dice);
+    else
+        MutateBytes(bytes, 64, dice);
+    if (bytes.size() != before.size()) return true;
+    for (const Structure &s : structures)
+        if (bytes.compare(s.at, s.End() - s.at, before, s.at, s.End() - s.at) != 0) return true;
+    return false;
+}
+
+/// A room with a window, of 12 x 8 pixels.
+std::string Room(const std::string &integrator, const std::string &lights) {
+    return "LookAt 0 1.2 -2.8  0 .8 0  0 1 0\nCamera \"perspective\" \"float fov\" 60\n"
+           "Film \"rgb\" \"integer xresolution\" 12 \"integer yresolution\" 8\n"
+           "Sampler \"independent\" \"integer pixelsamples\" 16\nIntegrator \"" +
+           integrator + "\" \"integer maxdepth\" 3\nWorldBegin\n" + lights +
+           "Material \"diffuse\"\n"
+           "Shape \"bilinearmesh\" \"point3 P\" [ -3 2 -3  3 2 -3  -3 2 3  3 2 3 ]\n"
+           "Shape \"bilinearmesh\" \"point3 P\" [ -3 0 -3  3 0 -3  -3 0 3  3 0 3 ]\n"
+           "Shape \"bilinearmesh\" \"point3 P\" [ -3 0 3  3 0 3  -3 2 3  3 2 3 ]\n"
+           "Shape \"bilinearmesh\" \"point3 P\" [ 3 0 -3  3 0 3  3 2 -3  3 2 3 ]\n"
+           "Shape \"bilinearmesh\" \"point3 P\" [ -3 0 -3  3 0 -3  -3 2 -3  3 2 -3 ]\n"
+           "Shape \"bilinearmesh\" \"point3 P\" [ -3 0 -3  -3 0 3  -3 .8 -3  -3 .8 3 ]\n"
+           "Shape \"bilinearmesh\" \"point3 P\" [ -3 1.6 -3  -3 1.6 3  -3 2 -3  -3 2 3 ]\n";
+}
+
+std::string Lamps(int count) {
+    std::string text;
+    for (int i = 0; i < count; ++i)
+        text += fmt::format("LightSource \"point\" \"point3 from\" [ {} 1.9 {} ] \"rgb I\" [ .1 .2 .1 ]\n",
+                            0.5 * (i % 10) - 2.5, 0.5 * (i / 10) - 2.2);
+    return text;
+}
+
+const char *const kSky = "LightSource \"infinite\" \"string filename\" \"../assets/tiled.exr\"\n";
+const char *const kFog =
+    "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_s\" [ .2 .2 .2 ] \"rgb sigma_a\" [ .1 .1 .1 ]\n"
+    "MediumInterface \"fog\" \"fog\"\nAttributeBegin\nMaterial \"interface\"\n"
+    "Shape \"sphere\" \"float radius\" 20\nAttributeEnd\n";
+
+struct Recipe {
+    const char *name;
+    std::string scene;
+    std::vector<std::string> arguments;
+    bool isCheckpoint;
+};
+
+std::vector<Recipe> Recipes() {
+    const std::string few = Lamps(3), many = Lamps(80);
+    return {{"lamps", Room("path", many), {"--lightsampler=octree+guide:leastsaved=0"}, true},
+            {"few-lamps", Room("path", few), {"--lightsampler=octree+guide:leastsaved=0"}, true},
+            {"tiles", Room("path", kSky), {"--lightsampler=octree:windows=false,opensky=1"}, true},
+            {"windows", Room("path", kSky), {"--lightsampler=octree:opensky=1"}, true},
+            {"fog", Room("volpath", kFog + many), {"--lightsampler=octree+guide"}, true},
+            {"bdpt", Room("bdpt", few), {"--lightsampler=octree"}, true},
+            {"lights", Room("path", many), {"--lightsampler=octree+guide:leastsaved=0"}, false},
+            {"lights-tiles", Room("path", kSky), {"--lightsampler=octree:windows=false,opensky=1"}, false},
+            {"lights-paper", Room("path", many), {"--lightsampler=octree:model=paper"}, false}};
+}
+
+/// The checkpoint of a part as that of a whole render, which goes on.
+std::string OfWholeRender(const std::string &file) {
+    State state(file);
+    std::string &head = state.Section("head");
+    nlohmann::ordered_json json = nlohmann::ordered_json::parse(head.substr(8, head.size() - 16));
+    json["isPart"] = false;
+    json["end"] = 16;
+    const std::string text = json.dump();
+    head.clear();
+    AppendText(head, text);
+    Append(head, StructureHash(text));
+    return state.Bytes();
+}
+
+}  // namespace
+
+std::vector<StateSeed> MakeStateSeeds(const std::string &folder) {
+    std::vector<StateSeed> seeds;
+    const fs::path work = fs::path(folder) / "states";
+    fs::create_directories(work);
+    for (const Recipe &recipe : Recipes()) {
+        StateSeed seed{recipe.name, recipe.scene, {}, {"--nthreads=1"}};
+        seed.arguments.insert(seed.arguments.end(), recipe.arguments.begin(), recipe.arguments.end());
+        seed.file.name = recipe.isCheckpoint ? "state.chk" : "state.lights";
+        FuzzCase making{"state", seed.name, {{"scene.pbrt", seed.scene}}, seed.arguments};
+        making.arguments.push_back((recipe.isCheckpoint ? "--checkpoint=" : "--save-lights=") + seed.file.name);
+        if (recipe.isCheckpoint) making.arguments.push_back("--samples=0:3");
+        std::ofstream(work / "scene.pbrt") << seed.scene;
+        const ChildResult made = RunChild(
+            work.string(),
+            [&](PictureReport &report) {
+                RunProgram(making, report);
+                return 0;
+            },
+            {});
+        std::ostringstream bytes;
+        bytes << std::ifstream(work / seed.file.name, std::ios::binary).rdbuf();
+        seed.file.bytes = bytes.str();
+        if (seed.file.bytes.empty()) throw std::runtime_error("no state of " + seed.name + ": " + made.messages);
+        fs::remove(work / seed.file.name);
+        if (recipe.isCheckpoint) {
+            seed.file.bytes = OfWholeRender(seed.file.bytes);
+            seed.arguments.insert(seed.arguments.end(), {"--checkpoint=" + seed.file.name, "--resume"});
+        } else {
+            seed.arguments.push_back("--load-lights=" + seed.file.name);
+        }
+        seeds.push_back(std::move(seed));
+    }
+    fs::remove_all(work);
+    return seeds;
+}
+
+FuzzCase MakeStateCase(const StateSeed &seed, Dice &dice) {
+    FuzzCase made{"state", seed.name, {{"scene.pbrt", seed.scene}, seed.file}, seed.arguments};
+    State state(seed.file.bytes);
+    CaseFile *section = &state.sections[dice.Below(state.sections.size())];
+    if (dice.OneIn(30)) {
+        if (dice.OneIn(2))
+            state.sections.push_back(*section);
+        else
+            state.sections.erase(state.sections.begin() + (section - state.sections.data()));
+        made.mustBeRefused = true;
+    } else {
+        if (!dice.OneIn(4))
+            for (CaseFile &other : state.sections)
+                if (other.name == "learned") section = &other;
+        made.mustBeRefused = ChangeSection(section->bytes, dice);
+    }
+    made.files[1].bytes = state.Bytes();
+    return made;
+}
+
+}  // namespace pbrt::fuzz

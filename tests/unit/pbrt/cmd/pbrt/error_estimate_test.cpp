@@ -25,10 +25,11 @@ class GrowingPicture {
     }
     /// relL2 of the picture as it is, to the true means.
     double Error() const {
+        constexpr double kEpsilon = 0.01 * 2 * 2;  // 2 is the mean of the means
         double sum = 0;
         for (size_t i = 0; i < sums_.size(); ++i) {
             const double d = sums_[i] / taken_ - Mean(i);
-            sum += d * d / (Mean(i) * Mean(i) + 0.01);
+            sum += d * d / (Mean(i) * Mean(i) + kEpsilon);
         }
         return sum / static_cast<double>(sums_.size());
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "pbrt/core/progress.h"
 
@@ -45,14 +46,17 @@ double MeasureSecondsPerSample(Integrator &integrator, const Camera &camera, con
     WaveRenderer renderer(integrator, camera, filter, scratch, sampler, settings, deadline.progress);
     const Clock::time_point start = Clock::now();
     const auto since = [](Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); };
-    for (int size = 1;; size = std::min(2 * size, kMaxWave)) {
+    double fastest = std::numeric_limits<double>::infinity();  // the others were disturbed, or warmed up
+    for (int wave = 0;; ++wave) {
+        const int size = std::min(std::max(1, 1 << std::min(wave, 30) >> 1), kMaxWave);
         deadline.progress.BeginPhase("measuring", size * scratch.PixelBounds().Area());
         const Clock::time_point waveStart = Clock::now();
         const int taken = renderer.Render(size);
-        const double wave = since(waveStart);
+        const double spent = since(waveStart);
         deadline.progress.EndPhase();
-        if (taken == 0) return wave / (size * std::max(deadline.Fraction(), 1e-3));
-        if (since(start) > seconds / 50) return wave / taken;
+        if (taken > 0) fastest = std::min(fastest, spent / taken);
+        if (taken == 0 && std::isinf(fastest)) return spent / (size * std::max(deadline.Fraction(), 1e-3));
+        if (taken == 0 || (wave > 0 && since(start) > seconds / 50)) return fastest;
     }
 }
 

@@ -7,8 +7,9 @@ namespace pbrt {
 /// take `seconds`, rounded to the nearest 2^(k/4), so that small differences of speed have no effect; at least 1.
 int FittingSamples(double seconds, double secondsPerSample);
 
-/// Seconds that a sample of every pixel takes with a prepared integrator that learns nothing. Renders to `scratch` for
-/// a fiftieth of `seconds`, or one sample; stops at a twentieth, and then extrapolates from the pixels that are done.
+/// Seconds that a sample of every pixel takes with a prepared integrator that learns nothing. Renders waves of 1, 1, 2,
+/// 4 ... samples to `scratch` for a fiftieth of `seconds`, and takes the fastest; stops at a twentieth, and
+/// extrapolates from the pixels that are done if no wave is.
 double MeasureSecondsPerSample(Integrator &integrator, const Camera &camera, const Filter &filter, Film &scratch,
                                const Sampler &sampler, RenderSettings settings, double seconds);
 

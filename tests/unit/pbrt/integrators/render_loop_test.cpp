@@ -162,7 +162,7 @@ TEST_F(RenderLoop, SecondsPerSampleAreMeasuredOnAScratchFilm) {
     const double measured = MeasureSecondsPerSample(integrator_, *camera_, *filter_, *film_, sampler_, settings_, 5);
     EXPECT_GE(measured, 0.02);
     EXPECT_LT(measured, 0.1);
-    // 1 + 2 + 4: until 0.1 s are over.
+    // 1 + 1 + 2 + 4: until 0.1 s are over.
     int samples = 0;
     for (int count : integrator_.Counts()) samples += count;
     EXPECT_GE(samples, 2);

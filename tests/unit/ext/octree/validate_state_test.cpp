@@ -77,9 +77,10 @@ TEST(ValidateState, AnOctreeThatLookUpsWouldNotLeaveIsRefused) {
             wrong.insert(wrong.end(), {nodes[i] + 1, nodes[i] + 8, nodes[i] - 8, kLeaf});
         }
         for (const uint32_t node : wrong)
-            if (node != nodes[i])
+            if (node != nodes[i]) {
                 EXPECT_NE(Fault<VisibilityTree>(WithElement(saved, kNodesAt, i, node)), "")
                     << "node " << i << ": " << nodes[i] << " -> " << node;
+            }
     }
 }
 
@@ -115,8 +116,9 @@ TEST(ValidateState, AnOctreeIsRefusedWithEveryWrongRow) {
     ASSERT_GT(offsets.size(), 3u);
     for (size_t i = 0; i < offsets.size(); ++i)
         for (const uint32_t wrong : {0u, offsets[i] + 1000000, 0xffffffffu, offsets[(i + 1) % offsets.size()]})
-            if (wrong != offsets[i])
+            if (wrong != offsets[i]) {
                 EXPECT_NE(Fault<VisibilityTree>(WithElement(saved, offsetsAt, i, wrong)), "") << i << " " << wrong;
+            }
 }
 
 TEST(ValidateState, LengthsAreCheckedBeforeMemoryIsTaken) {

@@ -70,7 +70,8 @@ std::optional<Scene::Crossing> Scene::SampleCrossing(const Point3 &from, const P
 
 SurfacePoint Scene::SurfaceAt(const AccelHit &hit, const Ray &ray) const {
     const ShapeRecord &record = parts_.shapes[hit.shape.value];
-    SurfacePoint point = PlacedSurface(*record.shape, hit, ray);
+    SurfacePoint point = hit.instance < 0 ? record.shape->SurfaceOnRay(hit.primitive, hit.hit, ray.o, ray.d)
+                                          : InstancedSurface(*record.shape, hit, ray);
     point.wo = -Normalize(ray.d);
     point.time = ray.time;
     point.t = hit.hit.t;
@@ -85,8 +86,7 @@ SurfacePoint Scene::SurfaceAt(const AccelHit &hit, const Ray &ray) const {
     return point;
 }
 
-SurfacePoint Scene::PlacedSurface(const Shape &shape, const AccelHit &hit, const Ray &ray) const {
-    if (hit.instance < 0) return shape.SurfaceOnRay(hit.primitive, hit.hit, ray.o, ray.d);
+SurfacePoint Scene::InstancedSurface(const Shape &shape, const AccelHit &hit, const Ray &ray) const {
     const Transform t = parts_.accel->InstanceTransform(hit.instance, ray.time);
     return TransformSurface(t,
                             shape.SurfaceOnRay(hit.primitive, hit.hit, t.InversePoint(ray.o), t.InverseVector(ray.d)));

@@ -101,8 +101,8 @@ class Scene {
 
   private:
     SurfacePoint SurfaceAt(const AccelHit &hit, const Ray &ray) const;
-    /// The point of the shape, moved by the transformation of its instance.
-    SurfacePoint PlacedSurface(const Shape &shape, const AccelHit &hit, const Ray &ray) const;
+    /// The point of a shape of an object, placed by the instance that was hit.
+    SurfacePoint InstancedSurface(const Shape &shape, const AccelHit &hit, const Ray &ray) const;
     SceneParts parts_;
     Bounds3 bounds_;
     bool hasSubsurface_ = false, needsFootprints_ = false, hasMedia_ = false;

@@ -145,7 +145,7 @@ Float BilinearMesh::Area(uint32_t primitive) const {
 }
 
 Normal3 BilinearMesh::OrientedNormal(uint32_t primitive, const Corners &c, const Point2 &uv) const {
-    const Normal3 n = UnitCross(c.DpDu(uv.y), c.DpDv(uv.x));
+    const Normal3 n = RobustUnitCross(c.DpDu(uv.y), c.DpDv(uv.x));
     if (mesh_.n.empty()) return flipNormal_ ? -n : n;
     return FaceForward(n, AtCorners(mesh_.n, primitive, uv));
 }
@@ -256,7 +256,7 @@ SurfacePoint BilinearMesh::Surface(uint32_t primitive, const PrimitiveHit &hit) 
             tangents[1] = mirrored ? -alongT : alongT;
         }
     }
-    const Normal3 face = UnitCross(s.dpdu, s.dpdv);
+    const Normal3 face = RobustUnitCross(s.dpdu, s.dpdv);
     s.pError = c.Error(uv, s.p, face);
     Vector3 twist = (c.p00 - c.p01) + (c.p11 - c.p10);
     Normal3 dndu, dndv;

@@ -3,16 +3,20 @@
 
 namespace pbrt {
 
-/// The direction of a x b, in double precision where squares of the float product are not normal numbers. (0, 0, 1) if
-/// the product vanishes.
-inline Normal3 UnitCross(const Vector3 &a, const Vector3 &b) {
+/// The direction of a x b in double precision; (0, 0, 1) if the product vanishes.
+[[gnu::noinline]] inline Normal3 UnitCrossInDouble(const Vector3 &a, const Vector3 &b) {
+    const glm::dvec3 exact = glm::cross(glm::dvec3(a), glm::dvec3(b));
+    const double length = glm::length(exact);
+    return length > 0 ? Normal3(exact / length) : Normal3(0, 0, 1);
+}
+
+/// The direction of a x b, in double precision only where squares of the float product are not normal numbers.
+[[gnu::always_inline]] inline Normal3 RobustUnitCross(const Vector3 &a, const Vector3 &b) {
     const Vector3 n = Cross(a, b);
     const Float squared = LengthSquared(n);
     if (squared > Float(1e-32) && squared < Infinity) [[likely]]
         return n / std::sqrt(squared);
-    const glm::dvec3 exact = glm::cross(glm::dvec3(a), glm::dvec3(b));
-    const double length = glm::length(exact);
-    return length > 0 ? Normal3(exact / length) : Normal3(0, 0, 1);
+    return UnitCrossInDouble(a, b);
 }
 
 /// Bound of the error, along the normal, of where Embree's test of the triangle p0, p1, p2 puts its plane for rays that
@@ -23,10 +27,10 @@ inline Normal3 UnitCross(const Vector3 &a, const Vector3 &b) {
 /// error. The rounding of p0 - o counts as an error of o, whose bound is per axis.
 [[gnu::always_inline]] inline Float PlaneTestError(const Point3 &p0, const Point3 &p1, const Point3 &p2,
                                                    const Point3 &p) {
-    const Vector3 a = p2 - p0, b = p0 - p1, c = p1 - p2, to = Abs(p0 - p);
+    // As RobustUnitCross(p1 - p0, p2 - p0), so that compilers share the product. Signs do not matter.
+    const Vector3 b = p1 - p0, a = p2 - p0, c = p1 - p2, to = Abs(p0 - p), normal = Cross(b, a);
     const Vector3 ab = Abs(Vector3(a.z * b.y, a.x * b.z, a.y * b.x));
     const Vector3 bc = Abs(Vector3(b.z * c.y, b.x * c.z, b.y * c.x));
-    const Vector3 normal = Cross(a, b);
     const Float squared = LengthSquared(normal);
     // Slivers, and triangles whose squares are no normal numbers.
     if (!(squared > Float(1e-32) && squared < Infinity)) [[unlikely]]

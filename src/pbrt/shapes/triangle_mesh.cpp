@@ -12,7 +12,9 @@ namespace {
 
 Vector3 HitBarycentrics(const PrimitiveHit &hit) { return {std::max(Float(0), 1 - hit.u - hit.v), hit.u, hit.v}; }
 
-Normal3 FaceNormal(const Point3 &p0, const Point3 &p1, const Point3 &p2) { return UnitCross(p1 - p0, p2 - p0); }
+[[gnu::always_inline]] inline Normal3 FaceNormal(const Point3 &p0, const Point3 &p1, const Point3 &p2) {
+    return RobustUnitCross(p1 - p0, p2 - p0);
+}
 
 }  // namespace
 
@@ -32,7 +34,10 @@ TriangleMesh::TriangleMesh(MeshData data, const Transform &renderFromObject, boo
     PBRT_CHECK(mesh_.indices.size() % 3 == 0);
     for (uint32_t i : mesh_.indices) PBRT_CHECK_MSG(i < mesh_.p.size(), "index {} of {}", i, mesh_.p.size());
     PlaceMesh(mesh_, renderFromObject, reverseOrientation);
+    for (uint32_t i = 0; i < PrimitiveCount(); ++i) largestSpan_ = std::max(largestSpan_, SpanOf(CornersOf(i)));
 }
+
+Float TriangleMesh::SpanOf(const Corners &c) { return MaxComponent(Abs(c.p1 - c.p0) + Abs(c.p2 - c.p0)); }
 
 TriangleMesh::Corners TriangleMesh::CornersOf(uint32_t primitive) const {
     const uint32_t *v = &mesh_.indices[3 * size_t(primitive)];
@@ -104,8 +109,11 @@ std::optional<PrimitiveHit> TriangleMesh::Intersect(uint32_t primitive, const Po
 SurfacePoint TriangleMesh::SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Point3 &o,
                                         const Vector3 &d) const {
     SurfacePoint s = Surface(primitive, hit);
+    const Float large = kLargePrimitive * hit.t * MaxComponent(Abs(d));
+    if (!(largestSpan_ > large)) [[likely]]
+        return s;
     const Corners c = CornersOf(primitive);
-    if (!(MaxComponent(Abs(c.p1 - c.p0) + Abs(c.p2 - c.p0)) > kLargePrimitive * hit.t * MaxComponent(Abs(d)))) return s;
+    if (!(SpanOf(c) > large)) return s;
     if (const std::optional<PlaneHit> at = PlaneHit::Of(c, o, d)) {
         const double slack = kLargePrimitiveSlack;
         const double b1 = std::clamp(at->b1, -slack, 1 + slack), b2 = std::clamp(at->b2, -slack, 1 + slack - b1);

@@ -54,13 +54,16 @@ class TriangleMesh final : public Shape {
     };
     struct PlaneHit;
     Corners CornersOf(uint32_t primitive) const;
+    /// How far a triangle reaches, along the axis along which it reaches farthest; at most twice too much.
+    static Float SpanOf(const Corners &corners);
     /// Unit normal on the side that samples and hits report at barycentric coordinates b.
     Normal3 OrientedNormal(uint32_t primitive, const Corners &c, const Vector3 &b) const;
     Point2 UvAt(uint32_t primitive, const Vector3 &b) const;
     ShapeSample SampleAt(uint32_t primitive, const Corners &c, const Vector3 &b) const;
 
     MeshData mesh_;
-    bool flipNormal_;  ///< orientation flag XOR handedness
+    bool flipNormal_;        ///< orientation flag XOR handedness
+    Float largestSpan_ = 0;  ///< SpanOf the largest triangle
 };
 
 }  // namespace pbrt

@@ -49,9 +49,7 @@ int Assemble(const AssembleOptions &o) {
     const auto missing = std::count(counts.begin(), counts.end(), 0);
     const auto twice = std::count(counts.begin(), counts.end(), 2);
     if (twice) LogWarning(fmt::format("{} in more than one file; the last file counts.", CountText(twice, "pixel")));
-    if (missing)
-        LogWarning(
-            fmt::format("{} in no file, of {}; the value there is 0.", CountText(missing, "pixel"), counts.size()));
+    if (missing) LogWarning(fmt::format("{} of {} pixels are in no file and stay 0.", missing, counts.size()));
     WriteImage(o.outfile, whole.image, whole.metadata);
     return 0;
 }

@@ -259,7 +259,7 @@ TEST_F(Lightlab, HelpNamesEveryFlag) {
                   {"scene.pbrt --refrence-spp 3", {"did you mean --reference-spp?"}},
                   {"scene.pbrt --lightsampler octree", {"--samplers lists"}},
                   {"inspect scene.pbrt --divisr 2", {"did you mean --divisor?"}},
-                  {"noise scene.pbrt --sed 2", {"unknown flag --sed; did you mean --se"}}});
+                  {"noise scene.pbrt --seds 2", {"unknown flag --seds; did you mean --seeds?"}}});
 }
 
 TEST_F(Lightlab, MissingScriptsCostTheReportOnly) {

@@ -221,8 +221,8 @@ TEST_F(Parts, MergedInAnyOrderHaveTheBitsOfOneRender) {
             EXPECT_EQ(IntOf(ReadImage(Path("out.exr")), "samplesPerPixel"), 16);
         }
         const std::string f = film;
-        ExpectRefused("refused.exr " + f + "0:1 " + f + "5:12 " + f + "12:16", "The samples 1:5 are in no file.");
-        ExpectRefused("refused.exr " + f + "0:1 " + f + "1:5 " + f + "5:12", "The samples 12:16 are in no file.");
+        ExpectRefused("refused.exr " + f + "0:1 " + f + "5:12 " + f + "12:16", "The samples 1:5 are in no file");
+        ExpectRefused("refused.exr " + f + "0:1 " + f + "1:5 " + f + "5:12", "The samples 12:16 are in no file");
         ExpectRefused("refused.exr " + f + "0:1 " + f + "1:5 " + f + "5:12 " + f + "12:16 " + f + "5:12",
                       f + "5:12 (5:12) and " + f + "5:12 (5:12) have samples in common.");
         const Outcome some = Merge("some.exr --incomplete " + f + "0:1 " + f + "5:12");

@@ -151,7 +151,10 @@ uintmax_t StoredBytes(const OIIO::ImageSpec &spec) {
     constexpr int kPalette = 3, kYCbCr = 6;
     const int kind = spec.get_int_attribute("tiff:PhotometricInterpretation", -1);
     if (kind == kYCbCr) return 0;  // colours may be stored at a lower resolution
-    const int bits = spec.get_int_attribute("oiio:BitsPerSample", static_cast<int>(spec.format.basesize()) * 8);
+    // Of a palette the first names the bits of the file, the second those of the colours.
+    const int bits = spec.get_int_attribute(
+        "tiff:BitsPerSample",
+        spec.get_int_attribute("oiio:BitsPerSample", static_cast<int>(spec.format.basesize()) * 8));
     const auto rowBits = uintmax_t(spec.width) * uintmax_t(kind == kPalette ? 1 : spec.nchannels) * uintmax_t(bits);
     return rowBits / 8 * uintmax_t(spec.height);
 }

@@ -55,8 +55,8 @@ echo "Building without extensions (build/release.log)"
 if bash .ci/build "$top/build/release" -DPBRT_EXT=OFF -DPBRT_WERROR=ON; then
   # Programs that no extension can change run below.
   same=$(extension_free_units build/release | paste -sd "|")
-  # So do pages in a browser, scripts and documents.
-  run_ctest core build/release -L "unit|contract" -E "^(lightlab_report|program|docs|develop|${same:-none})\\."
+  # So do pages in a browser, scripts, documents and comparisons of samplers.
+  run_ctest core build/release -L "unit|contract" -E "^(lab|lab_campaign|lab_inspect|lightlab_program|lightlab_report|program|docs|develop|${same:-none})\\."
 else
   count "build without extensions" 1
 fi

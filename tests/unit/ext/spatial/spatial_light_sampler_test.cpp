@@ -66,7 +66,6 @@ TEST(Spatial, ContributionIsEquation3) {
     const LightTable &lights = s.built.scene->Lights();
     const VoxelGrid &grid = s.sampler->Grid();
     EXPECT_EQ(grid.Resolution(), glm::ivec3(8, 4, 4));
-    SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
     for (const Point3 &p : {Point3(-3.9f, -1.9f, -1.9f), Point3(0.1f, -0.5f, 0.5f), Point3(3.5f, -1.5f, 1.5f)}) {
         uint32_t voxel = grid.Index(p);
         std::vector<double> f = s.sampler->UnshadowedContributions(voxel);
@@ -90,8 +89,8 @@ TEST(Spatial, ContributionIsEquation3) {
         auto unit = [&](uint32_t light, const Point3 &seenFrom, double analytic) {
             LightSampleContext from;
             from.p = seenFrom;
-            auto li = lights[LightId(light)].SampleLi(from, {0.5f, 0.5f}, lambda, true);
-            return static_cast<double>(SafeDivide(li->L, lambda.Pdf()).Average()) / analytic;
+            auto li = lights[LightId(light)].SampleLi(from, {0.5f, 0.5f}, SampledWavelengths::WholeRange(), true);
+            return RootMeanSquare(li->L) / analytic;
         };
         double point = unit(2, {-3, 0, 0}, 2), other = unit(3, {3, 0, 0}, 7), area = unit(0, {0, 0, 0}, 5);
         double distant = unit(4, {0, 0, 0}, 1);

@@ -87,11 +87,14 @@ Estimate Measure(const std::string &integrator, const std::string &sampler, cons
 
 /// `bias`: a share of the mean by which a picture may differ besides.
 void ExpectSame(const Estimate &a, const Estimate &b, double bias = 0) {
+    // Lines lie outside of the gamut of sRGB, so a channel's mean may be negative or small.
+    double largest = 0;
+    for (const double mean : b.mean) largest = std::max(largest, std::abs(mean));
     for (size_t c = 0; c < 3; ++c) {
         const double error = std::hypot(a.error[c], b.error[c]);
-        EXPECT_NEAR(a.mean[c], b.mean[c], kLimit * error + bias * b.mean[c] + 1e-3 * b.mean[c]) << "channel " << c;
-        // The loss of a lamp, a quarter of the light of a channel or more, is noticed.
-        EXPECT_LT(kLimit * error, 0.25 * b.mean[c]) << "the test notices nothing, channel " << c;
+        EXPECT_NEAR(a.mean[c], b.mean[c], kLimit * error + (bias + 1e-3) * std::abs(b.mean[c])) << "channel " << c;
+        // The loss of a lamp, a quarter of the light or more, is noticed.
+        EXPECT_LT(kLimit * error, 0.25 * largest) << "the test notices nothing, channel " << c;
     }
 }
 
@@ -113,7 +116,7 @@ std::vector<Case> Cases() {
     const bool ext = AllSamplers().samplers.Names().size() > 4;
     for (const char *sampler : {"power", "bvh", "octree"}) {
         if (!ext && sampler == std::string("octree")) continue;
-        for (const char *integrator : {"volpath", "bdpt", "simplepath", "simplevolpath", "lightpath"})
+        for (const char *integrator : {"volpath", "bdpt", "simplepath", "lightpath"})
             cases.push_back({integrator, sampler, 96});
         for (const char *integrator : {"sppm", "mlt"}) cases.push_back({integrator, sampler, 256});
     }

@@ -24,9 +24,9 @@ constexpr ConvexShape kShapes[] = {
      "Shape \"trianglemesh\" \"point3 P\" [ -1 -1 0  1 -1 0  1 1 0  -1 1 0 ] \"integer indices\" [ 0 1 2 0 2 3 ]"},
     {"parallelogram", "Shape \"bilinearmesh\" \"point3 P\" [ -1 -.5 0  1 -.5 0  -1 .5 0  1 .5 0 ]"},
     {"trapezoid", "Shape \"bilinearmesh\" \"point3 P\" [ -1 -.5 0  1 -.5 0  -.5 .5 0  .25 .5 0 ]"},
-    {"ball of triangles",
-     "Shape \"loopsubdiv\" \"integer levels\" 3 \"point3 P\" [ 1 0 0  -1 0 0  0 1 0  0 -1 0  0 0 1  0 0 -1 ] "
-     "\"integer indices\" [ 0 2 4  2 1 4  1 3 4  3 0 4  2 0 5  1 2 5  3 1 5  0 3 5 ]"},
+    {"octahedron",
+     "Shape \"trianglemesh\" \"point3 P\" [ 1 0 0  -1 0 0  0 1 0  0 -1 0  0 0 1  0 0 -1 ] \"integer indices\" "
+     "[ 0 2 4  2 1 4  1 3 4  3 0 4  2 0 5  1 2 5  3 1 5  0 3 5 ]"},
 };
 
 struct Blocked {
@@ -44,9 +44,17 @@ Point3 PointThatSees(const Point3 &target, const Normal3 &n, Float size, Rng &rn
     return target + distance * (n * cosine + s * (sine * std::cos(phi)) + t * (sine * std::sin(phi)));
 }
 
+/// Leaves out points whose height above the target's plane is lost where their coordinates are rounded.
 void Count(const Scene &scene, const LightSampleContext &from, const LightLiSample &to, Blocked *count) {
+    const Float height = AbsDot(from.p - to.pLight, to.nLight);
+    if (!(height > Float(1e-6) * MaxComponent(Max(Abs(from.p), Abs(to.pLight))))) return;
     ++count->segments;
     count->blocked += scene.Occluded(from, to);
+}
+
+/// The normal on the outside of a convex shape. Flat shapes have two outsides, of which `n` is one.
+Normal3 Outwards(const Normal3 &n, const Vector3 &fromCenter, Float size) {
+    return Dot(n, fromCenter) < Float(-1e-2) * size ? -n : n;
 }
 
 /// Points found by rays from all around, as vertices of paths are.
@@ -66,7 +74,7 @@ Blocked ConnectToHits(const Scene &scene, Rng &rng) {
         to.pLightError = hit->pError;
         to.nLight = hit->n;
         LightSampleContext from;
-        from.p = PointThatSees(hit->p, FaceForward(hit->n, hit->wo), size, rng);
+        from.p = PointThatSees(hit->p, Outwards(FaceForward(hit->n, hit->wo), hit->p - center, size), size, rng);
         to.wi = Normalize(to.pLight - from.p);
         Count(scene, from, to, &count);
     }
@@ -75,7 +83,9 @@ Blocked ConnectToHits(const Scene &scene, Rng &rng) {
 
 /// Light samples of an area light.
 Blocked ConnectToSamples(const Scene &scene, Rng &rng) {
-    const Float size = Length(scene.Bounds().Diagonal()) / 2;
+    const Bounds3 bounds = scene.Bounds();
+    const Point3 center = (bounds.low + bounds.high) / Float(2);
+    const Float size = Length(bounds.Diagonal()) / 2;
     Blocked count;
     for (int i = 0; i < 4000; ++i) {
         const LightPart light =
@@ -84,11 +94,13 @@ Blocked ConnectToSamples(const Scene &scene, Rng &rng) {
         const std::optional<ShapeSample> place = at.shape->SampleArea(at.primitive, rng.Uniform2());
         if (!place) continue;
         LightSampleContext from;
-        from.p = PointThatSees(place->p, place->n, size, rng);
+        from.p = PointThatSees(place->p, Outwards(place->n, place->p - center, size), size, rng);
         const std::optional<LightLiSample> to =
             light.SampleLi(from, rng.Uniform2(), SampledWavelengths::SampleVisible(.5f), false);
         // Of a curved surface other points may lie at the horizon, or beyond it by rounding.
-        if (to && Dot(to->nLight, -to->wi) > Float(5e-4)) Count(scene, from, *to, &count);
+        if (to && AbsDot(to->nLight, to->wi) > Float(5e-4) &&
+            Dot(Outwards(to->nLight, to->pLight - center, size), to->wi) < 0)
+            Count(scene, from, *to, &count);
     }
     return count;
 }
@@ -103,7 +115,9 @@ void ExpectNoneBlocked(const Placement &at) {
                 ViewText(at, {"path"}, {0, 0, 9, 0, 0, 0, 0, 1, 0}, "Camera \"perspective\"", 1) +
                 (at.instanced
                      ? fmt::format("ObjectBegin \"o\" {} ObjectEnd {} ObjectInstance \"o\"", shape.text, place)
-                     : place + (isLight ? "AreaLightSource \"diffuse\" \"rgb L\" [ 1 1 1 ]\n" : "") + shape.text);
+                     : place +
+                           (isLight ? "AreaLightSource \"diffuse\" \"rgb L\" [ 1 1 1 ] \"bool twosided\" true\n" : "") +
+                           shape.text);
             BuildOptions options;
             options.renderCoordSys = at.renderCoordSys;
             const BuiltScene built = BuildText(text, options);

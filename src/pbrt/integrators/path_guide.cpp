@@ -69,7 +69,9 @@ void PathGuide::Prepare(PrepareContext &prepare, int maxDepth) {
     const int first = in.Value<int>(), next = in.Value<int>();
     int learned = 0;
     while (learned < first && NextAfter(learned) != 0) learned = NextAfter(learned);
-    in.Require(learned == first && next == NextAfter(first), "the guide learns after a wrong number of samples");
+    // A guide that was loaded from another render learns no more.
+    in.Require(learned == first && (next == 0 || next == NextAfter(first)),
+               "the guide learns after a wrong number of samples");
     LoadCells(in);
     in.Require(!roulette_.Knows() || roulette_.Size() == Size(), "roulette was learned for another picture");
     BeginLearning(first, next);

@@ -122,6 +122,7 @@ TEST_P(LightSamplerScales, ProbabilitiesDoNotDependOnTheUnitOfRadiance) {
 
 TEST_P(LightSamplerScales, ASunOfRealSizeLeavesOthersTheirShare) {
     if (GetParam() == "power" || GetParam() == "seen") GTEST_SKIP() << "chooses by power, of which the sun has all";
+    if (GetParam() == "nearest") GTEST_SKIP() << "chooses by distance, which leaves the sun nearly nothing";
     const SamplerSubject &s = ContestOf(GetParam(), "SunSphere").subject;
     for (size_t q = 0; q < s.queries.size(); ++q) {
         const LightQuery &query = s.queries[q];

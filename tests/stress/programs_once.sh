@@ -10,9 +10,11 @@ trap 'rm -rf "$folder"' EXIT
 cd "$folder"
 faults=0
 run() { # run COMMAND...: must succeed
-  "$@" > log.txt 2>&1 && return
+  "$@" > log.txt 2>&1
+  local status=$?
+  [ $status -eq 0 ] && return
   faults=$((faults + 1))
-  echo "status $?: $*"
+  echo "status $status: $*"
   tail -40 log.txt
 }
 
@@ -37,11 +39,11 @@ Material "diffuse"
 Shape "bilinearmesh" "point3 P" [ 0 0 -6  0 0 6  0 2 -6  0 2 6 ]'
 } > scene.pbrt
 
-for integrator in path volpath bdpt mlt sppm lightpath simplepath simplevolpath randomwalk ambientocclusion; do
+for integrator in path volpath bdpt mlt sppm lightpath simplepath randomwalk ambientocclusion; do
   run "$pbrt" --integrator $integrator --nthreads 2 --outfile $integrator.exr scene.pbrt
 done
 learning=(--lightsampler octree+guide --nthreads 2)
-run "$pbrt" "${learning[@]}" --aov albedo,normal,variance --stats=json --outfile whole.exr scene.pbrt
+run "$pbrt" "${learning[@]}" --aov albedo,normal --stats=json --outfile whole.exr scene.pbrt
 run "$pbrt" "${learning[@]}" --spp 4 --checkpoint half.chk --outfile half.exr scene.pbrt
 run "$pbrt" "${learning[@]}" --spp 4 --save-lights lights --outfile saved.exr scene.pbrt
 for samples in 0:4 4:8; do
@@ -51,6 +53,6 @@ run "$imgtool" merge merged.exr part-0:4.chk part-4:8.chk
 run "$imgtool" info merged.exr
 run "$imgtool" convert --exposure 1 merged.exr --outfile merged.png
 run "$imgtool" diff --metric FLIP --reference path.exr volpath.exr --outfile difference.png
-run "$lightlab" scene.pbrt --samplers bvh,octree+guide --spp 4 --reference-spp 8 --seeds 2 --outdir lab --nthreads 2
-run "$lightlab" inspect scene.pbrt --sampler octree --outdir inspected
+run "$lightlab" scene.pbrt --samplers bvh,octree+guide --spp 4 --reference-spp 8 --seeds 2 --out lab --nthreads 2
+run "$lightlab" inspect scene.pbrt --sampler octree --out inspected
 [ $faults -eq 0 ]

@@ -81,14 +81,6 @@ struct State {
     }
 };
 
-/// A vector that StateWriter::Structure wrote: its number of elements, they, their hash.
-struct Structure {
-    size_t at = 0, count = 0, size = 0;
-    size_t First() const { return at + sizeof(uint64_t); }
-    size_t HashAt() const { return First() + count * size; }
-    size_t End() const { return HashAt() + sizeof(uint64_t); }
-};
-
 /// Those that are not empty, found by their hashes.
 std::vector<Structure> StructuresIn(std::string_view bytes) {
     std::vector<Structure> found;
@@ -151,9 +143,8 @@ void ChangeStructure(std::string &bytes, Structure s, Dice &dice) {
 }
 
 /// Changes the content of a section. True: what it is must not be accepted.
-bool ChangeSection(std::string &bytes, Dice &dice) {
+bool ChangeSection(std::string &bytes, const std::vector<Structure> &structures, Dice &dice) {
     const std::string before = bytes;
-    const std::vector<Structure> structures = StructuresIn(bytes);
     const size_t words = bytes.size() / sizeof(uint32_t);
     const size_t way = dice.Below(10);
     if (way < 4 && !structures.empty()) {
@@ -240,7 +231,7 @@ std::vector<StateSeed> MakeStateSeeds(const std::string &folder) {
     const fs::path work = fs::path(folder) / "states";
     fs::create_directories(work);
     for (const Recipe &recipe : Recipes()) {
-        StateSeed seed{recipe.name, recipe.scene, {}, {"--nthreads=1"}};
+        StateSeed seed{recipe.name, recipe.scene, {}, {"--nthreads=1"}, {}};
         seed.arguments.insert(seed.arguments.end(), recipe.arguments.begin(), recipe.arguments.end());
         seed.file.name = recipe.isCheckpoint ? "state.chk" : "state.lights";
         FuzzCase making{"state", seed.name, {{"scene.pbrt", seed.scene}}, seed.arguments};
@@ -264,6 +255,8 @@ std::vector<StateSeed> MakeStateSeeds(const std::string &folder) {
         } else {
             seed.arguments.push_back("--load-lights=" + seed.file.name);
         }
+        for (const CaseFile &section : State(seed.file.bytes).sections)
+            seed.structures[section.name] = StructuresIn(section.bytes);
         seeds.push_back(std::move(seed));
     }
     fs::remove_all(work);
@@ -282,7 +275,7 @@ FuzzCase MakeStateCase(const StateSeed &seed, Dice &dice) {
         if (!dice.OneIn(4))
             for (CaseFile &other : state.sections)
                 if (other.name == "learned") section = &other;
-        made.mustBeRefused = ChangeSection(section->bytes, dice);
+        made.mustBeRefused = ChangeSection(section->bytes, seed.structures.at(section->name), dice);
     }
     made.files[1].bytes = state.Bytes();
     return made;

@@ -1,4 +1,5 @@
 #pragma once
+#include <map>
 #include <string>
 #include <vector>
 
@@ -6,12 +7,21 @@
 
 namespace pbrt::fuzz {
 
+/// A vector that StateWriter::Structure wrote into a section: its number of elements, they, their hash.
+struct Structure {
+    size_t at = 0, count = 0, size = 0;
+    size_t First() const { return at + sizeof(uint64_t); }
+    size_t HashAt() const { return First() + count * size; }
+    size_t End() const { return HashAt() + sizeof(uint64_t); }
+};
+
 /// A file in which pbrt saved what a render had learned and summed up, and the run that reads it.
 struct StateSeed {
     std::string name;
     std::string scene;  ///< text
     CaseFile file;
     std::vector<std::string> arguments;
+    std::map<std::string, std::vector<Structure>> structures;  ///< of the file, by section
 };
 
 /// Renders small scenes in child processes whose working folder is `folder`/states: checkpoints of renders that go on

@@ -110,7 +110,9 @@ std::optional<std::string> RenderFileHead::Validate() const {
     return isTime(seconds) && isTime(renderSeconds) ? std::nullopt : std::optional("its times are not possible");
 }
 
-RenderFile::RenderFile(const std::string &path) : file_(path, kKind), head_(HeadOf(file_)) {}
+RenderFile::RenderFile(const std::string &path) : file_(path, kKind), head_(HeadOf(file_)) {
+    StateReader({}, path).Require((head_.passCount > 0) == !PassDone().empty(), "its pass was not begun");
+}
 
 std::vector<uint32_t> RenderFile::PassDone() const {
     std::vector<uint32_t> done;
@@ -120,24 +122,26 @@ std::vector<uint32_t> RenderFile::PassDone() const {
     return done;
 }
 
-void RenderFile::ReadFilm(const std::function<void(std::istream &)> &read) const {
+void RenderFile::ReadFilm(Film &film, void (Film::*read)(std::istream &)) const {
     View view(file_.Section("film"));
     std::istream in(&view);
     try {
-        read(in);
+        (film.*read)(in);
     } catch (const UserError &e) {
         throw UserError(fmt::format("{}: {}", Path(), e.Diagnostics()[0].message));
     }
-    StateReader({}, Path()).Require(in.peek() == std::istream::traits_type::eof(), "its film is too long");
+    const StateReader all({}, Path());
+    all.Require(in.peek() == std::istream::traits_type::eof(), "its film is too long");
+    const Image colors = film.Colors();
+    for (int y = 0; y < colors.Resolution().y; ++y)
+        for (int x = 0; x < colors.Resolution().x; ++x)
+            for (int c = 0; c < 3; ++c)
+                all.Require(std::isfinite(colors.Get({x, y}, c)), "a pixel of its film is not finite");
 }
 
-void RenderFile::LoadFilm(Film &film) const {
-    ReadFilm([&](std::istream &in) { film.Load(in); });
-}
+void RenderFile::LoadFilm(Film &film) const { ReadFilm(film, &Film::Load); }
 
-void RenderFile::MergeFilm(Film &film) const {
-    ReadFilm([&](std::istream &in) { film.Merge(in); });
-}
+void RenderFile::MergeFilm(Film &film) const { ReadFilm(film, &Film::Merge); }
 
 void WriteRenderFile(const std::string &path, const RenderFileHead &head, const std::vector<uint32_t> &passDone,
                      const Film &film, const StateWriter &learned) {

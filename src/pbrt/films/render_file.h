@@ -1,5 +1,4 @@
 #pragma once
-#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -54,8 +53,8 @@ class RenderFile {
     StateReader Learned() const { return {file_.Section("learned"), Path()}; }
 
   private:
-    /// Names the file in errors. Throws UserError if `read` leaves something.
-    void ReadFilm(const std::function<void(std::istream &)> &read) const;
+    /// Names the file in errors. Throws UserError if `read` leaves something, or makes a pixel that is not finite.
+    void ReadFilm(Film &film, void (Film::*read)(std::istream &)) const;
     StateFile file_;
     RenderFileHead head_;
 };

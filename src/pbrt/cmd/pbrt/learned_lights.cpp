@@ -51,6 +51,7 @@ void LearnedLights::Check(const BuiltScene &built) const {
         StateReader in(loaded_->Section("identity"), loaded_->Path());
         std::vector<char> text;
         in.Structure(&text);
+        in.Require(in.Value<uint64_t>() == loaded_->Section("learned").size(), "it has another length");
         in.RequireEnd();
         saved = Json::parse(text).get<RenderIdentity>();
     } catch (const Json::exception &) {
@@ -64,8 +65,9 @@ void LearnedLights::Save(const BuiltScene &built) const {
     StateWriter identity, learned;
     const std::string text = Json(IdentityOf(built)).dump();
     const std::vector<char> head(text.begin(), text.end());
-    identity.Structure(head);
     built.integrator->SaveForOthers(learned);
+    identity.Structure(head);
+    identity.Value(learned.Bytes());
     WriteStateFile(savePath_, kKind, {{"identity", &identity}, {"learned", &learned}});
 }
 

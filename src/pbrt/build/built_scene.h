@@ -61,7 +61,7 @@ struct BuiltScene {
 
     /// The settings for the render, from the scene and the command line.
     RenderSettings Settings() const;
-    /// Makes sampler and integrator again, as if --spp had asked for this number of samples per pixel.
+    /// Makes sampler and integrator again, as --spp does for this number of samples per pixel.
     void SetSamples(int samples);
     /// The context for Integrator::Prepare. The caller may change its seed and number of samples.
     PrepareContext Preparation(Progress &progress) const;

@@ -198,7 +198,7 @@ class Rounds {
         return true;
     }
 
-    /// Sets the number of samples that every sampler is told to expect. With a time budget it is an estimate
+    /// Sets the number of samples per pixel that every sampler plans for. With a time budget it is an estimate
     /// (FittingSamples), from the pilot or else from a run of two samples, which also warms up the machine. It is
     /// kept in the records, because pictures may depend on it. False: cancelled.
     bool FindExpectedSamples() {

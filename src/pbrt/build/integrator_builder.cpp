@@ -53,20 +53,8 @@ struct PathParams : DepthParams {
     }
 };
 
-struct VolPathParams : PathParams {
-    bool equiangular = false;
-    template <class V>
-    void Describe(V &&v) {
-        PathParams::Describe(v);
-        v("equiangular", equiangular,
-          "in a homogeneous medium also send a shadow ray from every segment up to the first scattering, from a place "
-          "drawn for the light that was chosen (only here)");
-    }
-};
-
 /// Without media volpath is path with subsurface scattering and with light sampling through interface surfaces.
-IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const IntegratorReading &r, bool isVolume,
-                            bool equiangular = false) {
+IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const IntegratorReading &r, bool isVolume) {
     IntegratorSettings settings;
     settings.maxDepth = p.MaxDepth(r);
     settings.lights = ReadLights(set, r);
@@ -76,7 +64,6 @@ IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const Inte
     path.regularize = p.regularize;
     path.minSurvival = p.minSurvival;
     path.seesThroughInterfaces = isVolume;
-    path.equiangular = equiangular;
     if (p.guide || r.options.guide || settings.lights->guide) {
         path.guide = p.guideParams;
         if (settings.lights->guide) {
@@ -176,9 +163,9 @@ const IntegratorTable &Integrators() {
             "([lightsamplers.md](lightsamplers.md)); **differs**: an unknown light sampler is an error (stock "
             "uses bvh)",
             [](const auto &p, const ParamSet &set, Request &r) { return MakePath(p, set, r, false); });
-        t.Add<VolPathParams>(
-            "volpath", "as path, with media and subsurface scattering, and shadow rays pass \"interface\"",
-            [](const auto &p, const ParamSet &set, Request &r) { return MakePath(p, set, r, true, p.equiangular); });
+        t.Add<PathParams>("volpath",
+                          "as path, with media and subsurface scattering, and shadow rays pass \"interface\"",
+                          [](const auto &p, const ParamSet &set, Request &r) { return MakePath(p, set, r, true); });
         AddSimple<SimplePathParams>(
             t, "simplepath", [](const auto &p, int depth, const PathContext &c, const ColorSpace &) {
                 return std::make_unique<SimplePathIntegrator>(c, depth, p.sampleLights, p.sampleBsdf);

@@ -15,9 +15,6 @@ struct PathSettings {
     /// Light sampling reaches through interface surfaces (volpath, with a scene whose shadow rays pass them; with path
     /// they block shadow rays, as in stock).
     bool seesThroughInterfaces = false;
-    /// Light is sampled on whole segments in even media as well, up to the first scattering (volpath):
-    /// SegmentDistances.
-    bool equiangular = false;
     /// Leaves out emission that only BSDF sampling can find: lights seen directly or in a mirror, caustics. It does not
     /// depend on the light sampler; without it a measurement of light samplers is free of its noise.
     bool sampledLightOnly = false;

@@ -12,16 +12,6 @@ namespace pbrt {
 
 namespace {
 
-/// What light sampling on a whole segment needs, kept for the same reason.
-struct SegmentSelection {
-    MediumStretch stretch;
-    LightQuery query;
-    LightMemory memory;
-    LightDistribution lights;
-    bool isOn = false;
-    Float t = 0;  ///< where delta tracking scattered
-};
-
 /// How a vertex scatters light from a direction: f times the cosine (or the phase function), and the density with which
 /// scattering draws that direction (solid angle).
 struct Scattering {
@@ -45,9 +35,6 @@ struct VolPathIntegrator::Path {
     SpectralWeights weights{};
     VertexSelection selections[2];
     VertexSelection *current = &selections[0], *previous = &selections[1];
-    SegmentSelection segments[2];
-    /// The segment that ends at the current vertex, and the one that ended at the vertex before.
-    SegmentSelection *segment = &segments[0], *segmentBefore = &segments[1];
     int depth = 0;
     Float etaScale = 1;
     /// Whether light sampling at the vertex before could have found what the ray meets.
@@ -76,12 +63,6 @@ struct VolPathIntegrator::Path {
     /// Roulette by the throughput.
     bool SurvivesRoulette();
     bool Survives(Float probability);
-    void PrepareSegment(MediumOnRay on);
-    void SampleSegment();
-    /// The density (solid angle) with which `lights` and a point on the light they choose give the direction of a
-    /// sample of a light.
-    Float DensityOf(const LightDistribution &lights, LightId light, const LightLiSample &sample,
-                    const LightSampleContext &from) const;
     void PrepareSelection(const LightQuery &query, const LightSampleContext &from);
     void PrepareAtSurface();
     void LeftVertexBy(Float pdf);
@@ -105,7 +86,6 @@ template <class Bounces>
 void VolPathIntegrator::Path<Bounces>::LeftVertexBy(Float pdf) {
     weights.SampledDirection(pdf);
     std::swap(current, previous);
-    std::swap(segment, segmentBefore);
     lightCouldSample = anyNonSpecular = true;
 }
 
@@ -149,10 +129,6 @@ void VolPathIntegrator::Path<Bounces>::SampleDirect(const LightSampleContext &fr
     const Float pLight = selected->pmf * sample->pdf;  // solid angle
     SampledSpectrum densities = weights.ru * through.rl * pLight;
     if (!IsDelta(light.Kind())) densities += weights.ru * through.ru * to.pdf;
-    if (segment->isOn) {
-        const Float pSegment = integrator.segments_->Pdf(segment->stretch, selected->light, segment->t);
-        densities += weights.rs * through.rl * (pSegment * DensityOf(segment->lights, selected->light, *sample, from));
-    }
     L += weights.beta * to.f * sample->L * through.value / (weights.Mean(densities) * traced);
 }
 
@@ -168,74 +144,9 @@ void VolPathIntegrator::Path<Bounces>::SampleDirectAtSurface() {
 }
 
 template <class Bounces>
-Float VolPathIntegrator::Path<Bounces>::DensityOf(const LightDistribution &lights, LightId light,
-                                                  const LightLiSample &sample, const LightSampleContext &from) const {
-    const LightTable &table = scene.Lights();
-    if (table[light].Kind() != LightKind::Infinite) return lights.PMF(light) * sample.pdf;
-    // Other places may tell other tiles of a sky apart.
-    const LightId part = lights.PartTowards(table.IsTile(light) ? table.SkyOf(light) : light, from.p, sample.wi);
-    const Float pmf = lights.PMF(part);
-    return pmf > 0 ? pmf * table[part].PdfLi(from, sample.wi, {}, {}, true) : Float(0);
-}
-
-template <class Bounces>
-void VolPathIntegrator::Path<Bounces>::PrepareSegment(MediumOnRay on) {
-    // Behind the first scattering it was measured not to be worth its time (docs/measured, Fog).
-    if (depth > 0 || !on.IsEven() || integrator.settings_.maxDepth == 0) return;
-    MediumStretch &stretch = segment->stretch;
-    stretch = {walk.GetRay(), walk.DistanceAhead(), on.At(0)};
-    stretch.meanExtinction = (stretch.medium.absorption + stretch.medium.scattering).Average();
-    const TransmittanceDistance anchors(stretch.meanExtinction, stretch.tMax);
-    if (!stretch.medium.scattering || !anchors.IsValid()) return;
-    // The lights are weighed at a place that is independent of every other choice on this segment.
-    const Ray &ray = stretch.ray;
-    const Float anchor = anchors.Sample(sampler.Get1D());
-    segment->query =
-        LightQueryInMedium(ray(anchor), -ray.d, ray.medium, walk.MediumAhead()->Phase(), ray.time, lambda, depth + 1);
-    segment->lights = integrator.lights_->At(segment->query, segment->memory);
-    segment->isOn = true;
-}
-
-template <class Bounces>
-void VolPathIntegrator::Path<Bounces>::SampleSegment() {
-    const Float uSelect = sampler.Get1D(), uDistance = sampler.Get1D();
-    Point2 uLight = sampler.Get2D();
-    const std::optional<SampledLight> selected = segment->lights.Sample(uSelect, &uLight);
-    if (!selected) return;
-    const MediumStretch &stretch = segment->stretch;
-    const SegmentDistances::Sample at = integrator.segments_->Draw(stretch, selected->light, uDistance);
-    if (!(at.pdf > 0)) return;
-    const SampledSpectrum scattering = stretch.ScatteringAt(at.t);
-    const Ray &ray = stretch.ray;
-    const Point3 p = ray(at.t);
-    const LightSampleContext from{p, {}, {}, {}, ray.time};
-    const LightPart light = scene.Lights()[selected->light];
-    const std::optional<LightLiSample> sample = light.SampleLi(from, uLight, lambda, true);
-    if (!scattering || !sample || !sample->L || !(sample->pdf > 0)) return;
-    Rng rng(Hash(p, sample->wi, uLight));
-    const ShadowTransmittance through = TraceShadow(scene, from, ray.medium, *sample, lambda, rng);
-    if (!through.value) return;
-
-    const Float phase = walk.MediumAhead()->Phase().P(-ray.d, sample->wi);
-    // What delta tracking and light sampling at the same place would have done.
-    PrepareSelection(
-        LightQueryInMedium(p, -ray.d, ray.medium, walk.MediumAhead()->Phase(), ray.time, lambda, depth + 1), from);
-    const Float pVertex = DensityOf(current->lights, selected->light, *sample, from);
-    SampledSpectrum densities = through.rl * (at.pdf * selected->pmf * sample->pdf) + scattering * through.rl * pVertex;
-    if (!IsDelta(light.Kind())) densities += scattering * through.ru * phase;
-    L += weights.beta * scattering * sample->L * through.value * (phase / weights.Mean(weights.ru * densities));
-}
-
-template <class Bounces>
 bool VolPathIntegrator::Path<Bounces>::PassMedium(bool *scattered) {
-    segment->isOn = false;
     const Medium *medium = walk.MediumAhead();
     if (!medium) return true;
-    if (integrator.segments_) {
-        PrepareSegment(medium->On(walk.GetRay(), walk.DistanceAhead(), lambda));
-        if (segment->isOn) SampleSegment();
-    }
-    const SampledSpectrum ruBefore = weights.ru;
     const Float u = sampler.Get1D();
     Rng rng = NumbersAlong(walk.GetRay(), u);
     // Emission between the last vertices that a path may have is left out, as in stock pbrt-v4.
@@ -243,10 +154,7 @@ bool VolPathIntegrator::Path<Bounces>::PassMedium(bool *scattered) {
     const MediumEvent event = walk.ThroughMedium(lambda, u, rng, emits, weights,
                                                  [&](const SampledSpectrum &radiance, Float) { L += radiance; });
     if (event.kind == MediumEvent::Kind::Absorbed || !weights.beta) return false;
-    if (event.kind == MediumEvent::Kind::Passed) {
-        segment->isOn = false;
-        return true;
-    }
+    if (event.kind == MediumEvent::Kind::Passed) return true;
     if (depth++ == integrator.settings_.maxDepth) return false;
     ++ThreadCounters().pathVertices;
 
@@ -261,10 +169,6 @@ bool VolPathIntegrator::Path<Bounces>::PassMedium(bool *scattered) {
     }
     bounces.OpenInMedium(p, Weight(), L);
     PrepareSelection(LightQueryInMedium(p, wo, ray.medium, phase, ray.time, lambda, depth), {p, {}, {}, {}, ray.time});
-    if (segment->isOn) {
-        segment->t = event.t;
-        weights.rs = ruBefore / segment->stretch.ScatteringAt(event.t)[0];
-    }
     SampleDirect(
         current->from, [&](const Vector3 &) { return ray.medium; },
         [&](const Vector3 &wi) {
@@ -275,9 +179,7 @@ bool VolPathIntegrator::Path<Bounces>::PassMedium(bool *scattered) {
     bounces.GoesOn(Weight(), L);
     const HenyeyGreenstein::Sample sample = phase.SampleP(wo, sampler.Get2D());
     if (!(sample.p > 0)) return false;
-    const SampledSpectrum rs = weights.rs / sample.p;
     LeftVertexBy(sample.p);
-    if (segmentBefore->isOn) weights.rs = rs;  // the segment that has just become the one before
     walk.ScatterInMedium(p, sample.wi);
     *scattered = true;
     return true;
@@ -293,14 +195,6 @@ void VolPathIntegrator::Path<Bounces>::AddEmission(PathWalk::Met met) {
                 met == PathWalk::Met::Nothing ? previous->lights.PartTowards(id, previous->from.p, d) : id;
             if (const Float pmf = previous->lights.PMF(part); pmf > 0)
                 densities += weights.rl * (pmf * scene.Lights()[part].PdfLi(previous->from, d, p, n, true));
-            if (segmentBefore->isOn) {
-                const SegmentSelection &s = *segmentBefore;
-                const LightId other =
-                    met == PathWalk::Met::Nothing ? s.lights.PartTowards(id, previous->from.p, d) : id;
-                if (const Float pmf = s.lights.PMF(other); pmf > 0)
-                    densities += weights.rs * (pmf * integrator.segments_->Pdf(s.stretch, other, s.t) *
-                                               scene.Lights()[other].PdfLi(previous->from, d, p, n, true));
-            }
         } else if (integrator.settings_.sampledLightOnly) {
             return;
         }

@@ -2,7 +2,6 @@
 #include <memory>
 
 #include "pbrt/integrators/path_integrator.h"
-#include "pbrt/integrators/segment_lights.h"
 #include "pbrt/paths/medium_track.h"
 
 namespace pbrt {
@@ -12,25 +11,16 @@ namespace pbrt {
 /// wavelengths that could have drawn a distance are combined by the balance heuristic (SpectralWeights). Scenes without
 /// media are rendered by PathIntegrator. With a guide, paths end in media by what was found there as well; directions
 /// are learned and guided at surfaces.
-///
-/// PathSettings::equiangular: a third way to find light in media that are the same all along a segment of the path, one
-/// of the balance heuristic as well. The lights are weighed at a place drawn on the segment, one is chosen, and the
-/// shadow ray to it starts at a place drawn for that light (SegmentDistances). What delta tracking does with the
-/// segment does not matter, so that thin fog, which most paths pass without a collision, is lit by all of them. It is
-/// done up to the first scattering.
 class VolPathIntegrator final : public GuidedPixelIntegrator {
   public:
     VolPathIntegrator(const PathContext &context, const PathSettings &settings, std::unique_ptr<LightSampler> lights,
                       std::unique_ptr<ShadowRayGate> gate = nullptr)
-        : GuidedPixelIntegrator(context, settings, std::move(lights), std::move(gate)) {
-        if (settings_.equiangular) segments_.emplace(context_.scene.Lights());
-    }
+        : GuidedPixelIntegrator(context, settings, std::move(lights), std::move(gate)) {}
     SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
 
   private:
     template <class Bounces>
     struct Path;
-    std::optional<SegmentDistances> segments_;
 };
 
 /// Path tracing through media and interface surfaces without light sampling, at one wavelength: simple enough to check

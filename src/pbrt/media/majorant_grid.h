@@ -57,7 +57,6 @@ class GridWalk {
     /// empty. False if there are no more.
     bool Next(Float *begin, Float *end, Float *value);
 
-    bool HasGrid() const { return grid_ != nullptr; }
     /// True if t is in the part of the ray that lies in the box.
     bool Contains(Float t) const { return t >= anchor_ && t <= end_; }
     /// The place on the ray in the grid's coordinates; only for walks through a grid, and t of the part that lies in

@@ -71,9 +71,6 @@ class MediumOnRay {
         return medium_->Evaluate(*this, t);
     }
 
-    /// True if the coefficients are the same all along the ray; they are then those of any distance on it.
-    bool IsEven() const { return !walk_.HasGrid(); }
-
     // For the classes of media.
 
     /// `unit`: the coefficients at density 1, as far as they do not depend on the place. `majorant` is multiplied by

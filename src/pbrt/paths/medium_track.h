@@ -15,21 +15,15 @@ struct SpectralWeights {
     SampledSpectrum beta{1};  ///< throughput over the density used
     SampledSpectrum ru{1};    ///< path sampled step by step
     SampledSpectrum rl{1};    ///< its last vertex sampled as a point on a light
-    /// The same, with the vertex before it chosen on the whole segment for that light, where such samples are taken.
-    SampledSpectrum rs{0};
-    bool onlyFirst = false;  ///< the other wavelengths were given up
+    bool onlyFirst = false;   ///< the other wavelengths were given up
 
     void Multiply(const SampledSpectrum &f) {
         beta *= f;
         ru *= f;
         rl *= f;
-        rs *= f;
     }
     /// After a direction was drawn with this density (solid angle) by scattering that light sampling could replace.
-    void SampledDirection(Float pdf) {
-        rl = ru / pdf;
-        rs = SampledSpectrum(0);
-    }
+    void SampledDirection(Float pdf) { rl = ru / pdf; }
     Float Mean(const SampledSpectrum &densities) const { return onlyFirst ? densities[0] : densities.Average(); }
 };
 
@@ -79,7 +73,6 @@ MediumEvent TrackMedium(MediumOnRay on, Float u, Rng &rng, bool emits, SpectralW
             weights.beta *= tMaj * null / pdf;
             weights.ru *= tMaj * null / pdf;
             weights.rl *= tMaj * majorant / pdf;
-            weights.rs *= tMaj * majorant / pdf;
             return true;
         });
     if (event.kind != MediumEvent::Kind::Passed) return event;

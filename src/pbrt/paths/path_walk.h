@@ -67,10 +67,9 @@ class PathWalk {
     template <class Emit>
     MediumEvent ThroughMedium(const SampledWavelengths &lambda, Float u, Rng &rng, bool emits, SpectralWeights &weights,
                               Emit &&emit) const {
-        return TrackMedium(MediumAhead()->On(ray_, DistanceAhead(), lambda), u, rng, emits, weights, emit);
+        return TrackMedium(MediumAhead()->On(ray_, left_ ? Infinity : vertex_.point.t, lambda), u, rng, emits, weights,
+                           emit);
     }
-    /// The distance to what Next has met, infinite if it met nothing.
-    Float DistanceAhead() const { return left_ ? Infinity : vertex_.point.t; }
     /// Scatters in the medium before the ray reaches what Next has met: at a place on the ray, into a direction (unit).
     void ScatterInMedium(const Point3 &p, const Vector3 &wi);
     /// Moves the path to the vertex where light that went below the surface comes out.

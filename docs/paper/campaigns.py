@@ -13,7 +13,7 @@ import lab_results as lab  # noqa: E402
 
 # The paper's four, then what it does not have.
 PAPER_SAMPLERS = ["uniform+mesh", "spatial", "neepp", "octree:model=paper"]
-EXTRA_SAMPLERS = ["neepp+gate=neepp", "power+mesh", "bvh", "bvh+mesh", "octree"]
+EXTRA_SAMPLERS = ["power+mesh", "bvh", "bvh+mesh", "octree"]
 # T = 4096 is the default, so that this row has the same label (and reference) as in Fig. 3.
 SAMPLER_OF_T = {512: "octree:model=paper,leaves=512", 4096: "octree:model=paper",
                 32768: "octree:model=paper,leaves=32768"}

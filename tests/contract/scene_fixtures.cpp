@@ -394,15 +394,6 @@ double Contribution(const Scene &scene, const LightQuery &q, const LightPart &li
     return static_cast<double>(s->L.Average()) * static_cast<double>(std::abs(cosine)) / static_cast<double>(s->pdf);
 }
 
-namespace {
-template <class Plug>
-void PrepareIn(const BuiltScene &built, Plug &plug) {
-    Progress progress;
-    PrepareContext context = built.Preparation(progress);
-    plug.Prepare(context);
-}
-}  // namespace
-
 double SceneFixture::Search(size_t query, LightId id) const {
     Rng rng(id.value);
     double sum = 0;
@@ -415,8 +406,11 @@ double SceneFixture::ContributionOf(size_t query, LightId id) const {
     return id.value < Lights().Size() ? contribution[query][id.value] : Search(query, id);
 }
 
-void SceneFixture::Prepare(LightSampler &sampler) const { PrepareIn(built, sampler); }
-void SceneFixture::Prepare(ShadowRayGate &gate) const { PrepareIn(built, gate); }
+void SceneFixture::Prepare(LightSampler &sampler) const {
+    Progress progress;
+    PrepareContext context = built.Preparation(progress);
+    sampler.Prepare(context);
+}
 
 std::unique_ptr<LightSampler> MakePreparedSampler(const std::string &label, const SceneFixture &fixture) {
     size_t plus = label.find('+');

@@ -26,7 +26,6 @@ struct SceneFixture {
 
     const LightTable &Lights() const { return built.scene->Lights(); }
     void Prepare(LightSampler &sampler) const;
-    void Prepare(ShadowRayGate &gate) const;
 };
 
 /// The sampler of `label`, after Prepare. A label is name[:key=value,...]; "+meshlights" after it makes every emissive

@@ -48,7 +48,7 @@ void CaseMaker::AddArguments(FuzzCase &made, Dice &dice) const {
         "--lightsampler=uniform --lightsampler=power --lightsampler=bvh --lightsampler=exhaustive "
         "--lightsampler=octree --lightsampler=octree:model=paper --lightsampler=spatial:voxels=2,samples=2 "
         "--lightsampler=neepp:voxels=2,samples=2 --lightsampler=oracle:samples=1 "
-        "--shadow-gate=neepp:voxels=2,samples=2 --mesh-lights --integrator=path --integrator=volpath "
+        "--mesh-lights --integrator=path --integrator=volpath "
         "--integrator=simplepath --integrator=ambientocclusion --integrator=randomwalk --force-diffuse "
         "--render-coord-sys=world --render-coord-sys=camera --texture-cache-mb=1 --write-partial-images "
         "--disable-pixel-jitter --disable-wavelength-jitter --disable-texture-filtering --quick --stats "

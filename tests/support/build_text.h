@@ -6,7 +6,7 @@
 
 namespace pbrt::test {
 
-/// The registry with all light samplers and gates of this build.
+/// The registry with all light samplers of this build.
 const LightSamplerRegistry &AllSamplers();
 
 /// A scene from text, ready to render; all light samplers of the build are registered. Throws UserError.

@@ -41,7 +41,7 @@ double LargestDistance(const View &v, const std::string &integrator, double *noi
 /// Expects the same bits for any number of threads.
 void CheckThreads(const View &v, const std::string &integrator, int samples);
 
-/// Expects the mean of path under each choice of light sampler and gate that the build has, at least two of them, in a
+/// Expects the mean of path under each choice of light sampler that the build has, at least two of them, in a
 /// view with a lamp, a point light and a sky; `allowed`: see LargestDistance.
 void CheckLightSamplers(View v, const std::string &integrator, const std::vector<std::string> &choices,
                         double allowed = 0);

@@ -46,35 +46,26 @@ Vector3 LightTargets::DirectionIn(uint32_t skyPart, const Point2 &u) {
     return EqualAreaSquareToSphere((corner + u) / static_cast<Float>(SkySide));
 }
 
-uint32_t LightTargets::VoxelTarget(uint32_t voxel) {
-    uint32_t &target = ofVoxel_[voxel];
-    if (target == None) {
-        target = static_cast<uint32_t>(targets_.size());
-        targets_.push_back({Kind::Voxel, voxel, {}});
-    }
-    return target;
-}
-
-uint32_t LightTargets::SkyTarget(uint32_t part) {
-    uint32_t &target = ofSkyPart_[part];
-    if (target == None) {
-        target = static_cast<uint32_t>(targets_.size());
-        targets_.push_back({Kind::SkyPart, part, {}});
-    }
-    return target;
-}
-
 LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const LightGroups &groups) {
     const LightTable &lights = scene.Lights();
     const SampledWavelengths &lambda = SampledWavelengths::WholeRange();
     const Bounds3 bounds = scene.Bounds().IsEmpty() ? Bounds3(Point3(0)) : scene.Bounds();
     LightSampleContext center;
     center.p = bounds.Center();
-    ofVoxel_.assign(grid.Size(), None);
-    ofSkyPart_.assign(SkySide * SkySide, None);
-    ofLight_.assign(lights.Size(), None);
-    kindOf_.reserve(lights.Size());
-    for (uint32_t i = 0; i < lights.Size(); ++i) kindOf_.push_back(lights[LightId(i)].Kind());
+    constexpr uint32_t kNone = 0xffffffffu;
+    std::vector<uint32_t> ofVoxel(grid.Size(), kNone), ofSkyPart(SkySide * SkySide, kNone);
+    const auto addTarget = [&](const Target &target) {
+        targets_.push_back(target);
+        return static_cast<uint32_t>(targets_.size() - 1);
+    };
+    const auto voxelTarget = [&](uint32_t voxel) {
+        uint32_t &target = ofVoxel[voxel];
+        return target != kNone ? target : target = addTarget({Kind::Voxel, voxel, {}});
+    };
+    const auto skyTarget = [&](uint32_t part) {
+        uint32_t &target = ofSkyPart[part];
+        return target != kNone ? target : target = addTarget({Kind::SkyPart, part, {}});
+    };
 
     std::map<uint32_t, double> weights;
     auto finishGroup = [&] {
@@ -91,13 +82,12 @@ LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const Ligh
         const LightCandidate candidate = lights.Candidate(id);
         auto share = static_cast<double>(groups.ShareOf(id));
         if (!(candidate.power > 0)) continue;
-        if (kindOf_[i] == LightKind::DeltaDirection) {
+        const LightKind kind = lights[id].Kind();
+        if (kind == LightKind::DeltaDirection) {
             std::optional<LightLiSample> s = lights[id].SampleLi(center, {0.5f, 0.5f}, lambda, true);
             if (!s) continue;
-            ofLight_[i] = static_cast<uint32_t>(targets_.size());
-            targets_.push_back({Kind::Direction, 0, s->wi});
-            weights[ofLight_[i]] += share;
-        } else if (kindOf_[i] == LightKind::Infinite) {
+            weights[addTarget({Kind::Direction, 0, s->wi})] += share;
+        } else if (kind == LightKind::Infinite) {
             for (uint64_t k = 0; k < kSkySamples; ++k) {
                 // From points all over the scene, because the directions that a light with a portal samples depend on
                 // the point.
@@ -106,38 +96,22 @@ LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const Ligh
                          bounds.Diagonal() * Vector3(RadicalInverse(5, k), RadicalInverse(7, k), RadicalInverse(11, k));
                 Point2 u(RadicalInverse(2, k), RadicalInverse(3, k));
                 std::optional<LightLiSample> s = lights[id].SampleLi(from, u, lambda, true);
-                if (s && s->L && s->pdf > 0) weights[SkyTarget(SkyPartOf(s->wi))] += 1;
+                if (s && s->L && s->pdf > 0) weights[skyTarget(SkyPartOf(s->wi))] += 1;
             }
         } else if (const ShapePrimitive at = lights[id].Surface(); at.shape) {
             ForPointsOn(*at.shape, at.primitive, grid, [&](const Point3 &p, Float part) {
-                weights[VoxelTarget(grid.Index(p))] += share * static_cast<double>(part);
+                weights[voxelTarget(grid.Index(p))] += share * static_cast<double>(part);
             });
         } else if (candidate.bounds) {
-            weights[VoxelTarget(grid.Index(candidate.bounds->Centroid()))] += share;
+            weights[voxelTarget(grid.Index(candidate.bounds->Centroid()))] += share;
         }
     }
     if (lights.Size() > 0) finishGroup();
 }
 
-uint32_t LightTargets::Find(const VoxelGrid &grid, LightId light, const Point3 &from, const Point3 &onLight) const {
-    // Ids beyond those of all lights are parts of skies (LightTable).
-    switch (light.value < kindOf_.size() ? kindOf_[light.value] : LightKind::Infinite) {
-        case LightKind::DeltaDirection:
-            return ofLight_[light.value];
-        case LightKind::Infinite: {
-            Vector3 d = onLight - from;
-            Float length = Length(d);
-            return length > 0 && std::isfinite(length) ? ofSkyPart_[SkyPartOf(d / length)] : None;
-        }
-        default:
-            return ofVoxel_[grid.Index(onLight)];
-    }
-}
-
 size_t LightTargets::Bytes() const {
     return targets_.capacity() * sizeof(Target) + shares_.capacity() * sizeof(Share) +
-           kindOf_.capacity() * sizeof(LightKind) +
-           (first_.capacity() + ofVoxel_.capacity() + ofSkyPart_.capacity() + ofLight_.capacity()) * sizeof(uint32_t);
+           first_.capacity() * sizeof(uint32_t);
 }
 
 }  // namespace ext

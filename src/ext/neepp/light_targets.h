@@ -12,7 +12,6 @@ namespace ext {
 /// which targets each group of lights covers, and by what share.
 class LightTargets {
   public:
-    static constexpr uint32_t None = 0xffffffffu;
     /// Parts of the sphere along each side of its equal-area square.
     static constexpr int SkySide = 8;
 
@@ -38,9 +37,6 @@ class LightTargets {
     std::span<const Share> SharesOf(uint32_t group) const {
         return {shares_.data() + first_[group], shares_.data() + first_[group + 1]};
     }
-    /// The target in which the segment from `from` to the point `onLight` of a light ends; None if no target was made
-    /// there.
-    uint32_t Find(const VoxelGrid &grid, LightId light, const Point3 &from, const Point3 &onLight) const;
 
     /// The part of the sphere that holds the unit vector w.
     static uint32_t SkyPartOf(const Vector3 &w);
@@ -49,15 +45,9 @@ class LightTargets {
     size_t Bytes() const;
 
   private:
-    uint32_t VoxelTarget(uint32_t voxel);
-    uint32_t SkyTarget(uint32_t part);
-
     std::vector<Target> targets_;
     std::vector<uint32_t> first_{0};  ///< per group, into shares_; one more at the end
     std::vector<Share> shares_;
-    std::vector<uint32_t> ofVoxel_, ofSkyPart_;  ///< target or None
-    std::vector<uint32_t> ofLight_;              ///< distant lights: target; others None
-    std::vector<LightKind> kindOf_;              ///< per light
 };
 
 }  // namespace ext

@@ -7,7 +7,9 @@
 namespace ext {
 
 NeeppLightSampler::NeeppLightSampler(const LightTable &lights, const NeeppParams &params)
-    : VoxelLightSampler(params.meshlights ? lights.Wholes() : lights.Parts()), params_(params), map_(params.map) {}
+    : VoxelLightSampler(params.meshlights ? lights.Wholes() : lights.Parts()),
+      params_(params),
+      map_(params.voxels, params.samples) {}
 
 void NeeppLightSampler::Prepare(PrepareContext &context) {
     if (groups_.Size() <= 1) return;

@@ -1,4 +1,5 @@
 #pragma once
+#include "ext/neepp/neepp_params.h"
 #include "ext/neepp/visibility_map.h"
 #include "ext/voxels/voxel_light_sampler.h"
 

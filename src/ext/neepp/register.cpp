@@ -1,4 +1,3 @@
-#include "ext/neepp/neepp_gate.h"
 #include "ext/neepp/neepp_light_sampler.h"
 #include "pbrt/lightsamplers/registry.h"
 
@@ -8,10 +7,5 @@ void register_neepp(pbrt::LightSamplerRegistry &registry) {
         "neepp", "visibility between voxels (NEE++, Guo et al. 2020); neither power nor distance counts",
         [](const NeeppParams &p, const ParamSet &, const LightGroups &groups) {
             return std::make_unique<NeeppLightSampler>(groups.Lights(), p);
-        });
-    registry.gates.Add<NeeppGateParams>(
-        "neepp", "skips shadow rays between voxels that do not see each other (NEE++, Guo et al. 2020)",
-        [](const NeeppGateParams &p, const ParamSet &, const LightTable &lights) {
-            return std::make_unique<NeeppGate>(lights, p);
         });
 }

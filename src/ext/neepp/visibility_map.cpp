@@ -22,15 +22,15 @@ void VisibilityMap::Prepare(PrepareContext &context, const LightGroups &groups) 
     auto start = std::chrono::steady_clock::now();
     scene_ = &context.scene;
     seed_ = context.seed;
-    grid_ = VoxelGrid(context.scene.Bounds(), params_.voxels);
+    grid_ = VoxelGrid(context.scene.Bounds(), voxels_);
     targets_ = LightTargets(context.scene, grid_, groups);
     rows_.Reset(grid_.Size(), targets_.Size());
-    auto work = static_cast<double>(grid_.BorderSize()) * static_cast<double>(targets_.Size()) * params_.samples;
+    auto work = static_cast<double>(grid_.BorderSize()) * static_cast<double>(targets_.Size()) * samples_;
     if (work > 3e8)
         LogWarning(
             fmt::format("neepp: visibility to {} voxels and directions with lights takes about {:.1e} rays, {} for "
                         "every voxel that a path enters for the first time.",
-                        targets_.Size(), work, targets_.Size() * static_cast<size_t>(params_.samples)));
+                        targets_.Size(), work, targets_.Size() * static_cast<size_t>(samples_)));
     prepareSeconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
@@ -41,7 +41,7 @@ void VisibilityMap::TestSegments(uint32_t voxel, std::span<uint8_t> row) const {
         const LightTargets::Target &target = targets_[t];
         Rng rng(Hash(kStream, seed_, voxel, t));
         int freeSegments = 0;
-        for (int i = 0; i < params_.samples; ++i) {
+        for (int i = 0; i < samples_; ++i) {
             Ray ray;
             ray.o = grid_.PointIn(voxel, Uniform3(rng));
             switch (target.kind) {
@@ -65,7 +65,7 @@ void VisibilityMap::TestSegments(uint32_t voxel, std::span<uint8_t> row) const {
 Float VisibilityMap::GroupVisibility(std::span<const uint8_t> row, uint32_t group) const {
     Float sum = 0;
     for (const LightTargets::Share &s : targets_.SharesOf(group)) sum += s.weight * static_cast<Float>(row[s.target]);
-    return std::min(Float(1), sum / static_cast<Float>(params_.samples));
+    return std::min(Float(1), sum / static_cast<Float>(samples_));
 }
 
 void VisibilityMap::Report(nlohmann::ordered_json &report) const {
@@ -77,8 +77,7 @@ void VisibilityMap::Report(nlohmann::ordered_json &report) const {
     report["voxelsFilled"] = rows_.Filled();
     report["voxelsFilledTwice"] = rows_.Discarded();
     report["targets"] = targets_.Size();
-    report["visibilityRays"] =
-        (rows_.Filled() + rows_.Discarded()) * targets_.Size() * static_cast<size_t>(params_.samples);
+    report["visibilityRays"] = (rows_.Filled() + rows_.Discarded()) * targets_.Size() * static_cast<size_t>(samples_);
     report["bytes"] = rows_.Bytes() + targets_.Bytes();
 }
 
@@ -92,7 +91,7 @@ std::string VisibilityMap::Describe() const {
         "grid of {} x {} x {} voxels, {:.4g} x {:.4g} x {:.4g} each\n"
         "lights in {} voxels and {} directions out of the scene, {} segments to each\n"
         "{} of {} voxels filled, {} KB, {:.3f} s of thread time to fill them\n",
-        r.x, r.y, r.z, s.x, s.y, s.z, voxels, directions, params_.samples, rows_.Filled(), rows_.Size(),
+        r.x, r.y, r.z, s.x, s.y, s.z, voxels, directions, samples_, rows_.Filled(), rows_.Size(),
         (rows_.Bytes() + targets_.Bytes()) / 1000, rows_.FillThreadSeconds());
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 #include "ext/neepp/light_targets.h"
-#include "ext/neepp/neepp_params.h"
 #include "ext/voxels/lazy_rows.h"
 #include "pbrt/lightsamplers/light_sampler.h"
 
@@ -12,18 +11,17 @@ namespace ext {
 /// is first asked for; the result depends on the pair and the seed only.
 class VisibilityMap {
   public:
-    explicit VisibilityMap(const VisibilityMapParams &params) : params_(params) {}
+    /// `voxels` along the longest axis of the scene; `samples` segments for a pair of voxels, at most 255.
+    VisibilityMap(int voxels, int samples) : voxels_(voxels), samples_(samples) {}
 
     void Prepare(PrepareContext &context, const LightGroups &groups);
-    bool Prepared() const { return scene_ != nullptr; }
 
     const VoxelGrid &Grid() const { return grid_; }
     const LightTargets &Targets() const { return targets_; }
-    /// The number of free segments to each target, from 0 to Samples(). Tests them if the row is empty.
+    /// The number of free segments to each target, from 0 to `samples`. Tests them if the row is empty.
     std::span<const uint8_t> Row(uint32_t voxel) const {
         return rows_.Get(voxel, [&](std::span<uint8_t> row) { TestSegments(voxel, row); });
     }
-    int Samples() const { return params_.samples; }
     /// The mean visibility of the targets of a group, weighted by their shares, from 0 to 1; 0 without targets.
     Float GroupVisibility(std::span<const uint8_t> row, uint32_t group) const;
 
@@ -34,7 +32,7 @@ class VisibilityMap {
   private:
     void TestSegments(uint32_t voxel, std::span<uint8_t> row) const;
 
-    VisibilityMapParams params_;
+    int voxels_, samples_;
     const Scene *scene_ = nullptr;
     int seed_ = 0;
     VoxelGrid grid_;

@@ -20,12 +20,10 @@ struct BuildOptions {
     bool guide = false;             ///< --guide
     std::string lightSampler;       ///< --lightsampler, see LightFlags; empty: the scene's
     bool meshLights = false;        ///< --mesh-lights
-    std::string shadowGate;         ///< --shadow-gate name[:key=value,...] or none; empty: the scene's
     std::string shootingSampler;    ///< --shooting-sampler name[:key=value,...]; empty: the scene's
-    /// The names of the flags that gave lightSampler and shadowGate, for messages.
-    const char *lightSamplerFlag = "--lightsampler", *shadowGateFlag = "--shadow-gate";
-    std::optional<Float> displacementEdgeScale;  ///< --displacement-edge-scale; empty: the scene's or 1
-    std::string renderCoordSys;                  ///< camera, cameraworld, world; empty: the scene's or cameraworld
+    const char *lightSamplerFlag = "--lightsampler";  ///< the name of the flag that gave lightSampler, for messages
+    std::optional<Float> displacementEdgeScale;       ///< --displacement-edge-scale; empty: the scene's or 1
+    std::string renderCoordSys;                       ///< camera, cameraworld, world; empty: the scene's or cameraworld
     bool disableTextureFiltering = false;
     bool forceDiffuse = false;  ///< --force-diffuse
     int textureCacheMb = 0;     ///< --texture-cache-mb; 0: all images in memory

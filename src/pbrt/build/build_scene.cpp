@@ -252,7 +252,6 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Ligh
         built.integrator = std::move(made.integrator);
         built.integratorName = made.name;
         built.lightSamplerName = made.lightSamplerName;
-        built.shadowGateName = made.shadowGateName;
         built.shootingSamplerName = made.shootingSamplerName;
         built.maxDepth = made.maxDepth;
     });
@@ -265,10 +264,6 @@ BuiltIntegrator MakeIntegrator(const BuiltScene &built, const LightChoice &choic
     BuildOptions chosen = options;
     if (!choice.lightSampler.empty()) chosen.lightSampler = choice.lightSampler;
     chosen.meshLights = choice.meshLights;
-    if (!choice.shadowGate.empty()) {
-        chosen.shadowGate = choice.shadowGate;
-        chosen.shadowGateFlag = options.lightSamplerFlag;  // said together with the sampler
-    }
     if (choice.maxDepth) chosen.maxDepth = choice.maxDepth;
     return MakeIntegrator(built, entity, chosen);
 }
@@ -278,7 +273,6 @@ std::unique_ptr<Integrator> MakePlainIntegrator(const BuiltScene &built) {
     BuildOptions plain = request.options;
     plain.lightSampler = "bvh";
     plain.meshLights = plain.guide = false;
-    plain.shadowGate = "none";
     if (!built.shootingSamplerName.empty()) plain.shootingSampler = "power";
     Entity entity = request.entity;
     entity.params = ParamSet(request.entity.params.What(), request.entity.loc);

@@ -18,13 +18,12 @@ namespace pbrt {
 struct LightChoice {
     std::string lightSampler;  ///< name[:key=value,...]; empty: the scene's
     bool meshLights = false;
-    std::string shadowGate;       ///< name[:key=value,...]; empty: the BuildOptions'
     std::optional<int> maxDepth;  ///< empty: the scene's
 };
 
 struct BuiltIntegrator {
     std::unique_ptr<Integrator> integrator;
-    std::string name, lightSamplerName, shadowGateName, shootingSamplerName;  ///< the last three empty if there is none
+    std::string name, lightSamplerName, shootingSamplerName;  ///< the last two empty if there is none
     int maxDepth = 5;
 };
 
@@ -54,7 +53,7 @@ struct BuiltScene {
     int seed = 0;
     int maxDepth = 5;
     std::string integratorName;
-    std::string lightSamplerName, shadowGateName, shootingSamplerName;  ///< empty if there is none
+    std::string lightSamplerName, shootingSamplerName;  ///< empty if there is none
     std::string filename;  ///< of the picture; gets a suffix if something was left out, unless a flag named it
     std::vector<std::string> leftOut;  ///< what --ignore-media or --ignore-unsupported left out, with places
     Transform cameraFromWorld;         ///< when the shutter opens; for image metadata
@@ -76,7 +75,7 @@ struct BuiltScene {
 /// UserError.
 BuiltIntegrator MakeIntegrator(const BuiltScene &built, const LightChoice &choice);
 
-/// The scene's integrator with light samplers that learn nothing and are prepared at once, without gate and guide.
+/// The scene's integrator with light samplers that learn nothing and are prepared at once, without guide.
 std::unique_ptr<Integrator> MakePlainIntegrator(const BuiltScene &built);
 
 /// Turns a description into something that renders. Throws one UserError with everything that is wrong or not supported

@@ -14,23 +14,19 @@ namespace pbrt {
 
 std::optional<LightSelection> ReadLights(const ParamSet &set, const IntegratorReading &r,
                                          const LightSelectionParams &defaults) {
-    const LightFlags flags{r.options.lightSampler, r.options.meshLights, r.options.shadowGate,
-                           r.options.lightSamplerFlag, r.options.shadowGateFlag};
+    const LightFlags flags{r.options.lightSampler, r.options.meshLights, r.options.lightSamplerFlag};
     return ReadLightSelection(set, flags, r.registry, r.sink, defaults);
 }
 
-std::pair<std::unique_ptr<LightSampler>, std::unique_ptr<ShadowRayGate>> MakeLights(
-    const LightSelection &chosen, const LightSamplerRegistry &registry, const LightTable &table) {
-    const LightSamplerSpec &sampler = chosen.sampler;
-    return {registry.Make(*sampler.entry, table, sampler.params, sampler.meshLights),
-            chosen.gate.entry ? chosen.gate.entry->make(chosen.gate.params, table) : nullptr};
+std::unique_ptr<LightSampler> MakeLights(const LightSamplerSpec &chosen, const LightSamplerRegistry &registry,
+                                         const LightTable &table) {
+    return registry.Make(*chosen.entry, table, chosen.params, chosen.meshLights);
 }
 
 void WarnOfLightFlags(const IntegratorReading &r, const char *integrator) {
-    if (!r.options.lightSampler.empty() || r.options.meshLights || !r.options.shadowGate.empty())
-        r.sink.Warning({}, fmt::format("--lightsampler, --mesh-lights and --shadow-gate have no effect on integrator "
-                                       "\"{}\".",
-                                       integrator));
+    if (!r.options.lightSampler.empty() || r.options.meshLights)
+        r.sink.Warning(
+            {}, fmt::format("--lightsampler and --mesh-lights have no effect on integrator \"{}\".", integrator));
 }
 
 namespace {
@@ -72,14 +68,14 @@ IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const Inte
         }
     }
     path.sampledLightOnly = r.options.sampledLightOnly;
-    settings.make = [path, isVolume, &registry = r.registry, lights = *settings.lights](
+    settings.make = [path, isVolume, &registry = r.registry, lights = settings.lights->sampler](
                         const PathContext &context, const ColorSpace &) -> std::unique_ptr<Integrator> {
         PathSettings mine = path;
         mine.subsurface = isVolume && context.scene.HasSubsurface();
-        auto [sampler, gate] = MakeLights(lights, registry, context.scene.Lights());
+        auto sampler = MakeLights(lights, registry, context.scene.Lights());
         if (isVolume && context.scene.HasMedia())
-            return std::make_unique<VolPathIntegrator>(context, mine, std::move(sampler), std::move(gate));
-        return std::make_unique<PathIntegrator>(context, mine, std::move(sampler), std::move(gate));
+            return std::make_unique<VolPathIntegrator>(context, mine, std::move(sampler));
+        return std::make_unique<PathIntegrator>(context, mine, std::move(sampler));
     };
     return settings;
 }
@@ -158,7 +154,7 @@ const IntegratorTable &Integrators() {
         IntegratorTable t("Integrator");
         t.Add<PathParams>(
             "path",
-            "only here: `guide` ([guided-paths.md](../method/guided-paths.md)), `meshlights`, `shadowgate` and the "
+            "only here: `guide` ([guided-paths.md](../method/guided-paths.md)), `meshlights` and the "
             "light samplers' own parameters "
             "([lightsamplers.md](lightsamplers.md)); **differs**: an unknown light sampler is an error (stock "
             "uses bvh)",
@@ -261,10 +257,7 @@ BuiltIntegrator MakeIntegrator(const IntegratorSettings &settings, const PathCon
     built.name = settings.type;
     built.maxDepth = settings.maxDepth;
     built.integrator = settings.make(context, filmSpace);
-    if (settings.lights) {
-        built.lightSamplerName = settings.lights->sampler.Label();
-        built.shadowGateName = settings.lights->gate.entry ? settings.lights->gate.entry->name : "";
-    }
+    if (settings.lights) built.lightSamplerName = settings.lights->sampler.Label();
     if (settings.shooting) built.shootingSamplerName = settings.shooting->Label();
     if (settings.type != "volpath" && context.scene.HasSubsurface())
         sink.Warning(

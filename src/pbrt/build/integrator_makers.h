@@ -17,12 +17,11 @@ struct DepthParams {
     int MaxDepth(const IntegratorReading &r) const { return r.options.maxDepth.value_or(maxDepth); }
 };
 
-/// Reads light sampler and gate of an integrator; nothing is returned after errors, which went to the sink.
+/// Reads the light sampler of an integrator; nothing is returned after errors, which went to the sink.
 std::optional<LightSelection> ReadLights(const ParamSet &set, const IntegratorReading &r,
                                          const LightSelectionParams &defaults = {});
-/// The light sampler and the gate (null: none) that were chosen.
-std::pair<std::unique_ptr<LightSampler>, std::unique_ptr<ShadowRayGate>> MakeLights(
-    const LightSelection &chosen, const LightSamplerRegistry &registry, const LightTable &table);
+std::unique_ptr<LightSampler> MakeLights(const LightSamplerSpec &chosen, const LightSamplerRegistry &registry,
+                                         const LightTable &table);
 /// Warns of flags for light sampling, which the integrator has none of.
 void WarnOfLightFlags(const IntegratorReading &r, const char *integrator);
 

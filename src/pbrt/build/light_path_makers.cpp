@@ -81,11 +81,11 @@ IntegratorSettings MakeBdpt(const BdptParams &p, const ParamSet &set, const Inte
                                        settings.maxDepth));
     }
     settings.make = [depth = settings.maxDepth, regularize = p.regularize, &registry = r.registry,
-                     lights = *settings.lights, shooting = *settings.shooting,
+                     lights = settings.lights->sampler, shooting = *settings.shooting,
                      shown](const PathContext &context, const ColorSpace &) -> std::unique_ptr<Integrator> {
-        auto [sampler, gate] = MakeLights(lights, registry, context.scene.Lights());
+        auto sampler = MakeLights(lights, registry, context.scene.Lights());
         return std::make_unique<BdptIntegrator>(
-            context, depth, regularize, std::move(sampler), std::move(gate), MakeShooting(shooting, registry, context),
+            context, depth, regularize, std::move(sampler), MakeShooting(shooting, registry, context),
             shown.empty() ? nullptr : std::make_unique<StrategyPictures>(shown, depth));
     };
     return settings;
@@ -138,10 +138,10 @@ IntegratorSettings MakeSppm(const SppmParams &p, const ParamSet &set, const Inte
     settings.shooting = ReadShooting(p.shooting, set, r);
     if (!settings.lights || !settings.shooting) return settings;
     const SppmSettings sppm{settings.maxDepth, p.photonsPerIteration, p.radius, p.seed, r.options.sampledLightOnly};
-    settings.make = [sppm, &registry = r.registry, lights = *settings.lights, shooting = *settings.shooting](
+    settings.make = [sppm, &registry = r.registry, lights = settings.lights->sampler, shooting = *settings.shooting](
                         const PathContext &context, const ColorSpace &) -> std::unique_ptr<Integrator> {
-        auto [sampler, gate] = MakeLights(lights, registry, context.scene.Lights());
-        return std::make_unique<SppmIntegrator>(context, sppm, std::move(sampler), std::move(gate),
+        auto sampler = MakeLights(lights, registry, context.scene.Lights());
+        return std::make_unique<SppmIntegrator>(context, sppm, std::move(sampler),
                                                 MakeShooting(shooting, registry, context));
     };
     return settings;
@@ -172,10 +172,10 @@ IntegratorSettings MakeMlt(const MltParams &p, const ParamSet &set, const Integr
     const auto share = [&](int all) { return std::max(1, (all + p.mutationsPerPixel / 2) / p.mutationsPerPixel); };
     const MltSettings mlt{settings.maxDepth, p.regularize,           share(p.bootstrapSamples),
                           share(p.chains),   p.largeStepProbability, p.sigma};
-    settings.make = [mlt, &registry = r.registry, lights = *settings.lights, shooting = *settings.shooting](
+    settings.make = [mlt, &registry = r.registry, lights = settings.lights->sampler, shooting = *settings.shooting](
                         const PathContext &context, const ColorSpace &) -> std::unique_ptr<Integrator> {
-        auto [sampler, gate] = MakeLights(lights, registry, context.scene.Lights());
-        return std::make_unique<MltIntegrator>(context, mlt, std::move(sampler), std::move(gate),
+        auto sampler = MakeLights(lights, registry, context.scene.Lights());
+        return std::make_unique<MltIntegrator>(context, mlt, std::move(sampler),
                                                MakeShooting(shooting, registry, context));
     };
     return settings;
@@ -195,7 +195,7 @@ void AddLightPathIntegrators(IntegratorTable &t) {
     t.Add<BdptParams>(
         "bdpt",
         "with media, at most 1,000 scattering events from either side; cameras and shading normals as lightpath; "
-        "only here: any light sampler and gate for the light that a vertex of the camera's path is connected to; "
+        "only here: any light sampler for the light that a vertex of the camera's path is connected to; "
         "pictures of strategies are written at the end, not with checkpoints, parts or mpirun",
         [](const auto &p, const ParamSet &set, Request &r) { return MakeBdpt(p, set, r); });
     t.Add<MltParams>(
@@ -205,11 +205,10 @@ void AddLightPathIntegrators(IntegratorTable &t) {
         "bootstrap and chains, so that more mutations converge to the picture for every seed (stock: #525); a "
         "mutation is of all connections of a pair of subpaths, not of one",
         [](const auto &p, const ParamSet &set, Request &r) { return MakeMlt(p, set, r); });
-    t.Add<SppmParams>(
-        "sppm",
-        "surfaces only; only here: light samplers and gates as path; **differs**: the radius shrinks with the "
-        "iteration, the same in every pixel; `maxdepth` limits the whole path",
-        [](const auto &p, const ParamSet &set, Request &r) { return MakeSppm(p, set, r); });
+    t.Add<SppmParams>("sppm",
+                      "surfaces only; only here: light samplers as path; **differs**: the radius shrinks with the "
+                      "iteration, the same in every pixel; `maxdepth` limits the whole path",
+                      [](const auto &p, const ParamSet &set, Request &r) { return MakeSppm(p, set, r); });
 }
 
 }  // namespace pbrt

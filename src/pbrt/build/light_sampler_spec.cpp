@@ -30,10 +30,10 @@ struct Piece {
 struct Pieces {
     Piece sampler;
     bool mesh = false;
-    std::optional<Piece> gate, guide;
+    std::optional<Piece> guide;
 };
 
-/// Where "+mesh", "+gate=" or another "+word" starts; numbers such as 1e+4 do not.
+/// Where "+mesh" or another "+word" starts; numbers such as 1e+4 do not.
 size_t FindSuffix(const std::string &text, size_t from) {
     for (size_t at = text.find('+', from); at != std::string::npos; at = text.find('+', at + 1))
         if (at + 1 < text.size() && std::isalpha(static_cast<unsigned char>(text[at + 1]))) return at;
@@ -41,7 +41,7 @@ size_t FindSuffix(const std::string &text, size_t from) {
 }
 
 Pieces Split(const FlagText &flag, DiagnosticSink &sink) {
-    static const std::string kGate = "gate=", kGuide = "guide:";
+    static const std::string kGuide = "guide:";
     const std::string &text = flag.Text();
     Pieces pieces;
     pieces.sampler = {0, FindSuffix(text, 0)};
@@ -50,8 +50,6 @@ Pieces Split(const FlagText &flag, DiagnosticSink &sink) {
         const std::string word = text.substr(at + 1, end - at - 1);
         if (word == "mesh")
             pieces.mesh = true;
-        else if (word.starts_with(kGate))
-            pieces.gate = Piece{at + 1 + kGate.size(), end};
         else if (word == "guide")
             pieces.guide = Piece{end, end};
         else if (word.starts_with(kGuide))
@@ -161,10 +159,9 @@ std::vector<ParamDoc> GuideKeys() {
 }
 
 /// The parameters of the chosen entry: the integrator's, overridden by the flag's. Values out of range are errors.
-template <class Entry>
-ParamSet ChosenParams(const Entry &entry, const std::string &what, const ParamSet &integrator, const FileLoc &loc,
+ParamSet ChosenParams(const LightSamplerRegistry::Entry &entry, const ParamSet &integrator, const FileLoc &loc,
                       const ParamSet &added, DiagnosticSink &sink) {
-    ParamSet params(fmt::format("{} \"{}\"", what, entry.name), loc);
+    ParamSet params(fmt::format("light sampler \"{}\"", entry.name), loc);
     for (const ParamDoc &doc : entry.params)
         if (const Param *p = integrator.Find(entry.name + "." + doc.name, doc.types.front())) params.Add(*p);
     for (const Param &p : added.Own()) params.Add(p);
@@ -178,8 +175,7 @@ ParamSet ChosenParams(const Entry &entry, const std::string &what, const ParamSe
 
 /// Warns of parameters that belong to another value of a choice such as "model": their help says so by beginning
 /// with it, "paper: ...".
-template <class Entry>
-void WarnOfParamsWithoutEffect(const Entry &entry, const ParamSet &params, DiagnosticSink &sink) {
+void WarnOfParamsWithoutEffect(const LightSamplerRegistry::Entry &entry, const ParamSet &params, DiagnosticSink &sink) {
     for (const ParamDoc &choice : entry.params) {
         if (choice.choices.empty()) continue;
         const Param *given = params.Find(entry.name + "." + choice.name, ParamType::String);
@@ -200,18 +196,15 @@ LightChoiceParts SplitLightChoice(const std::string &choice, const char *flag) {
     DiagnosticSink sink;
     const Pieces pieces = Split(FlagText(flag, choice), sink);
     sink.ThrowIfErrors();
-    LightChoiceParts parts{pieces.sampler.Of(choice), pieces.mesh, {}, {}};
-    if (pieces.gate) parts.gate = pieces.gate->Of(choice);
+    LightChoiceParts parts{pieces.sampler.Of(choice), pieces.mesh, {}};
     if (pieces.guide) parts.guide = pieces.guide->Of(choice);
     return parts;
 }
 
 void DeclareLightParams(ParamReader &reader, const LightSamplerRegistry &registry) {
-    auto declare = [&](const auto &entry) {
-        for (const ParamDoc &doc : entry.params) reader.Declare(entry.name + "." + doc.name, doc.types.front());
-    };
-    for (const std::string &name : registry.samplers.Names()) declare(registry.samplers.Find(name));
-    for (const std::string &name : registry.gates.Names()) declare(registry.gates.Find(name));
+    for (const std::string &name : registry.samplers.Names())
+        for (const ParamDoc &doc : registry.samplers.Find(name).params)
+            reader.Declare(name + "." + doc.name, doc.types.front());
 }
 
 std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, const LightFlags &flags,
@@ -226,52 +219,36 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
         }
     };
     LightSelection selection;
-    auto &[sampler, gate, guide] = selection;
+    auto &[sampler, guide] = selection;
     LightSelectionParams scene = defaults;
     ParamReader reader(integrator);
     scene.Describe(reader);
     collect([&] { reader.ThrowIfErrors(); });
 
-    const FlagText choice(flags.choiceFlag, flags.choice), gateFlag(flags.gateFlag, flags.gate);
+    const FlagText choice(flags.choiceFlag, flags.choice);
     const Pieces pieces = Split(choice, sink);
-    ParamSet samplerKeys, gateKeys;
-    auto findSampler = [&](const std::string &n, const FileLoc &loc) -> const auto & {
+    ParamSet keys;
+    auto find = [&](const std::string &n, const FileLoc &loc) -> const auto & {
         return registry.samplers.Find(n, loc);
     };
-    auto findGate = [&](const std::string &n, const FileLoc &loc) -> const auto & {
-        return registry.gates.Find(n, loc);
-    };
 
-    // The scene's names are checked even where a flag overrides them.
-    const auto findInScene = [&](const auto &table, const std::string &name, const std::string &parameter) {
-        const FileLoc loc = integrator.LocOf(parameter);
+    // The scene's name is checked even where a flag overrides it.
+    const FileLoc loc = integrator.LocOf("lightsampler");
+    collect([&] {
+        const std::string &name = scene.lightSampler;
         if (const size_t stop = name.find_first_of(":,;=+ "); stop != std::string::npos)
             throw UserError(
                 fmt::format("\"{}\" is the form of flags; in a scene this is a name only, and its parameters "
                             "are such as \"float {}.floor\".",
                             Abbreviate(name), Abbreviate(name.substr(0, stop))),
                 loc);
-        return &table.Find(name, loc);
-    };
-    collect([&] { sampler.entry = findInScene(registry.samplers, scene.lightSampler, "lightsampler"); });
-    if (scene.shadowGate != "none")
-        collect([&] { gate.entry = findInScene(registry.gates, scene.shadowGate, "shadowgate"); });
-    if (!flags.choice.empty()) sampler.entry = ReadPiece(choice, pieces.sampler, findSampler, &samplerKeys, sink);
-    const FlagText &gateText = pieces.gate ? choice : gateFlag;
-    const Piece gatePiece = pieces.gate.value_or(Piece{0, flags.gate.size()});
-    if (gatePiece.Of(gateText.Text()) == "none")
-        gate.entry = nullptr;
-    else if (pieces.gate || !flags.gate.empty())
-        gate.entry = ReadPiece(gateText, gatePiece, findGate, &gateKeys, sink);
-
+        sampler.entry = &find(name, loc);
+    });
+    if (!flags.choice.empty()) sampler.entry = ReadPiece(choice, pieces.sampler, find, &keys, sink);
     if (sampler.entry) {
-        sampler.params = ChosenParams(*sampler.entry, "light sampler", integrator, integrator.LocOf("lightsampler"),
-                                      samplerKeys, sink);
+        sampler.params = ChosenParams(*sampler.entry, integrator, loc, keys, sink);
         WarnOfParamsWithoutEffect(*sampler.entry, sampler.params, sink);
     }
-    if (gate.entry)
-        gate.params =
-            ChosenParams(*gate.entry, "shadow-ray gate", integrator, integrator.LocOf("shadowgate"), gateKeys, sink);
 
     if (pieces.guide) {
         guide.emplace("the guide", choice.At(pieces.guide->begin));
@@ -317,7 +294,7 @@ std::optional<LightSamplerSpec> ReadShootingSampler(const ParamSet &integrator, 
         sink.Add(e);
     }
     if (!flag.empty()) spec.entry = ReadPiece(text, {0, flag.size()}, find, &keys, sink);
-    if (spec.entry) spec.params = ChosenParams(*spec.entry, "light sampler", integrator, loc, keys, sink);
+    if (spec.entry) spec.params = ChosenParams(*spec.entry, integrator, loc, keys, sink);
     if (sink.ErrorCount() > errorsBefore) return {};
     return spec;
 }

@@ -16,61 +16,49 @@ struct LightSamplerSpec {
     std::string Label() const { return meshLights ? entry->name + "+meshlights" : entry->name; }
 };
 
-/// A shadow-ray gate chosen by name, with its parameters; none by default.
-struct ShadowGateSpec {
-    const LightSamplerRegistry::GateEntry *entry = nullptr;
-    ParamSet params;
-};
-
-inline constexpr const char *kLightChoiceSyntax =
-    "name[:key=value,...][+mesh][+gate=name[:key=value,...]][+guide[:key=value,...]]";
+inline constexpr const char *kLightChoiceSyntax = "name[:key=value,...][+mesh][+guide[:key=value,...]]";
 
 /// The flags for light selection; empty if not given. All programs use the same syntax for a choice:
 /// kLightChoiceSyntax.
 struct LightFlags {
     std::string choice;
-    bool meshLights = false;  ///< as "+mesh"
-    std::string gate;         ///< name[:key=value,...] or none; as "+gate=", which overrides it
-    /// The flags' names, for messages.
-    const char *choiceFlag = "--lightsampler", *gateFlag = "--shadow-gate";
+    bool meshLights = false;                    ///< as "+mesh"
+    const char *choiceFlag = "--lightsampler";  ///< for messages
 };
 
-/// The parts of a choice, without the words "mesh", "gate=" and "guide".
+/// The parts of a choice, without the words "mesh" and "guide".
 struct LightChoiceParts {
     std::string sampler;
     bool mesh = false;
-    std::optional<std::string> gate, guide;
+    std::optional<std::string> guide;
 };
 /// Throws UserError, at the flag, where something else follows a "+". Names and parameters are not checked.
 LightChoiceParts SplitLightChoice(const std::string &choice, const char *flag);
 
-/// The parameters of an integrator that choose light sampler and gate.
+/// The parameters of an integrator that choose the light sampler.
 struct LightSelectionParams {
-    std::string lightSampler = "bvh", shadowGate = "none";
+    std::string lightSampler = "bvh";
     bool meshLights = false;
     template <class V>
     void Describe(V &&v) {
         v("lightsampler", lightSampler,
           "the light sampler, which chooses the light for each shadow ray; --lightsampler overrides it");
         v("meshlights", meshLights, "an emissive mesh is one light for selection");
-        v("shadowgate", shadowGate, "the gate that decides whether a shadow ray is traced; none: all are traced");
     }
 };
 
-/// Declares the "name.key" parameters of all light samplers and gates, chosen or not, so that a flag can choose another
-/// one.
+/// Declares the "name.key" parameters of all light samplers, chosen or not, so that a flag can choose another one.
 void DeclareLightParams(ParamReader &reader, const LightSamplerRegistry &registry);
 
 struct LightSelection {
     LightSamplerSpec sampler;
-    ShadowGateSpec gate;
     /// "+guide": paths are guided, with these "guide.key" parameters on top of the integrator's.
     std::optional<ParamSet> guide;
 };
 
-/// Reads `"string lightsampler"`, `"bool meshlights"`, `"string shadowgate"` and the `name.key` parameters of an
-/// integrator, and the flags, which override the scene: a name replaces the scene's, keys are added to the scene's keys
-/// for the same sampler. Unknown names and keys, unreadable values and values out of range go to the sink as errors at
+/// Reads `"string lightsampler"`, `"bool meshlights"` and the `name.key` parameters of an integrator, and the flags,
+/// which override the scene: a name replaces the scene's, keys are added to the scene's keys for the same sampler.
+/// Unknown names and keys, unreadable values and values out of range go to the sink as errors at
 /// their place (nothing is returned then), parameters that have no effect as warnings. `defaults`: what holds where the
 /// integrator says nothing.
 std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, const LightFlags &flags,

@@ -75,7 +75,6 @@ RenderIdentity IdentityOf(const BuildOptions &o, const std::vector<std::string> 
     whether("--guide", o.guide);
     flag("--lightsampler", o.lightSampler);
     whether("--mesh-lights", o.meshLights);
-    flag("--shadow-gate", o.shadowGate);
     flag("--shooting-sampler", o.shootingSampler);
     if (o.displacementEdgeScale) flag("--displacement-edge-scale", fmt::format("{}", *o.displacementEdgeScale));
     flag("--render-coord-sys", o.renderCoordSys);

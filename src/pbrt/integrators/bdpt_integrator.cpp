@@ -18,14 +18,13 @@ struct BdptIntegrator::Sample {
 };
 
 BdptIntegrator::BdptIntegrator(const PathContext &context, int maxDepth, bool regularize,
-                               std::unique_ptr<LightSampler> connecting, std::unique_ptr<ShadowRayGate> gate,
-                               std::unique_ptr<LightSampler> shooting, std::unique_ptr<StrategyPictures> strategies)
+                               std::unique_ptr<LightSampler> connecting, std::unique_ptr<LightSampler> shooting,
+                               std::unique_ptr<StrategyPictures> strategies)
     : context_(context),
       maxDepth_(maxDepth),
       regularize_(regularize),
       shooting_(ByPowerUnless(std::move(shooting), context.scene.Lights())),
       connecting_(std::move(connecting)),
-      gate_(std::move(gate)),
       hasMedia_(context.scene.HasMedia()),
       learner_(connecting_ ? connecting_->Learner() : nullptr),
       weights_(context.scene.Lights(), *shooting_, connecting_ ? *connecting_ : *shooting_),
@@ -41,7 +40,6 @@ BdptIntegrator::BdptIntegrator(const PathContext &context, int maxDepth, bool re
 
 void BdptIntegrator::Prepare(PrepareContext &prepare) {
     if (connecting_) connecting_->Prepare(prepare);
-    if (gate_) gate_->Prepare(prepare);
     shooting_->Prepare(prepare);
 }
 
@@ -287,7 +285,6 @@ SampledSpectrum BdptIntegrator::ConnectToLight(Sample &sample, int cameraVertice
     LightMemory memory;
     const LightDistribution lights = (connecting_ ? *connecting_ : *shooting_).At(query, memory);
     const std::optional<SampledLight> chosen = lights.Sample(sampler.Get1D(), &u);
-    const Float uGate = gate_ ? sampler.Get1D() : 0;
     if (!chosen || !(chosen->pmf > 0)) return SampledSpectrum(0);
     const auto learn = [&](const SampledSpectrum &irradiance) {
         if (learner_) learner_->Found(sample.places, query, *chosen, irradiance);
@@ -302,11 +299,6 @@ SampledSpectrum BdptIntegrator::ConnectToLight(Sample &sample, int cameraVertice
     if (!L) {
         learn(SampledSpectrum(0));
         return L;
-    }
-    Float traced = 1;
-    if (gate_) {
-        traced = gate_->TraceProbability(query, chosen->light, found->pLight);
-        if (uGate >= traced) return SampledSpectrum(0);
     }
     const ShadowTransmittance through = Passing(sample, last, *found);
     const bool isBlocked = !through.value;
@@ -323,9 +315,8 @@ SampledSpectrum BdptIntegrator::ConnectToLight(Sample &sample, int cameraVertice
     end.isBeyondScene = light.Kind() == LightKind::Infinite || light.Kind() == LightKind::DeltaDirection;
     end.direction = -found->wi;
     end.pdfForward = weights_.LightPdf(end, last);
-    const SampledSpectrum weighted =
-        Passed(sample, L * (WeightOf(sample, 1, cameraVertices, &end, 0) / traced), through, last.ru);
-    if (strategies_) Tell(sample, {1, cameraVertices, Passed(sample, L / traced, through, last.ru), weighted});
+    const SampledSpectrum weighted = Passed(sample, L * WeightOf(sample, 1, cameraVertices, &end, 0), through, last.ru);
+    if (strategies_) Tell(sample, {1, cameraVertices, Passed(sample, L, through, last.ru), weighted});
     return weighted;
 }
 

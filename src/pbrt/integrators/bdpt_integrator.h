@@ -15,13 +15,11 @@ class BdptIntegrator final : public PixelIntegrator {
   public:
     /// The camera can connect (Camera::CanConnect). Subpaths scatter at most kMaxSubpath times.
     static constexpr int kMaxSubpath = 1000;
-    /// `connecting` chooses the light that a vertex of the camera path is connected to, `gate` whether the shadow ray
-    /// is traced; null: by power, and always. `shooting` chooses the lights that light paths begin at, with
-    /// probabilities that are the same everywhere; null: by power. `strategies`, if not null, shows what every strategy
-    /// finds; they know of all depths up to maxDepth.
+    /// `connecting` chooses the light that a vertex of the camera path is connected to; null: by power. `shooting`
+    /// chooses the lights that light paths begin at, with probabilities that are the same everywhere; null: by power.
+    /// `strategies`, if not null, shows what every strategy finds; they know of all depths up to maxDepth.
     BdptIntegrator(const PathContext &context, int maxDepth, bool regularize,
-                   std::unique_ptr<LightSampler> connecting = nullptr, std::unique_ptr<ShadowRayGate> gate = nullptr,
-                   std::unique_ptr<LightSampler> shooting = nullptr,
+                   std::unique_ptr<LightSampler> connecting = nullptr, std::unique_ptr<LightSampler> shooting = nullptr,
                    std::unique_ptr<StrategyPictures> strategies = nullptr);
     bool Render(const RenderPass &pass) override;
     void Prepare(PrepareContext &prepare) override;
@@ -30,7 +28,6 @@ class BdptIntegrator final : public PixelIntegrator {
     void StopLearning() { learner_ = nullptr; }
     const LightSampler *Lights() const override { return connecting_.get(); }
     const LightSampler *ShootingLights() const override { return shooting_.get(); }
-    const ShadowRayGate *Gate() const override { return gate_.get(); }
     bool MakesSidePictures() const override { return strategies_ != nullptr; }
     std::vector<SidePicture> SidePictures() const override {
         return strategies_ ? strategies_->Pictures() : std::vector<SidePicture>();
@@ -94,7 +91,6 @@ class BdptIntegrator final : public PixelIntegrator {
     int maxDepth_;
     bool regularize_;
     std::unique_ptr<LightSampler> shooting_, connecting_;
-    std::unique_ptr<ShadowRayGate> gate_;
     bool hasMedia_;
     LightLearner *learner_ = nullptr;
     BdptWeights weights_;

@@ -7,7 +7,6 @@
 #include "pbrt/films/film.h"
 #include "pbrt/films/filter.h"
 #include "pbrt/lightsamplers/light_sampler.h"
-#include "pbrt/lightsamplers/shadow_ray_gate.h"
 #include "pbrt/samplers/sampler.h"
 
 namespace pbrt {
@@ -70,8 +69,6 @@ class Integrator {
     virtual const LightSampler *Lights() const { return nullptr; }
     /// The light sampler that chooses where light paths begin; null if none do.
     virtual const LightSampler *ShootingLights() const { return nullptr; }
-    /// The shadow-ray gate in use, or null.
-    virtual const ShadowRayGate *Gate() const { return nullptr; }
     /// True if there will be side pictures. They hold only samples of this process since its start: checkpoints do not
     /// keep them, and other processes do not send theirs.
     virtual bool MakesSidePictures() const { return false; }

@@ -192,12 +192,10 @@ class MltIntegrator::Renderer {
 };
 
 MltIntegrator::MltIntegrator(const PathContext &context, const MltSettings &settings,
-                             std::unique_ptr<LightSampler> connecting, std::unique_ptr<ShadowRayGate> gate,
-                             std::unique_ptr<LightSampler> shooting)
+                             std::unique_ptr<LightSampler> connecting, std::unique_ptr<LightSampler> shooting)
     : context_(context),
       settings_(settings),
-      pairs_(context, settings.maxDepth, settings.regularize, std::move(connecting), std::move(gate),
-             std::move(shooting)) {
+      pairs_(context, settings.maxDepth, settings.regularize, std::move(connecting), std::move(shooting)) {
     pairs_.StopLearning();
 }
 

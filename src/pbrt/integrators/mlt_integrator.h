@@ -22,14 +22,12 @@ struct MltSettings {
 /// threads, processes and parts like any other.
 class MltIntegrator final : public Integrator {
   public:
-    /// The camera can connect (Camera::CanConnect). The samplers and the gate: see BdptIntegrator. They are as Prepare
+    /// The camera can connect (Camera::CanConnect). The samplers: see BdptIntegrator. They are as Prepare
     /// leaves them for all chains: a chain keeps what it found, and would keep lights that were chosen worse.
     MltIntegrator(const PathContext &context, const MltSettings &settings,
-                  std::unique_ptr<LightSampler> connecting = nullptr, std::unique_ptr<ShadowRayGate> gate = nullptr,
-                  std::unique_ptr<LightSampler> shooting = nullptr);
+                  std::unique_ptr<LightSampler> connecting = nullptr, std::unique_ptr<LightSampler> shooting = nullptr);
     void Prepare(PrepareContext &prepare) override { pairs_.Prepare(prepare); }
     const LightSampler *Lights() const override { return pairs_.Lights(); }
-    const ShadowRayGate *Gate() const override { return pairs_.Gate(); }
     const LightSampler *ShootingLights() const override { return pairs_.ShootingLights(); }
     /// Throws UserError if the film wants to know what the camera sees.
     bool Render(const RenderPass &pass) override;

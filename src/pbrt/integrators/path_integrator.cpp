@@ -17,7 +17,6 @@ SampledSpectrum PathIntegrator::SampleDirect(const PathVertex &vertex, const Lig
     // All random numbers are drawn in any case, so that dimensions stay aligned between samples.
     Float uSelect = sampler.Get1D();
     Point2 uLight = sampler.Get2D();
-    Float uGate = gate_ ? sampler.Get1D() : 0;
     std::optional<SampledLight> selected = lights.Sample(uSelect, &uLight);
     if (!selected) {
         ++ThreadCounters().zeroLightSamples;
@@ -38,20 +37,15 @@ SampledSpectrum PathIntegrator::SampleDirect(const PathVertex &vertex, const Lig
     const Float cosine = AbsDot(sample->wi, point.shading.n);
     SampledSpectrum f = bsdf.F(point.wo, sample->wi) * cosine;
     if (!f) return nothingFound();
-    Float traced = 1;
-    if (gate_) {
-        traced = gate_->TraceProbability(lights.Query(), selected->light, sample->pLight);
-        if (uGate >= traced) return SampledSpectrum(0);
-    }
     const bool occluded = context_.scene.Occluded(LightContextAt(point), *sample);
     if (learner_ && light.Kind() == LightKind::Infinite) learner_->Looked(lights.Query(), sample->wi, !occluded);
     if (occluded) return nothingFound();
     found(sample->L * (cosine / sample->pdf));
 
     Float pLight = selected->pmf * sample->pdf;  // solid angle
-    if (IsDelta(light.Kind())) return sample->L * f / (pLight * traced);
+    if (IsDelta(light.Kind())) return sample->L * f / pLight;
     Float pBsdf = bounces.Pdf(vertex, sample->wi);  // solid angle
-    return sample->L * f * (PowerHeuristic(pLight, pBsdf) / (pLight * traced));
+    return sample->L * f * (PowerHeuristic(pLight, pBsdf) / pLight);
 }
 
 SampledSpectrum PathIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {

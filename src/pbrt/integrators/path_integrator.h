@@ -23,21 +23,19 @@ struct PathSettings {
     std::optional<GuideParams> guide{};  ///< paths are guided
 };
 
-/// Path tracing from the camera with next-event estimation: light sampler, gate and guide, and how they learn.
+/// Path tracing from the camera with next-event estimation: light sampler and guide, and how they learn.
 class GuidedPixelIntegrator : public PixelIntegrator {
   public:
     GuidedPixelIntegrator(const PathContext &context, const PathSettings &settings,
-                          std::unique_ptr<LightSampler> lights, std::unique_ptr<ShadowRayGate> gate)
+                          std::unique_ptr<LightSampler> lights)
         : context_(context),
           settings_(settings),
           lights_(std::move(lights)),
-          gate_(std::move(gate)),
           learner_(lights_->Learner()),
           guide_(settings.guide ? std::make_unique<PathGuide>(*settings.guide, learner_) : nullptr) {}
 
     void Prepare(PrepareContext &prepare) override {
         lights_->Prepare(prepare);
-        if (gate_) gate_->Prepare(prepare);
         if (guide_) guide_->Prepare(prepare, settings_.maxDepth);
     }
     LightLearner *Learner() override { return guide_ ? guide_.get() : learner_; }
@@ -50,27 +48,22 @@ class GuidedPixelIntegrator : public PixelIntegrator {
         if (guide_) guide_->SaveForOthers(writer);
     }
     const LightSampler *Lights() const override { return lights_.get(); }
-    const ShadowRayGate *Gate() const override { return gate_.get(); }
     const PathGuide *Guide() const override { return guide_.get(); }
 
   protected:
     PathContext context_;
     PathSettings settings_;
     std::unique_ptr<LightSampler> lights_;
-    std::unique_ptr<ShadowRayGate> gate_;
     LightLearner *learner_;  ///< of the light sampler
     std::unique_ptr<PathGuide> guide_;
 };
 
 /// Unidirectional path tracing with next-event estimation; BSDF and light sampling combined by the power heuristic.
-/// Both sides of the combination use the light sampler's distribution of the same vertex. A shadow-ray gate, if there
-/// is one, may skip shadow rays; it uses one more random number per light sample. With a guide, a part of the bounces
-/// follows what it learned.
+/// Both sides of the combination use the light sampler's distribution of the same vertex. With a guide, a part of
+/// the bounces follows what it learned.
 class PathIntegrator final : public GuidedPixelIntegrator {
   public:
-    PathIntegrator(const PathContext &context, const PathSettings &settings, std::unique_ptr<LightSampler> lights,
-                   std::unique_ptr<ShadowRayGate> gate = nullptr)
-        : GuidedPixelIntegrator(context, settings, std::move(lights), std::move(gate)) {}
+    using GuidedPixelIntegrator::GuidedPixelIntegrator;
     SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
 
   private:

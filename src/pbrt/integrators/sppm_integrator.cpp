@@ -29,13 +29,11 @@ Float SobolNumber(int dimension, uint64_t index, uint64_t seed) {
 }  // namespace
 
 SppmIntegrator::SppmIntegrator(const PathContext &context, const SppmSettings &settings,
-                               std::unique_ptr<LightSampler> lights, std::unique_ptr<ShadowRayGate> gate,
-                               std::unique_ptr<LightSampler> shooting)
+                               std::unique_ptr<LightSampler> lights, std::unique_ptr<LightSampler> shooting)
     : context_(context),
       settings_(settings),
       lights_(std::move(lights)),
       shooting_(ByPowerUnless(std::move(shooting), context.scene.Lights())),
-      gate_(std::move(gate)),
       learner_(lights_->Learner()) {}
 
 Float SppmIntegrator::RelativeRadius(int iteration) {
@@ -126,7 +124,6 @@ SampledSpectrum SppmIntegrator::SampleDirect(const PathVertex &vertex, const Lig
     const auto &[point, bsdf] = vertex;
     const Float uSelect = sampler.Get1D();
     Point2 uLight = sampler.Get2D();
-    const Float uGate = gate_ ? sampler.Get1D() : 0;
     const std::optional<SampledLight> chosen = lights.Sample(uSelect, &uLight);
     if (!chosen) {
         ++ThreadCounters().zeroLightSamples;
@@ -144,18 +141,13 @@ SampledSpectrum SppmIntegrator::SampleDirect(const PathVertex &vertex, const Lig
         found(SampledSpectrum(0));
         return f;
     }
-    Float traced = 1;
-    if (gate_) {
-        traced = gate_->TraceProbability(lights.Query(), chosen->light, sample->pLight);
-        if (uGate >= traced) return SampledSpectrum(0);
-    }
     const bool isBlocked = context_.scene.Occluded(LightContextAt(point), *sample);
     if (learner_ && light.Kind() == LightKind::Infinite) learner_->Looked(lights.Query(), sample->wi, !isBlocked);
     found(isBlocked ? SampledSpectrum(0) : sample->L * (AbsDot(sample->wi, point.shading.n) / sample->pdf));
     if (isBlocked) return SampledSpectrum(0);
     const Float pLight = chosen->pmf * sample->pdf;  // solid angle
     const Float weight = IsDelta(light.Kind()) ? 1 : PowerHeuristic(pLight, bsdf.Pdf(point.wo, sample->wi));
-    return sample->L * f * (weight / (pLight * traced));
+    return sample->L * f * (weight / pLight);
 }
 
 SampledSpectrum SppmIntegrator::IndirectFromPhotons(const PathVertex &vertex, const SampledWavelengths &lambda,

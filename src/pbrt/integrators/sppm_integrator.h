@@ -24,10 +24,9 @@ struct SppmSettings {
 class SppmIntegrator final : public PixelIntegrator {
   public:
     SppmIntegrator(const PathContext &context, const SppmSettings &settings, std::unique_ptr<LightSampler> lights,
-                   std::unique_ptr<ShadowRayGate> gate, std::unique_ptr<LightSampler> shooting = nullptr);
+                   std::unique_ptr<LightSampler> shooting = nullptr);
     void Prepare(PrepareContext &prepare) override {
         lights_->Prepare(prepare);
-        if (gate_) gate_->Prepare(prepare);
         shooting_->Prepare(prepare);
     }
     /// One iteration (MaxPassSamples).
@@ -37,7 +36,6 @@ class SppmIntegrator final : public PixelIntegrator {
     LightLearner *Learner() override { return learner_; }
     const LightSampler *Lights() const override { return lights_.get(); }
     const LightSampler *ShootingLights() const override { return shooting_.get(); }
-    const ShadowRayGate *Gate() const override { return gate_.get(); }
 
     /// The radius of an iteration, counted from 0, over that of the first one. Its square shrinks by (i + 2/3)/(i + 1)
     /// at each step, as stock's does where the same number of photons falls on every area in every iteration.
@@ -58,7 +56,6 @@ class SppmIntegrator final : public PixelIntegrator {
     PathContext context_;
     SppmSettings settings_;
     std::unique_ptr<LightSampler> lights_, shooting_;
-    std::unique_ptr<ShadowRayGate> gate_;
     LightLearner *learner_;
     // Of the iteration that is rendered.
     PhotonMap map_;

@@ -96,7 +96,6 @@ void VolPathIntegrator::Path<Bounces>::SampleDirect(const LightSampleContext &fr
     // All random numbers are drawn in any case, so that dimensions stay aligned between samples.
     const Float uSelect = sampler.Get1D();
     Point2 uLight = sampler.Get2D();
-    const Float uGate = integrator.gate_ ? sampler.Get1D() : 0;
     const LightDistribution &lights = current->lights;
     const std::optional<SampledLight> selected = lights.Sample(uSelect, &uLight);
     if (!selected) {
@@ -112,11 +111,6 @@ void VolPathIntegrator::Path<Bounces>::SampleDirect(const LightSampleContext &fr
     if (!sample || !sample->L || !(sample->pdf > 0)) return found(SampledSpectrum(0));
     const Scattering to = scatter(sample->wi);
     if (!to.f) return found(SampledSpectrum(0));
-    Float traced = 1;
-    if (integrator.gate_) {
-        traced = integrator.gate_->TraceProbability(lights.Query(), selected->light, sample->pLight);
-        if (uGate >= traced) return;
-    }
     Rng rng(Hash(current->from.p, sample->wi, uLight));
     const ShadowTransmittance through =
         TraceShadow(scene, current->from, mediumTowards(sample->wi), *sample, lambda, rng);
@@ -129,7 +123,7 @@ void VolPathIntegrator::Path<Bounces>::SampleDirect(const LightSampleContext &fr
     const Float pLight = selected->pmf * sample->pdf;  // solid angle
     SampledSpectrum densities = weights.ru * through.rl * pLight;
     if (!IsDelta(light.Kind())) densities += weights.ru * through.ru * to.pdf;
-    L += weights.beta * to.f * sample->L * through.value / (weights.Mean(densities) * traced);
+    L += weights.beta * to.f * sample->L * through.value / weights.Mean(densities);
 }
 
 template <class Bounces>

@@ -13,9 +13,7 @@ namespace pbrt {
 /// are learned and guided at surfaces.
 class VolPathIntegrator final : public GuidedPixelIntegrator {
   public:
-    VolPathIntegrator(const PathContext &context, const PathSettings &settings, std::unique_ptr<LightSampler> lights,
-                      std::unique_ptr<ShadowRayGate> gate = nullptr)
-        : GuidedPixelIntegrator(context, settings, std::move(lights), std::move(gate)) {}
+    using GuidedPixelIntegrator::GuidedPixelIntegrator;
     SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
 
   private:

@@ -150,8 +150,7 @@ class Rounds {
         how.bias.level = SidakLevel(how.bias.level, settings_.samplers.size());
         if (!vertices_) vertices_.emplace(scene_.built, how.seed, cancel_);
         if (cancel_.Cancelled()) return false;
-        const std::optional<SelectionReport> report =
-            CheckSelection(*vertices_, *run->Lights(), run->Gate(), how, cancel_);
+        const std::optional<SelectionReport> report = CheckSelection(*vertices_, *run->Lights(), how, cancel_);
         if (!report) return false;
         Json note = ToJson(*report);
         note["work"] = how.mostWork;

@@ -22,7 +22,6 @@ Json IdentityOf(const CampaignSettings &settings, const std::string &sceneHash, 
     id["maxdepth"] = settings.maxDepth ? Json(*settings.maxDepth) : Json("the scene's");
     if (settings.sampledLightOnly) id["sampled-light"] = true;
     id["divisor"] = settings.resolutionDivisor;
-    id["shadow-gate"] = settings.shadowGate.empty() ? "the scene's" : settings.shadowGate;
     id["reference"] = settings.referenceFile;
     if (!settings.referenceFile.empty()) {
         ContentHash content;

@@ -18,7 +18,6 @@ struct CampaignSettings {
     std::optional<int> maxDepth;    ///< empty: the scene's
     bool sampledLightOnly = false;  ///< PathSettings::sampledLightOnly
     int resolutionDivisor = 1;
-    std::string shadowGate;       ///< for samplers that name no gate; empty: the scene's
     std::string referenceFile;    ///< empty: one is rendered
     int referenceSamples = 0;     ///< 0: chosen from the budget, see ReferenceRule
     std::string samplesFrom;      ///< results.json whose sample counts are replayed instead of measuring time

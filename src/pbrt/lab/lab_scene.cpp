@@ -10,7 +10,6 @@ std::unique_ptr<Integrator> LabScene::MakeIntegrator(const SamplerChoice &choice
     LightChoice light;
     light.lightSampler = choice.lightSampler;
     light.meshLights = choice.meshLights;
-    light.shadowGate = choice.gate;
     light.maxDepth = maxDepth;
     return pbrt::MakeIntegrator(built, light).integrator;
 }
@@ -39,7 +38,6 @@ LabScene LoadLabScene(const CampaignSettings &settings, const LightSamplerRegist
     options.samplesPerPixel = settings.Timed() ? 0 : settings.samplesPerPixel;
     options.maxDepth = settings.maxDepth;
     options.sampledLightOnly = settings.sampledLightOnly;
-    options.shadowGate = settings.shadowGate;
     options.lightSamplerFlag = kSamplersFlag;
     options.lightSampler = "uniform";  // of the integrator that nobody uses here: nothing to build
     progress.BeginPhase("building", 0);

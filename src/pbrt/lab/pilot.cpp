@@ -18,13 +18,11 @@ constexpr int kMinPilotSamples = 4, kMaxPilotSamples = 16;  // per picture; two 
 constexpr int kShareOfReference = 128;                      // all candidates together take some 6 % of two references
 constexpr int kPilotSeed = 700001;                          // far from the seeds of the runs
 
-std::vector<SamplerChoice> Candidates(const CampaignSettings &settings, const LabScene &scene,
-                                      const LightSamplerRegistry &registry) {
+std::vector<SamplerChoice> Candidates(const CampaignSettings &settings, const LightSamplerRegistry &registry) {
     std::vector<SamplerChoice> candidates;
     for (const SamplerChoice &s : settings.samplers)
         if (!s.IsOracle()) candidates.push_back(s);
-    for (std::string stock : {"bvh", "uniform"}) {
-        if (!scene.built.shadowGateName.empty()) stock += "+gate=none";
+    for (const char *stock : {"bvh", "uniform"}) {
         auto isListed = [&](const SamplerChoice &s) { return s.label == stock; };
         if (std::none_of(candidates.begin(), candidates.end(), isListed))
             candidates.push_back(ParseSamplerChoices({stock}, registry).front());
@@ -147,16 +145,14 @@ double EstimateRuns(const CampaignSettings &settings, const std::vector<PilotEnt
     return seconds * settings.seeds;
 }
 
-bool IsTrusted(const SamplerChoice &choice, const LabScene &scene) {
-    const bool stock =
-        choice.name == "uniform" || choice.name == "power" || choice.name == "bvh" || choice.name == "exhaustive";
-    return stock && (choice.gate == "none" || (choice.gate.empty() && scene.built.shadowGateName.empty()));
+bool IsTrusted(const SamplerChoice &choice) {
+    return choice.name == "uniform" || choice.name == "power" || choice.name == "bvh" || choice.name == "exhaustive";
 }
 
 std::optional<std::vector<PilotEntry>> RunPilot(const CampaignSettings &settings, const LabScene &scene,
                                                 const LightSamplerRegistry &registry, const RecordFolder &records,
                                                 Progress &cancel, CampaignDisplay &display) {
-    const std::vector<SamplerChoice> candidates = Candidates(settings, scene, registry);
+    const std::vector<SamplerChoice> candidates = Candidates(settings, registry);
     if (std::vector<PilotEntry> known = FromJson(records.LoadNote("pilot.json"), candidates); !known.empty())
         return known;
 

@@ -27,8 +27,7 @@ double MeanSecondsPerSample(const std::vector<PilotEntry> &entries);
 /// Seconds that all runs of the campaign will take; a sampler without an entry counts as one of average cost.
 double EstimateRuns(const CampaignSettings &settings, const std::vector<PilotEntry> &entries);
 
-/// True for the samplers of stock pbrt without a shadow-ray gate: their pictures are taken to be unbiased, whatever a
-/// plug-in does.
-bool IsTrusted(const SamplerChoice &choice, const LabScene &scene);
+/// True for the samplers of stock pbrt: their pictures are taken to be unbiased, whatever a plug-in does.
+bool IsTrusted(const SamplerChoice &choice);
 
 }  // namespace pbrt::lab

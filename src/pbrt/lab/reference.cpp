@@ -36,8 +36,8 @@ class ReferenceMaker {
     /// Nothing: cancelled.
     std::optional<Reference> Make(const PilotEntry &with, int index) {
         const int firstSeed = kFirstSeed + index * kSeedStep;
-        const std::string about = fmt::format("sampler {}; gate {}; {}; {} parts from seed {}", with.choice.label,
-                                              scene_.built.shadowGateName, rule_.Text(), kParts, firstSeed);
+        const std::string about =
+            fmt::format("sampler {}; {}; {} parts from seed {}", with.choice.label, rule_.Text(), kParts, firstSeed);
         ReferenceCache cache(settings_, scene_, about);
         if (std::optional<Reference> found = cache.Find()) return found;
 
@@ -180,7 +180,7 @@ std::optional<References> MakeReferences(const CampaignSettings &settings, const
     std::vector<PilotEntry> makers = *pilot;
     bool areStocks = false;
     for (bool stockOnly : {false, true}) {
-        if (stockOnly) std::erase_if(makers, [&](const PilotEntry &e) { return !IsTrusted(e.choice, scene); });
+        if (stockOnly) std::erase_if(makers, [&](const PilotEntry &e) { return !IsTrusted(e.choice); });
         references.all.clear();
         const size_t wanted = (stockOnly || isListed(makers.at(0).choice)) && makers.size() > 1 ? 2 : 1;
         for (size_t i = 0; i < wanted; ++i) {
@@ -193,7 +193,7 @@ std::optional<References> MakeReferences(const CampaignSettings &settings, const
             references.all.push_back(std::move(*made));
         }
         areStocks = std::all_of(makers.begin(), makers.begin() + static_cast<ptrdiff_t>(wanted),
-                                [&](const PilotEntry &e) { return IsTrusted(e.choice, scene); });
+                                [&](const PilotEntry &e) { return IsTrusted(e.choice); });
         if (wanted < 2 || areStocks || !Contradict(references.all[0], references.all[1])) break;
         references.remarks.push_back(fmt::format(
             "The references of \"{}\" and \"{}\" contradict each other: one is biased. Stock's samplers made "

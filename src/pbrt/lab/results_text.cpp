@@ -142,11 +142,9 @@ void AddToJson(const CampaignResults &results, Json *json) {
         Json report = first.report;
         report.erase("parameters");
         entry["meshLights"] = s.choice.meshLights;
-        entry["gate"] = s.choice.gate;
         entry["isOracle"] = s.choice.IsOracle();
         entry["reference"] = s.reference;
         entry["report"] = report;
-        entry["gateReport"] = first.gateReport;
         entry["structure"] = first.structure;
         entry["picture"] = s.choice.folder + "/result.png";
         entry["pictureRange"] = s.choice.folder + "/result.hdr";

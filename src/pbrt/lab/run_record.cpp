@@ -66,7 +66,6 @@ RunRecord RecordFolder::LoadRun(const std::string &sampler, int seed, int most) 
             upToHere.prepare = TimeFromJson(json.at("prepare"));
             upToHere.prepareShadowRays = json.at("prepareShadowRays").get<uint64_t>();
             upToHere.report = json.at("report");
-            upToHere.gateReport = json.at("gateReport");
             upToHere.structure = json.at("structure").get<std::string>();
             upToHere.rounds.push_back(round);
             if (!IsPossible(upToHere)) break;
@@ -93,7 +92,6 @@ void RecordFolder::SaveLastRound(const std::string &sampler, const RunRecord &ru
     json["prepare"] = ToJson(run.prepare);
     json["prepareShadowRays"] = run.prepareShadowRays;
     json["report"] = run.report;
-    json["gateReport"] = run.gateReport;
     json["structure"] = run.structure;
     WriteText(RoundFile(sampler, run.seed, round.checkpoint), json.dump(1) + "\n");
 }

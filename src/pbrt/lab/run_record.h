@@ -25,7 +25,6 @@ struct RunRecord {
     TimeSpent prepare;
     uint64_t prepareShadowRays = 0;
     nlohmann::ordered_json report = nlohmann::ordered_json::object();  ///< LightSampler::Report at the last checkpoint
-    nlohmann::ordered_json gateReport;                                 ///< null without a gate
     std::string structure;
     std::vector<RoundRecord> rounds;  ///< one per checkpoint, in order
 };

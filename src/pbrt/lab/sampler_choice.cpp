@@ -27,7 +27,6 @@ SamplerChoice ParseOne(const std::string &text, const LightSamplerRegistry &regi
     if (parts.guide) choice.lightSampler += parts.guide->empty() ? "+guide" : "+guide:" + *parts.guide;
     choice.name = parts.sampler.substr(0, parts.sampler.find(':'));
     choice.meshLights = parts.mesh;
-    choice.gate = parts.gate.value_or("");
     LightFlags flags;
     flags.choice = text;
     flags.choiceFlag = kSamplersFlag;

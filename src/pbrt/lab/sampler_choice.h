@@ -16,7 +16,6 @@ struct SamplerChoice {
     std::string name;          ///< of the light sampler
     std::string lightSampler;  ///< name[:key=value,...][+guide[:key=value,...]]
     bool meshLights = false;
-    std::string gate;  ///< name[:key=value,...]; empty: that of the campaign or the scene
     bool IsOracle() const { return name == "oracle"; }
 };
 

@@ -85,14 +85,9 @@ bool SamplerRun::RenderTo(const RenderTarget &target, const std::function<void()
 void SamplerRun::AddRound(int checkpoint, const Measures &measures) {
     record_.rounds.push_back({checkpoint, Samples(), spent_, shadowRays_, shadowRaysBlocked_, measures});
     record_.report = nlohmann::ordered_json::object();
-    record_.gateReport = nullptr;
     if (const LightSampler *lights = integrator_->Lights()) {
         lights->Report(record_.report);
         record_.structure = lights->DescribeStructure();
-    }
-    if (const ShadowRayGate *gate = integrator_->Gate()) {
-        record_.gateReport = nlohmann::ordered_json::object();
-        gate->Report(record_.gateReport);
     }
 }
 

@@ -36,7 +36,6 @@ class SamplerRun {
     const RunRecord &Record() const { return record_; }
     const Integrator &GetIntegrator() const { return *integrator_; }
     const LightSampler *Lights() const { return integrator_->Lights(); }
-    const ShadowRayGate *Gate() const { return integrator_->Gate(); }
     Image Picture() const { return film_->ToImage(); }
     ImageMetadata Metadata() const;
     void SaveFilm(const std::string &path) const;

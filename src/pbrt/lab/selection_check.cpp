@@ -41,8 +41,8 @@ constexpr double kMaxStep = 0.5;
 /// Draws lights from a sampler at vertices and compares them with the measured lights.
 class Asker {
   public:
-    Asker(const LightSampler &lights, const ShadowRayGate *gate, int draws, const LightTable &table)
-        : lights_(lights), gate_(gate), draws_(draws), table_(table), places_(table.IdCount()) {}
+    Asker(const LightSampler &lights, int draws, const LightTable &table)
+        : lights_(lights), draws_(draws), table_(table), places_(table.IdCount()) {}
 
     VertexFinding Ask(const SelectionVertices::Vertex &vertex, Rng rng) {
         VertexFinding finding;
@@ -59,9 +59,7 @@ class Asker {
             // The share that BSDF sampling leaves to light sampling: all of it for lights without extent, which no BSDF
             // sample hits.
             const double due = m.isDelta ? 1 : pmf > 0 ? static_cast<double>(Weight(m, parts_[i], pmf)) : 0;
-            double got = got_[i] / draws_;
-            // The gate compensates for a shadow ray that it skips with a probability below 1.
-            if (gate_ && got > 0 && !(gate_->TraceProbability(query, LightId(m.light), m.pLight) > 0)) got = 0;
+            const double got = got_[i] / draws_;
             const double c = static_cast<double>(m.c);
             double counts = 1;
             if (pmf > 0 && due > 0)
@@ -118,7 +116,6 @@ class Asker {
     }
 
     const LightSampler &lights_;
-    const ShadowRayGate *gate_;
     int draws_;
     LightMemory memory_;
     const LightTable &table_;
@@ -130,15 +127,14 @@ class Asker {
 }  // namespace
 
 std::optional<SelectionReport> CheckSelection(const SelectionVertices &vertices, const LightSampler &lights,
-                                              const ShadowRayGate *gate, const SelectionSettings &settings,
-                                              Progress &progress) {
+                                              const SelectionSettings &settings, Progress &progress) {
     SelectionReport report;
     const double count = static_cast<double>(vertices.VertexCount());
     for (int draws = kMinDraws; draws <= kMaxDraws; draws *= 4) {
         std::vector<std::vector<VertexFinding>> regions(vertices.RegionCount());
         progress.BeginPhase("checking light selection", static_cast<int64_t>(regions.size()));
         ParallelForEach(static_cast<int64_t>(regions.size()), [&](int64_t r) {
-            Asker asker(lights, gate, draws, vertices.Lights());
+            Asker asker(lights, draws, vertices.Lights());
             const auto &region = vertices.OfRegion(static_cast<size_t>(r));
             for (size_t v = 0; v < region.size() && !progress.Cancelled(); ++v)
                 regions[static_cast<size_t>(r)].push_back(

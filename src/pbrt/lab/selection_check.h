@@ -15,10 +15,9 @@ struct SelectionSettings {
     int seed = 0;
 };
 
-/// `lights` must be prepared, and so must `gate` if it is not null. The result does not depend on the number of
+/// `lights` must be prepared. The result does not depend on the number of
 /// threads. Nothing: cancelled.
 std::optional<SelectionReport> CheckSelection(const SelectionVertices &vertices, const LightSampler &lights,
-                                              const ShadowRayGate *gate, const SelectionSettings &settings,
-                                              Progress &progress);
+                                              const SelectionSettings &settings, Progress &progress);
 
 }  // namespace pbrt::lab

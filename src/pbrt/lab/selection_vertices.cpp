@@ -168,7 +168,7 @@ class Measurer {
             const Float c = strength(found) / (sample->pdf * weights.Mean(weights.ru * through.rl));
             if (!(c > 0) || !std::isfinite(c)) continue;
             lights_.push_back({static_cast<uint32_t>(l), c, sample->pdf, to.pdf, IsDelta(light.Kind()),
-                               light.Kind() == LightKind::Infinite, sample->pLight, sample->wi});
+                               light.Kind() == LightKind::Infinite, sample->wi});
         }
     }
 

@@ -16,7 +16,6 @@ class SelectionVertices {
         Float c = 0;               ///< contribution by one point on the light, times the path's weight; above 0
         Float pdf = 0, pBsdf = 0;  ///< densities of that point and of scattering towards it, per solid angle
         bool isDelta = false, isInfinite = false;
-        Point3 pLight{};
         Vector3 wi{};  ///< unit, towards the point
     };
     struct Vertex {

@@ -13,17 +13,11 @@ std::unique_ptr<LightSampler> LightSamplerRegistry::Make(const Entry &entry, con
 }
 
 std::string LightSamplerRegistry::Listing() const {
-    std::string out = ListingOf(samplers.Document("lightsamplers"));
-    out +=
-        "\n    Every sampler that has no parameter \"meshlights\" takes \"bool meshlights\" of the integrator\n"
-        "    (\"+mesh\" in flags): an emissive mesh is one light; inside it a triangle is chosen by its share of the "
-        "power.\n";
-    if (const std::string list = ListingOf(gates.Document("shadowgates")); !list.empty())
-        out +=
-            "\nShadow-ray gates (\"string shadowgate\" of the integrator, \"+gate=\" in flags), for every "
-            "sampler:\n\n" +
-            list;
-    return out;
+    return ListingOf(samplers.Document("lightsamplers")) +
+           "\n    Every sampler that has no parameter \"meshlights\" takes \"bool meshlights\" of the integrator\n"
+           "    (\"+mesh\" in flags): an emissive mesh is one light; inside it a triangle is chosen by its share of "
+           "the "
+           "power.\n";
 }
 
 namespace {

@@ -5,7 +5,6 @@
 #include "pbrt/core/factory_table.h"
 #include "pbrt/lights/light_table.h"
 #include "pbrt/lightsamplers/light_sampler.h"
-#include "pbrt/lightsamplers/shadow_ray_gate.h"
 
 namespace pbrt {
 
@@ -16,19 +15,16 @@ struct LightSamplerTraits {
     bool isSameEverywhere = false;
 };
 
-/// The samplers and shadow-ray gates that can be named in a scene or on the command line. An object, not a global;
-/// filled by explicit calls. A gate may share its name (and parameters' prefix) with a sampler.
+/// The light samplers that can be named in a scene or on the command line. An object, not a global; filled by explicit
+/// calls.
 class LightSamplerRegistry {
   public:
     /// The context is the set of groups to choose from, unless the sampler has a parameter "meshlights", which decides
     /// it.
     using Samplers = FactoryTable<std::unique_ptr<LightSampler>, const LightGroups, LightSamplerTraits>;
-    using Gates = FactoryTable<std::unique_ptr<ShadowRayGate>, const LightTable>;
     using Entry = Samplers::Entry;
-    using GateEntry = Gates::Entry;
 
     Samplers samplers{"light sampler"};
-    Gates gates{"shadow-ray gate"};
 
     /// `meshLights`: an emissive mesh is one light for selection; only for entries that take groups.
     std::unique_ptr<LightSampler> Make(const Entry &entry, const LightTable &lights, const ParamSet &params,

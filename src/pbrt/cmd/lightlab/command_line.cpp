@@ -24,7 +24,7 @@ const char *const kAbout =
     "  lightlab scene.pbrt --time 20                    20 s for every sampler and seed, preparation included\n"
     "  lightlab scene.pbrt --spp 64 --seeds 5           64 samples per pixel for every sampler and seed\n"
     "  lightlab a.pbrt b.pbrt c.pbrt --time 20          one table over several scenes, and a page that links them\n"
-    "  lightlab scene.pbrt --samplers bvh,octree,octree:budget=0.02,floor=0.2,bvh+gate=neepp,octree+guide\n"
+    "  lightlab scene.pbrt --samplers bvh,octree,octree:budget=0.02,floor=0.2,bvh+mesh,octree+guide\n"
     "  lightlab inspect scene.pbrt --sampler octree     pictures of what a sampler knows (see lightlab inspect "
     "--help)\n"
     "  lightlab noise scene.pbrt                        which vertices of paths bring the noise (see lightlab noise "
@@ -33,9 +33,9 @@ const char *const kAbout =
 
 const char *const kFooter =
     ", as in\n"
-    "pbrt: +mesh takes every emissive mesh as one light, +gate skips some shadow rays at random, +guide lets paths\n"
-    "learn where they should end and go. pbrt --list-lightsamplers names all with their parameters. Commas or\n"
-    "semicolons separate samplers; a comma before key=value continues the same sampler.\n\n"
+    "pbrt: +mesh takes every emissive mesh as one light, +guide lets paths learn where they should end and go. pbrt\n"
+    "--list-lightsamplers names all with their parameters. Commas or semicolons separate samplers; a comma before\n"
+    "key=value continues the same sampler.\n\n"
     "The reference is rendered with the sampler that has the least variance in a short pilot run. If that sampler is\n"
     "compared, a second reference, rendered with the next best, judges it. References are kept in the cache folder as\n"
     "<scene>.reference-<hash>.exr; the hash changes with anything the scene says. A reference takes\n"
@@ -161,7 +161,7 @@ LightlabCommandLine ParseNoise(int argc, const char *const *argv, const std::vec
 
 /// Takes the settings that the command line does not give from the campaign that is replayed.
 void TakeFromResults(LightlabOptions *o, bool samplers, bool seeds, bool depth, bool sampledLight, bool divisor,
-                     bool gate, bool spp) {
+                     bool spp) {
     lab::CampaignSettings &c = o->campaign;
     const nlohmann::ordered_json results = lab::ReadResults(c.samplesFrom);
     const nlohmann::ordered_json &settings = results.at("settings");
@@ -174,8 +174,6 @@ void TakeFromResults(LightlabOptions *o, bool samplers, bool seeds, bool depth, 
     if (!depth && settings.at("maxdepth").is_number()) c.maxDepth = settings.at("maxdepth").get<int>();
     if (!sampledLight) c.sampledLightOnly = settings.value("sampled-light", false);
     if (!divisor) c.resolutionDivisor = settings.value("divisor", 1);
-    const std::string usedGate = settings.value("shadow-gate", "");
-    if (!gate && usedGate != "the scene's") c.shadowGate = usedGate;
     if (c.referenceFile.empty() && c.referenceSamples == 0) {
         c.referenceFile = settings.value("reference", "");
         c.referenceSamples = settings.value("reference-spp", 0);
@@ -224,9 +222,6 @@ LightlabCommandLine ParseLightlabCommandLine(int argc, const char *const *argv,
         app.add_option("--samplers-file", samplersFile,
                        "file with one sampler per line and # comments; its samplers follow those of --samplers")
             ->group(what);
-    CLI::Option *gateOption = app.add_option("--shadow-gate", c.shadowGate,
-                                             "gate of every sampler that names none (the scene's); none: no gate")
-                                  ->group(what);
 
     const char *effort = "Effort";
     CLI::Option *time =
@@ -316,7 +311,7 @@ LightlabCommandLine ParseLightlabCommandLine(int argc, const char *const *argv,
         for (const std::string &s : lab::ReadSamplerFile(samplersFile)) o.samplers.push_back(s);
     if (!c.samplesFrom.empty())
         TakeFromResults(&o, *samplersOption || *fileOption, bool(*seedsOption), c.maxDepth.has_value(),
-                        bool(*sampledLight), bool(*divisorOption), bool(*gateOption), bool(*spp));
+                        bool(*sampledLight), bool(*divisorOption), bool(*spp));
     if (o.samplers.empty() && !*samplersOption) o.samplers = lab::SplitSamplerList(DefaultSamplers(registered));
     if (c.outFolder.empty() && o.scenes.size() > 1) c.outFolder = "scenes-lab";
     if (c.outFolder.empty()) c.outFolder = std::filesystem::path(c.scene).stem().string() + "-lab";

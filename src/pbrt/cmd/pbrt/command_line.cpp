@@ -152,17 +152,16 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
         "  pbrt scene.pbrt                              as the scene says\n"
         "  pbrt --lightsampler octree scene.pbrt        lights chosen by the visibility octree\n"
         "  pbrt --lightsampler octree:budget=0.02,floor=0.1 --spp 64 --outfile out.exr scene.pbrt\n"
-        "  pbrt --lightsampler bvh+mesh+gate=neepp scene.pbrt\n"
+        "  pbrt --lightsampler bvh+mesh+guide scene.pbrt\n"
         "  pbrt --quick --spp 16 scene.pbrt             a small picture, quickly\n\n"
         "Ctrl-C, SIGTERM and SIGHUP save what was rendered and end with status 130, 143 and 129; a second one ends\n"
         "at once. A file that holds more samples of the same scene is kept: the interrupted picture is then\n"
         "written beside it, as out-unfinished.exr.",
         "pbrt");
     app.footer(
-        "A light sampler is written name[:key=value,...][+mesh][+gate=name[:key=value,...]][+guide[:key=value,...]],\n"
-        "here, in lightlab and in lightlab inspect: +mesh takes every emissive mesh as one light, +gate skips some\n"
-        "shadow rays at random, without bias, +guide is --guide with parameters, guide.key in a scene.\n"
-        "--list-lightsamplers names all samplers and gates with their parameters.");
+        "A light sampler is written name[:key=value,...][+mesh][+guide[:key=value,...]], here, in lightlab and in\n"
+        "lightlab inspect: +mesh takes every emissive mesh as one light, +guide is --guide with parameters, guide.key\n"
+        "in a scene. --list-lightsamplers names all samplers with their parameters.");
     app.set_version_flag("--version", VersionText(), "print the version, and stop");
     std::vector<Float> crop;
     std::vector<int> bounds, pixel;
@@ -260,9 +259,6 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
                    "method that chooses the light for a shadow ray, see below; overrides the scene")
         ->group(lights);
     app.add_flag("--mesh-lights", o.build.meshLights, "the same as +mesh: an emissive mesh is one light")
-        ->group(lights);
-    app.add_option("--shadow-gate", o.build.shadowGate,
-                   "name[:key=value,...], the same as +gate=; none: no gate, even if the scene names one")
         ->group(lights);
     app.add_option("--shooting-sampler", o.build.shootingSampler,
                    "name[:key=value,...] of the light sampler that chooses where light paths begin (bdpt, mlt, "

@@ -19,7 +19,7 @@ namespace pbrt {
 
 namespace {
 
-/// Adds whatever a sampler or gate reports as attributes.
+/// Adds whatever a sampler or guide reports as attributes.
 template <class Reporter>
 void AddReport(const Reporter &reporter, const std::string &prefix, ImageMetadata *m) {
     nlohmann::ordered_json report = nlohmann::ordered_json::object();
@@ -77,10 +77,6 @@ ImageMetadata DescribeImage(const CommandLine &options, const BuiltScene &built,
         m.attributes["lightSampler"] = built.lightSamplerName;
         AddReport(*lights, "lightSampler.", &m);
     }
-    if (const ShadowRayGate *gate = built.integrator->Gate()) {
-        m.attributes["shadowGate"] = built.shadowGateName;
-        AddReport(*gate, "shadowGate.", &m);
-    }
     if (const LightSampler *shooting = built.integrator->ShootingLights()) {
         m.attributes["shootingSampler"] = built.shootingSamplerName;
         AddReport(*shooting, "shootingSampler.", &m);
@@ -128,7 +124,6 @@ void PrintStatistics(const BuiltScene &built, const RenderResult &result, const 
             line(("  " + key).c_str(), value.is_string() ? value.template get<std::string>() : value.dump());
     };
     if (const LightSampler *lights = built.integrator->Lights()) list("light sampler", built.lightSamplerName, *lights);
-    if (const ShadowRayGate *gate = built.integrator->Gate()) list("shadow-ray gate", built.shadowGateName, *gate);
     if (const LightSampler *shooting = built.integrator->ShootingLights())
         list("light paths begin by", built.shootingSamplerName, *shooting);
     if (const PathGuide *guide = built.integrator->Guide()) list("guide", "", *guide);
@@ -186,7 +181,6 @@ void PrintStatisticsJson(const CommandLine &options, const BuiltScene &built, co
           {"mediumLookups", c.mediumLookups},
           {"samplesDropped", built.film->RejectedSamples()}}},
         {"lightSampler", report(built.lightSamplerName, built.integrator->Lights())},
-        {"shadowGate", report(built.shadowGateName, built.integrator->Gate())},
         {"shootingSampler", report(built.shootingSamplerName, built.integrator->ShootingLights())},
         {"guide", report("guide", built.integrator->Guide())}};
     std::printf("%s\n", json.dump(1, ' ', false, Json::error_handler_t::replace).c_str());

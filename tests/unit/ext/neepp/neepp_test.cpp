@@ -3,7 +3,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "ext/neepp/neepp_gate.h"
 #include "ext/neepp/neepp_light_sampler.h"
 #include "support/build_text.h"
 
@@ -31,16 +30,15 @@ LightSource "point" "point3 from" [ 2.5 -3.5 0.5 ]
 LightSource "distant" "point3 from" [ -1 0 0 ] "point3 to" [ 0 0 0 ]
 )";
 
-const std::string kSky = std::string("LightSource \"infinite\" \"string filename\" \"") + PBRT_SOURCE_DIR +
-                         "/tests/conformance/suite/scenes/assets/env_sky.exr\"";
+const std::string kSkyImage = std::string("LightSource \"infinite\" \"string filename\" \"") + PBRT_SOURCE_DIR +
+                              "/tests/conformance/suite/scenes/assets/env_sky.exr\"";
 
-template <class Plug>
-void PrepareIn(const BuiltScene &built, Plug &plug, int seed = 0) {
+void PrepareIn(const BuiltScene &built, LightSampler &sampler, int seed = 0) {
     Progress progress;
     PrepareContext context = built.Preparation(progress);
     context.seed = seed;
     context.samplesPerPixel = 1;
-    plug.Prepare(context);
+    sampler.Prepare(context);
 }
 LightQuery At(const Point3 &p) {
     LightQuery q;
@@ -49,15 +47,15 @@ LightQuery At(const Point3 &p) {
 }
 NeeppParams Params(int voxels, int samples) {
     NeeppParams p;
-    p.map.voxels = voxels;
-    p.map.samples = samples;
+    p.voxels = voxels;
+    p.samples = samples;
     return p;
 }
 
 TEST(VisibilityMap, IsTheShareOfFreeSegmentsBetweenTheVoxels) {
-    BuiltScene built = BuildText(std::string(kHalves) + kLights + kSky);
+    BuiltScene built = BuildText(std::string(kHalves) + kLights + kSkyImage);
     const LightGroups &groups = built.scene->Lights().Wholes();
-    VisibilityMap map({8, 255});
+    VisibilityMap map(8, 255);
     Progress progress;
     PrepareContext context = built.Preparation(progress);
     context.samplesPerPixel = 1;
@@ -184,45 +182,6 @@ TEST(Neepp, ReportAndInspectSayWhatIsStored) {
     EXPECT_EQ(values[1].value, 2);
     EXPECT_NEAR(values[2].value, 0.5, 1e-6);
     EXPECT_NE(sampler.DescribeStructure().find("8 x 8 x 8 voxels"), std::string::npos);
-}
-
-TEST(NeeppGate, TracesWithTheStoredVisibilityAndNeverBelowTheMinimum) {
-    BuiltScene built = BuildText(std::string(kHalves) + kLights + kSky);
-    NeeppGateParams params;
-    params.map.samples = 64;
-    params.minimum = 0.07f;
-    NeeppGate gate(built.scene->Lights(), params);
-    EXPECT_EQ(gate.TraceProbability(At({0, 0, 0}), LightId(0u), {-2.5f, 2.5f, 0.5f}), 1.f);  // before Prepare
-    PrepareIn(built, gate);
-    LightQuery left = At({-3.6f, 3.6f, 0.6f});
-    EXPECT_EQ(gate.TraceProbability(left, LightId(0u), {-2.5f, 2.5f, 0.5f}), 1.f);
-    EXPECT_EQ(gate.TraceProbability(left, LightId(1u), {2.5f, 2.5f, 0.5f}), 0.07f);
-    EXPECT_EQ(gate.TraceProbability(left, LightId(3u), {-100, 3.6f, 0.6f}), 1.f);
-    // Samples of the sky: unoccluded out at the open side, blocked by the wall and the ceiling.
-    SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
-    LightSampleContext from;
-    from.p = left.p;
-    int traced = 0, skipped = 0;
-    for (int i = 0; i < 2000; ++i) {
-        Point2 u((static_cast<Float>(i) + 0.5f) / 2000, std::fmod(static_cast<Float>(i) * 0.618f, 1.f));
-        auto s = built.scene->Lights()[LightId(4u)].SampleLi(from, u, lambda, true);
-        ASSERT_TRUE(s);
-        Float p = gate.TraceProbability(left, LightId(4u), s->pLight);
-        if (s->wi.x < -0.7f && s->wi.y < 0) {
-            EXPECT_GT(p, 0.8f);
-            ++traced;
-        } else if (s->wi.x > 0.85f || (s->wi.y > 0.8f && s->wi.x > -0.1f)) {
-            EXPECT_LT(p, 0.5f);
-            ++skipped;
-        }
-    }
-    EXPECT_GT(traced + skipped, 20);
-    EXPECT_GT(skipped, 5);
-    // Where visibility is partial, the probability is what the map says.
-    LightQuery low = At({-1.4f, -3.4f, 0.4f});
-    Float p = gate.TraceProbability(low, LightId(1u), {2.5f, 2.5f, 0.5f});
-    uint32_t target = gate.Map().Targets().Find(gate.Map().Grid(), LightId(1u), low.p, {2.5f, 2.5f, 0.5f});
-    EXPECT_EQ(p, std::max(0.07f, static_cast<Float>(gate.Map().Row(gate.Map().Grid().Index(low.p))[target]) / 64));
 }
 
 }  // namespace

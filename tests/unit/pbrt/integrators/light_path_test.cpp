@@ -36,14 +36,14 @@ INSTANTIATE_TEST_SUITE_P(All, LightPathViews, testing::ValuesIn(ViewsOfAllKinds(
                          [](const auto &test) { return test.param.name; });
 
 /// The weights know with which probability any light sampler chooses a light, the octree's learning one and its tiles
-/// of the sky included, and any gate may thin out shadow rays.
-TEST(Bdpt, LightSamplersAndGatesDoNotChangeTheMean) {
+/// of the sky included.
+TEST(Bdpt, LightSamplersDoNotChangeTheMean) {
     View view = AllViews()[0];
     view.samples = 128;
     CheckLightSamplers(
         view, "bdpt",
         {"\"string lightsampler\" \"uniform\"", "\"string lightsampler\" \"bvh\"", "\"string lightsampler\" \"octree\"",
-         "\"string lightsampler\" \"octree\" \"float octree.opensky\" 1", "\"string shadowgate\" \"neepp\""});
+         "\"string lightsampler\" \"octree\" \"float octree.opensky\" 1"});
 }
 
 TEST(LightPath, IsTheSameForAnyNumberOfThreads) {

@@ -102,13 +102,13 @@ TEST(Mlt, IsTheSameForAnyNumberOfThreads) {
 }
 
 /// Vertices are connected to the lights that any sampler chooses, which is as before its first sample for all chains.
-TEST(Mlt, LightSamplersAndGatesDoNotChangeTheMean) {
+TEST(Mlt, LightSamplersDoNotChangeTheMean) {
     View view = AllViews()[0];
     view.samples = 160;
     CheckLightSamplers(
         view, "mlt",
         {"\"string lightsampler\" \"uniform\"", "\"string lightsampler\" \"bvh\"", "\"string lightsampler\" \"octree\"",
-         "\"string lightsampler\" \"octree\" \"float octree.opensky\" 1", "\"string shadowgate\" \"neepp\""});
+         "\"string lightsampler\" \"octree\" \"float octree.opensky\" 1"});
 }
 
 TEST(Mlt, RefusesFilmsAndCamerasThatItCannotServe) {

@@ -94,14 +94,14 @@ TEST_P(SppmViews, AgreeWithPath) {
 INSTANTIATE_TEST_SUITE_P(All, SppmViews, testing::ValuesIn(AllViews()),
                          [](const auto &test) { return test.param.name; });
 
-/// Direct light is found by any light sampler, the octree's learning one included, and with any gate.
-TEST(Sppm, LightSamplersAndGatesDoNotChangeTheMean) {
+/// Direct light is found by any light sampler, the octree's learning one included.
+TEST(Sppm, LightSamplersDoNotChangeTheMean) {
     View view = AllViews()[0];
     view.samples = 96;
     view.parameters = "\"float radius\" .15 \"integer photonsperiteration\" 3000";
     CheckLightSamplers(view, "sppm",
                        {"\"string lightsampler\" \"uniform\"", "\"string lightsampler\" \"power\"",
-                        "\"string lightsampler\" \"octree\"", "\"string shadowgate\" \"neepp\""},
+                        "\"string lightsampler\" \"octree\""},
                        kBlur);
 }
 

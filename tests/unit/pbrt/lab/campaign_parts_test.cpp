@@ -14,11 +14,11 @@ namespace pbrt::lab {
 namespace fs = std::filesystem;
 
 TEST(SamplerList, KeysBelongToTheSamplerBeforeThem) {
-    EXPECT_EQ(SplitSamplerList("a,b:k=1,m=2,c+mesh,d+gate=g:k=1,m=2, e"),
-              (std::vector<std::string>{"a", "b:k=1,m=2", "c+mesh", "d+gate=g:k=1,m=2", "e"}));
+    EXPECT_EQ(SplitSamplerList("a,b:k=1,m=2,c+mesh,d+guide:k=1,m=2, e"),
+              (std::vector<std::string>{"a", "b:k=1,m=2", "c+mesh", "d+guide:k=1,m=2", "e"}));
     EXPECT_EQ(SplitSamplerList("a+guide,b+guide:k=1,m=2,c"),
               (std::vector<std::string>{"a+guide", "b+guide:k=1,m=2", "c"}));
-    EXPECT_EQ(SafeFileName("octree:leaves=64,floor=.2+gate=a/b"), "octree_leaves=64,floor=.2+gate=a_b");
+    EXPECT_EQ(SafeFileName("octree:leaves=64,floor=.2+guide:a/b"), "octree_leaves=64,floor=.2+guide_a_b");
 }
 
 TEST(Checkpoints, StartAtOneSampleAndEndAtTheBudget) {

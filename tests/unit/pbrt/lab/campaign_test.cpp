@@ -280,8 +280,8 @@ TEST_F(Campaign, ComparesGuidedPathsWithPlainOnes) {
 TEST_F(Campaign, MistakesAreFoundBeforeAnythingIsRendered) {
     EXPECT_THROW(ParseSamplerChoices({"uniform", "uniform"}, registry_), UserError);
     try {
-        ParseSamplerChoices(
-            {"nosuch", "power:leaves=3", "bvh+gate=nogate", "bvh+what", "bvh+guide:length=2", "uniform"}, registry_);
+        ParseSamplerChoices({"nosuch", "power:leaves=3", "bvh+gate=neepp", "bvh+what", "bvh+guide:length=2", "uniform"},
+                            registry_);
         FAIL();
     } catch (const UserError &e) {
         EXPECT_EQ(e.Diagnostics().size(), 5u);

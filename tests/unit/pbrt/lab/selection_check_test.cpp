@@ -74,7 +74,7 @@ class SelectionCheck : public testing::Test {
         : built_(test::BuildText(text)), spoilt_(built_.scene->Lights().Size()) {}
     SelectionReport Check(const LightSampler &lights) {
         Progress progress;
-        return *CheckSelection(SelectionVertices(built_, 0, progress), lights, nullptr, settings_, progress);
+        return *CheckSelection(SelectionVertices(built_, 0, progress), lights, settings_, progress);
     }
     /// The indices of all delta lights, or of all others.
     std::vector<size_t> LightsOf(bool delta) const {

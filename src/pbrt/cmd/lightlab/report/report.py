@@ -175,10 +175,8 @@ def details_html(results):
             ("light sampler", f"<code>{esc(s.kind)}</code>"),
             ("parameters", parameters_html(e.get("parameters") or {})),
             ("mesh lights as one", value_html(bool(e.get("meshLights")))),
-            ("shadow-ray gate", esc(e.get("gate") or "none")),
             ("judged against reference", esc(e.get("reference")) if len(results.references) > 1 else ""),
             ("bias check", value_html(check)), ("its report", value_html(report)),
-            ("the gate's report", value_html(e["gateReport"]) if e.get("gateReport") else ""),
             ("speed-up against", value_html(s.summary["speedUps"]) if s.summary.get("speedUps") else "")])
         structure = f"<pre>{esc(e['structure'])}</pre>" if e.get("structure") else ""
         samplers.append(f"<details><summary>{mark(s)}{esc(s.label)}</summary>{body}{structure}</details>")

@@ -172,13 +172,13 @@ TEST_F(Lightlab, EverySignalEndsItSoonWithItsStatus) {
 TEST_F(Lightlab, SamplersMayBePartedBySemicolons) {
     if (!HasExtensions()) GTEST_SKIP() << "NOT TESTED: this build has no src/ext (PBRT_EXT=OFF), so no octree";
     RunWell(
-        "scene.pbrt --samplers 'bvh+mesh;octree:budget=0.02,floor=0.2;bvh+gate=neepp:samples=3,voxels=9,uniform' --spp 1 --seeds 1 "
+        "scene.pbrt --samplers 'bvh+mesh;octree:budget=0.02,floor=0.2;neepp:samples=3,voxels=9,uniform' --spp 1 --seeds 1 "
         "--reference-spp 8 --no-report --selection-work 0 --out out");
     const nlohmann::json results = Results("out");
     std::vector<std::string> labels;
     for (const nlohmann::json &s : results.at("samplers")) labels.push_back(s.at("label"));
-    EXPECT_EQ(labels, (std::vector<std::string>{"bvh+mesh", "octree:budget=0.02,floor=0.2",
-                                                "bvh+gate=neepp:samples=3,voxels=9", "uniform"}));
+    EXPECT_EQ(labels, (std::vector<std::string>{"bvh+mesh", "octree:budget=0.02,floor=0.2", "neepp:samples=3,voxels=9",
+                                                "uniform"}));
 }
 
 TEST_F(Lightlab, ExamplesOfTheHelpAreRight) {
@@ -242,16 +242,16 @@ TEST_F(Lightlab, NumbersOutOfRangeAreShownWhereTheyWereWritten) {
     EXPECT_TRUE(Has(inspect.err, "--sampler:1:7")) << inspect.err;
     ExpectErrors({{"scene.pbrt --samplers uniform,octree:leaves=0",
                    {"--samplers:1:7", "octree.leaves", "at least 64 and at most"}},
-                  {"scene.pbrt --samplers uniform+gate=neepp:voxels=-1", {"--samplers:1:19", "neepp.voxels"}}});
+                  {"scene.pbrt --samplers uniform+guide:share=2", {"--samplers:1:14", "guide.share"}}});
     EXPECT_FALSE(std::filesystem::exists(Path("scene-lab")));
 }
 
 TEST_F(Lightlab, HelpNamesEveryFlag) {
     const Outcome o = Run("--help");
     EXPECT_EQ(o.status, 0);
-    for (const char *name : {"--samplers", "--samplers-file", "--shadow-gate", "--time", "--spp", "--seeds", "--direct",
-                             "--maxdepth", "--divisor", "--reference", "--reference-spp", "--cache", "--out", "--crops",
-                             "--restart", "--samples-from", "--nthreads", "--quiet", "inspect"})
+    for (const char *name : {"--samplers", "--samplers-file", "--time", "--spp", "--seeds", "--direct", "--maxdepth",
+                             "--divisor", "--reference", "--reference-spp", "--cache", "--out", "--crops", "--restart",
+                             "--samples-from", "--nthreads", "--quiet", "inspect"})
         EXPECT_TRUE(Has(o.out, name)) << name;
     EXPECT_EQ(Run("inspect --help").status, 0);
     EXPECT_TRUE(Run("--version").out.starts_with("pbrt_octree "));

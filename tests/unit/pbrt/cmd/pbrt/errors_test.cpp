@@ -214,7 +214,6 @@ TEST_F(Errors, LightSamplersAreWrittenWithAColon) {
     std::vector<ErrorCase> cases = {
         {"--lightsampler 'octree:floor=0.1;leaves=3' scene.pbrt", {"\"0.1;leaves=3\"", "commas separate parameters"}},
         {"--lightsampler 'octre,floor=0.1' scene.pbrt", {"\"octre\" is unknown; did you mean \"octree\"?"}},
-        {"--shadow-gate neepp,floor=0.1 scene.pbrt", {"--shadow-gate:1:5", "\"neepp:floor=0.1\""}},
         {"name.pbrt", {"Error: name.pbrt:5:", "is the form of flags", "\"float octree.floor\"", "^"}}};
     for (const char *separator : {",", ";", "=", " ", "/"})
         cases.push_back({std::string("--lightsampler 'octree") + separator + "floor=0.1' scene.pbrt",

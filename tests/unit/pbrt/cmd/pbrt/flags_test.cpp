@@ -82,15 +82,14 @@ TEST_F(Flags, OneSampleIsSingular) {
 
 TEST_F(Flags, FloatsArePrintedAsGiven) {
     PBRT_SKIP_WITHOUT_EXT();
-    for (const char *sampler : {"octree", "octree:model=paper", "oracle", "neepp", "spatial", "bvh+gate=neepp"}) {
+    for (const char *sampler : {"octree", "octree:model=paper", "oracle", "neepp", "spatial"}) {
         const std::string arguments = std::string("--spp 1 --stats=json --outfile out.exr --lightsampler ") + sampler;
         const Outcome o = Run(arguments + " scene.pbrt");
         ASSERT_EQ(o.status, 0) << o.err;
         const nlohmann::json stats = nlohmann::json::parse(o.out);
-        const bool isGate = Has(sampler, "gate");
-        const std::string parameters = stats.at(isGate ? "shadowGate" : "lightSampler").at("report").at("parameters");
+        const std::string parameters = stats.at("lightSampler").at("report").at("parameters");
         const ImageFile file = ReadImage(Path("out.exr"));
-        EXPECT_EQ(TextOf(file, isGate ? "shadowGate.parameters" : "lightSampler.parameters"), parameters);
+        EXPECT_EQ(TextOf(file, "lightSampler.parameters"), parameters);
         EXPECT_FALSE(std::regex_search(parameters, std::regex("[0-9]{8}"))) << parameters;
     }
     RunWell("--spp 1 --lightsampler octree:floor=0.01 --outfile out.exr scene.pbrt");
@@ -374,7 +373,6 @@ TEST_F(Flags, StatisticsAsJsonAreAllOfStandardOutput) {
     EXPECT_EQ(json["resolution"], (nlohmann::json{32, 24}));
     EXPECT_EQ(json["counts"]["cameraPaths"], 32 * 24 * 2);
     EXPECT_EQ(json["lightSampler"]["name"], "bvh");
-    EXPECT_EQ(json["shadowGate"], nullptr);
     EXPECT_FALSE(json["isInterrupted"]);
     EXPECT_EQ(Run("--spp 1 --stats=text --outfile out.exr scene.pbrt").out.substr(0, 10), "Statistics");
     ExpectErrors({{"--stats=yaml scene.pbrt", {"--stats", "text", "json"}}});

@@ -19,23 +19,14 @@ class LightSamplers : public Program {
 };
 
 TEST_F(LightSamplers, EveryListedOneRenders) {
-    int count = 0, gates = 0;
-    bool isGate = false;
+    int count = 0;
     std::istringstream lines(LightSamplerListing());
     for (std::string line; std::getline(lines, line);) {
         if (line.empty() || line[0] == ' ') continue;
-        if (line.starts_with("Shadow-ray gates")) {
-            isGate = true;
-            continue;
-        }
-        std::string flag = isGate ? "--shadow-gate " : "--lightsampler ";
-        EXPECT_EQ(TextOf(Render("--spp 1 " + flag + line + " scene.pbrt"), isGate ? "shadowGate" : "lightSampler"),
-                  line);
-        ++(isGate ? gates : count);
+        EXPECT_EQ(TextOf(Render("--spp 1 --lightsampler " + line + " scene.pbrt"), "lightSampler"), line);
+        ++count;
     }
     EXPECT_GE(count, 4);
-    PBRT_SKIP_WITHOUT_EXT();
-    EXPECT_GE(gates, 1);
 }
 
 TEST_F(LightSamplers, LightPathsBeginByAnyThatIsTheSameEverywhere) {
@@ -110,36 +101,22 @@ TEST_F(LightSamplers, WrongSpecsAreShownWithTheChoices) {
 }
 
 TEST_F(LightSamplers, SuffixesAndOldFlagsAreOneLanguage) {
-    PBRT_SKIP_WITHOUT_EXT();
-    const ImageFile suffixes = Render("--spp 1 --lightsampler bvh+mesh+gate=neepp:samples=3 scene.pbrt");
+    const ImageFile suffixes = Render("--spp 1 --lightsampler bvh+mesh scene.pbrt");
     EXPECT_EQ(TextOf(suffixes, "lightSampler"), "bvh+meshlights");
-    EXPECT_EQ(TextOf(suffixes, "shadowGate"), "neepp");
-    const ImageFile flags = Render("--spp 1 --lightsampler bvh --mesh-lights --shadow-gate neepp:samples=3 scene.pbrt");
-    EXPECT_TRUE(SamePixels(suffixes, flags));
-    EXPECT_EQ(TextOf(suffixes, "shadowGate.parameters"), TextOf(flags, "shadowGate.parameters"));
-    // A suffix overrides the flag, and both override the scene.
-    Write("gated.pbrt", SmallScene(R"("string shadowgate" "neepp")"));
-    EXPECT_EQ(TextOf(Render("--spp 1 gated.pbrt"), "shadowGate"), "neepp");
-    for (const char *arguments :
-         {"--lightsampler bvh+gate=none", "--shadow-gate none", "--lightsampler bvh+gate=none --shadow-gate neepp"})
-        EXPECT_FALSE(Render(std::string("--spp 1 gated.pbrt ") + arguments).metadata.attributes.contains("shadowGate"))
-            << arguments;
+    EXPECT_TRUE(SamePixels(suffixes, Render("--spp 1 --lightsampler bvh --mesh-lights scene.pbrt")));
 }
 
 TEST_F(LightSamplers, CaretsStandUnderTheMistakeInTheWholeFlag) {
     auto under = [](const std::string &text, size_t column) {
         return "\n    " + text + "\n    " + std::string(column, ' ') + "^";
     };
-    ExpectErrors({{"--lightsampler bvh+mush scene.pbrt", {"\"+mush\"", "+mesh", under("bvh+mush", 3)}}});
+    ExpectErrors(
+        {{"--lightsampler bvh+mush scene.pbrt", {"\"+mush\"", "+mesh", under("bvh+mush", 3)}},
+         {"--lightsampler bvh+gate=neepp scene.pbrt", {"\"+gate=neepp\"", "+mesh", under("bvh+gate=neepp", 3)}},
+         {"--lightsampler bvh+guide:shre=1 scene.pbrt", {"did you mean \"share\"?", under("bvh+guide:shre=1", 10)}}});
     PBRT_SKIP_WITHOUT_EXT();
-    ExpectErrors({{"--lightsampler bvh+gate=nep scene.pbrt",
-                   {"shadow-ray gate \"nep\" is unknown", "neepp", under("bvh+gate=nep", 9)}},
-                  {"--lightsampler bvh+gate=neepp:voxls=3 scene.pbrt",
-                   {"did you mean \"voxels\"?", under("bvh+gate=neepp:voxls=3", 15)}},
-                  {"--lightsampler bvh+gate=neepp:voxels=-1 scene.pbrt",
-                   {"neepp.voxels", under("bvh+gate=neepp:voxels=-1", 15)}},
-                  // All mistakes are reported at once.
-                  {"--lightsampler octree:x=1,floor=7+gate=y scene.pbrt",
+    // All mistakes are reported at once.
+    ExpectErrors({{"--lightsampler octree:x=1,floor=7+guide:y=2 scene.pbrt",
                    {"\"x\"", "\"y\"", "at least 0 and at most 1", "3 errors"}}});
 }
 

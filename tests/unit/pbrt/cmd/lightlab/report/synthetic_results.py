@@ -95,7 +95,7 @@ def sampler_entry(label, seeds, rounds):
     return {
         "label": label, "lightSampler": kind,
         "parameters": {"leaves": int(options.split("=")[1].split(",")[0]) if options else 4096} if octree else {},
-        "meshLights": octree, "gate": "neepp" if kind == "neepp" else "", "isOracle": kind == "oracle",
+        "meshLights": octree, "isOracle": kind == "oracle",
         "reference": 0,
         "report": {"parameters": "{\"leaves\":4096}", "records": 270000,
                    "cells": {"full": 5100, "empty": 235}} if octree else {},

@@ -21,7 +21,7 @@ struct Setting {
 };
 
 /// A view of `world`, 16 x 16 pixels from (0, 0, 3) towards the origin.
-std::string Scene(const std::string &world, const Setting &s = {}) {
+std::string VolumeScene(const std::string &world, const Setting &s = {}) {
     return s.beforeCamera +
            "LookAt 0 0 3  0 0 0  0 1 0\nCamera \"orthographic\" \"float screenwindow\" [-.5 .5 -.5 .5]\n" +
            "Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 16 \"bool savefp16\" false\n" +
@@ -92,14 +92,14 @@ std::vector<std::pair<std::string, std::string>> Scattering() {
 }
 
 TEST(VolPath, AMediumThatOnlyScattersIsInvisibleUnderAnEvenSky) {
-    const double sky = ChannelOf(RenderText(Scene(kSky)).image, 1).mean;
+    const double sky = ChannelOf(RenderText(VolumeScene(kSky)).image, 1).mean;
     for (const char *integrator : {"volpath", "simplevolpath"})
         for (const auto &[name, medium] : Scattering()) {
             Setting setting;
             setting.integrator = integrator;
             setting.maxDepth = 1000;
             setting.samples = setting.integrator == "volpath" ? 128 : 512;
-            const Image image = RenderText(Scene(kSky + Ball(medium), setting)).image;
+            const Image image = RenderText(VolumeScene(kSky + Ball(medium), setting)).image;
             for (int c = 0; c < 3; ++c) {
                 const RunningStatistics s = ChannelOf(image, c);
                 EXPECT_LT(std::abs(s.mean / sky - 1), 4 * s.StandardError() / sky + 1e-4) << integrator << " " << name;
@@ -109,15 +109,16 @@ TEST(VolPath, AMediumThatOnlyScattersIsInvisibleUnderAnEvenSky) {
 }
 
 TEST(VolPath, AFurnaceNoticesALittleAbsorption) {
-    const double sky = ChannelOf(RenderText(Scene(kSky)).image, 1).mean;
+    const double sky = ChannelOf(RenderText(VolumeScene(kSky)).image, 1).mean;
     for (const char *integrator : {"volpath", "bdpt"}) {
         Setting setting;
         setting.integrator = integrator;
         const RunningStatistics s = ChannelOf(
             RenderText(
-                Scene(kSky +
-                          Ball("\"string type\" \"homogeneous\" \"rgb sigma_a\" [.02 .02 .02] \"rgb sigma_s\" [2 2 2]"),
-                      setting))
+                VolumeScene(
+                    kSky +
+                        Ball("\"string type\" \"homogeneous\" \"rgb sigma_a\" [.02 .02 .02] \"rgb sigma_s\" [2 2 2]"),
+                    setting))
                 .image,
             1);
         EXPECT_LT(s.mean / sky, 1 - 4 * s.StandardError() / sky - 1e-3) << integrator;
@@ -126,13 +127,13 @@ TEST(VolPath, AFurnaceNoticesALittleAbsorption) {
 
 /// All strategies of bdpt together, of paths of any length.
 TEST(Bdpt, AMediumThatOnlyScattersIsInvisibleUnderAnEvenSky) {
-    const double sky = ChannelOf(RenderText(Scene(kSky)).image, 1).mean;
+    const double sky = ChannelOf(RenderText(VolumeScene(kSky)).image, 1).mean;
     for (const auto &[name, medium] : Scattering()) {
         Setting setting;
         setting.integrator = "bdpt";
         setting.maxDepth = 1000;
         setting.samples = 192;
-        const Image image = RenderText(Scene(kSky + Ball(medium), setting)).image;
+        const Image image = RenderText(VolumeScene(kSky + Ball(medium), setting)).image;
         for (int c = 0; c < 3; ++c) {
             const RunningStatistics s = ChannelOf(image, c);
             EXPECT_LT(std::abs(s.mean / sky - 1), 4 * s.StandardError() / sky + 1e-4) << name;
@@ -143,13 +144,13 @@ TEST(Bdpt, AMediumThatOnlyScattersIsInvisibleUnderAnEvenSky) {
 
 /// Pixels of a chain depend on each other, so pictures of several seeds tell the error.
 TEST(Mlt, AMediumThatOnlyScattersIsInvisibleUnderAnEvenSky) {
-    const double sky = ChannelOf(RenderText(Scene(kSky)).image, 1).mean;
+    const double sky = ChannelOf(RenderText(VolumeScene(kSky)).image, 1).mean;
     for (const auto &[name, medium] : Scattering()) {
         Setting setting;
         setting.integrator = "mlt";
         setting.maxDepth = 1000;
         setting.samples = 16;
-        const RunningStatistics s = MeansOverSeeds(Scene(kSky + Ball(medium), setting));
+        const RunningStatistics s = MeansOverSeeds(VolumeScene(kSky + Ball(medium), setting));
         EXPECT_LT(std::abs(s.mean / sky - 1), 5 * s.StandardError() / sky + 1e-4) << name;
         EXPECT_LT(s.StandardError(), .02 * sky) << name << ": too noisy to tell";
     }
@@ -164,8 +165,8 @@ TEST(VolPath, TheCameraMayStandInAMediumThatHasNoEnd) {
     const std::string world =
         "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1]\nMaterial \"diffuse\" \"rgb reflectance\" [0 0 0]\n"
         "Shape \"bilinearmesh\" \"point3 P\" [-2 -2 1  2 -2 1  -2 2 1  2 2 1]\n";
-    const double there = ChannelOf(RenderText(Scene(world)).image, 1).mean;
-    const RunningStatistics s = ChannelOf(RenderText(Scene(world, setting)).image, 1);
+    const double there = ChannelOf(RenderText(VolumeScene(world)).image, 1).mean;
+    const RunningStatistics s = ChannelOf(RenderText(VolumeScene(world, setting)).image, 1);
     EXPECT_LT(std::abs(s.mean / there - std::exp(-1.)), 4 * s.StandardError() / there + 1e-4);
 }
 
@@ -180,8 +181,8 @@ TEST(VolPath, LightThatWasBelowASurfaceGoesOnThroughTheFogAroundIt) {
     const std::string world =
         "LightSource \"point\" \"point3 from\" [0 0 5] \"rgb I\" [90 90 90]\nMaterial \"subsurface\" \"rgb reflectance\" [.8 .8 "
         ".8] \"spectrum mfp\" [300 .05 900 .05]\nShape \"disk\" \"float radius\" 9\n";
-    const RunningStatistics without = ChannelOf(RenderText(Scene(world, bare)).image, 1),
-                            with = ChannelOf(RenderText(Scene(world, foggy)).image, 1);
+    const RunningStatistics without = ChannelOf(RenderText(VolumeScene(world, bare)).image, 1),
+                            with = ChannelOf(RenderText(VolumeScene(world, foggy)).image, 1);
     // Three units from the camera, and five to the light.
     const double expected = std::exp(-.2 * 8) * without.mean;
     EXPECT_LT(std::abs(with.mean - expected), 4 * with.StandardError() + 0.02 * expected);
@@ -198,12 +199,12 @@ TEST(VolPath, EmissionIsThatOfAGlowingSlab) {
     const std::string wall =
         "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1]\nMaterial \"diffuse\" \"rgb reflectance\" [0 0 0]\n"
         "Shape \"bilinearmesh\" \"point3 P\" [-2 -2 1  2 -2 1  -2 2 1  2 2 1]\n";
-    const double one = ChannelOf(RenderText(Scene(wall)).image, 1).mean;
+    const double one = ChannelOf(RenderText(VolumeScene(wall)).image, 1).mean;
     for (const char *integrator : {"volpath", "simplevolpath"}) {
         Setting setting;
         setting.integrator = integrator;
         setting.samples = 256;
-        const RunningStatistics s = ChannelOf(RenderText(Scene(slab, setting)).image, 1);
+        const RunningStatistics s = ChannelOf(RenderText(VolumeScene(slab, setting)).image, 1);
         EXPECT_LT(std::abs(s.mean / one - (1 - std::exp(-1.4))), 4 * s.StandardError() / one + 1e-4) << integrator;
         EXPECT_LT(s.StandardError(), .01 * one);
     }
@@ -227,9 +228,9 @@ TEST(VolPath, ShadowRaysPassMediaAndTheirBoundaries) {
     Setting setting;
     setting.maxDepth = 1;
     setting.samples = 256;
-    const double bare = ChannelOf(RenderText(Scene(light + floor, setting)).image, 1).mean;
-    const RunningStatistics s =
-        ChannelOf(RenderText(Scene(light + floor + media + slab(5, 6, "a") + slab(10, 12, "b"), setting)).image, 1);
+    const double bare = ChannelOf(RenderText(VolumeScene(light + floor, setting)).image, 1).mean;
+    const RunningStatistics s = ChannelOf(
+        RenderText(VolumeScene(light + floor + media + slab(5, 6, "a") + slab(10, 12, "b"), setting)).image, 1);
     // The camera is below the slabs.
     EXPECT_LT(std::abs(s.mean / bare - std::exp(-.4 - .6)), 4 * s.StandardError() / bare + 1e-3);
 }
@@ -256,7 +257,7 @@ TEST(VolPath, LightSamplersAgree) {
             setting.lightSampler = sampler;
             setting.maxDepth = 4;
             setting.samples = 24;
-            return MeansOverSeeds(Scene(lamps + Foggy(medium), setting));
+            return MeansOverSeeds(VolumeScene(lamps + Foggy(medium), setting));
         };
         const RunningStatistics bvh = means("bvh");
         for (const std::string &sampler : AllSamplers().samplers.Names())
@@ -275,7 +276,7 @@ TEST(VolPath, FindsWhatThePlainWalkFinds) {
             setting.integrator = integrator;
             setting.maxDepth = 6;
             setting.samples = samples;
-            return MeansOverSeeds(Scene(lamp + Ball(medium), setting));
+            return MeansOverSeeds(VolumeScene(lamp + Ball(medium), setting));
         };
         // The furnace has the dense one as well; here its noise would take too long.
         if (name != "dense, back") ExpectEqualMeans(means("volpath", 24), means("simplevolpath", 96), name);
@@ -287,7 +288,7 @@ TEST(VolPath, AnyNumberOfThreadsGivesTheSameBits) {
         ThreadLimit limit(threads);
         Setting setting;
         setting.samples = 8;
-        return RenderText(Scene(Foggy(Scattering()[3].second), setting)).image;
+        return RenderText(VolumeScene(Foggy(Scattering()[3].second), setting)).image;
     };
     const Image one = render(1), three = render(3);
     EXPECT_EQ(std::memcmp(one.Data(), three.Data(), one.Bytes()), 0);
@@ -296,7 +297,7 @@ TEST(VolPath, AnyNumberOfThreadsGivesTheSameBits) {
 TEST(VolPath, PathSeesNoMediaAndSaysSo) {
     Setting setting;
     setting.integrator = "path";
-    const Rendered fog = RenderText(Scene(kSky + Ball(Scattering()[0].second), setting));
+    const Rendered fog = RenderText(VolumeScene(kSky + Ball(Scattering()[0].second), setting));
     int warnings = 0;
     for (const Diagnostic &d : fog.diagnostics) warnings += d.message.find("sees no media") != std::string::npos;
     EXPECT_EQ(warnings, 1);
@@ -314,7 +315,7 @@ TEST(Bdpt, WarnsOfLightsBeyondAFogWithoutEnd) {
         setting.integrator = integrator;
         setting.samples = 1;
         setting.beforeCamera = fog;
-        for (const Diagnostic &d : RenderText(Scene(world, setting)).diagnostics)
+        for (const Diagnostic &d : RenderText(VolumeScene(world, setting)).diagnostics)
             if (d.message.find("without a boundary") != std::string::npos) return true;
         return false;
     };
@@ -329,7 +330,7 @@ TEST(Bdpt, WarnsOfLightsBeyondAFogWithoutEnd) {
 TEST(SimpleVolPath, ASurfaceThatScattersIsAnError) {
     Setting setting;
     setting.integrator = "simplevolpath";
-    EXPECT_THROW(RenderText(Scene(std::string(kSky) + "Shape \"sphere\"\n", setting)), UserError);
+    EXPECT_THROW(RenderText(VolumeScene(std::string(kSky) + "Shape \"sphere\"\n", setting)), UserError);
 }
 
 }  // namespace

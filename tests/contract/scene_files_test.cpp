@@ -25,28 +25,22 @@ constexpr size_t kSearch = 3200000, kMaxPoints = 512, kMinPoints = 6;
 constexpr int kDraws = 32;
 
 /// The first contribution that is not 0 among `points` light points of a light, seen from a place; 0 if there is none.
-/// A sky may be chosen tile by tile: then a contribution counts if the tile in its direction has the PMF 0. Directions
-/// are drawn from random tiles, because the whole of a sky of one colour is never sampled.
+/// A sky may be chosen by parts: then a contribution counts if the part in its direction has the PMF 0. Directions are
+/// drawn as if there were no BSDF sampling, because parts are sampled so.
 double SearchLight(const SceneFixture &f, const LightSampler &sampler, size_t place, LightId light, size_t points,
                    uint64_t seed) {
     Rng rng(Hash(place, light.value, seed));
     LightMemory memory;
     const LightDistribution at = sampler.At(f.queries[place], memory);
-    const std::span<const LightId> skies = f.Lights().Skies();
-    const auto sky = static_cast<size_t>(std::find(skies.begin(), skies.end(), light) - skies.begin());
-    if (sky < skies.size()) f.Lights()[light].Whole().PrepareTiles();
+    const Point3 &p = f.queries[place].p;
+    const bool isSky = f.Lights()[light].Kind() == LightKind::Infinite,
+               isDivided = isSky && f.Lights().IsSkyPart(at.PartTowards(light, p, Vector3(0, 0, 1)));
     for (size_t k = 0; k < points; ++k) {
-        LightId asked = light, drawn = light;
-        if (sky < skies.size()) {
-            const uint32_t tile = SkyTile::FirstOf(3) + static_cast<uint32_t>(rng.Uniform() * 64);
-            const Bounds2 square = SkyTile::Of(tile).Square();
-            asked = at.PartTowards(light, f.queries[place].p, f.Lights()[light].Whole().DirectionAt(square.low));
-            if (f.Lights().IsTile(asked)) drawn = f.Lights().TileId(sky, tile);
-        }
         Vector3 wi;
-        const double c = Contribution(*f.built.scene, f.queries[place], f.Lights()[drawn], rng.Uniform2(), &wi);
+        const double c =
+            Contribution(*f.built.scene, f.queries[place], f.Lights()[light], rng.Uniform2(), &wi, !isDivided);
         if (!(c > 0)) continue;
-        if (drawn != light) asked = at.PartTowards(light, f.queries[place].p, wi);
+        const LightId asked = isSky ? at.PartTowards(light, p, wi) : light;
         if (!(at.PMF(asked) > 0)) return c;
     }
     return 0;
@@ -92,7 +86,7 @@ Findings Check(const SceneFixture &f, const LightSampler &sampler, uint64_t seed
     return out;
 }
 
-/// Another sampler that never chooses one of the lights, nor its tiles if it is a sky.
+/// Another sampler that never chooses one of the lights, nor its parts if it is a sky.
 class WithoutOneLight final : public WrappedSampler {
   public:
     WithoutOneLight(const LightSampler &sampler, const LightTable &lights, LightId light)
@@ -107,7 +101,7 @@ class WithoutOneLight final : public WrappedSampler {
     Float Probability(const LightQuery &, const void *weights, LightId light) const override {
         return IsLeftOut(light) ? 0 : Inner(weights).PMF(light);
     }
-    bool IsLeftOut(LightId id) const { return (lights_.IsTile(id) ? lights_.SkyOf(id) : id) == light_; }
+    bool IsLeftOut(LightId id) const { return (lights_.IsSkyPart(id) ? lights_.SkyOf(id) : id) == light_; }
 
     const LightTable &lights_;
     LightId light_;
@@ -182,7 +176,7 @@ TEST_P(SceneFile, ALightLeftOutIsNoticed) {
     for (const LightQuery &q : f.queries)
         for (int i = 0; i < kDraws; ++i)
             if (std::optional<SampledLight> s = sampler->Sample(q, rng.Uniform()))
-                found[(f.Lights().IsTile(s->light) ? f.Lights().SkyOf(s->light) : s->light).value] +=
+                found[(f.Lights().IsSkyPart(s->light) ? f.Lights().SkyOf(s->light) : s->light).value] +=
                     Contribution(*f.built.scene, q, f.Lights()[s->light], rng.Uniform2()) > 0;
     const LightId most(static_cast<uint32_t>(std::max_element(found.begin(), found.end()) - found.begin()));
     EXPECT_GT(Check(f, WithoutOneLight(*sampler, f.Lights(), most), 0).wrong.size(), 0u) << "light " << most.value;

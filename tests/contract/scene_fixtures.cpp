@@ -377,9 +377,10 @@ std::vector<LightQuery> Places(const BuiltScene &built, int count, int depth, in
     return out;
 }
 
-double Contribution(const Scene &scene, const LightQuery &q, const LightPart &light, const Point2 &u, Vector3 *wi) {
+double Contribution(const Scene &scene, const LightQuery &q, const LightPart &light, const Point2 &u, Vector3 *wi,
+                    bool allowIncompletePdfs) {
     LightSampleContext from{q.p, q.pError, q.n, q.ns, q.time};
-    std::optional<LightLiSample> s = light.SampleLi(from, u, Wavelengths(), true);
+    std::optional<LightLiSample> s = light.SampleLi(from, u, Wavelengths(), allowIncompletePdfs);
     if (!s || !s->L || !(s->pdf > 0)) return 0;
     if (wi) *wi = s->wi;
     Float cosine = 1;

@@ -19,7 +19,7 @@ struct SceneFixture {
     std::vector<std::vector<double>> contribution;
     bool dark = false;  ///< no light reaches what the camera sees
     int points = 32;    ///< on each light
-    /// The contribution of any id, also of a tile of a sky.
+    /// The contribution of any id, also of a part of a sky.
     double ContributionOf(size_t query, LightId id) const;
 
     double Search(size_t query, LightId id) const;  ///< the same, always searched for
@@ -38,7 +38,7 @@ std::vector<LightQuery> Places(const BuiltScene &built, int count, int depth, in
 /// What next-event estimation finds with this light point: L V cos / p, or 0 if the query has a BSDF and that is 0.
 /// `wi`, if not null, receives the direction of the point.
 double Contribution(const Scene &scene, const LightQuery &query, const LightPart &light, const Point2 &u,
-                    Vector3 *wi = nullptr);
+                    Vector3 *wi = nullptr, bool allowIncompletePdfs = true);
 
 std::vector<std::string> SceneFixtureNames();
 /// Made once per process.

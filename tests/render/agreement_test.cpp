@@ -265,22 +265,21 @@ TEST(LightSamplersAgree, RoomsFullOfFog) {
 TEST(LightSamplersAgree, Dollhouse) {
     View view(BuildText(WithoutCoats("scenes/dollhouse/dollhouse.pbrt"), Reduced(5)), 24, 8);
     std::vector<std::string> labels = Labels();
-    if (HasOctree()) labels.push_back("octree:opensky=1");
+    if (HasOctree()) labels.push_back("octree:windows=always");
     auto good = ExpectAgreement("dollhouse", view, labels);
     if (HasOctree())
         ExpectNoticed("dollhouse", "octree:depth=1 without floor", view, good,
                       std::string(kMinFloor) + ",depth=1,leaves=65536", kNoFloor);
 }
 
-/// A sky that is chosen by tiles: through windows, and through blinds and a curtain.
+/// A sky that is sampled through windows, and through blinds and a curtain.
 TEST(LightSamplersAgree, SkyThroughWindows) {
-    if (!HasOctree()) GTEST_SKIP() << "Only the octree chooses tiles.";
+    if (!HasOctree()) GTEST_SKIP() << "Only the octree finds windows.";
     for (const char *name : {"sunny-room", "blinds"}) {
         View view(BuildFile(fmt::format("{0}/scenes/{1}/{1}.pbrt", PBRT_SOURCE_DIR, name), Reduced(6)), 32, 8);
-        const std::vector<std::string> labels = {"bvh", "octree:opensky=1", "octree:opensky=1,tiles=16",
-                                                 "octree:opensky=1,learn=false,tiles=200", "octree"};
+        const std::vector<std::string> labels = {"bvh", "octree:windows=always", "octree:windows=never", "octree"};
         auto good = ExpectAgreement(name, view, labels);
-        ExpectNoticed(name, "octree, half of the tiles 15 % off", view, good, "octree:opensky=1",
+        ExpectNoticed(name, "octree, half of the windows 15 % off", view, good, "octree:windows=always",
                       Tamper([](const LightQuery &, LightId light, Float pmf) {
                           return light.value % 2 ? pmf * Float(1.15) : pmf;
                       }));

@@ -39,7 +39,7 @@ SamplerSubject::SamplerSubject(std::unique_ptr<LightSampler> made, std::span<con
     : sampler(std::move(made)), queries(places), table(&lights) {
     for (size_t i = 0; i < lights.Size(); ++i) ids.emplace_back(i);
     for (LightId sky : lights.Skies())
-        for (LightId tile : sampler->TilesOf(sky)) ids.push_back(tile);
+        for (LightId part : sampler->SkyPartsOf(sky)) ids.push_back(part);
     for (size_t i = 0; i < ids.size(); ++i) index[ids[i].value] = i;
     for (const LightQuery &q : queries) {
         std::vector<Float> &row = pmf.emplace_back();
@@ -54,14 +54,7 @@ SamplerSubject::SamplerSubject(std::unique_ptr<LightSampler> made, std::span<con
 }
 
 bool SamplerSubject::IsAsked(const LightDistribution &at, LightId id) const {
-    if (table->IsTile(id)) {
-        const LightId sky = table->SkyOf(id);
-        const uint32_t number = table->NumberOf(id);
-        const Point3 &p = at.Query().p;
-        if (SkyPart::IsOfWindows(number)) return IsSeenThroughWindows(at, id);
-        const Bounds2 square = SkyTile::Of(number).Square();
-        return at.PartTowards(sky, p, (*table)[sky].Whole().DirectionAt((square.low + square.high) * Float(0.5))) == id;
-    }
+    if (table->IsSkyPart(id)) return IsSeenThroughWindows(at, id);
     if ((*table)[id].Kind() != LightKind::Infinite) return true;
     return at.PartTowards(id, at.Query().p, Vector3(0, 0, 1)) == id;
 }
@@ -212,7 +205,7 @@ void CheckOneLightEstimator(const SamplerSubject &s, const Contributions &contri
     }
 }
 
-void CheckTiles(const SamplerSubject &s) {
+void CheckSkyParts(const SamplerSubject &s) {
     if (s.ids.size() == s.table->Size()) return;
     const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
     size_t chosen = 0, elsewhere = 0;
@@ -225,21 +218,21 @@ void CheckTiles(const SamplerSubject &s) {
         for (int i = 0; i < 200; ++i) {
             const std::optional<SampledLight> sample = at.Sample(rng.Uniform());
             const Point2 u = rng.Uniform2();
-            if (!sample || !s.table->IsTile(sample->light)) continue;
-            const LightPart tile = (*s.table)[sample->light];
-            const std::optional<LightLiSample> point = tile.SampleLi(from, u, lambda, true);
+            if (!sample || !s.table->IsSkyPart(sample->light)) continue;
+            const LightPart part = (*s.table)[sample->light];
+            const std::optional<LightLiSample> point = part.SampleLi(from, u, lambda, true);
             if (!point) continue;
             ++chosen;
-            // Rounding may carry a point at a border to the tile next to it.
+            // Rounding may carry a point at a border to the part next to it.
             const LightId back = at.PartTowards(s.table->SkyOf(sample->light), query.p, point->wi);
             if (back != sample->light) {
                 ++elsewhere;
                 continue;
             }
-            EXPECT_NEAR(tile.PdfLi(from, point->wi, {}, {}, true) / point->pdf, 1, 0.02) << "query " << q;
+            EXPECT_NEAR(part.PdfLi(from, point->wi, {}, {}, true) / point->pdf, 1, 0.02) << "query " << q;
         }
     }
-    EXPECT_GT(chosen, 100u) << "There are tiles, but none is chosen.";
+    EXPECT_GT(chosen, 100u) << "There are parts, but none is chosen.";
     EXPECT_LT(elsewhere, chosen / 200 + 3);
 }
 

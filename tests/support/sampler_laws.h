@@ -13,7 +13,7 @@
 namespace pbrt::test {
 
 /// A sampler that is ready for use, the places it is asked from, and its PMF at every place for every id: those of all
-/// lights, and of all tiles of skies that the sampler may choose.
+/// lights, and of all parts of skies that the sampler may choose.
 struct SamplerSubject {
     std::unique_ptr<LightSampler> sampler;
     std::span<const LightQuery> queries;
@@ -28,8 +28,8 @@ struct SamplerSubject {
     /// The number of calls per query, at most `most`: fewer where there are many lights, so that a sampler that weighs
     /// every light at each call takes bearable time.
     int Calls(int most) const;
-    /// False for a sky that is chosen by tiles at a place, and for tiles that are not among those: what they contribute
-    /// is found through other ids.
+    /// False for a sky that is chosen by parts at a place, and for parts that are not seen from there: what they
+    /// contribute is found through other ids.
     bool IsAsked(const LightDistribution &at, LightId id) const;
     bool IsSeenThroughWindows(const LightDistribution &at, LightId id) const;
 
@@ -56,9 +56,9 @@ void CheckFrequencies(const SamplerSubject &subject);
 size_t CheckContributingCanBeChosen(const SamplerSubject &subject, const Contributions &contributions);
 /// The mean of contribution / pmf over samples is the sum over all lights.
 void CheckOneLightEstimator(const SamplerSubject &subject, const Contributions &contributions);
-/// Directions and tiles belong together: a direction drawn from a chosen tile leads back to this tile, whose density
+/// Directions and parts of skies belong together: a direction drawn from a chosen part leads back to it, whose density
 /// there is the one that came with the sample.
-void CheckTiles(const SamplerSubject &subject);
+void CheckSkyParts(const SamplerSubject &subject);
 /// Several threads at once get the same answers as one thread.
 void CheckSameFromAnyThread(const SamplerSubject &subject);
 /// The distributions of two vertices, each in its own memory, do not influence each other.

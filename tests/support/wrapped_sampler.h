@@ -14,7 +14,7 @@ class WrappedSampler : public LightSampler {
     }
 
   private:
-    std::vector<LightId> TilesOf(LightId infinite) const final { return inner_.TilesOf(infinite); }
+    std::vector<LightId> SkyPartsOf(LightId infinite) const final { return inner_.SkyPartsOf(infinite); }
     const void *Weigh(const LightQuery &query, LightMemory &memory) const final {
         auto *inner = memory.Make<LightDistribution>();
         *inner = inner_.Within(query, memory);

@@ -7,10 +7,8 @@ namespace ext {
 /// Group light samplers that can choose inside a group by importance at the point (MeshInterior).
 class InteriorLightSampler : public GroupLightSampler {
   protected:
-    InteriorLightSampler(const LightTable &lights, bool meshlights, bool interiorByImportance,
-                         bool choosesTiles = false)
-        : GroupLightSampler(meshlights ? lights.Wholes() : lights.Parts(), choosesTiles, choosesTiles),
-          interior_(groups_, interiorByImportance) {}
+    InteriorLightSampler(const LightTable &lights, bool meshlights, bool interiorByImportance)
+        : GroupLightSampler(meshlights ? lights.Wholes() : lights.Parts()), interior_(groups_, interiorByImportance) {}
 
     std::optional<SampledLight> ChooseInside(const LightQuery &query, const void *, uint32_t group, Float u,
                                              Point2 *) const override {

@@ -44,7 +44,7 @@ void VisibilityOctreeLightSampler::Inspect(const LightQuery &query, std::vector<
     values.push_back({"leaf", static_cast<double>(cell.row), true});
     values.push_back({"leaf records", records, false});
     values.push_back({"leaf depth", static_cast<double>(cell.depth), false});
-    if (sky_) sky_->Inspect(query.p, values);
+    if (windows_) windows_->Inspect(query.p, values);
     if (lightTree_) return;
     // The factor a(leaf, l) of each light, relative to the largest in the leaf.
     for (size_t i = 0; i < std::min<size_t>(groups_.Size(), 16); ++i)
@@ -62,11 +62,11 @@ std::string VisibilityOctreeLightSampler::DescribeStructure() const {
                DescribeLeaves(k.leaves);
     };
     const std::string text = describe("", onSurfaces_) + describe(" inside media", inMedia_);
-    const std::string sky = sky_ ? sky_->Describe() : "";
-    if (text.empty() && !sky_)
+    const std::string windows = windows_ ? windows_->Describe() : "";
+    if (text.empty() && !windows_)
         return fmt::format("octree: none, there is nothing to choose ({} lights)\n", groups_.Size());
-    if (text.empty()) return sky;
-    return text + fmt::format("prepass: {} records, {} shadow rays\n", prepassRecords_, prepassTries_) + sky;
+    if (text.empty()) return windows;
+    return text + fmt::format("prepass: {} records, {} shadow rays\n", prepassRecords_, prepassTries_) + windows;
 }
 
 }  // namespace ext

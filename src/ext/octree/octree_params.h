@@ -25,9 +25,7 @@ struct OctreeParams {
     bool interior = true;
     int cut = 48;
     bool learn = true;
-    int tiles = 128;
-    Float opensky = 0.4f;
-    bool windows = true;
+    std::string windows = "auto";
 
     template <class V>
     void Describe(V &&v) {
@@ -62,15 +60,11 @@ struct OctreeParams {
         v("interior", interior, "visibility: choose a mesh's primitive by importance at the point; false: by power");
         v("cut", cut, Range<int>{2, 48},
           "visibility: nodes of the light tree that a leaf tells apart where there are more than 64 lights");
-        v("learn", learn, "visibility: with more than 64 lights, or a sky, go on learning from the rays of the render");
-        v("tiles", tiles, Range<int>{0, 256},
-          "visibility: tiles of an infinite light that a cell of the octree tells apart, at least 16; 0: skies stay "
-          "whole");
-        v("opensky", opensky, Range<Float>{0.f, 1.f},
-          "visibility: skies stay whole if more than this share of the prepass's rays towards them leave the scene (an "
-          "eightieth of it where paths bounce), or if there are lamps; 1: they never stay whole");
-        v("windows", windows,
-          "visibility: find the windows that a sky is seen through, and sample it through each of them, not by tiles");
+        v("learn", learn, "visibility: with more than 64 lights, go on learning from the shadow rays of the render");
+        v("windows", windows, Choices{"auto", "always", "never"},
+          "visibility: find the windows that a sky is seen through, and sample it through each of them, where at most "
+          "0.3 of the rays towards the sky leave the scene; auto: only without lamps, and where paths bounce at most "
+          "0.005");
         v("meshlights", meshlights,
           "an emissive mesh is one light for selection; visibility: unless at most eight primitives of the scene emit");
     }

@@ -10,7 +10,7 @@ namespace ext {
 struct PrepassEffort {
     size_t lights = 0;          ///< groups to choose from
     size_t triesPerVertex = 0;  ///< shadow rays; if fewer than `lights`, lights are drawn
-    size_t skyTries = 0;        ///< more shadow rays, to tiles of skies
+    size_t skyTries = 0;        ///< more shadow rays, to skies
     int depth = 1;              ///< vertices of a prepass path
     double pixels = 1;
     int samplesPerPixel = 1;  ///< of the render

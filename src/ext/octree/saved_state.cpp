@@ -11,7 +11,7 @@ namespace ext {
 namespace {
 
 /// Changes with everything that this file writes.
-constexpr uint32_t kVersion = 3;
+constexpr uint32_t kVersion = 4;
 
 /// Calls act(number) for values that are written and read in the same order.
 struct Writing {
@@ -125,131 +125,6 @@ void RenderRecords::Add(StateReader &reader) {
     }
 }
 
-std::vector<uint32_t> SkyTiles::Known() const {
-    std::vector<uint32_t> numbers;
-    for (const auto &[number, tile] : tiles_) numbers.push_back(number);
-    std::sort(numbers.begin(), numbers.end());
-    return numbers;
-}
-
-void SkyCells::Save(StateWriter &writer) const {
-    octree_.Save(writer);
-    writer.Value(uint64_t{cells_.size()});
-    for (const Cell &cell : cells_) {
-        Writing{writer}(cell.rays, cell.fresh, cell.box, uint64_t{cell.cuts.size()});
-        for (const SkyCut &cut : cell.cuts) writer.CopyOfVector(cut.Tiles());
-    }
-    writer.Value(uint64_t{rows_.size()});
-    for (const Row &row : rows_) Writing{writer}(row.first, row.tiles, row.isOpen);
-    writer.Vector(packets_);
-    writer.Vector(visible_);
-    writer.Structure(numbers_);
-    Writing{writer}(traced_, left_);
-    std::vector<uint64_t> counts(CountCount());
-    for (size_t i = 0; i < counts.size(); ++i) counts[i] = counts_[i].load(std::memory_order_relaxed);
-    writer.CopyOfVector(counts);
-}
-
-void SkyCells::TakeFound(StateWriter &writer) {
-    const size_t lanes = CountCount();
-    std::vector<std::pair<uint32_t, uint64_t>> counted;
-    for (size_t i = 0; i < lanes; ++i)
-        if (const uint64_t count = counts_[i].exchange(0, std::memory_order_relaxed); count > 0)
-            counted.push_back({static_cast<uint32_t>(i), count});
-    Writing{writer}(uint64_t{lanes}, uint64_t{counted.size()});
-    for (const auto &[lane, count] : counted) Writing{writer}(lane, count);
-}
-
-void SkyCells::AddFound(StateReader &reader) {
-    const size_t count = CountCount();
-    reader.Require(reader.Value<uint64_t>() == count, "it counts rays towards other tiles");
-    for (auto counted = reader.Value<uint64_t>(); counted > 0; --counted) {
-        const auto lane = reader.Value<uint32_t>();
-        reader.Require(lane < count, "it counts rays towards other tiles");
-        counts_[lane].fetch_add(reader.Value<uint64_t>(), std::memory_order_relaxed);
-    }
-}
-
-void SkyCells::Load(StateReader &reader, const Settings &settings, size_t skies) {
-    settings_ = settings;
-    octree_.Load(reader);
-    const auto readCount = [&] {
-        const auto count = reader.Value<uint64_t>();
-        reader.Require(count <= reader.BytesLeft(), "it is shorter than what it announces");
-        return count;
-    };
-    cells_.assign(readCount(), {});
-    for (Cell &cell : cells_) {
-        Reading{reader}(cell.rays, cell.fresh, cell.box);
-        for (auto cuts = readCount(); cuts > 0; --cuts) {
-            std::vector<SkyCut::Tile> tiles;
-            reader.Vector(&tiles);
-            cell.cuts.emplace_back(std::move(tiles));
-        }
-    }
-    rows_.assign(readCount(), {});
-    for (Row &row : rows_) Reading{reader}(row.first, row.tiles, row.isOpen);
-    reader.Vector(&packets_);
-    reader.Vector(&visible_);
-    reader.Structure(&numbers_);
-    Reading{reader}(traced_, left_);
-    std::vector<uint64_t> counts;
-    reader.Vector(&counts);
-    reader.RequireValid(Validate(skies));
-    reader.Require(counts.empty() || counts.size() == 2 * numbers_.size(), "it counts rays towards other tiles");
-    counts_.reset(counts.empty() ? nullptr : new std::atomic<uint64_t>[counts.size()]());
-    for (size_t i = 0; i < counts.size(); ++i) counts_[i].store(counts[i], std::memory_order_relaxed);
-    keys_.assign(numbers_.size(), kNoKey);
-    halves_.assign(numbers_.size(), 0);
-    tileCount_ = 0;
-    for (const Row &row : rows_)
-        for (size_t k = 0; k < skies; ++k) {
-            const size_t firstLane = row.first[k] * kLanes;
-            for (size_t lane = firstLane; lane < firstLane + row.tiles[k]; ++lane)
-                keys_[lane] = SkyTiles::KeyOf(numbers_[lane]);
-            MakeHalves(firstLane, row.tiles[k]);
-            tileCount_ += row.tiles[k];
-        }
-}
-
-void SkyChoice::Save(StateWriter &writer, bool goesOn) const {
-    writer.Value(uint64_t{skies_.size()});
-    for (const SkyTiles &sky : skies_) writer.CopyOfVector(goesOn ? sky.Known() : std::vector<uint32_t>());
-    cells_.Save(writer);
-    writer.Value(seenShare_);
-}
-
-void SkyChoice::Load(StateReader &reader) {
-    reader.Require(reader.Value<uint64_t>() == skies_.size(), "it has another number of skies");
-    for (SkyTiles &sky : skies_) {
-        std::vector<uint32_t> known;
-        reader.Vector(&known);
-        for (size_t i = 0; i < known.size(); ++i)
-            reader.Require(known[i] < SkyTile::kCount && (i == 0 || known[i - 1] < known[i]),
-                           "a sky has no tile of this number");
-        sky.Know(known);
-    }
-    cells_.Load(reader, settings_, skies_.size());
-    reader.Value(&seenShare_);
-    reader.Require(seenShare_ >= 0 && seenShare_ <= 1, "a share is not from 0 to 1");
-}
-
-bool SkyChoice::CanLearn() const {
-    bool areKnown = true;
-    cells_.ForEachLearnedTile([&](size_t k, uint32_t number) { areKnown = areKnown && skies_[k].KnowsAround(number); });
-    return areKnown && cells_.CanLearn();
-}
-
-void VisibilityOctreeLightSampler::TakeFound(StateWriter &out) {
-    found_.Take(out);
-    if (tiles_) tiles_->TakeFound(out);
-}
-
-void VisibilityOctreeLightSampler::AddFound(StateReader &in) {
-    found_.Add(in);
-    if (tiles_) tiles_->AddFound(in);
-}
-
 void VisibilityOctreeLightSampler::Knowledge::Save(StateWriter &writer, bool goesOn) const {
     tree.Save(writer);
     Writing{writer}(learned, leavesBefore);
@@ -280,12 +155,12 @@ uint64_t VisibilityOctreeLightSampler::NamesHash() const {
 
 void VisibilityOctreeLightSampler::SaveLearned(StateWriter &writer, bool goesOn) const {
     Writing write{writer};
-    write(kVersion, NamesHash(), sky_ != nullptr, tiles_ != nullptr, goesOn);
+    write(kVersion, NamesHash(), windows_ != nullptr, goesOn);
     write(prepassRecords_, prepassTries_, learnedTries_, prepassSeconds_, buildSeconds_, learningSeconds_, skySeconds_,
           skySeenShare_, sceneBounds_, pixels_, goesOn ? nextLearning_ : 0, samplesPerPixel_, depth_);
     onSurfaces_.Save(writer, goesOn);
     inMedia_.Save(writer, goesOn);
-    if (sky_) sky_->Save(writer, goesOn);
+    if (windows_) windows_->Save(writer);
     (goesOn ? found_ : RenderRecords()).Save(writer);
 }
 
@@ -293,16 +168,11 @@ void VisibilityOctreeLightSampler::LoadLearned(const PrepareContext &context, St
     Reading read{reader};
     reader.Require(reader.Value<uint32_t>() == kVersion, kOtherVersion);
     const auto names = reader.Value<uint64_t>();
-    const auto hasSky = reader.Value<bool>();
-    const auto hasTiles = reader.Value<bool>();
+    const auto hasWindows = reader.Value<bool>();
     const auto goesOn = reader.Value<bool>();
-    reader.Require(!hasSky || sky_, "it divides skies that are not divided here");
+    reader.Require(!hasWindows || !skies_.empty(), "it divides skies that are not divided here");
     reader.Require(goesOn == context.learnsOn, "it is of another use");
-    if (!hasSky && sky_) KeepSkiesWhole();
-    if (hasSky && !hasTiles) {
-        sky_ = MakeWindows();
-        tiles_ = nullptr;
-    }
+    if (hasWindows) UseWindows(MakeWindows());
     reader.Require(names == NamesHash(), "it belongs to other lights");
     read(prepassRecords_, prepassTries_, learnedTries_, prepassSeconds_, buildSeconds_, learningSeconds_, skySeconds_,
          skySeenShare_, sceneBounds_, pixels_, nextLearning_, samplesPerPixel_, depth_);
@@ -310,7 +180,7 @@ void VisibilityOctreeLightSampler::LoadLearned(const PrepareContext &context, St
         knowledge->Load(reader);
         reader.RequireValid(knowledge->Validate(groups_.Size(), lightTree_.get()));
     }
-    if (sky_) sky_->Load(reader);
+    if (windows_) windows_->Load(reader);
     reader.RequireValid(TakeUpLearning(context));
     found_.Load(reader);
     VisibilityRecords all;

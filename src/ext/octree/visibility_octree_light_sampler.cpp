@@ -21,18 +21,11 @@ double SecondsSince(std::chrono::steady_clock::time_point t) {
 /// After these numbers of samples per pixel the tree learns from the render's shadow rays, if at least three times as
 /// many samples are still to come.
 constexpr int kLearnAfter[] = {1, 4, 16, 64};
-/// The same where only skies are learned, which is quick; at least as many samples must be still to come.
-constexpr int kLookAfter[] = {1, 2, 4, 8, 16, 32, 64};
-/// From this number of samples per pixel on, tiles are given up if next to no ray towards the skies left the scene.
-constexpr int kSamplesToJudge = 4;
-/// Where paths bounce, most of the noise is theirs, and tiles pay only where the sky is seen this much less.
-constexpr double kWithBounces = 0.0125;
-/// The root of the number of shadow rays from a prepass vertex to each sky.
-constexpr int kSkySide = 4;
+/// Where more of the rays towards the skies leave the scene, skies stay whole: in direct light, and where paths bounce.
+/// There most of the noise is theirs, and windows pay only where less of the sky is seen.
+constexpr double kMaxSeen = 0.3, kMaxSeenWithBounces = 0.005;
 /// Windows are looked for from so many vertices of the prepass, if there are as many.
 constexpr size_t kWindowVertices = 4096;
-/// Where a larger share of the rays leaves the scene there are no windows.
-constexpr double kTooOpenForWindows = 0.3;
 /// At most this many shadow rays are kept from one learning to the next.
 constexpr size_t kMaxFound = 400000;
 /// Inside media with a larger mean cosine than this the choice of lights follows the phase function:
@@ -54,38 +47,27 @@ bool HasLamps(const LightTable &lights) {
     return false;
 }
 
-/// The skies that are cut into tiles; null if there are none.
-std::unique_ptr<SkyChoice> MakeSkies(const LightTable &lights, const OctreeParams &params) {
-    if (params.tiles == 0 || lights.Skies().empty()) return nullptr;
-    // Where lamps shine as well, tiles cost more than they gain: the noise of the sky is only a part there.
-    if (params.opensky < 1 && HasLamps(lights)) return nullptr;
-    SkyCells::Settings settings;
-    settings.tiles = static_cast<size_t>(params.tiles);
-    settings.floor = FloorOf(params);
-    auto skies = std::make_unique<SkyChoice>(lights, settings);
-    return skies->Count() > 0 ? std::move(skies) : nullptr;
+/// The skies that windows are looked for. Where lamps shine as well, they cost more than they gain: the noise of the
+/// sky is only a part there.
+std::vector<LightId> SkiesFor(const LightTable &lights, const OctreeParams &params) {
+    if (params.windows == "never" || (params.windows == "auto" && HasLamps(lights))) return {};
+    return WindowChoice::SkiesOf(lights);
 }
 
 }  // namespace
 
 VisibilityOctreeLightSampler::VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params)
-    : VisibilityOctreeLightSampler(lights, params, MakeSkies(lights, params)) {}
-
-VisibilityOctreeLightSampler::VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params,
-                                                           std::unique_ptr<SkyChoice> tiles)
-    : InteriorLightSampler(lights, MeshesAreLights(lights, params), params.interior, tiles != nullptr),
+    : InteriorLightSampler(lights, MeshesAreLights(lights, params), params.interior),
       params_(params),
       floor_(FloorOf(params)),
-      sky_(std::move(tiles)),
-      tiles_(static_cast<SkyChoice *>(sky_.get())),
-      importance_(LampEmitters()) {
-    for (size_t k = 0; k < SkyCount(); ++k) skyGroups_.push_back(groups_.GroupOf(sky_->Sky(k)));
+      skies_(SkiesFor(lights, params)),
+      importance_(groups_) {
     if (groups_.Size() > kMax) lightTree_ = std::make_unique<LightTree>(LampEmitters());
 }
 
 std::vector<Emitter> VisibilityOctreeLightSampler::LampEmitters() const {
     std::vector<Emitter> emitters = GroupImportance::EmittersOf(groups_);
-    for (size_t k = 0; k < SkyCount(); ++k) emitters[groups_.GroupOf(sky_->Sky(k))] = {};
+    for (const uint32_t group : skyGroups_) emitters[group] = {};
     return emitters;
 }
 
@@ -96,7 +78,7 @@ double VisibilityOctreeLightSampler::PathsPerPixel(const PrepareContext &context
     PrepassEffort effort;
     effort.lights = groups_.Size();
     effort.triesPerVertex = Tries();
-    effort.skyTries = SkyCount() * kSkySide * kSkySide;
+    effort.skyTries = skies_.size() * kSkyRaysPerVertex;
     effort.depth = std::min(params_.depth, std::max(1, context.maxDepth));
     effort.pixels = static_cast<double>(std::max<int64_t>(1, context.pixelBounds.Area()));
     effort.samplesPerPixel = context.samplesPerPixel;
@@ -105,9 +87,9 @@ double VisibilityOctreeLightSampler::PathsPerPixel(const PrepareContext &context
 }
 
 void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
-    if (sky_ && !tiles_) UseTiles();  // it was prepared before
+    if (windows_) UseWindows(nullptr);  // it was prepared before
     if (context.learned) return LoadLearned(context, *context.learned);
-    if (groups_.Size() <= 1 && !sky_) return;
+    if (groups_.Size() <= 1 && skies_.empty()) return;
     auto start = std::chrono::steady_clock::now();
     depth_ = std::min(params_.depth, std::max(1, context.maxDepth));
     sceneBounds_ = context.scene.Bounds();
@@ -115,22 +97,8 @@ void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
     samplesPerPixel_ = context.samplesPerPixel;
     std::vector<PrepassVertex> vertices = TracePrepassPaths(context, PathsPerPixel(context), depth_);
     if (context.progress.Cancelled()) return;
-    if (sky_) {
-        const auto before = std::chrono::steady_clock::now();
-        const double most =
-            params_.opensky < 1 ? static_cast<double>(params_.opensky) * (context.maxDepth > 1 ? kWithBounces : 1) : 1;
-        if (tiles_->SeesMoreThan(most, context, vertices, kSkySide)) {
-            skySeenShare_ = tiles_->SeenShare();
-            KeepSkiesWhole();
-        } else if (!LookForWindows(most, context, vertices)) {
-            if (context.progress.Cancelled()) return;
-            tiles_->LookAround(context, vertices, kSkySide);
-            if (context.progress.Cancelled()) return;
-            skySeenShare_ = tiles_->SeenShare();
-            if (skySeenShare_ > most) KeepSkiesWhole();
-        }
-        skySeconds_ = SecondsSince(before);
-    }
+    if (!skies_.empty()) LookForWindows(context, vertices);
+    if (context.progress.Cancelled()) return;
     if (groups_.Size() > std::max<size_t>(SkyCount(), 1)) {
         const auto media = std::stable_partition(vertices.begin(), vertices.end(),
                                                  [](const PrepassVertex &vertex) { return !vertex.phase; });
@@ -152,39 +120,38 @@ void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
     context.progress.EndPhase();
 }
 
-bool VisibilityOctreeLightSampler::LookForWindows(double most, PrepareContext &context,
-                                                  std::span<const PrepassVertex> vertices) {
-    if (!params_.windows) return false;
-    const std::vector<SkyLook> looks =
-        tiles_->Look(context, vertices, kSkySide, std::min(vertices.size(), kWindowVertices));
-    skySeenShare_ = tiles_->SeenShare();
-    if (context.progress.Cancelled() || skySeenShare_ > std::min(most, kTooOpenForWindows)) return false;
-    std::unique_ptr<WindowChoice> windows = MakeWindows();
-    if (!windows->Find(context, looks, vertices)) return false;
-    sky_ = std::move(windows);
-    tiles_ = nullptr;
-    return true;
+void VisibilityOctreeLightSampler::LookForWindows(PrepareContext &context, std::span<const PrepassVertex> vertices) {
+    const auto start = std::chrono::steady_clock::now();
+    const bool isDirect = context.maxDepth <= 1 || params_.windows == "always";
+    const double most = isDirect ? kMaxSeen : kMaxSeenWithBounces;
+    std::vector<SkyRay> rays;
+    const auto isMoreSeenThan = [&](double share, size_t count) {
+        rays = TraceSkyRays(context, skies_, vertices, count);
+        const auto left = std::ranges::count_if(rays, [](const SkyRay &ray) { return ray.left; });
+        skySeenShare_ = static_cast<double>(left) / static_cast<double>(std::max<size_t>(rays.size(), 1));
+        return context.progress.Cancelled() || skySeenShare_ > share;
+    };
+    // Under an open sky a few vertices say enough.
+    if (!isMoreSeenThan(2 * most, kWindowVertices / 16) && !isMoreSeenThan(most, kWindowVertices)) {
+        std::unique_ptr<WindowChoice> windows = MakeWindows();
+        if (windows->Find(context, rays, vertices)) UseWindows(std::move(windows));
+    }
+    skySeconds_ = SecondsSince(start);
 }
 
 std::unique_ptr<WindowChoice> VisibilityOctreeLightSampler::MakeWindows() const {
-    std::vector<LightId> skies;
-    for (size_t k = 0; k < SkyCount(); ++k) skies.push_back(sky_->Sky(k));
-    return std::make_unique<WindowChoice>(groups_.Lights(), skies, floor_);
+    return std::make_unique<WindowChoice>(groups_.Lights(), skies_, floor_);
 }
 
-void VisibilityOctreeLightSampler::UseTiles() {
-    std::unique_ptr<SkyChoice> tiles = MakeSkies(groups_.Lights(), params_);
-    tiles_ = tiles.get();
-    sky_ = std::move(tiles);
-}
-
-void VisibilityOctreeLightSampler::KeepSkiesWhole() {
-    sky_.reset();
-    tiles_ = nullptr;
+void VisibilityOctreeLightSampler::UseWindows(std::unique_ptr<WindowChoice> windows) {
+    windows_ = std::move(windows);
     skyGroups_.clear();
-    ChooseNoTiles();
-    importance_ = GroupImportance(groups_);
-    if (lightTree_) lightTree_ = std::make_unique<LightTree>(LampEmitters());
+    if (windows_)
+        for (const LightId sky : skies_) skyGroups_.push_back(groups_.GroupOf(sky));
+    SetChoosesSkyParts(windows_ != nullptr);
+    const std::vector<Emitter> lamps = LampEmitters();
+    importance_ = GroupImportance(lamps);
+    if (lightTree_) lightTree_ = std::make_unique<LightTree>(lamps);
 }
 
 std::optional<VisibilityOctreeLightSampler::Knowledge> VisibilityOctreeLightSampler::Built(
@@ -223,40 +190,28 @@ bool VisibilityOctreeLightSampler::Build(int records, const Progress &progress) 
     return true;
 }
 
-std::span<const int> VisibilityOctreeLightSampler::Plan() const {
-    return lightTree_ ? std::span<const int>(kLearnAfter) : kLookAfter;
-}
-
 std::optional<std::string> VisibilityOctreeLightSampler::TakeUpLearning(const PrepareContext &context) {
     if (nextLearning_ == 0) return {};
-    const std::span<const int> plan = Plan();
-    const auto next = std::find(plan.begin(), plan.end(), nextLearning_);
-    if (!Learner() || next == plan.end()) return "learning is due after a wrong number of samples";
+    const auto next = std::ranges::find(kLearnAfter, nextLearning_);
+    if (!Learner() || next == std::end(kLearnAfter)) return "learning is due after a wrong number of samples";
     if (pixels_.low != context.pixelBounds.low || pixels_.high != context.pixelBounds.high ||
         depth_ != std::min(params_.depth, std::max(1, context.maxDepth)) || samplesPerPixel_ < nextLearning_)
         return "it was learned for other pixels or paths";
-    if (tiles_ && !tiles_->CanLearn()) return "the counts of a sky are missing";
-    if (lightTree_) found_.Begin(pixels_, next == plan.begin() ? 0 : next[-1], nextLearning_, depth_, kMaxFound);
+    found_.Begin(pixels_, next == std::begin(kLearnAfter) ? 0 : next[-1], nextLearning_, depth_, kMaxFound);
     return {};
 }
 
 void VisibilityOctreeLightSampler::BeginLearning(int first) {
-    const std::span<const int> plan = Plan();
-    const auto next = std::upper_bound(plan.begin(), plan.end(), first);
-    const int toCome = lightTree_ ? 4 : 2;
-    nextLearning_ = Learner() && next != plan.end() && toCome * *next <= samplesPerPixel_ ? *next : 0;
+    const auto next = std::ranges::upper_bound(kLearnAfter, first);
+    nextLearning_ = Learner() && next != std::end(kLearnAfter) && 4 * *next <= samplesPerPixel_ ? *next : 0;
     if (nextLearning_ == 0) return EndLearning();
-    if (lightTree_)
-        found_.Begin(pixels_, first, nextLearning_, depth_, kMaxFound);
-    else
-        onSurfaces_.known = inMedia_.known = {};
+    found_.Begin(pixels_, first, nextLearning_, depth_, kMaxFound);
 }
 
 void VisibilityOctreeLightSampler::EndLearning() {
     nextLearning_ = 0;
     found_.End();
     onSurfaces_.known = inMedia_.known = {};
-    if (tiles_) tiles_->EndLearning();
 }
 
 void VisibilityOctreeLightSampler::Found(PathPlaces &path, const LightQuery &query, const SampledLight &light,
@@ -268,24 +223,8 @@ void VisibilityOctreeLightSampler::Found(PathPlaces &path, const LightQuery &que
     found_.Add(path, query.p, query.ns == Normal3(0), {groups_.GroupOf(light.light), weight, weight, ratio});
 }
 
-void VisibilityOctreeLightSampler::Looked(const LightQuery &query, const Vector3 &d, bool left) {
-    if (nextLearning_ > 0 && tiles_ && query.depth <= depth_) tiles_->Count(query.p, d, left);
-}
-
 void VisibilityOctreeLightSampler::Learn(const Progress &progress) {
     if (progress.Cancelled()) return;
-    const int now = nextLearning_;
-    // Lamps first: they may find that the work was cancelled meanwhile.
-    if (lightTree_ && !LearnLamps(progress)) return;
-    if (tiles_) {
-        const auto start = std::chrono::steady_clock::now();
-        tiles_->Learn(now >= kSamplesToJudge);
-        skySeconds_ += SecondsSince(start);
-    }
-    BeginLearning(now);
-}
-
-bool VisibilityOctreeLightSampler::LearnLamps(const Progress &progress) {
     const auto start = std::chrono::steady_clock::now();
     Knowledge *const kinds[] = {&onSurfaces_, &inMedia_};
     size_t recordsBefore[2], triesBefore[2];
@@ -301,11 +240,11 @@ bool VisibilityOctreeLightSampler::LearnLamps(const Progress &progress) {
             kinds[k]->known.records.resize(recordsBefore[k]);
             kinds[k]->known.tries.resize(triesBefore[k]);
         }
-        return false;
+        return;
     }
     learnedTries_ = TryCount() - prepassTries_;
     learningSeconds_ += SecondsSince(start);
-    return true;
+    BeginLearning(nextLearning_);
 }
 
 const void *VisibilityOctreeLightSampler::WeighGroups(const LightQuery &query, LightMemory &memory) const {
@@ -326,8 +265,8 @@ const void *VisibilityOctreeLightSampler::WeighGroups(const LightQuery &query, L
     for (size_t i = 0; i < c->count; ++i) c->w[i] = learned ? c->g[i] * decode[row.codes[i]] : c->g[i];
     c->all = c->count + SkyCount();
     c->sumG = c->lampG;
-    if (sky_) {
-        c->sky = sky_->Weigh(query, memory);
+    if (windows_) {
+        c->sky = windows_->Weigh(query, memory);
         for (size_t k = 0; k < SkyCount(); ++k) {
             c->w[c->count + k] = c->sky->w[k];
             c->sumG += c->g[c->count + k] = c->sky->g[k];
@@ -419,28 +358,27 @@ size_t VisibilityOctreeLightSampler::SkyOfGroup(uint32_t group) const {
 std::optional<SampledLight> VisibilityOctreeLightSampler::ChooseInside(const LightQuery &query, const void *weights,
                                                                        uint32_t group, Float u, Point2 *uPoint) const {
     const size_t k = SkyOfGroup(group);
-    if (k < SkyCount()) return sky_->Sample(*static_cast<const Choice *>(weights)->sky, k, uPoint);
+    if (k < SkyCount()) return windows_->Sample(*static_cast<const Choice *>(weights)->sky, k, uPoint);
     return InteriorLightSampler::ChooseInside(query, weights, group, u, uPoint);
 }
 
 Float VisibilityOctreeLightSampler::ProbabilityInside(const LightQuery &query, const void *weights,
                                                       LightId light) const {
     const size_t k = SkyOfGroup(groups_.GroupOf(light));
-    if (k < SkyCount()) return sky_->PMF(*static_cast<const Choice *>(weights)->sky, k, light);
+    if (k < SkyCount()) return windows_->PMF(*static_cast<const Choice *>(weights)->sky, k, light);
     if (light.value >= groups_.LightCount()) return 0;
     return InteriorLightSampler::ProbabilityInside(query, weights, light);
 }
 
-LightId VisibilityOctreeLightSampler::PartOf(const LightQuery &, const void *weights, LightId infinite, const Point3 &p,
+LightId VisibilityOctreeLightSampler::PartOf(const LightQuery &, const void *, LightId infinite, const Point3 &p,
                                              const Vector3 &d) const {
     const size_t k = SkyOfGroup(groups_.GroupOf(infinite));
-    if (k == SkyCount()) return infinite;
-    return sky_->PartTowards(*static_cast<const Choice *>(weights)->sky, k, p, d);
+    return k < SkyCount() ? windows_->PartTowards(k, p, d) : infinite;
 }
 
-std::vector<LightId> VisibilityOctreeLightSampler::TilesOf(LightId infinite) const {
+std::vector<LightId> VisibilityOctreeLightSampler::SkyPartsOf(LightId infinite) const {
     const size_t k = SkyOfGroup(groups_.GroupOf(infinite));
-    return k < SkyCount() ? sky_->PartsOf(k) : std::vector<LightId>();
+    return k < SkyCount() ? windows_->PartsOf(k) : std::vector<LightId>();
 }
 
 void VisibilityOctreeLightSampler::Report(nlohmann::ordered_json &report) const {
@@ -456,7 +394,7 @@ void VisibilityOctreeLightSampler::Report(nlohmann::ordered_json &report) const 
     }
     if (skySeconds_ > 0) {
         report["skySeenShare"] = skySeenShare_;
-        if (sky_) sky_->Report(report);
+        if (windows_) windows_->Report(report);
         report["skySeconds"] = skySeconds_;
     }
     const VisibilityTree &surfaces = onSurfaces_.tree, &media = inMedia_.tree;
@@ -466,7 +404,7 @@ void VisibilityOctreeLightSampler::Report(nlohmann::ordered_json &report) const 
     report["rows"] = surfaces.RowCount() + media.RowCount();
     report["depth"] = std::max(surfaces.Depth(), media.Depth());
     report["bytes"] = surfaces.Bytes() + media.Bytes() + importance_.Bytes() + interior_.Bytes() +
-                      (lightTree_ ? lightTree_->Bytes() : 0) + (sky_ ? sky_->Bytes() : 0);
+                      (lightTree_ ? lightTree_->Bytes() : 0) + (windows_ ? windows_->Bytes() : 0);
 }
 
 }  // namespace ext

@@ -6,7 +6,6 @@
 #include "ext/groups/light_tree.h"
 #include "ext/octree/octree_params.h"
 #include "ext/octree/render_records.h"
-#include "ext/octree/sky_choice.h"
 #include "ext/octree/structure_text.h"
 #include "ext/octree/visibility_tree.h"
 #include "ext/octree/window_choice.h"
@@ -30,37 +29,33 @@ namespace ext {
 /// Inside media the same is done with factors of their own: there a is the root mean square of how much a shadow ray
 /// finds through walls and media alike, G has no cosine, and b follows a peaked phase function.
 ///
-/// Infinite lights are divided into parts, each sky being one light l whose a G is the sum over its parts: by the
-/// windows that they are seen through (WindowChoice) where there are some, else into tiles (SkyChoice), which go on
-/// learning from the rays of the render, too.
+/// Skies are divided by the windows that they are seen through (WindowChoice), where there are some: then each sky is
+/// one light l whose a G is the sum over its parts.
 class VisibilityOctreeLightSampler final : public InteriorLightSampler, private LightLearner {
   public:
     VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params);
     ~VisibilityOctreeLightSampler() override;
 
     void Prepare(PrepareContext &context) override;
-    LightLearner *Learner() override { return (lightTree_ || tiles_) && params_.learn ? this : nullptr; }
+    LightLearner *Learner() override { return lightTree_ && params_.learn ? this : nullptr; }
     bool SavesLearned() const override { return true; }
     void SaveLearned(StateWriter &writer, bool goesOn) const override;
-    std::vector<LightId> TilesOf(LightId infinite) const override;
+    std::vector<LightId> SkyPartsOf(LightId infinite) const override;
     void Report(nlohmann::ordered_json &report) const override;
     void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override;
     std::string DescribeStructure() const override;
 
   private:
-    VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params,
-                                 std::unique_ptr<SkyChoice> tiles);
-
     static constexpr size_t kMax = 64;
-    /// Weights of the lights considered at a point. The cut skies come after `count` others.
+    /// Weights of the lights considered at a point. The divided skies come after `count` others.
     struct Choice {
-        alignas(32) Float g[kMax + SkyParts::kMaxSkies], w[kMax + SkyParts::kMaxSkies];
-        Float lampG = 0;  ///< sum over g without the cut skies
+        alignas(32) Float g[kMax + WindowChoice::kMaxSkies], w[kMax + WindowChoice::kMaxSkies];
+        Float lampG = 0;  ///< sum over g without the divided skies
         Float sumG = 0, sumW = 0;
         Float perW = 0, perG = 0;         ///< P = w perW + g perG
         std::span<const uint32_t> nodes;  ///< of the light tree; empty: all lights, in order
         size_t count = 0, all = 0;
-        const SkyParts::Weights *sky = nullptr;
+        const WindowChoice::Weights *sky = nullptr;
         Float Share(size_t i) const { return w[i] * perW + g[i] * perG; }
         void SumUp() {
             sumW = 0;
@@ -76,19 +71,16 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler, private 
     Float ProbabilityInside(const LightQuery &query, const void *weights, LightId light) const override;
     LightId PartOf(const LightQuery &query, const void *weights, LightId infinite, const Point3 &p,
                    const Vector3 &d) const override;
-    /// The index of the cut sky that the group is; the number of cut skies if it is none of them.
+    /// The index of the divided sky that the group is; SkyCount() if it is none of them.
     size_t SkyOfGroup(uint32_t group) const;
-    size_t SkyCount() const { return sky_ ? sky_->Count() : 0; }
-    /// Emitters of all groups; the cut skies' are dark.
+    size_t SkyCount() const { return skyGroups_.size(); }
+    /// Emitters of all groups; those of divided skies are dark.
     std::vector<Emitter> LampEmitters() const;
-    /// As it was made: nothing is known of the skies.
-    void UseTiles();
     std::unique_ptr<WindowChoice> MakeWindows() const;
-    /// Divides skies by windows in place of tiles. False: there are none that pay, or more than the share `most` of the
-    /// rays leaves the scene.
-    bool LookForWindows(double most, PrepareContext &context, std::span<const PrepassVertex> vertices);
-    /// What Prepare does where choosing tiles could gain little.
-    void KeepSkiesWhole();
+    /// Divides skies by windows if there are some that pay, and not more of the sky is seen than they are worth.
+    void LookForWindows(PrepareContext &context, std::span<const PrepassVertex> vertices);
+    /// Divides skies by these windows; null: no more.
+    void UseWindows(std::unique_ptr<WindowChoice> windows);
     double PathsPerPixel(const PrepareContext &context) const;
     size_t Tries() const { return TriesPerRecord(groups_.Size(), params_.tries); }
     void LoadLearned(const PrepareContext &context, StateReader &reader);
@@ -123,27 +115,22 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler, private 
     PathPlaces BeginPath(Point2i pixel, int sample) const override { return found_.BeginPath(pixel, sample); }
     void Found(PathPlaces &path, const LightQuery &query, const SampledLight &light,
                const SampledSpectrum &found) override;
-    void Looked(const LightQuery &query, const Vector3 &d, bool left) override;
     void Learn(const Progress &progress) override;
-    void TakeFound(StateWriter &out) override;
-    void AddFound(StateReader &in) override;
-    /// False: cancelled; nothing was changed.
-    bool LearnLamps(const Progress &progress);
-    /// The numbers of samples per pixel after which it learns.
-    std::span<const int> Plan() const;
+    void TakeFound(StateWriter &out) override { found_.Take(out); }
+    void AddFound(StateReader &in) override { found_.Add(in); }
     void BeginLearning(int first);
 
     OctreeParams params_;
     Float floor_;
-    std::unique_ptr<SkyParts> sky_;  ///< null: all skies are chosen as a whole
-    SkyChoice *tiles_ = nullptr;     ///< sky_ if that goes on learning
-    std::vector<uint32_t> skyGroups_;
-    GroupImportance importance_;            ///< dark where a sky is cut
-    std::unique_ptr<LightTree> lightTree_;  ///< null: at most kMax groups, all of which are weighed
+    std::vector<LightId> skies_;             ///< that windows are looked for
+    std::unique_ptr<WindowChoice> windows_;  ///< null: all skies are chosen as a whole
+    std::vector<uint32_t> skyGroups_;        ///< of divided skies
+    GroupImportance importance_;             ///< dark where a sky is divided
+    std::unique_ptr<LightTree> lightTree_;   ///< null: at most kMax groups, all of which are weighed
     Knowledge onSurfaces_, inMedia_;
     size_t prepassRecords_ = 0, prepassTries_ = 0, learnedTries_ = 0;
     double prepassSeconds_ = 0, buildSeconds_ = 0, learningSeconds_ = 0;
-    double skySeconds_ = 0, skySeenShare_ = 0;
+    double skySeconds_ = 0, skySeenShare_ = 0;  ///< of the search for windows; share of its rays that left the scene
 
     RenderRecords found_;
     Bounds3 sceneBounds_;

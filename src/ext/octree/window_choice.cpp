@@ -15,18 +15,22 @@ namespace ext {
 
 namespace {
 
-constexpr uint64_t kStream = 0x77696e646f77;
+constexpr uint64_t kStream = 0x77696e646f77, kRayStream = 0x736b79;
+/// Where there are few vertices, up to kMaxPerVertex rays are traced from each of them to each sky, to have so many.
+constexpr size_t kFewRays = 16384, kMaxPerVertex = 4 * kSkyRaysPerVertex;
+/// Directions drawn for a ray at most. They are accepted with their cosine as the probability.
+constexpr size_t kMaxDraws = 16;
 
 /// The unit of G over that of the mean radiance.
-Float PerMeanRadiance(const Light &sky, double unit) {
+Float PerMeanRadiance(const SkyLight &sky, double unit) {
     constexpr int kSide = 8;
     double sum = 0;
     int count = 0;
     for (int i = 0; i < kSide * kSide; ++i) {
         const Point2 u((static_cast<Float>(i % kSide) + Float(0.5)) / kSide,
                        (static_cast<Float>(i / kSide) + Float(0.5)) / kSide);
-        const std::optional<LightLiSample> s = sky.SampleLi({}, u, SampledWavelengths::WholeRange(), false);
-        const Float mean = s ? sky.MeanRadianceAt(sky.SquareTowards(s->wi)) : 0;
+        const std::optional<LightLiSample> s = sky.SampleLi({}, u, SampledWavelengths::WholeRange(), false, 0);
+        const Float mean = s ? sky.MeanRadiance(s->wi) : 0;
         if (!(mean > 0)) continue;
         sum += RootMeanSquare(s->L) / static_cast<double>(mean);
         ++count;
@@ -48,15 +52,15 @@ Float MeanCosine(const SkyWindow &window, const LightQuery &query) {
 }
 
 /// Widens windows for rays that leave just past their borders, as some do that come from where little else is seen.
-void Widen(std::span<SkyWindow> windows, std::span<const SkyLook> looks) {
+void Widen(std::span<SkyWindow> windows, std::span<const SkyRay> rays) {
     constexpr Float kNear = 0.15f, kMargin = 0.01f;  // of the window's size
-    for (const SkyLook &look : looks) {
-        if (!look.left) continue;
+    for (const SkyRay &ray : rays) {
+        if (!ray.left) continue;
         SkyWindow *nearest = nullptr;
         Float least = kNear;
         Point2 where{};
         for (SkyWindow &window : windows) {
-            const Vector3 p = window.frame.ToLocal(look.p), d = window.frame.ToLocal(look.d);
+            const Vector3 p = window.frame.ToLocal(ray.p), d = window.frame.ToLocal(ray.d);
             if (!(window.low.z > p.z) || !(d.z > 0)) continue;
             const Point2 at = Point2(p) + Vector2(d) * ((window.low.z - p.z) / d.z);
             const Point2 past =
@@ -75,18 +79,18 @@ void Widen(std::span<SkyWindow> windows, std::span<const SkyLook> looks) {
 /// Windows without those that next to no ray passes; none if too many rays leave past all of them: what is sampled with
 /// the rest of the sky, to which few samples go, makes fireflies. Rays from beyond all windows, as from an outer sill,
 /// do not count: there all samples go to the rest.
-std::vector<SkyWindow> WorthKeeping(std::span<const SkyWindow> windows, std::span<const SkyLook> looks) {
+std::vector<SkyWindow> WorthKeeping(std::span<const SkyWindow> windows, std::span<const SkyRay> rays) {
     constexpr double kFewest = 0.01, kMostPast = 0.02;
     // A few rays past them may be chance.
     constexpr double kAFew = 2;
     std::vector<double> passed(windows.size() + 1, 0);
     double left = 0;
-    for (const SkyLook &look : looks) {
-        if (!look.left) continue;
+    for (const SkyRay &ray : rays) {
+        if (!ray.left) continue;
         size_t k = 0;
-        while (k < windows.size() && !windows[k].IsPassed(look.p, look.d)) ++k;
+        while (k < windows.size() && !windows[k].IsPassed(ray.p, ray.d)) ++k;
         if (k == windows.size() &&
-            std::ranges::none_of(windows, [&](const SkyWindow &window) { return window.IsBefore(look.p); }))
+            std::ranges::none_of(windows, [&](const SkyWindow &window) { return window.IsBefore(ray.p); }))
             continue;
         ++passed[k], ++left;
     }
@@ -103,6 +107,51 @@ std::vector<SkyWindow> WorthKeeping(std::span<const SkyWindow> windows, std::spa
 
 }  // namespace
 
+std::vector<SkyRay> TraceSkyRays(PrepareContext &context, std::span<const LightId> skies,
+                                 std::span<const PrepassVertex> vertices, size_t count) {
+    count = std::min(count, vertices.size());
+    const size_t perVertex = std::clamp(kFewRays / std::max<size_t>(count, 1), kSkyRaysPerVertex, kMaxPerVertex);
+    std::vector<std::vector<SkyRay>> raysFrom(count);
+    context.progress.BeginPhase("rays to the sky", static_cast<int64_t>(count));
+    ParallelForEach(static_cast<int64_t>(count), [&](int64_t i) {
+        if (context.progress.Cancelled()) return;
+        const PrepassVertex &vertex = vertices[static_cast<size_t>(i) * vertices.size() / count];
+        const LightSampleContext &at = vertex.at;
+        Rng rng(Hash(kRayStream, context.seed, i));
+        for (const LightId sky : skies) {
+            // An additive recurrence: any number of points is well spread.
+            glm::dvec2 point = rng.Uniform2();
+            size_t traced = 0;
+            for (size_t k = 0; k < kMaxDraws * perVertex && traced < perVertex; ++k) {
+                point = glm::fract(point + glm::dvec2(0.7548776662466927, 0.5698402909980532));
+                const Point2 u = glm::min(Point2(point), Point2(OneMinusEpsilon));
+                const Float chance = rng.Uniform();
+                const std::optional<LightLiSample> s =
+                    context.scene.Lights()[sky].SampleLi(at, u, SampledWavelengths::WholeRange(), false);
+                if (!s) continue;
+                Float cosine = Dot(s->wi, at.ns) * (Dot(vertex.wo, at.ns) < 0 ? Float(-1) : Float(1));
+                if (vertex.transmits) cosine = std::abs(cosine);
+                if (at.ns == Normal3(0)) cosine = Float(0.25);
+                if (!(chance < cosine)) continue;
+                raysFrom[static_cast<size_t>(i)].push_back({at.p, s->wi, !context.scene.Occluded(at, *s)});
+                ++traced;
+            }
+        }
+        context.progress.Advance();
+    });
+    context.progress.EndPhase();
+    std::vector<SkyRay> rays;
+    for (const std::vector<SkyRay> &some : raysFrom) rays.insert(rays.end(), some.begin(), some.end());
+    return rays;
+}
+
+std::vector<LightId> WindowChoice::SkiesOf(const LightTable &lights) {
+    std::vector<LightId> skies;
+    for (const LightId sky : lights.Skies())
+        if (skies.size() < kMaxSkies && lights.Candidate(sky).power > 0) skies.push_back(sky);
+    return skies;
+}
+
 WindowChoice::WindowChoice(const LightTable &lights, std::span<const LightId> skies, Float floor)
     : lights_(lights), floor_(floor) {
     for (LightId id : skies) {
@@ -110,7 +159,7 @@ WindowChoice::WindowChoice(const LightTable &lights, std::span<const LightId> sk
         OfSky sky;
         sky.index = static_cast<size_t>(std::find(known.begin(), known.end(), id) - known.begin());
         sky.whole = MakeEmitter(lights, id, lights.Candidate(id));
-        sky.perMean = PerMeanRadiance(lights[id].Whole(), lights.Unit());
+        sky.perMean = PerMeanRadiance(LightOf(sky), lights.Unit());
         skies_.push_back(sky);
     }
 }
@@ -118,21 +167,20 @@ WindowChoice::WindowChoice(const LightTable &lights, std::span<const LightId> sk
 void WindowChoice::Use(std::vector<SkyWindow> windows) {
     windows_ = std::move(windows);
     for (OfSky &sky : skies_) {
-        const Light &light = lights_[lights_.Skies()[sky.index]].Whole();
-        sky.windows = std::make_shared<const SkyWindows>(light, windows_);
-        sky.set = light.AddWindows(sky.windows);
+        sky.windows = std::make_shared<const SkyWindows>(LightOf(sky), windows_);
+        sky.set = LightOf(sky).AddWindows(sky.windows);
         if (!sky.set) return windows_.clear();
     }
 }
 
-bool WindowChoice::Find(PrepareContext &context, std::span<const SkyLook> looks,
+bool WindowChoice::Find(PrepareContext &context, std::span<const SkyRay> rays,
                         std::span<const PrepassVertex> vertices) {
     std::vector<Normal3> normals;
     for (const PrepassVertex &vertex : vertices) normals.push_back(vertex.at.n);
-    const std::vector<SkyWindow> found = FindWindows(looks, normals);
+    const std::vector<SkyWindow> found = FindWindows(rays, normals);
     std::vector<SkyWindow> refined = RefineWindows(context.scene, found, vertices, context.seed);
-    Widen(refined, looks);
-    std::vector<SkyWindow> windows = WorthKeeping(refined, looks);
+    Widen(refined, rays);
+    std::vector<SkyWindow> windows = WorthKeeping(refined, rays);
     if (windows.empty() || context.progress.Cancelled()) return false;
     Use(std::move(windows));
     return !windows_.empty() && Learn(context, vertices);
@@ -189,8 +237,8 @@ bool WindowChoice::Learn(PrepareContext &context, std::span<const PrepassVertex>
     return true;
 }
 
-const SkyParts::Weights *WindowChoice::Weigh(const LightQuery &query, LightMemory &memory) const {
-    auto *at = memory.Make<AtVertex>();
+const WindowChoice::Weights *WindowChoice::Weigh(const LightQuery &query, LightMemory &memory) const {
+    auto *at = memory.Make<Weights>();
     const VisibilityTree::Row row = tree_.RowAt(query.p);
     for (size_t k = 0; k < Count(); ++k) {
         Float g[kMostParts], w[kMostParts], sumG = 0, sumW = 0;
@@ -213,7 +261,7 @@ const SkyParts::Weights *WindowChoice::Weigh(const LightQuery &query, LightMemor
 }
 
 std::optional<SampledLight> WindowChoice::Sample(const Weights &weights, size_t k, Point2 *u) const {
-    const Float *part = static_cast<const AtVertex &>(weights).part[k];
+    const Float *part = weights.part[k];
     const auto chosen = ChooseByWeight<Float>(PartCount(), u->x, [&](uint32_t i) { return part[i]; });
     if (!chosen) return {};
     u->x = std::clamp((u->x - chosen.before) / chosen.weight, Float(0), OneMinusEpsilon);
@@ -221,15 +269,11 @@ std::optional<SampledLight> WindowChoice::Sample(const Weights &weights, size_t 
 }
 
 Float WindowChoice::PMF(const Weights &weights, size_t k, LightId light) const {
-    if (!lights_.IsTile(light)) return 0;
+    if (!lights_.IsSkyPart(light)) return 0;
     const uint32_t number = lights_.NumberOf(light);
-    if (!SkyPart::IsOfWindows(number) || SkyPart::SetOf(number) != *skies_[k].set) return 0;
+    if (SkyPart::SetOf(number) != *skies_[k].set) return 0;
     const size_t place = SkyPart::PlaceOf(number);
-    return place < PartCount() ? static_cast<const AtVertex &>(weights).part[k][place] : 0;
-}
-
-LightId WindowChoice::PartTowards(const Weights &, size_t k, const Point3 &p, const Vector3 &d) const {
-    return PartId(skies_[k], skies_[k].windows->PartTowards(p, d));
+    return place < PartCount() ? weights.part[k][place] : 0;
 }
 
 std::vector<LightId> WindowChoice::PartsOf(size_t k) const {
@@ -238,7 +282,7 @@ std::vector<LightId> WindowChoice::PartsOf(size_t k) const {
     return ids;
 }
 
-void WindowChoice::Save(StateWriter &writer, bool) const {
+void WindowChoice::Save(StateWriter &writer) const {
     writer.CopyOfVector(windows_);
     tree_.Save(writer);
 }

@@ -259,22 +259,22 @@ SkyWindow AtNarrowest(const SkyWindow &window, std::span<const Line> lines) {
 }
 
 /// At most kMostRays of each kind.
-std::vector<Line> SomeOf(std::span<const SkyLook> looks) {
+std::vector<Line> SomeOf(std::span<const SkyRay> rays) {
     size_t count[2] = {0, 0}, seen[2] = {0, 0};
-    for (const SkyLook &look : looks) ++count[look.left];
+    for (const SkyRay &ray : rays) ++count[ray.left];
     std::vector<Line> lines;
-    for (const SkyLook &look : looks) {
-        const size_t n = count[look.left], taken = std::min(n, kMostRays), i = seen[look.left]++;
+    for (const SkyRay &ray : rays) {
+        const size_t n = count[ray.left], taken = std::min(n, kMostRays), i = seen[ray.left]++;
         if (i * taken / n != (i + 1) * taken / n)
-            lines.push_back({look.p, look.d, look.left, static_cast<double>(n) / static_cast<double>(taken)});
+            lines.push_back({ray.p, ray.d, ray.left, static_cast<double>(n) / static_cast<double>(taken)});
     }
     return lines;
 }
 
 }  // namespace
 
-std::vector<SkyWindow> FindWindows(std::span<const SkyLook> looks, std::span<const Normal3> normals) {
-    std::vector<Line> lines = SomeOf(looks);
+std::vector<SkyWindow> FindWindows(std::span<const SkyRay> rays, std::span<const Normal3> normals) {
+    std::vector<Line> lines = SomeOf(rays);
     double left = 0;
     for (const Line &line : lines) left += line.left ? line.count : 0;
     const std::vector<Vector3> facings = Facings(normals);

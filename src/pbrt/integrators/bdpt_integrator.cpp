@@ -302,14 +302,13 @@ SampledSpectrum BdptIntegrator::ConnectToLight(Sample &sample, int cameraVertice
     }
     const ShadowTransmittance through = Passing(sample, last, *found);
     const bool isBlocked = !through.value;
-    if (learner_ && light.Kind() == LightKind::Infinite) learner_->Looked(query, found->wi, !isBlocked);
     learn(isBlocked ? SampledSpectrum(0)
                     : Passed(sample, found->L * (last.Cosine(found->wi) / found->pdf), through, SampledSpectrum(1)));
     if (isBlocked) return SampledSpectrum(0);
     BdptVertex end;
     end.kind = BdptVertex::Kind::Light;
     const LightTable &table = scene.Lights();
-    end.light = table.IsTile(chosen->light) ? table.SkyOf(chosen->light) : chosen->light;
+    end.light = table.IsSkyPart(chosen->light) ? table.SkyOf(chosen->light) : chosen->light;
     end.p = found->pLight;
     end.n = found->nLight;
     end.isBeyondScene = light.Kind() == LightKind::Infinite || light.Kind() == LightKind::DeltaDirection;

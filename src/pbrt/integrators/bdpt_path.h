@@ -38,7 +38,7 @@ class BdptWeights {
     /// Density by area with which a light subpath that begins at `light` goes on to `next`.
     Float FirstStepPdf(const BdptVertex &light, const BdptVertex &next) const;
     /// The same as LightPdf for a light vertex that was chosen for, and seen from, the vertex `from`, which goes on to
-    /// `beyond` and is the vertex of this depth from the camera. Of a sky that is chosen by tiles: of the tile.
+    /// `beyond` and is the vertex of this depth from the camera. Of a sky that is chosen by parts: of the part.
     Float ConnectedLightPdf(const BdptVertex &light, const BdptVertex &from, const BdptVertex &beyond,
                             const SampledWavelengths &lambda, int depth) const;
     const LightTable &lights_;

@@ -90,9 +90,6 @@ class PathGuide final : public LightLearner {
                const SampledSpectrum &found) override {
         if (lights_) lights_->Found(path, query, light, found);
     }
-    void Looked(const LightQuery &query, const Vector3 &d, bool left) override {
-        if (lights_) lights_->Looked(query, d, left);
-    }
     void TakeFound(StateWriter &out) override;
     void AddFound(StateReader &in) override;
     void Learn(const Progress &progress) override;

@@ -37,9 +37,7 @@ SampledSpectrum PathIntegrator::SampleDirect(const PathVertex &vertex, const Lig
     const Float cosine = AbsDot(sample->wi, point.shading.n);
     SampledSpectrum f = bsdf.F(point.wo, sample->wi) * cosine;
     if (!f) return nothingFound();
-    const bool occluded = context_.scene.Occluded(LightContextAt(point), *sample);
-    if (learner_ && light.Kind() == LightKind::Infinite) learner_->Looked(lights.Query(), sample->wi, !occluded);
-    if (occluded) return nothingFound();
+    if (context_.scene.Occluded(LightContextAt(point), *sample)) return nothingFound();
     found(sample->L * (cosine / sample->pdf));
 
     Float pLight = selected->pmf * sample->pdf;  // solid angle
@@ -98,21 +96,16 @@ SampledSpectrum PathIntegrator::Follow(const PathStart &start, SampledWavelength
         const PathWalk::Met met = walk.Next();
         if (met == PathWalk::Met::TooManyInterfaces) break;
         walk.ForEachEmission(lambda, [&](const SampledSpectrum &Le, LightId id, const Point3 &p, const Normal3 &n) {
-            // Beyond the scene there is one ray for the whole sky; light sampling would have chosen a tile of it.
-            const bool ofTile = met == PathWalk::Met::Nothing && lightCouldSample;
-            const LightId part = ofTile ? previous->lights.PartTowards(id, previous->from.p, walk.GetRay().d) : id;
+            // Beyond the scene there is one ray for the whole sky; light sampling would have chosen a part of it.
+            const bool ofSky = met == PathWalk::Met::Nothing && lightCouldSample;
+            const LightId part = ofSky ? previous->lights.PartTowards(id, previous->from.p, walk.GetRay().d) : id;
             L += beta * Le * misWeight(part, p, n);
         });
-        const bool looks = learner_ && lightCouldSample;
-        if (met == PathWalk::Met::Nothing) {
-            if (looks) learner_->Looked(previous->query, walk.GetRay().d, true);
-            break;
-        }
+        if (met == PathWalk::Met::Nothing) break;
         if (!walk.FindScattering(lambda)) {
             if (!settings_.seesThroughInterfaces) lightCouldSample = false;
             continue;
         }
-        if (looks) learner_->Looked(previous->query, walk.GetRay().d, false);
         if (settings_.regularize && anyNonSpecular) walk.Regularize();
         const auto &[point, bsdf] = walk.Vertex();
         bounces.Reached(walk.Vertex());

@@ -142,7 +142,6 @@ SampledSpectrum SppmIntegrator::SampleDirect(const PathVertex &vertex, const Lig
         return f;
     }
     const bool isBlocked = context_.scene.Occluded(LightContextAt(point), *sample);
-    if (learner_ && light.Kind() == LightKind::Infinite) learner_->Looked(lights.Query(), sample->wi, !isBlocked);
     found(isBlocked ? SampledSpectrum(0) : sample->L * (AbsDot(sample->wi, point.shading.n) / sample->pdf));
     if (isBlocked) return SampledSpectrum(0);
     const Float pLight = chosen->pmf * sample->pdf;  // solid angle
@@ -185,20 +184,15 @@ SampledSpectrum SppmIntegrator::Li(const PathStart &start, SampledWavelengths &l
         const PathWalk::Met met = walk.Next();
         if (met == PathWalk::Met::TooManyInterfaces) break;
         walk.ForEachEmission(lambda, [&](const SampledSpectrum &Le, LightId id, const Point3 &p, const Normal3 &n) {
-            const bool ofTile = met == PathWalk::Met::Nothing && lightCouldSample;
-            const LightId part = ofTile ? previous->lights.PartTowards(id, previous->from.p, walk.GetRay().d) : id;
+            const bool ofSky = met == PathWalk::Met::Nothing && lightCouldSample;
+            const LightId part = ofSky ? previous->lights.PartTowards(id, previous->from.p, walk.GetRay().d) : id;
             L += beta * Le * misWeight(part, p, n);
         });
-        const bool looks = learner_ && lightCouldSample;
-        if (met == PathWalk::Met::Nothing) {
-            if (looks) learner_->Looked(previous->query, walk.GetRay().d, true);
-            break;
-        }
+        if (met == PathWalk::Met::Nothing) break;
         if (!walk.FindScattering(lambda)) {
             lightCouldSample = false;  // light sampling does not see through it
             continue;
         }
-        if (looks) learner_->Looked(previous->query, walk.GetRay().d, false);
         if (isLastRay || depth++ == settings_.maxDepth) break;
         const auto &[point, bsdf] = walk.Vertex();
         ++ThreadCounters().pathVertices;

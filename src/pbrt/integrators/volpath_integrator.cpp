@@ -114,8 +114,6 @@ void VolPathIntegrator::Path<Bounces>::SampleDirect(const LightSampleContext &fr
     Rng rng(Hash(current->from.p, sample->wi, uLight));
     const ShadowTransmittance through =
         TraceShadow(scene, current->from, mediumTowards(sample->wi), *sample, lambda, rng);
-    if (learner && light.Kind() == LightKind::Infinite)
-        learner->Looked(lights.Query(), sample->wi, static_cast<bool>(through.value));
     const Float cosine = current->from.ns == Normal3(0) ? 1 : AbsDot(sample->wi, current->from.ns);
     found(sample->L * through.value * (cosine / (sample->pdf * weights.Mean(through.rl))));
     if (!through.value) return;
@@ -277,7 +275,6 @@ bool VolPathIntegrator::Path<Bounces>::Survives(Float probability) {
 
 template <class Bounces>
 void VolPathIntegrator::Path<Bounces>::Follow() {
-    LightLearner *learner = integrator.learner_;
     for (;;) {
         const PathWalk::Met met = walk.Next();
         if (met == PathWalk::Met::TooManyInterfaces) return;
@@ -285,15 +282,10 @@ void VolPathIntegrator::Path<Bounces>::Follow() {
         if (!PassMedium(&scattered)) return;
         if (scattered) continue;
         AddEmission(met);
-        const bool looks = learner && lightCouldSample;
-        if (met == PathWalk::Met::Nothing) {
-            if (looks) learner->Looked(previous->query, walk.GetRay().d, true);
-            return;
-        }
+        if (met == PathWalk::Met::Nothing) return;
         const bool scatters = walk.FindScattering(lambda);
         weights.onlyFirst = lambda.SecondaryTerminated();
         if (!scatters) continue;
-        if (looks) learner->Looked(previous->query, walk.GetRay().d, false);
         if (!ScatterAtSurface()) return;
     }
 }

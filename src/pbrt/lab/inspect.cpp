@@ -117,7 +117,8 @@ class Inspector {
     std::vector<InspectedLight> lights_;  ///< per group
     std::vector<size_t> shown_;           ///< groups whose visibility is shown, most power first
     size_t samplerLayers_ = 0;
-    std::vector<std::pair<LightId, std::vector<LightId>>> tiles_;  ///< of every sky those that the sampler chooses from
+    std::vector<std::pair<LightId, std::vector<LightId>>>
+        skyParts_;  ///< of every sky those that the sampler chooses from
 };
 
 /// The name with every character but letters, digits and dots replaced by _, for EXR channels and files.
@@ -254,8 +255,8 @@ void Inspector::LookAt(const FirstHit &hit, Point2i pixel, Sampler &sampler, std
     LightMemory memory;
     const LightDistribution lights = sampler_.At(query, memory);
     for (size_t l = 0; l < pmf.size(); ++l) pmf[l] = lights.PMF(LightId(l));
-    for (const auto &[sky, tiles] : tiles_)
-        for (LightId tile : tiles) pmf[sky.value] += lights.PMF(tile);
+    for (const auto &[sky, parts] : skyParts_)
+        for (LightId part : parts) pmf[sky.value] += lights.PMF(part);
 
     double entropy = 0, greatest = 0, probability = 0, second = 0, root = 0;
     const InspectedLight *brightest = nullptr;
@@ -296,7 +297,7 @@ Inspection Inspector::Run() {
     std::stable_sort(shown_.begin(), shown_.end(),
                      [&](size_t a, size_t b) { return lights_[a].power > lights_[b].power; });
     shown_.resize(std::min(shown_.size(), static_cast<size_t>(std::max(settings_.shownLights, 0))));
-    for (LightId sky : built_.scene->Lights().Skies()) tiles_.emplace_back(sky, sampler_.TilesOf(sky));
+    for (LightId sky : built_.scene->Lights().Skies()) skyParts_.emplace_back(sky, sampler_.SkyPartsOf(sky));
     MakeLayers(out);
     out.structure = sampler_.DescribeStructure();
     out.lights = lights_;

@@ -16,7 +16,7 @@
 // every measured light two numbers are compared: the mean over the draws of what next-event estimation makes of c_l,
 // with the probabilities that came with the draws and the weight against BSDF sampling; and the share of c_l that BSDF
 // sampling leaves to next-event estimation, by the PMF that the integrator asks for when a ray hits the light. (The
-// point of a sky stands for the tile that it lies in.) `excess` is the difference, summed over the lights. Its mean is
+// point of a sky stands for the part that it lies in.) `excess` is the difference, summed over the lights. Its mean is
 // 0 at every vertex if and only if draws, their probabilities and the PMF agree and no light is left out: points and
 // visibility of the lights, the path and its weight are the same on both sides, and their noise with them. Draws need
 // no rays, so there can be thousands per vertex.
@@ -74,7 +74,7 @@ class Asker {
     }
 
   private:
-    /// What the sampler must choose to find the measured point: a light, or the tile of a sky that the point lies in;
+    /// What the sampler must choose to find the measured point: a light, or the part of a sky that the point lies in;
     /// and the density with which the point is then drawn.
     struct Part {
         LightId id{};

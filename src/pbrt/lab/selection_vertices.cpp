@@ -156,7 +156,7 @@ class Measurer {
              l += stride_) {
             const LightPart light = table[LightId(l)];
             const Point2 u = path.rng.Uniform2();
-            // All directions of a sky, also those that the render leaves to BSDF sampling: tiles may hold them.
+            // All directions of a sky, also those that the render leaves to BSDF sampling: parts may hold them.
             std::optional<LightLiSample> sample = light.SampleLi(from, u, path.lambda, false);
             if (!sample || !sample->L || !(sample->pdf > 0)) continue;
             const Scattering to = scatter(sample->wi);

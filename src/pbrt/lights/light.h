@@ -9,7 +9,7 @@
 
 namespace pbrt {
 
-class SkyWindows;
+class SkyLight;
 
 /// How a light can be found: delta lights only by SampleLi, the others also by rays that hit them (area) or leave the
 /// scene (infinite).
@@ -128,34 +128,8 @@ class Light {
         (void)part;
         return {};
     }
-    /// Infinite lights that can be sampled tile by tile (SkyTile). Then part n > 0 of SampleLi and PdfLi is the tile of
-    /// number n, sampled in proportion to its radiance and never incomplete; part 0 is the whole light. PrepareTiles
-    /// must be called before tiles are used; any thread may call it at any time.
-    virtual bool HasTiles() const { return false; }
-    virtual void PrepareTiles() const {}
-    /// Lights with tiles: lets parts stand for what is seen through windows (SkyPart), as long as the returned number
-    /// of the set lives, which may outlive the light. Null if there are too many sets. Any thread may call it and let
-    /// go of the number at any time.
-    virtual std::shared_ptr<const uint32_t> AddWindows(std::shared_ptr<const SkyWindows> windows) const {
-        (void)windows;
-        return nullptr;
-    }
-    /// Lights with tiles: the mean of R, G and B of the radiance at a point of the square, which is what samples of
-    /// tiles follow; and the number of pixels along its side (1 if all are alike).
-    virtual Float MeanRadianceAt(const Point2 &st) const {
-        (void)st;
-        return 0;
-    }
-    virtual int SkyResolution() const { return 1; }
-    /// Where direction d (unit) lies on the equal-area square that tiles are cut from, and the inverse.
-    virtual Point2 SquareTowards(const Vector3 &d) const {
-        (void)d;
-        return Point2(0);
-    }
-    virtual Vector3 DirectionAt(const Point2 &st) const {
-        (void)st;
-        return Vector3(0, 0, 1);
-    }
+    /// This light if it can be sampled through windows; else null.
+    virtual const SkyLight *AsSky() const { return nullptr; }
     /// Infinite lights that shine only through an opening: the opening, as if it were the light; else empty. The stock
     /// light samplers treat these lights like any other infinite light.
     virtual std::optional<LightBounds> Opening() const { return {}; }

@@ -31,7 +31,7 @@ class LightGroups {
     /// The power (sum), the bounds (union) and the kind of a group, by which samplers weigh it.
     LightCandidate Candidate(uint32_t group) const;
     std::vector<LightCandidate> Candidates() const;
-    /// The group of a light; of a tile, that of its sky.
+    /// The group of a light; of a part of a sky, that of the sky.
     uint32_t GroupOf(LightId light) const {
         if (light.value >= lightCount_) [[unlikely]]
             light = SkyOf(light);
@@ -63,7 +63,7 @@ class LightGroups {
 
   private:
     uint32_t WholeOf(LightId light) const;
-    LightId SkyOf(LightId tile) const;
+    LightId SkyOf(LightId part) const;
     LightId SampleWithin(uint32_t group, Float u) const;
 
     const LightTable &lights_;

@@ -41,7 +41,7 @@ void LightTable::Finish(const Point3 &sceneCenter, Float sceneRadius) {
     for (uint32_t i = 0; i < Size(); ++i)
         power_[i] = static_cast<Float>(power[i] > 0 ? std::max(power[i], kMinShare * most) / unit_ : 0);
     for (LightId sky : infinite_)
-        if ((*this)[sky].Whole().HasTiles() && skies_.size() < (LightId::kNone - Size()) / SkyPart::kCount)
+        if ((*this)[sky].Whole().AsSky() && skies_.size() < (LightId::kNone - Size()) / SkyPart::kCount)
             skies_.push_back(sky);
     parts_ = std::make_unique<LightGroups>(*this, false);
     groupsOfWholes_ = std::make_unique<LightGroups>(*this, true);

@@ -21,8 +21,8 @@ std::optional<LightLiSample> SkyLight::SampleLi(const LightSampleContext &from, 
                                                 const SampledWavelengths &lambda, bool allowIncompletePdfs,
                                                 uint32_t part) const {
     std::optional<LightLiSample> s;
-    if (!SkyPart::IsOfWindows(part)) {
-        s = SampleSky(u, lambda, allowIncompletePdfs, part);
+    if (part == 0) {
+        s = SampleWhole(u, lambda, allowIncompletePdfs);
     } else {
         const SkyWindows &windows = WindowsOf(part);
         const size_t place = SkyPart::PlaceOf(part);
@@ -35,7 +35,7 @@ std::optional<LightLiSample> SkyLight::SampleLi(const LightSampleContext &from, 
             s->wi = through->wi;
             s->pdf = through->pdf;
         } else {
-            s = SampleSky(u, lambda, allowIncompletePdfs, 0);
+            s = SampleWhole(u, lambda, allowIncompletePdfs);
             if (s && windows.PartTowards(from.p, s->wi) < windows.Count()) return {};
         }
     }
@@ -45,11 +45,11 @@ std::optional<LightLiSample> SkyLight::SampleLi(const LightSampleContext &from, 
 
 Float SkyLight::PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &, const Normal3 &,
                       bool allowIncompletePdfs, uint32_t part) const {
-    if (!SkyPart::IsOfWindows(part)) return PdfOfSky(wi, allowIncompletePdfs, part);
+    if (part == 0) return PdfOfWhole(wi, allowIncompletePdfs);
     const SkyWindows &windows = WindowsOf(part);
     const size_t place = SkyPart::PlaceOf(part);
     if (place < windows.Count()) return windows.Pdf(place, from.p, wi);
-    return windows.PartTowards(from.p, wi) < windows.Count() ? 0 : PdfOfSky(wi, allowIncompletePdfs, 0);
+    return windows.PartTowards(from.p, wi) < windows.Count() ? 0 : PdfOfWhole(wi, allowIncompletePdfs);
 }
 
 }  // namespace pbrt

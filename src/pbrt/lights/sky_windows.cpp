@@ -24,9 +24,9 @@ std::optional<std::string> SkyWindow::Validate() const {
     return {};
 }
 
-SkyWindows::SkyWindows(const Light &sky, std::span<const SkyWindow> windows)
+SkyWindows::SkyWindows(const SkyLight &sky, std::span<const SkyWindow> windows)
     : windows_(windows.begin(), windows.end()) {
-    PBRT_CHECK(sky.HasTiles() && windows.size() <= kMost);
+    PBRT_CHECK(windows.size() <= kMost);
     std::vector<Frame> frames;
     for (const SkyWindow &window : windows_) {
         const auto known =

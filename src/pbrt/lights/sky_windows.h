@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "pbrt/lights/sky_tile.h"
 #include "pbrt/lights/slope_map.h"
 
 namespace pbrt {
@@ -40,8 +39,8 @@ class SkyWindows {
   public:
     static constexpr size_t kMost = 15;
 
-    /// `sky` has tiles (Light::HasTiles). At most kMost windows. Windows of equal frames share a map.
-    SkyWindows(const Light &sky, std::span<const SkyWindow> windows);
+    /// At most kMost windows. Windows of equal frames share a map.
+    SkyWindows(const SkyLight &sky, std::span<const SkyWindow> windows);
 
     size_t Count() const { return windows_.size(); }
     const SkyWindow &operator[](size_t k) const { return windows_[k]; }
@@ -51,7 +50,7 @@ class SkyWindows {
         while (k < windows_.size() && !windows_[k].IsPassed(p, d)) ++k;
         return k;
     }
-    /// The integral of the sky's mean radiance (Light::MeanRadianceAt) over the window as seen from p.
+    /// The integral of the sky's mean radiance (SkyLight::MeanRadiance) over the window as seen from p.
     Float Integral(size_t k, const Point3 &p) const;
 
     struct Sample {
@@ -74,17 +73,17 @@ class SkyWindows {
     std::vector<SlopeMap> maps_;
 };
 
-/// The numbers of the parts of a sky: 0 is the whole, then come the tiles (SkyTile), then the parts of every set of
-/// windows that a light sampler has made known (Light::AddWindows).
+/// The numbers of the parts of a sky: 0 is the whole, then come the parts of every set of windows that a light sampler
+/// has made known (SkyLight::AddWindows).
 struct SkyPart {
     static constexpr uint32_t kSets = 64, kPerSet = SkyWindows::kMost + 1;
-    static constexpr uint32_t kCount = SkyTile::kCount + kSets * kPerSet;
+    static constexpr uint32_t kCount = 1 + kSets * kPerSet;
 
-    static bool IsOfWindows(uint32_t number) { return number >= SkyTile::kCount; }
-    static uint32_t SetOf(uint32_t number) { return (number - SkyTile::kCount) / kPerSet; }
+    static uint32_t FirstOf(uint32_t set) { return 1 + set * kPerSet; }
+    /// Of a number above 0.
+    static uint32_t SetOf(uint32_t number) { return (number - 1) / kPerSet; }
     /// Of SkyWindows: a window, or the rest.
-    static uint32_t PlaceOf(uint32_t number) { return (number - SkyTile::kCount) % kPerSet; }
-    static uint32_t FirstOf(uint32_t set) { return SkyTile::kCount + set * kPerSet; }
+    static uint32_t PlaceOf(uint32_t number) { return (number - 1) % kPerSet; }
 };
 
 }  // namespace pbrt

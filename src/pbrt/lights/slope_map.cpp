@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "pbrt/core/parallel.h"
+#include "pbrt/lights/sky_light.h"
 
 namespace pbrt {
 
@@ -19,7 +20,7 @@ constexpr Float kBesidePixel = 1 / Float(32), kBesidePart = 1 / Float(8);
 
 }  // namespace
 
-SlopeMap::SlopeMap(const Light &sky, const Frame &frame) : n_(std::clamp(sky.SkyResolution(), kFewest, kMost)) {
+SlopeMap::SlopeMap(const SkyLight &sky, const Frame &frame) : n_(std::clamp(sky.Resolution(), kFewest, kMost)) {
     struct Value {
         Float mean = 0, greatest = 0;
     };
@@ -34,7 +35,7 @@ SlopeMap::SlopeMap(const Light &sky, const Frame &frame) : n_(std::clamp(sky.Sky
                 const Float density = SolidAngleDensity(slopes);
                 if (!(density > 0) || !std::isfinite(density)) continue;  // at the border of the map
                 const Vector3 d = frame.FromLocal(Normalize(Vector3(slopes, 1)));
-                const Float here = density * sky.MeanRadianceAt(sky.SquareTowards(d));
+                const Float here = density * sky.MeanRadiance(d);
                 if (x >= 0 && y >= 0 && x < across && y < across) value.mean += here;
                 value.greatest = std::max(value.greatest, here);
             }
@@ -45,7 +46,7 @@ SlopeMap::SlopeMap(const Light &sky, const Frame &frame) : n_(std::clamp(sky.Sky
     const Float width = 1 / static_cast<Float>(n_);
     const auto corner = [&](size_t i) { return Point2(i % n, i / n) * width; };
     // In the middle, pixels of the map are about half as wide as those of the sky, if there are as many.
-    const int across = 2 * ((sky.SkyResolution() + n_ - 1) / n_) + 1;
+    const int across = 2 * ((sky.Resolution() + n_ - 1) / n_) + 1;
     std::vector<Value> values(n * n);
     ParallelFor(n_, 8, [&](int64_t begin, int64_t end) {
         for (size_t i = static_cast<size_t>(begin) * n; i < static_cast<size_t>(end) * n; ++i)

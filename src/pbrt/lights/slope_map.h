@@ -3,11 +3,12 @@
 #include <optional>
 #include <vector>
 
-#include "pbrt/lights/light.h"
 #include "pbrt/math/frame.h"
 #include "pbrt/math/windowed_distribution.h"
 
 namespace pbrt {
+
+class SkyLight;
 
 /// The sky over the half-space z > 0 of a frame, on a map on which every rectangle with sides along x and y is, seen
 /// from any point before it, an axis-aligned window. The coordinates of a direction (x, y, z) are its slopes a = x / z
@@ -19,8 +20,7 @@ namespace pbrt {
 /// much contrast are divided once more: the rim of a sun would make noise.
 class SlopeMap {
   public:
-    /// `sky` has tiles (Light::HasTiles).
-    SlopeMap(const Light &sky, const Frame &frame);
+    SlopeMap(const SkyLight &sky, const Frame &frame);
 
     static Float FromSlope(Float a) { return Float(0.5) + Float(0.5) * a / (1 + std::abs(a)); }
     static Float ToSlope(Float s) {
@@ -35,7 +35,7 @@ class SlopeMap {
         return 4 * Sqr(x * y) * z2 * std::sqrt(z2);
     }
 
-    /// The integral over a window of mean radiance (Light::MeanRadianceAt) and solid angle.
+    /// The integral over a window of mean radiance (SkyLight::MeanRadiance) and solid angle.
     Float Integral(const Bounds2 &window) const { return static_cast<Float>(pixels_.Integral(window)); }
     struct Sample {
         Point2 st;

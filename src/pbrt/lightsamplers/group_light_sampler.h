@@ -30,14 +30,14 @@ class GroupLightSampler : public LightSampler {
 
   protected:
     /// `alwaysAsked`: ChooseGroup is called even if there is only one group; false: a single group has probability 1.
-    /// `choosesTiles`: ChooseInside may choose a tile of the sky that is the group.
-    explicit GroupLightSampler(const LightGroups &groups, bool alwaysAsked = false, bool choosesTiles = false)
-        : groups_(groups), isAsked_(groups.Size() > (alwaysAsked ? 0 : 1)), choosesTiles_(choosesTiles) {}
+    explicit GroupLightSampler(const LightGroups &groups, bool alwaysAsked = false)
+        : groups_(groups), isAsked_(groups.Size() > (alwaysAsked ? 0 : 1)) {}
 
-    /// From now on ChooseInside chooses no tiles, and a single group has probability 1 without being asked for.
-    void ChooseNoTiles() {
-        isAsked_ = groups_.Size() > 1;
-        choosesTiles_ = false;
+    /// Whether ChooseInside may choose a part of the sky that is the group (SkyPart), with ChooseGroup always asked; at
+    /// first it may not.
+    void SetChoosesSkyParts(bool chooses) {
+        choosesSkyParts_ = chooses;
+        isAsked_ = groups_.Size() > (chooses ? 0 : 1);
     }
 
     /// A light of a group and its probability within the group; none if no light there can contribute. `weights`: what
@@ -77,7 +77,7 @@ class GroupLightSampler : public LightSampler {
     std::optional<SampledLight> Choose(const LightQuery &query, const void *weights, Float u,
                                        Point2 *uPoint) const final;
     Float Probability(const LightQuery &query, const void *weights, LightId light) const final;
-    bool isAsked_, choosesTiles_;
+    bool isAsked_, choosesSkyParts_ = false;
 };
 
 }  // namespace pbrt

@@ -25,13 +25,6 @@ class LightLearner {
     /// the point on the light (solid angle), without BSDF and `light.pmf`; 0 where it was blocked or nothing arrives.
     virtual void Found(PathPlaces &path, const LightQuery &query, const SampledLight &light,
                        const SampledSpectrum &found) = 0;
-    /// Whether a ray from that vertex in direction d (unit) left the scene: the shadow ray to an infinite light, or the
-    /// ray that continues the path after scattering that was not specular.
-    virtual void Looked(const LightQuery &query, const Vector3 &d, bool left) {
-        (void)query;
-        (void)d;
-        (void)left;
-    }
     /// Several processes may render the same pass, each some of its samples. Before Learn, and before what was learned
     /// is saved, what each of them found is brought together: Take writes what was found and forgets it, Add takes it
     /// up. Any order and any division give the same.

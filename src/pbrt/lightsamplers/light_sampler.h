@@ -82,7 +82,7 @@ class LightDistribution {
   public:
     LightDistribution() = default;
     /// A light and its probability, from a uniform number; empty if no light can contribute. `uPoint`: uniform on the
-    /// unit square, for the point on the light. A choice among tiles of a sky uses it up in part and leaves the rest,
+    /// unit square, for the point on the light. A choice among parts of a sky uses it up in part and leaves the rest,
     /// uniform again, so that what was well distributed over the square becomes so over the sky.
     std::optional<SampledLight> Sample(Float u, Point2 *uPoint) const;
     /// The same where there is no point: one is made by a hash of u.
@@ -90,7 +90,7 @@ class LightDistribution {
     /// Discrete probability of a light, bit-identical to the `pmf` of a sample of it.
     Float PMF(LightId light) const;
     /// The id to ask PMF and LightPart::PdfLi for when a ray from p in direction d (unit) met an infinite light: the
-    /// part that the sampler would choose to send a shadow ray there (a tile, say), or the whole light. p: the place in
+    /// part that the sampler would choose to send a shadow ray there (SkyPart), or the whole light. p: the place in
     /// the LightSampleContext that PdfLi is asked with, which is the vertex or a place whose lights the vertex stands
     /// for.
     LightId PartTowards(LightId infinite, const Point3 &p, const Vector3 &d) const;
@@ -108,7 +108,7 @@ class LightDistribution {
 /// Chooses the light that gets the shadow ray. Contract (tests/contract): const after Prepare,
 /// except for its learner, if any; Sample's probability equals PMF exactly; probabilities sum to 1 (or less, when
 /// Sample may return nothing); they are positive wherever a light contributes; a choice takes one random number, and a
-/// choice among tiles of a sky a part of the one for the point on the light.
+/// choice among parts of a sky a part of the one for the point on the light.
 class LightSampler {
   public:
     virtual ~LightSampler() = default;
@@ -134,7 +134,7 @@ class LightSampler {
     }
     /// The parts (SkyPart) that the sampler may choose in place of an infinite light; it may choose the whole light as
     /// well.
-    virtual std::vector<LightId> TilesOf(LightId infinite) const {
+    virtual std::vector<LightId> SkyPartsOf(LightId infinite) const {
         (void)infinite;
         return {};
     }

@@ -4,8 +4,6 @@
 
 #include <limits>
 
-#include "ext/octree/sky_cut.h"
-
 namespace ext {
 namespace {
 
@@ -36,13 +34,6 @@ TEST(CellOctree, ThinBoxesAreNotDividedAcross) {
 TEST(CellOctree, PlacesInABoxOfNormalSizeDiffer) {
     const CellOctree tree(Bounds3(Point3(0), Point3(1, 1, 1e-30f)));
     EXPECT_EQ(tree.Quantize(Point3(0.5f, 0.25f, 5e-31f)), glm::uvec3(1 << 20, 1 << 19, 1 << 20));
-}
-
-TEST(SkyCut, CountsBeyond32BitsKeepTheShareThatLeft) {
-    SkyCut::Tile tile;
-    for (int i = 0; i < 5; ++i) tile.Add(3'000'000'000u, 1'000'000'000u);
-    EXPECT_GT(tile.traced, 1u << 30);
-    EXPECT_NEAR(static_cast<double>(tile.left) / tile.traced, 1.0 / 3, 1e-6);
 }
 
 }  // namespace

@@ -18,13 +18,13 @@ struct Room {
     Vector3 size{4, 3, 2.5f};
     std::vector<Opening> openings{
         {1, {0.5f, 3, 1}, {1.5f, 3, 2}}, {1, {2.6f, 3, 1}, {3.5f, 3, 2}}, {0, {4, 1, 0.9f}, {4, 2, 1.9f}}};
-    std::vector<SkyLook> looks;
+    std::vector<SkyRay> rays;
     std::vector<Normal3> normals;
 
     /// `thickness`: of the walls that the windows are in.
-    Room(const Transform &place, int rays, Float thickness = 0, uint64_t seed = 5) {
+    Room(const Transform &place, int count, Float thickness = 0, uint64_t seed = 5) {
         Rng rng(seed);
-        for (int i = 0; i < rays; ++i) {
+        for (int i = 0; i < count; ++i) {
             Vector3 p(rng.Uniform() * size.x, rng.Uniform() * size.y, rng.Uniform() * size.z), n(0);
             const auto side = static_cast<int>(rng.Uniform() * 6);
             p[side / 2] = side % 2 == 0 ? 0 : size[side / 2];
@@ -32,7 +32,7 @@ struct Room {
             Vector3 d = SampleUniformSphere(rng.Uniform2());
             if (Dot(d, n) < 0) d = -d;
             if (d.z < 0) continue;
-            looks.push_back({place.Point(p), Normalize(place.Vector(d)), Leaves(p, d, 0) && Leaves(p, d, thickness)});
+            rays.push_back({place.Point(p), Normalize(place.Vector(d)), Leaves(p, d, 0) && Leaves(p, d, thickness)});
             normals.push_back(Normalize(place.Vector(n)));
         }
     }
@@ -54,19 +54,19 @@ double AreaOf(const SkyWindow &w) { return static_cast<double>((w.high.x - w.low
 TEST(FindWindows, FindsTheWindowsOfARoom) {
     for (const Transform &place : {Transform(), Transform::Translate({30, -4, 2}), Transform::Rotate(33, {0, 0, 1}),
                                    Transform::Rotate(20, {1, 2, -1}), Transform::Scale({-1, 1, 1})})
-        for (int rays : {4000, 40000}) {
-            const Room room(place, rays);
-            const std::vector<SkyWindow> windows = FindWindows(room.looks, room.normals);
+        for (int count : {4000, 40000}) {
+            const Room room(place, count);
+            const std::vector<SkyWindow> windows = FindWindows(room.rays, room.normals);
             double area = 0, left = 0, passed = 0;
             for (const SkyWindow &w : windows) area += AreaOf(w);
-            for (const SkyLook &look : room.looks) {
-                if (!look.left) continue;
+            for (const SkyRay &ray : room.rays) {
+                if (!ray.left) continue;
                 ++left;
                 passed += std::any_of(windows.begin(), windows.end(),
-                                      [&](const SkyWindow &w) { return w.IsPassed(look.p, look.d); });
+                                      [&](const SkyWindow &w) { return w.IsPassed(ray.p, ray.d); });
             }
-            EXPECT_GT(passed, 0.85 * left) << rays;
-            EXPECT_LT(area, 2.9 * 1.1) << rays;  // 2.9 square metres
+            EXPECT_GT(passed, 0.85 * left) << count;
+            EXPECT_LT(area, 2.9 * 1.1) << count;  // 2.9 square metres
             EXPECT_GE(windows.size(), 2u);
             EXPECT_LE(windows.size(), 5u);
             for (const SkyWindow &w : windows) {
@@ -84,15 +84,15 @@ TEST(FindWindows, FindsTheWindowsOfARoom) {
 TEST(FindWindows, AreAsSmallAsTheyCanBe) {
     double area = 0;
     for (uint64_t seed = 1; seed <= 16; ++seed)
-        for (const SkyWindow &w : FindWindows(Room({}, 12000, 0.3f, seed).looks, {})) area += AreaOf(w) / 16;
+        for (const SkyWindow &w : FindWindows(Room({}, 12000, 0.3f, seed).rays, {})) area += AreaOf(w) / 16;
     // 2.41; at the planes of the first search 2.66.
     EXPECT_LT(area, 2.5);
 }
 
 TEST(FindWindows, FindsNoneWhereNothingLeaves) {
     Room room({}, 4000);
-    for (SkyLook &look : room.looks) look.left = false;
-    EXPECT_TRUE(FindWindows(room.looks, room.normals).empty());
+    for (SkyRay &ray : room.rays) ray.left = false;
+    EXPECT_TRUE(FindWindows(room.rays, room.normals).empty());
     EXPECT_TRUE(FindWindows({}, {}).empty());
 }
 

@@ -35,15 +35,15 @@ TEST_P(LightPathViews, BidirectionalPathsAgreeWithPath) {
 INSTANTIATE_TEST_SUITE_P(All, LightPathViews, testing::ValuesIn(ViewsOfAllKinds()),
                          [](const auto &test) { return test.param.name; });
 
-/// The weights know with which probability any light sampler chooses a light, the octree's learning one and its tiles
-/// of the sky included.
+/// The weights know with which probability any light sampler chooses a light, the octree's learning one and its windows
+/// included.
 TEST(Bdpt, LightSamplersDoNotChangeTheMean) {
     View view = AllViews()[0];
     view.samples = 128;
     CheckLightSamplers(
         view, "bdpt",
         {"\"string lightsampler\" \"uniform\"", "\"string lightsampler\" \"bvh\"", "\"string lightsampler\" \"octree\"",
-         "\"string lightsampler\" \"octree\" \"float octree.opensky\" 1"});
+         "\"string lightsampler\" \"octree\" \"string octree.windows\" \"always\""});
 }
 
 TEST(LightPath, IsTheSameForAnyNumberOfThreads) {

@@ -108,7 +108,7 @@ TEST(Mlt, LightSamplersDoNotChangeTheMean) {
     CheckLightSamplers(
         view, "mlt",
         {"\"string lightsampler\" \"uniform\"", "\"string lightsampler\" \"bvh\"", "\"string lightsampler\" \"octree\"",
-         "\"string lightsampler\" \"octree\" \"float octree.opensky\" 1"});
+         "\"string lightsampler\" \"octree\" \"string octree.windows\" \"always\""});
 }
 
 TEST(Mlt, RefusesFilmsAndCamerasThatItCannotServe) {

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include "light_test_support.h"
-#include "pbrt/lights/sky_tile.h"
 #include "pbrt/shapes/shape_factory.h"
 #include "pbrt/shapes/triangle_mesh.h"
 
@@ -106,20 +105,6 @@ const Case kCases[] = {
      [](Shooter &s) {
          s.light = Make("infinite", Params().String("filename", File(s, RgbImage({8, 8}, Picture))), kTurned);
      }},
-    // Of the second level, with a bright pixel in it, and of the third.
-    {"tileOfASky",
-     [](Shooter &s) {
-         s.light = Make("infinite", Params().String("filename", File(s, RgbImage({8, 8}, Picture))), kTurned);
-         s.light->PrepareTiles();
-         s.part = SkyTile::At(2, {0.7f, 0.3f}).Number();
-     },
-     false},
-    {"tileOfASkyOfOneColour",
-     [](Shooter &s) {
-         s.light = Make("infinite", Params().Rgb("L", 1, 2, 3), kTurned);
-         s.part = SkyTile::At(3, {0.3f, 0.6f}).Number();
-     },
-     false},
     {"portal",
      [](Shooter &s) {
          Params params;

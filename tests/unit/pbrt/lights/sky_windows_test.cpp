@@ -1,4 +1,4 @@
-#include "pbrt/lights/sky_windows.h"
+#include "pbrt/lights/sky_light.h"
 
 #include <gtest/gtest.h>
 
@@ -33,8 +33,8 @@ class WindowsOfSkies : public testing::TestWithParam<Sky> {
         }
         light = Make("infinite", params, Transform::Rotate(70, {1, -2, 1}));
         light->Preprocess({0, 0, 0}, 5);
-        windows = std::make_shared<const SkyWindows>(*light, Windows());
-        set = light->AddWindows(windows);
+        windows = std::make_shared<const SkyWindows>(*light->AsSky(), Windows());
+        set = light->AsSky()->AddWindows(windows);
     }
     uint32_t Number(size_t part) const { return SkyPart::FirstOf(*set) + static_cast<uint32_t>(part); }
 
@@ -145,9 +145,7 @@ TEST_P(WindowsOfSkies, TheIntegralIsThatOfTheRadianceInTheWindow) {
         RunningStatistics sum;
         for (int i = 0; i < 400000; ++i) {
             const Vector3 w = SampleUniformSphere(rng.Uniform2());
-            sum.Add(window.IsPassed(kPlaces[0], w)
-                        ? static_cast<double>(light->MeanRadianceAt(light->SquareTowards(w)) * 4 * Pi)
-                        : 0);
+            sum.Add(window.IsPassed(kPlaces[0], w) ? static_cast<double>(light->AsSky()->MeanRadiance(w) * 4 * Pi) : 0);
         }
         EXPECT_NEAR(windows->Integral(k, kPlaces[0]), sum.mean, 5 * sum.StandardError() + 0.02 * sum.mean) << k;
     }
@@ -156,14 +154,14 @@ TEST_P(WindowsOfSkies, TheIntegralIsThatOfTheRadianceInTheWindow) {
 /// Within a window samples follow the radiance: what they bring hardly varies.
 TEST_P(WindowsOfSkies, SamplesAreAlike) {
     const std::vector<SkyWindow> one{{Frame{}, {-3, -3, 1}, {3, 3, 1}}};
-    const SkyWindows wide(*light, one);
+    const SkyWindows wide(*light->AsSky(), one);
     Rng rng(17);
     RunningStatistics value;
     double greatest = 0;
     for (int i = 0; i < 20000; ++i) {
         const auto s = wide.SampleWindow(0, {0, 0, 0}, rng.Uniform2());
         if (!s) continue;
-        const double v = static_cast<double>(light->MeanRadianceAt(light->SquareTowards(s->wi)) / s->pdf);
+        const double v = static_cast<double>(light->AsSky()->MeanRadiance(s->wi) / s->pdf);
         value.Add(v);
         greatest = std::max(greatest, v);
     }
@@ -175,25 +173,25 @@ TEST_P(WindowsOfSkies, SamplesAreAlike) {
 /// A sun as small as a pixel of the sky, and a window before it.
 class SmallSun : public testing::Test {
   public:
-    static Vector3 Sun(const Light &light) { return light.DirectionAt(Point2(70.5f, 81.5f) / 128.f); }
+    Vector3 Sun() const { return turned.Vector(EqualAreaSquareToSphere(Point2(70.5f, 81.5f) / 128.f)); }
     static SkyWindows Before(const Light &light, const Vector3 &z) {
         const std::vector<SkyWindow> one{{Frame::FromZ(Normalize(z)), {-1, -1, 1}, {1, 1, 1}}};
-        return {light, one};
+        return {*light.AsSky(), one};
     }
+    const Transform turned = Transform::Rotate(40, {1, -2, 1});
     const TemporaryImage file{
         "sun.exr", RgbImage(Point2i(128), [](int x, int y) { return x == 70 && y == 81 ? Rgb(1e5f) : Rgb(0.1f); })};
-    const std::unique_ptr<Light> light =
-        Make("infinite", Params().String("filename", file.Path()), Transform::Rotate(40, {1, -2, 1}));
+    const std::unique_ptr<Light> light = Make("infinite", Params().String("filename", file.Path()), turned);
 };
 
 /// The sun has a rim in every pixel of the map: these are divided.
 TEST_F(SmallSun, TheRimMakesLittleNoise) {
-    const SkyWindows windows = Before(*light, Sun(*light) + Vector3(0.1f, 0.2f, 0));
+    const SkyWindows windows = Before(*light, Sun() + Vector3(0.1f, 0.2f, 0));
     Rng rng(19);
     RunningStatistics value;
     for (int i = 0; i < 20000; ++i) {
         const auto s = windows.SampleWindow(0, {0, 0, 0}, rng.Uniform2());
-        value.Add(s ? static_cast<double>(light->MeanRadianceAt(light->SquareTowards(s->wi)) / s->pdf) : 0);
+        value.Add(s ? static_cast<double>(light->AsSky()->MeanRadiance(s->wi) / s->pdf) : 0);
     }
     // Divided pixels leave 0.17, undivided ones 2.1.
     EXPECT_LT(value.Variance(), 0.5 * value.mean * value.mean);
@@ -201,7 +199,7 @@ TEST_F(SmallSun, TheRimMakesLittleNoise) {
 
 /// However the sun's corners reach into pixels of the map, no direction in it is drawn so rarely that it is a firefly.
 TEST_F(SmallSun, HasNoFireflies) {
-    const Vector3 sun = Sun(*light);
+    const Vector3 sun = Sun();
     const Frame around = Frame::FromZ(sun);
     Rng rng(23);
     int inSun = 0;
@@ -212,7 +210,7 @@ TEST_F(SmallSun, HasNoFireflies) {
         for (int i = 0; i < 20000; ++i) {
             const Point2 at = (rng.Uniform2() - Point2(0.5f)) * Float(0.1);
             const Vector3 d = around.FromLocal(Normalize(Vector3(at, 1)));
-            const Float radiance = light->MeanRadianceAt(light->SquareTowards(d));
+            const Float radiance = light->AsSky()->MeanRadiance(d);
             if (radiance < 1000) continue;
             ++inSun;
             ASSERT_LT(radiance, 9 * integral * windows.Pdf(0, {0, 0, 0}, d)) << frame;
@@ -226,16 +224,16 @@ INSTANTIATE_TEST_SUITE_P(Lights, WindowsOfSkies, testing::ValuesIn(kSkies),
 
 TEST(SkyLight, SetsOfWindowsComeAndGo) {
     auto light = Make("infinite", Params());
-    const auto windows = std::make_shared<const SkyWindows>(*light, Windows());
+    const auto windows = std::make_shared<const SkyWindows>(*light->AsSky(), Windows());
     std::vector<std::shared_ptr<const uint32_t>> sets;
-    while (const auto set = light->AddWindows(windows)) sets.push_back(set);
+    while (const auto set = light->AsSky()->AddWindows(windows)) sets.push_back(set);
     EXPECT_EQ(sets.size(), SkyPart::kSets);
     const uint32_t fifth = *sets[5];
     sets[5] = nullptr;
-    sets[5] = light->AddWindows(windows);
+    sets[5] = light->AsSky()->AddWindows(windows);
     ASSERT_TRUE(sets[5]);
     EXPECT_EQ(*sets[5], fifth);
-    EXPECT_FALSE(Make("distant", Params())->AddWindows(windows));
+    EXPECT_FALSE(Make("distant", Params())->AsSky());
     light.reset();  // the sets may outlive it
 }
 

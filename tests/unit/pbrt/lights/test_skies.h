@@ -11,7 +11,6 @@ struct Sky {
     std::function<Rgb(int, int)> color;  ///< by pixel; empty: one colour, without an image
     int resolution = 0;
 };
-/// 12 pixels along a side: tiles cut through pixels.
 inline const Sky kSkies[] = {
     {"one_colour", nullptr, 0},
     {"gradient",

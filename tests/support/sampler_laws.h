@@ -66,6 +66,7 @@ void CheckDistributionsKeepApart(const SamplerSubject &subject);
 /// Uniform numbers spread over the unit interval reach every likely light: there is no other source of randomness.
 void CheckOneNumberReachesEveryLight(const SamplerSubject &subject);
 /// The two samplers give equal answers to all queries.
-void CheckSame(const LightSampler &a, const LightSampler &b, std::span<const LightQuery> queries, size_t lights);
+void CheckSame(const LightSampler &a, const LightSampler &b, std::span<const LightQuery> queries,
+               const LightTable &table);
 
 }  // namespace pbrt::test

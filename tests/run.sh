@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Runs all tests: installs what is missing, checks include directions, builds without extensions and tests what that
-# changes, builds everything and tests that, runs some unit programs with sanitizers. Last line: "N passed, M failed".
+# changes, builds everything and tests that, runs programs with sanitizers. Last line: "N passed, M failed".
 set -uo pipefail
 top=$(cd "$(dirname "$0")/.." && pwd)
 cd "$top"
@@ -52,7 +52,7 @@ count "format (.clang-format)" $?
 
 # One build folder serves both: switching PBRT_EXT recompiles only what depends on it.
 echo "Building without extensions (build/release.log)"
-if bash .ci/build "$top/build/release" -DPBRT_EXT=OFF -DPBRT_WERROR=ON; then
+if bash .ci/build "$top/build/release" -DPBRT_EXT=OFF -DPBRT_WERROR=ON -DPBRT_UNITY=ON; then
   # Programs that no extension can change run below.
   same=$(extension_free_units build/release | paste -sd "|")
   # So do pages in a browser, scripts, documents and comparisons of samplers.
@@ -61,7 +61,7 @@ else
   count "build without extensions" 1
 fi
 echo "Building everything (build/release.log)"
-if bash .ci/build "$top/build/release" -DPBRT_EXT=ON -DPBRT_WERROR=ON; then
+if bash .ci/build "$top/build/release" -DPBRT_EXT=ON -DPBRT_WERROR=ON -DPBRT_UNITY=ON; then
   run_ctest all build/release
   for table in build/release/tables/*.txt; do
     [ -f "$table" ] && { echo; cat "$table"; }
@@ -74,27 +74,64 @@ else
   count "build" 1
 fi
 
-# Samplers and their densities, which is where indices and roundings are: in one process each, as loading libraries
-# costs more than most tests.
-echo "Building unit programs with sanitizers (build/asan.log)"
-sanitized=(math shapes bxdfs materials lights media)
-if bash .ci/build "$top/build/asan" -DPBRT_SANITIZE=address,undefined -DPBRT_BENCH=OFF -- "${sanitized[@]/#/unit_}"; then
-  run_sanitized() { # run_sanitized NAME: its log ends with a line "status N"
-    local filter='*'
-    [ "$1" = materials ] && filter='Measured.*' # of materials the only ones that draw samples
-    { UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 build/asan/tests/unit/pbrt/"$1"/unit_"$1" --gtest_filter="$filter"
-      echo "status $?"; } > "build/asan/$1.log" 2>&1
-  }
-  export -f run_sanitized
-  printf '%s\n' "${sanitized[@]}" | xargs -P 2 -I {} bash -c 'run_sanitized {}'
-  for name in "${sanitized[@]}"; do
-    [ "$(tail -1 "build/asan/$name.log")" = "status 0" ]
+# Sanitizers. Programs of several cases run in one process each, as loading libraries costs more than most cases.
+export UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
+export TSAN_OPTIONS=halt_on_error=1:suppressions=$top/tests/support/thread_sanitizer.txt
+logged() { # logged LOG COMMAND...: the last line of the log is "status N"
+  local log=$1
+  shift
+  { "$@"; echo "status $?"; } > "$log" 2>&1
+}
+export -f logged
+run_sanitized() { # run_sanitized KIND: runs the "NAME COMMAND" lines of standard input, two at a time
+  local kind=$1 name status
+  local -a names=()
+  while read -r name command; do
+    names+=("$name")
+    printf '%s\0' "logged build/$kind/$name.log $command"
+  done > "build/$kind/commands"
+  xargs -0 -P 2 -I {} bash -c '{}' < "build/$kind/commands"
+  for name in "${names[@]}"; do
+    [ "$(tail -1 "build/$kind/$name.log")" = "status 0" ]
     status=$?
-    count "unit_$name with sanitizers" $status
-    [ $status -eq 0 ] || tail -60 "build/asan/$name.log"
+    count "$name ($kind)" $status
+    [ $status -eq 0 ] || tail -60 "build/$kind/$name.log"
   done
+}
+
+# Addresses and undefined behaviour: sampling and densities, integrators, light samplers, learned state, the programs.
+echo "Building with address and undefined-behaviour sanitizers (build/asan.log)"
+if bash .ci/build "$top/build/asan" -DPBRT_SANITIZE=address,undefined -DPBRT_BENCH=OFF -DPBRT_UNITY=ON -- \
+  unit_{math,shapes,bxdfs,materials,lights,media,lightsamplers,integrators,ext_groups,ext_octree} fuzz pbrt imgtool lightlab; then
+  units=build/asan/tests/unit
+  run_sanitized asan <<COMMANDS
+programs tests/stress/programs_once.sh build/asan
+unit_math $units/pbrt/math/unit_math
+unit_shapes $units/pbrt/shapes/unit_shapes
+unit_bxdfs $units/pbrt/bxdfs/unit_bxdfs
+unit_materials $units/pbrt/materials/unit_materials --gtest_filter=Measured.*
+unit_lights $units/pbrt/lights/unit_lights
+unit_media $units/pbrt/media/unit_media
+unit_lightsamplers $units/pbrt/lightsamplers/unit_lightsamplers
+unit_integrators $units/pbrt/integrators/unit_integrators
+unit_ext_groups $units/ext/groups/unit_ext_groups
+unit_ext_octree $units/ext/octree/unit_ext_octree
+fuzz build/asan/tests/fuzz/fuzz --seed 2 --cases 100 --seconds 10
+fuzz_states build/asan/tests/fuzz/fuzz --seed 2 --cases 100 --seconds 10 --only state
+COMMANDS
 else
-  count "build with sanitizers" 1
+  count "build with address and undefined-behaviour sanitizers" 1
+fi
+
+# Threads: rendering while the light sampler and the guide learn.
+echo "Building with the thread sanitizer (build/tsan.log)"
+if bash .ci/build "$top/build/tsan" -DPBRT_SANITIZE=thread -DPBRT_BENCH=OFF -DPBRT_UNITY=ON -- render_learning render_guide; then
+  run_sanitized tsan <<COMMANDS
+render_learning build/tsan/tests/render/render_learning --gtest_filter=*Threads*
+render_guide build/tsan/tests/render/render_guide --gtest_filter=*Threads*
+COMMANDS
+else
+  count "build with the thread sanitizer" 1
 fi
 echo
 for f in "${failures[@]+"${failures[@]}"}"; do echo "failed: $f"; done

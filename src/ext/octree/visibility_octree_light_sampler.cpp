@@ -216,7 +216,7 @@ void VisibilityOctreeLightSampler::EndLearning() {
 
 void VisibilityOctreeLightSampler::Found(PathPlaces &path, const LightQuery &query, const SampledLight &light,
                                          const SampledSpectrum &found) {
-    if (!(light.unoccluded > 0)) return;
+    if (path.next >= path.end || !(light.unoccluded > 0)) return;
     const auto ratio = static_cast<Float>(RootMeanSquare(found) / groups_.Lights().Unit() / double(light.unoccluded));
     const Float weight = light.weight / static_cast<Float>(Tries());
     if (!std::isfinite(ratio) || !std::isfinite(weight)) return;

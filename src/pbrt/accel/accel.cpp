@@ -33,7 +33,7 @@ RTCRay ToEmbree(const Ray &ray, Float time, Float tMin = 0) {
     r.dir_z = ray.d.z;
     // Embree takes hits at tnear. Denormal numbers may count as zero.
     constexpr Float kSmallest = std::numeric_limits<Float>::min();
-    r.tnear = tMin < kSmallest ? kSmallest : std::nextafter(tMin, Infinity);
+    r.tnear = tMin < kSmallest ? kSmallest : NextFloat(tMin, true);
     r.tfar = ray.tMax;
     r.time = time;
     r.mask = 0xffffffffu;

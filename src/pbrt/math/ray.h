@@ -1,4 +1,7 @@
 #pragma once
+#include <bit>
+#include <limits>
+
 #include "pbrt/core/ids.h"
 #include "pbrt/math/vec.h"
 
@@ -27,6 +30,13 @@ struct RayDifferential {
     }
 };
 
+/// The float next to a finite x, upwards if `up`, else downwards: std::nextafter without a call of the library.
+inline Float NextFloat(Float x, bool up) {
+    if (x == 0) return up ? std::numeric_limits<Float>::denorm_min() : -std::numeric_limits<Float>::denorm_min();
+    const auto bits = std::bit_cast<uint32_t>(x);
+    return std::bit_cast<Float>((x > 0) == up ? bits + 1 : bits - 1);
+}
+
 /// Moves a point off its surface along the geometric normal n, to the side w points to, far enough that rounding
 /// (|error| <= pError per component) cannot leave it on the other side. Derivation: the true point is p + e, and its
 /// height over the plane through p is e . n, at most the sum of pError_i |n_i|. A step of that length along n clears
@@ -36,7 +46,7 @@ inline Point3 OffsetRayOrigin(const Point3 &p, const Vector3 &pError, const Norm
     const Vector3 step = FaceForward(n, w) * Dot(Abs(n), pError);
     auto roundedAway = [](Float from, Float by) {
         const Float sum = from + by;
-        return by == 0 ? sum : std::nextafter(sum, std::copysign(Infinity, by));
+        return by == 0 || !(std::abs(sum) < Infinity) ? sum : NextFloat(sum, by > 0);
     };
     return {roundedAway(p.x, step.x), roundedAway(p.y, step.y), roundedAway(p.z, step.z)};
 }

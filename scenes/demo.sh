@@ -11,7 +11,7 @@ scene="$top/scenes/dollhouse/dollhouse.pbrt"
 bash "$top/.ci/install"
 # Where everything is built already, that is used; else only the two programs are compiled, which is quicker.
 build="$top/build/release"
-if [ -x "$build/src/pbrt/cmd/lightlab/lightlab" ]; then
+if [ -x "$build/src/ext/lab/lightlab/lightlab" ]; then
   options=()
 else
   build="$top/build/demo-programs"

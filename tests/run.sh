@@ -56,7 +56,7 @@ if bash .ci/build "$top/build/release" -DPBRT_EXT=OFF -DPBRT_WERROR=ON -DPBRT_UN
   # Programs that no extension can change run below.
   same=$(extension_free_units build/release | paste -sd "|")
   # So do pages in a browser, scripts, documents and comparisons of samplers.
-  run_ctest core build/release -L "unit|contract" -E "^(lab|lab_campaign|lab_inspect|lightlab_program|lightlab_report|program|docs|develop|${same:-none})\\."
+  run_ctest core build/release -L "unit|contract" -E "^(program|docs|develop|${same:-none})\\."
 else
   count "build without extensions" 1
 fi
@@ -99,36 +99,29 @@ run_sanitized() { # run_sanitized KIND: runs the "NAME COMMAND" lines of standar
   done
 }
 
-# Addresses and undefined behaviour: sampling and densities, integrators, light samplers, learned state, the programs.
+# Addresses and undefined behaviour: samplers and their densities, which is where indices and roundings are. `.ci/run asan`
+# has all unit and contract tests.
 echo "Building with address and undefined-behaviour sanitizers (build/asan.log)"
 if bash .ci/build "$top/build/asan" -DPBRT_SANITIZE=address,undefined -DPBRT_BENCH=OFF -DPBRT_UNITY=ON -- \
-  unit_{math,shapes,bxdfs,materials,lights,media,lightsamplers,integrators,ext_groups,ext_octree} fuzz pbrt imgtool lightlab; then
+  unit_{math,shapes,bxdfs,materials,lights,media}; then
   units=build/asan/tests/unit
   run_sanitized asan <<COMMANDS
-programs tests/stress/programs_once.sh build/asan
 unit_math $units/pbrt/math/unit_math
 unit_shapes $units/pbrt/shapes/unit_shapes
 unit_bxdfs $units/pbrt/bxdfs/unit_bxdfs
 unit_materials $units/pbrt/materials/unit_materials --gtest_filter=Measured.*
 unit_lights $units/pbrt/lights/unit_lights
 unit_media $units/pbrt/media/unit_media
-unit_lightsamplers $units/pbrt/lightsamplers/unit_lightsamplers
-unit_integrators $units/pbrt/integrators/unit_integrators
-unit_ext_groups $units/ext/groups/unit_ext_groups
-unit_ext_octree $units/ext/octree/unit_ext_octree
-fuzz build/asan/tests/fuzz/fuzz --seed 2 --cases 100 --seconds 10
-fuzz_states build/asan/tests/fuzz/fuzz --seed 2 --cases 100 --seconds 10 --only state
 COMMANDS
 else
   count "build with address and undefined-behaviour sanitizers" 1
 fi
 
-# Threads: rendering while the light sampler and the guide learn.
+# Threads: rendering while the light sampler learns.
 echo "Building with the thread sanitizer (build/tsan.log)"
-if bash .ci/build "$top/build/tsan" -DPBRT_SANITIZE=thread -DPBRT_BENCH=OFF -DPBRT_UNITY=ON -- render_learning render_guide; then
+if bash .ci/build "$top/build/tsan" -DPBRT_SANITIZE=thread -DPBRT_BENCH=OFF -DPBRT_UNITY=ON -- render_learning; then
   run_sanitized tsan <<COMMANDS
 render_learning build/tsan/tests/render/render_learning --gtest_filter=*Threads*
-render_guide build/tsan/tests/render/render_guide --gtest_filter=*Threads*
 COMMANDS
 else
   count "build with the thread sanitizer" 1

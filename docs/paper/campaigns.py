@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 HERE = pathlib.Path(__file__).resolve().parent
 TOP = HERE.parent.parent
-sys.path.insert(0, str(TOP / "src/pbrt/cmd/lightlab/report"))
+sys.path.insert(0, str(TOP / "src/ext/lab/lightlab/report"))
 import lab_results as lab  # noqa: E402
 
 # The paper's four, then what it does not have.

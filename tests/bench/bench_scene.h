@@ -36,14 +36,14 @@ class BenchScene {
         options_.lightSampler = "uniform";
         return options_;
     }
-    const LightSamplerRegistry &Registry() {
+    const PluginRegistry &Registry() {
         RegisterPlugins(registry_);
         return registry_;
     }
     DiagnosticSink sink_;
     SceneDescription description_;
     BuildOptions options_;
-    LightSamplerRegistry registry_;
+    PluginRegistry registry_;
     Progress progress_;
 
   public:

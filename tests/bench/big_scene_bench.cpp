@@ -149,7 +149,7 @@ Sizes WriteScene(const std::filesystem::path &folder, double scale) {
 
 void Run(double scale, const std::filesystem::path &folder) {
     const Sizes sizes = WriteScene(folder, scale);
-    LightSamplerRegistry registry;
+    PluginRegistry registry;
     RegisterPlugins(registry);
     const Moment start;
     DiagnosticSink sink;

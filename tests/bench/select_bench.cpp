@@ -2,7 +2,7 @@
 // scene, so that big structures pay for their cache misses.
 #include <benchmark/benchmark.h>
 
-#include "pbrt/lightsamplers/registry.h"
+#include "pbrt/integrators/registry.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/math/warps.h"
 #include "support/given_lights.h"
@@ -38,7 +38,7 @@ std::vector<LightQuery> Queries() {
 }
 
 void SampleCost(benchmark::State &state, const std::string &name) {
-    LightSamplerRegistry registry;
+    PluginRegistry registry;
     RegisterStockLightSamplers(registry);
     const auto table = test::TableOf(Candidates(static_cast<int>(state.range(0))));
     auto sampler = registry.samplers.Find(name).make(ParamSet(), table->Parts());
@@ -49,7 +49,7 @@ void SampleCost(benchmark::State &state, const std::string &name) {
 }
 
 void PmfCost(benchmark::State &state, const std::string &name) {
-    LightSamplerRegistry registry;
+    PluginRegistry registry;
     RegisterStockLightSamplers(registry);
     const auto table = test::TableOf(Candidates(static_cast<int>(state.range(0))));
     auto sampler = registry.samplers.Find(name).make(ParamSet(), table->Parts());
@@ -62,14 +62,14 @@ void PmfCost(benchmark::State &state, const std::string &name) {
 }
 
 void BuildCost(benchmark::State &state, const std::string &name) {
-    LightSamplerRegistry registry;
+    PluginRegistry registry;
     RegisterStockLightSamplers(registry);
     const auto table = test::TableOf(Candidates(static_cast<int>(state.range(0))));
     for (auto _ : state) benchmark::DoNotOptimize(registry.samplers.Find(name).make(ParamSet(), table->Parts()));
 }
 
 const bool kRegistered = [] {
-    LightSamplerRegistry registry;
+    PluginRegistry registry;
     RegisterStockLightSamplers(registry);
     for (const std::string &name : registry.samplers.Names())
         for (int64_t lights : {1, 10, 100, 10000}) {

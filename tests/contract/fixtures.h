@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "pbrt/lightsamplers/registry.h"
+#include "pbrt/integrators/registry.h"
 #include "pbrt/shapes/shape.h"
 
 namespace pbrt::test {

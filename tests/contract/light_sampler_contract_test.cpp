@@ -15,9 +15,9 @@
 namespace pbrt::test {
 namespace {
 
-const LightSamplerRegistry &Registry() {
-    static const LightSamplerRegistry registry = [] {
-        LightSamplerRegistry r;
+const PluginRegistry &Registry() {
+    static const PluginRegistry registry = [] {
+        PluginRegistry r;
 #if defined PBRT_CONTRACT_HEADER
         PBRT_CONTRACT_REGISTER(r);
 #elif defined PBRT_CONTRACT_PLUGINS

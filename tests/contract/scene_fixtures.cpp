@@ -6,9 +6,9 @@
 #include <map>
 
 #include "pbrt/build/light_sampler_spec.h"
-#include "pbrt/lightsamplers/light_query.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/math/warps.h"
+#include "pbrt/transport/light_query.h"
 
 namespace pbrt::test {
 

@@ -12,8 +12,8 @@
 #include "pbrt/build/light_sampler_spec.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/films/rgb_film.h"
+#include "pbrt/integrators/path_integrator.h"
 #include "pbrt/integrators/render_loop.h"
-#include "pbrt/integrators/volpath_integrator.h"
 #include "support/build_text.h"
 #include "support/render_scene.h"
 #include "support/statistics.h"
@@ -107,10 +107,8 @@ class View {
         PathContext context{GetScene(), *built_.camera, samplesPerPixel_, true};
         PathSettings path;
         path.maxDepth = built_.maxDepth;
-        std::unique_ptr<Integrator> made;
-        if (GetScene().HasMedia()) made = std::make_unique<VolPathIntegrator>(context, path, std::move(lights));
-        else made = std::make_unique<PathIntegrator>(context, path, std::move(lights));
-        Integrator &integrator = *made;
+        path.tracksMedia = path.seesThroughInterfaces = GetScene().HasMedia();
+        PathIntegrator integrator(context, path, std::move(lights));
         Progress progress;
         PrepareContext prepare = built_.Preparation(progress);
         prepare.seed = seed;

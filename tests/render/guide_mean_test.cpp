@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "agreement_statistics.h"
+#include "ext/guiding/path_guide.h"
 #include "guide_rooms.h"
-#include "pbrt/integrators/path_guide.h"
 #include "support/render_waves.h"
 #include "support/temporary_image.h"
 
@@ -18,7 +18,7 @@ Image Render(const GuideRoom &room, int seed, bool guide, int *guidedRuns) {
     options.seed = seed;
     options.guide = guide;
     BuiltScene built = BuildText(GuideRoomText(room), options);
-    const PathGuide *learned = built.integrator->Guide();
+    const ext::PathGuide *learned = GuideOf(built);
     EXPECT_EQ(learned != nullptr, guide);
     Progress progress;
     PrepareContext context = built.Preparation(progress);

@@ -1,6 +1,9 @@
 #pragma once
 #include <string>
 
+#include "ext/guiding/path_guide.h"
+#include "pbrt/build/built_scene.h"
+
 namespace pbrt::test {
 
 constexpr int kGuideSamples = 64;  ///< per pixel; the guide learns after 2, 8 and 32
@@ -21,5 +24,10 @@ std::string GuideRoomText(const GuideRoom &room);
 extern const std::string kSpotAtCeiling;
 /// A lamp that both light sampling and bounces find, beside a wall that hides it from a part of the room.
 extern const std::string kPanelBehindCurtain;
+
+/// What guides the paths of a scene, or null.
+inline const ext::PathGuide *GuideOf(const BuiltScene &built) {
+    return dynamic_cast<const ext::PathGuide *>(built.integrator->Directions());
+}
 
 }  // namespace pbrt::test

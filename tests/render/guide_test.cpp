@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "ext/guiding/path_guide.h"
 #include "guide_rooms.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/state_io.h"
-#include "pbrt/integrators/path_guide.h"
 #include "pbrt/integrators/render_loop.h"
 #include "support/render_waves.h"
 
@@ -48,7 +48,7 @@ TEST(GuidedPaths, AreGuidedWhereLightComesFromOnePlace) {
         BuiltScene built = Spot(true, "bvh", fog);
         Render(built);
         nlohmann::ordered_json report;
-        built.integrator->Guide()->Report(report);
+        GuideOf(built)->Report(report);
         EXPECT_GT(report["guidingCells"].get<int>(), fog ? 2 : 5) << report.dump();
         EXPECT_GT(report["rouletteCells"].get<int>(), 5) << report.dump();
     }
@@ -152,14 +152,13 @@ TEST(GuidedPaths, AreChosenWithParametersTogetherWithTheLightSampler) {
         options.lightSampler = choice;
         return BuildText(GuideRoomText({.light = kSpotAtCeiling, .parameters = scene}), options);
     };
-    EXPECT_EQ(built("bvh").integrator->Guide(), nullptr);
+    EXPECT_EQ(GuideOf(built("bvh")), nullptr);
     const BuiltScene plain = built("bvh+guide");
-    ASSERT_NE(plain.integrator->Guide(), nullptr);
-    EXPECT_TRUE(plain.integrator->Guide()->LearnsDirections());
-    EXPECT_FALSE(built("bvh+mesh+guide:directions=false,share=.5").integrator->Guide()->LearnsDirections());
+    ASSERT_NE(GuideOf(plain), nullptr);
+    EXPECT_TRUE(GuideOf(plain)->EstimatesDirections());
+    EXPECT_FALSE(GuideOf(built("bvh+mesh+guide:directions=false,share=.5"))->EstimatesDirections());
     // Keys are added to those of the scene.
-    EXPECT_FALSE(
-        built("bvh+guide:share=.5", "\"bool guide.directions\" false").integrator->Guide()->LearnsDirections());
+    EXPECT_FALSE(GuideOf(built("bvh+guide:share=.5", "\"bool guide.directions\" false"))->EstimatesDirections());
     for (const char *wrong :
          {"bvh+guide:length=3", "bvh+guide:share=2", "bvh+guide:directions=1", "bvh+guide:", "bvh+guided"})
         EXPECT_THROW(built(wrong), UserError) << wrong;

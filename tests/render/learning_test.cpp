@@ -9,10 +9,10 @@
 #include <sstream>
 
 #include "agreement_statistics.h"
+#include "pbrt/core/online_model.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/state_io.h"
 #include "pbrt/integrators/render_loop.h"
-#include "pbrt/lightsamplers/light_learner.h"
 #include "support/render_waves.h"
 
 namespace pbrt::test {
@@ -274,7 +274,7 @@ void CheckSavedState(const Maker &make) {
     }
     EXPECT_EQ(amidWave, 8) << "not tested: a wave that was to be cancelled was finished";
     // The state matters: without what the last sample found the picture is another one.
-    if (!make("").integrator->Learner()) return;
+    if (!make("").integrator->Model()) return;
     int compared = 0;
     for (int stop : {2, 3, 5, 6, 7}) {
         Progress progress;
@@ -284,7 +284,7 @@ void CheckSavedState(const Maker &make) {
                               progress);
         while (renderer.Done() < stop - 1) renderer.Render(stop - 1 - renderer.Done());
         const std::string before = StateOf(built, renderer).learned;
-        const int next = built.integrator->Learner()->NextLearning();
+        const int next = built.integrator->Model()->NextUpdate();
         while (renderer.Done() < stop) renderer.Render(1);
         Stopped wrong = StateOf(built, renderer);
         if (next <= stop || wrong.learned == before) continue;
@@ -377,24 +377,24 @@ TEST(LearningWhileRendering, CancelledLearningLeavesEverythingAsItWas) {
     BuiltScene stopped = Build();
     Progress cancelled;
     EXPECT_EQ(takeOneSample(stopped, cancelled, 0), 1);
-    LightLearner &learner = *stopped.integrator->Learner();
-    EXPECT_EQ(learner.NextLearning(), 1) << "it said that it had learned";
+    OnlineModel &learner = *stopped.integrator->Model();
+    EXPECT_EQ(learner.NextUpdate(), 1) << "it said that it had learned";
     BuiltScene prepared = Build();
     Progress never;
     Prepare(prepared, never);
     const std::vector<Float> before = probabilities(prepared);
     EXPECT_EQ(probabilities(stopped), before);
-    for (int again = 0; again < 2; ++again) learner.Learn(cancelled);
+    for (int again = 0; again < 2; ++again) learner.Update(cancelled);
     EXPECT_EQ(probabilities(stopped), before);
-    EXPECT_EQ(learner.NextLearning(), 1);
+    EXPECT_EQ(learner.NextUpdate(), 1);
 
     // What the sample found is still there, and once only: later it learns what it would have learned then.
-    learner.Learn(never);
-    EXPECT_EQ(learner.NextLearning(), 4);
+    learner.Update(never);
+    EXPECT_EQ(learner.NextUpdate(), 4);
     BuiltScene whole = Build();
     Progress other;
     takeOneSample(whole, other, 0);
-    whole.integrator->Learner()->Learn(never);
+    whole.integrator->Model()->Update(never);
     EXPECT_EQ(probabilities(stopped), probabilities(whole));
     EXPECT_NE(probabilities(stopped), before) << "nothing was learned";
 }

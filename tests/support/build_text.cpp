@@ -13,9 +13,9 @@ BuiltScene Build(SceneDescription description, DiagnosticSink &sink, const Build
 }
 }  // namespace
 
-const LightSamplerRegistry &AllSamplers() {
-    static const LightSamplerRegistry registry = [] {
-        LightSamplerRegistry r;
+const PluginRegistry &AllSamplers() {
+    static const PluginRegistry registry = [] {
+        PluginRegistry r;
         RegisterPlugins(r);
         return r;
     }();

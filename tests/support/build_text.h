@@ -2,12 +2,12 @@
 #include <string>
 
 #include "pbrt/build/built_scene.h"
-#include "pbrt/lightsamplers/registry.h"
+#include "pbrt/integrators/registry.h"
 
 namespace pbrt::test {
 
 /// The registry with all light samplers of this build.
-const LightSamplerRegistry &AllSamplers();
+const PluginRegistry &AllSamplers();
 
 /// A scene from text, ready to render; all light samplers of the build are registered. Throws UserError.
 BuiltScene BuildText(const std::string &text, const BuildOptions &options = {});

@@ -1,8 +1,8 @@
 #include "ext/octree/paper_octree_light_sampler.h"
 #include "ext/octree/visibility_octree_light_sampler.h"
-#include "pbrt/lightsamplers/registry.h"
+#include "pbrt/integrators/registry.h"
 
-void register_octree(pbrt::LightSamplerRegistry &registry) {
+void register_octree(pbrt::PluginRegistry &registry) {
     using namespace ext;
     registry.samplers.Add<OctreeParams>(
         "octree", "Learns in a prepass which lights each region sees (after Noh, Choi, Moon 2023).",

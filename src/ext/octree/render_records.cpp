@@ -25,7 +25,7 @@ void RenderRecords::Begin(const Bounds2i &pixels, int first, int end, int vertic
 
 void RenderRecords::End() { *this = {}; }
 
-LightLearner::PathPlaces RenderRecords::BeginPath(Point2i pixel, int sample) const {
+PathObserver::PathPlaces RenderRecords::BeginPath(Point2i pixel, int sample) const {
     const Vector2i at = pixel - pixels_.low;
     if (places_.empty() || sample < first_ || sample >= end_ || (at.x + kRowShift * at.y) % stride_ != 0) return {};
     const size_t ofPixel = static_cast<size_t>(at.y) * placesPerRow_ + static_cast<size_t>(at.x / stride_);

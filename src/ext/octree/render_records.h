@@ -1,6 +1,6 @@
 #pragma once
 #include "ext/octree/visibility_records.h"
-#include "pbrt/lightsamplers/light_learner.h"
+#include "pbrt/lightsamplers/path_observer.h"
 
 namespace ext {
 
@@ -14,15 +14,15 @@ class RenderRecords {
     /// Frees all places; nothing is recorded until the next Begin.
     void End();
 
-    LightLearner::PathPlaces BeginPath(Point2i pixel, int sample) const;
+    PathObserver::PathPlaces BeginPath(Point2i pixel, int sample) const;
     /// Records `found` for the next vertex of a path, at point p. Beyond the last place nothing is recorded.
-    void Add(LightLearner::PathPlaces &path, const Point3 &p, bool inMedium, const VisibilityTry &found) {
+    void Add(PathObserver::PathPlaces &path, const Point3 &p, bool inMedium, const VisibilityTry &found) {
         if (path.next < path.end) places_[path.next++] = {p, inMedium, found};
     }
     void Save(StateWriter &writer) const;
     /// Throws UserError if what was saved has other places than this object (Begin).
     void Load(StateReader &reader);
-    /// See LightLearner.
+    /// See OnlineModel.
     void Take(StateWriter &writer);
     void Add(StateReader &reader);
     /// Appends what was found on surfaces, or what was found inside media.

@@ -193,7 +193,7 @@ bool VisibilityOctreeLightSampler::Build(int records, const Progress &progress) 
 std::optional<std::string> VisibilityOctreeLightSampler::TakeUpLearning(const PrepareContext &context) {
     if (nextLearning_ == 0) return {};
     const auto next = std::ranges::find(kLearnAfter, nextLearning_);
-    if (!Learner() || next == std::end(kLearnAfter)) return "learning is due after a wrong number of samples";
+    if (!IsUpdated() || next == std::end(kLearnAfter)) return "learning is due after a wrong number of samples";
     if (pixels_.low != context.pixelBounds.low || pixels_.high != context.pixelBounds.high ||
         depth_ != std::min(params_.depth, std::max(1, context.maxDepth)) || samplesPerPixel_ < nextLearning_)
         return "it was learned for other pixels or paths";
@@ -203,7 +203,7 @@ std::optional<std::string> VisibilityOctreeLightSampler::TakeUpLearning(const Pr
 
 void VisibilityOctreeLightSampler::BeginLearning(int first) {
     const auto next = std::ranges::upper_bound(kLearnAfter, first);
-    nextLearning_ = Learner() && next != std::end(kLearnAfter) && 4 * *next <= samplesPerPixel_ ? *next : 0;
+    nextLearning_ = IsUpdated() && next != std::end(kLearnAfter) && 4 * *next <= samplesPerPixel_ ? *next : 0;
     if (nextLearning_ == 0) return EndLearning();
     found_.Begin(pixels_, first, nextLearning_, depth_, kMaxFound);
 }
@@ -214,8 +214,8 @@ void VisibilityOctreeLightSampler::EndLearning() {
     onSurfaces_.known = inMedia_.known = {};
 }
 
-void VisibilityOctreeLightSampler::Found(PathPlaces &path, const LightQuery &query, const SampledLight &light,
-                                         const SampledSpectrum &found) {
+void VisibilityOctreeLightSampler::RecordLightSample(PathPlaces &path, const LightQuery &query,
+                                                     const SampledLight &light, const SampledSpectrum &found) {
     if (path.next >= path.end || !(light.unoccluded > 0)) return;
     const auto ratio = static_cast<Float>(RootMeanSquare(found) / groups_.Lights().Unit() / double(light.unoccluded));
     const Float weight = light.weight / static_cast<Float>(Tries());
@@ -223,7 +223,7 @@ void VisibilityOctreeLightSampler::Found(PathPlaces &path, const LightQuery &que
     found_.Add(path, query.p, query.ns == Normal3(0), {groups_.GroupOf(light.light), weight, weight, ratio});
 }
 
-void VisibilityOctreeLightSampler::Learn(const Progress &progress) {
+void VisibilityOctreeLightSampler::Update(const Progress &progress) {
     if (progress.Cancelled()) return;
     const auto start = std::chrono::steady_clock::now();
     Knowledge *const kinds[] = {&onSurfaces_, &inMedia_};

@@ -10,7 +10,8 @@
 #include "ext/octree/visibility_tree.h"
 #include "ext/octree/window_choice.h"
 #include "ext/prepass/prepass.h"
-#include "pbrt/lightsamplers/light_learner.h"
+#include "pbrt/core/online_model.h"
+#include "pbrt/lightsamplers/path_observer.h"
 
 namespace ext {
 
@@ -31,13 +32,14 @@ namespace ext {
 ///
 /// Skies are divided by the windows that they are seen through (WindowChoice), where there are some: then each sky is
 /// one light l whose a G is the sum over its parts.
-class VisibilityOctreeLightSampler final : public InteriorLightSampler, private LightLearner {
+class VisibilityOctreeLightSampler final : public InteriorLightSampler, private OnlineModel, private PathObserver {
   public:
     VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params);
     ~VisibilityOctreeLightSampler() override;
 
     void Prepare(PrepareContext &context) override;
-    LightLearner *Learner() override { return lightTree_ && params_.learn ? this : nullptr; }
+    OnlineModel *Model() override { return IsUpdated() ? this : nullptr; }
+    PathObserver *Observer() override { return IsUpdated() ? this : nullptr; }
     bool SavesLearned() const override { return true; }
     void SaveLearned(StateWriter &writer, bool goesOn) const override;
     std::vector<LightId> SkyPartsOf(LightId infinite) const override;
@@ -46,6 +48,9 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler, private 
     std::string DescribeStructure() const override;
 
   private:
+    /// The tree over the lights is estimated again from shadow rays of the render.
+    bool IsUpdated() const { return lightTree_ && params_.learn; }
+
     static constexpr size_t kMax = 64;
     /// Weights of the lights considered at a point. The divided skies come after `count` others.
     struct Choice {
@@ -111,13 +116,13 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler, private 
     std::optional<Knowledge> Built(const Knowledge &from, int records, const Progress &progress) const;
     size_t TryCount() const { return onSurfaces_.known.tries.size() + inMedia_.known.tries.size(); }
 
-    int NextLearning() const override { return nextLearning_; }
+    int NextUpdate() const override { return nextLearning_; }
     PathPlaces BeginPath(Point2i pixel, int sample) const override { return found_.BeginPath(pixel, sample); }
-    void Found(PathPlaces &path, const LightQuery &query, const SampledLight &light,
-               const SampledSpectrum &found) override;
-    void Learn(const Progress &progress) override;
-    void TakeFound(StateWriter &out) override { found_.Take(out); }
-    void AddFound(StateReader &in) override { found_.Add(in); }
+    void RecordLightSample(PathPlaces &path, const LightQuery &query, const SampledLight &light,
+                           const SampledSpectrum &found) override;
+    void Update(const Progress &progress) override;
+    void ExtractRecords(StateWriter &out) override { found_.Take(out); }
+    void MergeRecords(StateReader &in) override { found_.Add(in); }
     void BeginLearning(int first);
 
     OctreeParams params_;

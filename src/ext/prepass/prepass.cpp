@@ -2,8 +2,8 @@
 
 #include "ext/prepass/prepass_paths.h"
 #include "pbrt/math/rng.h"
-#include "pbrt/paths/path_walk.h"
-#include "pbrt/paths/shadow_transmittance.h"
+#include "pbrt/transport/path_walk.h"
+#include "pbrt/transport/shadow_transmittance.h"
 
 namespace ext {
 

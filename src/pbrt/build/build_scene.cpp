@@ -207,7 +207,7 @@ PrepareContext BuiltScene::Preparation(Progress &progress) const {
             .progress = progress};
 }
 
-BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const LightSamplerRegistry &registry,
+BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const PluginRegistry &registry,
                       DiagnosticSink &sink, Progress &progress) {
     // What is not supported is not built, yet everything else is looked at, so that one run reports all mistakes.
     BuiltScene built;

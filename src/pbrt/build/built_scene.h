@@ -5,9 +5,9 @@
 
 #include "pbrt/build/build_options.h"
 #include "pbrt/build/memory_estimate.h"
+#include "pbrt/integrators/registry.h"
 #include "pbrt/integrators/render_loop.h"
 #include "pbrt/lights/light_names.h"
-#include "pbrt/lightsamplers/registry.h"
 #include "pbrt/scene/scene.h"
 #include "pbrt/scenefile/scene_description.h"
 #include "pbrt/textures/texture_factory.h"
@@ -31,7 +31,7 @@ struct BuiltIntegrator {
 struct IntegratorRequest {
     Entity entity, sampler;
     BuildOptions options;
-    const LightSamplerRegistry *registry = nullptr;
+    const PluginRegistry *registry = nullptr;
     bool needsFootprints = true;
 };
 
@@ -81,7 +81,7 @@ std::unique_ptr<Integrator> MakePlainIntegrator(const BuiltScene &built);
 /// Turns a description into something that renders. Throws one UserError with everything that is wrong or not supported
 /// yet; warnings stay in the sink. `description` may be dropped afterwards. `progress` shows the parts of the work as
 /// phases; the caller begins and ends the phase of the whole.
-BuiltScene BuildScene(SceneDescription &description, const BuildOptions &options, const LightSamplerRegistry &registry,
+BuiltScene BuildScene(SceneDescription &description, const BuildOptions &options, const PluginRegistry &registry,
                       DiagnosticSink &sink, Progress &progress);
 
 /// Reports everything the description uses that the format has but this renderer does not support: as errors, or as

@@ -14,12 +14,28 @@
 
 namespace pbrt {
 
-std::vector<FamilyDoc> AllFamilies() {
+namespace {
+/// Appends the parameters of direction sampling, named as in scenes, to those of the integrators that use it.
+FamilyDoc DocumentIntegrators(const DirectionSamplings &directions) {
+    FamilyDoc doc = Integrators().Document("integrators");
+    for (FactoryDoc &maker : doc.makers) {
+        if (!IsGuided(maker.name)) continue;
+        for (const std::string &name : directions.Names())
+            for (ParamDoc param : directions.Find(name).params) {
+                param.name = name + "." + param.name;
+                maker.params.push_back(param);
+            }
+    }
+    return doc;
+}
+}  // namespace
+
+std::vector<FamilyDoc> AllFamilies(const PluginRegistry &registry) {
     std::vector<FamilyDoc> all = {Cameras().Document("cameras"),
                                   Films().Document("films"),
                                   Filters().Document("filters"),
                                   Samplers().Document("samplers"),
-                                  Integrators().Document("integrators"),
+                                  DocumentIntegrators(registry.directionSamplings),
                                   Accelerators().Document("accelerators"),
                                   DocumentShapes(),
                                   Materials().Document("materials"),
@@ -35,8 +51,8 @@ std::vector<FamilyDoc> AllFamilies() {
     return all;
 }
 
-std::string ListWhat(const std::string &what) {
-    const std::vector<FamilyDoc> families = AllFamilies();
+std::string ListWhat(const std::string &what, const PluginRegistry &registry) {
+    const std::vector<FamilyDoc> families = AllFamilies(registry);
     std::string text;
     if (what == "table") {
         text = "| entity | parameters | remark |\n|---|---|---|\n";

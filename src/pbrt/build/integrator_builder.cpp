@@ -8,7 +8,6 @@
 #include "pbrt/core/v3_names.h"
 #include "pbrt/integrators/path_integrator.h"
 #include "pbrt/integrators/simple_integrators.h"
-#include "pbrt/integrators/volpath_integrator.h"
 
 namespace pbrt {
 
@@ -18,7 +17,7 @@ std::optional<LightSelection> ReadLights(const ParamSet &set, const IntegratorRe
     return ReadLightSelection(set, flags, r.registry, r.sink, defaults);
 }
 
-std::unique_ptr<LightSampler> MakeLights(const LightSamplerSpec &chosen, const LightSamplerRegistry &registry,
+std::unique_ptr<LightSampler> MakeLights(const LightSamplerSpec &chosen, const PluginRegistry &registry,
                                          const LightTable &table) {
     return registry.Make(*chosen.entry, table, chosen.params, chosen.meshLights);
 }
@@ -33,19 +32,17 @@ namespace {
 
 struct PathParams : DepthParams {
     bool regularize = false;
-    Float minSurvival = 0;
+    Float minContinuation = 0;
     LightSelectionParams lights;  ///< declared here, used by ReadLightSelection
     bool guide = false;
-    GuideParams guideParams;
     template <class V>
     void Describe(V &&v) {
         DepthParams::Describe(v);
         v("regularize", regularize, "roughen nearly specular lobes after the first non-specular scattering");
-        v("minsurvival", minSurvival, Range<Float>{0, 1},
+        v("minsurvival", minContinuation, Range<Float>{0, 1},
           "least probability with which roulette lets a path go on; 0: as in stock, 1: no roulette (only here)");
         lights.Describe(v);
-        v("guide", guide, "let paths depend on what earlier samples found, as the parameters below say; as --guide");
-        guideParams.Describe(v);
+        v("guide", guide, "path guiding and learned Russian roulette, with the parameters below; as --guide");
     }
 };
 
@@ -58,29 +55,28 @@ IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const Inte
     PathSettings path;
     path.maxDepth = settings.maxDepth;
     path.regularize = p.regularize;
-    path.minSurvival = p.minSurvival;
+    path.minContinuation = p.minContinuation;
     path.seesThroughInterfaces = isVolume;
-    if (p.guide || r.options.guide || settings.lights->guide) {
-        path.guide = p.guideParams;
-        if (settings.lights->guide) {
-            ParamReader overriding(*settings.lights->guide);
-            path.guide->Describe(overriding);
-        }
-    }
+    DirectionSpec directions;
+    const bool isGuided = p.guide || r.options.guide || settings.lights->guide;
+    // Parameters are checked in any case.
+    if (isGuided || !r.registry.directionSamplings.Names().empty())
+        directions = ReadDirections(set, settings.lights->guide, r.registry, r.sink);
+    if (!isGuided) directions.entry = nullptr;
     path.sampledLightOnly = r.options.sampledLightOnly;
-    settings.make = [path, isVolume, &registry = r.registry, lights = settings.lights->sampler](
+    settings.make = [path, isVolume, directions, &registry = r.registry, lights = settings.lights->sampler](
                         const PathContext &context, const ColorSpace &) -> std::unique_ptr<Integrator> {
+        const Scene &scene = context.scene;
         PathSettings mine = path;
-        mine.subsurface = isVolume && context.scene.HasSubsurface();
-        auto sampler = MakeLights(lights, registry, context.scene.Lights());
-        if (isVolume && context.scene.HasMedia())
-            return std::make_unique<VolPathIntegrator>(context, mine, std::move(sampler));
-        return std::make_unique<PathIntegrator>(context, mine, std::move(sampler));
+        mine.subsurface = isVolume && scene.HasSubsurface();
+        mine.tracksMedia = isVolume && scene.HasMedia();
+        return std::make_unique<PathIntegrator>(
+            context, mine, MakeLights(lights, registry, scene.Lights()),
+            directions.entry ? directions.entry->make(directions.params, scene) : nullptr);
     };
     return settings;
 }
 
-bool IsGuided(const std::string &integrator) { return integrator == "path" || integrator == "volpath"; }
 constexpr const char *kWhoIsGuided = "only the integrators \"path\" and \"volpath\" are guided";
 
 bool FollowsPhotons(const std::string &integrator) { return FollowsLight(integrator) || integrator == "sppm"; }
@@ -196,6 +192,8 @@ bool FollowsLight(const std::string &integrator) {
     return integrator == "lightpath" || integrator == "bdpt" || integrator == "mlt";
 }
 
+bool IsGuided(const std::string &integrator) { return integrator == "path" || integrator == "volpath"; }
+
 bool SeesThroughInterfaces(const std::string &integrator) {
     return integrator == "volpath" || FollowsLight(integrator);
 }
@@ -204,8 +202,8 @@ bool RendersMedia(const std::string &integrator) {
     return integrator == "simplevolpath" || SeesThroughInterfaces(integrator);
 }
 
-IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &options,
-                                  const LightSamplerRegistry &registry, DiagnosticSink &sink) {
+IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &options, const PluginRegistry &registry,
+                                  DiagnosticSink &sink) {
     const std::string &type = IntegratorType(entity, options);
     const std::vector<std::string> &later = UnsupportedIntegrators();
     IntegratorSettings settings;
@@ -229,7 +227,7 @@ IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &opti
         if (options.guide && !IsGuided(type))
             sink.Error({}, fmt::format("--guide: {}; this one is \"{}\".", kWhoIsGuided, type));
         ParamReader before(params);
-        if (type == "path" || type == "volpath" || FollowsPhotons(type)) DeclareLightParams(before, registry);
+        if (IsGuided(type) || FollowsPhotons(type)) DeclareLightParams(before, registry, IsGuided(type));
         Collect(sink, [&] {
             settings = Integrators().Make(type, params, IntegratorReading{options, registry, sink, before});
         });

@@ -25,7 +25,7 @@ struct IntegratorSettings {
 /// What is needed to read the parameters of an integrator.
 struct IntegratorReading {
     const BuildOptions &options;
-    const LightSamplerRegistry &registry;
+    const PluginRegistry &registry;
     DiagnosticSink &sink;
     const ParamReader &before;  ///< knows the parameters of light samplers
 };
@@ -36,8 +36,8 @@ const std::vector<std::string> &UnsupportedIntegrators();
 
 /// Reads the parameters of the integrator that the scene or --integrator names, and of its light sampler. Everything
 /// wrong with them goes to the sink, before anything is built.
-IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &options,
-                                  const LightSamplerRegistry &registry, DiagnosticSink &sink);
+IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &options, const PluginRegistry &registry,
+                                  DiagnosticSink &sink);
 
 /// Makes the integrator, from settings that were read without errors.
 BuiltIntegrator MakeIntegrator(const IntegratorSettings &settings, const PathContext &context,
@@ -47,6 +47,8 @@ BuiltIntegrator MakeIntegrator(const IntegratorSettings &settings, const PathCon
 const std::string &IntegratorType(const Entity &entity, const BuildOptions &options);
 /// True if light is followed from the lights to the camera, which must be able to connect (Camera::CanConnect).
 bool FollowsLight(const std::string &integrator);
+/// True if direction sampling can take the place of BSDFs.
+bool IsGuided(const std::string &integrator);
 /// True if light sampling passes interface surfaces; the scene's geometry is built for it.
 bool SeesThroughInterfaces(const std::string &integrator);
 /// True if light is followed through media.

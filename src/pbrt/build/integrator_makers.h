@@ -20,7 +20,7 @@ struct DepthParams {
 /// Reads the light sampler of an integrator; nothing is returned after errors, which went to the sink.
 std::optional<LightSelection> ReadLights(const ParamSet &set, const IntegratorReading &r,
                                          const LightSelectionParams &defaults = {});
-std::unique_ptr<LightSampler> MakeLights(const LightSamplerSpec &chosen, const LightSamplerRegistry &registry,
+std::unique_ptr<LightSampler> MakeLights(const LightSamplerSpec &chosen, const PluginRegistry &registry,
                                          const LightTable &table);
 /// Warns of flags for light sampling, which the integrator has none of.
 void WarnOfLightFlags(const IntegratorReading &r, const char *integrator);

@@ -25,7 +25,7 @@ std::optional<LightSamplerSpec> ReadShooting(const ShootingParams &p, const Para
     return ReadShootingSampler(set, p.shootingSampler, r.options.shootingSampler, r.registry, r.sink);
 }
 
-std::unique_ptr<LightSampler> MakeShooting(const LightSamplerSpec &spec, const LightSamplerRegistry &registry,
+std::unique_ptr<LightSampler> MakeShooting(const LightSamplerSpec &spec, const PluginRegistry &registry,
                                            const PathContext &context) {
     return registry.Make(*spec.entry, context.scene.Lights(), spec.params, false);
 }

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <charconv>
 
-#include "pbrt/integrators/path_guide.h"
-
 namespace pbrt {
 
 namespace {
@@ -151,17 +149,13 @@ auto ReadPiece(const FlagText &flag, const Piece &piece, const Find &find, Param
     }
 }
 
-/// The guide's parameters, named as in a choice: without "guide.".
-std::vector<ParamDoc> GuideKeys() {
-    std::vector<ParamDoc> docs = DocumentParams<GuideParams>();
-    for (ParamDoc &doc : docs) doc.name = doc.name.substr(std::string("guide.").size());
-    return docs;
-}
+constexpr const char *kGuideName = "guide";
 
 /// The parameters of the chosen entry: the integrator's, overridden by the flag's. Values out of range are errors.
-ParamSet ChosenParams(const LightSamplerRegistry::Entry &entry, const ParamSet &integrator, const FileLoc &loc,
+template <class Entry>
+ParamSet ChosenParams(const std::string &owner, const Entry &entry, const ParamSet &integrator, const FileLoc &loc,
                       const ParamSet &added, DiagnosticSink &sink) {
-    ParamSet params(fmt::format("light sampler \"{}\"", entry.name), loc);
+    ParamSet params(owner, loc);
     for (const ParamDoc &doc : entry.params)
         if (const Param *p = integrator.Find(entry.name + "." + doc.name, doc.types.front())) params.Add(*p);
     for (const Param &p : added.Own()) params.Add(p);
@@ -171,6 +165,11 @@ ParamSet ChosenParams(const LightSamplerRegistry::Entry &entry, const ParamSet &
         sink.Add(e);
     }
     return params;
+}
+
+ParamSet LightParams(const LightSamplerRegistry::Entry &entry, const ParamSet &integrator, const FileLoc &loc,
+                     const ParamSet &added, DiagnosticSink &sink) {
+    return ChosenParams(fmt::format("light sampler \"{}\"", entry.name), entry, integrator, loc, added, sink);
 }
 
 /// Warns of parameters that belong to another value of a choice such as "model": their help says so by beginning
@@ -201,14 +200,35 @@ LightChoiceParts SplitLightChoice(const std::string &choice, const char *flag) {
     return parts;
 }
 
-void DeclareLightParams(ParamReader &reader, const LightSamplerRegistry &registry) {
-    for (const std::string &name : registry.samplers.Names())
-        for (const ParamDoc &doc : registry.samplers.Find(name).params)
-            reader.Declare(name + "." + doc.name, doc.types.front());
+void DeclareLightParams(ParamReader &reader, const PluginRegistry &registry, bool isGuided) {
+    const auto declare = [&](const auto &table) {
+        for (const std::string &name : table.Names())
+            for (const ParamDoc &doc : table.Find(name).params)
+                reader.Declare(name + "." + doc.name, doc.types.front());
+    };
+    declare(registry.samplers);
+    if (isGuided) declare(registry.directionSamplings);
+}
+
+namespace {
+/// Throws UserError in a program that was built without path guiding.
+const DirectionSamplings::Entry &FindGuide(const PluginRegistry &registry, const FileLoc &loc) {
+    if (registry.directionSamplings.Has(kGuideName)) return registry.directionSamplings.Find(kGuideName);
+    throw UserError("path guiding is an extension, which this program was built without (-DPBRT_EXT=OFF).", loc);
+}
+}  // namespace
+
+DirectionSpec ReadDirections(const ParamSet &integrator, const std::optional<ParamSet> &added,
+                             const PluginRegistry &registry, DiagnosticSink &sink) {
+    DirectionSpec spec;
+    spec.entry = &FindGuide(registry, integrator.Loc());
+    spec.params =
+        ChosenParams("the guide", *spec.entry, integrator, integrator.Loc(), added ? *added : ParamSet(), sink);
+    return spec;
 }
 
 std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, const LightFlags &flags,
-                                                 const LightSamplerRegistry &registry, DiagnosticSink &sink,
+                                                 const PluginRegistry &registry, DiagnosticSink &sink,
                                                  const LightSelectionParams &defaults) {
     const size_t errorsBefore = sink.ErrorCount();
     auto collect = [&](auto &&read) {
@@ -246,18 +266,18 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
     });
     if (!flags.choice.empty()) sampler.entry = ReadPiece(choice, pieces.sampler, find, &keys, sink);
     if (sampler.entry) {
-        sampler.params = ChosenParams(*sampler.entry, integrator, loc, keys, sink);
+        sampler.params = LightParams(*sampler.entry, integrator, loc, keys, sink);
         WarnOfParamsWithoutEffect(*sampler.entry, sampler.params, sink);
     }
 
     if (pieces.guide) {
         guide.emplace("the guide", choice.At(pieces.guide->begin));
-        if (choice.Text()[pieces.guide->begin - 1] == ':')
-            ReadKeys(choice, "guide", GuideKeys(), *pieces.guide, &*guide, sink);
-        GuideParams params;
-        ParamReader check(*guide);
-        params.Describe(check);
-        collect([&] { check.ThrowIfErrors(); });
+        collect([&] {
+            const auto &entry = FindGuide(registry, guide->Loc());
+            if (choice.Text()[pieces.guide->begin - 1] == ':')
+                ReadKeys(choice, kGuideName, entry.params, *pieces.guide, &*guide, sink);
+            entry.check(*guide);
+        });
     }
 
     sampler.meshLights = scene.meshLights || flags.meshLights || pieces.mesh;
@@ -268,7 +288,7 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
 }
 
 std::optional<LightSamplerSpec> ReadShootingSampler(const ParamSet &integrator, const std::string &named,
-                                                    const std::string &flag, const LightSamplerRegistry &registry,
+                                                    const std::string &flag, const PluginRegistry &registry,
                                                     DiagnosticSink &sink) {
     const size_t errorsBefore = sink.ErrorCount();
     const FlagText text("--shooting-sampler", flag);
@@ -294,12 +314,12 @@ std::optional<LightSamplerSpec> ReadShootingSampler(const ParamSet &integrator, 
         sink.Add(e);
     }
     if (!flag.empty()) spec.entry = ReadPiece(text, {0, flag.size()}, find, &keys, sink);
-    if (spec.entry) spec.params = ChosenParams(*spec.entry, integrator, loc, keys, sink);
+    if (spec.entry) spec.params = LightParams(*spec.entry, integrator, loc, keys, sink);
     if (sink.ErrorCount() > errorsBefore) return {};
     return spec;
 }
 
-LightSelection ReadLightSelection(const std::string &choice, const LightSamplerRegistry &registry) {
+LightSelection ReadLightSelection(const std::string &choice, const PluginRegistry &registry) {
     DiagnosticSink sink;
     LightFlags flags;
     flags.choice = choice;

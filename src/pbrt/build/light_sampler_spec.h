@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "pbrt/lightsamplers/registry.h"
+#include "pbrt/integrators/registry.h"
 
 namespace pbrt {
 
@@ -48,7 +48,8 @@ struct LightSelectionParams {
 };
 
 /// Declares the "name.key" parameters of all light samplers, chosen or not, so that a flag can choose another one.
-void DeclareLightParams(ParamReader &reader, const LightSamplerRegistry &registry);
+/// `isGuided`: and those of direction sampling.
+void DeclareLightParams(ParamReader &reader, const PluginRegistry &registry, bool isGuided);
 
 struct LightSelection {
     LightSamplerSpec sampler;
@@ -56,13 +57,22 @@ struct LightSelection {
     std::optional<ParamSet> guide;
 };
 
+/// What chooses directions of paths, with its parameters.
+struct DirectionSpec {
+    const DirectionSamplings::Entry *entry = nullptr;
+    ParamSet params;
+};
+/// The integrator's "guide.key" parameters and those of `added` (LightSelection::guide). Errors go to the sink.
+DirectionSpec ReadDirections(const ParamSet &integrator, const std::optional<ParamSet> &added,
+                             const PluginRegistry &registry, DiagnosticSink &sink);
+
 /// Reads `"string lightsampler"`, `"bool meshlights"` and the `name.key` parameters of an integrator, and the flags,
 /// which override the scene: a name replaces the scene's, keys are added to the scene's keys for the same sampler.
 /// Unknown names and keys, unreadable values and values out of range go to the sink as errors at
 /// their place (nothing is returned then), parameters that have no effect as warnings. `defaults`: what holds where the
 /// integrator says nothing.
 std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, const LightFlags &flags,
-                                                 const LightSamplerRegistry &registry, DiagnosticSink &sink,
+                                                 const PluginRegistry &registry, DiagnosticSink &sink,
                                                  const LightSelectionParams &defaults = {});
 
 /// Reads the sampler that chooses where light paths begin: the integrator's `"string shootingsampler"`, whose value is
@@ -70,10 +80,10 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
 /// the same light sampler. A sampler whose probabilities differ from place to place is an error, and errors go to the
 /// sink.
 std::optional<LightSamplerSpec> ReadShootingSampler(const ParamSet &integrator, const std::string &named,
-                                                    const std::string &flag, const LightSamplerRegistry &registry,
+                                                    const std::string &flag, const PluginRegistry &registry,
                                                     DiagnosticSink &sink);
 
 /// ReadLightSelection for a choice alone, without a scene. Throws UserError.
-LightSelection ReadLightSelection(const std::string &choice, const LightSamplerRegistry &registry);
+LightSelection ReadLightSelection(const std::string &choice, const PluginRegistry &registry);
 
 }  // namespace pbrt

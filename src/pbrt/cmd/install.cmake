@@ -1,7 +1,10 @@
 # What `cmake --install` copies, and the Debian package that `cpack` makes of it. An installed folder may be moved:
 # programs find what belongs to them relative to themselves.
 
-set(PBRT_PROGRAMS pbrt lightlab imgtool)
+set(PBRT_PROGRAMS pbrt imgtool)
+if(PBRT_EXT)
+  list(APPEND PBRT_PROGRAMS lightlab)
+endif()
 set(place "")
 if(PBRT_INSTRUCTION_SETS)
   if(PBRT_NATIVE)
@@ -29,8 +32,10 @@ install(TARGETS pbrt_oiio LIBRARY DESTINATION ${place}lib/pbrt_octree COMPONENT 
 if(PBRT_MPI)
   install(TARGETS pbrt_mpi LIBRARY DESTINATION ${place}lib/pbrt_octree COMPONENT programs)
 endif()
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/pbrt/cmd/lightlab/report DESTINATION ${place}share/pbrt_octree
-  COMPONENT programs PATTERN __pycache__ EXCLUDE)
+if(PBRT_EXT)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/ext/lab/lightlab/report DESTINATION ${place}share/pbrt_octree
+    COMPONENT programs PATTERN __pycache__ EXCLUDE)
+endif()
 install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/NOTICE.txt ${PROJECT_SOURCE_DIR}/docs/changelog.md
   DESTINATION share/doc/pbrt-octree)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE.txt DESTINATION share/doc/pbrt-octree RENAME copyright)

@@ -4,6 +4,7 @@
 #include "pbrt/core/parallel.h"
 #include "pbrt/integrators/filtered_splat.h"
 #include "pbrt/lightsamplers/simple_light_samplers.h"
+#include "pbrt/transport/direct_light.h"
 
 namespace pbrt {
 
@@ -14,7 +15,7 @@ struct BdptIntegrator::Sample {
     const Samplers &samplers;
     Subpaths &paths;
     Float time = 0, pixels = 1, splatUnit = 1;
-    LightLearner::PathPlaces places{};
+    ObservedPath observed{};
 };
 
 BdptIntegrator::BdptIntegrator(const PathContext &context, int maxDepth, bool regularize,
@@ -26,7 +27,7 @@ BdptIntegrator::BdptIntegrator(const PathContext &context, int maxDepth, bool re
       shooting_(ByPowerUnless(std::move(shooting), context.scene.Lights())),
       connecting_(std::move(connecting)),
       hasMedia_(context.scene.HasMedia()),
-      learner_(connecting_ ? connecting_->Learner() : nullptr),
+      observer_(connecting_ ? connecting_->Observer() : nullptr),
       weights_(context.scene.Lights(), *shooting_, connecting_ ? *connecting_ : *shooting_),
       strategies_(std::move(strategies)),
       subpaths_(static_cast<size_t>(ThreadCount())) {
@@ -281,38 +282,29 @@ SampledSpectrum BdptIntegrator::ConnectToLight(Sample &sample, int cameraVertice
     const BdptVertex &beyond = sample.paths.camera[static_cast<size_t>(cameraVertices - 2)];
     const LightQuery query = last.Query(last.Towards(beyond), sample.lambda, cameraVertices - 1);
     Sampler &sampler = sample.samplers.connections;
-    Point2 u = sampler.Get2D();
+    const Point2 u = sampler.Get2D();
     LightMemory memory;
     const LightDistribution lights = (connecting_ ? *connecting_ : *shooting_).At(query, memory);
-    const std::optional<SampledLight> chosen = lights.Sample(sampler.Get1D(), &u);
-    if (!chosen || !(chosen->pmf > 0)) return SampledSpectrum(0);
-    const auto learn = [&](const SampledSpectrum &irradiance) {
-        if (learner_) learner_->Found(sample.places, query, *chosen, irradiance);
-    };
-    const LightPart light = scene.Lights()[chosen->light];
     const LightSampleContext from =
         last.IsSurface() ? ScatteringContextAt(scene, last.surface.point, last.surface.bsdf) : last.Context();
-    const auto found = light.SampleLi(from, u, sample.lambda, false);
-    SampledSpectrum L(0);
-    if (found && found->L && found->pdf > 0)
-        L = last.beta * last.F(found->wi) * found->L * (last.Cosine(found->wi) / (chosen->pmf * found->pdf));
-    if (!L) {
-        learn(SampledSpectrum(0));
-        return L;
-    }
-    const ShadowTransmittance through = Passing(sample, last, *found);
-    const bool isBlocked = !through.value;
-    learn(isBlocked ? SampledSpectrum(0)
-                    : Passed(sample, found->L * (last.Cosine(found->wi) / found->pdf), through, SampledSpectrum(1)));
-    if (isBlocked) return SampledSpectrum(0);
+    const std::optional<DirectLight> direct = SampleDirectLight(
+        scene.Lights(), lights, from, sample.lambda, false, sampler.Get1D(), u, sample.observed,
+        [&](const Vector3 &wi) {
+            return Scattering{last.F(wi), last.Cosine(wi)};
+        },
+        [&](const LightLiSample &to, const Point2 &) { return Passing(sample, last, to); });
+    if (!direct) return SampledSpectrum(0);
+    const auto &[chosen, found, to, through, isDelta] = *direct;
+    const SampledSpectrum L = last.beta * to.f * found.L * (to.cosine / direct->Pdf());
     BdptVertex end;
     end.kind = BdptVertex::Kind::Light;
     const LightTable &table = scene.Lights();
-    end.light = table.IsSkyPart(chosen->light) ? table.SkyOf(chosen->light) : chosen->light;
-    end.p = found->pLight;
-    end.n = found->nLight;
-    end.isBeyondScene = light.Kind() == LightKind::Infinite || light.Kind() == LightKind::DeltaDirection;
-    end.direction = -found->wi;
+    const LightKind kind = table[chosen.light].Kind();
+    end.light = table.IsSkyPart(chosen.light) ? table.SkyOf(chosen.light) : chosen.light;
+    end.p = found.pLight;
+    end.n = found.nLight;
+    end.isBeyondScene = kind == LightKind::Infinite || kind == LightKind::DeltaDirection;
+    end.direction = -found.wi;
     end.pdfForward = weights_.LightPdf(end, last);
     const SampledSpectrum weighted = Passed(sample, L * WeightOf(sample, 1, cameraVertices, &end, 0), through, last.ru);
     if (strategies_) Tell(sample, {1, cameraVertices, Passed(sample, L, through, last.ru), weighted});
@@ -378,8 +370,14 @@ SampledSpectrum BdptIntegrator::TracePair(const PathStart &start, SampledWavelen
                                           Float pixels, Float splatUnit, std::vector<SeenLight> &seen) const {
     ++ThreadCounters().cameraPaths;
     Subpaths &paths = subpaths_[static_cast<size_t>(ThreadIndex())];
-    Sample sample{start, lambda, samplers, paths, start.ray.ray.time, pixels, splatUnit};
-    if (learner_) sample.places = learner_->BeginPath(start.pixel, start.sampleIndex);
+    Sample sample{start,
+                  lambda,
+                  samplers,
+                  paths,
+                  start.ray.ray.time,
+                  pixels,
+                  splatUnit,
+                  {observer_, start.pixel, start.sampleIndex}};
     TraceLight(sample);
     SampledSpectrum L = TraceCamera(sample);
     for (int t = 2; t <= paths.cameraCount; ++t) {

@@ -2,8 +2,8 @@
 #include "pbrt/integrators/bdpt_path.h"
 #include "pbrt/integrators/pixel_integrator.h"
 #include "pbrt/integrators/strategy_pictures.h"
-#include "pbrt/lightsamplers/light_learner.h"
-#include "pbrt/paths/shadow_transmittance.h"
+#include "pbrt/lightsamplers/path_observer.h"
+#include "pbrt/transport/shadow_transmittance.h"
 
 namespace pbrt {
 
@@ -23,9 +23,9 @@ class BdptIntegrator final : public PixelIntegrator {
                    std::unique_ptr<StrategyPictures> strategies = nullptr);
     bool Render(const RenderPass &pass) override;
     void Prepare(PrepareContext &prepare) override;
-    LightLearner *Learner() override { return learner_; }
+    OnlineModel *Model() override { return observer_ ? connecting_->Model() : nullptr; }
     /// From now on samples do not teach the sampler that `connecting` is, so that it always chooses alike.
-    void StopLearning() { learner_ = nullptr; }
+    void StopLearning() { observer_ = nullptr; }
     const LightSampler *Lights() const override { return connecting_.get(); }
     const LightSampler *ShootingLights() const override { return shooting_.get(); }
     bool MakesSidePictures() const override { return strategies_ != nullptr; }
@@ -92,7 +92,7 @@ class BdptIntegrator final : public PixelIntegrator {
     bool regularize_;
     std::unique_ptr<LightSampler> shooting_, connecting_;
     bool hasMedia_;
-    LightLearner *learner_ = nullptr;
+    PathObserver *observer_ = nullptr;
     BdptWeights weights_;
     std::unique_ptr<StrategyPictures> strategies_;
     mutable std::vector<Subpaths> subpaths_;  ///< by ThreadIndex()

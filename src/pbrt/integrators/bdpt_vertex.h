@@ -1,6 +1,6 @@
 #pragma once
-#include "pbrt/lightsamplers/light_query.h"
-#include "pbrt/paths/adjoint_cosine.h"
+#include "pbrt/transport/adjoint_cosine.h"
+#include "pbrt/transport/light_query.h"
 
 namespace pbrt {
 

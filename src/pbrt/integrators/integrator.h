@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "pbrt/cameras/camera.h"
+#include "pbrt/core/online_model.h"
 #include "pbrt/films/film.h"
 #include "pbrt/films/filter.h"
 #include "pbrt/lightsamplers/light_sampler.h"
@@ -11,7 +12,7 @@
 
 namespace pbrt {
 
-class PathGuide;
+class DirectionSampling;
 
 /// A part of a render: some samples of every pixel of the film.
 struct RenderPass {
@@ -43,7 +44,7 @@ struct SidePicture {
     const Film *film = nullptr;
 };
 
-/// Adds samples to a film. Every sample is a function of pixel and sample index, and of what the LightLearner learned
+/// Adds samples to a film. Every sample is a function of pixel and sample index, and of what the OnlineModel learned
 /// from fixed samples before it, so that any number of threads, and any split into passes, gives the same image.
 class Integrator {
   public:
@@ -54,8 +55,8 @@ class Integrator {
     virtual bool Render(const RenderPass &pass) = 0;
     /// The largest RenderPass::count that Render takes.
     virtual int MaxPassSamples() const { return std::numeric_limits<int>::max(); }
-    /// What learns from every path and between passes; null if nothing does.
-    virtual LightLearner *Learner() { return nullptr; }
+    /// The model that is updated between passes; null if there is none.
+    virtual OnlineModel *Model() { return nullptr; }
     /// Writes what Prepare and the learner made, for PrepareContext::learned of a render that goes on. Not while rays
     /// are traced; the writer may refer to memory of this object.
     virtual void SaveLearned(StateWriter &writer) const {
@@ -74,8 +75,8 @@ class Integrator {
     virtual bool MakesSidePictures() const { return false; }
     /// After the first pass.
     virtual std::vector<SidePicture> SidePictures() const { return {}; }
-    /// What guides bounces, or null.
-    virtual const PathGuide *Guide() const { return nullptr; }
+    /// What chooses directions in place of BSDFs, or null.
+    virtual const DirectionSampling *Directions() const { return nullptr; }
 };
 
 }  // namespace pbrt

@@ -1,6 +1,6 @@
 #pragma once
 #include "pbrt/integrators/integrator.h"
-#include "pbrt/paths/path_walk.h"
+#include "pbrt/transport/path_walk.h"
 
 namespace pbrt {
 

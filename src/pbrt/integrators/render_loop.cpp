@@ -1,9 +1,9 @@
 #include "pbrt/integrators/render_loop.h"
 
+#include "pbrt/core/online_model.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/ranks.h"
 #include "pbrt/integrators/reference_log.h"
-#include "pbrt/lightsamplers/light_learner.h"
 
 namespace pbrt {
 
@@ -17,7 +17,7 @@ double SecondsSince(Clock::time_point t) { return std::chrono::duration<double>(
 WaveRenderer::WaveRenderer(Integrator &integrator, const Camera &camera, const Filter &filter, Film &film,
                            const Sampler &sampler, const RenderSettings &settings, Progress &progress)
     : integrator_(integrator),
-      learner_(integrator.Learner()),
+      model_(integrator.Model()),
       camera_(camera),
       filter_(filter),
       film_(film),
@@ -27,13 +27,13 @@ WaveRenderer::WaveRenderer(Integrator &integrator, const Camera &camera, const F
       samplers_(static_cast<size_t>(ThreadCount())) {}
 
 void WaveRenderer::LearnIfDue() {
-    if (!learner_ || learner_->NextLearning() == 0 || Done() != learner_->NextLearning()) return;
+    if (!model_ || model_->NextUpdate() == 0 || Done() != model_->NextUpdate()) return;
     if (settings_.ranks) {
         if (progress_.Cancelled()) return;
         Say(Command::Learn);
         LearnTogether();
     } else {
-        learner_->Learn(progress_);
+        model_->Update(progress_);
     }
 }
 
@@ -41,7 +41,7 @@ int WaveRenderer::Render(int count) {
     const int batch = settings_.samplesPerPixel;
     int size = std::min({count, batch - Done() % batch, integrator_.MaxPassSamples()});
     LearnIfDue();
-    if (learner_ && learner_->NextLearning() > 0) size = std::min(size, learner_->NextLearning() - Done());
+    if (model_ && model_->NextUpdate() > 0) size = std::min(size, model_->NextUpdate() - Done());
     if (progress_.Cancelled()) return 0;
     // What is left of a pass that was cancelled comes first.
     if (position_.passCount > 0) size = position_.passCount;
@@ -80,7 +80,7 @@ bool WaveRenderer::RenderPassOf(int size) {
 
 void WaveRenderer::ContinueFrom(int samples) {
     isRepeating_ = true;
-    while (learner_ && learner_->NextLearning() > 0 && Done() < samples)
+    while (model_ && model_->NextUpdate() > 0 && Done() < samples)
         if (Render(samples - Done()) == 0) break;
     isRepeating_ = false;
     position_ = {.done = samples};
@@ -99,31 +99,31 @@ void WaveRenderer::Say(Command command) {
 }
 
 void WaveRenderer::GatherHere() {
-    const bool learns = learner_ && learner_->NextLearning() > 0 && !isBrokenOff_;
+    const bool learns = model_ && model_->NextUpdate() > 0 && !isBrokenOff_;
     settings_.ranks->Reduce(
         [&](StateWriter &out) {
             film_.TakeSums(out);
-            if (learns) learner_->TakeFound(out);
+            if (learns) model_->ExtractRecords(out);
         },
         [&](StateReader &in) {
             film_.AddSums(in);
-            if (learns) learner_->AddFound(in);
+            if (learns) model_->MergeRecords(in);
         });
 }
 
 void WaveRenderer::LearnTogether() {
     // To the first, and from there to all, so that everybody learns the same.
-    settings_.ranks->Reduce([&](StateWriter &out) { learner_->TakeFound(out); },
-                            [&](StateReader &in) { learner_->AddFound(in); });
+    settings_.ranks->Reduce([&](StateWriter &out) { model_->ExtractRecords(out); },
+                            [&](StateReader &in) { model_->MergeRecords(in); });
     StateWriter all;
-    if (settings_.ranks->IsFirst()) learner_->TakeFound(all);
+    if (settings_.ranks->IsFirst()) model_->ExtractRecords(all);
     const std::string found = settings_.ranks->Broadcast(all);
     StateReader in(found, "what was found");
-    learner_->AddFound(in);
-    const int before = learner_->NextLearning();
-    learner_->Learn(progress_);
+    model_->MergeRecords(in);
+    const int before = model_->NextUpdate();
+    model_->Update(progress_);
     // Whoever was cancelled meanwhile has not learned; then nobody renders on.
-    bool haveAllLearned = learner_->NextLearning() != before;
+    bool haveAllLearned = model_->NextUpdate() != before;
     settings_.ranks->Reduce([&](StateWriter &out) { out.Value(haveAllLearned); },
                             [&](StateReader &other) { haveAllLearned = other.Value<bool>() && haveAllLearned; });
     StateWriter verdict;

@@ -60,7 +60,7 @@ struct RenderResult {
 constexpr int kMaxWave = 64;
 
 /// Lets an integrator render one pass after another; samples are taken in batches, each with samplers made for it.
-/// Between passes the integrator's LightLearner learns, after the numbers of samples that it names. Any split into
+/// Between passes the integrator's OnlineModel learns, after the numbers of samples that it names. Any split into
 /// calls gives the same image.
 class WaveRenderer {
   public:
@@ -83,7 +83,7 @@ class WaveRenderer {
     void ContinueFrom(int samples);
 
     /// For processes that render together (RenderSettings::ranks). On the first one: brings the sums of all films to
-    /// its film, and what was found for the LightLearner to its learner; must come before either is read.
+    /// its film, and what was found for the OnlineModel to its learner; must come before either is read.
     void Gather();
     /// On the first process, after the last call of the above.
     void EndTogether();
@@ -97,7 +97,7 @@ class WaveRenderer {
     void LearnTogether();
     void GatherHere();
     Integrator &integrator_;
-    LightLearner *const learner_;
+    OnlineModel *const model_;
     const Camera &camera_;
     const Filter &filter_;
     Film &film_;

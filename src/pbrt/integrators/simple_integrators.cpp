@@ -1,9 +1,11 @@
 #include "pbrt/integrators/simple_integrators.h"
 
 #include "pbrt/core/counters.h"
-#include "pbrt/lightsamplers/light_query.h"
+#include "pbrt/core/error.h"
 #include "pbrt/lightsamplers/simple_light_samplers.h"
 #include "pbrt/math/warps.h"
+#include "pbrt/transport/direct_light.h"
+#include "pbrt/transport/medium_track.h"
 
 namespace pbrt {
 
@@ -52,16 +54,14 @@ SimplePathIntegrator::SimplePathIntegrator(const PathContext &context, int maxDe
 SampledSpectrum SimplePathIntegrator::SampleDirect(const PathVertex &vertex, const SampledSpectrum &beta,
                                                    const SampledWavelengths &lambda, int depth,
                                                    Sampler &sampler) const {
-    const auto &[point, bsdf] = vertex;
-    const std::optional<SampledLight> chosen = lights_->Sample(LightQueryAt(vertex, lambda, depth), sampler.Get1D());
-    const Point2 uLight = sampler.Get2D();
-    if (!chosen) return SampledSpectrum(0);
-    const LightPart light = context_.scene.Lights()[chosen->light];
-    const auto arriving = light.SampleLi(ScatteringContextAt(context_.scene, point, bsdf), uLight, lambda, false);
-    if (!arriving || !arriving->L || !(arriving->pdf > 0)) return SampledSpectrum(0);
-    const SampledSpectrum f = bsdf.F(point.wo, arriving->wi) * AbsDot(arriving->wi, point.shading.n);
-    if (!f || context_.scene.Occluded(LightContextAt(point), *arriving)) return SampledSpectrum(0);
-    return beta * f * arriving->L / (chosen->pmf * arriving->pdf);
+    VertexSelection selection;
+    selection.Prepare(*lights_, vertex, lambda, depth);
+    const Float uLight = sampler.Get1D();
+    ObservedPath unobserved;
+    const std::optional<DirectLight> light = SampleDirectLight(
+        context_.scene, vertex, selection.lights, lambda, false, uLight, sampler.Get2D(), unobserved,
+        [&](const LightLiSample &to, const Point2 &) { return TraceShadowRay(context_.scene, selection.from, to); });
+    return light ? beta * light->F() * light->sample.L / light->Pdf() : SampledSpectrum(0);
 }
 
 SampledSpectrum SimplePathIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
@@ -121,6 +121,47 @@ SampledSpectrum RandomWalkIntegrator::Li(const PathStart &start, SampledWaveleng
         const Direction to{SampleUniformSphere(sampler.Get2D()), UniformSpherePdf()};
         beta *= Throughput(walk.Vertex(), to);
         walk.Leave(to.wi);
+    }
+    return L;
+}
+
+SampledSpectrum SimpleVolPathIntegrator::Li(const PathStart &start, SampledWavelengths &lambda,
+                                            Sampler &sampler) const {
+    lambda.TerminateSecondary();
+    PathWalk walk(context_, start.ray, start.visible);
+    SpectralWeights weights;
+    weights.onlyFirst = true;
+    SampledSpectrum L(0);
+    ++ThreadCounters().cameraPaths;
+    for (int depth = 0;;) {
+        const PathWalk::Met met = walk.Next();
+        if (met == PathWalk::Met::TooManyInterfaces) break;
+        if (const Medium *medium = walk.MediumAhead()) {
+            const Ray &ray = walk.GetRay();
+            const Float u = sampler.Get1D();
+            Rng rng = NumbersAlong(ray, u);
+            const MediumEvent event = walk.ThroughMedium(
+                lambda, u, rng, true, weights, [&](const SampledSpectrum &radiance, Float) { L += radiance; });
+            if (event.kind == MediumEvent::Kind::Absorbed) break;
+            if (event.kind == MediumEvent::Kind::Scattered) {
+                if (depth++ == maxDepth_) break;
+                ++ThreadCounters().pathVertices;
+                walk.ScatterInMedium(ray(event.t), medium->Phase().SampleP(-ray.d, sampler.Get2D()).wi);
+                continue;
+            }
+        }
+        walk.ForEachEmission(lambda, [&](const SampledSpectrum &Le, LightId, const Point3 &, const Normal3 &) {
+            L += weights.beta * Le;
+        });
+        if (met == PathWalk::Met::Nothing) break;
+        if (!walk.FindScattering(lambda)) continue;
+        const auto &[point, bsdf] = walk.Vertex();
+        const Float uComponent = sampler.Get1D();
+        if (bsdf.Sample(point.wo, uComponent, sampler.Get2D()))
+            throw UserError(
+                "Integrator \"simplevolpath\" follows light through media only, and a path has met a surface "
+                "that scatters; \"volpath\" renders such scenes.");
+        break;
     }
     return L;
 }

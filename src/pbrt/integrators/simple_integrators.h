@@ -33,6 +33,18 @@ class RandomWalkIntegrator final : public PixelIntegrator {
     int maxDepth_;
 };
 
+/// Path tracing through media and interface surfaces without light sampling, at one wavelength: simple enough to check
+/// the others with. Surfaces that scatter end a path, as in stock pbrt-v4.
+class SimpleVolPathIntegrator final : public PixelIntegrator {
+  public:
+    SimpleVolPathIntegrator(const PathContext &context, int maxDepth) : context_(context), maxDepth_(maxDepth) {}
+    SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
+
+  private:
+    PathContext context_;
+    int maxDepth_;
+};
+
 /// Cosine-weighted fraction of the hemisphere that is free up to maxDistance, times a unit illuminant.
 class AmbientOcclusionIntegrator final : public PixelIntegrator {
   public:

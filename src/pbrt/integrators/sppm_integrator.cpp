@@ -4,12 +4,12 @@
 #include "pbrt/core/memory.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/progress.h"
-#include "pbrt/integrators/vertex_selection.h"
+#include "pbrt/integrators/bsdf_directions.h"
 #include "pbrt/lightsamplers/simple_light_samplers.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/math/sobol.h"
 #include "pbrt/math/warps.h"
-#include "pbrt/paths/adjoint_cosine.h"
+#include "pbrt/transport/adjoint_cosine.h"
 
 namespace pbrt {
 
@@ -33,8 +33,10 @@ SppmIntegrator::SppmIntegrator(const PathContext &context, const SppmSettings &s
     : context_(context),
       settings_(settings),
       lights_(std::move(lights)),
-      shooting_(ByPowerUnless(std::move(shooting), context.scene.Lights())),
-      learner_(lights_->Learner()) {}
+      shooting_(ByPowerUnless(std::move(shooting), context.scene.Lights())) {
+    path_.maxDepth = settings.maxDepth;
+    path_.sampledLightOnly = settings.sampledLightOnly;
+}
 
 Float SppmIntegrator::RelativeRadius(int iteration) {
     const double i = iteration;
@@ -118,37 +120,6 @@ bool SppmIntegrator::Render(const RenderPass &pass) {
     return isWhole;
 }
 
-SampledSpectrum SppmIntegrator::SampleDirect(const PathVertex &vertex, const LightDistribution &lights,
-                                             const SampledWavelengths &lambda, Sampler &sampler,
-                                             LightLearner::PathPlaces &places) const {
-    const auto &[point, bsdf] = vertex;
-    const Float uSelect = sampler.Get1D();
-    Point2 uLight = sampler.Get2D();
-    const std::optional<SampledLight> chosen = lights.Sample(uSelect, &uLight);
-    if (!chosen) {
-        ++ThreadCounters().zeroLightSamples;
-        return SampledSpectrum(0);
-    }
-    const auto found = [&](const SampledSpectrum &irradiance) {
-        if (learner_) learner_->Found(places, lights.Query(), *chosen, irradiance);
-    };
-    const LightPart light = context_.scene.Lights()[chosen->light];
-    const std::optional<LightLiSample> sample =
-        light.SampleLi(ScatteringContextAt(context_.scene, point, bsdf), uLight, lambda, true);
-    SampledSpectrum f(0);
-    if (sample && sample->L && sample->pdf > 0) f = bsdf.F(point.wo, sample->wi) * AbsDot(sample->wi, point.shading.n);
-    if (!f) {
-        found(SampledSpectrum(0));
-        return f;
-    }
-    const bool isBlocked = context_.scene.Occluded(LightContextAt(point), *sample);
-    found(isBlocked ? SampledSpectrum(0) : sample->L * (AbsDot(sample->wi, point.shading.n) / sample->pdf));
-    if (isBlocked) return SampledSpectrum(0);
-    const Float pLight = chosen->pmf * sample->pdf;  // solid angle
-    const Float weight = IsDelta(light.Kind()) ? 1 : PowerHeuristic(pLight, bsdf.Pdf(point.wo, sample->wi));
-    return sample->L * f * (weight / pLight);
-}
-
 SampledSpectrum SppmIntegrator::IndirectFromPhotons(const PathVertex &vertex, const SampledWavelengths &lambda,
                                                     int scatterings) const {
     const auto &[point, bsdf] = vertex;
@@ -161,69 +132,31 @@ SampledSpectrum SppmIntegrator::IndirectFromPhotons(const PathVertex &vertex, co
     return sum * perArea_;
 }
 
-SampledSpectrum SppmIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
-    PathWalk walk(context_, start.ray, start.visible);
-    LightLearner::PathPlaces places;
-    if (learner_) places = learner_->BeginPath(start.pixel, start.sampleIndex);
-    ++ThreadCounters().cameraPaths;
-    SampledSpectrum L(0), beta(1);
-    Float etaScale = 1;
-    int depth = 0;
-    VertexSelection selections[2];
-    VertexSelection *current = &selections[0], *previous = &selections[1];
-    bool lightCouldSample = false, isLastRay = false;
-    Float pBsdf = 0;  // solid angle
-    const auto misWeight = [&](LightId id, const Point3 &p, const Normal3 &n) -> Float {
-        if (!lightCouldSample) return settings_.sampledLightOnly ? Float(0) : Float(1);
-        const Float pmf = previous->lights.PMF(id);
-        if (!(pmf > 0)) return 1;
-        return PowerHeuristic(pBsdf,
-                              pmf * context_.scene.Lights()[id].PdfLi(previous->from, walk.GetRay().d, p, n, true));
-    };
-    for (;;) {
-        const PathWalk::Met met = walk.Next();
-        if (met == PathWalk::Met::TooManyInterfaces) break;
-        walk.ForEachEmission(lambda, [&](const SampledSpectrum &Le, LightId id, const Point3 &p, const Normal3 &n) {
-            const bool ofSky = met == PathWalk::Met::Nothing && lightCouldSample;
-            const LightId part = ofSky ? previous->lights.PartTowards(id, previous->from.p, walk.GetRay().d) : id;
-            L += beta * Le * misWeight(part, p, n);
-        });
-        if (met == PathWalk::Met::Nothing) break;
-        if (!walk.FindScattering(lambda)) {
-            lightCouldSample = false;  // light sampling does not see through it
-            continue;
-        }
-        if (isLastRay || depth++ == settings_.maxDepth) break;
-        const auto &[point, bsdf] = walk.Vertex();
-        ++ThreadCounters().pathVertices;
-        if (IsNonSpecular(bsdf.Flags())) {
-            current->Prepare(*lights_, walk.Vertex(), lambda, depth);
-            L += beta * SampleDirect(walk.Vertex(), current->lights, lambda, sampler, places);
-        }
-        const bool takesPhotons = Has(bsdf.Flags(), BxdfFlags::Diffuse);
-        if (takesPhotons) L += beta * IndirectFromPhotons(walk.Vertex(), lambda, depth);
-
-        const Float uComponent = sampler.Get1D();
-        const std::optional<BsdfSample> sample = bsdf.Sample(point.wo, uComponent, sampler.Get2D());
-        if (!sample) break;
-        beta *= sample->f * (AbsDot(sample->wi, point.shading.n) / sample->pdf);
-        if (!beta) break;
-        lightCouldSample = !IsSpecular(sample->flags);
-        if (lightCouldSample) {
-            std::swap(current, previous);
-            pBsdf = sample->pdfIsProportional ? bsdf.Pdf(point.wo, sample->wi) : sample->pdf;
-            // Photons have brought all light that arrives by this scattering but the emission that its ray meets.
-            isLastRay = takesPhotons;
-        }
-        if (IsTransmissive(sample->flags)) etaScale *= Sqr(sample->eta);
-        walk.Scatter(*sample);
-        const Float survive = (beta * etaScale).MaxComponent();
-        if (survive < 1 && depth > 1 && !isLastRay) {
-            if (sampler.Get1D() >= survive) break;
-            beta /= survive;
-        }
+/// The policy of camera paths: photons at surfaces with a diffuse part bring all light that arrives by scattering there
+/// but the emission that the next ray meets.
+class SppmIntegrator::PhotonGathering {
+  public:
+    explicit PhotonGathering(const SppmIntegrator &integrator) : integrator_(integrator) {}
+    bool IsLastRay() const { return isLastRay_; }
+    bool GathersAt(const PathVertex &vertex) const { return Has(vertex.bsdf.Flags(), BxdfFlags::Diffuse); }
+    SampledSpectrum At(const PathVertex &vertex, const SampledWavelengths &lambda, int depth) const {
+        return integrator_.IndirectFromPhotons(vertex, lambda, depth);
     }
-    return L;
+    void Leave(const PathVertex &vertex, const BsdfSample &sample) {
+        if (!IsSpecular(sample.flags)) isLastRay_ = GathersAt(vertex);
+    }
+
+  private:
+    const SppmIntegrator &integrator_;
+    bool isLastRay_ = false;
+};
+
+SampledSpectrum SppmIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
+    const CameraPathSetup setup{context_, path_, *lights_, lights_->Observer()};
+    BsdfDirections bsdf;
+    return CameraPath<SurfaceThroughput, BsdfDirections, PhotonGathering>(setup, start, lambda, sampler, bsdf,
+                                                                          PhotonGathering(*this))
+        .Follow();
 }
 
 }  // namespace pbrt

@@ -1,9 +1,8 @@
 #pragma once
 #include <memory>
 
+#include "pbrt/integrators/camera_path.h"
 #include "pbrt/integrators/photon_map.h"
-#include "pbrt/integrators/pixel_integrator.h"
-#include "pbrt/lightsamplers/light_learner.h"
 
 namespace pbrt {
 
@@ -33,7 +32,7 @@ class SppmIntegrator final : public PixelIntegrator {
     bool Render(const RenderPass &pass) override;
     int MaxPassSamples() const override { return 1; }
     SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
-    LightLearner *Learner() override { return learner_; }
+    OnlineModel *Model() override { return lights_->Model(); }
     const LightSampler *Lights() const override { return lights_.get(); }
     const LightSampler *ShootingLights() const override { return shooting_.get(); }
 
@@ -47,16 +46,15 @@ class SppmIntegrator final : public PixelIntegrator {
 
   private:
     void TraceLightPath(const SampledWavelengths &lambda, uint64_t index, std::vector<Photon> &photons) const;
-    SampledSpectrum SampleDirect(const PathVertex &vertex, const LightDistribution &lights,
-                                 const SampledWavelengths &lambda, Sampler &sampler,
-                                 LightLearner::PathPlaces &places) const;
     SampledSpectrum IndirectFromPhotons(const PathVertex &vertex, const SampledWavelengths &lambda,
                                         int scatterings) const;
 
+    class PhotonGathering;
+
     PathContext context_;
     SppmSettings settings_;
+    PathSettings path_;  ///< of camera paths
     std::unique_ptr<LightSampler> lights_, shooting_;
-    LightLearner *learner_;
     // Of the iteration that is rendered.
     PhotonMap map_;
     Float uWavelengths_ = 0, perArea_ = 0;

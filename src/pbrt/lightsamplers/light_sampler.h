@@ -19,7 +19,8 @@ class HenyeyGreenstein;
 class Camera;
 class Filter;
 class SampledWavelengths;
-class LightLearner;
+class OnlineModel;
+class PathObserver;
 class Ranks;
 class StateReader;
 class StateWriter;
@@ -51,7 +52,7 @@ struct InspectedValue {
 struct SampledLight {
     LightId light{};
     Float pmf = 0;  ///< discrete probability
-    /// Set by samplers that learn (LightLearner): the estimated unoccluded contribution of the light; and its share in
+    /// Set by samplers that learn (PathObserver): the estimated unoccluded contribution of the light; and its share in
     /// the sum over all lights, divided by the probability of choosing the light.
     Float unoccluded = 0, weight = 0;
 };
@@ -138,8 +139,9 @@ class LightSampler {
         (void)infinite;
         return {};
     }
-    /// Null if nothing is learned after Prepare.
-    virtual LightLearner *Learner() { return nullptr; }
+    /// Null if nothing is learned after Prepare; else what is updated between waves, from records of its observer.
+    virtual OnlineModel *Model() { return nullptr; }
+    virtual PathObserver *Observer() { return nullptr; }
     /// True if SaveLearned writes something. Other samplers are made anew by Prepare, which gives the same bits
     /// whenever scene, camera, seed and numbers in PrepareContext are the same.
     virtual bool SavesLearned() const { return false; }

@@ -51,7 +51,7 @@ Float NearestLightSampler::GroupProbability(const LightQuery &, const void *weig
     return w.sum > 0 ? w.of[group] / w.sum : 0;
 }
 
-void register_nearest(LightSamplerRegistry &registry) {
+void register_nearest(PluginRegistry &registry) {
     registry.samplers.Add<NoParams>("nearest", "By the inverse square of the distance.",
                                     [](NoParams, const ParamSet &, const LightGroups &groups) {
                                         return std::make_unique<NearestLightSampler>(groups);

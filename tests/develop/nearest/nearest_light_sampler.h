@@ -1,8 +1,8 @@
 #pragma once
 #include <vector>
 
+#include "pbrt/integrators/registry.h"
 #include "pbrt/lightsamplers/group_light_sampler.h"
-#include "pbrt/lightsamplers/registry.h"
 
 /// Chooses lights by the inverse square of their distance; those at infinity count as if they were one unit away.
 class NearestLightSampler final : public pbrt::GroupLightSampler {
@@ -23,4 +23,4 @@ class NearestLightSampler final : public pbrt::GroupLightSampler {
     std::vector<Place> places_;  ///< per group
 };
 
-void register_nearest(pbrt::LightSamplerRegistry &registry);
+void register_nearest(pbrt::PluginRegistry &registry);

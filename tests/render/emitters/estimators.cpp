@@ -4,7 +4,7 @@
 #include "pbrt/integrators/path_integrator.h"
 #include "pbrt/integrators/render_loop.h"
 #include "pbrt/integrators/simple_integrators.h"
-#include "pbrt/lightsamplers/light_query.h"
+#include "pbrt/transport/light_query.h"
 #include "support/build_text.h"
 #include "support/wrapped_sampler.h"
 
@@ -69,7 +69,7 @@ class WithoutSeenLamps final : public PixelIntegrator {
     WithoutSeenLamps(const Scene &scene, std::unique_ptr<PixelIntegrator> inner)
         : scene_(scene), inner_(std::move(inner)) {}
     void Prepare(PrepareContext &context) override { inner_->Prepare(context); }
-    LightLearner *Learner() override { return inner_->Learner(); }
+    OnlineModel *Model() override { return inner_->Model(); }
     SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override {
         std::optional<SurfacePoint> point = scene_.Intersect(start.ray.ray);
         if (point && point->light) return SampledSpectrum(0);

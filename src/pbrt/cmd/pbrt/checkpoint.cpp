@@ -7,7 +7,7 @@
 #include "pbrt/core/count_text.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
-#include "pbrt/lightsamplers/light_learner.h"
+#include "pbrt/core/online_model.h"
 
 namespace pbrt {
 
@@ -87,8 +87,8 @@ void Checkpoint::Begin(const BuiltScene &built, RenderSettings *settings) {
     }
     file_->LoadFilm(*built.film);
     settings->from = RenderPosition{head_.done, head_.passCount, file_->PassDone(), path_};
-    const LightLearner *learner = built.integrator->Learner();
-    const int next = learner ? learner->NextLearning() : 0, ahead = head_.done + head_.passCount;
+    const OnlineModel *learner = built.integrator->Model();
+    const int next = learner ? learner->NextUpdate() : 0, ahead = head_.done + head_.passCount;
     StateReader({}, path_).Require(head_.samplesPerBatch == built.samplesPerPixel &&
                                        head_.passCount <= head_.samplesPerBatch - head_.done % head_.samplesPerBatch &&
                                        head_.passCount <= built.integrator->MaxPassSamples() &&

@@ -42,7 +42,7 @@ void LearnedLights::Check(const BuiltScene &built) const {
     const LightSampler *lights = built.integrator->Lights();
     if (!lights)
         throw UserError(fmt::format("{}: the integrator \"{}\" uses no light sampler.", flag, built.integratorName));
-    if (!lights->SavesLearned() && !built.integrator->Guide())
+    if (!lights->SavesLearned() && !built.integrator->Directions())
         throw UserError(fmt::format("{}: the light sampler \"{}\" learns nothing that could be saved.", flag,
                                     built.lightSamplerName));
     if (!loaded_) return;

@@ -61,11 +61,13 @@ int main(int argc, char **argv) {
         return 1;
     };
     try {
-        LightSamplerRegistry registry;
+        PluginRegistry registry;
         RegisterPlugins(registry);
         if (!options.list.empty()) {
             if (isSilent) return 0;
-            std::fputs((options.list == "lightsamplers" ? registry.Listing() : ListWhat(options.list)).c_str(), stdout);
+            std::fputs(
+                (options.list == "lightsamplers" ? registry.Listing() : ListWhat(options.list, registry)).c_str(),
+                stdout);
             return 0;
         }
         ThreadLimit threads(ThreadsOf(options, announced));

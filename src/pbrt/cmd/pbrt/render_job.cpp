@@ -238,7 +238,7 @@ void SayKept(const Checkpoint &checkpoint, const RenderResult &result) {
 
 }  // namespace
 
-int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registry, Ranks *ranks, Progress &progress,
+int RunRenderJob(const CommandLine &options, const PluginRegistry &registry, Ranks *ranks, Progress &progress,
                  SignalWatch &signals, LiveView &live) {
     if (options.memoryLimit > 0) LimitMemory(options.memoryLimit);
     const bool isFirst = !ranks || ranks->IsFirst();

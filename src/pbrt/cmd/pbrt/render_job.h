@@ -3,7 +3,7 @@
 #include "pbrt/cmd/pbrt/live_view.h"
 #include "pbrt/core/ranks.h"
 #include "pbrt/core/signal_watch.h"
-#include "pbrt/lightsamplers/registry.h"
+#include "pbrt/integrators/registry.h"
 
 namespace pbrt {
 
@@ -11,7 +11,7 @@ namespace pbrt {
 /// a signal that ended the render early; what was rendered until then is saved.
 /// `ranks`: null, or the processes that render the image together, all of which call this; the first one writes.
 /// `live` shows the picture as it grows.
-int RunRenderJob(const CommandLine &options, const LightSamplerRegistry &registry, Ranks *ranks, Progress &progress,
+int RunRenderJob(const CommandLine &options, const PluginRegistry &registry, Ranks *ranks, Progress &progress,
                  SignalWatch &signals, LiveView &live);
 
 }  // namespace pbrt

@@ -13,7 +13,7 @@
 #include "pbrt/core/counters.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/version.h"
-#include "pbrt/integrators/path_guide.h"
+#include "pbrt/integrators/direction_sampling.h"
 
 namespace pbrt {
 
@@ -81,7 +81,7 @@ ImageMetadata DescribeImage(const CommandLine &options, const BuiltScene &built,
         m.attributes["shootingSampler"] = built.shootingSamplerName;
         AddReport(*shooting, "shootingSampler.", &m);
     }
-    if (const PathGuide *guide = built.integrator->Guide()) AddReport(*guide, "guide.", &m);
+    if (const DirectionSampling *guide = built.integrator->Directions()) AddReport(*guide, "guide.", &m);
     return m;
 }
 
@@ -126,7 +126,7 @@ void PrintStatistics(const BuiltScene &built, const RenderResult &result, const 
     if (const LightSampler *lights = built.integrator->Lights()) list("light sampler", built.lightSamplerName, *lights);
     if (const LightSampler *shooting = built.integrator->ShootingLights())
         list("light paths begin by", built.shootingSamplerName, *shooting);
-    if (const PathGuide *guide = built.integrator->Guide()) list("guide", "", *guide);
+    if (const DirectionSampling *guide = built.integrator->Directions()) list("guide", "", *guide);
 }
 
 void PrintStatisticsJson(const CommandLine &options, const BuiltScene &built, const RenderResult &result,
@@ -182,7 +182,7 @@ void PrintStatisticsJson(const CommandLine &options, const BuiltScene &built, co
           {"samplesDropped", built.film->RejectedSamples()}}},
         {"lightSampler", report(built.lightSamplerName, built.integrator->Lights())},
         {"shootingSampler", report(built.shootingSamplerName, built.integrator->ShootingLights())},
-        {"guide", report("guide", built.integrator->Guide())}};
+        {"guide", report("guide", built.integrator->Directions())}};
     std::printf("%s\n", json.dump(1, ' ', false, Json::error_handler_t::replace).c_str());
 }
 

@@ -20,7 +20,7 @@ VisibilityRecords Collect(RenderRecords &records, int first, int end, bool backw
         const int k = backwards ? count - 1 - static_cast<int>(i) : static_cast<int>(i);
         const Point2i pixel(kPixels.low.x + k % width, kPixels.low.y + k / width);
         for (int sample = first; sample < end; ++sample) {
-            LightLearner::PathPlaces path = records.BeginPath(pixel, sample);
+            PathObserver::PathPlaces path = records.BeginPath(pixel, sample);
             for (int v = 0; v < 3; ++v)
                 records.Add(
                     path, Point3(static_cast<Float>(pixel.x), static_cast<Float>(pixel.y), static_cast<Float>(sample)),
@@ -74,7 +74,7 @@ TEST(RenderRecords, WhatDoesNotFitIsLeftOutEvenly) {
 TEST(RenderRecords, SurfacesAndMediaAreKeptApart) {
     RenderRecords records;
     records.Begin(kPixels, 0, 1, 3, 100000);
-    LightLearner::PathPlaces path = records.BeginPath(kPixels.low, 0);
+    PathObserver::PathPlaces path = records.BeginPath(kPixels.low, 0);
     for (uint32_t v = 0; v < 3; ++v) records.Add(path, Point3(static_cast<Float>(v)), v == 1, {v, 1, 1, 1});
     VisibilityRecords surfaces, media;
     records.AppendTo(&surfaces, false);

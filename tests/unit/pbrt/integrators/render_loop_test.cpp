@@ -11,10 +11,10 @@
 #include <sstream>
 #include <thread>
 
+#include "pbrt/core/online_model.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/integrators/pass_parts.h"
 #include "pbrt/integrators/sample_plan.h"
-#include "pbrt/lightsamplers/light_learner.h"
 #include "pbrt/math/transform.h"
 #include "support/ranks_on_threads.h"
 #include "support/small_files.h"
@@ -23,15 +23,13 @@ namespace pbrt::test {
 namespace {
 
 /// Learns after the given numbers of samples.
-class ListedLearner final : public LightLearner {
+class ListedLearner final : public OnlineModel {
   public:
     explicit ListedLearner(std::vector<int> at) : at_(std::move(at)) {}
-    int NextLearning() const override { return next_ < at_.size() ? at_[next_] : 0; }
-    PathPlaces BeginPath(Point2i, int) const override { return {}; }
-    void Found(PathPlaces &, const LightQuery &, const SampledLight &, const SampledSpectrum &) override {}
-    void Learn(const Progress &) override { ++next_; }
-    void TakeFound(StateWriter &) override {}
-    void AddFound(StateReader &) override {}
+    int NextUpdate() const override { return next_ < at_.size() ? at_[next_] : 0; }
+    void Update(const Progress &) override { ++next_; }
+    void ExtractRecords(StateWriter &) override {}
+    void MergeRecords(StateReader &) override {}
 
   private:
     std::vector<int> at_;
@@ -90,7 +88,7 @@ class Recorder final : public Integrator {
         }
         return true;
     }
-    LightLearner *Learner() override { return learner.get(); }
+    OnlineModel *Model() override { return learner.get(); }
     std::vector<int> Counts() const {
         std::vector<int> counts;
         for (const Pass &p : passes) counts.push_back(p.count);
@@ -233,7 +231,7 @@ TEST_F(RenderLoop, LearningHappensAfterTheSamplesThatTheLearnerNames) {
     integrator_.learner = std::make_unique<ListedLearner>(std::vector<int>{1, 6, 7});
     Run();
     EXPECT_EQ(integrator_.Counts(), (std::vector<int>{1, 1, 2, 2, 1, 13}));
-    EXPECT_EQ(integrator_.learner->NextLearning(), 0);
+    EXPECT_EQ(integrator_.learner->NextUpdate(), 0);
 }
 
 TEST_F(RenderLoop, LearningBeforeAWaveIsDoneOnce) {
@@ -241,12 +239,12 @@ TEST_F(RenderLoop, LearningBeforeAWaveIsDoneOnce) {
     integrator_.learner = std::make_unique<ListedLearner>(std::vector<int>{2, 5});
     WaveRenderer renderer = Renderer();
     renderer.LearnIfDue();
-    EXPECT_EQ(integrator_.learner->NextLearning(), 2);
+    EXPECT_EQ(integrator_.learner->NextUpdate(), 2);
     EXPECT_EQ(renderer.Render(9), 2);
-    EXPECT_EQ(integrator_.learner->NextLearning(), 2);
+    EXPECT_EQ(integrator_.learner->NextUpdate(), 2);
     renderer.LearnIfDue();
     renderer.LearnIfDue();
-    EXPECT_EQ(integrator_.learner->NextLearning(), 5);
+    EXPECT_EQ(integrator_.learner->NextUpdate(), 5);
     EXPECT_EQ(renderer.Render(9), 3);
 }
 

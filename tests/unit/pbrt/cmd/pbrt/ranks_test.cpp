@@ -101,6 +101,7 @@ TEST_F(Mpi, AnyNumberOfProcessesGivesTheSameBits) {
 }
 
 TEST_F(Mpi, GuidedPaths) {
+    PBRT_SKIP_WITHOUT_EXT();
     Write("scene.pbrt", GuidedScene(24));
     StartAs(1);
     const ImageFile one = Render(lights_ + "--guide scene.pbrt --nthreads 1");

@@ -1,0 +1,58 @@
+#include "ext/baselines/neepp/neepp_light_sampler.h"
+
+#include <nlohmann/json.hpp>
+
+#include "pbrt/core/effective_params_text.h"
+
+namespace ext {
+
+NeeppLightSampler::NeeppLightSampler(const LightTable &lights, const NeeppParams &params)
+    : VoxelLightSampler(params.meshlights ? lights.Wholes() : lights.Parts()),
+      params_(params),
+      map_(params.voxels, params.samples) {}
+
+void NeeppLightSampler::Prepare(PrepareContext &context) {
+    if (groups_.Size() <= 1) return;
+    map_.Prepare(context, groups_);
+    cdfs_.Reset(map_.Grid().Size(), groups_.Size());
+    prepared_ = true;
+}
+
+std::span<const uint32_t> NeeppLightSampler::Cdf(const Point3 &p) const {
+    if (!prepared_) return {};
+    uint32_t voxel = map_.Grid().Index(p);
+    return cdfs_.Get(voxel, [&](std::span<uint32_t> begins) {
+        std::span<const uint8_t> row = map_.Row(voxel);
+        std::vector<double> weights(groups_.Size());
+        for (uint32_t g = 0; g < weights.size(); ++g)
+            weights[g] = static_cast<double>(std::max(map_.GroupVisibility(row, g), params_.floor));
+        BuildFixedCdf(weights, begins);
+    });
+}
+
+void NeeppLightSampler::Report(nlohmann::ordered_json &report) const {
+    report["parameters"] = EffectiveParamsText(params_);
+    GroupLightSampler::Report(report);
+    map_.Report(report);
+    report["bytes"] = report["bytes"].get<size_t>() + cdfs_.Bytes();
+}
+
+void NeeppLightSampler::Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const {
+    Float mean = 0;
+    uint32_t voxel = map_.Grid().Index(query.p), seen = 0;
+    if (prepared_) {
+        std::span<const uint8_t> row = map_.Row(voxel);
+        for (uint32_t g = 0; g < groups_.Size(); ++g) {
+            Float v = map_.GroupVisibility(row, g);
+            mean += v / static_cast<Float>(groups_.Size());
+            seen += v > 0;
+        }
+    }
+    values.push_back({"voxel", static_cast<double>(voxel), true});
+    values.push_back({"groups with any visibility", static_cast<double>(seen), false});
+    values.push_back({"mean visibility of the groups", static_cast<double>(mean), false});
+}
+
+std::string NeeppLightSampler::DescribeStructure() const { return prepared_ ? map_.Describe() : std::string(); }
+
+}  // namespace ext

@@ -1,0 +1,88 @@
+#include "ext/baselines/oracle/least_variance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace ext {
+
+namespace {
+constexpr int kMaxSteps = 30;
+constexpr double kTolerance = 1e-3;
+
+double Square(Float v) { return static_cast<double>(v) * static_cast<double>(v); }
+
+/// The term of S(p) for one point with value 1. Computed relative to the larger of p and r, so that nothing under- or
+/// overflows.
+double Moment(double p, double r) {
+    const double s = std::max(p, r);
+    if (!(s > 0)) return std::numeric_limits<double>::infinity();
+    p /= s;
+    r /= s;
+    const double d = p * p + r * r;
+    return (p * p * p + r * r * r) / (d * d * s);
+}
+
+/// -d Moment / d p times p^2: 1 for r = 0. Never negative: x^3 - 3x + 4 > 0 for x = p/r >= 0.
+double Gain(double p, double r) {
+    const double s = std::max(p, r);
+    p /= s;
+    r /= s;
+    const double d = p * p + r * r;
+    return p * p * p * (p * p * p - 3 * p * r * r + 4 * r * r * r) / (d * d * d);
+}
+}  // namespace
+
+bool LeastVariancePmf(std::span<const LightPoint> points, std::span<double> pmf) {
+    const size_t lights = pmf.size(), perLight = lights ? points.size() / lights : 0;
+    auto of = [&](size_t light) { return points.subspan(light * perLight, perLight); };
+    // Start as if there were no BSDF sampling.
+    double total = 0;
+    bool anyRatio = false;
+    for (size_t l = 0; l < lights; ++l) {
+        double m = 0;
+        for (const LightPoint &y : of(l)) {
+            m += Square(y.value);
+            anyRatio = anyRatio || (y.value > 0 && y.ratio > 0);
+        }
+        total += std::sqrt(m);
+    }
+    if (!(total > 0) || !std::isfinite(total)) return false;
+    for (size_t l = 0; l < lights; ++l) {
+        double m = 0;
+        for (const LightPoint &y : of(l)) m += Square(y.value);
+        pmf[l] = std::sqrt(m) / total;
+    }
+    if (!anyRatio || lights == 1) return true;
+
+    for (int step = 0; step < kMaxSteps; ++step) {
+        double sum = 0, least = std::numeric_limits<double>::infinity(), most = 0;
+        for (size_t l = 0; l < lights; ++l) {
+            double p = pmf[l], gain = 0;
+            if (!(p > 0)) continue;
+            for (const LightPoint &y : of(l)) gain += Square(y.value) * Gain(p, static_cast<double>(y.ratio));
+            double target = std::sqrt(gain);  // up to normalisation
+            if (p > kTolerance) {
+                least = std::min(least, target / p);
+                most = std::max(most, target / p);
+            }
+            // Half of the way, in the logarithm: the full step can swing around the minimum.
+            sum += pmf[l] = std::sqrt(p * target);
+        }
+        for (size_t l = 0; l < lights; ++l) pmf[l] /= sum;
+        if (most <= least * (1 + kTolerance)) break;
+    }
+    return true;
+}
+
+double SecondMoment(std::span<const LightPoint> points, std::span<const double> pmf) {
+    const size_t perLight = pmf.empty() ? 0 : points.size() / pmf.size();
+    double sum = 0;
+    for (size_t l = 0; l < pmf.size(); ++l)
+        for (const LightPoint &y : points.subspan(l * perLight, perLight))
+            if (y.value > 0)
+                sum += Square(y.value) * Moment(pmf[l], static_cast<double>(y.ratio)) / static_cast<double>(perLight);
+    return sum;
+}
+
+}  // namespace ext

@@ -1,0 +1,131 @@
+#include "ext/baselines/spatial/spatial_light_sampler.h"
+
+#include <algorithm>
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <numeric>
+
+#include "pbrt/core/effective_params_text.h"
+#include "pbrt/core/log.h"
+#include "pbrt/core/parallel.h"
+#include "pbrt/math/low_discrepancy.h"
+#include "pbrt/scene/scene.h"
+
+namespace ext {
+
+namespace {
+/// Makes the shifts of the points independent of every other use of the seed.
+constexpr uint64_t kStream = 0x7370617469616cull;
+
+/// u + shift modulo 1.
+Float Shifted(Float u, Float shift) {
+    Float v = u + shift;
+    return std::min(v < 1 ? v : v - 1, OneMinusEpsilon);
+}
+}  // namespace
+
+SpatialLightSampler::SpatialLightSampler(const LightTable &lights, const SpatialParams &params)
+    : VoxelLightSampler(params.meshlights ? lights.Wholes() : lights.Parts()), lights_(lights), params_(params) {
+    points_.resize(static_cast<size_t>(params.samples));
+    for (size_t i = 0; i < points_.size(); ++i) {
+        points_[i].place = {RadicalInverse(2, i), RadicalInverse(3, i), RadicalInverse(5, i)};
+        points_[i].uLight = {RadicalInverse(7, i), RadicalInverse(11, i)};
+        points_[i].uMember = RadicalInverse(13, i);
+    }
+}
+
+void SpatialLightSampler::Prepare(PrepareContext &context) {
+    if (groups_.Size() <= 1) return;
+    auto start = std::chrono::steady_clock::now();
+    grid_ = VoxelGrid(context.scene.Bounds(), params_.voxels);
+    cdfs_.Reset(grid_.Size(), groups_.Size());
+    seed_ = context.seed;
+    prepared_ = true;
+    auto work = static_cast<double>(grid_.BorderSize()) * static_cast<double>(groups_.Size()) * params_.samples;
+    if (work > 3e8)
+        LogWarning(
+            fmt::format("spatial: the distributions over {} lights take about {:.1e} light samples, {} for every "
+                        "voxel that a path enters for the first time.",
+                        groups_.Size(), work, groups_.Size() * points_.size()));
+    prepareSeconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+std::vector<double> SpatialLightSampler::UnshadowedContributions(uint32_t voxel) const {
+    Rng rng(Hash(kStream, seed_, voxel));
+    Vector3 shiftPlace{rng.Uniform(), rng.Uniform(), rng.Uniform()};
+    Float shiftMember = rng.Uniform();
+    Point2 shiftLight = rng.Uniform2();
+    std::vector<double> mean(groups_.Size(), 0.0);
+    for (const VoxelPoint &point : points_) {
+        LightSampleContext from;  // no normals: a point in space
+        Vector3 place(Shifted(point.place.x, shiftPlace.x), Shifted(point.place.y, shiftPlace.y),
+                      Shifted(point.place.z, shiftPlace.z));
+        from.p = grid_.PointIn(voxel, place);
+        Float uMember = Shifted(point.uMember, shiftMember);
+        Point2 u(Shifted(point.uLight.x, shiftLight.x), Shifted(point.uLight.y, shiftLight.y));
+        for (uint32_t g = 0; g < mean.size(); ++g) {
+            LightId light = groups_.SampleLight(g, uMember);
+            std::optional<LightLiSample> sample =
+                lights_[light].SampleLi(from, u, SampledWavelengths::WholeRange(), true);
+            if (!sample || !sample->L || !(sample->pdf > 0)) continue;
+            // Le G / p by area equals Le / p by solid angle where there is no cosine at the point.
+            const double value = RootMeanSquare(sample->L) / (double(sample->pdf) * double(groups_.ShareOf(light)));
+            if (std::isfinite(value)) mean[g] += value;
+        }
+    }
+    for (double &m : mean) m /= static_cast<double>(points_.size());
+    return mean;
+}
+
+std::span<const uint32_t> SpatialLightSampler::Cdf(const Point3 &p) const {
+    if (!prepared_) return {};
+    uint32_t voxel = grid_.Index(p);
+    return cdfs_.Get(voxel, [&](std::span<uint32_t> begins) {
+        std::vector<double> f = UnshadowedContributions(voxel);
+        double least = std::accumulate(f.begin(), f.end(), 0.0) / static_cast<double>(f.size()) *
+                       static_cast<double>(params_.floor);
+        for (double &v : f) v = std::max(v, least);
+        BuildFixedCdf(f, begins);
+    });
+}
+
+void SpatialLightSampler::Report(nlohmann::ordered_json &report) const {
+    report["parameters"] = EffectiveParamsText(params_);
+    GroupLightSampler::Report(report);
+    report["prepassSeconds"] = 0.0;
+    // Voxels are filled while rendering, by all threads; a thread that fills does not render.
+    report["buildSeconds"] = prepareSeconds_ + cdfs_.FillThreadSeconds() / std::max(1, ThreadCount());
+    report["fillThreadSeconds"] = cdfs_.FillThreadSeconds();
+    report["voxels"] = cdfs_.Size();
+    report["voxelsFilled"] = cdfs_.Filled();
+    report["voxelsFilledTwice"] = cdfs_.Discarded();
+    report["bytes"] = cdfs_.Bytes() + points_.capacity() * sizeof(VoxelPoint);
+}
+
+void SpatialLightSampler::Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const {
+    uint32_t strongest = 0;
+    Float share = groups_.Size() > 0 ? 1 / static_cast<Float>(groups_.Size()) : 0;
+    if (prepared_) {
+        std::span<const uint32_t> cdf = Cdf(query.p);
+        for (uint32_t g = 1; g < cdf.size(); ++g)
+            if (FixedCdfPMF(cdf, g) > FixedCdfPMF(cdf, strongest)) strongest = g;
+        share = FixedCdfPMF(cdf, strongest);
+    }
+    values.push_back({"voxel", static_cast<double>(grid_.Index(query.p)), true});
+    values.push_back({"strongest group", static_cast<double>(strongest), true});
+    values.push_back({"share of the strongest group", static_cast<double>(share), false});
+}
+
+std::string SpatialLightSampler::DescribeStructure() const {
+    if (!prepared_) return {};
+    const glm::ivec3 &r = grid_.Resolution();
+    const Vector3 &s = grid_.VoxelSize();
+    return fmt::format(
+        "grid of {} x {} x {} voxels, {:.4g} x {:.4g} x {:.4g} each\n"
+        "{} of {} voxels filled, {} groups of lights in each, {} KB\n"
+        "{} points and {} light samples a voxel, {:.3f} s of thread time to fill them\n",
+        r.x, r.y, r.z, s.x, s.y, s.z, cdfs_.Filled(), cdfs_.Size(), groups_.Size(), cdfs_.Bytes() / 1000,
+        points_.size(), points_.size() * groups_.Size(), cdfs_.FillThreadSeconds());
+}
+
+}  // namespace ext

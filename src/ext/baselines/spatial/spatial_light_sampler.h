@@ -1,0 +1,50 @@
+#pragma once
+#include "ext/baselines/spatial/spatial_params.h"
+#include "ext/voxels/lazy_rows.h"
+#include "ext/voxels/voxel_grid.h"
+#include "ext/voxels/voxel_light_sampler.h"
+#include "pbrt/lightsamplers/light_sampler.h"
+
+namespace ext {
+
+/// Chooses lights in proportion to what they would contribute to a voxel if nothing were in the way: Eq. 3 of "Enhanced
+/// Direct Lighting Using Visibility-Aware Light Sampling" (Noh, Choi, Moon 2023), Le G / p over low-discrepancy points
+/// of the voxel. The points lie in space, so G has the light's cosine and the distance but no cosine at the point (as
+/// in pbrt-v3).
+///
+/// A voxel's distribution is made when a path first asks for it and depends on the voxel and the seed only. Before
+/// Prepare there is no grid and all groups have the same share.
+class SpatialLightSampler final : public VoxelLightSampler {
+  public:
+    SpatialLightSampler(const LightTable &lights, const SpatialParams &params);
+
+    void Prepare(PrepareContext &context) override;
+    void Report(nlohmann::ordered_json &report) const override;
+    void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override;
+    std::string DescribeStructure() const override;
+
+    const VoxelGrid &Grid() const { return grid_; }
+    /// Eq. 3 for every group, without the floor.
+    std::vector<double> UnshadowedContributions(uint32_t voxel) const;
+
+  private:
+    /// One low-discrepancy point: its place in the voxel, and the uniform numbers for the light sample. All in [0, 1).
+    struct VoxelPoint {
+        Vector3 place{};
+        Float uMember = 0;
+        Point2 uLight{};
+    };
+    /// Fills the voxel's distribution if it is empty.
+    std::span<const uint32_t> Cdf(const Point3 &p) const override;
+
+    const LightTable &lights_;
+    SpatialParams params_;
+    VoxelGrid grid_;
+    std::vector<VoxelPoint> points_;
+    LazyRows<uint32_t> cdfs_;  ///< per voxel
+    bool prepared_ = false;    ///< false: one group or none, or Prepare was not called
+    int seed_ = 0;
+    double prepareSeconds_ = 0;
+};
+
+}  // namespace ext

@@ -1,0 +1,199 @@
+#include "ext/emission/seen_light.h"
+
+#include "ext/prepass/prepass_paths.h"
+#include "pbrt/math/warps.h"
+#include "pbrt/transport/direct_light.h"
+#include "pbrt/transport/path_walk.h"
+
+namespace ext {
+
+namespace {
+
+/// Makes the random numbers of this prepass independent of every other use of the seed.
+constexpr uint64_t kStream = 0x7365656eull;
+/// Paths have at most so many vertices, whatever the render's may have.
+constexpr int kMaxDepth = 8;
+/// No find counts more than so many times the mean.
+constexpr double kLargest = 100;
+/// How much a tile counts: one over the square of its mean and this part of the picture's.
+constexpr double kPlain = 0.1;
+
+struct Find {
+    uint32_t group;
+    double value;
+};
+
+/// One camera path, and what it finds.
+class SeenPath {
+  public:
+    SeenPath(const PrepareContext &context, const GroupLightSampler &chooser, PrepassPath &path,
+             std::vector<Find> &finds)
+        : context_(context),
+          scene_(context.scene),
+          chooser_(chooser),
+          finds_(finds),
+          rng_(path.rng),
+          lambda_(path.lambda) {
+        Follow(path.start);
+    }
+
+  private:
+    void Follow(const CameraRay &start) {
+        const PathContext paths{scene_, context_.camera, context_.samplesPerPixel, scene_.NeedsFootprints()};
+        PathWalk walk(paths, start);
+        const int most = std::min(context_.maxDepth, kMaxDepth);
+        bool anyNonSpecular = false;
+        for (int depth = 0;;) {
+            const PathWalk::Met met = walk.Next();
+            if (met == PathWalk::Met::TooManyInterfaces) return;
+            if (const Medium *medium = walk.MediumAhead()) {
+                const Ray &ray = walk.GetRay();
+                const Float u = rng_.Uniform();
+                const MediumEvent event =
+                    walk.ThroughMedium(lambda_, u, rng_, false, weights_, [](const SampledSpectrum &, Float) {});
+                if (event.kind == MediumEvent::Kind::Absorbed) return;
+                if (event.kind == MediumEvent::Kind::Scattered) {
+                    if (depth++ == most) return;
+                    const HenyeyGreenstein &phase = medium->Phase();
+                    const Point3 p = ray(event.t);
+                    const Vector3 wo = -ray.d;
+                    query_ = LightQueryInMedium(p, wo, ray.medium, phase, ray.time, lambda_, depth);
+                    from_ = {p, {}, {}, {}, ray.time};
+                    SampleLight(
+                        from_,
+                        [&](const Vector3 &wi) {
+                            return Scattering{SampledSpectrum(phase.P(wo, wi)), 1};
+                        },
+                        [&](const Vector3 &wi) { return phase.P(wo, wi); },
+                        [&](const Vector3 &) { return ray.medium; });
+                    const auto scattered = phase.SampleP(wo, rng_.Uniform2());
+                    pdf_ = scattered.p;
+                    anyNonSpecular = true;
+                    walk.ScatterInMedium(p, scattered.wi);
+                    continue;
+                }
+            }
+            if (anyNonSpecular)
+                walk.ForEachEmission(lambda_,
+                                     [&](const SampledSpectrum &Le, LightId id, const Point3 &p, const Normal3 &n) {
+                                         Hit(weights_.beta * Le, id, walk.GetRay().d, p, n);
+                                     });
+            if (met == PathWalk::Met::Nothing) return;
+            if (!walk.FindScattering(lambda_)) continue;
+            if (depth++ == most) return;
+            const auto &[point, bsdf] = walk.Vertex();
+            if (IsNonSpecular(bsdf.Flags())) {
+                query_ = LightQueryAt(walk.Vertex(), lambda_, depth);
+                from_ = LightContextAt(point);
+                SampleLight(
+                    ScatteringContextAt(scene_, point, bsdf),
+                    [&](const Vector3 &wi) {
+                        return Scattering{bsdf.F(point.wo, wi), AbsDot(wi, point.shading.n)};
+                    },
+                    [&](const Vector3 &wi) { return bsdf.Pdf(point.wo, wi); },
+                    [&](const Vector3 &wi) { return point.MediumTowards(wi); });
+            }
+            const Float uc = rng_.Uniform();
+            const std::optional<BsdfSample> sample = bsdf.Sample(point.wo, uc, rng_.Uniform2());
+            if (!sample) return;
+            weights_.beta *= sample->f * (AbsDot(sample->wi, point.shading.n) / sample->pdf);
+            if (!weights_.beta) return;
+            pdf_ = IsSpecular(sample->flags)   ? 0
+                   : sample->pdfIsProportional ? bsdf.Pdf(point.wo, sample->wi)
+                                               : sample->pdf;
+            anyNonSpecular = anyNonSpecular || pdf_ > 0;
+            walk.Scatter(*sample);
+            if (depth > 1) {
+                const Float survive = weights_.beta.MaxComponent();
+                if (survive < 1) {
+                    if (rng_.Uniform() >= survive) return;
+                    weights_.beta /= survive;
+                }
+            }
+        }
+    }
+
+    /// `densities`: as SpectralWeights::ru.
+    void Add(const SampledSpectrum &L, LightId light, const SampledSpectrum &densities) {
+        const double value = double(SafeDivide(L, lambda_.Pdf()).Average()) / double(densities.Average());
+        if (value > 0 && std::isfinite(value)) finds_.push_back({chooser_.Groups().GroupOf(light), value});
+    }
+
+    /// `pdf(wi)`: the density with which scattering draws a direction.
+    template <class Scatter, class Pdf, class MediumTowards>
+    void SampleLight(const LightSampleContext &at, Scatter &&scatter, Pdf &&pdf, MediumTowards &&mediumTowards) {
+        lights_ = chooser_.At(query_, memory_);
+        const Float u = rng_.Uniform();
+        const auto trace = [&](const LightLiSample &to, const Point2 &) {
+            return scene_.HasMedia() ? TraceShadow(scene_, from_, mediumTowards(to.wi), to, lambda_, rng_)
+                                     : TraceShadowRay(scene_, from_, to);
+        };
+        ObservedPath unobserved;
+        const std::optional<DirectLight> light = SampleDirectLight(scene_.Lights(), lights_, at, lambda_, true, u,
+                                                                   rng_.Uniform2(), unobserved, scatter, trace);
+        if (!light) return;
+        SampledSpectrum L = weights_.beta * light->F() * light->sample.L / light->Pdf() * light->through.value;
+        if (!light->isDelta) L *= PowerHeuristic(light->Pdf(), pdf(light->sample.wi));
+        Add(L, light->chosen.light, weights_.ru * light->through.rl);
+    }
+
+    void Hit(const SampledSpectrum &L, LightId light, const Vector3 &wi, const Point3 &p, const Normal3 &n) {
+        Float weight = 1;
+        if (pdf_ > 0) {
+            const Float density = lights_.PMF(light) * scene_.Lights()[light].PdfLi(from_, wi, p, n, true);
+            weight = PowerHeuristic(pdf_, density);
+        }
+        Add(L * weight, light, weights_.ru);
+    }
+
+    const PrepareContext &context_;
+    const Scene &scene_;
+    const GroupLightSampler &chooser_;
+    std::vector<Find> &finds_;
+    Rng &rng_;
+    SampledWavelengths &lambda_;
+    SpectralWeights weights_;
+    // The last vertex that is not specular. A `pdf_` of 0: the path left the last vertex by a specular sample.
+    LightQuery query_;
+    LightMemory memory_;
+    LightDistribution lights_;
+    LightSampleContext from_;
+    Float pdf_ = 0;
+};
+
+}  // namespace
+
+std::vector<SeenLight> FindSeenLight(PrepareContext &context, const GroupLightSampler &chooser, double paths) {
+    struct Tile {
+        std::vector<Find> finds;
+        int64_t paths = 0;
+        double sum = 0;
+    };
+    std::vector<Tile> perTile(static_cast<size_t>(PrepassTileCount(context.pixelBounds)));
+    const double pathsPerPixel = perTile.empty() ? 0 : paths / static_cast<double>(context.pixelBounds.Area());
+    ForEachPrepassPath(context, "light seen", kStream, pathsPerPixel, [&](int64_t tile, PrepassPath &path) {
+        Tile &to = perTile[static_cast<size_t>(tile)];
+        SeenPath(context, chooser, path, to.finds);
+        ++to.paths;
+    });
+    double sum = 0, count = 0, all = 0;
+    for (Tile &t : perTile) {
+        for (const Find &f : t.finds) t.sum += f.value;
+        sum += t.sum;
+        count += static_cast<double>(t.finds.size());
+        all += static_cast<double>(t.paths);
+    }
+    std::vector<SeenLight> seen(chooser.Groups().Size());
+    if (sum > 0)
+        for (const Tile &t : perTile) {
+            const double largest = kLargest * sum / count;
+            const double brightness = t.sum / std::max(1.0, static_cast<double>(t.paths)) / (sum / all) + kPlain;
+            for (const Find &f : t.finds) {
+                seen[f.group].sum += std::min(f.value, largest) / (brightness * brightness);
+                ++seen[f.group].count;
+            }
+        }
+    return seen;
+}
+
+}  // namespace ext

@@ -1,0 +1,83 @@
+#include "ext/emission/seen_light_sampler.h"
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <numeric>
+
+#include "pbrt/core/effective_params_text.h"
+#include "pbrt/lightsamplers/bvh_light_sampler.h"
+
+namespace ext {
+
+namespace {
+constexpr double kMinPaths = 8192, kMaxPaths = 1 << 20;
+}
+
+SeenLightSampler::SeenLightSampler(const LightTable &lights, const SeenParams &params)
+    : GroupLightSampler(params.meshlights ? lights.Wholes() : lights.Parts(), true), params_(params) {
+    std::vector<Float> power;
+    power.reserve(groups_.Size());
+    for (uint32_t g = 0; g < groups_.Size(); ++g) power.push_back(groups_.Candidate(g).power);
+    if (!power.empty()) table_ = AliasTable(power);
+}
+
+void SeenLightSampler::Prepare(PrepareContext &context) {
+    if (groups_.Size() <= 1) return;
+    const auto start = std::chrono::steady_clock::now();
+    const double pixels = context.pixelBounds.IsEmpty() ? 0 : static_cast<double>(context.pixelBounds.Area());
+    const double paths =
+        std::clamp(static_cast<double>(params_.budget) * context.samplesPerPixel * pixels, kMinPaths, kMaxPaths);
+    seen_ = FindSeenLight(context, BVHLightSampler(groups_), paths);
+    double found = 0, samples = 0, once = 0, power = 0;
+    for (uint32_t g = 0; g < groups_.Size(); ++g) {
+        found += seen_[g].sum;
+        samples += seen_[g].count;
+        once += seen_[g].count == 1;
+        groupsSeen_ += seen_[g].count > 0;
+        power += static_cast<double>(groups_.Candidate(g).power);
+    }
+    if (!(found > 0) || !(power > 0) || !std::isfinite(power)) return;
+    missed_ = once / samples;
+    std::vector<double> roots(groups_.Size());
+    for (uint32_t g = 0; g < groups_.Size(); ++g) {
+        const double share = static_cast<double>(groups_.Candidate(g).power) / power;
+        roots[g] = std::sqrt(share * ((1 - missed_) * seen_[g].sum / found + missed_ * share));
+    }
+    const double sum = std::accumulate(roots.begin(), roots.end(), 0.0);
+    if (!(sum > 0)) return;
+    const auto floor = static_cast<double>(params_.floor);
+    std::vector<Float> weights(groups_.Size());
+    for (uint32_t g = 0; g < groups_.Size(); ++g)
+        weights[g] = static_cast<Float>((1 - floor) * roots[g] / sum +
+                                        floor * static_cast<double>(groups_.Candidate(g).power) / power);
+    table_ = AliasTable(weights);
+    prepassSeconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+std::optional<GroupLightSampler::ChosenGroup> SeenLightSampler::ChooseGroup(const LightQuery &query, const void *,
+                                                                            Float u) const {
+    const AliasTable::Sampled s = table_.Sample(u);
+    return ChosenGroup{static_cast<uint32_t>(s.index), s.pmf, InnerNumber(query, u)};
+}
+
+Float SeenLightSampler::GroupProbability(const LightQuery &, const void *, uint32_t group) const {
+    return table_.PMF(static_cast<int>(group));
+}
+
+void SeenLightSampler::Report(nlohmann::ordered_json &json) const {
+    json["parameters"] = EffectiveParamsText(params_);
+    json["prepassSeconds"] = prepassSeconds_;
+    json["groupsSeen"] = groupsSeen_;
+    json["lightMissed"] = missed_;
+    json["bytes"] = table_.Bytes() + seen_.capacity() * sizeof(SeenLight);
+    GroupLightSampler::Report(json);
+}
+
+void SeenLightSampler::Inspect(const LightQuery &, std::vector<InspectedValue> &values) const {
+    uint32_t likeliest = 0;
+    for (uint32_t g = 1; g < groups_.Size(); ++g)
+        if (table_.PMF(static_cast<int>(g)) > table_.PMF(static_cast<int>(likeliest))) likeliest = g;
+    values.push_back({"likeliest group", static_cast<double>(likeliest), true});
+}
+
+}  // namespace ext

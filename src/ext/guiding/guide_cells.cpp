@@ -1,0 +1,435 @@
+#include "ext/guiding/guide_cells.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "pbrt/core/parallel.h"
+
+namespace ext {
+
+namespace {
+
+/// A cell with more records that found something is divided.
+constexpr size_t kCellRecords = 256;
+/// No record has a larger part than this of the second moment that directions are learned from and judged by.
+constexpr double kLargestPart = 0.1;
+/// What the cell above says of a ball counts like so many finds in it.
+constexpr double kPriorFinds = 3;
+/// Places of a cell that the solid angles of balls are averaged over.
+constexpr size_t kCellPlaces = 32;
+/// About so many places that bounces left from are given to MakeSourceClusters.
+constexpr size_t kFrom = 1024;
+/// A share is found from at least so many records.
+constexpr size_t kMinJudges = 32;
+/// What the cell above says of shares counts like so many bounces.
+constexpr double kPriorBounces = 2048;
+/// A share must take at least this part off the second moment: less is found by chance, even where light is even.
+constexpr double kMinGain = 0.03;
+constexpr size_t kShares = 8;  ///< that are tried, 0 among them
+
+}  // namespace
+
+class GuideCellsBuilder {
+  public:
+    GuideCellsBuilder(std::span<const GuideRecord> places, Float largestShare, GuideCells *cells)
+        : places_(places), largestShare_(largestShare), cells_(*cells) {
+        for (const GuideRecord &place : places)
+            if (place.contribution > 0) records_.push_back({.record = &place});
+    }
+
+    void Build() {
+        cells_.Clear();
+        if (records_.empty()) return;
+        ParallelForEach(kParts, [&](int64_t part) { FindTargets(static_cast<size_t>(part)); });
+        cells_.tree_.Begin(1);
+        Divide(0, 0, records_.size());
+        cells_.leaves_.resize(tasks_.size());
+        SortBounces();
+        ParallelForEach(kParts, [&](int64_t part) { TellCells(static_cast<size_t>(part)); });
+        judged_.resize(records_.size());
+        ParallelForEach(static_cast<int64_t>(tasks_.size()), [&](int64_t i) {
+            const Task &task = tasks_[static_cast<size_t>(i)];
+            cells_.leaves_[static_cast<size_t>(i)].radiances = task.radiances[kAll];
+            Judge(task);
+        });
+        for (const size_t kind : {0, 1}) FindShares(kind, 0, {});
+        Collapse(0);
+        if (const PointTree::Node &root = cells_.tree_.Nodes()[0];
+            root.IsLeaf() && !cells_.leaves_[root.below].Guides())
+            return cells_.Clear();
+        cells_.clusters_ = std::move(clusters_[kAll]);
+        cells_.LeavesChanged();
+    }
+
+  private:
+    /// The two halves of the records, and all of them.
+    static constexpr size_t kAll = 2, kParts = 3;
+    struct Entry {
+        const GuideRecord *record;
+        double counts = 0;  ///< how much its square: the mean radiance where it went over its own
+        uint32_t ball[kParts] = {RadianceSample::kNone, RadianceSample::kNone, RadianceSample::kNone};
+        double flux[kParts] = {};  ///< radiance times cosine over density, limited
+    };
+    /// What a record tells of the shares, and of what the BSDF alone would have found.
+    struct Judged {
+        std::array<double, kShares> squares{};  ///< its part of the second moment with each of them
+        double plainSquare = 0;
+    };
+    /// Of the bounces of a cell, at BSDFs of one kind.
+    struct Moments {
+        double each = 0;                      ///< the mean second moment of a bounce without a share
+        double plain = 0;                     ///< of what the BSDF alone finds
+        std::array<double, kShares> parts{};  ///< what each share makes of it
+    };
+    /// What lies in a node of the tree.
+    struct Content {
+        size_t begin = 0, end = 0;   ///< of records_
+        size_t kindBounces[2] = {};  ///< bounces at BSDFs without and with glossy lobes
+    };
+    /// What is to become a leaf.
+    struct Task {
+        size_t begin, end;                    ///< of records_
+        size_t firstBounce = 0, bounces = 0;  ///< in bounces_
+        PerSourceCluster radiances[kParts] = {};
+    };
+
+    static bool IsOf(const GuideRecord &r, size_t part) { return part == kAll || r.isOfFirstHalf == (part == 0); }
+    static size_t KindOf(const GuideRecord &r) { return r.isGlossy ? 1 : 0; }
+    static double CosineOf(const GuideRecord &r) {
+        return r.bothSides ? 1 : static_cast<double>(std::abs(Dot(r.wi, r.normal)));
+    }
+
+    void FindTargets(size_t part) {
+        std::vector<RadianceSample> finds;
+        std::vector<Point3> from;
+        double sum = 0;
+        uint32_t number = 0;
+        size_t bounces = 0;
+        const size_t step = std::max<size_t>(1, places_.size() / kFrom);
+        for (size_t i = 0; i < places_.size(); ++i) {
+            const GuideRecord &r = places_[i];
+            const uint32_t at = number;
+            number += r.contribution > 0;
+            if (!(r.pdf > 0) || !IsOf(r, part)) continue;
+            if (bounces++ % step == 0) from.push_back(r.p);
+            if (!(r.contribution > 0 && r.radiance > 0)) continue;
+            const double perPdf = 1 / static_cast<double>(r.pdf);
+            finds.push_back(
+                {.target = r.target, .radiance = static_cast<double>(r.radiance), .perPdf = perPdf, .number = at});
+            sum += finds.back().radiance * perPdf;
+        }
+        for (RadianceSample &f : finds) f.radiance = std::min(f.radiance, kLargestPart * sum / f.perPdf);
+        clusters_[part] = MakeSourceClusters(finds, from, bounces);
+        sideBySide_[part] = SourceClusters(clusters_[part]);
+        // What was found scatters much; where it was found tells what a cell sees.
+        std::vector<double> radiances(clusters_[part].size()), counts(radiances.size());
+        for (const RadianceSample &f : finds)
+            if (f.ball != RadianceSample::kNone) {
+                radiances[f.ball] += f.radiance;
+                ++counts[f.ball];
+            }
+        for (const RadianceSample &f : finds) {
+            if (!(f.radiance > 0)) continue;
+            Entry &entry = records_[f.number];
+            entry.ball[part] = f.ball;
+            if (f.ball != RadianceSample::kNone)
+                entry.flux[part] = radiances[f.ball] / counts[f.ball] * f.perPdf * CosineOf(*entry.record);
+            if (part == kAll) entry.counts = std::min(1.0, f.meanRadiance / f.radiance);
+        }
+    }
+
+    void Divide(size_t node, size_t begin, size_t end) {
+        contents_.resize(cells_.tree_.Nodes().size());
+        contents_[node].begin = begin;
+        contents_[node].end = end;
+        size_t second = begin;
+        if (end - begin > kCellRecords)
+            second = static_cast<size_t>(cells_.tree_.Divide(node, records_.data() + begin, records_.data() + end,
+                                                             [](const Entry &e) { return e.record->p; }) -
+                                         records_.data());
+        if (second == begin) {
+            cells_.tree_.MakeLeaf(node, tasks_.size());
+            tasks_.push_back({.begin = begin, .end = end});
+            return;
+        }
+        const size_t below = cells_.tree_.Nodes()[node].below;
+        Divide(below, begin, second);
+        Divide(below + 1, second, end);
+    }
+
+    /// All bounces of a task, those that found nothing included, become neighbours.
+    void SortBounces() {
+        std::vector<uint32_t> leaves(places_.size());
+        for (size_t i = 0; i < places_.size(); ++i) {
+            if (!(places_[i].pdf > 0)) continue;
+            leaves[i] = cells_.tree_.LeafOf(places_[i].p);
+            ++tasks_[leaves[i]].bounces;
+        }
+        size_t sum = 0;
+        for (Task &task : tasks_) task.firstBounce = std::exchange(sum, sum + task.bounces);
+        bounces_.resize(sum);
+        std::vector<size_t> next;
+        for (const Task &task : tasks_) next.push_back(task.firstBounce);
+        for (size_t i = 0; i < places_.size(); ++i)
+            if (places_[i].pdf > 0) bounces_[next[leaves[i]]++] = static_cast<uint32_t>(i);
+        const std::vector<PointTree::Node> &nodes = cells_.tree_.Nodes();
+        for (size_t node = nodes.size(); node-- > 0;) {
+            size_t *const kinds = contents_[node].kindBounces;
+            const size_t below = nodes[node].below;
+            if (nodes[node].IsLeaf())
+                for (size_t i = 0; i < tasks_[below].bounces; ++i)
+                    ++kinds[KindOf(places_[bounces_[tasks_[below].firstBounce + i]])];
+            else
+                for (const size_t kind : {0, 1})
+                    kinds[kind] = contents_[below].kindBounces[kind] + contents_[below + 1].kindBounces[kind];
+        }
+    }
+
+    /// Of each node of the tree and each ball of a part (node after node): what was found, and what was expected.
+    struct Told {
+        std::vector<double> found, expected;
+        std::vector<double> perFind;  ///< for each ball: the mean of what was found
+    };
+
+    /// How bright the balls of a part are for each task: from above to below, what was found over what was expected,
+    /// where few finds count less than what the cell above says.
+    void TellCells(size_t part) {
+        const std::vector<SourceCluster> &targets = clusters_[part];
+        const size_t count = targets.size();
+        if (count == 0) return;
+        const std::vector<PointTree::Node> &nodes = cells_.tree_.Nodes();
+        const Told told = CompareFinds(part);
+        std::vector<double> factor(nodes.size() * count);
+        std::fill_n(factor.begin(), count, 1.0);
+        for (size_t node = 0; node < nodes.size(); ++node) {
+            for (size_t k = 0; k < count; ++k) {
+                const double prior = kPriorFinds * told.perFind[k];
+                double &a = factor[node * count + k];  // so far that of the node above
+                const double f = told.found[node * count + k] + prior;
+                a = f > 0 && a > 0 ? f / (told.expected[node * count + k] + prior / a) : 0;
+            }
+            const size_t below = nodes[node].below;
+            if (nodes[node].IsLeaf())
+                for (size_t k = 0; k < count; ++k)
+                    tasks_[below].radiances[part][k] =
+                        static_cast<Float>(factor[node * count + k] * static_cast<double>(targets[k].radiance));
+            else
+                for (size_t child = below; child < below + 2; ++child)
+                    std::copy_n(&factor[node * count], count, &factor[child * count]);
+        }
+    }
+
+    Told CompareFinds(size_t part) const {
+        const std::vector<SourceCluster> &targets = clusters_[part];
+        const size_t count = targets.size();
+        const std::vector<PointTree::Node> &nodes = cells_.tree_.Nodes();
+        Told told;
+        told.found.resize(nodes.size() * count);
+        told.expected.resize(nodes.size() * count);
+        told.perFind.resize(count);
+        std::vector<double> finds(count);
+        for (size_t node = nodes.size(); node-- > 0;) {
+            double *const f = &told.found[node * count], *const e = &told.expected[node * count];
+            const size_t below = nodes[node].below;
+            if (!nodes[node].IsLeaf()) {
+                const double *const f0 = &told.found[below * count], *const e0 = &told.expected[below * count];
+                for (size_t k = 0; k < count; ++k) {
+                    f[k] = f0[k] + f0[count + k];
+                    e[k] = e0[k] + e0[count + k];
+                }
+                continue;
+            }
+            const Task &task = tasks_[below];
+            for (size_t i = task.begin; i < task.end; ++i) {
+                const Entry &entry = records_[i];
+                const uint32_t ball = entry.ball[part];
+                // From a place inside a ball nothing of it is expected (SolidAngleOf), so its finds do not count.
+                if (ball == RadianceSample::kNone || targets[ball].Contains(entry.record->p)) continue;
+                f[ball] += entry.flux[part];
+                told.perFind[ball] += entry.flux[part];
+                ++finds[ball];
+            }
+            std::vector<double> angles(count);
+            FindSolidAngles(task, targets, angles);
+            double ofPart = 0;
+            for (size_t i = 0; i < task.bounces; ++i) ofPart += IsOf(places_[bounces_[task.firstBounce + i]], part);
+            for (size_t k = 0; k < count; ++k) e[k] = ofPart * static_cast<double>(targets[k].radiance) * angles[k];
+        }
+        for (size_t k = 0; k < count; ++k)
+            if (finds[k] > 0) told.perFind[k] /= finds[k];
+        return told;
+    }
+
+    /// The mean over places of a task.
+    void FindSolidAngles(const Task &task, std::span<const SourceCluster> targets, std::span<double> angles) const {
+        const size_t step = std::max<size_t>(1, task.bounces / kCellPlaces);
+        size_t places = 0;
+        for (size_t i = 0; i < task.bounces; i += step, ++places) {
+            const GuideRecord &r = places_[bounces_[task.firstBounce + i]];
+            for (size_t k = 0; k < targets.size(); ++k)
+                angles[k] += static_cast<double>(SolidAngleOf(targets[k], r.p, r.normal, r.bothSides));
+        }
+        for (double &angle : angles)
+            if (places > 0) angle /= static_cast<double>(places);
+    }
+
+    Float ShareAt(size_t k) const { return largestShare_ * static_cast<Float>(k) / (kShares - 1); }
+
+    void Judge(const Task &task) {
+        for (size_t i = task.begin; i < task.end; ++i) {
+            const GuideRecord &r = *records_[i].record;
+            if (!(r.bsdfPdf > 0)) continue;
+            GuideDirections directions;
+            const size_t other = r.isOfFirstHalf ? 1 : 0;
+            directions.Prepare(sideBySide_[other], task.radiances[other], r.p, r.normal, r.bothSides);
+            const auto found = static_cast<double>(r.contribution), pdf = static_cast<double>(r.pdf),
+                       bsdfPdf = static_cast<double>(r.bsdfPdf), guidePdf = static_cast<double>(directions.Pdf(r.wi));
+            const double square = found * found * records_[i].counts * pdf;
+            for (size_t k = 0; k < kShares; ++k) {
+                const auto share = static_cast<double>(ShareAt(k));
+                judged_[i].squares[k] = square / ((1 - share) * bsdfPdf + share * guidePdf);
+            }
+            judged_[i].plainSquare = found * found * pdf / bsdfPdf;
+        }
+    }
+
+    /// Finds the share of all leaves below a node for a kind of BSDFs: where few bounces were recorded, what the cell
+    /// above says counts most, as light that is rarely found has the largest part of the second moment.
+    void FindShares(size_t kind, size_t node, const Moments &above) {
+        const Content &content = contents_[node];
+        const double prior = node == 0 ? 0 : kPriorBounces;
+        double squares = prior * above.each, plain = prior * above.plain;
+        size_t judges = 0;
+        for (size_t i = content.begin; i < content.end; ++i) {
+            if (KindOf(*records_[i].record) != kind) continue;
+            ++judges;
+            squares += judged_[i].squares[0];
+            plain += judged_[i].plainSquare;
+        }
+        if (node == 0 && judges < kMinJudges) return;
+        const double most = kLargestPart * squares, mostPlain = kLargestPart * plain;
+        Moments here;
+        for (size_t k = 0; k < kShares; ++k) here.parts[k] = prior * above.each * above.parts[k];
+        here.plain = prior * above.plain;
+        for (size_t i = content.begin; i < content.end; ++i) {
+            const Judged &judged = judged_[i];
+            if (KindOf(*records_[i].record) != kind || !(judged.squares[0] > 0)) continue;
+            const double part = std::min(1.0, most / judged.squares[0]);
+            for (size_t k = 0; k < kShares; ++k) here.parts[k] += part * judged.squares[k];
+            here.plain += std::min(judged.plainSquare, mostPlain);
+        }
+        if (!(here.parts[0] > 0)) return;
+        const double bounces = prior + static_cast<double>(content.kindBounces[kind]);
+        here.each = here.parts[0] / bounces;
+        here.plain /= bounces;
+        // The first one, that of no share, is the last to be divided by itself.
+        for (size_t k = kShares; k-- > 0;) here.parts[k] /= here.parts[0];
+        const PointTree::Node &n = cells_.tree_.Nodes()[node];
+        if (!n.IsLeaf()) {
+            FindShares(kind, n.below, here);
+            return FindShares(kind, size_t{n.below} + 1, here);
+        }
+        const auto best = std::min_element(here.parts.begin(), here.parts.end());
+        if (*best > 1 - kMinGain) return;
+        GuideCells::Leaf &leaf = cells_.leaves_[n.below];
+        leaf.probability[kind] = ShareAt(static_cast<size_t>(best - here.parts.begin()));
+        leaf.gain[kind] = static_cast<Float>(here.plain * (1 - *best));
+    }
+
+    /// Makes leaves of nodes below which nothing guides. True: the node is such a leaf.
+    bool Collapse(size_t node) {
+        const PointTree::Node n = cells_.tree_.Nodes()[node];
+        if (n.IsLeaf()) return !cells_.leaves_[n.below].Guides();
+        const bool first = Collapse(n.below), second = Collapse(n.below + 1);
+        if (!first || !second) return false;
+        cells_.tree_.MakeLeaf(node, cells_.tree_.Nodes()[n.below].below);
+        return true;
+    }
+
+    std::span<const GuideRecord> places_;
+    std::vector<Entry> records_;  ///< of what found something
+    const Float largestShare_;
+    GuideCells &cells_;
+    std::vector<Task> tasks_;        ///< one for each leaf
+    std::vector<Content> contents_;  ///< one for each node
+    std::vector<Judged> judged_;     ///< one for each of records_
+    std::vector<uint32_t> bounces_;
+    std::vector<SourceCluster> clusters_[kParts];
+    SourceClusters sideBySide_[kParts];  ///< clusters_, for GuideDirections
+};
+
+void GuideCells::Learn(std::span<const GuideRecord> records, Float largestShare) {
+    GuideCellsBuilder(records, largestShare, this).Build();
+}
+
+void GuideCells::LeavesChanged() {
+    sideBySide_ = SourceClusters(clusters_);
+    largestGain_ = 0;
+    for (const Leaf &leaf : leaves_) largestGain_ = std::max({largestGain_, leaf.gain[0], leaf.gain[1]});
+}
+
+Float GuideCells::ShinesAt(const Point3 &p) const {
+    Float radiance = 0, brightest = 0;
+    for (const SourceCluster &target : clusters_) {
+        brightest = std::max(brightest, target.radiance);
+        if (target.Contains(p)) radiance = std::max(radiance, target.radiance);
+    }
+    return radiance > 0 ? radiance / brightest : 0;
+}
+
+GuideRecord GuideRecord::Read(StateReader &in) {
+    // Flags are the last four bytes.
+    StateReader flags = in;
+    flags.Take(offsetof(GuideRecord, bothSides));
+    for (int i = 0; i < 4; ++i) flags.Value<bool>();
+    const auto r = in.Value<GuideRecord>();
+    for (const Vector3 &v : {Vector3(r.p), Vector3(r.target), r.normal, r.wi})
+        in.Require(std::isfinite(v.x + v.y + v.z), "a record is not finite");
+    in.Require(r.pdf > 0 && std::isfinite(r.pdf) && r.bsdfPdf >= 0 && std::isfinite(r.bsdfPdf) && r.beta >= 0 &&
+                   std::isfinite(r.beta) && std::isfinite(r.radiance) && std::isfinite(r.contribution),
+               "a record is not finite");
+    return r;
+}
+
+void GuideCells::Save(StateWriter &out) const {
+    out.Vector(leaves_);
+    out.Vector(clusters_);
+    tree_.Save(out);
+}
+
+void GuideCells::Load(StateReader &in) {
+    in.Vector(&leaves_);
+    in.Vector(&clusters_);
+    in.Require(clusters_.size() <= kMaxSourceClusters, "it has too many places that shine");
+    tree_.Load(in, 1, leaves_.size());
+    in.RequireValid(Validate());
+    LeavesChanged();
+}
+
+std::optional<std::string> GuideCells::Validate() const {
+    const auto isNumber = [](Float v) { return v >= 0 && std::isfinite(v); };
+    for (const Leaf &leaf : leaves_) {
+        for (const size_t kind : {0, 1})
+            if (!(leaf.probability[kind] >= 0 && leaf.probability[kind] < 1) || !isNumber(leaf.gain[kind]))
+                return "a cell of the guide has a wrong share";
+        if (!std::all_of(leaf.radiances.begin(), leaf.radiances.end(), isNumber))
+            return "a cell of the guide has a radiance that is not a finite number";
+    }
+    for (const SourceCluster &t : clusters_)
+        if (!std::isfinite(t.p.x + t.p.y + t.p.z) || !isNumber(t.r2) || !isNumber(t.radiance))
+            return "a place that shines is not finite";
+    return tree_.IsEmpty() != leaves_.empty() ? std::optional("cells of the guide belong to no tree") : std::nullopt;
+}
+
+size_t GuideCells::GuidingCells() const {
+    return static_cast<size_t>(std::count_if(leaves_.begin(), leaves_.end(), [](const Leaf &l) { return l.Guides(); }));
+}
+
+double GuideCells::MeanShare() const {
+    double sum = 0;
+    for (const Leaf &leaf : leaves_) sum += static_cast<double>(std::max(leaf.probability[0], leaf.probability[1]));
+    return leaves_.empty() ? 0 : sum / static_cast<double>(leaves_.size());
+}
+
+}  // namespace ext

@@ -1,0 +1,191 @@
+#include "ext/guiding/guided_directions.h"
+
+namespace ext {
+
+void GuidedDirections::SetSource(Float distance) {
+    GuideRecord &record = bounces_[pendingBounces_ - 1].record;
+    record.target = record.p + record.wi * distance;
+    seeksSource_ = false;
+}
+
+void GuidedDirections::RecordHit(const PathVertex &vertex) {
+    if (!seeksSource_) return;
+    way_ += Distance(at_, vertex.point.p);
+    at_ = vertex.point.p;
+    // Mirrors show what is behind them as far away as the way there is long.
+    const BxdfFlags flags = vertex.bsdf.Flags();
+    if (IsNonSpecular(flags) || !IsSpecular(flags)) SetSource(way_);
+}
+
+void GuidedDirections::RecordHitInMedium(const Point3 &p) {
+    if (seeksSource_) SetSource(way_ + Distance(at_, p));
+}
+
+void GuidedDirections::PrepareDirections(const PathVertex &vertex, const SampledSpectrum &beta) {
+    const auto &[point, bsdf] = vertex;
+    guidingProbability_ = 0;
+    isGuided_ = false;
+    if (!guide_.EstimatesDirections()) return;
+    const bool isRecorded = places_.next + pendingBounces_ < places_.end;
+    if (!isRecorded && !guide_.Cells().Guide()) return;
+    beta_ = beta.Average();
+    const Float worth = Sqr(beta_ * pixelImportance_);
+    if (!(isRecorded || guide_.Cells().MayGuide(worth)) || !PathGuide::Guides(bsdf)) return;
+    isGuided_ = true;
+    isGlossy_ = Has(bsdf.Flags(), BxdfFlags::Glossy);
+    bothSides_ = IsTransmissive(bsdf.Flags());
+    const Vector3 n(point.shading.n);
+    normal_ = Dot(point.wo, n) < 0 ? -n : n;
+    Float share = 0;
+    const PerSourceCluster *const radiances = guide_.Cells().At(point.p, isGlossy_, worth, &share);
+    if (!radiances) return;
+    directions_.Prepare(guide_.Cells().Clusters(), *radiances, point.p, normal_, bothSides_);
+    if (directions_.IsUsable()) guidingProbability_ = share;
+}
+
+Float GuidedDirections::Pdf(const PathVertex &vertex, const Vector3 &wi) const {
+    const Float pdf = vertex.bsdf.Pdf(vertex.point.wo, wi);
+    return guidingProbability_ > 0 ? (1 - guidingProbability_) * pdf + guidingProbability_ * directions_.Pdf(wi) : pdf;
+}
+
+std::optional<BsdfSample> GuidedDirections::Sample(const PathVertex &vertex, Float uc, const Point2 &u) const {
+    const auto &[point, bsdf] = vertex;
+    if (!(guidingProbability_ > 0)) return bsdf.Sample(point.wo, uc, u);
+    std::optional<BsdfSample> sample;
+    if (uc < guidingProbability_) {
+        const Vector3 wi = directions_.Sample(u);
+        const Float guidePdf = directions_.Pdf(wi);
+        const SampledSpectrum f = bsdf.FOfSamples(point.wo, wi);
+        if (!f || !(guidePdf > 0)) return sample;
+        const bool transmits = (Dot(wi, point.shading.n) < 0) != (Dot(point.wo, point.shading.n) < 0);
+        const BxdfFlags side = transmits ? BxdfFlags::Transmission : BxdfFlags::Reflection;
+        sample = {.f = f,
+                  .wi = wi,
+                  .pdf = (1 - guidingProbability_) * bsdf.Pdf(point.wo, wi) + guidingProbability_ * guidePdf,
+                  .flags = side | (isGlossy_ ? BxdfFlags::Glossy : BxdfFlags::Diffuse)};
+        return sample;
+    }
+    sample =
+        bsdf.Sample(point.wo, std::min((uc - guidingProbability_) / (1 - guidingProbability_), OneMinusEpsilon), u);
+    if (!sample) return sample;
+    if (IsSpecular(sample->flags)) {
+        sample->pdf *= 1 - guidingProbability_;
+        return sample;
+    }
+    // One sample of two techniques by the balance heuristic. Its weights use Bsdf::Pdf for both, which need not be the
+    // density that the BSDF sampled with: they add up to one all the same.
+    const Float bsdfPdf = sample->pdfIsProportional ? bsdf.Pdf(point.wo, sample->wi) : sample->pdf;
+    const Float guidePdf = directions_.Pdf(sample->wi);
+    const Float pdf = (1 - guidingProbability_) * bsdfPdf + guidingProbability_ * guidePdf;
+    if (!(pdf > 0)) {
+        sample->pdf *= 1 - guidingProbability_;
+        return sample;
+    }
+    sample->f *= bsdfPdf / sample->pdf;
+    sample->pdf = pdf;
+    sample->pdfIsProportional = false;
+    return sample;
+}
+
+void GuidedDirections::RecordScatter(const PathVertex &vertex, const BsdfSample &sample, Float pdf,
+                                     const SampledSpectrum &L, const SampledSpectrum &beta) {
+    if (seeksSource_) SetSource(way_);
+    if (!isGuided_ || places_.next + pendingBounces_ >= places_.end || pendingBounces_ == kMaxPendingBounces) return;
+    seeksSource_ = true;
+    way_ = 0;
+    at_ = vertex.point.p;
+    PendingBounce &open = bounces_[pendingBounces_++];
+    open.L = L;
+    open.beta = beta;
+    open.record = {.p = vertex.point.p,
+                   .normal = normal_,
+                   .wi = sample.wi,
+                   .pdf = pdf,
+                   .bsdfPdf = guidingProbability_ > 0 ? vertex.bsdf.Pdf(vertex.point.wo, sample.wi) : pdf,
+                   .beta = beta_,
+                   .bothSides = bothSides_,
+                   .isGlossy = isGlossy_};
+}
+
+Float GuidedDirections::ContinuationProbability(const PathVertex &vertex, Float beta) {
+    if (!IsNonSpecular(vertex.bsdf.Flags())) {
+        cell_ = {};
+        return 0;
+    }
+    return ContinuationProbabilityIn(roulette_->At(vertex.point.p, PathRoulette::KindOf(vertex)), beta);
+}
+
+Float GuidedDirections::ContinuationProbabilityInMedium(const Point3 &p, Float beta) {
+    return ContinuationProbabilityIn(roulette_->At(p, PathRoulette::kInMedium), beta);
+}
+
+Float GuidedDirections::ContinuationProbabilityIn(const PathRoulette::Cell &cell, Float beta) {
+    cell_ = cell;
+    return PathRoulette::ContinuationProbability(
+        cell.here, beta * pixelImportance_, std::min(PathRoulette::kMinContinuation / continuationAfterNee_, Float(1)));
+}
+
+Float GuidedDirections::ContinuationProbabilityAfterNee(Float beta) {
+    const Float survival = PathRoulette::ContinuationProbability(cell_.onwards, beta * pixelImportance_);
+    continuationAfterNee_ = survival > 0 ? survival : 1;
+    return continuationAfterNee_;
+}
+
+void GuidedDirections::BeginScattering(const SampledSpectrum &beta, const SampledSpectrum &L) {
+    if (isPending_) {
+        PendingVertex &v = vertices_[pendingVertices_ - 1];
+        v.onwards = {L, beta.Average(), cost_};
+        isPending_ = false;
+    }
+    cost_ += PathCost::kBounce;
+}
+
+void GuidedDirections::BeginVertexAt(const Point3 &p, uint32_t kind, const SampledSpectrum &beta,
+                                     const SampledSpectrum &L) {
+    const PendingVertex::Before here{L, beta.Average(), cost_};
+    cost_ += PathCost::kLight;
+    isPending_ = roulette_ && path_ && pendingVertices_ < vertices_.size() && here.beta > 0;
+    if (isPending_) vertices_[pendingVertices_++] = {p, kind, here, {}};
+}
+
+void GuidedDirections::BeginVertex(const PathVertex &vertex, const SampledSpectrum &beta, const SampledSpectrum &L) {
+    BeginVertexAt(vertex.point.p, PathRoulette::KindOf(vertex), beta, L);
+}
+
+void GuidedDirections::BeginVertexInMedium(const Point3 &p, const SampledSpectrum &beta, const SampledSpectrum &L) {
+    BeginVertexAt(p, PathRoulette::kInMedium, beta, L);
+}
+
+void GuidedDirections::End(const SampledSpectrum &L) {
+    if (seeksSource_) SetSource(guide_.EnvironmentDistance());
+    for (size_t i = 0; i < pendingBounces_; ++i) {
+        PendingBounce &open = bounces_[i];
+        const SampledSpectrum added = L - open.L;
+        open.record.contribution = added.Average() / open.record.beta;
+        Float radiance = 0;
+        for (int k = 0; k < SpectrumSamples; ++k)
+            if (open.beta[k] > 0) radiance += added[k] / open.beta[k];
+        open.record.radiance = radiance / SpectrumSamples;
+        if (open.record.pdf > 0 && open.record.radiance >= 0 && open.record.contribution >= 0 &&
+            std::isfinite(open.record.radiance * open.record.radiance / open.record.pdf) &&
+            std::isfinite(open.record.contribution * open.record.contribution * open.record.pdf))
+            guide_.Record(places_, open.record);
+    }
+    pendingBounces_ = 0;
+    if (!roulette_ || !path_) return;
+    const size_t first = *path_ * roulette_->Vertices();
+    for (size_t i = 0; i < std::min(pendingVertices_, roulette_->Vertices()); ++i) {
+        const PendingVertex &v = vertices_[i];
+        const auto since = [&](const PendingVertex::Before &part) {
+            return part.beta > 0 ? RouletteRecord::Part{(L - part.L).Average() / part.beta, cost_ - part.cost}
+                                 : RouletteRecord::Part{};
+        };
+        const RouletteRecord record{v.p, v.kind, since(v.here), since(v.onwards)};
+        if (record.here.IsUsable() && record.onwards.IsUsable()) roulette_->Record(first + i, record);
+    }
+    pendingVertices_ = 0;
+    const Float found = L.Average();
+    if (std::isfinite(found * found)) roulette_->RecordPath(*path_, {found, PathCost::kCamera + cost_});
+}
+
+}  // namespace ext

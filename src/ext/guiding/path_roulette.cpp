@@ -1,0 +1,280 @@
+#include "ext/guiding/path_roulette.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+namespace ext {
+
+namespace {
+
+/// A cell with more records is divided.
+constexpr std::ptrdiff_t kCellRecords = 1024;
+/// What the cell above says counts like so many records.
+constexpr double kPriorRecords = 128;
+/// No record has a larger part than this of the second moment of its cell.
+constexpr double kLargestPart = 0.1;
+/// No pixel has a larger part than this of the picture's variance.
+constexpr double kLargestPixel = 0.01;
+/// Where the picture is darker than this part of its mean, errors count less.
+constexpr double kDark = 0.2;
+/// A tile of the picture has at least so many recorded paths, if the picture has.
+constexpr double kTilePaths = 64;
+
+bool IsFilled(const RouletteRecord &record) { return record.here.cost > 0; }
+bool IsFilled(const PathTotal &total) { return total.cost > 0; }
+// Of what was read. What a path found may be infinite; Learn leaves it out.
+bool IsFinite(const RouletteRecord &r) {
+    return std::isfinite(r.p.x + r.p.y + r.p.z) && std::isfinite(r.here.cost) && std::isfinite(r.onwards.cost);
+}
+bool IsFinite(const PathTotal &total) { return std::isfinite(total.cost); }
+
+/// Of what was found from vertices on.
+struct Moments {
+    double squares = 0, cost = 0;
+    Float Root() const {
+        return cost > 0 ? PathRoulette::kVarianceCorrection * static_cast<Float>(std::sqrt(squares / cost)) : -1;
+    }
+};
+
+/// `prior`: what the cell above says.
+Moments MeanOf(const RouletteRecord *const *begin, const RouletteRecord *const *end,
+               RouletteRecord::Part RouletteRecord::*part, const Moments &prior) {
+    const auto square = [&](const RouletteRecord *r) { return Sqr(static_cast<double>((r->*part).found)); };
+    double squares = 0;
+    for (const auto *r = begin; r != end; ++r) squares += square(*r);
+    double n = prior.cost > 0 ? kPriorRecords : 0;
+    Moments mean{n * prior.squares, n * prior.cost};
+    for (const auto *r = begin; r != end; ++r) {
+        const auto cost = static_cast<double>(((*r)->*part).cost);
+        if (!(cost > 0)) continue;
+        ++n;
+        mean.squares += std::min(square(*r), kLargestPart * squares);
+        mean.cost += cost;
+    }
+    return n > 0 ? Moments{mean.squares / n, mean.cost / n} : Moments{};
+}
+
+}  // namespace
+
+uint32_t PathRoulette::KindOf(const Vector3 &n, bool isGlossy) {
+    const Vector3 a = Abs(n);
+    const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
+    return static_cast<uint32_t>(axis * 4 + (n[axis] < 0 ? 2 : 0) + (isGlossy ? 1 : 0));
+}
+
+uint32_t PathRoulette::KindOf(const PathVertex &vertex) {
+    const Vector3 n(vertex.point.n);
+    return KindOf(Dot(vertex.point.wo, n) < 0 ? -n : n, Has(vertex.bsdf.Flags(), BxdfFlags::Glossy));
+}
+
+void PathRoulette::BeginRecords(size_t paths, size_t vertices) {
+    vertices_ = vertices;
+    if (paths == 0) {
+        records_ = {};
+        totals_ = {};
+    }
+    records_.assign(paths * vertices, {});
+    totals_.assign(paths, {});
+}
+
+void PathRoulette::ClearRecords() {
+    std::fill(records_.begin(), records_.end(), RouletteRecord{});
+    std::fill(totals_.begin(), totals_.end(), PathTotal{});
+}
+
+double PathRoulette::RecordedCost() const {
+    double cost = 0;
+    for (const PathTotal &total : totals_) cost += static_cast<double>(total.cost);
+    return cost;
+}
+
+void PathRoulette::EstimatePixels(Vector2i size, const std::vector<Point2i> &pixels) {
+    double known = 0, sum = 0;
+    for (const PathTotal &t : totals_) {
+        if (!(t.cost > 0)) continue;
+        ++known;
+        sum += static_cast<double>(t.found);
+    }
+    tree_.Begin(0);
+    cells_.clear();
+    if (!(sum > 0)) return;
+    const double mean = sum / known;
+    const double perPixel = known / (static_cast<double>(size.x) * size.y);
+    size_ = size;
+    tile_ = std::max(4, static_cast<int>(std::ceil(std::sqrt(kTilePaths / perPixel))));
+    const Vector2i count = (size + (tile_ - 1)) / tile_;
+    const auto tileOf = [&](const Point2i &p) { return static_cast<size_t>(p.y / tile_ * count.x + p.x / tile_); };
+    std::vector<std::array<double, 2>> sums(static_cast<size_t>(count.x) * static_cast<size_t>(count.y));
+    for (size_t i = 0; i < totals_.size(); ++i) {
+        if (!(totals_[i].cost > 0)) continue;
+        auto &tile = sums[tileOf(pixels[i])];
+        tile[0] += static_cast<double>(totals_[i].found);
+        ++tile[1];
+    }
+    // A tile and its neighbours, weighted 4 : 2 : 1.
+    std::vector<double> radiance(sums.size());
+    for (int y = 0; y < count.y; ++y)
+        for (int x = 0; x < count.x; ++x) {
+            double found = 0, paths = 0;
+            for (int dy = -1; dy <= 1; ++dy)
+                for (int dx = -1; dx <= 1; ++dx) {
+                    if (x + dx < 0 || x + dx >= count.x || y + dy < 0 || y + dy >= count.y) continue;
+                    const auto &tile = sums[static_cast<size_t>((y + dy) * count.x + x + dx)];
+                    const double weight = (dx == 0 ? 2 : 1) * (dy == 0 ? 2 : 1);
+                    found += weight * tile[0];
+                    paths += weight * tile[1];
+                }
+            radiance[static_cast<size_t>(y * count.x + x)] = std::hypot(paths > 0 ? found / paths : mean, kDark * mean);
+        }
+    // The variance within pixels, of blocks of successive samples.
+    std::vector<double> variances;
+    double all = 0;
+    for (size_t i = 0, end = 0; i < totals_.size(); i = end) {
+        while (end < totals_.size() && pixels[end] == pixels[i]) ++end;
+        const size_t block = std::bit_floor(std::max<size_t>(1, (end - i) / 2));
+        double n = 0, found = 0, squares = 0;
+        for (size_t k = i; k + block <= end; k += block) {
+            if (!std::all_of(&totals_[k], &totals_[k] + block, [](const PathTotal &t) { return t.cost > 0; })) continue;
+            double x = 0;
+            for (size_t m = k; m < k + block; ++m) x += static_cast<double>(totals_[m].found);
+            ++n;
+            found += x;
+            squares += x * x;
+        }
+        if (n < 2) continue;
+        const double I = radiance[tileOf(pixels[i])];
+        variances.push_back(std::max(0.0, (squares - found * found / n) / (n - 1)) /
+                            (static_cast<double>(block) * I * I));
+        all += variances.back();
+    }
+    double limited = 0;
+    for (const double v : variances) limited += std::min(v, kLargestPixel * all);
+    if (!(limited > 0)) return;
+    const double scale = std::sqrt(RecordedCost() / known * static_cast<double>(variances.size()) / limited);
+    tiles_.resize(radiance.size());
+    for (size_t i = 0; i < radiance.size(); ++i) tiles_[i] = static_cast<Float>(scale / radiance[i]);
+    tree_.Begin(kKinds);
+}
+
+void PathRoulette::UseFor(Vector2i size, bool isSameView) {
+    if (!HasEstimates() || size.x < 1 || size.y < 1 || (isSameView && size == size_)) return;
+    if (!isSameView) {
+        double radiance = 0;
+        for (const Float worth : tiles_) radiance += 1 / static_cast<double>(worth);
+        tiles_ = {static_cast<Float>(static_cast<double>(tiles_.size()) / radiance)};
+        size_ = size;
+        tile_ = std::max(size.x, size.y);
+        return;
+    }
+    const auto scaled = [](int at, int from, int to) { return static_cast<int>(int64_t{at} * to / from); };
+    const int tile = std::max(1, scaled(tile_, size_.x, size.x));
+    std::vector<Float> tiles;
+    for (int y = 0; y < size.y; y += tile)
+        for (int x = 0; x < size.x; x += tile)
+            tiles.push_back(PixelImportance({scaled(std::min(x + tile / 2, size.x - 1), size.x, size_.x),
+                                             scaled(std::min(y + tile / 2, size.y - 1), size.y, size_.y)}));
+    tiles_ = std::move(tiles);
+    size_ = size;
+    tile_ = tile;
+}
+
+struct PathRoulette::Known {
+    Moments here, onwards;
+};
+
+void PathRoulette::EstimateCells() {
+    if (!HasEstimates()) return;
+    std::vector<const RouletteRecord *> records;
+    for (const RouletteRecord &r : records_)
+        if (IsFilled(r)) records.push_back(&r);
+    std::stable_sort(records.begin(), records.end(), [](const auto *a, const auto *b) { return a->kind < b->kind; });
+    const RouletteRecord **begin = records.data(), **end = begin + records.size();
+    for (uint32_t kind = 0; kind < kKinds; ++kind) {
+        const RouletteRecord **const last = std::find_if(begin, end, [&](const auto *r) { return r->kind > kind; });
+        Divide(kind, begin, last, {});
+        begin = last;
+    }
+}
+
+void PathRoulette::Divide(size_t node, const RouletteRecord **begin, const RouletteRecord **end, const Known &prior) {
+    const std::ptrdiff_t count = end - begin;
+    const Known mean{MeanOf(begin, end, &RouletteRecord::here, prior.here),
+                     MeanOf(begin, end, &RouletteRecord::onwards, prior.onwards)};
+    const RouletteRecord **second = begin;
+    if (count > kCellRecords) second = tree_.Divide(node, begin, end, [](const RouletteRecord *r) { return r->p; });
+    if (second == begin) {
+        tree_.MakeLeaf(node, cells_.size());
+        cells_.push_back({mean.here.Root(), mean.onwards.Root()});
+        return;
+    }
+    const size_t below = tree_.Nodes()[node].below;
+    Divide(below, begin, second, mean);
+    Divide(below + 1, second, end, mean);
+}
+
+void PathRoulette::Save(StateWriter &out) const {
+    out.Vector(cells_);
+    tree_.Save(out);
+    out.Value(size_);
+    out.Value(tile_);
+    out.Vector(tiles_);
+}
+
+void PathRoulette::Load(StateReader &in) {
+    in.Vector(&cells_);
+    tree_.Load(in, kKinds, cells_.size());
+    in.Value(&size_);
+    in.Value(&tile_);
+    in.Vector(&tiles_);
+    in.RequireValid(Validate());
+}
+
+std::optional<std::string> PathRoulette::Validate() const {
+    if (!HasEstimates())
+        return cells_.empty() && tiles_.empty() ? std::nullopt : std::optional("cells of roulette belong to no tree");
+    constexpr int kMaxSide = 1 << 24;
+    if (tile_ < 1 || tile_ > kMaxSide || size_.x < 1 || size_.y < 1 || size_.x > kMaxSide || size_.y > kMaxSide)
+        return "roulette was learned for no picture";
+    const auto along = [&](int pixels) { return static_cast<size_t>((pixels + tile_ - 1) / tile_); };
+    if (tiles_.size() != along(size_.x) * along(size_.y)) return "the tiles of roulette do not cover the picture";
+    for (const Float tile : tiles_)
+        if (!(tile > 0)) return "a tile of roulette has no worth";
+    for (const Cell &cell : cells_)
+        if (!std::isfinite(cell.here) || !std::isfinite(cell.onwards)) return "a cell of roulette is not finite";
+    return {};
+}
+
+void PathRoulette::TakeRecords(StateWriter &out) const {
+    const auto take = [&](const auto &places) {
+        uint64_t filled = 0;
+        for (const auto &place : places) filled += IsFilled(place);
+        out.Value(uint64_t{places.size()});
+        out.Value(filled);
+        for (size_t i = 0; i < places.size(); ++i) {
+            if (!IsFilled(places[i])) continue;
+            out.Value(uint64_t{i});
+            out.Value(places[i]);
+        }
+    };
+    take(records_);
+    take(totals_);
+}
+
+void PathRoulette::AddRecords(StateReader &in) {
+    const auto add = [&](auto &places) {
+        in.Require(in.Value<uint64_t>() == places.size(), "it has other records than the render makes");
+        for (auto filled = in.Value<uint64_t>(); filled > 0; --filled) {
+            const auto i = in.Value<uint64_t>();
+            in.Require(i < places.size(), "a record has no place");
+            in.Value(&places[i]);
+            in.Require(IsFilled(places[i]) && IsFinite(places[i]), "a record is not finite");
+        }
+    };
+    add(records_);
+    add(totals_);
+    for (const RouletteRecord &r : records_) in.Require(r.kind < kKinds, "a record is of no kind");
+}
+
+}  // namespace ext

@@ -1,0 +1,96 @@
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "pbrt/core/state_io.h"
+#include "pbrt/math/bounds.h"
+
+namespace ext {
+using namespace pbrt;
+
+/// Binary trees over places: every node is divided at the median of what lies in it, across its longest side. Leaves
+/// have numbers, given by who builds the tree.
+class PointTree {
+  public:
+    static constexpr uint32_t kLeaf = 3;
+    struct Node {
+        Float split = 0;
+        uint32_t axis = kLeaf;
+        uint32_t below = 0;  ///< the first of two children in a row, behind the node; of a leaf: its number
+
+        bool IsLeaf() const { return axis == kLeaf; }
+    };
+
+    bool IsEmpty() const { return nodes_.empty(); }
+    const std::vector<Node> &Nodes() const { return nodes_; }
+    size_t Bytes() const { return nodes_.size() * sizeof(Node); }
+    /// The number of the leaf that p lies in, in the tree of a root. The tree must not be empty.
+    uint32_t LeafOf(const Point3 &p, uint32_t root = 0) const {
+        const Node *node = &nodes_[root];
+        while (!node->IsLeaf()) node = &nodes_[node->below + (p[static_cast<int>(node->axis)] < node->split ? 0 : 1)];
+        return node->below;
+    }
+
+    /// Begins anew with so many trees: nodes 0 to `roots` - 1.
+    void Begin(size_t roots) { nodes_.assign(roots, {}); }
+    void MakeLeaf(size_t node, size_t number) { nodes_[node] = {0, kLeaf, static_cast<uint32_t>(number)}; }
+    /// Divides a node and what lies in it, [begin, end), which is reordered: what lies in the first child comes first.
+    /// Where what lies in the second begins; `begin` if the node stays a leaf, as all lie in one point.
+    template <class Iterator, class PointOf>
+    Iterator Divide(size_t node, Iterator begin, Iterator end, PointOf &&pointOf) {
+        Bounds3 bounds;
+        for (Iterator i = begin; i != end; ++i) bounds = Union(bounds, pointOf(*i));
+        const Vector3 size = bounds.high - bounds.low;
+        const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+        const Iterator middle = begin + (end - begin) / 2;
+        std::nth_element(begin, middle, end,
+                         [&](const auto &a, const auto &b) { return pointOf(a)[axis] < pointOf(b)[axis]; });
+        Float split = pointOf(*middle)[axis];
+        // Half of them or more may lie in the lowest plane, as on a floor: they are the first half then.
+        if (split == bounds.low[axis]) {
+            split = std::numeric_limits<Float>::infinity();
+            for (Iterator i = begin; i != end; ++i)
+                if (pointOf(*i)[axis] > bounds.low[axis]) split = std::min(split, pointOf(*i)[axis]);
+        }
+        const Iterator second = std::partition(begin, end, [&](const auto &e) { return pointOf(e)[axis] < split; });
+        if (second == end) return begin;
+        nodes_[node] = {split, static_cast<uint32_t>(axis), static_cast<uint32_t>(nodes_.size())};
+        nodes_.resize(nodes_.size() + 2);
+        return second;
+    }
+
+    void Save(StateWriter &out) const { out.Structure(nodes_); }
+    /// Throws UserError if the tree is not valid.
+    void Load(StateReader &in, size_t roots, size_t leaves) {
+        in.Structure(&nodes_);
+        in.RequireValid(Validate(roots, leaves));
+    }
+    /// Empty, or why LeafOf would go astray or end at a leaf with a number of `leaves` or more. Nodes that no root
+    /// leads to are allowed.
+    std::optional<std::string> Validate(size_t roots, size_t leaves) const {
+        if (nodes_.empty()) return {};
+        if (nodes_.size() < roots || (nodes_.size() - roots) % 2 != 0) return "a tree of places lacks nodes";
+        std::vector<bool> isChild((nodes_.size() - roots) / 2, false);
+        for (size_t i = 0; i < nodes_.size(); ++i) {
+            const Node &node = nodes_[i];
+            if (node.axis > kLeaf) return "a tree of places is divided across no axis";
+            if (node.IsLeaf()) {
+                if (node.below >= leaves) return "a tree of places has a leaf with a wrong number";
+                continue;
+            }
+            const size_t pair = (size_t{node.below} - roots) / 2;
+            if (node.below <= i || node.below < roots || (node.below - roots) % 2 != 0 || pair >= isChild.size() ||
+                isChild[pair] || std::isnan(node.split))
+                return "a node of a tree of places has no children of its own";
+            isChild[pair] = true;
+        }
+        return {};
+    }
+
+  private:
+    std::vector<Node> nodes_;
+};
+
+}  // namespace ext

@@ -1,0 +1,9 @@
+#include "ext/guiding/path_guide.h"
+#include "pbrt/integrators/registry.h"
+
+void register_guide(pbrt::PluginRegistry &registry) {
+    using namespace ext;
+    registry.directionSamplings.Add<GuideParams>(
+        "guide", "path guiding and learned Russian roulette, from records of the render; written octree+guide",
+        [](const GuideParams &p, const ParamSet &, const Scene &) { return std::make_unique<PathGuide>(p); });
+}

@@ -1,0 +1,275 @@
+#include "ext/guiding/source_clusters.h"
+
+#include <algorithm>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "pbrt/math/frame.h"
+
+namespace ext {
+
+namespace {
+
+/// The sine of the smallest cone's half angle, 1.8 degrees: in narrower ones rounding would decide whether a direction
+/// lies inside.
+constexpr Float kMinSine = 0.0316f;
+constexpr Float kLeastSine2 = kMinSine * kMinSine;
+/// Sums are taken in so many parts at once.
+constexpr size_t kLanes = 8;
+/// Clusters are made of at least so many finds each.
+constexpr size_t kMinSamples = 8;
+/// The number of small balls that are merged, about.
+constexpr size_t kSmallClusters = 256;
+/// Places that the solid angles of balls are averaged over.
+constexpr size_t kPlaces = 128;
+
+using Lanes = std::array<Float, kLanes>;
+
+Float SumOf(const Lanes &s) { return ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7])); }
+
+/// 1 - cos of a half angle of a cone, by the square of its sine.
+Float OneMinusCosine(Float sine2) { return sine2 / (1 + std::sqrt(std::max(Float(0), 1 - sine2))); }
+
+struct Cluster {
+    size_t count = 0;
+    double moment = 0;  ///< of the mean radiance: the integral of its square over directions, summed over places
+    Bounds3 bounds;
+    double cost = 0;              ///< what Cost tells
+    std::vector<uint32_t> parts;  ///< the small balls that it was merged from
+
+    Point3 Middle() const { return bounds.low + (bounds.high - bounds.low) * Float(0.5); }
+    Float Radius2() const { return LengthSquared(bounds.high - Middle()); }
+    /// What it adds to the root of the least second moment: the root of its part of the moment times the solid angle
+    /// that it covers, which goes with the square of its size.
+    double Cost() const { return std::sqrt(moment) * static_cast<double>(Length(bounds.high - bounds.low)); }
+};
+
+/// Places that bounces left from.
+struct Places {
+    std::vector<Point3> some;
+    double each = 1;  ///< how many of all each of them stands for
+
+    /// Of a ball, summed over all places.
+    double SolidAngle(const Point3 &middle, Float r2) const {
+        double sum = 0;
+        for (const Point3 &p : some) {
+            const Float l2 = LengthSquared(middle - p);
+            sum += l2 > r2 ? static_cast<double>(OneMinusCosine(std::max(r2 / l2, kLeastSine2))) : 2;
+        }
+        return 2 * std::numbers::pi * each * sum;
+    }
+};
+
+/// Without its cost and parts.
+Cluster Merged(const Cluster &a, const Cluster &b) {
+    return {a.count + b.count, a.moment + b.moment, Union(a.bounds, b.bounds), 0, {}};
+}
+
+/// Divides the finds along their largest extent until they are few, or have a small part of count and flux: at the mean
+/// of both together, which lies beside a small bright place, and so divides it from what is about it.
+void AddSmallClusters(std::span<RadianceSample> finds, size_t largest, double fluxOfAll, size_t countOfAll,
+                      const Places &places, std::vector<Cluster> *balls) {
+    Cluster ball;
+    ball.count = finds.size();
+    double flux = 0;
+    for (const RadianceSample &f : finds) {
+        ball.bounds = Union(ball.bounds, f.target);
+        flux += f.radiance * f.perPdf;
+    }
+    const Vector3 size = ball.bounds.high - ball.bounds.low;
+    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    const auto weightOf = [&](const RadianceSample &f) {
+        return f.radiance * f.perPdf / fluxOfAll + 1 / static_cast<double>(countOfAll);
+    };
+    const double weight = flux / fluxOfAll + static_cast<double>(ball.count) / static_cast<double>(countOfAll);
+    if (finds.size() <= largest || weight < 2 / static_cast<double>(kSmallClusters)) {
+        const double meanRadiance = flux / places.SolidAngle(ball.Middle(), ball.Radius2());
+        ball.moment = flux * meanRadiance;
+        if (!(ball.moment > 0)) return;
+        ball.parts = {static_cast<uint32_t>(balls->size())};
+        for (RadianceSample &f : finds) {
+            f.meanRadiance = meanRadiance;
+            f.ball = ball.parts[0];
+        }
+        balls->push_back(std::move(ball));
+        return;
+    }
+    double sum = 0;
+    for (const RadianceSample &f : finds) sum += weightOf(f) * static_cast<double>(f.target[axis]);
+    const auto mean = static_cast<Float>(sum / weight);
+    size_t middle = static_cast<size_t>(
+        std::partition(finds.begin(), finds.end(), [&](const RadianceSample &f) { return f.target[axis] < mean; }) -
+        finds.begin());
+    if (std::min(middle, finds.size() - middle) < kMinSamples) {
+        middle = std::clamp(middle, kMinSamples, finds.size() - kMinSamples);
+        std::nth_element(
+            finds.begin(), finds.begin() + static_cast<std::ptrdiff_t>(middle), finds.end(),
+            [&](const RadianceSample &x, const RadianceSample &y) { return x.target[axis] < y.target[axis]; });
+    }
+    AddSmallClusters(finds.first(middle), largest, fluxOfAll, countOfAll, places, balls);
+    AddSmallClusters(finds.subspan(middle), largest, fluxOfAll, countOfAll, places, balls);
+}
+
+/// Merges, again and again, the two balls whose merging costs least.
+void MergeClusters(std::vector<Cluster> *balls) {
+    struct Partner {
+        size_t of = 0;
+        double cost = std::numeric_limits<double>::infinity();
+    };
+    std::vector<Partner> best(balls->size());
+    const auto consider = [&](size_t i, size_t j) {
+        const Cluster &a = (*balls)[i], &b = (*balls)[j];
+        const double cost = i == j ? std::numeric_limits<double>::infinity() : Merged(a, b).Cost() - a.cost - b.cost;
+        if (cost < best[i].cost) best[i] = {j, cost};
+    };
+    const auto find = [&](size_t i) {
+        best[i] = {};
+        for (size_t j = 0; j < balls->size(); ++j) consider(i, j);
+    };
+    for (Cluster &ball : *balls) ball.cost = ball.Cost();
+    for (size_t i = 0; i < balls->size(); ++i) find(i);
+    while (balls->size() > kMaxSourceClusters) {
+        size_t gone = 0;
+        for (size_t k = 1; k < balls->size(); ++k)
+            if (best[k].cost < best[gone].cost) gone = k;
+        const size_t kept = best[gone].of, last = balls->size() - 1;
+        Cluster merged = Merged((*balls)[gone], (*balls)[kept]);
+        merged.cost = merged.Cost();
+        merged.parts = std::move((*balls)[kept].parts);
+        merged.parts.insert(merged.parts.end(), (*balls)[gone].parts.begin(), (*balls)[gone].parts.end());
+        (*balls)[kept] = std::move(merged);
+        if (gone != last) (*balls)[gone] = std::move((*balls)[last]);
+        best[gone] = best[last];
+        balls->pop_back();
+        best.pop_back();
+        const size_t changed[] = {kept == last ? gone : kept, gone};
+        for (size_t k = 0; k < balls->size(); ++k) {
+            const size_t of = best[k].of;
+            if (k == changed[0] || of == kept || of == gone || of == last) {
+                find(k);
+                continue;
+            }
+            for (const size_t j : changed)
+                if (j < balls->size()) consider(k, j);
+        }
+    }
+}
+
+}  // namespace
+
+std::vector<SourceCluster> MakeSourceClusters(std::span<RadianceSample> finds, std::span<const Point3> from,
+                                              size_t bounces) {
+    Places places;
+    const size_t stride = (from.size() + kPlaces - 1) / kPlaces;
+    for (size_t i = 0; i < from.size(); i += stride) places.some.push_back(from[i]);
+    places.each = static_cast<double>(bounces) / static_cast<double>(places.some.size());
+    const auto nothing =
+        std::partition(finds.begin(), finds.end(), [](const RadianceSample &f) { return f.radiance > 0; });
+    const auto found = finds.first(static_cast<size_t>(nothing - finds.begin()));
+    if (found.size() < kMinSamples) return {};
+    std::vector<Cluster> balls;
+    double flux = 0;
+    for (const RadianceSample &f : found) flux += f.radiance * f.perPdf;
+    AddSmallClusters(found, 2 * kMinSamples, flux, found.size(), places, &balls);
+    std::vector<uint32_t> mergedInto(balls.size());
+    MergeClusters(&balls);
+    std::vector<SourceCluster> targets;
+    for (const Cluster &ball : balls) {
+        for (const uint32_t part : ball.parts) mergedInto[part] = static_cast<uint32_t>(targets.size());
+        targets.push_back({ball.Middle(), 0, 0});
+    }
+    for (RadianceSample &f : found) {
+        if (f.ball == RadianceSample::kNone) continue;
+        f.ball = mergedInto[f.ball];
+        SourceCluster &target = targets[f.ball];
+        target.r2 = std::max(target.r2, LengthSquared(f.target - target.p));
+    }
+    for (size_t k = 0; k < targets.size(); ++k)
+        targets[k].radiance =
+            static_cast<Float>(std::sqrt(balls[k].moment / places.SolidAngle(targets[k].p, targets[k].r2)));
+    return targets;
+}
+
+Float SolidAngleOf(const SourceCluster &target, const Point3 &p, const Vector3 &n, bool bothSides) {
+    if (target.Contains(p)) return 0;
+    const Vector3 d = target.p - p;
+    const Float l2 = LengthSquared(d);
+    const Float sine2 = std::max(target.r2 / l2, kLeastSine2);
+    const Float facing = bothSides ? 1 : std::min(Dot(d, n) / std::sqrt(l2) + std::sqrt(sine2), Float(1));
+    return facing > 0 ? 2 * Pi * OneMinusCosine(sine2) * facing : 0;
+}
+
+SourceClusters::SourceClusters(std::span<const SourceCluster> targets) : count(targets.size()) {
+    for (size_t k = 0; k < count; ++k) {
+        x[k] = targets[k].p.x;
+        y[k] = targets[k].p.y;
+        z[k] = targets[k].p.z;
+        r[k] = std::sqrt(targets[k].r2);
+    }
+}
+
+void GuideDirections::Prepare(const SourceClusters &__restrict targets, const PerSourceCluster &__restrict radiances,
+                              const Point3 &at, const Vector3 &normal, bool bothSides) {
+    static_assert(kMaxSourceClusters % kLanes == 0);
+    // Without copies what is written could be one of them, and there would be no vector instructions.
+    const Point3 p = at;
+    const Vector3 n = normal;
+    const Float always = bothSides ? 1 : 0;
+    const size_t end = (targets.count + kLanes - 1) / kLanes * kLanes;
+    Lanes sums{};
+    for (size_t first = 0; first < end; first += kLanes)
+        for (size_t i = 0; i < kLanes; ++i) {
+            const size_t k = first + i;
+            const Float dx = targets.x[k] - p.x, dy = targets.y[k] - p.y, dz = targets.z[k] - p.z;
+            const Float l2 = std::max(dx * dx + dy * dy + dz * dz, std::numeric_limits<Float>::min());
+            const Float perLength = 1 / std::sqrt(l2);
+            const Float sine = std::max(targets.r[k] * perLength, kMinSine);
+            const Float facing =
+                std::max(always, std::min((dx * n.x + dy * n.y + dz * n.z) * perLength + sine, Float(1)));
+            const Float cosine = std::sqrt(std::max(1 - sine * sine, Float(0)));
+            x_[k] = dx * perLength;
+            y_[k] = dy * perLength;
+            z_[k] = dz * perLength;
+            cosine_[k] = cosine;
+            density_[k] = sine < 1 ? radiances[k] * std::max(facing, Float(0)) : Float(0);
+            probability_[k] = density_[k] * (2 * Pi) * (1 - cosine);
+            sums[i] += probability_[k];
+        }
+    end_ = end;
+    const Float total = SumOf(sums);
+    isUsable_ = total > 0 && std::isfinite(total);
+    const Float perTotal = isUsable_ ? 1 / total : 0;
+    for (size_t first = 0; first < end; first += kLanes)
+        for (size_t i = 0; i < kLanes; ++i) {
+            density_[first + i] *= perTotal;
+            probability_[first + i] *= perTotal;
+        }
+}
+
+Vector3 GuideDirections::Sample(const Point2 &u) const {
+    Float left = u.x;
+    size_t k = 0, last = 0;
+    for (; k < end_; ++k) {
+        if (!(probability_[k] > 0)) continue;
+        last = k;
+        if (left < probability_[k]) break;
+        left -= probability_[k];
+    }
+    k = last;
+    const Float along = std::clamp(left / probability_[k], Float(0), OneMinusEpsilon);
+    const Float z = 1 - along * (1 - cosine_[k]), r = std::sqrt(std::max(Float(0), 1 - z * z)), phi = 2 * Pi * u.y;
+    return Frame::FromZ({x_[k], y_[k], z_[k]}).FromLocal({r * std::cos(phi), r * std::sin(phi), z});
+}
+
+Float GuideDirections::Pdf(const Vector3 &w) const {
+    Lanes sums{};
+    for (size_t k = 0; k < end_; k += kLanes)
+        for (size_t i = 0; i < kLanes; ++i) {
+            const Float cosine = w.x * x_[k + i] + w.y * y_[k + i] + w.z * z_[k + i];
+            sums[i] += cosine >= cosine_[k + i] ? density_[k + i] : Float(0);
+        }
+    return SumOf(sums);
+}
+
+}  // namespace ext

@@ -1,0 +1,444 @@
+#include "ext/lab/bias_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "ext/lab/tile_noise.h"
+#include "pbrt/core/error.h"
+#include "pbrt/images/metrics.h"
+#include "pbrt/math/statistics.h"
+
+// The method. Few seeds (often 3) and rare strong samples are the difficulty: a t-test of one tile over 3 seeds has two
+// degrees of freedom and sees nothing, and where a rare bright path was missed, mean and variance are low together.
+//
+// Regions. Tiles are nearly independent of each other, so the noise of a region is the sum of the noise of its tiles
+// and has (seeds - 1) x tiles degrees of freedom. The smallest regions ("blocks") hold at least kMinimumData tile
+// means; the next level joins 2 x 2 of them, and so on up to the whole image. Every region is tested in every channel.
+//
+// Statistic. Mean over the region's tiles of w (runs - reference), w = 1 / (reference mean of the block + a little of
+// the image mean). w hardly depends on a single noisy value, so the statistic is unbiased, bright parts do not drown
+// dark ones, and no tile counts more because its noise happened to be low.
+//
+// Noise. Of the runs and of the reference's parts: variances of tile means plus the covariances of neighbouring tiles
+// (pixel filters reach over tile borders), or the variance of the region's mean from seed to seed if that is larger
+// (random numbers shared by the whole picture). Degrees of freedom by Welch and Satterthwaite, so a region whose noise
+// sits in a few tiles has few. If the reference has one part of unknown noise, or there is one run: scatter of the
+// differences over the region's tiles, which holds both noises.
+//
+// Heavy tails. Where c strong samples are expected, none is met with probability exp(-c); then both the mean and the
+// estimated noise are too low. So a difference d must exceed what unseen samples could explain. If each of them moves
+// the region's mean by s, d stands for d / s unseen samples, which add s |d| to the variance. The bound d^2 = t^2
+// variance + c s |d| with c = -log(level of one test) is c s where nothing was seen, as it must be. The check uses 0.7
+// times this c (kUnseen): in simulations, false alarms then keep their level, and biases of noisy samplers are detected
+// better. Where a handful of samples decides the noise, the verdict is never "biased", and the smallest visible bias is
+// large.
+//
+// The strength of unseen samples is estimated from pictures whose samples have the same distribution. If the runs are
+// too dark, they may lack samples as strong as the strongest ones in the runs and their kin. If they are too bright,
+// the reference may lack samples, as strong as the strongest ones in its parts and its sampler's kin. Pictures of
+// another sampler do not count: where it finds a light in many weak samples, this one may find the same light in few
+// strong ones, or the other way round, and the strong samples of a noisy sampler would hide every bias of a quiet one.
+// The estimate uses the region, its neighbours, and what is usual in the picture: light that walls hide from a sampler
+// is hidden in many places. "Strong" is the excess over the ordinary noise of tiles.
+//
+// Limits. A sampler cannot be told from one that never chooses a light if neither its runs nor its kin met its strong
+// samples in this region, and it met them in few other places. False alarms and power are measured in
+// bias_check_test.cpp and bias_kin_test.cpp.
+
+namespace pbrt::lab {
+
+namespace {
+
+constexpr int kMinimumData = 32;  ///< tile means (seeds x tiles) in a block
+constexpr int kMinRegions = 4;    ///< fewest regions of about 1/16 of the picture for a "clean" verdict
+constexpr double kUnseen = 0.7;   ///< strong samples that may have been missed, in units of -log(level)
+constexpr size_t kUsual = 6;      ///< one block in kUsual has a sample that is at least as strong as the usual one
+constexpr double kDark = 0.05;    ///< fraction of the image mean that is added to every block's mean
+constexpr double kManyDof = 1e9;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// One level of regions: the grid of tiles, cut into rectangles as evenly as possible.
+struct Cut {
+    int countX = 1, countY = 1, tilesX = 1, tilesY = 1;
+    int Count() const { return countX * countY; }
+    TileRectangle At(int x, int y) const {
+        return {x * tilesX / countX, y * tilesY / countY, (x + 1) * tilesX / countX, (y + 1) * tilesY / countY};
+    }
+};
+
+std::vector<Cut> Levels(const TileGrid &grid, int runs) {
+    auto cut = [&](int side) {
+        auto parts = [side](int tiles) { return std::max(1, (tiles + side / 2) / side); };
+        return Cut{parts(grid.tilesX), parts(grid.tilesY), grid.tilesX, grid.tilesY};
+    };
+    int side = 2;
+    while (side * side * runs < kMinimumData) side *= 2;
+    std::vector<Cut> levels;
+    for (;; side *= 2) {
+        levels.push_back(cut(side));
+        if (levels.back().countX == 1 && levels.back().countY == 1) return levels;
+    }
+}
+
+/// How strong a single sample can be, estimated from pictures of one kind of sampler.
+class StrongSamples {
+  public:
+    explicit StrongSamples(const Cut &blocks) : blocks_(blocks) {}
+
+    /// `sampleRatio`: as in BiasKin.
+    void Add(const TileNoise &pictures, double sampleRatio) {
+        if (pictures.Pictures() < 2) return;
+        std::vector<double> ofBlocks;
+        for (int y = 0; y < blocks_.countY; ++y)
+            for (int x = 0; x < blocks_.countX; ++x)
+                ofBlocks.push_back(sampleRatio * pictures.Strongest(blocks_.At(x, y)));
+        const size_t usual = std::max<size_t>(1, ofBlocks.size() / kUsual);
+        if (usual < ofBlocks.size()) {
+            std::nth_element(ofBlocks.begin(), ofBlocks.begin() + static_cast<ptrdiff_t>(usual), ofBlocks.end(),
+                             std::greater<>());
+            usual_ = std::max(usual_, ofBlocks[usual]);
+        }
+        groups_.push_back({pictures, sampleRatio});
+    }
+    bool Known() const { return !groups_.empty(); }
+
+    /// The strength of the strongest sample in `r`, and at least the usual one: what it adds to the mean of one tile of
+    /// one run.
+    double Around(const TileRectangle &r) const {
+        double strongest = usual_;
+        for (const auto &[pictures, ratio] : groups_) strongest = std::max(strongest, ratio * pictures.Strongest(r));
+        return strongest;
+    }
+
+  private:
+    Cut blocks_;
+    double usual_ = 0;
+    std::vector<std::pair<TileNoise, double>> groups_;
+};
+
+/// One channel of the whole check.
+class Channel {
+  public:
+    Channel(std::span<const TileMeans> runs, std::span<const BiasKin> kin, const BiasReference &reference, int channel,
+            const Cut &blocks)
+        : grid_(runs[0].grid),
+          weights_(Weights(reference, channel, blocks)),
+          runs_(runs, channel, weights_),
+          parts_(reference.parts, channel, weights_),
+          sampleRatio_(reference.sampleRatio),
+          ofRuns_(blocks),
+          ofReference_(blocks) {
+        auto add = [&](std::span<const BiasKin> pictures, StrongSamples *to) {
+            for (const BiasKin &k : pictures)
+                if (!k.pictures.empty()) to->Add(TileNoise(k.pictures, channel, weights_), k.sampleRatio);
+        };
+        ofRuns_.Add(runs_, 1);
+        add(kin, &ofRuns_);
+        ofReference_.Add(parts_, sampleRatio_);
+        add(reference.kin, &ofReference_);
+        // Where a side has no pictures to judge from, the other side's are the best guess.
+        if (!ofRuns_.Known()) ofRuns_.Add(parts_, sampleRatio_);
+        if (!ofReference_.Known()) ofReference_.Add(runs_, 1);
+        if (reference.parts.size() == 1 && reference.relL2 && runs.size() > 1) {
+            const std::vector<double> &values = reference.parts[0].values;
+            const double mean = std::accumulate(values.begin(), values.end(), 0.) / static_cast<double>(values.size());
+            const double epsilon = RelL2Epsilon(mean);
+            // Pixel filters make neighbouring pixels alike: a tile's mean has about twice the variance.
+            for (int t = 0; t < grid_.Count(); ++t) {
+                const auto i = static_cast<size_t>(t);
+                const Bounds2i pixels = grid_.Pixels(t % grid_.tilesX, t / grid_.tilesX);
+                const double area = (pixels.high.x - pixels.low.x) * (pixels.high.y - pixels.low.y);
+                const double value = reference.parts[0](t, channel);
+                known_.push_back(2 * *reference.relL2 * (value * value + epsilon) * weights_[i] * weights_[i] / area);
+            }
+        }
+    }
+
+    /// `level`: significance level of this test.
+    RegionTest Test(const TileRectangle &r, const TileRectangle &around, double allowance, double level) const {
+        RegionTest test;
+        test.pixels = Bounds2i(grid_.Pixels(r.x0, r.y0).low, grid_.Pixels(r.x1 - 1, r.y1 - 1).high);
+        const double tiles = r.Count();
+        double unit = 0;  // weighted mean of the reference
+        for (int y = r.y0; y < r.y1; ++y)
+            for (int x = r.x0; x < r.x1; ++x) {
+                test.difference += Difference(x, y) / tiles;
+                unit += parts_.Mean(static_cast<size_t>(grid_.Index(x, y))) / tiles;
+            }
+        // About 0.95 in a region of ordinary brightness. The bound keeps the relative differences of nearly black
+        // regions small.
+        unit = std::max(unit, 0.5);
+
+        const auto runs = static_cast<double>(runs_.Pictures()), parts = static_cast<double>(parts_.Pictures());
+        double variance = 0, squared = 0;
+        auto add = [&](const TileNoise::Estimate &noise) {
+            variance += noise.variance;
+            if (noise.dof > 0) squared += noise.variance * noise.variance / noise.dof;
+        };
+        double mostDof = kManyDof;
+        if (runs > 1) {
+            const TileNoise::Estimate noise = runs_.Of(r);
+            add(noise);
+            // Where a few runs agree by chance, all noise seems to come from the reference, whose parts suggest too
+            // many degrees of freedom.
+            if (runs_.Pictures() < TileNoise::kFew && noise.dof > 0) mostDof = noise.dof;
+        }
+        if (parts > 1) {
+            add(parts_.Of(r));
+        } else if (!known_.empty()) {
+            for (int y = r.y0; y < r.y1; ++y)
+                for (int x = r.x0; x < r.x1; ++x)
+                    variance += known_[static_cast<size_t>(grid_.Index(x, y))] / (tiles * tiles);
+        }
+        test.dof = squared > 0 ? std::min(variance * variance / squared, mostDof) : kManyDof;
+        double lack = ofRuns_.Around(around) / (runs * tiles);
+        double surplus = ofReference_.Around(around) / (sampleRatio_ * parts * tiles);
+        if (runs < 2 || (parts < 2 && known_.empty())) {
+            const TileNoise::Estimate scatter = Scatter(r, test.difference);
+            if (scatter.variance >= variance) {
+                variance = scatter.variance;
+                test.dof = scatter.dof;
+            }
+            if (runs < 2) {
+                const double strongest = StrongestDifference(around) / tiles;
+                lack = std::max(lack, strongest);
+                surplus = std::max(surplus, strongest);
+            }
+        }
+        test.difference /= unit;
+        test.standardError = std::sqrt(variance) / unit;
+        if (test.standardError > 0)
+            test.p = StudentTwoSidedP(test.difference / test.standardError, test.dof);
+        else
+            test.p = test.difference == 0 ? 1 : 0;
+
+        const double critical = StudentCritical(level, test.dof);
+        const double noise = test.standardError > 0 ? critical * test.standardError : 0;
+        auto floorWith = [&](double strongest) {
+            const double half = -kUnseen * std::log(level) * strongest / unit / 2;
+            return std::max(allowance, half + std::hypot(half, noise));
+        };
+        test.floor = floorWith(test.difference < 0 ? lack : surplus);
+        test.biased = test.p < level && std::abs(test.difference) > test.floor;
+        test.visible = floorWith(std::max(lack, surplus));
+        // NormalCritical(0.2) leaves 10 % on one side; the square root accounts for the error of the estimated noise.
+        if (test.standardError > 0 && test.dof > 0)
+            test.visible +=
+                std::sqrt(1 + critical * critical / (2 * test.dof)) * NormalCritical(0.2) * test.standardError;
+        return test;
+    }
+
+  private:
+    static std::vector<double> Weights(const BiasReference &reference, int channel, const Cut &blocks) {
+        const TileGrid &grid = reference.parts[0].grid;
+        const auto parts = static_cast<double>(reference.parts.size());
+        std::vector<double> value(static_cast<size_t>(grid.Count())), weights(value.size());
+        double image = 0;
+        for (size_t t = 0; t < value.size(); ++t) {
+            for (const TileMeans &part : reference.parts) value[t] += part(static_cast<int>(t), channel) / parts;
+            image += value[t] / static_cast<double>(value.size());
+        }
+        for (int by = 0; by < blocks.countY; ++by)
+            for (int bx = 0; bx < blocks.countX; ++bx) {
+                const TileRectangle r = blocks.At(bx, by);
+                double sum = 0;
+                for (int y = r.y0; y < r.y1; ++y)
+                    for (int x = r.x0; x < r.x1; ++x) sum += value[static_cast<size_t>(grid.Index(x, y))];
+                const double mean = sum / ((r.x1 - r.x0) * (r.y1 - r.y0)) + kDark * image;
+                for (int y = r.y0; y < r.y1; ++y)
+                    for (int x = r.x0; x < r.x1; ++x)
+                        weights[static_cast<size_t>(grid.Index(x, y))] = mean > 0 ? 1 / mean : 0;
+            }
+        return weights;
+    }
+
+    double Difference(int x, int y) const {
+        const auto t = static_cast<size_t>(grid_.Index(x, y));
+        return runs_.Mean(t) - parts_.Mean(t);
+    }
+
+    /// The same as TileNoise::Strongest, for a single run.
+    double StrongestDifference(const TileRectangle &r) const {
+        std::vector<double> values;
+        for (int y = r.y0; y < r.y1; ++y)
+            for (int x = r.x0; x < r.x1; ++x) values.push_back(Difference(x, y));
+        return Excess(values);
+    }
+
+    TileNoise::Estimate Scatter(const TileRectangle &r, double mean) const {
+        double own = 0, ownSquared = 0, neighbours = 0;
+        const double tiles = (r.x1 - r.x0) * (r.y1 - r.y0);
+        if (tiles < 2) return {kInfinity, 0};
+        auto off = [&](int x, int y) { return Difference(x, y) - mean; };
+        for (int y = r.y0; y < r.y1; ++y)
+            for (int x = r.x0; x < r.x1; ++x) {
+                const double d = off(x, y);
+                own += d * d;
+                ownSquared += d * d * d * d;
+                if (x + 1 < r.x1) neighbours += d * off(x + 1, y);
+                if (y + 1 < r.y1) neighbours += d * off(x, y + 1);
+            }
+        TileNoise::Estimate noise;
+        noise.variance = (own + std::max(0.0, 2 * neighbours)) / (tiles * (tiles - 1));
+        // As in TileNoise::Of; a squared normal deviate has mean square 3.
+        if (ownSquared > 0) noise.dof = std::min(3 * own * own / ownSquared - 2, tiles - 1);
+        return noise;
+    }
+
+    TileGrid grid_;
+    std::vector<double> weights_;
+    TileNoise runs_, parts_;
+    double sampleRatio_;
+    StrongSamples ofRuns_, ofReference_;
+    std::vector<double> known_;  ///< variances of the weighted tile means of a reference with one part and known relL2
+};
+
+void CheckInput(std::span<const TileMeans> runs, std::span<const BiasKin> kin, const BiasReference &reference) {
+    if (runs.empty() || reference.parts.empty()) throw UserError("The bias check needs runs and a reference.");
+    const TileMeans &first = runs[0];
+    auto allMatch = [&](std::span<const TileMeans> pictures) {
+        return std::all_of(pictures.begin(), pictures.end(),
+                           [&](const TileMeans &m) { return m.grid == first.grid && m.channels == first.channels; });
+    };
+    auto kinMatches = [&](std::span<const BiasKin> list) {
+        return std::all_of(list.begin(), list.end(), [&](const BiasKin &k) { return allMatch(k.pictures); });
+    };
+    if (!allMatch(runs) || !allMatch(reference.parts) || !kinMatches(kin) || !kinMatches(reference.kin))
+        throw UserError("Runs and reference of the bias check differ in resolution, tiles or channels.");
+}
+
+double MeanOf(std::span<const TileMeans> pictures) {
+    double sum = 0;
+    for (const TileMeans &p : pictures)
+        for (int t = 0; t < p.grid.Count(); ++t) {
+            const Bounds2i b = p.grid.Pixels(t % p.grid.tilesX, t / p.grid.tilesX);
+            const double area = (b.high.x - b.low.x) * (b.high.y - b.low.y);
+            for (int c = 0; c < p.channels; ++c) sum += p(t, c) * area;
+        }
+    return sum / static_cast<double>(pictures.size());
+}
+
+std::string Percent(double v) {
+    if (!std::isfinite(v)) return "none";
+    if (v > 10) return "more than 1000 %";
+    return std::abs(v) < 0.995 ? fmt::format("{:.2g} %", 100 * v) : fmt::format("{:.0f} %", 100 * v);
+}
+
+std::string Explain(const BiasReport &report, const BiasSettings &settings) {
+    const std::string visible =
+        fmt::format("{} in the whole image, {} in regions of 1/{} of it, {} in regions of {} pixels",
+                    Percent(report.visibleImage), Percent(report.visibleSixteenth), report.sixteenthRegions,
+                    Percent(report.visibleSmallest), report.smallestSide);
+    const RegionTest &w = report.worst;
+    switch (report.verdict) {
+        case BiasVerdict::Clean:
+            return fmt::format("No bias was seen; the smallest that could be seen: {}.", visible);
+        case BiasVerdict::Unknown:
+            return fmt::format("Too few data to see a bias of {}; smallest that could be seen: {}.",
+                               Percent(settings.interest), visible);
+        case BiasVerdict::Biased:
+            return fmt::format("{:+.2f} % (standard error {:.2f} %) in pixels x {} to {}, y {} to {}, channel {}.",
+                               100 * w.difference, 100 * w.standardError, w.pixels.low.x, w.pixels.high.x,
+                               w.pixels.low.y, w.pixels.high.y, w.channel);
+    }
+    return {};
+}
+
+}  // namespace
+
+const char *BiasVerdictName(BiasVerdict verdict) {
+    switch (verdict) {
+        case BiasVerdict::Clean:
+            return "clean";
+        case BiasVerdict::Biased:
+            return "biased";
+        case BiasVerdict::Unknown:
+            break;
+    }
+    return "unknown";
+}
+
+BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &reference, const BiasSettings &settings,
+                     std::span<const BiasKin> kin) {
+    CheckInput(runs, kin, reference);
+    const TileGrid &grid = runs[0].grid;
+    const std::vector<Cut> levels = Levels(grid, static_cast<int>(runs.size()));
+
+    BiasReport report;
+    report.runs = static_cast<int>(runs.size());
+    report.tiles = grid.Count();
+    report.smallestSide = levels[0].At(0, 0).x1 * grid.tileSize;
+    const double total = MeanOf(reference.parts);
+    if (total != 0) report.meanDifference = MeanOf(runs) / total - 1;
+
+    for (const Cut &cut : levels) report.tests += cut.Count() * runs[0].channels;
+    const double level = SidakLevel(settings.level, static_cast<size_t>(report.tests));
+    std::vector<RegionTest> tests;
+    for (int c = 0; c < runs[0].channels; ++c) {
+        const Channel channel(runs, kin, reference, c, levels[0]);
+        for (size_t l = 0; l < levels.size(); ++l) {
+            const Cut &cut = levels[l];
+            const bool whole = l + 1 == levels.size();
+            const double allowance = whole ? settings.allowanceImage : settings.allowanceRegion;
+            for (int y = 0; y < cut.countY; ++y)
+                for (int x = 0; x < cut.countX; ++x) {
+                    const TileRectangle low = cut.At(std::max(x - 1, 0), std::max(y - 1, 0));
+                    const TileRectangle high = cut.At(std::min(x + 1, cut.countX - 1), std::min(y + 1, cut.countY - 1));
+                    RegionTest test = channel.Test(cut.At(x, y), {low.x0, low.y0, high.x1, high.y1}, allowance, level);
+                    test.level = static_cast<int>(l);
+                    test.channel = c;
+                    tests.push_back(test);
+                }
+        }
+    }
+
+    const double imageArea = static_cast<double>(grid.resolution.x) * grid.resolution.y;
+    // The level whose regions are nearest to 1/16 of the image.
+    size_t sixteenth = 0;
+    auto offSixteenth = [&](size_t l) { return std::abs(std::log(levels[l].Count() / 16.0)); };
+    for (size_t l = 1; l < levels.size(); ++l)
+        if (offSixteenth(l) < offSixteenth(sixteenth)) sixteenth = l;
+
+    report.sixteenthRegions = levels[sixteenth].Count();
+    std::vector<double> visibleWhole, visibleSixteenth, visibleSmallest;
+    bool anyBiased = false;
+    for (const RegionTest &t : tests) {
+        anyBiased |= t.biased;
+        if (t.level + 1 == static_cast<int>(levels.size())) visibleWhole.push_back(t.visible);
+        if (t.level == static_cast<int>(sixteenth)) visibleSixteenth.push_back(t.visible);
+        if (t.level == 0) visibleSmallest.push_back(t.visible);
+    }
+    report.visibleImage = *std::max_element(visibleWhole.begin(), visibleWhole.end());
+    report.visibleSixteenth = Median(visibleSixteenth);
+    report.visibleSmallest = Median(visibleSmallest);
+
+    bool first = true, firstWhole = true;
+    for (const RegionTest &t : tests) {
+        if (t.level + 1 == static_cast<int>(levels.size()) && (firstWhole || t.p < report.whole.p)) {
+            report.whole = t;
+            firstWhole = false;
+        }
+        if (t.biased != anyBiased) continue;
+        if (first || t.p < report.worst.p) report.worst = t;
+        first = false;
+    }
+    report.pValue = SidakP(report.worst.p, tests.size());
+    // A deviate that has no finite value (p = 0) is shown as a large one.
+    report.worstZ = std::copysign(std::min(NormalCritical(report.worst.p), 40.0), report.worst.difference);
+
+    if (anyBiased)
+        report.verdict = BiasVerdict::Biased;
+    else if (imageArea > 0 && report.visibleImage <= settings.interest &&
+             report.visibleSixteenth <= settings.interest && report.sixteenthRegions >= kMinRegions)
+        report.verdict = BiasVerdict::Clean;
+    report.text = Explain(report, settings);
+    return report;
+}
+
+}  // namespace pbrt::lab

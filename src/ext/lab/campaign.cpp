@@ -1,0 +1,446 @@
+#include "ext/lab/campaign.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+#include "ext/lab/campaign_display.h"
+#include "ext/lab/campaign_views.h"
+#include "ext/lab/machine.h"
+#include "ext/lab/pictures.h"
+#include "ext/lab/reference.h"
+#include "ext/lab/reference_cache.h"
+#include "ext/lab/results.h"
+#include "ext/lab/sampler_run.h"
+#include "ext/lab/take_up.h"
+#include "pbrt/core/files.h"
+#include "pbrt/core/log.h"
+#include "pbrt/core/parallel.h"
+#include "pbrt/core/version.h"
+#include "pbrt/integrators/sample_plan.h"
+#include "pbrt/math/statistics.h"
+
+namespace pbrt::lab {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr int kWarmUpSeed = 700003;
+constexpr int kTellingSamples = 4;
+
+std::string SelectionNote(const SamplerChoice &choice) { return choice.folder + "/selection.json"; }
+
+/// Creates the folders. A campaign that is there already is continued if it has the same settings; else throws
+/// UserError.
+void OpenFolder(const CampaignSettings &settings, const Json &identity, const RecordFolder &records) {
+    const std::string &out = settings.outFolder;
+    if (fs::exists(out) && !fs::is_directory(out)) throw UserError(fmt::format("{}: is a file, not a folder.", out));
+    if (settings.restart) fs::remove_all(records.Folder());
+    const Json old = records.LoadSettings();
+    if (old.is_discarded()) {
+        LogWarning(fmt::format("{}: cannot be read; records that belong to these settings are used.",
+                               records.File("settings.json")));
+    } else if (old.is_object()) {
+        if (std::vector<std::string> differences = Differences(old, identity); !differences.empty())
+            throw UserError(
+                fmt::format("{} holds a campaign with other settings ({}). Choose another --out, or "
+                            "--restart to replace it.",
+                            out, fmt::join(differences, "; ")));
+        LogInfo(fmt::format("{} holds a part or all of this campaign; going on from there.", out));
+    }
+    std::error_code error;
+    for (const SamplerChoice &s : settings.samplers) {
+        fs::create_directories(fs::path(records.Folder()) / s.folder, error);
+        if (!error) fs::create_directories(fs::path(out) / s.folder, error);
+        if (error) throw UserError(fmt::format("{}: cannot be made: {}.", out, error.message()));
+    }
+    records.SaveSettings(identity);
+}
+
+/// The rendering of all runs.
+class Rounds {
+  public:
+    Rounds(const CampaignSettings &settings, const LabScene &scene, const References &references,
+           const RecordFolder &records, Progress &cancel, CampaignDisplay &display)
+        : settings_(settings),
+          scene_(scene),
+          records_(records),
+          cancel_(cancel),
+          display_(display),
+          ofSampler_(references.ofSampler),
+          checkpoints_(Checkpoints(settings)) {
+        for (const Reference &r : references.all) measuring_.push_back(std::make_unique<MeasuringReference>(r.image));
+        if (!settings.samplesFrom.empty()) replay_.emplace(settings.samplesFrom, settings);
+        if (replay_) checkpoints_.resize(static_cast<size_t>(replay_->Checkpoints()));
+        LoadCosts();
+    }
+
+    /// False: cancelled.
+    bool RenderAll() {
+        if (!FindExpectedSamples()) return false;
+        recordsOf_.assign(settings_.samplers.size(), {});
+        for (size_t i = 0; i < settings_.samplers.size(); ++i)
+            for (int seed = 0; seed < settings_.seeds; ++seed) {
+                recordsOf_[i].push_back(TakeUpRun(records_, scene_, settings_.samplers[i].folder, seed,
+                                                  checkpoints_.size(), PictureFile(i, seed)));
+                LearnCost(i, recordsOf_[i].back());
+            }
+        display_.SetPhase("rendering");
+        display_.SetAfter(0);
+        for (int seed = 0; seed < settings_.seeds; ++seed)
+            if (!RenderSeed(seed)) return false;
+        for (size_t i = 0; i < settings_.samplers.size(); ++i)
+            if (!InspectSampler(i, nullptr) || !Check(i, nullptr)) return false;
+        return true;
+    }
+    std::vector<std::vector<RunRecord>> TakeRecords() { return std::move(recordsOf_); }
+    size_t CheckpointCount() const { return checkpoints_.size(); }
+
+  private:
+    bool RenderSeed(int seed) {
+        std::vector<std::unique_ptr<SamplerRun>> runs(settings_.samplers.size());
+        for (size_t c = 0; c < checkpoints_.size(); ++c)
+            for (size_t i = 0; i < runs.size(); ++i) {
+                RunRecord &record = recordsOf_[i][static_cast<size_t>(seed)];
+                if (record.rounds.size() > c) continue;
+                if (!runs[i] && !(runs[i] = Start(i, seed, record))) return false;
+                if (!RenderTo(i, seed, c, *runs[i])) return false;
+                record = runs[i]->Record();
+                if (c + 1 < checkpoints_.size()) continue;
+                // Not earlier: samplers that learn while they render would learn from the queries of the views and the
+                // check.
+                if (seed == 0 && (!InspectSampler(i, runs[i].get()) || !Check(i, runs[i].get()))) return false;
+                runs[i].reset();
+            }
+        return true;
+    }
+
+    /// Writes, once per sampler, pictures of what it knows after its first run. `run`: that run, or null if an earlier
+    /// session finished it. False: cancelled.
+    bool InspectSampler(size_t i, SamplerRun *run) {
+        const SamplerChoice &choice = settings_.samplers[i];
+        if (!settings_.views || ViewsAreWhole(settings_, records_.LoadNote(ViewsNote(choice)))) return true;
+        std::unique_ptr<SamplerRun> again;
+        if (!run && !(run = PrepareAgain(i, &again))) return false;
+        // A guide learns from the samples.
+        if (again && run->GetIntegrator().Directions() && !run->RenderTo({expected_[i], 0})) return false;
+        const Json views = WriteViews(settings_, scene_, i, run->GetIntegrator(), cancel_);
+        if (views.is_null()) return false;
+        records_.SaveNote(ViewsNote(choice), views);
+        return true;
+    }
+
+    /// Checks, once per sampler, its light selection after the first run; `run` as in Look. Leaves out the oracle,
+    /// which does not compete and would take hours.
+    bool Check(size_t i, SamplerRun *run) {
+        const SamplerChoice &choice = settings_.samplers[i];
+        if (!(settings_.selectionWork > 0) || choice.IsOracle()) return true;
+        // An undecided check is repeated if more work is allowed.
+        if (const Json note = records_.LoadNote(SelectionNote(choice));
+            note.is_object() &&
+            (note.at("verdict") != BiasVerdictName(BiasVerdict::Unknown) || note.at("work") >= settings_.selectionWork))
+            return true;
+        std::unique_ptr<SamplerRun> again;
+        if (!run && !(run = PrepareAgain(i, &again))) return false;
+        SelectionSettings how;
+        how.mostWork = settings_.selectionWork;
+        how.bias.level = SidakLevel(how.bias.level, settings_.samplers.size());
+        if (!vertices_) vertices_.emplace(scene_.built, how.seed, cancel_);
+        if (cancel_.Cancelled()) return false;
+        const std::optional<SelectionReport> report = CheckSelection(*vertices_, *run->Lights(), how, cancel_);
+        if (!report) return false;
+        Json note = ToJson(*report);
+        note["work"] = how.mostWork;
+        records_.SaveNote(SelectionNote(choice), note);
+        return true;
+    }
+
+    SamplerRun *PrepareAgain(size_t i, std::unique_ptr<SamplerRun> *run) {
+        *run = std::make_unique<SamplerRun>(scene_, settings_.samplers[i], 0, expected_[i], cancel_);
+        return (*run)->Prepare() ? run->get() : nullptr;
+    }
+
+    std::unique_ptr<SamplerRun> Start(size_t i, int seed, const RunRecord &record) {
+        const SamplerChoice &choice = settings_.samplers[i];
+        const int expected = record.rounds.empty() ? expected_[i] : record.expectedSamples;
+        auto run = std::make_unique<SamplerRun>(scene_, choice, seed, expected, cancel_);
+        if (!run->Prepare()) return nullptr;
+        if (!record.rounds.empty())
+            run->Resume(record, records_.FilmFile(choice.folder, seed, record.rounds.back().checkpoint));
+        return run;
+    }
+
+    bool RenderTo(size_t i, int seed, size_t checkpoint, SamplerRun &run) {
+        const std::string &folder = settings_.samplers[i].folder;
+        auto afterWave = [&] {
+            // The first samples of a run fill caches and cells: the pilot's estimate is better.
+            if (run.SecondsPerSample() > 0 && (run.Samples() >= kTellingSamples || !wasInPilot_[i]))
+                cost_[i] = run.SecondsPerSample();
+            const double sinceRecord = SecondsOf(i, run.Samples(), run.Spent()) - SecondsDone(i, seed);
+            display_.Show(std::max(0.0, SecondsLeft() - sinceRecord));
+        };
+        if (!run.RenderTo(TargetOf(i, seed, checkpoint), afterWave)) return false;
+        const Image picture = run.Picture();
+        const int c = static_cast<int>(checkpoint);
+        run.AddRound(c, measuring_[ofSampler_[i]]->Compare(picture));
+        // The record is written last: a round without a record does not count.
+        const bool last = checkpoint + 1 == checkpoints_.size();
+        if (last)
+            WriteImage(PictureFile(i, seed), picture, run.Metadata());
+        else
+            run.SaveFilm(records_.FilmFile(folder, seed, c));
+        records_.SaveLastRound(folder, run.Record());
+        if (checkpoint > 0) fs::remove(records_.FilmFile(folder, seed, c - 1));
+        return true;
+    }
+
+    /// Sets the number of samples per pixel that every sampler plans for. With a time budget it is an estimate
+    /// (FittingSamples), from the pilot or else from a run of two samples, which also warms up the machine. It is
+    /// kept in the records, because pictures may depend on it. False: cancelled.
+    bool FindExpectedSamples() {
+        Json note = records_.LoadNote("expected-samples.json");
+        if (!note.is_object()) note = Json::object();
+        for (size_t i = 0; i < settings_.samplers.size(); ++i) {
+            const std::string &label = settings_.samplers[i].label;
+            int expected = note.value(label, settings_.samplesPerPixel);
+            if (replay_)
+                expected = replay_->Expected(label);
+            else if (settings_.Timed() && !note.contains(label)) {
+                double perSample = cost_[i];
+                if (!hasPilot_) {
+                    SamplerRun run(scene_, settings_.samplers[i], kWarmUpSeed, scene_.Batch(), cancel_);
+                    if (!run.Prepare() || !run.RenderTo({2, 0})) return false;
+                    cost_[i] = perSample = run.SecondsPerSample();
+                }
+                expected = FittingSamples(settings_.timeBudget, perSample);
+            }
+            note[label] = expected;
+            expected_.push_back(expected);
+        }
+        records_.SaveNote("expected-samples.json", note);
+        return true;
+    }
+
+    RenderTarget TargetOf(size_t i, int seed, size_t checkpoint) const {
+        if (replay_) return {replay_->At(settings_.samplers[i].label, seed, static_cast<int>(checkpoint)), 0};
+        const Checkpoint &c = checkpoints_[checkpoint];
+        return {c.samples, c.seconds};
+    }
+
+    std::string PictureFile(size_t i, int seed) const {
+        return fmt::format("{}/{}/seed{}.exr", settings_.outFolder, settings_.samplers[i].folder, seed);
+    }
+
+    bool BySamples() const { return replay_ || !settings_.Timed(); }
+    /// Seconds of one run; by samples, at the present estimate of the cost of a sample.
+    double SecondsOf(size_t i, int samples, const TimeSpent &spent) const {
+        return BySamples() ? samples * cost_[i] : std::min(spent.wall, settings_.timeBudget);
+    }
+    double SecondsDone(size_t i, int seed) const {
+        const RunRecord &record = recordsOf_[i][static_cast<size_t>(seed)];
+        return record.rounds.empty() ? 0 : SecondsOf(i, record.rounds.back().samples, record.rounds.back().spent);
+    }
+    /// Seconds of all runs that the records do not hold.
+    double SecondsLeft() const {
+        double left = 0;
+        for (size_t i = 0; i < settings_.samplers.size(); ++i)
+            for (int seed = 0; seed < settings_.seeds; ++seed) {
+                const double whole =
+                    BySamples() ? TargetOf(i, seed, checkpoints_.size() - 1).samples * cost_[i] : settings_.timeBudget;
+                left += whole - SecondsDone(i, seed);
+            }
+        return left;
+    }
+    /// Estimates the cost of a sample from the rounds of an earlier session.
+    void LearnCost(size_t i, const RunRecord &record) {
+        if (record.rounds.empty()) return;
+        const RoundRecord &last = record.rounds.back();
+        if (last.samples < kTellingSamples && wasInPilot_[i]) return;
+        cost_[i] = (last.spent.wall - record.prepare.wall) / std::max(1, last.samples);
+    }
+    /// Sets the seconds per sample from the pilot; a sampler that was not in it has the mean, or 1 without a pilot.
+    void LoadCosts() {
+        std::map<std::string, double> known;
+        const Json pilot = records_.LoadNote("pilot.json");
+        double mean = 0;
+        for (const Json &entry : pilot.is_array() ? pilot : Json::array()) {
+            known[entry.value("sampler", "")] = entry.value("secondsPerSample", 0.0);
+            mean += entry.value("secondsPerSample", 0.0) / static_cast<double>(pilot.size());
+        }
+        hasPilot_ = mean > 0;
+        for (const SamplerChoice &s : settings_.samplers) {
+            wasInPilot_.push_back(known.contains(s.label));
+            cost_.push_back(known.contains(s.label) ? known[s.label] : mean > 0 ? mean : 1);
+        }
+    }
+
+    const CampaignSettings &settings_;
+    const LabScene &scene_;
+    const RecordFolder &records_;
+    Progress &cancel_;
+    CampaignDisplay &display_;
+    const std::vector<size_t> &ofSampler_;
+    std::vector<Checkpoint> checkpoints_;
+    std::optional<SampleCounts> replay_;
+    std::vector<std::unique_ptr<MeasuringReference>> measuring_;
+    std::vector<double> cost_;  ///< seconds per sample
+    std::vector<bool> wasInPilot_;
+    std::vector<int> expected_;
+    bool hasPilot_ = false;
+    std::vector<std::vector<RunRecord>> recordsOf_;
+    std::optional<SelectionVertices> vertices_;  ///< for the checks of light selection; made when first needed
+};
+
+/// Writes references, results and errors as pictures, and adds them and the crops to `json`.
+void WritePictures(const CampaignSettings &settings, const LabScene &scene, const References &references,
+                   const std::vector<std::vector<Image>> &pictures, Json *json) {
+    const double exposure = ChooseExposure(references.all[0].image);
+    const Point2i resolution = references.all[0].image.Resolution();
+    (*json)["references"] = Json::array();
+    for (size_t i = 0; i < references.all.size(); ++i) {
+        const Reference &r = references.all[i];
+        const std::string name = fmt::format("reference-{}", i);
+        ImageMetadata metadata = scene.built.film->Metadata();
+        metadata.attributes["lightlab.sampler"] = r.sampler;
+        metadata.attributes["lightlab.sceneHash"] = scene.hash;
+        metadata.attributes["samplesPerPixel"] = r.samples;
+        WriteImage(fmt::format("{}/{}.exr", settings.outFolder, name), r.image, metadata);
+        WritePicture(fmt::format("{}/{}.png", settings.outFolder, name), r.image, exposure);
+        WriteRangePicture(fmt::format("{}/{}.hdr", settings.outFolder, name), r.image);
+        (*json)["references"].push_back({{"file", name + ".exr"},
+                                         {"picture", name + ".png"},
+                                         {"pictureRange", name + ".hdr"},
+                                         {"sampler", r.sampler.empty() ? Json() : Json(r.sampler)},
+                                         {"samples", r.samples ? Json(r.samples) : Json()},
+                                         {"seconds", r.seconds > 0 ? Json(r.seconds) : Json()},
+                                         {"noise", r.noise ? Json(*r.noise) : Json()},
+                                         {"source", r.source}});
+    }
+    std::vector<std::vector<float>> maps, shared;
+    for (size_t i = 0; i < settings.samplers.size(); ++i) {
+        maps.push_back(ErrorMap(pictures[i].front(), references.all[references.ofSampler[i]].image));
+        if (!settings.samplers[i].IsOracle()) shared.push_back(maps.back());
+    }
+    const double scale = ChooseErrorScale(maps);
+    for (size_t i = 0; i < settings.samplers.size(); ++i) {
+        const std::string folder = settings.outFolder + "/" + settings.samplers[i].folder;
+        WritePicture(folder + "/result.png", pictures[i].front(), exposure);
+        WriteRangePicture(folder + "/result.hdr", pictures[i].front());
+        WriteErrorPicture(folder + "/error.png", maps[i], resolution, scale);
+    }
+    (*json)["exposure"] = exposure;
+    (*json)["errorScale"] = scale;
+    (*json)["crops"] = Json::array();
+    const std::vector<Bounds2i> crops = settings.crops.empty() ? ChooseCrops(shared, resolution) : settings.crops;
+    for (size_t i = 0; i < crops.size(); ++i)
+        (*json)["crops"].push_back({{"name", std::string(1, static_cast<char>('a' + i % 26))},
+                                    {"x0", crops[i].low.x},
+                                    {"y0", crops[i].low.y},
+                                    {"x1", crops[i].high.x},
+                                    {"y1", crops[i].high.y}});
+}
+
+Json Header(const CampaignSettings &settings, const LabScene &scene, const Json &identity, size_t checkpoints) {
+    Json json;
+    json["schema"] = kResultsSchema;
+    json["scene"] = settings.scene;
+    json["sceneName"] = fs::path(settings.scene).stem().string();
+    json["sceneHash"] = scene.hash;
+    const std::string version = VersionText();
+    json["commit"] = version.substr(version.find(' ') + 1);
+    json["commandLine"] = settings.commandLine;
+    json["date"] = DateText();
+    json["machine"] = DescribeMachine();
+    json["mode"] = settings.Timed() ? "time" : "samples";
+    json["budget"] = settings.Timed() ? Json(settings.timeBudget) : Json(settings.samplesPerPixel);
+    json["seeds"] = settings.seeds;
+    json["resolution"] = {scene.Resolution().x, scene.Resolution().y};
+    json["maxDepth"] = scene.built.maxDepth;
+    json["direct"] = scene.built.maxDepth == 1;
+    json["settings"] = identity;
+    json["settings"]["checkpoints"] = checkpoints;
+    json["settings"]["batch"] = scene.Batch();
+    return json;
+}
+
+void CheckCrops(const CampaignSettings &settings, const LabScene &scene) {
+    const Point2i resolution = scene.Resolution();
+    for (const Bounds2i &c : settings.crops)
+        if (c.IsEmpty() || c.low.x < 0 || c.low.y < 0 || c.high.x > resolution.x || c.high.y > resolution.y)
+            throw UserError(fmt::format("--crops: {},{},{},{} is not inside the picture of {} x {} pixels.", c.low.x,
+                                        c.low.y, c.high.x, c.high.y, resolution.x, resolution.y));
+}
+
+/// Makes an integrator with each sampler once, so that a parameter out of range is found before anything is rendered.
+void CheckSamplers(const CampaignSettings &settings, const LabScene &scene) {
+    DiagnosticSink sink;
+    for (const SamplerChoice &choice : settings.samplers) {
+        try {
+            scene.MakeIntegrator(choice);
+        } catch (const UserError &e) {
+            sink.Add(e);
+        }
+    }
+    sink.ThrowIfErrors();
+}
+
+}  // namespace
+
+std::vector<Checkpoint> Checkpoints(const CampaignSettings &settings) {
+    std::vector<Checkpoint> list = {{1, 0}};
+    if (settings.Timed()) {
+        for (double divisor = 64; divisor >= 1; divisor /= 2) list.push_back({0, settings.timeBudget / divisor});
+    } else {
+        for (int samples = 2; samples < settings.samplesPerPixel; samples *= 2) list.push_back({samples, 0});
+        if (settings.samplesPerPixel > 1) list.push_back({settings.samplesPerPixel, 0});
+    }
+    return list;
+}
+
+std::optional<CampaignOutcome> RunCampaign(const CampaignSettings &settings, const PluginRegistry &registry,
+                                           Progress &cancel, ProgressSink *sink) {
+    const LabScene scene = LoadLabScene(settings, registry, cancel);
+    CheckCrops(settings, scene);
+    CheckSamplers(settings, scene);
+    if (!settings.referenceFile.empty())
+        ReadReference(settings.referenceFile, scene);  // throws if it does not fit the film
+    const Json identity = IdentityOf(settings, scene.hash, ThreadCount());
+    const RecordFolder records(settings.outFolder + "/records", CampaignKey(identity));
+    OpenFolder(settings, identity, records);
+
+    CampaignDisplay display(sink);
+    std::optional<References> references = MakeReferences(settings, scene, registry, records, cancel, display);
+    if (!references) return {};
+    Rounds rounds(settings, scene, *references, records, cancel, display);
+    if (!rounds.RenderAll()) return {};
+    display.Finish();
+
+    std::vector<std::vector<Image>> pictures(settings.samplers.size());
+    for (size_t i = 0; i < pictures.size(); ++i)
+        for (int seed = 0; seed < settings.seeds; ++seed)
+            pictures[i].push_back(
+                ReadImage(fmt::format("{}/{}/seed{}.exr", settings.outFolder, settings.samplers[i].folder, seed))
+                    .image.Select({"R", "G", "B"}));
+    std::vector<std::optional<SelectionReport>> selections(settings.samplers.size());
+    for (size_t i = 0; i < selections.size(); ++i)
+        if (const Json note = records.LoadNote(SelectionNote(settings.samplers[i]));
+            settings.selectionWork > 0 && note.is_object())
+            selections[i] = SelectionFromJson(note);
+    CampaignOutcome outcome;
+    outcome.results = Header(settings, scene, identity, rounds.CheckpointCount());
+    WritePictures(settings, scene, *references, pictures, &outcome.results);
+    const CampaignResults results = Summarize(settings, *references, rounds.TakeRecords(), pictures, selections);
+    AddToJson(results, &outcome.results);
+    AddViews(settings, records, &outcome.results);
+    ShortenFloats(&outcome.results);
+    outcome.text = TableText(results, *references);
+    WriteText(settings.outFolder + "/results.csv", SummaryCsv(results));
+    WriteText(settings.outFolder + "/rounds.csv", RoundsCsv(results));
+    WriteText(settings.outFolder + "/results.json", outcome.results.dump(1) + "\n");
+    return outcome;
+}
+
+}  // namespace pbrt::lab

@@ -1,0 +1,139 @@
+#include <unistd.h>
+
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <stdexcept>
+
+#include "ext/lab/campaign.h"
+#include "ext/lab/lightlab/command_line.h"
+#include "ext/lab/lightlab/report_scripts.h"
+#include "ext/lab/lightlab/scenes.h"
+#include "pbrt/core/files.h"
+#include "pbrt/core/log.h"
+#include "pbrt/core/memory.h"
+#include "pbrt/core/parallel.h"
+#include "pbrt/core/ranks.h"
+#include "pbrt/core/signal_watch.h"
+#include "plugins.h"
+
+namespace {
+
+/// Seconds from a signal to the end of the process. Records and pictures on disk are complete at any time, so nothing
+/// needs to be waited for; but most work ends within this time and then leaves no unfinished files.
+constexpr double kGraceSeconds = 0.4;
+
+/// Compares samplers on one scene. Nothing if a signal ended it: then `signals` has the status.
+std::optional<pbrt::lab::CampaignOutcome> CompareOn(const pbrt::lab::CampaignSettings &settings,
+                                                    const pbrt::LightlabOptions &options,
+                                                    const pbrt::PluginRegistry &registry, pbrt::SignalWatch &signals,
+                                                    pbrt::Progress &cancel) {
+    using namespace pbrt;
+    std::unique_ptr<ProgressSink> display = MakeTerminalProgress(options.quiet);
+    const std::string goesOn =
+        fmt::format("\nInterrupted. The same command goes on from what {} holds.", options.campaign.outFolder);
+    signals.Cancel("", goesOn, kGraceSeconds);
+    std::optional<lab::CampaignOutcome> outcome = lab::RunCampaign(settings, registry, cancel, display.get());
+    if (!outcome) {
+        LogInfo(goesOn);
+        return {};
+    }
+    std::printf("%s\n", outcome->text.c_str());
+    std::fflush(stdout);
+    signals.EndAtOnce(fmt::format("Interrupted: {} has no report yet. The same command makes it.", settings.outFolder));
+    if (options.report)
+        if (std::string problem = RunReportScripts(settings.outFolder, options.quiet); !problem.empty())
+            LogWarning(problem);
+    LogInfo(fmt::format("Wrote {}.", settings.outFolder));
+    return outcome;
+}
+
+int Compare(const pbrt::LightlabOptions &options, const pbrt::PluginRegistry &registry) {
+    using namespace pbrt;
+    lab::CampaignSettings settings = options.campaign;
+    settings.samplers = lab::ParseSamplerChoices(options.samplers, registry);
+    Progress cancel;
+    SignalWatch signals(cancel,
+                        fmt::format("\nInterrupted. The same command goes on from what {} holds.", settings.outFolder));
+    if (options.scenes.size() == 1) {
+        CompareOn(settings, options, registry, signals, cancel);
+        return signals.Status();
+    }
+    DiagnosticSink missing;
+    for (const std::string &scene : options.scenes)
+        if (!FileExists(scene)) missing.Error({}, fmt::format("{}: No such file or directory.", scene));
+    missing.ThrowIfErrors();
+    const std::vector<std::string> folders = SceneFolders(options.scenes);
+    std::vector<SceneOutcome> outcomes;
+    bool hasFailed = false;
+    for (size_t i = 0; i < folders.size(); ++i) {
+        settings.scene = options.scenes[i];
+        settings.outFolder = options.campaign.outFolder + "/" + folders[i];
+        SceneOutcome &scene = outcomes.emplace_back(SceneOutcome{settings.scene, folders[i], {}, {}});
+        std::printf("%s%s\n\n", i ? "\n" : "", settings.scene.c_str());
+        try {
+            std::optional<lab::CampaignOutcome> outcome = CompareOn(settings, options, registry, signals, cancel);
+            if (!outcome) return signals.Status();
+            scene.results = std::move(outcome->results);
+        } catch (const UserError &e) {
+            // The other scenes are compared all the same.
+            std::fputs(FormatAll(e, isatty(STDERR_FILENO) != 0).c_str(), stderr);
+            scene.failure = e.Diagnostics()[0].message;
+            hasFailed = true;
+        }
+    }
+    WriteScenes(options.campaign.outFolder, outcomes);
+    std::printf("\nAll scenes\n\n%s", ScenesText(outcomes).c_str());
+    LogInfo(fmt::format("Wrote {}/index.html.", options.campaign.outFolder));
+    return hasFailed ? 1 : signals.Status();
+}
+
+/// `lightlab inspect` or `lightlab noise`.
+int LookInside(const pbrt::LightlabOptions &options, const pbrt::PluginRegistry &registry) {
+    using namespace pbrt;
+    std::unique_ptr<ProgressSink> display = MakeTerminalProgress(options.quiet);
+    Progress progress(display.get());
+    SignalWatch signals(progress, "");
+    signals.Cancel("", "Interrupted.", kGraceSeconds);
+    const int status = options.inspect ? lab::RunInspect(*options.inspect, registry, progress)
+                                       : lab::RunNoise(*options.noise, registry, progress);
+    if (signals.Status() == 0) return status;
+    LogInfo("Interrupted.");
+    return signals.Status();
+}
+
+}  // namespace
+
+int main(int argc, char **argv) {
+    using namespace pbrt;
+    if (const RanksAnnounced announced = AnnouncedRanks(); announced.size > 1) {
+        if (announced.rank == 0)
+            std::fputs(
+                "Error: lightlab measures seconds, which processes beside it would change; start it without mpirun.\n",
+                stderr);
+        return 1;
+    }
+    try {
+        PluginRegistry registry;
+        RegisterPlugins(registry);
+        const LightlabCommandLine parsed = ParseLightlabCommandLine(argc, argv, registry.samplers.Names());
+        if (parsed.done) return parsed.status;
+        if (parsed.options.quiet) SetLogLevel(LogLevel::Error);
+        ThreadLimit threads(parsed.options.threads);
+        return parsed.options.inspect || parsed.options.noise ? LookInside(parsed.options, registry)
+                                                              : Compare(parsed.options, registry);
+    } catch (const UserError &e) {
+        std::fputs(FormatAll(e, isatty(STDERR_FILENO) != 0).c_str(), stderr);
+        if (e.Count() > 1) std::fprintf(stderr, "%zu errors; nothing was rendered.\n", e.Count());
+        return 1;
+    } catch (const std::bad_alloc &) {
+        std::fprintf(stderr, "Error: %s\n", OutOfMemoryText("").c_str());
+        return 1;
+    } catch (const std::length_error &) {
+        std::fprintf(stderr, "Error: %s\n", OutOfMemoryText("").c_str());
+        return 1;
+    } catch (const std::exception &e) {
+        std::fprintf(stderr, "Error: %s\n", e.what());
+        return 1;
+    }
+}

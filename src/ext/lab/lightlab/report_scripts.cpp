@@ -1,0 +1,106 @@
+#include "ext/lab/lightlab/report_scripts.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+
+namespace pbrt {
+
+namespace {
+
+std::string Environment(const char *name, const char *otherwise) {
+    const char *value = std::getenv(name);
+    return value && *value ? value : otherwise;
+}
+
+/// Where the scripts are: beside the program in the build folder, in share/ where it is installed. Relative to the
+/// program, so that an installed folder may be moved.
+std::string ScriptFolder() {
+    std::error_code failed;
+    const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", failed).parent_path();
+    const std::filesystem::path beside = program / "report";
+    if (std::filesystem::exists(beside, failed)) return beside.string();
+    return (program / "../share/pbrt_octree/report").lexically_normal().string();
+}
+
+/// Replaces the forked child by the program. Makes only calls that are allowed after a fork in a process with threads.
+[[noreturn]] void Become(const char *const *arguments, pid_t parent, const sigset_t &mask, int failures) {
+    // The handlers of these signals belong to the parent; in the child a signal ends the process, or stays ignored.
+    for (int signal : {SIGINT, SIGTERM, SIGHUP}) {
+        struct sigaction action = {};
+        if (sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN) continue;
+        action = {};
+        action.sa_handler = SIG_DFL;
+        sigaction(signal, &action, nullptr);
+    }
+    pthread_sigmask(SIG_SETMASK, &mask, nullptr);
+    // However the parent ends, this process ends with it.
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() == parent) {
+        if (const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC); nowhere >= 0) dup2(nowhere, STDOUT_FILENO);
+        execvp(arguments[0], const_cast<char *const *>(arguments));
+    }
+    const int reason = errno;
+    [[maybe_unused]] const ssize_t ignored = write(failures, &reason, sizeof(reason));
+    _exit(127);
+}
+
+/// Exit status of `python script folder`, or why it has none. Its standard output is dropped, because lightlab's
+/// standard output holds the table. To be called by a thread that lives as long as the process.
+struct ScriptResult {
+    int status = -1;
+    std::string failure;
+};
+ScriptResult RunScript(const std::string &python, const std::string &script, const std::string &folder) {
+    const char *arguments[] = {python.c_str(), script.c_str(), folder.c_str(), nullptr};
+    auto notStarted = [](int reason) {
+        return ScriptResult{-1, fmt::format("not started: {}", std::strerror(reason))};
+    };
+    int failures[2];  // a pipe for the errno of a failed start; a successful start closes it
+    if (pipe2(failures, O_CLOEXEC) != 0) return notStarted(errno);
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    const pid_t parent = getpid(), pid = fork();
+    if (pid == 0) Become(arguments, parent, before, failures[1]);
+    int reason = errno;
+    pthread_sigmask(SIG_SETMASK, &before, nullptr);
+    close(failures[1]);
+    const bool started = pid > 0 && read(failures[0], &reason, sizeof(reason)) <= 0;
+    close(failures[0]);
+    int status = 0;
+    while (pid > 0 && waitpid(pid, &status, 0) < 0)
+        if (errno != EINTR) return notStarted(errno);
+    if (!started) return notStarted(reason);
+    if (WIFSIGNALED(status)) return {-1, fmt::format("ended by signal {}", WTERMSIG(status))};
+    return {WEXITSTATUS(status), WEXITSTATUS(status) ? fmt::format("exit status {}", WEXITSTATUS(status)) : ""};
+}
+
+}  // namespace
+
+std::string RunReportScripts(const std::string &outFolder, bool quiet) {
+    const std::string python = Environment("LIGHTLAB_PYTHON", "/usr/bin/python3");
+    const std::string folder = Environment("LIGHTLAB_REPORT_SCRIPTS", ScriptFolder().c_str());
+    if (!quiet) std::fprintf(stderr, "drawing charts and report\n");
+    for (const char *name : {"charts.py", "report.py"}) {
+        const std::string script = folder + "/" + name;
+        if (!std::filesystem::exists(script))
+            return fmt::format("{} is missing: no {}; the results are in {}.", script,
+                               name == std::string("charts.py") ? "charts" : "report.html", outFolder);
+        const ScriptResult result = RunScript(python, script, outFolder);
+        if (result.status != 0)
+            return fmt::format("{} {} {} failed ({}): charts or report.html are missing; the results are in {}.",
+                               python, script, outFolder, result.failure, outFolder);
+    }
+    return {};
+}
+
+}  // namespace pbrt

@@ -1,0 +1,196 @@
+#include "ext/lab/noise_by_depth.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+#include "ext/lab/html.h"
+#include "ext/lab/results.h"
+#include "ext/lab/sampler_run.h"
+#include "ext/lab/tile_statistics.h"
+#include "pbrt/core/count_text.h"
+#include "pbrt/core/files.h"
+#include "pbrt/core/log.h"
+#include "pbrt/images/metrics.h"
+
+namespace pbrt::lab {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+constexpr double kTrimmedShare = 0.001;
+
+/// The pictures of one sampler with paths of at most `depth` scattering events; none if cancelled.
+std::vector<Image> Pictures(const NoiseOptions &options, const LabScene &scene, const SamplerChoice &choice, int depth,
+                            Progress &progress) {
+    std::vector<Image> pictures;
+    for (int seed = 0; seed < options.campaign.seeds; ++seed) {
+        SamplerRun run(scene, choice, seed, options.campaign.samplesPerPixel, progress, depth);
+        if (!run.Prepare() || !run.RenderTo({options.campaign.samplesPerPixel, 0})) return {};
+        pictures.push_back(run.Picture().Select({"R", "G", "B"}));
+        progress.Advance();
+    }
+    return pictures;
+}
+
+/// A bar for every sampler, with a piece for every depth.
+std::string Bars(const Json &json, const char *what) {
+    constexpr double kWidth = 760, kHeight = 34, kLeft = 260;
+    double most = 0;
+    for (const Json &s : json.at("samplers")) most = std::max(most, s.at("depths").back().at(what).get<double>());
+    const size_t rows = json.at("samplers").size();
+    std::string svg = fmt::format("<svg viewBox=\"0 0 {} {}\" role=\"img\">\n", kLeft + kWidth + 90,
+                                  static_cast<double>(rows) * kHeight + 6);
+    double y = 3;
+    for (const Json &s : json.at("samplers")) {
+        svg += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{}</text>\n", kLeft - 10, y + 20,
+                           EscapeHtml(s.at("label")));
+        double from = 0;
+        size_t k = 0;
+        for (const Json &d : s.at("depths")) {
+            const double to = std::max(from, d.at(what).get<double>());
+            const double width = most > 0 ? (to - from) / most * kWidth : 0;
+            svg += fmt::format(
+                "<rect x=\"{:.1f}\" y=\"{}\" width=\"{:.1f}\" height=\"{}\" fill=\"hsl({} 60% {}%)\"><title>up to {} "
+                "scattering events: {:.4g}</title></rect>\n",
+                kLeft + (most > 0 ? from / most * kWidth : 0), y, width, kHeight - 8,
+                215 - 25 * static_cast<int>(k % 8), k % 2 ? 58 : 46, d.at("depth").get<int>(),
+                d.at(what).get<double>());
+            if (width > 22)
+                svg += fmt::format("<text class=\"in\" x=\"{:.1f}\" y=\"{}\">{}</text>\n",
+                                   kLeft + from / most * kWidth + 5, y + 18, d.at("depth").get<int>());
+            from = to;
+            ++k;
+        }
+        svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\">{:.3g}</text>\n",
+                           kLeft + (most > 0 ? from / most * kWidth : 0) + 8, y + 20, from);
+        y += kHeight;
+    }
+    return svg + "</svg>\n";
+}
+
+std::string Page(const Json &json) {
+    std::string page = std::string(kPageHead) + R"(<style>
+:root { color-scheme: light dark; }
+body { margin: 0 auto; max-width: 1160px; padding: 24px 28px; font: 15px/1.5 system-ui, "DejaVu Sans", sans-serif; }
+h1 { font-size: 26px; margin: 0; } h2 { font-size: 18px; margin: 28px 0 8px; } svg { width: 100%; font-size: 13px; }
+svg text { fill: currentColor; } svg text.in { fill: #fff; }
+</style>
+)";
+    const std::string scene = EscapeHtml(json.at("scene"));
+    page += fmt::format("<title>{0} · where the noise is</title>\n</head>\n<body>\n<h1>Where the noise is: {0}</h1>\n",
+                        scene);
+    page += fmt::format(
+        "<p>Expected relL2 of a picture of {} per pixel, by how many scattering events paths may have. A piece "
+        "of a bar is what the vertex of that number adds (its light sample and the light that a bounce from the vertex "
+        "before finds). oracle: lights are chosen as well as probabilities can; what is left there, no choice of "
+        "lights "
+        "takes away. {} each.</p>\n",
+        CountText(json.at("samples").get<int>(), "sample"), CountText(json.at("seeds").get<int>(), "seed"));
+    page += "<h2>All pixels</h2>\n" + Bars(json, "plain");
+    page += "<h2>Without the worst 0.1 % of the pixels</h2>\n" + Bars(json, "trimmed");
+    return page + "</body>\n</html>\n";
+}
+
+}  // namespace
+
+Noise NoiseOf(const std::vector<Image> &pictures, const Image &reference) {
+    const auto n = static_cast<double>(pictures.size());
+    const int channels = reference.ChannelCount();
+    const double epsilon = RelL2Epsilon(reference);
+    std::vector<double> terms;
+    for (int y = 0; y < reference.Resolution().y; ++y)
+        for (int x = 0; x < reference.Resolution().x; ++x) {
+            double term = 0;
+            for (int c = 0; c < channels; ++c) {
+                double sum = 0, squares = 0;
+                for (const Image &p : pictures) sum += static_cast<double>(p.Get({x, y}, c));
+                for (const Image &p : pictures) squares += Sqr(static_cast<double>(p.Get({x, y}, c)) - sum / n);
+                term += squares / (n - 1) / (Sqr(static_cast<double>(reference.Get({x, y}, c))) + epsilon) / channels;
+            }
+            terms.push_back(term);
+        }
+    std::sort(terms.begin(), terms.end());
+    const auto mean = [&](size_t kept) {
+        double sum = 0;
+        for (size_t i = 0; i < kept; ++i) sum += terms[i];
+        return kept ? sum / static_cast<double>(kept) : 0;
+    };
+    return {mean(terms.size()),
+            mean(terms.size() - static_cast<size_t>(std::ceil(kTrimmedShare * static_cast<double>(terms.size()))))};
+}
+
+std::vector<int> NoiseDepths(int maxDepth) {
+    std::vector<int> depths;
+    const auto next = [](int d) {
+        return d < 4 ? d + 1 : std::has_single_bit(static_cast<unsigned>(d)) ? d / 2 * 3 : d / 3 * 4;
+    };
+    for (int d = 1; d < maxDepth; d = next(d)) depths.push_back(d);
+    depths.push_back(std::max(maxDepth, 1));
+    return depths;
+}
+
+int RunNoise(const NoiseOptions &options, const PluginRegistry &registry, Progress &progress) {
+    if (options.campaign.seeds < 2) throw UserError("--seeds: a variance takes at least two.");
+    const std::vector<SamplerChoice> choices = ParseSamplerChoices(options.samplers, registry);
+    const LabScene scene = LoadLabScene(options.campaign, registry, progress);
+    const std::vector<int> depths = NoiseDepths(scene.built.maxDepth);
+
+    progress.BeginPhase("rendering", static_cast<int64_t>(choices.size() * depths.size()) * options.campaign.seeds);
+    // The deepest come first: all are measured against their mean. The others need not be kept.
+    std::vector<std::vector<Image>> deepest;
+    std::vector<const Image *> whole;
+    for (const SamplerChoice &choice : choices) {
+        deepest.push_back(Pictures(options, scene, choice, depths.back(), progress));
+        if (deepest.back().empty()) return 130;
+    }
+    for (const std::vector<Image> &pictures : deepest)
+        for (const Image &picture : pictures) whole.push_back(&picture);
+    const Image reference = AverageImages(whole).image;
+    std::vector<std::vector<Noise>> noise(choices.size());
+    for (size_t i = 0; i < choices.size(); ++i) {
+        for (size_t d = 0; d + 1 < depths.size(); ++d) {
+            const std::vector<Image> pictures = Pictures(options, scene, choices[i], depths[d], progress);
+            if (pictures.empty()) return 130;
+            noise[i].push_back(NoiseOf(pictures, reference));
+        }
+        noise[i].push_back(NoiseOf(deepest[i], reference));
+    }
+    progress.EndPhase();
+
+    Json json;
+    json["scene"] = options.campaign.scene;
+    json["commandLine"] = options.campaign.commandLine;
+    json["samples"] = options.campaign.samplesPerPixel;
+    json["seeds"] = options.campaign.seeds;
+    json["samplers"] = Json::array();
+    std::printf("%-36s", "scattering events");
+    for (const int depth : depths) std::printf(" %9d", depth);
+    for (size_t i = 0; i < choices.size(); ++i) {
+        Json entry{{"label", choices[i].label}, {"depths", Json::array()}};
+        std::string trimmed;
+        std::printf("\n%-36s", choices[i].label.c_str());
+        for (size_t d = 0; d < depths.size(); ++d) {
+            const auto &[plain, without] = noise[i][d];
+            entry["depths"].push_back({{"depth", depths[d]}, {"plain", plain}, {"trimmed", without}});
+            std::printf(" %9.4g", plain);
+            trimmed += fmt::format(" {:>9.4g}", without);
+        }
+        std::printf("\n%-36s%s", "  trimmed", trimmed.c_str());
+        json["samplers"].push_back(entry);
+    }
+    const std::string &folder = options.campaign.outFolder;
+    std::error_code failed;
+    std::filesystem::create_directories(folder, failed);
+    if (failed) throw UserError(fmt::format("{}: {}.", folder, failed.message()));
+    ShortenFloats(&json);
+    WriteFile(folder + "/noise.json", json.dump(2) + "\n");
+    WriteFile(folder + "/index.html", Page(json));
+    std::printf("\nWrote %s; index.html shows it.\n", folder.c_str());
+    return 0;
+}
+
+}  // namespace pbrt::lab

@@ -1,0 +1,195 @@
+#include "ext/lab/pilot.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ext/lab/reference.h"
+#include "ext/lab/sampler_run.h"
+#include "ext/lab/tile_statistics.h"
+#include "pbrt/images/metrics.h"
+
+namespace pbrt::lab {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+constexpr int kMinPilotSamples = 4, kMaxPilotSamples = 16;  // per picture; two pictures a candidate
+constexpr int kShareOfReference = 128;                      // all candidates together take some 6 % of two references
+constexpr int kPilotSeed = 700001;                          // far from the seeds of the runs
+
+std::vector<SamplerChoice> Candidates(const CampaignSettings &settings, const PluginRegistry &registry) {
+    std::vector<SamplerChoice> candidates;
+    for (const SamplerChoice &s : settings.samplers)
+        if (!s.IsOracle()) candidates.push_back(s);
+    for (const char *stock : {"bvh", "uniform"}) {
+        auto isListed = [&](const SamplerChoice &s) { return s.label == stock; };
+        if (std::none_of(candidates.begin(), candidates.end(), isListed))
+            candidates.push_back(ParseSamplerChoices({stock}, registry).front());
+    }
+    return candidates;
+}
+
+/// More samples where there are many lights per pixel (a light that no candidate chose leaves no trace), and for long
+/// references.
+int SamplesPerPicture(const CampaignSettings &settings, const LabScene &scene) {
+    const double lights = static_cast<double>(scene.built.scene->Lights().Size());
+    const double pixels = static_cast<double>(std::max<int64_t>(1, scene.Pixels().Area()));
+    const int forReference = ReferenceRule::For(settings).samples / kShareOfReference;
+    return std::clamp(std::max(static_cast<int>(8 * lights / pixels), forReference), kMinPilotSamples,
+                      kMaxPilotSamples);
+}
+
+/// Two pictures of a candidate and their common tile means.
+struct Pilot {
+    std::array<Image, 2> pictures;
+    TileMeans tiles;
+
+    explicit Pilot(std::array<Image, 2> pair) : pictures(std::move(pair)) {
+        tiles = ComputeTileMeans(pictures[0]);
+        const TileMeans second = ComputeTileMeans(pictures[1]);
+        for (size_t i = 0; i < tiles.values.size(); ++i) tiles.values[i] = (tiles.values[i] + second.values[i]) / 2;
+    }
+};
+
+/// Variance of one sample, relative as in relL2, from the differences of the candidate's two pictures. The denominators
+/// are tile means of the other candidates' pictures: a rare bright hit must not enlarge what it is divided by, or the
+/// sampler with the rarest hits looks best. `epsilon`: RelL2Epsilon of all candidates' mean.
+double VarianceBetweenPictures(const std::vector<Pilot> &pilots, size_t which, int samples, double epsilon) {
+    const auto &[a, b] = pilots[which].pictures;
+    const TileGrid &grid = pilots[which].tiles.grid;
+    double sum = 0;
+    for (int ty = 0; ty < grid.tilesY; ++ty)
+        for (int tx = 0; tx < grid.tilesX; ++tx)
+            for (int c = 0; c < 3; ++c) {
+                double others = 0, squares = 0;
+                for (size_t k = 0; k < pilots.size(); ++k)
+                    if (k != which) others += pilots[k].tiles(grid.Index(tx, ty), c);
+                others /= static_cast<double>(pilots.size() - 1);
+                const Bounds2i pixels = grid.Pixels(tx, ty);
+                for (int y = pixels.low.y; y < pixels.high.y; ++y)
+                    for (int x = pixels.low.x; x < pixels.high.x; ++x) {
+                        const double d = double(a.Get({x, y}, c)) - double(b.Get({x, y}, c));
+                        if (std::isfinite(d)) squares += d * d / 2;
+                    }
+                sum += squares / (others * others + epsilon);
+            }
+    return samples * sum / (3 * static_cast<double>(a.Resolution().x) * static_cast<double>(a.Resolution().y));
+}
+
+/// The same from the squared differences of the candidate's tiles to the mean of the others, minus the noise of that
+/// mean. This shows light that the candidate finds so rarely that neither of its pictures has it. `between`:
+/// VarianceBetweenPictures of all.
+double VarianceAgainstOthers(const std::vector<Pilot> &pilots, size_t which, int samples,
+                             const std::vector<double> &between, double epsilon) {
+    // Noisy candidates count less. None counts more than the median one, because a candidate that finds no light looks
+    // quiet.
+    std::vector<double> sorted = between, weights(between.size(), 0);
+    std::sort(sorted.begin(), sorted.end());
+    double total = 0, noise = 0;
+    for (size_t k = 0; k < pilots.size(); ++k)
+        if (k != which) total += weights[k] = 1 / std::max({between[k], sorted[sorted.size() / 2], 1e-9});
+    for (size_t k = 0; k < pilots.size(); ++k) noise += between[k] * weights[k] * weights[k] / (total * total);
+
+    const TileGrid &grid = pilots[which].tiles.grid;
+    double sum = 0, area = 0;
+    for (int ty = 0; ty < grid.tilesY; ++ty)
+        for (int tx = 0; tx < grid.tilesX; ++tx)
+            for (int c = 0; c < 3; ++c) {
+                const int tile = grid.Index(tx, ty);
+                double others = 0;
+                for (size_t k = 0; k < pilots.size(); ++k) others += weights[k] / total * pilots[k].tiles(tile, c);
+                const double d = pilots[which].tiles(tile, c) - others;
+                const auto pixels = static_cast<double>(grid.Pixels(tx, ty).Area());
+                sum += pixels * pixels * d * d / (others * others + epsilon);
+                area += pixels;
+            }
+    return 2 * samples * sum / area - noise;
+}
+
+Json ToJson(const std::vector<PilotEntry> &entries) {
+    Json json = Json::array();
+    for (const PilotEntry &e : entries)
+        json.push_back(
+            {{"sampler", e.choice.label}, {"variance", e.variance}, {"secondsPerSample", e.secondsPerSample}});
+    return json;
+}
+
+/// Entries from the note of an earlier session; empty if it does not fit.
+std::vector<PilotEntry> FromJson(const Json &json, const std::vector<SamplerChoice> &candidates) {
+    std::vector<PilotEntry> entries;
+    if (!json.is_array()) return {};
+    for (const Json &e : json)
+        for (const SamplerChoice &c : candidates)
+            if (c.label == e.value("sampler", ""))
+                entries.push_back({c, e.value("variance", 0.0), e.value("secondsPerSample", 0.0)});
+    return entries.size() == candidates.size() ? entries : std::vector<PilotEntry>{};
+}
+
+}  // namespace
+
+double MeanSecondsPerSample(const std::vector<PilotEntry> &entries) {
+    double sum = 0;
+    for (const PilotEntry &e : entries) sum += e.secondsPerSample;
+    return entries.empty() ? 0 : sum / static_cast<double>(entries.size());
+}
+
+double EstimateRuns(const CampaignSettings &settings, const std::vector<PilotEntry> &entries) {
+    double seconds = 0;
+    for (const SamplerChoice &s : settings.samplers) {
+        auto known = std::find_if(entries.begin(), entries.end(),
+                                  [&](const PilotEntry &e) { return e.choice.label == s.label; });
+        const double cost = known == entries.end() ? MeanSecondsPerSample(entries) : known->secondsPerSample;
+        seconds += settings.Timed() ? settings.timeBudget : settings.samplesPerPixel * cost;
+    }
+    return seconds * settings.seeds;
+}
+
+bool IsTrusted(const SamplerChoice &choice) {
+    return choice.name == "uniform" || choice.name == "power" || choice.name == "bvh" || choice.name == "exhaustive";
+}
+
+std::optional<std::vector<PilotEntry>> RunPilot(const CampaignSettings &settings, const LabScene &scene,
+                                                const PluginRegistry &registry, const RecordFolder &records,
+                                                Progress &cancel, CampaignDisplay &display) {
+    const std::vector<SamplerChoice> candidates = Candidates(settings, registry);
+    if (std::vector<PilotEntry> known = FromJson(records.LoadNote("pilot.json"), candidates); !known.empty())
+        return known;
+
+    display.SetPhase("pilot");
+    const int samples = SamplesPerPicture(settings, scene);
+    std::vector<PilotEntry> entries;
+    double left = -1;  // not known before the first candidate is rendered
+    std::vector<Pilot> pilots;
+    const int expected = settings.Timed() ? scene.Batch() : settings.samplesPerPixel;
+    for (const SamplerChoice &candidate : candidates) {
+        PilotEntry entry{candidate, 0, 1e30};
+        std::array<Image, 2> pair;
+        for (int k = 0; k < 2; ++k) {
+            SamplerRun run(scene, candidate, kPilotSeed + k, expected, cancel);
+            if (!run.Prepare() || !run.RenderTo({samples, 0}, [&] { display.Show(left); })) return {};
+            const double seconds = run.Spent().wall - run.Record().prepare.wall;
+            entry.secondsPerSample = std::min(entry.secondsPerSample, seconds / samples);
+            pair[static_cast<size_t>(k)] = run.Picture();
+        }
+        entries.push_back(entry);
+        const double perSample = MeanSecondsPerSample(entries);
+        left = static_cast<double>(candidates.size() - entries.size()) * 2 * samples * perSample;
+        display.SetAfter(2 * ReferenceRule::For(settings).EstimateSeconds(perSample) + EstimateRuns(settings, entries));
+        pilots.emplace_back(std::move(pair));
+    }
+    double mean = 0;
+    for (const Pilot &p : pilots)
+        for (const double v : p.tiles.values) mean += v / static_cast<double>(pilots.size() * p.tiles.values.size());
+    const double epsilon = RelL2Epsilon(mean);
+    std::vector<double> between;
+    for (size_t i = 0; i < pilots.size(); ++i) between.push_back(VarianceBetweenPictures(pilots, i, samples, epsilon));
+    for (size_t i = 0; i < pilots.size(); ++i)
+        entries[i].variance = std::max(between[i], VarianceAgainstOthers(pilots, i, samples, between, epsilon));
+    std::stable_sort(entries.begin(), entries.end(),
+                     [](const PilotEntry &a, const PilotEntry &b) { return a.variance < b.variance; });
+    records.SaveNote("pilot.json", ToJson(entries));
+    return entries;
+}
+
+}  // namespace pbrt::lab

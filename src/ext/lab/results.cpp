@@ -1,0 +1,234 @@
+#include "ext/lab/results.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ext/lab/convergence.h"
+#include "pbrt/math/statistics.h"
+
+namespace pbrt::lab {
+
+namespace {
+
+constexpr double kFewOracleSamples = 8;
+
+/// Leaves out rounds in which a run took no new sample.
+void DropEmptyRounds(RunRecord *run) {
+    std::vector<RoundRecord> kept;
+    for (const RoundRecord &r : run->rounds)
+        if (kept.empty() || r.samples > kept.back().samples) kept.push_back(r);
+    run->rounds = std::move(kept);
+}
+
+/// Mean curve over the seeds, with the checkpoints that all seeds have.
+std::vector<CurvePoint> Curve(const SamplerResult &sampler, bool bySamples) {
+    std::vector<std::vector<CurvePoint>> curves(sampler.runs.size());
+    auto isShared = [&](int checkpoint) {
+        return std::all_of(sampler.runs.begin(), sampler.runs.end(), [&](const RunRecord &run) {
+            return std::any_of(run.rounds.begin(), run.rounds.end(),
+                               [&](const RoundRecord &r) { return r.checkpoint == checkpoint; });
+        });
+    };
+    for (size_t i = 0; i < curves.size(); ++i)
+        for (const RoundRecord &r : sampler.runs[i].rounds)
+            if (isShared(r.checkpoint))
+                curves[i].push_back({bySamples ? double(r.samples) : r.spent.wall, Get(r.measures, Measure::RelL2)});
+    return MeanCurve(curves);
+}
+
+template <class F>
+double MeanOver(const std::vector<RunRecord> &runs, F &&value) {
+    double sum = 0;
+    for (const RunRecord &run : runs) sum += value(run);
+    return runs.empty() ? 0 : sum / static_cast<double>(runs.size());
+}
+
+/// CPU seconds of one sample per pixel, over all runs. The first sample of a run warms up caches and cells that are
+/// filled on demand.
+double CpuPerSample(const std::vector<RunRecord> &runs) {
+    double cpu = 0, samples = 0;
+    for (const RunRecord &run : runs) {
+        const RoundRecord &last = run.rounds.back();
+        const bool skipFirst = run.rounds.size() > 1;
+        cpu += last.spent.cpu - (skipFirst ? run.rounds[0].spent.cpu : run.prepare.cpu);
+        samples += last.samples - (skipFirst ? run.rounds[0].samples : 0);
+    }
+    return samples > 0 ? cpu / samples : 0;
+}
+
+/// The error of every run at its end.
+std::vector<double> ErrorsOf(const std::vector<RunRecord> &runs, size_t measure) {
+    std::vector<double> errors;
+    for (const RunRecord &run : runs) errors.push_back(run.rounds.back().measures[measure]);
+    return errors;
+}
+
+void SummarizeOne(SamplerResult *s) {
+    const auto last = [](const RunRecord &run) -> const RoundRecord & { return run.rounds.back(); };
+    s->samples = MeanOver(s->runs, [&](const RunRecord &r) { return double(last(r).samples); });
+    s->seconds = MeanOver(s->runs, [&](const RunRecord &r) { return last(r).spent.wall; });
+    s->cpuSeconds = MeanOver(s->runs, [&](const RunRecord &r) { return last(r).spent.cpu; });
+    s->prepareSeconds = MeanOver(s->runs, [](const RunRecord &r) { return r.prepare.wall; });
+    s->prepareCpuSeconds = MeanOver(s->runs, [](const RunRecord &r) { return r.prepare.cpu; });
+    for (size_t m = 0; m < MeasureCount; ++m) s->measures[m] = Summarize(ErrorsOf(s->runs, m));
+    const double error = s->measures[static_cast<size_t>(Measure::RelL2)].mean;
+    s->firefliesDecide = FirefliesDecide(error, s->measures[static_cast<size_t>(Measure::RelL2Trimmed)].mean);
+    s->efficiency = Efficiency(error, s->seconds);
+    s->cpuPerSample = CpuPerSample(s->runs);
+    s->shadowRays = MeanOver(s->runs, [&](const RunRecord &r) { return double(last(r).shadowRays); });
+    const double blocked = MeanOver(s->runs, [&](const RunRecord &r) { return double(last(r).shadowRaysBlocked); });
+    s->blockedShare = s->shadowRays > 0 ? blocked / s->shadowRays : 0;
+}
+
+std::vector<TileMeans> TilesOf(const std::vector<Image> &pictures) {
+    std::vector<TileMeans> tiles;
+    for (const Image &picture : pictures) tiles.push_back(ComputeTileMeans(picture));
+    return tiles;
+}
+
+/// The label without "+mesh": a sampler counts as its own kin whether it takes meshes as single lights or not.
+std::string KinName(const std::string &label) {
+    const std::string mesh = "+mesh";
+    const size_t at = label.find(mesh);
+    return at == std::string::npos ? label : label.substr(0, at) + label.substr(at + mesh.size());
+}
+
+/// The bias verdicts of a campaign.
+class BiasJudge {
+  public:
+    BiasJudge(const References &references, const std::vector<std::vector<Image>> &pictures) {
+        for (const Reference &r : references.all) {
+            Pictures p{KinName(r.sampler), TilesOf(r.parts), static_cast<double>(r.samples)};
+            if (p.tiles.empty()) p.tiles.push_back(ComputeTileMeans(r.image));
+            p.samples /= static_cast<double>(p.tiles.size());
+            references_.push_back(std::move(p));
+            noise_.push_back(r.noise);
+        }
+        for (const std::vector<Image> &runs : pictures) runs_.push_back({"", TilesOf(runs), 0});
+    }
+
+    /// To be called for every sampler before the first call of Judge.
+    void Describe(size_t sampler, const std::string &label, double samples) {
+        runs_[sampler].name = KinName(label);
+        runs_[sampler].samples = samples;
+    }
+
+    BiasReport Judge(size_t sampler, size_t reference) const {
+        const Pictures &runs = runs_[sampler], &judge = references_[reference];
+        auto ratio = [&](const Pictures &p) {
+            return p.samples > 0 && runs.samples > 0 ? p.samples / runs.samples : 1;
+        };
+        auto kinOf = [&](const std::string &name) {
+            std::vector<BiasKin> kin;
+            for (const std::vector<Pictures> *list : {&runs_, &references_})
+                for (const Pictures &p : *list)
+                    if (&p != &runs && &p != &judge && !name.empty() && p.name == name)
+                        kin.push_back({p.tiles, ratio(p)});
+            return kin;
+        };
+        const BiasReference against{judge.tiles, noise_[reference], ratio(judge), kinOf(judge.name)};
+        // The level is the chance of a false alarm in the whole campaign, which has one verdict per sampler.
+        BiasSettings settings;
+        settings.level = SidakLevel(settings.level, runs_.size());
+        return CheckBias(runs.tiles, against, settings, kinOf(runs.name));
+    }
+
+  private:
+    struct Pictures {
+        std::string name;
+        std::vector<TileMeans> tiles;
+        double samples = 0;  ///< per pixel of one; 0: not known
+    };
+    std::vector<Pictures> runs_, references_;
+    std::vector<std::optional<double>> noise_;
+};
+
+void CompareSamplers(std::vector<SamplerResult> *samplers) {
+    std::vector<ErrorCurve> bySeconds, bySamples;
+    for (const SamplerResult &s : *samplers) {
+        bySeconds.emplace_back(Curve(s, false), s.prepareSeconds);
+        bySamples.emplace_back(Curve(s, true));
+    }
+    for (size_t i = 0; i < samplers->size(); ++i) {
+        SamplerResult &mine = (*samplers)[i];
+        const double first = samplers->front().cpuPerSample;
+        mine.relativeCost = first > 0 ? mine.cpuPerSample / first : 0;
+        for (size_t k = 0; k < samplers->size(); ++k) {
+            const SamplerResult &other = (*samplers)[k];
+            if (k == i) continue;
+            if (other.choice.IsOracle() && !mine.ratioToOracle)
+                mine.ratioToOracle = ErrorRatioAtEqualCost(bySamples[i], bySamples[k]);
+            const std::optional<ErrorCurve::Reading> speedUp = SpeedUpToEqualError(bySeconds[i], bySeconds[k]);
+            if (!speedUp) continue;
+            mine.speedUps.emplace_back(other.choice.label, speedUp->value);
+            const bool counts = !other.choice.IsOracle() && other.bias.verdict != BiasVerdict::Biased;
+            if (counts && (!mine.speedUp || speedUp->value < *mine.speedUp)) {
+                mine.speedUp = speedUp->value;
+                mine.speedUpAgainst = other.choice.label;
+            }
+        }
+        if (mine.choice.IsOracle()) mine.ratioToOracle = 1;
+    }
+}
+
+/// Notes for the conclusion, besides doubts.
+std::vector<std::string> RemarksOn(const CampaignSettings &settings, const References &references,
+                                   const std::vector<SamplerResult> &samplers) {
+    std::vector<std::string> remarks = references.remarks;
+    for (const SamplerResult &s : samplers)
+        if (s.choice.IsOracle() && s.samples < kFewOracleSamples)
+            remarks.push_back(fmt::format(
+                "\"{}\" took {:.1f} samples per pixel only: ratios to it are rough. --spp gives it as many as "
+                "the others.",
+                s.choice.label, s.samples));
+    if (settings.sampledLightOnly)
+        remarks.emplace_back(
+            "--sampled-light: the pictures lack lamps that the camera or a mirror shows, and caustics; no choice of "
+            "lights changes these.");
+    return remarks;
+}
+
+}  // namespace
+
+std::optional<double> ReportNumber(const nlohmann::ordered_json &report, std::initializer_list<const char *> names) {
+    for (const char *name : names)
+        if (report.contains(name) && report[name].is_number()) return report[name].get<double>();
+    return {};
+}
+
+CampaignResults Summarize(const CampaignSettings &settings, const References &references,
+                          std::vector<std::vector<RunRecord>> runs, const std::vector<std::vector<Image>> &pictures,
+                          const std::vector<std::optional<SelectionReport>> &selections) {
+    CampaignResults results;
+    BiasJudge judge(references, pictures);
+    for (size_t i = 0; i < settings.samplers.size(); ++i) {
+        SamplerResult s;
+        s.choice = settings.samplers[i];
+        s.reference = references.ofSampler[i];
+        s.runs = std::move(runs[i]);
+        for (RunRecord &run : s.runs) DropEmptyRounds(&run);
+        SummarizeOne(&s);
+        s.selection = selections[i];
+        judge.Describe(i, s.choice.label, s.samples);
+        results.samplers.push_back(std::move(s));
+    }
+    for (size_t i = 0; i < results.samplers.size(); ++i) {
+        SamplerResult &s = results.samplers[i];
+        s.bias = judge.Judge(i, s.reference);
+        if (references.areDoubtful && s.bias.verdict == BiasVerdict::Biased) {
+            s.bias.verdict = BiasVerdict::Unknown;
+            s.bias.text += " The references contradict each other, so this proves nothing.";
+        }
+        if (s.selection) AddSelection(*s.selection, &s.bias);
+    }
+    CompareSamplers(&results.samplers);
+    for (const SamplerResult &s : results.samplers)
+        results.contenders.push_back({s.choice.label, ErrorsOf(s.runs, static_cast<size_t>(Measure::RelL2)),
+                                      ErrorsOf(s.runs, static_cast<size_t>(Measure::RelL2Trimmed)), s.bias.verdict,
+                                      s.choice.IsOracle(), s.firefliesDecide, s.speedUp, s.speedUpAgainst});
+    results.conclusion = Conclude(results.contenders, references.doubts,
+                                  RemarksOn(settings, references, results.samplers), settings.Timed());
+    return results;
+}
+
+}  // namespace pbrt::lab

@@ -1,0 +1,57 @@
+#pragma once
+#include "ext/lab/reference.h"
+#include "ext/lab/run_record.h"
+#include "ext/lab/selection_check.h"
+#include "ext/lab/summary.h"
+
+namespace pbrt::lab {
+
+/// The results of one sampler.
+struct SamplerResult {
+    SamplerChoice choice;
+    size_t reference = 0;
+    std::vector<RunRecord> runs;  ///< without rounds in which no sample was taken
+    /// Set by Summarize.
+    double samples = 0, seconds = 0, cpuSeconds = 0;  ///< means over the runs
+    double prepareSeconds = 0, prepareCpuSeconds = 0;
+    std::array<Summary, MeasureCount> measures;
+    bool firefliesDecide = false;
+    double efficiency = 0;
+    std::optional<double> speedUp;  ///< over the other sampler that needs the least time for this sampler's error
+    std::string speedUpAgainst;
+    std::vector<std::pair<std::string, double>> speedUps;  ///< over every other sampler, by label
+    std::optional<double> ratioToOracle;
+    double cpuPerSample = 0;                  ///< CPU seconds of rendering; without the first sample if there are more
+    double relativeCost = 0;                  ///< cpuPerSample over that of the first sampler
+    double shadowRays = 0, blockedShare = 0;  ///< per run
+    BiasReport bias;                          ///< of both checks together
+    std::optional<SelectionReport> selection;
+};
+
+struct CampaignResults {
+    std::vector<SamplerResult> samplers;
+    std::vector<Contender> contenders;  ///< in the order of `samplers`
+    Conclusion conclusion;
+};
+
+/// `pictures`: final pictures of the runs, by sampler and seed. `selections`: by sampler; empty where the check was not
+/// made.
+CampaignResults Summarize(const CampaignSettings &settings, const References &references,
+                          std::vector<std::vector<RunRecord>> runs, const std::vector<std::vector<Image>> &pictures,
+                          const std::vector<std::optional<SelectionReport>> &selections);
+
+/// The text for the terminal: table, references, bias verdicts and conclusion.
+std::string TableText(const CampaignResults &results, const References &references);
+/// CSV with one line per sampler, and with one line per sampler, seed and round.
+std::string SummaryCsv(const CampaignResults &results);
+std::string RoundsCsv(const CampaignResults &results);
+/// Adds "samplers" and "conclusion" to results.json.
+void AddToJson(const CampaignResults &results, nlohmann::ordered_json *json);
+
+/// Replaces numbers that came from single precision by their shortest form: 0.01, not 0.009999999776482582.
+void ShortenFloats(nlohmann::ordered_json *json);
+
+/// The number in a report of LightSampler::Report under the first of `names` that it has.
+std::optional<double> ReportNumber(const nlohmann::ordered_json &report, std::initializer_list<const char *> names);
+
+}  // namespace pbrt::lab

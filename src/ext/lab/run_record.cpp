@@ -1,0 +1,132 @@
+#include "ext/lab/run_record.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "pbrt/core/error.h"
+#include "pbrt/core/files.h"
+
+namespace pbrt::lab {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+Json ToJson(const TimeSpent &t) { return {{"wall", t.wall}, {"cpu", t.cpu}}; }
+TimeSpent TimeFromJson(const Json &json) { return {json.at("wall").get<double>(), json.at("cpu").get<double>()}; }
+
+/// Whether the last round of a run that was read can be one.
+bool IsPossible(const RunRecord &run) {
+    const auto isTime = [](const TimeSpent &t) {
+        return t.wall >= 0 && t.cpu >= 0 && std::isfinite(t.wall) && std::isfinite(t.cpu);
+    };
+    const RoundRecord &round = run.rounds.back();
+    const int before = run.rounds.size() > 1 ? run.rounds[run.rounds.size() - 2].samples : 0;
+    return round.samples > before && run.expectedSamples > 0 && isTime(round.spent) && isTime(run.prepare) &&
+           round.shadowRaysBlocked <= round.shadowRays;
+}
+
+Json ReadJson(const std::string &path) {
+    std::ifstream in(path);
+    return in ? Json::parse(in, nullptr, false) : Json();
+}
+
+}  // namespace
+
+void WriteText(const std::string &path, const std::string &text) { WriteFile(path, text); }
+
+std::string RecordFolder::RoundFile(const std::string &sampler, int seed, int checkpoint) const {
+    return fmt::format("{}/{}/seed{}-round{:02}.json", folder_, sampler, seed, checkpoint);
+}
+
+std::string RecordFolder::FilmFile(const std::string &sampler, int seed, int checkpoint) const {
+    return fmt::format("{}/{}/seed{}-round{:02}.film", folder_, sampler, seed, checkpoint);
+}
+
+RunRecord RecordFolder::LoadRun(const std::string &sampler, int seed, int most) const {
+    RunRecord run;
+    run.seed = seed;
+    for (int checkpoint = 0; checkpoint < most; ++checkpoint) {
+        const Json json = LoadOwn(RoundFile(sampler, seed, checkpoint));
+        if (!json.is_object()) break;
+        try {
+            if (json.at("checkpoint") != checkpoint || json.at("seed") != seed) break;
+            RoundRecord round;
+            round.checkpoint = checkpoint;
+            round.samples = json.at("samples").get<int>();
+            round.spent = TimeFromJson(json.at("spent"));
+            round.shadowRays = json.at("shadowRays").get<uint64_t>();
+            round.shadowRaysBlocked = json.at("shadowRaysBlocked").get<uint64_t>();
+            round.measures = MeasuresFromJson(json.at("metrics"));
+            RunRecord upToHere = run;
+            upToHere.expectedSamples = json.at("expectedSamples").get<int>();
+            upToHere.prepare = TimeFromJson(json.at("prepare"));
+            upToHere.prepareShadowRays = json.at("prepareShadowRays").get<uint64_t>();
+            upToHere.report = json.at("report");
+            upToHere.structure = json.at("structure").get<std::string>();
+            upToHere.rounds.push_back(round);
+            if (!IsPossible(upToHere)) break;
+            run = std::move(upToHere);
+        } catch (const Json::exception &) {
+            break;
+        }
+    }
+    return run;
+}
+
+void RecordFolder::SaveLastRound(const std::string &sampler, const RunRecord &run) const {
+    const RoundRecord &round = run.rounds.back();
+    Json json;
+    json["campaign"] = campaign_;
+    json["seed"] = run.seed;
+    json["checkpoint"] = round.checkpoint;
+    json["samples"] = round.samples;
+    json["spent"] = ToJson(round.spent);
+    json["metrics"] = ToJson(round.measures);
+    json["shadowRays"] = round.shadowRays;
+    json["shadowRaysBlocked"] = round.shadowRaysBlocked;
+    json["expectedSamples"] = run.expectedSamples;
+    json["prepare"] = ToJson(run.prepare);
+    json["prepareShadowRays"] = run.prepareShadowRays;
+    json["report"] = run.report;
+    json["structure"] = run.structure;
+    WriteText(RoundFile(sampler, run.seed, round.checkpoint), json.dump(1) + "\n");
+}
+
+size_t RecordFolder::CountRounds(const std::string &sampler, int seed, size_t checkpoints) const {
+    size_t rounds = checkpoints;
+    while (rounds > 0 && !std::filesystem::exists(RoundFile(sampler, seed, static_cast<int>(rounds) - 1))) --rounds;
+    return rounds;
+}
+
+void RecordFolder::RemoveRounds(const std::string &sampler, int seed, size_t kept, size_t checkpoints) const {
+    for (size_t c = 0; c < checkpoints; ++c) {
+        const int checkpoint = static_cast<int>(c);
+        if (c >= kept) std::filesystem::remove(RoundFile(sampler, seed, checkpoint));
+        if (c + 1 != kept) std::filesystem::remove(FilmFile(sampler, seed, checkpoint));
+    }
+}
+
+Json RecordFolder::LoadOwn(const std::string &path) const {
+    Json json = ReadJson(path);
+    return json.is_object() && json.contains("campaign") && json["campaign"] == campaign_ ? json : Json();
+}
+
+Json RecordFolder::LoadSettings() const { return ReadJson(File("settings.json")); }
+void RecordFolder::SaveSettings(const Json &settings) const {
+    WriteText(File("settings.json"), settings.dump(1) + "\n");
+}
+
+Json RecordFolder::LoadNote(const std::string &name) const {
+    const Json json = LoadOwn(File(name));
+    return json.is_object() ? json.value("note", Json()) : Json();
+}
+
+void RecordFolder::SaveNote(const std::string &name, const Json &note) const {
+    WriteText(File(name), Json{{"campaign", campaign_}, {"note", note}}.dump(1) + "\n");
+}
+
+}  // namespace pbrt::lab

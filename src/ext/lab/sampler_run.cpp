@@ -1,0 +1,114 @@
+#include "ext/lab/sampler_run.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "pbrt/core/counters.h"
+#include "pbrt/core/files.h"
+#include "pbrt/core/version.h"
+
+namespace pbrt::lab {
+
+namespace {
+
+constexpr double kLongestWave = 1;  ///< seconds; the clock and the progress are only updated between waves
+
+}  // namespace
+
+SamplerRun::SamplerRun(const LabScene &scene, const SamplerChoice &choice, int seed, int expectedSamples,
+                       Progress &cancel, std::optional<int> maxDepth)
+    : scene_(scene),
+      choice_(choice),
+      cancel_(cancel),
+      integrator_(scene.MakeIntegrator(choice, maxDepth)),
+      film_(scene.built.film->MakeRgbFilm()),
+      sampler_(scene.built.sampler->WithSeed(seed)),
+      settings_(scene.built.Settings()),
+      renderer_(*integrator_, *scene.built.camera, *scene.built.filter, *film_, *sampler_, settings_, cancel) {
+    record_.seed = seed;
+    record_.expectedSamples = expectedSamples;
+}
+
+bool SamplerRun::Prepare() {
+    PrepareContext context = scene_.built.Preparation(cancel_);
+    context.seed = record_.seed;
+    context.samplesPerPixel = record_.expectedSamples;
+    ResetCounters();
+    Stopwatch watch;
+    integrator_->Prepare(context);
+    record_.prepare = watch.Elapsed();
+    record_.prepareShadowRays = SumCounters().shadowRays;
+    spent_ = record_.prepare;
+    return !cancel_.Cancelled();
+}
+
+void SamplerRun::Resume(const RunRecord &record, const std::string &filmFile) {
+    std::ifstream in(filmFile, std::ios::binary);
+    if (!in) throw UserError(fmt::format("{}: cannot be read.", filmFile));
+    film_->Load(in);
+    record_ = record;
+    const RoundRecord &last = record.rounds.back();
+    renderer_.ContinueFrom(last.samples);
+    spent_ = last.spent;
+    shadowRays_ = last.shadowRays;
+    shadowRaysBlocked_ = last.shadowRaysBlocked;
+    secondsPerSample_ = (last.spent.wall - record.prepare.wall) / std::max(1, last.samples);
+}
+
+bool SamplerRun::RenderTo(const RenderTarget &target, const std::function<void()> &afterWave) {
+    const bool timed = target.seconds > 0;
+    for (;;) {
+        int size = 1;
+        if (renderer_.Done() > 0) {
+            double fits = kLongestWave / std::max(secondsPerSample_, 1e-6);
+            if (timed) fits = std::min(fits, (target.seconds - spent_.wall) / secondsPerSample_ + 0.5);
+            size = std::clamp(static_cast<int>(fits), timed ? 0 : 1, kMaxWave);
+        }
+        if (!timed) size = std::min(size, target.samples - renderer_.Done());
+        if (size < 1) return true;
+        ResetCounters();
+        Stopwatch watch;
+        const int taken = renderer_.Render(size);
+        if (taken == 0) return false;
+        const TimeSpent wave = watch.Elapsed();
+        spent_ += wave;
+        secondsPerSample_ = wave.wall / taken;
+        const RenderCounters counters = SumCounters();
+        shadowRays_ += counters.shadowRays;
+        shadowRaysBlocked_ += counters.shadowRaysBlocked;
+        if (afterWave) afterWave();
+    }
+}
+
+void SamplerRun::AddRound(int checkpoint, const Measures &measures) {
+    record_.rounds.push_back({checkpoint, Samples(), spent_, shadowRays_, shadowRaysBlocked_, measures});
+    record_.report = nlohmann::ordered_json::object();
+    if (const LightSampler *lights = integrator_->Lights()) {
+        lights->Report(record_.report);
+        record_.structure = lights->DescribeStructure();
+    }
+}
+
+ImageMetadata SamplerRun::Metadata() const {
+    ImageMetadata m = film_->Metadata();
+    m.attributes["renderTimeSeconds"] = static_cast<float>(spent_.wall);
+    m.attributes["samplesPerPixel"] = Samples();
+    m.attributes["lightlab.sampler"] = choice_.label;
+    m.attributes["lightlab.prepareSeconds"] = static_cast<float>(record_.prepare.wall);
+    m.attributes["lightlab.seed"] = record_.seed;
+    m.attributes["lightlab.sceneHash"] = scene_.hash;
+    m.attributes["pbrt.version"] = std::string(VersionText());
+    m.attributes["pbrt.integrator"] = scene_.built.integratorName;
+    m.attributes["pbrt.maxDepth"] = scene_.built.maxDepth;
+    return m;
+}
+
+void SamplerRun::SaveFilm(const std::string &path) const {
+    std::ostringstream out;
+    film_->Save(out);
+    WriteFile(path, out.view());
+}
+
+}  // namespace pbrt::lab

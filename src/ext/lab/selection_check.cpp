@@ -1,0 +1,153 @@
+#include "ext/lab/selection_check.h"
+
+#include <algorithm>
+
+#include "pbrt/core/parallel.h"
+#include "pbrt/math/rng.h"
+#include "pbrt/math/warps.h"
+
+// The method. Samplers differ only in the probabilities with which they choose lights; everything else in a picture is
+// common to them. So the question "is the picture right?" is asked where they differ: at the vertices of paths, as the
+// render makes them.
+//
+// At a vertex, on a surface or in a medium, the contribution c_l of every light (of very many lights, of every n-th one
+// from a random one on) is measured once, by a point on the light and a shadow ray. (What is said of BSDFs below is
+// true of phase functions.) Then many lights are drawn from the sampler, with random numbers spread over [0, 1). For
+// every measured light two numbers are compared: the mean over the draws of what next-event estimation makes of c_l,
+// with the probabilities that came with the draws and the weight against BSDF sampling; and the share of c_l that BSDF
+// sampling leaves to next-event estimation, by the PMF that the integrator asks for when a ray hits the light. (The
+// point of a sky stands for the part that it lies in.) `excess` is the difference, summed over the lights. Its mean is
+// 0 at every vertex if and only if draws, their probabilities and the PMF agree and no light is left out: points and
+// visibility of the lights, the path and its weight are the same on both sides, and their noise with them. Draws need
+// no rays, so there can be thousands per vertex.
+//
+// Heavy tails: a light of share s chosen with probability p moves a vertex by s / (p draws). Where that is more than
+// kMaxStep, the light counts with less weight, on both sides; what is left out is reported and added to the
+// smallest visible bias. Weights depend on what was measured, not on what was drawn, so the mean stays 0. A light that
+// is never chosen keeps its whole weight.
+//
+// Rounds: each has four times the draws of the one before, at the same vertices, until a bias of interest would be
+// seen. Only the last round counts. When to stop depends on the noise, not on the differences, so there is one test,
+// not one per round.
+
+namespace pbrt::lab {
+
+namespace {
+
+constexpr uint64_t kStream = 0x73656c656374ull;
+constexpr int kMinDraws = 64, kMaxDraws = 1 << 16;
+constexpr double kMaxStep = 0.5;
+
+/// Draws lights from a sampler at vertices and compares them with the measured lights.
+class Asker {
+  public:
+    Asker(const LightSampler &lights, int draws, const LightTable &table)
+        : lights_(lights), draws_(draws), table_(table), places_(table.IdCount()) {}
+
+    VertexFinding Ask(const SelectionVertices::Vertex &vertex, Rng rng) {
+        VertexFinding finding;
+        finding.endsPath = vertex.endsPath;
+        const LightQuery query = vertex.FullQuery();
+        const LightDistribution lights = lights_.At(query, memory_);
+        FindParts(vertex, lights);
+        Draw(vertex, lights, rng);
+        double light = 0, excess = 0, unjudged = 0;
+        for (const auto &m : vertex.lights) light += static_cast<double>(m.c);
+        for (size_t i = 0; i < vertex.lights.size(); ++i) {
+            const auto &m = vertex.lights[i];
+            const Float pmf = lights.PMF(parts_[i].id);
+            // The share that BSDF sampling leaves to light sampling: all of it for lights without extent, which no BSDF
+            // sample hits.
+            const double due = m.isDelta ? 1 : pmf > 0 ? static_cast<double>(Weight(m, parts_[i], pmf)) : 0;
+            const double got = got_[i] / draws_;
+            const double c = static_cast<double>(m.c);
+            double counts = 1;
+            if (pmf > 0 && due > 0)
+                counts = std::min(1.0, kMaxStep * light * static_cast<double>(pmf) * draws_ / (c * due));
+            excess += counts * c * (got - due);
+            unjudged += (1 - counts) * c * due;
+        }
+        finding.light = static_cast<float>(light);
+        finding.excess = static_cast<float>(excess);
+        finding.unjudged = static_cast<float>(unjudged);
+        return finding;
+    }
+
+  private:
+    /// What the sampler must choose to find the measured point: a light, or the part of a sky that the point lies in;
+    /// and the density with which the point is then drawn.
+    struct Part {
+        LightId id{};
+        Float pdf = 0;  ///< solid angle
+    };
+    static Float Weight(const SelectionVertices::MeasuredLight &m, const Part &part, Float pmf) {
+        return m.isDelta ? Float(1) : PowerHeuristic(pmf * part.pdf, m.pBsdf);
+    }
+
+    void FindParts(const SelectionVertices::Vertex &vertex, const LightDistribution &lights) {
+        parts_.clear();
+        for (const auto &m : vertex.lights) {
+            Part part{LightId(m.light), m.pdf};
+            if (m.isInfinite) {
+                const LightSampleContext from{vertex.query.p, {}, {}, {}, 0};
+                part.id = lights.PartTowards(part.id, from.p, m.wi);
+                part.pdf = table_[part.id].PdfLi(from, m.wi, {}, {}, true);
+            }
+            parts_.push_back(part);
+        }
+    }
+
+    /// Sets got_: for every measured light, the sum of its weights over the draws.
+    void Draw(const SelectionVertices::Vertex &vertex, const LightDistribution &lights, Rng &rng) {
+        got_.assign(vertex.lights.size(), 0);
+        for (size_t i = 0; i < parts_.size(); ++i) places_[parts_[i].id.value] = static_cast<uint32_t>(i) + 1;
+        for (int k = 0; k < draws_; ++k) {
+            const Float u =
+                std::min((static_cast<Float>(k) + rng.Uniform()) / static_cast<Float>(draws_), OneMinusEpsilon);
+            Point2 uPoint = rng.Uniform2();
+            std::optional<SampledLight> light = lights.Sample(u, &uPoint);
+            if (!light || !(light->pmf > 0)) continue;
+            const uint32_t place = places_[light->light.value];
+            if (place > 0)
+                got_[place - 1] +=
+                    static_cast<double>(Weight(vertex.lights[place - 1], parts_[place - 1], light->pmf) / light->pmf);
+        }
+        for (const Part &part : parts_) places_[part.id.value] = 0;
+    }
+
+    const LightSampler &lights_;
+    int draws_;
+    LightMemory memory_;
+    const LightTable &table_;
+    std::vector<Part> parts_;  ///< of the vertex's lights
+    std::vector<double> got_;
+    std::vector<uint32_t> places_;  ///< for every id, 1 + its index among the vertex's parts, or 0
+};
+
+}  // namespace
+
+std::optional<SelectionReport> CheckSelection(const SelectionVertices &vertices, const LightSampler &lights,
+                                              const SelectionSettings &settings, Progress &progress) {
+    SelectionReport report;
+    const double count = static_cast<double>(vertices.VertexCount());
+    for (int draws = kMinDraws; draws <= kMaxDraws; draws *= 4) {
+        std::vector<std::vector<VertexFinding>> regions(vertices.RegionCount());
+        progress.BeginPhase("checking light selection", static_cast<int64_t>(regions.size()));
+        ParallelForEach(static_cast<int64_t>(regions.size()), [&](int64_t r) {
+            Asker asker(lights, draws, vertices.Lights());
+            const auto &region = vertices.OfRegion(static_cast<size_t>(r));
+            for (size_t v = 0; v < region.size() && !progress.Cancelled(); ++v)
+                regions[static_cast<size_t>(r)].push_back(
+                    asker.Ask(region[v], Rng(Hash(kStream, settings.seed, draws, r, v))));
+            progress.Advance();
+        });
+        progress.EndPhase();
+        if (progress.Cancelled()) return {};
+        report = JudgeSelection(regions, settings.bias);
+        report.draws = draws;
+        if (report.visibleSixteenth <= settings.bias.interest || 4 * draws * count > settings.mostWork) break;
+    }
+    return report;
+}
+
+}  // namespace pbrt::lab

@@ -1,0 +1,332 @@
+#pragma once
+#include "pbrt/integrators/pixel_integrator.h"
+#include "pbrt/transport/direct_light.h"
+#include "pbrt/transport/medium_track.h"
+#include "pbrt/transport/subsurface_exit.h"
+
+namespace pbrt {
+
+struct PathSettings {
+    int maxDepth = 5;         ///< scattering events; 0: emission only, 1: direct light
+    bool regularize = false;  ///< roughen specular lobes after the first non-specular bounce
+    bool subsurface =
+        false;  ///< follow light below surfaces (volpath; to path they are clear dielectrics, as in stock)
+    /// Light sampling reaches through interface surfaces (volpath, with a scene whose shadow rays pass them; with path
+    /// they block shadow rays, as in stock).
+    bool seesThroughInterfaces = false;
+    /// Leaves out emission that only BSDF sampling can find: lights seen directly or in a mirror, caustics. It does not
+    /// depend on the light sampler; without it a measurement of light samplers is free of its noise.
+    bool sampledLightOnly = false;
+    /// Least probability with which roulette lets a path go on: 0 as in stock, 1 for no roulette.
+    Float minContinuation = 0;
+    bool tracksMedia = false;  ///< volpath, in a scene with media
+};
+
+/// What all camera paths of an integrator share. Refers to everything.
+struct CameraPathSetup {
+    const PathContext &context;
+    const PathSettings &settings;
+    const LightSampler &lights;
+    PathObserver *observer = nullptr;  ///< of light samples, or null
+};
+
+/// Throughput of a path where media do not matter. MIS by the power heuristic, as in stock pbrt-v4.
+class SurfaceThroughput {
+  public:
+    static constexpr bool kHasMedia = false;
+    SampledSpectrum beta{1};
+
+    /// The weight of the path's samples.
+    SampledSpectrum Weight() const { return beta; }
+    SampledSpectrum Scaled(Float scale) const { return beta * scale; }
+    /// After a direction was drawn with this density (solid angle) by scattering that light sampling could replace.
+    void SampledDirection(Float pdf) { pScatter_ = pdf; }
+    /// The contribution of emission met; `pLight`: the density of light sampling (solid angle), 0: it could not.
+    SampledSpectrum Emission(const SampledSpectrum &Le, Float pLight) const {
+        return beta * Le * (pLight > 0 ? PowerHeuristic(pScatter_, pLight) : Float(1));
+    }
+    /// The contribution of a light sample; pScatter(wi): the density of scattering.
+    template <class Pdf>
+    SampledSpectrum Direct(const DirectLight &light, Pdf &&pScatter) const {
+        const Float pLight = light.Pdf();
+        if (light.isDelta) return beta * (light.sample.L * light.F() / pLight);
+        return beta * (light.sample.L * light.F() * (PowerHeuristic(pLight, pScatter(light.sample.wi)) / pLight));
+    }
+
+  private:
+    Float pScatter_ = 0;
+};
+
+/// Throughput of a path through media (SpectralWeights). MIS by the balance heuristic, over wavelengths as well.
+class MediaThroughput : public SpectralWeights {
+  public:
+    static constexpr bool kHasMedia = true;
+
+    SampledSpectrum Weight() const { return beta / Mean(ru); }
+    SampledSpectrum Scaled(Float scale) const { return beta * scale / Mean(ru); }
+    SampledSpectrum Emission(const SampledSpectrum &Le, Float pLight) const {
+        SampledSpectrum densities = ru;
+        if (pLight > 0) densities += rl * pLight;
+        return beta * Le / Mean(densities);
+    }
+    template <class Pdf>
+    SampledSpectrum Direct(const DirectLight &light, Pdf &&pScatter) const {
+        const ShadowTransmittance &through = light.through;
+        SampledSpectrum densities = ru * through.rl * light.Pdf();
+        if (!light.isDelta) densities += ru * through.ru * pScatter(light.sample.wi);
+        return beta * light.F() * light.sample.L * through.value / Mean(densities);
+    }
+};
+
+/// The policy of CameraPath for paths that end by scattering and roulette alone.
+struct NoGathering {
+    static constexpr bool IsLastRay() { return false; }
+    static constexpr bool GathersAt(const PathVertex &) { return false; }
+    static SampledSpectrum At(const PathVertex &, const SampledWavelengths &, int) { return SampledSpectrum(0); }
+    void Leave(const PathVertex &, const BsdfSample &) {}
+};
+
+/// A path from the camera with next-event estimation: the algorithm of path, volpath and the camera pass of sppm. Three
+/// policies:
+///
+///   Throughput   SurfaceThroughput or MediaThroughput: weights, MIS heuristic, and whether media are tracked
+///   Gathering    NoGathering, or estimates of indirect light at surfaces that end the path
+///   Directions   directions at surfaces with their densities, continuation probabilities where there is an estimate,
+///                and records of the path; in the order of calls, with throughput `beta` and radiance so far `L`:
+///
+///     RecordHit[InMedium](vertex)                          the path arrived
+///     HasLearnedRoulette()                                 roulette happens on arrival, not after scattering
+///     ContinuationProbability[InMedium](vertex, mean beta) 0: no estimate
+///     PrepareDirections(vertex, beta)                      before Sample and Pdf, at surfaces
+///     BeginVertex[InMedium](vertex, beta, L)               before next-event estimation
+///     Pdf(vertex, wi)                                      solid angle, without specular lobes
+///     ContinuationProbabilityAfterNee(mean beta)           1: no estimate
+///     BeginScattering(beta, L)
+///     Sample(vertex, uc, u)
+///     RecordScatter(vertex, sample, pdf, L, beta)          after scattering that was not specular
+///     End(L)
+template <class Throughput, class Directions, class Gathering = NoGathering>
+class CameraPath {
+  public:
+    CameraPath(const CameraPathSetup &setup, const PathStart &start, SampledWavelengths &lambda, Sampler &sampler,
+               Directions &directions, Gathering gathering = {})
+        : setup_(setup),
+          scene_(setup.context.scene),
+          settings_(setup.settings),
+          lambda_(lambda),
+          sampler_(sampler),
+          directions_(directions),
+          gathering_(gathering),
+          walk_(setup.context, start.ray, start.visible),
+          observed_(setup.observer, start.pixel, start.sampleIndex) {}
+
+    /// The radiance along the camera ray.
+    SampledSpectrum Follow() {
+        while (Step()) {
+        }
+        directions_.End(L_);
+        ++ThreadCounters().cameraPaths;
+        return L_;
+    }
+
+  private:
+    enum class Passed { Through, Scattered, Ended };
+
+    /// From one vertex to the next. False: the path ends.
+    bool Step() {
+        const PathWalk::Met met = walk_.Next();
+        if (met == PathWalk::Met::TooManyInterfaces) return false;
+        if constexpr (Throughput::kHasMedia)
+            if (const Medium *medium = walk_.MediumAhead())
+                if (const Passed passed = PassMedium(*medium); passed != Passed::Through)
+                    return passed == Passed::Scattered;
+        AddEmission(met);
+        if (met == PathWalk::Met::Nothing) return false;
+        const bool scatters = walk_.FindScattering(lambda_);
+        if constexpr (Throughput::kHasMedia) throughput_.onlyFirst = lambda_.SecondaryTerminated();
+        if (scatters) return ScatterAtSurface();
+        if (!settings_.seesThroughInterfaces) lightCouldSample_ = false;
+        return true;
+    }
+
+    void AddEmission(PathWalk::Met met) {
+        walk_.ForEachEmission(lambda_, [&](const SampledSpectrum &Le, LightId id, const Point3 &p, const Normal3 &n) {
+            if (!lightCouldSample_ && settings_.sampledLightOnly) return;
+            const Float pLight =
+                !lightCouldSample_
+                    ? Float(0)
+                    : previous_->LightPdf(scene_.Lights(), id, met == PathWalk::Met::Nothing, walk_.GetRay().d, p, n);
+            L_ += throughput_.Emission(Le, pLight);
+        });
+    }
+
+    Passed PassMedium(const Medium &medium) {
+        const Ray &ray = walk_.GetRay();
+        const Float u = sampler_.Get1D();
+        Rng rng = NumbersAlong(ray, u);
+        // Emission between the last vertices that a path may have is left out, as in stock pbrt-v4.
+        const bool emits = depth_ < settings_.maxDepth && !settings_.sampledLightOnly;
+        const MediumEvent event = walk_.ThroughMedium(lambda_, u, rng, emits, throughput_,
+                                                      [&](const SampledSpectrum &radiance, Float) { L_ += radiance; });
+        if (event.kind == MediumEvent::Kind::Absorbed || !throughput_.beta) return Passed::Ended;
+        if (event.kind == MediumEvent::Kind::Passed) return Passed::Through;
+        if (depth_++ == settings_.maxDepth) return Passed::Ended;
+        ++ThreadCounters().pathVertices;
+        return ScatterInMedium(ray(event.t), medium.Phase()) ? Passed::Scattered : Passed::Ended;
+    }
+
+    bool ScatterInMedium(const Point3 &p, const HenyeyGreenstein &phase) {
+        const Ray &ray = walk_.GetRay();
+        const Vector3 wo = -ray.d;
+        directions_.RecordHitInMedium(p);
+        if (directions_.HasLearnedRoulette() && depth_ > 1) {
+            const Float probability = directions_.ContinuationProbabilityInMedium(p, throughput_.Weight().Average());
+            if (probability > 0 && !Continues(probability)) return false;
+        }
+        directions_.BeginVertexInMedium(p, throughput_.Weight(), L_);
+        current_->Prepare(setup_.lights, LightQueryInMedium(p, wo, ray.medium, phase, ray.time, lambda_, depth_),
+                          {p, {}, {}, {}, ray.time});
+        const Float uLight = sampler_.Get1D();
+        const std::optional<DirectLight> light = SampleDirectLight(
+            scene_.Lights(), current_->lights, current_->from, lambda_, true, uLight, sampler_.Get2D(), observed_,
+            [&](const Vector3 &wi) {
+                return Scattering{SampledSpectrum(phase.P(wo, wi)), 1};
+            },
+            [&](const LightLiSample &to, const Point2 &u) { return TraceThroughMedia(to, u, ray.medium); });
+        if (light) L_ += throughput_.Direct(*light, [&](const Vector3 &wi) { return phase.P(wo, wi); });
+        if (!Continues(directions_.ContinuationProbabilityAfterNee(throughput_.Weight().Average()))) return false;
+        directions_.BeginScattering(throughput_.Weight(), L_);
+        const HenyeyGreenstein::Sample sample = phase.SampleP(wo, sampler_.Get2D());
+        if (!(sample.p > 0)) return false;
+        LeaveVertex(sample.p);
+        walk_.ScatterInMedium(p, sample.wi);
+        return true;
+    }
+
+    bool ScatterAtSurface() {
+        if (settings_.regularize && anyNonSpecular_) walk_.Regularize();
+        const auto &[point, bsdf] = walk_.Vertex();
+        directions_.RecordHit(walk_.Vertex());
+        if (gathering_.IsLastRay() || depth_++ == settings_.maxDepth) return false;
+        ++ThreadCounters().pathVertices;
+        if (directions_.HasLearnedRoulette() && depth_ > 1) {
+            // Where there is no estimate, and at specular surfaces, the throughput decides. Light is sampled at two
+            // vertices in any case.
+            const Float probability =
+                directions_.ContinuationProbability(walk_.Vertex(), throughput_.Weight().Average());
+            if (depth_ > 2 && !(probability > 0 ? Continues(probability) : ContinuesByThroughput())) return false;
+        }
+        directions_.PrepareDirections(walk_.Vertex(), throughput_.Weight());
+        if (IsNonSpecular(bsdf.Flags())) {
+            directions_.BeginVertex(walk_.Vertex(), throughput_.Weight(), L_);
+            AddDirectLight();
+        }
+        if (gathering_.GathersAt(walk_.Vertex()))
+            L_ += throughput_.beta * gathering_.At(walk_.Vertex(), lambda_, depth_);
+        if (!Continues(directions_.ContinuationProbabilityAfterNee(throughput_.Weight().Average()))) return false;
+        directions_.BeginScattering(throughput_.Weight(), L_);
+
+        const Float uComponent = sampler_.Get1D();
+        const std::optional<BsdfSample> sample = directions_.Sample(walk_.Vertex(), uComponent, sampler_.Get2D());
+        if (!sample) return false;
+        throughput_.beta *= sample->f * (AbsDot(sample->wi, point.shading.n) / sample->pdf);
+        if (!throughput_.beta) return false;
+        if (IsSpecular(sample->flags)) {
+            lightCouldSample_ = false;
+        } else {
+            const Float pdf = sample->pdfIsProportional ? bsdf.Pdf(point.wo, sample->wi) : sample->pdf;
+            LeaveVertex(pdf);
+            directions_.RecordScatter(walk_.Vertex(), *sample, pdf, L_, throughput_.Weight());
+        }
+        gathering_.Leave(walk_.Vertex(), *sample);
+        if (IsTransmissive(sample->flags)) etaScale_ *= Sqr(sample->eta);
+        walk_.Scatter(*sample);
+        if (settings_.subsurface && IsTransmissive(sample->flags) && !PassBelowSurface()) return false;
+        return directions_.HasLearnedRoulette() || depth_ <= 1 || gathering_.IsLastRay() || ContinuesByThroughput();
+    }
+
+    /// Light that entered a subsurface material leaves it elsewhere: the same scattering event, as in stock. False: the
+    /// path ends.
+    bool PassBelowSurface() {
+        const std::optional<Bssrdf> bssrdf = ComputeBssrdf(scene_, walk_.Vertex().point, lambda_);
+        if (!bssrdf) return true;
+        const std::optional<SubsurfaceExit> exit =
+            SampleSubsurfaceExit(scene_, walk_.Vertex().point, *bssrdf, sampler_);
+        if (!exit) return false;
+        throughput_.beta *= exit->weight;
+        walk_.MoveTo(exit->vertex);
+        directions_.PrepareDirections(walk_.Vertex(), throughput_.Weight());
+        AddDirectLight();
+        const Float uExit = sampler_.Get1D();
+        const std::optional<BsdfSample> sample = directions_.Sample(walk_.Vertex(), uExit, sampler_.Get2D());
+        if (!sample) return false;
+        throughput_.beta *= sample->f * (AbsDot(sample->wi, walk_.Vertex().point.shading.n) / sample->pdf);
+        LeaveVertex(sample->pdf);
+        directions_.RecordScatter(walk_.Vertex(), *sample, sample->pdf, L_, throughput_.Weight());
+        walk_.Scatter(*sample);
+        return true;
+    }
+
+    /// Next-event estimation at the surface that the path has reached.
+    void AddDirectLight() {
+        const PathVertex &vertex = walk_.Vertex();
+        current_->Prepare(setup_.lights, vertex, lambda_, depth_);
+        // All random numbers are drawn in any case, so that dimensions stay aligned between samples.
+        const Float uLight = sampler_.Get1D();
+        const std::optional<DirectLight> light =
+            SampleDirectLight(scene_, vertex, current_->lights, lambda_, true, uLight, sampler_.Get2D(), observed_,
+                              [&](const LightLiSample &to, [[maybe_unused]] const Point2 &u) {
+                                  if constexpr (Throughput::kHasMedia)
+                                      return TraceThroughMedia(to, u, vertex.point.MediumTowards(to.wi));
+                                  else
+                                      return TraceShadowRay(scene_, current_->from, to);
+                              });
+        if (light) L_ += throughput_.Direct(*light, [&](const Vector3 &wi) { return directions_.Pdf(vertex, wi); });
+    }
+
+    ShadowTransmittance TraceThroughMedia(const LightLiSample &to, const Point2 &u, MediumId medium) {
+        Rng rng(Hash(current_->from.p, to.wi, u));
+        return TraceShadow(scene_, current_->from, medium, to, lambda_, rng);
+    }
+
+    /// The path leaves the vertex by scattering of this density (solid angle) that light sampling could replace.
+    void LeaveVertex(Float pdf) {
+        throughput_.SampledDirection(pdf);
+        std::swap(current_, previous_);
+        lightCouldSample_ = anyNonSpecular_ = true;
+    }
+
+    /// Russian roulette. False: the path ends.
+    bool Continues(Float probability) {
+        if (!(probability < 1)) return true;
+        if (sampler_.Get1D() >= probability) return false;
+        throughput_.beta /= probability;
+        return true;
+    }
+    /// By the throughput without the radiance scaling of refraction.
+    bool ContinuesByThroughput() {
+        return Continues(std::max(throughput_.Scaled(etaScale_).MaxComponent(), settings_.minContinuation));
+    }
+
+    const CameraPathSetup &setup_;
+    const Scene &scene_;
+    const PathSettings &settings_;
+    SampledWavelengths &lambda_;
+    Sampler &sampler_;
+    Directions &directions_;
+    Gathering gathering_;
+    PathWalk walk_;
+    ObservedPath observed_;
+    SampledSpectrum L_{0};
+    Throughput throughput_;
+    VertexSelection selections_[2];
+    /// The vertex that the path has reached, and the one where it scattered before, for the light-sampling density of
+    /// what the ray meets.
+    VertexSelection *current_ = &selections_[0], *previous_ = &selections_[1];
+    int depth_ = 0;
+    Float etaScale_ = 1;
+    bool lightCouldSample_ = false;  ///< light sampling at `previous_` could have found what the ray meets
+    bool anyNonSpecular_ = false;
+};
+
+}  // namespace pbrt

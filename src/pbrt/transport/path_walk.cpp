@@ -1,0 +1,90 @@
+#include "pbrt/transport/path_walk.h"
+
+#include <new>
+#include <type_traits>
+
+#include "pbrt/bxdfs/albedo.h"
+
+namespace pbrt {
+
+PathWalk::Met PathWalk::Next() {
+    if (context_.scene.Intersect(ray_, &vertex_.point))
+        return passed_ > MaxPassed ? Met::TooManyInterfaces : Met::Surface;
+    left_ = true;
+    return Met::Nothing;
+}
+
+bool PathWalk::FindScattering(SampledWavelengths &lambda) {
+    SurfacePoint &point = vertex_.point;
+    FindFootprint();
+    // Made in its place: to copy what was just written in small pieces costs as much as making it.
+    static_assert(std::is_trivially_destructible_v<Bsdf>);
+    new (&vertex_.bsdf) Bsdf(ComputeBsdf(context_.scene, point, lambda));
+    if (vertex_.bsdf) {
+        passed_ = 0;
+        if (visible_ && !*visible_) TellVisible(lambda);
+        return true;
+    }
+    ++passed_;
+    const Vector3 d = ray_.d;
+    ray_ = point.SpawnRay(d);
+    differential_.rxOrigin += differential_.rxDirection * point.t;
+    differential_.ryOrigin += differential_.ryDirection * point.t;
+    return false;
+}
+
+void PathWalk::TellVisible(const SampledWavelengths &lambda) const {
+    SurfacePoint point = vertex_.point;
+    // A walk that needs no footprints has marked its differentials as invalid.
+    RayDifferential differential = differential_;
+    differential.valid = startsWithDifferential_;
+    ComputeFootprint(point, differential, context_.camera, context_.samplesPerPixel);
+    VisibleSurface &visible = visible_->emplace();
+    visible.p = point.p;
+    visible.n = FaceForward(point.n, point.wo);
+    visible.ns = FaceForward(point.shading.n, point.wo);
+    visible.uv = point.uv;
+    visible.dpdx = point.dpdx;
+    visible.dpdy = point.dpdy;
+    visible.time = point.time;
+    visible.albedo = EstimateAlbedo(vertex_.bsdf, point.wo);
+    visible.lambda = lambda;
+}
+
+void PathWalk::Scatter(const BsdfSample &sample) {
+    const SurfacePoint &point = vertex_.point;
+    if (differential_.valid) {
+        if (!IsSpecular(sample.flags))
+            differential_.valid = false;
+        else if (IsTransmissive(sample.flags))
+            differential_ = TransmitDifferential(point, differential_, sample.wi, sample.eta);
+        else
+            differential_ = ReflectDifferential(point, differential_, sample.wi);
+    }
+    ray_ = point.SpawnRay(sample.wi);
+}
+
+void PathWalk::Leave(const Vector3 &wi) {
+    differential_.valid = false;
+    ray_ = vertex_.point.SpawnRay(wi);
+}
+
+void PathWalk::ScatterInMedium(const Point3 &p, const Vector3 &wi) {
+    differential_.valid = false;
+    ray_.o = p;
+    ray_.d = wi;
+    passed_ = 0;
+    left_ = false;
+    visible_ = nullptr;  // the camera sees no surface there
+}
+
+/// Computes the footprint only if it is used: by the point's material, or at the next surface of a specular path.
+void PathWalk::FindFootprint() {
+    SurfacePoint &point = vertex_.point;
+    if (!context_.needsFootprints)
+        differential_.valid = false;
+    else if (differential_.valid || context_.scene.NeedsFootprintAt(point))
+        ComputeFootprint(point, differential_, context_.camera, context_.samplesPerPixel);
+}
+
+}  // namespace pbrt

@@ -1,0 +1,187 @@
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include "ext/baselines/neepp/neepp_light_sampler.h"
+#include "support/build_text.h"
+
+namespace {
+
+using namespace ext;
+using pbrt::test::BuildText;
+
+/// The bounds are [-4, 4]^3, open at the sides; a wall at x = 0 has a gap below y = -2. Rendering space is world space.
+const char *kHalves = R"(
+Camera "perspective"
+Film "rgb" "integer xresolution" 16 "integer yresolution" 12
+Sampler "independent" "integer pixelsamples" 1
+Integrator "path"
+WorldBegin
+Material "diffuse"
+Shape "bilinearmesh" "point3 P" [ -4 -4 -4  4 -4 -4  -4 -4 4  4 -4 4 ]
+Shape "bilinearmesh" "point3 P" [ -4 4 -4  4 4 -4  -4 4 4  4 4 4 ]
+Shape "bilinearmesh" "point3 P" [ 0 -2 -4  0 4 -4  0 -2 4  0 4 4 ]
+)";
+const char *kLights = R"(
+LightSource "point" "point3 from" [ -2.5 2.5 0.5 ] "rgb I" [ 1 1 1 ]
+LightSource "point" "point3 from" [ 2.5 2.5 0.5 ] "rgb I" [ 1000 1000 1000 ]
+LightSource "point" "point3 from" [ 2.5 -3.5 0.5 ]
+LightSource "distant" "point3 from" [ -1 0 0 ] "point3 to" [ 0 0 0 ]
+)";
+
+const std::string kSkyImage = std::string("LightSource \"infinite\" \"string filename\" \"") + PBRT_SOURCE_DIR +
+                              "/tests/conformance/suite/scenes/assets/env_sky.exr\"";
+
+void PrepareIn(const BuiltScene &built, LightSampler &sampler, int seed = 0) {
+    Progress progress;
+    PrepareContext context = built.Preparation(progress);
+    context.seed = seed;
+    context.samplesPerPixel = 1;
+    sampler.Prepare(context);
+}
+LightQuery At(const Point3 &p) {
+    LightQuery q;
+    q.p = p;
+    return q;
+}
+NeeppParams Params(int voxels, int samples) {
+    NeeppParams p;
+    p.voxels = voxels;
+    p.samples = samples;
+    return p;
+}
+
+TEST(VisibilityMap, IsTheShareOfFreeSegmentsBetweenTheVoxels) {
+    BuiltScene built = BuildText(std::string(kHalves) + kLights + kSkyImage);
+    const LightGroups &groups = built.scene->Lights().Wholes();
+    VisibilityMap map(8, 255);
+    Progress progress;
+    PrepareContext context = built.Preparation(progress);
+    context.samplesPerPixel = 1;
+    map.Prepare(context, groups);
+    ASSERT_GT(map.Targets().Size(), 4u + 8u);
+    Rng rng(5);
+    double worst = 0;
+    int partly = 0;
+    for (const Point3 &p : {Point3(-2.5f, 2.5f, 0.5f), Point3(-0.5f, -2.5f, 0.5f), Point3(-3.5f, -3.5f, 1.5f),
+                            Point3(1.5f, -1.5f, 3.5f)}) {
+        uint32_t voxel = map.Grid().Index(p);
+        std::span<const uint8_t> row = map.Row(voxel);
+        for (uint32_t t = 0; t < row.size(); ++t) {
+            // The slow twin, with its own random numbers.
+            const LightTargets::Target &target = map.Targets()[t];
+            const int n = 2000;
+            int open = 0;
+            for (int i = 0; i < n; ++i) {
+                Ray ray;
+                ray.o = map.Grid().PointIn(voxel, Vector3{rng.Uniform(), rng.Uniform(), rng.Uniform()});
+                if (target.kind == LightTargets::Kind::Voxel) {
+                    Bounds3 far = map.Grid().Voxel(target.index);
+                    ray.d = far.low + far.Diagonal() * Vector3{rng.Uniform(), rng.Uniform(), rng.Uniform()} - ray.o;
+                    ray.tMax = 1;
+                } else {
+                    ray.d = target.kind == LightTargets::Kind::Direction
+                                ? Vector3(-1, 0, 0)
+                                : LightTargets::DirectionIn(target.index, rng.Uniform2());
+                }
+                open += !built.scene->Occluded(ray);
+            }
+            double expected = static_cast<double>(open) / n, found = row[t] / 255.0;
+            double sigma = std::sqrt(expected * (1 - expected) * (1 / 255.0 + 1.0 / n));
+            double z = std::abs(found - expected) / (sigma + 0.004);
+            worst = std::max(worst, z);
+            partly += expected > 0.1 && expected < 0.9;
+        }
+    }
+    EXPECT_LT(worst, 5);
+    EXPECT_GT(partly, 20) << "too few voxels are partly visible for this test to mean anything";
+}
+
+TEST(Neepp, ProbabilityIsTheVisibilityWithAFloorWhateverThePower) {
+    BuiltScene built = BuildText(std::string(kHalves) + kLights);
+    NeeppLightSampler sampler(built.scene->Lights(), Params(8, 64));
+    PrepareIn(built, sampler);
+    // At a point high up on the left, the left light is seen; the right one and the low one behind the wall's edge are
+    // not.
+    LightQuery left = At({-3.5f, 3.5f, 0.5f});
+    std::span<const uint8_t> row = sampler.Map().Row(sampler.Map().Grid().Index(left.p));
+    Float v[4], sum = 0;
+    for (uint32_t g = 0; g < 4; ++g) {
+        v[g] = sampler.Map().GroupVisibility(row, g);
+        sum += std::max(v[g], 0.02f);
+    }
+    EXPECT_EQ(v[0], 1.f);
+    EXPECT_EQ(v[1], 0.f);
+    EXPECT_EQ(v[2], 0.f);
+    EXPECT_EQ(v[3], 1.f);  // the sun shines in through the open side
+    for (uint32_t g = 0; g < 4; ++g) EXPECT_NEAR(sampler.PMF(left, LightId(g)), std::max(v[g], 0.02f) / sum, 1e-6f);
+    // In the gap all point lights and the sun are seen, so all have equal probabilities, although one light is 1000
+    // times as strong.
+    LightQuery gap = At({0.5f, -3.5f, 0.5f});
+    EXPECT_NEAR(sampler.PMF(gap, LightId(2u)), sampler.PMF(gap, LightId(3u)), 0.02f);
+    // On the right only the right lights are seen; the sun is seen only below the wall.
+    LightQuery right = At({3.5f, 3.5f, 0.5f});
+    EXPECT_GT(sampler.PMF(right, LightId(1u)), 8 * sampler.PMF(right, LightId(0u)));
+    EXPECT_NEAR(sampler.PMF(right, LightId(3u)), sampler.PMF(right, LightId(0u)), 1e-6f);
+}
+
+TEST(Neepp, AnAreaLightCountsByTheShareOfItThatIsSeen) {
+    // A strip of light crosses the wall; its right third is not seen from the left.
+    BuiltScene built = BuildText(std::string(kHalves) + R"(
+AreaLightSource "diffuse"
+Shape "trianglemesh" "point3 P" [ -2 3.5 0.1  1 3.5 0.1  1 3.5 0.9  -2 3.5 0.9 ] "integer indices" [ 0 1 2  0 2 3 ]
+Shape "trianglemesh" "point3 P" [ -3.9 3.5 0.1  -3.1 3.5 0.1  -3.1 3.5 0.9  -3.9 3.5 0.9 ]
+  "integer indices" [ 0 1 2  0 2 3 ]
+)");
+    NeeppLightSampler sampler(built.scene->Lights(), Params(8, 255));
+    PrepareIn(built, sampler);
+    std::span<const uint8_t> row = sampler.Map().Row(sampler.Map().Grid().Index({-3.5f, -0.5f, 0.5f}));
+    EXPECT_NEAR(sampler.Map().GroupVisibility(row, 0) / sampler.Map().GroupVisibility(row, 1), 2.f / 3, 0.1f);
+}
+
+TEST(Neepp, ALightSeenThroughNothingKeepsTheFloor) {
+    BuiltScene built = BuildText(std::string(kHalves) + kLights);
+    NeeppParams params = Params(8, 16);
+    params.floor = 0.25f;
+    NeeppLightSampler sampler(built.scene->Lights(), params);
+    PrepareIn(built, sampler);
+    LightQuery left = At({-3.5f, 3.5f, 0.5f});
+    EXPECT_NEAR(sampler.PMF(left, LightId(1u)) / sampler.PMF(left, LightId(0u)), 0.25f, 1e-5f);
+}
+
+TEST(Neepp, OtherSeedsTestOtherSegments) {
+    BuiltScene built = BuildText(std::string(kHalves) + kLights);
+    NeeppLightSampler a(built.scene->Lights(), {}), b(built.scene->Lights(), {}), c(built.scene->Lights(), {});
+    PrepareIn(built, a);
+    PrepareIn(built, b);
+    PrepareIn(built, c, 1);
+    int different = 0;
+    for (uint32_t v = 0; v < a.Map().Grid().Size(); v += 7) {
+        LightQuery q = At(a.Map().Grid().PointIn(v, Vector3(0.5f)));
+        EXPECT_EQ(a.PMF(q, LightId(0u)), b.PMF(q, LightId(0u)));
+        different += a.PMF(q, LightId(0u)) != c.PMF(q, LightId(0u));
+    }
+    EXPECT_GT(different, 5);
+}
+
+TEST(Neepp, ReportAndInspectSayWhatIsStored) {
+    BuiltScene built = BuildText(std::string(kHalves) + kLights);
+    NeeppLightSampler sampler(built.scene->Lights(), Params(8, 16));
+    PrepareIn(built, sampler);
+    sampler.Sample(At({-3.5f, 3.5f, 0.5f}), 0.5f);
+    nlohmann::ordered_json report;
+    sampler.Report(report);
+    EXPECT_EQ(report["voxels"], 512);
+    EXPECT_EQ(report["voxelsFilled"], 1);
+    EXPECT_EQ(report["targets"], 4);
+    EXPECT_EQ(report["visibilityRays"], 4 * 16);
+    std::vector<InspectedValue> values;
+    sampler.Inspect(At({-3.5f, 3.5f, 0.5f}), values);
+    ASSERT_EQ(values.size(), 3u);
+    EXPECT_EQ(values[1].value, 2);
+    EXPECT_NEAR(values[2].value, 0.5, 1e-6);
+    EXPECT_NE(sampler.DescribeStructure().find("8 x 8 x 8 voxels"), std::string::npos);
+}
+
+}  // namespace

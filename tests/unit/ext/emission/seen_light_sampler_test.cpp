@@ -1,0 +1,167 @@
+#include "ext/emission/seen_light_sampler.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "pbrt/core/parallel.h"
+#include "support/build_text.h"
+#include "support/light_views.h"
+
+namespace {
+
+using namespace ext;
+using pbrt::test::BuildText;
+
+/// Two rooms with a wall between them that lets no light through. The camera is in the first, which has a weak lamp, a
+/// weaker one behind a screen, whose light comes by way of the walls only, and a mirror; the second room has a strong
+/// lamp.
+const char *kRooms = R"(
+LookAt 0 -2.8 0  0 0 0  0 0 1
+Camera "perspective" "float fov" 60
+Film "rgb" "integer xresolution" 32 "integer yresolution" 32
+Sampler "independent" "integer pixelsamples" 64
+Integrator "path" "integer maxdepth" 4
+WorldBegin
+Material "diffuse" "rgb reflectance" [ .6 .6 .6 ]
+Shape "trianglemesh" "point3 P" [ -3 -3 -1  3 -3 -1  3 3 -1  -3 3 -1  -3 -3 1  3 -3 1  3 3 1  -3 3 1 ]
+  "integer indices" [ 0 1 2  0 2 3  4 5 6  4 6 7  0 1 5  0 5 4  2 3 7  2 7 6  1 2 6  1 6 5  3 0 4  3 4 7 ]
+Shape "bilinearmesh" "point3 P" [ -3 1 -1  3 1 -1  -3 1 1  3 1 1 ]
+Shape "bilinearmesh" "point3 P" [ 1.2 -3 -1  1.2 .2 -1  1.2 -3 1  1.2 .2 1 ]
+AttributeBegin
+Material "conductor" "float roughness" 0
+Shape "bilinearmesh" "point3 P" [ -1.5 .9 -.5  -.5 .9 -.5  -1.5 .9 .5  -.5 .9 .5 ]
+AttributeEnd
+)";
+/// In the order of their ids.
+const std::string kLamps[] = {
+    "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [ 4 4 4 ]\nTranslate -2 0 .9 Rotate 180 1 0 0\n"
+    "Shape \"disk\" \"float radius\" .3\nAttributeEnd\n",
+    "LightSource \"point\" \"point3 from\" [ -1 -1 .5 ] \"rgb I\" [ 1 1 1 ]\n",
+    "LightSource \"point\" \"point3 from\" [ 2.2 -1 0 ] \"rgb I\" [ 1.2 1.2 1.2 ]\n",
+    "LightSource \"point\" \"point3 from\" [ 0 2 0 ] \"rgb I\" [ 900 900 900 ]\n"};
+constexpr size_t kCount = std::size(kLamps);
+
+std::string AllLamps() { return std::accumulate(std::begin(kLamps), std::end(kLamps), std::string(kRooms)); }
+
+struct Prepared {
+    BuiltScene built;
+    std::unique_ptr<SeenLightSampler> sampler;
+};
+Prepared Prepare(const std::string &text, const SeenParams &params) {
+    Prepared r{BuildText(text), nullptr};
+    r.sampler = std::make_unique<SeenLightSampler>(r.built.scene->Lights(), params);
+    Progress progress;
+    PrepareContext context = r.built.Preparation(progress);
+    r.sampler->Prepare(context);
+    return r;
+}
+
+TEST(SeenLight, IsWhatPicturesOfSingleLampsHold) {
+    const Prepared r = Prepare(AllLamps(), {.budget = 1});
+    // Pictures of single lamps, by tiles of the prepass. The lamp itself, seen directly or in the mirror, is left out.
+    std::vector<std::vector<double>> tiles;
+    for (const std::string &lamp : kLamps) {
+        BuildOptions options;
+        options.sampledLightOnly = true;
+        tiles.push_back(pbrt::test::TileMeans(pbrt::test::RenderText(kRooms + lamp, options).image, 16));
+    }
+    const size_t tileCount = tiles[0].size() / 3;
+    std::vector<std::vector<double>> gray(kCount, std::vector<double>(tileCount));
+    std::vector<double> brightness(tileCount);
+    double all = 0;
+    for (size_t t = 0; t < tileCount; ++t)
+        for (size_t i = 0; i < kCount; ++i) {
+            gray[i][t] = tiles[i][3 * t] + tiles[i][3 * t + 1] + tiles[i][3 * t + 2];
+            brightness[t] += gray[i][t];
+            all += gray[i][t] / static_cast<double>(tileCount);
+        }
+    ASSERT_GT(all, 0);
+    std::vector<double> expected(kCount), seen;
+    for (size_t i = 0; i < kCount; ++i) {
+        for (size_t t = 0; t < tileCount; ++t) {
+            const double relative = brightness[t] / all + 0.1;
+            expected[i] += gray[i][t] / (relative * relative);
+        }
+        seen.push_back(r.sampler->Seen()[i].sum);
+    }
+    const double s = std::accumulate(seen.begin(), seen.end(), 0.0),
+                 e = std::accumulate(expected.begin(), expected.end(), 0.0);
+    for (size_t i = 0; i < kCount; ++i) EXPECT_NEAR(seen[i] / s, expected[i] / e, 0.03) << kLamps[i];
+    EXPECT_EQ(seen[3], 0) << "behind the wall";
+    EXPECT_GT(seen[2], 0) << "by way of the walls";
+}
+
+TEST(SeenLightSampler, ChoosesByTheRootOfSeenLightAndPower) {
+    const Prepared r = Prepare(AllLamps(), {.floor = Float(0.2), .budget = Float(0.1)});
+    const auto &groups = r.sampler->Groups();
+    double power = 0, found = 0, samples = 0, once = 0;
+    std::vector<double> roots;
+    for (uint32_t g = 0; g < kCount; ++g) {
+        power += static_cast<double>(groups.Candidate(g).power);
+        found += r.sampler->Seen()[g].sum;
+        samples += r.sampler->Seen()[g].count;
+        once += r.sampler->Seen()[g].count == 1;
+    }
+    const double missed = once / samples;
+    for (uint32_t g = 0; g < kCount; ++g) {
+        const double share = static_cast<double>(groups.Candidate(g).power) / power;
+        roots.push_back(std::sqrt(share * ((1 - missed) * r.sampler->Seen()[g].sum / found + missed * share)));
+    }
+    const double sum = std::accumulate(roots.begin(), roots.end(), 0.0);
+    for (uint32_t g = 0; g < kCount; ++g) {
+        const double share = static_cast<double>(groups.Candidate(g).power) / power;
+        EXPECT_NEAR(static_cast<double>(r.sampler->PMF({}, LightId(g))), 0.8 * roots[g] / sum + 0.2 * share, 1e-5);
+    }
+    EXPECT_GT(r.sampler->PMF({}, LightId(1u)), 0.2f) << "a thousandth of the power of the lamp behind the wall";
+    EXPECT_LT(r.sampler->PMF({}, LightId(3u)), 0.25f);
+}
+
+TEST(SeenLightSampler, IsTheSameForAnyNumberOfThreads) {
+    std::vector<Float> expected;
+    for (int threads : {1, 2, 5}) {
+        ThreadLimit limit(threads);
+        const Prepared r = Prepare(AllLamps(), {});
+        std::vector<Float> pmf;
+        for (uint32_t g = 0; g < kCount; ++g) pmf.push_back(r.sampler->PMF({}, LightId(g)));
+        if (expected.empty()) expected = pmf;
+        EXPECT_EQ(pmf, expected) << threads;
+    }
+}
+
+TEST(SeenLightSampler, ChoosesByPowerIfNothingIsSeen) {
+    const Prepared r = Prepare(kRooms + kLamps[3] + kLamps[3], {});
+    EXPECT_EQ(r.sampler->PMF({}, LightId(0u)), 0.5f);
+    EXPECT_EQ(r.sampler->Seen()[0].count + r.sampler->Seen()[1].count, 0);
+}
+
+class Shooting : public testing::TestWithParam<const char *> {};
+
+TEST_P(Shooting, DoesNotChangeTheMean) {
+    using namespace pbrt::test;
+    View view;
+    view.objects = R"(
+LightSource "infinite" "rgb L" [ .1 .1 .2 ]
+LightSource "point" "point3 from" [ -.5 -.5 1.5 ] "rgb I" [ .7 .6 .5 ]
+LightSource "point" "point3 from" [ 0 9 1.5 ] "rgb I" [ 70 60 50 ]
+AttributeBegin
+AreaLightSource "diffuse" "rgb L" [ 5 5 4 ]
+Translate .6 -.4 1.7
+Rotate 180 1 0 0
+Shape "disk" "float radius" .25
+AttributeEnd
+)";
+    view.samples = 256;
+    view.parameters = "\"string shootingsampler\" \"seen\"";
+    const bool isSppm = std::string(GetParam()) == "sppm";
+    if (isSppm) view.parameters += " \"float radius\" .15 \"integer photonsperiteration\" 3000";
+    // lightpath does not see the sky behind the room, so that is covered here.
+    view.objects += "Shape \"bilinearmesh\" \"point3 P\" [ -9 1.6 -9  9 1.6 -9  -9 1.6 9  9 1.6 9 ]\n";
+    double noise = 0;
+    EXPECT_LT(LargestDistance(view, GetParam(), &noise, isSppm ? 0.015 : 0), 5.5);
+    EXPECT_LT(noise, 0.05);
+    CheckThreads(view, GetParam(), 4);
+}
+INSTANTIATE_TEST_SUITE_P(All, Shooting, testing::Values("lightpath", "bdpt", "mlt", "sppm"));
+
+}  // namespace

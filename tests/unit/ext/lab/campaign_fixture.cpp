@@ -1,0 +1,145 @@
+#include "campaign_fixture.h"
+
+#include <unistd.h>
+
+#include <cstring>
+#include <fstream>
+
+#include "pbrt/core/log.h"
+#include "pbrt/images/image.h"
+
+void register_guide(pbrt::PluginRegistry &registry);  // of ext/guiding
+
+namespace pbrt::lab {
+
+const char *const kScene = R"(LookAt 0 3 -6  0 0 0  0 1 0
+Camera "perspective" "float fov" 40
+Film "rgb" "integer xresolution" 32 "integer yresolution" 24 "string filename" "scene.exr"
+Sampler "independent" "integer pixelsamples" 4
+Integrator "path" "integer maxdepth" 2
+WorldBegin
+LightSource "point" "point3 from" [ -2 2 0 ] "rgb I" [ 4 4 4 ]
+LightSource "point" "point3 from" [ 0 2 1 ] "rgb I" [ 3 3 4 ]
+LightSource "point" "point3 from" [ 2 2 0 ] "rgb I" [ 4 4 3 ]
+Material "diffuse" "rgb reflectance" [ 0.6 0.4 0.3 ]
+Shape "sphere" "float radius" 0.7
+Shape "bilinearmesh" "point3 P" [ -4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4 ]
+)";
+
+namespace {
+
+/// Uniform over all lights but the last `blind` ones. Cancels the campaign after a number of calls.
+class TestSampler final : public LightSampler {
+  public:
+    TestSampler(size_t lights, size_t blind, std::shared_ptr<Switch> interrupt)
+        : seen_(lights - blind), interrupt_(std::move(interrupt)) {}
+    std::optional<SampledLight> Choose(const LightQuery &, const void *, Float u, Point2 *) const override {
+        if (--interrupt_->callsLeft == 0) interrupt_->progress->Cancel();
+        auto i = std::min(static_cast<size_t>(u * static_cast<Float>(seen_)), seen_ - 1);
+        return SampledLight{LightId(i), 1 / static_cast<Float>(seen_)};
+    }
+    Float Probability(const LightQuery &, const void *, LightId light) const override {
+        return light.value < seen_ ? 1 / static_cast<Float>(seen_) : 0;
+    }
+    void Report(nlohmann::ordered_json &report) const override { report["leaves"] = 7; }
+    void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override {
+        values.push_back({"side", query.p.x > 0 ? 1.0 : 2.0, true});
+    }
+    std::string DescribeStructure() const override { return "nothing learned"; }
+
+  private:
+    size_t seen_;
+    std::shared_ptr<Switch> interrupt_;
+};
+
+}  // namespace
+
+Json ReadJson(const fs::path &path) {
+    std::ifstream in(path);
+    return Json::parse(in);
+}
+
+void ExpectSamePixels(const fs::path &a, const fs::path &b) {
+    const Image one = ReadImage(a.string()).image, two = ReadImage(b.string()).image;
+    ASSERT_EQ(one.Bytes(), two.Bytes());
+    ASSERT_GT(one.Bytes(), 0u);
+    EXPECT_EQ(std::memcmp(one.Data(), two.Data(), one.Bytes()), 0) << a << " " << b;
+}
+
+void Campaign::SetUp() {
+    SetLogLevel(LogLevel::Error);
+    const auto *info = ::testing::UnitTest::GetInstance()->current_test_info();
+    folder_ =
+        fs::temp_directory_path() / (std::string("pbrt_campaign_") + info->name() + "_" + std::to_string(getpid()));
+    fs::create_directories(folder_);
+    WriteScene("", "");
+    RegisterStockLightSamplers(registry_);
+    register_guide(registry_);
+    AddSampler("honest", 0);
+    AddSampler("blind", 1);
+}
+
+void Campaign::WriteScene(const std::string &part, const std::string &other) {
+    const std::string text = kScene;
+    std::ofstream(folder_ / "scene.pbrt") << std::string(text).replace(text.find(part), part.size(), other);
+}
+
+void Campaign::TearDown() {
+    fs::remove_all(folder_);
+    SetLogLevel(LogLevel::Info);
+}
+
+void Campaign::AddSampler(const std::string &name, size_t blind) {
+    auto make = [blind, interrupt = switch_](NoParams, const ParamSet &, const LightGroups &groups) {
+        return std::make_unique<TestSampler>(groups.LightCount(), blind, interrupt);
+    };
+    registry_.samplers.Add<NoParams>(name, "of the test", make);
+}
+
+CampaignSettings Campaign::Settings(const std::string &out, const std::vector<std::string> &samplers) {
+    CampaignSettings s;
+    s.scene = (folder_ / "scene.pbrt").string();
+    s.samplers = ParseSamplerChoices(samplers, registry_);
+    s.samplesPerPixel = 4;
+    s.seeds = 2;
+    s.referenceSamples = 32;
+    s.selectionWork = 1e5;
+    s.outFolder = (folder_ / out).string();
+    s.cacheFolder = (folder_ / "cache").string();
+    return s;
+}
+
+std::optional<CampaignOutcome> Campaign::Run(const CampaignSettings &settings) {
+    Progress progress;
+    switch_->progress = &progress;
+    return RunCampaign(settings, registry_, progress, nullptr);
+}
+
+std::string Campaign::ErrorOf(const CampaignSettings &settings) {
+    try {
+        Run(settings);
+    } catch (const UserError &e) {
+        return e.what();
+    }
+    return "";
+}
+
+void Campaign::ExpectSamePictures(const std::string &a, const std::string &b, const std::vector<std::string> &samplers,
+                                  int seeds) {
+    for (const std::string &sampler : samplers)
+        for (int seed = 0; seed < seeds; ++seed) {
+            const std::string name = SafeFileName(sampler) + "/seed" + std::to_string(seed) + ".exr";
+            ExpectSamePixels(folder_ / a / name, folder_ / b / name);
+        }
+    ExpectSamePixels(folder_ / a / "reference-0.exr", folder_ / b / "reference-0.exr");
+}
+
+std::vector<fs::path> Campaign::ReferencesIn(const std::string &folder) const {
+    std::vector<fs::path> found;
+    for (const auto &entry : fs::directory_iterator(folder_ / folder))
+        if (entry.path().filename().string().starts_with("scene.reference-")) found.push_back(entry.path());
+    std::sort(found.begin(), found.end());
+    return found;
+}
+
+}  // namespace pbrt::lab

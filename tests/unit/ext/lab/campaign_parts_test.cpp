@@ -1,0 +1,95 @@
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "ext/lab/campaign.h"
+#include "ext/lab/campaign_display.h"
+#include "pbrt/scenefile/content_hash.h"
+
+namespace pbrt::lab {
+
+namespace fs = std::filesystem;
+
+TEST(SamplerList, KeysBelongToTheSamplerBeforeThem) {
+    EXPECT_EQ(SplitSamplerList("a,b:k=1,m=2,c+mesh,d+guide:k=1,m=2, e"),
+              (std::vector<std::string>{"a", "b:k=1,m=2", "c+mesh", "d+guide:k=1,m=2", "e"}));
+    EXPECT_EQ(SplitSamplerList("a+guide,b+guide:k=1,m=2,c"),
+              (std::vector<std::string>{"a+guide", "b+guide:k=1,m=2", "c"}));
+    EXPECT_EQ(SafeFileName("octree:leaves=64,floor=.2+guide:a/b"), "octree_leaves=64,floor=.2+guide_a_b");
+}
+
+TEST(Checkpoints, StartAtOneSampleAndEndAtTheBudget) {
+    CampaignSettings settings;
+    settings.samplesPerPixel = 24;
+    std::vector<int> samples;
+    for (const Checkpoint &c : Checkpoints(settings)) samples.push_back(c.samples);
+    EXPECT_EQ(samples, (std::vector<int>{1, 2, 4, 8, 16, 24}));
+    settings.samplesPerPixel = 1;
+    EXPECT_EQ(Checkpoints(settings).size(), 1u);
+    settings.timeBudget = 32;
+    const std::vector<Checkpoint> timed = Checkpoints(settings);
+    ASSERT_EQ(timed.size(), 8u);
+    EXPECT_EQ(timed[0].samples, 1);
+    EXPECT_EQ(timed[1].seconds, 0.5);
+    EXPECT_EQ(timed[7].seconds, 32);
+}
+
+TEST(CampaignDisplay, TimeLeftIsThatOfTheWholeCampaign) {
+    struct Sink final : ProgressSink {
+        void Show(const std::string &p, double f, double e, double r) override {
+            phase = p;
+            fraction = f;
+            elapsed = e;
+            remaining = r;
+        }
+        void PhaseDone(const std::string &, double) override {}
+        std::string phase;
+        double fraction = -1, elapsed = 0, remaining = -2;
+    } sink;
+    CampaignDisplay display(&sink);
+    auto show = [&](double left) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(210));  // the display is updated at most every 0.2 s
+        display.Show(left);
+    };
+    display.SetPhase("pilot");
+    show(-1);
+    EXPECT_EQ(sink.phase, "pilot");
+    EXPECT_EQ(sink.fraction, 0);
+    EXPECT_LT(sink.remaining, 0);
+    display.SetPhase("reference 0");
+    display.SetAfter(3);
+    show(2);
+    EXPECT_EQ(sink.phase, "reference 0");
+    EXPECT_EQ(sink.remaining, 5);
+    EXPECT_NEAR(sink.fraction, sink.elapsed / (sink.elapsed + 5), 1e-12);
+    display.SetAfter(0);
+    show(0);
+    EXPECT_EQ(sink.remaining, 0);
+    EXPECT_EQ(sink.fraction, 1);
+}
+
+TEST(SceneHash, SeesEveryFileThatIsNamed) {
+    const fs::path folder = fs::temp_directory_path() / ("pbrt_scene_hash_" + std::to_string(getpid()));
+    fs::create_directories(folder);
+    auto write = [&](const char *name, const std::string &text) { std::ofstream(folder / name) << text; };
+    write("a.pbrt", "Include \"b.pbrt\"\n# \"c.ply\"\n");
+    write("b.pbrt", "Shape \"plymesh\" \"string filename\" \"mesh.ply\"\n");
+    write("mesh.ply", "one");
+    write("c.ply", "comment");
+    const std::string path = (folder / "a.pbrt").string(), hash = SceneHash(path);
+    EXPECT_EQ(hash.size(), 16u);
+    EXPECT_EQ(SceneHash(path), hash);
+    write("c.ply", "not read");
+    EXPECT_EQ(SceneHash(path), hash);
+    write("mesh.ply", "two");
+    const std::string second = SceneHash(path);
+    EXPECT_NE(second, hash);
+    write("b.pbrt", "Shape \"plymesh\" \"string filename\" \"mesh.ply\" \n");
+    EXPECT_NE(SceneHash(path), second);
+    fs::remove_all(folder);
+}
+
+}  // namespace pbrt::lab

@@ -1,0 +1,304 @@
+#include "ext/lab/campaign.h"
+
+#include <algorithm>
+#include <fstream>
+
+#include "campaign_fixture.h"
+#include "pbrt/images/image.h"
+
+namespace pbrt::lab {
+
+TEST_F(Campaign, LeavesEverythingTheSchemaNames) {
+    const std::optional<CampaignOutcome> outcome = Run(Settings("out", {"uniform", "power", "honest"}));
+    ASSERT_TRUE(outcome);
+    for (const char *name :
+         {"results.json", "results.csv", "rounds.csv", "reference-0.exr", "reference-0.png", "uniform/seed0.exr",
+          "power/seed1.exr", "honest/result.png", "honest/error.png", "records/uniform/seed0-round00.json"})
+        EXPECT_TRUE(fs::exists(folder_ / "out" / name)) << name;
+    const Json r = ReadJson(folder_ / "out/results.json");
+    EXPECT_EQ(r, outcome->results);
+    EXPECT_EQ(r.at("schema"), 2);
+    EXPECT_EQ(r.at("sceneName"), "scene");
+    EXPECT_EQ(r.at("sceneHash").get<std::string>().size(), 16u);
+    EXPECT_EQ(r.at("mode"), "samples");
+    EXPECT_EQ(r.at("budget"), 4);
+    EXPECT_EQ(r.at("seeds"), 2);
+    EXPECT_EQ(r.at("resolution"), Json({32, 24}));
+    EXPECT_EQ(r.at("maxDepth"), 2);
+    EXPECT_EQ(r.at("direct"), false);
+    for (const char *key : {"commit", "commandLine", "date"}) EXPECT_TRUE(r.contains(key)) << key;
+    for (const char *key : {"cpu", "threads", "memoryGB", "os"}) EXPECT_TRUE(r.at("machine").contains(key)) << key;
+    for (const char *key : {"winner", "lowestError", "level", "headline", "reasons", "doubts", "remarks", "sentences"})
+        EXPECT_TRUE(r.at("conclusion").contains(key)) << key;
+    EXPECT_TRUE(r.at("conclusion").at("lowestError").is_string());
+    for (const Json &sentence : r.at("conclusion").at("sentences"))
+        EXPECT_NE(outcome->text.find(sentence.get<std::string>()), std::string::npos) << sentence;
+    ASSERT_GE(r.at("references").size(), 1u);
+    for (const Json &reference : r.at("references")) {
+        EXPECT_TRUE(fs::exists(folder_ / "out" / reference.at("file").get<std::string>()));
+        EXPECT_TRUE(fs::exists(folder_ / "out" / reference.at("picture").get<std::string>()));
+        EXPECT_EQ(reference.at("samples"), 32);
+        EXPECT_GT(reference.at("seconds").get<double>(), 0);
+        EXPECT_GT(reference.at("noise").get<double>(), 0);
+    }
+    ASSERT_GE(r.at("crops").size(), 1u);
+    for (const Json &c : r.at("crops")) {
+        EXPECT_GE(c.at("x0").get<int>(), 0);
+        EXPECT_LE(c.at("x1").get<int>(), 32);
+        EXPECT_LE(c.at("y1").get<int>(), 24);
+        EXPECT_LT(c.at("x0").get<int>(), c.at("x1").get<int>());
+    }
+    ASSERT_EQ(r.at("samplers").size(), 3u);
+    for (const Json &s : r.at("samplers")) {
+        // No sampler is judged by a reference from its own samples.
+        EXPECT_NE(r.at("references").at(s.at("reference").get<size_t>()).at("sampler"), s.at("label"));
+        ASSERT_EQ(s.at("runs").size(), 2u);
+        for (const Json &run : s.at("runs")) {
+            EXPECT_TRUE(fs::exists(folder_ / "out" / run.at("image").get<std::string>()));
+            EXPECT_EQ(run.at("shadowRays").get<int>() > 0, true);
+            ASSERT_EQ(run.at("rounds").size(), 3u);
+            int samples = 1;
+            double seconds = run.at("prepareSeconds").get<double>();
+            for (const Json &round : run.at("rounds")) {
+                EXPECT_EQ(round.at("samples"), samples);
+                samples *= 2;
+                EXPECT_GT(round.at("seconds").get<double>(), seconds);
+                seconds = round.at("seconds").get<double>();
+                EXPECT_GT(round.at("cpuSeconds").get<double>(), 0);
+                for (const char *m : {"relL2", "MSE", "MRSE", "MAE", "SMAPE", "FLIP", "relL2Trimmed"})
+                    EXPECT_GT(round.at("metrics").at(m).get<double>(), 0) << m;
+            }
+        }
+        const Json &summary = s.at("summary");
+        for (const char *key :
+             {"samples", "seconds", "cpuSeconds", "firefliesDecide", "efficiency", "speedUp", "speedUpAgainst",
+              "ratioToOracle", "leaves", "bytes", "shadowRays", "blockedShare", "relativeCost", "preparationShare"})
+            EXPECT_TRUE(summary.contains(key)) << key;
+        for (const char *key : {"prepassSeconds", "buildSeconds", "renderSeconds"})
+            EXPECT_TRUE(summary.at("overhead").contains(key)) << key;
+        for (const char *key : {"verdict", "tiles", "tests", "worstZ", "pValue", "meanDifference"})
+            EXPECT_TRUE(summary.at("bias").contains(key)) << key;
+        // The summary is about the last rounds.
+        double mean = 0;
+        for (const Json &run : s.at("runs"))
+            mean += run.at("rounds").back().at("metrics").at("relL2").get<double>() / 2;
+        EXPECT_NEAR(summary.at("metrics").at("relL2").at("mean").get<double>(), mean, 1e-12);
+    }
+    EXPECT_EQ(r.at("samplers").at(2).at("summary").at("leaves"), 7);
+    EXPECT_EQ(r.at("samplers").at(2).at("structure"), "nothing learned");
+    EXPECT_EQ(r.at("samplers").at(0).at("summary").at("relativeCost"), 1);
+    EXPECT_NE(outcome->text.find("honest"), std::string::npos);
+}
+
+TEST_F(Campaign, LooksInsideEverySampler) {
+    const std::optional<CampaignOutcome> outcome = Run(Settings("out", {"power", "honest", "uniform"}));
+    ASSERT_TRUE(outcome);
+    const auto names = [&](const Json &views) {
+        std::vector<std::string> list;
+        for (const Json &layer : views.at("layers")) {
+            list.push_back(layer.at("name"));
+            // A layer that is the same everywhere has no picture.
+            EXPECT_EQ(layer.at("file").is_null(), layer.at("isFlat").get<bool>()) << layer;
+            if (layer.at("isFlat")) continue;
+            // The picture has the size of the campaign's pictures, so that it can lie over them.
+            const fs::path file = folder_ / "out" / layer.at("file").get<std::string>();
+            EXPECT_EQ(ReadImage(file.string()).image.Resolution(), Point2i(32, 24)) << file;
+        }
+        return list;
+    };
+    const Json &samplers = outcome->results.at("samplers");
+    using Names = std::vector<std::string>;
+    EXPECT_EQ(names(samplers.at(0).at("views")),
+              (Names{"entropy", "brightest_probability", "log10_excess", "path.vertices"}));
+    EXPECT_EQ(names(samplers.at(1).at("views")),
+              (Names{"sampler.side", "entropy", "brightest_probability", "log10_excess", "path.vertices"}));
+    Names ofScene = names(outcome->results.at("views"));
+    std::sort(ofScene.begin(), ofScene.end());
+    EXPECT_EQ(ofScene, (Names{"brightest", "visibility.0", "visibility.1", "visibility.2"}));
+    // All three lights have the same probability.
+    const Json &entropy = samplers.at(2).at("views").at("layers").at(0);
+    EXPECT_NEAR(entropy.at("least").get<double>(), std::log2(3.0), 1e-5);
+    EXPECT_NEAR(entropy.at("most").get<double>(), std::log2(3.0), 1e-5);
+    EXPECT_EQ(entropy.at("isFlat"), true);
+    EXPECT_FALSE(fs::exists(folder_ / "out/uniform/views/entropy.png"));
+    // Lights are named by their position in the scene file.
+    std::vector<std::string> lights;
+    for (const Json &layer : outcome->results.at("views").at("layers"))
+        if (layer.contains("light")) lights.push_back(layer.at("light"));
+    std::sort(lights.begin(), lights.end());
+    EXPECT_EQ(lights, (Names{"LightSource \"point\" at scene.pbrt:7", "LightSource \"point\" at scene.pbrt:8",
+                             "LightSource \"point\" at scene.pbrt:9"}));
+    EXPECT_FALSE(fs::exists(folder_ / "out/uniform/views/sampler.side.png"));
+}
+
+TEST_F(Campaign, LooksInsideAreNoPartOfTheMeasurement) {
+    CampaignSettings settings = Settings("without", {"power", "honest"});
+    settings.views = false;
+    const std::optional<CampaignOutcome> without = Run(settings);
+    ASSERT_TRUE(without);
+    EXPECT_FALSE(without->results.contains("views"));
+    EXPECT_FALSE(without->results.at("samplers").at(1).contains("views"));
+    EXPECT_FALSE(fs::exists(folder_ / "without/honest/views"));
+    ASSERT_TRUE(Run(Settings("with", {"power", "honest"})));
+    ExpectSamePictures("without", "with", {"power", "honest"}, 2);
+    const Json with = ReadJson(folder_ / "with/results.json");
+    for (size_t i = 0; i < 2; ++i)
+        EXPECT_EQ(with.at("samplers").at(i).at("summary").at("shadowRays"),
+                  without->results.at("samplers").at(i).at("summary").at("shadowRays"));
+    // The views of a finished campaign can be made later, with the same result.
+    settings.views = true;
+    const std::optional<CampaignOutcome> later = Run(settings);
+    ASSERT_TRUE(later);
+    EXPECT_EQ(later->results.at("samplers").at(1).at("views"), with.at("samplers").at(1).at("views"));
+    for (const char *file : {"honest/views/sampler.side.png", "views/brightest.png"})
+        ExpectSamePixels(folder_ / "with" / file, folder_ / "without" / file);
+}
+
+TEST_F(Campaign, RepeatGivesTheSamePictures) {
+    const std::vector<std::string> samplers = {"uniform", "power"};
+    ASSERT_TRUE(Run(Settings("one", samplers)));
+    // Without the cache, the second campaign renders its reference again.
+    fs::remove_all(folder_ / "cache");
+    ASSERT_TRUE(Run(Settings("two", samplers)));
+    ExpectSamePictures("one", "two", samplers, 2);
+    // Different seeds give different pictures.
+    const Image a = ReadImage((folder_ / "one/uniform/seed0.exr").string()).image;
+    const Image b = ReadImage((folder_ / "one/uniform/seed1.exr").string()).image;
+    EXPECT_NE(std::memcmp(a.Data(), b.Data(), a.Bytes()), 0);
+}
+
+TEST_F(Campaign, ErrorsAndVerdictsDoNotDependOnTheExposure) {
+    auto run = [&](const std::string &name) {
+        CampaignSettings settings = Settings(name, {"uniform", "power", "blind"});
+        settings.samplesPerPixel = 16;
+        settings.referenceSamples = 256;
+        return Run(settings).value().results;
+    };
+    // The floor has a mean radiance of about 0.1, so an absolute epsilon of 0.01 would matter.
+    const Json plain = run("plain");
+    std::string scene = kScene;
+    for (size_t at = 0; (at = scene.find("\"rgb I\"", at)) != std::string::npos; at += 25)
+        scene.insert(at, "\"float scale\" 100 ");
+    std::ofstream(folder_ / "scene.pbrt") << scene;
+    const Json bright = run("bright");
+    for (size_t i = 0; i < 3; ++i) {
+        const Json &a = plain.at("samplers").at(i).at("summary"), &b = bright.at("samplers").at(i).at("summary");
+        for (const char *measure : {"relL2", "relL2Trimmed"}) {
+            const double one = a.at("metrics").at(measure).at("mean"), other = b.at("metrics").at(measure).at("mean");
+            EXPECT_GT(one, 0.001);
+            EXPECT_NEAR(other / one, 1, 1e-3) << i << " " << measure;
+        }
+        EXPECT_EQ(a.at("bias").at("verdict"), b.at("bias").at("verdict"));
+        EXPECT_EQ(a.at("firefliesDecide"), b.at("firefliesDecide"));
+    }
+    EXPECT_EQ(plain.at("conclusion").at("lowestError"), bright.at("conclusion").at("lowestError"));
+    for (size_t i = 0; i < plain.at("references").size(); ++i)
+        EXPECT_NEAR(bright.at("references").at(i).at("noise").get<double>() /
+                        plain.at("references").at(i).at("noise").get<double>(),
+                    1, 1e-3);
+    // One pilot, so one choice of the samplers of the references.
+    const Json pilot = ReadJson(folder_ / "plain/records/pilot.json").at("note");
+    for (const Json &e : ReadJson(folder_ / "bright/records/pilot.json").at("note"))
+        for (const Json &o : pilot)
+            if (o.at("sampler") == e.at("sampler")) {
+                EXPECT_NEAR(e.at("variance").get<double>() / o.at("variance").get<double>(), 1, 1e-3);
+            }
+}
+
+TEST_F(Campaign, BiasedSamplerIsFoundAndNeverWins) {
+    CampaignSettings settings = Settings("out", {"uniform", "blind", "honest"});
+    settings.samplesPerPixel = 32;
+    settings.seeds = 4;
+    settings.referenceSamples = 1024;
+    auto verdict = [](const CampaignOutcome &outcome, size_t i) {
+        return outcome.results.at("samplers").at(i).at("summary").at("bias").at("verdict").get<std::string>();
+    };
+    const std::optional<CampaignOutcome> outcome = Run(settings);
+    ASSERT_TRUE(outcome);
+    EXPECT_NE(verdict(*outcome, 0), "biased");
+    EXPECT_EQ(verdict(*outcome, 1), "biased");
+    EXPECT_NE(verdict(*outcome, 2), "biased");
+    EXPECT_NE(outcome->results.at("conclusion").at("lowestError"), "blind");
+    // The blind sampler has the least noise, but the pilot sees what it lacks.
+    EXPECT_NE(ReadJson(folder_ / "out/records/pilot.json").at("note").at(0).at("sampler"), "blind");
+    EXPECT_EQ(outcome->results.at("conclusion").at("doubts").size(), 0u);
+
+    // Lamps under the floor make noise for all samplers but "clever", which leaves them out, and a weak lamp, too. The
+    // lamp is so weak that the pilot cannot see the loss; but the references contradict each other.
+    std::string scene = kScene;
+    scene.replace(scene.find("[ 4 4 3 ]"), 9, "[ .4 .4 .4 ]");
+    for (int i = 0; i < 20; ++i)
+        scene += fmt::format("LightSource \"point\" \"point3 from\" [ {} -2 0 ] \"rgb I\" [ 4 4 4 ]\n", i % 4 - 2);
+    std::ofstream(folder_ / "scene.pbrt") << scene;
+    AddSampler("clever", 21);
+    settings.samplers = ParseSamplerChoices({"uniform", "clever", "honest"}, registry_);
+    settings.outFolder = (folder_ / "little").string();
+    const std::optional<CampaignOutcome> little = Run(settings);
+    ASSERT_TRUE(little);
+    EXPECT_EQ(ReadJson(folder_ / "little/records/pilot.json").at("note").at(0).at("sampler"), "clever");
+    for (const Json &r : little->results.at("references")) EXPECT_NE(r.at("sampler"), "clever");
+    const Json &remarks = little->results.at("conclusion").at("remarks");
+    ASSERT_GE(remarks.size(), 1u);
+    EXPECT_NE(remarks.at(0).get<std::string>().find("one is biased"), std::string::npos) << remarks;
+    EXPECT_EQ(verdict(*little, 1), "biased");
+    EXPECT_NE(little->results.at("conclusion").at("lowestError"), "clever");
+}
+
+// Power and bvh spend half of their samples on a lamp behind the wall. Uniform chooses one of the two strong lamps
+// twice in 4,002 samples: in most pixels never, and its few hits are thousands of times too bright.
+TEST_F(Campaign, SamplerOfRareHitsIsNotTakenForAQuietOne) {
+    std::string scene = kScene;
+    scene.resize(scene.find("LightSource"));
+    for (const char *x : {"-1", "1"})
+        scene += fmt::format("LightSource \"point\" \"point3 from\" [ {} 0 0 ] \"rgb I\" [ 4 4 4 ]\n", x);
+    for (int i = 0; i < 4000; ++i)
+        scene += fmt::format("LightSource \"point\" \"point3 from\" [ 0 9 {} ] \"rgb I\" [ 1e-6 1e-6 1e-6 ]\n", i);
+    scene +=
+        "Shape \"bilinearmesh\" \"point3 P\" [ 0 -2 -9  0 -2 9  0 2 -9  0 2 9 ]\n"
+        "Shape \"bilinearmesh\" \"point3 P\" [ -4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4 ]\n";
+    std::ofstream(folder_ / "scene.pbrt") << scene;
+    ASSERT_TRUE(Run(Settings("out", {"uniform", "power"})));
+    const Json pilot = ReadJson(folder_ / "out/records/pilot.json").at("note");
+    ASSERT_EQ(pilot.size(), 3u);
+    EXPECT_EQ(pilot.at(2).at("sampler"), "uniform") << pilot.dump();
+    EXPECT_GT(pilot.at(2).at("variance").get<double>(), 10 * pilot.at(1).at("variance").get<double>());
+}
+
+TEST_F(Campaign, ComparesGuidedPathsWithPlainOnes) {
+    // Paths that end at their second vertex have no roulette.
+    WriteScene("maxdepth\" 2", "maxdepth\" 4");
+    CampaignSettings settings = Settings("out", {"honest", "honest+guide"});
+    settings.samplesPerPixel = 16;  // the guide learns after 2 and 8
+    ASSERT_TRUE(Run(settings));
+    const fs::path out = folder_ / "out";
+    const Image plain = ReadImage((out / "honest/seed0.exr").string()).image,
+                guided = ReadImage((out / "honest+guide/seed0.exr").string()).image;
+    ASSERT_EQ(plain.Bytes(), guided.Bytes());
+    EXPECT_NE(std::memcmp(plain.Data(), guided.Data(), plain.Bytes()), 0);
+}
+
+TEST_F(Campaign, MistakesAreFoundBeforeAnythingIsRendered) {
+    EXPECT_THROW(ParseSamplerChoices({"uniform", "uniform"}, registry_), UserError);
+    try {
+        ParseSamplerChoices({"nosuch", "power:leaves=3", "bvh+gate=neepp", "bvh+what", "bvh+guide:length=2", "uniform"},
+                            registry_);
+        FAIL();
+    } catch (const UserError &e) {
+        EXPECT_EQ(e.Diagnostics().size(), 5u);
+        EXPECT_NE(e.Diagnostics()[0].message.find("uniform"), std::string::npos) << e.Diagnostics()[0].message;
+    }
+    CampaignSettings settings = Settings("out", {"uniform"});
+    settings.crops = {{{0, 0}, {33, 8}}};
+    EXPECT_NE(ErrorOf(settings).find("--crops"), std::string::npos);
+    settings = Settings("out", {"uniform"});
+    settings.referenceFile = (folder_ / "none.exr").string();
+    EXPECT_NE(ErrorOf(settings), "");
+    Image wrong(PixelFormat::Float, {16, 16}, {"R", "G", "B"});
+    WriteImage((folder_ / "wrong.exr").string(), wrong);
+    settings.referenceFile = (folder_ / "wrong.exr").string();
+    EXPECT_NE(ErrorOf(settings).find("16 x 16"), std::string::npos) << ErrorOf(settings);
+    WriteScene("\"path\"", "\"randomwalk\"");
+    EXPECT_NE(ErrorOf(Settings("other", {"uniform"})).find("randomwalk"), std::string::npos);
+}
+
+}  // namespace pbrt::lab

@@ -1,0 +1,228 @@
+#include "ext/lab/conclusion.h"
+
+#include <gtest/gtest.h>
+
+#include "bias_simulation.h"
+#include "ext/lab/reference.h"
+#include "pbrt/images/image.h"
+
+namespace pbrt::lab {
+
+namespace {
+
+Contender Clean(std::string label, std::vector<double> errors) {
+    Contender c;
+    c.label = std::move(label);
+    c.trimmedErrors = errors;
+    c.errors = std::move(errors);
+    c.bias = BiasVerdict::Clean;
+    return c;
+}
+
+/// Three samplers, of which octree leads by far.
+std::vector<Contender> ClearCase() {
+    return {Clean("bvh", {3, 3.1, 2.9}), Clean("octree", {1, 1.02, 0.98}), Clean("uniform", {9, 9.4, 8.8})};
+}
+
+std::string All(const Conclusion &c) {
+    std::string text;
+    for (const std::string &s : c.Sentences()) text += s + "\n";
+    return text;
+}
+
+bool Says(const Conclusion &c, const std::string &part) { return All(c).find(part) != std::string::npos; }
+
+/// Expects no winner, this one reason for it, and no sentence about a winner.
+void ExpectUndecided(const Conclusion &c, const std::string &reason) {
+    EXPECT_FALSE(c.winner);
+    EXPECT_TRUE(c.headline.starts_with("Undecided")) << c.headline;
+    ASSERT_EQ(c.reasons.size(), 1u) << All(c);
+    EXPECT_NE(c.reasons[0].find(reason), std::string::npos) << c.reasons[0];
+    EXPECT_FALSE(Says(c, "has the lowest error")) << All(c);
+    EXPECT_FALSE(Says(c, "times its time for the same error")) << All(c);
+}
+
+}  // namespace
+
+TEST(Conclusion, WhoLeadsBeyondNoiseWins) {
+    std::vector<Contender> all = ClearCase();
+    all[1].speedUp = 3;
+    all[1].speedUpAgainst = "bvh";
+    const Conclusion c = Conclude(all, {}, {}, true);
+    EXPECT_EQ(c.winner, 1u);
+    EXPECT_EQ(c.lowest, 1u);
+    EXPECT_TRUE(c.reasons.empty());
+    EXPECT_EQ(c.headline,
+              "octree has the lowest error at equal time: relL2 1 +- 0.012; next is bvh with 3 +- 0.058. bvh needs 3 "
+              "times its time "
+              "for the same error.");
+    EXPECT_EQ(ToJson(c, all).at("winner"), "octree");
+    EXPECT_EQ(ToJson(c, all).at("sentences").at(0), c.headline);
+}
+
+TEST(Conclusion, LeadWithinNoiseDecidesNothing) {
+    std::vector<Contender> all = {Clean("bvh", {7.9, 3.5, 12}), Clean("octree", {8.3, 8.2, 8.4}),
+                                  Clean("uniform", {90, 91, 89})};
+    const Conclusion c = Conclude(all, {}, {}, false);
+    EXPECT_EQ(c.lowest, 0u);
+    ExpectUndecided(c, "The lead of bvh over octree is within the noise");
+    EXPECT_TRUE(Says(c, "level 5 %"));
+    EXPECT_EQ(c.headline, "Undecided. Mean relL2: bvh 7.8 +- 2.5, octree 8.3 +- 0.058, uniform 90 +- 0.58.");
+    EXPECT_TRUE(ToJson(c, all).at("winner").is_null());
+    EXPECT_EQ(ToJson(c, all).at("lowestError"), "bvh");
+}
+
+TEST(Conclusion, TieDecidesNothing) {
+    ExpectUndecided(Conclude({Clean("bvh", {2, 2.1, 2.2}), Clean("octree", {2, 2.1, 2.2})}, {}, {}, true),
+                    "within the noise");
+    ExpectUndecided(Conclude({Clean("bvh", {2, 2, 2}), Clean("octree", {2, 2, 2})}, {}, {}, true), "within the noise");
+}
+
+TEST(Conclusion, OneRunTellsNoNoise) {
+    ExpectUndecided(Conclude({Clean("bvh", {9}), Clean("octree", {1})}, {}, {}, true), "One run");
+    // Many runs of one sampler do not help if the other has only one.
+    ExpectUndecided(Conclude({Clean("bvh", {9}), Clean("octree", {1, 1.1, 0.9})}, {}, {}, true), "One run");
+}
+
+TEST(Conclusion, OneSamplerOnlyIsComparedWithNothing) {
+    ExpectUndecided(Conclude({Clean("bvh", {3, 3.1, 2.9})}, {}, {}, true), "no other sampler");
+    std::vector<Contender> all = ClearCase();
+    all.resize(2);
+    all[0].isOracle = true;
+    ExpectUndecided(Conclude(all, {}, {}, true), "no other sampler");
+}
+
+TEST(Conclusion, NothingMeasuredIsUndecided) {
+    for (const std::vector<Contender> &all : {std::vector<Contender>{},
+                                              {Clean("bvh", {})},
+                                              {Clean("bvh", {std::numeric_limits<double>::quiet_NaN(), 1})}}) {
+        const Conclusion c = Conclude(all, {}, {}, true);
+        EXPECT_FALSE(c.lowest);
+        ExpectUndecided(c, "Nothing was measured");
+    }
+}
+
+TEST(Conclusion, BiasedSamplerNeitherWinsNorHinders) {
+    std::vector<Contender> all = ClearCase();
+    all.push_back(Clean("blind", {0.1, 0.11, 0.12}));
+    all.back().bias = BiasVerdict::Biased;
+    const Conclusion c = Conclude(all, {}, {}, true);
+    EXPECT_EQ(c.winner, 1u);
+    EXPECT_TRUE(Says(c, "Biased, and therefore not competing: blind."));
+    EXPECT_FALSE(Says(c, "blind has"));
+    for (Contender &s : all) s.bias = BiasVerdict::Biased;
+    ExpectUndecided(Conclude(all, {}, {}, true), "Nothing was measured");
+}
+
+TEST(Conclusion, UnknownBiasOfTheLeaderForbidsAWinner) {
+    std::vector<Contender> all = ClearCase();
+    all[1].bias = BiasVerdict::Unknown;
+    ExpectUndecided(Conclude(all, {}, {}, true), "Whether octree is biased is not known");
+    // The unknown bias of a sampler that does not lead gives only a note.
+    all = ClearCase();
+    all[2].bias = BiasVerdict::Unknown;
+    const Conclusion c = Conclude(all, {}, {}, true);
+    EXPECT_EQ(c.winner, 1u);
+    EXPECT_TRUE(Says(c, "Note: Bias not known: uniform."));
+}
+
+TEST(Conclusion, DoubtAboutAllOrTheLeaderForbidsAWinnerAndIsSaidOnce) {
+    ExpectUndecided(Conclude(ClearCase(), {{"The references differ.", ""}}, {}, true), "The references differ.");
+    ExpectUndecided(Conclude(ClearCase(), {{"Its own errors.", "octree"}}, {}, true), "Its own errors.");
+    const Conclusion other = Conclude(ClearCase(), {{"Its own errors.", "bvh"}}, {}, true);
+    EXPECT_EQ(other.winner, 1u);
+    EXPECT_TRUE(Says(other, "Doubt: Its own errors."));
+    const Conclusion all = Conclude(ClearCase(), {{"The references differ.", ""}}, {}, true);
+    EXPECT_EQ(all.doubts.size(), 1u);
+    EXPECT_EQ(All(all).find("The references differ."), All(all).rfind("The references differ."));
+}
+
+TEST(Conclusion, FirefliesOfTheLeaderMustNotMakeTheLead) {
+    std::vector<Contender> all = ClearCase();
+    all[1].firefliesDecide = true;
+    Conclusion c = Conclude(all, {}, {}, true);
+    EXPECT_EQ(c.winner, 1u);
+    EXPECT_TRUE(Says(c, "A few fireflies decide the relL2 of octree"));
+    all[1].trimmedErrors = {0.4, 0.41, 0.42};
+    all[0].trimmedErrors = {0.3, 0.31, 0.29};
+    ExpectUndecided(Conclude(all, {}, {}, true), "without the worst 0.1 % of the pixels its lead over bvh");
+    // Fireflies of the other samplers make these worse, not better.
+    all[1].firefliesDecide = false;
+    all[0].firefliesDecide = true;
+    EXPECT_EQ(Conclude(all, {}, {}, true).winner, 1u);
+}
+
+TEST(Conclusion, CurvesThatContradictTheErrorsForbidAWinner) {
+    std::vector<Contender> all = ClearCase();
+    all[1].speedUp = 0.424;
+    all[1].speedUpAgainst = "bvh";
+    ExpectUndecided(Conclude(all, {}, {}, true), "in 0.424 times the time");
+    // In a campaign of equal samples this is no contradiction, and it is not in the headline.
+    const Conclusion c = Conclude(all, {}, {}, false);
+    EXPECT_EQ(c.winner, 1u);
+    EXPECT_EQ(c.headline.find("0.424"), std::string::npos);
+    EXPECT_TRUE(Says(
+        c, "Note: At equal time another sampler is better: bvh reaches the error of octree in 0.424 times its time."));
+}
+
+// If all samplers are equally good, a winner is named in a share of at most kWinnerLevel of the campaigns; a lead by a
+// factor of 2.5 is mostly found.
+TEST(Conclusion, KeepsItsLevel) {
+    Rng rng(11, 8);
+    const test::Noise noise = test::Lognormal(0.2);
+    const int trials = 3000;
+    auto draw = [&](double scale, int seeds) {
+        std::vector<double> errors;
+        for (int k = 0; k < seeds; ++k) errors.push_back(scale * noise(rng));
+        return errors;
+    };
+    for (int seeds : {3, 6})
+        for (int samplers : {2, 4}) {
+            int alarms = 0, found = 0;
+            for (int i = 0; i < trials; ++i) {
+                std::vector<Contender> equal;
+                for (int s = 0; s < samplers; ++s) equal.push_back(Clean(std::to_string(s), draw(1, seeds)));
+                alarms += Conclude(equal, {}, {}, true).winner.has_value();
+                equal[0].errors = draw(0.4, seeds);
+                found += Conclude(equal, {}, {}, true).winner == std::optional<size_t>(0);
+            }
+            EXPECT_LE(alarms, 1.2 * kWinnerLevel * trials) << seeds << " " << samplers;
+            EXPECT_GE(found, 0.7 * trials) << seeds << " " << samplers;
+        }
+}
+
+namespace {
+
+/// A reference of one colour `value`, which states the relL2 `noise`.
+Reference Flat(const std::string &sampler, Float value, double noise) {
+    Reference r;
+    r.sampler = sampler;
+    r.image = Image(PixelFormat::Float, {64, 64}, {"R", "G", "B"});
+    for (int y = 0; y < 64; ++y)
+        for (int x = 0; x < 64; ++x)
+            for (int c = 0; c < 3; ++c) r.image.Set({x, y}, c, value);
+    r.parts = {r.image, r.image};
+    r.noise = noise;
+    return r;
+}
+
+}  // namespace
+
+TEST(References, DifferIfTheirNoiseDoesNotExplainIt) {
+    bool proveNoBias = true;
+    EXPECT_FALSE(Disagreement(Flat("a", 1, 0.01), Flat("b", 1.1f, 0.01), false, &proveNoBias));
+    EXPECT_FALSE(proveNoBias);
+    const std::optional<Doubt> doubt = Disagreement(Flat("a", 1, 0.01), Flat("b", 1.5f, 0.01), false, &proveNoBias);
+    ASSERT_TRUE(doubt);
+    EXPECT_EQ(doubt->sampler, "");
+    EXPECT_NE(doubt->text.find("not judged alike"), std::string::npos);
+    EXPECT_FALSE(proveNoBias);
+    EXPECT_TRUE(Disagreement(Flat("a", 1, 0.01), Flat("b", 1.5f, 0.01), true, &proveNoBias));
+    EXPECT_TRUE(proveNoBias);
+    // References whose noise is unknown agree only if they are equal.
+    Reference unknown = Flat("b", 1.1f, 0);
+    unknown.noise.reset();
+    EXPECT_TRUE(Disagreement(Flat("a", 1, 0), unknown, false, &proveNoBias));
+}
+
+}  // namespace pbrt::lab

@@ -1,0 +1,258 @@
+#include "ext/lab/inspect.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "pbrt/core/parallel.h"
+#include "pbrt/lightsamplers/simple_light_samplers.h"
+#include "support/build_text.h"
+#include "support/wrapped_sampler.h"
+
+namespace pbrt::lab {
+namespace {
+
+/// An orthographic view of 4 x 4 units, straight down on a floor of 2 x 2. Lights 0 and 1 are a mesh that faces away
+/// from everything. Light 2 is a point above the middle, seen from everywhere. Light 3 is a point far to the left,
+/// hidden from the right half by a wall in the middle.
+const char *kScene = R"(LookAt 0 0 10  0 0 0  0 1 0
+Camera "orthographic" "float screenwindow" [ -2 2 -2 2 ]
+Film "rgb" "integer xresolution" 32 "integer yresolution" 32
+Sampler "independent" "integer pixelsamples" 4
+Integrator "path" "string lightsampler" "uniform"
+WorldBegin
+LightSource "point" "point3 from" [ 0 0 1.5 ] "rgb I" [ 1 1 1 ]
+LightSource "point" "point3 from" [ -4 0 0.5 ] "rgb I" [ 400 400 400 ]
+AttributeBegin
+AreaLightSource "diffuse" "rgb L" [ 1 1 1 ]
+Shape "trianglemesh" "point3 P" [ -1 -1 30  1 -1 30  1 1 30  -1 1 30 ] "integer indices" [ 0 1 2  0 2 3 ]
+AttributeEnd
+Material "diffuse" "rgb reflectance" [ .5 .5 .5 ]
+Shape "bilinearmesh" "point3 P" [ -1 -1 0  1 -1 0  -1 1 0  1 1 0 ]
+Shape "bilinearmesh" "point3 P" [ 0 -9 0  0 9 0  0 -9 1  0 9 1 ]
+)";
+
+/// A uniform sampler whose inspected values tell the position of the query.
+class Telltale final : public test::WrappedSampler {
+  public:
+    explicit Telltale(const LightTable &lights) : WrappedSampler(uniform_), uniform_(lights.Parts()) {}
+    void Inspect(const LightQuery &q, std::vector<InspectedValue> &values) const override {
+        values.push_back({"x place", static_cast<double>(q.p.x), false});
+        values.push_back({"cell", q.p.y > 0 ? 7.0 : 3.0, true});
+    }
+    std::string DescribeStructure() const override { return "two cells\n"; }
+
+  private:
+    std::optional<SampledLight> Choose(const LightQuery &, const void *weights, Float u,
+                                       Point2 *uPoint) const override {
+        return Inner(weights).Sample(u, uPoint);
+    }
+    Float Probability(const LightQuery &, const void *weights, LightId light) const override {
+        return Inner(weights).PMF(light);
+    }
+    UniformLightSampler uniform_;
+};
+
+class Inspect : public testing::Test {
+  protected:
+    Inspect() {
+        BuildOptions options;
+        options.renderCoordSys = "world";
+        built_ = test::BuildText(kScene, options);
+        sampler_ = std::make_unique<Telltale>(built_.scene->Lights());
+    }
+    Inspection Look(InspectSettings settings = {}) {
+        settings.samples = 4;
+        Progress progress;
+        return InspectLights(built_, *sampler_, settings, progress);
+    }
+    static double At(const Inspection &look, int x, int y, const std::string &layer) {
+        int channel = look.image.FindChannel(layer);
+        EXPECT_GE(channel, 0) << layer;
+        return static_cast<double>(look.image.Get({x, y}, channel));
+    }
+    BuiltScene built_;
+    std::unique_ptr<Telltale> sampler_;
+};
+
+TEST_F(Inspect, ShowsWhatAGuideKnowsAndHowLongPathsAre) {
+    // All light comes from the spot's patch on the ceiling.
+    const char *room = R"(LookAt 0 1.2 -2.8  0 0.8 0  0 1 0
+Camera "perspective" "float fov" 60
+Film "rgb" "integer xresolution" 32 "integer yresolution" 32
+Sampler "independent" "integer pixelsamples" 64
+Integrator "path" "integer maxdepth" 4 "bool guide" true
+WorldBegin
+LightSource "spot" "point3 from" [ 0 .6 0 ] "point3 to" [ 1 2 1 ] "rgb I" [ 60 60 60 ] "float coneangle" 32 "float conedeltaangle" 3
+Material "diffuse" "rgb reflectance" [ .6 .5 .4 ]
+Shape "bilinearmesh" "point3 P" [ -3 2 -3  3 2 -3  -3 2 3  3 2 3 ]
+Shape "bilinearmesh" "point3 P" [ -3 0 3  3 0 3  -3 2 3  3 2 3 ]
+Shape "bilinearmesh" "point3 P" [ 3 0 -3  3 0 3  3 2 -3  3 2 3 ]
+Shape "bilinearmesh" "point3 P" [ -3 0 -3  -3 0 3  -3 2 -3  -3 2 3 ]
+Shape "bilinearmesh" "point3 P" [ -3 0 -3  3 0 -3  -3 0 3  3 0 3 ]
+)";
+    built_ = test::BuildText(room);
+    Progress progress;
+    built_.Prepare(progress);
+    const RenderSettings settings = built_.Settings();
+    RenderWaves(*built_.integrator, *built_.camera, *built_.filter, *built_.film, *built_.sampler, settings, progress);
+    const Inspection look = InspectLights(built_, *built_.integrator, {}, progress);
+    double share = 0, shines = 0, length = 0;
+    for (int y = 0; y < 32; ++y)
+        for (int x = 0; x < 32; ++x) {
+            share = std::max(share, At(look, x, y, "guide.share"));
+            shines += At(look, x, y, "guide.shines") > -1;
+            length += At(look, x, y, "path.vertices") / (32 * 32);
+            const double survival = At(look, x, y, "guide.survival");
+            EXPECT_TRUE(std::isnan(survival) || (survival >= 0.5 && survival <= 1)) << survival;
+        }
+    EXPECT_GT(share, 0.2);
+    EXPECT_GT(shines, 5);
+    EXPECT_GT(length, 2);
+    EXPECT_LE(length, 4);
+    // A look at the light sampler alone has none of this.
+    EXPECT_EQ(InspectLights(built_, *built_.integrator->Lights(), {}, progress).image.FindChannel("path.vertices"), -1);
+}
+
+TEST_F(Inspect, SeesTheFloorWhereItIs) {
+    Inspection look = Look();
+    ASSERT_EQ(look.image.Resolution(), Point2i(32, 32));
+    for (int y = 0; y < 32; ++y)
+        for (int x = 0; x < 32; ++x) {
+            bool floor = x >= 8 && x < 24 && y >= 8 && y < 24;
+            if (x == 15 || x == 16) continue;  // the wall's upper edge
+            ASSERT_EQ(At(look, x, y, "hit"), floor) << x << ' ' << y;
+            // One pixel is 1/8 wide.
+            ASSERT_NEAR(At(look, x, y, "sampler.x_place"), floor ? std::abs((x - 15.5) / 8) : 0,
+                        std::abs((x - 15.5) / 4) + 1e-3);
+        }
+    ASSERT_EQ(look.layers[0].name, "hit");
+    EXPECT_EQ(look.structure, "two cells\n");
+}
+
+TEST_F(Inspect, SamplersOwnValuesAreWhatItSaysThere) {
+    Inspection look = Look();
+    double left = At(look, 10, 12, "sampler.x_place"), right = At(look, 20, 12, "sampler.x_place");
+    EXPECT_NEAR(std::abs(left), 5.5 / 8, 1e-3);
+    EXPECT_NEAR(std::abs(right), 4.5 / 8, 1e-3);
+    EXPECT_LT(left * right, 0);
+    EXPECT_NE(At(look, 10, 10, "sampler.cell"), At(look, 10, 20, "sampler.cell"));
+}
+
+TEST_F(Inspect, AMeshIsOneLight) {
+    Inspection look = Look();
+    ASSERT_EQ(look.lights.size(), 3u);
+    EXPECT_EQ(look.lights[0].first, LightId(0u));
+    EXPECT_EQ(look.lights[0].count, 2u);
+    EXPECT_EQ(look.lights[1].first, LightId(2u));
+    EXPECT_EQ(look.lights[1].count, 1u);
+    // The entropy of the probabilities 1/4, 1/4 and 1/2.
+    EXPECT_NEAR(At(look, 10, 10, "entropy"), 1.5, 1e-6);
+}
+
+TEST_F(Inspect, VisibilityAndContributionAreMeasured) {
+    Inspection look = Look();
+    // The image may be mirrored: the left of the world is where x is negative.
+    int lit = At(look, 10, 12, "sampler.x_place") < 0 ? 10 : 21, dark = 31 - lit;
+    for (int y = 9; y < 23; ++y) {
+        EXPECT_EQ(At(look, lit, y, "visibility.2"), 1);
+        EXPECT_EQ(At(look, dark, y, "visibility.2"), 1);
+        EXPECT_EQ(At(look, lit, y, "visibility.3"), 1);
+        EXPECT_EQ(At(look, dark, y, "visibility.3"), 0);
+        EXPECT_EQ(At(look, lit, y, "visibility.0"), 0);
+        EXPECT_EQ(At(look, lit, y, "brightest"), 3);
+        EXPECT_EQ(At(look, dark, y, "brightest"), 2);
+        EXPECT_NEAR(At(look, dark, y, "brightest_probability"), 0.25, 1e-6);
+        // Only one light contributes there: it is chosen with probability 1/4 instead of 1.
+        EXPECT_NEAR(At(look, dark, y, "log10_excess"), std::log10(4.0), 1e-4);
+    }
+    // For two lights of contributions a and b, chosen with probability 1/4 each, the excess is 4 (a^2 + b^2) / (a +
+    // b)^2.
+    auto contribution = [&](double x, double y, double lx, double lz, double intensity) {
+        double d2 = (x - lx) * (x - lx) + y * y + lz * lz;
+        return intensity * lz / (d2 * std::sqrt(d2));
+    };
+    double x = At(look, lit, 12, "sampler.x_place"), y = 3.5 / 8;
+    double a = contribution(x, y, 0, 1.5, 1), b = contribution(x, y, -4, 0.5, 400);
+    EXPECT_NEAR(At(look, lit, 12, "log10_excess"), std::log10(4 * (a * a + b * b) / ((a + b) * (a + b))), 1e-3);
+}
+
+TEST_F(Inspect, SameForAnyNumberOfThreads) {
+    std::vector<Inspection> looks;
+    for (int threads : {1, 3}) {
+        ThreadLimit limit(threads);
+        looks.push_back(Look());
+    }
+    ASSERT_EQ(looks[0].image.Bytes(), looks[1].image.Bytes());
+    EXPECT_EQ(std::memcmp(looks[0].image.Data(), looks[1].image.Data(), looks[0].image.Bytes()), 0);
+}
+
+TEST_F(Inspect, LightsAreNamedByTheirPlaceInTheSceneFile) {
+    Inspection look = Look();
+    EXPECT_NE(look.lights[0].label.find("AreaLightSource \"diffuse\" at "), std::string::npos) << look.lights[0].label;
+    EXPECT_TRUE(look.lights[0].label.ends_with(":10, shape at :11, 2 triangles")) << look.lights[0].label;
+    EXPECT_TRUE(look.lights[1].label.starts_with("LightSource \"point\" at ")) << look.lights[1].label;
+    EXPECT_TRUE(look.lights[1].label.ends_with(":7")) << look.lights[1].label;
+    EXPECT_EQ(built_.lightNames.Size(), built_.scene->Lights().Size());
+    EXPECT_TRUE(built_.lightNames.NameOf(LightId(1u)).ends_with("triangle 2 of 2"));
+}
+
+TEST_F(Inspect, TooMuchWorkMeansFewerPixels) {
+    InspectSettings settings;
+    settings.maxWork = 32 * 32 * (4 + 3 * 4) / 4;
+    Inspection look = Look(settings);
+    EXPECT_EQ(look.stride, 2);
+    for (int y = 0; y < 32; y += 2)
+        for (int x = 0; x < 32; x += 2)
+            for (int c = 1; c < 3; ++c) {
+                EXPECT_EQ(look.image.Get({x, y}, c), look.image.Get({x + 1, y}, c));
+                EXPECT_EQ(look.image.Get({x, y}, c), look.image.Get({x + 1, y + 1}, c));
+            }
+}
+
+TEST_F(Inspect, WritesEveryLayerAndSaysWhatItShows) {
+    const std::filesystem::path folder =
+        std::filesystem::temp_directory_path() / fmt::format("pbrt_inspect_{}", getpid());
+    Inspection look = Look();
+    WriteInspection(look, folder.string(), {{"sampler", "telltale"}});
+    Image layers = ReadImage((folder / "inspect.exr").string()).image;
+    EXPECT_EQ(layers.ChannelCount(), static_cast<int>(look.layers.size()));
+    std::ifstream file(folder / "inspect.json");
+    nlohmann::json json = nlohmann::json::parse(file);
+    EXPECT_EQ(json["sampler"], "telltale");
+    ASSERT_EQ(json["layers"].size(), look.layers.size());
+    for (const auto &layer : json["layers"]) {
+        std::string name = layer["name"];
+        int channel = layers.FindChannel(name);
+        ASSERT_GE(channel, 0) << name;
+        EXPECT_EQ(layers.Get({10, 12}, channel), look.image.Get({10, 12}, look.image.FindChannel(name)));
+        EXPECT_EQ(layer["file"].is_null(), layer["isFlat"].get<bool>()) << name;
+        if (!layer["isFlat"]) {
+            Image picture = ReadImage((folder / layer["file"].get<std::string>()).string()).image;
+            EXPECT_EQ(picture.Resolution().x, 32);
+        }
+        EXPECT_FALSE(layer["meaning"].get<std::string>().empty());
+        EXPECT_TRUE(layer["colours"].is_string() || layer["colours"]["brightest"] > layer["colours"]["darkest"])
+            << name;
+    }
+    // The page shows every picture, describes the other layers in words, and names the lights.
+    std::ifstream pageFile(folder / "index.html");
+    const std::string page((std::istreambuf_iterator<char>(pageFile)), {});
+    const size_t flat = page.find("<p id=\"flat\">");
+    ASSERT_NE(flat, std::string::npos);
+    for (const auto &layer : json["layers"]) {
+        const std::string name = layer["name"];
+        EXPECT_EQ(page.find("src=\"" + name + ".png\"") != std::string::npos, layer["file"].is_string()) << name;
+        EXPECT_EQ(std::filesystem::exists(folder / (name + ".png")), layer["file"].is_string()) << name;
+    }
+    EXPECT_EQ(json["layers"][0]["isFlat"], false);
+    // The mesh faces away from everything, the point is seen from everywhere, and the probabilities are uniform.
+    for (const char *part : {"The same everywhere: ", "entropy 1.5", "2 triangles 0;", "2 triangles</td>"})
+        EXPECT_NE(page.find(part), std::string::npos) << part << "\n" << page;
+    std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace pbrt::lab

@@ -1,0 +1,87 @@
+#include "ext/lab/noise_by_depth.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "pbrt/core/log.h"
+
+void register_guide(pbrt::PluginRegistry &registry);  // of ext/guiding
+
+namespace pbrt::lab {
+namespace {
+
+TEST(NoiseByDepth, IsTheVarianceOverTheReferenceSquared) {
+    Image reference(PixelFormat::Float, {40, 50}, {"R", "G"});
+    std::vector<Image> pictures(2, reference);
+    for (int y = 0; y < 50; ++y)
+        for (int x = 0; x < 40; ++x)
+            for (int c = 0; c < 2; ++c) {
+                reference.Set({x, y}, c, 0.3f);
+                pictures[0].Set({x, y}, c, 0.2f);
+                pictures[1].Set({x, y}, c, c == 0 ? 0.4f : 0.2f);
+            }
+    // Of two values 0.2 apart the variance is 0.02, in one of two channels; the epsilon is 0.01 * 0.3^2.
+    EXPECT_NEAR(NoiseOf(pictures, reference).plain, 0.01 / 0.0909, 1e-6);
+    EXPECT_NEAR(NoiseOf(pictures, reference).trimmed, 0.01 / 0.0909, 1e-6);
+    // One of 2,000 pixels is a firefly: the two worst are left out.
+    pictures[1].Set({7, 8}, 1, 1000);
+    EXPECT_GT(NoiseOf(pictures, reference).plain, 100);
+    EXPECT_NEAR(NoiseOf(pictures, reference).trimmed, 0.01 / 0.0909, 1e-6);
+}
+
+TEST(NoiseByDepth, DepthsEndWithTheLargest) {
+    EXPECT_EQ(NoiseDepths(1), (std::vector<int>{1}));
+    EXPECT_EQ(NoiseDepths(5), (std::vector<int>{1, 2, 3, 4, 5}));
+    EXPECT_EQ(NoiseDepths(24), (std::vector<int>{1, 2, 3, 4, 6, 8, 12, 16, 24}));
+}
+
+TEST(NoiseByDepth, TellsWhichVertexBringsTheNoise) {
+    SetLogLevel(LogLevel::Error);
+    const auto folder = std::filesystem::temp_directory_path() / ("pbrt_noise_" + std::to_string(getpid()));
+    std::filesystem::create_directories(folder);
+    // A point light lights the floor without noise but that of colours. What a bounce from it finds on the second floor
+    // above is noisy.
+    std::ofstream(folder / "scene.pbrt") << R"(LookAt 0 1 -6  0 0 0  0 1 0
+Camera "perspective" "float fov" 40
+Film "rgb" "integer xresolution" 16 "integer yresolution" 16 "string filename" "scene.exr"
+Sampler "independent" "integer pixelsamples" 4
+PixelFilter "box" "float xradius" 0.01 "float yradius" 0.01
+Integrator "path" "integer maxdepth" 2
+WorldBegin
+LightSource "point" "point3 from" [ 0 1 0 ] "rgb I" [ 4 4 4 ]
+Material "diffuse" "rgb reflectance" [ 0.8 0.8 0.8 ]
+Shape "bilinearmesh" "point3 P" [ -4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4 ]
+Shape "bilinearmesh" "point3 P" [ -1 2 -1  1 2 -1  -1 2 1  1 2 1 ]
+)";
+    NoiseOptions options;
+    options.campaign.scene = (folder / "scene.pbrt").string();
+    options.campaign.outFolder = (folder / "noise").string();
+    options.campaign.samplesPerPixel = 8;
+    options.campaign.seeds = 4;
+    options.samplers = {"uniform", "uniform+guide"};
+    PluginRegistry registry;
+    RegisterStockLightSamplers(registry);
+    register_guide(registry);
+    Progress progress;
+    testing::internal::CaptureStdout();
+    EXPECT_EQ(RunNoise(options, registry, progress), 0);
+    EXPECT_NE(testing::internal::GetCapturedStdout().find("uniform+guide"), std::string::npos);
+    std::ifstream in(folder / "noise" / "noise.json");
+    const auto json = nlohmann::json::parse(in);
+    for (const auto &sampler : json.at("samplers")) {
+        ASSERT_EQ(sampler.at("depths").size(), 2u);
+        const double first = sampler["depths"][0]["plain"], second = sampler["depths"][1]["plain"];
+        EXPECT_LT(first, 0.25 * second) << json.dump();
+        EXPECT_GT(second, 1e-4) << json.dump();
+    }
+    EXPECT_GT(std::filesystem::file_size(folder / "noise" / "index.html"), 1000u);
+    options.samplers = {"nosuch"};
+    EXPECT_THROW(RunNoise(options, registry, progress), UserError);
+    std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace pbrt::lab

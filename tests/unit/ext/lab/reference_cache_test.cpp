@@ -1,0 +1,117 @@
+#include "ext/lab/reference_cache.h"
+
+#include <fstream>
+
+#include "campaign_fixture.h"
+
+namespace pbrt::lab {
+
+TEST_F(Campaign, ReferenceIsKeptInTheCacheAndFoundAgain) {
+    const std::optional<CampaignOutcome> first = Run(Settings("one", {"uniform"}));
+    ASSERT_TRUE(first);
+    const std::vector<fs::path> kept = ReferencesIn("cache");
+    ASSERT_GE(kept.size(), 1u);
+    for (const char *elsewhere : {"", "one"}) EXPECT_EQ(ReferencesIn(elsewhere).size(), 0u) << elsewhere;
+    EXPECT_NE(first->text.find(kept[0].parent_path().string()), std::string::npos) << first->text;
+    const auto time = fs::last_write_time(kept[0]);
+    ASSERT_TRUE(Run(Settings("two", {"uniform"})));
+    EXPECT_EQ(fs::last_write_time(kept[0]), time);
+    // A reference file that was cut short is rendered again, with the same result.
+    const auto size = fs::file_size(kept[0]);
+    fs::resize_file(kept[0], size / 2);
+    ASSERT_TRUE(Run(Settings("three", {"uniform"})));
+    EXPECT_EQ(fs::file_size(kept[0]), size);
+    ExpectSamePictures("one", "three", {"uniform"}, 2);
+    // Another scene gets another reference.
+    std::ofstream(folder_ / "scene.pbrt", std::ios::app) << "Shape \"sphere\" \"float radius\" 0.2\n";
+    ASSERT_TRUE(Run(Settings("four", {"uniform"})));
+    EXPECT_GT(ReferencesIn("cache").size(), kept.size());
+}
+
+TEST_F(Campaign, CacheThatCannotBeWrittenCostsTheCacheOnly) {
+    fs::create_directory(folder_ / "protected");
+    fs::rename(folder_ / "scene.pbrt", folder_ / "protected/scene.pbrt");
+    fs::permissions(folder_ / "protected", fs::perms::owner_read | fs::perms::owner_exec);
+    std::ofstream(folder_ / "file") << "in the way";
+    // A file in place of the folder stops root as well, for whom permissions do not count.
+    int run = 0;
+    for (const std::string &cache : {std::string(), (folder_ / "file").string(), (folder_ / "file/below").string()}) {
+        const std::string out = "out" + std::to_string(run++);
+        CampaignSettings settings = Settings(out, {"uniform"});
+        settings.scene = (folder_ / "protected/scene.pbrt").string();
+        settings.cacheFolder = cache;
+        const std::optional<CampaignOutcome> outcome = Run(settings);
+        ASSERT_TRUE(outcome) << cache;
+        EXPECT_EQ(ReferencesIn("protected").size(), 0u);
+        EXPECT_GE(ReferencesIn(out).size(), 1u);
+        EXPECT_NE(outcome->text.find((folder_ / out).string()), std::string::npos) << outcome->text;
+    }
+    fs::permissions(folder_ / "protected", fs::perms::owner_all);
+}
+
+TEST(ReferenceCache, DefaultFolderIsTheUsers) {
+    const char *const names[] = {"XDG_CACHE_HOME", "HOME"};
+    std::vector<std::optional<std::string>> before;
+    for (const char *name : names)
+        before.emplace_back(std::getenv(name) ? std::optional<std::string>(std::getenv(name)) : std::nullopt);
+    setenv("XDG_CACHE_HOME", "/somewhere/cache", 1);
+    setenv("HOME", "/home/me", 1);
+    EXPECT_EQ(UserCacheFolder(), "/somewhere/cache/pbrt_octree");
+    setenv("XDG_CACHE_HOME", "relative", 1);
+    EXPECT_EQ(UserCacheFolder(), "/home/me/.cache/pbrt_octree");
+    unsetenv("XDG_CACHE_HOME");
+    EXPECT_EQ(UserCacheFolder(), "/home/me/.cache/pbrt_octree");
+    unsetenv("HOME");
+    EXPECT_EQ(UserCacheFolder(), "");
+    for (size_t i = 0; i < 2; ++i)
+        if (before[i]) setenv(names[i], before[i]->c_str(), 1);
+}
+
+// Uniform chooses the lamp once in 20,000 samples and finds the ceiling by BSDF samples, so its pictures are quiet but
+// lack a light. The references have few samples. No stock sampler may be called biased for that.
+TEST_F(Campaign, ReferencesOfStockThatContradictEachOtherProveNothing) {
+    std::string scene = kScene;
+    scene.resize(scene.find("LightSource"));
+    scene += "LightSource \"point\" \"point3 from\" [ 0 2 0 ] \"rgb I\" [ 4 4 4 ]\n";
+    for (int i = 0; i < 20000; ++i)
+        scene += fmt::format("LightSource \"point\" \"point3 from\" [ 0 9 {} ] \"rgb I\" [ 1e-6 1e-6 1e-6 ]\n", i);
+    scene +=
+        "Shape \"bilinearmesh\" \"point3 P\" [ -4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4 ]\n"
+        "AreaLightSource \"diffuse\" \"rgb L\" [ 1 1 1 ]\n"
+        "Shape \"bilinearmesh\" \"point3 P\" [ -9 4 -9  -9 4 9  9 4 -9  9 4 9 ]\n";
+    std::ofstream(folder_ / "scene.pbrt") << scene;
+    CampaignSettings settings = Settings("out", {"uniform", "bvh"});
+    settings.samplesPerPixel = 4;
+    settings.seeds = 4;
+    settings.referenceSamples = 16;
+    settings.selectionWork = 0;
+    const std::optional<CampaignOutcome> outcome = Run(settings);
+    ASSERT_TRUE(outcome);
+    bool wouldHaveBeen = false;
+    for (const Json &s : outcome->results.at("samplers")) {
+        const Json &bias = s.at("summary").at("bias");
+        EXPECT_NE(bias.at("verdict"), "biased") << bias.dump();
+        wouldHaveBeen = wouldHaveBeen || bias.at("text").get<std::string>().find("proves nothing") != std::string::npos;
+    }
+    EXPECT_TRUE(wouldHaveBeen);
+    const Json &conclusion = outcome->results.at("conclusion");
+    ASSERT_EQ(conclusion.at("doubts").size(), 1u) << conclusion.dump();
+    EXPECT_NE(conclusion.at("doubts").at(0).get<std::string>().find("prove no bias"), std::string::npos)
+        << conclusion.dump();
+    // Such references rank no sampler, whichever seems to lead, and the terminal says so, too.
+    EXPECT_TRUE(conclusion.at("winner").is_null()) << conclusion.dump();
+    EXPECT_NE(outcome->text.find("prove no bias"), std::string::npos) << outcome->text;
+}
+
+TEST_F(Campaign, GivenReferenceIsUsedAsItIs) {
+    ASSERT_TRUE(Run(Settings("one", {"power"})));
+    CampaignSettings settings = Settings("two", {"uniform"});
+    settings.referenceFile = (folder_ / "one/reference-0.exr").string();
+    const std::optional<CampaignOutcome> outcome = Run(settings);
+    ASSERT_TRUE(outcome);
+    ExpectSamePixels(folder_ / "one/reference-0.exr", folder_ / "two/reference-0.exr");
+    EXPECT_EQ(outcome->results.at("references").size(), 1u);
+    EXPECT_FALSE(fs::exists(folder_ / "two/records/pilot.json"));
+}
+
+}  // namespace pbrt::lab

@@ -1,0 +1,174 @@
+#include "pbrt/transport/path_walk.h"
+
+#include <gtest/gtest.h>
+
+#include "pbrt/math/rng.h"
+#include "support/build_text.h"
+
+namespace pbrt::test {
+namespace {
+
+/// The camera is at the origin and looks along +z.
+BuiltScene World(const std::string &shapes) {
+    BuildOptions options;
+    options.renderCoordSys = "world";
+    return BuildText(R"(Camera "perspective" "float fov" 40
+Film "rgb" "integer xresolution" 8 "integer yresolution" 8
+Integrator "path"
+WorldBegin
+)" + shapes,
+                     options);
+}
+
+std::string Disk(double z, const std::string &before) {
+    return fmt::format("AttributeBegin\n{}\nTranslate 0 0 {}\nShape \"disk\" \"float radius\" 9\nAttributeEnd\n",
+                       before, z);
+}
+const std::string kInterface = "Material \"interface\"", kDiffuse = "Material \"diffuse\"",
+                  kGlow = "AreaLightSource \"diffuse\" \"rgb L\" [ 2 2 2 ]\nReverseOrientation";
+
+struct Walker {
+    explicit Walker(const BuiltScene &built)
+        : context{*built.scene, *built.camera, 1, true}, walk(context, Start(built)) {}
+    static CameraRay Start(const BuiltScene &built) {
+        CameraSample sample;
+        sample.pFilm = {4.2f, 3.9f};
+        return *built.camera->GenerateRay(sample, SampledWavelengths::SampleVisible(0.5f));
+    }
+    /// Goes to the next surface that scatters, or to the end of the path; returns the number of surfaces passed.
+    int GoToVertex(PathWalk::Met *met) {
+        for (int passed = 0;; ++passed)
+            if ((*met = walk.Next()) != PathWalk::Met::Surface || walk.FindScattering(lambda)) return passed;
+    }
+    SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
+    PathContext context;
+    PathWalk walk;
+};
+
+TEST(PathWalk, GoesThroughAsManyInterfacesAsItSaysAndEndsAtTheNext) {
+    for (int more : {0, 1}) {
+        std::string shapes = Disk(200, kDiffuse);
+        for (int i = 0; i < PathWalk::MaxPassed + more; ++i) shapes += Disk(1 + i, kInterface);
+        const BuiltScene built = World(shapes);
+        Walker walker(built);
+        PathWalk::Met met;
+        EXPECT_EQ(walker.GoToVertex(&met), PathWalk::MaxPassed + more);
+        if (more == 0) {
+            ASSERT_EQ(met, PathWalk::Met::Surface);
+            EXPECT_NEAR(walker.walk.Vertex().point.p.z, 200, 1e-3);
+        } else {
+            EXPECT_EQ(met, PathWalk::Met::TooManyInterfaces);
+        }
+    }
+}
+
+TEST(PathWalk, InterfacesAreCountedAnewAfterScattering) {
+    std::string shapes = Disk(200, kDiffuse);
+    for (int i = 0; i < PathWalk::MaxPassed; ++i) shapes += Disk(1 + i, kInterface);
+    const BuiltScene built = World(shapes);
+    Walker walker(built);
+    PathWalk::Met met;
+    walker.GoToVertex(&met);
+    ASSERT_EQ(met, PathWalk::Met::Surface);
+    walker.walk.Leave(-walker.walk.Vertex().point.wo * Float(-1));
+    EXPECT_EQ(walker.GoToVertex(&met), PathWalk::MaxPassed);
+    EXPECT_EQ(met, PathWalk::Met::Nothing);
+}
+
+TEST(PathWalk, TheFootprintBehindAnInterfaceIsThatWithoutIt) {
+    const std::string floor =
+        Disk(5, "Texture \"t\" \"spectrum\" \"checkerboard\" Material \"diffuse\" \"texture reflectance\" \"t\"");
+    auto footprint = [&](const std::string &between) {
+        const BuiltScene built = World(floor + between);
+        Walker walker(built);
+        PathWalk::Met met;
+        walker.GoToVertex(&met);
+        EXPECT_EQ(met, PathWalk::Met::Surface);
+        return walker.walk.Vertex().point.dpdx;
+    };
+    const Vector3 bare = footprint(""), behind = footprint(Disk(2, kInterface));
+    EXPECT_GT(Length(bare), 0.01);
+    EXPECT_NEAR(Length(behind - bare) / Length(bare), 0, 1e-3);
+}
+
+TEST(PathWalk, MeetsTheLightOfASurfaceOrOfTheSkyButNotBoth) {
+    const std::string skies =
+        "LightSource \"infinite\" \"rgb L\" [ 1 1 1 ]\nLightSource \"infinite\" \"rgb L\" [ 3 3 3 ]\n";
+    auto met = [&](const std::string &shapes) {
+        const BuiltScene built = World(skies + shapes);
+        Walker walker(built);
+        walker.walk.Next();
+        std::vector<std::pair<uint32_t, Float>> lights;
+        walker.walk.ForEachEmission(walker.lambda,
+                                    [&](const SampledSpectrum &Le, LightId light, const Point3 &p, const Normal3 &) {
+                                        lights.emplace_back(light.value, p.z);
+                                        EXPECT_GT(Le.Average(), 0);
+                                    });
+        return lights;
+    };
+    using Lights = std::vector<std::pair<uint32_t, Float>>;
+    EXPECT_EQ(met(""), (Lights{{0, 0}, {1, 0}}));
+    EXPECT_EQ(met(Disk(5, kDiffuse)), Lights{});
+    EXPECT_EQ(met(Disk(5, kGlow)), (Lights{{0, 5}}));
+    EXPECT_EQ(met(Disk(5, "AreaLightSource \"diffuse\"")), Lights{}) << "the disk emits to its other side";
+}
+
+TEST(PathWalk, ScattersAsASceneIsWalkedByHand) {
+    const BuiltScene built = World(R"(
+AttributeBegin Material "dielectric" Translate 0 0 4 Shape "sphere" "float radius" 1 AttributeEnd
+AttributeBegin ReverseOrientation Shape "sphere" "float radius" 20 AttributeEnd
+)");
+    Walker walker(built);
+    SampledWavelengths lambda = walker.lambda;
+    Ray ray = Walker::Start(built).ray;
+    Rng one(3), two(3);
+    for (int vertex = 0; vertex < 12; ++vertex) {
+        PathWalk::Met met;
+        walker.GoToVertex(&met);
+        std::optional<SurfacePoint> point = built.scene->Intersect(ray);
+        ASSERT_EQ(met == PathWalk::Met::Surface, point.has_value());
+        if (!point) break;
+        EXPECT_EQ(walker.walk.Vertex().point.p, point->p) << vertex;
+        auto sample = [](const Bsdf &bsdf, const Vector3 &wo, Rng &rng) {
+            const Float uc = rng.Uniform();
+            return bsdf.Sample(wo, uc, rng.Uniform2());
+        };
+        const Bsdf bsdf = ComputeBsdf(*built.scene, *point, lambda);
+        const std::optional<BsdfSample> there = sample(walker.walk.Vertex().bsdf, walker.walk.Vertex().point.wo, one),
+                                        here = sample(bsdf, point->wo, two);
+        ASSERT_EQ(there.has_value(), here.has_value());
+        if (!here) break;
+        walker.walk.Scatter(*there);
+        ray = point->SpawnRay(here->wi);
+        EXPECT_EQ(walker.walk.GetRay().o, ray.o);
+        EXPECT_EQ(walker.walk.GetRay().d, ray.d);
+    }
+}
+
+TEST(PathWalk, DifferentialsSurviveAMirrorAndEndAtADiffuseSurface) {
+    const std::string texture = "Texture \"t\" \"spectrum\" \"checkerboard\" ";
+    auto second = [&](const std::string &material) {
+        const BuiltScene built =
+            World(texture + Disk(5, material) + Disk(-5, "Material \"diffuse\" \"texture reflectance\" \"t\""));
+        Walker walker(built);
+        PathWalk::Met met;
+        walker.GoToVertex(&met);
+        const SurfacePoint &point = walker.walk.Vertex().point;
+        BsdfSample sample;
+        sample.wi = Normalize(Vector3(0.1f, 0, -1));
+        sample.flags = material == kDiffuse ? BxdfFlags::Diffuse | BxdfFlags::Reflection
+                                            : BxdfFlags::Specular | BxdfFlags::Reflection;
+        EXPECT_NEAR(point.p.z, 5, 1e-4);
+        walker.walk.Scatter(sample);
+        walker.GoToVertex(&met);
+        EXPECT_EQ(met, PathWalk::Met::Surface);
+        SurfacePoint approximate = walker.walk.Vertex().point;
+        ComputeFootprint(approximate, RayDifferential(), *built.camera, 1);
+        return approximate.dpdx == walker.walk.Vertex().point.dpdx;
+    };
+    EXPECT_TRUE(second(kDiffuse)) << "a diffuse bounce must use the camera's approximation";
+    EXPECT_FALSE(second("Material \"conductor\"")) << "a mirror must use the differentials of the ray";
+}
+
+}  // namespace
+}  // namespace pbrt::test

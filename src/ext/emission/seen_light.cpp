@@ -57,10 +57,10 @@ class SeenPath {
                     const HenyeyGreenstein &phase = medium->Phase();
                     const Point3 p = ray(event.t);
                     const Vector3 wo = -ray.d;
-                    query_ = LightQueryInMedium(p, wo, ray.medium, phase, ray.time, lambda_, depth);
-                    from_ = {p, {}, {}, {}, ray.time};
+                    last_.Prepare(chooser_, LightQueryInMedium(p, wo, ray.medium, phase, ray.time, lambda_, depth),
+                                  {p, {}, {}, {}, ray.time});
                     SampleLight(
-                        from_,
+                        last_.from,
                         [&](const Vector3 &wi) {
                             return Scattering{SampledSpectrum(phase.P(wo, wi)), 1};
                         },
@@ -74,17 +74,16 @@ class SeenPath {
                 }
             }
             if (anyNonSpecular)
-                walk.ForEachEmission(lambda_,
-                                     [&](const SampledSpectrum &Le, LightId id, const Point3 &p, const Normal3 &n) {
-                                         Hit(weights_.beta * Le, id, walk.GetRay().d, p, n);
-                                     });
+                walk.ForEachEmission(
+                    lambda_, [&](const SampledSpectrum &Le, LightId id, const Point3 &p, const Normal3 &n) {
+                        Hit(weights_.beta * Le, id, met == PathWalk::Met::Nothing, walk.GetRay().d, p, n);
+                    });
             if (met == PathWalk::Met::Nothing) return;
             if (!walk.FindScattering(lambda_)) continue;
             if (depth++ == most) return;
             const auto &[point, bsdf] = walk.Vertex();
             if (IsNonSpecular(bsdf.Flags())) {
-                query_ = LightQueryAt(walk.Vertex(), lambda_, depth);
-                from_ = LightContextAt(point);
+                last_.Prepare(chooser_, walk.Vertex(), lambda_, depth);
                 SampleLight(
                     ScatteringContextAt(scene_, point, bsdf),
                     [&](const Vector3 &wi) {
@@ -122,14 +121,13 @@ class SeenPath {
     /// `pdf(wi)`: the density with which scattering draws a direction.
     template <class Scatter, class Pdf, class MediumTowards>
     void SampleLight(const LightSampleContext &at, Scatter &&scatter, Pdf &&pdf, MediumTowards &&mediumTowards) {
-        lights_ = chooser_.At(query_, memory_);
         const Float u = rng_.Uniform();
         const auto trace = [&](const LightLiSample &to, const Point2 &) {
-            return scene_.HasMedia() ? TraceShadow(scene_, from_, mediumTowards(to.wi), to, lambda_, rng_)
-                                     : TraceShadowRay(scene_, from_, to);
+            return scene_.HasMedia() ? TraceShadow(scene_, last_.from, mediumTowards(to.wi), to, lambda_, rng_)
+                                     : TraceShadowRay(scene_, last_.from, to);
         };
         ObservedPath unobserved;
-        const std::optional<DirectLight> light = SampleDirectLight(scene_.Lights(), lights_, at, lambda_, true, u,
+        const std::optional<DirectLight> light = SampleDirectLight(scene_.Lights(), last_.lights, at, lambda_, true, u,
                                                                    rng_.Uniform2(), unobserved, scatter, trace);
         if (!light) return;
         SampledSpectrum L = weights_.beta * light->F() * light->sample.L / light->Pdf() * light->through.value;
@@ -137,13 +135,10 @@ class SeenPath {
         Add(L, light->chosen.light, weights_.ru * light->through.rl);
     }
 
-    void Hit(const SampledSpectrum &L, LightId light, const Vector3 &wi, const Point3 &p, const Normal3 &n) {
-        Float weight = 1;
-        if (pdf_ > 0) {
-            const Float density = lights_.PMF(light) * scene_.Lights()[light].PdfLi(from_, wi, p, n, true);
-            weight = PowerHeuristic(pdf_, density);
-        }
-        Add(L * weight, light, weights_.ru);
+    void Hit(const SampledSpectrum &L, LightId light, bool isInfinite, const Vector3 &wi, const Point3 &p,
+             const Normal3 &n) {
+        const Float pLight = pdf_ > 0 ? last_.LightPdf(scene_.Lights(), light, isInfinite, wi, p, n) : 0;
+        Add(L * (pLight > 0 ? PowerHeuristic(pdf_, pLight) : Float(1)), light, weights_.ru);
     }
 
     const PrepareContext &context_;
@@ -153,11 +148,9 @@ class SeenPath {
     Rng &rng_;
     SampledWavelengths &lambda_;
     SpectralWeights weights_;
-    // The last vertex that is not specular. A `pdf_` of 0: the path left the last vertex by a specular sample.
-    LightQuery query_;
-    LightMemory memory_;
-    LightDistribution lights_;
-    LightSampleContext from_;
+    VertexSelection last_;  ///< of the last vertex that is not specular
+    /// Density of the direction that the path left it by (solid angle); 0: the path left its last vertex by a specular
+    /// sample.
     Float pdf_ = 0;
 };
 

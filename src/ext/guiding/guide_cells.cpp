@@ -10,30 +10,31 @@ namespace ext {
 
 namespace {
 
-/// A cell with more records that found something is divided.
+/// A cell with more records of positive contribution is divided.
 constexpr size_t kCellRecords = 256;
-/// No record has a larger part than this of the second moment that directions are learned from and judged by.
+/// Outliers: no record counts for more than this share of a second moment.
 constexpr double kLargestPart = 0.1;
-/// What the cell above says of a ball counts like so many finds in it.
-constexpr double kPriorFinds = 3;
-/// Places of a cell that the solid angles of balls are averaged over.
+/// Weight of the estimate of the cell above for a cluster, in samples.
+constexpr double kPriorSamples = 3;
+/// Vertices of a cell over which the solid angles of clusters are averaged.
 constexpr size_t kCellPlaces = 32;
-/// About so many places that bounces left from are given to MakeSourceClusters.
+/// About so many vertices are given to MakeSourceClusters.
 constexpr size_t kFrom = 1024;
-/// A share is found from at least so many records.
-constexpr size_t kMinJudges = 32;
-/// What the cell above says of shares counts like so many bounces.
+/// A guiding probability is estimated from at least so many records.
+constexpr size_t kMinTests = 32;
+/// Weight of the estimate of the cell above for the guiding probability, in scattering events.
 constexpr double kPriorBounces = 2048;
-/// A share must take at least this part off the second moment: less is found by chance, even where light is even.
+/// A guiding probability must reduce the second moment by at least this share: smaller gains occur by chance, also
+/// under uniform illumination.
 constexpr double kMinGain = 0.03;
-constexpr size_t kShares = 8;  ///< that are tried, 0 among them
+constexpr size_t kProbabilities = 8;  ///< that are tested, 0 among them
 
 }  // namespace
 
 class GuideCellsBuilder {
   public:
-    GuideCellsBuilder(std::span<const GuideRecord> places, Float largestShare, GuideCells *cells)
-        : places_(places), largestShare_(largestShare), cells_(*cells) {
+    GuideCellsBuilder(std::span<const GuideRecord> places, Float largestProbability, GuideCells *cells)
+        : places_(places), largestProbability_(largestProbability), cells_(*cells) {
         for (const GuideRecord &place : places)
             if (place.contribution > 0) records_.push_back({.record = &place});
     }
@@ -41,19 +42,19 @@ class GuideCellsBuilder {
     void Build() {
         cells_.Clear();
         if (records_.empty()) return;
-        ParallelForEach(kParts, [&](int64_t part) { FindTargets(static_cast<size_t>(part)); });
+        ParallelForEach(kParts, [&](int64_t part) { MakeClusters(static_cast<size_t>(part)); });
         cells_.tree_.Begin(1);
         Divide(0, 0, records_.size());
         cells_.leaves_.resize(tasks_.size());
         SortBounces();
-        ParallelForEach(kParts, [&](int64_t part) { TellCells(static_cast<size_t>(part)); });
-        judged_.resize(records_.size());
+        ParallelForEach(kParts, [&](int64_t part) { EstimateRadiances(static_cast<size_t>(part)); });
+        tested_.resize(records_.size());
         ParallelForEach(static_cast<int64_t>(tasks_.size()), [&](int64_t i) {
             const Task &task = tasks_[static_cast<size_t>(i)];
             cells_.leaves_[static_cast<size_t>(i)].radiances = task.radiances[kAll];
-            Judge(task);
+            Test(task);
         });
-        for (const size_t kind : {0, 1}) FindShares(kind, 0, {});
+        for (const size_t kind : {0, 1}) EstimateProbabilities(kind, 0, {});
         Collapse(0);
         if (const PointTree::Node &root = cells_.tree_.Nodes()[0];
             root.IsLeaf() && !cells_.leaves_[root.below].Guides())
@@ -68,19 +69,19 @@ class GuideCellsBuilder {
     struct Entry {
         const GuideRecord *record;
         double counts = 0;  ///< how much its square: the mean radiance where it went over its own
-        uint32_t ball[kParts] = {RadianceSample::kNone, RadianceSample::kNone, RadianceSample::kNone};
+        uint32_t cluster[kParts] = {RadianceSample::kNone, RadianceSample::kNone, RadianceSample::kNone};
         double flux[kParts] = {};  ///< radiance times cosine over density, limited
     };
-    /// What a record tells of the shares, and of what the BSDF alone would have found.
-    struct Judged {
-        std::array<double, kShares> squares{};  ///< its part of the second moment with each of them
+    /// The second moment of a record with each guiding probability, and with BSDF sampling alone.
+    struct Tested {
+        std::array<double, kProbabilities> squares{};  ///< its part of the second moment with each of them
         double plainSquare = 0;
     };
-    /// Of the bounces of a cell, at BSDFs of one kind.
+    /// Of the scattering events of a cell, at BSDFs of one kind.
     struct Moments {
-        double each = 0;                      ///< the mean second moment of a bounce without a share
-        double plain = 0;                     ///< of what the BSDF alone finds
-        std::array<double, kShares> parts{};  ///< what each share makes of it
+        double each = 0;                             ///< the mean second moment of an event without guiding
+        double plain = 0;                            ///< with BSDF sampling alone
+        std::array<double, kProbabilities> parts{};  ///< relative second moment with each guiding probability
     };
     /// What lies in a node of the tree.
     struct Content {
@@ -100,8 +101,8 @@ class GuideCellsBuilder {
         return r.bothSides ? 1 : static_cast<double>(std::abs(Dot(r.wi, r.normal)));
     }
 
-    void FindTargets(size_t part) {
-        std::vector<RadianceSample> finds;
+    void MakeClusters(size_t part) {
+        std::vector<RadianceSample> samples;
         std::vector<Point3> from;
         double sum = 0;
         uint32_t number = 0;
@@ -115,26 +116,26 @@ class GuideCellsBuilder {
             if (bounces++ % step == 0) from.push_back(r.p);
             if (!(r.contribution > 0 && r.radiance > 0)) continue;
             const double perPdf = 1 / static_cast<double>(r.pdf);
-            finds.push_back(
+            samples.push_back(
                 {.target = r.target, .radiance = static_cast<double>(r.radiance), .perPdf = perPdf, .number = at});
-            sum += finds.back().radiance * perPdf;
+            sum += samples.back().radiance * perPdf;
         }
-        for (RadianceSample &f : finds) f.radiance = std::min(f.radiance, kLargestPart * sum / f.perPdf);
-        clusters_[part] = MakeSourceClusters(finds, from, bounces);
+        for (RadianceSample &f : samples) f.radiance = std::min(f.radiance, kLargestPart * sum / f.perPdf);
+        clusters_[part] = MakeSourceClusters(samples, from, bounces);
         sideBySide_[part] = SourceClusters(clusters_[part]);
-        // What was found scatters much; where it was found tells what a cell sees.
+        // Single radiances have a large variance: the mean of the cluster takes their place.
         std::vector<double> radiances(clusters_[part].size()), counts(radiances.size());
-        for (const RadianceSample &f : finds)
-            if (f.ball != RadianceSample::kNone) {
-                radiances[f.ball] += f.radiance;
-                ++counts[f.ball];
+        for (const RadianceSample &f : samples)
+            if (f.cluster != RadianceSample::kNone) {
+                radiances[f.cluster] += f.radiance;
+                ++counts[f.cluster];
             }
-        for (const RadianceSample &f : finds) {
+        for (const RadianceSample &f : samples) {
             if (!(f.radiance > 0)) continue;
             Entry &entry = records_[f.number];
-            entry.ball[part] = f.ball;
-            if (f.ball != RadianceSample::kNone)
-                entry.flux[part] = radiances[f.ball] / counts[f.ball] * f.perPdf * CosineOf(*entry.record);
+            entry.cluster[part] = f.cluster;
+            if (f.cluster != RadianceSample::kNone)
+                entry.flux[part] = radiances[f.cluster] / counts[f.cluster] * f.perPdf * CosineOf(*entry.record);
             if (part == kAll) entry.counts = std::min(1.0, f.meanRadiance / f.radiance);
         }
     }
@@ -158,7 +159,7 @@ class GuideCellsBuilder {
         Divide(below + 1, second, end);
     }
 
-    /// All bounces of a task, those that found nothing included, become neighbours.
+    /// Sorts all scattering events by task, also those without contribution.
     void SortBounces() {
         std::vector<uint32_t> leaves(places_.size());
         for (size_t i = 0; i < places_.size(); ++i) {
@@ -186,28 +187,28 @@ class GuideCellsBuilder {
         }
     }
 
-    /// Of each node of the tree and each ball of a part (node after node): what was found, and what was expected.
-    struct Told {
+    /// For each node of the tree and each cluster of a part (node after node): sampled and expected flux.
+    struct Sums {
         std::vector<double> found, expected;
-        std::vector<double> perFind;  ///< for each ball: the mean of what was found
+        std::vector<double> meanSample;  ///< for each cluster
     };
 
-    /// How bright the balls of a part are for each task: from above to below, what was found over what was expected,
-    /// where few finds count less than what the cell above says.
-    void TellCells(size_t part) {
+    /// Radiance of the clusters of a part from each task: from the root down, sampled over expected flux, where few
+    /// samples are pulled towards the estimate of the cell above.
+    void EstimateRadiances(size_t part) {
         const std::vector<SourceCluster> &targets = clusters_[part];
         const size_t count = targets.size();
         if (count == 0) return;
         const std::vector<PointTree::Node> &nodes = cells_.tree_.Nodes();
-        const Told told = CompareFinds(part);
+        const Sums sums = SumSamples(part);
         std::vector<double> factor(nodes.size() * count);
         std::fill_n(factor.begin(), count, 1.0);
         for (size_t node = 0; node < nodes.size(); ++node) {
             for (size_t k = 0; k < count; ++k) {
-                const double prior = kPriorFinds * told.perFind[k];
+                const double prior = kPriorSamples * sums.meanSample[k];
                 double &a = factor[node * count + k];  // so far that of the node above
-                const double f = told.found[node * count + k] + prior;
-                a = f > 0 && a > 0 ? f / (told.expected[node * count + k] + prior / a) : 0;
+                const double f = sums.found[node * count + k] + prior;
+                a = f > 0 && a > 0 ? f / (sums.expected[node * count + k] + prior / a) : 0;
             }
             const size_t below = nodes[node].below;
             if (nodes[node].IsLeaf())
@@ -220,20 +221,20 @@ class GuideCellsBuilder {
         }
     }
 
-    Told CompareFinds(size_t part) const {
+    Sums SumSamples(size_t part) const {
         const std::vector<SourceCluster> &targets = clusters_[part];
         const size_t count = targets.size();
         const std::vector<PointTree::Node> &nodes = cells_.tree_.Nodes();
-        Told told;
-        told.found.resize(nodes.size() * count);
-        told.expected.resize(nodes.size() * count);
-        told.perFind.resize(count);
-        std::vector<double> finds(count);
+        Sums sums;
+        sums.found.resize(nodes.size() * count);
+        sums.expected.resize(nodes.size() * count);
+        sums.meanSample.resize(count);
+        std::vector<double> samples(count);
         for (size_t node = nodes.size(); node-- > 0;) {
-            double *const f = &told.found[node * count], *const e = &told.expected[node * count];
+            double *const f = &sums.found[node * count], *const e = &sums.expected[node * count];
             const size_t below = nodes[node].below;
             if (!nodes[node].IsLeaf()) {
-                const double *const f0 = &told.found[below * count], *const e0 = &told.expected[below * count];
+                const double *const f0 = &sums.found[below * count], *const e0 = &sums.expected[below * count];
                 for (size_t k = 0; k < count; ++k) {
                     f[k] = f0[k] + f0[count + k];
                     e[k] = e0[k] + e0[count + k];
@@ -243,12 +244,12 @@ class GuideCellsBuilder {
             const Task &task = tasks_[below];
             for (size_t i = task.begin; i < task.end; ++i) {
                 const Entry &entry = records_[i];
-                const uint32_t ball = entry.ball[part];
-                // From a place inside a ball nothing of it is expected (SolidAngleOf), so its finds do not count.
-                if (ball == RadianceSample::kNone || targets[ball].Contains(entry.record->p)) continue;
-                f[ball] += entry.flux[part];
-                told.perFind[ball] += entry.flux[part];
-                ++finds[ball];
+                const uint32_t cluster = entry.cluster[part];
+                // Inside a cluster its expected flux is 0 (SolidAngleOf), so its samples do not count.
+                if (cluster == RadianceSample::kNone || targets[cluster].Contains(entry.record->p)) continue;
+                f[cluster] += entry.flux[part];
+                sums.meanSample[cluster] += entry.flux[part];
+                ++samples[cluster];
             }
             std::vector<double> angles(count);
             FindSolidAngles(task, targets, angles);
@@ -257,8 +258,8 @@ class GuideCellsBuilder {
             for (size_t k = 0; k < count; ++k) e[k] = ofPart * static_cast<double>(targets[k].radiance) * angles[k];
         }
         for (size_t k = 0; k < count; ++k)
-            if (finds[k] > 0) told.perFind[k] /= finds[k];
-        return told;
+            if (samples[k] > 0) sums.meanSample[k] /= samples[k];
+        return sums;
     }
 
     /// The mean over places of a task.
@@ -274,9 +275,9 @@ class GuideCellsBuilder {
             if (places > 0) angle /= static_cast<double>(places);
     }
 
-    Float ShareAt(size_t k) const { return largestShare_ * static_cast<Float>(k) / (kShares - 1); }
+    Float ProbabilityAt(size_t k) const { return largestProbability_ * static_cast<Float>(k) / (kProbabilities - 1); }
 
-    void Judge(const Task &task) {
+    void Test(const Task &task) {
         for (size_t i = task.begin; i < task.end; ++i) {
             const GuideRecord &r = *records_[i].record;
             if (!(r.bsdfPdf > 0)) continue;
@@ -286,54 +287,54 @@ class GuideCellsBuilder {
             const auto found = static_cast<double>(r.contribution), pdf = static_cast<double>(r.pdf),
                        bsdfPdf = static_cast<double>(r.bsdfPdf), guidePdf = static_cast<double>(directions.Pdf(r.wi));
             const double square = found * found * records_[i].counts * pdf;
-            for (size_t k = 0; k < kShares; ++k) {
-                const auto share = static_cast<double>(ShareAt(k));
-                judged_[i].squares[k] = square / ((1 - share) * bsdfPdf + share * guidePdf);
+            for (size_t k = 0; k < kProbabilities; ++k) {
+                const auto share = static_cast<double>(ProbabilityAt(k));
+                tested_[i].squares[k] = square / ((1 - share) * bsdfPdf + share * guidePdf);
             }
-            judged_[i].plainSquare = found * found * pdf / bsdfPdf;
+            tested_[i].plainSquare = found * found * pdf / bsdfPdf;
         }
     }
 
-    /// Finds the share of all leaves below a node for a kind of BSDFs: where few bounces were recorded, what the cell
-    /// above says counts most, as light that is rarely found has the largest part of the second moment.
-    void FindShares(size_t kind, size_t node, const Moments &above) {
+    /// Estimates the guiding probability of all leaves below a node for a kind of BSDFs. With few records the cell
+    /// above dominates, because rare contributions carry most of the second moment.
+    void EstimateProbabilities(size_t kind, size_t node, const Moments &above) {
         const Content &content = contents_[node];
         const double prior = node == 0 ? 0 : kPriorBounces;
         double squares = prior * above.each, plain = prior * above.plain;
-        size_t judges = 0;
+        size_t tests = 0;
         for (size_t i = content.begin; i < content.end; ++i) {
             if (KindOf(*records_[i].record) != kind) continue;
-            ++judges;
-            squares += judged_[i].squares[0];
-            plain += judged_[i].plainSquare;
+            ++tests;
+            squares += tested_[i].squares[0];
+            plain += tested_[i].plainSquare;
         }
-        if (node == 0 && judges < kMinJudges) return;
+        if (node == 0 && tests < kMinTests) return;
         const double most = kLargestPart * squares, mostPlain = kLargestPart * plain;
         Moments here;
-        for (size_t k = 0; k < kShares; ++k) here.parts[k] = prior * above.each * above.parts[k];
+        for (size_t k = 0; k < kProbabilities; ++k) here.parts[k] = prior * above.each * above.parts[k];
         here.plain = prior * above.plain;
         for (size_t i = content.begin; i < content.end; ++i) {
-            const Judged &judged = judged_[i];
-            if (KindOf(*records_[i].record) != kind || !(judged.squares[0] > 0)) continue;
-            const double part = std::min(1.0, most / judged.squares[0]);
-            for (size_t k = 0; k < kShares; ++k) here.parts[k] += part * judged.squares[k];
-            here.plain += std::min(judged.plainSquare, mostPlain);
+            const Tested &tested = tested_[i];
+            if (KindOf(*records_[i].record) != kind || !(tested.squares[0] > 0)) continue;
+            const double part = std::min(1.0, most / tested.squares[0]);
+            for (size_t k = 0; k < kProbabilities; ++k) here.parts[k] += part * tested.squares[k];
+            here.plain += std::min(tested.plainSquare, mostPlain);
         }
         if (!(here.parts[0] > 0)) return;
         const double bounces = prior + static_cast<double>(content.kindBounces[kind]);
         here.each = here.parts[0] / bounces;
         here.plain /= bounces;
-        // The first one, that of no share, is the last to be divided by itself.
-        for (size_t k = kShares; k-- > 0;) here.parts[k] /= here.parts[0];
+        // The first, without guiding, is the last to be divided by itself.
+        for (size_t k = kProbabilities; k-- > 0;) here.parts[k] /= here.parts[0];
         const PointTree::Node &n = cells_.tree_.Nodes()[node];
         if (!n.IsLeaf()) {
-            FindShares(kind, n.below, here);
-            return FindShares(kind, size_t{n.below} + 1, here);
+            EstimateProbabilities(kind, n.below, here);
+            return EstimateProbabilities(kind, size_t{n.below} + 1, here);
         }
         const auto best = std::min_element(here.parts.begin(), here.parts.end());
         if (*best > 1 - kMinGain) return;
         GuideCells::Leaf &leaf = cells_.leaves_[n.below];
-        leaf.probability[kind] = ShareAt(static_cast<size_t>(best - here.parts.begin()));
+        leaf.probability[kind] = ProbabilityAt(static_cast<size_t>(best - here.parts.begin()));
         leaf.gain[kind] = static_cast<Float>(here.plain * (1 - *best));
     }
 
@@ -348,19 +349,19 @@ class GuideCellsBuilder {
     }
 
     std::span<const GuideRecord> places_;
-    std::vector<Entry> records_;  ///< of what found something
-    const Float largestShare_;
+    std::vector<Entry> records_;  ///< those of positive contribution
+    const Float largestProbability_;
     GuideCells &cells_;
     std::vector<Task> tasks_;        ///< one for each leaf
     std::vector<Content> contents_;  ///< one for each node
-    std::vector<Judged> judged_;     ///< one for each of records_
+    std::vector<Tested> tested_;     ///< one for each of records_
     std::vector<uint32_t> bounces_;
     std::vector<SourceCluster> clusters_[kParts];
     SourceClusters sideBySide_[kParts];  ///< clusters_, for GuideDirections
 };
 
-void GuideCells::Learn(std::span<const GuideRecord> records, Float largestShare) {
-    GuideCellsBuilder(records, largestShare, this).Build();
+void GuideCells::Learn(std::span<const GuideRecord> records, Float largestProbability) {
+    GuideCellsBuilder(records, largestProbability, this).Build();
 }
 
 void GuideCells::LeavesChanged() {
@@ -401,7 +402,7 @@ void GuideCells::Save(StateWriter &out) const {
 void GuideCells::Load(StateReader &in) {
     in.Vector(&leaves_);
     in.Vector(&clusters_);
-    in.Require(clusters_.size() <= kMaxSourceClusters, "it has too many places that shine");
+    in.Require(clusters_.size() <= kMaxSourceClusters, "it has too many clusters");
     tree_.Load(in, 1, leaves_.size());
     in.RequireValid(Validate());
     LeavesChanged();
@@ -412,13 +413,13 @@ std::optional<std::string> GuideCells::Validate() const {
     for (const Leaf &leaf : leaves_) {
         for (const size_t kind : {0, 1})
             if (!(leaf.probability[kind] >= 0 && leaf.probability[kind] < 1) || !isNumber(leaf.gain[kind]))
-                return "a cell of the guide has a wrong share";
+                return "a cell of the guide has a wrong probability";
         if (!std::all_of(leaf.radiances.begin(), leaf.radiances.end(), isNumber))
             return "a cell of the guide has a radiance that is not a finite number";
     }
     for (const SourceCluster &t : clusters_)
         if (!std::isfinite(t.p.x + t.p.y + t.p.z) || !isNumber(t.r2) || !isNumber(t.radiance))
-            return "a place that shines is not finite";
+            return "a cluster is not finite";
     return tree_.IsEmpty() != leaves_.empty() ? std::optional("cells of the guide belong to no tree") : std::nullopt;
 }
 

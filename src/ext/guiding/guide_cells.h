@@ -33,7 +33,7 @@ struct GuideRecord {
 class GuideCells {
   public:
     /// Estimates everything anew.
-    void Learn(std::span<const GuideRecord> records, Float largestShare);
+    void Learn(std::span<const GuideRecord> records, Float largestProbability);
 
     /// Radiance of the clusters from the cell of p, and the guiding probability; null: 0. `importance`: squared product
     /// of throughput and PathRoulette::PixelImportance, in units of path cost: the cost that a unit of variance is

@@ -21,8 +21,8 @@ constexpr int kUpdateAfter[] = {2, 4, 16};
 constexpr size_t kPathsPerRecorded = 32;
 /// Of small pictures up to twice as many paths are recorded, but no more than this.
 constexpr size_t kEnoughPaths = 16384;
-/// PathGuide::SavedShare of the first directions has few records, and may be far too low as well: they are given up
-/// below this part of GuideParams::minSaved, unless no learning follows.
+/// The first estimate of PathGuide::SavedShare has few records and may be far too low: directional guiding is disabled
+/// below this part of GuideParams::minSaved, unless no update follows.
 constexpr double kMinFirstSaving = 0.16;
 /// Where the records are of several times kEnoughPaths, one path in so many is asked first whether directions pay, as
 /// learning from all of them takes longer.
@@ -34,7 +34,7 @@ constexpr int kMaxVertices = 5;
 /// Each row of pixels is shifted by this much against the row before, so that the recorded pixels do not form columns.
 constexpr int kRowShift = 7;
 
-/// The path's weight for which PathGuide::Inspect tells the probability to go on.
+/// The throughput at which PathGuide::Inspect shows the continuation probability.
 constexpr Float kInspectedWeight = 0.5f;
 
 /// Two pictures show the same if rays at the same places in them begin no further apart than this part of

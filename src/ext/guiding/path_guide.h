@@ -17,23 +17,22 @@ struct GuideParams {
     bool roulette = true;
     bool directions = true;
     Float share = 0.7f;
-    /// Guiding the bounces costs about a tenth of the time, and the estimate knows little of outliers: it is far too
+    /// Guiding costs about a tenth of the time, and the estimate of its saving, which includes outliers, is far too
     /// high.
     Float minSaved = 0.5f;
     int records = 1 << 19;
     template <class V>
     void Describe(V &&v) {
         v("roulette", roulette,
-          "where a path ends depends on what earlier samples found from there on, and on what it cost");
+          "learned Russian roulette: continuation probabilities from the radiance and the cost of earlier paths");
         v("directions", directions,
-          "a part of the bounces goes where earlier samples found light, in scenes where that pays");
+          "path guiding: directions towards sources of radiance of earlier paths, in scenes where that pays");
         v("share", share, Range<Float>{0, 0.95f},
-          "largest share of bounces whose direction comes from what was learned, not from the BSDF");
+          "largest guiding probability: directions from the guide, not from the BSDF");
         v("leastsaved", minSaved, Range<Float>{0, 1000},
-          "directions are given up if guiding would save less than this part of what paths cost; 0: never");
+          "directional guiding is disabled when its estimated saving is below this part of the path cost; 0: never");
         v("records", records, Range<int>{1000, 1 << 26},
-          "at most so many places on paths are remembered from one learning to the next (32 bytes each, with "
-          "directions 104)");
+          "largest number of vertices recorded between two updates (32 bytes each, with directions 104)");
     }
 };
 

@@ -14,14 +14,14 @@ namespace {
 /// The sine of the smallest cone's half angle, 1.8 degrees: in narrower ones rounding would decide whether a direction
 /// lies inside.
 constexpr Float kMinSine = 0.0316f;
-constexpr Float kLeastSine2 = kMinSine * kMinSine;
+constexpr Float kMinSine2 = kMinSine * kMinSine;
 /// Sums are taken in so many parts at once.
 constexpr size_t kLanes = 8;
-/// Clusters are made of at least so many finds each.
+/// Clusters are made of at least so many samples each.
 constexpr size_t kMinSamples = 8;
-/// The number of small balls that are merged, about.
+/// The number of small clusters that are merged, about.
 constexpr size_t kSmallClusters = 256;
-/// Places that the solid angles of balls are averaged over.
+/// Places that the solid angles of clusters are averaged over.
 constexpr size_t kPlaces = 128;
 
 using Lanes = std::array<Float, kLanes>;
@@ -36,7 +36,7 @@ struct Cluster {
     double moment = 0;  ///< of the mean radiance: the integral of its square over directions, summed over places
     Bounds3 bounds;
     double cost = 0;              ///< what Cost tells
-    std::vector<uint32_t> parts;  ///< the small balls that it was merged from
+    std::vector<uint32_t> parts;  ///< the small clusters that it was merged from
 
     Point3 Middle() const { return bounds.low + (bounds.high - bounds.low) * Float(0.5); }
     Float Radius2() const { return LengthSquared(bounds.high - Middle()); }
@@ -50,12 +50,12 @@ struct Places {
     std::vector<Point3> some;
     double each = 1;  ///< how many of all each of them stands for
 
-    /// Of a ball, summed over all places.
+    /// Of a cluster, summed over all places.
     double SolidAngle(const Point3 &middle, Float r2) const {
         double sum = 0;
         for (const Point3 &p : some) {
             const Float l2 = LengthSquared(middle - p);
-            sum += l2 > r2 ? static_cast<double>(OneMinusCosine(std::max(r2 / l2, kLeastSine2))) : 2;
+            sum += l2 > r2 ? static_cast<double>(OneMinusCosine(std::max(r2 / l2, kMinSine2))) : 2;
         }
         return 2 * std::numbers::pi * each * sum;
     }
@@ -66,165 +66,164 @@ Cluster Merged(const Cluster &a, const Cluster &b) {
     return {a.count + b.count, a.moment + b.moment, Union(a.bounds, b.bounds), 0, {}};
 }
 
-/// Divides the finds along their largest extent until they are few, or have a small part of count and flux: at the mean
-/// of both together, which lies beside a small bright place, and so divides it from what is about it.
-void AddSmallClusters(std::span<RadianceSample> finds, size_t largest, double fluxOfAll, size_t countOfAll,
-                      const Places &places, std::vector<Cluster> *balls) {
-    Cluster ball;
-    ball.count = finds.size();
+/// Divides the samples along their largest extent until they are few, or have a small part of count and flux: at the
+/// mean of both together, which lies beside a small bright place, and so divides it from what is about it.
+void AddSmallClusters(std::span<RadianceSample> samples, size_t largest, double fluxOfAll, size_t countOfAll,
+                      const Places &places, std::vector<Cluster> *clusters) {
+    Cluster cluster;
+    cluster.count = samples.size();
     double flux = 0;
-    for (const RadianceSample &f : finds) {
-        ball.bounds = Union(ball.bounds, f.target);
+    for (const RadianceSample &f : samples) {
+        cluster.bounds = Union(cluster.bounds, f.target);
         flux += f.radiance * f.perPdf;
     }
-    const Vector3 size = ball.bounds.high - ball.bounds.low;
+    const Vector3 size = cluster.bounds.high - cluster.bounds.low;
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
     const auto weightOf = [&](const RadianceSample &f) {
         return f.radiance * f.perPdf / fluxOfAll + 1 / static_cast<double>(countOfAll);
     };
-    const double weight = flux / fluxOfAll + static_cast<double>(ball.count) / static_cast<double>(countOfAll);
-    if (finds.size() <= largest || weight < 2 / static_cast<double>(kSmallClusters)) {
-        const double meanRadiance = flux / places.SolidAngle(ball.Middle(), ball.Radius2());
-        ball.moment = flux * meanRadiance;
-        if (!(ball.moment > 0)) return;
-        ball.parts = {static_cast<uint32_t>(balls->size())};
-        for (RadianceSample &f : finds) {
+    const double weight = flux / fluxOfAll + static_cast<double>(cluster.count) / static_cast<double>(countOfAll);
+    if (samples.size() <= largest || weight < 2 / static_cast<double>(kSmallClusters)) {
+        const double meanRadiance = flux / places.SolidAngle(cluster.Middle(), cluster.Radius2());
+        cluster.moment = flux * meanRadiance;
+        if (!(cluster.moment > 0)) return;
+        cluster.parts = {static_cast<uint32_t>(clusters->size())};
+        for (RadianceSample &f : samples) {
             f.meanRadiance = meanRadiance;
-            f.ball = ball.parts[0];
+            f.cluster = cluster.parts[0];
         }
-        balls->push_back(std::move(ball));
+        clusters->push_back(std::move(cluster));
         return;
     }
     double sum = 0;
-    for (const RadianceSample &f : finds) sum += weightOf(f) * static_cast<double>(f.target[axis]);
+    for (const RadianceSample &f : samples) sum += weightOf(f) * static_cast<double>(f.target[axis]);
     const auto mean = static_cast<Float>(sum / weight);
     size_t middle = static_cast<size_t>(
-        std::partition(finds.begin(), finds.end(), [&](const RadianceSample &f) { return f.target[axis] < mean; }) -
-        finds.begin());
-    if (std::min(middle, finds.size() - middle) < kMinSamples) {
-        middle = std::clamp(middle, kMinSamples, finds.size() - kMinSamples);
+        std::partition(samples.begin(), samples.end(), [&](const RadianceSample &f) { return f.target[axis] < mean; }) -
+        samples.begin());
+    if (std::min(middle, samples.size() - middle) < kMinSamples) {
+        middle = std::clamp(middle, kMinSamples, samples.size() - kMinSamples);
         std::nth_element(
-            finds.begin(), finds.begin() + static_cast<std::ptrdiff_t>(middle), finds.end(),
+            samples.begin(), samples.begin() + static_cast<std::ptrdiff_t>(middle), samples.end(),
             [&](const RadianceSample &x, const RadianceSample &y) { return x.target[axis] < y.target[axis]; });
     }
-    AddSmallClusters(finds.first(middle), largest, fluxOfAll, countOfAll, places, balls);
-    AddSmallClusters(finds.subspan(middle), largest, fluxOfAll, countOfAll, places, balls);
+    AddSmallClusters(samples.first(middle), largest, fluxOfAll, countOfAll, places, clusters);
+    AddSmallClusters(samples.subspan(middle), largest, fluxOfAll, countOfAll, places, clusters);
 }
 
-/// Merges, again and again, the two balls whose merging costs least.
-void MergeClusters(std::vector<Cluster> *balls) {
+/// Merges, again and again, the two clusters whose merging costs least.
+void MergeClusters(std::vector<Cluster> *clusters) {
     struct Partner {
         size_t of = 0;
         double cost = std::numeric_limits<double>::infinity();
     };
-    std::vector<Partner> best(balls->size());
+    std::vector<Partner> best(clusters->size());
     const auto consider = [&](size_t i, size_t j) {
-        const Cluster &a = (*balls)[i], &b = (*balls)[j];
+        const Cluster &a = (*clusters)[i], &b = (*clusters)[j];
         const double cost = i == j ? std::numeric_limits<double>::infinity() : Merged(a, b).Cost() - a.cost - b.cost;
         if (cost < best[i].cost) best[i] = {j, cost};
     };
     const auto find = [&](size_t i) {
         best[i] = {};
-        for (size_t j = 0; j < balls->size(); ++j) consider(i, j);
+        for (size_t j = 0; j < clusters->size(); ++j) consider(i, j);
     };
-    for (Cluster &ball : *balls) ball.cost = ball.Cost();
-    for (size_t i = 0; i < balls->size(); ++i) find(i);
-    while (balls->size() > kMaxSourceClusters) {
+    for (Cluster &cluster : *clusters) cluster.cost = cluster.Cost();
+    for (size_t i = 0; i < clusters->size(); ++i) find(i);
+    while (clusters->size() > kMaxSourceClusters) {
         size_t gone = 0;
-        for (size_t k = 1; k < balls->size(); ++k)
+        for (size_t k = 1; k < clusters->size(); ++k)
             if (best[k].cost < best[gone].cost) gone = k;
-        const size_t kept = best[gone].of, last = balls->size() - 1;
-        Cluster merged = Merged((*balls)[gone], (*balls)[kept]);
+        const size_t kept = best[gone].of, last = clusters->size() - 1;
+        Cluster merged = Merged((*clusters)[gone], (*clusters)[kept]);
         merged.cost = merged.Cost();
-        merged.parts = std::move((*balls)[kept].parts);
-        merged.parts.insert(merged.parts.end(), (*balls)[gone].parts.begin(), (*balls)[gone].parts.end());
-        (*balls)[kept] = std::move(merged);
-        if (gone != last) (*balls)[gone] = std::move((*balls)[last]);
+        merged.parts = std::move((*clusters)[kept].parts);
+        merged.parts.insert(merged.parts.end(), (*clusters)[gone].parts.begin(), (*clusters)[gone].parts.end());
+        (*clusters)[kept] = std::move(merged);
+        if (gone != last) (*clusters)[gone] = std::move((*clusters)[last]);
         best[gone] = best[last];
-        balls->pop_back();
+        clusters->pop_back();
         best.pop_back();
         const size_t changed[] = {kept == last ? gone : kept, gone};
-        for (size_t k = 0; k < balls->size(); ++k) {
+        for (size_t k = 0; k < clusters->size(); ++k) {
             const size_t of = best[k].of;
             if (k == changed[0] || of == kept || of == gone || of == last) {
                 find(k);
                 continue;
             }
             for (const size_t j : changed)
-                if (j < balls->size()) consider(k, j);
+                if (j < clusters->size()) consider(k, j);
         }
     }
 }
 
 }  // namespace
 
-std::vector<SourceCluster> MakeSourceClusters(std::span<RadianceSample> finds, std::span<const Point3> from,
+std::vector<SourceCluster> MakeSourceClusters(std::span<RadianceSample> samples, std::span<const Point3> from,
                                               size_t bounces) {
     Places places;
     const size_t stride = (from.size() + kPlaces - 1) / kPlaces;
     for (size_t i = 0; i < from.size(); i += stride) places.some.push_back(from[i]);
     places.each = static_cast<double>(bounces) / static_cast<double>(places.some.size());
     const auto nothing =
-        std::partition(finds.begin(), finds.end(), [](const RadianceSample &f) { return f.radiance > 0; });
-    const auto found = finds.first(static_cast<size_t>(nothing - finds.begin()));
-    if (found.size() < kMinSamples) return {};
-    std::vector<Cluster> balls;
+        std::partition(samples.begin(), samples.end(), [](const RadianceSample &f) { return f.radiance > 0; });
+    const auto positive = samples.first(static_cast<size_t>(nothing - samples.begin()));
+    if (positive.size() < kMinSamples) return {};
+    std::vector<Cluster> clusters;
     double flux = 0;
-    for (const RadianceSample &f : found) flux += f.radiance * f.perPdf;
-    AddSmallClusters(found, 2 * kMinSamples, flux, found.size(), places, &balls);
-    std::vector<uint32_t> mergedInto(balls.size());
-    MergeClusters(&balls);
-    std::vector<SourceCluster> targets;
-    for (const Cluster &ball : balls) {
-        for (const uint32_t part : ball.parts) mergedInto[part] = static_cast<uint32_t>(targets.size());
-        targets.push_back({ball.Middle(), 0, 0});
+    for (const RadianceSample &f : positive) flux += f.radiance * f.perPdf;
+    AddSmallClusters(positive, 2 * kMinSamples, flux, positive.size(), places, &clusters);
+    std::vector<uint32_t> mergedInto(clusters.size());
+    MergeClusters(&clusters);
+    std::vector<SourceCluster> made;
+    for (const Cluster &cluster : clusters) {
+        for (const uint32_t part : cluster.parts) mergedInto[part] = static_cast<uint32_t>(made.size());
+        made.push_back({cluster.Middle(), 0, 0});
     }
-    for (RadianceSample &f : found) {
-        if (f.ball == RadianceSample::kNone) continue;
-        f.ball = mergedInto[f.ball];
-        SourceCluster &target = targets[f.ball];
+    for (RadianceSample &f : positive) {
+        if (f.cluster == RadianceSample::kNone) continue;
+        f.cluster = mergedInto[f.cluster];
+        SourceCluster &target = made[f.cluster];
         target.r2 = std::max(target.r2, LengthSquared(f.target - target.p));
     }
-    for (size_t k = 0; k < targets.size(); ++k)
-        targets[k].radiance =
-            static_cast<Float>(std::sqrt(balls[k].moment / places.SolidAngle(targets[k].p, targets[k].r2)));
-    return targets;
+    for (size_t k = 0; k < made.size(); ++k)
+        made[k].radiance = static_cast<Float>(std::sqrt(clusters[k].moment / places.SolidAngle(made[k].p, made[k].r2)));
+    return made;
 }
 
 Float SolidAngleOf(const SourceCluster &target, const Point3 &p, const Vector3 &n, bool bothSides) {
     if (target.Contains(p)) return 0;
     const Vector3 d = target.p - p;
     const Float l2 = LengthSquared(d);
-    const Float sine2 = std::max(target.r2 / l2, kLeastSine2);
+    const Float sine2 = std::max(target.r2 / l2, kMinSine2);
     const Float facing = bothSides ? 1 : std::min(Dot(d, n) / std::sqrt(l2) + std::sqrt(sine2), Float(1));
     return facing > 0 ? 2 * Pi * OneMinusCosine(sine2) * facing : 0;
 }
 
-SourceClusters::SourceClusters(std::span<const SourceCluster> targets) : count(targets.size()) {
+SourceClusters::SourceClusters(std::span<const SourceCluster> made) : count(made.size()) {
     for (size_t k = 0; k < count; ++k) {
-        x[k] = targets[k].p.x;
-        y[k] = targets[k].p.y;
-        z[k] = targets[k].p.z;
-        r[k] = std::sqrt(targets[k].r2);
+        x[k] = made[k].p.x;
+        y[k] = made[k].p.y;
+        z[k] = made[k].p.z;
+        r[k] = std::sqrt(made[k].r2);
     }
 }
 
-void GuideDirections::Prepare(const SourceClusters &__restrict targets, const PerSourceCluster &__restrict radiances,
+void GuideDirections::Prepare(const SourceClusters &__restrict made, const PerSourceCluster &__restrict radiances,
                               const Point3 &at, const Vector3 &normal, bool bothSides) {
     static_assert(kMaxSourceClusters % kLanes == 0);
     // Without copies what is written could be one of them, and there would be no vector instructions.
     const Point3 p = at;
     const Vector3 n = normal;
     const Float always = bothSides ? 1 : 0;
-    const size_t end = (targets.count + kLanes - 1) / kLanes * kLanes;
+    const size_t end = (made.count + kLanes - 1) / kLanes * kLanes;
     Lanes sums{};
     for (size_t first = 0; first < end; first += kLanes)
         for (size_t i = 0; i < kLanes; ++i) {
             const size_t k = first + i;
-            const Float dx = targets.x[k] - p.x, dy = targets.y[k] - p.y, dz = targets.z[k] - p.z;
+            const Float dx = made.x[k] - p.x, dy = made.y[k] - p.y, dz = made.z[k] - p.z;
             const Float l2 = std::max(dx * dx + dy * dy + dz * dz, std::numeric_limits<Float>::min());
             const Float perLength = 1 / std::sqrt(l2);
-            const Float sine = std::max(targets.r[k] * perLength, kMinSine);
+            const Float sine = std::max(made.r[k] * perLength, kMinSine);
             const Float facing =
                 std::max(always, std::min((dx * n.x + dy * n.y + dz * n.z) * perLength + sine, Float(1)));
             const Float cosine = std::sqrt(std::max(1 - sine * sine, Float(0)));

@@ -27,8 +27,8 @@ struct RadianceSample {
     double perPdf = 0;  ///< one over the density of its direction (solid angle)
     /// Set by MakeSourceClusters: mean over the samples near the target, also those of 0.
     double meanRadiance = 0;
-    uint32_t number = 0;    ///< for the caller
-    uint32_t ball = kNone;  ///< set by MakeSourceClusters: index of the cluster that contains the target
+    uint32_t number = 0;       ///< for the caller
+    uint32_t cluster = kNone;  ///< set by MakeSourceClusters: index of the cluster that contains the target
 };
 
 /// Clusters that minimise the second moment of the mean radiance when directions are drawn from all of them, found by

@@ -80,7 +80,7 @@ void Widen(std::span<SkyWindow> windows, std::span<const SkyRay> rays) {
 /// the rest of the sky, to which few samples go, makes fireflies. Rays from beyond all windows, as from an outer sill,
 /// do not count: there all samples go to the rest.
 std::vector<SkyWindow> WorthKeeping(std::span<const SkyWindow> windows, std::span<const SkyRay> rays) {
-    constexpr double kFewest = 0.01, kMostPast = 0.02;
+    constexpr double kMinShare = 0.01, kMaxPast = 0.02;
     // A few rays past them may be chance.
     constexpr double kAFew = 2;
     std::vector<double> passed(windows.size() + 1, 0);
@@ -96,12 +96,12 @@ std::vector<SkyWindow> WorthKeeping(std::span<const SkyWindow> windows, std::spa
     }
     std::vector<SkyWindow> kept;
     for (size_t k = 0; k < windows.size(); ++k) {
-        if (passed[k] >= kFewest * left)
+        if (passed[k] >= kMinShare * left)
             kept.push_back(windows[k]);
         else
             passed.back() += passed[k];
     }
-    if (passed.back() > kMostPast * left + kAFew) kept.clear();
+    if (passed.back() > kMaxPast * left + kAFew) kept.clear();
     return kept;
 }
 
@@ -204,7 +204,7 @@ bool WindowChoice::Learn(PrepareContext &context, std::span<const PrepassVertex>
         for (auto v = static_cast<size_t>(begin); v < static_cast<size_t>(end); ++v) {
             const LightQuery query = QueryAt(vertices[v]);
             Rng rng(Hash(kStream, context.seed, v));
-            Float sum = 0, g[kMostParts];
+            Float sum = 0, g[kMaxParts];
             for (size_t k = 0; k < Count(); ++k) {
                 Evaluate(query, k, g);
                 for (size_t i = 0; i < PartCount(); ++i) {
@@ -241,7 +241,7 @@ const WindowChoice::Weights *WindowChoice::Weigh(const LightQuery &query, LightM
     auto *at = memory.Make<Weights>();
     const VisibilityTree::Row row = tree_.RowAt(query.p);
     for (size_t k = 0; k < Count(); ++k) {
-        Float g[kMostParts], w[kMostParts], sumG = 0, sumW = 0;
+        Float g[kMaxParts], w[kMaxParts], sumG = 0, sumW = 0;
         Evaluate(query, k, g);
         for (size_t i = 0; i < PartCount(); ++i) {
             w[i] = g[i] * VisibilityTree::Decode(row.codes[k * PartCount() + i]);
@@ -290,7 +290,7 @@ void WindowChoice::Save(StateWriter &writer) const {
 void WindowChoice::Load(StateReader &reader) {
     std::vector<SkyWindow> windows;
     reader.Vector(&windows);
-    reader.Require(!windows.empty() && windows.size() <= SkyWindows::kMost, "it has a wrong number of windows");
+    reader.Require(!windows.empty() && windows.size() <= SkyWindows::kMax, "it has a wrong number of windows");
     for (const SkyWindow &window : windows) reader.RequireValid(window.Validate());
     Use(std::move(windows));
     if (windows_.empty()) throw UserError(fmt::format("{}: too many sets of windows are in use.", reader.What()));

@@ -33,7 +33,7 @@ class WindowChoice {
   public:
     /// At most so many skies are divided.
     static constexpr size_t kMaxSkies = 4;
-    static constexpr size_t kMostParts = SkyWindows::kMost + 1;
+    static constexpr size_t kMaxParts = SkyWindows::kMax + 1;
 
     /// The first kMaxSkies skies that are not black.
     static std::vector<LightId> SkiesOf(const LightTable &lights);
@@ -51,7 +51,7 @@ class WindowChoice {
         /// Of each sky the sums over its parts, for the choice among skies and lamps: of G, the light that would arrive
         /// unoccluded, and of G a.
         Float g[kMaxSkies], w[kMaxSkies];
-        Float part[kMaxSkies][kMostParts];  ///< probabilities given the sky
+        Float part[kMaxSkies][kMaxParts];  ///< probabilities given the sky
     };
     const Weights *Weigh(const LightQuery &query, LightMemory &memory) const;
     /// A part of sky k and its probability given the sky. `u`: uniform on the unit square; what is left of it for the

@@ -12,17 +12,17 @@ namespace ext {
 
 namespace {
 
-constexpr size_t kMostWindows = 8;
+constexpr size_t kMaxWindows = 8;
 /// Rays that tell enough, of either kind.
-constexpr size_t kMostRays = 2048;
+constexpr size_t kMaxRays = 2048;
 /// What a ray that is blocked counts against one that leaves.
 constexpr double kBlocked = 0.25;
-constexpr int kMostCells = 48, kFewestCells = 8, kSteps = 48, kFineSteps = 8;
+constexpr int kMaxCells = 48, kMinCells = 8, kSteps = 48, kFineSteps = 8;
 /// Fewer rays than this make no window, and so do those of a smaller share of all that left.
-constexpr size_t kFewest = 12;
+constexpr size_t kMinRays = 12;
 constexpr double kSmallestShare = 0.02;
 /// A ray nearly parallel to a plane says little of where on it the window is.
-constexpr Float kLeastCosine = 0.05f;
+constexpr Float kMinCosine = 0.05f;
 
 struct Line {
     Point3 p;
@@ -100,7 +100,7 @@ struct Crossing {
 /// Empty for lines that are nearly parallel to the planes.
 std::optional<Crossing> CrossingOf(const Frame &frame, const Line &line) {
     const Vector3 d = frame.ToLocal(line.d);
-    if (!(d.z > kLeastCosine)) return {};
+    if (!(d.z > kMinCosine)) return {};
     return Crossing{frame.ToLocal(line.p), Vector2(d.x, d.y) / d.z, line.left, line.count};
 }
 
@@ -110,7 +110,7 @@ class Planes {
     Planes(const Frame &frame, std::span<const Line> lines) : frame_(frame) {
         // A window's cells must be connected by the rays that pass them.
         const auto left = static_cast<double>(std::ranges::count_if(lines, [](const Line &line) { return line.left; }));
-        cells_ = std::clamp(static_cast<int>(1.5 * std::sqrt(left)), kFewestCells, kMostCells);
+        cells_ = std::clamp(static_cast<int>(1.5 * std::sqrt(left)), kMinCells, kMaxCells);
         std::vector<Float> x, y, z;
         for (const Line &line : lines) {
             const Vector3 p = frame.ToLocal(line.p);
@@ -187,7 +187,7 @@ class Planes {
         }
         std::vector<SkyWindow> windows;
         for (Found &f : found) {
-            if (f.x.size() < kFewest || f.count < fewest) continue;
+            if (f.x.size() < kMinRays || f.count < fewest) continue;
             const auto [x0, x1] = Around(std::move(f.x));
             const auto [y0, y1] = Around(std::move(f.y));
             SkyWindow window;
@@ -234,7 +234,7 @@ SkyWindow AtNarrowest(const SkyWindow &window, std::span<const Line> lines) {
         if (!line.left || !window.IsPassed(line.p, line.d)) continue;
         if (const std::optional<Crossing> c = CrossingOf(window.frame, line)) rays.push_back(*c);
     }
-    if (rays.size() < kFewest) return window;
+    if (rays.size() < kMinRays) return window;
     const auto at = [&](Float height) -> std::optional<SkyWindow> {
         std::vector<Float> x, y;
         for (const Crossing &ray : rays)
@@ -258,13 +258,13 @@ SkyWindow AtNarrowest(const SkyWindow &window, std::span<const Line> lines) {
     return narrowest;
 }
 
-/// At most kMostRays of each kind.
+/// At most kMaxRays of each kind.
 std::vector<Line> SomeOf(std::span<const SkyRay> rays) {
     size_t count[2] = {0, 0}, seen[2] = {0, 0};
     for (const SkyRay &ray : rays) ++count[ray.left];
     std::vector<Line> lines;
     for (const SkyRay &ray : rays) {
-        const size_t n = count[ray.left], taken = std::min(n, kMostRays), i = seen[ray.left]++;
+        const size_t n = count[ray.left], taken = std::min(n, kMaxRays), i = seen[ray.left]++;
         if (i * taken / n != (i + 1) * taken / n)
             lines.push_back({ray.p, ray.d, ray.left, static_cast<double>(n) / static_cast<double>(taken)});
     }
@@ -279,7 +279,7 @@ std::vector<SkyWindow> FindWindows(std::span<const SkyRay> rays, std::span<const
     for (const Line &line : lines) left += line.left ? line.count : 0;
     const std::vector<Vector3> facings = Facings(normals);
     std::vector<SkyWindow> windows;
-    while (windows.size() < kMostWindows && !lines.empty()) {
+    while (windows.size() < kMaxWindows && !lines.empty()) {
         std::vector<Planes::Plane> best(facings.size());
         ParallelFor(static_cast<int64_t>(facings.size()), 1, [&](int64_t begin, int64_t end) {
             for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i)
@@ -291,7 +291,7 @@ std::vector<SkyWindow> FindWindows(std::span<const SkyRay> rays, std::span<const
         const Planes planes(FrameOf(facings[static_cast<size_t>(most - best.begin())], facings), lines);
         std::vector<SkyWindow> found = planes.Windows(most->height, kSmallestShare * left);
         if (found.empty()) break;
-        if (windows.size() + found.size() > kMostWindows) found.resize(kMostWindows - windows.size());
+        if (windows.size() + found.size() > kMaxWindows) found.resize(kMaxWindows - windows.size());
         for (SkyWindow &window : found) window = AtNarrowest(window, lines);
         std::erase_if(lines, [&](const Line &line) {
             return std::any_of(found.begin(), found.end(),

@@ -9,7 +9,7 @@ namespace pbrt {
 namespace {
 
 /// A process gets at most so many numbers per thread at once.
-constexpr int64_t kMostPerThread = 4;
+constexpr int64_t kMaxPerThread = 4;
 
 struct Request {
     int threads = 1;
@@ -65,7 +65,7 @@ void HandOut::Answer() {
         }
         // A quarter of the share of what is left, so that all end at about the same time.
         const int64_t share = left * request.threads / (4 * int64_t{ranks_.TotalThreads()});
-        const Numbers given = TakeFromCounter(std::clamp(share, int64_t{1}, kMostPerThread * int64_t{request.threads}));
+        const Numbers given = TakeFromCounter(std::clamp(share, int64_t{1}, kMaxPerThread * int64_t{request.threads}));
         if (given.begin == given.end) --asking;
         StateWriter out;
         out.Value(Reply{progress_.Cancelled(), given.begin, given.end});

@@ -26,7 +26,7 @@ std::optional<std::string> SkyWindow::Validate() const {
 
 SkyWindows::SkyWindows(const SkyLight &sky, std::span<const SkyWindow> windows)
     : windows_(windows.begin(), windows.end()) {
-    PBRT_CHECK(windows.size() <= kMost);
+    PBRT_CHECK(windows.size() <= kMax);
     std::vector<Frame> frames;
     for (const SkyWindow &window : windows_) {
         const auto known =

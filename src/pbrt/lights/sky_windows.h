@@ -37,9 +37,9 @@ struct SkyWindow {
 /// (Bitterli, Wyman and Pharr 2015, Portal-Masked Environment Map Sampling).
 class SkyWindows {
   public:
-    static constexpr size_t kMost = 15;
+    static constexpr size_t kMax = 15;
 
-    /// At most kMost windows. Windows of equal frames share a map.
+    /// At most kMax windows. Windows of equal frames share a map.
     SkyWindows(const SkyLight &sky, std::span<const SkyWindow> windows);
 
     size_t Count() const { return windows_.size(); }
@@ -76,7 +76,7 @@ class SkyWindows {
 /// The numbers of the parts of a sky: 0 is the whole, then come the parts of every set of windows that a light sampler
 /// has made known (SkyLight::AddWindows).
 struct SkyPart {
-    static constexpr uint32_t kSets = 64, kPerSet = SkyWindows::kMost + 1;
+    static constexpr uint32_t kSets = 64, kPerSet = SkyWindows::kMax + 1;
     static constexpr uint32_t kCount = 1 + kSets * kPerSet;
 
     static uint32_t FirstOf(uint32_t set) { return 1 + set * kPerSet; }

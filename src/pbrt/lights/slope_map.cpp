@@ -9,10 +9,10 @@ namespace pbrt {
 
 namespace {
 
-constexpr int kFewest = 128, kMost = 512;
+constexpr int kMinSide = 128, kMaxSide = 512;
 /// A pixel is divided if it may hold this share of the whole map and the brightest place in or beside it is so much
 /// brighter than the mean.
-constexpr double kLeastShare = 1e-4;
+constexpr double kMinShare = 1e-4;
 constexpr Float kContrast = 1.5f;
 /// Pixels, and their parts, are at least worth this share of the brightest place beside them: the corner of a sun that
 /// reaches into one between the places looked at must not be drawn with the probability of the sky around it.
@@ -20,7 +20,7 @@ constexpr Float kBesidePixel = 1 / Float(32), kBesidePart = 1 / Float(8);
 
 }  // namespace
 
-SlopeMap::SlopeMap(const SkyLight &sky, const Frame &frame) : n_(std::clamp(sky.Resolution(), kFewest, kMost)) {
+SlopeMap::SlopeMap(const SkyLight &sky, const Frame &frame) : n_(std::clamp(sky.Resolution(), kMinSide, kMaxSide)) {
     struct Value {
         Float mean = 0, greatest = 0;
     };
@@ -65,7 +65,7 @@ SlopeMap::SlopeMap(const SkyLight &sky, const Frame &frame) : n_(std::clamp(sky.
                 greatest = std::max(greatest, values[y * n + x].greatest);
         const Float mean = values[i].mean;
         weights[i] = std::max(mean, kBesidePixel * greatest);
-        if (greatest > kContrast * mean && static_cast<double>(weights[i]) > kLeastShare * sum) {
+        if (greatest > kContrast * mean && static_cast<double>(weights[i]) > kMinShare * sum) {
             divided.push_back(i);
             detailOf_[i] = static_cast<uint32_t>(divided.size());
         }

@@ -98,9 +98,9 @@ TEST(SourceClusters, AreWhereLightComesFrom) {
     }
     const std::vector<SourceCluster> all = MakeSourceClusters(finds, places, places.size());
     for (const RadianceSample &find : finds) {
-        EXPECT_EQ(find.ball != RadianceSample::kNone, find.radiance > 0);
-        if (find.ball != RadianceSample::kNone) {
-            ASSERT_LT(find.ball, all.size());
+        EXPECT_EQ(find.cluster != RadianceSample::kNone, find.radiance > 0);
+        if (find.cluster != RadianceSample::kNone) {
+            ASSERT_LT(find.cluster, all.size());
         }
     }
     for (const Point3 &p : {Point3(0, 0, 0), Point3(1.5f, -1.5f, 0)}) {

@@ -33,7 +33,7 @@ def allowed(source, target):
         return b.isdigit() and int(b) < int(a)
     if b.isdigit():
         return int(b) <= int(a[1:])
-    return a[0] == "B" and b[0] == "A"
+    return not b.isdigit() and b[0] < a[0]
 
 
 problems = []

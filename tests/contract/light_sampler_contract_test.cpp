@@ -98,7 +98,7 @@ TEST_P(LightSamplerContract, EveryLightThatContributesCanBeChosen) {
     bool dark = S().ids.empty() || fixture == "AllZeroPower" || fixture == "OneSky";
     EXPECT_EQ(contributing == 0, dark) << "The fixture tests nothing.";
 }
-TEST_P(LightSamplerContract, SkyPartsAndDirectionsBelongTogether) { CheckSkyParts(S()); }
+TEST_P(LightSamplerContract, RegionsAndDirectionsBelongTogether) { CheckRegions(S()); }
 TEST_P(LightSamplerContract, SameAnswerFromAnyThread) { CheckSameFromAnyThread(S()); }
 TEST_P(LightSamplerContract, DistributionsOfTwoVerticesKeepApart) { CheckDistributionsKeepApart(S()); }
 TEST_P(LightSamplerContract, OneLightEstimatorHasTheSumOverAllLightsAsItsMean) {

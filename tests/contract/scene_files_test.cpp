@@ -25,23 +25,22 @@ constexpr size_t kSearch = 3200000, kMaxPoints = 512, kMinPoints = 6;
 constexpr int kDraws = 32;
 
 /// The first contribution that is not 0 among `points` light points of a light, seen from a place; 0 if there is none.
-/// A sky may be chosen by parts: then a contribution counts if the part in its direction has the PMF 0. Directions are
-/// drawn as if there were no BSDF sampling, because parts are sampled so.
+/// An environment light may be chosen by regions: then a contribution counts if the region in its direction has the PMF
+/// 0. Directions are drawn as if there were no BSDF sampling, because regions are sampled so.
 double SearchLight(const SceneFixture &f, const LightSampler &sampler, size_t place, LightId light, size_t points,
                    uint64_t seed) {
     Rng rng(Hash(place, light.value, seed));
     LightMemory memory;
     const LightDistribution at = sampler.At(f.queries[place], memory);
     const Point3 &p = f.queries[place].p;
-    const bool isSky = f.Lights()[light].Kind() == LightKind::Infinite,
-               isDivided = isSky && f.Lights().IsSkyPart(at.PartTowards(light, p, Vector3(0, 0, 1)));
+    const bool isInfinite = f.Lights()[light].Kind() == LightKind::Infinite,
+               isDivided = isInfinite && at.Towards(light, p, Vector3(0, 0, 1)).region.portals;
     for (size_t k = 0; k < points; ++k) {
         Vector3 wi;
         const double c =
             Contribution(*f.built.scene, f.queries[place], f.Lights()[light], rng.Uniform2(), &wi, !isDivided);
         if (!(c > 0)) continue;
-        const LightId asked = isSky ? at.PartTowards(light, p, wi) : light;
-        if (!(at.PMF(asked) > 0)) return c;
+        if (!((isInfinite ? at.Towards(light, p, wi).pmf : at.PMF(light)) > 0)) return c;
     }
     return 0;
 }
@@ -86,11 +85,10 @@ Findings Check(const SceneFixture &f, const LightSampler &sampler, uint64_t seed
     return out;
 }
 
-/// Another sampler that never chooses one of the lights, nor its parts if it is a sky.
+/// Another sampler that never chooses one of the lights.
 class WithoutOneLight final : public WrappedSampler {
   public:
-    WithoutOneLight(const LightSampler &sampler, const LightTable &lights, LightId light)
-        : WrappedSampler(sampler), lights_(lights), light_(light) {}
+    WithoutOneLight(const LightSampler &sampler, LightId light) : WrappedSampler(sampler), light_(light) {}
 
   private:
     std::optional<SampledLight> Choose(const LightQuery &, const void *weights, Float u,
@@ -101,9 +99,8 @@ class WithoutOneLight final : public WrappedSampler {
     Float Probability(const LightQuery &, const void *weights, LightId light) const override {
         return IsLeftOut(light) ? 0 : Inner(weights).PMF(light);
     }
-    bool IsLeftOut(LightId id) const { return (lights_.IsSkyPart(id) ? lights_.SkyOf(id) : id) == light_; }
+    bool IsLeftOut(LightId id) const { return id == light_; }
 
-    const LightTable &lights_;
     LightId light_;
 };
 
@@ -176,10 +173,10 @@ TEST_P(SceneFile, ALightLeftOutIsNoticed) {
     for (const LightQuery &q : f.queries)
         for (int i = 0; i < kDraws; ++i)
             if (std::optional<SampledLight> s = sampler->Sample(q, rng.Uniform()))
-                found[(f.Lights().IsSkyPart(s->light) ? f.Lights().SkyOf(s->light) : s->light).value] +=
-                    Contribution(*f.built.scene, q, f.Lights()[s->light], rng.Uniform2()) > 0;
+                found[s->light.value] +=
+                    Contribution(*f.built.scene, q, f.Lights().Region(s->light, s->region), rng.Uniform2()) > 0;
     const LightId most(static_cast<uint32_t>(std::max_element(found.begin(), found.end()) - found.begin()));
-    EXPECT_GT(Check(f, WithoutOneLight(*sampler, f.Lights(), most), 0).wrong.size(), 0u) << "light " << most.value;
+    EXPECT_GT(Check(f, WithoutOneLight(*sampler, most), 0).wrong.size(), 0u) << "light " << most.value;
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, SceneFile, testing::ValuesIn(SceneFiles()),

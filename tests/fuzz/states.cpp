@@ -201,11 +201,11 @@ std::vector<Recipe> Recipes() {
     const std::string few = Lamps(3), many = Lamps(80);
     return {{"lamps", Room("path", many), {"--lightsampler=octree+guide:leastsaved=0"}, true},
             {"few-lamps", Room("path", few), {"--lightsampler=octree+guide:leastsaved=0"}, true},
-            {"windows", Room("path", kSky), {"--lightsampler=octree:windows=always"}, true},
+            {"windows", Room("path", kSky), {"--lightsampler=octree:portals=always"}, true},
             {"fog", Room("volpath", kFog + many), {"--lightsampler=octree+guide"}, true},
             {"bdpt", Room("bdpt", few), {"--lightsampler=octree"}, true},
             {"lights", Room("path", many), {"--lightsampler=octree+guide:leastsaved=0"}, false},
-            {"lights-windows", Room("path", kSky), {"--lightsampler=octree:windows=always"}, false},
+            {"lights-windows", Room("path", kSky), {"--lightsampler=octree:portals=always"}, false},
             {"lights-paper", Room("path", many), {"--lightsampler=octree:model=paper"}, false}};
 }
 

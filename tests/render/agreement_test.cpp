@@ -263,7 +263,7 @@ TEST(LightSamplersAgree, RoomsFullOfFog) {
 TEST(LightSamplersAgree, Dollhouse) {
     View view(BuildText(WithoutCoats("scenes/dollhouse/dollhouse.pbrt"), Reduced(5)), 24, 8);
     std::vector<std::string> labels = Labels();
-    if (HasOctree()) labels.push_back("octree:windows=always");
+    if (HasOctree()) labels.push_back("octree:portals=always");
     auto good = ExpectAgreement("dollhouse", view, labels);
     if (HasOctree())
         ExpectNoticed("dollhouse", "octree:depth=1 without floor", view, good,
@@ -275,9 +275,9 @@ TEST(LightSamplersAgree, SkyThroughWindows) {
     if (!HasOctree()) GTEST_SKIP() << "Only the octree finds windows.";
     for (const char *name : {"sunny-room", "blinds"}) {
         View view(BuildFile(fmt::format("{0}/scenes/{1}/{1}.pbrt", PBRT_SOURCE_DIR, name), Reduced(6)), 32, 8);
-        const std::vector<std::string> labels = {"bvh", "octree:windows=always", "octree:windows=never", "octree"};
+        const std::vector<std::string> labels = {"bvh", "octree:portals=always", "octree:portals=never", "octree"};
         auto good = ExpectAgreement(name, view, labels);
-        ExpectNoticed(name, "octree, half of the windows 15 % off", view, good, "octree:windows=always",
+        ExpectNoticed(name, "octree, half of the windows 15 % off", view, good, "octree:portals=always",
                       Tamper([](const LightQuery &, LightId light, Float pmf) {
                           return light.value % 2 ? pmf * Float(1.15) : pmf;
                       }));

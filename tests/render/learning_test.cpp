@@ -70,7 +70,7 @@ Shape "bilinearmesh" "point3 P" [ -3 0 0  -3 0 1  -3 1 0  -3 1 1 ]
 
 BuiltScene BuildRoom(const std::string &parameters = "") {
     return BuildText(RoomWithWindow("\"string lightsampler\" \"octree\" \"integer octree.prepassspp\" 1 " +
-                                    (parameters.empty() ? "\"string octree.windows\" \"always\"" : parameters)));
+                                    (parameters.empty() ? "\"string octree.portals\" \"always\"" : parameters)));
 }
 
 BuiltScene Build(const std::string &parameters = "") {
@@ -114,7 +114,7 @@ TEST(LearningWhileRendering, AnyThreadsAndAnySplitGiveTheSamePicture) {
 }
 
 TEST(LearningWhileRendering, AnyThreadsAndAnySplitGiveTheSamePictureThroughAWindow) {
-    CheckThreadsAndSplits(BuildRoom, {"\"string octree.windows\" \"never\""});
+    CheckThreadsAndSplits(BuildRoom, {"\"string octree.portals\" \"never\""});
     // Prepared again, it finds the same.
     BuiltScene built = BuildRoom();
     const Image first = Render(built, {kSamples});
@@ -134,16 +134,16 @@ TEST(OpenSky, StaysWholeAndGivesThePictureOfBvh) {
     };
     for (const auto &[text, parameters, least, most, staysWhole] :
          {std::tuple{field, "", 1.0, 1.0, true},
-          {field, "\"string octree.windows\" \"always\"", 1.0, 1.0, true},
+          {field, "\"string octree.portals\" \"always\"", 1.0, 1.0, true},
           {room, "", 0.005, 0.3, true},
-          {room, "\"string octree.windows\" \"always\"", 0.005, 0.3, false}}) {
+          {room, "\"string octree.portals\" \"always\"", 0.005, 0.3, false}}) {
         BuiltScene octree = build(text, std::string("\"string lightsampler\" \"octree\" ") + parameters),
                    bvh = build(text, "\"string lightsampler\" \"bvh\"");
         EXPECT_EQ(SameBits(Render(octree, {kSamples}), Render(bvh, {kSamples})), staysWhole);
         nlohmann::ordered_json report;
         octree.integrator->Lights()->Report(report);
-        EXPECT_EQ(report.contains("skyWindows"), !staysWhole);
-        const auto seen = report["skySeenShare"].get<double>();
+        EXPECT_EQ(report.contains("portals"), !staysWhole);
+        const auto seen = report["environmentSeenShare"].get<double>();
         EXPECT_GE(seen, least);
         EXPECT_LE(seen, most);
     }

@@ -13,15 +13,17 @@ namespace pbrt::test {
 namespace {
 
 struct Answer {
-    uint32_t light = 0;
+    uint32_t light = 0, region = 0;
     Float pmf = 0;
     bool operator==(const Answer &) const = default;
-    friend std::ostream &operator<<(std::ostream &out, const Answer &a) { return out << a.light << ": " << a.pmf; }
+    friend std::ostream &operator<<(std::ostream &out, const Answer &a) {
+        return out << a.light << " (" << a.region << "): " << a.pmf;
+    }
 };
 
 Answer Ask(const LightDistribution &lights, Float u) {
     std::optional<SampledLight> sample = lights.Sample(u);
-    return sample ? Answer{sample->light.value, sample->pmf} : Answer{};
+    return sample ? Answer{sample->light.value, sample->region.index, sample->pmf} : Answer{};
 }
 
 /// Bernstein's inequality: an upper bound of the probability that the mean of n values, each at most `greatest` from
@@ -38,9 +40,6 @@ SamplerSubject::SamplerSubject(std::unique_ptr<LightSampler> made, std::span<con
                                const LightTable &lights)
     : sampler(std::move(made)), queries(places), table(&lights) {
     for (size_t i = 0; i < lights.Size(); ++i) ids.emplace_back(i);
-    for (LightId sky : lights.Skies())
-        for (LightId part : sampler->SkyPartsOf(sky)) ids.push_back(part);
-    for (size_t i = 0; i < ids.size(); ++i) index[ids[i].value] = i;
     for (const LightQuery &q : queries) {
         std::vector<Float> &row = pmf.emplace_back();
         double &total = sum.emplace_back(0);
@@ -53,31 +52,12 @@ SamplerSubject::SamplerSubject(std::unique_ptr<LightSampler> made, std::span<con
     }
 }
 
-bool SamplerSubject::IsAsked(const LightDistribution &at, LightId id) const {
-    if (table->IsSkyPart(id)) return IsSeenThroughWindows(at, id);
-    if ((*table)[id].Kind() != LightKind::Infinite) return true;
-    return at.PartTowards(id, at.Query().p, Vector3(0, 0, 1)) == id;
-}
-
-bool SamplerSubject::IsSeenThroughWindows(const LightDistribution &at, LightId id) const {
-    const LightQuery &query = at.Query();
-    const LightSampleContext from{query.p, query.pError, query.n, query.ns, query.time};
-    for (int i = 0; i < 64; ++i) {
-        const std::optional<LightLiSample> s =
-            (*table)[id].SampleLi(from, {Even(i % 8, 8), Even(i / 8, 8)}, SampledWavelengths::WholeRange(), true);
-        if (s && at.PartTowards(table->SkyOf(id), query.p, s->wi) == id) return true;
-    }
-    return false;
-}
-
 Contributions ContributionsOf(const SamplerSubject &s,
                               const std::function<double(size_t query, LightId)> &contribution) {
     Contributions rows;
-    LightMemory memory;
     for (size_t q = 0; q < s.queries.size(); ++q) {
-        const LightDistribution at = s.sampler->At(s.queries[q], memory);
         std::vector<double> &row = rows.emplace_back();
-        for (LightId id : s.ids) row.push_back(s.IsAsked(at, id) ? contribution(q, id) : 0);
+        for (LightId id : s.ids) row.push_back(contribution(q, id));
     }
     return rows;
 }
@@ -99,6 +79,10 @@ void CheckPmfOfSamples(const SamplerSubject &s) {
             if (!sample) continue;
             ASSERT_TRUE(std::find(s.ids.begin(), s.ids.end(), sample->light) != s.ids.end());
             ASSERT_GT(sample->pmf, 0);
+            if (sample->region.portals) {
+                ASSERT_LE(sample->pmf, at.PMF(sample->light)) << "query " << q << " u " << u;
+                continue;
+            }
             ASSERT_EQ(sample->pmf, at.PMF(sample->light))
                 << "query " << q << " u " << u << " light " << sample->light.value;
             // A second weighing gives the same.
@@ -197,7 +181,7 @@ void CheckOneLightEstimator(const SamplerSubject &s, const Contributions &contri
         double sum = 0;
         for (int i = 0; i < n; ++i)
             if (std::optional<SampledLight> sample = at.Sample(rng.Uniform()))
-                sum += c[s.IndexOf(sample->light)] / static_cast<double>(sample->pmf);
+                sum += c[s.IndexOf(sample->light)] / static_cast<double>(at.PMF(sample->light));
         double off = std::max(0.0, std::abs(sum / n - total) - 1e-5 * total);  // float rounding of the PMF
         double variance = std::max(0.0, second - total * total);
         EXPECT_GT(BernsteinTail(off, variance, std::max(greatest, total), n), alpha)
@@ -205,8 +189,7 @@ void CheckOneLightEstimator(const SamplerSubject &s, const Contributions &contri
     }
 }
 
-void CheckSkyParts(const SamplerSubject &s) {
-    if (s.ids.size() == s.table->Size()) return;
+size_t CheckRegions(const SamplerSubject &s) {
     const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
     size_t chosen = 0, elsewhere = 0;
     LightMemory memory;
@@ -218,22 +201,23 @@ void CheckSkyParts(const SamplerSubject &s) {
         for (int i = 0; i < 200; ++i) {
             const std::optional<SampledLight> sample = at.Sample(rng.Uniform());
             const Point2 u = rng.Uniform2();
-            if (!sample || !s.table->IsSkyPart(sample->light)) continue;
-            const LightPart part = (*s.table)[sample->light];
-            const std::optional<LightLiSample> point = part.SampleLi(from, u, lambda, true);
+            if (!sample || !sample->region.portals) continue;
+            const LightPart region = s.table->Region(sample->light, sample->region);
+            const std::optional<LightLiSample> point = region.SampleLi(from, u, lambda, true);
             if (!point) continue;
             ++chosen;
-            // Rounding may carry a point at a border to the part next to it.
-            const LightId back = at.PartTowards(s.table->SkyOf(sample->light), query.p, point->wi);
-            if (back != sample->light) {
+            // Rounding may move a point at a border to the region next to it.
+            const SampledLight back = at.Towards(sample->light, query.p, point->wi);
+            if (!(back.region == sample->region)) {
                 ++elsewhere;
                 continue;
             }
-            EXPECT_NEAR(part.PdfLi(from, point->wi, {}, {}, true) / point->pdf, 1, 0.02) << "query " << q;
+            EXPECT_EQ(back.pmf, sample->pmf) << "query " << q;
+            EXPECT_NEAR(region.PdfLi(from, point->wi, {}, {}, true) / point->pdf, 1, 0.02) << "query " << q;
         }
     }
-    EXPECT_GT(chosen, 100u) << "There are parts, but none is chosen.";
-    EXPECT_LT(elsewhere, chosen / 200 + 3);
+    EXPECT_LE(elsewhere, chosen / 200 + 3);
+    return chosen;
 }
 
 void CheckSameFromAnyThread(const SamplerSubject &s) {
@@ -248,7 +232,7 @@ void CheckSameFromAnyThread(const SamplerSubject &s) {
         const LightDistribution at = s.sampler->At(s.queries[task / kTasksPerQuery], memory);
         for (int i = 0; i < n; ++i) {
             out.push_back(Ask(at, HashFloat(static_cast<uint64_t>(task), i)));
-            if (!s.ids.empty()) out.push_back({0, at.PMF(s.ids[static_cast<size_t>(i) % s.ids.size()])});
+            if (!s.ids.empty()) out.push_back({0, 0, at.PMF(s.ids[static_cast<size_t>(i) % s.ids.size()])});
         }
         return out;
     };
@@ -270,7 +254,7 @@ void CheckDistributionsKeepApart(const SamplerSubject &s) {
         std::vector<Answer> out;
         for (int i = 0; i < n; ++i) {
             out.push_back(Ask(lights, HashFloat(static_cast<uint64_t>(q), i)));
-            if (!s.ids.empty()) out.push_back({0, lights.PMF(s.ids[(q + static_cast<size_t>(i)) % s.ids.size()])});
+            if (!s.ids.empty()) out.push_back({0, 0, lights.PMF(s.ids[(q + static_cast<size_t>(i)) % s.ids.size()])});
         }
         return out;
     };
@@ -309,22 +293,14 @@ void CheckOneNumberReachesEveryLight(const SamplerSubject &s) {
 void CheckSame(const LightSampler &a, const LightSampler &b, std::span<const LightQuery> queries,
                const LightTable &table) {
     const size_t lights = table.Size(), step = lights / 200 + 1;
-    // The numbers of the sets of windows differ while both samplers live.
-    const auto withoutSet = [&](Answer answer) {
-        const LightId id(answer.light);
-        if (table.IsSkyPart(id))
-            answer.light =
-                table.SkyPartId(table.SkyIndexOf(id), SkyPart::FirstOf(0) + SkyPart::PlaceOf(table.NumberOf(id))).value;
-        return answer;
-    };
     for (size_t q = 0; q < queries.size(); ++q) {
         auto answers = [&](const LightSampler &sampler) {
             std::vector<Answer> out;
             LightMemory memory;
             const LightDistribution at = sampler.At(queries[q], memory);
             for (size_t i = q % step; i < lights; i += step)
-                out.push_back({static_cast<uint32_t>(i), at.PMF(LightId(i))});
-            for (uint64_t i = 0; i < 20; ++i) out.push_back(withoutSet(Ask(at, HashFloat(i))));
+                out.push_back({static_cast<uint32_t>(i), 0, at.PMF(LightId(i))});
+            for (uint64_t i = 0; i < 20; ++i) out.push_back(Ask(at, HashFloat(i)));
             return out;
         };
         ASSERT_EQ(answers(a), answers(b)) << "query " << q;

@@ -2,7 +2,6 @@
 #include <functional>
 #include <memory>
 #include <span>
-#include <unordered_map>
 #include <vector>
 
 #include "pbrt/lights/light_table.h"
@@ -12,8 +11,7 @@
 /// must be called inside a test.
 namespace pbrt::test {
 
-/// A sampler that is ready for use, the places it is asked from, and its PMF at every place for every id: those of all
-/// lights, and of all parts of skies that the sampler may choose.
+/// A sampler that is ready for use, the places of queries, and its PMF at every place for every light.
 struct SamplerSubject {
     std::unique_ptr<LightSampler> sampler;
     std::span<const LightQuery> queries;
@@ -24,26 +22,19 @@ struct SamplerSubject {
 
     SamplerSubject() = default;
     SamplerSubject(std::unique_ptr<LightSampler> made, std::span<const LightQuery> places, const LightTable &lights);
-    size_t IndexOf(LightId id) const { return index.at(id.value); }
+    size_t IndexOf(LightId id) const { return id.value; }
     /// The number of calls per query, at most `most`: fewer where there are many lights, so that a sampler that weighs
     /// every light at each call takes bearable time.
     int Calls(int most) const;
-    /// False for a sky that is chosen by parts at a place, and for parts that are not seen from there: what they
-    /// contribute is found through other ids.
-    bool IsAsked(const LightDistribution &at, LightId id) const;
-    bool IsSeenThroughWindows(const LightDistribution &at, LightId id) const;
-
-  private:
-    std::unordered_map<uint32_t, size_t> index;
 };
 
-/// What each id contributes, by query and index of the subject's ids: `contribution` of ids that are asked, else 0.
+/// Contributions of all lights, by query and index of the subject's ids.
 using Contributions = std::vector<std::vector<double>>;
 Contributions ContributionsOf(const SamplerSubject &subject,
                               const std::function<double(size_t query, LightId)> &contribution);
 
-/// The pmf that comes with a sample equals the sampler's PMF of that light to the last bit, also for the least and the
-/// greatest uniform number.
+/// The pmf of a sample without region equals the sampler's PMF of that light to the last bit, also for the least and
+/// the greatest uniform number; with a region it is not greater.
 void CheckPmfOfSamples(const SamplerSubject &subject);
 /// No probability is negative or above 1; they add up to 1, or Sample returns nothing with the probability that is
 /// missing.
@@ -56,9 +47,9 @@ void CheckFrequencies(const SamplerSubject &subject);
 size_t CheckContributingCanBeChosen(const SamplerSubject &subject, const Contributions &contributions);
 /// The mean of contribution / pmf over samples is the sum over all lights.
 void CheckOneLightEstimator(const SamplerSubject &subject, const Contributions &contributions);
-/// Directions and parts of skies belong together: a direction drawn from a chosen part leads back to it, whose density
-/// there is the one that came with the sample.
-void CheckSkyParts(const SamplerSubject &subject);
+/// A direction drawn from a sampled region leads back to the region, with the same pmf to the last bit and the same
+/// density. Returns the number of samples with a region.
+size_t CheckRegions(const SamplerSubject &subject);
 /// Several threads at once get the same answers as one thread.
 void CheckSameFromAnyThread(const SamplerSubject &subject);
 /// The distributions of two vertices, each in its own memory, do not influence each other.

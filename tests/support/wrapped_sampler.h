@@ -14,15 +14,16 @@ class WrappedSampler : public LightSampler {
     }
 
   private:
-    std::vector<LightId> SkyPartsOf(LightId infinite) const final { return inner_.SkyPartsOf(infinite); }
     const void *Weigh(const LightQuery &query, LightMemory &memory) const final {
         auto *inner = memory.Make<LightDistribution>();
         *inner = inner_.Within(query, memory);
         return inner;
     }
-    LightId PartOf(const LightQuery &, const void *weights, LightId infinite, const Point3 &p,
-                   const Vector3 &d) const final {
-        return Inner(weights).PartTowards(infinite, p, d);
+    SampledLight ChoiceTowards(const LightQuery &query, const void *weights, LightId infinite, const Point3 &p,
+                               const Vector3 &d) const final {
+        SampledLight choice = Inner(weights).Towards(infinite, p, d);
+        if (!(Probability(query, weights, infinite) > 0)) choice.pmf = 0;
+        return choice;
     }
     const LightSampler &inner_;
 };

@@ -427,7 +427,7 @@ size_t GuideCells::GuidingCells() const {
     return static_cast<size_t>(std::count_if(leaves_.begin(), leaves_.end(), [](const Leaf &l) { return l.Guides(); }));
 }
 
-double GuideCells::MeanShare() const {
+double GuideCells::MeanProbability() const {
     double sum = 0;
     for (const Leaf &leaf : leaves_) sum += static_cast<double>(std::max(leaf.probability[0], leaf.probability[1]));
     return leaves_.empty() ? 0 : sum / static_cast<double>(leaves_.size());

@@ -23,6 +23,7 @@ struct GuideRecord {
     bool isOfFirstHalf = false;  ///< cross-validation: each half of the paths tests the estimate of the other
     bool unused = false;         ///< no padding, so that saved records have the same bytes
 
+    bool IsEmpty() const { return !(pdf > 0); }
     /// Throws UserError if what is read is no record.
     static GuideRecord Read(StateReader &in);
 };
@@ -66,7 +67,7 @@ class GuideCells {
 
     size_t Cells() const { return leaves_.size(); }
     size_t GuidingCells() const;
-    double MeanShare() const;
+    double MeanProbability() const;
     size_t Bytes() const {
         return tree_.Bytes() + leaves_.size() * sizeof(Leaf) + clusters_.size() * sizeof(SourceCluster);
     }

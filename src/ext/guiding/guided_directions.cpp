@@ -29,18 +29,18 @@ void GuidedDirections::PrepareDirections(const PathVertex &vertex, const Sampled
     const bool isRecorded = places_.next + pendingBounces_ < places_.end;
     if (!isRecorded && !guide_.Cells().Guide()) return;
     beta_ = beta.Average();
-    const Float worth = Sqr(beta_ * pixelImportance_);
-    if (!(isRecorded || guide_.Cells().MayGuide(worth)) || !PathGuide::Guides(bsdf)) return;
+    const Float importance = Sqr(beta_ * pixelImportance_);
+    if (!(isRecorded || guide_.Cells().MayGuide(importance)) || !PathGuide::Guides(bsdf)) return;
     isGuided_ = true;
     isGlossy_ = Has(bsdf.Flags(), BxdfFlags::Glossy);
     bothSides_ = IsTransmissive(bsdf.Flags());
     const Vector3 n(point.shading.n);
     normal_ = Dot(point.wo, n) < 0 ? -n : n;
-    Float share = 0;
-    const PerSourceCluster *const radiances = guide_.Cells().At(point.p, isGlossy_, worth, &share);
+    Float probability = 0;
+    const PerSourceCluster *const radiances = guide_.Cells().At(point.p, isGlossy_, importance, &probability);
     if (!radiances) return;
     directions_.Prepare(guide_.Cells().Clusters(), *radiances, point.p, normal_, bothSides_);
-    if (directions_.IsUsable()) guidingProbability_ = share;
+    if (directions_.IsUsable()) guidingProbability_ = probability;
 }
 
 Float GuidedDirections::Pdf(const PathVertex &vertex, const Vector3 &wi) const {
@@ -126,8 +126,8 @@ Float GuidedDirections::ContinuationProbabilityIn(const PathRoulette::Cell &cell
 }
 
 Float GuidedDirections::ContinuationProbabilityAfterNee(Float beta) {
-    const Float survival = PathRoulette::ContinuationProbability(cell_.onwards, beta * pixelImportance_);
-    continuationAfterNee_ = survival > 0 ? survival : 1;
+    const Float continuation = PathRoulette::ContinuationProbability(cell_.onwards, beta * pixelImportance_);
+    continuationAfterNee_ = continuation > 0 ? continuation : 1;
     return continuationAfterNee_;
 }
 
@@ -173,19 +173,19 @@ void GuidedDirections::End(const SampledSpectrum &L) {
     }
     pendingBounces_ = 0;
     if (!roulette_ || !path_) return;
-    const size_t first = *path_ * roulette_->Vertices();
     for (size_t i = 0; i < std::min(pendingVertices_, roulette_->Vertices()); ++i) {
         const PendingVertex &v = vertices_[i];
-        const auto since = [&](const PendingVertex::Before &part) {
-            return part.beta > 0 ? RouletteRecord::Part{(L - part.L).Average() / part.beta, cost_ - part.cost}
-                                 : RouletteRecord::Part{};
+        const auto since = [&](const PendingVertex::Before &before) {
+            return before.beta > 0
+                       ? RouletteRecord::Segment{(L - before.L).Average() / before.beta, cost_ - before.cost}
+                       : RouletteRecord::Segment{};
         };
         const RouletteRecord record{v.p, v.kind, since(v.here), since(v.onwards)};
-        if (record.here.IsUsable() && record.onwards.IsUsable()) roulette_->Record(first + i, record);
+        if (record.here.IsUsable() && record.onwards.IsUsable()) roulette_->Record(*path_, i, record);
     }
     pendingVertices_ = 0;
-    const Float found = L.Average();
-    if (std::isfinite(found * found)) roulette_->RecordPath(*path_, {found, PathCost::kCamera + cost_});
+    const Float radiance = L.Average();
+    if (std::isfinite(radiance * radiance)) roulette_->RecordPath(*path_, {radiance, PathCost::kCamera + cost_});
 }
 
 }  // namespace ext

@@ -13,27 +13,24 @@ namespace ext {
 
 namespace {
 
-/// The guide learns after these numbers of samples per pixel, from the samples since it learned last, if at least as
-/// many are still to come. Where one sample per pixel makes less than half of the paths to be recorded, the numbers are
-/// multiples of what makes half of them.
+/// The guide is updated after these numbers of samples per pixel, from the samples since the last update, if at least
+/// as many follow. Where one sample per pixel makes less than half of the paths to be recorded, the numbers are
+/// multiples of the number that makes half of them.
 constexpr int kUpdateAfter[] = {2, 4, 16};
-/// One in so many of the picture's paths is recorded for a learning, at most, as records cost time.
+/// One in so many of the picture's paths is recorded for an update, at most, as records cost time.
 constexpr size_t kPathsPerRecorded = 32;
 /// Of small pictures up to twice as many paths are recorded, but no more than this.
 constexpr size_t kEnoughPaths = 16384;
 /// The first estimate of PathGuide::SavedShare has few records and may be far too low: directional guiding is disabled
 /// below this part of GuideParams::minSaved, unless no update follows.
 constexpr double kMinFirstSaving = 0.16;
-/// Where the records are of several times kEnoughPaths, one path in so many is asked first whether directions pay, as
-/// learning from all of them takes longer.
-constexpr size_t kAsked = 4;
-/// One of `asked` paths, in pairs of the two halves.
-bool IsAsked(size_t path, size_t asked) { return path / 2 % asked == 0; }
+/// With several times kEnoughPaths, the saving is estimated first from one path in so many, which takes less time than
+/// from all of them.
+constexpr size_t kFirstStride = 4;
+/// One of `stride` paths, in pairs of the two halves.
+bool IsUsed(size_t path, size_t stride) { return path / 2 % stride == 0; }
 /// Only so many vertices of a path are recorded.
 constexpr int kMaxVertices = 5;
-/// Each row of pixels is shifted by this much against the row before, so that the recorded pixels do not form columns.
-constexpr int kRowShift = 7;
-
 /// The throughput at which PathGuide::Inspect shows the continuation probability.
 constexpr Float kInspectedWeight = 0.5f;
 
@@ -43,7 +40,7 @@ constexpr Float kInspectedWeight = 0.5f;
 constexpr Float kSameDistance = 1e-4f, kSameDirection = 0.02f;
 
 /// Changes with everything that PathGuide::Save and SaveForOthers write.
-constexpr uint32_t kVersion = 10;
+constexpr uint32_t kVersion = 11;
 
 }  // namespace
 
@@ -76,7 +73,7 @@ void PathGuide::Prepare(PrepareContext &prepare, int maxDepth) {
     LoadCells(in);
     in.Require(!roulette_.HasEstimates() || roulette_.Size() == Size(), "roulette was learned for another picture");
     BeginRecording(first, next);
-    AddRecords(in);
+    MergeRecords(in);
     in.RequireEnd();
 }
 
@@ -87,7 +84,8 @@ void PathGuide::Save(StateWriter &out) const {
     out.Value(estimatesDirections_);
     cells_.Save(out);
     roulette_.Save(out);
-    TakeRecords(out);
+    records_.Save(out);
+    roulette_.SaveRecords(out);
 }
 
 PathGuide::View PathGuide::ViewOf(const PrepareContext &prepare) {
@@ -143,21 +141,22 @@ void PathGuide::LoadOfOther(StateReader &in) {
 }
 
 void PathGuide::Inspect(const PathVertex &vertex, Point2i pixel, std::vector<InspectedValue> &values) const {
-    const double unknown = std::numeric_limits<double>::quiet_NaN();
+    const double none = std::numeric_limits<double>::quiet_NaN();
     const Point3 &p = vertex.point.p;
-    const Float worth = PixelImportance(InPicture(pixel));
-    const Float survival = roulette_.HasEstimates()
-                               ? PathRoulette::ContinuationProbability(
-                                     roulette_.At(p, PathRoulette::KindOf(vertex)).here, kInspectedWeight * worth)
-                               : 0;
-    values.push_back({"survival", survival > 0 ? static_cast<double>(survival) : unknown});
+    const Float importance = PixelImportance(InPicture(pixel));
+    const Float continuation = roulette_.HasEstimates() ? PathRoulette::ContinuationProbability(
+                                                              roulette_.At(p, PathRoulette::KindOf(vertex)).here,
+                                                              kInspectedWeight * importance)
+                                                        : 0;
+    values.push_back({"continuation probability", continuation > 0 ? static_cast<double>(continuation) : none});
     if (!params_.directions) return;
-    Float share = 0;
-    if (Guides(vertex.bsdf) && !cells_.At(p, Has(vertex.bsdf.Flags(), BxdfFlags::Glossy), Sqr(worth), &share))
-        share = 0;
+    Float probability = 0;
+    if (Guides(vertex.bsdf) &&
+        !cells_.At(p, Has(vertex.bsdf.Flags(), BxdfFlags::Glossy), Sqr(importance), &probability))
+        probability = 0;
     const Float radiance = cells_.ShinesAt(p);
-    values.push_back({"share", static_cast<double>(share)});
-    values.push_back({"shines", radiance > 0 ? std::log10(static_cast<double>(radiance)) : unknown});
+    values.push_back({"guiding probability", static_cast<double>(probability)});
+    values.push_back({"source radiance", radiance > 0 ? std::log10(static_cast<double>(radiance)) : none});
 }
 
 size_t PathGuide::PathsToRecord() const {
@@ -177,46 +176,19 @@ int PathGuide::NextAfter(int first) const {
 void PathGuide::BeginRecording(int first, int next) {
     first_ = first;
     next_ = next;
-    if (next_ == 0) {
-        places_ = {};
-        roulette_.BeginRecords(0, 0);
-        return;
-    }
-    const Vector2i size = Size();
-    const size_t most = PathsToRecord();
-    for (stride_ = 1;; ++stride_) {
-        placesPerRow_ = static_cast<size_t>((size.x + stride_ - 1) / stride_);
-        const size_t paths = placesPerRow_ * static_cast<size_t>(size.y) * static_cast<size_t>(next_ - first_);
-        if (paths > most && stride_ < size.x) continue;
-        // Not yet of the first samples: what a path is worth is not known then.
-        places_.assign(estimatesDirections_ && first_ > 0 ? paths * vertices_ : 0, {});
-        roulette_.BeginRecords(params_.roulette ? paths : 0, vertices_ + 1);
-        recordBytes_ = std::max(recordBytes_, places_.size() * sizeof(GuideRecord) + roulette_.RecordBytes());
-        return;
-    }
-}
-
-Point2i PathGuide::PixelOf(size_t path) const {
-    const size_t ofPixel = path / static_cast<size_t>(next_ - first_);
-    const int y = static_cast<int>(ofPixel / placesPerRow_);
-    // x + kRowShift y is a multiple of the stride.
-    const int shift = (stride_ - kRowShift * y % stride_) % stride_;
-    return {static_cast<int>(ofPixel % placesPerRow_) * stride_ + shift, y};
-}
-
-std::optional<size_t> PathGuide::PathNumber(Point2i pixel, int sample) const {
-    const Vector2i at = pixel - pixels_.low;
-    if (next_ == 0 || sample < first_ || sample >= next_ || (at.x + kRowShift * at.y) % stride_ != 0) return {};
-    const size_t ofPixel = static_cast<size_t>(at.y) * placesPerRow_ + static_cast<size_t>(at.x / stride_);
-    return ofPixel * static_cast<size_t>(next_ - first_) + static_cast<size_t>(sample - first_);
+    paths_ = next_ > 0 ? RecordedPaths(pixels_, first_, next_, PathsToRecord()) : RecordedPaths();
+    // Directions are not recorded from the first samples, as the pixel importance is not estimated yet.
+    records_.Begin(estimatesDirections_ && first_ > 0 ? paths_.Count() : 0, vertices_);
+    roulette_.BeginRecords(params_.roulette ? paths_.Count() : 0, vertices_ + 1);
+    recordBytes_ = std::max(recordBytes_, records_.Bytes() + roulette_.RecordBytes());
 }
 
 void PathGuide::Update(const Progress &progress) {
     if (progress.Cancelled()) return;
     const int now = next_;
     const auto begin = std::chrono::steady_clock::now();
-    if (params_.roulette) roulette_.Learn(Size(), [&](size_t path) { return PixelOf(path); });
-    if (!places_.empty())
+    if (params_.roulette) roulette_.Learn(Size(), [&](size_t path) { return paths_.PixelOf(path); });
+    if (records_.IsOpen())
         EstimateDirections(static_cast<double>(params_.minSaved) * (NextAfter(now) != 0 ? kMinFirstSaving : 1));
     BeginRecording(now, NextAfter(now));
     updateSeconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -229,67 +201,50 @@ void PathGuide::EstimateDirections(double minSaved) {
         estimatesDirections_ = false;
         return false;
     };
-    if (!cells_.Guide() && places_.size() / vertices_ >= kAsked * kEnoughPaths) {
+    const std::span<const GuideRecord> all = records_.Places();
+    if (!cells_.Guide() && all.size() / vertices_ >= kFirstStride * kEnoughPaths) {
         std::vector<GuideRecord> some;
-        for (size_t i = 0; i < places_.size(); ++i)
-            if (IsAsked(i / vertices_, kAsked)) some.push_back(places_[i]);
+        for (size_t i = 0; i < all.size(); ++i)
+            if (IsUsed(records_.PathOf(i), kFirstStride)) some.push_back(all[i]);
         cells_.Learn(some, params_.share);
-        savedShare_ = SavedShare(kAsked);
+        savedShare_ = SavedShare(kFirstStride);
         if (!pays()) return;
     }
-    cells_.Learn(places_, params_.share);
+    cells_.Learn(all, params_.share);
     savedShare_ = SavedShare(1);
     pays();
 }
 
-double PathGuide::SavedShare(size_t asked) const {
+double PathGuide::SavedShare(size_t stride) const {
     if (!roulette_.HasEstimates()) return 1;
     double saved = 0;
-    for (size_t i = 0; i < places_.size(); ++i) {
-        const GuideRecord &r = places_[i];
-        if (r.pdf > 0 && IsAsked(i / vertices_, asked))
+    for (size_t i = 0; i < records_.Places().size(); ++i) {
+        const GuideRecord &r = records_.Places()[i];
+        const size_t path = records_.PathOf(i);
+        if (!r.IsEmpty() && IsUsed(path, stride))
             saved += static_cast<double>(
-                cells_.SavedAt(r.p, r.isGlossy, Sqr(r.beta * PixelImportance(PixelOf(i / vertices_)))));
+                cells_.SavedAt(r.p, r.isGlossy, Sqr(r.beta * PixelImportance(paths_.PixelOf(path)))));
     }
-    return static_cast<double>(asked) * saved / roulette_.RecordedCost();
-}
-
-void PathGuide::TakeRecords(StateWriter &out) const {
-    uint64_t filled = 0;
-    for (const GuideRecord &place : places_) filled += place.pdf > 0;
-    out.Value(uint64_t{places_.size()});
-    out.Value(filled);
-    for (size_t i = 0; i < places_.size(); ++i) {
-        if (!(places_[i].pdf > 0)) continue;
-        out.Value(uint64_t{i});
-        out.Value(places_[i]);
-    }
-    roulette_.TakeRecords(out);
-}
-
-void PathGuide::AddRecords(StateReader &in) {
-    in.Require(in.Value<uint64_t>() == places_.size(), "it has other records than the render makes");
-    for (auto filled = in.Value<uint64_t>(); filled > 0; --filled) {
-        const auto i = in.Value<uint64_t>();
-        in.Require(i < places_.size(), "a record has no place");
-        places_[i] = GuideRecord::Read(in);
-    }
-    roulette_.AddRecords(in);
+    return static_cast<double>(stride) * saved / roulette_.RecordedCost();
 }
 
 void PathGuide::ExtractRecords(StateWriter &out) {
-    TakeRecords(out);
-    std::fill(places_.begin(), places_.end(), GuideRecord{});
-    roulette_.ClearRecords();
+    records_.Extract(out);
+    roulette_.ExtractRecords(out);
+}
+
+void PathGuide::MergeRecords(StateReader &in) {
+    records_.Merge(in);
+    roulette_.MergeRecords(in);
 }
 
 void PathGuide::Report(nlohmann::ordered_json &json) const {
     json["rouletteCells"] = roulette_.Cells();
     json["cells"] = cells_.Cells();
     json["guidingCells"] = cells_.GuidingCells();
-    json["targets"] = cells_.Clusters().count;
-    json["partSaved"] = savedShare_;
-    json["meanShare"] = cells_.MeanShare();
+    json["sourceClusters"] = cells_.Clusters().count;
+    json["savedShare"] = savedShare_;
+    json["meanGuidingProbability"] = cells_.MeanProbability();
     json["bytes"] = cells_.Bytes() + roulette_.Bytes();
     json["recordBytes"] = recordBytes_;
     json["learningSeconds"] = updateSeconds_;

@@ -36,10 +36,9 @@ struct GuideParams {
     }
 };
 
-/// Learns, while a render goes on, where the light that only bounces find comes from (GuideCells): light times the
-/// bounce's MIS weight, so that what light sampling finds better does not count. It learns together with the light
-/// sampler, if that learns (LightLearner).
-/// Roulette by what paths found from a place on is learned from the same paths (PathRoulette).
+/// Path guiding, learned during the render: directions towards sources of radiance (GuideCells), recorded times the
+/// MIS weight of the bounce, so that radiance that light sampling finds better does not count; and Russian roulette
+/// from the same paths (PathRoulette).
 class PathGuide final : public DirectionSampling {
   public:
     explicit PathGuide(const GuideParams &params) : params_(params), estimatesDirections_(params.directions) {}
@@ -49,92 +48,84 @@ class PathGuide final : public DirectionSampling {
 
     /// True if bounces at such a BSDF are guided or learned from.
     static bool Guides(const Bsdf &bsdf);
-    /// PathRoulette::PixelImportance of a pixel, relative to the picture's corner; infinite before it is known. Times a
-    /// path's weight (mean over wavelengths) and squared, it is what GuideCells::At asks for.
+    /// PathRoulette::PixelImportance of a pixel, relative to the picture's corner; infinite before the first estimate.
+    /// Times throughput (mean over wavelengths), squared, it is the importance of GuideCells::At.
     Float PixelImportance(Point2i pixel) const {
         return roulette_.HasEstimates() ? roulette_.PixelImportance(pixel) : std::numeric_limits<Float>::infinity();
     }
     const GuideCells &Cells() const { return cells_; }
 
-    /// How far away what rays find that leave the scene counts as.
+    /// Distance of sources that rays find which leave the scene.
     Float EnvironmentDistance() const { return environmentDistance_; }
-    /// False if bounces are never guided and leave no records: it was not asked for, or does not pay in this scene.
+    /// False if directional guiding is off or disabled: then bounces are not recorded.
     bool EstimatesDirections() const { return estimatesDirections_; }
-    /// Null: paths end by their weight alone.
+    /// Null: roulette by throughput alone.
     PathRoulette *Roulette() { return params_.roulette ? &roulette_ : nullptr; }
-    /// What is known at a vertex, for pictures. `pixel`: whose path it is.
+    /// Estimates at a vertex of a path of a pixel, for views.
     void Inspect(const PathVertex &vertex, Point2i pixel, std::vector<InspectedValue> &values) const override;
     /// A pixel, relative to the picture's corner.
     Point2i InPicture(Point2i pixel) const { return pixel - pixels_.low; }
-    /// The number of a path that is recorded.
-    std::optional<size_t> PathNumber(Point2i pixel, int sample) const;
+    /// The number of a path that is recorded; empty: it is not.
+    std::optional<size_t> PathNumber(Point2i pixel, int sample) const { return paths_.NumberOf(pixel, sample); }
     /// The places for records of a path's bounces. The path keeps the range.
-    PathObserver::PathPlaces BeginRecords(std::optional<size_t> path) const {
-        return path && !places_.empty() ? PathObserver::PathPlaces{*path * vertices_, (*path + 1) * vertices_}
-                                        : PathObserver::PathPlaces{};
-    }
-    void Record(PathObserver::PathPlaces &path, const GuideRecord &record) {
-        if (path.next >= path.end) return;
-        GuideRecord &place = places_[path.next++];
-        place = record;
-        place.isOfFirstHalf = path.end / vertices_ % 2 == 0;
+    PathObserver::PathPlaces BeginRecords(std::optional<size_t> path) const { return records_.PlacesOf(path); }
+    void Record(PathObserver::PathPlaces &path, GuideRecord record) {
+        record.isOfFirstHalf = path.end / vertices_ % 2 == 0;
+        records_.Add(path, record);
     }
 
     int NextUpdate() const override { return next_; }
     void Update(const Progress &progress) override;
     void ExtractRecords(StateWriter &out) override;
-    void MergeRecords(StateReader &in) override { AddRecords(in); }
+    void MergeRecords(StateReader &in) override;
 
-    /// What was learned and found, for a checkpoint, without what the light sampler learned.
+    /// Estimates and records, for a checkpoint, without those of the light sampler.
     void Save(StateWriter &out) const override;
-    /// What was learned, for other renders. They may have another camera or another resolution, and learn nothing more.
+    /// Estimates, for other renders. They may have another camera or another resolution, and learn nothing more.
     void SaveForOthers(StateWriter &out) const override;
-    /// Cells, how many of them guide, the part of the paths' cost that this saves, memory of what is known and, at
-    /// most, of records, and the time of learning.
+    /// Cells, how many of them guide, the saved part of the path cost, memory of estimates and, at most, of records,
+    /// and the time of updates.
     void Report(nlohmann::ordered_json &json) const override;
 
   private:
-    /// What the picture shows: rays through its corners and its middle.
+    /// Rays through the corners and the middle of the picture.
     struct View {
         static constexpr size_t kRays = 5;
         std::array<Point3, kRays> from{};
         std::array<Vector3, kRays> towards{};
     };
     static View ViewOf(const PrepareContext &prepare);
-    /// True if both show the same, but for what another resolution changes.
+    /// True if both are the same view, at any resolution.
     bool IsSame(const View &a, const View &b) const;
     void LoadOfOther(StateReader &in);
     void LoadCells(StateReader &in);
 
     Vector2i Size() const { return pixels_.IsEmpty() ? Vector2i(0) : pixels_.high - pixels_.low; }
     size_t Pixels() const { return static_cast<size_t>(Size().x) * static_cast<size_t>(Size().y); }
-    /// At most so many are recorded for a learning.
+    /// At most so many are recorded between two updates.
     size_t PathsToRecord() const;
-    /// Samples per pixel after which to learn, if it was learned or begun after `first`; 0: not again.
+    /// Samples per pixel of the next update after `first`; 0: none.
     int NextAfter(int first) const;
-    /// Makes places for what samples [first, next) find; for none if `next` is 0.
+    /// Makes places for records of samples [first, next); none if `next` is 0.
     void BeginRecording(int first, int next);
-    /// The pixel of a path's number, relative to the picture's corner.
-    Point2i PixelOf(size_t path) const;
-    /// Gives directions up if they save less than this part of what paths cost.
+    /// Disables directional guiding if it saves less than this part of the path cost.
     void EstimateDirections(double minSaved);
-    /// What guiding saves, of all that paths cost, as the records of one path in `asked` tell.
-    double SavedShare(size_t asked) const;
-    void TakeRecords(StateWriter &out) const;
-    void AddRecords(StateReader &in);
+    /// The part of the path cost that guiding saves, from the records of one path in `stride`.
+    double SavedShare(size_t stride) const;
 
     GuideParams params_;
     GuideCells cells_;
     bool estimatesDirections_;
     Bounds2i pixels_{};
     View view_;
-    int samplesPerPixel_ = 1, next_ = 0, first_ = 0, stride_ = 1;
-    size_t vertices_ = 1, placesPerRow_ = 0;
-    Float environmentDistance_ = 0;  ///< how far away what is beyond the scene counts as
-    std::vector<GuideRecord> places_;
+    int samplesPerPixel_ = 1, next_ = 0, first_ = 0;
+    size_t vertices_ = 1;
+    Float environmentDistance_ = 0;
+    RecordedPaths paths_;
+    PathRecordStore<GuideRecord> records_;
     PathRoulette roulette_;
     size_t recordBytes_ = 0;  ///< the most so far
-    double savedShare_ = 0;   ///< when directions were learned last
+    double savedShare_ = 0;   ///< of the last update
     double updateSeconds_ = 0;
 };
 

@@ -11,7 +11,7 @@ namespace {
 
 /// A cell with more records is divided.
 constexpr std::ptrdiff_t kCellRecords = 1024;
-/// What the cell above says counts like so many records.
+/// Weight of the estimate of the cell above, in records.
 constexpr double kPriorRecords = 128;
 /// No record has a larger part than this of the second moment of its cell.
 constexpr double kLargestPart = 0.1;
@@ -22,15 +22,7 @@ constexpr double kDark = 0.2;
 /// A tile of the picture has at least so many recorded paths, if the picture has.
 constexpr double kTilePaths = 64;
 
-bool IsFilled(const RouletteRecord &record) { return record.here.cost > 0; }
-bool IsFilled(const PathTotal &total) { return total.cost > 0; }
-// Of what was read. What a path found may be infinite; Learn leaves it out.
-bool IsFinite(const RouletteRecord &r) {
-    return std::isfinite(r.p.x + r.p.y + r.p.z) && std::isfinite(r.here.cost) && std::isfinite(r.onwards.cost);
-}
-bool IsFinite(const PathTotal &total) { return std::isfinite(total.cost); }
-
-/// Of what was found from vertices on.
+/// Mean square of the radiance, and mean cost.
 struct Moments {
     double squares = 0, cost = 0;
     Float Root() const {
@@ -38,16 +30,16 @@ struct Moments {
     }
 };
 
-/// `prior`: what the cell above says.
+/// `prior`: of the cell above.
 Moments MeanOf(const RouletteRecord *const *begin, const RouletteRecord *const *end,
-               RouletteRecord::Part RouletteRecord::*part, const Moments &prior) {
-    const auto square = [&](const RouletteRecord *r) { return Sqr(static_cast<double>((r->*part).found)); };
+               RouletteRecord::Segment RouletteRecord::*segment, const Moments &prior) {
+    const auto square = [&](const RouletteRecord *r) { return Sqr(static_cast<double>((r->*segment).radiance)); };
     double squares = 0;
     for (const auto *r = begin; r != end; ++r) squares += square(*r);
     double n = prior.cost > 0 ? kPriorRecords : 0;
     Moments mean{n * prior.squares, n * prior.cost};
     for (const auto *r = begin; r != end; ++r) {
-        const auto cost = static_cast<double>(((*r)->*part).cost);
+        const auto cost = static_cast<double>(((*r)->*segment).cost);
         if (!(cost > 0)) continue;
         ++n;
         mean.squares += std::min(square(*r), kLargestPart * squares);
@@ -57,6 +49,22 @@ Moments MeanOf(const RouletteRecord *const *begin, const RouletteRecord *const *
 }
 
 }  // namespace
+
+// Radiance may be infinite; Learn leaves such records out.
+RouletteRecord RouletteRecord::Read(StateReader &in) {
+    const auto r = in.Value<RouletteRecord>();
+    in.Require(!r.IsEmpty() && std::isfinite(r.p.x + r.p.y + r.p.z) && std::isfinite(r.here.cost) &&
+                   std::isfinite(r.onwards.cost),
+               "a record is not finite");
+    in.Require(r.kind < PathRoulette::kKinds, "a record is of no kind");
+    return r;
+}
+
+PathTotal PathTotal::Read(StateReader &in) {
+    const auto total = in.Value<PathTotal>();
+    in.Require(!total.IsEmpty() && std::isfinite(total.cost), "a record is not finite");
+    return total;
+}
 
 uint32_t PathRoulette::KindOf(const Vector3 &n, bool isGlossy) {
     const Vector3 a = Abs(n);
@@ -69,33 +77,19 @@ uint32_t PathRoulette::KindOf(const PathVertex &vertex) {
     return KindOf(Dot(vertex.point.wo, n) < 0 ? -n : n, Has(vertex.bsdf.Flags(), BxdfFlags::Glossy));
 }
 
-void PathRoulette::BeginRecords(size_t paths, size_t vertices) {
-    vertices_ = vertices;
-    if (paths == 0) {
-        records_ = {};
-        totals_ = {};
-    }
-    records_.assign(paths * vertices, {});
-    totals_.assign(paths, {});
-}
-
-void PathRoulette::ClearRecords() {
-    std::fill(records_.begin(), records_.end(), RouletteRecord{});
-    std::fill(totals_.begin(), totals_.end(), PathTotal{});
-}
-
 double PathRoulette::RecordedCost() const {
     double cost = 0;
-    for (const PathTotal &total : totals_) cost += static_cast<double>(total.cost);
+    for (const PathTotal &total : totals_.Places()) cost += static_cast<double>(total.cost);
     return cost;
 }
 
 void PathRoulette::EstimatePixels(Vector2i size, const std::vector<Point2i> &pixels) {
+    const std::span<const PathTotal> totals = totals_.Places();
     double known = 0, sum = 0;
-    for (const PathTotal &t : totals_) {
+    for (const PathTotal &t : totals) {
         if (!(t.cost > 0)) continue;
         ++known;
-        sum += static_cast<double>(t.found);
+        sum += static_cast<double>(t.radiance);
     }
     tree_.Begin(0);
     cells_.clear();
@@ -107,10 +101,10 @@ void PathRoulette::EstimatePixels(Vector2i size, const std::vector<Point2i> &pix
     const Vector2i count = (size + (tile_ - 1)) / tile_;
     const auto tileOf = [&](const Point2i &p) { return static_cast<size_t>(p.y / tile_ * count.x + p.x / tile_); };
     std::vector<std::array<double, 2>> sums(static_cast<size_t>(count.x) * static_cast<size_t>(count.y));
-    for (size_t i = 0; i < totals_.size(); ++i) {
-        if (!(totals_[i].cost > 0)) continue;
+    for (size_t i = 0; i < totals.size(); ++i) {
+        if (!(totals[i].cost > 0)) continue;
         auto &tile = sums[tileOf(pixels[i])];
-        tile[0] += static_cast<double>(totals_[i].found);
+        tile[0] += static_cast<double>(totals[i].radiance);
         ++tile[1];
     }
     // A tile and its neighbours, weighted 4 : 2 : 1.
@@ -131,14 +125,14 @@ void PathRoulette::EstimatePixels(Vector2i size, const std::vector<Point2i> &pix
     // The variance within pixels, of blocks of successive samples.
     std::vector<double> variances;
     double all = 0;
-    for (size_t i = 0, end = 0; i < totals_.size(); i = end) {
-        while (end < totals_.size() && pixels[end] == pixels[i]) ++end;
+    for (size_t i = 0, end = 0; i < totals.size(); i = end) {
+        while (end < totals.size() && pixels[end] == pixels[i]) ++end;
         const size_t block = std::bit_floor(std::max<size_t>(1, (end - i) / 2));
         double n = 0, found = 0, squares = 0;
         for (size_t k = i; k + block <= end; k += block) {
-            if (!std::all_of(&totals_[k], &totals_[k] + block, [](const PathTotal &t) { return t.cost > 0; })) continue;
+            if (!std::all_of(&totals[k], &totals[k] + block, [](const PathTotal &t) { return t.cost > 0; })) continue;
             double x = 0;
-            for (size_t m = k; m < k + block; ++m) x += static_cast<double>(totals_[m].found);
+            for (size_t m = k; m < k + block; ++m) x += static_cast<double>(totals[m].radiance);
             ++n;
             found += x;
             squares += x * x;
@@ -162,7 +156,7 @@ void PathRoulette::UseFor(Vector2i size, bool isSameView) {
     if (!HasEstimates() || size.x < 1 || size.y < 1 || (isSameView && size == size_)) return;
     if (!isSameView) {
         double radiance = 0;
-        for (const Float worth : tiles_) radiance += 1 / static_cast<double>(worth);
+        for (const Float importance : tiles_) radiance += 1 / static_cast<double>(importance);
         tiles_ = {static_cast<Float>(static_cast<double>(tiles_.size()) / radiance)};
         size_ = size;
         tile_ = std::max(size.x, size.y);
@@ -180,15 +174,15 @@ void PathRoulette::UseFor(Vector2i size, bool isSameView) {
     tile_ = tile;
 }
 
-struct PathRoulette::Known {
+struct PathRoulette::Estimate {
     Moments here, onwards;
 };
 
 void PathRoulette::EstimateCells() {
     if (!HasEstimates()) return;
     std::vector<const RouletteRecord *> records;
-    for (const RouletteRecord &r : records_)
-        if (IsFilled(r)) records.push_back(&r);
+    for (const RouletteRecord &r : records_.Places())
+        if (!r.IsEmpty()) records.push_back(&r);
     std::stable_sort(records.begin(), records.end(), [](const auto *a, const auto *b) { return a->kind < b->kind; });
     const RouletteRecord **begin = records.data(), **end = begin + records.size();
     for (uint32_t kind = 0; kind < kKinds; ++kind) {
@@ -198,10 +192,11 @@ void PathRoulette::EstimateCells() {
     }
 }
 
-void PathRoulette::Divide(size_t node, const RouletteRecord **begin, const RouletteRecord **end, const Known &prior) {
+void PathRoulette::Divide(size_t node, const RouletteRecord **begin, const RouletteRecord **end,
+                          const Estimate &prior) {
     const std::ptrdiff_t count = end - begin;
-    const Known mean{MeanOf(begin, end, &RouletteRecord::here, prior.here),
-                     MeanOf(begin, end, &RouletteRecord::onwards, prior.onwards)};
+    const Estimate mean{MeanOf(begin, end, &RouletteRecord::here, prior.here),
+                        MeanOf(begin, end, &RouletteRecord::onwards, prior.onwards)};
     const RouletteRecord **second = begin;
     if (count > kCellRecords) second = tree_.Divide(node, begin, end, [](const RouletteRecord *r) { return r->p; });
     if (second == begin) {
@@ -240,41 +235,10 @@ std::optional<std::string> PathRoulette::Validate() const {
     const auto along = [&](int pixels) { return static_cast<size_t>((pixels + tile_ - 1) / tile_); };
     if (tiles_.size() != along(size_.x) * along(size_.y)) return "the tiles of roulette do not cover the picture";
     for (const Float tile : tiles_)
-        if (!(tile > 0)) return "a tile of roulette has no worth";
+        if (!(tile > 0)) return "a tile of roulette has no importance";
     for (const Cell &cell : cells_)
         if (!std::isfinite(cell.here) || !std::isfinite(cell.onwards)) return "a cell of roulette is not finite";
     return {};
-}
-
-void PathRoulette::TakeRecords(StateWriter &out) const {
-    const auto take = [&](const auto &places) {
-        uint64_t filled = 0;
-        for (const auto &place : places) filled += IsFilled(place);
-        out.Value(uint64_t{places.size()});
-        out.Value(filled);
-        for (size_t i = 0; i < places.size(); ++i) {
-            if (!IsFilled(places[i])) continue;
-            out.Value(uint64_t{i});
-            out.Value(places[i]);
-        }
-    };
-    take(records_);
-    take(totals_);
-}
-
-void PathRoulette::AddRecords(StateReader &in) {
-    const auto add = [&](auto &places) {
-        in.Require(in.Value<uint64_t>() == places.size(), "it has other records than the render makes");
-        for (auto filled = in.Value<uint64_t>(); filled > 0; --filled) {
-            const auto i = in.Value<uint64_t>();
-            in.Require(i < places.size(), "a record has no place");
-            in.Value(&places[i]);
-            in.Require(IsFilled(places[i]) && IsFinite(places[i]), "a record is not finite");
-        }
-    };
-    add(records_);
-    add(totals_);
-    for (const RouletteRecord &r : records_) in.Require(r.kind < kKinds, "a record is of no kind");
 }
 
 }  // namespace ext

@@ -117,8 +117,6 @@ class Inspector {
     std::vector<InspectedLight> lights_;  ///< per group
     std::vector<size_t> shown_;           ///< groups whose visibility is shown, most power first
     size_t samplerLayers_ = 0;
-    std::vector<std::pair<LightId, std::vector<LightId>>>
-        skyParts_;  ///< of every sky those that the sampler chooses from
 };
 
 /// The name with every character but letters, digits and dots replaced by _, for EXR channels and files.
@@ -178,12 +176,12 @@ void Inspector::MakeLayers(Inspection &out) {
     values.clear();
     guide_->Inspect(PathVertex(), {}, values);
     const std::map<std::string, InspectedLayer> ofGuide = {
-        {"survival",
+        {"continuation probability",
          Layer("probability with which a path of half its weight goes on here; magenta: not known", 0.5, 1)},
-        {"share", Layer("share of the bounces whose direction comes from the guide", 0, 1)},
-        {"shines", Layer("places that shine, as the guide has learned: log10 of their radiance over the greatest; "
-                         "magenta: none",
-                         -3, 0)}};
+        {"guiding probability", Layer("guiding probability", 0, 1)},
+        {"source radiance", Layer("radiance of source clusters, log10 over the greatest; "
+                                  "magenta: none",
+                                  -3, 0)}};
     for (const InspectedValue &v : values) {
         out.layers.push_back(ofGuide.at(v.name));
         out.layers.back().name = "guide." + v.name;
@@ -255,8 +253,6 @@ void Inspector::LookAt(const FirstHit &hit, Point2i pixel, Sampler &sampler, std
     LightMemory memory;
     const LightDistribution lights = sampler_.At(query, memory);
     for (size_t l = 0; l < pmf.size(); ++l) pmf[l] = lights.PMF(LightId(l));
-    for (const auto &[sky, parts] : skyParts_)
-        for (LightId part : parts) pmf[sky.value] += lights.PMF(part);
 
     double entropy = 0, greatest = 0, probability = 0, second = 0, root = 0;
     const InspectedLight *brightest = nullptr;
@@ -297,7 +293,6 @@ Inspection Inspector::Run() {
     std::stable_sort(shown_.begin(), shown_.end(),
                      [&](size_t a, size_t b) { return lights_[a].power > lights_[b].power; });
     shown_.resize(std::min(shown_.size(), static_cast<size_t>(std::max(settings_.shownLights, 0))));
-    for (LightId sky : built_.scene->Lights().Skies()) skyParts_.emplace_back(sky, sampler_.SkyPartsOf(sky));
     MakeLayers(out);
     out.structure = sampler_.DescribeStructure();
     out.lights = lights_;

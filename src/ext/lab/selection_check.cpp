@@ -42,23 +42,23 @@ constexpr double kMaxStep = 0.5;
 class Asker {
   public:
     Asker(const LightSampler &lights, int draws, const LightTable &table)
-        : lights_(lights), draws_(draws), table_(table), places_(table.IdCount()) {}
+        : lights_(lights), draws_(draws), table_(table), places_(table.Size()) {}
 
     VertexFinding Ask(const SelectionVertices::Vertex &vertex, Rng rng) {
         VertexFinding finding;
         finding.endsPath = vertex.endsPath;
         const LightQuery query = vertex.FullQuery();
         const LightDistribution lights = lights_.At(query, memory_);
-        FindParts(vertex, lights);
+        FindChoices(vertex, lights);
         Draw(vertex, lights, rng);
         double light = 0, excess = 0, unjudged = 0;
         for (const auto &m : vertex.lights) light += static_cast<double>(m.c);
         for (size_t i = 0; i < vertex.lights.size(); ++i) {
             const auto &m = vertex.lights[i];
-            const Float pmf = lights.PMF(parts_[i].id);
+            const Float pmf = choices_[i].light.pmf;
             // The share that BSDF sampling leaves to light sampling: all of it for lights without extent, which no BSDF
             // sample hits.
-            const double due = m.isDelta ? 1 : pmf > 0 ? static_cast<double>(Weight(m, parts_[i], pmf)) : 0;
+            const double due = m.isDelta ? 1 : pmf > 0 ? static_cast<double>(Weight(m, choices_[i], pmf)) : 0;
             const double got = got_[i] / draws_;
             const double c = static_cast<double>(m.c);
             double counts = 1;
@@ -74,33 +74,34 @@ class Asker {
     }
 
   private:
-    /// What the sampler must choose to find the measured point: a light, or the part of a sky that the point lies in;
-    /// and the density with which the point is then drawn.
-    struct Part {
-        LightId id{};
+    /// The choice of the sampler that draws the measured point, and the density of the point then.
+    struct Choice {
+        SampledLight light;
         Float pdf = 0;  ///< solid angle
     };
-    static Float Weight(const SelectionVertices::MeasuredLight &m, const Part &part, Float pmf) {
-        return m.isDelta ? Float(1) : PowerHeuristic(pmf * part.pdf, m.pBsdf);
+    static Float Weight(const SelectionVertices::MeasuredLight &m, const Choice &choice, Float pmf) {
+        return m.isDelta ? Float(1) : PowerHeuristic(pmf * choice.pdf, m.pBsdf);
     }
 
-    void FindParts(const SelectionVertices::Vertex &vertex, const LightDistribution &lights) {
-        parts_.clear();
+    void FindChoices(const SelectionVertices::Vertex &vertex, const LightDistribution &lights) {
+        choices_.clear();
         for (const auto &m : vertex.lights) {
-            Part part{LightId(m.light), m.pdf};
-            if (m.isInfinite) {
-                const LightSampleContext from{vertex.query.p, {}, {}, {}, 0};
-                part.id = lights.PartTowards(part.id, from.p, m.wi);
-                part.pdf = table_[part.id].PdfLi(from, m.wi, {}, {}, true);
+            const LightId id(m.light);
+            if (!m.isInfinite) {
+                choices_.push_back({{id, lights.PMF(id)}, m.pdf});
+                continue;
             }
-            parts_.push_back(part);
+            const LightSampleContext from{vertex.query.p, {}, {}, {}, 0};
+            const SampledLight light = lights.Towards(id, from.p, m.wi);
+            choices_.push_back({light, table_.Region(id, light.region).PdfLi(from, m.wi, {}, {}, true)});
         }
     }
 
     /// Sets got_: for every measured light, the sum of its weights over the draws.
     void Draw(const SelectionVertices::Vertex &vertex, const LightDistribution &lights, Rng &rng) {
         got_.assign(vertex.lights.size(), 0);
-        for (size_t i = 0; i < parts_.size(); ++i) places_[parts_[i].id.value] = static_cast<uint32_t>(i) + 1;
+        for (size_t i = 0; i < choices_.size(); ++i)
+            places_[choices_[i].light.light.value] = static_cast<uint32_t>(i) + 1;
         for (int k = 0; k < draws_; ++k) {
             const Float u =
                 std::min((static_cast<Float>(k) + rng.Uniform()) / static_cast<Float>(draws_), OneMinusEpsilon);
@@ -108,20 +109,20 @@ class Asker {
             std::optional<SampledLight> light = lights.Sample(u, &uPoint);
             if (!light || !(light->pmf > 0)) continue;
             const uint32_t place = places_[light->light.value];
-            if (place > 0)
+            if (place > 0 && light->region == choices_[place - 1].light.region)
                 got_[place - 1] +=
-                    static_cast<double>(Weight(vertex.lights[place - 1], parts_[place - 1], light->pmf) / light->pmf);
+                    static_cast<double>(Weight(vertex.lights[place - 1], choices_[place - 1], light->pmf) / light->pmf);
         }
-        for (const Part &part : parts_) places_[part.id.value] = 0;
+        for (const Choice &choice : choices_) places_[choice.light.light.value] = 0;
     }
 
     const LightSampler &lights_;
     int draws_;
     LightMemory memory_;
     const LightTable &table_;
-    std::vector<Part> parts_;  ///< of the vertex's lights
+    std::vector<Choice> choices_;  ///< of the vertex's lights
     std::vector<double> got_;
-    std::vector<uint32_t> places_;  ///< for every id, 1 + its index among the vertex's parts, or 0
+    std::vector<uint32_t> places_;  ///< for every light, 1 + its index among the vertex's lights, or 0
 };
 
 }  // namespace

@@ -2,7 +2,7 @@
 #include <span>
 #include <vector>
 
-#include "ext/octree/cell_octree.h"
+#include "ext/visibility/cell_octree.h"
 
 namespace ext {
 
@@ -21,8 +21,10 @@ class LightOctree {
     size_t Bytes() const { return cells_.Bytes() + cdf_.capacity() * sizeof(Float); }
     /// Same cells and same distributions, to the last bit.
     bool operator==(const LightOctree &o) const { return cells_ == o.cells_ && cdf_ == o.cdf_; }
-    void Save(StateWriter &writer) const;
-    void Load(StateReader &reader);
+    template <class Archive>
+    void Visit(Archive &archive) {
+        archive(cells_, cdf_, groups_, leaves_, depth_);
+    }
     /// Empty, or what is wrong with an octree that was read. One without rows is valid.
     std::optional<std::string> Validate() const;
     size_t GroupCount() const { return groups_; }

@@ -100,4 +100,18 @@ LightOctree LightOctreeBuilder::Build(size_t groups, const AddValues &addValues)
     return std::move(tree_);
 }
 
+std::optional<std::string> LightOctree::Validate() const {
+    if (groups_ == 0 || cdf_.empty()) {
+        const bool isEmpty = groups_ == 0 && cdf_.empty() && leaves_ == 0 && depth_ == 0;
+        return isEmpty ? std::nullopt : std::optional("an octree has lights and no rows");
+    }
+    if (cdf_.size() % groups_ != 0) return "a row of an octree lacks lights";
+    for (uint32_t row = 0; row < RowCount(); ++row) {
+        const std::span<const Float> cdf = Cdf(row);
+        if (!(cdf[0] >= 0) || cdf.back() != 1 || !std::is_sorted(cdf.begin(), cdf.end()))
+            return "the probabilities of a row do not add up to 1";
+    }
+    return cells_.ValidateLeaves(RowCount(), leaves_, depth_);
+}
+
 }  // namespace ext

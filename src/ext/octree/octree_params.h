@@ -6,6 +6,8 @@ using namespace pbrt;
 
 /// Defaults of OctreeParams::floor.
 inline constexpr Float kVisibilityFloor = 0.05f, kPaperFloor = 0.1f;
+/// Candidates of VisibilityOctreeLightSampler: with more groups of lights they are nodes of a light tree.
+inline constexpr size_t kMaxCandidates = 64;
 
 /// Parameters of the octree light sampler.
 struct OctreeParams {
@@ -25,7 +27,7 @@ struct OctreeParams {
     bool interior = true;
     int cut = 48;
     bool learn = true;
-    std::string windows = "auto";
+    std::string portals = "auto";
 
     template <class V>
     void Describe(V &&v) {
@@ -35,35 +37,33 @@ struct OctreeParams {
           "camera paths per pixel in the prepass; 0: as many as budget allows (visibility) or 1 (paper)");
         v("depth", depth, Range<int>{1, 64}, "vertices of a prepass path");
         v("floor", floor, Range<Float>{0.f, 1.f},
-          "share of the probability handed out by unoccluded importance, whatever the prepass saw; 0: 0.05 (paper: "
-          "0.1)");
+          "part of the probability given by unoccluded importance alone; 0: 0.05 (paper: 0.1)");
         v("leaves", leaves, Range<int>{64, 1 << 24},
           "paper: the paper's T: a cell is split while it holds more than 4N/T of the N prepass vertices");
         v("budget", budget, Range<Float>{1e-4f, 1.f},
           "visibility: rays of the prepass as a share of the render's rays; with more than 64 lights, 0.1 can "
           "reduce the error of renders of less than a second");
         v("tries", tries, Range<int>{0, 4096},
-          "visibility: lights that a prepass vertex traces shadow rays to; 0: all if there are at most 64 lights, "
-          "else 8 drawn by unoccluded importance");
+          "visibility: shadow rays from a prepass vertex; 0: one to each light if there are at most 64, "
+          "else to 8 lights drawn by unoccluded importance");
         v("records", records, Range<int>{1, 1 << 20},
           "visibility: prepass vertices that a leaf should hold; a cell is split while it holds more than 4 times "
           "as many (with more than 64 lights: more than this number)");
         v("shrinkage", shrinkage, Range<Float>{0.f, 1e6f},
-          "visibility: how many tries the parent cell's estimate counts for");
+          "visibility: number of shadow rays that the parent cell's estimate counts for");
         v("prunegain", prunegain, Range<Float>{0.f, 1.f},
           "visibility: a split must lower the held-out second moment by this share; 0, and with more than 64 lights: "
           "keep all splits");
         v("secondmoment", secondmoment,
-          "visibility: learn the root mean square of the light found relative to the unoccluded light; false: the "
-          "mean");
+          "visibility: learn the root mean square of the contribution over the unoccluded one; false: the mean");
         v("bsdf", bsdf, "visibility: weigh lights by the BSDF on glossy surfaces");
         v("interior", interior, "visibility: choose a mesh's primitive by importance at the point; false: by power");
         v("cut", cut, Range<int>{2, 48},
-          "visibility: nodes of the light tree that a leaf tells apart where there are more than 64 lights");
-        v("learn", learn, "visibility: with more than 64 lights, go on learning from the shadow rays of the render");
-        v("windows", windows, Choices{"auto", "always", "never"},
-          "visibility: find the windows that a sky is seen through, and sample it through each of them, where at most "
-          "0.3 of the rays towards the sky leave the scene; auto: only without lamps, and where paths bounce at most "
+          "visibility: nodes of the light tree in the cut of a leaf, with more than 64 lights");
+        v("learn", learn, "visibility: with more than 64 lights, update the model from shadow rays of the render");
+        v("portals", portals, Choices{"auto", "always", "never"},
+          "visibility: find portals (windows, doors) and sample environment lights through them, where at most 0.3 of "
+          "the rays towards these lights leave the scene; auto: only without local lights, and with bounces at most "
           "0.005");
         v("meshlights", meshlights,
           "an emissive mesh is one light for selection; visibility: unless at most eight primitives of the scene emit");

@@ -52,6 +52,7 @@ void PaperOctreeLightSampler::Prepare(PrepareContext &context) {
     context.progress.BeginPhase("octree", static_cast<int64_t>(vertices.size()));
     LightOctreeBuilder builder(context.scene.Bounds(), std::move(points), params_.leaves);
     const size_t groupCount = groups_.Size();
+    const LightTable &lights = groups_.Lights();
     tree_ = builder.Build(groupCount, [&](uint32_t index, std::span<double> sum) {
         if (context.progress.Cancelled()) return;
         Rng rng(Hash(uint64_t(0x6f6374726565), context.seed, index));
@@ -60,7 +61,7 @@ void PaperOctreeLightSampler::Prepare(PrepareContext &context) {
             Point2 u = rng.Uniform2();
             LightId light = groups_.SampleLight(g, uLight);
             if (Float share = groups_.ShareOf(light); share > 0)
-                sum[g] += VisibleContribution(context.scene, vertices[index], light, u) / double(share);
+                sum[g] += VisibleContribution(context.scene, vertices[index], lights[light], u) / double(share);
         }
         if (index % 64 == 0) context.progress.Advance(64);
     });

@@ -85,9 +85,9 @@ std::vector<PrepassVertex> TracePrepassPaths(PrepareContext &context, double sam
     return all;
 }
 
-double VisibleContribution(const Scene &scene, const PrepassVertex &vertex, LightId light, const Point2 &u) {
+double VisibleContribution(const Scene &scene, const PrepassVertex &vertex, const LightPart &light, const Point2 &u) {
     const SampledWavelengths &lambda = SampledWavelengths::WholeRange();
-    std::optional<LightLiSample> sample = scene.Lights()[light].SampleLi(vertex.at, u, lambda, true);
+    std::optional<LightLiSample> sample = light.SampleLi(vertex.at, u, lambda, true);
     if (!sample || !sample->L || !(sample->pdf > 0)) return 0;
     const Float cosine = vertex.phase ? Float(1) : Dot(sample->wi, vertex.at.ns);
     if (!vertex.transmits && cosine * Dot(vertex.wo, vertex.at.ns) <= 0) return 0;

@@ -298,9 +298,8 @@ SampledSpectrum BdptIntegrator::ConnectToLight(Sample &sample, int cameraVertice
     const SampledSpectrum L = last.beta * to.f * found.L * (to.cosine / direct->Pdf());
     BdptVertex end;
     end.kind = BdptVertex::Kind::Light;
-    const LightTable &table = scene.Lights();
-    const LightKind kind = table[chosen.light].Kind();
-    end.light = table.IsSkyPart(chosen.light) ? table.SkyOf(chosen.light) : chosen.light;
+    const LightKind kind = scene.Lights()[chosen.light].Kind();
+    end.light = chosen.light;
     end.p = found.pLight;
     end.n = found.nLight;
     end.isBeyondScene = kind == LightKind::Infinite || kind == LightKind::DeltaDirection;

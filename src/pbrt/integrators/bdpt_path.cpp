@@ -29,9 +29,10 @@ Float BdptWeights::ConnectedLightPdf(const BdptVertex &light, const BdptVertex &
     LightMemory memory;
     const LightDistribution lights = connecting_.At(query, memory);
     const LightSampleContext context = from.Context();
-    const LightId id = isInfinite ? lights.PartTowards(light.light, context.p, wi) : light.light;
-    const LightPart part = lights_[id];
-    const Float pmf = lights.PMF(id);
+    const SampledLight chosen =
+        isInfinite ? lights.Towards(light.light, context.p, wi) : SampledLight{light.light, lights.PMF(light.light)};
+    const LightPart part = lights_.Region(light.light, chosen.region);
+    const Float pmf = chosen.pmf;
     if (light.isBeyondScene ? !isInfinite : light.n == Normal3(0)) return pmf;
     const ShapePrimitive at = part.Surface();
     // Of an area light that rays cannot hit PdfLi says 0, because only light sampling finds it.

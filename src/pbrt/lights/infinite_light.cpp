@@ -23,8 +23,9 @@ SampledSpectrum UniformInfiniteLight::Le(const Point3 &, const Vector3 &, const 
     return scale_ * radiance_->Sample(lambda);
 }
 
-std::optional<LightLiSample> UniformInfiniteLight::SampleWhole(const Point2 &u, const SampledWavelengths &lambda,
-                                                               bool allowIncompletePdfs) const {
+std::optional<LightLiSample> UniformInfiniteLight::SampleDirection(const Point3 &, const Point2 &u,
+                                                                   const SampledWavelengths &lambda,
+                                                                   bool allowIncompletePdfs) const {
     if (allowIncompletePdfs) return {};
     LightLiSample s;
     s.L = scale_ * radiance_->Sample(lambda);
@@ -34,7 +35,7 @@ std::optional<LightLiSample> UniformInfiniteLight::SampleWhole(const Point2 &u, 
     return s;
 }
 
-Float UniformInfiniteLight::PdfOfWhole(const Vector3 &, bool allowIncompletePdfs) const {
+Float UniformInfiniteLight::DirectionPdf(const Point3 &, const Vector3 &, bool allowIncompletePdfs) const {
     return allowIncompletePdfs ? 0 : UniformSpherePdf();
 }
 
@@ -89,8 +90,9 @@ SampledSpectrum ImageInfiniteLight::Le(const Point3 &, const Vector3 &d, const S
     return Radiance(SquareTowards(d), lambda);
 }
 
-std::optional<LightLiSample> ImageInfiniteLight::SampleWhole(const Point2 &u, const SampledWavelengths &lambda,
-                                                             bool allowIncompletePdfs) const {
+std::optional<LightLiSample> ImageInfiniteLight::SampleDirection(const Point3 &, const Point2 &u,
+                                                                 const SampledWavelengths &lambda,
+                                                                 bool allowIncompletePdfs) const {
     Float pdfSquare = 0;
     const Point2 st = (allowIncompletePdfs ? compensated_ : distribution_).Sample(u, &pdfSquare);
     if (!(pdfSquare > 0)) return {};
@@ -102,7 +104,7 @@ std::optional<LightLiSample> ImageInfiniteLight::SampleWhole(const Point2 &u, co
     return s;
 }
 
-Float ImageInfiniteLight::PdfOfWhole(const Vector3 &wi, bool allowIncompletePdfs) const {
+Float ImageInfiniteLight::DirectionPdf(const Point3 &, const Vector3 &wi, bool allowIncompletePdfs) const {
     return (allowIncompletePdfs ? compensated_ : distribution_).Pdf(SquareTowards(wi)) * Inv4Pi;
 }
 

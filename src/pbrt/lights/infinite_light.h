@@ -1,13 +1,13 @@
 #pragma once
 #include "pbrt/images/image.h"
-#include "pbrt/lights/sky_light.h"
+#include "pbrt/lights/environment_light.h"
 #include "pbrt/math/distributions.h"
 #include "pbrt/math/transform.h"
 
 namespace pbrt {
 
 /// The same radiance from everywhere.
-class UniformInfiniteLight final : public SkyLight {
+class UniformInfiniteLight final : public EnvironmentLight {
   public:
     UniformInfiniteLight(std::shared_ptr<const DenseSpectrum> radiance, Float scale);
 
@@ -18,16 +18,16 @@ class UniformInfiniteLight final : public SkyLight {
 
   private:
     /// Draws nothing if pdfs may be incomplete: BSDF sampling finds it better (as in stock pbrt-v4).
-    std::optional<LightLiSample> SampleWhole(const Point2 &u, const SampledWavelengths &lambda,
-                                             bool allowIncompletePdfs) const override;
-    Float PdfOfWhole(const Vector3 &wi, bool allowIncompletePdfs) const override;
+    std::optional<LightLiSample> SampleDirection(const Point3 &, const Point2 &u, const SampledWavelengths &lambda,
+                                                 bool allowIncompletePdfs) const override;
+    Float DirectionPdf(const Point3 &, const Vector3 &wi, bool allowIncompletePdfs) const override;
 
     std::shared_ptr<const DenseSpectrum> radiance_;
     Float scale_;
 };
 
 /// Radiance from an RGB image in the equal-area octahedral layout, constant over each pixel.
-class ImageInfiniteLight final : public SkyLight {
+class ImageInfiniteLight final : public EnvironmentLight {
   public:
     /// `image`: square, channels R, G, B in this order, finite.
     ImageInfiniteLight(const Transform &renderFromLight, Image image, const ColorSpace &colorSpace, Float scale);
@@ -40,9 +40,9 @@ class ImageInfiniteLight final : public SkyLight {
   private:
     /// Draws pixels in proportion to their mean of R, G, B; if pdfs may be incomplete, in proportion to what exceeds
     /// the image's average (Karlik et al. 2019).
-    std::optional<LightLiSample> SampleWhole(const Point2 &u, const SampledWavelengths &lambda,
-                                             bool allowIncompletePdfs) const override;
-    Float PdfOfWhole(const Vector3 &wi, bool allowIncompletePdfs) const override;
+    std::optional<LightLiSample> SampleDirection(const Point3 &, const Point2 &u, const SampledWavelengths &lambda,
+                                                 bool allowIncompletePdfs) const override;
+    Float DirectionPdf(const Point3 &, const Vector3 &wi, bool allowIncompletePdfs) const override;
     /// Where direction d (unit) lies on the image's square, and the inverse.
     Point2 SquareTowards(const Vector3 &d) const;
     Vector3 DirectionAt(const Point2 &st) const;

@@ -9,7 +9,8 @@
 
 namespace pbrt {
 
-class SkyLight;
+class EnvironmentLight;
+class EnvironmentPortals;
 
 /// How a light can be found: delta lights only by SampleLi, the others also by rays that hit them (area) or leave the
 /// scene (infinite).
@@ -128,11 +129,8 @@ class Light {
         (void)part;
         return {};
     }
-    /// This light if it can be sampled through windows; else null.
-    virtual const SkyLight *AsSky() const { return nullptr; }
-    /// Infinite lights that shine only through an opening: the opening, as if it were the light; else empty. The stock
-    /// light samplers treat these lights like any other infinite light.
-    virtual std::optional<LightBounds> Opening() const { return {}; }
+    /// This light if it is an environment light; else null.
+    virtual const EnvironmentLight *AsEnvironment() const { return nullptr; }
 
     /// Gives the light the bounding sphere of the whole scene. Called once, before use.
     virtual void Preprocess(const Point3 &sceneCenter, Float sceneRadius) {
@@ -144,18 +142,31 @@ class Light {
     LightKind kind_;
 };
 
+/// Directions of an environment light that a light sampler samples in a way of its own: one of the regions of its
+/// portals. Default: all directions.
+struct EnvironmentRegion {
+    const EnvironmentPortals *portals = nullptr;
+    uint32_t index = 0;
+    bool operator==(const EnvironmentRegion &) const = default;
+};
+
 /// A part of a light: what a LightId stands for. See Light for the functions.
 class LightPart {
   public:
-    LightPart(const Light &light, uint32_t part) : light_(&light), part_(part) {}
+    LightPart(const Light &light, uint32_t part, EnvironmentRegion region = {})
+        : light_(&light), part_(part), region_(region) {}
     LightKind Kind() const { return light_->Kind(); }
     LightPower Phi(const SampledWavelengths &lambda) const { return light_->Phi(lambda, part_); }
     std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
                                           const SampledWavelengths &lambda, bool allowIncompletePdfs) const {
+        if (region_.portals) [[unlikely]]
+            return SampleRegion(from, u, lambda, allowIncompletePdfs);
         return light_->SampleLi(from, u, lambda, allowIncompletePdfs, part_);
     }
     Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
                 bool allowIncompletePdfs) const {
+        if (region_.portals) [[unlikely]]
+            return RegionPdf(from, wi, allowIncompletePdfs);
         return light_->PdfLi(from, wi, pHit, nHit, allowIncompletePdfs, part_);
     }
     std::optional<LightLeSample> SampleLe(const Point2 &uPosition, const Point2 &uDirection,
@@ -173,13 +184,17 @@ class LightPart {
         return light_->Le(o, d, lambda);
     }
     std::optional<LightBounds> Bounds() const { return light_->Bounds(part_); }
-    std::optional<LightBounds> Opening() const { return light_->Opening(); }
     ShapePrimitive Surface() const { return light_->Surface(part_); }
     const Light &Whole() const { return *light_; }
 
   private:
+    std::optional<LightLiSample> SampleRegion(const LightSampleContext &from, const Point2 &u,
+                                              const SampledWavelengths &lambda, bool allowIncompletePdfs) const;
+    Float RegionPdf(const LightSampleContext &from, const Vector3 &wi, bool allowIncompletePdfs) const;
+
     const Light *light_;
     uint32_t part_;
+    EnvironmentRegion region_;
 };
 
 }  // namespace pbrt

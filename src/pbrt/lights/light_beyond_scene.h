@@ -12,11 +12,11 @@ class LightBeyondScene : public Light {
         sceneCenter_ = sceneCenter;
         sceneRadius_ = sceneRadius;
     }
+    /// The end of a shadow segment that leaves the scene from p along wi (unit).
+    Point3 Beyond(const Point3 &p, const Vector3 &wi) const { return p + wi * (2 * sceneRadius_); }
 
   protected:
     using Light::Light;
-    /// The end of a shadow segment that leaves the scene from p along wi (unit).
-    Point3 Beyond(const Point3 &p, const Vector3 &wi) const { return p + wi * (2 * sceneRadius_); }
 
     /// A ray into the scene against wi (unit, towards the light), which crosses the disk of the bounding sphere evenly.
     Ray RayAgainst(const Vector3 &wi, const Point2 &u) const {

@@ -47,7 +47,6 @@ std::vector<LightCandidate> LightGroups::Candidates() const {
 }
 
 uint32_t LightGroups::WholeOf(LightId light) const { return lights_.WholeOf(light); }
-LightId LightGroups::SkyOf(LightId part) const { return lights_.SkyOf(part); }
 
 LightId LightGroups::SampleWithin(uint32_t group, Float u) const {
     const uint32_t begin = FirstOf(group), end = begin + CountOf(group);

@@ -31,12 +31,7 @@ class LightGroups {
     /// The power (sum), the bounds (union) and the kind of a group, by which samplers weigh it.
     LightCandidate Candidate(uint32_t group) const;
     std::vector<LightCandidate> Candidates() const;
-    /// The group of a light; of a part of a sky, that of the sky.
-    uint32_t GroupOf(LightId light) const {
-        if (light.value >= lightCount_) [[unlikely]]
-            light = SkyOf(light);
-        return first_.empty() ? light.value : WholeOf(light);
-    }
+    uint32_t GroupOf(LightId light) const { return first_.empty() ? light.value : WholeOf(light); }
     /// The first part of a group and the number of its parts, which have consecutive ids.
     uint32_t FirstOf(uint32_t group) const { return first_.empty() ? group : first_[group]; }
     uint32_t CountOf(uint32_t group) const { return first_.empty() ? 1 : first_[group + 1] - first_[group]; }
@@ -63,7 +58,6 @@ class LightGroups {
 
   private:
     uint32_t WholeOf(LightId light) const;
-    LightId SkyOf(LightId part) const;
     LightId SampleWithin(uint32_t group, Float u) const;
 
     const LightTable &lights_;

@@ -1,6 +1,7 @@
 #include "pbrt/lights/light_table.h"
 
 #include "pbrt/core/error.h"
+#include "pbrt/lights/environment_light.h"
 
 namespace pbrt {
 
@@ -40,9 +41,9 @@ void LightTable::Finish(const Point3 &sceneCenter, Float sceneRadius) {
     power_.resize(Size());
     for (uint32_t i = 0; i < Size(); ++i)
         power_[i] = static_cast<Float>(power[i] > 0 ? std::max(power[i], kMinShare * most) / unit_ : 0);
-    for (LightId sky : infinite_)
-        if ((*this)[sky].Whole().AsSky() && skies_.size() < (LightId::kNone - Size()) / SkyPart::kCount)
-            skies_.push_back(sky);
+    for (LightId id : infinite_)
+        if (const EnvironmentLight *light = (*this)[id].Whole().AsEnvironment(); light && !light->Opening())
+            environments_.push_back(id);
     parts_ = std::make_unique<LightGroups>(*this, false);
     groupsOfWholes_ = std::make_unique<LightGroups>(*this, true);
 }

@@ -6,13 +6,11 @@
 #include "pbrt/core/ids.h"
 #include "pbrt/lights/light.h"
 #include "pbrt/lights/light_groups.h"
-#include "pbrt/lights/sky_windows.h"
 
 namespace pbrt {
 
 /// All lights of a scene, in file order. A LightId stands for one part of a light: the parts of all lights are numbered
-/// through, those of one light one after the other. After them come the parts of skies (SkyPart): a light sampler may
-/// choose such a part in place of the whole light, whose id is then another one.
+/// through, those of one light one after the other.
 class LightTable {
   public:
     LightTable() = default;
@@ -26,27 +24,18 @@ class LightTable {
 
     /// The number of parts of all lights.
     size_t Size() const { return wholeOf_.size(); }
-    LightPart operator[](LightId id) const {
-        if (IsSkyPart(id)) [[unlikely]]
-            return {(*this)[SkyOf(id)].Whole(), NumberOf(id)};
+    LightPart operator[](LightId id) const { return Region(id, {}); }
+    /// A region of an environment light. Any other light has no regions.
+    LightPart Region(LightId id, EnvironmentRegion region) const {
         const Whole &whole = wholes_[wholeOf_[id.value]];
-        return {*whole.light, id.value - whole.first};
+        return {*whole.light, id.value - whole.first, region};
     }
     size_t WholeCount() const { return wholes_.size(); }
     /// The index of the light that the part belongs to, below WholeCount().
     uint32_t WholeOf(LightId id) const { return wholeOf_[id.value]; }
 
-    /// Infinite lights that are skies (SkyLight), in file order.
-    std::span<const LightId> Skies() const { return skies_; }
-    /// The id of a part of a sky; `sky` is an index of Skies(), `number` is above 0 (SkyPart).
-    LightId SkyPartId(size_t sky, uint32_t number) const { return LightId(Size() + sky * SkyPart::kCount + number); }
-    /// All ids, of parts of lights and of parts of skies, are below this.
-    size_t IdCount() const { return Size() + skies_.size() * SkyPart::kCount; }
-    bool IsSkyPart(LightId id) const { return id.value >= wholeOf_.size(); }
-    /// The sky that a part belongs to, its index in Skies(), and the part's number in it.
-    LightId SkyOf(LightId part) const { return skies_[SkyIndexOf(part)]; }
-    size_t SkyIndexOf(LightId part) const { return (part.value - Size()) / SkyPart::kCount; }
-    uint32_t NumberOf(LightId part) const { return (part.value - static_cast<uint32_t>(Size())) % SkyPart::kCount; }
+    /// Environment lights that shine from all sides (EnvironmentLight::Opening is empty), in file order.
+    std::span<const LightId> Environments() const { return environments_; }
 
     /// For a ray from o in direction d that leaves the scene: calls visit(radiance, id) for every infinite light with
     /// radiance along the ray, with the id of the whole light.
@@ -77,7 +66,7 @@ class LightTable {
     std::vector<Float> power_;       ///< per part, as in LightCandidate
     double unit_ = 1;
     std::vector<LightId> infinite_;  ///< the first parts of infinite lights
-    std::vector<LightId> skies_;     ///< those of them that are skies and fit into the range of ids
+    std::vector<LightId> environments_;
     std::unique_ptr<LightGroups> parts_, groupsOfWholes_;
 };
 

@@ -3,17 +3,41 @@
 #include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/lights/light_image.h"
-#include "pbrt/math/warps.h"
 
 namespace pbrt {
 
 namespace {
 
-/// The direction in the frame at a point of the map.
+constexpr Bounds2 kHalfSpace{{0, 0}, {1, 1}};  ///< on a PortalMap
+
+/// The direction in the frame at a point of the map of angles.
 Vector3 LocalFromMap(const Point2 &st) {
     Float a = Pi * (st.x - Float(0.5)), b = Pi * (st.y - Float(0.5));
     // (tan a, tan b, 1) times both cosines, which stays finite at the borders.
     return Normalize(Vector3(std::sin(a) * std::cos(b), std::cos(a) * std::sin(b), std::cos(a) * std::cos(b)));
+}
+
+/// Solid angle per area of the map of angles at a unit direction of the frame.
+Float SolidAngleDensity(const Vector3 &w) {
+    // d(x/z) = pi / cos^2(a) ds with cos^2(a) = z^2 / (1 - y^2), likewise for t; an area on the plane at distance 1
+    // subtends z^3 times as much solid angle.
+    return Pi * Pi * (1 - Sqr(w.x)) * (1 - Sqr(w.y)) / w.z;
+}
+
+/// x and y along the sides, z to the outside. Left-handed if the transformation swaps handedness.
+Portal PortalFrom(const std::array<Point3, 4> &corners, const Transform &renderFromPortal) {
+    std::array<Point3, 4> p;
+    for (size_t i = 0; i < 4; ++i) p[i] = renderFromPortal.Point(corners[i]);
+    Portal portal;
+    Frame &frame = portal.frame;
+    frame.x = Normalize(p[3] - p[0]);
+    frame.z = Normalize(Cross(frame.x, p[1] - p[0]));
+    frame.y = Cross(frame.z, frame.x);
+    if (renderFromPortal.SwapsHandedness()) frame.z = -frame.z;
+    const Point3 a = frame.ToLocal(p[0]), b = frame.ToLocal(p[2]);
+    portal.low = {glm::min(Point2(a), Point2(b)), a.z};
+    portal.high = {glm::max(Point2(a), Point2(b)), a.z};
+    return portal;
 }
 
 }  // namespace
@@ -28,133 +52,83 @@ bool PortalLight::IsRectangle(const std::array<Point3, 4> &p) {
 
 PortalLight::PortalLight(const Transform &renderFromLight, const Image &image, const ColorSpace &colorSpace,
                          Float scale, const std::array<Point3, 4> &portal, const Transform &renderFromPortal)
-    : LightBeyondScene(LightKind::Infinite), colorSpace_(&colorSpace), scale_(scale) {
+    : colorSpace_(&colorSpace), scale_(scale) {
     Point2i n = image.Resolution();
     PBRT_CHECK(n.x == n.y && n.x > 0 && image.ChannelCount() == 3);
-    std::array<Point3, 4> p;
-    for (size_t i = 0; i < 4; ++i) p[i] = renderFromPortal.Point(portal[i]);
-    frame_.x = Normalize(p[3] - p[0]);
-    frame_.z = Normalize(Cross(frame_.x, p[1] - p[0]));
-    frame_.y = Cross(frame_.z, frame_.x);
-    if (renderFromPortal.SwapsHandedness()) frame_.z = -frame_.z;
-    Vector3 diagonal = frame_.ToLocal(p[2] - p[0]);
-    corner_ = p[0];
-    opposite_ = corner_ + frame_.x * diagonal.x + frame_.y * diagonal.y;
-    area_ = std::abs(diagonal.x * diagonal.y);
-
+    const Portal rectangle = PortalFrom(portal, renderFromPortal);
+    frame_ = rectangle.frame;
     map_ = Image(PixelFormat::Float, n, {"R", "G", "B"});
-    std::vector<Float> weights(static_cast<size_t>(n.x) * static_cast<size_t>(n.y));
     ParallelFor(n.y, 8, [&](int64_t begin, int64_t end) {
         for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y)
             for (int x = 0; x < n.x; ++x) {
-                Vector3 local = LocalFromMap(PixelCenter(x, y, n));
-                Point2 st = EqualAreaSphereToSquare(Normalize(renderFromLight.InverseVector(frame_.FromLocal(local))));
+                const Vector3 d = frame_.FromLocal(LocalFromMap(PixelCenter(x, y, n)));
+                Point2 st = EqualAreaSphereToSquare(Normalize(renderFromLight.InverseVector(d)));
                 for (int c = 0; c < 3; ++c) map_.Set({x, y}, c, image.Bilinear(st, c, WrapMode::OctahedralSphere));
-                Rgb rgb = LightPixel(map_, {x, y});
-                weights[static_cast<size_t>(y) * static_cast<size_t>(n.x) + static_cast<size_t>(x)] =
-                    (rgb.x + rgb.y + rgb.z) / 3 * SolidAngleDensity(local);
             }
     });
-    distribution_ = WindowedPiecewiseConstant2D(weights, n.x, n.y);
+    portal_.emplace(*this, std::span(&rectangle, 1));
+    halfSpace_.emplace(*this, frame_);
 }
 
-std::optional<Point2> PortalLight::MapFromDirection(const Vector3 &d) const {
-    Vector3 w = frame_.ToLocal(d);
-    if (!(w.z > 0)) return {};
-    auto fromAngle = [](Float tangent) {
+Point2i PortalLight::PixelTowards(const Vector3 &w) const {
+    const auto fromAngle = [](Float tangent) {
         return std::clamp(std::atan(tangent) * InvPi + Float(0.5), Float(0), Float(1));
     };
-    return Point2(fromAngle(w.x / w.z), fromAngle(w.y / w.z));
+    return PixelAt(Point2(fromAngle(w.x / w.z), fromAngle(w.y / w.z)), map_.Resolution());
 }
 
-Float PortalLight::SolidAngleDensity(const Vector3 &w) {
-    // d(x/z) = pi / cos^2(a) ds with cos^2(a) = z^2 / (1 - y^2), likewise for t; an area on the plane at distance 1
-    // subtends z^3 times as much solid angle.
-    return Pi * Pi * (1 - Sqr(w.x)) * (1 - Sqr(w.y)) / w.z;
+SampledSpectrum PortalLight::Radiance(const Vector3 &local, const SampledWavelengths &lambda) const {
+    return scale_ * PixelIlluminant(map_, PixelTowards(local), *colorSpace_, lambda);
 }
 
-std::optional<Bounds2> PortalLight::Window(const Point3 &p) const {
-    std::optional<Point2> a = MapFromDirection(corner_ - p), b = MapFromDirection(opposite_ - p);
-    if (!a || !b) return {};
-    return Bounds2{glm::min(*a, *b), glm::max(*a, *b)};
-}
-
-SampledSpectrum PortalLight::Radiance(const Point2 &st, const SampledWavelengths &lambda) const {
-    return scale_ * PixelIlluminant(map_, PixelAt(st, map_.Resolution()), *colorSpace_, lambda);
+Float PortalLight::MeanRadiance(const Vector3 &d) const {
+    const Rgb rgb = LightPixel(map_, PixelTowards(frame_.ToLocal(d)));
+    return (rgb.x + rgb.y + rgb.z) / 3;
 }
 
 SampledSpectrum PortalLight::Le(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda) const {
-    std::optional<Point2> st = MapFromDirection(d);
-    if (!st) return SampledSpectrum(0);
-    std::optional<Bounds2> window = Window(o);
-    if (!window ||
-        !(st->x >= window->low.x && st->x <= window->high.x && st->y >= window->low.y && st->y <= window->high.y))
-        return SampledSpectrum(0);
-    return Radiance(*st, lambda);
+    return Rectangle().IsPassed(o, d) ? Radiance(frame_.ToLocal(d), lambda) : SampledSpectrum(0);
 }
 
-std::optional<LightLiSample> PortalLight::SampleLi(const LightSampleContext &from, const Point2 &u,
-                                                   const SampledWavelengths &lambda, bool, uint32_t) const {
-    std::optional<Bounds2> window = Window(from.p);
-    if (!window) return {};
-    Float pdfMap = 0;
-    std::optional<Point2> st = distribution_.Sample(u, *window, &pdfMap);
-    if (!st) return {};
-    Vector3 local = LocalFromMap(*st);
-    Float density = SolidAngleDensity(local);
-    if (!(local.z > 0) || !(density > 0)) return {};
+std::optional<LightLiSample> PortalLight::SampleDirection(const Point3 &p, const Point2 &u,
+                                                          const SampledWavelengths &lambda, bool) const {
+    const std::optional<EnvironmentPortals::Direction> through = portal_->Sample(0, p, u);
+    if (!through || !(through->pdf > 0)) return {};
     LightLiSample s;
-    s.L = Radiance(*st, lambda);
+    s.L = Radiance(frame_.ToLocal(through->wi), lambda);
     if (!s.L) return {};
-    s.wi = frame_.FromLocal(local);
-    s.pdf = pdfMap / density;
-    s.pLight = Beyond(from.p, s.wi);
+    s.wi = through->wi;
+    s.pdf = through->pdf;
     return s;
 }
 
-Float PortalLight::PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &, const Normal3 &, bool,
-                         uint32_t) const {
-    std::optional<Point2> st = MapFromDirection(wi);
-    if (!st) return 0;
-    std::optional<Bounds2> window = Window(from.p);
-    if (!window) return 0;
-    Float density = SolidAngleDensity(Normalize(frame_.ToLocal(wi)));
-    return density > 0 ? distribution_.Pdf(*st, *window) / density : 0;
-}
+Float PortalLight::DirectionPdf(const Point3 &p, const Vector3 &wi, bool) const { return portal_->Pdf(0, p, wi); }
 
 std::optional<LightLeSample> PortalLight::SampleLe(const Point2 &uPosition, const Point2 &uDirection,
                                                    const SampledWavelengths &lambda, uint32_t) const {
-    Float pdfMap = 0;
-    const std::optional<Point2> st = distribution_.Sample(uDirection, {{0, 0}, {1, 1}}, &pdfMap);
-    if (!st || !(area_ > 0)) return {};
-    const Vector3 local = LocalFromMap(*st);
-    const Float density = SolidAngleDensity(local);
-    if (!(local.z > 0) || !(density > 0)) return {};
     LightLeSample s;
-    s.L = Radiance(*st, lambda);
+    const std::optional<Vector3> local = halfSpace_->SampleDirection(uDirection, kHalfSpace, &s.pdfDirection);
+    if (!local || !(local->z > 0) || !(Area() > 0)) return {};
+    s.L = Radiance(*local, lambda);
     if (!s.L) return {};
-    const Vector3 wi = frame_.FromLocal(local), diagonal = frame_.ToLocal(opposite_ - corner_);
-    const Point3 p = corner_ + frame_.x * (diagonal.x * uPosition.x) + frame_.y * (diagonal.y * uPosition.y);
+    const Vector3 wi = frame_.FromLocal(*local), sides = Rectangle().high - Rectangle().low;
+    const Point3 p = frame_.FromLocal(Rectangle().low + sides * Vector3(uPosition, 0));
     s.ray.o = Beyond(p, wi);
     s.ray.d = -wi;
-    s.pdfPosition = 1 / (area_ * local.z);
-    s.pdfDirection = pdfMap / density;
+    s.pdfPosition = 1 / (Area() * local->z);
     return s;
 }
 
 LightLePdf PortalLight::PdfLe(const Point3 &p, const Normal3 &, const Vector3 &w, uint32_t) const {
-    const Vector3 wi = -w;
-    const std::optional<Point2> st = MapFromDirection(wi);
-    const Float height = Dot(corner_ - p, frame_.z), cosine = Dot(wi, frame_.z);
-    if (!st || !(cosine > 0) || !(area_ > 0)) return {};
+    const Vector3 wi = frame_.ToLocal(-w);
+    if (!(wi.z > 0) || !(Area() > 0)) return {};
     // Where the ray crosses the rectangle's plane.
-    const Vector3 at = frame_.ToLocal(p + wi * (height / cosine) - corner_),
-                  diagonal = frame_.ToLocal(opposite_ - corner_);
-    const Float x = at.x / diagonal.x, y = at.y / diagonal.y;
-    if (!(x >= 0 && x <= 1 && y >= 0 && y <= 1)) return {};
-    const Float density = SolidAngleDensity(Normalize(frame_.ToLocal(wi)));
-    if (!(density > 0)) return {};
-    return {1 / (area_ * cosine), distribution_.Pdf(*st, {{0, 0}, {1, 1}}) / density};
+    const Point3 from = frame_.ToLocal(p);
+    const Point2 at = Point2(from) + Vector2(wi) * ((Rectangle().low.z - from.z) / wi.z);
+    if (glm::any(glm::lessThan(at, Point2(Rectangle().low))) ||
+        glm::any(glm::greaterThan(at, Point2(Rectangle().high))))
+        return {};
+    return {1 / (Area() * wi.z), halfSpace_->DirectionPdf(wi, kHalfSpace)};
 }
 
 LightPower PortalLight::Phi(const SampledWavelengths &lambda, uint32_t) const {
@@ -163,16 +137,16 @@ LightPower PortalLight::Phi(const SampledWavelengths &lambda, uint32_t) const {
         Vector3 w = LocalFromMap(PixelCenter(x, y, n));
         return SolidAngleDensity(w) * w.z;
     };
-    return {double(scale_) * double(area_), AverageIlluminant(map_, *colorSpace_, lambda, cosine)};
+    return {double(scale_) * double(Area()), AverageIlluminant(map_, *colorSpace_, lambda, cosine)};
 }
 
 std::optional<LightBounds> PortalLight::Opening() const {
-    const double phi = double(area_) * double(scale_) * static_cast<double>(distribution_.Integral({{0, 0}, {1, 1}}));
+    const double phi = double(Area()) * double(scale_) * double(halfSpace_->Integral(kHalfSpace));
     if (!(phi > 0)) return {};
-    Bounds3 bounds(corner_);
-    for (const Point3 &p : {opposite_, corner_ + frame_.x * Dot(opposite_ - corner_, frame_.x),
-                            corner_ + frame_.y * Dot(opposite_ - corner_, frame_.y)})
-        bounds = Union(bounds, p);
+    const auto &[low, high] = std::pair(Rectangle().low, Rectangle().high);
+    Bounds3 bounds(frame_.FromLocal(low));
+    for (const Point3 &p : {high, Point3(low.x, high.y, low.z), Point3(high.x, low.y, low.z)})
+        bounds = Union(bounds, frame_.FromLocal(p));
     return LightBounds{bounds, -frame_.z, phi, 1, 0, false};
 }
 

@@ -2,17 +2,17 @@
 #include <array>
 
 #include "pbrt/images/image.h"
-#include "pbrt/lights/light_beyond_scene.h"
-#include "pbrt/math/frame.h"
+#include "pbrt/lights/environment_light.h"
+#include "pbrt/lights/environment_portals.h"
 #include "pbrt/math/transform.h"
-#include "pbrt/math/windowed_distribution.h"
 
 namespace pbrt {
 
-/// An environment that shines only through a rectangle, to one side of it (Bitterli, Wyman and Pharr 2015). The image
-/// is resampled once to a map in which the rectangle is, seen from anywhere, an axis-aligned window: the coordinates of
-/// a direction (x, y, z) in the rectangle's frame are the angles atan(x/z) and atan(y/z).
-class PortalLight final : public LightBeyondScene {
+/// An environment light that shines only through a rectangle, to one side of it (Bitterli, Wyman and Pharr 2015): an
+/// environment light with one portal. As in stock pbrt-v4 the image is resampled once, to a map whose coordinates are
+/// the angles atan(x/z) and atan(y/z) of a direction (x, y, z) in the rectangle's frame; radiance is constant over the
+/// pixels of this map.
+class PortalLight final : public EnvironmentLight {
   public:
     /// `image`: as for ImageInfiniteLight. `portal`: corners in order around it, in the space `renderFromPortal` takes
     /// them from; light travels against cross(p3 - p0, p1 - p0). The sides at p0 must not have length 0 or be parallel.
@@ -23,35 +23,35 @@ class PortalLight final : public LightBeyondScene {
 
     /// What enters the scene: the integral of radiance and cosine over the rectangle and the half-space behind it.
     LightPower Phi(const SampledWavelengths &lambda, uint32_t) const override;
-    /// Draws pixels of the map within the window seen from the point, in proportion to their mean of R, G, B times
-    /// solid angle.
-    std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
-                                          const SampledWavelengths &lambda, bool allowIncompletePdfs,
-                                          uint32_t) const override;
-    Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
-                bool allowIncompletePdfs, uint32_t) const override;
-    /// Directions in proportion to the map, through points drawn evenly on the rectangle.
+    /// Directions in proportion to the radiance, through points drawn evenly on the rectangle.
     std::optional<LightLeSample> SampleLe(const Point2 &uPosition, const Point2 &uDirection,
                                           const SampledWavelengths &lambda, uint32_t) const override;
     LightLePdf PdfLe(const Point3 &p, const Normal3 &n, const Vector3 &w, uint32_t) const override;
     SampledSpectrum Le(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda) const override;
+    Float MeanRadiance(const Vector3 &d) const override;
+    int Resolution() const override { return map_.Resolution().x; }
     std::optional<LightBounds> Opening() const override;
 
   private:
-    std::optional<Point2> MapFromDirection(const Vector3 &d) const;
-    /// Solid angle per area of the map at a unit direction of the frame.
-    static Float SolidAngleDensity(const Vector3 &local);
-    /// The rectangle as seen from p; empty behind it.
-    std::optional<Bounds2> Window(const Point3 &p) const;
-    SampledSpectrum Radiance(const Point2 &st, const SampledWavelengths &lambda) const;
+    /// Draws directions through the rectangle as seen from the point, in proportion to the mean of R, G and B.
+    std::optional<LightLiSample> SampleDirection(const Point3 &p, const Point2 &u, const SampledWavelengths &lambda,
+                                                 bool allowIncompletePdfs) const override;
+    Float DirectionPdf(const Point3 &p, const Vector3 &wi, bool allowIncompletePdfs) const override;
+    /// The pixel of the map in a direction of the frame with z > 0.
+    Point2i PixelTowards(const Vector3 &local) const;
+    SampledSpectrum Radiance(const Vector3 &local, const SampledWavelengths &lambda) const;
+    const Portal &Rectangle() const { return (*portal_)[0]; }
+    Float Area() const {
+        const Vector3 sides = Rectangle().high - Rectangle().low;
+        return sides.x * sides.y;
+    }
 
-    Frame frame_;  ///< x, y along the sides, z to the outside; may be left-handed
-    Point3 corner_, opposite_;
-    Float area_;
+    Frame frame_;
     Image map_;
     const ColorSpace *colorSpace_;
     Float scale_;
-    WindowedPiecewiseConstant2D distribution_;
+    std::optional<EnvironmentPortals> portal_;
+    std::optional<PortalMap> halfSpace_;  ///< for SampleLe
 };
 
 }  // namespace pbrt

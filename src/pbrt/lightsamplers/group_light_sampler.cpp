@@ -16,11 +16,11 @@ std::optional<SampledLight> GroupLightSampler::Choose(const LightQuery &query, c
     }
     std::optional<SampledLight> light = ChooseInside(query, weights, chosen.group, chosen.inner, uPoint);
     if (!light) return {};
-    return SampledLight{light->light, light->pmf * chosen.pmf, light->pmf * chosen.unoccluded, chosen.weight};
+    return SampledLight{light->light, light->pmf * chosen.pmf, light->pmf * chosen.unoccluded, chosen.weight,
+                        light->region};
 }
 
 Float GroupLightSampler::Probability(const LightQuery &query, const void *weights, LightId light) const {
-    if (light.value >= groups_.LightCount() && !choosesSkyParts_) return 0;
     const Float inside = ProbabilityInside(query, weights, light);
     if (!isAsked_ || !(inside > 0)) return inside;
     return inside * GroupProbability(query, weights, groups_.GroupOf(light));

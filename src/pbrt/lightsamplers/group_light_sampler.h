@@ -30,15 +30,12 @@ class GroupLightSampler : public LightSampler {
 
   protected:
     /// `alwaysAsked`: ChooseGroup is called even if there is only one group; false: a single group has probability 1.
-    explicit GroupLightSampler(const LightGroups &groups, bool alwaysAsked = false)
-        : groups_(groups), isAsked_(groups.Size() > (alwaysAsked ? 0 : 1)) {}
-
-    /// Whether ChooseInside may choose a part of the sky that is the group (SkyPart), with ChooseGroup always asked; at
-    /// first it may not.
-    void SetChoosesSkyParts(bool chooses) {
-        choosesSkyParts_ = chooses;
-        isAsked_ = groups_.Size() > (chooses ? 0 : 1);
+    explicit GroupLightSampler(const LightGroups &groups, bool alwaysAsked = false) : groups_(groups) {
+        SetAlwaysAsked(alwaysAsked);
     }
+
+    /// See the constructor.
+    void SetAlwaysAsked(bool alwaysAsked) { isAsked_ = groups_.Size() > (alwaysAsked ? 0 : 1); }
 
     /// A light of a group and its probability within the group; none if no light there can contribute. `weights`: what
     /// WeighGroups returned; `uPoint`: see LightDistribution::Sample.
@@ -77,7 +74,7 @@ class GroupLightSampler : public LightSampler {
     std::optional<SampledLight> Choose(const LightQuery &query, const void *weights, Float u,
                                        Point2 *uPoint) const final;
     Float Probability(const LightQuery &query, const void *weights, LightId light) const final;
-    bool isAsked_, choosesSkyParts_ = false;
+    bool isAsked_;
 };
 
 }  // namespace pbrt

@@ -6,6 +6,7 @@
 
 #include "pbrt/core/ids.h"
 #include "pbrt/core/progress.h"
+#include "pbrt/lights/light.h"
 #include "pbrt/lightsamplers/light_memory.h"
 #include "pbrt/math/bounds.h"
 #include "pbrt/math/rng.h"
@@ -51,10 +52,11 @@ struct InspectedValue {
 
 struct SampledLight {
     LightId light{};
-    Float pmf = 0;  ///< discrete probability
+    Float pmf = 0;  ///< discrete probability, of the light and the region
     /// Set by samplers that learn (PathObserver): the estimated unoccluded contribution of the light; and its share in
     /// the sum over all lights, divided by the probability of choosing the light.
     Float unoccluded = 0, weight = 0;
+    EnvironmentRegion region{};  ///< of an environment light, from which the point is to be drawn (LightTable::Region)
 };
 
 /// What a sampler may use before the first wave.
@@ -83,18 +85,16 @@ class LightDistribution {
   public:
     LightDistribution() = default;
     /// A light and its probability, from a uniform number; empty if no light can contribute. `uPoint`: uniform on the
-    /// unit square, for the point on the light. A choice among parts of a sky uses it up in part and leaves the rest,
-    /// uniform again, so that what was well distributed over the square becomes so over the sky.
+    /// unit square, for the point on the light. A choice among regions of an environment light uses a part of it and
+    /// leaves the rest, uniform again, so that points well distributed over the square become so over the light.
     std::optional<SampledLight> Sample(Float u, Point2 *uPoint) const;
     /// The same where there is no point: one is made by a hash of u.
     std::optional<SampledLight> Sample(Float u) const;
-    /// Discrete probability of a light, bit-identical to the `pmf` of a sample of it.
+    /// Discrete probability of a light, in all its regions; bit-identical to the `pmf` of a sample without region.
     Float PMF(LightId light) const;
-    /// The id to ask PMF and LightPart::PdfLi for when a ray from p in direction d (unit) met an infinite light: the
-    /// part that the sampler would choose to send a shadow ray there (SkyPart), or the whole light. p: the place in
-    /// the LightSampleContext that PdfLi is asked with, which is the vertex or a place whose lights the vertex stands
-    /// for.
-    LightId PartTowards(LightId infinite, const Point3 &p, const Vector3 &d) const;
+    /// Light, region and probability of a sample in whose region a ray from p leaves the scene in direction d (unit)
+    /// towards an infinite light; for MIS. p: that of the LightSampleContext that PdfLi is called with.
+    SampledLight Towards(LightId infinite, const Point3 &p, const Vector3 &d) const;
     const LightQuery &Query() const { return *query_; }
 
   private:
@@ -107,9 +107,9 @@ class LightDistribution {
 };
 
 /// Chooses the light that gets the shadow ray. Contract (tests/contract): const after Prepare,
-/// except for its learner, if any; Sample's probability equals PMF exactly; probabilities sum to 1 (or less, when
-/// Sample may return nothing); they are positive wherever a light contributes; a choice takes one random number, and a
-/// choice among parts of a sky a part of the one for the point on the light.
+/// except for its learner, if any; Sample's probability equals PMF (with a region, that of Towards) exactly;
+/// probabilities sum to 1 (or less, when Sample may return nothing); they are positive wherever a light contributes; a
+/// choice takes one random number, and a choice among regions a part of the one for the point on the light.
 class LightSampler {
   public:
     virtual ~LightSampler() = default;
@@ -132,12 +132,6 @@ class LightSampler {
     Float PMF(const LightQuery &query, LightId light) const {
         LightMemory memory;
         return At(query, memory).PMF(light);
-    }
-    /// The parts (SkyPart) that the sampler may choose in place of an infinite light; it may choose the whole light as
-    /// well.
-    virtual std::vector<LightId> SkyPartsOf(LightId infinite) const {
-        (void)infinite;
-        return {};
     }
     /// Null if nothing is learned after Prepare; else what is updated between waves, from records of its observer.
     virtual OnlineModel *Model() { return nullptr; }
@@ -168,9 +162,10 @@ class LightSampler {
     virtual std::optional<SampledLight> Choose(const LightQuery &query, const void *weights, Float u,
                                                Point2 *uPoint) const = 0;
     virtual Float Probability(const LightQuery &query, const void *weights, LightId light) const = 0;
-    /// See LightDistribution::PartTowards.
-    virtual LightId PartOf(const LightQuery &, const void *, LightId infinite, const Point3 &, const Vector3 &) const {
-        return infinite;
+    /// See LightDistribution::Towards.
+    virtual SampledLight ChoiceTowards(const LightQuery &query, const void *weights, LightId infinite, const Point3 &,
+                                       const Vector3 &) const {
+        return {infinite, Probability(query, weights, infinite)};
     }
 };
 
@@ -182,8 +177,8 @@ inline std::optional<SampledLight> LightDistribution::Sample(Float u) const {
     return Sample(u, &uPoint);
 }
 inline Float LightDistribution::PMF(LightId light) const { return sampler_->Probability(*query_, weights_, light); }
-inline LightId LightDistribution::PartTowards(LightId infinite, const Point3 &p, const Vector3 &d) const {
-    return sampler_->PartOf(*query_, weights_, infinite, p, d);
+inline SampledLight LightDistribution::Towards(LightId infinite, const Point3 &p, const Vector3 &d) const {
+    return sampler_->ChoiceTowards(*query_, weights_, infinite, p, d);
 }
 
 }  // namespace pbrt

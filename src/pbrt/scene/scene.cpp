@@ -20,7 +20,7 @@ Scene::Scene(SceneParts parts) : parts_(std::move(parts)), bounds_(parts_.accel-
 }
 
 MediumId Scene::MediumOfLight(LightId id, const Normal3 &n, const Vector3 &w) const {
-    if (parts_.lightMedia.empty() || Lights().IsSkyPart(id)) return {};
+    if (parts_.lightMedia.empty()) return {};
     const SceneParts::LightMedia &media = parts_.lightMedia[Lights().WholeOf(id)];
     return Dot(n, w) < 0 ? media.inside : media.outside;
 }

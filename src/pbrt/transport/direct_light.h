@@ -27,9 +27,9 @@ struct VertexSelection {
     /// met at p with normal n, or beyond the scene (`isInfinite`; p and n are ignored). 0: it could not.
     Float LightPdf(const LightTable &table, LightId light, bool isInfinite, const Vector3 &d, const Point3 &p,
                    const Normal3 &n) const {
-        const LightId id = isInfinite ? lights.PartTowards(light, from.p, d) : light;
-        const Float pmf = lights.PMF(id);
-        return pmf > 0 ? pmf * table[id].PdfLi(from, d, p, n, true) : 0;
+        const SampledLight chosen =
+            isInfinite ? lights.Towards(light, from.p, d) : SampledLight{light, lights.PMF(light)};
+        return chosen.pmf > 0 ? chosen.pmf * table.Region(light, chosen.region).PdfLi(from, d, p, n, true) : 0;
     }
 };
 
@@ -84,7 +84,7 @@ std::optional<DirectLight> SampleDirectLight(const LightTable &table, const Ligh
         if (observed.observer)
             observed.observer->RecordLightSample(observed.places, lights.Query(), *chosen, irradiance);
     };
-    const auto light = table[chosen->light];
+    const auto light = table.Region(chosen->light, chosen->region);
     const std::optional<LightLiSample> sample = light.SampleLi(from, uPoint, lambda, allowIncompletePdfs);
     Scattering to;
     if (sample && sample->L && sample->pdf > 0) to = scatter(sample->wi);

@@ -2,8 +2,8 @@
 #include <atomic>
 
 #include "ext/baselines/oracle/oracle_params.h"
-#include "ext/groups/emitter_tree.h"
-#include "ext/groups/interior_light_sampler.h"
+#include "ext/lightgroups/emitter_tree.h"
+#include "ext/lightgroups/interior_light_sampler.h"
 
 namespace ext {
 

@@ -176,7 +176,7 @@ class Learned {
                     if (r.radiance > 0) guide.Record(places, r);
                     if (!path || !guide.Roulette()) continue;
                     const Float found = rng.Uniform() < 0.5f ? r.radiance : 0;
-                    guide.Roulette()->Record(*path * guide.Roulette()->Vertices(), {r.p, 0, {found, 1}, {found, 1}});
+                    guide.Roulette()->Record(*path, 0, {r.p, 0, {found, 1}, {found, 1}});
                     guide.Roulette()->RecordPath(*path, {found, 2});
                 }
         guide.Update(progress_);

@@ -29,7 +29,7 @@ PathRoulette Learned(Found &&found, Radiance &&radiance) {
         for (size_t k = 0; k < kVertices; ++k) {
             const Point3 p(2 * rng.Uniform() - 1, 2 * rng.Uniform() - 1, 0);
             const Float all = found(p, rng.Uniform());
-            roulette.Record(path * kVertices + k, {p, kUp, {all, 2}, {all / 2, 1}});
+            roulette.Record(path, k, {p, kUp, {all, 2}, {all / 2, 1}});
         }
         roulette.RecordPath(path, {path % 2 == 0 ? 0 : 2 * radiance(PixelOf(path)), 5});
     }
@@ -82,8 +82,9 @@ TEST(PathRoulette, PathsThatWereEndedThereDoNotCountOnwards) {
     PathRoulette roulette;
     roulette.BeginRecords(kPaths, 1);
     for (size_t path = 0; path < kPaths; ++path) {
-        const RouletteRecord::Part onwards = path / 2 % 3 == 0 ? RouletteRecord::Part{0.5f, 4} : RouletteRecord::Part{};
-        roulette.Record(path, {{0, 0, 0}, kUp, {1, 1}, onwards});
+        const RouletteRecord::Segment onwards =
+            path / 2 % 3 == 0 ? RouletteRecord::Segment{0.5f, 4} : RouletteRecord::Segment{};
+        roulette.Record(path, 0, {{0, 0, 0}, kUp, {1, 1}, onwards});
         roulette.RecordPath(path, {path % 2 == 0 ? 0.f : 2.f, 5});
     }
     roulette.Learn({kSide, kSide}, PixelOf);

@@ -70,21 +70,21 @@ TEST(Prepass, ContributionIsEquation5) {
     v.at.pError = Vector3(1e-5f);
     v.at.n = v.at.ns = Normal3(0, 1, 0);
     v.wo = Vector3(0, 1, 0);
-    const double seen = VisibleContribution(*built.scene, v, LightId(0u), {0.5f, 0.5f});
+    const double seen = VisibleContribution(*built.scene, v, built.scene->Lights()[LightId(0u)], {0.5f, 0.5f});
     EXPECT_GT(seen, 0);
-    EXPECT_EQ(VisibleContribution(*built.scene, v, LightId(1u), {0.5f, 0.5f}), 0);
+    EXPECT_EQ(VisibleContribution(*built.scene, v, built.scene->Lights()[LightId(1u)], {0.5f, 0.5f}), 0);
     // A point light contributes I cos / d^2, so the value at another distance and angle scales by exactly that.
     PrepassVertex w = v;
     w.at.p = Point3(3, -1, 4);
     auto geometry = [](double x) { return 1.5 / std::pow(x * x + 1.5 * 1.5, 1.5); };
-    const double other = VisibleContribution(*built.scene, w, LightId(0u), {0.5f, 0.5f});
+    const double other = VisibleContribution(*built.scene, w, built.scene->Lights()[LightId(0u)], {0.5f, 0.5f});
     EXPECT_NEAR(other / seen, geometry(3) / geometry(2), 1e-3);
     // Seen from below, the floor reflects nothing, unless its surface transmits (the sphere does not block that light
     // either).
     v.wo = Vector3(0, -1, 0);
-    EXPECT_EQ(VisibleContribution(*built.scene, v, LightId(0u), {0.5f, 0.5f}), 0);
+    EXPECT_EQ(VisibleContribution(*built.scene, v, built.scene->Lights()[LightId(0u)], {0.5f, 0.5f}), 0);
     v.transmits = true;
-    EXPECT_GT(VisibleContribution(*built.scene, v, LightId(0u), {0.5f, 0.5f}), 0);
+    EXPECT_GT(VisibleContribution(*built.scene, v, built.scene->Lights()[LightId(0u)], {0.5f, 0.5f}), 0);
 }
 
 }  // namespace

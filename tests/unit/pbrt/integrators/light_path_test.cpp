@@ -43,7 +43,7 @@ TEST(Bdpt, LightSamplersDoNotChangeTheMean) {
     CheckLightSamplers(
         view, "bdpt",
         {"\"string lightsampler\" \"uniform\"", "\"string lightsampler\" \"bvh\"", "\"string lightsampler\" \"octree\"",
-         "\"string lightsampler\" \"octree\" \"string octree.windows\" \"always\""});
+         "\"string lightsampler\" \"octree\" \"string octree.portals\" \"always\""});
 }
 
 TEST(LightPath, IsTheSameForAnyNumberOfThreads) {

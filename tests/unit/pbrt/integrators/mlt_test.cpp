@@ -108,7 +108,7 @@ TEST(Mlt, LightSamplersDoNotChangeTheMean) {
     CheckLightSamplers(
         view, "mlt",
         {"\"string lightsampler\" \"uniform\"", "\"string lightsampler\" \"bvh\"", "\"string lightsampler\" \"octree\"",
-         "\"string lightsampler\" \"octree\" \"string octree.windows\" \"always\""});
+         "\"string lightsampler\" \"octree\" \"string octree.portals\" \"always\""});
 }
 
 TEST(Mlt, RefusesFilmsAndCamerasThatItCannotServe) {

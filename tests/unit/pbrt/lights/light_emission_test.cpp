@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "light_test_support.h"
+#include "pbrt/lights/environment_light.h"
 #include "pbrt/shapes/shape_factory.h"
 #include "pbrt/shapes/triangle_mesh.h"
 
@@ -244,7 +245,8 @@ TEST_P(Emission, DirectionsFollowTheirDensity) {
     };
     std::optional<LightLeSample> any;
     // A point of the portal, which all its rays cross.
-    const bool isPortal = TheLight().Opening().has_value();
+    const EnvironmentLight *environment = TheLight().Whole().AsEnvironment();
+    const bool isPortal = environment && environment->Opening();
     for (int i = 0; i < kSamples; ++i) {
         const auto s = TheLight().SampleLe(rng.Uniform2(), rng.Uniform2(), kWaves);
         if (!s) continue;

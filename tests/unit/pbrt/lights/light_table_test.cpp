@@ -106,27 +106,16 @@ TEST(LightTable, SharesOfPowerDoNotDependOnTheUnitOfRadiance) {
     }
 }
 
-TEST(LightTable, PartsOfSkiesHaveIdsBehindThoseOfAllLights) {
+TEST(LightTable, EnvironmentsAreLightsFromAllSides) {
     LightTable table;
     table.Add(Make("point", Params()));
     const LightId first = table.Add(Make("infinite", Params()));
     table.Add(Make("distant", Params()));
     const LightId second = table.Add(Make("infinite", Params().Number("scale", 2)));
     table.Finish({0, 0, 0}, 5);
-    ASSERT_EQ(table.Skies().size(), 2u);
-    EXPECT_EQ(table.Skies()[1], second);
-    const LightId part = table.SkyPartId(1, 20);
-    EXPECT_GE(part.value, table.Size());
-    EXPECT_LT(part.value, table.IdCount());
-    EXPECT_TRUE(table.IsSkyPart(part));
-    EXPECT_FALSE(table.IsSkyPart(second));
-    EXPECT_EQ(table.SkyOf(part), second);
-    EXPECT_EQ(table.NumberOf(part), 20u);
-    EXPECT_EQ(table.SkyOf(table.SkyPartId(0, SkyPart::kCount - 1)), first);
-    EXPECT_EQ(&table[part].Whole(), &table[second].Whole());
-    EXPECT_EQ(table[part].Kind(), LightKind::Infinite);
-    EXPECT_EQ(table.Parts().GroupOf(part), second.value);
-    EXPECT_EQ(table.Wholes().GroupOf(part), table.WholeOf(second));
+    ASSERT_EQ(table.Environments().size(), 2u);
+    EXPECT_EQ(table.Environments()[0], first);
+    EXPECT_EQ(table.Environments()[1], second);
 }
 
 }  // namespace

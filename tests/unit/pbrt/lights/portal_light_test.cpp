@@ -191,7 +191,7 @@ TEST_F(Portal, IsGivenInWorldSpaceAndStaysThereInAnyRenderingSpace) {
 TEST_F(Portal, OpeningHoldsTheWindowAndPointsInwards) {
     auto light = MakeIt();
     EXPECT_FALSE(light->Bounds()) << "for stock samplers a portal light is an infinite light without bounds";
-    auto opening = light->Opening();
+    auto opening = light->AsEnvironment()->Opening();
     ASSERT_TRUE(opening);
     std::vector<Float> v = Corners();
     for (size_t i = 0; i < 12; i += 3) {

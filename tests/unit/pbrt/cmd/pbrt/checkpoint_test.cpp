@@ -348,8 +348,8 @@ TEST_F(SharedLights, WindowsGoWithThem) {
     const std::string octree = "--lightsampler octree:prepassspp=1 ", load = octree + "--load-lights lights ";
     const ImageFile made = Render(octree + "a.pbrt --save-lights lights"), loaded = Render(load + "a.pbrt"),
                     other = Render(load + "b.pbrt --nthreads 1");
-    EXPECT_EQ(IntOf(made, "lightSampler.skyWindows"), 1);
-    EXPECT_EQ(IntOf(other, "lightSampler.skyWindows"), 1);
+    EXPECT_EQ(IntOf(made, "lightSampler.portals"), 1);
+    EXPECT_EQ(IntOf(other, "lightSampler.portals"), 1);
     EXPECT_TRUE(SamePixels(made, loaded)) << "what is read from the file is not what was written";
     EXPECT_TRUE(SamePixels(other, Render(load + "b.pbrt --nthreads 2"))) << "the picture depends on more than the file";
     EXPECT_FALSE(SamePixels(other, Render(octree + "b.pbrt --seed 1")));

@@ -121,7 +121,7 @@ TEST_F(Mpi, WithoutLearningAndUnderASky) {
     const std::vector<std::string> cases = {
         "--lightsampler bvh scene.pbrt", lights_ + "--integrator sppm --spp 9 scene.pbrt",
         "--integrator mlt --spp 9 scene.pbrt",
-        (ext_ ? "--lightsampler octree:windows=always,prepassspp=1" : lights_) + " --spp 33 sky.pbrt",
+        (ext_ ? "--lightsampler octree:portals=always,prepassspp=1" : lights_) + " --spp 33 sky.pbrt",
         "--lightsampler bvh --pixel 7,7 --spp 200 scene.pbrt"};
     for (const std::string &arguments : cases) {
         StartAs(1);
@@ -130,8 +130,8 @@ TEST_F(Mpi, WithoutLearningAndUnderASky) {
         const ImageFile many = Render(arguments + " --nthreads 1");
         EXPECT_TRUE(SamePixels(one, many)) << arguments;
         if (!ext_ || !Has(arguments, "sky")) continue;
-        EXPECT_EQ(IntOf(one, "lightSampler.skyWindows"), 1);
-        EXPECT_EQ(IntOf(many, "lightSampler.skyWindows"), 1);
+        EXPECT_EQ(IntOf(one, "lightSampler.portals"), 1);
+        EXPECT_EQ(IntOf(many, "lightSampler.portals"), 1);
     }
 }
 

@@ -1,0 +1,257 @@
+#include "ext/lightgroups/emitter.h"
+
+#include "pbrt/lights/environment_light.h"
+
+namespace ext {
+
+namespace {
+
+/// The range of strengths within which G and sums of it neither overflow nor underflow.
+constexpr double kMinStrength = 1e-30, kMaxStrength = 1e30;
+
+/// Moments of a light at infinity, as averages over its own samples.
+void FindMoments(const LightPart &light, double unit, Emitter *e) {
+    constexpr int kSide = 32;
+    LightSampleContext from{};
+    double sum = 0;
+    glm::dvec3 first(0);
+    for (int i = 0; i < kSide * kSide; ++i) {
+        Point2 u((static_cast<Float>(i % kSide) + 0.5f) / kSide, (static_cast<Float>(i / kSide) + 0.5f) / kSide);
+        std::optional<LightLiSample> s = light.SampleLi(from, u, SampledWavelengths::WholeRange(), true);
+        if (!s || !(s->pdf > 0)) continue;
+        const double value = RootMeanSquare(s->L) / double(s->pdf);
+        if (!std::isfinite(value)) continue;
+        sum += value;
+        first += value * glm::dvec3(s->wi);
+    }
+    if (!(sum > 0)) return;
+    const double m0 = std::clamp(sum / (kSide * kSide) / unit, kMinStrength, kMaxStrength);
+    e->m0 = static_cast<Float>(m0);
+    e->m1 = e->isDelta ? Normalize(Vector3(first / sum)) : Vector3(first / sum * m0);
+}
+
+/// The normal of the side the receiver is seen from; zero in a medium.
+Normal3 ReceiverNormal(const LightQuery &query) {
+    if (query.ns == Normal3(0)) return Normal3(0);
+    return Dot(query.wo, query.ns) < 0 ? -query.ns : query.ns;
+}
+
+using Ops = SimdOps<EmitterPacket::kLanes>;
+using F = Ops::F;
+F Load(const Float *v) { return F(v, std::experimental::vector_aligned); }
+
+/// The mean clamped cosine over an emitter whose directions' cosines lie between c - s and c + s (see G), with c and s
+/// times the distance.
+[[gnu::always_inline]] inline F MeanCosine(const F &c, const F &s, const F &quarterInvS) {
+    F above = Ops::Max(c + s, F(0));
+    return Ops::Select(c >= s, c, above * above * quarterInvS);
+}
+
+/// The squared sine of a thousandth of a radian, a margin for the rounding of directions (as in LightBounds).
+constexpr Float kSlack = 1e-6f;
+/// Intensity over squared distance is at most this, so that sums of G stay finite.
+constexpr Float kMaxArriving = 1e36f;
+
+/// C(axis, -w) of G: the mean cosine of the angle by which the direction leaves the cone of normals. Where the emission
+/// ends before or after the horizon (spot lights), the end of the falloff limits it instead of the horizon. `c`: cosine
+/// of the angle between direction and axis. All cosines and sines come times the distance d, products of two times d2.
+[[gnu::always_inline]] inline F Emission(const EmitterPacket &e, const F &c, const F &d2, const F &s,
+                                         const F &quarterInvS) {
+    const F d = Ops::Sqrt(d2), cosO = Load(e.cosO), sinO = Load(e.sinO), cosE = Load(e.cosE);
+    F sinAxis = Ops::Sqrt(Ops::Max(d2 - c * c, F(0)));
+    auto within = c > cosO * d;
+    F beyond = Ops::Select(cosO == F(1), c, Ops::Select(within, d, Ops::Min(c * cosO + sinAxis * sinO, d)));
+    F mean = MeanCosine(beyond, s, quarterInvS);
+    if (!e.someCut) return mean;
+    F sinBeyond = Ops::Select(within, F(0), sinAxis * cosO - c * sinO);
+    // The direction in the sphere that is nearest to the axis: the angle is less by the sphere's half angle.
+    F cosExtent = Ops::Sqrt(Ops::Max(d2 - s * s, F(0)));
+    auto inCone = beyond > cosExtent || beyond * cosExtent + sinBeyond * s > cosE * d2;
+    F cut = Ops::Select(inCone, Ops::Max(mean, F(1e-3f) * d), F(0));
+    return Ops::Select(cosE == F(0), mean, cut);
+}
+
+}  // namespace
+
+Emitter MakeEmitter(const LightTable &lights, LightId firstId, const LightCandidate &candidate) {
+    const LightPart first = lights[firstId];
+    Emitter e;
+    const EnvironmentLight *environment = first.Whole().AsEnvironment();
+    const std::optional<LightBounds> opening = environment ? environment->Opening() : std::nullopt;
+    if (candidate.infinite && !opening) {
+        e.isFar = true;
+        e.isDelta = first.Kind() == LightKind::DeltaDirection;
+        FindMoments(first, lights.Unit(), &e);
+        return e;
+    }
+    if (opening) {
+        // Radiance through the opening counts as emitted by it: power / pi is radiance times area, as for a flat area
+        // light.
+        e.bounds = opening;
+        e.isArea = true;
+        e.intensity = candidate.power * InvPi;
+        return e;
+    }
+    if (!candidate.bounds || !(candidate.bounds->phi > 0)) return e;
+    e.bounds = candidate.bounds;
+    e.isArea = first.Kind() == LightKind::Area;
+    if (e.isArea) {
+        e.intensity = candidate.power * InvPi / (candidate.bounds->twoSided ? 2 : 1);
+    } else {
+        // Full strength within theta_o, half of it on average in the falloff.
+        Float inner = SafeACos(candidate.bounds->cosTheta_o),
+              outer = std::min(inner + SafeACos(candidate.bounds->cosTheta_e), Pi);
+        Float solidAngle = Pi * ((1 - std::cos(inner)) + (1 - std::cos(outer)));
+        e.intensity = candidate.power / std::max(solidAngle, Float(1e-4));
+    }
+    return e;
+}
+
+Emitter Union(const Emitter &a, const Emitter &b) {
+    if (!a.bounds) return b;
+    if (!b.bounds) return a;
+    Emitter e;
+    e.bounds = Union(*a.bounds, *b.bounds);
+    e.isArea = a.isArea || b.isArea;
+    e.intensity = a.intensity + b.intensity;
+    return e;
+}
+
+void EmitterPacket::Set(size_t lane, const Emitter &e) {
+    if (!e.bounds) return;
+    const LightSphere s = e.bounds->Sphere();
+    centerX[lane] = s.center.x;
+    centerY[lane] = s.center.y;
+    centerZ[lane] = s.center.z;
+    // A little larger, so that rounding cannot hide what grazes a horizon.
+    radius2[lane] = Sqr(s.radius * 1.001f);
+    axisX[lane] = s.w.x;
+    axisY[lane] = s.w.y;
+    axisZ[lane] = s.w.z;
+    Float shown = e.isArea ? (1 + 3 * (1 + s.cosTheta_o) / 2) / 4 : Float(1);
+    intensity[lane] = std::clamp(e.intensity * shown, Float(kMinStrength), Float(kMaxStrength));
+    inside[lane] = std::min(intensity[lane] / std::max(radius2[lane], Float(1e-30f)), kMaxArriving) / 4;
+    side[lane] = s.twoSided ? -1 : 1;
+    // Normals that differ by rounding only are one normal (kSlack is larger).
+    const bool isFlat = s.cosTheta_o > 1 - 2e-7f;
+    cosO[lane] = isFlat ? 1 : s.cosTheta_o;
+    sinO[lane] = isFlat ? 0 : SafeSqrt(1 - Sqr(s.cosTheta_o));
+    cosE[lane] = s.cosTheta_e;
+    someCurved |= !isFlat;
+    someCut |= s.cosTheta_e != 0;
+}
+
+// Compiled once, so that all uses get the same bits. The distance d is never divided by: with v = d w every cosine
+// comes as d times itself, and G = I (d C) (d C) / d^4.
+[[gnu::noinline]] Float EmitterPacket::EvaluateAll(const EmitterPacket *packets, size_t count, const LightQuery &query,
+                                                   Float *out) {
+    const F px(query.p.x), py(query.p.y), pz(query.p.z);
+    const bool inMedium = query.ns == Normal3(0);
+    const Normal3 n = query.ns * (Dot(query.wo, query.ns) < 0 ? Float(-1) : Float(1));
+    const F nx(n.x), ny(n.y), nz(n.z), otherSide(query.transmits ? Float(-1) : Float(1));
+    F sum(0);
+    for (size_t i = 0; i < count; ++i) {
+        const EmitterPacket &e = packets[i];
+        const F vx = Load(e.centerX) - px, vy = Load(e.centerY) - py, vz = Load(e.centerZ) - pz;
+        const F d2 = Ops::Max(vx * vx + vy * vy + vz * vz, F(1e-30f)), r2 = Load(e.radius2);
+        const F invD2 = F(1) / d2;
+        const F s = Ops::Sqrt(r2 + F(kSlack) * d2), quarterInvS = F(0.25f) / s;
+
+        F c = -(Load(e.axisX) * vx + Load(e.axisY) * vy + Load(e.axisZ) * vz);
+        c = Ops::Max(c, c * Load(e.side));
+        F emission = e.someCurved || e.someCut ? Emission(e, c, d2, s, quarterInvS) : MeanCosine(c, s, quarterInvS);
+        F receiver;
+        if (inMedium) {
+            receiver = Ops::Sqrt(d2);
+        } else {
+            F r = nx * vx + ny * vy + nz * vz;
+            receiver = MeanCosine(Ops::Max(r, r * otherSide), s, quarterInvS);
+        }
+        F arriving = Ops::Min(Load(e.intensity) * invD2, F(kMaxArriving));
+        F value = Ops::Select(d2 <= r2, Load(e.inside), arriving * (emission * receiver * invD2));
+        value.copy_to(out + i * kLanes, std::experimental::element_aligned);
+        sum += value;
+    }
+    return std::experimental::reduce(sum);
+}
+
+Float EmitterPacket::Sum(const Float *g) { return std::experimental::reduce(Load(g)); }
+
+EmitterRow::EmitterRow(const EmitterPacket &p, size_t lane)
+    : field{p.centerX[lane],
+            p.centerY[lane],
+            p.centerZ[lane],
+            p.radius2[lane],
+            p.axisX[lane],
+            p.axisY[lane],
+            p.axisZ[lane],
+            p.intensity[lane],
+            p.inside[lane],
+            p.side[lane],
+            p.cosO[lane],
+            p.sinO[lane],
+            p.cosE[lane],
+            p.someCurved && p.cosO[lane] != 1 ? Float(1) : Float(0),
+            p.someCut && p.cosE[lane] != 0 ? Float(1) : Float(0)} {}
+
+namespace {
+
+using Eight = Float __attribute__((vector_size(32)));
+using EightInts = int __attribute__((vector_size(32)));
+
+/// v[i][k] becomes v[k][i].
+[[gnu::always_inline]] inline void Transpose(Eight v[8]) {
+    constexpr EightInts kPairLow = {0, 8, 1, 9, 4, 12, 5, 13}, kPairHigh = {2, 10, 3, 11, 6, 14, 7, 15};
+    constexpr EightInts kTwoLow = {0, 1, 8, 9, 4, 5, 12, 13}, kTwoHigh = {2, 3, 10, 11, 6, 7, 14, 15};
+    constexpr EightInts kFourLow = {0, 1, 2, 3, 8, 9, 10, 11}, kFourHigh = {4, 5, 6, 7, 12, 13, 14, 15};
+    Eight a[8], b[8];
+    for (int i = 0; i < 4; ++i) {
+        a[2 * i] = __builtin_shuffle(v[2 * i], v[2 * i + 1], kPairLow);
+        a[2 * i + 1] = __builtin_shuffle(v[2 * i], v[2 * i + 1], kPairHigh);
+    }
+    for (int i = 0; i < 8; i += 4)
+        for (int k = 0; k < 2; ++k) {
+            b[i + 2 * k] = __builtin_shuffle(a[i + k], a[i + k + 2], kTwoLow);
+            b[i + 2 * k + 1] = __builtin_shuffle(a[i + k], a[i + k + 2], kTwoHigh);
+        }
+    for (int i = 0; i < 4; ++i) {
+        v[i] = __builtin_shuffle(b[i], b[i + 4], kFourLow);
+        v[i + 4] = __builtin_shuffle(b[i], b[i + 4], kFourHigh);
+    }
+}
+
+}  // namespace
+
+void Gather(const EmitterRow *rows, const uint32_t *names, size_t count, EmitterPacket *packet) {
+    static const EmitterRow nothing;
+    Eight low[8], high[8];
+    for (size_t i = 0; i < 8; ++i) {
+        const EmitterRow &row = i < count ? rows[names[i]] : nothing;
+        low[i] = *reinterpret_cast<const Eight *>(row.field);
+        high[i] = *reinterpret_cast<const Eight *>(row.field + 8);
+    }
+    Transpose(low);
+    Transpose(high);
+    Float *const to[13] = {packet->centerX, packet->centerY, packet->centerZ,   packet->radius2, packet->axisX,
+                           packet->axisY,   packet->axisZ,   packet->intensity, packet->inside,  packet->side,
+                           packet->cosO,    packet->sinO,    packet->cosE};
+    for (size_t f = 0; f < 13; ++f) *reinterpret_cast<Eight *>(to[f]) = f < 8 ? low[f] : high[f - 8];
+    auto any = [](const Eight &v) {
+        Float most = 0;
+        for (int i = 0; i < 8; ++i) most = std::max(most, v[i]);
+        return most > 0;
+    };
+    packet->someCurved = any(high[5]);
+    packet->someCut = any(high[6]);
+}
+
+Float EvaluateFar(const Emitter &far, const LightQuery &query) {
+    Normal3 n = ReceiverNormal(query);
+    if (n == Normal3(0)) return far.isDelta ? far.m0 : far.m0 / 4;
+    Float along = Dot(far.m1, n);
+    if (query.transmits) along = std::abs(along);
+    if (far.isDelta) return far.m0 * std::max(along, Float(0));
+    return std::max(far.m0 / 4 + along / 2, far.m0 / 40);
+}
+
+}  // namespace ext

@@ -1,0 +1,78 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "ext/lightgroups/emitter.h"
+#include "pbrt/lightsamplers/weighted_choice.h"
+
+namespace ext {
+
+/// A wide tree over emitters: every node has up to 32 children, chosen among in proportion to G (EmitterPacket), so a
+/// choice among n emitters evaluates G about 32 log_32 n times. Children are made by splitting, again and again, the
+/// one whose emitters differ most in place and direction (weighted by intensity): near a curved emitter the first level
+/// already separates the sides that face away, which a binary tree of bounds separates only near its leaves.
+class EmitterTree {
+  public:
+    EmitterTree() = default;
+    /// The same tree for any number of threads.
+    explicit EmitterTree(std::span<const Emitter> emitters);
+
+    /// An emitter (`light` is its index) and its probability; none if no emitter can contribute.
+    std::optional<SampledLight> Sample(const LightQuery &query, Float u) const;
+    Float PMF(const LightQuery &query, uint32_t emitter) const;
+
+    /// For WalkDown (weighted_choice.h): a node, or kLeaf | emitter. Far lights are the last children of the root.
+    static constexpr size_t kWidth = 32;
+    static constexpr uint32_t kLeaf = 0x80000000u;
+    using Node = uint32_t;
+    struct Level {
+        static constexpr size_t kLanes = EmitterPacket::kLanes;
+        alignas(32) Float g[kWidth];  ///< of whole packets; 0 in lanes of other nodes
+        Float packetSums[kWidth / kLanes];
+        uint32_t packets = 0, firstLane = 0;
+        const uint32_t *children;
+        const EmitterTree *tree;
+        const LightQuery *query;
+        uint32_t near = 0;  ///< children without far lights
+        uint32_t far = 0;
+        Float sum = 0;
+        Float WeightAt(uint32_t i) const {
+            return i < near ? g[firstLane + i] : EvaluateFar(tree->far_[i - near].emitter, *query);
+        }
+        Node At(uint32_t i) const { return i < near ? children[i] : kLeaf | tree->far_[i - near].index; }
+        WeightedChoice<double, Float> Choose(double target) const;
+    };
+    static bool IsLeaf(Node node) { return (node & kLeaf) != 0; }
+    void WeighBelow(Node node, const LightQuery &query, Level *level) const;
+
+    int Depth() const { return depth_; }
+    size_t NodeCount() const { return nodes_.size(); }
+    size_t Bytes() const;
+
+  private:
+    struct Branch {
+        uint32_t firstPacket = 0, firstChild = 0, parent = 0;
+        uint8_t firstLane = 0;  ///< in the first packet: small nodes share packets
+        uint8_t count = 0;      ///< children, without far lights
+        uint8_t slot = 0;       ///< among the parent's children
+    };
+    struct Place {
+        uint32_t node = 0, slot = kLeaf;
+    };
+    struct Cluster;
+    struct Part;
+    struct Far {
+        uint32_t index;
+        Emitter emitter;
+    };
+    void MakePackets(std::span<const Emitter> emitters, std::span<const Emitter> wholes);
+
+    std::vector<Branch> nodes_;
+    std::vector<EmitterPacket> packets_;
+    std::vector<uint32_t> children_;  ///< kLeaf | emitter, or node
+    std::vector<Far> far_;            ///< more children of the root, after the others
+    std::vector<Place> places_;       ///< per emitter; slot kLeaf: not in the tree
+    int depth_ = 0;
+};
+
+}  // namespace ext

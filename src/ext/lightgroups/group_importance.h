@@ -1,0 +1,45 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "ext/lightgroups/emitter.h"
+#include "pbrt/lights/light_groups.h"
+
+namespace ext {
+
+/// G (see EmitterPacket) of a list of emitters at once.
+class GroupImportance {
+  public:
+    explicit GroupImportance(std::span<const Emitter> emitters);
+    /// One emitter per group.
+    explicit GroupImportance(const LightGroups &groups) : GroupImportance(EmittersOf(groups)) {}
+
+    static std::vector<Emitter> EmittersOf(const LightGroups &groups);
+    /// The lights of one group, by their order in it.
+    static std::vector<Emitter> EmittersIn(const LightGroups &groups, uint32_t group);
+
+    size_t Size() const { return size_; }
+    /// Size rounded up to whole packets: the length of Evaluate's output.
+    size_t Padded() const { return packets_.size() * kLanes; }
+    static constexpr int kLanes = EmitterPacket::kLanes;
+
+    /// Writes G of every emitter to out[0, Padded()) and returns the sum.
+    Float Evaluate(const LightQuery &query, std::span<Float> out) const;
+    Float Of(const LightQuery &query, uint32_t emitter) const;
+    /// Unit vector to the middle of an emitter; zero for lights without one (skies).
+    Vector3 DirectionTo(const Point3 &p, uint32_t emitter) const;
+    size_t Bytes() const { return packets_.capacity() * sizeof(EmitterPacket) + far_.capacity() * sizeof(FarLight); }
+
+  private:
+    struct FarLight {
+        uint32_t index;
+        Emitter emitter;
+    };
+    const FarLight *FindFar(uint32_t emitter) const;
+
+    std::vector<EmitterPacket> packets_;
+    std::vector<FarLight> far_;
+    size_t size_ = 0;
+};
+
+}  // namespace ext

@@ -1,0 +1,95 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "ext/lightgroups/emitter.h"
+#include "pbrt/lightsamplers/weighted_choice.h"
+
+namespace ext {
+
+/// A binary tree over emitters (lights, for short) whose nodes can be named one by one: a *cut* is a list of nodes that
+/// holds every light exactly once. A node stands for all lights below it: G of a node (EmitterPacket) is that of a
+/// sphere around them with all their intensity, and it is positive wherever G of one of them is.
+///
+/// Nodes are in preorder, so that names in rising order are lights in rising order of *position*. Far lights have no
+/// place in the scene: up to kFarNodes nodes after all others hold them and are part of every cut.
+class LightTree {
+  public:
+    static constexpr size_t kFarNodes = 16;
+    static constexpr uint32_t kNowhere = ~0u;
+
+    LightTree() = default;
+    /// The same tree for any number of threads.
+    explicit LightTree(std::span<const Emitter> emitters);
+
+    size_t NodeCount() const { return ranges_.size(); }
+    size_t FarNodeCount() const { return ranges_.size() - nearNodes_; }
+    size_t LightCount() const { return order_.size(); }  ///< lights that never contribute are not counted
+    /// Lights of a node, by position.
+    struct Range {
+        uint32_t begin = 0, end = 0;
+        uint32_t Size() const { return end - begin; }
+        bool operator==(const Range &o) const = default;
+    };
+    Range At(uint32_t node) const { return ranges_[node]; }
+    uint32_t LightAt(uint32_t position) const { return order_[position]; }
+    uint32_t PositionOf(uint32_t light) const { return position_[light]; }  ///< kNowhere: never contributes
+    bool IsLight(uint32_t node) const { return ranges_[node].Size() == 1; }
+    bool HasChildren(uint32_t node) const { return node < nearNodes_ && !IsLight(node); }
+    uint32_t First(uint32_t node) const { return node + 1; }
+    uint32_t Second(uint32_t node) const { return node + 2 * ranges_[node + 1].Size(); }
+    Float Intensity(uint32_t node) const { return node < nearNodes_ ? rows_[node].field[kIntensity] : Float(0); }
+    /// The nodes without a parent, in order: the node of all near lights, then the nodes of far lights. This is the
+    /// shortest cut.
+    std::span<const uint32_t> Roots() const { return roots_; }
+    /// A cut of up to kBaseNodes near nodes and all far ones, for places about which nothing was learned: nodes with
+    /// the largest product of intensity and radius are divided first.
+    static constexpr size_t kBaseNodes = 48;
+    std::span<const uint32_t> BaseCut() const { return base_; }
+
+    /// Writes G of the nodes, which must be in rising order, to out[0, nodes.size()) and returns the sum.
+    Float Evaluate(const LightQuery &query, std::span<const uint32_t> nodes, std::span<Float> out) const;
+    /// A light below a node, chosen level by level by G, its probability given the node, and its G as `unoccluded`.
+    /// None if no light there can contribute.
+    std::optional<SampledLight> SampleWithin(uint32_t node, const LightQuery &query, Float u) const;
+    /// The probability with which SampleWithin chooses the light at a position in the node's range.
+    Float PMFWithin(uint32_t node, const LightQuery &query, uint32_t position) const;
+    /// The index in a cut (nodes in rising order) of the node that holds a position.
+    size_t FindInCut(std::span<const uint32_t> cut, uint32_t position) const;
+
+    /// True if the nodes are a cut, in rising order.
+    bool IsCut(std::span<const uint32_t> nodes) const;
+
+    /// For WalkDown (weighted_choice.h): up to eight nodes, in order, that hold the lights of a node with children.
+    static constexpr int kLanes = EmitterPacket::kLanes;
+    using Node = uint32_t;
+    struct Level {
+        uint32_t nodes[kLanes];
+        Float g[kLanes];
+        uint32_t count = 0;
+        Float sum = 0;
+        Float WeightAt(uint32_t i) const { return g[i]; }
+        Node At(uint32_t i) const { return nodes[i]; }
+        WeightedChoice<double, Float> Choose(double target) const {
+            return ChooseByWeight<double>(count, target, [&](uint32_t i) { return g[i]; });
+        }
+    };
+    bool IsLeaf(Node node) const { return !HasChildren(node); }
+    void WeighBelow(Node node, const LightQuery &query, Level *level) const;
+
+    size_t Bytes() const;
+
+  private:
+    static constexpr size_t kIntensity = 7;  ///< in EmitterRow
+    class Builder;
+    Float EvaluateFarNode(uint32_t node, const LightQuery &query) const;
+    void ChooseBaseCut(std::span<const Float> spread);
+
+    std::vector<Range> ranges_;     ///< per node
+    std::vector<EmitterRow> rows_;  ///< per near node
+    uint32_t nearNodes_ = 0;
+    std::vector<Emitter> far_;  ///< at position LightCount() - far_.size() and after
+    std::vector<uint32_t> order_, position_, roots_, base_;
+};
+
+}  // namespace ext

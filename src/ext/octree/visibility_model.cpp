@@ -1,0 +1,250 @@
+#include "ext/octree/visibility_model.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "ext/visibility/structure_text.h"
+#include "ext/visibility/visibility_tree_builder.h"
+#include "pbrt/scene/scene.h"
+
+namespace ext {
+
+namespace {
+
+double SecondsSince(std::chrono::steady_clock::time_point t) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - t).count();
+}
+
+/// The trees are built again after these numbers of samples per pixel, if at least three times as many follow.
+constexpr int kUpdateAfter[] = {1, 4, 16, 64};
+/// At most this many shadow rays of the render are recorded between two updates.
+constexpr size_t kMaxRecorded = 400000;
+
+bool IsFinite(const Point3 &p) { return std::isfinite(p.x + p.y + p.z); }
+bool IsPositive(Float v) { return v >= 0 && std::isfinite(v); }
+
+}  // namespace
+
+RenderShadowRay RenderShadowRay::Read(StateReader &in) {
+    const auto r = in.Value<RenderShadowRay>();
+    in.Require(!r.IsEmpty() && r.inMedium <= 1 && IsFinite(r.p) && IsPositive(r.ray.weight) &&
+                   IsPositive(r.ray.share) && IsPositive(r.ray.ratio),
+               "a record is not finite");
+    return r;
+}
+
+VisibilityModel::Render VisibilityModel::RenderOf(const PrepareContext &context) const {
+    return {context.pixelBounds, context.samplesPerPixel, std::min(params_.depth, std::max(1, context.maxDepth))};
+}
+
+void VisibilityModel::Learn(PrepareContext &context, std::span<PrepassVertex> vertices,
+                            const GroupImportance &importance, const MeshInterior &interior) {
+    bounds_ = context.scene.Bounds();
+    render_ = RenderOf(context);
+    const auto media =
+        std::stable_partition(vertices.begin(), vertices.end(), [](const PrepassVertex &v) { return !v.phase; });
+    const auto trace = [&](auto begin, auto end) {
+        return TraceVisibility(context, {begin, end}, groups_, importance, interior, lights_, RaysPerVertex());
+    };
+    onSurfaces_.records = trace(vertices.begin(), media);
+    if (media != vertices.end()) inMedia_.records = trace(media, vertices.end());
+    counts_.prepassRecords = onSurfaces_.records.records.size() + inMedia_.records.records.size();
+    counts_.prepassRays = RayCount();
+    if (context.progress.Cancelled()) return;
+
+    const auto start = std::chrono::steady_clock::now();
+    context.progress.BeginPhase("octree", 0);
+    if (Build(params_.records, context.progress)) BeginRecording(0);
+    counts_.buildSeconds = SecondsSince(start);
+    context.progress.EndPhase();
+}
+
+std::optional<VisibilityModel::Estimate> VisibilityModel::Built(const VisibilityRecords &from, int records,
+                                                                const Progress &progress) const {
+    Estimate made;
+    if (from.records.empty()) return made;
+    VisibilityBuildSettings settings;
+    settings.lightCount = static_cast<int>(groups_.Size());
+    settings.lights = lights_;
+    settings.cut = params_.cut;
+    settings.records = records;
+    settings.raysPerRecord = static_cast<int>(RaysPerVertex());
+    settings.shrinkage = params_.shrinkage;
+    settings.pruneGain = params_.prunegain;
+    settings.secondMoment = params_.secondmoment;
+    settings.floor = floor_;
+    VisibilityTreeBuilder builder(bounds_, from.records, from.rays, settings);
+    std::optional<VisibilityTree> tree = builder.Build([&] { return progress.Cancelled(); });
+    if (!tree) return {};
+    made.tree = std::move(*tree);
+    made.leaves = builder.Leaves();
+    made.recordsPerNode = builder.RecordsPerNode();
+    made.leavesBefore = builder.LeavesBeforePruning();
+    return made;
+}
+
+bool VisibilityModel::Build(int records, const Progress &progress) {
+    std::optional<Estimate> surfaces = Built(onSurfaces_.records, records, progress);
+    std::optional<Estimate> media = surfaces ? Built(inMedia_.records, records, progress) : std::nullopt;
+    if (!surfaces || !media) return false;
+    surfaces->records = std::move(onSurfaces_.records);
+    media->records = std::move(inMedia_.records);
+    onSurfaces_ = std::move(*surfaces);
+    inMedia_ = std::move(*media);
+    return true;
+}
+
+void VisibilityModel::BeginRecording(int first) {
+    const auto next = std::ranges::upper_bound(kUpdateAfter, first);
+    nextUpdate_ = IsUpdated() && next != std::end(kUpdateAfter) && 4 * *next <= render_.samplesPerPixel ? *next : 0;
+    if (nextUpdate_ == 0) {
+        rendered_.End();
+        onSurfaces_.records = inMedia_.records = {};
+        return;
+    }
+    const auto vertices = static_cast<size_t>(render_.depth);
+    paths_ = RecordedPaths(render_.pixels, first, nextUpdate_, kMaxRecorded / vertices);
+    rendered_.Begin(paths_.Count(), vertices);
+}
+
+void VisibilityModel::RecordLightSample(PathPlaces &path, const LightQuery &query, const SampledLight &light,
+                                        const SampledSpectrum &irradiance) {
+    if (path.next >= path.end || !(light.unoccluded > 0)) return;
+    const auto ratio =
+        static_cast<Float>(RootMeanSquare(irradiance) / groups_.Lights().Unit() / double(light.unoccluded));
+    const Float weight = light.weight / static_cast<Float>(RaysPerVertex());
+    if (!std::isfinite(ratio) || !std::isfinite(weight)) return;
+    rendered_.Add(path, {query.p, query.ns == Normal3(0), {groups_.GroupOf(light.light), weight, weight, ratio}});
+}
+
+void VisibilityModel::AppendRendered(VisibilityRecords *records, bool inMedium) const {
+    for (const RenderShadowRay &r : rendered_.Places()) {
+        if (r.IsEmpty() || (r.inMedium == 1) != inMedium) continue;
+        records->records.push_back({r.p, static_cast<uint32_t>(records->rays.size()), 1});
+        records->rays.push_back(r.ray);
+    }
+}
+
+void VisibilityModel::Update(const Progress &progress) {
+    if (progress.Cancelled()) return;
+    const auto start = std::chrono::steady_clock::now();
+    VisibilityRecords *const kinds[] = {&onSurfaces_.records, &inMedia_.records};
+    size_t recordsBefore[2], raysBefore[2];
+    for (size_t k = 0; k < 2; ++k) {
+        recordsBefore[k] = kinds[k]->records.size();
+        raysBefore[k] = kinds[k]->rays.size();
+        AppendRendered(kinds[k], k == 1);
+    }
+    // Cells may hold four times as many records as in the first build: the tree is as good, and built in half the time.
+    if (!Build(4 * params_.records, progress)) {
+        for (size_t k = 0; k < 2; ++k) {
+            kinds[k]->records.resize(recordsBefore[k]);
+            kinds[k]->rays.resize(raysBefore[k]);
+        }
+        return;
+    }
+    counts_.renderRays = RayCount() - counts_.prepassRays;
+    counts_.updateSeconds += SecondsSince(start);
+    BeginRecording(nextUpdate_);
+}
+
+std::optional<std::string> VisibilityModel::Estimate::ValidateFor(size_t groups, const LightTree *lights) const {
+    if (std::optional<std::string> fault = records.ValidateFor(groups, lights)) return fault;
+    if (tree.RowCount() == 0) return {};
+    if (recordsPerNode.size() != tree.Cells().NodeCount() || leaves.size() != tree.LeafCount())
+        return "counts of records do not fit the octree";
+    for (const LeafSize &leaf : leaves)
+        if (leaf.depth < 0 || leaf.depth > tree.Depth()) return "a leaf is deeper than its octree";
+    for (uint32_t r = 0; r < tree.RowCount(); ++r) {
+        const VisibilityTree::Row row = tree.GetRow(r);
+        if (lights ? row.nodes.size() > kMaxCandidates || !lights->IsCut(row.nodes)
+                   : !row.nodes.empty() || row.codes.size() != groups)
+            return "a row of an octree is not of all lights";
+    }
+    return {};
+}
+
+void VisibilityModel::Save(StateWriter &out, bool goesOn) const {
+    StateSaver save(out);
+    save(counts_, bounds_, render_, goesOn ? nextUpdate_ : 0);
+    for (const Estimate *estimate : {&onSurfaces_, &inMedia_}) {
+        save(estimate->tree, estimate->leaves, estimate->recordsPerNode, estimate->leavesBefore);
+        static const VisibilityRecords none;
+        save(goesOn ? estimate->records : none);
+    }
+    if (goesOn && nextUpdate_ > 0) rendered_.Save(out);
+}
+
+void VisibilityModel::Load(const PrepareContext &context, StateReader &in) {
+    StateLoader load(in);
+    load(counts_, bounds_, render_, nextUpdate_);
+    for (Estimate *estimate : {&onSurfaces_, &inMedia_}) {
+        load(*estimate);
+        in.RequireValid(estimate->ValidateFor(groups_.Size(), lights_));
+    }
+    in.RequireValid(ResumeRecording(context));
+    if (nextUpdate_ == 0) return BeginRecording(render_.samplesPerPixel);
+    rendered_.Merge(in);
+    VisibilityRecords all;
+    for (const bool inMedium : {false, true}) AppendRendered(&all, inMedium);
+    in.RequireValid(all.ValidateFor(groups_.Size(), lights_));
+}
+
+std::optional<std::string> VisibilityModel::ResumeRecording(const PrepareContext &context) {
+    if (nextUpdate_ == 0) return {};
+    const auto next = std::ranges::find(kUpdateAfter, nextUpdate_);
+    if (!IsUpdated() || next == std::end(kUpdateAfter)) return "an update is due after a wrong number of samples";
+    if (!(render_ == RenderOf(context)) || render_.samplesPerPixel < nextUpdate_)
+        return "it was learned for other pixels or paths";
+    BeginRecording(next == std::begin(kUpdateAfter) ? 0 : next[-1]);
+    return nextUpdate_ == *next ? std::nullopt : std::optional("an update is due after a wrong number of samples");
+}
+
+void VisibilityModel::Report(nlohmann::ordered_json &report) const {
+    report["prepassVertices"] = counts_.prepassRecords;
+    report["prepassShadowRays"] = counts_.prepassRays;
+    report["octreeBuildSeconds"] = counts_.buildSeconds;
+    if (counts_.renderRays > 0) {
+        report["learnedFromShadowRays"] = counts_.renderRays;
+        report["learningSeconds"] = counts_.updateSeconds;
+    }
+    const VisibilityTree &surfaces = onSurfaces_.tree, &media = inMedia_.tree;
+    report["leavesBeforePruning"] = onSurfaces_.leavesBefore + inMedia_.leavesBefore;
+    report["leaves"] = surfaces.LeafCount() + media.LeafCount();
+    if (media.RowCount() > 0) report["leavesInMedia"] = media.LeafCount();
+    report["rows"] = surfaces.RowCount() + media.RowCount();
+    report["depth"] = std::max(surfaces.Depth(), media.Depth());
+}
+
+void VisibilityModel::Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const {
+    const Estimate &estimate = EstimateAt(query);
+    const VisibilityTree *tree = TreeAt(query);
+    CellOctree::Cell cell;
+    if (tree) cell = tree->Cells().CellAt(query.p);
+    const double records = tree ? estimate.recordsPerNode[cell.node] : 0;
+    values.push_back({"leaf", static_cast<double>(cell.row), true});
+    values.push_back({"leaf records", records, false});
+    values.push_back({"leaf depth", static_cast<double>(cell.depth), false});
+    if (lights_) return;
+    for (size_t i = 0; i < std::min<size_t>(groups_.Size(), 16); ++i)
+        values.push_back({fmt::format("factor {}", i),
+                          tree ? static_cast<double>(VisibilityTree::Decode(tree->GetRow(cell.row).codes[i])) : 1.0,
+                          false});
+}
+
+std::string VisibilityModel::Describe() const {
+    const auto describe = [&](const char *where, const Estimate &e) {
+        if (e.tree.RowCount() == 0) return std::string();
+        return fmt::format("octree{}: {} leaves ({} before pruning), {} different rows over {} lights, bytes: {}\n",
+                           where, e.tree.LeafCount(), e.leavesBefore, e.tree.RowCount(), groups_.Size(),
+                           e.tree.Bytes()) +
+               DescribeLeaves(e.leaves);
+    };
+    const std::string text = describe("", onSurfaces_) + describe(" inside media", inMedia_);
+    if (text.empty()) return text;
+    return text + fmt::format("prepass: {} records, {} shadow rays\n", counts_.prepassRecords, counts_.prepassRays);
+}
+
+}  // namespace ext

@@ -1,0 +1,324 @@
+#include "ext/portals/portal_sampling.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include "ext/visibility/visibility_records.h"
+#include "ext/visibility/visibility_tree_builder.h"
+#include "pbrt/core/parallel.h"
+#include "pbrt/lightsamplers/weighted_choice.h"
+#include "pbrt/math/rng.h"
+
+namespace ext {
+
+namespace {
+
+constexpr uint64_t kStream = 0x77696e646f77;
+/// Where a larger share of the rays towards the environment lights leaves the scene, portals are not used: in direct
+/// light, and with bounces, where they pay only if less of the light is seen.
+constexpr double kMaxSeen = 0.3, kMaxSeenWithBounces = 0.005;
+/// Rays are traced from so many vertices of the prepass, if there are as many.
+constexpr size_t kSearchVertices = 4096;
+
+bool HasLocalLights(const LightTable &lights) {
+    const LightGroups &groups = lights.Wholes();
+    for (uint32_t g = 0; g < groups.Size(); ++g)
+        if (const LightCandidate c = groups.Candidate(g); !c.infinite && c.power > 0) return true;
+    return false;
+}
+
+/// The unit of G over that of the mean radiance.
+Float PerMeanRadiance(const EnvironmentLight &light, double unit) {
+    constexpr int kSide = 8;
+    double sum = 0;
+    int count = 0;
+    for (int i = 0; i < kSide * kSide; ++i) {
+        const Point2 u((static_cast<Float>(i % kSide) + Float(0.5)) / kSide,
+                       (static_cast<Float>(i / kSide) + Float(0.5)) / kSide);
+        const std::optional<LightLiSample> s = light.SampleLi({}, u, SampledWavelengths::WholeRange(), false, 0);
+        const Float mean = s ? light.MeanRadiance(s->wi) : 0;
+        if (!(mean > 0)) continue;
+        sum += RootMeanSquare(s->L) / static_cast<double>(mean);
+        ++count;
+    }
+    return count > 0 ? static_cast<Float>(sum / count / unit) : 0;
+}
+
+/// The mean clamped cosine over a sphere around the portal, as for local lights (EmitterPacket): 0 only where all of it
+/// is below the horizon.
+Float MeanCosine(const Portal &portal, const LightQuery &query) {
+    if (query.ns == Normal3(0)) return Float(0.25);
+    const Normal3 n = query.ns * (Dot(query.wo, query.ns) < 0 ? Float(-1) : Float(1));
+    const Vector3 to = portal.Middle() - query.p;
+    const Float perDistance = 1 / std::max(Length(to), Float(1e-20f));
+    Float c = Dot(n, to) * perDistance;
+    if (query.transmits) c = std::abs(c);
+    const Float s = std::min(Length(portal.high - portal.low) / 2 * perDistance, Float(1));
+    return c >= s ? c : Sqr(std::max(c + s, Float(0))) / (4 * s);
+}
+
+/// Widens portals for rays that leave just past their borders.
+void Widen(std::span<Portal> portals, std::span<const EnvironmentRay> rays) {
+    constexpr Float kNear = 0.15f, kMargin = 0.01f;  // of the portal's size
+    for (const EnvironmentRay &ray : rays) {
+        if (!ray.left) continue;
+        Portal *nearest = nullptr;
+        Float least = kNear;
+        Point2 where{};
+        for (Portal &portal : portals) {
+            const Vector3 p = portal.frame.ToLocal(ray.p), d = portal.frame.ToLocal(ray.d);
+            if (!(portal.low.z > p.z) || !(d.z > 0)) continue;
+            const Point2 at = Point2(p) + Vector2(d) * ((portal.low.z - p.z) / d.z);
+            const Point2 past =
+                glm::max(Point2(portal.low) - at, at - Point2(portal.high)) / Vector2(portal.high - portal.low);
+            const Float most = std::max({past.x, past.y, Float(0)});
+            if (!(most < least)) continue;
+            least = most, nearest = &portal, where = at;
+        }
+        if (!nearest || least == 0) continue;
+        const Vector2 margin = Vector2(nearest->high - nearest->low) * kMargin;
+        nearest->low = {glm::min(Point2(nearest->low), where - margin), nearest->low.z};
+        nearest->high = {glm::max(Point2(nearest->high), where + margin), nearest->high.z};
+    }
+}
+
+/// Portals without those that hardly any ray passes; none if too many rays leave past all of them, because the rest of
+/// the light, to which few samples go, is noisy. Rays from beyond all portals, as from an outer sill, do not count:
+/// from there all samples go to the rest.
+std::vector<Portal> Kept(std::span<const Portal> portals, std::span<const EnvironmentRay> rays) {
+    constexpr double kMinShare = 0.01, kMaxPast = 0.02;
+    // A few rays past them may be chance.
+    constexpr double kAFew = 2;
+    std::vector<double> passed(portals.size() + 1, 0);
+    double left = 0;
+    for (const EnvironmentRay &ray : rays) {
+        if (!ray.left) continue;
+        size_t k = 0;
+        while (k < portals.size() && !portals[k].IsPassed(ray.p, ray.d)) ++k;
+        if (k == portals.size() &&
+            std::ranges::none_of(portals, [&](const Portal &portal) { return portal.IsBefore(ray.p); }))
+            continue;
+        ++passed[k], ++left;
+    }
+    std::vector<Portal> result;
+    for (size_t k = 0; k < portals.size(); ++k) {
+        if (passed[k] >= kMinShare * left)
+            result.push_back(portals[k]);
+        else
+            passed.back() += passed[k];
+    }
+    if (passed.back() > kMaxPast * left + kAFew) result.clear();
+    return result;
+}
+
+}  // namespace
+
+PortalSampling::PortalSampling(const LightGroups &groups, const std::string &mode, Float floor)
+    : lights_(groups.Lights()), always_(mode == "always"), floor_(floor) {
+    if (mode == "never" || (mode == "auto" && HasLocalLights(lights_))) return;
+    for (const LightId id : lights_.Environments()) {
+        if (environments_.size() == kMaxLights || !(lights_.Candidate(id).power > 0)) continue;
+        const EnvironmentLight *light = lights_[id].Whole().AsEnvironment();
+        ids_.push_back(id);
+        environments_.push_back({.id = id,
+                                 .group = groups.GroupOf(id),
+                                 .light = light,
+                                 .whole = MakeEmitter(lights_, id, lights_.Candidate(id)),
+                                 .perMean = PerMeanRadiance(*light, lights_.Unit())});
+    }
+}
+
+void PortalSampling::Clear() {
+    count_ = 0;
+    for (Environment &e : environments_) e.portals.reset();
+}
+
+void PortalSampling::Use(std::span<const Portal> portals) {
+    count_ = portals.size();
+    for (Environment &e : environments_) e.portals.emplace(*e.light, portals);
+}
+
+void PortalSampling::Find(PrepareContext &context, std::span<const PrepassVertex> vertices) {
+    const auto start = std::chrono::steady_clock::now();
+    const double most = context.maxDepth <= 1 || always_ ? kMaxSeen : kMaxSeenWithBounces;
+    std::vector<EnvironmentRay> rays;
+    const auto isSeenMoreThan = [&](double share, size_t count) {
+        rays = TraceEnvironmentRays(context, ids_, vertices, count);
+        const auto left = std::ranges::count_if(rays, [](const EnvironmentRay &ray) { return ray.left; });
+        seenShare_ = static_cast<double>(left) / static_cast<double>(std::max<size_t>(rays.size(), 1));
+        return context.progress.Cancelled() || seenShare_ > share;
+    };
+    // Under an open sky a few vertices are enough.
+    if (!isSeenMoreThan(2 * most, kSearchVertices / 16) && !isSeenMoreThan(most, kSearchVertices)) {
+        std::vector<Normal3> normals;
+        for (const PrepassVertex &vertex : vertices) normals.push_back(vertex.at.n);
+        std::vector<Portal> portals = RefinePortals(context.scene, FindPortals(rays, normals), vertices, context.seed);
+        Widen(portals, rays);
+        portals = Kept(portals, rays);
+        if (!portals.empty() && !context.progress.Cancelled()) Use(portals);
+        if (IsActive() && !Learn(context, vertices)) Clear();
+    }
+    seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void PortalSampling::Evaluate(const LightQuery &query, const Environment &e, Float *g) const {
+    for (size_t i = 0; i < count_; ++i) {
+        g[i] = MeanCosine((*e.portals)[i], query);
+        if (g[i] > 0) g[i] *= e.perMean * e.portals->Integral(i, query.p);
+        if (!std::isfinite(g[i])) g[i] = 0;
+    }
+    g[count_] = e.whole.m0 > 0 ? EvaluateFar(e.whole, query) : 0;
+}
+
+bool PortalSampling::Learn(PrepareContext &context, std::span<const PrepassVertex> vertices) {
+    std::vector<std::vector<ShadowRay>> traced(vertices.size());
+    ParallelFor(static_cast<int64_t>(vertices.size()), 64, [&](int64_t begin, int64_t end) {
+        for (auto v = static_cast<size_t>(begin); v < static_cast<size_t>(end); ++v)
+            traced[v] = TraceRegions(context, vertices[v], Hash(kStream, context.seed, v));
+    });
+    VisibilityRecords records;
+    for (size_t v = 0; v < vertices.size(); ++v) {
+        if (traced[v].empty()) continue;
+        records.records.push_back(
+            {vertices[v].at.p, static_cast<uint32_t>(records.rays.size()), static_cast<uint32_t>(traced[v].size())});
+        records.rays.insert(records.rays.end(), traced[v].begin(), traced[v].end());
+    }
+    if (records.records.empty() || context.progress.Cancelled()) return false;
+    VisibilityBuildSettings settings;
+    settings.lightCount = static_cast<int>(RegionCount() * Count());
+    settings.floor = floor_;
+    VisibilityTreeBuilder builder(context.scene.Bounds(), records.records, records.rays, settings);
+    std::optional<VisibilityTree> tree = builder.Build([&] { return context.progress.Cancelled(); });
+    if (!tree) return false;
+    tree_ = std::move(*tree);
+    return true;
+}
+
+std::vector<ShadowRay> PortalSampling::TraceRegions(PrepareContext &context, const PrepassVertex &vertex,
+                                                    uint64_t seed) const {
+    const LightQuery query = QueryAt(vertex);
+    Rng rng(seed);
+    Float sum = 0, g[kMaxRegions];
+    std::vector<ShadowRay> rays;
+    for (size_t k = 0; k < Count(); ++k) {
+        const Environment &e = environments_[k];
+        Evaluate(query, e, g);
+        for (size_t i = 0; i < RegionCount(); ++i) {
+            const Point2 u = rng.Uniform2();
+            if (!(g[i] > 0)) continue;
+            sum += g[i];
+            const double found = VisibleContribution(context.scene, vertex, lights_.Region(e.id, RegionOf(e, i)), u);
+            const auto ratio = static_cast<Float>(found / double(g[i]));
+            rays.push_back(
+                {static_cast<uint32_t>(k * RegionCount() + i), g[i], g[i], std::isfinite(ratio) ? ratio : 0});
+        }
+    }
+    for (ShadowRay &ray : rays) ray.share = ray.weight = ray.share / sum;
+    return rays;
+}
+
+const PortalSampling::Weights *PortalSampling::Weigh(const LightQuery &query, LightMemory &memory) const {
+    auto *at = memory.Make<Weights>();
+    const VisibilityTree::Row row = tree_.RowAt(query.p);
+    for (size_t k = 0; k < Count(); ++k) {
+        Float g[kMaxRegions], w[kMaxRegions], sumG = 0, sumW = 0;
+        Evaluate(query, environments_[k], g);
+        for (size_t i = 0; i < RegionCount(); ++i) {
+            w[i] = g[i] * VisibilityTree::Decode(row.codes[k * RegionCount() + i]);
+            sumG += g[i], sumW += w[i];
+        }
+        at->g[k] = sumG;
+        at->w[k] = sumW;
+        // More arrives unoccluded from the rest than through all portals, so it would take nearly all of the floor.
+        const size_t rest = count_;
+        const Float ofPortals = sumG - g[rest], e = sumW > 0 ? floor_ : Float(1);
+        const Float share = g[rest] > 0 && ofPortals > 0 ? e / 2 : e;
+        const Float perW = sumW > 0 ? (1 - floor_) / sumW : 0, perG = ofPortals > 0 ? share / ofPortals : 0;
+        for (size_t i = 0; i < rest; ++i) at->region[k][i] = w[i] * perW + g[i] * perG;
+        at->region[k][rest] = w[rest] * perW + (g[rest] > 0 ? share : 0);
+    }
+    return at;
+}
+
+std::optional<SampledLight> PortalSampling::Sample(const Weights &weights, size_t k, Point2 *u) const {
+    const Float *region = weights.region[k];
+    const auto chosen = ChooseByWeight<Float>(RegionCount(), u->x, [&](uint32_t i) { return region[i]; });
+    if (!chosen) return {};
+    u->x = std::clamp((u->x - chosen.before) / chosen.weight, Float(0), OneMinusEpsilon);
+    const Environment &e = environments_[k];
+    return SampledLight{.light = e.id, .pmf = chosen.weight, .region = RegionOf(e, chosen.index)};
+}
+
+SampledLight PortalSampling::Towards(const Weights &weights, size_t k, const Point3 &p, const Vector3 &d) const {
+    const Environment &e = environments_[k];
+    const size_t region = e.portals->RegionTowards(p, d);
+    return {.light = e.id, .pmf = weights.region[k][region], .region = RegionOf(e, region)};
+}
+
+void PortalSampling::Save(StateWriter &out) const {
+    std::vector<Portal> portals;
+    for (size_t i = 0; i < count_; ++i) portals.push_back((*environments_[0].portals)[i]);
+    out.CopyOfVector(portals);
+    StateSaver save(out);
+    save(seconds_, seenShare_, tree_);
+}
+
+void PortalSampling::Load(StateReader &in) {
+    std::vector<Portal> portals;
+    in.Vector(&portals);
+    in.Require(portals.size() <= EnvironmentPortals::kMax, "it has too many portals");
+    in.Require(portals.empty() || !environments_.empty(), "it has portals of an environment light that has none here");
+    for (const Portal &portal : portals) in.RequireValid(portal.Validate());
+    Clear();
+    StateLoader load(in);
+    load(seconds_, seenShare_, tree_);
+    if (portals.empty()) return;
+    Use(portals);
+    in.Require(tree_.RowCount() > 0, "its portals have no visibility");
+    for (uint32_t row = 0; row < tree_.RowCount(); ++row)
+        in.Require(tree_.GetRow(row).codes.size() == RegionCount() * Count() && tree_.GetRow(row).nodes.empty(),
+                   "a row of an octree is not of all portals");
+}
+
+void PortalSampling::Report(nlohmann::ordered_json &report) const {
+    if (!(seconds_ > 0)) return;
+    report["environmentSeenShare"] = seenShare_;
+    report["environmentSeconds"] = seconds_;
+    if (!IsActive()) return;
+    report["portals"] = count_;
+    report["portalBytes"] = Bytes();
+}
+
+void PortalSampling::Inspect(const Point3 &p, std::vector<InspectedValue> &values) const {
+    if (!IsActive()) return;
+    const uint32_t cell = tree_.Cells().CellAt(p).row;
+    const VisibilityTree::Row row = tree_.GetRow(cell);
+    values.push_back({"portal cell", static_cast<double>(cell), true});
+    for (size_t i = 0; i < RegionCount(); ++i)
+        values.push_back({i < count_ ? fmt::format("portal {} seen", i) : std::string("rest of the environment seen"),
+                          static_cast<double>(VisibilityTree::Decode(row.codes[i])), false});
+}
+
+std::string PortalSampling::Describe() const {
+    if (!IsActive()) return "";
+    std::string text = fmt::format("portals: {}, with visibility in {} leaves\n", count_, tree_.LeafCount());
+    for (size_t i = 0; i < count_; ++i) {
+        const Portal &portal = (*environments_[0].portals)[i];
+        const Vector3 sides = portal.high - portal.low;
+        const Point3 middle = portal.Middle();
+        text += fmt::format("  {:.3g} by {:.3g}, centre ({:.4g}, {:.4g}, {:.4g})\n", sides.x, sides.y, middle.x,
+                            middle.y, middle.z);
+    }
+    return text;
+}
+
+size_t PortalSampling::Bytes() const {
+    size_t bytes = tree_.Bytes();
+    for (const Environment &e : environments_)
+        if (e.portals) bytes += e.portals->Bytes();
+    return bytes;
+}
+
+}  // namespace ext

@@ -1,0 +1,452 @@
+#include "ext/portals/portal_search.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "pbrt/core/parallel.h"
+#include "pbrt/math/rng.h"
+
+namespace ext {
+
+namespace {
+
+constexpr uint64_t kRayStream = 0x736b79;
+/// Where there are few vertices, up to kMaxPerVertex rays are traced from each of them to each light, to have so many.
+constexpr size_t kFewRays = 16384, kMaxPerVertex = 4 * kEnvironmentRaysPerVertex;
+/// Directions drawn for a ray at most. They are accepted with their cosine as the probability.
+constexpr size_t kMaxDraws = 16;
+
+constexpr size_t kMaxPortals = 8;
+/// Rays that are used, of either kind.
+constexpr size_t kMaxRays = 2048;
+/// What a ray that is blocked counts against one that leaves.
+constexpr double kBlocked = 0.25;
+constexpr int kMaxCells = 48, kMinCells = 8, kSteps = 48, kFineSteps = 8;
+/// Fewer rays than this make no portal, and so do those of a smaller share of all that left.
+constexpr size_t kMinRays = 12;
+constexpr double kSmallestShare = 0.02;
+/// Rays nearly parallel to a plane are left out.
+constexpr Float kMinCosine = 0.05f;
+
+struct Line {
+    Point3 p;
+    Vector3 d;
+    bool left;
+    double count;  ///< how many rays it stands for
+};
+
+/// The directions that a plane may face: the normals of most surfaces, and the axes; with the opposite ones.
+std::vector<Vector3> Facings(std::span<const Normal3> normals) {
+    std::map<std::array<int, 3>, std::pair<size_t, Vector3>> bins;
+    for (const Normal3 &n : normals) {
+        if (n == Normal3(0)) continue;
+        // Opposite normals belong to the same planes.
+        const bool turned =
+            n.x < -1e-3f || (std::abs(n.x) <= 1e-3f && (n.y < -1e-3f || (std::abs(n.y) <= 1e-3f && n.z < 0)));
+        const Vector3 v = turned ? Vector3(-n) : Vector3(n);
+        const auto place = [](Float x) { return static_cast<int>(std::lround(x * 40)); };
+        auto &[count, sum] = bins[{place(v.x), place(v.y), place(v.z)}];
+        ++count;
+        sum += v;
+    }
+    std::vector<std::pair<size_t, Vector3>> frequent;
+    for (const auto &[key, bin] : bins)
+        if (bin.first * 50 >= normals.size()) frequent.push_back({bin.first, Normalize(bin.second)});
+    std::stable_sort(frequent.begin(), frequent.end(), [](const auto &a, const auto &b) { return a.first > b.first; });
+    if (frequent.size() > 6) frequent.resize(6);
+    for (const Vector3 &axis : {Vector3(1, 0, 0), Vector3(0, 1, 0), Vector3(0, 0, 1)}) frequent.push_back({0, axis});
+    std::vector<Vector3> facings;
+    for (const auto &[count, v] : frequent)
+        if (std::none_of(facings.begin(), facings.end(), [&](const Vector3 &f) { return AbsDot(f, v) > 0.999f; }))
+            facings.push_back(v);
+    const size_t half = facings.size();
+    for (size_t i = 0; i < half; ++i) facings.push_back(-facings[i]);
+    return facings;
+}
+
+/// The planes' frames: x along another facing where one is orthogonal.
+Frame FrameOf(const Vector3 &z, std::span<const Vector3> facings) {
+    for (const Vector3 &x : facings)
+        if (AbsDot(x, z) < 0.02f) return Frame::FromXZ(x, z);
+    return Frame::FromZ(z);
+}
+
+/// What is between the lowest and the highest hundredth of some numbers.
+std::pair<Float, Float> Range(std::vector<Float> v) {
+    const size_t skipped = v.size() / 100;
+    std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(skipped), v.end());
+    const Float low = v[skipped];
+    std::nth_element(v.begin(), v.end() - 1 - static_cast<std::ptrdiff_t>(skipped), v.end());
+    return {low, v[v.size() - 1 - skipped]};
+}
+
+/// An interval around nearly all of some numbers; a little wider, as they rarely lie at its ends.
+std::pair<Float, Float> Around(std::vector<Float> v) {
+    const auto n = static_cast<Float>(v.size());
+    const auto [low, high] = Range(std::move(v));
+    const Float more = (high - low) * (1 / n + Float(0.01));
+    return {low - more, high + more};
+}
+
+/// A line as parallel planes see it.
+struct Crossing {
+    Vector3 p;  ///< in coordinates of the planes' frame
+    Vector2 slope;
+    bool left;
+    double count;
+    /// Where it crosses a plane; empty if it starts beyond it.
+    std::optional<Point2> At(Float height) const {
+        if (!(height > p.z)) return {};
+        return Point2(p.x + slope.x * (height - p.z), p.y + slope.y * (height - p.z));
+    }
+};
+
+/// Empty for lines that are nearly parallel to the planes.
+std::optional<Crossing> CrossingOf(const Frame &frame, const Line &line) {
+    const Vector3 d = frame.ToLocal(line.d);
+    if (!(d.z > kMinCosine)) return {};
+    return Crossing{frame.ToLocal(line.p), Vector2(d.x, d.y) / d.z, line.left, line.count};
+}
+
+/// The lines as a family of parallel planes sees them.
+class Planes {
+  public:
+    Planes(const Frame &frame, std::span<const Line> lines) : frame_(frame) {
+        // A portal's cells must be connected by the rays that pass them.
+        const auto left = static_cast<double>(std::ranges::count_if(lines, [](const Line &line) { return line.left; }));
+        cells_ = std::clamp(static_cast<int>(1.5 * std::sqrt(left)), kMinCells, kMaxCells);
+        std::vector<Float> x, y, z;
+        for (const Line &line : lines) {
+            const Vector3 p = frame.ToLocal(line.p);
+            x.push_back(p.x), y.push_back(p.y), z.push_back(p.z);
+            if (const std::optional<Crossing> c = CrossingOf(frame, line)) crossing_.push_back(*c);
+        }
+        std::tie(low_.x, high_.x) = Range(std::move(x));
+        std::tie(low_.y, high_.y) = Range(std::move(y));
+        std::tie(low_.z, high_.z) = Range(std::move(z));
+        // Portals lie at the border of what rays start from.
+        const Vector3 margin = (high_ - low_) * Float(0.1);
+        low_ -= margin, high_ += margin;
+    }
+
+    struct Cell {
+        double left = 0, blocked = 0;
+        double Gain() const { return left - kBlocked * blocked; }
+    };
+    using Grid = std::vector<Cell>;
+    struct Plane {
+        double gain = 0;
+        Float height = 0;
+    };
+
+    /// The plane of the greatest gain.
+    Plane Best() const {
+        Plane best;
+        const auto test = [&](Float height) {
+            const double gain = GainAt(height);
+            if (gain > best.gain) best = {gain, height};
+        };
+        const Float step = (high_.z - low_.z) / kSteps;
+        for (int i = 0; i < kSteps; ++i) test(low_.z + (static_cast<Float>(i) + Float(0.5)) * step);
+        const Float coarse = best.height;
+        for (int i = -kFineSteps; i <= kFineSteps; ++i) test(coarse + static_cast<Float>(i) * step / kFineSteps);
+        return best;
+    }
+
+    /// The rectangles around connected cells of the plane whose gain is positive.
+    std::vector<Portal> Portals(Float height, double fewest) const {
+        const Grid grid = Count(height);
+        std::vector<int> component(grid.size(), -1);
+        int components = 0;
+        for (size_t i = 0; i < grid.size(); ++i) {
+            if (component[i] >= 0 || !(grid[i].Gain() > 0)) continue;
+            std::vector<size_t> open{i};
+            component[i] = components;
+            while (!open.empty()) {
+                const auto at = static_cast<int>(open.back());
+                open.pop_back();
+                for (int n = 0; n < 9; ++n) {
+                    const int x = at % cells_ + n % 3 - 1, y = at / cells_ + n / 3 - 1;
+                    if (x < 0 || y < 0 || x >= cells_ || y >= cells_) continue;
+                    const auto to = static_cast<size_t>(y * cells_ + x);
+                    if (component[to] >= 0 || !(grid[to].Gain() > 0)) continue;
+                    component[to] = components;
+                    open.push_back(to);
+                }
+            }
+            ++components;
+        }
+        struct Found {
+            std::vector<Float> x, y;
+            double count = 0;
+        };
+        std::vector<Found> found(static_cast<size_t>(components));
+        for (const Crossing &c : crossing_) {
+            const std::optional<Point2> at = c.At(height);
+            const std::optional<size_t> cell = at && c.left ? CellAt(*at) : std::nullopt;
+            if (!cell || component[*cell] < 0) continue;
+            Found &f = found[static_cast<size_t>(component[*cell])];
+            f.x.push_back(at->x), f.y.push_back(at->y);
+            f.count += c.count;
+        }
+        std::vector<Portal> portals;
+        for (Found &f : found) {
+            if (f.x.size() < kMinRays || f.count < fewest) continue;
+            const auto [x0, x1] = Around(std::move(f.x));
+            const auto [y0, y1] = Around(std::move(f.y));
+            Portal portal;
+            portal.frame = frame_;
+            portal.low = {x0, y0, height};
+            portal.high = {x1, y1, height};
+            portals.push_back(portal);
+        }
+        return portals;
+    }
+
+  private:
+    std::optional<size_t> CellAt(const Point2 &at) const {
+        const auto n = static_cast<Float>(cells_);
+        const Float x = (at.x - low_.x) / (high_.x - low_.x) * n, y = (at.y - low_.y) / (high_.y - low_.y) * n;
+        if (!(x >= 0 && y >= 0 && x < n && y < n)) return {};
+        return static_cast<size_t>(y) * static_cast<size_t>(cells_) + static_cast<size_t>(x);
+    }
+    Grid Count(Float height) const {
+        Grid grid(static_cast<size_t>(cells_) * static_cast<size_t>(cells_));
+        for (const Crossing &c : crossing_)
+            if (const std::optional<Point2> at = c.At(height))
+                if (const std::optional<size_t> cell = CellAt(*at))
+                    (c.left ? grid[*cell].left : grid[*cell].blocked) += c.count;
+        return grid;
+    }
+    double GainAt(Float height) const {
+        double gain = 0;
+        for (const Cell &cell : Count(height)) gain += std::max(cell.Gain(), 0.0);
+        return gain;
+    }
+
+    Frame frame_;
+    int cells_ = 0;  ///< along a side of the grid
+    std::vector<Crossing> crossing_;
+    Vector3 low_{0}, high_{0};
+};
+
+/// A portal moved to the height at which the rays that leave through it pass the smallest rectangle, as they do in the
+/// opening itself: from there on they part.
+Portal AtNarrowest(const Portal &portal, std::span<const Line> lines) {
+    std::vector<Crossing> rays;
+    for (const Line &line : lines) {
+        if (!line.left || !portal.IsPassed(line.p, line.d)) continue;
+        if (const std::optional<Crossing> c = CrossingOf(portal.frame, line)) rays.push_back(*c);
+    }
+    if (rays.size() < kMinRays) return portal;
+    const auto at = [&](Float height) -> std::optional<Portal> {
+        std::vector<Float> x, y;
+        for (const Crossing &ray : rays)
+            if (const std::optional<Point2> place = ray.At(height)) x.push_back(place->x), y.push_back(place->y);
+        // Rays that start beyond it do not pass it: few may.
+        if (x.size() * 50 < rays.size() * 49) return {};
+        const auto [x0, x1] = Around(std::move(x));
+        const auto [y0, y1] = Around(std::move(y));
+        return Portal{portal.frame, {x0, y0, height}, {x1, y1, height}};
+    };
+    Portal narrowest = portal;
+    const auto area = [](const Portal &w) { return (w.high.x - w.low.x) * (w.high.y - w.low.y); };
+    Float least = Infinity;
+    const Vector3 size = portal.high - portal.low;
+    const Float reach = std::max(size.x, size.y) / 2;
+    constexpr int kTried = 24;
+    for (int i = -kTried; i <= kTried; ++i) {
+        const std::optional<Portal> there = at(portal.low.z + reach * static_cast<Float>(i) / kTried);
+        if (there && area(*there) < least) least = area(*there), narrowest = *there;
+    }
+    return narrowest;
+}
+
+/// At most kMaxRays of each kind.
+std::vector<Line> SomeOf(std::span<const EnvironmentRay> rays) {
+    size_t count[2] = {0, 0}, seen[2] = {0, 0};
+    for (const EnvironmentRay &ray : rays) ++count[ray.left];
+    std::vector<Line> lines;
+    for (const EnvironmentRay &ray : rays) {
+        const size_t n = count[ray.left], taken = std::min(n, kMaxRays), i = seen[ray.left]++;
+        if (i * taken / n != (i + 1) * taken / n)
+            lines.push_back({ray.p, ray.d, ray.left, static_cast<double>(n) / static_cast<double>(taken)});
+    }
+    return lines;
+}
+
+}  // namespace
+
+std::vector<EnvironmentRay> TraceEnvironmentRays(PrepareContext &context, std::span<const LightId> lights,
+                                                 std::span<const PrepassVertex> vertices, size_t count) {
+    count = std::min(count, vertices.size());
+    const size_t perVertex =
+        std::clamp(kFewRays / std::max<size_t>(count, 1), kEnvironmentRaysPerVertex, kMaxPerVertex);
+    std::vector<std::vector<EnvironmentRay>> raysFrom(count);
+    context.progress.BeginPhase("rays to environment lights", static_cast<int64_t>(count));
+    ParallelForEach(static_cast<int64_t>(count), [&](int64_t i) {
+        if (context.progress.Cancelled()) return;
+        const PrepassVertex &vertex = vertices[static_cast<size_t>(i) * vertices.size() / count];
+        const LightSampleContext &at = vertex.at;
+        Rng rng(Hash(kRayStream, context.seed, i));
+        for (const LightId light : lights) {
+            // An additive recurrence: any number of points is well spread.
+            glm::dvec2 point = rng.Uniform2();
+            size_t traced = 0;
+            for (size_t k = 0; k < kMaxDraws * perVertex && traced < perVertex; ++k) {
+                point = glm::fract(point + glm::dvec2(0.7548776662466927, 0.5698402909980532));
+                const Point2 u = glm::min(Point2(point), Point2(OneMinusEpsilon));
+                const Float chance = rng.Uniform();
+                const std::optional<LightLiSample> s =
+                    context.scene.Lights()[light].SampleLi(at, u, SampledWavelengths::WholeRange(), false);
+                if (!s) continue;
+                Float cosine = Dot(s->wi, at.ns) * (Dot(vertex.wo, at.ns) < 0 ? Float(-1) : Float(1));
+                if (vertex.transmits) cosine = std::abs(cosine);
+                if (at.ns == Normal3(0)) cosine = Float(0.25);
+                if (!(chance < cosine)) continue;
+                raysFrom[static_cast<size_t>(i)].push_back({at.p, s->wi, !context.scene.Occluded(at, *s)});
+                ++traced;
+            }
+        }
+        context.progress.Advance();
+    });
+    context.progress.EndPhase();
+    std::vector<EnvironmentRay> rays;
+    for (const std::vector<EnvironmentRay> &some : raysFrom) rays.insert(rays.end(), some.begin(), some.end());
+    return rays;
+}
+
+std::vector<Portal> FindPortals(std::span<const EnvironmentRay> rays, std::span<const Normal3> normals) {
+    std::vector<Line> lines = SomeOf(rays);
+    double left = 0;
+    for (const Line &line : lines) left += line.left ? line.count : 0;
+    const std::vector<Vector3> facings = Facings(normals);
+    std::vector<Portal> portals;
+    while (portals.size() < kMaxPortals && !lines.empty()) {
+        std::vector<Planes::Plane> best(facings.size());
+        ParallelFor(static_cast<int64_t>(facings.size()), 1, [&](int64_t begin, int64_t end) {
+            for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i)
+                best[i] = Planes(FrameOf(facings[i], facings), lines).Best();
+        });
+        const auto most =
+            std::max_element(best.begin(), best.end(), [](const auto &a, const auto &b) { return a.gain < b.gain; });
+        if (!(most->gain > kSmallestShare * left)) break;
+        const Planes planes(FrameOf(facings[static_cast<size_t>(most - best.begin())], facings), lines);
+        std::vector<Portal> found = planes.Portals(most->height, kSmallestShare * left);
+        if (found.empty()) break;
+        if (portals.size() + found.size() > kMaxPortals) found.resize(kMaxPortals - portals.size());
+        for (Portal &portal : found) portal = AtNarrowest(portal, lines);
+        std::erase_if(lines, [&](const Line &line) {
+            return std::any_of(found.begin(), found.end(),
+                               [&](const Portal &portal) { return portal.IsPassed(line.p, line.d); });
+        });
+        portals.insert(portals.end(), found.begin(), found.end());
+    }
+    return portals;
+}
+
+namespace {
+
+constexpr int kRefiningRays = 8192, kRefiningCells = 48;
+
+/// The portal with its borders found; unchanged if no ray passes it.
+Portal Refined(const Scene &scene, const Portal &portal, std::span<const PrepassVertex> vertices, uint64_t seed) {
+    const Frame &frame = portal.frame;
+    const Vector2 size = Vector2(portal.high) - Vector2(portal.low);
+    const Vector2 more = size * Float(0.3) + Vector2(Float(0.1) * std::max(size.x, size.y));
+    const Point2 low = Point2(portal.low) - more, high = Point2(portal.high) + more;
+    const Float diameter = 2 * Length(scene.Bounds().Diagonal());
+
+    std::vector<Point2> passed(kRefiningRays);
+    std::vector<char> left(kRefiningRays, 0);
+    ParallelFor(kRefiningRays, 256, [&](int64_t begin, int64_t end) {
+        for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+            Rng rng(Hash(seed, uint64_t{i}));
+            const auto v = static_cast<size_t>(rng.Uniform() * static_cast<Float>(vertices.size()));
+            const PrepassVertex &vertex = vertices[std::min(v, vertices.size() - 1)];
+            const Point2 at = low + rng.Uniform2() * (high - low);
+            const Vector3 to = frame.FromLocal({at.x, at.y, portal.low.z}) - vertex.at.p;
+            if (!(Dot(to, frame.z) > 0)) continue;
+            if (vertex.at.ns != Normal3(0) && !vertex.transmits &&
+                !(Dot(to, vertex.at.ns) * Dot(vertex.wo, vertex.at.ns) > 0))
+                continue;
+            LightLiSample s;
+            s.wi = Normalize(to);
+            s.pLight = vertex.at.p + s.wi * diameter;
+            passed[i] = at;
+            left[i] = !scene.Occluded(vertex.at, s);
+        }
+    });
+
+    // The cells that are connected with the portal: light passes them.
+    constexpr auto n = kRefiningCells;
+    const auto cellOf = [&](const Point2 &at) {
+        const Point2 f = (at - low) / (high - low) * Float(n);
+        return Point2i(std::clamp(static_cast<int>(f.x), 0, n - 1), std::clamp(static_cast<int>(f.y), 0, n - 1));
+    };
+    std::vector<char> isLit(static_cast<size_t>(n) * n, 0), isConnected(isLit.size(), 0);
+    std::vector<Point2i> open;
+    const auto index = [](const Point2i &c) { return static_cast<size_t>(c.y) * n + static_cast<size_t>(c.x); };
+    for (size_t i = 0; i < left.size(); ++i) {
+        if (!left[i]) continue;
+        const Point2i cell = cellOf(passed[i]);
+        isLit[index(cell)] = 1;
+        const bool isInside = passed[i].x >= portal.low.x && passed[i].y >= portal.low.y &&
+                              passed[i].x <= portal.high.x && passed[i].y <= portal.high.y;
+        if (isInside && !isConnected[index(cell)]) {
+            isConnected[index(cell)] = 1;
+            open.push_back(cell);
+        }
+    }
+    // A frame between two panes may be a cell or two wide.
+    constexpr int kReach = 2;
+    while (!open.empty()) {
+        const Point2i c = open.back();
+        open.pop_back();
+        for (int y = std::max(c.y - kReach, 0); y <= std::min(c.y + kReach, n - 1); ++y)
+            for (int x = std::max(c.x - kReach, 0); x <= std::min(c.x + kReach, n - 1); ++x) {
+                const size_t to = index({x, y});
+                if (!isLit[to] || isConnected[to]) continue;
+                isConnected[to] = 1;
+                open.push_back({x, y});
+            }
+    }
+    Portal found{frame, {high, portal.low.z}, {low, portal.low.z}};
+    for (size_t i = 0; i < left.size(); ++i) {
+        if (!left[i] || !isConnected[index(cellOf(passed[i]))]) continue;
+        found.low = glm::min(found.low, Point3(passed[i], found.low.z));
+        found.high = glm::max(found.high, Point3(passed[i], found.low.z));
+    }
+    if (!(found.low.x < found.high.x && found.low.y < found.high.y)) return portal;
+    const Vector3 margin = (found.high - found.low) * Float(0.01);
+    found.low -= margin, found.high += margin;
+    return found;
+}
+
+/// Whether nearly all of a portal lies in another one of the same plane.
+bool LiesIn(const Portal &portal, const Portal &other) {
+    if (portal.frame.x != other.frame.x || portal.frame.z != other.frame.z) return false;
+    const Vector2 size = portal.high - portal.low,
+                  common = glm::min(portal.high, other.high) - glm::max(portal.low, other.low);
+    const Float away = std::abs(portal.low.z - other.low.z);
+    return away < Float(0.1) * std::max(size.x, size.y) && common.x > 0 && common.y > 0 &&
+           common.x * common.y > Float(0.7) * size.x * size.y;
+}
+
+}  // namespace
+
+std::vector<Portal> RefinePortals(const Scene &scene, std::span<const Portal> portals,
+                                  std::span<const PrepassVertex> vertices, int seed) {
+    std::vector<Portal> refined;
+    for (size_t k = 0; k < portals.size(); ++k) {
+        const Portal portal = Refined(scene, portals[k], vertices, Hash(uint64_t{0x726566696e65}, seed, uint64_t{k}));
+        if (std::any_of(refined.begin(), refined.end(), [&](const Portal &w) { return LiesIn(portal, w); })) continue;
+        std::erase_if(refined, [&](const Portal &w) { return LiesIn(w, portal); });
+        refined.push_back(portal);
+    }
+    return refined;
+}
+
+}  // namespace ext

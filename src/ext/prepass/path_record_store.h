@@ -1,0 +1,114 @@
+#pragma once
+#include <algorithm>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "pbrt/core/state_archive.h"
+#include "pbrt/lightsamplers/path_observer.h"
+
+namespace ext {
+using namespace pbrt;
+
+/// The paths of a render that are recorded: samples [first, end) of every stride-th pixel of a row. Rows are shifted
+/// against each other, so that the recorded pixels form no columns. Default: none.
+class RecordedPaths {
+  public:
+    RecordedPaths() = default;
+    /// With the smallest stride that gives at most `most` paths; at least one pixel of each row.
+    RecordedPaths(const Bounds2i &pixels, int first, int end, size_t most) : pixels_(pixels), first_(first), end_(end) {
+        const Vector2i size = pixels.IsEmpty() ? Vector2i(0) : pixels.high - pixels.low;
+        for (stride_ = 1;; ++stride_) {
+            perRow_ = static_cast<size_t>((size.x + stride_ - 1) / stride_);
+            count_ = perRow_ * static_cast<size_t>(size.y) * static_cast<size_t>(end - first);
+            if (count_ <= most || stride_ >= size.x) break;
+        }
+    }
+    size_t Count() const { return count_; }
+    /// Below Count(); empty: the path is not recorded.
+    std::optional<size_t> NumberOf(Point2i pixel, int sample) const {
+        const Vector2i at = pixel - pixels_.low;
+        if (count_ == 0 || sample < first_ || sample >= end_ || (at.x + kRowShift * at.y) % stride_ != 0) return {};
+        const size_t ofPixel = static_cast<size_t>(at.y) * perRow_ + static_cast<size_t>(at.x / stride_);
+        return ofPixel * static_cast<size_t>(end_ - first_) + static_cast<size_t>(sample - first_);
+    }
+    /// The pixel of a path, relative to the corner of the pixels.
+    Point2i PixelOf(size_t path) const {
+        const size_t ofPixel = path / static_cast<size_t>(end_ - first_);
+        const int y = static_cast<int>(ofPixel / perRow_);
+        // x + kRowShift y is a multiple of the stride.
+        const int shift = (stride_ - kRowShift * y % stride_) % stride_;
+        return {static_cast<int>(ofPixel % perRow_) * stride_ + shift, y};
+    }
+
+  private:
+    static constexpr int kRowShift = 7;
+    Bounds2i pixels_{};
+    int first_ = 0, end_ = 0, stride_ = 1;
+    size_t perRow_ = 0, count_ = 0;
+};
+
+/// Records of paths, each in a place of its own, so that the result does not depend on the order in which threads
+/// write. A Record is trivially copyable without padding and has IsEmpty(), true by default, and `static Record
+/// Read(StateReader &)`, which throws UserError if what is read is no valid record.
+template <class Record>
+class PathRecordStore {
+  public:
+    /// Discards all records and makes `perPath` places for each of `paths` paths.
+    void Begin(size_t paths, size_t perPath) {
+        places_ = {};
+        places_.resize(paths * perPath);
+        perPath_ = perPath;
+    }
+    /// Frees all places; nothing is recorded until the next Begin.
+    void End() { *this = {}; }
+    bool IsOpen() const { return !places_.empty(); }
+    /// The places of a path, which the path keeps; none for a path that is not recorded.
+    PathObserver::PathPlaces PlacesOf(std::optional<size_t> path) const {
+        if (!path || places_.empty()) return {};
+        return {*path * perPath_, (*path + 1) * perPath_};
+    }
+    /// Records in the next place of the path; beyond its last place nothing is recorded.
+    void Add(PathObserver::PathPlaces &path, const Record &record) {
+        if (path.next < path.end) places_[path.next++] = record;
+    }
+    /// Records in place k of a path, below PerPath().
+    void Set(size_t path, size_t k, const Record &record) { places_[path * perPath_ + k] = record; }
+    size_t PerPath() const { return perPath_; }
+    /// All places, path after path; some are empty.
+    std::span<const Record> Places() const { return places_; }
+    size_t PathOf(size_t place) const { return place / perPath_; }
+    size_t Bytes() const { return places_.size() * sizeof(Record); }
+
+    /// The records that are not empty, with their places.
+    void Save(StateWriter &out) const {
+        const auto isFilled = [](const Record &record) { return !record.IsEmpty(); };
+        out.Value(uint64_t{places_.size()});
+        out.Value(static_cast<uint64_t>(std::ranges::count_if(places_, isFilled)));
+        for (size_t i = 0; i < places_.size(); ++i) {
+            if (!isFilled(places_[i])) continue;
+            out.Value(uint64_t{i});
+            out.Value(places_[i]);
+        }
+    }
+    /// Save, and empties all places.
+    void Extract(StateWriter &out) {
+        Save(out);
+        std::fill(places_.begin(), places_.end(), Record{});
+    }
+    /// Adds what Save wrote. Throws UserError if it belongs to other places.
+    void Merge(StateReader &in) {
+        in.Require(in.Value<uint64_t>() == places_.size(), "it has other records than the render makes");
+        for (auto filled = in.Value<uint64_t>(); filled > 0; --filled) {
+            const auto place = in.Value<uint64_t>();
+            in.Require(place < places_.size(), "a record has no place");
+            places_[place] = Record::Read(in);
+        }
+    }
+
+  private:
+    std::vector<Record> places_;
+    size_t perPath_ = 0;
+};
+
+}  // namespace ext

@@ -1,0 +1,186 @@
+#include "ext/visibility/visibility_records.h"
+
+#include "pbrt/core/error.h"
+#include "pbrt/core/parallel.h"
+#include "pbrt/core/ranks.h"
+#include "pbrt/lightsamplers/weighted_choice.h"
+#include "pbrt/math/rng.h"
+
+namespace ext {
+
+namespace {
+
+constexpr size_t kMaxScanned = 64;
+constexpr int64_t kChunk = 256;
+
+/// The contribution of a group that one light sample finds, drawn as in the render: what arrives, over the probability
+/// of the light within the group.
+double SampleGroup(const Scene &scene, const PrepassVertex &vertex, const LightQuery &query,
+                   const MeshInterior &interior, uint32_t group, Rng &rng) {
+    Float uLight = rng.Uniform();
+    Point2 u = rng.Uniform2();
+    std::optional<SampledLight> light = interior.Sample(group, query, uLight);
+    if (!light) return 0;
+    return VisibleContribution(scene, vertex, scene.Lights()[light->light], u) / double(light->pmf);
+}
+
+Float RatioOf(double found, Float g) {
+    const auto ratio = static_cast<Float>(found / static_cast<double>(g));
+    return std::isfinite(ratio) ? ratio : 0;
+}
+
+/// Processes that prepare together share the chunks.
+bool IsMine(const Ranks *ranks, size_t chunk) {
+    return !ranks || chunk % static_cast<size_t>(ranks->Size()) == static_cast<size_t>(ranks->Rank());
+}
+
+/// Draws lights at one point by G.
+class Draws {
+  public:
+    Draws(const GroupImportance &importance, const LightTree *tree, const LightQuery &query)
+        : tree_(tree), query_(query) {
+        if (tree) nodes_ = tree->BaseCut();
+        count_ = tree ? nodes_.size() : importance.Size();
+        sum_ = tree ? tree->Evaluate(query, nodes_, g_) : importance.Evaluate(query, g_);
+    }
+    std::optional<SampledLight> Draw(Float u) const {
+        const auto chosen = ChooseByWeight<Float>(count_, u * sum_, [&](uint32_t i) { return g_[i]; });
+        if (!chosen) return {};
+        const Float g = chosen.weight;
+        if (!tree_) return SampledLight{LightId(chosen.index), g / sum_};
+        std::optional<SampledLight> light = tree_->SampleWithin(
+            nodes_[chosen.index], query_, std::clamp((u * sum_ - chosen.before) / g, Float(0), OneMinusEpsilon));
+        if (light) light->pmf *= g / sum_;
+        return light;
+    }
+
+  private:
+    const LightTree *tree_;
+    const LightQuery &query_;
+    std::span<const uint32_t> nodes_;
+    alignas(32) Float g_[kMaxScanned];
+    size_t count_ = 0;
+    Float sum_ = 0;
+};
+static_assert(LightTree::kBaseNodes + LightTree::kFarNodes <= kMaxScanned);
+
+/// Of processes that prepare together, each has traced some of the chunks; afterwards all of them have all.
+void Exchange(Ranks &ranks, std::vector<VisibilityRecords> &chunks) {
+    std::vector<bool> isHere(chunks.size());
+    for (size_t i = 0; i < chunks.size(); ++i) isHere[i] = IsMine(&ranks, i);
+    const auto write = [&](StateWriter &out) {
+        out.Value(uint64_t(std::count(isHere.begin(), isHere.end(), true)));
+        for (size_t i = 0; i < chunks.size(); ++i) {
+            if (!isHere[i]) continue;
+            out.Value(uint64_t{i});
+            out.Vector(chunks[i].records);
+            out.Vector(chunks[i].rays);
+        }
+    };
+    const auto read = [&](StateReader &in) {
+        for (auto count = in.Value<uint64_t>(); count > 0; --count) {
+            const auto i = in.Value<uint64_t>();
+            in.Require(i < chunks.size(), "a chunk of the records has a wrong number");
+            in.Vector(&chunks[i].records);
+            in.Vector(&chunks[i].rays);
+            isHere[i] = true;
+        }
+    };
+    ranks.Reduce(write, read);
+    StateWriter all;
+    if (ranks.IsFirst()) write(all);
+    const std::string bytes = ranks.Broadcast(all);
+    StateReader in(bytes, "records of the prepass");
+    if (!ranks.IsFirst()) read(in);
+}
+
+}  // namespace
+
+size_t RaysPerRecord(size_t groups, int wanted) {
+    if (wanted > 0) return std::min(groups, static_cast<size_t>(wanted));
+    return groups <= kMaxScanned ? groups : 8;
+}
+
+VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const PrepassVertex> vertices,
+                                  const LightGroups &groups, const GroupImportance &importance,
+                                  const MeshInterior &interior, const LightTree *tree, size_t perRecord) {
+    const auto count = static_cast<int64_t>(vertices.size());
+    if (vertices.size() > std::numeric_limits<uint32_t>::max() / std::max<size_t>(perRecord, 1))
+        throw UserError(
+            fmt::format("octree: the prepass has {} vertices, each with {} shadow rays; more than {} shadow "
+                        "rays cannot be stored. Lower \"prepassspp\" or \"tries\".",
+                        vertices.size(), perRecord, std::numeric_limits<uint32_t>::max()));
+    std::vector<VisibilityRecords> chunks(static_cast<size_t>((count + kChunk - 1) / kChunk));
+    context.progress.BeginPhase("shadow rays", static_cast<int64_t>(chunks.size()));
+    const bool all = perRecord >= groups.Size();
+
+    auto traceToAll = [&](const PrepassVertex &vertex, const LightQuery &query, std::vector<Float> &g, Rng &rng,
+                          VisibilityRecords &out) {
+        const Float sum = importance.Evaluate(query, g);
+        if (!(sum > 0)) return;
+        for (uint32_t i = 0; i < groups.Size(); ++i) {
+            if (!(g[i] > 0)) continue;
+            Float share = g[i] / sum;
+            const double found = SampleGroup(context.scene, vertex, query, interior, i, rng);
+            out.rays.push_back({i, share, share, RatioOf(found, g[i])});
+        }
+    };
+    auto traceToDrawn = [&](const PrepassVertex &vertex, const LightQuery &query, Rng &rng, VisibilityRecords &out) {
+        const size_t first = out.rays.size();
+        const Draws draws(importance, tree, query);
+        double total = 0;
+        for (size_t k = 0; k < perRecord; ++k) {
+            // Stratified: one draw in each of `perRecord` equal parts of [0, 1).
+            const Float u = (static_cast<Float>(k) + rng.Uniform()) / static_cast<Float>(perRecord);
+            std::optional<SampledLight> drawn = draws.Draw(std::min(u, OneMinusEpsilon));
+            if (!drawn) continue;
+            const Float g = importance.Of(query, drawn->light.value);
+            if (!(g > 0)) continue;
+            const double found = SampleGroup(context.scene, vertex, query, interior, drawn->light.value, rng);
+            total += static_cast<double>(g / drawn->pmf);
+            out.rays.push_back({drawn->light.value, g, g / drawn->pmf, RatioOf(found, g)});
+        }
+        // The unoccluded sum is estimated from the draws.
+        const double unoccluded = total / static_cast<double>(perRecord);
+        for (size_t t = first; t < out.rays.size(); ++t) {
+            out.rays[t].share = static_cast<Float>(static_cast<double>(out.rays[t].share) / unoccluded);
+            out.rays[t].weight = static_cast<Float>(static_cast<double>(out.rays[t].weight) / total);
+        }
+    };
+
+    ParallelForEach(static_cast<int64_t>(chunks.size()), [&](int64_t chunk) {
+        if (context.progress.Cancelled() || !IsMine(context.ranks, static_cast<size_t>(chunk))) return;
+        VisibilityRecords &out = chunks[static_cast<size_t>(chunk)];
+        std::vector<Float> g(all ? importance.Padded() : 0);
+        for (int64_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, count); ++i) {
+            const PrepassVertex &vertex = vertices[static_cast<size_t>(i)];
+            const LightQuery query = QueryAt(vertex);
+            Rng rng(Hash(uint64_t(0x7669736962), context.seed, i));
+            const size_t first = out.rays.size();
+            if (all)
+                traceToAll(vertex, query, g, rng, out);
+            else
+                traceToDrawn(vertex, query, rng, out);
+            if (out.rays.size() > first)
+                out.records.push_back(
+                    {vertex.at.p, static_cast<uint32_t>(first), static_cast<uint32_t>(out.rays.size() - first)});
+        }
+        context.progress.Advance();
+    });
+
+    if (context.ranks) Exchange(*context.ranks, chunks);
+    VisibilityRecords result;
+    for (VisibilityRecords &chunk : chunks) {
+        const auto offset = static_cast<uint32_t>(result.rays.size());
+        for (VisibilityRecord &r : chunk.records) {
+            r.firstRay += offset;
+            result.records.push_back(r);
+        }
+        result.rays.insert(result.rays.end(), chunk.rays.begin(), chunk.rays.end());
+        chunk = {};
+    }
+    context.progress.EndPhase();
+    return result;
+}
+
+}  // namespace ext

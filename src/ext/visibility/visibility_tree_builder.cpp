@@ -1,0 +1,292 @@
+#include "ext/visibility/visibility_tree_builder.h"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+#include "pbrt/core/parallel.h"
+#include "pbrt/math/rng.h"
+
+namespace ext {
+
+namespace {
+constexpr int kAllRecords = -1;
+/// The half that a record belongs to: 0 makes the estimates, 1 judges them (Prune).
+int HalfOf(uint32_t record) { return static_cast<int>(MixBits(record) & 1); }
+}  // namespace
+
+VisibilityTreeBuilder::VisibilityTreeBuilder(const Bounds3 &bounds, std::span<const VisibilityRecord> records,
+                                             std::span<const ShadowRay> rays, const VisibilityBuildSettings &settings)
+    : bounds_(bounds), records_(records), rays_(rays), settings_(settings), cells_(bounds) {}
+
+/// True from the first time that `stop` returned true, so that no step works on what another left unfinished.
+bool VisibilityTreeBuilder::Stopped() const {
+    if (stopped_.load(std::memory_order_relaxed)) return true;
+    if (!*stop_ || !(*stop_)()) return false;
+    stopped_.store(true, std::memory_order_relaxed);
+    return true;
+}
+
+void VisibilityTreeBuilder::Divide() {
+    quantized_.resize(records_.size());
+    for (size_t i = 0; i < records_.size(); ++i) quantized_[i] = cells_.Quantize(records_[i].p);
+    order_.resize(records_.size());
+    std::iota(order_.begin(), order_.end(), 0u);
+    nodes_.resize(1);
+    nodes_[0].end = static_cast<uint32_t>(order_.size());
+    const auto splitAbove =
+        static_cast<size_t>(settings_.records) * static_cast<size_t>(settings_.lights ? settings_.raysPerRecord : 4);
+    auto sizeOf = [&](uint32_t begin, uint32_t end) {
+        if (!settings_.lights) return size_t(end - begin);
+        size_t rays = 0;
+        for (uint32_t i = begin; i < end; ++i) rays += records_[order_[i]].rayCount;
+        return rays;
+    };
+    for (uint32_t n = 0; n < nodes_.size() && !Stopped(); ++n) {
+        const uint32_t begin = nodes_[n].begin, end = nodes_[n].end;
+        const int depth = nodes_[n].depth, bit = CellOctree::MaxDepth - 1 - depth;
+        if (sizeOf(begin, end) <= splitAbove || bit < 0) {
+            ++leavesBefore_;
+            continue;
+        }
+        uint32_t start[9];
+        SortIntoChildren(quantized_, order_, begin, end, bit, start);
+        const auto first = static_cast<uint32_t>(nodes_.size());
+        nodes_[n].firstChild = first;
+        nodes_.resize(first + 8);
+        for (uint32_t c = 0; c < 8; ++c) {
+            nodes_[first + c].begin = start[c];
+            nodes_[first + c].end = start[c + 1];
+            nodes_[first + c].parent = n;
+            nodes_[first + c].depth = depth + 1;
+        }
+    }
+}
+
+void VisibilityTreeBuilder::SumUp(int half) {
+    // Sorts by light and adds up the entries of each light, in the order in which they stood.
+    auto compress = [](std::vector<ShadowRaySums> &sums) {
+        std::vector<uint64_t> order(sums.size());
+        for (size_t i = 0; i < sums.size(); ++i) order[i] = uint64_t(sums[i].light) << 32 | i;
+        std::sort(order.begin(), order.end());
+        std::vector<ShadowRaySums> sorted;
+        sorted.reserve(sums.size());
+        for (uint64_t o : order) {
+            const ShadowRaySums &s = sums[o & 0xffffffffu];
+            if (!sorted.empty() && sorted.back().light == s.light)
+                sorted.back() += s;
+            else
+                sorted.push_back(s);
+        }
+        sums.assign(sorted.begin(), sorted.end());
+        sums.shrink_to_fit();
+    };
+    const bool all = settings_.lights == nullptr;
+    ParallelFor(static_cast<int64_t>(nodes_.size()), 16, [&](int64_t first, int64_t last) {
+        for (auto n = static_cast<size_t>(first); n < static_cast<size_t>(last); ++n) {
+            if (Stopped()) return;
+            Node &node = nodes_[n];
+            node.sums.clear();
+            if (node.firstChild != 0) continue;
+            if (all) node.sums.resize(static_cast<size_t>(settings_.lightCount));
+            for (uint32_t i = node.begin; i < node.end; ++i) {
+                if (half != kAllRecords && HalfOf(order_[i]) != half) continue;
+                const VisibilityRecord &record = records_[order_[i]];
+                for (uint32_t t = record.firstRay; t < record.firstRay + record.rayCount; ++t) {
+                    const ShadowRay &v = rays_[t];
+                    const auto w = static_cast<double>(v.weight), r = static_cast<double>(v.ratio);
+                    const ShadowRaySums s{NameOf(v.light), w * (settings_.secondMoment ? r * r : r), w, w * w};
+                    if (all) {
+                        node.sums[v.light].light = v.light;
+                        node.sums[v.light] += s;
+                    } else {
+                        node.sums.push_back(s);
+                    }
+                }
+            }
+            if (all)
+                std::erase_if(node.sums, [](const ShadowRaySums &s) { return !(s.w > 0); });
+            else
+                compress(node.sums);
+        }
+    });
+    for (size_t n = nodes_.size(); n-- > 0 && !Stopped();) {
+        Node &node = nodes_[n];
+        if (node.firstChild == 0) continue;
+        for (uint32_t c = 0; c < 8; ++c) {
+            const std::vector<ShadowRaySums> &child = nodes_[node.firstChild + c].sums;
+            node.sums.insert(node.sums.end(), child.begin(), child.end());
+        }
+        compress(node.sums);
+    }
+}
+
+void VisibilityTreeBuilder::EstimateNode(Node &node, const Node *above) const {
+    node.factors.clear();
+    const auto k = static_cast<double>(settings_.shrinkage);
+    if (settings_.lights) {
+        double weight = 0;
+        for (const ShadowRaySums &s : node.sums) weight += s.w;
+        // Four times the pseudo-rays, because the estimate is pulled towards values that are better known: those of
+        // the cell above and of the light's neighbours.
+        node.cut = CellCut(*settings_.lights, node.sums, weight, above ? &above->cut : nullptr,
+                           {4 * k, settings_.secondMoment, static_cast<size_t>(settings_.cut)});
+        return;
+    }
+    std::vector<const ShadowRaySums *> of(static_cast<size_t>(settings_.lightCount), nullptr);
+    for (const ShadowRaySums &s : node.sums) of[s.light] = &s;
+    for (uint32_t l = 0; l < of.size(); ++l) {
+        const ShadowRaySums *s = of[l];
+        const double before = above ? static_cast<double>(above->factors[l]) : prior_;
+        const double target = settings_.secondMoment ? before * before : before;
+        const double n = s ? s->w * s->w / s->w2 : 0, mean = s ? s->wm / s->w : 0;
+        const double value = n + k > 0 ? (n * mean + k * target) / (n + k) : target;
+        node.factors.push_back(static_cast<float>(settings_.secondMoment ? std::sqrt(value) : value));
+    }
+}
+
+void VisibilityTreeBuilder::Estimate() {
+    double wm = 0, w = 0;
+    for (const ShadowRaySums &s : nodes_[0].sums) {
+        wm += s.wm;
+        w += s.w;
+    }
+    const double mean = w > 0 && wm > 0 ? wm / w : 1;
+    prior_ = settings_.secondMoment ? std::sqrt(mean) : mean;
+    // Parents come before their children. Nodes of a depth follow each other, as they are made breadth first.
+    for (size_t begin = 0, end = 0; begin < nodes_.size(); begin = end) {
+        while (end < nodes_.size() && nodes_[end].depth == nodes_[begin].depth) ++end;
+        ParallelFor(static_cast<int64_t>(end - begin), 8, [&](int64_t first, int64_t last) {
+            const size_t stop = begin + static_cast<size_t>(last);
+            for (size_t n = begin + static_cast<size_t>(first); n < stop && !Stopped(); ++n)
+                EstimateNode(nodes_[n], n == 0 ? nullptr : &nodes_[nodes_[n].parent]);
+        });
+    }
+}
+
+double VisibilityTreeBuilder::Loss(const VisibilityRecord &record, const std::vector<float> &factors) const {
+    double sum = 0;
+    for (uint32_t t = record.firstRay; t < record.firstRay + record.rayCount; ++t)
+        sum += static_cast<double>(rays_[t].weight) * static_cast<double>(factors[rays_[t].light]);
+    double loss = 0;
+    const auto e = static_cast<double>(settings_.floor);
+    for (uint32_t t = record.firstRay; t < record.firstRay + record.rayCount; ++t) {
+        const ShadowRay &v = rays_[t];
+        if (!(v.ratio > 0)) continue;
+        const double share = static_cast<double>(v.share);
+        double p = e * share;
+        if (sum > 0) p += (1 - e) * static_cast<double>(factors[v.light]) * share / sum;
+        if (p > 0)
+            loss +=
+                static_cast<double>(v.weight) * share * static_cast<double>(v.ratio) * static_cast<double>(v.ratio) / p;
+    }
+    return loss;
+}
+
+void VisibilityTreeBuilder::Prune() {
+    std::vector<double> best(order_.size(), 0);
+    int deepest = 0;
+    for (const Node &n : nodes_) deepest = std::max(deepest, n.depth);
+    std::vector<std::vector<uint32_t>> levels(static_cast<size_t>(deepest) + 1);
+    for (uint32_t n = 0; n < nodes_.size(); ++n) levels[static_cast<size_t>(nodes_[n].depth)].push_back(n);
+    for (size_t level = levels.size(); level-- > 0;)
+        ParallelForEach(static_cast<int64_t>(levels[level].size()), [&](int64_t index) {
+            if (Stopped()) return;
+            Node &node = nodes_[levels[level][static_cast<size_t>(index)]];
+            double here = 0, below = 0, squares = 0;
+            std::vector<double> loss(node.end - node.begin, 0);
+            for (uint32_t i = node.begin; i < node.end; ++i) {
+                if (HalfOf(order_[i]) == 0) continue;
+                double l = loss[i - node.begin] = Loss(records_[order_[i]], node.factors);
+                here += l;
+                below += best[i];
+                squares += (l - best[i]) * (l - best[i]);
+            }
+            // A split is kept if its gain is more than the share pruneGain of the loss and more than chance.
+            const double gain = here - below;
+            bool keep = node.firstChild != 0 && gain > static_cast<double>(settings_.pruneGain) * here &&
+                        gain > std::sqrt(squares);
+            if (keep) return;
+            node.pruned = true;
+            std::copy(loss.begin(), loss.end(), best.begin() + node.begin);
+        });
+}
+
+VisibilityTree VisibilityTreeBuilder::Freeze() {
+    VisibilityTree tree;
+    tree.cells_ = CellOctree(bounds_);
+    tree.offset_.push_back(0);
+    using Row = std::pair<std::vector<uint32_t>, std::vector<uint8_t>>;  // nodes, codes
+    std::map<Row, uint32_t> known;
+    auto rowOf = [&](const Node &node) {
+        // Only ratios within a row matter.
+        const std::span<const float> factors = settings_.lights ? node.cut.Factors() : node.factors;
+        const float most = factors.empty() ? 0 : *std::max_element(factors.begin(), factors.end());
+        Row row;
+        auto &[names, codes] = row;
+        if (settings_.lights) names.assign(node.cut.Nodes().begin(), node.cut.Nodes().end());
+        for (float f : factors)
+            codes.push_back(
+                VisibilityTree::Encode(most > 0 ? static_cast<double>(f) / static_cast<double>(most) : 1.0));
+        auto [it, isNew] = known.emplace(row, static_cast<uint32_t>(tree.RowCount()));
+        if (isNew) {
+            tree.nodes_.insert(tree.nodes_.end(), names.begin(), names.end());
+            tree.codes_.insert(tree.codes_.end(), codes.begin(), codes.end());
+            tree.offset_.push_back(static_cast<uint32_t>(tree.codes_.size()));
+        }
+        return it->second;
+    };
+    std::vector<uint32_t> rows(nodes_.size(), 0);
+    for (size_t n = 0; n < nodes_.size() && !Stopped(); ++n) {
+        const Node &node = nodes_[n];
+        bool used = IsLeaf(node);
+        for (const Node *up = &node; used && up != &nodes_[0];) {
+            up = &nodes_[up->parent];
+            used = !up->pruned;
+        }
+        if (!used) continue;
+        rows[n] = rowOf(node);
+        ++tree.leaves_;
+        leaves_.push_back({node.depth, node.end - node.begin});
+        tree.depth_ = std::max(tree.depth_, node.depth);
+    }
+    auto place = [&](auto &&self, uint32_t cell, uint32_t n) -> void {
+        if (IsLeaf(nodes_[n])) {
+            tree.cells_.SetLeaf(cell, rows[n]);
+            recordsPerNode_.resize(tree.cells_.NodeCount());
+            recordsPerNode_[cell] = nodes_[n].end - nodes_[n].begin;
+            return;
+        }
+        const uint32_t first = tree.cells_.Split(cell);
+        for (uint32_t c = 0; c < 8; ++c) self(self, first + c, nodes_[n].firstChild + c);
+    };
+    for (uint32_t top = 0; top < CellOctree::TopCount; ++top) {
+        const glm::uvec3 at(top & 3, (top >> 2) & 3, top >> 4);
+        uint32_t n = 0;
+        for (int bit = 1; bit >= 0 && !IsLeaf(nodes_[n]); --bit) n = nodes_[n].firstChild + CellOctree::Child(at, bit);
+        place(place, top, n);
+    }
+    tree.cells_.ShrinkToFit();
+    tree.offset_.shrink_to_fit();
+    tree.nodes_.shrink_to_fit();
+    tree.codes_.shrink_to_fit();
+    return tree;
+}
+
+std::optional<VisibilityTree> VisibilityTreeBuilder::Build(const std::function<bool()> &stop) {
+    stop_ = &stop;
+    Divide();
+    if (settings_.pruneGain > 0 && !settings_.lights) {
+        SumUp(0);
+        Estimate();
+        Prune();
+    }
+    SumUp(kAllRecords);
+    Estimate();
+    if (Stopped()) return {};
+    VisibilityTree tree = Freeze();
+    if (Stopped()) return {};
+    return tree;
+}
+
+}  // namespace ext

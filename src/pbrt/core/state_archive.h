@@ -1,0 +1,73 @@
+#pragma once
+#include "pbrt/core/state_io.h"
+
+namespace pbrt {
+
+/// Learned structures declare their members once, in `template <class Archive> void Visit(Archive &archive)`. It calls
+/// archive(member, ...) for trivially copyable values, vectors of them, texts and structures with a Visit of their own,
+/// and archive.Structure(vector) for indices and offsets (StateWriter::Structure). StateSaver and StateLoader are the
+/// archives.
+class StateSaver {
+  public:
+    explicit StateSaver(StateWriter &out) : out_(out) {}
+    template <class... T>
+    void operator()(const T &...values) {
+        (Save(values), ...);
+    }
+    template <class T>
+    void Structure(const std::vector<T> &values) {
+        out_.Structure(values);
+    }
+
+  private:
+    template <class T>
+    void Save(const T &value) {
+        // Visit is declared once for reading and writing, hence not const; this archive changes nothing.
+        if constexpr (requires(T & v, StateSaver & archive) { v.Visit(archive); })
+            const_cast<T &>(value).Visit(*this);
+        else
+            out_.Value(value);
+    }
+    template <class T>
+    void Save(const std::vector<T> &values) {
+        out_.Vector(values);
+    }
+    void Save(const std::string &text) { out_.Text(text); }
+
+    StateWriter &out_;
+};
+
+/// Reads what a StateSaver wrote. A structure that has `std::optional<std::string> Validate() const`, which returns
+/// what is wrong, is validated as soon as it is read. Throws UserError.
+class StateLoader {
+  public:
+    explicit StateLoader(StateReader &in) : in_(in) {}
+    template <class... T>
+    void operator()(T &...values) {
+        (Load(values), ...);
+    }
+    template <class T>
+    void Structure(std::vector<T> &values) {
+        in_.Structure(&values);
+    }
+
+  private:
+    template <class T>
+    void Load(T &value) {
+        if constexpr (requires { value.Visit(*this); }) {
+            value.Visit(*this);
+            if constexpr (requires { value.Validate(); }) in_.RequireValid(value.Validate());
+        } else {
+            in_.Value(&value);
+        }
+    }
+    template <class T>
+    void Load(std::vector<T> &values) {
+        in_.Vector(&values);
+    }
+    void Load(std::string &text) { text = in_.Text(); }
+
+    StateReader &in_;
+};
+
+}  // namespace pbrt

@@ -1,0 +1,84 @@
+#pragma once
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pbrt/lights/environment_light.h"
+#include "pbrt/lights/portal_map.h"
+
+namespace pbrt {
+
+/// A rectangle through which an environment light is seen.
+struct Portal {
+    Frame frame;           ///< x and y along the sides, z to the outside
+    Point3 low{}, high{};  ///< opposite corners, in coordinates of the frame, with low.z = high.z
+
+    /// Empty, or what is wrong with a portal that was read from a file.
+    std::optional<std::string> Validate() const;
+
+    Point3 Middle() const { return frame.FromLocal((low + high) * Float(0.5)); }
+
+    /// Whether p is on the inner side of its plane.
+    bool IsBefore(const Point3 &p) const { return low.z > Dot(p, frame.z); }
+    /// Whether a ray from p in direction d passes it outward.
+    bool IsPassed(const Point3 &p, const Vector3 &d) const {
+        const Float height = low.z - Dot(p, frame.z), rise = Dot(d, frame.z);
+        if (!(height > 0) || !(rise > 0)) return false;
+        const Vector3 at = p + d * (height / rise);
+        const Float x = Dot(at, frame.x), y = Dot(at, frame.y);
+        return x >= low.x && y >= low.y && x <= high.x && y <= high.y;
+    }
+    /// The portal on its PortalMap, as seen from p; empty behind it.
+    std::optional<Bounds2> WindowFrom(const Point3 &p) const;
+};
+
+/// Divides the directions of an environment light, as seen from a point, into regions: what is seen through the first
+/// portal, through the second and not the first, and so on; the last region is the rest, seen through no portal. A
+/// portal's region is sampled by a map of the light behind it (PortalMap), in proportion to the radiance within the
+/// portal as seen from the point (Bitterli, Wyman and Pharr 2015, Portal-Masked Environment Map Sampling); the rest
+/// like the whole light. Refers to the light. Immutable.
+class EnvironmentPortals {
+  public:
+    static constexpr size_t kMax = 15;
+
+    /// At most kMax portals. Portals of equal frames share a map. Traces nothing; takes milliseconds a map.
+    EnvironmentPortals(const EnvironmentLight &light, std::span<const Portal> portals);
+
+    size_t Count() const { return portals_.size(); }
+    size_t RegionCount() const { return portals_.size() + 1; }
+    const Portal &operator[](size_t k) const { return portals_[k]; }
+    /// The region of direction d from p: the first portal that is passed, or Count(), the rest.
+    size_t RegionTowards(const Point3 &p, const Vector3 &d) const {
+        size_t k = 0;
+        while (k < portals_.size() && !portals_[k].IsPassed(p, d)) ++k;
+        return k;
+    }
+    /// The integral of the light's mean radiance (EnvironmentLight::MeanRadiance) over portal k as seen from p.
+    Float Integral(size_t k, const Point3 &p) const;
+
+    struct Direction {
+        Vector3 wi;
+        Float pdf;  ///< solid angle
+    };
+    /// A direction through portal k; empty where it shows nothing, or what a portal before it shows.
+    std::optional<Direction> Sample(size_t k, const Point3 &p, const Point2 &u) const;
+    /// Density of Sample (solid angle); 0 for directions that are not of region k.
+    Float Pdf(size_t k, const Point3 &p, const Vector3 &wi) const;
+
+    /// Light::SampleLi and PdfLi (solid angle) of a region.
+    std::optional<LightLiSample> SampleLi(size_t region, const LightSampleContext &from, const Point2 &u,
+                                          const SampledWavelengths &lambda, bool allowIncompletePdfs) const;
+    Float PdfLi(size_t region, const LightSampleContext &from, const Vector3 &wi, bool allowIncompletePdfs) const;
+    size_t Bytes() const;
+
+  private:
+    const PortalMap &Map(size_t k) const { return maps_[mapOf_[k]]; }
+
+    const EnvironmentLight *light_;
+    std::vector<Portal> portals_;
+    std::vector<uint32_t> mapOf_;
+    std::vector<PortalMap> maps_;
+};
+
+}  // namespace pbrt

@@ -1,0 +1,62 @@
+#pragma once
+#include <vector>
+
+#include "ext/lightgroups/emitter.h"
+#include "pbrt/math/rng.h"
+#include "pbrt/math/warps.h"
+
+namespace test {
+
+using namespace ext;
+
+inline Emitter Patch(const Point3 &p, const Vector3 &normal, Float intensity) {
+    LightBounds b;
+    b.bounds = Bounds3(p, p + Vector3(0.01f));
+    b.w = normal;
+    b.phi = double(intensity);
+    b.cosTheta_o = 1;
+    b.cosTheta_e = 0;
+    Emitter e;
+    e.bounds = b;
+    e.isArea = true;
+    e.intensity = intensity;
+    return e;
+}
+
+/// `count` flat patches at random places in a cube, with `far` infinite lights among them.
+inline std::vector<Emitter> Patches(int count, int far) {
+    Rng rng(static_cast<uint64_t>(count));
+    std::vector<Emitter> emitters;
+    for (int i = 0; i < std::max(count, far); ++i) {
+        const Point3 p(rng.Uniform(), rng.Uniform(), rng.Uniform());
+        const Vector3 normal = SampleUniformSphere(rng.Uniform2());
+        if (i < count) emitters.push_back(Patch(p, normal, rng.Uniform() + 0.1f));
+        if (i >= far) continue;
+        Emitter sky;
+        sky.isFar = true;
+        sky.m0 = 1;
+        sky.m1 = Vector3(0, 0, 0.5f);
+        emitters.push_back(sky);
+    }
+    return emitters;
+}
+
+inline LightQuery QueryIn(Rng &rng) {
+    LightQuery q;
+    q.p = {rng.Uniform(), rng.Uniform(), rng.Uniform()};
+    q.n = q.ns = Normal3(SampleUniformSphere(rng.Uniform2()));
+    q.wo = Vector3(q.n);
+    return q;
+}
+
+/// The importance G of one emitter.
+inline Float GOf(const Emitter &e, const LightQuery &query) {
+    if (e.isFar) return EvaluateFar(e, query);
+    EmitterPacket alone;
+    Float g[EmitterPacket::kLanes];
+    alone.Set(0, e);
+    alone.Evaluate(query, g);
+    return g[0];
+}
+
+}  // namespace test

@@ -1,4 +1,4 @@
-"""The campaigns of lightlab behind the figures and tables: scenes, samplers, effort; and running them."""
+"""The lightlab experiments behind the figures and tables: scenes, samplers, effort; and running them."""
 import os
 import pathlib
 import signal
@@ -11,7 +11,7 @@ TOP = HERE.parent.parent
 sys.path.insert(0, str(TOP / "src/ext/lab/lightlab/report"))
 import lab_results as lab  # noqa: E402
 
-# The paper's four, then what it does not have.
+# The samplers of the paper, then the others.
 PAPER_SAMPLERS = ["uniform+mesh", "spatial", "neepp", "octree:model=paper"]
 EXTRA_SAMPLERS = ["power+mesh", "bvh", "bvh+mesh", "octree"]
 # T = 4096 is the default, so that this row has the same label (and reference) as in Fig. 3.
@@ -23,7 +23,7 @@ SAMPLER_OF_T = {512: "octree:model=paper,leaves=512", 4096: "octree:model=paper"
 class Scene:
     name: str
     paperScene: str   # the one of the paper that it stands for
-    difference: str   # what it is, seen from the paper
+    difference: str   # how it differs from the paper's
     shared: bool = False
 
     def file(self):
@@ -49,7 +49,7 @@ class Effort:
 
 
 @dataclass(frozen=True)
-class Campaign:
+class Experiment:
     name: str
     scene: Scene
     samplers: tuple
@@ -60,51 +60,51 @@ class Campaign:
 
 
 def of_fig1():
-    return [Campaign("fig1-three-lights", THREE_LIGHTS, tuple(PAPER_SAMPLERS + EXTRA_SAMPLERS), True,
+    return [Experiment("fig1-three-lights", THREE_LIGHTS, tuple(PAPER_SAMPLERS + EXTRA_SAMPLERS), True,
                      Effort(1, 2, 5, 512), Effort(20, 5, 1, 4096), direct=True)]
 
 
 def of_fig3():
-    """Also of Fig. 4 and Table 1: they show other sides of the same runs, as in the paper."""
-    return [Campaign(f"fig3-{scene.name}", scene, tuple(PAPER_SAMPLERS + EXTRA_SAMPLERS), True,
+    """Fig. 4 and Table 1 use the same runs, as in the paper."""
+    return [Experiment(f"fig3-{scene.name}", scene, tuple(PAPER_SAMPLERS + EXTRA_SAMPLERS), True,
                      Effort(1, 2, 5, 512), Effort(120, 3, 1, 2048))
             for scene in (LAMP, LAMP_LIKE, HOTEL, WHITE_ROOM)]
 
 
 def of_table2():
-    return [Campaign(f"table2-{scene.name}", scene, tuple([*SAMPLER_OF_T.values(), "octree"]), False,
+    return [Experiment(f"table2-{scene.name}", scene, tuple([*SAMPLER_OF_T.values(), "octree"]), False,
                      Effort(32, 2, 5, 512), Effort(128, 3, 1, 1024))
             for scene in (LAMP, LAMP_LIKE, HOTEL, WHITE_ROOM)]
 
 
 def of_fig5():
-    return [Campaign(f"fig5-{scene.name}", scene, tuple([*PAPER_SAMPLERS, "bvh", "octree"]), False,
+    return [Experiment(f"fig5-{scene.name}", scene, tuple([*PAPER_SAMPLERS, "bvh", "octree"]), False,
                      Effort(32, 2, 5, 512), Effort(128, 3, 1, 2048))
             for scene in (VEACH_AJAR, AJAR)]
 
 
 @dataclass
 class Outcome:
-    """What became of a campaign. Without results: why."""
-    campaign: Campaign
+    """Results of an experiment, or the reason why there are none."""
+    experiment: Experiment
     results: lab.Results | None = None
     problem: str = ""
     skipped: bool = False  # its scene does not belong to the repository and is absent
 
 
-def command(campaign, options):
-    """The lightlab command of a campaign."""
-    effort = campaign.full if options.full else campaign.quick
+def command(experiment, options):
+    """The lightlab command of an experiment."""
+    effort = experiment.full if options.full else experiment.quick
     budget = effort.budget * options.scale
     # Fewer pixels leave time for more samples in the reference, up to what the effort wants.
     referenceSpp = effort.referenceSpp * min(max(1, options.scale), options.scale * options.divisor**2)
-    budget = f"{budget:g}" if campaign.timed else str(max(1, round(budget)))
-    arguments = [str(options.lightlab), str(campaign.scene.file()), "--samplers", ",".join(campaign.samplers),
-                 "--time" if campaign.timed else "--spp", budget, "--seeds", str(effort.seeds),
+    budget = f"{budget:g}" if experiment.timed else str(max(1, round(budget)))
+    arguments = [str(options.lightlab), str(experiment.scene.file()), "--samplers", ",".join(experiment.samplers),
+                 "--time" if experiment.timed else "--spp", budget, "--seeds", str(effort.seeds),
                  "--divisor", str(effort.divisor * options.divisor),
                  "--reference-spp", str(max(1, round(referenceSpp))),
-                 "--out", str(options.out / campaign.name)]
-    if campaign.direct:
+                 "--out", str(options.out / experiment.name)]
+    if experiment.direct:
         arguments.append("--direct")
     if options.nthreads:
         arguments += ["--nthreads", str(options.nthreads)]
@@ -118,8 +118,8 @@ class Interrupted(Exception):
 
 
 def call(arguments, stdout=None):
-    """Exit status. The program has a process group of its own and is told of Ctrl-C once: it ends in good order then,
-    and at once if told again."""
+    """Exit status. The program runs in its own process group and gets SIGINT once per Ctrl-C: the first ends it in good
+    order, the second at once."""
     for number in (signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.default_int_handler)
     process = subprocess.Popen(arguments, stdout=stdout, process_group=0)
@@ -137,10 +137,10 @@ def call(arguments, stdout=None):
 
 
 def find_lightlab(given):
-    """The program; built if it was not named and is not there."""
+    """Path of lightlab; it is built if no path is given and build/release has none."""
     if given:
         if not os.access(given, os.X_OK):
-            raise lab.ResultsError(f"{given}: is no program that can be run.")
+            raise lab.ResultsError(f"{given}: is not an executable program.")
         return pathlib.Path(given).resolve()
     program = TOP / "build/release/src/pbrt/cmd/lightlab/lightlab"
     if not program.exists():
@@ -151,26 +151,26 @@ def find_lightlab(given):
     return program
 
 
-def run(campaign, options):
-    """Runs the campaign, or goes on with it, or (--tables-only) takes what is there."""
-    outcome = Outcome(campaign)
-    folder = options.out / campaign.name
+def run(experiment, options):
+    """Runs or resumes the experiment, or (--tables-only) reads its results."""
+    outcome = Outcome(experiment)
+    folder = options.out / experiment.name
     if not options.tablesOnly:
-        scene = campaign.scene.file()
+        scene = experiment.scene.file()
         if not scene.is_file():
-            outcome.skipped = campaign.scene.shared
-            hint = " (PBRT_REAL_SCENES names another folder)" if campaign.scene.shared else ""
+            outcome.skipped = experiment.scene.shared
+            hint = " (PBRT_REAL_SCENES names another folder)" if experiment.scene.shared else ""
             outcome.problem = f"{'SKIPPED' if outcome.skipped else 'FAILED'}: {scene} is absent{hint}"
             print(outcome.problem, file=sys.stderr)
             return outcome
-        arguments = command(campaign, options)
-        print(f"\n{campaign.name}: {' '.join(arguments)}", file=sys.stderr, flush=True)
+        arguments = command(experiment, options)
+        print(f"\n{experiment.name}: {' '.join(arguments)}", file=sys.stderr, flush=True)
         folder.mkdir(parents=True, exist_ok=True)
         with open(folder / "lightlab.txt", "w", encoding="utf-8") as stdout:
             status = call(arguments, stdout)
         if status != 0:
             outcome.problem = f"FAILED: lightlab ended with status {status}"
-            print(f"{campaign.name}: {outcome.problem}. If it refuses the folder because program or scene changed: "
+            print(f"{experiment.name}: {outcome.problem}. If it refuses the folder because program or scene changed: "
                   "--restart begins again.", file=sys.stderr)
             return outcome
     try:
@@ -178,5 +178,5 @@ def run(campaign, options):
     except lab.ResultsError as e:
         outcome.skipped = options.tablesOnly
         outcome.problem = f"{'NOT RUN' if options.tablesOnly else 'FAILED'}: {e}"
-        print(f"{campaign.name}: {outcome.problem}", file=sys.stderr)
+        print(f"{experiment.name}: {outcome.problem}", file=sys.stderr)
     return outcome

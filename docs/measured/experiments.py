@@ -1,13 +1,16 @@
-"""What the scripts of docs/measured share: scenes, campaigns of lightlab, figures with their standard errors, tables,
-charts."""
+"""What the scripts of docs/measured share: scenes, lightlab experiments, figures with their standard errors, CSV files."""
 import json
 import math
 import os
 import pathlib
 import statistics
 import subprocess
+import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+sys.path.insert(0, str(ROOT / "docs/results"))
+import data  # noqa: E402
+
 OURS = ["three-lights", "lamp-like", "hotel", "white-room", "ajar", "many-rooms", "one-light", "all-visible",
         "thin-walls", "slit", "glossy", "env-interior", "dollhouse"]
 REAL = ["lamp", "veach-ajar"]
@@ -35,21 +38,7 @@ def geometric_mean(values):
     return Value(mean, mean * math.sqrt(sum((v.error / v.mean) ** 2 for v in values)) / len(values))
 
 
-def number(value, digits=3):
-    return "-" if value is None else f"{value:.{digits}g}"
-
-
-def table(head, rows):
-    lines = ["| " + " | ".join(r) + " |" for r in [head, *rows]]
-    lines.insert(1, "|" + "---|" * len(head))
-    return "\n".join(lines) + "\n"
-
-
-def percent(share):
-    return f"{100 * share:.2g} %" if share is not None and share < 1 else "-"
-
-
-class Campaign:
+class Experiment:
     """results.json of lightlab.
 
     A sampler's relL2 holds the noise of the reference it is judged by; the samplers that made the references are judged
@@ -102,24 +91,17 @@ class Campaign:
         return self.summary(label)["bias"]["verdict"] == "biased"
 
     def bias(self, label):
-        """clean, biased, or the least that would have been seen in the whole picture and in a sixteenth of it."""
+        """Verdict of the bias check, and the least bias that it would have detected: in the whole image, in a sixteenth
+        of it, in a sixteenth at path vertices. None: unknown or more than all of the light."""
         b = self.summary(label)["bias"]
-        if b["verdict"] != "unknown":
-            return b["verdict"]
-        return " / ".join(map(percent, (b["visibleImage"], b["visibleSixteenth"])))
-
-    def bias_in_detail(self, label):
-        """The verdict, and the least bias in a sixteenth of the picture that would have been seen: in the pictures, at
-        vertices of paths."""
-        b = self.summary(label)["bias"]
-        sizes = b.get("visibleSixteenth"), b.get("selection", {}).get("visibleSixteenth")
-        return f'{b["verdict"]} ({" / ".join(map(percent, sizes))})'
+        sizes = b.get("visibleImage"), b.get("visibleSixteenth"), b.get("selection", {}).get("visibleSixteenth")
+        return data.verdict(b["verdict"]), *(v if v is not None and v < 1 else None for v in sizes)
 
     def is_oracle(self, label):
         return self.samplers[label]["isOracle"]
 
     def best_other(self, own="octree", metric="relL2"):
-        """Label of the least error among all but `own`, the oracle and whatever is biased; None if nobody is left."""
+        """Label of the least error among all but `own`, the oracle and biased samplers; None if there is none."""
         others = [k for k in self.samplers if k != own and not self.is_oracle(k) and not self.is_biased(k)]
         return min(others, key=lambda k: self.error(k, metric).mean, default=None)
 
@@ -128,7 +110,7 @@ class Campaign:
         return overhead["prepassSeconds"] + overhead["buildSeconds"]
 
 
-def add_arguments(parser, out, samples=None, scenes=None, seeds=3, divisor=2, chart=True):
+def add_arguments(parser, out, samples=None, scenes=None, seeds=3, divisor=2):
     """`samples`: default for scripts that only know equal samples."""
     parser.add_argument("--lightlab", default=str(ROOT / "build/release/src/pbrt/cmd/lightlab/lightlab"))
     if samples:
@@ -138,13 +120,11 @@ def add_arguments(parser, out, samples=None, scenes=None, seeds=3, divisor=2, ch
     parser.add_argument("--divisor", type=int, default=divisor, help=f"divides the resolution ({divisor})")
     parser.add_argument("--threads", type=int, default=0, help="of lightlab (0: all cores)")
     parser.add_argument("--sampled-light", action="store_true",
-                        help="lightlab's --sampled-light: without lamps that the camera sees, and caustics")
+                        help="lightlab's --sampled-light: without lights that the camera sees, and caustics")
     parser.add_argument("--only", help="scenes, comma list" + (f" ({','.join(scenes)})" if scenes else ""))
-    parser.add_argument("--out", default=str(ROOT / out), help=f"folder of the campaigns ({out})")
-    parser.add_argument("--tables-only", action="store_true", help="measure nothing: read the campaigns in --out")
-    parser.add_argument("--table", help="write the table to this file as well")
-    if chart:
-        parser.add_argument("--chart", help="write a chart (SVG) to this file")
+    parser.add_argument("--out", default=str(ROOT / out), help=f"folder of the experiments ({out})")
+    parser.add_argument("--tables-only", action="store_true", help="measure nothing: read the results in --out")
+    parser.add_argument("--csv", help="write the table to this CSV file as well; docs/results/make draws its chart")
 
 
 def scene_file(name):
@@ -154,7 +134,7 @@ def scene_file(name):
 
 
 def run_lightlab(a, scene, out, samplers, more):
-    """results.json, or None and a word about it. Goes on with what the folder holds."""
+    """results.json, or None and a message. Resumes what the folder holds."""
     command = [a.lightlab, scene, "--samplers", ",".join(samplers), "--divisor", a.divisor, "--nthreads", a.threads,
                "--out", out, "--quiet", *more]
     out.parent.mkdir(parents=True, exist_ok=True)
@@ -166,9 +146,9 @@ def run_lightlab(a, scene, out, samplers, more):
     return None
 
 
-def run_campaign(a, name, samplers, spp=None, seconds=None, direct=True, report=False, judges=None, seeds=None):
+def run_experiment(a, name, samplers, spp=None, seconds=None, direct=True, report=False, judges=None, seeds=None):
     """`judges`: two samplers, the better of which makes one reference for all; without, no sampler is judged by its
-    own, and so not all by the same. `seeds`: others than a.seeds. None, and a word about it, if the scene cannot be
+    own, and so not all by the same. `seeds`: others than a.seeds. None, and a message, if the scene cannot be
     run."""
     scene, out, noise = scene_file(name), pathlib.Path(a.out) / name, None
     first = out.with_name(f"{name}-reference") / "results.json"
@@ -176,8 +156,8 @@ def run_campaign(a, name, samplers, spp=None, seconds=None, direct=True, report=
         if judges and first.exists():
             noise = json.loads(first.read_text())["references"][0].get("noise")
         if (out / "results.json").exists():
-            return Campaign(out / "results.json", noise)
-        print(f"*** SKIPPED: no campaign of {name} in {a.out} ***", flush=True)
+            return Experiment(out / "results.json", noise)
+        print(f"*** SKIPPED: no experiment of {name} in {a.out} ***", flush=True)
         return None
     if not scene.exists():
         print(f"*** SKIPPED: {name} is not there ({scene}) ***", flush=True)
@@ -196,44 +176,14 @@ def run_campaign(a, name, samplers, spp=None, seconds=None, direct=True, report=
         depth += ["--selection-work", a.selection_work]
     more = ["--seeds", seeds or a.seeds, *(["--spp", spp] if spp else ["--time", seconds]), *depth, *reference]
     results = run_lightlab(a, scene, out, samplers, more if report else [*more, "--no-report"])
-    return Campaign(results, noise) if results else None
+    return Experiment(results, noise) if results else None
 
 
-def finish(a, text):
-    print("\n" + text)
-    if a.table:
-        pathlib.Path(a.table).write_text(text)
-
-
-COLORS = {"uniform": "#999999", "power": "#8c6d31", "bvh": "#1f77b4", "bvh+mesh": "#6baed6", "spatial": "#9467bd",
-          "neepp": "#2ca02c", "octree:model=paper": "#ff9896", "octree": "#d62728", "oracle": "#000000"}
-
-
-def color_of(label, index=0):
-    return COLORS.get(label) or COLORS.get(label.split(":")[0] if "oracle" in label else "") or f"C{index % 10}"
-
-
-def new_chart(width, height, columns=1):
-    """matplotlib's pyplot, the figure and its axes: the same bytes for the same figures."""
-    import matplotlib
-    matplotlib.use("svg")
-    import matplotlib.pyplot as plt
-    plt.rcParams.update({"svg.hashsalt": "measured", "font.size": 9, "axes.spines.top": False,
-                         "axes.spines.right": False})
-    figure, axes = plt.subplots(1, columns, figsize=(width, height), constrained_layout=True, squeeze=False)
-    for axis in axes[0]:
-        axis.grid(True, which="major", color="#dddddd", lw=.6)
-        axis.set_axisbelow(True)
-    return figure, axes[0]
-
-
-def plain_ticks(axis):
-    """Numbers, not powers of ten, on a logarithmic axis."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-    axis.set_major_locator(LogLocator(10, (1, 2, 5)))
-    axis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
-    axis.set_minor_formatter(NullFormatter())
-
-
-def save_chart(figure, file):
-    figure.savefig(file, metadata={"Date": None})
+def finish(a, head, rows, experiments):
+    """Prints the table and writes it to --csv, with its origin."""
+    results = [e.results for e in experiments]
+    machines = {str((r.get("machine") or {}).get("cpu") or "unknown") for r in results}
+    print(data.text(head, rows, {}))
+    if a.csv:
+        data.write(a.csv, head, rows, data.origin(commits=[r.get("commit") for r in results],
+                                                  machine=", ".join(sorted(machines)), metric="relL2"))

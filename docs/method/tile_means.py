@@ -1,11 +1,11 @@
-"""Whether pictures of different seeds by two methods have one mean: tiles of the picture by Welch's t-test."""
+"""Compares the means of images of different seeds by two methods: tiles of the image, Welch's t-test."""
 import numpy
 
 TILES = (4, 3)
 
 
 def tile_means(pfm):
-    """Mean brightness of the tiles of a picture."""
+    """Mean brightness of the tiles of an image."""
     with open(pfm, "rb") as file:
         assert file.readline().strip() == b"PF"
         width, height = map(int, file.readline().split())
@@ -35,13 +35,16 @@ def critical_t(freedom, limit):
     return next(t for t in numpy.arange(1, 1000, .05) if two_sided(t, freedom) < limit)
 
 
+HEAD = ["scene", "method", "result", "least_p", "detectable_tile_percent", "whole_image_percent"]
+
+
 def compare(ours, others, limit, critical):
-    """Tile means of pictures (rows), of equal number: the least p of all tiles, and what a table says of it. "%" is the
-    difference of a tile's mean, relative to the tile, that half of the tiles would have shown."""
+    """Tile means of images (rows), of equal number: whether one differs, the least p of all tiles, the difference of a
+    tile's mean that half of the tiles would have shown, relative to the tile, and that of the whole image."""
     lit = (others.mean(axis=0) > 0) | (ours.mean(axis=0) > 0)
     a, b = ours[:, lit], others[:, lit]
     least = min(two_sided(*welch(a[:, i], b[:, i])) for i in range(a.shape[1]))
     error = numpy.hypot(a.std(axis=0, ddof=1), b.std(axis=0, ddof=1)) / len(a) ** .5
-    seen = critical * error / b.mean(axis=0)
-    return least, (f"{'differs' if least < limit else 'clean'} (p {least:.2g}, {100 * numpy.median(seen):.2g} %, "
-                   f"whole {100 * (a.mean() / b.mean() - 1):+.2f} %)")
+    detectable = critical * error / b.mean(axis=0)
+    return ["differs" if least < limit else "no difference detected", f"{least:.2g}",
+            f"{100 * numpy.median(detectable):.2g}", f"{100 * (a.mean() / b.mean() - 1):+.2f}"]

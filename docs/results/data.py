@@ -25,7 +25,7 @@ def verdict(word):
 
 def origin(program=None, commits=(), machine=None, **more):
     """Metadata of a table that the running script makes: `program` is pbrt, or `commits` are those of its results."""
-    if program and not commits:
+    if program and pathlib.Path(program).is_file():
         said = subprocess.run([str(program), "--version"], stdout=subprocess.PIPE, text=True).stdout
         commits = [said.partition("(commit ")[2].partition(")")[0]]
     script = pathlib.Path(sys.argv[0]).resolve()

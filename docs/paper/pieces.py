@@ -79,7 +79,8 @@ def equal_time(outcomes, numbers):
             late = (s.get("seconds") or 0) > OVER * o.results.data.get("budget", math.inf)
             rows.append([scene.name, scene.paperScene, s.label, paper.NAME_IN_PAPER.get(s.label),
                          relL2 if ours else None, *errors(s), ratio(s, uniform), spp if ours else None,
-                         whole(s.get("samples")), seconds if known else None, s.get("seconds"), int(late), data.verdict(s.verdict)])
+                         whole(s.get("samples")), seconds if known else None, s.get("seconds"), int(late),
+                         data.verdict(s.verdict)])
     return rows
 
 
@@ -96,7 +97,8 @@ def settings(outcome):
     return (f"{outcome.results.budget_text()}, {outcome.results.seeds_text()}, "
             f"{' x '.join(str(v) for v in d.get('resolution') or ['?'])} pixels, {depth}; reference "
             f"{', '.join(str(r.get('samples') or '?') for r in outcome.results.references)} samples per pixel"
-            + (f" (relL2 of its noise {noise})" if noise else "") + f"; for the paper's {scene.paperScene}: {scene.difference}")
+            + (f" (relL2 of its noise {noise})" if noise else "")
+            + f"; for the paper's {scene.paperScene}: {scene.difference}")
 
 
 def fig1(outcomes):

@@ -3,8 +3,6 @@ Moon: Enhanced Direct Lighting Using Visibility-Aware Light Sampling, CGI 2023),
 carries no pictures: relL2 values printed inside Fig. 1 and Fig. 3 and the curves of Fig. 4 are unknown to us."""
 from dataclasses import dataclass
 
-MACHINE = "AMD Ryzen 3900X"  # Sect. 5, first paragraph
-NOT_IN_TEXT = "stand only inside its picture, which the text we have lacks"
 
 # How our samplers are called in the paper (Sect. 5, first paragraph). The rest is not in the paper.
 NAME_IN_PAPER = {"uniform+mesh": "Uniform", "spatial": "Spatial", "neepp": "NEE++", "octree:model=paper": "Ours"}

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Tests docs/measured: its statistics on campaigns whose truth is known, its scripts with a stand-in for lightlab."""
+"""Tests docs/measured: its statistics on experiments whose truth is known, its scripts with a stand-in for lightlab."""
 import importlib.machinery
 import importlib.util
 import json
@@ -16,7 +16,8 @@ HERE = pathlib.Path(__file__).resolve().parent
 TOP = HERE.parents[3]
 MEASURED = TOP / "docs/measured"
 sys.path.insert(0, str(MEASURED))
-import tables  # noqa: E402
+import experiments  # noqa: E402
+from experiments import data  # noqa: E402
 
 
 def load(name):
@@ -35,7 +36,7 @@ class Folder(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.top = pathlib.Path(folder.name)
 
-    def campaign(self, errors, noise=0.0, biased=()):
+    def experiment(self, errors, noise=0.0, biased=()):
         """errors: by label, one per seed. The first sampler makes the reference of all."""
         def sampler(label, values):
             mean = sum(values) / len(values)
@@ -50,7 +51,7 @@ class Folder(unittest.TestCase):
         first = next(iter(errors))
         file.write_text(json.dumps({"seeds": len(errors[first]), "references": [{"noise": noise, "sampler": first}],
                                     "samplers": [sampler(*e) for e in errors.items()]}))
-        return tables.Campaign(file)
+        return experiments.Experiment(file)
 
 
 class Statistics(Folder):
@@ -60,22 +61,22 @@ class Statistics(Folder):
             self.assertAlmostEqual(measured.student_tail(t, dof), p, delta=2e-4)
 
     def test_noise_of_the_reference_is_taken_off_unless_it_is_most_of_the_figure(self):
-        c = self.campaign({"bvh": [0.1, 0.1], "octree": [0.015, 0.015]}, noise=0.01)
+        c = self.experiment({"bvh": [0.1, 0.1], "octree": [0.015, 0.015]}, noise=0.01)
         self.assertAlmostEqual(c.error("bvh").mean, 0.09)
         self.assertAlmostEqual(c.error("octree").mean, 0.015)
         self.assertAlmostEqual(c.error("bvh", "relL2Trimmed").mean, 0.045)
 
     def test_from_five_seeds_on_runs_are_compared_seed_by_seed(self):
         common = [1.0, 3.0, 2.0, 5.0, 4.0]
-        c = self.campaign({"bvh": common, "octree": [0.5 * v for v in common]})
+        c = self.experiment({"bvh": common, "octree": [0.5 * v for v in common]})
         self.assertAlmostEqual(c.ratio("octree", "bvh").mean, 0.5)
         self.assertAlmostEqual(c.ratio("octree", "bvh").error, 0)
-        few = self.campaign({"bvh": common[:4], "octree": [0.5 * v for v in common[:4]]})
+        few = self.experiment({"bvh": common[:4], "octree": [0.5 * v for v in common[:4]]})
         self.assertGreater(few.ratio("octree", "bvh").error, 0.2)
 
     def test_verdicts(self):
         def verdict(own, other):
-            return measured.verdict(self.campaign({"bvh": other, "octree": own}), "bvh")
+            return measured.verdict(self.experiment({"bvh": other, "octree": own}), "bvh")
         steady = [1.00, 1.02, 0.98, 1.01, 0.99, 1.0]
         self.assertEqual(verdict([0.8 * v for v in steady], steady), "better")
         self.assertEqual(verdict([1.01, 1.01, 1.0, 1.02, 0.98, 1.0], steady), "not worse")
@@ -96,21 +97,21 @@ class Statistics(Folder):
                 shared = [numbers.gauss(0, 0.3) for _ in range(seeds)]
                 def draw():
                     return [2.718 ** (s + numbers.gauss(0, 0.2)) for s in shared]
-                found[seeds] += measured.verdict(self.campaign({"bvh": draw(), "octree": draw()}), "bvh") == "better"
+                found[seeds] += measured.verdict(self.experiment({"bvh": draw(), "octree": draw()}), "bvh") == "better"
         for seeds, alarms in found.items():
             # The mean is 20 and the standard deviation 4.4; treating shared noise as independent makes fewer alarms.
             self.assertLess(alarms, 36, seeds)
         self.assertGreater(found[6], 6)
 
     def test_the_best_other_is_no_oracle_and_not_biased(self):
-        c = self.campaign({"bvh": [0.5], "uniform": [0.2], "oracle:samples=8": [0.01], "octree": [0.1]},
+        c = self.experiment({"bvh": [0.5], "uniform": [0.2], "oracle:samples=8": [0.01], "octree": [0.1]},
                           biased=["uniform"])
         self.assertEqual(c.best_other(), "bvh")
-        self.assertIsNone(self.campaign({"octree": [0.1], "oracle": [0.1]}).best_other())
+        self.assertIsNone(self.experiment({"octree": [0.1], "oracle": [0.1]}).best_other())
 
     def test_gap_closed(self):
         def gap(own, other, oracle):
-            c = self.campaign({"bvh": [other] * 5, "octree": [own] * 5, "oracle": [oracle] * 5})
+            c = self.experiment({"bvh": [other] * 5, "octree": [own] * 5, "oracle": [oracle] * 5})
             return measured.gap_closed(c, "oracle", "relL2")
         self.assertAlmostEqual(gap(0.3, 1.1, 0.1).mean, 0.8)
         self.assertAlmostEqual(gap(0.05, 1.1, 0.1).mean, 1.05)
@@ -119,7 +120,7 @@ class Statistics(Folder):
     def test_error_of_the_gap_is_that_of_independent_errors(self):
         # (b - o) / (b - l), with errors by linear propagation; three seeds are too few to compare in pairs.
         errors = {"bvh": [1.0, 1.1, 0.9], "octree": [0.30, 0.33, 0.27], "oracle": [0.1, 0.1, 0.1]}
-        gap = measured.gap_closed(self.campaign(errors), "oracle", "relL2")
+        gap = measured.gap_closed(self.experiment(errors), "oracle", "relL2")
         b, o, least, sb, so = 1.0, 0.3, 0.1, 0.1 / 3 ** 0.5, 0.03 / 3 ** 0.5
         expected = ((sb * (o - least) / (b - least) ** 2) ** 2 + (so / (b - least)) ** 2) ** 0.5
         self.assertAlmostEqual(gap.error, expected)
@@ -127,9 +128,9 @@ class Statistics(Folder):
 
 class Scripts(Folder):
     def run_script(self, script, *arguments, **environment):
-        self.log, self.table = self.top / "log", self.top / "table.md"
+        self.log, self.csv = self.top / "log", self.top / "table.csv"
         command = [str(MEASURED / script), "--lightlab", str(HERE.parent / "stand_in_lightlab.py"), "--out",
-                   str(self.top / "out"), "--table", str(self.table), *arguments]
+                   str(self.top / "out"), "--csv", str(self.csv), *arguments]
         settings = {"PBRT_REAL_SCENES": str(self.top / "absent"), "STAND_IN_LOG": str(self.log), **environment}
         return subprocess.run(command, capture_output=True, text=True, env={**os.environ, **settings})
 
@@ -137,65 +138,65 @@ class Scripts(Folder):
         return self.log.read_text().splitlines() if self.log.exists() else []
 
     def rows(self):
-        lines = [line for line in self.table.read_text().splitlines() if line.startswith("| ")]
-        return [[c.strip() for c in line.strip("|").split("|")] for line in lines]
+        return data.read(self.csv)
+
+    def row(self, **wanted):
+        found = [r for r in self.rows() if wanted.items() <= r.items()]
+        self.assertEqual(len(found), 1, wanted)
+        return found[0]
 
     def test_run_compares_octree_with_the_best_other(self):
-        chart = self.top / "chart.svg"
         done = self.run_script("run", "--only", "hotel,lamp", "--samplers", "bvh;octree:model=paper;octree",
-                               "--equal-samples", "16", "--seeds", "5", "--chart", str(chart))
+                               "--equal-samples", "16", "--seeds", "5")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("*** SKIPPED: lamp is not there", done.stdout)
         self.assertEqual(len(self.commands()), 1)
         self.assertIn("--samplers bvh,octree:model=paper,octree,oracle:samples=8", self.commands()[0])
-        head, hotel = self.rows()[:2]
-        row = dict(zip(head, hotel))
+        row = self.row(scene="hotel", sampler="octree")
         # The stand-in's errors are 0.3, 0.1, 0.05 and 0.5; 0.001 is the reference's noise.
-        self.assertEqual(row["octree"], "0.049")
-        self.assertTrue(row["octree against the best other"].startswith("0.49 +- "), hotel)
-        self.assertTrue(row["octree against the best other"].endswith("(octree:model=paper)"), hotel)
-        self.assertEqual((row["trimmed"], row["verdict"]), ("0.49", "better"))
-        self.assertEqual((row["bias"], row["gap closed"]), ("none seen", "n/a"))
-        self.assertIn("octree / bvh (without the worst 0.1 % of the pixels): hotel 0.16 +- 0.00 (0.16)", done.stdout)
-        self.assertIn("hotel", chart.read_text())
-
-    def test_run_redraws_the_chart_of_a_page(self):
-        samplers = ("--samplers", "bvh;octree")
-        page, chart = self.top / "page.md", self.top / "chart.svg"
-        row = "| {} | 0.5! | {} | none seen | 0.20 +- 0.01 (bvh) | 0.20 | better |\n"
-        head = "| scene | bvh | octree | bias | octree against the best other | trimmed | verdict |\n|---|---|\n"
-        page.write_text("# Page\n\n" + head + row.format("hotel", "0.1") + row.format("slit", "0.05") + "\nText.\n")
-        redraw = ("--redraw", str(page), "--chart", str(chart), *samplers)
-        done = self.run_script("run", "--direct", *redraw)
-        self.assertEqual((done.returncode, self.commands()), (0, []), done.stderr)
-        self.assertIn("slit", chart.read_text())
-        second = self.run_script("run", *redraw)
-        self.assertEqual(second.returncode, 1)
-        self.assertIn("no table 2", second.stderr)
-        ratios = measured.ratios_on(page, 0, ["bvh", "octree"], "bvh")
-        self.assertEqual({name: round(r["octree"].mean, 3) for name, r in ratios.items()}, {"hotel": 0.2, "slit": 0.1})
+        self.assertEqual(row["relL2"], "0.049")
+        self.assertEqual((row["best_other"], f"{float(row['over_best']):.2f}"), ("octree:model=paper", "0.49"))
+        self.assertEqual((f"{float(row['over_best_trimmed']):.2f}", row["verdict"]), ("0.49", "better"))
+        self.assertEqual((row["bias"], row["gap_closed"], row["oracle_light_samples"]), ("none detected", "", "8"))
+        self.assertEqual(f"{float(row['over_bvh']):.2f}", "0.16")
+        self.assertEqual(self.row(sampler="bvh")["over_bvh"], "1")
+        text = self.csv.read_text()
+        self.assertIn("# commit: abc1234\n# machine: Example CPU\n", text)
+        self.assertIn("--equal-samples 16 --seeds 5", text)
 
     def test_run_names_what_is_biased_and_does_not_compare_with_it(self):
         self.run_script("run", "--only", "hotel", "--samplers", "bvh;octree:model=paper;octree", "--time", "1",
                         STAND_IN_BIASED="octree:model=paper")
-        row = dict(zip(*self.rows()[:2]))
-        self.assertEqual(row["bias"], "octree:model=paper")
-        self.assertTrue(row["octree against the best other"].endswith("(bvh)"), row)
+        self.assertEqual(self.row(sampler="octree:model=paper")["bias"], "biased")
+        self.assertEqual(self.row(sampler="octree")["best_other"], "bvh")
+
+    def test_ablation_has_a_row_a_scene_and_their_mean(self):
+        done = self.run_script("ablation", "--only", "hotel,slit", "--variants", "model=paper")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual([r["scene"] for r in self.rows()], ["hotel", "slit", "geometric mean"])
+        # 0.1 over 0.05, without a noise of 0.001.
+        self.assertEqual({f"{float(r['relL2']):.2f}" for r in self.rows()}, {"2.02"})
+
+    def test_granularity_compares_with_the_coarsest_tree(self):
+        done = self.run_script("granularity", "--only", "hotel", "--leaves", "512,32768", "--prepassspp", "0")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(f"{float(self.row(parameter='leaves=32768')['over_coarsest']):.2f}", "0.80")
 
     def test_bias_doubles_the_runs_until_all_verdicts_are_there(self):
         done = self.run_script("bias", "--only", "hotel", "--direct", STAND_IN_CLEAN_FROM="40")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual([c.split("--seeds ")[1].split()[0] for c in self.commands()], ["12", "24", "48"])
         self.assertTrue(all("--direct" in c and "--spp 256" in c and "--divisor 8" in c for c in self.commands()))
-        self.assertEqual(self.rows()[1], ["hotel", "48"] + ["clean (4.2 % / 0.7 %)"] * 3)
+        self.assertEqual([list(r.values())[2:] for r in self.rows()], [["48", "none detected", "4.2", "0.7"]] * 3)
 
-    def test_bias_ends_at_most_seeds_and_says_what_could_have_been_seen(self):
+    def test_bias_ends_at_most_seeds_and_says_what_could_have_been_detected(self):
         self.run_script("bias", "--only", "hotel", "--most-seeds", "24", STAND_IN_CLEAN_FROM="40",
                         STAND_IN_BIASED="bvh")
         self.assertEqual(len(self.commands()), 2)
-        self.assertEqual(self.rows()[1], ["hotel", "24", "biased (- / -)"] + ["unknown (8.3 % / 5 %)"] * 2)
+        self.assertEqual([list(r.values())[2:] for r in self.rows()],
+                         [["24", "biased", "", ""]] + [["24", "unknown", "8.3", "5"]] * 2)
 
-    def test_a_failed_campaign_is_told(self):
+    def test_a_failed_experiment_is_reported(self):
         done = self.run_script("bias", "--only", "hotel", STAND_IN_FAIL="hotel")
         self.assertEqual(done.returncode, 1)
         self.assertIn("*** hotel: lightlab ended with status 1 ***", done.stdout)
@@ -203,12 +204,32 @@ class Scripts(Folder):
     def test_tables_only_measures_nothing(self):
         done = self.run_script("run", "--tables-only", "--only", "hotel")
         self.assertEqual((done.returncode, self.commands()), (1, []))
-        self.assertIn("SKIPPED: no campaign of hotel", done.stdout)
+        self.assertIn("SKIPPED: no experiment of hotel", done.stdout)
 
     def test_octree_must_be_among_the_samplers(self):
         done = self.run_script("run", "--samplers", "bvh;uniform")
         self.assertEqual(done.returncode, 2)
         self.assertIn("octree is what the others are compared with", done.stderr)
+
+
+class Results(Folder):
+    """docs/results/make on the CSV files of the repository, and those files themselves."""
+
+    def test_every_csv_file_says_how_it_was_made(self):
+        for file in [*(TOP / "docs/results").glob("*.csv"), *(TOP / "docs/paper/results").glob("*.csv")]:
+            known = {line.partition(":")[0] for line in file.read_text().splitlines() if line.startswith("# ")}
+            self.assertLessEqual({"# commit", "# machine", "# date", "# command"}, known, file)
+            self.assertTrue(data.read(file), file)
+
+    def test_kept_files_have_the_heads_that_the_scripts_write(self):
+        for name in ("direct", "full", "oracle-direct", "oracle-full"):
+            self.assertEqual(list(data.read(TOP / f"docs/results/{name}.csv")[0]), measured.HEAD, name)
+
+    def test_make_draws_charts_and_writes_the_table(self):
+        done = subprocess.run([str(TOP / "docs/results/make"), "--out", str(self.top), "--only", "direct"], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("slit", (self.top / "direct.svg").read_text())
+        self.assertIn("| hotel | 0.16 |", (self.top / "summary.md").read_text())
 
 
 if __name__ == "__main__":

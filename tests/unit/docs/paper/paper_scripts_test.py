@@ -12,7 +12,8 @@ import unittest
 sys.dont_write_bytecode = True
 HERE = pathlib.Path(__file__).resolve().parent
 TOP = HERE.parents[3]
-sys.path.insert(0, str(TOP / "docs/paper"))
+sys.path[:0] = [str(TOP / "docs/paper"), str(TOP / "docs/results")]
+import data  # noqa: E402
 import paper_numbers as paper  # noqa: E402
 
 OWN_SCENES = ["three-lights", "lamp-like", "hotel", "white-room", "ajar"]
@@ -25,8 +26,8 @@ class PaperScripts(unittest.TestCase):
         self.top = pathlib.Path(self.folder.name)
         self.out, self.kept, self.log = self.top / "out", self.top / "kept", self.top / "log"
 
-    def run_script(self, *arguments, script="run", real="absent", **environment):
-        command = [str(TOP / "docs/paper" / script), "--lightlab", str(HERE.parent / "stand_in_lightlab.py"), "--out",
+    def run_script(self, *arguments, real="absent", **environment):
+        command = [str(TOP / "docs/paper/run"), "--lightlab", str(HERE.parent / "stand_in_lightlab.py"), "--out",
                    str(self.out), "--results", str(self.kept), *arguments]
         settings = {"PBRT_REAL_SCENES": str(self.top / real), "STAND_IN_LOG": str(self.log), **environment}
         return subprocess.run(command, capture_output=True, text=True, env={**os.environ, **settings})
@@ -34,55 +35,53 @@ class PaperScripts(unittest.TestCase):
     def commands(self):
         return self.log.read_text().splitlines() if self.log.exists() else []
 
-    def page(self, name, folder=None):
-        return ((folder or self.out) / f"{name}.md").read_text()
+    def rows(self, name, folder=None, **wanted):
+        """Rows of a CSV file whose cells are these."""
+        return [r for r in data.read((folder or self.out) / f"{name}.csv") if wanted.items() <= r.items()]
 
-    def row(self, page, first, second=""):
-        """The cells of the first table row that begins with the given text."""
-        for line in page.splitlines():
-            cells = [c.strip() for c in line.strip("|").split("|")]
-            if len(cells) > 1 and cells[0] == first and cells[1].startswith(second):
-                return cells
-        self.fail(f"no row {first} {second} in:\n{page}")
+    def row(self, name, **wanted):
+        found = self.rows(name, **wanted)
+        self.assertEqual(len(found), 1, (name, wanted))
+        return found[0]
+
+    def expect(self, row, **cells):
+        self.assertEqual({k: row[k] for k in cells}, cells)
 
     def test_all_pieces_with_the_papers_numbers_beside_ours(self):
         done = self.run_script("--quick")
         self.assertEqual(done.returncode, 0, done.stderr)
-        fig3 = self.page("fig3").split("## hotel")[1].split("## white-room")[0]
-        ours = self.row(fig3, "`octree:model=paper`")
-        self.assertEqual(ours[1:6], ["Ours", "0.0038", "0.100 ± 0.010", "0.100", "0.25"])
-        self.assertEqual(ours[6:11], ["1024", "64", "242.9", "1.00", "clean"])
-        self.assertEqual(self.row(fig3, "`spatial`")[9], "3.00 (over)")
-        self.assertEqual(self.row(fig3, "`bvh`")[1:3], ["not in the paper", "–"])
-        self.assertEqual(self.row(fig3, "Ours below NEE++")[2], "yes (7.0 times)")
-        self.assertIn("Why they differ: the paper's Hotel on an AMD Ryzen 3900X", fig3)
-        table1 = self.page("table1")
-        self.assertEqual(self.row(table1, "Hotel (paper)"),
-                         ["Hotel (paper)", "Ours", "1024", "0.74", "1.78", "240.4", "242.9", "1.04 %"])
-        self.assertEqual(self.row(table1, "hotel (here)")[2:], ["64", "0.020", "0.030", "0.950", "1.00", "5 %"])
-        table2 = self.page("table2").split("## hotel")[1]
-        self.assertEqual(self.row(table2, "32768"), ["32768", "38914", "4321", "0.0037", "0.120 ± 0.010", "0.120",
-                                                     "0.974", "1.20", "2801", "50.0", "2.99", "0.050"])
-        self.assertIn("into 77 cells", table2)
-        fig5 = self.page("fig5")
-        self.assertEqual(self.row(fig5, "`spatial`")[2:7], ["0.104", "0.410 ± 0.010", "0.410", "0.981", "1.02"])
-        fig4 = self.page("fig4")
-        self.assertEqual(self.row(fig4, "`uniform+mesh`")[2:], ["12.8", "6.40", "3.20", "1.60", "0.800", "0.400"])
-        self.assertIn("Ours is 6 of 6 times below Uniform", fig4)
-        for title in ("## Fig. 1", "## Fig. 3", "## Fig. 4", "## Table 1", "## Table 2", "## Fig. 5"):
-            self.assertIn("\n" + title, self.page("README"))
+        self.expect(self.row("fig3", scene="hotel", sampler="octree:model=paper"), paper_name="Ours", paper_relL2="0.0038",
+                    relL2Abs="0.1", standard_error="0.01", trimmed="0.1", over_uniform="0.25", paper_samples="1024",
+                    samples="64", paper_seconds="242.9", seconds="1", over_budget="0", bias="none detected")
+        self.expect(self.row("fig3", scene="hotel", sampler="spatial"), seconds="3", over_budget="1")
+        self.expect(self.row("fig3", scene="hotel", sampler="bvh"), paper_name="", paper_relL2="")
+        self.expect(self.row("fig3-claims", scene="hotel", claim="Ours below NEE++"), answer="yes", times="7")
+        self.expect(self.row("fig3-claims", scene="hotel", claim="Ours below NEE++ (7 times)"), answer="yes")
+        self.expect(self.row("table1", scene="hotel", sampler="paper"), samples="1024", sample_generation_seconds="0.74",
+                    octree_building_seconds="1.78", total_seconds="242.9", overhead_share="0.01037")
+        self.expect(self.row("table1", scene="hotel", sampler="octree:model=paper"), samples="64",
+                    sample_generation_seconds="0.02", rendering_seconds="0.95", overhead_share="0.05")
+        self.expect(self.row("table2", scene="hotel", T="32768"), paper_leaves="38914", leaves="4321",
+                    paper_relL2="0.0037", relL2Abs="0.12", paper_over_4096="0.9737", over_4096="1.2",
+                    paper_kilobytes="2801", kilobytes="50", paper_seconds="2.99", seconds="0.05")
+        self.expect(self.row("table2", scene="hotel", sampler="octree"), T="", leaves_before_pruning="77")
+        self.expect(self.row("fig5", scene="ajar", sampler="spatial"), paper_relL2="0.104", relL2Abs="0.41",
+                    paper_over_uniform="0.9811", over_uniform="1.025")
+        curve = self.rows("fig4", scene="hotel", sampler="uniform+mesh")
+        self.assertEqual([r["relL2Abs"] for r in curve], ["12.8", "6.4", "3.2", "1.6", "0.8", "0.4"])
+        self.assertIn("# hotel: equal time", (self.out / "fig3.csv").read_text())
 
     def test_a_difference_below_two_standard_errors_is_noise(self):
         self.run_script("--only", "fig3")
-        page = self.page("fig3").split("## white-room")[1]
-        self.assertTrue(self.row(page, "Uniform below Spatial")[2].startswith("within noise"))
-        self.assertTrue(self.row(page, "Uniform below NEE++")[2].startswith("yes"))
+        self.expect(self.row("fig3-claims", scene="white-room", claim="Uniform below Spatial"), answer="within noise")
+        self.expect(self.row("fig3-claims", scene="white-room", claim="Uniform below NEE++"), answer="yes")
 
     def test_absent_scenes_are_skipped_loudly(self):
         done = self.run_script()
-        for name, page in (("lamp", "fig3"), ("veach-ajar", "fig5")):
-            self.assertIn(f"SKIPPED: {self.top}/absent/{name}/{name}.pbrt", done.stderr)
-            self.assertIn(f"SKIPPED: {self.top}/absent/{name}/{name}.pbrt", self.page(page))
+        for name, piece in (("lamp", "fig3"), ("veach-ajar", "fig5")):
+            message = f"SKIPPED: {self.top}/absent/{name}/{name}.pbrt"
+            self.assertIn(message, done.stderr)
+            self.assertIn(f"# {name}: {message}", (self.out / f"{piece}.csv").read_text())
         self.assertEqual(sum("/absent/" in c for c in self.commands()), 0)
 
     def test_present_real_scenes_are_run(self):
@@ -102,21 +101,21 @@ class PaperScripts(unittest.TestCase):
                       "--spp 64", table2)
         self.assertNotIn("--direct", table2)
 
-    def test_shared_campaigns_run_once_and_a_second_run_asks_for_the_same(self):
+    def test_shared_experiments_run_once_and_a_second_run_asks_for_the_same(self):
         self.run_script()
         first = self.commands()
         self.assertEqual(len(first), 1 + 3 + 3 + 1)  # fig1, fig3, table2, fig5; fig4 and table1 share fig3's
         self.run_script()
         self.assertEqual(self.commands(), first * 2)
 
-    def test_a_failed_campaign_is_told_and_not_kept(self):
+    def test_a_failed_experiment_is_reported_and_not_kept(self):
         done = self.run_script("--only", "fig1,table2", "--keep", STAND_IN_FAIL="table2-hotel")
         self.assertEqual(done.returncode, 1)
         self.assertIn("table2-hotel: FAILED", done.stderr)
-        self.assertIn("FAILED", self.page("table2"))
-        self.assertIn("0.0081", self.page("table2"))  # the other scenes are there
-        self.assertTrue((self.kept / "fig1.md").exists())
-        self.assertFalse((self.kept / "table2.md").exists())
+        self.assertIn("# hotel: FAILED", (self.out / "table2.csv").read_text())
+        self.assertEqual(len(self.rows("table2", scene="white-room")), 4)
+        self.assertTrue((self.kept / "fig1.csv").exists())
+        self.assertFalse((self.kept / "table2.csv").exists())
 
     def test_an_interrupt_reaches_lightlab_and_ends_the_run(self):
         waits = self.top / "waits"
@@ -129,37 +128,23 @@ class PaperScripts(unittest.TestCase):
                 break
             time.sleep(0.02)
         process.send_signal(signal.SIGINT)
-        self.assertIn("Interrupted. The same command goes on from there.", process.communicate(timeout=20)[1])
+        self.assertIn("Interrupted. Rerun the command to resume.", process.communicate(timeout=20)[1])
         self.assertEqual((process.returncode, waits.read_text()), (130, "ended in good order"))
         self.assertEqual(len(self.commands()), 1)
 
     def test_biased_samplers_are_named(self):
         self.run_script("--only", "fig1", STAND_IN_BIASED="octree:model=paper")
-        self.assertIn("**Biased by the lab's check: octree:model=paper.**", self.page("fig1"))
-        self.assertIn("BIASED", self.row(self.page("fig1"), "Ours below Uniform")[2])
-
-    def test_kept_pages_link_only_to_kept_files(self):
-        self.run_script("--only", "fig4", "--keep")
-        self.assertIn("report.html", self.page("fig4"))
-        page = self.page("fig4", self.kept)
-        self.assertNotIn("report.html", page)
-        self.assertIn("](fig3-hotel/chart-error-time.svg)", page)
-        self.assertTrue((self.kept / "fig3-hotel/chart-error-time.svg").is_file())
+        self.expect(self.row("fig1", sampler="octree:model=paper"), bias="biased")
+        self.expect(self.row("fig1-claims", claim="Ours below Uniform"), biased="octree:model=paper")
 
     def test_tables_only_renders_nothing(self):
         done = self.run_script("--tables-only", "--only", "fig5")
         self.assertEqual((done.returncode, self.commands()), (0, []))
-        self.assertIn("NOT RUN", self.page("fig5"))
+        self.assertIn("NOT RUN", (self.out / "fig5.csv").read_text())
         self.run_script("--only", "fig5")
         self.run_script("--tables-only", "--only", "fig5")
-        self.assertIn("0.400 ± 0.010", self.page("fig5"))
+        self.expect(self.row("fig5", scene="ajar", sampler="uniform+mesh"), relL2Abs="0.4", standard_error="0.01")
         self.assertEqual(len(self.commands()), 1)
-
-    def test_every_script_runs_alone(self):
-        for name in ("fig1", "fig3", "fig4", "fig5", "table1", "table2"):
-            done = self.run_script("--tables-only", script=f"{name}.py")
-            self.assertEqual(done.returncode, 0, done.stderr)
-            self.assertTrue((self.out / f"{name}.md").is_file())
 
     def test_unknown_pieces_are_refused_with_the_choices(self):
         done = self.run_script("--only", "fig2")
@@ -169,6 +154,14 @@ class PaperScripts(unittest.TestCase):
     def test_own_scenes_exist(self):
         for name in OWN_SCENES:
             self.assertTrue((TOP / "scenes" / name / f"{name}.pbrt").is_file(), name)
+
+    def test_kept_files_have_the_heads_that_the_script_writes(self):
+        import pieces
+        for _, files in pieces.PIECES.values():
+            for name, (head, _) in files.items():
+                file = TOP / f"docs/paper/results/{name}.csv"
+                lines = [line for line in file.read_text().splitlines() if not line.startswith("# ")]
+                self.assertEqual(lines[0].split(","), head, file)
 
 
 class PaperNumbers(unittest.TestCase):

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Renders our dollhouse scene with the uniform and the octree light sampler at equal samples per pixel; writes both
-# pictures, a difference picture and the two errors. Installs packages and builds first if needed.
+# Renders the dollhouse scene with pbrt's default light sampler bvh, with octree and with octree+guide at equal samples
+# per pixel; writes the three images, one image of all beside the reference, and their errors. Installs packages and
+# builds first if needed.
 #   scenes/demo.sh [samples per pixel (16)]
 set -euo pipefail
 top=$(cd "$(dirname "$0")/.." && pwd)
@@ -9,9 +10,9 @@ out="$top/build/demo"
 scene="$top/scenes/dollhouse/dollhouse.pbrt"
 
 bash "$top/.ci/install"
-# Where everything is built already, that is used; else only the two programs are compiled, which is quicker.
+# A complete build is used if there is one; else only the two programs are compiled, which is quicker.
 build="$top/build/release"
-if [ -x "$build/src/ext/lab/lightlab/lightlab" ]; then
+if [ -x "$build/src/pbrt/cmd/lightlab/lightlab" ]; then
   options=()
 else
   build="$top/build/demo-programs"
@@ -45,30 +46,29 @@ if [ ! -f "$out/reference.exr" ] || [ "$scene" -nt "$out/reference.exr" ] || [ "
   echo "Rendering the reference (bvh, 256 samples per pixel)"
   render reference --lightsampler bvh --spp 256 --seed 1000
 fi
-for sampler in uniform octree; do
+samplers="bvh octree octree+guide"
+for sampler in $samplers; do
   echo "Rendering with $sampler, $spp samples per pixel"
   render "$sampler" --lightsampler "$sampler" --spp "$spp"
 done
+strips=()
+for sampler in $samplers reference; do strips+=("$out/$sampler.exr"); done
+"$imgtool" splitn "${strips[@]}" --outfile "$out/compare.png"
 
-error() { # relL2 of NAME against the reference; imgtool diff says so and returns 1
-  "$imgtool" diff --metric relL2 --reference "$out/reference.exr" "$@" 2>&1 || true
+error() { # relL2 of image NAME against the reference; imgtool diff exits with 1 where images differ
+  { "$imgtool" diff --json --metric relL2 --reference "$out/reference.exr" "$out/$1.exr" || true; } |
+    python3 -c 'import json, sys; print(json.load(sys.stdin)["error"])'
 }
-error --outfile "$out/error-uniform.exr" "$out/uniform.exr" > "$out/uniform.txt"
-error --outfile "$out/error-octree.exr" "$out/octree.exr" > "$out/octree.txt"
-"$imgtool" diff --metric MAE --reference "$out/uniform.exr" --outfile "$out/difference.exr" "$out/octree.exr" > /dev/null 2>&1 || true
-"$imgtool" falsecolor --maxvalue 0.5 --outfile "$out/difference.png" "$out/difference.exr" > /dev/null
-value() { grep -oE "relL2[^0-9]*[0-9.e+-]+" "$1" | grep -oE "[0-9.][0-9.e+-]*$" | tail -1; }
-u=$(value "$out/uniform.txt")
-o=$(value "$out/octree.txt")
 echo
-echo "relL2 error at $spp samples per pixel, $(basename "$scene"):"
-echo "  uniform  $u    $out/uniform.png"
-echo "  octree   $o    $out/octree.png"
-python3 -c "print(f'  octree has {float(\"$u\")/float(\"$o\"):.1f} times less error')"
-echo "  difference of the two: $out/difference.png (false colour), reference: $out/reference.png"
+echo "relL2 at $spp samples per pixel, $(basename "$scene"):"
+bvh=$(error bvh)
+for sampler in $samplers; do
+  python3 -c "e = $(error "$sampler"); print(f'  {\"$sampler\":13} {e:.3g}   {$bvh / e:.1f} times less than bvh')"
+done
+echo "All three beside the reference: $out/compare.png"
 echo
 echo "With a scene of yours:"
-echo "  $pbrt --lightsampler octree --outfile octree.exr scene.pbrt"
-echo "  $imgtool diff --metric relL2 --reference reference.exr octree.exr"
-echo "or let lightlab compare six light samplers on it (builds the rest first, some minutes):"
-echo "  bash .ci/build $top/build/release && build/release/src/pbrt/cmd/lightlab/lightlab scene.pbrt --time 20"
+echo "  $pbrt --lightsampler octree+guide --outfile octree.exr scene.pbrt"
+echo "  $imgtool convert octree.exr octree.png"
+echo "or compare light samplers at equal time (builds the rest first, some minutes):"
+echo "  bash .ci/build $top/build/release -DPBRT_TESTS=OFF -DPBRT_BENCH=OFF && build/release/src/pbrt/cmd/lightlab/lightlab scene.pbrt --time 20"

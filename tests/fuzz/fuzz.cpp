@@ -174,7 +174,7 @@ int main(int argc, char **argv) {
     Settings s;
     CLI::App app(
         "Runs pbrt on mutated scenes and files, each in a child process, and sorts the outcomes.\n"
-        "Exit status 1 if any case failed. See docs/develop/fuzzing.md.",
+        "Exit status 1 if any case failed. See docs/develop/testing.md.",
         "fuzz");
     app.add_option("--seed", s.seed, "seed of all mutations (1)");
     app.add_option("--cases", s.cases, "number of cases (1000)");

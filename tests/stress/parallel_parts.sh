@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Runs docs/many-machines/parallel.sh, breaks it off, runs it again, and compares the picture with that of one render.
+# Runs docs/guide/many-machines/parallel.sh, breaks it off, runs it again, and compares the picture with that of one render.
 #   tests/stress/parallel_parts.sh PBRT IMGTOOL LIGHTSAMPLER
 set -euo pipefail
 top=$(cd "$(dirname "$0")/../.." && pwd)
@@ -23,7 +23,7 @@ WorldBegin'
 Shape "bilinearmesh" "point3 P" [ 0 0 -6  0 0 6  0 2 -6  0 2 6 ]'
 } > scene.pbrt
 
-bash "$top/docs/many-machines/parallel.sh" scene.pbrt out.exr 23 5 --lightsampler "$sampler"
+bash "$top/docs/guide/many-machines/parallel.sh" scene.pbrt out.exr 23 5 --lightsampler "$sampler"
 lights=()
 [ -f out.exr.parts/lights ] && lights=(--load-lights out.exr.parts/lights)
 "$PBRT" --quiet --spp 23 --lightsampler "$sampler" "${lights[@]}" --outfile whole.exr scene.pbrt
@@ -31,7 +31,7 @@ lights=()
 rm out.exr out.exr.parts/9:13.chk
 ! "$IMGTOOL" merge out.exr out.exr.parts/*.chk 2> refused.txt
 grep -q "The samples 9:13 are in no file" refused.txt
-bash "$top/docs/many-machines/parallel.sh" scene.pbrt out.exr 23 5 --lightsampler "$sampler"
+bash "$top/docs/guide/many-machines/parallel.sh" scene.pbrt out.exr 23 5 --lightsampler "$sampler"
 "$IMGTOOL" convert --channels R,G,B out.exr --outfile out.pfm
 "$IMGTOOL" convert --channels R,G,B whole.exr --outfile whole.pfm
 cmp out.pfm whole.pfm

@@ -178,7 +178,7 @@ MATERIALS = [
     Picture("roughness-texture", "textured roughness",
             'Texture "r" "float" "checkerboard" "float uscale" 12 "float vscale" 8 "float tex1" .01 "float tex2" .3\n'
             f'Material "conductor" "texture roughness" "r"\n{BALL}'),
-    Picture("interface", "interface: the ball around the knot is not seen", 'AttributeBegin Material "interface" '
+    Picture("interface", "interface: an invisible sphere around the knot", 'AttributeBegin Material "interface" '
             f'Translate 0 0 1 Shape "sphere" "float radius" 1.3 AttributeEnd\nMaterial "conductor" {GOLD}\n{KNOT}',
             integrator='Integrator "volpath" "integer maxdepth" 8'),
 ]
@@ -317,7 +317,7 @@ FILMS = [
             after=(("bloom", "--level", "3", "--width", "25", "--scale", ".5"),),
             light='AttributeBegin Translate -.9 1.2 2 AreaLightSource "diffuse" "rgb L" [ 18 14 9 ]\n'
                   'Shape "sphere" "float radius" .18 AttributeEnd'),
-    Picture("whitebalance", "imgtool whitebalance: the lamp is white", f"{GREY}\n{KNOT}",
+    Picture("whitebalance", "imgtool whitebalance to the light", f"{GREY}\n{KNOT}",
             after=(("whitebalance", "--temperature", "2700"),),
             light='AttributeBegin Translate -1.6 -1.8 3 AreaLightSource "diffuse" "blackbody L" 2700 "float scale" 12\n'
                   'Shape "sphere" "float radius" .4 AttributeEnd'),
@@ -387,8 +387,8 @@ def integrator(name, title, parameters="", times=1):
 
 
 INTEGRATORS = [
-    integrator("path", "path: what its rays find by chance"),
-    integrator("lightpath", "lightpath: nothing is seen through glass", times=4),
+    integrator("path", "path: caustics by BSDF sampling only"),
+    integrator("lightpath", "lightpath: no camera path through glass", times=4),
     integrator("bdpt", "bdpt"),
     integrator("sppm", "sppm", '"float radius" .08 "integer photonsperiteration" 60000'),
     integrator("mlt", "mlt", '"integer mutationsperpixel" 96'),

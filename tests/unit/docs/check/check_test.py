@@ -44,6 +44,7 @@ parser.parse_args()
     "docs/chart.svg": "<svg/>",
     "docs/changelog.md": "# Changes\n\n- docs/gone.md went; ../shared was named.\n",
     "docs/figures.txt": "docs/chart.svg | docs/guide.md#how-to-render-it | docs/make | -\n",
+    "docs/budgets.txt": "# words and pages\n40 README.md\n40 docs/guide.md\n20 docs/changelog.md\n",
     "src/a.cpp": "// As docs/guide.md says.\n",
 }
 PROGRAMS = {"pbrt": "  --spp INT\n", "lightlab": "  --time S\n  --samplers LIST\n",
@@ -81,7 +82,7 @@ class Check(unittest.TestCase):
 
     def faults(self):
         done = self.run_check()
-        found = done.stdout.splitlines()[:-1]
+        found = [line for line in done.stdout.splitlines()[:-1] if not line.startswith("words:")]
         self.assertEqual(done.returncode, 1 if found else 0, done.stdout)
         return found
 
@@ -123,6 +124,7 @@ class Check(unittest.TestCase):
 
     def test_page_that_nobody_links_to(self):
         self.write("docs/lost.md", "# Lost\n")
+        self.replace("docs/budgets.txt", "40 README.md", "40 README.md\n9 docs/lost.md")
         self.expect("docs/lost.md:1", "no page links here")
 
     def test_unknown_flag_of_a_program(self):
@@ -166,6 +168,52 @@ class Check(unittest.TestCase):
     def test_figure_whose_maker_is_gone(self):
         self.replace("docs/figures.txt", "docs/make", "docs/draw")
         self.expect("docs/figures.txt:1", "docs/draw")
+
+    def test_prints_words(self):
+        self.assertRegex(self.run_check("--only", "words").stdout, r"words: +\d+ of +40  docs/guide.md\n")
+
+    def test_page_over_its_budget(self):
+        self.replace("docs/guide.md", "See docs", "Short words. " * 20 + "See docs")
+        self.expect("docs/guide.md:1", "words, budget 40")
+
+    def test_written_pages_and_blocks_do_not_count(self):
+        self.replace("docs/guide.md", "See docs", "\n<!-- table -->\n" + "Short words. " * 20 + "\n<!-- end -->\n\nSee docs")
+        self.assertEqual(self.faults(), [])
+        self.replace("docs/guide.md", "See docs", "Nobody writes " + "short words " * 20 + "See docs")
+        self.replace("docs/budgets.txt", "40 docs/guide.md", "0 docs/guide.md")
+        self.assertEqual(self.faults(), [])
+
+    def test_page_without_a_budget(self):
+        self.replace("docs/budgets.txt", "40 docs/guide.md\n", "")
+        self.expect("docs/guide.md:1", "no line in docs/budgets.txt")
+
+    def test_total_over_the_limit(self):
+        self.replace("docs/budgets.txt", "40 docs/guide.md", "40000 docs/guide.md")
+        self.replace("docs/guide.md", "See docs", "Short words. " * 15001 + "See docs")
+        self.expect("docs/budgets.txt:1", "at most 30000")
+
+    def test_banned_phrases(self):
+        for phrase in ("nobody has it", "the same by\nitself", "each find", "its balls", "it is so much"):
+            self.write("docs/guide.md", FILES["docs/guide.md"].replace("See docs", f"Here {phrase}. See docs"))
+            self.expect("docs/guide.md:10", "is banned")
+        self.write("docs/guide.md", FILES["docs/guide.md"].replace("| 1 |", "| so much |"))
+        self.assertTrue(any("docs/guide.md:14" in f and "so much" in f for f in self.faults()))
+
+    def test_banned_phrases_in_code_do_not_count(self):
+        self.replace("docs/guide.md", "See docs", "The class `so much`.\n\n    so much\n\nIt finds light. See docs")
+        self.assertEqual(self.faults(), [])
+
+    def test_long_sentence(self):
+        words = "and a [link](changelog.md) of `one word`\n" * 5
+        self.replace("docs/guide.md", "See docs", f"\n\n- Short.\n- Words {words}here. See docs")
+        self.replace("docs/budgets.txt", "40 docs/guide.md", "90 docs/guide.md")
+        self.expect("docs/guide.md:13", "a sentence of 27 words")
+
+    def test_sentences_end_at_items_and_stops(self):
+        self.replace("docs/guide.md", "See docs", "\n\n- " + "ten words " * 5 + "\n- " + "ten words " * 9
+                     + "end. `Then` " + "ten words " * 9 + "\n\nSee docs")
+        self.replace("docs/budgets.txt", "40 docs/guide.md", "90 docs/guide.md")
+        self.assertEqual(self.faults(), [])
 
     def test_missing_programs_are_said(self):
         shutil.rmtree(self.programs / "pbrt")

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Renders one picture as parts, several at a time, with GNU parallel, and merges them.
-#   docs/many-machines/parallel.sh SCENE OUT.exr SAMPLES PARTS [flags of pbrt ...]
+#   docs/guide/many-machines/parallel.sh SCENE OUT.exr SAMPLES PARTS [flags of pbrt ...]
 # PBRT, IMGTOOL: the programs. JOBS: parts at a time (1 for each thread of this machine). LOGINS: a comma-separated list of
 # machines for parallel --sshlogin, which see this folder under the same path. Started again after a crash or power cut,
 # it renders only what is missing.

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # One picture as a Slurm array of 16 tasks. Train the lights once, submit, and merge when all tasks have ended:
 #   pbrt --lightsampler octree --quick --spp 64 --save-lights lights --outfile training.exr scene.pbrt
-#   render=$(sbatch --parsable docs/many-machines/slurm.sh scene.pbrt 1024 --lightsampler octree --load-lights lights)
+#   render=$(sbatch --parsable docs/guide/many-machines/slurm.sh scene.pbrt 1024 --lightsampler octree --load-lights lights)
 #   sbatch --dependency=afterok:$render --wrap 'imgtool merge picture.exr part-*.chk'
 #SBATCH --array=0-15
 #SBATCH --cpus-per-task=8

@@ -6,7 +6,7 @@ namespace ext {
 /// The length of the prepass of the visibility model: its rays are the share `budget` of the rays of the render that
 /// follows, and take about the same share of its time. Where shadow rays go to every light, 1 % lies in the flat
 /// minimum of error times time; where lights are drawn among many, a short render would gain from a larger budget
-/// (docs/results/by-topic.md).
+/// (docs/results/budget.csv).
 struct PrepassBudget {
     size_t lights = 0;           ///< groups to choose from
     size_t raysPerVertex = 0;    ///< shadow rays; if fewer than `lights`, lights are drawn

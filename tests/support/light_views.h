@@ -3,14 +3,15 @@
 #include <vector>
 
 #include "support/render_scene.h"
+#include "support/scene_text.h"
 
 namespace pbrt::test {
 
 /// Small views of a room corner, to compare integrators that follow light from the lights with paths from the camera.
 struct View {
     std::string name;
-    std::string camera = "Camera \"perspective\" \"float fov\" 50\n";
-    std::string filter = "PixelFilter \"box\"\n";
+    std::string camera = "Camera 'perspective' 'float fov' 50";
+    std::string filter = "box";
     std::string filmType = "rgb";
     std::string film{};        ///< further parameters
     std::string objects{};     ///< in the room

@@ -327,24 +327,8 @@ TEST_F(SharedLights, FramesOfAnAnimationChooseTheSameLights) {
 }
 
 TEST_F(SharedLights, WindowsGoWithThem) {
-    // A room with a window of 1 by 1 in the wall at z = 2, under a sky of one colour.
-    const auto wall = [](const std::string &corners) {
-        return "Shape \"bilinearmesh\" \"point3 P\" [" + corners + "] \"integer indices\" [0 1 2 3]\n";
-    };
-    const auto room = [&](const std::string &eye) {
-        return "LookAt " + eye +
-               "  0 0 2  0 1 0\nCamera \"perspective\" \"float fov\" 80\n"
-               "Sampler \"independent\" \"integer pixelsamples\" 16\nIntegrator \"path\" \"integer maxdepth\" 1\n"
-               "Film \"rgb\" \"integer xresolution\" 48 \"integer yresolution\" 48 \"string filename\" \"x.exr\"\n"
-               "WorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\n" +
-               wall("-2 -1 -2  2 -1 -2  -2 -1 2  2 -1 2") + wall("-2 1 -2  2 1 -2  -2 1 2  2 1 2") +
-               wall("-2 -1 -2  -2 1 -2  -2 -1 2  -2 1 2") + wall("2 -1 -2  2 1 -2  2 -1 2  2 1 2") +
-               wall("-2 -1 -2  2 -1 -2  -2 1 -2  2 1 -2") + wall("-2 -1 2  -.5 -1 2  -2 1 2  -.5 1 2") +
-               wall(".5 -1 2  2 -1 2  .5 1 2  2 1 2") + wall("-.5 -1 2  .5 -1 2  -.5 -.5 2  .5 -.5 2") +
-               wall("-.5 .5 2  .5 .5 2  -.5 1 2  .5 1 2");
-    };
-    Write("a.pbrt", room("0 0 -1.8"));
-    Write("b.pbrt", room("1 .2 -1.7"));
+    Write("a.pbrt", WindowScene("0 0 -1.8", 1, "1 1 1"));
+    Write("b.pbrt", WindowScene("1 .2 -1.7", 1, "1 1 1"));
     const std::string octree = "--lightsampler octree:prepassspp=1 ", load = octree + "--load-lights lights ";
     const ImageFile made = Render(octree + "a.pbrt --save-lights lights"), loaded = Render(load + "a.pbrt"),
                     other = Render(load + "b.pbrt --nthreads 1");

@@ -67,6 +67,9 @@ std::string SmallScene(const std::string &integrator = "");
 std::string LearningScene(const std::string &film, int samples = 64);
 /// A scene whose light comes from a part of the ceiling: there guided paths differ from plain ones.
 std::string GuidedScene(int samples);
+/// A view of the window, 1 by 1 in the wall at z = 2, of a room of 4 x 2 x 4 around the origin, under a sky of one
+/// colour, written to x.exr.
+std::string WindowScene(const std::string &eye, int maxDepth, const std::string &sky);
 
 bool Has(const std::string &text, const std::string &part);
 int IntOf(const ImageFile &file, const std::string &attribute);

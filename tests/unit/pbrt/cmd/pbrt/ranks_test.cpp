@@ -19,25 +19,8 @@ constexpr const char *kMpirun = PBRT_MPIRUN;
 constexpr const char *kMpirun = "";
 #endif
 
-/// A sky that is seen through a gap only, and nothing else that shines.
-/// A room with a window, and a sky outside.
-std::string SkyScene() {
-    std::string text = R"(LookAt 0 0 -1.8  0 0 2  0 1 0
-Camera "perspective" "float fov" 80
-Sampler "independent" "integer pixelsamples" 16
-Integrator "path" "integer maxdepth" 2
-Film "rgb" "integer xresolution" 48 "integer yresolution" 48 "string filename" "x.exr"
-WorldBegin
-LightSource "infinite" "rgb L" [ 1 2 3 ]
-)";
-    for (const char *wall :
-         {"-2 -1 -2  2 -1 -2  -2 -1 2  2 -1 2", "-2 1 -2  2 1 -2  -2 1 2  2 1 2", "-2 -1 -2  -2 1 -2  -2 -1 2  -2 1 2",
-          "2 -1 -2  2 1 -2  2 -1 2  2 1 2", "-2 -1 -2  2 -1 -2  -2 1 -2  2 1 -2", "-2 -1 2  -.5 -1 2  -2 1 2  -.5 1 2",
-          ".5 -1 2  2 -1 2  .5 1 2  2 1 2", "-.5 -1 2  .5 -1 2  -.5 -.5 2  .5 -.5 2",
-          "-.5 .5 2  .5 .5 2  -.5 1 2  .5 1 2"})
-        text += fmt::format("Shape \"bilinearmesh\" \"point3 P\" [ {} ]\n", wall);
-    return text;
-}
+/// A room with a window, and a sky outside; nothing else shines.
+std::string SkyScene() { return WindowScene("0 0 -1.8", 2, "1 2 3"); }
 
 size_t CountOf(const std::string &text, const std::string &part) {
     size_t count = 0;

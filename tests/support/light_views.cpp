@@ -282,4 +282,14 @@ const std::vector<View> &FoggyViews() {
     return views;
 }
 
+std::vector<View> ViewsNamed(const std::vector<std::string> &names) {
+    std::vector<View> found;
+    for (const std::string &name : names)
+        for (const std::vector<View> *views : {&AllViews(), &FoggyViews()})
+            for (const View &v : *views)
+                if (v.name == name) found.push_back(v);
+    PBRT_CHECK(found.size() == names.size());
+    return found;
+}
+
 }  // namespace pbrt::test

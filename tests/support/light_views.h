@@ -29,6 +29,10 @@ const std::vector<View> &AllViews();
 /// With media: compared to volpath.
 const std::vector<View> &FoggyViews();
 
+/// The views of these names, of either kind. For integrators that share the code of a view with another one, which is
+/// tested with all views: mlt traces pairs of subpaths as bdpt does, and the camera paths of sppm are those of path.
+std::vector<View> ViewsNamed(const std::vector<std::string> &names);
+
 /// A camera that nothing can be connected to.
 extern const std::string kRealisticCamera;
 

@@ -18,6 +18,7 @@
 #include "pbrt/math/transform.h"
 #include "support/ranks_on_threads.h"
 #include "support/small_files.h"
+#include "support/wait.h"
 
 namespace pbrt::test {
 namespace {
@@ -294,7 +295,7 @@ struct OneOfTwo : RenderLoop, Integrator {
     void TestBody() override {}
     bool Render(const RenderPass &pass) override {
         const auto waitUntil = [&](int begun) {
-            while (*begun_ < begun) std::this_thread::sleep_for(std::chrono::microseconds(100));
+            EXPECT_TRUE(WaitUntil([&] { return *begun_ >= begun; }));
         };
         const bool isFirst = pass.ranks->IsFirst();
         if (!isFirst) waitUntil(1);

@@ -19,11 +19,8 @@ class Checkpoints : public Program {
     /// `kills` times; then lets it finish. Returns the messages of the last run.
     std::string KillAndResume(const std::string &arguments, int kills) const {
         for (int i = 0; i < kills; ++i) {
-            std::error_code none;
-            const auto changed = [&] { return std::filesystem::last_write_time(Path("c.chk"), none); };
-            const auto before = changed();
-            const pid_t pid = Start(arguments + " --checkpoint c.chk --checkpoint-interval 0.01 --resume");
-            EXPECT_TRUE(WaitUntil([&] { return changed() != before; }));
+            const pid_t pid =
+                StartUntilWritten(arguments + " --checkpoint c.chk --checkpoint-interval 0.01 --resume", "c.chk");
             kill(pid, SIGKILL);
             EXPECT_EQ(Wait(pid).status, -SIGKILL);
         }
@@ -64,9 +61,7 @@ TEST_F(Checkpoints, PhotonMapsAndChainsGoOnToTheSameBits) {
         const std::string resumed = arguments + " --outfile out.exr --checkpoint c.chk";
         int interrupted = 0;
         for (int i = 0; i < 3; ++i) {
-            const pid_t pid = Start(resumed + " --checkpoint-interval 0.01 --resume");
-            EXPECT_TRUE(WaitUntil([&] { return Exists("c.chk"); }));
-            usleep(60000);
+            const pid_t pid = StartUntilWritten(resumed + " --checkpoint-interval 0.01 --resume", "c.chk");
             kill(pid, SIGINT);
             interrupted += Wait(pid).status == 128 + SIGINT;
         }
@@ -133,10 +128,8 @@ TEST_F(Checkpoints, TimedRendersGoOnAndHaveTheBitsOfTheirNumberOfSamples) {
 TEST_F(Checkpoints, InterruptedRendersKeepEverySample) {
     Write("scene.pbrt", LearningScene("rgb", 1024));
     const std::string arguments = lights_ + "scene.pbrt --outfile out.exr --checkpoint c.chk";
-    const pid_t pid = Start(arguments);
-    // The first samples are done once the program renders; it is then amid a wave.
-    EXPECT_TRUE(WaitUntil([&] { return Has(Messages(pid), "preparing lights"); }));
-    usleep(300000);
+    // The first samples are done; it is then amid a wave.
+    const pid_t pid = StartUntilWritten(arguments + " --checkpoint-interval 0.01", "c.chk");
     kill(pid, SIGINT);
     const Outcome o = Wait(pid);
     EXPECT_EQ(o.status, 128 + SIGINT) << o.err;

@@ -6,11 +6,9 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
-#include <thread>
 
 #include "support/scene_text.h"
 
@@ -127,12 +125,16 @@ bool Program::CatchesInterrupt(pid_t pid) {
     return false;
 }
 
-bool Program::WaitUntil(const std::function<bool()> &condition) {
-    for (int i = 0; i < 3000; ++i) {
-        if (condition()) return true;
-        std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
-    return false;
+std::filesystem::file_time_type Program::WriteTime(const std::string &name) const {
+    std::error_code none;
+    return std::filesystem::last_write_time(Path(name), none);
+}
+
+pid_t Program::StartUntilWritten(const std::string &arguments, const std::string &name) const {
+    const auto before = WriteTime(name);
+    const pid_t pid = Start(arguments);
+    EXPECT_TRUE(WaitUntil([&] { return WriteTime(name) != before; })) << Messages(pid);
+    return pid;
 }
 
 namespace {

@@ -3,11 +3,11 @@
 #include <sys/types.h>
 
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <vector>
 
 #include "pbrt/images/image.h"
+#include "support/wait.h"
 
 namespace pbrt::test {
 
@@ -51,8 +51,10 @@ class Program : public ::testing::Test {
     /// True if the process runs the program (and not the shell before it) and has set its handler for the interrupt
     /// signal.
     static bool CatchesInterrupt(pid_t pid);
-    /// Polls until the condition holds; false after half a minute.
-    static bool WaitUntil(const std::function<bool()> &condition);
+    /// When a file was written last; the least time if there is none.
+    std::filesystem::file_time_type WriteTime(const std::string &name) const;
+    /// Starts the program, and waits until it has written the file, new or anew.
+    pid_t StartUntilWritten(const std::string &arguments, const std::string &name) const;
 
     std::string launcher_;  ///< a command that starts the program in place of the shell, such as mpirun
 

@@ -122,12 +122,8 @@ TEST_F(Mpi, WhereAProcessWasKilledAnyNumberOfThemGoesOn) {
     Write("scene.pbrt", LearningScene("gbuffer", 1024));
     const std::string arguments = lights_ + "scene.pbrt --nthreads 1 --checkpoint c.chk --outfile out.exr --resume";
     for (int killed = 0; killed < 2; ++killed) {
-        std::error_code none;
-        const auto changed = [&] { return std::filesystem::last_write_time(Path("c.chk"), none); };
-        const auto before = changed();
         StartAs(2 + killed);
-        const pid_t mpirun = Start(arguments + " --checkpoint-interval 0.01");
-        ASSERT_TRUE(WaitUntil([&] { return changed() != before; })) << Messages(mpirun);
+        const pid_t mpirun = StartUntilWritten(arguments + " --checkpoint-interval 0.01", "c.chk");
         const pid_t victim = ProcessOf(mpirun, killed);
         ASSERT_NE(victim, 0);
         kill(victim, SIGKILL);
@@ -147,9 +143,7 @@ TEST_F(Mpi, ASignalToAnyProcessSavesWhatAllHaveDone) {
     const std::string arguments = lights_ + "scene.pbrt --nthreads 1 --checkpoint c.chk --outfile out.exr --resume";
     for (int asked = 0; asked < 2; ++asked) {
         StartAs(2);
-        const pid_t mpirun = Start(arguments);
-        ASSERT_TRUE(WaitUntil([&] { return Has(Messages(mpirun), "preparing lights"); })) << Messages(mpirun);
-        usleep(200000);
+        const pid_t mpirun = StartUntilWritten(arguments + " --checkpoint-interval 0.01", "c.chk");
         const pid_t process = ProcessOf(mpirun, asked);
         ASSERT_NE(process, 0);
         kill(process, SIGTERM);

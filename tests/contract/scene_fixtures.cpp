@@ -65,31 +65,29 @@ class Text {
     }
     /// Intensities grow with the square of lengths, so that a scaled scene looks the same.
     Text &PointLight(const Point3 &p, double intensity) {
-        return Add(fmt::format("LightSource 'point' 'point3 from' [ {} {} {} ] 'rgb I' [ {} {} {} ]", p.x, p.y,
-                               p.z, intensity * scale_ * scale_, 0.8 * intensity * scale_ * scale_,
+        return Add(fmt::format("LightSource 'point' 'point3 from' [ {} {} {} ] 'rgb I' [ {} {} {} ]", p.x, p.y, p.z,
+                               intensity * scale_ * scale_, 0.8 * intensity * scale_ * scale_,
                                0.5 * intensity * scale_ * scale_));
     }
     Text &SpotLight(const Point3 &p, const Point3 &to, double cone, double intensity) {
-        return Add(fmt::format(
-            "LightSource 'spot' 'point3 from' [ {} {} {} ] 'point3 to' [ {} {} {} ] 'float coneangle' {} "
-            "'float conedeltaangle' {} 'rgb I' [ {} {} {} ]",
-            p.x, p.y, p.z, to.x, to.y, to.z, cone, cone / 4, intensity * scale_ * scale_, intensity * scale_ * scale_,
-            0.6 * intensity * scale_ * scale_));
+        return Add(
+            fmt::format("LightSource 'spot' 'point3 from' [ {} {} {} ] 'point3 to' [ {} {} {} ] 'float coneangle' {} "
+                        "'float conedeltaangle' {} 'rgb I' [ {} {} {} ]",
+                        p.x, p.y, p.z, to.x, to.y, to.z, cone, cone / 4, intensity * scale_ * scale_,
+                        intensity * scale_ * scale_, 0.6 * intensity * scale_ * scale_));
     }
-    Text &Sky(double radiance) {
-        return Add(fmt::format("LightSource 'infinite' 'rgb L' [ {0} {0} {0} ]", radiance));
-    }
+    Text &Sky(double radiance) { return Add(fmt::format("LightSource 'infinite' 'rgb L' [ {0} {0} {0} ]", radiance)); }
     Text &Sun(const Vector3 &from, double irradiance) {
-        return Add(fmt::format(
-            "LightSource 'distant' 'point3 from' [ {} {} {} ] 'point3 to' [ 0 0 0 ] 'rgb L' [ {} {} 0 ]",
-            from.x, from.y, from.z, irradiance, irradiance));
+        return Add(
+            fmt::format("LightSource 'distant' 'point3 from' [ {} {} {} ] 'point3 to' [ 0 0 0 ] 'rgb L' [ {} {} 0 ]",
+                        from.x, from.y, from.z, irradiance, irradiance));
     }
     /// A light with an image, at a place; the statements `before` rotate it.
     Text &ImageLight(const std::string &type, const std::string &asset, const Point3 &p, const std::string &before,
                      double scale) {
-        return Place(fmt::format("Translate {} {} {}\n{}", p.x, p.y, p.z, before),
-                     Objects().Light(type, fmt::format("'string filename' '{}/{}' 'float scale' {}", kAssets, asset,
-                                                       scale)));
+        return Place(
+            fmt::format("Translate {} {} {}\n{}", p.x, p.y, p.z, before),
+            Objects().Light(type, fmt::format("'string filename' '{}/{}' 'float scale' {}", kAssets, asset, scale)));
     }
     /// The sky through the rectangle p, p + a, p + a + b, p + b; it shines against cross(b, a). Given in world space.
     Text &Portal(const Point3 &p, const Vector3 &a, const Vector3 &b, double radiance) {
@@ -97,8 +95,7 @@ class Text {
         return Add(
             fmt::format("LightSource 'infinite' 'string filename' '{}/env_sky.exr' 'float scale' {} "
                         "'point3 portal' [ {} {} {}  {} {} {}  {} {} {}  {} {} {} ]",
-                        kAssets, radiance, p.x, p.y, p.z, q.x, q.y,
-                        q.z, r.x, r.y, r.z, s.x, s.y, s.z));
+                        kAssets, radiance, p.x, p.y, p.z, q.x, q.y, q.z, r.x, r.y, r.z, s.x, s.y, s.z));
     }
     /// A bulb of 2 * rings * segments triangles.
     Text &Bulb(const Point3 &center, double radius, int rings, int segments, double radiance) {
@@ -119,8 +116,7 @@ class Text {
         return Place(Area(radiance), Objects().Triangles(points, indices));
     }
     static std::string Area(double radiance, bool twoSided = false) {
-        return fmt::format("AreaLightSource 'diffuse' 'rgb L' [ {0} {0} {0} ] 'bool twosided' {1}", radiance,
-                           twoSided);
+        return fmt::format("AreaLightSource 'diffuse' 'rgb L' [ {0} {0} {0} ] 'bool twosided' {1}", radiance, twoSided);
     }
 
     std::string Finish() const {
@@ -253,8 +249,7 @@ const std::vector<Recipe> &Recipes() {
                  .Rooms()
                  .Add("Texture 'holes' 'float' 'checkerboard' 'float uscale' 3 'float vscale' 3")
                  .Quad({-2.5f, 2.4f, 1}, right, back, image)
-                 .Quad({-2.5f, 2.4f, -1}, right, back,
-                       image + "\nAttribute 'shape' 'string emissionfilename' " + file)
+                 .Quad({-2.5f, 2.4f, -1}, right, back, image + "\nAttribute 'shape' 'string emissionfilename' " + file)
                  .Quad({1, 2.4f, 1}, right, back, Text::Area(2) + "\nAttribute 'shape' 'texture alpha' 'holes'")
                  .Quad({1, 2, -1}, right, back, Text::Area(2) + "\nAttribute 'shape' 'float alpha' 0")
                  .Sphere({-0.5f, 1.8f, -1}, 0.2f, Text::Area(3) + "\nAttribute 'shape' 'float alpha' 0")

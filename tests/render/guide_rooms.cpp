@@ -29,8 +29,7 @@ std::string GuideRoomText(const GuideRoom &room) {
             .Quad("-3 1.7 3  3 1.7 3  -3 2 3  3 2 3")
             .Quad("-3 .8 3  .5 .8 3  -3 1.7 3  .5 1.7 3")
             .Quad("1.5 .8 3  3 .8 3  1.5 1.7 3  3 1.7 3");
-    else
-        world.Quad(test::room::kBack);
+    else world.Quad(test::room::kBack);
     return text.World(world.Quad(test::room::kRight).Quad(test::room::kLeft).Add(room.floor).Quad(test::room::kFloor));
 }
 

@@ -22,7 +22,8 @@ namespace {
 constexpr int kSamples = 16;  ///< learned from after 1 and 4
 
 /// A view from `eyeTargetUp` in world space.
-BuiltScene BuildView(const std::string &eyeTargetUp, double fov, const std::string &parameters, const Objects &world) {
+BuiltScene BuildView(const std::string &eyeTargetUp, double fov, const std::string &parameters, const Objects &world,
+                     const BuildOptions &options = {}) {
     return BuildText(SceneText()
                          .Head("Option 'rendercoordsys' 'world'")
                          .LookAt(eyeTargetUp)
@@ -30,12 +31,16 @@ BuiltScene BuildView(const std::string &eyeTargetUp, double fov, const std::stri
                          .Film(40, 40, "'bool savefp16' false")
                          .Samples(kSamples)
                          .Integrator("path", 2, parameters)
-                         .World(world));
+                         .World(world),
+                     options);
 }
 
 /// Of two rooms the camera looks down on the left one.
+BuiltScene BuildTwoRooms(const std::string &parameters, const BuildOptions &options = {}) {
+    return BuildView("-2 6 0  -2 0 0  0 0 1", 40, parameters, TwoRooms(), options);
+}
 BuiltScene Build(const std::string &parameters = "") {
-    return BuildView("-2 6 0  -2 0 0  0 0 1", 40, "'string lightsampler' 'octree' " + parameters, TwoRooms());
+    return BuildTwoRooms("'string lightsampler' 'octree' " + parameters);
 }
 
 Objects OpenField() { return Objects().Sky("1 2 3").Material("diffuse").Quad(room::kFloor); }
@@ -273,8 +278,7 @@ void CheckSavedState(const Maker &make) {
 TEST(LearningWhileRendering, ASavedStateGoesOnBitByBit) { CheckSavedState(Build); }
 TEST(LearningWhileRendering, ASavedStateGoesOnBitByBitThroughAWindow) { CheckSavedState(BuildRoom); }
 TEST(LearningWhileRendering, ASavedStateGoesOnBitByBitWithThePapersModel) {
-    CheckSavedState(
-        [](const std::string &parameters) { return Build("'string octree.model' 'paper' " + parameters); });
+    CheckSavedState([](const std::string &parameters) { return Build("'string octree.model' 'paper' " + parameters); });
 }
 
 TEST(LearningWhileRendering, DamagedStatesAreRefused) {
@@ -409,7 +413,7 @@ TEST(LearningWhileRendering, ThePictureIsTheSameInTheMean) {
         for (int run = 0; run < 12; ++run) {
             BuildOptions options;
             options.seed = firstSeed + run;
-            BuiltScene built = BuildText(TwoRooms(sampler), options);
+            BuiltScene built = BuildTwoRooms(sampler, options);
             s.Add(Render(built, {kSamples}));
         }
         return s;

@@ -19,7 +19,20 @@ Diagnostic ErrorOf(const Act &act) {
     return {};
 }
 
-/// Its message; empty if `act` throws nothing.
+/// The only error that `act` throws.
+template <class Act>
+Diagnostic OnlyErrorOf(const Act &act) {
+    try {
+        act();
+    } catch (const UserError &e) {
+        EXPECT_EQ(e.Diagnostics().size(), 1u) << FormatAll(e);
+        return e.Diagnostics().front();
+    }
+    ADD_FAILURE() << "nothing was thrown";
+    return {};
+}
+
+/// The message of the first error; empty if `act` throws nothing.
 template <class Act>
 std::string MessageOf(const Act &act) {
     return ErrorOf(act).message;
@@ -30,19 +43,16 @@ inline void ExpectWords(const std::string &text, const std::vector<std::string> 
     for (const std::string &word : words) EXPECT_NE(text.find(word), std::string::npos) << word << ": " << text;
 }
 
-/// Expects that `act` throws an error whose message has all words: names, values or valid choices.
+/// Expects that `act` throws one error, whose message has all words: names, values or valid choices.
 template <class Act>
 void ExpectError(const Act &act, const std::vector<std::string> &words) {
-    const std::string message = MessageOf(act);
-    EXPECT_NE(message, "") << "nothing was thrown";
-    ExpectWords(message, words);
+    ExpectWords(OnlyErrorOf(act).message, words);
 }
 
 /// The same, at this line of the input.
 template <class Act>
 void ExpectErrorAt(const Act &act, int line, const std::vector<std::string> &words) {
-    const Diagnostic error = ErrorOf(act);
-    EXPECT_NE(error.message, "") << "nothing was thrown";
+    const Diagnostic error = OnlyErrorOf(act);
     EXPECT_EQ(error.loc.line, line) << error.message;
     ExpectWords(error.message, words);
 }

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
 #include "support/render_waves.h"
 #include "support/statistics.h"
@@ -17,8 +18,8 @@ constexpr int kTile = 4;
 
 }  // namespace
 
-const std::string kRealisticCamera =
-    "Camera 'realistic' 'string lensfile' '" PBRT_SOURCE_DIR "/tests/conformance/suite/scenes/assets/lens_symmetric.dat'";
+const std::string kRealisticCamera = "Camera 'realistic' 'string lensfile' '" PBRT_SOURCE_DIR
+                                     "/tests/conformance/suite/scenes/assets/lens_symmetric.dat'";
 
 void PrintTo(const View &v, std::ostream *out) { *out << v.name; }
 
@@ -27,7 +28,8 @@ namespace {
 std::string Scene(const View &v, const std::string &integrator, int seed, int samples) {
     std::string parameters;
     if (integrator != v.reference)
-        parameters = v.parameters + (integrator == "mlt" ? fmt::format(" 'integer mutationsperpixel' {}", samples) : "");
+        parameters =
+            v.parameters + (integrator == "mlt" ? fmt::format(" 'integer mutationsperpixel' {}", samples) : "");
     return SceneText()
         .Head(v.media)
         .LookAt("0 -3.4 1.1  0 0 1  0 0 1")
@@ -107,8 +109,8 @@ namespace {
 
 const std::string kParallel = "Camera 'orthographic' 'float screenwindow' [ -1.4 1.4 -1.1 1.1 ]";
 const std::string kLens = "Camera 'perspective' 'float fov' 50 'float lensradius' .2 'float focaldistance' 2.5";
-const std::string kLamp = Objects().Attribute("Translate .3 -.4 2 Rotate 160 1 0 0",
-                                              Objects().AreaLight("8 7 5").Disk(.4));
+const std::string kLamp =
+    Objects().Attribute("Translate .3 -.4 2 Rotate 160 1 0 0", Objects().AreaLight("8 7 5").Disk(.4));
 const std::string kBall = Objects().Attribute("Translate -.5 .3 .5", Objects().Sphere(.5));
 const std::string kSky = Objects().Sky(".5 .7 1");
 /// Out of sight, so that only the light it sends to the floor is seen.
@@ -123,12 +125,8 @@ std::string Hidden(const std::string &material) {
 const std::vector<View> &AllViews() {
     static const std::vector<View> views = {
         {.name = "DiskAndBall", .objects = kLamp + kBall},
-        {.name = "Orthographic",
-         .camera = kParallel,
-         .objects = kLamp + kBall},
-        {.name = "Lens",
-         .camera = kLens,
-         .objects = kLamp + kBall},
+        {.name = "Orthographic", .camera = kParallel, .objects = kLamp + kBall},
+        {.name = "Lens", .camera = kLens, .objects = kLamp + kBall},
         // From the middle of the room; the filter reaches across the edges of the picture.
         {.name = "SphericalEqualArea",
          .camera = "Translate 0 -2.6 -.2 Camera 'spherical'",
@@ -165,9 +163,7 @@ const std::vector<View> &AllViews() {
          .objects = kSky + kLamp + "Material 'dielectric'\n" + kBall,
          .depth = 4,
          .isForLightPath = false},
-        {.name = "SkyOnly",
-         .objects = kSky + kBall,
-         .isForLightPath = false},
+        {.name = "SkyOnly", .objects = kSky + kBall, .isForLightPath = false},
     };
     return views;
 }
@@ -177,10 +173,8 @@ namespace {
 std::string Medium(const std::string &name, const std::string &parameters) {
     return "MakeNamedMedium '" + name + "' 'string type' " + parameters + "\n";
 }
-const std::string kThinFog =
-    Medium("fog", "'homogeneous' 'rgb sigma_s' [ .25 .25 .25 ] 'rgb sigma_a' [ .03 .03 .03 ]");
-const std::string kColoredFog =
-    Medium("fog", "'homogeneous' 'rgb sigma_s' [ .15 .3 .6 ] 'rgb sigma_a' [ .1 .03 .02 ]");
+const std::string kThinFog = Medium("fog", "'homogeneous' 'rgb sigma_s' [ .25 .25 .25 ] 'rgb sigma_a' [ .03 .03 .03 ]");
+const std::string kColoredFog = Medium("fog", "'homogeneous' 'rgb sigma_s' [ .15 .3 .6 ] 'rgb sigma_a' [ .1 .03 .02 ]");
 const std::string kInFog = "MediumInterface 'fog' 'fog'\n";
 const std::string kSpot =
     "LightSource 'spot' 'point3 from' [ -1 -1 2 ] 'point3 to' [ .2 0 .3 ] 'rgb I' [ 9 8 7 ] "
@@ -205,8 +199,7 @@ std::string BallOf(const std::string &medium, const std::string &material = "Mat
 
 const std::vector<View> &FoggyViews() {
     static const std::vector<View> views = [] {
-        const std::string chromatic =
-            Medium("m", "'homogeneous' 'rgb sigma_s' [ 12 5 2 ] 'rgb sigma_a' [ .1 .4 1 ]");
+        const std::string chromatic = Medium("m", "'homogeneous' 'rgb sigma_s' [ 12 5 2 ] 'rgb sigma_a' [ .1 .4 1 ]");
         std::vector<View> all = {
             {.name = "FogAndSpot", .objects = kSpot + kBall, .isForLightPath = false, .media = kThinFog + kInFog},
             {.name = "OrthographicInFog", .camera = kParallel, .objects = kLamp + kBall, .media = kColoredFog + kInFog},
@@ -218,17 +211,14 @@ const std::vector<View> &FoggyViews() {
                              "'float g' .8") +
                       kInFog},
             {.name = "DenseAndColored", .objects = kLamp + BallOf(chromatic), .depth = 6},
-            {.name = "Grid",
-             .objects = kLamp + BallOf(Grid("m", "'rgb sigma_s' [ 4 5 6 ] 'float g' .3")),
-             .depth = 4},
+            {.name = "Grid", .objects = kLamp + BallOf(Grid("m", "'rgb sigma_s' [ 4 5 6 ] 'float g' .3")), .depth = 4},
             // The ball's medium reaches the lamp, which shines out of it; a point light shines there, too.
             {.name = "LightsInside",
-             .objects =
-                 "LightSource 'point' 'point3 from' [ 1 -1 1.5 ] 'rgb I' [ .5 .5 .5 ]\n" +
-                 BallOf(Medium("m", "'homogeneous' 'rgb sigma_s' [ 1 2 3 ] 'rgb sigma_a' [ .3 .2 .1 ]")) +
-                 "AttributeBegin MediumInterface 'm' 'm'\nLightSource 'point' 'point3 from' [ -.2 .1 .5 ] "
-                 "'rgb I' [ .6 .4 .2 ]\nTranslate -.2 .2 .8 AreaLightSource 'diffuse' 'rgb L' [ 5 7 9 ]\n"
-                 "Shape 'sphere' 'float radius' .15 AttributeEnd\n"},
+             .objects = "LightSource 'point' 'point3 from' [ 1 -1 1.5 ] 'rgb I' [ .5 .5 .5 ]\n" +
+                        BallOf(Medium("m", "'homogeneous' 'rgb sigma_s' [ 1 2 3 ] 'rgb sigma_a' [ .3 .2 .1 ]")) +
+                        "AttributeBegin MediumInterface 'm' 'm'\nLightSource 'point' 'point3 from' [ -.2 .1 .5 ] "
+                        "'rgb I' [ .6 .4 .2 ]\nTranslate -.2 .2 .8 AreaLightSource 'diffuse' 'rgb L' [ 5 7 9 ]\n"
+                        "Shape 'sphere' 'float radius' .15 AttributeEnd\n"},
             {.name = "CameraInside",
              .camera = "Camera 'perspective' 'float fov' 50\nMediumInterface '' ''\n",
              .objects = kLamp + kBall +
@@ -246,13 +236,11 @@ const std::vector<View> &FoggyViews() {
              .objects = "LightSource 'distant' 'point3 from' [ 1 -2 3 ] 'rgb L' [ 2 2 2 ]\n" +
                         BallOf(Grid("m", "'float g' -.4"))},
             {.name = "SkyAndGrid",
-             .objects =
-                 kSky + BallOf(Grid("m", "'rgb sigma_s' [ 3 4 5 ]")),
+             .objects = kSky + BallOf(Grid("m", "'rgb sigma_s' [ 3 4 5 ]")),
              .isForLightPath = false},
             // Most of what the last ray of a path finds is behind the ball's surface.
             {.name = "SkyThroughInterface",
-             .objects = kSky +
-                        BallOf(Medium("m", "'homogeneous' 'rgb sigma_s' [ 1 1 1 ] 'rgb sigma_a' [ 0 0 0 ]")),
+             .objects = kSky + BallOf(Medium("m", "'homogeneous' 'rgb sigma_s' [ 1 1 1 ] 'rgb sigma_a' [ 0 0 0 ]")),
              .depth = 1,
              .isForLightPath = false},
             {.name = "SmoothGlassInFog",

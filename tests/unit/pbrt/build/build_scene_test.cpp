@@ -170,8 +170,8 @@ TEST(BuildScene, AnOutputThatCannotBeWrittenIsToldFirst) {
 TEST(BuildScene, ThreadsMakeNoDifference) {
     std::string world = kLamp;
     for (int i = 0; i < 40; ++i)
-        world += fmt::format("AttributeBegin Translate {} 0 9 Shape '{}' AttributeEnd\n", 3 * i,
-                             i % 3 ? "sphere" : "disk");
+        world +=
+            fmt::format("AttributeBegin Translate {} 0 9 Shape '{}' AttributeEnd\n", 3 * i, i % 3 ? "sphere" : "disk");
     auto shapes = [&](int threads) {
         const ThreadLimit limit(threads);
         const BuiltScene built = BuildText(Text("", world));

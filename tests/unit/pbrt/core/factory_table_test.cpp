@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "support/errors.h"
+
 namespace pbrt {
 namespace {
 
@@ -58,14 +60,8 @@ TEST(FactoryTable, WhatIsNotDeclaredGoesToTheSinkAndBadValuesAreThrown) {
 
 TEST(FactoryTable, AnUnknownNameListsTheChoices) {
     DiagnosticSink sink;
-    try {
-        MakeTable().Make("twise", Given("n", 1), Context{sink});
-        FAIL();
-    } catch (const UserError &e) {
-        EXPECT_EQ(e.Diagnostics()[0].message,
-                  "Number \"twise\" is unknown; did you mean \"twice\"? valid: one, twice.");
-        EXPECT_EQ(e.Diagnostics()[0].loc.line, 5);
-    }
+    test::ExpectErrorAt([&] { MakeTable().Make("twise", Given("n", 1), Context{sink}); }, 5,
+                        {"Number \"twise\"", "\"twice\"", "one, twice"});
 }
 
 TEST(FactoryTable, ANameUsedTwiceIsOurError) {

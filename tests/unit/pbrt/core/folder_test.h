@@ -38,14 +38,4 @@ class FolderTest : public ::testing::Test {
 
 inline bool Contains(const std::string &text, const std::string &part) { return text.find(part) != std::string::npos; }
 
-/// The message of the UserError that `f` throws; empty if it throws none.
-inline std::string Reason(const std::function<void()> &f) {
-    try {
-        f();
-    } catch (const UserError &e) {
-        return e.what();
-    }
-    return "";
-}
-
 }  // namespace pbrt::test

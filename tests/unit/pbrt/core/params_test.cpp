@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "support/errors.h"
+
 namespace pbrt {
 namespace {
 
@@ -66,13 +68,11 @@ TEST(ParamSet, AtGivesErrorsWithoutAPlaceThatOfTheParameter) {
     const ParamSet set("Shape \"s\"", {file, 7, 0});
     EXPECT_EQ(set.At("a", [] { return 3; }), 3);
     for (int line : {0, 4}) {
-        try {
+        const Diagnostic error = test::ErrorOf([&] {
             set.At("a", [&] { throw UserError("gone.", line ? FileLoc{file, line, 0} : FileLoc()); });
-            FAIL();
-        } catch (const UserError &e) {
-            EXPECT_EQ(e.Diagnostics()[0].loc.line, line ? 4 : 7) << "an error that has a location keeps it";
-            EXPECT_EQ(e.Diagnostics()[0].message, line ? "gone." : "Shape \"s\": gone.");
-        }
+        });
+        EXPECT_EQ(error.loc.line, line ? 4 : 7) << "an error that has a location keeps it";
+        EXPECT_EQ(error.message, line ? "gone." : "Shape \"s\": gone.");
     }
 }
 
@@ -96,18 +96,12 @@ TEST(ParamType, NamesAreThoseOfTheFormat) {
 
 TEST(ParamSet, RequireNamesTheRange) {
     const ParamSet set("Shape \"s\"", {});
-    auto message = [&](Float value, const Range<Float> &range) -> std::string {
-        try {
-            set.Require("x", value, range);
-        } catch (const UserError &e) {
-            return e.Diagnostics().front().message;
-        }
-        return "";
+    const auto message = [&](Float value, const Range<Float> &range) {
+        return test::MessageOf([&] { set.Require("x", value, range); });
     };
-    EXPECT_EQ(message(-1, Positive(1e18f)), "Shape \"s\": \"x\" is -1; it must be above 0 and at most 1e+18.");
-    EXPECT_EQ(message(180, {0, 180, true, true}), "Shape \"s\": \"x\" is 180; it must be above 0 and below 180.");
-    EXPECT_EQ(message(11, {0, 10, false, false, "mm"}),
-              "Shape \"s\": \"x\" is 11; it must be at least 0 and at most 10 mm.");
+    test::ExpectWords(message(-1, Positive(1e18f)), {"Shape \"s\"", "\"x\" is -1", "above 0", "at most 1e+18"});
+    test::ExpectWords(message(180, {0, 180, true, true}), {"\"x\" is 180", "above 0", "below 180"});
+    test::ExpectWords(message(11, {0, 10, false, false, "mm"}), {"\"x\" is 11", "at least 0", "at most 10 mm"});
     EXPECT_EQ(message(180, {0, 180}), "");
     EXPECT_FALSE((Range<Float>{0, 1}.Contains(std::nanf(""))));
 }

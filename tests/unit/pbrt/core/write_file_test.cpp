@@ -5,13 +5,14 @@
 #include <vector>
 
 #include "folder_test.h"
+#include "support/errors.h"
 #include "support/small_files.h"
 
 namespace pbrt {
 namespace {
 
 namespace fs = std::filesystem;
-using test::Contains, test::Reason, test::SmallFilesOnly;
+using test::Contains, test::MessageOf, test::SmallFilesOnly;
 
 class WriteFileTest : public test::FolderTest {};
 
@@ -36,7 +37,7 @@ TEST_F(WriteFileTest, AFullDiskIsAnErrorAndKeepsTheOldFile) {
     const std::string path = Write("out", "old"), big(100000, 'x');
     {
         const SmallFilesOnly limit(50000);
-        const std::string reason = Reason([&] { WriteFile(path, big); });
+        const std::string reason = MessageOf([&] { WriteFile(path, big); });
         EXPECT_TRUE(Contains(reason, path + ": cannot be written: File too large")) << reason;
     }
     EXPECT_EQ(ReadFileContents(path), "old");
@@ -44,7 +45,7 @@ TEST_F(WriteFileTest, AFullDiskIsAnErrorAndKeepsTheOldFile) {
     WriteFile(path, big);
     EXPECT_EQ(ReadFileContents(path), big);
     fs::create_symlink("/dev/full", Path("full"));
-    EXPECT_TRUE(Contains(Reason([&] { WriteFile(Path("full"), "x"); }), "No space left"));
+    EXPECT_TRUE(Contains(MessageOf([&] { WriteFile(Path("full"), "x"); }), "No space left"));
 }
 
 TEST_F(WriteFileTest, LinksStayAndLeadToTheNewContent) {
@@ -62,7 +63,7 @@ TEST_F(WriteFileTest, LinksStayAndLeadToTheNewContent) {
     EXPECT_EQ(ReadFileContents(Path("deep/fresh")), "made");
     EXPECT_TRUE(fs::is_symlink(Path("dangling")));
     fs::create_symlink("loop", Path("loop"));
-    EXPECT_TRUE(Contains(Reason([&] { WriteFile(Path("loop"), "x"); }), "loop: cannot be written"));
+    EXPECT_TRUE(Contains(MessageOf([&] { WriteFile(Path("loop"), "x"); }), "loop: cannot be written"));
 }
 
 TEST_F(WriteFileTest, PipesAndDevicesAreWrittenTo) {
@@ -100,7 +101,7 @@ TEST_F(WriteFileTest, APipeWithoutReaderIsAnError) {
         EXPECT_EQ(read(file, &byte, 1), 1);
         close(file);
     });
-    EXPECT_TRUE(Contains(Reason([&] { WriteFile(pipe, std::string(1 << 20, 'x')); }), "Broken pipe"));
+    EXPECT_TRUE(Contains(MessageOf([&] { WriteFile(pipe, std::string(1 << 20, 'x')); }), "Broken pipe"));
     reader.join();
 }
 
@@ -124,8 +125,8 @@ TEST_F(WriteFileTest, NamesMayBeAsLongAsTheDiskAllows) {
     }
     EXPECT_EQ(FileCount(), 3);
     const std::string path = Path(std::string(256, 'n'));
-    EXPECT_TRUE(Contains(Reason([&] { CheckWritable(path); }), "File name too long"));
-    EXPECT_TRUE(Contains(Reason([&] { WriteFile(path, "x"); }), "File name too long"));
+    EXPECT_TRUE(Contains(MessageOf([&] { CheckWritable(path); }), "File name too long"));
+    EXPECT_TRUE(Contains(MessageOf([&] { WriteFile(path, "x"); }), "File name too long"));
 }
 
 TEST_F(WriteFileTest, WhatCannotBeWrittenIsKnownBefore) {
@@ -143,14 +144,14 @@ TEST_F(WriteFileTest, WhatCannotBeWrittenIsKnownBefore) {
         {"/proc/a.exr", "/proc"},
     };
     for (const auto &[path, part] : cases) {
-        const std::string early = Reason([&, &name = path] { CheckWritable(name); });
+        const std::string early = MessageOf([&, &name = path] { CheckWritable(name); });
         EXPECT_TRUE(Contains(early, part)) << path << ": " << early;
-        EXPECT_EQ(Reason([&, &name = path] { WriteFile(name, "x"); }), early);
+        EXPECT_EQ(MessageOf([&, &name = path] { WriteFile(name, "x"); }), early);
     }
     EXPECT_EQ(ReadFileContents(guarded), "keep");
     if (geteuid() != 0) {  // root may write everywhere
         fs::permissions(folder_, fs::perms::owner_read | fs::perms::owner_exec);
-        EXPECT_TRUE(Contains(Reason([&] { CheckWritable(Path("b")); }), "is not writable"));
+        EXPECT_TRUE(Contains(MessageOf([&] { CheckWritable(Path("b")); }), "is not writable"));
         fs::permissions(folder_, fs::perms::owner_all);
     }
     CheckWritable(Path("b"));

@@ -31,7 +31,8 @@ std::string Homogeneous(const std::string &parameters) {
 const std::string kSky = Objects().Sky("1 1 1");
 const std::string kFog = Homogeneous("'rgb sigma_a' [0 0 0] 'rgb sigma_s' [2 2 2] 'float g' .4"),
                   kAbsorbing = Homogeneous("'rgb sigma_a' [.6 .6 .6] 'rgb sigma_s' [0 0 0]");
-const std::string kOfMedium = "MediumInterface 'm' ''\nMaterial 'interface'\n", kFilled = kOfMedium + "Shape 'sphere'\n";
+const std::string kOfMedium = "MediumInterface 'm' ''\nMaterial 'interface'\n",
+                  kFilled = kOfMedium + "Shape 'sphere'\n";
 
 /// The surfaces at z = -.5 and .5 between which the medium is.
 std::string Slab(const std::string &top, const std::string &bottom) {
@@ -47,10 +48,11 @@ void ExpectOfSky(const RunningStatistics &s, double expected, int maxDepth, cons
 }
 
 TEST(MediaInPlaces, AFurnaceInAnInstanceIsInvisible) {
-    const std::string instances = Objects()
-                                      .Add(kSky + kFog + "ObjectBegin 'ball'\n" + kFilled + "ObjectEnd")
-                                      .Attribute("Translate .3 0 0 Scale .5 .7 .9", Objects().Add("ObjectInstance 'ball'"))
-                                      .Attribute("Translate -.3 .1 -3 Scale -.8 1 1", Objects().Add("ObjectInstance 'ball'"));
+    const std::string instances =
+        Objects()
+            .Add(kSky + kFog + "ObjectBegin 'ball'\n" + kFilled + "ObjectEnd")
+            .Attribute("Translate .3 0 0 Scale .5 .7 .9", Objects().Add("ObjectInstance 'ball'"))
+            .Attribute("Translate -.3 .1 -3 Scale -.8 1 1", Objects().Add("ObjectInstance 'ball'"));
     ExpectOfSky(Green(View(instances, "volpath", 1000, 128)), 1, 1000);
 }
 
@@ -63,9 +65,9 @@ TEST(MediaInPlaces, AMovingFurnaceIsInvisible) {
 TEST(MediaInPlaces, AnInstanceThatIsStretchedHoldsMoreOfTheMedium) {
     // What absorbs is per unit of length of the world, so a slab of thickness 1 that is stretched twofold takes 2
     // units.
-    const std::string slab =
-        "ObjectBegin 'slab'\n" +
-        Slab("-4 -4 .5  4 -4 .5  -4 4 .5  4 4 .5", "-4 -4 -.5  4 -4 -.5  -4 4 -.5  4 4 -.5") + "ObjectEnd\n";
+    const std::string slab = "ObjectBegin 'slab'\n" +
+                             Slab("-4 -4 .5  4 -4 .5  -4 4 .5  4 4 .5", "-4 -4 -.5  4 -4 -.5  -4 4 -.5  4 4 -.5") +
+                             "ObjectEnd\n";
     for (const char *integrator : {"volpath", "simplevolpath"})
         ExpectOfSky(Green(View(kSky + kAbsorbing + slab + "Scale 1 1 2\nObjectInstance 'slab'\n", integrator, 5, 256)),
                     std::exp(-1.2), 5, integrator);
@@ -141,7 +143,8 @@ TEST(MediaInPlaces, AGridOfTemperaturesGlowsAsQuadratureSays) {
 
 /// A camera in a ball of fog, whose medium is current or not where a light is declared.
 Image InFog(const std::string &integrator, const std::string &light, bool isCurrent, int maxDepth = 20) {
-    const std::string parameters = integrator == "mlt" ? "'integer mutationsperpixel' 40 'integer bootstrapsamples' 9999" : "";
+    const std::string parameters =
+        integrator == "mlt" ? "'integer mutationsperpixel' 40 'integer bootstrapsamples' 9999" : "";
     Objects world;
     if (isCurrent) world.Add(light);
     world.Add("MediumInterface '' ''");

@@ -83,7 +83,8 @@ TEST_P(MltViews, AgreeWithPath) {
 INSTANTIATE_TEST_SUITE_P(All, MltViews,
                          testing::ValuesIn(ViewsNamed({"DiskAndBall", "Lens", "SphericalEqualArea", "Crop",
                                                        "PointSpotAndDistant", "Coat", "SmoothGlass", "SkyAndGlass",
-                                                       "DenseAndColored", "Grid", "CameraInside", "Dispersion", "Glow"})),
+                                                       "DenseAndColored", "Grid", "CameraInside", "Dispersion",
+                                                       "Glow"})),
                          [](const auto &test) { return test.param.name; });
 
 /// Small bootstraps know the brightness badly, one by one; their mean is exact for every choice of parameters.

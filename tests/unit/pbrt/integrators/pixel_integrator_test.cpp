@@ -53,13 +53,14 @@ double AlbedoBehindLens(const std::string &film, int aperture) {
     BuildOptions options;
     if (film == "rgb") options.film.aovs = {"albedo"};
     const Image image =
-        RenderText(SceneText()
-                       .LookAt("0 0 4  0 0 0  0 1 0")
-                       .Head(fmt::format("{} 'float aperturediameter' {}", kRealisticCamera, aperture))
-                       .Film(16, 16, "", film)
-                       .Samples(64)
-                       .World(Objects().Light("infinite").Material("diffuse").Quad("-90 -90 0  90 -90 0  -90 90 0  90 90 0")),
-                   options)
+        RenderText(
+            SceneText()
+                .LookAt("0 0 4  0 0 0  0 1 0")
+                .Head(fmt::format("{} 'float aperturediameter' {}", kRealisticCamera, aperture))
+                .Film(16, 16, "", film)
+                .Samples(64)
+                .World(Objects().Light("infinite").Material("diffuse").Quad("-90 -90 0  90 -90 0  -90 90 0  90 90 0")),
+            options)
             .image;
     double sum = 0;
     int count = 0;

@@ -294,9 +294,7 @@ struct OneOfTwo : RenderLoop, Integrator {
     }
     void TestBody() override {}
     bool Render(const RenderPass &pass) override {
-        const auto waitUntil = [&](int begun) {
-            EXPECT_TRUE(WaitUntil([&] { return *begun_ >= begun; }));
-        };
+        const auto waitUntil = [&](int begun) { EXPECT_TRUE(WaitUntil([&] { return *begun_ >= begun; })); };
         const bool isFirst = pass.ranks->IsFirst();
         if (!isFirst) waitUntil(1);
         return RenderParts(pass, {.count = 2,

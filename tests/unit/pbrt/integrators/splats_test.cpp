@@ -21,9 +21,8 @@ Image Wall(const std::string &integrator, double radiance, const std::string &fi
                           .LookAt(".3 .2 6  0 0 0  0 1 0")
                           .Camera(40)
                           .World(Objects()
-                                     .Attribute("Translate 1.2 .3 .6", Objects()
-                                                                           .AreaLight(fmt::format("{0} {0} {0}", radiance))
-                                                                           .Sphere(.3))
+                                     .Attribute("Translate 1.2 .3 .6",
+                                                Objects().AreaLight(fmt::format("{0} {0} {0}", radiance)).Sphere(.3))
                                      .Diffuse(".7 .5 .3")
                                      .Quad("-6 -6 0  6 -6 0  -6 6 0  6 6 0")))
         .image;

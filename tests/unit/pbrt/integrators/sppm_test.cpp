@@ -93,8 +93,8 @@ TEST_P(SppmViews, AgreeWithPath) {
 
 INSTANTIATE_TEST_SUITE_P(All, SppmViews,
                          testing::ValuesIn(ViewsNamed({"DiskAndBall", "Crop", "PointSpotAndDistant", "RoughMetal",
-                                                       "Coat", "RoughGlass", "SmoothGlass", "ShadingNormals", "DepthOne",
-                                                       "Mirror", "SkyAndGlass", "SkyOnly"})),
+                                                       "Coat", "RoughGlass", "SmoothGlass", "ShadingNormals",
+                                                       "DepthOne", "Mirror", "SkyAndGlass", "SkyOnly"})),
                          [](const auto &test) { return test.param.name; });
 
 /// Direct light is found by any light sampler, the octree's learning one included.
@@ -102,10 +102,9 @@ TEST(Sppm, LightSamplersDoNotChangeTheMean) {
     View view = AllViews()[0];
     view.samples = 96;
     view.parameters = "'float radius' .15 'integer photonsperiteration' 3000";
-    CheckLightSamplers(view, "sppm",
-                       {"'string lightsampler' 'uniform'", "'string lightsampler' 'power'",
-                        "'string lightsampler' 'octree'"},
-                       kBlur);
+    CheckLightSamplers(
+        view, "sppm",
+        {"'string lightsampler' 'uniform'", "'string lightsampler' 'power'", "'string lightsampler' 'octree'"}, kBlur);
 }
 
 TEST(Sppm, IsTheSameForAnyNumberOfThreads) {

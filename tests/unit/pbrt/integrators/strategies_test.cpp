@@ -54,11 +54,12 @@ const std::string kDoor =
 const Place kAjar{.name = "Ajar", .world = kDoor};
 const std::string kGlow = "'rgb Le' [ .2 .1 .1 ]";
 const Place kSmoke{.name = "Smoke",
-                   .world = "MakeNamedMedium 'm' 'string type' 'homogeneous' 'rgb sigma_s' [ 1 2 3 ] "
-                            "'rgb sigma_a' [ .3 .2 .1 ] 'float g' .3 " +
-                            kGlow + "\n" + kDoor +
-                            "AttributeBegin MediumInterface 'm' '' Material 'interface' Translate 0 0 .8\n"
-                            "Shape 'sphere' 'float radius' .6 AttributeEnd\n"};
+                   .world =
+                       "MakeNamedMedium 'm' 'string type' 'homogeneous' 'rgb sigma_s' [ 1 2 3 ] "
+                       "'rgb sigma_a' [ .3 .2 .1 ] 'float g' .3 " +
+                       kGlow + "\n" + kDoor +
+                       "AttributeBegin MediumInterface 'm' '' Material 'interface' Translate 0 0 .8\n"
+                       "Shape 'sphere' 'float radius' .6 AttributeEnd\n"};
 const Place kParallel{
     .name = "Parallel",
     .world = kDoor,

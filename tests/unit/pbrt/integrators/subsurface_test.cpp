@@ -34,7 +34,8 @@ TEST(Subsurface, ALargePlaneReflectsWhatItsMatterDoes) {
                 "Material 'subsurface' 'spectrum reflectance' [300 {0} 900 {0}] 'spectrum mfp' [300 .05 900 .05]"
                 " 'float eta' {1}\n",
                 reflectance, eta);
-            const RunningStatistics s = ChannelStatistics(RenderText(Scene(matter + "Shape 'disk' 'float radius' 20\n")).image);
+            const RunningStatistics s =
+                ChannelStatistics(RenderText(Scene(matter + "Shape 'disk' 'float radius' 20\n")).image);
             const double fresnel = double(FresnelDielectric(1, static_cast<Float>(eta)));
             const double expected = fresnel + (1 - fresnel) * reflectance;
             EXPECT_LT(std::abs(s.mean - expected), 4 * s.StandardError() + .003 * expected)

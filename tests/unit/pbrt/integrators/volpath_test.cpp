@@ -143,8 +143,7 @@ TEST(Mlt, AMediumThatOnlyScattersIsInvisibleUnderAnEvenSky) {
 TEST(VolPath, TheCameraMayStandInAMediumThatHasNoEnd) {
     // Light from a bright ball passes two units of fog that only absorbs.
     Setting setting;
-    setting.beforeCamera =
-        Homogeneous("fog", "'rgb sigma_a' [.5 .5 .5] " + kAbsorbs) + "MediumInterface '' 'fog'\n";
+    setting.beforeCamera = Homogeneous("fog", "'rgb sigma_a' [.5 .5 .5] " + kAbsorbs) + "MediumInterface '' 'fog'\n";
     const double there = Channel(GlowingWall()).mean;
     const RunningStatistics s = Channel(GlowingWall(), setting);
     EXPECT_LT(std::abs(s.mean / there - std::exp(-1.)), 4 * s.StandardError() / there + 1e-4);
@@ -207,8 +206,7 @@ TEST(VolPath, ShadowRaysPassMediaAndTheirBoundaries) {
     setting.maxDepth = 1;
     setting.samples = 256;
     const double bare = Channel(floor, setting).mean;
-    const RunningStatistics s =
-        Channel(Objects(floor).Add(media).Add(slab(5, 6, "a")).Add(slab(10, 12, "b")), setting);
+    const RunningStatistics s = Channel(Objects(floor).Add(media).Add(slab(5, 6, "a")).Add(slab(10, 12, "b")), setting);
     // The camera is below the slabs.
     EXPECT_LT(std::abs(s.mean / bare - std::exp(-.4 - .6)), 4 * s.StandardError() / bare + 1e-3);
 }

@@ -132,8 +132,8 @@ TEST(Scene, OnlyWhatIsBetweenTwoPointsOccludes) {
 }
 
 TEST(Scene, ShadowRaysPassInterfacesForVolpathOnly) {
-    const std::string world = "Material 'interface' Translate 0 0 2\n" + std::string(kQuad) +
-                              "Material 'diffuse' Translate 5 0 0\n" + kQuad;
+    const std::string world =
+        "Material 'interface' Translate 0 0 2\n" + std::string(kQuad) + "Material 'diffuse' Translate 5 0 0\n" + kQuad;
     for (const char *integrator : {"path", "volpath"}) {
         const BuiltScene built = Build(world, integrator);
         const LightSampleContext from = From({0, 0, 0}, {0, 0, 1});
@@ -146,8 +146,7 @@ TEST(Scene, ShadowRaysPassInterfacesForVolpathOnly) {
 
 TEST(Scene, CrossingsAreThoseOfOneMaterialAndEquallyLikely) {
     // Surfaces along z: material a at 1, 3, 5, 7, and material b at 2, 4.
-    std::string world =
-        "MakeNamedMaterial 'a' 'string type' 'diffuse' MakeNamedMaterial 'b' 'string type' 'diffuse'\n";
+    std::string world = "MakeNamedMaterial 'a' 'string type' 'diffuse' MakeNamedMaterial 'b' 'string type' 'diffuse'\n";
     for (auto [z, material] : {std::pair(1, "a"), {2, "b"}, {3, "a"}, {4, "b"}, {5, "a"}, {7, "a"}})
         world +=
             fmt::format("AttributeBegin NamedMaterial '{}' Translate 0 0 {}\n{}AttributeEnd\n", material, z, kQuad);
@@ -169,8 +168,7 @@ TEST(Scene, CrossingsAreThoseOfOneMaterialAndEquallyLikely) {
 }
 
 TEST(Scene, KnowsWhatItsMaterialsNeed) {
-    const std::string checks =
-        "Texture 't' 'spectrum' 'checkerboard' Material 'diffuse' 'texture reflectance' 't'\n";
+    const std::string checks = "Texture 't' 'spectrum' 'checkerboard' Material 'diffuse' 'texture reflectance' 't'\n";
     EXPECT_FALSE(Build(kQuad).scene->NeedsFootprints());
     EXPECT_FALSE(Build(kQuad).scene->HasSubsurface());
     EXPECT_TRUE(Build("Material 'subsurface'\n" + std::string(kQuad)).scene->HasSubsurface());

@@ -87,8 +87,7 @@ TEST(PathWalk, TheFootprintBehindAnInterfaceIsThatWithoutIt) {
 }
 
 TEST(PathWalk, MeetsTheLightOfASurfaceOrOfTheSkyButNotBoth) {
-    const std::string skies =
-        "LightSource 'infinite' 'rgb L' [ 1 1 1 ]\nLightSource 'infinite' 'rgb L' [ 3 3 3 ]\n";
+    const std::string skies = "LightSource 'infinite' 'rgb L' [ 1 1 1 ]\nLightSource 'infinite' 'rgb L' [ 3 3 3 ]\n";
     auto met = [&](const std::string &shapes) {
         const BuiltScene built = World(skies + shapes);
         Walker walker(built);

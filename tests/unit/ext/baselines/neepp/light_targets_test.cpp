@@ -25,8 +25,12 @@ struct Made {
 /// The bounds are [-4, 4]^3, and rendering space is world space.
 Made Make(const std::string &lights, bool grouped = true) {
     Made m;
-    m.built = BuildText(SceneText().Camera("perspective").Film(16, 12).Samples(1).Integrator("path").World(
-        FloorAndCeiling(4, 4, 4).Add(lights)));
+    m.built = BuildText(SceneText()
+                            .Camera("perspective")
+                            .Film(16, 12)
+                            .Samples(1)
+                            .Integrator("path")
+                            .World(FloorAndCeiling(4, 4, 4).Add(lights)));
     m.grid = VoxelGrid(m.built.scene->Bounds(), 8);
     const LightTable &table = m.built.scene->Lights();
     m.targets = LightTargets(*m.built.scene, m.grid, grouped ? table.Wholes() : table.Parts());
@@ -59,8 +63,9 @@ TEST(LightTargets, LightsInOneVoxelShareATarget) {
 TEST(LightTargets, AnAreaLightCoversVoxelsByItsArea) {
     // The light covers x in [-1.5, 0.9] and z in [0.25, 0.75]; voxels have side 1. So they hold 0.5, 1 and 0.9 of its
     // length 2.4.
-    Made m = Make(
-        Objects().Add("AreaLightSource 'diffuse'").Triangles("-1.5 0.5 0.25  0.9 0.5 0.25  0.9 0.5 0.75  -1.5 0.5 0.75"));
+    Made m = Make(Objects()
+                      .Add("AreaLightSource 'diffuse'")
+                      .Triangles("-1.5 0.5 0.25  0.9 0.5 0.25  0.9 0.5 0.75  -1.5 0.5 0.75"));
     ASSERT_EQ(m.built.scene->Lights().Wholes().Size(), 1u);
     std::map<uint32_t, Float> weight;
     Float sum = 0;
@@ -76,7 +81,8 @@ TEST(LightTargets, AnAreaLightCoversVoxelsByItsArea) {
 }
 
 TEST(LightTargets, EveryPointOfALargeLightIsExpected) {
-    Made m = Make(Objects().Add("AreaLightSource 'diffuse'").Sphere(3).Triangles("-4 3.5 -4  4 3.5 -4  4 3.5 4  -4 3.5 4"));
+    Made m =
+        Make(Objects().Add("AreaLightSource 'diffuse'").Sphere(3).Triangles("-4 3.5 -4  4 3.5 -4  4 3.5 4  -4 3.5 4"));
     SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
     Rng rng(2);
     int missed = 0, asked = 0;

@@ -12,16 +12,20 @@ using pbrt::test::BuildText, pbrt::test::FloorAndCeiling, pbrt::test::Objects, p
 
 /// The bounds are [-4, 4]^3, open at the sides; a wall at x = 0 has a gap below y = -2. Rendering space is world space.
 std::string Halves(const std::string &lights) {
-    return SceneText().Camera("perspective").Film(16, 12).Samples(1).Integrator("path").World(
-        FloorAndCeiling(4, 4, 4).Quad("0 -2 -4  0 4 -4  0 -2 4  0 4 4").Add(lights));
+    return SceneText()
+        .Camera("perspective")
+        .Film(16, 12)
+        .Samples(1)
+        .Integrator("path")
+        .World(FloorAndCeiling(4, 4, 4).Quad("0 -2 -4  0 4 -4  0 -2 4  0 4 4").Add(lights));
 }
 const std::string kLights = Objects()
                                 .PointLight("-2.5 2.5 0.5", "1 1 1")
                                 .PointLight("2.5 2.5 0.5", "1000 1000 1000")
                                 .Light("point", "'point3 from' [ 2.5 -3.5 0.5 ]")
                                 .Light("distant", "'point3 from' [ -1 0 0 ] 'point3 to' [ 0 0 0 ]");
-const std::string kSkyImage = "LightSource 'infinite' 'string filename' '" PBRT_SOURCE_DIR
-                              "/tests/conformance/suite/scenes/assets/env_sky.exr'";
+const std::string kSkyImage =
+    "LightSource 'infinite' 'string filename' '" PBRT_SOURCE_DIR "/tests/conformance/suite/scenes/assets/env_sky.exr'";
 
 void PrepareIn(const BuiltScene &built, LightSampler &sampler, int seed = 0) {
     Progress progress;
@@ -118,11 +122,10 @@ TEST(Neepp, ProbabilityIsTheVisibilityWithAFloorWhateverThePower) {
 
 TEST(Neepp, AnAreaLightCountsByTheShareOfItThatIsSeen) {
     // A strip of light crosses the wall; its right third is not seen from the left.
-    BuiltScene built = BuildText(
-        Halves(Objects()
-                   .Add("AreaLightSource 'diffuse'")
-                   .Triangles("-2 3.5 0.1  1 3.5 0.1  1 3.5 0.9  -2 3.5 0.9")
-                   .Triangles("-3.9 3.5 0.1  -3.1 3.5 0.1  -3.1 3.5 0.9  -3.9 3.5 0.9")));
+    BuiltScene built = BuildText(Halves(Objects()
+                                            .Add("AreaLightSource 'diffuse'")
+                                            .Triangles("-2 3.5 0.1  1 3.5 0.1  1 3.5 0.9  -2 3.5 0.9")
+                                            .Triangles("-3.9 3.5 0.1  -3.1 3.5 0.1  -3.1 3.5 0.9  -3.9 3.5 0.9")));
     NeeppLightSampler sampler(built.scene->Lights(), Params(8, 255));
     PrepareIn(built, sampler);
     std::span<const uint8_t> row = sampler.Map().Row(sampler.Map().Grid().Index({-3.5f, -0.5f, 0.5f}));

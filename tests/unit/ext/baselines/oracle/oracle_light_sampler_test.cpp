@@ -119,8 +119,7 @@ TEST(Oracle, ALightBehindAWallKeepsTheFloorOnly) {
 
 TEST(Oracle, HalfHiddenLightIsChosenByTheRootOfTheHalf) {
     // Two equal lamps; seen from the origin, a plate hides the half beyond x = 1 of the second.
-    World world(kFloor + LampAbove(-1, 0, 2, 0.02, 10) + LampAbove(1, 0, 2, 0.02, 10) +
-                PlateAbove(0.5, 0.8, -1, 1, 1));
+    World world(kFloor + LampAbove(-1, 0, 2, 0.02, 10) + LampAbove(1, 0, 2, 0.02, 10) + PlateAbove(0.5, 0.8, -1, 1, 1));
     OracleParams params;
     params.samples = 2048;
     params.floor = 1e-4f;
@@ -236,11 +235,11 @@ class OracleAgainst : public testing::TestWithParam<bool> {};
 
 TEST_P(OracleAgainst, NoOtherSamplerHasALowerSecondMoment) {
     const bool mis = GetParam();
-    std::string text =
-        kFloor + Quad("-5 3 0  5 3 0  -5 3 4  5 3 4", "Material 'conductor' 'float roughness' 0.2") +
-        PlateAbove(-2, 2, -1, 2, 1) + LampAbove(-1, 0, 2, 0.4, 3) + LampAbove(1.5, 1, 1.5, 0.1, 30) +
-        LampAbove(2.5, 0, 0.7, 0.05, 60) + LampAbove(0, 1, 0.5, 0.1, 10) + Point(-3, 0, 1, 1) + Point(0, 0, 3, 2) +
-        "LightSource 'distant' 'point3 from' [ 1 -1 2 ] 'point3 to' [ 0 0 0 ] 'rgb L' [ .3 .3 .3 ]";
+    std::string text = kFloor + Quad("-5 3 0  5 3 0  -5 3 4  5 3 4", "Material 'conductor' 'float roughness' 0.2") +
+                       PlateAbove(-2, 2, -1, 2, 1) + LampAbove(-1, 0, 2, 0.4, 3) + LampAbove(1.5, 1, 1.5, 0.1, 30) +
+                       LampAbove(2.5, 0, 0.7, 0.05, 60) + LampAbove(0, 1, 0.5, 0.1, 10) + Point(-3, 0, 1, 1) +
+                       Point(0, 0, 3, 2) +
+                       "LightSource 'distant' 'point3 from' [ 1 -1 2 ] 'point3 to' [ 0 0 0 ] 'rgb L' [ .3 .3 .3 ]";
     World world(text);
     OracleParams params;
     params.mis = mis;

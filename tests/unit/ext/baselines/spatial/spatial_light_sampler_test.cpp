@@ -15,8 +15,12 @@ using pbrt::test::BuildText, pbrt::test::FloorAndCeiling, pbrt::test::Objects, p
 
 /// The inside of an 8 x 4 x 4 room; the camera stands at the origin, so rendering space is world space.
 std::string Room(const std::string &world) {
-    return SceneText().Camera("perspective").Film(16, 12).Samples(1).Integrator("path").World(
-        FloorAndCeiling(4, 2, 2).Add(world));
+    return SceneText()
+        .Camera("perspective")
+        .Film(16, 12)
+        .Samples(1)
+        .Integrator("path")
+        .World(FloorAndCeiling(4, 2, 2).Add(world));
 }
 const std::string kLights =
     Objects()

@@ -153,9 +153,9 @@ std::string BallUnderLamps(const std::string &film, int samples, const std::stri
                    .Diffuse("0.6 0.4 0.3")
                    .Shape("sphere")
                    .Quad("-4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4")
-                   .Attribute("", Objects()
-                                      .AreaLight("6 5 4", "'bool twosided' true")
-                                      .Triangles("-1 3 -1  1 3 -1  1 3 1  -1 3 1"))
+                   .Attribute(
+                       "",
+                       Objects().AreaLight("6 5 4", "'bool twosided' true").Triangles("-1 3 -1  1 3 -1  1 3 1  -1 3 1"))
                    .Add(lamps));
 }
 

@@ -192,7 +192,7 @@ TEST_F(Mpi, ErrorsAreToldOnce) {
     };
     const std::vector<Case> cases = {{"wrong.pbrt", "spher"},
                                      {"--spp none scene.pbrt", "--spp"},
-                                     {"-", "under mpirun the scene must be in files"},
+                                     {"-", "mpirun"},
                                      {"scene.pbrt --load-lights missing", "missing: there is no such"}};
     for (const Case &c : cases) {
         const Outcome o = Run("--quiet " + c.arguments);

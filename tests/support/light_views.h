@@ -39,15 +39,15 @@ extern const std::string kRealisticCamera;
 constexpr int kViewSize = 16;
 Image RenderView(const View &v, const std::string &integrator, int seed, int samples);
 
-/// Tile means of eight renders each, of the integrator and of the reference; the largest distance, in standard errors,
-/// of any tile and colour, less `allowed` of the mean of the picture.
-double LargestDistance(const View &v, const std::string &integrator, double *noise = nullptr, double allowed = 0);
+/// Expects the mean of the reference: of eight renders each, no tile and colour is 5.5 standard errors away, after
+/// `allowed` of the mean of the picture. The mean standard error must be below `maxNoise`, or nothing could be told.
+void CheckMean(const View &v, const std::string &integrator, double maxNoise, double allowed = 0);
 
 /// Expects the same bits for any number of threads.
 void CheckThreads(const View &v, const std::string &integrator, int samples);
 
 /// Expects the mean of path under each choice of light sampler that the build has, at least two of them, in a
-/// view with a lamp, a point light and a sky; `allowed`: see LargestDistance.
+/// view with a lamp, a point light and a sky; `allowed`: see CheckMean.
 void CheckLightSamplers(View v, const std::string &integrator, const std::vector<std::string> &choices,
                         double allowed = 0);
 

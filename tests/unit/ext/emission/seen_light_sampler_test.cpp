@@ -138,26 +138,18 @@ class Shooting : public testing::TestWithParam<const char *> {};
 TEST_P(Shooting, DoesNotChangeTheMean) {
     using namespace pbrt::test;
     View view;
-    view.objects = R"(
-LightSource "infinite" "rgb L" [ .1 .1 .2 ]
-LightSource "point" "point3 from" [ -.5 -.5 1.5 ] "rgb I" [ .7 .6 .5 ]
-LightSource "point" "point3 from" [ 0 9 1.5 ] "rgb I" [ 70 60 50 ]
-AttributeBegin
-AreaLightSource "diffuse" "rgb L" [ 5 5 4 ]
-Translate .6 -.4 1.7
-Rotate 180 1 0 0
-Shape "disk" "float radius" .25
-AttributeEnd
-)";
+    view.objects = Objects()
+                       .Sky(".1 .1 .2")
+                       .PointLight("-.5 -.5 1.5", ".7 .6 .5")
+                       .PointLight("0 9 1.5", "70 60 50")
+                       .Attribute("Translate .6 -.4 1.7 Rotate 180 1 0 0", Objects().AreaLight("5 5 4").Disk(.25))
+                       // lightpath does not see the sky behind the room, so that is covered here.
+                       .Quad("-9 1.6 -9  9 1.6 -9  -9 1.6 9  9 1.6 9");
     view.samples = 256;
-    view.parameters = "\"string shootingsampler\" \"seen\"";
+    view.parameters = "'string shootingsampler' 'seen'";
     const bool isSppm = std::string(GetParam()) == "sppm";
-    if (isSppm) view.parameters += " \"float radius\" .15 \"integer photonsperiteration\" 3000";
-    // lightpath does not see the sky behind the room, so that is covered here.
-    view.objects += "Shape \"bilinearmesh\" \"point3 P\" [ -9 1.6 -9  9 1.6 -9  -9 1.6 9  9 1.6 9 ]\n";
-    double noise = 0;
-    EXPECT_LT(LargestDistance(view, GetParam(), &noise, isSppm ? 0.015 : 0), 5.5);
-    EXPECT_LT(noise, 0.05);
+    if (isSppm) view.parameters += " 'float radius' .15 'integer photonsperiteration' 3000";
+    CheckMean(view, GetParam(), 0.05, isSppm ? 0.015 : 0);
     CheckThreads(view, GetParam(), 4);
 }
 INSTANTIATE_TEST_SUITE_P(All, Shooting, testing::Values("lightpath", "bdpt", "mlt", "sppm"));

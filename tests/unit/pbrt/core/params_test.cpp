@@ -5,29 +5,16 @@
 #include <cmath>
 
 #include "support/errors.h"
+#include "support/param.h"
 
 namespace pbrt {
 namespace {
 
-Param Floats(const std::string &name, std::vector<Float> values, ParamType type = ParamType::Float) {
-    Param p;
-    p.type = type;
-    p.name = name;
-    p.floats = std::move(values);
-    return p;
-}
-
-Param Ints(const std::string &name, std::vector<int> values) {
-    Param p;
-    p.type = ParamType::Integer;
-    p.name = name;
-    p.ints = std::move(values);
-    return p;
-}
+using test::FloatParam, test::IntParam;
 
 TEST(ParamSet, NameAndTypeMustBothMatch) {
     ParamSet set("Shape \"s\"", {});
-    set.Add(Ints("x", {3}));
+    set.Add(IntParam("x", {3}));
     EXPECT_EQ(set.Find("x", ParamType::Float), nullptr);
     EXPECT_EQ(set.Find("X", ParamType::Integer), nullptr);
     EXPECT_TRUE(set.Has("x"));
@@ -37,11 +24,11 @@ TEST(ParamSet, NameAndTypeMustBothMatch) {
 
 TEST(ParamSet, TheLastOfEqualOnesWinsAndOwnOnesBeatDefaults) {
     ParamSet set;
-    set.Add(Floats("a", {1}));
-    set.Add(Floats("a", {2}));
-    set.AddDefault(Floats("a", {3}));
-    set.AddDefault(Floats("b", {4}));
-    set.AddDefault(Floats("b", {5}));
+    set.Add(FloatParam("a", {1}));
+    set.Add(FloatParam("a", {2}));
+    set.AddDefault(FloatParam("a", {3}));
+    set.AddDefault(FloatParam("b", {4}));
+    set.AddDefault(FloatParam("b", {5}));
     EXPECT_EQ(set.Find("a", ParamType::Float)->floats[0], 2);
     EXPECT_EQ(set.Find("b", ParamType::Float)->floats[0], 5);
     EXPECT_TRUE(set.Find("b", ParamType::Float)->fromAttribute);
@@ -50,7 +37,7 @@ TEST(ParamSet, TheLastOfEqualOnesWinsAndOwnOnesBeatDefaults) {
 TEST(ParamSet, ErrorsNameTheEntityAndThePlace) {
     auto file = std::make_shared<SourceFile>(SourceFile{"f", "text"});
     ParamSet set("Shape \"s\"", {file, 1, 0});
-    Param p = Floats("a", {1});
+    Param p = FloatParam("a", {1});
     p.loc = {file, 2, 5};
     set.Add(p);
     const UserError error = set.Error("a", "is odd.");
@@ -79,7 +66,7 @@ TEST(ParamSet, AtGivesErrorsWithoutAPlaceThatOfTheParameter) {
 TEST(ParamSet, LocOfPointsAtTheParameterElseTheDirective) {
     auto file = std::make_shared<SourceFile>(SourceFile{"f", "text"});
     ParamSet set("x", {file, 1, 0});
-    Param p = Floats("a", {1});
+    Param p = FloatParam("a", {1});
     p.loc = {file, 2, 5};
     set.Add(p);
     EXPECT_EQ(set.LocOf("a").line, 2);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "support/errors.h"
+#include "support/param.h"
 
 namespace pbrt {
 namespace {
@@ -12,25 +13,12 @@ class FilmTest : public ::testing::Test {
   protected:
     FilmTest() : params_("Film \"rgb\"", {}) {}
     void Ints(const std::string &name, std::vector<int> values) {
-        Param p;
-        p.type = ParamType::Integer;
-        p.name = name;
-        p.ints = std::move(values);
-        params_.Add(p);
+        params_.Add(test::IntParam(name, std::move(values)));
     }
     void Floats(const std::string &name, std::vector<Float> values) {
-        Param p;
-        p.name = name;
-        p.floats = std::move(values);
-        params_.Add(p);
+        params_.Add(test::FloatParam(name, std::move(values)));
     }
-    void Text(const std::string &name, const std::string &value) {
-        Param p;
-        p.type = ParamType::String;
-        p.name = name;
-        p.strings = {value};
-        params_.Add(p);
-    }
+    void Text(const std::string &name, const std::string &value) { params_.Add(test::StringParam(name, value)); }
     void Resolution(int x, int y) {
         Ints("xresolution", {x});
         Ints("yresolution", {y});

@@ -19,18 +19,14 @@ class LightPathViews : public testing::TestWithParam<View> {};
 
 TEST_P(LightPathViews, AgreeWithPath) {
     if (!GetParam().isForLightPath) GTEST_SKIP() << "not for light paths";
-    double noise = 1;
     // 48 numbers a view, 19 views: chance goes beyond 5.5 with 14 degrees of freedom in one of some 15 runs of all.
-    EXPECT_LT(LargestDistance(GetParam(), "lightpath", &noise), 5.5);
-    EXPECT_LT(noise, 0.06) << "the test would see nothing";
+    CheckMean(GetParam(), "lightpath", 0.06);
 }
 
 TEST_P(LightPathViews, BidirectionalPathsAgreeWithPath) {
-    double noise = 1;
     View view = GetParam();
     view.samples /= 2;
-    EXPECT_LT(LargestDistance(view, "bdpt", &noise), 5.5);
-    EXPECT_LT(noise, 0.08) << "the test would see nothing";
+    CheckMean(view, "bdpt", 0.08);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, LightPathViews, testing::ValuesIn(ViewsOfAllKinds()),

@@ -13,6 +13,7 @@
 #include "pbrt/shapes/curves.h"
 #include "pbrt/shapes/displacement.h"
 #include "support/errors.h"
+#include "support/param.h"
 
 namespace pbrt {
 namespace {
@@ -21,25 +22,11 @@ class ShapeFactory : public testing::Test {
   protected:
     ShapeFactory() : params("Shape", FileLoc{}) {}
     void Floats(ParamType type, const char *name, std::vector<Float> v) {
-        Param p;
-        p.type = type;
-        p.name = name;
-        p.floats = std::move(v);
-        params.Add(p);
+        params.Add(test::FloatParam(name, std::move(v), type));
     }
-    void Ints(const char *name, std::vector<int> v) {
-        Param p;
-        p.type = ParamType::Integer;
-        p.name = name;
-        p.ints = std::move(v);
-        params.Add(p);
-    }
+    void Ints(const char *name, std::vector<int> v) { params.Add(test::IntParam(name, std::move(v))); }
     void String(const char *name, const std::string &v, ParamType type = ParamType::String) {
-        Param p;
-        p.type = type;
-        p.name = name;
-        p.strings = {v};
-        params.Add(p);
+        params.Add(test::StringParam(name, v, type));
     }
     ShapeList Make(const char *type) { return Make(type, params, sink); }
     static ShapeList Make(const char *type, const ParamSet &p, DiagnosticSink &sink, const FileResolver &files = {},
@@ -215,11 +202,7 @@ TEST_F(ShapeFactory, PlyFilesPlainAndGzipWithTrianglesAndQuads) {
     FileResolver files(folder);
     for (const char *name : {"plain.ply", "named_plain.ply"}) {
         ParamSet p("Shape \"plymesh\"", FileLoc{});
-        Param filename;
-        filename.type = ParamType::String;
-        filename.name = "filename";
-        filename.strings = {name};
-        p.Add(filename);
+        p.Add(test::StringParam("filename", name));
         DiagnosticSink warnings;
         auto shapes = Make("plymesh", p, warnings, files);
         ASSERT_EQ(shapes.size(), 2u);
@@ -252,19 +235,11 @@ TEST_F(ShapeFactory, DisplacementErrorsPointAtTheParameterToBlame) {
                             << "3 0 1 2\n";
         const auto source = std::make_shared<SourceFile>(SourceFile{"scene.pbrt", ""});
         ParamSet p("Shape \"plymesh\"", FileLoc{source, 1, 0});
-        Param filename, edge, height;
-        filename.type = ParamType::String;
-        filename.name = "filename";
-        filename.strings = {file};
-        edge.type = ParamType::Float;
-        edge.name = "edgelength";
-        edge.floats = {1e-6f};
+        Param edge = test::FloatParam("edgelength", {1e-6f}),
+              height = test::StringParam("displacement", "bumps", ParamType::Texture);
         edge.loc = {source, 2, 0};
-        height.type = ParamType::Texture;
-        height.name = "displacement";
-        height.strings = {"bumps"};
         height.loc = {source, 3, 0};
-        for (const Param &param : {filename, edge, height}) p.Add(param);
+        for (const Param &param : {test::StringParam("filename", file), edge, height}) p.Add(param);
         const Displacement flat{[](auto &...) { return Float(0); }, 1};
         return test::ErrorOf([&] { Make("plymesh", p, sink, {}, {}, &flat); }).loc.line;
     };
@@ -278,11 +253,7 @@ TEST_F(ShapeFactory, ConformanceMeshesAreRead) {
     if (!std::filesystem::exists(assets)) GTEST_SKIP() << "the conformance suite is not beside the repository";
     for (const char *name : {"vase_ascii.ply", "shell_binary.ply", "saddle_quads.ply", "wave_mixed.ply.gz"}) {
         ParamSet p("Shape \"plymesh\"", FileLoc{});
-        Param filename;
-        filename.type = ParamType::String;
-        filename.name = "filename";
-        filename.strings = {name};
-        p.Add(filename);
+        p.Add(test::StringParam("filename", name));
         auto shapes = Make("plymesh", p, sink, FileResolver(assets));
         EXPECT_EQ(shapes.size(), std::string(name) == "wave_mixed.ply.gz" ? 2u : 1u) << name;
     }

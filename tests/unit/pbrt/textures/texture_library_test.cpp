@@ -81,7 +81,7 @@ TEST(TextureLibrary, OperandsMustComeEarlier) {
     ASSERT_EQ(b.Errors(), 2u);
     EXPECT_EQ(b.sink.All()[0].loc.line, 11);
     EXPECT_EQ(b.sink.All()[1].loc.line, 31);
-    ExpectWords(b.sink.All()[0].message, {"spectrum texture \"b\""});
+    test::ExpectWords(b.sink.All()[0].message, {"spectrum texture \"b\""});
 }
 
 TEST(TextureLibrary, ImageMapsMayComeLater) {

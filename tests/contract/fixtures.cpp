@@ -33,8 +33,7 @@ class Builder {
     }
     void AddSpot(const Point3 &from, const Point3 &to, Float angle, Float delta, Float intensity) {
         AddLight("spot", {FloatParam("from", {from.x, from.y, from.z}, ParamType::Point3),
-                          FloatParam("to", {to.x, to.y, to.z}, ParamType::Point3),
-                          FloatParam("coneangle", {angle}),
+                          FloatParam("to", {to.x, to.y, to.z}, ParamType::Point3), FloatParam("coneangle", {angle}),
                           FloatParam("conedeltaangle", {delta}), Scale(intensity)});
     }
     void AddSky(Float radiance) { AddLight("infinite", {Scale(radiance)}); }

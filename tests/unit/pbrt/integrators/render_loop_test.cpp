@@ -16,6 +16,7 @@
 #include "pbrt/integrators/pass_parts.h"
 #include "pbrt/integrators/sample_plan.h"
 #include "pbrt/math/transform.h"
+#include "support/errors.h"
 #include "support/param.h"
 #include "support/ranks_on_threads.h"
 #include "support/small_files.h"
@@ -185,7 +186,8 @@ class Sleeper final : public Integrator {
 
 TEST_F(RenderLoop, TheMeasurementStopsInTheMiddleOfALongSample) {
     DiagnosticSink sink;
-    const std::unique_ptr<Film> film = MakeFilm("rgb", Resolution(32), FilmContext{.outputSpace = ColorSpace::SRGB()}, sink);
+    const std::unique_ptr<Film> film =
+        MakeFilm("rgb", Resolution(32), FilmContext{.outputSpace = ColorSpace::SRGB()}, sink);
     Sleeper sleeper;
     const auto start = std::chrono::steady_clock::now();
     const double measured = MeasureSecondsPerSample(sleeper, *camera_, *filter_, *film, sampler_, settings_, 1);
@@ -378,7 +380,7 @@ TEST_F(RenderLoop, AFullDiskCostsTheErrorsButNotTheRender) {
     std::signal(SIGXFSZ, before);
     EXPECT_EQ(result.samplesTaken, 4);
     EXPECT_TRUE(result.mse);
-    EXPECT_NE(result.mseFailure.find("errors.txt: cannot be written"), std::string::npos) << result.mseFailure;
+    ExpectWords(result.mseFailure, {"errors.txt: cannot be written"});
 }
 
 TEST_F(RenderLoop, AReferenceMustCoverTheFilm) {

@@ -3,6 +3,7 @@
 
 #include "ext/baselines/neepp/neepp_light_sampler.h"
 #include "support/build_text.h"
+#include "support/errors.h"
 #include "support/scene_text.h"
 
 namespace {
@@ -173,7 +174,7 @@ TEST(Neepp, ReportAndInspectSayWhatIsStored) {
     ASSERT_EQ(values.size(), 3u);
     EXPECT_EQ(values[1].value, 2);
     EXPECT_NEAR(values[2].value, 0.5, 1e-6);
-    EXPECT_NE(sampler.DescribeStructure().find("8 x 8 x 8 voxels"), std::string::npos);
+    test::ExpectWords(sampler.DescribeStructure(), {"8 x 8 x 8 voxels"});
 }
 
 }  // namespace

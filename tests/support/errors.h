@@ -43,13 +43,15 @@ inline void ExpectWords(const std::string &text, const std::vector<std::string> 
     for (const std::string &word : words) EXPECT_NE(text.find(word), std::string::npos) << word << ": " << text;
 }
 
-/// Expects that `act` throws one error, whose message has all words: names, values or valid choices.
+/// Expects that `act` throws an error whose message has all words: names, values or valid choices.
 template <class Act>
 void ExpectError(const Act &act, const std::vector<std::string> &words) {
-    ExpectWords(OnlyErrorOf(act).message, words);
+    const std::string message = MessageOf(act);
+    EXPECT_NE(message, "") << "nothing was thrown";
+    ExpectWords(message, words);
 }
 
-/// The same, at this line of the input.
+/// The same of the only error, at this line of the input.
 template <class Act>
 void ExpectErrorAt(const Act &act, int line, const std::vector<std::string> &words) {
     const Diagnostic error = OnlyErrorOf(act);

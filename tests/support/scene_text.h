@@ -11,13 +11,17 @@ inline std::string Quoted(std::string text) {
     std::replace(text.begin(), text.end(), '\'', '"');
     return text;
 }
+/// The same as whole lines; nothing if the text is empty.
+inline std::string QuotedLines(const std::string &text) {
+    return text.empty() || text.back() == '\n' ? Quoted(text) : Quoted(text) + "\n";
+}
 
 /// Directives of the world, in the order of the calls. Points and colours are numbers without brackets.
 class Objects {
   public:
     /// Any directives.
     Objects &Add(const std::string &text) {
-        text_ += Quoted(text) + "\n";
+        text_ += QuotedLines(text);
         return *this;
     }
     Objects &Light(const std::string &type, const std::string &parameters = "") {
@@ -79,7 +83,7 @@ class SceneText {
   public:
     /// Any directives, such as options, media and transformations.
     SceneText &Head(const std::string &text) {
-        text_ += Quoted(text) + "\n";
+        text_ += QuotedLines(text);
         return *this;
     }
     SceneText &LookAt(const std::string &eyeTargetUp) { return Head("LookAt " + eyeTargetUp); }

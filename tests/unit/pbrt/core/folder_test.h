@@ -4,7 +4,6 @@
 
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <iterator>
 #include <string>
 
@@ -35,7 +34,5 @@ class FolderTest : public ::testing::Test {
     }
     std::filesystem::path folder_;
 };
-
-inline bool Contains(const std::string &text, const std::string &part) { return text.find(part) != std::string::npos; }
 
 }  // namespace pbrt::test

@@ -5,18 +5,11 @@
 #include "pbrt/math/warps.h"
 #include "pbrt/shapes/shape_factory.h"
 #include "pbrt/shapes/triangle_mesh.h"
+#include "support/param.h"
 
 namespace pbrt::test {
 
 namespace {
-
-Param MakeParam(ParamType type, const std::string &name, std::vector<Float> values) {
-    Param p;
-    p.type = type;
-    p.name = name;
-    p.floats = std::move(values);
-    return p;
-}
 
 /// Collects lights; all lengths are in units of `scale`.
 class Builder {
@@ -31,34 +24,29 @@ class Builder {
         fixture_->owned->Add(Lights().Make(type, set, Context()));
     }
     void AddPoint(const Point3 &p, Float intensity) {
-        AddLight("point", {MakeParam(ParamType::Point3, "from", {p.x, p.y, p.z}), Scale(intensity)});
+        AddLight("point", {FloatParam("from", {p.x, p.y, p.z}, ParamType::Point3), Scale(intensity)});
     }
     /// A point light of a line of 4 nm.
     void AddLine(const Point3 &p, Float nm, Float intensity) {
-        AddLight("point", {MakeParam(ParamType::Point3, "from", {p.x, p.y, p.z}),
-                           MakeParam(ParamType::Spectrum, "I", {nm - 2, 0, nm, 1, nm + 2, 0}), Scale(intensity)});
+        AddLight("point", {FloatParam("from", {p.x, p.y, p.z}, ParamType::Point3),
+                           FloatParam("I", {nm - 2, 0, nm, 1, nm + 2, 0}, ParamType::Spectrum), Scale(intensity)});
     }
     void AddSpot(const Point3 &from, const Point3 &to, Float angle, Float delta, Float intensity) {
-        AddLight("spot", {MakeParam(ParamType::Point3, "from", {from.x, from.y, from.z}),
-                          MakeParam(ParamType::Point3, "to", {to.x, to.y, to.z}),
-                          MakeParam(ParamType::Float, "coneangle", {angle}),
-                          MakeParam(ParamType::Float, "conedeltaangle", {delta}), Scale(intensity)});
+        AddLight("spot", {FloatParam("from", {from.x, from.y, from.z}, ParamType::Point3),
+                          FloatParam("to", {to.x, to.y, to.z}, ParamType::Point3), FloatParam("coneangle", {angle}),
+                          FloatParam("conedeltaangle", {delta}), Scale(intensity)});
     }
     void AddSky(Float radiance) { AddLight("infinite", {Scale(radiance)}); }
     void AddSun(const Vector3 &to, Float irradiance) {
-        AddLight("distant", {MakeParam(ParamType::Point3, "to", {to.x, to.y, to.z}), Scale(irradiance)});
+        AddLight("distant", {FloatParam("to", {to.x, to.y, to.z}, ParamType::Point3), Scale(irradiance)});
     }
     void AddImage(const std::string &type, const std::string &asset, std::vector<Param> params) {
-        Param file;
-        file.type = ParamType::String;
-        file.name = "filename";
-        file.strings = {PBRT_SOURCE_DIR "/tests/conformance/suite/scenes/assets/" + asset};
-        params.push_back(std::move(file));
+        params.push_back(StringParam("filename", PBRT_SOURCE_DIR "/tests/conformance/suite/scenes/assets/" + asset));
         AddLight(type, std::move(params));
     }
     void AddGoniometric(Float intensity) { AddImage("goniometric", "gonio_lobes.png", {Scale(intensity)}); }
     void AddProjection(Float fov, Float intensity) {
-        AddImage("projection", "slide.png", {Scale(intensity), MakeParam(ParamType::Float, "fov", {fov})});
+        AddImage("projection", "slide.png", {Scale(intensity), FloatParam("fov", {fov})});
     }
     void AddImageSky(Float radiance) { AddImage("infinite", "env_sky.exr", {Scale(radiance)}); }
     /// The sky through the rectangle p, p + a, p + a + b, p + b; it shines against cross(b, a).
@@ -66,7 +54,7 @@ class Builder {
         std::vector<Float> v;
         for (Point3 q : {p, p + a, p + a + b, p + b})
             for (int i = 0; i < 3; ++i) v.push_back(q[i] * scale_);
-        AddImage("infinite", "env_sky.exr", {Scale(radiance), MakeParam(ParamType::Point3, "portal", std::move(v))});
+        AddImage("infinite", "env_sky.exr", {Scale(radiance), FloatParam("portal", std::move(v), ParamType::Point3)});
     }
     void AddMesh(MeshData mesh, bool twoSided, Float radiance) {
         AddShape(std::make_unique<TriangleMesh>(std::move(mesh), ctm_, false), twoSided, radiance);
@@ -112,15 +100,11 @@ class Builder {
 
   private:
     LightContext Context() { return {ctm_, ctm_, ColorSpace::SRGB(), files_, sink_}; }
-    static Param Scale(Float v) { return MakeParam(ParamType::Float, "scale", {v}); }
+    static Param Scale(Float v) { return FloatParam("scale", {v}); }
     void AddShape(std::unique_ptr<Shape> shape, bool twoSided, Float radiance) {
         ParamSet set("AreaLightSource \"diffuse\"", {});
         set.Add(Scale(radiance));
-        Param sides;
-        sides.type = ParamType::Bool;
-        sides.name = "twosided";
-        sides.bools = {static_cast<uint8_t>(twoSided)};
-        set.Add(std::move(sides));
+        set.Add(BoolParam("twosided", twoSided));
         const AreaLightMaker maker = AreaLights().Make("diffuse", set, Context());
         const Shape *const shapes[] = {shape.get()};
         fixture_->owned->Add(maker.Make(shapes, nullptr));

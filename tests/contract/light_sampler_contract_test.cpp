@@ -143,6 +143,15 @@ std::vector<std::string> FixtureNames() {
     return names;
 }
 
+#ifdef PBRT_CONTRACT_FIXTURES
+/// The build runs this program once for each fixture of the list, which must name all of them.
+TEST(LightSamplerContractProgram, RunsForEveryFixture) {
+    std::string names;
+    for (const std::string &name : FixtureNames()) names += (names.empty() ? "" : " ") + name;
+    EXPECT_EQ(names, PBRT_CONTRACT_FIXTURES);
+}
+#endif
+
 INSTANTIATE_TEST_SUITE_P(All, LightSamplerContract,
                          testing::Combine(testing::ValuesIn(Registry().samplers.Names()),
                                           testing::ValuesIn(FixtureNames())),

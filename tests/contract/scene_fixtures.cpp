@@ -9,52 +9,46 @@
 #include "pbrt/math/rng.h"
 #include "pbrt/math/warps.h"
 #include "pbrt/transport/light_query.h"
+#include "support/scene_text.h"
 
 namespace pbrt::test {
 
 namespace {
 
+constexpr const char *kAssets = PBRT_SOURCE_DIR "/tests/conformance/suite/scenes/assets";
+
 /// Collects a scene's text; all lengths are in units of `scale`.
 class Text {
   public:
-    explicit Text(double scale = 1) : scale_(scale) {
-        text_ = fmt::format(R"(LookAt 0 {0} {1}  0 {2} 0  0 1 0
-Camera "perspective" "float fov" 55
-Film "rgb" "integer xresolution" 48 "integer yresolution" 36
-Sampler "independent" "integer pixelsamples" 4
-Integrator "path"
-WorldBegin
-Scale {3} {3} {3}
-)",
-                            1.3 * scale, -4.5 * scale, 1.0 * scale, scale);
-    }
+    explicit Text(double scale = 1) : scale_(scale) {}
 
     Text &Add(const std::string &line) {
-        text_ += line + "\n";
+        world_.Add(line);
+        return *this;
+    }
+    /// In an attribute block, after the directives `before`.
+    Text &Place(const std::string &before, const Objects &objects) {
+        world_.Attribute(before, objects);
         return *this;
     }
     Text &Quad(const Point3 &p, const Vector3 &a, const Vector3 &b, const std::string &before = "") {
-        Point3 q = p + a, r = p + b, s = p + a + b;
-        return Add(
-            fmt::format("AttributeBegin\n{}\nShape \"bilinearmesh\" \"point3 P\" [ {} {} {}  {} {} {}  {} {} {}  {} {} "
-                        "{} ]\nAttributeEnd",
-                        before, p.x, p.y, p.z, q.x, q.y, q.z, r.x, r.y, r.z, s.x, s.y, s.z));
+        const Point3 q = p + a, r = p + b, s = p + a + b;
+        return Place(before, Objects().Quad(fmt::format("{} {} {}  {} {} {}  {} {} {}  {} {} {}", p.x, p.y, p.z, q.x,
+                                                        q.y, q.z, r.x, r.y, r.z, s.x, s.y, s.z)));
     }
     /// Two rooms side by side, open to the camera, a door between them.
     Text &Rooms() {
-        Add("Material \"diffuse\" \"rgb reflectance\" [ 0.6 0.5 0.4 ]");
+        Add("Material 'diffuse' 'rgb reflectance' [ 0.6 0.5 0.4 ]");
         Quad({-3, 0, -3}, {6, 0, 0}, {0, 0, 6}).Quad({-3, 2.5f, -3}, {6, 0, 0}, {0, 0, 6});
         Quad({-3, 0, 3}, {6, 0, 0}, {0, 2.5f, 0});
         Quad({-3, 0, -3}, {0, 0, 6}, {0, 2.5f, 0}).Quad({3, 0, -3}, {0, 0, 6}, {0, 2.5f, 0});
         Quad({0, 0, -2}, {0, 0, 2.5f}, {0, 2.5f, 0}).Quad({0, 0, 1}, {0, 0, 2}, {0, 2.5f, 0});
         Sphere({-1.2f, 0.5f, 0.5f}, 0.5f);
-        return Add(
-            "AttributeBegin\nMaterial \"dielectric\" \"float roughness\" 0.3\n"
-            "Translate 1.2 0.4 0.3\nShape \"sphere\" \"float radius\" 0.4\nAttributeEnd");
+        return Sphere({1.2f, 0.4f, 0.3f}, 0.4f, "Material 'dielectric' 'float roughness' 0.3");
     }
     /// A room that is closed but for two windows in its back; the camera is inside.
     Text &ClosedRoom() {
-        Add("Material \"diffuse\" \"rgb reflectance\" [ 0.6 0.5 0.4 ]");
+        Add("Material 'diffuse' 'rgb reflectance' [ 0.6 0.5 0.4 ]");
         Quad({-3, 0, -5}, {6, 0, 0}, {0, 0, 8}).Quad({-3, 2.5f, -5}, {6, 0, 0}, {0, 0, 8});
         Quad({-3, 0, -5}, {6, 0, 0}, {0, 2.5f, 0});
         Quad({-3, 0, -5}, {0, 0, 8}, {0, 2.5f, 0}).Quad({3, 0, -5}, {0, 0, 8}, {0, 2.5f, 0});
@@ -63,53 +57,45 @@ Scale {3} {3} {3}
         Quad({-3, 0.8f, 3}, {1.4f, 0, 0}, {0, 1.2f, 0}).Quad({-0.4f, 0.8f, 3}, {0.8f, 0, 0}, {0, 1.2f, 0});
         Quad({1.6f, 0.8f, 3}, {1.4f, 0, 0}, {0, 1.2f, 0});
         Sphere({-1.2f, 0.5f, 0.5f}, 0.5f);
-        return Add(
-            "AttributeBegin\nMaterial \"coateddiffuse\" \"float roughness\" 0.1\n"
-            "Translate 1.2 0.4 0.3\nShape \"sphere\" \"float radius\" 0.4\nAttributeEnd");
+        return Sphere({1.2f, 0.4f, 0.3f}, 0.4f, "Material 'coateddiffuse' 'float roughness' 0.1");
     }
     Text &Sphere(const Point3 &p, Float radius, const std::string &before = "") {
-        return Add(
-            fmt::format("AttributeBegin\n{}\nTranslate {} {} {}\nShape \"sphere\" \"float radius\" {}\nAttributeEnd",
-                        before, p.x, p.y, p.z, radius));
+        return Place(fmt::format("{}\nTranslate {} {} {}", before, p.x, p.y, p.z),
+                     Objects().Shape("sphere", fmt::format("'float radius' {}", radius)));
     }
     /// Intensities grow with the square of lengths, so that a scaled scene looks the same.
     Text &PointLight(const Point3 &p, double intensity) {
-        return Add(fmt::format("LightSource \"point\" \"point3 from\" [ {} {} {} ] \"rgb I\" [ {} {} {} ]", p.x, p.y,
-                               p.z, intensity * scale_ * scale_, 0.8 * intensity * scale_ * scale_,
+        return Add(fmt::format("LightSource 'point' 'point3 from' [ {} {} {} ] 'rgb I' [ {} {} {} ]", p.x, p.y, p.z,
+                               intensity * scale_ * scale_, 0.8 * intensity * scale_ * scale_,
                                0.5 * intensity * scale_ * scale_));
     }
     Text &SpotLight(const Point3 &p, const Point3 &to, double cone, double intensity) {
-        return Add(fmt::format(
-            "LightSource \"spot\" \"point3 from\" [ {} {} {} ] \"point3 to\" [ {} {} {} ] \"float coneangle\" {} "
-            "\"float conedeltaangle\" {} \"rgb I\" [ {} {} {} ]",
-            p.x, p.y, p.z, to.x, to.y, to.z, cone, cone / 4, intensity * scale_ * scale_, intensity * scale_ * scale_,
-            0.6 * intensity * scale_ * scale_));
+        return Add(
+            fmt::format("LightSource 'spot' 'point3 from' [ {} {} {} ] 'point3 to' [ {} {} {} ] 'float coneangle' {} "
+                        "'float conedeltaangle' {} 'rgb I' [ {} {} {} ]",
+                        p.x, p.y, p.z, to.x, to.y, to.z, cone, cone / 4, intensity * scale_ * scale_,
+                        intensity * scale_ * scale_, 0.6 * intensity * scale_ * scale_));
     }
-    Text &Sky(double radiance) {
-        return Add(fmt::format("LightSource \"infinite\" \"rgb L\" [ {0} {0} {0} ]", radiance));
-    }
+    Text &Sky(double radiance) { return Add(fmt::format("LightSource 'infinite' 'rgb L' [ {0} {0} {0} ]", radiance)); }
     Text &Sun(const Vector3 &from, double irradiance) {
-        return Add(fmt::format(
-            "LightSource \"distant\" \"point3 from\" [ {} {} {} ] \"point3 to\" [ 0 0 0 ] \"rgb L\" [ {} {} 0 ]",
-            from.x, from.y, from.z, irradiance, irradiance));
+        return Add(
+            fmt::format("LightSource 'distant' 'point3 from' [ {} {} {} ] 'point3 to' [ 0 0 0 ] 'rgb L' [ {} {} 0 ]",
+                        from.x, from.y, from.z, irradiance, irradiance));
     }
     /// A light with an image, at a place; the statements `before` rotate it.
     Text &ImageLight(const std::string &type, const std::string &asset, const Point3 &p, const std::string &before,
                      double scale) {
-        return Add(fmt::format(
-            "AttributeBegin\nTranslate {} {} {}\n{}\nLightSource \"{}\" \"string filename\" \"{}/{}\" \"float scale\" "
-            "{}\n"
-            "AttributeEnd",
-            p.x, p.y, p.z, before, type, PBRT_SOURCE_DIR "/tests/conformance/suite/scenes/assets", asset, scale));
+        return Place(
+            fmt::format("Translate {} {} {}\n{}", p.x, p.y, p.z, before),
+            Objects().Light(type, fmt::format("'string filename' '{}/{}' 'float scale' {}", kAssets, asset, scale)));
     }
     /// The sky through the rectangle p, p + a, p + a + b, p + b; it shines against cross(b, a). Given in world space.
     Text &Portal(const Point3 &p, const Vector3 &a, const Vector3 &b, double radiance) {
         Point3 q = p + a, r = q + b, s = p + b;
         return Add(
-            fmt::format("LightSource \"infinite\" \"string filename\" \"{}/env_sky.exr\" \"float scale\" {} "
-                        "\"point3 portal\" [ {} {} {}  {} {} {}  {} {} {}  {} {} {} ]",
-                        PBRT_SOURCE_DIR "/tests/conformance/suite/scenes/assets", radiance, p.x, p.y, p.z, q.x, q.y,
-                        q.z, r.x, r.y, r.z, s.x, s.y, s.z));
+            fmt::format("LightSource 'infinite' 'string filename' '{}/env_sky.exr' 'float scale' {} "
+                        "'point3 portal' [ {} {} {}  {} {} {}  {} {} {}  {} {} {} ]",
+                        kAssets, radiance, p.x, p.y, p.z, q.x, q.y, q.z, r.x, r.y, r.z, s.x, s.y, s.z));
     }
     /// A bulb of 2 * rings * segments triangles.
     Text &Bulb(const Point3 &center, double radius, int rings, int segments, double radiance) {
@@ -127,19 +113,24 @@ Scale {3} {3} {3}
                 int a = i * segments + j, b = a + segments, c = i * segments + (j + 1) % segments, d = c + segments;
                 indices += fmt::format("{} {} {} {} {} {} ", a, b, c, b, d, c);
             }
-        return Add(fmt::format(
-            "AttributeBegin\n{}\nShape \"trianglemesh\" \"point3 P\" [ {} ] \"integer indices\" [ {} ]\nAttributeEnd",
-            Area(radiance), points, indices));
+        return Place(Area(radiance), Objects().Triangles(points, indices));
     }
     static std::string Area(double radiance, bool twoSided = false) {
-        return fmt::format("AreaLightSource \"diffuse\" \"rgb L\" [ {0} {0} {0} ] \"bool twosided\" {1}", radiance,
-                           twoSided);
+        return fmt::format("AreaLightSource 'diffuse' 'rgb L' [ {0} {0} {0} ] 'bool twosided' {1}", radiance, twoSided);
     }
 
-    std::string Finish() const { return text_; }
+    std::string Finish() const {
+        return SceneText()
+            .LookAt(fmt::format("0 {} {}  0 {} 0  0 1 0", 1.3 * scale_, -4.5 * scale_, 1.0 * scale_))
+            .Camera(55)
+            .Film(48, 36)
+            .Samples(4)
+            .Integrator("path")
+            .World(fmt::format("Scale {0} {0} {0}\n", scale_) + std::string(world_));
+    }
 
   private:
-    std::string text_;
+    Objects world_;
     double scale_;
 };
 
@@ -165,16 +156,16 @@ std::string Mixed(double scale) {
 /// Lamps that emit in a few nanometres beside one of all wavelengths, on all kinds of lights.
 std::string NarrowBands() {
     const auto line = [](const char *name, int nm, double scale) {
-        return fmt::format("\"spectrum {}\" [ {} 0 {} 1 {} 0 ] \"float scale\" {}", name, nm - 2, nm, nm + 2, scale);
+        return fmt::format("'spectrum {}' [ {} 0 {} 1 {} 0 ] 'float scale' {}", name, nm - 2, nm, nm + 2, scale);
     };
     Text t;
     t.Rooms().PointLight({-1, 2, 1}, 1);
-    t.Add("LightSource \"point\" \"point3 from\" [ 1 2 1 ] " + line("I", 589, 1));
-    t.Add("LightSource \"spot\" \"point3 from\" [ -2 2 -1 ] \"point3 to\" [ -2 0 0 ] " + line("I", 520, 2));
-    t.Add("LightSource \"distant\" \"point3 from\" [ 1 2 -4 ] " + line("L", 650, 0.5));
-    t.Quad({1, 2.4f, 1}, {1, 0, 0}, {0, 0, 1}, "AreaLightSource \"diffuse\" " + line("L", 450, 2));
-    t.Sphere({-2, 1.5f, 1}, 0.1f, "AreaLightSource \"diffuse\" " + line("L", 700, 3));
-    t.Quad({-2.9f, 1, 0}, {0, 0.2f, 0}, {0, 0, 0.2f}, "AreaLightSource \"diffuse\" " + line("L", 405, 3));
+    t.Add("LightSource 'point' 'point3 from' [ 1 2 1 ] " + line("I", 589, 1));
+    t.Add("LightSource 'spot' 'point3 from' [ -2 2 -1 ] 'point3 to' [ -2 0 0 ] " + line("I", 520, 2));
+    t.Add("LightSource 'distant' 'point3 from' [ 1 2 -4 ] " + line("L", 650, 0.5));
+    t.Quad({1, 2.4f, 1}, {1, 0, 0}, {0, 0, 1}, "AreaLightSource 'diffuse' " + line("L", 450, 2));
+    t.Sphere({-2, 1.5f, 1}, 0.1f, "AreaLightSource 'diffuse' " + line("L", 700, 3));
+    t.Quad({-2.9f, 1, 0}, {0, 0.2f, 0}, {0, 0, 0.2f}, "AreaLightSource 'diffuse' " + line("L", 405, 3));
     return t.Finish();
 }
 
@@ -209,7 +200,7 @@ const std::vector<Recipe> &Recipes() {
              return Text()
                  .ClosedRoom()
                  .ImageLight("infinite", "env_sky.exr", {0, 0, 0}, "Rotate 50 1 2 0", 1)
-                 .Quad({-1.6f, 0.8f, 3}, {1.2f, 0, 0}, {0, 1.2f, 0}, "Material \"dielectric\"")
+                 .Quad({-1.6f, 0.8f, 3}, {1.2f, 0, 0}, {0, 1.2f, 0}, "Material 'dielectric'")
                  .PointLight({0, 2, 0}, 0.1)
                  .Finish();
          }},
@@ -218,7 +209,7 @@ const std::vector<Recipe> &Recipes() {
              return Text()
                  .ClosedRoom()
                  .Quad({0.4f, 0.8f, 3}, {1.2f, 0, 0}, {0, 1.2f, 0},
-                       "Material \"diffusetransmission\" \"rgb transmittance\" [ .4 .4 .4 ]")
+                       "Material 'diffusetransmission' 'rgb transmittance' [ .4 .4 .4 ]")
                  .ImageLight("infinite", "env_sky.exr", {0, 0, 0}, "Scale -1 1 1\nRotate 80 0 1 1", 2)
                  .PointLight({0, 2, 0}, 0.1)
                  .Finish();
@@ -251,23 +242,22 @@ const std::vector<Recipe> &Recipes() {
          [] {
              // Emission and alpha that vary over the surface, lights that rays do not see, and every shape that emits.
              const std::string assets = PBRT_SOURCE_DIR "/tests/conformance/suite/scenes/assets";
-             const std::string file = fmt::format("\"{}/panel.png\"", assets);
-             const std::string image = "AreaLightSource \"diffuse\" \"float scale\" 3 \"string filename\" " + file;
+             const std::string file = fmt::format("'{}/panel.png'", assets);
+             const std::string image = "AreaLightSource 'diffuse' 'float scale' 3 'string filename' " + file;
              const Vector3 right(0.8f, 0, 0), back(0, 0, 0.8f);
              return Text()
                  .Rooms()
-                 .Add("Texture \"holes\" \"float\" \"checkerboard\" \"float uscale\" 3 \"float vscale\" 3")
+                 .Add("Texture 'holes' 'float' 'checkerboard' 'float uscale' 3 'float vscale' 3")
                  .Quad({-2.5f, 2.4f, 1}, right, back, image)
-                 .Quad({-2.5f, 2.4f, -1}, right, back,
-                       image + "\nAttribute \"shape\" \"string emissionfilename\" " + file)
-                 .Quad({1, 2.4f, 1}, right, back, Text::Area(2) + "\nAttribute \"shape\" \"texture alpha\" \"holes\"")
-                 .Quad({1, 2, -1}, right, back, Text::Area(2) + "\nAttribute \"shape\" \"float alpha\" 0")
-                 .Sphere({-0.5f, 1.8f, -1}, 0.2f, Text::Area(3) + "\nAttribute \"shape\" \"float alpha\" 0")
-                 .Sphere({2.5f, 1.8f, 2}, 0.2f, Text::Area(3) + "\nAttribute \"shape\" \"float zmax\" 0.05")
+                 .Quad({-2.5f, 2.4f, -1}, right, back, image + "\nAttribute 'shape' 'string emissionfilename' " + file)
+                 .Quad({1, 2.4f, 1}, right, back, Text::Area(2) + "\nAttribute 'shape' 'texture alpha' 'holes'")
+                 .Quad({1, 2, -1}, right, back, Text::Area(2) + "\nAttribute 'shape' 'float alpha' 0")
+                 .Sphere({-0.5f, 1.8f, -1}, 0.2f, Text::Area(3) + "\nAttribute 'shape' 'float alpha' 0")
+                 .Sphere({2.5f, 1.8f, 2}, 0.2f, Text::Area(3) + "\nAttribute 'shape' 'float zmax' 0.05")
                  .Add("AttributeBegin\n" + Text::Area(2) +
-                      "\nTranslate -2 1 2\nRotate 70 1 1 0\nShape \"cylinder\" \"float radius\" 0.1\nAttributeEnd")
+                      "\nTranslate -2 1 2\nRotate 70 1 1 0\nShape 'cylinder' 'float radius' 0.1\nAttributeEnd")
                  .Add("AttributeBegin\n" + Text::Area(2, true) +
-                      "\nTranslate 0.6 1.2 2\nRotate 50 1 1 0\nShape \"disk\" \"float radius\" 0.3\nAttributeEnd")
+                      "\nTranslate 0.6 1.2 2\nRotate 50 1 1 0\nShape 'disk' 'float radius' 0.3\nAttributeEnd")
                  .Finish();
          }},
         {"MeshOf10000",

@@ -13,6 +13,7 @@
 #include "fuzz/byte_mutators.h"
 #include "fuzz/program.h"
 #include "pbrt/core/state_io.h"
+#include "support/scene_text.h"
 
 namespace pbrt::fuzz {
 
@@ -162,18 +163,22 @@ bool ChangeSection(std::string &bytes, const std::vector<Structure> &structures,
 
 /// A room with a window, of 12 x 8 pixels.
 std::string Room(const std::string &integrator, const std::string &lights) {
-    return "LookAt 0 1.2 -2.8  0 .8 0  0 1 0\nCamera \"perspective\" \"float fov\" 60\n"
-           "Film \"rgb\" \"integer xresolution\" 12 \"integer yresolution\" 8\n"
-           "Sampler \"independent\" \"integer pixelsamples\" 16\nIntegrator \"" +
-           integrator + "\" \"integer maxdepth\" 3\nWorldBegin\n" + lights +
-           "Material \"diffuse\"\n"
-           "Shape \"bilinearmesh\" \"point3 P\" [ -3 2 -3  3 2 -3  -3 2 3  3 2 3 ]\n"
-           "Shape \"bilinearmesh\" \"point3 P\" [ -3 0 -3  3 0 -3  -3 0 3  3 0 3 ]\n"
-           "Shape \"bilinearmesh\" \"point3 P\" [ -3 0 3  3 0 3  -3 2 3  3 2 3 ]\n"
-           "Shape \"bilinearmesh\" \"point3 P\" [ 3 0 -3  3 0 3  3 2 -3  3 2 3 ]\n"
-           "Shape \"bilinearmesh\" \"point3 P\" [ -3 0 -3  3 0 -3  -3 2 -3  3 2 -3 ]\n"
-           "Shape \"bilinearmesh\" \"point3 P\" [ -3 0 -3  -3 0 3  -3 .8 -3  -3 .8 3 ]\n"
-           "Shape \"bilinearmesh\" \"point3 P\" [ -3 1.6 -3  -3 1.6 3  -3 2 -3  -3 2 3 ]\n";
+    return test::SceneText()
+        .LookAt("0 1.2 -2.8  0 .8 0  0 1 0")
+        .Camera(60)
+        .Film(12, 8)
+        .Samples(16)
+        .Integrator(integrator, 3)
+        .World(test::Objects()
+                   .Add(lights)
+                   .Material("diffuse")
+                   .Quad(test::room::kCeiling)
+                   .Quad(test::room::kFloor)
+                   .Quad(test::room::kBack)
+                   .Quad(test::room::kRight)
+                   .Quad(test::room::kFront)
+                   .Quad("-3 0 -3  -3 0 3  -3 .8 -3  -3 .8 3")
+                   .Quad("-3 1.6 -3  -3 1.6 3  -3 2 -3  -3 2 3"));
 }
 
 std::string Lamps(int count) {

@@ -8,36 +8,25 @@
 #include "pbrt/transport/light_query.h"
 #include "support/build_text.h"
 #include "support/statistics.h"
+#include "two_rooms.h"
 
 namespace pbrt::test {
 namespace {
 
-constexpr int kSamples = 8, kFrames = 4, kLampsPerRoom = 48;
+constexpr int kSamples = 8, kFrames = 4;
 
-/// Two rooms with a wall between them at x = 0; the camera looks down on the floor of the left one and moves to the
+/// The camera looks down on the floor of the left one and moves to the
 /// right by half a metre a frame.
 BuiltScene Frame(int frame) {
     const double x = -2.6 + 0.5 * frame;
-    std::string text = fmt::format(R"(Option "rendercoordsys" "world"
-LookAt {0} 6 0  {0} 0 0  0 0 1
-Camera "perspective" "float fov" 30
-Film "rgb" "integer xresolution" 32 "integer yresolution" 32 "bool savefp16" false
-Sampler "independent" "integer pixelsamples" {1}
-Integrator "path" "integer maxdepth" 1 "string lightsampler" "octree" "float octree.budget" 0.02
-WorldBegin
-)",
-                                   x, kSamples);
-    for (int i = 0; i < 2 * kLampsPerRoom; ++i) {
-        const int room = i / kLampsPerRoom, k = i % kLampsPerRoom;
-        text += fmt::format("LightSource \"point\" \"point3 from\" [ {} {} {} ] \"rgb I\" [ {} 1 1 ]\n",
-                            (room == 0 ? -3.7 : 0.2) + 0.5 * (k % 8), 0.6 + 0.1 * (k % 3), -1.5 + 0.6 * (k / 8),
-                            0.5 + 0.1 * (k % 5));
-    }
-    return BuildText(text + R"(Material "diffuse"
-Shape "bilinearmesh" "point3 P" [ -4 0 -3  4 0 -3  -4 0 3  4 0 3 ]
-Shape "bilinearmesh" "point3 P" [ 0 0 -3  0 0 3  0 2 -3  0 2 3 ]
-Shape "bilinearmesh" "point3 P" [ -2.4 0 -1  -1.2 0 -1  -2.4 .8 -.6  -1.2 .8 -.6 ]
-)");
+    return BuildText(SceneText()
+                         .Head("Option 'rendercoordsys' 'world'")
+                         .LookAt(fmt::format("{0} 6 0  {0} 0 0  0 0 1", x))
+                         .Camera(30)
+                         .Film(32, 32, "'bool savefp16' false")
+                         .Samples(kSamples)
+                         .Integrator("path", 1, "'string lightsampler' 'octree' 'float octree.budget' 0.02")
+                         .World(TwoRooms().Quad("-2.4 0 -1  -1.2 0 -1  -2.4 .8 -.6  -1.2 .8 -.6")));
 }
 
 void Prepare(BuiltScene &built, StateReader *learned) {

@@ -11,6 +11,7 @@
 #include "pbrt/core/state_io.h"
 #include "pbrt/integrators/render_loop.h"
 #include "support/render_waves.h"
+#include "support/scene_text.h"
 
 namespace pbrt::test {
 namespace {
@@ -75,14 +76,13 @@ TEST(GuidedPaths, DirectionsChangeNothingUnderEvenLight) {
         BuildOptions options;
         options.guide = guide;
         BuiltScene built = BuildText(
-            "LookAt 0 0 -4 0 0 0 0 1 0 Camera \"perspective\" \"float fov\" 60\n"
-            "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 40\n"
-            "Sampler \"independent\" \"integer pixelsamples\" 16\n"
-            "Integrator \"path\" \"integer maxdepth\" 6 \"bool guide.roulette\" false\n"
-            "WorldBegin\n"
-            "LightSource \"infinite\" \"rgb L\" [ 1 1 1 ]\n"
-            "Material \"diffuse\" \"rgb reflectance\" [ .8 .8 .8 ]\n"
-            "Shape \"sphere\" Translate 1.5 0 0 Shape \"sphere\"\n",
+            SceneText()
+                .LookAt("0 0 -4  0 0 0  0 1 0")
+                .Camera(60)
+                .Film(40, 40)
+                .Samples(16)
+                .Integrator("path", 6, "'bool guide.roulette' false")
+                .World(Objects().Sky("1 1 1").Diffuse(".8 .8 .8").Sphere(1).Add("Translate 1.5 0 0").Sphere(1)),
             options);
         return Render(built);
     };

@@ -14,67 +14,54 @@
 #include "pbrt/core/state_io.h"
 #include "pbrt/integrators/render_loop.h"
 #include "support/render_waves.h"
+#include "two_rooms.h"
 
 namespace pbrt::test {
 namespace {
 
 constexpr int kSamples = 16;  ///< learned from after 1 and 4
-constexpr uint32_t kLampsPerRoom = 48;
 
-/// Two rooms side by side without ceilings, with a wall between them at x = 0; the camera looks down on the left one.
-/// Lamps of the left room come first.
-std::string TwoRooms(const std::string &sampler) {
-    std::string text = R"(Option "rendercoordsys" "world"
-LookAt -2 6 0  -2 0 0  0 0 1
-Camera "perspective" "float fov" 40
-Film "rgb" "integer xresolution" 40 "integer yresolution" 40 "bool savefp16" false
-Sampler "independent" "integer pixelsamples" 16
-Integrator "path" "integer maxdepth" 2 )" +
-                       sampler + R"(
-WorldBegin
-)";
-    for (uint32_t i = 0; i < 2 * kLampsPerRoom; ++i) {
-        const uint32_t room = i / kLampsPerRoom, k = i % kLampsPerRoom;
-        text += fmt::format("LightSource \"point\" \"point3 from\" [ {} {} {} ] \"rgb I\" [ {} 1 1 ]\n",
-                            (room == 0 ? -3.7 : 0.2) + 0.5 * (k % 8), 0.6 + 0.1 * (k % 3), -1.5 + 0.6 * (k / 8),
-                            0.5 + 0.1 * (k % 5));
-    }
-    return text + R"(Material "diffuse"
-Shape "bilinearmesh" "point3 P" [ -4 0 -3  4 0 -3  -4 0 3  4 0 3 ]
-Shape "bilinearmesh" "point3 P" [ 0 0 -3  0 0 3  0 2 -3  0 2 3 ]
-)";
+/// A view from `eyeTargetUp` in world space.
+BuiltScene BuildView(const std::string &eyeTargetUp, double fov, const std::string &parameters, const Objects &world,
+                     const BuildOptions &options = {}) {
+    return BuildText(SceneText()
+                         .Head("Option 'rendercoordsys' 'world'")
+                         .LookAt(eyeTargetUp)
+                         .Camera(fov)
+                         .Film(40, 40, "'bool savefp16' false")
+                         .Samples(kSamples)
+                         .Integrator("path", 2, parameters)
+                         .World(world),
+                     options);
 }
 
-/// A closed room with a window, and a sky of one colour outside.
-std::string RoomWithWindow(const std::string &sampler) {
-    return R"(Option "rendercoordsys" "world"
-LookAt 0 1 -2.9  0 1 0  0 1 0
-Camera "perspective" "float fov" 70
-Film "rgb" "integer xresolution" 40 "integer yresolution" 40 "bool savefp16" false
-Sampler "independent" "integer pixelsamples" 16
-Integrator "path" "integer maxdepth" 2 )" +
-           sampler + R"(
-WorldBegin
-LightSource "infinite" "rgb L" [ 1 2 3 ]
-Material "diffuse"
-Shape "bilinearmesh" "point3 P" [ -3 0 -3  3 0 -3  -3 0 3  3 0 3 ]
-Shape "bilinearmesh" "point3 P" [ -3 2 -3  3 2 -3  -3 2 3  3 2 3 ]
-Shape "bilinearmesh" "point3 P" [ -3 0 -3  3 0 -3  -3 2 -3  3 2 -3 ]
-Shape "bilinearmesh" "point3 P" [ -3 0 3  3 0 3  -3 2 3  3 2 3 ]
-Shape "bilinearmesh" "point3 P" [ 3 0 -3  3 0 3  3 2 -3  3 2 3 ]
-Shape "bilinearmesh" "point3 P" [ -3 0 -3  -3 0 0  -3 2 -3  -3 2 0 ]
-Shape "bilinearmesh" "point3 P" [ -3 0 1  -3 0 3  -3 2 1  -3 2 3 ]
-Shape "bilinearmesh" "point3 P" [ -3 0 0  -3 0 1  -3 1 0  -3 1 1 ]
-)";
+/// Of two rooms the camera looks down on the left one.
+BuiltScene BuildTwoRooms(const std::string &parameters, const BuildOptions &options = {}) {
+    return BuildView("-2 6 0  -2 0 0  0 0 1", 40, parameters, TwoRooms(), options);
 }
-
-BuiltScene BuildRoom(const std::string &parameters = "") {
-    return BuildText(RoomWithWindow("\"string lightsampler\" \"octree\" \"integer octree.prepassspp\" 1 " +
-                                    (parameters.empty() ? "\"string octree.portals\" \"always\"" : parameters)));
-}
-
 BuiltScene Build(const std::string &parameters = "") {
-    return BuildText(TwoRooms("\"string lightsampler\" \"octree\" " + parameters));
+    return BuildTwoRooms("'string lightsampler' 'octree' " + parameters);
+}
+
+Objects OpenField() { return Objects().Sky("1 2 3").Material("diffuse").Quad(room::kFloor); }
+/// A closed room with a window, and a sky of one colour outside.
+Objects RoomWithWindow() {
+    return OpenField()
+        .Quad(room::kCeiling)
+        .Quad(room::kFront)
+        .Quad(room::kBack)
+        .Quad(room::kRight)
+        .Quad("-3 0 -3  -3 0 0  -3 2 -3  -3 2 0")
+        .Quad("-3 0 1  -3 0 3  -3 2 1  -3 2 3")
+        .Quad("-3 0 0  -3 0 1  -3 1 0  -3 1 1");
+}
+BuiltScene BuildUnderSky(const std::string &parameters, const Objects &world) {
+    return BuildView("0 1 -2.9  0 1 0  0 1 0", 70, parameters, world);
+}
+BuiltScene BuildRoom(const std::string &parameters = "") {
+    return BuildUnderSky("'string lightsampler' 'octree' 'integer octree.prepassspp' 1 " +
+                             (parameters.empty() ? "'string octree.portals' 'always'" : parameters),
+                         RoomWithWindow());
 }
 
 void Prepare(BuiltScene &built, Progress &progress) {
@@ -110,11 +97,11 @@ void CheckThreadsAndSplits(const Maker &make, const std::vector<std::string> &ot
 }
 
 TEST(LearningWhileRendering, AnyThreadsAndAnySplitGiveTheSamePicture) {
-    CheckThreadsAndSplits(Build, {"\"bool octree.learn\" false"});
+    CheckThreadsAndSplits(Build, {"'bool octree.learn' false"});
 }
 
 TEST(LearningWhileRendering, AnyThreadsAndAnySplitGiveTheSamePictureThroughAWindow) {
-    CheckThreadsAndSplits(BuildRoom, {"\"string octree.portals\" \"never\""});
+    CheckThreadsAndSplits(BuildRoom, {"'string octree.portals' 'never'"});
     // Prepared again, it finds the same.
     BuiltScene built = BuildRoom();
     const Image first = Render(built, {kSamples});
@@ -124,21 +111,14 @@ TEST(LearningWhileRendering, AnyThreadsAndAnySplitGiveTheSamePictureThroughAWind
 /// A sky that is seen well, or where paths bounce not badly, stays whole, and then nothing is chosen: the picture is
 /// bvh's.
 TEST(OpenSky, StaysWholeAndGivesThePictureOfBvh) {
-    const std::string room = RoomWithWindow("");
-    const std::string field =
-        room.substr(0, room.find("Shape")) + "Shape \"bilinearmesh\" \"point3 P\" [ -3 0 -3  3 0 -3  -3 0 3  3 0 3 ]\n";
-    const auto build = [](std::string text, const std::string &sampler) {
-        const std::string before = "WorldBegin";
-        return BuildText(
-            text.insert(text.find(before), "Integrator \"path\" \"integer maxdepth\" 2 " + sampler + "\n"));
-    };
-    for (const auto &[text, parameters, least, most, staysWhole] :
-         {std::tuple{field, "", 1.0, 1.0, true},
-          {field, "\"string octree.portals\" \"always\"", 1.0, 1.0, true},
-          {room, "", 0.005, 0.3, true},
-          {room, "\"string octree.portals\" \"always\"", 0.005, 0.3, false}}) {
-        BuiltScene octree = build(text, std::string("\"string lightsampler\" \"octree\" ") + parameters),
-                   bvh = build(text, "\"string lightsampler\" \"bvh\"");
+    const std::string always = "'string octree.portals' 'always'";
+    for (const auto &[world, parameters, least, most, staysWhole] :
+         {std::tuple{OpenField(), std::string(), 1.0, 1.0, true},
+          {OpenField(), always, 1.0, 1.0, true},
+          {RoomWithWindow(), "", 0.005, 0.3, true},
+          {RoomWithWindow(), always, 0.005, 0.3, false}}) {
+        BuiltScene octree = BuildUnderSky("'string lightsampler' 'octree' " + parameters, world),
+                   bvh = BuildUnderSky("'string lightsampler' 'bvh'", world);
         EXPECT_EQ(SameBits(Render(octree, {kSamples}), Render(bvh, {kSamples})), staysWhole);
         nlohmann::ordered_json report;
         octree.integrator->Lights()->Report(report);
@@ -298,8 +278,7 @@ void CheckSavedState(const Maker &make) {
 TEST(LearningWhileRendering, ASavedStateGoesOnBitByBit) { CheckSavedState(Build); }
 TEST(LearningWhileRendering, ASavedStateGoesOnBitByBitThroughAWindow) { CheckSavedState(BuildRoom); }
 TEST(LearningWhileRendering, ASavedStateGoesOnBitByBitWithThePapersModel) {
-    CheckSavedState(
-        [](const std::string &parameters) { return Build("\"string octree.model\" \"paper\" " + parameters); });
+    CheckSavedState([](const std::string &parameters) { return Build("'string octree.model' 'paper' " + parameters); });
 }
 
 TEST(LearningWhileRendering, DamagedStatesAreRefused) {
@@ -345,7 +324,7 @@ TEST(LearningWhileRendering, LampsBehindTheWallAreHardlyChosen) {
         return sum / 100;
     };
     // A prepass that knows next to nothing.
-    BuiltScene built = Build("\"float octree.budget\" 0.0001");
+    BuiltScene built = Build("'float octree.budget' 0.0001");
     Progress progress;
     Prepare(built, progress);
     const Float before = hidden(*built.integrator->Lights());
@@ -434,14 +413,14 @@ TEST(LearningWhileRendering, ThePictureIsTheSameInTheMean) {
         for (int run = 0; run < 12; ++run) {
             BuildOptions options;
             options.seed = firstSeed + run;
-            BuiltScene built = BuildText(TwoRooms(sampler), options);
+            BuiltScene built = BuildTwoRooms(sampler, options);
             s.Add(Render(built, {kSamples}));
         }
         return s;
     };
-    const PixelStatistics uniform = statistics("\"string lightsampler\" \"uniform\"", 1000),
-                          bvh = statistics("\"string lightsampler\" \"bvh\"", 2000);
-    const PixelStatistics octree = statistics("\"string lightsampler\" \"octree\"", 3000);
+    const PixelStatistics uniform = statistics("'string lightsampler' 'uniform'", 1000),
+                          bvh = statistics("'string lightsampler' 'bvh'", 2000);
+    const PixelStatistics octree = statistics("'string lightsampler' 'octree'", 3000);
     const Agreement a = Compare(octree, {&uniform, &bvh}, 1, 1e-3);
     EXPECT_TRUE(a.Agrees()) << "p " << a.worstP << " at " << a.worst;
     EXPECT_LT(a.error, 0.01) << "too noisy to tell";

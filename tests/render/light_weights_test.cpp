@@ -8,7 +8,7 @@
 
 #include "support/build_text.h"
 #include "support/render_scene.h"
-#include "support/statistics.h"
+#include "support/scene_text.h"
 
 namespace pbrt::test {
 namespace {
@@ -19,19 +19,18 @@ constexpr double kLimit = 6;
 
 /// A floor and a wall; radiances of the lights in units of `scale`.
 std::string Scene(const std::string &integrator, const std::string &lights, double scale) {
-    return fmt::format(R"(LookAt 0 1 4  0 1 0  0 1 0
-Camera "perspective" "float fov" 50
-Film "rgb" "integer xresolution" 8 "integer yresolution" 8 "bool savefp16" false
-Sampler "independent" "integer pixelsamples" 1
-Integrator "{}" {}
-WorldBegin
-{}
-Material "diffuse" "rgb reflectance" [ .6 .5 .4 ]
-Shape "bilinearmesh" "point3 P" [ -2 0 -2  2 0 -2  -2 0 2  2 0 2 ]
-Shape "bilinearmesh" "point3 P" [ -2 0 -2  2 0 -2  -2 3 -2  2 3 -2 ]
-)",
-                       integrator, integrator.starts_with("simple") ? "" : "\"integer maxdepth\" 3",
-                       fmt::format(fmt::runtime(lights), fmt::arg("s", scale)));
+    const std::string parameters = integrator.starts_with("simple") ? "" : "'integer maxdepth' 3";
+    return SceneText()
+        .LookAt("0 1 4  0 1 0  0 1 0")
+        .Camera(50)
+        .Film(8, 8, "'bool savefp16' false")
+        .Samples(1)
+        .Integrator(integrator, parameters)
+        .World(Objects()
+                   .Add(fmt::format(fmt::runtime(lights), fmt::arg("s", scale)))
+                   .Diffuse(".6 .5 .4")
+                   .Quad("-2 0 -2  2 0 -2  -2 0 2  2 0 2")
+                   .Quad("-2 0 -2  2 0 -2  -2 3 -2  2 3 -2"));
 }
 
 /// White light, and lines between the wavelengths 360, 479, 546 and 617 nm: SampleVisible(0.5) meets none of them.

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 
 #include "pbrt/integrators/render_loop.h"
@@ -64,6 +65,27 @@ std::vector<double> TileMeans(const Image &image, int size) {
                 means.push_back(sum / n);
             }
     return means;
+}
+
+RunningStatistics ChannelStatistics(const Image &image, int channel) {
+    RunningStatistics s;
+    for (int y = 0; y < image.Resolution().y; ++y)
+        for (int x = 0; x < image.Resolution().x; ++x) s.Add(static_cast<double>(image.Get({x, y}, channel)));
+    return s;
+}
+
+RunningStatistics MeansOverSeeds(const std::string &text) {
+    RunningStatistics s;
+    for (int seed = 1; seed <= 8; ++seed) {
+        BuildOptions options;
+        options.seed = seed;
+        s.Add(ChannelStatistics(RenderText(text, options).image).mean);
+    }
+    return s;
+}
+
+bool SameBits(const Image &a, const Image &b) {
+    return a.Bytes() == b.Bytes() && std::memcmp(a.Data(), b.Data(), a.Bytes()) == 0;
 }
 
 std::string RealScenes() {

@@ -4,6 +4,7 @@
 
 #include "pbrt/build/built_scene.h"
 #include "pbrt/images/image.h"
+#include "support/statistics.h"
 
 namespace pbrt::test {
 
@@ -30,6 +31,15 @@ Rendered RenderText(const std::string &text, const BuildOptions &options = {});
 
 /// Means over tiles of `size` pixels (the last ones may be smaller), R, G, B interleaved, row-major.
 std::vector<double> TileMeans(const Image &image, int size);
+
+/// Statistics of a channel over all pixels.
+RunningStatistics ChannelStatistics(const Image &image, int channel = 1);
+
+/// Statistics of the means of the green channel, of renders with the seeds 1 to 8.
+RunningStatistics MeansOverSeeds(const std::string &text);
+
+/// True if the pixels of the images, which have one resolution and format, have equal bits.
+bool SameBits(const Image &a, const Image &b);
 
 /// Folder of the real scenes, ending in "/"; empty if absent. Prints where it looked.
 std::string RealScenes();

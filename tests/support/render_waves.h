@@ -1,8 +1,7 @@
 #pragma once
-#include <cstring>
-
 #include "pbrt/integrators/render_loop.h"
 #include "support/build_text.h"
+#include "support/render_scene.h"
 
 namespace pbrt::test {
 
@@ -14,10 +13,6 @@ inline Image RenderWaves(BuiltScene &built, int samples, const std::vector<int> 
                           progress);
     for (size_t i = 0; renderer.Done() < samples; ++i) renderer.Render(sizes[std::min(i, sizes.size() - 1)]);
     return built.film->ToImage();
-}
-
-inline bool SameBits(const Image &a, const Image &b) {
-    return a.Bytes() == b.Bytes() && std::memcmp(a.Data(), b.Data(), a.Bytes()) == 0;
 }
 
 }  // namespace pbrt::test

@@ -1,5 +1,7 @@
 #include "emitter_kinds.h"
 
+#include "support/scene_text.h"
+
 namespace pbrt::test {
 
 namespace {
@@ -150,35 +152,32 @@ std::vector<EmitterKind> EmitterKinds() {
     return kinds;
 }
 
-std::string SceneText(const EmitterKind &kind) {
+std::string EmitterScene(const EmitterKind &kind) {
     const bool within = kind.place == Place::Within;
-    std::string text = within ? "LookAt 0 0.15 -0.6  0 0 0.2  0 1 0\nCamera \"perspective\" \"float fov\" 70\n"
-                              : "LookAt 0 0.7 -3.4  0 -0.1 0  0 1 0\nCamera \"perspective\" \"float fov\" 42\n";
-    text += R"(Film "rgb" "integer xresolution" 32 "integer yresolution" 32
-PixelFilter "box"
-Integrator "path" "integer maxdepth" 1
-WorldBegin
-Material "diffuse" "spectrum reflectance" [ 300 0.5 900 0.5 ]
-AttributeBegin
-AreaLightSource "diffuse" "spectrum L" [ 300 1 900 1 ] "bool twosided" true "float scale" 0.3
-)";
-    text += within ? Shape("bilinearmesh", "\"point3 P\" [ -0.2 0.5 -0.2  0.2 0.5 -0.2  -0.2 0.5 0.2  0.2 0.5 0.2 ]")
-                   : Shape("bilinearmesh", "\"point3 P\" [ 0.7 0.8 0.1  1.1 0.8 0.1  0.7 0.8 0.5  1.1 0.8 0.5 ]");
-    text += "AttributeEnd\n";
+    Objects world;
+    world.Material("diffuse", "'spectrum reflectance' [ 300 0.5 900 0.5 ]");
+    world.Attribute("AreaLightSource 'diffuse' 'spectrum L' [ 300 1 900 1 ] 'bool twosided' true 'float scale' 0.3",
+                    Objects().Quad(within ? "-0.2 0.5 -0.2  0.2 0.5 -0.2  -0.2 0.5 0.2  0.2 0.5 0.2"
+                                          : "0.7 0.8 0.1  1.1 0.8 0.1  0.7 0.8 0.5  1.1 0.8 0.5"));
     if (within) {
-        text += Shape("bilinearmesh", "\"point3 P\" [ -0.45 -0.35 0.4  0.45 -0.35 0.4  -0.45 0.4 0.2  0.45 0.4 0.2 ]");
-        text += Shape("bilinearmesh",
-                      "\"point3 P\" [ -0.45 -0.35 -0.4  0.45 -0.35 -0.4  -0.45 -0.35 0.4  0.45 -0.35 0.4 ]");
+        world.Quad("-0.45 -0.35 0.4  0.45 -0.35 0.4  -0.45 0.4 0.2  0.45 0.4 0.2");
+        world.Quad("-0.45 -0.35 -0.4  0.45 -0.35 -0.4  -0.45 -0.35 0.4  0.45 -0.35 0.4");
     } else {
-        text += Shape("bilinearmesh", "\"point3 P\" [ -1.2 -1 -1.4  1.2 -1 -1.4  -1.2 -1 1.2  1.2 -1 1.2 ]");
-        text += Shape("bilinearmesh", "\"point3 P\" [ -1.2 -1 1.2  1.2 -1 1.2  -1.2 1.2 1.2  1.2 1.2 1.2 ]");
-        text += Shape("bilinearmesh", "\"point3 P\" [ -1.2 -1 -1.4  -1.2 -1 1.2  -1.2 1.2 -1.4  -1.2 1.2 1.2 ]");
+        world.Quad("-1.2 -1 -1.4  1.2 -1 -1.4  -1.2 -1 1.2  1.2 -1 1.2");
+        world.Quad("-1.2 -1 1.2  1.2 -1 1.2  -1.2 1.2 1.2  1.2 1.2 1.2");
+        world.Quad("-1.2 -1 -1.4  -1.2 -1 1.2  -1.2 1.2 -1.4  -1.2 1.2 1.2");
         const bool isHollow =
             kind.text.find("\"sphere\"") != std::string::npos || kind.text.find("\"cylinder\"") != std::string::npos;
-        if (isHollow)
-            text += Shape("bilinearmesh", "\"point3 P\" [ -.12 -.06 -.12  .12 -.06 -.12  -.12 .08 .12  .12 .08 .12 ]");
+        if (isHollow) world.Quad("-.12 -.06 -.12  .12 -.06 -.12  -.12 .08 .12  .12 .08 .12");
     }
-    return text + "AttributeBegin\n" + kind.text + "AttributeEnd\n";
+    world.Attribute("", Objects().Add(kind.text));
+    return SceneText()
+        .LookAt(within ? "0 0.15 -0.6  0 0 0.2  0 1 0" : "0 0.7 -3.4  0 -0.1 0  0 1 0")
+        .Camera(within ? 70 : 42)
+        .Film(32, 32)
+        .Filter("box")
+        .Integrator("path", 1)
+        .World(world);
 }
 
 }  // namespace pbrt::test

@@ -22,6 +22,6 @@ std::vector<EmitterKind> EmitterKinds();
 
 /// A scene with that emitter, a small lamp (the light with the first id) and diffuse receivers: 32 x 32 pixels, direct
 /// light.
-std::string SceneText(const EmitterKind &kind);
+std::string EmitterScene(const EmitterKind &kind);
 
 }  // namespace pbrt::test

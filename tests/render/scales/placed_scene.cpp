@@ -4,7 +4,7 @@
 
 #include "pbrt/math/statistics.h"
 #include "support/render_scene.h"
-#include "support/statistics.h"
+#include "support/scene_text.h"
 
 namespace pbrt::test {
 
@@ -38,13 +38,15 @@ std::vector<ScaleIntegrator> AllIntegrators(const Placement &at) {
 std::string ViewText(const Placement &at, const ScaleIntegrator &integrator, std::initializer_list<double> fromToUp,
                      const std::string &camera, int maxDepth) {
     const std::vector<double> v(fromToUp);
-    return fmt::format(
-        "LookAt {} {}  {} {} {}\n{}\nPixelFilter \"box\"\n"
-        "Film \"rgb\" \"integer xresolution\" {} \"integer yresolution\" {} \"bool savefp16\" false\n"
-        "Sampler \"independent\" \"integer pixelsamples\" {}\n"
-        "Integrator \"{}\" \"integer maxdepth\" {} {}\nWorldBegin\n",
-        at.Points({v[0], v[1], v[2]}), at.Points({v[3], v[4], v[5]}), v[6], v[7], v[8], camera, kScaleResolution,
-        kScaleResolution, integrator.samples, integrator.name, maxDepth, integrator.parameters);
+    return SceneText()
+        .LookAt(fmt::format("{} {}  {} {} {}", at.Points({v[0], v[1], v[2]}), at.Points({v[3], v[4], v[5]}), v[6], v[7],
+                            v[8]))
+        .Head(camera)
+        .Filter("box")
+        .Film(kScaleResolution, kScaleResolution, "'bool savefp16' false")
+        .Samples(integrator.samples)
+        .Integrator(integrator.name, maxDepth, integrator.parameters)
+        .World();
 }
 
 std::vector<Image> RenderSeeds(const std::string &text, const Placement &at, int runs, int firstSeed) {

@@ -11,38 +11,36 @@
 namespace {
 
 using namespace ext;
-using pbrt::test::BuildText;
+using pbrt::test::BuildText, pbrt::test::Objects, pbrt::test::SceneText;
 
 /// Two rooms with a wall between them that lets no light through. The camera is in the first, which has a weak lamp, a
 /// weaker one behind a screen, whose light comes by way of the walls only, and a mirror; the second room has a strong
 /// lamp.
-const char *kRooms = R"(
-LookAt 0 -2.8 0  0 0 0  0 0 1
-Camera "perspective" "float fov" 60
-Film "rgb" "integer xresolution" 32 "integer yresolution" 32
-Sampler "independent" "integer pixelsamples" 64
-Integrator "path" "integer maxdepth" 4
-WorldBegin
-Material "diffuse" "rgb reflectance" [ .6 .6 .6 ]
-Shape "trianglemesh" "point3 P" [ -3 -3 -1  3 -3 -1  3 3 -1  -3 3 -1  -3 -3 1  3 -3 1  3 3 1  -3 3 1 ]
-  "integer indices" [ 0 1 2  0 2 3  4 5 6  4 6 7  0 1 5  0 5 4  2 3 7  2 7 6  1 2 6  1 6 5  3 0 4  3 4 7 ]
-Shape "bilinearmesh" "point3 P" [ -3 1 -1  3 1 -1  -3 1 1  3 1 1 ]
-Shape "bilinearmesh" "point3 P" [ 1.2 -3 -1  1.2 .2 -1  1.2 -3 1  1.2 .2 1 ]
-AttributeBegin
-Material "conductor" "float roughness" 0
-Shape "bilinearmesh" "point3 P" [ -1.5 .9 -.5  -.5 .9 -.5  -1.5 .9 .5  -.5 .9 .5 ]
-AttributeEnd
-)";
+std::string Rooms(const std::string &lamps) {
+    return SceneText()
+        .LookAt("0 -2.8 0  0 0 0  0 0 1")
+        .Camera(60)
+        .Film(32, 32)
+        .Samples(64)
+        .Integrator("path", 4)
+        .World(Objects()
+                   .Diffuse(".6 .6 .6")
+                   .Triangles("-3 -3 -1  3 -3 -1  3 3 -1  -3 3 -1  -3 -3 1  3 -3 1  3 3 1  -3 3 1",
+                              "0 1 2  0 2 3  4 5 6  4 6 7  0 1 5  0 5 4  2 3 7  2 7 6  1 2 6  1 6 5  3 0 4  3 4 7")
+                   .Quad("-3 1 -1  3 1 -1  -3 1 1  3 1 1")
+                   .Quad("1.2 -3 -1  1.2 .2 -1  1.2 -3 1  1.2 .2 1")
+                   .Attribute("Material 'conductor' 'float roughness' 0",
+                              Objects().Quad("-1.5 .9 -.5  -.5 .9 -.5  -1.5 .9 .5  -.5 .9 .5"))
+                   .Add(lamps));
+}
 /// In the order of their ids.
 const std::string kLamps[] = {
-    "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [ 4 4 4 ]\nTranslate -2 0 .9 Rotate 180 1 0 0\n"
-    "Shape \"disk\" \"float radius\" .3\nAttributeEnd\n",
-    "LightSource \"point\" \"point3 from\" [ -1 -1 .5 ] \"rgb I\" [ 1 1 1 ]\n",
-    "LightSource \"point\" \"point3 from\" [ 2.2 -1 0 ] \"rgb I\" [ 1.2 1.2 1.2 ]\n",
-    "LightSource \"point\" \"point3 from\" [ 0 2 0 ] \"rgb I\" [ 900 900 900 ]\n"};
+    Objects().Attribute("Translate -2 0 .9 Rotate 180 1 0 0", Objects().AreaLight("4 4 4").Disk(.3)),
+    Objects().PointLight("-1 -1 .5", "1 1 1"), Objects().PointLight("2.2 -1 0", "1.2 1.2 1.2"),
+    Objects().PointLight("0 2 0", "900 900 900")};
 constexpr size_t kCount = std::size(kLamps);
 
-std::string AllLamps() { return std::accumulate(std::begin(kLamps), std::end(kLamps), std::string(kRooms)); }
+std::string AllLamps() { return Rooms(std::accumulate(std::begin(kLamps), std::end(kLamps), std::string())); }
 
 struct Prepared {
     BuiltScene built;
@@ -64,7 +62,7 @@ TEST(SeenLight, IsWhatPicturesOfSingleLampsHold) {
     for (const std::string &lamp : kLamps) {
         BuildOptions options;
         options.sampledLightOnly = true;
-        tiles.push_back(pbrt::test::TileMeans(pbrt::test::RenderText(kRooms + lamp, options).image, 16));
+        tiles.push_back(pbrt::test::TileMeans(pbrt::test::RenderText(Rooms(lamp), options).image, 16));
     }
     const size_t tileCount = tiles[0].size() / 3;
     std::vector<std::vector<double>> gray(kCount, std::vector<double>(tileCount));
@@ -130,7 +128,7 @@ TEST(SeenLightSampler, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST(SeenLightSampler, ChoosesByPowerIfNothingIsSeen) {
-    const Prepared r = Prepare(kRooms + kLamps[3] + kLamps[3], {});
+    const Prepared r = Prepare(Rooms(kLamps[3] + kLamps[3]), {});
     EXPECT_EQ(r.sampler->PMF({}, LightId(0u)), 0.5f);
     EXPECT_EQ(r.sampler->Seen()[0].count + r.sampler->Seen()[1].count, 0);
 }
@@ -140,26 +138,18 @@ class Shooting : public testing::TestWithParam<const char *> {};
 TEST_P(Shooting, DoesNotChangeTheMean) {
     using namespace pbrt::test;
     View view;
-    view.objects = R"(
-LightSource "infinite" "rgb L" [ .1 .1 .2 ]
-LightSource "point" "point3 from" [ -.5 -.5 1.5 ] "rgb I" [ .7 .6 .5 ]
-LightSource "point" "point3 from" [ 0 9 1.5 ] "rgb I" [ 70 60 50 ]
-AttributeBegin
-AreaLightSource "diffuse" "rgb L" [ 5 5 4 ]
-Translate .6 -.4 1.7
-Rotate 180 1 0 0
-Shape "disk" "float radius" .25
-AttributeEnd
-)";
+    view.objects = Objects()
+                       .Sky(".1 .1 .2")
+                       .PointLight("-.5 -.5 1.5", ".7 .6 .5")
+                       .PointLight("0 9 1.5", "70 60 50")
+                       .Attribute("Translate .6 -.4 1.7 Rotate 180 1 0 0", Objects().AreaLight("5 5 4").Disk(.25))
+                       // lightpath does not see the sky behind the room, so that is covered here.
+                       .Quad("-9 1.6 -9  9 1.6 -9  -9 1.6 9  9 1.6 9");
     view.samples = 256;
-    view.parameters = "\"string shootingsampler\" \"seen\"";
+    view.parameters = "'string shootingsampler' 'seen'";
     const bool isSppm = std::string(GetParam()) == "sppm";
-    if (isSppm) view.parameters += " \"float radius\" .15 \"integer photonsperiteration\" 3000";
-    // lightpath does not see the sky behind the room, so that is covered here.
-    view.objects += "Shape \"bilinearmesh\" \"point3 P\" [ -9 1.6 -9  9 1.6 -9  -9 1.6 9  9 1.6 9 ]\n";
-    double noise = 0;
-    EXPECT_LT(LargestDistance(view, GetParam(), &noise, isSppm ? 0.015 : 0), 5.5);
-    EXPECT_LT(noise, 0.05);
+    if (isSppm) view.parameters += " 'float radius' .15 'integer photonsperiteration' 3000";
+    CheckMean(view, GetParam(), 0.05, isSppm ? 0.015 : 0);
     CheckThreads(view, GetParam(), 4);
 }
 INSTANTIATE_TEST_SUITE_P(All, Shooting, testing::Values("lightpath", "bdpt", "mlt", "sppm"));

@@ -4,6 +4,8 @@
 #include "ext/guiding/guided_directions.h"
 #include "pbrt/core/state_io.h"
 #include "support/build_text.h"
+#include "support/errors.h"
+#include "support/scene_text.h"
 #include "support/statistics.h"
 
 namespace pbrt::test {
@@ -131,10 +133,8 @@ GuideParams Directions() {
     return params;
 }
 
-const char *const kFlat =
-    "Film \"rgb\" \"integer xresolution\" 200 \"integer yresolution\" 200\n"
-    "Sampler \"independent\" \"integer pixelsamples\" 15\nWorldBegin\n"
-    "LightSource \"infinite\" Shape \"sphere\"\n";
+const std::string kBall = Objects().Light("infinite").Shape("sphere");
+const std::string kFlat = SceneText().Film(200, 200).Samples(15).World(kBall);
 
 /// A guide that has learned from made-up records at p in [-1, 1]^2 on the plane z = 0: the light of a record in
 /// direction w is light(p, w).
@@ -220,9 +220,7 @@ TEST(PathGuide, GuidesOnlyWhereLightComesFromOneSide) {
 }
 
 TEST(PathGuide, LearnsWhenEnoughPathsAreRecorded) {
-    const BuiltScene built = BuildText(
-        "Film \"rgb\" \"integer xresolution\" 20 \"integer yresolution\" 20\nWorldBegin\n"
-        "LightSource \"infinite\" Shape \"sphere\"\n");
+    const BuiltScene built = BuildText(SceneText().Film(20, 20).World(kBall));
     Progress progress;
     const auto learnings = [&](int samples) {
         GuideParams params;
@@ -380,7 +378,7 @@ TEST(GuideCells, GuideToWhatIsRarelyFound) {
 }
 
 TEST(PathGuide, ASavedStateIsLoadedBitByBitAndADamagedOneRefused) {
-    BuiltScene built = BuildText("WorldBegin LightSource \"infinite\" Shape \"sphere\"\n");
+    BuiltScene built = BuildText(SceneText().World(kBall));
     Progress progress;
     const auto load = [&](const std::string &bytes, PathGuide &guide) {
         StateReader reader(bytes, "state");
@@ -422,8 +420,8 @@ TEST(PathGuide, WhatItLearnedIsOfUseToOtherRenders) {
     lobe.guide.SaveForOthers(writer);
     const std::string bytes = writer.Joined();
     Progress progress;
-    const auto load = [&](PathGuide &guide, const std::string &state, const char *camera = "") {
-        const BuiltScene built = BuildText(std::string(camera) + kFlat);
+    const auto load = [&](PathGuide &guide, const std::string &state, const std::string &camera = "") {
+        const BuiltScene built = BuildText(camera + kFlat);
         StateReader reader(state, "lights");
         PrepareContext context = built.Preparation(progress);
         context.samplesPerPixel = 4;
@@ -450,12 +448,7 @@ TEST(PathGuide, WhatItLearnedIsOfUseToOtherRenders) {
     }
     params.share = 0.5f;
     PathGuide different(params);
-    try {
-        load(different, bytes);
-        ADD_FAILURE() << "other parameters were not noticed";
-    } catch (const UserError &error) {
-        EXPECT_NE(std::string(error.what()).find("\"share\":0.5"), std::string::npos) << error.what();
-    }
+    ExpectError([&] { load(different, bytes); }, {"share", "0.5"});
 }
 
 /// The mean of f cos L / density over guided bounces, where L is the light that was learned, is that over the BSDF's

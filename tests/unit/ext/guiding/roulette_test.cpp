@@ -168,30 +168,22 @@ TEST(PathRoulette, IsOfUseToOtherPictures) {
 TEST(MinSurvival, ChangesTheNoiseAndNotTheMean) {
     View view = AllViews()[0];
     view.depth = 7;
-    view.objects += "Material \"diffuse\" \"rgb reflectance\" [ .3 .2 .1 ]\n" + AllViews()[0].objects;
+    view.objects += "Material 'diffuse' 'rgb reflectance' [ .3 .2 .1 ]\n" + AllViews()[0].objects;
     for (const char *least : {"0.7", "1"}) {
-        view.parameters = fmt::format("\"float minsurvival\" {}", least);
-        double noise = 1;
-        EXPECT_LT(LargestDistance(view, "volpath", &noise), 5.5) << least;
-        EXPECT_LT(noise, 0.02) << "the test would see nothing";
+        view.parameters = fmt::format("'float minsurvival' {}", least);
+        CheckMean(view, "volpath", 0.02);
         EXPECT_FALSE(SameBits(RenderView(view, "volpath", 1, 16), RenderView(view, "path", 1, 16)));
     }
-    view.parameters = "\"float minsurvival\" 0";
+    view.parameters = "'float minsurvival' 0";
     EXPECT_TRUE(SameBits(RenderView(view, "volpath", 1, 16), RenderView(view, "path", 1, 16)));
 }
 
 TEST(MinSurvival, InMediaAsWell) {
-    for (View view : FoggyViews()) {
-        if (view.name != "DenseAndColored") continue;
-        view.reference = "bdpt";
-        view.depth = 6;
-        view.parameters = "\"float minsurvival\" 0.7";
-        double noise = 1;
-        EXPECT_LT(LargestDistance(view, "volpath", &noise), 5.5);
-        EXPECT_LT(noise, 0.05);
-        return;
-    }
-    FAIL() << "no such view";
+    View view = ViewsNamed({"DenseAndColored"})[0];
+    view.reference = "bdpt";
+    view.depth = 6;
+    view.parameters = "'float minsurvival' 0.7";
+    CheckMean(view, "volpath", 0.05);
 }
 
 }  // namespace

@@ -6,58 +6,47 @@
 
 #include "pbrt/math/rng.h"
 #include "support/build_text.h"
+#include "support/scene_text.h"
 
 namespace {
 
 using namespace ext;
+using test::Objects, test::SceneText;
 
 const std::string kAssets = PBRT_SOURCE_DIR "/tests/conformance/suite/scenes/assets/";
 
 /// One light of every kind, some as meshes, and a surface that they light.
-const std::string kLights = R"(
-Camera "perspective"
-WorldBegin
-Shape "sphere" "float radius" 0.05
-LightSource "point" "point3 from" [ 1 2 0 ] "float scale" 3
-LightSource "spot" "point3 from" [ -1 2 0 ] "point3 to" [ 0 0 1 ] "float coneangle" 40 "float conedeltaangle" 25
-LightSource "distant" "point3 from" [ 0 3 1 ] "point3 to" [ 0 0 0 ]
-LightSource "infinite" "rgb L" [ 0.2 0.3 0.4 ]
-AttributeBegin
-  AreaLightSource "diffuse" "rgb L" [ 4 4 4 ]
-  Shape "trianglemesh" "point3 P" [ -0.5 1.9 -0.5  0.5 1.9 -0.5  0.5 1.9 0.5  -0.5 1.9 0.5 ] "integer indices" [ 0 1 2 0 2 3 ]
-AttributeEnd
-AttributeBegin
-  AreaLightSource "diffuse" "rgb L" [ 4 4 4 ] "bool twosided" true
-  Shape "bilinearmesh" "point3 P" [ 2 0 -0.5  2 0 0.5  2 1 -0.5  2 1 0.5 ]
-AttributeEnd
-AttributeBegin
-  AreaLightSource "diffuse" "rgb L" [ 4 4 4 ]
-  Translate -1.5 0.5 0.5
-  Shape "sphere" "float radius" 0.2
-AttributeEnd
-AttributeBegin
-  AreaLightSource "diffuse" "rgb L" [ 9 2 2 ]
-  Shape "trianglemesh" "point3 P" [ 0 0.2 1.5  0.2 0 1.5  0 -0.2 1.5  -0.2 0 1.5  0 0 1.7  0 0 1.3 ]
-    "integer indices" [ 0 1 4 1 2 4 2 3 4 3 0 4 1 0 5 2 1 5 3 2 5 0 3 5 ]
-AttributeEnd
-LightSource "infinite" "string filename" ")" +
-                            kAssets + R"(env_sky.exr"
-  "point3 portal" [ -1 -0.5 -2.5  1.2 -0.5 -2.5  1.2 1 -2.5  -1 1 -2.5 ]
-LightSource "infinite" "rgb L" [ 1 1 1 ]
-  "point3 portal" [ -0.6 2 0.1  -0.6 2 -0.4  -0.2 2 -0.4  -0.2 2 0.1 ]
-AttributeBegin
-  Translate 0.5 1 -0.5
-  Rotate 30 1 1 0
-  LightSource "goniometric" "string filename" ")" +
-                            kAssets + R"(gonio_lobes.png" "rgb I" [ 3 2 1 ]
-AttributeEnd
-AttributeBegin
-  Translate -0.5 1 -1.5
-  Rotate 20 1 -1 0
-  LightSource "projection" "string filename" ")" +
-                            kAssets + R"(slide.png" "float fov" 50 "float scale" 5
-AttributeEnd
-)";
+const std::string kLights =
+    SceneText()
+        .Camera("perspective")
+        .World(
+            Objects()
+                .Sphere(0.05)
+                .Light("point", "'point3 from' [ 1 2 0 ] 'float scale' 3")
+                .Light("spot",
+                       "'point3 from' [ -1 2 0 ] 'point3 to' [ 0 0 1 ] 'float coneangle' 40 'float conedeltaangle' 25")
+                .Light("distant", "'point3 from' [ 0 3 1 ] 'point3 to' [ 0 0 0 ]")
+                .Sky("0.2 0.3 0.4")
+                .Attribute("", Objects().AreaLight("4 4 4").Triangles(
+                                   "-0.5 1.9 -0.5  0.5 1.9 -0.5  0.5 1.9 0.5  -0.5 1.9 0.5"))
+                .Attribute(
+                    "",
+                    Objects().AreaLight("4 4 4", "'bool twosided' true").Quad("2 0 -0.5  2 0 0.5  2 1 -0.5  2 1 0.5"))
+                .Attribute("Translate -1.5 0.5 0.5", Objects().AreaLight("4 4 4").Sphere(0.2))
+                .Attribute("", Objects().AreaLight("9 2 2").Triangles(
+                                   "0 0.2 1.5  0.2 0 1.5  0 -0.2 1.5  -0.2 0 1.5  0 0 1.7  0 0 1.3",
+                                   "0 1 4 1 2 4 2 3 4 3 0 4 1 0 5 2 1 5 3 2 5 0 3 5"))
+                .Light("infinite",
+                       "'string filename' '" + kAssets +
+                           "env_sky.exr' 'point3 portal' [ -1 -0.5 -2.5  1.2 -0.5 -2.5  1.2 1 -2.5  -1 1 -2.5 ]")
+                .Light("infinite",
+                       "'rgb L' [ 1 1 1 ] 'point3 portal' [ -0.6 2 0.1  -0.6 2 -0.4  -0.2 2 -0.4  -0.2 2 0.1 ]")
+                .Attribute("Translate 0.5 1 -0.5 Rotate 30 1 1 0",
+                           Objects().Light("goniometric",
+                                           "'string filename' '" + kAssets + "gonio_lobes.png' 'rgb I' [ 3 2 1 ]"))
+                .Attribute("Translate -0.5 1 -1.5 Rotate 20 1 -1 0",
+                           Objects().Light("projection", "'string filename' '" + kAssets +
+                                                             "slide.png' 'float fov' 50 'float scale' 5")));
 
 LightQuery RandomQuery(Rng &rng) {
     LightQuery q;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "support/build_text.h"
+#include "support/scene_text.h"
 #include "support/statistics.h"
 
 namespace {
@@ -23,8 +24,7 @@ std::string Ball(int rings) {
             int a = i * rings + k, b = i * rings + (k + 1) % rings;
             indices += fmt::format("{} {} {} {} {} {} ", a, b, b + rings, a, b + rings, a + rings);
         }
-    return "Camera \"perspective\"\nWorldBegin\nAreaLightSource \"diffuse\" \"rgb L\" [ 1 1 1 ]\nShape \"trianglemesh\" \"point3 P\" [ " +
-           p + " ] \"integer indices\" [ " + indices + " ]\n";
+    return test::SceneText().Camera("perspective").World(test::Objects().AreaLight("1 1 1").Triangles(p, indices));
 }
 
 class MeshInteriorOfSize : public testing::TestWithParam<int> {};

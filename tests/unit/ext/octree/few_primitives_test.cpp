@@ -5,19 +5,21 @@
 
 #include "ext/octree/visibility_octree_light_sampler.h"
 #include "support/build_text.h"
+#include "support/scene_text.h"
 
 namespace ext {
 namespace {
 
 /// The groups that octree chooses from in a scene with `points` point lights and a lamp of `triangles` triangles.
 size_t Groups(int points, int triangles, bool meshLights) {
-    std::string text = "Camera \"perspective\"\nWorldBegin\n";
-    for (int i = 0; i < points; ++i) text += "LightSource \"point\"\n";
-    text += "AreaLightSource \"diffuse\"\nShape \"trianglemesh\" \"point3 P\" [";
-    for (int i = 0; i < triangles; ++i) text += fmt::format("{} 0 5 {} 1 5 ", i, i);
-    text += fmt::format("{} 0 5 ] \"integer indices\" [", triangles);
-    for (int i = 0; i < triangles; ++i) text += fmt::format(" {} {} {}", 2 * i, 2 * i + 1, 2 * i + 2);
-    const BuiltScene built = test::BuildText(text + " ]\n");
+    test::Objects world;
+    for (int i = 0; i < points; ++i) world.Light("point");
+    std::string corners, indices;
+    for (int i = 0; i < triangles; ++i) corners += fmt::format("{} 0 5 {} 1 5 ", i, i);
+    corners += fmt::format("{} 0 5", triangles);
+    for (int i = 0; i < triangles; ++i) indices += fmt::format(" {} {} {}", 2 * i, 2 * i + 1, 2 * i + 2);
+    world.Add("AreaLightSource 'diffuse'").Triangles(corners, indices);
+    const BuiltScene built = test::BuildText(test::SceneText().Camera("perspective").World(world));
     OctreeParams params;
     params.meshlights = meshLights;
     const VisibilityOctreeLightSampler octree(built.scene->Lights(), params);

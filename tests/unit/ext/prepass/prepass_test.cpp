@@ -3,34 +3,33 @@
 #include "ext/prepass/prepass.h"
 #include "pbrt/core/parallel.h"
 #include "support/build_text.h"
+#include "support/scene_text.h"
 
 namespace {
 
 using namespace ext;
-using pbrt::test::BuildText;
+using pbrt::test::BuildText, pbrt::test::Objects, pbrt::test::SceneText;
 
-const char *kScene = R"(
-LookAt 0 1 -4  0 1 0  0 1 0
-Camera "perspective" "float fov" 50
-Film "rgb" "integer xresolution" 40 "integer yresolution" 30
-Sampler "independent" "integer pixelsamples" 1
-Integrator "path"
-WorldBegin
-LightSource "point" "point3 from" [ 0 1.5 0 ] "rgb I" [ 1 1 1 ]
-LightSource "point" "point3 from" [ 0 1.5 5 ] "rgb I" [ 1 1 1 ]
-Material "diffuse"
-Shape "bilinearmesh" "point3 P" [ -4 0 -4  4 0 -4  -4 0 4  4 0 4 ]
-Shape "bilinearmesh" "point3 P" [ -4 0 2  4 0 2  -4 4 2  4 4 2 ]
-Material "conductor" "float roughness" 0
-AttributeBegin
-  Translate 0 0.6 0
-  Shape "sphere" "float radius" 0.5
-AttributeEnd
-)";
+BuiltScene BuildFloor() {
+    return BuildText(SceneText()
+                         .LookAt("0 1 -4  0 1 0  0 1 0")
+                         .Camera(50)
+                         .Film(40, 30)
+                         .Samples(1)
+                         .Integrator("path")
+                         .World(Objects()
+                                    .PointLight("0 1.5 0", "1 1 1")
+                                    .PointLight("0 1.5 5", "1 1 1")
+                                    .Material("diffuse")
+                                    .Quad("-4 0 -4  4 0 -4  -4 0 4  4 0 4")
+                                    .Quad("-4 0 2  4 0 2  -4 4 2  4 4 2")
+                                    .Material("conductor", "'float roughness' 0")
+                                    .Attribute("Translate 0 0.6 0", Objects().Sphere(0.5))));
+}
 
 std::vector<PrepassVertex> Trace(int threads, int spp, int depth) {
     ThreadLimit limit(threads);
-    BuiltScene built = BuildText(kScene);
+    BuiltScene built = BuildFloor();
     Progress progress;
     PrepareContext context = built.Preparation(progress);
     context.samplesPerPixel = 1;
@@ -63,7 +62,7 @@ TEST(Prepass, MirrorsAreNotRecorded) {
 
 TEST(Prepass, ContributionIsEquation5) {
     ThreadLimit limit(1);
-    BuiltScene built = BuildText(kScene);
+    BuiltScene built = BuildFloor();
     // A point on the floor below the first light, seen from above; the second light is behind the wall.
     PrepassVertex v;
     v.at.p = Point3(2, -1, 4);

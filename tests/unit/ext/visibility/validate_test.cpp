@@ -3,6 +3,7 @@
 
 #include "ext/visibility/visibility_records.h"
 #include "pbrt/math/rng.h"
+#include "support/errors.h"
 #include "support/structure.h"
 
 namespace {
@@ -42,20 +43,17 @@ std::string Saved(const T &structure) {
     return writer.Joined();
 }
 
-/// What is said of the bytes; empty if they are accepted.
+/// The message about the bytes; empty if they are accepted.
 template <class T>
 std::string Fault(const std::string &bytes) {
-    try {
+    return test::MessageOf([&] {
         StateReader reader(bytes, "state");
         T structure;
         StateLoader load(reader);
         load(structure);
         reader.RequireEnd();
         EXPECT_EQ(Saved(structure), bytes);
-        return "";
-    } catch (const UserError &e) {
-        return e.what();
-    }
+    });
 }
 
 std::vector<uint32_t> NodesOf(const std::string &bytes) {

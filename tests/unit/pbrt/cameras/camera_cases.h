@@ -6,23 +6,9 @@
 #include <vector>
 
 #include "pbrt/cameras/camera.h"
+#include "support/param.h"
 
 namespace pbrt::test {
-
-inline Param FloatParam(const std::string &name, const std::vector<Float> &v) {
-    Param p;
-    p.type = ParamType::Float;
-    p.name = name;
-    p.floats = v;
-    return p;
-}
-inline Param StringParam(const std::string &name, const std::string &v) {
-    Param p;
-    p.type = ParamType::String;
-    p.name = name;
-    p.strings = {v};
-    return p;
-}
 
 inline std::unique_ptr<Camera> MakeTestCamera(const std::string &type, const std::vector<Param> &params,
                                               Point2i resolution = {40, 20}, const Transform &renderFromCamera = {},

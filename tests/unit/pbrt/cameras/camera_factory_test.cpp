@@ -1,5 +1,7 @@
 #include "camera_cases.h"
 
+#include "support/errors.h"
+
 namespace pbrt {
 namespace {
 
@@ -8,12 +10,7 @@ using test::MakeTestCamera;
 using test::StringParam;
 
 std::string ErrorOf(const std::string &type, const std::vector<Param> &params) {
-    try {
-        MakeTestCamera(type, params);
-    } catch (const UserError &e) {
-        return e.what();
-    }
-    return "";
+    return test::MessageOf([&] { MakeTestCamera(type, params); });
 }
 
 TEST(MakeCamera, KnownAndUnknownTypes) {
@@ -33,12 +30,11 @@ TEST(MakeCamera, SenselessValuesAreErrors) {
     EXPECT_NE(ErrorOf("perspective", {FloatParam("focaldistance", {0})}), "");
     EXPECT_NE(ErrorOf("perspective", {FloatParam("screenwindow", {-1, 1, -1})}), "");
     EXPECT_NE(ErrorOf("orthographic", {FloatParam("screenwindow", {1, 1, -1, 1})}), "");
-    EXPECT_NE(ErrorOf("spherical", {StringParam("mapping", "cube")}).find("equirectangular"), std::string::npos);
+    test::ExpectWords(ErrorOf("spherical", {StringParam("mapping", "cube")}), {"equirectangular"});
 }
 
 TEST(MakeCamera, ShutterMustCloseAfterItOpens) {
-    EXPECT_NE(ErrorOf("perspective", {FloatParam("shutteropen", {1})}).find("opens at 1 and closes at 1"),
-              std::string::npos);
+    test::ExpectWords(ErrorOf("perspective", {FloatParam("shutteropen", {1})}), {"opens at 1 and closes at 1"});
     for (const char *type : {"perspective", "orthographic", "spherical"})
         EXPECT_NE(ErrorOf(type, {FloatParam("shutteropen", {3}), FloatParam("shutterclose", {2})})
                       .find("opens at 3 and closes at 2"),
@@ -65,21 +61,21 @@ TEST(MakeCamera, UnusedParametersAreErrors) {
 }
 
 TEST(MakeCamera, NumbersOutsideTheirRangesAreErrors) {
-    const auto says = [](const std::string &type, const char *name, std::vector<Float> v, const char *part) {
-        const std::string error = ErrorOf(type, {FloatParam(name, v)});
-        EXPECT_NE(error.find(part), std::string::npos) << name << ": " << error;
+    const auto says = [](const std::string &type, const std::string &name, std::vector<Float> v,
+                         std::vector<std::string> words) {
+        words.push_back("\"" + name + "\"");
+        test::ExpectWords(ErrorOf(type, {FloatParam(name, std::move(v))}), words);
     };
-    says("perspective", "fov", {180}, "\"fov\" is 180; it must be above 0 and below 180");
-    says("perspective", "lensradius", {1e30f}, "\"lensradius\" is 1e+30; it must be at least 0");
-    says("perspective", "frameaspectratio", {1e30f}, "at most 1000000");
+    says("perspective", "fov", {180}, {"180", "above 0", "below 180"});
+    says("perspective", "lensradius", {1e30f}, {"1e+30", "at least 0"});
+    says("perspective", "frameaspectratio", {1e30f}, {"at most 1000000"});
     for (const char *type : {"perspective", "orthographic", "spherical", "realistic"}) {
-        says(type, "shutterclose", {2e9f},
-             "\"shutterclose\" is 2000000000; it must be at least -1000000000 and at most 1000000000");
-        says(type, "shutteropen", {-2e9f}, "\"shutteropen\" is -2000000000");
-        says(type, "shutterclose", {Infinity}, "\"shutterclose\" is inf");
-        says(type, "shutteropen", {std::nanf("")}, "\"shutteropen\" is nan");
+        says(type, "shutterclose", {2e9f}, {"2000000000", "at least -1000000000", "at most 1000000000"});
+        says(type, "shutteropen", {-2e9f}, {"-2000000000"});
+        says(type, "shutterclose", {Infinity}, {"inf"});
+        says(type, "shutteropen", {std::nanf("")}, {"nan"});
     }
-    says("orthographic", "screenwindow", {-1, 1e30f, -1, 1}, "\"screenwindow\" is 1e+30");
+    says("orthographic", "screenwindow", {-1, 1e30f, -1, 1}, {"\"screenwindow\" is 1e+30"});
     // The focal distance is used only with a lens; without one, any value is accepted.
     EXPECT_EQ(ErrorOf("perspective", {FloatParam("focaldistance", {1e30f})}), "");
     EXPECT_NE(ErrorOf("perspective", {FloatParam("focaldistance", {1e30f}), FloatParam("lensradius", {0.1f})}), "");

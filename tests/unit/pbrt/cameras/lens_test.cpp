@@ -8,6 +8,7 @@
 #include "lens_cases.h"
 #include "pbrt/cameras/exit_pupil.h"
 #include "pbrt/math/rng.h"
+#include "support/errors.h"
 
 namespace pbrt {
 namespace {
@@ -236,12 +237,7 @@ TEST(ApertureImage, FilesAreAveragedAndTurnedUpsideDown) {
 
 std::string LensError(const std::string &text) {
     const std::string path = WriteFile("lens_test.dat", text);
-    try {
-        ReadLensFile(path);
-    } catch (const UserError &e) {
-        return e.what();
-    }
-    return "";
+    return test::MessageOf([&] { ReadLensFile(path); });
 }
 
 TEST(LensFile, IsReadInMillimetresAndChecked) {
@@ -255,12 +251,12 @@ TEST(LensFile, IsReadInMillimetresAndChecked) {
     EXPECT_TRUE(e[1].IsStop());
     EXPECT_EQ(e[1].index, 1);
     EXPECT_FLOAT_EQ(e[2].curvatureRadius, -0.04f);
-    EXPECT_NE(LensError("50 2 1.5").find("four numbers"), std::string::npos);
-    EXPECT_NE(LensError("").find("four numbers"), std::string::npos);
-    EXPECT_NE(LensError("50 2 1.5 20\n50 2 glass 20").find(":2: "), std::string::npos);
-    EXPECT_NE(LensError("50 -2 1.5 20").find("thickness"), std::string::npos);
-    EXPECT_NE(LensError("50 2 0 20").find("index"), std::string::npos);
-    EXPECT_NE(LensError("50 2 1 0").find("diameter"), std::string::npos);
+    test::ExpectWords(LensError("50 2 1.5"), {"four numbers"});
+    test::ExpectWords(LensError(""), {"four numbers"});
+    test::ExpectWords(LensError("50 2 1.5 20\n50 2 glass 20"), {":2: "});
+    test::ExpectWords(LensError("50 -2 1.5 20"), {"thickness"});
+    test::ExpectWords(LensError("50 2 0 20"), {"index"});
+    test::ExpectWords(LensError("50 2 1 0"), {"diameter"});
 }
 
 }  // namespace

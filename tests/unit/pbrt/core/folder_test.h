@@ -4,7 +4,6 @@
 
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <iterator>
 #include <string>
 
@@ -35,17 +34,5 @@ class FolderTest : public ::testing::Test {
     }
     std::filesystem::path folder_;
 };
-
-inline bool Contains(const std::string &text, const std::string &part) { return text.find(part) != std::string::npos; }
-
-/// The message of the UserError that `f` throws; empty if it throws none.
-inline std::string Reason(const std::function<void()> &f) {
-    try {
-        f();
-    } catch (const UserError &e) {
-        return e.what();
-    }
-    return "";
-}
 
 }  // namespace pbrt::test

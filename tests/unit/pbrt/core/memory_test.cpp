@@ -5,6 +5,8 @@
 
 #include <cstdlib>
 
+#include "support/errors.h"
+
 namespace pbrt {
 namespace {
 
@@ -21,14 +23,8 @@ TEST(RequireMemory, ComparesWithWhatThisProcessCanUse) {
     const double usable = UsableMemory();
     EXPECT_GT(usable, 1e8);
     EXPECT_NO_THROW(RequireMemory(usable, "a film", {}));
-    try {
-        RequireMemory(usable * 1.01, "a film", {});
-        FAIL();
-    } catch (const UserError &e) {
-        EXPECT_EQ(e.Diagnostics().front().message,
-                  fmt::format("a film needs about {} of memory, but this process can use {}.", BytesText(usable * 1.01),
-                              BytesText(usable)));
-    }
+    test::ExpectError([&] { RequireMemory(usable * 1.01, "a film", {}); },
+                      {"a film", BytesText(usable * 1.01), BytesText(usable)});
 }
 
 TEST(AvailableMemory, IsLessByWhatThisProcessHas) {

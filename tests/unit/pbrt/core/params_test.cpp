@@ -4,28 +4,17 @@
 
 #include <cmath>
 
+#include "support/errors.h"
+#include "support/param.h"
+
 namespace pbrt {
 namespace {
 
-Param Floats(const std::string &name, std::vector<Float> values, ParamType type = ParamType::Float) {
-    Param p;
-    p.type = type;
-    p.name = name;
-    p.floats = std::move(values);
-    return p;
-}
-
-Param Ints(const std::string &name, std::vector<int> values) {
-    Param p;
-    p.type = ParamType::Integer;
-    p.name = name;
-    p.ints = std::move(values);
-    return p;
-}
+using test::FloatParam, test::IntParam;
 
 TEST(ParamSet, NameAndTypeMustBothMatch) {
     ParamSet set("Shape \"s\"", {});
-    set.Add(Ints("x", {3}));
+    set.Add(IntParam("x", {3}));
     EXPECT_EQ(set.Find("x", ParamType::Float), nullptr);
     EXPECT_EQ(set.Find("X", ParamType::Integer), nullptr);
     EXPECT_TRUE(set.Has("x"));
@@ -35,11 +24,11 @@ TEST(ParamSet, NameAndTypeMustBothMatch) {
 
 TEST(ParamSet, TheLastOfEqualOnesWinsAndOwnOnesBeatDefaults) {
     ParamSet set;
-    set.Add(Floats("a", {1}));
-    set.Add(Floats("a", {2}));
-    set.AddDefault(Floats("a", {3}));
-    set.AddDefault(Floats("b", {4}));
-    set.AddDefault(Floats("b", {5}));
+    set.Add(FloatParam("a", {1}));
+    set.Add(FloatParam("a", {2}));
+    set.AddDefault(FloatParam("a", {3}));
+    set.AddDefault(FloatParam("b", {4}));
+    set.AddDefault(FloatParam("b", {5}));
     EXPECT_EQ(set.Find("a", ParamType::Float)->floats[0], 2);
     EXPECT_EQ(set.Find("b", ParamType::Float)->floats[0], 5);
     EXPECT_TRUE(set.Find("b", ParamType::Float)->fromAttribute);
@@ -48,7 +37,7 @@ TEST(ParamSet, TheLastOfEqualOnesWinsAndOwnOnesBeatDefaults) {
 TEST(ParamSet, ErrorsNameTheEntityAndThePlace) {
     auto file = std::make_shared<SourceFile>(SourceFile{"f", "text"});
     ParamSet set("Shape \"s\"", {file, 1, 0});
-    Param p = Floats("a", {1});
+    Param p = FloatParam("a", {1});
     p.loc = {file, 2, 5};
     set.Add(p);
     const UserError error = set.Error("a", "is odd.");
@@ -66,20 +55,18 @@ TEST(ParamSet, AtGivesErrorsWithoutAPlaceThatOfTheParameter) {
     const ParamSet set("Shape \"s\"", {file, 7, 0});
     EXPECT_EQ(set.At("a", [] { return 3; }), 3);
     for (int line : {0, 4}) {
-        try {
+        const Diagnostic error = test::ErrorOf([&] {
             set.At("a", [&] { throw UserError("gone.", line ? FileLoc{file, line, 0} : FileLoc()); });
-            FAIL();
-        } catch (const UserError &e) {
-            EXPECT_EQ(e.Diagnostics()[0].loc.line, line ? 4 : 7) << "an error that has a location keeps it";
-            EXPECT_EQ(e.Diagnostics()[0].message, line ? "gone." : "Shape \"s\": gone.");
-        }
+        });
+        EXPECT_EQ(error.loc.line, line ? 4 : 7) << "an error that has a location keeps it";
+        EXPECT_EQ(error.message, line ? "gone." : "Shape \"s\": gone.");
     }
 }
 
 TEST(ParamSet, LocOfPointsAtTheParameterElseTheDirective) {
     auto file = std::make_shared<SourceFile>(SourceFile{"f", "text"});
     ParamSet set("x", {file, 1, 0});
-    Param p = Floats("a", {1});
+    Param p = FloatParam("a", {1});
     p.loc = {file, 2, 5};
     set.Add(p);
     EXPECT_EQ(set.LocOf("a").line, 2);
@@ -96,18 +83,12 @@ TEST(ParamType, NamesAreThoseOfTheFormat) {
 
 TEST(ParamSet, RequireNamesTheRange) {
     const ParamSet set("Shape \"s\"", {});
-    auto message = [&](Float value, const Range<Float> &range) -> std::string {
-        try {
-            set.Require("x", value, range);
-        } catch (const UserError &e) {
-            return e.Diagnostics().front().message;
-        }
-        return "";
+    const auto message = [&](Float value, const Range<Float> &range) {
+        return test::MessageOf([&] { set.Require("x", value, range); });
     };
-    EXPECT_EQ(message(-1, Positive(1e18f)), "Shape \"s\": \"x\" is -1; it must be above 0 and at most 1e+18.");
-    EXPECT_EQ(message(180, {0, 180, true, true}), "Shape \"s\": \"x\" is 180; it must be above 0 and below 180.");
-    EXPECT_EQ(message(11, {0, 10, false, false, "mm"}),
-              "Shape \"s\": \"x\" is 11; it must be at least 0 and at most 10 mm.");
+    test::ExpectWords(message(-1, Positive(1e18f)), {"Shape \"s\"", "\"x\" is -1", "above 0", "at most 1e+18"});
+    test::ExpectWords(message(180, {0, 180, true, true}), {"\"x\" is 180", "above 0", "below 180"});
+    test::ExpectWords(message(11, {0, 10, false, false, "mm"}), {"\"x\" is 11", "at least 0", "at most 10 mm"});
     EXPECT_EQ(message(180, {0, 180}), "");
     EXPECT_FALSE((Range<Float>{0, 1}.Contains(std::nanf(""))));
 }

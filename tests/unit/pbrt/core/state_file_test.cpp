@@ -1,6 +1,7 @@
 #include "pbrt/core/state_file.h"
 
 #include "folder_test.h"
+#include "support/errors.h"
 
 namespace pbrt::test {
 namespace {
@@ -35,7 +36,7 @@ TEST_F(StateFiles, GiveBackWhatWasWritten) {
     EXPECT_EQ(words.Value<int>(), 7);
     EXPECT_EQ(words.BytesLeft(), 0u);
     EXPECT_THROW(words.Value<char>(), UserError);
-    EXPECT_TRUE(Contains(Reason([&] { file.Section("more"); }), "\"more\""));
+    ExpectError([&] { file.Section("more"); }, {"\"more\""});
     EXPECT_EQ(FileCount(), 1);
 }
 
@@ -43,13 +44,13 @@ TEST_F(StateFiles, CutOffAtAnyByteTheyAreRefused) {
     const std::string whole = Text(Example("a"));
     for (size_t size = 0; size < whole.size(); ++size) {
         const std::string path = Write("b", whole.substr(0, size));
-        const std::string reason = Reason([&] { StateFile(path, "test"); });
-        EXPECT_TRUE(Contains(reason, path)) << size << reason;
+        const std::string reason = MessageOf([&] { StateFile(path, "test"); });
+        ExpectWords(reason, {path});
         if (size > 40) {
-            EXPECT_TRUE(Contains(reason, "cut off")) << reason;
+            ExpectWords(reason, {"cut off"});
         }
     }
-    EXPECT_TRUE(Contains(Reason([&] { StateFile(Write("b", whole + "x"), "test"); }), "damaged"));
+    ExpectError([&] { StateFile(Write("b", whole + "x"), "test"); }, {"damaged"});
 }
 
 TEST_F(StateFiles, WithAnyBitTurnedTheyAreRefused) {
@@ -57,17 +58,17 @@ TEST_F(StateFiles, WithAnyBitTurnedTheyAreRefused) {
     for (size_t i = 0; i < content.size(); ++i)
         for (int bit = 0; bit < 8; ++bit) {
             content[i] = static_cast<char>(content[i] ^ (1 << bit));
-            EXPECT_NE(Reason([&] { StateFile(Write("b", content), "test"); }), "") << i << " " << bit;
+            EXPECT_NE(MessageOf([&] { StateFile(Write("b", content), "test"); }), "") << i << " " << bit;
             content[i] = static_cast<char>(content[i] ^ (1 << bit));
         }
-    EXPECT_EQ(Reason([&] { StateFile(Write("b", content), "test"); }), "");
+    EXPECT_EQ(MessageOf([&] { StateFile(Write("b", content), "test"); }), "");
 }
 
 TEST_F(StateFiles, OtherFilesAreRefusedByName) {
-    EXPECT_TRUE(Contains(Reason([&] { StateFile(Path("none"), "test"); }), "there is no such test"));
-    EXPECT_TRUE(Contains(Reason([&] { StateFile(Write("b", ""), "test"); }), "is empty, not a test"));
-    EXPECT_TRUE(Contains(Reason([&] { StateFile(Write("b", "picture"), "test"); }), "is not a test"));
-    EXPECT_TRUE(Contains(Reason([&] { StateFile(Example("a"), "checkpoint"); }), "is a test, not a checkpoint"));
+    ExpectError([&] { StateFile(Path("none"), "test"); }, {"there is no such test"});
+    ExpectError([&] { StateFile(Write("b", ""), "test"); }, {"is empty, not a test"});
+    ExpectError([&] { StateFile(Write("b", "picture"), "test"); }, {"is not a test"});
+    ExpectError([&] { StateFile(Example("a"), "checkpoint"); }, {"is a test, not a checkpoint"});
 }
 
 TEST_F(StateFiles, ANewOneThatCannotBeWrittenLeavesTheOldOne) {

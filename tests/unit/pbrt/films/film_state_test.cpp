@@ -9,25 +9,16 @@
 #include "pbrt/films/film_recipe.h"
 #include "pbrt/films/fixed_sum.h"
 #include "pbrt/math/rng.h"
+#include "support/param.h"
 
 namespace pbrt {
 namespace {
 
 ParamSet Params(int width = 5, int height = 3, Float maxComponentValue = 0) {
     ParamSet params("Film", {});
-    for (auto [name, value] : {std::pair("xresolution", width), std::pair("yresolution", height)}) {
-        Param p;
-        p.type = ParamType::Integer;
-        p.name = name;
-        p.ints = {value};
-        params.Add(p);
-    }
-    if (maxComponentValue > 0) {
-        Param p;
-        p.name = "maxcomponentvalue";
-        p.floats = {maxComponentValue};
-        params.Add(p);
-    }
+    params.Add(test::IntParam("xresolution", width));
+    params.Add(test::IntParam("yresolution", height));
+    if (maxComponentValue > 0) params.Add(test::FloatParam("maxcomponentvalue", {maxComponentValue}));
     return params;
 }
 
@@ -203,11 +194,7 @@ TEST_P(EveryFilm, AFilmMadeFromItsRecipeMakesTheSamePicture) {
     FilmRecipe recipe;
     recipe.type = GetParam();
     recipe.params = Params();
-    Param sensor;
-    sensor.type = pbrt::ParamType::String;
-    sensor.name = "sensor";
-    sensor.strings = {"canon_eos_5d"};
-    recipe.params.Add(sensor);
+    recipe.params.Add(test::StringParam("sensor", "canon_eos_5d"));
     recipe.colorSpace = "rec2020";
     recipe.exposureTime = Float(0.1);
     recipe.overrides.pixelBounds = Bounds2i{{0, 0}, {5, 3}};

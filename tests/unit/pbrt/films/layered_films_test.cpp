@@ -2,6 +2,7 @@
 
 #include "pbrt/films/gbuffer_film.h"
 #include "pbrt/films/spectral_film.h"
+#include "support/param.h"
 
 namespace pbrt {
 namespace {
@@ -9,29 +10,11 @@ namespace {
 ParamSet Params(std::vector<std::pair<std::string, Float>> floats = {}, int buckets = 0,
                 std::pair<std::string, std::string> text = {}) {
     ParamSet params("Film", {});
-    auto integer = [&](const char *name, int value) {
-        Param p;
-        p.type = ParamType::Integer;
-        p.name = name;
-        p.ints = {value};
-        params.Add(p);
-    };
-    integer("xresolution", 2);
-    integer("yresolution", 1);
-    if (buckets) integer("nbuckets", buckets);
-    for (const auto &[name, value] : floats) {
-        Param p;
-        p.name = name;
-        p.floats = {value};
-        params.Add(p);
-    }
-    if (!text.first.empty()) {
-        Param p;
-        p.type = ParamType::String;
-        p.name = text.first;
-        p.strings = {text.second};
-        params.Add(p);
-    }
+    params.Add(test::IntParam("xresolution", 2));
+    params.Add(test::IntParam("yresolution", 1));
+    if (buckets) params.Add(test::IntParam("nbuckets", buckets));
+    for (const auto &[name, value] : floats) params.Add(test::FloatParam(name, {value}));
+    if (!text.first.empty()) params.Add(test::StringParam(text.first, text.second));
     return params;
 }
 

@@ -3,25 +3,16 @@
 #include <gtest/gtest.h>
 
 #include "pbrt/math/rng.h"
+#include "support/param.h"
 
 namespace pbrt {
 namespace {
 
 ParamSet Params(const std::string &sensor, Float whiteBalance = 0, Float iso = 100) {
     ParamSet params("Film \"rgb\"", {});
-    auto number = [&](const char *name, Float value) {
-        Param p;
-        p.name = name;
-        p.floats = {value};
-        params.Add(p);
-    };
-    Param p;
-    p.type = ParamType::String;
-    p.name = "sensor";
-    p.strings = {sensor};
-    params.Add(p);
-    number("whitebalance", whiteBalance);
-    number("iso", iso);
+    params.Add(test::StringParam("sensor", sensor));
+    params.Add(test::FloatParam("whitebalance", {whiteBalance}));
+    params.Add(test::FloatParam("iso", {iso}));
     return params;
 }
 

@@ -1,60 +1,55 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
 
 #include "support/render_scene.h"
-#include "support/statistics.h"
+#include "support/scene_text.h"
 
 namespace pbrt::test {
 namespace {
 
-constexpr const char *kPointLamp = "LightSource \"point\" \"rgb I\" [9 9 9]\n";
+constexpr const char *kPointLamp = "LightSource 'point' 'rgb I' [9 9 9]\n";
 constexpr const char *kBallLamp =
-    "AreaLightSource \"diffuse\" \"rgb L\" [5 5 5]\n"
-    "Shape \"sphere\" \"float radius\" .4\n";
+    "AreaLightSource 'diffuse' 'rgb L' [5 5 5]\n"
+    "Shape 'sphere' 'float radius' .4\n";
 
+const std::string kTetrahedron =
+    " 'point3 P' [ -1 -1 -.7  1 -1 -.7  0 1 -.7  0 0 1 ] 'integer indices' [ 0 2 1  0 1 3  1 2 3  2 0 3 ]\n";
 /// Closed surfaces around the origin, one for each way in which the program traces rays.
 const std::vector<std::string> kShells = {
-    "Shape \"sphere\" \"float radius\" .7\n",
-    "Shape \"sphere\" \"float radius\" .7 \"float alpha\" .5\n",
-    R"(Shape "trianglemesh" "point3 P" [ -1 -1 -.7  1 -1 -.7  0 1 -.7  0 0 1 ]
-       "integer indices" [ 0 2 1  0 1 3  1 2 3  2 0 3 ])"
-    "\n",
-    R"(Shape "trianglemesh" "float alpha" .5 "point3 P" [ -1 -1 -.7  1 -1 -.7  0 1 -.7  0 0 1 ]
-       "integer indices" [ 0 2 1  0 1 3  1 2 3  2 0 3 ])"
-    "\n",
-    "ObjectBegin \"shell\" Shape \"sphere\" \"float radius\" .7 ObjectEnd Identity ObjectInstance \"shell\"\n",
+    "Shape 'sphere' 'float radius' .7\n",
+    "Shape 'sphere' 'float radius' .7 'float alpha' .5\n",
+    "Shape 'trianglemesh'" + kTetrahedron,
+    "Shape 'trianglemesh' 'float alpha' .5" + kTetrahedron,
+    "ObjectBegin 'shell' Shape 'sphere' 'float radius' .7 ObjectEnd Identity ObjectInstance 'shell'\n",
 };
 
 /// A floor and a ball under a lamp; a shape of the material "interface" is around the lamp or around the ball.
 std::string Scene(const std::string &integrator, const std::string &lamp, const std::string &aroundLamp,
                   const std::string &aroundBall, int samples) {
-    auto shell = [](const std::string &shape) {
-        return shape.empty() ? "" : "AttributeBegin Material \"interface\"\n" + shape + "AttributeEnd\n";
+    const auto shell = [](const std::string &shape) {
+        return shape.empty() ? "" : "AttributeBegin Material 'interface'\n" + shape + "AttributeEnd\n";
     };
-    return "LookAt 0 -5 3  0 0 .7  0 0 1 Camera \"perspective\" \"float fov\" 40\n"
-           "Film \"rgb\" \"integer xresolution\" 12 \"integer yresolution\" 12 PixelFilter \"box\"\n"
-           "Sampler \"independent\" \"integer pixelsamples\" " +
-           std::to_string(samples) + "\nIntegrator \"" + integrator +
-           "\" \"integer maxdepth\" 3\nWorldBegin\n"
-           "Shape \"trianglemesh\" \"point3 P\" [ -4 -4 -.4  4 -4 -.4  4 4 -.4  -4 4 -.4 ]"
-           " \"integer indices\" [ 0 1 2  0 2 3 ]\nShape \"sphere\" \"float radius\" .3\n" +
-           shell(aroundBall) + "Translate 0 0 1.8\n" + shell(aroundLamp) + lamp;
+    return SceneText()
+        .LookAt("0 -5 3  0 0 .7  0 0 1")
+        .Camera(40)
+        .Film(12, 12)
+        .Filter("box")
+        .Samples(samples)
+        .Integrator(integrator, 3)
+        .World(Objects()
+                   .Triangles("-4 -4 -.4  4 -4 -.4  4 4 -.4  -4 4 -.4")
+                   .Sphere(.3)
+                   .Add(shell(aroundBall) + "Translate 0 0 1.8\n" + shell(aroundLamp) + lamp));
 }
 
-RunningStatistics Green(const Image &image) {
-    RunningStatistics s;
-    for (int y = 0; y < image.Resolution().y; ++y)
-        for (int x = 0; x < image.Resolution().x; ++x) s.Add(double(image.Get({x, y}, 1)));
-    return s;
-}
+double Mean(const std::string &text) { return ChannelStatistics(RenderText(text).image).mean; }
 
 TEST(Interface, VolpathSeesAsIfTheShellWereNotThere) {
     for (const char *lamp : {kPointLamp, kBallLamp}) {
         // The random numbers are the same, so the pictures differ by rounding only.
         auto mean = [&](const std::string &aroundLamp, const std::string &aroundBall) {
-            return Green(RenderText(Scene("volpath", lamp, aroundLamp, aroundBall, 16)).image).mean;
+            return Mean(Scene("volpath", lamp, aroundLamp, aroundBall, 16));
         };
         const double bare = mean("", "");
         EXPECT_GT(bare, .01);
@@ -68,17 +63,12 @@ TEST(Interface, VolpathSeesAsIfTheShellWereNotThere) {
 TEST(Interface, BlocksShadowRaysOfPath) {
     for (const std::string &shell : kShells) {
         const bool holes = shell.find("alpha") != std::string::npos;
-        const double mean = Green(RenderText(Scene("path", kPointLamp, shell, "", 16)).image).mean;
+        const double mean = Mean(Scene("path", kPointLamp, shell, "", 16));
         EXPECT_EQ(mean > 0, holes) << shell << mean;
     }
     // A lamp that rays can meet is still found by BSDF samples, with all of its light.
-    RunningStatistics inside, bare;
-    for (int seed = 1; seed <= 8; ++seed) {
-        BuildOptions options;
-        options.seed = seed;
-        inside.Add(Green(RenderText(Scene("path", kBallLamp, kShells[0], "", 256), options).image).mean);
-        bare.Add(Green(RenderText(Scene("path", kBallLamp, "", "", 64), options).image).mean);
-    }
+    const RunningStatistics inside = MeansOverSeeds(Scene("path", kBallLamp, kShells[0], "", 256)),
+                            bare = MeansOverSeeds(Scene("path", kBallLamp, "", "", 64));
     const double error = std::hypot(inside.StandardError(), bare.StandardError());
     EXPECT_LT(std::abs(inside.mean - bare.mean), 5 * error) << inside.mean << " for " << bare.mean;
     EXPECT_LT(error, .02 * bare.mean);
@@ -92,10 +82,9 @@ TEST(Interface, TheIntegratorOfTheCommandLineDecides) {
         return RenderText(Scene(integrator, kPointLamp, "", kShells[0], 2), options).image;
     };
     const Image dark = render("path", {}), bright = render("volpath", {});
-    auto equal = [](const Image &a, const Image &b) { return std::memcmp(a.Data(), b.Data(), a.Bytes()) == 0; };
-    EXPECT_FALSE(equal(dark, bright));
-    EXPECT_TRUE(equal(dark, render("volpath", path)));
-    EXPECT_TRUE(equal(bright, render("path", volpath)));
+    EXPECT_FALSE(SameBits(dark, bright));
+    EXPECT_TRUE(SameBits(dark, render("volpath", path)));
+    EXPECT_TRUE(SameBits(bright, render("path", volpath)));
 }
 
 }  // namespace

@@ -4,87 +4,81 @@
 #include <array>
 #include <cmath>
 
-#include "support/build_text.h"
 #include "support/render_scene.h"
-#include "support/statistics.h"
+#include "support/scene_text.h"
 
 namespace pbrt::test {
 namespace {
 
 /// A view of 16 x 16 pixels from (0, 0, 3) towards the origin.
 std::string View(const std::string &world, const std::string &integrator, int maxDepth, int samples) {
-    return fmt::format(
-        "LookAt 0 0 3  0 0 0  0 1 0\nCamera \"orthographic\" \"float screenwindow\" [-.5 .5 -.5 .5] \"float shutteropen\" 0 "
-        "\"float shutterclose\" 1\nFilm \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 16 \"bool savefp16\" "
-        "false\nPixelFilter \"box\"\nSampler \"independent\" \"integer pixelsamples\" {}\nIntegrator \"{}\" \"integer "
-        "maxdepth\" {}\nWorldBegin\n{}",
-        samples, integrator, maxDepth, world);
+    return SceneText()
+        .LookAt("0 0 3  0 0 0  0 1 0")
+        .Camera("orthographic", "'float screenwindow' [-.5 .5 -.5 .5] 'float shutteropen' 0 'float shutterclose' 1")
+        .Film(16, 16, "'bool savefp16' false")
+        .Filter("box")
+        .Samples(samples)
+        .Integrator(integrator, maxDepth)
+        .World(world);
 }
 
-RunningStatistics Green(const std::string &text) {
-    const Image image = RenderText(text).image;
-    RunningStatistics s;
-    for (int y = 0; y < image.Resolution().y; ++y)
-        for (int x = 0; x < image.Resolution().x; ++x) s.Add(static_cast<double>(image.Get({x, y}, 1)));
-    return s;
+RunningStatistics Green(const std::string &text) { return ChannelStatistics(RenderText(text).image); }
+
+std::string Homogeneous(const std::string &parameters) {
+    return "MakeNamedMedium 'm' 'string type' 'homogeneous' " + parameters + "\n";
 }
 
-const std::string kSky = "LightSource \"infinite\" \"rgb L\" [1 1 1]\n";
-const std::string kFog =
-    "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [0 0 0] \"rgb sigma_s\" [2 2 2] \"float g\" .4\n";
-const std::string kFilled = "MediumInterface \"m\" \"\"\nMaterial \"interface\"\nShape \"sphere\"\n";
+const std::string kSky = Objects().Sky("1 1 1");
+const std::string kFog = Homogeneous("'rgb sigma_a' [0 0 0] 'rgb sigma_s' [2 2 2] 'float g' .4"),
+                  kAbsorbing = Homogeneous("'rgb sigma_a' [.6 .6 .6] 'rgb sigma_s' [0 0 0]");
+const std::string kOfMedium = "MediumInterface 'm' ''\nMaterial 'interface'\n",
+                  kFilled = kOfMedium + "Shape 'sphere'\n";
+
+/// The surfaces at z = -.5 and .5 between which the medium is.
+std::string Slab(const std::string &top, const std::string &bottom) {
+    return Objects().Add(kOfMedium).Quad(top).Add("ReverseOrientation").Quad(bottom);
+}
+
+/// Expects a mean of `expected` times that of a sky of radiance 1, and little noise.
+void ExpectOfSky(const RunningStatistics &s, double expected, int maxDepth, const std::string &what = "",
+                 double allowed = 1e-4) {
+    const double sky = Green(View(kSky, "volpath", maxDepth, 4)).mean;
+    EXPECT_LT(std::abs(s.mean / sky - expected), 4 * s.StandardError() / sky + allowed) << what;
+    EXPECT_LT(s.StandardError(), .01 * sky) << what;
+}
 
 TEST(MediaInPlaces, AFurnaceInAnInstanceIsInvisible) {
-    const double sky = Green(View(kSky, "volpath", 1000, 4)).mean;
     const std::string instances =
-        kSky + kFog + "ObjectBegin \"ball\"\n" + kFilled +
-        "ObjectEnd\nAttributeBegin\nTranslate .3 0 0\nScale .5 .7 .9\nObjectInstance \"ball\"\n"
-        "AttributeEnd\nAttributeBegin\nTranslate -.3 .1 -3\nScale -.8 1 1\nObjectInstance "
-        "\"ball\"\nAttributeEnd\n";
-    const RunningStatistics s = Green(View(instances, "volpath", 1000, 128));
-    EXPECT_LT(std::abs(s.mean / sky - 1), 4 * s.StandardError() / sky + 1e-4);
-    EXPECT_LT(s.StandardError(), .01 * sky);
+        Objects()
+            .Add(kSky + kFog + "ObjectBegin 'ball'\n" + kFilled + "ObjectEnd")
+            .Attribute("Translate .3 0 0 Scale .5 .7 .9", Objects().Add("ObjectInstance 'ball'"))
+            .Attribute("Translate -.3 .1 -3 Scale -.8 1 1", Objects().Add("ObjectInstance 'ball'"));
+    ExpectOfSky(Green(View(instances, "volpath", 1000, 128)), 1, 1000);
 }
 
 TEST(MediaInPlaces, AMovingFurnaceIsInvisible) {
-    const double sky = Green(View(kSky, "volpath", 1000, 4)).mean;
     const std::string moving =
         kSky + kFog + "ActiveTransform EndTime\nTranslate .7 .2 0\nActiveTransform All\n" + kFilled;
-    const RunningStatistics s = Green(View(moving, "volpath", 1000, 128));
-    EXPECT_LT(std::abs(s.mean / sky - 1), 4 * s.StandardError() / sky + 1e-4);
-    EXPECT_LT(s.StandardError(), .01 * sky);
+    ExpectOfSky(Green(View(moving, "volpath", 1000, 128)), 1, 1000);
 }
 
 TEST(MediaInPlaces, AnInstanceThatIsStretchedHoldsMoreOfTheMedium) {
     // What absorbs is per unit of length of the world, so a slab of thickness 1 that is stretched twofold takes 2
     // units.
-    const std::string absorbing =
-        "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.6 .6 .6] \"rgb sigma_s\" [0 0 0]\n";
-    const std::string slab =
-        "ObjectBegin \"slab\"\nMediumInterface \"m\" \"\"\nMaterial \"interface\"\n"
-        "Shape \"bilinearmesh\" \"point3 P\" [-4 -4 .5  4 -4 .5  -4 4 .5  4 4 .5]\nReverseOrientation\n"
-        "Shape \"bilinearmesh\" \"point3 P\" [-4 -4 -.5  4 -4 -.5  -4 4 -.5  4 4 -.5]\nObjectEnd\n";
-    const double sky = Green(View(kSky, "volpath", 5, 4)).mean;
-    for (const char *integrator : {"volpath", "simplevolpath"}) {
-        const RunningStatistics s =
-            Green(View(kSky + absorbing + slab + "Scale 1 1 2\nObjectInstance \"slab\"\n", integrator, 5, 256));
-        EXPECT_LT(std::abs(s.mean / sky - std::exp(-1.2)), 4 * s.StandardError() / sky + 1e-4) << integrator;
-        EXPECT_LT(s.StandardError(), .01 * sky);
-    }
+    const std::string slab = "ObjectBegin 'slab'\n" +
+                             Slab("-4 -4 .5  4 -4 .5  -4 4 .5  4 4 .5", "-4 -4 -.5  4 -4 -.5  -4 4 -.5  4 4 -.5") +
+                             "ObjectEnd\n";
+    for (const char *integrator : {"volpath", "simplevolpath"})
+        ExpectOfSky(Green(View(kSky + kAbsorbing + slab + "Scale 1 1 2\nObjectInstance 'slab'\n", integrator, 5, 256)),
+                    std::exp(-1.2), 5, integrator);
 }
 
 TEST(MediaInPlaces, AMovingSlabShadesOnlyWhereItIs) {
     // A slab that leaves the view in the middle of the shutter: half of the time its light is weakened.
-    const std::string absorbing =
-        "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.6 .6 .6] \"rgb sigma_s\" [0 0 0]\n";
     const std::string slab =
-        "ActiveTransform EndTime\nTranslate 0 100 0\nActiveTransform All\nMediumInterface \"m\" \"\"\nMaterial "
-        "\"interface\"\nShape \"bilinearmesh\" \"point3 P\" [-50 -50 .5  50 -50 .5  -50 50 .5  50 50 .5]\n"
-        "ReverseOrientation\nShape \"bilinearmesh\" \"point3 P\" [-50 -50 -.5  50 -50 -.5  -50 50 -.5  50 50 -.5]\n";
-    const double sky = Green(View(kSky, "volpath", 5, 4)).mean;
-    const RunningStatistics s = Green(View(kSky + absorbing + slab, "volpath", 5, 1024));
-    EXPECT_LT(std::abs(s.mean / sky - (1 + std::exp(-.6)) / 2), 4 * s.StandardError() / sky + 1e-3);
-    EXPECT_LT(s.StandardError(), .01 * sky);
+        "ActiveTransform EndTime\nTranslate 0 100 0\nActiveTransform All\n" +
+        Slab("-50 -50 .5  50 -50 .5  -50 50 .5  50 50 .5", "-50 -50 -.5  50 -50 -.5  -50 50 -.5  50 50 -.5");
+    ExpectOfSky(Green(View(kSky + kAbsorbing + slab, "volpath", 5, 1024)), (1 + std::exp(-.6)) / 2, 5, "", 1e-3);
 }
 
 TEST(MediaInPlaces, AGridOfTemperaturesGlowsAsQuadratureSays) {
@@ -97,11 +91,11 @@ TEST(MediaInPlaces, AGridOfTemperaturesGlowsAsQuadratureSays) {
             densities += i < 4 || i >= 20 ? " 0" : " 1";
         }
         return View(
-            "MakeNamedMedium \"m\" \"string type\" \"uniformgrid\" \"integer nx\" 2 \"integer ny\" 2 \"integer nz\" "
-            "6 \"float density\" [" +
-                densities + " ] \"float temperature\" [" + temperatures +
-                " ] \"rgb sigma_a\" [1.2 1.2 1.2] \"rgb sigma_s\" [0 0 0] \"point3 p0\" [-3 -3 -1] \"point3 p1\" "
-                "[3 3 1]\nMediumInterface \"m\" \"\"\nMaterial \"interface\"\nShape \"sphere\" \"float radius\" 2.9\n",
+            "MakeNamedMedium 'm' 'string type' 'uniformgrid' 'integer nx' 2 'integer ny' 2 'integer nz' "
+            "6 'float density' [" +
+                densities + " ] 'float temperature' [" + temperatures +
+                " ] 'rgb sigma_a' [1.2 1.2 1.2] 'rgb sigma_s' [0 0 0] 'point3 p0' [-3 -3 -1] 'point3 p1' "
+                "[3 3 1]\nMediumInterface 'm' ''\nMaterial 'interface'\nShape 'sphere' 'float radius' 2.9\n",
             "volpath", 5, 1024);
     };
     const double kSigma = 1.2;
@@ -149,51 +143,45 @@ TEST(MediaInPlaces, AGridOfTemperaturesGlowsAsQuadratureSays) {
 
 /// A camera in a ball of fog, whose medium is current or not where a light is declared.
 Image InFog(const std::string &integrator, const std::string &light, bool isCurrent, int maxDepth = 20) {
-    std::string text = fmt::format(
-        "Film \"rgb\" \"integer xresolution\" 12 \"integer yresolution\" 12\nSampler \"independent\" "
-        "\"integer pixelsamples\" 16\nIntegrator \"{}\" \"integer maxdepth\" {} {}\n"
-        "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_s\" [1 1 1] "
-        "\"rgb sigma_a\" [0 0 0] \"float g\" -.6\nMediumInterface \"\" \"m\"\n"
-        "LookAt 0 0 .5  0 0 0  0 1 0\nCamera \"perspective\" \"float fov\" 60\nWorldBegin\n",
-        integrator, maxDepth,
-        integrator == "mlt" ? "\"integer mutationsperpixel\" 40 \"integer bootstrapsamples\" 9999" : "");
-    if (isCurrent) text += light;
-    text += "MediumInterface \"\" \"\"\n";
-    if (!isCurrent) text += light;
-    return RenderText(text +
-                      "AttributeBegin\nMaterial \"interface\"\nMediumInterface \"m\" \"\"\nShape \"sphere\"\n"
-                      "AttributeEnd\nMaterial \"diffuse\" \"rgb reflectance\" [1 1 1]\nTranslate 0 0 -.2\n"
-                      "Shape \"sphere\" \"float radius\" .2\n")
+    const std::string parameters =
+        integrator == "mlt" ? "'integer mutationsperpixel' 40 'integer bootstrapsamples' 9999" : "";
+    Objects world;
+    if (isCurrent) world.Add(light);
+    world.Add("MediumInterface '' ''");
+    if (!isCurrent) world.Add(light);
+    world.Attribute("Material 'interface' MediumInterface 'm' ''", Objects().Shape("sphere"));
+    world.Diffuse("1 1 1").Add("Translate 0 0 -.2").Sphere(.2);
+    return RenderText(SceneText()
+                          .Film(12, 12)
+                          .Samples(16)
+                          .Integrator(integrator, maxDepth, parameters)
+                          .Head(Homogeneous("'rgb sigma_s' [1 1 1] 'rgb sigma_a' [0 0 0] 'float g' -.6"))
+                          .Head("MediumInterface '' 'm'")
+                          .LookAt("0 0 .5  0 0 0  0 1 0")
+                          .Camera(60)
+                          .World(world))
         .image;
 }
 
 TEST(MediaInPlaces, LightFromBeyondTheSceneArrivesThroughVacuum) {
-    const auto bits = [](const Image &image) {
-        const auto *data = static_cast<const char *>(image.Data());
-        return std::string(data, data + image.Bytes());
-    };
     for (const char *integrator : {"volpath", "bdpt", "lightpath", "mlt"}) {
-        for (const char *light : {"LightSource \"infinite\" \"rgb L\" [1 1 1]\n",
-                                  "LightSource \"infinite\" \"rgb L\" [1 1 1] \"point3 portal\" "
+        for (const char *light : {"LightSource 'infinite' 'rgb L' [1 1 1]\n",
+                                  "LightSource 'infinite' 'rgb L' [1 1 1] 'point3 portal' "
                                   "[-9 -9 4  9 -9 4  9 9 4  -9 9 4]\n",
-                                  "LightSource \"distant\" \"point3 from\" [1 2 3]\n"}) {
-            EXPECT_EQ(bits(InFog(integrator, light, true)), bits(InFog(integrator, light, false)))
+                                  "LightSource 'distant' 'point3 from' [1 2 3]\n"}) {
+            EXPECT_TRUE(SameBits(InFog(integrator, light, true), InFog(integrator, light, false)))
                 << integrator << ' ' << light;
         }
     }
     // Other lights stand where they are declared.
-    const std::string lamp = "LightSource \"point\" \"point3 from\" [0 .5 .3]\n";
-    EXPECT_NE(bits(InFog("bdpt", lamp, true)), bits(InFog("bdpt", lamp, false)));
+    const std::string lamp = "LightSource 'point' 'point3 from' [0 .5 .3]\n";
+    EXPECT_FALSE(SameBits(InFog("bdpt", lamp, true), InFog("bdpt", lamp, false)));
 }
 
 TEST(MediaInPlaces, AFurnaceAroundTheCameraIsInvisibleToLightPaths) {
-    const std::string sky = "LightSource \"infinite\" \"rgb L\" [1 1 1]\n";
     RunningStatistics expected;
     for (const char *integrator : {"volpath", "bdpt", "mlt"}) {
-        const Image image = InFog(integrator, sky, true, 300);
-        RunningStatistics s;
-        for (int y = 0; y < 12; ++y)
-            for (int x = 0; x < 12; ++x) s.Add(static_cast<double>(image.Get({x, y}, 1)));
+        const RunningStatistics s = ChannelStatistics(InFog(integrator, kSky, true, 300));
         if (expected.n == 0) expected = s;
         EXPECT_LT(std::abs(s.mean / expected.mean - 1), .05) << integrator;
     }

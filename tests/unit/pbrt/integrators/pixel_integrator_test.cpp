@@ -19,25 +19,18 @@ namespace {
 
 /// A textured floor behind a surface that does not scatter, seen from above.
 std::string Scene(const std::string &film, const std::string &integrator, int maxDepth) {
-    return "Option \"rendercoordsys\" \"world\" LookAt 0 0 4  0.3 0.1 0  0 1 0 Camera \"perspective\" \"float fov\" "
-           "40\n"
-           "Film \"" +
-           film +
-           "\" \"integer xresolution\" 24 \"integer yresolution\" 20 \"bool savefp16\" false\n"
-           "Sampler \"independent\" \"integer pixelsamples\" 2\nIntegrator \"" +
-           integrator + "\"" +
-           (integrator == "ambientocclusion" ? "" : " \"integer maxdepth\" " + std::to_string(maxDepth)) + R"(
-WorldBegin
-LightSource "infinite"
-Texture "t" "spectrum" "checkerboard" "float uscale" 3 "float vscale" 3
-    "rgb tex1" [.2 .4 .6] "rgb tex2" [.8 .3 .1]
-AttributeBegin
-Material "interface"
-Shape "sphere" "float radius" 1
-AttributeEnd
-Material "diffuse" "texture reflectance" "t"
-Shape "bilinearmesh" "point3 P" [ -1 -1 -.5  1 -1 -.7  -1 1 -.5  1 1 -.5 ]
-)";
+    SceneText text;
+    text.Head("Option 'rendercoordsys' 'world'").LookAt("0 0 4  0.3 0.1 0  0 1 0").Camera(40);
+    text.Film(24, 20, "'bool savefp16' false", film).Samples(2);
+    if (integrator == "ambientocclusion") text.Integrator(integrator);
+    else text.Integrator(integrator, maxDepth);
+    return text.World(Objects()
+                          .Light("infinite")
+                          .Add("Texture 't' 'spectrum' 'checkerboard' 'float uscale' 3 'float vscale' 3 "
+                               "'rgb tex1' [.2 .4 .6] 'rgb tex2' [.8 .3 .1]")
+                          .Attribute("Material 'interface'", Objects().Sphere(1))
+                          .Material("diffuse", "'texture reflectance' 't'")
+                          .Quad("-1 -1 -.5  1 -1 -.7  -1 1 -.5  1 1 -.5"));
 }
 
 struct Seen {
@@ -60,12 +53,14 @@ double AlbedoBehindLens(const std::string &film, int aperture) {
     BuildOptions options;
     if (film == "rgb") options.film.aovs = {"albedo"};
     const Image image =
-        RenderText(fmt::format("LookAt 0 0 4  0 0 0  0 1 0 {} \"float aperturediameter\" {}\nFilm \"{}\" \"integer "
-                               "xresolution\" 16 \"integer yresolution\" 16\nSampler \"independent\" \"integer "
-                               "pixelsamples\" 64\nWorldBegin\nLightSource \"infinite\"\nMaterial \"diffuse\"\n"
-                               "Shape \"bilinearmesh\" \"point3 P\" [ -90 -90 0  90 -90 0  -90 90 0  90 90 0 ]\n",
-                               kRealisticCamera, aperture, film),
-                   options)
+        RenderText(
+            SceneText()
+                .LookAt("0 0 4  0 0 0  0 1 0")
+                .Head(fmt::format("{} 'float aperturediameter' {}", kRealisticCamera, aperture))
+                .Film(16, 16, "", film)
+                .Samples(64)
+                .World(Objects().Light("infinite").Material("diffuse").Quad("-90 -90 0  90 -90 0  -90 90 0  90 90 0")),
+            options)
             .image;
     double sum = 0;
     int count = 0;

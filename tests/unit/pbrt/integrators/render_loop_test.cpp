@@ -16,8 +16,11 @@
 #include "pbrt/integrators/pass_parts.h"
 #include "pbrt/integrators/sample_plan.h"
 #include "pbrt/math/transform.h"
+#include "support/errors.h"
+#include "support/param.h"
 #include "support/ranks_on_threads.h"
 #include "support/small_files.h"
+#include "support/wait.h"
 
 namespace pbrt::test {
 namespace {
@@ -102,21 +105,21 @@ class Recorder final : public Integrator {
     double secondsPerSample = 0;
 };
 
+/// Of a film.
+ParamSet Resolution(int size) {
+    ParamSet params("Film", {});
+    params.Add(IntParam("xresolution", size));
+    params.Add(IntParam("yresolution", size));
+    return params;
+}
+
 class RenderLoop : public ::testing::Test {
   protected:
     RenderLoop() {
         DiagnosticSink sink;
-        ParamSet params("Film", {});
-        for (const char *name : {"xresolution", "yresolution"}) {
-            Param p;
-            p.type = ParamType::Integer;
-            p.name = name;
-            p.ints = {1};
-            params.Add(p);
-        }
         FilmContext context{.outputSpace = ColorSpace::SRGB()};
         context.overrides.fullFloat = true;
-        film_ = MakeFilm("rgb", params, context, sink);
+        film_ = MakeFilm("rgb", Resolution(1), context, sink);
         filter_ = Filters().Make("box", ParamSet(), FilterContext{sink});
         camera_ = Cameras().Make("orthographic", ParamSet(), CameraContext{Transform(), {}, 35, {}, sink});
         folder_ = std::filesystem::path(::testing::TempDir()) / ("render_loop_test_" + std::to_string(getpid()));
@@ -183,15 +186,8 @@ class Sleeper final : public Integrator {
 
 TEST_F(RenderLoop, TheMeasurementStopsInTheMiddleOfALongSample) {
     DiagnosticSink sink;
-    ParamSet params("Film", {});
-    for (const char *name : {"xresolution", "yresolution"}) {
-        Param p;
-        p.type = ParamType::Integer;
-        p.name = name;
-        p.ints = {32};
-        params.Add(p);
-    }
-    const std::unique_ptr<Film> film = MakeFilm("rgb", params, FilmContext{.outputSpace = ColorSpace::SRGB()}, sink);
+    const std::unique_ptr<Film> film =
+        MakeFilm("rgb", Resolution(32), FilmContext{.outputSpace = ColorSpace::SRGB()}, sink);
     Sleeper sleeper;
     const auto start = std::chrono::steady_clock::now();
     const double measured = MeasureSecondsPerSample(sleeper, *camera_, *filter_, *film, sampler_, settings_, 1);
@@ -293,9 +289,7 @@ struct OneOfTwo : RenderLoop, Integrator {
     }
     void TestBody() override {}
     bool Render(const RenderPass &pass) override {
-        const auto waitUntil = [&](int begun) {
-            while (*begun_ < begun) std::this_thread::sleep_for(std::chrono::microseconds(100));
-        };
+        const auto waitUntil = [&](int begun) { EXPECT_TRUE(WaitUntil([&] { return *begun_ >= begun; })); };
         const bool isFirst = pass.ranks->IsFirst();
         if (!isFirst) waitUntil(1);
         return RenderParts(pass, {.count = 2,
@@ -386,7 +380,7 @@ TEST_F(RenderLoop, AFullDiskCostsTheErrorsButNotTheRender) {
     std::signal(SIGXFSZ, before);
     EXPECT_EQ(result.samplesTaken, 4);
     EXPECT_TRUE(result.mse);
-    EXPECT_NE(result.mseFailure.find("errors.txt: cannot be written"), std::string::npos) << result.mseFailure;
+    ExpectWords(result.mseFailure, {"errors.txt: cannot be written"});
 }
 
 TEST_F(RenderLoop, AReferenceMustCoverTheFilm) {

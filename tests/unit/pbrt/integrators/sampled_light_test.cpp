@@ -1,22 +1,25 @@
 #include <gtest/gtest.h>
 
 #include "support/render_scene.h"
+#include "support/scene_text.h"
 
 namespace pbrt::test {
 namespace {
 
 /// A floor under a lamp that the camera sees, directly and in a mirror.
 std::string Scene(const std::string &integrator) {
-    return "LookAt 0 -6 1.5  0 0 1.2  0 0 1 Camera \"perspective\" \"float fov\" 40\n"
-           "Film \"rgb\" \"integer xresolution\" 24 \"integer yresolution\" 24 PixelFilter \"box\"\n"
-           "Sampler \"independent\" \"integer pixelsamples\" 16\nIntegrator \"" +
-           integrator +
-           "\" \"integer maxdepth\" 3\nWorldBegin\n"
-           "Shape \"trianglemesh\" \"point3 P\" [ -4 -4 0  4 -4 0  4 4 0  -4 4 0 ] \"integer indices\" [ 0 1 2  0 2 3 ]\n"
-           "AttributeBegin Material \"conductor\" \"float roughness\" 0\n"
-           "Shape \"trianglemesh\" \"point3 P\" [ .2 -.8 .01  4 -.8 .01  4 -.8 3  .2 -.8 3 ] \"integer indices\" [ 0 1 2  0 2 3 ] AttributeEnd\n"
-           "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [9 9 9] \"bool twosided\" true Translate .8 -2 2.4\n"
-           "Shape \"disk\" \"float radius\" .3 AttributeEnd\n";
+    return SceneText()
+        .LookAt("0 -6 1.5  0 0 1.2  0 0 1")
+        .Camera(40)
+        .Film(24, 24)
+        .Filter("box")
+        .Samples(16)
+        .Integrator(integrator, 3)
+        .World(Objects()
+                   .Triangles("-4 -4 0  4 -4 0  4 4 0  -4 4 0")
+                   .Attribute("Material 'conductor' 'float roughness' 0",
+                              Objects().Triangles(".2 -.8 .01  4 -.8 .01  4 -.8 3  .2 -.8 3"))
+                   .Attribute("Translate .8 -2 2.4", Objects().AreaLight("9 9 9", "'bool twosided' true").Disk(.3)));
 }
 
 class SampledLight : public testing::TestWithParam<const char *> {};

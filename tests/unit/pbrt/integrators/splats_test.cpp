@@ -5,24 +5,26 @@
 #include <cmath>
 
 #include "support/render_scene.h"
+#include "support/scene_text.h"
 
 namespace pbrt::test {
 namespace {
 
-const char *const kFewMutations = "\"integer mutationsperpixel\" 16 \"integer bootstrapsamples\" 2000";
+const char *const kFewMutations = "'integer mutationsperpixel' 16 'integer bootstrapsamples' 2000";
 
 /// A wall lit by a sphere of this radiance, both seen by the camera.
 Image Wall(const std::string &integrator, double radiance, const std::string &film = "") {
-    return RenderText(fmt::format("Film \"rgb\" \"integer xresolution\" 32 \"integer yresolution\" 24 {}\n"
-                                  "Sampler \"independent\" \"integer pixelsamples\" 16\nIntegrator \"{}\" "
-                                  "\"integer maxdepth\" 3 {}\nLookAt .3 .2 6  0 0 0  0 1 0\n"
-                                  "Camera \"perspective\" \"float fov\" 40\nWorldBegin\nAttributeBegin\n"
-                                  "AreaLightSource \"diffuse\" \"rgb L\" [ {} {} {} ]\nTranslate 1.2 .3 .6\n"
-                                  "Shape \"sphere\" \"float radius\" .3\nAttributeEnd\n"
-                                  "Material \"diffuse\" \"rgb reflectance\" [ .7 .5 .3 ]\n"
-                                  "Shape \"bilinearmesh\" \"point3 P\" [ -6 -6 0  6 -6 0  -6 6 0  6 6 0 ]\n",
-                                  film, integrator, integrator == "mlt" ? kFewMutations : "", radiance, radiance,
-                                  radiance))
+    return RenderText(SceneText()
+                          .Film(32, 24, film)
+                          .Samples(16)
+                          .Integrator(integrator, 3, integrator == "mlt" ? kFewMutations : "")
+                          .LookAt(".3 .2 6  0 0 0  0 1 0")
+                          .Camera(40)
+                          .World(Objects()
+                                     .Attribute("Translate 1.2 .3 .6",
+                                                Objects().AreaLight(fmt::format("{0} {0} {0}", radiance)).Sphere(.3))
+                                     .Diffuse(".7 .5 .3")
+                                     .Quad("-6 -6 0  6 -6 0  -6 6 0  6 6 0")))
         .image;
 }
 
@@ -57,8 +59,8 @@ TEST_P(EveryIntegrator, KeepsTheScaleOfLight) {
 
 TEST_P(EveryIntegrator, MaxComponentValueCutsOnlyWhatIsAboveIt) {
     const double mean = Mean(Wall(GetParam(), 1));
-    EXPECT_EQ(Mean(Wall(GetParam(), 1, "\"float maxcomponentvalue\" 5")), mean);
-    EXPECT_LT(Mean(Wall(GetParam(), 1, "\"float maxcomponentvalue\" .01")), 0.8 * mean);
+    EXPECT_EQ(Mean(Wall(GetParam(), 1, "'float maxcomponentvalue' 5")), mean);
+    EXPECT_LT(Mean(Wall(GetParam(), 1, "'float maxcomponentvalue' .01")), 0.8 * mean);
 }
 
 }  // namespace

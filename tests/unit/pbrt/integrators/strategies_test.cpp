@@ -8,8 +8,7 @@
 
 #include "pbrt/core/parallel.h"
 #include "support/render_scene.h"
-#include "support/render_waves.h"
-#include "support/statistics.h"
+#include "support/scene_text.h"
 
 namespace pbrt::test {
 namespace {
@@ -18,64 +17,53 @@ constexpr int kSize = 12, kSeeds = 8;
 
 struct Place {
     std::string name;
-    std::string media;  ///< before the camera
     std::string world;
-    std::string camera = "LookAt 0 -2.4 1.1  0 0 .8  0 0 1\nCamera \"perspective\" \"float fov\" 50\n";
-    std::string filter = "PixelFilter \"gaussian\"\n";
+    std::string camera = "LookAt 0 -2.4 1.1  0 0 .8  0 0 1 Camera 'perspective' 'float fov' 50";
     bool isFurnace = false;
 };
 
 void PrintTo(const Place &place, std::ostream *out) { *out << place.name; }
 
-std::string Scene(const Place &place, const std::string &integrator, int depth, int samples, int seed) {
-    return place.media + place.camera + place.filter +
-           fmt::format(
-               "Film \"rgb\" \"integer xresolution\" {0} \"integer yresolution\" {0}\n"
-               "Sampler \"independent\" \"integer pixelsamples\" {1} \"integer seed\" {2}\n"
-               "Integrator \"{3}\" \"integer maxdepth\" {4}\nWorldBegin\n",
-               kSize, samples, seed, integrator, depth) +
-           place.world;
+std::string Scene(const Place &place, const std::string &integrator, int depth, int samples, int seed,
+                  const std::string &parameters = "") {
+    return SceneText()
+        .Head(place.camera)
+        .Filter("gaussian")
+        .Film(kSize, kSize)
+        .Samples(samples, fmt::format("'integer seed' {}", seed))
+        .Integrator(integrator, depth, parameters)
+        .World(place.world);
 }
 std::string Bdpt(const Place &place, int depth, int samples, int seed = 1) {
-    std::string scene = Scene(place, "bdpt", depth, samples, seed);
-    const std::string name = "Integrator \"bdpt\"";
-    return scene.insert(scene.find(name) + name.size(),
-                        " \"bool visualizestrategies\" true \"bool visualizeweights\" true");
+    return Scene(place, "bdpt", depth, samples, seed, "'bool visualizestrategies' true 'bool visualizeweights' true");
 }
 
 /// A sphere that shines on its inside, all about the camera.
 const Place kFurnace{.name = "Furnace",
-                     .media = "",
-                     .world =
-                         "AreaLightSource \"diffuse\" \"rgb L\" [ 1 1 1 ]\n"
-                         "Material \"diffuse\" \"rgb reflectance\" [ .5 .5 .5 ]\n"
-                         "ReverseOrientation Shape \"sphere\" \"float radius\" 1\n",
-                     .camera = "LookAt .2 .1 0  0 1 .2  0 0 1\nCamera \"perspective\" \"float fov\" 60\n",
+                     .world = Objects().AreaLight("1 1 1").Diffuse(".5 .5 .5").Add("ReverseOrientation").Sphere(1),
+                     .camera = "LookAt .2 .1 0  0 1 .2  0 0 1 Camera 'perspective' 'float fov' 60",
                      .isFurnace = true};
 /// A lamp behind a door that stands ajar; nothing touches, so that connections have bounds.
 const std::string kDoor =
-    "Material \"diffuse\" \"rgb reflectance\" [ .7 .6 .5 ]\n"
-    "Shape \"bilinearmesh\" \"point3 P\" [ -2 -2 0  2 -2 0  -2 2 0  2 2 0 ]\n"
-    "Shape \"bilinearmesh\" \"point3 P\" [ -2 2.5 .4  2 2.5 .4  -2 2.5 2.6  2 2.5 2.6 ]\n"
-    "AttributeBegin Translate -.2 .7 .4 Rotate 12 0 0 1\n"
-    "Shape \"bilinearmesh\" \"point3 P\" [ -1.2 0 0  1.2 0 0  -1.2 0 1.4  1.2 0 1.4 ] AttributeEnd\n"
-    "AttributeBegin Translate .2 1.6 1.7 Rotate 140 1 0 0 AreaLightSource \"diffuse\" \"rgb L\" [ 9 8 6 ]\n"
-    "Shape \"disk\" \"float radius\" .5 AttributeEnd\n";
-const Place kAjar{.name = "Ajar", .media = "", .world = kDoor};
-const std::string kGlow = "\"rgb Le\" [ .2 .1 .1 ]";
+    Objects()
+        .Diffuse(".7 .6 .5")
+        .Quad("-2 -2 0  2 -2 0  -2 2 0  2 2 0")
+        .Quad("-2 2.5 .4  2 2.5 .4  -2 2.5 2.6  2 2.5 2.6")
+        .Attribute("Translate -.2 .7 .4 Rotate 12 0 0 1", Objects().Quad("-1.2 0 0  1.2 0 0  -1.2 0 1.4  1.2 0 1.4"))
+        .Attribute("Translate .2 1.6 1.7 Rotate 140 1 0 0", Objects().AreaLight("9 8 6").Disk(.5));
+const Place kAjar{.name = "Ajar", .world = kDoor};
+const std::string kGlow = "'rgb Le' [ .2 .1 .1 ]";
 const Place kSmoke{.name = "Smoke",
-                   .media = "",
                    .world =
-                       "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_s\" [ 1 2 3 ] "
-                       "\"rgb sigma_a\" [ .3 .2 .1 ] \"float g\" .3 " +
+                       "MakeNamedMedium 'm' 'string type' 'homogeneous' 'rgb sigma_s' [ 1 2 3 ] "
+                       "'rgb sigma_a' [ .3 .2 .1 ] 'float g' .3 " +
                        kGlow + "\n" + kDoor +
-                       "AttributeBegin MediumInterface \"m\" \"\" Material \"interface\" Translate 0 0 .8\n"
-                       "Shape \"sphere\" \"float radius\" .6 AttributeEnd\n"};
+                       "AttributeBegin MediumInterface 'm' '' Material 'interface' Translate 0 0 .8\n"
+                       "Shape 'sphere' 'float radius' .6 AttributeEnd\n"};
 const Place kParallel{
     .name = "Parallel",
-    .media = "",
     .world = kDoor,
-    .camera = "LookAt 0 -2.4 1.1  0 0 .8  0 0 1\nCamera \"orthographic\" \"float screenwindow\" [ -1 1 -1 1 ]\n"};
+    .camera = "LookAt 0 -2.4 1.1  0 0 .8  0 0 1 Camera 'orthographic' 'float screenwindow' [ -1 1 -1 1 ]"};
 
 class Strategies : public testing::TestWithParam<Place> {};
 

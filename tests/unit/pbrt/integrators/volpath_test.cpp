@@ -2,13 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
-#include <map>
 
 #include "pbrt/core/parallel.h"
 #include "support/build_text.h"
 #include "support/render_scene.h"
-#include "support/statistics.h"
+#include "support/scene_text.h"
 
 namespace pbrt::test {
 namespace {
@@ -22,129 +20,115 @@ struct Setting {
 
 /// A view of `world`, 16 x 16 pixels from (0, 0, 3) towards the origin.
 std::string VolumeScene(const std::string &world, const Setting &s = {}) {
-    return s.beforeCamera +
-           "LookAt 0 0 3  0 0 0  0 1 0\nCamera \"orthographic\" \"float screenwindow\" [-.5 .5 -.5 .5]\n" +
-           "Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 16 \"bool savefp16\" false\n" +
-           fmt::format("PixelFilter \"box\"\nSampler \"independent\" \"integer pixelsamples\" {}\n", s.samples) +
-           fmt::format(
-               "Integrator \"{}\" \"integer maxdepth\" {}{}\nWorldBegin\n", s.integrator, s.maxDepth,
-               s.integrator == "volpath" ? " \"string lightsampler\" \"" + s.lightSampler + "\""
-               : s.integrator == "mlt"
-                   ? fmt::format(" \"integer mutationsperpixel\" {} \"integer bootstrapsamples\" 4000", s.samples)
-                   : "") +
-           world;
+    std::string parameters;
+    if (s.integrator == "volpath") parameters = "'string lightsampler' '" + s.lightSampler + "'";
+    if (s.integrator == "mlt")
+        parameters = fmt::format("'integer mutationsperpixel' {} 'integer bootstrapsamples' 4000", s.samples);
+    return SceneText()
+        .Head(s.beforeCamera)
+        .LookAt("0 0 3  0 0 0  0 1 0")
+        .Camera("orthographic", "'float screenwindow' [-.5 .5 -.5 .5]")
+        .Film(16, 16, "'bool savefp16' false")
+        .Filter("box")
+        .Samples(s.samples)
+        .Integrator(s.integrator, s.maxDepth, parameters)
+        .World(world);
 }
 
-const char *const kSky = "LightSource \"infinite\" \"rgb L\" [1 1 1]\n";
+const std::string kSky = Objects().Sky("1 1 1");
+const std::string kAbsorbs = "'rgb sigma_s' [0 0 0] ";
+
+std::string Medium(const std::string &name, const std::string &parameters) {
+    return "MakeNamedMedium '" + name + "' " + parameters + "\n";
+}
+std::string Homogeneous(const std::string &name, const std::string &parameters) {
+    return Medium(name, "'string type' 'homogeneous' " + parameters);
+}
 
 /// A ball of radius 1 that is filled with a medium.
 std::string Ball(const std::string &medium) {
-    return "MakeNamedMedium \"m\" " + medium +
-           "\nMediumInterface \"m\" \"\"\nMaterial \"interface\"\nShape \"sphere\"\n";
+    return Medium("m", medium) + "MediumInterface 'm' ''\nMaterial 'interface'\nShape 'sphere'\n";
 }
 
-RunningStatistics ChannelOf(const Image &image, int channel) {
-    RunningStatistics s;
-    for (int y = 0; y < image.Resolution().y; ++y)
-        for (int x = 0; x < image.Resolution().x; ++x) s.Add(static_cast<double>(image.Get({x, y}, channel)));
-    return s;
+/// A black wall of radiance 1 before the camera.
+std::string GlowingWall() {
+    return Objects().AreaLight("1 1 1").Diffuse("0 0 0").Quad("-2 -2 1  2 -2 1  -2 2 1  2 2 1");
 }
 
-/// Means of pictures with different seeds.
-RunningStatistics MeansOverSeeds(const std::string &text) {
-    RunningStatistics s;
-    for (int seed = 1; seed <= 8; ++seed) {
-        BuildOptions options;
-        options.seed = seed;
-        s.Add(ChannelOf(RenderText(text, options).image, 1).mean);
-    }
-    return s;
+/// The statistics of one channel of a view of `world`.
+RunningStatistics Channel(const std::string &world, const Setting &setting = {}, int channel = 1) {
+    return ChannelStatistics(RenderText(VolumeScene(world, setting)).image, channel);
 }
 
 /// A grid of 3 x 4 x 2 densities in the box around the ball; `values` for each density.
 std::string Grid(const std::string &type, const std::string &name, int values) {
-    std::string text = "\"string type\" \"" + type +
-                       "\" \"integer nx\" 3 \"integer ny\" 4 \"integer nz\" 2 \"point3 p0\" [-1 -1 -1] "
-                       "\"point3 p1\" [1 1 1] \"" +
-                       name + "\" [";
+    std::string text = "'string type' '" + type +
+                       "' 'integer nx' 3 'integer ny' 4 'integer nz' 2 'point3 p0' [-1 -1 -1] "
+                       "'point3 p1' [1 1 1] '" +
+                       name + "' [";
     for (int i = 0; i < 24 * values; ++i) text += fmt::format(" {}", 0.2 + 0.37 * (i * 7 % 11));
     return text + " ]";
 }
 
 /// Zeros for every voxel, because a grid absorbs where the scene does not say that it does not.
 std::string NoAbsorption() {
-    std::string text = " \"rgb sigma_a\" [";
+    std::string text = " 'rgb sigma_a' [";
     for (int i = 0; i < 72; ++i) text += " 0";
     return text + " ]";
 }
 
 /// Media that only scatter.
 std::vector<std::pair<std::string, std::string>> Scattering() {
-    const std::string only = " \"rgb sigma_a\" [0 0 0] \"rgb sigma_s\" [2 2 2]";
+    const std::string only = " 'rgb sigma_a' [0 0 0] 'rgb sigma_s' [2 2 2]";
     return {
-        {"even", "\"string type\" \"homogeneous\" \"float g\" .7" + only},
-        {"dense, back", "\"string type\" \"homogeneous\" \"float g\" -.5 \"float scale\" 8" + only},
-        {"coloured", "\"string type\" \"homogeneous\" \"rgb sigma_a\" [0 0 0] \"rgb sigma_s\" [.5 1 3]"},
-        {"grid", Grid("uniformgrid", "float density", 1) + only + " \"float g\" .3"},
-        {"coloured grid", Grid("rgbgrid", "rgb sigma_s", 3) + NoAbsorption() + " \"float g\" .2"},
-        {"cloud", "\"string type\" \"cloud\" \"point3 p0\" [-1 -1 -1] \"point3 p1\" [1 1 1]" + only},
+        {"even", "'string type' 'homogeneous' 'float g' .7" + only},
+        {"dense, back", "'string type' 'homogeneous' 'float g' -.5 'float scale' 8" + only},
+        {"coloured", "'string type' 'homogeneous' 'rgb sigma_a' [0 0 0] 'rgb sigma_s' [.5 1 3]"},
+        {"grid", Grid("uniformgrid", "float density", 1) + only + " 'float g' .3"},
+        {"coloured grid", Grid("rgbgrid", "rgb sigma_s", 3) + NoAbsorption() + " 'float g' .2"},
+        {"cloud", "'string type' 'cloud' 'point3 p0' [-1 -1 -1] 'point3 p1' [1 1 1]" + only},
     };
 }
 
-TEST(VolPath, AMediumThatOnlyScattersIsInvisibleUnderAnEvenSky) {
-    const double sky = ChannelOf(RenderText(VolumeScene(kSky)).image, 1).mean;
-    for (const char *integrator : {"volpath", "simplevolpath"})
-        for (const auto &[name, medium] : Scattering()) {
-            Setting setting;
-            setting.integrator = integrator;
-            setting.maxDepth = 1000;
-            setting.samples = setting.integrator == "volpath" ? 128 : 512;
-            const Image image = RenderText(VolumeScene(kSky + Ball(medium), setting)).image;
-            for (int c = 0; c < 3; ++c) {
-                const RunningStatistics s = ChannelOf(image, c);
-                EXPECT_LT(std::abs(s.mean / sky - 1), 4 * s.StandardError() / sky + 1e-4) << integrator << " " << name;
-                EXPECT_LT(s.StandardError(), .012 * sky) << name << ": too noisy to tell";
-            }
-        }
-}
-
-TEST(VolPath, AFurnaceNoticesALittleAbsorption) {
-    const double sky = ChannelOf(RenderText(VolumeScene(kSky)).image, 1).mean;
-    for (const char *integrator : {"volpath", "bdpt"}) {
-        Setting setting;
-        setting.integrator = integrator;
-        const RunningStatistics s = ChannelOf(
-            RenderText(
-                VolumeScene(
-                    kSky +
-                        Ball("\"string type\" \"homogeneous\" \"rgb sigma_a\" [.02 .02 .02] \"rgb sigma_s\" [2 2 2]"),
-                    setting))
-                .image,
-            1);
-        EXPECT_LT(s.mean / sky, 1 - 4 * s.StandardError() / sky - 1e-3) << integrator;
-    }
-}
-
-/// All strategies of bdpt together, of paths of any length.
-TEST(Bdpt, AMediumThatOnlyScattersIsInvisibleUnderAnEvenSky) {
-    const double sky = ChannelOf(RenderText(VolumeScene(kSky)).image, 1).mean;
+/// Expects that media that only scatter are invisible under an even sky, in every colour.
+void ExpectInvisible(const std::string &integrator, int samples) {
+    const double sky = Channel(kSky).mean;
     for (const auto &[name, medium] : Scattering()) {
         Setting setting;
-        setting.integrator = "bdpt";
+        setting.integrator = integrator;
         setting.maxDepth = 1000;
-        setting.samples = 192;
+        setting.samples = samples;
         const Image image = RenderText(VolumeScene(kSky + Ball(medium), setting)).image;
         for (int c = 0; c < 3; ++c) {
-            const RunningStatistics s = ChannelOf(image, c);
-            EXPECT_LT(std::abs(s.mean / sky - 1), 4 * s.StandardError() / sky + 1e-4) << name;
+            const RunningStatistics s = ChannelStatistics(image, c);
+            EXPECT_LT(std::abs(s.mean / sky - 1), 4 * s.StandardError() / sky + 1e-4) << integrator << " " << name;
             EXPECT_LT(s.StandardError(), .012 * sky) << name << ": too noisy to tell";
         }
     }
 }
 
+TEST(VolPath, AMediumThatOnlyScattersIsInvisibleUnderAnEvenSky) {
+    ExpectInvisible("volpath", 128);
+    ExpectInvisible("simplevolpath", 512);
+}
+
+TEST(VolPath, AFurnaceNoticesALittleAbsorption) {
+    const double sky = Channel(kSky).mean;
+    for (const char *integrator : {"volpath", "bdpt"}) {
+        Setting setting;
+        setting.integrator = integrator;
+        const RunningStatistics s = Channel(
+            kSky + Ball("'string type' 'homogeneous' 'rgb sigma_a' [.02 .02 .02] 'rgb sigma_s' [2 2 2]"), setting);
+        EXPECT_LT(s.mean / sky, 1 - 4 * s.StandardError() / sky - 1e-3) << integrator;
+    }
+}
+
+/// All strategies of bdpt together, of paths of any length.
+TEST(Bdpt, AMediumThatOnlyScattersIsInvisibleUnderAnEvenSky) { ExpectInvisible("bdpt", 192); }
+
 /// Pixels of a chain depend on each other, so pictures of several seeds tell the error.
 TEST(Mlt, AMediumThatOnlyScattersIsInvisibleUnderAnEvenSky) {
-    const double sky = ChannelOf(RenderText(VolumeScene(kSky)).image, 1).mean;
+    const double sky = Channel(kSky).mean;
     for (const auto &[name, medium] : Scattering()) {
         Setting setting;
         setting.integrator = "mlt";
@@ -159,14 +143,9 @@ TEST(Mlt, AMediumThatOnlyScattersIsInvisibleUnderAnEvenSky) {
 TEST(VolPath, TheCameraMayStandInAMediumThatHasNoEnd) {
     // Light from a bright ball passes two units of fog that only absorbs.
     Setting setting;
-    setting.beforeCamera =
-        "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.5 .5 .5] \"rgb sigma_s\" "
-        "[0 0 0]\nMediumInterface \"\" \"fog\"\n";
-    const std::string world =
-        "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1]\nMaterial \"diffuse\" \"rgb reflectance\" [0 0 0]\n"
-        "Shape \"bilinearmesh\" \"point3 P\" [-2 -2 1  2 -2 1  -2 2 1  2 2 1]\n";
-    const double there = ChannelOf(RenderText(VolumeScene(world)).image, 1).mean;
-    const RunningStatistics s = ChannelOf(RenderText(VolumeScene(world, setting)).image, 1);
+    setting.beforeCamera = Homogeneous("fog", "'rgb sigma_a' [.5 .5 .5] " + kAbsorbs) + "MediumInterface '' 'fog'\n";
+    const double there = Channel(GlowingWall()).mean;
+    const RunningStatistics s = Channel(GlowingWall(), setting);
     EXPECT_LT(std::abs(s.mean / there - std::exp(-1.)), 4 * s.StandardError() / there + 1e-4);
 }
 
@@ -175,14 +154,13 @@ TEST(VolPath, LightThatWasBelowASurfaceGoesOnThroughTheFogAroundIt) {
     bare.maxDepth = 2;
     bare.samples = 512;
     Setting foggy = bare;
-    foggy.beforeCamera =
-        "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.2 .2 .2] \"rgb sigma_s\" "
-        "[0 0 0]\nMediumInterface \"fog\"\n";
+    foggy.beforeCamera = Homogeneous("fog", "'rgb sigma_a' [.2 .2 .2] " + kAbsorbs) + "MediumInterface 'fog'\n";
     const std::string world =
-        "LightSource \"point\" \"point3 from\" [0 0 5] \"rgb I\" [90 90 90]\nMaterial \"subsurface\" \"rgb reflectance\" [.8 .8 "
-        ".8] \"spectrum mfp\" [300 .05 900 .05]\nShape \"disk\" \"float radius\" 9\n";
-    const RunningStatistics without = ChannelOf(RenderText(VolumeScene(world, bare)).image, 1),
-                            with = ChannelOf(RenderText(VolumeScene(world, foggy)).image, 1);
+        Objects()
+            .PointLight("0 0 5", "90 90 90")
+            .Material("subsurface", "'rgb reflectance' [.8 .8 .8] 'spectrum mfp' [300 .05 900 .05]")
+            .Disk(9);
+    const RunningStatistics without = Channel(world, bare), with = Channel(world, foggy);
     // Three units from the camera, and five to the light.
     const double expected = std::exp(-.2 * 8) * without.mean;
     EXPECT_LT(std::abs(with.mean - expected), 4 * with.StandardError() + 0.02 * expected);
@@ -192,19 +170,19 @@ TEST(VolPath, LightThatWasBelowASurfaceGoesOnThroughTheFogAroundIt) {
 TEST(VolPath, EmissionIsThatOfAGlowingSlab) {
     // Radiance of a slab of thickness 2 that absorbs and emits: Le (1 - exp(-2 sigma)).
     const std::string slab =
-        "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.7 .7 .7] \"rgb sigma_s\" [0 0 0] \"rgb Le\" [1 1 1]"
-        " \"float Lescale\" 1\nMediumInterface \"m\" \"\"\nMaterial \"interface\"\n"
-        "Shape \"bilinearmesh\" \"point3 P\" [-4 -4 1  4 -4 1  -4 4 1  4 4 1]\n"
-        "ReverseOrientation\nShape \"bilinearmesh\" \"point3 P\" [-4 -4 -1  4 -4 -1  -4 4 -1  4 4 -1]\n";
-    const std::string wall =
-        "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1]\nMaterial \"diffuse\" \"rgb reflectance\" [0 0 0]\n"
-        "Shape \"bilinearmesh\" \"point3 P\" [-2 -2 1  2 -2 1  -2 2 1  2 2 1]\n";
-    const double one = ChannelOf(RenderText(VolumeScene(wall)).image, 1).mean;
+        Homogeneous("m", "'rgb sigma_a' [.7 .7 .7] 'rgb Le' [1 1 1] 'float Lescale' 1 " + kAbsorbs) +
+        std::string(Objects()
+                        .Add("MediumInterface 'm' ''")
+                        .Material("interface")
+                        .Quad("-4 -4 1  4 -4 1  -4 4 1  4 4 1")
+                        .Add("ReverseOrientation")
+                        .Quad("-4 -4 -1  4 -4 -1  -4 4 -1  4 4 -1"));
+    const double one = Channel(GlowingWall()).mean;
     for (const char *integrator : {"volpath", "simplevolpath"}) {
         Setting setting;
         setting.integrator = integrator;
         setting.samples = 256;
-        const RunningStatistics s = ChannelOf(RenderText(VolumeScene(slab, setting)).image, 1);
+        const RunningStatistics s = Channel(slab, setting);
         EXPECT_LT(std::abs(s.mean / one - (1 - std::exp(-1.4))), 4 * s.StandardError() / one + 1e-4) << integrator;
         EXPECT_LT(s.StandardError(), .01 * one);
     }
@@ -212,34 +190,34 @@ TEST(VolPath, EmissionIsThatOfAGlowingSlab) {
 
 TEST(VolPath, ShadowRaysPassMediaAndTheirBoundaries) {
     // A point light above a floor, behind two slabs that absorb and a pane of nothing between them.
-    auto slab = [](double low, double high, const char *name) {
-        return fmt::format(
-            "MediumInterface \"{2}\" \"\"\nShape \"bilinearmesh\" \"point3 P\" [-9 -9 {1}  9 -9 {1}  -9 9 {1}  9 9 {1}]\n"
-            "ReverseOrientation\nShape \"bilinearmesh\" \"point3 P\" [-9 -9 {0}  9 -9 {0}  -9 9 {0}  9 9 {0}]\nReverseOrientation\n",
-            low, high, name);
+    const auto level = [](double z) { return fmt::format("-9 -9 {0}  9 -9 {0}  -9 9 {0}  9 9 {0}", z); };
+    const auto slab = [&](double low, double high, const std::string &name) {
+        return Objects()
+            .Add("MediumInterface '" + name + "' ''")
+            .Quad(level(high))
+            .Add("ReverseOrientation")
+            .Quad(level(low))
+            .Add("ReverseOrientation");
     };
-    const std::string
-        light = "LightSource \"point\" \"point3 from\" [0 0 500] \"rgb I\" [250000 250000 250000]\n",
-        floor = "Material \"diffuse\"\nShape \"bilinearmesh\" \"point3 P\" [-9 -9 0  9 -9 0  -9 9 0  9 9 0]\n";
-    const std::string media =
-        "MakeNamedMedium \"a\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.4 .4 .4] \"rgb sigma_s\" [0 0 0]\n"
-        "MakeNamedMedium \"b\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.3 .3 .3] \"rgb sigma_s\" [0 0 0]\n"
-        "Material \"interface\"\n";
+    const Objects floor = Objects().PointLight("0 0 500", "250000 250000 250000").Material("diffuse").Quad(level(0));
+    const std::string media = Homogeneous("a", "'rgb sigma_a' [.4 .4 .4] " + kAbsorbs) +
+                              Homogeneous("b", "'rgb sigma_a' [.3 .3 .3] " + kAbsorbs) + "Material 'interface'\n";
     Setting setting;
     setting.maxDepth = 1;
     setting.samples = 256;
-    const double bare = ChannelOf(RenderText(VolumeScene(light + floor, setting)).image, 1).mean;
-    const RunningStatistics s = ChannelOf(
-        RenderText(VolumeScene(light + floor + media + slab(5, 6, "a") + slab(10, 12, "b"), setting)).image, 1);
+    const double bare = Channel(floor, setting).mean;
+    const RunningStatistics s = Channel(Objects(floor).Add(media).Add(slab(5, 6, "a")).Add(slab(10, 12, "b")), setting);
     // The camera is below the slabs.
     EXPECT_LT(std::abs(s.mean / bare - std::exp(-.4 - .6)), 4 * s.StandardError() / bare + 1e-3);
 }
 
 /// A ball of fog under a lamp that can be hit and one that cannot, over a floor.
 std::string Foggy(const std::string &medium) {
-    return "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [9 8 6]\nTranslate -1.5 1.5 .5\nShape \"sphere\" \"float radius\" .5\n"
-           "AttributeEnd\nMaterial \"diffuse\"\nShape \"bilinearmesh\" \"point3 P\" [-3 -3 -1.2  3 -3 -1.2  -3 3 -1.2  3 3 -1.2]\n" +
-           Ball(medium);
+    return Objects()
+        .Attribute("Translate -1.5 1.5 .5", Objects().AreaLight("9 8 6").Sphere(.5))
+        .Material("diffuse")
+        .Quad("-3 -3 -1.2  3 -3 -1.2  -3 3 -1.2  3 3 -1.2")
+        .Add(Ball(medium));
 }
 
 void ExpectEqualMeans(const RunningStatistics &a, const RunningStatistics &b, const std::string &what) {
@@ -248,9 +226,7 @@ void ExpectEqualMeans(const RunningStatistics &a, const RunningStatistics &b, co
 }
 
 TEST(VolPath, LightSamplersAgree) {
-    const std::string lamps =
-        "LightSource \"point\" \"point3 from\" [1 2 2] \"rgb I\" [9 9 9]\nLightSource \"point\" \"point3 from\" [-2 0 -.5] "
-        "\"rgb I\" [2 4 9]\n";
+    const std::string lamps = Objects().PointLight("1 2 2", "9 9 9").PointLight("-2 0 -.5", "2 4 9");
     for (const auto &[name, medium] : Scattering()) {
         auto means = [&, &medium = medium](const std::string &sampler) {
             Setting setting;
@@ -268,8 +244,7 @@ TEST(VolPath, LightSamplersAgree) {
 
 TEST(VolPath, FindsWhatThePlainWalkFinds) {
     const std::string lamp =
-        "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [9 8 6]\nMaterial \"diffuse\" \"rgb reflectance\" [0 0 0]\n"
-        "Translate -1.5 1.5 .5\nShape \"sphere\" \"float radius\" 1\nAttributeEnd\n";
+        Objects().Attribute("Translate -1.5 1.5 .5", Objects().AreaLight("9 8 6").Diffuse("0 0 0").Sphere(1));
     for (const auto &[name, medium] : Scattering()) {
         auto means = [&, &medium = medium](const char *integrator, int samples) {
             Setting setting;
@@ -290,8 +265,7 @@ TEST(VolPath, AnyNumberOfThreadsGivesTheSameBits) {
         setting.samples = 8;
         return RenderText(VolumeScene(Foggy(Scattering()[3].second), setting)).image;
     };
-    const Image one = render(1), three = render(3);
-    EXPECT_EQ(std::memcmp(one.Data(), three.Data(), one.Bytes()), 0);
+    EXPECT_TRUE(SameBits(render(1), render(3)));
 }
 
 TEST(VolPath, PathSeesNoMediaAndSaysSo) {
@@ -305,11 +279,9 @@ TEST(VolPath, PathSeesNoMediaAndSaysSo) {
 
 /// How far away such lights are would decide how much fog is before them.
 TEST(Bdpt, WarnsOfLightsBeyondAFogWithoutEnd) {
-    const std::string fog =
-        "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"\nMediumInterface \"fog\" \"fog\"\n";
-    const std::string end =
-        "MediumInterface \"fog\" \"\"\nMaterial \"interface\" Shape \"sphere\" \"float radius\" 9\n";
-    const std::string sun = "LightSource \"distant\"\n", lamp = "LightSource \"point\" \"point3 from\" [ 0 2 0 ]\n";
+    const std::string fog = Homogeneous("fog", "") + "MediumInterface 'fog' 'fog'\n";
+    const std::string end = "MediumInterface 'fog' ''\nMaterial 'interface' Shape 'sphere' 'float radius' 9\n";
+    const std::string sun = "LightSource 'distant'\n", lamp = "LightSource 'point' 'point3 from' [ 0 2 0 ]\n";
     const auto warns = [&](const std::string &world, const std::string &integrator) {
         Setting setting;
         setting.integrator = integrator;
@@ -330,7 +302,7 @@ TEST(Bdpt, WarnsOfLightsBeyondAFogWithoutEnd) {
 TEST(SimpleVolPath, ASurfaceThatScattersIsAnError) {
     Setting setting;
     setting.integrator = "simplevolpath";
-    EXPECT_THROW(RenderText(VolumeScene(std::string(kSky) + "Shape \"sphere\"\n", setting)), UserError);
+    EXPECT_THROW(RenderText(VolumeScene(kSky + "Shape 'sphere'", setting)), UserError);
 }
 
 }  // namespace

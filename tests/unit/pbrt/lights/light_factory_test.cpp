@@ -2,26 +2,13 @@
 
 #include "light_test_support.h"
 #include "pbrt/lights/light_spectrum.h"
+#include "support/errors.h"
 
 namespace pbrt::test {
 namespace {
 
-/// The single error that f() throws; its line is that of the parameter it is about.
-Diagnostic Complaint(const std::function<void()> &f) {
-    try {
-        f();
-    } catch (const UserError &e) {
-        EXPECT_EQ(e.Diagnostics().size(), 1u);
-        return e.Diagnostics().at(0);
-    }
-    ADD_FAILURE() << "no error was thrown";
-    return {};
-}
-
 void ExpectComplaint(const std::string &type, const ParamSet &params, int line, const std::string &part) {
-    Diagnostic d = Complaint([&] { Make(type, params); });
-    EXPECT_EQ(d.loc.line, line) << d.message;
-    EXPECT_NE(d.message.find(part), std::string::npos) << d.message;
+    ExpectErrorAt([&] { Make(type, params); }, line, {part});
 }
 
 TEST(LightFactory, UnknownLightListsTheKnownOnes) {
@@ -46,7 +33,7 @@ TEST(LightFactory, PortalsAreChecked) {
         EXPECT_EQ(sink.All().size(), good ? 0u : 1u);
         EXPECT_FALSE(sink.HasErrors());
     }
-    EXPECT_NE(sink.All()[0].message.find("not a rectangle"), std::string::npos);
+    ExpectWords(sink.All()[0].message, {"not a rectangle"});
 }
 
 TEST(LightFactory, ImagesOfLightsAreChecked) {
@@ -69,23 +56,20 @@ TEST(LightFactory, ImagesOfLightsAreChecked) {
 TEST(LightFactory, WhatIsTooBrightForSinglePrecisionIsAnError) {
     for (const char *type : {"point", "spot", "distant", "goniometric", "infinite"}) {
         const std::string name = std::string(type) == "distant" || std::string(type) == "infinite" ? "L" : "I";
-        ExpectComplaint(type, Params().Rgb(name, 1e25f, 1, 1).Number("scale", 1e30f), 2,
-                        "larger than the largest number");
+        ExpectComplaint(type, Params().Rgb(name, 1e25f, 1, 1).Number("scale", 1e30f), 2, "largest number");
         EXPECT_TRUE(Make(type, Params().Rgb(name, 1, 1, 1).Number("scale", 1e30f))) << type;
     }
     for (const char *type : {"point", "spot", "goniometric"})
-        ExpectComplaint(type, Params().Number("scale", 1e30f).Number("power", 1e30f), 1,
-                        "larger than the largest number");
+        ExpectComplaint(type, Params().Number("scale", 1e30f).Number("power", 1e30f), 1, "largest number");
     for (const char *type : {"distant", "infinite"})
-        ExpectComplaint(type, Params().Number("scale", 1e30f).Number("illuminance", 1e30f), 1,
-                        "larger than the largest number");
-    const Diagnostic d = Complaint([] { MakeAreaMaker(Params().Rgb("L", 1e25f, 1, 1).Number("scale", 1e30f)); });
-    EXPECT_NE(d.message.find("larger than the largest number"), std::string::npos) << d.message;
+        ExpectComplaint(type, Params().Number("scale", 1e30f).Number("illuminance", 1e30f), 1, "largest number");
+    const Diagnostic d = OnlyErrorOf([] { MakeAreaMaker(Params().Rgb("L", 1e25f, 1, 1).Number("scale", 1e30f)); });
+    ExpectWords(d.message, {"largest number"});
 }
 
 TEST(LightFactory, RadianceAndImageExcludeEachOther) {
     ExpectComplaint("infinite", Params().Rgb("L", 1, 1, 1).String("filename", "x.exr"), 2, "exclude");
-    Diagnostic d = Complaint([] { MakeAreaMaker(Params().Rgb("L", 1, 1, 1).String("filename", "x.exr")); });
+    Diagnostic d = OnlyErrorOf([] { MakeAreaMaker(Params().Rgb("L", 1, 1, 1).String("filename", "x.exr")); });
     EXPECT_EQ(d.loc.line, 2);
 }
 
@@ -125,8 +109,8 @@ TEST(LightFactory, ConeAnglesAreChecked) {
 
 TEST(LightFactory, UnknownAreaLight) {
     DiagnosticSink sink;
-    Diagnostic d = Complaint([&] { MakeAreaMaker(Params(), sink, "difuse"); });
-    EXPECT_NE(d.message.find("did you mean \"diffuse\""), std::string::npos) << d.message;
+    Diagnostic d = OnlyErrorOf([&] { MakeAreaMaker(Params(), sink, "difuse"); });
+    ExpectWords(d.message, {"did you mean \"diffuse\""});
 }
 
 TEST(LightFactory, EveryParameterOfALightIsAskedFor) {

@@ -4,6 +4,8 @@
 
 #include <stdexcept>
 
+#include "support/errors.h"
+
 namespace pbrt {
 namespace {
 
@@ -37,16 +39,11 @@ TEST(LightSamplerRegistry, UnknownNameListsTheKnownOnes) {
     LightSamplerRegistry registry;
     RegisterStockLightSamplers(registry);
     auto file = std::make_shared<SourceFile>(SourceFile{"x.pbrt", ""});
-    try {
-        registry.samplers.Find("exhaustve", FileLoc{file, 3, 1});
-        FAIL() << "no error was thrown";
-    } catch (const UserError &e) {
-        EXPECT_EQ(e.Diagnostics()[0].loc.line, 3);
-        EXPECT_NE(std::string(e.Diagnostics()[0].message)
-                      .find("did you mean \"exhaustive\"? valid: bvh, exhaustive, power, uniform"),
-                  std::string::npos)
-            << e.Diagnostics()[0].message;
-    }
+    test::ExpectErrorAt(
+        [&] {
+            registry.samplers.Find("exhaustve", FileLoc{file, 3, 1});
+        },
+        3, {"\"exhaustive\"", "bvh, exhaustive, power, uniform"});
 }
 
 TEST(LightSamplerRegistry, NameUsedTwiceThrows) {

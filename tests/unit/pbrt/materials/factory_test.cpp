@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "material_test_support.h"
+#include "support/errors.h"
 
 namespace pbrt {
 namespace {
@@ -31,7 +32,7 @@ TEST(MaterialFactory, MisspeltParametersListTheChoices) {
     shop.Make("coateddiffuse", Params("m", 3).F("roughnes", 1));
     ASSERT_EQ(shop.Errors(), 1u);
     EXPECT_EQ(shop.Last().loc.line, 4);
-    EXPECT_NE(shop.Last().message.find("did you mean \"roughness\""), std::string::npos) << shop.Last().message;
+    test::ExpectWords(shop.Last().message, {"did you mean \"roughness\""});
     shop.Make("dielectric", Params("m", 13).I("roughness", 1));
     EXPECT_EQ(shop.Last().loc.line, 14);
     shop.Make("interface", Params("m", 23).Rgb("reflectance", 1, 1, 1));

@@ -4,31 +4,10 @@
 #include <vector>
 
 #include "pbrt/samplers/sampler.h"
+#include "support/param.h"
 
 namespace pbrt::test {
 
-/// A parameter of one integer.
-inline Param IntParam(const std::string &name, int v) {
-    Param p;
-    p.type = ParamType::Integer;
-    p.name = name;
-    p.ints = {v};
-    return p;
-}
-inline Param StringParam(const std::string &name, const std::string &v) {
-    Param p;
-    p.type = ParamType::String;
-    p.name = name;
-    p.strings = {v};
-    return p;
-}
-inline Param BoolParam(const std::string &name, bool v) {
-    Param p;
-    p.type = ParamType::Bool;
-    p.name = name;
-    p.bools = {v};
-    return p;
-}
 inline ParamSet Params(const std::string &type, const std::vector<Param> &params) {
     ParamSet set("Sampler \"" + type + "\"", {});
     for (const Param &p : params) set.Add(p);

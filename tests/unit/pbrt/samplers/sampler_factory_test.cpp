@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "sampler_cases.h"
+#include "support/errors.h"
 
 namespace pbrt {
 namespace {
@@ -17,12 +18,7 @@ std::unique_ptr<Sampler> Make(const std::string &type, const std::vector<Param> 
 }
 
 std::string ErrorOf(const std::string &type, const std::vector<Param> &params) {
-    try {
-        Make(type, params);
-    } catch (const UserError &e) {
-        return e.what();
-    }
-    return "";
+    return test::MessageOf([&] { Make(type, params); });
 }
 
 TEST(MakeSampler, EverySupportedNameWorksAndNoOther) {
@@ -124,12 +120,12 @@ TEST(MakeSampler, RandomizationsAreChecked) {
     for (const char *type : {"zsobol", "paddedsobol", "sobol"}) {
         for (const char *r : {"none", "permutedigits", "owen", "fastowen"})
             EXPECT_EQ(ErrorOf(type, {StringParam("randomization", r)}), "") << type << r;
-        EXPECT_NE(ErrorOf(type, {StringParam("randomization", "xor")}).find("permutedigits"), std::string::npos);
+        test::ExpectWords(ErrorOf(type, {StringParam("randomization", "xor")}), {"permutedigits"});
     }
     for (const char *r : {"none", "permutedigits", "owen"})
         EXPECT_EQ(ErrorOf("halton", {StringParam("randomization", r)}), "");
     std::string halton = ErrorOf("halton", {StringParam("randomization", "fastowen")});
-    EXPECT_NE(halton.find("permutedigits"), std::string::npos);
+    test::ExpectWords(halton, {"permutedigits"});
 }
 
 TEST(MakeSampler, UnusedParametersAreErrors) {

@@ -7,13 +7,14 @@
 
 #include "pbrt/core/counters.h"
 #include "support/build_text.h"
+#include "support/scene_text.h"
 
 namespace pbrt::test {
 namespace {
 
 /// A scene whose rendering space is world space.
 BuiltScene Build(const std::string &world, const std::string &integrator = "path") {
-    return BuildText("Option \"rendercoordsys\" \"world\" Integrator \"" + integrator + "\"\nWorldBegin\n" + world);
+    return BuildText(SceneText().Head("Option 'rendercoordsys' 'world'").Integrator(integrator).World(world));
 }
 
 Ray MakeRay(const Point3 &o, const Vector3 &d, Float time = 0) {
@@ -28,11 +29,11 @@ void ExpectNear(const Vector3 &a, const Vector3 &b, Float error = 1e-5f) {
     EXPECT_LT(Length(a - b), error) << a.x << " " << a.y << " " << a.z;
 }
 
-constexpr const char *kQuad = "Shape \"bilinearmesh\" \"point3 P\" [ -1 -1 0  1 -1 0  -1 1 0  1 1 0 ]\n";
+constexpr const char *kQuad = "Shape 'bilinearmesh' 'point3 P' [ -1 -1 0  1 -1 0  -1 1 0  1 1 0 ]\n";
 
 TEST(Scene, IntersectCompletesThePoint) {
-    const BuiltScene built = Build("Translate 2 0 5 Material \"conductor\"\n" + std::string(kQuad) +
-                                   "Material \"diffuse\" Translate 0 0 9\n" + kQuad);
+    const BuiltScene built = Build("Translate 2 0 5 Material 'conductor'\n" + std::string(kQuad) +
+                                   "Material 'diffuse' Translate 0 0 9\n" + kQuad);
     const std::optional<SurfacePoint> hit = built.scene->Intersect(MakeRay({2.5f, -0.5f, 1}, {0, 0, 2}, 0.75f));
     ASSERT_TRUE(hit);
     ExpectNear(hit->p, {2.5f, -0.5f, 5});
@@ -55,8 +56,8 @@ TEST(Scene, IntersectCompletesThePoint) {
 
 TEST(Scene, PrimitivesOfAnEmissiveMeshAreLightsOfTheirOwn) {
     const BuiltScene built = Build(
-        "LightSource \"point\" AreaLightSource \"diffuse\"\n"
-        "Shape \"trianglemesh\" \"point3 P\" [ 0 0 5  2 0 5  2 2 5  0 2 5 ] \"integer indices\" [ 0 1 2  0 2 3 ]");
+        "LightSource 'point' AreaLightSource 'diffuse'\n"
+        "Shape 'trianglemesh' 'point3 P' [ 0 0 5  2 0 5  2 2 5  0 2 5 ] 'integer indices' [ 0 1 2  0 2 3 ]");
     const std::optional<SurfacePoint> first = built.scene->Intersect(MakeRay({1.5f, 0.5f, 0}, {0, 0, 1})),
                                       second = built.scene->Intersect(MakeRay({0.5f, 1.5f, 0}, {0, 0, 1}));
     ASSERT_TRUE(first && second);
@@ -66,10 +67,10 @@ TEST(Scene, PrimitivesOfAnEmissiveMeshAreLightsOfTheirOwn) {
 }
 
 TEST(Scene, InstancesAreSeenWhereTheyArePlaced) {
-    const BuiltScene built = Build("ObjectBegin \"o\"\n" + std::string(kQuad) +
+    const BuiltScene built = Build("ObjectBegin 'o'\n" + std::string(kQuad) +
                                    "ObjectEnd\n"
-                                   "AttributeBegin Translate 10 0 0 Rotate 90 0 1 0 ObjectInstance \"o\" AttributeEnd\n"
-                                   "AttributeBegin Translate -10 0 0 Scale 3 3 3 ObjectInstance \"o\" AttributeEnd");
+                                   "AttributeBegin Translate 10 0 0 Rotate 90 0 1 0 ObjectInstance 'o' AttributeEnd\n"
+                                   "AttributeBegin Translate -10 0 0 Scale 3 3 3 ObjectInstance 'o' AttributeEnd");
     const std::optional<SurfacePoint> turned = built.scene->Intersect(MakeRay({0, 0, 0.5f}, {1, 0, 0}));
     ASSERT_TRUE(turned);
     ExpectNear(turned->p, {10, 0, 0.5f});
@@ -131,8 +132,8 @@ TEST(Scene, OnlyWhatIsBetweenTwoPointsOccludes) {
 }
 
 TEST(Scene, ShadowRaysPassInterfacesForVolpathOnly) {
-    const std::string world = "Material \"interface\" Translate 0 0 2\n" + std::string(kQuad) +
-                              "Material \"diffuse\" Translate 5 0 0\n" + kQuad;
+    const std::string world =
+        "Material 'interface' Translate 0 0 2\n" + std::string(kQuad) + "Material 'diffuse' Translate 5 0 0\n" + kQuad;
     for (const char *integrator : {"path", "volpath"}) {
         const BuiltScene built = Build(world, integrator);
         const LightSampleContext from = From({0, 0, 0}, {0, 0, 1});
@@ -145,11 +146,10 @@ TEST(Scene, ShadowRaysPassInterfacesForVolpathOnly) {
 
 TEST(Scene, CrossingsAreThoseOfOneMaterialAndEquallyLikely) {
     // Surfaces along z: material a at 1, 3, 5, 7, and material b at 2, 4.
-    std::string world =
-        "MakeNamedMaterial \"a\" \"string type\" \"diffuse\" MakeNamedMaterial \"b\" \"string type\" \"diffuse\"\n";
+    std::string world = "MakeNamedMaterial 'a' 'string type' 'diffuse' MakeNamedMaterial 'b' 'string type' 'diffuse'\n";
     for (auto [z, material] : {std::pair(1, "a"), {2, "b"}, {3, "a"}, {4, "b"}, {5, "a"}, {7, "a"}})
         world +=
-            fmt::format("AttributeBegin NamedMaterial \"{}\" Translate 0 0 {}\n{}AttributeEnd\n", material, z, kQuad);
+            fmt::format("AttributeBegin NamedMaterial '{}' Translate 0 0 {}\n{}AttributeEnd\n", material, z, kQuad);
     const BuiltScene built = Build(world);
     const MaterialId a = built.scene->Intersect(MakeRay({0.1f, 0.1f, 0}, {0, 0, 1}))->material;
     std::map<int, int> found;
@@ -168,12 +168,11 @@ TEST(Scene, CrossingsAreThoseOfOneMaterialAndEquallyLikely) {
 }
 
 TEST(Scene, KnowsWhatItsMaterialsNeed) {
-    const std::string checks =
-        "Texture \"t\" \"spectrum\" \"checkerboard\" Material \"diffuse\" \"texture reflectance\" \"t\"\n";
+    const std::string checks = "Texture 't' 'spectrum' 'checkerboard' Material 'diffuse' 'texture reflectance' 't'\n";
     EXPECT_FALSE(Build(kQuad).scene->NeedsFootprints());
     EXPECT_FALSE(Build(kQuad).scene->HasSubsurface());
-    EXPECT_TRUE(Build("Material \"subsurface\"\n" + std::string(kQuad)).scene->HasSubsurface());
-    const BuiltScene built = Build(checks + kQuad + "Material \"diffuse\" Translate 0 0 -2\n" + kQuad);
+    EXPECT_TRUE(Build("Material 'subsurface'\n" + std::string(kQuad)).scene->HasSubsurface());
+    const BuiltScene built = Build(checks + kQuad + "Material 'diffuse' Translate 0 0 -2\n" + kQuad);
     EXPECT_TRUE(built.scene->NeedsFootprints());
     const std::optional<SurfacePoint> checked = built.scene->Intersect(MakeRay({0, 0, 4}, {0, 0, -1})),
                                       plain = built.scene->Intersect(MakeRay({0, 0, -1}, {0, 0, -1}));

@@ -5,6 +5,7 @@
 
 #include "pbrt/scene/footprint.h"
 #include "support/build_text.h"
+#include "support/scene_text.h"
 
 namespace pbrt::test {
 namespace {
@@ -12,10 +13,12 @@ namespace {
 const SampledWavelengths kLambda = SampledWavelengths::SampleVisible(0.3f);
 
 BuiltScene Build(const std::string &world) {
-    return BuildText(
-        "Option \"rendercoordsys\" \"world\" LookAt 0 0 4  0 0 0  0 1 0 Camera \"perspective\" \"float fov\" 60\n"
-        "Film \"rgb\" \"integer xresolution\" 100 \"integer yresolution\" 100\nWorldBegin\n" +
-        world);
+    return BuildText(SceneText()
+                         .Head("Option 'rendercoordsys' 'world'")
+                         .LookAt("0 0 4  0 0 0  0 1 0")
+                         .Camera(60)
+                         .Film(100, 100)
+                         .World(world));
 }
 
 /// The surface point that is seen from (x, y, z) along `direction` on the z axis.
@@ -28,12 +31,12 @@ SurfacePoint PointAt(const BuiltScene &built, Float x = 0.2f, Float y = 0.1f, Fl
     return *point;
 }
 
-constexpr const char *kQuad = "Shape \"bilinearmesh\" \"point3 P\" [ -1 -1 0  1 -1 0  -1 1 0  1 1 0 ]\n";
+constexpr const char *kQuad = "Shape 'bilinearmesh' 'point3 P' [ -1 -1 0  1 -1 0  -1 1 0  1 1 0 ]\n";
 
 Float Mean(const SampledSpectrum &s) { return s.Average(); }
 
 TEST(Shading, SurfacesScatterByTheirMaterial) {
-    const BuiltScene built = Build("Material \"diffuse\" \"rgb reflectance\" [.6 .6 .6]\n" + std::string(kQuad));
+    const BuiltScene built = Build("Material 'diffuse' 'rgb reflectance' [.6 .6 .6]\n" + std::string(kQuad));
     SurfacePoint point = PointAt(built);
     SampledWavelengths lambda = kLambda;
     const Bsdf bsdf = ComputeBsdf(*built.scene, point, lambda);
@@ -43,7 +46,7 @@ TEST(Shading, SurfacesScatterByTheirMaterial) {
 }
 
 TEST(Shading, InterfacesDoNotScatter) {
-    for (const char *material : {"Material \"interface\"\n", "Material \"\"\n"}) {
+    for (const char *material : {"Material 'interface'\n", "Material ''\n"}) {
         const BuiltScene built = Build(material + std::string(kQuad));
         SurfacePoint point = PointAt(built);
         SampledWavelengths lambda = kLambda;
@@ -52,7 +55,7 @@ TEST(Shading, InterfacesDoNotScatter) {
 }
 
 TEST(Shading, DispersionEndsTheOtherWavelengths) {
-    const BuiltScene built = Build("Material \"dielectric\" \"spectrum eta\" \"glass-F11\"\n" + std::string(kQuad));
+    const BuiltScene built = Build("Material 'dielectric' 'spectrum eta' 'glass-F11'\n" + std::string(kQuad));
     SurfacePoint point = PointAt(built);
     SampledWavelengths lambda = kLambda;
     EXPECT_TRUE(ComputeBsdf(*built.scene, point, lambda));
@@ -61,9 +64,9 @@ TEST(Shading, DispersionEndsTheOtherWavelengths) {
 
 TEST(Shading, MixturesTakeOneOfTheirMaterialsPerPoint) {
     const BuiltScene built = Build(
-        "MakeNamedMaterial \"a\" \"string type\" \"diffuse\" \"rgb reflectance\" [.2 .2 .2]\n"
-        "MakeNamedMaterial \"b\" \"string type\" \"diffuse\" \"rgb reflectance\" [.8 .8 .8]\n"
-        "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" 0.25\n" +
+        "MakeNamedMaterial 'a' 'string type' 'diffuse' 'rgb reflectance' [.2 .2 .2]\n"
+        "MakeNamedMaterial 'b' 'string type' 'diffuse' 'rgb reflectance' [.8 .8 .8]\n"
+        "Material 'mix' 'string materials' ['a' 'b'] 'float amount' 0.25\n" +
         std::string(kQuad));
     int light = 0;
     constexpr int kPoints = 2000;
@@ -79,9 +82,9 @@ TEST(Shading, MixturesTakeOneOfTheirMaterialsPerPoint) {
 }
 
 TEST(Shading, LampsEmitFromTheirFrontUnlessTwosided) {
-    for (const char *sides : {"", "\"bool twosided\" true"}) {
+    for (const char *sides : {"", "'bool twosided' true"}) {
         const BuiltScene built =
-            Build("AreaLightSource \"diffuse\" \"rgb L\" [3 3 3] " + std::string(sides) + "\n" + kQuad);
+            Build("AreaLightSource 'diffuse' 'rgb L' [3 3 3] " + std::string(sides) + "\n" + kQuad);
         const SurfacePoint above = PointAt(built), below = PointAt(built, 0.2f, 0.1f, -4, 1);
         const Float up = Mean(EmittedRadiance(*built.scene, above, kLambda)),
                     down = Mean(EmittedRadiance(*built.scene, below, kLambda));
@@ -94,8 +97,8 @@ TEST(Shading, LampsEmitFromTheirFrontUnlessTwosided) {
 }
 
 TEST(Shading, OnlySubsurfaceMaterialsLetLightComeOutElsewhere) {
-    const BuiltScene wax = Build("Material \"subsurface\"\n" + std::string(kQuad)),
-                     glass = Build("Material \"dielectric\"\n" + std::string(kQuad));
+    const BuiltScene wax = Build("Material 'subsurface'\n" + std::string(kQuad)),
+                     glass = Build("Material 'dielectric'\n" + std::string(kQuad));
     EXPECT_TRUE(ComputeBssrdf(*wax.scene, PointAt(wax), kLambda));
     EXPECT_FALSE(ComputeBssrdf(*glass.scene, PointAt(glass), kLambda));
 }

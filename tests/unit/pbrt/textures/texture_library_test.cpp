@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "support/errors.h"
 #include "texture_test_support.h"
 
 namespace pbrt {
@@ -81,7 +82,7 @@ TEST(TextureLibrary, OperandsMustComeEarlier) {
     ASSERT_EQ(b.Errors(), 2u);
     EXPECT_EQ(b.sink.All()[0].loc.line, 11);
     EXPECT_EQ(b.sink.All()[1].loc.line, 31);
-    EXPECT_NE(b.sink.All()[0].message.find("there is no spectrum texture \"b\" yet"), std::string::npos);
+    test::ExpectWords(b.sink.All()[0].message, {"spectrum texture \"b\""});
 }
 
 TEST(TextureLibrary, ImageMapsMayComeLater) {
@@ -118,7 +119,7 @@ TEST(TextureLibrary, MisspeltParameterListsTheChoices) {
     b.textures.CheckAll();
     ASSERT_EQ(b.Errors(), 2u);
     EXPECT_EQ(b.sink.All()[0].loc.line, 12);
-    EXPECT_NE(b.sink.All()[0].message.find("did you mean \"uscale\""), std::string::npos) << b.sink.All()[0].message;
+    test::ExpectWords(b.sink.All()[0].message, {"did you mean \"uscale\""});
     EXPECT_EQ(b.sink.All()[1].loc.line, 21);
 }
 
@@ -153,8 +154,7 @@ TEST(TextureLibrary, ALongChainIsAnErrorAndNeverRecursesDeeply) {
         if (fromTheTop) b.FloatTex("t29999");
         b.textures.CheckAll();
         ASSERT_GE(b.Errors(), 1u);
-        EXPECT_NE(b.sink.All()[0].message.find("nested more than 256 deep"), std::string::npos)
-            << b.sink.All()[0].message;
+        test::ExpectWords(b.sink.All()[0].message, {"nested", "256"});
         EXPECT_GT(b.sink.All()[0].loc.line, 0);
         if (!fromTheTop) {  // t0 is the first of 256
             EXPECT_EQ(b.sink.All()[0].loc.line, 256 % 150 + 1);
@@ -189,9 +189,7 @@ TEST(TextureLibrary, MixesOfMixesOfTheSameMustNotDoubleForEver) {
         // 2^16 - 1 evaluations are allowed, but not twice as many plus one: that is reported at the second operand of
         // the 16th texture.
         EXPECT_EQ(b.sink.All()[0].loc.line, 16 + 2) << b.sink.All()[0].message;
-        EXPECT_NE(b.sink.All()[0].message.find("one look-up evaluates 1.3e+05 textures; at most 65536"),
-                  std::string::npos)
-            << b.sink.All()[0].message;
+        test::ExpectWords(b.sink.All()[0].message, {"one look-up evaluates 1.3e+05 textures; at most 65536"});
     }
 }
 

@@ -4,6 +4,7 @@
 
 #include "pbrt/core/params.h"
 #include "pbrt/textures/texture_factory.h"
+#include "support/errors.h"
 
 namespace pbrt::test {
 
@@ -87,12 +88,9 @@ struct Thrown {
 };
 template <class F>
 Thrown Catch(F &&f) {
-    try {
-        f();
-    } catch (const UserError &e) {
-        return {e.Diagnostics().front().message, e.Diagnostics().front().loc.line};
-    }
-    return {};
+    const Diagnostic error = ErrorOf(f);
+    if (error.message.empty()) return {};
+    return {error.message, error.loc.line};
 }
 
 /// A texture library with the objects that it needs.

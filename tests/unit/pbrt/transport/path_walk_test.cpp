@@ -4,6 +4,7 @@
 
 #include "pbrt/math/rng.h"
 #include "support/build_text.h"
+#include "support/scene_text.h"
 
 namespace pbrt::test {
 namespace {
@@ -12,20 +13,14 @@ namespace {
 BuiltScene World(const std::string &shapes) {
     BuildOptions options;
     options.renderCoordSys = "world";
-    return BuildText(R"(Camera "perspective" "float fov" 40
-Film "rgb" "integer xresolution" 8 "integer yresolution" 8
-Integrator "path"
-WorldBegin
-)" + shapes,
-                     options);
+    return BuildText(SceneText().Camera(40).Film(8, 8).Integrator("path").World(shapes), options);
 }
 
 std::string Disk(double z, const std::string &before) {
-    return fmt::format("AttributeBegin\n{}\nTranslate 0 0 {}\nShape \"disk\" \"float radius\" 9\nAttributeEnd\n",
-                       before, z);
+    return Objects().Attribute(fmt::format("{}\nTranslate 0 0 {}", before, z), Objects().Disk(9));
 }
-const std::string kInterface = "Material \"interface\"", kDiffuse = "Material \"diffuse\"",
-                  kGlow = "AreaLightSource \"diffuse\" \"rgb L\" [ 2 2 2 ]\nReverseOrientation";
+const std::string kInterface = "Material 'interface'", kDiffuse = "Material 'diffuse'",
+                  kGlow = "AreaLightSource 'diffuse' 'rgb L' [ 2 2 2 ]\nReverseOrientation";
 
 struct Walker {
     explicit Walker(const BuiltScene &built)
@@ -77,7 +72,7 @@ TEST(PathWalk, InterfacesAreCountedAnewAfterScattering) {
 
 TEST(PathWalk, TheFootprintBehindAnInterfaceIsThatWithoutIt) {
     const std::string floor =
-        Disk(5, "Texture \"t\" \"spectrum\" \"checkerboard\" Material \"diffuse\" \"texture reflectance\" \"t\"");
+        Disk(5, "Texture 't' 'spectrum' 'checkerboard' Material 'diffuse' 'texture reflectance' 't'");
     auto footprint = [&](const std::string &between) {
         const BuiltScene built = World(floor + between);
         Walker walker(built);
@@ -92,8 +87,7 @@ TEST(PathWalk, TheFootprintBehindAnInterfaceIsThatWithoutIt) {
 }
 
 TEST(PathWalk, MeetsTheLightOfASurfaceOrOfTheSkyButNotBoth) {
-    const std::string skies =
-        "LightSource \"infinite\" \"rgb L\" [ 1 1 1 ]\nLightSource \"infinite\" \"rgb L\" [ 3 3 3 ]\n";
+    const std::string skies = "LightSource 'infinite' 'rgb L' [ 1 1 1 ]\nLightSource 'infinite' 'rgb L' [ 3 3 3 ]\n";
     auto met = [&](const std::string &shapes) {
         const BuiltScene built = World(skies + shapes);
         Walker walker(built);
@@ -110,14 +104,13 @@ TEST(PathWalk, MeetsTheLightOfASurfaceOrOfTheSkyButNotBoth) {
     EXPECT_EQ(met(""), (Lights{{0, 0}, {1, 0}}));
     EXPECT_EQ(met(Disk(5, kDiffuse)), Lights{});
     EXPECT_EQ(met(Disk(5, kGlow)), (Lights{{0, 5}}));
-    EXPECT_EQ(met(Disk(5, "AreaLightSource \"diffuse\"")), Lights{}) << "the disk emits to its other side";
+    EXPECT_EQ(met(Disk(5, "AreaLightSource 'diffuse'")), Lights{}) << "the disk emits to its other side";
 }
 
 TEST(PathWalk, ScattersAsASceneIsWalkedByHand) {
-    const BuiltScene built = World(R"(
-AttributeBegin Material "dielectric" Translate 0 0 4 Shape "sphere" "float radius" 1 AttributeEnd
-AttributeBegin ReverseOrientation Shape "sphere" "float radius" 20 AttributeEnd
-)");
+    const BuiltScene built = World(Objects()
+                                       .Attribute("Material 'dielectric' Translate 0 0 4", Objects().Sphere(1))
+                                       .Attribute("ReverseOrientation", Objects().Sphere(20)));
     Walker walker(built);
     SampledWavelengths lambda = walker.lambda;
     Ray ray = Walker::Start(built).ray;
@@ -146,10 +139,10 @@ AttributeBegin ReverseOrientation Shape "sphere" "float radius" 20 AttributeEnd
 }
 
 TEST(PathWalk, DifferentialsSurviveAMirrorAndEndAtADiffuseSurface) {
-    const std::string texture = "Texture \"t\" \"spectrum\" \"checkerboard\" ";
+    const std::string texture = "Texture 't' 'spectrum' 'checkerboard' ";
     auto second = [&](const std::string &material) {
         const BuiltScene built =
-            World(texture + Disk(5, material) + Disk(-5, "Material \"diffuse\" \"texture reflectance\" \"t\""));
+            World(texture + Disk(5, material) + Disk(-5, "Material 'diffuse' 'texture reflectance' 't'"));
         Walker walker(built);
         PathWalk::Met met;
         walker.GoToVertex(&met);
@@ -167,7 +160,7 @@ TEST(PathWalk, DifferentialsSurviveAMirrorAndEndAtADiffuseSurface) {
         return approximate.dpdx == walker.walk.Vertex().point.dpdx;
     };
     EXPECT_TRUE(second(kDiffuse)) << "a diffuse bounce must use the camera's approximation";
-    EXPECT_FALSE(second("Material \"conductor\"")) << "a mirror must use the differentials of the ray";
+    EXPECT_FALSE(second("Material 'conductor'")) << "a mirror must use the differentials of the ray";
 }
 
 }  // namespace

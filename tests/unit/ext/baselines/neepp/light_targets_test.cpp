@@ -9,33 +9,28 @@
 
 #include "ext/baselines/neepp/light_targets.h"
 #include "support/build_text.h"
+#include "support/scene_text.h"
 
 namespace {
 
 using namespace ext;
-using pbrt::test::BuildText;
+using pbrt::test::BuildText, pbrt::test::FloorAndCeiling, pbrt::test::Objects, pbrt::test::SceneText;
 using Kind = LightTargets::Kind;
-
-/// The bounds are [-4, 4]^3, and rendering space is world space.
-const char *kBox = R"(
-Camera "perspective"
-Film "rgb" "integer xresolution" 16 "integer yresolution" 12
-Sampler "independent" "integer pixelsamples" 1
-Integrator "path"
-WorldBegin
-Material "diffuse"
-Shape "bilinearmesh" "point3 P" [ -4 -4 -4  4 -4 -4  -4 -4 4  4 -4 4 ]
-Shape "bilinearmesh" "point3 P" [ -4 4 -4  4 4 -4  -4 4 4  4 4 4 ]
-)";
 
 struct Made {
     BuiltScene built;
     VoxelGrid grid;
     LightTargets targets;
 };
+/// The bounds are [-4, 4]^3, and rendering space is world space.
 Made Make(const std::string &lights, bool grouped = true) {
     Made m;
-    m.built = BuildText(std::string(kBox) + lights);
+    m.built = BuildText(SceneText()
+                            .Camera("perspective")
+                            .Film(16, 12)
+                            .Samples(1)
+                            .Integrator("path")
+                            .World(FloorAndCeiling(4, 4, 4).Add(lights)));
     m.grid = VoxelGrid(m.built.scene->Bounds(), 8);
     const LightTable &table = m.built.scene->Lights();
     m.targets = LightTargets(*m.built.scene, m.grid, grouped ? table.Wholes() : table.Parts());
@@ -50,13 +45,12 @@ bool Covers(const Made &m, LightId light, uint32_t index) {
 }
 
 TEST(LightTargets, LightsInOneVoxelShareATarget) {
-    Made m = Make(R"(
-LightSource "point" "point3 from" [ 1.2 1.2 1.2 ]
-LightSource "spot" "point3 from" [ 1.7 1.6 1.5 ] "point3 to" [ 0 0 0 ]
-LightSource "point" "point3 from" [ -1.2 1.2 1.2 ]
-LightSource "point" "point3 from" [ 100 0.5 0.5 ]
-LightSource "point" "point3 from" [ 0.5 0.5 0.5 ] "float scale" 0
-)");
+    Made m = Make(Objects()
+                      .Light("point", "'point3 from' [ 1.2 1.2 1.2 ]")
+                      .Light("spot", "'point3 from' [ 1.7 1.6 1.5 ] 'point3 to' [ 0 0 0 ]")
+                      .Light("point", "'point3 from' [ -1.2 1.2 1.2 ]")
+                      .Light("point", "'point3 from' [ 100 0.5 0.5 ]")
+                      .Light("point", "'point3 from' [ 0.5 0.5 0.5 ] 'float scale' 0"));
     ASSERT_EQ(m.targets.Size(), 3u);
     EXPECT_EQ(m.targets.SharesOf(0)[0].target, m.targets.SharesOf(1)[0].target);
     EXPECT_NE(m.targets.SharesOf(0)[0].target, m.targets.SharesOf(2)[0].target);
@@ -69,11 +63,9 @@ LightSource "point" "point3 from" [ 0.5 0.5 0.5 ] "float scale" 0
 TEST(LightTargets, AnAreaLightCoversVoxelsByItsArea) {
     // The light covers x in [-1.5, 0.9] and z in [0.25, 0.75]; voxels have side 1. So they hold 0.5, 1 and 0.9 of its
     // length 2.4.
-    Made m = Make(R"(
-AreaLightSource "diffuse"
-Shape "trianglemesh" "point3 P" [ -1.5 0.5 0.25  0.9 0.5 0.25  0.9 0.5 0.75  -1.5 0.5 0.75 ]
-  "integer indices" [ 0 1 2  0 2 3 ]
-)");
+    Made m = Make(Objects()
+                      .Add("AreaLightSource 'diffuse'")
+                      .Triangles("-1.5 0.5 0.25  0.9 0.5 0.25  0.9 0.5 0.75  -1.5 0.5 0.75"));
     ASSERT_EQ(m.built.scene->Lights().Wholes().Size(), 1u);
     std::map<uint32_t, Float> weight;
     Float sum = 0;
@@ -89,11 +81,8 @@ Shape "trianglemesh" "point3 P" [ -1.5 0.5 0.25  0.9 0.5 0.25  0.9 0.5 0.75  -1.
 }
 
 TEST(LightTargets, EveryPointOfALargeLightIsExpected) {
-    Made m = Make(R"(
-AreaLightSource "diffuse"
-Shape "sphere" "float radius" 3
-Shape "trianglemesh" "point3 P" [ -4 3.5 -4  4 3.5 -4  4 3.5 4  -4 3.5 4 ] "integer indices" [ 0 1 2  0 2 3 ]
-)");
+    Made m =
+        Make(Objects().Add("AreaLightSource 'diffuse'").Sphere(3).Triangles("-4 3.5 -4  4 3.5 -4  4 3.5 4  -4 3.5 4"));
     SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
     Rng rng(2);
     int missed = 0, asked = 0;
@@ -161,19 +150,12 @@ TEST(LightTargets, ASkyOfOneColourIsNotSampledAndHasNone) {
 
 TEST(LightTargets, UngroupedLightsStandWhereTheirOwnShapeIs) {
     // The second sphere and the second triangle of the mesh must not be taken for the first.
-    Made m = Make(R"(
-AreaLightSource "diffuse"
-Shape "trianglemesh" "point3 P" [ -2.6 0.5 0.5  -2.5 0.5 0.5  -2.5 0.6 0.5  2.4 0.5 0.5  2.5 0.5 0.5  2.5 0.6 0.5 ]
-  "integer indices" [ 0 1 2  3 4 5 ]
-AttributeBegin
-Translate 0.5 2.5 0.5
-Shape "sphere" "float radius" 0.1
-AttributeEnd
-AttributeBegin
-Translate 0.5 -2.5 0.5
-Shape "sphere" "float radius" 0.1
-AttributeEnd
-)",
+    Made m = Make(Objects()
+                      .Add("AreaLightSource 'diffuse'")
+                      .Triangles("-2.6 0.5 0.5  -2.5 0.5 0.5  -2.5 0.6 0.5  2.4 0.5 0.5  2.5 0.5 0.5  2.5 0.6 0.5",
+                                 "0 1 2  3 4 5")
+                      .Attribute("Translate 0.5 2.5 0.5", Objects().Sphere(0.1))
+                      .Attribute("Translate 0.5 -2.5 0.5", Objects().Sphere(0.1)),
                   false);
     ASSERT_EQ(m.built.scene->Lights().Parts().Size(), 4u);
     ASSERT_EQ(m.targets.Size(), 4u);

@@ -1,37 +1,32 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include <nlohmann/json.hpp>
-
 #include "ext/baselines/neepp/neepp_light_sampler.h"
 #include "support/build_text.h"
+#include "support/errors.h"
+#include "support/scene_text.h"
 
 namespace {
 
 using namespace ext;
-using pbrt::test::BuildText;
+using pbrt::test::BuildText, pbrt::test::FloorAndCeiling, pbrt::test::Objects, pbrt::test::SceneText;
 
 /// The bounds are [-4, 4]^3, open at the sides; a wall at x = 0 has a gap below y = -2. Rendering space is world space.
-const char *kHalves = R"(
-Camera "perspective"
-Film "rgb" "integer xresolution" 16 "integer yresolution" 12
-Sampler "independent" "integer pixelsamples" 1
-Integrator "path"
-WorldBegin
-Material "diffuse"
-Shape "bilinearmesh" "point3 P" [ -4 -4 -4  4 -4 -4  -4 -4 4  4 -4 4 ]
-Shape "bilinearmesh" "point3 P" [ -4 4 -4  4 4 -4  -4 4 4  4 4 4 ]
-Shape "bilinearmesh" "point3 P" [ 0 -2 -4  0 4 -4  0 -2 4  0 4 4 ]
-)";
-const char *kLights = R"(
-LightSource "point" "point3 from" [ -2.5 2.5 0.5 ] "rgb I" [ 1 1 1 ]
-LightSource "point" "point3 from" [ 2.5 2.5 0.5 ] "rgb I" [ 1000 1000 1000 ]
-LightSource "point" "point3 from" [ 2.5 -3.5 0.5 ]
-LightSource "distant" "point3 from" [ -1 0 0 ] "point3 to" [ 0 0 0 ]
-)";
-
-const std::string kSkyImage = std::string("LightSource \"infinite\" \"string filename\" \"") + PBRT_SOURCE_DIR +
-                              "/tests/conformance/suite/scenes/assets/env_sky.exr\"";
+std::string Halves(const std::string &lights) {
+    return SceneText()
+        .Camera("perspective")
+        .Film(16, 12)
+        .Samples(1)
+        .Integrator("path")
+        .World(FloorAndCeiling(4, 4, 4).Quad("0 -2 -4  0 4 -4  0 -2 4  0 4 4").Add(lights));
+}
+const std::string kLights = Objects()
+                                .PointLight("-2.5 2.5 0.5", "1 1 1")
+                                .PointLight("2.5 2.5 0.5", "1000 1000 1000")
+                                .Light("point", "'point3 from' [ 2.5 -3.5 0.5 ]")
+                                .Light("distant", "'point3 from' [ -1 0 0 ] 'point3 to' [ 0 0 0 ]");
+const std::string kSkyImage =
+    "LightSource 'infinite' 'string filename' '" PBRT_SOURCE_DIR "/tests/conformance/suite/scenes/assets/env_sky.exr'";
 
 void PrepareIn(const BuiltScene &built, LightSampler &sampler, int seed = 0) {
     Progress progress;
@@ -53,7 +48,7 @@ NeeppParams Params(int voxels, int samples) {
 }
 
 TEST(VisibilityMap, IsTheShareOfFreeSegmentsBetweenTheVoxels) {
-    BuiltScene built = BuildText(std::string(kHalves) + kLights + kSkyImage);
+    BuiltScene built = BuildText(Halves(kLights + kSkyImage));
     const LightGroups &groups = built.scene->Lights().Wholes();
     VisibilityMap map(8, 255);
     Progress progress;
@@ -99,7 +94,7 @@ TEST(VisibilityMap, IsTheShareOfFreeSegmentsBetweenTheVoxels) {
 }
 
 TEST(Neepp, ProbabilityIsTheVisibilityWithAFloorWhateverThePower) {
-    BuiltScene built = BuildText(std::string(kHalves) + kLights);
+    BuiltScene built = BuildText(Halves(kLights));
     NeeppLightSampler sampler(built.scene->Lights(), Params(8, 64));
     PrepareIn(built, sampler);
     // At a point high up on the left, the left light is seen; the right one and the low one behind the wall's edge are
@@ -128,12 +123,10 @@ TEST(Neepp, ProbabilityIsTheVisibilityWithAFloorWhateverThePower) {
 
 TEST(Neepp, AnAreaLightCountsByTheShareOfItThatIsSeen) {
     // A strip of light crosses the wall; its right third is not seen from the left.
-    BuiltScene built = BuildText(std::string(kHalves) + R"(
-AreaLightSource "diffuse"
-Shape "trianglemesh" "point3 P" [ -2 3.5 0.1  1 3.5 0.1  1 3.5 0.9  -2 3.5 0.9 ] "integer indices" [ 0 1 2  0 2 3 ]
-Shape "trianglemesh" "point3 P" [ -3.9 3.5 0.1  -3.1 3.5 0.1  -3.1 3.5 0.9  -3.9 3.5 0.9 ]
-  "integer indices" [ 0 1 2  0 2 3 ]
-)");
+    BuiltScene built = BuildText(Halves(Objects()
+                                            .Add("AreaLightSource 'diffuse'")
+                                            .Triangles("-2 3.5 0.1  1 3.5 0.1  1 3.5 0.9  -2 3.5 0.9")
+                                            .Triangles("-3.9 3.5 0.1  -3.1 3.5 0.1  -3.1 3.5 0.9  -3.9 3.5 0.9")));
     NeeppLightSampler sampler(built.scene->Lights(), Params(8, 255));
     PrepareIn(built, sampler);
     std::span<const uint8_t> row = sampler.Map().Row(sampler.Map().Grid().Index({-3.5f, -0.5f, 0.5f}));
@@ -141,7 +134,7 @@ Shape "trianglemesh" "point3 P" [ -3.9 3.5 0.1  -3.1 3.5 0.1  -3.1 3.5 0.9  -3.9
 }
 
 TEST(Neepp, ALightSeenThroughNothingKeepsTheFloor) {
-    BuiltScene built = BuildText(std::string(kHalves) + kLights);
+    BuiltScene built = BuildText(Halves(kLights));
     NeeppParams params = Params(8, 16);
     params.floor = 0.25f;
     NeeppLightSampler sampler(built.scene->Lights(), params);
@@ -151,7 +144,7 @@ TEST(Neepp, ALightSeenThroughNothingKeepsTheFloor) {
 }
 
 TEST(Neepp, OtherSeedsTestOtherSegments) {
-    BuiltScene built = BuildText(std::string(kHalves) + kLights);
+    BuiltScene built = BuildText(Halves(kLights));
     NeeppLightSampler a(built.scene->Lights(), {}), b(built.scene->Lights(), {}), c(built.scene->Lights(), {});
     PrepareIn(built, a);
     PrepareIn(built, b);
@@ -166,7 +159,7 @@ TEST(Neepp, OtherSeedsTestOtherSegments) {
 }
 
 TEST(Neepp, ReportAndInspectSayWhatIsStored) {
-    BuiltScene built = BuildText(std::string(kHalves) + kLights);
+    BuiltScene built = BuildText(Halves(kLights));
     NeeppLightSampler sampler(built.scene->Lights(), Params(8, 16));
     PrepareIn(built, sampler);
     sampler.Sample(At({-3.5f, 3.5f, 0.5f}), 0.5f);
@@ -181,7 +174,7 @@ TEST(Neepp, ReportAndInspectSayWhatIsStored) {
     ASSERT_EQ(values.size(), 3u);
     EXPECT_EQ(values[1].value, 2);
     EXPECT_NEAR(values[2].value, 0.5, 1e-6);
-    EXPECT_NE(sampler.DescribeStructure().find("8 x 8 x 8 voxels"), std::string::npos);
+    test::ExpectWords(sampler.DescribeStructure(), {"8 x 8 x 8 voxels"});
 }
 
 }  // namespace

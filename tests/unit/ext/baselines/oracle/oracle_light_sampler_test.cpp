@@ -3,33 +3,40 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include <nlohmann/json.hpp>
-
 #include "ext/baselines/oracle/least_variance.h"
 #include "pbrt/core/counters.h"
 #include "pbrt/core/log.h"
 #include "pbrt/transport/light_query.h"
 #include "plugins.h"
 #include "support/build_text.h"
+#include "support/scene_text.h"
 
 namespace {
 
 using namespace ext;
+using test::Objects;
 
 const SampledWavelengths &Wavelengths() {
     static const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.3f);
     return lambda;
 }
 
-/// A scene in world coordinates, and samplers for it.
+/// A view of `objects` in world coordinates, and samplers for it.
 struct World {
     BuiltScene built;
 
-    explicit World(const std::string &text) {
+    explicit World(const std::string &objects) {
         SetLogLevel(LogLevel::Warning);
         BuildOptions options;
         options.renderCoordSys = "world";
-        built = test::BuildText(text, options);
+        built = test::BuildText(test::SceneText()
+                                    .LookAt("0 -4 1  0 0 1  0 0 1")
+                                    .Camera(60)
+                                    .Film(32, 24)
+                                    .Samples(4)
+                                    .Integrator("path")
+                                    .World(Objects().Diffuse(".5 .5 .5").Add(objects)),
+                                options);
     }
     const LightTable &Lights() const { return built.scene->Lights(); }
     void Prepare(LightSampler &sampler) const {
@@ -54,31 +61,20 @@ struct World {
     }
 };
 
-const char *kHead = R"(LookAt 0 -4 1  0 0 1  0 0 1
-Camera "perspective" "float fov" 60
-Film "rgb" "integer xresolution" 32 "integer yresolution" 24
-Sampler "independent" "integer pixelsamples" 4
-Integrator "path"
-WorldBegin
-Material "diffuse" "rgb reflectance" [ .5 .5 .5 ]
-)";
-
 std::string Quad(const std::string &corners, const std::string &before = "") {
-    return fmt::format("AttributeBegin\n{}\nShape \"bilinearmesh\" \"point3 P\" [ {} ]\nAttributeEnd\n", before,
-                       corners);
+    return Objects().Attribute(before, Objects().Quad(corners));
 }
 /// A square lamp that faces down; `side` is half the length of its sides.
 std::string LampAbove(double x, double y, double z, double side, double radiance) {
     return Quad(
         fmt::format("{0} {2} {4}  {0} {3} {4}  {1} {2} {4}  {1} {3} {4}", x - side, x + side, y - side, y + side, z),
-        fmt::format("AreaLightSource \"diffuse\" \"rgb L\" [ {0} {0} {0} ] \"bool twosided\" true", radiance));
+        fmt::format("AreaLightSource 'diffuse' 'rgb L' [ {0} {0} {0} ] 'bool twosided' true", radiance));
 }
 std::string PlateAbove(double x0, double x1, double y0, double y1, double z) {
     return Quad(fmt::format("{0} {2} {4}  {1} {2} {4}  {0} {3} {4}  {1} {3} {4}", x0, x1, y0, y1, z));
 }
 std::string Point(double x, double y, double z, double intensity) {
-    return fmt::format("LightSource \"point\" \"point3 from\" [ {} {} {} ] \"rgb I\" [ {} {} {} ]\n", x, y, z,
-                       intensity, intensity, intensity);
+    return Objects().PointLight(fmt::format("{} {} {}", x, y, z), fmt::format("{0} {0} {0}", intensity));
 }
 const std::string kFloor = Quad("-5 -5 0  5 -5 0  -5 5 0  5 5 0");
 
@@ -99,7 +95,7 @@ Float FloorOf(const World &world, const OracleParams &params, const LightQuery &
 }
 
 TEST(Oracle, PointLightsAreChosenByWhatTheySend) {
-    World world(kHead + kFloor + Point(0, 0, 1, 1) + Point(3, 0, 4, 50) + Point(0, -1, 1, 2));
+    World world(kFloor + Point(0, 0, 1, 1) + Point(3, 0, 4, 50) + Point(0, -1, 1, 2));
     // The contributions I cos / d^2: 1/1, 50 (4/5) / 25, 2 (1/sqrt 2) / 2.
     const double c[3] = {1, 1.6, std::sqrt(0.5)}, total = c[0] + c[1] + c[2];
     OracleParams params;
@@ -112,7 +108,7 @@ TEST(Oracle, PointLightsAreChosenByWhatTheySend) {
 }
 
 TEST(Oracle, ALightBehindAWallKeepsTheFloorOnly) {
-    World world(kHead + kFloor + Point(0, 0, 1, 1) + Point(3, 0, 4, 5000) + PlateAbove(1, 2, -1, 1, 2));
+    World world(kFloor + Point(0, 0, 1, 1) + Point(3, 0, 4, 5000) + PlateAbove(1, 2, -1, 1, 2));
     OracleParams params;
     std::unique_ptr<OracleLightSampler> oracle = world.Oracle(params);
     Float hidden = oracle->PMF(OnFloor(), LightId(1u));
@@ -123,8 +119,7 @@ TEST(Oracle, ALightBehindAWallKeepsTheFloorOnly) {
 
 TEST(Oracle, HalfHiddenLightIsChosenByTheRootOfTheHalf) {
     // Two equal lamps; seen from the origin, a plate hides the half beyond x = 1 of the second.
-    World world(kHead + kFloor + LampAbove(-1, 0, 2, 0.02, 10) + LampAbove(1, 0, 2, 0.02, 10) +
-                PlateAbove(0.5, 0.8, -1, 1, 1));
+    World world(kFloor + LampAbove(-1, 0, 2, 0.02, 10) + LampAbove(1, 0, 2, 0.02, 10) + PlateAbove(0.5, 0.8, -1, 1, 1));
     OracleParams params;
     params.samples = 2048;
     params.floor = 1e-4f;
@@ -136,7 +131,7 @@ TEST(Oracle, HalfHiddenLightIsChosenByTheRootOfTheHalf) {
 
 TEST(Oracle, WhatBsdfSamplingFindsNeedsNoLightSamples) {
     // A lamp that fills most of the sky, and a small one that gives the same irradiance.
-    World world(kHead + kFloor + LampAbove(0, 0, 1, 5, 1) + LampAbove(0.2, 0, 0.5, 0.02, 500));
+    World world(kFloor + LampAbove(0, 0, 1, 5, 1) + LampAbove(0.2, 0, 0.5, 0.02, 500));
     OracleParams params;
     params.samples = 256;
     params.floor = 1e-4f;
@@ -147,7 +142,7 @@ TEST(Oracle, WhatBsdfSamplingFindsNeedsNoLightSamples) {
 }
 
 TEST(Oracle, OneLightNeedsNoRays) {
-    World world(kHead + kFloor + LampAbove(0, 0, 1, 0.5, 1));
+    World world(kFloor + LampAbove(0, 0, 1, 0.5, 1));
     std::unique_ptr<OracleLightSampler> oracle = world.Oracle(OracleParams());
     EXPECT_EQ(oracle->PMF(OnFloor(), LightId(0u)), 1);
     EXPECT_EQ(oracle->Sample(OnFloor(), 0.3f)->pmf, 1);
@@ -157,7 +152,7 @@ TEST(Oracle, OneLightNeedsNoRays) {
 }
 
 TEST(Oracle, RaysAreItsOwnNotTheRenders) {
-    World world(kHead + kFloor + Point(0, 0, 1, 1) + LampAbove(1, 0, 2, 0.1, 10));
+    World world(kFloor + Point(0, 0, 1, 1) + LampAbove(1, 0, 2, 0.1, 10));
     std::unique_ptr<OracleLightSampler> oracle = world.Oracle(OracleParams());
     ResetCounters();
     const LightQuery query = OnFloor();
@@ -178,7 +173,7 @@ TEST(Oracle, RaysAreItsOwnNotTheRenders) {
 TEST(Oracle, WhatScattersDecidesEvenInTheSamePlaceOfMemory) {
     // First a metal, which reflects towards the left or the right lamp depending on the direction of view; then a
     // diffuse surface at the same address.
-    World world(kHead + kFloor + LampAbove(-1, 0, 1, 0.1, 10) + LampAbove(1, 0, 1, 0.1, 10));
+    World world(kFloor + LampAbove(-1, 0, 1, 0.1, 10) + LampAbove(1, 0, 1, 0.1, 10));
     OracleParams params;
     params.mis = false;
     std::unique_ptr<OracleLightSampler> oracle = world.Oracle(params);
@@ -240,12 +235,11 @@ class OracleAgainst : public testing::TestWithParam<bool> {};
 
 TEST_P(OracleAgainst, NoOtherSamplerHasALowerSecondMoment) {
     const bool mis = GetParam();
-    std::string text =
-        std::string(kHead) + Quad("-5 -5 0  5 -5 0  -5 5 0  5 5 0") +
-        Quad("-5 3 0  5 3 0  -5 3 4  5 3 4", "Material \"conductor\" \"float roughness\" 0.2") +
-        PlateAbove(-2, 2, -1, 2, 1) + LampAbove(-1, 0, 2, 0.4, 3) + LampAbove(1.5, 1, 1.5, 0.1, 30) +
-        LampAbove(2.5, 0, 0.7, 0.05, 60) + LampAbove(0, 1, 0.5, 0.1, 10) + Point(-3, 0, 1, 1) + Point(0, 0, 3, 2) +
-        "LightSource \"distant\" \"point3 from\" [ 1 -1 2 ] \"point3 to\" [ 0 0 0 ] \"rgb L\" [ .3 .3 .3 ]\n";
+    std::string text = kFloor + Quad("-5 3 0  5 3 0  -5 3 4  5 3 4", "Material 'conductor' 'float roughness' 0.2") +
+                       PlateAbove(-2, 2, -1, 2, 1) + LampAbove(-1, 0, 2, 0.4, 3) + LampAbove(1.5, 1, 1.5, 0.1, 30) +
+                       LampAbove(2.5, 0, 0.7, 0.05, 60) + LampAbove(0, 1, 0.5, 0.1, 10) + Point(-3, 0, 1, 1) +
+                       Point(0, 0, 3, 2) +
+                       "LightSource 'distant' 'point3 from' [ 1 -1 2 ] 'point3 to' [ 0 0 0 ] 'rgb L' [ .3 .3 .3 ]";
     World world(text);
     OracleParams params;
     params.mis = mis;

@@ -412,8 +412,7 @@ TEST_F(Imgtool, FalsecolorShowsTheImageAndNotItsBrightestPixels) {
     for (int x = 0; x < 15; ++x) image.Set({x, 0}, 0, 1000);
     WriteImage(Path("a.exr"), image);
     const Outcome o = Run("falsecolor a.exr f.png");
-    EXPECT_TRUE(Has(o.out, "f.png: 0 to 1, which 99 % of the pixels do not exceed; the largest value is 1000"))
-        << o.out;
+    for (const char *part : {"f.png: 0 to 1", "99 %", "1000"}) EXPECT_TRUE(Has(o.out, part)) << o.out;
     const Image shown = ReadImage(Path("f.png")).image;
     EXPECT_GT(shown.Get({40, 20}, 0), shown.Get({5, 20}, 0) + 0.2f);
     // If most pixels are 0, the others must stay visible.

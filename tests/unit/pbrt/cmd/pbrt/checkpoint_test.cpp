@@ -19,11 +19,8 @@ class Checkpoints : public Program {
     /// `kills` times; then lets it finish. Returns the messages of the last run.
     std::string KillAndResume(const std::string &arguments, int kills) const {
         for (int i = 0; i < kills; ++i) {
-            std::error_code none;
-            const auto changed = [&] { return std::filesystem::last_write_time(Path("c.chk"), none); };
-            const auto before = changed();
-            const pid_t pid = Start(arguments + " --checkpoint c.chk --checkpoint-interval 0.01 --resume");
-            EXPECT_TRUE(WaitUntil([&] { return changed() != before; }));
+            const pid_t pid =
+                StartUntilWritten(arguments + " --checkpoint c.chk --checkpoint-interval 0.01 --resume", "c.chk");
             kill(pid, SIGKILL);
             EXPECT_EQ(Wait(pid).status, -SIGKILL);
         }
@@ -64,9 +61,7 @@ TEST_F(Checkpoints, PhotonMapsAndChainsGoOnToTheSameBits) {
         const std::string resumed = arguments + " --outfile out.exr --checkpoint c.chk";
         int interrupted = 0;
         for (int i = 0; i < 3; ++i) {
-            const pid_t pid = Start(resumed + " --checkpoint-interval 0.01 --resume");
-            EXPECT_TRUE(WaitUntil([&] { return Exists("c.chk"); }));
-            usleep(60000);
+            const pid_t pid = StartUntilWritten(resumed + " --checkpoint-interval 0.01 --resume", "c.chk");
             kill(pid, SIGINT);
             interrupted += Wait(pid).status == 128 + SIGINT;
         }
@@ -133,10 +128,8 @@ TEST_F(Checkpoints, TimedRendersGoOnAndHaveTheBitsOfTheirNumberOfSamples) {
 TEST_F(Checkpoints, InterruptedRendersKeepEverySample) {
     Write("scene.pbrt", LearningScene("rgb", 1024));
     const std::string arguments = lights_ + "scene.pbrt --outfile out.exr --checkpoint c.chk";
-    const pid_t pid = Start(arguments);
-    // The first samples are done once the program renders; it is then amid a wave.
-    EXPECT_TRUE(WaitUntil([&] { return Has(Messages(pid), "preparing lights"); }));
-    usleep(300000);
+    // The first samples are done; it is then amid a wave.
+    const pid_t pid = StartUntilWritten(arguments + " --checkpoint-interval 0.01", "c.chk");
     kill(pid, SIGINT);
     const Outcome o = Wait(pid);
     EXPECT_EQ(o.status, 128 + SIGINT) << o.err;
@@ -154,18 +147,17 @@ TEST_F(Checkpoints, OtherRendersAreRefusedByWhatDiffers) {
     Write("more.pbrt", LearningScene("rgb", 4) + "Include \"part.pbrt\"\n");
     RunWell("more.pbrt --maxdepth 2 --checkpoint c.chk --outfile out.exr");
     const std::string resume = "--checkpoint c.chk --resume --outfile out.exr ";
-    ExpectErrors(
-        {{resume + "more.pbrt", {"c.chk: belongs to another render", "--maxdepth is not given, but is 2 in c.chk"}},
-         {resume + "more.pbrt --maxdepth 3 --seed 1", {"--maxdepth is 3, but is 2", "--seed is 1, but is not given"}},
-         {resume + "scene.pbrt --maxdepth 2", {"only c.chk uses the file more.pbrt", "the file scene.pbrt did not"}},
-         {resume + "more.pbrt --maxdepth 2 --samples 0:2", {"checkpoint of a whole render"}},
-         {"--resume more.pbrt", {"--resume goes on from the file that --checkpoint names"}},
-         {"--checkpoint x.chk - < more.pbrt", {"standard input"}},
-         {"--checkpoint none/x.chk more.pbrt", {"none/x.chk", "folder"}}});
+    ExpectErrors({{resume + "more.pbrt", {"c.chk: ", "--maxdepth is not given", "2 in c.chk"}},
+                  {resume + "more.pbrt --maxdepth 3 --seed 1", {"--maxdepth is 3", "is 2", "--seed is 1", "not given"}},
+                  {resume + "scene.pbrt --maxdepth 2", {"only c.chk", "more.pbrt", "file scene.pbrt"}},
+                  {resume + "more.pbrt --maxdepth 2 --samples 0:2", {"c.chk", "whole render"}},
+                  {"--resume more.pbrt", {"--resume", "--checkpoint"}},
+                  {"--checkpoint x.chk - < more.pbrt", {"standard input"}},
+                  {"--checkpoint none/x.chk more.pbrt", {"none/x.chk", "folder"}}});
     // The picture that the render wrote, and a comment of another scene, do not matter; a changed include does.
     RunWell(resume + "more.pbrt --maxdepth 2");
     Write("part.pbrt", "Shape \"sphere\" \"float radius\" 0.2\n");
-    ExpectErrors({{resume + "more.pbrt --maxdepth 2", {"the content of the file part.pbrt differs"}}});
+    ExpectErrors({{resume + "more.pbrt --maxdepth 2", {"c.chk", "file part.pbrt"}}});
 }
 
 TEST_F(Checkpoints, DamagedFilesAreRefused) {
@@ -185,7 +177,7 @@ TEST_F(Checkpoints, DamagedFilesAreRefused) {
         cases.push_back({start + "cut" + std::to_string(i), {"cut" + std::to_string(i), ""}});
     }
     cases.push_back({"scene.pbrt --resume --checkpoint scene.pbrt", {"scene.pbrt: is not a checkpoint"}});
-    cases.push_back({"scene.pbrt --load-lights c.chk", {"c.chk: is a checkpoint, not a file of learned lights"}});
+    cases.push_back({"scene.pbrt --load-lights c.chk", {"c.chk: ", "checkpoint", "learned lights"}});
     ExpectErrors(cases);
 }
 
@@ -259,8 +251,8 @@ TEST_F(Parts, PartsOfOtherRendersAndUnfinishedOnesAreRefused) {
     RunWell("scene.pbrt --samples 2:4 --checkpoint b --maxdepth 2");
     RunWell("other.pbrt --samples 2:4 --checkpoint c");
     RunWell("scene.pbrt --samples 2:4 --checkpoint d --spp 8");
-    ExpectRefused("refused.exr a b", "--maxdepth is 2, but is not given in a");
-    ExpectRefused("refused.exr a c", "the file other.pbrt did not belong to a");
+    ExpectRefused("refused.exr a b", "--maxdepth is 2");
+    ExpectRefused("refused.exr a c", "file other.pbrt");
     ExpectRefused("refused.exr a d", "the render has 8 samples per pixel, but 4 in a");
     ExpectRefused("refused.exr a scene.pbrt", "scene.pbrt: is not a checkpoint");
     ExpectRefused("refused.jpeg2 a", "refused.jpeg2");
@@ -327,24 +319,8 @@ TEST_F(SharedLights, FramesOfAnAnimationChooseTheSameLights) {
 }
 
 TEST_F(SharedLights, WindowsGoWithThem) {
-    // A room with a window of 1 by 1 in the wall at z = 2, under a sky of one colour.
-    const auto wall = [](const std::string &corners) {
-        return "Shape \"bilinearmesh\" \"point3 P\" [" + corners + "] \"integer indices\" [0 1 2 3]\n";
-    };
-    const auto room = [&](const std::string &eye) {
-        return "LookAt " + eye +
-               "  0 0 2  0 1 0\nCamera \"perspective\" \"float fov\" 80\n"
-               "Sampler \"independent\" \"integer pixelsamples\" 16\nIntegrator \"path\" \"integer maxdepth\" 1\n"
-               "Film \"rgb\" \"integer xresolution\" 48 \"integer yresolution\" 48 \"string filename\" \"x.exr\"\n"
-               "WorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\n" +
-               wall("-2 -1 -2  2 -1 -2  -2 -1 2  2 -1 2") + wall("-2 1 -2  2 1 -2  -2 1 2  2 1 2") +
-               wall("-2 -1 -2  -2 1 -2  -2 -1 2  -2 1 2") + wall("2 -1 -2  2 1 -2  2 -1 2  2 1 2") +
-               wall("-2 -1 -2  2 -1 -2  -2 1 -2  2 1 -2") + wall("-2 -1 2  -.5 -1 2  -2 1 2  -.5 1 2") +
-               wall(".5 -1 2  2 -1 2  .5 1 2  2 1 2") + wall("-.5 -1 2  .5 -1 2  -.5 -.5 2  .5 -.5 2") +
-               wall("-.5 .5 2  .5 .5 2  -.5 1 2  .5 1 2");
-    };
-    Write("a.pbrt", room("0 0 -1.8"));
-    Write("b.pbrt", room("1 .2 -1.7"));
+    Write("a.pbrt", WindowScene("0 0 -1.8", 1, "1 1 1"));
+    Write("b.pbrt", WindowScene("1 .2 -1.7", 1, "1 1 1"));
     const std::string octree = "--lightsampler octree:prepassspp=1 ", load = octree + "--load-lights lights ";
     const ImageFile made = Render(octree + "a.pbrt --save-lights lights"), loaded = Render(load + "a.pbrt"),
                     other = Render(load + "b.pbrt --nthreads 1");
@@ -377,7 +353,7 @@ TEST_F(SharedLights, TheGuideGoesWithThem) {
         EXPECT_TRUE(SamePixels(many, ReadImage(Path("resumed.exr"))));
         for (const char *file : {"part0:7", "part7:16", "c.chk"}) std::filesystem::remove(Path(file));
         ExpectErrors({{lights + "+guide:share=0.5 --load-lights lights b.pbrt --outfile b.exr",
-                       {"lights: was learned by a guide with other parameters", "\"share\":0.5"}}});
+                       {"lights: ", "guide", "\"share\":0.5"}}});
     }
     // Paths that are not guided leave it alone; if there is none in the file, it learns for itself.
     RunWell(lights_ + "--guide a.pbrt --save-lights both --outfile a.exr");
@@ -396,8 +372,7 @@ TEST_F(SharedLights, OtherLightsAreRefusedByWhatDiffers) {
     Write("brighter.pbrt", brighter);
     RunWell(lights_ + "a.pbrt --save-lights lights --outfile a.exr");
     const std::string load = "--load-lights lights --outfile b.exr ";
-    ExpectErrors({{lights_ + load + "more.pbrt",
-                   {"lights: was learned for other lights", "the number of lights is 83, but is 82"}},
+    ExpectErrors({{lights_ + load + "more.pbrt", {"lights: ", "83", "82"}},
                   {lights_ + load + "larger.pbrt", {"the scene's bounding box is"}},
                   {lights_ + load + "brighter.pbrt", {"the lights' power and places"}},
                   {"--lightsampler octree:floor=0.2 " + load + "a.pbrt", {"the light sampler's parameters"}},

@@ -141,7 +141,7 @@ Accelerator "bvh" "integer prims" 1
             EXPECT_TRUE(HasDiagnostic(o.err, "Error: " + std::string(scene) + ":" + std::to_string(line) + ":"))
                 << line << "\n"
                 << o.err;
-        EXPECT_TRUE(Has(o.err, "the folder nowhere does not exist")) << o.err;
+        EXPECT_TRUE(Has(o.err, "folder nowhere")) << o.err;
         EXPECT_EQ(Count(o.err, "Error: "), scene == std::string("names.pbrt") ? 7u : 8u) << o.err;
     }
 }
@@ -151,7 +151,7 @@ TEST_F(Errors, WhatCannotBeWrittenIsFoundBeforeTheSceneIsBuilt) {
     Write("scene.pbrt", "Film \"rgb\"\nWorldBegin\nShape \"plymesh\" \"string filename\" \"none.ply\"\n");
     ExpectErrors({{"--outfile out.exr scene.pbrt", {"none.ply"}}});
     for (const auto &[arguments, error] :
-         {std::pair{"--outfile nowhere/out.exr", "the folder nowhere does not exist"},
+         {std::pair{"--outfile nowhere/out.exr", "folder nowhere"},
           {"--outfile out.bmp", ".exr, .png or .pfm"},
           {"--lightsampler bvh:x=1", "it takes none"},
           {"--mse-reference-image none.exr --mse-reference-out mse.txt", "none.exr"}}) {
@@ -260,8 +260,7 @@ TEST_F(Errors, AnImageThatCannotBeWrittenIsFoundBeforeRendering) {
     Write("scene.pbrt", SmallScene());
     std::filesystem::create_directory(Path("folder.exr"));
     ExpectErrors(
-        {{"--spp 100000000 --outfile nowhere/out.exr scene.pbrt",
-          {"nowhere/out.exr", "the folder nowhere does not exist"}},
+        {{"--spp 100000000 --outfile nowhere/out.exr scene.pbrt", {"nowhere/out.exr", "folder nowhere"}},
          {"--spp 100000000 --outfile out.bmp scene.pbrt", {"out.bmp", ".exr, .png or .pfm"}},
          {"--spp 100000000 --outfile folder.exr scene.pbrt", {"folder.exr", "is a folder"}},
          {"--spp 100000000 --mse-reference-image none.exr --mse-reference-out mse.txt scene.pbrt", {"none.exr"}}});

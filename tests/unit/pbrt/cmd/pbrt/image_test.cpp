@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "program.h"
+#include "support/scene_text.h"
 
 namespace pbrt::test {
 
@@ -61,11 +62,13 @@ TEST_F(Images, HeaderMatricesMapTheWorldIntoThePicture) {
 // A ball around (1, 2, 3), seen through a turned and mirrored camera.
 TEST_F(Images, GBufferIsInTheSpaceThatIsAskedFor) {
     auto render = [&](const std::string &space) {
-        Write("ball.pbrt", R"(Scale -1 1 1
-LookAt 3 4 -2  1 2 3  0 1 0
-Camera "perspective" "float fov" 25
-Film "gbuffer" "integer xresolution" 16 "integer yresolution" 12 "bool savefp16" false "string coordinatesystem" ")" +
-                               space + "\"\nWorldBegin\nLightSource \"infinite\"\nTranslate 1 2 3\nShape \"sphere\"\n");
+        Write("ball.pbrt",
+              SceneText()
+                  .Head("Scale -1 1 1")
+                  .LookAt("3 4 -2  1 2 3  0 1 0")
+                  .Camera(25)
+                  .Film(16, 12, "'bool savefp16' false 'string coordinatesystem' '" + space + "'", "gbuffer")
+                  .World(Objects().Light("infinite").Add("Translate 1 2 3").Shape("sphere")));
         return Render("--spp 1 --disable-pixel-jitter ball.pbrt");
     };
     const ImageFile world = render("world"), camera = render("camera");
@@ -96,14 +99,19 @@ TEST_F(Images, DisplacedMeshesAreSplitAsTheEdgeLengthSays) {
           "property float nx\nproperty float ny\nproperty float nz\nproperty float u\nproperty float v\n"
           "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
           "-1 -1 5 0 0 -1 0 0\n1 -1 5 0 0 -1 1 0\n1 1 5 0 0 -1 1 1\n-1 1 5 0 0 -1 0 1\n4 0 1 2 3\n");
-    Write("relief.pbrt", R"(Camera "perspective" "float fov" 15
-Film "gbuffer" "integer xresolution" 32 "integer yresolution" 32 "string coordinatesystem" "world" "bool savefp16" false
-Sampler "independent" "integer pixelsamples" 1
-WorldBegin
-LightSource "point"
-Texture "fields" "float" "checkerboard" "float uscale" 4 "float vscale" 2 "float tex1" 0 "float tex2" 2
-Shape "plymesh" "string filename" "square.ply" "texture displacement" "fields" "float edgelength" 0.05
-)");
+    Write(
+        "relief.pbrt",
+        SceneText()
+            .Camera(15)
+            .Film(32, 32, "'string coordinatesystem' 'world' 'bool savefp16' false", "gbuffer")
+            .Samples(1)
+            .World(
+                Objects()
+                    .Light("point")
+                    .Add("Texture 'fields' 'float' 'checkerboard' 'float uscale' 4 'float vscale' 2 'float tex1' 0 "
+                         "'float tex2' 2")
+                    .Shape("plymesh",
+                           "'string filename' 'square.ply' 'texture displacement' 'fields' 'float edgelength' 0.05")));
     auto depths = [&](const std::string &flags) {
         const Image image = Render(flags + " relief.pbrt").image;
         std::pair<int, int> counts(0, 0);  // numbers of pixels at z = 5 and at z = 3

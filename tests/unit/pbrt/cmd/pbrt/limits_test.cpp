@@ -71,7 +71,7 @@ TEST_F(Limits, RaysOfEmbree) {
                 "ObjectBegin \"o\" Shape \"disk\" ObjectEnd ObjectInstance \"o\"\n"
                 "AttributeBegin Scale 1 1 0 ObjectInstance \"o\" AttributeEnd\n"
                 "ConcatTransform [ 1 0 4294967295 0  0 1 0 0  0 0 1 0  -1 1 0 1 ] ObjectInstance \"o\"",
-                {"Error: reach.pbrt:6:", "The scene reaches too far", "^"}},
+                {"Error: reach.pbrt:6:", "too far", "^"}},
                {"camera",
                 "Scale 1e-30 1e-30 1e-30 Translate 0 0 -1e30 Camera \"perspective\"",
                 "Shape \"sphere\"",
@@ -110,13 +110,11 @@ TEST_F(Limits, MemoryIsEstimatedBeforeBuildingAndLimited) {
         "property float z\nproperty float nx\nelement face 200000000\nproperty list uchar int vertex_indices\nend_header\n");
     Write("big.pbrt", SmallScene() + "Shape \"plymesh\" \"string filename\" \"big.ply\"\n");
     ExpectErrors({{"--memory-limit 2000 --outfile out.exr big.pbrt",
-                   {"big.pbrt:", "Shape \"plymesh\"", "the scene needs at least 1", " GB: meshes 1",
-                    "(200 million triangles), film 0.0 MB; this process can use 2.0 GB"}},
+                   {"big.pbrt:", "Shape \"plymesh\"", "at least 1", " GB: meshes 1",
+                    "(200 million triangles), film 0.0 MB", "2.0 GB"}},
                   {"--memory-limit 0 big.pbrt", {"--memory-limit"}},
                   {"--memory-limit 1 --outfile out.exr scene.pbrt", {"enough memory"}},
-                  {"--memory-limit 20 --outfile out.exr scene.pbrt",
-                   {"Error: there is not enough memory for building: this process can use 20 MB; a larger "
-                    "--memory-limit allows more."}}});
+                  {"--memory-limit 20 --outfile out.exr scene.pbrt", {"enough memory", "20 MB", "--memory-limit"}}});
     EXPECT_EQ(Run("--memory-limit 2000 --outfile out.exr scene.pbrt").status, 0);
 }
 

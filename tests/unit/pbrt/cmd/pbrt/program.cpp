@@ -6,11 +6,11 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
-#include <thread>
+
+#include "support/scene_text.h"
 
 namespace pbrt::test {
 
@@ -125,62 +125,82 @@ bool Program::CatchesInterrupt(pid_t pid) {
     return false;
 }
 
-bool Program::WaitUntil(const std::function<bool()> &condition) {
-    for (int i = 0; i < 3000; ++i) {
-        if (condition()) return true;
-        std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
-    return false;
+std::filesystem::file_time_type Program::WriteTime(const std::string &name) const {
+    std::error_code none;
+    return std::filesystem::last_write_time(Path(name), none);
 }
 
-std::string SmallScene(const std::string &integrator) {
-    return R"(LookAt 0 1 -5  0 0 0  0 1 0
-Camera "perspective" "float fov" 40
-Film "rgb" "integer xresolution" 32 "integer yresolution" 24 "string filename" "scene.exr" "bool savefp16" false
-Sampler "zsobol" "integer pixelsamples" 4
-Integrator "path" "integer maxdepth" 3 )" +
-           integrator + R"(
-WorldBegin
-LightSource "point" "point3 from" [ -2 2 -2 ] "rgb I" [ 2 3 4 ]
-Material "diffuse" "rgb reflectance" [ 0.6 0.4 0.3 ]
-Shape "sphere"
-Shape "bilinearmesh" "point3 P" [ -4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4 ]
-AttributeBegin
-AreaLightSource "diffuse" "rgb L" [ 6 5 4 ] "bool twosided" true
-Shape "trianglemesh" "integer indices" [ 0 1 2 0 2 3 ] "point3 P" [ -1 3 -1  1 3 -1  1 3 1  -1 3 1 ]
-AttributeEnd
-)";
+pid_t Program::StartUntilWritten(const std::string &arguments, const std::string &name) const {
+    const auto before = WriteTime(name);
+    const pid_t pid = Start(arguments);
+    EXPECT_TRUE(WaitUntil([&] { return WriteTime(name) != before; })) << Messages(pid);
+    return pid;
 }
+
+namespace {
+
+/// See SmallScene; `lamps`: further lights.
+std::string BallUnderLamps(const std::string &film, int samples, const std::string &integrator,
+                           const std::string &lamps = "") {
+    return SceneText()
+        .LookAt("0 1 -5  0 0 0  0 1 0")
+        .Camera(40)
+        .Film(32, 24, "'string filename' 'scene.exr' 'bool savefp16' false", film)
+        .Head(fmt::format("Sampler 'zsobol' 'integer pixelsamples' {}", samples))
+        .Integrator("path", 3, integrator)
+        .World(Objects()
+                   .PointLight("-2 2 -2", "2 3 4")
+                   .Diffuse("0.6 0.4 0.3")
+                   .Shape("sphere")
+                   .Quad("-4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4")
+                   .Attribute(
+                       "",
+                       Objects().AreaLight("6 5 4", "'bool twosided' true").Triangles("-1 3 -1  1 3 -1  1 3 1  -1 3 1"))
+                   .Add(lamps));
+}
+
+}  // namespace
+
+std::string SmallScene(const std::string &integrator) { return BallUnderLamps("rgb", 4, integrator); }
 
 std::string LearningScene(const std::string &film, int samples) {
-    std::string text = SmallScene();
-    const auto replace = [&](const std::string &from, const std::string &to) {
-        const size_t at = text.find(from);
-        ASSERT_NE(at, std::string::npos) << from;
-        text.replace(at, from.size(), to);
-    };
-    replace("\"rgb\" \"integer", "\"" + film + "\" \"integer");
-    replace("\"integer pixelsamples\" 4", "\"integer pixelsamples\" " + std::to_string(samples));
-    for (int i = 0; i < 80; ++i)
-        text += "LightSource \"point\" \"point3 from\" [ " + std::to_string(i % 10 - 5) + " 2 " +
-                std::to_string(i / 10 - 4) + " ] \"rgb I\" [ 0.1 0.2 0.1 ]\n";
-    return text;
+    Objects lamps;
+    for (int i = 0; i < 80; ++i) lamps.PointLight(fmt::format("{} 2 {}", i % 10 - 5, i / 10 - 4), "0.1 0.2 0.1");
+    return BallUnderLamps(film, samples, "", lamps);
 }
 
 std::string GuidedScene(int samples) {
-    return fmt::format(R"(LookAt 0 1.2 -2.8  0 .8 0  0 1 0
-Camera "perspective" "float fov" 60
-Film "rgb" "integer xresolution" 48 "integer yresolution" 48 "string filename" "guided.exr"
-Sampler "independent" "integer pixelsamples" {}
-Integrator "path" "integer maxdepth" 4
-WorldBegin
-LightSource "spot" "point3 from" [ 0 .6 0 ] "point3 to" [ 1 2 1 ] "rgb I" [ 60 60 60 ] "float coneangle" 32
-Material "diffuse"
-Shape "bilinearmesh" "point3 P" [ -3 2 -3  3 2 -3  -3 2 3  3 2 3 ]
-Shape "bilinearmesh" "point3 P" [ -3 0 -3  3 0 -3  -3 0 3  3 0 3 ]
-Shape "bilinearmesh" "point3 P" [ -3 0 3  3 0 3  -3 2 3  3 2 3 ]
-)",
-                       samples);
+    return SceneText()
+        .LookAt("0 1.2 -2.8  0 .8 0  0 1 0")
+        .Camera(60)
+        .Film(48, 48, "'string filename' 'guided.exr'")
+        .Samples(samples)
+        .Integrator("path", 4)
+        .World(Objects()
+                   .Light("spot",
+                          "'point3 from' [ 0 .6 0 ] 'point3 to' [ 1 2 1 ] 'rgb I' [ 60 60 60 ] 'float coneangle' 32")
+                   .Material("diffuse")
+                   .Quad(room::kCeiling)
+                   .Quad(room::kFloor)
+                   .Quad(room::kBack));
+}
+
+std::string WindowScene(const std::string &eye, int maxDepth, const std::string &sky) {
+    Objects world;
+    world.Sky(sky);
+    for (const char *wall :
+         {"-2 -1 -2  2 -1 -2  -2 -1 2  2 -1 2", "-2 1 -2  2 1 -2  -2 1 2  2 1 2", "-2 -1 -2  -2 1 -2  -2 -1 2  -2 1 2",
+          "2 -1 -2  2 1 -2  2 -1 2  2 1 2", "-2 -1 -2  2 -1 -2  -2 1 -2  2 1 -2", "-2 -1 2  -.5 -1 2  -2 1 2  -.5 1 2",
+          ".5 -1 2  2 -1 2  .5 1 2  2 1 2", "-.5 -1 2  .5 -1 2  -.5 -.5 2  .5 -.5 2",
+          "-.5 .5 2  .5 .5 2  -.5 1 2  .5 1 2"})
+        world.Quad(wall);
+    return SceneText()
+        .LookAt(eye + "  0 0 2  0 1 0")
+        .Camera(80)
+        .Samples(16)
+        .Integrator("path", maxDepth)
+        .Film(48, 48, "'string filename' 'x.exr'")
+        .World(world);
 }
 
 bool Has(const std::string &text, const std::string &part) { return text.find(part) != std::string::npos; }

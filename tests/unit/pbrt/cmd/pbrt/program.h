@@ -3,11 +3,11 @@
 #include <sys/types.h>
 
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <vector>
 
 #include "pbrt/images/image.h"
+#include "support/wait.h"
 
 namespace pbrt::test {
 
@@ -51,8 +51,10 @@ class Program : public ::testing::Test {
     /// True if the process runs the program (and not the shell before it) and has set its handler for the interrupt
     /// signal.
     static bool CatchesInterrupt(pid_t pid);
-    /// Polls until the condition holds; false after half a minute.
-    static bool WaitUntil(const std::function<bool()> &condition);
+    /// When a file was written last; the least time if there is none.
+    std::filesystem::file_time_type WriteTime(const std::string &name) const;
+    /// Starts the program, and waits until it has written the file, new or anew.
+    pid_t StartUntilWritten(const std::string &arguments, const std::string &name) const;
 
     std::string launcher_;  ///< a command that starts the program in place of the shell, such as mpirun
 
@@ -67,6 +69,9 @@ std::string SmallScene(const std::string &integrator = "");
 std::string LearningScene(const std::string &film, int samples = 64);
 /// A scene whose light comes from a part of the ceiling: there guided paths differ from plain ones.
 std::string GuidedScene(int samples);
+/// A view of the window, 1 by 1 in the wall at z = 2, of a room of 4 x 2 x 4 around the origin, under a sky of one
+/// colour, written to x.exr.
+std::string WindowScene(const std::string &eye, int maxDepth, const std::string &sky);
 
 bool Has(const std::string &text, const std::string &part);
 int IntOf(const ImageFile &file, const std::string &attribute);

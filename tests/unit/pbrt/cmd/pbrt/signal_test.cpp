@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "program.h"
+#include "support/scene_text.h"
 
 namespace pbrt::test {
 
@@ -17,16 +18,17 @@ namespace {
 /// milliseconds per sample: the first wave of 256 x 256 pixels would take a quarter of an hour, a single tile of it
 /// seconds.
 std::string SlowScene() {
-    return R"(LookAt 0 1 -5  0 0 0  0 1 0
-Camera "perspective" "float fov" 40
-Film "rgb" "integer xresolution" 256 "integer yresolution" 256 "string filename" "out.exr"
-Integrator "path" "integer maxdepth" 5 "string lightsampler" "exhaustive"
-WorldBegin
-Shape "bilinearmesh" "point3 P" [ -4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4 ]
-AreaLightSource "diffuse"
-Shape "loopsubdiv" "integer levels" 8 "integer indices" [ 0 1 2  0 2 3  0 3 1  1 3 2 ]
-    "point3 P" [ 0 3 0  1 2 0  -1 2 1  -1 2 -1 ]
-)";
+    return SceneText()
+        .LookAt("0 1 -5  0 0 0  0 1 0")
+        .Camera(40)
+        .Film(256, 256, "'string filename' 'out.exr'")
+        .Integrator("path", 5, "'string lightsampler' 'exhaustive'")
+        .World(Objects()
+                   .Quad("-4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4")
+                   .Add("AreaLightSource 'diffuse'")
+                   .Shape("loopsubdiv",
+                          "'integer levels' 8 'integer indices' [ 0 1 2  0 2 3  0 3 1  1 3 2 ] "
+                          "'point3 P' [ 0 3 0  1 2 0  -1 2 1  -1 2 -1 ]"));
 }
 
 constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};

@@ -300,8 +300,8 @@ struct Accel::Impl {
 Accel::Accel(const Options &options) : impl_(std::make_unique<Impl>(options)) {}
 Accel::~Accel() = default;
 
-void Accel::LetShadowRaysThrough(ShapeId id, bool tell) {
-    impl_->shadowless[id.value] = tell ? ShadowRays::Told : ShadowRays::Passed;
+void Accel::LetShadowRaysThrough(ShapeId id, bool collect) {
+    impl_->shadowless[id.value] = collect ? ShadowRays::Collected : ShadowRays::Passed;
 }
 
 void Accel::AddShape(ShapeId id, const Shape &shape, const FloatTexture *alpha) {

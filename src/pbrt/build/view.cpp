@@ -9,7 +9,7 @@ namespace pbrt {
 namespace {
 
 /// Rendering space is world space moved so that the camera sits at the origin halfway between the transform times,
-/// unless the flag --render-coord-sys says otherwise.
+/// unless the flag --render-coord-sys overrides it.
 Transform RenderFromWorld(const SceneDescription &d, const AnimatedTransform &worldFromCamera,
                           const BuildOptions &options) {
     std::string which =

@@ -66,7 +66,7 @@ std::string Abbreviate(std::string_view text, size_t maxBytes = 60);
 class DiagnosticSink {
   public:
     void Error(const FileLoc &loc, std::string message);
-    /// Printed by whoever owns the sink (cmd/ unless --quiet); never fatal.
+    /// Printed by the owner of the sink (cmd/ unless --quiet); never fatal.
     void Warning(const FileLoc &loc, std::string message);
     /// Adds the diagnostics of an exception.
     void Add(const UserError &e);

@@ -31,7 +31,7 @@ enum class ReadFrom { Files, FilesAndPipes };
 
 /// Returns the whole content; gzip data are decompressed whatever the file is called. Throws UserError (no location) if
 /// the file cannot be read, or if its content (which may decompress to any size) needs more memory than `available()`
-/// says is left.
+/// returns.
 std::string ReadFileContents(const std::string &path, ReadFrom from = ReadFrom::Files,
                              double (*available)() = AvailableMemory);
 

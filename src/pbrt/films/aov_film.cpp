@@ -106,7 +106,7 @@ void AovFilm::AddSample(const FilmSample &sample) {
     }
 }
 
-std::vector<StateBlock> AovFilm::Blocks() {
+std::vector<StateBlock> AovFilm::Blocks() const {
     std::vector<StateBlock> blocks = BlocksOf(*film_);
     blocks.push_back(MakeStateBlock("aov", std::span(sums_)));
     return blocks;

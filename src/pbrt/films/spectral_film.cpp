@@ -89,7 +89,7 @@ void SpectralFilm::AddSplat(Point2i pixel, const SampledSpectrum &L, const Sampl
 
 std::unique_ptr<Film> SpectralFilm::MakeRgbFilm() const { return std::make_unique<RgbFilm>(Frame(), sensor_); }
 
-std::vector<StateBlock> SpectralFilm::Blocks() {
+std::vector<StateBlock> SpectralFilm::Blocks() const {
     std::vector<StateBlock> blocks = {MakeStateBlock("buckets", std::span(sums_)), splats_.Block("bucket splats")};
     sensor_.AppendBlocks(blocks);
     return blocks;

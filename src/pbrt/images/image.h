@@ -114,8 +114,8 @@ struct ImageFile {
     ImageMetadata metadata;
 };
 
-/// EXR, PNG, PFM, HDR, TGA, JPG, ... (not QOI), see format §14. `encoding` for 8/16-bit PNG; nullopt: what the format
-/// says (sRGB for png; other 8-bit formats are always sRGB). Channels are named R, G, B (and A) or Y; those of EXR
+/// EXR, PNG, PFM, HDR, TGA, JPG, ... (not QOI), see format §14. `encoding` for 8/16-bit PNG; nullopt: that of the
+/// format (sRGB for png; other 8-bit formats are always sRGB). Channels are named R, G, B (and A) or Y; those of EXR
 /// files keep their names. Throws UserError (no location) if missing or unreadable.
 ImageFile ReadImage(const std::string &path, std::optional<ColorEncoding> encoding = {});
 

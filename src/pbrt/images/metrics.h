@@ -28,9 +28,9 @@ double RelL2Epsilon(const Image &reference);
 double ImageError(const Image &image, const Image &reference, Metric metric, Image *errorImage = nullptr,
                   size_t *skipped = nullptr);
 
-/// `metric` (RelL2 or RelL2Abs) without the worst pixels: the ceil(share x pixels) pixels with the largest terms are
+/// `metric` (RelL2 or RelL2Abs) without the worst pixels: the ceil(fraction x pixels) pixels with the largest terms are
 /// left out. A pixel's term is the mean over its channels; not-finite ones are skipped first.
-double TrimmedRelL2(const Image &image, const Image &reference, double share = 0.001, size_t *skipped = nullptr,
+double TrimmedRelL2(const Image &image, const Image &reference, double fraction = 0.001, size_t *skipped = nullptr,
                     Metric metric = Metric::RelL2);
 
 }  // namespace pbrt

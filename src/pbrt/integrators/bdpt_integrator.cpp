@@ -89,7 +89,7 @@ bool BdptIntegrator::PassMedium(PathWalk &walk, Subpath &path, const Sample &sam
         sample.lambda, u, rng, emits, path.weights, [&](const SampledSpectrum &radiance, Float mean) {
             path.L += radiance;
             path.ofFirst += radiance[0] * mean;
-            if (strategies_) Tell(sample, {0, path.count + 1, radiance, radiance, {}, mean});
+            if (strategies_) Record(sample, {0, path.count + 1, radiance, radiance, {}, mean});
         });
     if (event.kind == MediumEvent::Kind::Absorbed || !path.weights.beta) return false;
     if (event.kind == MediumEvent::Kind::Passed) return true;
@@ -213,9 +213,9 @@ SampledSpectrum BdptIntegrator::TraceCamera(Sample &sample) const {
     PathWalk walk(context_, sample.start.ray, sample.start.visible);
     Subpath subpath{paths.camera, paths.cameraCount, TransportMode::Radiance, sample.samplers.camera, pdf};
     Follow(walk, subpath, sample);
-    // What was found before the other wavelengths were given up does not count on them any more.
+    // Contributions from before the secondary wavelengths were terminated count on the first one only.
     if (!hasMedia_ || !sample.lambda.SecondaryTerminated()) return subpath.L;
-    for (StrategyPictures::Found &f : paths.found) {
+    for (StrategyPictures::Contribution &f : paths.contributions) {
         f.weighted *= f.mean;
         f.unweighted *= f.mean;
     }
@@ -238,12 +238,12 @@ void BdptIntegrator::AddEmission(const PathWalk &walk, Subpath &path, Sample &sa
         const Float mean = hasMedia_ ? path.weights.ru.Average() : 1;
         path.L += hasMedia_ ? L / mean : L;
         path.ofFirst += L[0];
-        if (strategies_) Tell(sample, {0, path.count + 1, arriving / mean, L / mean, {}, mean});
+        if (strategies_) Record(sample, {0, path.count + 1, arriving / mean, L / mean, {}, mean});
     });
 }
 
-void BdptIntegrator::Tell(const Sample &sample, const StrategyPictures::Found &found) const {
-    sample.paths.found.push_back(found);
+void BdptIntegrator::Record(const Sample &sample, const StrategyPictures::Contribution &contribution) const {
+    sample.paths.contributions.push_back(contribution);
 }
 
 Float BdptIntegrator::WeightOf(Sample &sample, int lightVertices, int cameraVertices, const BdptVertex *end,
@@ -307,7 +307,7 @@ SampledSpectrum BdptIntegrator::ConnectToLight(Sample &sample, int cameraVertice
     end.direction = -found.wi;
     end.pdfForward = weights_.LightPdf(end, last);
     const SampledSpectrum weighted = Passed(sample, L * WeightOf(sample, 1, cameraVertices, &end, 0), through, last.ru);
-    if (strategies_) Tell(sample, {1, cameraVertices, Passed(sample, L, through, last.ru), weighted});
+    if (strategies_) Record(sample, {1, cameraVertices, Passed(sample, L, through, last.ru), weighted});
     return weighted;
 }
 
@@ -331,11 +331,11 @@ SampledSpectrum BdptIntegrator::ConnectSubpaths(Sample &sample, int lightVertice
     const SampledSpectrum ru = a.ru * b.ru;
     const SampledSpectrum weighted =
         Passed(sample, L * WeightOf(sample, lightVertices, cameraVertices, nullptr, 0), through, ru);
-    if (strategies_) Tell(sample, {lightVertices, cameraVertices, Passed(sample, L, through, ru), weighted});
+    if (strategies_) Record(sample, {lightVertices, cameraVertices, Passed(sample, L, through, ru), weighted});
     return weighted;
 }
 
-void BdptIntegrator::ConnectToCamera(Sample &sample, int lightVertices, std::vector<SeenLight> &seenLight) const {
+void BdptIntegrator::ConnectToCamera(Sample &sample, int lightVertices, std::vector<CameraSplat> &splats) const {
     const Point2 uLens = sample.samplers.connections.Get2D();
     const BdptVertex &last = sample.paths.light[static_cast<size_t>(lightVertices - 1)];
     if (!last.CanConnect()) return;
@@ -357,8 +357,8 @@ void BdptIntegrator::ConnectToCamera(Sample &sample, int lightVertices, std::vec
     const Float weight = WeightOf(sample, lightVertices, 1, nullptr, cameraPdf);
     const SampledSpectrum weighted = Passed(sample, L * weight, through, last.ru);
     const auto add = [&](const Point2 &pFilm) {
-        seenLight.push_back({pFilm, weighted});
-        if (strategies_) Tell(sample, {lightVertices, 1, Passed(sample, L, through, last.ru), weighted, pFilm});
+        splats.push_back({pFilm, weighted});
+        if (strategies_) Record(sample, {lightVertices, 1, Passed(sample, L, through, last.ru), weighted, pFilm});
     };
     add(seen->pFilm);
     Camera::OtherPlaces places;
@@ -367,7 +367,7 @@ void BdptIntegrator::ConnectToCamera(Sample &sample, int lightVertices, std::vec
 }
 
 SampledSpectrum BdptIntegrator::TracePair(const PathStart &start, SampledWavelengths &lambda, const Samplers &samplers,
-                                          Float pixels, Float splatUnit, std::vector<SeenLight> &seen) const {
+                                          Float pixels, Float splatUnit, std::vector<CameraSplat> &splats) const {
     ++ThreadCounters().cameraPaths;
     Subpaths &paths = subpaths_[static_cast<size_t>(ThreadIndex())];
     Sample sample{start,
@@ -386,24 +386,24 @@ SampledSpectrum BdptIntegrator::TracePair(const PathStart &start, SampledWavelen
         for (int s = 2; s <= paths.lightCount && s + t - 2 <= maxDepth_; ++s)
             if (paths.light[static_cast<size_t>(s - 1)].CanConnect()) L += ConnectSubpaths(sample, s, t);
     }
-    for (int s = 2; s <= paths.lightCount; ++s) ConnectToCamera(sample, s, seen);
+    for (int s = 2; s <= paths.lightCount; ++s) ConnectToCamera(sample, s, splats);
     return L;
 }
 
 SampledSpectrum BdptIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
     const RenderPass &pass = start.pass;
     Subpaths &paths = subpaths_[static_cast<size_t>(ThreadIndex())];
-    std::vector<SeenLight> &seen = paths.seen;
-    seen.clear();
-    paths.found.clear();
+    std::vector<CameraSplat> &splats = paths.splats;
+    splats.clear();
+    paths.contributions.clear();
     const SampledSpectrum L =
         TracePair(start, lambda, {sampler, sampler, sampler}, static_cast<Float>(pass.film.PixelBounds().Area()),
-                  pass.film.SplatUnit(), seen);
+                  pass.film.SplatUnit(), splats);
     if (!pass.keepsSamples) return L;
-    for (const SeenLight &s : seen) AddFilteredSplat(pass.film, pass.filter, s.pFilm, s.L, lambda);
+    for (const CameraSplat &s : splats) AddFilteredSplat(pass.film, pass.filter, s.pFilm, s.L, lambda);
     if (strategies_) {
         ++paths.pairs;
-        strategies_->Add(paths.found, start.pixel, start.filterWeight, lambda, pass.filter);
+        strategies_->Add(paths.contributions, start.pixel, start.filterWeight, lambda, pass.filter);
     }
     return L;
 }

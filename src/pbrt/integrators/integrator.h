@@ -5,6 +5,7 @@
 
 #include "pbrt/cameras/camera.h"
 #include "pbrt/core/online_model.h"
+#include "pbrt/core/team.h"
 #include "pbrt/films/film.h"
 #include "pbrt/films/filter.h"
 #include "pbrt/lightsamplers/light_sampler.h"
@@ -33,9 +34,9 @@ struct RenderPass {
     std::vector<uint32_t> *done = nullptr;
     std::string_view doneFile{};  ///< that `done` was read from, for messages
     Progress &progress;
-    /// Null, or the processes that render the pass together, each with its own film: samples are handed out among them.
-    /// Afterwards `done` of the first process holds what all have done.
-    Ranks *ranks = nullptr;
+    /// The processes that render the pass together, each with its own film: samples are distributed among them.
+    /// Afterwards `done` of rank 0 holds what all have done.
+    Team &team = Team::Alone();
 };
 
 /// A picture that an integrator makes beside the one of the film that it renders.
@@ -69,7 +70,7 @@ class Integrator {
     /// The light sampler in use; null if the integrator has none.
     virtual const LightSampler *Lights() const { return nullptr; }
     /// The light sampler that chooses where light paths begin; null if none do.
-    virtual const LightSampler *ShootingLights() const { return nullptr; }
+    virtual const LightSampler *EmissionSampler() const { return nullptr; }
     /// True if there will be side pictures. They hold only samples of this process since its start: checkpoints do not
     /// keep them, and other processes do not send theirs.
     virtual bool MakesSidePictures() const { return false; }

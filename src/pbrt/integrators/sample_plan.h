@@ -8,9 +8,8 @@ namespace pbrt {
 int FittingSamples(double seconds, double secondsPerSample);
 
 /// Seconds that a sample of every pixel takes with a prepared integrator that learns nothing. Renders waves of 1, 1, 2,
-/// 4 ... samples to `scratch` for a fiftieth of `seconds`, and takes the fastest; stops at a twentieth, and
-/// extrapolates from the pixels that are done if no wave is.
-double MeasureSecondsPerSample(Integrator &integrator, const Camera &camera, const Filter &filter, Film &scratch,
-                               const Sampler &sampler, RenderSettings settings, double seconds);
+/// 4 ... samples to the film, without the progress of `context`, for a fiftieth of `seconds`, and takes the fastest;
+/// stops at a twentieth, and extrapolates from the pixels that are done if no wave is.
+double MeasureSecondsPerSample(const RenderContext &context, RenderSettings settings, double seconds);
 
 }  // namespace pbrt

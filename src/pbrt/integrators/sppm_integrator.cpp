@@ -78,10 +78,10 @@ void SppmIntegrator::TraceLightPath(const SampledWavelengths &shared, uint64_t i
         if (!sample) break;
         SampledSpectrum next = beta * sample->f * (AdjointCosine(point, point.wo, sample->wi) / sample->pdf);
         // Russian roulette that keeps the power of all photons about the same.
-        const Float survive = next.MaxComponent() / beta.MaxComponent();
-        if (survive < 1) {
-            if (rng.Uniform() >= survive) break;
-            next /= survive;
+        const Float continuation = next.MaxComponent() / beta.MaxComponent();
+        if (continuation < 1) {
+            if (rng.Uniform() >= continuation) break;
+            next /= continuation;
         }
         beta = next;
         walk.Scatter(*sample);

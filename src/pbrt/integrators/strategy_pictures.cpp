@@ -27,17 +27,19 @@ void StrategyPictures::Begin(const Film &film) {
     }
 }
 
-void StrategyPictures::Add(std::span<const Found> found, Point2i pixel, Float weight, const SampledWavelengths &lambda,
-                           const Filter &filter) {
+void StrategyPictures::Add(std::span<const Contribution> contributions, Point2i pixel, Float weight,
+                           const SampledWavelengths &lambda, const Filter &filter) {
     for (size_t kind = 0; kind < kinds_.size(); ++kind) {
-        const auto light = [&](const Found &f) { return kinds_[kind] == Kind::Weighted ? f.weighted : f.unweighted; };
+        const auto light = [&](const Contribution &c) {
+            return kinds_[kind] == Kind::Weighted ? c.weighted : c.unweighted;
+        };
         std::array<SampledSpectrum, kTable * kTable> sums{};
-        for (const Found &f : found) {
-            const size_t i = indexOf_[static_cast<size_t>(f.s)][static_cast<size_t>(f.t)];
-            if (f.t == 1)
-                AddFilteredSplat(*films_[kind][i], filter, f.pFilm, light(f), lambda);
+        for (const Contribution &c : contributions) {
+            const size_t i = indexOf_[static_cast<size_t>(c.s)][static_cast<size_t>(c.t)];
+            if (c.t == 1)
+                AddFilteredSplat(*films_[kind][i], filter, c.pFilm, light(c), lambda);
             else
-                sums[i] += light(f);
+                sums[i] += light(c);
         }
         for (size_t i = 0; i < strategies_.size(); ++i) {
             FilmSample sample;

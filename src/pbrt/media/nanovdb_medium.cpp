@@ -60,10 +60,10 @@ bool IsSound(const FloatGrid &grid, size_t bytes) {
     const auto &tree = grid.tree();
     const auto &root = tree.root();
     if (!holds(&root, sizeof(root)) || !holds(&root, root.memUsage())) return false;
-    // A damaged tree might meet nodes many times over: no more are visited than it says that it has.
-    std::array<uint64_t, 3> found{};
+    // A damaged tree may refer to a node many times: no more are visited than its node counts allow.
+    std::array<uint64_t, 3> visited{};
     auto isFine = [&](const auto &node, size_t level) {
-        return ++found[level] <= tree.nodeCount(static_cast<int>(level)) && holds(&node, sizeof(node));
+        return ++visited[level] <= tree.nodeCount(static_cast<int>(level)) && holds(&node, sizeof(node));
     };
     for (auto upper = root.beginChild(); upper; ++upper) {
         if (!isFine(*upper, 2)) return false;
@@ -74,7 +74,7 @@ bool IsSound(const FloatGrid &grid, size_t bytes) {
         }
     }
     for (size_t level = 0; level < 3; ++level)
-        if (found[level] != tree.nodeCount(static_cast<int>(level))) return false;
+        if (visited[level] != tree.nodeCount(static_cast<int>(level))) return false;
     return true;
 }
 

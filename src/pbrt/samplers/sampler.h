@@ -12,7 +12,7 @@ namespace pbrt {
 /// they start another, independent set of SamplesPerPixel() samples (or go on with the sequence).
 ///
 /// Numbers are prepared for several dimensions at once, because that takes little longer than one and saves virtual
-/// calls: a sampler says by Prepare what Get1D and Get2D return in the dimensions that follow.
+/// calls: Prepare computes what Get1D and Get2D return in the dimensions that follow.
 class Sampler {
   public:
     virtual ~Sampler() = default;

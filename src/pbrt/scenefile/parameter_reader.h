@@ -26,7 +26,7 @@ class ParameterReader {
     /// The string as a name, in composed form (NFC); an error if it is not valid UTF-8.
     std::string NameOf(const Token &token) const;
 
-    /// The next token. The end of the input is an error that says what was expected.
+    /// The next token. The end of the input is an error that names what was expected.
     Token Require(const char *what);
     [[noreturn]] void Fail(const Token &token, std::string message) const;
 

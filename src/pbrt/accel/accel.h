@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pbrt/accel/passed_hits.h"
+#include "pbrt/core/error.h"
 #include "pbrt/math/animated_transform.h"
 #include "pbrt/textures/texture.h"
 
@@ -61,6 +62,13 @@ class Accel {
   private:
     struct Impl;
     std::unique_ptr<Impl> impl_;
+};
+
+/// An instance is so small that rays from the other end of the scene have no finite coordinates in its space. Has no
+/// location: Accel does not know where instances stand in scene files.
+class ReachError : public UserError {
+  public:
+    using UserError::UserError;
 };
 
 }  // namespace pbrt

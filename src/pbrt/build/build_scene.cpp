@@ -4,7 +4,7 @@
 #include <set>
 #include <tuple>
 
-#include "pbrt/accel/reach_error.h"
+#include "pbrt/accel/accel.h"
 #include "pbrt/build/accelerators.h"
 #include "pbrt/build/built_scene.h"
 #include "pbrt/build/collect.h"
@@ -118,7 +118,7 @@ SceneContents MakeContents(SceneDescription &d, const BuildOptions &options, con
     BuiltMedia media = MakeMedia(d, renderFromWorld, sink);
     if (const std::string &type = IntegratorType(d.integrator, options);
         !media.media.empty() && !TraitsOf(type).rendersMedia) {
-        sink.Warning({}, fmt::format("integrator \"{}\" sees no media; \"volpath\" renders them.", type));
+        sink.Warning({}, fmt::format("integrator \"{}\" renders no media; \"volpath\" does.", type));
         media = {};
     }
     GeometryBuilder geometry(d, renderFromWorld, !TraitsOf(IntegratorType(d.integrator, options)).passesInterfaces,
@@ -211,7 +211,7 @@ PrepareContext BuiltScene::Preparation(Progress &progress, Team &team) const {
 
 BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const PluginRegistry &registry,
                       DiagnosticSink &sink, Progress &progress) {
-    // What is not supported is not built, yet everything else is looked at, so that one run reports all mistakes.
+    // Unsupported features are not built, but everything else is checked, so that one run reports all mistakes.
     BuiltScene built;
     BuildOptions options = given;
     built.leftOut = CheckSupported(d, options, sink);

@@ -1,7 +1,6 @@
 #include "pbrt/build/geometry_builder.h"
 
 #include "pbrt/build/collect.h"
-#include "pbrt/build/motion.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/lights/light_factory.h"
 #include "pbrt/materials/forced_diffuse.h"
@@ -119,7 +118,7 @@ void GeometryBuilder::BuildMaterials() {
 
 MaterialId GeometryBuilder::ResolveMaterial(const ShapeEntity &entity) {
     const MaterialRef &ref = entity.material;
-    if (ref.index >= 0) return byIndex_[static_cast<size_t>(ref.index)];
+    if (ref.index >= 0) return byIndex_[ref.index];
     if (ref.name.empty()) return defaultMaterial_;
     auto it = named_.find(ref.name);
     if (it != named_.end()) return it->second;
@@ -147,7 +146,7 @@ void GeometryBuilder::BuildShapes(Progress &progress) {
         }
     }
     ParallelForEach(static_cast<int64_t>(work_.size()), [&](int64_t i) {
-        Work &w = work_[static_cast<size_t>(i)];
+        Work &w = work_[i];
         MakeShapes(w);
         if (w.object < 0) w.entity->params = {};  // so that big meshes given as text are not kept twice
         progress.Advance();
@@ -157,7 +156,7 @@ void GeometryBuilder::BuildShapes(Progress &progress) {
     std::vector<Definition> definitions(description_.objects.size());
     for (Work &w : work_) {
         sink_.Add(w.sink);
-        Register(w, w.object >= 0 ? &definitions[static_cast<size_t>(w.object)] : nullptr);
+        Register(w, w.object >= 0 ? &definitions[w.object] : nullptr);
     }
     BuildInstances(definitions);
     work_.clear();
@@ -172,7 +171,7 @@ void GeometryBuilder::MakeShapes(Work &w) {
                 MotionOf("the shape", e, place, Product({renderFromWorld_, e.ctm.end})));
             place = Transform();
         } else if (w.object >= 0) {
-            const Transform &space = spaces_[static_cast<size_t>(w.object)];
+            const Transform &space = spaces_[w.object];
             place = Product({space.Inverse(), e.ctm.start});
             renderFromPlaced = Product({renderFromWorld_, space});
         }
@@ -202,8 +201,7 @@ void GeometryBuilder::CenterDefinitions() {
     std::vector<Bounds3> bounds(spaces_.size());
     for (const Work &w : work_)
         if (w.object >= 0 && !w.motion)
-            for (const auto &shape : w.shapes)
-                bounds[static_cast<size_t>(w.object)] = Union(bounds[static_cast<size_t>(w.object)], BoundsOf(*shape));
+            for (const auto &shape : w.shapes) bounds[w.object] = Union(bounds[w.object], BoundsOf(*shape));
     auto isFar = [](const Bounds3 &b) {
         return !b.IsEmpty() && MaxComponent(Abs(b.low + b.high) / Float(2)) > kFar * MaxComponent(b.high - b.low);
     };
@@ -211,9 +209,9 @@ void GeometryBuilder::CenterDefinitions() {
         if (isFar(bounds[o]))
             spaces_[o] = Product({spaces_[o], Transform::Translate((bounds[o].low + bounds[o].high) / Float(2))});
     ParallelForEach(static_cast<int64_t>(work_.size()), [&](int64_t i) {
-        Work &w = work_[static_cast<size_t>(i)];
+        Work &w = work_[i];
         if (w.object < 0) return;
-        if (isFar(bounds[static_cast<size_t>(w.object)]) && !w.motion && !w.shapes.empty()) {
+        if (isFar(bounds[w.object]) && !w.motion && !w.shapes.empty()) {
             DiagnosticSink said = std::move(w.sink);
             MakeShapes(w);
             w.sink = std::move(said);
@@ -312,7 +310,7 @@ void GeometryBuilder::Register(Work &w, Definition *definition) {
             contents_.accel->AddShape(id, *kept.shape, kept.alpha.get());
     }
     if (maker) {
-        const Entity &light = description_.areaLights[static_cast<size_t>(e.areaLight)];
+        const Entity &light = description_.areaLights[e.areaLight];
         lightNames_.Add(emitters, fmt::format("AreaLightSource \"{}\"", light.type), light.loc, e.loc, primitive);
     }
     if (moving.empty()) return;

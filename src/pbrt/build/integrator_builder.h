@@ -25,7 +25,7 @@ struct IntegratorReading {
     const BuildOptions &options;
     const PluginRegistry &registry;
     DiagnosticSink &sink;
-    const ParamReader &before;  ///< knows the parameters of light samplers
+    const ParamReader &before;  ///< has declared the parameters of light samplers
 };
 
 /// What an integrator does and needs; declared where it is registered.

@@ -1,7 +1,6 @@
 #include "pbrt/build/view.h"
 
 #include "pbrt/build/collect.h"
-#include "pbrt/build/motion.h"
 #include "pbrt/shapes/extent.h"
 
 namespace pbrt {

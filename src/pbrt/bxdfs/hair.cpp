@@ -118,8 +118,7 @@ std::array<Float, HairBxdf::Lobes> HairBxdf::Densities(const View &view, const V
     for (int p = 0; p < Lobes; ++p) {
         const Float around =
             p < Lobes - 1 ? TrimmedLogistic(WrapAngle(phi - view.turn[p]), scale_, scaleMass_) : Inv2Pi;
-        densities[static_cast<size_t>(p)] =
-            LongitudinalDensity(sinI, cosI, view.sinTheta[p], view.cosTheta[p], VarianceOf(p)) * around;
+        densities[p] = LongitudinalDensity(sinI, cosI, view.sinTheta[p], view.cosTheta[p], VarianceOf(p)) * around;
     }
     return densities;
 }

@@ -119,7 +119,7 @@ SampledSpectrum CoatedBxdf<Base>::Evaluate(const Vector3 &wo, const Vector3 &wi,
 }
 
 /// One walk that enters along wo; at every event it is connected to wi through the coat. Where the coat is rough, the
-/// direction that the walk goes on in is evaluated at the coat as well, and the two estimates are combined by MIS.
+/// direction in which the walk continues is evaluated at the coat as well, and the two estimates are combined by MIS.
 template <class Base>
 template <typename CoatedBxdf<Base>::ExitWeights Weights>
 SampledSpectrum CoatedBxdf<Base>::EstimateInside(const Vector3 &wo, const Vector3 &wi, TransportMode mode,
@@ -371,7 +371,7 @@ std::optional<BsdfSample> CoatedBxdf<Base>::SampleClear(const Vector3 &wo, Float
         (smooth ? ThroughSmooth(wo) * ThroughSmooth(wi) : shares.through * clear_.At(wi.z).through) / Sqr(top_.Eta());
     if constexpr (std::is_same_v<Base, DiffuseBxdf>) {
         // A walk would leave the coat at some events only, with more weight. Roulette gives the sample the second
-        // moment of a walk, so that as few paths go on with little light.
+        // moment of a walk, so that as few paths continue with little light.
         const Float r = bottom_.Reflectance().MaxComponent(), inner = clear_.Inner();
         const Float transmission = std::min(through * (1 - inner * Sqr(r)) / Sqr(1 - inner * r), Float(1));
         if (!(uc - mirrored < transmission * (1 - mirrored))) return {};

@@ -1,11 +1,11 @@
 #pragma once
-#include <fmt/format.h>
-
 #include <memory>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include <fmt/format.h>
 
 namespace pbrt {
 
@@ -93,6 +93,9 @@ class DiagnosticSink {
 std::string ListChoices(std::string_view given, const std::vector<std::string> &choices);
 
 [[noreturn]] void CheckFailed(const char *expression, const char *file, int line, const std::string &values);
+
+/// The choice that `given` may be a misspelling of; empty if none is similar.
+std::string NearestChoice(std::string_view given, const std::vector<std::string> &choices);
 
 }  // namespace pbrt
 

@@ -105,7 +105,7 @@ class MpiPort final : public MessagePort {
         for (int tries = 0; !IsDone(request); ++tries)
             if (tries > 100) std::this_thread::sleep_for(std::chrono::microseconds(50));
     }
-    /// While both sides work on a transfer: it goes on only within MPI's functions.
+    /// While both sides work on a transfer, which progresses only within MPI's functions.
     static void WaitBusily(MPI_Request &request) {
         while (!IsDone(request)) std::this_thread::yield();
     }

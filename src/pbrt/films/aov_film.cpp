@@ -4,7 +4,7 @@
 
 #include "pbrt/core/files.h"
 #include "pbrt/core/memory.h"
-#include "pbrt/films/albedo_color.h"
+#include "pbrt/films/visible_surface.h"
 
 namespace pbrt {
 

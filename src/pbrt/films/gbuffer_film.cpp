@@ -2,8 +2,8 @@
 
 #include <array>
 
-#include "pbrt/films/albedo_color.h"
 #include "pbrt/films/rgb_film.h"
+#include "pbrt/films/visible_surface.h"
 
 namespace pbrt {
 

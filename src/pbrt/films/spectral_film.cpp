@@ -57,7 +57,7 @@ void SpectralFilm::AddSample(const FilmSample &sample) {
     for (int i = 0; i < SpectrumSamples; ++i) {
         const Float pdf = sample.lambda.PdfAt(i);
         if (pdf == 0) continue;
-        // A wavelength that goes on alone also stands for those that were terminated: its density is smaller by that
+        // A wavelength that continues alone also stands for those that were terminated: its density is smaller by that
         // factor. In single precision, so that its products are exact (PreciseSum).
         const auto w = double(sample.weight / (pdf * range));
         Sums &bucket = sums[BucketOf(sample.lambda[i])];

@@ -45,7 +45,6 @@ class ByteCode {
 };
 
 enum class WrapMode { Repeat, Black, Clamp, OctahedralSphere };
-std::optional<WrapMode> ParseWrapMode(const std::string &name);
 /// Maps pixel coordinates into the image; false: outside and black. OctahedralSphere folds across the edges of the
 /// equal-area octahedral square; -x maps to x there, as in stock pbrt-v4.
 bool RemapPixel(Point2i &p, Point2i resolution, WrapMode wrap);

@@ -83,7 +83,7 @@ double RelL2Epsilon(const Image &reference) {
     for (const char *name : {"R", "G", "B"})
         if (const int c = reference.FindChannel(name); c >= 0) channels.push_back(c);
     if (channels.size() < 3) {
-        channels.resize(static_cast<size_t>(reference.ChannelCount()));
+        channels.resize(reference.ChannelCount());
         std::iota(channels.begin(), channels.end(), 0);
     }
     double sum = 0;

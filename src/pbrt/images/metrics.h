@@ -10,7 +10,7 @@ namespace pbrt {
 enum class Metric { MAE, MSE, MRSE, RelL2, RelL2Abs, SMAPE, FLIP, HdrFLIP };
 std::optional<Metric> ParseMetric(const std::string &name);
 const std::string &MetricName(Metric metric);
-/// All names that ParseMetric knows: MAE, MSE, MRSE, relL2, relL2Abs, SMAPE, FLIP, HDR-FLIP.
+/// All names that ParseMetric accepts: MAE, MSE, MRSE, relL2, relL2Abs, SMAPE, FLIP, HDR-FLIP.
 const std::vector<std::string> &MetricNames();
 
 /// The epsilon of relL2 for a reference whose values have the mean magnitude `mean`: 0.01 mean^2, so that relL2 does

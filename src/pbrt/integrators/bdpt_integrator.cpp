@@ -63,9 +63,9 @@ struct BdptIntegrator::Subpath {
     Float ofFirst = 0;     ///< the same at the first wavelength, as if it had been the only one all the way
     bool anyNonSpecular = false;
 
-    BdptVertex &Last() const { return vertices[static_cast<size_t>(count - 1)]; }
+    BdptVertex &Last() const { return vertices[count - 1]; }
     BdptVertex &Append(BdptVertex::Kind kind) const {
-        BdptVertex &vertex = vertices[static_cast<size_t>(count++)];
+        BdptVertex &vertex = vertices[count++];
         vertex.kind = kind;
         vertex.isBeyondScene = vertex.isSpecular = false;
         vertex.beta = weights.beta;
@@ -252,9 +252,8 @@ Float BdptIntegrator::WeightOf(Sample &sample, int lightVertices, int cameraVert
     size_t n = 0;
     auto &path = sample.paths.path;
     if (end) path[n++] = end;
-    for (int i = end && lightVertices > 0 ? 1 : 0; i < lightVertices; ++i)
-        path[n++] = &paths.light[static_cast<size_t>(i)];
-    for (int i = cameraVertices - 1; i >= 0; --i) path[n++] = &paths.camera[static_cast<size_t>(i)];
+    for (int i = end && lightVertices > 0 ? 1 : 0; i < lightVertices; ++i) path[n++] = &paths.light[i];
+    for (int i = cameraVertices - 1; i >= 0; --i) path[n++] = &paths.camera[i];
     return weights_.Weight({path.data(), n}, lightVertices, cameraPdf, sample.lambda);
 }
 
@@ -278,8 +277,8 @@ SampledSpectrum BdptIntegrator::Passed(const Sample &sample, const SampledSpectr
 
 SampledSpectrum BdptIntegrator::ConnectToLight(Sample &sample, int cameraVertices) const {
     const Scene &scene = context_.scene;
-    const BdptVertex &last = sample.paths.camera[static_cast<size_t>(cameraVertices - 1)];
-    const BdptVertex &beyond = sample.paths.camera[static_cast<size_t>(cameraVertices - 2)];
+    const BdptVertex &last = sample.paths.camera[cameraVertices - 1];
+    const BdptVertex &beyond = sample.paths.camera[cameraVertices - 2];
     const LightQuery query = last.Query(last.Towards(beyond), sample.lambda, cameraVertices - 1);
     Sampler &sampler = sample.samplers.connections;
     const Point2 u = sampler.Get2D();
@@ -312,8 +311,7 @@ SampledSpectrum BdptIntegrator::ConnectToLight(Sample &sample, int cameraVertice
 }
 
 SampledSpectrum BdptIntegrator::ConnectSubpaths(Sample &sample, int lightVertices, int cameraVertices) const {
-    const BdptVertex &a = sample.paths.light[static_cast<size_t>(lightVertices - 1)],
-                     &b = sample.paths.camera[static_cast<size_t>(cameraVertices - 1)];
+    const BdptVertex &a = sample.paths.light[lightVertices - 1], &b = sample.paths.camera[cameraVertices - 1];
     const Vector3 d = b.Position() - a.Position();
     const Float l2 = LengthSquared(d);
     if (!(l2 > 0)) return SampledSpectrum(0);
@@ -337,7 +335,7 @@ SampledSpectrum BdptIntegrator::ConnectSubpaths(Sample &sample, int lightVertice
 
 void BdptIntegrator::ConnectToCamera(Sample &sample, int lightVertices, std::vector<CameraSplat> &splats) const {
     const Point2 uLens = sample.samplers.connections.Get2D();
-    const BdptVertex &last = sample.paths.light[static_cast<size_t>(lightVertices - 1)];
+    const BdptVertex &last = sample.paths.light[lightVertices - 1];
     if (!last.CanConnect()) return;
     const std::optional<CameraConnection> seen = context_.camera.Connect(last.Position(), uLens, sample.time);
     if (!seen) return;
@@ -362,14 +360,13 @@ void BdptIntegrator::ConnectToCamera(Sample &sample, int lightVertices, std::vec
     };
     add(seen->pFilm);
     Camera::OtherPlaces places;
-    for (int i = 0, n = context_.camera.SeenAlsoAt(seen->pFilm, places); i < n; ++i)
-        add(places[static_cast<size_t>(i)]);
+    for (int i = 0, n = context_.camera.SeenAlsoAt(seen->pFilm, places); i < n; ++i) add(places[i]);
 }
 
 SampledSpectrum BdptIntegrator::TracePair(const PathStart &start, SampledWavelengths &lambda, const Samplers &samplers,
                                           Float pixels, Float splatUnit, std::vector<CameraSplat> &splats) const {
     ++ThreadCounters().cameraPaths;
-    Subpaths &paths = subpaths_[static_cast<size_t>(ThreadIndex())];
+    Subpaths &paths = subpaths_[ThreadIndex()];
     Sample sample{start,
                   lambda,
                   samplers,
@@ -381,10 +378,10 @@ SampledSpectrum BdptIntegrator::TracePair(const PathStart &start, SampledWavelen
     TraceLight(sample);
     SampledSpectrum L = TraceCamera(sample);
     for (int t = 2; t <= paths.cameraCount; ++t) {
-        if (!paths.camera[static_cast<size_t>(t - 1)].CanConnect()) continue;
+        if (!paths.camera[t - 1].CanConnect()) continue;
         L += ConnectToLight(sample, t);
         for (int s = 2; s <= paths.lightCount && s + t - 2 <= maxDepth_; ++s)
-            if (paths.light[static_cast<size_t>(s - 1)].CanConnect()) L += ConnectSubpaths(sample, s, t);
+            if (paths.light[s - 1].CanConnect()) L += ConnectSubpaths(sample, s, t);
     }
     for (int s = 2; s <= paths.lightCount; ++s) ConnectToCamera(sample, s, splats);
     return L;
@@ -392,7 +389,7 @@ SampledSpectrum BdptIntegrator::TracePair(const PathStart &start, SampledWavelen
 
 SampledSpectrum BdptIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
     const RenderPass &pass = start.pass;
-    Subpaths &paths = subpaths_[static_cast<size_t>(ThreadIndex())];
+    Subpaths &paths = subpaths_[ThreadIndex()];
     std::vector<CameraSplat> &splats = paths.splats;
     splats.clear();
     paths.contributions.clear();

@@ -69,7 +69,7 @@ class BdptIntegrator final : public PixelIntegrator {
     void Follow(PathWalk &walk, Subpath &subpath, Sample &sample) const;
     /// Adds to a subpath from the camera the light that its ray meets.
     void AddEmission(const PathWalk &walk, Subpath &subpath, Sample &sample) const;
-    /// False: the subpath ends in the medium. `scattered`: it goes on from there.
+    /// False: the subpath ends in the medium. `scattered`: it continues from there.
     bool PassMedium(PathWalk &walk, Subpath &subpath, const Sample &sample, bool *scattered) const;
     /// Makes the surface that was met the next vertex, and leaves it. False: the subpath ends.
     bool ScatterAtSurface(PathWalk &walk, Subpath &subpath) const;

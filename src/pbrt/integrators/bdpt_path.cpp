@@ -45,7 +45,7 @@ Float BdptWeights::Weight(std::span<const BdptVertex *const> path, int fromLight
                           const SampledWavelengths &lambda) const {
     const int n = static_cast<int>(path.size()), s = fromLight;
     if (n == 2) return 1;  // light that the camera sees is found by the camera only
-    const auto at = [&](int k) -> const BdptVertex & { return *path[static_cast<size_t>(k)]; };
+    const auto at = [&](int k) -> const BdptVertex & { return *path[k]; };
     const auto scatterPdf = [&](int k, int from, int to, TransportMode mode) {
         return at(k).ScatterPdf(at(k).Towards(at(from)), at(k).Towards(at(to)), mode);
     };

@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <limits>
 #include <span>
 #include <string_view>
@@ -52,13 +53,13 @@ class Integrator {
     virtual ~Integrator() = default;
     /// Before the first pass; the light sampler's prepass happens here.
     virtual void Prepare(PrepareContext &) {}
-    /// False if cancelled: then some pixels lack samples of the pass; RenderPass::done knows which.
+    /// False if cancelled: then some pixels lack samples of the pass; RenderPass::done lists which.
     virtual bool Render(const RenderPass &pass) = 0;
     /// The largest RenderPass::count that Render takes.
     virtual int MaxPassSamples() const { return std::numeric_limits<int>::max(); }
     /// The model that is updated between passes; null if there is none.
     virtual OnlineModel *Model() { return nullptr; }
-    /// Writes what Prepare and the learner made, for PrepareContext::learned of a render that goes on. Not while rays
+    /// Writes the state of Prepare and of the model, for PrepareContext::learned of a resumed render. Not while rays
     /// are traced; the writer may refer to memory of this object.
     virtual void SaveLearned(StateWriter &writer) const {
         if (const LightSampler *lights = Lights()) lights->SaveLearned(writer, true);
@@ -79,5 +80,18 @@ class Integrator {
     /// What chooses directions in place of BSDFs, or null.
     virtual const DirectionSampling *Directions() const { return nullptr; }
 };
+
+/// The chunks of a pass, which threads and processes render in any order.
+struct PassChunks {
+    int64_t count = 0;
+    bool splat = false;  ///< samples add splats to the film, for one path each
+    std::function<uint32_t(int64_t chunk)> samplesOf;
+    /// Renders a chunk of which so many samples are done; returns how many are then: all, unless cancelled.
+    std::function<uint32_t(int64_t chunk, uint32_t done)> render;
+};
+
+/// Renders what RenderPass::done does not name as done, and keeps account of it there. Returns whether the pass is
+/// whole, in all processes that take part.
+bool RenderChunks(const RenderPass &pass, const PassChunks &chunks);
 
 }  // namespace pbrt

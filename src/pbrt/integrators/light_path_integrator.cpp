@@ -3,8 +3,8 @@
 #include "pbrt/core/counters.h"
 #include "pbrt/integrators/filtered_splat.h"
 #include "pbrt/lightsamplers/simple_light_samplers.h"
-#include "pbrt/transport/adjoint_cosine.h"
 #include "pbrt/transport/shadow_transmittance.h"
+#include "pbrt/transport/vertex.h"
 
 namespace pbrt {
 

@@ -4,7 +4,7 @@
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/progress.h"
 #include "pbrt/integrators/filtered_splat.h"
-#include "pbrt/integrators/pass_chunks.h"
+#include "pbrt/integrators/integrator.h"
 #include "pbrt/integrators/primary_sampler.h"
 #include "pbrt/math/rng.h"
 
@@ -71,16 +71,16 @@ class MltIntegrator::Renderer {
 
     /// Traces the bootstrap of every sample of the pass.
     void Bootstrap() {
-        units_.resize(static_cast<size_t>(Chains() / chains_));
-        for (Unit &unit : units_) unit.importance.resize(static_cast<size_t>(bootstrap_));
+        units_.resize(Chains() / chains_);
+        for (Unit &unit : units_) unit.importance.resize(bootstrap_);
         const int64_t groups = (bootstrap_ + kGroup - 1) / kGroup;
         ParallelForEach(groups * static_cast<int64_t>(units_.size()), [&](int64_t task) {
-            Unit &unit = units_[static_cast<size_t>(task / groups)];
+            Unit &unit = units_[task / groups];
             const int64_t begin = task % groups * kGroup, end = std::min(bootstrap_, begin + kGroup);
             Pair pair;
             for (int64_t i = begin; i < end && !pass_.progress.Cancelled(); ++i) {
                 MakePair(task / groups, i, pair);
-                unit.importance[static_cast<size_t>(i)] = pair.importance;
+                unit.importance[i] = pair.importance;
             }
         });
         for (size_t i = 0; i < units_.size(); ++i) {
@@ -95,7 +95,7 @@ class MltIntegrator::Renderer {
     /// Goes through the mutations of a chain. Those before `done` are in the film already.
     uint32_t RenderChain(int64_t number, uint32_t done) const {
         const int64_t unitIndex = number / chains_, chain = number % chains_;
-        const Unit &unit = units_[static_cast<size_t>(unitIndex)];
+        const Unit &unit = units_[unitIndex];
         const uint32_t all = MutationsOf(number);
         if (pass_.progress.Cancelled()) return done;
         if (!(unit.mean > 0)) return all;  // no light was found
@@ -203,7 +203,7 @@ MltIntegrator::MltIntegrator(const PathContext &context, const MltSettings &sett
 bool MltIntegrator::Render(const RenderPass &pass) {
     if (pass.film.WantsVisibleSurface())
         throw UserError(
-            "Integrator \"mlt\" has no camera rays of single pixels, so it cannot tell the film what they see: use "
+            "Integrator \"mlt\" has no camera rays of single pixels, so it finds no visible surface for the film: use "
             "Film \"rgb\" or \"spectral\" without further channels.");
     Renderer renderer(*this, pass);
     renderer.Bootstrap();

@@ -1,4 +1,4 @@
-#include "pbrt/integrators/pass_chunks.h"
+#include "pbrt/integrators/integrator.h"
 
 #include "pbrt/core/work_distributor.h"
 
@@ -46,7 +46,7 @@ bool ReducePass(const RenderPass &pass, int64_t chunks, int64_t whole, int64_t u
 
 bool RenderChunks(const RenderPass &pass, const PassChunks &chunks) {
     if (pass.done && pass.done->empty()) pass.done->assign(static_cast<size_t>(chunks.count), 0);
-    const auto doneBefore = [&](int64_t i) { return pass.done ? (*pass.done)[static_cast<size_t>(i)] : 0; };
+    const auto doneBefore = [&](int64_t i) { return pass.done ? (*pass.done)[i] : 0; };
     for (int64_t i = 0; pass.done && i < chunks.count; ++i)
         if (pass.done->size() != static_cast<size_t>(chunks.count) || doneBefore(i) > chunks.samplesOf(i))
             throw UserError(fmt::format("{}: what is left of a pass does not fit the picture.", pass.doneFile));
@@ -57,7 +57,7 @@ bool RenderChunks(const RenderPass &pass, const PassChunks &chunks) {
     const auto render = [&](int64_t i) {
         const uint32_t before = doneBefore(i);
         const uint32_t done = chunks.render(i, before);
-        if (pass.done) (*pass.done)[static_cast<size_t>(i)] = done;
+        if (pass.done) (*pass.done)[i] = done;
         paths.fetch_add(done - before, std::memory_order_relaxed);
         if (done < chunks.samplesOf(i)) return int64_t{0};
         whole.fetch_add(1, std::memory_order_relaxed);

@@ -2,7 +2,7 @@
 
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/progress.h"
-#include "pbrt/integrators/pass_chunks.h"
+#include "pbrt/integrators/integrator.h"
 
 namespace pbrt {
 
@@ -128,8 +128,7 @@ bool PixelIntegrator::Render(const RenderPass &pass) {
                                .render =
                                    [&](int64_t i, uint32_t done) {
                                        // Any thread may take any strip.
-                                       return renderer.RenderStrip(strips[i], done,
-                                                                   *pass.samplers[static_cast<size_t>(ThreadIndex())]);
+                                       return renderer.RenderStrip(strips[i], done, *pass.samplers[ThreadIndex()]);
                                    }});
 }
 

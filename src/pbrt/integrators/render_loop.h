@@ -34,7 +34,7 @@ struct RenderSettings {
     /// Called after every wave if set, to write partial images.
     std::function<void(int samplesTaken)> afterWave;
 
-    /// If set, the film and the integrator are as they were at this position; the render goes on from there.
+    /// If set, the film and the integrator are as they were at this position; the render resumes there.
     std::optional<RenderPosition> from;
     double secondsPerSample = 0;  ///< of every pixel, as far as it is known; for the size of the first wave
     /// Called between waves, not more often than every `checkpointInterval` seconds, and at the end, also when
@@ -121,5 +121,14 @@ void FollowWaves(const RenderContext &context, const RenderSettings &settings);
 /// Renders waves of 1, 1, 2, 4, ... up to kMaxWave samples per pixel until the end or the time budget is reached. Waves
 /// are smaller where checkpoints would otherwise come late.
 RenderResult RenderWaves(const RenderContext &context, const RenderSettings &settings);
+
+/// Samples per pixel to prepare for (PrepareContext::samplesPerPixel) where a time budget ends the render: as many as
+/// take `seconds`, rounded to the nearest 2^(k/4), so that small differences of speed have no effect; at least 1.
+int FittingSamples(double seconds, double secondsPerSample);
+
+/// Seconds that a sample of every pixel takes with a prepared integrator that learns nothing. Renders waves of 1, 1, 2,
+/// 4 ... samples to the film, without the progress of `context`, for a fiftieth of `seconds`, and takes the fastest;
+/// stops at a twentieth, and extrapolates from the pixels that are done if no wave is.
+double MeasureSecondsPerSample(const RenderContext &context, RenderSettings settings, double seconds);
 
 }  // namespace pbrt

@@ -1,4 +1,4 @@
-#include "pbrt/integrators/sample_plan.h"
+#include "pbrt/integrators/render_loop.h"
 
 #include <algorithm>
 #include <cmath>

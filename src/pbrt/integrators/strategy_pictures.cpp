@@ -11,7 +11,7 @@ StrategyPictures::StrategyPictures(std::vector<Kind> kinds, int maxDepth) : kind
         for (int s = 0; s <= depth + 1; ++s) {
             if (s == 1 && depth == 0) continue;  // light that the camera sees is found by the camera only
             const int t = depth + 2 - s;
-            indexOf_[static_cast<size_t>(s)][static_cast<size_t>(t)] = strategies_.size();
+            indexOf_[s][t] = strategies_.size();
             strategies_.push_back({s, t});
         }
 }
@@ -35,7 +35,7 @@ void StrategyPictures::Add(std::span<const Contribution> contributions, Point2i 
         };
         std::array<SampledSpectrum, kTable * kTable> sums{};
         for (const Contribution &c : contributions) {
-            const size_t i = indexOf_[static_cast<size_t>(c.s)][static_cast<size_t>(c.t)];
+            const size_t i = indexOf_[c.s][c.t];
             if (c.t == 1)
                 AddFilteredSplat(*films_[kind][i], filter, c.pFilm, light(c), lambda);
             else

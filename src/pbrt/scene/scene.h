@@ -11,7 +11,7 @@
 
 namespace pbrt {
 
-/// What the scene knows about a shape beyond its geometry.
+/// A shape with the properties beyond its geometry.
 struct ShapeRecord {
     std::unique_ptr<Shape> shape;
     FloatTexturePtr alpha;  ///< null: opaque
@@ -76,12 +76,10 @@ class Scene {
 
     const LightTable &Lights() const { return *contents_.lights; }
     const Material &MaterialOf(MaterialId id) const { return *contents_.materials[id.value]; }
-    const Medium &MediumOf(MediumId id) const { return *contents_.media[id.value]; }
     /// Null: vacuum.
     const Medium *MediumAt(MediumId id) const { return id ? contents_.media[id.value].get() : nullptr; }
     /// True if some ray can be in a medium.
     bool HasMedia() const { return hasMedia_; }
-    size_t MediumCount() const { return contents_.media.size(); }
     /// The medium in which camera rays start.
     MediumId CameraMedium() const { return contents_.cameraMedium; }
     /// The medium in which light leaves a light in direction w, from a surface of this normal (zero: from none).

@@ -7,7 +7,7 @@
 
 namespace pbrt {
 
-/// Reads arguments and parameter lists. Errors after which reading can go on (an unknown type, values of the wrong
+/// Reads arguments and parameter lists. Errors after which reading can continue (an unknown type, values of the wrong
 /// kind) go to the sink; all others are thrown as a located UserError.
 class ParameterReader {
   public:

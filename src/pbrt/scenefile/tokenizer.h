@@ -22,7 +22,7 @@ struct Token {
     int column = 0;
 };
 
-/// The tokens of a file with other files spliced in (Include): when an inner file ends, the outer one goes on.
+/// The tokens of a file with other files spliced in (Include): when an inner file ends, the outer one continues.
 /// Lexical errors are thrown as located UserErrors.
 class Tokenizer {
   public:

@@ -15,10 +15,10 @@
 #include "pbrt/core/counters.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
-#include "pbrt/core/memory_limit.h"
+#include "pbrt/core/memory.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/images/picture_name.h"
-#include "pbrt/integrators/sample_plan.h"
+#include "pbrt/integrators/render_loop.h"
 #include "pbrt/scenefile/parser.h"
 
 namespace pbrt {

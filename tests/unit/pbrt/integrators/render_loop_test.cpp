@@ -13,8 +13,7 @@
 
 #include "pbrt/core/online_model.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/integrators/pass_chunks.h"
-#include "pbrt/integrators/sample_plan.h"
+#include "pbrt/integrators/integrator.h"
 #include "pbrt/math/transform.h"
 #include "support/small_files.h"
 #include "support/team_on_threads.h"

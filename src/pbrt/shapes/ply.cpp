@@ -38,7 +38,7 @@ struct Header {
 
 size_t SizeOf(Scalar t) {
     static constexpr std::array<size_t, 8> kSizes = {1, 1, 2, 2, 4, 4, 4, 8};
-    return kSizes[t];
+    return kSizes[static_cast<size_t>(t)];
 }
 
 std::vector<std::string_view> Words(std::string_view line) {

@@ -162,7 +162,7 @@ void Run(double scale, const std::filesystem::path &folder) {
     built.Prepare(progress);
     RenderSettings settings;
     settings.samplesPerPixel = 1;
-    RenderWaves(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings, progress);
+    RenderWaves(built.Rendering(progress), settings);
     const Moment rendered;
 
     nlohmann::ordered_json out;

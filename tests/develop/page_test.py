@@ -1,11 +1,15 @@
 #!/usr/bin/env python3
-"""The code on docs/develop/adding-a-light-sampler.md is the code that the tests compile."""
+"""The code on the pages of docs/develop is the code that the tests compile."""
 import pathlib
 import sys
 
+PAGES = {"adding-a-light-sampler.md": "nearest", "adding-an-integrator.md": "directlight"}
 here = pathlib.Path(__file__).resolve().parent
-page = (here.parent.parent / "docs/develop/adding-a-light-sampler.md").read_text()
-missing = [f.name for f in sorted((here / "nearest").iterdir()) if f"```cpp\n{f.read_text().rstrip()}\n```" not in page]
-for name in missing:
-    print(f"docs/develop/adding-a-light-sampler.md does not hold tests/develop/nearest/{name} as it is")
+missing = []
+for name, folder in PAGES.items():
+    page = (here.parent.parent / "docs/develop" / name).read_text()
+    for file in sorted((here / folder).iterdir()):
+        if f"```cpp\n{file.read_text().rstrip()}\n```" not in page:
+            missing.append(f"docs/develop/{name} does not hold tests/develop/{folder}/{file.name} as it is")
+print(*missing, sep="\n")
 sys.exit(1 if missing else 0)

@@ -135,7 +135,7 @@ class View {
         settings.samplesPerPixel = samplesPerPixel_;
         const std::unique_ptr<Sampler> sampler =
             Samplers().Make("independent", ParamSet(), SamplerContext{resolution, samplesPerPixel_, seed, sink});
-        RenderWaves(integrator, *built_.camera, *built_.filter, *image, *sampler, settings, progress);
+        RenderWaves({integrator, *built_.camera, *built_.filter, *image, *sampler, progress}, settings);
         return image->ToImage();
     }
 

@@ -43,7 +43,7 @@ void Render(BuiltScene &built) {
     Progress progress;
     RenderSettings settings;
     settings.samplesPerPixel = kSamples;
-    RenderWaves(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings, progress);
+    RenderWaves(built.Rendering(progress), settings);
 }
 
 /// The relative variance of one light sample at a place of the floor that all frames see: of f / p for lights chosen

@@ -101,8 +101,7 @@ void ExpectToGoOnBitByBit(bool fog) {
         {
             BuiltScene built = Spot(true, "bvh", fog);
             Prepare(built, progress);
-            WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler,
-                                  settings, progress);
+            WaveRenderer renderer(built.Rendering(progress), settings);
             while (renderer.Done() < stop) renderer.Render(stop - renderer.Done());
             built.film->Save(film);
             built.integrator->SaveLearned(writer);
@@ -113,8 +112,7 @@ void ExpectToGoOnBitByBit(bool fog) {
         Prepare(built, progress, &reader);
         EXPECT_EQ(reader.BytesLeft(), 0u);
         built.film->Load(film);
-        WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings,
-                              progress);
+        WaveRenderer renderer(built.Rendering(progress), settings);
         renderer.GoOnFrom({stop, 0, {}});
         while (renderer.Done() < kSamples) renderer.Render(kSamples);
         EXPECT_TRUE(SameBits(whole, built.film->ToImage())) << "stopped after " << stop;
@@ -124,7 +122,7 @@ void ExpectToGoOnBitByBit(bool fog) {
         film.clear();
         film.seekg(0);
         part.film->Load(film);
-        WaveRenderer again(*part.integrator, *part.camera, *part.filter, *part.film, *part.sampler, settings, progress);
+        WaveRenderer again(part.Rendering(progress), settings);
         again.ContinueFrom(stop);
         while (again.Done() < kSamples) again.Render(kSamples);
         EXPECT_TRUE(SameBits(whole, part.film->ToImage())) << "continued from " << stop;

@@ -141,16 +141,14 @@ void CheckTakingUp(const Maker &make) {
         {
             BuiltScene built = make("");
             Prepare(built, progress);
-            WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler,
-                                  settings, progress);
+            WaveRenderer renderer(built.Rendering(progress), settings);
             while (renderer.Done() < stop) renderer.Render(stop - renderer.Done());
             built.film->Save(state);
         }
         BuiltScene built = make("");
         Prepare(built, progress);
         built.film->Load(state);
-        WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings,
-                              progress);
+        WaveRenderer renderer(built.Rendering(progress), settings);
         renderer.ContinueFrom(stop);
         while (renderer.Done() < kSamples) renderer.Render(kSamples);
         EXPECT_TRUE(SameBits(whole, built.film->ToImage())) << "stopped after " << stop;
@@ -196,8 +194,7 @@ Image GoOn(const Maker &make, const Stopped &from) {
     built.film->Load(film);
     RenderSettings settings;
     settings.samplesPerPixel = kSamples;
-    WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings,
-                          progress);
+    WaveRenderer renderer(built.Rendering(progress), settings);
     renderer.GoOnFrom(from.position);
     while (renderer.Done() < kSamples) renderer.Render(kSamples);
     return built.film->ToImage();
@@ -234,8 +231,7 @@ void CheckSavedState(const Maker &make) {
         Progress progress;
         BuiltScene built = make("");
         Prepare(built, progress);
-        WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings,
-                              progress);
+        WaveRenderer renderer(built.Rendering(progress), settings);
         while (renderer.Done() < stop) renderer.Render(stop - renderer.Done());
         EXPECT_TRUE(SameBits(whole, GoOn(make, StateOf(built, renderer)))) << "stopped after " << stop;
     }
@@ -245,8 +241,8 @@ void CheckSavedState(const Maker &make) {
         BuiltScene built = make("");
         Prepare(built, progress);
         const CancellingFilter filter(*built.filter, draws, progress);
-        WaveRenderer renderer(*built.integrator, *built.camera, filter, *built.film, *built.sampler, settings,
-                              progress);
+        WaveRenderer renderer({*built.integrator, *built.camera, filter, *built.film, *built.sampler, progress},
+                              settings);
         while (renderer.Done() < kSamples && renderer.Render(kSamples) > 0) {
         }
         amidWave += renderer.Position().passCount > 0;
@@ -260,8 +256,7 @@ void CheckSavedState(const Maker &make) {
         Progress progress;
         BuiltScene built = make("");
         Prepare(built, progress);
-        WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings,
-                              progress);
+        WaveRenderer renderer(built.Rendering(progress), settings);
         while (renderer.Done() < stop - 1) renderer.Render(stop - 1 - renderer.Done());
         const std::string before = StateOf(built, renderer).learned;
         const int next = built.integrator->Model()->NextUpdate();
@@ -346,8 +341,7 @@ TEST(LearningWhileRendering, CancelledLearningLeavesEverythingAsItWas) {
         RenderSettings settings;
         settings.samplesPerPixel = kSamples;
         Prepare(built, progress);
-        WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings,
-                              progress);
+        WaveRenderer renderer(built.Rendering(progress), settings);
         EXPECT_EQ(renderer.Render(1), 1);
         progress.Cancel();
         EXPECT_EQ(renderer.Render(1), wanted);

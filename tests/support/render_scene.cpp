@@ -25,8 +25,7 @@ Rendered Render(SceneDescription description, const BuildOptions &options, bool 
     Progress progress;
     BuiltScene built = BuildScene(description, options, AllSamplers(), sink, progress);
     built.Prepare(progress);
-    RenderResult result = RenderWaves(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler,
-                                      built.Settings(), progress);
+    RenderResult result = RenderWaves(built.Rendering(progress), built.Settings());
     Rendered out;
     out.image = built.film->ToImage();
     out.seconds = result.seconds;

@@ -9,8 +9,7 @@ namespace pbrt::test {
 inline Image RenderWaves(BuiltScene &built, int samples, const std::vector<int> &sizes, Progress &progress) {
     RenderSettings settings;
     settings.samplesPerPixel = samples;
-    WaveRenderer renderer(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings,
-                          progress);
+    WaveRenderer renderer(built.Rendering(progress), settings);
     for (size_t i = 0; renderer.Done() < samples; ++i) renderer.Render(sizes[std::min(i, sizes.size() - 1)]);
     return built.film->ToImage();
 }

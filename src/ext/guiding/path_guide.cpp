@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "pbrt/core/effective_params_text.h"
-#include "pbrt/core/ranks.h"
 #include "pbrt/core/state_io.h"
 #include "pbrt/math/bounds.h"
 #include "pbrt/scene/scene.h"

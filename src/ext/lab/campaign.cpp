@@ -18,7 +18,7 @@
 #include "pbrt/core/log.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/version.h"
-#include "pbrt/integrators/sample_plan.h"
+#include "pbrt/integrators/render_loop.h"
 #include "pbrt/math/statistics.h"
 
 namespace pbrt::lab {

@@ -112,7 +112,7 @@ int RunInspect(const InspectOptions &options, const PluginRegistry &registry, Pr
     if (built.integrator->Directions()) {
         // It learns while samples are rendered; the picture is not wanted.
         RenderSettings settings = built.Settings();
-        RenderWaves(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings, progress);
+        RenderWaves(built.Rendering(progress), settings);
         if (progress.Cancelled()) return 130;
     }
     Inspection inspection = InspectLights(built, *built.integrator, options.settings, progress);

@@ -19,7 +19,7 @@ std::string Trim(const std::string &text) {
 }
 
 SamplerChoice ParseOne(const std::string &text, const PluginRegistry &registry, DiagnosticSink &sink) {
-    const LightChoiceParts parts = SplitLightChoice(text, kSamplersFlag);
+    const LightChoiceText parts = SplitLightChoice(text, kSamplersFlag);
     SamplerChoice choice;
     choice.label = text;
     choice.folder = SafeFileName(text);

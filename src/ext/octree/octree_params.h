@@ -38,8 +38,10 @@ struct OctreeParams {
         v("depth", depth, Range<int>{1, 64}, "vertices of a prepass path");
         v("floor", floor, Range<Float>{0.f, 1.f},
           "part of the probability given by unoccluded importance alone; 0: 0.05 (paper: 0.1)");
+        v.OnlyWith("model", "paper");
         v("leaves", leaves, Range<int>{64, 1 << 24},
           "paper: the paper's T: a cell is split while it holds more than 4N/T of the N prepass vertices");
+        v.OnlyWith("model", "visibility");
         v("budget", budget, Range<Float>{1e-4f, 1.f},
           "visibility: rays of the prepass as a share of the render's rays; with more than 64 lights, 0.1 can "
           "reduce the error of renders of less than a second");
@@ -65,6 +67,7 @@ struct OctreeParams {
           "visibility: find portals (windows, doors) and sample environment lights through them, where at most 0.3 of "
           "the rays towards these lights leave the scene; auto: only without local lights, and with bounces at most "
           "0.005");
+        v.OnlyWith("", "");
         v("meshlights", meshlights,
           "an emissive mesh is one light for selection; visibility: unless at most eight primitives of the scene emit");
     }

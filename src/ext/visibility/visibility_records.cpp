@@ -2,7 +2,7 @@
 
 #include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/core/ranks.h"
+#include "pbrt/core/team.h"
 #include "pbrt/lightsamplers/weighted_choice.h"
 #include "pbrt/math/rng.h"
 
@@ -30,8 +30,8 @@ Float RatioOf(double found, Float g) {
 }
 
 /// Processes that prepare together share the chunks.
-bool IsMine(const Ranks *ranks, size_t chunk) {
-    return !ranks || chunk % static_cast<size_t>(ranks->Size()) == static_cast<size_t>(ranks->Rank());
+bool IsMine(const Team &team, size_t chunk) {
+    return chunk % static_cast<size_t>(team.Size()) == static_cast<size_t>(team.Rank());
 }
 
 /// Draws lights at one point by G.
@@ -65,9 +65,9 @@ class Draws {
 static_assert(LightTree::kBaseNodes + LightTree::kFarNodes <= kMaxScanned);
 
 /// Of processes that prepare together, each has traced some of the chunks; afterwards all of them have all.
-void Exchange(Ranks &ranks, std::vector<VisibilityRecords> &chunks) {
+void Exchange(Team &team, std::vector<VisibilityRecords> &chunks) {
     std::vector<bool> isHere(chunks.size());
-    for (size_t i = 0; i < chunks.size(); ++i) isHere[i] = IsMine(&ranks, i);
+    for (size_t i = 0; i < chunks.size(); ++i) isHere[i] = IsMine(team, i);
     const auto write = [&](StateWriter &out) {
         out.Value(uint64_t(std::count(isHere.begin(), isHere.end(), true)));
         for (size_t i = 0; i < chunks.size(); ++i) {
@@ -86,12 +86,12 @@ void Exchange(Ranks &ranks, std::vector<VisibilityRecords> &chunks) {
             isHere[i] = true;
         }
     };
-    ranks.Reduce(write, read);
+    team.Reduce(write, read);
     StateWriter all;
-    if (ranks.IsFirst()) write(all);
-    const std::string bytes = ranks.Broadcast(all);
+    if (team.IsRank0()) write(all);
+    const std::string bytes = team.Broadcast(all);
     StateReader in(bytes, "records of the prepass");
-    if (!ranks.IsFirst()) read(in);
+    if (!team.IsRank0()) read(in);
 }
 
 }  // namespace
@@ -149,7 +149,7 @@ VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const Prepa
     };
 
     ParallelForEach(static_cast<int64_t>(chunks.size()), [&](int64_t chunk) {
-        if (context.progress.Cancelled() || !IsMine(context.ranks, static_cast<size_t>(chunk))) return;
+        if (context.progress.Cancelled() || !IsMine(context.team, static_cast<size_t>(chunk))) return;
         VisibilityRecords &out = chunks[static_cast<size_t>(chunk)];
         std::vector<Float> g(all ? importance.Padded() : 0);
         for (int64_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, count); ++i) {
@@ -168,7 +168,7 @@ VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const Prepa
         context.progress.Advance();
     });
 
-    if (context.ranks) Exchange(*context.ranks, chunks);
+    if (context.team.Size() > 1) Exchange(context.team, chunks);
     VisibilityRecords result;
     for (VisibilityRecords &chunk : chunks) {
         const auto offset = static_cast<uint32_t>(result.rays.size());

@@ -5,7 +5,6 @@
 #include <map>
 
 #include "pbrt/accel/embree_callbacks.h"
-#include "pbrt/accel/reach_error.h"
 #include "pbrt/core/error.h"
 #include "pbrt/core/memory.h"
 #include "pbrt/shapes/bilinear_mesh.h"
@@ -246,7 +245,7 @@ struct Accel::Impl {
             NarrowReach(instance.transform);
             return;
         }
-        const Motion &motion = motions[static_cast<size_t>(instance.motion)];
+        const Motion &motion = motions[instance.motion];
         const int steps = motion.StepCount();
         rtcSetGeometryTimeStepCount(instance.geometry, static_cast<unsigned>(steps));
         for (int i = 0; i < steps; ++i) {
@@ -300,8 +299,8 @@ struct Accel::Impl {
 Accel::Accel(const Options &options) : impl_(std::make_unique<Impl>(options)) {}
 Accel::~Accel() = default;
 
-void Accel::LetShadowRaysThrough(ShapeId id, bool tell) {
-    impl_->shadowless[id.value] = tell ? ShadowRays::Told : ShadowRays::Passed;
+void Accel::LetShadowRaysThrough(ShapeId id, bool collect) {
+    impl_->shadowless[id.value] = collect ? ShadowRays::Collected : ShadowRays::Passed;
 }
 
 void Accel::AddShape(ShapeId id, const Shape &shape, const FloatTexture *alpha) {
@@ -346,7 +345,7 @@ void Accel::Commit() {
     for (Impl::Group &g : impl_->objects) rtcCommitScene(g.scene);
     for (size_t i = 0; i < impl_->instances.size(); ++i) {
         Impl::Instance &instance = impl_->instances[i];
-        const Impl::Group &object = impl_->objects[static_cast<size_t>(instance.object)];
+        const Impl::Group &object = impl_->objects[instance.object];
         if (object.geometries.empty()) continue;
         instance.geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_INSTANCE);
         rtcSetGeometryInstancedScene(instance.geometry, object.scene);
@@ -389,7 +388,7 @@ std::optional<AccelHit> Accel::Intersect(const Ray &ray, Float tMin) const {
     const Impl::Group *group = &impl_->top;
     if (query.hit.instID[0] != RTC_INVALID_GEOMETRY_ID) {
         hit.instance = impl_->top.instances[query.hit.instID[0]];
-        group = &impl_->objects[static_cast<size_t>(impl_->instances[static_cast<size_t>(hit.instance)].object)];
+        group = &impl_->objects[impl_->instances[hit.instance].object];
     }
     hit.shape = group->geometries[query.hit.geomID]->id;
     hit.primitive = query.hit.primID;
@@ -406,12 +405,12 @@ bool Accel::Occluded(const Ray &ray, PassedHits *passed) const {
     if (query.tfar < 0) return true;
     if (passed)
         for (AccelHit &hit : passed->Hits())
-            if (hit.instance >= 0) hit.instance = impl_->top.instances[static_cast<size_t>(hit.instance)];
+            if (hit.instance >= 0) hit.instance = impl_->top.instances[hit.instance];
     return false;
 }
 
 Transform Accel::InstanceTransform(int instance, Float time) const {
-    const Impl::Instance &i = impl_->instances[static_cast<size_t>(instance)];
+    const Impl::Instance &i = impl_->instances[instance];
     if (i.motion < 0) return i.transform;
     // Asked from Embree instead of Motion::At: a difference in the last digits could move a surface across the origin
     // of a ray that leaves it.

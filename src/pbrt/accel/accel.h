@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pbrt/accel/passed_hits.h"
+#include "pbrt/core/error.h"
 #include "pbrt/math/animated_transform.h"
 #include "pbrt/textures/texture.h"
 
@@ -27,8 +28,8 @@ class Accel {
     Accel &operator=(const Accel &) = delete;
 
     /// Occluded will not be stopped by this shape, Intersect will. To be called before the shape is added.
-    /// `tell`: Occluded reports where the ray passes the shape.
-    void LetShadowRaysThrough(ShapeId id, bool tell = false);
+    /// `collect`: Occluded reports where the ray passes the shape.
+    void LetShadowRaysThrough(ShapeId id, bool collect = false);
     /// To be called before Commit. `alpha` may be null. Shapes and textures must outlive the Accel.
     void AddShape(ShapeId id, const Shape &shape, const FloatTexture *alpha);
     /// Shapes of an object definition; returns its index. `renderFromObject` places the definition itself, where its
@@ -52,7 +53,7 @@ class Accel {
     std::optional<AccelHit> Intersect(const Ray &ray, Float tMin = 0) const;
     /// True if anything lies strictly inside (0, ray.tMax), or if Embree cannot trace the ray.
     /// `passed`, if not null, must be empty; unless the ray is blocked, it receives the hits that Intersect would find
-    /// on shapes that let shadow rays through and are to tell.
+    /// on shapes that let shadow rays through with `collect`.
     bool Occluded(const Ray &ray, PassedHits *passed = nullptr) const;
     /// The transform of the instance at a time, as rays of that time meet it.
     Transform InstanceTransform(int instance, Float time) const;
@@ -61,6 +62,13 @@ class Accel {
   private:
     struct Impl;
     std::unique_ptr<Impl> impl_;
+};
+
+/// An instance is so small that rays from the other end of the scene have no finite coordinates in its space. Has no
+/// location: Accel does not know where instances stand in scene files.
+class ReachError : public UserError {
+  public:
+    using UserError::UserError;
 };
 
 }  // namespace pbrt

@@ -38,7 +38,7 @@ AccelHit Report(const Geometry &g, const RTCIntersectContext *context, uint32_t 
 
 void IgnoreHit(const RTCFilterFunctionNArguments *args) { args->valid[0] = 0; }
 
-void TellHit(const RTCFilterFunctionNArguments *args) {
+void CollectHit(const RTCFilterFunctionNArguments *args) {
     if (args->valid[0] == 0) return;
     args->valid[0] = 0;
     PassedHits *passed = QueryOf(args->context).passed;
@@ -72,7 +72,7 @@ void UserOccluded(const RTCOccludedFunctionNArguments *args) {
 
 void NeverOccluded(const RTCOccludedFunctionNArguments *) {}
 
-void TellHits(const RTCOccludedFunctionNArguments *args) {
+void CollectHits(const RTCOccludedFunctionNArguments *args) {
     PassedHits *passed = QueryOf(args->context).passed;
     if (args->valid[0] == 0 || !passed) return;
     const Geometry &g = *static_cast<const Geometry *>(args->geometryUserPtr);
@@ -124,8 +124,8 @@ ShadowCallbacks CallbacksFor(ShadowRays what, bool hasAlpha) {
             return {hasAlpha ? AlphaFilter : nullptr, UserOccluded};
         case ShadowRays::Passed:
             return {IgnoreHit, NeverOccluded};
-        case ShadowRays::Told:
-            return {TellHit, TellHits};
+        case ShadowRays::Collected:
+            return {CollectHit, CollectHits};
     }
     return {};
 }

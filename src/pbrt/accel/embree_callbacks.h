@@ -12,10 +12,10 @@ namespace pbrt {
 enum class ShadowRays {
     Blocked,
     Passed,
-    Told,  ///< they pass, and the query is told where
+    Collected,  ///< they pass, and the query collects the hits
 };
 
-/// What Embree's callbacks know about a geometry.
+/// The data of a geometry for Embree's callbacks.
 struct Geometry {
     const Shape *shape = nullptr;
     ShapeId id{};
@@ -36,15 +36,15 @@ struct QueryContext {
     }
 };
 
-/// Bounds and closest hits of geometries whose primitives Embree does not know, through Shape.
+/// Bounds and closest hits of geometries whose primitives are not Embree's own, through Shape.
 void UserBounds(const RTCBoundsFunctionArguments *args);
 void UserIntersect(const RTCIntersectFunctionNArguments *args);
-/// Lets closest-hit queries through where alpha says so.
+/// Lets closest-hit queries through where the alpha texture does.
 void AlphaFilter(const RTCFilterFunctionNArguments *args);
 
 /// What occlusion queries do at a geometry.
 struct ShadowCallbacks {
-    RTCFilterFunctionN filter;          ///< for primitives that Embree knows; may be null
+    RTCFilterFunctionN filter;          ///< for Embree's own primitives; may be null
     RTCOccludedFunctionN userGeometry;  ///< for all others
 };
 ShadowCallbacks CallbacksFor(ShadowRays what, bool hasAlpha);

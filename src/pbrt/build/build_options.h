@@ -11,7 +11,7 @@ struct BuildOptions {
     FilmOverrides film;
     int samplesPerPixel = 0;  ///< --spp; 0: the scene's
     std::optional<int> seed;  ///< --seed
-    bool quick = false;       ///< a quarter of the resolution, one sample unless samplesPerPixel says otherwise
+    bool quick = false;       ///< a quarter of the resolution, one sample unless samplesPerPixel is set
     bool ignoreMedia = false, ignoreUnsupported = false;  ///< leave out what is not supported, with warnings
     bool checksOutput = false;      ///< the film's file will be written: an error before building if it cannot be
     std::string integrator;         ///< --integrator name; empty: the scene's

@@ -4,7 +4,7 @@
 #include <set>
 #include <tuple>
 
-#include "pbrt/accel/reach_error.h"
+#include "pbrt/accel/accel.h"
 #include "pbrt/build/accelerators.h"
 #include "pbrt/build/built_scene.h"
 #include "pbrt/build/collect.h"
@@ -113,20 +113,21 @@ std::unique_ptr<TextureLibrary> MakeTextures(SceneDescription &d, const BuildOpt
 }
 
 /// Makes media, materials, shapes and lights, not ready for rays yet.
-SceneParts MakeParts(SceneDescription &d, const BuildOptions &options, const Transform &renderFromWorld,
-                     TextureLibrary &textures, LightNames &lightNames, DiagnosticSink &sink, Progress &progress) {
+SceneContents MakeContents(SceneDescription &d, const BuildOptions &options, const Transform &renderFromWorld,
+                           TextureLibrary &textures, LightNames &lightNames, DiagnosticSink &sink, Progress &progress) {
     BuiltMedia media = MakeMedia(d, renderFromWorld, sink);
-    if (const std::string &type = IntegratorType(d.integrator, options); !media.media.empty() && !RendersMedia(type)) {
-        sink.Warning({}, fmt::format("integrator \"{}\" sees no media; \"volpath\" renders them.", type));
+    if (const std::string &type = IntegratorType(d.integrator, options);
+        !media.media.empty() && !TraitsOf(type).rendersMedia) {
+        sink.Warning({}, fmt::format("integrator \"{}\" renders no media; \"volpath\" does.", type));
         media = {};
     }
-    GeometryBuilder geometry(d, renderFromWorld, !SeesThroughInterfaces(IntegratorType(d.integrator, options)),
+    GeometryBuilder geometry(d, renderFromWorld, !TraitsOf(IntegratorType(d.integrator, options)).passesInterfaces,
                              media.ids, textures, sink);
     geometry.BuildMaterials();
     textures.CheckAll();
     progress.SetTotal(geometry.ShapeEntityCount());
     geometry.BuildShapes(progress);
-    SceneParts parts = geometry.TakeParts();
+    SceneContents contents = geometry.TakeContents();
     lightNames = geometry.TakeLightNames();
     for (const LightEntity &l : d.lights)
         Collect(sink, [&] {
@@ -137,28 +138,28 @@ SceneParts MakeParts(SceneDescription &d, const BuildOptions &options, const Tra
             const bool isBeyondScene =
                 light->Kind() == LightKind::Infinite || light->Kind() == LightKind::DeltaDirection;
             const MediumId medium = isBeyondScene ? MediumId() : media.ids.Find(l.medium);
-            parts.lights->Add(std::move(light));
-            parts.lightMedia.push_back({medium, medium});
+            contents.lights->Add(std::move(light));
+            contents.lightMedia.push_back({medium, medium});
             lightNames.Add(1, fmt::format("LightSource \"{}\"", l.type), l.loc);
         });
-    parts.cameraMedium = media.ids.Find(d.camera.medium);
-    parts.media = std::move(media.media);
-    return parts;
+    contents.cameraMedium = media.ids.Find(d.camera.medium);
+    contents.media = std::move(media.media);
+    return contents;
 }
 
 /// Makes the scene, ready for rays, from parts without errors.
-std::unique_ptr<Scene> MakeScene(SceneParts parts, const SceneDescription &d, DiagnosticSink &sink) {
-    if (parts.lights->Size() == 0) sink.Warning({}, "the scene has no lights: the image will be black.");
+std::unique_ptr<Scene> MakeScene(SceneContents contents, const SceneDescription &d, DiagnosticSink &sink) {
+    if (contents.lights->Size() == 0) sink.Warning({}, "the scene has no lights: the image will be black.");
     try {
-        parts.accel->Commit();
+        contents.accel->Commit();
     } catch (const ReachError &e) {
         throw UserError(e.Diagnostics()[0].message, SmallestPlaced(d));
     }
     Point3 center(0);
     Float radius = 0;
-    parts.accel->Bounds().BoundingSphere(&center, &radius);
-    parts.lights->Finish(center, radius);
-    return std::make_unique<Scene>(std::move(parts));
+    contents.accel->Bounds().BoundingSphere(&center, &radius);
+    contents.lights->Finish(center, radius);
+    return std::make_unique<Scene>(std::move(contents));
 }
 
 BuiltIntegrator MakeIntegrator(const BuiltScene &built, const IntegratorSettings &settings, DiagnosticSink &sink) {
@@ -196,7 +197,7 @@ RenderSettings BuiltScene::Settings() const {
     return settings;
 }
 
-PrepareContext BuiltScene::Preparation(Progress &progress) const {
+PrepareContext BuiltScene::Preparation(Progress &progress, Team &team) const {
     return {.scene = *scene,
             .camera = *camera,
             .filter = *filter,
@@ -204,12 +205,13 @@ PrepareContext BuiltScene::Preparation(Progress &progress) const {
             .seed = seed,
             .samplesPerPixel = samplesPerPixel,
             .maxDepth = maxDepth,
-            .progress = progress};
+            .progress = progress,
+            .team = team};
 }
 
 BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const PluginRegistry &registry,
                       DiagnosticSink &sink, Progress &progress) {
-    // What is not supported is not built, yet everything else is looked at, so that one run reports all mistakes.
+    // Unsupported features are not built, but everything else is checked, so that one run reports all mistakes.
     BuiltScene built;
     BuildOptions options = given;
     built.leftOut = CheckSupported(d, options, sink);
@@ -219,7 +221,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Plug
     ChooseRenderOptions(d.options, options, built, sink);
     Collect(sink, [&] { Accelerators().Make(d.accelerator.type, d.accelerator.params, AcceleratorContext{sink}); });
     const IntegratorSettings integrator = ReadIntegrator(d.integrator, options, registry, sink);
-    if (built.disablePixelJitter && !integrator.samplesPixels)
+    if (built.disablePixelJitter && !TraitsOf(integrator.type).samplesPixels)
         sink.Warning({}, fmt::format("integrator \"{}\" has no samples of single pixels, so pixel jitter cannot be "
                                      "disabled.",
                                      integrator.type));
@@ -240,10 +242,10 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Plug
     if (options.forceDiffuse) d.options.forceDiffuse = true;
     if (options.displacementEdgeScale) d.options.displacementEdgeScale = options.displacementEdgeScale;
     built.textures = MakeTextures(d, options, placement.renderFromWorld, sink);
-    SceneParts parts =
-        MakeParts(d, options, placement.renderFromWorld, *built.textures, built.lightNames, sink, progress);
+    SceneContents contents =
+        MakeContents(d, options, placement.renderFromWorld, *built.textures, built.lightNames, sink, progress);
     ThrowIfErrors(sink, checked);
-    built.scene = MakeScene(std::move(parts), d, sink);
+    built.scene = MakeScene(std::move(contents), d, sink);
 
     const bool filters = !options.disableTextureFiltering && !d.options.disableTextureFiltering.value_or(false);
     built.integratorRequest = {d.integrator, d.sampler, options, &registry, filters && built.scene->NeedsFootprints()};

@@ -63,7 +63,11 @@ struct BuiltScene {
     /// Makes sampler and integrator again, as --spp does for this number of samples per pixel.
     void SetSamples(int samples);
     /// The context for Integrator::Prepare. The caller may change its seed and number of samples.
-    PrepareContext Preparation(Progress &progress) const;
+    PrepareContext Preparation(Progress &progress, Team &team = Team::Alone()) const;
+    /// The context for RenderWaves with the scene's own integrator and film.
+    RenderContext Rendering(Progress &progress, Team &team = Team::Alone()) const {
+        return {*integrator, *camera, *filter, *film, *sampler, progress, team};
+    }
     /// Prepares the scene's integrator: after this it can render.
     void Prepare(Progress &progress) {
         PrepareContext context = Preparation(progress);
@@ -85,7 +89,7 @@ BuiltScene BuildScene(SceneDescription &description, const BuildOptions &options
                       DiagnosticSink &sink, Progress &progress);
 
 /// Reports everything the description uses that the format has but this renderer does not support: as errors, or as
-/// warnings where the options say to leave it out. What is left out is returned, one line each, and replaced in
+/// warnings where the options leave it out. What is left out is returned, one line each, and replaced in
 /// `description` and `options` by what is built instead.
 std::vector<std::string> CheckSupported(SceneDescription &description, BuildOptions &options, DiagnosticSink &sink);
 

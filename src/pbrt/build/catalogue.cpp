@@ -19,7 +19,7 @@ namespace {
 FamilyDoc DocumentIntegrators(const DirectionSamplings &directions) {
     FamilyDoc doc = Integrators().Document("integrators");
     for (FactoryDoc &maker : doc.makers) {
-        if (!IsGuided(maker.name)) continue;
+        if (!TraitsOf(maker.name).isGuided) continue;
         for (const std::string &name : directions.Names())
             for (ParamDoc param : directions.Find(name).params) {
                 param.name = name + "." + param.name;

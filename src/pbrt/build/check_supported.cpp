@@ -68,7 +68,7 @@ std::vector<std::string> CheckSupported(SceneDescription &d, BuildOptions &optio
         if (options.ignoreUnsupported) options.integrator = instead;
     }
     for (TextureEntity &t : d.textures) {
-        // Without the flag the texture's own error says more.
+        // Without the flag the texture's own error has more detail.
         if (!options.ignoreUnsupported || !Contains(UnsupportedTextures(), t.type)) continue;
         check.NotBuilt(t.loc, fmt::format("Texture \"{}\" of class {}", t.name, t.type), true, "", "a constant 0.5");
         Param half;

@@ -1,5 +1,6 @@
 #pragma once
 #include "pbrt/core/error.h"
+#include "pbrt/math/animated_transform.h"
 #include "pbrt/scenefile/scene_description.h"
 #include "pbrt/spectra/color_space.h"
 
@@ -22,6 +23,19 @@ inline const ColorSpace &SpaceOf(const Entity &e) {
     const ColorSpace *space = ColorSpace::Find(e.colorSpace);
     PBRT_CHECK_MSG(space != nullptr, "colour space {}", e.colorSpace);
     return *space;
+}
+
+/// The motion of an entity whose CTMs at the two times were turned into `start` and `end`. Throws UserError if they
+/// cannot be interpolated.
+template <class Entity>
+AnimatedTransform MotionOf(const char *what, const Entity &entity, const Transform &start, const Transform &end) {
+    if (start == end) return start;
+    if (!AnimatedTransform::CanInterpolate(start, end))
+        throw UserError(fmt::format("{} cannot move from its start to its end transformation: one of them flattens it, "
+                                    "or only one of them mirrors it.",
+                                    what),
+                        entity.loc);
+    return {start, entity.startTime, end, entity.endTime};
 }
 
 }  // namespace pbrt

@@ -1,6 +1,6 @@
 #include "pbrt/build/geometry_builder.h"
 
-#include "pbrt/build/motion.h"
+#include "pbrt/build/collect.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/lights/light_factory.h"
 #include "pbrt/materials/forced_diffuse.h"
@@ -74,8 +74,8 @@ GeometryBuilder::GeometryBuilder(SceneDescription &description, const Transform 
       media_(media),
       textures_(textures),
       sink_(sink) {
-    parts_.accel = std::make_unique<Accel>();
-    parts_.lights = std::make_unique<LightTable>();
+    contents_.accel = std::make_unique<Accel>();
+    contents_.lights = std::make_unique<LightTable>();
     work_.reserve(description_.shapes.size());
     auto add = [&](ShapeEntity &entity, int object) {
         Work &w = work_.emplace_back();
@@ -95,12 +95,12 @@ GeometryBuilder::GeometryBuilder(SceneDescription &description, const Transform 
 void GeometryBuilder::BuildMaterials() {
     auto add = [&](MaterialPtr m) {
         if (m && description_.options.forceDiffuse.value_or(false)) m = ForceDiffuse(std::move(m));
-        parts_.materials.push_back(std::move(m));
-        return MaterialId(parts_.materials.size() - 1);
+        contents_.materials.push_back(std::move(m));
+        return MaterialId(contents_.materials.size() - 1);
     };
     auto byName = [&](const std::string &name) -> MaterialPtr {
         auto it = named_.find(name);
-        return it == named_.end() || !it->second ? nullptr : parts_.materials[it->second.value];
+        return it == named_.end() || !it->second ? nullptr : contents_.materials[it->second.value];
     };
     MaterialContext context{textures_, description_.files, sink_, byName};
     for (MaterialEntity &m : description_.materials) {
@@ -118,7 +118,7 @@ void GeometryBuilder::BuildMaterials() {
 
 MaterialId GeometryBuilder::ResolveMaterial(const ShapeEntity &entity) {
     const MaterialRef &ref = entity.material;
-    if (ref.index >= 0) return byIndex_[static_cast<size_t>(ref.index)];
+    if (ref.index >= 0) return byIndex_[ref.index];
     if (ref.name.empty()) return defaultMaterial_;
     auto it = named_.find(ref.name);
     if (it != named_.end()) return it->second;
@@ -146,7 +146,7 @@ void GeometryBuilder::BuildShapes(Progress &progress) {
         }
     }
     ParallelForEach(static_cast<int64_t>(work_.size()), [&](int64_t i) {
-        Work &w = work_[static_cast<size_t>(i)];
+        Work &w = work_[i];
         MakeShapes(w);
         if (w.object < 0) w.entity->params = {};  // so that big meshes given as text are not kept twice
         progress.Advance();
@@ -156,7 +156,7 @@ void GeometryBuilder::BuildShapes(Progress &progress) {
     std::vector<Definition> definitions(description_.objects.size());
     for (Work &w : work_) {
         sink_.Add(w.sink);
-        Register(w, w.object >= 0 ? &definitions[static_cast<size_t>(w.object)] : nullptr);
+        Register(w, w.object >= 0 ? &definitions[w.object] : nullptr);
     }
     BuildInstances(definitions);
     work_.clear();
@@ -171,7 +171,7 @@ void GeometryBuilder::MakeShapes(Work &w) {
                 MotionOf("the shape", e, place, Product({renderFromWorld_, e.ctm.end})));
             place = Transform();
         } else if (w.object >= 0) {
-            const Transform &space = spaces_[static_cast<size_t>(w.object)];
+            const Transform &space = spaces_[w.object];
             place = Product({space.Inverse(), e.ctm.start});
             renderFromPlaced = Product({renderFromWorld_, space});
         }
@@ -201,8 +201,7 @@ void GeometryBuilder::CenterDefinitions() {
     std::vector<Bounds3> bounds(spaces_.size());
     for (const Work &w : work_)
         if (w.object >= 0 && !w.motion)
-            for (const auto &shape : w.shapes)
-                bounds[static_cast<size_t>(w.object)] = Union(bounds[static_cast<size_t>(w.object)], BoundsOf(*shape));
+            for (const auto &shape : w.shapes) bounds[w.object] = Union(bounds[w.object], BoundsOf(*shape));
     auto isFar = [](const Bounds3 &b) {
         return !b.IsEmpty() && MaxComponent(Abs(b.low + b.high) / Float(2)) > kFar * MaxComponent(b.high - b.low);
     };
@@ -210,9 +209,9 @@ void GeometryBuilder::CenterDefinitions() {
         if (isFar(bounds[o]))
             spaces_[o] = Product({spaces_[o], Transform::Translate((bounds[o].low + bounds[o].high) / Float(2))});
     ParallelForEach(static_cast<int64_t>(work_.size()), [&](int64_t i) {
-        Work &w = work_[static_cast<size_t>(i)];
+        Work &w = work_[i];
         if (w.object < 0) return;
-        if (isFar(bounds[static_cast<size_t>(w.object)]) && !w.motion && !w.shapes.empty()) {
+        if (isFar(bounds[w.object]) && !w.motion && !w.shapes.empty()) {
             DiagnosticSink said = std::move(w.sink);
             MakeShapes(w);
             w.sink = std::move(said);
@@ -243,34 +242,35 @@ void GeometryBuilder::MergeCurves() {
     }
 }
 
+const AreaLightMaker *GeometryBuilder::MakerFor(const ShapeEntity &e, bool isInterface, bool isInDefinition) {
+    if (e.areaLight < 0) return nullptr;
+    if (isInterface || isInDefinition) {
+        sink_.Warning(e.loc, isInterface
+                                 ? "the area light on a surface with material \"interface\" is ignored."
+                                 : "area lights inside object definitions are not supported; this one is ignored.");
+        return nullptr;
+    }
+    const auto index = static_cast<size_t>(e.areaLight);
+    if (makerOf_[index] == -1) {
+        makerOf_[index] = -2;
+        Collect(sink_, [&] {
+            const Entity &light = description_.areaLights[index];
+            const ColorSpace *space = ColorSpace::Find(light.colorSpace);
+            const Transform none;
+            makers_.push_back(AreaLights().Make(light.type, light.params,
+                                                LightContext{none, none, *space, description_.files, sink_}));
+            makerOf_[index] = static_cast<int>(makers_.size()) - 1;
+        });
+    }
+    return makerOf_[index] >= 0 ? &makers_[makerOf_[index]] : nullptr;
+}
+
 void GeometryBuilder::Register(Work &w, Definition *definition) {
     const ShapeEntity &e = *w.entity;
     MaterialId material = ResolveMaterial(e);
-    bool interface = material && parts_.materials[material.value] && parts_.materials[material.value]->IsInterface();
-    const AreaLightMaker *maker = nullptr;
-    if (e.areaLight >= 0) {
-        auto index = static_cast<size_t>(e.areaLight);
-        const Entity &light = description_.areaLights[index];
-        if (interface) {
-            sink_.Warning(e.loc, "the area light on a surface with material \"interface\" is ignored.");
-        } else if (definition) {
-            sink_.Warning(e.loc, "area lights inside object definitions are not supported; this one is ignored.");
-        } else {
-            if (makerOf_[index] == -1) {
-                makerOf_[index] = -2;
-                try {
-                    const ColorSpace *space = ColorSpace::Find(light.colorSpace);
-                    const Transform none;
-                    makers_.push_back(AreaLights().Make(light.type, light.params,
-                                                        LightContext{none, none, *space, description_.files, sink_}));
-                    makerOf_[index] = static_cast<int>(makers_.size()) - 1;
-                } catch (const UserError &error) {
-                    sink_.Add(error);
-                }
-            }
-            if (makerOf_[index] >= 0) maker = &makers_[static_cast<size_t>(makerOf_[index])];
-        }
-    }
+    bool interface =
+        material && contents_.materials[material.value] && contents_.materials[material.value]->IsInterface();
+    const AreaLightMaker *maker = MakerFor(e, interface, definition);
     std::vector<ShapeId> moving;
     // One light for all shapes of the directive: a PLY of triangles and quads has two.
     LightId firstLight;
@@ -279,8 +279,8 @@ void GeometryBuilder::Register(Work &w, Definition *definition) {
         for (const std::unique_ptr<Shape> &shape : w.shapes)
             if (shape->PrimitiveCount() > 0) shapes.push_back(shape.get());
         if (!shapes.empty()) {
-            firstLight = parts_.lights->Add(maker->Make(shapes, w.alpha.get()));
-            parts_.lightMedia.push_back({media_.Find(e.outsideMedium), media_.Find(e.insideMedium)});
+            firstLight = contents_.lights->Add(maker->Make(shapes, w.alpha.get()));
+            contents_.lightMedia.push_back({media_.Find(e.outsideMedium), media_.Find(e.insideMedium)});
         }
     }
     uint32_t emitters = 0;
@@ -288,7 +288,7 @@ void GeometryBuilder::Register(Work &w, Definition *definition) {
     if (w.shapes.size() > 1) primitive = "face";
     for (std::unique_ptr<Shape> &shape : w.shapes) {
         ShapeRecord record;
-        ShapeId id(parts_.shapes.size());
+        ShapeId id(contents_.shapes.size());
         record.shape = std::move(shape);
         record.alpha = w.alpha;
         record.material = material;
@@ -299,18 +299,18 @@ void GeometryBuilder::Register(Work &w, Definition *definition) {
             emitters += record.shape->PrimitiveCount();
         }
         if (interface && !interfacesBlock_)
-            parts_.accel->LetShadowRaysThrough(id, record.insideMedium != record.outsideMedium);
-        parts_.shapes.push_back(std::move(record));
-        const ShapeRecord &kept = parts_.shapes.back();
+            contents_.accel->LetShadowRaysThrough(id, record.insideMedium != record.outsideMedium);
+        contents_.shapes.push_back(std::move(record));
+        const ShapeRecord &kept = contents_.shapes.back();
         if (w.motion)
             moving.push_back(id);
         else if (definition)
             definition->still.push_back(id);
         else
-            parts_.accel->AddShape(id, *kept.shape, kept.alpha.get());
+            contents_.accel->AddShape(id, *kept.shape, kept.alpha.get());
     }
     if (maker) {
-        const Entity &light = description_.areaLights[static_cast<size_t>(e.areaLight)];
+        const Entity &light = description_.areaLights[e.areaLight];
         lightNames_.Add(emitters, fmt::format("AreaLightSource \"{}\"", light.type), light.loc, e.loc, primitive);
     }
     if (moving.empty()) return;
@@ -319,10 +319,10 @@ void GeometryBuilder::Register(Work &w, Definition *definition) {
         Bounds3 bounds;
         for (ShapeId id : moving)
             for (const Transform &t : {w.motion->Start(), w.motion->At(w.motion->EndTime())})
-                bounds = Union(bounds, TransformBounds(t, BoundsOf(*parts_.shapes[id.value].shape)));
+                bounds = Union(bounds, TransformBounds(t, BoundsOf(*contents_.shapes[id.value].shape)));
         definition->moving.push_back({object, *w.motion, bounds});
     } else {
-        parts_.accel->AddMovingInstance(object, *w.motion);
+        contents_.accel->AddMovingInstance(object, *w.motion);
     }
 }
 
@@ -330,10 +330,10 @@ int GeometryBuilder::AddAccelObject(const std::vector<ShapeId> &ids, const Trans
     std::vector<const Shape *> shapes;
     std::vector<const FloatTexture *> alphas;
     for (ShapeId id : ids) {
-        shapes.push_back(parts_.shapes[id.value].shape.get());
-        alphas.push_back(parts_.shapes[id.value].alpha.get());
+        shapes.push_back(contents_.shapes[id.value].shape.get());
+        alphas.push_back(contents_.shapes[id.value].alpha.get());
     }
-    return parts_.accel->AddObject(ids, shapes, alphas, renderFromObject);
+    return contents_.accel->AddObject(ids, shapes, alphas, renderFromObject);
 }
 
 void GeometryBuilder::BuildInstances(const std::vector<Definition> &definitions) {
@@ -349,7 +349,7 @@ void GeometryBuilder::BuildInstances(const std::vector<Definition> &definitions)
         Bounds3 bounds;
         const Transform place = Product({renderFromWorld_, spaces_[o]});
         for (ShapeId id : d.still)
-            bounds = Union(bounds, TransformBounds(place, BoundsOf(*parts_.shapes[id.value].shape)));
+            bounds = Union(bounds, TransformBounds(place, BoundsOf(*contents_.shapes[id.value].shape)));
         for (const Definition::Moving &m : d.moving) bounds = Union(bounds, m.bounds);
         byName[description_.objects[o].name] = {&d, d.still.empty() ? -1 : AddAccelObject(d.still, place), bounds,
                                                 &spaces_[o]};
@@ -376,12 +376,12 @@ void GeometryBuilder::BuildInstances(const std::vector<Definition> &definitions)
             if (it->second.still >= 0) {
                 const Transform &space = *it->second.space;
                 if (motion.IsAnimated())
-                    parts_.accel->AddMovingInstance(it->second.still, motion, Product({renderFromWorld_, space}));
+                    contents_.accel->AddMovingInstance(it->second.still, motion, Product({renderFromWorld_, space}));
                 else
-                    parts_.accel->AddInstance(it->second.still, Product({renderFromWorld_, i.ctm.start, space}));
+                    contents_.accel->AddInstance(it->second.still, Product({renderFromWorld_, i.ctm.start, space}));
             }
             for (const Definition::Moving &m : it->second.definition->moving)
-                parts_.accel->AddMovingInstance(m.object, motion, m.renderFromObject);
+                contents_.accel->AddMovingInstance(m.object, motion, m.renderFromObject);
         } catch (const UserError &e) {
             sink_.Add(e);
         }

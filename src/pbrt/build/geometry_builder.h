@@ -28,8 +28,8 @@ class GeometryBuilder {
     void BuildShapes(Progress &progress);
     int64_t ShapeEntityCount() const { return static_cast<int64_t>(work_.size()); }
     /// The parts built so far. The Accel is not committed and the lights are not finished.
-    SceneParts TakeParts() { return std::move(parts_); }
-    /// The names of all lights in the parts.
+    SceneContents TakeContents() { return std::move(contents_); }
+    /// The names of all lights in the contents.
     LightNames TakeLightNames() { return std::move(lightNames_); }
 
   private:
@@ -64,6 +64,8 @@ class GeometryBuilder {
     /// Scenes have one Shape directive per hair: consecutive curves that differ only in their geometry become one
     /// shape.
     void MergeCurves();
+    /// The maker of the shape's area light; null if the shape is not an emitter.
+    const AreaLightMaker *MakerFor(const ShapeEntity &entity, bool isInterface, bool isInDefinition);
     /// `definition`: null outside object definitions.
     void Register(Work &work, Definition *definition);
     int AddAccelObject(const std::vector<ShapeId> &shapes, const Transform &renderFromObject = {});
@@ -75,7 +77,7 @@ class GeometryBuilder {
     const MediumIds &media_;
     TextureLibrary &textures_;
     DiagnosticSink &sink_;
-    SceneParts parts_;
+    SceneContents contents_;
     LightNames lightNames_;
     std::vector<Work> work_;
     /// By object definition: world from the space of its still shapes, a translation that brings them to the origin.

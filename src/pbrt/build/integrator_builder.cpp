@@ -1,5 +1,7 @@
 #include "pbrt/build/integrator_builder.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <limits>
 
@@ -20,12 +22,6 @@ std::optional<LightSelection> ReadLights(const ParamSet &set, const IntegratorRe
 std::unique_ptr<LightSampler> MakeLights(const LightSamplerSpec &chosen, const PluginRegistry &registry,
                                          const LightTable &table) {
     return registry.Make(*chosen.entry, table, chosen.params, chosen.meshLights);
-}
-
-void WarnOfLightFlags(const IntegratorReading &r, const char *integrator) {
-    if (!r.options.lightSampler.empty() || r.options.meshLights)
-        r.sink.Warning(
-            {}, fmt::format("--lightsampler and --mesh-lights have no effect on integrator \"{}\".", integrator));
 }
 
 namespace {
@@ -77,10 +73,6 @@ IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const Inte
     return settings;
 }
 
-constexpr const char *kWhoIsGuided = "only the integrators \"path\" and \"volpath\" are guided";
-
-bool FollowsPhotons(const std::string &integrator) { return FollowsLight(integrator) || integrator == "sppm"; }
-
 struct SimplePathParams : DepthParams {
     bool sampleLights = true, sampleBsdf = true;
     template <class V>
@@ -105,16 +97,30 @@ struct AmbientOcclusionParams {
 
 /// An integrator without a light sampler; `make(p, maxDepth, context, film's colour space)`.
 template <class P, class F>
-void AddSimple(IntegratorTable &table, const char *name, F make, const char *remark = "") {
-    table.Add<P>(name, remark, [name, make](const P &p, const ParamSet &, const IntegratorReading &r) {
-        WarnOfLightFlags(r, name);
+void AddSimple(IntegratorTable &table, const char *name, F make, IntegratorTraits traits = {}) {
+    const auto read = [make](const P &p, const ParamSet &, const IntegratorReading &r) {
         IntegratorSettings settings;
         if constexpr (std::is_base_of_v<DepthParams, P>) settings.maxDepth = p.MaxDepth(r);
         settings.make = [p, make, depth = settings.maxDepth](const PathContext &context, const ColorSpace &space) {
             return make(p, depth, context, space);
         };
         return settings;
-    });
+    };
+    table.Add<P>(name, "", read, traits);
+}
+
+/// The integrators that have a trait: `"path" and "volpath"`.
+std::string NamesWith(bool IntegratorTraits::*trait) {
+    std::vector<std::string> names;
+    for (const std::string &name : Integrators().Names())
+        if (Integrators().Find(name).traits.*trait) names.push_back('"' + name + '"');
+    const std::string last = names.back();
+    names.pop_back();
+    return fmt::format("{} and {}", fmt::join(names, ", "), last);
+}
+
+std::string OnlyTheseAreGuided() {
+    return fmt::format("only the integrators {} are guided", NamesWith(&IntegratorTraits::isGuided));
 }
 
 /// True if the scene stands in a medium without a boundary: a ray from the camera leaves the scene in one.
@@ -154,10 +160,16 @@ const IntegratorTable &Integrators() {
             "light samplers' own parameters "
             "([lightsamplers.md](lightsamplers.md)); **differs**: an unknown light sampler is an error (stock "
             "uses bvh)",
-            [](const auto &p, const ParamSet &set, Request &r) { return MakePath(p, set, r, false); });
+            [](const auto &p, const ParamSet &set, Request &r) { return MakePath(p, set, r, false); },
+            {.hasLightSampler = true, .isGuided = true});
         t.Add<PathParams>("volpath",
                           "as path, with media and subsurface scattering, and shadow rays pass \"interface\"",
-                          [](const auto &p, const ParamSet &set, Request &r) { return MakePath(p, set, r, true); });
+                          [](const auto &p, const ParamSet &set, Request &r) { return MakePath(p, set, r, true); },
+                          {.hasLightSampler = true,
+                           .isGuided = true,
+                           .rendersMedia = true,
+                           .passesInterfaces = true,
+                           .scattersSubsurface = true});
         AddSimple<SimplePathParams>(
             t, "simplepath", [](const auto &p, int depth, const PathContext &c, const ColorSpace &) {
                 return std::make_unique<SimplePathIntegrator>(c, depth, p.sampleLights, p.sampleBsdf);
@@ -168,7 +180,8 @@ const IntegratorTable &Integrators() {
         AddSimple<DepthParams>(t, "simplevolpath",
                                [](const auto &, int depth, const PathContext &c, const ColorSpace &) {
                                    return std::make_unique<SimpleVolPathIntegrator>(c, depth);
-                               });
+                               },
+                               {.rendersMedia = true});
         AddLightPathIntegrators(t);
         AddSimple<AmbientOcclusionParams>(
             t, "ambientocclusion", [](const auto &p, int, const PathContext &c, const ColorSpace &space) {
@@ -188,18 +201,8 @@ const std::string &IntegratorType(const Entity &entity, const BuildOptions &opti
     return options.integrator.empty() ? entity.type : options.integrator;
 }
 
-bool FollowsLight(const std::string &integrator) {
-    return integrator == "lightpath" || integrator == "bdpt" || integrator == "mlt";
-}
-
-bool IsGuided(const std::string &integrator) { return integrator == "path" || integrator == "volpath"; }
-
-bool SeesThroughInterfaces(const std::string &integrator) {
-    return integrator == "volpath" || FollowsLight(integrator);
-}
-
-bool RendersMedia(const std::string &integrator) {
-    return integrator == "simplevolpath" || SeesThroughInterfaces(integrator);
+IntegratorTraits TraitsOf(const std::string &integrator) {
+    return Integrators().Has(integrator) ? Integrators().Find(integrator).traits : IntegratorTraits();
 }
 
 IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &options, const PluginRegistry &registry,
@@ -213,27 +216,33 @@ IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &opti
                    fmt::format("Integrator \"{}\" is {}; {}{}.", type, isLater ? "not supported yet" : "unknown",
                                V3Hint("Integrator", type), ListChoices(type, Integrators().Names())));
     } else {
+        const IntegratorTable::Entry &entry = Integrators().Find(type);
+        const IntegratorTraits &traits = entry.traits;
         // With --integrator the scene's parameters, which belong to another integrator, are ignored, except for the
         // depth.
         ParamSet fresh(fmt::format("Integrator \"{}\"", options.integrator), {});
+        const auto isDepth = [](const ParamDoc &doc) { return doc.name == "maxdepth"; };
         if (const Param *depth = entity.params.Find("maxdepth", ParamType::Integer);
-            depth && type != "ambientocclusion")
+            depth && std::any_of(entry.params.begin(), entry.params.end(), isDepth))
             fresh.Add(*depth);
         const ParamSet &params = type != entity.type ? fresh : entity.params;
-        if (!options.shootingSampler.empty() && !FollowsPhotons(type))
-            sink.Error({}, fmt::format("--shooting-sampler: light paths begin at lights with the integrators "
-                                       "\"bdpt\", \"lightpath\", \"mlt\" and \"sppm\" only; this one is \"{}\".",
-                                       type));
-        if (options.guide && !IsGuided(type))
-            sink.Error({}, fmt::format("--guide: {}; this one is \"{}\".", kWhoIsGuided, type));
+        if (!options.shootingSampler.empty() && !traits.hasEmissionSampler)
+            sink.Error({}, fmt::format("--shooting-sampler: light paths begin at lights with the integrators {} only; "
+                                       "this one is \"{}\".",
+                                       NamesWith(&IntegratorTraits::hasEmissionSampler), type));
+        if (options.guide && !traits.isGuided)
+            sink.Error({}, fmt::format("--guide: {}; this one is \"{}\".", OnlyTheseAreGuided(), type));
         ParamReader before(params);
-        if (IsGuided(type) || FollowsPhotons(type)) DeclareLightParams(before, registry, IsGuided(type));
+        if (traits.hasLightSampler || traits.hasEmissionSampler) DeclareLightParams(before, registry, traits.isGuided);
         Collect(sink, [&] {
-            settings = Integrators().Make(type, params, IntegratorReading{options, registry, sink, before});
+            settings = entry.make(params, IntegratorReading{options, registry, sink, before});
+            if (!traits.hasLightSampler && (!options.lightSampler.empty() || options.meshLights))
+                sink.Warning(
+                    {}, fmt::format("--lightsampler and --mesh-lights have no effect on integrator \"{}\".", type));
         });
-        if (settings.lights && settings.lights->guide && !IsGuided(type))
+        if (settings.lights && settings.lights->guide && !traits.isGuided)
             sink.Error(settings.lights->guide->Loc(),
-                       fmt::format("\"+guide\": {}; this one is \"{}\".", kWhoIsGuided, type));
+                       fmt::format("\"+guide\": {}; this one is \"{}\".", OnlyTheseAreGuided(), type));
     }
     settings.type = type;
     return settings;
@@ -241,11 +250,12 @@ IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &opti
 
 BuiltIntegrator MakeIntegrator(const IntegratorSettings &settings, const PathContext &context,
                                const ColorSpace &filmSpace, DiagnosticSink &sink) {
-    if (FollowsLight(settings.type) && !context.camera.CanConnect())
+    const IntegratorTraits traits = TraitsOf(settings.type);
+    if (traits.connectsToCamera && !context.camera.CanConnect())
         sink.Error({}, fmt::format("Integrator \"{}\" follows light to the camera, which works with the cameras "
                                    "\"perspective\", \"orthographic\" and \"spherical\" only.",
                                    settings.type));
-    if (FollowsLight(settings.type) && HasLightsBeyondScene(context.scene.Lights()) && IsInEndlessMedium(context))
+    if (traits.connectsToCamera && HasLightsBeyondScene(context.scene.Lights()) && IsInEndlessMedium(context))
         sink.Warning({},
                      fmt::format("the scene stands in a medium without a boundary, and lights shine from beyond it. "
                                  "How much of their light arrives is not defined: integrator \"{}\" differs from "
@@ -257,7 +267,7 @@ BuiltIntegrator MakeIntegrator(const IntegratorSettings &settings, const PathCon
     built.integrator = settings.make(context, filmSpace);
     if (settings.lights) built.lightSamplerName = settings.lights->sampler.Label();
     if (settings.shooting) built.shootingSamplerName = settings.shooting->Label();
-    if (settings.type != "volpath" && context.scene.HasSubsurface())
+    if (!traits.scattersSubsurface && context.scene.HasSubsurface())
         sink.Warning(
             {},
             fmt::format("subsurface materials are plain dielectrics to integrator \"{}\"; \"volpath\" scatters light "

@@ -13,9 +13,7 @@ namespace pbrt {
 struct IntegratorSettings {
     std::string type;
     int maxDepth = 5;
-    int samplesPerPixel = 0;  ///< above 0: takes the place of the sampler's, unless --spp or --quick says otherwise
-    bool samplesPixels =
-        true;  ///< false: no sample belongs to a pixel, so that --disable-pixel-jitter cannot be obeyed
+    int samplesPerPixel = 0;  ///< above 0: takes the place of the sampler's, unless --spp or --quick overrides it
     std::optional<LightSelection> lights;      ///< of integrators that take a light sampler
     std::optional<LightSamplerSpec> shooting;  ///< of integrators that follow light from the lights
     /// May be called only if reading gave no errors; the registry used then must still exist.
@@ -27,9 +25,21 @@ struct IntegratorReading {
     const BuildOptions &options;
     const PluginRegistry &registry;
     DiagnosticSink &sink;
-    const ParamReader &before;  ///< knows the parameters of light samplers
+    const ParamReader &before;  ///< has declared the parameters of light samplers
 };
-using IntegratorTable = FactoryTable<IntegratorSettings, const IntegratorReading>;
+
+/// What an integrator does and needs; declared where it is registered.
+struct IntegratorTraits {
+    bool hasLightSampler = false;     ///< takes the light samplers' parameters and flags
+    bool hasEmissionSampler = false;  ///< light paths begin at lights that a second light sampler chooses
+    bool connectsToCamera = false;    ///< light paths reach the camera, which must support Camera::CanConnect
+    bool isGuided = false;            ///< DirectionSampling can take the place of BSDFs
+    bool rendersMedia = false;        ///< follows light through media
+    bool passesInterfaces = false;    ///< shadow rays pass interface surfaces; geometry is built for it
+    bool scattersSubsurface = false;  ///< other integrators render subsurface materials as dielectrics
+    bool samplesPixels = true;        ///< false: no sample belongs to a pixel, which --disable-pixel-jitter needs
+};
+using IntegratorTable = FactoryTable<IntegratorSettings, const IntegratorReading, IntegratorTraits>;
 const IntegratorTable &Integrators();
 /// The integrators that the format has but this renderer does not support.
 const std::vector<std::string> &UnsupportedIntegrators();
@@ -45,13 +55,7 @@ BuiltIntegrator MakeIntegrator(const IntegratorSettings &settings, const PathCon
 
 /// The type of the integrator to be used: that of the scene's entity, or the one that --integrator names.
 const std::string &IntegratorType(const Entity &entity, const BuildOptions &options);
-/// True if light is followed from the lights to the camera, which must be able to connect (Camera::CanConnect).
-bool FollowsLight(const std::string &integrator);
-/// True if direction sampling can take the place of BSDFs.
-bool IsGuided(const std::string &integrator);
-/// True if light sampling passes interface surfaces; the scene's geometry is built for it.
-bool SeesThroughInterfaces(const std::string &integrator);
-/// True if light is followed through media.
-bool RendersMedia(const std::string &integrator);
+/// The traits of that integrator; the defaults if there is none of that name.
+IntegratorTraits TraitsOf(const std::string &integrator);
 
 }  // namespace pbrt

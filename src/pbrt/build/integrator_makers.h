@@ -22,8 +22,6 @@ std::optional<LightSelection> ReadLights(const ParamSet &set, const IntegratorRe
                                          const LightSelectionParams &defaults = {});
 std::unique_ptr<LightSampler> MakeLights(const LightSamplerSpec &chosen, const PluginRegistry &registry,
                                          const LightTable &table);
-/// Warns of flags for light sampling, which the integrator has none of.
-void WarnOfLightFlags(const IntegratorReading &r, const char *integrator);
 
 /// lightpath, bdpt, mlt, sppm.
 void AddLightPathIntegrators(IntegratorTable &table);

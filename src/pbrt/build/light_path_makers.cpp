@@ -148,10 +148,8 @@ IntegratorSettings MakeSppm(const SppmParams &p, const ParamSet &set, const Inte
 }
 
 IntegratorSettings MakeLightPath(const LightPathParams &p, const ParamSet &set, const IntegratorReading &r) {
-    WarnOfLightFlags(r, "lightpath");
     IntegratorSettings settings;
     settings.maxDepth = p.MaxDepth(r);
-    settings.samplesPixels = false;
     settings.shooting = ReadShooting(p.shooting, set, r);
     if (!settings.shooting) return settings;
     settings.make = [depth = settings.maxDepth, &registry = r.registry, shooting = *settings.shooting](
@@ -165,13 +163,12 @@ IntegratorSettings MakeMlt(const MltParams &p, const ParamSet &set, const Integr
     IntegratorSettings settings;
     settings.maxDepth = p.MaxDepth(r);
     settings.samplesPerPixel = p.mutationsPerPixel;
-    settings.samplesPixels = false;
     settings.lights = ReadLights(set, r, MltParams().lights);
     settings.shooting = ReadShooting(p.shooting, set, r);
     if (!settings.lights || !settings.shooting) return settings;
-    const auto share = [&](int all) { return std::max(1, (all + p.mutationsPerPixel / 2) / p.mutationsPerPixel); };
-    const MltSettings mlt{settings.maxDepth, p.regularize,           share(p.bootstrapSamples),
-                          share(p.chains),   p.largeStepProbability, p.sigma};
+    const auto perSample = [&](int all) { return std::max(1, (all + p.mutationsPerPixel / 2) / p.mutationsPerPixel); };
+    const MltSettings mlt{settings.maxDepth,   p.regularize,           perSample(p.bootstrapSamples),
+                          perSample(p.chains), p.largeStepProbability, p.sigma};
     settings.make = [mlt, &registry = r.registry, lights = settings.lights->sampler, shooting = *settings.shooting](
                         const PathContext &context, const ColorSpace &) -> std::unique_ptr<Integrator> {
         auto sampler = MakeLights(lights, registry, context.scene.Lights());
@@ -191,24 +188,41 @@ void AddLightPathIntegrators(IntegratorTable &t) {
         "orthographic and spherical; **differs**: the adjoint of "
         "shading normals is right (stock: #385), crop windows keep all light (stock: #347), and emitters of all "
         "shapes that the camera sees have their own brightness",
-        [](const auto &p, const ParamSet &set, Request &r) { return MakeLightPath(p, set, r); });
+        [](const auto &p, const ParamSet &set, Request &r) { return MakeLightPath(p, set, r); },
+        {.hasEmissionSampler = true,
+         .connectsToCamera = true,
+         .rendersMedia = true,
+         .passesInterfaces = true,
+         .samplesPixels = false});
     t.Add<BdptParams>(
         "bdpt",
         "with media, at most 1,000 scattering events from either side; cameras and shading normals as lightpath; "
         "only here: any light sampler for the light that a vertex of the camera's path is connected to; "
         "pictures of strategies are written at the end, not with checkpoints, parts or mpirun",
-        [](const auto &p, const ParamSet &set, Request &r) { return MakeBdpt(p, set, r); });
+        [](const auto &p, const ParamSet &set, Request &r) { return MakeBdpt(p, set, r); },
+        {.hasLightSampler = true,
+         .hasEmissionSampler = true,
+         .connectsToCamera = true,
+         .rendersMedia = true,
+         .passesInterfaces = true});
     t.Add<MltParams>(
         "mlt",
         "as bdpt, with the films rgb and spectral; light samplers learn in their preparation only; **differs**: every "
         "mutation of a pixel has its share of "
         "bootstrap and chains, so that more mutations converge to the picture for every seed (stock: #525); a "
         "mutation is of all connections of a pair of subpaths, not of one",
-        [](const auto &p, const ParamSet &set, Request &r) { return MakeMlt(p, set, r); });
+        [](const auto &p, const ParamSet &set, Request &r) { return MakeMlt(p, set, r); },
+        {.hasLightSampler = true,
+         .hasEmissionSampler = true,
+         .connectsToCamera = true,
+         .rendersMedia = true,
+         .passesInterfaces = true,
+         .samplesPixels = false});
     t.Add<SppmParams>("sppm",
                       "surfaces only; only here: light samplers as path; **differs**: the radius shrinks with the "
                       "iteration, the same in every pixel; `maxdepth` limits the whole path",
-                      [](const auto &p, const ParamSet &set, Request &r) { return MakeSppm(p, set, r); });
+                      [](const auto &p, const ParamSet &set, Request &r) { return MakeSppm(p, set, r); },
+                      {.hasLightSampler = true, .hasEmissionSampler = true});
 }
 
 }  // namespace pbrt

@@ -172,30 +172,28 @@ ParamSet LightParams(const LightSamplerRegistry::Entry &entry, const ParamSet &i
     return ChosenParams(fmt::format("light sampler \"{}\"", entry.name), entry, integrator, loc, added, sink);
 }
 
-/// Warns of parameters that belong to another value of a choice such as "model": their help says so by beginning
-/// with it, "paper: ...".
+/// Warns of parameters that belong to another value of a choice such as "model" (ParamDoc::choice).
 void WarnOfParamsWithoutEffect(const LightSamplerRegistry::Entry &entry, const ParamSet &params, DiagnosticSink &sink) {
     for (const ParamDoc &choice : entry.params) {
         if (choice.choices.empty()) continue;
         const Param *given = params.Find(entry.name + "." + choice.name, ParamType::String);
         const std::string &chosen = given && !given->strings.empty() ? given->strings[0] : choice.defaultValue;
-        for (const std::string &other : choice.choices)
-            for (const ParamDoc &doc : entry.params)
-                if (other != chosen && doc.name != choice.name && doc.help.starts_with(other + ": "))
-                    if (const Param *p = params.Find(entry.name + "." + doc.name, doc.types.front()))
-                        sink.Warning(p->loc,
-                                     fmt::format("\"{}\" has no effect: it belongs to {}={}, and {} is \"{}\" here.",
-                                                 doc.name, choice.name, other, choice.name, chosen));
+        for (const ParamDoc &doc : entry.params) {
+            if (doc.choice != choice.name || doc.chosen == chosen) continue;
+            if (const Param *p = params.Find(entry.name + "." + doc.name, doc.types.front()))
+                sink.Warning(p->loc, fmt::format("\"{}\" has no effect: it belongs to {}={}, and {} is \"{}\" here.",
+                                                 doc.name, choice.name, doc.chosen, choice.name, chosen));
+        }
     }
 }
 
 }  // namespace
 
-LightChoiceParts SplitLightChoice(const std::string &choice, const char *flag) {
+LightChoiceText SplitLightChoice(const std::string &choice, const char *flag) {
     DiagnosticSink sink;
     const Pieces pieces = Split(FlagText(flag, choice), sink);
     sink.ThrowIfErrors();
-    LightChoiceParts parts{pieces.sampler.Of(choice), pieces.mesh, {}};
+    LightChoiceText parts{pieces.sampler.Of(choice), pieces.mesh, {}};
     if (pieces.guide) parts.guide = pieces.guide->Of(choice);
     return parts;
 }

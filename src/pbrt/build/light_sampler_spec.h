@@ -27,13 +27,13 @@ struct LightFlags {
 };
 
 /// The parts of a choice, without the words "mesh" and "guide".
-struct LightChoiceParts {
+struct LightChoiceText {
     std::string sampler;
     bool mesh = false;
     std::optional<std::string> guide;
 };
 /// Throws UserError, at the flag, where something else follows a "+". Names and parameters are not checked.
-LightChoiceParts SplitLightChoice(const std::string &choice, const char *flag);
+LightChoiceText SplitLightChoice(const std::string &choice, const char *flag);
 
 /// The parameters of an integrator that choose the light sampler.
 struct LightSelectionParams {
@@ -69,8 +69,8 @@ DirectionSpec ReadDirections(const ParamSet &integrator, const std::optional<Par
 /// Reads `"string lightsampler"`, `"bool meshlights"` and the `name.key` parameters of an integrator, and the flags,
 /// which override the scene: a name replaces the scene's, keys are added to the scene's keys for the same sampler.
 /// Unknown names and keys, unreadable values and values out of range go to the sink as errors at
-/// their place (nothing is returned then), parameters that have no effect as warnings. `defaults`: what holds where the
-/// integrator says nothing.
+/// their place (nothing is returned then), parameters that have no effect as warnings. `defaults`: for what the
+/// integrator leaves out.
 std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, const LightFlags &flags,
                                                  const PluginRegistry &registry, DiagnosticSink &sink,
                                                  const LightSelectionParams &defaults = {});

@@ -1,7 +1,6 @@
 #include "pbrt/build/view.h"
 
 #include "pbrt/build/collect.h"
-#include "pbrt/build/motion.h"
 #include "pbrt/shapes/extent.h"
 
 namespace pbrt {
@@ -9,7 +8,7 @@ namespace pbrt {
 namespace {
 
 /// Rendering space is world space moved so that the camera sits at the origin halfway between the transform times,
-/// unless the flag --render-coord-sys says otherwise.
+/// unless the flag --render-coord-sys overrides it.
 Transform RenderFromWorld(const SceneDescription &d, const AnimatedTransform &worldFromCamera,
                           const BuildOptions &options) {
     std::string which =

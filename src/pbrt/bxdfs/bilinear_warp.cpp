@@ -57,9 +57,7 @@ BilinearWarp::BilinearWarp(const GridSlices &values) : nx_(values.Nx()), ny_(val
                 left[Index(x, y)] =
                     x == 0 ? 0
                            : left[Index(x - 1, y)] + (double(values.At(s, x - 1, y)) + double(values.At(s, x, y))) / 2;
-            below[static_cast<size_t>(y)] = y == 0 ? 0
-                                                   : below[static_cast<size_t>(y - 1)] +
-                                                         (left[Index(nx_ - 1, y - 1)] + left[Index(nx_ - 1, y)]) / 2;
+            below[y] = y == 0 ? 0 : below[y - 1] + (left[Index(nx_ - 1, y - 1)] + left[Index(nx_ - 1, y)]) / 2;
         }
         const double total = below.back();
         for (int y = 0; y < ny_; ++y) {
@@ -67,8 +65,7 @@ BilinearWarp::BilinearWarp(const GridSlices &values) : nx_(values.Nx()), ny_(val
                 density_[s * perSlice + Index(x, y)] = static_cast<Float>(double(values.At(s, x, y)) / total);
                 left_[s * perSlice + Index(x, y)] = static_cast<Float>(left[Index(x, y)] / total);
             }
-            below_[s * static_cast<size_t>(ny_) + static_cast<size_t>(y)] =
-                static_cast<Float>(below[static_cast<size_t>(y)] / total);
+            below_[s * static_cast<size_t>(ny_) + static_cast<size_t>(y)] = static_cast<Float>(below[y] / total);
         }
     }
 }

@@ -63,4 +63,8 @@ class Bsdf {
     BxdfFlags flags_ = BxdfFlags::None;  ///< of the lobe
 };
 
+/// Estimates the hemispherical reflectance plus transmittance for wo from a few fixed sample points. Exact for diffuse
+/// surfaces.
+SampledSpectrum EstimateAlbedo(const Bsdf &bsdf, const Vector3 &wo);
+
 }  // namespace pbrt

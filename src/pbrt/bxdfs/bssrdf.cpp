@@ -19,7 +19,7 @@ Bssrdf::Bssrdf(const Point3 &p, const Normal3 &ns, const SampledSpectrum &sigmaA
       wavelengths_(lambda.SecondaryTerminated() ? 1 : SpectrumSamples) {
     const SampledSpectrum albedo = SafeDivide(sigmaS, sigmaT_);
     for (int i = 0; i < SpectrumSamples; ++i) {
-        SubsurfaceTable::Row &row = rows_[static_cast<size_t>(i)];
+        SubsurfaceTable::Row &row = rows_[i];
         row = table.AtAlbedo(albedo[i]);
         if (sigmaT_[i] > 0 && row.reflectance > 0) reach_[i] = table.SampleRadius(row, kKeptShare) / sigmaT_[i];
     }
@@ -32,7 +32,7 @@ std::optional<Bssrdf::Probe> Bssrdf::SampleProbe(Float uc, const Point2 &u) cons
     const int wavelength = static_cast<int>(uc * static_cast<Float>(wavelengths_));
     const Float reach = reach_[wavelength];
     if (!(reach > 0)) return {};
-    const Float radius = table_->SampleRadius(rows_[static_cast<size_t>(wavelength)], u.x) / sigmaT_[wavelength];
+    const Float radius = table_->SampleRadius(rows_[wavelength], u.x) / sigmaT_[wavelength];
     if (!(radius < reach)) return {};
 
     const Vector3 axes[] = {frame_.x, frame_.y, frame_.z};
@@ -52,7 +52,7 @@ Float Bssrdf::Pdf(const Point3 &exit, const Normal3 &n) const {
     Float pdf = 0;
     for (int i = 0; i < wavelengths_; ++i) {
         if (!(distance < reach_[i])) continue;
-        const SubsurfaceTable::Row &row = rows_[static_cast<size_t>(i)];
+        const SubsurfaceTable::Row &row = rows_[i];
         Float sum = 0;
         for (int axis = 0; axis < 3; ++axis)
             sum += kAxisShare[axis] * cosines[axis] * table_->Profile(row, radii[axis] * sigmaT_[i]);
@@ -63,8 +63,7 @@ Float Bssrdf::Pdf(const Point3 &exit, const Normal3 &n) const {
 
 SampledSpectrum Bssrdf::Profile(Float distance) const {
     SampledSpectrum s;
-    for (int i = 0; i < SpectrumSamples; ++i)
-        s[i] = table_->Profile(rows_[static_cast<size_t>(i)], distance * sigmaT_[i]) * Sqr(sigmaT_[i]);
+    for (int i = 0; i < SpectrumSamples; ++i) s[i] = table_->Profile(rows_[i], distance * sigmaT_[i]) * Sqr(sigmaT_[i]);
     return s;
 }
 

@@ -112,11 +112,12 @@ CoatShares CoatTable::SharesAt(const DielectricBxdf &top, Float cosine) const {
         if (!(drawn.weight > 0)) continue;
         ++refracted;
         const Float base = CosineHemispherePdf(AbsCosTheta(drawn.wi));
-        const Float share = drawn.weight * Transmittance(thickness_, drawn.wi);
+        const Float transmitted = drawn.weight * Transmittance(thickness_, drawn.wi);
         // Stock weights the way from the base out along wo with the density of leaving, instead of entering.
         const Float leaving = top.EvaluateTransmission(drawn.wi, wo, TransportMode::Radiance).pdf;
-        through += static_cast<double>(share);
-        throughStock += static_cast<double>(share * (PowerHeuristic(drawn.pdf, base) + PowerHeuristic(base, leaving)));
+        through += static_cast<double>(transmitted);
+        throughStock +=
+            static_cast<double>(transmitted * (PowerHeuristic(drawn.pdf, base) + PowerHeuristic(base, leaving)));
     }
     auto mean = [](double sum) { return static_cast<Float>(sum / kDirectionPoints); };
     return {mean(through), mean(throughStock), mean(mirrored), mean(refracted)};

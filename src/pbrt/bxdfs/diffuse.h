@@ -58,13 +58,13 @@ class DiffuseTransmissionBxdf {
                                      ReflTransFlags which) const {
         Float pr = ReflectionWeight(which), pt = TransmissionWeight(which);
         if (pr + pt == 0) return {};
-        Float share = pr / (pr + pt);
+        Float reflection = pr / (pr + pt);
         Vector3 wi = SampleCosineHemisphere(u);
         Float pdf = CosineHemispherePdf(wi.z);
-        bool reflect = uc < share;
+        bool reflect = uc < reflection;
         if ((wo.z < 0) == reflect) wi.z = -wi.z;
         if (reflect) {
-            return BsdfSample{reflectance_ * InvPi, wi, pdf * share, BxdfFlags::Diffuse | BxdfFlags::Reflection};
+            return BsdfSample{reflectance_ * InvPi, wi, pdf * reflection, BxdfFlags::Diffuse | BxdfFlags::Reflection};
         }
         return BsdfSample{transmittance_ * InvPi, wi, pdf * (pt / (pr + pt)),
                           BxdfFlags::Diffuse | BxdfFlags::Transmission};

@@ -104,10 +104,10 @@ HairBxdf::View HairBxdf::ViewFrom(const Vector3 &wo) const {
     const Float crossing = 2 * cosGammaT / std::max(cosT, Float(1e-6));  // length of one crossing, in radii
     const SampledSpectrum passed = sigmaA_.Map([&](Float s) { return std::exp(-s * crossing); });
     const Float fresnel = FresnelDielectric(cosO * SafeSqrt(1 - Sqr(offset_)), eta_);
-    view.share[0] = SampledSpectrum(fresnel);
-    view.share[1] = passed * Sqr(1 - fresnel);
-    view.share[2] = view.share[1] * passed * fresnel;
-    view.share[3] = SafeDivide(view.share[2] * passed * fresnel, SampledSpectrum(1) - passed * fresnel);
+    view.attenuation[0] = SampledSpectrum(fresnel);
+    view.attenuation[1] = passed * Sqr(1 - fresnel);
+    view.attenuation[2] = view.attenuation[1] * passed * fresnel;
+    view.attenuation[3] = SafeDivide(view.attenuation[2] * passed * fresnel, SampledSpectrum(1) - passed * fresnel);
     return view;
 }
 
@@ -118,8 +118,7 @@ std::array<Float, HairBxdf::Lobes> HairBxdf::Densities(const View &view, const V
     for (int p = 0; p < Lobes; ++p) {
         const Float around =
             p < Lobes - 1 ? TrimmedLogistic(WrapAngle(phi - view.turn[p]), scale_, scaleMass_) : Inv2Pi;
-        densities[static_cast<size_t>(p)] =
-            LongitudinalDensity(sinI, cosI, view.sinTheta[p], view.cosTheta[p], VarianceOf(p)) * around;
+        densities[p] = LongitudinalDensity(sinI, cosI, view.sinTheta[p], view.cosTheta[p], VarianceOf(p)) * around;
     }
     return densities;
 }
@@ -157,26 +156,26 @@ bool Wanted(const Vector3 &wo, const Vector3 &wi, ReflTransFlags which) {
 SampledSpectrum HairBxdf::F(const Vector3 &wo, const Vector3 &wi, TransportMode) const {
     if (wi.z == 0) return SampledSpectrum(0);
     const View view = ViewFrom(wo);
-    return WeightedSum(view.share, Densities(view, wi)) / std::abs(wi.z);
+    return WeightedSum(view.attenuation, Densities(view, wi)) / std::abs(wi.z);
 }
 
 HairBxdf::Approximation::Approximation(const HairBxdf &hair, const Vector3 &wo)
-    : hair_(hair), view_(hair.ViewFrom(wo)), shares_(Averages(view_.share)) {}
+    : hair_(hair), view_(hair.ViewFrom(wo)), averages_(Averages(view_.attenuation)) {}
 
 Float HairBxdf::Approximation::operator()(const Vector3 &wi) const {
-    return WeightedSum(shares_, hair_.Densities(view_, wi)) / std::abs(wi.z);
+    return WeightedSum(averages_, hair_.Densities(view_, wi)) / std::abs(wi.z);
 }
 
 Float HairBxdf::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode, ReflTransFlags which) const {
     if (!Wanted(wo, wi, which)) return 0;
     const View view = ViewFrom(wo);
-    return WeightedSum(Chances(view.share), Densities(view, wi));
+    return WeightedSum(Chances(view.attenuation), Densities(view, wi));
 }
 
 std::optional<BsdfSample> HairBxdf::Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode,
                                            ReflTransFlags which) const {
     const View view = ViewFrom(wo);
-    const std::array<Float, Lobes> chances = Chances(view.share);
+    const std::array<Float, Lobes> chances = Chances(view.attenuation);
     size_t p = 0;
     Float below = 0;
     while (p < Lobes - 1 && uc >= below + chances[p]) below += chances[p++];
@@ -196,7 +195,7 @@ std::optional<BsdfSample> HairBxdf::Sample(const Vector3 &wo, Float uc, const Po
     const Vector3 wi(sinI, cosI * std::cos(phi), cosI * std::sin(phi));
     if (wi.z == 0 || !Wanted(wo, wi, which)) return {};
     const std::array<Float, Lobes> densities = Densities(view, wi);
-    return BsdfSample{WeightedSum(view.share, densities) / std::abs(wi.z), wi, WeightedSum(chances, densities),
+    return BsdfSample{WeightedSum(view.attenuation, densities) / std::abs(wi.z), wi, WeightedSum(chances, densities),
                       BxdfFlags::Glossy | (SameHemisphere(wo, wi) ? BxdfFlags::Reflection : BxdfFlags::Transmission)};
 }
 

@@ -34,10 +34,11 @@ class HairBxdf {
   private:
     /// Everything that depends only on wo and the offset.
     struct View {
-        Float phi;                                 ///< azimuth of wo around the fibre
-        Float sinTheta[Lobes], cosTheta[Lobes];    ///< elevation, turned by the scales as each lobe needs
-        Float turn[Lobes - 1];                     ///< change of azimuth of the middle of each lobe
-        std::array<SampledSpectrum, Lobes> share;  ///< of the light, for each lobe; they add up to 1 without absorption
+        Float phi;                               ///< azimuth of wo around the fibre
+        Float sinTheta[Lobes], cosTheta[Lobes];  ///< elevation, turned by the scales as each lobe needs
+        Float turn[Lobes - 1];                   ///< change of azimuth of the middle of each lobe
+        std::array<SampledSpectrum, Lobes>
+            attenuation;  ///< of the light, for each lobe; they add up to 1 without absorption
     };
     View ViewFrom(const Vector3 &wo) const;
     /// Densities of the lobes at wi, by solid angle.
@@ -57,7 +58,7 @@ class HairBxdf {
       private:
         const HairBxdf &hair_;
         View view_;
-        std::array<Float, Lobes> shares_;
+        std::array<Float, Lobes> averages_;
     };
 };
 

@@ -9,7 +9,7 @@ namespace pbrt {
 class HenyeyGreenstein {
   public:
     HenyeyGreenstein() = default;
-    /// g in [-1, 1] is the mean cosine of the angle of deflection: above 0 light goes on, below 0 it is thrown back. It
+    /// g in [-1, 1] is the mean cosine of the angle of deflection: above 0 scattering is forward, below 0 backward. It
     /// is kept within [-0.99, 0.99].
     explicit HenyeyGreenstein(Float g) : g_(std::clamp(g, Float(-0.99), Float(0.99))) {}
 

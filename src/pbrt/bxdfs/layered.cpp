@@ -24,6 +24,15 @@ constexpr Float kDensityTrust = Float(0.9);
 /// Up to so many hits of the base a geometric series is summed term by term.
 constexpr int kSummedHits = 16;
 
+/// Russian roulette on a walk of low throughput; divides the throughput of those that continue by their probability.
+bool EndsByRoulette(SampledSpectrum &beta, Rng &rng) {
+    const Float continuation = beta.MaxComponent();
+    if (!(continuation < kRouletteThreshold)) return false;
+    if (rng.Uniform() >= continuation) return true;
+    beta /= continuation;
+    return false;
+}
+
 TransportMode Reverse(TransportMode mode) {
     return mode == TransportMode::Radiance ? TransportMode::Importance : TransportMode::Radiance;
 }
@@ -77,7 +86,7 @@ template <class Base>
 typename CoatedBxdf<Base>::Passage CoatedBxdf<Base>::Through(const Vector3 &w) const {
     Passage passage;
     if (Refract(w, Normal3(0, 0, 1), top_.Eta(), nullptr, &passage.inside))
-        passage.share = (1 - FresnelDielectric(w.z, top_.Eta())) * Transmittance(thickness_, passage.inside);
+        passage.transmitted = (1 - FresnelDielectric(w.z, top_.Eta())) * Transmittance(thickness_, passage.inside);
     return passage;
 }
 
@@ -91,9 +100,9 @@ Float CoatedBxdf<Base>::Approximation::operator()(const Vector3 &wi) const {
     if (!SameHemisphere(wo_, i)) return 0;
     const Float mirrored = coated_.top_.F(wo_, i, TransportMode::Radiance)[0];
     const Passage out = coated_.Through(i);
-    const Float share = in_.share * out.share / Sqr(coated_.top_.Eta());
-    if (!(share > 0)) return mirrored;
-    return mirrored + coated_.bottom_.Approximate(-in_.inside, -out.inside) * share;
+    const Float transmitted = in_.transmitted * out.transmitted / Sqr(coated_.top_.Eta());
+    if (!(transmitted > 0)) return mirrored;
+    return mirrored + coated_.bottom_.Approximate(-in_.inside, -out.inside) * transmitted;
 }
 
 template <class Base>
@@ -110,7 +119,7 @@ SampledSpectrum CoatedBxdf<Base>::Evaluate(const Vector3 &wo, const Vector3 &wi,
 }
 
 /// One walk that enters along wo; at every event it is connected to wi through the coat. Where the coat is rough, the
-/// direction that the walk goes on in is evaluated at the coat as well, and the two estimates are combined by MIS.
+/// direction in which the walk continues is evaluated at the coat as well, and the two estimates are combined by MIS.
 template <class Base>
 template <typename CoatedBxdf<Base>::ExitWeights Weights>
 SampledSpectrum CoatedBxdf<Base>::EstimateInside(const Vector3 &wo, const Vector3 &wi, TransportMode mode,
@@ -147,13 +156,7 @@ SampledSpectrum CoatedBxdf<Base>::EstimateInside(const Vector3 &wo, const Vector
     Vector3 w = in.wi;
     Float z = thickness_;
     for (int depth = 0; depth < maxDepth_; ++depth) {
-        if (depth > kRouletteDepth) {
-            const Float survive = beta.MaxComponent();
-            if (survive < kRouletteThreshold) {
-                if (rng.Uniform() >= survive) break;
-                beta /= survive;
-            }
-        }
+        if (depth > kRouletteDepth && EndsByRoulette(beta, rng)) break;
         if (scatters_) {
             Float zCollision = SampleCollision(z, w, rng.Uniform());
             if (zCollision == z) continue;
@@ -228,13 +231,7 @@ std::optional<BsdfSample> CoatedBxdf<Base>::Sample(const Vector3 &wo, Float uc, 
     Vector3 w = entry->wi;
     Float z = thickness_;
     for (int depth = 0; depth < maxDepth_; ++depth) {
-        if (depth > kRouletteDepth) {
-            const Float survive = beta.MaxComponent();
-            if (survive < kRouletteThreshold) {
-                if (rng.Uniform() >= survive) return {};
-                beta /= survive;
-            }
-        }
+        if (depth > kRouletteDepth && EndsByRoulette(beta, rng)) return {};
         if (scatters_) {
             Float zCollision = SampleCollision(z, w, rng.Uniform());
             if (zCollision == z) return {};
@@ -374,14 +371,17 @@ std::optional<BsdfSample> CoatedBxdf<Base>::SampleClear(const Vector3 &wo, Float
         (smooth ? ThroughSmooth(wo) * ThroughSmooth(wi) : shares.through * clear_.At(wi.z).through) / Sqr(top_.Eta());
     if constexpr (std::is_same_v<Base, DiffuseBxdf>) {
         // A walk would leave the coat at some events only, with more weight. Roulette gives the sample the second
-        // moment of a walk, so that as few paths go on with little light.
+        // moment of a walk, so that as few paths continue with little light.
         const Float r = bottom_.Reflectance().MaxComponent(), inner = clear_.Inner();
-        const Float survive = std::min(through * (1 - inner * Sqr(r)) / Sqr(1 - inner * r), Float(1));
-        if (!(uc - mirrored < survive * (1 - mirrored))) return {};
+        const Float transmission = std::min(through * (1 - inner * Sqr(r)) / Sqr(1 - inner * r), Float(1));
+        if (!(uc - mirrored < transmission * (1 - mirrored))) return {};
         // Light leaves at the second event and at every second one after it.
-        return BsdfSample{
-            BaseSeries(maxDepth_ / 2) * (through * InvPi), wi, (1 - mirrored) * survive * CosineHemispherePdf(wi.z),
-            BxdfFlags::Reflection | BxdfFlags::Glossy,     1,  true};
+        return BsdfSample{BaseSeries(maxDepth_ / 2) * (through * InvPi),
+                          wi,
+                          (1 - mirrored) * transmission * CosineHemispherePdf(wi.z),
+                          BxdfFlags::Reflection | BxdfFlags::Glossy,
+                          1,
+                          true};
     } else {
         return {};
     }

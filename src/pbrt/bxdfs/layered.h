@@ -70,8 +70,8 @@ class CoatedBxdf {
   private:
     /// Light that passes straight through coat and medium, only refracted.
     struct Passage {
-        Vector3 inside;   ///< refracted direction of travel below the coat
-        Float share = 0;  ///< of the light that passes; 0 if none does
+        Vector3 inside;         ///< refracted direction of travel below the coat
+        Float transmitted = 0;  ///< fraction of the light; 0 if none passes
     };
 
   public:

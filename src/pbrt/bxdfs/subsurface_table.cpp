@@ -138,8 +138,7 @@ Float SubsurfaceTable::Profile(const Row &row, Float radius) const {
     const std::optional<SplineWeights> weights = CatmullRomWeights(radii_, radius);
     if (!weights) return 0;
     Float ring = 0;
-    for (int k = 0; k < 4; ++k)
-        ring += weights->w[static_cast<size_t>(k)] * Interpolate(profile_, row.albedo, weights->first + k);
+    for (int k = 0; k < 4; ++k) ring += weights->w[k] * Interpolate(profile_, row.albedo, weights->first + k);
     return std::max(Float(0), ring / (2 * Pi * std::max(radius, Float(1e-6))));
 }
 

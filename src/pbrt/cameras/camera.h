@@ -42,7 +42,7 @@ class Camera {
     /// True if light can be followed to the camera (Connect).
     virtual bool CanConnect() const { return false; }
     /// The point `p` (rendering space) as seen from a place on the lens, drawn by `uLens` as for GenerateRay; empty if
-    /// it is behind the camera. Whether something hides it is for the caller to find out.
+    /// it is behind the camera. The caller tests whether it is occluded.
     virtual std::optional<CameraConnection> Connect(const Point3 &p, const Point2 &uLens, Float time) const {
         (void)p;
         (void)uLens;

@@ -24,8 +24,8 @@ class CameraSpaceCamera : public Camera {
     Transform CameraFromRender(Float time) const final { return renderFromCamera_.At(time).Inverse(); }
 
   protected:
-    /// Fills origin, unit direction, differentials (valid unless said otherwise) and, if it is not 1, the weight, in
-    /// camera space. False: no light comes to this place on the film.
+    /// Fills origin, unit direction, differentials (valid unless the camera clears them) and, if it is not 1, the
+    /// weight, in camera space. False: no light comes to this place on the film.
     virtual bool GenerateInCameraSpace(const CameraSample &sample, CameraRay *ray) const = 0;
     /// Fills p and pFilm in camera space. False: the camera does not see the point.
     virtual bool ConnectInCameraSpace(const Point3 &p, const Point2 &uLens, CameraConnection *c) const {

@@ -68,13 +68,13 @@ class Search {
 ExitPupil::ExitPupil(const LensSystem &lens, Float filmRadius) : filmRadius_(filmRadius), bounds_(kSteps) {
     ParallelForEach(kSteps, [&](int64_t i) {
         auto distance = [&](int64_t step) { return static_cast<Float>(step) / kSteps * filmRadius; };
-        bounds_[static_cast<size_t>(i)] = Search(lens, distance(i), distance(i + 1)).Find();
+        bounds_[i] = Search(lens, distance(i), distance(i + 1)).Find();
     });
 }
 
 const Bounds2 &ExitPupil::Bounds(Float distance) const {
     const int step = static_cast<int>(distance / filmRadius_ * kSteps);
-    return bounds_[static_cast<size_t>(std::min(step, kSteps - 1))];
+    return bounds_[std::min(step, kSteps - 1)];
 }
 
 Point2 ExitPupil::Sample(const Point2 &film, const Point2 &u) const {

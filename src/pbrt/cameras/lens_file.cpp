@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "pbrt/core/error.h"
-#include "pbrt/core/number_file.h"
+#include "pbrt/core/files.h"
 
 namespace pbrt {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "pbrt/core/nearest_choice.h"
+#include "pbrt/core/error.h"
 
 namespace pbrt {
 

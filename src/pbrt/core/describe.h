@@ -22,9 +22,9 @@
 ///
 /// Visitors read it (ParamReader), document it (DocumentParams) and print it (EffectiveParams). Parameters are visited
 /// in order, so one that has a meaning only together with the values of others stands in `if (v.When(condition))`:
-/// where the condition does not hold, it counts as unused. A help text that begins with a value of a text parameter and
-/// a colon ("paper: ...") says that the parameter has an effect only with that value; giving it with another is a
-/// warning.
+/// where the condition does not hold, it counts as unused. After `v.OnlyWith("model", "paper")`, and until
+/// `v.OnlyWith("", "")`, parameters have an effect only where the text parameter "model" is "paper"; giving them with
+/// another value is a warning.
 ///
 /// Members may have further types: a folder adds one by overloads of ReadParam and DocumentParam, which are found by
 /// argument-dependent lookup. This file has int, Float, bool, std::string, std::optional of these, enumerations with
@@ -42,7 +42,7 @@ struct NamedValue {
     E value;
 };
 
-/// Values of several numbers each; `type` says which word of the format they have. Each number must lie in the range.
+/// Values of several numbers each; `type` is their type in the scene format. Each number must lie in the range.
 struct Items {
     ParamType type;
     Range<Float> range = AnyFloat();
@@ -57,10 +57,11 @@ struct ParamDoc {
     std::string name;
     std::vector<ParamType> types;  ///< a scene may use any of these
     bool isList = false;
-    std::string defaultValue;  ///< empty if there is none, or if the help line says it
+    std::string defaultValue;  ///< empty if there is none, or if the help line has it
     std::string range;
     Choices choices;
     std::string help;
+    std::string choice, chosen;  ///< has an effect only where the text parameter `choice` is `chosen`; empty: always
 
     std::string TypeText() const;   ///< "integer", "spectrum texture", ...
     std::string ShortType() const;  ///< "i", "st", ...
@@ -193,6 +194,10 @@ class ParamDocumenter {
     std::vector<ParamDoc> docs;
 
     bool When(bool) const { return true; }
+    void OnlyWith(std::string choice, std::string chosen) {
+        choice_ = std::move(choice);
+        chosen_ = std::move(chosen);
+    }
     template <class T>
     void operator()(const std::string &name, T &value, const char *help) {
         Add(name, help);
@@ -209,7 +214,10 @@ class ParamDocumenter {
         ParamDoc &doc = docs.emplace_back();
         doc.name = name;
         doc.help = help;
+        doc.choice = choice_;
+        doc.chosen = chosen_;
     }
+    std::string choice_, chosen_;
 };
 
 /// One row per parameter, with the values of `p` as the defaults.
@@ -226,6 +234,7 @@ class ParamPrinter {
   public:
     Json json = Json::object();
     bool When(bool applies) const { return applies; }
+    void OnlyWith(const char *, const char *) const {}
     template <class T, class... AskedAndHelp>
     void operator()(const std::string &name, T &value, const AskedAndHelp &...asked) {
         if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string>) {

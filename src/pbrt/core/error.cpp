@@ -5,8 +5,6 @@
 #include <cstdlib>
 #include <map>
 
-#include "pbrt/core/nearest_choice.h"
-
 namespace pbrt {
 
 namespace {

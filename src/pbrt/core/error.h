@@ -1,11 +1,11 @@
 #pragma once
-#include <fmt/format.h>
-
 #include <memory>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include <fmt/format.h>
 
 namespace pbrt {
 
@@ -66,7 +66,7 @@ std::string Abbreviate(std::string_view text, size_t maxBytes = 60);
 class DiagnosticSink {
   public:
     void Error(const FileLoc &loc, std::string message);
-    /// Printed by whoever owns the sink (cmd/ unless --quiet); never fatal.
+    /// Printed by the owner of the sink (cmd/ unless --quiet); never fatal.
     void Warning(const FileLoc &loc, std::string message);
     /// Adds the diagnostics of an exception.
     void Add(const UserError &e);
@@ -93,6 +93,9 @@ class DiagnosticSink {
 std::string ListChoices(std::string_view given, const std::vector<std::string> &choices);
 
 [[noreturn]] void CheckFailed(const char *expression, const char *file, int line, const std::string &values);
+
+/// The choice that `given` may be a misspelling of; empty if none is similar.
+std::string NearestChoice(std::string_view given, const std::vector<std::string> &choices);
 
 }  // namespace pbrt
 

@@ -27,37 +27,13 @@ std::string TypeName(const ParamDoc &doc, bool isShort) {
         return Has(types, ParamType::Float) ? pick("f/sp", "float or spectrum") : pick("sp", "spectrum");
     }
     if (isTexture) return pick("ft", "float texture");
+    static const std::map<ParamType, const char *> letters = {
+        {ParamType::Integer, "i"}, {ParamType::Float, "f"},   {ParamType::Bool, "b"},     {ParamType::String, "s"},
+        {ParamType::Point2, "p2"}, {ParamType::Point3, "p3"}, {ParamType::Vector3, "v3"}, {ParamType::Normal, "n"}};
     std::string name;
     for (ParamType type : types) {
         if (!name.empty()) name += isShort ? "/" : " or ";
-        switch (type) {
-            case ParamType::Integer:
-                name += pick("i", "integer");
-                break;
-            case ParamType::Float:
-                name += pick("f", "float");
-                break;
-            case ParamType::Bool:
-                name += pick("b", "bool");
-                break;
-            case ParamType::String:
-                name += pick("s", "string");
-                break;
-            case ParamType::Point2:
-                name += pick("p2", "point2");
-                break;
-            case ParamType::Point3:
-                name += pick("p3", "point3");
-                break;
-            case ParamType::Vector3:
-                name += pick("v3", "vector3");
-                break;
-            case ParamType::Normal:
-                name += pick("n", "normal");
-                break;
-            default:
-                name += Name(type);
-        }
+        name += isShort && letters.contains(type) ? letters.at(type) : Name(type);
     }
     return doc.isList ? name + "[]" : name;
 }

@@ -35,7 +35,7 @@ struct FamilyDoc {
 ///
 /// If the context has a `sink`, unused parameters are reported to it; a member `before` is a ParamReader that has read
 /// other parameters of the same set. If the context has no `sink`, parameters are called "thing.name" and share the set
-/// with those of other things; the owner of the set must then look for unused ones. `Traits`: further properties of
+/// with those of other things; the owner of the set must then report unused ones. `Traits`: further properties of
 /// each kind of thing.
 template <class Product, class Context, class Traits = std::monostate>
 class FactoryTable {

@@ -6,7 +6,10 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
+#include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <memory>
 
@@ -110,6 +113,32 @@ std::string ReadFileContents(const std::string &path, ReadFrom from, double (*av
     int closed = gzclose(file.release());
     if (closed == Z_BUF_ERROR) throw UserError(fmt::format("{}: the compressed data ends too early.", path));
     return content;
+}
+
+std::vector<Float> ReadNumberFile(const std::string &path) {
+    const std::string text = ReadFileContents(path);
+    std::vector<Float> numbers;
+    int line = 1;
+    const char *at = text.c_str(), *end = at + text.size();
+    while (at < end) {
+        if (*at == '\n') ++line;
+        if (std::isspace(static_cast<unsigned char>(*at))) {
+            ++at;
+        } else if (*at == '#') {
+            while (at < end && *at != '\n') ++at;
+        } else {
+            char *after = nullptr;
+            Float value = std::strtof(at, &after);
+            bool separated =
+                after > at && (after >= end || std::isspace(static_cast<unsigned char>(*after)) || *after == '#');
+            if (!separated || !std::isfinite(value))
+                throw UserError(fmt::format(
+                    "{}:{}: expected a number; this file may contain only finite numbers and # comments.", path, line));
+            numbers.push_back(value);
+            at = after;
+        }
+    }
+    return numbers;
 }
 
 }  // namespace pbrt

@@ -2,7 +2,9 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "pbrt/core/float.h"
 #include "pbrt/core/memory.h"
 
 namespace pbrt {
@@ -31,7 +33,7 @@ enum class ReadFrom { Files, FilesAndPipes };
 
 /// Returns the whole content; gzip data are decompressed whatever the file is called. Throws UserError (no location) if
 /// the file cannot be read, or if its content (which may decompress to any size) needs more memory than `available()`
-/// says is left.
+/// returns.
 std::string ReadFileContents(const std::string &path, ReadFrom from = ReadFrom::Files,
                              double (*available)() = AvailableMemory);
 
@@ -46,5 +48,12 @@ void WriteFile(const std::string &path, std::string_view content);
 /// the folder is missing or read-only, or because the name is too long or that of a folder, for example. Leaves nothing
 /// behind.
 void CheckWritable(const std::string &path);
+
+/// The same for a content in pieces, which are written one after the other.
+void WriteFile(const std::string &path, const std::vector<std::string_view> &pieces);
+
+/// Reads a file of numbers separated by white space; '#' to the end of the line is a comment (pbrt-v4-format §15:
+/// spectrum and lens files). Throws UserError (no location) if it is unreadable or holds anything else.
+std::vector<Float> ReadNumberFile(const std::string &path);
 
 }  // namespace pbrt

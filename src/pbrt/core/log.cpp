@@ -19,8 +19,6 @@ void Print(LogLevel level, const char *prefix, const std::string &message) {
 void SetLogLevel(LogLevel level) { currentLevel = level; }
 LogLevel CurrentLogLevel() { return currentLevel; }
 
-void LogError(const std::string &message) { Print(LogLevel::Error, "Error: ", message); }
-
 void LogWarning(const std::string &message) {
     // Never destroyed: detached threads (LiveViewer) may warn while the process ends.
     static std::mutex &mutex = *new std::mutex;

@@ -9,7 +9,6 @@ enum class LogLevel { Quiet, Error, Warning, Info };
 void SetLogLevel(LogLevel level);
 LogLevel CurrentLogLevel();
 
-void LogError(const std::string &message);
 /// Equal messages are printed once.
 void LogWarning(const std::string &message);
 void LogInfo(const std::string &message);

@@ -1,7 +1,5 @@
 #include "pbrt/core/memory.h"
 
-#include "pbrt/core/memory_limit.h"
-
 #include <fcntl.h>
 #include <sys/resource.h>
 #include <unistd.h>

@@ -23,4 +23,8 @@ void RequireMemory(double bytes, const std::string &what, const FileLoc &loc);
 /// The message for a std::bad_alloc during `phase` ("" if the phase is not known).
 std::string OutOfMemoryText(const std::string &phase);
 
+/// From here on this process can use at most so many bytes (its own mappings that can be written): allocating more
+/// fails. A smaller limit that it has already stays.
+void LimitMemory(double bytes);
+
 }  // namespace pbrt

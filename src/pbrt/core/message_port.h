@@ -8,15 +8,15 @@
 
 // The interface to MPI. Its libraries take longer to load than a small render takes, so the code that calls them is a
 // separate library (mpi_module.cpp), loaded only in processes that mpirun started. The two sides share plain data only;
-// this header includes no other header of the project. Ranks uses it, nothing else.
+// this header includes no other header of the project. Team uses it, nothing else.
 namespace pbrt {
 
-/// Sends bytes between the processes of one job. One thread at a time may call. What goes wrong ends the whole job with
-/// MPI's message.
+/// Sends bytes between the processes of one job. One thread at a time may call. Errors end the whole job with MPI's
+/// message.
 class MessagePort {
   public:
     /// Messages of different channels do not wait for each other.
-    enum class Channel { Together, Requests, Answers };
+    enum class Channel { Together, Requests, Replies };
     struct Message {
         int from = 0;
         std::string bytes;

@@ -12,8 +12,8 @@ namespace pbrt {
 
 namespace {
 
-/// Longer messages are sent in parts: MPI counts with int.
-constexpr size_t kLargestPart = size_t{1} << 26;
+/// Longer messages are sent in fragments: MPI counts with int.
+constexpr size_t kMaxFragment = size_t{1} << 26;
 /// Of messages longer than this the bytes follow when the receiver is ready for them.
 constexpr size_t kShort = size_t{1} << 16;
 
@@ -33,7 +33,7 @@ class MpiPort final : public MessagePort {
     int Size() const override { return size_; }
 
     void Send(int to, Channel channel, std::span<const std::string_view> pieces) override {
-        // The length, then the bytes in parts: large pieces as they are, small ones together.
+        // The length, then the bytes in fragments: large pieces as they are, small ones together.
         uint64_t length = 0;
         for (const std::string_view piece : pieces) length += piece.size();
         MPI_Request request;
@@ -42,7 +42,7 @@ class MpiPort final : public MessagePort {
         WaitPatiently(request);
         std::string small;
         const auto sendSmall = [&] {
-            if (!small.empty()) SendPart(to, channel, small);
+            if (!small.empty()) SendFragment(to, channel, small);
             small.clear();
         };
         for (std::string_view piece : pieces) {
@@ -52,8 +52,8 @@ class MpiPort final : public MessagePort {
                 continue;
             }
             sendSmall();
-            for (; !piece.empty(); piece.remove_prefix(std::min(kLargestPart, piece.size())))
-                SendPart(to, channel, piece.substr(0, kLargestPart));
+            for (; !piece.empty(); piece.remove_prefix(std::min(kMaxFragment, piece.size())))
+                SendFragment(to, channel, piece.substr(0, kMaxFragment));
         }
         sendSmall();
     }
@@ -69,14 +69,14 @@ class MpiPort final : public MessagePort {
         MPI_Mrecv(&length, sizeof(length), MPI_BYTE, &matched, MPI_STATUS_IGNORE);
         Message message{status.MPI_SOURCE, std::string(length, 0)};
         for (size_t at = 0; at < length;) {
-            // The sender decides how long a part is.
-            MPI_Message part;
+            // The sender chooses the lengths of the fragments.
+            MPI_Message fragment;
             for (hasCome = 0; !hasCome; std::this_thread::yield())
-                MPI_Improbe(message.from, static_cast<int>(channel), MPI_COMM_WORLD, &hasCome, &part, &status);
+                MPI_Improbe(message.from, static_cast<int>(channel), MPI_COMM_WORLD, &hasCome, &fragment, &status);
             int bytes = 0;
             MPI_Get_count(&status, MPI_BYTE, &bytes);
             MPI_Request request;
-            MPI_Imrecv(message.bytes.data() + at, bytes, MPI_BYTE, &part, &request);
+            MPI_Imrecv(message.bytes.data() + at, bytes, MPI_BYTE, &fragment, &request);
             WaitBusily(request);
             at += static_cast<size_t>(bytes);
         }
@@ -89,7 +89,7 @@ class MpiPort final : public MessagePort {
     }
 
   private:
-    static void SendPart(int to, Channel channel, std::string_view bytes) {
+    static void SendFragment(int to, Channel channel, std::string_view bytes) {
         MPI_Request request;
         MPI_Isend(bytes.data(), static_cast<int>(bytes.size()), MPI_BYTE, to, static_cast<int>(channel), MPI_COMM_WORLD,
                   &request);
@@ -105,7 +105,7 @@ class MpiPort final : public MessagePort {
         for (int tries = 0; !IsDone(request); ++tries)
             if (tries > 100) std::this_thread::sleep_for(std::chrono::microseconds(50));
     }
-    /// While both sides work on a transfer: it goes on only within MPI's functions.
+    /// While both sides work on a transfer, which progresses only within MPI's functions.
     static void WaitBusily(MPI_Request &request) {
         while (!IsDone(request)) std::this_thread::yield();
     }

@@ -8,7 +8,6 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <memory>
 #ifdef PBRT_THREAD_SANITIZER
 #include <sanitizer/tsan_interface.h>
 #endif
@@ -60,15 +59,13 @@ struct RegionOrder {
 
 ThreadLimit::ThreadLimit(int n) {
     int threads = n > 0 ? n : tbb::info::default_concurrency();
-    impl_ = new Impl{tbb::global_control(tbb::global_control::max_allowed_parallelism, static_cast<size_t>(threads)),
-                     tbb::task_arena(threads)};
+    // The aggregate's members cannot be moved.
+    impl_.reset(
+        new Impl{tbb::global_control(tbb::global_control::max_allowed_parallelism, threads), tbb::task_arena(threads)});
     currentArena = &impl_->arena;
 }
 
-ThreadLimit::~ThreadLimit() {
-    currentArena = nullptr;
-    delete impl_;
-}
+ThreadLimit::~ThreadLimit() { currentArena = nullptr; }
 
 int ThreadCount() { return currentArena ? currentArena->max_concurrency() : tbb::this_task_arena::max_concurrency(); }
 

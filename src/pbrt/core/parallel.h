@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <memory>
 
 namespace pbrt {
 
@@ -15,7 +16,7 @@ class ThreadLimit {
 
   private:
     struct Impl;
-    Impl *impl_;
+    std::unique_ptr<Impl> impl_;
 };
 
 /// Number of threads that parallel loops may use.

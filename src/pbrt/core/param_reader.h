@@ -18,6 +18,7 @@ class ParamReader {
     ParamReader(const ParamSet &set, const ParamReader &other) : set_(set), declared_(other.declared_) {}
 
     bool When(bool applies) const { return applies; }
+    void OnlyWith(const char *, const char *) const {}
     template <class T>
     void operator()(const std::string &name, T &value, const char *) {
         Collect([&] { ReadParam(*this, prefix_ + name, value); });

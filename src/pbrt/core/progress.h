@@ -33,7 +33,7 @@ class Progress {
     /// For phases whose total is known only after they have begun.
     void SetTotal(int64_t total) { phase_.total = total; }
     void Advance(int64_t amount = 1);
-    /// For phases that end at a given time: the caller knows the fraction done and the remaining time.
+    /// For phases that end at a given time: the caller gives the fraction done and the remaining time.
     void SetFraction(double fraction, double remainingSeconds);
     /// Returns the seconds the phase took.
     double EndPhase();

@@ -33,7 +33,7 @@ void Tell(int signal) {
 }
 
 /// Prints a message. It is left out if it cannot be written without waiting: nothing may delay the end of the process.
-void Say(const std::string &message) {
+void Print(const std::string &message) {
     if (message.empty() || CurrentLogLevel() < LogLevel::Info) return;
     pollfd err{STDERR_FILENO, POLLOUT, 0};
     if (poll(&err, 1, 0) != 1 || !(err.revents & POLLOUT)) return;
@@ -58,7 +58,7 @@ struct SignalWatch::Impl {
 
     explicit Impl(Progress &p) : progress(p) {}
 
-    /// When the process is ended if the program has not ended by itself; empty if there is no deadline.
+    /// When the process is ended if the program still runs; empty if there is no deadline.
     std::optional<Clock::time_point> Deadline() const {
         if (!first || grace >= kForever) return {};
         return std::max(phaseStart, firstTime) +
@@ -67,7 +67,7 @@ struct SignalWatch::Impl {
 
     [[noreturn]] void End() const {
         RemoveTemporaries();
-        Say(message);
+        Print(message);
         _exit(128 + first);
     }
 
@@ -79,7 +79,7 @@ struct SignalWatch::Impl {
             firstTime = now;
             progress.Cancel();
             if (grace <= 0) End();
-            Say(notice);
+            Print(notice);
         } else if (now >= firstTime + kRepeat) {
             End();
         }

@@ -12,7 +12,7 @@ namespace pbrt {
 /// they work while the program waits for a pipe or builds a scene. Only one object may exist per process. SIGHUP stays
 /// ignored if it was ignored before (nohup); SIGPIPE is ignored, so that writing to a closed pipe is an ordinary error.
 ///
-/// Before each phase the program says what the first signal does in it. A second signal ends the process at once in
+/// The program sets before each phase what the first signal does in it. A second signal ends the process at once in
 /// every phase, unless it comes within kRepeat of the first (`timeout` sends its signal twice). Ending at once means:
 /// temporary files are removed, a message is printed unless quiet, and the process exits with 128 + the number of the
 /// first signal; nothing else runs.
@@ -31,7 +31,7 @@ class SignalWatch {
     /// For a phase that has nothing to save: the first signal ends the process at once. If a signal has come before,
     /// this call ends the process.
     void EndAtOnce(std::string message);
-    /// The first signal cancels `progress`, prints `notice`, and gives the program `seconds` to end by itself, counted
+    /// The first signal cancels `progress`, prints `notice`, and gives the program `seconds` to end, counted
     /// from the signal or from this call, whichever is later; then the process is ended at once with `message`.
     /// kForever: there is no such deadline.
     void Cancel(std::string notice, std::string message, double seconds);

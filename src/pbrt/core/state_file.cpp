@@ -6,7 +6,6 @@
 #include <cstdio>
 
 #include "pbrt/core/files.h"
-#include "pbrt/core/write_pieces.h"
 
 namespace pbrt {
 

@@ -150,15 +150,15 @@ class StateReader {
     /// As messages name what is read.
     const std::string &What() const { return what_; }
     /// Throws: the bytes are not what they should be. `why`: a clause.
-    [[noreturn]] void Refuse(std::string_view why) const {
+    [[noreturn]] void ThrowCorrupt(std::string_view why) const {
         throw UserError(fmt::format("{}: its content is damaged: {}.", what_, why));
     }
     void Require(bool isRight, std::string_view why) const {
-        if (!isRight) Refuse(why);
+        if (!isRight) ThrowCorrupt(why);
     }
     /// Throws if a structure that was read is not valid. `fault`: the result of its Validate.
     void RequireValid(const std::optional<std::string> &fault) const {
-        if (fault) Refuse(*fault);
+        if (fault) ThrowCorrupt(*fault);
     }
     /// Throws if bytes are left.
     void RequireEnd() const { Require(rest_.empty(), "it is longer than what it holds"); }

@@ -11,7 +11,6 @@
 #include "pbrt/core/error.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/temporaries.h"
-#include "pbrt/core/write_pieces.h"
 
 namespace pbrt {
 

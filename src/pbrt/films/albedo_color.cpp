@@ -1,4 +1,4 @@
-#include "pbrt/films/albedo_color.h"
+#include "pbrt/films/visible_surface.h"
 
 namespace pbrt {
 

@@ -4,7 +4,7 @@
 
 #include "pbrt/core/files.h"
 #include "pbrt/core/memory.h"
-#include "pbrt/films/albedo_color.h"
+#include "pbrt/films/visible_surface.h"
 
 namespace pbrt {
 
@@ -106,7 +106,7 @@ void AovFilm::AddSample(const FilmSample &sample) {
     }
 }
 
-std::vector<StateBlock> AovFilm::Blocks() {
+std::vector<StateBlock> AovFilm::Blocks() const {
     std::vector<StateBlock> blocks = BlocksOf(*film_);
     blocks.push_back(MakeStateBlock("aov", std::span(sums_)));
     return blocks;

@@ -39,7 +39,7 @@ class AovFilm final : public Film {
     std::unique_ptr<Film> MakeRgbFilm() const override { return film_->MakeRgbFilm(); }
 
   private:
-    std::vector<StateBlock> Blocks() override;
+    std::vector<StateBlock> Blocks() const override;
     std::unique_ptr<Film> film_;
     AnimatedTransform renderFromCamera_;
     std::vector<size_t> chosen_;  ///< indices into Aovs(), ascending

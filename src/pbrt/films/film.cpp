@@ -64,14 +64,11 @@ ImageMetadata Film::Metadata() const {
 
 size_t Film::Bytes() const {
     size_t bytes = 0;
-    for (const StateBlock &block : const_cast<Film *>(this)->Blocks()) bytes += block.bytes;
+    for (const StateBlock &block : Blocks()) bytes += block.bytes;
     return bytes;
 }
 
-void Film::Save(StateWriter &out) const {
-    // The cast is safe: the blocks are only read.
-    WriteState(out, kind_, PixelBounds(), const_cast<Film *>(this)->Blocks());
-}
+void Film::Save(StateWriter &out) const { WriteState(out, kind_, PixelBounds(), Blocks()); }
 
 void Film::Save(std::ostream &out) const {
     StateWriter writer;
@@ -98,10 +95,10 @@ void Film::AddSums(StateReader &in) {
 
 void Film::Add(std::istream &in, bool forgetsFirst) {
     const SavedState state = ReadState(in);
-    auto refuse = [] { throw UserError("the saved state of a film does not belong to this film."); };
+    auto throwOtherFilm = [] { throw UserError("the saved state of a film does not belong to this film."); };
     if (state.kind != kind_ || state.pixelBounds.low != PixelBounds().low ||
         state.pixelBounds.high != PixelBounds().high)
-        refuse();
+        throwOtherFilm();
     auto lacksRoom = [&](const StateBlock &block) {
         const SavedState::Block *saved = state.Find(block.name);
         return block.isOfSplats && block.bytes == 0 && saved && !saved->data.empty();
@@ -114,14 +111,14 @@ void Film::Add(std::istream &in, bool forgetsFirst) {
     for (const StateBlock &block : blocks) {
         const SavedState::Block *saved = state.Find(block.name);
         const bool hasNone = block.isOfSplats && saved && saved->data.empty();
-        if (!saved || (saved->data.size() != block.bytes && !hasNone)) refuse();
+        if (!saved || (saved->data.size() != block.bytes && !hasNone)) throwOtherFilm();
         if (!block.isOfSplats && !AreFinite(saved->data))
             throw UserError("the saved state of a film has sums that are not finite.");
     }
     for (const StateBlock &block : blocks) {
         const std::vector<std::byte> &data = state.Find(block.name)->data;
-        if (forgetsFirst) block.clear(block.data, block.bytes);
-        block.add(block.data, data.data(), data.size());
+        if (forgetsFirst) block.clear(block.Memory(), block.bytes);
+        block.add(block.Memory(), data.data(), data.size());
     }
 }
 

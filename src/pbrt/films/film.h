@@ -40,7 +40,7 @@ class Film {
     const ColorSpace &OutputSpace() const { return *frame_.outputSpace; }
 
     virtual SampledWavelengths SampleWavelengths(Float u) const { return SampledWavelengths::SampleVisible(u); }
-    /// True if samples must tell what the camera sees (FilmSample::visible).
+    /// True if samples need the surface that the camera sees (FilmSample::visible).
     virtual bool WantsVisibleSurface() const { return false; }
     /// Samples of one pixel are added by one thread at a time, in an order that does not depend on the threads.
     /// Not-finite radiance is counted, reported and dropped.
@@ -90,11 +90,11 @@ class Film {
     /// Of another film, for films that add something to one.
     static const FilmFrame &FrameOf(const Film &film) { return film.frame_; }
     static const std::string &KindOf(const Film &film) { return film.kind_; }
-    static std::vector<StateBlock> BlocksOf(Film &film) { return film.Blocks(); }
+    static std::vector<StateBlock> BlocksOf(const Film &film) { return film.Blocks(); }
 
   private:
     /// All sums as blocks of memory.
-    virtual std::vector<StateBlock> Blocks() = 0;
+    virtual std::vector<StateBlock> Blocks() const = 0;
     /// Adds a saved state, after clearing the sums if `forgetsFirst`. Throws UserError if it is not of this film.
     void Add(std::istream &in, bool forgetsFirst);
     std::string kind_;

@@ -16,7 +16,7 @@ struct FilmOverrides {
     std::optional<Bounds2i> pixelBounds;
     std::string filename;             ///< empty: the scene's
     int resolutionDivisor = 1;        ///< 4 with --quick
-    bool fullFloat = false;           ///< float precision whatever savefp16 says
+    bool fullFloat = false;           ///< float precision whatever the value of savefp16
     std::vector<std::string> aovs{};  ///< --aov: names of AovNames, whose channels are added to the film
 };
 

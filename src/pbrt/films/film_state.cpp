@@ -12,9 +12,9 @@ namespace pbrt {
 namespace {
 
 constexpr std::array<char, 8> kMagic = {'p', 'b', 'r', 't', 'f', 'l', 'm', '3'};  // the last is the version
-constexpr uint64_t kLongestName = 64, kMaxBlocks = 64;
+constexpr uint64_t kMaxNameLength = 64, kMaxBlocks = 64;
 
-[[noreturn]] void RefuseFile() { throw UserError("the saved state of a film does not belong to this film."); }
+[[noreturn]] void ThrowOtherFilm() { throw UserError("the saved state of a film does not belong to this film."); }
 
 void ReadBytes(std::istream &in, void *to, size_t bytes) {
     if (!in.read(static_cast<char *>(to), static_cast<std::streamsize>(bytes)))
@@ -30,7 +30,7 @@ T ReadValue(std::istream &in) {
 
 std::string ReadName(std::istream &in) {
     const auto length = ReadValue<uint64_t>(in);
-    if (length > kLongestName) RefuseFile();
+    if (length > kMaxNameLength) ThrowOtherFilm();
     std::string name(length, ' ');
     ReadBytes(in, name.data(), length);
     return name;
@@ -71,12 +71,12 @@ void WriteState(StateWriter &out, const std::string &kind, const Bounds2i &pixel
 SavedState ReadState(std::istream &in) {
     SavedState state;
     const auto magic = ReadValue<std::array<char, 8>>(in);
-    if (!std::equal(kMagic.begin(), kMagic.end() - 1, magic.begin())) RefuseFile();
+    if (!std::equal(kMagic.begin(), kMagic.end() - 1, magic.begin())) ThrowOtherFilm();
     if (magic != kMagic) throw UserError("the saved state of a film is of another version of the program.");
     state.kind = ReadName(in);
     state.pixelBounds = ReadValue<Bounds2i>(in);
     const auto count = ReadValue<uint64_t>(in);
-    if (count > kMaxBlocks) RefuseFile();
+    if (count > kMaxBlocks) ThrowOtherFilm();
     for (uint64_t i = 0; i < count; ++i) {
         SavedState::Block &block = state.blocks.emplace_back();
         block.name = ReadName(in);
@@ -87,7 +87,7 @@ SavedState ReadState(std::istream &in) {
 
 void TakeSums(StateWriter &out, const std::vector<StateBlock> &blocks) {
     for (const StateBlock &block : blocks) {
-        // Looked at in pieces of some sums each; neighbouring pieces are one run.
+        // Compared in pieces of some sums each; neighbouring pieces are one run.
         const size_t piece = std::max<size_t>(1, 256 / block.sumBytes) * block.sumBytes;
         std::vector<std::byte> empty(std::min(piece, block.bytes));
         block.clear(empty.data(), empty.size());
@@ -108,7 +108,7 @@ void TakeSums(StateWriter &out, const std::vector<StateBlock> &blocks) {
             out.Copy(block.data + begin, bytes);
         }
         out.Value(uint64_t{block.bytes});
-        block.clear(block.data, block.bytes);
+        block.clear(block.Memory(), block.bytes);
     }
 }
 
@@ -120,7 +120,7 @@ void AddSums(StateReader &in, const std::vector<StateBlock> &blocks) {
             const auto bytes = in.Value<uint64_t>();
             in.Require(bytes <= all - begin && begin % block.sumBytes == 0 && bytes % block.sumBytes == 0,
                        "its sums are of another film");
-            block.add(block.data + begin, reinterpret_cast<const std::byte *>(in.Take(bytes).data()), bytes);
+            block.add(block.Memory() + begin, reinterpret_cast<const std::byte *>(in.Take(bytes).data()), bytes);
         }
     }
 }

@@ -15,22 +15,25 @@ namespace pbrt {
 /// Sums of one type in a film as plain memory, and the functions that add other sums to them and clear them.
 struct StateBlock {
     std::string name;
-    std::byte *data = nullptr;
+    const std::byte *data = nullptr;
     size_t bytes = 0;
     size_t sumBytes = 1;      ///< of one sum
     bool isOfSplats = false;  ///< has no bytes in a film that expects no splats
     void (*add)(std::byte *to, const std::byte *from, size_t bytes) = nullptr;
     void (*clear)(std::byte *data, size_t bytes) = nullptr;
+
+    /// For changing the sums of a film that is not const.
+    std::byte *Memory() const { return const_cast<std::byte *>(data); }
 };
 
 /// T is plain memory, T() is an empty sum and T += T adds two sums. An empty sum plus another equals the other to the
 /// bit.
 template <class T>
-StateBlock MakeStateBlock(const char *name, std::span<T> sums) {
+StateBlock MakeStateBlock(const char *name, std::span<const T> sums) {
     static_assert(std::is_trivially_copyable_v<T>);
     StateBlock block;
     block.name = name;
-    block.data = reinterpret_cast<std::byte *>(sums.data());
+    block.data = reinterpret_cast<const std::byte *>(sums.data());
     block.bytes = sums.size_bytes();
     block.sumBytes = sizeof(T);
     block.add = [](std::byte *to, const std::byte *from, size_t bytes) {

@@ -53,10 +53,10 @@ class TabulatedFilter final : public Filter {
     FilterSample Sample(const Point2 &u) const override {
         FilterSample s;
         for (int a = 0; a < 2; ++a) {
-            const Axis &axis = axes_[static_cast<size_t>(a)];
+            const Axis &axis = axes_[a];
             PiecewiseConstant1D::Sampled sampled = axis.distribution.Sample(u[a]);
             s.offset[a] = sampled.x;
-            s.weight *= axis.weights[static_cast<size_t>(sampled.index)];
+            s.weight *= axis.weights[sampled.index];
         }
         return s;
     }

@@ -2,8 +2,8 @@
 
 #include <array>
 
-#include "pbrt/films/albedo_color.h"
 #include "pbrt/films/rgb_film.h"
+#include "pbrt/films/visible_surface.h"
 
 namespace pbrt {
 
@@ -75,7 +75,7 @@ void GBufferFilm::Pixel::operator+=(const Pixel &other) {
 
 std::unique_ptr<Film> GBufferFilm::MakeRgbFilm() const { return std::make_unique<RgbFilm>(Frame(), sums_); }
 
-std::vector<StateBlock> GBufferFilm::Blocks() {
+std::vector<StateBlock> GBufferFilm::Blocks() const {
     std::vector<StateBlock> blocks = {MakeStateBlock("surfaces", std::span(pixels_))};
     sums_.AppendBlocks(blocks);
     return blocks;

@@ -34,7 +34,7 @@ class GBufferFilm final : public Film {
     std::unique_ptr<Film> MakeRgbFilm() const override;
 
   private:
-    std::vector<StateBlock> Blocks() override;
+    std::vector<StateBlock> Blocks() const override;
     struct Pixel {
         /// A sum of vectors, component by component.
         template <int N>

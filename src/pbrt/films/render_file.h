@@ -16,8 +16,7 @@ using RenderIdentity = std::map<std::string, std::string>;
 /// What differs, as parts of a sentence, separated by semicolons; empty if nothing does. `other` is called `otherName`.
 std::string DifferencesOf(const RenderIdentity &mine, const RenderIdentity &other, const std::string &otherName);
 
-/// What a checkpoint says of the render that it belongs to. The same file, when it is complete, is a part that can be
-/// merged with others.
+/// The description of a render in its checkpoint. A complete checkpoint of a sample range can be merged with others.
 struct RenderFileHead {
     RenderIdentity identity;
     int samplesFlag = 0;      ///< --spp of the first run, which decides the pattern of samples; 0: the scene's

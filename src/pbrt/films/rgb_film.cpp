@@ -18,7 +18,7 @@ void RgbFilm::AddSplat(Point2i pixel, const SampledSpectrum &L, const SampledWav
     if (PixelBounds().Contains(pixel)) sums_.AddSplat(Frame().IndexOf(pixel), L, lambda, weight);
 }
 
-std::vector<StateBlock> RgbFilm::Blocks() {
+std::vector<StateBlock> RgbFilm::Blocks() const {
     std::vector<StateBlock> blocks;
     sums_.AppendBlocks(blocks);
     return blocks;

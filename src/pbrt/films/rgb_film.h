@@ -21,7 +21,7 @@ class RgbFilm final : public Film {
     std::unique_ptr<Film> MakeRgbFilm() const override { return std::make_unique<RgbFilm>(Frame(), sums_); }
 
   private:
-    std::vector<StateBlock> Blocks() override;
+    std::vector<StateBlock> Blocks() const override;
     SensorSums sums_;
 };
 

@@ -96,7 +96,7 @@ Image SensorSums::MakeImage(const std::vector<std::string> &furtherChannels) con
     return image;
 }
 
-void SensorSums::AppendBlocks(std::vector<StateBlock> &blocks) {
+void SensorSums::AppendBlocks(std::vector<StateBlock> &blocks) const {
     blocks.push_back(MakeStateBlock("sensor", std::span(pixels_)));
     blocks.push_back(splats_.Block("sensor splats"));
     blocks.push_back(MakeStateBlock("counts", std::span(&counts_, 1)));

@@ -48,7 +48,7 @@ class SensorSums {
     Image MakeImage(const std::vector<std::string> &furtherChannels) const;
     /// An image of R, G and B in float precision; reports nothing.
     Image Colors() const;
-    void AppendBlocks(std::vector<StateBlock> &blocks);
+    void AppendBlocks(std::vector<StateBlock> &blocks) const;
 
   private:
     SensorSums(const FilmFrame &frame, Float maxComponent, const PixelSensor &sensor);

@@ -57,7 +57,7 @@ void SpectralFilm::AddSample(const FilmSample &sample) {
     for (int i = 0; i < SpectrumSamples; ++i) {
         const Float pdf = sample.lambda.PdfAt(i);
         if (pdf == 0) continue;
-        // A wavelength that goes on alone also stands for those that were terminated: its density is smaller by that
+        // A wavelength that continues alone also stands for those that were terminated: its density is smaller by that
         // factor. In single precision, so that its products are exact (PreciseSum).
         const auto w = double(sample.weight / (pdf * range));
         Sums &bucket = sums[BucketOf(sample.lambda[i])];
@@ -89,7 +89,7 @@ void SpectralFilm::AddSplat(Point2i pixel, const SampledSpectrum &L, const Sampl
 
 std::unique_ptr<Film> SpectralFilm::MakeRgbFilm() const { return std::make_unique<RgbFilm>(Frame(), sensor_); }
 
-std::vector<StateBlock> SpectralFilm::Blocks() {
+std::vector<StateBlock> SpectralFilm::Blocks() const {
     std::vector<StateBlock> blocks = {MakeStateBlock("buckets", std::span(sums_)), splats_.Block("bucket splats")};
     sensor_.AppendBlocks(blocks);
     return blocks;

@@ -53,7 +53,7 @@ class SpectralFilm final : public Film {
             weight += s.weight;
         }
     };
-    std::vector<StateBlock> Blocks() override;
+    std::vector<StateBlock> Blocks() const override;
     int BucketOf(Float lambda) const;
     /// Factor that takes L to the units of the picture and scales it down to maxcomponentvalue if it is larger.
     Float ScaleOf(const SampledSpectrum &L) const;

@@ -21,7 +21,7 @@ class Splats {
     void Add(size_t index, double x) { sums_[index].Add(x); }
     double Sum(size_t index) const { return sums_[index].Value(); }
 
-    StateBlock Block(const char *name) {
+    StateBlock Block(const char *name) const {
         StateBlock block = MakeStateBlock(name, std::span(sums_));
         block.isOfSplats = true;
         return block;

@@ -2,6 +2,7 @@
 #include <optional>
 
 #include "pbrt/math/vec.h"
+#include "pbrt/spectra/color_space.h"
 #include "pbrt/spectra/spectrum.h"
 
 namespace pbrt {
@@ -16,5 +17,8 @@ struct VisibleSurface {
     SampledSpectrum albedo;  ///< at `lambda`
     SampledWavelengths lambda;
 };
+
+/// The colour that a white light of the space has after one reflection at the surface.
+Rgb AlbedoColor(const VisibleSurface &visible, const ColorSpace &space);
 
 }  // namespace pbrt

@@ -14,7 +14,7 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr int kRowsPerTask = 16;
 constexpr size_t kMaxExposures = 16;
 
-// 2020, section 4: exponent of the colour difference, knee of its remapping (as a share of the largest difference, and
+// 2020, section 4: exponent of the colour difference, knee of its remapping (as a weight of the largest difference, and
 // the value there), width of the detector in degrees, exponent of the feature difference.
 constexpr double kColorExponent = 0.7, kKnee = 0.4, kKneeValue = 0.95;
 constexpr double kFeatureWidth = 0.082, kFeatureExponent = 0.5;
@@ -115,8 +115,8 @@ Plane BlueYellowFilter(const Plane &in, Point2i size, double pixelsPerDegree) {
     const Kernel narrow = SensitivityKernel(kBlueYellow[1], pixelsPerDegree, &mass[1]);
     Plane out = Filter(in, size, wide, wide);
     const Plane other = Filter(in, size, narrow, narrow);
-    const auto share = static_cast<float>(mass[0] / (mass[0] + mass[1]));
-    for (size_t i = 0; i < out.size(); ++i) out[i] = share * out[i] + (1 - share) * other[i];
+    const auto weight = static_cast<float>(mass[0] / (mass[0] + mass[1]));
+    for (size_t i = 0; i < out.size(); ++i) out[i] = weight * out[i] + (1 - weight) * other[i];
     return out;
 }
 

@@ -32,14 +32,6 @@ int PositiveModulo(int a, int n) {
 
 }  // namespace
 
-std::optional<WrapMode> ParseWrapMode(const std::string &name) {
-    if (name == "repeat") return WrapMode::Repeat;
-    if (name == "black") return WrapMode::Black;
-    if (name == "clamp") return WrapMode::Clamp;
-    if (name == "octahedralsphere") return WrapMode::OctahedralSphere;
-    return {};
-}
-
 bool RemapPixel(Point2i &p, Point2i resolution, WrapMode wrap) {
     if (p.x >= 0 && p.y >= 0 && p.x < resolution.x && p.y < resolution.y) return true;
     switch (wrap) {

@@ -45,7 +45,6 @@ class ByteCode {
 };
 
 enum class WrapMode { Repeat, Black, Clamp, OctahedralSphere };
-std::optional<WrapMode> ParseWrapMode(const std::string &name);
 /// Maps pixel coordinates into the image; false: outside and black. OctahedralSphere folds across the edges of the
 /// equal-area octahedral square; -x maps to x there, as in stock pbrt-v4.
 bool RemapPixel(Point2i &p, Point2i resolution, WrapMode wrap);
@@ -114,8 +113,8 @@ struct ImageFile {
     ImageMetadata metadata;
 };
 
-/// EXR, PNG, PFM, HDR, TGA, JPG, ... (not QOI), see format §14. `encoding` for 8/16-bit PNG; nullopt: what the format
-/// says (sRGB for png; other 8-bit formats are always sRGB). Channels are named R, G, B (and A) or Y; those of EXR
+/// EXR, PNG, PFM, HDR, TGA, JPG, ... (not QOI), see format §14. `encoding` for 8/16-bit PNG; nullopt: that of the
+/// format (sRGB for png; other 8-bit formats are always sRGB). Channels are named R, G, B (and A) or Y; those of EXR
 /// files keep their names. Throws UserError (no location) if missing or unreadable.
 ImageFile ReadImage(const std::string &path, std::optional<ColorEncoding> encoding = {});
 

@@ -57,15 +57,15 @@ namespace formats {
 void CheckSize(const std::string &path, int64_t width, int64_t height, int64_t channels, int bytesPerValue,
                double maxExpansion) {
     if (width < 1 || height < 1 || channels < 1)
-        throw UserError(fmt::format("{}: the header says {} x {} pixels of {} channels, which is no image.", path,
-                                    width, height, channels));
+        throw UserError(fmt::format("{}: the header has {} x {} pixels of {} channels, which is no image.", path, width,
+                                    height, channels));
     if (width > kMaxExtent || height > kMaxExtent)
-        throw UserError(fmt::format("{}: the header says {} x {} pixels; images have at most {} in each direction.",
+        throw UserError(fmt::format("{}: the header has {} x {} pixels; images have at most {} in each direction.",
                                     path, width, height, kMaxExtent));
     const double bytes = static_cast<double>(width) * static_cast<double>(height) * static_cast<double>(channels) *
                          static_cast<double>(bytesPerValue);
     const std::string what =
-        fmt::format("{}: the header says {} x {} pixels of {} channels, which", path, width, height, channels);
+        fmt::format("{}: the header has {} x {} pixels of {} channels, which", path, width, height, channels);
     RequireMemory(bytes, what, {});
     std::error_code failed;
     const auto stored = static_cast<double>(std::filesystem::file_size(path, failed));

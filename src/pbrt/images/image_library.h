@@ -43,7 +43,7 @@ class TileStore {
     /// Writes images of one type and number of channels to one file and returns its handle for GetTile. Throws
     /// std::runtime_error.
     virtual void *Add(const std::string &path, std::span<const Pixels> images) = 0;
-    /// A tile that holds texel (x, y), in memory until it is released. Null if it cannot be read (Error says why).
+    /// A tile that holds texel (x, y), in memory until it is released. Null if it cannot be read (see Error).
     virtual void *GetTile(void *file, int image, int x, int y) = 0;
     virtual const void *PixelsOf(void *tile) = 0;
     virtual void Release(void *tile) = 0;

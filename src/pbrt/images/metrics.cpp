@@ -83,7 +83,7 @@ double RelL2Epsilon(const Image &reference) {
     for (const char *name : {"R", "G", "B"})
         if (const int c = reference.FindChannel(name); c >= 0) channels.push_back(c);
     if (channels.size() < 3) {
-        channels.resize(static_cast<size_t>(reference.ChannelCount()));
+        channels.resize(reference.ChannelCount());
         std::iota(channels.begin(), channels.end(), 0);
     }
     double sum = 0;
@@ -133,7 +133,7 @@ double ImageError(const Image &image, const Image &reference, Metric metric, Ima
     return counted ? sum / static_cast<double>(counted) : 0;
 }
 
-double TrimmedRelL2(const Image &image, const Image &reference, double share, size_t *skipped, Metric metric) {
+double TrimmedRelL2(const Image &image, const Image &reference, double fraction, size_t *skipped, Metric metric) {
     RequireSameShape(image, reference);
     const double epsilon = EpsilonOf(metric, reference);
     std::vector<double> terms;
@@ -156,7 +156,7 @@ double TrimmedRelL2(const Image &image, const Image &reference, double share, si
         }
     if (skipped) *skipped = dropped;
     const auto worst =
-        std::min(static_cast<size_t>(std::ceil(share * static_cast<double>(terms.size()))), terms.size());
+        std::min(static_cast<size_t>(std::ceil(fraction * static_cast<double>(terms.size()))), terms.size());
     const size_t kept = terms.size() - worst;
     if (kept == 0) return 0;
     std::nth_element(terms.begin(), terms.begin() + static_cast<std::ptrdiff_t>(kept) - 1, terms.end());

@@ -10,7 +10,7 @@ namespace pbrt {
 enum class Metric { MAE, MSE, MRSE, RelL2, RelL2Abs, SMAPE, FLIP, HdrFLIP };
 std::optional<Metric> ParseMetric(const std::string &name);
 const std::string &MetricName(Metric metric);
-/// All names that ParseMetric knows: MAE, MSE, MRSE, relL2, relL2Abs, SMAPE, FLIP, HDR-FLIP.
+/// All names that ParseMetric accepts: MAE, MSE, MRSE, relL2, relL2Abs, SMAPE, FLIP, HDR-FLIP.
 const std::vector<std::string> &MetricNames();
 
 /// The epsilon of relL2 for a reference whose values have the mean magnitude `mean`: 0.01 mean^2, so that relL2 does
@@ -28,9 +28,9 @@ double RelL2Epsilon(const Image &reference);
 double ImageError(const Image &image, const Image &reference, Metric metric, Image *errorImage = nullptr,
                   size_t *skipped = nullptr);
 
-/// `metric` (RelL2 or RelL2Abs) without the worst pixels: the ceil(share x pixels) pixels with the largest terms are
+/// `metric` (RelL2 or RelL2Abs) without the worst pixels: the ceil(fraction x pixels) pixels with the largest terms are
 /// left out. A pixel's term is the mean over its channels; not-finite ones are skipped first.
-double TrimmedRelL2(const Image &image, const Image &reference, double share = 0.001, size_t *skipped = nullptr,
+double TrimmedRelL2(const Image &image, const Image &reference, double fraction = 0.001, size_t *skipped = nullptr,
                     Metric metric = Metric::RelL2);
 
 }  // namespace pbrt

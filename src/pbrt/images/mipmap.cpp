@@ -35,7 +35,7 @@ const std::array<Float, GaussianEntries> GaussianTable = [] {
     std::array<Float, GaussianEntries> table{};
     for (int i = 0; i < GaussianEntries; ++i) {
         Float r2 = static_cast<Float>(i) / (GaussianEntries - 1);
-        table[static_cast<size_t>(i)] = std::exp(-2 * r2) - std::exp(Float(-2));
+        table[i] = std::exp(-2 * r2) - std::exp(Float(-2));
     }
     return table;
 }();
@@ -110,16 +110,16 @@ class Reader {
         if (!RemapPixel(p, {level.width, level.height}, view_.wrap)) return {};
         return Load(level, p.x, p.y);
     }
-    Texel<N> At(int level, Point2i p) const { return At(view_.levels[static_cast<size_t>(level)], p); }
+    Texel<N> At(int level, Point2i p) const { return At(view_.levels[level], p); }
 
     Texel<N> Nearest(int i, Point2 st) const {
-        const MipMap::LevelView &level = view_.levels[static_cast<size_t>(i)];
+        const MipMap::LevelView &level = view_.levels[i];
         return At(level, {ToPixel(std::round(st.x * static_cast<Float>(level.width) - Float(0.5))),
                           ToPixel(std::round(st.y * static_cast<Float>(level.height) - Float(0.5)))});
     }
 
     Texel<N> Bilinear(int i, Point2 st) const {
-        const MipMap::LevelView &level = view_.levels[static_cast<size_t>(i)];
+        const MipMap::LevelView &level = view_.levels[i];
         const Float x = st.x * static_cast<Float>(level.width) - Float(0.5);
         const Float y = st.y * static_cast<Float>(level.height) - Float(0.5);
         const Float fx = std::floor(x), fy = std::floor(y);
@@ -173,7 +173,7 @@ class Reader {
 
     Texel<N> EwaLevel(int i, Point2 st, Vector2 major, Vector2 minor) const {
         if (i >= static_cast<int>(view_.levels.size())) return At(i - 1, {0, 0});
-        const MipMap::LevelView &level = view_.levels[static_cast<size_t>(i)];
+        const MipMap::LevelView &level = view_.levels[i];
         const Vector2 size(static_cast<Float>(level.width), static_cast<Float>(level.height));
         const Point2 center = st * size - Float(0.5);
         major *= size;
@@ -203,7 +203,7 @@ class Reader {
                 const Float r2 = (a * dx + b * dy) * dx + c * dy * dy;
                 if (!(r2 < 1)) continue;
                 const int index = std::clamp(static_cast<int>(r2 * GaussianEntries), 0, GaussianEntries - 1);
-                const Float weight = GaussianTable[static_cast<size_t>(index)];
+                const Float weight = GaussianTable[index];
                 sum.AddScaled(weight, repeats ? Load(level, x & mask.x, y & mask.y) : At(level, {x, y}));
                 weights += weight;
             }
@@ -255,14 +255,6 @@ Image KeepColor(Image image) {
 }
 
 }  // namespace
-
-std::optional<TextureFilter> ParseTextureFilter(const std::string &name) {
-    if (name == "point") return TextureFilter::Point;
-    if (name == "bilinear") return TextureFilter::Bilinear;
-    if (name == "trilinear") return TextureFilter::Trilinear;
-    if (name == "ewa" || name == "EWA") return TextureFilter::Ewa;
-    return {};
-}
 
 MipMap::MipMap(Image image, const ColorSpace *colorSpace, TextureFilter filter, WrapMode wrap, Float maxAnisotropy,
                TileCache *tiles)

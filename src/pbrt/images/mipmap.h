@@ -7,8 +7,6 @@
 namespace pbrt {
 
 enum class TextureFilter { Point, Bilinear, Trilinear, Ewa };
-/// "point", "bilinear", "trilinear", "ewa" or "EWA".
-std::optional<TextureFilter> ParseTextureFilter(const std::string &name);
 
 /// Levels of an image pyramid, finest first, each half as large as the one before, down to one pixel, all in the
 /// format of `image`. Resolutions that are no powers of two are first resampled to the next larger ones.
@@ -35,7 +33,7 @@ class MipMap {
 
     int Levels() const { return static_cast<int>(view_.levels.size()); }
     /// Only for maps without a tile cache.
-    const Image &Level(int i) const { return pixels_->levels[static_cast<size_t>(i)]; }
+    const Image &Level(int i) const { return pixels_->levels[i]; }
     /// The image's own space (from EXR chromaticities), sRGB if not stated.
     const ColorSpace &Space() const { return *colorSpace_; }
     bool HasAlpha() const { return view_.channels == 4; }

@@ -54,7 +54,7 @@ int PngChannels(const std::string &path) {
     }
 }
 
-/// Caches that nobody uses now. In OpenImageIO 2.4, threads that have used a cache spoil later ones once it is
+/// Caches not in use. In OpenImageIO 2.4, threads that have used a cache spoil later ones once it is
 /// destroyed: texels are wrong, or an assertion about the memory of tiles fails (the test
 /// TileCache.ThreadsForgetTheCacheBefore). So no cache is ever destroyed: it is emptied and used again.
 class IdleCaches {
@@ -112,7 +112,7 @@ class CachedTiles final : public TileStore {
         Check(out->close(), out.get());
         out.reset();
         // OpenImageIO does not report a disk that is full at the end of a file. Tiles are not compressed, so the size
-        // tells.
+        // of a complete file is known.
         uintmax_t expected = 0;
         for (const OIIO::ImageSpec &spec : specs) expected += spec.image_bytes();
         OIIO::ImageSpec last;

@@ -6,7 +6,7 @@
 namespace pbrt {
 
 /// Throws UserError unless the name of a rendered picture ends in .exr, .png or .pfm, in any letter case. CheckWritable
-/// (core/files.h) tells whether the file can be written.
+/// (core/files.h) checks whether the file can be written.
 void CheckPictureName(const std::string &path, const FileLoc &loc);
 
 /// The name of a picture beside another one: "out-more.exr" for "out.exr" and "-more".

@@ -27,14 +27,14 @@ std::vector<PixelTaps> ResamplingTaps(int from, int to) {
     constexpr Float radius = 2;
     std::vector<PixelTaps> taps(static_cast<size_t>(to));
     for (int i = 0; i < to; ++i) {
-        PixelTaps &tap = taps[static_cast<size_t>(i)];
+        PixelTaps &tap = taps[i];
         Float center = (static_cast<Float>(i) + Float(0.5)) * static_cast<Float>(from) / static_cast<Float>(to);
         tap.first = static_cast<int>(std::floor(center - radius + Float(0.5)));
         Float sum = 0;
         for (int j = 0; j < Taps; ++j) {
             Float x = static_cast<Float>(tap.first + j) + Float(0.5) - center;
             Float w = std::abs(x) > radius ? 0 : Sinc(x) * Sinc(x / radius);
-            tap.weight[static_cast<size_t>(j)] = w;
+            tap.weight[j] = w;
             sum += w;
         }
         for (Float &w : tap.weight) w /= sum;
@@ -72,7 +72,7 @@ Image Enlarge(const Image &image, Point2i target, WrapMode wrap) {
     Image result(PixelFormat::Float, target, image.Channels());
     ParallelFor(target.y, 16, [&](int64_t begin, int64_t end) {
         for (int64_t y = begin; y < end; ++y) {
-            const PixelTaps &taps = stretchY[static_cast<size_t>(y)];
+            const PixelTaps &taps = stretchY[y];
             const float *in = wide.data() + static_cast<size_t>(taps.first + border) * width;
             float *out = static_cast<float *>(result.Data()) + static_cast<size_t>(y) * width;
             for (size_t i = 0; i < width; ++i)

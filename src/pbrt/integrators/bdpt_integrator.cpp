@@ -63,9 +63,9 @@ struct BdptIntegrator::Subpath {
     Float ofFirst = 0;     ///< the same at the first wavelength, as if it had been the only one all the way
     bool anyNonSpecular = false;
 
-    BdptVertex &Last() const { return vertices[static_cast<size_t>(count - 1)]; }
+    BdptVertex &Last() const { return vertices[count - 1]; }
     BdptVertex &Append(BdptVertex::Kind kind) const {
-        BdptVertex &vertex = vertices[static_cast<size_t>(count++)];
+        BdptVertex &vertex = vertices[count++];
         vertex.kind = kind;
         vertex.isBeyondScene = vertex.isSpecular = false;
         vertex.beta = weights.beta;
@@ -89,7 +89,7 @@ bool BdptIntegrator::PassMedium(PathWalk &walk, Subpath &path, const Sample &sam
         sample.lambda, u, rng, emits, path.weights, [&](const SampledSpectrum &radiance, Float mean) {
             path.L += radiance;
             path.ofFirst += radiance[0] * mean;
-            if (strategies_) Tell(sample, {0, path.count + 1, radiance, radiance, {}, mean});
+            if (strategies_) Record(sample, {0, path.count + 1, radiance, radiance, {}, mean});
         });
     if (event.kind == MediumEvent::Kind::Absorbed || !path.weights.beta) return false;
     if (event.kind == MediumEvent::Kind::Passed) return true;
@@ -213,9 +213,9 @@ SampledSpectrum BdptIntegrator::TraceCamera(Sample &sample) const {
     PathWalk walk(context_, sample.start.ray, sample.start.visible);
     Subpath subpath{paths.camera, paths.cameraCount, TransportMode::Radiance, sample.samplers.camera, pdf};
     Follow(walk, subpath, sample);
-    // What was found before the other wavelengths were given up does not count on them any more.
+    // Contributions from before the secondary wavelengths were terminated count on the first one only.
     if (!hasMedia_ || !sample.lambda.SecondaryTerminated()) return subpath.L;
-    for (StrategyPictures::Found &f : paths.found) {
+    for (StrategyPictures::Contribution &f : paths.contributions) {
         f.weighted *= f.mean;
         f.unweighted *= f.mean;
     }
@@ -238,12 +238,12 @@ void BdptIntegrator::AddEmission(const PathWalk &walk, Subpath &path, Sample &sa
         const Float mean = hasMedia_ ? path.weights.ru.Average() : 1;
         path.L += hasMedia_ ? L / mean : L;
         path.ofFirst += L[0];
-        if (strategies_) Tell(sample, {0, path.count + 1, arriving / mean, L / mean, {}, mean});
+        if (strategies_) Record(sample, {0, path.count + 1, arriving / mean, L / mean, {}, mean});
     });
 }
 
-void BdptIntegrator::Tell(const Sample &sample, const StrategyPictures::Found &found) const {
-    sample.paths.found.push_back(found);
+void BdptIntegrator::Record(const Sample &sample, const StrategyPictures::Contribution &contribution) const {
+    sample.paths.contributions.push_back(contribution);
 }
 
 Float BdptIntegrator::WeightOf(Sample &sample, int lightVertices, int cameraVertices, const BdptVertex *end,
@@ -252,9 +252,8 @@ Float BdptIntegrator::WeightOf(Sample &sample, int lightVertices, int cameraVert
     size_t n = 0;
     auto &path = sample.paths.path;
     if (end) path[n++] = end;
-    for (int i = end && lightVertices > 0 ? 1 : 0; i < lightVertices; ++i)
-        path[n++] = &paths.light[static_cast<size_t>(i)];
-    for (int i = cameraVertices - 1; i >= 0; --i) path[n++] = &paths.camera[static_cast<size_t>(i)];
+    for (int i = end && lightVertices > 0 ? 1 : 0; i < lightVertices; ++i) path[n++] = &paths.light[i];
+    for (int i = cameraVertices - 1; i >= 0; --i) path[n++] = &paths.camera[i];
     return weights_.Weight({path.data(), n}, lightVertices, cameraPdf, sample.lambda);
 }
 
@@ -278,8 +277,8 @@ SampledSpectrum BdptIntegrator::Passed(const Sample &sample, const SampledSpectr
 
 SampledSpectrum BdptIntegrator::ConnectToLight(Sample &sample, int cameraVertices) const {
     const Scene &scene = context_.scene;
-    const BdptVertex &last = sample.paths.camera[static_cast<size_t>(cameraVertices - 1)];
-    const BdptVertex &beyond = sample.paths.camera[static_cast<size_t>(cameraVertices - 2)];
+    const BdptVertex &last = sample.paths.camera[cameraVertices - 1];
+    const BdptVertex &beyond = sample.paths.camera[cameraVertices - 2];
     const LightQuery query = last.Query(last.Towards(beyond), sample.lambda, cameraVertices - 1);
     Sampler &sampler = sample.samplers.connections;
     const Point2 u = sampler.Get2D();
@@ -306,13 +305,12 @@ SampledSpectrum BdptIntegrator::ConnectToLight(Sample &sample, int cameraVertice
     end.direction = -found.wi;
     end.pdfForward = weights_.LightPdf(end, last);
     const SampledSpectrum weighted = Passed(sample, L * WeightOf(sample, 1, cameraVertices, &end, 0), through, last.ru);
-    if (strategies_) Tell(sample, {1, cameraVertices, Passed(sample, L, through, last.ru), weighted});
+    if (strategies_) Record(sample, {1, cameraVertices, Passed(sample, L, through, last.ru), weighted});
     return weighted;
 }
 
 SampledSpectrum BdptIntegrator::ConnectSubpaths(Sample &sample, int lightVertices, int cameraVertices) const {
-    const BdptVertex &a = sample.paths.light[static_cast<size_t>(lightVertices - 1)],
-                     &b = sample.paths.camera[static_cast<size_t>(cameraVertices - 1)];
+    const BdptVertex &a = sample.paths.light[lightVertices - 1], &b = sample.paths.camera[cameraVertices - 1];
     const Vector3 d = b.Position() - a.Position();
     const Float l2 = LengthSquared(d);
     if (!(l2 > 0)) return SampledSpectrum(0);
@@ -330,13 +328,13 @@ SampledSpectrum BdptIntegrator::ConnectSubpaths(Sample &sample, int lightVertice
     const SampledSpectrum ru = a.ru * b.ru;
     const SampledSpectrum weighted =
         Passed(sample, L * WeightOf(sample, lightVertices, cameraVertices, nullptr, 0), through, ru);
-    if (strategies_) Tell(sample, {lightVertices, cameraVertices, Passed(sample, L, through, ru), weighted});
+    if (strategies_) Record(sample, {lightVertices, cameraVertices, Passed(sample, L, through, ru), weighted});
     return weighted;
 }
 
-void BdptIntegrator::ConnectToCamera(Sample &sample, int lightVertices, std::vector<SeenLight> &seenLight) const {
+void BdptIntegrator::ConnectToCamera(Sample &sample, int lightVertices, std::vector<CameraSplat> &splats) const {
     const Point2 uLens = sample.samplers.connections.Get2D();
-    const BdptVertex &last = sample.paths.light[static_cast<size_t>(lightVertices - 1)];
+    const BdptVertex &last = sample.paths.light[lightVertices - 1];
     if (!last.CanConnect()) return;
     const std::optional<CameraConnection> seen = context_.camera.Connect(last.Position(), uLens, sample.time);
     if (!seen) return;
@@ -356,19 +354,18 @@ void BdptIntegrator::ConnectToCamera(Sample &sample, int lightVertices, std::vec
     const Float weight = WeightOf(sample, lightVertices, 1, nullptr, cameraPdf);
     const SampledSpectrum weighted = Passed(sample, L * weight, through, last.ru);
     const auto add = [&](const Point2 &pFilm) {
-        seenLight.push_back({pFilm, weighted});
-        if (strategies_) Tell(sample, {lightVertices, 1, Passed(sample, L, through, last.ru), weighted, pFilm});
+        splats.push_back({pFilm, weighted});
+        if (strategies_) Record(sample, {lightVertices, 1, Passed(sample, L, through, last.ru), weighted, pFilm});
     };
     add(seen->pFilm);
     Camera::OtherPlaces places;
-    for (int i = 0, n = context_.camera.SeenAlsoAt(seen->pFilm, places); i < n; ++i)
-        add(places[static_cast<size_t>(i)]);
+    for (int i = 0, n = context_.camera.SeenAlsoAt(seen->pFilm, places); i < n; ++i) add(places[i]);
 }
 
 SampledSpectrum BdptIntegrator::TracePair(const PathStart &start, SampledWavelengths &lambda, const Samplers &samplers,
-                                          Float pixels, Float splatUnit, std::vector<SeenLight> &seen) const {
+                                          Float pixels, Float splatUnit, std::vector<CameraSplat> &splats) const {
     ++ThreadCounters().cameraPaths;
-    Subpaths &paths = subpaths_[static_cast<size_t>(ThreadIndex())];
+    Subpaths &paths = subpaths_[ThreadIndex()];
     Sample sample{start,
                   lambda,
                   samplers,
@@ -380,29 +377,29 @@ SampledSpectrum BdptIntegrator::TracePair(const PathStart &start, SampledWavelen
     TraceLight(sample);
     SampledSpectrum L = TraceCamera(sample);
     for (int t = 2; t <= paths.cameraCount; ++t) {
-        if (!paths.camera[static_cast<size_t>(t - 1)].CanConnect()) continue;
+        if (!paths.camera[t - 1].CanConnect()) continue;
         L += ConnectToLight(sample, t);
         for (int s = 2; s <= paths.lightCount && s + t - 2 <= maxDepth_; ++s)
-            if (paths.light[static_cast<size_t>(s - 1)].CanConnect()) L += ConnectSubpaths(sample, s, t);
+            if (paths.light[s - 1].CanConnect()) L += ConnectSubpaths(sample, s, t);
     }
-    for (int s = 2; s <= paths.lightCount; ++s) ConnectToCamera(sample, s, seen);
+    for (int s = 2; s <= paths.lightCount; ++s) ConnectToCamera(sample, s, splats);
     return L;
 }
 
 SampledSpectrum BdptIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
     const RenderPass &pass = start.pass;
-    Subpaths &paths = subpaths_[static_cast<size_t>(ThreadIndex())];
-    std::vector<SeenLight> &seen = paths.seen;
-    seen.clear();
-    paths.found.clear();
+    Subpaths &paths = subpaths_[ThreadIndex()];
+    std::vector<CameraSplat> &splats = paths.splats;
+    splats.clear();
+    paths.contributions.clear();
     const SampledSpectrum L =
         TracePair(start, lambda, {sampler, sampler, sampler}, static_cast<Float>(pass.film.PixelBounds().Area()),
-                  pass.film.SplatUnit(), seen);
+                  pass.film.SplatUnit(), splats);
     if (!pass.keepsSamples) return L;
-    for (const SeenLight &s : seen) AddFilteredSplat(pass.film, pass.filter, s.pFilm, s.L, lambda);
+    for (const CameraSplat &s : splats) AddFilteredSplat(pass.film, pass.filter, s.pFilm, s.L, lambda);
     if (strategies_) {
         ++paths.pairs;
-        strategies_->Add(paths.found, start.pixel, start.filterWeight, lambda, pass.filter);
+        strategies_->Add(paths.contributions, start.pixel, start.filterWeight, lambda, pass.filter);
     }
     return L;
 }

@@ -27,7 +27,7 @@ class BdptIntegrator final : public PixelIntegrator {
     /// From now on samples do not teach the sampler that `connecting` is, so that it always chooses alike.
     void StopLearning() { observer_ = nullptr; }
     const LightSampler *Lights() const override { return connecting_.get(); }
-    const LightSampler *ShootingLights() const override { return shooting_.get(); }
+    const LightSampler *EmissionSampler() const override { return shooting_.get(); }
     bool MakesSidePictures() const override { return strategies_ != nullptr; }
     std::vector<SidePicture> SidePictures() const override {
         return strategies_ ? strategies_->Pictures() : std::vector<SidePicture>();
@@ -39,15 +39,15 @@ class BdptIntegrator final : public PixelIntegrator {
         Sampler &light, &camera, &connections;
     };
     /// Light that a connection to the camera brings to a place of the film, in the unit of Film::AddSplat.
-    struct SeenLight {
+    struct CameraSplat {
         Point2 pFilm{};
         SampledSpectrum L{0};
     };
     /// One pair of subpaths, where camera rays are spread evenly over so many pixels; `splatUnit`: Film::SplatUnit.
-    /// Returns the radiance along the camera ray and adds to `seen` what is seen elsewhere. The first is to be counted
-    /// for each camera ray of a pixel, the second for each light path of the whole film.
+    /// Returns the radiance along the camera ray and adds connections to the camera to `splats`. The first is to be
+    /// counted for each camera ray of a pixel, the second for each light path of the whole film.
     SampledSpectrum TracePair(const PathStart &start, SampledWavelengths &lambda, const Samplers &samplers,
-                              Float pixels, Float splatUnit, std::vector<SeenLight> &seen) const;
+                              Float pixels, Float splatUnit, std::vector<CameraSplat> &splats) const;
     bool Splats() const override { return true; }
 
   private:
@@ -55,9 +55,9 @@ class BdptIntegrator final : public PixelIntegrator {
     struct Subpaths {
         std::vector<BdptVertex> light, camera;
         std::vector<const BdptVertex *> path;  ///< memory for WeightOf
-        std::vector<SeenLight> seen;           ///< memory for Li
-        // For the pictures of strategies: what they have found, and the number of pairs since the last pass.
-        std::vector<StrategyPictures::Found> found;
+        std::vector<CameraSplat> splats;       ///< memory for Li
+        // For the pictures of strategies: their contributions, and the number of pairs since the last pass.
+        std::vector<StrategyPictures::Contribution> contributions;
         uint64_t pairs = 0;
         int lightCount = 0, cameraCount = 0;
     };
@@ -69,20 +69,20 @@ class BdptIntegrator final : public PixelIntegrator {
     void Follow(PathWalk &walk, Subpath &subpath, Sample &sample) const;
     /// Adds to a subpath from the camera the light that its ray meets.
     void AddEmission(const PathWalk &walk, Subpath &subpath, Sample &sample) const;
-    /// False: the subpath ends in the medium. `scattered`: it goes on from there.
+    /// False: the subpath ends in the medium. `scattered`: it continues from there.
     bool PassMedium(PathWalk &walk, Subpath &subpath, const Sample &sample, bool *scattered) const;
     /// Makes the surface that was met the next vertex, and leaves it. False: the subpath ends.
     bool ScatterAtSurface(PathWalk &walk, Subpath &subpath) const;
-    /// Tells how much of the light passes from a point on a light, the lens or another vertex to this one.
+    /// Returns the transmittance from a point on a light, the lens or another vertex to `from`.
     ShadowTransmittance Passing(const Sample &sample, const BdptVertex &from, const LightLiSample &to) const;
     /// A connection's light, of subpaths with these spectral densities, that passes; divided by the mean of densities.
     SampledSpectrum Passed(const Sample &sample, const SampledSpectrum &L, const ShadowTransmittance &through,
                            const SampledSpectrum &densities) const;
     SampledSpectrum ConnectToLight(Sample &sample, int cameraVertices) const;
     SampledSpectrum ConnectSubpaths(Sample &sample, int lightVertices, int cameraVertices) const;
-    void ConnectToCamera(Sample &sample, int lightVertices, std::vector<SeenLight> &seen) const;
+    void ConnectToCamera(Sample &sample, int lightVertices, std::vector<CameraSplat> &splats) const;
     /// For the pictures of strategies.
-    void Tell(const Sample &sample, const StrategyPictures::Found &found) const;
+    void Record(const Sample &sample, const StrategyPictures::Contribution &contribution) const;
     /// The weight of the path of the first `lightVertices` and `cameraVertices` vertices of both subpaths; `end`: in
     /// place of the first, what the camera path met, or the light that was sampled.
     Float WeightOf(Sample &sample, int lightVertices, int cameraVertices, const BdptVertex *end, Float cameraPdf) const;

@@ -46,7 +46,7 @@ Float BdptWeights::Weight(std::span<const BdptVertex *const> path, int fromLight
                           const SampledWavelengths &lambda) const {
     const int n = static_cast<int>(path.size()), s = fromLight;
     if (n == 2) return 1;  // light that the camera sees is found by the camera only
-    const auto at = [&](int k) -> const BdptVertex & { return *path[static_cast<size_t>(k)]; };
+    const auto at = [&](int k) -> const BdptVertex & { return *path[k]; };
     const auto scatterPdf = [&](int k, int from, int to, TransportMode mode) {
         return at(k).ScatterPdf(at(k).Towards(at(from)), at(k).Towards(at(to)), mode);
     };
@@ -80,22 +80,22 @@ Float BdptWeights::Weight(std::span<const BdptVertex *const> path, int fromLight
     // light vertex is chosen for the vertex that sees it.
     const Float chosen = LightPdf(at(0), at(1));
     const Float single = chosen > 0 ? ConnectedLightPdf(at(0), at(1), at(2), lambda, n - 2) / chosen : 0;
-    const auto share = [&](int i, Float density) -> Float {
+    const auto ratio = [&](int i, Float density) -> Float {
         if (i == 0) return canBeHit ? density : 0;
         if (isSpecular(i - 1) || isSpecular(i)) return 0;
         return i == 1 ? density * single : density;
     };
-    const Float own = share(s, 1);
+    const Float own = ratio(s, 1);
     if (!(own > 0)) return 0;
     Float sum = own, density = 1;
     for (int i = s - 1; i >= 0; --i) {
         density *= cameraPdfOf(i) / lightPdf(i);
-        sum += share(i, density);
+        sum += ratio(i, density);
     }
     density = 1;
     for (int i = s + 1; i <= n - 1; ++i) {
         density *= lightPdf(i - 1) / cameraPdfOf(i - 1);
-        sum += share(i, density);
+        sum += ratio(i, density);
     }
     return std::isfinite(sum) ? own / sum : 0;
 }

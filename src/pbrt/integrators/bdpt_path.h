@@ -35,7 +35,7 @@ class BdptWeights {
     Float LightPdf(const BdptVertex &light, const BdptVertex &next) const;
 
   private:
-    /// Density by area with which a light subpath that begins at `light` goes on to `next`.
+    /// Density by area with which a light subpath that begins at `light` continues to `next`.
     Float FirstStepPdf(const BdptVertex &light, const BdptVertex &next) const;
     /// The same as LightPdf for a light vertex that was chosen for, and seen from, the vertex `from`, which goes on to
     /// `beyond` and is the vertex of this depth from the camera. Of a sky that is chosen by parts: of the part.

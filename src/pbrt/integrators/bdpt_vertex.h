@@ -1,6 +1,6 @@
 #pragma once
-#include "pbrt/transport/adjoint_cosine.h"
 #include "pbrt/transport/light_query.h"
+#include "pbrt/transport/vertex.h"
 
 namespace pbrt {
 

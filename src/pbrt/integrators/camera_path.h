@@ -3,6 +3,7 @@
 #include "pbrt/transport/direct_light.h"
 #include "pbrt/transport/medium_track.h"
 #include "pbrt/transport/subsurface_exit.h"
+#include "pbrt/transport/vertex.h"
 
 namespace pbrt {
 
@@ -17,7 +18,7 @@ struct PathSettings {
     /// Leaves out emission that only BSDF sampling can find: lights seen directly or in a mirror, caustics. It does not
     /// depend on the light sampler; without it a measurement of light samplers is free of its noise.
     bool sampledLightOnly = false;
-    /// Least probability with which roulette lets a path go on: 0 as in stock, 1 for no roulette.
+    /// Least continuation probability of roulette: 0 as in stock, 1 for no roulette.
     Float minContinuation = 0;
     bool tracksMedia = false;  ///< volpath, in a scene with media
 };
@@ -327,6 +328,27 @@ class CameraPath {
     Float etaScale_ = 1;
     bool lightCouldSample_ = false;  ///< light sampling at `previous_` could have found what the ray meets
     bool anyNonSpecular_ = false;
+};
+
+/// Directions of the BSDF alone, and roulette by throughput: policy of CameraPath, which documents the functions.
+struct BsdfDirections {
+    static constexpr bool HasLearnedRoulette() { return false; }
+    static constexpr Float ContinuationProbability(const PathVertex &, Float) { return 0; }
+    static constexpr Float ContinuationProbabilityInMedium(const Point3 &, Float) { return 0; }
+    static constexpr Float ContinuationProbabilityAfterNee(Float) { return 1; }
+    void BeginScattering(const SampledSpectrum &, const SampledSpectrum &) {}
+    void BeginVertex(const PathVertex &, const SampledSpectrum &, const SampledSpectrum &) {}
+    void BeginVertexInMedium(const Point3 &, const SampledSpectrum &, const SampledSpectrum &) {}
+    void RecordHit(const PathVertex &) {}
+    void RecordHitInMedium(const Point3 &) {}
+    void PrepareDirections(const PathVertex &, const SampledSpectrum &) {}
+    std::optional<BsdfSample> Sample(const PathVertex &vertex, Float uc, const Point2 &u) const {
+        return vertex.bsdf.Sample(vertex.point.wo, uc, u);
+    }
+    Float Pdf(const PathVertex &vertex, const Vector3 &wi) const { return vertex.bsdf.Pdf(vertex.point.wo, wi); }
+    void RecordScatter(const PathVertex &, const BsdfSample &, Float, const SampledSpectrum &,
+                       const SampledSpectrum &) {}
+    void End(const SampledSpectrum &) {}
 };
 
 }  // namespace pbrt

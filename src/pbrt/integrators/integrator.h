@@ -1,10 +1,12 @@
 #pragma once
+#include <functional>
 #include <limits>
 #include <span>
 #include <string_view>
 
 #include "pbrt/cameras/camera.h"
 #include "pbrt/core/online_model.h"
+#include "pbrt/core/team.h"
 #include "pbrt/films/film.h"
 #include "pbrt/films/filter.h"
 #include "pbrt/lightsamplers/light_sampler.h"
@@ -33,9 +35,9 @@ struct RenderPass {
     std::vector<uint32_t> *done = nullptr;
     std::string_view doneFile{};  ///< that `done` was read from, for messages
     Progress &progress;
-    /// Null, or the processes that render the pass together, each with its own film: samples are handed out among them.
-    /// Afterwards `done` of the first process holds what all have done.
-    Ranks *ranks = nullptr;
+    /// The processes that render the pass together, each with its own film: samples are distributed among them.
+    /// Afterwards `done` of rank 0 holds what all have done.
+    Team &team = Team::Alone();
 };
 
 /// A picture that an integrator makes beside the one of the film that it renders.
@@ -51,13 +53,13 @@ class Integrator {
     virtual ~Integrator() = default;
     /// Before the first pass; the light sampler's prepass happens here.
     virtual void Prepare(PrepareContext &) {}
-    /// False if cancelled: then some pixels lack samples of the pass; RenderPass::done knows which.
+    /// False if cancelled: then some pixels lack samples of the pass; RenderPass::done lists which.
     virtual bool Render(const RenderPass &pass) = 0;
     /// The largest RenderPass::count that Render takes.
     virtual int MaxPassSamples() const { return std::numeric_limits<int>::max(); }
     /// The model that is updated between passes; null if there is none.
     virtual OnlineModel *Model() { return nullptr; }
-    /// Writes what Prepare and the learner made, for PrepareContext::learned of a render that goes on. Not while rays
+    /// Writes the state of Prepare and of the model, for PrepareContext::learned of a resumed render. Not while rays
     /// are traced; the writer may refer to memory of this object.
     virtual void SaveLearned(StateWriter &writer) const {
         if (const LightSampler *lights = Lights()) lights->SaveLearned(writer, true);
@@ -69,7 +71,7 @@ class Integrator {
     /// The light sampler in use; null if the integrator has none.
     virtual const LightSampler *Lights() const { return nullptr; }
     /// The light sampler that chooses where light paths begin; null if none do.
-    virtual const LightSampler *ShootingLights() const { return nullptr; }
+    virtual const LightSampler *EmissionSampler() const { return nullptr; }
     /// True if there will be side pictures. They hold only samples of this process since its start: checkpoints do not
     /// keep them, and other processes do not send theirs.
     virtual bool MakesSidePictures() const { return false; }
@@ -78,5 +80,18 @@ class Integrator {
     /// What chooses directions in place of BSDFs, or null.
     virtual const DirectionSampling *Directions() const { return nullptr; }
 };
+
+/// The chunks of a pass, which threads and processes render in any order.
+struct PassChunks {
+    int64_t count = 0;
+    bool splat = false;  ///< samples add splats to the film, for one path each
+    std::function<uint32_t(int64_t chunk)> samplesOf;
+    /// Renders a chunk of which so many samples are done; returns how many are then: all, unless cancelled.
+    std::function<uint32_t(int64_t chunk, uint32_t done)> render;
+};
+
+/// Renders what RenderPass::done does not name as done, and keeps account of it there. Returns whether the pass is
+/// whole, in all processes that take part.
+bool RenderChunks(const RenderPass &pass, const PassChunks &chunks);
 
 }  // namespace pbrt

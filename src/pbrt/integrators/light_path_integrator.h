@@ -13,12 +13,13 @@ class LightPathIntegrator final : public PixelIntegrator {
     /// same everywhere; null: by power.
     LightPathIntegrator(const PathContext &context, int maxDepth, std::unique_ptr<LightSampler> lights = nullptr);
     void Prepare(PrepareContext &prepare) override { lights_->Prepare(prepare); }
-    const LightSampler *ShootingLights() const override { return lights_.get(); }
+    const LightSampler *EmissionSampler() const override { return lights_.get(); }
     /// Splats; the radiance it returns is 0.
     SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
     bool Splats() const override { return true; }
 
   private:
+    class LightPath;
     PathContext context_;
     int maxDepth_;
     std::unique_ptr<LightSampler> lights_;

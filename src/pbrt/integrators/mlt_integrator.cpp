@@ -4,7 +4,7 @@
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/progress.h"
 #include "pbrt/integrators/filtered_splat.h"
-#include "pbrt/integrators/pass_parts.h"
+#include "pbrt/integrators/integrator.h"
 #include "pbrt/integrators/primary_sampler.h"
 #include "pbrt/math/rng.h"
 
@@ -21,10 +21,10 @@ constexpr int64_t kGroup = 256;
 
 /// A pair of subpaths, as the numbers that make it and as what it brings to the film.
 struct MltIntegrator::Pair {
-    std::vector<Float> numbers[3];                ///< PrimarySampler; of the light, the camera and the connections
-    std::vector<BdptIntegrator::SeenLight> seen;  ///< an estimate of the film for every pair
+    std::vector<Float> numbers[3];                    ///< PrimarySampler; of the light, the camera and the connections
+    std::vector<BdptIntegrator::CameraSplat> splats;  ///< an estimate of the film for every pair
     SampledWavelengths lambda;
-    Float importance = 0;  ///< what `seen` adds up to in one number; above 0 wherever the film gets anything
+    Float importance = 0;  ///< the sum of `splats` as one number; above 0 wherever the film gets anything
 };
 
 /// What the chains of a sample begin with.
@@ -62,24 +62,25 @@ class MltIntegrator::Renderer {
         seed_ = Hash(u[0], u[1], u[2], u[3]);
     }
 
-    int64_t Parts() const { return pixels_ > 0 ? pass_.count * chains_ : 0; }
-    uint32_t MutationsOf(int64_t part) const {
-        const int64_t chain = part % chains_;
+    int64_t Chains() const { return pixels_ > 0 ? pass_.count * chains_ : 0; }
+    /// `number`: of the chain in the pass.
+    uint32_t MutationsOf(int64_t number) const {
+        const int64_t chain = number % chains_;
         return static_cast<uint32_t>(pixels_ * (chain + 1) / chains_ - pixels_ * chain / chains_);
     }
 
     /// Traces the bootstrap of every sample of the pass.
     void Bootstrap() {
-        units_.resize(static_cast<size_t>(Parts() / chains_));
-        for (Unit &unit : units_) unit.importance.resize(static_cast<size_t>(bootstrap_));
+        units_.resize(Chains() / chains_);
+        for (Unit &unit : units_) unit.importance.resize(bootstrap_);
         const int64_t groups = (bootstrap_ + kGroup - 1) / kGroup;
         ParallelForEach(groups * static_cast<int64_t>(units_.size()), [&](int64_t task) {
-            Unit &unit = units_[static_cast<size_t>(task / groups)];
+            Unit &unit = units_[task / groups];
             const int64_t begin = task % groups * kGroup, end = std::min(bootstrap_, begin + kGroup);
             Pair pair;
             for (int64_t i = begin; i < end && !pass_.progress.Cancelled(); ++i) {
                 MakePair(task / groups, i, pair);
-                unit.importance[static_cast<size_t>(i)] = pair.importance;
+                unit.importance[i] = pair.importance;
             }
         });
         for (size_t i = 0; i < units_.size(); ++i) {
@@ -92,10 +93,10 @@ class MltIntegrator::Renderer {
     }
 
     /// Goes through the mutations of a chain. Those before `done` are in the film already.
-    uint32_t RenderChain(int64_t part, uint32_t done) const {
-        const int64_t unitIndex = part / chains_, chain = part % chains_;
-        const Unit &unit = units_[static_cast<size_t>(unitIndex)];
-        const uint32_t all = MutationsOf(part);
+    uint32_t RenderChain(int64_t number, uint32_t done) const {
+        const int64_t unitIndex = number / chains_, chain = number % chains_;
+        const Unit &unit = units_[unitIndex];
+        const uint32_t all = MutationsOf(number);
         if (pass_.progress.Cancelled()) return done;
         if (!(unit.mean > 0)) return all;  // no light was found
         // Each chain begins anywhere with equal density, and all of them evenly spread.
@@ -142,7 +143,7 @@ class MltIntegrator::Renderer {
     void Trace(Pair &pair, Rng &rng) const {
         PrimarySampler light(pair.numbers[0], rng), camera(pair.numbers[1], rng), connections(pair.numbers[2], rng);
         for (PrimarySampler *sampler : {&light, &camera, &connections}) sampler->StartPixelSample({0, 0}, 0);
-        pair.seen.clear();
+        pair.splats.clear();
         pair.importance = 0;
         const Float uLambda = camera.Get1D();
         pair.lambda = pass_.film.SampleWavelengths(pass_.jittersWavelengths ? uLambda : Float(0.5));
@@ -156,27 +157,27 @@ class MltIntegrator::Renderer {
             // Camera rays are spread over the area, so each of them stands for all its pixels.
             const Float splatUnit = pass_.film.SplatUnit();
             const SampledSpectrum L = integrator_.pairs_.TracePair(start, pair.lambda, {light, camera, connections},
-                                                                   area_, splatUnit, pair.seen);
-            std::erase_if(pair.seen, [&](const BdptIntegrator::SeenLight &s) { return !Reaches(s); });
-            const BdptIntegrator::SeenLight direct{sample.pFilm, ray->weight * L * (area_ * splatUnit)};
-            if (Reaches(direct)) pair.seen.push_back(direct);
+                                                                   area_, splatUnit, pair.splats);
+            std::erase_if(pair.splats, [&](const BdptIntegrator::CameraSplat &s) { return !Reaches(s); });
+            const BdptIntegrator::CameraSplat direct{sample.pFilm, ray->weight * L * (area_ * splatUnit)};
+            if (Reaches(direct)) pair.splats.push_back(direct);
         }
         // What is too large for single precision stays, for the film to count, but attracts no mutations.
-        for (const BdptIntegrator::SeenLight &s : pair.seen) {
+        for (const BdptIntegrator::CameraSplat &s : pair.splats) {
             const Float sum = pair.importance + (pair.lambda.SecondaryTerminated() ? s.L[0] : s.L.Average());
             if (std::isfinite(sum)) pair.importance = sum;
         }
         for (PrimarySampler *sampler : {&light, &camera, &connections}) sampler->ForgetUnused();
     }
     /// True if the film, with its filter, gets anything of this light.
-    bool Reaches(const BdptIntegrator::SeenLight &s) const {
+    bool Reaches(const BdptIntegrator::CameraSplat &s) const {
         return s.L && s.pFilm.x >= low_.x && s.pFilm.y >= low_.y && s.pFilm.x <= low_.x + size_.x &&
                s.pFilm.y <= low_.y + size_.y;
     }
 
     void AddToFilm(const Pair &pair, Float weight) const {
         if (!pass_.keepsSamples) return;
-        for (const BdptIntegrator::SeenLight &s : pair.seen)
+        for (const BdptIntegrator::CameraSplat &s : pair.splats)
             AddFilteredSplat(pass_.film, pass_.filter, s.pFilm, s.L * weight, pair.lambda);
     }
 
@@ -202,14 +203,14 @@ MltIntegrator::MltIntegrator(const PathContext &context, const MltSettings &sett
 bool MltIntegrator::Render(const RenderPass &pass) {
     if (pass.film.WantsVisibleSurface())
         throw UserError(
-            "Integrator \"mlt\" has no camera rays of single pixels, so it cannot tell the film what they see: use "
+            "Integrator \"mlt\" has no camera rays of single pixels, so it finds no visible surface for the film: use "
             "Film \"rgb\" or \"spectral\" without further channels.");
     Renderer renderer(*this, pass);
     renderer.Bootstrap();
-    return RenderParts(pass, {.count = renderer.Parts(),
-                              .splat = true,
-                              .samplesOf = [&](int64_t i) { return renderer.MutationsOf(i); },
-                              .render = [&](int64_t i, uint32_t done) { return renderer.RenderChain(i, done); }});
+    return RenderChunks(pass, {.count = renderer.Chains(),
+                               .splat = true,
+                               .samplesOf = [&](int64_t i) { return renderer.MutationsOf(i); },
+                               .render = [&](int64_t i, uint32_t done) { return renderer.RenderChain(i, done); }});
 }
 
 }  // namespace pbrt

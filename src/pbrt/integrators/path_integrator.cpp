@@ -1,6 +1,6 @@
 #include "pbrt/integrators/path_integrator.h"
 
-#include "pbrt/integrators/bsdf_directions.h"
+#include "pbrt/integrators/camera_path.h"
 
 namespace pbrt {
 

@@ -2,16 +2,15 @@
 
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/progress.h"
-#include "pbrt/core/ranks.h"
-#include "pbrt/integrators/pass_parts.h"
+#include "pbrt/integrators/integrator.h"
 
 namespace pbrt {
 
 namespace {
 
 constexpr int kTileSize = 16;
-/// Processes that render together get at least so many parts of a pass per thread, so that all of them end together.
-constexpr int64_t kPartsPerThread = 64;
+/// Least number of strips per thread where several processes render a pass, so that all of them end together.
+constexpr int64_t kStripsPerThread = 64;
 
 /// Traces the samples of a pass.
 class PassRenderer {
@@ -27,25 +26,25 @@ class PassRenderer {
                                  : Float(1)) {}
 
     /// Some pixels of a tile, counted row by row.
-    struct Part {
+    struct Strip {
         Bounds2i tile;
         uint32_t firstPixel = 0, pixels = 0;
     };
-    /// Traces the samples of a part, pixel by pixel, from the one with this number on. Returns how many are done then:
-    /// SamplesOf(part), unless cancelled.
-    uint32_t RenderPart(const Part &part, uint32_t done, Sampler &sampler) const {
-        const uint32_t all = SamplesOf(part), count = static_cast<uint32_t>(pass_.count);
-        const auto width = static_cast<uint32_t>(part.tile.Width());
+    /// Traces the samples of a strip, pixel by pixel, from the one with this number on. Returns how many are done then:
+    /// SamplesOf(strip), unless cancelled.
+    uint32_t RenderStrip(const Strip &strip, uint32_t done, Sampler &sampler) const {
+        const uint32_t all = SamplesOf(strip), count = static_cast<uint32_t>(pass_.count);
+        const auto width = static_cast<uint32_t>(strip.tile.Width());
         for (; done < all; ++done) {
             // Checked before every sample, because a single one may take a tenth of a second.
             if (pass_.progress.Cancelled()) break;
-            const uint32_t pixel = part.firstPixel + done / count;
-            TraceSample(part.tile.low + Vector2i(pixel % width, pixel / width),
+            const uint32_t pixel = strip.firstPixel + done / count;
+            TraceSample(strip.tile.low + Vector2i(pixel % width, pixel / width),
                         pass_.first + static_cast<int>(done % count), sampler);
         }
         return done;
     }
-    uint32_t SamplesOf(const Part &part) const { return part.pixels * static_cast<uint32_t>(pass_.count); }
+    uint32_t SamplesOf(const Strip &strip) const { return strip.pixels * static_cast<uint32_t>(pass_.count); }
 
   private:
     void TraceSample(Point2i pixel, int index, Sampler &sampler) const {
@@ -85,31 +84,31 @@ class PassRenderer {
 
 namespace {
 
-/// The parts in which a pass is rendered: its tiles, or so many parts of each of them.
-class Parts {
+/// The chunks of a pass: its tiles, or several strips of each of them.
+class PassStrips {
   public:
-    explicit Parts(const RenderPass &pass) : bounds_(pass.film.PixelBounds()) {
+    explicit PassStrips(const RenderPass &pass) : bounds_(pass.film.PixelBounds()) {
         const Vector2i tiles = (bounds_.high - bounds_.low + (kTileSize - 1)) / kTileSize;
         tilesPerRow_ = tiles.x;
         const int64_t count = bounds_.IsEmpty() ? 0 : int64_t{tiles.x} * tiles.y;
-        // A pass that was begun goes on with the parts that it has; RenderParts checks their number.
+        // A resumed pass keeps its strips; RenderChunks checks their number.
         if (pass.done && !pass.done->empty()) {
             perTile_ = static_cast<int64_t>(pass.done->size()) / std::max(count, int64_t{1});
-        } else if (pass.ranks && count > 0) {
-            const int64_t wanted = kPartsPerThread * pass.ranks->TotalThreads();
+        } else if (pass.team.Size() > 1 && count > 0) {
+            const int64_t wanted = kStripsPerThread * pass.team.TotalThreads();
             perTile_ = std::clamp((wanted + count - 1) / count, int64_t{1}, int64_t{kTileSize} * kTileSize);
         }
         count_ = count * perTile_;
     }
     int64_t Count() const { return count_; }
-    PassRenderer::Part operator[](int64_t i) const {
-        const int64_t tile = i / perTile_, part = i % perTile_;
+    PassRenderer::Strip operator[](int64_t i) const {
+        const int64_t tile = i / perTile_, strip = i % perTile_;
         const Point2i at(static_cast<int>(tile % tilesPerRow_), static_cast<int>(tile / tilesPerRow_));
         const Point2i low = bounds_.low + kTileSize * at;
-        PassRenderer::Part p{{low, glm::min(low + kTileSize, bounds_.high)}};
+        PassRenderer::Strip p{{low, glm::min(low + kTileSize, bounds_.high)}};
         const int64_t pixels = p.tile.Area();
-        p.firstPixel = static_cast<uint32_t>(pixels * part / perTile_);
-        p.pixels = static_cast<uint32_t>(pixels * (part + 1) / perTile_) - p.firstPixel;
+        p.firstPixel = static_cast<uint32_t>(pixels * strip / perTile_);
+        p.pixels = static_cast<uint32_t>(pixels * (strip + 1) / perTile_) - p.firstPixel;
         return p;
     }
 
@@ -122,16 +121,15 @@ class Parts {
 
 bool PixelIntegrator::Render(const RenderPass &pass) {
     const PassRenderer renderer(*this, pass, CommonWavelengths());
-    const Parts parts(pass);
-    return RenderParts(pass, {.count = parts.Count(),
-                              .splat = Splats(),
-                              .samplesOf = [&](int64_t i) { return renderer.SamplesOf(parts[i]); },
-                              .render =
-                                  [&](int64_t i, uint32_t done) {
-                                      // Which thread takes which part does not matter.
-                                      return renderer.RenderPart(parts[i], done,
-                                                                 *pass.samplers[static_cast<size_t>(ThreadIndex())]);
-                                  }});
+    const PassStrips strips(pass);
+    return RenderChunks(pass, {.count = strips.Count(),
+                               .splat = Splats(),
+                               .samplesOf = [&](int64_t i) { return renderer.SamplesOf(strips[i]); },
+                               .render =
+                                   [&](int64_t i, uint32_t done) {
+                                       // Any thread may take any strip.
+                                       return renderer.RenderStrip(strips[i], done, *pass.samplers[ThreadIndex()]);
+                                   }});
 }
 
 }  // namespace pbrt

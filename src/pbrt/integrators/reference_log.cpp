@@ -28,7 +28,7 @@ std::optional<double> ReferenceLog::Log(int samples, const Film &film) {
     Image image = film.ToImage();
     if (image.ChannelCount() > 3) image = image.Select({"R", "G", "B"});
     double mse = ImageError(image, reference_, Metric::MSE);
-    // If the log cannot be written, the render goes on without it.
+    // If the log cannot be written, the render continues without it.
     if (out_ && (std::fprintf(out_.get(), "%d, %.9g\n", samples, mse) < 0 || std::fflush(out_.get()) != 0)) {
         Fail();
         out_.reset();

@@ -2,7 +2,6 @@
 
 #include "pbrt/core/online_model.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/core/ranks.h"
 #include "pbrt/integrators/reference_log.h"
 
 namespace pbrt {
@@ -14,39 +13,25 @@ double SecondsSince(Clock::time_point t) { return std::chrono::duration<double>(
 
 }  // namespace
 
-WaveRenderer::WaveRenderer(Integrator &integrator, const Camera &camera, const Filter &filter, Film &film,
-                           const Sampler &sampler, const RenderSettings &settings, Progress &progress)
-    : integrator_(integrator),
-      model_(integrator.Model()),
-      camera_(camera),
-      filter_(filter),
-      film_(film),
-      sampler_(sampler),
-      settings_(settings),
-      progress_(progress),
-      samplers_(static_cast<size_t>(ThreadCount())) {}
+WaveRenderer::WaveRenderer(const RenderContext &context, const RenderSettings &settings)
+    : context_(context), model_(context.integrator.Model()), settings_(settings), samplers_(ThreadCount()) {}
 
-void WaveRenderer::LearnIfDue() {
-    if (!model_ || model_->NextUpdate() == 0 || Done() != model_->NextUpdate()) return;
-    if (settings_.ranks) {
-        if (progress_.Cancelled()) return;
-        Say(Command::Learn);
-        LearnTogether();
-    } else {
-        model_->Update(progress_);
-    }
+void WaveRenderer::UpdateIfDue() {
+    if (!model_ || model_->NextUpdate() == 0 || Done() != model_->NextUpdate() || context_.progress.Cancelled()) return;
+    Send(Command::Update);
+    UpdateTogether();
 }
 
 int WaveRenderer::Render(int count) {
     const int batch = settings_.samplesPerPixel;
-    int size = std::min({count, batch - Done() % batch, integrator_.MaxPassSamples()});
-    LearnIfDue();
+    int size = std::min({count, batch - Done() % batch, context_.integrator.MaxPassSamples()});
+    UpdateIfDue();
     if (model_ && model_->NextUpdate() > 0) size = std::min(size, model_->NextUpdate() - Done());
-    if (progress_.Cancelled()) return 0;
+    if (context_.progress.Cancelled()) return 0;
     // What is left of a pass that was cancelled comes first.
     if (position_.passCount > 0) size = position_.passCount;
     position_.passCount = size;
-    if (settings_.ranks) Say(Command::Pass);
+    Send(Command::Pass);
     return RenderPassOf(size) ? size : 0;
 }
 
@@ -54,12 +39,12 @@ bool WaveRenderer::RenderPassOf(int size) {
     const int batch = settings_.samplesPerPixel;
     if (int round = Done() / batch; round != round_) {
         round_ = round;
-        std::unique_ptr<Sampler> prototype = sampler_.ForBatch(round);
+        std::unique_ptr<Sampler> prototype = context_.sampler.ForBatch(round);
         for (std::unique_ptr<Sampler> &s : samplers_) s = prototype->Clone();
     }
-    const RenderPass pass{.camera = camera_,
-                          .filter = filter_,
-                          .film = film_,
+    const RenderPass pass{.camera = context_.camera,
+                          .filter = context_.filter,
+                          .film = context_.film,
                           .samplers = samplers_,
                           .samplesPerPixel = batch,
                           .batchFirst = round_ * batch,
@@ -71,9 +56,9 @@ bool WaveRenderer::RenderPassOf(int size) {
                           .isCounted = settings_.timeBudget <= 0 && !isRepeating_,
                           .done = &position_.passDone,
                           .doneFile = position_.file,
-                          .progress = progress_,
-                          .ranks = settings_.ranks};
-    if (!integrator_.Render(pass)) return false;
+                          .progress = context_.progress,
+                          .team = context_.team};
+    if (!context_.integrator.Render(pass)) return false;
     position_ = {.done = Done() + size};
     return true;
 }
@@ -86,7 +71,7 @@ void WaveRenderer::ContinueFrom(int samples) {
     position_ = {.done = samples};
 }
 
-void WaveRenderer::Say(Command command) {
+void WaveRenderer::Send(Command command) {
     StateWriter out;
     out.Value(command);
     if (command == Command::Pass) {
@@ -95,59 +80,49 @@ void WaveRenderer::Say(Command command) {
         out.Value(isRepeating_);
         out.CopyOfVector(position_.passDone);
     }
-    settings_.ranks->Broadcast(out);
+    context_.team.Broadcast(out);
 }
 
 void WaveRenderer::GatherHere() {
     const bool learns = model_ && model_->NextUpdate() > 0 && !isBrokenOff_;
-    settings_.ranks->Reduce(
+    context_.team.Reduce(
         [&](StateWriter &out) {
-            film_.TakeSums(out);
+            context_.film.TakeSums(out);
             if (learns) model_->ExtractRecords(out);
         },
         [&](StateReader &in) {
-            film_.AddSums(in);
+            context_.film.AddSums(in);
             if (learns) model_->MergeRecords(in);
         });
 }
 
-void WaveRenderer::LearnTogether() {
-    // To the first, and from there to all, so that everybody learns the same.
-    settings_.ranks->Reduce([&](StateWriter &out) { model_->ExtractRecords(out); },
-                            [&](StateReader &in) { model_->MergeRecords(in); });
-    StateWriter all;
-    if (settings_.ranks->IsFirst()) model_->ExtractRecords(all);
-    const std::string found = settings_.ranks->Broadcast(all);
-    StateReader in(found, "what was found");
-    model_->MergeRecords(in);
+void WaveRenderer::UpdateTogether() {
+    Team &team = context_.team;
+    // All models are updated from the same records.
+    team.AllReduce([&](StateWriter &out) { model_->ExtractRecords(out); },
+                   [&](StateReader &in) { model_->MergeRecords(in); });
     const int before = model_->NextUpdate();
-    model_->Update(progress_);
-    // Whoever was cancelled meanwhile has not learned; then nobody renders on.
-    bool haveAllLearned = model_->NextUpdate() != before;
-    settings_.ranks->Reduce([&](StateWriter &out) { out.Value(haveAllLearned); },
-                            [&](StateReader &other) { haveAllLearned = other.Value<bool>() && haveAllLearned; });
-    StateWriter verdict;
-    verdict.Value(haveAllLearned);
-    const std::string answer = settings_.ranks->Broadcast(verdict);
-    if (StateReader(answer, "message").Value<bool>()) return;
+    model_->Update(context_.progress);
+    // A process that was cancelled meanwhile has its old model; then none renders on.
+    bool areAllUpdated = model_->NextUpdate() != before;
+    team.Reduce([&](StateWriter &out) { out.Value(areAllUpdated); },
+                [&](StateReader &in) { areAllUpdated = in.Value<bool>() && areAllUpdated; });
+    if (team.BroadcastValue(areAllUpdated)) return;
     isBrokenOff_ = true;
-    progress_.Cancel();
+    context_.progress.Cancel();
 }
 
 void WaveRenderer::Gather() {
-    if (!settings_.ranks) return;
-    Say(Command::Gather);
+    Send(Command::Gather);
     GatherHere();
 }
 
-void WaveRenderer::EndTogether() {
-    if (settings_.ranks) Say(Command::End);
-}
+void WaveRenderer::EndTogether() { Send(Command::End); }
 
 void WaveRenderer::Follow() {
     for (;;) {
-        const std::string said = settings_.ranks->Broadcast({});
-        StateReader in(said, "command");
+        const std::string command = context_.team.Broadcast({});
+        StateReader in(command, "command");
         switch (in.Value<Command>()) {
             case Command::Pass:
                 in.Value(&position_.done);
@@ -156,8 +131,8 @@ void WaveRenderer::Follow() {
                 in.Vector(&position_.passDone);
                 RenderPassOf(position_.passCount);
                 break;
-            case Command::Learn:
-                LearnTogether();
+            case Command::Update:
+                UpdateTogether();
                 break;
             case Command::Gather:
                 GatherHere();
@@ -168,84 +143,123 @@ void WaveRenderer::Follow() {
     }
 }
 
-void FollowWaves(Integrator &integrator, const Camera &camera, const Filter &filter, Film &film, const Sampler &sampler,
-                 const RenderSettings &settings, Progress &progress) {
-    progress.BeginPhase("rendering", 0);
-    WaveRenderer(integrator, camera, filter, film, sampler, settings, progress).Follow();
-    progress.EndPhase();
+void FollowWaves(const RenderContext &context, const RenderSettings &settings) {
+    context.progress.BeginPhase("rendering", 0);
+    WaveRenderer(context, settings).Follow();
+    context.progress.EndPhase();
 }
 
-RenderResult RenderWaves(Integrator &integrator, const Camera &camera, const Filter &filter, Film &film,
-                         const Sampler &sampler, const RenderSettings &settings, Progress &progress) {
-    RenderResult result;
-    ReferenceLog reference(settings.mseReferenceImage, settings.mseReferenceOut, film);
-    WaveRenderer renderer(integrator, camera, filter, film, sampler, settings, progress);
-    const bool timed = settings.timeBudget > 0;
-    const int end = settings.EndSample();
-    const int64_t pixels = film.PixelBounds().Area();
+namespace {
 
-    progress.BeginPhase("rendering", timed ? 0 : pixels * (end - settings.firstSample));
-    const Clock::time_point renderStart = Clock::now();
-    if (settings.from) {
-        renderer.GoOnFrom(*settings.from);
-        if (!timed) progress.Advance(pixels * (renderer.Done() - settings.firstSample));
-        for (uint32_t done : settings.from->passDone)
-            if (!timed) progress.Advance(done);
-    } else if (settings.firstSample > 0) {
-        renderer.ContinueFrom(settings.firstSample);
+/// The loop of RenderWaves.
+class WaveLoop {
+  public:
+    WaveLoop(const RenderContext &context, const RenderSettings &settings)
+        : context_(context),
+          settings_(settings),
+          reference_(settings.mseReferenceImage, settings.mseReferenceOut, context.film),
+          renderer_(context, settings),
+          secondsPerSample_(settings.secondsPerSample) {}
+
+    RenderResult Run() {
+        Progress &progress = context_.progress;
+        Begin();
+        const bool isPrepared = !progress.Cancelled();
+        if (isPrepared) SaveIfDue();
+        const int largest = kMaxWave * context_.team.Size();
+        for (int wave = 1; !IsDone() && !progress.Cancelled();) {
+            const int size = SizeOf(wave);
+            if (size < 1 || !RenderWave(size)) break;
+            if (!IsDone()) SaveIfDue();
+            if (renderer_.Done() > 1) wave = std::min(2 * wave, largest);
+        }
+        renderer_.Gather();
+        result_.mseFailure = reference_.Finish();
+        result_.samplesTaken = renderer_.Done();
+        result_.cancelled = progress.Cancelled() && !IsDone();
+        if (settings_.checkpoint && isPrepared) settings_.checkpoint(renderer_.Position());
+        renderer_.EndTogether();
+        result_.seconds = SecondsSince(start_);
+        progress.EndPhase();
+        return result_;
     }
-    // Preparing the lights may have taken long; a render that goes on has just read what it would save.
-    Clock::time_point saved = settings.from ? renderStart : settings.start;
-    const bool isPrepared = !progress.Cancelled();
-    const auto saveIfDue = [&] {
-        if (!settings.checkpoint || SecondsSince(saved) < settings.checkpointInterval) return;
-        renderer.Gather();
-        settings.checkpoint(renderer.Position());
-        saved = Clock::now();
-    };
-    if (isPrepared) saveIfDue();
-    const int largest = kMaxWave * (settings.ranks ? settings.ranks->Size() : 1);
-    int wave = 1;
-    double secondsPerSample = settings.secondsPerSample;
-    while (!progress.Cancelled() && (timed || renderer.Done() < end)) {
-        int size = timed ? wave : std::min(wave, end - renderer.Done());
-        if (timed && secondsPerSample > 0) {
-            // A wave that would end later than the budget is made smaller; below half a sample we stop.
-            double left = settings.timeBudget - SecondsSince(settings.start);
-            int fits = static_cast<int>(std::min(left / secondsPerSample, 1e6) + 0.5);
-            if (fits < 1) break;
+
+  private:
+    bool IsTimed() const { return settings_.timeBudget > 0; }
+    bool IsDone() const { return !IsTimed() && renderer_.Done() >= settings_.EndSample(); }
+
+    void Begin() {
+        Progress &progress = context_.progress;
+        const int64_t pixels = context_.film.PixelBounds().Area();
+        progress.BeginPhase("rendering", IsTimed() ? 0 : pixels * (settings_.EndSample() - settings_.firstSample));
+        start_ = Clock::now();
+        // Preparing the lights may have taken long; a resumed render has just read what it would save.
+        saved_ = settings_.from ? start_ : settings_.start;
+        if (settings_.from) {
+            renderer_.GoOnFrom(*settings_.from);
+            if (IsTimed()) return;
+            progress.Advance(pixels * (renderer_.Done() - settings_.firstSample));
+            for (uint32_t done : settings_.from->passDone) progress.Advance(done);
+        } else if (settings_.firstSample > 0) {
+            renderer_.ContinueFrom(settings_.firstSample);
+        }
+    }
+
+    void SaveIfDue() {
+        if (!settings_.checkpoint || SecondsSince(saved_) < settings_.checkpointInterval) return;
+        renderer_.Gather();
+        settings_.checkpoint(renderer_.Position());
+        saved_ = Clock::now();
+    }
+
+    /// The samples per pixel of the next wave, at most `wave`; 0 where not even half a sample fits the time budget.
+    int SizeOf(int wave) const {
+        int size = IsTimed() ? wave : std::min(wave, settings_.EndSample() - renderer_.Done());
+        if (!(secondsPerSample_ > 0)) return size;
+        if (IsTimed()) {
+            const double left = settings_.timeBudget - SecondsSince(settings_.start);
+            const int fits = static_cast<int>(std::min(left / secondsPerSample_, 1e6) + 0.5);
+            if (fits < 1) return 0;
             size = std::min(size, fits);
         }
-        if (settings.checkpoint && secondsPerSample > 0)
-            size = static_cast<int>(
-                std::clamp(settings.checkpointInterval / secondsPerSample, 1.0, static_cast<double>(size)));
-        if (settings.maxWaveSeconds > 0 && secondsPerSample > 0)
-            size = static_cast<int>(
-                std::clamp(settings.maxWaveSeconds / secondsPerSample, 1.0, static_cast<double>(size)));
-        renderer.LearnIfDue();
-        const Clock::time_point waveStart = Clock::now();
-        const int taken = renderer.Render(size);
-        if (taken == 0) break;
-        secondsPerSample = SecondsSince(waveStart) / taken;
-        if (settings.afterWave || reference.IsKept()) renderer.Gather();
-        result.mse = reference.Log(renderer.Done(), film);
-        if (timed) {
-            double spent = SecondsSince(settings.start);
-            progress.SetFraction(spent / settings.timeBudget, settings.timeBudget - spent);
-        }
-        if (settings.afterWave) settings.afterWave(renderer.Done());
-        if (timed || renderer.Done() < end) saveIfDue();
-        if (renderer.Done() > 1) wave = std::min(2 * wave, largest);
+        const auto limit = [&](double seconds) {
+            size = static_cast<int>(std::clamp(seconds / secondsPerSample_, 1.0, double(size)));
+        };
+        if (settings_.checkpoint) limit(settings_.checkpointInterval);
+        if (settings_.maxWaveSeconds > 0) limit(settings_.maxWaveSeconds);
+        return size;
     }
-    renderer.Gather();
-    result.mseFailure = reference.Finish();
-    result.samplesTaken = renderer.Done();
-    result.cancelled = progress.Cancelled() && (timed || renderer.Done() < end);
-    if (settings.checkpoint && isPrepared) settings.checkpoint(renderer.Position());
-    renderer.EndTogether();
-    result.seconds = SecondsSince(renderStart);
-    progress.EndPhase();
-    return result;
+
+    /// False: cancelled.
+    bool RenderWave(int size) {
+        renderer_.UpdateIfDue();
+        const Clock::time_point start = Clock::now();
+        const int taken = renderer_.Render(size);
+        if (taken == 0) return false;
+        secondsPerSample_ = SecondsSince(start) / taken;
+        if (settings_.afterWave || reference_.IsKept()) renderer_.Gather();
+        result_.mse = reference_.Log(renderer_.Done(), context_.film);
+        if (IsTimed()) {
+            const double spent = SecondsSince(settings_.start);
+            context_.progress.SetFraction(spent / settings_.timeBudget, settings_.timeBudget - spent);
+        }
+        if (settings_.afterWave) settings_.afterWave(renderer_.Done());
+        return true;
+    }
+
+    const RenderContext &context_;
+    const RenderSettings &settings_;
+    ReferenceLog reference_;
+    WaveRenderer renderer_;
+    double secondsPerSample_;
+    Clock::time_point start_, saved_;
+    RenderResult result_;
+};
+
+}  // namespace
+
+RenderResult RenderWaves(const RenderContext &context, const RenderSettings &settings) {
+    return WaveLoop(context, settings).Run();
 }
 
 }  // namespace pbrt

@@ -1,4 +1,4 @@
-#include "pbrt/integrators/sample_plan.h"
+#include "pbrt/integrators/render_loop.h"
 
 #include <algorithm>
 #include <cmath>
@@ -38,18 +38,19 @@ int FittingSamples(double seconds, double secondsPerSample) {
     return static_cast<int>(std::lround(std::exp2(std::round(4 * std::log2(fitting)) / 4)));
 }
 
-double MeasureSecondsPerSample(Integrator &integrator, const Camera &camera, const Filter &filter, Film &scratch,
-                               const Sampler &sampler, RenderSettings settings, double seconds) {
+double MeasureSecondsPerSample(const RenderContext &context, RenderSettings settings, double seconds) {
     Deadline deadline(seconds / 20);
     settings.timeBudget = 0;                                                  // samples count as progress
     settings.samplesPerPixel = std::max(settings.samplesPerPixel, kMaxWave);  // no wave is cut by the end of a batch
-    WaveRenderer renderer(integrator, camera, filter, scratch, sampler, settings, deadline.progress);
+    WaveRenderer renderer(
+        {context.integrator, context.camera, context.filter, context.film, context.sampler, deadline.progress},
+        settings);
     const Clock::time_point start = Clock::now();
     const auto since = [](Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); };
     double fastest = std::numeric_limits<double>::infinity();  // the others were disturbed, or warmed up
     for (int wave = 0;; ++wave) {
         const int size = std::min(std::max(1, 1 << std::min(wave, 30) >> 1), kMaxWave);
-        deadline.progress.BeginPhase("measuring", size * scratch.PixelBounds().Area());
+        deadline.progress.BeginPhase("measuring", size * context.film.PixelBounds().Area());
         const Clock::time_point waveStart = Clock::now();
         const int taken = renderer.Render(size);
         const double spent = since(waveStart);

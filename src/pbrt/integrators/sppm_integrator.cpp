@@ -4,12 +4,12 @@
 #include "pbrt/core/memory.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/progress.h"
-#include "pbrt/integrators/bsdf_directions.h"
+#include "pbrt/integrators/camera_path.h"
 #include "pbrt/lightsamplers/simple_light_samplers.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/math/sobol.h"
 #include "pbrt/math/warps.h"
-#include "pbrt/transport/adjoint_cosine.h"
+#include "pbrt/transport/vertex.h"
 
 namespace pbrt {
 
@@ -78,10 +78,10 @@ void SppmIntegrator::TraceLightPath(const SampledWavelengths &shared, uint64_t i
         if (!sample) break;
         SampledSpectrum next = beta * sample->f * (AdjointCosine(point, point.wo, sample->wi) / sample->pdf);
         // Russian roulette that keeps the power of all photons about the same.
-        const Float survive = next.MaxComponent() / beta.MaxComponent();
-        if (survive < 1) {
-            if (rng.Uniform() >= survive) break;
-            next /= survive;
+        const Float continuation = next.MaxComponent() / beta.MaxComponent();
+        if (continuation < 1) {
+            if (rng.Uniform() >= continuation) break;
+            next /= continuation;
         }
         beta = next;
         walk.Scatter(*sample);
@@ -111,7 +111,7 @@ bool SppmIntegrator::Render(const RenderPass &pass) {
         if (pass.progress.Cancelled()) return;
         const int64_t end = std::min(paths, (group + 1) * kGroup);
         for (int64_t i = group * kGroup; i < end; ++i)
-            TraceLightPath(lambda, static_cast<uint64_t>(pass.first * paths + i), groups[static_cast<size_t>(group)]);
+            TraceLightPath(lambda, static_cast<uint64_t>(pass.first * paths + i), groups[group]);
     });
     map_.Build(groups, radius);
     // If cancelled, no camera path begins.

@@ -34,7 +34,7 @@ class SppmIntegrator final : public PixelIntegrator {
     SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
     OnlineModel *Model() override { return lights_->Model(); }
     const LightSampler *Lights() const override { return lights_.get(); }
-    const LightSampler *ShootingLights() const override { return shooting_.get(); }
+    const LightSampler *EmissionSampler() const override { return shooting_.get(); }
 
     /// The radius of an iteration, counted from 0, over that of the first one. Its square shrinks by (i + 2/3)/(i + 1)
     /// at each step, as stock's does where the same number of photons falls on every area in every iteration.

@@ -11,7 +11,7 @@ StrategyPictures::StrategyPictures(std::vector<Kind> kinds, int maxDepth) : kind
         for (int s = 0; s <= depth + 1; ++s) {
             if (s == 1 && depth == 0) continue;  // light that the camera sees is found by the camera only
             const int t = depth + 2 - s;
-            indexOf_[static_cast<size_t>(s)][static_cast<size_t>(t)] = strategies_.size();
+            indexOf_[s][t] = strategies_.size();
             strategies_.push_back({s, t});
         }
 }
@@ -27,17 +27,19 @@ void StrategyPictures::Begin(const Film &film) {
     }
 }
 
-void StrategyPictures::Add(std::span<const Found> found, Point2i pixel, Float weight, const SampledWavelengths &lambda,
-                           const Filter &filter) {
+void StrategyPictures::Add(std::span<const Contribution> contributions, Point2i pixel, Float weight,
+                           const SampledWavelengths &lambda, const Filter &filter) {
     for (size_t kind = 0; kind < kinds_.size(); ++kind) {
-        const auto light = [&](const Found &f) { return kinds_[kind] == Kind::Weighted ? f.weighted : f.unweighted; };
+        const auto light = [&](const Contribution &c) {
+            return kinds_[kind] == Kind::Weighted ? c.weighted : c.unweighted;
+        };
         std::array<SampledSpectrum, kTable * kTable> sums{};
-        for (const Found &f : found) {
-            const size_t i = indexOf_[static_cast<size_t>(f.s)][static_cast<size_t>(f.t)];
-            if (f.t == 1)
-                AddFilteredSplat(*films_[kind][i], filter, f.pFilm, light(f), lambda);
+        for (const Contribution &c : contributions) {
+            const size_t i = indexOf_[c.s][c.t];
+            if (c.t == 1)
+                AddFilteredSplat(*films_[kind][i], filter, c.pFilm, light(c), lambda);
             else
-                sums[i] += light(f);
+                sums[i] += light(c);
         }
         for (size_t i = 0; i < strategies_.size(); ++i) {
             FilmSample sample;

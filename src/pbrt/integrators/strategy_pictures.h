@@ -14,12 +14,12 @@ class StrategyPictures {
   public:
     static constexpr int kMaxDepth = 5;
     enum class Kind {
-        Unweighted,  ///< each strategy alone: an estimate of all light of its number of scattering events that it can
-                     ///< find
-        Weighted     ///< its share in the picture: together they are the picture
+        Unweighted,  ///< each strategy alone: an estimate of the light of its number of scattering events that it can
+                     ///< sample
+        Weighted     ///< its MIS-weighted estimate: their sum is the picture
     };
-    /// Light that a strategy has found.
-    struct Found {
+    /// The contribution of a path that a strategy has sampled.
+    struct Contribution {
         int s = 0, t = 0;
         SampledSpectrum unweighted, weighted;
         Point2 pFilm{};  ///< only of t = 1
@@ -31,9 +31,9 @@ class StrategyPictures {
 
     /// Makes the pictures, before the first pass; they are of the same pixels and sensor as the film.
     void Begin(const Film &film);
-    /// Adds what one pair of subpaths has found, for a sample of the film that has this weight. One thread at a time
-    /// for each pixel; the order of samples of a pixel does not depend on the threads.
-    void Add(std::span<const Found> found, Point2i pixel, Float weight, const SampledWavelengths &lambda,
+    /// Adds the contributions of one pair of subpaths, for a sample of the film that has this weight. One thread at a
+    /// time for each pixel; the order of samples of a pixel does not depend on the threads.
+    void Add(std::span<const Contribution> contributions, Point2i pixel, Float weight, const SampledWavelengths &lambda,
              const Filter &filter);
     /// Light paths that Add was called for.
     void AddSplatPaths(uint64_t paths);

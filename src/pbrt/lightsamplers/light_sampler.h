@@ -6,6 +6,7 @@
 
 #include "pbrt/core/ids.h"
 #include "pbrt/core/progress.h"
+#include "pbrt/core/team.h"
 #include "pbrt/lights/light.h"
 #include "pbrt/lightsamplers/light_memory.h"
 #include "pbrt/math/bounds.h"
@@ -22,7 +23,6 @@ class Filter;
 class SampledWavelengths;
 class OnlineModel;
 class PathObserver;
-class Ranks;
 class StateReader;
 class StateWriter;
 
@@ -72,8 +72,8 @@ struct PrepareContext {
     /// If set, what LightSampler::SaveLearned of the same sampler over the same lights wrote: samplers that save
     /// something take it in place of finding it out.
     StateReader *learned = nullptr;
-    bool learnsOn = true;    ///< false: with `learned`, nothing is learned from the render
-    Ranks *ranks = nullptr;  ///< the processes that prepare the same sampler at the same time; null: only this one
+    bool learnsOn = true;        ///< false: with `learned`, nothing is learned from the render
+    Team &team = Team::Alone();  ///< the processes that prepare the same sampler at the same time
 };
 
 class LightSampler;

@@ -17,7 +17,7 @@ struct CoatInput {
     }
     Float Asymmetry(const SurfacePoint &point) const { return std::clamp(g(point), Float(-1), Float(1)); }
 
-    /// What CoatedDiffuseBxdf can use instead of random walks; null if the coat is none that it knows.
+    /// What CoatedDiffuseBxdf can use instead of random walks; null if it has no table for the coat.
     std::shared_ptr<const CoatTable> Table() const {
         const std::optional<Float> index = eta.Constant(), depth = thickness.Constant();
         if (!index || !depth || !albedo.IsBlack() || !roughness.IsIsotropic()) return nullptr;

@@ -29,4 +29,28 @@ class DiffuseTransmissionMaterial final : public SurfaceMaterial {
     Float scale_;
 };
 
+class DielectricMaterial final : public SurfaceMaterial {
+  public:
+    DielectricMaterial(IndexInput eta, RoughnessInput roughness)
+        : eta_(std::move(eta)), roughness_(std::move(roughness)) {}
+    Bsdf GetBsdf(const SurfacePoint &point, SampledWavelengths &lambda) const override {
+        return MakeBsdf(point, DielectricBxdf(eta_(lambda), roughness_(point)));
+    }
+
+  private:
+    IndexInput eta_;
+    RoughnessInput roughness_;
+};
+
+class ThinDielectricMaterial final : public SurfaceMaterial {
+  public:
+    explicit ThinDielectricMaterial(IndexInput eta) : eta_(std::move(eta)) {}
+    Bsdf GetBsdf(const SurfacePoint &point, SampledWavelengths &lambda) const override {
+        return MakeBsdf(point, ThinDielectricBxdf(eta_(lambda)));
+    }
+
+  private:
+    IndexInput eta_;
+};
+
 }  // namespace pbrt

@@ -1,6 +1,6 @@
 #include "pbrt/materials/forced_diffuse.h"
 
-#include "pbrt/bxdfs/albedo.h"
+#include "pbrt/bxdfs/bsdf.h"
 #include "pbrt/materials/mix_material.h"
 
 namespace pbrt {

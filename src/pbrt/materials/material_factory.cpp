@@ -5,7 +5,6 @@
 #include "pbrt/core/limits.h"
 #include "pbrt/materials/coated_materials.h"
 #include "pbrt/materials/conductor_material.h"
-#include "pbrt/materials/dielectric_materials.h"
 #include "pbrt/materials/diffuse_materials.h"
 #include "pbrt/materials/hair_material.h"
 #include "pbrt/materials/measured_material.h"

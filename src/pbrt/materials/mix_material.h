@@ -15,7 +15,7 @@ class InterfaceMaterial final : public Material {
 };
 
 /// One of two materials at every point, the second with probability `amount`. The choice is a hash of the point, the
-/// direction and `pairId`, so every look at the same hit sees the same material.
+/// direction and `pairId`, so every evaluation of the same hit has the same material.
 class MixMaterial final : public Material {
   public:
     /// `pairId` identifies the two operands; it must not depend on their addresses in memory.

@@ -37,8 +37,8 @@ AnimatedTransform::AnimatedTransform(const Transform &start, Float startTime, co
     : start_(start), end_(end), startTime_(startTime), endTime_(endTime), isAnimated_(!(start == end)) {
     if (!isAnimated_) return;
     PBRT_CHECK(CanInterpolate(start, end));
-    first_ = TakeApart(glm::dmat4(start.Matrix()));
-    last_ = TakeApart(glm::dmat4(end.Matrix()));
+    first_ = Decompose(glm::dmat4(start.Matrix()));
+    last_ = Decompose(glm::dmat4(end.Matrix()));
     if (glm::dot(first_.rotation, last_.rotation) < 0) last_.rotation = -last_.rotation;
 }
 
@@ -46,7 +46,7 @@ bool AnimatedTransform::CanInterpolate(const Transform &start, const Transform &
     return !start.IsSingular() && !end.IsSingular() && start.SwapsHandedness() == end.SwapsHandedness();
 }
 
-AnimatedTransform::Parts AnimatedTransform::TakeApart(const glm::dmat4 &m) {
+AnimatedTransform::Decomposition AnimatedTransform::Decompose(const glm::dmat4 &m) {
     const glm::dmat3 linear(m);
     glm::dmat3 rotation = OrthogonalFactor(linear);
     if (glm::determinant(rotation) < 0) rotation = -rotation;  // mirroring goes to the scale

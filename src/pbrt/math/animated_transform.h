@@ -32,17 +32,17 @@ class AnimatedTransform {
     bool KeepsAxes() const;
 
   private:
-    struct Parts {
+    struct Decomposition {
         glm::dvec3 translation{0};
         glm::dquat rotation{1, 0, 0, 0};
         glm::dmat3 scale{1};
     };
-    static Parts TakeApart(const glm::dmat4 &m);
+    static Decomposition Decompose(const glm::dmat4 &m);
 
     Transform start_, end_;
     Float startTime_ = 0, endTime_ = 1;
     bool isAnimated_ = false;
-    Parts first_, last_;
+    Decomposition first_, last_;
 };
 
 }  // namespace pbrt

@@ -27,13 +27,6 @@ struct Bounds3 {
     bool Contains(const Point3 &p) const {
         return p.x >= low.x && p.y >= low.y && p.z >= low.z && p.x <= high.x && p.y <= high.y && p.z <= high.z;
     }
-    /// Position relative to the corners: low -> 0, high -> 1.
-    Vector3 Offset(const Point3 &p) const {
-        Vector3 o = p - low;
-        for (int i = 0; i < 3; ++i)
-            if (high[i] > low[i]) o[i] /= high[i] - low[i];
-        return o;
-    }
     Point3 Corner(int i) const { return {i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z}; }
     /// Centre and radius of the sphere through the corners; radius 0 if empty.
     void BoundingSphere(Point3 *center, Float *radius) const {

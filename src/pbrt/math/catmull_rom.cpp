@@ -4,14 +4,14 @@ namespace pbrt {
 
 std::optional<SplineWeights> CatmullRomWeights(std::span<const Float> nodes, Float x) {
     if (!(x >= nodes.front() && x <= nodes.back())) return {};
-    auto node = [&](int k) { return nodes[static_cast<size_t>(k)]; };
+    auto node = [&](int k) { return nodes[k]; };
     const int n = static_cast<int>(nodes.size());
     const int i = FindPiece(n, node, x);
     const Float width = node(i + 1) - node(i), t = (x - node(i)) / width;
     const Float t2 = t * t, t3 = t2 * t;
     SplineWeights weights;
     weights.first = std::clamp(i - 1, 0, n - 4);
-    auto weight = [&](int k) -> Float & { return weights.w[static_cast<size_t>(k - weights.first)]; };
+    auto weight = [&](int k) -> Float & { return weights.w[k - weights.first]; };
     weight(i) += 2 * t3 - 3 * t2 + 1;
     weight(i + 1) += 3 * t2 - 2 * t3;
     // The slopes are differences of the values at the ends of a chord.
@@ -29,7 +29,7 @@ Float IntegrateCatmullRom(std::span<const Float> nodes, std::span<const Float> v
     Float sum = 0;
     cdf[0] = 0;
     for (size_t i = 0; i + 1 < nodes.size(); ++i) {
-        auto value = [&](int k) { return values[static_cast<size_t>(k)]; };
+        auto value = [&](int k) { return values[k]; };
         sum += CatmullRomPiece(nodes, static_cast<int>(i), value).Integral(1);
         cdf[i + 1] = sum;
     }
@@ -39,7 +39,7 @@ Float IntegrateCatmullRom(std::span<const Float> nodes, std::span<const Float> v
 Float InvertCatmullRom(std::span<const Float> nodes, std::span<const Float> values, Float y) {
     if (!(y > values.front())) return nodes.front();
     if (!(y < values.back())) return nodes.back();
-    auto value = [&](int k) { return values[static_cast<size_t>(k)]; };
+    auto value = [&](int k) { return values[k]; };
     const SplinePiece piece = CatmullRomPiece(nodes, FindPiece(static_cast<int>(nodes.size()), value, y), value);
     const Float t = SolveIncreasing([&](Float s) { return piece.Value(s); }, [&](Float s) { return piece.Slope(s); }, y,
                                     Float(1e-6) * values.back());

@@ -39,7 +39,7 @@ struct SplinePiece {
 /// The piece between nodes i and i + 1 of the spline through value(k).
 template <class Value>
 SplinePiece CatmullRomPiece(std::span<const Float> nodes, int i, Value value) {
-    auto node = [&](int k) { return nodes[static_cast<size_t>(k)]; };
+    auto node = [&](int k) { return nodes[k]; };
     const int last = static_cast<int>(nodes.size()) - 1;
     const Float width = node(i + 1) - node(i), f0 = value(i), f1 = value(i + 1);
     const Float slope0 = i > 0 ? width * (f1 - value(i - 1)) / (node(i + 1) - node(i - 1)) : f1 - f0;

@@ -60,7 +60,7 @@ Float PiecewiseConstant1D::Pdf(Float x) const {
 PiecewiseConstant2D::PiecewiseConstant2D(std::span<const Float> f, int nx, int ny, const Bounds2 &domain)
     : domain_(domain) {
     PBRT_CHECK(f.size() == static_cast<size_t>(nx) * static_cast<size_t>(ny));
-    rows_.reserve(static_cast<size_t>(ny));
+    rows_.reserve(ny);
     std::vector<Float> integrals;
     for (int y = 0; y < ny; ++y) {
         rows_.emplace_back(f.subspan(static_cast<size_t>(y) * static_cast<size_t>(nx), static_cast<size_t>(nx)),
@@ -72,7 +72,7 @@ PiecewiseConstant2D::PiecewiseConstant2D(std::span<const Float> f, int nx, int n
 
 Point2 PiecewiseConstant2D::Sample(const Point2 &u, Float *pdf) const {
     PiecewiseConstant1D::Sampled y = marginal_.Sample(u.y);
-    PiecewiseConstant1D::Sampled x = rows_[static_cast<size_t>(y.index)].Sample(u.x);
+    PiecewiseConstant1D::Sampled x = rows_[y.index].Sample(u.x);
     *pdf = x.pdf * y.pdf;
     return {x.x, y.x};
 }
@@ -113,7 +113,7 @@ AliasTable::AliasTable(std::span<const Float> weights) : bins_(weights.size()) {
     auto heaviest = static_cast<int>(std::max_element(bins_.begin(), bins_.end(), byWeight) - bins_.begin());
     for (const std::vector<int> *rest : {&under, &over})
         for (int i : *rest) {
-            Bin &bin = bins_[static_cast<size_t>(i)];
+            Bin &bin = bins_[i];
             bin.q = bin.p > 0 ? 1 : 0;
             bin.alias = heaviest;
         }
@@ -125,7 +125,7 @@ AliasTable::Sampled AliasTable::Sample(Float u) const {
     Float up = std::min(u * n - static_cast<Float>(column), OneMinusEpsilon);
     const Bin &bin = bins_[column];
     if (up < bin.q) return {static_cast<int>(column), bin.p, std::min(up / bin.q, OneMinusEpsilon)};
-    return {bin.alias, bins_[static_cast<size_t>(bin.alias)].p, std::min((up - bin.q) / (1 - bin.q), OneMinusEpsilon)};
+    return {bin.alias, bins_[bin.alias].p, std::min((up - bin.q) / (1 - bin.q), OneMinusEpsilon)};
 }
 
 }  // namespace pbrt

@@ -22,7 +22,7 @@ class PiecewiseConstant1D {
     Float Pdf(Float x) const;                     ///< 0 outside
     Float Integral() const { return integral_; }  ///< of |f| over [low, high)
     int Size() const { return static_cast<int>(f_.size()); }
-    Float Value(int i) const { return f_[static_cast<size_t>(i)]; }
+    Float Value(int i) const { return f_[i]; }
     size_t Bytes() const {
         return (f_.capacity() + cdf_.capacity()) * sizeof(Float) + cuts_.capacity() * sizeof(uint32_t);
     }
@@ -64,7 +64,7 @@ class AliasTable {
         Float uRemapped;  ///< u stretched over the chosen entry, uniform again
     };
     Sampled Sample(Float u) const;
-    Float PMF(int i) const { return bins_[static_cast<size_t>(i)].p; }
+    Float PMF(int i) const { return bins_[i].p; }
     int Size() const { return static_cast<int>(bins_.size()); }
     size_t Bytes() const { return bins_.capacity() * sizeof(Bin); }
 

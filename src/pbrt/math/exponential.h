@@ -13,8 +13,8 @@ namespace pbrt {
 
 /// exp(-x) for x >= 0, which may be infinite. The relative error is at most 2e-7; 0 where the value is below 2^-125.
 inline Float ExpOfMinus(Float x) {
-    constexpr Float kLargest = 86.6f, kLog2e = 1.44269504f, kLn2High = 0.693359375f, kLn2Low = -2.12194440e-4f;
-    const Float limited = std::min(x, kLargest);
+    constexpr Float kMax = 86.6f, kLog2e = 1.44269504f, kLn2High = 0.693359375f, kLn2Low = -2.12194440e-4f;
+    const Float limited = std::min(x, kMax);
     // 2^-n exp(r), |r| <= ln 2 / 2; adding 3 * 2^22 rounds to an integer, which is then in the low bits.
     constexpr Float kRound = 12582912;
     const Float shifted = limited * kLog2e + kRound, n = shifted - kRound;
@@ -23,7 +23,7 @@ inline Float ExpOfMinus(Float x) {
         1 + r * (1.000000038f +
                  r * (0.500000005f + r * (0.166664155f + r * (0.041666353f + r * (0.008375126f + r * 0.001394111f)))));
     const auto scale = std::bit_cast<Float>((127u - (std::bit_cast<uint32_t>(shifted) & 0xffu)) << 23);
-    return x > kLargest ? 0 : p * scale;
+    return x > kMax ? 0 : p * scale;
 }
 
 /// -log(1 - u) for a random number u, 0 or 2^-32 to 1: the optical depth on which the part u of what was sent out is

@@ -30,16 +30,6 @@ inline Float Cos2Theta(const Vector3 &w) { return w.z * w.z; }
 inline Float AbsCosTheta(const Vector3 &w) { return std::abs(w.z); }
 inline Float Sin2Theta(const Vector3 &w) { return std::max(Float(0), 1 - Cos2Theta(w)); }
 inline Float SinTheta(const Vector3 &w) { return std::sqrt(Sin2Theta(w)); }
-inline Float Tan2Theta(const Vector3 &w) { return Sin2Theta(w) / Cos2Theta(w); }
-inline Float TanTheta(const Vector3 &w) { return SinTheta(w) / CosTheta(w); }
-inline Float CosPhi(const Vector3 &w) {
-    Float s = SinTheta(w);
-    return s == 0 ? 1 : std::clamp(w.x / s, Float(-1), Float(1));
-}
-inline Float SinPhi(const Vector3 &w) {
-    Float s = SinTheta(w);
-    return s == 0 ? 0 : std::clamp(w.y / s, Float(-1), Float(1));
-}
 inline bool SameHemisphere(const Vector3 &a, const Vector3 &b) { return a.z * b.z > 0; }
 
 }  // namespace pbrt

@@ -7,7 +7,7 @@
 namespace pbrt {
 
 // Integers that are worked on at once, in vector registers where there are any, by the vector extensions of GCC and
-// Clang. Operators work on each lane by itself, and so the numbers are the same on every machine.
+// Clang. Operators work on each lane separately, so the numbers are the same on every machine.
 
 using Lanes64 = uint64_t __attribute__((vector_size(64)));    ///< 8 lanes
 using Lanes32 = uint32_t __attribute__((vector_size(64)));    ///< 16 lanes

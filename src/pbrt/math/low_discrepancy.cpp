@@ -178,7 +178,7 @@ void DigitPermutations::RadicalInverses(int firstDimension, uint64_t a, Float va
 }
 
 Float DigitPermutations::RadicalInverse(int dimension, uint64_t a) const {
-    const Base &b = bases_[static_cast<size_t>(dimension)];
+    const Base &b = bases_[dimension];
     const uint16_t *permutation = &permutations_[b.first];
     double scale = 1 / double(b.base), weight = scale, value = 0;
     int k = 0;

@@ -80,7 +80,7 @@ class Rng {
     /// Skips `count` numbers.
     void Advance(uint64_t count) {
         for (; count > 0; count &= count - 1) {
-            const Jump &jump = kJumps[static_cast<size_t>(std::countr_zero(count))];
+            const Jump &jump = kJumps[std::countr_zero(count)];
             state_ = jump.multiplier * state_ + jump.steps * increment_;
         }
     }
@@ -89,8 +89,8 @@ class Rng {
     FloatLanes NextUniforms() const {
         Lanes64 multipliers[2], steps[2], drawn[2];
         for (int lane = 0; lane < Lanes32Count; ++lane) {
-            multipliers[lane / 8][lane % 8] = kRuns[static_cast<size_t>(lane)].multiplier;
-            steps[lane / 8][lane % 8] = kRuns[static_cast<size_t>(lane)].steps;
+            multipliers[lane / 8][lane % 8] = kRuns[lane].multiplier;
+            steps[lane / 8][lane % 8] = kRuns[lane].steps;
         }
         for (int half = 0; half < 2; ++half) {
             const Lanes64 old = multipliers[half] * state_ + steps[half] * increment_;

@@ -58,8 +58,8 @@ SobolPixelIndex::SobolPixelIndex(int log2Resolution) : log2Resolution_(log2Resol
     // were added up to get them.
     std::vector<uint64_t> image(static_cast<size_t>(n)), source(static_cast<size_t>(n));
     for (int c = 0; c < n; ++c) {
-        image[static_cast<size_t>(c)] = pixelOf(c);
-        source[static_cast<size_t>(c)] = uint64_t(1) << c;
+        image[c] = pixelOf(c);
+        source[c] = uint64_t(1) << c;
     }
     for (size_t row = 0; row < static_cast<size_t>(n); ++row) {
         size_t pivot = row;
@@ -75,8 +75,7 @@ SobolPixelIndex::SobolPixelIndex(int log2Resolution) : log2Resolution_(log2Resol
     }
     std::copy(source.begin(), source.end(), pixelColumns_.begin());
     for (int c = n; c < SobolIndexBits; ++c)
-        for (uint64_t bits = pixelOf(c); bits; bits &= bits - 1)
-            frameColumns_[static_cast<size_t>(c - n)] ^= pixelColumns_[IndexOf(bits)];
+        for (uint64_t bits = pixelOf(c); bits; bits &= bits - 1) frameColumns_[c - n] ^= pixelColumns_[IndexOf(bits)];
 }
 
 }  // namespace pbrt

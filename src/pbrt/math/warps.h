@@ -81,10 +81,6 @@ inline Float LinearPdf(Float x, Float a, Float b) {
     if (!(a + b > 0)) return 1;
     return 2 * Lerp(x, a, b) / (a + b);
 }
-inline Float InvertLinearSample(Float x, Float a, Float b) {
-    if (!(a + b > 0)) return x;
-    return x * (a * (2 - x) + b * x) / (a + b);
-}
 
 /// Point of the unit square with density proportional to the bilinear interpolation of the corner values
 /// w = {w00, w10, w01, w11} (x first). Integrated over x the density is linear in y, between half the sums of the lower
@@ -102,15 +98,8 @@ inline Float BilinearPdf(const Point2 &p, const Float w[4]) {
     const Float lower = Lerp(p.x, w[0], w[1]), upper = Lerp(p.x, w[2], w[3]);
     return 4 * Lerp(p.y, lower, upper) / sum;
 }
-/// The u of SampleBilinear: both distribution functions at p.
-inline Point2 InvertBilinearSample(const Point2 &p, const Float w[4]) {
-    const Float left = Lerp(p.y, w[0], w[2]), right = Lerp(p.y, w[1], w[3]);
-    const Float lower = w[0] + w[1], upper = w[2] + w[3];
-    return {InvertLinearSample(p.x, left, right), InvertLinearSample(p.y, lower, upper)};
-}
 
-/// MIS weights for one sample from each of two densities (Veach).
-inline Float BalanceHeuristic(Float f, Float g) { return f / (f + g); }
+/// MIS weight for one sample from each of two densities (Veach).
 inline Float PowerHeuristic(Float f, Float g) {
     if (std::isinf(f * f)) return 1;
     return f * f / (f * f + g * g);

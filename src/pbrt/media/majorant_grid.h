@@ -17,7 +17,7 @@ class MajorantGrid {
 
     const glm::ivec3 &Resolution() const { return resolution_; }
     Float operator()(const glm::ivec3 &cell) const {
-        return values_[static_cast<size_t>((cell.z * resolution_.y + cell.y) * resolution_.x + cell.x)];
+        return values_[(cell.z * resolution_.y + cell.y) * resolution_.x + cell.x];
     }
     size_t Bytes() const { return values_.size() * sizeof(Float); }
 
@@ -66,8 +66,7 @@ class GridWalk {
         const bool isHere = t >= hereBegin_ && t <= hereEnd_;
         return isHere ? Min(Max(p, Point3(here_)), Point3(here_ + 1)) : Min(Max(p, Point3(0)), Point3(size_));
     }
-    /// The ray in the grid's coordinates: p = Origin() + Direction() * (t - Anchor()).
-    const Point3 &Origin() const { return origin_; }
+    /// The ray in the grid's coordinates: its origin + Direction() * (t - Anchor()).
     const Vector3 &Direction() const { return direction_; }
     Float Anchor() const { return anchor_; }
 

@@ -4,9 +4,9 @@
 #include <new>
 #include <type_traits>
 
+#include "pbrt/bxdfs/henyey_greenstein.h"
 #include "pbrt/math/ray.h"
 #include "pbrt/media/majorant_grid.h"
-#include "pbrt/media/phase_function.h"
 #include "pbrt/spectra/spectrum.h"
 
 namespace pbrt {

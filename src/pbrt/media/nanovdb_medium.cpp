@@ -49,7 +49,7 @@ void CheckMagic(const std::string &path) {
 }
 
 /// True if all nodes of the grid's tree lie in its memory of `bytes`, so that its values can be read. NanoVDB's own
-/// check does not look at all of them.
+/// check does not visit all of them.
 bool IsSound(const FloatGrid &grid, size_t bytes) {
     const auto begin = reinterpret_cast<uintptr_t>(&grid);
     auto holds = [&](const void *p, uint64_t size) {
@@ -60,10 +60,10 @@ bool IsSound(const FloatGrid &grid, size_t bytes) {
     const auto &tree = grid.tree();
     const auto &root = tree.root();
     if (!holds(&root, sizeof(root)) || !holds(&root, root.memUsage())) return false;
-    // A damaged tree might meet nodes many times over: no more are visited than it says that it has.
-    std::array<uint64_t, 3> found{};
+    // A damaged tree may refer to a node many times: no more are visited than its node counts allow.
+    std::array<uint64_t, 3> visited{};
     auto isFine = [&](const auto &node, size_t level) {
-        return ++found[level] <= tree.nodeCount(static_cast<int>(level)) && holds(&node, sizeof(node));
+        return ++visited[level] <= tree.nodeCount(static_cast<int>(level)) && holds(&node, sizeof(node));
     };
     for (auto upper = root.beginChild(); upper; ++upper) {
         if (!isFine(*upper, 2)) return false;
@@ -74,7 +74,7 @@ bool IsSound(const FloatGrid &grid, size_t bytes) {
         }
     }
     for (size_t level = 0; level < 3; ++level)
-        if (found[level] != tree.nodeCount(static_cast<int>(level))) return false;
+        if (visited[level] != tree.nodeCount(static_cast<int>(level))) return false;
     return true;
 }
 
@@ -144,7 +144,7 @@ Float Interpolate(const Accessor &accessor, const Point3 &p) {
     std::array<Float, 4> alongZ;
     for (int i = 0; i < 4; ++i) {
         const nanovdb::Coord at = first.offsetBy(i & 1, i >> 1, 0);
-        alongZ[static_cast<size_t>(i)] = Lerp(w.z, accessor.getValue(at), accessor.getValue(at.offsetBy(0, 0, 1)));
+        alongZ[i] = Lerp(w.z, accessor.getValue(at), accessor.getValue(at.offsetBy(0, 0, 1)));
     }
     return Lerp(w.y, Lerp(w.x, alongZ[0], alongZ[1]), Lerp(w.x, alongZ[2], alongZ[3]));
 }
@@ -174,7 +174,7 @@ class DensityBounds {
             if (const auto *tile = root.data()->tile(i); !tile->isChild())
                 TakeCube(tile->origin(), Lower::DIM * kLowersPerUpper, tile->value);
         ParallelForEach(static_cast<int64_t>(lowers.size()), [&](int64_t i) {
-            const Lower &lower = *lowers[static_cast<size_t>(i)];
+            const Lower &lower = *lowers[i];
             for (auto leaf = lower.beginChild(); leaf; ++leaf) TakeLeaf(*leaf);
             TakeTiles(lower, Leaf::DIM);
         });
@@ -227,7 +227,7 @@ class DensityBounds {
     void TakeCube(const nanovdb::Coord &origin, int size, Float value) {
         if (value == 0) return;
         std::array<Cells, 3> cells;
-        for (int a = 0; a < 3; ++a) cells[static_cast<size_t>(a)] = CellsOf(a, origin[a], origin[a] + (size - 1));
+        for (int a = 0; a < 3; ++a) cells[a] = CellsOf(a, origin[a], origin[a] + (size - 1));
         Spread(cells, value);
     }
     /// The values of a node that stand for whole cubes of voxels.
@@ -241,13 +241,10 @@ class DensityBounds {
         std::array<std::array<Cells, kSize>, 3> cells;
         const nanovdb::Coord origin = leaf.origin();
         for (int a = 0; a < 3; ++a)
-            for (int i = 0; i < kSize; ++i)
-                cells[static_cast<size_t>(a)][static_cast<size_t>(i)] = CellsOf(a, origin[a] + i, origin[a] + i);
+            for (int i = 0; i < kSize; ++i) cells[a][i] = CellsOf(a, origin[a] + i, origin[a] + i);
         for (uint32_t n = 0; n < kSize * kSize * kSize; ++n) {
             const nanovdb::Coord at = Leaf::OffsetToLocalCoord(n);
-            Spread({cells[0][static_cast<size_t>(at[0])], cells[1][static_cast<size_t>(at[1])],
-                    cells[2][static_cast<size_t>(at[2])]},
-                   leaf.getValue(n));
+            Spread({cells[0][at[0]], cells[1][at[1]], cells[2][at[2]]}, leaf.getValue(n));
         }
     }
 

@@ -19,19 +19,18 @@ class Pattern {
             for (int x = 0; x < kSize; ++x) {
                 const auto dx = static_cast<float>(std::min(x, kSize - x)),
                            dy = static_cast<float>(std::min(y, kSize - y));
-                bell_[static_cast<size_t>(y * kSize + x)] = std::exp(-(dx * dx + dy * dy) / (2 * kSigma * kSigma));
+                bell_[y * kSize + x] = std::exp(-(dx * dx + dy * dy) / (2 * kSigma * kSigma));
             }
     }
-    bool IsChosen(int pixel) const { return chosen_[static_cast<size_t>(pixel)] != 0; }
+    bool IsChosen(int pixel) const { return chosen_[pixel] != 0; }
     void Toggle(int pixel) {
-        uint8_t &chosen = chosen_[static_cast<size_t>(pixel)];
+        uint8_t &chosen = chosen_[pixel];
         const float sign = chosen ? -1.0f : 1.0f;
         chosen ^= 1;
         const int px = pixel % kSize, py = pixel / kSize;
         for (int y = 0; y < kSize; ++y)
             for (int x = 0; x < kSize; ++x)
-                energy_[static_cast<size_t>(y * kSize + x)] +=
-                    sign * bell_[static_cast<size_t>(((y - py) & (kSize - 1)) * kSize + ((x - px) & (kSize - 1)))];
+                energy_[y * kSize + x] += sign * bell_[((y - py) & (kSize - 1)) * kSize + ((x - px) & (kSize - 1))];
     }
     /// The chosen pixel nearest to other chosen ones.
     int TightestCluster() const {
@@ -49,7 +48,7 @@ class Pattern {
     }
 
   private:
-    float Energy(int pixel) const { return energy_[static_cast<size_t>(pixel)]; }
+    float Energy(int pixel) const { return energy_[pixel]; }
     std::vector<float> bell_;
     std::vector<uint8_t> chosen_;
     std::vector<float> energy_;
@@ -79,12 +78,12 @@ BlueNoiseMask::BlueNoiseMask(uint64_t seed) : ranks_(kCount) {
     for (int rank = count - 1; rank >= 0; --rank) {
         const int pixel = fewer.TightestCluster();
         fewer.Toggle(pixel);
-        ranks_[static_cast<size_t>(pixel)] = static_cast<uint16_t>(rank);
+        ranks_[pixel] = static_cast<uint16_t>(rank);
     }
     for (int rank = count; rank < kCount; ++rank) {
         const int pixel = pattern.LargestVoid();
         pattern.Toggle(pixel);
-        ranks_[static_cast<size_t>(pixel)] = static_cast<uint16_t>(rank);
+        ranks_[pixel] = static_cast<uint16_t>(rank);
     }
 }
 

@@ -68,11 +68,11 @@ Point2 HaltonSampler::GetPixel2D() {
             RadicalInverse(3, index_ / static_cast<uint64_t>(scale_.y))};
 }
 
-int HaltonSampler::Step(int dimension) { return kSteps[static_cast<size_t>(dimension)]; }
+int HaltonSampler::Step(int dimension) { return kSteps[dimension]; }
 
 Float HaltonSampler::Dimension(int dimension) const {
     if (dimension >= PrimeCount) return HashFloat(index_, dimension, seed_);
-    uint32_t base = Primes[static_cast<size_t>(dimension)];
+    uint32_t base = Primes[dimension];
     switch (randomization_) {
         case Randomization::None:
             return RadicalInverse(base, index_);

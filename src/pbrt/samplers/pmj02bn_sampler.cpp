@@ -37,7 +37,7 @@ const std::vector<BinaryPoint> &Pmj02bnSampler::Set(int index) {
         for (size_t i = 0; i < made.size(); ++i) made[i] = MakePmj02bn(kLog2Count, i == 0 ? 7 : 0, i);
         return made;
     }();
-    return sets[static_cast<size_t>(index)];
+    return sets[index];
 }
 
 Pmj02bnSampler::Pmj02bnSampler(int samplesPerPixel, int seed)
@@ -56,7 +56,7 @@ Pmj02bnSampler::Pmj02bnSampler(int samplesPerPixel, int seed)
         (*sorted)[pixel << log2PerPixel_ | found[pixel]++] = {p.x << log2Tile_, p.y << log2Tile_};
     }
     pixelPoints_ = std::move(sorted);
-    for (int i = 0; i < SetCount; ++i) sets_[static_cast<size_t>(i)] = Set(i).data();
+    for (int i = 0; i < SetCount; ++i) sets_[i] = Set(i).data();
     mask_ = &Mask();
 }
 

@@ -9,10 +9,10 @@ namespace pbrt {
 
 /// Random numbers for pixel samples: a function of (seed, pixel, sample index, dimension) only. Not thread-safe: each
 /// thread works on its own Clone(). All values lie in [0, 1). Sample indices from SamplesPerPixel() on are allowed:
-/// they start another, independent set of SamplesPerPixel() samples (or go on with the sequence).
+/// they start another, independent set of SamplesPerPixel() samples (or continue the sequence).
 ///
 /// Numbers are prepared for several dimensions at once, because that takes little longer than one and saves virtual
-/// calls: a sampler says by Prepare what Get1D and Get2D return in the dimensions that follow.
+/// calls: Prepare computes what Get1D and Get2D return in the dimensions that follow.
 class Sampler {
   public:
     virtual ~Sampler() = default;

@@ -155,7 +155,7 @@ Lanes64 ZSobolSampler::SobolIndices(int firstDimension, const Lanes64 &hash) {
     Lanes64 index;
     if (firstDimension < kRemembered) {
         const uint32_t known = 1u << (firstDimension / Lanes64Count);
-        uint64_t *const part = &pixelPart_[static_cast<size_t>(firstDimension)];
+        uint64_t *const part = &pixelPart_[firstDimension];
         if (!(pixelPartKnown_ & known)) {
             StoreLanes(PermutedQuads(hash, log2Samples_, indexBits_), part);
             pixelPartKnown_ |= known;

@@ -8,20 +8,20 @@
 
 namespace pbrt {
 
-Scene::Scene(SceneParts parts) : parts_(std::move(parts)), bounds_(parts_.accel->Bounds()) {
-    PBRT_CHECK(parts_.lights != nullptr);
-    for (const MaterialPtr &m : parts_.materials) {
+Scene::Scene(SceneContents contents) : contents_(std::move(contents)), bounds_(contents_.accel->Bounds()) {
+    PBRT_CHECK(contents_.lights != nullptr);
+    for (const MaterialPtr &m : contents_.materials) {
         if (!m) continue;
         hasSubsurface_ |= m->HasBssrdf();
         needsFootprints_ |= m->NeedsFootprint();
     }
-    hasMedia_ = static_cast<bool>(parts_.cameraMedium);
-    for (const ShapeRecord &s : parts_.shapes) hasMedia_ |= s.insideMedium || s.outsideMedium;
+    hasMedia_ = static_cast<bool>(contents_.cameraMedium);
+    for (const ShapeRecord &s : contents_.shapes) hasMedia_ |= s.insideMedium || s.outsideMedium;
 }
 
 MediumId Scene::MediumOfLight(LightId id, const Normal3 &n, const Vector3 &w) const {
-    if (parts_.lightMedia.empty()) return {};
-    const SceneParts::LightMedia &media = parts_.lightMedia[Lights().WholeOf(id)];
+    if (contents_.lightMedia.empty()) return {};
+    const SceneContents::LightMedia &media = contents_.lightMedia[Lights().WholeOf(id)];
     return Dot(n, w) < 0 ? media.inside : media.outside;
 }
 
@@ -33,7 +33,7 @@ std::optional<SurfacePoint> Scene::Intersect(const Ray &ray) const {
 
 bool Scene::Intersect(const Ray &ray, SurfacePoint *point) const {
     ++ThreadCounters().closestHitRays;
-    std::optional<AccelHit> hit = parts_.accel->Intersect(ray);
+    std::optional<AccelHit> hit = contents_.accel->Intersect(ray);
     // Made in its place, without a copy.
     static_assert(std::is_trivially_destructible_v<SurfacePoint>);
     if (hit) new (point) SurfacePoint(SurfaceAt(*hit, ray));
@@ -51,10 +51,10 @@ std::optional<Scene::Crossing> Scene::SampleCrossing(const Point3 &from, const P
     int count = 0;
     for (Float tMin = 0;;) {
         ++ThreadCounters().closestHitRays;
-        std::optional<AccelHit> hit = parts_.accel->Intersect(segment, tMin);
+        std::optional<AccelHit> hit = contents_.accel->Intersect(segment, tMin);
         if (!hit) break;
         tMin = hit->hit.t;
-        if (parts_.shapes[hit->shape.value].material != material) continue;
+        if (contents_.shapes[hit->shape.value].material != material) continue;
         // The n-th crossing replaces the one kept so far with probability 1/n; u is rescaled to be uniform again.
         const Float keep = 1 - 1 / static_cast<Float>(++count);
         if (u >= keep) {
@@ -69,7 +69,7 @@ std::optional<Scene::Crossing> Scene::SampleCrossing(const Point3 &from, const P
 }
 
 SurfacePoint Scene::SurfaceAt(const AccelHit &hit, const Ray &ray) const {
-    const ShapeRecord &record = parts_.shapes[hit.shape.value];
+    const ShapeRecord &record = contents_.shapes[hit.shape.value];
     SurfacePoint point = hit.instance < 0 ? record.shape->SurfaceOnRay(hit.primitive, hit.hit, ray.o, ray.d)
                                           : InstancedSurface(*record.shape, hit, ray);
     point.wo = -Normalize(ray.d);
@@ -87,7 +87,7 @@ SurfacePoint Scene::SurfaceAt(const AccelHit &hit, const Ray &ray) const {
 }
 
 SurfacePoint Scene::InstancedSurface(const Shape &shape, const AccelHit &hit, const Ray &ray) const {
-    const Transform t = parts_.accel->InstanceTransform(hit.instance, ray.time);
+    const Transform t = contents_.accel->InstanceTransform(hit.instance, ray.time);
     return TransformSurface(t,
                             shape.SurfaceOnRay(hit.primitive, hit.hit, t.InversePoint(ray.o), t.InverseVector(ray.d)));
 }
@@ -113,12 +113,12 @@ Ray Scene::ShadowRay(const LightSampleContext &from, const LightLiSample &to) {
 std::optional<Scene::Interface> Scene::NextInterface(const Ray &ray, Float tMin) const {
     for (;;) {
         ++ThreadCounters().closestHitRays;
-        const std::optional<AccelHit> hit = parts_.accel->Intersect(ray, tMin);
+        const std::optional<AccelHit> hit = contents_.accel->Intersect(ray, tMin);
         if (!hit) return {};
         tMin = hit->hit.t;
-        const ShapeRecord &record = parts_.shapes[hit->shape.value];
+        const ShapeRecord &record = contents_.shapes[hit->shape.value];
         if (record.insideMedium == record.outsideMedium) continue;
-        const Material *material = record.material ? parts_.materials[record.material.value].get() : nullptr;
+        const Material *material = record.material ? contents_.materials[record.material.value].get() : nullptr;
         if (!material || !material->IsInterface()) continue;
         return InterfaceAt(*hit, ray);
     }
@@ -127,7 +127,7 @@ std::optional<Scene::Interface> Scene::NextInterface(const Ray &ray, Float tMin)
 bool Scene::Occluded(const Ray &ray, PassedHits *passed) const {
     RenderCounters &counters = ThreadCounters();
     ++counters.shadowRays;
-    bool blocked = parts_.accel->Occluded(ray, passed);
+    bool blocked = contents_.accel->Occluded(ray, passed);
     counters.shadowRaysBlocked += blocked;
     return blocked;
 }

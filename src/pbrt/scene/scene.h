@@ -11,7 +11,7 @@
 
 namespace pbrt {
 
-/// What the scene knows about a shape beyond its geometry.
+/// A shape with the properties beyond its geometry.
 struct ShapeRecord {
     std::unique_ptr<Shape> shape;
     FloatTexturePtr alpha;  ///< null: opaque
@@ -21,7 +21,7 @@ struct ShapeRecord {
 };
 
 /// Everything that build/ hands over to a Scene.
-struct SceneParts {
+struct SceneContents {
     std::vector<ShapeRecord> shapes;
     std::vector<MaterialPtr> materials;
     std::unique_ptr<Accel> accel;
@@ -39,7 +39,7 @@ struct SceneParts {
 /// The immutable scene: ray queries, lights, materials by id. No setters.
 class Scene {
   public:
-    explicit Scene(SceneParts parts);
+    explicit Scene(SceneContents contents);
 
     /// Nearest surface along the ray, complete but for the filter footprint.
     std::optional<SurfacePoint> Intersect(const Ray &ray) const;
@@ -74,36 +74,34 @@ class Scene {
     /// holds.
     std::optional<Interface> NextInterface(const Ray &ray, Float tMin) const;
 
-    const LightTable &Lights() const { return *parts_.lights; }
-    const Material &MaterialOf(MaterialId id) const { return *parts_.materials[id.value]; }
-    const Medium &MediumOf(MediumId id) const { return *parts_.media[id.value]; }
+    const LightTable &Lights() const { return *contents_.lights; }
+    const Material &MaterialOf(MaterialId id) const { return *contents_.materials[id.value]; }
     /// Null: vacuum.
-    const Medium *MediumAt(MediumId id) const { return id ? parts_.media[id.value].get() : nullptr; }
+    const Medium *MediumAt(MediumId id) const { return id ? contents_.media[id.value].get() : nullptr; }
     /// True if some ray can be in a medium.
     bool HasMedia() const { return hasMedia_; }
-    size_t MediumCount() const { return parts_.media.size(); }
     /// The medium in which camera rays start.
-    MediumId CameraMedium() const { return parts_.cameraMedium; }
+    MediumId CameraMedium() const { return contents_.cameraMedium; }
     /// The medium in which light leaves a light in direction w, from a surface of this normal (zero: from none).
     MediumId MediumOfLight(LightId id, const Normal3 &n, const Vector3 &w) const;
-    const Shape &ShapeOf(ShapeId id) const { return *parts_.shapes[id.value].shape; }
-    size_t ShapeCount() const { return parts_.shapes.size(); }
+    const Shape &ShapeOf(ShapeId id) const { return *contents_.shapes[id.value].shape; }
+    size_t ShapeCount() const { return contents_.shapes.size(); }
     /// True if some material scatters light below its surface.
     bool HasSubsurface() const { return hasSubsurface_; }
     /// True if some material uses filter footprints.
     bool NeedsFootprints() const { return needsFootprints_; }
     bool NeedsFootprintAt(const SurfacePoint &point) const {
-        return point.material && parts_.materials[point.material.value] &&
-               parts_.materials[point.material.value]->NeedsFootprint();
+        return point.material && contents_.materials[point.material.value] &&
+               contents_.materials[point.material.value]->NeedsFootprint();
     }
     const Bounds3 &Bounds() const { return bounds_; }
-    const Accel &Acceleration() const { return *parts_.accel; }
+    const Accel &Acceleration() const { return *contents_.accel; }
 
   private:
     SurfacePoint SurfaceAt(const AccelHit &hit, const Ray &ray) const;
     /// The point of a shape of an object, placed by the instance that was hit.
     SurfacePoint InstancedSurface(const Shape &shape, const AccelHit &hit, const Ray &ray) const;
-    SceneParts parts_;
+    SceneContents contents_;
     Bounds3 bounds_;
     bool hasSubsurface_ = false, needsFootprints_ = false, hasMedia_ = false;
 };

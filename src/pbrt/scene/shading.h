@@ -16,7 +16,7 @@ inline Bsdf ComputeBsdf(const Scene &scene, SurfacePoint &point, SampledWaveleng
     return material->GetBsdf(point, lambda);
 }
 
-/// True only if ComputeBsdf is not empty there, as can be told without it of most surfaces.
+/// True only if ComputeBsdf is not empty there; a cheap test that covers most surfaces.
 inline bool ScattersSurely(const Scene &scene, const SurfacePoint &point) {
     return point.material && scene.MaterialOf(point.material).IsPlain();
 }

@@ -22,7 +22,7 @@ class ContentHash {
 /// the scene cannot be read.
 std::string SceneHash(const std::string &scenePath);
 
-/// A hash of every one of these files by itself. The keys are their names, relative to the folder of the scene file, so
+/// A hash of each of these files. The keys are their names, relative to the folder of the scene file, so
 /// that a scene may be moved with all its files. `outputs`: names in the scene that are of files to be written.
 std::map<std::string, std::string> FileHashes(const std::string &scenePath, const std::set<std::string> &outputs);
 

@@ -395,7 +395,7 @@ void DescriptionBuilder::AddShape(const std::string &type, Params params, const 
         shape.areaLight = light.index;
     }
     if (unit.object >= 0)
-        scene_.objects[static_cast<size_t>(unit.object)].shapes.push_back(std::move(shape));
+        scene_.objects[unit.object].shapes.push_back(std::move(shape));
     else if (unit.object == kNoObject)
         scene_.shapes.push_back(std::move(shape));
 }

@@ -99,7 +99,7 @@ Float ParameterReader::ToFloat(const Token &token) const {
     return value;
 }
 
-/// Reading goes on with the value 0, so that all such numbers are found in one run.
+/// Reading continues with the value 0, so that all such numbers are found in one run.
 void ParameterReader::ReportOverflow(const Token &token, ParamType type) const {
     std::string rule = "a number must lie between -3.4028235e+38 and 3.4028235e+38 (32-bit float)";
     if (type == ParamType::Integer)

@@ -7,7 +7,7 @@
 
 namespace pbrt {
 
-/// Reads arguments and parameter lists. Errors after which reading can go on (an unknown type, values of the wrong
+/// Reads arguments and parameter lists. Errors after which reading can continue (an unknown type, values of the wrong
 /// kind) go to the sink; all others are thrown as a located UserError.
 class ParameterReader {
   public:
@@ -26,7 +26,7 @@ class ParameterReader {
     /// The string as a name, in composed form (NFC); an error if it is not valid UTF-8.
     std::string NameOf(const Token &token) const;
 
-    /// The next token. The end of the input is an error that says what was expected.
+    /// The next token. The end of the input is an error that names what was expected.
     Token Require(const char *what);
     [[noreturn]] void Fail(const Token &token, std::string message) const;
 

@@ -90,7 +90,7 @@ struct SceneOptions {
     std::optional<int> seed;
 };
 
-/// Everything a scene file says, in its order, as plain data: nothing is built yet.
+/// The content of a scene file in its order, as plain data: nothing is built yet.
 struct SceneDescription {
     SceneOptions options;
     Entity film, sampler, filter, integrator, accelerator;  ///< defaults filled in when absent (§5)

@@ -22,7 +22,7 @@ struct Token {
     int column = 0;
 };
 
-/// The tokens of a file with other files spliced in (Include): when an inner file ends, the outer one goes on.
+/// The tokens of a file with other files spliced in (Include): when an inner file ends, the outer one continues.
 /// Lexical errors are thrown as located UserErrors.
 class Tokenizer {
   public:
@@ -42,7 +42,8 @@ class Tokenizer {
     const Token &Peek();
 
     /// Bulk reading: appends the numbers that follow and stops before the first token that is not a plain number, at
-    /// the end of a file, or at a value out of range; Next() tells which. Appends nothing if a peeked token is pending.
+    /// the end of a file, or at a value out of range; Next() returns which. Appends nothing if a peeked token is
+    /// pending.
     void ReadFloats(std::vector<Float> &out);
     void ReadInts(std::vector<int> &out);
 

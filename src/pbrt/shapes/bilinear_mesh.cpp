@@ -6,7 +6,7 @@
 #include "pbrt/math/warps.h"
 #include "pbrt/shapes/plane_error.h"
 #include "pbrt/shapes/rectangle_sampling.h"
-#include "pbrt/shapes/sample_density.h"
+#include "pbrt/shapes/shape.h"
 #include "pbrt/shapes/weingarten.h"
 
 namespace pbrt {
@@ -183,7 +183,7 @@ struct BilinearMesh::PatchHit {
         tMin += 0x1p-46 * std::max({size.x, size.y, size.z}) / std::max({length.x, length.y, length.z});
         std::optional<PatchHit> best;
         for (int i = 0; i < n; ++i) {
-            double u = roots[static_cast<size_t>(i)];
+            double u = roots[i];
             if (!(u >= -slack && u <= 1 + slack)) continue;
             D a = a0 + u * da, e = e0 + u * de;
             D ed = glm::cross(e, dir);
@@ -300,7 +300,7 @@ Point2 BilinearMesh::Parameters(const Corners &c, const Point3 &p, const Normal3
     Point2 best(Float(0.5));
     double bestError = std::numeric_limits<double>::infinity();
     for (int i = 0; i < count; ++i) {
-        double v = std::clamp(roots[static_cast<size_t>(i)], 0.0, 1.0);
+        double v = std::clamp(roots[i], 0.0, 1.0);
         D2 along = e + v * g, rest = h - v * f;
         double u = std::abs(along.x) > std::abs(along.y) ? rest.x / along.x : rest.y / along.y;
         if (!std::isfinite(u)) continue;

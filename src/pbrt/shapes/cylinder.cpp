@@ -1,4 +1,4 @@
-#include "pbrt/shapes/cylinder.h"
+#include "pbrt/shapes/quadric.h"
 
 #include "pbrt/shapes/weingarten.h"
 

@@ -1,4 +1,4 @@
-#include "pbrt/shapes/disk.h"
+#include "pbrt/shapes/quadric.h"
 
 #include "pbrt/math/warps.h"
 

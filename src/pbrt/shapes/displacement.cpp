@@ -12,7 +12,7 @@ namespace pbrt {
 
 namespace {
 
-[[noreturn]] void RefuseSplit(const SplitSize &size, Float maxEdge, Float edgeScale) {
+[[noreturn]] void ThrowTooManySplits(const SplitSize &size, Float maxEdge, Float edgeScale) {
     const double wanted = std::max(0.6 * kMaxDisplacedTriangles, 1.1 * size.faces);
     double fitting = double(maxEdge);
     while (size.Triangles(fitting) > wanted) fitting *= 1.02;
@@ -28,8 +28,8 @@ namespace {
 
 class Splitter {
   public:
-    Splitter(const MeshData &vertices, const Transform &renderFromObject, Float maxEdge, std::function<void()> refuse)
-        : renderFromObject_(renderFromObject), maxEdge_(maxEdge), refuse_(std::move(refuse)) {
+    Splitter(const MeshData &vertices, const Transform &renderFromObject, Float maxEdge, std::function<void()> fail)
+        : renderFromObject_(renderFromObject), maxEdge_(maxEdge), refuse_(std::move(fail)) {
         mesh_.p = vertices.p;
         mesh_.n = vertices.n;
         mesh_.uv = vertices.uv;
@@ -158,9 +158,9 @@ MeshData DisplaceMesh(const PlyMesh &ply, const Transform &renderFromObject, Flo
     if (vertices.n.empty()) throw DisplacementError("displacement", "a mesh without normals cannot be displaced.");
     maxEdge *= displacement.edgeScale;
     const SplitSize size = MeasureSplit(ply, renderFromObject);
-    auto refuse = [&] { RefuseSplit(size, maxEdge, displacement.edgeScale); };
-    if (size.Triangles(double(maxEdge)) > kMaxDisplacedTriangles) refuse();
-    Splitter splitter(vertices, renderFromObject, maxEdge, refuse);
+    auto fail = [&] { ThrowTooManySplits(size, maxEdge, displacement.edgeScale); };
+    if (size.Triangles(double(maxEdge)) > kMaxDisplacedTriangles) fail();
+    Splitter splitter(vertices, renderFromObject, maxEdge, fail);
     ForEachTriangle(ply, [&](uint32_t a, uint32_t b, uint32_t c, int face) { splitter.Split(a, b, c, face); });
     MeshData mesh = splitter.Take();
     MoveVertices(mesh, renderFromObject, displacement);

@@ -36,12 +36,12 @@ class Ring {
         isBoundary_ = level.IsVertexBoundary(vertex);
     }
     int Size() const { return static_cast<int>(vertices_.size()); }
-    const Point3 &At(const Points &p, int i) const { return p[static_cast<size_t>(vertices_[static_cast<size_t>(i)])]; }
+    const Point3 &At(const Points &p, int i) const { return p[vertices_[i]]; }
 
     /// Weighted mean of the vertex and its neighbours (on the boundary, the two boundary neighbours): each neighbour
     /// has the weight given, the vertex the rest.
     Point3 Smoothed(const Points &p, int vertex, Float interiorWeight, Float boundaryWeight) const {
-        const Point3 &center = p[static_cast<size_t>(vertex)];
+        const Point3 &center = p[vertex];
         if (isBoundary_) return center * (1 - 2 * boundaryWeight) + (At(p, 0) + At(p, Size() - 1)) * boundaryWeight;
         Point3 sum(0);
         for (int i = 0; i < Size(); ++i) sum += At(p, i);
@@ -73,7 +73,7 @@ class Ring {
 
   private:
     Vector3 InwardTangent(const Points &p, int vertex) const {
-        const Point3 &center = p[static_cast<size_t>(vertex)];
+        const Point3 &center = p[vertex];
         int n = Size();
         if (n == 2) return At(p, 0) + At(p, 1) - Float(2) * center;
         if (n == 3) return At(p, 1) - center;
@@ -91,7 +91,7 @@ class Ring {
 
 Point3 EdgePoint(const Far::TopologyLevel &level, const Points &p, int edge) {
     Far::ConstIndexArray ends = level.GetEdgeVertices(edge);
-    auto at = [&](int v) { return p[static_cast<size_t>(v)]; };
+    auto at = [&](int v) { return p[v]; };
     Point3 sum = at(ends[0]) + at(ends[1]);
     if (level.IsEdgeBoundary(edge)) return sum * Float(0.5);
     Point3 opposite(0);
@@ -109,10 +109,9 @@ Points RefineOnce(const Far::TopologyLevel &level, const Points &p, int childCou
     Ring ring;
     for (int v = 0; v < level.GetNumVertices(); ++v) {
         ring.Collect(level, v);
-        children[static_cast<size_t>(level.GetVertexChildVertex(v))] = ring.Refined(p, v);
+        children[level.GetVertexChildVertex(v)] = ring.Refined(p, v);
     }
-    for (int e = 0; e < level.GetNumEdges(); ++e)
-        children[static_cast<size_t>(level.GetEdgeChildVertex(e))] = EdgePoint(level, p, e);
+    for (int e = 0; e < level.GetNumEdges(); ++e) children[level.GetEdgeChildVertex(e)] = EdgePoint(level, p, e);
     return children;
 }
 
@@ -184,11 +183,11 @@ MeshData LoopSubdivide(std::span<const uint32_t> indices, std::span<const Point3
     Ring ring;
     for (int v = 0; v < last.GetNumVertices(); ++v) {
         ring.Collect(last, v);
-        mesh.p[static_cast<size_t>(v)] = ring.Limit(p, v);
+        mesh.p[v] = ring.Limit(p, v);
     }
     for (int v = 0; v < last.GetNumVertices(); ++v) {
         ring.Collect(last, v);
-        mesh.n[static_cast<size_t>(v)] = ring.LimitNormal(mesh.p, v);
+        mesh.n[v] = ring.LimitNormal(mesh.p, v);
     }
     mesh.indices.reserve(3 * static_cast<size_t>(last.GetNumFaces()));
     for (int f = 0; f < last.GetNumFaces(); ++f) {

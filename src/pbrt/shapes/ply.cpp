@@ -319,7 +319,7 @@ size_t ReadVertices(BodyReader &body, const Element &e, MeshData &mesh) {
     const std::vector<int> slots = VertexSlots(e);
     std::array<bool, 8> has{};
     for (int slot : slots)
-        if (slot >= 0) has[static_cast<size_t>(slot)] = true;
+        if (slot >= 0) has[slot] = true;
     if (!(has[0] && has[1] && has[2])) body.Fail("vertices need the properties x, y and z");
     bool hasNormals = has[3] && has[4] && has[5], hasUv = has[6] && has[7];
     mesh.p.resize(e.count);
@@ -332,7 +332,7 @@ size_t ReadVertices(BodyReader &body, const Element &e, MeshData &mesh) {
             if (slots[k] < 0)
                 SkipProperty(body, e.properties[k]);
             else
-                v[static_cast<size_t>(slots[k])] = static_cast<Float>(body.Number(e.properties[k].type));
+                v[slots[k]] = static_cast<Float>(body.Number(e.properties[k].type));
         }
         for (size_t k = 0; k < 3; ++k)
             if (!std::isfinite(v[k]))
@@ -377,7 +377,7 @@ void ReadFaces(BodyReader &body, const Element &e, uint64_t vertexCount, PlyMesh
                 int64_t v = body.Integer(p.type);
                 if (v < 0 || v >= static_cast<int64_t>(vertexCount))
                     body.Fail(fmt::format("vertex index {} is out of range; there are {} vertices", v, vertexCount));
-                if (c < 4) corners[static_cast<size_t>(c)] = static_cast<uint32_t>(v);
+                if (c < 4) corners[c] = static_cast<uint32_t>(v);
             }
         }
         if (n != 3 && n != 4) {

@@ -1,6 +1,6 @@
 #include "pbrt/shapes/quadric.h"
 
-#include "pbrt/shapes/sample_density.h"
+#include "pbrt/shapes/shape.h"
 
 namespace pbrt {
 

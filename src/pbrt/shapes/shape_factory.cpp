@@ -5,11 +5,10 @@
 #include "pbrt/images/image.h"
 #include "pbrt/shapes/bilinear_mesh.h"
 #include "pbrt/shapes/curves.h"
-#include "pbrt/shapes/cylinder.h"
-#include "pbrt/shapes/disk.h"
 #include "pbrt/shapes/extent.h"
 #include "pbrt/shapes/loop_subdivision.h"
 #include "pbrt/shapes/ply.h"
+#include "pbrt/shapes/quadric.h"
 #include "pbrt/shapes/sphere.h"
 #include "pbrt/shapes/triangle_mesh.h"
 
@@ -24,7 +23,7 @@ ShapeList One(MeshData data, const ShapeContext &context) {
     return shapes;
 }
 
-/// Stock pbrt-v4 reports arrays of the wrong length and goes on without them.
+/// Stock pbrt-v4 reports arrays of the wrong length and continues without them.
 template <class T>
 void DiscardUnlessPer(const ParamSet &set, DiagnosticSink &sink, std::vector<T> &values, size_t expected,
                       const char *name, const char *what) {

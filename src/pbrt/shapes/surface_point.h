@@ -4,7 +4,7 @@
 
 namespace pbrt {
 
-/// A point on a surface as the integrators see it. It holds ids only; the scene knows what they mean.
+/// A point on a surface for the integrators. It holds ids only, which the scene resolves.
 struct SurfacePoint {
     Point3 p{};
     Vector3 pError{};  ///< componentwise bound on |true p - p|

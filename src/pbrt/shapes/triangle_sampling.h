@@ -52,7 +52,7 @@ class TriangleSampling {
 /// 4/15 + 12/15 y, which is nearest to it in the mean square.
 inline void TriangleSampling::SetWeights(Float at0, Float at1, Float at2) {
     constexpr Float kNear = Float(4) / 15, kFar = Float(16) / 15, kMin = 0.02f;
-    auto between = [&](Float other, Float share) { return std::max(at1 + (other - at1) * share, kMin * at1); };
+    auto between = [&](Float other, Float t) { return std::max(at1 + (other - at1) * t, kMin * at1); };
     weights_[0] = between(at0, kNear);
     weights_[1] = between(at2, kNear);
     weights_[2] = between(at0, kFar);

@@ -79,19 +79,19 @@ DenseSpectrum::DenseSpectrum(std::span<const Float> values) : values_(values.beg
 }
 
 void DenseSpectrum::Summarise() {
-    static const std::vector<double> shares = [] {  // of the density of SampleVisible
-        std::vector<double> share(kNmCount);
+    static const std::vector<double> weights = [] {  // of the density of SampleVisible
+        std::vector<double> weight(kNmCount);
         double sum = 0;
         for (size_t i = 0; i < kNmCount; ++i) {
             const double x = (kFirstNm + static_cast<int>(i) - double(kMid)) / double(kWidth);
-            sum += share[i] = 1 / (std::cosh(x) * std::cosh(x));
+            sum += weight[i] = 1 / (std::cosh(x) * std::cosh(x));
         }
-        for (double &s : share) s /= sum;
-        return share;
+        for (double &w : weight) w /= sum;
+        return weight;
     }();
     max_ = *std::max_element(values_.begin(), values_.end());
     double square = 0;
-    for (size_t i = 0; i < kNmCount; ++i) square += shares[i] * double(values_[i]) * double(values_[i]);
+    for (size_t i = 0; i < kNmCount; ++i) square += weights[i] * double(values_[i]) * double(values_[i]);
     rootMeanSquare_ = static_cast<Float>(std::sqrt(square));
 }
 

@@ -20,8 +20,8 @@ class SampledSpectrum {
   public:
     SampledSpectrum() : v_{} {}
     explicit SampledSpectrum(Float c) { v_.fill(c); }
-    Float operator[](int i) const { return v_[static_cast<size_t>(i)]; }
-    Float &operator[](int i) { return v_[static_cast<size_t>(i)]; }
+    Float operator[](int i) const { return v_[i]; }
+    Float &operator[](int i) { return v_[i]; }
 
     SampledSpectrum &operator+=(const SampledSpectrum &o) {
         return Zip(o, [](Float a, Float b) { return a + b; });
@@ -118,8 +118,8 @@ class SampledWavelengths {
     static const SampledWavelengths &WholeRange();
     bool IsWholeRange() const { return isWholeRange_; }
 
-    Float operator[](int i) const { return lambda_[static_cast<size_t>(i)]; }
-    Float PdfAt(int i) const { return pdf_[static_cast<size_t>(i)]; }
+    Float operator[](int i) const { return lambda_[i]; }
+    Float PdfAt(int i) const { return pdf_[i]; }
     SampledSpectrum Pdf() const {
         SampledSpectrum s;
         for (int i = 0; i < SpectrumSamples; ++i) s[i] = PdfAt(i);

@@ -1,8 +1,8 @@
 #include "pbrt/spectra/spectrum_params.h"
 
+#include "pbrt/core/files.h"
 #include "pbrt/core/limits.h"
 #include "pbrt/core/log.h"
-#include "pbrt/core/number_file.h"
 
 namespace pbrt {
 

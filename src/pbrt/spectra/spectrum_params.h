@@ -8,8 +8,8 @@ namespace pbrt {
 /// How an `rgb` parameter is uplifted (pbrt-v4-format §4).
 enum class SpectrumUse { Albedo, Unbounded, Illuminant };
 
-/// A parameter that is a spectrum in any of its forms: rgb, blackbody, spectrum (inline samples, name, file). Says how
-/// the parameter is declared and, after reading, what was given; valid only while the ParamSet lives.
+/// A parameter that is a spectrum in any of its forms: rgb, blackbody, spectrum (inline samples, name, file). Holds
+/// the declaration of the parameter and, after reading, what was given; valid only while the ParamSet lives.
 struct SpectrumParam {
     SpectrumUse use = SpectrumUse::Albedo;
     std::optional<Float> constant{};  ///< the default, if it is a number

@@ -15,7 +15,7 @@ struct MipMapKey {
     TextureFilter filter = TextureFilter::Bilinear;
     WrapMode wrap = WrapMode::Repeat;
     Float maxAnisotropy = 8;
-    std::optional<ColorEncoding> encoding{};  ///< nullopt: what the file format says
+    std::optional<ColorEncoding> encoding{};  ///< nullopt: that of the file format
 
     auto Order() const {
         return std::make_tuple(path, static_cast<int>(filter), static_cast<int>(wrap), maxAnisotropy,

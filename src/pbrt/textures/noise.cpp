@@ -40,7 +40,7 @@ constexpr Float kLacunarity = Float(1.99);
 /// The mean of |noise|, used for octaves that are too fine for the footprint.
 constexpr Float kMeanMagnitude = Float(0.2);
 
-uint8_t Permute(int i) { return kPermutation[static_cast<size_t>(i & 255)]; }
+uint8_t Permute(int i) { return kPermutation[i & 255]; }
 
 /// The gradient at the lattice point `cell`.
 Vector3 LatticeGradient(const glm::ivec3 &cell) {

@@ -8,8 +8,8 @@ namespace pbrt {
 
 namespace {
 
-/// Texture classes of both families are written once, over FloatKind or SpectrumKind, which say what type parameters
-/// have and how operands and values become textures.
+/// Texture classes of both families are written once, over FloatKind or SpectrumKind, which define the type of
+/// parameters and how operands and values become textures.
 struct FloatKind {
     using Ptr = FloatTexturePtr;
     using Operand = FloatTextureParam;
@@ -113,9 +113,9 @@ template <class Kind>
 typename Kind::Ptr MakeMix(const MixParams<Kind> &p, const ParamSet &, const TextureRequest &r) {
     auto first = Kind::Make(p.first, r), second = Kind::Make(p.second, r);
     FloatTexturePtr amount = r.floatTexture(p.amount);
-    if (auto share = amount->Constant()) {
-        if (*share == 0) return first;
-        if (*share == 1) return second;
+    if (auto weight = amount->Constant()) {
+        if (*weight == 0) return first;
+        if (*weight == 1) return second;
     }
     return std::make_shared<typename Kind::template Texture<MixTexture>>(std::move(first), std::move(second),
                                                                          std::move(amount));

@@ -9,13 +9,13 @@ namespace pbrt {
 /// is divided by the mean of ru, or of ru + rl, over the wavelengths: the balance heuristic over all ways to sample it
 /// (Miller, Georgiev and Jarosz 2019, A null-scattering path integral formulation of light transport, sections 5, 6).
 ///
-/// That needs every wavelength to be the first one equally often. Once the others were given up (dispersion), only the
-/// first one's own densities count; stock pbrt-v4 goes on with the mean of all, which is biased.
+/// That needs every wavelength to be the first one equally often. Once the others were terminated (dispersion), only
+/// the first one's own densities count; stock pbrt-v4 continues with the mean of all, which is biased.
 struct SpectralWeights {
     SampledSpectrum beta{1};  ///< throughput over the density used
     SampledSpectrum ru{1};    ///< path sampled step by step
     SampledSpectrum rl{1};    ///< its last vertex sampled as a point on a light
-    bool onlyFirst = false;   ///< the other wavelengths were given up
+    bool onlyFirst = false;   ///< the other wavelengths were terminated
 
     void Multiply(const SampledSpectrum &f) {
         beta *= f;

@@ -3,7 +3,7 @@
 #include <new>
 #include <type_traits>
 
-#include "pbrt/bxdfs/albedo.h"
+#include "pbrt/bxdfs/bsdf.h"
 
 namespace pbrt {
 
@@ -22,7 +22,7 @@ bool PathWalk::FindScattering(SampledWavelengths &lambda) {
     new (&vertex_.bsdf) Bsdf(ComputeBsdf(context_.scene, point, lambda));
     if (vertex_.bsdf) {
         passed_ = 0;
-        if (visible_ && !*visible_) TellVisible(lambda);
+        if (visible_ && !*visible_) RecordVisible(lambda);
         return true;
     }
     ++passed_;
@@ -33,7 +33,7 @@ bool PathWalk::FindScattering(SampledWavelengths &lambda) {
     return false;
 }
 
-void PathWalk::TellVisible(const SampledWavelengths &lambda) const {
+void PathWalk::RecordVisible(const SampledWavelengths &lambda) const {
     SurfacePoint point = vertex_.point;
     // A walk that needs no footprints has marked its differentials as invalid.
     RayDifferential differential = differential_;

@@ -18,12 +18,12 @@ struct PathContext {
 ///
 ///     PathWalk walk(context, cameraRay);
 ///     while (walk.Next() == PathWalk::Met::Surface) {
-///         if (!walk.FindScattering(lambda)) continue;       // does not scatter: the walk goes on behind it
+///         if (!walk.FindScattering(lambda)) continue;       // does not scatter: the walk continues behind it
 ///         ... walk.Vertex().bsdf.Sample(...) ...
 ///         walk.Scatter(sample);
 ///     }
 ///
-/// Where there are media, the caller looks after every step of Next whether light gets there: MediumAhead,
+/// Where there are media, the caller follows the light through them after every step of Next: MediumAhead,
 /// ThroughMedium.
 class PathWalk {
   public:
@@ -41,7 +41,7 @@ class PathWalk {
         ray_.medium = context.scene.CameraMedium();
     }
 
-    /// A walk that starts anywhere, such as on a light; the ray knows its medium.
+    /// A walk that starts anywhere, such as on a light; the ray has its medium.
     PathWalk(const PathContext &context, const Ray &start)
         : context_(context), ray_(start), visible_(nullptr), startsWithDifferential_(false) {}
 
@@ -75,8 +75,8 @@ class PathWalk {
     /// Moves the path to the vertex where light that went below the surface comes out.
     void MoveTo(const PathVertex &vertex) { vertex_ = vertex; }
 
-    /// Ends the walk at a surface met before FindScattering. If `visible` is still empty, goes on to the first surface
-    /// that scatters.
+    /// Ends the walk at a surface met before FindScattering. If `visible` is still empty, continues to the first
+    /// surface that scatters.
     void End(SampledWavelengths lambda) {
         while (visible_ && !*visible_ && !FindScattering(lambda) && Next() == Met::Surface) {
         }
@@ -87,7 +87,7 @@ class PathWalk {
 
   private:
     void FindFootprint();
-    void TellVisible(const SampledWavelengths &lambda) const;
+    void RecordVisible(const SampledWavelengths &lambda) const;
 
     const PathContext &context_;
     Ray ray_;

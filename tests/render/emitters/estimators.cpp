@@ -122,7 +122,7 @@ PixelStatistics Studio::Render(Estimator estimator, const std::string &lightSamp
         // Independent samples: pixels are, and tiles' variances are known.
         const std::unique_ptr<Sampler> sampler = Samplers().Make(
             "independent", ParamSet(), SamplerContext{film->FullResolution(), samplesPerPixel, seed, sink});
-        RenderWaves(*integrator, *built_.camera, *built_.filter, *film, *sampler, settings, progress);
+        RenderWaves({*integrator, *built_.camera, *built_.filter, *film, *sampler, progress}, settings);
         statistics.Add(film->ToImage());
     }
     return statistics;

@@ -13,8 +13,8 @@
 #include "pbrt/core/log.h"
 #include "pbrt/core/memory.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/core/ranks.h"
 #include "pbrt/core/signal_watch.h"
+#include "pbrt/core/team.h"
 #include "plugins.h"
 
 namespace {
@@ -106,7 +106,7 @@ int LookInside(const pbrt::LightlabOptions &options, const pbrt::PluginRegistry 
 
 int main(int argc, char **argv) {
     using namespace pbrt;
-    if (const RanksAnnounced announced = AnnouncedRanks(); announced.size > 1) {
+    if (const AnnouncedTeam announced = ReadAnnouncedTeam(); announced.size > 1) {
         if (announced.rank == 0)
             std::fputs(
                 "Error: lightlab measures seconds, which processes beside it would change; start it without mpirun.\n",

@@ -16,13 +16,13 @@
 #include "pbrt/core/log.h"
 #include "pbrt/core/memory.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/core/ranks.h"
+#include "pbrt/core/team.h"
 #include "plugins.h"
 
 namespace {
 
 /// The number of threads of this process; 0: all cores. Processes on one machine share its cores.
-int ThreadsOf(const pbrt::CommandLine &options, const pbrt::RanksAnnounced &announced) {
+int ThreadsOf(const pbrt::CommandLine &options, const pbrt::AnnouncedTeam &announced) {
     if (options.threads > 0 || announced.onThisMachine <= 1) return options.threads;
     const auto share = static_cast<int>(sysconf(_SC_NPROCESSORS_ONLN)) / announced.onThisMachine;
     // mpirun may have bound this process to fewer.
@@ -33,8 +33,8 @@ int ThreadsOf(const pbrt::CommandLine &options, const pbrt::RanksAnnounced &anno
 
 int main(int argc, char **argv) {
     using namespace pbrt;
-    // Of the processes that mpirun started, only the first one says something.
-    const RanksAnnounced announced = AnnouncedRanks();
+    // Of the processes that mpirun started, only rank 0 prints.
+    const AnnouncedTeam announced = ReadAnnouncedTeam();
     const bool isSilent = announced.rank > 0;
     if (isSilent) {
         std::cout.setstate(std::ios::failbit);
@@ -52,12 +52,12 @@ int main(int argc, char **argv) {
     // Of several processes the first one shows the picture.
     const bool isWatched = !isSilent && (options.servePort || !options.displayServer.empty());
     Progress progress(isWatched ? live.Sink() : sink.get());
-    std::unique_ptr<Ranks> ranks;
+    auto team = std::make_unique<Team>();
     // Without this process the others cannot go on.
     const auto fail = [&](const std::string &what) {
-        std::fprintf(stderr, "Error: %s%s\n", ranks ? fmt::format("process {}: ", ranks->Rank()).c_str() : "",
+        std::fprintf(stderr, "Error: %s%s\n", team->Size() > 1 ? fmt::format("process {}: ", team->Rank()).c_str() : "",
                      what.c_str());
-        if (ranks) ranks->Abort(1);
+        team->Abort(1);
         return 1;
     };
     try {
@@ -72,14 +72,14 @@ int main(int argc, char **argv) {
         }
         ThreadLimit threads(ThreadsOf(options, announced));
         SignalWatch signals(progress, isSilent ? "" : "Interrupted: no image was written.");
-        ranks = ConnectRanks(ThreadCount());
+        team = ConnectTeam(ThreadCount());
         if (isWatched && !options.displayServer.empty()) live.SendTo(options.displayServer);
         if (isWatched && options.servePort) live.Serve(*options.servePort);
-        return RunRenderJob(options, registry, ranks.get(), progress, signals, live);
+        return RunRenderJob(options, registry, *team, progress, signals, live);
     } catch (const AnotherRankFailed &) {
         return 1;
     } catch (const UserError &e) {
-        if (ranks) ranks->Fail(e);
+        team->Fail(e);
         if (isSilent) return 1;
         std::fputs(FormatAll(e, isatty(STDERR_FILENO) != 0).c_str(), stderr);
         if (e.Count() > 1) std::fprintf(stderr, "%zu errors; nothing was rendered.\n", e.Count());

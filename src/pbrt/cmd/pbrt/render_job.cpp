@@ -15,10 +15,10 @@
 #include "pbrt/core/counters.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
-#include "pbrt/core/memory_limit.h"
+#include "pbrt/core/memory.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/images/picture_name.h"
-#include "pbrt/integrators/sample_plan.h"
+#include "pbrt/integrators/render_loop.h"
 #include "pbrt/scenefile/parser.h"
 
 namespace pbrt {
@@ -52,9 +52,9 @@ void PrintWarnings(const DiagnosticSink &sink, size_t *printed) {
 }
 
 /// Pictures beside the main one are in the memory of one process until its end.
-void CheckSidePictures(const CommandLine &options, const BuiltScene &built, const Ranks *ranks) {
+void CheckSidePictures(const CommandLine &options, const BuiltScene &built, const Team &team) {
     if (!built.integrator->MakesSidePictures()) return;
-    if (!options.checkpoint.empty() || ranks)
+    if (!options.checkpoint.empty() || team.Size() > 1)
         throw UserError(
             "\"visualizestrategies\" and \"visualizeweights\" exclude --checkpoint, --samples and mpirun: what single "
             "strategies found is neither kept in checkpoints nor sent to other processes.");
@@ -131,10 +131,9 @@ class PictureWriter {
 };
 
 /// Prepares the integrator: by what was learned before, from a file of learned lights, or by finding everything out.
-void PrepareLights(std::optional<StateReader> reader, const LearnedLights &lights, BuiltScene &built, Ranks *ranks,
+void PrepareLights(std::optional<StateReader> reader, const LearnedLights &lights, BuiltScene &built, Team &team,
                    Progress &progress) {
-    PrepareContext context = built.Preparation(progress);
-    context.ranks = ranks;
+    PrepareContext context = built.Preparation(progress, team);
     if (!reader && lights.AreLoaded()) {
         reader.emplace(lights.Learned());
         context.learnsOn = false;
@@ -154,10 +153,11 @@ void RefusePipes(const CommandLine &options) {
 
 /// Only the first process reads the checkpoint; the others get from it what they need. There `learned` then refers to
 /// `memory`.
-void ShareCheckpoint(Ranks &ranks, BuildOptions *build, std::optional<StateReader> *learned, std::string *memory) {
-    ranks.Meet();
+void ShareCheckpoint(Team &team, BuildOptions *build, std::optional<StateReader> *learned, std::string *memory) {
+    if (team.Size() == 1) return;
+    team.Meet();
     StateWriter out;
-    if (ranks.IsFirst()) {
+    if (team.IsRank0()) {
         out.Value(build->samplesPerPixel);
         out.Value(learned->has_value());
         if (*learned) {
@@ -166,8 +166,8 @@ void ShareCheckpoint(Ranks &ranks, BuildOptions *build, std::optional<StateReade
             out.Refer(bytes.data(), bytes.size());
         }
     }
-    *memory = ranks.Broadcast(out);
-    if (ranks.IsFirst()) return;
+    *memory = team.Broadcast(out);
+    if (team.IsRank0()) return;
     StateReader in(*memory, "the checkpoint");
     in.Value(&build->samplesPerPixel);
     if (in.Value<bool>()) *learned = StateReader(in.Take(in.BytesLeft()), "the checkpoint");
@@ -175,9 +175,9 @@ void ShareCheckpoint(Ranks &ranks, BuildOptions *build, std::optional<StateReade
 
 /// Sets the number of samples per pixel to what --time allows by a measurement of the first process, so that everything
 /// that depends on it (prepass, guide, pixel sampler) is as with the fitting --spp. `start`: of the budget.
-void PlanSamples(double budget, std::chrono::steady_clock::time_point start, Ranks *ranks, BuiltScene &built) {
+void PlanSamples(double budget, std::chrono::steady_clock::time_point start, Team &team, BuiltScene &built) {
     int samples = 0;
-    if (!ranks || ranks->IsFirst()) {
+    if (team.IsRank0()) {
         const auto left = [&] {
             return budget - std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         };
@@ -186,27 +186,22 @@ void PlanSamples(double budget, std::chrono::steady_clock::time_point start, Ran
         PrepareContext context = built.Preparation(silent);
         plain->Prepare(context);
         const std::unique_ptr<Film> scratch = built.film->MakeRgbFilm();
-        double perSample = MeasureSecondsPerSample(*plain, *built.camera, *built.filter, *scratch, *built.sampler,
-                                                   built.Settings(), left());
-        if (ranks) perSample *= static_cast<double>(ThreadCount()) / ranks->TotalThreads();
+        double perSample = MeasureSecondsPerSample(
+            {*plain, *built.camera, *built.filter, *scratch, *built.sampler, silent}, built.Settings(), left());
+        perSample *= static_cast<double>(ThreadCount()) / team.TotalThreads();
         samples = FittingSamples(left(), perSample);
     }
-    if (ranks) {
-        ranks->Meet();
-        StateWriter out;
-        out.Value(samples);
-        const std::string sent = ranks->Broadcast(out);
-        samples = StateReader(sent, "message").Value<int>();
-    }
+    team.Meet();
+    samples = team.BroadcastValue(samples);
     built.SetSamples(samples);
     LogInfo(fmt::format("--time {}: prepared for {} per pixel, as by --spp {}.", budget, CountText(samples, "sample"),
                         samples));
 }
 
 /// Brings all counters to the first process, and how many bytes were sent.
-void ReduceCounters(Ranks &ranks, uint64_t *sent) {
-    *sent = ranks.BytesSent();
-    ranks.Reduce(
+void ReduceCounters(Team &team, uint64_t *sent) {
+    *sent = team.BytesSent();
+    team.Reduce(
         [&](StateWriter &out) {
             out.Value(SumCounters());
             out.Value(*sent);
@@ -218,11 +213,12 @@ void ReduceCounters(Ranks &ranks, uint64_t *sent) {
 }
 
 /// What the processes beside the first do in place of all that follows the preparation.
-int FollowRender(BuiltScene &built, const RenderSettings &settings, Progress &progress, SignalWatch &signals) {
+int FollowRender(BuiltScene &built, Team &team, const RenderSettings &settings, Progress &progress,
+                 SignalWatch &signals) {
     signals.Cancel("", "", SignalWatch::kForever);
-    FollowWaves(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings, progress);
+    FollowWaves(built.Rendering(progress, team), settings);
     uint64_t sent = 0;
-    ReduceCounters(*settings.ranks, &sent);
+    ReduceCounters(team, &sent);
     signals.EndAtOnce("");
     return signals.Status();
 }
@@ -238,10 +234,10 @@ void SayKept(const Checkpoint &checkpoint, const RenderResult &result) {
 
 }  // namespace
 
-int RunRenderJob(const CommandLine &options, const PluginRegistry &registry, Ranks *ranks, Progress &progress,
+int RunRenderJob(const CommandLine &options, const PluginRegistry &registry, Team &team, Progress &progress,
                  SignalWatch &signals, LiveView &live) {
     if (options.memoryLimit > 0) LimitMemory(options.memoryLimit);
-    const bool isFirst = !ranks || ranks->IsFirst();
+    const bool isFirst = team.IsRank0();
     const auto start = std::chrono::steady_clock::now();
     Timings timings;
     timings.startUp = SecondsSinceProcessStart();
@@ -249,7 +245,7 @@ int RunRenderJob(const CommandLine &options, const PluginRegistry &registry, Ran
     size_t printed = 0;
 
     signals.EndAtOnce(NothingWritten("reading"));
-    if (ranks) RefusePipes(options);
+    if (team.Size() > 1) RefusePipes(options);
     progress.BeginPhase("reading", 0);
     SceneDescription description = ParseSceneFiles(SceneFilesOf(options), sink);
     PrintWarnings(sink, &printed);
@@ -265,7 +261,7 @@ int RunRenderJob(const CommandLine &options, const PluginRegistry &registry, Ran
     std::optional<StateReader> learned;
     if (checkpoint && checkpoint->IsResumed()) learned.emplace(checkpoint->Learned());
     std::string shared;
-    if (ranks) ShareCheckpoint(*ranks, &build, &learned, &shared);
+    ShareCheckpoint(team, &build, &learned, &shared);
     // Here and below, a signal that comes after the line "done" belongs to the phase that follows.
     signals.EndAtOnce(NothingWritten("building"));
     timings.read = progress.EndPhase();
@@ -282,8 +278,8 @@ int RunRenderJob(const CommandLine &options, const PluginRegistry &registry, Ran
     description.shapes.clear();
     PrintWarnings(sink, &printed);
     learnedLights.Check(built);
-    CheckSidePictures(options, built, ranks);
-    if (ranks) ranks->Meet();
+    CheckSidePictures(options, built, team);
+    team.Meet();
     signals.EndAtOnce(NothingWritten("preparing lights"));
     timings.build = progress.EndPhase();
 
@@ -295,20 +291,17 @@ int RunRenderJob(const CommandLine &options, const PluginRegistry &registry, Ran
     progress.BeginPhase("preparing lights", 0);
     // A render that goes on has its number of samples from the checkpoint. Only light samplers and guides learn.
     if (options.timeBudget > 0 && !learned && built.integrator->Lights())
-        PlanSamples(options.timeBudget, start, ranks, built);
+        PlanSamples(options.timeBudget, start, team, built);
     RenderSettings settings = built.Settings();
     settings.timeBudget = options.timeBudget;
     settings.start = start;
-    PrepareLights(learned, learnedLights, built, ranks, progress);
+    PrepareLights(learned, learnedLights, built, team, progress);
     timings.prepare = progress.EndPhase();
     if (checkpoint) checkpoint->Begin(built, &settings);
     ResetCounters();
-    if (ranks) {
-        ranks->Meet();
-        ranks->EndMeetings();
-        settings.ranks = ranks;
-    }
-    if (!isFirst) return FollowRender(built, settings, progress, signals);
+    team.Meet();
+    team.EndMeetings();
+    if (!isFirst) return FollowRender(built, team, settings, progress, signals);
 
     RenderResult result;
     PictureWriter writer(options, built, timings, signals);
@@ -337,10 +330,9 @@ int RunRenderJob(const CommandLine &options, const PluginRegistry &registry, Ran
     }
     const bool isPart = options.samples.has_value();
     writer.SayRendering();
-    result =
-        RenderWaves(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings, progress);
+    result = RenderWaves(built.Rendering(progress, team), settings);
     uint64_t sent = 0;
-    if (ranks) ReduceCounters(*ranks, &sent);
+    ReduceCounters(team, &sent);
     timings.render = result.seconds;
     if (checkpoint) result.seconds += checkpoint->RenderSecondsBefore();
     live.Finish(*built.film, result.samplesTaken, result.cancelled);
@@ -353,8 +345,8 @@ int RunRenderJob(const CommandLine &options, const PluginRegistry &registry, Ran
         LogInfo(fmt::format("Wrote {} ({} per pixel, {:.2f} s; {:.2f} s since the start).", writer.Written(),
                             CountText(result.samplesTaken, "sample"), result.seconds, timings.Total()));
     if (options.stats == "text") PrintStatistics(built, result, timings);
-    if (options.stats == "text" && ranks)
-        std::printf("  %-34s %d, %d; %.3f MB sent\n", "processes, threads", ranks->Size(), ranks->TotalThreads(),
+    if (options.stats == "text" && team.Size() > 1)
+        std::printf("  %-34s %d, %d; %.3f MB sent\n", "processes, threads", team.Size(), team.TotalThreads(),
                     static_cast<double>(sent) / 1e6);
     if (options.stats == "json")
         PrintStatisticsJson(options, built, result, timings, isWritten ? writer.Written() : std::string());

@@ -1,17 +1,17 @@
 #pragma once
 #include "pbrt/cmd/pbrt/command_line.h"
 #include "pbrt/cmd/pbrt/live_view.h"
-#include "pbrt/core/ranks.h"
 #include "pbrt/core/signal_watch.h"
+#include "pbrt/core/team.h"
 #include "pbrt/integrators/registry.h"
 
 namespace pbrt {
 
 /// Reads, builds, renders and writes one image. Throws UserError. Returns the exit status: 0, or 128 plus the number of
 /// a signal that ended the render early; what was rendered until then is saved.
-/// `ranks`: null, or the processes that render the image together, all of which call this; the first one writes.
+/// `team`: the processes that render the image together, all of which call this; rank 0 writes.
 /// `live` shows the picture as it grows.
-int RunRenderJob(const CommandLine &options, const PluginRegistry &registry, Ranks *ranks, Progress &progress,
+int RunRenderJob(const CommandLine &options, const PluginRegistry &registry, Team &team, Progress &progress,
                  SignalWatch &signals, LiveView &live);
 
 }  // namespace pbrt

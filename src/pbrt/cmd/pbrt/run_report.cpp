@@ -77,7 +77,7 @@ ImageMetadata DescribeImage(const CommandLine &options, const BuiltScene &built,
         m.attributes["lightSampler"] = built.lightSamplerName;
         AddReport(*lights, "lightSampler.", &m);
     }
-    if (const LightSampler *shooting = built.integrator->ShootingLights()) {
+    if (const LightSampler *shooting = built.integrator->EmissionSampler()) {
         m.attributes["shootingSampler"] = built.shootingSamplerName;
         AddReport(*shooting, "shootingSampler.", &m);
     }
@@ -124,7 +124,7 @@ void PrintStatistics(const BuiltScene &built, const RenderResult &result, const 
             line(("  " + key).c_str(), value.is_string() ? value.template get<std::string>() : value.dump());
     };
     if (const LightSampler *lights = built.integrator->Lights()) list("light sampler", built.lightSamplerName, *lights);
-    if (const LightSampler *shooting = built.integrator->ShootingLights())
+    if (const LightSampler *shooting = built.integrator->EmissionSampler())
         list("light paths begin by", built.shootingSamplerName, *shooting);
     if (const DirectionSampling *guide = built.integrator->Directions()) list("guide", "", *guide);
 }
@@ -181,7 +181,7 @@ void PrintStatisticsJson(const CommandLine &options, const BuiltScene &built, co
           {"mediumLookups", c.mediumLookups},
           {"samplesDropped", built.film->RejectedSamples()}}},
         {"lightSampler", report(built.lightSamplerName, built.integrator->Lights())},
-        {"shootingSampler", report(built.shootingSamplerName, built.integrator->ShootingLights())},
+        {"shootingSampler", report(built.shootingSamplerName, built.integrator->EmissionSampler())},
         {"guide", report("guide", built.integrator->Directions())}};
     std::printf("%s\n", json.dump(1, ' ', false, Json::error_handler_t::replace).c_str());
 }

@@ -97,7 +97,7 @@ Shape "bilinearmesh" "point3 P" [ -3 0 -3  3 0 -3  -3 0 3  3 0 3 ]
     Progress progress;
     built_.Prepare(progress);
     const RenderSettings settings = built_.Settings();
-    RenderWaves(*built_.integrator, *built_.camera, *built_.filter, *built_.film, *built_.sampler, settings, progress);
+    RenderWaves(built_.Rendering(progress), settings);
     const Inspection look = InspectLights(built_, *built_.integrator, {}, progress);
     double share = 0, shines = 0, length = 0;
     for (int y = 0; y < 32; ++y)

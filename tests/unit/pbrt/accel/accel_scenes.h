@@ -5,8 +5,7 @@
 #include "pbrt/accel/accel.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/shapes/bilinear_mesh.h"
-#include "pbrt/shapes/cylinder.h"
-#include "pbrt/shapes/disk.h"
+#include "pbrt/shapes/quadric.h"
 #include "pbrt/shapes/sphere.h"
 #include "pbrt/shapes/triangle_mesh.h"
 

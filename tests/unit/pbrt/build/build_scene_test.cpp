@@ -1,6 +1,7 @@
 // Tests how a scene description becomes everything that a render needs.
 #include <gtest/gtest.h>
 
+#include "pbrt/build/integrator_builder.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/scenefile/parser.h"
 #include "support/build_text.h"
@@ -75,6 +76,23 @@ TEST(BuildScene, PreparationNamesTheScenesOwnParts) {
     EXPECT_EQ(context.samplesPerPixel, 12);
     EXPECT_EQ(context.maxDepth, 7);
     EXPECT_EQ(&context.progress, &progress);
+}
+
+TEST(IntegratorTraits, AreDeclaredByEveryIntegrator) {
+    const auto with = [](bool IntegratorTraits::*trait) {
+        std::string names;
+        for (const std::string &name : Integrators().Names())
+            if (TraitsOf(name).*trait) names += ' ' + name;
+        return names;
+    };
+    EXPECT_EQ(with(&IntegratorTraits::hasLightSampler), " bdpt mlt path sppm volpath");
+    EXPECT_EQ(with(&IntegratorTraits::hasEmissionSampler), " bdpt lightpath mlt sppm");
+    EXPECT_EQ(with(&IntegratorTraits::connectsToCamera), " bdpt lightpath mlt");
+    EXPECT_EQ(with(&IntegratorTraits::isGuided), " path volpath");
+    EXPECT_EQ(with(&IntegratorTraits::rendersMedia), " bdpt lightpath mlt simplevolpath volpath");
+    EXPECT_EQ(with(&IntegratorTraits::passesInterfaces), " bdpt lightpath mlt volpath");
+    EXPECT_EQ(with(&IntegratorTraits::scattersSubsurface), " volpath");
+    EXPECT_FALSE(TraitsOf("function").rendersMedia);
 }
 
 TEST(BuildScene, MoreIntegratorsOverOneScene) {

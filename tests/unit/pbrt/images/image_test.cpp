@@ -118,14 +118,6 @@ TEST(Image, CropKeepsThePixelsInside) {
     }
 }
 
-TEST(WrapMode, ParsesTheNamesOfTheFormatOnly) {
-    EXPECT_EQ(ParseWrapMode("repeat"), WrapMode::Repeat);
-    EXPECT_EQ(ParseWrapMode("black"), WrapMode::Black);
-    EXPECT_EQ(ParseWrapMode("clamp"), WrapMode::Clamp);
-    EXPECT_EQ(ParseWrapMode("octahedralsphere"), WrapMode::OctahedralSphere);
-    EXPECT_FALSE(ParseWrapMode("Repeat"));
-}
-
 TEST(WrapMode, RepeatShiftsByWholeImages) {
     const Point2i resolution(5, 3);
     for (int y = -20; y < 20; ++y)

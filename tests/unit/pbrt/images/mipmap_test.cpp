@@ -318,13 +318,4 @@ TEST(MipMap, StrangeFootprintsAndPositionsStayFinite) {
         }
 }
 
-TEST(TextureFilter, ParsesTheNamesOfTheFormatOnly) {
-    EXPECT_EQ(ParseTextureFilter("point"), TextureFilter::Point);
-    EXPECT_EQ(ParseTextureFilter("bilinear"), TextureFilter::Bilinear);
-    EXPECT_EQ(ParseTextureFilter("trilinear"), TextureFilter::Trilinear);
-    EXPECT_EQ(ParseTextureFilter("ewa"), TextureFilter::Ewa);
-    EXPECT_EQ(ParseTextureFilter("EWA"), TextureFilter::Ewa);
-    EXPECT_FALSE(ParseTextureFilter("Bilinear"));
-}
-
 }  // namespace pbrt

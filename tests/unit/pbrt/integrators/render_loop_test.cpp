@@ -13,13 +13,12 @@
 
 #include "pbrt/core/online_model.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/integrators/pass_parts.h"
-#include "pbrt/integrators/sample_plan.h"
+#include "pbrt/integrators/integrator.h"
 #include "pbrt/math/transform.h"
 #include "support/errors.h"
 #include "support/param.h"
-#include "support/ranks_on_threads.h"
 #include "support/small_files.h"
+#include "support/team_on_threads.h"
 #include "support/wait.h"
 
 namespace pbrt::test {
@@ -126,9 +125,11 @@ class RenderLoop : public ::testing::Test {
         std::filesystem::create_directories(folder_);
     }
     WaveRenderer Renderer() {
-        return WaveRenderer(integrator_, *camera_, *filter_, *film_, sampler_, settings_, progress_);
+        return WaveRenderer({integrator_, *camera_, *filter_, *film_, sampler_, progress_}, settings_);
     }
-    RenderResult Run() { return RenderWaves(integrator_, *camera_, *filter_, *film_, sampler_, settings_, progress_); }
+    RenderResult Run() {
+        return RenderWaves({integrator_, *camera_, *filter_, *film_, sampler_, progress_}, settings_);
+    }
     std::string File(const char *name) const { return (folder_ / name).string(); }
     std::string WriteReference(int size, Float value) const {
         Image image(PixelFormat::Float, {size, size}, {"R", "G", "B"}, ColorEncoding{ColorEncoding::Kind::Linear});
@@ -160,7 +161,8 @@ TEST(SamplePlan, IsRoundedToFourStepsAnOctave) {
 TEST_F(RenderLoop, SecondsPerSampleAreMeasuredOnAScratchFilm) {
     integrator_.secondsPerSample = 0.02;
     settings_.timeBudget = 5;
-    const double measured = MeasureSecondsPerSample(integrator_, *camera_, *filter_, *film_, sampler_, settings_, 5);
+    const double measured =
+        MeasureSecondsPerSample({integrator_, *camera_, *filter_, *film_, sampler_, progress_}, settings_, 5);
     EXPECT_GE(measured, 0.02);
     EXPECT_LT(measured, 0.1);
     // 1 + 1 + 2 + 4: until 0.1 s are over.
@@ -190,7 +192,8 @@ TEST_F(RenderLoop, TheMeasurementStopsInTheMiddleOfALongSample) {
         MakeFilm("rgb", Resolution(32), FilmContext{.outputSpace = ColorSpace::SRGB()}, sink);
     Sleeper sleeper;
     const auto start = std::chrono::steady_clock::now();
-    const double measured = MeasureSecondsPerSample(sleeper, *camera_, *filter_, *film, sampler_, settings_, 1);
+    const double measured =
+        MeasureSecondsPerSample({sleeper, *camera_, *filter_, *film, sampler_, progress_}, settings_, 1);
     const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     EXPECT_LT(spent, 0.5);
     EXPECT_GT(measured, 1);
@@ -234,12 +237,12 @@ TEST_F(RenderLoop, LearningBeforeAWaveIsDoneOnce) {
     settings_.samplesPerPixel = 20;
     integrator_.learner = std::make_unique<ListedLearner>(std::vector<int>{2, 5});
     WaveRenderer renderer = Renderer();
-    renderer.LearnIfDue();
+    renderer.UpdateIfDue();
     EXPECT_EQ(integrator_.learner->NextUpdate(), 2);
     EXPECT_EQ(renderer.Render(9), 2);
     EXPECT_EQ(integrator_.learner->NextUpdate(), 2);
-    renderer.LearnIfDue();
-    renderer.LearnIfDue();
+    renderer.UpdateIfDue();
+    renderer.UpdateIfDue();
     EXPECT_EQ(integrator_.learner->NextUpdate(), 5);
     EXPECT_EQ(renderer.Render(9), 3);
 }
@@ -281,33 +284,36 @@ TEST_F(RenderLoop, ACancelledPassIsNotCounted) {
 
 /// One of two processes that render two parts: the first begins one, then the second begins the other.
 struct OneOfTwo : RenderLoop, Integrator {
-    OneOfTwo(Ranks &ranks, std::atomic<int> &begun, bool isCancelled) {
+    OneOfTwo(Team &team, std::atomic<int> &begun, bool isCancelled) {
         settings_.samplesPerPixel = 1;
-        settings_.ranks = &ranks;
+        team_ = &team;
         begun_ = &begun;
         isCancelled_ = isCancelled;
     }
     void TestBody() override {}
     bool Render(const RenderPass &pass) override {
         const auto waitUntil = [&](int begun) { EXPECT_TRUE(WaitUntil([&] { return *begun_ >= begun; })); };
-        const bool isFirst = pass.ranks->IsFirst();
+        const bool isFirst = pass.team.IsRank0();
         if (!isFirst) waitUntil(1);
-        return RenderParts(pass, {.count = 2,
-                                  .samplesOf = [](int64_t) { return 1u; },
-                                  .render =
-                                      [&](int64_t, uint32_t) {
-                                          begun_->fetch_add(1);
-                                          waitUntil(2);
-                                          if (isFirst || !isCancelled_) return 1u;
-                                          // Meanwhile the first answers that there is no other part.
-                                          std::this_thread::sleep_for(std::chrono::milliseconds(100));
-                                          progress_.Cancel();
-                                          return 0u;
-                                      }});
+        return RenderChunks(pass, {.count = 2,
+                                   .samplesOf = [](int64_t) { return 1u; },
+                                   .render =
+                                       [&](int64_t, uint32_t) {
+                                           begun_->fetch_add(1);
+                                           waitUntil(2);
+                                           if (isFirst || !isCancelled_) return 1u;
+                                           // Meanwhile the first answers that there is no other part.
+                                           std::this_thread::sleep_for(std::chrono::milliseconds(100));
+                                           progress_.Cancel();
+                                           return 0u;
+                                       }});
     }
-    RenderResult Run() { return RenderWaves(*this, *camera_, *filter_, *film_, sampler_, settings_, progress_); }
-    void Follow() { FollowWaves(*this, *camera_, *filter_, *film_, sampler_, settings_, progress_); }
+    RenderResult Run() {
+        return RenderWaves({*this, *camera_, *filter_, *film_, sampler_, progress_, *team_}, settings_);
+    }
+    void Follow() { FollowWaves({*this, *camera_, *filter_, *film_, sampler_, progress_, *team_}, settings_); }
 
+    Team *team_;
     std::atomic<int> *begun_;
     bool isCancelled_;
 };
@@ -316,9 +322,9 @@ TEST(RenderLoopOfProcesses, OneThatIsCancelledInItsLastPartCancelsTheRender) {
     ThreadLimit oneEach(1);
     for (const bool isCancelled : {false, true}) {
         std::atomic<int> begun = 0;
-        WithRanks(2, [&](Ranks &ranks) {
-            OneOfTwo process(ranks, begun, isCancelled);
-            if (!ranks.IsFirst()) return process.Follow();
+        WithTeam(2, [&](Team &team) {
+            OneOfTwo process(team, begun, isCancelled);
+            if (!team.IsRank0()) return process.Follow();
             const RenderResult result = process.Run();
             EXPECT_EQ(result.cancelled, isCancelled);
             EXPECT_EQ(result.samplesTaken, isCancelled ? 0 : 1);

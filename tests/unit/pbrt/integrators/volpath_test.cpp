@@ -273,7 +273,7 @@ TEST(VolPath, PathSeesNoMediaAndSaysSo) {
     setting.integrator = "path";
     const Rendered fog = RenderText(VolumeScene(kSky + Ball(Scattering()[0].second), setting));
     int warnings = 0;
-    for (const Diagnostic &d : fog.diagnostics) warnings += d.message.find("sees no media") != std::string::npos;
+    for (const Diagnostic &d : fog.diagnostics) warnings += d.message.find("renders no media") != std::string::npos;
     EXPECT_EQ(warnings, 1);
 }
 

@@ -1,7 +1,7 @@
 #include "pbrt/materials/forced_diffuse.h"
 
 #include "material_test_support.h"
-#include "pbrt/bxdfs/albedo.h"
+#include "pbrt/bxdfs/bsdf.h"
 
 namespace pbrt {
 namespace {

@@ -93,7 +93,7 @@ TEST(Warps, TriangleIsUniformByArea) {
     EXPECT_GT(SquareTest(cell, [](double, double) { return 1.0; }), 1e-4);
 }
 
-TEST(Warps, LinearSamplesFollowTheDensityAndInvert) {
+TEST(Warps, LinearSamplesFollowTheDensity) {
     for (auto [a, b] :
          {std::pair{1.f, 3.f}, {3.f, 1.f}, {0.f, 1.f}, {1.f, 0.f}, {2.f, 2.f}, {0.f, 0.f}, {1e-20f, 1e-20f}}) {
         Float lo = a, hi = b;
@@ -106,14 +106,13 @@ TEST(Warps, LinearSamplesFollowTheDensityAndInvert) {
             Float x = SampleLinear(u, a, b);
             EXPECT_GE(x, 0);
             EXPECT_LT(x, 1);
-            EXPECT_NEAR(InvertLinearSample(x, a, b), u, 2e-6f) << a << " " << b;
         }
     }
     EXPECT_EQ(LinearPdf(1.01f, 1, 2), 0);
     EXPECT_EQ(LinearPdf(-0.01f, 1, 2), 0);
 }
 
-TEST(Warps, BilinearSamplesFollowTheDensityAndInvert) {
+TEST(Warps, BilinearSamplesFollowTheDensity) {
     const Float cases[][4] = {{1, 2, 3, 4}, {0, 0, 1, 1}, {1, 0, 0, 0}, {0, 1, 1, 0}, {5, 5, 5, 5}, {0, 0, 0, 0}};
     for (const auto &w : cases) {
         double p = SquareTest([&](const Point2 &u) { return SampleBilinear(u, w); },
@@ -127,16 +126,12 @@ TEST(Warps, BilinearSamplesFollowTheDensityAndInvert) {
             Point2 u = i == 0 ? Point2(0, 0) : i == 1 ? Point2(0.3f, 0) : rng.Uniform2();
             Point2 s = SampleBilinear(u, w);
             ASSERT_TRUE(s.x >= 0 && s.x < 1 && s.y >= 0 && s.y < 1) << i;
-            if (BilinearPdf(s, w) > 1e-3f) {
-                EXPECT_LT(glm::length(InvertBilinearSample(s, w) - u), 1e-4f) << i;
-            }
         }
     }
 }
 
 TEST(Warps, HeuristicsShareOut) {
     for (auto [f, g] : {std::pair{1.f, 2.f}, {1e-10f, 3.f}, {5.f, 0.f}}) {
-        EXPECT_NEAR(BalanceHeuristic(f, g) + BalanceHeuristic(g, f), 1, 1e-6f);
         EXPECT_NEAR(PowerHeuristic(f, g) + PowerHeuristic(g, f), 1, 1e-6f);
     }
     EXPECT_EQ(PowerHeuristic(1e30f, 1), 1);

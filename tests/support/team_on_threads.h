@@ -9,9 +9,9 @@
 #include <thread>
 #include <vector>
 
-#include "pbrt/core/ranks.h"
+#include "pbrt/core/team.h"
 
-// Ranks that are threads of one process and exchange messages through a port of our own.
+// Teams whose processes are threads of one process and exchange messages through a port of our own.
 namespace pbrt::test {
 
 struct Mail {
@@ -52,14 +52,14 @@ class ThreadPort final : public MessagePort {
     const int rank_, size_;
 };
 
-/// Runs `act` on so many ranks at once, and expects that all messages were received.
-inline void WithRanks(int size, const std::function<void(Ranks &)> &act) {
+/// Runs `act` on all ranks of a team at once, and expects that all messages were received.
+inline void WithTeam(int size, const std::function<void(Team &)> &act) {
     Mail mail;
     std::vector<std::thread> threads;
     for (int r = 0; r < size; ++r)
         threads.emplace_back([&, r] {
-            Ranks ranks(std::make_unique<ThreadPort>(mail, r, size), 1 + r % 2);
-            act(ranks);
+            Team team(std::make_unique<ThreadPort>(mail, r, size), 1 + r % 2);
+            act(team);
         });
     for (std::thread &t : threads) t.join();
     EXPECT_TRUE(mail.letters.empty());

@@ -1,4 +1,4 @@
-#include "pbrt/core/ranks.h"
+#include "pbrt/core/team.h"
 
 #include <unistd.h>
 
@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "pbrt/core/build_id.h"
+#include "pbrt/core/parallel.h"
 
 namespace pbrt {
 
@@ -22,7 +23,7 @@ std::string HostName() {
 
 }  // namespace
 
-Ranks::Ranks(std::unique_ptr<MessagePort> port, int threads) : port_(std::move(port)), totalThreads_(threads) {
+Team::Team(std::unique_ptr<MessagePort> port, int threads) : port_(std::move(port)), totalThreads_(threads) {
     const std::string mine = BuildId();
     std::string other;
     Reduce(
@@ -34,26 +35,32 @@ Ranks::Ranks(std::unique_ptr<MessagePort> port, int threads) : port_(std::move(p
             totalThreads_ += in.Value<int>();
             if (const std::string theirs = in.Text(); theirs != mine) other = theirs;
         });
-    StateWriter out;
-    out.Value(totalThreads_);
-    out.Value(!other.empty());
-    const std::string known = Broadcast(out);
-    StateReader in(known, "message");
-    totalThreads_ = in.Value<int>();
-    if (!in.Value<bool>()) return;
+    totalThreads_ = BroadcastValue(totalThreads_);
+    if (!BroadcastValue(!other.empty())) return;
     port_.reset();
     if (!other.empty()) throw UserError("the processes that mpirun started do not all run the same build of pbrt.");
     throw AnotherRankFailed{};
 }
 
-Ranks::~Ranks() = default;
+Team::~Team() = default;
 
-void Ranks::Send(int to, Channel channel, const StateWriter &bytes) {
+Team &Team::Alone() {
+    static Team alone;
+    return alone;
+}
+
+int Team::TotalThreads() const { return port_ ? totalThreads_ : ThreadCount(); }
+
+void Team::Abort(int status) {
+    if (port_) port_->Abort(status);
+}
+
+void Team::Send(int to, Channel channel, const StateWriter &bytes) {
     bytesSent_ += bytes.Bytes();
     port_->Send(to, channel, bytes.Pieces());
 }
 
-std::string Ranks::Receive(int from) {
+std::string Team::Receive(int from) {
     // Waits without keeping a core busy: others may need it.
     for (int tries = 0;; ++tries) {
         if (std::optional<MessagePort::Message> message = port_->TryReceive(from, Channel::Together))
@@ -62,8 +69,8 @@ std::string Ranks::Receive(int from) {
     }
 }
 
-std::string Ranks::Broadcast(const StateWriter &bytes) {
-    // Process r got it from the one without r's highest bit, and gives it to those that have one further bit above.
+std::string Team::Broadcast(const StateWriter &bytes) {
+    // Rank r receives from the rank without r's highest bit, and sends to those with one further bit above it.
     const int rank = Rank(), size = Size();
     int bit = 1;
     std::string received;
@@ -80,7 +87,7 @@ std::string Ranks::Broadcast(const StateWriter &bytes) {
     return received;
 }
 
-void Ranks::Reduce(const std::function<void(StateWriter &)> &take, const std::function<void(StateReader &)> &add) {
+void Team::Reduce(const std::function<void(StateWriter &)> &take, const std::function<void(StateReader &)> &add) {
     const int rank = Rank(), size = Size();
     for (int bit = 1; bit < size; bit *= 2) {
         if (rank & bit) {
@@ -91,13 +98,23 @@ void Ranks::Reduce(const std::function<void(StateWriter &)> &take, const std::fu
         }
         if (rank + bit >= size) continue;
         const std::string bytes = Receive(rank + bit);
-        StateReader in(bytes, fmt::format("what process {} sent", rank + bit));
+        StateReader in(bytes, fmt::format("message of process {}", rank + bit));
         add(in);
     }
 }
 
-std::string Ranks::Failures(const std::string &mine, bool *isAny) {
-    // The same failure on many processes is told once.
+void Team::AllReduce(const std::function<void(StateWriter &)> &take, const std::function<void(StateReader &)> &add) {
+    if (Size() == 1) return;
+    Reduce(take, add);
+    StateWriter all;
+    if (IsRank0()) take(all);
+    const std::string bytes = Broadcast(all);
+    StateReader in(bytes, "message");
+    add(in);
+}
+
+std::string Team::Failures(const std::string &mine, bool *isAny) {
+    // The same failure on many processes is reported once.
     std::map<std::string, std::vector<std::string>> failures;
     if (!mine.empty()) failures[mine].push_back(fmt::format("{} on {}", Rank(), HostName()));
     Reduce(
@@ -115,12 +132,9 @@ std::string Ranks::Failures(const std::string &mine, bool *isAny) {
                 for (auto n = in.Value<uint64_t>(); n > 0; --n) where.push_back(in.Text());
             }
         });
-    StateWriter any;
-    any.Value(!failures.empty());
-    const std::string answer = Broadcast(any);
-    *isAny = StateReader(answer, "message").Value<bool>();
+    *isAny = BroadcastValue(!failures.empty());
     std::string text;
-    if (IsFirst())
+    if (IsRank0())
         for (const auto &[what, where] : failures)
             if (what != mine)
                 text += fmt::format("{} of {} processes (the first is {}) failed: {}", where.size(), Size(),
@@ -128,17 +142,17 @@ std::string Ranks::Failures(const std::string &mine, bool *isAny) {
     return text;
 }
 
-void Ranks::Meet() {
+void Team::Meet() {
     bool isAny = false;
     const std::string failures = Failures("", &isAny);
     if (!isAny) return;
     isEnding_ = true;
-    if (IsFirst()) throw UserError(failures);
+    if (IsRank0()) throw UserError(failures);
     throw AnotherRankFailed{};
 }
 
-void Ranks::Fail(const UserError &error) {
-    if (std::exchange(isEnding_, true)) return;
+void Team::Fail(const UserError &error) {
+    if (Size() == 1 || std::exchange(isEnding_, true)) return;
     const std::string text = FormatAll(error, false);
     if (!meets_) {
         std::fputs(text.c_str(), stderr);

@@ -2,7 +2,7 @@
 
 #include <cstdlib>
 
-#include "pbrt/core/ranks.h"
+#include "pbrt/core/team.h"
 
 namespace pbrt {
 
@@ -19,9 +19,9 @@ std::optional<int> NumberInEnvironment(const char *name) {
 
 }  // namespace
 
-RanksAnnounced AnnouncedRanks() {
-    RanksAnnounced announced;
-    // Open MPI's mpirun sets all three. Slurm's srun --mpi=pmix says how many in variables of its own.
+AnnouncedTeam ReadAnnouncedTeam() {
+    AnnouncedTeam announced;
+    // Open MPI's mpirun sets all three. Slurm's srun --mpi=pmix sets variables of its own.
     if (const auto size = NumberInEnvironment("OMPI_COMM_WORLD_SIZE")) {
         announced.size = *size;
         announced.rank = NumberInEnvironment("OMPI_COMM_WORLD_RANK").value_or(0);
@@ -36,25 +36,25 @@ RanksAnnounced AnnouncedRanks() {
     return announced;
 }
 
-std::unique_ptr<Ranks> ConnectRanks(int threads) {
-    const RanksAnnounced announced = AnnouncedRanks();
-    if (announced.size <= 1) return nullptr;
-    const auto refuse = [&](const std::string &why) -> std::unique_ptr<Ranks> {
+std::unique_ptr<Team> ConnectTeam(int threads) {
+    const AnnouncedTeam announced = ReadAnnouncedTeam();
+    if (announced.size <= 1) return std::make_unique<Team>();
+    const auto fail = [&](const std::string &why) -> std::unique_ptr<Team> {
         if (announced.rank > 0) throw AnotherRankFailed{};
         throw UserError(fmt::format("mpirun started {} processes, but {}.", announced.size, why));
     };
 #ifdef PBRT_MPI_MODULE
-    // Found by the program's run path. Global, because Open MPI loads parts of itself that look for its symbols.
+    // Found by the program's run path. Global, because components that Open MPI loads use its symbols.
     void *module = dlopen(PBRT_MPI_MODULE, RTLD_NOW | RTLD_GLOBAL);
     void *entry = module ? dlsym(module, "PbrtMessagePort") : nullptr;
-    if (!entry) return refuse(fmt::format("{} cannot be loaded: {}", PBRT_MPI_MODULE, dlerror()));
+    if (!entry) return fail(fmt::format("{} cannot be loaded: {}", PBRT_MPI_MODULE, dlerror()));
     std::unique_ptr<MessagePort> port(reinterpret_cast<MessagePort *(*)()>(entry)());
     if (port->Size() != announced.size)
-        return refuse("this program speaks Open MPI only, and was started by something else");
-    return std::make_unique<Ranks>(std::move(port), threads);
+        return fail("this program speaks Open MPI only, and was started by something else");
+    return std::make_unique<Team>(std::move(port), threads);
 #else
     (void)threads;
-    return refuse("this program was built without MPI, so each would render the whole picture");
+    return fail("this program was built without MPI, so each would render the whole picture");
 #endif
 }
 

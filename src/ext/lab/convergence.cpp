@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 namespace {
 
@@ -121,4 +121,4 @@ std::vector<size_t> ParetoFront(std::span<const CurvePoint> points) {
     return front;
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 struct CurvePoint {
     double cost = 0;   ///< seconds or samples per pixel
@@ -53,4 +53,4 @@ double Efficiency(double error, double seconds);
 /// Indices, by rising cost, of the points that no other beats in both cost and error.
 std::vector<size_t> ParetoFront(std::span<const CurvePoint> points);
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

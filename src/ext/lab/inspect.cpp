@@ -13,7 +13,7 @@
 #include "pbrt/transport/light_query.h"
 #include "pbrt/transport/path_walk.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 namespace {
 
@@ -76,7 +76,7 @@ struct Measured {
 
 class Inspector {
   public:
-    /// `integrator`: null for a look at the light sampler alone.
+    /// `integrator`: null to inspect the light sampler alone.
     Inspector(const BuiltScene &built, const LightSampler &sampler, const Integrator *integrator,
               const InspectSettings &settings, Progress &progress)
         : built_(built),
@@ -101,7 +101,7 @@ class Inspector {
 
   private:
     void MakeLayers(Inspection &out);
-    void LookAt(const FirstHit &hit, Point2i pixel, Sampler &sampler, std::vector<double> &values) const;
+    void InspectPixel(const FirstHit &hit, Point2i pixel, Sampler &sampler, std::vector<double> &values) const;
     /// The mean number of vertices, the camera's not counted.
     double PathLength(Point2i pixel, Sampler &sampler) const;
     Measured Measure(const FirstHit &hit, const LightSampleContext &from, uint32_t group, Rng &rng,
@@ -148,7 +148,7 @@ void Inspector::MakeLayers(Inspection &out) {
         layer.shownMost = most;
         out.layers.push_back(layer);
     };
-    add("hit", "1 where the camera sees a surface that is not purely specular", 0, 1);
+    add("hit", "1 where the first visible surface is not purely specular", 0, 1);
     std::vector<InspectedValue> values;
     sampler_.Inspect(LightQuery(), values);
     samplerLayers_ = values.size();
@@ -161,7 +161,7 @@ void Inspector::MakeLayers(Inspection &out) {
     add("brightest_probability", "probability of the light that contributes most; magenta: no light contributes", 0, 1);
     add("log10_excess",
         "second moment of the one-light estimator over the least that other probabilities of the lights can reach (the "
-        "choice inside a mesh as it is), log10; without MIS; magenta: no light contributes, or a light that "
+        "choice inside a mesh unchanged), log10; without MIS; magenta: no light contributes, or a light that "
         "contributes has probability 0",
         0, 2);
     for (size_t g : shown_) {
@@ -178,12 +178,9 @@ void Inspector::MakeLayers(Inspection &out) {
     values.clear();
     guide_->Inspect(PathVertex(), {}, values);
     const std::map<std::string, InspectedLayer> ofGuide = {
-        {"survival",
-         Layer("probability with which a path of half its weight goes on here; magenta: not known", 0.5, 1)},
-        {"share", Layer("share of the bounces whose direction comes from the guide", 0, 1)},
-        {"shines", Layer("places that shine, as the guide has learned: log10 of their radiance over the greatest; "
-                         "magenta: none",
-                         -3, 0)}};
+        {"survival", Layer("continuation probability of a path of half its weight; magenta: no estimate", 0.5, 1)},
+        {"share", Layer("guiding probability: share of bounces whose direction comes from the guide", 0, 1)},
+        {"shines", Layer("learned radiance of source clusters over the greatest, log10; magenta: none", -3, 0)}};
     for (const InspectedValue &v : values) {
         out.layers.push_back(ofGuide.at(v.name));
         out.layers.back().name = "guide." + v.name;
@@ -241,7 +238,7 @@ Measured Inspector::Measure(const FirstHit &hit, const LightSampleContext &from,
     return {m.mean / n, m.second / n, m.visible / std::max(traced, 1)};
 }
 
-void Inspector::LookAt(const FirstHit &hit, Point2i pixel, Sampler &sampler, std::vector<double> &values) const {
+void Inspector::InspectPixel(const FirstHit &hit, Point2i pixel, Sampler &sampler, std::vector<double> &values) const {
     const LightQuery query = LightQueryAt(hit.vertex, hit.lambda, hit.depth);
     const LightSampleContext from = LightContextAt(hit.vertex.point);
     values.push_back(1);
@@ -324,7 +321,7 @@ Inspection Inspector::Run() {
             std::optional<FirstHit> hit = FindFirstHit(built_, pixel);
             if (!hit) continue;
             values.clear();
-            LookAt(*hit, pixel, *sampler, values);
+            InspectPixel(*hit, pixel, *sampler, values);
             for (int y = y0; y < std::min(y0 + out.stride, resolution.y); ++y)
                 for (int x = x0; x < std::min(x0 + out.stride, resolution.x); ++x)
                     for (size_t c = 0; c < values.size(); ++c)
@@ -374,4 +371,4 @@ Inspection InspectLights(const BuiltScene &built, const Integrator &integrator, 
     return Inspector(built, *integrator.Lights(), &integrator, settings, progress).Run();
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

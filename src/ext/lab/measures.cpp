@@ -4,18 +4,18 @@
 
 #include "pbrt/images/metrics.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
-nlohmann::ordered_json ToJson(const Measures &measures) {
-    nlohmann::ordered_json json;
+Json ToJson(const Measures &measures) {
+    Json json;
     for (size_t i = 0; i < MeasureCount; ++i) json[MeasureNames[i]] = measures[i];
     return json;
 }
 
-Measures MeasuresFromJson(const nlohmann::ordered_json &json) {
+Measures MeasuresFromJson(const Json &json) {
     Measures measures;
     for (size_t i = 0; i < MeasureCount; ++i) {
-        const nlohmann::ordered_json &value = json.at(MeasureNames[i]);
+        const Json &value = json.at(MeasureNames[i]);
         measures[i] = value.is_number() ? value.get<double>() : std::numeric_limits<double>::quiet_NaN();
     }
     return measures;
@@ -32,4 +32,4 @@ Measures MeasuringReference::Compare(const Image &image) const {
             trimmed(Metric::RelL2), error(Metric::RelL2Abs), trimmed(Metric::RelL2Abs)};
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

@@ -1,12 +1,13 @@
 #pragma once
 #include <array>
 #include <memory>
-#include <nlohmann/json.hpp>
 
+#include "ext/lab/text_output.h"
 #include "pbrt/images/flip.h"
 #include "pbrt/images/image.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
+using namespace pbrt;
 
 /// The error measures of every round, in the order of the results file. The two Abs are for the paper's tables only.
 enum class Measure { RelL2, MSE, MRSE, MAE, SMAPE, FLIP, RelL2Trimmed, RelL2Abs, RelL2AbsTrimmed };
@@ -16,8 +17,8 @@ constexpr std::array<const char *, MeasureCount> MeasureNames = {
 using Measures = std::array<double, MeasureCount>;
 inline double Get(const Measures &m, Measure which) { return m[static_cast<size_t>(which)]; }
 
-nlohmann::ordered_json ToJson(const Measures &measures);
-Measures MeasuresFromJson(const nlohmann::ordered_json &json);
+Json ToJson(const Measures &measures);
+Measures MeasuresFromJson(const Json &json);
 
 /// Compares pictures with one reference (R, G, B of the same resolution).
 class MeasuringReference {
@@ -31,4 +32,4 @@ class MeasuringReference {
     std::unique_ptr<FlipReference> flip_;
 };
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ext/lab/run_record.h"
+#include "pbrt/core/files.h"
 #include "pbrt/images/false_color.h"
 #include "pbrt/images/metrics.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 namespace {
 
@@ -69,14 +69,14 @@ void WriteRangePicture(const std::string &path, const Image &image) {
             }
             text += static_cast<char>(static_cast<uint8_t>(isBlack ? 0 : stored));
         }
-    WriteText(path, text);
+    WriteFile(path, text);
 }
 
 std::vector<float> ErrorMap(const Image &image, const Image &reference) {
     std::vector<float> map;
     const Point2i resolution = image.Resolution();
     const double epsilon = RelL2Epsilon(reference);
-    map.reserve(static_cast<size_t>(resolution.x) * static_cast<size_t>(resolution.y));
+    map.reserve(resolution.x * resolution.y);
     for (int y = 0; y < resolution.y; ++y)
         for (int x = 0; x < resolution.x; ++x) {
             double sum = 0;
@@ -121,8 +121,7 @@ std::vector<Bounds2i> ChooseCrops(std::span<const std::vector<float>> maps, Poin
                 double sum = 0;
                 for (int v = y; v < y + side; ++v)
                     for (int u = x; u < x + side; ++u) {
-                        const double e = double(
-                            map[static_cast<size_t>(v) * static_cast<size_t>(resolution.x) + static_cast<size_t>(u)]);
+                        const double e = double(map[v * resolution.x + u]);
                         sum += e * e;
                     }
                 least = std::min(least, sum);
@@ -145,4 +144,4 @@ std::vector<Bounds2i> ChooseCrops(std::span<const std::vector<float>> maps, Poin
     return crops;
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

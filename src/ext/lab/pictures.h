@@ -1,17 +1,18 @@
 #pragma once
-#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "ext/lab/text_output.h"
 #include "pbrt/images/image.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
+using namespace pbrt;
 
 /// The factor on linear values before the PNG's sRGB curve, which clips at 1, chosen from the luminances of the
 /// reference. The median of the pixels that are not black becomes mid grey, 0.18, so that a room is visible and not
 /// only its windows; but three quarters of these pixels stay below 0.9. The factor is never smaller than the one that
-/// puts the 98th percentile at 0.9. All pictures of a campaign use the same one.
+/// puts the 98th percentile at 0.9. All pictures of an experiment use the same one.
 double ChooseExposure(const Image &reference);
 void WritePicture(const std::string &path, const Image &image, double exposure);
 /// Writes R, G, B with their full range as a Radiance file: one exponent per pixel, 8 bits per colour, without
@@ -31,4 +32,4 @@ void WriteErrorPicture(const std::string &path, const std::vector<float> &map, P
 /// sampler. Candidates lie on a grid of half their width; ties go to the upper left one.
 std::vector<Bounds2i> ChooseCrops(std::span<const std::vector<float>> maps, Point2i resolution);
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

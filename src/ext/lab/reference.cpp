@@ -7,11 +7,10 @@
 #include "ext/lab/bias_check.h"
 #include "ext/lab/reference_cache.h"
 #include "ext/lab/sampler_run.h"
-#include "ext/lab/take_up.h"
 #include "pbrt/core/count_text.h"
 #include "pbrt/images/metrics.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 namespace {
 
@@ -24,8 +23,8 @@ constexpr double kDisagree = 2;     // factor on the relL2 that the noise of two
 /// Renders a reference, or finds it in the cache.
 class ReferenceMaker {
   public:
-    ReferenceMaker(const CampaignSettings &settings, const LabScene &scene, const RecordFolder &records,
-                   Progress &cancel, CampaignDisplay &display)
+    ReferenceMaker(const ExperimentSettings &settings, const LabScene &scene, const RecordFolder &records,
+                   Progress &cancel, ExperimentDisplay &display)
         : settings_(settings),
           scene_(scene),
           records_(records),
@@ -60,15 +59,15 @@ class ReferenceMaker {
 
   private:
     /// With a time budget, as many as fit at the cost that the pilot measured, kept in the records so that a resumed
-    /// campaign uses the same number. A replay takes the number of the campaign that it repeats.
+    /// experiment uses the same number. A replay takes the number of the experiment that it repeats.
     int SamplesPerPart(const PilotEntry &with, int index) const {
         if (rule_.samples > 0) return (rule_.samples + kParts - 1) / kParts;
         if (!settings_.samplesFrom.empty())
-            for (const nlohmann::ordered_json &r : ReadResults(settings_.samplesFrom).at("references"))
+            for (const Json &r : ReadResults(settings_.samplesFrom).at("references"))
                 if (r.value("sampler", "") == with.choice.label && r.value("samples", 0) > 0)
                     return (r.value("samples", 0) + kParts - 1) / kParts;
         const std::string note = fmt::format("reference-{}.json", index);
-        nlohmann::ordered_json known = records_.LoadNote(note);
+        Json known = records_.LoadNote(note);
         if (known.is_object() && known.value("sampler", "") == with.choice.label)
             return known.value("samplesPerPart", 1);
         const double fit = rule_.seconds / std::max(1e-6, with.secondsPerSample);
@@ -99,11 +98,11 @@ class ReferenceMaker {
         return true;
     }
 
-    const CampaignSettings &settings_;
+    const ExperimentSettings &settings_;
     const LabScene &scene_;
     const RecordFolder &records_;
     Progress &cancel_;
-    CampaignDisplay &display_;
+    ExperimentDisplay &display_;
     ReferenceRule rule_;
 };
 
@@ -117,7 +116,7 @@ bool Contradict(const Reference &a, const Reference &b) {
     return CheckBias(means(a), BiasReference{means(b), {}}).verdict == BiasVerdict::Biased;
 }
 
-References GivenReference(const CampaignSettings &settings, const LabScene &scene) {
+References GivenReference(const ExperimentSettings &settings, const LabScene &scene) {
     References references;
     references.all.push_back(ReadReference(settings.referenceFile, scene));
     references.ofSampler.assign(settings.samplers.size(), 0);
@@ -154,7 +153,7 @@ std::optional<Doubt> Disagreement(const Reference &a, const Reference &b, bool a
         ""};
 }
 
-ReferenceRule ReferenceRule::For(const CampaignSettings &settings) {
+ReferenceRule ReferenceRule::For(const ExperimentSettings &settings) {
     if (settings.referenceSamples > 0) return {settings.referenceSamples, 0};
     if (settings.Timed()) return {0, 10 * settings.timeBudget};
     return {std::max(512, 16 * settings.samplesPerPixel), 0};
@@ -164,9 +163,9 @@ std::string ReferenceRule::Text() const {
     return samples > 0 ? CountText(samples, "sample") + " per pixel" : fmt::format("{} s", seconds);
 }
 
-std::optional<References> MakeReferences(const CampaignSettings &settings, const LabScene &scene,
+std::optional<References> MakeReferences(const ExperimentSettings &settings, const LabScene &scene,
                                          const PluginRegistry &registry, const RecordFolder &records, Progress &cancel,
-                                         CampaignDisplay &display) {
+                                         ExperimentDisplay &display) {
     if (!settings.referenceFile.empty()) return GivenReference(settings, scene);
     const std::optional<std::vector<PilotEntry>> pilot = RunPilot(settings, scene, registry, records, cancel, display);
     if (!pilot) return {};
@@ -192,7 +191,7 @@ std::optional<References> MakeReferences(const CampaignSettings &settings, const
             if (!made) return {};
             references.all.push_back(std::move(*made));
         }
-        areStocks = std::all_of(makers.begin(), makers.begin() + static_cast<ptrdiff_t>(wanted),
+        areStocks = std::all_of(makers.begin(), makers.begin() + wanted,
                                 [&](const PilotEntry &e) { return IsTrusted(e.choice); });
         if (wanted < 2 || areStocks || !Contradict(references.all[0], references.all[1])) break;
         references.remarks.push_back(fmt::format(
@@ -210,4 +209,4 @@ std::optional<References> MakeReferences(const CampaignSettings &settings, const
     return references;
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

@@ -4,7 +4,7 @@
 #include "ext/lab/conclusion.h"
 #include "ext/lab/pilot.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 /// What the runs are compared with.
 struct Reference {
@@ -23,22 +23,22 @@ struct ReferenceRule {
     double seconds = 0;  ///< estimated from the pilot
     /// --reference-spp, if given; else 10 times the time of a run that is limited by time, or 16 times the samples of a
     /// run, at least 512.
-    static ReferenceRule For(const CampaignSettings &settings);
+    static ReferenceRule For(const ExperimentSettings &settings);
     std::string Text() const;
     double EstimateSeconds(double perSample) const { return samples > 0 ? samples * perSample : seconds; }
 };
 
 struct References {
     std::vector<Reference> all;
-    std::vector<size_t> ofSampler;  ///< index into `all`, for every sampler of the campaign
+    std::vector<size_t> ofSampler;  ///< index into `all`, for every sampler of the experiment
     std::vector<Doubt> doubts;
     std::vector<std::string> remarks;  ///< further notes on the references
     bool areDoubtful = false;          ///< one lacks light that is rarely met: a difference from it proves no bias
 };
 
 /// The doubt about two references that cannot both be right, if there is one: either they contradict each other
-/// although both were made by samplers that are known to be unbiased (`areStocks`), because one lacks light that its
-/// sampler meets rarely; or they differ much more than their noise explains. Sets `*proveNoBias` in the first case.
+/// although both were made by unbiased samplers (`areStocks`), because one lacks light that its sampler meets rarely;
+/// or they differ much more than their noise explains. Sets `*proveNoBias` in the first case.
 std::optional<Doubt> Disagreement(const Reference &a, const Reference &b, bool areStocks, bool *proveNoBias);
 
 /// Reads the user's file, or else renders a reference with the best sampler of a pilot run. If that sampler is compared
@@ -47,8 +47,8 @@ std::optional<Doubt> Disagreement(const Reference &a, const Reference &b, bool a
 /// doubtful if they contradict each other too. Two that differ more than their noise explains are a doubt. Rendered
 /// references are kept in the cache folder (reference_cache.h) and found there again. Finished parts survive an
 /// interruption. Nothing: cancelled. Throws UserError.
-std::optional<References> MakeReferences(const CampaignSettings &settings, const LabScene &scene,
+std::optional<References> MakeReferences(const ExperimentSettings &settings, const LabScene &scene,
                                          const PluginRegistry &registry, const RecordFolder &records, Progress &cancel,
-                                         CampaignDisplay &display);
+                                         ExperimentDisplay &display);
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

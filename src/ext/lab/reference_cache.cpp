@@ -3,15 +3,15 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "ext/lab/machine.h"
-#include "ext/lab/take_up.h"
+#include "ext/lab/sampler_run.h"
+#include "ext/lab/text_output.h"
 #include "ext/lab/tile_statistics.h"
 #include "pbrt/core/error.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/version.h"
 #include "pbrt/scenefile/content_hash.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 namespace fs = std::filesystem;
 
@@ -52,7 +52,7 @@ std::optional<Reference> ReadCached(const std::string &path, Point2i resolution)
 
 }  // namespace
 
-ReferenceCache::ReferenceCache(const CampaignSettings &settings, const LabScene &scene, const std::string &what)
+ReferenceCache::ReferenceCache(const ExperimentSettings &settings, const LabScene &scene, const std::string &what)
     : resolution_(scene.Resolution()) {
     const Bounds2i &pixels = scene.Pixels();
     ContentHash hash;
@@ -168,4 +168,4 @@ Reference ReadReference(const std::string &path, const LabScene &scene) {
     return reference;
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

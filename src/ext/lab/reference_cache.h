@@ -1,7 +1,7 @@
 #pragma once
 #include "ext/lab/reference.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 /// The file of a rendered reference: <scene>.reference-<hash>.exr, with a hash of everything that its pixels depend on.
 /// It is in the cache folder, or in the output folder if there is no cache folder or it cannot be written; never in the
@@ -9,7 +9,7 @@ namespace pbrt::lab {
 class ReferenceCache {
   public:
     /// `what`: sampler, rule and seeds as text, a part of the hash.
-    ReferenceCache(const CampaignSettings &settings, const LabScene &scene, const std::string &what);
+    ReferenceCache(const ExperimentSettings &settings, const LabScene &scene, const std::string &what);
     /// A file that cannot be read, or lacks parts, gives a warning and counts as absent.
     std::optional<Reference> Find() const;
     /// Sets reference.source. A cache folder that cannot be written gives a warning; an output folder that cannot be
@@ -32,4 +32,4 @@ Reference ReadReference(const std::string &path, const LabScene &scene);
 /// Sets `image` to the mean of the parts and, if there are several, `noise`.
 void AverageParts(Reference *reference);
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

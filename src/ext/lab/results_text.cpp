@@ -5,12 +5,10 @@
 #include <cmath>
 
 #include "ext/lab/results.h"
-#include "ext/lab/text_table.h"
+#include "ext/lab/text_output.h"
 #include "pbrt/core/count_text.h"
 
-namespace pbrt::lab {
-
-using Json = nlohmann::ordered_json;
+namespace ext::lab {
 
 namespace {
 
@@ -131,7 +129,7 @@ void ShortenFloats(Json *json) {
     }
 }
 
-void AddToJson(const CampaignResults &results, Json *json) {
+void AddToJson(const ExperimentResults &results, Json *json) {
     (*json)["samplers"] = Json::array();
     for (const SamplerResult &s : results.samplers) {
         Json entry;
@@ -157,7 +155,7 @@ void AddToJson(const CampaignResults &results, Json *json) {
     (*json)["conclusion"] = ToJson(results.conclusion, results.contenders);
 }
 
-std::string SummaryCsv(const CampaignResults &results) {
+std::string SummaryCsv(const ExperimentResults &results) {
     std::string text = "sampler,samples,seconds,cpuSeconds";
     for (const char *name : MeasureNames) text += fmt::format(",{0},{0}StandardError", name);
     text +=
@@ -185,7 +183,7 @@ std::string SummaryCsv(const CampaignResults &results) {
     return text;
 }
 
-std::string RoundsCsv(const CampaignResults &results) {
+std::string RoundsCsv(const ExperimentResults &results) {
     std::string text = "sampler,seed,checkpoint,samples,seconds,cpuSeconds,shadowRays,shadowRaysBlocked";
     for (const char *name : MeasureNames) text += std::string(",") + name;
     text += "\n";
@@ -200,7 +198,7 @@ std::string RoundsCsv(const CampaignResults &results) {
     return text;
 }
 
-std::string TableText(const CampaignResults &results, const References &references) {
+std::string TableText(const ExperimentResults &results, const References &references) {
     auto optional = [](const std::optional<double> &v, const char *unit) {
         return v ? fmt::format("{:.2f}{}", *v, unit) : std::string("-");
     };
@@ -239,4 +237,4 @@ std::string TableText(const CampaignResults &results, const References &referenc
     return text;
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

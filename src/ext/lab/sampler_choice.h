@@ -4,7 +4,8 @@
 
 #include "pbrt/integrators/registry.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
+using namespace pbrt;
 
 /// The flag that messages about a choice name.
 inline constexpr const char *kSamplersFlag = "--samplers";
@@ -32,4 +33,4 @@ std::vector<SamplerChoice> ParseSamplerChoices(const std::vector<std::string> &t
 /// Letters, digits and -+=., stay; the rest becomes _.
 std::string SafeFileName(const std::string &text);
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

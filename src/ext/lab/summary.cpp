@@ -4,7 +4,8 @@
 
 #include "pbrt/math/statistics.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
+using namespace pbrt;
 
 Summary Summarize(std::span<const double> values) {
     RunningMoments moments;
@@ -50,4 +51,4 @@ bool LowerBeyondNoise(std::span<const double> a, std::span<const double> b, doub
     return (paired ? PairedP(a, b) : WelchP(sa, sb)) < level;
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 /// Mean and spread of one measure over the seeds.
 struct Summary {
@@ -15,7 +15,7 @@ struct Summary {
 };
 Summary Summarize(std::span<const double> values);
 
-/// Fireflies decide an error if leaving out the worst 0.1 % of the pixels divides the mean relL2 by more than `factor`.
+/// True if the trimmed relL2 is less than the plain one by more than `factor`: a few fireflies decide the error.
 bool FirefliesDecide(double relL2, double trimmedRelL2, double factor = 2);
 
 /// Is the mean of `a` lower than that of `b` beyond noise? One-sided t-test at `level`. Both have one value per seed,
@@ -25,4 +25,4 @@ bool FirefliesDecide(double relL2, double trimmedRelL2, double factor = 2);
 bool LowerBeyondNoise(std::span<const double> a, std::span<const double> b, double level = 0.05);
 inline constexpr size_t kSeedsToPair = 5;
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "pbrt/cmd/flags.h"
 #include "pbrt/images/image.h"
 #include "pbrt/images/metrics.h"
 
@@ -30,6 +31,17 @@ void AddScalenormalmap(CLI::App &app, Action &action);
 void AddMakeequiarea(CLI::App &app, Action &action);
 void AddMakesky(CLI::App &app, Action &action);
 
+/// Adds a subcommand whose action is `run`. Returns it and the options that are to be declared.
+template <class O>
+std::pair<CLI::App &, O &> AddCommand(CLI::App &app, Action &action, int (*run)(const O &), const std::string &name,
+                                      const std::string &about, const std::string &footer) {
+    auto options = std::make_shared<O>();
+    CLI::App *command = app.add_subcommand(name, about);
+    command->footer(footer);
+    command->callback([=, &action] { action = [=] { return run(*options); }; });
+    return {*command, *options};
+}
+
 /// "R,G,B" -> the names, of which those with a wavelength may hold a comma. Throws UserError if a name is empty.
 std::vector<std::string> SplitChannels(const std::string &list);
 /// Indices of the channels R, G, B. Throws UserError if one is missing.
@@ -38,7 +50,7 @@ inline Rgb GetRgb(const Image &image, Point2i p, const std::array<int, 3> &chann
     return {image.Get(p, channels[0]), image.Get(p, channels[1]), image.Get(p, channels[2])};
 }
 inline void SetRgb(Image &image, Point2i p, const std::array<int, 3> &channels, const Rgb &rgb) {
-    for (int c = 0; c < 3; ++c) image.Set(p, channels[static_cast<size_t>(c)], rgb[c]);
+    for (int c = 0; c < 3; ++c) image.Set(p, channels[c], rgb[c]);
 }
 
 template <class F>

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include "pbrt/cmd/flag_checks.h"
+#include "pbrt/cmd/flags.h"
 #include "pbrt/cmd/imgtool/commands.h"
 #include "pbrt/core/error.h"
 #include "pbrt/core/version.h"

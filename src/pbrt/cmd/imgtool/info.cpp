@@ -99,7 +99,7 @@ Json InfoJson(const std::string &path) {
     json["channels"] = Json::array();
     for (int c = 0; c < file.image.ChannelCount(); ++c) {
         const ChannelStatistics s = Statistics(file.image, c);
-        Json channel = {{"name", file.image.Channels()[static_cast<size_t>(c)]}};
+        Json channel = {{"name", file.image.Channels()[c]}};
         channel["min"] = s.count ? Json(ShortNumber(s.low)) : Json();
         channel["mean"] = s.count ? Json(s.sum / static_cast<double>(s.count)) : Json();
         channel["max"] = s.count ? Json(ShortNumber(s.high)) : Json();
@@ -127,7 +127,7 @@ void PrintInfo(const std::string &path) {
     fmt::print("  {:<16} {:>13} {:>13} {:>13} {:>8} {:>8}\n", "channel", "least", "mean", "largest", "nan", "infinite");
     for (int c = 0; c < image.ChannelCount(); ++c) {
         const ChannelStatistics s = Statistics(image, c);
-        const std::string &name = image.Channels()[static_cast<size_t>(c)];
+        const std::string &name = image.Channels()[c];
         if (s.count)
             fmt::print("  {:<16} {:>13.6g} {:>13.6g} {:>13.6g} {:>8} {:>8}\n", name, s.low,
                        s.sum / static_cast<double>(s.count), s.high, s.nan, s.infinite);

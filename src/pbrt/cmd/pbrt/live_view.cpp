@@ -13,7 +13,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// What a picture may cost before the first one has told.
+/// Estimated cost of a picture before the first measurement.
 constexpr double kSecondsPerPixel = 5e-8;
 
 }  // namespace

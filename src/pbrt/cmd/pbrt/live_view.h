@@ -20,7 +20,7 @@ class LiveViewer {
     template <class Body>
     explicit LiveViewer(Body body) : hasEnded_(std::make_shared<Flag>()) {
         thread_ = std::thread([body = std::move(body), ended = hasEnded_]() mutable {
-            // Whatever happens to a viewer, the render goes on.
+            // A failed viewer does not end the render.
             try {
                 body();
             } catch (const std::exception &e) {

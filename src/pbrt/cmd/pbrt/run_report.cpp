@@ -136,9 +136,9 @@ void PrintStatisticsJson(const CommandLine &options, const BuiltScene &built, co
     const auto bytes = [](double v) { return static_cast<int64_t>(v); };
     const auto report = [](const std::string &name, const auto *reporter) {
         if (!reporter) return Json();
-        Json said = Json::object();
-        reporter->Report(said);
-        return Json{{"name", name}, {"report", said}};
+        Json json = Json::object();
+        reporter->Report(json);
+        return Json{{"name", name}, {"report", json}};
     };
     const RenderCounters c = SumCounters();
     const Bounds2i &window = built.film->PixelBounds();

@@ -60,7 +60,7 @@ class Packet {
     std::string bytes_;
 };
 
-/// A connection that never blocks for longer than it is told to.
+/// A connection with time-outs.
 class Connection {
   public:
     Connection(const LiveBoard &board, const std::string &server) : board_(board) {
@@ -196,7 +196,7 @@ std::pair<std::string, std::string> SplitServer(const std::string &server) {
 void ShowInTev(LiveBoard &board, const std::string &server) {
     Connection viewer(board, server);
     const auto complain = [&](const char *what) {
-        LogWarning(fmt::format("--display-server {}: {} ({}); the render goes on without it.", server, what,
+        LogWarning(fmt::format("--display-server {}: {} ({}); the render continues without it.", server, what,
                                viewer.Failure()));
     };
     if (!viewer.IsOpen()) return complain("no viewer answers");

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 namespace {
 // A curve with error = scale / (cost - fixed).
@@ -112,4 +112,4 @@ TEST(ParetoFront, KeepsExactlyWhatNothingBeats) {
     EXPECT_TRUE(ParetoFront({}).empty());
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

@@ -11,7 +11,7 @@
 #include "support/build_text.h"
 #include "support/wrapped_sampler.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 namespace {
 
 /// An orthographic view of 4 x 4 units, straight down on a floor of 2 x 2. Lights 0 and 1 are a mesh that faces away
@@ -255,4 +255,4 @@ TEST_F(Inspect, WritesEveryLayerAndSaysWhatItShows) {
 }
 
 }  // namespace
-}  // namespace pbrt::lab
+}  // namespace ext::lab

@@ -46,7 +46,7 @@ TEST_F(Checkpoints, ARenderThatWasKilledGivesTheSameBits) {
         const std::string arguments = lights_ + " scene.pbrt --nthreads 2 --outfile ";
         const ImageFile whole = Render(lights_ + "scene.pbrt --nthreads 1", "whole.exr");
         const std::string messages = KillAndResume(arguments + "out.exr", 3);
-        EXPECT_TRUE(Has(messages, "Going on from c.chk, after ")) << messages;
+        EXPECT_TRUE(Has(messages, "Resuming from c.chk, after ")) << messages;
         const ImageFile resumed = ReadImage(Path("out.exr"));
         EXPECT_EQ(IntOf(resumed, "samplesPerPixel"), 512);
         EXPECT_TRUE(SamePixels(whole, resumed)) << film;
@@ -159,7 +159,7 @@ TEST_F(Checkpoints, OtherRendersAreRefusedByWhatDiffers) {
          {resume + "more.pbrt --maxdepth 3 --seed 1", {"--maxdepth is 3, but is 2", "--seed is 1, but is not given"}},
          {resume + "scene.pbrt --maxdepth 2", {"only c.chk uses the file more.pbrt", "the file scene.pbrt did not"}},
          {resume + "more.pbrt --maxdepth 2 --samples 0:2", {"checkpoint of a whole render"}},
-         {"--resume more.pbrt", {"--resume goes on from the file that --checkpoint names"}},
+         {"--resume more.pbrt", {"--resume needs --checkpoint"}},
          {"--checkpoint x.chk - < more.pbrt", {"standard input"}},
          {"--checkpoint none/x.chk more.pbrt", {"none/x.chk", "folder"}}});
     // The picture that the render wrote, and a comment of another scene, do not matter; a changed include does.

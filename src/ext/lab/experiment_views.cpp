@@ -1,12 +1,11 @@
-#include "ext/lab/campaign_views.h"
+#include "ext/lab/experiment_views.h"
 
 #include <filesystem>
 
 #include "ext/lab/inspect.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
-using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 namespace {
@@ -32,7 +31,7 @@ Json WithFolder(Json layers, const std::string &folder) {
 
 std::string ViewsNote(const SamplerChoice &choice) { return choice.folder + "/views.json"; }
 
-Json WriteViews(const CampaignSettings &settings, const LabScene &scene, size_t sampler, const Integrator &integrator,
+Json WriteViews(const ExperimentSettings &settings, const LabScene &scene, size_t sampler, const Integrator &integrator,
                 Progress &cancel) {
     InspectSettings how = ViewSettings();
     if (sampler > 0) how.shownLights = 0;
@@ -59,7 +58,7 @@ Json WriteViews(const CampaignSettings &settings, const LabScene &scene, size_t 
     return views;
 }
 
-bool ViewsAreWhole(const CampaignSettings &settings, const Json &note) {
+bool ViewsAreWhole(const ExperimentSettings &settings, const Json &note) {
     if (!note.is_object()) return false;
     std::error_code error;
     for (const auto &[file, bytes] : note.at("bytes").items())
@@ -67,7 +66,7 @@ bool ViewsAreWhole(const CampaignSettings &settings, const Json &note) {
     return true;
 }
 
-void AddViews(const CampaignSettings &settings, const RecordFolder &records, Json *results) {
+void AddViews(const ExperimentSettings &settings, const RecordFolder &records, Json *results) {
     for (size_t i = 0; i < settings.samplers.size(); ++i) {
         const Json views = records.LoadNote(ViewsNote(settings.samplers[i]));
         if (!views.is_object()) continue;
@@ -81,4 +80,4 @@ void AddViews(const CampaignSettings &settings, const RecordFolder &records, Jso
     }
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

@@ -164,11 +164,10 @@ class Channel {
         test.pixels = Bounds2i(grid_.Pixels(r.x0, r.y0).low, grid_.Pixels(r.x1 - 1, r.y1 - 1).high);
         const double tiles = r.Count();
         double unit = 0;  // weighted mean of the reference
-        for (int y = r.y0; y < r.y1; ++y)
-            for (int x = r.x0; x < r.x1; ++x) {
-                test.difference += Difference(x, y) / tiles;
-                unit += parts_.Mean(grid_.Index(x, y)) / tiles;
-            }
+        r.ForEach([&](int x, int y) {
+            test.difference += Difference(x, y) / tiles;
+            unit += parts_.Mean(grid_.Index(x, y)) / tiles;
+        });
         // About 0.95 in a region of ordinary brightness. The bound keeps the relative differences of nearly black
         // regions small.
         unit = std::max(unit, 0.5);
@@ -190,8 +189,7 @@ class Channel {
         if (parts > 1) {
             add(parts_.Of(r));
         } else if (!known_.empty()) {
-            for (int y = r.y0; y < r.y1; ++y)
-                for (int x = r.x0; x < r.x1; ++x) variance += known_[grid_.Index(x, y)] / (tiles * tiles);
+            r.ForEach([&](int x, int y) { variance += known_[grid_.Index(x, y)] / (tiles * tiles); });
         }
         test.dof = squared > 0 ? std::min(variance * variance / squared, mostDof) : kManyDof;
         double lack = ofRuns_.Around(around) / (runs * tiles);
@@ -245,11 +243,9 @@ class Channel {
             for (int bx = 0; bx < blocks.countX; ++bx) {
                 const TileRectangle r = blocks.At(bx, by);
                 double sum = 0;
-                for (int y = r.y0; y < r.y1; ++y)
-                    for (int x = r.x0; x < r.x1; ++x) sum += value[grid.Index(x, y)];
+                r.ForEach([&](int x, int y) { sum += value[grid.Index(x, y)]; });
                 const double mean = sum / ((r.x1 - r.x0) * (r.y1 - r.y0)) + kDark * image;
-                for (int y = r.y0; y < r.y1; ++y)
-                    for (int x = r.x0; x < r.x1; ++x) weights[grid.Index(x, y)] = mean > 0 ? 1 / mean : 0;
+                r.ForEach([&](int x, int y) { weights[grid.Index(x, y)] = mean > 0 ? 1 / mean : 0; });
             }
         return weights;
     }
@@ -262,8 +258,7 @@ class Channel {
     /// The same as TileNoise::Strongest, for a single run.
     double StrongestDifference(const TileRectangle &r) const {
         std::vector<double> values;
-        for (int y = r.y0; y < r.y1; ++y)
-            for (int x = r.x0; x < r.x1; ++x) values.push_back(Difference(x, y));
+        r.ForEach([&](int x, int y) { values.push_back(Difference(x, y)); });
         return Excess(values);
     }
 
@@ -272,14 +267,13 @@ class Channel {
         const double tiles = (r.x1 - r.x0) * (r.y1 - r.y0);
         if (tiles < 2) return {kInfinity, 0};
         auto off = [&](int x, int y) { return Difference(x, y) - mean; };
-        for (int y = r.y0; y < r.y1; ++y)
-            for (int x = r.x0; x < r.x1; ++x) {
-                const double d = off(x, y);
-                own += d * d;
-                ownSquared += d * d * d * d;
-                if (x + 1 < r.x1) neighbours += d * off(x + 1, y);
-                if (y + 1 < r.y1) neighbours += d * off(x, y + 1);
-            }
+        r.ForEach([&](int x, int y) {
+            const double d = off(x, y);
+            own += d * d;
+            ownSquared += d * d * d * d;
+            if (x + 1 < r.x1) neighbours += d * off(x + 1, y);
+            if (y + 1 < r.y1) neighbours += d * off(x, y + 1);
+        });
         TileNoise::Estimate noise;
         noise.variance = (own + std::max(0.0, 2 * neighbours)) / (tiles * (tiles - 1));
         // As in TileNoise::Of; a squared normal deviate has mean square 3.

@@ -61,10 +61,9 @@ struct BiasReport {
     /// Smallest bias that could have been seen in the whole image, in half of the regions of about 1/16 of the image,
     /// and in half of the smallest regions (side in pixels). Infinity: none.
     double visibleImage = 0, visibleSixteenth = 0, visibleSmallest = 0;
-    int smallestSide = 0,
-        sixteenthRegions =
-            0;  ///< number of regions of about 1/16; with fewer than 4 (small pictures, few runs) nothing is "clean"
-    std::string text;  ///< one or two sentences for people
+    int smallestSide = 0;
+    int sixteenthRegions = 0;  ///< number of regions of about 1/16; with fewer than 4 nothing is "clean"
+    std::string text;          ///< one or two sentences for the user
 };
 
 /// `runs`: pictures of one sampler with different seeds, equal sample counts. All must have the grid and channels of

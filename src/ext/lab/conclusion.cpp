@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ext/lab/summary.h"
+#include "ext/lab/measures.h"
 
 namespace ext::lab {
 

@@ -50,7 +50,4 @@ std::optional<double> ErrorRatioAtEqualCost(const ErrorCurve &mine, const ErrorC
 /// 1 / (error x seconds); 0 if either is not positive.
 double Efficiency(double error, double seconds);
 
-/// Indices, by rising cost, of the points that no other beats in both cost and error.
-std::vector<size_t> ParetoFront(std::span<const CurvePoint> points);
-
 }  // namespace ext::lab

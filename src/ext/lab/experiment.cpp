@@ -6,10 +6,8 @@
 #include <map>
 
 #include "ext/lab/experiment_display.h"
-#include "ext/lab/experiment_views.h"
 #include "ext/lab/pictures.h"
 #include "ext/lab/reference.h"
-#include "ext/lab/reference_cache.h"
 #include "ext/lab/results.h"
 #include "ext/lab/sampler_run.h"
 #include "ext/lab/text_output.h"
@@ -76,7 +74,7 @@ class Rounds {
         LoadCosts();
     }
 
-    /// False: cancelled.
+    /// Returns false if cancelled.
     bool RenderAll() {
         if (!FindExpectedSamples()) return false;
         recordsOf_.assign(settings_.samplers.size(), {});
@@ -117,7 +115,7 @@ class Rounds {
     }
 
     /// Writes the inspection views of a sampler after its first run, once per sampler. `run`: that run, or null if an
-    /// earlier session finished it. False: cancelled.
+    /// earlier session finished it. Returns false if cancelled.
     bool InspectSampler(size_t i, SamplerRun *run) {
         const SamplerChoice &choice = settings_.samplers[i];
         if (!settings_.views || ViewsAreWhole(settings_, records_.LoadNote(ViewsNote(choice)))) return true;
@@ -197,7 +195,7 @@ class Rounds {
 
     /// Sets expected_, the number of samples per pixel that every sampler plans for. With a time budget it is an
     /// estimate (FittingSamples), from the pilot or else from a run of two samples, which also warms up the machine. It
-    /// is kept in the records, because pictures may depend on it. False: cancelled.
+    /// is kept in the records, because pictures may depend on it. Returns false if cancelled.
     bool FindExpectedSamples() {
         Json note = records_.LoadNote("expected-samples.json");
         if (!note.is_object()) note = Json::object();
@@ -291,55 +289,6 @@ class Rounds {
     std::vector<std::vector<RunRecord>> recordsOf_;
     std::optional<SelectionVertices> vertices_;  ///< for the checks of light selection; made when first needed
 };
-
-/// Writes references, results and errors as pictures, and adds them and the crops to `json`.
-void WritePictures(const ExperimentSettings &settings, const LabScene &scene, const References &references,
-                   const std::vector<std::vector<Image>> &pictures, Json *json) {
-    const double exposure = ChooseExposure(references.all[0].image);
-    const Point2i resolution = references.all[0].image.Resolution();
-    (*json)["references"] = Json::array();
-    for (size_t i = 0; i < references.all.size(); ++i) {
-        const Reference &r = references.all[i];
-        const std::string name = fmt::format("reference-{}", i);
-        ImageMetadata metadata = scene.built.film->Metadata();
-        metadata.attributes["lightlab.sampler"] = r.sampler;
-        metadata.attributes["lightlab.sceneHash"] = scene.hash;
-        metadata.attributes["samplesPerPixel"] = r.samples;
-        WriteImage(fmt::format("{}/{}.exr", settings.outFolder, name), r.image, metadata);
-        WritePicture(fmt::format("{}/{}.png", settings.outFolder, name), r.image, exposure);
-        WriteRangePicture(fmt::format("{}/{}.hdr", settings.outFolder, name), r.image);
-        (*json)["references"].push_back({{"file", name + ".exr"},
-                                         {"picture", name + ".png"},
-                                         {"pictureRange", name + ".hdr"},
-                                         {"sampler", r.sampler.empty() ? Json() : Json(r.sampler)},
-                                         {"samples", r.samples ? Json(r.samples) : Json()},
-                                         {"seconds", r.seconds > 0 ? Json(r.seconds) : Json()},
-                                         {"noise", r.noise ? Json(*r.noise) : Json()},
-                                         {"source", r.source}});
-    }
-    std::vector<std::vector<float>> maps, shared;
-    for (size_t i = 0; i < settings.samplers.size(); ++i) {
-        maps.push_back(ErrorMap(pictures[i].front(), references.all[references.ofSampler[i]].image));
-        if (!settings.samplers[i].IsOracle()) shared.push_back(maps.back());
-    }
-    const double scale = ChooseErrorScale(maps);
-    for (size_t i = 0; i < settings.samplers.size(); ++i) {
-        const std::string folder = settings.outFolder + "/" + settings.samplers[i].folder;
-        WritePicture(folder + "/result.png", pictures[i].front(), exposure);
-        WriteRangePicture(folder + "/result.hdr", pictures[i].front());
-        WriteErrorPicture(folder + "/error.png", maps[i], resolution, scale);
-    }
-    (*json)["exposure"] = exposure;
-    (*json)["errorScale"] = scale;
-    (*json)["crops"] = Json::array();
-    const std::vector<Bounds2i> crops = settings.crops.empty() ? ChooseCrops(shared, resolution) : settings.crops;
-    for (size_t i = 0; i < crops.size(); ++i)
-        (*json)["crops"].push_back({{"name", std::string(1, static_cast<char>('a' + i % 26))},
-                                    {"x0", crops[i].low.x},
-                                    {"y0", crops[i].low.y},
-                                    {"x1", crops[i].high.x},
-                                    {"y1", crops[i].high.y}});
-}
 
 Json Header(const ExperimentSettings &settings, const LabScene &scene, const Json &identity, size_t checkpoints) {
     Json json;

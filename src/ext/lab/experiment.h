@@ -3,6 +3,7 @@
 #include <string>
 
 #include "ext/lab/experiment_settings.h"
+#include "ext/lab/reference.h"
 #include "ext/lab/text_output.h"
 #include "pbrt/core/progress.h"
 
@@ -28,5 +29,23 @@ struct Checkpoint {
     double seconds = 0;
 };
 std::vector<Checkpoint> Checkpoints(const ExperimentSettings &settings);
+
+/// Writes inspection views of a sampler of the experiment at the first visible surfaces, as
+/// <sampler>/views/*.png. For sampler 0 it also writes those that are the same for every sampler, as views/*.png. Takes
+/// some seconds. Returns what was written; null: cancelled.
+Json WriteViews(const ExperimentSettings &settings, const LabScene &scene, size_t sampler, const Integrator &integrator,
+                Progress &cancel);
+
+/// The name of the note in the records that keeps what WriteViews returned.
+std::string ViewsNote(const SamplerChoice &choice);
+/// Returns true if all pictures of the note exist with its file sizes.
+bool ViewsAreWhole(const ExperimentSettings &settings, const Json &note);
+
+/// Adds "views" to results.json, for the scene and for every sampler whose views were written.
+void AddViews(const ExperimentSettings &settings, const RecordFolder &records, Json *results);
+
+/// Writes references, results and errors as pictures, and adds them and the crops to `json`.
+void WritePictures(const ExperimentSettings &settings, const LabScene &scene, const References &references,
+                   const std::vector<std::vector<Image>> &pictures, Json *json);
 
 }  // namespace ext::lab

@@ -22,7 +22,7 @@ struct ExperimentSettings {
     int referenceSamples = 0;     ///< 0: chosen from the budget, see ReferenceRule
     std::string samplesFrom;      ///< results.json whose sample counts are replayed instead of measuring time
     std::vector<Bounds2i> crops;  ///< empty: chosen where the samplers differ most
-    bool views = true;            ///< write inspection views of every sampler, see experiment_views.h
+    bool views = true;            ///< write inspection views of every sampler, see WriteViews
     double selectionWork = 1e8;   ///< SelectionSettings::mostWork of the light-selection check; 0: no check
     std::string outFolder;
     std::string cacheFolder;  ///< where rendered references are kept for other experiments; empty: nowhere

@@ -1,8 +1,9 @@
-#include "ext/lab/experiment_views.h"
+#include "ext/lab/experiment.h"
 
 #include <filesystem>
 
 #include "ext/lab/inspect.h"
+#include "ext/lab/pictures.h"
 
 namespace ext::lab {
 
@@ -78,6 +79,54 @@ void AddViews(const ExperimentSettings &settings, const RecordFolder &records, J
         (*results)["samplers"][i]["views"] = part("layers");
         if (views.contains("layersOfScene")) (*results)["views"] = part("layersOfScene");
     }
+}
+
+void WritePictures(const ExperimentSettings &settings, const LabScene &scene, const References &references,
+                   const std::vector<std::vector<Image>> &pictures, Json *json) {
+    const double exposure = ChooseExposure(references.all[0].image);
+    const Point2i resolution = references.all[0].image.Resolution();
+    (*json)["references"] = Json::array();
+    for (size_t i = 0; i < references.all.size(); ++i) {
+        const Reference &r = references.all[i];
+        const std::string name = fmt::format("reference-{}", i);
+        ImageMetadata metadata = scene.built.film->Metadata();
+        metadata.attributes["lightlab.sampler"] = r.sampler;
+        metadata.attributes["lightlab.sceneHash"] = scene.hash;
+        metadata.attributes["samplesPerPixel"] = r.samples;
+        WriteImage(fmt::format("{}/{}.exr", settings.outFolder, name), r.image, metadata);
+        WritePicture(fmt::format("{}/{}.png", settings.outFolder, name), r.image, exposure);
+        WriteRangePicture(fmt::format("{}/{}.hdr", settings.outFolder, name), r.image);
+        (*json)["references"].push_back({{"file", name + ".exr"},
+                                         {"picture", name + ".png"},
+                                         {"pictureRange", name + ".hdr"},
+                                         {"sampler", r.sampler.empty() ? Json() : Json(r.sampler)},
+                                         {"samples", r.samples ? Json(r.samples) : Json()},
+                                         {"seconds", r.seconds > 0 ? Json(r.seconds) : Json()},
+                                         {"noise", r.noise ? Json(*r.noise) : Json()},
+                                         {"source", r.source}});
+    }
+    std::vector<std::vector<float>> maps, shared;
+    for (size_t i = 0; i < settings.samplers.size(); ++i) {
+        maps.push_back(ErrorMap(pictures[i].front(), references.all[references.ofSampler[i]].image));
+        if (!settings.samplers[i].IsOracle()) shared.push_back(maps.back());
+    }
+    const double scale = ChooseErrorScale(maps);
+    for (size_t i = 0; i < settings.samplers.size(); ++i) {
+        const std::string folder = settings.outFolder + "/" + settings.samplers[i].folder;
+        WritePicture(folder + "/result.png", pictures[i].front(), exposure);
+        WriteRangePicture(folder + "/result.hdr", pictures[i].front());
+        WriteErrorPicture(folder + "/error.png", maps[i], resolution, scale);
+    }
+    (*json)["exposure"] = exposure;
+    (*json)["errorScale"] = scale;
+    (*json)["crops"] = Json::array();
+    const std::vector<Bounds2i> crops = settings.crops.empty() ? ChooseCrops(shared, resolution) : settings.crops;
+    for (size_t i = 0; i < crops.size(); ++i)
+        (*json)["crops"].push_back({{"name", std::string(1, static_cast<char>('a' + i % 26))},
+                                    {"x0", crops[i].low.x},
+                                    {"y0", crops[i].low.y},
+                                    {"x1", crops[i].high.x},
+                                    {"y1", crops[i].high.y}});
 }
 
 }  // namespace ext::lab

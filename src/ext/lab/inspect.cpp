@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
+#include "ext/lab/tile_statistics.h"
 #include "pbrt/core/counters.h"
 #include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
@@ -117,8 +117,8 @@ class Inspector {
     std::vector<InspectedLight> lights_;  ///< per group
     std::vector<size_t> shown_;           ///< groups whose visibility is shown, most power first
     size_t samplerLayers_ = 0;
-    std::vector<std::pair<LightId, std::vector<LightId>>>
-        skyParts_;  ///< of every sky those that the sampler chooses from
+    /// For every sky the parts that the sampler chooses from.
+    std::vector<std::pair<LightId, std::vector<LightId>>> skyParts_;
 };
 
 /// The name with every character but letters, digits and dots replaced by _, for EXR channels and files.
@@ -128,13 +128,15 @@ std::string Plain(std::string name) {
     return name;
 }
 
-InspectedLayer Layer(std::string meaning, double least, double most) {
-    InspectedLayer layer;
-    layer.meaning = std::move(meaning);
-    layer.shownLeast = least;
-    layer.shownMost = most;
-    return layer;
-}
+/// How the values of DirectionSampling::Inspect are shown.
+struct GuideLayer {
+    const char *name, *meaning;
+    double least, most;
+};
+constexpr GuideLayer kGuideLayers[] = {
+    {"survival", "continuation probability of a path of half its weight; magenta: no estimate", 0.5, 1},
+    {"share", "guiding probability: share of bounces whose direction comes from the guide", 0, 1},
+    {"shines", "learned radiance of source clusters over the greatest, log10; magenta: none", -3, 0}};
 
 void Inspector::MakeLayers(Inspection &out) {
     auto add = [&](std::string name, std::string meaning, double least = 0, double most = 0, bool isId = false,
@@ -177,13 +179,11 @@ void Inspector::MakeLayers(Inspection &out) {
     if (!guide_) return;
     values.clear();
     guide_->Inspect(PathVertex(), {}, values);
-    const std::map<std::string, InspectedLayer> ofGuide = {
-        {"survival", Layer("continuation probability of a path of half its weight; magenta: no estimate", 0.5, 1)},
-        {"share", Layer("guiding probability: share of bounces whose direction comes from the guide", 0, 1)},
-        {"shines", Layer("learned radiance of source clusters over the greatest, log10; magenta: none", -3, 0)}};
     for (const InspectedValue &v : values) {
-        out.layers.push_back(ofGuide.at(v.name));
-        out.layers.back().name = "guide." + v.name;
+        const GuideLayer *layer = std::find_if(std::begin(kGuideLayers), std::end(kGuideLayers),
+                                               [&](const GuideLayer &l) { return l.name == v.name; });
+        PBRT_CHECK(layer != std::end(kGuideLayers));
+        add("guide." + v.name, layer->meaning, layer->least, layer->most);
     }
 }
 
@@ -335,19 +335,18 @@ Inspection Inspector::Run() {
         InspectedLayer &layer = out.layers[c];
         double sum = 0;
         size_t count = 0;
-        for (int y = 0; y < resolution.y; ++y)
-            for (int x = 0; x < resolution.x; ++x) {
-                auto v = static_cast<double>(out.image.Get({x, y}, static_cast<int>(c)));
-                if (c > 0 && out.image.Get({x, y}, 0) == 0) continue;
-                if (!std::isfinite(v)) {
-                    ++layer.unknown;
-                    continue;
-                }
-                layer.least = count ? std::min(layer.least, v) : v;
-                layer.most = count ? std::max(layer.most, v) : v;
-                sum += v;
-                ++count;
+        ForEachPixel(resolution, [&](int x, int y) {
+            auto v = static_cast<double>(out.image.Get({x, y}, static_cast<int>(c)));
+            if (c > 0 && out.image.Get({x, y}, 0) == 0) return;
+            if (!std::isfinite(v)) {
+                ++layer.unknown;
+                return;
             }
+            layer.least = count ? std::min(layer.least, v) : v;
+            layer.most = count ? std::max(layer.most, v) : v;
+            sum += v;
+            ++count;
+        });
         layer.values = count;
         layer.mean = count ? sum / static_cast<double>(count) : 0;
         if (layer.name == "brightest" && layer.IsFlat() && count > 0)

@@ -28,7 +28,7 @@ struct InspectedLayer {
     double least = 0, most = 0, mean = 0;  ///< of the finite values where "hit" is 1 (layer "hit": everywhere)
     size_t values = 0, unknown = 0;        ///< number of these finite values, and of those that are not finite
     std::string light;                     ///< name of the light that the layer is about; empty: no single light
-    /// True: the value is the same everywhere, or known nowhere; the page says so in words instead of a blank picture.
+    /// Returns true if the value is the same everywhere, or nowhere defined; the page then has a sentence, no picture.
     bool IsFlat() const { return values == 0 || (least == most && unknown == 0); }
 };
 
@@ -41,8 +41,8 @@ struct InspectedLight {
 };
 
 struct Inspection {
-    /// One float channel per layer, over the film's pixels. Layer "hit" is 1 where the camera sees a
-    /// surface that is not purely specular, directly or through specular ones; all others are 0 elsewhere.
+    /// One float channel per layer, over the film's pixels. Layer "hit" is 1 where a surface that is not purely
+    /// specular is visible, directly or through specular ones; all others are 0 elsewhere.
     Image image;
     std::vector<InspectedLayer> layers;  ///< "hit" first
     std::vector<InspectedLight> lights;
@@ -50,7 +50,7 @@ struct Inspection {
     int stride = 1;         ///< see InspectSettings::maxWork
 };
 
-/// Inspects the integrator's light sampler, which is prepared, at the surfaces that the camera sees first, with one ray
+/// Inspects the integrator's light sampler, which is prepared, at the first visible surfaces, with one ray
 /// per pixel through its centre. Every call gives the same values. Layers: every value of LightSampler::Inspect;
 /// entropy of the pmf over lights; the light that contributes most, and its probability; second moment of the one-light
 /// estimator over the least possible one; measured visibility of the strongest lights; mean number of vertices of some

@@ -109,7 +109,7 @@ int RunInspect(const InspectOptions &options, const PluginRegistry &registry, Pr
     built.Prepare(progress);
     if (progress.Cancelled()) return 130;
     if (built.integrator->Directions()) {
-        // It learns while samples are rendered; the picture is not wanted.
+        // The guide learns while samples are rendered; the picture is discarded.
         RenderSettings settings = built.Settings();
         RenderWaves(*built.integrator, *built.camera, *built.filter, *built.film, *built.sampler, settings, progress);
         if (progress.Cancelled()) return 130;

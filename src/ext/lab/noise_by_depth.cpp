@@ -98,17 +98,16 @@ Noise NoiseOf(const std::vector<Image> &pictures, const Image &reference) {
     const int channels = reference.ChannelCount();
     const double epsilon = RelL2Epsilon(reference);
     std::vector<double> terms;
-    for (int y = 0; y < reference.Resolution().y; ++y)
-        for (int x = 0; x < reference.Resolution().x; ++x) {
-            double term = 0;
-            for (int c = 0; c < channels; ++c) {
-                double sum = 0, squares = 0;
-                for (const Image &p : pictures) sum += static_cast<double>(p.Get({x, y}, c));
-                for (const Image &p : pictures) squares += Sqr(static_cast<double>(p.Get({x, y}, c)) - sum / n);
-                term += squares / (n - 1) / (Sqr(static_cast<double>(reference.Get({x, y}, c))) + epsilon) / channels;
-            }
-            terms.push_back(term);
+    ForEachPixel(reference.Resolution(), [&](int x, int y) {
+        double term = 0;
+        for (int c = 0; c < channels; ++c) {
+            double sum = 0, squares = 0;
+            for (const Image &p : pictures) sum += static_cast<double>(p.Get({x, y}, c));
+            for (const Image &p : pictures) squares += Sqr(static_cast<double>(p.Get({x, y}, c)) - sum / n);
+            term += squares / (n - 1) / (Sqr(static_cast<double>(reference.Get({x, y}, c))) + epsilon) / channels;
         }
+        terms.push_back(term);
+    });
     std::sort(terms.begin(), terms.end());
     const auto mean = [&](size_t kept) {
         double sum = 0;

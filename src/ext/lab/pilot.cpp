@@ -57,21 +57,21 @@ double VarianceBetweenPictures(const std::vector<Pilot> &pilots, size_t which, i
     const auto &[a, b] = pilots[which].pictures;
     const TileGrid &grid = pilots[which].tiles.grid;
     double sum = 0;
-    for (int ty = 0; ty < grid.tilesY; ++ty)
-        for (int tx = 0; tx < grid.tilesX; ++tx)
-            for (int c = 0; c < 3; ++c) {
-                double others = 0, squares = 0;
-                for (size_t k = 0; k < pilots.size(); ++k)
-                    if (k != which) others += pilots[k].tiles(grid.Index(tx, ty), c);
-                others /= static_cast<double>(pilots.size() - 1);
-                const Bounds2i pixels = grid.Pixels(tx, ty);
-                for (int y = pixels.low.y; y < pixels.high.y; ++y)
-                    for (int x = pixels.low.x; x < pixels.high.x; ++x) {
-                        const double d = double(a.Get({x, y}, c)) - double(b.Get({x, y}, c));
-                        if (std::isfinite(d)) squares += d * d / 2;
-                    }
-                sum += squares / (others * others + epsilon);
-            }
+    grid.ForEachTile([&](int tx, int ty) {
+        for (int c = 0; c < 3; ++c) {
+            double others = 0, squares = 0;
+            for (size_t k = 0; k < pilots.size(); ++k)
+                if (k != which) others += pilots[k].tiles(grid.Index(tx, ty), c);
+            others /= static_cast<double>(pilots.size() - 1);
+            const Bounds2i pixels = grid.Pixels(tx, ty);
+            for (int y = pixels.low.y; y < pixels.high.y; ++y)
+                for (int x = pixels.low.x; x < pixels.high.x; ++x) {
+                    const double d = double(a.Get({x, y}, c)) - double(b.Get({x, y}, c));
+                    if (std::isfinite(d)) squares += d * d / 2;
+                }
+            sum += squares / (others * others + epsilon);
+        }
+    });
     return samples * sum / (3 * static_cast<double>(a.Resolution().x) * static_cast<double>(a.Resolution().y));
 }
 
@@ -91,17 +91,17 @@ double VarianceAgainstOthers(const std::vector<Pilot> &pilots, size_t which, int
 
     const TileGrid &grid = pilots[which].tiles.grid;
     double sum = 0, area = 0;
-    for (int ty = 0; ty < grid.tilesY; ++ty)
-        for (int tx = 0; tx < grid.tilesX; ++tx)
-            for (int c = 0; c < 3; ++c) {
-                const int tile = grid.Index(tx, ty);
-                double others = 0;
-                for (size_t k = 0; k < pilots.size(); ++k) others += weights[k] / total * pilots[k].tiles(tile, c);
-                const double d = pilots[which].tiles(tile, c) - others;
-                const auto pixels = static_cast<double>(grid.Pixels(tx, ty).Area());
-                sum += pixels * pixels * d * d / (others * others + epsilon);
-                area += pixels;
-            }
+    grid.ForEachTile([&](int tx, int ty) {
+        for (int c = 0; c < 3; ++c) {
+            const int tile = grid.Index(tx, ty);
+            double others = 0;
+            for (size_t k = 0; k < pilots.size(); ++k) others += weights[k] / total * pilots[k].tiles(tile, c);
+            const double d = pilots[which].tiles(tile, c) - others;
+            const auto pixels = static_cast<double>(grid.Pixels(tx, ty).Area());
+            sum += pixels * pixels * d * d / (others * others + epsilon);
+            area += pixels;
+        }
+    });
     return 2 * samples * sum / area - noise;
 }
 

@@ -18,7 +18,7 @@ struct PilotEntry {
 };
 
 /// Ranks the samplers of the experiment (oracles left out) and stock's bvh and uniform over single lights: least
-/// variance per sample first. Keeps its result in `records`. Nothing: cancelled.
+/// variance per sample first. Keeps its result in `records`. Returns nothing if cancelled.
 std::optional<std::vector<PilotEntry>> RunPilot(const ExperimentSettings &settings, const LabScene &scene,
                                                 const PluginRegistry &registry, const RecordFolder &records,
                                                 Progress &cancel, ExperimentDisplay &display);

@@ -5,7 +5,6 @@
 #include <filesystem>
 
 #include "ext/lab/bias_check.h"
-#include "ext/lab/reference_cache.h"
 #include "ext/lab/sampler_run.h"
 #include "pbrt/core/count_text.h"
 #include "pbrt/images/metrics.h"
@@ -14,7 +13,7 @@ namespace ext::lab {
 
 namespace {
 
-constexpr int kParts = 8;           // seeds of a reference; their scatter tells its noise (7 degrees of freedom)
+constexpr int kParts = 8;           // seeds of a reference; their scatter estimates its noise (7 degrees of freedom)
 constexpr int kFirstSeed = 800001;  // far from the seeds of the runs and of the pilot
 constexpr int kSeedStep = 1000;     // between references
 constexpr int kMinSamples = 64;     // by time
@@ -32,7 +31,7 @@ class ReferenceMaker {
           display_(display),
           rule_(ReferenceRule::For(settings)) {}
 
-    /// Nothing: cancelled.
+    /// Returns nothing if cancelled.
     std::optional<Reference> Make(const PilotEntry &with, int index) {
         const int firstSeed = kFirstSeed + index * kSeedStep;
         const std::string about =
@@ -125,7 +124,7 @@ References GivenReference(const ExperimentSettings &settings, const LabScene &sc
         if (!maker.empty() && s.label == maker)
             references.doubts.push_back(
                 {fmt::format("{} was rendered with \"{}\", which is compared here: its own errors are partly in the "
-                             "reference, so its error looks lower than it is.",
+                             "reference, so its measured error is too low.",
                              settings.referenceFile, maker),
                  s.label});
     return references;

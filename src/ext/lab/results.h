@@ -1,8 +1,8 @@
 #pragma once
+#include "ext/lab/measures.h"
 #include "ext/lab/reference.h"
 #include "ext/lab/run_record.h"
 #include "ext/lab/selection_check.h"
-#include "ext/lab/summary.h"
 
 namespace ext::lab {
 

@@ -157,7 +157,7 @@ RunRecord TakeUpRun(const RecordFolder &records, const LabScene &scene, const st
         LogWarning(fmt::format(
             "{}/{}: records of seed {} are damaged or missing; {}.", records.Folder(), sampler, seed,
             kept > 0 ? fmt::format("resuming from {} per pixel", CountText(run.rounds[kept - 1].samples, "sample"))
-                     : "this run begins anew"));
+                     : "restarting this run"));
     // Reports and structure must be those of the last round that is kept.
     if (kept < run.rounds.size()) run = records.LoadRun(sampler, seed, static_cast<int>(kept));
     records.RemoveRounds(sampler, seed, kept, checkpoints);

@@ -20,12 +20,12 @@ class SamplerRun {
     SamplerRun(const LabScene &scene, const SamplerChoice &choice, int seed, int expectedSamples, Progress &cancel,
                std::optional<int> maxDepth = {});
 
-    /// Prepares the light sampler; to be called once, before rendering. False: cancelled.
+    /// Prepares the light sampler; to be called once, before rendering. Returns false if cancelled.
     bool Prepare();
     /// To be called after Prepare. Continues a run whose film was saved; its clock continues from the recorded time.
     void Resume(const RunRecord &record, const std::string &filmFile);
     /// Renders in waves. At least one sample; then no wave is begun that would end more than half a sample after the
-    /// target time. False: cancelled, and the film is of no use.
+    /// target time. Returns false if cancelled; the film is then unusable.
     bool RenderTo(const RenderTarget &target, const std::function<void()> &afterWave = {});
     /// Appends the present state to the record.
     void AddRound(int checkpoint, const Measures &measures);
@@ -62,10 +62,10 @@ class SamplerRun {
 RunRecord TakeUpRun(const RecordFolder &records, const LabScene &scene, const std::string &sampler, int seed,
                     size_t checkpoints, const std::string &picture);
 
-/// True if all pixels of R, G and B are finite.
+/// Returns true if all pixels of R, G and B are finite.
 bool IsFinite(const Image &picture);
 
-/// True: the picture can be read, and has finite R, G and B at this resolution.
+/// Returns true if the picture is readable and has finite R, G and B at this resolution.
 bool IsWholePicture(const std::string &file, Point2i resolution);
 
 }  // namespace ext::lab

@@ -18,7 +18,7 @@ constexpr int kSelectionSide = 4;  ///< regions along a side of the picture
 struct VertexFinding {
     float light = 0;     ///< all direct light that is measured
     float excess = 0;    ///< of the estimate over what it should be; its mean is 0 without bias
-    float unjudged = 0;  ///< part of `light` left out of `excess`: chosen too rarely for the draws to tell
+    float unjudged = 0;  ///< part of `light` left out of `excess`: chosen too rarely for a verdict
     bool endsPath = false;
 };
 
@@ -32,7 +32,7 @@ struct SelectionReport {
     double unjudged = 0;                       ///< share of the light
     int worstRegion = -1;                      ///< the region with the largest bias; -1: the whole picture, or no bias
     double worstDifference = 0;
-    std::string text;  ///< a sentence for people
+    std::string text;  ///< a sentence for the user
 };
 
 /// `regions`: for every region, the vertices of whole paths, in order. Paths without light may be left out.
@@ -102,8 +102,7 @@ struct SelectionSettings {
     int seed = 0;
 };
 
-/// `lights` must be prepared. The result does not depend on the number of
-/// threads. Nothing: cancelled.
+/// Checks a prepared light sampler; the result does not depend on the number of threads. Returns nothing if cancelled.
 std::optional<SelectionReport> CheckSelection(const SelectionVertices &vertices, const LightSampler &lights,
                                               const SelectionSettings &settings, Progress &progress);
 

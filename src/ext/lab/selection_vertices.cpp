@@ -112,7 +112,7 @@ class Measurer {
         out.push_back(std::move(vertex));
     }
 
-    /// Measures the lights at the distance t along the ray and goes on from there.
+    /// Measures the lights at the distance t along the ray and scatters the path there.
     void ScatterInMedium(Path &path, Float t) {
         auto &[walk, lambda, rng, out, weights, depth] = path;
         const HenyeyGreenstein &phase = walk.MediumAhead()->Phase();
@@ -178,7 +178,7 @@ class Measurer {
     std::vector<SelectionVertices::MeasuredLight> lights_;
 };
 
-/// True: half of the regions that receive light have enough effective paths.
+/// Returns true if half of the regions that receive light have enough effective paths.
 bool HaveEnough(std::span<const std::vector<SelectionVertices::Vertex>> regions) {
     int lit = 0, enough = 0;
     for (const auto &region : regions) {

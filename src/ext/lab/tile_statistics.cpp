@@ -31,25 +31,24 @@ TileMeans ComputeTileMeans(const Image &image, int tileSize) {
     means.grid = TileGrid(image.Resolution(), tileSize);
     means.channels = static_cast<int>(channels.size());
     means.values.reserve(means.grid.Count() * channels.size());
-    for (int ty = 0; ty < means.grid.tilesY; ++ty)
-        for (int tx = 0; tx < means.grid.tilesX; ++tx) {
-            const Bounds2i pixels = means.grid.Pixels(tx, ty);
-            for (int c : channels) {
-                double sum = 0;
-                size_t counted = 0;
-                for (int y = pixels.low.y; y < pixels.high.y; ++y)
-                    for (int x = pixels.low.x; x < pixels.high.x; ++x) {
-                        const auto v = static_cast<double>(image.Get({x, y}, c));
-                        if (std::isfinite(v)) {
-                            sum += v;
-                            ++counted;
-                        } else {
-                            ++means.skipped;
-                        }
+    means.grid.ForEachTile([&](int tx, int ty) {
+        const Bounds2i pixels = means.grid.Pixels(tx, ty);
+        for (int c : channels) {
+            double sum = 0;
+            size_t counted = 0;
+            for (int y = pixels.low.y; y < pixels.high.y; ++y)
+                for (int x = pixels.low.x; x < pixels.high.x; ++x) {
+                    const auto v = static_cast<double>(image.Get({x, y}, c));
+                    if (std::isfinite(v)) {
+                        sum += v;
+                        ++counted;
+                    } else {
+                        ++means.skipped;
                     }
-                means.values.push_back(counted ? sum / static_cast<double>(counted) : 0);
-            }
+                }
+            means.values.push_back(counted ? sum / static_cast<double>(counted) : 0);
         }
+    });
     return means;
 }
 
@@ -62,30 +61,30 @@ MeanImage AverageImages(std::span<const Image *const> images) {
     MeanImage out{Image(PixelFormat::Float, first.Resolution(), first.Channels())};
     const auto n = static_cast<double>(images.size());
     std::vector<double> variances;
-    for (int y = 0; y < first.Resolution().y; ++y)
-        for (int x = 0; x < first.Resolution().x; ++x)
-            for (int c = 0; c < first.ChannelCount(); ++c) {
-                double sum = 0, squares = 0;
-                for (const Image *image : images) sum += static_cast<double>(image->Get({x, y}, c));
-                const double mean = sum / n;
-                for (const Image *image : images) {
-                    const double d = static_cast<double>(image->Get({x, y}, c)) - mean;
-                    squares += d * d;
-                }
-                out.image.Set({x, y}, c, static_cast<Float>(mean));
-                variances.push_back(n > 1 ? squares / (n - 1) / n : 0);
+    ForEachPixel(first.Resolution(), [&](int x, int y) {
+        for (int c = 0; c < first.ChannelCount(); ++c) {
+            double sum = 0, squares = 0;
+            for (const Image *image : images) sum += static_cast<double>(image->Get({x, y}, c));
+            const double mean = sum / n;
+            for (const Image *image : images) {
+                const double d = static_cast<double>(image->Get({x, y}, c)) - mean;
+                squares += d * d;
             }
+            out.image.Set({x, y}, c, static_cast<Float>(mean));
+            variances.push_back(n > 1 ? squares / (n - 1) / n : 0);
+        }
+    });
     const double epsilon = RelL2Epsilon(out.image);
     double noise = 0;
     size_t counted = 0, i = 0;
-    for (int y = 0; y < first.Resolution().y; ++y)
-        for (int x = 0; x < first.Resolution().x; ++x)
-            for (int c = 0; c < first.ChannelCount(); ++c) {
-                const double term = variances[i++] / (Sqr(static_cast<double>(out.image.Get({x, y}, c))) + epsilon);
-                if (!std::isfinite(term)) continue;
-                noise += term;
-                ++counted;
-            }
+    ForEachPixel(first.Resolution(), [&](int x, int y) {
+        for (int c = 0; c < first.ChannelCount(); ++c) {
+            const double term = variances[i++] / (Sqr(static_cast<double>(out.image.Get({x, y}, c))) + epsilon);
+            if (!std::isfinite(term)) continue;
+            noise += term;
+            ++counted;
+        }
+    });
     out.noise = counted ? noise / static_cast<double>(counted) : 0;
     return out;
 }
@@ -130,31 +129,29 @@ TileNoise::Estimate TileNoise::Of(const TileRectangle &r) const {
     double own = 0, ownSquared = 0, neighbours = 0, between = 0;
     for (size_t i = 0; i < n_; ++i) {
         double total = 0;
-        for (int y = r.y0; y < r.y1; ++y)
-            for (int x = r.x0; x < r.x1; ++x) {
-                const double e = Residual(i, x, y);
-                total += e;
-                // Each pair once; the other half is the factor 2 below.
-                if (x + 1 < r.x1) neighbours += e * Residual(i, x + 1, y);
-                if (y + 1 < r.y1) {
-                    neighbours += e * Residual(i, x, y + 1);
-                    if (x + 1 < r.x1) neighbours += e * Residual(i, x + 1, y + 1);
-                    if (x > r.x0) neighbours += e * Residual(i, x - 1, y + 1);
-                }
+        r.ForEach([&](int x, int y) {
+            const double e = Residual(i, x, y);
+            total += e;
+            // Each pair once; the other half is the factor 2 below.
+            if (x + 1 < r.x1) neighbours += e * Residual(i, x + 1, y);
+            if (y + 1 < r.y1) {
+                neighbours += e * Residual(i, x, y + 1);
+                if (x + 1 < r.x1) neighbours += e * Residual(i, x + 1, y + 1);
+                if (x > r.x0) neighbours += e * Residual(i, x - 1, y + 1);
             }
+        });
         between += total * total;
     }
     double bright = 0, brightSquared = 0;
-    for (int y = r.y0; y < r.y1; ++y)
-        for (int x = r.x0; x < r.x1; ++x) {
-            double squares = 0;
-            for (size_t i = 0; i < n_; ++i) squares += Residual(i, x, y) * Residual(i, x, y);
-            own += squares;
-            ownSquared += squares * squares;
-            const double mean = Mean(grid_.Index(x, y)), expected = mean * mean;
-            bright += expected;
-            brightSquared += expected * expected;
-        }
+    r.ForEach([&](int x, int y) {
+        double squares = 0;
+        for (size_t i = 0; i < n_; ++i) squares += Residual(i, x, y) * Residual(i, x, y);
+        own += squares;
+        ownSquared += squares * squares;
+        const double mean = Mean(grid_.Index(x, y)), expected = mean * mean;
+        bright += expected;
+        brightSquared += expected * expected;
+    });
     Estimate noise;
     const double tiles = r.Count();
     const double sum = std::max(own + std::max(0.0, 2 * neighbours), between);
@@ -170,9 +167,7 @@ TileNoise::Estimate TileNoise::Of(const TileRectangle &r) const {
 
 double TileNoise::Strongest(const TileRectangle &r) const {
     std::vector<double> values;
-    for (size_t i = 0; i < n_; ++i)
-        for (int y = r.y0; y < r.y1; ++y)
-            for (int x = r.x0; x < r.x1; ++x) values.push_back(Residual(i, x, y));
+    for (size_t i = 0; i < n_; ++i) r.ForEach([&](int x, int y) { values.push_back(Residual(i, x, y)); });
     // The picture with the strong sample has raised the mean itself, by 1/n of it.
     return static_cast<double>(n_) / static_cast<double>(n_ - 1) * Excess(values);
 }

@@ -8,6 +8,13 @@
 namespace ext::lab {
 using namespace pbrt;
 
+/// Calls f(x, y) for all pixels of an image, row by row.
+template <class F>
+void ForEachPixel(Point2i resolution, F &&f) {
+    for (int y = 0; y < resolution.y; ++y)
+        for (int x = 0; x < resolution.x; ++x) f(x, y);
+}
+
 /// Square tiles over an image. Pixels left over at the right and the bottom belong to the last tiles, so no tile is
 /// smaller than tileSize unless the image is.
 struct TileGrid {
@@ -20,6 +27,10 @@ struct TileGrid {
     int Count() const { return tilesX * tilesY; }
     int Index(int x, int y) const { return y * tilesX + x; }
     Bounds2i Pixels(int x, int y) const;
+    template <class F>
+    void ForEachTile(F &&f) const {
+        ForEachPixel({tilesX, tilesY}, f);
+    }
     bool operator==(const TileGrid &) const = default;
 };
 
@@ -49,6 +60,12 @@ MeanImage AverageImages(std::span<const Image *const> images);
 struct TileRectangle {
     int x0, y0, x1, y1;
     int Count() const { return (x1 - x0) * (y1 - y0); }
+    /// Calls f(x, y) for all tiles, row by row.
+    template <class F>
+    void ForEach(F &&f) const {
+        for (int y = y0; y < y1; ++y)
+            for (int x = x0; x < x1; ++x) f(x, y);
+    }
 };
 
 /// The median of unsorted values; infinity if there are none.

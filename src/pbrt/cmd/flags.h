@@ -79,6 +79,12 @@ inline void AddFlags(CLI::App &app, const std::string &heading, std::initializer
 /// Replacement for a flag of other programs, by the flag in lower case without - and _.
 using FlagHints = std::map<std::string, std::string>;
 
+/// Returns the name of a flag in lower case without - and _, as names are compared.
+inline std::string FoldFlag(std::string name) {
+    std::erase_if(name, [](char c) { return c == '-' || c == '_'; });
+    return CLI::detail::to_lower(name);
+}
+
 /// True for arguments that are written as flags: -x, --xyz, --xyz=value, but not numbers and not "-" or "--".
 inline bool IsFlag(const std::string &argument) {
     const size_t name = argument.find_first_not_of('-');
@@ -132,9 +138,7 @@ inline void CheckFlags(const CLI::App &app, const std::vector<std::string> &argu
         }
         const std::string flag = arguments[i].substr(0, arguments[i].find('='));
         const std::string name = CLI::detail::to_lower(flag.substr(flag.find_first_not_of('-')));
-        std::string folded = name;
-        std::erase_if(folded, [](char c) { return c == '-' || c == '_'; });
-        if (const auto hint = hints.find(folded); hint != hints.end())
+        if (const auto hint = hints.find(FoldFlag(flag)); hint != hints.end())
             throw CLI::ValidationError(fmt::format("{}: {}", flag, hint->second));
         std::vector<std::string> names;
         for (const CLI::Option *option : app.get_options())

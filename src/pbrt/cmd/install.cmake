@@ -73,7 +73,7 @@ set(CPACK_PACKAGE_CONTACT "the maintainers of pbrt_octree <maintainers@users.nor
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "Renderer for pbrt-v4 scenes that learns which lights each place sees")
 set(CPACK_PACKAGE_DESCRIPTION "Reads pbrt-v4 scene files and makes the pictures that stock pbrt-v4 makes. Its light sampler
 learns in a short prepass which lights each region of a scene sees. With lightlab, which compares light samplers, and
-imgtool, which looks at images.")
+imgtool, which inspects images.")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "ext/lab/reference_cache.h"
+#include "ext/lab/reference.h"
 #include "pbrt/build/light_sampler_spec.h"
 #include "pbrt/cmd/flags.h"
 
@@ -38,7 +38,7 @@ const char *const kFooter =
     "16 n samples for --spp n, at least 512, and about 10 t seconds for --time t.\n\n"
     "Environment: LIGHTLAB_REPORT_SCRIPTS, the folder of charts.py and report.py; LIGHTLAB_PYTHON (/usr/bin/python3).";
 
-/// Parses the arguments into the targets of `app`. False: help or an error was printed.
+/// Parses the arguments into the targets of `app`. Returns false if help or an error was printed.
 template <class Check>
 bool Parse(CLI::App &app, int argc, const char *const *argv, LightlabCommandLine *result, Check &&check) {
     const FlagHints hints = {{"lightsampler",
@@ -164,7 +164,7 @@ void AddAllFlags(CLI::App &app, LightlabOptions &o, RawFlags &raw, const std::ve
         app, "Output",
         {{"--out", c.outFolder, "folder (<scene name>-lab); of several scenes: holds a folder for each (scenes-lab)"},
          {"--crops", raw.crops, "parts shown enlarged, x0,y0,x1,y1;... in pixels (where samplers differ most)"},
-         {"--restart", c.restart, "delete the records of an experiment in the folder and begin anew"},
+         {"--restart", c.restart, "delete the records in the folder and start again"},
          {"--samples-from", c.samplesFrom,
           "results.json: render the sample counts recorded there, so that a --time experiment gives the same pictures "
           "again"},

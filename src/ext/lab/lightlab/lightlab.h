@@ -33,8 +33,8 @@ LightlabCommandLine ParseLightlabCommandLine(int argc, const char *const *argv,
 /// "x0,y0,x1,y1;..." in pixels of the picture, the second corner excluded. Throws UserError.
 std::vector<Bounds2i> ParseCrops(const std::string &text);
 
-/// Runs charts.py and report.py on a finished experiment. Returns one sentence if something is missing or fails; the
-/// results are not touched. Empty: all went well.
+/// Runs charts.py and report.py on a finished experiment. Returns an error message, empty on success. The results are
+/// not changed.
 std::string RunReportScripts(const std::string &outFolder, bool quiet);
 
 /// One scene of a comparison over several.
@@ -45,13 +45,13 @@ struct SceneOutcome {
     std::string failure;  ///< why
 };
 
-/// Folders for experiments on these scenes: the names of the files without ending; of equal ones the second gets "-2".
+/// Returns folders for experiments on these scenes: file names without ending, with "-2", ... for equal ones.
 std::vector<std::string> SceneFolders(const std::vector<std::string> &scenes);
 
-/// A row for every scene: the error of every sampler, with a star at the winner; the last row compares each with the
-/// first.
+/// Returns a table with a row per scene: the error of every sampler, a star at the winner; last, ratios to the first
+/// sampler.
 std::string ScenesText(const std::vector<SceneOutcome> &outcomes);
-/// scenes.csv, scenes.json and index.html in the common folder. Throws UserError.
+/// Writes scenes.csv, scenes.json and index.html into the common folder. Throws UserError.
 void WriteScenes(const std::string &folder, const std::vector<SceneOutcome> &outcomes);
 
 }  // namespace ext::lab

@@ -19,7 +19,7 @@ int Assemble(const AssembleOptions &o) {
         const ImageFile part = ReadImage(path);
         const ImageMetadata &m = part.metadata;
         if (!m.pixelBounds || !m.fullResolution)
-            throw UserError(fmt::format("{}: does not say which part of the picture it is; only .exr files do.", path));
+            throw UserError(fmt::format("{}: has no data window; only .exr files have one.", path));
         const Point2i resolution = *m.fullResolution;
         if (path == o.paths[0]) {
             whole.metadata = m;
@@ -58,7 +58,7 @@ int Assemble(const AssembleOptions &o) {
 void AddAssemble(CLI::App &app, Action &action) {
     auto [command, o] = AddCommand(app, action, Assemble, "assemble", "Join parts of one picture",
                                    "Example: imgtool assemble left.exr right.exr --outfile whole.exr");
-    command.add_option("files", o.paths, "Parts: .exr files whose data windows tell their places")->required();
+    command.add_option("files", o.paths, "Parts: .exr files with data windows")->required();
     AddOutfileOption(command, o.outfile);
 }
 

@@ -14,22 +14,10 @@ namespace pbrt::imgtool {
 /// What a chosen command does; returns the exit status. Throws UserError.
 using Action = std::function<int()>;
 
-// Each adds its subcommand to `app` and sets `action` when the subcommand is chosen. `action` must stay until parsing
-// is over.
-void AddInfo(CLI::App &app, Action &action);
-void AddConvert(CLI::App &app, Action &action);
-void AddDiff(CLI::App &app, Action &action);
-void AddError(CLI::App &app, Action &action);
-void AddFalsecolor(CLI::App &app, Action &action);
-void AddAverage(CLI::App &app, Action &action);
-void AddAssemble(CLI::App &app, Action &action);
-void AddMerge(CLI::App &app, Action &action);
-void AddSplitn(CLI::App &app, Action &action);
-void AddBloom(CLI::App &app, Action &action);
-void AddWhitebalance(CLI::App &app, Action &action);
-void AddScalenormalmap(CLI::App &app, Action &action);
-void AddMakeequiarea(CLI::App &app, Action &action);
-void AddMakesky(CLI::App &app, Action &action);
+/// Adds a subcommand to `app`; sets `action`, which must stay until parsing is over, when the subcommand is chosen.
+using CommandAdder = void(CLI::App &app, Action &action);
+CommandAdder AddInfo, AddConvert, AddDiff, AddError, AddFalsecolor, AddAverage, AddAssemble, AddMerge, AddSplitn,
+    AddBloom, AddWhitebalance, AddScalenormalmap, AddMakeequiarea, AddMakesky;
 
 /// Adds a subcommand whose action is `run`. Returns it and the options that are to be declared.
 template <class O>
@@ -82,7 +70,7 @@ Metric ChosenMetric(const std::string &name);
 void CheckComparable(const ImageFile &a, const std::string &pathA, const ImageFile &b, const std::string &pathB,
                      const std::string &hint = "");
 
-/// A number for JSON with just enough digits to tell it from other floats, not the digits of a double.
+/// Returns the shortest decimal number that identifies the float, for JSON.
 double ShortNumber(Float v);
 
 /// Reads an image; its pixels become float.

@@ -18,14 +18,14 @@ struct DiffOptions {
 double Mean(const Image &image) {
     double sum = 0;
     size_t count = 0;
-    for (int y = 0; y < image.Resolution().y; ++y)
-        for (int x = 0; x < image.Resolution().x; ++x)
-            for (int c = 0; c < image.ChannelCount(); ++c) {
-                double v = static_cast<double>(image.Get({x, y}, c));
-                if (!std::isfinite(v)) continue;
-                sum += v;
-                ++count;
-            }
+    ForEachPixel(image, [&](Point2i p) {
+        for (int c = 0; c < image.ChannelCount(); ++c) {
+            const double v = static_cast<double>(image.Get(p, c));
+            if (!std::isfinite(v)) continue;
+            sum += v;
+            ++count;
+        }
+    });
     return count ? sum / static_cast<double>(count) : 0;
 }
 

@@ -48,15 +48,13 @@ Range ChooseRange(std::vector<Float> values) {
 int Falsecolor(const FalsecolorOptions &o) {
     const ImageFile file = ReadAsFloat(o.path);
     const Image &image = file.image;
-    const Point2i resolution = image.Resolution();
-    Image mean(PixelFormat::Float, resolution, {"Y"});
+    Image mean(PixelFormat::Float, image.Resolution(), {"Y"});
     std::vector<Float> sizes;
-    for (int y = 0; y < resolution.y; ++y)
-        for (int x = 0; x < resolution.x; ++x) {
-            const Float v = ColorMean(image, {x, y});
-            mean.Set({x, y}, 0, v);
-            if (std::isfinite(v)) sizes.push_back(o.plusMinus ? std::abs(v) : v);
-        }
+    ForEachPixel(image, [&](Point2i p) {
+        const Float v = ColorMean(image, p);
+        mean.Set(p, 0, v);
+        if (std::isfinite(v)) sizes.push_back(o.plusMinus ? std::abs(v) : v);
+    });
     FalseColorStyle style;
     style.scale = o.plusMinus ? FalseColorStyle::Scale::Signed : FalseColorStyle::Scale::Ramp;
     const Range range = ChooseRange(std::move(sizes));

@@ -16,8 +16,8 @@ struct MakeskyOptions {
     int resolution = 2048;
 };
 
-/// Adds points that are spread evenly over the sun's disc, each with its share of the light, so that no light is lost
-/// however few pixels the disc covers. Points below the horizon are hidden.
+/// Adds points that are spread evenly over the sun's disc, each with its share of the light, so that energy is kept for
+/// any resolution. Points below the horizon are hidden.
 void AddSun(Image &image, const PreethamSky &sky, const ColorSpace &space) {
     constexpr int kPoints = 1 << 16;
     const double pixel = 4 * double(Pi) / (double(image.Resolution().x) * image.Resolution().y);

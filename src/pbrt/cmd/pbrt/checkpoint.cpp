@@ -36,7 +36,7 @@ Checkpoint Checkpoint::Open(const CommandLine &options, const SceneDescription &
         c.Resume(options, build);
         return c;
     }
-    if (options.resume) LogInfo(fmt::format("{} does not exist: the render begins anew.", c.path_));
+    if (options.resume) LogInfo(fmt::format("{} does not exist: starting a new render.", c.path_));
     c.head_.samplesFlag = build->samplesPerPixel;
     c.head_.isPart = options.samples.has_value();
     if (options.samples) std::tie(c.head_.first, c.head_.end) = *options.samples;
@@ -80,7 +80,7 @@ void Checkpoint::Begin(const BuiltScene &built, RenderSettings *settings) {
         if (isTimed_) head_.samplesFlag = built.integratorRequest.options.samplesPerPixel;  // as --time planned
         if (!head_.isPart) head_.end = built.samplesPerPixel;
         if (head_.end > built.samplesPerPixel)
-            throw UserError(fmt::format("--samples {}: the render has only {} per pixel; --spp says how many.",
+            throw UserError(fmt::format("--samples {}: the render has only {} per pixel; see --spp.",
                                         RangeText(head_.first, head_.end), CountText(built.samplesPerPixel, "sample")));
         settings->firstSample = head_.done = head_.first;
         settings->endSample = head_.end;

@@ -8,20 +8,12 @@
 #include <tuple>
 
 #include "pbrt/cmd/flags.h"
-#include "pbrt/cmd/pbrt/tev_display.h"
+#include "pbrt/cmd/pbrt/live_view.h"
 #include "pbrt/films/aov_film.h"
 
 namespace pbrt {
 
 namespace {
-
-/// Lower case without '-' and '_': how flag names are compared.
-std::string Fold(const std::string &name) {
-    std::string folded;
-    for (char c : name)
-        if (c != '-' && c != '_') folded += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return folded;
-}
 
 bool IsNumber(std::string_view text) {
     return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
@@ -31,7 +23,7 @@ bool IsNumber(std::string_view text) {
 std::vector<std::string> CanonicalFlags(const CLI::App &app, int argc, const char *const *argv) {
     std::map<std::string, std::string> canonical;
     for (const CLI::Option *option : app.get_options())
-        for (const std::string &name : option->get_lnames()) canonical[Fold(name)] = "--" + name;
+        for (const std::string &name : option->get_lnames()) canonical[FoldFlag(name)] = "--" + name;
     std::vector<std::string> arguments;
     for (int i = 1; i < argc; ++i) {
         std::string argument = argv[i];
@@ -39,7 +31,7 @@ std::vector<std::string> CanonicalFlags(const CLI::App &app, int argc, const cha
                       (std::isalpha(static_cast<unsigned char>(argument[1])) || argument[1] == '-');
         if (isFlag) {
             size_t equals = argument.find('=');
-            auto it = canonical.find(Fold(argument.substr(0, equals)));
+            auto it = canonical.find(FoldFlag(argument.substr(0, equals)));
             if (it != canonical.end())
                 argument = it->second + (equals == std::string::npos ? "" : argument.substr(equals));
         }

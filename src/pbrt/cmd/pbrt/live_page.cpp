@@ -1,4 +1,4 @@
-#include "pbrt/cmd/pbrt/live_page.h"
+#include "pbrt/cmd/pbrt/live_view.h"
 
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/beast/core.hpp>
@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "live_page_text.h"
-#include "pbrt/cmd/pbrt/error_estimate.h"
+#include "pbrt/cmd/pbrt/live_board.h"
 #include "pbrt/core/error.h"
 
 namespace pbrt {

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "pbrt/cmd/pbrt/live_page.h"
-#include "pbrt/cmd/pbrt/tev_display.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/parallel.h"
 

@@ -162,9 +162,7 @@ void ShareCheckpoint(Ranks &ranks, BuildOptions *build, std::optional<StateReade
 void PlanSamples(double budget, std::chrono::steady_clock::time_point start, Ranks *ranks, BuiltScene &built) {
     int samples = 0;
     if (!ranks || ranks->IsFirst()) {
-        const auto left = [&] {
-            return budget - std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        };
+        const auto left = [&] { return budget - SecondsSince(start); };
         const std::unique_ptr<Integrator> plain = MakePlainIntegrator(built);
         Progress silent;
         PrepareContext context = built.Preparation(silent);

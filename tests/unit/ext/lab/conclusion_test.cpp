@@ -79,9 +79,9 @@ TEST(Conclusion, TieDecidesNothing) {
 }
 
 TEST(Conclusion, OneRunTellsNoNoise) {
-    ExpectUndecided(Conclude({Clean("bvh", {9}), Clean("octree", {1})}, {}, {}, true), "One run");
+    ExpectUndecided(Conclude({Clean("bvh", {9}), Clean("octree", {1})}, {}, {}, true), "One seed");
     // Many runs of one sampler do not help if the other has only one.
-    ExpectUndecided(Conclude({Clean("bvh", {9}), Clean("octree", {1, 1.1, 0.9})}, {}, {}, true), "One run");
+    ExpectUndecided(Conclude({Clean("bvh", {9}), Clean("octree", {1, 1.1, 0.9})}, {}, {}, true), "One seed");
 }
 
 TEST(Conclusion, OneSamplerOnlyIsComparedWithNothing) {
@@ -117,13 +117,13 @@ TEST(Conclusion, BiasedSamplerNeitherWinsNorHinders) {
 TEST(Conclusion, UnknownBiasOfTheLeaderForbidsAWinner) {
     std::vector<Contender> all = ClearCase();
     all[1].bias = BiasVerdict::Unknown;
-    ExpectUndecided(Conclude(all, {}, {}, true), "Whether octree is biased is not known");
+    ExpectUndecided(Conclude(all, {}, {}, true), "The bias of octree is unknown");
     // The unknown bias of a sampler that does not lead gives only a note.
     all = ClearCase();
     all[2].bias = BiasVerdict::Unknown;
     const Conclusion c = Conclude(all, {}, {}, true);
     EXPECT_EQ(c.winner, 1u);
-    EXPECT_TRUE(Says(c, "Note: Bias not known: uniform."));
+    EXPECT_TRUE(Says(c, "Note: Bias unknown: uniform."));
 }
 
 TEST(Conclusion, DoubtAboutAllOrTheLeaderForbidsAWinnerAndIsSaidOnce) {

@@ -90,7 +90,7 @@ TEST_F(Experiment, LeavesEverythingTheSchemaNames) {
     EXPECT_NE(outcome->text.find("honest"), std::string::npos);
 }
 
-TEST_F(Experiment, LooksInsideEverySampler) {
+TEST_F(Experiment, InspectsEverySampler) {
     const std::optional<ExperimentOutcome> outcome = Run(Settings("out", {"power", "honest", "uniform"}));
     ASSERT_TRUE(outcome);
     const auto names = [&](const Json &views) {
@@ -131,7 +131,7 @@ TEST_F(Experiment, LooksInsideEverySampler) {
     EXPECT_FALSE(fs::exists(folder_ / "out/uniform/views/sampler.side.png"));
 }
 
-TEST_F(Experiment, LooksInsideAreNoPartOfTheMeasurement) {
+TEST_F(Experiment, InspectionIsNoPartOfTheMeasurement) {
     ExperimentSettings settings = Settings("without", {"power", "honest"});
     settings.views = false;
     const std::optional<ExperimentOutcome> without = Run(settings);

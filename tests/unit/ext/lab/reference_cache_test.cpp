@@ -1,4 +1,4 @@
-#include "ext/lab/reference_cache.h"
+#include "ext/lab/reference.h"
 
 #include <fstream>
 

@@ -331,8 +331,8 @@ class Page(unittest.TestCase):
             self.assertTrue(button.accessible_name)
         return names
 
-    def test_EverySamplerIsLookedInto(self):
-        rows = [r.get_attribute("data-label") for r in self.driver.find_elements(By.CSS_SELECTOR, "#inside .look")]
+    def test_EverySamplerIsInspected(self):
+        rows = [r.get_attribute("data-label") for r in self.driver.find_elements(By.CSS_SELECTOR, "#inside .view")]
         self.assertEqual(rows, ["the scene", *synthetic.SAMPLERS])
         self.assertEqual(self.views_in("the scene"), ["brightest", "visibility.12"])
         self.assertEqual(self.views_in("bvh"), ["entropy", "brightest_probability"])
@@ -352,7 +352,7 @@ class Page(unittest.TestCase):
         self.assertIn("2 × 2 pixels", self.find("#inside .note").text)
         self.assertTrue(self.find('nav a[href="#inside"]').is_displayed())
 
-    def test_LookOpensInTheViewerBesideItsPicture(self):
+    def test_ViewOpensInTheViewerBesideItsPicture(self):
         button = self.find('#inside .view[data-label="octree"] button[data-view="sampler.leaf"]')
         self.js("arguments[0].scrollIntoView({block: 'center'})", button)
         button.click()

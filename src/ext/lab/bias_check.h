@@ -8,7 +8,7 @@
 
 namespace ext::lab {
 
-/// Is the mean of a sampler's pictures the reference? bias_check.cpp explains the method.
+/// Settings of the test whether the mean of a sampler's pictures is the reference. bias_check.cpp explains the method.
 struct BiasSettings {
     double level = 0.005;    ///< chance of a false alarm in the whole check, if the noise is normal
     double interest = 0.03;  ///< "clean" claims that no bias of this size (relative) was overlooked
@@ -58,7 +58,7 @@ struct BiasReport {
     double pValue = 1;          ///< of `worst`, corrected for the number of tests
     double worstZ = 0;          ///< the normal deviate whose two-sided p is worst.p, with the sign of the difference
     double meanDifference = 0;  ///< relative, whole image: sum of all channels of runs over that of the reference, - 1
-    /// Smallest bias that could have been seen in the whole image, in half of the regions of about 1/16 of the image,
+    /// Smallest detectable bias in the whole image, in half of the regions of about 1/16 of the image,
     /// and in half of the smallest regions (side in pixels). Infinity: none.
     double visibleImage = 0, visibleSixteenth = 0, visibleSmallest = 0;
     int smallestSide = 0;

@@ -31,13 +31,13 @@ struct ExperimentSettings {
     bool Timed() const { return timeBudget > 0; }
 };
 
-/// All that the pictures and times of an experiment depend on. Experiments that share a folder must agree in everything
-/// but the number of seeds.
+/// Returns all settings that the pictures and times of an experiment depend on. Experiments that share a folder must
+/// agree in everything but the number of seeds.
 Json IdentityOf(const ExperimentSettings &settings, const std::string &sceneHash, int threads);
-/// A hash of an identity without the number of seeds. Records name their experiment by it.
+/// Returns a hash of an identity without the number of seeds, by which records name their experiment.
 std::string ExperimentKey(Json identity);
-/// The keys, other than the number of seeds, in which two identities differ, with both values as text for the user;
-/// empty if there are none.
+/// Returns the keys, other than the number of seeds, in which two identities differ, with both values as text for the
+/// user; empty if there are none.
 std::vector<std::string> Differences(const Json &old, const Json &now);
 
 /// The sample counts of a finished experiment, which --samples-from replays.

@@ -49,8 +49,8 @@ Summary Summarize(std::span<const double> values);
 /// True if the trimmed relL2 is less than the plain one by more than `factor`: a few fireflies decide the error.
 bool FirefliesDecide(double relL2, double trimmedRelL2, double factor = 2);
 
-/// Is the mean of `a` lower than that of `b` beyond noise? One-sided t-test at `level`. Both have one value per seed,
-/// and runs with the same seed share the camera's random numbers: if both have the same number of seeds, at least
+/// Returns true if the mean of `a` is lower than that of `b` by a one-sided t-test at `level`. Both have one value per
+/// seed, and runs with the same seed share the camera's random numbers: if both have the same number of seeds, at least
 /// `kSeedsToPair`, the differences per seed are tested. Else the runs are treated as independent, which is on the safe
 /// side (Welch's test of the logarithms, with their spread to first order). Never if either has fewer than two values.
 bool LowerBeyondNoise(std::span<const double> a, std::span<const double> b, double level = 0.05);

@@ -24,10 +24,10 @@ std::optional<std::vector<PilotEntry>> RunPilot(const ExperimentSettings &settin
                                                 Progress &cancel, ExperimentDisplay &display);
 
 double MeanSecondsPerSample(const std::vector<PilotEntry> &entries);
-/// Seconds that all runs of the experiment will take; a sampler without an entry counts as one of average cost.
+/// Estimates the seconds of all runs of the experiment; a sampler without an entry counts as one of average cost.
 double EstimateRuns(const ExperimentSettings &settings, const std::vector<PilotEntry> &entries);
 
-/// True for the samplers of stock pbrt: their pictures are taken to be unbiased, whatever a plug-in does.
+/// Returns true for the samplers of stock pbrt, whose pictures count as unbiased.
 bool IsTrusted(const SamplerChoice &choice);
 
 }  // namespace ext::lab

@@ -36,7 +36,7 @@ struct References {
     bool areDoubtful = false;          ///< one lacks light that is rarely met: a difference from it proves no bias
 };
 
-/// The doubt about two references that cannot both be right, if there is one: either they contradict each other
+/// Returns a doubt if two references cannot both be right: either they contradict each other
 /// although both were made by unbiased samplers (`areStocks`), because one lacks light that its sampler meets rarely;
 /// or they differ much more than their noise explains. Sets `*proveNoBias` in the first case.
 std::optional<Doubt> Disagreement(const Reference &a, const Reference &b, bool areStocks, bool *proveNoBias);
@@ -71,7 +71,7 @@ class ReferenceCache {
     std::vector<std::string> files_;  ///< in the order in which they are looked for and written
 };
 
-/// $XDG_CACHE_HOME/pbrt_octree, else ~/.cache/pbrt_octree; empty if neither is known.
+/// Returns $XDG_CACHE_HOME/pbrt_octree, else ~/.cache/pbrt_octree; empty if neither is known.
 std::string UserCacheFolder();
 
 /// Reads R, G, B of the film's pixels from a picture that may be larger; without parts and noise. Throws UserError if

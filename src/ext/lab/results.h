@@ -40,9 +40,9 @@ ExperimentResults Summarize(const ExperimentSettings &settings, const References
                             std::vector<std::vector<RunRecord>> runs, const std::vector<std::vector<Image>> &pictures,
                             const std::vector<std::optional<SelectionReport>> &selections);
 
-/// The text for the terminal: table, references, bias verdicts and conclusion.
+/// Returns the text for the terminal: table, references, bias verdicts and conclusion.
 std::string TableText(const ExperimentResults &results, const References &references);
-/// CSV with one line per sampler, and with one line per sampler, seed and round.
+/// Return CSV with one line per sampler, and with one line per sampler, seed and round.
 std::string SummaryCsv(const ExperimentResults &results);
 std::string RoundsCsv(const ExperimentResults &results);
 /// Adds "samplers" and "conclusion" to results.json.
@@ -51,7 +51,7 @@ void AddToJson(const ExperimentResults &results, Json *json);
 /// Replaces numbers that came from single precision by their shortest form: 0.01, not 0.009999999776482582.
 void ShortenFloats(Json *json);
 
-/// The number in a report of LightSampler::Report under the first of `names` that it has.
+/// Returns the number in a report of LightSampler::Report under the first of `names` that it has.
 std::optional<double> ReportNumber(const Json &report, std::initializer_list<const char *> names);
 
 }  // namespace ext::lab

@@ -161,23 +161,25 @@ std::string SummaryCsv(const ExperimentResults &results) {
     text +=
         ",efficiency,speedUp,speedUpAgainst,ratioToOracle,prepassSeconds,buildSeconds,renderSeconds,preparationShare,"
         "cpuSecondsPerSample,relativeCost,leaves,bytes,shadowRays,blockedShare,biasVerdict,biasPValue\n";
-    auto number = [](const std::optional<double> &v) { return v ? fmt::format("{:.9g}", *v) : std::string(); };
     for (const SamplerResult &s : results.samplers) {
-        const Overhead o = OverheadOf(s);
-        std::vector<std::string> fields = {Quoted(s.choice.label), number(s.samples), number(s.seconds),
-                                           number(s.cpuSeconds)};
+        const Json summary = SummaryJson(s);
+        std::vector<std::string> fields = {Quoted(s.choice.label)};
+        const auto add = [&](std::initializer_list<const char *> pointers) {
+            for (const char *pointer : pointers) {
+                const Json &value = summary.at(Json::json_pointer(pointer));
+                fields.push_back(value.is_number()   ? fmt::format("{:.9g}", value.get<double>())
+                                 : value.is_string() ? Quoted(value.get<std::string>())
+                                                     : std::string());
+            }
+        };
+        add({"/samples", "/seconds", "/cpuSeconds"});
         for (const Summary &m : s.measures) {
-            fields.push_back(number(m.mean));
-            fields.push_back(m.count > 1 ? number(m.standardError) : std::string());
+            fields.push_back(fmt::format("{:.9g}", m.mean));
+            fields.push_back(m.count > 1 ? fmt::format("{:.9g}", m.standardError) : std::string());
         }
-        for (const std::string &field :
-             {number(s.efficiency), number(s.speedUp), Quoted(s.speedUpAgainst), number(s.ratioToOracle),
-              number(o.prepass), number(o.build), number(o.render),
-              number(s.cpuSeconds > 0 ? s.prepareCpuSeconds / s.cpuSeconds : 0), number(s.cpuPerSample),
-              number(s.relativeCost), number(ReportMean(s, {"leaves"})), number(ReportMean(s, {"bytes"})),
-              number(s.shadowRays), number(s.blockedShare), std::string(BiasVerdictName(s.bias.verdict)),
-              number(s.bias.pValue)})
-            fields.push_back(field);
+        add({"/efficiency", "/speedUp", "/speedUpAgainst", "/ratioToOracle", "/overhead/prepassSeconds",
+             "/overhead/buildSeconds", "/overhead/renderSeconds", "/preparationShare", "/cpuSecondsPerSample",
+             "/relativeCost", "/leaves", "/bytes", "/shadowRays", "/blockedShare", "/bias/verdict", "/bias/pValue"});
         text += fmt::format("{}\n", fmt::join(fields, ","));
     }
     return text;

@@ -65,20 +65,20 @@ class RecordFolder {
     RecordFolder(std::string folder, std::string experiment)
         : folder_(std::move(folder)), experiment_(std::move(experiment)) {}
     const std::string &Folder() const { return folder_; }
-    /// The rounds of a run, from the first one to the first gap, at most `most`.
+    /// Loads the rounds of a run, from the first one to the first gap, at most `most`.
     RunRecord LoadRun(const std::string &sampler, int seed, int most = std::numeric_limits<int>::max()) const;
     void SaveLastRound(const std::string &sampler, const RunRecord &run) const;
     std::string FilmFile(const std::string &sampler, int seed, int checkpoint) const;
-    /// One more than the last round that has a file, whatever is in it.
+    /// Returns one more than the last round with a file, regardless of its content.
     size_t CountRounds(const std::string &sampler, int seed, size_t checkpoints) const;
     /// Removes the files of the rounds from `kept` on, and all films but that of round `kept` - 1.
     void RemoveRounds(const std::string &sampler, int seed, size_t kept, size_t checkpoints) const;
 
-    /// The settings of whichever experiment the folder holds: null if there is none, discarded JSON if they cannot be
+    /// Loads the settings of the experiment in the folder: null if there is none, discarded JSON if they cannot be
     /// read.
     Json LoadSettings() const;
     void SaveSettings(const Json &settings) const;
-    /// Other notes by name (pilot, views): null if absent, unreadable or of another experiment.
+    /// Loads another note by name (pilot, views): null if absent, unreadable or of another experiment.
     Json LoadNote(const std::string &name) const;
     void SaveNote(const std::string &name, const Json &note) const;
     std::string File(const std::string &name) const { return folder_ + "/" + name; }

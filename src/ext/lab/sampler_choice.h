@@ -30,7 +30,7 @@ std::vector<std::string> ReadSamplerFile(const std::string &path);
 /// Throws one UserError that lists all unknown names and parameters, wrong values and duplicates.
 std::vector<SamplerChoice> ParseSamplerChoices(const std::vector<std::string> &texts, const PluginRegistry &registry);
 
-/// Letters, digits and -+=., stay; the rest becomes _.
+/// Replaces all characters but letters, digits and -+=., by _.
 std::string SafeFileName(const std::string &text);
 
 }  // namespace ext::lab

@@ -27,7 +27,7 @@ struct SelectionReport {
     int64_t vertices = 0;                      ///< that receive light
     int draws = 0;                             ///< per vertex
     double difference = 0, standardError = 0;  ///< of the whole picture, relative
-    double visibleImage = 0;                   ///< smallest bias that would have been seen in 9 of 10 checks
+    double visibleImage = 0;                   ///< smallest bias detected in 9 of 10 checks
     double visibleSixteenth = 0;               ///< the same, in half of the regions that receive light
     double unjudged = 0;                       ///< share of the light
     int worstRegion = -1;                      ///< the region with the largest bias; -1: the whole picture, or no bias
@@ -35,10 +35,10 @@ struct SelectionReport {
     std::string text;  ///< a sentence for the user
 };
 
-/// `regions`: for every region, the vertices of whole paths, in order. Paths without light may be left out.
+/// Judges the vertices of whole paths, in order, for every region. Paths without light may be left out.
 SelectionReport JudgeSelection(std::span<const std::vector<VertexFinding>> regions, const BiasSettings &settings);
 
-/// The number of paths of equal light that would give the same noise: (sum of light)^2 / sum of light^2.
+/// Returns the number of paths of equal light with the same noise: (sum of light)^2 / sum of light^2.
 double EffectivePaths(std::span<const VertexFinding> region);
 
 Json ToJson(const SelectionReport &report);

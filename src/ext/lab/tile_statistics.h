@@ -44,8 +44,8 @@ struct TileMeans {
     double operator()(int tile, int channel) const { return values[tile * channels + channel]; }
 };
 
-/// Tile means of the channels R, G, B if the image has them, else of all channels. tileSize >= 8 keeps tiles nearly
-/// independent under ordinary pixel filters.
+/// Returns the tile means of the channels R, G, B if the image has them, else of all channels. tileSize >= 8 keeps
+/// tiles nearly independent under ordinary pixel filters.
 TileMeans ComputeTileMeans(const Image &image, int tileSize = 8);
 
 /// Mean of images of equal weight, and the relL2 that this mean is expected to have against the truth (from the
@@ -68,10 +68,10 @@ struct TileRectangle {
     }
 };
 
-/// The median of unsorted values; infinity if there are none.
+/// Returns the median of unsorted values; infinity if there are none.
 double Median(std::vector<double> values);
 
-/// How far the largest of `values`, which scatter about 0, rises above what ordinary noise explains (three robust
+/// Returns how far the largest of `values`, which scatter about 0, exceeds ordinary noise (three robust
 /// standard deviations); never negative.
 double Excess(const std::vector<double> &values);
 
@@ -89,10 +89,10 @@ class TileNoise {
     struct Estimate {
         double variance = 0, dof = 0;
     };
-    /// Noise of the mean over a region; needs at least two pictures.
+    /// Returns the noise of the mean over a region; needs at least two pictures.
     Estimate Of(const TileRectangle &r) const;
 
-    /// Excess of the strongest tile of a single picture within `r`; needs at least two pictures.
+    /// Returns the excess of the strongest tile of a single picture within `r`; needs at least two pictures.
     double Strongest(const TileRectangle &r) const;
 
   private:

@@ -95,27 +95,20 @@ void CheckKeeping(const CommandLine &o) {
 
 /// Flags of stock pbrt-v4 that this program lacks.
 FlagHints StockFlags() {
-    const std::string cpu = "this program renders on the CPU only; leave the flag out",
-                      window =
-                          "this program opens no window; --serve and --display-server show the picture as it grows",
-                      log = "this program writes no log; --quiet prints errors only, --stats statistics",
-                      convert = "this program only renders; the pbrt of pbrt-v4 converts scene files with this flag",
-                      none = "this program has nothing like it; leave the flag out";
-    return {{"gpu", cpu},
-            {"gpudevice", cpu},
-            {"wavefront", cpu},
-            {"interactive", window},
-            {"fullscreen", window},
-            {"loglevel", log},
-            {"logfile", log},
-            {"logutilization", log},
-            {"upgrade", convert},
-            {"format", convert},
-            {"toply", convert},
-            {"pixelmaterial", none},
-            {"pixelstats", none},
-            {"debugstart", none},
-            {"disableimagetextures", none}};
+    FlagHints hints;
+    const auto add = [&](std::initializer_list<const char *> flags, const char *hint) {
+        for (const char *flag : flags) hints[flag] = hint;
+    };
+    add({"gpu", "gpudevice", "wavefront"}, "this program renders on the CPU only; leave the flag out");
+    add({"interactive", "fullscreen"},
+        "this program opens no window; --serve and --display-server show the picture as it grows");
+    add({"loglevel", "logfile", "logutilization"},
+        "this program writes no log; --quiet prints errors only, --stats statistics");
+    add({"upgrade", "format", "toply"},
+        "this program only renders; the pbrt of pbrt-v4 converts scene files with this flag");
+    add({"pixelmaterial", "pixelstats", "debugstart", "disableimagetextures"},
+        "this program has nothing like it; leave the flag out");
+    return hints;
 }
 
 /// Targets of flags that BuildOptions keeps in another form.

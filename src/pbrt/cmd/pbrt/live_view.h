@@ -86,7 +86,7 @@ class LivePage {
 /// thread of its own.
 void ShowInTev(LiveBoard &board, const std::string &server);
 
-/// Host and port of "host:port"; an IPv6 address may stand in brackets. Empty strings if it is something else.
+/// Returns host and port of "host:port"; an IPv6 address may stand in brackets. Empty strings if it is something else.
 std::pair<std::string, std::string> SplitServer(const std::string &server);
 
 /// The viewers of a render, and when they get a new picture: between waves, as often as kMaxShare allows, counting what

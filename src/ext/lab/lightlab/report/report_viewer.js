@@ -27,7 +27,7 @@ const viewer = (() => {
     pick.addEventListener("change", () => show(name, Number(pick.value)));
     sides[name] = { item: data[name], previous: data[name], kind: "result", layer, plane, images, refresh: {}, none,
       pick };
-    // Decoded before they are asked for: switching does not flicker. Inspection views load when shown.
+    // Decoded in advance: switching does not flicker. Inspection views load when shown.
     for (const v of items) for (const file of [v.result, v.error]) imageOf(sides[name], file);
   }
 

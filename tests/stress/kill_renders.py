@@ -28,7 +28,7 @@ Material "diffuse"
 Shape "bilinearmesh" "point3 P" [ -6 0 -6  6 0 -6  -6 0 6  6 0 6 ]
 Shape "bilinearmesh" "point3 P" [ 0 0 -6  0 0 6  0 2 -6  0 2 6 ]
 """
-GOES_ON = re.compile(r"Going on from .*, after (\d+) samples? per pixel")
+RESUMED = re.compile(r"Resuming from .*, after (\d+) samples? per pixel")
 
 
 def scene_text(samples):
@@ -79,14 +79,14 @@ def main():
             messages = "".join(line for _, line in lines)
             if process.returncode not in (0, -signal.SIGKILL):
                 problems.append(f"kill {kills}: status {process.returncode}: {messages}")
-            found = GOES_ON.search(messages)
+            found = RESUMED.search(messages)
             if found:
                 if int(found[1]) < samples:
                     problems.append(f"kill {kills}: the checkpoint has {found[1]} samples after one with {samples}")
                 samples = int(found[1])
                 kept.append(samples)
                 # Seconds of rendering that were not saved when the process was killed.
-                went_on = next(when for when, line in lines if GOES_ON.search(line))
+                went_on = next(when for when, line in lines if RESUMED.search(line))
                 lost = killed_at - max(checkpoint.stat().st_mtime, went_on)
                 most_lost = max(most_lost, lost)
                 if process.returncode != 0 and lost > options.interval + options.slack:

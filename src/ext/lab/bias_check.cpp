@@ -9,13 +9,13 @@
 #include <numeric>
 #include <utility>
 
-#include "ext/lab/tile_noise.h"
+#include "ext/lab/tile_statistics.h"
 #include "pbrt/core/error.h"
 #include "pbrt/images/metrics.h"
 #include "pbrt/math/statistics.h"
 
 // The method. Few seeds (often 3) and rare strong samples are the difficulty: a t-test of one tile over 3 seeds has two
-// degrees of freedom and sees nothing, and where a rare bright path was missed, mean and variance are low together.
+// degrees of freedom and no power, and where a rare bright path was missed, mean and variance are low together.
 //
 // Regions. Tiles are nearly independent of each other, so the noise of a region is the sum of the noise of its tiles
 // and has (seeds - 1) x tiles degrees of freedom. The smallest regions ("blocks") hold at least kMinimumData tile
@@ -40,18 +40,18 @@
 // large.
 //
 // The strength of unseen samples is estimated from pictures whose samples have the same distribution. If the runs are
-// too dark, they may lack samples as strong as the strongest ones in the runs and their kin. If they are too bright,
-// the reference may lack samples, as strong as the strongest ones in its parts and its sampler's kin. Pictures of
-// another sampler do not count: where it finds a light in many weak samples, this one may find the same light in few
-// strong ones, or the other way round, and the strong samples of a noisy sampler would hide every bias of a quiet one.
-// The estimate uses the region, its neighbours, and what is usual in the picture: light that walls hide from a sampler
-// is hidden in many places. "Strong" is the excess over the ordinary noise of tiles.
+// too dark, they may lack samples as strong as the strongest ones in the runs and their auxiliary runs. If they are too
+// bright, the reference may lack samples, as strong as the strongest ones in its parts and its sampler's auxiliary
+// runs. Pictures of another sampler do not count: where it finds a light in many weak samples, this one may find the
+// same light in few strong ones, or the other way round, and the strong samples of a noisy sampler would hide every
+// bias of a quiet one. The estimate uses the region, its neighbours, and what is usual in the picture: light that walls
+// hide from a sampler is hidden in many places. "Strong" is the excess over the ordinary noise of tiles.
 //
-// Limits. A sampler cannot be told from one that never chooses a light if neither its runs nor its kin met its strong
-// samples in this region, and it met them in few other places. False alarms and power are measured in
-// bias_check_test.cpp and bias_kin_test.cpp.
+// Limits. A sampler cannot be distinguished from one that never chooses a light if neither its runs nor its auxiliary
+// runs have strong samples in this region, and few elsewhere. False alarms and power are measured in
+// bias_check_test.cpp and bias_auxiliary_test.cpp.
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 namespace {
 
@@ -91,7 +91,7 @@ class StrongSamples {
   public:
     explicit StrongSamples(const Cut &blocks) : blocks_(blocks) {}
 
-    /// `sampleRatio`: as in BiasKin.
+    /// `sampleRatio`: as in AuxiliaryRuns.
     void Add(const TileNoise &pictures, double sampleRatio) {
         if (pictures.Pictures() < 2) return;
         std::vector<double> ofBlocks;
@@ -100,8 +100,7 @@ class StrongSamples {
                 ofBlocks.push_back(sampleRatio * pictures.Strongest(blocks_.At(x, y)));
         const size_t usual = std::max<size_t>(1, ofBlocks.size() / kUsual);
         if (usual < ofBlocks.size()) {
-            std::nth_element(ofBlocks.begin(), ofBlocks.begin() + static_cast<ptrdiff_t>(usual), ofBlocks.end(),
-                             std::greater<>());
+            std::nth_element(ofBlocks.begin(), ofBlocks.begin() + usual, ofBlocks.end(), std::greater<>());
             usual_ = std::max(usual_, ofBlocks[usual]);
         }
         groups_.push_back({pictures, sampleRatio});
@@ -125,8 +124,8 @@ class StrongSamples {
 /// One channel of the whole check.
 class Channel {
   public:
-    Channel(std::span<const TileMeans> runs, std::span<const BiasKin> kin, const BiasReference &reference, int channel,
-            const Cut &blocks)
+    Channel(std::span<const TileMeans> runs, std::span<const AuxiliaryRuns> auxiliary, const BiasReference &reference,
+            int channel, const Cut &blocks)
         : grid_(runs[0].grid),
           weights_(Weights(reference, channel, blocks)),
           runs_(runs, channel, weights_),
@@ -134,14 +133,14 @@ class Channel {
           sampleRatio_(reference.sampleRatio),
           ofRuns_(blocks),
           ofReference_(blocks) {
-        auto add = [&](std::span<const BiasKin> pictures, StrongSamples *to) {
-            for (const BiasKin &k : pictures)
+        auto add = [&](std::span<const AuxiliaryRuns> pictures, StrongSamples *to) {
+            for (const AuxiliaryRuns &k : pictures)
                 if (!k.pictures.empty()) to->Add(TileNoise(k.pictures, channel, weights_), k.sampleRatio);
         };
         ofRuns_.Add(runs_, 1);
-        add(kin, &ofRuns_);
+        add(auxiliary, &ofRuns_);
         ofReference_.Add(parts_, sampleRatio_);
-        add(reference.kin, &ofReference_);
+        add(reference.auxiliary, &ofReference_);
         // Where a side has no pictures to judge from, the other side's are the best guess.
         if (!ofRuns_.Known()) ofRuns_.Add(parts_, sampleRatio_);
         if (!ofReference_.Known()) ofReference_.Add(runs_, 1);
@@ -151,11 +150,10 @@ class Channel {
             const double epsilon = RelL2Epsilon(mean);
             // Pixel filters make neighbouring pixels alike: a tile's mean has about twice the variance.
             for (int t = 0; t < grid_.Count(); ++t) {
-                const auto i = static_cast<size_t>(t);
                 const Bounds2i pixels = grid_.Pixels(t % grid_.tilesX, t / grid_.tilesX);
                 const double area = (pixels.high.x - pixels.low.x) * (pixels.high.y - pixels.low.y);
                 const double value = reference.parts[0](t, channel);
-                known_.push_back(2 * *reference.relL2 * (value * value + epsilon) * weights_[i] * weights_[i] / area);
+                known_.push_back(2 * *reference.relL2 * (value * value + epsilon) * weights_[t] * weights_[t] / area);
             }
         }
     }
@@ -166,11 +164,10 @@ class Channel {
         test.pixels = Bounds2i(grid_.Pixels(r.x0, r.y0).low, grid_.Pixels(r.x1 - 1, r.y1 - 1).high);
         const double tiles = r.Count();
         double unit = 0;  // weighted mean of the reference
-        for (int y = r.y0; y < r.y1; ++y)
-            for (int x = r.x0; x < r.x1; ++x) {
-                test.difference += Difference(x, y) / tiles;
-                unit += parts_.Mean(static_cast<size_t>(grid_.Index(x, y))) / tiles;
-            }
+        r.ForEach([&](int x, int y) {
+            test.difference += Difference(x, y) / tiles;
+            unit += parts_.Mean(grid_.Index(x, y)) / tiles;
+        });
         // About 0.95 in a region of ordinary brightness. The bound keeps the relative differences of nearly black
         // regions small.
         unit = std::max(unit, 0.5);
@@ -192,9 +189,7 @@ class Channel {
         if (parts > 1) {
             add(parts_.Of(r));
         } else if (!known_.empty()) {
-            for (int y = r.y0; y < r.y1; ++y)
-                for (int x = r.x0; x < r.x1; ++x)
-                    variance += known_[static_cast<size_t>(grid_.Index(x, y))] / (tiles * tiles);
+            r.ForEach([&](int x, int y) { variance += known_[grid_.Index(x, y)] / (tiles * tiles); });
         }
         test.dof = squared > 0 ? std::min(variance * variance / squared, mostDof) : kManyDof;
         double lack = ofRuns_.Around(around) / (runs * tiles);
@@ -238,7 +233,7 @@ class Channel {
     static std::vector<double> Weights(const BiasReference &reference, int channel, const Cut &blocks) {
         const TileGrid &grid = reference.parts[0].grid;
         const auto parts = static_cast<double>(reference.parts.size());
-        std::vector<double> value(static_cast<size_t>(grid.Count())), weights(value.size());
+        std::vector<double> value(grid.Count()), weights(value.size());
         double image = 0;
         for (size_t t = 0; t < value.size(); ++t) {
             for (const TileMeans &part : reference.parts) value[t] += part(static_cast<int>(t), channel) / parts;
@@ -248,26 +243,22 @@ class Channel {
             for (int bx = 0; bx < blocks.countX; ++bx) {
                 const TileRectangle r = blocks.At(bx, by);
                 double sum = 0;
-                for (int y = r.y0; y < r.y1; ++y)
-                    for (int x = r.x0; x < r.x1; ++x) sum += value[static_cast<size_t>(grid.Index(x, y))];
+                r.ForEach([&](int x, int y) { sum += value[grid.Index(x, y)]; });
                 const double mean = sum / ((r.x1 - r.x0) * (r.y1 - r.y0)) + kDark * image;
-                for (int y = r.y0; y < r.y1; ++y)
-                    for (int x = r.x0; x < r.x1; ++x)
-                        weights[static_cast<size_t>(grid.Index(x, y))] = mean > 0 ? 1 / mean : 0;
+                r.ForEach([&](int x, int y) { weights[grid.Index(x, y)] = mean > 0 ? 1 / mean : 0; });
             }
         return weights;
     }
 
     double Difference(int x, int y) const {
-        const auto t = static_cast<size_t>(grid_.Index(x, y));
+        const int t = grid_.Index(x, y);
         return runs_.Mean(t) - parts_.Mean(t);
     }
 
     /// The same as TileNoise::Strongest, for a single run.
     double StrongestDifference(const TileRectangle &r) const {
         std::vector<double> values;
-        for (int y = r.y0; y < r.y1; ++y)
-            for (int x = r.x0; x < r.x1; ++x) values.push_back(Difference(x, y));
+        r.ForEach([&](int x, int y) { values.push_back(Difference(x, y)); });
         return Excess(values);
     }
 
@@ -276,14 +267,13 @@ class Channel {
         const double tiles = (r.x1 - r.x0) * (r.y1 - r.y0);
         if (tiles < 2) return {kInfinity, 0};
         auto off = [&](int x, int y) { return Difference(x, y) - mean; };
-        for (int y = r.y0; y < r.y1; ++y)
-            for (int x = r.x0; x < r.x1; ++x) {
-                const double d = off(x, y);
-                own += d * d;
-                ownSquared += d * d * d * d;
-                if (x + 1 < r.x1) neighbours += d * off(x + 1, y);
-                if (y + 1 < r.y1) neighbours += d * off(x, y + 1);
-            }
+        r.ForEach([&](int x, int y) {
+            const double d = off(x, y);
+            own += d * d;
+            ownSquared += d * d * d * d;
+            if (x + 1 < r.x1) neighbours += d * off(x + 1, y);
+            if (y + 1 < r.y1) neighbours += d * off(x, y + 1);
+        });
         TileNoise::Estimate noise;
         noise.variance = (own + std::max(0.0, 2 * neighbours)) / (tiles * (tiles - 1));
         // As in TileNoise::Of; a squared normal deviate has mean square 3.
@@ -299,17 +289,19 @@ class Channel {
     std::vector<double> known_;  ///< variances of the weighted tile means of a reference with one part and known relL2
 };
 
-void CheckInput(std::span<const TileMeans> runs, std::span<const BiasKin> kin, const BiasReference &reference) {
+void CheckInput(std::span<const TileMeans> runs, std::span<const AuxiliaryRuns> auxiliary,
+                const BiasReference &reference) {
     if (runs.empty() || reference.parts.empty()) throw UserError("The bias check needs runs and a reference.");
     const TileMeans &first = runs[0];
     auto allMatch = [&](std::span<const TileMeans> pictures) {
         return std::all_of(pictures.begin(), pictures.end(),
                            [&](const TileMeans &m) { return m.grid == first.grid && m.channels == first.channels; });
     };
-    auto kinMatches = [&](std::span<const BiasKin> list) {
-        return std::all_of(list.begin(), list.end(), [&](const BiasKin &k) { return allMatch(k.pictures); });
+    auto auxiliaryMatch = [&](std::span<const AuxiliaryRuns> list) {
+        return std::all_of(list.begin(), list.end(), [&](const AuxiliaryRuns &k) { return allMatch(k.pictures); });
     };
-    if (!allMatch(runs) || !allMatch(reference.parts) || !kinMatches(kin) || !kinMatches(reference.kin))
+    if (!allMatch(runs) || !allMatch(reference.parts) || !auxiliaryMatch(auxiliary) ||
+        !auxiliaryMatch(reference.auxiliary))
         throw UserError("Runs and reference of the bias check differ in resolution, tiles or channels.");
 }
 
@@ -338,9 +330,9 @@ std::string Explain(const BiasReport &report, const BiasSettings &settings) {
     const RegionTest &w = report.worst;
     switch (report.verdict) {
         case BiasVerdict::Clean:
-            return fmt::format("No bias was seen; the smallest that could be seen: {}.", visible);
+            return fmt::format("No bias detected; smallest detectable: {}.", visible);
         case BiasVerdict::Unknown:
-            return fmt::format("Too few data to see a bias of {}; smallest that could be seen: {}.",
+            return fmt::format("Too few data to detect a bias of {}; smallest detectable: {}.",
                                Percent(settings.interest), visible);
         case BiasVerdict::Biased:
             return fmt::format("{:+.2f} % (standard error {:.2f} %) in pixels x {} to {}, y {} to {}, channel {}.",
@@ -365,8 +357,8 @@ const char *BiasVerdictName(BiasVerdict verdict) {
 }
 
 BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &reference, const BiasSettings &settings,
-                     std::span<const BiasKin> kin) {
-    CheckInput(runs, kin, reference);
+                     std::span<const AuxiliaryRuns> auxiliary) {
+    CheckInput(runs, auxiliary, reference);
     const TileGrid &grid = runs[0].grid;
     const std::vector<Cut> levels = Levels(grid, static_cast<int>(runs.size()));
 
@@ -378,10 +370,10 @@ BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &refer
     if (total != 0) report.meanDifference = MeanOf(runs) / total - 1;
 
     for (const Cut &cut : levels) report.tests += cut.Count() * runs[0].channels;
-    const double level = SidakLevel(settings.level, static_cast<size_t>(report.tests));
+    const double level = SidakLevel(settings.level, report.tests);
     std::vector<RegionTest> tests;
     for (int c = 0; c < runs[0].channels; ++c) {
-        const Channel channel(runs, kin, reference, c, levels[0]);
+        const Channel channel(runs, auxiliary, reference, c, levels[0]);
         for (size_t l = 0; l < levels.size(); ++l) {
             const Cut &cut = levels[l];
             const bool whole = l + 1 == levels.size();
@@ -441,4 +433,4 @@ BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &refer
     return report;
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

@@ -6,9 +6,9 @@
 
 #include "ext/lab/tile_statistics.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
-/// Is the mean of a sampler's pictures the reference? bias_check.cpp explains the method.
+/// Settings of the test whether the mean of a sampler's pictures is the reference. bias_check.cpp explains the method.
 struct BiasSettings {
     double level = 0.005;    ///< chance of a false alarm in the whole check, if the noise is normal
     double interest = 0.03;  ///< "clean" claims that no bias of this size (relative) was overlooked
@@ -22,7 +22,7 @@ const char *BiasVerdictName(BiasVerdict verdict);  ///< clean, biased, unknown
 
 /// Further pictures of the same scene, neither runs nor reference, by the same sampler or by one that chooses lights in
 /// the same way. They show how strong single samples can be where the runs met none; their mean is not used.
-struct BiasKin {
+struct AuxiliaryRuns {
     std::vector<TileMeans> pictures;  ///< of equal weight; at least two, a single one is not used
     double sampleRatio = 1;           ///< samples per pixel of one of them over those of one run
 };
@@ -33,8 +33,8 @@ struct BiasKin {
 struct BiasReference {
     std::vector<TileMeans> parts;
     std::optional<double> relL2;
-    double sampleRatio = 1;      ///< samples per pixel of one part over those of one run
-    std::vector<BiasKin> kin{};  ///< further pictures of the sampler that made the reference
+    double sampleRatio = 1;                  ///< samples per pixel of one part over those of one run
+    std::vector<AuxiliaryRuns> auxiliary{};  ///< further pictures of the sampler that made the reference
 };
 
 /// The test of one region of the picture in one channel.
@@ -46,7 +46,7 @@ struct RegionTest {
     double standardError = 0, dof = 0;
     double p = 1;        ///< two-sided, of this test alone
     double floor = 0;    ///< largest |difference| that allowance, noise and unseen strong samples explain
-    double visible = 0;  ///< smallest |difference| that would have been called a bias in 9 of 10 campaigns
+    double visible = 0;  ///< smallest |difference| detected in 9 of 10 experiments
     bool biased = false;
 };
 
@@ -58,19 +58,18 @@ struct BiasReport {
     double pValue = 1;          ///< of `worst`, corrected for the number of tests
     double worstZ = 0;          ///< the normal deviate whose two-sided p is worst.p, with the sign of the difference
     double meanDifference = 0;  ///< relative, whole image: sum of all channels of runs over that of the reference, - 1
-    /// Smallest bias that could have been seen in the whole image, in half of the regions of about 1/16 of the image,
+    /// Smallest detectable bias in the whole image, in half of the regions of about 1/16 of the image,
     /// and in half of the smallest regions (side in pixels). Infinity: none.
     double visibleImage = 0, visibleSixteenth = 0, visibleSmallest = 0;
-    int smallestSide = 0,
-        sixteenthRegions =
-            0;  ///< number of regions of about 1/16; with fewer than 4 (small pictures, few runs) nothing is "clean"
-    std::string text;  ///< one or two sentences for people
+    int smallestSide = 0;
+    int sixteenthRegions = 0;  ///< number of regions of about 1/16; with fewer than 4 nothing is "clean"
+    std::string text;          ///< one or two sentences for the user
 };
 
 /// `runs`: pictures of one sampler with different seeds, equal sample counts. All must have the grid and channels of
-/// the reference (throws UserError). The reference must have other seeds. `kin`: further pictures of the sampler of the
-/// runs, in any order.
+/// the reference (throws UserError). The reference must have other seeds. `auxiliary`: further pictures of the sampler
+/// of the runs, in any order.
 BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &reference, const BiasSettings &settings = {},
-                     std::span<const BiasKin> kin = {});
+                     std::span<const AuxiliaryRuns> auxiliary = {});
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

@@ -6,11 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ext/lab/summary.h"
+#include "ext/lab/measures.h"
 
-namespace pbrt::lab {
-
-using Json = nlohmann::ordered_json;
+namespace ext::lab {
 
 namespace {
 
@@ -56,21 +54,19 @@ std::vector<std::string> Objections(const Contender &leader, const std::vector<c
     if (others.empty()) {
         reasons.push_back(fmt::format("There is no other sampler to compare {} with.", leader.label));
     } else if (!noiseIsKnown) {
-        reasons.push_back("One run of a sampler does not tell how much its error varies; --seeds 3 or more does.");
+        reasons.push_back("One seed gives no noise estimate, hence no ranking; use --seeds 3 or more.");
     } else if (const std::vector<std::string> tied = NotBeaten(leader, others, false); !tied.empty()) {
         reasons.push_back(fmt::format(
-            "The lead of {} over {} is within the noise of the runs (level {:g} %): more seeds or time would tell.",
+            "The lead of {} over {} is within the noise of the runs (level {:g} %); use more seeds or time.",
             leader.label, Listed(tied), 100 * kWinnerLevel));
     } else if (leader.firefliesDecide) {
         if (const std::vector<std::string> near = NotBeaten(leader, others, true); !near.empty())
             reasons.push_back(fmt::format(
-                "A few fireflies decide the error of {}, and without the worst 0.1 % of the pixels its lead over "
-                "{} is not beyond noise.",
+                "A few fireflies decide the error of {}, and in trimmed relL2 its lead over {} is within noise.",
                 leader.label, Listed(near)));
     }
     if (leader.bias != BiasVerdict::Clean)
-        reasons.push_back(
-            fmt::format("Whether {} is biased is not known: more seeds or time would tell.", leader.label));
+        reasons.push_back(fmt::format("The bias of {} is unknown; use more seeds or time.", leader.label));
     for (const Doubt &d : doubts)
         if (d.sampler.empty() || d.sampler == leader.label) reasons.push_back(d.text);
     if (equalTime && leader.speedUp && *leader.speedUp < 1)
@@ -138,7 +134,7 @@ Conclusion Conclude(const std::vector<Contender> &contenders, const std::vector<
         if (c.bias == BiasVerdict::Unknown && !isLeader) unknown.push_back(c.label);
     }
     if (!biased.empty()) out.remarks.push_back(fmt::format("Biased, and therefore not competing: {}.", Listed(biased)));
-    if (!unknown.empty()) out.remarks.push_back(fmt::format("Bias not known: {}.", Listed(unknown)));
+    if (!unknown.empty()) out.remarks.push_back(fmt::format("Bias unknown: {}.", Listed(unknown)));
     if (!flies.empty())
         out.remarks.push_back(
             fmt::format("A few fireflies decide the relL2 of {}: see the trimmed relL2.", Listed(flies)));
@@ -162,4 +158,4 @@ Json ToJson(const Conclusion &conclusion, const std::vector<Contender> &contende
         {"remarks", conclusion.remarks},      {"sentences", conclusion.Sentences()}};
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

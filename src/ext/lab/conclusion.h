@@ -1,12 +1,12 @@
 #pragma once
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "ext/lab/bias_check.h"
+#include "ext/lab/text_output.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 /// A reason not to trust errors. It is printed wherever results are shown. If it concerns the leader or all samplers,
 /// there is no winner.
@@ -15,7 +15,7 @@ struct Doubt {
     std::string sampler;  ///< label of the only sampler that it concerns; empty: all
 };
 
-/// What the conclusion needs to know of one sampler.
+/// Input of the conclusion: one sampler.
 struct Contender {
     std::string label;
     std::vector<double> errors, trimmedErrors;  ///< final relL2 and trimmed relL2, one value per seed
@@ -26,8 +26,8 @@ struct Contender {
     std::string speedUpAgainst;
 };
 
-/// The conclusion of a campaign in sentences. It is made once; the terminal, report.html, table.md and results.json all
-/// show the same.
+/// The conclusion of an experiment in sentences. It is made once; the terminal, report.html, table.md and results.json
+/// all show the same.
 struct Conclusion {
     std::optional<size_t> winner;      ///< index; only if nothing speaks against it
     std::optional<size_t> lowest;      ///< index of the lowest mean error among the samplers that may win
@@ -50,6 +50,6 @@ inline constexpr double kWinnerLevel = 0.05;
 Conclusion Conclude(const std::vector<Contender> &contenders, const std::vector<Doubt> &doubts,
                     std::vector<std::string> remarks, bool equalTime);
 
-nlohmann::ordered_json ToJson(const Conclusion &conclusion, const std::vector<Contender> &contenders);
+Json ToJson(const Conclusion &conclusion, const std::vector<Contender> &contenders);
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

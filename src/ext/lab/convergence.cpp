@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 namespace {
 
@@ -108,17 +108,4 @@ std::optional<double> ErrorRatioAtEqualCost(const ErrorCurve &mine, const ErrorC
 
 double Efficiency(double error, double seconds) { return error > 0 && seconds > 0 ? 1 / (error * seconds) : 0; }
 
-std::vector<size_t> ParetoFront(std::span<const CurvePoint> points) {
-    std::vector<size_t> order;
-    for (size_t i = 0; i < points.size(); ++i)
-        if (std::isfinite(points[i].cost) && std::isfinite(points[i].error)) order.push_back(i);
-    std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
-        return points[a].cost != points[b].cost ? points[a].cost < points[b].cost : points[a].error < points[b].error;
-    });
-    std::vector<size_t> front;
-    for (size_t i : order)
-        if (front.empty() || points[i].error < points[front.back()].error) front.push_back(i);
-    return front;
-}
-
-}  // namespace pbrt::lab
+}  // namespace ext::lab

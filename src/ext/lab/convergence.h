@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 struct CurvePoint {
     double cost = 0;   ///< seconds or samples per pixel
@@ -23,10 +23,10 @@ class ErrorCurve {
         double value = 0;
         bool extrapolated = false;  ///< beyond the last point
     };
-    /// Error at a cost; nothing before the first point or without points.
+    /// Returns the error at a cost; nothing before the first point or without points.
     std::optional<Reading> ErrorAt(double cost) const;
-    /// Least cost that reaches an error; nothing if the first point is already below it (`value` then would be a
-    /// guess).
+    /// Returns the least cost that reaches an error; nothing if the first point is already below it (`value` then would
+    /// be a guess).
     std::optional<Reading> CostToReach(double error) const;
     const std::vector<CurvePoint> &Points() const { return points_; }  ///< sorted by cost, levelled
     bool Empty() const { return points_.empty(); }
@@ -36,21 +36,19 @@ class ErrorCurve {
     double fixedCost_;
 };
 
-/// Mean curve of several runs: point i is the mean cost and mean error of the i-th points; as long as the shortest.
+/// Returns the mean curve of several runs: point i is the mean cost and mean error of the i-th points; as long as the
+/// shortest.
 std::vector<CurvePoint> MeanCurve(std::span<const std::vector<CurvePoint>> runs);
 
-/// The cost that `other` needs for the error of `mine` at its last point, over the cost of that point; above 1 if
-/// `mine` is faster. If the first point of `other` is already better, the ratio at the error of that point, with `mine`
-/// extrapolated where needed.
+/// Returns the cost that `other` needs for the error of `mine` at its last point, over the cost of that point; above 1
+/// if `mine` is faster. If the first point of `other` is already better, the ratio at the error of that point, with
+/// `mine` extrapolated where needed.
 std::optional<ErrorCurve::Reading> SpeedUpToEqualError(const ErrorCurve &mine, const ErrorCurve &other);
 
-/// Error of `mine` over that of `other` at the largest cost both have measured (interpolated).
+/// Returns the error of `mine` over that of `other` at the largest cost both have measured (interpolated).
 std::optional<double> ErrorRatioAtEqualCost(const ErrorCurve &mine, const ErrorCurve &other);
 
-/// 1 / (error x seconds); 0 if either is not positive.
+/// Returns 1 / (error x seconds); 0 if either is not positive.
 double Efficiency(double error, double seconds);
 
-/// Indices, by rising cost, of the points that no other beats in both cost and error.
-std::vector<size_t> ParetoFront(std::span<const CurvePoint> points);
-
-}  // namespace pbrt::lab
+}  // namespace ext::lab

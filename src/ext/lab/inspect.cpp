@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
+#include "ext/lab/tile_statistics.h"
 #include "pbrt/core/counters.h"
 #include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
@@ -13,7 +13,7 @@
 #include "pbrt/transport/light_query.h"
 #include "pbrt/transport/path_walk.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 namespace {
 
@@ -76,7 +76,7 @@ struct Measured {
 
 class Inspector {
   public:
-    /// `integrator`: null for a look at the light sampler alone.
+    /// `integrator`: null to inspect the light sampler alone.
     Inspector(const BuiltScene &built, const LightSampler &sampler, const Integrator *integrator,
               const InspectSettings &settings, Progress &progress)
         : built_(built),
@@ -101,7 +101,7 @@ class Inspector {
 
   private:
     void MakeLayers(Inspection &out);
-    void LookAt(const FirstHit &hit, Point2i pixel, Sampler &sampler, std::vector<double> &values) const;
+    void InspectPixel(const FirstHit &hit, Point2i pixel, Sampler &sampler, std::vector<double> &values) const;
     /// The mean number of vertices, the camera's not counted.
     double PathLength(Point2i pixel, Sampler &sampler) const;
     Measured Measure(const FirstHit &hit, const LightSampleContext &from, uint32_t group, Rng &rng,
@@ -126,13 +126,15 @@ std::string Plain(std::string name) {
     return name;
 }
 
-InspectedLayer Layer(std::string meaning, double least, double most) {
-    InspectedLayer layer;
-    layer.meaning = std::move(meaning);
-    layer.shownLeast = least;
-    layer.shownMost = most;
-    return layer;
-}
+/// How the values of DirectionSampling::Inspect are shown.
+struct GuideLayer {
+    const char *name, *meaning;
+    double least, most;
+};
+constexpr GuideLayer kGuideLayers[] = {
+    {"continuation probability", "continuation probability of a path of half its weight; magenta: no estimate", 0.5, 1},
+    {"guiding probability", "part of the bounces whose direction comes from the guide", 0, 1},
+    {"source radiance", "learned radiance of source clusters over the greatest, log10; magenta: none", -3, 0}};
 
 void Inspector::MakeLayers(Inspection &out) {
     auto add = [&](std::string name, std::string meaning, double least = 0, double most = 0, bool isId = false,
@@ -146,7 +148,7 @@ void Inspector::MakeLayers(Inspection &out) {
         layer.shownMost = most;
         out.layers.push_back(layer);
     };
-    add("hit", "1 where the camera sees a surface that is not purely specular", 0, 1);
+    add("hit", "1 where the first visible surface is not purely specular", 0, 1);
     std::vector<InspectedValue> values;
     sampler_.Inspect(LightQuery(), values);
     samplerLayers_ = values.size();
@@ -159,7 +161,7 @@ void Inspector::MakeLayers(Inspection &out) {
     add("brightest_probability", "probability of the light that contributes most; magenta: no light contributes", 0, 1);
     add("log10_excess",
         "second moment of the one-light estimator over the least that other probabilities of the lights can reach (the "
-        "choice inside a mesh as it is), log10; without MIS; magenta: no light contributes, or a light that "
+        "choice inside a mesh unchanged), log10; without MIS; magenta: no light contributes, or a light that "
         "contributes has probability 0",
         0, 2);
     for (size_t g : shown_) {
@@ -175,16 +177,11 @@ void Inspector::MakeLayers(Inspection &out) {
     if (!guide_) return;
     values.clear();
     guide_->Inspect(PathVertex(), {}, values);
-    const std::map<std::string, InspectedLayer> ofGuide = {
-        {"continuation probability",
-         Layer("probability with which a path of half its weight goes on here; magenta: not known", 0.5, 1)},
-        {"guiding probability", Layer("guiding probability", 0, 1)},
-        {"source radiance", Layer("radiance of source clusters, log10 over the greatest; "
-                                  "magenta: none",
-                                  -3, 0)}};
     for (const InspectedValue &v : values) {
-        out.layers.push_back(ofGuide.at(v.name));
-        out.layers.back().name = "guide." + v.name;
+        const GuideLayer *layer = std::find_if(std::begin(kGuideLayers), std::end(kGuideLayers),
+                                               [&](const GuideLayer &l) { return l.name == v.name; });
+        PBRT_CHECK(layer != std::end(kGuideLayers));
+        add("guide." + v.name, layer->meaning, layer->least, layer->most);
     }
 }
 
@@ -239,7 +236,7 @@ Measured Inspector::Measure(const FirstHit &hit, const LightSampleContext &from,
     return {m.mean / n, m.second / n, m.visible / std::max(traced, 1)};
 }
 
-void Inspector::LookAt(const FirstHit &hit, Point2i pixel, Sampler &sampler, std::vector<double> &values) const {
+void Inspector::InspectPixel(const FirstHit &hit, Point2i pixel, Sampler &sampler, std::vector<double> &values) const {
     const LightQuery query = LightQueryAt(hit.vertex, hit.lambda, hit.depth);
     const LightSampleContext from = LightContextAt(hit.vertex.point);
     values.push_back(1);
@@ -319,7 +316,7 @@ Inspection Inspector::Run() {
             std::optional<FirstHit> hit = FindFirstHit(built_, pixel);
             if (!hit) continue;
             values.clear();
-            LookAt(*hit, pixel, *sampler, values);
+            InspectPixel(*hit, pixel, *sampler, values);
             for (int y = y0; y < std::min(y0 + out.stride, resolution.y); ++y)
                 for (int x = x0; x < std::min(x0 + out.stride, resolution.x); ++x)
                     for (size_t c = 0; c < values.size(); ++c)
@@ -333,19 +330,18 @@ Inspection Inspector::Run() {
         InspectedLayer &layer = out.layers[c];
         double sum = 0;
         size_t count = 0;
-        for (int y = 0; y < resolution.y; ++y)
-            for (int x = 0; x < resolution.x; ++x) {
-                auto v = static_cast<double>(out.image.Get({x, y}, static_cast<int>(c)));
-                if (c > 0 && out.image.Get({x, y}, 0) == 0) continue;
-                if (!std::isfinite(v)) {
-                    ++layer.unknown;
-                    continue;
-                }
-                layer.least = count ? std::min(layer.least, v) : v;
-                layer.most = count ? std::max(layer.most, v) : v;
-                sum += v;
-                ++count;
+        ForEachPixel(resolution, [&](int x, int y) {
+            auto v = static_cast<double>(out.image.Get({x, y}, static_cast<int>(c)));
+            if (c > 0 && out.image.Get({x, y}, 0) == 0) return;
+            if (!std::isfinite(v)) {
+                ++layer.unknown;
+                return;
             }
+            layer.least = count ? std::min(layer.least, v) : v;
+            layer.most = count ? std::max(layer.most, v) : v;
+            sum += v;
+            ++count;
+        });
         layer.values = count;
         layer.mean = count ? sum / static_cast<double>(count) : 0;
         if (layer.name == "brightest" && layer.IsFlat() && count > 0)
@@ -369,4 +365,4 @@ Inspection InspectLights(const BuiltScene &built, const Integrator &integrator, 
     return Inspector(built, *integrator.Lights(), &integrator, settings, progress).Run();
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

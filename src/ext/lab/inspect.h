@@ -3,10 +3,12 @@
 #include <string>
 #include <vector>
 
+#include "ext/lab/text_output.h"
 #include "pbrt/build/built_scene.h"
 #include "pbrt/images/image.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
+using namespace pbrt;
 
 /// The effort of an inspection.
 struct InspectSettings {
@@ -26,7 +28,7 @@ struct InspectedLayer {
     double least = 0, most = 0, mean = 0;  ///< of the finite values where "hit" is 1 (layer "hit": everywhere)
     size_t values = 0, unknown = 0;        ///< number of these finite values, and of those that are not finite
     std::string light;                     ///< name of the light that the layer is about; empty: no single light
-    /// True: the value is the same everywhere, or known nowhere; the page says so in words instead of a blank picture.
+    /// Returns true if the value is the same everywhere, or nowhere defined; the page then has a sentence, no picture.
     bool IsFlat() const { return values == 0 || (least == most && unknown == 0); }
 };
 
@@ -39,8 +41,8 @@ struct InspectedLight {
 };
 
 struct Inspection {
-    /// One float channel per layer, over the film's pixels. Layer "hit" is 1 where the camera sees a
-    /// surface that is not purely specular, directly or through specular ones; all others are 0 elsewhere.
+    /// One float channel per layer, over the film's pixels. Layer "hit" is 1 where a surface that is not purely
+    /// specular is visible, directly or through specular ones; all others are 0 elsewhere.
     Image image;
     std::vector<InspectedLayer> layers;  ///< "hit" first
     std::vector<InspectedLight> lights;
@@ -48,11 +50,11 @@ struct Inspection {
     int stride = 1;         ///< see InspectSettings::maxWork
 };
 
-/// Inspects the integrator's light sampler, which is prepared, at the surfaces that the camera sees first, with one ray
+/// Inspects the integrator's light sampler, which is prepared, at the first visible surfaces, with one ray
 /// per pixel through its centre. Every call gives the same values. Layers: every value of LightSampler::Inspect;
 /// entropy of the pmf over lights; the light that contributes most, and its probability; second moment of the one-light
 /// estimator over the least possible one; measured visibility of the strongest lights; mean number of vertices of some
-/// paths, and what the guide of guided paths knows.
+/// paths, and the state of the path guide.
 Inspection InspectLights(const BuiltScene &built, const Integrator &integrator, const InspectSettings &settings,
                          Progress &progress);
 /// The same of a light sampler alone.
@@ -62,17 +64,17 @@ Inspection InspectLights(const BuiltScene &built, const LightSampler &sampler, c
 /// Writes one false-colour PNG per layer that is `wanted` and not flat into `folder`, which is created if needed;
 /// `legendRows`: height in pixels of the colour bar below. Returns for every wanted layer: name, file (inside `folder`;
 /// null if flat), meaning, ends of the colour scale, range.
-nlohmann::ordered_json WriteLayers(const Inspection &inspection, const std::string &folder, int legendRows,
-                                   const std::function<bool(const InspectedLayer &)> &wanted);
+Json WriteLayers(const Inspection &inspection, const std::string &folder, int legendRows,
+                 const std::function<bool(const InspectedLayer &)> &wanted);
 
 /// Writes inspect.exr (all layers), one false-colour PNG per layer that is not flat, inspect.json (what each shows and
 /// its range), index.html (a page that shows all of this) and structure.txt into `folder`, which is created if needed.
-void WriteInspection(const Inspection &inspection, const std::string &folder, const nlohmann::ordered_json &about);
+void WriteInspection(const Inspection &inspection, const std::string &folder, const Json &about);
 
 /// The options of `lightlab inspect scene.pbrt --sampler octree`.
 struct InspectOptions {
     std::vector<std::string> sceneFiles;
-    BuildOptions build;  ///< build.lightSampler: the sampler to look into; film overrides set the resolution
+    BuildOptions build;  ///< build.lightSampler: the inspected sampler; film overrides set the resolution
     InspectSettings settings;
     std::string outFolder;  ///< empty: "inspect-<sampler>" in the working folder
     std::string commandLine;
@@ -82,4 +84,8 @@ struct InspectOptions {
 /// ranges to standard output. Exit status: 0, or 130 if interrupted. Throws UserError.
 int RunInspect(const InspectOptions &options, const PluginRegistry &registry, Progress &progress);
 
-}  // namespace pbrt::lab
+/// The HTML page for the pictures in the same folder, made from the contents of inspect.json: pictures with captions,
+/// sentences about layers that are the same everywhere, the lights, the structure.
+std::string InspectPage(const Json &inspection, const std::string &structure);
+
+}  // namespace ext::lab

@@ -1,14 +1,12 @@
-#include "ext/lab/inspect_page.h"
+#include "ext/lab/inspect.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "ext/lab/html.h"
+#include "ext/lab/text_output.h"
 
-namespace pbrt::lab {
-
-using Json = nlohmann::ordered_json;
+namespace ext::lab {
 
 namespace {
 
@@ -57,7 +55,7 @@ std::string FlatText(const Json &layers) {
         if (!layer.contains("least"))
             unknown += (unknown.empty() ? "" : "; ") + subject;
         else if (name == "sampler.leaf")
-            text += "One leaf covers all that the camera sees. ";
+            text += "One leaf covers everything visible. ";
         else if (name == "brightest")
             text += "One light contributes most everywhere: " + layer.value("light", name) + ". ";
         else
@@ -91,7 +89,7 @@ std::string InspectPage(const Json &inspection, const std::string &structure) {
     std::string page = std::string(kPageHead) + kHead;
     page += fmt::format("<title>{} · lightlab inspect</title>\n</head>\n<body>\n<h1>{}</h1>\n", sampler, sampler);
     page += fmt::format(
-        "<p>What the light sampler knows where the camera first meets a surface that is not purely specular. Scene: "
+        "<p>State of the light sampler at the first visible surface that is not purely specular. Scene: "
         "{}. "
         "{}</p>\n",
         scene, EscapeHtml(inspection.value("note", "")));
@@ -109,4 +107,4 @@ std::string InspectPage(const Json &inspection, const std::string &structure) {
     return page;
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

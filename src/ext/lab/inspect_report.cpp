@@ -2,7 +2,6 @@
 #include <filesystem>
 
 #include "ext/lab/inspect.h"
-#include "ext/lab/inspect_page.h"
 #include "ext/lab/lab_scene.h"
 #include "ext/lab/results.h"
 #include "ext/lab/run_record.h"
@@ -14,7 +13,7 @@
 #include "pbrt/integrators/direction_sampling.h"
 #include "pbrt/scenefile/parser.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 namespace fs = std::filesystem;
 
@@ -28,10 +27,10 @@ void MakeFolder(const std::string &folder) {
     if (failed) throw UserError(fmt::format("{}: {}.", folder, failed.message()));
 }
 
-nlohmann::ordered_json LayerJson(const InspectedLayer &layer, const std::string &file) {
-    nlohmann::ordered_json json;
+Json LayerJson(const InspectedLayer &layer, const std::string &file) {
+    Json json;
     json["name"] = layer.name;
-    json["file"] = layer.IsFlat() ? nlohmann::ordered_json() : nlohmann::ordered_json(file);
+    json["file"] = layer.IsFlat() ? Json() : Json(file);
     json["meaning"] = layer.meaning;
     if (layer.isId)
         json["colours"] = "one per number, without order";
@@ -49,11 +48,11 @@ nlohmann::ordered_json LayerJson(const InspectedLayer &layer, const std::string 
 
 }  // namespace
 
-nlohmann::ordered_json WriteLayers(const Inspection &inspection, const std::string &folder, int legendRows,
-                                   const std::function<bool(const InspectedLayer &)> &wanted) {
+Json WriteLayers(const Inspection &inspection, const std::string &folder, int legendRows,
+                 const std::function<bool(const InspectedLayer &)> &wanted) {
     MakeFolder(folder);
     const Image hit = inspection.image.Select({"hit"});
-    nlohmann::ordered_json json = nlohmann::ordered_json::array();
+    Json json = Json::array();
     for (size_t c = 0; c < inspection.layers.size(); ++c) {
         const InspectedLayer &layer = inspection.layers[c];
         if (!wanted(layer)) continue;
@@ -72,15 +71,15 @@ nlohmann::ordered_json WriteLayers(const Inspection &inspection, const std::stri
     return json;
 }
 
-void WriteInspection(const Inspection &inspection, const std::string &folder, const nlohmann::ordered_json &about) {
+void WriteInspection(const Inspection &inspection, const std::string &folder, const Json &about) {
     MakeFolder(folder);
     const fs::path out(folder);
-    nlohmann::ordered_json json = about;
+    Json json = about;
     json["note"] =
-        "Dark grey: the camera sees nothing there. Magenta: not finite. The bar below a picture runs from the "
+        "Dark grey: nothing visible. Magenta: not finite. The bar below a picture runs from the "
         "darkest to the brightest colour.";
     json["everyNthPixel"] = inspection.stride;
-    json["lights"] = nlohmann::ordered_json::array();
+    json["lights"] = Json::array();
     for (const InspectedLight &light : inspection.lights)
         json["lights"].push_back(
             {{"first", light.first.value}, {"count", light.count}, {"power", light.power}, {"label", light.label}});
@@ -110,7 +109,7 @@ int RunInspect(const InspectOptions &options, const PluginRegistry &registry, Pr
     built.Prepare(progress);
     if (progress.Cancelled()) return 130;
     if (built.integrator->Directions()) {
-        // It learns while samples are rendered; the picture is not wanted.
+        // The guide learns while samples are rendered; the picture is discarded.
         RenderSettings settings = built.Settings();
         RenderWaves(built.Rendering(progress), settings);
         if (progress.Cancelled()) return 130;
@@ -118,14 +117,14 @@ int RunInspect(const InspectOptions &options, const PluginRegistry &registry, Pr
     Inspection inspection = InspectLights(built, *built.integrator, options.settings, progress);
     if (progress.Cancelled()) return 130;
 
-    nlohmann::ordered_json about;
+    Json about;
     about["scene"] = options.sceneFiles;
     about["sampler"] = built.lightSamplerName;
-    nlohmann::ordered_json report = nlohmann::ordered_json::object();
+    Json report = Json::object();
     built.integrator->Lights()->Report(report);
     about["samplerReport"] = report;
     if (const DirectionSampling *guide = built.integrator->Directions()) {
-        report = nlohmann::ordered_json::object();
+        report = Json::object();
         guide->Report(report);
         about["guideReport"] = report;
     }
@@ -149,4 +148,4 @@ int RunInspect(const InspectOptions &options, const PluginRegistry &registry, Pr
     return 0;
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

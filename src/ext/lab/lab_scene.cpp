@@ -4,7 +4,7 @@
 #include "pbrt/scenefile/content_hash.h"
 #include "pbrt/scenefile/parser.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 std::unique_ptr<Integrator> LabScene::MakeIntegrator(const SamplerChoice &choice, std::optional<int> maxDepth) const {
     LightChoice light;
@@ -23,7 +23,7 @@ void CheckSamplesLights(const BuiltScene &built, const std::string &scene) {
     if (built.scene->Lights().Size() == 0) throw UserError(fmt::format("{}: has no lights.", scene));
 }
 
-LabScene LoadLabScene(const CampaignSettings &settings, const PluginRegistry &registry, Progress &progress) {
+LabScene LoadLabScene(const ExperimentSettings &settings, const PluginRegistry &registry, Progress &progress) {
     LabScene scene;
     DiagnosticSink sink;
     auto printWarnings = [&] {
@@ -34,12 +34,12 @@ LabScene LoadLabScene(const CampaignSettings &settings, const PluginRegistry &re
     sink.ThrowIfErrors();
     BuildOptions options;
     options.film.resolutionDivisor = settings.resolutionDivisor;
-    options.film.filename = "lightlab.exr";  // never written; the scene's own may be one we cannot write
+    options.film.filename = "lightlab.exr";  // never written; the scene's own format may be unsupported
     options.samplesPerPixel = settings.Timed() ? 0 : settings.samplesPerPixel;
     options.maxDepth = settings.maxDepth;
     options.sampledLightOnly = settings.sampledLightOnly;
     options.lightSamplerFlag = kSamplersFlag;
-    options.lightSampler = "uniform";  // of the integrator that nobody uses here: nothing to build
+    options.lightSampler = "uniform";  // of an integrator that is not used: nothing to build
     progress.BeginPhase("building", 0);
     scene.built = BuildScene(description, options, registry, sink, progress);
     progress.EndPhase();
@@ -49,4 +49,4 @@ LabScene LoadLabScene(const CampaignSettings &settings, const PluginRegistry &re
     return scene;
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

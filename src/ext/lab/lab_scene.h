@@ -1,10 +1,10 @@
 #pragma once
-#include "ext/lab/campaign_settings.h"
+#include "ext/lab/experiment_settings.h"
 #include "pbrt/build/built_scene.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
-/// The scene of a campaign, read and built once.
+/// The scene of an experiment, read and built once.
 struct LabScene {
     BuiltScene built;
     std::string hash;  ///< SceneHash of its files
@@ -21,6 +21,6 @@ struct LabScene {
 void CheckSamplesLights(const BuiltScene &built, const std::string &scene);
 
 /// Throws UserError; also by CheckSamplesLights.
-LabScene LoadLabScene(const CampaignSettings &settings, const PluginRegistry &registry, Progress &progress);
+LabScene LoadLabScene(const ExperimentSettings &settings, const PluginRegistry &registry, Progress &progress);
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

@@ -1,12 +1,18 @@
 #pragma once
 #include <array>
+#include <cstddef>
 #include <memory>
-#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <vector>
 
+#include "ext/lab/text_output.h"
 #include "pbrt/images/flip.h"
 #include "pbrt/images/image.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
+
+using namespace pbrt;
 
 /// The error measures of every round, in the order of the results file. The two Abs are for the paper's tables only.
 enum class Measure { RelL2, MSE, MRSE, MAE, SMAPE, FLIP, RelL2Trimmed, RelL2Abs, RelL2AbsTrimmed };
@@ -16,8 +22,8 @@ constexpr std::array<const char *, MeasureCount> MeasureNames = {
 using Measures = std::array<double, MeasureCount>;
 inline double Get(const Measures &m, Measure which) { return m[static_cast<size_t>(which)]; }
 
-nlohmann::ordered_json ToJson(const Measures &measures);
-Measures MeasuresFromJson(const nlohmann::ordered_json &json);
+Json ToJson(const Measures &measures);
+Measures MeasuresFromJson(const Json &json);
 
 /// Compares pictures with one reference (R, G, B of the same resolution).
 class MeasuringReference {
@@ -31,4 +37,23 @@ class MeasuringReference {
     std::unique_ptr<FlipReference> flip_;
 };
 
-}  // namespace pbrt::lab
+/// Mean and spread of one measure over the seeds.
+struct Summary {
+    size_t count = 0;
+    double mean = 0;
+    double stdDev = 0;         ///< of one run; 0 for fewer than two
+    double standardError = 0;  ///< of the mean; 0 (unknown) for fewer than two
+};
+Summary Summarize(std::span<const double> values);
+
+/// True if the trimmed relL2 is less than the plain one by more than `factor`: a few fireflies decide the error.
+bool FirefliesDecide(double relL2, double trimmedRelL2, double factor = 2);
+
+/// Returns true if the mean of `a` is lower than that of `b` by a one-sided t-test at `level`. Both have one value per
+/// seed, and runs with the same seed share the camera's random numbers: if both have the same number of seeds, at least
+/// `kSeedsToPair`, the differences per seed are tested. Else the runs are treated as independent, which is on the safe
+/// side (Welch's test of the logarithms, with their spread to first order). Never if either has fewer than two values.
+bool LowerBeyondNoise(std::span<const double> a, std::span<const double> b, double level = 0.05);
+inline constexpr size_t kSeedsToPair = 5;
+
+}  // namespace ext::lab

@@ -6,18 +6,16 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "ext/lab/html.h"
 #include "ext/lab/results.h"
 #include "ext/lab/sampler_run.h"
+#include "ext/lab/text_output.h"
 #include "ext/lab/tile_statistics.h"
 #include "pbrt/core/count_text.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/images/metrics.h"
 
-namespace pbrt::lab {
-
-using Json = nlohmann::ordered_json;
+namespace ext::lab {
 
 namespace {
 
@@ -27,9 +25,9 @@ constexpr double kTrimmedShare = 0.001;
 std::vector<Image> Pictures(const NoiseOptions &options, const LabScene &scene, const SamplerChoice &choice, int depth,
                             Progress &progress) {
     std::vector<Image> pictures;
-    for (int seed = 0; seed < options.campaign.seeds; ++seed) {
-        SamplerRun run(scene, choice, seed, options.campaign.samplesPerPixel, progress, depth);
-        if (!run.Prepare() || !run.RenderTo({options.campaign.samplesPerPixel, 0})) return {};
+    for (int seed = 0; seed < options.experiment.seeds; ++seed) {
+        SamplerRun run(scene, choice, seed, options.experiment.samplesPerPixel, progress, depth);
+        if (!run.Prepare() || !run.RenderTo({options.experiment.samplesPerPixel, 0})) return {};
         pictures.push_back(run.Picture().Select({"R", "G", "B"}));
         progress.Advance();
     }
@@ -81,17 +79,15 @@ svg text { fill: currentColor; } svg text.in { fill: #fff; }
 </style>
 )";
     const std::string scene = EscapeHtml(json.at("scene"));
-    page += fmt::format("<title>{0} · where the noise is</title>\n</head>\n<body>\n<h1>Where the noise is: {0}</h1>\n",
-                        scene);
+    page += fmt::format(
+        "<title>{0} · noise per path depth</title>\n</head>\n<body>\n<h1>Noise per path depth: {0}</h1>\n", scene);
     page += fmt::format(
         "<p>Expected relL2 of a picture of {} per pixel, by how many scattering events paths may have. A piece "
         "of a bar is what the vertex of that number adds (its light sample and the light that a bounce from the vertex "
-        "before finds). oracle: lights are chosen as well as probabilities can; what is left there, no choice of "
-        "lights "
-        "takes away. {} each.</p>\n",
+        "before finds). oracle: optimal light selection, the bound for any choice of lights. {} each.</p>\n",
         CountText(json.at("samples").get<int>(), "sample"), CountText(json.at("seeds").get<int>(), "seed"));
     page += "<h2>All pixels</h2>\n" + Bars(json, "plain");
-    page += "<h2>Without the worst 0.1 % of the pixels</h2>\n" + Bars(json, "trimmed");
+    page += "<h2>Trimmed: without the noisiest 0.1 % of the pixels</h2>\n" + Bars(json, "trimmed");
     return page + "</body>\n</html>\n";
 }
 
@@ -102,17 +98,16 @@ Noise NoiseOf(const std::vector<Image> &pictures, const Image &reference) {
     const int channels = reference.ChannelCount();
     const double epsilon = RelL2Epsilon(reference);
     std::vector<double> terms;
-    for (int y = 0; y < reference.Resolution().y; ++y)
-        for (int x = 0; x < reference.Resolution().x; ++x) {
-            double term = 0;
-            for (int c = 0; c < channels; ++c) {
-                double sum = 0, squares = 0;
-                for (const Image &p : pictures) sum += static_cast<double>(p.Get({x, y}, c));
-                for (const Image &p : pictures) squares += Sqr(static_cast<double>(p.Get({x, y}, c)) - sum / n);
-                term += squares / (n - 1) / (Sqr(static_cast<double>(reference.Get({x, y}, c))) + epsilon) / channels;
-            }
-            terms.push_back(term);
+    ForEachPixel(reference.Resolution(), [&](int x, int y) {
+        double term = 0;
+        for (int c = 0; c < channels; ++c) {
+            double sum = 0, squares = 0;
+            for (const Image &p : pictures) sum += static_cast<double>(p.Get({x, y}, c));
+            for (const Image &p : pictures) squares += Sqr(static_cast<double>(p.Get({x, y}, c)) - sum / n);
+            term += squares / (n - 1) / (Sqr(static_cast<double>(reference.Get({x, y}, c))) + epsilon) / channels;
         }
+        terms.push_back(term);
+    });
     std::sort(terms.begin(), terms.end());
     const auto mean = [&](size_t kept) {
         double sum = 0;
@@ -134,12 +129,12 @@ std::vector<int> NoiseDepths(int maxDepth) {
 }
 
 int RunNoise(const NoiseOptions &options, const PluginRegistry &registry, Progress &progress) {
-    if (options.campaign.seeds < 2) throw UserError("--seeds: a variance takes at least two.");
+    if (options.experiment.seeds < 2) throw UserError("--seeds: a variance takes at least two.");
     const std::vector<SamplerChoice> choices = ParseSamplerChoices(options.samplers, registry);
-    const LabScene scene = LoadLabScene(options.campaign, registry, progress);
+    const LabScene scene = LoadLabScene(options.experiment, registry, progress);
     const std::vector<int> depths = NoiseDepths(scene.built.maxDepth);
 
-    progress.BeginPhase("rendering", static_cast<int64_t>(choices.size() * depths.size()) * options.campaign.seeds);
+    progress.BeginPhase("rendering", choices.size() * depths.size() * options.experiment.seeds);
     // The deepest come first: all are measured against their mean. The others need not be kept.
     std::vector<std::vector<Image>> deepest;
     std::vector<const Image *> whole;
@@ -162,10 +157,10 @@ int RunNoise(const NoiseOptions &options, const PluginRegistry &registry, Progre
     progress.EndPhase();
 
     Json json;
-    json["scene"] = options.campaign.scene;
-    json["commandLine"] = options.campaign.commandLine;
-    json["samples"] = options.campaign.samplesPerPixel;
-    json["seeds"] = options.campaign.seeds;
+    json["scene"] = options.experiment.scene;
+    json["commandLine"] = options.experiment.commandLine;
+    json["samples"] = options.experiment.samplesPerPixel;
+    json["seeds"] = options.experiment.seeds;
     json["samplers"] = Json::array();
     std::printf("%-36s", "scattering events");
     for (const int depth : depths) std::printf(" %9d", depth);
@@ -182,7 +177,7 @@ int RunNoise(const NoiseOptions &options, const PluginRegistry &registry, Progre
         std::printf("\n%-36s%s", "  trimmed", trimmed.c_str());
         json["samplers"].push_back(entry);
     }
-    const std::string &folder = options.campaign.outFolder;
+    const std::string &folder = options.experiment.outFolder;
     std::error_code failed;
     std::filesystem::create_directories(folder, failed);
     if (failed) throw UserError(fmt::format("{}: {}.", folder, failed.message()));
@@ -193,4 +188,4 @@ int RunNoise(const NoiseOptions &options, const PluginRegistry &registry, Progre
     return 0;
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

@@ -5,11 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ext/lab/run_record.h"
+#include "ext/lab/tile_statistics.h"
+#include "pbrt/core/files.h"
 #include "pbrt/images/false_color.h"
 #include "pbrt/images/metrics.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 namespace {
 
@@ -26,12 +27,11 @@ double Percentile(std::vector<T> values, double share) {
 double ChooseExposure(const Image &reference) {
     const Rgb weights = ColorSpace::SRGB().Luminance();
     std::vector<float> luminances;
-    for (int y = 0; y < reference.Resolution().y; ++y)
-        for (int x = 0; x < reference.Resolution().x; ++x) {
-            Float l = 0;
-            for (int c = 0; c < 3; ++c) l += weights[c] * reference.Get({x, y}, c);
-            if (std::isfinite(l) && l > 0) luminances.push_back(l);
-        }
+    ForEachPixel(reference.Resolution(), [&](int x, int y) {
+        Float l = 0;
+        for (int c = 0; c < 3; ++c) l += weights[c] * reference.Get({x, y}, c);
+        if (std::isfinite(l) && l > 0) luminances.push_back(l);
+    });
     if (luminances.empty()) return 1;
     const double middle = Percentile(luminances, 0.5), high = Percentile(luminances, 0.75),
                  bright = Percentile(luminances, 0.98);
@@ -40,52 +40,49 @@ double ChooseExposure(const Image &reference) {
 
 void WritePicture(const std::string &path, const Image &image, double exposure) {
     Image shown(PixelFormat::Float, image.Resolution(), {"R", "G", "B"});
-    for (int y = 0; y < image.Resolution().y; ++y)
-        for (int x = 0; x < image.Resolution().x; ++x)
-            for (int c = 0; c < 3; ++c)
-                shown.Set({x, y}, c,
-                          std::clamp(image.Get({x, y}, c) * static_cast<Float>(exposure), Float(0), Float(1)));
+    ForEachPixel(image.Resolution(), [&](int x, int y) {
+        for (int c = 0; c < 3; ++c)
+            shown.Set({x, y}, c, std::clamp(image.Get({x, y}, c) * static_cast<Float>(exposure), Float(0), Float(1)));
+    });
     WriteImage(path, shown);
 }
 
 void WriteRangePicture(const std::string &path, const Image &image) {
     const Point2i resolution = image.Resolution();
     std::string text = fmt::format("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {} +X {}\n", resolution.y, resolution.x);
-    for (int y = 0; y < resolution.y; ++y)
-        for (int x = 0; x < resolution.x; ++x) {
-            double color[3], brightest = 0;
-            for (int c = 0; c < 3; ++c) {
-                const auto v = static_cast<double>(image.Get({x, y}, c));
-                color[c] = std::isfinite(v) ? std::max(v, 0.0) : 0;
-                brightest = std::max(brightest, color[c]);
-            }
-            int exponent = 0;
-            std::frexp(brightest, &exponent);
-            const bool isBlack = !(brightest > 0) || exponent < -127;
-            const int stored = std::min(exponent, 127) + 128;
-            for (double v : color) {
-                const double byte = isBlack ? 0 : std::min(std::floor(std::ldexp(v, 8 - (stored - 128))), 255.0);
-                text += static_cast<char>(static_cast<uint8_t>(byte));
-            }
-            text += static_cast<char>(static_cast<uint8_t>(isBlack ? 0 : stored));
+    ForEachPixel(resolution, [&](int x, int y) {
+        double color[3], brightest = 0;
+        for (int c = 0; c < 3; ++c) {
+            const auto v = static_cast<double>(image.Get({x, y}, c));
+            color[c] = std::isfinite(v) ? std::max(v, 0.0) : 0;
+            brightest = std::max(brightest, color[c]);
         }
-    WriteText(path, text);
+        int exponent = 0;
+        std::frexp(brightest, &exponent);
+        const bool isBlack = !(brightest > 0) || exponent < -127;
+        const int stored = std::min(exponent, 127) + 128;
+        for (double v : color) {
+            const double byte = isBlack ? 0 : std::min(std::floor(std::ldexp(v, 8 - (stored - 128))), 255.0);
+            text += static_cast<char>(static_cast<uint8_t>(byte));
+        }
+        text += static_cast<char>(static_cast<uint8_t>(isBlack ? 0 : stored));
+    });
+    WriteFile(path, text);
 }
 
 std::vector<float> ErrorMap(const Image &image, const Image &reference) {
     std::vector<float> map;
     const Point2i resolution = image.Resolution();
     const double epsilon = RelL2Epsilon(reference);
-    map.reserve(static_cast<size_t>(resolution.x) * static_cast<size_t>(resolution.y));
-    for (int y = 0; y < resolution.y; ++y)
-        for (int x = 0; x < resolution.x; ++x) {
-            double sum = 0;
-            for (int c = 0; c < 3; ++c) {
-                const double r = double(reference.Get({x, y}, c)), d = double(image.Get({x, y}, c)) - r;
-                sum += d * d / (r * r + epsilon);
-            }
-            map.push_back(std::isfinite(sum) ? static_cast<float>(std::sqrt(sum / 3)) : 0.f);
+    map.reserve(resolution.x * resolution.y);
+    ForEachPixel(resolution, [&](int x, int y) {
+        double sum = 0;
+        for (int c = 0; c < 3; ++c) {
+            const double r = double(reference.Get({x, y}, c)), d = double(image.Get({x, y}, c)) - r;
+            sum += d * d / (r * r + epsilon);
         }
+        map.push_back(std::isfinite(sum) ? static_cast<float>(std::sqrt(sum / 3)) : 0.f);
+    });
     return map;
 }
 
@@ -98,8 +95,7 @@ double ChooseErrorScale(std::span<const std::vector<float>> maps) {
 void WriteErrorPicture(const std::string &path, const std::vector<float> &map, Point2i resolution, double most) {
     Image values(PixelFormat::Float, resolution, {"Y"});
     size_t i = 0;
-    for (int y = 0; y < resolution.y; ++y)
-        for (int x = 0; x < resolution.x; ++x) values.Set({x, y}, 0, map[i++]);
+    ForEachPixel(resolution, [&](int x, int y) { values.Set({x, y}, 0, map[i++]); });
     FalseColorStyle style;
     style.most = static_cast<Float>(most);
     WriteImage(path, FalseColor(values, 0, style));
@@ -121,8 +117,7 @@ std::vector<Bounds2i> ChooseCrops(std::span<const std::vector<float>> maps, Poin
                 double sum = 0;
                 for (int v = y; v < y + side; ++v)
                     for (int u = x; u < x + side; ++u) {
-                        const double e = double(
-                            map[static_cast<size_t>(v) * static_cast<size_t>(resolution.x) + static_cast<size_t>(u)]);
+                        const double e = double(map[v * resolution.x + u]);
                         sum += e * e;
                     }
                 least = std::min(least, sum);
@@ -145,4 +140,4 @@ std::vector<Bounds2i> ChooseCrops(std::span<const std::vector<float>> maps, Poin
     return crops;
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

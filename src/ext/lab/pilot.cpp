@@ -8,9 +8,7 @@
 #include "ext/lab/tile_statistics.h"
 #include "pbrt/images/metrics.h"
 
-namespace pbrt::lab {
-
-using Json = nlohmann::ordered_json;
+namespace ext::lab {
 
 namespace {
 
@@ -18,7 +16,7 @@ constexpr int kMinPilotSamples = 4, kMaxPilotSamples = 16;  // per picture; two 
 constexpr int kShareOfReference = 128;                      // all candidates together take some 6 % of two references
 constexpr int kPilotSeed = 700001;                          // far from the seeds of the runs
 
-std::vector<SamplerChoice> Candidates(const CampaignSettings &settings, const PluginRegistry &registry) {
+std::vector<SamplerChoice> Candidates(const ExperimentSettings &settings, const PluginRegistry &registry) {
     std::vector<SamplerChoice> candidates;
     for (const SamplerChoice &s : settings.samplers)
         if (!s.IsOracle()) candidates.push_back(s);
@@ -32,7 +30,7 @@ std::vector<SamplerChoice> Candidates(const CampaignSettings &settings, const Pl
 
 /// More samples where there are many lights per pixel (a light that no candidate chose leaves no trace), and for long
 /// references.
-int SamplesPerPicture(const CampaignSettings &settings, const LabScene &scene) {
+int SamplesPerPicture(const ExperimentSettings &settings, const LabScene &scene) {
     const double lights = static_cast<double>(scene.built.scene->Lights().Size());
     const double pixels = static_cast<double>(std::max<int64_t>(1, scene.Pixels().Area()));
     const int forReference = ReferenceRule::For(settings).samples / kShareOfReference;
@@ -54,26 +52,26 @@ struct Pilot {
 
 /// Variance of one sample, relative as in relL2, from the differences of the candidate's two pictures. The denominators
 /// are tile means of the other candidates' pictures: a rare bright hit must not enlarge what it is divided by, or the
-/// sampler with the rarest hits looks best. `epsilon`: RelL2Epsilon of all candidates' mean.
+/// sampler with the rarest hits ranks best. `epsilon`: RelL2Epsilon of all candidates' mean.
 double VarianceBetweenPictures(const std::vector<Pilot> &pilots, size_t which, int samples, double epsilon) {
     const auto &[a, b] = pilots[which].pictures;
     const TileGrid &grid = pilots[which].tiles.grid;
     double sum = 0;
-    for (int ty = 0; ty < grid.tilesY; ++ty)
-        for (int tx = 0; tx < grid.tilesX; ++tx)
-            for (int c = 0; c < 3; ++c) {
-                double others = 0, squares = 0;
-                for (size_t k = 0; k < pilots.size(); ++k)
-                    if (k != which) others += pilots[k].tiles(grid.Index(tx, ty), c);
-                others /= static_cast<double>(pilots.size() - 1);
-                const Bounds2i pixels = grid.Pixels(tx, ty);
-                for (int y = pixels.low.y; y < pixels.high.y; ++y)
-                    for (int x = pixels.low.x; x < pixels.high.x; ++x) {
-                        const double d = double(a.Get({x, y}, c)) - double(b.Get({x, y}, c));
-                        if (std::isfinite(d)) squares += d * d / 2;
-                    }
-                sum += squares / (others * others + epsilon);
-            }
+    grid.ForEachTile([&](int tx, int ty) {
+        for (int c = 0; c < 3; ++c) {
+            double others = 0, squares = 0;
+            for (size_t k = 0; k < pilots.size(); ++k)
+                if (k != which) others += pilots[k].tiles(grid.Index(tx, ty), c);
+            others /= static_cast<double>(pilots.size() - 1);
+            const Bounds2i pixels = grid.Pixels(tx, ty);
+            for (int y = pixels.low.y; y < pixels.high.y; ++y)
+                for (int x = pixels.low.x; x < pixels.high.x; ++x) {
+                    const double d = double(a.Get({x, y}, c)) - double(b.Get({x, y}, c));
+                    if (std::isfinite(d)) squares += d * d / 2;
+                }
+            sum += squares / (others * others + epsilon);
+        }
+    });
     return samples * sum / (3 * static_cast<double>(a.Resolution().x) * static_cast<double>(a.Resolution().y));
 }
 
@@ -82,7 +80,7 @@ double VarianceBetweenPictures(const std::vector<Pilot> &pilots, size_t which, i
 /// VarianceBetweenPictures of all.
 double VarianceAgainstOthers(const std::vector<Pilot> &pilots, size_t which, int samples,
                              const std::vector<double> &between, double epsilon) {
-    // Noisy candidates count less. None counts more than the median one, because a candidate that finds no light looks
+    // Noisy candidates count less. None counts more than the median one, because a candidate that finds no light seems
     // quiet.
     std::vector<double> sorted = between, weights(between.size(), 0);
     std::sort(sorted.begin(), sorted.end());
@@ -93,17 +91,17 @@ double VarianceAgainstOthers(const std::vector<Pilot> &pilots, size_t which, int
 
     const TileGrid &grid = pilots[which].tiles.grid;
     double sum = 0, area = 0;
-    for (int ty = 0; ty < grid.tilesY; ++ty)
-        for (int tx = 0; tx < grid.tilesX; ++tx)
-            for (int c = 0; c < 3; ++c) {
-                const int tile = grid.Index(tx, ty);
-                double others = 0;
-                for (size_t k = 0; k < pilots.size(); ++k) others += weights[k] / total * pilots[k].tiles(tile, c);
-                const double d = pilots[which].tiles(tile, c) - others;
-                const auto pixels = static_cast<double>(grid.Pixels(tx, ty).Area());
-                sum += pixels * pixels * d * d / (others * others + epsilon);
-                area += pixels;
-            }
+    grid.ForEachTile([&](int tx, int ty) {
+        for (int c = 0; c < 3; ++c) {
+            const int tile = grid.Index(tx, ty);
+            double others = 0;
+            for (size_t k = 0; k < pilots.size(); ++k) others += weights[k] / total * pilots[k].tiles(tile, c);
+            const double d = pilots[which].tiles(tile, c) - others;
+            const auto pixels = static_cast<double>(grid.Pixels(tx, ty).Area());
+            sum += pixels * pixels * d * d / (others * others + epsilon);
+            area += pixels;
+        }
+    });
     return 2 * samples * sum / area - noise;
 }
 
@@ -134,7 +132,7 @@ double MeanSecondsPerSample(const std::vector<PilotEntry> &entries) {
     return entries.empty() ? 0 : sum / static_cast<double>(entries.size());
 }
 
-double EstimateRuns(const CampaignSettings &settings, const std::vector<PilotEntry> &entries) {
+double EstimateRuns(const ExperimentSettings &settings, const std::vector<PilotEntry> &entries) {
     double seconds = 0;
     for (const SamplerChoice &s : settings.samplers) {
         auto known = std::find_if(entries.begin(), entries.end(),
@@ -149,9 +147,9 @@ bool IsTrusted(const SamplerChoice &choice) {
     return choice.name == "uniform" || choice.name == "power" || choice.name == "bvh" || choice.name == "exhaustive";
 }
 
-std::optional<std::vector<PilotEntry>> RunPilot(const CampaignSettings &settings, const LabScene &scene,
+std::optional<std::vector<PilotEntry>> RunPilot(const ExperimentSettings &settings, const LabScene &scene,
                                                 const PluginRegistry &registry, const RecordFolder &records,
-                                                Progress &cancel, CampaignDisplay &display) {
+                                                Progress &cancel, ExperimentDisplay &display) {
     const std::vector<SamplerChoice> candidates = Candidates(settings, registry);
     if (std::vector<PilotEntry> known = FromJson(records.LoadNote("pilot.json"), candidates); !known.empty())
         return known;
@@ -170,7 +168,7 @@ std::optional<std::vector<PilotEntry>> RunPilot(const CampaignSettings &settings
             if (!run.Prepare() || !run.RenderTo({samples, 0}, [&] { display.Show(left); })) return {};
             const double seconds = run.Spent().wall - run.Record().prepare.wall;
             entry.secondsPerSample = std::min(entry.secondsPerSample, seconds / samples);
-            pair[static_cast<size_t>(k)] = run.Picture();
+            pair[k] = run.Picture();
         }
         entries.push_back(entry);
         const double perSample = MeanSecondsPerSample(entries);
@@ -192,4 +190,4 @@ std::optional<std::vector<PilotEntry>> RunPilot(const CampaignSettings &settings
     return entries;
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

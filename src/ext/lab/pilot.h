@@ -1,11 +1,11 @@
 #pragma once
 #include <optional>
 
-#include "ext/lab/campaign_display.h"
+#include "ext/lab/experiment_display.h"
 #include "ext/lab/lab_scene.h"
 #include "ext/lab/run_record.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 /// A sampler that could make a reference, with its variance and cost as estimated from a few samples.
 struct PilotEntry {
@@ -17,17 +17,17 @@ struct PilotEntry {
     double secondsPerSample = 0;  ///< per pixel, of the whole picture
 };
 
-/// Ranks the samplers of the campaign (oracles left out) and stock's bvh and uniform over single lights: least variance
-/// per sample first. Keeps its result in `records`. Nothing: cancelled.
-std::optional<std::vector<PilotEntry>> RunPilot(const CampaignSettings &settings, const LabScene &scene,
+/// Ranks the samplers of the experiment (oracles left out) and stock's bvh and uniform over single lights: least
+/// variance per sample first. Keeps its result in `records`. Returns nothing if cancelled.
+std::optional<std::vector<PilotEntry>> RunPilot(const ExperimentSettings &settings, const LabScene &scene,
                                                 const PluginRegistry &registry, const RecordFolder &records,
-                                                Progress &cancel, CampaignDisplay &display);
+                                                Progress &cancel, ExperimentDisplay &display);
 
 double MeanSecondsPerSample(const std::vector<PilotEntry> &entries);
-/// Seconds that all runs of the campaign will take; a sampler without an entry counts as one of average cost.
-double EstimateRuns(const CampaignSettings &settings, const std::vector<PilotEntry> &entries);
+/// Estimates the seconds of all runs of the experiment; a sampler without an entry counts as one of average cost.
+double EstimateRuns(const ExperimentSettings &settings, const std::vector<PilotEntry> &entries);
 
-/// True for the samplers of stock pbrt: their pictures are taken to be unbiased, whatever a plug-in does.
+/// Returns true for the samplers of stock pbrt, whose pictures count as unbiased.
 bool IsTrusted(const SamplerChoice &choice);
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

@@ -5,17 +5,15 @@
 #include <filesystem>
 
 #include "ext/lab/bias_check.h"
-#include "ext/lab/reference_cache.h"
 #include "ext/lab/sampler_run.h"
-#include "ext/lab/take_up.h"
 #include "pbrt/core/count_text.h"
 #include "pbrt/images/metrics.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 namespace {
 
-constexpr int kParts = 8;           // seeds of a reference; their scatter tells its noise (7 degrees of freedom)
+constexpr int kParts = 8;           // seeds of a reference; their scatter estimates its noise (7 degrees of freedom)
 constexpr int kFirstSeed = 800001;  // far from the seeds of the runs and of the pilot
 constexpr int kSeedStep = 1000;     // between references
 constexpr int kMinSamples = 64;     // by time
@@ -24,8 +22,8 @@ constexpr double kDisagree = 2;     // factor on the relL2 that the noise of two
 /// Renders a reference, or finds it in the cache.
 class ReferenceMaker {
   public:
-    ReferenceMaker(const CampaignSettings &settings, const LabScene &scene, const RecordFolder &records,
-                   Progress &cancel, CampaignDisplay &display)
+    ReferenceMaker(const ExperimentSettings &settings, const LabScene &scene, const RecordFolder &records,
+                   Progress &cancel, ExperimentDisplay &display)
         : settings_(settings),
           scene_(scene),
           records_(records),
@@ -33,7 +31,7 @@ class ReferenceMaker {
           display_(display),
           rule_(ReferenceRule::For(settings)) {}
 
-    /// Nothing: cancelled.
+    /// Returns nothing if cancelled.
     std::optional<Reference> Make(const PilotEntry &with, int index) {
         const int firstSeed = kFirstSeed + index * kSeedStep;
         const std::string about =
@@ -60,15 +58,15 @@ class ReferenceMaker {
 
   private:
     /// With a time budget, as many as fit at the cost that the pilot measured, kept in the records so that a resumed
-    /// campaign uses the same number. A replay takes the number of the campaign that it repeats.
+    /// experiment uses the same number. A replay takes the number of the experiment that it repeats.
     int SamplesPerPart(const PilotEntry &with, int index) const {
         if (rule_.samples > 0) return (rule_.samples + kParts - 1) / kParts;
         if (!settings_.samplesFrom.empty())
-            for (const nlohmann::ordered_json &r : ReadResults(settings_.samplesFrom).at("references"))
+            for (const Json &r : ReadResults(settings_.samplesFrom).at("references"))
                 if (r.value("sampler", "") == with.choice.label && r.value("samples", 0) > 0)
                     return (r.value("samples", 0) + kParts - 1) / kParts;
         const std::string note = fmt::format("reference-{}.json", index);
-        nlohmann::ordered_json known = records_.LoadNote(note);
+        Json known = records_.LoadNote(note);
         if (known.is_object() && known.value("sampler", "") == with.choice.label)
             return known.value("samplesPerPart", 1);
         const double fit = rule_.seconds / std::max(1e-6, with.secondsPerSample);
@@ -99,11 +97,11 @@ class ReferenceMaker {
         return true;
     }
 
-    const CampaignSettings &settings_;
+    const ExperimentSettings &settings_;
     const LabScene &scene_;
     const RecordFolder &records_;
     Progress &cancel_;
-    CampaignDisplay &display_;
+    ExperimentDisplay &display_;
     ReferenceRule rule_;
 };
 
@@ -117,7 +115,7 @@ bool Contradict(const Reference &a, const Reference &b) {
     return CheckBias(means(a), BiasReference{means(b), {}}).verdict == BiasVerdict::Biased;
 }
 
-References GivenReference(const CampaignSettings &settings, const LabScene &scene) {
+References GivenReference(const ExperimentSettings &settings, const LabScene &scene) {
     References references;
     references.all.push_back(ReadReference(settings.referenceFile, scene));
     references.ofSampler.assign(settings.samplers.size(), 0);
@@ -126,7 +124,7 @@ References GivenReference(const CampaignSettings &settings, const LabScene &scen
         if (!maker.empty() && s.label == maker)
             references.doubts.push_back(
                 {fmt::format("{} was rendered with \"{}\", which is compared here: its own errors are partly in the "
-                             "reference, so its error looks lower than it is.",
+                             "reference, so its measured error is too low.",
                              settings.referenceFile, maker),
                  s.label});
     return references;
@@ -154,7 +152,7 @@ std::optional<Doubt> Disagreement(const Reference &a, const Reference &b, bool a
         ""};
 }
 
-ReferenceRule ReferenceRule::For(const CampaignSettings &settings) {
+ReferenceRule ReferenceRule::For(const ExperimentSettings &settings) {
     if (settings.referenceSamples > 0) return {settings.referenceSamples, 0};
     if (settings.Timed()) return {0, 10 * settings.timeBudget};
     return {std::max(512, 16 * settings.samplesPerPixel), 0};
@@ -164,9 +162,9 @@ std::string ReferenceRule::Text() const {
     return samples > 0 ? CountText(samples, "sample") + " per pixel" : fmt::format("{} s", seconds);
 }
 
-std::optional<References> MakeReferences(const CampaignSettings &settings, const LabScene &scene,
+std::optional<References> MakeReferences(const ExperimentSettings &settings, const LabScene &scene,
                                          const PluginRegistry &registry, const RecordFolder &records, Progress &cancel,
-                                         CampaignDisplay &display) {
+                                         ExperimentDisplay &display) {
     if (!settings.referenceFile.empty()) return GivenReference(settings, scene);
     const std::optional<std::vector<PilotEntry>> pilot = RunPilot(settings, scene, registry, records, cancel, display);
     if (!pilot) return {};
@@ -192,7 +190,7 @@ std::optional<References> MakeReferences(const CampaignSettings &settings, const
             if (!made) return {};
             references.all.push_back(std::move(*made));
         }
-        areStocks = std::all_of(makers.begin(), makers.begin() + static_cast<ptrdiff_t>(wanted),
+        areStocks = std::all_of(makers.begin(), makers.begin() + wanted,
                                 [&](const PilotEntry &e) { return IsTrusted(e.choice); });
         if (wanted < 2 || areStocks || !Contradict(references.all[0], references.all[1])) break;
         references.remarks.push_back(fmt::format(
@@ -210,4 +208,4 @@ std::optional<References> MakeReferences(const CampaignSettings &settings, const
     return references;
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

@@ -1,17 +1,17 @@
-#include "ext/lab/reference_cache.h"
+#include "ext/lab/reference.h"
 
 #include <cstdlib>
 #include <filesystem>
 
-#include "ext/lab/machine.h"
-#include "ext/lab/take_up.h"
+#include "ext/lab/sampler_run.h"
+#include "ext/lab/text_output.h"
 #include "ext/lab/tile_statistics.h"
 #include "pbrt/core/error.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/version.h"
 #include "pbrt/scenefile/content_hash.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 namespace fs = std::filesystem;
 
@@ -36,9 +36,9 @@ std::optional<Reference> ReadCached(const std::string &path, Point2i resolution)
     for (size_t part = 0; part < static_cast<size_t>(parts); ++part) {
         Image colors = file.image.Select({PartChannel(part, 0), PartChannel(part, 1), PartChannel(part, 2)});
         Image image(PixelFormat::Float, colors.Resolution(), {"R", "G", "B"});
-        for (int y = 0; y < colors.Resolution().y; ++y)
-            for (int x = 0; x < colors.Resolution().x; ++x)
-                for (int c = 0; c < 3; ++c) image.Set({x, y}, c, colors.Get({x, y}, c));
+        ForEachPixel(colors.Resolution(), [&](int x, int y) {
+            for (int c = 0; c < 3; ++c) image.Set({x, y}, c, colors.Get({x, y}, c));
+        });
         reference.parts.push_back(std::move(image));
     }
     AverageParts(&reference);
@@ -52,7 +52,7 @@ std::optional<Reference> ReadCached(const std::string &path, Point2i resolution)
 
 }  // namespace
 
-ReferenceCache::ReferenceCache(const CampaignSettings &settings, const LabScene &scene, const std::string &what)
+ReferenceCache::ReferenceCache(const ExperimentSettings &settings, const LabScene &scene, const std::string &what)
     : resolution_(scene.Resolution()) {
     const Bounds2i &pixels = scene.Pixels();
     ContentHash hash;
@@ -87,13 +87,13 @@ void ReferenceCache::Store(const LabScene &scene, const std::string &about, Refe
         for (int c = 0; c < 3; ++c) channels.push_back(PartChannel(part, c));
     const Point2i resolution = reference->image.Resolution();
     Image all(PixelFormat::Float, resolution, channels);
-    for (int y = 0; y < resolution.y; ++y)
-        for (int x = 0; x < resolution.x; ++x)
-            for (int c = 0; c < 3; ++c) {
-                all.Set({x, y}, c, reference->image.Get({x, y}, c));
-                for (size_t part = 0; part < reference->parts.size(); ++part)
-                    all.Set({x, y}, static_cast<int>(3 * (part + 1)) + c, reference->parts[part].Get({x, y}, c));
-            }
+    ForEachPixel(resolution, [&](int x, int y) {
+        for (int c = 0; c < 3; ++c) {
+            all.Set({x, y}, c, reference->image.Get({x, y}, c));
+            for (size_t part = 0; part < reference->parts.size(); ++part)
+                all.Set({x, y}, static_cast<int>(3 * (part + 1)) + c, reference->parts[part].Get({x, y}, c));
+        }
+    });
     ImageMetadata m = scene.built.film->Metadata();
     m.attributes["lightlab.sampler"] = reference->sampler;
     m.attributes["lightlab.parts"] = static_cast<int>(reference->parts.size());
@@ -129,7 +129,7 @@ std::string UserCacheFolder() {
         const char *value = std::getenv(name);
         return fs::path(value ? value : "");
     };
-    // The standard for these folders says that a relative path is to be ignored.
+    // The XDG specification ignores relative paths.
     if (const fs::path cache = variable("XDG_CACHE_HOME"); cache.is_absolute()) return (cache / "pbrt_octree").string();
     if (const fs::path home = variable("HOME"); home.is_absolute()) return (home / ".cache" / "pbrt_octree").string();
     return {};
@@ -168,4 +168,4 @@ Reference ReadReference(const std::string &path, const LabScene &scene) {
     return reference;
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

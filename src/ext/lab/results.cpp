@@ -6,7 +6,7 @@
 #include "ext/lab/convergence.h"
 #include "pbrt/math/statistics.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 namespace {
 
@@ -86,19 +86,19 @@ std::vector<TileMeans> TilesOf(const std::vector<Image> &pictures) {
     return tiles;
 }
 
-/// The label without "+mesh": a sampler counts as its own kin whether it takes meshes as single lights or not.
-std::string KinName(const std::string &label) {
+/// Returns the label without "+mesh": runs of one sampler with and without mesh lights are auxiliary to each other.
+std::string NameWithoutMesh(const std::string &label) {
     const std::string mesh = "+mesh";
     const size_t at = label.find(mesh);
     return at == std::string::npos ? label : label.substr(0, at) + label.substr(at + mesh.size());
 }
 
-/// The bias verdicts of a campaign.
+/// The bias verdicts of an experiment.
 class BiasJudge {
   public:
     BiasJudge(const References &references, const std::vector<std::vector<Image>> &pictures) {
         for (const Reference &r : references.all) {
-            Pictures p{KinName(r.sampler), TilesOf(r.parts), static_cast<double>(r.samples)};
+            Pictures p{NameWithoutMesh(r.sampler), TilesOf(r.parts), static_cast<double>(r.samples)};
             if (p.tiles.empty()) p.tiles.push_back(ComputeTileMeans(r.image));
             p.samples /= static_cast<double>(p.tiles.size());
             references_.push_back(std::move(p));
@@ -109,7 +109,7 @@ class BiasJudge {
 
     /// To be called for every sampler before the first call of Judge.
     void Describe(size_t sampler, const std::string &label, double samples) {
-        runs_[sampler].name = KinName(label);
+        runs_[sampler].name = NameWithoutMesh(label);
         runs_[sampler].samples = samples;
     }
 
@@ -118,19 +118,19 @@ class BiasJudge {
         auto ratio = [&](const Pictures &p) {
             return p.samples > 0 && runs.samples > 0 ? p.samples / runs.samples : 1;
         };
-        auto kinOf = [&](const std::string &name) {
-            std::vector<BiasKin> kin;
+        auto auxiliaryOf = [&](const std::string &name) {
+            std::vector<AuxiliaryRuns> auxiliary;
             for (const std::vector<Pictures> *list : {&runs_, &references_})
                 for (const Pictures &p : *list)
                     if (&p != &runs && &p != &judge && !name.empty() && p.name == name)
-                        kin.push_back({p.tiles, ratio(p)});
-            return kin;
+                        auxiliary.push_back({p.tiles, ratio(p)});
+            return auxiliary;
         };
-        const BiasReference against{judge.tiles, noise_[reference], ratio(judge), kinOf(judge.name)};
-        // The level is the chance of a false alarm in the whole campaign, which has one verdict per sampler.
+        const BiasReference against{judge.tiles, noise_[reference], ratio(judge), auxiliaryOf(judge.name)};
+        // The level is the chance of a false alarm in the whole experiment, which has one verdict per sampler.
         BiasSettings settings;
         settings.level = SidakLevel(settings.level, runs_.size());
-        return CheckBias(runs.tiles, against, settings, kinOf(runs.name));
+        return CheckBias(runs.tiles, against, settings, auxiliaryOf(runs.name));
     }
 
   private:
@@ -172,34 +172,32 @@ void CompareSamplers(std::vector<SamplerResult> *samplers) {
 }
 
 /// Notes for the conclusion, besides doubts.
-std::vector<std::string> RemarksOn(const CampaignSettings &settings, const References &references,
+std::vector<std::string> RemarksOn(const ExperimentSettings &settings, const References &references,
                                    const std::vector<SamplerResult> &samplers) {
     std::vector<std::string> remarks = references.remarks;
     for (const SamplerResult &s : samplers)
         if (s.choice.IsOracle() && s.samples < kFewOracleSamples)
             remarks.push_back(fmt::format(
-                "\"{}\" took {:.1f} samples per pixel only: ratios to it are rough. --spp gives it as many as "
-                "the others.",
+                "\"{}\" took only {:.1f} samples per pixel, so ratios to it are rough; --spp gives equal samples.",
                 s.choice.label, s.samples));
     if (settings.sampledLightOnly)
         remarks.emplace_back(
-            "--sampled-light: the pictures lack lamps that the camera or a mirror shows, and caustics; no choice of "
-            "lights changes these.");
+            "--sampled-light: the pictures lack lights seen directly or by specular reflection, and caustics.");
     return remarks;
 }
 
 }  // namespace
 
-std::optional<double> ReportNumber(const nlohmann::ordered_json &report, std::initializer_list<const char *> names) {
+std::optional<double> ReportNumber(const Json &report, std::initializer_list<const char *> names) {
     for (const char *name : names)
         if (report.contains(name) && report[name].is_number()) return report[name].get<double>();
     return {};
 }
 
-CampaignResults Summarize(const CampaignSettings &settings, const References &references,
-                          std::vector<std::vector<RunRecord>> runs, const std::vector<std::vector<Image>> &pictures,
-                          const std::vector<std::optional<SelectionReport>> &selections) {
-    CampaignResults results;
+ExperimentResults Summarize(const ExperimentSettings &settings, const References &references,
+                            std::vector<std::vector<RunRecord>> runs, const std::vector<std::vector<Image>> &pictures,
+                            const std::vector<std::optional<SelectionReport>> &selections) {
+    ExperimentResults results;
     BiasJudge judge(references, pictures);
     for (size_t i = 0; i < settings.samplers.size(); ++i) {
         SamplerResult s;
@@ -217,7 +215,7 @@ CampaignResults Summarize(const CampaignSettings &settings, const References &re
         s.bias = judge.Judge(i, s.reference);
         if (references.areDoubtful && s.bias.verdict == BiasVerdict::Biased) {
             s.bias.verdict = BiasVerdict::Unknown;
-            s.bias.text += " The references contradict each other, so this proves nothing.";
+            s.bias.text += " The references contradict each other, so bias is unknown.";
         }
         if (s.selection) AddSelection(*s.selection, &s.bias);
     }
@@ -231,4 +229,4 @@ CampaignResults Summarize(const CampaignSettings &settings, const References &re
     return results;
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

@@ -1,10 +1,10 @@
 #pragma once
+#include "ext/lab/measures.h"
 #include "ext/lab/reference.h"
 #include "ext/lab/run_record.h"
 #include "ext/lab/selection_check.h"
-#include "ext/lab/summary.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 /// The results of one sampler.
 struct SamplerResult {
@@ -28,7 +28,7 @@ struct SamplerResult {
     std::optional<SelectionReport> selection;
 };
 
-struct CampaignResults {
+struct ExperimentResults {
     std::vector<SamplerResult> samplers;
     std::vector<Contender> contenders;  ///< in the order of `samplers`
     Conclusion conclusion;
@@ -36,22 +36,22 @@ struct CampaignResults {
 
 /// `pictures`: final pictures of the runs, by sampler and seed. `selections`: by sampler; empty where the check was not
 /// made.
-CampaignResults Summarize(const CampaignSettings &settings, const References &references,
-                          std::vector<std::vector<RunRecord>> runs, const std::vector<std::vector<Image>> &pictures,
-                          const std::vector<std::optional<SelectionReport>> &selections);
+ExperimentResults Summarize(const ExperimentSettings &settings, const References &references,
+                            std::vector<std::vector<RunRecord>> runs, const std::vector<std::vector<Image>> &pictures,
+                            const std::vector<std::optional<SelectionReport>> &selections);
 
-/// The text for the terminal: table, references, bias verdicts and conclusion.
-std::string TableText(const CampaignResults &results, const References &references);
-/// CSV with one line per sampler, and with one line per sampler, seed and round.
-std::string SummaryCsv(const CampaignResults &results);
-std::string RoundsCsv(const CampaignResults &results);
+/// Returns the text for the terminal: table, references, bias verdicts and conclusion.
+std::string TableText(const ExperimentResults &results, const References &references);
+/// Return CSV with one line per sampler, and with one line per sampler, seed and round.
+std::string SummaryCsv(const ExperimentResults &results);
+std::string RoundsCsv(const ExperimentResults &results);
 /// Adds "samplers" and "conclusion" to results.json.
-void AddToJson(const CampaignResults &results, nlohmann::ordered_json *json);
+void AddToJson(const ExperimentResults &results, Json *json);
 
 /// Replaces numbers that came from single precision by their shortest form: 0.01, not 0.009999999776482582.
-void ShortenFloats(nlohmann::ordered_json *json);
+void ShortenFloats(Json *json);
 
-/// The number in a report of LightSampler::Report under the first of `names` that it has.
-std::optional<double> ReportNumber(const nlohmann::ordered_json &report, std::initializer_list<const char *> names);
+/// Returns the number in a report of LightSampler::Report under the first of `names` that it has.
+std::optional<double> ReportNumber(const Json &report, std::initializer_list<const char *> names);
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

@@ -5,12 +5,10 @@
 #include <cmath>
 
 #include "ext/lab/results.h"
-#include "ext/lab/text_table.h"
+#include "ext/lab/text_output.h"
 #include "pbrt/core/count_text.h"
 
-namespace pbrt::lab {
-
-using Json = nlohmann::ordered_json;
+namespace ext::lab {
 
 namespace {
 
@@ -131,7 +129,7 @@ void ShortenFloats(Json *json) {
     }
 }
 
-void AddToJson(const CampaignResults &results, Json *json) {
+void AddToJson(const ExperimentResults &results, Json *json) {
     (*json)["samplers"] = Json::array();
     for (const SamplerResult &s : results.samplers) {
         Json entry;
@@ -157,35 +155,37 @@ void AddToJson(const CampaignResults &results, Json *json) {
     (*json)["conclusion"] = ToJson(results.conclusion, results.contenders);
 }
 
-std::string SummaryCsv(const CampaignResults &results) {
+std::string SummaryCsv(const ExperimentResults &results) {
     std::string text = "sampler,samples,seconds,cpuSeconds";
     for (const char *name : MeasureNames) text += fmt::format(",{0},{0}StandardError", name);
     text +=
         ",efficiency,speedUp,speedUpAgainst,ratioToOracle,prepassSeconds,buildSeconds,renderSeconds,preparationShare,"
         "cpuSecondsPerSample,relativeCost,leaves,bytes,shadowRays,blockedShare,biasVerdict,biasPValue\n";
-    auto number = [](const std::optional<double> &v) { return v ? fmt::format("{:.9g}", *v) : std::string(); };
     for (const SamplerResult &s : results.samplers) {
-        const Overhead o = OverheadOf(s);
-        std::vector<std::string> fields = {Quoted(s.choice.label), number(s.samples), number(s.seconds),
-                                           number(s.cpuSeconds)};
+        const Json summary = SummaryJson(s);
+        std::vector<std::string> fields = {Quoted(s.choice.label)};
+        const auto add = [&](std::initializer_list<const char *> pointers) {
+            for (const char *pointer : pointers) {
+                const Json &value = summary.at(Json::json_pointer(pointer));
+                fields.push_back(value.is_number()   ? fmt::format("{:.9g}", value.get<double>())
+                                 : value.is_string() ? Quoted(value.get<std::string>())
+                                                     : std::string());
+            }
+        };
+        add({"/samples", "/seconds", "/cpuSeconds"});
         for (const Summary &m : s.measures) {
-            fields.push_back(number(m.mean));
-            fields.push_back(m.count > 1 ? number(m.standardError) : std::string());
+            fields.push_back(fmt::format("{:.9g}", m.mean));
+            fields.push_back(m.count > 1 ? fmt::format("{:.9g}", m.standardError) : std::string());
         }
-        for (const std::string &field :
-             {number(s.efficiency), number(s.speedUp), Quoted(s.speedUpAgainst), number(s.ratioToOracle),
-              number(o.prepass), number(o.build), number(o.render),
-              number(s.cpuSeconds > 0 ? s.prepareCpuSeconds / s.cpuSeconds : 0), number(s.cpuPerSample),
-              number(s.relativeCost), number(ReportMean(s, {"leaves"})), number(ReportMean(s, {"bytes"})),
-              number(s.shadowRays), number(s.blockedShare), std::string(BiasVerdictName(s.bias.verdict)),
-              number(s.bias.pValue)})
-            fields.push_back(field);
+        add({"/efficiency", "/speedUp", "/speedUpAgainst", "/ratioToOracle", "/overhead/prepassSeconds",
+             "/overhead/buildSeconds", "/overhead/renderSeconds", "/preparationShare", "/cpuSecondsPerSample",
+             "/relativeCost", "/leaves", "/bytes", "/shadowRays", "/blockedShare", "/bias/verdict", "/bias/pValue"});
         text += fmt::format("{}\n", fmt::join(fields, ","));
     }
     return text;
 }
 
-std::string RoundsCsv(const CampaignResults &results) {
+std::string RoundsCsv(const ExperimentResults &results) {
     std::string text = "sampler,seed,checkpoint,samples,seconds,cpuSeconds,shadowRays,shadowRaysBlocked";
     for (const char *name : MeasureNames) text += std::string(",") + name;
     text += "\n";
@@ -200,7 +200,7 @@ std::string RoundsCsv(const CampaignResults &results) {
     return text;
 }
 
-std::string TableText(const CampaignResults &results, const References &references) {
+std::string TableText(const ExperimentResults &results, const References &references) {
     auto optional = [](const std::optional<double> &v, const char *unit) {
         return v ? fmt::format("{:.2f}{}", *v, unit) : std::string("-");
     };
@@ -239,4 +239,4 @@ std::string TableText(const CampaignResults &results, const References &referenc
     return text;
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

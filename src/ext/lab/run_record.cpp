@@ -9,9 +9,7 @@
 #include "pbrt/core/error.h"
 #include "pbrt/core/files.h"
 
-namespace pbrt::lab {
-
-using Json = nlohmann::ordered_json;
+namespace ext::lab {
 
 namespace {
 
@@ -35,8 +33,6 @@ Json ReadJson(const std::string &path) {
 }
 
 }  // namespace
-
-void WriteText(const std::string &path, const std::string &text) { WriteFile(path, text); }
 
 std::string RecordFolder::RoundFile(const std::string &sampler, int seed, int checkpoint) const {
     return fmt::format("{}/{}/seed{}-round{:02}.json", folder_, sampler, seed, checkpoint);
@@ -80,7 +76,7 @@ RunRecord RecordFolder::LoadRun(const std::string &sampler, int seed, int most) 
 void RecordFolder::SaveLastRound(const std::string &sampler, const RunRecord &run) const {
     const RoundRecord &round = run.rounds.back();
     Json json;
-    json["campaign"] = campaign_;
+    json["experiment"] = experiment_;
     json["seed"] = run.seed;
     json["checkpoint"] = round.checkpoint;
     json["samples"] = round.samples;
@@ -93,7 +89,7 @@ void RecordFolder::SaveLastRound(const std::string &sampler, const RunRecord &ru
     json["prepareShadowRays"] = run.prepareShadowRays;
     json["report"] = run.report;
     json["structure"] = run.structure;
-    WriteText(RoundFile(sampler, run.seed, round.checkpoint), json.dump(1) + "\n");
+    WriteFile(RoundFile(sampler, run.seed, round.checkpoint), json.dump(1) + "\n");
 }
 
 size_t RecordFolder::CountRounds(const std::string &sampler, int seed, size_t checkpoints) const {
@@ -112,12 +108,12 @@ void RecordFolder::RemoveRounds(const std::string &sampler, int seed, size_t kep
 
 Json RecordFolder::LoadOwn(const std::string &path) const {
     Json json = ReadJson(path);
-    return json.is_object() && json.contains("campaign") && json["campaign"] == campaign_ ? json : Json();
+    return json.is_object() && json.contains("experiment") && json["experiment"] == experiment_ ? json : Json();
 }
 
 Json RecordFolder::LoadSettings() const { return ReadJson(File("settings.json")); }
 void RecordFolder::SaveSettings(const Json &settings) const {
-    WriteText(File("settings.json"), settings.dump(1) + "\n");
+    WriteFile(File("settings.json"), settings.dump(1) + "\n");
 }
 
 Json RecordFolder::LoadNote(const std::string &name) const {
@@ -126,7 +122,7 @@ Json RecordFolder::LoadNote(const std::string &name) const {
 }
 
 void RecordFolder::SaveNote(const std::string &name, const Json &note) const {
-    WriteText(File(name), Json{{"campaign", campaign_}, {"note", note}}.dump(1) + "\n");
+    WriteFile(File(name), Json{{"experiment", experiment_}, {"note", note}}.dump(1) + "\n");
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

@@ -1,13 +1,40 @@
 #pragma once
+#include <chrono>
+#include <ctime>
 #include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "ext/lab/measures.h"
-#include "ext/lab/stopwatch.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
+
+/// Seconds by the monotonic clock, and CPU seconds of all threads of the process.
+struct TimeSpent {
+    double wall = 0, cpu = 0;
+    TimeSpent &operator+=(const TimeSpent &o) {
+        wall += o.wall;
+        cpu += o.cpu;
+        return *this;
+    }
+};
+
+class Stopwatch {
+  public:
+    TimeSpent Elapsed() const {
+        return {std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_).count(), CpuSeconds() - cpu_};
+    }
+
+  private:
+    static double CpuSeconds() {
+        timespec t{};
+        clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+        return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+    }
+    std::chrono::steady_clock::time_point wall_ = std::chrono::steady_clock::now();
+    double cpu_ = CpuSeconds();
+};
 
 /// One run at one checkpoint.
 struct RoundRecord {
@@ -21,48 +48,45 @@ struct RoundRecord {
 /// One sampler with one seed.
 struct RunRecord {
     int seed = 0;
-    int expectedSamples = 1;  ///< samples per pixel that the preparation was told to expect
+    int expectedSamples = 1;  ///< samples per pixel that the preparation expects
     TimeSpent prepare;
     uint64_t prepareShadowRays = 0;
-    nlohmann::ordered_json report = nlohmann::ordered_json::object();  ///< LightSampler::Report at the last checkpoint
+    Json report = Json::object();  ///< LightSampler::Report at the last checkpoint
     std::string structure;
     std::vector<RoundRecord> rounds;  ///< one per checkpoint, in order
 };
 
-/// The records of a campaign on disk: a JSON file per sampler, seed and checkpoint, and the film's sums of every run
-/// that is not finished. Every JSON file but the settings names its campaign; one of another campaign or another
+/// The records of an experiment on disk: a JSON file per sampler, seed and checkpoint, and the film's sums of every run
+/// that is not finished. Every JSON file but the settings names its experiment; one of another experiment or another
 /// version of this program, or one that cannot be read, counts as absent.
 class RecordFolder {
   public:
-    /// `campaign`: CampaignKey of the settings.
-    RecordFolder(std::string folder, std::string campaign)
-        : folder_(std::move(folder)), campaign_(std::move(campaign)) {}
+    /// `experiment`: ExperimentKey of the settings.
+    RecordFolder(std::string folder, std::string experiment)
+        : folder_(std::move(folder)), experiment_(std::move(experiment)) {}
     const std::string &Folder() const { return folder_; }
-    /// The rounds of a run, from the first one to the first gap, at most `most`.
+    /// Loads the rounds of a run, from the first one to the first gap, at most `most`.
     RunRecord LoadRun(const std::string &sampler, int seed, int most = std::numeric_limits<int>::max()) const;
     void SaveLastRound(const std::string &sampler, const RunRecord &run) const;
     std::string FilmFile(const std::string &sampler, int seed, int checkpoint) const;
-    /// One more than the last round that has a file, whatever is in it.
+    /// Returns one more than the last round with a file, regardless of its content.
     size_t CountRounds(const std::string &sampler, int seed, size_t checkpoints) const;
     /// Removes the files of the rounds from `kept` on, and all films but that of round `kept` - 1.
     void RemoveRounds(const std::string &sampler, int seed, size_t kept, size_t checkpoints) const;
 
-    /// The settings of whichever campaign the folder holds: null if there is none, discarded JSON if they cannot be
+    /// Loads the settings of the experiment in the folder: null if there is none, discarded JSON if they cannot be
     /// read.
-    nlohmann::ordered_json LoadSettings() const;
-    void SaveSettings(const nlohmann::ordered_json &settings) const;
-    /// Other notes by name (pilot, views): null if absent, unreadable or of another campaign.
-    nlohmann::ordered_json LoadNote(const std::string &name) const;
-    void SaveNote(const std::string &name, const nlohmann::ordered_json &note) const;
+    Json LoadSettings() const;
+    void SaveSettings(const Json &settings) const;
+    /// Loads another note by name (pilot, views): null if absent, unreadable or of another experiment.
+    Json LoadNote(const std::string &name) const;
+    void SaveNote(const std::string &name, const Json &note) const;
     std::string File(const std::string &name) const { return folder_ + "/" + name; }
 
   private:
     std::string RoundFile(const std::string &sampler, int seed, int checkpoint) const;
-    nlohmann::ordered_json LoadOwn(const std::string &path) const;
-    std::string folder_, campaign_;
+    Json LoadOwn(const std::string &path) const;
+    std::string folder_, experiment_;
 };
 
-/// Writes text into a file with WriteFile.
-void WriteText(const std::string &path, const std::string &text);
-
-}  // namespace pbrt::lab
+}  // namespace ext::lab

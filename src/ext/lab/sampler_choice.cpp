@@ -8,7 +8,7 @@
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 namespace {
 
@@ -91,4 +91,4 @@ std::vector<SamplerChoice> ParseSamplerChoices(const std::vector<std::string> &t
     return choices;
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

@@ -4,7 +4,8 @@
 
 #include "pbrt/integrators/registry.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
+using namespace pbrt;
 
 /// The flag that messages about a choice name.
 inline constexpr const char *kSamplersFlag = "--samplers";
@@ -29,7 +30,7 @@ std::vector<std::string> ReadSamplerFile(const std::string &path);
 /// Throws one UserError that lists all unknown names and parameters, wrong values and duplicates.
 std::vector<SamplerChoice> ParseSamplerChoices(const std::vector<std::string> &texts, const PluginRegistry &registry);
 
-/// Letters, digits and -+=., stay; the rest becomes _.
+/// Replaces all characters but letters, digits and -+=., by _.
 std::string SafeFileName(const std::string &text);
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

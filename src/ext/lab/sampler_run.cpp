@@ -1,19 +1,33 @@
 #include "ext/lab/sampler_run.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
+#include "pbrt/core/count_text.h"
 #include "pbrt/core/counters.h"
 #include "pbrt/core/files.h"
+#include "pbrt/core/log.h"
 #include "pbrt/core/version.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 namespace {
 
 constexpr double kLongestWave = 1;  ///< seconds; the clock and the progress are only updated between waves
+
+bool IsWholeFilm(const std::string &file, const LabScene &scene) {
+    std::ifstream in(file, std::ios::binary);
+    if (!in) return false;
+    try {
+        scene.built.film->MakeRgbFilm()->Load(in);
+        return true;
+    } catch (const UserError &) {
+        return false;
+    }
+}
 
 }  // namespace
 
@@ -84,7 +98,7 @@ bool SamplerRun::RenderTo(const RenderTarget &target, const std::function<void()
 
 void SamplerRun::AddRound(int checkpoint, const Measures &measures) {
     record_.rounds.push_back({checkpoint, Samples(), spent_, shadowRays_, shadowRaysBlocked_, measures});
-    record_.report = nlohmann::ordered_json::object();
+    record_.report = Json::object();
     if (const LightSampler *lights = integrator_->Lights()) {
         lights->Report(record_.report);
         record_.structure = lights->DescribeStructure();
@@ -111,4 +125,43 @@ void SamplerRun::SaveFilm(const std::string &path) const {
     WriteFile(path, out.view());
 }
 
-}  // namespace pbrt::lab
+bool IsFinite(const Image &picture) {
+    for (int y = 0; y < picture.Resolution().y; ++y)
+        for (int x = 0; x < picture.Resolution().x; ++x)
+            for (int c = 0; c < 3; ++c)
+                if (!std::isfinite(picture.Get({x, y}, c))) return false;
+    return true;
+}
+
+bool IsWholePicture(const std::string &file, Point2i resolution) {
+    if (!std::filesystem::exists(file)) return false;
+    try {
+        const Image picture = ReadImage(file).image.Select({"R", "G", "B"});
+        return picture.Resolution() == resolution && IsFinite(picture);
+    } catch (const UserError &) {
+        return false;
+    }
+}
+
+RunRecord TakeUpRun(const RecordFolder &records, const LabScene &scene, const std::string &sampler, int seed,
+                    size_t checkpoints, const std::string &picture) {
+    RunRecord run = records.LoadRun(sampler, seed);
+    const size_t recorded = records.CountRounds(sampler, seed, checkpoints);
+    auto canResume = [&](size_t rounds) {
+        if (rounds == checkpoints) return IsWholePicture(picture, scene.Resolution());
+        return IsWholeFilm(records.FilmFile(sampler, seed, static_cast<int>(rounds) - 1), scene);
+    };
+    size_t kept = std::min(run.rounds.size(), checkpoints);
+    while (kept > 0 && !canResume(kept)) --kept;
+    if (recorded > kept)
+        LogWarning(fmt::format(
+            "{}/{}: records of seed {} are damaged or missing; {}.", records.Folder(), sampler, seed,
+            kept > 0 ? fmt::format("resuming from {} per pixel", CountText(run.rounds[kept - 1].samples, "sample"))
+                     : "restarting this run"));
+    // Reports and structure must be those of the last round that is kept.
+    if (kept < run.rounds.size()) run = records.LoadRun(sampler, seed, static_cast<int>(kept));
+    records.RemoveRounds(sampler, seed, kept, checkpoints);
+    return run;
+}
+
+}  // namespace ext::lab

@@ -7,19 +7,18 @@
 #include "pbrt/math/warps.h"
 
 // The method. Samplers differ only in the probabilities with which they choose lights; everything else in a picture is
-// common to them. So the question "is the picture right?" is asked where they differ: at the vertices of paths, as the
-// render makes them.
+// common to them. So bias is tested where they differ: at the vertices of paths, as the render makes them.
 //
 // At a vertex, on a surface or in a medium, the contribution c_l of every light (of very many lights, of every n-th one
-// from a random one on) is measured once, by a point on the light and a shadow ray. (What is said of BSDFs below is
-// true of phase functions.) Then many lights are drawn from the sampler, with random numbers spread over [0, 1). For
-// every measured light two numbers are compared: the mean over the draws of what next-event estimation makes of c_l,
-// with the probabilities that came with the draws and the weight against BSDF sampling; and the share of c_l that BSDF
-// sampling leaves to next-event estimation, by the PMF that the integrator asks for when a ray hits the light. (The
-// point of a sky stands for the part that it lies in.) `excess` is the difference, summed over the lights. Its mean is
-// 0 at every vertex if and only if draws, their probabilities and the PMF agree and no light is left out: points and
-// visibility of the lights, the path and its weight are the same on both sides, and their noise with them. Draws need
-// no rays, so there can be thousands per vertex.
+// from a random one on) is measured once, by a point on the light and a shadow ray. (What follows on BSDFs holds for
+// phase functions.) Then many lights are drawn from the sampler, with random numbers spread over [0, 1). For every
+// measured light two numbers are compared: the mean over the draws of what next-event estimation makes of c_l, with the
+// probabilities that came with the draws and the weight against BSDF sampling; and the share of c_l that BSDF sampling
+// leaves to next-event estimation, by the PMF that the integrator evaluates when a ray hits the light. (The point of a
+// sky stands for the part that it lies in.) `excess` is the difference, summed over the lights. Its mean is 0 at every
+// vertex if and only if draws, their probabilities and the PMF agree and no light is left out: points and visibility of
+// the lights, the path and its weight are the same on both sides, and their noise with them. Draws need no rays, so
+// there can be thousands per vertex.
 //
 // Heavy tails: a light of share s chosen with probability p moves a vertex by s / (p draws). Where that is more than
 // kMaxStep, the light counts with less weight, on both sides; what is left out is reported and added to the
@@ -30,7 +29,7 @@
 // seen. Only the last round counts. When to stop depends on the noise, not on the differences, so there is one test,
 // not one per round.
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 namespace {
 
@@ -39,12 +38,12 @@ constexpr int kMinDraws = 64, kMaxDraws = 1 << 16;
 constexpr double kMaxStep = 0.5;
 
 /// Draws lights from a sampler at vertices and compares them with the measured lights.
-class Asker {
+class VertexChecker {
   public:
-    Asker(const LightSampler &lights, int draws, const LightTable &table)
+    VertexChecker(const LightSampler &lights, int draws, const LightTable &table)
         : lights_(lights), draws_(draws), table_(table), places_(table.Size()) {}
 
-    VertexFinding Ask(const SelectionVertices::Vertex &vertex, Rng rng) {
+    VertexFinding Check(const SelectionVertices::Vertex &vertex, Rng rng) {
         VertexFinding finding;
         finding.endsPath = vertex.endsPath;
         const LightQuery query = vertex.FullQuery();
@@ -100,8 +99,7 @@ class Asker {
     /// Sets got_: for every measured light, the sum of its weights over the draws.
     void Draw(const SelectionVertices::Vertex &vertex, const LightDistribution &lights, Rng &rng) {
         got_.assign(vertex.lights.size(), 0);
-        for (size_t i = 0; i < choices_.size(); ++i)
-            places_[choices_[i].light.light.value] = static_cast<uint32_t>(i) + 1;
+        for (size_t i = 0; i < choices_.size(); ++i) places_[choices_[i].light.light.value] = static_cast<uint32_t>(i) + 1;
         for (int k = 0; k < draws_; ++k) {
             const Float u =
                 std::min((static_cast<Float>(k) + rng.Uniform()) / static_cast<Float>(draws_), OneMinusEpsilon);
@@ -133,13 +131,12 @@ std::optional<SelectionReport> CheckSelection(const SelectionVertices &vertices,
     const double count = static_cast<double>(vertices.VertexCount());
     for (int draws = kMinDraws; draws <= kMaxDraws; draws *= 4) {
         std::vector<std::vector<VertexFinding>> regions(vertices.RegionCount());
-        progress.BeginPhase("checking light selection", static_cast<int64_t>(regions.size()));
-        ParallelForEach(static_cast<int64_t>(regions.size()), [&](int64_t r) {
-            Asker asker(lights, draws, vertices.Lights());
-            const auto &region = vertices.OfRegion(static_cast<size_t>(r));
+        progress.BeginPhase("checking light selection", regions.size());
+        ParallelForEach(regions.size(), [&](int64_t r) {
+            VertexChecker checker(lights, draws, vertices.Lights());
+            const auto &region = vertices.OfRegion(r);
             for (size_t v = 0; v < region.size() && !progress.Cancelled(); ++v)
-                regions[static_cast<size_t>(r)].push_back(
-                    asker.Ask(region[v], Rng(Hash(kStream, settings.seed, draws, r, v))));
+                regions[r].push_back(checker.Check(region[v], Rng(Hash(kStream, settings.seed, draws, r, v))));
             progress.Advance();
         });
         progress.EndPhase();
@@ -151,4 +148,4 @@ std::optional<SelectionReport> CheckSelection(const SelectionVertices &vertices,
     return report;
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

@@ -1,4 +1,4 @@
-#include "ext/lab/selection_verdict.h"
+#include "ext/lab/selection_check.h"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@
 // light is scaled down to that much. The light does not depend on the draws, so the mean of the excess stays 0, no
 // single path decides, and sums over hundreds of paths are nearly normal.
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 namespace {
 
@@ -89,7 +89,7 @@ SelectionReport JudgeSelection(std::span<const std::vector<VertexFinding>> regio
     report.standardError = whole.StandardError();
     report.unjudged = whole.Unjudged();
     if (withLight == 0) {
-        report.text = "no light was met at any vertex";
+        report.text = "no vertex receives light";
         return report;
     }
     const double level = SidakLevel(settings.level, withLight + 1);
@@ -117,28 +117,28 @@ SelectionReport JudgeSelection(std::span<const std::vector<VertexFinding>> regio
             report.worstDifference = sums[r].Difference();
         }
     }
-    const auto middle = ofRegions.begin() + static_cast<std::ptrdiff_t>((ofRegions.size() - 1) / 2);
+    const auto middle = ofRegions.begin() + ((ofRegions.size() - 1) / 2);
     std::nth_element(ofRegions.begin(), middle, ofRegions.end());
     report.visibleSixteenth = *middle;
     report.verdict = biased                                         ? BiasVerdict::Biased
                      : report.visibleSixteenth <= settings.interest ? BiasVerdict::Clean
                                                                     : BiasVerdict::Unknown;
-    report.text = fmt::format("at {} vertices of paths light selection is off by {:+.2g} +- {:.1g} %", report.vertices,
+    report.text = fmt::format("at {} path vertices light selection deviates by {:+.2g} +- {:.1g} %", report.vertices,
                               100 * report.difference, 100 * report.standardError);
     if (biased && report.worstRegion >= 0)
         report.text += fmt::format(", by {:+.2g} % in row {}, column {} of {} x {} regions",
                                    100 * report.worstDifference, report.worstRegion / kSelectionSide + 1,
                                    report.worstRegion % kSelectionSide + 1, kSelectionSide, kSelectionSide);
     if (std::isfinite(report.visibleSixteenth))
-        report.text += fmt::format("; {} of the whole, {} in a sixteenth would have been seen",
+        report.text += fmt::format("; detectable: {} in the whole image, {} in a sixteenth",
                                    Percent(report.visibleImage), Percent(report.visibleSixteenth));
     else
-        report.text += "; too few of them have light to tell which bias would have been seen";
+        report.text += "; too few of them receive light for a detection limit";
     return report;
 }
 
-nlohmann::ordered_json ToJson(const SelectionReport &r) {
-    auto finite = [](double v) { return std::isfinite(v) ? nlohmann::ordered_json(v) : nlohmann::ordered_json(); };
+Json ToJson(const SelectionReport &r) {
+    auto finite = [](double v) { return std::isfinite(v) ? Json(v) : Json(); };
     return {{"verdict", BiasVerdictName(r.verdict)},
             {"vertices", r.vertices},
             {"draws", r.draws},
@@ -152,7 +152,7 @@ nlohmann::ordered_json ToJson(const SelectionReport &r) {
             {"text", r.text}};
 }
 
-SelectionReport SelectionFromJson(const nlohmann::ordered_json &json) {
+SelectionReport SelectionFromJson(const Json &json) {
     auto number = [&](const char *name) { return json.at(name).is_null() ? kInfinity : json.at(name).get<double>(); };
     SelectionReport r;
     for (BiasVerdict v : {BiasVerdict::Clean, BiasVerdict::Biased, BiasVerdict::Unknown})
@@ -178,8 +178,8 @@ void AddSelection(const SelectionReport &selection, BiasReport *report) {
         report->verdict = BiasVerdict::Clean;
         auto size = [](double v) { return std::isfinite(v) ? Percent(v) : std::string("none"); };
         report->text = fmt::format(
-            "No bias was seen, and the check at vertices of paths would have seen one; the smallest that the pictures "
-            "alone could show: {} in the whole image, {} in regions of 1/{} of it.",
+            "No bias detected, and the check at path vertices would have detected one; smallest detectable by the "
+            "pictures alone: {} in the whole image, {} in regions of 1/{} of it.",
             size(report->visibleImage), size(report->visibleSixteenth), report->sixteenthRegions);
     }
     if (selection.verdict == BiasVerdict::Biased && report->verdict != BiasVerdict::Biased) {
@@ -189,4 +189,4 @@ void AddSelection(const SelectionReport &selection, BiasReport *report) {
     report->text += atVertices;
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

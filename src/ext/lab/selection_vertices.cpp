@@ -1,9 +1,8 @@
-#include "ext/lab/selection_vertices.h"
+#include "ext/lab/selection_check.h"
 
 #include <cmath>
 #include <iterator>
 
-#include "ext/lab/selection_verdict.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/math/warps.h"
@@ -11,7 +10,7 @@
 #include "pbrt/transport/path_walk.h"
 #include "pbrt/transport/shadow_transmittance.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 namespace {
 
@@ -113,7 +112,7 @@ class Measurer {
         out.push_back(std::move(vertex));
     }
 
-    /// Measures the lights at the distance t along the ray and goes on from there.
+    /// Measures the lights at the distance t along the ray and scatters the path there.
     void ScatterInMedium(Path &path, Float t) {
         auto &[walk, lambda, rng, out, weights, depth] = path;
         const HenyeyGreenstein &phase = walk.MediumAhead()->Phase();
@@ -179,7 +178,7 @@ class Measurer {
     std::vector<SelectionVertices::MeasuredLight> lights_;
 };
 
-/// True: half of the regions that receive light have enough effective paths.
+/// Returns true if half of the regions that receive light have enough effective paths.
 bool HaveEnough(std::span<const std::vector<SelectionVertices::Vertex>> regions) {
     int lit = 0, enough = 0;
     for (const auto &region : regions) {
@@ -207,18 +206,17 @@ SelectionVertices::SelectionVertices(const BuiltScene &built, int seed, Progress
     progress.BeginPhase("measuring lights", 0);
     for (int done = 0, target = kMinPaths; target <= kMaxPaths && !progress.Cancelled(); done = target, target *= 2) {
         const int blocks = (target - done) / kBlock;
-        std::vector<std::vector<Vertex>> found(static_cast<size_t>(kRegions * blocks));
-        ParallelForEach(static_cast<int64_t>(found.size()), [&](int64_t task) {
+        std::vector<std::vector<Vertex>> found(kRegions * blocks);
+        ParallelForEach(found.size(), [&](int64_t task) {
             if (progress.Cancelled()) return;
             Measurer measurer(built);
             const int region = static_cast<int>(task) / blocks, first = done + static_cast<int>(task) % blocks * kBlock;
             const int x = region % kSelectionSide, y = region / kSelectionSide;
             for (int i = first; i < first + kBlock; ++i)
-                measurer.Follow(corner(x, y), corner(x + 1, y + 1), Hash(kVertexStream, seed, region, i),
-                                found[static_cast<size_t>(task)]);
+                measurer.Follow(corner(x, y), corner(x + 1, y + 1), Hash(kVertexStream, seed, region, i), found[task]);
         });
         for (size_t t = 0; t < found.size(); ++t)
-            std::move(found[t].begin(), found[t].end(), std::back_inserter(regions_[t / static_cast<size_t>(blocks)]));
+            std::move(found[t].begin(), found[t].end(), std::back_inserter(regions_[t / blocks]));
         paths_ = target;
         if (HaveEnough(regions_)) break;
     }
@@ -231,4 +229,4 @@ size_t SelectionVertices::VertexCount() const {
     return count;
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

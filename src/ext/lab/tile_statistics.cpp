@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "pbrt/core/error.h"
 #include "pbrt/images/metrics.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 TileGrid::TileGrid(Point2i resolution, int tileSize) : resolution(resolution), tileSize(tileSize) {
     tilesX = std::max(1, resolution.x / tileSize);
@@ -29,26 +30,25 @@ TileMeans ComputeTileMeans(const Image &image, int tileSize) {
     TileMeans means;
     means.grid = TileGrid(image.Resolution(), tileSize);
     means.channels = static_cast<int>(channels.size());
-    means.values.reserve(static_cast<size_t>(means.grid.Count()) * channels.size());
-    for (int ty = 0; ty < means.grid.tilesY; ++ty)
-        for (int tx = 0; tx < means.grid.tilesX; ++tx) {
-            const Bounds2i pixels = means.grid.Pixels(tx, ty);
-            for (int c : channels) {
-                double sum = 0;
-                size_t counted = 0;
-                for (int y = pixels.low.y; y < pixels.high.y; ++y)
-                    for (int x = pixels.low.x; x < pixels.high.x; ++x) {
-                        const auto v = static_cast<double>(image.Get({x, y}, c));
-                        if (std::isfinite(v)) {
-                            sum += v;
-                            ++counted;
-                        } else {
-                            ++means.skipped;
-                        }
+    means.values.reserve(means.grid.Count() * channels.size());
+    means.grid.ForEachTile([&](int tx, int ty) {
+        const Bounds2i pixels = means.grid.Pixels(tx, ty);
+        for (int c : channels) {
+            double sum = 0;
+            size_t counted = 0;
+            for (int y = pixels.low.y; y < pixels.high.y; ++y)
+                for (int x = pixels.low.x; x < pixels.high.x; ++x) {
+                    const auto v = static_cast<double>(image.Get({x, y}, c));
+                    if (std::isfinite(v)) {
+                        sum += v;
+                        ++counted;
+                    } else {
+                        ++means.skipped;
                     }
-                means.values.push_back(counted ? sum / static_cast<double>(counted) : 0);
-            }
+                }
+            means.values.push_back(counted ? sum / static_cast<double>(counted) : 0);
         }
+    });
     return means;
 }
 
@@ -61,32 +61,115 @@ MeanImage AverageImages(std::span<const Image *const> images) {
     MeanImage out{Image(PixelFormat::Float, first.Resolution(), first.Channels())};
     const auto n = static_cast<double>(images.size());
     std::vector<double> variances;
-    for (int y = 0; y < first.Resolution().y; ++y)
-        for (int x = 0; x < first.Resolution().x; ++x)
-            for (int c = 0; c < first.ChannelCount(); ++c) {
-                double sum = 0, squares = 0;
-                for (const Image *image : images) sum += static_cast<double>(image->Get({x, y}, c));
-                const double mean = sum / n;
-                for (const Image *image : images) {
-                    const double d = static_cast<double>(image->Get({x, y}, c)) - mean;
-                    squares += d * d;
-                }
-                out.image.Set({x, y}, c, static_cast<Float>(mean));
-                variances.push_back(n > 1 ? squares / (n - 1) / n : 0);
+    ForEachPixel(first.Resolution(), [&](int x, int y) {
+        for (int c = 0; c < first.ChannelCount(); ++c) {
+            double sum = 0, squares = 0;
+            for (const Image *image : images) sum += static_cast<double>(image->Get({x, y}, c));
+            const double mean = sum / n;
+            for (const Image *image : images) {
+                const double d = static_cast<double>(image->Get({x, y}, c)) - mean;
+                squares += d * d;
             }
+            out.image.Set({x, y}, c, static_cast<Float>(mean));
+            variances.push_back(n > 1 ? squares / (n - 1) / n : 0);
+        }
+    });
     const double epsilon = RelL2Epsilon(out.image);
     double noise = 0;
     size_t counted = 0, i = 0;
-    for (int y = 0; y < first.Resolution().y; ++y)
-        for (int x = 0; x < first.Resolution().x; ++x)
-            for (int c = 0; c < first.ChannelCount(); ++c) {
-                const double term = variances[i++] / (Sqr(static_cast<double>(out.image.Get({x, y}, c))) + epsilon);
-                if (!std::isfinite(term)) continue;
-                noise += term;
-                ++counted;
-            }
+    ForEachPixel(first.Resolution(), [&](int x, int y) {
+        for (int c = 0; c < first.ChannelCount(); ++c) {
+            const double term = variances[i++] / (Sqr(static_cast<double>(out.image.Get({x, y}, c))) + epsilon);
+            if (!std::isfinite(term)) continue;
+            noise += term;
+            ++counted;
+        }
+    });
     out.noise = counted ? noise / static_cast<double>(counted) : 0;
     return out;
 }
 
-}  // namespace pbrt::lab
+namespace {
+constexpr double kDeviationPerMedian = 1.4826;  ///< of normal deviates: standard deviation over median absolute value
+}
+
+double Median(std::vector<double> values) {
+    if (values.empty()) return std::numeric_limits<double>::infinity();
+    auto middle = values.begin() + values.size() / 2;
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+double Excess(const std::vector<double> &values) {
+    double largest = 0;
+    std::vector<double> sizes;
+    for (double v : values) {
+        largest = std::max(largest, v);
+        sizes.push_back(std::abs(v));
+    }
+    return std::max(0.0, largest - 3 * kDeviationPerMedian * Median(std::move(sizes)));
+}
+
+TileNoise::TileNoise(std::span<const TileMeans> pictures, int channel, const std::vector<double> &weights)
+    : grid_(pictures[0].grid), n_(pictures.size()) {
+    const size_t tiles = grid_.Count();
+    mean_.assign(tiles, 0);
+    residual_.resize(n_ * tiles);
+    for (size_t t = 0; t < tiles; ++t) {
+        for (size_t i = 0; i < n_; ++i) {
+            residual_[i * tiles + t] = weights[t] * pictures[i](static_cast<int>(t), channel);
+            mean_[t] += residual_[i * tiles + t] / static_cast<double>(n_);
+        }
+        for (size_t i = 0; i < n_; ++i) residual_[i * tiles + t] -= mean_[t];
+    }
+}
+
+TileNoise::Estimate TileNoise::Of(const TileRectangle &r) const {
+    const auto n = static_cast<double>(n_);
+    double own = 0, ownSquared = 0, neighbours = 0, between = 0;
+    for (size_t i = 0; i < n_; ++i) {
+        double total = 0;
+        r.ForEach([&](int x, int y) {
+            const double e = Residual(i, x, y);
+            total += e;
+            // Each pair once; the other half is the factor 2 below.
+            if (x + 1 < r.x1) neighbours += e * Residual(i, x + 1, y);
+            if (y + 1 < r.y1) {
+                neighbours += e * Residual(i, x, y + 1);
+                if (x + 1 < r.x1) neighbours += e * Residual(i, x + 1, y + 1);
+                if (x > r.x0) neighbours += e * Residual(i, x - 1, y + 1);
+            }
+        });
+        between += total * total;
+    }
+    double bright = 0, brightSquared = 0;
+    r.ForEach([&](int x, int y) {
+        double squares = 0;
+        for (size_t i = 0; i < n_; ++i) squares += Residual(i, x, y) * Residual(i, x, y);
+        own += squares;
+        ownSquared += squares * squares;
+        const double mean = Mean(grid_.Index(x, y)), expected = mean * mean;
+        bright += expected;
+        brightSquared += expected * expected;
+    });
+    Estimate noise;
+    const double tiles = r.Count();
+    const double sum = std::max(own + std::max(0.0, 2 * neighbours), between);
+    noise.variance = sum / (n * (n - 1) * tiles * tiles);
+    // Satterthwaite's estimate from squares that are too large by (n + 1) / (n - 1), being estimates themselves;
+    // right for equal tiles ((n - 1) tiles - 2) and if one tile has all the noise (n - 1).
+    if (ownSquared > 0) noise.dof = std::min((n + 1) * own * own / ownSquared - 2, (n - 1) * tiles);
+    // Few pictures often agree by chance just where most of the noise is; then many quiet tiles seem to vouch for the
+    // region. So it has no more degrees of freedom than if the noise went with the brightness.
+    if (n_ < kFew && brightSquared > 0) noise.dof = std::min(noise.dof, (n - 1) * bright * bright / brightSquared);
+    return noise;
+}
+
+double TileNoise::Strongest(const TileRectangle &r) const {
+    std::vector<double> values;
+    for (size_t i = 0; i < n_; ++i) r.ForEach([&](int x, int y) { values.push_back(Residual(i, x, y)); });
+    // The picture with the strong sample has raised the mean itself, by 1/n of it.
+    return static_cast<double>(n_) / static_cast<double>(n_ - 1) * Excess(values);
+}
+
+}  // namespace ext::lab

@@ -1,4 +1,4 @@
-# Completion for bash of pbrt, lightlab and imgtool. Flags and commands are asked of the programs themselves (--help), so
+# Completion for bash of pbrt, lightlab and imgtool. Flags and commands come from the programs' --help, so
 # they are those of the program that is installed.
 
 _pbrt_octree() {

@@ -40,7 +40,7 @@ install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/NOTICE.txt $
   DESTINATION share/doc/pbrt-octree)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE.txt DESTINATION share/doc/pbrt-octree RENAME copyright)
 
-# One file completes all three programs: it asks them for their flags.
+# One file completes all three programs: it runs them with --help.
 foreach(program IN LISTS PBRT_PROGRAMS)
   install(FILES ${PROJECT_SOURCE_DIR}/src/pbrt/cmd/completion.bash DESTINATION share/bash-completion/completions
     RENAME ${program})
@@ -50,9 +50,9 @@ endforeach()
 find_program(HELP2MAN help2man)
 if(HELP2MAN)
   set(pages "")
-  set(about_pbrt "render pbrt-v4 scenes, choosing lights by what each place sees")
+  set(about_pbrt "render pbrt-v4 scenes, choosing lights by learned visibility")
   set(about_lightlab "compare light samplers on a scene")
-  set(about_imgtool "look at, change and compare images")
+  set(about_imgtool "inspect, convert and compare images")
   foreach(program IN LISTS PBRT_PROGRAMS)
     set(page ${PROJECT_BINARY_DIR}/man/${program}.1)
     add_custom_command(OUTPUT ${page} DEPENDS ${program} VERBATIM
@@ -70,16 +70,16 @@ set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME pbrt-octree)
 set(CPACK_PACKAGE_VENDOR "pbrt_octree")
 set(CPACK_PACKAGE_CONTACT "the maintainers of pbrt_octree <maintainers@users.noreply.invalid>")
-set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "Renderer for pbrt-v4 scenes that learns which lights each place sees")
-set(CPACK_PACKAGE_DESCRIPTION "Reads pbrt-v4 scene files and makes the pictures that stock pbrt-v4 makes. Its light sampler
-learns in a short prepass which lights each region of a scene sees. With lightlab, which compares light samplers, and
-imgtool, which looks at images.")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "Renderer for pbrt-v4 scenes with learned light visibility")
+set(CPACK_PACKAGE_DESCRIPTION "Reads pbrt-v4 scene files and renders the same images as pbrt-v4. Its light sampler
+learns the visibility of lights in each region of a scene in a short prepass. Includes lightlab, which compares light
+samplers, and imgtool, which inspects images.")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-# dpkg-shlibdeps looks for the module's libraries, too; the module itself is private.
+# dpkg-shlibdeps resolves the module's libraries, too; the module itself is private.
 set(CPACK_DEB_COMPONENT_INSTALL OFF)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS $<TARGET_FILE_DIR:pbrt_oiio>)
 # lightlab draws its charts and its page with these.

@@ -5,10 +5,8 @@
 #include <new>
 #include <stdexcept>
 
-#include "ext/lab/campaign.h"
-#include "ext/lab/lightlab/command_line.h"
-#include "ext/lab/lightlab/report_scripts.h"
-#include "ext/lab/lightlab/scenes.h"
+#include "ext/lab/experiment.h"
+#include "ext/lab/lightlab/lightlab.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/memory.h"
@@ -17,6 +15,8 @@
 #include "pbrt/core/team.h"
 #include "plugins.h"
 
+namespace ext::lab {
+
 namespace {
 
 /// Seconds from a signal to the end of the process. Records and pictures on disk are complete at any time, so nothing
@@ -24,23 +24,21 @@ namespace {
 constexpr double kGraceSeconds = 0.4;
 
 /// Compares samplers on one scene. Nothing if a signal ended it: then `signals` has the status.
-std::optional<pbrt::lab::CampaignOutcome> CompareOn(const pbrt::lab::CampaignSettings &settings,
-                                                    const pbrt::LightlabOptions &options,
-                                                    const pbrt::PluginRegistry &registry, pbrt::SignalWatch &signals,
-                                                    pbrt::Progress &cancel) {
-    using namespace pbrt;
+std::optional<ExperimentOutcome> CompareOn(const ExperimentSettings &settings, const LightlabOptions &options,
+                                           const PluginRegistry &registry, SignalWatch &signals, Progress &cancel) {
     std::unique_ptr<ProgressSink> display = MakeTerminalProgress(options.quiet);
-    const std::string goesOn =
-        fmt::format("\nInterrupted. The same command goes on from what {} holds.", options.campaign.outFolder);
-    signals.Cancel("", goesOn, kGraceSeconds);
-    std::optional<lab::CampaignOutcome> outcome = lab::RunCampaign(settings, registry, cancel, display.get());
+    const std::string resumeHint =
+        fmt::format("\nInterrupted: rerun the command to resume from the records in {}.", options.experiment.outFolder);
+    signals.Cancel("", resumeHint, kGraceSeconds);
+    std::optional<ExperimentOutcome> outcome = RunExperiment(settings, registry, cancel, display.get());
     if (!outcome) {
-        LogInfo(goesOn);
+        LogInfo(resumeHint);
         return {};
     }
     std::printf("%s\n", outcome->text.c_str());
     std::fflush(stdout);
-    signals.EndAtOnce(fmt::format("Interrupted: {} has no report yet. The same command makes it.", settings.outFolder));
+    signals.EndAtOnce(
+        fmt::format("Interrupted: {} has no report yet; rerun the command to write it.", settings.outFolder));
     if (options.report)
         if (std::string problem = RunReportScripts(settings.outFolder, options.quiet); !problem.empty())
             LogWarning(problem);
@@ -48,13 +46,12 @@ std::optional<pbrt::lab::CampaignOutcome> CompareOn(const pbrt::lab::CampaignSet
     return outcome;
 }
 
-int Compare(const pbrt::LightlabOptions &options, const pbrt::PluginRegistry &registry) {
-    using namespace pbrt;
-    lab::CampaignSettings settings = options.campaign;
-    settings.samplers = lab::ParseSamplerChoices(options.samplers, registry);
+int Compare(const LightlabOptions &options, const PluginRegistry &registry) {
+    ExperimentSettings settings = options.experiment;
+    settings.samplers = ParseSamplerChoices(options.samplers, registry);
     Progress cancel;
-    SignalWatch signals(cancel,
-                        fmt::format("\nInterrupted. The same command goes on from what {} holds.", settings.outFolder));
+    SignalWatch signals(
+        cancel, fmt::format("\nInterrupted: rerun the command to resume from the records in {}.", settings.outFolder));
     if (options.scenes.size() == 1) {
         CompareOn(settings, options, registry, signals, cancel);
         return signals.Status();
@@ -68,35 +65,34 @@ int Compare(const pbrt::LightlabOptions &options, const pbrt::PluginRegistry &re
     bool hasFailed = false;
     for (size_t i = 0; i < folders.size(); ++i) {
         settings.scene = options.scenes[i];
-        settings.outFolder = options.campaign.outFolder + "/" + folders[i];
+        settings.outFolder = options.experiment.outFolder + "/" + folders[i];
         SceneOutcome &scene = outcomes.emplace_back(SceneOutcome{settings.scene, folders[i], {}, {}});
         std::printf("%s%s\n\n", i ? "\n" : "", settings.scene.c_str());
         try {
-            std::optional<lab::CampaignOutcome> outcome = CompareOn(settings, options, registry, signals, cancel);
+            std::optional<ExperimentOutcome> outcome = CompareOn(settings, options, registry, signals, cancel);
             if (!outcome) return signals.Status();
             scene.results = std::move(outcome->results);
         } catch (const UserError &e) {
-            // The other scenes are compared all the same.
+            // The other scenes are still compared.
             std::fputs(FormatAll(e, isatty(STDERR_FILENO) != 0).c_str(), stderr);
             scene.failure = e.Diagnostics()[0].message;
             hasFailed = true;
         }
     }
-    WriteScenes(options.campaign.outFolder, outcomes);
+    WriteScenes(options.experiment.outFolder, outcomes);
     std::printf("\nAll scenes\n\n%s", ScenesText(outcomes).c_str());
-    LogInfo(fmt::format("Wrote {}/index.html.", options.campaign.outFolder));
+    LogInfo(fmt::format("Wrote {}/index.html.", options.experiment.outFolder));
     return hasFailed ? 1 : signals.Status();
 }
 
 /// `lightlab inspect` or `lightlab noise`.
-int LookInside(const pbrt::LightlabOptions &options, const pbrt::PluginRegistry &registry) {
-    using namespace pbrt;
+int RunSubcommand(const LightlabOptions &options, const PluginRegistry &registry) {
     std::unique_ptr<ProgressSink> display = MakeTerminalProgress(options.quiet);
     Progress progress(display.get());
     SignalWatch signals(progress, "");
     signals.Cancel("", "Interrupted.", kGraceSeconds);
-    const int status = options.inspect ? lab::RunInspect(*options.inspect, registry, progress)
-                                       : lab::RunNoise(*options.noise, registry, progress);
+    const int status = options.inspect ? RunInspect(*options.inspect, registry, progress)
+                                       : RunNoise(*options.noise, registry, progress);
     if (signals.Status() == 0) return status;
     LogInfo("Interrupted.");
     return signals.Status();
@@ -104,8 +100,10 @@ int LookInside(const pbrt::LightlabOptions &options, const pbrt::PluginRegistry 
 
 }  // namespace
 
+}  // namespace ext::lab
+
 int main(int argc, char **argv) {
-    using namespace pbrt;
+    using namespace ext::lab;
     if (const AnnouncedTeam announced = ReadAnnouncedTeam(); announced.size > 1) {
         if (announced.rank == 0)
             std::fputs(
@@ -120,7 +118,7 @@ int main(int argc, char **argv) {
         if (parsed.done) return parsed.status;
         if (parsed.options.quiet) SetLogLevel(LogLevel::Error);
         ThreadLimit threads(parsed.options.threads);
-        return parsed.options.inspect || parsed.options.noise ? LookInside(parsed.options, registry)
+        return parsed.options.inspect || parsed.options.noise ? RunSubcommand(parsed.options, registry)
                                                               : Compare(parsed.options, registry);
     } catch (const UserError &e) {
         std::fputs(FormatAll(e, isatty(STDERR_FILENO) != 0).c_str(), stderr);

@@ -1,4 +1,4 @@
-#include "ext/lab/lightlab/report_scripts.h"
+#include "ext/lab/lightlab/lightlab.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -12,7 +12,7 @@
 #include <cstring>
 #include <filesystem>
 
-namespace pbrt {
+namespace ext::lab {
 
 namespace {
 
@@ -103,4 +103,4 @@ std::string RunReportScripts(const std::string &outFolder, bool quiet) {
     return {};
 }
 
-}  // namespace pbrt
+}  // namespace ext::lab

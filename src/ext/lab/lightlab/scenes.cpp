@@ -1,4 +1,4 @@
-#include "ext/lab/lightlab/scenes.h"
+#include "ext/lab/lightlab/lightlab.h"
 
 #include <fmt/format.h>
 
@@ -8,18 +8,16 @@
 #include <map>
 #include <optional>
 
-#include "ext/lab/html.h"
 #include "ext/lab/run_record.h"
-#include "ext/lab/text_table.h"
+#include "ext/lab/text_output.h"
 #include "pbrt/core/files.h"
 
-namespace pbrt {
+namespace ext::lab {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-using lab::EscapeHtml;
-using lab::Quoted;
+using EscapeHtml;
+using Quoted;
 
 constexpr const char *kHead = R"(<title>lightlab: all scenes</title>
 <style>
@@ -155,7 +153,7 @@ std::string PageRow(const std::string &folder, const SceneOutcome &o, size_t ind
 
 std::string Page(const std::string &folder, const std::vector<SceneOutcome> &outcomes) {
     const Grid grid(outcomes);
-    std::string page = std::string(lab::kPageHead) + kHead;
+    std::string page = std::string(kPageHead) + kHead;
     page += fmt::format(
         "<h1>{} scenes</h1>\n<p class=\"soft\">{}. ★: the winner, where the conclusion names one. Red: biased. Each "
         "picture leads to the scene's report.</p>\n<div class=\"wide\"><table id=\"scenes\">\n<thead><tr><th></th>"
@@ -214,7 +212,7 @@ std::string ScenesText(const std::vector<SceneOutcome> &outcomes) {
             rows.back().push_back(ratio ? fmt::format("{:.3g}", *ratio) : "-");
         }
     }
-    std::string text = lab::Align(rows);
+    std::string text = Align(rows);
     text += fmt::format("\n{}. *: the winner. Last row: error over that of the first sampler, geometric mean.\n",
                         Legend(outcomes));
     for (const SceneOutcome &o : outcomes)
@@ -226,10 +224,9 @@ std::string ScenesText(const std::vector<SceneOutcome> &outcomes) {
 
 void WriteScenes(const std::string &folder, const std::vector<SceneOutcome> &outcomes) {
     std::filesystem::create_directories(folder);  // exists unless all scenes failed
-    lab::WriteText(folder + "/scenes.csv", Csv(outcomes));
-    lab::WriteText(folder + "/scenes.json",
-                   ScenesJson(outcomes).dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
-    lab::WriteText(folder + "/index.html", Page(folder, outcomes));
+    WriteFile(folder + "/scenes.csv", Csv(outcomes));
+    WriteFile(folder + "/scenes.json", ScenesJson(outcomes).dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+    WriteFile(folder + "/index.html", Page(folder, outcomes));
 }
 
-}  // namespace pbrt
+}  // namespace ext::lab

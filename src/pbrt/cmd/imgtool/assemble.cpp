@@ -19,13 +19,13 @@ int Assemble(const AssembleOptions &o) {
         const ImageFile part = ReadImage(path);
         const ImageMetadata &m = part.metadata;
         if (!m.pixelBounds || !m.fullResolution)
-            throw UserError(fmt::format("{}: does not say which part of the picture it is; only .exr files do.", path));
+            throw UserError(fmt::format("{}: has no data window; only .exr files have one.", path));
         const Point2i resolution = *m.fullResolution;
         if (path == o.paths[0]) {
             whole.metadata = m;
             whole.metadata.pixelBounds = Bounds2i{{0, 0}, resolution};
             whole.image = Image(part.image.Format(), resolution, part.image.Channels());
-            counts.assign(static_cast<size_t>(resolution.x) * static_cast<size_t>(resolution.y), 0);
+            counts.assign(static_cast<size_t>(resolution.x) * resolution.y, 0);
         }
         if (resolution != whole.image.Resolution())
             throw UserError(
@@ -41,8 +41,7 @@ int Assemble(const AssembleOptions &o) {
         ForEachPixel(part.image, [&](Point2i p) {
             const Point2i at = p + window.low;
             for (int c = 0; c < part.image.ChannelCount(); ++c) whole.image.Set(at, c, part.image.Get(p, c));
-            uint8_t &count =
-                counts[static_cast<size_t>(at.y) * static_cast<size_t>(resolution.x) + static_cast<size_t>(at.x)];
+            uint8_t &count = counts[static_cast<size_t>(at.y) * resolution.x + at.x];
             count = static_cast<uint8_t>(std::min(count + 1, 2));
         });
     }
@@ -57,12 +56,10 @@ int Assemble(const AssembleOptions &o) {
 }  // namespace
 
 void AddAssemble(CLI::App &app, Action &action) {
-    auto o = std::make_shared<AssembleOptions>();
-    CLI::App *command = app.add_subcommand("assemble", "Join parts of one picture");
-    command->add_option("files", o->paths, "Parts: .exr files whose data windows tell their places")->required();
-    AddOutfileOption(*command, o->outfile);
-    command->footer("Example: imgtool assemble left.exr right.exr --outfile whole.exr");
-    command->callback([o, &action] { action = [o] { return Assemble(*o); }; });
+    auto [command, o] = AddCommand(app, action, Assemble, "assemble", "Join parts of one picture",
+                                   "Example: imgtool assemble left.exr right.exr --outfile whole.exr");
+    command.add_option("files", o.paths, "Parts: .exr files with data windows")->required();
+    AddOutfileOption(command, o.outfile);
 }
 
 }  // namespace pbrt::imgtool

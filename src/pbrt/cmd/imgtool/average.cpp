@@ -34,16 +34,14 @@ int Average(const AverageOptions &o) {
 }  // namespace
 
 void AddAverage(CLI::App &app, Action &action) {
-    auto o = std::make_shared<AverageOptions>();
-    CLI::App *command = app.add_subcommand("average", "Mean of several images");
-    command->add_option("images", o->names, kImagesHelp)->required();
-    command
-        ->add_option("--outfile", o->outfile,
-                     "Result; not averaged itself, even if a pattern or the start of a name fits it")
-        ->required()
-        ->type_name("FILE");
-    command->footer("Example: imgtool average runs/seed --outfile mean.exr");
-    command->callback([o, &action] { action = [o] { return Average(*o); }; });
+    auto [command, o] = AddCommand(app, action, Average, "average", "Mean of several images",
+                                   "Example: imgtool average runs/seed --outfile mean.exr");
+    command.add_option("images", o.names, kImagesHelp)->required();
+    AddFlags(
+        command, "Options",
+        {Flag("--outfile", o.outfile, "Result; not averaged itself, even if a pattern or the start of a name fits it")
+             .Required()
+             .Type("FILE")});
 }
 
 }  // namespace pbrt::imgtool

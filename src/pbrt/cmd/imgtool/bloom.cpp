@@ -37,8 +37,7 @@ Image Blur(const Image &image, const std::vector<Float> &weights, Point2i axis) 
         const int low = std::max(-radius, -at), high = std::min(radius, last - at);
         for (int c = 0; c < image.ChannelCount(); ++c) {
             Float sum = 0;
-            for (int i = low; i <= high; ++i)
-                sum += weights[static_cast<size_t>(i + radius)] * image.Get(p + axis * i, c);
+            for (int i = low; i <= high; ++i) sum += weights[i + radius] * image.Get(p + axis * i, c);
             result.Set(p, c, sum);
         }
     });
@@ -79,24 +78,20 @@ int Bloom(const BloomOptions &o) {
 }  // namespace
 
 void AddBloom(CLI::App &app, Action &action) {
-    auto o = std::make_shared<BloomOptions>();
-    CLI::App *command = app.add_subcommand("bloom", "Let bright pixels shine into their surroundings");
-    command->add_option("file", o->path, "Image with the channels R, G, B")->required();
-    AddOutfileOption(*command, o->outfile, true);
-    command->add_option("--level", o->level, "Pixels bloom if R, G or B is above this")->capture_default_str();
-    command->add_option("--width", o->width, "Width of the blur in pixels (odd); its standard deviation is a sixth")
-        ->check(CLI::Range(1, 1 << 12))
-        ->capture_default_str();
-    command
-        ->add_option("--iterations", o->iterations,
-                     "How often the bright pixels are blurred; the mean of all these pictures is added")
-        ->check(CLI::Range(1, 1000))
-        ->capture_default_str();
-    command->add_option("--scale", o->scale, "What is added is multiplied by this")
-        ->check(CLI::NonNegativeNumber)
-        ->capture_default_str();
-    command->footer("Example: imgtool bloom render.exr --level 10 --width 31 --outfile bloom.exr");
-    command->callback([o, &action] { action = [o] { return Bloom(*o); }; });
+    auto [command, o] = AddCommand(app, action, Bloom, "bloom", "Let bright pixels shine into their surroundings",
+                                   "Example: imgtool bloom render.exr --level 10 --width 31 --outfile bloom.exr");
+    AddFlags(command, "Options", {Flag("file", o.path, "Image with the channels R, G, B").Required()});
+    AddOutfileOption(command, o.outfile, true);
+    AddFlags(
+        command, "Options",
+        {Flag("--level", o.level, "Pixels bloom if R, G or B is above this").ShowDefault(),
+         Flag("--width", o.width, "Width of the blur in pixels (odd); its standard deviation is a sixth",
+              CLI::Range(1, 1 << 12))
+             .ShowDefault(),
+         Flag("--iterations", o.iterations,
+              "How often the bright pixels are blurred; the mean of all these pictures is added", CLI::Range(1, 1000))
+             .ShowDefault(),
+         Flag("--scale", o.scale, "What is added is multiplied by this", CLI::NonNegativeNumber).ShowDefault()});
 }
 
 }  // namespace pbrt::imgtool

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "pbrt/cmd/flags.h"
 #include "pbrt/images/image.h"
 #include "pbrt/images/metrics.h"
 
@@ -13,32 +14,31 @@ namespace pbrt::imgtool {
 /// What a chosen command does; returns the exit status. Throws UserError.
 using Action = std::function<int()>;
 
-// Each adds its subcommand to `app` and sets `action` when the subcommand is chosen. `action` must stay until parsing
-// is over.
-void AddInfo(CLI::App &app, Action &action);
-void AddConvert(CLI::App &app, Action &action);
-void AddDiff(CLI::App &app, Action &action);
-void AddError(CLI::App &app, Action &action);
-void AddFalsecolor(CLI::App &app, Action &action);
-void AddAverage(CLI::App &app, Action &action);
-void AddAssemble(CLI::App &app, Action &action);
-void AddMerge(CLI::App &app, Action &action);
-void AddSplitn(CLI::App &app, Action &action);
-void AddBloom(CLI::App &app, Action &action);
-void AddWhitebalance(CLI::App &app, Action &action);
-void AddScalenormalmap(CLI::App &app, Action &action);
-void AddMakeequiarea(CLI::App &app, Action &action);
-void AddMakesky(CLI::App &app, Action &action);
+/// Adds a subcommand to `app`; sets `action`, which must stay until parsing is over, when the subcommand is chosen.
+using CommandAdder = void(CLI::App &app, Action &action);
+CommandAdder AddInfo, AddConvert, AddDiff, AddError, AddFalsecolor, AddAverage, AddAssemble, AddMerge, AddSplitn,
+    AddBloom, AddWhitebalance, AddScalenormalmap, AddMakeequiarea, AddMakesky;
 
-/// "R,G,B" -> the names, of which those with a wavelength may hold a comma. Throws UserError if a name is empty.
+/// Adds a subcommand whose action is `run`. Returns it and the options that are to be declared.
+template <class O>
+std::pair<CLI::App &, O &> AddCommand(CLI::App &app, Action &action, int (*run)(const O &), const std::string &name,
+                                      const std::string &about, const std::string &footer) {
+    auto options = std::make_shared<O>();
+    CLI::App *command = app.add_subcommand(name, about);
+    command->footer(footer);
+    command->callback([=, &action] { action = [=] { return run(*options); }; });
+    return {*command, *options};
+}
+
+/// Splits "R,G,B" into names; those with a wavelength may hold a comma. Throws UserError if a name is empty.
 std::vector<std::string> SplitChannels(const std::string &list);
-/// Indices of the channels R, G, B. Throws UserError if one is missing.
+/// Returns the indices of the channels R, G, B. Throws UserError if one is missing.
 std::array<int, 3> RgbChannels(const Image &image, const std::string &path);
 inline Rgb GetRgb(const Image &image, Point2i p, const std::array<int, 3> &channels) {
     return {image.Get(p, channels[0]), image.Get(p, channels[1]), image.Get(p, channels[2])};
 }
 inline void SetRgb(Image &image, Point2i p, const std::array<int, 3> &channels, const Rgb &rgb) {
-    for (int c = 0; c < 3; ++c) image.Set(p, channels[static_cast<size_t>(c)], rgb[c]);
+    for (int c = 0; c < 3; ++c) image.Set(p, channels[c], rgb[c]);
 }
 
 template <class F>
@@ -47,12 +47,12 @@ void ForEachPixel(const Image &image, F &&f) {
         for (int x = 0; x < image.Resolution().x; ++x) f(Point2i(x, y));
 }
 
-/// "640 x 480".
+/// Returns the resolution as "640 x 480".
 std::string SizeText(const Image &image);
-/// The colour space of the file; sRGB if the file does not name one.
+/// Returns the colour space of the file; sRGB by default.
 const ColorSpace &SpaceOf(const ImageFile &file);
 
-/// The pixels of the whole picture that the file has: its data window, or all.
+/// Returns the data window of the file, by default all pixels.
 Bounds2i WindowOf(const ImageFile &file);
 /// Crops to the four numbers x0,x1,y0,y1 (half-open, in pixels of the whole picture; none: everything) and sets the
 /// data window. Throws UserError if they are not inside the window.
@@ -63,22 +63,22 @@ CLI::Option *AddCropOption(CLI::App &command, std::vector<int> &numbers);
 /// Adds the required option --outfile. If it `isPositional`, the name alone may stand after the image.
 CLI::Option *AddOutfileOption(CLI::App &command, std::string &path, bool isPositional = false);
 
-/// The metric called `name`. Throws UserError with the choices.
+/// Returns the metric called `name`. Throws UserError with the choices.
 Metric ChosenMetric(const std::string &name);
-/// Resolution, data window, colour space and channels must agree. Throws UserError; `hint` ends the sentence about
+/// Throws UserError unless resolution, data window, colour space and channels agree; `hint` ends the sentence about
 /// channels.
 void CheckComparable(const ImageFile &a, const std::string &pathA, const ImageFile &b, const std::string &pathB,
                      const std::string &hint = "");
 
-/// A number for JSON with just enough digits to tell it from other floats, not the digits of a double.
+/// Returns the shortest decimal number that identifies the float, for JSON.
 double ShortNumber(Float v);
 
 /// Reads an image; its pixels become float.
 ImageFile ReadAsFloat(const std::string &path);
-/// The files that `names` mean, each once. A name is that of a file; or a pattern for the last part of a path with *
-/// (any characters) and ? (any one); or the start of the paths of images. Files found by a pattern or a start come in
-/// name order, without the files `except`, so that results of an earlier run are no input. Throws UserError for a name
-/// that fits no file.
+/// Returns the files that `names` match, each once. A name is that of a file; or a pattern for the last part of a path
+/// with * (any characters) and ? (any one); or the start of the paths of images. Files found by a pattern or a start
+/// come in name order, without the files `except`, so that results of an earlier run are no input. Throws UserError for
+/// a name that fits no file.
 std::vector<std::string> FindImages(const std::vector<std::string> &names, const std::vector<std::string> &except);
 /// Help text for such names.
 inline constexpr const char *kImagesHelp =

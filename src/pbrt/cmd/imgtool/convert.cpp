@@ -21,7 +21,7 @@ struct ConvertOptions {
 std::vector<int> ColorChannels(const Image &image) {
     std::vector<int> indices;
     for (int c = 0; c < image.ChannelCount(); ++c)
-        if (image.Channels()[static_cast<size_t>(c)] != "A") indices.push_back(c);
+        if (image.Channels()[c] != "A") indices.push_back(c);
     return indices;
 }
 
@@ -131,42 +131,37 @@ int Convert(const ConvertOptions &o) {
 }  // namespace
 
 void AddConvert(CLI::App &app, Action &action) {
-    auto o = std::make_shared<ConvertOptions>();
-    CLI::App *command = app.add_subcommand("convert", "Change an image or its file format");
-    command->add_option("file", o->path, "Image")->required();
-    AddOutfileOption(*command, o->outfile, true);
-    AddCropOption(*command, o->crop);
-    command->add_option("--channels", o->channels, "Keep only these channels, in this order")->type_name("R,G,B");
-    command->add_option("--scale", o->scale, "Multiply colours by this")->capture_default_str();
-    command
-        ->add_option("--exposure", o->exposure,
-                     "Stops by which the image becomes brighter: multiply colours by 2 to this power")
-        ->check(CLI::Range(-100.0, 100.0))
-        ->capture_default_str();
-    command
-        ->add_option("--clamp", o->clamp,
-                     "Scale R, G and B of brighter pixels so that the largest is this; limit other channels")
-        ->check(CLI::NonNegativeNumber);
+    auto [command, o] =
+        AddCommand(app, action, Convert, "convert", "Change an image or its file format",
+                   "The changes happen in the order listed.\n"
+                   "Example: imgtool convert render.exr view.png --crop 0,200,0,100 --exposure 1.5 --tonemap");
+    AddFlags(command, "Options", {Flag("file", o.path, "Image").Required()});
+    AddOutfileOption(command, o.outfile, true);
+    AddCropOption(command, o.crop);
+    AddFlags(
+        command, "Options",
+        {Flag("--channels", o.channels, "Keep only these channels, in this order").Type("R,G,B"),
+         Flag("--scale", o.scale, "Multiply colours by this").ShowDefault(),
+         Flag("--exposure", o.exposure,
+              "Stops by which the image becomes brighter: multiply colours by 2 to this power",
+              CLI::Range(-100.0, 100.0))
+             .ShowDefault(),
+         {"--clamp", o.clamp, "Scale R, G and B of brighter pixels so that the largest is this; limit other channels",
+          CLI::NonNegativeNumber}});
     CLI::Option *tonemap =
-        command->add_flag("--tonemap", o->tonemap, "Reinhard's tone mapping: compress luminances to 0 .. 1");
+        command.add_flag("--tonemap", o.tonemap, "Reinhard's tone mapping: compress luminances to 0 .. 1");
     command
-        ->add_option("--maxluminance", o->maxLuminance,
-                     "Luminance that --tonemap maps to 1 (default: the largest of the image, at least 1)")
+        .add_option("--maxluminance", o.maxLuminance,
+                    "Luminance that --tonemap maps to 1 (default: the largest of the image, at least 1)")
         ->check(CLI::PositiveNumber)
         ->needs(tonemap);
-    command->add_option("--gamma", o->gamma, "Raise colours to this power")
-        ->check(CLI::PositiveNumber)
-        ->capture_default_str();
-    command->add_flag("--bw", o->blackAndWhite, "Average the colour channels into one");
-    command->add_flag("--flipy", o->flipY, "Turn upside down");
-    command->add_option("--repeatpix", o->repeat, "Repeat every pixel n times in both directions")
-        ->check(CLI::Range(1, 1 << 16))
-        ->capture_default_str();
-    command->add_flag("--fp16", o->half, "Write half precision (otherwise the precision of the input stays)");
-    command->footer(
-        "The changes happen in the order listed.\n"
-        "Example: imgtool convert render.exr view.png --crop 0,200,0,100 --exposure 1.5 --tonemap");
-    command->callback([o, &action] { action = [o] { return Convert(*o); }; });
+    AddFlags(command, "Options",
+             {Flag("--gamma", o.gamma, "Raise colours to this power", CLI::PositiveNumber).ShowDefault(),
+              {"--bw", o.blackAndWhite, "Average the colour channels into one"},
+              {"--flipy", o.flipY, "Turn upside down"},
+              Flag("--repeatpix", o.repeat, "Repeat every pixel n times in both directions", CLI::Range(1, 1 << 16))
+                  .ShowDefault(),
+              {"--fp16", o.half, "Write half precision (otherwise the precision of the input stays)"}});
 }
 
 }  // namespace pbrt::imgtool

@@ -18,14 +18,14 @@ struct DiffOptions {
 double Mean(const Image &image) {
     double sum = 0;
     size_t count = 0;
-    for (int y = 0; y < image.Resolution().y; ++y)
-        for (int x = 0; x < image.Resolution().x; ++x)
-            for (int c = 0; c < image.ChannelCount(); ++c) {
-                double v = static_cast<double>(image.Get({x, y}, c));
-                if (!std::isfinite(v)) continue;
-                sum += v;
-                ++count;
-            }
+    ForEachPixel(image, [&](Point2i p) {
+        for (int c = 0; c < image.ChannelCount(); ++c) {
+            const double v = static_cast<double>(image.Get(p, c));
+            if (!std::isfinite(v)) continue;
+            sum += v;
+            ++count;
+        }
+    });
     return count ? sum / static_cast<double>(count) : 0;
 }
 
@@ -68,28 +68,26 @@ int Diff(const DiffOptions &o) {
 }  // namespace
 
 void AddDiff(CLI::App &app, Action &action) {
-    auto o = std::make_shared<DiffOptions>();
-    CLI::App *command = app.add_subcommand("diff", "Compare an image with a reference");
-    command->add_option("file", o->path, "Image")->required();
-    command->add_option("--reference", o->reference, "Image to compare with")->required()->type_name("FILE");
-    command
-        ->add_option(
-            "--metric", o->metric,
-            "MAE, MSE, MRSE (mean of (x - ref)^2 / (ref + 0.01)^2), relL2 (mean of (x - ref)^2 / (ref^2 + 0.01 m^2), m "
-            "the mean of ref), relL2Abs (the paper's: 0.01 instead of 0.01 m^2), SMAPE (mean of |x - ref| / "
-            "((|x| + |ref|) / 2 + 0.01)), FLIP (seen at 67 pixels per degree; R, G, B clamped to 0..1) or HDR-FLIP "
-            "(largest FLIP over exposures from the brightest value of the reference to its median)")
-        ->capture_default_str()
-        ->type_name("NAME");
-    command->add_option("--channels", o->channels, "Compare only these channels")->type_name("R,G,B");
-    AddCropOption(*command, o->crop);
-    command->add_option("--outfile", o->outfile, "Write the error of every pixel and channel; FLIP: of every pixel")
-        ->type_name("FILE");
-    command->add_flag("--json", o->json, "Print a JSON object, also if the images are equal");
-    command->footer(
-        "Prints nothing and exits with 0 only if the error is exactly 0; else exits with 1.\n"
-        "Example: imgtool diff render.exr --reference reference.exr --metric relL2 --outfile error.exr");
-    command->callback([o, &action] { action = [o] { return Diff(*o); }; });
+    auto [command, o] =
+        AddCommand(app, action, Diff, "diff", "Compare an image with a reference",
+                   "Prints nothing and exits with 0 only if the error is exactly 0; else exits with 1.\n"
+                   "Example: imgtool diff render.exr --reference reference.exr --metric relL2 --outfile error.exr");
+    AddFlags(command, "Options",
+             {Flag("file", o.path, "Image").Required(),
+              Flag("--reference", o.reference, "Image to compare with").Required().Type("FILE"),
+              Flag("--metric", o.metric,
+                   "MAE, MSE, MRSE (mean of (x - ref)^2 / (ref + 0.01)^2), relL2 (mean of (x - ref)^2 / (ref^2 + 0.01 "
+                   "m^2), m the mean of ref), relL2Abs (the paper's: 0.01 instead of 0.01 m^2), SMAPE (mean of |x - "
+                   "ref| / ((|x| + |ref|) / 2 + 0.01)), FLIP (seen at 67 pixels per degree; R, G, B clamped to 0..1) "
+                   "or HDR-FLIP (largest FLIP over exposures from the brightest value of the reference to its median)")
+                  .ShowDefault()
+                  .Type("NAME"),
+              Flag("--channels", o.channels, "Compare only these channels").Type("R,G,B")});
+    AddCropOption(command, o.crop);
+    AddFlags(
+        command, "Options",
+        {Flag("--outfile", o.outfile, "Write the error of every pixel and channel; FLIP: of every pixel").Type("FILE"),
+         {"--json", o.json, "Print a JSON object, also if the images are equal"}});
 }
 
 }  // namespace pbrt::imgtool

@@ -55,24 +55,22 @@ int Error(const ErrorOptions &o) {
 }  // namespace
 
 void AddError(CLI::App &app, Action &action) {
-    auto o = std::make_shared<ErrorOptions>();
-    CLI::App *command = app.add_subcommand("error", "Errors of several images, and their mean");
-    command->add_option("images", o->names, kImagesHelp)->required();
-    command
-        ->add_option("--reference", o->reference,
-                     "Image to compare with; not compared itself, even if a pattern or the start of a name fits it")
-        ->required()
-        ->type_name("FILE");
-    command
-        ->add_option("--metric", o->metric,
-                     "MAE, MSE, MRSE, relL2, relL2Abs, SMAPE, FLIP or HDR-FLIP; see imgtool help diff")
-        ->capture_default_str()
-        ->type_name("NAME");
-    AddCropOption(*command, o->crop);
-    command->add_option("--errorfile", o->errorfile, "Write the mean error of every pixel and channel")
-        ->type_name("FILE");
-    command->footer("Example: imgtool error runs/seed --reference reference.exr --metric MRSE --errorfile error.exr");
-    command->callback([o, &action] { action = [o] { return Error(*o); }; });
+    auto [command, o] =
+        AddCommand(app, action, Error, "error", "Errors of several images, and their mean",
+                   "Example: imgtool error runs/seed --reference reference.exr --metric MRSE --errorfile error.exr");
+    command.add_option("images", o.names, kImagesHelp)->required();
+    AddFlags(
+        command, "Options",
+        {Flag("--reference", o.reference,
+              "Image to compare with; not compared itself, even if a pattern or the start of a name fits it")
+             .Required()
+             .Type("FILE"),
+         Flag("--metric", o.metric, "MAE, MSE, MRSE, relL2, relL2Abs, SMAPE, FLIP or HDR-FLIP; see imgtool help diff")
+             .ShowDefault()
+             .Type("NAME")});
+    AddCropOption(command, o.crop);
+    AddFlags(command, "Options",
+             {Flag("--errorfile", o.errorfile, "Write the mean error of every pixel and channel").Type("FILE")});
 }
 
 }  // namespace pbrt::imgtool

@@ -21,7 +21,7 @@ Float ColorMean(const Image &image, Point2i p) {
     Float sum = 0;
     int count = 0;
     for (int c = 0; c < image.ChannelCount(); ++c) {
-        if (image.Channels()[static_cast<size_t>(c)] == "A") continue;
+        if (image.Channels()[c] == "A") continue;
         sum += image.Get(p, c);
         ++count;
     }
@@ -38,7 +38,7 @@ struct Range {
 Range ChooseRange(std::vector<Float> values) {
     Range range;
     if (values.empty()) return range;
-    const auto at = values.begin() + static_cast<std::ptrdiff_t>((values.size() * kShown + 99) / 100 - 1);
+    const auto at = values.begin() + ((values.size() * kShown + 99) / 100 - 1);
     std::nth_element(values.begin(), at, values.end());
     range.largest = *std::max_element(at, values.end());
     range.most = *at > 0 ? *at : range.largest > 0 ? range.largest : 1;
@@ -48,15 +48,13 @@ Range ChooseRange(std::vector<Float> values) {
 int Falsecolor(const FalsecolorOptions &o) {
     const ImageFile file = ReadAsFloat(o.path);
     const Image &image = file.image;
-    const Point2i resolution = image.Resolution();
-    Image mean(PixelFormat::Float, resolution, {"Y"});
+    Image mean(PixelFormat::Float, image.Resolution(), {"Y"});
     std::vector<Float> sizes;
-    for (int y = 0; y < resolution.y; ++y)
-        for (int x = 0; x < resolution.x; ++x) {
-            const Float v = ColorMean(image, {x, y});
-            mean.Set({x, y}, 0, v);
-            if (std::isfinite(v)) sizes.push_back(o.plusMinus ? std::abs(v) : v);
-        }
+    ForEachPixel(image, [&](Point2i p) {
+        const Float v = ColorMean(image, p);
+        mean.Set(p, 0, v);
+        if (std::isfinite(v)) sizes.push_back(o.plusMinus ? std::abs(v) : v);
+    });
     FalseColorStyle style;
     style.scale = o.plusMinus ? FalseColorStyle::Scale::Signed : FalseColorStyle::Scale::Ramp;
     const Range range = ChooseRange(std::move(sizes));
@@ -78,20 +76,17 @@ int Falsecolor(const FalsecolorOptions &o) {
 }  // namespace
 
 void AddFalsecolor(CLI::App &app, Action &action) {
-    auto o = std::make_shared<FalsecolorOptions>();
-    CLI::App *command = app.add_subcommand("falsecolor", "Show the mean of each pixel's channels as a colour");
-    command->add_option("file", o->path, "Image")->required();
-    AddOutfileOption(*command, o->outfile, true);
-    command
-        ->add_option("--maxvalue", o->maxValue,
-                     "Value of the last colour (default: 99 % of the pixels have no larger one)")
-        ->check(CLI::PositiveNumber);
-    command->add_flag("--plusminus", o->plusMinus, "Blue for negative, black for 0, red for positive");
-    command->add_flag("--ramp", o->ramp, "Add a bar of all colours below the image");
-    command->footer(
-        "Values that are not finite become magenta.\n"
-        "Example: imgtool falsecolor error.exr error.png --maxvalue 0.5 --ramp");
-    command->callback([o, &action] { action = [o] { return Falsecolor(*o); }; });
+    auto [command, o] =
+        AddCommand(app, action, Falsecolor, "falsecolor", "Show the mean of each pixel's channels as a colour",
+                   "Values that are not finite become magenta.\n"
+                   "Example: imgtool falsecolor error.exr error.png --maxvalue 0.5 --ramp");
+    AddFlags(command, "Options", {Flag("file", o.path, "Image").Required()});
+    AddOutfileOption(command, o.outfile, true);
+    AddFlags(command, "Options",
+             {{"--maxvalue", o.maxValue, "Value of the last colour (default: 99 % of the pixels have no larger one)",
+               CLI::PositiveNumber},
+              {"--plusminus", o.plusMinus, "Blue for negative, black for 0, red for positive"},
+              {"--ramp", o.ramp, "Add a bar of all colours below the image"}});
 }
 
 }  // namespace pbrt::imgtool

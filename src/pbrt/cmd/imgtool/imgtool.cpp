@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include "pbrt/cmd/flag_checks.h"
+#include "pbrt/cmd/flags.h"
 #include "pbrt/cmd/imgtool/commands.h"
 #include "pbrt/core/error.h"
 #include "pbrt/core/version.h"
@@ -20,11 +20,7 @@ std::string NormalizeFlag(const std::string &argument) {
         !std::isalpha(static_cast<unsigned char>(argument[begin])))
         return argument;
     const size_t equals = std::min(argument.find('='), argument.size());
-    std::string flag = "--";
-    for (size_t i = begin; i < equals; ++i)
-        if (argument[i] != '-' && argument[i] != '_')
-            flag += static_cast<char>(std::tolower(static_cast<unsigned char>(argument[i])));
-    return flag + argument.substr(equals);
+    return "--" + FoldFlag(argument.substr(begin, equals - begin)) + argument.substr(equals);
 }
 
 std::string OptionNames(const CLI::App &app) {
@@ -66,15 +62,15 @@ void AddHelp(CLI::App &app, Action &action) {
     auto overview = std::make_shared<std::string>(app.help());
     command->callback([name, overview, &app, &action] {
         action = [name, overview, &app] {
-            // CLI11 explains the command in use when asked for the whole.
+            // app.help() would describe the command in use.
             if (name->empty()) {
                 fmt::print("{}", *overview);
                 return 0;
             }
-            const CLI::App *asked = FindCommand(app, *name);
-            if (!asked)
+            const CLI::App *chosen = FindCommand(app, *name);
+            if (!chosen)
                 throw UserError(fmt::format("No such command: {}; {}", *name, ListChoices(*name, CommandNames(app))));
-            fmt::print("{}", asked->help(app.get_name()));
+            fmt::print("{}", chosen->help(app.get_name()));
             return 0;
         };
     });
@@ -82,27 +78,16 @@ void AddHelp(CLI::App &app, Action &action) {
 
 int Run(int argc, char **argv) {
     CLI::App app(
-        "Looks at, changes and compares images: .exr, .png, .pfm, .jpg and, for reading, .hdr, .tga and others.",
+        "Inspects, converts and compares images: .exr, .png, .pfm, .jpg and, for reading, .hdr, .tga and others.",
         "imgtool");
     app.require_subcommand(1);
     app.footer("Example: imgtool info render.exr");
     app.set_version_flag("--version", VersionText(), "print the version, and stop");
     Action action;
-    AddInfo(app, action);
-    AddConvert(app, action);
-    AddDiff(app, action);
-    AddError(app, action);
-    AddFalsecolor(app, action);
-    AddAverage(app, action);
-    AddAssemble(app, action);
-    AddMerge(app, action);
-    AddSplitn(app, action);
-    AddBloom(app, action);
-    AddWhitebalance(app, action);
-    AddScalenormalmap(app, action);
-    AddMakeequiarea(app, action);
-    AddMakesky(app, action);
-    AddHelp(app, action);
+    for (CommandAdder *add :
+         {AddInfo, AddConvert, AddDiff, AddError, AddFalsecolor, AddAverage, AddAssemble, AddMerge, AddSplitn, AddBloom,
+          AddWhitebalance, AddScalenormalmap, AddMakeequiarea, AddMakesky, AddHelp})
+        add(app, action);
 
     const std::string first = argc > 1 ? argv[1] : "";
     const CLI::App *const command = FindCommand(app, first);

@@ -20,20 +20,19 @@ struct ChannelStatistics {
 
 ChannelStatistics Statistics(const Image &image, int channel) {
     ChannelStatistics s;
-    for (int y = 0; y < image.Resolution().y; ++y)
-        for (int x = 0; x < image.Resolution().x; ++x) {
-            Float v = image.Get({x, y}, channel);
-            if (std::isnan(v)) {
-                ++s.nan;
-            } else if (std::isinf(v)) {
-                ++s.infinite;
-            } else {
-                s.low = std::min(s.low, v);
-                s.high = std::max(s.high, v);
-                s.sum += static_cast<double>(v);
-                ++s.count;
-            }
+    ForEachPixel(image, [&](Point2i p) {
+        const Float v = image.Get(p, channel);
+        if (std::isnan(v)) {
+            ++s.nan;
+        } else if (std::isinf(v)) {
+            ++s.infinite;
+        } else {
+            s.low = std::min(s.low, v);
+            s.high = std::max(s.high, v);
+            s.sum += static_cast<double>(v);
+            ++s.count;
         }
+    });
     return s;
 }
 
@@ -99,7 +98,7 @@ Json InfoJson(const std::string &path) {
     json["channels"] = Json::array();
     for (int c = 0; c < file.image.ChannelCount(); ++c) {
         const ChannelStatistics s = Statistics(file.image, c);
-        Json channel = {{"name", file.image.Channels()[static_cast<size_t>(c)]}};
+        Json channel = {{"name", file.image.Channels()[c]}};
         channel["min"] = s.count ? Json(ShortNumber(s.low)) : Json();
         channel["mean"] = s.count ? Json(s.sum / static_cast<double>(s.count)) : Json();
         channel["max"] = s.count ? Json(ShortNumber(s.high)) : Json();
@@ -127,7 +126,7 @@ void PrintInfo(const std::string &path) {
     fmt::print("  {:<16} {:>13} {:>13} {:>13} {:>8} {:>8}\n", "channel", "least", "mean", "largest", "nan", "infinite");
     for (int c = 0; c < image.ChannelCount(); ++c) {
         const ChannelStatistics s = Statistics(image, c);
-        const std::string &name = image.Channels()[static_cast<size_t>(c)];
+        const std::string &name = image.Channels()[c];
         if (s.count)
             fmt::print("  {:<16} {:>13.6g} {:>13.6g} {:>13.6g} {:>8} {:>8}\n", name, s.low,
                        s.sum / static_cast<double>(s.count), s.high, s.nan, s.infinite);
@@ -136,30 +135,30 @@ void PrintInfo(const std::string &path) {
     }
 }
 
+struct InfoOptions {
+    std::vector<std::string> paths;
+    bool json = false;
+};
+
+int Info(const InfoOptions &o) {
+    Json all = Json::array();
+    for (const std::string &path : o.paths)
+        if (o.json)
+            all.push_back(InfoJson(path));
+        else
+            PrintInfo(path);
+    if (o.json) fmt::print("{}\n", all.dump(1, ' ', false, Json::error_handler_t::replace));
+    return 0;
+}
+
 }  // namespace
 
 void AddInfo(CLI::App &app, Action &action) {
-    struct InfoOptions {
-        std::vector<std::string> paths;
-        bool json = false;
-    };
-    auto o = std::make_shared<InfoOptions>();
-    CLI::App *command = app.add_subcommand("info", "Print resolution, colour space, metadata and channel statistics");
-    command->add_option("files", o->paths, "Images")->required();
-    command->add_flag("--json", o->json, "Print a JSON array with an object for each image");
-    command->footer("Example: imgtool info render.exr");
-    command->callback([o, &action] {
-        action = [o] {
-            if (!o->json) {
-                for (const std::string &path : o->paths) PrintInfo(path);
-                return 0;
-            }
-            Json all = Json::array();
-            for (const std::string &path : o->paths) all.push_back(InfoJson(path));
-            fmt::print("{}\n", all.dump(1, ' ', false, Json::error_handler_t::replace));
-            return 0;
-        };
-    });
+    auto [command, o] =
+        AddCommand(app, action, Info, "info", "Print resolution, colour space, metadata and channel statistics",
+                   "Example: imgtool info render.exr");
+    command.add_option("files", o.paths, "Images")->required();
+    command.add_flag("--json", o.json, "Print a JSON array with an object for each image");
 }
 
 }  // namespace pbrt::imgtool

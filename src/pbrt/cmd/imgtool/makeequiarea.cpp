@@ -29,9 +29,8 @@ class LatLong {
         const int x0 = Column(static_cast<int>(fx)), x1 = Column(static_cast<int>(fx) + 1);
         const int y0 = Row(static_cast<int>(fy)), y1 = Row(static_cast<int>(fy) + 1);
         for (int c = 0; c < image_.ChannelCount(); ++c)
-            values[static_cast<size_t>(c)] +=
-                Lerp(y - fy, Lerp(x - fx, image_.Get({x0, y0}, c), image_.Get({x1, y0}, c)),
-                     Lerp(x - fx, image_.Get({x0, y1}, c), image_.Get({x1, y1}, c)));
+            values[c] += Lerp(y - fy, Lerp(x - fx, image_.Get({x0, y0}, c), image_.Get({x1, y0}, c)),
+                              Lerp(x - fx, image_.Get({x0, y1}, c), image_.Get({x1, y1}, c)));
     }
 
   private:
@@ -56,7 +55,7 @@ int Makeequiarea(const MakeequiareaOptions &o) {
     const int perSide = (size.x + resolution - 1) / resolution;
     const LatLong source(file.image);
     Image result(PixelFormat::Float, {resolution, resolution}, file.image.Channels());
-    std::vector<Float> values(static_cast<size_t>(result.ChannelCount()));
+    std::vector<Float> values(result.ChannelCount());
     ForEachPixel(result, [&](Point2i p) {
         std::fill(values.begin(), values.end(), Float(0));
         for (int j = 0; j < perSide; ++j)
@@ -67,7 +66,7 @@ int Makeequiarea(const MakeequiareaOptions &o) {
                                    values);
             }
         for (int c = 0; c < result.ChannelCount(); ++c)
-            result.Set(p, c, values[static_cast<size_t>(c)] / static_cast<Float>(perSide * perSide));
+            result.Set(p, c, values[c] / static_cast<Float>(perSide * perSide));
     });
     ImageMetadata metadata;
     metadata.colorSpace = file.metadata.colorSpace;
@@ -78,15 +77,14 @@ int Makeequiarea(const MakeequiareaOptions &o) {
 }  // namespace
 
 void AddMakeequiarea(CLI::App &app, Action &action) {
-    auto o = std::make_shared<MakeequiareaOptions>();
-    CLI::App *command = app.add_subcommand(
-        "makeequiarea", "Turn a latitude-longitude environment map into the equal-area square of pbrt-v4");
-    command->add_option("file", o->path, "Latitude-longitude image, up in the first row")->required();
-    AddOutfileOption(*command, o->outfile, true);
-    command->add_option("--resolution", o->resolution, "Side of the result in pixels (default: width of the input)")
-        ->check(CLI::Range(1, 1 << 15));
-    command->footer("Example: imgtool makeequiarea meadow.hdr --resolution 1024 --outfile meadow.exr");
-    command->callback([o, &action] { action = [o] { return Makeequiarea(*o); }; });
+    auto [command, o] = AddCommand(app, action, Makeequiarea, "makeequiarea",
+                                   "Turn a latitude-longitude environment map into the equal-area square of pbrt-v4",
+                                   "Example: imgtool makeequiarea meadow.hdr --resolution 1024 --outfile meadow.exr");
+    AddFlags(command, "Options", {Flag("file", o.path, "Latitude-longitude image, up in the first row").Required()});
+    AddOutfileOption(command, o.outfile, true);
+    AddFlags(command, "Options",
+             {{"--resolution", o.resolution, "Side of the result in pixels (default: width of the input)",
+               CLI::Range(1, 1 << 15)}});
 }
 
 }  // namespace pbrt::imgtool

@@ -16,8 +16,8 @@ struct MakeskyOptions {
     int resolution = 2048;
 };
 
-/// Adds points that are spread evenly over the sun's disc, each with its share of the light, so that no light is lost
-/// however few pixels the disc covers. Points below the horizon are hidden.
+/// Adds points that are spread evenly over the sun's disc, each with its share of the light, so that energy is kept for
+/// any resolution. Points below the horizon are hidden.
 void AddSun(Image &image, const PreethamSky &sky, const ColorSpace &space) {
     constexpr int kPoints = 1 << 16;
     const double pixel = 4 * double(Pi) / (double(image.Resolution().x) * image.Resolution().y);
@@ -58,28 +58,21 @@ int Makesky(const MakeskyOptions &o) {
 }  // namespace
 
 void AddMakesky(CLI::App &app, Action &action) {
-    auto o = std::make_shared<MakeskyOptions>();
-    CLI::App *command = app.add_subcommand("makesky", "Environment map of a clear sky with the sun");
-    AddOutfileOption(*command, o->outfile);
-    command->add_option("--elevation", o->elevation, "Degrees of the sun above the horizon")
-        ->check(CLI::Range(0., 90.))
-        ->capture_default_str();
-    command->add_option("--turbidity", o->turbidity, "2: very clear, 10: haze")
-        ->check(CLI::Range(2., 10.))
-        ->capture_default_str();
-    command
-        ->add_option("--albedo", o->albedo, "Albedo of the ground, whose light brightens the sky (the ground is black)")
-        ->check(CLI::Range(0., 1.))
-        ->capture_default_str();
-    command->add_option("--resolution", o->resolution, "Side of the result in pixels")
-        ->check(CLI::Range(1, 1 << 14))
-        ->capture_default_str();
-    command->footer(
-        "Equal-area square for LightSource \"infinite\", z up, sun towards +y, colours ACES2065-1.\n"
-        "Values are radiances in W / (m^2 sr nm): 1 is 72983 cd/m^2.\n"
-        "Model: Preetham, Shirley and Smits 1999; stock pbrt-v4 uses Hosek and Wilkie's.\n"
-        "Example: imgtool makesky --elevation 30 --outfile sky.exr");
-    command->callback([o, &action] { action = [o] { return Makesky(*o); }; });
+    auto [command, o] =
+        AddCommand(app, action, Makesky, "makesky", "Environment map of a clear sky with the sun",
+                   "Equal-area square for LightSource \"infinite\", z up, sun towards +y, colours ACES2065-1.\n"
+                   "Values are radiances in W / (m^2 sr nm): 1 is 72983 cd/m^2.\n"
+                   "Model: Preetham, Shirley and Smits 1999; stock pbrt-v4 uses Hosek and Wilkie's.\n"
+                   "Example: imgtool makesky --elevation 30 --outfile sky.exr");
+    AddOutfileOption(command, o.outfile);
+    AddFlags(
+        command, "Options",
+        {Flag("--elevation", o.elevation, "Degrees of the sun above the horizon", CLI::Range(0., 90.)).ShowDefault(),
+         Flag("--turbidity", o.turbidity, "2: very clear, 10: haze", CLI::Range(2., 10.)).ShowDefault(),
+         Flag("--albedo", o.albedo, "Albedo of the ground, whose light brightens the sky (the ground is black)",
+              CLI::Range(0., 1.))
+             .ShowDefault(),
+         Flag("--resolution", o.resolution, "Side of the result in pixels", CLI::Range(1, 1 << 14)).ShowDefault()});
 }
 
 }  // namespace pbrt::imgtool

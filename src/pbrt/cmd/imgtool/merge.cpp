@@ -110,20 +110,18 @@ int Merge(const MergeOptions &o) {
 }  // namespace
 
 void AddMerge(CLI::App &app, Action &action) {
-    auto o = std::make_shared<MergeOptions>();
-    CLI::App *command = app.add_subcommand("merge", "Make the picture from the parts of a render");
-    command->add_option("outfile", o->outfile, "Picture: .exr, .png or .pfm")->required()->type_name("FILE");
+    auto [command, o] = AddCommand(app, action, Merge, "merge", "Make the picture from the parts of a render",
+                                   "Example: imgtool merge picture.exr part-*.chk");
+    AddFlags(command, "Options", {Flag("outfile", o.outfile, "Picture: .exr, .png or .pfm").Required().Type("FILE")});
     command
-        ->add_option(
-            "parts", o->paths,
-            "Files that pbrt --samples FIRST:END --checkpoint FILE wrote, in any order; together they must have "
-            "every sample once")
+        .add_option("parts", o.paths,
+                    "Files that pbrt --samples FIRST:END --checkpoint FILE wrote, in any order; together they must "
+                    "have every sample once")
         ->required()
         ->type_name("PART...");
-    command->add_flag("--incomplete", o->incomplete,
-                      "Make the picture of the samples that there are, although some are missing");
-    command->footer("Example: imgtool merge picture.exr part-*.chk");
-    command->callback([o, &action] { action = [o] { return Merge(*o); }; });
+    AddFlags(
+        command, "Options",
+        {{"--incomplete", o.incomplete, "Make the picture of the samples that there are, although some are missing"}});
 }
 
 }  // namespace pbrt::imgtool

@@ -47,14 +47,14 @@ int Scalenormalmap(const ScalenormalmapOptions &o) {
 }  // namespace
 
 void AddScalenormalmap(CLI::App &app, Action &action) {
-    auto o = std::make_shared<ScalenormalmapOptions>();
-    CLI::App *command = app.add_subcommand("scalenormalmap", "Make the relief of a normal map stronger or weaker");
-    command->add_option("file", o->path, "Normal map: R, G, B = (normal + 1) / 2, without sRGB encoding")->required();
-    AddOutfileOption(*command, o->outfile, true);
-    command->add_option("--scale", o->scale, "Slopes are multiplied by this; 0 gives a flat map")
-        ->capture_default_str();
-    command->footer("Example: imgtool scalenormalmap bricks.png --scale 0.5 --outfile softer.png");
-    command->callback([o, &action] { action = [o] { return Scalenormalmap(*o); }; });
+    auto [command, o] =
+        AddCommand(app, action, Scalenormalmap, "scalenormalmap", "Make the relief of a normal map stronger or weaker",
+                   "Example: imgtool scalenormalmap bricks.png --scale 0.5 --outfile softer.png");
+    AddFlags(command, "Options",
+             {Flag("file", o.path, "Normal map: R, G, B = (normal + 1) / 2, without sRGB encoding").Required()});
+    AddOutfileOption(command, o.outfile, true);
+    AddFlags(command, "Options",
+             {Flag("--scale", o.scale, "Slopes are multiplied by this; 0 gives a flat map").ShowDefault()});
 }
 
 }  // namespace pbrt::imgtool

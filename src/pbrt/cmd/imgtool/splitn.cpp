@@ -67,15 +67,14 @@ int Splitn(const SplitnOptions &o) {
     ForEachPixel(files[0].image, [&](Point2i p) {
         const int strip = layout.StripOf(p.x);
         const bool border = p.x + 1 < resolution.x && layout.StripOf(p.x + 1) != strip;
-        if (!border) copy(p, files[static_cast<size_t>(strip)].image, p);
+        if (!border) copy(p, files[strip].image, p);
     });
     for (size_t row = 0; row < corners.size(); ++row)
         for (int i = 0; i < layout.images; ++i) {
             const Point2i at = layout.CropAt(i, static_cast<int>(row));
             for (int y = 0; y < layout.step - kGap; ++y)
                 for (int x = 0; x < layout.step - kGap; ++x)
-                    copy(at + Point2i(x, y), files[static_cast<size_t>(i)].image,
-                         corners[row] + Point2i(x, y) / layout.zoom);
+                    copy(at + Point2i(x, y), files[i].image, corners[row] + Point2i(x, y) / layout.zoom);
         }
     ImageMetadata metadata;
     metadata.colorSpace = files[0].metadata.colorSpace;
@@ -86,23 +85,19 @@ int Splitn(const SplitnOptions &o) {
 }  // namespace
 
 void AddSplitn(CLI::App &app, Action &action) {
-    auto o = std::make_shared<SplitnOptions>();
-    CLI::App *command =
-        app.add_subcommand("splitn", "One picture in strips of several images, with crops of each below");
-    command->add_option("files", o->paths, "Images of one size; the first gives the leftmost strip")->required();
-    AddOutfileOption(*command, o->outfile);
+    auto [command, o] =
+        AddCommand(app, action, Splitn, "splitn", "One picture in strips of several images, with crops of each below",
+                   "Example: imgtool splitn bvh.exr octree.exr --crop 120,40 --cropsize 64 --outfile compare.png");
+    command.add_option("files", o.paths, "Images of one size; the first gives the leftmost strip")->required();
+    AddOutfileOption(command, o.outfile);
     command
-        ->add_option(
-            "--crop", o->crops,
-            "Upper left corner of a square; a row below the strips shows this square of every image, enlarged if "
-            "there is room; may be given several times")
+        .add_option("--crop", o.crops,
+                    "Upper left corner of a square; a row below the strips shows this square of every image, enlarged "
+                    "if there is room; may be given several times")
         ->allow_extra_args(false)
         ->type_name("x,y");
-    command->add_option("--cropsize", o->cropSize, "Side of the squares in pixels")
-        ->check(CLI::Range(1, 1 << 16))
-        ->capture_default_str();
-    command->footer("Example: imgtool splitn bvh.exr octree.exr --crop 120,40 --cropsize 64 --outfile compare.png");
-    command->callback([o, &action] { action = [o] { return Splitn(*o); }; });
+    AddFlags(command, "Options",
+             {Flag("--cropsize", o.cropSize, "Side of the squares in pixels", CLI::Range(1, 1 << 16)).ShowDefault()});
 }
 
 }  // namespace pbrt::imgtool

@@ -54,29 +54,26 @@ int Whitebalance(const WhitebalanceOptions &o) {
 }  // namespace
 
 void AddWhitebalance(CLI::App &app, Action &action) {
-    auto o = std::make_shared<WhitebalanceOptions>();
-    CLI::App *command = app.add_subcommand(
-        "whitebalance", "Turn the white of a given light into the white of the image's colour space");
-    command->add_option("file", o->path, "Image with the channels R, G, B")->required();
-    AddOutfileOption(*command, o->outfile, true);
+    auto [command, o] = AddCommand(app, action, Whitebalance, "whitebalance",
+                                   "Turn the white of a given light into the white of the image's colour space",
+                                   "Adaptation after von Kries in Bradford's cone space.\n"
+                                   "Example: imgtool whitebalance lamp.exr --temperature 2800 --outfile white.exr");
+    AddFlags(command, "Options", {Flag("file", o.path, "Image with the channels R, G, B").Required()});
+    AddOutfileOption(command, o.outfile, true);
     CLI::Option *illuminant =
-        command->add_option("--illuminant", o->illuminant, "The light: a standard illuminant, for instance A or D50")
+        command.add_option("--illuminant", o.illuminant, "The light: a standard illuminant, for instance A or D50")
             ->type_name("NAME");
-    CLI::Option *primaries = command->add_option("--primaries", o->primaries, "The light: its chromaticity")
+    CLI::Option *primaries = command.add_option("--primaries", o.primaries, "The light: its chromaticity")
                                  ->delimiter(',')
                                  ->expected(2)
                                  ->type_name("x,y");
     CLI::Option *temperature =
         command
-            ->add_option("--temperature", o->temperature,
-                         "The light: daylight of this temperature in kelvin, below 4000 a black body")
+            .add_option("--temperature", o.temperature,
+                        "The light: daylight of this temperature in kelvin, below 4000 a black body")
             ->check(CLI::Range(1000.0, 25000.0));
     illuminant->excludes(primaries)->excludes(temperature);
     primaries->excludes(temperature);
-    command->footer(
-        "Adaptation after von Kries in Bradford's cone space.\n"
-        "Example: imgtool whitebalance lamp.exr --temperature 2800 --outfile white.exr");
-    command->callback([o, &action] { action = [o] { return Whitebalance(*o); }; });
 }
 
 }  // namespace pbrt::imgtool

@@ -48,7 +48,7 @@ int main(int, char **argv) {
         std::fprintf(stderr, "Error: %s: no program %s was installed for this processor.\n", folder.c_str(),
                      name.c_str());
     else
-        std::fprintf(stderr, "Error: PBRT_INSTRUCTION_SET is \"%s\". On this machine it can be: %s.\n", wish,
+        std::fprintf(stderr, "Error: PBRT_INSTRUCTION_SET is \"%s\"; valid on this machine: %s.\n", wish,
                      choices.c_str());
     return 1;
 }

@@ -21,48 +21,49 @@ std::string RangeText(int first, int end) { return fmt::format("{}:{}", first, e
 
 }  // namespace
 
-Checkpoint::Checkpoint(const CommandLine &options, const SceneDescription &d, const std::string &lightsHash,
-                       BuildOptions *build)
-    : path_(options.checkpoint), isTimed_(options.timeBudget > 0) {
-    const bool exists = FileExists(path_);
+Checkpoint Checkpoint::Open(const CommandLine &options, const SceneDescription &d, const std::string &lightsHash,
+                            BuildOptions *build) {
+    Checkpoint c;
+    c.path_ = options.checkpoint;
+    c.isTimed_ = options.timeBudget > 0;
+    const bool exists = FileExists(c.path_);
     if (exists && !options.resume)
-        throw UserError(
-            fmt::format("{}: exists already. --resume goes on from it; to begin anew, remove it first.", path_));
-    CheckWritable(path_);
-    head_.identity = IdentityOf(*build, SceneFilesOf(options), d);
-    if (!lightsHash.empty()) head_.identity["--load-lights"] = fmt::format("a file with the hash {}", lightsHash);
+        throw UserError(fmt::format("{}: exists already; use --resume, or remove it to begin anew.", c.path_));
+    CheckWritable(c.path_);
+    c.head_.identity = IdentityOf(*build, SceneFilesOf(options), d);
+    if (!lightsHash.empty()) c.head_.identity["--load-lights"] = fmt::format("a file with the hash {}", lightsHash);
     if (exists) {
-        TakeUp(options, build);
-    } else {
-        if (options.resume) LogInfo(fmt::format("{} does not exist: the render begins anew.", path_));
-        head_.samplesFlag = build->samplesPerPixel;
-        head_.isPart = options.samples.has_value();
-        if (options.samples) std::tie(head_.first, head_.end) = *options.samples;
-        head_.film = {d.film.type, d.film.params, d.film.colorSpace, ExposureTime(d.camera.params),
-                      FilmOverridesOf(*build)};
+        c.Resume(options, build);
+        return c;
     }
+    if (options.resume) LogInfo(fmt::format("{} does not exist: starting a new render.", c.path_));
+    c.head_.samplesFlag = build->samplesPerPixel;
+    c.head_.isPart = options.samples.has_value();
+    if (options.samples) std::tie(c.head_.first, c.head_.end) = *options.samples;
+    c.head_.film = {d.film.type, d.film.params, d.film.colorSpace, ExposureTime(d.camera.params),
+                    FilmOverridesOf(*build)};
+    return c;
 }
 
-void Checkpoint::TakeUp(const CommandLine &options, BuildOptions *build) {
-    file_.emplace(path_);
+void Checkpoint::Resume(const CommandLine &options, BuildOptions *build) {
+    file_ = std::make_unique<RenderFile>(path_);
     const RenderFileHead &old = file_->Head();
     auto refuse = [&](const std::string &why) { throw UserError(fmt::format("{}: {}.", path_, why)); };
     if (const std::string differences = DifferencesOf(head_.identity, old.identity, path_); !differences.empty())
         refuse("belongs to another render: " + differences);
     if (old.isPart != options.samples.has_value())
-        refuse(old.isPart
-                   ? fmt::format("is a part of a render; --samples {} goes on with it", RangeText(old.first, old.end))
-                   : "is the checkpoint of a whole render, without --samples");
+        refuse(old.isPart ? fmt::format("is a part of a render; use --samples {}", RangeText(old.first, old.end))
+                          : "is the checkpoint of a whole render, without --samples");
     if (options.samples && *options.samples != std::pair(old.first, old.end))
         refuse(fmt::format("has the samples {}, not {}", RangeText(old.first, old.end),
                            RangeText(options.samples->first, options.samples->second)));
-    const int asked = build->samplesPerPixel;
-    if (old.isPart && asked > 0 && asked != old.samplesFlag)
+    const int spp = build->samplesPerPixel;
+    if (old.isPart && spp > 0 && spp != old.samplesFlag)
         refuse(fmt::format(
             "is a part of a render with {}, not --spp {}",
-            old.samplesFlag > 0 ? fmt::format("--spp {}", old.samplesFlag) : "the scene's number of samples", asked));
+            old.samplesFlag > 0 ? fmt::format("--spp {}", old.samplesFlag) : "the scene's number of samples", spp));
     head_ = old;
-    if (!old.isPart && asked > 0) head_.end = asked;
+    if (!old.isPart && spp > 0) head_.end = spp;
     if (head_.end == 0) head_.end = old.samplesPerBatch;
     if (!isTimed_ && head_.end < old.done + old.passCount)
         refuse(fmt::format("has {} per pixel already{}; --spp can only be larger", CountText(old.done, "sample"),
@@ -79,7 +80,7 @@ void Checkpoint::Begin(const BuiltScene &built, RenderSettings *settings) {
         if (isTimed_) head_.samplesFlag = built.integratorRequest.options.samplesPerPixel;  // as --time planned
         if (!head_.isPart) head_.end = built.samplesPerPixel;
         if (head_.end > built.samplesPerPixel)
-            throw UserError(fmt::format("--samples {}: the render has only {} per pixel; --spp says how many.",
+            throw UserError(fmt::format("--samples {}: the render has only {} per pixel; see --spp.",
                                         RangeText(head_.first, head_.end), CountText(built.samplesPerPixel, "sample")));
         settings->firstSample = head_.done = head_.first;
         settings->endSample = head_.end;
@@ -101,7 +102,7 @@ void Checkpoint::Begin(const BuiltScene &built, RenderSettings *settings) {
         std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(secondsBefore_));
     settings->firstSample = head_.first;
     settings->endSample = head_.end;
-    LogInfo(fmt::format("Going on from {}, after {} per pixel.", path_, CountText(head_.done - head_.first, "sample")));
+    LogInfo(fmt::format("Resuming from {}, after {} per pixel.", path_, CountText(head_.done - head_.first, "sample")));
     file_.reset();  // its memory is not needed any more
 }
 

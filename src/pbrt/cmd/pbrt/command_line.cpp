@@ -4,36 +4,26 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
-#include <iostream>
 #include <map>
+#include <tuple>
 
-#include "pbrt/cmd/flag_checks.h"
-#include "pbrt/cmd/number_checks.h"
-#include "pbrt/cmd/pbrt/tev_display.h"
-#include "pbrt/core/version.h"
+#include "pbrt/cmd/flags.h"
+#include "pbrt/cmd/pbrt/live_view.h"
 #include "pbrt/films/aov_film.h"
 
 namespace pbrt {
 
 namespace {
 
-/// Lower case without '-' and '_': how flag names are compared.
-std::string Fold(const std::string &name) {
-    std::string folded;
-    for (char c : name)
-        if (c != '-' && c != '_') folded += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return folded;
-}
-
 bool IsNumber(std::string_view text) {
     return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
-/// Rewrites every flag to the spelling that CLI11 knows. Unknown flags stay as they are, and CLI11 reports them.
+/// Rewrites every flag to the declared spelling. Unknown flags stay unchanged, and CheckFlags reports them.
 std::vector<std::string> CanonicalFlags(const CLI::App &app, int argc, const char *const *argv) {
     std::map<std::string, std::string> canonical;
     for (const CLI::Option *option : app.get_options())
-        for (const std::string &name : option->get_lnames()) canonical[Fold(name)] = "--" + name;
+        for (const std::string &name : option->get_lnames()) canonical[FoldFlag(name)] = "--" + name;
     std::vector<std::string> arguments;
     for (int i = 1; i < argc; ++i) {
         std::string argument = argv[i];
@@ -41,7 +31,7 @@ std::vector<std::string> CanonicalFlags(const CLI::App &app, int argc, const cha
                       (std::isalpha(static_cast<unsigned char>(argument[1])) || argument[1] == '-');
         if (isFlag) {
             size_t equals = argument.find('=');
-            auto it = canonical.find(Fold(argument.substr(0, equals)));
+            auto it = canonical.find(FoldFlag(argument.substr(0, equals)));
             if (it != canonical.end())
                 argument = it->second + (equals == std::string::npos ? "" : argument.substr(equals));
         }
@@ -65,7 +55,7 @@ std::pair<int, int> ParseSamples(const std::string &text) {
     return {first, end};
 }
 
-/// What a flag without a value has instead of one.
+/// CLI11's value of a flag without one.
 constexpr const char *kNoValue = "true";
 
 /// "text" or "json".
@@ -94,49 +84,150 @@ void CheckViewers(const CommandLine &o) {
 /// The rules for the flags that keep a render.
 void CheckKeeping(const CommandLine &o) {
     const auto refuse = [](const char *message) { throw CLI::ValidationError(message); };
-    if (o.resume && o.checkpoint.empty()) refuse("--resume goes on from the file that --checkpoint names");
+    if (o.resume && o.checkpoint.empty()) refuse("--resume needs --checkpoint, the file to resume from");
     if (!o.samples) return;
-    if (o.checkpoint.empty()) refuse("--samples writes its part to the file that --checkpoint names");
+    if (o.checkpoint.empty()) refuse("--samples needs --checkpoint, the file for the samples");
     if (o.timeBudget > 0) refuse("--samples and --time exclude each other");
     if (o.writePartialImages)
         refuse("--samples and --write-partial-images exclude each other: a part makes no picture");
-    if (!o.saveLights.empty())
-        refuse("--samples and --save-lights exclude each other: a part has not seen all samples");
-}
-
-template <class T>
-CLI::Option *AddNumbers(CLI::App &app, const std::string &name, std::vector<T> &values, int count,
-                        const std::string &form, const std::string &help) {
-    return app.add_option(name, values, help)
-        ->delimiter(',')
-        ->expected(count)
-        ->allow_extra_args(false)
-        ->type_name(form);
+    if (!o.saveLights.empty()) refuse("--samples and --save-lights exclude each other: a part lacks samples");
 }
 
 /// Flags of stock pbrt-v4 that this program lacks.
 FlagHints StockFlags() {
-    const std::string cpu = "this program renders on the CPU only; leave the flag out",
-                      window =
-                          "this program opens no window; --serve and --display-server show the picture as it grows",
-                      log = "this program writes no log; --quiet prints errors only, --stats statistics",
-                      convert = "this program only renders; the pbrt of pbrt-v4 converts scene files with this flag",
-                      none = "this program has nothing like it; leave the flag out";
-    return {{"gpu", cpu},
-            {"gpudevice", cpu},
-            {"wavefront", cpu},
-            {"interactive", window},
-            {"fullscreen", window},
-            {"loglevel", log},
-            {"logfile", log},
-            {"logutilization", log},
-            {"upgrade", convert},
-            {"format", convert},
-            {"toply", convert},
-            {"pixelmaterial", none},
-            {"pixelstats", none},
-            {"debugstart", none},
-            {"disableimagetextures", none}};
+    FlagHints hints;
+    const auto add = [&](std::initializer_list<const char *> flags, const char *hint) {
+        for (const char *flag : flags) hints[flag] = hint;
+    };
+    add({"gpu", "gpudevice", "wavefront"}, "this program renders on the CPU only; leave the flag out");
+    add({"interactive", "fullscreen"},
+        "this program opens no window; --serve and --display-server show the picture as it grows");
+    add({"loglevel", "logfile", "logutilization"},
+        "this program writes no log; --quiet prints errors only, --stats statistics");
+    add({"upgrade", "format", "toply"},
+        "this program only renders; the pbrt of pbrt-v4 converts scene files with this flag");
+    add({"pixelmaterial", "pixelstats", "debugstart", "disableimagetextures"},
+        "this program has nothing like it; leave the flag out");
+    return hints;
+}
+
+/// Targets of flags that BuildOptions keeps in another form.
+struct RawFlags {
+    std::vector<Float> crop;
+    std::vector<int> bounds, pixel;
+    std::string samples, port;
+    double memoryLimitMb = 0;
+};
+
+/// The table of all flags.
+void AddAllFlags(CLI::App &app, CommandLine &o, RawFlags &raw) {
+    BuildOptions &build = o.build;
+    app.add_option("scene", o.sceneFiles,
+                   "scene files, parsed one after the other as one scene; none or \"-\": standard input");
+    AddFlags(
+        app, "Image",
+        {{"--cropwindow", raw.crop, "render only x0,x1,y0,y1, as fractions of the image"},
+         {"--pixelbounds", raw.bounds, "render only x0,x1,y0,y1, in pixels"},
+         {"--pixel", raw.pixel, "render only the pixel x,y"},
+         {"--outfile", build.film.filename, "image to write (.exr, .png, .pfm); overrides the scene's film filename"},
+         {"--aov", build.film.aovs,
+          fmt::format("auxiliary channels of the first visible surface, added to the picture of any film, separated by "
+                      "commas: {}; denoisers read these names",
+                      fmt::join(AovNames(), ", ")),
+          CLI::IsMember(AovNames())},
+         {"--write-partial-images", o.writePartialImages, "write the image after every wave of samples"},
+         {"--mse-reference-image", build.mseReferenceImage, "compare with this image after every wave"},
+         {"--mse-reference-out", build.mseReferenceOut, "file for the \"spp, mse\" lines of that comparison"}});
+    const std::tuple<const char *, int, const char *> lists[] = {
+        {"--cropwindow", 4, "x0,x1,y0,y1"}, {"--pixelbounds", 4, "x0,x1,y0,y1"}, {"--pixel", 2, "x,y"}};
+    for (const auto &[name, count, form] : lists) app.get_option(name)->expected(count)->type_name(form);
+    app.get_option("--aov")->type_name("NAME,...");
+
+    const char *watching = "Watching";
+    AddFlags(app, watching,
+             {{"--display-server", o.displayServer,
+               "HOST:PORT of a viewer that speaks tev's protocol (tev listens at localhost:14158): shows the picture "
+               "as it grows"}});
+    app.add_flag("--serve", raw.port,
+                 "page for a browser on this machine: the picture as it grows, its error so far, time left; --serve "
+                 "PORT or --serve=PORT, 0: any free port")
+        ->group(watching);
+
+    AddFlags(
+        app, "Effort",
+        {{"--spp", build.samplesPerPixel, "samples per pixel; overrides the scene's sampler", PositiveNumber},
+         {"--time", o.timeBudget,
+          "render for this many seconds, preprocessing included; overrides --spp. A short measurement estimates the "
+          "number of samples, for which everything is prepared",
+          PositiveNumber},
+         {"--seed", build.seed, "seed of the pixel sampler (0)"},
+         {"--nthreads", o.threads, "threads (0: all cores)", NonNegativeNumber},
+         {"--memory-limit", raw.memoryLimitMb,
+          "megabytes of memory that may be used; a scene with a larger estimate ends with an error before it is "
+          "built",
+          PositiveNumber},
+         {"--quick", build.quick, "a quarter of the resolution, one sample per pixel unless --spp is given"},
+         {"--texture-cache-mb", build.textureCacheMb,
+          "memory for image textures; the rest is kept in a temporary folder (0: all in memory)", NonNegativeNumber}});
+
+    AddFlags(
+        app, "Long renders and many machines",
+        {{"--checkpoint", o.checkpoint,
+          "file that keeps all of the render, for --resume and for imgtool merge: written every "
+          "--checkpoint-interval seconds, at the end and on Ctrl-C"},
+         {"--checkpoint-interval", o.checkpointInterval,
+          "seconds between checkpoints (60), at least as long as one sample of every pixel takes", PositiveNumber},
+         {"--resume", o.resume,
+          "resume from the --checkpoint file, if it exists; the result is bit-identical to an uninterrupted render. A "
+          "larger --spp or --time than before continues the render"},
+         {"--samples", raw.samples,
+          "FIRST:END: render only these samples of every pixel, from FIRST up to END - 1, into the --checkpoint file, "
+          "without a picture; imgtool merge makes the picture from all parts"},
+         {"--save-lights", o.saveLights,
+          "file for the records of the light sampler and the path guide at the end of the render"},
+         {"--load-lights", o.loadLights,
+          "choose lights and guide paths by the records of another render, without learning: for parts of one picture, "
+          "and frames of an animation with static lights; like --save-lights, renders in world coordinates"}});
+
+    const char *lights = "Light selection";
+    AddFlags(app, lights,
+             {{"--lightsampler", build.lightSampler,
+               "method that chooses the light for a shadow ray, see below; overrides the scene"},
+              {"--mesh-lights", build.meshLights, "the same as +mesh: an emissive mesh is one light"},
+              {"--shooting-sampler", build.shootingSampler,
+               "name[:key=value,...] of the light sampler that chooses where light paths begin (bdpt, mlt, lightpath, "
+               "sppm): power, uniform or seen; overrides the scene"}});
+    app.add_flag_callback(
+           "--list-lightsamplers", [&o] { o.list = "lightsamplers"; }, "the same as --list lightsamplers")
+        ->group(lights);
+
+    AddFlags(app, "Method",
+             {{"--integrator", build.integrator, "use this integrator instead of the scene's (path, simplepath, ...)"},
+              {"--guide", build.guide,
+               "integrators path, volpath: learned Russian roulette and path guiding (\"guide.*\" parameters)"},
+              {"--maxdepth", build.maxDepth, "scattering events per path; 1: direct light only", NonNegativeNumber},
+              {"--disable-pixel-jitter", build.disablePixelJitter, "sample pixel centres only"},
+              {"--disable-wavelength-jitter", build.disableWavelengthJitter, "the same wavelengths for every sample"},
+              {"--disable-texture-filtering", build.disableTextureFiltering, "point-sample all textures"},
+              {"--force-diffuse", build.forceDiffuse, "make every surface diffuse, with its own reflectance"},
+              {"--displacement-edge-scale", build.displacementEdgeScale,
+               "multiplies the \"edgelength\" of displaced meshes", PositiveNumber},
+              {"--ignore-media", build.ignoreMedia, "leave out media; the image is called ...-without-media"},
+              {"--ignore-unsupported", build.ignoreUnsupported,
+               "leave out unsupported features; the image is called ...-incomplete"},
+              {"--render-coord-sys", build.renderCoordSys, "camera, cameraworld (default) or world",
+               CLI::IsMember({"camera", "cameraworld", "world"})}});
+
+    const char *messages = "Messages";
+    AddFlags(app, messages,
+             {{"--list", o.list,
+               "print what a scene can name, with all parameters, and stop: cameras, films, filters, samplers, "
+               "integrators, accelerators, shapes, materials, floattextures, spectrumtextures, lights, arealights, "
+               "media, lightsamplers; all; table"},
+              {"--quiet", o.quiet, "no progress and no warnings; errors only"}});
+    app.add_flag("--stats", o.stats,
+                 "print statistics to standard output after rendering; --stats=json: as a JSON object, for scripts")
+        ->group(messages);
 }
 
 }  // namespace
@@ -144,12 +235,12 @@ FlagHints StockFlags() {
 CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
     CommandLineResult result;
     CommandLine &o = result.options;
-    for (int i = 0; i < argc; ++i) o.text += (i ? " " : "") + std::string(argv[i]);
+    o.text = JoinArguments(argc, argv);
 
     CLI::App app(
         "Renders pbrt-v4 scene files. An independent renderer compatible with pbrt-v4 scenes, made for\n"
         "choosing the right light at every shading point.\n\n"
-        "  pbrt scene.pbrt                              as the scene says\n"
+        "  pbrt scene.pbrt                              with the settings of the scene\n"
         "  pbrt --lightsampler octree scene.pbrt        lights chosen by the visibility octree\n"
         "  pbrt --lightsampler octree:budget=0.02,floor=0.1 --spp 64 --outfile out.exr scene.pbrt\n"
         "  pbrt --lightsampler bvh+mesh+guide scene.pbrt\n"
@@ -163,191 +254,23 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
         "lightlab inspect: +mesh takes every emissive mesh as one light, +guide is --guide with parameters, guide.key\n"
         "in a scene. --list-lightsamplers names all samplers with their parameters.");
     app.set_version_flag("--version", VersionText(), "print the version, and stop");
-    std::vector<Float> crop;
-    std::vector<int> bounds, pixel;
-    int spp = 0, seed = 0, maxDepth = 0;
-    std::string samples, port;
-    double memoryLimitMb = 0;
-    app.add_option("scene", o.sceneFiles,
-                   "scene files, parsed one after the other as one scene; none or \"-\": standard input");
+    RawFlags raw;
+    AddAllFlags(app, o, raw);
 
-    const char *image = "Image";
-    AddNumbers(app, "--cropwindow", crop, 4, "x0,x1,y0,y1", "render only x0,x1,y0,y1, as fractions of the image")
-        ->group(image);
-    AddNumbers(app, "--pixelbounds", bounds, 4, "x0,x1,y0,y1", "render only x0,x1,y0,y1, in pixels")->group(image);
-    AddNumbers(app, "--pixel", pixel, 2, "x,y", "render only the pixel x,y")->group(image);
-    app.add_option("--outfile", o.build.film.filename,
-                   "image to write (.exr, .png, .pfm); overrides the scene's film filename")
-        ->group(image);
-    app.add_option("--aov", o.build.film.aovs,
-                   fmt::format("channels of what the camera sees, added to the picture of any film: {}, with commas "
-                               "between them; their names are those that denoisers read",
-                               fmt::join(AovNames(), ", ")))
-        ->delimiter(',')
-        ->allow_extra_args(false)
-        ->check(CLI::IsMember(AovNames()))
-        ->type_name("NAME,...")
-        ->group(image);
-    app.add_flag("--write-partial-images", o.writePartialImages, "write the image after every wave of samples")
-        ->group(image);
-    app.add_option("--mse-reference-image", o.build.mseReferenceImage, "compare with this image after every wave")
-        ->group(image);
-    app.add_option("--mse-reference-out", o.build.mseReferenceOut, "file for the \"spp, mse\" lines of that comparison")
-        ->group(image);
-
-    const char *viewers = "Watching";
-    app.add_option(
-           "--display-server", o.displayServer,
-           "HOST:PORT of a viewer that speaks tev's protocol (tev listens at localhost:14158): shows the picture "
-           "as it grows")
-        ->group(viewers);
-    CLI::Option *serveOption = app.add_flag("--serve", port,
-                                            "page for a browser on this machine: the picture as it grows, its error so "
-                                            "far, time left; --serve PORT or --serve=PORT, 0: any free port")
-                                   ->group(viewers);
-
-    const char *effort = "Effort";
-    CLI::Option *sppOption = app.add_option("--spp", spp, "samples per pixel; overrides the scene's sampler")
-                                 ->check(PositiveNumber)
-                                 ->group(effort);
-    app.add_option("--time", o.timeBudget,
-                   "render for this many seconds, preprocessing included, whatever --spp says; a short measurement "
-                   "estimates the samples that this allows, and all is prepared as for that --spp")
-        ->check(PositiveNumber)
-        ->group(effort);
-    CLI::Option *seedOption = app.add_option("--seed", seed, "seed of the pixel sampler (0)")->group(effort);
-    app.add_option("--nthreads", o.threads, "threads (0: all cores)")->check(NonNegativeNumber)->group(effort);
-    app.add_option(
-           "--memory-limit", memoryLimitMb,
-           "megabytes of memory that may be used; a scene that needs more is refused before it is built, as far "
-           "as that can be known, else ends with a message")
-        ->check(PositiveNumber)
-        ->group(effort);
-    app.add_flag("--quick", o.build.quick,
-                 "a quarter of the resolution, one sample per pixel unless --spp says otherwise")
-        ->group(effort);
-
-    const char *keeping = "Long renders and many machines";
-    app.add_option("--checkpoint", o.checkpoint,
-                   "file that keeps all of the render, for --resume and for imgtool merge: written every "
-                   "--checkpoint-interval seconds, at the end and on Ctrl-C")
-        ->group(keeping);
-    app.add_option("--checkpoint-interval", o.checkpointInterval,
-                   "seconds between checkpoints (60), at least as long as one sample of every pixel takes")
-        ->check(PositiveNumber)
-        ->group(keeping);
-    app.add_flag("--resume", o.resume,
-                 "go on from the --checkpoint file, if it exists, to the same picture bit by bit; with a larger --spp "
-                 "or --time than before, to a better one")
-        ->group(keeping);
-    app.add_option("--samples", samples,
-                   "FIRST:END: render only these samples of every pixel, from FIRST up to END - 1, into the "
-                   "--checkpoint file, without a picture; imgtool merge makes the picture from all parts")
-        ->group(keeping);
-    app.add_option(
-           "--save-lights", o.saveLights,
-           "file for what the light sampler, and the guide of guided paths, have learned by the end of the render")
-        ->group(keeping);
-    app.add_option("--load-lights", o.loadLights,
-                   "choose lights and guide paths by what another render saved, and learn nothing: for parts of one "
-                   "picture, and frames of an animation whose lights stand still; as --save-lights, renders in world "
-                   "coordinates")
-        ->group(keeping);
-
-    const char *lights = "Light selection";
-    app.add_option("--lightsampler", o.build.lightSampler,
-                   "method that chooses the light for a shadow ray, see below; overrides the scene")
-        ->group(lights);
-    app.add_flag("--mesh-lights", o.build.meshLights, "the same as +mesh: an emissive mesh is one light")
-        ->group(lights);
-    app.add_option("--shooting-sampler", o.build.shootingSampler,
-                   "name[:key=value,...] of the light sampler that chooses where light paths begin (bdpt, mlt, "
-                   "lightpath, sppm): power, uniform or seen; overrides the scene")
-        ->group(lights);
-    app.add_flag_callback(
-           "--list-lightsamplers", [&o] { o.list = "lightsamplers"; }, "the same as --list lightsamplers")
-        ->group(lights);
-
-    const char *method = "Method";
-    app.add_option("--integrator", o.build.integrator,
-                   "use this integrator instead of the scene's (path, simplepath, ...)")
-        ->group(method);
-    app.add_flag("--guide", o.build.guide,
-                 "integrators path, volpath: end paths by what earlier samples found (\"guide.*\" parameters)")
-        ->group(method);
-    CLI::Option *depthOption =
-        app.add_option("--maxdepth", maxDepth, "scattering events per path; 1: direct light only")
-            ->check(NonNegativeNumber)
-            ->group(method);
-    app.add_flag("--disable-pixel-jitter", o.build.disablePixelJitter, "sample pixel centres only")->group(method);
-    app.add_flag("--disable-wavelength-jitter", o.build.disableWavelengthJitter,
-                 "the same wavelengths for every sample")
-        ->group(method);
-    app.add_flag("--disable-texture-filtering", o.build.disableTextureFiltering, "point-sample all textures")
-        ->group(method);
-    app.add_flag("--force-diffuse", o.build.forceDiffuse, "make every surface diffuse, with its own reflectance")
-        ->group(method);
-    app.add_option("--displacement-edge-scale", o.build.displacementEdgeScale,
-                   "multiplies the \"edgelength\" of displaced meshes")
-        ->check(PositiveNumber)
-        ->group(method);
-    app.add_option("--texture-cache-mb", o.build.textureCacheMb,
-                   "memory for image textures; the rest is kept in a temporary folder (0: all in memory)")
-        ->check(NonNegativeNumber)
-        ->group(effort);
-    app.add_flag("--ignore-media", o.build.ignoreMedia, "leave out media; the image is called ...-without-media")
-        ->group(method);
-    app.add_flag("--ignore-unsupported", o.build.ignoreUnsupported,
-                 "leave out all that is not supported; the image is called ...-incomplete")
-        ->group(method);
-    app.add_option("--render-coord-sys", o.build.renderCoordSys, "camera, cameraworld (default) or world")
-        ->check(CLI::IsMember({"camera", "cameraworld", "world"}))
-        ->group(method);
-
-    const char *messages = "Messages";
-    app.add_option("--list", o.list,
-                   "print what a scene can name, with all parameters, and stop: cameras, films, filters, samplers, "
-                   "integrators, accelerators, shapes, materials, "
-                   "floattextures, spectrumtextures, lights, arealights, media, lightsamplers; all; table")
-        ->group(messages);
-    app.add_flag("--quiet", o.quiet, "no progress and no warnings; errors only")->group(messages);
-    CLI::Option *statsOption = app.add_flag("--stats", o.stats,
-                                            "print statistics to standard output after rendering; --stats=json: as a "
-                                            "JSON object, for scripts")
-                                   ->group(messages);
-
-    std::vector<std::string> arguments = CanonicalFlags(app, argc, argv);
-    try {
-        CheckFlags(app, arguments, StockFlags());
-        std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
-        app.parse(arguments);
+    const std::optional<int> status = ParseFlags(app, CanonicalFlags(app, argc, argv), StockFlags(), [&] {
         if (o.build.mseReferenceImage.empty() != o.build.mseReferenceOut.empty())
             throw CLI::ValidationError("--mse-reference-image and --mse-reference-out go together");
-        if (!samples.empty()) o.samples = ParseSamples(samples);
+        if (!raw.samples.empty()) o.samples = ParseSamples(raw.samples);
         CheckKeeping(o);
         CheckViewers(o);
-        if (*serveOption) o.servePort = ParsePort(port);
-        if (*statsOption) o.stats = ParseStats(o.stats);
-    } catch (const CLI::CallForHelp &) {
-        std::cout << app.help();
-        result.done = true;
-        return result;
-    } catch (const CLI::CallForVersion &) {
-        std::cout << VersionText() << "\n";
-        result.done = true;
-        return result;
-    } catch (const CLI::ParseError &e) {
-        std::cerr << "Error: " << e.what() << "\nRun with --help for all options.\n";
-        result.done = true;
-        result.status = 1;
-        return result;
-    }
-    o.memoryLimit = 1e6 * memoryLimitMb;
+        if (app.count("--serve")) o.servePort = ParsePort(raw.port);
+        if (app.count("--stats")) o.stats = ParseStats(o.stats);
+    });
+    if (status) return {{}, true, *status};
+    o.memoryLimit = 1e6 * raw.memoryLimitMb;
     // A part makes no picture.
     o.build.checksOutput = !o.samples;
-    if (*sppOption) o.build.samplesPerPixel = spp;
-    if (*seedOption) o.build.seed = seed;
-    if (*depthOption) o.build.maxDepth = maxDepth;
+    const auto &[crop, bounds, pixel, samples, port, limit] = raw;
     if (!crop.empty()) o.build.film.cropWindow = Bounds2{{crop[0], crop[2]}, {crop[1], crop[3]}};
     if (!bounds.empty()) o.build.film.pixelBounds = Bounds2i{{bounds[0], bounds[2]}, {bounds[1], bounds[3]}};
     if (!pixel.empty()) o.build.film.pixelBounds = Bounds2i{{pixel[0], pixel[1]}, {pixel[0] + 1, pixel[1] + 1}};

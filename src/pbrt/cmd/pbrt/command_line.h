@@ -28,7 +28,7 @@ struct CommandLine {
     std::string text;                            ///< as typed, for image metadata
 };
 
-/// The scene files named on the command line, or standard input.
+/// Returns the scene files named on the command line, or standard input.
 inline std::vector<std::string> SceneFilesOf(const CommandLine &options) {
     return options.sceneFiles.empty() ? std::vector<std::string>{"-"} : options.sceneFiles;
 }

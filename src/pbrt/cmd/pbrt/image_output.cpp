@@ -16,8 +16,8 @@ std::optional<T> Attribute(const ImageMetadata &m, const std::string &name) {
     return value ? std::optional<T>(*value) : std::nullopt;
 }
 
-/// True: two pictures may show the same, so that their samples can be compared. What a header does not say counts as
-/// equal.
+/// Returns true if two pictures may show the same scene, so that their samples can be compared. Missing attributes
+/// count as equal.
 bool MayShowTheSame(const ImageMetadata &a, const ImageMetadata &b) {
     for (const char *name : {"pbrt.scene", "pbrt.integrator"}) {
         const std::optional<std::string> one = Attribute<std::string>(a, name), other = Attribute<std::string>(b, name);

@@ -14,7 +14,7 @@ class ImageOutput {
     explicit ImageOutput(std::string filename) : filename_(std::move(filename)) {}
 
     const std::string &Filename() const { return filename_; }
-    /// "out-unfinished.exr" for "out.exr".
+    /// Returns "out-unfinished.exr" for "out.exr".
     std::string BesideName() const;
     void WriteFinished(const Image &image, const ImageMetadata &metadata);
     /// Returns the name of the file that was written. `metadata` names samples, scene and integrator.

@@ -23,9 +23,12 @@ RenderIdentity IdentityOf(const BuiltScene &built) {
 
 }  // namespace
 
-LearnedLights::LearnedLights(const CommandLine &options) : savePath_(options.saveLights) {
-    if (!options.loadLights.empty()) loaded_.emplace(options.loadLights, kKind);
-    if (!savePath_.empty()) CheckWritable(savePath_);
+LearnedLights LearnedLights::Open(const CommandLine &options) {
+    LearnedLights lights;
+    lights.savePath_ = options.saveLights;
+    if (!options.loadLights.empty()) lights.loaded_ = std::make_unique<StateFile>(options.loadLights, kKind);
+    if (!lights.savePath_.empty()) CheckWritable(lights.savePath_);
+    return lights;
 }
 
 std::string LearnedLights::Hash() const {

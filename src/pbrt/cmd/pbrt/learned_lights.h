@@ -1,5 +1,5 @@
 #pragma once
-#include <optional>
+#include <memory>
 
 #include "pbrt/build/built_scene.h"
 #include "pbrt/cmd/pbrt/command_line.h"
@@ -7,27 +7,27 @@
 
 namespace pbrt {
 
-/// The files of --save-lights and --load-lights: what a light sampler and the guide have learned, for other
-/// renders.
+/// The files of --save-lights and --load-lights: records of a light sampler and a guide for other renders.
 class LearnedLights {
   public:
     /// Reads the file to be loaded. Throws UserError if it is damaged, or if the other one cannot be written.
-    explicit LearnedLights(const CommandLine &options);
+    static LearnedLights Open(const CommandLine &options);
 
     bool AreUsed() const { return loaded_ || !savePath_.empty(); }
-    bool AreLoaded() const { return loaded_.has_value(); }
-    /// Of the content of the loaded file; empty if there is none.
+    bool AreLoaded() const { return loaded_ != nullptr; }
+    /// Hash of the content of the loaded file; empty if there is none.
     std::string Hash() const;
-    /// After the scene is built: that the sampler learns something, and that the loaded file fits. Throws UserError.
+    /// Checks that the sampler learns, and that the loaded file fits the built scene. Throws UserError.
     void Check(const BuiltScene &built) const;
     StateReader Learned() const { return {loaded_->Section("learned"), loaded_->Path()}; }
-    /// After the render. Throws UserError.
+    /// Writes the records after the render. Throws UserError.
     void Save(const BuiltScene &built) const;
     const std::string &SavePath() const { return savePath_; }
 
   private:
+    LearnedLights() = default;
     std::string savePath_;
-    std::optional<StateFile> loaded_;
+    std::unique_ptr<StateFile> loaded_;
 };
 
 }  // namespace pbrt

@@ -1,4 +1,4 @@
-#include "pbrt/cmd/pbrt/live_page.h"
+#include "pbrt/cmd/pbrt/live_view.h"
 
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/beast/core.hpp>
@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "live_page_text.h"
-#include "pbrt/cmd/pbrt/error_estimate.h"
+#include "pbrt/cmd/pbrt/live_board.h"
 #include "pbrt/core/error.h"
 
 namespace pbrt {
@@ -22,15 +22,15 @@ using asio::ip::tcp;
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-/// A browser that asked within this time watches, seconds.
-constexpr double kWatches = 3;
+/// A browser whose last request is younger than this is connected, seconds.
+constexpr double kConnectedSeconds = 3;
 
 /// What the sessions share. Only the thread of the page uses it.
 struct Shared {
     std::shared_ptr<LiveBoard> board;
     ErrorEstimate error;
-    Clock::time_point asked = Clock::now() - std::chrono::hours(1);  ///< when a browser asked last
-    bool lastIsFetched = false;                                      ///< the final picture
+    Clock::time_point lastRequest = Clock::now() - std::chrono::hours(1);  ///< of a browser
+    bool lastIsFetched = false;                                            ///< the final picture
 
     std::string StatusText();
 };
@@ -75,16 +75,16 @@ class Session : public std::enable_shared_from_this<Session> {
 
   private:
     /// A page from elsewhere must not read the picture by a host name that it has pointed to this machine.
-    bool IsAskedAsLocal() const {
+    bool HasLocalHost() const {
         std::string host(request_[http::field::host]);
         host = host.substr(0, host.rfind(':'));
         return host == "127.0.0.1" || host == "localhost";
     }
 
     void Answer() {
-        shared_.asked = Clock::now();
+        shared_.lastRequest = Clock::now();
         const std::string path(request_.target());
-        if (!IsAskedAsLocal()) return SendText(http::status::forbidden, "text/plain", "This page is for localhost.\n");
+        if (!HasLocalHost()) return SendText(http::status::forbidden, "text/plain", "This page is for localhost.\n");
         if (request_.method() != http::verb::get)
             return SendText(http::status::method_not_allowed, "text/plain", "Only GET is answered.\n");
         if (path == "/") return SendText(http::status::ok, "text/html; charset=utf-8", kLivePageText);
@@ -191,7 +191,7 @@ void LivePage::Run() {
         if (!shared.board->IsClosed()) continue;
         const std::shared_ptr<const LivePicture> picture = shared.board->Latest();
         const bool awaitsLast = picture && picture->IsFinal() && !shared.lastIsFetched;
-        if (!awaitsLast || SecondsSince(shared.asked) > kWatches) return;
+        if (!awaitsLast || SecondsSince(shared.lastRequest) > kConnectedSeconds) return;
     }
 }
 

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "pbrt/cmd/pbrt/live_page.h"
-#include "pbrt/cmd/pbrt/tev_display.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/parallel.h"
 
@@ -13,7 +11,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// What a picture may cost before the first one has told.
+/// Estimated cost of a picture before the first measurement.
 constexpr double kSecondsPerPixel = 5e-8;
 
 }  // namespace

@@ -4,7 +4,9 @@
 #include <chrono>
 #include <exception>
 #include <memory>
+#include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "pbrt/cmd/pbrt/live_board.h"
@@ -20,7 +22,7 @@ class LiveViewer {
     template <class Body>
     explicit LiveViewer(Body body) : hasEnded_(std::make_shared<Flag>()) {
         thread_ = std::thread([body = std::move(body), ended = hasEnded_]() mutable {
-            // Whatever happens to a viewer, the render goes on.
+            // A failed viewer does not end the render.
             try {
                 body();
             } catch (const std::exception &e) {
@@ -53,6 +55,39 @@ class LiveViewer {
     std::shared_ptr<Flag> hasEnded_;
     std::thread thread_;
 };
+
+/// A page for browsers on this machine (127.0.0.1 only): the picture as it grows, an estimate of its error, time left.
+///
+///   /         the page
+///   /status   what is known of the render, as JSON
+///   /picture  the pixels of the last picture: red, green and blue of each as little-endian floats, row by row
+class LivePage {
+  public:
+    /// `port` -1: kDefaultPort, or any free one if that is in use; 0: any free one. Throws UserError if the port is in
+    /// use.
+    LivePage(std::shared_ptr<LiveBoard> board, int port);
+    ~LivePage();
+
+    /// "http://127.0.0.1:PORT/".
+    std::string Address() const;
+    /// Answers browsers until the board is closed and the last picture was fetched by those that watch. To be run by a
+    /// thread of its own.
+    void Run();
+
+    static constexpr int kDefaultPort = 8642;
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+/// Sends every picture of the board to a viewer that speaks the protocol of tev (https://github.com/Tom94/tev), until
+/// the board is closed and the last picture is sent, or the viewer is gone. `server`: "host:port". To be run by a
+/// thread of its own.
+void ShowInTev(LiveBoard &board, const std::string &server);
+
+/// Returns host and port of "host:port"; an IPv6 address may stand in brackets. Empty strings if it is something else.
+std::pair<std::string, std::string> SplitServer(const std::string &server);
 
 /// The viewers of a render, and when they get a new picture: between waves, as often as kMaxShare allows, counting what
 /// the picture costs the render and the CPU time of the viewers' threads.

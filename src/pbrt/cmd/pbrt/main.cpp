@@ -33,7 +33,7 @@ int ThreadsOf(const pbrt::CommandLine &options, const pbrt::AnnouncedTeam &annou
 
 int main(int argc, char **argv) {
     using namespace pbrt;
-    // Of the processes that mpirun started, only rank 0 prints.
+    // Only rank 0 prints.
     const AnnouncedTeam announced = ReadAnnouncedTeam();
     const bool isSilent = announced.rank > 0;
     if (isSilent) {
@@ -43,17 +43,17 @@ int main(int argc, char **argv) {
     }
     CommandLineResult parsed = ParseCommandLine(argc, argv);
     // All processes have the same command line. One that ended with an error would make mpirun end the first one, which
-    // might not have said yet what is wrong.
+    // may not have reported the error yet.
     if (parsed.done) return isSilent ? 0 : parsed.status;
     const CommandLine &options = parsed.options;
     if (options.quiet && !isSilent) SetLogLevel(LogLevel::Error);
     std::unique_ptr<ProgressSink> sink = MakeTerminalProgress(options.quiet || isSilent);
     LiveView live(sink.get());
-    // Of several processes the first one shows the picture.
+    // Rank 0 shows the picture.
     const bool isWatched = !isSilent && (options.servePort || !options.displayServer.empty());
     Progress progress(isWatched ? live.Sink() : sink.get());
     auto team = std::make_unique<Team>();
-    // Without this process the others cannot go on.
+    // Other ranks cannot continue without this one.
     const auto fail = [&](const std::string &what) {
         std::fprintf(stderr, "Error: %s%s\n", team->Size() > 1 ? fmt::format("process {}: ", team->Rank()).c_str() : "",
                      what.c_str());

@@ -25,12 +25,12 @@ namespace pbrt {
 
 namespace {
 
-/// Seconds that the writing of a picture may go on after a signal. Longer than any disk needs, shorter than schedulers
+/// Seconds that writing a picture may take after a signal. Longer than any disk needs, shorter than schedulers
 /// wait before they kill a process.
 constexpr double kWritingSeconds = 10;
 
-/// While somebody watches, waves are kept that short, so that the picture is seen to grow. Shorter ones would cost
-/// more: samples of a pixel that are taken one after the other share work.
+/// Longest wave in seconds while a viewer is connected. Shorter waves cost more: consecutive samples of a pixel share
+/// work.
 constexpr double kLiveWaveSeconds = 3;
 
 LiveRender LiveRenderOf(const CommandLine &options, const BuiltScene &built, const RenderSettings &settings) {
@@ -51,13 +51,13 @@ void PrintWarnings(const DiagnosticSink &sink, size_t *printed) {
         if (all[*printed].severity == Severity::Warning) LogInfo(Format(all[*printed], color));
 }
 
-/// Pictures beside the main one are in the memory of one process until its end.
+/// Throws UserError if side pictures, which stay in the memory of one process, meet checkpoints or several ranks.
 void CheckSidePictures(const CommandLine &options, const BuiltScene &built, const Team &team) {
     if (!built.integrator->MakesSidePictures()) return;
     if (!options.checkpoint.empty() || team.Size() > 1)
         throw UserError(
-            "\"visualizestrategies\" and \"visualizeweights\" exclude --checkpoint, --samples and mpirun: what single "
-            "strategies found is neither kept in checkpoints nor sent to other processes.");
+            "\"visualizestrategies\" and \"visualizeweights\" exclude --checkpoint, --samples and mpirun: pictures "
+            "of single strategies are neither stored in checkpoints nor sent to other processes.");
 }
 
 std::string NothingWritten(const std::string &phase) {
@@ -70,25 +70,25 @@ class PictureWriter {
     PictureWriter(const CommandLine &options, const BuiltScene &built, const Timings &timings, SignalWatch &signals)
         : options_(options), built_(built), timings_(timings), signals_(signals), output_(built.filename) {}
 
-    /// After a wave, while the render goes on. A failure is only a warning, because the final picture is what counts.
+    /// Writes an unfinished picture after a wave. A failure is only a warning, because the final picture may succeed.
     void WritePartial(const RenderResult &result) {
         try {
-            SayWriting(output_.Filename());
+            SetWriting(output_.Filename());
             output_.WriteUnfinished(built_.film->ToImage(), Describe(result));
         } catch (const UserError &e) {
-            LogWarning(fmt::format("the image after {} per pixel was not written; rendering goes on. {}",
+            LogWarning(fmt::format("the image after {} per pixel was not written; rendering continues. {}",
                                    CountText(result.samplesTaken, "sample"), e.Diagnostics()[0].message));
         }
-        SayRendering();
+        SetRendering();
     }
 
-    /// At the end. False: there is nothing to write.
+    /// Writes the final picture. Returns false if there is nothing to write.
     bool Write(const RenderResult &result) {
         if (result.cancelled && result.samplesTaken == 0) {
             LogInfo("Interrupted before every pixel had a sample: no image was written.");
             return false;
         }
-        SayWriting(output_.Filename());
+        SetWriting(output_.Filename());
         std::string name = output_.Filename();
         if (result.cancelled)
             name = output_.WriteUnfinished(built_.film->ToImage(), Describe(result));
@@ -96,25 +96,25 @@ class PictureWriter {
             output_.WriteFinished(built_.film->ToImage(), Describe(result));
         for (const SidePicture &side : built_.integrator->SidePictures()) {
             const std::string beside = WithSuffix(name, "-" + side.name);
-            SayWriting(beside);
+            SetWriting(beside);
             WriteImage(beside, side.film->ToImage(), Describe(result));
         }
         if (result.cancelled) LogInfo("Interrupted: the image holds what was rendered.");
         if (name != output_.Filename())
-            LogInfo(fmt::format("{} is kept: it has more samples of this scene, or an unknown number of them.",
+            LogInfo(fmt::format("{} is kept: it has more samples of this scene, or an unknown number.",
                                 output_.Filename()));
         written_ = name;
         return true;
     }
     const std::string &Written() const { return written_; }
 
-    void SayRendering() const {
-        signals_.Cancel("Interrupted; what was rendered is being saved. A second signal ends at once.",
+    void SetRendering() const {
+        signals_.Cancel("Interrupted; saving what was rendered. A second signal ends at once.",
                         "Interrupted again: the last samples were not saved.", SignalWatch::kForever);
     }
 
   private:
-    void SayWriting(const std::string &name) const {
+    void SetWriting(const std::string &name) const {
         signals_.Cancel(fmt::format("Interrupted; writing {} is finished first. A second signal ends at once.", name),
                         fmt::format("Interrupted while writing: {} was not written.", name), kWritingSeconds);
     }
@@ -130,29 +130,14 @@ class PictureWriter {
     std::string written_;
 };
 
-/// Prepares the integrator: by what was learned before, from a file of learned lights, or by finding everything out.
-void PrepareLights(std::optional<StateReader> reader, const LearnedLights &lights, BuiltScene &built, Team &team,
-                   Progress &progress) {
-    PrepareContext context = built.Preparation(progress, team);
-    if (!reader && lights.AreLoaded()) {
-        reader.emplace(lights.Learned());
-        context.learnsOn = false;
-    }
-    if (reader) context.learned = &*reader;
-    built.integrator->Prepare(context);
-    // A file of learned lights may have more than this integrator uses.
-    if (reader && context.learnsOn) reader->RequireEnd();
-}
-
-/// mpirun gives its standard input to the first process only.
+/// Throws UserError for standard input under mpirun, which passes it to rank 0 only.
 void RefusePipes(const CommandLine &options) {
     for (const std::string &file : SceneFilesOf(options))
         if (file == "-")
             throw UserError("under mpirun the scene must be in files: only one process gets the standard input.");
 }
 
-/// Only the first process reads the checkpoint; the others get from it what they need. There `learned` then refers to
-/// `memory`.
+/// Distributes what rank 0 read from the checkpoint to all ranks. In other ranks `learned` then refers to `memory`.
 void ShareCheckpoint(Team &team, BuildOptions *build, std::optional<StateReader> *learned, std::string *memory) {
     if (team.Size() == 1) return;
     team.Meet();
@@ -173,14 +158,12 @@ void ShareCheckpoint(Team &team, BuildOptions *build, std::optional<StateReader>
     if (in.Value<bool>()) *learned = StateReader(in.Take(in.BytesLeft()), "the checkpoint");
 }
 
-/// Sets the number of samples per pixel to what --time allows by a measurement of the first process, so that everything
+/// Sets the number of samples per pixel to what --time allows by a measurement of rank 0, so that everything
 /// that depends on it (prepass, guide, pixel sampler) is as with the fitting --spp. `start`: of the budget.
 void PlanSamples(double budget, std::chrono::steady_clock::time_point start, Team &team, BuiltScene &built) {
     int samples = 0;
     if (team.IsRank0()) {
-        const auto left = [&] {
-            return budget - std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        };
+        const auto left = [&] { return budget - SecondsSince(start); };
         const std::unique_ptr<Integrator> plain = MakePlainIntegrator(built);
         Progress silent;
         PrepareContext context = built.Preparation(silent);
@@ -198,7 +181,7 @@ void PlanSamples(double budget, std::chrono::steady_clock::time_point start, Tea
                         samples));
 }
 
-/// Brings all counters to the first process, and how many bytes were sent.
+/// Sums counters and sent bytes of all ranks in rank 0.
 void ReduceCounters(Team &team, uint64_t *sent) {
     *sent = team.BytesSent();
     team.Reduce(
@@ -212,152 +195,211 @@ void ReduceCounters(Team &team, uint64_t *sent) {
         });
 }
 
-/// What the processes beside the first do in place of all that follows the preparation.
-int FollowRender(BuiltScene &built, Team &team, const RenderSettings &settings, Progress &progress,
-                 SignalWatch &signals) {
-    signals.Cancel("", "", SignalWatch::kForever);
-    FollowWaves(built.Rendering(progress, team), settings);
-    uint64_t sent = 0;
-    ReduceCounters(team, &sent);
-    signals.EndAtOnce("");
-    return signals.Status();
-}
+/// One render, phase by phase.
+class RenderJob {
+  public:
+    RenderJob(const CommandLine &options, const PluginRegistry &registry, Team &team, Progress &progress,
+              SignalWatch &signals, LiveView &live)
+        : options_(options),
+          registry_(registry),
+          team_(team),
+          progress_(progress),
+          signals_(signals),
+          live_(live),
+          build_(options.build) {}
 
-void SayKept(const Checkpoint &checkpoint, const RenderResult &result) {
-    const RenderFileHead &head = checkpoint.Head();
-    if (result.cancelled)
-        LogInfo(fmt::format("{} holds what was rendered; the same command with --resume goes on.", checkpoint.Path()));
-    else if (head.isPart)
-        LogInfo(fmt::format("Wrote {} (samples {}:{} of {}, {:.2f} s); imgtool merge makes the picture.",
-                            checkpoint.Path(), head.first, head.end, head.samplesPerBatch, result.seconds));
-}
+    int Run() {
+        signals_.EndAtOnce(NothingWritten("reading"));
+        SceneDescription description = Read();
+        // Here and below, a signal that comes after the line "done" belongs to the phase that follows.
+        signals_.EndAtOnce(NothingWritten("building"));
+        timings_.read = progress_.EndPhase();
+        built_.emplace(Build(description));
+        signals_.EndAtOnce(NothingWritten("preparing lights"));
+        timings_.build = progress_.EndPhase();
+        PrepareLights();
+        return team_.IsRank0() ? Render() : FollowRender();
+    }
+
+  private:
+    /// Reads the scene, learned lights and the checkpoint.
+    SceneDescription Read() {
+        if (team_.Size() > 1) RefusePipes(options_);
+        progress_.BeginPhase("reading", 0);
+        SceneDescription description = ParseSceneFiles(SceneFilesOf(options_), sink_);
+        PrintWarnings(sink_, &printed_);
+        sink_.ThrowIfErrors();
+        build_.checksOutput = build_.checksOutput && team_.IsRank0();
+        learnedLights_ = LearnedLights::Open(options_);
+        // In world coordinates the lights of all frames of an animation are the same, wherever the camera is.
+        if (learnedLights_->AreUsed() && build_.renderCoordSys.empty() && !description.options.renderCoordSys)
+            build_.renderCoordSys = "world";
+        if (!options_.checkpoint.empty() && team_.IsRank0())
+            checkpoint_ = Checkpoint::Open(options_, description, learnedLights_->Hash(), &build_);
+        if (checkpoint_ && checkpoint_->IsResumed()) learned_.emplace(checkpoint_->Learned());
+        ShareCheckpoint(team_, &build_, &learned_, &shared_);
+        return description;
+    }
+
+    BuiltScene Build(SceneDescription &description) {
+        progress_.BeginPhase("building", 0);
+        BuiltScene built = [&] {
+            try {
+                return BuildScene(description, build_, registry_, sink_, progress_);
+            } catch (...) {
+                PrintWarnings(sink_, &printed_);
+                throw;
+            }
+        }();
+        description.shapes.clear();
+        PrintWarnings(sink_, &printed_);
+        learnedLights_->Check(built);
+        CheckSidePictures(options_, built, team_);
+        team_.Meet();
+        return built;
+    }
+
+    /// Prepares the integrator from the checkpoint, from a file of learned lights, or afresh.
+    void PrepareLights() {
+        BuiltScene &built = *built_;
+        if (options_.build.quick)
+            LogInfo(fmt::format(
+                "--quick: {} x {} pixels{}.", built.film->FullResolution().x, built.film->FullResolution().y,
+                options_.timeBudget > 0 ? ""
+                                        : fmt::format(", {} per pixel", CountText(built.samplesPerPixel, "sample"))));
+        progress_.BeginPhase("preparing lights", 0);
+        // A resumed render has its number of samples from the checkpoint. Only light samplers and guides learn.
+        if (options_.timeBudget > 0 && !learned_ && built.integrator->Lights())
+            PlanSamples(options_.timeBudget, start_, team_, built);
+        settings_.emplace(built.Settings());
+        settings_->timeBudget = options_.timeBudget;
+        settings_->start = start_;
+        PrepareContext context = built.Preparation(progress_, team_);
+        if (!learned_ && learnedLights_->AreLoaded()) {
+            learned_.emplace(learnedLights_->Learned());
+            context.learnsOn = false;
+        }
+        if (learned_) context.learned = &*learned_;
+        built.integrator->Prepare(context);
+        // A file of learned lights may have more than this integrator uses.
+        if (learned_ && context.learnsOn) learned_->RequireEnd();
+        timings_.prepare = progress_.EndPhase();
+        if (checkpoint_) checkpoint_->Begin(built, &*settings_);
+        ResetCounters();
+        team_.Meet();
+        team_.EndMeetings();
+    }
+
+    /// The rest of the job in ranks other than the first.
+    int FollowRender() {
+        signals_.Cancel("", "", SignalWatch::kForever);
+        FollowWaves(built_->Rendering(progress_, team_), *settings_);
+        uint64_t sent = 0;
+        ReduceCounters(team_, &sent);
+        signals_.EndAtOnce("");
+        return signals_.Status();
+    }
+
+    /// Sets what is done between waves: partial images, live pictures, checkpoints.
+    void SetCallbacks(PictureWriter &writer) {
+        RenderSettings &settings = *settings_;
+        if (options_.writePartialImages || live_.HasViewers())
+            settings.afterWave = [this, &settings, &writer](int samples) {
+                // The last picture comes with the end of the render.
+                if (options_.timeBudget <= 0 && samples == settings.EndSample()) return;
+                if (live_.HasViewers())
+                    settings.maxWaveSeconds = std::max(kLiveWaveSeconds, live_.AfterWave(*built_->film, samples));
+                if (!options_.writePartialImages) return;
+                RenderResult until;
+                until.samplesTaken = samples;
+                writer.WritePartial(until);
+            };
+        if (live_.HasViewers()) {
+            settings.maxWaveSeconds = kLiveWaveSeconds;
+            live_.Begin(LiveRenderOf(options_, *built_, settings));
+        }
+        // A checkpoint needs a finished preparation.
+        if (checkpoint_ && !progress_.Cancelled()) {
+            settings.checkpointInterval = options_.checkpointInterval;
+            settings.checkpoint = [this](const RenderPosition &position) {
+                RenderResult until;
+                until.samplesTaken = position.done;
+                checkpoint_->Write(*built_, position, DescribeImage(options_, *built_, until, timings_));
+            };
+        }
+    }
+
+    /// Renders, and writes and reports the result. Returns the exit status.
+    int Render() {
+        BuiltScene &built = *built_;
+        PictureWriter writer(options_, built, timings_, signals_);
+        SetCallbacks(writer);
+        writer.SetRendering();
+        RenderResult result = RenderWaves(built.Rendering(progress_, team_), *settings_);
+        uint64_t sent = 0;
+        ReduceCounters(team_, &sent);
+        timings_.render = result.seconds;
+        if (checkpoint_) result.seconds += checkpoint_->RenderSecondsBefore();
+        live_.Finish(*built.film, result.samplesTaken, result.cancelled);
+        progress_.BeginPhase("writing", 0);
+        const bool isPart = options_.samples.has_value(), isWritten = !isPart && writer.Write(result);
+        if (!learnedLights_->SavePath().empty() && !result.cancelled) learnedLights_->Save(built);
+        timings_.write = progress_.EndPhase();
+        const bool hasFailed = checkpoint_ && !checkpoint_->Failure().empty();
+        if (settings_->checkpoint && !hasFailed) LogCheckpoint(result);
+        if (isWritten)
+            LogInfo(fmt::format("Wrote {} ({} per pixel, {:.2f} s; {:.2f} s since the start).", writer.Written(),
+                                CountText(result.samplesTaken, "sample"), result.seconds, timings_.Total()));
+        if (options_.stats == "text") PrintStatistics(built, result, timings_);
+        if (options_.stats == "text" && team_.Size() > 1)
+            std::printf("  %-34s %d, %d; %.3f MB sent\n", "processes, threads", team_.Size(), team_.TotalThreads(),
+                        static_cast<double>(sent) / 1e6);
+        if (options_.stats == "json") PrintStatisticsJson(options_, built, result, timings_, writer.Written());
+        std::fflush(stdout);
+        live_.SayFarewell();
+        // The picture is written even if one of these failed.
+        if (!result.mseFailure.empty()) throw UserError(result.mseFailure);
+        if (hasFailed) throw UserError(checkpoint_->Failure());
+        // Only memory is left to be freed.
+        signals_.EndAtOnce("");
+        return signals_.Status();
+    }
+
+    void LogCheckpoint(const RenderResult &result) const {
+        const RenderFileHead &head = checkpoint_->Head();
+        if (result.cancelled)
+            LogInfo(fmt::format("{} holds what was rendered; rerun the command with --resume to resume.",
+                                checkpoint_->Path()));
+        else if (head.isPart)
+            LogInfo(fmt::format("Wrote {} (samples {}:{} of {}, {:.2f} s); imgtool merge makes the picture.",
+                                checkpoint_->Path(), head.first, head.end, head.samplesPerBatch, result.seconds));
+    }
+
+    const CommandLine &options_;
+    const PluginRegistry &registry_;
+    Team &team_;
+    Progress &progress_;
+    SignalWatch &signals_;
+    LiveView &live_;
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    Timings timings_{.startUp = SecondsSinceProcessStart()};
+    DiagnosticSink sink_;
+    size_t printed_ = 0;  ///< diagnostics of sink_ that are printed
+    BuildOptions build_;
+    std::optional<LearnedLights> learnedLights_;
+    std::optional<Checkpoint> checkpoint_;
+    std::string shared_;                  ///< what learned_ of other ranks refers to
+    std::optional<StateReader> learned_;  ///< by the checkpoint, or by the file of learned lights
+    std::optional<BuiltScene> built_;
+    std::optional<RenderSettings> settings_;
+};
 
 }  // namespace
 
 int RunRenderJob(const CommandLine &options, const PluginRegistry &registry, Team &team, Progress &progress,
                  SignalWatch &signals, LiveView &live) {
     if (options.memoryLimit > 0) LimitMemory(options.memoryLimit);
-    const bool isFirst = team.IsRank0();
-    const auto start = std::chrono::steady_clock::now();
-    Timings timings;
-    timings.startUp = SecondsSinceProcessStart();
-    DiagnosticSink sink;
-    size_t printed = 0;
-
-    signals.EndAtOnce(NothingWritten("reading"));
-    if (team.Size() > 1) RefusePipes(options);
-    progress.BeginPhase("reading", 0);
-    SceneDescription description = ParseSceneFiles(SceneFilesOf(options), sink);
-    PrintWarnings(sink, &printed);
-    sink.ThrowIfErrors();
-    BuildOptions build = options.build;
-    build.checksOutput = build.checksOutput && isFirst;
-    const LearnedLights learnedLights(options);
-    // In world coordinates the lights of all frames of an animation are the same, wherever the camera is.
-    if (learnedLights.AreUsed() && build.renderCoordSys.empty() && !description.options.renderCoordSys)
-        build.renderCoordSys = "world";
-    std::optional<Checkpoint> checkpoint;
-    if (!options.checkpoint.empty() && isFirst) checkpoint.emplace(options, description, learnedLights.Hash(), &build);
-    std::optional<StateReader> learned;
-    if (checkpoint && checkpoint->IsResumed()) learned.emplace(checkpoint->Learned());
-    std::string shared;
-    ShareCheckpoint(team, &build, &learned, &shared);
-    // Here and below, a signal that comes after the line "done" belongs to the phase that follows.
-    signals.EndAtOnce(NothingWritten("building"));
-    timings.read = progress.EndPhase();
-
-    progress.BeginPhase("building", 0);
-    BuiltScene built = [&] {
-        try {
-            return BuildScene(description, build, registry, sink, progress);
-        } catch (...) {
-            PrintWarnings(sink, &printed);
-            throw;
-        }
-    }();
-    description.shapes.clear();
-    PrintWarnings(sink, &printed);
-    learnedLights.Check(built);
-    CheckSidePictures(options, built, team);
-    team.Meet();
-    signals.EndAtOnce(NothingWritten("preparing lights"));
-    timings.build = progress.EndPhase();
-
-    if (options.build.quick)
-        LogInfo(fmt::format(
-            "--quick: {} x {} pixels{}.", built.film->FullResolution().x, built.film->FullResolution().y,
-            options.timeBudget > 0 ? "" : fmt::format(", {} per pixel", CountText(built.samplesPerPixel, "sample"))));
-
-    progress.BeginPhase("preparing lights", 0);
-    // A render that goes on has its number of samples from the checkpoint. Only light samplers and guides learn.
-    if (options.timeBudget > 0 && !learned && built.integrator->Lights())
-        PlanSamples(options.timeBudget, start, team, built);
-    RenderSettings settings = built.Settings();
-    settings.timeBudget = options.timeBudget;
-    settings.start = start;
-    PrepareLights(learned, learnedLights, built, team, progress);
-    timings.prepare = progress.EndPhase();
-    if (checkpoint) checkpoint->Begin(built, &settings);
-    ResetCounters();
-    team.Meet();
-    team.EndMeetings();
-    if (!isFirst) return FollowRender(built, team, settings, progress, signals);
-
-    RenderResult result;
-    PictureWriter writer(options, built, timings, signals);
-    if (options.writePartialImages || live.HasViewers())
-        settings.afterWave = [&](int samples) {
-            // The last picture comes with the end of the render.
-            if (options.timeBudget <= 0 && samples == settings.EndSample()) return;
-            if (live.HasViewers())
-                settings.maxWaveSeconds = std::max(kLiveWaveSeconds, live.AfterWave(*built.film, samples));
-            if (!options.writePartialImages) return;
-            result.samplesTaken = samples;
-            writer.WritePartial(result);
-        };
-    if (live.HasViewers()) {
-        settings.maxWaveSeconds = kLiveWaveSeconds;
-        live.Begin(LiveRenderOf(options, built, settings));
-    }
-    // Without its preparation there would be nothing to go on from.
-    if (checkpoint && !progress.Cancelled()) {
-        settings.checkpointInterval = options.checkpointInterval;
-        settings.checkpoint = [&](const RenderPosition &position) {
-            RenderResult until;
-            until.samplesTaken = position.done;
-            checkpoint->Write(built, position, DescribeImage(options, built, until, timings));
-        };
-    }
-    const bool isPart = options.samples.has_value();
-    writer.SayRendering();
-    result = RenderWaves(built.Rendering(progress, team), settings);
-    uint64_t sent = 0;
-    ReduceCounters(team, &sent);
-    timings.render = result.seconds;
-    if (checkpoint) result.seconds += checkpoint->RenderSecondsBefore();
-    live.Finish(*built.film, result.samplesTaken, result.cancelled);
-    progress.BeginPhase("writing", 0);
-    const bool isWritten = !isPart && writer.Write(result);
-    if (!learnedLights.SavePath().empty() && !result.cancelled) learnedLights.Save(built);
-    timings.write = progress.EndPhase();
-    if (checkpoint && settings.checkpoint && checkpoint->Failure().empty()) SayKept(*checkpoint, result);
-    if (isWritten)
-        LogInfo(fmt::format("Wrote {} ({} per pixel, {:.2f} s; {:.2f} s since the start).", writer.Written(),
-                            CountText(result.samplesTaken, "sample"), result.seconds, timings.Total()));
-    if (options.stats == "text") PrintStatistics(built, result, timings);
-    if (options.stats == "text" && team.Size() > 1)
-        std::printf("  %-34s %d, %d; %.3f MB sent\n", "processes, threads", team.Size(), team.TotalThreads(),
-                    static_cast<double>(sent) / 1e6);
-    if (options.stats == "json")
-        PrintStatisticsJson(options, built, result, timings, isWritten ? writer.Written() : std::string());
-    std::fflush(stdout);
-    live.SayFarewell();
-    // The picture is written all the same.
-    if (!result.mseFailure.empty()) throw UserError(result.mseFailure);
-    if (checkpoint && !checkpoint->Failure().empty()) throw UserError(checkpoint->Failure());
-    // Only memory is left to be freed.
-    signals.EndAtOnce("");
-    return signals.Status();
+    return RenderJob(options, registry, team, progress, signals, live).Run();
 }
 
 }  // namespace pbrt

@@ -19,22 +19,24 @@ namespace pbrt {
 
 namespace {
 
-/// Adds whatever a sampler or guide reports as attributes.
-template <class Reporter>
-void AddReport(const Reporter &reporter, const std::string &prefix, ImageMetadata *m) {
-    nlohmann::ordered_json report = nlohmann::ordered_json::object();
-    reporter.Report(report);
-    for (const auto &[key, value] : report.items()) {
-        std::string name = prefix + key;
-        if (value.is_number_integer())
-            m->attributes[name] = value.template get<int>();
-        else if (value.is_number())
-            m->attributes[name] = value.template get<float>();
-        else if (value.is_string())
-            m->attributes[name] = value.template get<std::string>();
-        else
-            m->attributes[name] = value.dump();
-    }
+using Json = nlohmann::ordered_json;
+
+/// What a light sampler or guide reports.
+struct ComponentReport {
+    std::string key, title;  ///< for attributes and JSON, for the user
+    std::string name;        ///< empty: there is only one kind
+    Json report = Json::object();
+};
+
+std::vector<ComponentReport> ReportsOf(const BuiltScene &built) {
+    std::vector<ComponentReport> reports;
+    const auto add = [&](const char *key, const char *title, const std::string &name, const auto *reporter) {
+        if (reporter) reporter->Report(reports.emplace_back(ComponentReport{key, title, name}).report);
+    };
+    add("lightSampler", "light sampler", built.lightSamplerName, built.integrator->Lights());
+    add("shootingSampler", "light paths begin by", built.shootingSamplerName, built.integrator->EmissionSampler());
+    add("guide", "guide", "", built.integrator->Directions());
+    return reports;
 }
 
 }  // namespace
@@ -73,15 +75,18 @@ ImageMetadata DescribeImage(const CommandLine &options, const BuiltScene &built,
     m.attributes["pbrt.prepareSeconds"] = static_cast<float>(timings.prepare);
     if (!built.leftOut.empty()) m.attributes["pbrt.ignored"] = fmt::format("{}", fmt::join(built.leftOut, "\n"));
     if (result.cancelled) m.attributes["pbrt.interrupted"] = 1;
-    if (const LightSampler *lights = built.integrator->Lights()) {
-        m.attributes["lightSampler"] = built.lightSamplerName;
-        AddReport(*lights, "lightSampler.", &m);
+    for (const ComponentReport &r : ReportsOf(built)) {
+        if (!r.name.empty()) m.attributes[r.key] = r.name;
+        for (const auto &[key, value] : r.report.items()) {
+            ImageMetadata::Value &attribute = m.attributes[r.key + "." + key];
+            if (value.is_number_integer())
+                attribute = value.get<int>();
+            else if (value.is_number())
+                attribute = value.get<float>();
+            else
+                attribute = value.is_string() ? value.get<std::string>() : value.dump();
+        }
     }
-    if (const LightSampler *shooting = built.integrator->EmissionSampler()) {
-        m.attributes["shootingSampler"] = built.shootingSamplerName;
-        AddReport(*shooting, "shootingSampler.", &m);
-    }
-    if (const DirectionSampling *guide = built.integrator->Directions()) AddReport(*guide, "guide.", &m);
     return m;
 }
 
@@ -116,73 +121,59 @@ void PrintStatistics(const BuiltScene &built, const RenderResult &result, const 
     }
     if (built.film->RejectedSamples())
         line("samples dropped (not finite)", fmt::format("{}", built.film->RejectedSamples()));
-    auto list = [&](const char *what, const std::string &name, const auto &reporter) {
-        nlohmann::ordered_json report = nlohmann::ordered_json::object();
-        reporter.Report(report);
-        line(what, name);
-        for (const auto &[key, value] : report.items())
-            line(("  " + key).c_str(), value.is_string() ? value.template get<std::string>() : value.dump());
-    };
-    if (const LightSampler *lights = built.integrator->Lights()) list("light sampler", built.lightSamplerName, *lights);
-    if (const LightSampler *shooting = built.integrator->EmissionSampler())
-        list("light paths begin by", built.shootingSamplerName, *shooting);
-    if (const DirectionSampling *guide = built.integrator->Directions()) list("guide", "", *guide);
+    for (const ComponentReport &r : ReportsOf(built)) {
+        line(r.title.c_str(), r.name);
+        for (const auto &[key, value] : r.report.items())
+            line(("  " + key).c_str(), value.is_string() ? value.get<std::string>() : value.dump());
+    }
 }
 
 void PrintStatisticsJson(const CommandLine &options, const BuiltScene &built, const RenderResult &result,
                          const Timings &timings, const std::string &picture) {
-    using Json = nlohmann::ordered_json;
     const auto milliseconds = [](double seconds) { return std::round(1000 * seconds) / 1000; };
     const auto bytes = [](double v) { return static_cast<int64_t>(v); };
-    const auto report = [](const std::string &name, const auto *reporter) {
-        if (!reporter) return Json();
-        Json said = Json::object();
-        reporter->Report(said);
-        return Json{{"name", name}, {"report", said}};
-    };
     const RenderCounters c = SumCounters();
     const Bounds2i &window = built.film->PixelBounds();
-    const Json json = {
-        {"schema", 1},
-        {"program", VersionText()},
-        {"commandLine", options.text},
-        {"scene", SceneFilesOf(options)},
-        {"picture", picture.empty() ? Json() : Json(picture)},
-        {"resolution", {built.film->FullResolution().x, built.film->FullResolution().y}},
-        {"window", {{"x0", window.low.x}, {"x1", window.high.x}, {"y0", window.low.y}, {"y1", window.high.y}}},
-        {"integrator", built.integratorName},
-        {"maxDepth", built.maxDepth},
-        {"seed", built.seed},
-        {"threads", ThreadCount()},
-        {"samplesPerPixel", result.samplesTaken},
-        {"plannedSamplesPerPixel", options.timeBudget > 0 ? Json(built.samplesPerPixel) : Json()},
-        {"isInterrupted", result.cancelled},
-        {"mse", result.mse ? Json(*result.mse) : Json()},
-        {"seconds",
-         {{"startUp", milliseconds(timings.startUp)},
-          {"reading", milliseconds(timings.read)},
-          {"building", milliseconds(timings.build)},
-          {"preparingLights", milliseconds(timings.prepare)},
-          {"rendering", milliseconds(timings.render)},
-          {"writing", milliseconds(timings.write)},
-          {"total", milliseconds(timings.Total())}}},
-        {"shapes", built.scene->ShapeCount()},
-        {"lights", built.scene->Lights().Size()},
-        {"bytes",
-         {{"expected", bytes(built.memory.Total())},
-          {"accelerationStructure", built.scene->Acceleration().Bytes()},
-          {"film", built.film->Bytes()}}},
-        {"counts",
-         {{"cameraPaths", c.cameraPaths},
-          {"pathVertices", c.pathVertices},
-          {"closestHitRays", c.closestHitRays},
-          {"shadowRays", c.shadowRays},
-          {"shadowRaysBlocked", c.shadowRaysBlocked},
-          {"mediumLookups", c.mediumLookups},
-          {"samplesDropped", built.film->RejectedSamples()}}},
-        {"lightSampler", report(built.lightSamplerName, built.integrator->Lights())},
-        {"shootingSampler", report(built.shootingSamplerName, built.integrator->EmissionSampler())},
-        {"guide", report("guide", built.integrator->Directions())}};
+    Json json = {{"schema", 1},
+                 {"program", VersionText()},
+                 {"commandLine", options.text},
+                 {"scene", SceneFilesOf(options)},
+                 {"picture", picture.empty() ? Json() : Json(picture)},
+                 {"resolution", {built.film->FullResolution().x, built.film->FullResolution().y}},
+                 {"window", {{"x0", window.low.x}, {"x1", window.high.x}, {"y0", window.low.y}, {"y1", window.high.y}}},
+                 {"integrator", built.integratorName},
+                 {"maxDepth", built.maxDepth},
+                 {"seed", built.seed},
+                 {"threads", ThreadCount()},
+                 {"samplesPerPixel", result.samplesTaken},
+                 {"plannedSamplesPerPixel", options.timeBudget > 0 ? Json(built.samplesPerPixel) : Json()},
+                 {"isInterrupted", result.cancelled},
+                 {"mse", result.mse ? Json(*result.mse) : Json()},
+                 {"seconds",
+                  {{"startUp", milliseconds(timings.startUp)},
+                   {"reading", milliseconds(timings.read)},
+                   {"building", milliseconds(timings.build)},
+                   {"preparingLights", milliseconds(timings.prepare)},
+                   {"rendering", milliseconds(timings.render)},
+                   {"writing", milliseconds(timings.write)},
+                   {"total", milliseconds(timings.Total())}}},
+                 {"shapes", built.scene->ShapeCount()},
+                 {"lights", built.scene->Lights().Size()},
+                 {"bytes",
+                  {{"expected", bytes(built.memory.Total())},
+                   {"accelerationStructure", built.scene->Acceleration().Bytes()},
+                   {"film", built.film->Bytes()}}},
+                 {"counts",
+                  {{"cameraPaths", c.cameraPaths},
+                   {"pathVertices", c.pathVertices},
+                   {"closestHitRays", c.closestHitRays},
+                   {"shadowRays", c.shadowRays},
+                   {"shadowRaysBlocked", c.shadowRaysBlocked},
+                   {"mediumLookups", c.mediumLookups},
+                   {"samplesDropped", built.film->RejectedSamples()}}}};
+    for (const char *key : {"lightSampler", "shootingSampler", "guide"}) json[key] = nullptr;
+    for (const ComponentReport &r : ReportsOf(built))
+        json[r.key] = {{"name", r.name.empty() ? r.key : r.name}, {"report", r.report}};
     std::printf("%s\n", json.dump(1, ' ', false, Json::error_handler_t::replace).c_str());
 }
 

@@ -21,10 +21,10 @@ struct Timings {
     double Total() const { return startUp + read + build + prepare + render + write; }
 };
 
-/// Seconds since the process was started, in steps of the kernel's clock (10 ms).
+/// Returns the seconds since the process was started, in steps of the kernel's clock (10 ms).
 double SecondsSinceProcessStart();
 
-/// What a picture depends on and what it cost, for the file's header.
+/// Returns what a picture depends on and its cost, for the file's header.
 ImageMetadata DescribeImage(const CommandLine &options, const BuiltScene &built, const RenderResult &result,
                             const Timings &timings);
 

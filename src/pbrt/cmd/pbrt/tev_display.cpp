@@ -1,16 +1,11 @@
-#include "pbrt/cmd/pbrt/tev_display.h"
+#include "pbrt/cmd/pbrt/live_view.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <netdb.h>
-#include <netinet/tcp.h>
-#include <poll.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <bit>
-#include <cerrno>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core.hpp>
 #include <chrono>
 #include <cstring>
 
@@ -19,6 +14,9 @@
 namespace pbrt {
 
 namespace {
+
+namespace beast = boost::beast;
+using boost::asio::ip::tcp;
 
 static_assert(std::endian::native == std::endian::little, "the protocol is little-endian");
 
@@ -60,93 +58,51 @@ class Packet {
     std::string bytes_;
 };
 
-/// A connection that never blocks for longer than it is told to.
+/// A connection with time-outs.
 class Connection {
   public:
     Connection(const LiveBoard &board, const std::string &server) : board_(board) {
         const auto [host, port] = SplitServer(server);
-        addrinfo hints = {}, *found = nullptr;
-        hints.ai_socktype = SOCK_STREAM;
-        if (const int code = getaddrinfo(host.c_str(), port.c_str(), &hints, &found); code != 0) {
-            failure_ = gai_strerror(code);
-            return;
-        }
-        for (const addrinfo *a = found; a && socket_ < 0; a = a->ai_next) Connect(*a);
-        freeaddrinfo(found);
+        const auto found = tcp::resolver(io_).resolve(host, port, failed_);
+        if (failed_) return;
+        stream_.expires_after(std::chrono::seconds(kConnectSeconds));
+        stream_.async_connect(found, [this](beast::error_code failed, const tcp::endpoint &) { failed_ = failed; });
+        io_.run();
+        stream_.expires_never();
     }
-    ~Connection() {
-        if (socket_ >= 0) close(socket_);
-    }
-    Connection(const Connection &) = delete;
-    Connection &operator=(const Connection &) = delete;
 
-    bool IsOpen() const { return socket_ >= 0; }
-    const std::string &Failure() const { return failure_; }
+    bool IsOpen() const { return !failed_; }
+    std::string Failure() const { return isStalled_ ? "it reads nothing" : failed_.message(); }
 
-    /// False: the viewer is gone, or has read nothing for too long after the board was closed.
+    /// Returns false if the viewer is gone, or has read nothing for kLastSeconds after the board was closed.
     bool Send(const std::string &bytes) {
-        size_t sent = 0;
-        while (sent < bytes.size()) {
-            const ssize_t n = send(socket_, bytes.data() + sent, bytes.size() - sent, MSG_NOSIGNAL);
-            if (n > 0) {
-                sent += static_cast<size_t>(n);
-            } else if (n < 0 && errno == EINTR) {
-                continue;
-            } else if (n < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) {
-                if (!WaitToWrite()) return false;
-            } else {
-                failure_ = std::strerror(errno);
-                return false;
+        for (size_t sent = 0; sent < bytes.size() && !failed_;) {
+            bool isDone = false;
+            stream_.async_write_some(boost::asio::buffer(bytes.data() + sent, bytes.size() - sent),
+                                     [&](beast::error_code failed, size_t count) {
+                                         failed_ = failed;
+                                         sent += count;
+                                         isDone = true;
+                                     });
+            io_.restart();
+            std::optional<std::chrono::steady_clock::time_point> closed;
+            while (!isDone) {
+                io_.run_one_for(std::chrono::milliseconds(50));
+                if (isDone || isStalled_ || !board_.IsClosed()) continue;
+                if (!closed) closed = std::chrono::steady_clock::now();
+                isStalled_ = SecondsSince(*closed) > kLastSeconds;
+                if (isStalled_) stream_.close();  // ends the write with an error
             }
         }
-        return true;
+        return !failed_;
     }
 
   private:
-    using Clock = std::chrono::steady_clock;
-
-    void Connect(const addrinfo &address) {
-        const int s =
-            socket(address.ai_family, address.ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC, address.ai_protocol);
-        if (s < 0) {
-            failure_ = std::strerror(errno);
-            return;
-        }
-        int reason = 0;
-        if (connect(s, address.ai_addr, address.ai_addrlen) != 0) {
-            reason = errno;
-            pollfd ready = {s, POLLOUT, 0};
-            socklen_t size = sizeof(reason);
-            if (reason == EINPROGRESS && poll(&ready, 1, 1000 * kConnectSeconds) <= 0)
-                reason = ETIMEDOUT;
-            else if (reason == EINPROGRESS)
-                getsockopt(s, SOL_SOCKET, SO_ERROR, &reason, &size);
-        }
-        if (reason != 0) {
-            failure_ = std::strerror(reason);
-            close(s);
-            return;
-        }
-        socket_ = s;
-    }
-    /// False: nothing could be written for too long after the board was closed.
-    bool WaitToWrite() {
-        std::optional<Clock::time_point> closed;
-        for (;;) {
-            pollfd ready = {socket_, POLLOUT, 0};
-            if (poll(&ready, 1, 50) > 0) return true;
-            if (!board_.IsClosed()) continue;
-            if (!closed) closed = Clock::now();
-            if (std::chrono::duration<double>(Clock::now() - *closed).count() > kLastSeconds) {
-                failure_ = "it reads nothing";
-                return false;
-            }
-        }
-    }
-
     const LiveBoard &board_;
-    int socket_ = -1;
-    std::string failure_;
+    boost::asio::io_context io_{1};
+    beast::tcp_stream stream_{io_};
+    beast::error_code failed_;
+    bool isStalled_ = false;
 };
 
 constexpr const char *kChannels[3] = {"R", "G", "B"};
@@ -196,7 +152,7 @@ std::pair<std::string, std::string> SplitServer(const std::string &server) {
 void ShowInTev(LiveBoard &board, const std::string &server) {
     Connection viewer(board, server);
     const auto complain = [&](const char *what) {
-        LogWarning(fmt::format("--display-server {}: {} ({}); the render goes on without it.", server, what,
+        LogWarning(fmt::format("--display-server {}: {} ({}); the render continues without it.", server, what,
                                viewer.Failure()));
     };
     if (!viewer.IsOpen()) return complain("no viewer answers");

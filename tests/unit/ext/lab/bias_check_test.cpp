@@ -1,4 +1,4 @@
-// Simulated campaigns whose truth is known show how often the check gives false alarms, and which biases it finds.
+// Simulated experiments whose truth is known show how often the check gives false alarms, and which biases it finds.
 #include "ext/lab/bias_check.h"
 
 #include <gtest/gtest.h>
@@ -9,9 +9,9 @@
 #include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
-using test::Campaign;
+using test::Experiment;
 using test::Fireflies;
 using test::Lognormal;
 using test::Pareto;
@@ -23,12 +23,12 @@ struct Count {
     int clean = 0, biased = 0, unknown = 0;
 };
 
-Count Verdicts(const Campaign &campaign, int campaigns, uint64_t seed, const BiasSettings &settings = {},
+Count Verdicts(const Experiment &experiment, int experiments, uint64_t seed, const BiasSettings &settings = {},
                bool single = false) {
-    std::vector<BiasVerdict> verdicts(static_cast<size_t>(campaigns));
-    ParallelForEach(campaigns, [&](int64_t i) {
+    std::vector<BiasVerdict> verdicts(static_cast<size_t>(experiments));
+    ParallelForEach(experiments, [&](int64_t i) {
         const auto k = static_cast<size_t>(i);
-        verdicts[k] = Simulate(campaign, seed + k, settings, single).verdict;
+        verdicts[k] = Simulate(experiment, seed + k, settings, single).verdict;
     });
     Count count;
     for (BiasVerdict v : verdicts)
@@ -36,8 +36,8 @@ Count Verdicts(const Campaign &campaign, int campaigns, uint64_t seed, const Bia
     return count;
 }
 
-Campaign With(test::Noise noise, int runs = 3) {
-    Campaign c;
+Experiment With(test::Noise noise, int runs = 3) {
+    Experiment c;
     c.noise = std::move(noise);
     c.runs = runs;
     return c;
@@ -51,9 +51,9 @@ double InSquare(int x, int y, double value) { return x >= 16 && x < 64 && y >= 1
 
 }  // namespace
 
-// 816 campaigns without bias, with heavy-tailed noise: relL2 up to 130, infinite variance, fireflies that carry up to
+// 816 experiments without bias, with heavy-tailed noise: relL2 up to 130, infinite variance, fireflies that carry up to
 // 30 % of the light. The noise is everywhere, or in a thirtieth of the picture, as where a lamp shines into its own
-// shade. 1 % of the campaigns would be 8.2.
+// shade. 1 % of the experiments would be 8.2.
 TEST(BiasCheck, HeavyTailsGiveFewerThanOneFalseAlarmInHundred) {
     const std::vector<test::Noise> noises = {Lognormal(0.3),
                                              Lognormal(1.5),
@@ -71,10 +71,10 @@ TEST(BiasCheck, HeavyTailsGiveFewerThanOneFalseAlarmInHundred) {
     for (size_t i = 0; i < noises.size(); ++i)
         for (int runs : {2, 3, 8, 24})
             for (bool local : {false, true}) {
-                Campaign c = With(noises[i], runs);
+                Experiment c = With(noises[i], runs);
                 if (local) c.noisy = [](int x, int y) { return x >= 20 && x < 36 && y >= 24 && y < 36; };
-                const int campaigns = runs == 3 ? 14 : runs == 24 ? 4 : 8;
-                alarms += Verdicts(c, campaigns, 1000 * (i + 1) + static_cast<uint64_t>(runs)).biased;
+                const int experiments = runs == 3 ? 14 : runs == 24 ? 4 : 8;
+                alarms += Verdicts(c, experiments, 1000 * (i + 1) + static_cast<uint64_t>(runs)).biased;
             }
     EXPECT_LE(alarms, 4);
 }
@@ -85,7 +85,7 @@ TEST(BiasCheck, FewRunsThatAgreeInABrightTileGiveNoFalseAlarms) {
     int alarms = 0;
     for (double sigma : {0.5, 1.0, 1.5})
         for (int runs : {2, 3}) {
-            Campaign c = With(Lognormal(sigma), runs);
+            Experiment c = With(Lognormal(sigma), runs);
             c.parts = c.partLength = 8;
             auto isBright = [](int x, int y) { return x % 32 < 8 && y % 32 < 8; };
             c.truth = [=](int x, int y) { return isBright(x, y) ? 8.0 : 1.0; };
@@ -97,7 +97,7 @@ TEST(BiasCheck, FewRunsThatAgreeInABrightTileGiveNoFalseAlarms) {
 
 // Fireflies in one part of the picture do not hide a bias elsewhere, where there are enough samples to see it.
 TEST(BiasCheck, FirefliesInACornerHideABiasThereOnly) {
-    Campaign c = With(Fireflies(1e-3, 0.3, 0.1), 24);
+    Experiment c = With(Fireflies(1e-3, 0.3, 0.1), 24);
     c.parts = 8;
     c.noisy = [](int x, int y) { return x < 16 && y < 16; };
     c.bias = [](int x, int y) { return x >= 64 && y >= 32 ? 0.05 : 0; };
@@ -110,14 +110,14 @@ TEST(BiasCheck, FirefliesInACornerHideABiasThereOnly) {
 // of 16 tiles leaves few degrees of freedom.
 TEST(BiasCheck, PValueOfARegionKeepsItsLevel) {
     for (bool concentrated : {false, true}) {
-        Campaign c = With(Lognormal(0.1), 2);
+        Experiment c = With(Lognormal(0.1), 2);
         c.resolution = {32, 32};
         c.parts = 2;
         c.partLength = 1;
         if (concentrated) c.truth = [](int x, int y) { return x < 8 && y < 8 ? 3.0 : 0.01; };
-        const int campaigns = 3000;
-        std::vector<double> p(campaigns);
-        ParallelForEach(campaigns, [&](int64_t i) {
+        const int experiments = 3000;
+        std::vector<double> p(experiments);
+        ParallelForEach(experiments, [&](int64_t i) {
             p[static_cast<size_t>(i)] = Simulate(c, 500 + static_cast<uint64_t>(i)).whole.p;
         });
         // The expected number of p-values below 0.01 is 0.01 x 3000 = 30 +- 5.5 under normal noise; the test takes the
@@ -129,7 +129,7 @@ TEST(BiasCheck, PValueOfARegionKeepsItsLevel) {
 
 // Neighbouring pixels share noise, and the reference is made by a sampler with rarer, stronger samples.
 TEST(BiasCheck, WideFiltersAndAnotherReferenceSamplerGiveNoFalseAlarms) {
-    Campaign c = With(Lognormal(0.4));
+    Experiment c = With(Lognormal(0.4));
     c.filter = 0.3;
     EXPECT_LE(Verdicts(c, 50, 1).biased, 1);
     c.filter = 0;
@@ -145,10 +145,10 @@ TEST(BiasCheck, OnePictureAsReferenceOrOneRunGivesNoFalseAlarms) {
     }
 }
 
-// relL2 0.02 and 4 runs are what a campaign of some seconds gives.
+// relL2 0.02 and 4 runs are what an experiment of some seconds gives.
 TEST(BiasCheck, FindsThreePercentInARegion) {
     for (double bias : {0.03, -0.03}) {
-        Campaign c = With(Lognormal(0.14), 4);
+        Experiment c = With(Lognormal(0.14), 4);
         c.bias = [bias](int x, int y) { return InSquare(x, y, bias); };
         EXPECT_GE(Verdicts(c, 40, 10).biased, 39);
         const BiasReport report = Simulate(c, 99);
@@ -163,20 +163,20 @@ TEST(BiasCheck, FindsThreePercentInARegion) {
 }
 
 TEST(BiasCheck, FindsSevenThousandthsOfTheWholeImage) {
-    Campaign c = With(Lognormal(0.14), 4);
+    Experiment c = With(Lognormal(0.14), 4);
     c.bias = [](int, int) { return 0.007; };
     EXPECT_GE(Verdicts(c, 40, 11).biased, 36);
 }
 
 // A light that is never chosen in one corner, under noise with fireflies (relL2 0.3).
 TEST(BiasCheck, FindsALostLightUnderFireflies) {
-    Campaign c = With(Fireflies(1e-3, 0.02, 0.3), 4);
+    Experiment c = With(Fireflies(1e-3, 0.02, 0.3), 4);
     c.bias = [](int x, int y) { return x < 32 && y < 32 ? -0.4 : 0.0; };
     EXPECT_GE(Verdicts(c, 30, 12).biased, 27);
 }
 
 TEST(BiasCheck, FindsABiasWithOnePictureAsReference) {
-    Campaign c = With(Lognormal(0.14), 4);
+    Experiment c = With(Lognormal(0.14), 4);
     c.bias = [](int x, int y) { return InSquare(x, y, -0.04); };
     EXPECT_GE(Verdicts(c, 30, 13, {}, true).biased, 27);
 }
@@ -184,7 +184,7 @@ TEST(BiasCheck, FindsABiasWithOnePictureAsReference) {
 TEST(BiasCheck, CallsCleanOnlyWhatItCouldHaveSeen) {
     EXPECT_GE(Verdicts(With(Lognormal(0.14), 4), 40, 14).clean, 39);
     // The pictures are too noisy for a bias of 3 %: the verdict is unknown, with or without bias.
-    Campaign noisy = With(Lognormal(1.2));
+    Experiment noisy = With(Lognormal(1.2));
     EXPECT_GE(Verdicts(noisy, 20, 15).unknown, 19);
     noisy.bias = [](int x, int y) { return InSquare(x, y, 0.03); };
     EXPECT_EQ(Verdicts(noisy, 20, 16).clean, 0);
@@ -194,12 +194,12 @@ TEST(BiasCheck, CallsCleanOnlyWhatItCouldHaveSeen) {
     EXPECT_GE(Verdicts(With(Lognormal(1.2)), 20, 17, coarse).clean, 15);
 }
 
-// The report states the bias that would be seen in 9 of 10 campaigns; here campaigns with that bias are simulated.
+// The report states the bias that would be seen in 9 of 10 experiments; here experiments with that bias are simulated.
 TEST(BiasCheck, FindsWhatItSaysItCouldHaveSeen) {
     for (const test::Noise &noise : {Lognormal(0.3), Lognormal(0.8), Fireflies(1e-2, 0.05, 0.2)}) {
         double visible = 0;
         for (uint64_t i = 0; i < 10; ++i) visible += Simulate(With(noise), 180 + i).visibleImage / 10;
-        Campaign c = With(noise);
+        Experiment c = With(noise);
         c.bias = [visible](int, int) { return visible; };
         EXPECT_GE(Verdicts(c, 40, 19).biased, 33) << visible;
         // The stated bias is not far too large, either: a quarter of it is mostly missed.
@@ -211,7 +211,7 @@ TEST(BiasCheck, FindsWhatItSaysItCouldHaveSeen) {
 TEST(BiasCheck, VisibleBiasFallsWithTheNumberOfRuns) {
     double last = 1e9;
     for (int runs : {2, 4, 16}) {
-        Campaign c = With(Lognormal(0.8), runs);
+        Experiment c = With(Lognormal(0.8), runs);
         c.partLength = 16;
         const double visible = Simulate(c, 20).visibleImage;
         EXPECT_LT(visible, 0.8 * last);
@@ -221,7 +221,7 @@ TEST(BiasCheck, VisibleBiasFallsWithTheNumberOfRuns) {
 
 TEST(BiasCheck, UsesTheKnownNoiseOfTheReference) {
     Rng rng(1, 2);
-    Campaign c = With(Lognormal(0.05), 6);
+    Experiment c = With(Lognormal(0.05), 6);
     std::vector<TileMeans> runs;
     for (int i = 0; i < c.runs; ++i) runs.push_back(test::Render(c, c.noise, 1, true, rng));
     // The reference is much noisier than the runs: its relL2 is exp(0.16) - 1 = 0.17.
@@ -275,7 +275,7 @@ TEST(BiasCheck, TestsEveryChannel) {
 }
 
 TEST(BiasCheck, PicturesWithoutNoiseAreJudgedByTheAllowance) {
-    Campaign c;
+    Experiment c;
     c.noise = [](Rng &) { return 1.0; };
     EXPECT_EQ(Simulate(c, 1).verdict, BiasVerdict::Clean);
     c.bias = [](int, int) { return 0.001; };
@@ -288,7 +288,7 @@ TEST(BiasCheck, PicturesWithoutNoiseAreJudgedByTheAllowance) {
 
 TEST(BiasCheck, RefusesWhatDoesNotMatch) {
     Rng rng(1, 1);
-    Campaign c, other;
+    Experiment c, other;
     other.resolution = {64, 64};
     const TileMeans a = test::Render(c, c.noise, 1, false, rng), b = test::Render(other, c.noise, 1, false, rng);
     auto of = [](const TileMeans &part) {
@@ -302,4 +302,4 @@ TEST(BiasCheck, RefusesWhatDoesNotMatch) {
     EXPECT_THROW(CheckBias(std::vector<TileMeans>{a}, of(b)), UserError);
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

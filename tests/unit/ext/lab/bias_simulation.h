@@ -8,7 +8,7 @@
 #include "pbrt/math/rng.h"
 #include "pbrt/math/statistics.h"
 
-namespace pbrt::lab::test {
+namespace ext::lab::test {
 
 /// A random factor of mean 1, never negative: the value of one pixel of a short rendering, relative to the truth.
 using Noise = std::function<double(Rng &)>;
@@ -39,7 +39,7 @@ inline Noise Fireflies(double probability, double share, double sigma, double sp
     };
 }
 
-struct Campaign {
+struct Experiment {
     Point2i resolution{96, 64};
     int runs = 3;
     int parts = 4, partLength = 4;  ///< the reference: `parts` pictures, each the mean of `partLength` runs
@@ -53,7 +53,7 @@ struct Campaign {
     double filter = 0;
 };
 
-inline TileMeans Render(const Campaign &c, const Noise &noise, int length, bool biased, Rng &rng) {
+inline TileMeans Render(const Experiment &c, const Noise &noise, int length, bool biased, Rng &rng) {
     const size_t width = static_cast<size_t>(c.resolution.x) + 1;
     const Noise calm = Lognormal(0.3);
     std::vector<double> relative(width * (static_cast<size_t>(c.resolution.y) + 1));
@@ -73,7 +73,7 @@ inline TileMeans Render(const Campaign &c, const Noise &noise, int length, bool 
     return ComputeTileMeans(image);
 }
 
-inline BiasReport Simulate(const Campaign &c, uint64_t seed, const BiasSettings &settings = {}, bool single = false) {
+inline BiasReport Simulate(const Experiment &c, uint64_t seed, const BiasSettings &settings = {}, bool single = false) {
     Rng rng(seed, 17);
     std::vector<TileMeans> runs;
     BiasReference reference;
@@ -86,25 +86,25 @@ inline BiasReport Simulate(const Campaign &c, uint64_t seed, const BiasSettings 
     return CheckBias(runs, reference, settings);
 }
 
-/// A campaign of several samplers, each with its own noise where `common.noisy` is true. The sampler `best` makes the
-/// reference; if `second` is set, that sampler makes another reference, which judges the best.
+/// An experiment of several samplers, each with its own noise where `common.noisy` is true. The sampler `best` makes
+/// the reference; if `second` is set, that sampler makes another reference, which judges the best.
 struct Contest {
-    Campaign common;
+    Experiment common;
     struct Sampler {
         Noise noise;
-        int kin = 0;          ///< samplers with equal numbers choose lights in the same way
+        int kind = 0;         ///< samplers with equal numbers choose lights in the same way
         bool biased = false;  ///< whether it has common.bias
     };
     std::vector<Sampler> samplers;
     size_t best = 0;
     std::optional<size_t> second;
-    bool useKin = true;  ///< false: every verdict uses only the runs and their reference
+    bool useAuxiliary = true;  ///< false: every verdict uses only the runs and their reference
 };
 
 /// The verdicts on all samplers, computed as the lab does.
 inline std::vector<BiasVerdict> Simulate(const Contest &contest, uint64_t seed) {
     Rng rng(seed, 23);
-    const Campaign &c = contest.common;
+    const Experiment &c = contest.common;
     const size_t count = contest.samplers.size();
     auto render = [&](size_t sampler, int pictures, int length) {
         const Contest::Sampler &s = contest.samplers[sampler];
@@ -121,23 +121,23 @@ inline std::vector<BiasVerdict> Simulate(const Contest &contest, uint64_t seed) 
     std::vector<BiasVerdict> verdicts;
     for (size_t i = 0; i < count; ++i) {
         const size_t judge = i == contest.best && contest.second ? 1 : 0;
-        auto kinOf = [&](size_t sampler) {
-            std::vector<BiasKin> kin;
-            auto isKin = [&](size_t other) {
-                return contest.useKin && contest.samplers[other].kin == contest.samplers[sampler].kin;
+        auto auxiliaryOf = [&](size_t sampler) {
+            std::vector<AuxiliaryRuns> auxiliary;
+            auto isSameKind = [&](size_t other) {
+                return contest.useAuxiliary && contest.samplers[other].kind == contest.samplers[sampler].kind;
             };
             for (size_t k = 0; k < count; ++k)
-                if (k != i && isKin(k)) kin.push_back({runs[k], 1});
+                if (k != i && isSameKind(k)) auxiliary.push_back({runs[k], 1});
             for (size_t r = 0; r < makers.size(); ++r)
-                if (r != judge && isKin(makers[r])) kin.push_back({references[r], double(c.partLength)});
-            return kin;
+                if (r != judge && isSameKind(makers[r])) auxiliary.push_back({references[r], double(c.partLength)});
+            return auxiliary;
         };
-        BiasReference reference{references[judge], {}, double(c.partLength), kinOf(makers[judge])};
+        BiasReference reference{references[judge], {}, double(c.partLength), auxiliaryOf(makers[judge])};
         BiasSettings settings;
         settings.level = SidakLevel(settings.level, count);
-        verdicts.push_back(CheckBias(runs[i], reference, settings, kinOf(i)).verdict);
+        verdicts.push_back(CheckBias(runs[i], reference, settings, auxiliaryOf(i)).verdict);
     }
     return verdicts;
 }
 
-}  // namespace pbrt::lab::test
+}  // namespace ext::lab::test

@@ -6,7 +6,7 @@
 #include "ext/lab/reference.h"
 #include "pbrt/images/image.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 namespace {
 
@@ -79,9 +79,9 @@ TEST(Conclusion, TieDecidesNothing) {
 }
 
 TEST(Conclusion, OneRunTellsNoNoise) {
-    ExpectUndecided(Conclude({Clean("bvh", {9}), Clean("octree", {1})}, {}, {}, true), "One run");
+    ExpectUndecided(Conclude({Clean("bvh", {9}), Clean("octree", {1})}, {}, {}, true), "One seed");
     // Many runs of one sampler do not help if the other has only one.
-    ExpectUndecided(Conclude({Clean("bvh", {9}), Clean("octree", {1, 1.1, 0.9})}, {}, {}, true), "One run");
+    ExpectUndecided(Conclude({Clean("bvh", {9}), Clean("octree", {1, 1.1, 0.9})}, {}, {}, true), "One seed");
 }
 
 TEST(Conclusion, OneSamplerOnlyIsComparedWithNothing) {
@@ -117,13 +117,13 @@ TEST(Conclusion, BiasedSamplerNeitherWinsNorHinders) {
 TEST(Conclusion, UnknownBiasOfTheLeaderForbidsAWinner) {
     std::vector<Contender> all = ClearCase();
     all[1].bias = BiasVerdict::Unknown;
-    ExpectUndecided(Conclude(all, {}, {}, true), "Whether octree is biased is not known");
+    ExpectUndecided(Conclude(all, {}, {}, true), "The bias of octree is unknown");
     // The unknown bias of a sampler that does not lead gives only a note.
     all = ClearCase();
     all[2].bias = BiasVerdict::Unknown;
     const Conclusion c = Conclude(all, {}, {}, true);
     EXPECT_EQ(c.winner, 1u);
-    EXPECT_TRUE(Says(c, "Note: Bias not known: uniform."));
+    EXPECT_TRUE(Says(c, "Note: Bias unknown: uniform."));
 }
 
 TEST(Conclusion, DoubtAboutAllOrTheLeaderForbidsAWinnerAndIsSaidOnce) {
@@ -145,7 +145,7 @@ TEST(Conclusion, FirefliesOfTheLeaderMustNotMakeTheLead) {
     EXPECT_TRUE(Says(c, "A few fireflies decide the relL2 of octree"));
     all[1].trimmedErrors = {0.4, 0.41, 0.42};
     all[0].trimmedErrors = {0.3, 0.31, 0.29};
-    ExpectUndecided(Conclude(all, {}, {}, true), "without the worst 0.1 % of the pixels its lead over bvh");
+    ExpectUndecided(Conclude(all, {}, {}, true), "in trimmed relL2 its lead over bvh");
     // Fireflies of the other samplers make these worse, not better.
     all[1].firefliesDecide = false;
     all[0].firefliesDecide = true;
@@ -157,7 +157,7 @@ TEST(Conclusion, CurvesThatContradictTheErrorsForbidAWinner) {
     all[1].speedUp = 0.424;
     all[1].speedUpAgainst = "bvh";
     ExpectUndecided(Conclude(all, {}, {}, true), "in 0.424 times the time");
-    // In a campaign of equal samples this is no contradiction, and it is not in the headline.
+    // In an experiment of equal samples this is no contradiction, and it is not in the headline.
     const Conclusion c = Conclude(all, {}, {}, false);
     EXPECT_EQ(c.winner, 1u);
     EXPECT_EQ(c.headline.find("0.424"), std::string::npos);
@@ -165,8 +165,8 @@ TEST(Conclusion, CurvesThatContradictTheErrorsForbidAWinner) {
         c, "Note: At equal time another sampler is better: bvh reaches the error of octree in 0.424 times its time."));
 }
 
-// If all samplers are equally good, a winner is named in a share of at most kWinnerLevel of the campaigns; a lead by a
-// factor of 2.5 is mostly found.
+// If all samplers are equally good, a winner is named in a share of at most kWinnerLevel of the experiments; a lead by
+// a factor of 2.5 is mostly found.
 TEST(Conclusion, KeepsItsLevel) {
     Rng rng(11, 8);
     const test::Noise noise = test::Lognormal(0.2);
@@ -225,4 +225,4 @@ TEST(References, DifferIfTheirNoiseDoesNotExplainIt) {
     EXPECT_TRUE(Disagreement(Flat("a", 1, 0), unknown, false, &proveNoBias));
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

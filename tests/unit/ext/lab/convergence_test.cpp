@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 namespace {
 // A curve with error = scale / (cost - fixed).
@@ -103,13 +103,4 @@ TEST(Efficiency, IsOneOverErrorTimesSeconds) {
     EXPECT_EQ(Efficiency(1, 0), 0);
 }
 
-TEST(ParetoFront, KeepsExactlyWhatNothingBeats) {
-    const std::vector<CurvePoint> points = {{3, 1}, {1, 3}, {2, 2}, {2, 3}, {4, 1}, {2.5, 2.5}, {NAN, 0}, {5, 0.5}};
-    const std::vector<size_t> front = ParetoFront(points);
-    EXPECT_EQ(front, (std::vector<size_t>{1, 2, 0, 7}));
-    for (size_t i : front)
-        for (const CurvePoint &p : points) EXPECT_FALSE(p.cost < points[i].cost && p.error < points[i].error);
-    EXPECT_TRUE(ParetoFront({}).empty());
-}
-
-}  // namespace pbrt::lab
+}  // namespace ext::lab

@@ -11,7 +11,7 @@
 #include "support/build_text.h"
 #include "support/wrapped_sampler.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 namespace {
 
 /// An orthographic view of 4 x 4 units, straight down on a floor of 2 x 2. Lights 0 and 1 are a mesh that faces away
@@ -63,15 +63,15 @@ class Inspect : public testing::Test {
         built_ = test::BuildText(kScene, options);
         sampler_ = std::make_unique<Telltale>(built_.scene->Lights());
     }
-    Inspection Look(InspectSettings settings = {}) {
+    Inspection MakeInspection(InspectSettings settings = {}) {
         settings.samples = 4;
         Progress progress;
         return InspectLights(built_, *sampler_, settings, progress);
     }
-    static double At(const Inspection &look, int x, int y, const std::string &layer) {
-        int channel = look.image.FindChannel(layer);
+    static double At(const Inspection &inspection, int x, int y, const std::string &layer) {
+        int channel = inspection.image.FindChannel(layer);
         EXPECT_GE(channel, 0) << layer;
-        return static_cast<double>(look.image.Get({x, y}, channel));
+        return static_cast<double>(inspection.image.Get({x, y}, channel));
     }
     BuiltScene built_;
     std::unique_ptr<Telltale> sampler_;
@@ -98,75 +98,75 @@ Shape "bilinearmesh" "point3 P" [ -3 0 -3  3 0 -3  -3 0 3  3 0 3 ]
     built_.Prepare(progress);
     const RenderSettings settings = built_.Settings();
     RenderWaves(built_.Rendering(progress), settings);
-    const Inspection look = InspectLights(built_, *built_.integrator, {}, progress);
+    const Inspection inspection = InspectLights(built_, *built_.integrator, {}, progress);
     double share = 0, shines = 0, length = 0;
     for (int y = 0; y < 32; ++y)
         for (int x = 0; x < 32; ++x) {
-            share = std::max(share, At(look, x, y, "guide.share"));
-            shines += At(look, x, y, "guide.shines") > -1;
-            length += At(look, x, y, "path.vertices") / (32 * 32);
-            const double survival = At(look, x, y, "guide.survival");
+            share = std::max(share, At(inspection, x, y, "guide.share"));
+            shines += At(inspection, x, y, "guide.shines") > -1;
+            length += At(inspection, x, y, "path.vertices") / (32 * 32);
+            const double survival = At(inspection, x, y, "guide.survival");
             EXPECT_TRUE(std::isnan(survival) || (survival >= 0.5 && survival <= 1)) << survival;
         }
     EXPECT_GT(share, 0.2);
     EXPECT_GT(shines, 5);
     EXPECT_GT(length, 2);
     EXPECT_LE(length, 4);
-    // A look at the light sampler alone has none of this.
+    // An inspection at the light sampler alone has none of this.
     EXPECT_EQ(InspectLights(built_, *built_.integrator->Lights(), {}, progress).image.FindChannel("path.vertices"), -1);
 }
 
 TEST_F(Inspect, SeesTheFloorWhereItIs) {
-    Inspection look = Look();
-    ASSERT_EQ(look.image.Resolution(), Point2i(32, 32));
+    Inspection inspection = MakeInspection();
+    ASSERT_EQ(inspection.image.Resolution(), Point2i(32, 32));
     for (int y = 0; y < 32; ++y)
         for (int x = 0; x < 32; ++x) {
             bool floor = x >= 8 && x < 24 && y >= 8 && y < 24;
             if (x == 15 || x == 16) continue;  // the wall's upper edge
-            ASSERT_EQ(At(look, x, y, "hit"), floor) << x << ' ' << y;
+            ASSERT_EQ(At(inspection, x, y, "hit"), floor) << x << ' ' << y;
             // One pixel is 1/8 wide.
-            ASSERT_NEAR(At(look, x, y, "sampler.x_place"), floor ? std::abs((x - 15.5) / 8) : 0,
+            ASSERT_NEAR(At(inspection, x, y, "sampler.x_place"), floor ? std::abs((x - 15.5) / 8) : 0,
                         std::abs((x - 15.5) / 4) + 1e-3);
         }
-    ASSERT_EQ(look.layers[0].name, "hit");
-    EXPECT_EQ(look.structure, "two cells\n");
+    ASSERT_EQ(inspection.layers[0].name, "hit");
+    EXPECT_EQ(inspection.structure, "two cells\n");
 }
 
 TEST_F(Inspect, SamplersOwnValuesAreWhatItSaysThere) {
-    Inspection look = Look();
-    double left = At(look, 10, 12, "sampler.x_place"), right = At(look, 20, 12, "sampler.x_place");
+    Inspection inspection = MakeInspection();
+    double left = At(inspection, 10, 12, "sampler.x_place"), right = At(inspection, 20, 12, "sampler.x_place");
     EXPECT_NEAR(std::abs(left), 5.5 / 8, 1e-3);
     EXPECT_NEAR(std::abs(right), 4.5 / 8, 1e-3);
     EXPECT_LT(left * right, 0);
-    EXPECT_NE(At(look, 10, 10, "sampler.cell"), At(look, 10, 20, "sampler.cell"));
+    EXPECT_NE(At(inspection, 10, 10, "sampler.cell"), At(inspection, 10, 20, "sampler.cell"));
 }
 
 TEST_F(Inspect, AMeshIsOneLight) {
-    Inspection look = Look();
-    ASSERT_EQ(look.lights.size(), 3u);
-    EXPECT_EQ(look.lights[0].first, LightId(0u));
-    EXPECT_EQ(look.lights[0].count, 2u);
-    EXPECT_EQ(look.lights[1].first, LightId(2u));
-    EXPECT_EQ(look.lights[1].count, 1u);
+    Inspection inspection = MakeInspection();
+    ASSERT_EQ(inspection.lights.size(), 3u);
+    EXPECT_EQ(inspection.lights[0].first, LightId(0u));
+    EXPECT_EQ(inspection.lights[0].count, 2u);
+    EXPECT_EQ(inspection.lights[1].first, LightId(2u));
+    EXPECT_EQ(inspection.lights[1].count, 1u);
     // The entropy of the probabilities 1/4, 1/4 and 1/2.
-    EXPECT_NEAR(At(look, 10, 10, "entropy"), 1.5, 1e-6);
+    EXPECT_NEAR(At(inspection, 10, 10, "entropy"), 1.5, 1e-6);
 }
 
 TEST_F(Inspect, VisibilityAndContributionAreMeasured) {
-    Inspection look = Look();
+    Inspection inspection = MakeInspection();
     // The image may be mirrored: the left of the world is where x is negative.
-    int lit = At(look, 10, 12, "sampler.x_place") < 0 ? 10 : 21, dark = 31 - lit;
+    int lit = At(inspection, 10, 12, "sampler.x_place") < 0 ? 10 : 21, dark = 31 - lit;
     for (int y = 9; y < 23; ++y) {
-        EXPECT_EQ(At(look, lit, y, "visibility.2"), 1);
-        EXPECT_EQ(At(look, dark, y, "visibility.2"), 1);
-        EXPECT_EQ(At(look, lit, y, "visibility.3"), 1);
-        EXPECT_EQ(At(look, dark, y, "visibility.3"), 0);
-        EXPECT_EQ(At(look, lit, y, "visibility.0"), 0);
-        EXPECT_EQ(At(look, lit, y, "brightest"), 3);
-        EXPECT_EQ(At(look, dark, y, "brightest"), 2);
-        EXPECT_NEAR(At(look, dark, y, "brightest_probability"), 0.25, 1e-6);
+        EXPECT_EQ(At(inspection, lit, y, "visibility.2"), 1);
+        EXPECT_EQ(At(inspection, dark, y, "visibility.2"), 1);
+        EXPECT_EQ(At(inspection, lit, y, "visibility.3"), 1);
+        EXPECT_EQ(At(inspection, dark, y, "visibility.3"), 0);
+        EXPECT_EQ(At(inspection, lit, y, "visibility.0"), 0);
+        EXPECT_EQ(At(inspection, lit, y, "brightest"), 3);
+        EXPECT_EQ(At(inspection, dark, y, "brightest"), 2);
+        EXPECT_NEAR(At(inspection, dark, y, "brightest_probability"), 0.25, 1e-6);
         // Only one light contributes there: it is chosen with probability 1/4 instead of 1.
-        EXPECT_NEAR(At(look, dark, y, "log10_excess"), std::log10(4.0), 1e-4);
+        EXPECT_NEAR(At(inspection, dark, y, "log10_excess"), std::log10(4.0), 1e-4);
     }
     // For two lights of contributions a and b, chosen with probability 1/4 each, the excess is 4 (a^2 + b^2) / (a +
     // b)^2.
@@ -174,27 +174,28 @@ TEST_F(Inspect, VisibilityAndContributionAreMeasured) {
         double d2 = (x - lx) * (x - lx) + y * y + lz * lz;
         return intensity * lz / (d2 * std::sqrt(d2));
     };
-    double x = At(look, lit, 12, "sampler.x_place"), y = 3.5 / 8;
+    double x = At(inspection, lit, 12, "sampler.x_place"), y = 3.5 / 8;
     double a = contribution(x, y, 0, 1.5, 1), b = contribution(x, y, -4, 0.5, 400);
-    EXPECT_NEAR(At(look, lit, 12, "log10_excess"), std::log10(4 * (a * a + b * b) / ((a + b) * (a + b))), 1e-3);
+    EXPECT_NEAR(At(inspection, lit, 12, "log10_excess"), std::log10(4 * (a * a + b * b) / ((a + b) * (a + b))), 1e-3);
 }
 
 TEST_F(Inspect, SameForAnyNumberOfThreads) {
-    std::vector<Inspection> looks;
+    std::vector<Inspection> inspections;
     for (int threads : {1, 3}) {
         ThreadLimit limit(threads);
-        looks.push_back(Look());
+        inspections.push_back(MakeInspection());
     }
-    ASSERT_EQ(looks[0].image.Bytes(), looks[1].image.Bytes());
-    EXPECT_EQ(std::memcmp(looks[0].image.Data(), looks[1].image.Data(), looks[0].image.Bytes()), 0);
+    ASSERT_EQ(inspections[0].image.Bytes(), inspections[1].image.Bytes());
+    EXPECT_EQ(std::memcmp(inspections[0].image.Data(), inspections[1].image.Data(), inspections[0].image.Bytes()), 0);
 }
 
 TEST_F(Inspect, LightsAreNamedByTheirPlaceInTheSceneFile) {
-    Inspection look = Look();
-    EXPECT_NE(look.lights[0].label.find("AreaLightSource \"diffuse\" at "), std::string::npos) << look.lights[0].label;
-    EXPECT_TRUE(look.lights[0].label.ends_with(":10, shape at :11, 2 triangles")) << look.lights[0].label;
-    EXPECT_TRUE(look.lights[1].label.starts_with("LightSource \"point\" at ")) << look.lights[1].label;
-    EXPECT_TRUE(look.lights[1].label.ends_with(":7")) << look.lights[1].label;
+    Inspection inspection = MakeInspection();
+    EXPECT_NE(inspection.lights[0].label.find("AreaLightSource \"diffuse\" at "), std::string::npos)
+        << inspection.lights[0].label;
+    EXPECT_TRUE(inspection.lights[0].label.ends_with(":10, shape at :11, 2 triangles")) << inspection.lights[0].label;
+    EXPECT_TRUE(inspection.lights[1].label.starts_with("LightSource \"point\" at ")) << inspection.lights[1].label;
+    EXPECT_TRUE(inspection.lights[1].label.ends_with(":7")) << inspection.lights[1].label;
     EXPECT_EQ(built_.lightNames.Size(), built_.scene->Lights().Size());
     EXPECT_TRUE(built_.lightNames.NameOf(LightId(1u)).ends_with("triangle 2 of 2"));
 }
@@ -202,32 +203,32 @@ TEST_F(Inspect, LightsAreNamedByTheirPlaceInTheSceneFile) {
 TEST_F(Inspect, TooMuchWorkMeansFewerPixels) {
     InspectSettings settings;
     settings.maxWork = 32 * 32 * (4 + 3 * 4) / 4;
-    Inspection look = Look(settings);
-    EXPECT_EQ(look.stride, 2);
+    Inspection inspection = MakeInspection(settings);
+    EXPECT_EQ(inspection.stride, 2);
     for (int y = 0; y < 32; y += 2)
         for (int x = 0; x < 32; x += 2)
             for (int c = 1; c < 3; ++c) {
-                EXPECT_EQ(look.image.Get({x, y}, c), look.image.Get({x + 1, y}, c));
-                EXPECT_EQ(look.image.Get({x, y}, c), look.image.Get({x + 1, y + 1}, c));
+                EXPECT_EQ(inspection.image.Get({x, y}, c), inspection.image.Get({x + 1, y}, c));
+                EXPECT_EQ(inspection.image.Get({x, y}, c), inspection.image.Get({x + 1, y + 1}, c));
             }
 }
 
 TEST_F(Inspect, WritesEveryLayerAndSaysWhatItShows) {
     const std::filesystem::path folder =
         std::filesystem::temp_directory_path() / fmt::format("pbrt_inspect_{}", getpid());
-    Inspection look = Look();
-    WriteInspection(look, folder.string(), {{"sampler", "telltale"}});
+    Inspection inspection = MakeInspection();
+    WriteInspection(inspection, folder.string(), {{"sampler", "telltale"}});
     Image layers = ReadImage((folder / "inspect.exr").string()).image;
-    EXPECT_EQ(layers.ChannelCount(), static_cast<int>(look.layers.size()));
+    EXPECT_EQ(layers.ChannelCount(), static_cast<int>(inspection.layers.size()));
     std::ifstream file(folder / "inspect.json");
     nlohmann::json json = nlohmann::json::parse(file);
     EXPECT_EQ(json["sampler"], "telltale");
-    ASSERT_EQ(json["layers"].size(), look.layers.size());
+    ASSERT_EQ(json["layers"].size(), inspection.layers.size());
     for (const auto &layer : json["layers"]) {
         std::string name = layer["name"];
         int channel = layers.FindChannel(name);
         ASSERT_GE(channel, 0) << name;
-        EXPECT_EQ(layers.Get({10, 12}, channel), look.image.Get({10, 12}, look.image.FindChannel(name)));
+        EXPECT_EQ(layers.Get({10, 12}, channel), inspection.image.Get({10, 12}, inspection.image.FindChannel(name)));
         EXPECT_EQ(layer["file"].is_null(), layer["isFlat"].get<bool>()) << name;
         if (!layer["isFlat"]) {
             Image picture = ReadImage((folder / layer["file"].get<std::string>()).string()).image;
@@ -255,4 +256,4 @@ TEST_F(Inspect, WritesEveryLayerAndSaysWhatItShows) {
 }
 
 }  // namespace
-}  // namespace pbrt::lab
+}  // namespace ext::lab

@@ -10,7 +10,7 @@
 
 void register_guide(pbrt::PluginRegistry &registry);  // of ext/guiding
 
-namespace pbrt::lab {
+namespace ext::lab {
 namespace {
 
 TEST(NoiseByDepth, IsTheVarianceOverTheReferenceSquared) {
@@ -57,10 +57,10 @@ Shape "bilinearmesh" "point3 P" [ -4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4 ]
 Shape "bilinearmesh" "point3 P" [ -1 2 -1  1 2 -1  -1 2 1  1 2 1 ]
 )";
     NoiseOptions options;
-    options.campaign.scene = (folder / "scene.pbrt").string();
-    options.campaign.outFolder = (folder / "noise").string();
-    options.campaign.samplesPerPixel = 8;
-    options.campaign.seeds = 4;
+    options.experiment.scene = (folder / "scene.pbrt").string();
+    options.experiment.outFolder = (folder / "noise").string();
+    options.experiment.samplesPerPixel = 8;
+    options.experiment.seeds = 4;
     options.samplers = {"uniform", "uniform+guide"};
     PluginRegistry registry;
     RegisterStockLightSamplers(registry);
@@ -84,4 +84,4 @@ Shape "bilinearmesh" "point3 P" [ -1 2 -1  1 2 -1  -1 2 1  1 2 1 ]
 }
 
 }  // namespace
-}  // namespace pbrt::lab
+}  // namespace ext::lab

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 namespace {
 
@@ -79,4 +79,4 @@ TEST(RangePicture, KeepsEveryBrightness) {
     }
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

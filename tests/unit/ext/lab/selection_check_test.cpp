@@ -11,7 +11,7 @@
 #include "support/render_scene.h"
 #include "support/statistics.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 namespace {
 
 using test::RunningStatistics;
@@ -186,7 +186,7 @@ class SelectionCheckInFog : public SelectionCheck {
     static bool IsOnSurface(const LightQuery &q) { return !IsInFog(q); }
 };
 
-TEST_F(SelectionCheckInFog, VerticesInMediaAreAsked) {
+TEST_F(SelectionCheckInFog, VerticesInMediaAreChecked) {
     Progress progress;
     const SelectionVertices vertices(built_, 0, progress);
     size_t inFog = 0, onSurfaces = 0;
@@ -314,4 +314,4 @@ TEST(SelectionVerdict, FalseAlarmsAreRareAndBiasIsSeen) {
 }
 
 }  // namespace
-}  // namespace pbrt::lab
+}  // namespace ext::lab

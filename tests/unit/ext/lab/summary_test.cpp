@@ -1,4 +1,4 @@
-#include "ext/lab/summary.h"
+#include "ext/lab/measures.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "bias_simulation.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 TEST(Summary, MatchesHandComputedValues) {
     const Summary s = Summarize(std::vector<double>{1, 2, 6});
@@ -79,4 +79,4 @@ TEST(LowerBeyondNoise, ComparesSeedBySeed) {
     EXPECT_LE(foundOfUnequalNumber, 0.3 * trials);
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

@@ -8,7 +8,7 @@
 #include "pbrt/images/metrics.h"
 #include "pbrt/math/rng.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 TEST(TileGrid, CoversEveryPixelOnce) {
     for (Point2i size : {Point2i(64, 48), Point2i(67, 41), Point2i(5, 9), Point2i(8, 1)}) {
@@ -71,4 +71,4 @@ TEST(AverageImages, KnowsItsOwnNoise) {
     EXPECT_THROW(AverageImages(std::vector<const Image *>{&truth, &small}), UserError);
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

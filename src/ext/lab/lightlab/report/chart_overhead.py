@@ -12,8 +12,8 @@ def text_of(parts, limit):
     """The text beside a bar."""
     whole = sum(parts)
     share = 100 * (whole - parts[2]) / whole
-    said = f"preparation {share:.2g} %" if share >= 0.1 else "preparation < 0.1 %" if share > 0 else "no preparation"
-    return f"{whole:.3g} s, {said}" + (" (bar cut off)" if whole > limit * 1.001 else "")
+    share_text = f"preparation {share:.2g} %" if share >= 0.1 else "preparation < 0.1 %" if share > 0 else "no preparation"
+    return f"{whole:.3g} s, {share_text}" + (" (bar cut off)" if whole > limit * 1.001 else "")
 
 
 def draw(results):

@@ -1,4 +1,4 @@
-"""The look all charts share. The greys are agreed with report.py, which replaces them by the page's colours so that
+"""The common style of all charts. The greys are agreed with report.py, which replaces them by the page's colours so that
 the charts inside the page follow light and dark."""
 import math
 

@@ -10,7 +10,7 @@ SCHEMA = 2
 INK = "#1b1f24"  # oracle and text: the page replaces it by its own text colour
 
 # Colour-blind safe (Okabe and Ito 2008, without the yellow that white paper swallows). A name has the same colour in
-# every run, chart and page; shape and dash say the same again for those who see no colour.
+# every run, chart and page; shape and dash repeat the colour.
 STYLES = {
     "octree": ("#d55e00", "o", "solid"),
     "bvh": ("#0072b2", "s", "solid"),
@@ -191,7 +191,7 @@ class Results:
 
     @property
     def conclusion(self):
-        """What lightlab concluded: ext/lab/conclusion.h has the rules. Shown as it is, never judged again."""
+        """The conclusion of lightlab, shown unchanged: ext/lab/conclusion.h has the rules."""
         return self.data.get("conclusion") or {}
 
     def sentences(self):

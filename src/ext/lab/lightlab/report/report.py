@@ -11,7 +11,7 @@ import zlib
 
 sys.dont_write_bytecode = True
 import lab_results as lab  # noqa: E402
-import looks  # noqa: E402
+import views  # noqa: E402
 import table  # noqa: E402
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -199,15 +199,15 @@ def pictures_of(results):
         label = "reference" if len(results.references) == 1 else f"reference {i} ({r.get('sampler') or 'given'})"
         items.append({"kind": "reference", "label": label, "result": embed(r.get("pictureRange")), "error": None,
                       "colour": "", "note": "", "biased": False, "reference": i,
-                      "views": looks.views_of(results.data.get("views"), embed) if i == 0 else [],
-                      "flat": looks.flat_sentences(results.data.get("views")) if i == 0 else ""})
+                      "views": views.views_of(results.data.get("views"), embed) if i == 0 else [],
+                      "flat": views.flat_sentences(results.data.get("views")) if i == 0 else ""})
     for s in results.samplers:
         items.append({"kind": "sampler", "label": s.label, "result": embed(s.entry.get("pictureRange")),
                       "error": embed(s.entry.get("errorPicture")), "colour": s.colour_css,
                       "note": f"relL2 {lab.figures(s.error())}" if s.error() is not None else "",
                       "biased": s.biased, "reference": s.entry.get("reference") or 0,
-                      "views": looks.views_of(s.entry.get("views"), embed),
-                      "flat": looks.flat_sentences(s.entry.get("views"))})
+                      "views": views.views_of(s.entry.get("views"), embed),
+                      "flat": views.flat_sentences(s.entry.get("views"))})
     return items, pictures
 
 
@@ -244,16 +244,16 @@ def inside_html(results, items):
                 f'</button><figcaption>{esc(view["title"])}<small>{view_scale_html(view)}</small></figcaption>'
                 '</figure>')
         swatch = f'<span class="swatch" style="--c:{item["colour"]}"></span>' if item["colour"] else ""
-        rows.append(f'<div class="look" data-label="{esc(name)}"><h3>{swatch}{esc(name)}</h3>'
+        rows.append(f'<div class="view" data-label="{esc(name)}"><h3>{swatch}{esc(name)}</h3>'
                     + (f'<p class="note flat">{esc(item["flat"])}</p>' if item["flat"] else "")
                     + (f'<div class="strip">{"".join(figures)}</div>' if figures else "") + '</div>')
     if not rows:
         return ""
-    return ('<section id="inside" aria-labelledby="h-inside"><h2 id="h-inside">A look inside</h2>'
-            '<p class="note">What each sampler knows where the camera first meets a surface that light is sampled at, '
+    return ('<section id="inside" aria-labelledby="h-inside"><h2 id="h-inside">Inspection</h2>'
+            '<p class="note">State of each sampler at the first visible surface that light is sampled at, '
             'after its first run. '
             'Dark grey: no such surface. Magenta: no value, for instance because no light reaches the place.'
-            f'{esc(looks.stride_sentence(results))} Click: show in the viewer, with the sampler\u2019s picture on the '
+            f'{esc(views.stride_sentence(results))} Click: show in the viewer, with the sampler\u2019s picture on the '
             f'left.</p>{"".join(rows)}</section>')
 
 
@@ -292,7 +292,7 @@ def page(results):
     raw = {
         "verdict": f'<p class="answer">{esc(first)}</p>' + "".join(f"<p>{esc(s)}</p>" for s in rest),
         "scale": scale_html(results), "inside": inside_html(results, items),
-        "insidelink": '<a href="#inside">A look inside</a>' if any(v["views"] or v["flat"] for v in items) else "",
+        "insidelink": '<a href="#inside">Inspection</a>' if any(v["views"] or v["flat"] for v in items) else "",
         "charts": f'<div class="charts">{"".join(charts)}</div>{missing}', "table": table_html(results),
         "details": details_html(results), "data": script_json(data),
         "style": (HERE / "report.css").read_text(encoding="utf-8"),

@@ -66,7 +66,7 @@
     document.getElementById("crops").append(grid);
   }
 
-  function looksInside() {
+  function inspectionViews() {
     for (const button of document.querySelectorAll("#inside button")) {
       const image = button.querySelector("img");
       image.src = pictures[image.dataset.file];
@@ -124,7 +124,7 @@
   }
 
   cropGrid();
-  looksInside();
+  inspectionViews();
   sortable();
   linkCharts();
   addEventListener("beforeprint", () => { for (const d of document.querySelectorAll("details")) d.open = true; });

@@ -1,6 +1,6 @@
 "use strict";
 // Two pictures under one transform, a wipe between them. Sides: {item, kind, previous}; kind: "result", "error" or the
-// name of a look inside. What an item does not have is shown as its result.
+// name of a inspection view. What an item does not have is shown as its result.
 const viewer = (() => {
   const $ = (id) => document.getElementById(id);
   const stage = $("stage"), wipeBar = $("wipe");
@@ -27,7 +27,7 @@ const viewer = (() => {
     pick.addEventListener("change", () => show(name, Number(pick.value)));
     sides[name] = { item: data[name], previous: data[name], kind: "result", layer, plane, images, refresh: {}, none,
       pick };
-    // Decoded before they are asked for: switching does not flicker. Looks inside are many and wait.
+    // Decoded in advance: switching does not flicker. Inspection views load when shown.
     for (const v of items) for (const file of [v.result, v.error]) imageOf(sides[name], file);
   }
 

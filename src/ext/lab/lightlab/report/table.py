@@ -70,7 +70,7 @@ COLUMNS = [
     Column("relL2", "relL2", metric("relL2"), with_error("relL2"),
            "mean over seeds ± standard error of mean((x - r)² / (r² + 0.01 m²)), m the mean of r", "error", True, "low"),
     Column("relL2Trimmed", "relL2 trimmed", metric("relL2Trimmed"), trimmed,
-           "relL2 without the worst 0.1 % of the pixels", "error", True, "low"),
+           "trimmed relL2: without the 0.1 % of the pixels with the largest error", "error", True, "low"),
     Column("MSE", "MSE", metric("MSE"), with_error("MSE"), "mean squared error", "error", False, "low"),
     Column("MRSE", "MRSE", metric("MRSE"), with_error("MRSE"), "mean relative squared error", "error", False, "low"),
     Column("MAE", "MAE", metric("MAE"), with_error("MAE"), "mean absolute error", "error", False, "low"),

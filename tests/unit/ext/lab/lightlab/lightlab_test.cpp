@@ -66,14 +66,14 @@ TEST_F(Lightlab, ComparesAndPrintsATable) {
 }
 
 TEST_F(Lightlab, WorksWithEveryIntegratorThatSamplesLights) {
-    const std::string campaign =
+    const std::string experiment =
         "--samplers uniform,power --spp 2 --seeds 2 --reference-spp 4 --selection-work 100000 --divisor 4 --no-report --out "
         "lab-";
     for (const std::string integrator : {"path", "volpath", "bdpt", "mlt", "sppm"}) {
         std::string scene = SmallScene();
         scene.replace(scene.find("\"path\""), 6, '"' + integrator + '"');
         Write("other.pbrt", scene);
-        RunWell("other.pbrt " + campaign + integrator);
+        RunWell("other.pbrt " + experiment + integrator);
         const nlohmann::json results = Results("lab-" + integrator);
         for (const nlohmann::json &s : results.at("samplers"))
             EXPECT_GT(s.at("summary").at("metrics").at("relL2").at("mean").get<double>(), 0) << integrator;
@@ -128,7 +128,7 @@ TEST_F(Lightlab, ReferencesAreKeptWhereTheUserSays) {
     EXPECT_EQ(ReferencesIn("four"), ReferencesIn("mine"));
 }
 
-TEST_F(Lightlab, KilledCampaignEndsAsIfNothingHadHappened) {
+TEST_F(Lightlab, KilledExperimentEndsAsIfNothingHadHappened) {
     const std::string arguments =
         "scene.pbrt --samplers uniform,power --spp 512 --seeds 1 --reference-spp 64 --no-report --out ";
     RunWell(arguments + "whole");
@@ -141,7 +141,7 @@ TEST_F(Lightlab, KilledCampaignEndsAsIfNothingHadHappened) {
         EXPECT_EQ(o.status, signal == SIGKILL ? -SIGKILL : 130) << o.err;
         EXPECT_FALSE(Exists(out + "/results.json"));
         const std::string messages = RunWell(arguments + out);
-        EXPECT_TRUE(Has(messages, "going on")) << messages;
+        EXPECT_TRUE(Has(messages, "resuming from")) << messages;
         for (const char *picture : {"/uniform/seed0.exr", "/power/seed0.exr", "/reference-0.exr"})
             EXPECT_TRUE(SamePictures("whole" + std::string(picture), out + picture)) << out << picture;
     }
@@ -202,7 +202,7 @@ TEST_F(Lightlab, ExamplesOfTheHelpAreRight) {
     EXPECT_GE(examples, 4);
 }
 
-TEST_F(Lightlab, SamplesOfATimedCampaignCanBeReplayed) {
+TEST_F(Lightlab, SamplesOfATimedExperimentCanBeReplayed) {
     RunWell("scene.pbrt --samplers uniform,power --time 0.2 --seeds 2 --reference-spp 32 --no-report --out timed");
     const nlohmann::json timed = Results("timed");
     EXPECT_EQ(timed.at("mode"), "time");

@@ -193,7 +193,7 @@ class DisplayServer(unittest.TestCase):
             name = f"127.0.0.1:{closed.getsockname()[1]}"
         said = self.render(name, quiet=False)
         self.assertIn("--display-server", said)
-        self.assertIn("goes on without it", said)
+        self.assertIn("continues without it", said)
         self.final_picture()
         self.assertLess(self.seconds, 5)
 

@@ -1,4 +1,4 @@
-#include "pbrt/cmd/pbrt/error_estimate.h"
+#include "pbrt/cmd/pbrt/live_board.h"
 
 #include <gtest/gtest.h>
 

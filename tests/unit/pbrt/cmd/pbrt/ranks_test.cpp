@@ -133,7 +133,7 @@ TEST_F(Mpi, WhereAProcessWasKilledAnyNumberOfThemGoesOn) {
         EXPECT_FALSE(Exists("out.exr"));
     }
     StartAs(3);
-    EXPECT_TRUE(Has(RunWell(arguments), "Going on from c.chk"));
+    EXPECT_TRUE(Has(RunWell(arguments), "Resuming from c.chk"));
     StartAs(1);
     EXPECT_TRUE(SamePixels(ReadImage(Path("out.exr")), Render(lights_ + "scene.pbrt", "whole.exr")));
 }

@@ -234,7 +234,8 @@ TEST_F(Signals, APartialPictureThatCannotBeWrittenEndsNothing) {
     const pid_t pid = Start("--spp 100000000 --write-partial-images --outfile folder/out.exr scene.pbrt");
     EXPECT_TRUE(WaitUntil([&] { return Exists("folder/out.exr"); })) << Messages(pid);
     std::filesystem::rename(Path("folder"), Path("away"));
-    EXPECT_TRUE(WaitUntil([&] { return Has(Messages(pid), "was not written; rendering goes on."); })) << Messages(pid);
+    EXPECT_TRUE(WaitUntil([&] { return Has(Messages(pid), "was not written; rendering continues."); }))
+        << Messages(pid);
     std::filesystem::rename(Path("away"), Path("folder"));
     const Outcome o = End(pid, SIGINT);
     EXPECT_TRUE(Has(o.err, "Wrote folder/out.exr")) << o.err;

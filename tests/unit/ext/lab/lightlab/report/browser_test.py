@@ -314,13 +314,13 @@ class Page(unittest.TestCase):
             slider.send_keys("d")
         self.assertEqual(self.find("#stops").text, "\u221212 stops")
 
-    def looks(self, label):
-        """The names of the pictures in a row of "A look inside", after checking that each shows its file's pixels."""
+    def views_in(self, label):
+        """The names of the pictures in a row of "Inspection", after checking that each shows its file's pixels."""
         entry = self.results if label == "the scene" else next(
             s for s in self.results["samplers"] if s["label"] == label)
         files = {v["name"]: v["file"] for v in entry["views"]["layers"]}
         names = []
-        for button in self.driver.find_elements(By.CSS_SELECTOR, f'#inside .look[data-label="{label}"] button'):
+        for button in self.driver.find_elements(By.CSS_SELECTOR, f'#inside .view[data-label="{label}"] button'):
             names.append(button.get_attribute("data-view"))
             image = button.find_element(By.CSS_SELECTOR, "img")
             self.assertEqual(self.js("[arguments[0].naturalWidth, arguments[0].naturalHeight]", image),
@@ -331,29 +331,29 @@ class Page(unittest.TestCase):
             self.assertTrue(button.accessible_name)
         return names
 
-    def test_EverySamplerIsLookedInto(self):
-        rows = [r.get_attribute("data-label") for r in self.driver.find_elements(By.CSS_SELECTOR, "#inside .look")]
+    def test_EverySamplerIsInspected(self):
+        rows = [r.get_attribute("data-label") for r in self.driver.find_elements(By.CSS_SELECTOR, "#inside .view")]
         self.assertEqual(rows, ["the scene", *synthetic.SAMPLERS])
-        self.assertEqual(self.looks("the scene"), ["brightest", "visibility.12"])
-        self.assertEqual(self.looks("bvh"), ["entropy", "brightest_probability"])
+        self.assertEqual(self.views_in("the scene"), ["brightest", "visibility.12"])
+        self.assertEqual(self.views_in("bvh"), ["entropy", "brightest_probability"])
         self.assertIn('measured visibility, LightSource "point" at hotel.pbrt:88',
-                      self.find('#inside .look[data-label="the scene"]').text)
+                      self.find('#inside .view[data-label="the scene"]').text)
         # The sampler has one leaf: the page has words instead of blank pictures.
-        self.assertEqual(self.looks("neepp"), [])
-        text = self.find('#inside .look[data-label="neepp"] .flat').text
-        self.assertEqual(text, "One leaf covers all that the camera sees. The same everywhere: "
+        self.assertEqual(self.views_in("neepp"), [])
+        text = self.find('#inside .view[data-label="neepp"] .flat').text
+        self.assertEqual(text, "One leaf covers everything visible. The same everywhere: "
                          "leaf records 1234; entropy of the probabilities, bits 1.50. "
                          "No value anywhere: excess second moment, log10.")
-        self.assertEqual(self.looks("octree"), ["entropy", "brightest_probability", "sampler.leaf", "sampler.found_3",
+        self.assertEqual(self.views_in("octree"), ["entropy", "brightest_probability", "sampler.leaf", "sampler.found_3",
                                                 "sampler.found_4", "sampler.found_5", "sampler.found_6"])
-        text = self.find('#inside .look[data-label="octree"]').text
+        text = self.find('#inside .view[data-label="octree"]').text
         for part in ("entropy of the probabilities", "3.25", "leaf", "a colour for each"):
             self.assertIn(part, text)
         self.assertIn("2 × 2 pixels", self.find("#inside .note").text)
         self.assertTrue(self.find('nav a[href="#inside"]').is_displayed())
 
-    def test_LookOpensInTheViewerBesideItsPicture(self):
-        button = self.find('#inside .look[data-label="octree"] button[data-view="sampler.leaf"]')
+    def test_ViewOpensInTheViewerBesideItsPicture(self):
+        button = self.find('#inside .view[data-label="octree"] button[data-view="sampler.leaf"]')
         self.js("arguments[0].scrollIntoView({block: 'center'})", button)
         button.click()
         self.assertEqual((self.shown("left"), self.shown("right")), ("octree/result", "octree/sampler.leaf"))

@@ -118,7 +118,7 @@ def sampler_entry(label, seeds, rounds):
 
 
 def layer(file, name, most=None, mean=0.5):
-    """A layer of a look inside; most: its largest value, or None for colours without order."""
+    """A layer of a inspection view; most: its largest value, or None for colours without order."""
     return {"name": name, "file": file, "meaning": f"what {name} is", "isFlat": False, "least": 0,
             "most": most or 7, "mean": mean,
             "colours": "one per number, without order" if most is None else {"darkest": 0, "brightest": most}}
@@ -182,8 +182,8 @@ def make(folder, labels=None, seeds=3, rounds=7, winner="octree"):
         for write, file in ((write_png, entry["picture"]), (write_hdr, entry["pictureRange"])):
             write(folder / file, lambda x, y: (r, g, (b + 40 * ((x // 8 + y // 8) % 2)) % 256))
         write_png(folder / entry["errorPicture"], lambda x, y: (r // 4, g // 4, 255 if (x + y) % 16 < 8 else b // 4))
-    looks = [results["views"], *(entry["views"] for entry in results["samplers"])]
-    for k, v in enumerate(v for look in looks for v in look["layers"] if v["file"]):
+    views = [results["views"], *(entry["views"] for entry in results["samplers"])]
+    for k, v in enumerate(v for view in views for v in view["layers"] if v["file"]):
         write_png(folder / v["file"], lambda x, y: (5 * k % 256, 100 + x % 50, 90 + y % 50))
     (folder / "results.json").write_text(json.dumps(results, indent=1))
     return results

@@ -1,4 +1,4 @@
-#include "campaign_fixture.h"
+#include "experiment_fixture.h"
 
 #include <unistd.h>
 
@@ -10,7 +10,7 @@
 
 void register_guide(pbrt::PluginRegistry &registry);  // of ext/guiding
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 const char *const kScene = R"(LookAt 0 3 -6  0 0 0  0 1 0
 Camera "perspective" "float fov" 40
@@ -28,7 +28,7 @@ Shape "bilinearmesh" "point3 P" [ -4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4 ]
 
 namespace {
 
-/// Uniform over all lights but the last `blind` ones. Cancels the campaign after a number of calls.
+/// Uniform over all lights but the last `blind` ones. Cancels the experiment after a number of calls.
 class TestSampler final : public LightSampler {
   public:
     TestSampler(size_t lights, size_t blind, std::shared_ptr<Switch> interrupt)
@@ -41,7 +41,7 @@ class TestSampler final : public LightSampler {
     Float Probability(const LightQuery &, const void *, LightId light) const override {
         return light.value < seen_ ? 1 / static_cast<Float>(seen_) : 0;
     }
-    void Report(nlohmann::ordered_json &report) const override { report["leaves"] = 7; }
+    void Report(Json &report) const override { report["leaves"] = 7; }
     void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override {
         values.push_back({"side", query.p.x > 0 ? 1.0 : 2.0, true});
     }
@@ -66,11 +66,11 @@ void ExpectSamePixels(const fs::path &a, const fs::path &b) {
     EXPECT_EQ(std::memcmp(one.Data(), two.Data(), one.Bytes()), 0) << a << " " << b;
 }
 
-void Campaign::SetUp() {
+void Experiment::SetUp() {
     SetLogLevel(LogLevel::Error);
     const auto *info = ::testing::UnitTest::GetInstance()->current_test_info();
     folder_ =
-        fs::temp_directory_path() / (std::string("pbrt_campaign_") + info->name() + "_" + std::to_string(getpid()));
+        fs::temp_directory_path() / (std::string("pbrt_experiment_") + info->name() + "_" + std::to_string(getpid()));
     fs::create_directories(folder_);
     WriteScene("", "");
     RegisterStockLightSamplers(registry_);
@@ -79,25 +79,25 @@ void Campaign::SetUp() {
     AddSampler("blind", 1);
 }
 
-void Campaign::WriteScene(const std::string &part, const std::string &other) {
+void Experiment::WriteScene(const std::string &part, const std::string &other) {
     const std::string text = kScene;
     std::ofstream(folder_ / "scene.pbrt") << std::string(text).replace(text.find(part), part.size(), other);
 }
 
-void Campaign::TearDown() {
+void Experiment::TearDown() {
     fs::remove_all(folder_);
     SetLogLevel(LogLevel::Info);
 }
 
-void Campaign::AddSampler(const std::string &name, size_t blind) {
+void Experiment::AddSampler(const std::string &name, size_t blind) {
     auto make = [blind, interrupt = switch_](NoParams, const ParamSet &, const LightGroups &groups) {
         return std::make_unique<TestSampler>(groups.LightCount(), blind, interrupt);
     };
     registry_.samplers.Add<NoParams>(name, "of the test", make);
 }
 
-CampaignSettings Campaign::Settings(const std::string &out, const std::vector<std::string> &samplers) {
-    CampaignSettings s;
+ExperimentSettings Experiment::Settings(const std::string &out, const std::vector<std::string> &samplers) {
+    ExperimentSettings s;
     s.scene = (folder_ / "scene.pbrt").string();
     s.samplers = ParseSamplerChoices(samplers, registry_);
     s.samplesPerPixel = 4;
@@ -109,13 +109,13 @@ CampaignSettings Campaign::Settings(const std::string &out, const std::vector<st
     return s;
 }
 
-std::optional<CampaignOutcome> Campaign::Run(const CampaignSettings &settings) {
+std::optional<ExperimentOutcome> Experiment::Run(const ExperimentSettings &settings) {
     Progress progress;
     switch_->progress = &progress;
-    return RunCampaign(settings, registry_, progress, nullptr);
+    return RunExperiment(settings, registry_, progress, nullptr);
 }
 
-std::string Campaign::ErrorOf(const CampaignSettings &settings) {
+std::string Experiment::ErrorOf(const ExperimentSettings &settings) {
     try {
         Run(settings);
     } catch (const UserError &e) {
@@ -124,8 +124,8 @@ std::string Campaign::ErrorOf(const CampaignSettings &settings) {
     return "";
 }
 
-void Campaign::ExpectSamePictures(const std::string &a, const std::string &b, const std::vector<std::string> &samplers,
-                                  int seeds) {
+void Experiment::ExpectSamePictures(const std::string &a, const std::string &b,
+                                    const std::vector<std::string> &samplers, int seeds) {
     for (const std::string &sampler : samplers)
         for (int seed = 0; seed < seeds; ++seed) {
             const std::string name = SafeFileName(sampler) + "/seed" + std::to_string(seed) + ".exr";
@@ -134,7 +134,7 @@ void Campaign::ExpectSamePictures(const std::string &a, const std::string &b, co
     ExpectSamePixels(folder_ / a / "reference-0.exr", folder_ / b / "reference-0.exr");
 }
 
-std::vector<fs::path> Campaign::ReferencesIn(const std::string &folder) const {
+std::vector<fs::path> Experiment::ReferencesIn(const std::string &folder) const {
     std::vector<fs::path> found;
     for (const auto &entry : fs::directory_iterator(folder_ / folder))
         if (entry.path().filename().string().starts_with("scene.reference-")) found.push_back(entry.path());
@@ -142,4 +142,4 @@ std::vector<fs::path> Campaign::ReferencesIn(const std::string &folder) const {
     return found;
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

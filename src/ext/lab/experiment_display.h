@@ -5,12 +5,13 @@
 
 #include "pbrt/core/progress.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
+using namespace pbrt;
 
-/// Shows progress and remaining time of a whole campaign, from estimates that its phases update.
-class CampaignDisplay {
+/// Shows progress and remaining time of a whole experiment, from estimates that its phases update.
+class ExperimentDisplay {
   public:
-    explicit CampaignDisplay(ProgressSink *sink) : sink_(sink) {}
+    explicit ExperimentDisplay(ProgressSink *sink) : sink_(sink) {}
 
     void SetPhase(const std::string &phase) { phase_ = phase; }
     /// Sets the estimated seconds of all phases after the present one.
@@ -26,7 +27,7 @@ class CampaignDisplay {
         sink_->Show(phase_, isKnown ? elapsed / std::max(elapsed + all, 1e-9) : 0, elapsed, all);
     }
     void Finish() {
-        if (sink_) sink_->PhaseDone("campaign", std::chrono::duration<double>(Clock::now() - start_).count());
+        if (sink_) sink_->PhaseDone("experiment", std::chrono::duration<double>(Clock::now() - start_).count());
     }
 
   private:
@@ -37,4 +38,4 @@ class CampaignDisplay {
     Clock::time_point start_ = Clock::now(), shown_ = start_;
 };
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

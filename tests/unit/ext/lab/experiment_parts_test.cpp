@@ -5,11 +5,11 @@
 #include <fstream>
 #include <thread>
 
-#include "ext/lab/campaign.h"
-#include "ext/lab/campaign_display.h"
+#include "ext/lab/experiment.h"
+#include "ext/lab/experiment_display.h"
 #include "pbrt/scenefile/content_hash.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 namespace fs = std::filesystem;
 
@@ -22,7 +22,7 @@ TEST(SamplerList, KeysBelongToTheSamplerBeforeThem) {
 }
 
 TEST(Checkpoints, StartAtOneSampleAndEndAtTheBudget) {
-    CampaignSettings settings;
+    ExperimentSettings settings;
     settings.samplesPerPixel = 24;
     std::vector<int> samples;
     for (const Checkpoint &c : Checkpoints(settings)) samples.push_back(c.samples);
@@ -37,7 +37,7 @@ TEST(Checkpoints, StartAtOneSampleAndEndAtTheBudget) {
     EXPECT_EQ(timed[7].seconds, 32);
 }
 
-TEST(CampaignDisplay, TimeLeftIsThatOfTheWholeCampaign) {
+TEST(ExperimentDisplay, TimeLeftIsThatOfTheWholeExperiment) {
     struct Sink final : ProgressSink {
         void Show(const std::string &p, double f, double e, double r) override {
             phase = p;
@@ -49,7 +49,7 @@ TEST(CampaignDisplay, TimeLeftIsThatOfTheWholeCampaign) {
         std::string phase;
         double fraction = -1, elapsed = 0, remaining = -2;
     } sink;
-    CampaignDisplay display(&sink);
+    ExperimentDisplay display(&sink);
     auto show = [&](double left) {
         std::this_thread::sleep_for(std::chrono::milliseconds(210));  // the display is updated at most every 0.2 s
         display.Show(left);
@@ -92,4 +92,4 @@ TEST(SceneHash, SeesEveryFileThatIsNamed) {
     fs::remove_all(folder);
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

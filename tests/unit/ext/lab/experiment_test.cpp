@@ -1,15 +1,15 @@
-#include "ext/lab/campaign.h"
+#include "ext/lab/experiment.h"
 
 #include <algorithm>
 #include <fstream>
 
-#include "campaign_fixture.h"
+#include "experiment_fixture.h"
 #include "pbrt/images/image.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
-TEST_F(Campaign, LeavesEverythingTheSchemaNames) {
-    const std::optional<CampaignOutcome> outcome = Run(Settings("out", {"uniform", "power", "honest"}));
+TEST_F(Experiment, LeavesEverythingTheSchemaNames) {
+    const std::optional<ExperimentOutcome> outcome = Run(Settings("out", {"uniform", "power", "honest"}));
     ASSERT_TRUE(outcome);
     for (const char *name :
          {"results.json", "results.csv", "rounds.csv", "reference-0.exr", "reference-0.png", "uniform/seed0.exr",
@@ -90,8 +90,8 @@ TEST_F(Campaign, LeavesEverythingTheSchemaNames) {
     EXPECT_NE(outcome->text.find("honest"), std::string::npos);
 }
 
-TEST_F(Campaign, LooksInsideEverySampler) {
-    const std::optional<CampaignOutcome> outcome = Run(Settings("out", {"power", "honest", "uniform"}));
+TEST_F(Experiment, InspectsEverySampler) {
+    const std::optional<ExperimentOutcome> outcome = Run(Settings("out", {"power", "honest", "uniform"}));
     ASSERT_TRUE(outcome);
     const auto names = [&](const Json &views) {
         std::vector<std::string> list;
@@ -100,7 +100,7 @@ TEST_F(Campaign, LooksInsideEverySampler) {
             // A layer that is the same everywhere has no picture.
             EXPECT_EQ(layer.at("file").is_null(), layer.at("isFlat").get<bool>()) << layer;
             if (layer.at("isFlat")) continue;
-            // The picture has the size of the campaign's pictures, so that it can lie over them.
+            // The picture has the size of the experiment's pictures, so that it can lie over them.
             const fs::path file = folder_ / "out" / layer.at("file").get<std::string>();
             EXPECT_EQ(ReadImage(file.string()).image.Resolution(), Point2i(32, 24)) << file;
         }
@@ -131,10 +131,10 @@ TEST_F(Campaign, LooksInsideEverySampler) {
     EXPECT_FALSE(fs::exists(folder_ / "out/uniform/views/sampler.side.png"));
 }
 
-TEST_F(Campaign, LooksInsideAreNoPartOfTheMeasurement) {
-    CampaignSettings settings = Settings("without", {"power", "honest"});
+TEST_F(Experiment, InspectionIsNoPartOfTheMeasurement) {
+    ExperimentSettings settings = Settings("without", {"power", "honest"});
     settings.views = false;
-    const std::optional<CampaignOutcome> without = Run(settings);
+    const std::optional<ExperimentOutcome> without = Run(settings);
     ASSERT_TRUE(without);
     EXPECT_FALSE(without->results.contains("views"));
     EXPECT_FALSE(without->results.at("samplers").at(1).contains("views"));
@@ -145,19 +145,19 @@ TEST_F(Campaign, LooksInsideAreNoPartOfTheMeasurement) {
     for (size_t i = 0; i < 2; ++i)
         EXPECT_EQ(with.at("samplers").at(i).at("summary").at("shadowRays"),
                   without->results.at("samplers").at(i).at("summary").at("shadowRays"));
-    // The views of a finished campaign can be made later, with the same result.
+    // The views of a finished experiment can be made later, with the same result.
     settings.views = true;
-    const std::optional<CampaignOutcome> later = Run(settings);
+    const std::optional<ExperimentOutcome> later = Run(settings);
     ASSERT_TRUE(later);
     EXPECT_EQ(later->results.at("samplers").at(1).at("views"), with.at("samplers").at(1).at("views"));
     for (const char *file : {"honest/views/sampler.side.png", "views/brightest.png"})
         ExpectSamePixels(folder_ / "with" / file, folder_ / "without" / file);
 }
 
-TEST_F(Campaign, RepeatGivesTheSamePictures) {
+TEST_F(Experiment, RepeatGivesTheSamePictures) {
     const std::vector<std::string> samplers = {"uniform", "power"};
     ASSERT_TRUE(Run(Settings("one", samplers)));
-    // Without the cache, the second campaign renders its reference again.
+    // Without the cache, the second experiment renders its reference again.
     fs::remove_all(folder_ / "cache");
     ASSERT_TRUE(Run(Settings("two", samplers)));
     ExpectSamePictures("one", "two", samplers, 2);
@@ -167,9 +167,9 @@ TEST_F(Campaign, RepeatGivesTheSamePictures) {
     EXPECT_NE(std::memcmp(a.Data(), b.Data(), a.Bytes()), 0);
 }
 
-TEST_F(Campaign, ErrorsAndVerdictsDoNotDependOnTheExposure) {
+TEST_F(Experiment, ErrorsAndVerdictsDoNotDependOnTheExposure) {
     auto run = [&](const std::string &name) {
-        CampaignSettings settings = Settings(name, {"uniform", "power", "blind"});
+        ExperimentSettings settings = Settings(name, {"uniform", "power", "blind"});
         settings.samplesPerPixel = 16;
         settings.referenceSamples = 256;
         return Run(settings).value().results;
@@ -205,15 +205,15 @@ TEST_F(Campaign, ErrorsAndVerdictsDoNotDependOnTheExposure) {
             }
 }
 
-TEST_F(Campaign, BiasedSamplerIsFoundAndNeverWins) {
-    CampaignSettings settings = Settings("out", {"uniform", "blind", "honest"});
+TEST_F(Experiment, BiasedSamplerIsFoundAndNeverWins) {
+    ExperimentSettings settings = Settings("out", {"uniform", "blind", "honest"});
     settings.samplesPerPixel = 32;
     settings.seeds = 4;
     settings.referenceSamples = 1024;
-    auto verdict = [](const CampaignOutcome &outcome, size_t i) {
+    auto verdict = [](const ExperimentOutcome &outcome, size_t i) {
         return outcome.results.at("samplers").at(i).at("summary").at("bias").at("verdict").get<std::string>();
     };
-    const std::optional<CampaignOutcome> outcome = Run(settings);
+    const std::optional<ExperimentOutcome> outcome = Run(settings);
     ASSERT_TRUE(outcome);
     EXPECT_NE(verdict(*outcome, 0), "biased");
     EXPECT_EQ(verdict(*outcome, 1), "biased");
@@ -233,7 +233,7 @@ TEST_F(Campaign, BiasedSamplerIsFoundAndNeverWins) {
     AddSampler("clever", 21);
     settings.samplers = ParseSamplerChoices({"uniform", "clever", "honest"}, registry_);
     settings.outFolder = (folder_ / "little").string();
-    const std::optional<CampaignOutcome> little = Run(settings);
+    const std::optional<ExperimentOutcome> little = Run(settings);
     ASSERT_TRUE(little);
     EXPECT_EQ(ReadJson(folder_ / "little/records/pilot.json").at("note").at(0).at("sampler"), "clever");
     for (const Json &r : little->results.at("references")) EXPECT_NE(r.at("sampler"), "clever");
@@ -246,7 +246,7 @@ TEST_F(Campaign, BiasedSamplerIsFoundAndNeverWins) {
 
 // Power and bvh spend half of their samples on a lamp behind the wall. Uniform chooses one of the two strong lamps
 // twice in 4,002 samples: in most pixels never, and its few hits are thousands of times too bright.
-TEST_F(Campaign, SamplerOfRareHitsIsNotTakenForAQuietOne) {
+TEST_F(Experiment, SamplerOfRareHitsIsNotTakenForAQuietOne) {
     std::string scene = kScene;
     scene.resize(scene.find("LightSource"));
     for (const char *x : {"-1", "1"})
@@ -264,10 +264,10 @@ TEST_F(Campaign, SamplerOfRareHitsIsNotTakenForAQuietOne) {
     EXPECT_GT(pilot.at(2).at("variance").get<double>(), 10 * pilot.at(1).at("variance").get<double>());
 }
 
-TEST_F(Campaign, ComparesGuidedPathsWithPlainOnes) {
+TEST_F(Experiment, ComparesGuidedPathsWithPlainOnes) {
     // Paths that end at their second vertex have no roulette.
     WriteScene("maxdepth\" 2", "maxdepth\" 4");
-    CampaignSettings settings = Settings("out", {"honest", "honest+guide"});
+    ExperimentSettings settings = Settings("out", {"honest", "honest+guide"});
     settings.samplesPerPixel = 16;  // the guide learns after 2 and 8
     ASSERT_TRUE(Run(settings));
     const fs::path out = folder_ / "out";
@@ -277,7 +277,7 @@ TEST_F(Campaign, ComparesGuidedPathsWithPlainOnes) {
     EXPECT_NE(std::memcmp(plain.Data(), guided.Data(), plain.Bytes()), 0);
 }
 
-TEST_F(Campaign, MistakesAreFoundBeforeAnythingIsRendered) {
+TEST_F(Experiment, MistakesAreFoundBeforeAnythingIsRendered) {
     EXPECT_THROW(ParseSamplerChoices({"uniform", "uniform"}, registry_), UserError);
     try {
         ParseSamplerChoices({"nosuch", "power:leaves=3", "bvh+gate=neepp", "bvh+what", "bvh+guide:length=2", "uniform"},
@@ -287,7 +287,7 @@ TEST_F(Campaign, MistakesAreFoundBeforeAnythingIsRendered) {
         EXPECT_EQ(e.Diagnostics().size(), 5u);
         EXPECT_NE(e.Diagnostics()[0].message.find("uniform"), std::string::npos) << e.Diagnostics()[0].message;
     }
-    CampaignSettings settings = Settings("out", {"uniform"});
+    ExperimentSettings settings = Settings("out", {"uniform"});
     settings.crops = {{{0, 0}, {33, 8}}};
     EXPECT_NE(ErrorOf(settings).find("--crops"), std::string::npos);
     settings = Settings("out", {"uniform"});
@@ -301,4 +301,4 @@ TEST_F(Campaign, MistakesAreFoundBeforeAnythingIsRendered) {
     EXPECT_NE(ErrorOf(Settings("other", {"uniform"})).find("randomwalk"), std::string::npos);
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

@@ -1,11 +1,16 @@
-#include "ext/lab/machine.h"
+#include "ext/lab/text_output.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
 #include <ctime>
 #include <fstream>
 
 #include "pbrt/core/parallel.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
+using namespace pbrt;
 
 namespace {
 
@@ -26,11 +31,32 @@ std::string ValueInFile(const char *path, const std::string &key, char separator
 
 }  // namespace
 
-nlohmann::ordered_json DescribeMachine() {
-    auto known = [](const std::string &text) {
-        return text.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(text);
-    };
-    nlohmann::ordered_json machine;
+std::string Align(const std::vector<std::vector<std::string>> &rows) {
+    std::vector<size_t> width(rows.at(0).size(), 0);
+    for (const auto &row : rows)
+        for (size_t c = 0; c < row.size(); ++c) width[c] = std::max(width[c], row[c].size());
+    std::string text;
+    for (const auto &row : rows) {
+        for (size_t c = 0; c < row.size(); ++c)
+            text += c == 0 ? fmt::format("{:<{}}", row[c], width[c]) : fmt::format("  {:>{}}", row[c], width[c]);
+        text += "\n";
+    }
+    return text;
+}
+
+std::string EscapeHtml(const std::string &text) {
+    std::string out;
+    for (const char c : text) {
+        const size_t special = std::string_view("&<>\"").find(c);
+        out +=
+            special == std::string::npos ? std::string(1, c) : std::array{"&amp;", "&lt;", "&gt;", "&quot;"}[special];
+    }
+    return out;
+}
+
+Json DescribeMachine() {
+    auto known = [](const std::string &text) { return text.empty() ? Json() : Json(text); };
+    Json machine;
     machine["cpu"] = known(ValueInFile("/proc/cpuinfo", "model name", ':'));
     machine["threads"] = ThreadCount();
     std::string memory = ValueInFile("/proc/meminfo", "MemTotal", ':');
@@ -49,4 +75,4 @@ std::string DateText() {
     return text;
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

@@ -1,19 +1,16 @@
-#include "ext/lab/campaign.h"
+#include "ext/lab/experiment.h"
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <map>
 
-#include "ext/lab/campaign_display.h"
-#include "ext/lab/campaign_views.h"
-#include "ext/lab/machine.h"
+#include "ext/lab/experiment_display.h"
 #include "ext/lab/pictures.h"
 #include "ext/lab/reference.h"
-#include "ext/lab/reference_cache.h"
 #include "ext/lab/results.h"
 #include "ext/lab/sampler_run.h"
-#include "ext/lab/take_up.h"
+#include "ext/lab/text_output.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/parallel.h"
@@ -21,21 +18,20 @@
 #include "pbrt/integrators/render_loop.h"
 #include "pbrt/math/statistics.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
-using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 namespace {
 
 constexpr int kWarmUpSeed = 700003;
-constexpr int kTellingSamples = 4;
+constexpr int kReliableSamples = 4;
 
 std::string SelectionNote(const SamplerChoice &choice) { return choice.folder + "/selection.json"; }
 
-/// Creates the folders. A campaign that is there already is continued if it has the same settings; else throws
+/// Creates the folders. An experiment that is there already is continued if it has the same settings; else throws
 /// UserError.
-void OpenFolder(const CampaignSettings &settings, const Json &identity, const RecordFolder &records) {
+void OpenFolder(const ExperimentSettings &settings, const Json &identity, const RecordFolder &records) {
     const std::string &out = settings.outFolder;
     if (fs::exists(out) && !fs::is_directory(out)) throw UserError(fmt::format("{}: is a file, not a folder.", out));
     if (settings.restart) fs::remove_all(records.Folder());
@@ -46,16 +42,16 @@ void OpenFolder(const CampaignSettings &settings, const Json &identity, const Re
     } else if (old.is_object()) {
         if (std::vector<std::string> differences = Differences(old, identity); !differences.empty())
             throw UserError(
-                fmt::format("{} holds a campaign with other settings ({}). Choose another --out, or "
+                fmt::format("{} holds an experiment with other settings ({}). Choose another --out, or "
                             "--restart to replace it.",
                             out, fmt::join(differences, "; ")));
-        LogInfo(fmt::format("{} holds a part or all of this campaign; going on from there.", out));
+        LogInfo(fmt::format("{} holds records of this experiment; resuming from them.", out));
     }
     std::error_code error;
     for (const SamplerChoice &s : settings.samplers) {
         fs::create_directories(fs::path(records.Folder()) / s.folder, error);
         if (!error) fs::create_directories(fs::path(out) / s.folder, error);
-        if (error) throw UserError(fmt::format("{}: cannot be made: {}.", out, error.message()));
+        if (error) throw UserError(fmt::format("{}: cannot be created: {}.", out, error.message()));
     }
     records.SaveSettings(identity);
 }
@@ -63,8 +59,8 @@ void OpenFolder(const CampaignSettings &settings, const Json &identity, const Re
 /// The rendering of all runs.
 class Rounds {
   public:
-    Rounds(const CampaignSettings &settings, const LabScene &scene, const References &references,
-           const RecordFolder &records, Progress &cancel, CampaignDisplay &display)
+    Rounds(const ExperimentSettings &settings, const LabScene &scene, const References &references,
+           const RecordFolder &records, Progress &cancel, ExperimentDisplay &display)
         : settings_(settings),
           scene_(scene),
           records_(records),
@@ -74,11 +70,11 @@ class Rounds {
           checkpoints_(Checkpoints(settings)) {
         for (const Reference &r : references.all) measuring_.push_back(std::make_unique<MeasuringReference>(r.image));
         if (!settings.samplesFrom.empty()) replay_.emplace(settings.samplesFrom, settings);
-        if (replay_) checkpoints_.resize(static_cast<size_t>(replay_->Checkpoints()));
+        if (replay_) checkpoints_.resize(replay_->Checkpoints());
         LoadCosts();
     }
 
-    /// False: cancelled.
+    /// Returns false if cancelled.
     bool RenderAll() {
         if (!FindExpectedSamples()) return false;
         recordsOf_.assign(settings_.samplers.size(), {});
@@ -104,7 +100,7 @@ class Rounds {
         std::vector<std::unique_ptr<SamplerRun>> runs(settings_.samplers.size());
         for (size_t c = 0; c < checkpoints_.size(); ++c)
             for (size_t i = 0; i < runs.size(); ++i) {
-                RunRecord &record = recordsOf_[i][static_cast<size_t>(seed)];
+                RunRecord &record = recordsOf_[i][seed];
                 if (record.rounds.size() > c) continue;
                 if (!runs[i] && !(runs[i] = Start(i, seed, record))) return false;
                 if (!RenderTo(i, seed, c, *runs[i])) return false;
@@ -118,8 +114,8 @@ class Rounds {
         return true;
     }
 
-    /// Writes, once per sampler, pictures of what it knows after its first run. `run`: that run, or null if an earlier
-    /// session finished it. False: cancelled.
+    /// Writes the inspection views of a sampler after its first run, once per sampler. `run`: that run, or null if an
+    /// earlier session finished it. Returns false if cancelled.
     bool InspectSampler(size_t i, SamplerRun *run) {
         const SamplerChoice &choice = settings_.samplers[i];
         if (!settings_.views || ViewsAreWhole(settings_, records_.LoadNote(ViewsNote(choice)))) return true;
@@ -133,8 +129,8 @@ class Rounds {
         return true;
     }
 
-    /// Checks, once per sampler, its light selection after the first run; `run` as in Look. Leaves out the oracle,
-    /// which does not compete and would take hours.
+    /// Checks, once per sampler, its light selection after the first run; `run` as in InspectSampler. Leaves out the
+    /// oracle, which does not compete and would take hours.
     bool Check(size_t i, SamplerRun *run) {
         const SamplerChoice &choice = settings_.samplers[i];
         if (!(settings_.selectionWork > 0) || choice.IsOracle()) return true;
@@ -177,7 +173,7 @@ class Rounds {
         const std::string &folder = settings_.samplers[i].folder;
         auto afterWave = [&] {
             // The first samples of a run fill caches and cells: the pilot's estimate is better.
-            if (run.SecondsPerSample() > 0 && (run.Samples() >= kTellingSamples || !wasInPilot_[i]))
+            if (run.SecondsPerSample() > 0 && (run.Samples() >= kReliableSamples || !wasInPilot_[i]))
                 cost_[i] = run.SecondsPerSample();
             const double sinceRecord = SecondsOf(i, run.Samples(), run.Spent()) - SecondsDone(i, seed);
             display_.Show(std::max(0.0, SecondsLeft() - sinceRecord));
@@ -197,9 +193,9 @@ class Rounds {
         return true;
     }
 
-    /// Sets the number of samples per pixel that every sampler plans for. With a time budget it is an estimate
-    /// (FittingSamples), from the pilot or else from a run of two samples, which also warms up the machine. It is
-    /// kept in the records, because pictures may depend on it. False: cancelled.
+    /// Sets expected_, the number of samples per pixel that every sampler plans for. With a time budget it is an
+    /// estimate (FittingSamples), from the pilot or else from a run of two samples, which also warms up the machine. It
+    /// is kept in the records, because pictures may depend on it. Returns false if cancelled.
     bool FindExpectedSamples() {
         Json note = records_.LoadNote("expected-samples.json");
         if (!note.is_object()) note = Json::object();
@@ -240,7 +236,7 @@ class Rounds {
         return BySamples() ? samples * cost_[i] : std::min(spent.wall, settings_.timeBudget);
     }
     double SecondsDone(size_t i, int seed) const {
-        const RunRecord &record = recordsOf_[i][static_cast<size_t>(seed)];
+        const RunRecord &record = recordsOf_[i][seed];
         return record.rounds.empty() ? 0 : SecondsOf(i, record.rounds.back().samples, record.rounds.back().spent);
     }
     /// Seconds of all runs that the records do not hold.
@@ -258,7 +254,7 @@ class Rounds {
     void LearnCost(size_t i, const RunRecord &record) {
         if (record.rounds.empty()) return;
         const RoundRecord &last = record.rounds.back();
-        if (last.samples < kTellingSamples && wasInPilot_[i]) return;
+        if (last.samples < kReliableSamples && wasInPilot_[i]) return;
         cost_[i] = (last.spent.wall - record.prepare.wall) / std::max(1, last.samples);
     }
     /// Sets the seconds per sample from the pilot; a sampler that was not in it has the mean, or 1 without a pilot.
@@ -277,11 +273,11 @@ class Rounds {
         }
     }
 
-    const CampaignSettings &settings_;
+    const ExperimentSettings &settings_;
     const LabScene &scene_;
     const RecordFolder &records_;
     Progress &cancel_;
-    CampaignDisplay &display_;
+    ExperimentDisplay &display_;
     const std::vector<size_t> &ofSampler_;
     std::vector<Checkpoint> checkpoints_;
     std::optional<SampleCounts> replay_;
@@ -294,56 +290,7 @@ class Rounds {
     std::optional<SelectionVertices> vertices_;  ///< for the checks of light selection; made when first needed
 };
 
-/// Writes references, results and errors as pictures, and adds them and the crops to `json`.
-void WritePictures(const CampaignSettings &settings, const LabScene &scene, const References &references,
-                   const std::vector<std::vector<Image>> &pictures, Json *json) {
-    const double exposure = ChooseExposure(references.all[0].image);
-    const Point2i resolution = references.all[0].image.Resolution();
-    (*json)["references"] = Json::array();
-    for (size_t i = 0; i < references.all.size(); ++i) {
-        const Reference &r = references.all[i];
-        const std::string name = fmt::format("reference-{}", i);
-        ImageMetadata metadata = scene.built.film->Metadata();
-        metadata.attributes["lightlab.sampler"] = r.sampler;
-        metadata.attributes["lightlab.sceneHash"] = scene.hash;
-        metadata.attributes["samplesPerPixel"] = r.samples;
-        WriteImage(fmt::format("{}/{}.exr", settings.outFolder, name), r.image, metadata);
-        WritePicture(fmt::format("{}/{}.png", settings.outFolder, name), r.image, exposure);
-        WriteRangePicture(fmt::format("{}/{}.hdr", settings.outFolder, name), r.image);
-        (*json)["references"].push_back({{"file", name + ".exr"},
-                                         {"picture", name + ".png"},
-                                         {"pictureRange", name + ".hdr"},
-                                         {"sampler", r.sampler.empty() ? Json() : Json(r.sampler)},
-                                         {"samples", r.samples ? Json(r.samples) : Json()},
-                                         {"seconds", r.seconds > 0 ? Json(r.seconds) : Json()},
-                                         {"noise", r.noise ? Json(*r.noise) : Json()},
-                                         {"source", r.source}});
-    }
-    std::vector<std::vector<float>> maps, shared;
-    for (size_t i = 0; i < settings.samplers.size(); ++i) {
-        maps.push_back(ErrorMap(pictures[i].front(), references.all[references.ofSampler[i]].image));
-        if (!settings.samplers[i].IsOracle()) shared.push_back(maps.back());
-    }
-    const double scale = ChooseErrorScale(maps);
-    for (size_t i = 0; i < settings.samplers.size(); ++i) {
-        const std::string folder = settings.outFolder + "/" + settings.samplers[i].folder;
-        WritePicture(folder + "/result.png", pictures[i].front(), exposure);
-        WriteRangePicture(folder + "/result.hdr", pictures[i].front());
-        WriteErrorPicture(folder + "/error.png", maps[i], resolution, scale);
-    }
-    (*json)["exposure"] = exposure;
-    (*json)["errorScale"] = scale;
-    (*json)["crops"] = Json::array();
-    const std::vector<Bounds2i> crops = settings.crops.empty() ? ChooseCrops(shared, resolution) : settings.crops;
-    for (size_t i = 0; i < crops.size(); ++i)
-        (*json)["crops"].push_back({{"name", std::string(1, static_cast<char>('a' + i % 26))},
-                                    {"x0", crops[i].low.x},
-                                    {"y0", crops[i].low.y},
-                                    {"x1", crops[i].high.x},
-                                    {"y1", crops[i].high.y}});
-}
-
-Json Header(const CampaignSettings &settings, const LabScene &scene, const Json &identity, size_t checkpoints) {
+Json Header(const ExperimentSettings &settings, const LabScene &scene, const Json &identity, size_t checkpoints) {
     Json json;
     json["schema"] = kResultsSchema;
     json["scene"] = settings.scene;
@@ -366,7 +313,7 @@ Json Header(const CampaignSettings &settings, const LabScene &scene, const Json 
     return json;
 }
 
-void CheckCrops(const CampaignSettings &settings, const LabScene &scene) {
+void CheckCrops(const ExperimentSettings &settings, const LabScene &scene) {
     const Point2i resolution = scene.Resolution();
     for (const Bounds2i &c : settings.crops)
         if (c.IsEmpty() || c.low.x < 0 || c.low.y < 0 || c.high.x > resolution.x || c.high.y > resolution.y)
@@ -375,7 +322,7 @@ void CheckCrops(const CampaignSettings &settings, const LabScene &scene) {
 }
 
 /// Makes an integrator with each sampler once, so that a parameter out of range is found before anything is rendered.
-void CheckSamplers(const CampaignSettings &settings, const LabScene &scene) {
+void CheckSamplers(const ExperimentSettings &settings, const LabScene &scene) {
     DiagnosticSink sink;
     for (const SamplerChoice &choice : settings.samplers) {
         try {
@@ -389,7 +336,7 @@ void CheckSamplers(const CampaignSettings &settings, const LabScene &scene) {
 
 }  // namespace
 
-std::vector<Checkpoint> Checkpoints(const CampaignSettings &settings) {
+std::vector<Checkpoint> Checkpoints(const ExperimentSettings &settings) {
     std::vector<Checkpoint> list = {{1, 0}};
     if (settings.Timed()) {
         for (double divisor = 64; divisor >= 1; divisor /= 2) list.push_back({0, settings.timeBudget / divisor});
@@ -400,18 +347,18 @@ std::vector<Checkpoint> Checkpoints(const CampaignSettings &settings) {
     return list;
 }
 
-std::optional<CampaignOutcome> RunCampaign(const CampaignSettings &settings, const PluginRegistry &registry,
-                                           Progress &cancel, ProgressSink *sink) {
+std::optional<ExperimentOutcome> RunExperiment(const ExperimentSettings &settings, const PluginRegistry &registry,
+                                               Progress &cancel, ProgressSink *sink) {
     const LabScene scene = LoadLabScene(settings, registry, cancel);
     CheckCrops(settings, scene);
     CheckSamplers(settings, scene);
     if (!settings.referenceFile.empty())
         ReadReference(settings.referenceFile, scene);  // throws if it does not fit the film
     const Json identity = IdentityOf(settings, scene.hash, ThreadCount());
-    const RecordFolder records(settings.outFolder + "/records", CampaignKey(identity));
+    const RecordFolder records(settings.outFolder + "/records", ExperimentKey(identity));
     OpenFolder(settings, identity, records);
 
-    CampaignDisplay display(sink);
+    ExperimentDisplay display(sink);
     std::optional<References> references = MakeReferences(settings, scene, registry, records, cancel, display);
     if (!references) return {};
     Rounds rounds(settings, scene, *references, records, cancel, display);
@@ -429,18 +376,18 @@ std::optional<CampaignOutcome> RunCampaign(const CampaignSettings &settings, con
         if (const Json note = records.LoadNote(SelectionNote(settings.samplers[i]));
             settings.selectionWork > 0 && note.is_object())
             selections[i] = SelectionFromJson(note);
-    CampaignOutcome outcome;
+    ExperimentOutcome outcome;
     outcome.results = Header(settings, scene, identity, rounds.CheckpointCount());
     WritePictures(settings, scene, *references, pictures, &outcome.results);
-    const CampaignResults results = Summarize(settings, *references, rounds.TakeRecords(), pictures, selections);
+    const ExperimentResults results = Summarize(settings, *references, rounds.TakeRecords(), pictures, selections);
     AddToJson(results, &outcome.results);
     AddViews(settings, records, &outcome.results);
     ShortenFloats(&outcome.results);
     outcome.text = TableText(results, *references);
-    WriteText(settings.outFolder + "/results.csv", SummaryCsv(results));
-    WriteText(settings.outFolder + "/rounds.csv", RoundsCsv(results));
-    WriteText(settings.outFolder + "/results.json", outcome.results.dump(1) + "\n");
+    WriteFile(settings.outFolder + "/results.csv", SummaryCsv(results));
+    WriteFile(settings.outFolder + "/rounds.csv", RoundsCsv(results));
+    WriteFile(settings.outFolder + "/results.json", outcome.results.dump(1) + "\n");
     return outcome;
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

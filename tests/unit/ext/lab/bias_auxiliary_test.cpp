@@ -1,4 +1,4 @@
-// Simulated campaigns of several samplers. Some find a light of some room by few strong samples, others by many weak
+// Simulated experiments of several samplers. Some find a light of some room by few strong samples, others by many weak
 // ones; the check must not call a sampler biased because it missed the few.
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 using test::Contest;
 using test::Fireflies;
@@ -17,21 +17,21 @@ using test::Lognormal;
 
 namespace {
 
-constexpr int kRare = 1, kCalm = 2, kOther = 3;  ///< the kinds of samplers (Contest::Sampler::kin)
+constexpr int kRare = 1, kCalm = 2, kOther = 3;  ///< the kinds of samplers (Contest::Sampler::kind)
 
 bool InRoom(int x, int y) { return x >= 20 && x < 36 && y >= 24 && y < 36; }
 bool InCorner(int x, int y) { return x >= 32 && x < 64 && y < 32; }
 bool InSomeRooms(int x, int y) { return x / 16 % 2 == 0 && y / 12 % 2 == 0; }
 
-/// `alarms` of `of` campaigns call an honest sampler biased.
+/// `alarms` of `of` experiments call an honest sampler biased.
 struct Alarms {
     int alarms = 0, of = 0;
 };
 
-/// `make(probability, share, spread)` gives the samplers of a campaign. Their noise is in one room, in a corner, in
+/// `make(probability, share, spread)` gives the samplers of an experiment. Their noise is in one room, in a corner, in
 /// some rooms or everywhere.
 template <class F>
-Alarms CountAlarms(F &&make, bool useKin, int campaigns) {
+Alarms CountAlarms(F &&make, bool useAuxiliary, int experiments) {
     std::vector<Contest> contests;
     for (auto where : {InRoom, InCorner, InSomeRooms, +[](int, int) { return true; }})
         for (int runs : {3, 12})
@@ -43,20 +43,20 @@ Alarms CountAlarms(F &&make, bool useKin, int campaigns) {
                         contest.common.runs = runs;
                         contest.common.parts = 8;
                         contest.common.partLength = 2;
-                        contest.useKin = useKin;
+                        contest.useAuxiliary = useAuxiliary;
                         contests.push_back(contest);
                     }
     std::atomic<int> alarms = 0;
-    const auto count = static_cast<int64_t>(contests.size()) * campaigns;
+    const auto count = static_cast<int64_t>(contests.size()) * experiments;
     ParallelForEach(count, [&](int64_t i) {
         const std::vector<BiasVerdict> verdicts =
-            Simulate(contests[static_cast<size_t>(i / campaigns)], 7000 + static_cast<uint64_t>(i));
+            Simulate(contests[static_cast<size_t>(i / experiments)], 7000 + static_cast<uint64_t>(i));
         alarms += std::count(verdicts.begin(), verdicts.end(), BiasVerdict::Biased) > 0;
     });
     return {alarms, static_cast<int>(count)};
 }
 
-/// The number of campaigns of 20 that find the bias of the first sampler, which never chooses a light in a region.
+/// The number of experiments of 20 that find the bias of the first sampler, which never chooses a light in a region.
 int Found(Contest contest, int runs, double bias) {
     contest.common.noisy = [](int x, int y) { return x >= 16 && x < 64 && y >= 16; };
     contest.common.bias = [bias](int x, int y) { return x >= 16 && x < 64 && y >= 16 ? -bias : 0; };
@@ -95,15 +95,15 @@ Contest ThreeOfWhomTwoAreRare(double probability, double share, double spread) {
 }  // namespace
 
 // The level of 0.5 % allows one alarm. A check that uses only the runs and their reference, and half as many unseen
-// samples, calls 6 to 7 % of such campaigns biased.
-TEST(BiasKin, LightThatASamplerMeetsRarelyIsNoBias) {
+// samples, calls 6 to 7 % of such experiments biased.
+TEST(AuxiliaryRuns, LightThatASamplerMeetsRarelyIsNoBias) {
     const Alarms two = CountAlarms(TwoOfWhomOneIsRare, true, 1), three = CountAlarms(ThreeOfWhomTwoAreRare, true, 1);
     EXPECT_LE(two.alarms + three.alarms, 3) << "of " << two.of + three.of;
 }
 
-// A reference from a file has no kin that shows how strong the rare samples are where the runs met none. So there are
-// more false alarms than the level allows.
-TEST(BiasKin, WithoutKinSomeFalseAlarmsRemain) {
+// A reference from a file has no auxiliary runs that show how strong the rare samples are where the runs met none. So
+// there are more false alarms than the level allows.
+TEST(AuxiliaryRuns, WithoutKinSomeFalseAlarmsRemain) {
     auto make = [](double probability, double share, double spread) {
         Contest contest = TwoOfWhomOneIsRare(probability, share, spread);
         contest.second.reset();
@@ -115,7 +115,7 @@ TEST(BiasKin, WithoutKinSomeFalseAlarmsRemain) {
 
 // The samples of other kinds of samplers do not hide the bias of a calm one. Here relL2 is 0.1, and a light is lost in
 // 39 % of the picture.
-TEST(BiasKin, BiasOfACalmSamplerIsFoundWhateverTheOthersDo) {
+TEST(AuxiliaryRuns, BiasOfACalmSamplerIsFoundWhateverTheOthersDo) {
     for (const test::Noise &other :
          {kSmooth, Fireflies(1e-3, 0.3, 0.3), Lognormal(1.5), Fireflies(1e-2, 0.3, 0.8, 0.5)}) {
         Contest contest;
@@ -129,7 +129,7 @@ TEST(BiasKin, BiasOfACalmSamplerIsFoundWhateverTheOthersDo) {
 }
 
 // If samplers of the same kind meet strong samples in the region, the difference must be larger than these can explain.
-TEST(BiasKin, KinOfStrongSamplesHidesASmallBiasOnly) {
+TEST(AuxiliaryRuns, KinOfStrongSamplesHidesASmallBiasOnly) {
     Contest contest;
     contest.samplers = {{kSmooth, kRare, true}, {Fireflies(1e-2, 0.2, 0.3), kRare}, {kSmooth, kCalm}};
     contest.best = 2;
@@ -138,8 +138,8 @@ TEST(BiasKin, KinOfStrongSamplesHidesASmallBiasOnly) {
     EXPECT_GE(Found(contest, 12, 0.4), 18);
 }
 
-TEST(BiasKin, OrderDoesNotMatterAndASinglePictureTellsNothing) {
-    test::Campaign c;
+TEST(AuxiliaryRuns, OrderDoesNotMatterAndASinglePictureTellsNothing) {
+    test::Experiment c;
     c.noise = Fireflies(1e-3, 0.3, 0.1);
     Rng rng(3, 3);
     auto render = [&](int pictures, double strength) {
@@ -149,17 +149,17 @@ TEST(BiasKin, OrderDoesNotMatterAndASinglePictureTellsNothing) {
     };
     const std::vector<TileMeans> runs = render(3, 0.01);
     BiasReference reference{render(4, 0.01), {}, 1, {}};
-    const BiasKin weak{render(3, 0.1), 1}, strong{render(3, 0.4), 1};
+    const AuxiliaryRuns weak{render(3, 0.1), 1}, strong{render(3, 0.4), 1};
     const double none = CheckBias(runs, reference).visibleImage;
-    const double both = CheckBias(runs, reference, {}, std::vector<BiasKin>{weak, strong}).visibleImage;
+    const double both = CheckBias(runs, reference, {}, std::vector<AuxiliaryRuns>{weak, strong}).visibleImage;
     EXPECT_GT(both, 1.1 * none);
-    EXPECT_EQ(both, CheckBias(runs, reference, {}, std::vector<BiasKin>{strong, weak}).visibleImage);
-    EXPECT_EQ(both, CheckBias(runs, reference, {}, std::vector<BiasKin>{strong}).visibleImage);
-    EXPECT_EQ(none, CheckBias(runs, reference, {}, std::vector<BiasKin>{{render(1, 0.4), 1}}).visibleImage);
+    EXPECT_EQ(both, CheckBias(runs, reference, {}, std::vector<AuxiliaryRuns>{strong, weak}).visibleImage);
+    EXPECT_EQ(both, CheckBias(runs, reference, {}, std::vector<AuxiliaryRuns>{strong}).visibleImage);
+    EXPECT_EQ(none, CheckBias(runs, reference, {}, std::vector<AuxiliaryRuns>{{render(1, 0.4), 1}}).visibleImage);
     // With twice the samples per picture, the same firefly would be twice as strong in a run.
-    EXPECT_GT(CheckBias(runs, reference, {}, std::vector<BiasKin>{{strong.pictures, 2}}).visibleImage, both);
+    EXPECT_GT(CheckBias(runs, reference, {}, std::vector<AuxiliaryRuns>{{strong.pictures, 2}}).visibleImage, both);
     c.resolution = {64, 64};
-    EXPECT_THROW(CheckBias(runs, reference, {}, std::vector<BiasKin>{{render(2, 0.1), 1}}), UserError);
+    EXPECT_THROW(CheckBias(runs, reference, {}, std::vector<AuxiliaryRuns>{{render(2, 0.1), 1}}), UserError);
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

@@ -1,18 +1,18 @@
 #include <fstream>
 
-#include "campaign_fixture.h"
+#include "experiment_fixture.h"
 #include "pbrt/images/image.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
-TEST_F(Campaign, InterruptedOnesEndAsIfNothingHadHappened) {
+TEST_F(Experiment, InterruptedOnesEndAsIfNothingHadHappened) {
     const std::vector<std::string> samplers = {"uniform", "honest"};
     switch_->callsLeft = 1 << 30;
     ASSERT_TRUE(Run(Settings("whole", samplers)));
     const int64_t calls = (1 << 30) - switch_->callsLeft;
     ASSERT_GT(calls, 1000);
     fs::remove_all(folder_ / "cache");
-    // The campaign is interrupted during the pilot, the references and the rounds.
+    // The experiment is interrupted during the pilot, the references and the rounds.
     int interruptions = 0;
     for (int attempt = 0; attempt < 40; ++attempt) {
         switch_->callsLeft = attempt < 12 ? calls / 5 : 1 << 30;
@@ -28,19 +28,19 @@ TEST_F(Campaign, InterruptedOnesEndAsIfNothingHadHappened) {
         for (size_t r = 0; r < 3; ++r)
             EXPECT_EQ(a.at("rounds").at(r).at("metrics"), b.at("rounds").at(r).at("metrics"));
     }
-    // A finished campaign is not rendered again, only summarised.
+    // A finished experiment is not rendered again, only summarised.
     const auto time = fs::last_write_time(folder_ / "parts/honest/seed1.exr");
     ASSERT_TRUE(Run(Settings("parts", samplers)));
     EXPECT_EQ(fs::last_write_time(folder_ / "parts/honest/seed1.exr"), time);
 }
 
-// Cuts or removes every file that a campaign keeps, both of a finished campaign and of one that was stopped while it
-// rendered.
-TEST_F(Campaign, GoesOnWhateverFileWasCutShort) {
+// Cuts or removes every file that an experiment keeps, both of a finished experiment and of one that was stopped while
+// it rendered.
+TEST_F(Experiment, GoesOnWhateverFileWasCutShort) {
     const std::vector<std::string> samplers = {"uniform", "honest"};
-    const std::optional<CampaignOutcome> whole = Run(Settings("whole", samplers));
+    const std::optional<ExperimentOutcome> whole = Run(Settings("whole", samplers));
     ASSERT_TRUE(whole);
-    // Another campaign is stopped in its rounds, after it has saved a film.
+    // Another experiment is stopped in its rounds, after it has saved a film.
     auto hasFilm = [&] {
         for (const auto &entry : fs::recursive_directory_iterator(folder_ / "stopped"))
             if (entry.path().extension() == ".film") return true;
@@ -51,40 +51,40 @@ TEST_F(Campaign, GoesOnWhateverFileWasCutShort) {
         switch_->callsLeft =
             fs::exists(folder_ / "stopped/records/pilot.json") ? 2000 + 100 * attempt : 3000 + 1000 * attempt;
         ASSERT_FALSE(Run(Settings("stopped", samplers)))
-            << "the campaign ended before it was stopped with a film on disk";
+            << "the experiment ended before it was stopped with a film on disk";
         if (hasFilm()) break;
     }
     ASSERT_TRUE(hasFilm());
     switch_->callsLeft = 1 << 30;
     int films = 0, cuts = 0;
-    for (const std::string campaign : {"whole", "stopped"}) {
+    for (const std::string experiment : {"whole", "stopped"}) {
         std::vector<std::string> files;
-        for (const auto &entry : fs::recursive_directory_iterator(folder_ / campaign))
+        for (const auto &entry : fs::recursive_directory_iterator(folder_ / experiment))
             if (entry.is_regular_file() &&
-                (campaign == "whole" || entry.path().string().find("/records/") != std::string::npos))
-                files.push_back(fs::relative(entry.path(), folder_ / campaign).string());
+                (experiment == "whole" || entry.path().string().find("/records/") != std::string::npos))
+                files.push_back(fs::relative(entry.path(), folder_ / experiment).string());
         for (const std::string &file : files) {
             const bool decides = file.find("records") == 0 || file.find("seed") != std::string::npos;
             films += file.ends_with(".film");
-            const auto size = static_cast<int64_t>(fs::file_size(folder_ / campaign / file));
+            const auto size = static_cast<int64_t>(fs::file_size(folder_ / experiment / file));
             // The length -1 removes the file.
             for (const int64_t length :
                  decides ? std::vector<int64_t>{-1, 0, size / 2, size - 3} : std::vector<int64_t>{size / 2}) {
                 fs::remove_all(folder_ / "cut");
-                fs::copy(folder_ / campaign, folder_ / "cut", fs::copy_options::recursive);
+                fs::copy(folder_ / experiment, folder_ / "cut", fs::copy_options::recursive);
                 if (length < 0) fs::remove(folder_ / "cut" / file);
                 else fs::resize_file(folder_ / "cut" / file, static_cast<uintmax_t>(length));
-                const std::optional<CampaignOutcome> outcome = Run(Settings("cut", samplers));
-                ASSERT_TRUE(outcome) << campaign << " " << file << " " << length;
+                const std::optional<ExperimentOutcome> outcome = Run(Settings("cut", samplers));
+                ASSERT_TRUE(outcome) << experiment << " " << file << " " << length;
                 ++cuts;
                 ExpectSamePictures("whole", "cut", samplers, 2);
                 for (size_t i = 0; i < samplers.size(); ++i) {
                     const Json &a = whole->results.at("samplers").at(i), &b = outcome->results.at("samplers").at(i);
                     EXPECT_EQ(a.at("summary").at("metrics"), b.at("summary").at("metrics"))
-                        << campaign << " " << file << " " << length;
+                        << experiment << " " << file << " " << length;
                     for (size_t seed = 0; seed < 2; ++seed) {
                         const Json &x = a.at("runs").at(seed).at("rounds"), &y = b.at("runs").at(seed).at("rounds");
-                        ASSERT_EQ(x.size(), y.size()) << campaign << " " << file << " " << length;
+                        ASSERT_EQ(x.size(), y.size()) << experiment << " " << file << " " << length;
                         for (size_t r = 0; r < x.size(); ++r) EXPECT_EQ(x.at(r).at("metrics"), y.at(r).at("metrics"));
                     }
                     for (const Json &layer : b.at("views").at("layers")) {
@@ -100,9 +100,9 @@ TEST_F(Campaign, GoesOnWhateverFileWasCutShort) {
     EXPECT_GE(cuts, 80);
 }
 
-TEST_F(Campaign, RecordsOfAnotherCampaignOrVersionAreNotTakenUp) {
+TEST_F(Experiment, RecordsOfAnotherExperimentOrVersionAreNotTakenUp) {
     ASSERT_TRUE(Run(Settings("whole", {"uniform"})));
-    CampaignSettings settings = Settings("out", {"uniform"});
+    ExperimentSettings settings = Settings("out", {"uniform"});
     settings.samplesPerPixel = 8;
     ASSERT_TRUE(Run(settings));
     // The file with the settings of the records is lost, and the new settings differ.
@@ -121,47 +121,47 @@ TEST_F(Campaign, RecordsOfAnotherCampaignOrVersionAreNotTakenUp) {
               ReadJson(folder_ / "whole/records/uniform/seed1-round02.json").at("metrics"));
 }
 
-TEST_F(Campaign, MoreSeedsGoOnAndFewerAreAPart) {
-    CampaignSettings settings = Settings("out", {"uniform"});
+TEST_F(Experiment, MoreSeedsGoOnAndFewerAreAPart) {
+    ExperimentSettings settings = Settings("out", {"uniform"});
     settings.seeds = 2;
     ASSERT_TRUE(Run(settings));
     const auto time = fs::last_write_time(folder_ / "out/uniform/seed1.exr");
     settings.seeds = 3;
-    const std::optional<CampaignOutcome> more = Run(settings);
+    const std::optional<ExperimentOutcome> more = Run(settings);
     ASSERT_TRUE(more);
     EXPECT_EQ(fs::last_write_time(folder_ / "out/uniform/seed1.exr"), time);
-    CampaignSettings afresh = settings;
+    ExperimentSettings afresh = settings;
     afresh.outFolder = (folder_ / "afresh").string();
-    const std::optional<CampaignOutcome> whole = Run(afresh);
+    const std::optional<ExperimentOutcome> whole = Run(afresh);
     ASSERT_TRUE(whole);
-    const auto errors = [](const CampaignOutcome &o) {
+    const auto errors = [](const ExperimentOutcome &o) {
         return o.results.at("samplers").at(0).at("summary").at("metrics");
     };
     EXPECT_EQ(errors(*more), errors(*whole));
     settings.seeds = 1;
-    const std::optional<CampaignOutcome> fewer = Run(settings);
+    const std::optional<ExperimentOutcome> fewer = Run(settings);
     ASSERT_TRUE(fewer);
     EXPECT_EQ(fewer->results.at("seeds"), 1);
     EXPECT_EQ(fewer->results.at("samplers").at(0).at("runs").size(), 1u);
 }
 
-TEST_F(Campaign, OtherSettingsInTheSameFolderAreRefusedUntilRestart) {
-    CampaignSettings settings = Settings("out", {"uniform"});
+TEST_F(Experiment, OtherSettingsInTheSameFolderAreRefusedUntilRestart) {
+    ExperimentSettings settings = Settings("out", {"uniform"});
     ASSERT_TRUE(Run(settings));
     settings.samplesPerPixel = 2;
     const std::string error = ErrorOf(settings);
     for (const char *part : {"spp", "4", "2", "--restart"}) EXPECT_NE(error.find(part), std::string::npos) << error;
     settings.restart = true;
-    const std::optional<CampaignOutcome> outcome = Run(settings);
+    const std::optional<ExperimentOutcome> outcome = Run(settings);
     ASSERT_TRUE(outcome);
     EXPECT_EQ(outcome->results.at("budget"), 2);
 }
 
-TEST_F(Campaign, SampleCountsOfATimedOneGiveTheSamePictures) {
+TEST_F(Experiment, SampleCountsOfATimedOneGiveTheSamePictures) {
     const std::vector<std::string> samplers = {"uniform", "power"};
-    CampaignSettings timed = Settings("timed", samplers);
+    ExperimentSettings timed = Settings("timed", samplers);
     timed.timeBudget = 0.1;
-    const std::optional<CampaignOutcome> first = Run(timed);
+    const std::optional<ExperimentOutcome> first = Run(timed);
     ASSERT_TRUE(first);
     EXPECT_EQ(first->results.at("mode"), "time");
     for (const Json &s : first->results.at("samplers"))
@@ -170,7 +170,7 @@ TEST_F(Campaign, SampleCountsOfATimedOneGiveTheSamePictures) {
             // More samples than the four of the scene, so later batches are needed, too.
             EXPECT_GT(run.at("rounds").back().at("samples").get<int>(), 4);
         }
-    CampaignSettings replay = Settings("replay", samplers);
+    ExperimentSettings replay = Settings("replay", samplers);
     replay.timeBudget = 0.1;
     replay.samplesFrom = (folder_ / "timed/results.json").string();
     ASSERT_TRUE(Run(replay));
@@ -180,4 +180,4 @@ TEST_F(Campaign, SampleCountsOfATimedOneGiveTheSamePictures) {
     EXPECT_NE(ErrorOf(replay).find("seed 2"), std::string::npos);
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

@@ -5,13 +5,11 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "ext/lab/campaign.h"
+#include "ext/lab/experiment.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
 /// Three point lights of similar strength over a floor.
 extern const char *const kScene;
 
@@ -19,23 +17,23 @@ Json ReadJson(const fs::path &path);
 /// Expects that both files have pixels of equal bits.
 void ExpectSamePixels(const fs::path &a, const fs::path &b);
 
-/// Shared by the samplers that a registry makes; the campaign is cancelled when `callsLeft` reaches 0.
+/// Shared by the samplers that a registry makes; the experiment is cancelled when `callsLeft` reaches 0.
 struct Switch {
     std::atomic<int64_t> callsLeft{1 << 30};
     Progress *progress = nullptr;
 };
 
-/// Campaigns on three point lights over a floor, in a folder of their own.
-class Campaign : public ::testing::Test {
+/// Experiments on three point lights over a floor, in a folder of their own.
+class Experiment : public ::testing::Test {
   protected:
     void SetUp() override;
     /// The scene with a part of its text replaced.
     void WriteScene(const std::string &part, const std::string &other);
     void TearDown() override;
     void AddSampler(const std::string &name, size_t blind);
-    CampaignSettings Settings(const std::string &out, const std::vector<std::string> &samplers);
-    std::optional<CampaignOutcome> Run(const CampaignSettings &settings);
-    std::string ErrorOf(const CampaignSettings &settings);
+    ExperimentSettings Settings(const std::string &out, const std::vector<std::string> &samplers);
+    std::optional<ExperimentOutcome> Run(const ExperimentSettings &settings);
+    std::string ErrorOf(const ExperimentSettings &settings);
     void ExpectSamePictures(const std::string &a, const std::string &b, const std::vector<std::string> &samplers,
                             int seeds);
     std::vector<fs::path> ReferencesIn(const std::string &folder) const;
@@ -45,4 +43,4 @@ class Campaign : public ::testing::Test {
     std::shared_ptr<Switch> switch_ = std::make_shared<Switch>();
 };
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

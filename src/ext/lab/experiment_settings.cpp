@@ -1,14 +1,12 @@
-#include "ext/lab/campaign_settings.h"
+#include "ext/lab/experiment_settings.h"
 
 #include "pbrt/core/files.h"
 #include "pbrt/core/version.h"
 #include "pbrt/scenefile/content_hash.h"
 
-namespace pbrt::lab {
+namespace ext::lab {
 
-using Json = nlohmann::ordered_json;
-
-Json IdentityOf(const CampaignSettings &settings, const std::string &sceneHash, int threads) {
+Json IdentityOf(const ExperimentSettings &settings, const std::string &sceneHash, int threads) {
     Json id;
     id["scene"] = sceneHash;
     id["program"] = VersionText();
@@ -34,7 +32,7 @@ Json IdentityOf(const CampaignSettings &settings, const std::string &sceneHash, 
     return id;
 }
 
-std::string CampaignKey(Json identity) {
+std::string ExperimentKey(Json identity) {
     identity.erase("seeds");
     ContentHash hash;
     hash.Add("records 2 " + identity.dump());
@@ -48,7 +46,7 @@ std::vector<std::string> Differences(const Json &old, const Json &now) {
     };
     Json keys = old;
     keys.update(now);
-    keys.erase("seeds");  // runs are independent: a campaign may go on with more seeds, or be asked for fewer
+    keys.erase("seeds");  // runs are independent: an experiment may be resumed with more or fewer seeds
     for (const auto &[key, value] : keys.items())
         if (!old.contains(key) || !now.contains(key) || old[key] != now[key])
             list.push_back(fmt::format("{}: was {}, now {}", key, text(old, key), text(now, key)));
@@ -63,7 +61,7 @@ Json ReadResults(const std::string &path) {
     return json;
 }
 
-SampleCounts::SampleCounts(const std::string &path, const CampaignSettings &settings) {
+SampleCounts::SampleCounts(const std::string &path, const ExperimentSettings &settings) {
     const Json results = ReadResults(path);
     ContentHash hash;
     try {
@@ -71,7 +69,7 @@ SampleCounts::SampleCounts(const std::string &path, const CampaignSettings &sett
         for (const Json &sampler : results.at("samplers"))
             for (const Json &run : sampler.at("runs")) {
                 std::vector<int> &counts = counts_[{sampler.at("label").get<std::string>(), run.at("seed").get<int>()}];
-                counts.assign(static_cast<size_t>(checkpoints_), 0);
+                counts.assign(checkpoints_, 0);
                 for (const Json &round : run.at("rounds"))
                     counts.at(round.at("checkpoint").get<size_t>()) = round.at("samples").get<int>();
                 // A checkpoint that brought no new sample is not listed.
@@ -91,7 +89,7 @@ SampleCounts::SampleCounts(const std::string &path, const CampaignSettings &sett
 }
 
 int SampleCounts::At(const std::string &label, int seed, int checkpoint) const {
-    return counts_.at({label, seed}).at(static_cast<size_t>(checkpoint));
+    return counts_.at({label, seed}).at(checkpoint);
 }
 
-}  // namespace pbrt::lab
+}  // namespace ext::lab

@@ -1,4 +1,4 @@
-"""The looks inside the samplers: which of their pictures the page shows, under which names. Standard library only."""
+"""The inspection views of the samplers: which of their pictures the page shows, under which names. Standard library only."""
 import re
 
 import lab_results as lab
@@ -8,8 +8,8 @@ MOST_ALIKE = 4  # of the layers whose names differ only in a number (one per lig
 TITLES = {"entropy": "entropy of the probabilities, bits",
           "brightest_probability": "probability of the strongest light", "log10_excess": "excess second moment, log10",
           "brightest": "strongest light", "path.vertices": "vertices of a path"}
-GUIDE_TITLES = {"guide.survival": "probability that a path goes on", "guide.share": "share of guided bounces",
-                "guide.shines": "places that shine, log10"}
+GUIDE_TITLES = {"guide.survival": "continuation probability", "guide.share": "share of guided bounces",
+                "guide.shines": "learned radiance, log10"}
 
 
 def title_of(layer):
@@ -60,7 +60,7 @@ def flat_sentences(entry):
     layers = [v for v in (entry or {}).get("layers") or [] if v.get("name") and v.get("isFlat")]
     sentences = []
     if any(v["name"] == "sampler.leaf" for v in layers):
-        sentences.append("One leaf covers all that the camera sees.")
+        sentences.append("One leaf covers everything visible.")
     sentences += [f"One light contributes most everywhere: {v['light']}." for v in layers
                   if v["name"] == "brightest" and v.get("light")]
     same = [f"{title_of(v)} {lab.figures(lab.number(v.get('least')))}" for v in layers
@@ -74,7 +74,7 @@ def flat_sentences(entry):
 
 
 def stride_sentence(results):
-    """A sentence that tells how many pixels share a ray; empty if every pixel has its own."""
+    """A sentence with the number of pixels that share a ray; empty if every pixel has its own."""
     coarsest = max((s.entry.get("views") or {}).get("everyNthPixel") or 1 for s in results.samplers)
     if coarsest <= 1:
         return ""

@@ -1,0 +1,35 @@
+#pragma once
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace ext::lab {
+using Json = nlohmann::ordered_json;
+
+/// Returns the rows as a text table with aligned columns: the first one to the left, the others to the right.
+std::string Align(const std::vector<std::vector<std::string>> &rows);
+
+/// Returns a name as a CSV field. Names must not contain quotation marks.
+inline std::string Quoted(const std::string &text) {
+    return text.find_first_of(",\"") == std::string::npos ? text : "\"" + text + "\"";
+}
+
+/// Start of a page without external resources; title and style follow.
+inline constexpr const char *kPageHead = R"(<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="default-src 'none'; img-src 'self' file: data:; style-src 'unsafe-inline'">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<link rel="icon" href="data:,">
+)";
+
+/// Escapes text for HTML content and attribute values.
+std::string EscapeHtml(const std::string &text);
+
+/// Returns cpu, threads, memoryGB and os of this machine; null where unknown.
+Json DescribeMachine();
+/// Returns the present time in UTC, as 2026-11-21T03:00:00Z.
+std::string DateText();
+
+}  // namespace ext::lab

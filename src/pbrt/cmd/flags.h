@@ -1,0 +1,182 @@
+#pragma once
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <functional>
+#include <iostream>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pbrt/core/error.h"
+#include "pbrt/core/version.h"
+
+namespace pbrt {
+
+/// Returns a validator for option->check(). Its message does not print the largest double as a bound, unlike CLI11's
+/// own.
+inline CLI::Validator NumberCheck(bool zeroToo, const std::string &name) {
+    return CLI::Validator(
+        [zeroToo](std::string &text) {
+            double v = 0;
+            if (!CLI::detail::lexical_cast(text, v)) return "\"" + text + "\" is not a number";
+            if (zeroToo ? v >= 0 : v > 0) return std::string();
+            return text + (zeroToo ? " is less than 0" : " is not more than 0");
+        },
+        name);
+}
+inline const CLI::Validator PositiveNumber = NumberCheck(false, "POSITIVE");
+inline const CLI::Validator NonNegativeNumber = NumberCheck(true, "NONNEGATIVE");
+
+/// A row of a table of flags: names as CLI11 declares them, target, help text, check of the value. A bool takes no
+/// value; a list is written with commas.
+class Flag {
+  public:
+    template <class T>
+    Flag(std::string names, T &target, std::string help, std::optional<CLI::Validator> check = {})
+        : add_([=, &target](CLI::App &app) {
+              CLI::Option *option = nullptr;
+              if constexpr (std::is_same_v<T, bool>)
+                  option = app.add_flag(names, target, help);
+              else
+                  option = app.add_option(names, target, help);
+              if constexpr (CLI::detail::is_mutable_container<T>::value)
+                  option->delimiter(',')->allow_extra_args(false);
+              return check ? option->check(*check) : option;
+          }) {}
+    Flag &&Type(const char *name) && {
+        type_ = name;
+        return std::move(*this);
+    }
+    Flag &&Required() && {
+        isRequired_ = true;
+        return std::move(*this);
+    }
+    /// The help text shows the target's value as the default.
+    Flag &&ShowDefault() && {
+        showsDefault_ = true;
+        return std::move(*this);
+    }
+    CLI::Option *AddTo(CLI::App &app) const {
+        CLI::Option *option = add_(app)->required(isRequired_);
+        if (type_) option->type_name(type_);
+        return showsDefault_ ? option->capture_default_str() : option;
+    }
+
+  private:
+    const char *type_ = nullptr;
+    bool isRequired_ = false, showsDefault_ = false;
+    std::function<CLI::Option *(CLI::App &)> add_;
+};
+
+/// Adds a table of flags under a heading of the help text.
+inline void AddFlags(CLI::App &app, const std::string &heading, std::initializer_list<Flag> rows) {
+    for (const Flag &row : rows) row.AddTo(app)->group(heading);
+}
+
+/// Replacement for a flag of other programs, by the flag in lower case without - and _.
+using FlagHints = std::map<std::string, std::string>;
+
+/// Returns the name of a flag in lower case without - and _, as names are compared.
+inline std::string FoldFlag(std::string name) {
+    std::erase_if(name, [](char c) { return c == '-' || c == '_'; });
+    return CLI::detail::to_lower(name);
+}
+
+/// True for arguments that are written as flags: -x, --xyz, --xyz=value, but not numbers and not "-" or "--".
+inline bool IsFlag(const std::string &argument) {
+    const size_t name = argument.find_first_not_of('-');
+    return (name == 1 || name == 2) && !std::isdigit(static_cast<unsigned char>(argument[name])) &&
+           argument[name] != '.';
+}
+
+/// The option that an argument written as in CLI11's declarations names, or null.
+inline const CLI::Option *FindOption(const CLI::App &app, const std::string &argument) {
+    const std::string name = argument.substr(0, argument.find('='));
+    for (const CLI::Option *option : app.get_options())
+        if (IsFlag(name) && option->check_name(name)) return option;
+    return nullptr;
+}
+
+/// Throws for a list of numbers that has another length than its option takes. CLI11 would count the words that follow,
+/// whatever they are.
+inline void CheckNumberList(const CLI::Option &option, const std::vector<std::string> &arguments, size_t at) {
+    const int wanted = option.get_expected_min() * option.get_type_size_min();
+    const size_t equals = arguments[at].find('=');
+    std::string given;
+    int count = 0;
+    for (size_t i = at; i < arguments.size() && count < wanted; ++i) {
+        if (i == at && equals == std::string::npos) continue;
+        for (const std::string &word :
+             CLI::detail::split(i == at ? arguments[i].substr(equals + 1) : arguments[i], ',')) {
+            double number = 0;
+            if (!CLI::detail::lexical_cast(word, number))
+                throw CLI::ValidationError(fmt::format("{} takes {} numbers, {}: \"{}\" is not a number",
+                                                       option.get_name(), wanted, option.get_type_name(), word));
+            given += (count++ ? " " : "") + word;
+        }
+    }
+    if (count != wanted)
+        throw CLI::ValidationError(fmt::format("{} takes {} numbers, {}, but has {}{}{}", option.get_name(), wanted,
+                                               option.get_type_name(), count, count ? ": " : "", given));
+}
+
+/// Throws CLI::ValidationError for the first flag that `app` lacks, with the nearest one that it has, and for lists of
+/// numbers of the wrong length. To be called before CLI11 parses: it would report the first word that is left over,
+/// which may be the value of a misspelt flag, or a file.
+inline void CheckFlags(const CLI::App &app, const std::vector<std::string> &arguments, const FlagHints &hints = {}) {
+    for (size_t i = 0; i < arguments.size() && arguments[i] != "--"; ++i) {
+        if (!IsFlag(arguments[i])) continue;
+        if (const CLI::Option *option = FindOption(app, arguments[i])) {
+            if (option->get_expected_min() > 1) CheckNumberList(*option, arguments, i);
+            if (option->get_expected_max() == 1 && option->get_type_size() == 1 &&
+                arguments[i].find('=') == std::string::npos)
+                ++i;  // its value
+            continue;
+        }
+        const std::string flag = arguments[i].substr(0, arguments[i].find('='));
+        const std::string name = CLI::detail::to_lower(flag.substr(flag.find_first_not_of('-')));
+        if (const auto hint = hints.find(FoldFlag(flag)); hint != hints.end())
+            throw CLI::ValidationError(fmt::format("{}: {}", flag, hint->second));
+        std::vector<std::string> names;
+        for (const CLI::Option *option : app.get_options())
+            for (const std::string &known : option->get_lnames()) names.push_back(known);
+        const std::string nearest = NearestChoice(name, names);
+        throw CLI::ValidationError(fmt::format("unknown flag {}{}", flag,
+                                               nearest.empty() ? "" : fmt::format("; did you mean --{}?", nearest)));
+    }
+}
+
+/// Parses the arguments without the program's name, then calls `check`, which may throw CLI::ParseError. Prints help,
+/// version or an error; then returns the exit status of the program.
+template <class Check>
+std::optional<int> ParseFlags(CLI::App &app, std::vector<std::string> arguments, const FlagHints &hints,
+                              Check &&check) {
+    try {
+        CheckFlags(app, arguments, hints);
+        std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
+        app.parse(arguments);
+        check();
+        return {};
+    } catch (const CLI::CallForHelp &) {
+        std::cout << app.help();
+        return 0;
+    } catch (const CLI::CallForVersion &) {
+        std::cout << VersionText() << "\n";
+        return 0;
+    } catch (const CLI::ParseError &e) {
+        std::cerr << "Error: " << e.what() << "\nRun with --help for all options.\n";
+        return 1;
+    }
+}
+
+/// Returns the command line as typed, with blanks between the arguments.
+inline std::string JoinArguments(int argc, const char *const *argv) {
+    std::string text;
+    for (int i = 0; i < argc; ++i) text += (i ? " " : "") + std::string(argv[i]);
+    return text;
+}
+
+}  // namespace pbrt

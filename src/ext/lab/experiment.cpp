@@ -222,8 +222,7 @@ class Rounds {
 
     RenderTarget TargetOf(size_t i, int seed, size_t checkpoint) const {
         if (replay_) return {replay_->At(settings_.samplers[i].label, seed, static_cast<int>(checkpoint)), 0};
-        const Checkpoint &c = checkpoints_[checkpoint];
-        return {c.samples, c.seconds};
+        return checkpoints_[checkpoint];
     }
 
     std::string PictureFile(size_t i, int seed) const {
@@ -279,7 +278,7 @@ class Rounds {
     Progress &cancel_;
     ExperimentDisplay &display_;
     const std::vector<size_t> &ofSampler_;
-    std::vector<Checkpoint> checkpoints_;
+    std::vector<RenderTarget> checkpoints_;
     std::optional<SampleCounts> replay_;
     std::vector<std::unique_ptr<MeasuringReference>> measuring_;
     std::vector<double> cost_;  ///< seconds per sample
@@ -336,8 +335,8 @@ void CheckSamplers(const ExperimentSettings &settings, const LabScene &scene) {
 
 }  // namespace
 
-std::vector<Checkpoint> Checkpoints(const ExperimentSettings &settings) {
-    std::vector<Checkpoint> list = {{1, 0}};
+std::vector<RenderTarget> Checkpoints(const ExperimentSettings &settings) {
+    std::vector<RenderTarget> list = {{1, 0}};
     if (settings.Timed()) {
         for (double divisor = 64; divisor >= 1; divisor /= 2) list.push_back({0, settings.timeBudget / divisor});
     } else {

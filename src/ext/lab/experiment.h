@@ -22,13 +22,9 @@ struct ExperimentOutcome {
 std::optional<ExperimentOutcome> RunExperiment(const ExperimentSettings &settings, const PluginRegistry &registry,
                                                Progress &cancel, ProgressSink *display);
 
-/// Where the picture of a run is measured: after so many samples, or at a time of the run's own clock. With a time
-/// budget: after one sample, then at budget / 64, / 32, ..., / 1. Else after 1, 2, 4, ... and all samples.
-struct Checkpoint {
-    int samples = 0;
-    double seconds = 0;
-};
-std::vector<Checkpoint> Checkpoints(const ExperimentSettings &settings);
+/// Returns where the picture of a run is measured. With a time budget: after one sample, then at budget / 64, / 32,
+/// ..., / 1 of the run's own clock. Else after 1, 2, 4, ... and all samples.
+std::vector<RenderTarget> Checkpoints(const ExperimentSettings &settings);
 
 /// Writes inspection views of a sampler of the experiment at the first visible surfaces, as
 /// <sampler>/views/*.png. For sampler 0 it also writes those that are the same for every sampler, as views/*.png. Takes

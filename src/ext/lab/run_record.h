@@ -36,6 +36,12 @@ class Stopwatch {
     double cpu_ = CpuSeconds();
 };
 
+/// Where a run stops: at a time of its own clock or, if `seconds` is 0, at a number of samples per pixel.
+struct RenderTarget {
+    int samples = 0;
+    double seconds = 0;
+};
+
 /// One run at one checkpoint.
 struct RoundRecord {
     int checkpoint = 0;

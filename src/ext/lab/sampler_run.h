@@ -5,12 +5,6 @@
 
 namespace ext::lab {
 
-/// Where a run stops: at a time of its own clock or, if `seconds` is 0, at a number of samples per pixel.
-struct RenderTarget {
-    int samples = 0;
-    double seconds = 0;
-};
-
 /// One sampler with one seed over the experiment's scene: integrator, film and a clock that only runs while it prepares
 /// or renders. Only one run may work at a time (the ray counters are those of the process).
 class SamplerRun {

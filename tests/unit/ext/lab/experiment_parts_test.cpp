@@ -25,12 +25,12 @@ TEST(Checkpoints, StartAtOneSampleAndEndAtTheBudget) {
     ExperimentSettings settings;
     settings.samplesPerPixel = 24;
     std::vector<int> samples;
-    for (const Checkpoint &c : Checkpoints(settings)) samples.push_back(c.samples);
+    for (const RenderTarget &c : Checkpoints(settings)) samples.push_back(c.samples);
     EXPECT_EQ(samples, (std::vector<int>{1, 2, 4, 8, 16, 24}));
     settings.samplesPerPixel = 1;
     EXPECT_EQ(Checkpoints(settings).size(), 1u);
     settings.timeBudget = 32;
-    const std::vector<Checkpoint> timed = Checkpoints(settings);
+    const std::vector<RenderTarget> timed = Checkpoints(settings);
     ASSERT_EQ(timed.size(), 8u);
     EXPECT_EQ(timed[0].samples, 1);
     EXPECT_EQ(timed[1].seconds, 0.5);

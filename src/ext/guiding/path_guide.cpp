@@ -147,15 +147,15 @@ void PathGuide::Inspect(const PathVertex &vertex, Point2i pixel, std::vector<Ins
                                                               roulette_.At(p, PathRoulette::KindOf(vertex)).here,
                                                               kInspectedWeight * importance)
                                                         : 0;
-    values.push_back({"continuation probability", continuation > 0 ? static_cast<double>(continuation) : none});
+    values.push_back({"continuationProbability", continuation > 0 ? static_cast<double>(continuation) : none});
     if (!params_.directions) return;
     Float probability = 0;
     if (Guides(vertex.bsdf) &&
         !cells_.At(p, Has(vertex.bsdf.Flags(), BxdfFlags::Glossy), Sqr(importance), &probability))
         probability = 0;
     const Float radiance = cells_.ShinesAt(p);
-    values.push_back({"guiding probability", static_cast<double>(probability)});
-    values.push_back({"source radiance", radiance > 0 ? std::log10(static_cast<double>(radiance)) : none});
+    values.push_back({"guidingProbability", static_cast<double>(probability)});
+    values.push_back({"sourceRadiance", radiance > 0 ? std::log10(static_cast<double>(radiance)) : none});
 }
 
 size_t PathGuide::PathsToRecord() const {

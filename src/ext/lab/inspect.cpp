@@ -132,9 +132,9 @@ struct GuideLayer {
     double least, most;
 };
 constexpr GuideLayer kGuideLayers[] = {
-    {"continuation probability", "continuation probability of a path of half its weight; magenta: no estimate", 0.5, 1},
-    {"guiding probability", "part of the bounces whose direction comes from the guide", 0, 1},
-    {"source radiance", "learned radiance of source clusters over the greatest, log10; magenta: none", -3, 0}};
+    {"continuationProbability", "continuation probability of a path of half its weight; magenta: no estimate", 0.5, 1},
+    {"guidingProbability", "part of the bounces whose direction comes from the guide", 0, 1},
+    {"sourceRadiance", "learned radiance of source clusters over the greatest, log10; magenta: none", -3, 0}};
 
 void Inspector::MakeLayers(Inspection &out) {
     auto add = [&](std::string name, std::string meaning, double least = 0, double most = 0, bool isId = false,

@@ -99,7 +99,8 @@ class VertexChecker {
     /// Sets got_: for every measured light, the sum of its weights over the draws.
     void Draw(const SelectionVertices::Vertex &vertex, const LightDistribution &lights, Rng &rng) {
         got_.assign(vertex.lights.size(), 0);
-        for (size_t i = 0; i < choices_.size(); ++i) places_[choices_[i].light.light.value] = static_cast<uint32_t>(i) + 1;
+        for (size_t i = 0; i < choices_.size(); ++i)
+            places_[choices_[i].light.light.value] = static_cast<uint32_t>(i) + 1;
         for (int k = 0; k < draws_; ++k) {
             const Float u =
                 std::min((static_cast<Float>(k) + rng.Uniform()) / static_cast<Float>(draws_), OneMinusEpsilon);

@@ -102,10 +102,10 @@ Shape "bilinearmesh" "point3 P" [ -3 0 -3  3 0 -3  -3 0 3  3 0 3 ]
     double share = 0, shines = 0, length = 0;
     for (int y = 0; y < 32; ++y)
         for (int x = 0; x < 32; ++x) {
-            share = std::max(share, At(inspection, x, y, "guide.share"));
-            shines += At(inspection, x, y, "guide.shines") > -1;
+            share = std::max(share, At(inspection, x, y, "guide.guidingProbability"));
+            shines += At(inspection, x, y, "guide.sourceRadiance") > -1;
             length += At(inspection, x, y, "path.vertices") / (32 * 32);
-            const double survival = At(inspection, x, y, "guide.survival");
+            const double survival = At(inspection, x, y, "guide.continuationProbability");
             EXPECT_TRUE(std::isnan(survival) || (survival >= 0.5 && survival <= 1)) << survival;
         }
     EXPECT_GT(share, 0.2);

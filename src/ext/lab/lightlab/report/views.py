@@ -8,8 +8,8 @@ MOST_ALIKE = 4  # of the layers whose names differ only in a number (one per lig
 TITLES = {"entropy": "entropy of the probabilities, bits",
           "brightest_probability": "probability of the strongest light", "log10_excess": "excess second moment, log10",
           "brightest": "strongest light", "path.vertices": "vertices of a path"}
-GUIDE_TITLES = {"guide.survival": "continuation probability", "guide.share": "share of guided bounces",
-                "guide.shines": "learned radiance, log10"}
+GUIDE_TITLES = {"guide.continuationProbability": "continuation probability", "guide.guidingProbability": "share of guided bounces",
+                "guide.sourceRadiance": "learned radiance, log10"}
 
 
 def title_of(layer):

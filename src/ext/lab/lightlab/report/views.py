@@ -18,8 +18,8 @@ def title_of(layer):
         return title
     if name.startswith("visibility."):
         return f"measured visibility, {layer.get('light') or 'light ' + name.partition('.')[2]}"
-    if name.startswith("sampler.found_"):
-        return f"found of light group {name.rpartition('_')[2]}"
+    if name.startswith("sampler.factor_"):
+        return f"visibility factor of light group {name.rpartition('_')[2]}"
     return re.sub(r"^sampler\.", "", name).replace("_", " ")
 
 

@@ -33,7 +33,7 @@ const PluginRegistry &Registry() {
 /// Light that would arrive if nothing were in the way, times the receiver's cosine, for one fixed point of the light,
 /// as next-event estimation finds it: without light on the far side of an opaque surface, and without skies that are
 /// left to BSDF sampling.
-double Unoccluded(const LightPart &light, const LightQuery &q, const Point2 &u) {
+double Unoccluded(const LightComponent &light, const LightQuery &q, const Point2 &u) {
     LightSampleContext from;
     from.p = q.p;
     from.n = q.n;

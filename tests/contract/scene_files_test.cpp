@@ -72,7 +72,7 @@ void Draw(const SceneFixture &f, const LightSampler &sampler, Findings *out) {
             if (s->pmf != pmf || !(pmf > 0))
                 out->wrong.push_back(
                     fmt::format("place {}: light {} drawn with {}, PMF {}", q, s->light.value, s->pmf, pmf));
-            const LightPart light = f.Lights()[s->light];
+            const LightComponent light = f.Lights()[s->light];
             out->contributing += Contribution(*f.built.scene, f.queries[q], light, rng.Uniform2()) > 0;
         }
 }

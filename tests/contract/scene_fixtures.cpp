@@ -367,7 +367,7 @@ std::vector<LightQuery> Places(const BuiltScene &built, int count, int depth, in
     return out;
 }
 
-double Contribution(const Scene &scene, const LightQuery &q, const LightPart &light, const Point2 &u, Vector3 *wi,
+double Contribution(const Scene &scene, const LightQuery &q, const LightComponent &light, const Point2 &u, Vector3 *wi,
                     bool allowIncompletePdfs) {
     LightSampleContext from{q.p, q.pError, q.n, q.ns, q.time};
     std::optional<LightLiSample> s = light.SampleLi(from, u, Wavelengths(), allowIncompletePdfs);

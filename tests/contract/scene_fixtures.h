@@ -37,7 +37,7 @@ std::unique_ptr<LightSampler> MakePreparedSampler(const std::string &label, cons
 std::vector<LightQuery> Places(const BuiltScene &built, int count, int depth, int bsdfEvery, std::deque<Bsdf> &bsdfs);
 /// What next-event estimation finds with this light point: L V cos / p, or 0 if the query has a BSDF and that is 0.
 /// `wi`, if not null, receives the direction of the point.
-double Contribution(const Scene &scene, const LightQuery &query, const LightPart &light, const Point2 &u,
+double Contribution(const Scene &scene, const LightQuery &query, const LightComponent &light, const Point2 &u,
                     Vector3 *wi = nullptr, bool allowIncompletePdfs = true);
 
 std::vector<std::string> SceneFixtureNames();

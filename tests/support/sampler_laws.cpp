@@ -202,7 +202,7 @@ size_t CheckRegions(const SamplerSubject &s) {
             const std::optional<SampledLight> sample = at.Sample(rng.Uniform());
             const Point2 u = rng.Uniform2();
             if (!sample || !sample->region.portals) continue;
-            const LightPart region = s.table->Region(sample->light, sample->region);
+            const LightComponent region = s.table->Region(sample->light, sample->region);
             const std::optional<LightLiSample> point = region.SampleLi(from, u, lambda, true);
             if (!point) continue;
             ++chosen;

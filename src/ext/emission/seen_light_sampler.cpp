@@ -14,7 +14,7 @@ constexpr double kMinPaths = 8192, kMaxPaths = 1 << 20;
 }
 
 SeenLightSampler::SeenLightSampler(const LightTable &lights, const SeenParams &params)
-    : GroupLightSampler(params.meshlights ? lights.Wholes() : lights.Parts(), true), params_(params) {
+    : GroupLightSampler(params.meshlights ? lights.ByLight() : lights.ByComponent(), true), params_(params) {
     std::vector<Float> power;
     power.reserve(groups_.Size());
     for (uint32_t g = 0; g < groups_.Size(); ++g) power.push_back(groups_.Candidate(g).power);

@@ -91,7 +91,7 @@ class Inspector {
           paths_(dynamic_cast<const PixelIntegrator *>(integrator)),
           guide_(integrator ? integrator->Directions() : nullptr),
           settings_(settings),
-          groups_(built.scene->Lights().Wholes()),
+          groups_(built.scene->Lights().ByLight()),
           lights_(NamedGroups(groups_, built.lightNames)) {
         // A sample of theirs is paths from the lights as well.
         if (paths_ && paths_->Splats()) paths_ = nullptr;

@@ -153,7 +153,7 @@ class Measurer {
         auto strength = [&](const SampledSpectrum &s) { return SafeDivide(s, path.lambda.Pdf()).Average(); };
         for (auto l = static_cast<size_t>(path.rng.Uniform() * static_cast<Float>(stride_)); l < table.Size();
              l += stride_) {
-            const LightPart light = table[LightId(l)];
+            const LightComponent light = table[LightId(l)];
             const Point2 u = path.rng.Uniform2();
             // All directions of a sky, also those that the render leaves to BSDF sampling: parts may hold them.
             std::optional<LightLiSample> sample = light.SampleLi(from, u, path.lambda, false);

@@ -10,7 +10,7 @@ namespace {
 constexpr double kMinStrength = 1e-30, kMaxStrength = 1e30;
 
 /// Moments of a light at infinity, as averages over its own samples.
-void FindMoments(const LightPart &light, double unit, Emitter *e) {
+void FindMoments(const LightComponent &light, double unit, Emitter *e) {
     constexpr int kSide = 32;
     LightSampleContext from{};
     double sum = 0;
@@ -74,9 +74,9 @@ constexpr Float kMaxArriving = 1e36f;
 }  // namespace
 
 Emitter MakeEmitter(const LightTable &lights, LightId firstId, const LightCandidate &candidate) {
-    const LightPart first = lights[firstId];
+    const LightComponent first = lights[firstId];
     Emitter e;
-    const EnvironmentLight *environment = first.Whole().AsEnvironment();
+    const EnvironmentLight *environment = first.Parent().AsEnvironment();
     const std::optional<LightBounds> opening = environment ? environment->Opening() : std::nullopt;
     if (candidate.infinite && !opening) {
         e.isFar = true;

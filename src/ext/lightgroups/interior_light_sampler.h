@@ -8,7 +8,8 @@ namespace ext {
 class InteriorLightSampler : public GroupLightSampler {
   protected:
     InteriorLightSampler(const LightTable &lights, bool meshlights, bool interiorByImportance)
-        : GroupLightSampler(meshlights ? lights.Wholes() : lights.Parts()), interior_(groups_, interiorByImportance) {}
+        : GroupLightSampler(meshlights ? lights.ByLight() : lights.ByComponent()),
+          interior_(groups_, interiorByImportance) {}
 
     std::optional<SampledLight> ChooseInside(const LightQuery &query, const void *, uint32_t group, Float u,
                                              Point2 *) const override {

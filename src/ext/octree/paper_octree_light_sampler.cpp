@@ -22,7 +22,7 @@ double SecondsSince(std::chrono::steady_clock::time_point t) {
 }  // namespace
 
 PaperOctreeLightSampler::PaperOctreeLightSampler(const LightTable &lights, const OctreeParams &params)
-    : GroupLightSampler(params.meshlights ? lights.Wholes() : lights.Parts()),
+    : GroupLightSampler(params.meshlights ? lights.ByLight() : lights.ByComponent()),
       params_(params),
       floor_(params.floor > 0 ? params.floor : kPaperFloor) {
     if (groups_.Size() <= kMaxScan)

@@ -22,7 +22,7 @@ Float FloorOf(const OctreeParams &params) { return params.floor > 0 ? params.flo
 /// Whether an emissive mesh is one light. If all primitives that emit fit into one packet, they are all weighed at once
 /// instead, which takes less time than to choose a mesh and then one of its primitives.
 bool MeshesAreLights(const LightTable &lights, const OctreeParams &params) {
-    return params.meshlights && (lights.Wholes().Size() <= 1 || lights.Parts().Size() > EmitterPacket::kLanes);
+    return params.meshlights && (lights.ByLight().Size() <= 1 || lights.ByComponent().Size() > EmitterPacket::kLanes);
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ constexpr double kMaxSeen = 0.3, kMaxSeenWithBounces = 0.005;
 constexpr size_t kSearchVertices = 4096;
 
 bool HasLocalLights(const LightTable &lights) {
-    const LightGroups &groups = lights.Wholes();
+    const LightGroups &groups = lights.ByLight();
     for (uint32_t g = 0; g < groups.Size(); ++g)
         if (const LightCandidate c = groups.Candidate(g); !c.infinite && c.power > 0) return true;
     return false;
@@ -120,7 +120,7 @@ PortalSampling::PortalSampling(const LightGroups &groups, const std::string &mod
     if (mode == "never" || (mode == "auto" && HasLocalLights(lights_))) return;
     for (const LightId id : lights_.Environments()) {
         if (environments_.size() == kMaxLights || !(lights_.Candidate(id).power > 0)) continue;
-        const EnvironmentLight *light = lights_[id].Whole().AsEnvironment();
+        const EnvironmentLight *light = lights_[id].Parent().AsEnvironment();
         ids_.push_back(id);
         environments_.push_back({.id = id,
                                  .group = groups.GroupOf(id),

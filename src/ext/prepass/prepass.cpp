@@ -85,7 +85,8 @@ std::vector<PrepassVertex> TracePrepassPaths(PrepareContext &context, double sam
     return all;
 }
 
-double VisibleContribution(const Scene &scene, const PrepassVertex &vertex, const LightPart &light, const Point2 &u) {
+double VisibleContribution(const Scene &scene, const PrepassVertex &vertex, const LightComponent &light,
+                           const Point2 &u) {
     const SampledWavelengths &lambda = SampledWavelengths::WholeRange();
     std::optional<LightLiSample> sample = light.SampleLi(vertex.at, u, lambda, true);
     if (!sample || !sample->L || !(sample->pdf > 0)) return 0;

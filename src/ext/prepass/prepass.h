@@ -29,6 +29,7 @@ std::vector<PrepassVertex> TracePrepassPaths(PrepareContext &context, double sam
 /// The paper's Eq. 5 for one light: Le G V / p at a light point drawn with `u`, over LightTable::Unit(). Le is that of
 /// SampledWavelengths::WholeRange(). 0 if the surface is opaque and the light arrives on the side that is not seen. In
 /// a medium there is no cosine, and V includes the transmittance of media between the points, by ratio tracking.
-double VisibleContribution(const Scene &scene, const PrepassVertex &vertex, const LightPart &light, const Point2 &u);
+double VisibleContribution(const Scene &scene, const PrepassVertex &vertex, const LightComponent &light,
+                           const Point2 &u);
 
 }  // namespace ext

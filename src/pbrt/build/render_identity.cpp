@@ -94,10 +94,11 @@ RenderIdentity LightIdentity(const Scene &scene, const std::string &lightSampler
     identity["the scene's bounding box"] =
         fmt::format("({}, {}, {}) to ({}, {}, {})", b.low.x, b.low.y, b.low.z, b.high.x, b.high.y, b.high.z);
     const LightTable &lights = scene.Lights();
-    identity["the number of lights"] = std::to_string(lights.WholeCount());
+    identity["the number of lights"] = std::to_string(lights.LightCount());
     identity["the number of lights with their parts"] = std::to_string(lights.Size());
     uint64_t power = Hash(lights.Unit());
-    for (uint32_t g = 0; g < lights.Parts().Size(); ++g) power = Hash(power, HashOf(lights.Parts().Candidate(g)));
+    for (uint32_t g = 0; g < lights.ByComponent().Size(); ++g)
+        power = Hash(power, HashOf(lights.ByComponent().Candidate(g)));
     identity["the hash of the lights' power and places"] = fmt::format("{:016x}", power);
     identity["the hash of the sky's light"] = fmt::format("{:016x}", HashOfSkies(scene));
     return identity;

@@ -171,7 +171,7 @@ void BdptIntegrator::TraceLight(Sample &sample) const {
     const std::optional<SampledLight> chosen = shooting_->Sample(anywhere, sampler.Get1D());
     const Point2 uPosition = sampler.Get2D(), uDirection = sampler.Get2D();
     if (!chosen || !(chosen->pmf > 0) || maxDepth_ == 0) return;
-    const LightPart light = scene.Lights()[chosen->light];
+    const LightComponent light = scene.Lights()[chosen->light];
     const std::optional<LightLeSample> left = light.SampleLe(uPosition, uDirection, sample.lambda);
     if (!left) return;
     BdptVertex &first = paths.light[0];

@@ -3,7 +3,7 @@
 namespace pbrt {
 
 Float BdptWeights::LightPdf(const BdptVertex &light, const BdptVertex &next) const {
-    const LightPart part = lights_[light.light];
+    const LightComponent part = lights_[light.light];
     LightQuery anywhere;
     const Float pmf = shooting_.PMF(anywhere, light.light);
     if (IsDelta(part.Kind())) {
@@ -31,7 +31,7 @@ Float BdptWeights::ConnectedLightPdf(const BdptVertex &light, const BdptVertex &
     const LightSampleContext context = from.Context();
     const SampledLight chosen =
         isInfinite ? lights.Towards(light.light, context.p, wi) : SampledLight{light.light, lights.PMF(light.light)};
-    const LightPart part = lights_.Region(light.light, chosen.region);
+    const LightComponent part = lights_.Region(light.light, chosen.region);
     const Float pmf = chosen.pmf;
     if (light.isBeyondScene ? !isInfinite : light.n == Normal3(0)) return pmf;
     const ShapePrimitive at = part.Surface();

@@ -33,7 +33,7 @@ class LightPathIntegrator::LightPath {
         const std::optional<SampledLight> chosen = integrator_.lights_->Sample(anywhere, sampler_.Get1D());
         const Point2 uPosition = sampler_.Get2D(), uDirection = sampler_.Get2D(), uFirst = sampler_.Get2D();
         if (!chosen || !(chosen->pmf > 0)) return {};
-        const LightPart light = scene.Lights()[chosen->light];
+        const LightComponent light = scene.Lights()[chosen->light];
         std::optional<LightLeSample> left = light.SampleLe(uPosition, uDirection, lambda_);
         if (!left) return {};
         const Float pdfPosition = chosen->pmf * left->pdfPosition;

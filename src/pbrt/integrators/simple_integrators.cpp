@@ -49,7 +49,7 @@ SimplePathIntegrator::SimplePathIntegrator(const PathContext &context, int maxDe
       maxDepth_(maxDepth),
       sampleLights_(sampleLights),
       sampleBsdf_(sampleBsdf),
-      lights_(std::make_unique<UniformLightSampler>(context.scene.Lights().Parts())) {}
+      lights_(std::make_unique<UniformLightSampler>(context.scene.Lights().ByComponent())) {}
 
 SampledSpectrum SimplePathIntegrator::SampleDirect(const PathVertex &vertex, const SampledSpectrum &beta,
                                                    const SampledWavelengths &lambda, int depth,

@@ -53,7 +53,7 @@ void SppmIntegrator::TraceLightPath(const SampledWavelengths &shared, uint64_t i
     anywhere.time = glm::mix(context_.camera.ShutterOpen(), context_.camera.ShutterClose(), rng.Uniform());
     const std::optional<SampledLight> chosen = shooting_->Sample(anywhere, number(0));
     if (!chosen || !(chosen->pmf > 0)) return;
-    const LightPart light = scene.Lights()[chosen->light];
+    const LightComponent light = scene.Lights()[chosen->light];
     const std::optional<LightLeSample> left = light.SampleLe({number(1), number(2)}, {number(3), number(4)}, lambda);
     if (!left) return;
     SampledSpectrum beta = left->L / (chosen->pmf * left->pdfPosition * left->pdfDirection);

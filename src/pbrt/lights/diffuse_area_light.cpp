@@ -56,7 +56,7 @@ DiffuseAreaLight::DiffuseAreaLight(std::shared_ptr<const AreaEmission> emission,
       emission_(std::move(emission)),
       shapes_(shapes.begin(), shapes.end()),
       alpha_(IsInvisible(alpha) ? nullptr : alpha) {
-    for (const Shape *shape : shapes) partCount_ += shape->PrimitiveCount();
+    for (const Shape *shape : shapes) componentCount_ += shape->PrimitiveCount();
 }
 
 Float DiffuseAreaLight::ScaleForPower(const ShapePrimitive &at) const {
@@ -78,14 +78,15 @@ Float DiffuseAreaLight::Coverage(const Point3 &p, const Point2 &uv) const {
     return std::clamp(alpha_->Evaluate(at), Float(0), Float(1));
 }
 
-LightPower DiffuseAreaLight::Phi(const SampledWavelengths &lambda, uint32_t part) const {
-    const ShapePrimitive at = Surface(part);
+LightPower DiffuseAreaLight::Phi(const SampledWavelengths &lambda, uint32_t component) const {
+    const ShapePrimitive at = Surface(component);
     return {PowerPerRadiance(at), lambda.IsWholeRange() ? emission_->averageOfRange : emission_->Average(lambda)};
 }
 
 std::optional<LightLiSample> DiffuseAreaLight::SampleLi(const LightSampleContext &from, const Point2 &u,
-                                                        const SampledWavelengths &lambda, bool, uint32_t part) const {
-    const ShapePrimitive at = Surface(part);
+                                                        const SampledWavelengths &lambda, bool,
+                                                        uint32_t component) const {
+    const ShapePrimitive at = Surface(component);
     std::optional<ShapeSample> point = at.shape->Sample(at.primitive, from, u);
     if (!point || !(point->pdf > 0)) return {};
     Vector3 d = point->p - from.p;
@@ -107,15 +108,15 @@ std::optional<LightLiSample> DiffuseAreaLight::SampleLi(const LightSampleContext
 }
 
 Float DiffuseAreaLight::PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit,
-                              const Normal3 &nHit, bool, uint32_t part) const {
+                              const Normal3 &nHit, bool, uint32_t component) const {
     if (Kind() != LightKind::Area) return 0;
-    const ShapePrimitive at = Surface(part);
+    const ShapePrimitive at = Surface(component);
     return at.shape->PdfSolidAngle(at.primitive, from, wi, pHit, nHit);
 }
 
 std::optional<LightLeSample> DiffuseAreaLight::SampleLe(const Point2 &uPosition, const Point2 &uDirection,
-                                                        const SampledWavelengths &lambda, uint32_t part) const {
-    const ShapePrimitive at = Surface(part);
+                                                        const SampledWavelengths &lambda, uint32_t component) const {
+    const ShapePrimitive at = Surface(component);
     const std::optional<ShapeSample> point = at.shape->SampleArea(at.primitive, uPosition);
     if (!point || !(point->pdf > 0)) return {};
     const Float coverage = Coverage(point->p, point->uv);
@@ -143,20 +144,20 @@ std::optional<LightLeSample> DiffuseAreaLight::SampleLe(const Point2 &uPosition,
     return s;
 }
 
-LightLePdf DiffuseAreaLight::PdfLe(const Point3 &p, const Normal3 &n, const Vector3 &w, uint32_t part) const {
-    const ShapePrimitive at = Surface(part);
+LightLePdf DiffuseAreaLight::PdfLe(const Point3 &p, const Normal3 &n, const Vector3 &w, uint32_t component) const {
+    const ShapePrimitive at = Surface(component);
     const Float cosine = emission_->twoSided ? AbsDot(n, w) / 2 : std::max(Dot(n, w), Float(0));
     return {at.shape->PdfArea(at.primitive, p, n), CosineHemispherePdf(cosine)};
 }
 
 SampledSpectrum DiffuseAreaLight::L(const Point3 &, const Normal3 &n, const Point2 &uv, const Vector3 &w,
-                                    const SampledWavelengths &lambda, uint32_t part) const {
+                                    const SampledWavelengths &lambda, uint32_t component) const {
     if (!EmitsTowards(n, w)) return SampledSpectrum(0);
-    return Scale(Surface(part)) * emission_->Radiance(uv, lambda);
+    return Scale(Surface(component)) * emission_->Radiance(uv, lambda);
 }
 
-std::optional<LightBounds> DiffuseAreaLight::Bounds(uint32_t part) const {
-    const ShapePrimitive at = Surface(part);
+std::optional<LightBounds> DiffuseAreaLight::Bounds(uint32_t component) const {
+    const ShapePrimitive at = Surface(component);
     const double phi = double(emission_->peak) * PowerPerRadiance(at);
     if (!(phi > 0)) return {};
     DirectionCone normals = at.shape->NormalBounds(at.primitive);

@@ -28,7 +28,7 @@ struct AreaEmission {
     SampledSpectrum Radiance(const Point2 &uv, const SampledWavelengths &lambda) const;
 };
 
-/// Light from the shapes of one Shape directive; their primitives are its parts. The radiance is the same in all
+/// Light from the shapes of one Shape directive; their primitives are its components. The radiance is the same in all
 /// directions of the side(s) that emit.
 class DiffuseAreaLight final : public Light {
   public:
@@ -37,29 +37,29 @@ class DiffuseAreaLight final : public Light {
     DiffuseAreaLight(std::shared_ptr<const AreaEmission> emission, std::span<const Shape *const> shapes,
                      const FloatTexture *alpha);
 
-    uint32_t PartCount() const override { return partCount_; }
-    ShapePrimitive Surface(uint32_t part) const override {
-        if (shapes_.size() == 1) return {shapes_[0], part};
+    uint32_t ComponentCount() const override { return componentCount_; }
+    ShapePrimitive Surface(uint32_t component) const override {
+        if (shapes_.size() == 1) return {shapes_[0], component};
         size_t s = 0;
-        while (part >= shapes_[s]->PrimitiveCount()) part -= shapes_[s++]->PrimitiveCount();
-        return {shapes_[s], part};
+        while (component >= shapes_[s]->PrimitiveCount()) component -= shapes_[s++]->PrimitiveCount();
+        return {shapes_[s], component};
     }
 
-    LightPower Phi(const SampledWavelengths &lambda, uint32_t part) const override;
+    LightPower Phi(const SampledWavelengths &lambda, uint32_t component) const override;
     std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
                                           const SampledWavelengths &lambda, bool allowIncompletePdfs,
-                                          uint32_t part) const override;
+                                          uint32_t component) const override;
     Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
-                bool allowIncompletePdfs, uint32_t part) const override;
+                bool allowIncompletePdfs, uint32_t component) const override;
     /// Points as SampleArea of the shape draws them, directions by the cosine; both sides alike if both emit.
     std::optional<LightLeSample> SampleLe(const Point2 &uPosition, const Point2 &uDirection,
-                                          const SampledWavelengths &lambda, uint32_t part) const override;
-    LightLePdf PdfLe(const Point3 &p, const Normal3 &n, const Vector3 &w, uint32_t part) const override;
+                                          const SampledWavelengths &lambda, uint32_t component) const override;
+    LightLePdf PdfLe(const Point3 &p, const Normal3 &n, const Vector3 &w, uint32_t component) const override;
     /// Radiance of a point that a ray has hit. The alpha texture is not applied again: it has decided that the ray
     /// stops there.
     SampledSpectrum L(const Point3 &p, const Normal3 &n, const Point2 &uv, const Vector3 &w,
-                      const SampledWavelengths &lambda, uint32_t part) const override;
-    std::optional<LightBounds> Bounds(uint32_t part) const override;
+                      const SampledWavelengths &lambda, uint32_t component) const override;
+    std::optional<LightBounds> Bounds(uint32_t component) const override;
 
   private:
     /// The share of rays that the surface stops at a point. Light samples are weighted by it; rays are stopped that
@@ -76,7 +76,7 @@ class DiffuseAreaLight final : public Light {
     std::shared_ptr<const AreaEmission> emission_;
     std::vector<const Shape *> shapes_;
     const FloatTexture *alpha_;
-    uint32_t partCount_ = 0;
+    uint32_t componentCount_ = 0;
 };
 
 }  // namespace pbrt

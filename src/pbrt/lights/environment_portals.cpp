@@ -99,12 +99,13 @@ size_t EnvironmentPortals::Bytes() const {
     return bytes;
 }
 
-std::optional<LightLiSample> LightPart::SampleRegion(const LightSampleContext &from, const Point2 &u,
-                                                     const SampledWavelengths &lambda, bool allowIncompletePdfs) const {
+std::optional<LightLiSample> LightComponent::SampleRegion(const LightSampleContext &from, const Point2 &u,
+                                                          const SampledWavelengths &lambda,
+                                                          bool allowIncompletePdfs) const {
     return region_.portals->SampleLi(region_.index, from, u, lambda, allowIncompletePdfs);
 }
 
-Float LightPart::RegionPdf(const LightSampleContext &from, const Vector3 &wi, bool allowIncompletePdfs) const {
+Float LightComponent::RegionPdf(const LightSampleContext &from, const Vector3 &wi, bool allowIncompletePdfs) const {
     return region_.portals->PdfLi(region_.index, from, wi, allowIncompletePdfs);
 }
 

@@ -67,47 +67,47 @@ struct ShapePrimitive {
 
 /// A light. Immutable once the scene is built. Spectral values at a path's wavelengths.
 ///
-/// A light may have parts: the primitives of an emissive mesh. Each can be chosen alone and has a LightId, so the
-/// functions take the index of a part. Lights without parts count as one part and ignore `part`.
+/// A light may have components: the primitives of an emissive mesh. Each can be chosen alone and has a LightId, so the
+/// functions take the index of a component. Other lights have one component and ignore `component`.
 class Light {
   public:
     explicit Light(LightKind kind) : kind_(kind) {}
     virtual ~Light() = default;
     LightKind Kind() const { return kind_; }
-    virtual uint32_t PartCount() const { return 1; }
+    virtual uint32_t ComponentCount() const { return 1; }
 
     /// Emitted power (W-like, photometric scaling as in pbrt), at these wavelengths. Infinite lights: over the disk of
     /// the scene's bounding sphere; needs Preprocess.
-    virtual LightPower Phi(const SampledWavelengths &lambda, uint32_t part = 0) const = 0;
+    virtual LightPower Phi(const SampledWavelengths &lambda, uint32_t component = 0) const = 0;
 
     /// `allowIncompletePdfs`: infinite lights may leave out directions of little light; only for callers that combine
     /// this with BSDF sampling by MIS.
     virtual std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
                                                   const SampledWavelengths &lambda, bool allowIncompletePdfs,
-                                                  uint32_t part = 0) const = 0;
+                                                  uint32_t component = 0) const = 0;
 
     /// Solid-angle density of SampleLi(from) for direction wi. Area lights: the ray from `from` along wi hits this
-    /// part at pHit with normal nHit; infinite lights ignore these. 0 for delta lights.
+    /// component at pHit with normal nHit; infinite lights ignore these. 0 for delta lights.
     virtual Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
-                        bool allowIncompletePdfs, uint32_t part = 0) const = 0;
+                        bool allowIncompletePdfs, uint32_t component = 0) const = 0;
 
     /// A ray that leaves the light, drawn nearly in proportion to the flux; by two independent points of the unit
     /// square. Lights beyond the scene need Preprocess. Empty where no light leaves.
     virtual std::optional<LightLeSample> SampleLe(const Point2 &uPosition, const Point2 &uDirection,
-                                                  const SampledWavelengths &lambda, uint32_t part = 0) const = 0;
-    /// Densities of SampleLe for a ray through p along w (unit). Area lights: p lies on this part, with normal n;
+                                                  const SampledWavelengths &lambda, uint32_t component = 0) const = 0;
+    /// Densities of SampleLe for a ray through p along w (unit). Area lights: p lies on this component, with normal n;
     /// others ignore n.
-    virtual LightLePdf PdfLe(const Point3 &p, const Normal3 &n, const Vector3 &w, uint32_t part = 0) const = 0;
+    virtual LightLePdf PdfLe(const Point3 &p, const Normal3 &n, const Vector3 &w, uint32_t component = 0) const = 0;
 
     /// Area lights: radiance leaving p in direction w (unit). 0 for others.
     virtual SampledSpectrum L(const Point3 &p, const Normal3 &n, const Point2 &uv, const Vector3 &w,
-                              const SampledWavelengths &lambda, uint32_t part = 0) const {
+                              const SampledWavelengths &lambda, uint32_t component = 0) const {
         (void)p;
         (void)n;
         (void)uv;
         (void)w;
         (void)lambda;
-        (void)part;
+        (void)component;
         return SampledSpectrum(0);
     }
     /// Infinite lights: radiance arriving along a ray that leaves the scene from o in direction d. 0 for others.
@@ -120,13 +120,13 @@ class Light {
 
     /// What a spatial light sampler needs, by the largest value of the spectrum; empty for infinite lights and lights
     /// without power.
-    virtual std::optional<LightBounds> Bounds(uint32_t part = 0) const {
-        (void)part;
+    virtual std::optional<LightBounds> Bounds(uint32_t component = 0) const {
+        (void)component;
         return {};
     }
-    /// The surface that a part shines from; without a shape where there is none.
-    virtual ShapePrimitive Surface(uint32_t part = 0) const {
-        (void)part;
+    /// The surface that a component shines from; without a shape where there is none.
+    virtual ShapePrimitive Surface(uint32_t component = 0) const {
+        (void)component;
         return {};
     }
     /// This light if it is an environment light; else null.
@@ -150,42 +150,42 @@ struct EnvironmentRegion {
     bool operator==(const EnvironmentRegion &) const = default;
 };
 
-/// A part of a light: what a LightId stands for. See Light for the functions.
-class LightPart {
+/// A component of a light, identified by a LightId. See Light for the functions.
+class LightComponent {
   public:
-    LightPart(const Light &light, uint32_t part, EnvironmentRegion region = {})
-        : light_(&light), part_(part), region_(region) {}
+    LightComponent(const Light &light, uint32_t component, EnvironmentRegion region = {})
+        : light_(&light), component_(component), region_(region) {}
     LightKind Kind() const { return light_->Kind(); }
-    LightPower Phi(const SampledWavelengths &lambda) const { return light_->Phi(lambda, part_); }
+    LightPower Phi(const SampledWavelengths &lambda) const { return light_->Phi(lambda, component_); }
     std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
                                           const SampledWavelengths &lambda, bool allowIncompletePdfs) const {
         if (region_.portals) [[unlikely]]
             return SampleRegion(from, u, lambda, allowIncompletePdfs);
-        return light_->SampleLi(from, u, lambda, allowIncompletePdfs, part_);
+        return light_->SampleLi(from, u, lambda, allowIncompletePdfs, component_);
     }
     Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
                 bool allowIncompletePdfs) const {
         if (region_.portals) [[unlikely]]
             return RegionPdf(from, wi, allowIncompletePdfs);
-        return light_->PdfLi(from, wi, pHit, nHit, allowIncompletePdfs, part_);
+        return light_->PdfLi(from, wi, pHit, nHit, allowIncompletePdfs, component_);
     }
     std::optional<LightLeSample> SampleLe(const Point2 &uPosition, const Point2 &uDirection,
                                           const SampledWavelengths &lambda) const {
-        return light_->SampleLe(uPosition, uDirection, lambda, part_);
+        return light_->SampleLe(uPosition, uDirection, lambda, component_);
     }
     LightLePdf PdfLe(const Point3 &p, const Normal3 &n, const Vector3 &w) const {
-        return light_->PdfLe(p, n, w, part_);
+        return light_->PdfLe(p, n, w, component_);
     }
     SampledSpectrum L(const Point3 &p, const Normal3 &n, const Point2 &uv, const Vector3 &w,
                       const SampledWavelengths &lambda) const {
-        return light_->L(p, n, uv, w, lambda, part_);
+        return light_->L(p, n, uv, w, lambda, component_);
     }
     SampledSpectrum Le(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda) const {
         return light_->Le(o, d, lambda);
     }
-    std::optional<LightBounds> Bounds() const { return light_->Bounds(part_); }
-    ShapePrimitive Surface() const { return light_->Surface(part_); }
-    const Light &Whole() const { return *light_; }
+    std::optional<LightBounds> Bounds() const { return light_->Bounds(component_); }
+    ShapePrimitive Surface() const { return light_->Surface(component_); }
+    const Light &Parent() const { return *light_; }
 
   private:
     std::optional<LightLiSample> SampleRegion(const LightSampleContext &from, const Point2 &u,
@@ -193,7 +193,7 @@ class LightPart {
     Float RegionPdf(const LightSampleContext &from, const Vector3 &wi, bool allowIncompletePdfs) const;
 
     const Light *light_;
-    uint32_t part_;
+    uint32_t component_;
     EnvironmentRegion region_;
 };
 

@@ -4,22 +4,23 @@
 
 namespace pbrt {
 
-LightGroups::LightGroups(const LightTable &lights, bool wholes) : lights_(lights), lightCount_(lights.Size()) {
-    if (!wholes || lights.WholeCount() == lights.Size()) return;
+LightGroups::LightGroups(const LightTable &lights, bool byLight) : lights_(lights), lightCount_(lights.Size()) {
+    if (!byLight || lights.LightCount() == lights.Size()) return;
     const auto n = static_cast<uint32_t>(lights.Size());
     share_.resize(n);
     cdf_.resize(n);
-    std::vector<double> powers;  // of the group's parts
+    std::vector<double> powers;  // of the group's components
     for (uint32_t i = 0, end = 0; i < n; i = end) {
         LightCandidate group;
         double power = 0;
         powers.clear();
-        for (end = i; end < n && lights.WholeOf(LightId(end)) == lights.WholeOf(LightId(i)); ++end) {
-            const LightCandidate part = lights.Candidate(LightId(end));
-            powers.push_back(static_cast<double>(part.power));
+        for (end = i; end < n && lights.LightOf(LightId(end)) == lights.LightOf(LightId(i)); ++end) {
+            const LightCandidate component = lights.Candidate(LightId(end));
+            powers.push_back(static_cast<double>(component.power));
             power += powers.back();
-            group.infinite = part.infinite;
-            if (part.bounds) group.bounds = group.bounds ? Union(*group.bounds, *part.bounds) : *part.bounds;
+            group.infinite = component.infinite;
+            if (component.bounds)
+                group.bounds = group.bounds ? Union(*group.bounds, *component.bounds) : *component.bounds;
         }
         group.power = static_cast<Float>(power);
         double running = 0;
@@ -46,7 +47,7 @@ std::vector<LightCandidate> LightGroups::Candidates() const {
     return all;
 }
 
-uint32_t LightGroups::WholeOf(LightId light) const { return lights_.WholeOf(light); }
+uint32_t LightGroups::LightOf(LightId light) const { return lights_.LightOf(light); }
 
 LightId LightGroups::SampleWithin(uint32_t group, Float u) const {
     const uint32_t begin = FirstOf(group), end = begin + CountOf(group);

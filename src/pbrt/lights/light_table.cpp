@@ -13,17 +13,17 @@ constexpr double kMaxPower = 1e100;
 }  // namespace
 
 LightId LightTable::Add(std::unique_ptr<Light> light) {
-    PBRT_CHECK(light && !parts_);
-    const LightId first(wholeOf_.size());
+    PBRT_CHECK(light && !byComponent_);
+    const LightId first(lightOf_.size());
     if (light->Kind() == LightKind::Infinite) infinite_.push_back(first);
-    wholeOf_.insert(wholeOf_.end(), light->PartCount(), static_cast<uint32_t>(wholes_.size()));
-    wholes_.push_back({std::move(light), first.value});
+    lightOf_.insert(lightOf_.end(), light->ComponentCount(), static_cast<uint32_t>(lights_.size()));
+    lights_.push_back({std::move(light), first.value});
     return first;
 }
 
 void LightTable::Finish(const Point3 &sceneCenter, Float sceneRadius) {
-    PBRT_CHECK(!parts_);
-    for (const Whole &whole : wholes_) whole.light->Preprocess(sceneCenter, sceneRadius);
+    PBRT_CHECK(!byComponent_);
+    for (const Entry &entry : lights_) entry.light->Preprocess(sceneCenter, sceneRadius);
     std::vector<double> power(Size());
     double least = kMaxPower, most = 0;
     for (uint32_t i = 0; i < Size(); ++i) {
@@ -42,14 +42,14 @@ void LightTable::Finish(const Point3 &sceneCenter, Float sceneRadius) {
     for (uint32_t i = 0; i < Size(); ++i)
         power_[i] = static_cast<Float>(power[i] > 0 ? std::max(power[i], kMinShare * most) / unit_ : 0);
     for (LightId id : infinite_)
-        if (const EnvironmentLight *light = (*this)[id].Whole().AsEnvironment(); light && !light->Opening())
+        if (const EnvironmentLight *light = (*this)[id].Parent().AsEnvironment(); light && !light->Opening())
             environments_.push_back(id);
-    parts_ = std::make_unique<LightGroups>(*this, false);
-    groupsOfWholes_ = std::make_unique<LightGroups>(*this, true);
+    byComponent_ = std::make_unique<LightGroups>(*this, false);
+    byLight_ = std::make_unique<LightGroups>(*this, true);
 }
 
 LightCandidate LightTable::Candidate(LightId id) const {
-    const LightPart light = (*this)[id];
+    const LightComponent light = (*this)[id];
     LightCandidate c;
     c.power = power_[id.value];
     c.infinite = light.Kind() == LightKind::Infinite || light.Kind() == LightKind::DeltaDirection;

@@ -9,7 +9,7 @@ namespace pbrt {
 std::unique_ptr<LightSampler> LightSamplerRegistry::Make(const Entry &entry, const LightTable &lights,
                                                          const ParamSet &params, bool meshLights) const {
     PBRT_CHECK(!meshLights || entry.traits.takesGroups);
-    return entry.make(params, meshLights ? lights.Wholes() : lights.Parts());
+    return entry.make(params, meshLights ? lights.ByLight() : lights.ByComponent());
 }
 
 std::string LightSamplerRegistry::Listing() const {

@@ -35,7 +35,7 @@ Float PowerLightSampler::GroupProbability(const LightQuery &, const void *, uint
 }
 
 std::unique_ptr<LightSampler> ByPowerUnless(std::unique_ptr<LightSampler> chosen, const LightTable &lights) {
-    return chosen ? std::move(chosen) : std::make_unique<PowerLightSampler>(lights.Parts());
+    return chosen ? std::move(chosen) : std::make_unique<PowerLightSampler>(lights.ByComponent());
 }
 
 void PowerLightSampler::Report(nlohmann::ordered_json &json) const {

@@ -21,7 +21,7 @@ Scene::Scene(SceneContents contents) : contents_(std::move(contents)), bounds_(c
 
 MediumId Scene::MediumOfLight(LightId id, const Normal3 &n, const Vector3 &w) const {
     if (contents_.lightMedia.empty()) return {};
-    const SceneContents::LightMedia &media = contents_.lightMedia[Lights().WholeOf(id)];
+    const SceneContents::LightMedia &media = contents_.lightMedia[Lights().LightOf(id)];
     return Dot(n, w) < 0 ? media.inside : media.outside;
 }
 

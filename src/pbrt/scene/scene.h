@@ -28,7 +28,7 @@ struct SceneContents {
     std::unique_ptr<LightTable> lights;
     std::vector<std::unique_ptr<Medium>> media;
     MediumId cameraMedium{};  ///< the medium that the camera stands in
-    /// The media that a light stands in, by LightTable::WholeOf. The inside is that behind the shape of an area light;
+    /// The media that a light stands in, by LightTable::LightOf. The inside is that behind the shape of an area light;
     /// for other lights both are the same, and vacuum for those beyond the scene.
     struct LightMedia {
         MediumId outside{}, inside{};

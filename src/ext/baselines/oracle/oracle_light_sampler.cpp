@@ -77,7 +77,7 @@ const Float *OracleLightSampler::Measure(const LightQuery &query, LightMemory &m
             std::optional<SampledLight> chosen =
                 interior_.Sample(g, query, Fraction(shift[0] + at * 0.5497004779019703));
             if (!chosen) continue;
-            const LightPart light = scene_->Lights()[chosen->light];
+            const LightComponent light = scene_->Lights()[chosen->light];
             Point2 u(Fraction(shift[1] + at * 0.8191725133961645), Fraction(shift[2] + at * 0.6710436067037893));
             std::optional<LightLiSample> sample = light.SampleLi(from, u, lambda, true);
             if (!sample || !sample->L || !(sample->pdf > 0)) continue;

@@ -25,7 +25,7 @@ Float Shifted(Float u, Float shift) {
 }  // namespace
 
 SpatialLightSampler::SpatialLightSampler(const LightTable &lights, const SpatialParams &params)
-    : VoxelLightSampler(params.meshlights ? lights.Wholes() : lights.Parts()), lights_(lights), params_(params) {
+    : VoxelLightSampler(params.meshlights ? lights.ByLight() : lights.ByComponent()), lights_(lights), params_(params) {
     points_.resize(static_cast<size_t>(params.samples));
     for (size_t i = 0; i < points_.size(); ++i) {
         points_[i].place = {RadicalInverse(2, i), RadicalInverse(3, i), RadicalInverse(5, i)};

@@ -37,7 +37,7 @@ Shape "bilinearmesh" "point3 P" [ 0 -9 0  0 9 0  0 -9 1  0 9 1 ]
 /// A uniform sampler whose inspected values tell the position of the query.
 class Telltale final : public test::WrappedSampler {
   public:
-    explicit Telltale(const LightTable &lights) : WrappedSampler(uniform_), uniform_(lights.Parts()) {}
+    explicit Telltale(const LightTable &lights) : WrappedSampler(uniform_), uniform_(lights.ByComponent()) {}
     void Inspect(const LightQuery &q, std::vector<InspectedValue> &values) const override {
         values.push_back({"x place", static_cast<double>(q.p.x), false});
         values.push_back({"cell", q.p.y > 0 ? 7.0 : 3.0, true});

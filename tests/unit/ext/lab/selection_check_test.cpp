@@ -94,7 +94,7 @@ TEST_F(SelectionCheck, HonestSamplersAreClean) {
     EXPECT_GT(own.vertices, 1000);
     EXPECT_LE(own.visibleSixteenth, settings_.bias.interest);
     EXPECT_LT(own.visibleImage, own.visibleSixteenth);
-    const SelectionReport power = Check(PowerLightSampler(built_.scene->Lights().Parts()));
+    const SelectionReport power = Check(PowerLightSampler(built_.scene->Lights().ByComponent()));
     EXPECT_EQ(power.verdict, BiasVerdict::Clean) << power.text;
 }
 

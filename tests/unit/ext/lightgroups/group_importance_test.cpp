@@ -63,7 +63,7 @@ LightQuery RandomQuery(Rng &rng) {
 }
 
 std::optional<LightBounds> OpeningOf(const LightTable &lights, LightId light) {
-    const EnvironmentLight *environment = lights[light].Whole().AsEnvironment();
+    const EnvironmentLight *environment = lights[light].Parent().AsEnvironment();
     return environment ? environment->Opening() : std::nullopt;
 }
 
@@ -90,7 +90,7 @@ class GroupImportanceOfEveryLight : public testing::TestWithParam<bool> {};
 TEST_P(GroupImportanceOfEveryLight, IsPositiveWhereALightContributes) {
     BuiltScene built = pbrt::test::BuildText(kLights);
     const LightTable &lights = built.scene->Lights();
-    const LightGroups &groups = GetParam() ? lights.Wholes() : lights.Parts();
+    const LightGroups &groups = GetParam() ? lights.ByLight() : lights.ByComponent();
     GroupImportance importance(groups);
     Rng rng(5);
     std::vector<Float> g(importance.Padded());
@@ -115,7 +115,7 @@ INSTANTIATE_TEST_SUITE_P(GroupedOrNot, GroupImportanceOfEveryLight, testing::Boo
 
 TEST(GroupImportance, SameNumbersHoweverAsked) {
     BuiltScene built = pbrt::test::BuildText(kLights);
-    const LightGroups &groups = built.scene->Lights().Parts();
+    const LightGroups &groups = built.scene->Lights().ByComponent();
     GroupImportance importance(groups);
     ASSERT_GT(importance.Size(), 8u);
     Rng rng(6);
@@ -135,7 +135,7 @@ TEST(GroupImportance, IsAnEstimateOfTheUnoccludedLight) {
     // Away from the emitters and above their horizon, G agrees with the irradiance up to a factor.
     BuiltScene built = pbrt::test::BuildText(kLights);
     const LightTable &lights = built.scene->Lights();
-    const LightGroups &groups = lights.Wholes();
+    const LightGroups &groups = lights.ByLight();
     GroupImportance importance(groups);
     LightQuery q;
     q.p = Point3(0.3f, -1, 0.2f);
@@ -164,7 +164,7 @@ TEST(GroupImportance, IsAnEstimateOfTheUnoccludedLight) {
 TEST(GroupImportance, LightsThatAreNeverSampledHaveNone) {
     BuiltScene built = pbrt::test::BuildText(kLights);
     const LightTable &lights = built.scene->Lights();
-    const LightGroups &groups = lights.Wholes();
+    const LightGroups &groups = lights.ByLight();
     GroupImportance importance(groups);
     LightQuery q;
     q.n = q.ns = Normal3(0, 1, 0);
@@ -178,7 +178,7 @@ TEST(GroupImportance, LightsThatAreNeverSampledHaveNone) {
 TEST(GroupImportance, APortalIsALightInItsPlace) {
     BuiltScene built = pbrt::test::BuildText(kLights);
     const LightTable &lights = built.scene->Lights();
-    const LightGroups &groups = lights.Wholes();
+    const LightGroups &groups = lights.ByLight();
     GroupImportance importance(groups);
     size_t portals = 0;
     for (LightId sky : Skies(lights)) {

@@ -32,7 +32,7 @@ class MeshInteriorOfSize : public testing::TestWithParam<int> {};
 TEST_P(MeshInteriorOfSize, SamplesAsItsPmfSays) {
     BuiltScene built = pbrt::test::BuildText(Ball(GetParam()));
     const LightTable &lights = built.scene->Lights();
-    const LightGroups &groups = lights.Wholes();
+    const LightGroups &groups = lights.ByLight();
     ASSERT_EQ(groups.Size(), 1u);
     MeshInterior interior(groups);
     LightQuery q;
@@ -68,7 +68,7 @@ TEST_P(MeshInteriorOfSize, SamplesAsItsPmfSays) {
 TEST_P(MeshInteriorOfSize, PrefersWhatFacesThePoint) {
     BuiltScene built = pbrt::test::BuildText(Ball(GetParam()));
     const LightTable &lights = built.scene->Lights();
-    const LightGroups &groups = lights.Wholes();
+    const LightGroups &groups = lights.ByLight();
     MeshInterior interior(groups);
     LightQuery q;
     q.p = built.scene->Bounds().Center() + Vector3(0, 3, 0);

@@ -214,7 +214,7 @@ TEST(DiffuseAreaLight, PowerIsPerPrimitive) {
     for (bool twoSided : {false, true}) {
         AreaLightMaker maker = MakeAreaMaker(Params().Number("power", 20).Bool("twosided", twoSided));
         auto light = Make(maker, mesh);
-        ASSERT_EQ(light->PartCount(), 2u);
+        ASSERT_EQ(light->ComponentCount(), 2u);
         for (uint32_t i = 0; i < 2; ++i)
             EXPECT_NEAR(Photometric([&](const SampledWavelengths &l) { return Value(light->Phi(l, i)); }), 20, 0.05);
     }

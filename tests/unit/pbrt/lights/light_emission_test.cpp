@@ -142,7 +142,7 @@ class Emission : public testing::TestWithParam<Case> {
         GetParam().make(shooter_);
         shooter_.light->Preprocess({0.1f, 0.2f, 0.1f}, 4);
     }
-    LightPart TheLight() const { return {*shooter_.light, shooter_.part}; }
+    LightComponent TheLight() const { return {*shooter_.light, shooter_.part}; }
     static Float Flux(const LightLeSample &s) {
         const Float cosine = s.n == Normal3(0) ? 1 : AbsDot(s.n, s.ray.d);
         return s.L.Average() * cosine / (s.pdfPosition * s.pdfDirection);
@@ -245,7 +245,7 @@ TEST_P(Emission, DirectionsFollowTheirDensity) {
     };
     std::optional<LightLeSample> any;
     // A point of the portal, which all its rays cross.
-    const EnvironmentLight *environment = TheLight().Whole().AsEnvironment();
+    const EnvironmentLight *environment = TheLight().Parent().AsEnvironment();
     const bool isPortal = environment && environment->Opening();
     for (int i = 0; i < kSamples; ++i) {
         const auto s = TheLight().SampleLe(rng.Uniform2(), rng.Uniform2(), kWaves);

@@ -32,7 +32,7 @@ std::unique_ptr<const LightTable> MakeTable() {
 
 TEST(LightGroups, APartBelongsToItsLight) {
     const auto table = MakeTable();
-    const LightGroups &groups = table->Wholes();
+    const LightGroups &groups = table->ByLight();
     ASSERT_EQ(groups.Size(), 4u);
     std::vector<uint32_t> expected = {0, 1, 1, 1, 1, 2, 2, 3};
     for (uint32_t i = 0; i < expected.size(); ++i) EXPECT_EQ(groups.GroupOf(LightId(i)), expected[i]);
@@ -41,7 +41,7 @@ TEST(LightGroups, APartBelongsToItsLight) {
     EXPECT_NEAR(groups.Candidate(1).bounds->phi * unit, 10, 1e-5);
     EXPECT_EQ(groups.Candidate(1).bounds->bounds.high.x, 6);
     EXPECT_EQ(table->Parts().Size(), table->Size());
-    EXPECT_EQ(table->WholeOf(LightId(6u)), 2u);
+    EXPECT_EQ(table->LightOf(LightId(6u)), 2u);
 }
 
 TEST(LightGroups, EveryPartAloneIsItsOwnGroup) {
@@ -60,7 +60,7 @@ TEST(LightGroups, EveryPartAloneIsItsOwnGroup) {
 
 TEST(LightGroups, SharesFollowPowerAndSumToOne) {
     const auto table = MakeTable();
-    const LightGroups &groups = table->Wholes();
+    const LightGroups &groups = table->ByLight();
     std::vector<double> perGroup(groups.Size(), 0.0);
     for (uint32_t i = 0; i < table->Size(); ++i)
         perGroup[groups.GroupOf(LightId(i))] += static_cast<double>(groups.ShareOf(LightId(i)));
@@ -72,7 +72,7 @@ TEST(LightGroups, SharesFollowPowerAndSumToOne) {
 
 TEST(LightGroups, SampleLightMatchesShares) {
     const auto table = MakeTable();
-    const LightGroups &groups = table->Wholes();
+    const LightGroups &groups = table->ByLight();
     const int n = 100000;
     std::vector<double> observed(table->Size(), 0.0), expected(table->Size(), 0.0);
     Rng rng(5);

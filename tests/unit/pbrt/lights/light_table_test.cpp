@@ -17,12 +17,12 @@ TEST(LightTable, KeepsOrderAndKnowsWhoIsInfinite) {
     LightId last = table.Add(Make("point", Params()));
     table.Finish({0, 0, 0}, 5);
     ASSERT_EQ(table.Size(), 7u);
-    ASSERT_EQ(table.WholeCount(), 5u);
+    ASSERT_EQ(table.LightCount(), 5u);
     EXPECT_EQ(mesh.value, 3u);
     EXPECT_EQ(last.value, 6u) << "each of the three parts must have an id";
-    EXPECT_EQ(table.WholeOf(LightId(5u)), 3u);
-    EXPECT_EQ(table.WholeOf(point), 0u);
-    EXPECT_EQ(&table[LightId(5u)].Whole(), &table[mesh].Whole());
+    EXPECT_EQ(table.LightOf(LightId(5u)), 3u);
+    EXPECT_EQ(table.LightOf(point), 0u);
+    EXPECT_EQ(&table[LightId(5u)].Parent(), &table[mesh].Parent());
     // Only the sky emits along rays that leave the scene; light selection treats the sun as infinite, too.
     std::vector<LightId> met;
     table.ForEachBeyond(Point3(0), Vector3(0, 0, 1), SampledWavelengths::SampleVisible(0.5f),

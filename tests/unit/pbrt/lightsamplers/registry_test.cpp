@@ -31,7 +31,7 @@ TEST(LightSamplerRegistry, StockSamplers) {
     for (const std::string &name : registry.samplers.Names()) {
         const auto &entry = registry.samplers.Find(name);
         EXPECT_TRUE(entry.traits.takesGroups);
-        EXPECT_TRUE(entry.make(ParamSet(), none.Parts()));
+        EXPECT_TRUE(entry.make(ParamSet(), none.ByComponent()));
     }
 }
 

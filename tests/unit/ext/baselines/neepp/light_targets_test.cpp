@@ -33,13 +33,13 @@ Made Make(const std::string &lights, bool grouped = true) {
                             .World(FloorAndCeiling(4, 4, 4).Add(lights)));
     m.grid = VoxelGrid(m.built.scene->Bounds(), 8);
     const LightTable &table = m.built.scene->Lights();
-    m.targets = LightTargets(*m.built.scene, m.grid, grouped ? table.Wholes() : table.Parts());
+    m.targets = LightTargets(*m.built.scene, m.grid, grouped ? table.ByLight() : table.ByComponent());
     return m;
 }
 
 /// True if the light's group covers the voxel or part of the sky.
 bool Covers(const Made &m, LightId light, uint32_t index) {
-    const auto shares = m.targets.SharesOf(m.built.scene->Lights().Wholes().GroupOf(light));
+    const auto shares = m.targets.SharesOf(m.built.scene->Lights().ByLight().GroupOf(light));
     return std::any_of(shares.begin(), shares.end(),
                        [&](const LightTargets::Share &s) { return m.targets[s.target].index == index; });
 }
@@ -66,7 +66,7 @@ TEST(LightTargets, AnAreaLightCoversVoxelsByItsArea) {
     Made m = Make(Objects()
                       .Add("AreaLightSource 'diffuse'")
                       .Triangles("-1.5 0.5 0.25  0.9 0.5 0.25  0.9 0.5 0.75  -1.5 0.5 0.75"));
-    ASSERT_EQ(m.built.scene->Lights().Wholes().Size(), 1u);
+    ASSERT_EQ(m.built.scene->Lights().ByLight().Size(), 1u);
     std::map<uint32_t, Float> weight;
     Float sum = 0;
     for (const LightTargets::Share &s : m.targets.SharesOf(0)) {
@@ -157,7 +157,7 @@ TEST(LightTargets, UngroupedLightsStandWhereTheirOwnShapeIs) {
                       .Attribute("Translate 0.5 2.5 0.5", Objects().Sphere(0.1))
                       .Attribute("Translate 0.5 -2.5 0.5", Objects().Sphere(0.1)),
                   false);
-    ASSERT_EQ(m.built.scene->Lights().Parts().Size(), 4u);
+    ASSERT_EQ(m.built.scene->Lights().ByComponent().Size(), 4u);
     ASSERT_EQ(m.targets.Size(), 4u);
     const Point3 places[] = {{-2.55f, 0.55f, 0.5f}, {2.45f, 0.55f, 0.5f}, {0.5f, 2.5f, 0.5f}, {0.5f, -2.5f, 0.5f}};
     for (uint32_t g = 0; g < 4; ++g)
@@ -175,7 +175,7 @@ TEST(LightTargets, ADirectiveThatMakesTwoShapesHasItsLightsOnBoth) {
     Made m = Make("AreaLightSource \"diffuse\"\nShape \"plymesh\" \"string filename\" \"" + file + "\"\n");
     std::remove(file.c_str());
     ASSERT_EQ(m.built.scene->Lights().Size(), 2u);
-    ASSERT_EQ(m.built.scene->Lights().WholeCount(), 1u);
+    ASSERT_EQ(m.built.scene->Lights().LightCount(), 1u);
     ASSERT_EQ(m.built.scene->Lights()[LightId(1u)].Surface().primitive, 0u);
     std::set<uint32_t> voxels;
     for (size_t i = 0; i < m.targets.Size(); ++i) voxels.insert(m.targets[i].index);

@@ -49,7 +49,7 @@ NeeppParams Params(int voxels, int samples) {
 
 TEST(VisibilityMap, IsTheShareOfFreeSegmentsBetweenTheVoxels) {
     BuiltScene built = BuildText(Halves(kLights + kSkyImage));
-    const LightGroups &groups = built.scene->Lights().Wholes();
+    const LightGroups &groups = built.scene->Lights().ByLight();
     VisibilityMap map(8, 255);
     Progress progress;
     PrepareContext context = built.Preparation(progress);

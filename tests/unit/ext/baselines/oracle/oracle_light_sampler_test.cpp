@@ -55,7 +55,7 @@ struct World {
     std::unique_ptr<LightSampler> Named(const std::string &name) const {
         PluginRegistry registry;
         RegisterPlugins(registry);
-        std::unique_ptr<LightSampler> sampler = registry.samplers.Find(name).make(ParamSet(), Lights().Parts());
+        std::unique_ptr<LightSampler> sampler = registry.samplers.Find(name).make(ParamSet(), Lights().ByComponent());
         Prepare(*sampler);
         return sampler;
     }
@@ -90,7 +90,7 @@ LightQuery OnFloor(Float x = 0, Float y = 0) {
 
 /// What the floor adds to the probability of a light.
 Float FloorOf(const World &world, const OracleParams &params, const LightQuery &q, uint32_t light) {
-    const LightGroups &groups = params.meshlights ? world.Lights().Wholes() : world.Lights().Parts();
+    const LightGroups &groups = params.meshlights ? world.Lights().ByLight() : world.Lights().ByComponent();
     return params.floor * EmitterTree(GroupImportance::EmittersOf(groups)).PMF(q, light);
 }
 
@@ -221,7 +221,7 @@ std::vector<LightPoint> ManyPoints(const World &world, const Place &place, int p
     for (uint32_t l = 0; l < world.Lights().Size(); ++l)
         for (int i = 0; i < perLight; ++i) {
             LightPoint &y = points.emplace_back();
-            const LightPart light = world.Lights()[LightId(l)];
+            const LightComponent light = world.Lights()[LightId(l)];
             std::optional<LightLiSample> s = light.SampleLi(from, rng.Uniform2(), Wavelengths(), true);
             if (!s || !s->L || !(s->pdf > 0) || world.built.scene->Occluded(from, *s)) continue;
             SampledSpectrum f = place.bsdf.F(place.point.wo, s->wi) * AbsDot(s->wi, place.point.shading.n);

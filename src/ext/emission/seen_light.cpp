@@ -28,11 +28,7 @@ class SeenPath {
   public:
     SeenPath(const PrepareContext &context, const GroupLightSampler &chooser, PrepassPath &path,
              std::vector<Find> &finds)
-        : context_(context),
-          scene_(context.scene),
-          chooser_(chooser),
-          finds_(finds),
-          rng_(path.rng),
+        : context_(context), scene_(context.scene), chooser_(chooser), finds_(finds), rng_(path.rng),
           lambda_(path.lambda) {
         Follow(path.start);
     }

@@ -13,11 +13,8 @@ namespace ext {
 class GuidedDirections {
   public:
     GuidedDirections(PathGuide &guide, Point2i pixel, int sample)
-        : guide_(guide),
-          roulette_(guide.Roulette()),
-          pixelImportance_(guide.PixelImportance(guide.InPicture(pixel))),
-          path_(guide.PathNumber(pixel, sample)),
-          places_(guide.BeginRecords(path_)) {}
+        : guide_(guide), roulette_(guide.Roulette()), pixelImportance_(guide.PixelImportance(guide.InPicture(pixel))),
+          path_(guide.PathNumber(pixel, sample)), places_(guide.BeginRecords(path_)) {}
 
     /// True if a learned continuation probability is available, so roulette happens on arrival (before next-event
     /// estimation) instead of after scattering.

@@ -126,12 +126,8 @@ class Channel {
   public:
     Channel(std::span<const TileMeans> runs, std::span<const AuxiliaryRuns> auxiliary, const BiasReference &reference,
             int channel, const Cut &blocks)
-        : grid_(runs[0].grid),
-          weights_(Weights(reference, channel, blocks)),
-          runs_(runs, channel, weights_),
-          parts_(reference.parts, channel, weights_),
-          sampleRatio_(reference.sampleRatio),
-          ofRuns_(blocks),
+        : grid_(runs[0].grid), weights_(Weights(reference, channel, blocks)), runs_(runs, channel, weights_),
+          parts_(reference.parts, channel, weights_), sampleRatio_(reference.sampleRatio), ofRuns_(blocks),
           ofReference_(blocks) {
         auto add = [&](std::span<const AuxiliaryRuns> pictures, StrongSamples *to) {
             for (const AuxiliaryRuns &k : pictures)
@@ -208,10 +204,8 @@ class Channel {
         }
         test.difference /= unit;
         test.standardError = std::sqrt(variance) / unit;
-        if (test.standardError > 0)
-            test.p = StudentTwoSidedP(test.difference / test.standardError, test.dof);
-        else
-            test.p = test.difference == 0 ? 1 : 0;
+        if (test.standardError > 0) test.p = StudentTwoSidedP(test.difference / test.standardError, test.dof);
+        else test.p = test.difference == 0 ? 1 : 0;
 
         const double critical = StudentCritical(level, test.dof);
         const double noise = test.standardError > 0 ? critical * test.standardError : 0;
@@ -329,8 +323,7 @@ std::string Explain(const BiasReport &report, const BiasSettings &settings) {
                     Percent(report.visibleSmallest), report.smallestSide);
     const RegionTest &w = report.worst;
     switch (report.verdict) {
-        case BiasVerdict::Clean:
-            return fmt::format("No bias detected; smallest detectable: {}.", visible);
+        case BiasVerdict::Clean: return fmt::format("No bias detected; smallest detectable: {}.", visible);
         case BiasVerdict::Unknown:
             return fmt::format("Too few data to detect a bias of {}; smallest detectable: {}.",
                                Percent(settings.interest), visible);
@@ -346,12 +339,9 @@ std::string Explain(const BiasReport &report, const BiasSettings &settings) {
 
 const char *BiasVerdictName(BiasVerdict verdict) {
     switch (verdict) {
-        case BiasVerdict::Clean:
-            return "clean";
-        case BiasVerdict::Biased:
-            return "biased";
-        case BiasVerdict::Unknown:
-            break;
+        case BiasVerdict::Clean: return "clean";
+        case BiasVerdict::Biased: return "biased";
+        case BiasVerdict::Unknown: break;
     }
     return "unknown";
 }
@@ -424,8 +414,7 @@ BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &refer
     // A deviate that has no finite value (p = 0) is shown as a large one.
     report.worstZ = std::copysign(std::min(NormalCritical(report.worst.p), 40.0), report.worst.difference);
 
-    if (anyBiased)
-        report.verdict = BiasVerdict::Biased;
+    if (anyBiased) report.verdict = BiasVerdict::Biased;
     else if (imageArea > 0 && report.visibleImage <= settings.interest &&
              report.visibleSixteenth <= settings.interest && report.sixteenthRegions >= kMinRegions)
         report.verdict = BiasVerdict::Clean;

@@ -61,13 +61,8 @@ class Rounds {
   public:
     Rounds(const ExperimentSettings &settings, const LabScene &scene, const References &references,
            const RecordFolder &records, Progress &cancel, ExperimentDisplay &display)
-        : settings_(settings),
-          scene_(scene),
-          records_(records),
-          cancel_(cancel),
-          display_(display),
-          ofSampler_(references.ofSampler),
-          checkpoints_(Checkpoints(settings)) {
+        : settings_(settings), scene_(scene), records_(records), cancel_(cancel), display_(display),
+          ofSampler_(references.ofSampler), checkpoints_(Checkpoints(settings)) {
         for (const Reference &r : references.all) measuring_.push_back(std::make_unique<MeasuringReference>(r.image));
         if (!settings.samplesFrom.empty()) replay_.emplace(settings.samplesFrom, settings);
         if (replay_) checkpoints_.resize(replay_->Checkpoints());
@@ -184,10 +179,8 @@ class Rounds {
         run.AddRound(c, measuring_[ofSampler_[i]]->Compare(picture));
         // The record is written last: a round without a record does not count.
         const bool last = checkpoint + 1 == checkpoints_.size();
-        if (last)
-            WriteImage(PictureFile(i, seed), picture, run.Metadata());
-        else
-            run.SaveFilm(records_.FilmFile(folder, seed, c));
+        if (last) WriteImage(PictureFile(i, seed), picture, run.Metadata());
+        else run.SaveFilm(records_.FilmFile(folder, seed, c));
         records_.SaveLastRound(folder, run.Record());
         if (checkpoint > 0) fs::remove(records_.FilmFile(folder, seed, c - 1));
         return true;
@@ -202,8 +195,7 @@ class Rounds {
         for (size_t i = 0; i < settings_.samplers.size(); ++i) {
             const std::string &label = settings_.samplers[i].label;
             int expected = note.value(label, settings_.samplesPerPixel);
-            if (replay_)
-                expected = replay_->Expected(label);
+            if (replay_) expected = replay_->Expected(label);
             else if (settings_.Timed() && !note.contains(label)) {
                 double perSample = cost_[i];
                 if (!hasPilot_) {

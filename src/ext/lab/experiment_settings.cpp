@@ -12,10 +12,8 @@ Json IdentityOf(const ExperimentSettings &settings, const std::string &sceneHash
     id["program"] = VersionText();
     id["samplers"] = Json::array();
     for (const SamplerChoice &s : settings.samplers) id["samplers"].push_back(s.label);
-    if (settings.Timed())
-        id["time"] = settings.timeBudget;
-    else
-        id["spp"] = settings.samplesPerPixel;
+    if (settings.Timed()) id["time"] = settings.timeBudget;
+    else id["spp"] = settings.samplesPerPixel;
     id["seeds"] = settings.seeds;
     id["maxdepth"] = settings.maxDepth ? Json(*settings.maxDepth) : Json("the scene's");
     if (settings.sampledLightOnly) id["sampled-light"] = true;

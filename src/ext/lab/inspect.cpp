@@ -79,20 +79,16 @@ class Inspector {
     /// `integrator`: null to inspect the light sampler alone.
     Inspector(const BuiltScene &built, const LightSampler &sampler, const Integrator *integrator,
               const InspectSettings &settings, Progress &progress)
-        : built_(built),
-          sampler_(sampler),
-          pass_{.camera = *built.camera,
-                .filter = *built.filter,
-                .film = *built.film,
-                .samplers = {},
-                .samplesPerPixel = built.samplesPerPixel,
-                .keepsSamples = false,
-                .progress = progress},
+        : built_(built), sampler_(sampler), pass_{.camera = *built.camera,
+                                                  .filter = *built.filter,
+                                                  .film = *built.film,
+                                                  .samplers = {},
+                                                  .samplesPerPixel = built.samplesPerPixel,
+                                                  .keepsSamples = false,
+                                                  .progress = progress},
           paths_(dynamic_cast<const PixelIntegrator *>(integrator)),
-          guide_(integrator ? integrator->Directions() : nullptr),
-          settings_(settings),
-          groups_(built.scene->Lights().ByLight()),
-          lights_(NamedGroups(groups_, built.lightNames)) {
+          guide_(integrator ? integrator->Directions() : nullptr), settings_(settings),
+          groups_(built.scene->Lights().ByLight()), lights_(NamedGroups(groups_, built.lightNames)) {
         // A sample of theirs is paths from the lights as well.
         if (paths_ && paths_->Splats()) paths_ = nullptr;
     }

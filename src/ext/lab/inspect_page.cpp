@@ -52,14 +52,11 @@ std::string FlatText(const Json &layers) {
         const std::string name = layer.at("name");
         const std::string subject =
             layer.contains("light") ? "visibility of " + layer.at("light").get<std::string>() : name;
-        if (!layer.contains("least"))
-            unknown += (unknown.empty() ? "" : "; ") + subject;
-        else if (name == "sampler.leaf")
-            text += "One leaf covers everything visible. ";
+        if (!layer.contains("least")) unknown += (unknown.empty() ? "" : "; ") + subject;
+        else if (name == "sampler.leaf") text += "One leaf covers everything visible. ";
         else if (name == "brightest")
             text += "One light contributes most everywhere: " + layer.value("light", name) + ". ";
-        else
-            same += (same.empty() ? "" : "; ") + subject + " " + Number(layer.at("least"));
+        else same += (same.empty() ? "" : "; ") + subject + " " + Number(layer.at("least"));
     }
     if (!same.empty()) text += "The same everywhere: " + same + ". ";
     if (!unknown.empty()) text += "No value anywhere: " + unknown + ". ";

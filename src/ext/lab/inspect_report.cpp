@@ -32,10 +32,8 @@ Json LayerJson(const InspectedLayer &layer, const std::string &file) {
     json["name"] = layer.name;
     json["file"] = layer.IsFlat() ? Json() : Json(file);
     json["meaning"] = layer.meaning;
-    if (layer.isId)
-        json["colours"] = "one per number, without order";
-    else
-        json["colours"] = {{"darkest", layer.shownLeast}, {"brightest", layer.shownMost}};
+    if (layer.isId) json["colours"] = "one per number, without order";
+    else json["colours"] = {{"darkest", layer.shownLeast}, {"brightest", layer.shownMost}};
     if (!layer.light.empty()) json["light"] = layer.light;
     json["isFlat"] = layer.IsFlat();
     if (layer.values > 0) {
@@ -64,8 +62,7 @@ Json WriteLayers(const Inspection &inspection, const std::string &folder, int le
         const std::string file = layer.name + ".png";
         if (layer.IsFlat())
             fs::remove(fs::path(folder) / file);  // a picture of an earlier inspection must not pass for one of this
-        else
-            WriteImage(folder + "/" + file, FalseColor(inspection.image, static_cast<int>(c), style, &hit));
+        else WriteImage(folder + "/" + file, FalseColor(inspection.image, static_cast<int>(c), style, &hit));
         json.push_back(LayerJson(layer, file));
     }
     return json;

@@ -24,11 +24,7 @@ class ReferenceMaker {
   public:
     ReferenceMaker(const ExperimentSettings &settings, const LabScene &scene, const RecordFolder &records,
                    Progress &cancel, ExperimentDisplay &display)
-        : settings_(settings),
-          scene_(scene),
-          records_(records),
-          cancel_(cancel),
-          display_(display),
+        : settings_(settings), scene_(scene), records_(records), cancel_(cancel), display_(display),
           rule_(ReferenceRule::For(settings)) {}
 
     /// Returns nothing if cancelled.

@@ -53,8 +53,7 @@ std::vector<std::string> SplitSamplerList(const std::string &text) {
             size_t stop = piece.find_first_of("=:+");
             if (stop != std::string::npos && piece[stop] == '=' && list.size() > first)
                 list.back().append(",").append(Trim(piece));
-            else
-                list.push_back(Trim(piece));
+            else list.push_back(Trim(piece));
         }
     }
     return list;

@@ -33,12 +33,8 @@ bool IsWholeFilm(const std::string &file, const LabScene &scene) {
 
 SamplerRun::SamplerRun(const LabScene &scene, const SamplerChoice &choice, int seed, int expectedSamples,
                        Progress &cancel, std::optional<int> maxDepth)
-    : scene_(scene),
-      choice_(choice),
-      cancel_(cancel),
-      integrator_(scene.MakeIntegrator(choice, maxDepth)),
-      film_(scene.built.film->MakeRgbFilm()),
-      sampler_(scene.built.sampler->WithSeed(seed)),
+    : scene_(scene), choice_(choice), cancel_(cancel), integrator_(scene.MakeIntegrator(choice, maxDepth)),
+      film_(scene.built.film->MakeRgbFilm()), sampler_(scene.built.sampler->WithSeed(seed)),
       settings_(scene.built.Settings()),
       renderer_({*integrator_, *scene.built.camera, *scene.built.filter, *film_, *sampler_, cancel}, settings_) {
     record_.seed = seed;

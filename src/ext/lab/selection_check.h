@@ -72,10 +72,8 @@ class SelectionVertices {
         LightQuery FullQuery() const {
             LightQuery full = query;
             full.lambda = &lambda;
-            if (IsInMedium())
-                full.phase = &phase;
-            else
-                full.bsdf = &bsdf;
+            if (IsInMedium()) full.phase = &phase;
+            else full.bsdf = &bsdf;
             return full;
         }
     };

@@ -132,8 +132,7 @@ SelectionReport JudgeSelection(std::span<const std::vector<VertexFinding>> regio
     if (std::isfinite(report.visibleSixteenth))
         report.text += fmt::format("; detectable: {} in the whole image, {} in a sixteenth",
                                    Percent(report.visibleImage), Percent(report.visibleSixteenth));
-    else
-        report.text += "; too few of them receive light for a detection limit";
+    else report.text += "; too few of them receive light for a detection limit";
     return report;
 }
 

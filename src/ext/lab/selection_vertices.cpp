@@ -26,9 +26,7 @@ constexpr Float kAllInMedium = 8;        ///< vertices in media up to this depth
 class Measurer {
   public:
     Measurer(const BuiltScene &built)
-        : built_(built),
-          scene_(*built.scene),
-          context_{*built.scene, *built.camera, built.samplesPerPixel, true},
+        : built_(built), scene_(*built.scene), context_{*built.scene, *built.camera, built.samplesPerPixel, true},
           stride_((scene_.Lights().Size() + kMaxMeasured - 1) / kMaxMeasured) {}
 
     void Follow(Point2i low, Point2i high, uint64_t stream, std::vector<SelectionVertices::Vertex> &out) {

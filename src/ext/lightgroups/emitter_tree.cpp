@@ -111,10 +111,8 @@ uint32_t EmitterTree::Part::Append(const Part &part) {
 EmitterTree::EmitterTree(std::span<const Emitter> emitters) : places_(emitters.size()) {
     std::vector<EmitterItem> items;
     for (uint32_t i = 0; i < emitters.size(); ++i) {
-        if (emitters[i].isFar)
-            far_.push_back({i, emitters[i]});
-        else if (emitters[i].bounds)
-            items.push_back({i, emitters[i].intensity, {}});
+        if (emitters[i].isFar) far_.push_back({i, emitters[i]});
+        else if (emitters[i].bounds) items.push_back({i, emitters[i].intensity, {}});
     }
     if (items.empty() && far_.empty()) return;
     Part tree;

@@ -5,10 +5,8 @@ namespace ext {
 GroupImportance::GroupImportance(std::span<const Emitter> emitters)
     : packets_((emitters.size() + kLanes - 1) / kLanes), size_(emitters.size()) {
     for (uint32_t i = 0; i < size_; ++i) {
-        if (emitters[i].isFar)
-            far_.push_back({i, emitters[i]});
-        else
-            packets_[i / kLanes].Set(i % kLanes, emitters[i]);
+        if (emitters[i].isFar) far_.push_back({i, emitters[i]});
+        else packets_[i / kLanes].Set(i % kLanes, emitters[i]);
     }
 }
 

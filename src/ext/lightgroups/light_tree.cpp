@@ -101,10 +101,8 @@ LightTree::LightTree(std::span<const Emitter> emitters) : position_(emitters.siz
     std::vector<EmitterItem> items;
     std::vector<uint32_t> far;
     for (uint32_t i = 0; i < emitters.size(); ++i) {
-        if (emitters[i].isFar)
-            far.push_back(i);
-        else if (emitters[i].bounds)
-            items.push_back({i, emitters[i].intensity, {}});
+        if (emitters[i].isFar) far.push_back(i);
+        else if (emitters[i].bounds) items.push_back({i, emitters[i].intensity, {}});
     }
     const auto near = static_cast<uint32_t>(items.size());
     nearNodes_ = near > 0 ? 2 * near - 1 : 0;
@@ -134,10 +132,8 @@ LightTree::LightTree(std::span<const Emitter> emitters) : position_(emitters.siz
 void LightTree::ChooseBaseCut(std::span<const Float> spread) {
     std::priority_queue<std::pair<Float, uint32_t>> open;
     auto add = [&](uint32_t node) {
-        if (HasChildren(node))
-            open.push({spread[node], node});
-        else
-            base_.push_back(node);
+        if (HasChildren(node)) open.push({spread[node], node});
+        else base_.push_back(node);
     };
     add(0);
     while (!open.empty() && base_.size() + open.size() < kBaseNodes) {

@@ -13,10 +13,8 @@ MeshInterior::MeshInterior(const LightGroups &groups, bool byImportance)
             const uint32_t count = groups.CountOf(g);
             if (count == 1) continue;
             std::vector<Emitter> emitters = GroupImportance::EmittersIn(groups, g);
-            if (count <= kMaxScan)
-                inner_[g].scan = std::make_unique<GroupImportance>(emitters);
-            else
-                inner_[g].tree = std::make_unique<EmitterTree>(emitters);
+            if (count <= kMaxScan) inner_[g].scan = std::make_unique<GroupImportance>(emitters);
+            else inner_[g].tree = std::make_unique<EmitterTree>(emitters);
         }
     });
 }

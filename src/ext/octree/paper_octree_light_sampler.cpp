@@ -22,13 +22,10 @@ double SecondsSince(std::chrono::steady_clock::time_point t) {
 }  // namespace
 
 PaperOctreeLightSampler::PaperOctreeLightSampler(const LightTable &lights, const OctreeParams &params)
-    : GroupLightSampler(params.meshlights ? lights.ByLight() : lights.ByComponent()),
-      params_(params),
+    : GroupLightSampler(params.meshlights ? lights.ByLight() : lights.ByComponent()), params_(params),
       floor_(params.floor > 0 ? params.floor : kPaperFloor) {
-    if (groups_.Size() <= kMaxScan)
-        unoccluded_ = std::make_unique<ExhaustiveLightSampler>(groups_);
-    else
-        unoccluded_ = std::make_unique<BVHLightSampler>(groups_);
+    if (groups_.Size() <= kMaxScan) unoccluded_ = std::make_unique<ExhaustiveLightSampler>(groups_);
+    else unoccluded_ = std::make_unique<BVHLightSampler>(groups_);
 }
 
 PaperOctreeLightSampler::~PaperOctreeLightSampler() = default;

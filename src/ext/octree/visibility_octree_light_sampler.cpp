@@ -28,11 +28,8 @@ bool MeshesAreLights(const LightTable &lights, const OctreeParams &params) {
 }  // namespace
 
 VisibilityOctreeLightSampler::VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params)
-    : InteriorLightSampler(lights, MeshesAreLights(lights, params), params.interior),
-      params_(params),
-      floor_(FloorOf(params)),
-      portals_(groups_, params.portals, floor_),
-      importance_(groups_),
+    : InteriorLightSampler(lights, MeshesAreLights(lights, params), params.interior), params_(params),
+      floor_(FloorOf(params)), portals_(groups_, params.portals, floor_), importance_(groups_),
       model_(groups_, params_, floor_) {
     PortalsChanged();
 }
@@ -144,8 +141,7 @@ void VisibilityOctreeLightSampler::WeighScattering(const LightQuery &query, Cand
     Float f[kMaxCandidates];
     if (query.phase)
         for (size_t k = 0; k < count; ++k) f[k] = query.phase->P(query.wo, wi[k]);
-    else
-        query.bsdf->ApproximateF(query.wo, {wi, count}, f);
+    else query.bsdf->ApproximateF(query.wo, {wi, count}, f);
     Float weighted = 0, weights = 0;
     for (size_t k = 0; k < count; ++k) {
         weighted += f[k] * c->w[evaluated[k]];

@@ -104,10 +104,8 @@ std::vector<Portal> Kept(std::span<const Portal> portals, std::span<const Enviro
     }
     std::vector<Portal> result;
     for (size_t k = 0; k < portals.size(); ++k) {
-        if (passed[k] >= kMinShare * left)
-            result.push_back(portals[k]);
-        else
-            passed.back() += passed[k];
+        if (passed[k] >= kMinShare * left) result.push_back(portals[k]);
+        else passed.back() += passed[k];
     }
     if (passed.back() > kMaxPast * left + kAFew) result.clear();
     return result;

@@ -84,8 +84,7 @@ class CellOctree {
   private:
     template <class Act>
     void VisitLeaves(uint32_t node, int depth, Act &&act) const {
-        if (nodes_[node] & LeafBit)
-            act(node, nodes_[node] & ~LeafBit, depth);
+        if (nodes_[node] & LeafBit) act(node, nodes_[node] & ~LeafBit, depth);
         else
             for (uint32_t c = 0; c < 8; ++c) VisitLeaves(nodes_[node] + c, depth + 1, act);
     }

@@ -157,10 +157,8 @@ VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const Prepa
             const LightQuery query = QueryAt(vertex);
             Rng rng(Hash(uint64_t(0x7669736962), context.seed, i));
             const size_t first = out.rays.size();
-            if (all)
-                traceToAll(vertex, query, g, rng, out);
-            else
-                traceToDrawn(vertex, query, rng, out);
+            if (all) traceToAll(vertex, query, g, rng, out);
+            else traceToDrawn(vertex, query, rng, out);
             if (out.rays.size() > first)
                 out.records.push_back(
                     {vertex.at.p, static_cast<uint32_t>(first), static_cast<uint32_t>(out.rays.size() - first)});

@@ -73,10 +73,8 @@ void VisibilityTreeBuilder::SumUp(int half) {
         sorted.reserve(sums.size());
         for (uint64_t o : order) {
             const ShadowRaySums &s = sums[o & 0xffffffffu];
-            if (!sorted.empty() && sorted.back().light == s.light)
-                sorted.back() += s;
-            else
-                sorted.push_back(s);
+            if (!sorted.empty() && sorted.back().light == s.light) sorted.back() += s;
+            else sorted.push_back(s);
         }
         sums.assign(sorted.begin(), sorted.end());
         sums.shrink_to_fit();
@@ -104,10 +102,8 @@ void VisibilityTreeBuilder::SumUp(int half) {
                     }
                 }
             }
-            if (all)
-                std::erase_if(node.sums, [](const ShadowRaySums &s) { return !(s.w > 0); });
-            else
-                compress(node.sums);
+            if (all) std::erase_if(node.sums, [](const ShadowRaySums &s) { return !(s.w > 0); });
+            else compress(node.sums);
         }
     });
     for (size_t n = nodes_.size(); n-- > 0 && !Stopped();) {

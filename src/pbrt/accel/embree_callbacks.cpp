@@ -120,12 +120,9 @@ void AlphaFilter(const RTCFilterFunctionNArguments *args) {
 
 ShadowCallbacks CallbacksFor(ShadowRays what, bool hasAlpha) {
     switch (what) {
-        case ShadowRays::Blocked:
-            return {hasAlpha ? AlphaFilter : nullptr, UserOccluded};
-        case ShadowRays::Passed:
-            return {IgnoreHit, NeverOccluded};
-        case ShadowRays::Collected:
-            return {CollectHit, CollectHits};
+        case ShadowRays::Blocked: return {hasAlpha ? AlphaFilter : nullptr, UserOccluded};
+        case ShadowRays::Passed: return {IgnoreHit, NeverOccluded};
+        case ShadowRays::Collected: return {CollectHit, CollectHits};
     }
     return {};
 }

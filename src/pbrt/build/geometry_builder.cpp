@@ -39,18 +39,12 @@ struct ShapeTextureParams {
 /// The name of one primitive of a shape, for messages.
 const char *PrimitiveName(ShapeKind kind) {
     switch (kind) {
-        case ShapeKind::TriangleMesh:
-            return "triangle";
-        case ShapeKind::BilinearMesh:
-            return "patch";
-        case ShapeKind::Sphere:
-            return "sphere";
-        case ShapeKind::Disk:
-            return "disk";
-        case ShapeKind::Cylinder:
-            return "cylinder";
-        case ShapeKind::Curves:
-            return "curve";
+        case ShapeKind::TriangleMesh: return "triangle";
+        case ShapeKind::BilinearMesh: return "patch";
+        case ShapeKind::Sphere: return "sphere";
+        case ShapeKind::Disk: return "disk";
+        case ShapeKind::Cylinder: return "cylinder";
+        case ShapeKind::Curves: return "curve";
     }
     return "primitive";
 }
@@ -68,12 +62,8 @@ FamilyDoc DocumentShapes() {
 
 GeometryBuilder::GeometryBuilder(SceneDescription &description, const Transform &renderFromWorld, bool interfacesBlock,
                                  const MediumIds &media, TextureLibrary &textures, DiagnosticSink &sink)
-    : description_(description),
-      renderFromWorld_(renderFromWorld),
-      interfacesBlock_(interfacesBlock),
-      media_(media),
-      textures_(textures),
-      sink_(sink) {
+    : description_(description), renderFromWorld_(renderFromWorld), interfacesBlock_(interfacesBlock), media_(media),
+      textures_(textures), sink_(sink) {
     contents_.accel = std::make_unique<Accel>();
     contents_.lights = std::make_unique<LightTable>();
     work_.reserve(description_.shapes.size());
@@ -302,12 +292,9 @@ void GeometryBuilder::Register(Work &w, Definition *definition) {
             contents_.accel->LetShadowRaysThrough(id, record.insideMedium != record.outsideMedium);
         contents_.shapes.push_back(std::move(record));
         const ShapeRecord &kept = contents_.shapes.back();
-        if (w.motion)
-            moving.push_back(id);
-        else if (definition)
-            definition->still.push_back(id);
-        else
-            contents_.accel->AddShape(id, *kept.shape, kept.alpha.get());
+        if (w.motion) moving.push_back(id);
+        else if (definition) definition->still.push_back(id);
+        else contents_.accel->AddShape(id, *kept.shape, kept.alpha.get());
     }
     if (maker) {
         const Entity &light = description_.areaLights[e.areaLight];
@@ -377,8 +364,7 @@ void GeometryBuilder::BuildInstances(const std::vector<Definition> &definitions)
                 const Transform &space = *it->second.space;
                 if (motion.IsAnimated())
                     contents_.accel->AddMovingInstance(it->second.still, motion, Product({renderFromWorld_, space}));
-                else
-                    contents_.accel->AddInstance(it->second.still, Product({renderFromWorld_, i.ctm.start, space}));
+                else contents_.accel->AddInstance(it->second.still, Product({renderFromWorld_, i.ctm.start, space}));
             }
             for (const Definition::Moving &m : it->second.definition->moving)
                 contents_.accel->AddMovingInstance(m.object, motion, m.renderFromObject);

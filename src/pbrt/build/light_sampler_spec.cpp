@@ -46,12 +46,9 @@ Pieces Split(const FlagText &flag, DiagnosticSink &sink) {
     for (size_t at = pieces.sampler.end, end; at < text.size(); at = end) {
         end = FindSuffix(text, at + 1);
         const std::string word = text.substr(at + 1, end - at - 1);
-        if (word == "mesh")
-            pieces.mesh = true;
-        else if (word == "guide")
-            pieces.guide = Piece{end, end};
-        else if (word.starts_with(kGuide))
-            pieces.guide = Piece{at + 1 + kGuide.size(), end};
+        if (word == "mesh") pieces.mesh = true;
+        else if (word == "guide") pieces.guide = Piece{end, end};
+        else if (word.starts_with(kGuide)) pieces.guide = Piece{at + 1 + kGuide.size(), end};
         else
             sink.Error(flag.At(at),
                        fmt::format("\"+{}\" is unknown; a light sampler is written {}.", word, kLightChoiceSyntax));

@@ -33,10 +33,8 @@ auto ApproximationOf(const L &lobe, const Vector3 &wo) {
         return typename L::Approximation(lobe, wo);
     } else {
         return [&lobe, wo](const Vector3 &wi) -> Float {
-            if constexpr (requires { lobe.Approximate(wo, wi); })
-                return lobe.Approximate(wo, wi);
-            else
-                return lobe.F(wo, wi, TransportMode::Radiance).Average();
+            if constexpr (requires { lobe.Approximate(wo, wi); }) return lobe.Approximate(wo, wi);
+            else return lobe.F(wo, wi, TransportMode::Radiance).Average();
         };
     }
 }
@@ -45,19 +43,15 @@ auto ApproximationOf(const L &lobe, const Vector3 &wo) {
 
 bool Bsdf::IsDirectional() const {
     return Dispatch(lobe_, [](const auto &lobe) {
-        if constexpr (requires { lobe.IsDirectional(); })
-            return lobe.IsDirectional();
-        else
-            return Has(lobe.Flags(), BxdfFlags::Glossy);
+        if constexpr (requires { lobe.IsDirectional(); }) return lobe.IsDirectional();
+        else return Has(lobe.Flags(), BxdfFlags::Glossy);
     });
 }
 
 bool Bsdf::HasExactF() const {
     return Dispatch(lobe_, [](const auto &lobe) {
-        if constexpr (requires { lobe.UsesTable(); })
-            return lobe.UsesTable();
-        else
-            return true;
+        if constexpr (requires { lobe.UsesTable(); }) return lobe.UsesTable();
+        else return true;
     });
 }
 
@@ -87,8 +81,7 @@ SampledSpectrum Bsdf::FOfSamples(const Vector3 &wo, const Vector3 &wi) const {
     return Dispatch(lobe_, [&](const auto &lobe) {
         if constexpr (requires { lobe.FConsistent(o, i, TransportMode::Radiance); })
             return lobe.FConsistent(o, i, TransportMode::Radiance);
-        else
-            return lobe.F(o, i, TransportMode::Radiance);
+        else return lobe.F(o, i, TransportMode::Radiance);
     });
 }
 

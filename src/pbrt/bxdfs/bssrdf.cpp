@@ -12,10 +12,7 @@ constexpr Float kKeptShare = Float(0.999);
 
 Bssrdf::Bssrdf(const Point3 &p, const Normal3 &ns, const SampledSpectrum &sigmaA, const SampledSpectrum &sigmaS,
                const SampledWavelengths &lambda, const SubsurfaceTable &table)
-    : table_(&table),
-      p_(p),
-      frame_(Frame::FromZ(ns)),
-      sigmaT_(sigmaA + sigmaS),
+    : table_(&table), p_(p), frame_(Frame::FromZ(ns)), sigmaT_(sigmaA + sigmaS),
       wavelengths_(lambda.SecondaryTerminated() ? 1 : SpectrumSamples) {
     const SampledSpectrum albedo = SafeDivide(sigmaS, sigmaT_);
     for (int i = 0; i < SpectrumSamples; ++i) {

@@ -61,10 +61,8 @@ CoatTable::CoatTable(Float eta, Float thickness, std::optional<Float> alpha)
         for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
             const size_t row = i / kTasks, knot = i % kTasks;
             const DielectricBxdf top(eta_, TrowbridgeReitz(alphas_[row], alphas_[row]));
-            if (knot < ClearCoat::kCosines)
-                rows_[row][knot] = SharesAt(top, ClearCoat::CosineOf(knot));
-            else
-                inner_[row] = InnerReflectance(top);
+            if (knot < ClearCoat::kCosines) rows_[row][knot] = SharesAt(top, ClearCoat::CosineOf(knot));
+            else inner_[row] = InnerReflectance(top);
         }
     });
 }

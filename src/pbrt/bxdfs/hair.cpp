@@ -66,14 +66,11 @@ Float SampleTrimmedLogistic(Float u, Float scale, Float mass) {
 }
 
 HairBxdf::HairBxdf(Float offset, Float eta, const SampledSpectrum &sigmaA, Float betaM, Float betaN, Float alphaDegrees)
-    : offset_(std::clamp(offset, Float(-1), Float(1))),
-      eta_(eta),
+    : offset_(std::clamp(offset, Float(-1), Float(1))), eta_(eta),
       variance_(Sqr(.726f * betaM + .812f * Sqr(betaM) + 3.7f * Power(betaM, 20))),
       scale_(std::sqrt(Pi / 8) * (.265f * betaN + 1.194f * Sqr(betaN) + 5.372f * Power(betaN, 22))),
-      scaleMass_(LogisticMass(scale_)),
-      sinAlpha_(std::sin(Radians(alphaDegrees))),
-      cosAlpha_(std::cos(Radians(alphaDegrees))),
-      sigmaA_(sigmaA) {}
+      scaleMass_(LogisticMass(scale_)), sinAlpha_(std::sin(Radians(alphaDegrees))),
+      cosAlpha_(std::cos(Radians(alphaDegrees))), sigmaA_(sigmaA) {}
 
 HairBxdf::View HairBxdf::ViewFrom(const Vector3 &wo) const {
     View view;

@@ -30,14 +30,8 @@ class CoatedBxdf {
   public:
     CoatedBxdf(const DielectricBxdf &top, const Base &bottom, Float thickness, const SampledSpectrum &albedo, Float g,
                int maxDepth, int nSamples)
-        : top_(top),
-          bottom_(bottom),
-          albedo_(albedo),
-          g_(g),
-          thickness_(std::max(thickness, kMinThickness)),
-          maxDepth_(maxDepth),
-          nSamples_(std::max(1, nSamples)),
-          scatters_(static_cast<bool>(albedo)) {}
+        : top_(top), bottom_(bottom), albedo_(albedo), g_(g), thickness_(std::max(thickness, kMinThickness)),
+          maxDepth_(maxDepth), nSamples_(std::max(1, nSamples)), scatters_(static_cast<bool>(albedo)) {}
 
     /// Lets F and Sample use the table, made for this coat's index and thickness, if it covers the coat. Random walks
     /// are used otherwise.

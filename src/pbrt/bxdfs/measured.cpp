@@ -38,15 +38,9 @@ struct MeasuredBrdf::View {
 };
 
 MeasuredBrdf::MeasuredBrdf(Tables t)
-    : phi_(std::move(t.phi)),
-      theta_(std::move(t.theta)),
-      wavelengths_(std::move(t.wavelengths)),
-      ndf_(std::move(t.ndf)),
-      sigma_(std::move(t.sigma)),
-      spectra_(std::move(t.spectra)),
-      visibleNormals_(t.visibleNormals),
-      luminance_(t.luminance),
-      isotropic_(phi_.size() <= 2) {}
+    : phi_(std::move(t.phi)), theta_(std::move(t.theta)), wavelengths_(std::move(t.wavelengths)),
+      ndf_(std::move(t.ndf)), sigma_(std::move(t.sigma)), spectra_(std::move(t.spectra)),
+      visibleNormals_(t.visibleNormals), luminance_(t.luminance), isotropic_(phi_.size() <= 2) {}
 
 MeasuredBrdf::View MeasuredBrdf::ViewFrom(const Vector3 &wo) const {
     const Float theta = Theta(wo), phi = Phi(wo);

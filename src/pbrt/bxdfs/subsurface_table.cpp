@@ -86,11 +86,8 @@ Float InnerFresnelMoment(Float eta, int power) {
 }
 
 SubsurfaceTable::SubsurfaceTable(Float g, Float eta)
-    : eta_(eta),
-      exitScale_(1 / (Pi * (1 - 2 * InnerFresnelMoment(1 / eta, 1)))),
-      profile_(kAlbedos * kRadii),
-      cdf_(kAlbedos * kRadii),
-      reflectances_(kAlbedos) {
+    : eta_(eta), exitScale_(1 / (Pi * (1 - 2 * InnerFresnelMoment(1 / eta, 1)))), profile_(kAlbedos * kRadii),
+      cdf_(kAlbedos * kRadii), reflectances_(kAlbedos) {
     radii_ = {0, Float(2.5e-3)};
     while (radii_.size() < kRadii) radii_.push_back(radii_.back() * Float(1.2));
     for (int i = 0; i < kAlbedos; ++i)

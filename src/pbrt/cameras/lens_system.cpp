@@ -37,8 +37,7 @@ Float LensSystem::Trace(Ray *ray) const {
             if (aperture_) {
                 weight *= aperture_.Lookup({p.x / s.apertureRadius, p.y / s.apertureRadius});
                 if (weight == 0) return 0;
-            } else if (Sqr(p.x) + Sqr(p.y) > Sqr(s.apertureRadius))
-                return 0;
+            } else if (Sqr(p.x) + Sqr(p.y) > Sqr(s.apertureRadius)) return 0;
         } else {
             if (Sqr(p.x) + Sqr(p.y) > Sqr(s.apertureRadius)) return 0;
             const Vector3 n(s.curvature * p.x, s.curvature * p.y, s.curvature * p.z + 1);

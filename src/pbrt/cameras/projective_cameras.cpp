@@ -19,11 +19,8 @@ Point3 PointOnLens(const Lens &lens, const Point2 &u) {
 
 PerspectiveCamera::PerspectiveCamera(const CameraFrame &frame, const ScreenWindow &window, Float fovDegrees,
                                      const Lens &lens)
-    : CameraSpaceCamera(frame),
-      screen_(window, frame.resolution),
-      fovDegrees_(fovDegrees),
-      tanHalfFov_(std::tan(Radians(fovDegrees) / 2)),
-      lens_(lens) {
+    : CameraSpaceCamera(frame), screen_(window, frame.resolution), fovDegrees_(fovDegrees),
+      tanHalfFov_(std::tan(Radians(fovDegrees) / 2)), lens_(lens) {
     FindFootprint();
 }
 

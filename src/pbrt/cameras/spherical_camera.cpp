@@ -15,8 +15,7 @@ Vector3 SphericalCamera::Direction(const Point2 &film) const {
     if (mapping_ == SphericalCameraMapping::Equirectangular) {
         Float theta = Pi * uv.y;
         zUp = SphericalDirection(std::sin(theta), std::cos(theta), 2 * Pi * uv.x);
-    } else
-        zUp = EqualAreaSquareToSphere(WrapEqualAreaSquare(uv));
+    } else zUp = EqualAreaSquareToSphere(WrapEqualAreaSquare(uv));
     return {zUp.x, zUp.z, zUp.y};
 }
 

@@ -38,10 +38,8 @@ class Flag {
     Flag(std::string names, T &target, std::string help, std::optional<CLI::Validator> check = {})
         : add_([=, &target](CLI::App &app) {
               CLI::Option *option = nullptr;
-              if constexpr (std::is_same_v<T, bool>)
-                  option = app.add_flag(names, target, help);
-              else
-                  option = app.add_option(names, target, help);
+              if constexpr (std::is_same_v<T, bool>) option = app.add_flag(names, target, help);
+              else option = app.add_option(names, target, help);
               if constexpr (CLI::detail::is_mutable_container<T>::value)
                   option->delimiter(',')->allow_extra_args(false);
               return check ? option->check(*check) : option;

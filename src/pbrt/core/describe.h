@@ -74,26 +74,19 @@ std::string ShortText(const Range<T> &r) {
     const bool hasLow = r.low > std::numeric_limits<T>::lowest(), hasHigh = r.high < kMax;
     std::string text;
     if (!hasLow && !hasHigh) return r.unit;
-    if (hasLow && hasHigh && !r.openHigh)
-        text = fmt::format("{}{} to {}", r.openLow ? "above " : "", r.low, r.high);
-    else if (hasLow && hasHigh)
-        text = fmt::format("{} {}, below {}", r.openLow ? "above" : "from", r.low, r.high);
-    else if (hasLow)
-        text = fmt::format("{} {}", r.openLow ? "above" : "at least", r.low);
-    else
-        text = fmt::format("{} {}", r.openHigh ? "below" : "at most", r.high);
+    if (hasLow && hasHigh && !r.openHigh) text = fmt::format("{}{} to {}", r.openLow ? "above " : "", r.low, r.high);
+    else if (hasLow && hasHigh) text = fmt::format("{} {}, below {}", r.openLow ? "above" : "from", r.low, r.high);
+    else if (hasLow) text = fmt::format("{} {}", r.openLow ? "above" : "at least", r.low);
+    else text = fmt::format("{} {}", r.openHigh ? "below" : "at most", r.high);
     return *r.unit ? text + ' ' + r.unit : text;
 }
 
 namespace detail {
 template <class T>
 constexpr ParamType TypeOf() {
-    if constexpr (std::is_same_v<T, int>)
-        return ParamType::Integer;
-    else if constexpr (std::is_same_v<T, bool>)
-        return ParamType::Bool;
-    else if constexpr (std::is_same_v<T, Float>)
-        return ParamType::Float;
+    if constexpr (std::is_same_v<T, int>) return ParamType::Integer;
+    else if constexpr (std::is_same_v<T, bool>) return ParamType::Bool;
+    else if constexpr (std::is_same_v<T, Float>) return ParamType::Float;
     else {
         static_assert(std::is_same_v<T, std::string>);
         return ParamType::String;
@@ -101,10 +94,8 @@ constexpr ParamType TypeOf() {
 }
 template <class T>
 std::string ValueText(const T &v) {
-    if constexpr (std::is_same_v<T, bool>)
-        return v ? "true" : "false";
-    else
-        return fmt::format("{}", v);
+    if constexpr (std::is_same_v<T, bool>) return v ? "true" : "false";
+    else return fmt::format("{}", v);
 }
 }  // namespace detail
 

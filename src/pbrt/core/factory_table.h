@@ -60,10 +60,8 @@ class FactoryTable {
             P p;
             ParamReader reader = ReaderOf(name, set, context);
             p.Describe(reader);
-            if constexpr (kHasOwner)
-                reader.ThrowIfErrors();
-            else
-                reader.Finish(context.sink);
+            if constexpr (kHasOwner) reader.ThrowIfErrors();
+            else reader.Finish(context.sink);
             return make(std::move(p), set, context);
         };
         if constexpr (kHasOwner)
@@ -98,10 +96,8 @@ class FactoryTable {
 
   private:
     static ParamReader ReaderOf(const std::string &name, const ParamSet &set, Context &context) {
-        if constexpr (requires { context.before; })
-            return ParamReader(set, context.before);
-        else
-            return ParamReader(set, kHasOwner ? name + '.' : "");
+        if constexpr (requires { context.before; }) return ParamReader(set, context.before);
+        else return ParamReader(set, kHasOwner ? name + '.' : "");
     }
     std::string what_;
     std::map<std::string, Entry> entries_;

@@ -50,14 +50,10 @@ int OpenForReading(const std::string &path, ReadFrom from, size_t *size) {
     const bool known = fstat(file, &status) == 0;
     const bool pipe = S_ISFIFO(status.st_mode) || S_ISSOCK(status.st_mode) || isatty(file) == 1;
     const char *refusal = nullptr;
-    if (!known)
-        refusal = "the kind of this file cannot be determined";
-    else if (S_ISDIR(status.st_mode))
-        refusal = "is a directory";
-    else if (pipe && from == ReadFrom::Files)
-        refusal = "is a pipe or a terminal, not a file";
-    else if (!pipe && !S_ISREG(status.st_mode))
-        refusal = "is a device, not a file";
+    if (!known) refusal = "the kind of this file cannot be determined";
+    else if (S_ISDIR(status.st_mode)) refusal = "is a directory";
+    else if (pipe && from == ReadFrom::Files) refusal = "is a pipe or a terminal, not a file";
+    else if (!pipe && !S_ISREG(status.st_mode)) refusal = "is a device, not a file";
     if (refusal) {
         close(file);
         throw UserError(fmt::format("{}: {}.", path, refusal));

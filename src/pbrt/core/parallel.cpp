@@ -24,10 +24,8 @@ tbb::task_arena *currentArena = nullptr;  // set only by ThreadLimit, before and
 
 template <class F>
 void InArena(F &&f) {
-    if (currentArena)
-        currentArena->execute(f);
-    else
-        f();
+    if (currentArena) currentArena->execute(f);
+    else f();
 }
 
 #ifdef PBRT_THREAD_SANITIZER

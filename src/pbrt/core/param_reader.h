@@ -73,14 +73,10 @@ class ParamReader {
 namespace detail {
 template <class T>
 const auto &ValuesOf(const Param &p) {
-    if constexpr (std::is_same_v<T, int>)
-        return p.ints;
-    else if constexpr (std::is_same_v<T, bool>)
-        return p.bools;
-    else if constexpr (std::is_same_v<T, std::string>)
-        return p.strings;
-    else
-        return p.floats;
+    if constexpr (std::is_same_v<T, int>) return p.ints;
+    else if constexpr (std::is_same_v<T, bool>) return p.bools;
+    else if constexpr (std::is_same_v<T, std::string>) return p.strings;
+    else return p.floats;
 }
 /// Throws UserError unless the number of values found is `wanted`.
 void RequireCount(const ParamSet &set, const Param &p, size_t found, size_t wanted);

@@ -8,15 +8,12 @@ namespace pbrt {
 size_t ItemSize(ParamType type) {
     switch (type) {
         case ParamType::Point2:
-        case ParamType::Vector2:
-            return 2;
+        case ParamType::Vector2: return 2;
         case ParamType::Point3:
         case ParamType::Vector3:
         case ParamType::Normal:
-        case ParamType::Rgb:
-            return 3;
-        default:
-            return 1;
+        case ParamType::Rgb: return 3;
+        default: return 1;
     }
 }
 

@@ -23,10 +23,8 @@ class StateSaver {
     template <class T>
     void Save(const T &value) {
         // Visit is declared once for reading and writing, hence not const; this archive changes nothing.
-        if constexpr (requires(T & v, StateSaver & archive) { v.Visit(archive); })
-            const_cast<T &>(value).Visit(*this);
-        else
-            out_.Value(value);
+        if constexpr (requires(T & v, StateSaver & archive) { v.Visit(archive); }) const_cast<T &>(value).Visit(*this);
+        else out_.Value(value);
     }
     template <class T>
     void Save(const std::vector<T> &values) {

@@ -61,10 +61,8 @@ class StateWriter {
     }
     void Copy(const void *data, size_t bytes) {
         if (bytes == 0) return;
-        if (!pieces_.empty() && !pieces_.back().data)
-            pieces_.back().bytes += bytes;
-        else
-            pieces_.push_back({nullptr, copied_.size(), bytes});
+        if (!pieces_.empty() && !pieces_.back().data) pieces_.back().bytes += bytes;
+        else pieces_.push_back({nullptr, copied_.size(), bytes});
         copied_.append(static_cast<const char *>(data), bytes);
     }
     void Refer(const void *data, size_t bytes) {

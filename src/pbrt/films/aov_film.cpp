@@ -64,10 +64,8 @@ std::vector<std::string> AovNames() {
 }
 
 AovFilm::AovFilm(std::unique_ptr<Film> film, const FilmContext &context)
-    : Film(KindWith(KindOf(*film), context.overrides.aovs), FrameOf(*film)),
-      film_(std::move(film)),
-      renderFromCamera_(context.renderFromCamera),
-      chosen_(IndicesOf(context.overrides.aovs)),
+    : Film(KindWith(KindOf(*film), context.overrides.aovs), FrameOf(*film)), film_(std::move(film)),
+      renderFromCamera_(context.renderFromCamera), chosen_(IndicesOf(context.overrides.aovs)),
       stride_(kFirstChannel + ChannelCount(chosen_)) {
     if (LowerExtension(Filename()) != ".exr")
         throw UserError(fmt::format("--aov: \"{}\": the added channels only fit into an .exr file.", Filename()));

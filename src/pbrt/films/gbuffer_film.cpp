@@ -26,8 +26,7 @@ GBufferFilm::GBufferFilm(const GBufferParams &params, const ParamSet &set, const
       renderFromOutput_(params.space == GBufferParams::Space::Camera
                             ? request.context.renderFromCamera
                             : AnimatedTransform(request.context.renderFromWorld)),
-      sums_(params, set, Frame(), request.context.exposureTime),
-      pixels_(Frame().PixelCount()) {}
+      sums_(params, set, Frame(), request.context.exposureTime), pixels_(Frame().PixelCount()) {}
 
 void GBufferFilm::AddSample(const FilmSample &sample) {
     const std::optional<Vector3> sensor = sums_.Measure(sample.L, sample.lambda, sample.weight);

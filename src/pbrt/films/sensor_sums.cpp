@@ -18,13 +18,9 @@ SensorSums::SensorSums(const FilmParams &params, const ParamSet &set, const Film
                  PixelSensor::Make(params.sensor, set, *frame.outputSpace, exposureTime)) {}
 
 SensorSums::SensorSums(const FilmFrame &frame, Float maxComponent, const PixelSensor &sensor)
-    : resolution_(frame.pixelBounds.high - frame.pixelBounds.low),
-      fullPixels_(frame.FullPixels()),
-      half_(frame.half),
-      maxComponent_(maxComponent),
-      sensor_(sensor),
-      outputFromSensor_(frame.outputSpace->RgbFromXyz() * sensor_.XyzFromSensor()),
-      pixels_(frame.PixelCount()) {}
+    : resolution_(frame.pixelBounds.high - frame.pixelBounds.low), fullPixels_(frame.FullPixels()), half_(frame.half),
+      maxComponent_(maxComponent), sensor_(sensor),
+      outputFromSensor_(frame.outputSpace->RgbFromXyz() * sensor_.XyzFromSensor()), pixels_(frame.PixelCount()) {}
 
 SensorSums SensorSums::MakeEmpty(const FilmFrame &frame) const { return {frame, maxComponent_, sensor_}; }
 

@@ -23,8 +23,7 @@ SpectralFilm::SpectralFilm(const SpectralParams &params, const ParamSet &set, co
                          {.onlyExr = true,
                           .bytesPerPixel = SensorSums::kBytesPerPixel +
                                            params.buckets.count * static_cast<double>(sizeof(Sums) + sizeof(float))})),
-      buckets_(Checked(params.buckets, set)),
-      sensor_(params, set, Frame(), request.context.exposureTime),
+      buckets_(Checked(params.buckets, set)), sensor_(params, set, Frame(), request.context.exposureTime),
       sums_(FirstSumOf(Frame().PixelCount())) {}
 
 Float SpectralFilm::BucketCenter(int bucket) const {

@@ -24,26 +24,22 @@ std::optional<ColorEncoding> ColorEncoding::Parse(const std::string &name) {
 
 Float ColorEncoding::ToLinear(Float encoded) const {
     switch (kind) {
-        case Kind::Linear:
-            return encoded;
+        case Kind::Linear: return encoded;
         case Kind::SRGB:
             return encoded <= Float(0.04045) ? encoded / Float(12.92)
                                              : std::pow((encoded + Float(0.055)) / Float(1.055), Float(2.4));
-        case Kind::Gamma:
-            return std::pow(std::max(encoded, Float(0)), gamma);
+        case Kind::Gamma: return std::pow(std::max(encoded, Float(0)), gamma);
     }
     return 0;
 }
 
 Float ColorEncoding::FromLinear(Float linear) const {
     switch (kind) {
-        case Kind::Linear:
-            return linear;
+        case Kind::Linear: return linear;
         case Kind::SRGB:
             return linear <= Float(0.0031308) ? linear * Float(12.92)
                                               : Float(1.055) * std::pow(linear, 1 / Float(2.4)) - Float(0.055);
-        case Kind::Gamma:
-            return std::pow(std::max(linear, Float(0)), 1 / gamma);
+        case Kind::Gamma: return std::pow(std::max(linear, Float(0)), 1 / gamma);
     }
     return 0;
 }

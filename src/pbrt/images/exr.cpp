@@ -139,10 +139,8 @@ double MaxExpansion(Imf::Compression compression) {
         case Imf::RLE_COMPRESSION:
         case Imf::ZIPS_COMPRESSION:
         case Imf::ZIP_COMPRESSION:
-        case Imf::PXR24_COMPRESSION:
-            return 4000;
-        default:
-            return Infinity;
+        case Imf::PXR24_COMPRESSION: return 4000;
+        default: return Infinity;
     }
 }
 

@@ -52,16 +52,11 @@ Image FalseColor(const Image &image, int channel, const FalseColorStyle &style, 
     for (int y = 0; y < resolution.y; ++y)
         for (int x = 0; x < resolution.x; ++x) {
             const Float v = image.Get({x, y}, channel);
-            if (mask && mask->Get({x, y}, 0) == 0)
-                put(x, y, Rgb(0.13f));
-            else if (!std::isfinite(v))
-                put(x, y, false_color::Invalid);
-            else if (style.scale == Scale::Id)
-                put(x, y, false_color::OfId(static_cast<uint64_t>(std::llround(v))));
-            else if (style.scale == Scale::Signed)
-                put(x, y, false_color::Signed(style.most > 0 ? v / style.most : v));
-            else
-                put(x, y, false_color::Ramp((v - style.least) / range));
+            if (mask && mask->Get({x, y}, 0) == 0) put(x, y, Rgb(0.13f));
+            else if (!std::isfinite(v)) put(x, y, false_color::Invalid);
+            else if (style.scale == Scale::Id) put(x, y, false_color::OfId(static_cast<uint64_t>(std::llround(v))));
+            else if (style.scale == Scale::Signed) put(x, y, false_color::Signed(style.most > 0 ? v / style.most : v));
+            else put(x, y, false_color::Ramp((v - style.least) / range));
         }
     for (int y = resolution.y; y < resolution.y + legend; ++y)
         for (int x = 0; x < resolution.x; ++x) {

@@ -16,12 +16,9 @@ void FoldOctahedral(int &along, int &across, int size, int acrossSize) {
         int period = 2 * size;
         along = ((along % period) + period) % period;
     }
-    if (along < 0)
-        along = std::min(-along, size - 1);
-    else if (along >= size)
-        along = 2 * size - 1 - along;
-    else
-        return;
+    if (along < 0) along = std::min(-along, size - 1);
+    else if (along >= size) along = 2 * size - 1 - along;
+    else return;
     across = acrossSize - 1 - across;
 }
 
@@ -35,14 +32,9 @@ int PositiveModulo(int a, int n) {
 bool RemapPixel(Point2i &p, Point2i resolution, WrapMode wrap) {
     if (p.x >= 0 && p.y >= 0 && p.x < resolution.x && p.y < resolution.y) return true;
     switch (wrap) {
-        case WrapMode::Black:
-            return false;
-        case WrapMode::Repeat:
-            p = {PositiveModulo(p.x, resolution.x), PositiveModulo(p.y, resolution.y)};
-            return true;
-        case WrapMode::Clamp:
-            p = glm::clamp(p, Point2i(0), resolution - 1);
-            return true;
+        case WrapMode::Black: return false;
+        case WrapMode::Repeat: p = {PositiveModulo(p.x, resolution.x), PositiveModulo(p.y, resolution.y)}; return true;
+        case WrapMode::Clamp: p = glm::clamp(p, Point2i(0), resolution - 1); return true;
         case WrapMode::OctahedralSphere:
             // Coordinates far outside are clamped first, so that no sum overflows.
             p = glm::clamp(p, Point2i(-(1 << 28)), Point2i(1 << 28));
@@ -62,12 +54,8 @@ Image::Image(PixelFormat format, Point2i resolution, std::vector<std::string> ch
             u8_.resize(ValueCount());
             code_ = &ByteCode::Of(encoding_);
             break;
-        case PixelFormat::Half:
-            half_.resize(ValueCount());
-            break;
-        case PixelFormat::Float:
-            float_.resize(ValueCount());
-            break;
+        case PixelFormat::Half: half_.resize(ValueCount()); break;
+        case PixelFormat::Float: float_.resize(ValueCount()); break;
     }
 }
 
@@ -80,12 +68,9 @@ int Image::FindChannel(const std::string &name) const {
 Float Image::Get(Point2i p, int channel) const {
     size_t i = Index(p, channel);
     switch (format_) {
-        case PixelFormat::U8:
-            return code_->Decode(u8_[i]);
-        case PixelFormat::Half:
-            return imath_half_to_float(half_[i]);
-        case PixelFormat::Float:
-            return float_[i];
+        case PixelFormat::U8: return code_->Decode(u8_[i]);
+        case PixelFormat::Half: return imath_half_to_float(half_[i]);
+        case PixelFormat::Float: return float_[i];
     }
     return 0;
 }
@@ -97,17 +82,13 @@ Float Image::Get(Point2i p, int channel, WrapMode wrap) const {
 void Image::Set(Point2i p, int channel, Float linear) {
     size_t i = Index(p, channel);
     switch (format_) {
-        case PixelFormat::U8:
-            u8_[i] = code_->Encode(linear);
-            break;
+        case PixelFormat::U8: u8_[i] = code_->Encode(linear); break;
         case PixelFormat::Half: {
             constexpr Float largest = 65504;
             half_[i] = imath_float_to_half(std::clamp(linear, -largest, largest));
             break;
         }
-        case PixelFormat::Float:
-            float_[i] = linear;
-            break;
+        case PixelFormat::Float: float_[i] = linear; break;
     }
 }
 
@@ -174,12 +155,9 @@ size_t Image::Bytes() const { return u8_.size() + half_.size() * sizeof(uint16_t
 
 const void *Image::Data() const {
     switch (format_) {
-        case PixelFormat::U8:
-            return u8_.data();
-        case PixelFormat::Half:
-            return half_.data();
-        case PixelFormat::Float:
-            return float_.data();
+        case PixelFormat::U8: return u8_.data();
+        case PixelFormat::Half: return half_.data();
+        case PixelFormat::Float: return float_.data();
     }
     return nullptr;
 }

@@ -118,12 +118,9 @@ void WriteImage(const std::string &path, const Image &image, const ImageMetadata
         throw UserError(fmt::format("{}: images can be written as .exr, .png, .pfm or .jpg only.", path));
     std::string content;
     try {
-        if (extension == ".exr")
-            content = formats::EncodeExr(path, image, metadata);
-        else if (extension == ".pfm")
-            content = formats::EncodePfm(ForPlainFormat(path, image, metadata, false));
-        else
-            content = formats::EncodeBytes(jpeg ? "jpeg" : "png", path, ForPlainFormat(path, image, metadata, !jpeg));
+        if (extension == ".exr") content = formats::EncodeExr(path, image, metadata);
+        else if (extension == ".pfm") content = formats::EncodePfm(ForPlainFormat(path, image, metadata, false));
+        else content = formats::EncodeBytes(jpeg ? "jpeg" : "png", path, ForPlainFormat(path, image, metadata, !jpeg));
     } catch (const UserError &) {
         throw;
     } catch (const std::bad_alloc &) {

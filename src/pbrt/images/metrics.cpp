@@ -23,20 +23,14 @@ double EpsilonOf(Metric metric, const Image &reference) {
 double Term(Metric metric, double x, double r, double epsilon) {
     const double d = x - r;
     switch (metric) {
-        case Metric::MAE:
-            return std::abs(d);
-        case Metric::MSE:
-            return d * d;
-        case Metric::MRSE:
-            return d * d / ((r + 0.01) * (r + 0.01));
+        case Metric::MAE: return std::abs(d);
+        case Metric::MSE: return d * d;
+        case Metric::MRSE: return d * d / ((r + 0.01) * (r + 0.01));
         case Metric::RelL2:
-        case Metric::RelL2Abs:
-            return d * d / (r * r + epsilon);
-        case Metric::SMAPE:
-            return std::abs(d) / ((std::abs(x) + std::abs(r)) / 2 + 0.01);
+        case Metric::RelL2Abs: return d * d / (r * r + epsilon);
+        case Metric::SMAPE: return std::abs(d) / ((std::abs(x) + std::abs(r)) / 2 + 0.01);
         case Metric::FLIP:
-        case Metric::HdrFLIP:
-            break;
+        case Metric::HdrFLIP: break;
     }
     return 0;
 }

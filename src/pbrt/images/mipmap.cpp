@@ -222,12 +222,9 @@ class Reader {
 template <int N, bool Tiled>
 Texel<N> ReadFrom(const MipMap::View &view, size_t first, Point2 st, Vector2 dst0, Vector2 dst1) {
     switch (view.format) {
-        case PixelFormat::U8:
-            return Reader<PixelFormat::U8, N, Tiled>(view, first).Filter(st, dst0, dst1);
-        case PixelFormat::Half:
-            return Reader<PixelFormat::Half, N, Tiled>(view, first).Filter(st, dst0, dst1);
-        case PixelFormat::Float:
-            return Reader<PixelFormat::Float, N, Tiled>(view, first).Filter(st, dst0, dst1);
+        case PixelFormat::U8: return Reader<PixelFormat::U8, N, Tiled>(view, first).Filter(st, dst0, dst1);
+        case PixelFormat::Half: return Reader<PixelFormat::Half, N, Tiled>(view, first).Filter(st, dst0, dst1);
+        case PixelFormat::Float: return Reader<PixelFormat::Float, N, Tiled>(view, first).Filter(st, dst0, dst1);
     }
     return {};
 }

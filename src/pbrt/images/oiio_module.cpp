@@ -19,14 +19,10 @@ namespace {
 
 OIIO::TypeDesc TypeOf(ValueType type) {
     switch (type) {
-        case ValueType::U8:
-            return OIIO::TypeDesc::UINT8;
-        case ValueType::U16:
-            return OIIO::TypeDesc::UINT16;
-        case ValueType::Half:
-            return OIIO::TypeDesc::HALF;
-        case ValueType::Float:
-            break;
+        case ValueType::U8: return OIIO::TypeDesc::UINT8;
+        case ValueType::U16: return OIIO::TypeDesc::UINT16;
+        case ValueType::Half: return OIIO::TypeDesc::HALF;
+        case ValueType::Float: break;
     }
     return OIIO::TypeDesc::FLOAT;
 }
@@ -45,12 +41,9 @@ int PngChannels(const std::string &path) {
     std::ifstream(path, std::ios::binary).read(head.data(), head.size());
     switch (head[25]) {
         case 0:
-        case 4:
-            return 1;
-        case 6:
-            return 4;
-        default:
-            return 3;
+        case 4: return 1;
+        case 6: return 4;
+        default: return 3;
     }
 }
 

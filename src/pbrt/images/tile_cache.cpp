@@ -16,12 +16,9 @@ namespace {
 
 oiio::ValueType TypeOf(PixelFormat format) {
     switch (format) {
-        case PixelFormat::U8:
-            return oiio::ValueType::U8;
-        case PixelFormat::Half:
-            return oiio::ValueType::Half;
-        case PixelFormat::Float:
-            break;
+        case PixelFormat::U8: return oiio::ValueType::U8;
+        case PixelFormat::Half: return oiio::ValueType::Half;
+        case PixelFormat::Float: break;
     }
     return oiio::ValueType::Float;
 }

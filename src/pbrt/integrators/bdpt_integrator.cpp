@@ -21,16 +21,11 @@ struct BdptIntegrator::Sample {
 BdptIntegrator::BdptIntegrator(const PathContext &context, int maxDepth, bool regularize,
                                std::unique_ptr<LightSampler> connecting, std::unique_ptr<LightSampler> shooting,
                                std::unique_ptr<StrategyPictures> strategies)
-    : context_(context),
-      maxDepth_(maxDepth),
-      regularize_(regularize),
-      shooting_(ByPowerUnless(std::move(shooting), context.scene.Lights())),
-      connecting_(std::move(connecting)),
-      hasMedia_(context.scene.HasMedia()),
-      observer_(connecting_ ? connecting_->Observer() : nullptr),
+    : context_(context), maxDepth_(maxDepth), regularize_(regularize),
+      shooting_(ByPowerUnless(std::move(shooting), context.scene.Lights())), connecting_(std::move(connecting)),
+      hasMedia_(context.scene.HasMedia()), observer_(connecting_ ? connecting_->Observer() : nullptr),
       weights_(context.scene.Lights(), *shooting_, connecting_ ? *connecting_ : *shooting_),
-      strategies_(std::move(strategies)),
-      subpaths_(static_cast<size_t>(ThreadCount())) {
+      strategies_(std::move(strategies)), subpaths_(static_cast<size_t>(ThreadCount())) {
     for (Subpaths &s : subpaths_) {
         const auto surfaces = static_cast<size_t>(std::min(maxDepth, kMaxSubpath));
         s.light.resize(surfaces + 1);

@@ -111,14 +111,8 @@ class CameraPath {
   public:
     CameraPath(const CameraPathSetup &setup, const PathStart &start, SampledWavelengths &lambda, Sampler &sampler,
                Directions &directions, Gathering gathering = {})
-        : setup_(setup),
-          scene_(setup.context.scene),
-          settings_(setup.settings),
-          lambda_(lambda),
-          sampler_(sampler),
-          directions_(directions),
-          gathering_(gathering),
-          walk_(setup.context, start.ray, start.visible),
+        : setup_(setup), scene_(setup.context.scene), settings_(setup.settings), lambda_(lambda), sampler_(sampler),
+          directions_(directions), gathering_(gathering), walk_(setup.context, start.ray, start.visible),
           observed_(setup.observer, start.pixel, start.sampleIndex) {}
 
     /// The radiance along the camera ray.
@@ -279,8 +273,7 @@ class CameraPath {
                               [&](const LightLiSample &to, [[maybe_unused]] const Point2 &u) {
                                   if constexpr (Throughput::kHasMedia)
                                       return TraceThroughMedia(to, u, vertex.point.MediumTowards(to.wi));
-                                  else
-                                      return TraceShadowRay(scene_, current_->from, to);
+                                  else return TraceShadowRay(scene_, current_->from, to);
                               });
         if (light) L_ += throughput_.Direct(*light, [&](const Vector3 &wi) { return directions_.Pdf(vertex, wi); });
     }

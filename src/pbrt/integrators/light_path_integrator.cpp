@@ -16,13 +16,8 @@ class LightPathIntegrator::LightPath {
   public:
     LightPath(const LightPathIntegrator &integrator, const PathStart &start, SampledWavelengths &lambda,
               Sampler &sampler)
-        : integrator_(integrator),
-          context_(integrator.context_),
-          pass_(start.pass),
-          time_(start.ray.ray.time),
-          splatUnit_(start.pass.film.SplatUnit()),
-          hasMedia_(context_.scene.HasMedia()),
-          lambda_(lambda),
+        : integrator_(integrator), context_(integrator.context_), pass_(start.pass), time_(start.ray.ray.time),
+          splatUnit_(start.pass.film.SplatUnit()), hasMedia_(context_.scene.HasMedia()), lambda_(lambda),
           sampler_(sampler) {}
 
     /// Samples the first ray, and splats the light where it starts.

@@ -45,16 +45,12 @@ struct MltIntegrator::Unit {
 class MltIntegrator::Renderer {
   public:
     Renderer(const MltIntegrator &integrator, const RenderPass &pass)
-        : integrator_(integrator),
-          settings_(integrator.settings_),
-          pass_(pass),
-          bounds_(pass.film.PixelBounds()),
+        : integrator_(integrator), settings_(integrator.settings_), pass_(pass), bounds_(pass.film.PixelBounds()),
           pixels_(std::max<int64_t>(bounds_.Area(), 0)),
           chains_(std::clamp<int64_t>(settings_.chains, 1, std::max<int64_t>(pixels_, 1))),
           bootstrap_(std::max<int64_t>({settings_.bootstrapSamples, pixels_ / kPixelsPerBootstrapPair, 1})),
           low_(Point2(bounds_.low) + Float(0.5) - pass.filter.Radius()),
-          size_(Point2(bounds_.high) - Float(0.5) + pass.filter.Radius() - low_),
-          area_(size_.x * size_.y),
+          size_(Point2(bounds_.high) - Float(0.5) + pass.filter.Radius() - low_), area_(size_.x * size_.y),
           differentialScale_(std::max(Float(0.125), 1 / std::sqrt(static_cast<Float>(pass.samplesPerPixel)))) {
         Sampler &sampler = *pass.samplers[0];
         sampler.StartPixelSample({0, 0}, 0);
@@ -194,8 +190,7 @@ class MltIntegrator::Renderer {
 
 MltIntegrator::MltIntegrator(const PathContext &context, const MltSettings &settings,
                              std::unique_ptr<LightSampler> connecting, std::unique_ptr<LightSampler> shooting)
-    : context_(context),
-      settings_(settings),
+    : context_(context), settings_(settings),
       pairs_(context, settings.maxDepth, settings.regularize, std::move(connecting), std::move(shooting)) {
     pairs_.StopLearning();
 }

@@ -6,12 +6,8 @@ namespace pbrt {
 
 PathIntegrator::PathIntegrator(const PathContext &context, const PathSettings &settings,
                                std::unique_ptr<LightSampler> lights, std::unique_ptr<DirectionSampling> directions)
-    : context_(context),
-      settings_(settings),
-      lights_(std::move(lights)),
-      directions_(std::move(directions)),
-      setup_{context_, settings_, *lights_, lights_->Observer()},
-      models_{lights_->Model(), directions_.get()} {}
+    : context_(context), settings_(settings), lights_(std::move(lights)), directions_(std::move(directions)),
+      setup_{context_, settings_, *lights_, lights_->Observer()}, models_{lights_->Model(), directions_.get()} {}
 
 SampledSpectrum PathIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
     if (directions_) return directions_->Li(setup_, start, lambda, sampler);

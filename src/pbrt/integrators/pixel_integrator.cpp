@@ -17,9 +17,7 @@ class PassRenderer {
   public:
     /// `uWavelengths`: PixelIntegrator::CommonWavelengths.
     PassRenderer(const PixelIntegrator &integrator, const RenderPass &pass, std::optional<Float> uWavelengths)
-        : integrator_(integrator),
-          pass_(pass),
-          uWavelengths_(uWavelengths),
+        : integrator_(integrator), pass_(pass), uWavelengths_(uWavelengths),
           wantsVisible_(pass.film.WantsVisibleSurface()),
           differentialScale_(pass.jittersPixels
                                  ? std::max(Float(0.125), 1 / std::sqrt(static_cast<Float>(pass.samplesPerPixel)))

@@ -131,14 +131,9 @@ void WaveRenderer::Follow() {
                 in.Vector(&position_.passDone);
                 RenderPassOf(position_.passCount);
                 break;
-            case Command::Update:
-                UpdateTogether();
-                break;
-            case Command::Gather:
-                GatherHere();
-                break;
-            case Command::End:
-                return;
+            case Command::Update: UpdateTogether(); break;
+            case Command::Gather: GatherHere(); break;
+            case Command::End: return;
         }
     }
 }
@@ -155,10 +150,8 @@ namespace {
 class WaveLoop {
   public:
     WaveLoop(const RenderContext &context, const RenderSettings &settings)
-        : context_(context),
-          settings_(settings),
-          reference_(settings.mseReferenceImage, settings.mseReferenceOut, context.film),
-          renderer_(context, settings),
+        : context_(context), settings_(settings),
+          reference_(settings.mseReferenceImage, settings.mseReferenceOut, context.film), renderer_(context, settings),
           secondsPerSample_(settings.secondsPerSample) {}
 
     RenderResult Run() {

@@ -45,10 +45,7 @@ SampledSpectrum Throughput(const PathVertex &vertex, const Direction &to) {
 }  // namespace
 
 SimplePathIntegrator::SimplePathIntegrator(const PathContext &context, int maxDepth, bool sampleLights, bool sampleBsdf)
-    : context_(context),
-      maxDepth_(maxDepth),
-      sampleLights_(sampleLights),
-      sampleBsdf_(sampleBsdf),
+    : context_(context), maxDepth_(maxDepth), sampleLights_(sampleLights), sampleBsdf_(sampleBsdf),
       lights_(std::make_unique<UniformLightSampler>(context.scene.Lights().ByComponent())) {}
 
 SampledSpectrum SimplePathIntegrator::SampleDirect(const PathVertex &vertex, const SampledSpectrum &beta,
@@ -168,10 +165,7 @@ SampledSpectrum SimpleVolPathIntegrator::Li(const PathStart &start, SampledWavel
 
 AmbientOcclusionIntegrator::AmbientOcclusionIntegrator(const PathContext &context, bool cosineSample, Float maxDistance,
                                                        const ColorSpace &space)
-    : context_(context),
-      cosineSample_(cosineSample),
-      maxDistance_(maxDistance),
-      illuminant_(space.IlluminantPtr()),
+    : context_(context), cosineSample_(cosineSample), maxDistance_(maxDistance), illuminant_(space.IlluminantPtr()),
       scale_(1 / SpectrumToPhotometric(*illuminant_)) {}
 
 SampledSpectrum AmbientOcclusionIntegrator::Li(const PathStart &start, SampledWavelengths &lambda,

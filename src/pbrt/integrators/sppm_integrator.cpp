@@ -30,9 +30,7 @@ Float SobolNumber(int dimension, uint64_t index, uint64_t seed) {
 
 SppmIntegrator::SppmIntegrator(const PathContext &context, const SppmSettings &settings,
                                std::unique_ptr<LightSampler> lights, std::unique_ptr<LightSampler> shooting)
-    : context_(context),
-      settings_(settings),
-      lights_(std::move(lights)),
+    : context_(context), settings_(settings), lights_(std::move(lights)),
       shooting_(ByPowerUnless(std::move(shooting), context.scene.Lights())) {
     path_.maxDepth = settings.maxDepth;
     path_.sampledLightOnly = settings.sampledLightOnly;

@@ -36,10 +36,8 @@ void StrategyPictures::Add(std::span<const Contribution> contributions, Point2i 
         std::array<SampledSpectrum, kTable * kTable> sums{};
         for (const Contribution &c : contributions) {
             const size_t i = indexOf_[c.s][c.t];
-            if (c.t == 1)
-                AddFilteredSplat(*films_[kind][i], filter, c.pFilm, light(c), lambda);
-            else
-                sums[i] += light(c);
+            if (c.t == 1) AddFilteredSplat(*films_[kind][i], filter, c.pFilm, light(c), lambda);
+            else sums[i] += light(c);
         }
         for (size_t i = 0; i < strategies_.size(); ++i) {
             FilmSample sample;

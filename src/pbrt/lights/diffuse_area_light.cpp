@@ -52,10 +52,8 @@ bool IsInvisible(const FloatTexture *alpha) {
 
 DiffuseAreaLight::DiffuseAreaLight(std::shared_ptr<const AreaEmission> emission, std::span<const Shape *const> shapes,
                                    const FloatTexture *alpha)
-    : Light(IsInvisible(alpha) ? LightKind::DeltaPosition : LightKind::Area),
-      emission_(std::move(emission)),
-      shapes_(shapes.begin(), shapes.end()),
-      alpha_(IsInvisible(alpha) ? nullptr : alpha) {
+    : Light(IsInvisible(alpha) ? LightKind::DeltaPosition : LightKind::Area), emission_(std::move(emission)),
+      shapes_(shapes.begin(), shapes.end()), alpha_(IsInvisible(alpha) ? nullptr : alpha) {
     for (const Shape *shape : shapes) componentCount_ += shape->PrimitiveCount();
 }
 

@@ -9,12 +9,8 @@ namespace pbrt {
 
 GoniometricLight::GoniometricLight(const Transform &renderFromLight, std::shared_ptr<const DenseSpectrum> intensity,
                                    Float scale, Image image)
-    : LightAtPoint(renderFromLight.Point({0, 0, 0})),
-      renderFromLight_(renderFromLight),
-      intensity_(std::move(intensity)),
-      scale_(scale),
-      image_(std::move(image)),
-      mean_(Mean(image_)) {
+    : LightAtPoint(renderFromLight.Point({0, 0, 0})), renderFromLight_(renderFromLight),
+      intensity_(std::move(intensity)), scale_(scale), image_(std::move(image)), mean_(Mean(image_)) {
     PBRT_CHECK(image_.Resolution().x > 0 && image_.Resolution().x == image_.Resolution().y &&
                image_.ChannelCount() == 1);
 }

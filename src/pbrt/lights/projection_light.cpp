@@ -26,12 +26,8 @@ Float PixelSolidAngle(int x, int y, const Point2i &n, const Vector2 &half) {
 
 ProjectionLight::ProjectionLight(const Transform &renderFromLight, Image image, const ColorSpace &colorSpace,
                                  Float scale, Float fov)
-    : LightAtPoint(renderFromLight.Point({0, 0, 0})),
-      renderFromLight_(renderFromLight),
-      image_(std::move(image)),
-      colorSpace_(&colorSpace),
-      scale_(scale),
-      half_(HalfSize(image_.Resolution(), fov)) {
+    : LightAtPoint(renderFromLight.Point({0, 0, 0})), renderFromLight_(renderFromLight), image_(std::move(image)),
+      colorSpace_(&colorSpace), scale_(scale), half_(HalfSize(image_.Resolution(), fov)) {
     PBRT_CHECK(image_.Resolution().x > 0 && image_.Resolution().y > 0 && image_.ChannelCount() == 3);
 }
 

@@ -8,15 +8,9 @@ namespace pbrt {
 
 SpotLight::SpotLight(const Transform &renderFromLight, const Point3 &from, const Vector3 &axis,
                      std::shared_ptr<const DenseSpectrum> intensity, Float scale, Float coneAngle, Float falloffStart)
-    : LightAtPoint(renderFromLight.Point(from)),
-      renderFromLight_(renderFromLight),
-      axis_(axis),
-      intensity_(std::move(intensity)),
-      scale_(scale),
-      coneAngle_(coneAngle),
-      falloffStart_(falloffStart),
-      cosEnd_(std::cos(Radians(coneAngle))),
-      cosStart_(std::cos(Radians(falloffStart))) {}
+    : LightAtPoint(renderFromLight.Point(from)), renderFromLight_(renderFromLight), axis_(axis),
+      intensity_(std::move(intensity)), scale_(scale), coneAngle_(coneAngle), falloffStart_(falloffStart),
+      cosEnd_(std::cos(Radians(coneAngle))), cosStart_(std::cos(Radians(falloffStart))) {}
 
 Float SpotLight::PowerPerIntensity(Float coneAngle, Float falloffStart) {
     Float cosEnd = std::cos(Radians(coneAngle)), cosStart = std::cos(Radians(falloffStart));

@@ -164,10 +164,8 @@ class LightBvh::Packing {
         while (!tops.empty()) {
             const uint32_t top = tops.back();
             tops.pop_back();
-            if (size_[top] < kPairs)
-                small_[size_[top]].push_back(top);
-            else
-                PlaceWithMostPowerful(top, &tops);
+            if (size_[top] < kPairs) small_[size_[top]].push_back(top);
+            else PlaceWithMostPowerful(top, &tops);
         }
         PlaceSmall();
     }

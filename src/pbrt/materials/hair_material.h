@@ -37,10 +37,7 @@ class HairColor {
 class HairMaterial final : public SurfaceMaterial {
   public:
     HairMaterial(HairColor color, FloatInput eta, FloatInput betaM, FloatInput betaN, FloatInput alpha)
-        : color_(std::move(color)),
-          eta_(std::move(eta)),
-          betaM_(std::move(betaM)),
-          betaN_(std::move(betaN)),
+        : color_(std::move(color)), eta_(std::move(eta)), betaM_(std::move(betaM)), betaN_(std::move(betaN)),
           alpha_(std::move(alpha)) {}
     Bsdf GetBsdf(const SurfacePoint &point, SampledWavelengths &lambda) const override;
 

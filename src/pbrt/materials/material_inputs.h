@@ -36,8 +36,7 @@ class FloatInput {
 class SpectrumInput {
   public:
     explicit SpectrumInput(SpectrumTexturePtr texture)
-        : texture_(std::move(texture)),
-          constant_(texture_->Constant()),
+        : texture_(std::move(texture)), constant_(texture_->Constant()),
           albedo_(dynamic_cast<const RgbAlbedoSpectrum *>(constant_)),
           isBlack_(constant_ && constant_->MaxValue() == 0) {}
     /// True if it is 0 everywhere.

@@ -13,10 +13,8 @@ class SurfaceMaterial : public Material {
   public:
     SurfaceMaterial() { SetPlain(true); }
     void PerturbShading(SurfacePoint &point) const final {
-        if (normalMap_)
-            normalMap_->Perturb(point);
-        else if (bumpMap_)
-            bumpMap_->Perturb(point);
+        if (normalMap_) normalMap_->Perturb(point);
+        else if (bumpMap_) bumpMap_->Perturb(point);
     }
     void SetNormalMap(std::unique_ptr<const NormalMap> map) {
         normalMap_ = std::move(map);

@@ -24,11 +24,7 @@ struct SplinePiece {
     Float c0 = 0, c1 = 0, c2 = 0, c3 = 0;
 
     SplinePiece(Float x, Float width, Float f0, Float f1, Float slope0, Float slope1)
-        : x(x),
-          width(width),
-          c0(f0),
-          c1(slope0),
-          c2(3 * (f1 - f0) - 2 * slope0 - slope1),
+        : x(x), width(width), c0(f0), c1(slope0), c2(3 * (f1 - f0) - 2 * slope0 - slope1),
           c3(2 * (f0 - f1) + slope0 + slope1) {}
     Float Value(Float t) const { return c0 + t * (c1 + t * (c2 + t * c3)); }
     Float Slope(Float t) const { return c1 + t * (2 * c2 + t * 3 * c3); }

@@ -29,10 +29,8 @@ bool Invert(double u, double from, double to, int n, F atWhole, double *x, int *
     // The first interval whose end is beyond the target.
     while (low < high) {
         int middle = low + (high - low) / 2;
-        if (atWhole(middle + 1) > target)
-            high = middle;
-        else
-            low = middle + 1;
+        if (atWhole(middle + 1) > target) high = middle;
+        else low = middle + 1;
     }
     double a = atWhole(low), b = atWhole(low + 1);
     if (!(b > a)) return false;

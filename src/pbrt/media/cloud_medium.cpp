@@ -44,10 +44,7 @@ Float CloudMedium::Shape::DensityAt(const Point3 &p) const {
 
 CloudMedium::CloudMedium(MediumSpectra spectra, Float g, const Transform &renderFromMedium, const Bounds3 &bounds,
                          const Shape &shape)
-    : Medium(g, false),
-      spectra_(std::move(spectra)),
-      shape_(shape),
-      bounds_(bounds),
+    : Medium(g, false), spectra_(std::move(spectra)), shape_(shape), bounds_(bounds),
       majorants_(glm::ivec3(1), [](const glm::ivec3 &) { return kMajorantSlack; }),
       gridFromRender_(AffineMap::ToBox(bounds.low, bounds.high, glm::dvec3(1)) *
                       AffineMap(glm::dmat4(renderFromMedium.Matrix())).Inverse()) {}

@@ -260,9 +260,7 @@ class NanoVdbMedium final : public Medium {
     NanoVdbMedium(const NanoVdbRequest &request, VdbGrids grids, MediumSpectra spectra, Float g,
                   const Transform &renderFromMedium)
         : Medium(g, grids.temperature && request.thermal.scale > 0 && spectra.absorption.MaxValue() > 0),
-          spectra_(std::move(spectra)),
-          grids_(std::move(grids)),
-          thermal_(request.thermal) {
+          spectra_(std::move(spectra)), grids_(std::move(grids)), thermal_(request.thermal) {
         const AffineMap mediumFromRender = AffineMap(glm::dmat4(renderFromMedium.Matrix())).Inverse();
         const auto &box = grids_.density->indexBBox();
         // Values fade to the background over one voxel around the active ones.

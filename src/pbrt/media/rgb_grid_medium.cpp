@@ -16,8 +16,7 @@ Float HighestIn(const std::vector<RgbUnboundedSpectrum> &spectra, const Voxels &
 }  // namespace
 
 RgbGridMedium::RgbGridMedium(Float g, const Transform &renderFromMedium, const Bounds3 &bounds, Grids grids)
-    : Medium(g, !grids.emission.empty() && grids.emissionScale > 0 && grids.scale > 0),
-      grids_(std::move(grids)),
+    : Medium(g, !grids.emission.empty() && grids.emissionScale > 0 && grids.scale > 0), grids_(std::move(grids)),
       voxels_(grids_.count, CellsOfRgbGrid(grids_.count)) {
     for (const auto *grid : {&grids_.absorption, &grids_.scattering, &grids_.emission})
         PBRT_CHECK(grid->empty() || grid->size() == voxels_.Size());

@@ -13,9 +13,7 @@ glm::ivec3 CellsOfUniformGrid(const glm::ivec3 &voxels) { return MajorantCells(v
 UniformGridMedium::UniformGridMedium(MediumSpectra spectra, Float g, const Transform &renderFromMedium,
                                      const Bounds3 &bounds, Grids grids, const ThermalEmission &thermal)
     : Medium(g, spectra.absorption.MaxValue() > 0 && (spectra.emission.MaxValue() > 0 || !grids.temperature.empty())),
-      spectra_(std::move(spectra)),
-      grids_(std::move(grids)),
-      thermal_(thermal),
+      spectra_(std::move(spectra)), grids_(std::move(grids)), thermal_(thermal),
       voxels_(grids_.count, CellsOfUniformGrid(grids_.count)) {
     PBRT_CHECK(grids_.density.size() == voxels_.Size());
     PBRT_CHECK(grids_.emission.empty() || grids_.emission.size() == voxels_.Size());

@@ -22,10 +22,7 @@ int Wrap(int v, int n) { return (v % n + n) % n; }
 }  // namespace
 
 HaltonSampler::HaltonSampler(int samplesPerPixel, Point2i resolution, Randomization randomization, int seed)
-    : Sampler(seed),
-      samplesPerPixel_(samplesPerPixel),
-      resolution_(resolution),
-      randomization_(randomization),
+    : Sampler(seed), samplesPerPixel_(samplesPerPixel), resolution_(resolution), randomization_(randomization),
       seed_(Hash(seed)) {
     for (int axis = 0; axis < 2; ++axis) {
         int base = axis == 0 ? 2 : 3;
@@ -74,13 +71,11 @@ Float HaltonSampler::Dimension(int dimension) const {
     if (dimension >= PrimeCount) return HashFloat(index_, dimension, seed_);
     uint32_t base = Primes[dimension];
     switch (randomization_) {
-        case Randomization::None:
-            return RadicalInverse(base, index_);
+        case Randomization::None: return RadicalInverse(base, index_);
         case Randomization::PermuteDigits:
             if (dimension < StepCount) return permutations_->RadicalInverse(dimension, index_);
             return PermutedRadicalInverse(base, index_, DigitPermutations::SeedOf(seed_, dimension));
-        default:
-            return OwenScrambledRadicalInverse(base, index_, DigitPermutations::SeedOf(seed_, dimension));
+        default: return OwenScrambledRadicalInverse(base, index_, DigitPermutations::SeedOf(seed_, dimension));
     }
 }
 

@@ -108,10 +108,8 @@ void SearchFlips(Sequence &sequence, int digits, std::span<const Prefix *const> 
                 };
                 const float before = energy();
                 flip();
-                if (energy() < before)
-                    flips[node] ^= 1;
-                else
-                    flip();
+                if (energy() < before) flips[node] ^= 1;
+                else flip();
             }
         for (size_t i = size_t(1) << (2 * largest.Level()); i < sequence.flipped[axis].size(); ++i)
             if (flips[sequence.Node(static_cast<uint32_t>(i), axis, digits)]) sequence.flipped[axis][i] ^= bit;

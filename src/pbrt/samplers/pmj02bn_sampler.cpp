@@ -41,10 +41,8 @@ const std::vector<BinaryPoint> &Pmj02bnSampler::Set(int index) {
 }
 
 Pmj02bnSampler::Pmj02bnSampler(int samplesPerPixel, int seed)
-    : Sampler(seed),
-      samplesPerPixel_(samplesPerPixel),
-      log2Samples_(std::bit_width(static_cast<unsigned>(samplesPerPixel - 1))),
-      seed_(Hash(seed)) {
+    : Sampler(seed), samplesPerPixel_(samplesPerPixel),
+      log2Samples_(std::bit_width(static_cast<unsigned>(samplesPerPixel - 1))), seed_(Hash(seed)) {
     log2PerPixel_ = std::min((log2Samples_ + 1) / 2 * 2, kLog2Count);
     log2Tile_ = (kLog2Count - log2PerPixel_) / 2;
     // The points in a pixel, in the order of the sequence, are again a (0,2) sequence.

@@ -34,10 +34,8 @@ inline FloatLanes RandomizedReversed(const Lanes32 &reversed, Randomization rand
             const Lanes64 scrambledOdd = OwenScramble(pairs >> 32, reinterpret_cast<Lanes64>(odd));
             return FractionsToFloat(reinterpret_cast<Lanes32>(scrambledEven | scrambledOdd << 32));
         }
-        case Randomization::PermuteDigits:
-            return FractionsToFloat(ReverseBits(reversed ^ seeds.Low()));
-        default:
-            return FractionsToFloat(ReverseBits(reversed));
+        case Randomization::PermuteDigits: return FractionsToFloat(ReverseBits(reversed ^ seeds.Low()));
+        default: return FractionsToFloat(ReverseBits(reversed));
     }
 }
 

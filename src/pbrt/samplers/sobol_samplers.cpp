@@ -22,14 +22,9 @@ void SetSobolPoints(const SixteenLanes &index, Randomization randomization, cons
 // ---- Global
 
 SobolSampler::SobolSampler(int samplesPerPixel, Point2i resolution, Randomization randomization, int seed)
-    : Sampler(seed),
-      samplesPerPixel_(samplesPerPixel),
-      resolution_(resolution),
-      randomization_(randomization),
-      seed_(Hash(seed)),
-      log2Resolution_(Log2RoundedUp(std::max(resolution.x, resolution.y))),
-      pixelIndex_(std::make_shared<const SobolPixelIndex>(log2Resolution_)),
-      tables_(SobolTables()) {
+    : Sampler(seed), samplesPerPixel_(samplesPerPixel), resolution_(resolution), randomization_(randomization),
+      seed_(Hash(seed)), log2Resolution_(Log2RoundedUp(std::max(resolution.x, resolution.y))),
+      pixelIndex_(std::make_shared<const SobolPixelIndex>(log2Resolution_)), tables_(SobolTables()) {
     Seeds seeds;
     for (int d = 0; d < SobolTableRow; d += Lanes64Count) {
         const Lanes64 eight = AddDimensions(seed_, d);
@@ -61,9 +56,7 @@ FloatLanes SobolSampler::SixteenDimensions(int first) const {
         v ^= LoadLanes(rows + (bits & 15) * SobolTableRow);
     const Lanes32 low = LoadLanes(seeds_->low.data() + first), high = LoadLanes(seeds_->high.data() + first);
     switch (randomization_) {
-        case Randomization::FastOwen:
-            v = ReverseBits(FastOwenScrambleReversed(ReverseBits(v), low, high));
-            break;
+        case Randomization::FastOwen: v = ReverseBits(FastOwenScrambleReversed(ReverseBits(v), low, high)); break;
         case Randomization::Owen:
             for (int half = 0; half < 2; ++half) {
                 Lanes64 bits, seed;
@@ -75,11 +68,8 @@ FloatLanes SobolSampler::SixteenDimensions(int first) const {
                 for (int i = 0; i < Lanes64Count; ++i) v[half * Lanes64Count + i] = static_cast<uint32_t>(bits[i]);
             }
             break;
-        case Randomization::PermuteDigits:
-            v ^= low;
-            break;
-        default:
-            break;
+        case Randomization::PermuteDigits: v ^= low; break;
+        default: break;
     }
     return FractionsToFloat(v);
 }
@@ -117,12 +107,8 @@ Sampler::Run PaddedSobolSampler::Prepare(int dimension, Numbers &numbers) {
 // ---- Z order
 
 ZSobolSampler::ZSobolSampler(int samplesPerPixel, Point2i resolution, Randomization randomization, int seed)
-    : Sampler(seed),
-      samplesPerPixel_(samplesPerPixel),
-      resolution_(resolution),
-      randomization_(randomization),
-      seed_(Hash(seed)),
-      log2Samples_(Log2RoundedUp(samplesPerPixel)),
+    : Sampler(seed), samplesPerPixel_(samplesPerPixel), resolution_(resolution), randomization_(randomization),
+      seed_(Hash(seed)), log2Samples_(Log2RoundedUp(samplesPerPixel)),
       indexBits_(log2Samples_ + 2 * Log2RoundedUp(std::max(resolution.x, resolution.y))) {}
 
 int ZSobolSampler::StartSample(Point2i pixel, int sampleIndex, int dimension) {

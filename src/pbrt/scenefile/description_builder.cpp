@@ -27,8 +27,7 @@ const std::vector<std::string> &ColorSpaceNames() {
 
 void DescriptionBuilder::WrongBlock(std::string_view word, const FileLoc &loc) {
     if (!wrongBlockWords_.insert(std::string(word)).second) return;
-    if (word == "WorldBegin")
-        sink_.Error(loc, "WorldBegin was given before: a scene has one.");
+    if (word == "WorldBegin") sink_.Error(loc, "WorldBegin was given before: a scene has one.");
     else
         sink_.Error(loc, inWorld_ ? fmt::format("{} is not allowed after WorldBegin: it belongs to the options.", word)
                                   : fmt::format("{} is not allowed before WorldBegin.", word));
@@ -41,8 +40,7 @@ void DescriptionBuilder::Concat(const Transform &t, const FileLoc &loc) {
     TransformPair next = s.ctm;
     if (s.startActive) next.start = next.start * t;
     if (s.endActive) next.end = next.end * t;
-    if (next.start.IsFinite() && next.end.IsFinite())
-        s.ctm = next;
+    if (next.start.IsFinite() && next.end.IsFinite()) s.ctm = next;
     else
         sink_.Error(loc,
                     "After this directive the current transformation would have elements beyond the largest 32-bit "
@@ -173,10 +171,8 @@ void DescriptionBuilder::CloseBlock(BlockKind kind, const FileLoc &loc) {
     auto matching =
         std::find_if(unit.blocks.rbegin(), unit.blocks.rend(), [&](const OpenBlock &b) { return b.kind == kind; });
     if (matching == unit.blocks.rend()) {
-        if (kind == BlockKind::Object)
-            sink_.Error(loc, "ObjectEnd without ObjectBegin.");
-        else if (unit.blocks.empty())
-            sink_.Warning(loc, "AttributeEnd without AttributeBegin; it is ignored.");
+        if (kind == BlockKind::Object) sink_.Error(loc, "ObjectEnd without ObjectBegin.");
+        else if (unit.blocks.empty()) sink_.Warning(loc, "AttributeEnd without AttributeBegin; it is ignored.");
         else
             sink_.Error(loc, fmt::format("AttributeEnd inside the ObjectBegin of {}:{}, which it cannot end.",
                                          unit.blocks.back().loc.file->name, unit.blocks.back().loc.line));
@@ -252,18 +248,15 @@ void DescriptionBuilder::AddAttributes(AttributeTarget target, Params params) {
     auto &list = State().attributes[static_cast<size_t>(target)];
     // The list is copied at most once per scope, so that the time for many directives in one scope is linear in their
     // number.
-    if (!list)
-        list = std::make_shared<Params>();
-    else if (list.use_count() > 1)
-        list = std::make_shared<Params>(*list);
+    if (!list) list = std::make_shared<Params>();
+    else if (list.use_count() > 1) list = std::make_shared<Params>(*list);
     std::move(params.begin(), params.end(), std::back_inserter(*list));
 }
 
 void DescriptionBuilder::SetColorSpace(const std::string &name, const FileLoc &loc) {
     const auto &names = ColorSpaceNames();
     std::string lower = Lower(name);
-    if (std::find(names.begin(), names.end(), lower) != names.end())
-        State().colorSpace = lower;
+    if (std::find(names.begin(), names.end(), lower) != names.end()) State().colorSpace = lower;
     else
         sink_.Warning(loc, fmt::format("Unknown colour space \"{}\"; \"{}\" stays in force ({}).", name,
                                        State().colorSpace, ListChoices(name, names)));
@@ -300,13 +293,11 @@ void DescriptionBuilder::FillNamed(Entity &entity, const std::string &name, cons
     std::erase_if(params, isType);
     Fill(entity, name, directive, std::move(params), loc, target);
     if (const Param *p = entity.params.Find("type", ParamType::String); p && !type) type = *p;
-    if (!type)
-        sink_.Error(loc, fmt::format("{} needs a parameter \"string type\".", directive));
+    if (!type) sink_.Error(loc, fmt::format("{} needs a parameter \"string type\".", directive));
     else if (type->strings.size() != 1)
         sink_.Error(type->loc, fmt::format("{}: \"string type\" takes 1 value, found {}.", entity.params.What(),
                                            type->strings.size()));
-    else
-        entity.type = type->strings[0];
+    else entity.type = type->strings[0];
 }
 
 void DescriptionBuilder::AddNamedMaterial(const std::string &name, Params params, const FileLoc &loc,
@@ -394,10 +385,8 @@ void DescriptionBuilder::AddShape(const std::string &type, Params params, const 
         }
         shape.areaLight = light.index;
     }
-    if (unit.object >= 0)
-        scene_.objects[unit.object].shapes.push_back(std::move(shape));
-    else if (unit.object == kNoObject)
-        scene_.shapes.push_back(std::move(shape));
+    if (unit.object >= 0) scene_.objects[unit.object].shapes.push_back(std::move(shape));
+    else if (unit.object == kNoObject) scene_.shapes.push_back(std::move(shape));
 }
 
 // The end

@@ -166,15 +166,13 @@ void DirectiveReader::ReadRotate() {
     const Float size = MaxComponent(Abs(axis));
     if (size > 0)  // the squared length of a very long or short axis would overflow or vanish
         builder_.Concat(Transform::Rotate(degrees, axis / size), here_);
-    else
-        builder_.Sink().Error(here_, "Rotate: the axis has length zero.");
+    else builder_.Sink().Error(here_, "Rotate: the axis has length zero.");
 }
 
 void DirectiveReader::ReadLookAt() {
     Point3 eye = ReadVector(), look = ReadVector();
     Vector3 up = ReadVector();
-    if (auto view = Transform::LookAt(eye, look, up))
-        builder_.Concat(*view, here_);
+    if (auto view = Transform::LookAt(eye, look, up)) builder_.Concat(*view, here_);
     else
         builder_.Sink().Error(here_,
                               "LookAt: the eye and the point looked at are the same, or up is parallel to the view.");

@@ -171,8 +171,7 @@ Param ParameterReader::ReadDeclaration(const Token &token, bool *known) {
     param.name = name;
     std::optional<ParamType> type = FindType(typeWord);
     *known = type.has_value();
-    if (type)
-        param.type = *type;
+    if (type) param.type = *type;
     else
         sink_.Error(param.loc,
                     fmt::format("\"{}\": unknown parameter type \"{}\"; {}{}.", Abbreviate(token.text),
@@ -206,8 +205,7 @@ ParameterReader::Kind ParameterReader::ReadValue(const Token &token, const Param
     if (ScanInt(begin, end, &integer, &overflow) != end)
         sink_.Error(tokens_.Loc(token), fmt::format("Expected an integer for \"{}\", found {}.", Abbreviate(param.name),
                                                     Abbreviate(token.text)));
-    else if (overflow)
-        ReportOverflow(token, ParamType::Integer);
+    else if (overflow) ReportOverflow(token, ParamType::Integer);
     ints_.push_back(integer);
     return Kind::Number;
 }
@@ -222,10 +220,8 @@ void ParameterReader::ReadValues(const Param &param, bool known, Values &values)
     do {
         if (bracketed) {
             if (wantsNumbers && (values.kind == Kind::None || values.kind == Kind::Number)) {
-                if (asInteger)
-                    tokens_.ReadInts(ints_);
-                else
-                    tokens_.ReadFloats(floats_);
+                if (asInteger) tokens_.ReadInts(ints_);
+                else tokens_.ReadFloats(floats_);
                 if (values.kind == Kind::None && !(ints_.empty() && floats_.empty())) {
                     values.kind = Kind::Number;
                     values.first = token;

@@ -90,8 +90,7 @@ void BilinearMesh::Corners::AreaWeights(Float w[4]) const {
 
 BilinearMesh::BilinearMesh(MeshData data, const Transform &renderFromObject, bool reverseOrientation,
                            std::shared_ptr<const PiecewiseConstant2D> emission)
-    : mesh_(std::move(data)),
-      emission_(std::move(emission)),
+    : mesh_(std::move(data)), emission_(std::move(emission)),
       flipNormal_(reverseOrientation != renderFromObject.SwapsHandedness()) {
     PBRT_CHECK(mesh_.indices.size() % 4 == 0 && !(emission_ && !mesh_.uv.empty()));
     for (uint32_t i : mesh_.indices) PBRT_CHECK_MSG(i < mesh_.p.size(), "index {} of {}", i, mesh_.p.size());

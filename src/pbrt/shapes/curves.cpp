@@ -44,10 +44,7 @@ Vector3 Tangent(const CubicBezier &c, Float u) {
 
 Curves::Curves(CurveKind kind, std::vector<Segment> segments, std::vector<Normal3> normals,
                const Transform &renderFromObject, bool reverseOrientation)
-    : Shape(true),
-      kind_(kind),
-      segments_(std::move(segments)),
-      normals_(std::move(normals)),
+    : Shape(true), kind_(kind), segments_(std::move(segments)), normals_(std::move(normals)),
       normalSide_(reverseOrientation ? Float(-1) : Float(1)) {
     PBRT_CHECK(normals_.size() == (kind == CurveKind::Ribbon ? 2 * segments_.size() : 0));
     std::optional<Float> scale = UniformScale(renderFromObject);

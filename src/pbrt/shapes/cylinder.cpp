@@ -6,11 +6,8 @@ namespace pbrt {
 
 Cylinder::Cylinder(Float radius, Float zMin, Float zMax, Float phiMax, const Transform &renderFromObject,
                    bool reverseOrientation)
-    : Quadric(renderFromObject, reverseOrientation),
-      radius_(radius),
-      zMin_(std::min(zMin, zMax)),
-      zMax_(std::max(zMin, zMax)),
-      phiMax_(Radians(std::clamp(phiMax, Float(0), Float(360)))) {
+    : Quadric(renderFromObject, reverseOrientation), radius_(radius), zMin_(std::min(zMin, zMax)),
+      zMax_(std::max(zMin, zMax)), phiMax_(Radians(std::clamp(phiMax, Float(0), Float(360)))) {
     SetArea((zMax_ - zMin_) * radius_ * phiMax_);
 }
 

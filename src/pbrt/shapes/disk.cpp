@@ -6,11 +6,8 @@ namespace pbrt {
 
 Disk::Disk(Float height, Float radius, Float innerRadius, Float phiMax, const Transform &renderFromObject,
            bool reverseOrientation)
-    : Quadric(renderFromObject, reverseOrientation),
-      height_(height),
-      radius_(radius),
-      innerRadius_(std::max(innerRadius, Float(0))),
-      phiMax_(Radians(std::clamp(phiMax, Float(0), Float(360)))) {
+    : Quadric(renderFromObject, reverseOrientation), height_(height), radius_(radius),
+      innerRadius_(std::max(innerRadius, Float(0))), phiMax_(Radians(std::clamp(phiMax, Float(0), Float(360)))) {
     SetArea(phiMax_ / 2 * (radius_ * radius_ - innerRadius_ * innerRadius_));
 }
 

@@ -161,12 +161,8 @@ class HeaderReader {
 class BodyReader {
   public:
     BodyReader(std::string_view content, const Header &header, const std::string &name)
-        : at_(content.data() + header.bodyOffset),
-          end_(content.data() + content.size()),
-          name_(name),
-          encoding_(header.encoding),
-          lineEnd_(header.lineEnd),
-          line_(header.lines + 1) {}
+        : at_(content.data() + header.bodyOffset), end_(content.data() + content.size()), name_(name),
+          encoding_(header.encoding), lineEnd_(header.lineEnd), line_(header.lines + 1) {}
 
     /// For messages: what is being read.
     void SetItem(const std::string *element, uint64_t index) {
@@ -182,8 +178,7 @@ class BodyReader {
         size_t size = SizeOf(type);
         if (BytesLeft() < size) Fail("the file ends too early");
         bool nativeOrder = (encoding_ == Encoding::LittleEndian) == (std::endian::native == std::endian::little);
-        if (nativeOrder)
-            std::memcpy(raw.data(), at_, size);
+        if (nativeOrder) std::memcpy(raw.data(), at_, size);
         else
             for (size_t i = 0; i < size; ++i) raw[i] = at_[size - 1 - i];
         at_ += size;
@@ -192,22 +187,14 @@ class BodyReader {
             return static_cast<double>(value);
         };
         switch (type) {
-            case Scalar::Int8:
-                return as(int8_t{});
-            case Scalar::Uint8:
-                return as(uint8_t{});
-            case Scalar::Int16:
-                return as(int16_t{});
-            case Scalar::Uint16:
-                return as(uint16_t{});
-            case Scalar::Int32:
-                return as(int32_t{});
-            case Scalar::Uint32:
-                return as(uint32_t{});
-            case Scalar::Float32:
-                return as(float{});
-            case Scalar::Float64:
-                return as(double{});
+            case Scalar::Int8: return as(int8_t{});
+            case Scalar::Uint8: return as(uint8_t{});
+            case Scalar::Int16: return as(int16_t{});
+            case Scalar::Uint16: return as(uint16_t{});
+            case Scalar::Int32: return as(int32_t{});
+            case Scalar::Uint32: return as(uint32_t{});
+            case Scalar::Float32: return as(float{});
+            case Scalar::Float64: return as(double{});
         }
         return 0;
     }
@@ -245,10 +232,8 @@ class BodyReader {
                              kind));
         }
         if (code == std::errc::result_out_of_range) {
-            if constexpr (std::is_floating_point_v<T>)
-                value = std::strtod(std::string(start, stop).c_str(), nullptr);
-            else
-                Fail(fmt::format("\"{}\" is too large", std::string_view(start, std::min<size_t>(stop - start, 40))));
+            if constexpr (std::is_floating_point_v<T>) value = std::strtod(std::string(start, stop).c_str(), nullptr);
+            else Fail(fmt::format("\"{}\" is too large", std::string_view(start, std::min<size_t>(stop - start, 40))));
         }
         at_ = stop;
         return value;
@@ -329,10 +314,8 @@ size_t ReadVertices(BodyReader &body, const Element &e, MeshData &mesh) {
         body.SetItem(&e.name, i);
         std::array<Float, 8> v{};
         for (size_t k = 0; k < slots.size(); ++k) {
-            if (slots[k] < 0)
-                SkipProperty(body, e.properties[k]);
-            else
-                v[slots[k]] = static_cast<Float>(body.Number(e.properties[k].type));
+            if (slots[k] < 0) SkipProperty(body, e.properties[k]);
+            else v[slots[k]] = static_cast<Float>(body.Number(e.properties[k].type));
         }
         for (size_t k = 0; k < 3; ++k)
             if (!std::isfinite(v[k]))
@@ -385,10 +368,8 @@ void ReadFaces(BodyReader &body, const Element &e, uint64_t vertexCount, PlyMesh
             continue;
         }
         MeshData &kind = n == 3 ? mesh.triangles : mesh.quads;
-        if (n == 3)
-            kind.indices.insert(kind.indices.end(), {corners[0], corners[1], corners[2]});
-        else
-            kind.indices.insert(kind.indices.end(), {corners[0], corners[1], corners[3], corners[2]});
+        if (n == 3) kind.indices.insert(kind.indices.end(), {corners[0], corners[1], corners[2]});
+        else kind.indices.insert(kind.indices.end(), {corners[0], corners[1], corners[3], corners[2]});
         if (faceIndexProperty >= 0) kind.faceIndices.push_back(faceIndex);
     }
 }

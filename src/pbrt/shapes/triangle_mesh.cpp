@@ -183,10 +183,8 @@ SurfacePoint TriangleMesh::Surface(uint32_t primitive, const PrimitiveHit &hit) 
         if (LengthSquared(given) > 0) tangent = given;
     }
     Vector3 bitangent = Cross(ns, tangent);
-    if (LengthSquared(bitangent) > 0)
-        tangent = Cross(bitangent, ns);
-    else
-        CoordinateSystem(ns, &tangent, &bitangent);
+    if (LengthSquared(bitangent) > 0) tangent = Cross(bitangent, ns);
+    else CoordinateSystem(ns, &tangent, &bitangent);
     s.shading.n = ns;
     s.shading.dpdu = tangent;
     s.shading.dpdv = bitangent;

@@ -89,8 +89,7 @@ inline bool TriangleSampling::TrySphere(const ShapeSampleContext &from) {
     const Vector3 a = to0_ / distance_.x, b = to1_ / distance_.y, c = to2_ / distance_.z;
     sphere_ = SphericalTriangle(a, b, c);
     if (!(sphere_.Area() >= kMinSolidAngle && sphere_.Area() <= kMaxSolidAngle)) return false;
-    if (from.ns == Normal3(0))
-        SetWeights(1, 1, 1);
+    if (from.ns == Normal3(0)) SetWeights(1, 1, 1);
     else
         SetWeights(std::max(Float(0.01), AbsDot(from.ns, a)), std::max(Float(0.01), AbsDot(from.ns, b)),
                    std::max(Float(0.01), AbsDot(from.ns, c)));

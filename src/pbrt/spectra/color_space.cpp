@@ -121,11 +121,7 @@ const ColorSpace *ColorSpace::FromChromaticities(const Point2 &r, const Point2 &
 }
 
 ColorSpace::ColorSpace(std::string name, Point2 r, Point2 g, Point2 b, SpectrumPtr illuminant, const float *table)
-    : name_(std::move(name)),
-      r_(r),
-      g_(g),
-      b_(b),
-      illuminant_(std::make_shared<DenseSpectrum>(*illuminant)),
+    : name_(std::move(name)), r_(r), g_(g), b_(b), illuminant_(std::make_shared<DenseSpectrum>(*illuminant)),
       table_(table) {
     Vector3 white = SpectrumToXyz(*illuminant_);
     w_ = Chromaticity(white);

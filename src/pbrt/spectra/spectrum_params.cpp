@@ -32,10 +32,8 @@ SpectrumPtr FromRgb(const Param &p, SpectrumUse use) {
             if (rgb.x > 1 || rgb.y > 1 || rgb.z > 1)
                 complain("a component is above 1, but reflectances and other albedos must lie in [0, 1]");
             return std::make_shared<RgbAlbedoSpectrum>(*space, rgb);
-        case SpectrumUse::Unbounded:
-            return std::make_shared<RgbUnboundedSpectrum>(*space, rgb);
-        case SpectrumUse::Illuminant:
-            break;
+        case SpectrumUse::Unbounded: return std::make_shared<RgbUnboundedSpectrum>(*space, rgb);
+        case SpectrumUse::Illuminant: break;
     }
     return std::make_shared<RgbIlluminantSpectrum>(*space, rgb);
 }
@@ -105,15 +103,12 @@ SpectrumPtr FromSpectrum(const Param &p, SpectrumUse use, const FileResolver &fi
 
 SpectrumPtr FromParam(const Param &p, SpectrumUse use, const FileResolver &files) {
     switch (p.type) {
-        case ParamType::Rgb:
-            return FromRgb(p, use);
-        case ParamType::Blackbody:
-            return FromBlackbody(p);
+        case ParamType::Rgb: return FromRgb(p, use);
+        case ParamType::Blackbody: return FromBlackbody(p);
         case ParamType::Float:
             RequireCount(p, p.floats.size(), 1);
             return std::make_shared<ConstantSpectrum>(p.floats[0]);
-        default:
-            return FromSpectrum(p, use, files);
+        default: return FromSpectrum(p, use, files);
     }
 }
 

@@ -57,12 +57,9 @@ std::shared_ptr<const MipMap> ImageCache::GetMipMap(const MipMapKey &key) {
     auto [it, isNew] = mipMaps_.try_emplace(key);
     if (isNew) {
         const Entry<MipMap> *same = SamePixels(key);
-        if (!same)
-            Fill(it->second, [&] { return ReadMipMap(key, tiles_.get()); });
-        else if (same->value)
-            it->second.value = std::make_shared<MipMap>(*same->value, key.filter, key.maxAnisotropy);
-        else
-            it->second.error = same->error;
+        if (!same) Fill(it->second, [&] { return ReadMipMap(key, tiles_.get()); });
+        else if (same->value) it->second.value = std::make_shared<MipMap>(*same->value, key.filter, key.maxAnisotropy);
+        else it->second.error = same->error;
     }
     if (!it->second.value) throw UserError(it->second.error);
     return it->second.value;

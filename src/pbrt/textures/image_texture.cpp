@@ -36,12 +36,9 @@ SampledSpectrum ImageSpectrumTexture::Evaluate(const TextureContext &ctx, const 
     rgb = glm::max(rgb, Rgb(0));
     const ColorSpace &space = overlay_.image->Space();
     switch (use_) {
-        case SpectrumUse::Albedo:
-            return space.ToPolynomial(glm::min(rgb, Rgb(1))).Sample(lambda);
-        case SpectrumUse::Unbounded:
-            return RgbUnboundedSpectrum(space, rgb).Sample(lambda);
-        case SpectrumUse::Illuminant:
-            break;
+        case SpectrumUse::Albedo: return space.ToPolynomial(glm::min(rgb, Rgb(1))).Sample(lambda);
+        case SpectrumUse::Unbounded: return RgbUnboundedSpectrum(space, rgb).Sample(lambda);
+        case SpectrumUse::Illuminant: break;
     }
     return RgbIlluminantSpectrum(space, rgb).Sample(lambda);
 }

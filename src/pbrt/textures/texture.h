@@ -18,15 +18,8 @@ struct TextureContext {
 
     TextureContext() = default;
     explicit TextureContext(const SurfacePoint &s)
-        : p(s.p),
-          dpdx(s.dpdx),
-          dpdy(s.dpdy),
-          n(s.n),
-          uv(s.uv),
-          dudx(s.dudx),
-          dudy(s.dudy),
-          dvdx(s.dvdx),
-          dvdy(s.dvdy) {}
+        : p(s.p), dpdx(s.dpdx), dpdy(s.dpdy), n(s.n), uv(s.uv), dudx(s.dudx), dudy(s.dudy), dvdx(s.dvdx), dvdy(s.dvdy) {
+    }
 };
 
 class FloatTexture {

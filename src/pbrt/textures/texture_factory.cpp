@@ -252,10 +252,8 @@ void TextureLibrary::Define(const std::string &name, bool isSpectrum, const std:
 void TextureLibrary::CheckAll() {
     for (const auto &d : impl_->definitions) {
         if (d->broken || d->made) continue;
-        if (d->isSpectrum)
-            impl_->MakeSpectrum(*d, SpectrumUse::Unbounded);
-        else
-            impl_->MakeFloat(*d);
+        if (d->isSpectrum) impl_->MakeSpectrum(*d, SpectrumUse::Unbounded);
+        else impl_->MakeFloat(*d);
     }
     if (missingImages_ > 0)
         impl_->sink.Error({}, fmt::format("{} missing texture{}.", missingImages_, missingImages_ == 1 ? "" : "s"));

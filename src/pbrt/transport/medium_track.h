@@ -76,10 +76,8 @@ MediumEvent TrackMedium(MediumOnRay on, Float u, Rng &rng, bool emits, SpectralW
             return true;
         });
     if (event.kind != MediumEvent::Kind::Passed) return event;
-    if (!(rest[0] > 0))
-        event.kind = MediumEvent::Kind::Absorbed;
-    else
-        weights.Multiply(rest / rest[0]);
+    if (!(rest[0] > 0)) event.kind = MediumEvent::Kind::Absorbed;
+    else weights.Multiply(rest / rest[0]);
     return event;
 }
 

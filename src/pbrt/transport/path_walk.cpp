@@ -54,12 +54,10 @@ void PathWalk::RecordVisible(const SampledWavelengths &lambda) const {
 void PathWalk::Scatter(const BsdfSample &sample) {
     const SurfacePoint &point = vertex_.point;
     if (differential_.valid) {
-        if (!IsSpecular(sample.flags))
-            differential_.valid = false;
+        if (!IsSpecular(sample.flags)) differential_.valid = false;
         else if (IsTransmissive(sample.flags))
             differential_ = TransmitDifferential(point, differential_, sample.wi, sample.eta);
-        else
-            differential_ = ReflectDifferential(point, differential_, sample.wi);
+        else differential_ = ReflectDifferential(point, differential_, sample.wi);
     }
     ray_ = point.SpawnRay(sample.wi);
 }
@@ -81,8 +79,7 @@ void PathWalk::ScatterInMedium(const Point3 &p, const Vector3 &wi) {
 /// Computes the footprint only if it is used: by the point's material, or at the next surface of a specular path.
 void PathWalk::FindFootprint() {
     SurfacePoint &point = vertex_.point;
-    if (!context_.needsFootprints)
-        differential_.valid = false;
+    if (!context_.needsFootprints) differential_.valid = false;
     else if (differential_.valid || context_.scene.NeedsFootprintAt(point))
         ComputeFootprint(point, differential_, context_.camera, context_.samplesPerPixel);
 }

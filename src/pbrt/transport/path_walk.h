@@ -33,10 +33,7 @@ class PathWalk {
 
     /// `visible`, if not null, receives the first surface that scatters.
     PathWalk(const PathContext &context, const CameraRay &start, std::optional<VisibleSurface> *visible = nullptr)
-        : context_(context),
-          ray_(start.ray),
-          differential_(start.differential),
-          visible_(visible),
+        : context_(context), ray_(start.ray), differential_(start.differential), visible_(visible),
           startsWithDifferential_(start.differential.valid) {
         ray_.medium = context.scene.CameraMedium();
     }

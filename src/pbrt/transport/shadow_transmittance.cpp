@@ -23,10 +23,8 @@ bool PassMedium(MediumOnRay on, Rng &rng, ShadowTransmittance *through) {
             rl *= tMaj * majorant / pdf;
             if (!value) return false;
             if ((value / (ru + rl).Average()).MaxComponent() < kLittle) {
-                if (rng.Uniform() >= kSurvive)
-                    value = SampledSpectrum(0);
-                else
-                    value /= kSurvive;
+                if (rng.Uniform() >= kSurvive) value = SampledSpectrum(0);
+                else value /= kSurvive;
             }
             return static_cast<bool>(value);
         });
@@ -54,10 +52,8 @@ ShadowTransmittance TraceShadow(const Scene &scene, const LightSampleContext &fr
     Float begin = 0;
     for (const AccelHit *next = passed.Hits().data(), *last = next + passed.Hits().size();;) {
         std::optional<Scene::Interface> interface;
-        if (next != last)
-            interface = scene.InterfaceAt(*next++, ray);
-        else if (passed.HasDropped())
-            interface = scene.NextInterface(ray, begin);
+        if (next != last) interface = scene.InterfaceAt(*next++, ray);
+        else if (passed.HasDropped()) interface = scene.NextInterface(ray, begin);
         const Float end = interface ? interface->t : ray.tMax;
         if (const Medium *m = scene.MediumAt(medium)) {
             Ray part;

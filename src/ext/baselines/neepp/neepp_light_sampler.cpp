@@ -7,8 +7,7 @@
 namespace ext {
 
 NeeppLightSampler::NeeppLightSampler(const LightTable &lights, const NeeppParams &params)
-    : VoxelLightSampler(params.meshlights ? lights.ByLight() : lights.ByComponent()),
-      params_(params),
+    : VoxelLightSampler(params.meshlights ? lights.ByLight() : lights.ByComponent()), params_(params),
       map_(params.voxels, params.samples) {}
 
 void NeeppLightSampler::Prepare(PrepareContext &context) {

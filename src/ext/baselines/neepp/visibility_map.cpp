@@ -49,9 +49,7 @@ void VisibilityMap::TestSegments(uint32_t voxel, std::span<uint8_t> row) const {
                     ray.d = grid_.PointIn(target.index, Uniform3(rng)) - ray.o;
                     ray.tMax = 1;
                     break;
-                case LightTargets::Kind::Direction:
-                    ray.d = target.direction;
-                    break;
+                case LightTargets::Kind::Direction: ray.d = target.direction; break;
                 case LightTargets::Kind::SkyPart:
                     ray.d = LightTargets::DirectionIn(target.index, rng.Uniform2());
                     break;

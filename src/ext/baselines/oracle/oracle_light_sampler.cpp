@@ -39,8 +39,7 @@ Float Fraction(double v) { return std::min(static_cast<Float>(v - std::floor(v))
 }  // namespace
 
 OracleLightSampler::OracleLightSampler(const LightTable &lights, const OracleParams &params)
-    : InteriorLightSampler(lights, params.meshlights, params.interior),
-      params_(params),
+    : InteriorLightSampler(lights, params.meshlights, params.interior), params_(params),
       unoccluded_(GroupImportance::EmittersOf(groups_)) {}
 
 void OracleLightSampler::Prepare(PrepareContext &context) {

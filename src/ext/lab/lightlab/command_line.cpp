@@ -182,10 +182,8 @@ void TakeFromResults(const CLI::App &app, LightlabOptions *o) {
     ExperimentSettings &c = o->experiment;
     const Json results = ReadResults(c.samplesFrom);
     const Json &settings = results.at("settings");
-    if (results.value("mode", "") == "time")
-        c.timeBudget = results.value("budget", 0.0);
-    else if (!app.count("--spp"))
-        c.samplesPerPixel = results.value("budget", c.samplesPerPixel);
+    if (results.value("mode", "") == "time") c.timeBudget = results.value("budget", 0.0);
+    else if (!app.count("--spp")) c.samplesPerPixel = results.value("budget", c.samplesPerPixel);
     if (!app.count("--samplers") && !app.count("--samplers-file"))
         o->samplers = settings.at("samplers").get<std::vector<std::string>>();
     if (!app.count("--seeds")) c.seeds = settings.value("seeds", c.seeds);

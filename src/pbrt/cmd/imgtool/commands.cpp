@@ -17,10 +17,8 @@ std::vector<std::string> SplitChannels(const std::string &list) {
     for (const std::string &part : CLI::detail::split(list, ',')) {
         if (part.empty()) throw UserError(fmt::format("--channels {}: a channel name is empty.", list));
         // A comma between digits belongs to a wavelength of the spectral film.
-        if (!names.empty() && digit(names.back().back()) && digit(part[0]))
-            names.back() += ',' + part;
-        else
-            names.push_back(part);
+        if (!names.empty() && digit(names.back().back()) && digit(part[0])) names.back() += ',' + part;
+        else names.push_back(part);
     }
     return names;
 }

@@ -38,12 +38,9 @@ ChannelStatistics Statistics(const Image &image, int channel) {
 
 const char *FormatName(PixelFormat format) {
     switch (format) {
-        case PixelFormat::U8:
-            return "8 bit";
-        case PixelFormat::Half:
-            return "half";
-        case PixelFormat::Float:
-            return "float";
+        case PixelFormat::U8: return "8 bit";
+        case PixelFormat::Half: return "half";
+        case PixelFormat::Float: return "float";
     }
     return "";
 }
@@ -130,8 +127,7 @@ void PrintInfo(const std::string &path) {
         if (s.count)
             fmt::print("  {:<16} {:>13.6g} {:>13.6g} {:>13.6g} {:>8} {:>8}\n", name, s.low,
                        s.sum / static_cast<double>(s.count), s.high, s.nan, s.infinite);
-        else
-            fmt::print("  {:<16} {:>13} {:>13} {:>13} {:>8} {:>8}\n", name, "-", "-", "-", s.nan, s.infinite);
+        else fmt::print("  {:<16} {:>13} {:>13} {:>13} {:>8} {:>8}\n", name, "-", "-", "-", s.nan, s.infinite);
     }
 }
 
@@ -143,10 +139,8 @@ struct InfoOptions {
 int Info(const InfoOptions &o) {
     Json all = Json::array();
     for (const std::string &path : o.paths)
-        if (o.json)
-            all.push_back(InfoJson(path));
-        else
-            PrintInfo(path);
+        if (o.json) all.push_back(InfoJson(path));
+        else PrintInfo(path);
     if (o.json) fmt::print("{}\n", all.dump(1, ' ', false, Json::error_handler_t::replace));
     return 0;
 }

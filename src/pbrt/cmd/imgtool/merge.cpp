@@ -55,10 +55,8 @@ int CheckCover(const std::vector<Part> &parts, bool incomplete) {
     const Part *before = nullptr;
     bool isMissing = false;
     const auto missing = [&](int first, int end) {
-        if (incomplete)
-            LogWarning(fmt::format("the samples {}:{} are missing.", first, end));
-        else
-            problems += fmt::format("The samples {}:{} are in no file. ", first, end);
+        if (incomplete) LogWarning(fmt::format("the samples {}:{} are missing.", first, end));
+        else problems += fmt::format("The samples {}:{} are in no file. ", first, end);
         isMissing = true;
     };
     for (const Part &part : parts) {

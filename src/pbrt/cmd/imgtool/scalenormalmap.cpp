@@ -37,10 +37,8 @@ int Scalenormalmap(const ScalenormalmapOptions &o) {
         if (length > 0) n /= length;
         SetRgb(image, p, rgb, (n + Vector3(1)) / Float(2));
     });
-    if (std::filesystem::path(o.outfile).extension() == ".png")
-        WriteLinearPng(o.outfile, image);
-    else
-        WriteImage(o.outfile, keepHalf ? image.ConvertTo(PixelFormat::Half) : image, file.metadata);
+    if (std::filesystem::path(o.outfile).extension() == ".png") WriteLinearPng(o.outfile, image);
+    else WriteImage(o.outfile, keepHalf ? image.ConvertTo(PixelFormat::Half) : image, file.metadata);
     return 0;
 }
 

@@ -155,8 +155,7 @@ struct LivePage::Impl {
     }
     void Accept() {
         acceptor.async_accept([this](beast::error_code failed, tcp::socket socket) {
-            if (!failed)
-                std::make_shared<Session>(std::move(socket), shared)->Read();
+            if (!failed) std::make_shared<Session>(std::move(socket), shared)->Read();
             else  // such as too many open files, which pass
                 std::this_thread::sleep_for(std::chrono::milliseconds(100));
             if (acceptor.is_open()) Accept();

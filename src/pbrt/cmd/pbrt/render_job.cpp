@@ -90,10 +90,8 @@ class PictureWriter {
         }
         SetWriting(output_.Filename());
         std::string name = output_.Filename();
-        if (result.cancelled)
-            name = output_.WriteUnfinished(built_.film->ToImage(), Describe(result));
-        else
-            output_.WriteFinished(built_.film->ToImage(), Describe(result));
+        if (result.cancelled) name = output_.WriteUnfinished(built_.film->ToImage(), Describe(result));
+        else output_.WriteFinished(built_.film->ToImage(), Describe(result));
         for (const SidePicture &side : built_.integrator->SidePictures()) {
             const std::string beside = WithSuffix(name, "-" + side.name);
             SetWriting(beside);
@@ -200,12 +198,7 @@ class RenderJob {
   public:
     RenderJob(const CommandLine &options, const PluginRegistry &registry, Team &team, Progress &progress,
               SignalWatch &signals, LiveView &live)
-        : options_(options),
-          registry_(registry),
-          team_(team),
-          progress_(progress),
-          signals_(signals),
-          live_(live),
+        : options_(options), registry_(registry), team_(team), progress_(progress), signals_(signals), live_(live),
           build_(options.build) {}
 
     int Run() {

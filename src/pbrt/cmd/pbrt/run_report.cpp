@@ -79,12 +79,9 @@ ImageMetadata DescribeImage(const CommandLine &options, const BuiltScene &built,
         if (!r.name.empty()) m.attributes[r.key] = r.name;
         for (const auto &[key, value] : r.report.items()) {
             ImageMetadata::Value &attribute = m.attributes[r.key + "." + key];
-            if (value.is_number_integer())
-                attribute = value.get<int>();
-            else if (value.is_number())
-                attribute = value.get<float>();
-            else
-                attribute = value.is_string() ? value.get<std::string>() : value.dump();
+            if (value.is_number_integer()) attribute = value.get<int>();
+            else if (value.is_number()) attribute = value.get<float>();
+            else attribute = value.is_string() ? value.get<std::string>() : value.dump();
         }
     }
     return m;

@@ -42,6 +42,10 @@ Shape "bilinearmesh" "point3 P" [ 0 0 -6  0 0 6  0 2 -6  0 2 6 ]'
 for integrator in path volpath bdpt mlt sppm lightpath simplepath randomwalk ambientocclusion; do
   run "$pbrt" --integrator $integrator --nthreads 2 --outfile $integrator.exr scene.pbrt
 done
+for sampler in uniform power bvh exhaustive spatial neepp oracle:samples=2 octree:model=paper octree:portals=always; do
+  run "$pbrt" --lightsampler $sampler --nthreads 2 --spp 2 --outfile sampler.exr scene.pbrt
+done
+run "$pbrt" --integrator bdpt --shooting-sampler seen --nthreads 2 --spp 2 --outfile seen.exr scene.pbrt
 learning=(--lightsampler octree+guide --nthreads 2)
 run "$pbrt" "${learning[@]}" --aov albedo,normal --stats=json --outfile whole.exr scene.pbrt
 run "$pbrt" "${learning[@]}" --spp 4 --checkpoint half.chk --outfile half.exr scene.pbrt

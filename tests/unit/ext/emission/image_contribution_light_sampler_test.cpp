@@ -1,4 +1,4 @@
-#include "ext/emission/seen_light_sampler.h"
+#include "ext/emission/image_contribution_light_sampler.h"
 
 #include <gtest/gtest.h>
 
@@ -44,18 +44,18 @@ std::string AllLamps() { return Rooms(std::accumulate(std::begin(kLamps), std::e
 
 struct Prepared {
     BuiltScene built;
-    std::unique_ptr<SeenLightSampler> sampler;
+    std::unique_ptr<ImageContributionLightSampler> sampler;
 };
-Prepared Prepare(const std::string &text, const SeenParams &params) {
+Prepared Prepare(const std::string &text, const ImageContributionParams &params) {
     Prepared r{BuildText(text), nullptr};
-    r.sampler = std::make_unique<SeenLightSampler>(r.built.scene->Lights(), params);
+    r.sampler = std::make_unique<ImageContributionLightSampler>(r.built.scene->Lights(), params);
     Progress progress;
     PrepareContext context = r.built.Preparation(progress);
     r.sampler->Prepare(context);
     return r;
 }
 
-TEST(SeenLight, IsWhatPicturesOfSingleLampsHold) {
+TEST(ImageContribution, IsWhatPicturesOfSingleLampsHold) {
     const Prepared r = Prepare(AllLamps(), {.budget = 1});
     // Pictures of single lamps, by tiles of the prepass. The lamp itself, seen directly or in the mirror, is left out.
     std::vector<std::vector<double>> tiles;
@@ -81,7 +81,7 @@ TEST(SeenLight, IsWhatPicturesOfSingleLampsHold) {
             const double relative = brightness[t] / all + 0.1;
             expected[i] += gray[i][t] / (relative * relative);
         }
-        seen.push_back(r.sampler->Seen()[i].sum);
+        seen.push_back(r.sampler->Contributions()[i].sum);
     }
     const double s = std::accumulate(seen.begin(), seen.end(), 0.0),
                  e = std::accumulate(expected.begin(), expected.end(), 0.0);
@@ -90,21 +90,21 @@ TEST(SeenLight, IsWhatPicturesOfSingleLampsHold) {
     EXPECT_GT(seen[2], 0) << "by way of the walls";
 }
 
-TEST(SeenLightSampler, ChoosesByTheRootOfSeenLightAndPower) {
+TEST(ImageContributionLightSampler, ChoosesByTheRootOfSeenLightAndPower) {
     const Prepared r = Prepare(AllLamps(), {.floor = Float(0.2), .budget = Float(0.1)});
     const auto &groups = r.sampler->Groups();
     double power = 0, found = 0, samples = 0, once = 0;
     std::vector<double> roots;
     for (uint32_t g = 0; g < kCount; ++g) {
         power += static_cast<double>(groups.Candidate(g).power);
-        found += r.sampler->Seen()[g].sum;
-        samples += r.sampler->Seen()[g].count;
-        once += r.sampler->Seen()[g].count == 1;
+        found += r.sampler->Contributions()[g].sum;
+        samples += r.sampler->Contributions()[g].count;
+        once += r.sampler->Contributions()[g].count == 1;
     }
     const double missed = once / samples;
     for (uint32_t g = 0; g < kCount; ++g) {
         const double share = static_cast<double>(groups.Candidate(g).power) / power;
-        roots.push_back(std::sqrt(share * ((1 - missed) * r.sampler->Seen()[g].sum / found + missed * share)));
+        roots.push_back(std::sqrt(share * ((1 - missed) * r.sampler->Contributions()[g].sum / found + missed * share)));
     }
     const double sum = std::accumulate(roots.begin(), roots.end(), 0.0);
     for (uint32_t g = 0; g < kCount; ++g) {
@@ -115,7 +115,7 @@ TEST(SeenLightSampler, ChoosesByTheRootOfSeenLightAndPower) {
     EXPECT_LT(r.sampler->PMF({}, LightId(3u)), 0.25f);
 }
 
-TEST(SeenLightSampler, IsTheSameForAnyNumberOfThreads) {
+TEST(ImageContributionLightSampler, IsTheSameForAnyNumberOfThreads) {
     std::vector<Float> expected;
     for (int threads : {1, 2, 5}) {
         ThreadLimit limit(threads);
@@ -127,10 +127,10 @@ TEST(SeenLightSampler, IsTheSameForAnyNumberOfThreads) {
     }
 }
 
-TEST(SeenLightSampler, ChoosesByPowerIfNothingIsSeen) {
+TEST(ImageContributionLightSampler, ChoosesByPowerIfNothingIsSeen) {
     const Prepared r = Prepare(Rooms(kLamps[3] + kLamps[3]), {});
     EXPECT_EQ(r.sampler->PMF({}, LightId(0u)), 0.5f);
-    EXPECT_EQ(r.sampler->Seen()[0].count + r.sampler->Seen()[1].count, 0);
+    EXPECT_EQ(r.sampler->Contributions()[0].count + r.sampler->Contributions()[1].count, 0);
 }
 
 class Shooting : public testing::TestWithParam<const char *> {};

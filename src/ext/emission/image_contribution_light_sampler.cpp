@@ -1,4 +1,4 @@
-#include "ext/emission/seen_light_sampler.h"
+#include "ext/emission/image_contribution_light_sampler.h"
 
 #include <chrono>
 #include <nlohmann/json.hpp>
@@ -13,7 +13,8 @@ namespace {
 constexpr double kMinPaths = 8192, kMaxPaths = 1 << 20;
 }
 
-SeenLightSampler::SeenLightSampler(const LightTable &lights, const SeenParams &params)
+ImageContributionLightSampler::ImageContributionLightSampler(const LightTable &lights,
+                                                             const ImageContributionParams &params)
     : GroupLightSampler(params.meshlights ? lights.ByLight() : lights.ByComponent(), true), params_(params) {
     std::vector<Float> power;
     power.reserve(groups_.Size());
@@ -21,19 +22,19 @@ SeenLightSampler::SeenLightSampler(const LightTable &lights, const SeenParams &p
     if (!power.empty()) table_ = AliasTable(power);
 }
 
-void SeenLightSampler::Prepare(PrepareContext &context) {
+void ImageContributionLightSampler::Prepare(PrepareContext &context) {
     if (groups_.Size() <= 1) return;
     const auto start = std::chrono::steady_clock::now();
     const double pixels = context.pixelBounds.IsEmpty() ? 0 : static_cast<double>(context.pixelBounds.Area());
     const double paths =
         std::clamp(static_cast<double>(params_.budget) * context.samplesPerPixel * pixels, kMinPaths, kMaxPaths);
-    seen_ = FindSeenLight(context, BVHLightSampler(groups_), paths);
+    contributions_ = EstimateImageContributions(context, BVHLightSampler(groups_), paths);
     double found = 0, samples = 0, once = 0, power = 0;
     for (uint32_t g = 0; g < groups_.Size(); ++g) {
-        found += seen_[g].sum;
-        samples += seen_[g].count;
-        once += seen_[g].count == 1;
-        groupsSeen_ += seen_[g].count > 0;
+        found += contributions_[g].sum;
+        samples += contributions_[g].count;
+        once += contributions_[g].count == 1;
+        groupsSeen_ += contributions_[g].count > 0;
         power += static_cast<double>(groups_.Candidate(g).power);
     }
     if (!(found > 0) || !(power > 0) || !std::isfinite(power)) return;
@@ -41,7 +42,7 @@ void SeenLightSampler::Prepare(PrepareContext &context) {
     std::vector<double> roots(groups_.Size());
     for (uint32_t g = 0; g < groups_.Size(); ++g) {
         const double share = static_cast<double>(groups_.Candidate(g).power) / power;
-        roots[g] = std::sqrt(share * ((1 - missed_) * seen_[g].sum / found + missed_ * share));
+        roots[g] = std::sqrt(share * ((1 - missed_) * contributions_[g].sum / found + missed_ * share));
     }
     const double sum = std::accumulate(roots.begin(), roots.end(), 0.0);
     if (!(sum > 0)) return;
@@ -54,26 +55,26 @@ void SeenLightSampler::Prepare(PrepareContext &context) {
     prepassSeconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-std::optional<GroupLightSampler::ChosenGroup> SeenLightSampler::ChooseGroup(const LightQuery &query, const void *,
-                                                                            Float u) const {
+std::optional<GroupLightSampler::ChosenGroup> ImageContributionLightSampler::ChooseGroup(const LightQuery &query,
+                                                                                         const void *, Float u) const {
     const AliasTable::Sampled s = table_.Sample(u);
     return ChosenGroup{static_cast<uint32_t>(s.index), s.pmf, InnerNumber(query, u)};
 }
 
-Float SeenLightSampler::GroupProbability(const LightQuery &, const void *, uint32_t group) const {
+Float ImageContributionLightSampler::GroupProbability(const LightQuery &, const void *, uint32_t group) const {
     return table_.PMF(static_cast<int>(group));
 }
 
-void SeenLightSampler::Report(nlohmann::ordered_json &json) const {
+void ImageContributionLightSampler::Report(nlohmann::ordered_json &json) const {
     json["parameters"] = EffectiveParamsText(params_);
     json["prepassSeconds"] = prepassSeconds_;
     json["groupsSeen"] = groupsSeen_;
     json["lightMissed"] = missed_;
-    json["bytes"] = table_.Bytes() + seen_.capacity() * sizeof(SeenLight);
+    json["bytes"] = table_.Bytes() + contributions_.capacity() * sizeof(ImageContribution);
     GroupLightSampler::Report(json);
 }
 
-void SeenLightSampler::Inspect(const LightQuery &, std::vector<InspectedValue> &values) const {
+void ImageContributionLightSampler::Inspect(const LightQuery &, std::vector<InspectedValue> &values) const {
     uint32_t likeliest = 0;
     for (uint32_t g = 1; g < groups_.Size(); ++g)
         if (table_.PMF(static_cast<int>(g)) > table_.PMF(static_cast<int>(likeliest))) likeliest = g;

@@ -1,4 +1,4 @@
-#include "ext/emission/seen_light.h"
+#include "ext/emission/image_contribution.h"
 
 #include "ext/prepass/prepass_paths.h"
 #include "pbrt/math/warps.h"
@@ -13,22 +13,22 @@ namespace {
 constexpr uint64_t kStream = 0x7365656eull;
 /// Paths have at most so many vertices, whatever the render's may have.
 constexpr int kMaxDepth = 8;
-/// No find counts more than so many times the mean.
+/// No contribution counts more than so many times the mean.
 constexpr double kLargest = 100;
-/// How much a tile counts: one over the square of its mean and this part of the picture's.
+/// A tile is weighted by one over the square of its relative mean plus this.
 constexpr double kPlain = 0.1;
 
-struct Find {
+struct Sample {
     uint32_t group;
     double value;
 };
 
-/// One camera path, and what it finds.
-class SeenPath {
+/// One camera path, and what it samples.
+class ContributionPath {
   public:
-    SeenPath(const PrepareContext &context, const GroupLightSampler &chooser, PrepassPath &path,
-             std::vector<Find> &finds)
-        : context_(context), scene_(context.scene), chooser_(chooser), finds_(finds), rng_(path.rng),
+    ContributionPath(const PrepareContext &context, const GroupLightSampler &chooser, PrepassPath &path,
+                     std::vector<Sample> &samples)
+        : context_(context), scene_(context.scene), chooser_(chooser), samples_(samples), rng_(path.rng),
           lambda_(path.lambda) {
         Follow(path.start);
     }
@@ -111,7 +111,7 @@ class SeenPath {
     /// `densities`: as SpectralWeights::ru.
     void Add(const SampledSpectrum &L, LightId light, const SampledSpectrum &densities) {
         const double value = double(SafeDivide(L, lambda_.Pdf()).Average()) / double(densities.Average());
-        if (value > 0 && std::isfinite(value)) finds_.push_back({chooser_.Groups().GroupOf(light), value});
+        if (value > 0 && std::isfinite(value)) samples_.push_back({chooser_.Groups().GroupOf(light), value});
     }
 
     /// `pdf(wi)`: the density with which scattering draws a direction.
@@ -140,7 +140,7 @@ class SeenPath {
     const PrepareContext &context_;
     const Scene &scene_;
     const GroupLightSampler &chooser_;
-    std::vector<Find> &finds_;
+    std::vector<Sample> &samples_;
     Rng &rng_;
     SampledWavelengths &lambda_;
     SpectralWeights weights_;
@@ -152,37 +152,38 @@ class SeenPath {
 
 }  // namespace
 
-std::vector<SeenLight> FindSeenLight(PrepareContext &context, const GroupLightSampler &chooser, double paths) {
+std::vector<ImageContribution> EstimateImageContributions(PrepareContext &context, const GroupLightSampler &chooser,
+                                                          double paths) {
     struct Tile {
-        std::vector<Find> finds;
+        std::vector<Sample> samples;
         int64_t paths = 0;
         double sum = 0;
     };
     std::vector<Tile> perTile(static_cast<size_t>(PrepassTileCount(context.pixelBounds)));
     const double pathsPerPixel = perTile.empty() ? 0 : paths / static_cast<double>(context.pixelBounds.Area());
-    ForEachPrepassPath(context, "light seen", kStream, pathsPerPixel, [&](int64_t tile, PrepassPath &path) {
+    ForEachPrepassPath(context, "image contributions", kStream, pathsPerPixel, [&](int64_t tile, PrepassPath &path) {
         Tile &to = perTile[static_cast<size_t>(tile)];
-        SeenPath(context, chooser, path, to.finds);
+        ContributionPath(context, chooser, path, to.samples);
         ++to.paths;
     });
     double sum = 0, count = 0, all = 0;
     for (Tile &t : perTile) {
-        for (const Find &f : t.finds) t.sum += f.value;
+        for (const Sample &f : t.samples) t.sum += f.value;
         sum += t.sum;
-        count += static_cast<double>(t.finds.size());
+        count += static_cast<double>(t.samples.size());
         all += static_cast<double>(t.paths);
     }
-    std::vector<SeenLight> seen(chooser.Groups().Size());
+    std::vector<ImageContribution> result(chooser.Groups().Size());
     if (sum > 0)
         for (const Tile &t : perTile) {
             const double largest = kLargest * sum / count;
             const double brightness = t.sum / std::max(1.0, static_cast<double>(t.paths)) / (sum / all) + kPlain;
-            for (const Find &f : t.finds) {
-                seen[f.group].sum += std::min(f.value, largest) / (brightness * brightness);
-                ++seen[f.group].count;
+            for (const Sample &f : t.samples) {
+                result[f.group].sum += std::min(f.value, largest) / (brightness * brightness);
+                ++result[f.group].count;
             }
         }
-    return seen;
+    return result;
 }
 
 }  // namespace ext

@@ -1,0 +1,55 @@
+#pragma once
+#include "ext/emission/image_contribution.h"
+#include "pbrt/core/describe.h"
+#include "pbrt/math/distributions.h"
+
+namespace ext {
+
+/// Parameters of the light sampler "seen".
+struct ImageContributionParams {
+    Float floor = 0.25f;
+    Float budget = 0.01f;
+    bool meshlights = true;
+
+    template <class V>
+    void Describe(V &&v) {
+        v("floor", floor, Range<Float>{0.01f, 1.f}, "part of the probability given by power alone");
+        v("budget", budget, Range<Float>{1e-4f, 1.f},
+          "paths of the prepass as a part of the render's; from 8,192 to about a million");
+        v("meshlights", meshlights,
+          "an emissive mesh is one light; inside it a triangle is chosen in proportion to power");
+    }
+};
+
+/// Chooses lights with the same probabilities everywhere: the part `floor` by power, the rest in proportion to
+/// sqrt(power * image contribution), relative to the brightness of the picture (EstimateImageContributions).
+///
+/// Why the root: a light of power Phi that begins light paths with probability p gives each of them the power Phi / p.
+/// A part of about I / Phi of them reaches the picture, which gets I of it. The second moment of the contribution of a
+/// path is then about Phi I / p, and its sum over all lights is least where p is in proportion to sqrt(Phi I).
+///
+/// The contribution of lights that no sample met is about the number of lights met once over the number of samples
+/// (Good 1953). That part is spread by power. A group without power has probability 0, as with "power".
+///
+/// Before Prepare, and without samples in the prepass, lights are chosen by power.
+class ImageContributionLightSampler final : public GroupLightSampler {
+  public:
+    ImageContributionLightSampler(const LightTable &lights, const ImageContributionParams &params);
+    void Prepare(PrepareContext &context) override;
+    std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *weights, Float u) const override;
+    Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const override;
+    void Report(nlohmann::ordered_json &json) const override;
+    void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override;
+
+    /// Per group, after Prepare; empty before.
+    const std::vector<ImageContribution> &Contributions() const { return contributions_; }
+
+  private:
+    ImageContributionParams params_;
+    std::vector<ImageContribution> contributions_;
+    AliasTable table_;
+    double missed_ = 1, prepassSeconds_ = 0;
+    size_t groupsSeen_ = 0;
+};
+
+}  // namespace ext

@@ -41,7 +41,7 @@ void SampleCost(benchmark::State &state, const std::string &name) {
     PluginRegistry registry;
     RegisterStockLightSamplers(registry);
     const auto table = test::TableOf(Candidates(static_cast<int>(state.range(0))));
-    auto sampler = registry.samplers.Find(name).make(ParamSet(), table->Parts());
+    auto sampler = registry.samplers.Find(name).make(ParamSet(), table->ByComponent());
     std::vector<LightQuery> queries = Queries();
     Rng rng(3);
     size_t i = 0;
@@ -52,7 +52,7 @@ void PmfCost(benchmark::State &state, const std::string &name) {
     PluginRegistry registry;
     RegisterStockLightSamplers(registry);
     const auto table = test::TableOf(Candidates(static_cast<int>(state.range(0))));
-    auto sampler = registry.samplers.Find(name).make(ParamSet(), table->Parts());
+    auto sampler = registry.samplers.Find(name).make(ParamSet(), table->ByComponent());
     std::vector<LightQuery> queries = Queries();
     Rng rng(3);
     size_t i = 0;
@@ -65,7 +65,7 @@ void BuildCost(benchmark::State &state, const std::string &name) {
     PluginRegistry registry;
     RegisterStockLightSamplers(registry);
     const auto table = test::TableOf(Candidates(static_cast<int>(state.range(0))));
-    for (auto _ : state) benchmark::DoNotOptimize(registry.samplers.Find(name).make(ParamSet(), table->Parts()));
+    for (auto _ : state) benchmark::DoNotOptimize(registry.samplers.Find(name).make(ParamSet(), table->ByComponent()));
 }
 
 const bool kRegistered = [] {

@@ -66,7 +66,7 @@ const Contest &ContestOf(const std::string &samplerName, const std::string &fixt
     if (c.subject.sampler) return c;
     const ContractFixture &fixture = FixtureOf(fixtureName);
     std::unique_ptr<LightSampler> sampler =
-        Registry().samplers.Find(samplerName).make(ParamSet(), fixture.lights->Parts());
+        Registry().samplers.Find(samplerName).make(ParamSet(), fixture.lights->ByComponent());
     if (fixture.prepare) fixture.prepare(*sampler);
     c.subject = SamplerSubject(std::move(sampler), fixture.queries, *fixture.lights);
     c.contributions = ContributionsOf(c.subject, [&](size_t q, LightId id) {

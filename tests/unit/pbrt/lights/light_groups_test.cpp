@@ -40,13 +40,13 @@ TEST(LightGroups, APartBelongsToItsLight) {
     EXPECT_NEAR(static_cast<double>(groups.Candidate(1).power) * unit, 10, 1e-5);
     EXPECT_NEAR(groups.Candidate(1).bounds->phi * unit, 10, 1e-5);
     EXPECT_EQ(groups.Candidate(1).bounds->bounds.high.x, 6);
-    EXPECT_EQ(table->Parts().Size(), table->Size());
+    EXPECT_EQ(table->ByComponent().Size(), table->Size());
     EXPECT_EQ(table->LightOf(LightId(6u)), 2u);
 }
 
 TEST(LightGroups, EveryPartAloneIsItsOwnGroup) {
     const auto table = MakeTable();
-    const LightGroups &parts = table->Parts();
+    const LightGroups &parts = table->ByComponent();
     for (uint32_t i = 0; i < table->Size(); ++i) {
         EXPECT_EQ(parts.GroupOf(LightId(i)), i);
         EXPECT_EQ(parts.FirstOf(i), i);

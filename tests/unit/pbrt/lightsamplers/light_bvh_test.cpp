@@ -164,7 +164,7 @@ TEST(LightBvh, SplittingGroupsByOrientationAndPlaceBeatsChance) {
     // lights in arbitrary order. Measured by the mean absolute difference from the PMF of the single lights.
     std::vector<LightCandidate> c = RandomCandidates(13, 256);
     const auto table = TableOf(c);
-    BVHLightSampler bvh(table->Parts());
+    BVHLightSampler bvh(table->ByComponent());
     Rng rng(1);
     double distance = 0;
     constexpr int kQueries = 200;

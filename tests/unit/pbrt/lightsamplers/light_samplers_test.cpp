@@ -20,7 +20,7 @@ LightQuery Query(const Point3 &p, const Normal3 &n = Normal3(0), const Normal3 &
 TEST(UniformLightSampler, DividesTheUnitIntervalEvenly) {
     std::vector<LightCandidate> c(3);
     const auto table = TableOf(c);
-    UniformLightSampler sampler(table->Parts());
+    UniformLightSampler sampler(table->ByComponent());
     EXPECT_EQ(sampler.Sample({}, 0)->light, LightId(0u));
     EXPECT_EQ(sampler.Sample({}, 0.5f)->light, LightId(1u));
     EXPECT_EQ(sampler.Sample({}, OneMinusEpsilon)->light, LightId(2u));
@@ -33,7 +33,7 @@ TEST(PowerLightSampler, FollowsPower) {
     c[0].power = 1;
     c[2].power = 3;
     const auto table = TableOf(c);
-    PowerLightSampler sampler(table->Parts());
+    PowerLightSampler sampler(table->ByComponent());
     EXPECT_FLOAT_EQ(sampler.PMF({}, LightId(0u)), 0.25f);
     EXPECT_EQ(sampler.PMF({}, LightId(1u)), 0);
     EXPECT_FLOAT_EQ(sampler.PMF({}, LightId(2u)), 0.75f);
@@ -42,7 +42,7 @@ TEST(PowerLightSampler, FollowsPower) {
 TEST(PowerLightSampler, IsUniformIfNothingHasPower) {
     std::vector<LightCandidate> c(4);
     const auto table = TableOf(c);
-    PowerLightSampler sampler(table->Parts());
+    PowerLightSampler sampler(table->ByComponent());
     for (uint32_t i = 0; i < 4; ++i) EXPECT_FLOAT_EQ(sampler.PMF({}, LightId(i)), 0.25f);
 }
 
@@ -56,7 +56,7 @@ TYPED_TEST(ByBounds, EveryInfiniteLightCountsLikeAllBoundedOnesTogether) {
     c.insert(c.begin() + 2, InfiniteCandidate());
     c.push_back(InfiniteCandidate(0));
     const auto table = TableOf(c);
-    TypeParam sampler(table->Parts());
+    TypeParam sampler(table->ByComponent());
     LightQuery q = Query({3, 2, 1});
     EXPECT_FLOAT_EQ(sampler.PMF(q, LightId(2u)), Float(1) / 3);
     EXPECT_FLOAT_EQ(sampler.PMF(q, LightId(6u)), Float(1) / 3);
@@ -74,7 +74,7 @@ TYPED_TEST(ByBounds, ReturnsNothingWhereNoLightShines) {
     b.w = {0, 0, 1};
     std::vector<LightCandidate> c = {Bounded(b)};
     const auto table = TableOf(c);
-    TypeParam sampler(table->Parts());
+    TypeParam sampler(table->ByComponent());
     EXPECT_FALSE(sampler.Sample(Query({0, 0, -1}), 0.3f));
     EXPECT_EQ(sampler.PMF(Query({0, 0, -1}), LightId(0u)), 0);
     ASSERT_TRUE(sampler.Sample(Query({0, 0, 1}), 0.3f));
@@ -86,7 +86,7 @@ TYPED_TEST(ByBounds, LightsWithoutPowerAreNeverChosen) {
     c[1].bounds.reset();
     c[1].power = 0;
     const auto table = TableOf(c);
-    TypeParam sampler(table->Parts());
+    TypeParam sampler(table->ByComponent());
     EXPECT_EQ(sampler.PMF(Query({0, 0, 0}), LightId(1u)), 0);
 }
 
@@ -94,7 +94,7 @@ TEST(ExhaustiveLightSampler, PmfIsTheShareOfImportanceWithTheGeometricNormal) {
     for (int count : {2, 100, 128, 129, 1000}) {
         std::vector<LightCandidate> c = RandomCandidates(5, count);
         const auto table = TableOf(c);
-        ExhaustiveLightSampler sampler(table->Parts());
+        ExhaustiveLightSampler sampler(table->ByComponent());
         Rng rng(3);
         for (int q = 0; q < 20; ++q) {
             LightQuery query = Query({2 * rng.Uniform(), rng.Uniform(), rng.Uniform()},
@@ -112,7 +112,7 @@ TEST(ExhaustiveLightSampler, PmfIsTheShareOfImportanceWithTheGeometricNormal) {
 TEST(ExhaustiveLightSampler, InvertsItsCumulativeDistribution) {
     std::vector<LightCandidate> c = RandomCandidates(6, 300);
     const auto table = TableOf(c);
-    ExhaustiveLightSampler sampler(table->Parts());
+    ExhaustiveLightSampler sampler(table->ByComponent());
     LightQuery query = Query({0.2f, 0.4f, 1.5f});
     double below = 0;
     for (uint32_t i = 0; i < c.size(); ++i) {
@@ -131,7 +131,7 @@ TEST(BVHLightSampler, PmfIsTheProductOfChildSharesWithTheShadingNormal) {
     std::vector<LightCandidate> c = RandomCandidates(8, 64);
     c.push_back(InfiniteCandidate());
     const auto table = TableOf(c);
-    BVHLightSampler sampler(table->Parts());
+    BVHLightSampler sampler(table->ByComponent());
     const LightBvh &tree = sampler.Tree();
     Rng rng(3);
     for (int q = 0; q < 50; ++q) {

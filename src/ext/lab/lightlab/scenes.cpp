@@ -16,9 +16,6 @@ namespace ext::lab {
 
 namespace {
 
-using EscapeHtml;
-using Quoted;
-
 constexpr const char *kHead = R"(<title>lightlab: all scenes</title>
 <style>
 :root { color-scheme: light dark; --soft: #5b636e; --line: #d5d9de; --best: #0b6b43; --bad: #a3210f; --link: #0a58a6; }

@@ -21,7 +21,7 @@ std::string Document() {
 }
 
 /// The texts between backticks.
-std::vector<std::string> Quoted(const std::string &text) {
+std::vector<std::string> QuotedWords(const std::string &text) {
     static const std::regex kQuoted("`([^`]+)`");
     std::vector<std::string> out;
     for (std::sregex_iterator i(text.begin(), text.end(), kQuoted), end; i != end; ++i) out.push_back((*i)[1]);
@@ -38,8 +38,8 @@ std::map<std::string, Names> DocumentedParameters() {
         std::smatch cells;
         if (!std::regex_match(line, cells, kRow)) continue;
         Names names;
-        for (const std::string &p : Quoted(cells[2])) names.insert(p.substr(p.rfind(' ') + 1));
-        for (const std::string &entity : Quoted(cells[1]))
+        for (const std::string &p : QuotedWords(cells[2])) names.insert(p.substr(p.rfind(' ') + 1));
+        for (const std::string &entity : QuotedWords(cells[1]))
             if (entity.ends_with('"'))
                 out[entity.substr(0, entity.find(' ')) + entity.substr(entity.rfind(' '))].insert(names.begin(),
                                                                                                   names.end());
@@ -161,7 +161,7 @@ TEST_F(Format, FlagsAreThoseOfTheDocument) {
     const size_t begin = document.find("\n## pbrt\n"), end = document.find("\n## ", begin + 1);
     ASSERT_NE(end, std::string::npos);
     Names documented, known;
-    for (const std::string &flag : Quoted(document.substr(begin, end - begin)))
+    for (const std::string &flag : QuotedWords(document.substr(begin, end - begin)))
         if (flag.starts_with("--") && flag.find_first_of(" =") == std::string::npos) documented.insert(flag);
     const std::string help = Run("--help").out;
     static const std::regex kFlag(R"(\n  (?:-\w,)?(--[a-z-]+))");

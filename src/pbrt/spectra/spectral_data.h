@@ -7,7 +7,7 @@
 
 namespace pbrt {
 
-// The tables of data/*.csv, embedded into the binary and parsed at first use.
+// Tables of data/*.csv, embedded into the binary and parsed at first use.
 
 struct TabulatedSpectrum {
     std::string name;

@@ -31,7 +31,7 @@ std::shared_ptr<const Image> ReadLinearRgb(const std::string &path) {
     return std::make_shared<const Image>(std::move(image));
 }
 
-/// Runs `read` and keeps either what it returns or why it failed.
+/// Stores the result of `read` or its error.
 template <class Entry, class Read>
 void Fill(Entry &entry, Read &&read) {
     try {

@@ -8,7 +8,7 @@
 
 namespace pbrt {
 
-/// What all films take: the frame, the file, and the sensor.
+/// Parameters of all films: frame, file, and sensor.
 struct FilmParams {
     std::string filename = "pbrt.exr";
     int xResolution = 1280, yResolution = 720;

@@ -3,7 +3,7 @@
 
 namespace pbrt {
 
-/// A medium that is the same everywhere, without bounds.
+/// Unbounded homogeneous medium.
 class HomogeneousMedium final : public Medium {
   public:
     HomogeneousMedium(MediumSpectra spectra, Float g)

@@ -9,7 +9,7 @@
 
 namespace pbrt {
 
-/// What a medium is made from beside its parameters.
+/// Context of medium creation besides its parameters.
 struct MediumContext {
     const Transform &renderFromMedium;
     const ColorSpace &colorSpace;  ///< the current one

@@ -48,7 +48,6 @@ class BilinearWarp {
     BilinearWarp(const GridSlices &values);
 
     Mapped Sample(const Point2 &u, const SliceBlend &blend) const;
-    /// Inverts Sample at p; also returns the density there.
     Mapped Invert(const Point2 &p, const SliceBlend &blend) const;
 
   private:

@@ -26,7 +26,6 @@ auto Dispatch(Variant &lobes, Function f) {
     }
 }
 
-/// Function of wi evaluated by Bsdf::ApproximateF, for local directions.
 template <class L>
 auto ApproximationOf(const L &lobe, const Vector3 &wo) {
     if constexpr (requires { typename L::Approximation; }) {

@@ -51,7 +51,7 @@ class Bsdf {
               ReflTransFlags which = ReflTransFlags::All) const;
     /// Roughens nearly specular lobes (pbrt-v4-format §5.5).
     void Regularize();
-    /// Makes coats use random walks only (CoatedBxdf), as stock pbrt-v4.
+    /// Makes coats use random walks only (CoatedBxdf), as in stock pbrt-v4.
     void UseWalks();
     const Frame &ShadingFrame() const { return frame_; }
 

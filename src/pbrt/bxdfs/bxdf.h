@@ -10,7 +10,6 @@ enum class TransportMode { Radiance, Importance };
 enum class ReflTransFlags : uint8_t { None = 0, Reflection = 1, Transmission = 2, All = 3 };
 constexpr bool Has(ReflTransFlags f, ReflTransFlags bit) { return (static_cast<int>(f) & static_cast<int>(bit)) != 0; }
 
-/// Scattering types of a lobe or a sample.
 enum class BxdfFlags : uint8_t { None = 0, Reflection = 1, Transmission = 2, Diffuse = 4, Glossy = 8, Specular = 16 };
 constexpr BxdfFlags operator|(BxdfFlags a, BxdfFlags b) {
     return static_cast<BxdfFlags>(static_cast<int>(a) | static_cast<int>(b));
@@ -29,7 +28,7 @@ struct BsdfSample {
     Float pdf = 0;
     BxdfFlags flags = BxdfFlags::None;
     Float eta = 1;                   ///< relative index of refraction along wi, 1 unless transmitted
-    bool pdfIsProportional = false;  ///< only the ratio of f and pdf is meaningful: for MIS call Pdf()
+    bool pdfIsProportional = false;  ///< f and pdf are stochastic, only their ratio is meaningful: for MIS call Pdf()
 };
 
 }  // namespace pbrt

@@ -29,7 +29,6 @@ Float Transmittance(Float thickness, const Vector3 &w) { return std::exp(-std::a
 Float SmoothInner(Float eta, Float thickness) {
     double sum = 0;
     for (int k = 0; k < kSmoothPoints; ++k) {
-        // Uniform in cos^2.
         const Float cosine = std::sqrt((static_cast<Float>(k) + Float(0.5)) / kSmoothPoints);
         sum += static_cast<double>(FresnelDielectric(-cosine, eta) * std::exp(-2 * thickness / cosine));
     }

@@ -56,7 +56,6 @@ class ClearCoat {
 /// below 1 are covered only if smooth.
 class CoatTable {
   public:
-    /// Larger alphas are not covered.
     static constexpr Float kMaxAlpha = 1;
 
     /// Shared table of these arguments, freed with its last owner. `alpha`: the only roughness; without it the table

@@ -31,10 +31,8 @@ class DielectricBxdf {
         Float pdf = 0;     ///< as BsdfSample::pdf; only set by DrawTransmission
         bool isTransmitted = false;
     };
-    /// As Sample with one side requested.
     Drawn DrawReflection(const Vector3 &wo, const Point2 &u) const;
     Drawn DrawTransmission(const Vector3 &wo, const Point2 &u, TransportMode mode) const;
-    /// As Sample with both sides requested.
     Drawn DrawEither(const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode) const;
     /// F for directions on different sides of a rough boundary, and Pdf if only transmission is sampled.
     struct Transmission {
@@ -48,7 +46,6 @@ class DielectricBxdf {
     const TrowbridgeReitz &Facets() const { return facets_; }
 
   private:
-    /// Facet visible from wo, and refraction at it.
     struct Facet {
         Vector3 wm;             ///< on wo's side
         Float cosine, eta;      ///< of wo and wm, >= 0; index on the far side over that on wo's side

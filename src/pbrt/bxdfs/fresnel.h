@@ -50,7 +50,6 @@ inline SampledSpectrum FresnelConductor(Float cosThetaI, const SampledSpectrum &
     return r;
 }
 
-/// Reflects w about n; both point away from the surface.
 inline Vector3 Reflect(const Vector3 &w, const Vector3 &n) { return n * (2 * Dot(w, n)) - w; }
 
 /// Refracts `w` at a boundary with normal n and relative index `eta` (as in FresnelDielectric, with n for z). False

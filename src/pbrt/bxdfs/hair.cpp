@@ -34,7 +34,6 @@ Float Power(Float x, int n) {
     return r;
 }
 
-/// Wraps an angle into [-Pi, Pi].
 Float WrapAngle(Float x) {
     Float turns = std::round(x * Inv2Pi);
     return std::clamp(x - turns * (2 * Pi), -Pi, Pi);
@@ -135,7 +134,6 @@ std::array<Float, HairBxdf::Lobes> Averages(const std::array<SampledSpectrum, Ha
     return averages;
 }
 
-/// Probabilities of the lobes, proportional to their mean attenuation.
 std::array<Float, HairBxdf::Lobes> Chances(const std::array<SampledSpectrum, HairBxdf::Lobes> &shares) {
     std::array<Float, HairBxdf::Lobes> chances = Averages(shares);
     const Float sum = std::accumulate(chances.begin(), chances.end(), Float(0));

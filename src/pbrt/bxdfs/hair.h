@@ -31,7 +31,6 @@ class HairBxdf {
     static constexpr int Lobes = 4;
 
   private:
-    /// Terms that depend only on wo and the offset.
     struct View {
         Float phi;                                       ///< azimuth of wo
         Float sinTheta[Lobes], cosTheta[Lobes];          ///< elevation, tilted by the scales, per lobe

@@ -39,7 +39,6 @@ TransportMode Reverse(TransportMode mode) {
 
 bool Usable(const std::optional<BsdfSample> &s) { return s && s->pdf > 0 && s->wi.z != 0 && s->f; }
 
-/// Transmittance of a slab of thickness |dz| along w.
 Float Transmittance(Float dz, const Vector3 &w) { return std::exp(-std::abs(dz / w.z)); }
 
 /// Height of the next collision from z along w (extinction 1).

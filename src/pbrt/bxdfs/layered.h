@@ -41,14 +41,12 @@ class CoatedBxdf {
         }
     }
     bool UsesTable() const { return way_ != Way::Walk; }
-    /// Uses random walks only.
     void UseWalks() { way_ = Way::Walk; }
 
     BxdfFlags Flags() const;
     SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const;
     /// F with MIS weights that sum to 1: unbiased.
     SampledSpectrum FConsistent(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const;
-    /// True if F has a glossy lobe, of the coat or of the base.
     bool IsDirectional() const { return !top_.IsSmooth() || (!scatters_ && Has(bottom_.Flags(), BxdfFlags::Glossy)); }
     std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode,
                                      ReflTransFlags which) const;
@@ -60,7 +58,7 @@ class CoatedBxdf {
     }
 
   private:
-    /// Straight refracted path through coat and medium.
+    /// Straight refracted path through coat and medium, for a direction above the coat.
     struct Passage {
         Vector3 inside;         ///< refracted direction below the coat
         Float transmitted = 0;  ///< fraction of light; 0 if none
@@ -83,7 +81,6 @@ class CoatedBxdf {
 
   private:
     enum class ExitWeights { Stock, Consistent };
-    /// Evaluation method of light inside the coat.
     enum class Way : uint8_t { Walk, Smooth, Table };
 
     Passage Through(const Vector3 &w) const;

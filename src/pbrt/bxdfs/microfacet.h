@@ -17,7 +17,6 @@ class TrowbridgeReitz {
 
     /// Remaps the "roughness" of scene files to alpha.
     static Float RoughnessToAlpha(Float roughness) { return std::sqrt(roughness); }
-    /// True if treated as specular.
     bool EffectivelySmooth() const { return std::max(alphaX_, alphaY_) < Float(1e-3); }
     Float AlphaX() const { return alphaX_; }
     Float AlphaY() const { return alphaY_; }

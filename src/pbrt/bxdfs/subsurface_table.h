@@ -19,7 +19,6 @@ class SubsurfaceTable {
     /// Shared table of these arguments, freed with its last owner.
     static std::shared_ptr<const SubsurfaceTable> Shared(Float g, Float eta);
 
-    /// The table at one albedo.
     struct Row {
         SplineWeights albedo;
         Float reflectance = 0;  ///< total exiting fraction: the profile integrated over the plane

@@ -31,7 +31,6 @@
 /// NamedValue, Items, or Required.
 namespace pbrt {
 
-/// Valid values of a text parameter.
 using Choices = std::vector<std::string>;
 
 /// An enumerator with its scene-file name. Describe functions pass a constexpr array of all values of a parameter.
@@ -47,7 +46,6 @@ struct Items {
     Range<Float> range = AnyFloat();
 };
 
-/// A parameter without default.
 struct Required {};
 struct RequiredItems : Items {};
 

@@ -12,7 +12,6 @@ namespace {
 /// Random access to lines of files; the line ends of each file are indexed once.
 class LineFinder {
   public:
-    /// Line without its line end; empty if it does not exist.
     std::string_view Line(const FileLoc &loc) {
         const std::string_view text = loc.file->text;
         auto [found, isNew] = begins_.try_emplace(loc.file.get());
@@ -56,7 +55,6 @@ Excerpt QuoteLine(const FileLoc &loc, LineFinder &lines) {
     return {std::move(text), caret};
 }
 
-/// The diagnostic without the quoted line.
 std::string Heading(const Diagnostic &d, bool color) {
     const char *word = d.severity == Severity::Error ? "Error" : "Warning";
     std::string out = color ? fmt::format("\033[1;31m{}\033[0m: ", word) : fmt::format("{}: ", word);
@@ -77,7 +75,6 @@ std::string Format(const Diagnostic &d, bool color, LineFinder &lines) {
     return out;
 }
 
-/// Removes the middle of an overlong message.
 std::string CutMonster(std::string message) {
     constexpr size_t kMax = 4000, kTail = 1000;
     if (message.size() > kMax) message.replace(kMax - kTail, message.size() - kMax, " ... ");

@@ -73,7 +73,6 @@ class DiagnosticSink {
     size_t ErrorCount() const { return errorCount_; }
     /// True if further errors are only counted, so their messages may be cheap.
     bool IsFull() const { return errorCount_ >= kMaxDiagnostics; }
-    /// Number of errors counted but not kept.
     size_t Omitted() const { return IsFull() ? errorCount_ - kMaxDiagnostics : 0; }
     const std::vector<Diagnostic> &All() const { return diagnostics_; }
     /// Throws one UserError with all collected errors, if any. Warnings stay in the sink.
@@ -102,7 +101,6 @@ std::string NearestChoice(std::string_view given, const std::vector<std::string>
         if (!(condition)) [[unlikely]]                                          \
             ::pbrt::CheckFailed(#condition, __FILE__, __LINE__, std::string()); \
     } while (false)
-/// PBRT_CHECK with a formatted explanation.
 #define PBRT_CHECK_MSG(condition, ...)                                                     \
     do {                                                                                   \
         if (!(condition)) [[unlikely]]                                                     \

@@ -46,7 +46,6 @@ void WriteFile(const std::string &path, std::string_view content);
 /// read-only folder, name too long or naming a folder. Leaves no files behind.
 void CheckWritable(const std::string &path);
 
-/// Writes the concatenation of `pieces`.
 void WriteFile(const std::string &path, const std::vector<std::string_view> &pieces);
 
 /// Reads numbers separated by white space; '#' starts a comment (pbrt-v4-format §15: spectrum and lens files). Throws

@@ -18,7 +18,6 @@ class ThreadLimit {
     std::unique_ptr<Impl> impl_;
 };
 
-/// Number of threads available to parallel loops.
 int ThreadCount();
 
 /// Index of the calling thread inside a parallel loop, in [0, ThreadCount()); 0 outside. For per-thread scratch only:

@@ -12,7 +12,6 @@ namespace pbrt {
 /// were not declared are reported as unused, except Attribute defaults.
 class ParamReader {
   public:
-    /// `prefix`: prepended to the names in the set.
     explicit ParamReader(const ParamSet &set, std::string prefix = {}) : set_(set), prefix_(std::move(prefix)) {}
     /// Continues another reader of the same set: parameters declared there count as declared here.
     ParamReader(const ParamSet &set, const ParamReader &other) : set_(set), declared_(other.declared_) {}
@@ -39,7 +38,6 @@ class ParamReader {
     }
 
     const ParamSet &Set() const { return set_; }
-    /// Parameter of that name and type; null if absent.
     const Param *Take(const std::string &name, ParamType type) {
         Declare(name, type);
         return set_.Find(name, type);

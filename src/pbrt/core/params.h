@@ -28,7 +28,6 @@ enum class ParamType {
     Texture
 };
 
-/// "integer", "float", ...
 const char *Name(ParamType type);
 /// Numbers per value: 2 or 3 for points, vectors, normals and rgb, else 1.
 size_t ItemSize(ParamType type);
@@ -92,7 +91,6 @@ class ParamSet {
 
     /// The applicable parameter of that name and type; nullptr if there is none.
     const Param *Find(std::string_view name, ParamType type) const;
-    /// True if a parameter of that name exists with any type.
     bool Has(std::string_view name) const;
 
     /// Throws UserError at parameter `name` if the value is outside the range.

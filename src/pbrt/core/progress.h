@@ -35,7 +35,6 @@ class Progress {
     void SetFraction(double fraction, double remainingSeconds);
     /// Returns the phase's duration in seconds.
     double EndPhase();
-    /// Name of the running phase, or else of the last one.
     const std::string &PhaseName() const { return phase_.name.empty() ? last_ : phase_.name; }
 
     /// Requests a stop at the next safe point (Ctrl-C). Async-signal-safe.

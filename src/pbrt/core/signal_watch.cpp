@@ -58,7 +58,6 @@ struct SignalWatch::Impl {
 
     explicit Impl(Progress &p) : progress(p) {}
 
-    /// Time at which the process is ended; empty if there is no deadline.
     std::optional<Clock::time_point> Deadline() const {
         if (!first || grace >= kForever) return {};
         return std::max(phaseStart, firstTime) +

@@ -12,7 +12,6 @@
 
 namespace pbrt {
 
-/// Hash of a structure's bytes; see StateWriter::Structure.
 inline uint64_t StructureHash(std::string_view bytes) {
     uint64_t hash = 0xcbf29ce484222325ull ^ bytes.size();
     for (size_t at = 0; at < bytes.size(); at += sizeof(uint64_t)) {
@@ -128,7 +127,6 @@ class StateReader {
         values->resize(count);
         if (count > 0) std::memcpy(values->data(), bytes.data(), bytes.size());
     }
-    /// Reads the output of StateWriter::Structure.
     template <class T>
     void Structure(std::vector<T> *values) {
         Vector(values);
@@ -151,11 +149,9 @@ class StateReader {
     void Require(bool isRight, std::string_view why) const {
         if (!isRight) ThrowCorrupt(why);
     }
-    /// Throws if `fault`, the result of Validate, is set.
     void RequireValid(const std::optional<std::string> &fault) const {
         if (fault) ThrowCorrupt(*fault);
     }
-    /// Throws if bytes are left.
     void RequireEnd() const { Require(rest_.empty(), "it is longer than what it holds"); }
 
   private:

@@ -114,7 +114,6 @@ void Team::AllReduce(const std::function<void(StateWriter &)> &take, const std::
 }
 
 std::string Team::Failures(const std::string &mine, bool *isAny) {
-    // Equal failures of several ranks are reported once.
     std::map<std::string, std::vector<std::string>> failures;
     if (!mine.empty()) failures[mine].push_back(fmt::format("{} on {}", Rank(), HostName()));
     Reduce(

@@ -17,7 +17,6 @@ struct AnotherRankFailed {};
 /// it is a team of one, for which all of them are free.
 class Team {
   public:
-    /// A team of one.
     Team() = default;
     /// `threads`: of this process.
     Team(std::unique_ptr<MessagePort> port, int threads);

@@ -10,7 +10,6 @@ namespace pbrt {
 
 namespace {
 
-/// Maximum numbers per thread and reply.
 constexpr int64_t kMaxPerThread = 4;
 
 struct Request {

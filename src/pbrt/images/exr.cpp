@@ -114,7 +114,6 @@ struct AttributeWriter {
     }
 };
 
-// Binds all channels of the interleaved pixels of `window`.
 Imf::FrameBuffer Bind(const std::vector<std::string> &names, Imf::PixelType type, char *pixels,
                       const Imath::Box2i &window) {
     size_t valueBytes = type == Imf::HALF ? 2 : 4;
@@ -171,7 +170,6 @@ size_t CountAtHalfLimit(const Image &image) {
     return count;
 }
 
-/// Warns that only the first of several parts is read.
 void WarnOfParts(const std::string &path) {
     constexpr int kMaxNames = 8;
     const Imf::MultiPartInputFile file(path.c_str());
@@ -227,7 +225,6 @@ ImageFile ReadExr(const std::string &path) {
     metadata.colorSpace = FindSpace(header, path);
     ReadAttributes(header, metadata);
 
-    // Mixed half and float become float, which holds both exactly.
     result.image = Image(allHalf ? PixelFormat::Half : PixelFormat::Float,
                          {metadata.pixelBounds->Width(), metadata.pixelBounds->Height()}, names);
     file.setFrameBuffer(Bind(names, allHalf ? Imf::HALF : Imf::FLOAT, static_cast<char *>(result.image.Data()), data));

@@ -23,7 +23,6 @@ Rgb Signed(Float t) {
 }
 
 Rgb OfId(uint64_t id) {
-    // Any hue, saturation 0.45 to 0.95, brightness 0.55 to 1.
     const uint64_t h = Hash(id);
     const Float hue = HashToFloat(h) * 6;
     const Float saturation = Float(0.45) + Float(0.5) * static_cast<Float>(h & 0xffff) / 65536;

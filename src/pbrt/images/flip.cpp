@@ -95,7 +95,6 @@ Kernel SensitivityKernel(const Sensitivity &s, double pixelsPerDegree, double *m
     const double sum = Sum(kernel);
     *mass = s.a * std::sqrt(kPi / s.b) * sum * sum;
     Scale(kernel, 1 / sum);
-    // Truncates negligible weights.
     while (kernel.size() > 1 && kernel.front() < 1e-9f) {
         kernel.erase(kernel.begin());
         kernel.pop_back();
@@ -120,7 +119,6 @@ Plane BlueYellowFilter(const Plane &in, Point2i size, double pixelsPerDegree) {
     return out;
 }
 
-// Norm of the detector responses along x and y.
 Plane FeatureLength(const Plane &lightness, Point2i size, const Kernel &detector, const Kernel &smooth) {
     Plane alongX = Filter(lightness, size, detector, smooth);
     const Plane alongY = Filter(lightness, size, smooth, detector);
@@ -128,7 +126,6 @@ Plane FeatureLength(const Plane &lightness, Point2i size, const Kernel &detector
     return alongX;
 }
 
-// XYZ relative to the sRGB white.
 struct Xyz1 {
     float x, y, z;
 };
@@ -290,7 +287,6 @@ FlipReference::Percept FlipReference::See(const std::vector<float> &planes, size
     out.b = BlueYellowFilter(cz, resolution_, ppd);
     ParallelFor(static_cast<int64_t>(n), 4096, [&](int64_t begin, int64_t end) {
         for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
-            // Clamps to the display gamut.
             const glm::vec3 rgb = colors.ToRgb(FromOpponent(out.l[i], out.a[i], out.b[i]));
             const Xyz1 shown =
                 colors.FromRgb(std::clamp(rgb.x, 0.f, 1.f), std::clamp(rgb.y, 0.f, 1.f), std::clamp(rgb.z, 0.f, 1.f));

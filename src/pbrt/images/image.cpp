@@ -36,7 +36,6 @@ bool RemapPixel(Point2i &p, Point2i resolution, WrapMode wrap) {
         case WrapMode::Repeat: p = {PositiveModulo(p.x, resolution.x), PositiveModulo(p.y, resolution.y)}; return true;
         case WrapMode::Clamp: p = glm::clamp(p, Point2i(0), resolution - 1); return true;
         case WrapMode::OctahedralSphere:
-            // Clamped first to avoid overflow.
             p = glm::clamp(p, Point2i(-(1 << 28)), Point2i(1 << 28));
             FoldOctahedral(p.x, p.y, resolution.x, resolution.y);
             FoldOctahedral(p.y, p.x, resolution.y, resolution.x);

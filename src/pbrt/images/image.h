@@ -25,7 +25,6 @@ struct ColorEncoding {
     bool operator==(const ColorEncoding &) const = default;
 };
 
-/// Tabulated encoding of the 256 byte values.
 class ByteCode {
   public:
     /// Shared tables of an encoding, never freed. Takes a lock, so call it once per image.
@@ -97,7 +96,6 @@ class Image {
     std::vector<float> float_;
 };
 
-/// Properties of an image besides its pixels.
 struct ImageMetadata {
     std::optional<Bounds2i> pixelBounds;     ///< data window within fullResolution
     std::optional<Point2i> fullResolution;   ///< display window

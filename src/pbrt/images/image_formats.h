@@ -9,7 +9,6 @@ namespace pbrt::formats {
 
 ImageFile ReadExr(const std::string &path);
 ImageFile ReadPfm(const std::string &path);
-/// All other formats, through OpenImageIO.
 ImageFile ReadOther(const std::string &path, std::optional<ColorEncoding> encoding);
 
 // Returns the bytes of a file; `path` is for messages only.

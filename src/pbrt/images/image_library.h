@@ -21,7 +21,6 @@ struct Pixels {
     const void *data = nullptr;
 };
 
-/// Image file after reading its header.
 class OpenFile {
   public:
     virtual ~OpenFile() = default;
@@ -47,7 +46,6 @@ class TileStore {
     virtual const void *PixelsOf(void *tile) = 0;
     virtual void Release(void *tile) = 0;
     virtual std::string Error() = 0;
-    /// Bytes of tiles in memory.
     virtual size_t Bytes() = 0;
 };
 

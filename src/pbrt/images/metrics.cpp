@@ -15,7 +15,6 @@ namespace {
 
 constexpr double kAbsoluteEpsilon = 0.01;
 
-/// Epsilon of RelL2 and RelL2Abs for a reference.
 double EpsilonOf(Metric metric, const Image &reference) {
     return metric == Metric::RelL2 ? RelL2Epsilon(reference) : kAbsoluteEpsilon;
 }

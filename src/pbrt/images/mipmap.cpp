@@ -47,7 +47,6 @@ Float Width(Vector2 dst0, Vector2 dst1) {
     return width > Float(1e-8) ? width : Float(1e-8);
 }
 
-// From the exponent of a positive normal number.
 int FloorLog2(Float v) { return static_cast<int>(std::bit_cast<uint32_t>(v) >> 23) - 127; }
 
 int ToPixel(Float v) { return static_cast<int>(std::clamp(v, Float(-1e9), Float(1e9))); }
@@ -105,7 +104,6 @@ class Reader {
     }
 
     Texel<N> At(const MipMap::LevelView &level, Point2i p) const {
-        // Power-of-two sizes: repeating is masking.
         if (view_.wrap == WrapMode::Repeat) return Load(level, p.x & (level.width - 1), p.y & (level.height - 1));
         if (!RemapPixel(p, {level.width, level.height}, view_.wrap)) return {};
         return Load(level, p.x, p.y);

@@ -20,7 +20,6 @@ class MipMap {
     /// big levels are stored on disk.
     MipMap(Image image, const ColorSpace *colorSpace, TextureFilter filter, WrapMode wrap, Float maxAnisotropy,
            TileCache *tiles = nullptr);
-    /// Shares the image, with another filter.
     MipMap(const MipMap &image, TextureFilter filter, Float maxAnisotropy);
     MipMap(const MipMap &) = delete;
     MipMap &operator=(const MipMap &) = delete;
@@ -45,7 +44,6 @@ class MipMap {
         const void *texels;  ///< null: on disk
         int width, height;
     };
-    /// Lookup state besides the images.
     struct View {
         std::vector<LevelView> levels;
         PixelFormat format = PixelFormat::Float;

@@ -88,7 +88,6 @@ Image Halve(const Image &image) {
     const Point2i size = image.Resolution();
     const size_t channels = static_cast<size_t>(image.ChannelCount());
     const size_t width = static_cast<size_t>(size.x) * channels;
-    // Offsets to the right and lower neighbour.
     const size_t right = size.x > 1 ? channels : 0, below = size.y > 1 ? width : 0;
     Image result(PixelFormat::Float, glm::max(size / 2, Point2i(1)), image.Channels());
     const Point2i resultSize = result.Resolution();
@@ -105,7 +104,6 @@ Image Halve(const Image &image) {
     return result;
 }
 
-// Converts `level` to the format and encoding of `like`.
 Image Store(const Image &level, const Image &like) {
     if (like.Format() == PixelFormat::Float) return level;
     Image result(like.Format(), level.Resolution(), like.Channels(), like.Encoding());

@@ -23,7 +23,6 @@ class TileCache {
     /// Images of one format and channel count in one file. The TileCache must outlive this object.
     class Stored {
       public:
-        /// Tile kept in memory by this object.
         class Tile {
           public:
             Tile() = default;
@@ -60,7 +59,6 @@ class TileCache {
     };
     /// Writes images to disk. Thread-safe. Throws UserError if the folder cannot be written.
     std::unique_ptr<const Stored> Store(const std::vector<Image> &images);
-    /// Bytes of tiles in memory.
     size_t Bytes() const;
 
   private:

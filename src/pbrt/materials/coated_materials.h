@@ -3,7 +3,6 @@
 
 namespace pbrt {
 
-/// Dielectric layer of a coated material.
 struct CoatInput {
     RoughnessInput roughness;
     IndexInput eta;

@@ -8,7 +8,6 @@
 
 namespace pbrt {
 
-/// Evaluates textures at a surface point to a BSDF.
 class Material {
   public:
     virtual ~Material() = default;
@@ -16,14 +15,12 @@ class Material {
     /// BSDF at a point whose shading frame is final. May terminate secondary wavelengths (dispersion).
     virtual Bsdf GetBsdf(const SurfacePoint &point, SampledWavelengths &lambda) const = 0;
 
-    /// Applies a normal or bump map to the shading frame.
     virtual void PerturbShading(SurfacePoint &) const {}
 
     /// For mix: the material chosen by a hash of p, wo and the two operands. Others return themselves; nullptr means
     /// interface.
     virtual const Material *Resolve(const SurfacePoint &) const { return this; }
 
-    /// True for subsurface scattering.
     virtual bool HasBssrdf() const { return false; }
     /// BSSRDF at this point; empty without subsurface scattering.
     virtual std::optional<Bssrdf> GetBssrdf(const SurfacePoint &, const SampledWavelengths &) const { return {}; }

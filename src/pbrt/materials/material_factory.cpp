@@ -96,7 +96,6 @@ struct RemapParams {
     }
 };
 
-/// Index of a metal: `reflectance`, or `eta` and `k` (with the prefix).
 struct MetalParams {
     std::string prefix{};
     SpectrumTextureParam eta = Unbounded({}, "metal-Cu-eta"), k = Unbounded({}, "metal-Cu-k"), reflectance = Albedo();
@@ -122,7 +121,6 @@ struct MetalParams {
     }
 };
 
-/// Parameters common to all surface materials except hair.
 struct ReliefParams {
     std::string normalMap;
     FloatTextureParam displacement{};

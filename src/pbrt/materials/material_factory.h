@@ -8,7 +8,6 @@
 
 namespace pbrt {
 
-/// Context of material creation besides its parameters.
 struct MaterialContext {
     TextureLibrary &textures;
     const FileResolver &files;

@@ -7,7 +7,6 @@
 
 namespace pbrt {
 
-/// Float parameter of a material: a number or texture.
 class FloatInput {
   public:
     explicit FloatInput(FloatTexturePtr texture) : texture_(std::move(texture)) {
@@ -21,7 +20,6 @@ class FloatInput {
         return texture_ ? texture_->Evaluate(TextureContext(point)) : value_;
     }
     bool IsConstant() const { return !texture_; }
-    /// The value if constant.
     std::optional<Float> Constant() const { return texture_ ? std::optional<Float>() : value_; }
     /// Conservative test that both are equal everywhere.
     bool SameAs(const FloatInput &o) const { return texture_ == o.texture_ && (texture_ || value_ == o.value_); }
@@ -53,10 +51,8 @@ class SpectrumInput {
     bool isBlack_;
 };
 
-/// Microfacet distribution from the roughness in both directions.
 class RoughnessInput {
   public:
-    /// `remap`: converts roughness to alpha.
     RoughnessInput(FloatInput u, FloatInput v, bool remap)
         : u_(std::move(u)), v_(std::move(v)), remap_(remap), sameInBoth_(u_.SameAs(v_)) {
         if (u_.IsConstant() && v_.IsConstant()) constant_ = Distribution(u_({}), v_({}));
@@ -68,7 +64,6 @@ class RoughnessInput {
     }
     /// True if the roughness is certainly equal in both directions.
     bool IsIsotropic() const { return sameInBoth_; }
-    /// The distribution if constant.
     std::optional<TrowbridgeReitz> Constant() const {
         if (u_.IsConstant() && v_.IsConstant()) return constant_;
         return {};
@@ -97,7 +92,6 @@ class IndexInput {
         }
         return eta == 0 ? 1 : eta;  // beyond the ends of the table
     }
-    /// The index if independent of wavelength.
     std::optional<Float> Constant() const {
         if (!isConstant_) return {};
         return value_ == 0 ? 1 : value_;

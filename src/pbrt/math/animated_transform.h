@@ -15,7 +15,6 @@ Transform Product(std::initializer_list<Transform> factors);
 class AnimatedTransform {
   public:
     AnimatedTransform() = default;
-    /// Constant transform.
     AnimatedTransform(const Transform &still) : start_(still), end_(still) {}
     /// Both affine; if they differ, CanInterpolate(start, end) must hold.
     AnimatedTransform(const Transform &start, Float startTime, const Transform &end, Float endTime);

@@ -61,7 +61,6 @@ inline Bounds2i Intersect(const Bounds2i &a, const Bounds2i &b) {
     return {glm::max(a.low, b.low), glm::min(a.high, b.high)};
 }
 
-/// Rectangle with real coordinates.
 struct Bounds2 {
     Point2 low{0, 0}, high{0, 0};
     Float Area() const { return (high.x - low.x) * (high.y - low.y); }

@@ -28,7 +28,6 @@ struct SplinePiece {
           c3(2 * (f0 - f1) + slope0 + slope1) {}
     Float Value(Float t) const { return c0 + t * (c1 + t * (c2 + t * c3)); }
     Float Slope(Float t) const { return c1 + t * (2 * c2 + t * 3 * c3); }
-    /// Integral from 0 to t, with respect to x.
     Float Integral(Float t) const { return width * t * (c0 + t * (c1 / 2 + t * (c2 / 3 + t * (c3 / 4)))); }
 };
 

@@ -24,7 +24,6 @@ struct Frame {
     Vector3 FromLocal(const Vector3 &v) const { return x * v.x + y * v.y + z * v.z; }
 };
 
-// Trigonometry of unit directions in a local frame (z up).
 inline Float CosTheta(const Vector3 &w) { return w.z; }
 inline Float Cos2Theta(const Vector3 &w) { return w.z * w.z; }
 inline Float AbsCosTheta(const Vector3 &w) { return std::abs(w.z); }

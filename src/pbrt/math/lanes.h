@@ -46,7 +46,6 @@ inline FloatLanes FractionsToFloat(Lanes32 v) {
     return f < OneMinusEpsilon ? f : FloatLanes{} + OneMinusEpsilon;
 }
 
-/// Low halves of the 16 numbers in two vectors.
 inline Lanes32 LowHalves(const Lanes64 &a, const Lanes64 &b) {
     return __builtin_shufflevector(reinterpret_cast<Lanes32>(a), reinterpret_cast<Lanes32>(b), 0, 2, 4, 6, 8, 10, 12,
                                    14, 16, 18, 20, 22, 24, 26, 28, 30);

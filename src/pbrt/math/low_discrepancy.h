@@ -51,7 +51,6 @@ inline uint32_t PermutationElement(uint32_t i, uint32_t n, uint64_t seed) {
     return i;
 }
 
-/// PermutationElement(i, n, seed) per lane of `seed`.
 inline Lanes64 PermutationElement(uint32_t i, uint32_t n, const Lanes64 &seed) {
     const uint32_t mask = std::bit_ceil(n) - 1;
     const int bits = std::bit_width(mask), wide = (bits + 1) / 2, narrow = std::max(1, wide - 1);
@@ -98,7 +97,6 @@ inline Lanes64 PlaceInQuad(uint64_t element, const Lanes64 &hash) {
 }
 
 inline constexpr int PrimeCount = 1000;
-/// The first 1000 primes: 2, 3, 5, ..., 7919.
 extern const std::array<uint16_t, PrimeCount> Primes;
 
 /// Mirrors the digits of a in `base` at the radix point.

@@ -43,7 +43,6 @@ uint64_t Hash(const Args &...args) {
     return h;
 }
 
-/// Uniform in [0, 1) from the high bits of a hash.
 inline Float HashToFloat(uint64_t h) { return std::min(OneMinusEpsilon, static_cast<Float>(h >> 32) * 0x1p-32f); }
 template <class... Args>
 Float HashFloat(const Args &...args) {
@@ -74,7 +73,6 @@ class Rng {
         Float x = Uniform();
         return {x, Uniform()};
     }
-    /// Uniform integer in [0, n).
     uint32_t UniformInt(uint32_t n) { return static_cast<uint32_t>((uint64_t(Next()) * n) >> 32); }
     void Advance(uint64_t count) {
         for (; count > 0; count &= count - 1) {

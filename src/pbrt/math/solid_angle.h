@@ -10,7 +10,6 @@ inline Float VolumeScale(const Transform &m) { return std::abs(glm::determinant(
 
 /// Solid-angle density, in the target space of m, of unit direction w whose preimage has density `pdf`.
 inline Float MappedDirectionPdf(const Transform &m, const Vector3 &w, Float pdf) {
-    // M^-1 w = d / |M d|.
     const Float inverse = 1 / Length(m.InverseVector(w));
     return pdf * inverse * inverse * inverse / VolumeScale(m);
 }

@@ -41,7 +41,6 @@ double NormalCritical(double p) {
     return std::abs(boost::math::quantile(Normal(), p / 2));
 }
 
-// expm1 and log1p keep precision for small levels over many tests.
 double SidakLevel(double level, size_t n) { return -std::expm1(std::log1p(-level) / static_cast<double>(n)); }
 
 double SidakP(double p, size_t n) { return p >= 1 ? 1 : -std::expm1(std::log1p(-p) * static_cast<double>(n)); }

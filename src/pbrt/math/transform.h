@@ -14,7 +14,6 @@ class Transform {
     explicit Transform(const glm::mat4 &m) : m_(m), inverse_(InverseOf(m)) {}
     Transform(const glm::mat4 &m, const glm::mat4 &inverse) : m_(m), inverse_(inverse) {}
 
-    /// From 16 numbers in file order.
     static Transform FromFile(const std::array<Float, 16> &v);
     static Transform Translate(const Vector3 &t);
     static Transform Scale(const Vector3 &s);
@@ -32,7 +31,6 @@ class Transform {
     Transform operator*(const Transform &o) const { return {m_ * o.m_, o.inverse_ * inverse_}; }
     bool operator==(const Transform &o) const { return m_ == o.m_; }
     bool IsIdentity() const { return m_ == glm::mat4(1); }
-    /// True if the upper 3x3 part mirrors.
     bool SwapsHandedness() const { return Determinant3() < 0; }
     /// True if the transform is singular, or nearly so: the inverse has non-finite elements.
     bool IsSingular() const { return !(std::abs(Determinant3()) > 0) || !Transform(inverse_, m_).IsFinite(); }

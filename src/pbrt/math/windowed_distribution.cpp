@@ -26,7 +26,6 @@ bool Invert(double u, double from, double to, int n, F atWhole, double *x, int *
     if (!(rise > 0)) return false;
     double target = start + u * rise;
     int low = std::min(static_cast<int>(from), n - 1), high = std::min(static_cast<int>(to), n - 1);
-    // First interval that ends beyond the target.
     while (low < high) {
         int middle = low + (high - low) / 2;
         if (atWhole(middle + 1) > target) high = middle;

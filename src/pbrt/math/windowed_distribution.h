@@ -19,7 +19,6 @@ class WindowedPiecewiseConstant2D {
     std::optional<Point2> Sample(const Point2 &u, const Bounds2 &window, Float *pdf) const;
     /// 0 outside the window.
     Float Pdf(const Point2 &p, const Bounds2 &window) const;
-    /// Integral over the window.
     double Integral(const Bounds2 &window) const;
     size_t Bytes() const { return f_.capacity() * sizeof(Float) + sums_.capacity() * sizeof(double); }
 
@@ -45,7 +44,6 @@ class WindowedPiecewiseConstant2D {
         }
     };
     Band BandOf(const Cells &w) const;
-    /// Sum of the cells of column i below row j.
     double MassBelow(int i, int j) const { return Corner(i + 1, j) - Corner(i, j); }
     double Total(const Cells &w) const;
     Float Density(const Point2 &p, double integral) const;

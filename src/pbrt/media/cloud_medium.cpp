@@ -9,12 +9,10 @@ namespace {
 constexpr Float kLacunarity = Float(1.99);
 /// Bound on gradient noise: the best gradients at a cube's corners reach 1.03635.
 constexpr Float kMaxNoise = Float(1.04);
-/// Slope of the density with respect to noise at the bottom of the cloud.
 constexpr Float kSteepness = Float(4.5);
 }  // namespace
 
 Float CloudMedium::Shape::DensityAt(const Point3 &p) const {
-    // Density in the lower half of the cloud, independent of noise.
     const Float fill = 2 * std::max(Float(0), Float(0.5) - p.y);
     if (fill >= 1) return 1;
     const Float steepness = std::abs((1 - p.y) * kSteepness * density);

@@ -9,7 +9,6 @@ class CloudMedium final : public Medium {
   public:
     struct Shape {
         Float density = 1, wispiness = 1, frequency = 5;
-        /// Density at a point in medium space.
         Float DensityAt(const Point3 &p) const;
     };
     /// Spectra at density 1; the emission must be 0.

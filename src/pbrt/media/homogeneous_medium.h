@@ -3,7 +3,6 @@
 
 namespace pbrt {
 
-/// Unbounded homogeneous medium.
 class HomogeneousMedium final : public Medium {
   public:
     HomogeneousMedium(MediumSpectra spectra, Float g)

@@ -55,7 +55,6 @@ class GridWalk {
     /// Next segment in one cell of non-zero value; segments are in order and never empty. False if there are no more.
     bool Next(Float *begin, Float *end, Float *value);
 
-    /// True if t is in the ray's part inside the box.
     bool Contains(Float t) const { return t >= anchor_ && t <= end_; }
     /// Point on the ray in grid coordinates; only for walks through a grid, with t inside the box. Points of the
     /// current segment are in its cell regardless of rounding.

@@ -32,7 +32,6 @@ class Medium {
     virtual ~Medium() = default;
     const HenyeyGreenstein &Phase() const { return phase_; }
     bool IsEmissive() const { return isEmissive_; }
-    /// Memory use in bytes.
     virtual size_t Bytes() const = 0;
 
     /// The medium along a ray of unit direction up to distance tMax, which may be infinite. Refers to this medium.
@@ -45,7 +44,6 @@ class Medium {
 
   private:
     friend class MediumOnRay;
-    /// Coefficients at a distance inside the ray's walk.
     virtual MediumCoefficients Evaluate(MediumOnRay &onRay, Float t) const = 0;
 
     HenyeyGreenstein phase_;
@@ -69,8 +67,6 @@ class MediumOnRay {
         if (!walk_.Contains(t)) return {};
         return medium_->Evaluate(*this, t);
     }
-
-    // For derived media.
 
     /// `unit`: coefficients at density 1, as far as they are constant. `majorant` is multiplied by the values of the
     /// walk.

@@ -60,7 +60,6 @@ DenseSpectrum Emission(const ParamSet &set, const MediumContext &context, const 
     return Coefficient(set, "Le", *emission, scale / photometric);
 }
 
-/// Throws if the current transformation is unsuitable for a medium.
 const Transform &RequirePlace(const ParamSet &set, const MediumContext &context) {
     const Transform &t = context.renderFromMedium;
     const glm::mat4 &m = t.Matrix();
@@ -101,7 +100,6 @@ struct CountParams {
     }
     glm::ivec3 Count() const { return {x, y, z}; }
     int64_t Size() const { return int64_t(x) * y * z; }
-    /// Throws unless a list has one value per voxel.
     void RequireSize(const ParamSet &set, const char *name, size_t found) const {
         if (static_cast<int64_t>(found) != Size())
             throw set.Error(name, fmt::format("\"{}\" has {} values; nx * ny * nz = {} x {} x {} = {} are wanted.",
@@ -247,7 +245,6 @@ struct RgbGridParams {
     }
 };
 
-/// Colour space of an "rgb" parameter.
 const ColorSpace &SpaceOf(const ParamSet &set, const char *name, const MediumContext &context) {
     const Param *p = set.Find(name, ParamType::Rgb);
     const ColorSpace *space = p ? ColorSpace::Find(p->colorSpace) : nullptr;

@@ -3,14 +3,12 @@
 
 namespace pbrt {
 
-/// A spectrum times a factor, one value per nm.
 inline DenseSpectrum ScaledSpectrum(const Spectrum &s, Float scale) {
     std::vector<Float> values;
     for (Float nm = LambdaMin; nm <= LambdaMax; ++nm) values.push_back(scale * s(nm));
     return DenseSpectrum(values);
 }
 
-/// Spectral coefficients at density 1, see MediumCoefficients.
 struct MediumSpectra {
     DenseSpectrum absorption, scattering, emission;
 

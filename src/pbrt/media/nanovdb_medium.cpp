@@ -10,7 +10,6 @@
 #include "pbrt/core/memory.h"
 #include "pbrt/core/parallel.h"
 
-// The only file that includes NanoVDB.
 #define NANOVDB_USE_ZIP
 #define NANOVDB_USE_BLOSC
 #include <nanovdb/NanoVDB.h>
@@ -181,7 +180,6 @@ class DensityBounds {
         if (grid.tree().background() != 0)
             for (std::atomic<Float> &max : max_) Raise(max, grid.tree().background());
     }
-    /// False if a value is not finite.
     bool IsFinite() const { return isFinite_; }
     Float operator()(const glm::ivec3 &cell) const { return max_[IndexOf(cell)]; }
 
@@ -230,7 +228,6 @@ class DensityBounds {
         for (int a = 0; a < 3; ++a) cells[a] = CellsOf(a, origin[a], origin[a] + (size - 1));
         Spread(cells, value);
     }
-    /// Node values that represent whole cubes of voxels.
     template <class Node>
     void TakeTiles(const Node &node, int size) {
         for (uint32_t n = 0; n < Node::SIZE; ++n)

@@ -6,7 +6,6 @@
 
 namespace pbrt {
 
-/// Arguments of MakeNanoVdbMedium.
 struct NanoVdbRequest {
     std::string path;
     std::string densityName, temperatureName;  ///< of grids in the file; the second is optional

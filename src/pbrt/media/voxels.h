@@ -18,7 +18,6 @@ class Voxels {
         return static_cast<size_t>(count_.x) * static_cast<size_t>(count_.y) * static_cast<size_t>(count_.z);
     }
 
-    /// Interpolated value at a point.
     template <class ValueOf>
     auto Interpolate(const Point3 &p, ValueOf &&valueOf) const {
         const Vector3 v = ToVoxels(p), low = glm::floor(v), w = v - low;

@@ -100,7 +100,7 @@ class ZSobolSampler final : public Sampler {
     uint64_t roundSeed_ = 0;
     uint64_t pixelMorton_ = 0;  ///< Morton index of the pixel, above the bits of the sample index
     uint64_t morton_ = 0;       ///< pixelMorton_ with the sample index
-    /// Which high bits of SobolIndices are cached for the pixel: one bit per eight dimensions.
+    /// High bits of SobolIndices, by dimension, and which are cached: one bit per eight dimensions.
     uint32_t pixelPartKnown_ = 0;
     std::array<uint64_t, kRemembered> pixelPart_{};
 };

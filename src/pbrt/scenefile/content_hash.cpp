@@ -16,7 +16,6 @@ namespace pbrt {
 
 namespace {
 
-/// Quoted strings of a scene file, in order, outside comments.
 std::vector<std::string> QuotedStrings(const std::string &text) {
     std::vector<std::string> strings;
     for (size_t i = 0; i < text.size(); ++i) {
@@ -34,7 +33,6 @@ std::vector<std::string> QuotedStrings(const std::string &text) {
 
 bool IsSceneText(const std::string &name) { return name.ends_with(".pbrt") || name.ends_with(".pbrt.gz"); }
 
-/// Visits the scene file and all files it names, each once.
 class SceneReader {
   public:
     using Visit = std::function<void(const std::string &path, const std::string &content)>;

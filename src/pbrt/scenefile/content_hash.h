@@ -6,7 +6,6 @@
 
 namespace pbrt {
 
-/// 64-bit hash of all added data, in order.
 class ContentHash {
   public:
     void Add(const std::string &bytes);

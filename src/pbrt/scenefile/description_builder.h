@@ -119,7 +119,6 @@ class DescriptionBuilder {
     std::unordered_map<std::string, size_t> objectIndex_, mediumIndex_;
 };
 
-/// Canonical colour space names.
 const std::vector<std::string> &ColorSpaceNames();
 
 }  // namespace pbrt

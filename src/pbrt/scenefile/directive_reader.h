@@ -26,7 +26,6 @@ class DirectiveReader {
     void SkipToNextDirective();
     void Unknown(const Token &word);
 
-    // One function per directive or group of directives of the same form.
     void ReadAccelerator();
     void ReadActiveTransform();
     void ReadAreaLightSource();

@@ -8,7 +8,6 @@
 
 namespace pbrt {
 
-/// Targets of an Attribute directive.
 enum class AttributeTarget { Shape, Light, Material, Medium, Texture };
 inline constexpr size_t AttributeTargetCount = 5;
 

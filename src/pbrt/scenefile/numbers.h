@@ -3,7 +3,6 @@
 
 namespace pbrt {
 
-/// Delimiters of a bare word: white space, quotes and brackets.
 constexpr bool EndsWord(char c) {
     return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '"' || c == '[' || c == ']';
 }

@@ -29,7 +29,6 @@ std::string ListTypes(std::string_view given) {
     return ListChoices(given, names);
 }
 
-/// Removes and returns the first word of `text`, skipping leading blanks.
 std::string_view TakeWord(std::string_view &text) {
     size_t begin = std::min(text.find_first_not_of(" \t"), text.size());
     size_t end = std::min(text.find_first_of(" \t", begin), text.size());
@@ -50,7 +49,6 @@ const char *ExpectedValues(ParamType type) {
     return "numbers";
 }
 
-/// Token as quoted in messages.
 std::string Quote(const Token &token) {
     return fmt::format("{}\"{}\"", token.kind == TokenKind::String ? "the string " : "", Abbreviate(token.text));
 }

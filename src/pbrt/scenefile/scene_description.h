@@ -23,7 +23,6 @@ struct MaterialRef {
     std::string name;
 };
 
-/// Type and parameters of a directive that creates an entity.
 struct Entity {
     std::string type;
     ParamSet params;

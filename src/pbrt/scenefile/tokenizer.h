@@ -34,7 +34,6 @@ class Tokenizer {
     void Push(std::shared_ptr<const SourceFile> file, std::string key);
     /// True if the file is being read here or in an outer tokenizer.
     bool IsOpen(const std::string &key) const;
-    /// Nesting depth of open files, including outer tokenizers.
     size_t Depth() const { return stack_.size() + (outer_ ? outer_->Depth() : 0); }
 
     Token Next();
@@ -46,7 +45,6 @@ class Tokenizer {
     void ReadInts(std::vector<int> &out);
 
     FileLoc Loc(const Token &token) const { return {files_[token.file], token.line, token.column}; }
-    /// Location of the last token of Next().
     FileLoc LastLoc() const;
 
   private:

@@ -34,12 +34,10 @@ struct TextureCoordinates {
         return {
             Bilerp(uv, st00, st10, st01, st11), {inverse(perU.x), inverse(perV.x)}, {inverse(perU.y), inverse(perV.y)}};
     }
-    /// Chain rule for a quantity with derivatives perU and perV.
     Vector3 AlongS(const Vector3 &perU, const Vector3 &perV) const { return perU * uvPerS.x + perV * uvPerS.y; }
     Vector3 AlongT(const Vector3 &perU, const Vector3 &perV) const { return perU * uvPerT.x + perV * uvPerT.y; }
 };
 
-/// Real roots of a + b x + c x^2; returns their number.
 int SolveQuadratic(double a, double b, double c, std::array<double, 2> &x) {
     double discriminant = b * b - 4 * a * c;
     if (!(discriminant >= 0)) return 0;
@@ -160,7 +158,6 @@ DirectionCone BilinearMesh::NormalBounds(uint32_t primitive) const {
     return cone.IsEmpty() ? DirectionCone::EntireSphere() : cone;
 }
 
-/// Ray-patch hit in double precision.
 struct BilinearMesh::PatchHit {
     double t, u, v;
 

@@ -52,7 +52,6 @@ class BilinearMesh final : public Shape {
     Corners CornersOf(uint32_t primitive) const;
     template <class T>
     T AtCorners(const std::vector<T> &values, uint32_t primitive, const Point2 &uv) const;
-    /// Surface parameters of a point on the patch with normal n.
     Point2 Parameters(const Corners &c, const Point3 &p, const Normal3 &n) const;
     Normal3 OrientedNormal(uint32_t primitive, const Corners &c, const Point2 &uv) const;
     ShapeSample SampleAt(uint32_t primitive, const Corners &c, const Point2 &uv) const;

@@ -8,7 +8,6 @@
 
 namespace pbrt {
 
-/// Cubic Bezier curve over u in [0, 1].
 struct CubicBezier {
     std::array<Point3, 4> p{};
 
@@ -17,11 +16,9 @@ struct CubicBezier {
         Vector3 a = Lerp(u, p[1] - p[0], p[2] - p[1]), b = Lerp(u, p[2] - p[1], p[3] - p[2]);
         return Float(3) * Lerp(u, a, b);
     }
-    /// Restriction to [u0, u1].
     CubicBezier Part(Float u0, Float u1) const {
         return {{Blossom(u0, u0, u0), Blossom(u0, u0, u1), Blossom(u0, u1, u1), Blossom(u1, u1, u1)}};
     }
-    /// Restrictions to [0, 1/2] and [1/2, 1].
     void Halves(CubicBezier *first, CubicBezier *second) const {
         constexpr Float kHalf = 0.5f;
         Point3 p01 = (p[0] + p[1]) * kHalf, p12 = (p[1] + p[2]) * kHalf, p23 = (p[2] + p[3]) * kHalf;

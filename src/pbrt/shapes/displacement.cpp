@@ -44,7 +44,6 @@ class Splitter {
             auto [v0, v1, v2] = todo_.back();
             todo_.pop_back();
             const Float d01 = EdgeLength(v0, v1), d12 = EdgeLength(v1, v2), d20 = EdgeLength(v2, v0);
-            // The longest edge runs from v0 to v1.
             if (d12 > d01 && d12 >= d20) std::tie(v0, v1, v2) = std::tuple(v1, v2, v0);
             else if (d20 > d01 && d20 > d12) std::tie(v0, v1, v2) = std::tuple(v2, v0, v1);
             const Float longest = std::max({d01, d12, d20});

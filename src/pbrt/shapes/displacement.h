@@ -6,7 +6,6 @@
 
 namespace pbrt {
 
-/// Displacement parameters.
 struct Displacement {
     /// Displacement along the normal in object units; position and (unit) normal are in rendering space.
     std::function<Float(const Point3 &p, const Normal3 &n, const Point2 &uv)> height;

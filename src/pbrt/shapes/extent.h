@@ -12,9 +12,7 @@ inline bool IsWithinReach(const Point3 &p) {
 }
 inline bool IsWithinReach(const Bounds3 &b) { return b.IsEmpty() || (IsWithinReach(b.low) && IsWithinReach(b.high)); }
 
-/// Bounding box of a transformed box.
 Bounds3 TransformBounds(const Transform &t, const Bounds3 &b);
-/// Bounding box of all primitives.
 Bounds3 BoundsOf(const Shape &shape);
 
 /// Throws UserError "`what` reaches to ...; coordinates must be ..." unless the box, placed at the start and end of its

@@ -157,14 +157,12 @@ class HeaderReader {
     Header header_;
 };
 
-/// Sequential reader of the body's numbers.
 class BodyReader {
   public:
     BodyReader(std::string_view content, const Header &header, const std::string &name)
         : at_(content.data() + header.bodyOffset), end_(content.data() + content.size()), name_(name),
           encoding_(header.encoding), lineEnd_(header.lineEnd), line_(header.lines + 1) {}
 
-    /// Current item, for messages.
     void SetItem(const std::string *element, uint64_t index) {
         element_ = element;
         index_ = index;

@@ -28,7 +28,6 @@ class Quadric : public Shape {
                         const Normal3 &nHit) const override;
 
   protected:
-    /// Surface point in object space.
     struct ObjectPoint {
         Point3 p{};
         Vector3 pError{};
@@ -84,12 +83,9 @@ class Quadric : public Shape {
     bool flipNormal_;
 };
 
-/// True if phiMax covers the whole circle.
 inline bool IsFullTurn(Float phiMax) { return phiMax >= Float(6.28318); }
-/// True if azimuth phi is beyond phiMax.
 inline bool CutsAzimuth(Float phiMax, double phi) { return !IsFullTurn(phiMax) && phi > double(phiMax); }
 
-/// Azimuth in [0, 2 Pi).
 template <class T>
 T Azimuth(T x, T y) {
     T phi = std::atan2(y, x);

@@ -54,7 +54,6 @@ inline RectangleSampling::RectangleSampling(const ShapeSampleContext &from, cons
         return;
     }
     volume_ = std::abs(Dot(Cross(edgeX, edgeY), toCorner_));
-    // Cosine over cubed distance.
     const Float min = Float(0.01) * std::sqrt(d2[0]);
     for (int i = 0; i < 4; ++i) {
         const Float ratio = nearest > 0 ? d2[0] / d2[i] : Float(1);

@@ -32,7 +32,6 @@ struct PrimitiveHit {
     Float u = 0, v = 0;
 };
 
-/// Selects the accelerator's primitive type.
 enum class ShapeKind { TriangleMesh, BilinearMesh, Sphere, Disk, Cylinder, Curves };
 
 /// A quadric (one primitive) or a mesh (many), in rendering space. Immutable.
@@ -59,7 +58,6 @@ class Shape {
                                       const Vector3 &d) const = 0;
     /// True for curves, which face the ray.
     bool FacesRay() const { return facesRay_; }
-    /// Texture coordinates only, for alpha tests.
     virtual Point2 Uv(uint32_t primitive, const PrimitiveHit &hit) const = 0;
 
     /// Samples a point, uniform by area where that is simple. pdf by area.

@@ -35,7 +35,6 @@ void DiscardUnlessPer(const ParamSet &set, DiagnosticSink &sink, std::vector<T> 
 
 constexpr RequiredItems kPoints{{ParamType::Point3}};
 
-/// Parameters shared by trianglemesh and bilinearmesh.
 struct MeshParams {
     MeshData mesh;
     std::span<const int> indices, faceIndices;
@@ -270,7 +269,6 @@ ShapeList MakePlyMesh(const PlyMeshParams &p, const ParamSet &set, const ShapeCo
     return shapes;
 }
 
-/// Parameters shared by quadrics.
 struct QuadricParams {
     Float radius = 1, phiMax = 360;
     template <class V>
@@ -323,7 +321,6 @@ void AddShape(ShapeTable &table, const char *name, const char *summary, bool isT
     });
 }
 
-/// A single shape traced in object space.
 template <class P, class F>
 void AddQuadric(ShapeTable &table, const char *name, const char *summary, F make) {
     AddShape<P>(table, name, summary, true, [make](const P &p, const ParamSet &, const ShapeContext &context) {

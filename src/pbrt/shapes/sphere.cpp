@@ -72,7 +72,6 @@ Quadric::ObjectPoint Sphere::PointAt(const Point2 &uv) const {
 }
 
 Quadric::ObjectSample Sphere::SampleObject(const Point2 &u) const {
-    // Slices of equal height have equal areas.
     Float z = Lerp(u.x, zMax_, zMin_), phi = u.y * phiMax_, ring = SafeSqrt(radius_ * radius_ - z * z);
     ObjectSample at;
     at.n = Normalize(Vector3(ring * std::cos(phi), ring * std::sin(phi), z));

@@ -3,8 +3,8 @@
 
 namespace pbrt {
 
-// Uniform solid-angle sampling about the origin; densities are 1 / area. The rectangle uses double precision, because
-// small ones are differences of nearly equal angles.
+// Uniform solid-angle sampling about the origin; densities are 1 / area. Triangle corners are unit vectors. The
+// rectangle uses double precision, because small ones are differences of nearly equal angles.
 
 class SphericalTriangle {
   public:
@@ -66,7 +66,6 @@ inline Point2 SphericalTriangle::Invert(const Vector3 &weights, const Vector3 &w
     if (!(length > 0)) return {Float(0.5), 0};  // the direction is b, for every u.x
     const Vector3 cut = cutDirection / length;
     const Float across = DistanceSquared(cut, b_);
-    // The triangle a, b, cut.
     const Float area =
         2 * ArcTangent2(volume_ * (weights.z / length), 4 - versineAB_ - (DistanceSquared(cut, a_) + across) / 2);
     const Float y = across > 0 ? DistanceSquared(w, b_) / across : 0;

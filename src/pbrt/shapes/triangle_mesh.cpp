@@ -84,7 +84,6 @@ Point2 TriangleMesh::UvAt(uint32_t primitive, const Vector3 &b) const {
     return b.x * mesh_.uv[v[0]] + b.y * mesh_.uv[v[1]] + b.z * mesh_.uv[v[2]];
 }
 
-/// Intersection of a line with a triangle's plane, in double precision.
 struct TriangleMesh::PlaneHit {
     double t, b1, b2;
 

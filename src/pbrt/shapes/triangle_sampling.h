@@ -69,7 +69,6 @@ inline TriangleSampling::TriangleSampling(const ShapeSampleContext &from, const 
         SetWeights(1, 1, 1);
         return;
     }
-    // Cosine over cubed distance.
     const Float ratio0 = d1 / d0, ratio2 = d1 / d2;
     if (from.ns == Normal3(0)) {
         SetWeights(ratio0 * std::sqrt(ratio0), 1, ratio2 * std::sqrt(ratio2));
@@ -80,7 +79,6 @@ inline TriangleSampling::TriangleSampling(const ShapeSampleContext &from, const 
                std::max(min, AbsDot(from.ns, to2_)) * (ratio2 * ratio2));
 }
 
-/// False if the triangle is too small or too large for the sphere.
 inline bool TriangleSampling::TrySphere(const ShapeSampleContext &from) {
     distance_ = {Length(to0_), Length(to1_), Length(to2_)};
     const Vector3 a = to0_ / distance_.x, b = to1_ / distance_.y, c = to2_ / distance_.z;

@@ -40,7 +40,6 @@ struct AxisPlace {
     Float fraction;
 };
 
-/// `ratio` in [0, 1], on equally spaced nodes.
 AxisPlace PlaceOfRatio(Float ratio) {
     Float nodes = ratio * static_cast<Float>(RgbTableResolution - 1);
     size_t node = std::min(static_cast<size_t>(nodes), RgbTableResolution - 2);
@@ -137,7 +136,6 @@ SigmoidPolynomial ColorSpace::ToPolynomial(const Rgb &rgb) const {
     if ((next == largest && afterNext == largest) || largest < kTiny)
         return {0, 0, (largest - Float(0.5)) / std::sqrt(largest * (1 - largest))};
 
-    // Trilinear interpolation of the coefficients.
     const AxisPlace x = PlaceOfRatio(next / largest), y = PlaceOfRatio(afterNext / largest);
     const AxisPlace scale = PlaceOfScale(largest);
     const float *first = table_ + RgbTableIndex(slab, scale.node, y.node, x.node);

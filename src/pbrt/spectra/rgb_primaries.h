@@ -13,10 +13,8 @@ struct RgbPrimaries {
     std::string illuminant;
 };
 
-/// srgb, dci-p3, rec2020, aces2065-1.
 std::span<const RgbPrimaries> KnownRgbPrimaries();
 
-/// Chromaticity (x, y) of a colour.
 Point2 Chromaticity(const Vector3 &xyz);
 /// Colour of that chromaticity with Y = 1 (0 if y is 0).
 Vector3 XyzFromChromaticity(const Point2 &xy);

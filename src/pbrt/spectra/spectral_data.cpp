@@ -18,7 +18,6 @@ namespace pbrt {
 
 namespace {
 
-/// Removes and returns the front of `text` up to `separator`.
 std::string_view CutField(std::string_view &text, char separator) {
     size_t end = std::min(text.find(separator), text.size());
     std::string_view field = text.substr(0, end);
@@ -34,7 +33,6 @@ Float ParseNumber(std::string_view field) {
     return value;
 }
 
-/// Calls row(line) for every line except the heading.
 template <class F>
 void ForEachRow(std::string_view text, F row) {
     CutField(text, '\n');

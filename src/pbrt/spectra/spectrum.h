@@ -12,10 +12,8 @@ namespace pbrt {
 
 inline constexpr Float LambdaMin = 360;  ///< nm
 inline constexpr Float LambdaMax = 830;  ///< nm
-/// Wavelengths per path.
 inline constexpr int SpectrumSamples = 4;
 
-/// Values at the wavelengths of one path.
 class SampledSpectrum {
   public:
     SampledSpectrum() : v_{} {}
@@ -62,7 +60,6 @@ class SampledSpectrum {
             if (std::isnan(v)) return true;
         return false;
     }
-    /// Applies f to every value.
     template <class F>
     SampledSpectrum Map(F f) const {
         SampledSpectrum r;
@@ -220,7 +217,6 @@ SpectrumPtr NamedSpectrum(const std::string &name);
 std::vector<std::string> NamedSpectrumNames();
 /// Cameras of §16. Channel responses are the named spectra SENSOR_r, SENSOR_g and SENSOR_b.
 std::vector<std::string> CameraSensorNames();
-/// Reflectances of the 24 patches of a colour checker.
 const std::vector<SpectrumPtr> &ColorCheckerReflectances();
 
 }  // namespace pbrt

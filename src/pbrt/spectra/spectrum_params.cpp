@@ -48,7 +48,6 @@ SpectrumPtr FromBlackbody(const Param &p) {
     return std::make_shared<BlackbodySpectrum>(p.floats[0]);
 }
 
-/// `where`: the parameter or file, which begins messages.
 SpectrumPtr FromSamples(std::span<const Float> samples, SpectrumUse use, const std::string &where, const FileLoc &loc) {
     if (samples.empty())
         throw UserError(fmt::format("{}: no samples; wavelength and value pairs are wanted.", where), loc);

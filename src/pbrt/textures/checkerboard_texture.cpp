@@ -4,7 +4,6 @@ namespace pbrt {
 
 namespace {
 
-/// Phase in the wave's period, [0, 2).
 Float Phase(Float x) { return x - 2 * std::floor(x / 2); }
 
 /// Zero-mean second integral of the square wave, of period 2: one parabola up, one down.
@@ -13,7 +12,6 @@ Float TwiceIntegratedWave(Float x) {
     return m < 1 ? m * (m - 1) / 2 : (m - 1) * (2 - m) / 2;
 }
 
-/// Half-width of the tent filter: 1.5 pixel steps.
 Float FilterRadius(Float dx, Float dy) { return Float(1.5) * std::max(std::abs(dx), std::abs(dy)); }
 
 }  // namespace

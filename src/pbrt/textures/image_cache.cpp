@@ -31,7 +31,6 @@ std::shared_ptr<const Image> ReadLinearRgb(const std::string &path) {
     return std::make_shared<const Image>(std::move(image));
 }
 
-/// Stores the result of `read` or its error.
 template <class Entry, class Read>
 void Fill(Entry &entry, Read &&read) {
     try {

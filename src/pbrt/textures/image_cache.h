@@ -9,7 +9,6 @@
 
 namespace pbrt {
 
-/// Key of an image pyramid.
 struct MipMapKey {
     std::string path;
     TextureFilter filter = TextureFilter::Bilinear;
@@ -34,7 +33,6 @@ class ImageCache {
     std::shared_ptr<const MipMap> GetMipMap(const MipMapKey &key);
     /// R, G and B of a file; 8 or 16 bit values are taken as linear.
     std::shared_ptr<const Image> GetLinearRgb(const std::string &path);
-    /// Reads missing images in parallel.
     void Preload(const std::vector<MipMapKey> &keys);
 
   private:

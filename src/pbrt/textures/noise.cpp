@@ -65,7 +65,6 @@ struct LatticePlace {
 
     explicit LatticePlace(const Point3 &p) {
         const Point3 low = glm::floor(p);
-        // Coordinates out of int range become 0.
         auto whole = [](Float v) { return std::abs(v) < Float(1 << 30) ? static_cast<int>(v) : 0; };
         cell = {whole(low.x), whole(low.y), whole(low.z)};
         d = p - low;
@@ -107,7 +106,6 @@ Vector3 GradientNoiseSlope(const Point3 &p) {
     const auto [cell, d] = LatticePlace(p);
     const Vector3 fade(Fade(d.x), Fade(d.y), Fade(d.z));
     const Vector3 fadeSlope(FadeSlope(d.x), FadeSlope(d.y), FadeSlope(d.z));
-    // Sum over corners of planes times tensor-product weights.
     Vector3 sum(0);
     for (int i = 0; i < 8; ++i) {
         const glm::ivec3 corner(i & 1, (i >> 1) & 1, i >> 2);

@@ -5,7 +5,6 @@ namespace pbrt {
 
 /// Gradient noise (Perlin 2002): 0 at integer coordinates, in [-1, 1], period 256.
 Float GradientNoise(const Point3 &p);
-/// Gradient of GradientNoise.
 Vector3 GradientNoiseSlope(const Point3 &p);
 
 /// Fractal sum of noise: each octave has 1.99 times the frequency and `roughness` times the amplitude of the previous.

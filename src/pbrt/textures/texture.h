@@ -26,9 +26,7 @@ class FloatTexture {
   public:
     virtual ~FloatTexture() = default;
     virtual Float Evaluate(const TextureContext &ctx) const = 0;
-    /// The value of a constant texture.
     virtual std::optional<Float> Constant() const { return {}; }
-    /// True if Evaluate uses the filter footprint.
     virtual bool UsesFootprint() const { return false; }
 };
 using FloatTexturePtr = std::shared_ptr<const FloatTexture>;
@@ -38,7 +36,6 @@ class SpectrumTexture {
   public:
     virtual ~SpectrumTexture() = default;
     virtual SampledSpectrum Evaluate(const TextureContext &ctx, const SampledWavelengths &lambda) const = 0;
-    /// The spectrum of a constant texture.
     virtual const Spectrum *Constant() const { return nullptr; }
     virtual bool UsesFootprint() const { return false; }
 };

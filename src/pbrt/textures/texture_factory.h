@@ -45,7 +45,6 @@ class TextureLibrary {
     size_t missingImages_ = 0;
 };
 
-/// Texture classes of the pbrt-v4 format that are not supported.
 const std::vector<std::string> &UnsupportedTextures();
 
 }  // namespace pbrt

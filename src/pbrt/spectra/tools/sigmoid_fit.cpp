@@ -31,7 +31,6 @@ bool Solve3(const double a[3][3], const double b[3], double x[3]) {
     return true;
 }
 
-/// Linear interpolation between samples every kStep nm.
 double AtTableStep(const Spectrum &s, double position) {
     double x = position * kSteps;
     int i = std::min(static_cast<int>(x), kSteps - 1);
@@ -115,7 +114,6 @@ double SigmoidFit::Fit(const double rgb[3], double c[3]) const {
         if (error < kGoodEnough || !Solve3(jacobian, r, step)) break;
         if (!std::isfinite(step[0] + step[1] + step[2])) break;
         for (int j = 0; j < 3; ++j) c[j] += step[j];
-        // By value, not magnitude: negative coefficients are unbounded.
         if (double largest = std::max({c[0], c[1], c[2]}); largest > kMaxCoefficient)
             for (int j = 0; j < 3; ++j) c[j] *= kMaxCoefficient / largest;
     }

@@ -18,7 +18,6 @@ class SigmoidFit {
     /// ones and are the reference.
     double Fit(const double rgb[3], double c[3]) const;
 
-    /// The same polynomial for wavelength in nm.
     static void ToNanometres(const double c[3], float out[3]);
 
   private:

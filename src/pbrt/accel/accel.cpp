@@ -70,7 +70,6 @@ RTCQuaternionDecomposition Decompose(const glm::dmat4 &m) {
     return d;
 }
 
-/// True if the coordinate axes are parallel.
 bool IsDiagonal(const Transform &t) {
     for (int c = 0; c < 3; ++c)
         for (int r = 0; r < 3; ++r)
@@ -88,13 +87,11 @@ bool AllParallelograms(const BilinearMesh &mesh) {
 }  // namespace
 
 struct Accel::Impl {
-    /// An Embree scene: the top level or an object.
     struct Group {
         RTCScene scene = nullptr;
         std::vector<std::unique_ptr<Geometry>> geometries;  ///< by Embree geometry id; null for instances
         std::vector<int32_t> instances;                     ///< by Embree geometry id; -1 for shapes
     };
-    /// Transform of a moving instance, the product of both.
     struct Motion {
         AnimatedTransform outer, inner;
         Transform At(Float time) const { return Product({outer.At(time), inner.At(time)}); }
@@ -278,7 +275,6 @@ struct Accel::Impl {
     }
     /// Tests Embree's documented requirements on rays, which it asserts.
     bool IsRay(const Ray &ray) const {
-        // Branchless, because every ray is tested.
         bool within = ray.tMax > 0;
         for (int c = 0; c < 3; ++c) within &= (std::abs(ray.o[c]) <= maxOrigin) & (std::abs(ray.d[c]) <= maxDirection);
         return within;

@@ -35,7 +35,6 @@ class Accel {
     /// textures are evaluated for all instances.
     int AddObject(const std::vector<ShapeId> &ids, const std::vector<const Shape *> &shapes,
                   const std::vector<const FloatTexture *> &alphas, const Transform &renderFromObject = {});
-    /// Returns the instance index of AccelHit.
     int AddInstance(int object, const Transform &renderFromObject);
     /// A moving instance, placed by the product of both transforms. All moving instances share start and end time.
     int AddMovingInstance(int object, const AnimatedTransform &renderFromOuter,
@@ -50,7 +49,6 @@ class Accel {
     /// True if a surface lies strictly inside (0, ray.tMax), or if Embree cannot trace the ray. `passed`, if not null,
     /// must be empty; unless the ray is blocked, it receives the hits on shapes passed with `collect`.
     bool Occluded(const Ray &ray, PassedHits *passed = nullptr) const;
-    /// Transform of the instance at a time, as used in ray queries.
     Transform InstanceTransform(int instance, Float time) const;
     size_t Bytes() const;  ///< as counted by Embree's memory monitor
 

@@ -8,14 +8,12 @@
 
 namespace pbrt {
 
-/// Treatment of shadow rays at a shape.
 enum class ShadowRays {
     Blocked,
     Passed,
     Collected,  ///< they pass, and the query collects the hits
 };
 
-/// Geometry data for Embree's callbacks.
 struct Geometry {
     const Shape *shape = nullptr;
     ShapeId id{};
@@ -25,7 +23,6 @@ struct Geometry {
     bool hitsOnce = false;  ///< a straight line hits each primitive at most once
 };
 
-/// Passed to every callback by Embree.
 struct QueryContext {
     RTCIntersectContext base;
     const Ray *ray;      ///< the ray of the query, before any instance transform
@@ -39,10 +36,8 @@ struct QueryContext {
 /// Bounds and closest hits of user geometries, through Shape.
 void UserBounds(const RTCBoundsFunctionArguments *args);
 void UserIntersect(const RTCIntersectFunctionNArguments *args);
-/// Alpha test of closest-hit queries.
 void AlphaFilter(const RTCFilterFunctionNArguments *args);
 
-/// Callbacks of occlusion queries for a geometry.
 struct ShadowCallbacks {
     RTCFilterFunctionN filter;          ///< for Embree's own primitives; may be null
     RTCOccludedFunctionN userGeometry;  ///< for all others

@@ -8,7 +8,6 @@
 
 namespace pbrt {
 
-/// Primitive, position and instance of a hit.
 struct AccelHit {
     ShapeId shape{};
     uint32_t primitive = 0;
@@ -42,7 +41,6 @@ class PassedHits {
     }
     std::span<AccelHit> Hits() { return {hits_.data(), At(count_)}; }
     std::span<const AccelHit> Hits() const { return {hits_.data(), At(count_)}; }
-    /// True if hits behind those kept were dropped.
     bool HasDropped() const { return hasDropped_; }
 
   private:

@@ -100,7 +100,6 @@ struct RealisticParams : CameraParams {
     }
 };
 
-/// Lens with the requested stop diameter and focus.
 std::vector<LensElement> ReadLens(const RealisticParams &p, const ParamSet &set, const CameraContext &context) {
     std::vector<LensElement> elements =
         set.At("lensfile", [&] { return ReadLensFile(context.files.Resolve(p.lensFile)); });

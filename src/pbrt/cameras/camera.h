@@ -24,7 +24,6 @@ struct CameraRay {
     SampledSpectrum weight{1};
 };
 
-/// Connection of a point to the camera.
 struct CameraConnection {
     Point3 p{};      ///< point on the lens, rendering space
     Vector3 wi{};    ///< unit, from the point to the camera
@@ -55,7 +54,6 @@ class Camera {
         (void)time;
         return 0;
     }
-    /// True if all camera rays have the same direction.
     virtual bool IsParallel() const { return false; }
     /// For cameras whose image wraps around: equivalent film positions outside the film, so that filters reach pixels
     /// at opposite edges. At most the first repetition in each direction. Returns their number.
@@ -65,7 +63,6 @@ class Camera {
         (void)places;
         return 0;
     }
-    /// Generates a ray with differentials of one pixel step.
     virtual std::optional<CameraRay> GenerateRay(const CameraSample &sample,
                                                  const SampledWavelengths &lambda) const = 0;
     /// Footprint of one of `samplesPerPixel` samples at a point not directly visible: dp/dx, dp/dy from the smallest
@@ -82,7 +79,6 @@ class Camera {
     Float shutterOpen_ = 0, shutterClose_ = 1;
 };
 
-/// Context of camera creation besides its parameters.
 struct CameraContext {
     const AnimatedTransform &renderFromCamera;
     Point2i resolution{1, 1};  ///< of the full film

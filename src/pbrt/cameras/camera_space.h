@@ -4,7 +4,6 @@
 
 namespace pbrt {
 
-/// Placement, resolution and shutter times of a camera.
 struct CameraFrame {
     AnimatedTransform renderFromCamera;
     Point2i resolution{1, 1};

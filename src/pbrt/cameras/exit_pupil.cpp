@@ -80,7 +80,6 @@ Point2 ExitPupil::Sample(const Point2 &film, const Point2 &u) const {
     const Float distance = glm::length(film);
     const Point2 p = Bounds(distance).Lerp(u);
     if (!(distance > 0)) return p;
-    // Rotates p from the x axis to the angle of `film`.
     const Vector2 direction = film / distance;
     return {direction.x * p.x - direction.y * p.y, direction.y * p.x + direction.x * p.y};
 }

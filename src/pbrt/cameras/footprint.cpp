@@ -4,7 +4,6 @@ namespace pbrt {
 
 namespace {
 
-/// Smallest rotation of a unit vector to +z.
 class RotationToZ {
   public:
     explicit RotationToZ(const Vector3 &from) : flip_(from.z < -0.99f) {

@@ -31,7 +31,6 @@ std::optional<Transform> PerspectiveCamera::NdcFromCamera() const {
 bool PerspectiveCamera::GenerateInCameraSpace(const CameraSample &sample, CameraRay *c) const {
     Ray *ray = &c->ray;
     RayDifferential *d = &c->differential;
-    // Image plane z = 1, here and one pixel further.
     Point2 screen = screen_(sample.pFilm);
     Vector3 center(screen.x * tanHalfFov_, screen.y * tanHalfFov_, 1);
     Vector3 right = center + Vector3(screen_.StepX() * tanHalfFov_, 0, 0);

@@ -14,7 +14,6 @@
 
 namespace pbrt {
 
-/// Result of one camera path.
 struct FilmSample {
     Point2i pixel{};
     SampledSpectrum L;  ///< radiance at `lambda`
@@ -39,7 +38,6 @@ class Film {
     const ColorSpace &OutputSpace() const { return *frame_.outputSpace; }
 
     virtual SampledWavelengths SampleWavelengths(Float u) const { return SampledWavelengths::SampleVisible(u); }
-    /// True if samples need FilmSample::visible.
     virtual bool WantsVisibleSurface() const { return false; }
     /// One thread at a time per pixel, in an order independent of the threads. Non-finite radiance is counted, reported
     /// and dropped.
@@ -63,7 +61,6 @@ class Film {
     virtual Image Colors() const = 0;
     virtual ImageMetadata Metadata() const;
     virtual uint64_t RejectedSamples() const = 0;
-    /// Bytes of the sums.
     size_t Bytes() const;
     /// Creates an empty rgb film of the same pixels and sensor, in float precision.
     virtual std::unique_ptr<Film> MakeRgbFilm() const = 0;
@@ -83,7 +80,6 @@ class Film {
     void AddSums(StateReader &in);
 
   protected:
-    /// `kind`: the film's name in the scene.
     Film(std::string kind, FilmFrame frame) : kind_(std::move(kind)), frame_(std::move(frame)) {}
     const FilmFrame &Frame() const { return frame_; }
     /// Access for films that wrap another one.
@@ -92,7 +88,6 @@ class Film {
     static std::vector<StateBlock> BlocksOf(const Film &film) { return film.Blocks(); }
 
   private:
-    /// All sums as memory blocks.
     virtual std::vector<StateBlock> Blocks() const = 0;
     /// Adds a saved state, clearing the sums first if `forgetsFirst`. Throws UserError if it is of another film.
     void Add(std::istream &in, bool forgetsFirst);
@@ -100,17 +95,14 @@ class Film {
     FilmFrame frame_;
 };
 
-/// Context of film creation besides its parameters.
 struct FilmContext {
     const ColorSpace &outputSpace;
     Float exposureTime = 1;  ///< seconds
     FilmOverrides overrides{};
-    /// For films that record positions and normals.
     AnimatedTransform renderFromCamera{};
     Transform renderFromWorld{};
 };
 
-/// Context and warning sink of film creation.
 struct FilmRequest {
     const FilmContext &context;
     DiagnosticSink &sink;

@@ -10,7 +10,6 @@
 
 namespace pbrt {
 
-/// Command line overrides of the scene's film parameters.
 struct FilmOverrides {
     std::optional<Bounds2> cropWindow;  ///< fractions
     std::optional<Bounds2i> pixelBounds;
@@ -44,7 +43,6 @@ struct FilmFrame {
     }
 };
 
-/// Requirements of a film kind on its frame.
 struct FrameNeeds {
     bool onlyExr = false;      ///< other formats cannot hold its channels
     double bytesPerPixel = 0;  ///< sums, and the output image

@@ -8,7 +8,6 @@
 
 namespace pbrt {
 
-/// Parameters of all films: frame, file, and sensor.
 struct FilmParams {
     std::string filename = "pbrt.exr";
     int xResolution = 1280, yResolution = 720;

@@ -22,7 +22,6 @@ struct StateBlock {
     void (*add)(std::byte *to, const std::byte *from, size_t bytes) = nullptr;
     void (*clear)(std::byte *data, size_t bytes) = nullptr;
 
-    /// For modifying the sums of a non-const film.
     std::byte *Memory() const { return const_cast<std::byte *>(data); }
 };
 

@@ -36,7 +36,6 @@ class GBufferFilm final : public Film {
   private:
     std::vector<StateBlock> Blocks() const override;
     struct Pixel {
-        /// Component-wise sum of vectors.
         template <int N>
         struct Sums {
             PreciseSum of[N];

@@ -17,7 +17,6 @@ constexpr const char *kKind = "checkpoint";
 constexpr const char *kProgram = "program";
 constexpr std::string_view kFile = "file ";
 
-/// Stream over memory without a copy.
 class View : public std::streambuf {
   public:
     explicit View(std::string_view bytes) {

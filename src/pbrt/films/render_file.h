@@ -35,7 +35,6 @@ struct RenderFileHead {
     std::optional<std::string> Validate() const;
 };
 
-/// A loaded checkpoint or part.
 class RenderFile {
   public:
     /// Throws UserError if the file is incomplete or damaged.
@@ -43,7 +42,6 @@ class RenderFile {
 
     const std::string &Path() const { return file_.Path(); }
     const RenderFileHead &Head() const { return head_; }
-    /// See RenderPosition.
     std::vector<uint32_t> PassDone() const;
     /// Film::Load and Film::Merge of the sums. Throw UserError.
     void LoadFilm(Film &film) const;

@@ -39,7 +39,6 @@ glm::mat3 CalibrateCamera(const Spectrum &r, const Spectrum &g, const Spectrum &
 }  // namespace
 
 glm::mat3 FitLinearMap(const std::vector<Vector3> &from, const std::vector<Vector3> &to) {
-    // Normal equations: m * sum(f f^T) = sum(t f^T).
     glm::dmat3 ff(0), tf(0);
     for (size_t i = 0; i < from.size(); ++i) {
         ff += glm::outerProduct(glm::dvec3(from[i]), glm::dvec3(from[i]));

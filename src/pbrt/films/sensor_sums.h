@@ -17,11 +17,8 @@ namespace pbrt {
 /// Per-pixel sums common to all films: weighted sensor samples and splats.
 class SensorSums {
   public:
-    /// `set`: source of the parameters.
     SensorSums(const FilmParams &params, const ParamSet &set, const FilmFrame &frame, Float exposureTime);
-    /// Same sensor, empty sums.
     SensorSums MakeEmpty(const FilmFrame &frame) const;
-    /// Memory per pixel for the sums and RGB of the output image.
     static constexpr double kBytesPerPixel = 4 * sizeof(PreciseSum) + 3 * sizeof(float);
 
     /// Sensor value, scaled down to maxcomponentvalue if larger. Empty and counted as rejected if not finite.

@@ -14,7 +14,7 @@ namespace pbrt::oiio {
 
 enum class ValueType { U8, U16, Half, Float };
 
-/// Image in memory: rows from the top, channels interleaved.
+/// Rows from the top, channels interleaved.
 struct Pixels {
     int width = 0, height = 0, channels = 0;
     ValueType type = ValueType::U8;

@@ -6,7 +6,6 @@
 
 namespace pbrt {
 
-/// Boundary between media without scattering.
 class InterfaceMaterial final : public Material {
   public:
     Bsdf GetBsdf(const SurfacePoint &, SampledWavelengths &) const override { return {}; }

@@ -36,7 +36,6 @@ class SubsurfaceMatter {
     Way way_;
 };
 
-/// Dielectric boundary with subsurface scattering.
 class SubsurfaceMaterial final : public SurfaceMaterial {
   public:
     SubsurfaceMaterial(SubsurfaceMatter matter, Float scale, RoughnessInput roughness,

@@ -15,7 +15,6 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-/// Sequential reader; throws at the end of the bytes.
 class Bytes {
   public:
     Bytes(const std::string &data, const std::string &path) : data_(data), path_(path) {}

@@ -17,7 +17,6 @@ class HaltonSampler final : public Sampler {
         return std::make_unique<HaltonSampler>(samplesPerPixel_, resolution_, randomization_, seed);
     }
 
-    /// Index of the current sample in the Halton sequence.
     uint64_t Index() const { return index_; }
     Point2i TileScale() const { return scale_; }
 

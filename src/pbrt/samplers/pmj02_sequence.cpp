@@ -75,7 +75,6 @@ class Prefix {
                 // Toroidal differences.
                 const float u = static_cast<float>(static_cast<int32_t>(xs[k] - xs[i])) * scale,
                             v = static_cast<float>(static_cast<int32_t>(ys[k] - ys[i])) * scale;
-                // Kernel with a radius of 1.6 cells.
                 const float q = 1 - (u * u + v * v) / (1.6f * 1.6f);
                 if (q > 0) f(k, q * q * q * q);
             }

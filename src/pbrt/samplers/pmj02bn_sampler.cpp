@@ -88,7 +88,6 @@ Lanes64 Pmj02bnSampler::FlipsFor(int dimension) const {
     }
     constexpr int kRankBits = 2 * BlueNoiseMask::Log2Size;
     const Lanes64 sameEverywhere = AddDimensions(setHash_, dimension);
-    // Hash of another seed sequence.
     const Lanes64 fine = MixBits(pixelHash_ - 0x9e3779b97f4a7c15ull * CountingLanes(static_cast<uint64_t>(dimension)));
     return (rank << (32 - kRankBits) | fine >> (32 + kRankBits)) ^ sameEverywhere;
 }

@@ -9,7 +9,6 @@ class PixelStream {
   public:
     explicit PixelStream(int seed) : seed_(seed) {}
     void Start(Point2i pixel, int sampleIndex);
-    /// Sixteen numbers of the sample from one dimension on.
     FloatLanes Numbers(int dimension) const;
 
   private:

@@ -11,7 +11,6 @@ inline Lanes64 AddDimensions(uint64_t hash, int first) {
     return MixBits(hash + 0x9e3779b97f4a7c15ull * (CountingLanes(static_cast<uint64_t>(first)) + 1));
 }
 
-/// Sixteen 64-bit numbers.
 struct SixteenLanes {
     Lanes64 a, b;
     Lanes32 Low() const { return LowHalves(a, b); }

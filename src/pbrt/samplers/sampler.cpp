@@ -114,7 +114,6 @@ std::unique_ptr<Sampler> MakePmj(const CountParams &p, const ParamSet &set, cons
     return std::make_unique<Pmj02bnSampler>(samples, p.Seed(context));
 }
 
-/// Sample count of the Sobol' samplers.
 int SobolSamples(const SobolParams &p, const ParamSet &set, const SamplerContext &context) {
     const int samples = p.Samples(context);
     if (!std::has_single_bit(static_cast<unsigned>(samples)))

@@ -21,13 +21,11 @@ class Sampler {
         next_ = end_ = 0;
         firstPrepared_ = StartSample(pixel, sampleIndex, dimension);
     }
-    /// Consumes one dimension.
     Float Get1D() {
         if (next_ >= end_) [[unlikely]]
             PrepareNext();
         return prepared_.one[next_++];
     }
-    /// Consumes two dimensions.
     Point2 Get2D() {
         if (next_ >= end_) [[unlikely]]
             PrepareNext();
@@ -61,7 +59,6 @@ class Sampler {
     };
 
     explicit Sampler(int seed) : givenSeed_(seed) {}
-    /// Returns the first dimension of the sample.
     virtual int StartSample(Point2i pixel, int sampleIndex, int dimension) = 0;
     /// Fills numbers for a run of dimensions that contains `dimension`.
     virtual Run Prepare(int dimension, Numbers &numbers) = 0;
@@ -92,7 +89,6 @@ inline void Sampler::Numbers::SetSequence(const FloatLanes &values) {
     StoreLanes(high, two + kPrepared / 2);
 }
 
-/// Context of sampler creation besides its parameters.
 struct SamplerContext {
     Point2i resolution{1, 1};  ///< of the full film
     int samplesPerPixel = 0;   ///< overrides the parameters if above 0 (--spp)

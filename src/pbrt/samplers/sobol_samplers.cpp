@@ -8,7 +8,6 @@ namespace {
 
 int Log2RoundedUp(int v) { return std::bit_width(static_cast<unsigned>(std::max(1, v)) - 1); }
 
-/// First two coordinates of sixteen points of the Sobol' sequence.
 void SetSobolPoints(const SixteenLanes &index, Randomization randomization, const SixteenLanes &seedX, FloatLanes *x,
                     FloatLanes *y) {
     const Lanes32 low = index.Low();

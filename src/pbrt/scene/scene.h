@@ -11,7 +11,6 @@
 
 namespace pbrt {
 
-/// A shape with its properties besides geometry.
 struct ShapeRecord {
     std::unique_ptr<Shape> shape;
     FloatTexturePtr alpha;  ///< null: opaque
@@ -20,7 +19,6 @@ struct ShapeRecord {
     MediumId insideMedium{}, outsideMedium{};
 };
 
-/// Input of a Scene, from build/.
 struct SceneContents {
     std::vector<ShapeRecord> shapes;
     std::vector<MaterialPtr> materials;
@@ -43,7 +41,6 @@ class Scene {
 
     /// Nearest surface along the ray, complete except for the filter footprint.
     std::optional<SurfacePoint> Intersect(const Ray &ray) const;
-    /// The same, written to *point; false without a hit.
     bool Intersect(const Ray &ray, SurfacePoint *point) const;
     /// A uniformly chosen crossing of a segment with surfaces that have a material.
     struct Crossing {
@@ -60,7 +57,6 @@ class Scene {
     /// Unnormalised shadow ray between both points, ending before the light's surface by the error bounds of sample and
     /// intersection.
     static Ray ShadowRay(const LightSampleContext &from, const LightLiSample &to);
-    /// Interface between media on a ray, and the medium behind it.
     struct Interface {
         Float t = 0;
         MediumId behind{};
@@ -97,7 +93,6 @@ class Scene {
 
   private:
     SurfacePoint SurfaceAt(const AccelHit &hit, const Ray &ray) const;
-    /// Point of an object's shape, placed by the instance.
     SurfacePoint InstancedSurface(const Shape &shape, const AccelHit &hit, const Ray &ray) const;
     SceneContents contents_;
     Bounds3 bounds_;

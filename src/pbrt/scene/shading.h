@@ -21,7 +21,6 @@ inline bool ScattersSurely(const Scene &scene, const SurfacePoint &point) {
     return point.material && scene.MaterialOf(point.material).IsPlain();
 }
 
-/// BSSRDF at a hit; empty without subsurface scattering.
 inline std::optional<Bssrdf> ComputeBssrdf(const Scene &scene, const SurfacePoint &point,
                                            const SampledWavelengths &lambda) {
     const Material *material = scene.MaterialOf(point.material).Resolve(point);

@@ -17,7 +17,6 @@ struct TexCoord3 {
     Vector3 dpdx{}, dpdy{};
 };
 
-/// Surface parameters, scaled and offset.
 struct UvMapping {
     Float su = 1, sv = 1, du = 0, dv = 0;
     TexCoord2 Map(const TextureContext &ctx) const {
@@ -25,7 +24,6 @@ struct UvMapping {
     }
 };
 
-/// Position in texture space.
 struct PointMapping {
     explicit PointMapping(const Transform &renderFromTexture) : textureFromRender(renderFromTexture.Inverse()) {}
     Transform textureFromRender;

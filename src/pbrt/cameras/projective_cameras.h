@@ -48,7 +48,7 @@ class PerspectiveCamera final : public CameraSpaceCamera {
 };
 
 /// Screen positions are camera-space x and y. As in stock pbrt-v4, with a lens all rays start on one disk about the
-/// camera's origin, which makes it a perspective view onto the plane of focus.
+/// camera's origin. The result is a perspective view onto the plane of focus.
 class OrthographicCamera final : public CameraSpaceCamera {
   public:
     OrthographicCamera(const CameraFrame &frame, const ScreenWindow &window, const Lens &lens);

@@ -7,9 +7,9 @@
 #include <vector>
 
 // Interface to OpenImageIO, private to this folder. Loading its some 260 shared libraries takes a quarter of a second,
-// as long as a small render. Hence oiio_module.cpp is a separate library, loaded for the first PNG written, the first
-// image that is neither EXR nor PFM, or the first texture of the tile cache. Only plain data crosses the interface, and
-// this header includes no other project header.
+// as long as a small render. Hence oiio_module.cpp is a separate library, loaded on first use: PNG output, input other
+// than EXR and PFM, or the tile cache. Only plain data crosses the interface, and this header includes no other project
+// header.
 namespace pbrt::oiio {
 
 enum class ValueType { U8, U16, Half, Float };

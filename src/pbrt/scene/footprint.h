@@ -10,8 +10,8 @@ namespace pbrt {
 void ComputeFootprint(SurfacePoint &point, const RayDifferential &differential, const Camera &camera,
                       int samplesPerPixel);
 
-/// Ray differentials towards wi after perfect specular reflection (eta = 1) or transmission (eta = the sample's index
-/// ratio) of a ray with differentials `arrived` (Igehy 1999, sections 3.1.2 and 3.1.3). Invalid if too large.
+/// Ray differentials towards wi after perfect specular scattering of a ray with differentials `arrived` (Igehy 1999,
+/// sections 3.1.2 and 3.1.3). eta: 1 for reflection, the sample's index ratio for transmission. Invalid if too large.
 RayDifferential ReflectDifferential(const SurfacePoint &point, const RayDifferential &arrived, const Vector3 &wi);
 RayDifferential TransmitDifferential(const SurfacePoint &point, const RayDifferential &arrived, const Vector3 &wi,
                                      Float eta);

@@ -8,13 +8,13 @@ namespace pbrt {
 /// oriented by normals and looks narrower from the side.
 enum class CurveKind { Flat, Cylinder, Ribbon };
 
-/// Curve segments as ray-facing strips, as in stock pbrt-v4. A ray hits a segment where, projected along the ray, it
-/// passes the curve at less than half its width, at the distance of the curve itself. u runs along each segment, v
-/// across (hits are (u, v)). The error bound is the width at the hit, as in stock, which offsets outgoing rays.
+/// Curve segments as ray-facing strips, as in stock pbrt-v4. A ray hits a segment where it passes, in projection, at
+/// less than half the width; the hit has the distance of the curve itself. u runs along each segment, v across (hits
+/// are (u, v)). The error bound is the width at the hit, as in stock, which offsets outgoing rays.
 ///
 /// Segments are subdivided by stock's flatness rule (to 5 % of the width, at least 2^splitDepth parts), because its
-/// errors in u and v are visible in images. Each segment is one or several primitives, for tight bounds. As in stock,
-/// curves are not sampled as lights.
+/// errors in u and v are visible. Each segment is one or several primitives, for tight bounds. As in stock, curves are
+/// not sampled as lights.
 class Curves final : public Shape {
   public:
     struct Segment {

@@ -14,8 +14,8 @@ struct PlyMesh {
 };
 
 /// Parses a PLY file (ascii, or binary of either byte order; already decompressed). Throws UserError, without location
-/// but with `name` and the line or item, if it is malformed, has no vertices or no faces, an index out of range, or a
-/// non-finite position.
+/// but with `name` and the line or item, for malformed files, missing vertices or faces, indices out of range, and
+/// non-finite positions.
 PlyMesh ParsePly(const std::string &content, const std::string &name);
 
 }  // namespace pbrt

@@ -11,11 +11,11 @@ class SigmoidFit {
     explicit SigmoidFit(const RgbPrimaries &space);
 
     /// `c`: initial value and result, for wavelength mapped to [0, 1]. Returns the CIELAB distance before the last
-    /// step. The largest coefficient, by value and not by magnitude, is limited to 200 by scaling all three, so colours
-    /// outside the gamut of reflectances end at a steep step. The bound fixes that step's wavelength: images of such
-    /// colours agree with stock pbrt-v4 to 0.1 %, but differ by up to 6 % if magnitudes are bounded. Damped steps would
-    /// fit such colours closer (up to 30 % change in dark channels), but stock's tables come from at most 15 undamped
-    /// ones and are the reference.
+    /// step. The largest coefficient, by value and not by magnitude, is limited to 200 by scaling all three. Colours
+    /// outside the gamut of reflectances thus end at a steep step, whose wavelength depends on the bound. Their images
+    /// agree with stock pbrt-v4 to 0.1 %; bounding magnitudes would change them by up to 6 %. Steps are not damped,
+    /// because the reference, stock's tables, comes from at most 15 undamped ones; damping changes dark channels by up
+    /// to 30 %.
     double Fit(const double rgb[3], double c[3]) const;
 
     static void ToNanometres(const double c[3], float out[3]);

@@ -13,7 +13,7 @@ namespace pbrt {
 
 namespace {
 
-/// Embree's own bound on coordinates of vertices, ray origins and directions (its FLT_LARGE).
+/// Embree's bound on coordinates of vertices, ray origins and directions (FLT_LARGE).
 constexpr Float kEmbreeReach = 1.844e18f;
 
 bool CountMemory(void *counter, ssize_t bytes, bool) {
@@ -21,7 +21,6 @@ bool CountMemory(void *counter, ssize_t bytes, bool) {
     return true;
 }
 
-/// `tMin`: hits are behind it.
 RTCRay ToEmbree(const Ray &ray, Float time, Float tMin = 0) {
     RTCRay r{};
     r.org_x = ray.o.x;
@@ -30,7 +29,7 @@ RTCRay ToEmbree(const Ray &ray, Float time, Float tMin = 0) {
     r.dir_x = ray.d.x;
     r.dir_y = ray.d.y;
     r.dir_z = ray.d.z;
-    // Embree takes hits at tnear. Denormal numbers may count as zero.
+    // Embree accepts hits at tnear. Denormals may be flushed to zero.
     constexpr Float kSmallest = std::numeric_limits<Float>::min();
     r.tnear = tMin < kSmallest ? kSmallest : NextFloat(tMin, true);
     r.tfar = ray.tMax;
@@ -39,12 +38,12 @@ RTCRay ToEmbree(const Ray &ray, Float time, Float tMin = 0) {
     return r;
 }
 
-/// Numbers of time steps. Like AnimatedTransform, Embree interpolates rotations along great arcs, but it interpolates
-/// scales as the triangular factor of rotation * triangle, so motions that turn or shear are given in steps: with these
-/// numbers, points of large motions are off by at most a few thousandths of the object's size.
+/// Numbers of time steps. Embree, like AnimatedTransform, interpolates rotations along great arcs, but scales as the
+/// triangular factor of rotation * triangle. Motions that turn or shear are therefore sampled in steps: large motions
+/// are off by at most a few thousandths of the object's size.
 constexpr int kTurningSteps = 17, kTwofoldSteps = 65;
 
-/// Rotation, triangular factor and translation of an affine matrix that is not singular.
+/// Rotation, triangular factor and translation of a non-singular affine matrix.
 RTCQuaternionDecomposition Decompose(const glm::dmat4 &m) {
     glm::dmat3 axes(m), triangle(0);
     for (int c = 0; c < 3; ++c) {
@@ -71,7 +70,6 @@ RTCQuaternionDecomposition Decompose(const glm::dmat4 &m) {
     return d;
 }
 
-/// True if the axes of the coordinate systems are parallel.
 bool IsDiagonal(const Transform &t) {
     for (int c = 0; c < 3; ++c)
         for (int r = 0; r < 3; ++r)
@@ -79,7 +77,7 @@ bool IsDiagonal(const Transform &t) {
     return true;
 }
 
-/// True if every patch can be an Embree quad: flat, and with the same (u, v).
+/// True if every patch can be an Embree quad: flat, with the same (u, v).
 bool AllParallelograms(const BilinearMesh &mesh) {
     for (uint32_t i = 0; i < mesh.PrimitiveCount(); ++i)
         if (!mesh.IsParallelogram(i)) return false;
@@ -89,13 +87,11 @@ bool AllParallelograms(const BilinearMesh &mesh) {
 }  // namespace
 
 struct Accel::Impl {
-    /// One Embree scene: the top level or an object.
     struct Group {
         RTCScene scene = nullptr;
         std::vector<std::unique_ptr<Geometry>> geometries;  ///< by Embree geometry id; null for instances
         std::vector<int32_t> instances;                     ///< by Embree geometry id; -1 for shapes
     };
-    /// The transform of a moving instance: the product of both.
     struct Motion {
         AnimatedTransform outer, inner;
         Transform At(Float time) const { return Product({outer.At(time), inner.At(time)}); }
@@ -106,8 +102,8 @@ struct Accel::Impl {
     };
     struct Instance {
         int object;
-        Transform transform;             ///< if it does not move
-        int32_t motion = -1;             ///< -1: it does not move
+        Transform transform;             ///< if static
+        int32_t motion = -1;             ///< -1: static
         RTCGeometry geometry = nullptr;  ///< owned by the Embree scene
     };
 
@@ -118,17 +114,17 @@ struct Accel::Impl {
     std::vector<Group> objects;
     std::vector<Instance> instances;
     std::vector<Motion> motions;
-    std::map<uint32_t, ShadowRays> shadowless;  ///< by id of the shapes that Occluded ignores
+    std::map<uint32_t, ShadowRays> shadowless;  ///< shapes ignored by Occluded, by id
     bool anyMoves = false;
     Float startTime = 0, endTime = 1;  ///< of all moving instances
     bool committed = false;
-    /// The largest coordinates of a ray's origin and direction with which Embree can trace it in every instance.
+    /// Largest origin and direction coordinates of rays that Embree can trace in every instance.
     Float maxOrigin = kEmbreeReach, maxDirection = kEmbreeReach;
 
     explicit Impl(const Options &o) : options(o) {
         device = rtcNewDevice(nullptr);
         if (!device) {
-            // Embree, with its threads and tables, is the first to fail under a memory limit.
+            // Under a memory limit Embree, with its threads and tables, fails first.
             const RTCError error = rtcGetDeviceError(nullptr);
             if (error == RTC_ERROR_OUT_OF_MEMORY) throw UserError(OutOfMemoryText("building"));
             throw UserError(error == RTC_ERROR_UNSUPPORTED_CPU
@@ -170,7 +166,7 @@ struct Accel::Impl {
         auto *corners = static_cast<uint32_t *>(rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4,
                                                                         4 * sizeof(uint32_t), mesh.PrimitiveCount()));
         if (!corners) CheckDevice();
-        for (size_t i = 0; i < data.indices.size(); i += 4) {  // Embree lists corners around the quad
+        for (size_t i = 0; i < data.indices.size(); i += 4) {  // Embree orders corners around the quad
             corners[i] = data.indices[i];
             corners[i + 1] = data.indices[i + 1];
             corners[i + 2] = data.indices[i + 3];
@@ -192,7 +188,7 @@ struct Accel::Impl {
         geometry->id = id;
         geometry->renderFromShape = renderFromShape;
         if (alpha) geometry->constantAlpha = alpha->Constant();
-        if (geometry->constantAlpha && *geometry->constantAlpha <= 0) return;  // no ray ever hits it
+        if (geometry->constantAlpha && *geometry->constantAlpha <= 0) return;  // invisible
         if (!(geometry->constantAlpha && *geometry->constantAlpha >= 1)) geometry->alpha = alpha;
         if (shape.PrimitiveCount() == 0) return;
 
@@ -232,7 +228,7 @@ struct Accel::Impl {
         group.instances.push_back(instance);
     }
 
-    /// The time as Embree's, from 0 to 1 over the motion.
+    /// Embree's time: [0, 1] over the motion.
     Float EmbreeTime(Float time) const {
         if (!anyMoves || time <= startTime) return 0;
         return time >= endTime ? 1 : (time - startTime) / (endTime - startTime);
@@ -259,8 +255,7 @@ struct Accel::Impl {
         }
     }
 
-    /// Lowers maxOrigin and maxDirection so that rays stay within Embree's bounds when the inverse of `place` takes
-    /// them to the space of the instance.
+    /// Lowers maxOrigin and maxDirection so that rays stay within Embree's bounds in the instance's space.
     void NarrowReach(const Transform &place) {
         const glm::mat4 &inverse = place.InverseMatrix();
         double factor = 0, shift = 0;
@@ -270,7 +265,7 @@ struct Accel::Impl {
             factor = std::max(factor, sum);
             shift = std::max(shift, std::abs(double(inverse[3][row])));
         }
-        // A margin of one eighth, because Embree's own inverse and interpolation in time differ a little.
+        // Margin of one eighth for Embree's own inverse and interpolation in time.
         const double reach = double(kEmbreeReach) / 1.125;
         auto within = [&](double limit, Float old) {
             return limit > 0 ? static_cast<Float>(std::min(double(old), limit)) : Float(0);  // also for NaN
@@ -278,9 +273,8 @@ struct Accel::Impl {
         maxOrigin = within((reach - shift) / factor, maxOrigin);
         maxDirection = within(reach / factor, maxDirection);
     }
-    /// Whether Embree can trace the ray: it asserts what its documentation requires of rays.
+    /// Tests Embree's documented requirements on rays, which it asserts.
     bool IsRay(const Ray &ray) const {
-        // One condition instead of seven branches, because every ray is checked.
         bool within = ray.tMax > 0;
         for (int c = 0; c < 3; ++c) within &= (std::abs(ray.o[c]) <= maxOrigin) & (std::abs(ray.d[c]) <= maxDirection);
         return within;
@@ -412,8 +406,8 @@ bool Accel::Occluded(const Ray &ray, PassedHits *passed) const {
 Transform Accel::InstanceTransform(int instance, Float time) const {
     const Impl::Instance &i = impl_->instances[instance];
     if (i.motion < 0) return i.transform;
-    // Asked from Embree instead of Motion::At: a difference in the last digits could move a surface across the origin
-    // of a ray that leaves it.
+    // Embree's transform rather than Motion::At: differences in the last digits could move a surface across the origin
+    // of a ray leaving it.
     glm::mat4 m;
     rtcGetGeometryTransform(i.geometry, impl_->EmbreeTime(time), RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &m[0][0]);
     return Transform(m);

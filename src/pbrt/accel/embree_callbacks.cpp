@@ -10,8 +10,8 @@ const QueryContext &QueryOf(const RTCIntersectContext *context) {
     return *reinterpret_cast<const QueryContext *>(context);
 }
 
-/// Decides whether a surface with alpha stops the ray. Depends only on the ray of the query and on the identity of the
-/// hit, so closest-hit and occlusion queries agree, and layers along one ray are independent.
+/// Stochastic alpha test. Depends only on the query's ray and the hit's identity, so closest-hit and occlusion queries
+/// agree, and layers along one ray are independent.
 bool StopsRay(const Geometry &g, const RTCIntersectContext *context, const RTCRay &localRay, uint32_t primitive,
               const PrimitiveHit &hit) {
     Float alpha;
@@ -31,7 +31,7 @@ bool StopsRay(const Geometry &g, const RTCIntersectContext *context, const RTCRa
     return HashFloat(ray.o, ray.d, g.id.value, primitive, context->instID[0], u, v) <= alpha;
 }
 
-/// The hit as the query reports it, but for the instance, which is still Embree's number.
+/// The hit in the query's terms, except for the instance, which is still Embree's id.
 AccelHit Report(const Geometry &g, const RTCIntersectContext *context, uint32_t primitive, const PrimitiveHit &hit) {
     return {g.id, primitive, hit, static_cast<int32_t>(context->instID[0])};
 }
@@ -51,7 +51,7 @@ void CollectHit(const RTCFilterFunctionNArguments *args) {
     passed->Add(Report(g, args->context, hit.primID, at));
 }
 
-/// Nearest hit behind tMin that stops the ray, through Shape::Intersect.
+/// Nearest hit beyond tMin that stops the ray, through Shape::Intersect.
 std::optional<PrimitiveHit> NearestHit(const Geometry &g, const RTCIntersectContext *context, const RTCRay &ray,
                                        uint32_t primitive, Float tMin) {
     Point3 o(ray.org_x, ray.org_y, ray.org_z);
@@ -89,7 +89,7 @@ void CollectHits(const RTCOccludedFunctionNArguments *args) {
 void UserBounds(const RTCBoundsFunctionArguments *args) {
     const Geometry &g = *static_cast<const Geometry *>(args->geometryUserPtr);
     Bounds3 b = g.shape->PrimitiveBounds(args->primID);
-    // Hits are found in double precision, box tests are made in float.
+    // Hits are computed in double precision, box tests in float.
     Vector3 margin = Gamma(8) * Max(Abs(b.low), Abs(b.high));
     Point3 low = b.low - margin, high = b.high + margin;
     *args->bounds_o = {low.x, low.y, low.z, 0, high.x, high.y, high.z, 0};

@@ -8,41 +8,36 @@
 
 namespace pbrt {
 
-/// What happens to shadow rays at a shape.
 enum class ShadowRays {
     Blocked,
     Passed,
     Collected,  ///< they pass, and the query collects the hits
 };
 
-/// The data of a geometry for Embree's callbacks.
 struct Geometry {
     const Shape *shape = nullptr;
     ShapeId id{};
     const FloatTexture *alpha = nullptr;  ///< null: opaque
-    Transform renderFromShape{};          ///< for the positions at which alpha is evaluated
+    Transform renderFromShape{};          ///< for the positions where alpha is evaluated
     std::optional<Float> constantAlpha;
-    bool hitsOnce = false;  ///< a straight line meets each primitive at most once
+    bool hitsOnce = false;  ///< a straight line hits each primitive at most once
 };
 
-/// Embree hands this back in every callback.
 struct QueryContext {
     RTCIntersectContext base;
     const Ray *ray;      ///< the ray of the query, before any instance transform
-    PassedHits *passed;  ///< null: not asked for
+    PassedHits *passed;  ///< null: not requested
     explicit QueryContext(const Ray &r, PassedHits *p = nullptr) : ray(&r), passed(p) {
         rtcInitIntersectContext(&base);
         base.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
     }
 };
 
-/// Bounds and closest hits of geometries whose primitives are not Embree's own, through Shape.
+/// Bounds and closest hits of user geometries, through Shape.
 void UserBounds(const RTCBoundsFunctionArguments *args);
 void UserIntersect(const RTCIntersectFunctionNArguments *args);
-/// Lets closest-hit queries through where the alpha texture does.
 void AlphaFilter(const RTCFilterFunctionNArguments *args);
 
-/// What occlusion queries do at a geometry.
 struct ShadowCallbacks {
     RTCFilterFunctionN filter;          ///< for Embree's own primitives; may be null
     RTCOccludedFunctionN userGeometry;  ///< for all others

@@ -8,7 +8,6 @@
 
 namespace pbrt {
 
-/// What the accelerator reports: which primitive, where on it, and in which instance.
 struct AccelHit {
     ShapeId shape{};
     uint32_t primitive = 0;
@@ -16,14 +15,13 @@ struct AccelHit {
     int32_t instance = -1;  ///< -1: placed directly in the scene
 };
 
-/// The nearest surfaces that a shadow ray passes without being stopped, in their order along the ray, in memory of
-/// fixed size. Of hits at the same distance one is kept: the edge between two triangles is crossed once, and a
-/// primitive that lies in several boxes of the accelerator is reported several times.
+/// Fixed-size list of the nearest surfaces passed by a shadow ray, in ray order. Hits at equal distance are kept once,
+/// because rays through a shared edge hit both triangles and primitives in several boxes are reported repeatedly.
 class PassedHits {
   public:
     static constexpr int kMaxHits = 8;
 
-    /// Hits may be added in any order. Which ones are kept does not depend on it.
+    /// The result is independent of the order of additions.
     void Add(const AccelHit &hit) {
         int i = count_;
         while (i > 0 && hit.hit.t < hits_[At(i - 1)].hit.t) --i;
@@ -43,7 +41,6 @@ class PassedHits {
     }
     std::span<AccelHit> Hits() { return {hits_.data(), At(count_)}; }
     std::span<const AccelHit> Hits() const { return {hits_.data(), At(count_)}; }
-    /// True if there are more hits behind those kept.
     bool HasDropped() const { return hasDropped_; }
 
   private:

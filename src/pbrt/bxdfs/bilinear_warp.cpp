@@ -11,7 +11,7 @@ struct Cell {
     Float t;
 };
 
-/// The cell that x lies in, on an axis with n knots over [0, 1]; the first cell if x is NaN.
+/// Cell that contains x, for n knots over [0, 1]; the first cell if x is NaN.
 Cell CellOf(Float x, int n) {
     Float at = (x > 0 ? std::min(x, Float(1)) : Float(0)) * static_cast<Float>(n - 1);
     int i = std::min(static_cast<int>(at), n - 2);
@@ -29,7 +29,7 @@ int LastNotAbove(int n, Float u, Sum sum) {
     return low;
 }
 
-/// The integral from 0 to t of a density that is linear from a at 0 to b at 1, and the inverse of that function.
+/// Integral from 0 to t of a linear density from a at 0 to b at 1, and its inverse.
 Float MassBelow(Float t, Float a, Float b) { return t * (a + (b - a) * t / 2); }
 
 Float WhereMassIs(Float mass, Float a, Float b) {

@@ -7,11 +7,11 @@
 
 namespace pbrt {
 
-/// Slices of values at the knots of a regular grid over the unit square (row-major, x fastest, both ends included).
+/// Slices of values on a regular grid over the unit square (row-major, x fastest, both ends included).
 class GridSlices {
   public:
     GridSlices() = default;
-    /// `values` holds a whole number of slices; nx, ny >= 2.
+    /// `values` holds whole slices; nx, ny >= 2.
     GridSlices(std::vector<Float> values, int nx, int ny) : values_(std::move(values)), nx_(nx), ny_(ny) {}
 
     /// Bilinear interpolation; p is clamped to the square.
@@ -29,31 +29,30 @@ class GridSlices {
     int nx_ = 0, ny_ = 0;
 };
 
-/// A weighted mean of four slices (weights add up to 1).
+/// Weighted mean of four slices (weights sum to 1).
 struct SliceBlend {
     std::array<size_t, 4> slice;
     std::array<Float, 4> weight;
 };
 
-/// Densities over the unit square, and the map from the square to itself that samples a blend of them. Each slice is
-/// one density: the bilinear interpolation of its values, normalised to integrate to 1.
+/// Densities over the unit square and the warp that samples a blend of them. Each slice is a density: the bilinear
+/// interpolation of its values, normalised to 1.
 class BilinearWarp {
   public:
     struct Mapped {
         Point2 p;
-        Float pdf;  ///< density, by area, at the point that Sample draws
+        Float pdf;  ///< by area, at the sampled point
     };
     BilinearWarp() = default;
-    /// The values must not be negative, and every slice needs a positive one.
+    /// Values must be >= 0, with a positive one in every slice.
     BilinearWarp(const GridSlices &values);
 
     Mapped Sample(const Point2 &u, const SliceBlend &blend) const;
-    /// The u that Sample would take to p, and the density at p.
     Mapped Invert(const Point2 &p, const SliceBlend &blend) const;
 
   private:
-    /// MassBelowRow: integral of the density over the rows below knot row y. Left: integral along knot row y up to knot
-    /// x. Density: its value at a knot. Lengths are in grid cells.
+    /// MassBelowRow: integral over the rows below knot row y. Left: integral along knot row y up to knot x. Density:
+    /// value at a knot. Lengths are in grid cells.
     Float MassBelowRow(const SliceBlend &blend, int y) const {
         return Blend(blend, below_, static_cast<size_t>(y), ny_);
     }

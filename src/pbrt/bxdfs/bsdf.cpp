@@ -13,8 +13,8 @@ bool Offers(BxdfFlags flags, ReflTransFlags which) {
            (IsTransmissive(flags) && Has(which, ReflTransFlags::Transmission));
 }
 
-/// Calls f with the lobe that is set; returns a default-constructed result if there is none. (A chain of comparisons:
-/// unlike std::visit it can neither throw nor jump through a table.)
+/// Calls f with the active lobe; returns a default-constructed result if there is none. (A chain of comparisons: unlike
+/// std::visit it neither throws nor uses a jump table.)
 template <size_t I = 1, class Variant, class Function>
 auto Dispatch(Variant &lobes, Function f) {
     using Result = decltype(f(*std::get_if<1>(&lobes)));
@@ -26,7 +26,6 @@ auto Dispatch(Variant &lobes, Function f) {
     }
 }
 
-/// The function of wi that Bsdf::ApproximateF evaluates, for local directions.
 template <class L>
 auto ApproximationOf(const L &lobe, const Vector3 &wo) {
     if constexpr (requires { typename L::Approximation; }) {
@@ -118,13 +117,13 @@ void Bsdf::Regularize() {
 }
 
 SampledSpectrum EstimateAlbedo(const Bsdf &given, const Vector3 &wo) {
-    // What so few samples find depends on how they are drawn, and should be what stock finds.
+    // With so few samples the result depends on the sampling, which must match stock's.
     Bsdf bsdf = given;
     bsdf.UseWalks();
     constexpr int kPoints = 16;
-    // Where the lobe numbers lie in their strata decides whether a faint coat is sampled at all. As in stock pbrt-v4
-    // the smallest is 0.0473, above the reflectance of glass; it is paired with u.x = 1/32, for which the facets of a
-    // rough coat are met near normal incidence.
+    // The position of lobe numbers in their strata decides whether a faint coat is sampled at all. As in stock pbrt-v4
+    // the smallest is 0.0473, above the reflectance of glass; it is paired with u.x = 1/32, where rough facets are hit
+    // near normal incidence.
     constexpr Float kOffset = Float(0.757);
     SampledSpectrum sum(0);
     for (int i = 0; i < kPoints; ++i) {

@@ -15,9 +15,8 @@
 
 namespace pbrt {
 
-/// A set of lobes held by value (std::monostate: the surface does not scatter and the ray passes) with its shading
-/// frame. Directions are in rendering space and point away from the surface; densities are by solid angle. Lives on the
-/// stack.
+/// Lobes by value (std::monostate: no scattering, rays pass) with their shading frame. Directions are in rendering
+/// space and point away from the surface; densities are by solid angle. Lives on the stack.
 class Bsdf {
   public:
     using Lobe = std::variant<std::monostate, DiffuseBxdf, DiffuseTransmissionBxdf, ConductorBxdf, DielectricBxdf,
@@ -31,20 +30,19 @@ class Bsdf {
 
     explicit operator bool() const { return !std::holds_alternative<std::monostate>(lobe_); }
     BxdfFlags Flags() const { return flags_; }
-    /// True if F has a glossy lobe, alone or as part of a coat: then the choice of a direction should take F into
-    /// account.
+    /// True if F has a glossy lobe, alone or as part of a coat, so that sampling should include F.
     bool IsDirectional() const;
-    /// False if F is a random estimate, as that of layers is where no table covers them. Then its mean depends on how
-    /// directions are chosen.
+    /// False if F is a stochastic estimate, as for layers without a table. Its mean then depends on the sampling of
+    /// directions.
     bool HasExactF() const;
-    /// Writes to f[k] an approximation of F(wo, wi[k]), averaged over wavelengths, up to a factor that hardly depends
-    /// on wi. Cheap and deterministic (no random walks in layers, no Fresnel term of metals): for choosing among
-    /// directions, not for radiance.
+    /// Writes to f[k] an approximation of F(wo, wi[k]), averaged over wavelengths, up to a factor nearly independent of
+    /// wi. Cheap and deterministic (no random walks in layers, no Fresnel term of metals): for importance, not for
+    /// radiance.
     void ApproximateF(const Vector3 &wo, std::span<const Vector3> wi, Float *f) const;
     /// f(wo, wi); 0 for specular lobes.
     SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode mode = TransportMode::Radiance) const;
-    /// The function that Sample draws from: F, but for rough coats, whose F has stock pbrt-v4's bias (CoatedBxdf). For
-    /// directions that take the place of Sample's.
+    /// Function sampled by Sample: F, except for rough coats, whose F has stock pbrt-v4's bias (CoatedBxdf). For
+    /// directions that replace Sample's.
     SampledSpectrum FOfSamples(const Vector3 &wo, const Vector3 &wi) const;
     std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u,
                                      TransportMode mode = TransportMode::Radiance,
@@ -53,7 +51,7 @@ class Bsdf {
               ReflTransFlags which = ReflTransFlags::All) const;
     /// Roughens nearly specular lobes (pbrt-v4-format §5.5).
     void Regularize();
-    /// Lets coats estimate everything by random walks (CoatedBxdf), as stock pbrt-v4 does.
+    /// Makes coats use random walks only (CoatedBxdf), as in stock pbrt-v4.
     void UseWalks();
     const Frame &ShadingFrame() const { return frame_; }
 
@@ -63,8 +61,7 @@ class Bsdf {
     BxdfFlags flags_ = BxdfFlags::None;  ///< of the lobe
 };
 
-/// Estimates the hemispherical reflectance plus transmittance for wo from a few fixed sample points. Exact for diffuse
-/// surfaces.
+/// Estimates hemispherical reflectance plus transmittance for wo from a few fixed samples. Exact for diffuse surfaces.
 SampledSpectrum EstimateAlbedo(const Bsdf &bsdf, const Vector3 &wo);
 
 }  // namespace pbrt

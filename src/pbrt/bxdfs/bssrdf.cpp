@@ -4,7 +4,7 @@ namespace pbrt {
 
 namespace {
 
-// Probes along the normal (the third axis) find exits on flat surroundings, the others exits on steep ones.
+// Probes along the normal (third axis) find exits on flat surroundings, the others on steep ones.
 constexpr Float kAxisShare[3] = {Float(0.25), Float(0.25), Float(0.5)};
 constexpr Float kKeptShare = Float(0.999);
 

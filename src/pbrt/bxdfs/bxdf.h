@@ -10,7 +10,6 @@ enum class TransportMode { Radiance, Importance };
 enum class ReflTransFlags : uint8_t { None = 0, Reflection = 1, Transmission = 2, All = 3 };
 constexpr bool Has(ReflTransFlags f, ReflTransFlags bit) { return (static_cast<int>(f) & static_cast<int>(bit)) != 0; }
 
-/// The kinds of scattering that a lobe does, or the kind that a sample is.
 enum class BxdfFlags : uint8_t { None = 0, Reflection = 1, Transmission = 2, Diffuse = 4, Glossy = 8, Specular = 16 };
 constexpr BxdfFlags operator|(BxdfFlags a, BxdfFlags b) {
     return static_cast<BxdfFlags>(static_cast<int>(a) | static_cast<int>(b));
@@ -21,15 +20,15 @@ constexpr bool IsTransmissive(BxdfFlags f) { return Has(f, BxdfFlags::Transmissi
 constexpr bool IsSpecular(BxdfFlags f) { return Has(f, BxdfFlags::Specular); }
 constexpr bool IsNonSpecular(BxdfFlags f) { return Has(f, BxdfFlags::Diffuse | BxdfFlags::Glossy); }
 
-/// A direction drawn from a BSDF. `pdf` is by solid angle; for specular samples it is a discrete probability, and f is
-/// the weight of the delta divided by |cos|. wi is in the caller's space.
+/// Direction sampled from a BSDF, in the caller's space. `pdf` is by solid angle; for specular samples it is a discrete
+/// probability, and f is the delta's weight divided by |cos|.
 struct BsdfSample {
     SampledSpectrum f;
     Vector3 wi{};
     Float pdf = 0;
     BxdfFlags flags = BxdfFlags::None;
     Float eta = 1;                   ///< relative index of refraction along wi, 1 unless transmitted
-    bool pdfIsProportional = false;  ///< f and pdf are random, only their ratio counts: for MIS call Pdf()
+    bool pdfIsProportional = false;  ///< f and pdf are stochastic, only their ratio is meaningful: for MIS call Pdf()
 };
 
 }  // namespace pbrt

@@ -12,12 +12,11 @@ namespace pbrt {
 
 namespace {
 
-/// Rows of a table for all roughnesses: at squares of equally spaced numbers, as the shares change fastest for small
-/// alphas.
+/// Rows of a table for all roughnesses, at squares of equidistant numbers: the values change fastest for small alphas.
 constexpr int kAlphas = 28;
 constexpr int kDirectionPoints = 1024, kInnerCosines = 256, kInnerPoints = 128, kSmoothPoints = 4096;
 
-/// The k-th point of an additive sequence whose points lie evenly in the square (Roberts's generalised golden ratio).
+/// k-th point of an additive low-discrepancy sequence in the square (Roberts's generalised golden ratio).
 Point2 PointOfSquare(int k) {
     constexpr double a = 0.7548776662466927, b = 0.5698402909980532;
     double whole;
@@ -26,12 +25,10 @@ Point2 PointOfSquare(int k) {
 
 Float Transmittance(Float thickness, const Vector3 &w) { return std::exp(-std::abs(thickness / w.z)); }
 
-/// Mean of the inner Fresnel reflectance, with the way up and down, over the directions that a Lambertian surface sends
-/// light to.
+/// Mean inner Fresnel reflectance, including both crossings of the medium, over cosine-distributed directions.
 Float SmoothInner(Float eta, Float thickness) {
     double sum = 0;
     for (int k = 0; k < kSmoothPoints; ++k) {
-        // cos^2 is uniform.
         const Float cosine = std::sqrt((static_cast<Float>(k) + Float(0.5)) / kSmoothPoints);
         sum += static_cast<double>(FresnelDielectric(-cosine, eta) * std::exp(-2 * thickness / cosine));
     }
@@ -50,12 +47,12 @@ CoatTable::CoatTable(Float eta, Float thickness, std::optional<Float> alpha)
     } else if (*alpha >= minAlpha && *alpha <= kMaxAlpha) {
         alphas_ = {*alpha};
     }
-    if (!alpha) alphas_.front() = minAlpha;  // as it was before rounding
-    // With 1 there is no boundary; below 1, interpolation would blur the edge of total reflection.
+    if (!alpha) alphas_.front() = minAlpha;  // before rounding
+    // Index 1 has no boundary; below 1, interpolation would blur the edge of total reflection.
     if (!(eta > 1)) alphas_.clear();
     rows_.resize(alphas_.size());
     inner_.resize(alphas_.size());
-    // One more than the knots of a row: the last task of a row is for inner_.
+    // One more than the knots: the last task of a row computes inner_.
     constexpr size_t kTasks = ClearCoat::kCosines + 1;
     ParallelFor(static_cast<int64_t>(alphas_.size() * kTasks), 16, [&](int64_t begin, int64_t end) {
         for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
@@ -75,7 +72,7 @@ std::shared_ptr<const CoatTable> CoatTable::Shared(Float eta, Float thickness, s
         std::lock_guard lock(mutex);
         if (std::shared_ptr<const CoatTable> table = tables[key].lock()) return table;
     }
-    // Made without the lock, because a thread that waits for its loop may run the task of another caller.
+    // Without the lock, because a thread waiting for its loop may run another caller's task.
     auto table = std::make_shared<const CoatTable>(eta, thickness, alpha);
     std::lock_guard lock(mutex);
     if (std::shared_ptr<const CoatTable> other = tables[key].lock()) return other;
@@ -124,7 +121,7 @@ CoatShares CoatTable::SharesAt(const DielectricBxdf &top, Float cosine) const {
 Float CoatTable::InnerReflectance(const DielectricBxdf &top) const {
     double sum = 0;
     for (int i = 0; i < kInnerCosines; ++i) {
-        // Back along a direction that the base sends light to: cos^2 is uniform.
+        // Back along a direction from the base, uniform in cos^2.
         const Float cos2 = (static_cast<Float>(i) + Float(0.5)) / kInnerCosines;
         const Vector3 down(-SafeSqrt(1 - cos2), 0, -std::sqrt(cos2));
         double reflected = 0;

@@ -9,18 +9,18 @@
 
 namespace pbrt {
 
-/// What a clear coat, seen from one direction above it, does to light; means over its facets.
+/// Effect of a clear coat on light from one direction above it, averaged over its facets.
 struct CoatShares {
-    Float through = 0;       ///< share of the light that arrives at the base below, the medium's absorption included
-    Float throughStock = 0;  ///< the same, with the weights by which stock pbrt-v4 combines the two ways out of a coat
-    Float mirrored = 0;      ///< Fresnel's reflectance of the facets that are visible
+    Float through = 0;       ///< fraction of light that reaches the base, including the medium's absorption
+    Float throughStock = 0;  ///< the same, with the weights of stock pbrt-v4 for the two ways out of a coat
+    Float mirrored = 0;      ///< Fresnel reflectance of the visible facets
     Float refracted = 0;     ///< probability that the direction refracted at a visible facet goes down
 };
 
-/// The coat at one point of a surface: its roughness chosen, the direction still open. Points into a CoatTable.
+/// Coat of given roughness at a surface point. Points into a CoatTable.
 class ClearCoat {
   public:
-    /// Knots over the cosine, at squares of equally spaced numbers: the shares change fastest at grazing angles.
+    /// Knots over the cosine, at squares of equidistant numbers: the values change fastest at grazing angles.
     static constexpr size_t kCosines = 64;
     static Float CosineOf(size_t knot) {
         return std::max(Sqr(static_cast<Float>(knot) / static_cast<Float>(kCosines - 1)), Float(1e-4));
@@ -28,43 +28,42 @@ class ClearCoat {
     using Row = std::array<CoatShares, kCosines>;
 
     ClearCoat() = default;
-    /// `row` null: the coat is smooth. Else between `row` and the one behind it, `fraction` of the way.
+    /// `row` null: smooth coat. Else interpolates between `row` and the next one by `fraction`.
     ClearCoat(const Row *row, Float fraction, Float inner)
         : row_(std::bit_cast<Pointer>(row)), fraction_(fraction), inner_(inner) {}
 
     bool IsSmooth() const { return !std::bit_cast<const Row *>(row_); }
-    /// The shares for a direction with this cosine, above 0. Only for rough coats.
+    /// Values for a direction of this cosine, above 0. Only for rough coats.
     CoatShares At(Float cosine) const;
-    /// Share of the light that a Lambertian surface sends up from below and that the coat sends back down to it.
+    /// Fraction of light from a Lambertian base that the coat reflects back to it.
     Float Inner() const { return inner_; }
 
   private:
-    /// The pointer in pieces of 32 bits: see MeasuredBxdf.
+    /// The pointer in 32-bit pieces: see MeasuredBxdf.
     using Pointer = std::array<uint32_t, sizeof(void *) / sizeof(uint32_t)>;
     Pointer row_{};
     Float fraction_ = 0, inner_ = 0;
 };
 
-/// The shares of clear isotropic coats of one index and thickness, for one roughness or for all. A Lambertian base
-/// forgets where its light came from; so the light that enters the coat along wo, is reflected k + 1 times by a base of
-/// reflectance R, and leaves along wi is
+/// Tabulated clear isotropic coats of one index and thickness, for one or all roughnesses. A Lambertian base removes
+/// directional dependence. Light that enters along wo, is reflected k + 1 times by a base of reflectance R, and leaves
+/// along wi is
 ///
 ///     through(wo) through(wi) / eta^2  (R / pi)  (R Inner)^k,
 ///
-/// and what random walks in the coat estimate is a geometric series (CoatedBxdf). The integrals are computed once, by
-/// quadrature with fixed points; that and the interpolation are exact to a few 1e-4 of the mean over directions. Coats
-/// of an index below 1 are covered only if they are smooth.
+/// so random walks in the coat estimate a geometric series (CoatedBxdf). The integrals are computed once, by quadrature
+/// with fixed points; with interpolation they are exact to a few 1e-4 of the mean over directions. Coats of an index
+/// below 1 are covered only if smooth.
 class CoatTable {
   public:
-    /// Above this alpha there is no table.
     static constexpr Float kMaxAlpha = 1;
 
-    /// A table that all callers with the same arguments share; it is freed with its last owner. `alpha`: the only
-    /// roughness that is asked for; without it the table is for all up to kMaxAlpha. `thickness` as in CoatedBxdf.
+    /// Shared table of these arguments, freed with its last owner. `alpha`: the only roughness; without it the table
+    /// covers all up to kMaxAlpha. `thickness` as in CoatedBxdf.
     static std::shared_ptr<const CoatTable> Shared(Float eta, Float thickness, std::optional<Float> alpha);
     CoatTable(Float eta, Float thickness, std::optional<Float> alpha);
 
-    /// The coat where its facets are `facets`; empty if the table does not cover them.
+    /// Coat with facets `facets`; empty if not covered.
     std::optional<ClearCoat> At(const TrowbridgeReitz &facets) const;
 
   private:

@@ -31,7 +31,7 @@ std::optional<BsdfSample> ConductorBxdf::Sample(const Vector3 &wo, Float, const 
 
 Float ConductorBxdf::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode, ReflTransFlags which) const {
     if (!Has(which, ReflTransFlags::Reflection) || !SameHemisphere(wo, wi) || facets_.EffectivelySmooth()) return 0;
-    // Density of the half vector times its Jacobian 1 / (4 |wo . wm|).
+    // Half-vector density times Jacobian 1 / (4 |wo . wm|).
     return facets_.G1(wo) * facets_.D(Normalize(wo + wi)) / (4 * AbsCosTheta(wo));
 }
 

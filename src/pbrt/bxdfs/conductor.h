@@ -6,7 +6,7 @@
 
 namespace pbrt {
 
-/// Metal of complex index eta + i k (relative to the outside), smooth or rough (Torrance and Sparrow 1967).
+/// Metal of complex index eta + i k relative to the outside, smooth or rough (Torrance and Sparrow 1967).
 class ConductorBxdf {
   public:
     ConductorBxdf(const TrowbridgeReitz &facets, const SampledSpectrum &eta, const SampledSpectrum &k)
@@ -19,7 +19,7 @@ class ConductorBxdf {
     std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode,
                                      ReflTransFlags which) const;
     Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode mode, ReflTransFlags which) const;
-    /// F without the Fresnel reflectance: the shape of the lobe, at a fraction of the cost.
+    /// F without Fresnel reflectance: the lobe's shape at a fraction of the cost.
     Float Approximate(const Vector3 &wo, const Vector3 &wi) const {
         if (!SameHemisphere(wo, wi) || facets_.EffectivelySmooth()) return 0;
         return facets_.D(Normalize(wo + wi)) * facets_.G(wo, wi) / (4 * wo.z * wi.z);

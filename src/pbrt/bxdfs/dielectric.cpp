@@ -6,20 +6,20 @@ namespace pbrt {
 
 namespace {
 
-/// Probability of sampling reflection, from the shares of reflected and transmitted light and the sides asked for.
-/// Negative if neither can be sampled.
+/// Probability of sampling reflection, from both fractions of light and the requested sides. Negative if neither can be
+/// sampled.
 Float ReflectionProbability(Float reflectance, Float transmittance, ReflTransFlags which) {
     if (!Has(which, ReflTransFlags::Reflection)) return transmittance > 0 ? 0 : -1;
     if (!Has(which, ReflTransFlags::Transmission)) return reflectance > 0 ? 1 : -1;
     return reflectance / (reflectance + transmittance);
 }
 
-/// Solid angle of microfacet normals per solid angle of the refracted direction wi (Walter et al. 2007, eq. 17).
+/// Jacobian d(wm) / d(wi) of refraction (Walter et al. 2007, eq. 17).
 Float RefractionJacobian(Float cosO, Float cosI, Float etaRelative) {
     return std::abs(cosI) / Sqr(cosI + cosO / etaRelative);
 }
 
-/// Radiance is compressed with the solid angle when it crosses a boundary; importance is not.
+/// Radiance is scaled with the solid angle at a boundary; importance is not.
 Float TransportScale(TransportMode mode, Float etaRelative) {
     return mode == TransportMode::Radiance ? 1 / Sqr(etaRelative) : 1;
 }
@@ -35,7 +35,7 @@ bool DielectricBxdf::FacetBetween(const Vector3 &wo, const Vector3 &wi, bool ref
     if (length2 == 0) return false;
     h /= std::copysign(std::sqrt(length2), h.z);
     *wm = h;
-    // Each direction must see the facet from the side it is on.
+    // Rejects facets seen from behind by either direction.
     return Dot(h, wi) * wi.z >= 0 && Dot(h, wo) * wo.z >= 0;
 }
 
@@ -149,7 +149,7 @@ DielectricBxdf::Drawn DielectricBxdf::DrawTransmission(const Vector3 &wo, const 
 
 DielectricBxdf::Drawn DielectricBxdf::DrawEither(const Vector3 &wo, Float uc, const Point2 &u,
                                                  TransportMode mode) const {
-    // Each side is drawn with its share of the light, so that Fresnel's term cancels, too.
+    // Both sides are sampled by their fraction of the light, so the Fresnel term cancels, too.
     const Facet facet = DrawFacet(wo, u);
     if (uc < facet.fresnel) {
         if (IsSmooth()) return {Vector3(-wo.x, -wo.y, wo.z), 1};

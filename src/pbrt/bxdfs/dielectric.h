@@ -6,9 +6,8 @@
 
 namespace pbrt {
 
-/// Boundary between two dielectrics, smooth or rough (Walter et al. 2007). `eta`: index below (z < 0) over index above.
-/// Sample chooses between reflection and transmission, if both are asked for, in proportion to their shares of the
-/// light.
+/// Dielectric boundary, smooth or rough (Walter et al. 2007). `eta`: index below (z < 0) over index above. Sample
+/// chooses reflection or transmission, if both are requested, in proportion to their fractions of the light.
 class DielectricBxdf {
   public:
     DielectricBxdf(Float eta, const TrowbridgeReitz &facets) : eta_(eta), facets_(facets) {}
@@ -23,53 +22,48 @@ class DielectricBxdf {
     Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode mode, ReflTransFlags which) const;
     void Regularize() { facets_.Regularize(); }
 
-    // What random walks at the boundary need. Where facets are drawn by their visibility, f |cos| / pdf is Fresnel's
-    // term times G / G1: the distribution of facets cancels.
+    // For random walks. With visible-normal sampling, f |cos| / pdf is the Fresnel term times G / G1: the normal
+    // distribution cancels.
 
-    /// A direction drawn at the boundary.
     struct Drawn {
         Vector3 wi{};
-        Float weight = 0;  ///< f |cos| / pdf; 0: nothing was drawn
-        Float pdf = 0;     ///< as BsdfSample::pdf; only of DrawTransmission
+        Float weight = 0;  ///< f |cos| / pdf; 0: sampling failed
+        Float pdf = 0;     ///< as BsdfSample::pdf; only set by DrawTransmission
         bool isTransmitted = false;
     };
-    /// As Sample with only one side asked for.
     Drawn DrawReflection(const Vector3 &wo, const Point2 &u) const;
     Drawn DrawTransmission(const Vector3 &wo, const Point2 &u, TransportMode mode) const;
-    /// As Sample with both sides asked for.
     Drawn DrawEither(const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode) const;
-    /// For directions on different sides of a rough boundary: F, and Pdf if only transmission is sampled.
+    /// F for directions on different sides of a rough boundary, and Pdf if only transmission is sampled.
     struct Transmission {
         Float f = 0, pdf = 0;
     };
     Transmission EvaluateTransmission(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const;
 
-    /// True if F is 0 everywhere: a mirror-like boundary, or none at all (eta = 1).
+    /// True if F is 0 everywhere: a specular boundary, or none (eta = 1).
     bool IsSmooth() const { return eta_ == 1 || facets_.EffectivelySmooth(); }
     Float Eta() const { return eta_; }
     const TrowbridgeReitz &Facets() const { return facets_; }
 
   private:
-    /// A facet that is visible from wo, and the ray at it.
     struct Facet {
         Vector3 wm;             ///< on wo's side
-        Float cosine, eta;      ///< of wo and wm, not negative; index on the far side over that on wo's side
+        Float cosine, eta;      ///< of wo and wm, >= 0; index on the far side over that on wo's side
         Float fresnel, cosT{};  ///< reflectance; cosine of the refracted direction, if the reflectance is below 1
         Vector3 Refracted(const Vector3 &wo) const { return wm * (cosine / eta - cosT) - wo / eta; }
     };
     Facet DrawFacet(const Vector3 &wo, const Point2 &u) const;
 
     std::optional<BsdfSample> SampleSmooth(const Vector3 &wo, Float uc, TransportMode mode, ReflTransFlags which) const;
-    /// Half vector (upper hemisphere) that sends wo to wi and the relative index across (1 for reflection). False if no
-    /// microfacet does.
+    /// Half vector (upper hemisphere) that scatters wo to wi, and the relative index across (1 for reflection). False
+    /// if there is none.
     bool FacetBetween(const Vector3 &wo, const Vector3 &wi, bool reflect, Vector3 *wm, Float *etaRelative) const;
 
     Float eta_;
     TrowbridgeReitz facets_;
 };
 
-/// A pane so thin that the refractions at its two sides cancel: light passes straight through or is mirrored, and all
-/// bounces inside are summed.
+/// Thin pane whose two refractions cancel: light passes straight or is mirrored; internal bounces are summed.
 class ThinDielectricBxdf {
   public:
     explicit ThinDielectricBxdf(Float eta) : eta_(eta) {}

@@ -7,10 +7,10 @@
 
 namespace pbrt {
 
-// All lobes use local coordinates with z along the shading normal. Directions point away from the surface; densities
-// are by solid angle.
+// Lobes use local coordinates with z along the shading normal. Directions point away from the surface; densities are by
+// solid angle.
 
-/// Lambert's law, on the side wo is on.
+/// Lambertian reflection on the side of wo.
 class DiffuseBxdf {
   public:
     explicit DiffuseBxdf(const SampledSpectrum &reflectance) : reflectance_(reflectance) {}
@@ -41,7 +41,7 @@ class DiffuseBxdf {
     SampledSpectrum reflectance_;
 };
 
-/// Lambert's law on both sides. The side is drawn in proportion to the largest value of its spectrum.
+/// Lambertian on both sides, chosen in proportion to the spectra's maxima.
 class DiffuseTransmissionBxdf {
   public:
     DiffuseTransmissionBxdf(const SampledSpectrum &reflectance, const SampledSpectrum &transmittance)

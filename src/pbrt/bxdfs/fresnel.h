@@ -3,8 +3,8 @@
 
 namespace pbrt {
 
-/// Unpolarised reflectance of a smooth dielectric boundary. `eta` is the index below (z < 0) over the index above; a
-/// negative cosThetaI means light arrives from below. 1 under total internal reflection.
+/// Unpolarised reflectance of a smooth dielectric boundary; 1 under total internal reflection. `eta` is the index below
+/// (z < 0) over the index above; negative cosThetaI: light from below.
 inline Float FresnelDielectric(Float cosThetaI, Float eta) {
     cosThetaI = std::clamp(cosThetaI, Float(-1), Float(1));
     if (cosThetaI < 0) {
@@ -19,8 +19,8 @@ inline Float FresnelDielectric(Float cosThetaI, Float eta) {
     return (parallel * parallel + perpendicular * perpendicular) / 2;
 }
 
-/// The same for light that meets the boundary with cosine cosI >= 0; `eta`: the index on the far side over the index on
-/// the near side. `cosT` gets the cosine of the refracted direction.
+/// The same for cosine cosI >= 0; `eta`: index on the far side over the near side. `cosT` gets the cosine of the
+/// refracted direction.
 inline Float FresnelDielectric(Float cosI, Float eta, Float *cosT) {
     const Float sin2T = (1 - cosI * cosI) / (eta * eta);
     if (!(sin2T < 1)) return 1;
@@ -30,8 +30,8 @@ inline Float FresnelDielectric(Float cosI, Float eta, Float *cosT) {
     return (parallel * parallel + perpendicular * perpendicular) / 2;
 }
 
-/// Unpolarised reflectance of a boundary to a medium of complex relative index eta + i k (Born and Wolf, Principles of
-/// Optics, 14.2). Written with sums of squares only, so that it cannot leave [0, 1] by cancellation.
+/// Unpolarised reflectance of complex relative index eta + i k (Born and Wolf, Principles of Optics, 14.2). Sums of
+/// squares only, so that cancellation cannot leave [0, 1].
 inline Float FresnelConductor(Float cosThetaI, Float eta, Float k) {
     Float c = std::clamp(cosThetaI, Float(1e-6), Float(1));
     Float s2 = 1 - c * c;
@@ -50,12 +50,10 @@ inline SampledSpectrum FresnelConductor(Float cosThetaI, const SampledSpectrum &
     return r;
 }
 
-/// Mirror image of w about n; both point away from the surface.
 inline Vector3 Reflect(const Vector3 &w, const Vector3 &n) { return n * (2 * Dot(w, n)) - w; }
 
-/// Direction of the refracted ray for `w` at a boundary with normal n and relative index `eta` (as in
-/// FresnelDielectric, n in the place of z). False under total internal reflection. `etaRelative` (may be null) gets the
-/// index on the far side over the index on w's side.
+/// Refracts `w` at a boundary with normal n and relative index `eta` (as in FresnelDielectric, with n for z). False
+/// under total internal reflection. `etaRelative` (may be null) gets the index on the far side over that on w's side.
 inline bool Refract(const Vector3 &w, Normal3 n, Float eta, Float *etaRelative, Vector3 *wt) {
     Float cosI = Dot(n, w);
     if (cosI < 0) {

@@ -34,7 +34,6 @@ Float Power(Float x, int n) {
     return r;
 }
 
-/// Wraps an angle into [-Pi, Pi].
 Float WrapAngle(Float x) {
     Float turns = std::round(x * Inv2Pi);
     return std::clamp(x - turns * (2 * Pi), -Pi, Pi);
@@ -47,8 +46,8 @@ Float Logistic(Float x, Float scale) {
 
 }  // namespace
 
-// With a = cosI cosO / v and b = sinI sinO / v: I0(a) exp(-b) / (2 v sinh(1/v)), the exponentials gathered so that no
-// factor overflows however small v is (a - b <= 1/v).
+// With a = cosI cosO / v and b = sinI sinO / v: I0(a) exp(-b) / (2 v sinh(1/v)). Exponentials are combined so that no
+// factor overflows for small v (a - b <= 1/v).
 Float LongitudinalDensity(Float sinI, Float cosI, Float sinO, Float cosO, Float variance) {
     Float inverse = 1 / variance;
     Float across = cosI * cosO;
@@ -60,7 +59,7 @@ Float LongitudinalDensity(Float sinI, Float cosI, Float sinO, Float cosO, Float 
 Float LogisticMass(Float scale) { return std::tanh(Pi / (2 * scale)); }
 Float TrimmedLogistic(Float x, Float scale, Float mass) { return Logistic(x, scale) / mass; }
 Float SampleTrimmedLogistic(Float u, Float scale, Float mass) {
-    // The logistic's distribution function is (1 + tanh(x / (2 scale))) / 2; by symmetry no exponential grows.
+    // The logistic CDF is (1 + tanh(x / (2 scale))) / 2; by symmetry no exponential overflows.
     Float t = std::clamp((2 * u - 1) * mass, -OneMinusEpsilon, OneMinusEpsilon);
     return std::clamp(2 * scale * std::atanh(t), -Pi, Pi);
 }
@@ -89,7 +88,7 @@ HairBxdf::View HairBxdf::ViewFrom(const Vector3 &wo) const {
     turned(2, 2 * sin2 * cos2, Sqr(cos2) - Sqr(sin2));
     turned(3, 0, 1);
 
-    // Inside, the elevation is refracted with eta, and the direction in the plane across the fibre with Bravais' index.
+    // Elevation refracts with eta, the azimuthal plane with Bravais' index.
     const Float cosT = SafeSqrt(1 - Sqr(sinO / eta_));
     const Float bravais = std::max(SafeSqrt(Sqr(eta_) - Sqr(sinO)) / std::max(cosO, Float(1e-6)), Float(1e-6));
     const Float sinGammaT = std::clamp(offset_ / bravais, Float(-1), Float(1)),
@@ -135,7 +134,6 @@ std::array<Float, HairBxdf::Lobes> Averages(const std::array<SampledSpectrum, Ha
     return averages;
 }
 
-/// Probabilities of sampling the lobes: in proportion to the means of their shares.
 std::array<Float, HairBxdf::Lobes> Chances(const std::array<SampledSpectrum, HairBxdf::Lobes> &shares) {
     std::array<Float, HairBxdf::Lobes> chances = Averages(shares);
     const Float sum = std::accumulate(chances.begin(), chances.end(), Float(0));
@@ -178,7 +176,7 @@ std::optional<BsdfSample> HairBxdf::Sample(const Vector3 &wo, Float uc, const Po
     while (p < Lobes - 1 && uc >= below + chances[p]) below += chances[p++];
     const Float within = std::clamp((uc - below) / std::max(chances[p], Float(1e-20)), Float(0), OneMinusEpsilon);
 
-    // The elevation is drawn about the mirrored cone: an angle from the cone's direction, and a rotation about that
+    // Elevation is sampled about the mirrored cone: an angle from the cone's direction, and a rotation about that
     // direction (d'Eon et al. 2013).
     const Float v = VarianceOf(static_cast<int>(p));
     const Float cosFromCone = std::clamp(1 + v * std::log(u.x + (1 - u.x) * std::exp(-2 / v)), Float(-1), Float(1));

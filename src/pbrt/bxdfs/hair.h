@@ -7,41 +7,38 @@
 
 namespace pbrt {
 
-/// A dielectric fibre that absorbs inside and has tilted scales (Marschner et al. 2003; near field, longitudinal and
-/// azimuthal lobes as in Chiang et al. 2016). x runs along the fibre; light is scattered over the whole sphere. There
-/// is one lobe each for light reflected outside (R), passing through (TT) and reflected once inside (TRT), and one for
-/// all longer light paths.
+/// Absorbing dielectric fibre with tilted scales (Marschner et al. 2003; near field, longitudinal and azimuthal lobes
+/// as in Chiang et al. 2016). x runs along the fibre; light scatters over the whole sphere. Lobes: R, TT, TRT, and one
+/// for all longer light paths.
 class HairBxdf {
   public:
-    /// `offset`: where the ray meets the fibre across its width, -1 to 1. `sigmaA`: absorption per radius of the fibre.
-    /// `betaM`, `betaN`: roughness along and around the fibre, in (0, 1]. The scales are tilted by `alphaDegrees`.
+    /// `offset`: position of the hit across the fibre, -1 to 1. `sigmaA`: absorption per fibre radius. `betaM`,
+    /// `betaN`: longitudinal and azimuthal roughness in (0, 1]. The scales are tilted by `alphaDegrees`.
     HairBxdf(Float offset, Float eta, const SampledSpectrum &sigmaA, Float betaM, Float betaN, Float alphaDegrees);
 
     BxdfFlags Flags() const { return BxdfFlags::Glossy | BxdfFlags::Reflection | BxdfFlags::Transmission; }
     SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode) const;
-    /// With only one of the sides asked for, samples of the other are rejected: Pdf then integrates to less than 1.
+    /// With one side requested, samples of the other are rejected: Pdf then integrates to less than 1.
     std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode,
                                      ReflTransFlags which) const;
     Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode, ReflTransFlags which) const;
     void Regularize() {}
 
-    /// The absorption with which a mass of fibres of roughness `betaN` looks like reflectance `c` (Chiang et al. 2016).
+    /// Absorption for which a mass of fibres of roughness `betaN` has reflectance `c` (Chiang et al. 2016).
     static SampledSpectrum AbsorptionOfReflectance(const SampledSpectrum &c, Float betaN);
 
-    /// Number of lobes; the last one holds all longer light paths and is uniform around the fibre.
+    /// The last lobe holds all longer light paths and is uniform in azimuth.
     static constexpr int Lobes = 4;
 
   private:
-    /// Everything that depends only on wo and the offset.
     struct View {
-        Float phi;                               ///< azimuth of wo around the fibre
-        Float sinTheta[Lobes], cosTheta[Lobes];  ///< elevation, turned by the scales as each lobe needs
-        Float turn[Lobes - 1];                   ///< change of azimuth of the middle of each lobe
-        std::array<SampledSpectrum, Lobes>
-            attenuation;  ///< of the light, for each lobe; they add up to 1 without absorption
+        Float phi;                                       ///< azimuth of wo
+        Float sinTheta[Lobes], cosTheta[Lobes];          ///< elevation, tilted by the scales, per lobe
+        Float turn[Lobes - 1];                           ///< change of azimuth at the lobe's centre
+        std::array<SampledSpectrum, Lobes> attenuation;  ///< per lobe; sums to 1 without absorption
     };
     View ViewFrom(const Vector3 &wo) const;
-    /// Densities of the lobes at wi, by solid angle.
+    /// Lobe densities at wi, by solid angle.
     std::array<Float, Lobes> Densities(const View &view, const Vector3 &wi) const;
     Float VarianceOf(int lobe) const { return lobe == 0 ? variance_ : lobe == 1 ? variance_ / 4 : variance_ * 4; }
 
@@ -49,7 +46,7 @@ class HairBxdf {
     SampledSpectrum sigmaA_;
 
   public:
-    /// The mean of F(wo, .) over wavelengths, for many directions: what depends on wo is computed once.
+    /// Wavelength-averaged F(wo, .) for many directions; terms of wo are computed once.
     class Approximation {
       public:
         Approximation(const HairBxdf &hair, const Vector3 &wo);
@@ -62,11 +59,11 @@ class HairBxdf {
     };
 };
 
-/// Density, with respect to cos(theta) d theta, of the elevation theta of light scattered about the cone opposite to
-/// `o`; integrates to 1 (d'Eon et al. 2011). Angles are given by sine and cosine. Exposed for tests.
+/// Density, with respect to cos(theta) d theta, of the scattered elevation about the cone opposite to `o`; integrates
+/// to 1 (d'Eon et al. 2011). Angles are given by sine and cosine. Exposed for tests.
 Float LongitudinalDensity(Float sinI, Float cosI, Float sinO, Float cosO, Float variance);
 
-/// Logistic density, truncated to [-Pi, Pi] and normalised; `mass` is LogisticMass(scale). Exposed for tests.
+/// Logistic density truncated to [-Pi, Pi] and normalised; `mass` is LogisticMass(scale). Exposed for tests.
 Float LogisticMass(Float scale);
 Float TrimmedLogistic(Float x, Float scale, Float mass);
 Float SampleTrimmedLogistic(Float u, Float scale, Float mass);

@@ -3,14 +3,12 @@
 
 namespace pbrt {
 
-/// The phase function of Henyey and Greenstein (1941). All directions are unit vectors that point away from the place
-/// of scattering, so that light that goes straight on has wi = -wo. Measure: solid angle. P is the sampling density as
-/// well, because samples follow it exactly.
+/// Phase function of Henyey and Greenstein (1941). Directions are unit and point away from the scattering point, so
+/// unscattered light has wi = -wo. Measure: solid angle. P is also the sampling density, because sampling is exact.
 class HenyeyGreenstein {
   public:
     HenyeyGreenstein() = default;
-    /// g in [-1, 1] is the mean cosine of the angle of deflection: above 0 scattering is forward, below 0 backward. It
-    /// is kept within [-0.99, 0.99].
+    /// g in [-1, 1] is the mean cosine of the deflection: above 0 forward, below 0 backward. Clamped to [-0.99, 0.99].
     explicit HenyeyGreenstein(Float g) : g_(std::clamp(g, Float(-0.99), Float(0.99))) {}
 
     Float G() const { return g_; }
@@ -20,10 +18,10 @@ class HenyeyGreenstein {
     }
     struct Sample {
         Vector3 wi{};
-        Float p = 0;  ///< P(wo, wi), which is the density of wi as well
+        Float p = 0;  ///< P(wo, wi), also the density of wi
     };
     Sample SampleP(const Vector3 &wo, const Point2 &u) const {
-        // The inverse of the distribution function of the cosine, multiplied out so that nothing is divided by g.
+        // Inverse CDF of the cosine, rearranged to avoid division by g.
         const Float s = 1 - 2 * u.x, s2 = s * s, g2 = g_ * g_;
         const Float numerator = s * (1 + g2) + g_ * ((s2 + 3) + g2 * (s2 - 1)) / 2;
         const Float c = std::clamp(numerator / Sqr(1 + g_ * s), Float(-1), Float(1));

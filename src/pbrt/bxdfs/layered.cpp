@@ -11,20 +11,20 @@ namespace pbrt {
 
 namespace {
 
-// Inside, directions are those of travel: w.z < 0 goes down to the base at z = 0, w.z > 0 up to the coat at
-// z = thickness. The lobes want directions away from the boundary, hence the signs where they are called.
+// Inside, directions are those of travel: w.z < 0 goes down to the base at z = 0, w.z > 0 up to the coat at z =
+// thickness. Lobes expect directions away from the boundary, hence the signs in their calls.
 
-/// Separate random streams, so that an estimate of f and the density that weights it are independent.
+/// Separate random streams keep the estimates of f and of the density that weights it independent.
 enum class Stream : uint64_t { Evaluate = 1, Density = 2, Draw = 3 };
 
 constexpr int kRouletteDepth = 3;
 constexpr Float kRouletteThreshold = Float(0.25);
-/// Share of the estimated density in Pdf; the rest is uniform over the sphere.
+/// Fraction of the estimated density in Pdf; the rest is uniform over the sphere.
 constexpr Float kDensityTrust = Float(0.9);
-/// Up to so many hits of the base a geometric series is summed term by term.
+/// Geometric series up to this many base hits are summed term by term.
 constexpr int kSummedHits = 16;
 
-/// Russian roulette on a walk of low throughput; divides the throughput of those that continue by their probability.
+/// Russian roulette at low throughput; divides the throughput of survivors by their probability.
 bool EndsByRoulette(SampledSpectrum &beta, Rng &rng) {
     const Float continuation = beta.MaxComponent();
     if (!(continuation < kRouletteThreshold)) return false;
@@ -39,14 +39,13 @@ TransportMode Reverse(TransportMode mode) {
 
 bool Usable(const std::optional<BsdfSample> &s) { return s && s->pdf > 0 && s->wi.z != 0 && s->f; }
 
-/// Probability of crossing a slab of the medium, of thickness |dz|, along w without a collision.
 Float Transmittance(Float dz, const Vector3 &w) { return std::exp(-std::abs(dz / w.z)); }
 
-/// Height of the next collision on the way from z along w (the medium's extinction is 1).
+/// Height of the next collision from z along w (extinction 1).
 Float SampleCollision(Float z, const Vector3 &w, Float u) { return z - w.z * std::log(1 - u); }
 
-/// Random numbers that follow from six values. The pieces of the seed are multiplied side by side, because walks are so
-/// short that a chain of hashes would take a good part of their time.
+/// Random numbers seeded by six values. The seed's factors are multiplied in parallel, because a chain of hashes would
+/// dominate short walks.
 Rng NumbersFor(Stream stream, const Vector3 &a, const Vector3 &b) {
     const auto words = std::bit_cast<std::array<uint64_t, 3>>(std::array<Float, 6>{a.x, a.y, a.z, b.x, b.y, b.z});
     return Rng(MixBits(words[0] * 0x9e3779b97f4a7c15ull ^ std::rotl(words[1] * 0xc2b2ae3d27d4eb4full, 23) ^
@@ -118,8 +117,8 @@ SampledSpectrum CoatedBxdf<Base>::Evaluate(const Vector3 &wo, const Vector3 &wi,
     return top_.F(o, i, mode) + inside / static_cast<Float>(nSamples_);
 }
 
-/// One walk that enters along wo; at every event it is connected to wi through the coat. Where the coat is rough, the
-/// direction in which the walk continues is evaluated at the coat as well, and the two estimates are combined by MIS.
+/// One walk from wo, connected to wi through the coat at every event. At rough coats the walk's next direction is also
+/// evaluated at the coat, and both estimates are combined by MIS.
 template <class Base>
 template <typename CoatedBxdf<Base>::ExitWeights Weights>
 SampledSpectrum CoatedBxdf<Base>::EstimateInside(const Vector3 &wo, const Vector3 &wi, TransportMode mode,
@@ -134,17 +133,16 @@ SampledSpectrum CoatedBxdf<Base>::EstimateInside(const Vector3 &wo, const Vector
 
     const HenyeyGreenstein phase(g_);
     const Vector3 exit = -out.wi;
-    // The light that is scattered towards `exit` and leaves along wi, per light that is scattered.
+    // Light scattered towards `exit` that leaves along wi, per scattered light.
     const Float exitWeight = out.weight / AbsCosTheta(exit), exitTransmittance = Transmittance(thickness_, exit);
-    // Adds light that leaves through the coat along w, drawn with density `pdf`. `alternative`: the connection could
-    // also have found it.
+    // Adds light leaving through the coat along w, sampled with density `pdf`. `alternative`: the connection could also
+    // have sampled it.
     auto leave = [&](const SampledSpectrum &beta, const Vector3 &w, Float dz, Float pdf, bool alternative) {
         const DielectricBxdf::Transmission through = top_.EvaluateTransmission(-w, wi, mode);
         if (!(through.f > 0)) return;
         Float weight = 1;
         if (alternative) {
-            // The density of w when the coat is entered from wi; stock takes the density of wi when the coat is left
-            // along w.
+            // Density of w for entering from wi; stock uses the density of wi for leaving along w.
             Float other =
                 Weights == ExitWeights::Consistent ? top_.EvaluateTransmission(wi, -w, Reverse(mode)).pdf : through.pdf;
             weight = PowerHeuristic(pdf, other);
@@ -224,7 +222,7 @@ std::optional<BsdfSample> CoatedBxdf<Base>::Sample(const Vector3 &wo, Float uc, 
 
     Rng rng = NumbersFor(Stream::Draw, o, {uc, u.x, u.y});
     const HenyeyGreenstein phase(g_);
-    // The light that arrives over the density of the way; what is returned as f and pdf only has this ratio.
+    // Light over the path's density; the returned f and pdf only have this ratio.
     SampledSpectrum beta = entry->f * (AbsCosTheta(entry->wi) / entry->pdf);
     const bool smoothTop = top_.IsSmooth();
     bool specular = smoothTop;
@@ -289,9 +287,8 @@ Float CoatedBxdf<Base>::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode 
     return Lerp(kDensityTrust, UniformSpherePdf(), pdf);
 }
 
-/// Density of reflection by the coat, plus the base's density for the directions inside (without the Jacobian of the
-/// refractions); as in stock, not normalised. It is used in MIS weights only, but as F is biased, the weights affect
-/// the pictures.
+/// Density of coat reflection plus the base's density for the inside directions, without refraction Jacobians; not
+/// normalised, as in stock. Used for MIS weights only, which still affect images because F is biased.
 template <class Base>
 Float CoatedBxdf<Base>::EstimateDensity(const Vector3 &wo, const Vector3 &wi, TransportMode mode, Rng &rng) const {
     const bool smoothTop = top_.IsSmooth();
@@ -347,12 +344,12 @@ SampledSpectrum CoatedBxdf<Base>::ClearInside(const Vector3 &wo, const Vector3 &
         const CoatShares leaving = clear_.At(wi.z);
         through = clear_.At(wo.z).through * (Weights == ExitWeights::Stock ? leaving.throughStock : leaving.through);
     }
-    // The base is hit at the first event and at every second one after it.
+    // The base is hit at the first event and every second one after it.
     return BaseSeries((maxDepth_ + 1) / 2) * (through * InvPi / Sqr(top_.Eta()));
 }
 
-/// Reflection by the coat and by what is below it are chosen with their shares; below a smooth coat light goes out
-/// nearly as from a Lambertian surface, because refraction keeps radiance over the index squared.
+/// Chooses between reflection by the coat and from below by their fractions. Light from below a smooth coat is nearly
+/// Lambertian, because refraction preserves radiance over squared index.
 template <class Base>
 std::optional<BsdfSample> CoatedBxdf<Base>::SampleClear(const Vector3 &wo, Float uc, const Point2 &u) const {
     const bool smooth = way_ == Way::Smooth;
@@ -370,12 +367,12 @@ std::optional<BsdfSample> CoatedBxdf<Base>::SampleClear(const Vector3 &wo, Float
     const Float through =
         (smooth ? ThroughSmooth(wo) * ThroughSmooth(wi) : shares.through * clear_.At(wi.z).through) / Sqr(top_.Eta());
     if constexpr (std::is_same_v<Base, DiffuseBxdf>) {
-        // A walk would leave the coat at some events only, with more weight. Roulette gives the sample the second
-        // moment of a walk, so that as few paths continue with little light.
+        // Walks leave the coat at some events only, with more weight. Russian roulette gives the sample a walk's second
+        // moment, so that equally few paths continue at low throughput.
         const Float r = bottom_.Reflectance().MaxComponent(), inner = clear_.Inner();
         const Float transmission = std::min(through * (1 - inner * Sqr(r)) / Sqr(1 - inner * r), Float(1));
         if (!(uc - mirrored < transmission * (1 - mirrored))) return {};
-        // Light leaves at the second event and at every second one after it.
+        // Light leaves at the second event and every second one after it.
         return BsdfSample{BaseSeries(maxDepth_ / 2) * (through * InvPi),
                           wi,
                           (1 - mirrored) * transmission * CosineHemispherePdf(wi.z),
@@ -387,8 +384,8 @@ std::optional<BsdfSample> CoatedBxdf<Base>::SampleClear(const Vector3 &wo, Float
     }
 }
 
-/// Under a smooth coat the density of SampleClear, without the mirror image. Under a rough one the density of the
-/// walks, as EstimateDensity: where the direction that enters matters only by whether it does.
+/// Under a smooth coat, the density of SampleClear without the specular reflection. Under a rough one, the density of
+/// the walks as in EstimateDensity, where the entering direction matters only by whether it enters.
 template <class Base>
 Float CoatedBxdf<Base>::ClearDensity(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const {
     if (way_ == Way::Smooth) return (1 - FresnelDielectric(wo.z, top_.Eta())) * CosineHemispherePdf(wi.z);

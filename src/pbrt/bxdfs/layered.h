@@ -9,22 +9,20 @@ namespace pbrt {
 
 class Rng;
 
-/// An opaque base under a dielectric coat, with a homogeneous medium between them: optical thickness `thickness` along
-/// the normal, single-scattering albedo `albedo`, Henyey-Greenstein asymmetry `g`. Two-sided: seen from behind it is
-/// the same stack upside down.
+/// Opaque base under a dielectric coat with a homogeneous medium between: optical thickness `thickness` along the
+/// normal, single-scattering albedo `albedo`, Henyey-Greenstein asymmetry `g`. Two-sided: the back is the same stack
+/// upside down.
 ///
-/// F and Pdf are estimates by random walks between the boundaries (position-free Monte Carlo, Guo et al. 2018), with
-/// random numbers derived from the directions: the same arguments give the same result. A walk has at most `maxDepth`
-/// events; a result is the mean of `nSamples` walks. Sample() is one walk, unbiased; its f and pdf are proportional to
-/// the true ones.
+/// F and Pdf are estimated by random walks between the boundaries (position-free Monte Carlo, Guo et al. 2018), seeded
+/// by the directions: equal arguments give equal results. Results average `nSamples` walks of at most `maxDepth`
+/// events. Sample() is one walk, unbiased; its f and pdf are proportional to the true ones.
 ///
-/// A clear coat on a Lambertian base needs no walks: UseTable. Then F is the mean of those walks, and Sample draws from
-/// the sampler's own numbers alone; under a smooth coat the density is exact as well.
+/// A clear coat on a Lambertian base needs no walks (UseTable): F is their mean, and Sample uses only the sampler's own
+/// numbers. Under a smooth coat the density is exact as well.
 ///
-/// Under a rough coat F is biased on purpose: stock pbrt-v4 weights the two ways out of the coat with densities that do
-/// not belong together, which makes rough coats over bright bases brighter by up to 20 %. Pictures must agree with
-/// stock, so F and Pdf follow it (conformance: materials/coateddiffuse, coatedconductor). FConsistent is the unbiased
-/// value.
+/// Under a rough coat F is biased on purpose. Stock pbrt-v4 weights the two ways out of the coat with inconsistent
+/// densities, which brightens rough coats over bright bases by up to 20 %. F and Pdf follow stock for matching images
+/// (conformance: materials/coateddiffuse, coatedconductor). FConsistent is unbiased.
 template <class Base>
 class CoatedBxdf {
   public:
@@ -33,8 +31,8 @@ class CoatedBxdf {
         : top_(top), bottom_(bottom), albedo_(albedo), g_(g), thickness_(std::max(thickness, kMinThickness)),
           maxDepth_(maxDepth), nSamples_(std::max(1, nSamples)), scatters_(static_cast<bool>(albedo)) {}
 
-    /// Lets F and Sample use the table, made for this coat's index and thickness, if it covers the coat. Random walks
-    /// are used otherwise.
+    /// Makes F and Sample use the table, built for this coat's index and thickness, if it covers the coat; otherwise
+    /// random walks.
     void UseTable(const CoatTable &table) requires std::is_same_v<Base, DiffuseBxdf> {
         if (scatters_) return;
         if (std::optional<ClearCoat> coat = table.At(top_.Facets())) {
@@ -43,14 +41,12 @@ class CoatedBxdf {
         }
     }
     bool UsesTable() const { return way_ != Way::Walk; }
-    /// From now on all is estimated by random walks.
     void UseWalks() { way_ = Way::Walk; }
 
     BxdfFlags Flags() const;
     SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const;
-    /// As F, with MIS weights that add up to 1: unbiased.
+    /// F with MIS weights that sum to 1: unbiased.
     SampledSpectrum FConsistent(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const;
-    /// True if F has a glossy lobe, of the coat or of the base.
     bool IsDirectional() const { return !top_.IsSmooth() || (!scatters_ && Has(bottom_.Flags(), BxdfFlags::Glossy)); }
     std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode,
                                      ReflTransFlags which) const;
@@ -58,20 +54,19 @@ class CoatedBxdf {
     void Regularize() {
         top_.Regularize();
         bottom_.Regularize();
-        UseWalks();  // the coat is another one
+        UseWalks();  // the coat has changed
     }
 
   private:
-    /// Light that passes straight through coat and medium, only refracted.
+    /// Straight refracted path through coat and medium, for a direction above the coat.
     struct Passage {
-        Vector3 inside;         ///< refracted direction of travel below the coat
-        Float transmitted = 0;  ///< fraction of the light; 0 if none passes
+        Vector3 inside;         ///< refracted direction below the coat
+        Float transmitted = 0;  ///< fraction of light; 0 if none
     };
 
   public:
-    /// A cheap approximation of F(wo, .) without random walks: reflection by the coat, plus light that goes through the
-    /// coat to the base and back along the refracted directions (the reflectance of a metal is taken as 1). What
-    /// depends on wo is computed once.
+    /// Cheap approximation of F(wo, .) without random walks: coat reflection, plus straight paths through the coat to
+    /// the base and back (a metal's reflectance is taken as 1). Terms of wo are computed once.
     class Approximation {
       public:
         Approximation(const CoatedBxdf &coated, const Vector3 &wo);
@@ -86,10 +81,8 @@ class CoatedBxdf {
 
   private:
     enum class ExitWeights { Stock, Consistent };
-    /// How light inside the coat is found.
     enum class Way : uint8_t { Walk, Smooth, Table };
 
-    /// The passage for a direction w above the coat.
     Passage Through(const Vector3 &w) const;
 
     template <ExitWeights Weights>
@@ -100,9 +93,9 @@ class CoatedBxdf {
 
     // A clear coat on a Lambertian base; directions are above the coat.
 
-    /// The share of the light along w that passes a smooth coat, as CoatShares::through.
+    /// Fraction of light along w that passes a smooth coat, as CoatShares::through.
     Float ThroughSmooth(const Vector3 &w) const;
-    /// Reflectance of the base with all bounces below the coat, of which the base sees at most `hits`.
+    /// Base reflectance including all bounces below the coat, with at most `hits` base hits.
     SampledSpectrum BaseSeries(int hits) const;
     template <ExitWeights Weights>
     SampledSpectrum ClearInside(const Vector3 &wo, const Vector3 &wi) const;

@@ -12,7 +12,7 @@ struct Knot {
     Float t;
 };
 
-/// The interval of increasing numbers that x lies in; x beyond them is clamped to their ends.
+/// Interval of increasing numbers that contains x, clamped to their range.
 Knot Locate(const std::vector<Float> &axis, Float x) {
     if (axis.size() < 2 || !(x > axis.front())) return {0, 0, 0};
     if (x >= axis.back()) return {axis.size() - 1, axis.size() - 1, 0};
@@ -25,7 +25,7 @@ Float Phi(const Vector3 &w) { return std::atan2(w.y, w.x); }
 Float SquareOfTheta(Float theta) { return std::sqrt(theta * (2 / Pi)); }
 Float SquareOfPhi(Float phi) { return phi * Inv2Pi + Float(0.5); }
 
-/// Solid angle of half vectors per area of the unit square.
+/// Half-vector solid angle per unit-square area.
 Float SolidAngleByArea(Float x, Float sinTheta) { return std::max(2 * Sqr(Pi) * x * sinTheta, Float(1e-6)); }
 
 }  // namespace

@@ -7,9 +7,9 @@
 
 namespace pbrt {
 
-/// A measured BRDF in the adaptive parameterization of Dupuy and Jakob 2018. Half vectors are points of the unit
-/// square: (sqrt(2 theta / Pi), phi / 2 Pi + 1/2), phi being relative to the view's if the BRDF is isotropic. A warp by
-/// the visible normals maps the square of the measurements to that of half vectors.
+/// Measured BRDF in the adaptive parameterization of Dupuy and Jakob 2018. Half vectors are points of the unit square:
+/// (sqrt(2 theta / Pi), phi / 2 Pi + 1/2), phi relative to the view's if isotropic. A visible-normal warp maps the
+/// square of measurements to that of half vectors.
 class MeasuredBrdf {
   public:
     struct Tables {
@@ -45,7 +45,7 @@ class MeasuredBrdf {
     bool isotropic_;
 };
 
-/// A measured BRDF at the wavelengths of one path, the same on both sides of the surface. `brdf` must outlive it.
+/// Measured BRDF at one path's wavelengths, the same on both sides. `brdf` must outlive it.
 class MeasuredBxdf {
   public:
     MeasuredBxdf(const MeasuredBrdf &brdf, const SampledWavelengths &lambda)
@@ -61,8 +61,7 @@ class MeasuredBxdf {
   private:
     const MeasuredBrdf &Brdf() const { return *std::bit_cast<const MeasuredBrdf *>(brdf_); }
 
-    /// The pointer in pieces of 32 bits, so that the lobe is aligned as a Float: a wider alignment would make every
-    /// Bsdf larger.
+    /// The pointer in 32-bit pieces, because a wider alignment would enlarge every Bsdf.
     using Pointer = std::array<uint32_t, sizeof(void *) / sizeof(uint32_t)>;
     Pointer brdf_;
     SampledWavelengths lambda_;

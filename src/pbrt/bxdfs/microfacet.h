@@ -3,8 +3,8 @@
 
 namespace pbrt {
 
-/// Trowbridge-Reitz (GGX) distribution of microfacet normals, anisotropic, with Smith's height-correlated shadowing
-/// (Heitz 2014). Local coordinates; directions may lie on either side of the surface.
+/// Anisotropic Trowbridge-Reitz (GGX) distribution with Smith's height-correlated shadowing (Heitz 2014). Local
+/// coordinates; directions may be on either side.
 class TrowbridgeReitz {
   public:
     TrowbridgeReitz() = default;
@@ -15,35 +15,34 @@ class TrowbridgeReitz {
         }
     }
 
-    /// The "roughness" of scene files, remapped to alpha.
+    /// Remaps the "roughness" of scene files to alpha.
     static Float RoughnessToAlpha(Float roughness) { return std::sqrt(roughness); }
-    /// True if the surface is so smooth that it is treated as a mirror.
     bool EffectivelySmooth() const { return std::max(alphaX_, alphaY_) < Float(1e-3); }
     Float AlphaX() const { return alphaX_; }
     Float AlphaY() const { return alphaY_; }
 
-    /// Differential area of microfacets with normal wm: D(wm) |cos| integrates to 1 over the hemisphere.
+    /// Microfacet area density at normal wm; D(wm) |cos| integrates to 1 over the hemisphere.
     Float D(const Vector3 &wm) const {
         Float s = Sqr(wm.x / alphaX_) + Sqr(wm.y / alphaY_) + Sqr(wm.z);
         return 1 / (Pi * alphaX_ * alphaY_ * s * s);
     }
-    /// Share of the microfacets facing w that are visible from w.
+    /// Fraction of the microfacets facing w that are visible from w.
     Float G1(const Vector3 &w) const { return 2 / (1 + SlopeRoot(w)); }
-    /// Share of the microfacets visible from both directions.
+    /// Fraction of microfacets visible from both directions.
     Float G(const Vector3 &wo, const Vector3 &wi) const { return 2 / (SlopeRoot(wo) + SlopeRoot(wi)); }
 
-    /// G(wo, wi) / G1(wo): the share of the facets visible from wo that are visible from wi, too.
+    /// G(wo, wi) / G1(wo): fraction of the facets visible from wo that are also visible from wi.
     Float GOverG1(const Vector3 &wo, const Vector3 &wi) const {
         const Float rootO = SlopeRoot(wo);
         return (1 + rootO) / (rootO + SlopeRoot(wi));
     }
 
-    /// Density, by solid angle, of a normal wm (in the upper hemisphere) among the normals visible from w.
+    /// Density, by solid angle, of normal wm (upper hemisphere) among those visible from w.
     Float VisiblePdf(const Vector3 &w, const Vector3 &wm) const {
         return G1(w) / AbsCosTheta(w) * D(wm) * AbsDot(w, wm);
     }
-    /// Draws from VisiblePdf (Heitz 2018): stretched to the unit hemisphere, the visible part is a disk plus half an
-    /// ellipse of the projection along w.
+    /// Samples VisiblePdf (Heitz 2018): stretched to the unit hemisphere, the visible part projects along w to a half
+    /// disk plus half an ellipse.
     Vector3 SampleVisible(const Vector3 &w, const Point2 &u) const {
         Vector3 view = Normalize({alphaX_ * w.x, alphaY_ * w.y, w.z});
         if (view.z < 0) view = -view;
@@ -59,8 +58,8 @@ class TrowbridgeReitz {
         return Normalize({alphaX_ * n.x, alphaY_ * n.y, std::max(Float(1e-6), n.z)});
     }
 
-    /// Draws from VisiblePdf as well, by another map of the square and in less time (Dupuy and Benyoub 2023): after the
-    /// stretch, reflections at visible normals are the directions of a cap of the sphere.
+    /// Samples VisiblePdf by another, faster map (Dupuy and Benyoub 2023): after the stretch, reflections at visible
+    /// normals fill a spherical cap.
     Vector3 SampleVisibleByCap(const Vector3 &w, const Point2 &u) const {
         Vector3 view = Normalize({alphaX_ * w.x, alphaY_ * w.y, w.z});
         if (view.z < 0) view = -view;
@@ -77,7 +76,7 @@ class TrowbridgeReitz {
     }
 
   private:
-    /// 1 + 2 Lambda of Smith.
+    /// Smith's 1 + 2 Lambda.
     Float SlopeRoot(const Vector3 &w) const {
         return std::sqrt(1 + (Sqr(alphaX_ * w.x) + Sqr(alphaY_ * w.y)) / Sqr(w.z));
     }

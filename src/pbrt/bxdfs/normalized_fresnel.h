@@ -4,9 +4,8 @@
 
 namespace pbrt {
 
-/// The lobe by which light that was scattered below the surface leaves it: diffuse times Fresnel's transmittance,
-/// normalised to an albedo of 1. For radiance the factor eta^2 takes back the scaling at the refraction where the light
-/// entered.
+/// Exit lobe of subsurface scattering: diffuse times Fresnel transmittance, normalised to albedo 1. For radiance the
+/// factor eta^2 undoes the scaling at the entering refraction.
 class NormalizedFresnelBxdf {
   public:
     /// `scale`: SubsurfaceTable::ExitScale().

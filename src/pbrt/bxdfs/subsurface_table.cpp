@@ -10,11 +10,11 @@ namespace pbrt {
 
 namespace {
 
-// The same number of knots at the same places as in stock, because the splines between them affect the picture.
+// Same knots as in stock, because interpolation between them affects images.
 constexpr int kAlbedos = 100, kRadii = 64;
 constexpr int kDepths = 100;
 
-/// Mean of f over depths with density exp(-depth), at the middles of equally likely intervals.
+/// Mean of f over depths with density exp(-depth), at the midpoints of equiprobable intervals.
 template <class F>
 double MeanOverDepths(F f) {
     double sum = 0;
@@ -22,21 +22,21 @@ double MeanOverDepths(F f) {
     return sum / kDepths;
 }
 
-/// Light scattered once along the beam; lengths are in mean free paths. The beam counts only below the depth from which
+/// Single scattering along the beam; lengths in mean free paths. The beam contributes only below the depth from which
 /// light reaches the surface at r without total reflection.
 double SingleScattering(double albedo, double g, Float eta, double r) {
     const double start = r * std::sqrt(std::max(0.0, static_cast<double>(eta) * static_cast<double>(eta) - 1));
     return MeanOverDepths([&](double x) {
         const double depth = start + x;
         const double distance2 = r * r + depth * depth, distance = std::sqrt(distance2), cosine = depth / distance;
-        const double s = 1 + g * g + 2 * g * cosine;  // light turns by more than 90 degrees
+        const double s = 1 + g * g + 2 * g * cosine;  // deflection beyond 90 degrees
         const double phase = (1 - g * g) / (4 * std::numbers::pi * s * std::sqrt(s));
         const double transmitted = 1 - static_cast<double>(FresnelDielectric(static_cast<Float>(-cosine), eta));
         return albedo * std::exp(-(distance + start)) / distance2 * phase * transmitted * cosine;
     });
 }
 
-/// Light scattered more than once: a dipole for every depth of the beam, with Grosjean's diffusion coefficient.
+/// Multiple scattering: a dipole per depth of the beam, with Grosjean's diffusion coefficient.
 struct MultipleScattering {
     double albedo, g;
     double moment1, moment2;  ///< of the inner Fresnel reflectance
@@ -56,14 +56,14 @@ struct MultipleScattering {
             const double fluence = (eReal / toReal - eMirrored / toMirrored) / diffusion;
             const double exitance = fluence * fluenceShare +
                                     (flux(real, toReal, eReal) - flux(mirrored, toMirrored, eMirrored)) * fluxShare;
-            // Near the beam the dipole is too bright (Habel et al., section 5).
+            // Correction near the beam, where the dipole is too bright (Habel et al., section 5).
             const double correction = 1 - std::exp(-2 * extinction * (toReal + real));
             return correction * reducedAlbedo * reducedAlbedo * exitance / (4 * std::numbers::pi);
         });
     }
 };
 
-/// Integral over [0, 1] by Simpson's rule, in two parts: `split` is the cosine where total reflection begins.
+/// Simpson's rule over [0, 1] in two parts; `split` is the cosine where total reflection begins.
 template <class F>
 double IntegrateCosines(double split, F f) {
     constexpr int n = 512;

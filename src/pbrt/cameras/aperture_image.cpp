@@ -11,7 +11,7 @@ const std::vector<std::string> kShapes = {"gaussian", "square", "pentagon", "sta
 
 constexpr int kResolution = 256;  // stock pbrt-v4's
 
-/// An image of `value` over the points p of the stop, p in [-1, 1]^2, y up; row 0 is the bottom.
+/// Rasterises `value` over [-1, 1]^2, y up; row 0 is the bottom.
 Image Draw(const std::function<Float(const Point2 &p)> &value) {
     Image image(PixelFormat::Float, {kResolution, kResolution}, {"Y"});
     for (int y = 0; y < kResolution; ++y)
@@ -20,8 +20,7 @@ Image Draw(const std::function<Float(const Point2 &p)> &value) {
     return image;
 }
 
-/// A polygon that is star-shaped around the centre: corners at equal angles, the first one at `firstAngle` (radians),
-/// at distances that alternate between `a` and `b`.
+/// Star-shaped polygon: corners at equal angles from `firstAngle` (radians), with alternating radii `a` and `b`.
 Image DrawPolygon(int corners, Float firstAngle, Float a, Float b) {
     const Float step = 2 * Pi / static_cast<Float>(corners);
     auto corner = [&](int i) {
@@ -30,8 +29,8 @@ Image DrawPolygon(int corners, Float firstAngle, Float a, Float b) {
     };
     return Draw([&](const Point2 &p) {
         for (int i = 0; i < corners; ++i) {
-            // p lies in one of the triangles of two corners and the centre if it is a positive combination of the
-            // corners with sum at most 1.
+            // p is inside a triangle of two corners and the centre if it is a positive combination of the corners with
+            // sum at most 1.
             const Point2 u = corner(i), v = corner(i + 1);
             const Float area = u.x * v.y - u.y * v.x, s = (p.x * v.y - p.y * v.x) / area,
                         t = (u.x * p.y - u.y * p.x) / area;
@@ -49,7 +48,6 @@ Image DrawShape(const std::string &shape) {
     if (shape == "square")
         return Draw([](const Point2 &p) { return Float(std::abs(p.x) < 0.5f && std::abs(p.y) < 0.5f ? 1 : 0); });
     if (shape == "pentagon") return DrawPolygon(5, -Pi / 2, Float(0.8), Float(0.8));
-    // A pentagram.
     return DrawPolygon(10, 0, std::cos(Radians(72)) / std::cos(Radians(36)), 1);
 }
 
@@ -87,7 +85,7 @@ ApertureImage::ApertureImage(Image image) : image_(std::move(image)) {
             const Float value = image_.Get({x, y}, 0);
             if (value == 0) continue;
             sum += double(value);
-            // A pixel reaches one pixel from its centre, in each direction.
+            // A pixel's support is one pixel from its centre in each direction.
             const Vector2 pixel = Float(2) / Vector2(n);
             const Vector2 corner =
                 glm::min(glm::abs((Vector2(x, y) + Vector2(0.5f)) * pixel - Vector2(1)) + pixel, Vector2(1));

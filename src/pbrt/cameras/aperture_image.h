@@ -4,22 +4,21 @@
 
 namespace pbrt {
 
-/// The share of light that each part of an aperture stop lets pass, in place of an open disk. Scaled so that in total
-/// as much light passes as through the disk.
+/// Transmittance over an aperture stop, scaled to the total of an open disk.
 class ApertureImage {
   public:
-    /// Empty: the stop is a disk.
+    /// Empty: a disk.
     ApertureImage() = default;
-    /// `image`: one channel, not negative, not all black; row 0 is the bottom (-y).
+    /// `image`: one channel, >= 0, not all black; row 0 is the bottom (-y).
     explicit ApertureImage(Image image);
 
-    /// The built-in shape or image file `name`; empty if the name is empty. Throws UserError (no location).
+    /// Built-in shape or image file `name`; empty if the name is empty. Throws UserError (no location).
     static ApertureImage Read(const std::string &name, const FileResolver &files);
 
     explicit operator bool() const { return static_cast<bool>(image_); }
-    /// `p` in units of the stop's radius; 0 outside of [-1, 1]^2.
+    /// `p` in units of the stop's radius; 0 outside [-1, 1]^2.
     Float Lookup(const Point2 &p) const { return image_.Bilinear((p + Point2(1)) / Float(2), 0, WrapMode::Black); }
-    /// No light passes farther than this from the centre, in units of the stop's radius.
+    /// Largest radius that passes light, in units of the stop's radius.
     Float Reach() const { return reach_; }
 
   private:

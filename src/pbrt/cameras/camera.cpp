@@ -12,7 +12,7 @@ namespace pbrt {
 
 namespace {
 
-/// Parameters that every camera accepts, even without an effect on it, as in stock pbrt-v4.
+/// Parameters accepted by every camera, even without effect, as in stock pbrt-v4.
 struct CameraParams {
     Float shutterOpen = 0, shutterClose = 1;
     std::optional<Float> frameAspectRatio;
@@ -57,7 +57,7 @@ struct LensParams : CameraParams {
           "distance of the plane in focus");
     }
     CameraFrame Frame(const ParamSet &set, const CameraContext &context) const {
-        // With a lens the distance is squared, and the square must be finite and above 0.
+        // With a lens the distance's square must be finite and above 0.
         if (lens.radius > 0) set.Require<Float>("focaldistance", lens.focalDistance, {1e-15f, 1e15f});
         return CameraParams::Frame(set, context);
     }
@@ -100,7 +100,6 @@ struct RealisticParams : CameraParams {
     }
 };
 
-/// The lens with the stop's diameter and the focus that the parameters ask for.
 std::vector<LensElement> ReadLens(const RealisticParams &p, const ParamSet &set, const CameraContext &context) {
     std::vector<LensElement> elements =
         set.At("lensfile", [&] { return ReadLensFile(context.files.Resolve(p.lensFile)); });

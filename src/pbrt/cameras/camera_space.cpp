@@ -38,7 +38,7 @@ std::optional<CameraRay> CameraSpaceCamera::GenerateRay(const CameraSample &samp
 
 std::optional<CameraConnection> CameraSpaceCamera::Connect(const Point3 &p, const Point2 &uLens, Float time) const {
     const Transform t = renderFromCamera_.At(time);
-    // The difference first: far from the origin of rendering space the inverse of a point loses its digits.
+    // Subtracts first: far from the rendering-space origin the inverse of a point loses precision.
     const Point3 inCamera = t.InverseVector(p - t.Point(Point3(0)));
     CameraConnection c;
     if (!ConnectInCameraSpace(inCamera, uLens, &c)) return {};

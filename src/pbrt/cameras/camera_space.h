@@ -4,15 +4,14 @@
 
 namespace pbrt {
 
-/// Placement, resolution and shutter times of a camera.
 struct CameraFrame {
     AnimatedTransform renderFromCamera;
     Point2i resolution{1, 1};
     Float shutterOpen = 0, shutterClose = 1;
 };
 
-/// A camera that makes its rays in camera space: at the origin, looking along +z, x right, y up. This class takes them
-/// to rendering space and computes footprints. Derived constructors must call FindFootprint() at their end.
+/// Base of cameras defined in camera space: at the origin, looking along +z, x right, y up. Transforms to rendering
+/// space and computes footprints. Derived constructors must end with FindFootprint().
 class CameraSpaceCamera : public Camera {
   public:
     explicit CameraSpaceCamera(const CameraFrame &frame);
@@ -24,17 +23,17 @@ class CameraSpaceCamera : public Camera {
     Transform CameraFromRender(Float time) const final { return renderFromCamera_.At(time).Inverse(); }
 
   protected:
-    /// Fills origin, unit direction, differentials (valid unless the camera clears them) and, if it is not 1, the
-    /// weight, in camera space. False: no light comes to this place on the film.
+    /// Fills origin, unit direction, differentials (valid unless cleared) and weight, if not 1, in camera space. False:
+    /// the film position receives no light.
     virtual bool GenerateInCameraSpace(const CameraSample &sample, CameraRay *ray) const = 0;
-    /// Fills p and pFilm in camera space. False: the camera does not see the point.
+    /// Fills p and pFilm in camera space. False: the point is not visible.
     virtual bool ConnectInCameraSpace(const Point3 &p, const Point2 &uLens, CameraConnection *c) const {
         (void)p;
         (void)uLens;
         (void)c;
         return false;
     }
-    /// The weight of a connection (camera space) to a point that lies by `d`, not zero, from the place on the lens.
+    /// Weight of a connection (camera space) along `d`, not zero, from the lens point.
     virtual Float WeightInCameraSpace(const Vector3 &d) const {
         (void)d;
         return 0;

@@ -9,13 +9,13 @@ namespace pbrt {
 
 namespace {
 
-constexpr int kSteps = 64;  // as in stock pbrt-v4, so that the same share of samples hits the pupil
+constexpr int kSteps = 64;  // as in stock pbrt-v4, so that the same fraction of samples hits the pupil
 
 bool IsEmpty(const Bounds2 &b) { return !(b.low.x <= b.high.x); }
 
 Bounds2 Grow(const Bounds2 &b, const Vector2 &by) { return {b.low - by, b.high + by}; }
 
-/// Searches for the pupil of the film points between two distances from the axis. The pupil is symmetric in y.
+/// Finds the pupil of film points between two distances from the axis. Symmetric in y.
 class Search {
   public:
     Search(const LensSystem &lens, Float low, Float high)
@@ -23,12 +23,11 @@ class Search {
 
     Bounds2 Find() {
         const Bounds2 whole{Point2(-rear_), Point2(rear_)};
-        // A small stop may hide between the points of a coarse grid.
+        // Refines, because a coarse grid may miss a small stop.
         for (int n = 32; IsEmpty(found_) && n <= 512; n *= 2) Cover(whole, n);
-        // Without a pupil the whole rear element is sampled, as in stock pbrt-v4; so it does no harm to miss a tiny
-        // pupil.
+        // Without a pupil the whole rear element is sampled, as in stock pbrt-v4; so missing a tiny pupil is harmless.
         if (IsEmpty(found_)) return whole;
-        // The pupil hardly reaches farther than a grid step beyond the outermost points found.
+        // The pupil extends little more than a grid step beyond the outermost hits.
         for (int n : {48, 96, 192}) Cover(Grow(found_, Float(1.5) * step_), n);
         return Grow(found_, Float(1.5) * step_);
     }
@@ -81,7 +80,6 @@ Point2 ExitPupil::Sample(const Point2 &film, const Point2 &u) const {
     const Float distance = glm::length(film);
     const Point2 p = Bounds(distance).Lerp(u);
     if (!(distance > 0)) return p;
-    // p is for a film point on the x axis; it is turned about the axis to the angle of `film`.
     const Vector2 direction = film / distance;
     return {direction.x * p.x - direction.y * p.y, direction.y * p.x + direction.x * p.y};
 }

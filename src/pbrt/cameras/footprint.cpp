@@ -4,7 +4,6 @@ namespace pbrt {
 
 namespace {
 
-/// The smallest rotation that takes a unit vector to +z.
 class RotationToZ {
   public:
     explicit RotationToZ(const Vector3 &from) : flip_(from.z < -0.99f) {
@@ -16,7 +15,7 @@ class RotationToZ {
     Vector3 Inverse(const Vector3 &v) const { return Flip(Turn(v, -axis_)); }
 
   private:
-    /// Half a turn about x, to stay away from -z, where the smallest rotation is not unique.
+    /// Half turn about x, to avoid -z, where the smallest rotation is not unique.
     Vector3 Flip(const Vector3 &v) const { return flip_ ? Vector3(v.x, -v.y, -v.z) : v; }
     Vector3 Turn(const Vector3 &v, const Vector3 &axis) const {
         Vector3 c = Cross(axis, v);

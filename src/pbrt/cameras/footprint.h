@@ -6,15 +6,15 @@
 
 namespace pbrt {
 
-/// The smallest steps between the rays of neighbouring pixels over a film, in camera space. Directions are expressed
-/// in a frame whose z axis is the ray.
+/// Smallest steps between neighbouring pixels' rays over the film, in camera space. Directions are relative to a frame
+/// with z along the ray.
 struct SmallestDifferentials {
     Vector3 positionX{0}, positionY{0};
     Vector3 directionX{0}, directionY{0};
 };
 
-/// Searches along the diagonal of the film. `generate(Point2 film, Ray *, RayDifferential *)` makes rays in camera
-/// space with unit directions for the middle of the lens; false if there is none.
+/// Searches along the film's diagonal. `generate(Point2 film, Ray *, RayDifferential *)` makes camera-space rays with
+/// unit directions for the lens centre; false if there is none.
 template <class Generate>
 SmallestDifferentials FindSmallestDifferentials(Point2i resolution, const Generate &generate) {
     constexpr int kSteps = 512;
@@ -39,13 +39,13 @@ SmallestDifferentials FindSmallestDifferentials(Point2i resolution, const Genera
     return smallest;
 }
 
-/// Distance between the rays of `samplesPerPixel` samples relative to the width of a pixel, at least 1/8.
+/// Ray spacing of `samplesPerPixel` samples relative to the pixel width, at least 1/8.
 inline Float DifferentialScale(int samplesPerPixel) {
     return std::max(Float(0.125), 1 / std::sqrt(static_cast<Float>(samplesPerPixel)));
 }
 
-/// The vectors from p to the points where the neighbouring rays would meet the tangent plane at p if p lay straight
-/// ahead of the camera. All in camera space; zero where there is no such plane (n = 0 or edge-on).
+/// Offsets from p to the neighbouring rays' hits with the tangent plane, as if p were straight ahead of the camera.
+/// Camera space; zero without such a plane (n = 0 or edge-on).
 void FootprintOnTangentPlane(const SmallestDifferentials &smallest, const Point3 &p, const Normal3 &n, Vector3 *dpdx,
                              Vector3 *dpdy);
 

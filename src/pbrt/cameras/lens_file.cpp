@@ -33,13 +33,12 @@ std::vector<LensElement> ReadLensFile(const std::string &path) {
 
 namespace {
 
-/// A paraxial ray that enters parallel to the axis at height 1: its height and slope behind the lens.
+/// Paraxial ray entering parallel to the axis at height 1: height and slope behind the lens.
 struct Traced {
     double height, slope;
 };
 
-/// One of a list of surfaces in the order in which light meets them. Radius above 0: convex towards the light; 0: does
-/// not refract.
+/// Surface in the order of light. Radius above 0: convex towards the light; 0: not refracting.
 struct ParaxialSurface {
     double radius, indexBefore, indexAfter, thickness;
 };
@@ -67,8 +66,8 @@ CardinalPoints ComputeCardinalPoints(std::span<const LensElement> elements) {
     }
     std::reverse(fromFilm.begin(), fromFilm.end());
     const Traced behind = TraceParallelRay(fromScene), before = TraceParallelRay(fromFilm);
-    // The principal plane is where the outgoing ray, extended back, has its first height; the focal point lies a focal
-    // length behind the plane.
+    // The outgoing ray, extended back, has its initial height at the principal plane; the focal point lies a focal
+    // length behind it.
     CardinalPoints points;
     points.focalLength = -1 / behind.slope;
     points.rearPrincipal = (behind.height - 1) / behind.slope;
@@ -81,8 +80,8 @@ std::optional<double> FocusedThickness(std::span<const LensElement> elements, do
     if (!(p.focalLength > 0) || !std::isfinite(p.focalLength)) return {};
     double length = 0;
     for (size_t i = 0; i + 1 < elements.size(); ++i) length += double(elements[i].thickness);
-    // Film and scene distances s and t from the principal planes: 1/s + 1/t = 1/f, where s + t is what is left of
-    // `distance`. Of the two solutions the one with the film closer to the focal point is taken.
+    // Film and scene distances s and t from the principal planes: 1/s + 1/t = 1/f, s + t = the rest of `distance`. Of
+    // two solutions, takes the film closer to the focal point.
     const double sum = distance - (length - p.frontPrincipal - p.rearPrincipal);
     const double root = sum * (sum - 4 * p.focalLength);
     if (!(sum > 0) || !(root >= 0)) return {};

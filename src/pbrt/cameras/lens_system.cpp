@@ -23,9 +23,8 @@ Float LensSystem::Trace(Ray *ray) const {
     for (const Surface &s : surfaces_) {
         p.z -= s.z;
         const bool isStop = s.curvature == 0;
-        // Points of the surface near its vertex, now the origin: c |p|^2 + 2 z = 0. Along the ray that is
-        // c t^2 + 2 b t + a = 0, and at the root on this side of the sphere the cosine with the normal is
-        // sqrt(b^2 - c a).
+        // Surface relative to its vertex: c |p|^2 + 2 z = 0. Along the ray c t^2 + 2 b t + a = 0; the root on this side
+        // of the sphere has cosine sqrt(b^2 - c a) with the normal.
         const Float a = s.curvature * LengthSquared(p) + 2 * p.z, b = s.curvature * Dot(p, d) + d.z;
         const Float cosine2 = b * b - s.curvature * a;
         if (!(cosine2 > 0)) return 0;

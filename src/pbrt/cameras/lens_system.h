@@ -8,20 +8,19 @@
 
 namespace pbrt {
 
-/// A stack of spherical surfaces and stops around the z axis: the film is in the plane z = 0, the scene in front of the
-/// lens, towards +z. Metres.
+/// Spherical surfaces and stops around the z axis: film at z = 0, scene towards +z. Metres.
 class LensSystem {
   public:
-    /// `elements`: from the scene to the film, the last thickness reaching to the film. `aperture`, if it is not empty,
-    /// takes the place of the stops' round holes.
+    /// `elements`: from scene to film, the last thickness reaching the film. A non-empty `aperture` replaces the stops'
+    /// round holes.
     explicit LensSystem(std::span<const LensElement> elements, const ApertureImage &aperture = {});
 
-    Float RearZ() const { return surfaces_.front().z; }  ///< vertex of the element next to the film
-    Float FrontZ() const { return surfaces_.back().z; }  ///< vertex of the element next to the scene
+    Float RearZ() const { return surfaces_.front().z; }  ///< vertex of the rear element
+    Float FrontZ() const { return surfaces_.back().z; }  ///< vertex of the front element
     Float RearRadius() const { return surfaces_.front().apertureRadius; }
 
-    /// Takes a ray from behind the lens (d unit, towards +z) to where it leaves the lens. Returns the share of light
-    /// that passes; if it is 0, the ray has no meaning.
+    /// Traces a ray from behind the lens (d unit, towards +z) to the front. Returns the fraction of light that passes;
+    /// if 0, the ray is undefined.
     Float Trace(Ray *ray) const;
 
   private:
@@ -29,7 +28,7 @@ class LensSystem {
         Float curvature;  ///< 1 / radius, above 0 convex towards the scene; 0: a stop
         Float z;          ///< of the vertex
         Float apertureRadius;
-        Float relativeIndex;  ///< before over behind, seen along the ray
+        Float relativeIndex;  ///< before over behind, along the ray
     };
     std::vector<Surface> surfaces_;  ///< from the film to the scene
     ApertureImage aperture_;

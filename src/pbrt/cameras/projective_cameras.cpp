@@ -6,8 +6,8 @@ namespace pbrt {
 
 namespace {
 
-/// From pbrt's screen space to [0, 1]^3 as stock pbrt-v4 writes it to image headers: -1 ... 1 becomes 0 ... 1 in x and
-/// y; z, which is 0 ... 1 already, is squeezed into 0.5 ... 1.
+/// pbrt's screen space to [0, 1]^3 as in stock pbrt-v4's image headers: x and y from [-1, 1] to [0, 1]; z from [0, 1]
+/// to [0.5, 1].
 Transform NdcFromScreen() { return Transform::Translate(Vector3(0.5f)) * Transform::Scale(Vector3(0.5f)); }
 
 Point3 PointOnLens(const Lens &lens, const Point2 &u) {
@@ -31,14 +31,13 @@ std::optional<Transform> PerspectiveCamera::NdcFromCamera() const {
 bool PerspectiveCamera::GenerateInCameraSpace(const CameraSample &sample, CameraRay *c) const {
     Ray *ray = &c->ray;
     RayDifferential *d = &c->differential;
-    // Points of the image on the plane z = 1, here and one pixel further.
     Point2 screen = screen_(sample.pFilm);
     Vector3 center(screen.x * tanHalfFov_, screen.y * tanHalfFov_, 1);
     Vector3 right = center + Vector3(screen_.StepX() * tanHalfFov_, 0, 0);
     Vector3 below = center + Vector3(0, screen_.StepY() * tanHalfFov_, 0);
     Point3 origin(0);
     if (lens_.radius > 0) {
-        // In the plane of focus every point of the lens sees the same point as the pinhole.
+        // All lens points and the pinhole see the same point of the plane of focus.
         origin = PointOnLens(lens_, sample.pLens);
         center = center * lens_.focalDistance - origin;
         right = right * lens_.focalDistance - origin;
@@ -55,7 +54,7 @@ bool PerspectiveCamera::ConnectInCameraSpace(const Point3 &p, const Point2 &uLen
     c->p = lens_.radius > 0 ? PointOnLens(lens_, uLens) : Point3(0);
     const Vector3 d = p - c->p;
     if (!(d.z > 0)) return false;
-    // On the plane z = 1, through the point of the plane of focus that the ray meets.
+    // On the plane z = 1, through the ray's point in the plane of focus.
     const Point2 at = lens_.radius > 0 ? (Point2(c->p) + Point2(d) * (lens_.focalDistance / d.z)) / lens_.focalDistance
                                        : Point2(d) / d.z;
     c->pFilm = screen_.Inverse(at / tanHalfFov_);
@@ -64,8 +63,8 @@ bool PerspectiveCamera::ConnectInCameraSpace(const Point3 &p, const Point2 &uLen
 
 Float PerspectiveCamera::WeightInCameraSpace(const Vector3 &d) const {
     if (!(d.z > 0)) return 0;
-    // A pixel is an area of the plane z = 1 (of the plane of focus: larger by the square of its distance), which
-    // subtends cos^3 of it (divided by the same square).
+    // A pixel is an area of the plane z = 1 (of the plane of focus: larger by its squared distance), which subtends
+    // cos^3 of it (divided by the same square).
     const Float l2 = LengthSquared(d), cosine = d.z / std::sqrt(l2);
     return 1 / (screen_.PixelArea() * Sqr(tanHalfFov_) * cosine * cosine * cosine * l2);
 }

@@ -9,10 +9,10 @@ struct ScreenWindow {
 
 struct Lens {
     Float radius = 0;
-    Float focalDistance = 1e6f;  ///< camera space; the plane z = focalDistance is sharp
+    Float focalDistance = 1e6f;  ///< camera space; plane of focus z = focalDistance
 };
 
-/// Takes raster positions (pixels, y down) to the screen window.
+/// Maps raster positions (pixels, y down) to the screen window.
 class RasterToScreen {
   public:
     RasterToScreen(const ScreenWindow &window, Point2i resolution)
@@ -48,7 +48,7 @@ class PerspectiveCamera final : public CameraSpaceCamera {
 };
 
 /// Screen positions are camera-space x and y. As in stock pbrt-v4, with a lens all rays start on one disk about the
-/// camera's origin, which makes it a perspective view onto the plane in focus.
+/// camera's origin. The result is a perspective view onto the plane of focus.
 class OrthographicCamera final : public CameraSpaceCamera {
   public:
     OrthographicCamera(const CameraFrame &frame, const ScreenWindow &window, const Lens &lens);

@@ -4,8 +4,7 @@ namespace pbrt {
 
 namespace {
 
-/// The lens for the search of the exit pupil: its round stops let pass all light that the aperture image does, in any
-/// orientation.
+/// Lens for the exit pupil search: round stops that contain the aperture image in any orientation.
 LensSystem WithRoundStops(std::vector<LensElement> elements, const ApertureImage &aperture) {
     for (LensElement &e : elements)
         if (e.IsStop()) e.apertureRadius *= aperture.Reach();
@@ -37,11 +36,11 @@ bool RealisticCamera::GenerateInCameraSpace(const CameraSample &sample, CameraRa
     const Float cosine = Normalize(onPupil - Point3(film, 0)).z;
     const Float passed = trace(film, &c->ray);
     if (passed == 0) return false;
-    // The pupil's solid angle: its area under both cosines, at the distance z / cosine.
+    // The pupil's solid angle: its area under both cosines, at distance z / cosine.
     c->weight = SampledSpectrum(passed * Sqr(Sqr(cosine)) / (pupil_.Pdf(film) * Sqr(lens_.RearZ())));
 
-    // Rays are not linear in the film position and end at the border of the lens, so one-pixel differentials are
-    // extrapolated from a small step to either side.
+    // Rays are not linear in the film position and end at the lens border, so one-pixel differentials are extrapolated
+    // from a small step to either side.
     auto differential = [&](const Vector2 &axis, Point3 *origin, Vector3 *direction) {
         for (Float step : {Float(0.05), Float(-0.05)}) {
             Ray next;

@@ -63,11 +63,11 @@ int SphericalCamera::SeenAlsoAt(const Point2 &pFilm, OtherPlaces &places) const 
     const Point2 size(Resolution());
     const Float x = pFilm.x / size.x, y = pFilm.y / size.y;
     if (mapping_ == SphericalCameraMapping::EqualArea) {
-        // Across an edge the square goes on with the same edge the other way round (WrapEqualAreaSquare).
+        // Across an edge the square continues with the same edge reversed (WrapEqualAreaSquare).
         places = {Point2(-x, 1 - y), {2 - x, 1 - y}, {1 - x, -y},    {1 - x, 2 - y},
                   {x - 1, y - 1},    {x - 1, y + 1}, {x + 1, y - 1}, {x + 1, y + 1}};
     } else {
-        // Beyond a pole the meridian on the other side begins.
+        // Beyond a pole the opposite meridian begins.
         const Float other = x < Float(0.5) ? x + Float(0.5) : x - Float(0.5);
         places = {Point2(x - 1, y), {x + 1, y},         {other - 1, -y}, {other, -y},
                   {other + 1, -y},  {other - 1, 2 - y}, {other, 2 - y},  {other + 1, 2 - y}};

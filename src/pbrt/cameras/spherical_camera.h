@@ -5,7 +5,7 @@ namespace pbrt {
 
 enum class SphericalCameraMapping { EqualArea, Equirectangular };
 
-/// Sees in all directions; the top of the image is +y.
+/// Omnidirectional camera; the top of the image is +y.
 class SphericalCamera final : public CameraSpaceCamera {
   public:
     SphericalCamera(const CameraFrame &frame, SphericalCameraMapping mapping);

@@ -3,9 +3,8 @@
 
 namespace pbrt {
 
-/// Names the very program that runs: the linker's build id (a hash of all its code) in hexadecimal digits, and those of
-/// the libraries whose arithmetic decides pictures (Embree, libm). Another compiler, other flags or other sources give
-/// another text.
+/// Identifies the running program: the linker's build ids, in hexadecimal, of the program and of the libraries whose
+/// arithmetic affects images (Embree, libm). Changes with compiler, flags and sources.
 std::string BuildId();
 
 }  // namespace pbrt

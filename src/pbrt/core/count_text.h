@@ -6,7 +6,6 @@
 
 namespace pbrt {
 
-/// "1 sample", "2 samples".
 inline std::string CountText(int64_t count, std::string_view noun) {
     return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }

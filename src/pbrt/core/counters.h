@@ -3,7 +3,7 @@
 
 namespace pbrt {
 
-/// Counts of what one thread did. Each thread adds to its own copy; SumCounters adds up the copies of all threads.
+/// Per-thread statistics. SumCounters adds the copies of all threads.
 struct RenderCounters {
     uint64_t closestHitRays = 0;
     uint64_t shadowRays = 0;
@@ -11,7 +11,7 @@ struct RenderCounters {
     uint64_t pathVertices = 0;
     uint64_t cameraPaths = 0;
     uint64_t zeroLightSamples = 0;  ///< light sampling returned nothing to trace
-    uint64_t mediumLookups = 0;     ///< places at which a medium's coefficients were asked for
+    uint64_t mediumLookups = 0;     ///< evaluations of a medium's coefficients
 
     void operator+=(const RenderCounters &o) {
         closestHitRays += o.closestHitRays;
@@ -24,12 +24,10 @@ struct RenderCounters {
     }
 };
 
-/// The calling thread's counters.
 RenderCounters &ThreadCounters();
-/// Sum over all threads since the last reset. This and ResetCounters may be called only while no parallel work runs.
+/// Sum over all threads since the last reset. This and ResetCounters must not run concurrently with parallel work.
 RenderCounters SumCounters();
 void ResetCounters();
-/// Adds what was counted elsewhere.
 void AddCounters(const RenderCounters &counters);
 
 }  // namespace pbrt

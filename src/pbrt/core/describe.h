@@ -12,8 +12,8 @@
 
 #include "pbrt/core/params.h"
 
-/// A parameter struct lists each of its parameters exactly once, with its name in a scene, what values it may have, and
-/// a line of help; the member's initial value is the default:
+/// A parameter struct declares each parameter once, with scene-file name, valid values and help; the member's initial
+/// value is the default:
 ///
 ///   struct OctreeParams {
 ///       int leaves = 4096;
@@ -21,53 +21,50 @@
 ///   };
 ///
 /// Visitors read it (ParamReader), document it (DocumentParams) and print it (EffectiveParams). Parameters are visited
-/// in order, so one that has a meaning only together with the values of others stands in `if (v.When(condition))`:
-/// where the condition does not hold, it counts as unused. After `v.OnlyWith("model", "paper")`, and until
-/// `v.OnlyWith("", "")`, parameters have an effect only where the text parameter "model" is "paper"; giving them with
-/// another value is a warning.
+/// in order. One that depends on values of others stands in `if (v.When(condition))` and counts as unused where the
+/// condition is false. Between `v.OnlyWith("model", "paper")` and `v.OnlyWith("", "")`, parameters apply only where
+/// text parameter "model" is "paper"; giving them otherwise is a warning.
 ///
-/// Members may have further types: a folder adds one by overloads of ReadParam and DocumentParam, which are found by
-/// argument-dependent lookup. This file has int, Float, bool, std::string, std::optional of these, enumerations with
-/// names, items of several numbers (points, colours ...), and lists of these. After the member may stand a condition on
-/// its values: a Range, Choices, an array of NamedValue, Items, or Required.
+/// Supported members: int, Float, bool, std::string, std::optional of these, named enumerations, items of several
+/// numbers (points, colours), and lists of these. A folder adds types by overloads of ReadParam and DocumentParam,
+/// found by argument-dependent lookup. An optional constraint follows the member: a Range, Choices, an array of
+/// NamedValue, Items, or Required.
 namespace pbrt {
 
-/// The values a text parameter may have.
 using Choices = std::vector<std::string>;
 
-/// A value that scenes refer to by name. Describe functions pass a constexpr array of all values of a parameter.
+/// An enumerator with its scene-file name. Describe functions pass a constexpr array of all values of a parameter.
 template <class E>
 struct NamedValue {
     const char *name;
     E value;
 };
 
-/// Values of several numbers each; `type` is their type in the scene format. Each number must lie in the range.
+/// Values of several numbers each; `type` is their scene-file type. The range applies to each number.
 struct Items {
     ParamType type;
     Range<Float> range = AnyFloat();
 };
 
-/// A parameter that has no default.
 struct Required {};
 struct RequiredItems : Items {};
 
 /// Documentation of one parameter, for listings and for command-line flags.
 struct ParamDoc {
     std::string name;
-    std::vector<ParamType> types;  ///< a scene may use any of these
+    std::vector<ParamType> types;  ///< alternatives
     bool isList = false;
-    std::string defaultValue;  ///< empty if there is none, or if the help line has it
+    std::string defaultValue;  ///< empty if there is none or the help line states it
     std::string range;
     Choices choices;
     std::string help;
-    std::string choice, chosen;  ///< has an effect only where the text parameter `choice` is `chosen`; empty: always
+    std::string choice, chosen;  ///< applies only where text parameter `choice` is `chosen`; empty: always
 
     std::string TypeText() const;   ///< "integer", "spectrum texture", ...
     std::string ShortType() const;  ///< "i", "st", ...
 };
 
-/// The range of a parameter's values for tables: "1 to 10", "above 0", "at least 0 mm".
+/// Range of valid values for tables: "1 to 10", "above 0", "at least 0 mm".
 template <class T>
 std::string ShortText(const Range<T> &r) {
     constexpr T kMax = std::numeric_limits<T>::max();
@@ -98,8 +95,6 @@ std::string ValueText(const T &v) {
     else return fmt::format("{}", v);
 }
 }  // namespace detail
-
-// Parameters of one of the basic types, with or without a default.
 
 template <class T>
 void DocumentParam(ParamDoc &doc, const T &value) {
@@ -137,8 +132,6 @@ void DocumentParam(ParamDoc &doc, const T &value, Required) {
     doc.defaultValue.clear();
     doc.range = "required";
 }
-
-// Lists, and items of several numbers.
 
 template <class T>
 void DocumentParam(ParamDoc &doc, const std::span<const T> &) {
@@ -179,7 +172,6 @@ void DocumentParam(ParamDoc &doc, const T &value, const Items &items) {
         doc.defaultValue += fmt::format("{}{}", i ? " " : "", value[i]);
 }
 
-/// The visitor that collects the documentation of parameters.
 class ParamDocumenter {
   public:
     std::vector<ParamDoc> docs;
@@ -211,7 +203,7 @@ class ParamDocumenter {
     std::string choice_, chosen_;
 };
 
-/// One row per parameter, with the values of `p` as the defaults.
+/// One row per parameter; the values of `p` are the defaults.
 template <class P>
 std::vector<ParamDoc> DocumentParams(P p = P()) {
     ParamDocumenter documenter;
@@ -219,7 +211,7 @@ std::vector<ParamDoc> DocumentParams(P p = P()) {
     return std::move(documenter.docs);
 }
 
-/// The visitor that writes the values as JSON, see EffectiveParams.
+/// Visitor that writes the values as JSON, see EffectiveParams.
 template <class Json>
 class ParamPrinter {
   public:
@@ -230,7 +222,7 @@ class ParamPrinter {
     void operator()(const std::string &name, T &value, const AskedAndHelp &...asked) {
         if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string>) {
             json[name] = value;
-        } else {  // the text that would document it as a default
+        } else {  // same text as for a documented default
             ParamDocumenter documenter;
             documenter(name, value, asked...);
             json[name] = documenter.docs.front().defaultValue;
@@ -238,7 +230,7 @@ class ParamPrinter {
     }
 };
 
-/// The values in force as a JSON object with a member for each parameter, for metadata and statistics.
+/// Effective values as a JSON object with a member per parameter, for metadata and statistics.
 template <class P, class Json = nlohmann::ordered_json>
 Json EffectiveParams(P p) {
     ParamPrinter<Json> printer;

@@ -5,7 +5,7 @@
 
 namespace pbrt {
 
-/// EffectiveParams as text. Its numbers are single precision, hence printed as they were given: 0.01, not
+/// EffectiveParams as text. Numbers are printed in their shortest single-precision form: 0.01, not
 /// 0.009999999776482582.
 template <class P>
 std::string EffectiveParamsText(const P &params) {

@@ -17,7 +17,7 @@ bool Has(const std::vector<ParamType> &types, ParamType type) {
     return std::find(types.begin(), types.end(), type) != types.end();
 }
 
-/// The type of a parameter in words ("integer") or, if `isShort`, in letters ("i").
+/// Parameter type in words ("integer") or, if `isShort`, in letters ("i").
 std::string TypeName(const ParamDoc &doc, bool isShort) {
     const auto &types = doc.types;
     const bool isTexture = Has(types, ParamType::Texture);

@@ -11,32 +11,31 @@
 
 namespace pbrt {
 
-/// Documentation of one kind of thing that a scene can have: light source "spot", material "hair" ...
+/// Documentation of one scene entity: light source "spot", material "hair".
 struct FactoryDoc {
     std::string name, summary;  ///< the summary is a line of Markdown
     std::vector<ParamDoc> params;
 };
 
-/// Documentation of a family: all light sources, all materials ...
+/// Documentation of a family of entities: all light sources, all materials.
 struct FamilyDoc {
     std::string name;       ///< as in `pbrt --list cameras`
-    std::string what;       ///< the word for one thing of the family in messages: `Camera`
-    bool isPrefix = false;  ///< the names of parameters begin with the maker's name and a dot
+    std::string what;       ///< noun for messages: `Camera`
+    bool isPrefix = false;  ///< parameter names begin with the maker's name and a dot
     std::vector<FactoryDoc> makers;
 };
 
-/// Throws the error for a name that a family does not know: `Camera "x" is unknown; ...`.
+/// Throws the error for an unknown name: `Camera "x" is unknown; ...`.
 [[noreturn]] void ThrowUnknown(const std::string &what, const std::string &given, const std::vector<std::string> &names,
                                const FileLoc &loc);
 
-/// The kinds of things of one family by name: each with a summary, its declared parameters, and a function that makes
-/// one. This function gets the parameter struct, the ParamSet that the struct was read from (for the locations of
-/// errors), and the context of the build. Tables are filled by explicit calls of Add.
+/// Entities of one family by name, each with summary, declared parameters and a maker. The maker receives the parameter
+/// struct, the ParamSet it was read from (for error locations), and the build context. Tables are filled by explicit
+/// calls of Add.
 ///
 /// If the context has a `sink`, unused parameters are reported to it; a member `before` is a ParamReader that has read
-/// other parameters of the same set. If the context has no `sink`, parameters are called "thing.name" and share the set
-/// with those of other things; the owner of the set must then report unused ones. `Traits`: further properties of
-/// each kind of thing.
+/// other parameters of the same set. Without a `sink`, parameters are called "entity.name" and share the set with other
+/// entities; the owner of the set must report unused ones. `Traits`: further properties of each entity.
 template <class Product, class Context, class Traits = std::monostate>
 class FactoryTable {
     static constexpr bool kHasOwner = !requires(Context & c) { c.sink; };
@@ -44,15 +43,15 @@ class FactoryTable {
   public:
     struct Entry : FactoryDoc {
         std::function<Product(const ParamSet &, Context &)> make;
-        /// Set only if the context has no sink: throws the error that `make` would throw for wrong values.
+        /// Set only if the context has no sink: throws the same errors for invalid values as `make`.
         std::function<void(const ParamSet &)> check;
         Traits traits;
     };
 
-    /// `what`: the word for such a thing in messages, for example `Camera`.
+    /// `what`: noun for messages, for example `Camera`.
     explicit FactoryTable(std::string what) : what_(std::move(what)) {}
 
-    /// Throws std::logic_error if the name is already registered, which is a bug of the program.
+    /// Throws std::logic_error (a program error) if the name is already registered.
     template <class P, class F>
     void Add(const std::string &name, std::string summary, F &&make, Traits traits = {}) {
         Entry entry{{name, std::move(summary), DocumentParams<P>()}, {}, {}, std::move(traits)};
@@ -79,7 +78,7 @@ class FactoryTable {
         for (const auto &[name, entry] : entries_) names.push_back(name);
         return names;
     }
-    /// Throws UserError with the choices if the name is unknown.
+    /// Throws UserError with the valid names if the name is unknown.
     const Entry &Find(const std::string &name, const FileLoc &loc = {}) const {
         auto it = entries_.find(name);
         if (it == entries_.end()) ThrowUnknown(what_, name, Names(), loc);
@@ -103,9 +102,9 @@ class FactoryTable {
     std::map<std::string, Entry> entries_;
 };
 
-/// Text of `pbrt --list NAME`: every kind of the family with its parameters, each with its help line.
+/// Text of `pbrt --list NAME`: all entities of the family with their parameters and help lines.
 std::string ListingOf(const FamilyDoc &family);
-/// Rows of the tables of docs/reference/compatibility.md: `| entity | parameters | remark |`.
+/// Table rows of docs/reference/compatibility.md: `| entity | parameters | remark |`.
 std::string TableRowsOf(const FamilyDoc &family);
 
 }  // namespace pbrt

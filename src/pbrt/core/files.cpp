@@ -39,10 +39,10 @@ std::string LowerExtension(const std::string &path) {
 
 namespace {
 
-// Opens a file for reading; throws UserError for kinds of files whose content may have no end. *size: bytes of a
-// regular file, 0 for others.
+// Opens a file for reading; throws UserError for kinds whose content may be endless. *size: bytes of a regular file,
+// else 0.
 int OpenForReading(const std::string &path, ReadFrom from, size_t *size) {
-    // Without O_NONBLOCK, opening a pipe waits for a writer, perhaps for ever.
+    // Without O_NONBLOCK, opening a pipe blocks until a writer connects.
     const int flags = from == ReadFrom::Files ? O_RDONLY | O_CLOEXEC | O_NONBLOCK : O_RDONLY | O_CLOEXEC;
     const int file = open(path.c_str(), flags);
     if (file < 0) throw UserError(fmt::format("{}: {}.", path, std::strerror(errno)));
@@ -62,10 +62,10 @@ int OpenForReading(const std::string &path, ReadFrom from, size_t *size) {
     return file;
 }
 
-// Reserves `bytes` for `content`. They must fit into the available memory in addition to the old buffer, which is freed
-// only after the content has been moved.
+// Reserves `bytes` for `content`. They must fit into the available memory beside the old buffer, which is freed after
+// the move.
 void Grow(std::string &content, size_t bytes, const std::string &path, double (*available)()) {
-    // Smaller sizes are not checked, because the check asks the kernel.
+    // Smaller sizes skip the check, which is a system call.
     constexpr size_t kSmall = 1 << 24;
     if (const double left = bytes > kSmall ? available() : 0; bytes > kSmall && static_cast<double>(bytes) > left)
         throw UserError(
@@ -87,9 +87,9 @@ std::string ReadFileContents(const std::string &path, ReadFrom from, double (*av
         close(descriptor);
         throw UserError(fmt::format("{}: {}.", path, std::strerror(ENOMEM)));
     }
-    // Scenes may have thousands of small files, so that the buffer is no larger than the file.
+    // Scenes may have thousands of small files, hence no larger than the file.
     constexpr size_t kMax = 1 << 18, kMin = 1 << 12;
-    if (size == 0) size = kMax;  // a pipe, or a file that the kernel makes up
+    if (size == 0) size = kMax;  // a pipe or a virtual file of the kernel
     gzbuffer(file.get(), static_cast<unsigned>(std::clamp(size, kMin, kMax)));
     std::string content;
     Grow(content, size + kMin, path, available);

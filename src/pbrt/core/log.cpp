@@ -20,7 +20,7 @@ void SetLogLevel(LogLevel level) { currentLevel = level; }
 LogLevel CurrentLogLevel() { return currentLevel; }
 
 void LogWarning(const std::string &message) {
-    // Never destroyed: detached threads (LiveViewer) may warn while the process ends.
+    // Leaked: detached threads (LiveViewer) may warn during process exit.
     static std::mutex &mutex = *new std::mutex;
     static std::set<std::string> &seen = *new std::set<std::string>;
     {

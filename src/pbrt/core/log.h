@@ -3,7 +3,7 @@
 
 namespace pbrt {
 
-/// Messages about the run itself (not about a place in a scene file), to standard error.
+/// Messages about the run (not about a scene-file location), to standard error.
 enum class LogLevel { Quiet, Error, Warning, Info };
 
 void SetLogLevel(LogLevel level);

@@ -15,8 +15,7 @@ namespace pbrt {
 
 namespace {
 
-/// The beginning of a file of the kernel; empty if the file does not exist. Nothing is allocated, since the caller may
-/// have no memory left.
+/// Beginning of a kernel file; empty if it does not exist. Does not allocate, since memory may be exhausted.
 struct KernelText {
     char text[512] = {};
     explicit KernelText(const char *name) {
@@ -30,12 +29,12 @@ struct KernelText {
 
 bool isLimited = false;  ///< by LimitMemory
 
-/// The limit of the control group (version 2) that a container sees as its own; `none` if there is none.
+/// Limit of the control group (version 2) as visible inside a container; `none` if there is none.
 double ControlGroupLimit(double none) {
     const KernelText limit("/sys/fs/cgroup/memory.max");
     char *end = nullptr;
     const double bytes = std::strtod(limit.text, &end);
-    return end != limit.text ? bytes : none;  // "max" is no number
+    return end != limit.text ? bytes : none;  // "max" does not parse as a number
 }
 
 }  // namespace
@@ -51,7 +50,7 @@ double UsableMemory() {
 }
 
 double AvailableMemory() {
-    // In pages: all, resident, shared, code, 0, data and stack.
+    // In pages: total, resident, shared, code, 0, data and stack.
     double all = 0, resident = 0, shared = 0, code = 0, none = 0, data = 0;
     std::sscanf(KernelText("/proc/self/statm").text, "%lf %lf %lf %lf %lf %lf", &all, &resident, &shared, &code, &none,
                 &data);

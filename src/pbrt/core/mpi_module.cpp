@@ -1,4 +1,4 @@
-// All code that calls MPI. See message_port.h.
+// All MPI calls. See message_port.h.
 #include <mpi.h>
 
 #include <algorithm>
@@ -12,15 +12,15 @@ namespace pbrt {
 
 namespace {
 
-/// Longer messages are sent in fragments: MPI counts with int.
+/// Longer messages are fragmented, because MPI counts with int.
 constexpr size_t kMaxFragment = size_t{1} << 26;
-/// Of messages longer than this the bytes follow when the receiver is ready for them.
+/// Bytes; longer messages are sent only when the receiver is ready.
 constexpr size_t kShort = size_t{1} << 16;
 
 class MpiPort final : public MessagePort {
   public:
     MpiPort() {
-        // Only one thread at a time calls MPI, but not always the same.
+        // One thread at a time calls MPI, but not always the same one.
         int provided = MPI_THREAD_SINGLE;
         MPI_Init_thread(nullptr, nullptr, MPI_THREAD_SERIALIZED, &provided);
         if (provided < MPI_THREAD_SERIALIZED) MPI_Abort(MPI_COMM_WORLD, 1);
@@ -33,7 +33,7 @@ class MpiPort final : public MessagePort {
     int Size() const override { return size_; }
 
     void Send(int to, Channel channel, std::span<const std::string_view> pieces) override {
-        // The length, then the bytes in fragments: large pieces as they are, small ones together.
+        // The length, then fragments: large pieces directly, small ones gathered.
         uint64_t length = 0;
         for (const std::string_view piece : pieces) length += piece.size();
         MPI_Request request;
@@ -69,7 +69,7 @@ class MpiPort final : public MessagePort {
         MPI_Mrecv(&length, sizeof(length), MPI_BYTE, &matched, MPI_STATUS_IGNORE);
         Message message{status.MPI_SOURCE, std::string(length, 0)};
         for (size_t at = 0; at < length;) {
-            // The sender chooses the lengths of the fragments.
+            // The sender chooses the fragment lengths.
             MPI_Message fragment;
             for (hasCome = 0; !hasCome; std::this_thread::yield())
                 MPI_Improbe(message.from, static_cast<int>(channel), MPI_COMM_WORLD, &hasCome, &fragment, &status);
@@ -100,12 +100,12 @@ class MpiPort final : public MessagePort {
         MPI_Test(&request, &isDone, MPI_STATUS_IGNORE);
         return isDone != 0;
     }
-    /// For another process that may be busy for long. MPI_Wait would keep a core busy meanwhile.
+    /// For a peer that may be busy for long; MPI_Wait would spin meanwhile.
     static void WaitPatiently(MPI_Request &request) {
         for (int tries = 0; !IsDone(request); ++tries)
             if (tries > 100) std::this_thread::sleep_for(std::chrono::microseconds(50));
     }
-    /// While both sides work on a transfer, which progresses only within MPI's functions.
+    /// For active transfers, which progress only inside MPI calls.
     static void WaitBusily(MPI_Request &request) {
         while (!IsDone(request)) std::this_thread::yield();
     }

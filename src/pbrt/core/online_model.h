@@ -8,32 +8,30 @@ class Progress;
 class StateReader;
 class StateWriter;
 
-/// Extension point: a model that is estimated from records of the render itself. It changes in Update only: between
-/// waves, after fixed numbers of samples per pixel. Every sample depends on records of other samples, hence the
-/// estimate is unbiased, and on no order of threads, hence the image is the same for any number of threads and any
-/// split into waves.
+/// Extension point: a model estimated from records of the running render. It changes only in Update: between waves,
+/// after fixed numbers of samples per pixel. A sample depends only on records of earlier passes, never on thread order.
+/// Hence the estimate is unbiased and the image is the same for any thread count and any split into waves.
 class OnlineModel {
   public:
     virtual ~OnlineModel() = default;
-    /// Samples per pixel after which Update must be called; 0: never again, and nothing needs to be recorded.
+    /// Samples per pixel after which Update is due; 0: never again, and nothing needs to be recorded.
     virtual int NextUpdate() const = 0;
-    /// May take seconds. If `progress` is cancelled meanwhile, returns soon and leaves the model as it was before.
+    /// May take seconds. If `progress` is cancelled, returns soon and leaves the model unchanged.
     virtual void Update(const Progress &progress) = 0;
-    /// Several processes may render the same pass, each some of its samples. Before Update, and before the model is
-    /// saved, their records are merged: ExtractRecords writes the records and clears them, MergeRecords adds them. The
-    /// result depends neither on the order nor on the division. MergeRecords throws UserError if the records belong to
-    /// another model.
+    /// Processes may share a pass. Before Update, and before the model is saved, their records are merged:
+    /// ExtractRecords writes and clears them, MergeRecords adds them. The result is independent of order and division.
+    /// MergeRecords throws UserError if the records belong to another model.
     virtual void ExtractRecords(StateWriter &out) = 0;
     virtual void MergeRecords(StateReader &in) = 0;
 };
 
-/// Several models as one. Refers to them; null ones are left out.
+/// Composite of several models, not owned; null ones are skipped.
 class OnlineModels final : public OnlineModel {
   public:
     OnlineModels(std::initializer_list<OnlineModel *> models);
     bool IsEmpty() const { return models_.empty(); }
     int NextUpdate() const override;
-    /// Updates those that are due, in order; if one is cancelled, none after it.
+    /// Updates those that are due, in order, and stops at the first that is cancelled.
     void Update(const Progress &progress) override;
     void ExtractRecords(StateWriter &out) override;
     void MergeRecords(StateReader &in) override;

@@ -20,7 +20,7 @@ struct ThreadLimit::Impl {
 };
 
 namespace {
-tbb::task_arena *currentArena = nullptr;  // set only by ThreadLimit, before and after all parallel work
+tbb::task_arena *currentArena = nullptr;  // set only by ThreadLimit, outside of parallel work
 
 template <class F>
 void InArena(F &&f) {
@@ -29,8 +29,8 @@ void InArena(F &&f) {
 }
 
 #ifdef PBRT_THREAD_SANITIZER
-/// The order of a parallel region's tasks for ThreadSanitizer, which cannot see the synchronisation inside oneTBB: each
-/// task runs after the region begins and before it ends.
+/// Declares the task order of a parallel region to ThreadSanitizer, which cannot detect oneTBB's synchronisation: each
+/// task runs between begin and end of the region.
 class RegionOrder {
   public:
     RegionOrder() { __tsan_release(&begin_); }

@@ -8,13 +8,12 @@
 
 namespace pbrt {
 
-/// Reads a parameter struct from a ParamSet: `p.Describe(reader); reader.Finish(sink);`. It remembers which parameters
-/// were declared and reports all others of the set as unused, except Attribute defaults.
+/// Reads a parameter struct from a ParamSet: `p.Describe(reader); reader.Finish(sink);`. Parameters of the set that
+/// were not declared are reported as unused, except Attribute defaults.
 class ParamReader {
   public:
-    /// The names in the set begin with `prefix`.
     explicit ParamReader(const ParamSet &set, std::string prefix = {}) : set_(set), prefix_(std::move(prefix)) {}
-    /// Continues the work of another reader of the same set: parameters declared there count as declared here.
+    /// Continues another reader of the same set: parameters declared there count as declared here.
     ParamReader(const ParamSet &set, const ParamReader &other) : set_(set), declared_(other.declared_) {}
 
     bool When(bool applies) const { return applies; }
@@ -28,8 +27,8 @@ class ParamReader {
         Collect([&] { ReadParam(*this, prefix_ + name, value, asked); });
     }
 
-    /// Reports to the sink all parameters of the set that were not declared, or only with another type. Throws one
-    /// UserError with all errors in the values.
+    /// Reports undeclared parameters, or those declared with another type, to the sink. Throws one UserError with all
+    /// invalid values.
     void Finish(DiagnosticSink &sink) const {
         ReportUnused(sink);
         ThrowIfErrors();
@@ -38,15 +37,11 @@ class ParamReader {
         if (!errors_.empty()) throw UserError(errors_);
     }
 
-    // For overloads of ReadParam.
-
     const ParamSet &Set() const { return set_; }
-    /// The parameter of that name and type; null if it is absent.
     const Param *Take(const std::string &name, ParamType type) {
         Declare(name, type);
         return set_.Find(name, type);
     }
-    /// Declares that the set may have a parameter of that name and type.
     void Declare(const std::string &name, ParamType type) { declared_.push_back({name, type}); }
 
   private:
@@ -78,9 +73,9 @@ const auto &ValuesOf(const Param &p) {
     else if constexpr (std::is_same_v<T, std::string>) return p.strings;
     else return p.floats;
 }
-/// Throws UserError unless the number of values found is `wanted`.
+/// Throws UserError unless `found == wanted`.
 void RequireCount(const ParamSet &set, const Param &p, size_t found, size_t wanted);
-/// Throws UserError unless the numbers of the parameter make whole items.
+/// Throws UserError unless the numbers form whole items.
 void RequireItems(const ParamSet &set, const Param &p);
 template <class T>
 void RequireRange(const ParamSet &set, const Param &p, T value, const Range<T> &range) {
@@ -89,7 +84,7 @@ void RequireRange(const ParamSet &set, const Param &p, T value, const Range<T> &
 }
 [[noreturn]] void ThrowMissing(const ParamSet &set, const std::string &name, ParamType type);
 [[noreturn]] void ThrowNoChoice(const ParamSet &set, const Param &p, const Choices &choices);
-/// The parameter, which must have exactly one value; null if it is absent.
+/// The parameter, which must have exactly one value; null if absent.
 template <class T>
 const Param *TakeOne(ParamReader &reader, const std::string &name) {
     const Param *p = reader.Take(name, TypeOf<T>());
@@ -139,7 +134,7 @@ inline void ReadParam(ParamReader &reader, const std::string &name, std::string 
     if (value.empty()) detail::ThrowMissing(reader.Set(), name, ParamType::String);
 }
 
-/// The span refers to the values in the set, which must outlive it.
+/// The span refers to values in the set, which must outlive it.
 template <class T>
 void ReadParam(ParamReader &reader, const std::string &name, std::span<const T> &values) {
     if (const Param *p = reader.Take(name, detail::TypeOf<T>())) values = detail::ValuesOf<T>(*p);
@@ -165,7 +160,7 @@ void ReadParam(ParamReader &reader, const std::string &name, std::optional<std::
         for (T v : *values) detail::RequireRange(reader.Set(), *reader.Set().Find(name, detail::TypeOf<T>()), v, range);
 }
 
-/// T is a point, a colour ...; its memory must be exactly the numbers of one item.
+/// T is a point, colour etc. whose memory is exactly the numbers of one item.
 template <class T>
 void ReadParam(ParamReader &reader, const std::string &name, std::vector<T> &values, const Items &items) {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -193,8 +188,8 @@ void ReadParam(ParamReader &reader, const std::string &name, T &value, const Ite
     value = values[0];
 }
 
-/// Returns a parameter struct read from the set. Parameters that P does not declare are reported to the sink; wrong
-/// values are thrown as one UserError.
+/// Reads a parameter struct. Parameters that P does not declare are reported to the sink; invalid values are thrown as
+/// one UserError.
 template <class P>
 P ReadParams(const ParamSet &set, DiagnosticSink &sink) {
     P p;
@@ -204,8 +199,7 @@ P ReadParams(const ParamSet &set, DiagnosticSink &sink) {
     return p;
 }
 
-/// Reads the parameters called `owner`.name from a set that has parameters of others, too, so that only wrong values
-/// are errors (thrown as one UserError).
+/// Reads the parameters called `owner`.name from a shared set. Only invalid values are errors, thrown as one UserError.
 template <class P>
 void ReadParams(P &p, const ParamSet &set, const std::string &owner) {
     ParamReader reader(set, owner + '.');

@@ -11,7 +11,7 @@
 
 namespace pbrt {
 
-/// The type words a parameter declaration may start with (pbrt-v4-format §1).
+/// Type keywords of parameter declarations (pbrt-v4-format §1).
 enum class ParamType {
     Integer,
     Float,
@@ -28,12 +28,11 @@ enum class ParamType {
     Texture
 };
 
-/// "integer", "float", ...
 const char *Name(ParamType type);
-/// How many numbers one value of the type has: 2 or 3 for points, vectors, normals and rgb, else 1.
+/// Numbers per value: 2 or 3 for points, vectors, normals and rgb, else 1.
 size_t ItemSize(ParamType type);
 
-/// The interval of the values that a number may have; it includes its ends unless they are open.
+/// Interval of valid values, closed unless an end is declared open.
 template <class T>
 struct Range {
     T low, high;
@@ -43,7 +42,7 @@ struct Range {
         return (openLow ? v > low : v >= low) && (openHigh ? v < high : v <= high);
     }
 };
-/// Above 0 and at most `high`.
+/// Values in (0, high].
 constexpr Range<Float> Positive(Float high, const char *unit = "") { return {0, high, true, false, unit}; }
 constexpr Range<Float> AnyFloat(const char *unit = "") {
     return {std::numeric_limits<Float>::lowest(), std::numeric_limits<Float>::max(), false, false, unit};
@@ -56,8 +55,8 @@ std::string Text(const Range<T> &range) {
                        range.openHigh ? "below" : "at most", range.high, *range.unit ? " " : "", range.unit);
 }
 
-/// One parsed parameter. Exactly one of the value lists is filled: integers for Integer; bools for Bool; strings
-/// for String, Texture and named/file Spectrum; floats for everything else. Point/vector/rgb values are flattened.
+/// One parsed parameter. Exactly one value list is filled: integers for Integer; bools for Bool; strings for String,
+/// Texture and named/file Spectrum; floats otherwise. Point/vector/rgb values are flattened.
 struct Param {
     ParamType type = ParamType::Float;
     std::string name;
@@ -66,23 +65,21 @@ struct Param {
     std::vector<int> ints;
     std::vector<std::string> strings;
     std::vector<uint8_t> bools;
-    std::string colorSpace = "srgb";  ///< in force where the parameter was read; used by Rgb only
-    bool fromAttribute = false;       ///< an Attribute default: never reported as unused
+    std::string colorSpace = "srgb";  ///< current where the parameter was read; used by Rgb only
+    bool fromAttribute = false;       ///< Attribute default: never reported as unused
 };
 
-/// The parameters of one directive, as they stand in the scene. Their meaning is declared by parameter structs
-/// (core/describe.h), which ParamReader reads. As in stock pbrt-v4, name and type must both match, and the last of
-/// several equal ones counts.
+/// Parameters of one directive as written in the scene. Parameter structs (core/describe.h) interpret them through
+/// ParamReader. As in stock pbrt-v4, name and type must both match, and the last of several equal ones applies.
 class ParamSet {
   public:
     ParamSet() = default;
     /// `what` names the entity in messages, e.g. `Shape "sphere"`.
     ParamSet(std::string what, FileLoc loc) : what_(std::move(what)), loc_(std::move(loc)) {}
 
-    /// The entity's own parameters.
     void Add(Param p) { params_.push_back(std::move(p)); }
-    /// Defaults from Attribute directives: searched only when the entity itself does not give the parameter; the last
-    /// one added counts.
+    /// Adds a default from an Attribute directive, used where the entity does not give the parameter; the last one
+    /// added applies.
     void AddDefault(Param p) {
         p.fromAttribute = true;
         defaults_.push_back(std::move(p));
@@ -92,12 +89,11 @@ class ParamSet {
     const FileLoc &Loc() const { return loc_; }
     const std::vector<Param> &Own() const { return params_; }
 
-    /// The parameter of that name and type that counts; nullptr if there is none.
+    /// The applicable parameter of that name and type; nullptr if there is none.
     const Param *Find(std::string_view name, ParamType type) const;
-    /// True if a parameter of that name exists with any type.
     bool Has(std::string_view name) const;
 
-    /// Throws UserError, located at the parameter `name`, if the value is outside the range.
+    /// Throws UserError at parameter `name` if the value is outside the range.
     template <class T>
     void Require(std::string_view name, T value, const Range<T> &range) const {
         if (!range.Contains(value))
@@ -105,10 +101,10 @@ class ParamSet {
                             LocOf(name));
     }
 
-    /// An error located at the parameter `name`; the message begins with the name of the entity.
+    /// An error located at parameter `name`; the message begins with the entity's name.
     UserError Error(std::string_view name, std::string_view message) const;
     void Warn(DiagnosticSink &sink, std::string_view name, std::string_view message) const;
-    /// Runs `read`; errors that it throws without a location get that of the parameter `name`.
+    /// Runs `read`; errors without a location get that of parameter `name`.
     template <class F>
     auto At(std::string_view name, F &&read) const {
         try {
@@ -119,7 +115,7 @@ class ParamSet {
         }
     }
 
-    /// The location for messages about `name`: its declaration if the parameter is given, else the directive.
+    /// Declaration of parameter `name` if given, else the directive.
     FileLoc LocOf(std::string_view name) const;
 
   private:

@@ -9,8 +9,7 @@
 
 namespace pbrt {
 
-/// Where progress is shown. The work reports only its phase, the amount done and the total; sinks decide how this is
-/// displayed.
+/// Display of progress. Reports contain only phase, amount done and total.
 class ProgressSink {
   public:
     virtual ~ProgressSink() = default;
@@ -18,29 +17,27 @@ class ProgressSink {
     virtual void PhaseDone(const std::string &phase, double elapsedSeconds) = 0;
 };
 
-/// Writes to standard error: a progress bar that is redrawn in place if it is a terminal, else a plain line every 5
-/// seconds at most. Null if `quiet`.
+/// Writes to standard error: a redrawn bar on a terminal, else a line at most every 5 seconds. Null if `quiet`.
 std::unique_ptr<ProgressSink> MakeTerminalProgress(bool quiet);
 
-/// Progress of the whole job: one phase after another (reading, building, preparing lights, rendering, writing), and
-/// the request to stop. A phase begun inside another is a part of it: its time is included in the outer phase's, and
-/// its last line is indented. Advance() is called from many threads; phases change on one.
+/// Progress of the whole job as a sequence of phases (reading, building, preparing lights, rendering, writing), and the
+/// stop request. Nested phases are included in the outer phase's time and printed indented. Advance() is thread-safe;
+/// phases change on one thread.
 class Progress {
   public:
     explicit Progress(ProgressSink *sink = nullptr) : sink_(sink) {}
 
     void BeginPhase(std::string name, int64_t total);
-    /// For phases whose total is known only after they have begun.
+    /// For phases whose total becomes available later.
     void SetTotal(int64_t total) { phase_.total = total; }
     void Advance(int64_t amount = 1);
-    /// For phases that end at a given time: the caller gives the fraction done and the remaining time.
+    /// For phases with a time budget: fraction done and remaining time.
     void SetFraction(double fraction, double remainingSeconds);
-    /// Returns the seconds the phase took.
+    /// Returns the phase's duration in seconds.
     double EndPhase();
-    /// Name of the running phase, or of the one that ended last if none is running.
     const std::string &PhaseName() const { return phase_.name.empty() ? last_ : phase_.name; }
 
-    /// Asks all work to stop at the next safe point (Ctrl-C). Async-signal-safe.
+    /// Requests a stop at the next safe point (Ctrl-C). Async-signal-safe.
     void Cancel() { cancelled_.store(true, std::memory_order_relaxed); }
     bool Cancelled() const { return cancelled_.load(std::memory_order_relaxed); }
 
@@ -48,14 +45,14 @@ class Progress {
     using Clock = std::chrono::steady_clock;
     struct Phase {
         std::string name;
-        int64_t total = 0, done = 0;  ///< done: as it was when an inner phase began
+        int64_t total = 0, done = 0;  ///< done: value when an inner phase began
         Clock::time_point begin{};
     };
     double Elapsed() const { return std::chrono::duration<double>(Clock::now() - phase_.begin).count(); }
     ProgressSink *sink_;
     Phase phase_;
-    std::vector<Phase> outer_;  ///< the phases that phase_ is a part of, outermost first
-    std::string last_;          ///< name of the phase that ended last
+    std::vector<Phase> outer_;  ///< phases that enclose phase_, outermost first
+    std::string last_;          ///< last ended phase
     std::atomic<int64_t> done_{0};
     std::atomic<int64_t> nextShowMs_{0};
     std::mutex showMutex_;

@@ -22,7 +22,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
 
-/// Write end of the pipe from the signal handler to the watching thread.
+/// Write end of the pipe from signal handler to watcher thread.
 int toWatcher = -1;
 
 void Tell(int signal) {
@@ -32,7 +32,7 @@ void Tell(int signal) {
     errno = kept;
 }
 
-/// Prints a message. It is left out if it cannot be written without waiting: nothing may delay the end of the process.
+/// Prints a message unless that would block: nothing may delay the end of the process.
 void Print(const std::string &message) {
     if (message.empty() || CurrentLogLevel() < LogLevel::Info) return;
     pollfd err{STDERR_FILENO, POLLOUT, 0};
@@ -58,7 +58,6 @@ struct SignalWatch::Impl {
 
     explicit Impl(Progress &p) : progress(p) {}
 
-    /// When the process is ended if the program still runs; empty if there is no deadline.
     std::optional<Clock::time_point> Deadline() const {
         if (!first || grace >= kForever) return {};
         return std::max(phaseStart, firstTime) +
@@ -106,7 +105,7 @@ struct SignalWatch::Impl {
         }
     }
 
-    /// A byte that is not a signal number: it wakes the thread because the deadline may have changed.
+    /// Not a signal number: wakes the thread because the deadline may have changed.
     static constexpr unsigned char kWake = 255;
 };
 

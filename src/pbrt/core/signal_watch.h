@@ -8,34 +8,32 @@
 
 namespace pbrt {
 
-/// Handles Ctrl-C (SIGINT), SIGTERM and SIGHUP while the object lives. A separate thread acts on these signals, so that
-/// they work while the program waits for a pipe or builds a scene. Only one object may exist per process. SIGHUP stays
-/// ignored if it was ignored before (nohup); SIGPIPE is ignored, so that writing to a closed pipe is an ordinary error.
+/// Handles SIGINT, SIGTERM and SIGHUP during its lifetime, in a separate thread, so that signals work while the program
+/// waits for a pipe or builds a scene. Only one object may exist per process. SIGHUP stays ignored if it was ignored
+/// already (nohup). SIGPIPE is ignored: writing to a closed pipe is an ordinary error.
 ///
-/// The program sets before each phase what the first signal does in it. A second signal ends the process at once in
-/// every phase, unless it comes within kRepeat of the first (`timeout` sends its signal twice). Ending at once means:
-/// temporary files are removed, a message is printed unless quiet, and the process exits with 128 + the number of the
-/// first signal; nothing else runs.
+/// The response to the first signal is set per phase. A second signal ends the process at once, unless it comes within
+/// kRepeat of the first (`timeout` sends its signal twice). Ending at once removes temporary files, prints a message
+/// unless quiet, and exits with 128 + the first signal; nothing else runs.
 class SignalWatch {
   public:
     static constexpr std::chrono::milliseconds kRepeat{300};
     static constexpr double kForever = 1e9;
 
-    /// Until the first call of EndAtOnce or Cancel, a signal ends the process at once with `message`. Signals cancel
-    /// `progress`, which must outlive this object.
+    /// Until the first call of EndAtOnce or Cancel, a signal ends the process at once with `message`. `progress` must
+    /// outlive this object.
     SignalWatch(Progress &progress, std::string message);
     ~SignalWatch();
     SignalWatch(const SignalWatch &) = delete;
     SignalWatch &operator=(const SignalWatch &) = delete;
 
-    /// For a phase that has nothing to save: the first signal ends the process at once. If a signal has come before,
-    /// this call ends the process.
+    /// For a phase without results to save: the first signal ends the process at once. An earlier signal ends it in
+    /// this call.
     void EndAtOnce(std::string message);
-    /// The first signal cancels `progress`, prints `notice`, and gives the program `seconds` to end, counted
-    /// from the signal or from this call, whichever is later; then the process is ended at once with `message`.
-    /// kForever: there is no such deadline.
+    /// The first signal cancels `progress` and prints `notice`. The process is ended with `message` `seconds` after the
+    /// signal or this call, whichever is later. kForever: no deadline.
     void Cancel(std::string notice, std::string message, double seconds);
-    /// The exit status that main returns: 128 + the number of the first signal; 0 if none came.
+    /// Exit status for main: 128 + the first signal; 0 if none came.
     int Status() const;
 
   private:

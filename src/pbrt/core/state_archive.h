@@ -4,9 +4,8 @@
 namespace pbrt {
 
 /// Learned structures declare their members once, in `template <class Archive> void Visit(Archive &archive)`. It calls
-/// archive(member, ...) for trivially copyable values, vectors of them, texts and structures with a Visit of their own,
-/// and archive.Structure(vector) for indices and offsets (StateWriter::Structure). StateSaver and StateLoader are the
-/// archives.
+/// archive(member, ...) for trivially copyable values, vectors of them, texts and structures with Visit. Indices and
+/// offsets use archive.Structure(vector), see StateWriter::Structure. The archives are StateSaver and StateLoader.
 class StateSaver {
   public:
     explicit StateSaver(StateWriter &out) : out_(out) {}
@@ -22,7 +21,7 @@ class StateSaver {
   private:
     template <class T>
     void Save(const T &value) {
-        // Visit is declared once for reading and writing, hence not const; this archive changes nothing.
+        // Visit serves reading and writing, hence is not const; this archive changes nothing.
         if constexpr (requires(T & v, StateSaver & archive) { v.Visit(archive); }) const_cast<T &>(value).Visit(*this);
         else out_.Value(value);
     }
@@ -35,8 +34,8 @@ class StateSaver {
     StateWriter &out_;
 };
 
-/// Reads what a StateSaver wrote. A structure that has `std::optional<std::string> Validate() const`, which returns
-/// what is wrong, is validated as soon as it is read. Throws UserError.
+/// Reads the output of StateSaver. Structures with `std::optional<std::string> Validate() const` (an error or none) are
+/// validated once read. Throws UserError.
 class StateLoader {
   public:
     explicit StateLoader(StateReader &in) : in_(in) {}

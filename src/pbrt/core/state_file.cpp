@@ -12,7 +12,7 @@ namespace pbrt {
 namespace {
 
 constexpr std::array<char, 8> kMagic = {'p', 'b', 'r', 't', 's', 't', 'a', 't'};
-/// Changes with the layout of the file or of anything in it.
+/// Incremented with every change of the layout of the file or its content.
 constexpr uint32_t kVersion = 2;
 constexpr size_t kLengthAt = sizeof(kMagic) + sizeof(kVersion);
 constexpr size_t kHeadBytes = kLengthAt + sizeof(uint64_t), kSumBytes = sizeof(uint64_t);
@@ -21,7 +21,7 @@ uint64_t Checksum(std::string_view bytes, uint64_t before = 0) {
     return crc32_z(before, reinterpret_cast<const Bytef *>(bytes.data()), bytes.size());
 }
 
-/// Not ReadFileContents, which would try to decompress the content.
+/// Unlike ReadFileContents, does not decompress.
 std::string ReadBytes(const std::string &path, const std::string &kind) {
     std::error_code code;
     if (!std::filesystem::is_regular_file(path, code))

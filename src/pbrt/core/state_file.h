@@ -7,19 +7,19 @@
 
 namespace pbrt {
 
-/// A file of named sections of bytes that is either whole or refused: its head holds its length, its end a checksum of
-/// everything before (CRC-32).
+/// A file of named byte sections. Incomplete or damaged files are detected by the length in the header and a CRC-32 of
+/// all preceding bytes at the end.
 class StateFile {
   public:
-    /// Reads all of it. `kind`: what the file should be, such as "checkpoint". Throws UserError if it cannot be read,
-    /// is cut off or damaged, is of another kind, or was written by a program with another layout.
+    /// Reads the file. `kind`: expected kind for messages, such as "checkpoint". Throws UserError if it is unreadable,
+    /// truncated, damaged, of another kind, or of another layout version.
     StateFile(const std::string &path, const std::string &kind);
     StateFile(const StateFile &) = delete;  // sections refer to the content
     StateFile &operator=(const StateFile &) = delete;
 
     const std::string &Path() const { return path_; }
     bool Has(const std::string &section) const { return sections_.count(section) > 0; }
-    /// Throws UserError if there is no such section. The bytes live as long as this object.
+    /// Throws UserError if the section does not exist. The bytes live as long as this object.
     std::string_view Section(const std::string &name) const;
 
   private:
@@ -27,8 +27,7 @@ class StateFile {
     std::map<std::string, std::string_view> sections_;
 };
 
-/// Writes such a file by WriteFile: whatever happens meanwhile, the name leads to the whole old file or to the whole
-/// new one.
+/// Writes atomically by WriteFile: the name always refers to a complete old or new file.
 void WriteStateFile(const std::string &path, const std::string &kind,
                     const std::map<std::string, const StateWriter *> &sections);
 

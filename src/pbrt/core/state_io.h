@@ -12,7 +12,6 @@
 
 namespace pbrt {
 
-/// A hash of the bytes of a structure; see StateWriter::Structure.
 inline uint64_t StructureHash(std::string_view bytes) {
     uint64_t hash = 0xcbf29ce484222325ull ^ bytes.size();
     for (size_t at = 0; at < bytes.size(); at += sizeof(uint64_t)) {
@@ -24,9 +23,8 @@ inline uint64_t StructureHash(std::string_view bytes) {
     return hash;
 }
 
-/// Collects values for a binary file or message, bit by bit and in this machine's byte order. Numbers, texts and copies
-/// are kept here; what was given to Refer or Vector is only referred to, so that big arrays are not in memory twice:
-/// it must stay as it is until the last use of Pieces.
+/// Serialises values bitwise in native byte order. Numbers, texts and copies are stored here. Data given to Refer or
+/// Vector are only referenced, to avoid duplicating big arrays, and must not change until the last use of Pieces.
 class StateWriter {
   public:
     template <class T>
@@ -38,21 +36,21 @@ class StateWriter {
         Value(uint64_t{text.size()});
         Copy(text.data(), text.size());
     }
-    /// The number of elements, then the elements.
+    /// Number of elements, then the elements, by reference.
     template <class T>
     void Vector(const std::vector<T> &values) {
         static_assert(std::is_trivially_copyable_v<T>);
         Value(uint64_t{values.size()});
         Refer(values.data(), values.size() * sizeof(T));
     }
-    /// The same with a hash of the elements, for indices, offsets and names: others are refused even where they would
-    /// make a valid structure, too.
+    /// Vector plus a hash of the elements, for indices, offsets and names: a changed structure is detected even if it
+    /// is valid.
     template <class T>
     void Structure(const std::vector<T> &values) {
         Vector(values);
         Value(StructureHash({reinterpret_cast<const char *>(values.data()), values.size() * sizeof(T)}));
     }
-    /// As Vector, for a vector that does not stay.
+    /// As Vector, for a temporary.
     template <class T>
     void CopyOfVector(const std::vector<T> &values) {
         static_assert(std::is_trivially_copyable_v<T>);
@@ -69,7 +67,7 @@ class StateWriter {
         if (bytes > 0) pieces_.push_back({static_cast<const char *>(data), 0, bytes});
     }
 
-    /// All bytes in order, valid until the next one is added.
+    /// All bytes in order, valid until the next addition.
     std::vector<std::string_view> Pieces() const {
         std::vector<std::string_view> views;
         for (const Piece &p : pieces_) views.emplace_back(p.data ? p.data : copied_.data() + p.at, p.bytes);
@@ -80,7 +78,6 @@ class StateWriter {
         for (const Piece &p : pieces_) bytes += p.bytes;
         return bytes;
     }
-    /// All bytes as one copy.
     std::string Joined() const {
         std::string all;
         all.reserve(Bytes());
@@ -97,10 +94,10 @@ class StateWriter {
     std::string copied_;
 };
 
-/// Reads what a StateWriter wrote. Throws UserError where the bytes end too early, and never reads beyond them.
+/// Reads the output of StateWriter. Throws UserError where the bytes end too early; never reads out of bounds.
 class StateReader {
   public:
-    /// `what`: named in messages. `bytes` must live as long as this object.
+    /// `what`: name for messages. `bytes` must outlive this object.
     StateReader(std::string_view bytes, std::string what) : rest_(bytes), what_(std::move(what)) {}
 
     template <class T>
@@ -130,7 +127,6 @@ class StateReader {
         values->resize(count);
         if (count > 0) std::memcpy(values->data(), bytes.data(), bytes.size());
     }
-    /// What StateWriter::Structure wrote.
     template <class T>
     void Structure(std::vector<T> *values) {
         Vector(values);
@@ -145,20 +141,17 @@ class StateReader {
         return taken;
     }
     size_t BytesLeft() const { return rest_.size(); }
-    /// As messages name what is read.
     const std::string &What() const { return what_; }
-    /// Throws: the bytes are not what they should be. `why`: a clause.
+    /// Throws the error for corrupt data. `why`: a clause.
     [[noreturn]] void ThrowCorrupt(std::string_view why) const {
         throw UserError(fmt::format("{}: its content is damaged: {}.", what_, why));
     }
     void Require(bool isRight, std::string_view why) const {
         if (!isRight) ThrowCorrupt(why);
     }
-    /// Throws if a structure that was read is not valid. `fault`: the result of its Validate.
     void RequireValid(const std::optional<std::string> &fault) const {
         if (fault) ThrowCorrupt(*fault);
     }
-    /// Throws if bytes are left.
     void RequireEnd() const { Require(rest_.empty(), "it is longer than what it holds"); }
 
   private:

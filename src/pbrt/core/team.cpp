@@ -61,7 +61,7 @@ void Team::Send(int to, Channel channel, const StateWriter &bytes) {
 }
 
 std::string Team::Receive(int from) {
-    // Waits without keeping a core busy: others may need it.
+    // Sleeps instead of spinning, to leave the core to others.
     for (int tries = 0;; ++tries) {
         if (std::optional<MessagePort::Message> message = port_->TryReceive(from, Channel::Together))
             return std::move(message->bytes);
@@ -70,7 +70,7 @@ std::string Team::Receive(int from) {
 }
 
 std::string Team::Broadcast(const StateWriter &bytes) {
-    // Rank r receives from the rank without r's highest bit, and sends to those with one further bit above it.
+    // Binary tree: the parent of rank r is r without its highest bit; its children have one further bit above it.
     const int rank = Rank(), size = Size();
     int bit = 1;
     std::string received;
@@ -114,7 +114,6 @@ void Team::AllReduce(const std::function<void(StateWriter &)> &take, const std::
 }
 
 std::string Team::Failures(const std::string &mine, bool *isAny) {
-    // The same failure on many processes is reported once.
     std::map<std::string, std::vector<std::string>> failures;
     if (!mine.empty()) failures[mine].push_back(fmt::format("{} on {}", Rank(), HostName()));
     Reduce(

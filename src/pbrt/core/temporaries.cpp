@@ -13,7 +13,7 @@ struct Registry {
     std::multiset<std::string> paths;
 };
 
-/// Never destroyed: a signal may come while the process ends.
+/// Leaked: a signal may come during process exit.
 Registry &Registered() {
     static auto *registry = new Registry;
     return *registry;

@@ -3,8 +3,8 @@
 
 namespace pbrt {
 
-/// Registers a file or folder that is deleted if a signal ends the process while the object lives (RemoveTemporaries).
-/// The object itself deletes nothing.
+/// Registers a file or folder that RemoveTemporaries deletes if a signal ends the process during this object's
+/// lifetime. The destructor deletes nothing.
 class Temporary {
   public:
     explicit Temporary(std::string path);
@@ -16,8 +16,8 @@ class Temporary {
     std::string path_;
 };
 
-/// Deletes the files and folders of all living Temporary objects, folders with their content. Only for a process that
-/// is about to end: afterwards, a thread that makes or destroys a Temporary waits for ever.
+/// Deletes all registered files, and folders with their content. Only before process exit: afterwards, creating or
+/// destroying a Temporary blocks forever.
 void RemoveTemporaries();
 
 }  // namespace pbrt

@@ -10,7 +10,6 @@ namespace pbrt {
 
 namespace {
 
-/// Most numbers per thread in one reply.
 constexpr int64_t kMaxPerThread = 4;
 
 struct Request {
@@ -21,11 +20,11 @@ struct Request {
 
 struct Answer {
     bool isCancelled = false;
-    int64_t begin = 0, end = 0;  ///< equal: there is nothing left
+    int64_t begin = 0, end = 0;  ///< equal: no numbers are left
 };
 
 void Pause(int tries) {
-    // The first replies are urgent; a long wait must not take CPU time from working threads.
+    // The first replies are urgent; long waits must not take CPU time from workers.
     std::this_thread::sleep_for(std::chrono::microseconds(tries < 20 ? 50 : 1000));
 }
 
@@ -65,7 +64,7 @@ void WorkDistributor::Reply() {
             std::lock_guard lock(mutex_);
             left = left_.end - left_.begin;
         }
-        // A quarter of the process's fraction of what is left, so that all end at about the same time.
+        // A quarter of the process's share, so that all end at about the same time.
         const int64_t fraction = left * request.threads / (4 * int64_t{team_.TotalThreads()});
         const Numbers given =
             TakeFromCounter(std::clamp(fraction, int64_t{1}, kMaxPerThread * int64_t{request.threads}));

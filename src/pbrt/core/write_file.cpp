@@ -22,12 +22,12 @@ namespace fs = std::filesystem;
     throw UserError(fmt::format("{}: cannot be written: {}.", path, std::strerror(error)));
 }
 
-/// The file that a name leads to after all symbolic links.
+/// The file at the end of all symbolic links.
 struct Target {
-    std::string shown;  ///< the name the user gave, for messages
+    std::string shown;  ///< user's name, for messages
     fs::path path;
     bool exists = false;
-    bool inPlace = false;   ///< a pipe, a device or an open file of this process, which cannot be replaced
+    bool inPlace = false;   ///< a pipe, device or open file of this process: not replaceable
     struct stat status {};  ///< of an existing file
 };
 
@@ -38,7 +38,7 @@ Target FindTarget(const std::string &name) {
     if (!target.exists && errno != ENOENT) Fail(name, errno);
     if (target.exists) {
         if (S_ISDIR(target.status.st_mode)) throw UserError(fmt::format("{}: is a folder.", name));
-        // Refused, although root or the owner of the folder could replace a write-protected file.
+        // Rejected, although root or the folder's owner could replace a write-protected file.
         if ((target.status.st_mode & 0222) == 0 || faccessat(AT_FDCWD, name.c_str(), W_OK, AT_EACCESS) != 0)
             throw UserError(fmt::format("{}: is write-protected.", name));
         target.inPlace = !S_ISREG(target.status.st_mode);
@@ -46,7 +46,7 @@ Target FindTarget(const std::string &name) {
     std::error_code failed;
     for (int links = 0; !target.inPlace && fs::is_symlink(target.path, failed); ++links) {
         if (links == 40) Fail(name, ELOOP);
-        // These are the kernel's links to open files; /dev/stdout leads to one of them.
+        // Kernel links to open files, such as the target of /dev/stdout.
         if (target.path.string().starts_with("/proc/")) {
             target.inPlace = true;
             target.path = name;
@@ -86,7 +86,7 @@ void WriteInPlace(const Target &target, const Pieces &content) {
     if (close(file) != 0) Fail(target.shown, errno);
 }
 
-/// A temporary file in the folder of the target: TakePlace gives it the target's name, else the destructor deletes it.
+/// Temporary file in the target's folder. TakePlace renames it to the target, else the destructor deletes it.
 class TemporaryFile {
   public:
     explicit TemporaryFile(const Target &target) : target_(target) {
@@ -95,8 +95,7 @@ class TemporaryFile {
         std::error_code ignored;
         if (!fs::is_directory(folder_, ignored))
             throw UserError(fmt::format("{}: the folder {} does not exist.", target.shown, folder_.string()));
-        // The name does not contain the target's, which could make it too long, and is unique for every thread of every
-        // process.
+        // Unique per thread and process; excludes the target's name, which could make it too long.
         static std::atomic<unsigned> count{0};
         do {
             path_ = folder_ / fmt::format(".pbrt-{}-{}.tmp", getpid(), count++);
@@ -119,14 +118,14 @@ class TemporaryFile {
         size_t bytes = 0;
         for (const std::string_view piece : content) bytes += piece.size();
         if (target_.exists) {
-            // Failures are ignored: only root may change the owner, and not every file system keeps permissions.
+            // Best effort: only root may change the owner, and some file systems have no permissions.
             [[maybe_unused]] int kept = fchown(file_, target_.status.st_uid, target_.status.st_gid);
             kept = fchmod(file_, target_.status.st_mode & 0777);
         }
         int done = 0;
         do done = fsync(file_);
         while (done != 0 && errno == EINTR);
-        // A few file systems cannot flush a file; they return EINVAL or ENOTSUP, which is not an error here.
+        // Some file systems cannot flush files (EINVAL, ENOTSUP); not an error here.
         if (done != 0 && errno != EINVAL && errno != ENOTSUP) Fail(target_.shown, errno);
         struct stat status {};
         if (fstat(file_, &status) != 0) Fail(target_.shown, errno);
@@ -140,8 +139,7 @@ class TemporaryFile {
     void TakePlace() {
         if (rename(path_.c_str(), target_.path.c_str()) != 0) Fail(target_.shown, errno);
         renamed_ = true;
-        // The new name must reach the disk, too. It is no error if the folder cannot be flushed, unless the disk fails
-        // (EIO).
+        // The new name must reach the disk, too. Failure to flush the folder is an error only for EIO.
         const int folder = open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
         if (folder < 0) return;
         const int error = fsync(folder) == 0 ? 0 : errno;
@@ -162,8 +160,7 @@ class TemporaryFile {
 void WriteFile(const std::string &path, std::string_view content) { WriteFile(path, Pieces{content}); }
 
 void WriteFile(const std::string &path, const Pieces &content) {
-    // Exceeding the limit on file sizes, and a pipe without reader, give an error message instead of ending the
-    // process.
+    // Exceeded file-size limits and pipes without reader give errors instead of ending the process.
     for (int number : {SIGXFSZ, SIGPIPE}) signal(number, SIG_IGN);
     const Target target = FindTarget(path);
     if (target.inPlace) return WriteInPlace(target, content);

@@ -11,7 +11,7 @@ namespace pbrt {
 namespace {
 
 enum : size_t { kAlbedo, kNormal, kGeonormal, kPosition, kDepth, kUv };
-constexpr size_t kFirstChannel = 2;  // in the sums of a pixel
+constexpr size_t kFirstChannel = 2;  // in a pixel's sums
 
 std::vector<size_t> IndicesOf(const std::vector<std::string> &names) {
     const std::vector<std::string> known = AovNames();
@@ -27,7 +27,7 @@ std::vector<size_t> IndicesOf(const std::vector<std::string> &names) {
     return indices;
 }
 
-/// The name of the film's saved states: those of films with other channels do not fit.
+/// Kind of the saved states, which includes the channels so that other sets do not match.
 std::string KindWith(const std::string &kind, const std::vector<std::string> &names) {
     unsigned bits = 0;
     for (const size_t i : IndicesOf(names)) bits |= 1u << i;
@@ -45,7 +45,7 @@ glm::dvec3 Unit(const glm::dvec3 &v) { return glm::dot(v, v) > 0 ? glm::normaliz
 }  // namespace
 
 const std::vector<Aov> &Aovs() {
-    // In the order of the enumeration above.
+    // In enumeration order.
     static const std::vector<Aov> all = {
         {"albedo", {"Albedo.R", "Albedo.G", "Albedo.B"}, "colour of the surface; black where nothing is seen"},
         {"normal", {"Ns.X", "Ns.Y", "Ns.Z"}, "shading normal"},
@@ -127,7 +127,7 @@ Image AovFilm::ToImage() const {
             for (const size_t i : chosen_) {
                 const std::vector<const char *> &names = Aovs()[i].channels;
                 glm::dvec3 mean(0);
-                // Albedo counts rays that see nothing as black; the geometry leaves them out.
+                // Albedo counts rays without a hit as black; geometry excludes them.
                 const double weight = i == kAlbedo ? all : seen;
                 for (size_t c = 0; c < names.size(); ++c, ++next)
                     mean[static_cast<int>(c)] = weight != 0 ? next->Value() / weight : 0;

@@ -7,21 +7,21 @@
 
 namespace pbrt {
 
-/// A quantity of what the camera sees that can be added to the picture of any film.
+/// Auxiliary output of the first visible surface, available for any film.
 struct Aov {
     const char *name;                    ///< in --aov
-    std::vector<const char *> channels;  ///< as in the picture of the gbuffer film, if it has them
+    std::vector<const char *> channels;  ///< as in the gbuffer film, where it has them
     const char *help;
 };
-/// All of them, in the order of the channels of a picture.
+/// All AOVs in channel order.
 const std::vector<Aov> &Aovs();
 std::vector<std::string> AovNames();
 
-/// A film with further channels: means over the samples of a pixel of what the camera sees, in camera space. All else
-/// is the film's own, to the bit. Channels that its picture has already are not added.
+/// Film with additional channels: means over a pixel's samples of visible-surface data, in camera space. All else is
+/// the wrapped film's, bit for bit. Existing channels are not added.
 class AovFilm final : public Film {
   public:
-    /// `context.overrides.aovs` names the quantities. Throws UserError if the file cannot hold them.
+    /// `context.overrides.aovs` names the quantities. Throws UserError if the file format cannot hold them.
     AovFilm(std::unique_ptr<Film> film, const FilmContext &context);
 
     SampledWavelengths SampleWavelengths(Float u) const override { return film_->SampleWavelengths(u); }
@@ -43,7 +43,7 @@ class AovFilm final : public Film {
     std::unique_ptr<Film> film_;
     AnimatedTransform renderFromCamera_;
     std::vector<size_t> chosen_;  ///< indices into Aovs(), ascending
-    size_t stride_ = 0;  ///< sums of a pixel: weights of samples with a ray, of those that see a surface, channels
+    size_t stride_ = 0;           ///< per pixel: weights of samples with a ray, of those that hit a surface, channels
     std::vector<PreciseSum> sums_;
 };
 

@@ -42,8 +42,8 @@ std::unique_ptr<Film> MakeFilm(const std::string &type, const ParamSet &params, 
     return std::make_unique<AovFilm>(std::move(film), context);
 }
 
-/// True if no double among the sums is infinite or not a number. Beside doubles there are only counts, which are no
-/// such double either; sums of splats have any bits.
+/// True if all doubles among the sums are finite. Counts never have such bits; splat sums, which may have any bits, are
+/// excluded.
 static bool AreFinite(const std::vector<std::byte> &sums) {
     bool areFinite = true;
     for (size_t at = 0; at + sizeof(double) <= sums.size(); at += sizeof(double)) {
@@ -82,7 +82,7 @@ void Film::Load(std::istream &in) { Add(in, true); }
 void Film::Merge(std::istream &in) { Add(in, false); }
 
 void Film::TakeSums(StateWriter &out) {
-    // The film that adds these sums must know, before it reads them, whether it needs room for splats.
+    // The receiving film must allocate splats before it reads the sums.
     const std::vector<StateBlock> blocks = Blocks();
     out.Value(HasSplats(blocks));
     pbrt::TakeSums(out, blocks);

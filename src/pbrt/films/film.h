@@ -14,25 +14,23 @@
 
 namespace pbrt {
 
-/// The result of one camera path.
 struct FilmSample {
     Point2i pixel{};
     SampledSpectrum L;  ///< radiance at `lambda`
     SampledWavelengths lambda;
-    Float weight = 1;                       ///< of the filter
-    std::optional<VisibleSurface> visible;  ///< only for films that want it; empty: no surface is seen
-    bool hasRay = true;                     ///< false: the camera has no ray for the sample, which the lens stops
+    Float weight = 1;                       ///< filter weight
+    std::optional<VisibleSurface> visible;  ///< only if the film wants it; empty: no surface is hit
+    bool hasRay = true;                     ///< false: the camera has no ray for the sample (stopped by the lens)
 };
 
-/// Sums up what is measured in every pixel, and makes the picture. Sums are kept per pixel and in twice double
-/// precision (PreciseSum), so that neither the order of samples matters nor how they are divided among films that are
-/// merged.
+/// Accumulates samples and splats per pixel. Sums are in double-double precision (PreciseSum), so that the order of
+/// samples and their distribution over merged films do not matter.
 class Film {
   public:
     virtual ~Film() = default;
 
     Point2i FullResolution() const { return frame_.fullResolution; }
-    /// One by the number of pixels of the whole picture: what CameraConnection::weight is multiplied by for a splat.
+    /// 1 / pixels of the full image: the factor of CameraConnection::weight for a splat.
     Float SplatUnit() const { return static_cast<Float>(1 / frame_.FullPixels()); }
     const Bounds2i &PixelBounds() const { return frame_.pixelBounds; }
     const std::string &Filename() const { return frame_.filename; }
@@ -40,78 +38,71 @@ class Film {
     const ColorSpace &OutputSpace() const { return *frame_.outputSpace; }
 
     virtual SampledWavelengths SampleWavelengths(Float u) const { return SampledWavelengths::SampleVisible(u); }
-    /// True if samples need the surface that the camera sees (FilmSample::visible).
     virtual bool WantsVisibleSurface() const { return false; }
-    /// Samples of one pixel are added by one thread at a time, in an order that does not depend on the threads.
-    /// Not-finite radiance is counted, reported and dropped.
+    /// One thread at a time per pixel, in an order independent of the threads. Non-finite radiance is counted, reported
+    /// and dropped.
     virtual void AddSample(const FilmSample &sample) = 0;
 
-    /// Makes room for splats. To be called on one thread before the first splat.
+    /// Allocates the splat buffer. To be called on one thread before the first splat.
     virtual void ExpectSplats() = 0;
-    /// Light that reached a pixel by any path: `weight` times the radiance is added. The unit is that of samples: paths
-    /// that end all over the whole picture, as many as it has pixels, make what one sample makes in every pixel. From
-    /// any thread; the sum is the same to the bit in any order (FixedSum). Outside PixelBounds() nothing happens. What
-    /// is not finite, or larger than FixedSum holds, is counted, reported and dropped.
+    /// Adds `weight` times the radiance to a pixel, for light that reached it by any path. Units match samples: as many
+    /// paths as the full image has pixels equal one sample in every pixel. Thread-safe and bit-identical in any order
+    /// (FixedSum). Ignored outside PixelBounds(). Non-finite values and those beyond FixedSum's range are counted,
+    /// reported and dropped.
     virtual void AddSplat(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) = 0;
-    /// Adds to the number of paths that the splats come from, wherever on the film they are. The picture gets the sum
-    /// of splats divided by it and multiplied by the number of pixels of the whole picture.
+    /// Adds to the number of paths behind the splats, anywhere on the film. The splat sum is divided by it and
+    /// multiplied by the full image's pixel count.
     virtual void AddSplatPaths(uint64_t paths) = 0;
 
     /// Linear RGB in the output space, over PixelBounds(); R, G, B are the first channels of every film. Half precision
     /// if savefp16.
     virtual Image ToImage() const = 0;
-    /// R, G and B of ToImage, always in float precision and without messages: for looking at while the picture grows.
+    /// R, G and B of ToImage in float precision without messages, for previews.
     virtual Image Colors() const = 0;
     virtual ImageMetadata Metadata() const;
     virtual uint64_t RejectedSamples() const = 0;
-    /// Of the sums.
     size_t Bytes() const;
-    /// An empty rgb film of the same pixels and sensor, in float precision.
+    /// Creates an empty rgb film of the same pixels and sensor, in float precision.
     virtual std::unique_ptr<Film> MakeRgbFilm() const = 0;
 
-    /// Save writes all sums bit by bit, in this machine's byte order. A film that loads them continues exactly as this
-    /// one would. Merge adds them to those of the film, as if the samples of both had been added to one film, to the
-    /// bit in any order as far as PreciseSum is exact. Load and Merge throw UserError, and leave the film as it was, if
-    /// the state is incomplete or not of a film of this kind and these pixels.
+    /// Save writes all sums bitwise, in native byte order; a film that loads them continues identically. Merge adds
+    /// them as if both films' samples had been added to one, bit-identical in any order as far as PreciseSum is exact.
+    /// Load and Merge throw UserError, without a change, if the state is incomplete or of another kind of film or other
+    /// pixels.
     void Save(std::ostream &out) const;
-    /// The same without a copy: the writer refers to the sums of this film.
+    /// The same without a copy: the writer refers to this film's sums.
     void Save(StateWriter &out) const;
     void Load(std::istream &in);
     void Merge(std::istream &in);
-    /// Moves sums from a film to another one of the same kind and pixels, in another process: Take writes those that
-    /// are not empty and empties them, Add adds them as Merge does.
+    /// Transfer of sums between processes for films of the same kind and pixels: Take writes and clears the non-empty
+    /// ones, Add merges them.
     void TakeSums(StateWriter &out);
     void AddSums(StateReader &in);
 
   protected:
-    /// `kind`: the name of the film in the scene.
     Film(std::string kind, FilmFrame frame) : kind_(std::move(kind)), frame_(std::move(frame)) {}
     const FilmFrame &Frame() const { return frame_; }
-    /// Of another film, for films that add something to one.
+    /// Access for films that wrap another one.
     static const FilmFrame &FrameOf(const Film &film) { return film.frame_; }
     static const std::string &KindOf(const Film &film) { return film.kind_; }
     static std::vector<StateBlock> BlocksOf(const Film &film) { return film.Blocks(); }
 
   private:
-    /// All sums as blocks of memory.
     virtual std::vector<StateBlock> Blocks() const = 0;
-    /// Adds a saved state, after clearing the sums if `forgetsFirst`. Throws UserError if it is not of this film.
+    /// Adds a saved state, clearing the sums first if `forgetsFirst`. Throws UserError if it is of another film.
     void Add(std::istream &in, bool forgetsFirst);
     std::string kind_;
     FilmFrame frame_;
 };
 
-/// What a film is made from beside its parameters.
 struct FilmContext {
     const ColorSpace &outputSpace;
     Float exposureTime = 1;  ///< seconds
     FilmOverrides overrides{};
-    /// For films that record positions and normals.
     AnimatedTransform renderFromCamera{};
     Transform renderFromWorld{};
 };
 
-/// The context of a film that is being made, and the sink of its warnings.
 struct FilmRequest {
     const FilmContext &context;
     DiagnosticSink &sink;
@@ -123,7 +114,7 @@ struct FilmRequest {
 
 using FilmTable = FactoryTable<std::unique_ptr<Film>, const FilmRequest>;
 const FilmTable &Films();
-/// With the channels of FilmOverrides::aovs added. Throws UserError.
+/// Adds the channels of FilmOverrides::aovs. Throws UserError.
 std::unique_ptr<Film> MakeFilm(const std::string &type, const ParamSet &params, const FilmContext &context,
                                DiagnosticSink &sink);
 

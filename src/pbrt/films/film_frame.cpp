@@ -11,7 +11,7 @@ namespace pbrt {
 
 namespace {
 
-/// Pixel bounds for the scene's resolution, divided by `divisor` and rounded outwards.
+/// Scales the scene's pixel bounds by 1 / `divisor`, rounded outwards.
 Bounds2i Shrunk(const std::array<int, 4> &v, int divisor) {
     auto shrink = [&](int i) { return i / divisor; };
     return Bounds2i{{shrink(v[0]), shrink(v[2])}, {shrink(v[1] + divisor - 1), shrink(v[3] + divisor - 1)}};
@@ -26,9 +26,9 @@ Bounds2i FromCropWindow(const Bounds2 &window, Point2i resolution) {
             {pixel(high.x, resolution.x), pixel(high.y, resolution.y)}};
 }
 
-/// Which pixels are rendered. The command line overrides the scene; in both, a crop window overrides pixel bounds.
-/// Bounds that stick out of the image are cut with a warning; an empty result is an error. Pixel bounds of the scene
-/// are meant for the scene's resolution: they shrink with it under --quick.
+/// Rendered pixels. The command line overrides the scene; in both, a crop window overrides pixel bounds. Bounds outside
+/// the image are clipped with a warning; an empty result is an error. Pixel bounds of the scene refer to its
+/// resolution: they shrink with --quick.
 Bounds2i ChoosePixelBounds(const FilmParams &params, const ParamSet &set, Point2i fullResolution,
                            const FilmOverrides &overrides, DiagnosticSink &sink) {
     const Bounds2i full{{0, 0}, fullResolution};
@@ -63,7 +63,7 @@ Bounds2i ChoosePixelBounds(const FilmParams &params, const ParamSet &set, Point2
     return bounds;
 }
 
-/// Called before the picture is rendered, so that no render is lost.
+/// Called before rendering, so that no render is lost.
 void CheckFilename(const std::string &filename, bool onlyExr, const FileLoc &loc) {
     CheckPictureName(filename, loc);
     if (onlyExr && LowerExtension(filename) != ".exr")

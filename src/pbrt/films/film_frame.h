@@ -10,23 +10,22 @@
 
 namespace pbrt {
 
-/// Command line settings that override the scene's film parameters.
 struct FilmOverrides {
     std::optional<Bounds2> cropWindow;  ///< fractions
     std::optional<Bounds2i> pixelBounds;
     std::string filename;             ///< empty: the scene's
     int resolutionDivisor = 1;        ///< 4 with --quick
-    bool fullFloat = false;           ///< float precision whatever the value of savefp16
-    std::vector<std::string> aovs{};  ///< --aov: names of AovNames, whose channels are added to the film
+    bool fullFloat = false;           ///< float precision regardless of savefp16
+    std::vector<std::string> aovs{};  ///< --aov: names of additional channels
 };
 
-/// What all films have in common: the size, and how the picture is written.
+/// Properties common to all films: size, and output format.
 struct FilmFrame {
     Point2i fullResolution{};
-    Bounds2i pixelBounds{};  ///< the pixels that are rendered
+    Bounds2i pixelBounds{};  ///< rendered pixels
     std::string filename;
     Float diagonalMm = 35;
-    bool half = true;  ///< the picture has half precision
+    bool half = true;  ///< half-precision output
     const ColorSpace *outputSpace = nullptr;
 
     FilmFrame WithFullFloat() const {
@@ -35,7 +34,7 @@ struct FilmFrame {
         return frame;
     }
     size_t PixelCount() const { return static_cast<size_t>(pixelBounds.Area()); }
-    /// The number of pixels of the whole picture.
+    /// Pixel count of the full image.
     double FullPixels() const { return double(fullResolution.x) * double(fullResolution.y); }
     size_t IndexOf(Point2i pixel) const {
         PBRT_DCHECK(pixelBounds.Contains(pixel));
@@ -44,13 +43,12 @@ struct FilmFrame {
     }
 };
 
-/// What a film of one kind needs of its frame.
 struct FrameNeeds {
-    bool onlyExr = false;      ///< no other format can hold its channels
-    double bytesPerPixel = 0;  ///< of the sums, and of the picture that is made of them for writing
+    bool onlyExr = false;      ///< other formats cannot hold its channels
+    double bytesPerPixel = 0;  ///< sums, and the output image
 };
 
-/// `set`: what the parameters were read from. Throws UserError, also if the machine has not enough memory.
+/// `set`: source of the parameters. Throws UserError, also if memory is insufficient.
 FilmFrame MakeFilmFrame(const FilmParams &params, const ParamSet &set, const ColorSpace &outputSpace,
                         const FilmOverrides &overrides, const FrameNeeds &needs, DiagnosticSink &sink);
 

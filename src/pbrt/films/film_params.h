@@ -8,7 +8,6 @@
 
 namespace pbrt {
 
-/// What all films take: the frame, the file, and the sensor.
 struct FilmParams {
     std::string filename = "pbrt.exr";
     int xResolution = 1280, yResolution = 720;

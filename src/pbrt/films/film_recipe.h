@@ -6,7 +6,7 @@
 
 namespace pbrt {
 
-/// All that the picture of a film depends on beside its sums, so that the picture can be made where the scene is not.
+/// Everything besides the sums that determines a film's image, so that it can be made without the scene.
 struct FilmRecipe {
     std::string type;
     ParamSet params;
@@ -14,14 +14,14 @@ struct FilmRecipe {
     Float exposureTime = 1;  ///< seconds
     FilmOverrides overrides;
 
-    /// An empty film. It makes the same picture of the same sums as that of the scene; samples cannot be added to it.
+    /// Creates an empty film that makes the same image of the same sums; samples cannot be added.
     std::unique_ptr<Film> Make() const;
     nlohmann::ordered_json ToJson() const;
-    /// Throws UserError or an exception of the JSON library for what ToJson did not make.
+    /// Throws UserError or an exception of the JSON library for input not from ToJson.
     static FilmRecipe FromJson(const nlohmann::ordered_json &json);
 };
 
-/// Floats as their bits, because JSON has neither all of their digits nor infinity.
+/// Floats are stored as bits, because JSON lacks infinity and full precision.
 nlohmann::ordered_json ToJson(const ImageMetadata &metadata);
 /// Attributes only.
 ImageMetadata MetadataFromJson(const nlohmann::ordered_json &json);

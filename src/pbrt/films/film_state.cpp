@@ -11,7 +11,7 @@ namespace pbrt {
 
 namespace {
 
-constexpr std::array<char, 8> kMagic = {'p', 'b', 'r', 't', 'f', 'l', 'm', '3'};  // the last is the version
+constexpr std::array<char, 8> kMagic = {'p', 'b', 'r', 't', 'f', 'l', 'm', '3'};  // the last byte is the version
 constexpr uint64_t kMaxNameLength = 64, kMaxBlocks = 64;
 
 [[noreturn]] void ThrowOtherFilm() { throw UserError("the saved state of a film does not belong to this film."); }
@@ -36,7 +36,7 @@ std::string ReadName(std::istream &in) {
     return name;
 }
 
-/// Reads in pieces, so that memory grows with the bytes that are there, not with what a damaged file announces.
+/// Reads in pieces, so that memory grows with the data present, not with the size in a damaged file.
 std::vector<std::byte> ReadData(std::istream &in, uint64_t bytes) {
     constexpr uint64_t kPiece = 1 << 24;
     std::vector<std::byte> data;
@@ -87,7 +87,7 @@ SavedState ReadState(std::istream &in) {
 
 void TakeSums(StateWriter &out, const std::vector<StateBlock> &blocks) {
     for (const StateBlock &block : blocks) {
-        // Compared in pieces of some sums each; neighbouring pieces are one run.
+        // Compared in pieces of several sums; adjacent pieces form one run.
         const size_t piece = std::max<size_t>(1, 256 / block.sumBytes) * block.sumBytes;
         std::vector<std::byte> empty(std::min(piece, block.bytes));
         block.clear(empty.data(), empty.size());

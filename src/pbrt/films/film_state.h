@@ -12,22 +12,20 @@
 
 namespace pbrt {
 
-/// Sums of one type in a film as plain memory, and the functions that add other sums to them and clear them.
+/// Sums of one type as plain memory, with functions to add and clear them.
 struct StateBlock {
     std::string name;
     const std::byte *data = nullptr;
     size_t bytes = 0;
     size_t sumBytes = 1;      ///< of one sum
-    bool isOfSplats = false;  ///< has no bytes in a film that expects no splats
+    bool isOfSplats = false;  ///< has no bytes in a film without splats
     void (*add)(std::byte *to, const std::byte *from, size_t bytes) = nullptr;
     void (*clear)(std::byte *data, size_t bytes) = nullptr;
 
-    /// For changing the sums of a film that is not const.
     std::byte *Memory() const { return const_cast<std::byte *>(data); }
 };
 
-/// T is plain memory, T() is an empty sum and T += T adds two sums. An empty sum plus another equals the other to the
-/// bit.
+/// T is plain memory, T() an empty sum, and T += T adds. An empty sum plus another is bit-identical to the other.
 template <class T>
 StateBlock MakeStateBlock(const char *name, std::span<const T> sums) {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -52,7 +50,7 @@ StateBlock MakeStateBlock(const char *name, std::span<const T> sums) {
     return block;
 }
 
-/// A state that was read: the kind and the pixels of the film, and its sums by name.
+/// A loaded state: kind and pixels of the film, and its sums by name.
 struct SavedState {
     std::string kind;
     Bounds2i pixelBounds{};
@@ -65,14 +63,14 @@ struct SavedState {
     const Block *Find(const std::string &name) const;
 };
 
-/// Writes the blocks bit by bit, in this machine's byte order. The writer refers to them.
+/// Writes the blocks bitwise, in native byte order. The writer refers to them.
 void WriteState(StateWriter &out, const std::string &kind, const Bounds2i &pixelBounds,
                 const std::vector<StateBlock> &blocks);
-/// Writes the sums that are not empty, as copies, and makes all of them empty.
+/// Writes copies of the non-empty sums and clears all.
 void TakeSums(StateWriter &out, const std::vector<StateBlock> &blocks);
-/// Adds what TakeSums wrote of blocks of the same sizes. Throws UserError if it was written of others.
+/// Adds the output of TakeSums for blocks of the same sizes. Throws UserError for others.
 void AddSums(StateReader &in, const std::vector<StateBlock> &blocks);
-/// Throws UserError if the stream ends too early or holds something else.
+/// Throws UserError for truncated or other data.
 SavedState ReadState(std::istream &in);
 
 }  // namespace pbrt

@@ -38,8 +38,8 @@ class TriangleFilter final : public Filter {
     }
 };
 
-/// A product of two one-dimensional profiles, sampled from a table of each as stock pbrt-v4 does from their product:
-/// kCells equal cells per unit radius, with the profile's value at the cell centre standing for the whole cell.
+/// Product of two 1D profiles, each sampled from a table, as stock pbrt-v4 does from their product: kCells equal cells
+/// per unit radius with the value at the cell centre.
 template <class Profile>
 class TabulatedFilter final : public Filter {
   public:
@@ -92,14 +92,14 @@ class TabulatedFilter final : public Filter {
     std::array<Axis, 2> axes_;
 };
 
-/// Gaussian lowered so that it reaches 0 at the radius.
+/// Gaussian offset to reach 0 at the radius.
 struct GaussianProfile {
     Float radius, sigma;
     Float operator()(Float x) const { return std::max(Float(0), Density(x) - Density(radius)); }
     Float Density(Float x) const { return std::exp(-x * x / (2 * sigma * sigma)) / (sigma * std::sqrt(2 * Pi)); }
 };
 
-/// Mitchell and Netravali 1988, stretched to the radius (2 in their units).
+/// Mitchell and Netravali 1988, scaled to the radius (2 in their units).
 struct MitchellProfile {
     Float radius, b, c;
     Float operator()(Float p) const {
@@ -111,7 +111,7 @@ struct MitchellProfile {
     }
 };
 
-/// Sinc windowed by a sinc that is tau times as wide (Lanczos).
+/// Lanczos: sinc windowed by a sinc that is tau times as wide.
 struct WindowedSincProfile {
     Float radius, tau;
     Float operator()(Float x) const { return std::abs(x) > radius ? 0 : Sinc(x) * Sinc(x / tau); }
@@ -128,7 +128,7 @@ struct RadiusParams {
     explicit RadiusParams(Float radius) : x(radius), y(radius) {}
     template <class V>
     void Describe(V &&v) {
-        const Range<Float> range = Positive(1000, "pixels");  // tables have 32 cells a pixel
+        const Range<Float> range = Positive(1000, "pixels");  // tables have 32 cells per pixel
         v("xradius", x, range, "half of the width");
         v("yradius", y, range, "half of the height");
     }

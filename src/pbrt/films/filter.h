@@ -6,14 +6,14 @@
 
 namespace pbrt {
 
-/// A sample position drawn around a pixel centre, and its weight f / (pdf * integral of f): 1 on average. Exactly 1 for
+/// Sample position relative to a pixel centre, and its weight f / (pdf * integral of f): 1 on average, exactly 1 for
 /// filters without negative lobes.
 struct FilterSample {
     Point2 offset{};
     Float weight = 1;
 };
 
-/// Reconstruction filter. Importance-sampled: every camera sample lands in one pixel (pbrt-v4-format §5.3).
+/// Importance-sampled reconstruction filter: every camera sample affects one pixel (pbrt-v4-format §5.3).
 class Filter {
   public:
     virtual ~Filter() = default;
@@ -21,7 +21,7 @@ class Filter {
     virtual Float Evaluate(const Point2 &p) const = 0;
     virtual Float Integral() const = 0;  ///< of Evaluate over the plane
     virtual FilterSample Sample(const Point2 &u) const = 0;
-    /// Density of Sample at p, by area. For the tabulated filters (gaussian, mitchell, sinc) that of the table.
+    /// Density of Sample at p, by area; for tabulated filters (gaussian, mitchell, sinc) that of the table.
     virtual Float Pdf(const Point2 &p) const = 0;
 
   protected:

@@ -7,16 +7,16 @@
 
 namespace pbrt {
 
-/// A sum in fixed point of 320 bits, in which every float has room: adding integers gives the same bits in any order,
-/// so any number of threads may add at once. An addend is rounded to a multiple of 2^-144, an error of at most 2.3e-44.
-/// The sum wraps around beyond 2^175: addends are limited to kMaxAddend, so 2^31 of the largest have room.
+/// Fixed-point sum of 320 bits, which covers all floats. Integer addition is order-independent and safe for concurrent
+/// threads. Addends are rounded to multiples of 2^-144, an error of at most 2.3e-44. The sum wraps around beyond 2^175;
+/// with addends limited to kMaxAddend, 2^31 of the largest fit.
 class FixedSum {
   public:
     static constexpr double kMaxAddend = 0x1p144;
 
-    static bool Holds(double x) { return std::abs(x) <= kMaxAddend; }  // false for not-a-number
+    static bool Holds(double x) { return std::abs(x) <= kMaxAddend; }  // false for NaN
 
-    /// From any thread. Holds(x) must be true.
+    /// Thread-safe. Requires Holds(x).
     void Add(double x) {
         // |x| is mantissa * 2^(shift - kFractionBits).
         const auto bits = std::bit_cast<uint64_t>(x);
@@ -29,7 +29,7 @@ class FixedSum {
         const auto word = static_cast<size_t>(shift / 64);
         const int within = shift % 64;
         const auto add = [&](auto &&addTo) {
-            // In whatever order threads add, a word wraps around exactly as often as the true sum carries.
+            // In any order of threads, a word wraps around exactly as often as the true sum carries.
             uint64_t carry = addTo(word, mantissa << within) + (mantissa >> 1 >> (63 - within));
             for (size_t i = word + 1; carry != 0 && i < kWords; ++i) carry = addTo(i, carry);
         };
@@ -42,7 +42,7 @@ class FixedSum {
                 return uint64_t{std::atomic_ref(words_[i]).fetch_add(addend, std::memory_order_relaxed) > ~addend};
             });
     }
-    /// From one thread, while no other thread adds.
+    /// Not thread-safe.
     FixedSum &operator+=(const FixedSum &other) {
         bool carry = false;
         for (size_t i = 0; i < kWords; ++i) {
@@ -54,7 +54,7 @@ class FixedSum {
         return *this;
     }
     double Value() const {
-        // A negative sum is -1 minus the number whose bits are the opposite.
+        // A negative sum is -1 minus the number with inverted bits.
         const uint64_t flip = words_.back() >> 63 != 0 ? ~uint64_t{0} : 0;
         double value = 0;
         for (size_t i = kWords; i-- > 0;) value = value * 0x1p64 + static_cast<double>(words_[i] ^ flip);

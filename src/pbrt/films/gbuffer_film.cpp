@@ -93,7 +93,7 @@ Image GBufferFilm::ToImage() const {
             auto unit = [](const glm::dvec3 &v) { return glm::dot(v, v) > 0 ? glm::normalize(v) : glm::dvec3(0); };
             const double seenWeight = pixel->weight.Value(), seen = seenWeight != 0 ? 1 / seenWeight : 0;
             const double weight = pixel->rayWeight.Value();
-            // Albedo counts rays that see nothing as black; the geometry leaves them out.
+            // Albedo counts rays without a hit as black; geometry excludes them.
             put3(weight != 0 ? pixel->albedo.Value() / weight : glm::dvec3(0));
             put3(pixel->p.Value() * seen);
             put(pixel->dz.of[0].Value() * seen);

@@ -15,8 +15,8 @@ struct GBufferParams : FilmParams {
     }
 };
 
-/// The `gbuffer` film: besides RGB, what the camera sees in every pixel (means over its samples) and the variance of
-/// the samples that see something. Splats change RGB only.
+/// The `gbuffer` film: RGB, mean visible-surface data per pixel, and the variance of samples with a hit. Splats change
+/// RGB only.
 class GBufferFilm final : public Film {
   public:
     GBufferFilm(const GBufferParams &params, const ParamSet &set, const FilmRequest &request);
@@ -36,7 +36,6 @@ class GBufferFilm final : public Film {
   private:
     std::vector<StateBlock> Blocks() const override;
     struct Pixel {
-        /// A sum of vectors, component by component.
         template <int N>
         struct Sums {
             PreciseSum of[N];
@@ -54,9 +53,9 @@ class GBufferFilm final : public Film {
         };
         Sums<3> p, n, ns, albedo;
         Sums<2> uv, dz;
-        PreciseSum weight;        ///< of samples that see a surface
+        PreciseSum weight;        ///< of samples with a surface hit
         PreciseSum rayWeight;     ///< of samples with a camera ray
-        Sums<3> sensor, squares;  ///< of those samples, without weights
+        Sums<3> sensor, squares;  ///< of those samples, unweighted
         uint64_t count = 0;       ///< of those samples
         void operator+=(const Pixel &other);
     };

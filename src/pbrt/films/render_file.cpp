@@ -17,11 +17,10 @@ constexpr const char *kKind = "checkpoint";
 constexpr const char *kProgram = "program";
 constexpr std::string_view kFile = "file ";
 
-/// Reads from memory without a copy.
 class View : public std::streambuf {
   public:
     explicit View(std::string_view bytes) {
-        char *begin = const_cast<char *>(bytes.data());  // only read
+        char *begin = const_cast<char *>(bytes.data());  // read-only
         setg(begin, begin, begin + bytes.size());
     }
 };

@@ -4,11 +4,11 @@
 
 namespace pbrt {
 
-/// The `rgb` film: only what the sensor measures.
+/// The `rgb` film: sensor values only.
 class RgbFilm final : public Film {
   public:
     RgbFilm(const FilmParams &params, const ParamSet &set, const FilmRequest &request);
-    /// An empty film in float precision with the sensor of `like`.
+    /// Empty film in float precision with the sensor of `like`.
     RgbFilm(const FilmFrame &frame, const SensorSums &like);
 
     void AddSample(const FilmSample &sample) override;

@@ -8,7 +8,7 @@ namespace pbrt {
 
 namespace {
 
-/// Response of three sensitivities to a reflectance under an illuminant, relative to that of the second to the bare
+/// Response of three sensitivities to a reflectance under an illuminant, relative to the second's to the bare
 /// illuminant.
 Vector3 Project(const Spectrum &reflectance, const Spectrum &illuminant, const Spectrum &a, const Spectrum &b,
                 const Spectrum &c) {
@@ -23,8 +23,8 @@ Vector3 Project(const Spectrum &reflectance, const Spectrum &illuminant, const S
     return Vector3(sum / white);
 }
 
-/// The matrix that takes camera values of the colour checker's patches under `light` to their XYZ under the white of
-/// the output space, so that white in `light` becomes the output white. Scaled so that Y = 1 in `light` stays 1.
+/// Matrix from camera values of the colour checker's patches under `light` to their XYZ under the output white, so that
+/// white in `light` becomes the output white. Y = 1 in `light` stays 1.
 glm::mat3 CalibrateCamera(const Spectrum &r, const Spectrum &g, const Spectrum &b, const Spectrum &light,
                           const ColorSpace &outputSpace) {
     const Float brightness = InnerProduct(light, CieY()) / InnerProduct(light, g);
@@ -39,7 +39,6 @@ glm::mat3 CalibrateCamera(const Spectrum &r, const Spectrum &g, const Spectrum &
 }  // namespace
 
 glm::mat3 FitLinearMap(const std::vector<Vector3> &from, const std::vector<Vector3> &to) {
-    // Normal equations: m * sum(f f^T) = sum(t f^T).
     glm::dmat3 ff(0), tf(0);
     for (size_t i = 0; i < from.size(); ++i) {
         ff += glm::outerProduct(glm::dvec3(from[i]), glm::dvec3(from[i]));
@@ -59,7 +58,7 @@ PixelSensor PixelSensor::Make(const SensorParams &params, const ParamSet &set, c
     const std::string &name = params.name;
     const Float imagingRatio = exposureTime * params.iso / 100;
     Float whiteBalance = params.whiteBalance;  // K; 0: the default
-    // The formula for daylight, made for 4000 K and more, has poles below 1000 K.
+    // The daylight formula, made for 4000 K and more, has poles below 1000 K.
     if (whiteBalance > 0) set.Require<Float>("whitebalance", whiteBalance, {1000, 1e6f});
     if (name == "cie1931") {
         glm::mat3 balance(1);

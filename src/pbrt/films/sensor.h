@@ -7,10 +7,10 @@
 
 namespace pbrt {
 
-/// Names of all sensors: cie1931, then the cameras.
+/// All sensors: cie1931, then the cameras.
 std::vector<std::string> SupportedSensors();
 
-/// The parameters of a film that are about its sensor (pbrt-v4-format §5.2).
+/// Sensor parameters of a film (pbrt-v4-format §5.2).
 struct SensorParams {
     std::string name = "cie1931";
     Float iso = 100;
@@ -24,14 +24,14 @@ struct SensorParams {
     }
 };
 
-/// Turns the spectrum of one camera path into three numbers, and those into XYZ.
+/// Converts path spectra to sensor values, and those to XYZ.
 class PixelSensor {
   public:
-    /// `set`: what the parameters were read from. `exposureTime` in seconds. Throws UserError.
+    /// `set`: source of the parameters. `exposureTime` in seconds. Throws UserError.
     static PixelSensor Make(const SensorParams &params, const ParamSet &set, const ColorSpace &outputSpace,
                             Float exposureTime);
 
-    /// `flux` is the radiance divided by the density of its wavelengths.
+    /// `flux` is radiance divided by the density of its wavelengths.
     Vector3 Expose(const SampledSpectrum &flux, const SampledWavelengths &lambda) const {
         return Vector3((flux * first_.Sample(lambda)).Average(), (flux * second_.Sample(lambda)).Average(),
                        (flux * third_.Sample(lambda)).Average()) *
@@ -48,7 +48,7 @@ class PixelSensor {
     Float imagingRatio_;
 };
 
-/// The matrix m that makes the sum of |m * from[i] - to[i]|^2 smallest.
+/// Least-squares matrix m: minimises the sum of |m * from[i] - to[i]|^2.
 glm::mat3 FitLinearMap(const std::vector<Vector3> &from, const std::vector<Vector3> &to);
 
 }  // namespace pbrt

@@ -14,18 +14,14 @@
 
 namespace pbrt {
 
-/// Sums of what the sensor measures in every pixel, which all films have: weighted sums of samples and sums of splats.
+/// Per-pixel sums common to all films: weighted sensor samples and splats.
 class SensorSums {
   public:
-    /// `set`: what the parameters were read from.
     SensorSums(const FilmParams &params, const ParamSet &set, const FilmFrame &frame, Float exposureTime);
-    /// An object with the same sensor and empty sums.
     SensorSums MakeEmpty(const FilmFrame &frame) const;
-    /// Memory for the sums of a pixel and its red, green and blue in the picture.
     static constexpr double kBytesPerPixel = 4 * sizeof(PreciseSum) + 3 * sizeof(float);
 
-    /// What the sensor measures, scaled down to maxcomponentvalue if it is larger. Empty if it is not finite, which is
-    /// counted as rejected.
+    /// Sensor value, scaled down to maxcomponentvalue if larger. Empty and counted as rejected if not finite.
     std::optional<Vector3> Measure(const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight);
     void Add(size_t pixel, const Vector3 &sensor, Float weight) {
         Pixel &sums = pixels_[pixel];
@@ -34,19 +30,19 @@ class SensorSums {
     }
 
     void ExpectSplats() { splats_.Expect(3 * pixels_.size()); }
-    /// False if the splat is not finite or larger than FixedSum holds; it is counted as rejected.
+    /// False, and counted as rejected, if not finite or beyond FixedSum's range.
     bool AddSplat(size_t pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight);
     void AddSplatPaths(uint64_t paths) { counts_.splatPaths += paths; }
-    /// Factor that turns a sum of splats into their mean over the samples that a pixel would have of as many paths.
+    /// Factor from a splat sum to the mean over the samples that a pixel would have of as many paths.
     double SplatScale() const { return counts_.splatPaths ? fullPixels_ / static_cast<double>(counts_.splatPaths) : 0; }
 
     Float MaxComponentValue() const { return maxComponent_; }
-    /// Counts something that was dropped; from any thread.
+    /// Counts a dropped value; thread-safe.
     void Reject() { std::atomic_ref(counts_.rejected).fetch_add(1, std::memory_order_relaxed); }
     uint64_t Rejected() const { return counts_.rejected; }
-    /// An image with R, G, B filled and further channels for the film to fill; reports what was cut or dropped.
+    /// Image with R, G, B filled and further channels for the film to fill; reports clamped and dropped values.
     Image MakeImage(const std::vector<std::string> &furtherChannels) const;
-    /// An image of R, G and B in float precision; reports nothing.
+    /// R, G and B in float precision, without messages.
     Image Colors() const;
     void AppendBlocks(std::vector<StateBlock> &blocks) const;
 
@@ -67,10 +63,10 @@ class SensorSums {
             splatPaths += c.splatPaths;
         }
     };
-    /// Of the picture, in float precision.
+    /// Output colour in float precision.
     Rgb ColorOf(size_t pixel) const;
     Point2i resolution_;
-    double fullPixels_;  ///< of the whole picture, also if only a part is rendered
+    double fullPixels_;  ///< of the full image, also for crops
     bool half_;
     Float maxComponent_;
     PixelSensor sensor_;

@@ -38,8 +38,7 @@ int SpectralFilm::BucketOf(Float lambda) const {
 }
 
 Float SpectralFilm::ScaleOf(const SampledSpectrum &L) const {
-    // Emission is in photometric units, that is, radiance divided by the integral of y-bar; this factor restores
-    // radiance.
+    // Emission is in photometric units (radiance over the integral of y-bar); this factor restores radiance.
     Float scale = CieYIntegral;
     if (Float max = L.MaxComponent(); max > sensor_.MaxComponentValue()) scale *= sensor_.MaxComponentValue() / max;
     return scale;
@@ -56,8 +55,8 @@ void SpectralFilm::AddSample(const FilmSample &sample) {
     for (int i = 0; i < SpectrumSamples; ++i) {
         const Float pdf = sample.lambda.PdfAt(i);
         if (pdf == 0) continue;
-        // A wavelength that continues alone also stands for those that were terminated: its density is smaller by that
-        // factor. In single precision, so that its products are exact (PreciseSum).
+        // A lone wavelength also represents the terminated ones: its density is smaller by their number. In single
+        // precision, so that products are exact (PreciseSum).
         const auto w = double(sample.weight / (pdf * range));
         Sums &bucket = sums[BucketOf(sample.lambda[i])];
         bucket.radiance.Add(w * double(sample.L[i] * scale));
@@ -73,7 +72,7 @@ void SpectralFilm::ExpectSplats() {
 void SpectralFilm::AddSplat(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) {
     if (!PixelBounds().Contains(pixel)) return;
     const size_t index = Frame().IndexOf(pixel);
-    // Each wavelength estimates the integral over a bucket; divided by the bucket's width this is the mean.
+    // Each wavelength estimates the integral over a bucket; dividing by its width gives the mean.
     const double width = double(buckets_.high - buckets_.low) / buckets_.count;
     double parts[SpectrumSamples] = {};
     for (int i = 0; i < SpectrumSamples; ++i) {
@@ -97,7 +96,7 @@ std::vector<StateBlock> SpectralFilm::Blocks() const {
 Image SpectralFilm::ToImage() const {
     std::vector<std::string> names;
     for (int b = 0; b < buckets_.count; ++b) {
-        // The layout standard (Fichet et al. 2021) wants a comma in the number.
+        // The layout standard (Fichet et al. 2021) requires a comma in the number.
         std::string name = fmt::format("S0.{:.3f}nm", BucketCenter(b));
         name[name.find('.', 3)] = ',';
         names.push_back(name);

@@ -21,8 +21,8 @@ struct SpectralParams : FilmParams {
     }
 };
 
-/// The `spectral` film: besides RGB the mean radiance within equal buckets of wavelength. Wavelengths are sampled
-/// uniformly over the range of the buckets, so RGB contains no light from beyond it, as in stock pbrt-v4.
+/// The `spectral` film: RGB and the mean radiance in equal wavelength buckets. Wavelengths are sampled uniformly over
+/// the buckets' range, so RGB excludes light beyond it, as in stock pbrt-v4.
 class SpectralFilm final : public Film {
   public:
     SpectralFilm(const SpectralParams &params, const ParamSet &set, const FilmRequest &request);
@@ -55,7 +55,7 @@ class SpectralFilm final : public Film {
     };
     std::vector<StateBlock> Blocks() const override;
     int BucketOf(Float lambda) const;
-    /// Factor that takes L to the units of the picture and scales it down to maxcomponentvalue if it is larger.
+    /// Factor from L to output units, including scaling down to maxcomponentvalue.
     Float ScaleOf(const SampledSpectrum &L) const;
     size_t FirstSumOf(size_t pixel) const { return pixel * static_cast<size_t>(buckets_.count); }
 

@@ -8,10 +8,10 @@
 
 namespace pbrt {
 
-/// Sums of splats: some numbers per pixel, to which any thread may add at any time.
+/// Splat sums per pixel; adding is thread-safe.
 class Splats {
   public:
-    /// Makes room for `count` sums, once. Throws UserError if the machine has not enough memory.
+    /// Allocates `count` sums, once. Throws UserError if memory is insufficient.
     void Expect(size_t count) {
         if (!sums_.empty()) return;
         RequireMemory(static_cast<double>(count) * sizeof(FixedSum), "the film: splats of light paths", {});

@@ -7,18 +7,18 @@
 
 namespace pbrt {
 
-/// The first scattering surface along a camera ray, in rendering space.
+/// First scattering surface along a camera ray, in rendering space.
 struct VisibleSurface {
     Point3 p{};
     Normal3 n{}, ns{};  ///< unit, geometric and shading, facing the camera
     Point2 uv{};
-    Vector3 dpdx{}, dpdy{};  ///< changes of p over the filter footprint
+    Vector3 dpdx{}, dpdy{};  ///< derivatives of p over the filter footprint
     Float time = 0;          ///< of the ray
     SampledSpectrum albedo;  ///< at `lambda`
     SampledWavelengths lambda;
 };
 
-/// The colour that a white light of the space has after one reflection at the surface.
+/// Colour of the space's white after one reflection at the surface.
 Rgb AlbedoColor(const VisibleSurface &visible, const ColorSpace &space);
 
 }  // namespace pbrt

@@ -30,7 +30,7 @@ namespace {
 
 constexpr Float LargestHalf = 65504;
 
-// Attributes that every EXR file has, or that are in the pixels or other fields of ImageMetadata already.
+// Attributes that are mandatory, or represented by the pixels or other fields of ImageMetadata.
 const std::set<std::string> StructuralAttributes = {"channels",
                                                     "compression",
                                                     "dataWindow",
@@ -50,7 +50,7 @@ const std::set<std::string> StructuralAttributes = {"channels",
                                                     "preview",
                                                     "multiView"};
 
-// The channels in the order of our images: the unnamed layer first; within a layer R, G, B, A, then the rest by name.
+// Channels in Image order: the unnamed layer first; within a layer R, G, B, A, then the rest by name.
 std::vector<std::string> OrderedNames(const Imf::ChannelList &channels) {
     auto key = [](const std::string &name) {
         size_t dot = name.rfind('.');
@@ -114,7 +114,6 @@ struct AttributeWriter {
     }
 };
 
-// Binds every channel of the interleaved pixels of `window`.
 Imf::FrameBuffer Bind(const std::vector<std::string> &names, Imf::PixelType type, char *pixels,
                       const Imath::Box2i &window) {
     size_t valueBytes = type == Imf::HALF ? 2 : 4;
@@ -126,16 +125,16 @@ Imf::FrameBuffer Bind(const std::vector<std::string> &names, Imf::PixelType type
     return buffer;
 }
 
-constexpr int64_t kMaxOffset = 1 << 28;  // largest distance of a window from the origin, in pixels
+constexpr int64_t kMaxOffset = 1 << 28;  // largest offset of a window from the origin, in pixels
 
 int64_t Extent(int low, int high) { return static_cast<int64_t>(high) - low + 1; }
 
-/// Upper bound of the bytes of pixels that one byte of the file can hold.
+/// Upper bound on pixel bytes per file byte.
 double MaxExpansion(Imf::Compression compression) {
     switch (compression) {
         case Imf::NO_COMPRESSION:
             return 2;  // files that mix half and float become float
-        // What run lengths, or deflate with constant data, can reach.
+        // Bound for run lengths, or deflate of constant data.
         case Imf::RLE_COMPRESSION:
         case Imf::ZIPS_COMPRESSION:
         case Imf::ZIP_COMPRESSION:
@@ -144,7 +143,7 @@ double MaxExpansion(Imf::Compression compression) {
     }
 }
 
-/// An output file in memory, because OpenEXR does not report errors that occur when a file is closed.
+/// In-memory output, because OpenEXR does not report errors on closing a file.
 class MemoryStream final : public Imf::OStream {
   public:
     explicit MemoryStream(const std::string &name) : OStream(name.c_str()) {}
@@ -171,7 +170,6 @@ size_t CountAtHalfLimit(const Image &image) {
     return count;
 }
 
-/// Warns if the file has several parts, of which only the first is read.
 void WarnOfParts(const std::string &path) {
     constexpr int kMaxNames = 8;
     const Imf::MultiPartInputFile file(path.c_str());
@@ -189,7 +187,7 @@ void WarnOfParts(const std::string &path) {
 }  // namespace
 
 ImageFile ReadExr(const std::string &path) {
-    // OpenEXR's limits of width and height must be set before it reads a header, whose sizes it allocates.
+    // Must be set before OpenEXR reads a header, because it allocates the header's sizes.
     static const bool limited = [] {
         Imf::Header::setMaxImageSize(1 << 20, 1 << 20);
         return true;
@@ -227,7 +225,6 @@ ImageFile ReadExr(const std::string &path) {
     metadata.colorSpace = FindSpace(header, path);
     ReadAttributes(header, metadata);
 
-    // Files that mix half and float become float, which holds both exactly.
     result.image = Image(allHalf ? PixelFormat::Half : PixelFormat::Float,
                          {metadata.pixelBounds->Width(), metadata.pixelBounds->Height()}, names);
     file.setFrameBuffer(Bind(names, allHalf ? Imf::HALF : Imf::FLOAT, static_cast<char *>(result.image.Data()), data));
@@ -263,9 +260,9 @@ std::string EncodeExr(const std::string &path, const Image &image, const ImageMe
     for (const std::string &name : image.Channels()) header.channels().insert(name, Imf::Channel(type));
     MemoryStream stream(path);
     {
-        // The destructor of `file` writes the rest of the content.
+        // The destructor writes the remaining content.
         Imf::OutputFile file(stream, header);
-        // The cast is safe: OpenEXR only reads through the frame buffer of an output file.
+        // OpenEXR only reads through the frame buffer of an output file.
         file.setFrameBuffer(Bind(image.Channels(), type, static_cast<char *>(const_cast<void *>(pixels.Data())), data));
         file.writePixels(data.max.y - data.min.y + 1);
     }

@@ -23,7 +23,6 @@ Rgb Signed(Float t) {
 }
 
 Rgb OfId(uint64_t id) {
-    // Any hue, saturation from 0.45 to 0.95, brightness from 0.55 to 1.
     const uint64_t h = Hash(id);
     const Float hue = HashToFloat(h) * 6;
     const Float saturation = Float(0.45) + Float(0.5) * static_cast<Float>(h & 0xffff) / 65536;
@@ -31,7 +30,7 @@ Rgb OfId(uint64_t id) {
     Rgb color(0);
     for (int c = 0; c < 3; ++c) {
         Float distance = std::abs(hue - static_cast<Float>(2 * c));
-        distance = std::min(distance, 6 - distance);  // from this primary, around the colour wheel
+        distance = std::min(distance, 6 - distance);  // distance from this primary on the colour wheel
         color[c] = value * (1 - saturation * std::clamp(distance - 1, Float(0), Float(1)));
     }
     return color;

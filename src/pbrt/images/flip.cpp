@@ -14,8 +14,8 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr int kRowsPerTask = 16;
 constexpr size_t kMaxExposures = 16;
 
-// 2020, section 4: exponent of the colour difference, knee of its remapping (as a weight of the largest difference, and
-// the value there), width of the detector in degrees, exponent of the feature difference.
+// 2020, section 4: exponent of the colour difference, knee of its remapping (fraction of the largest difference, and
+// the value there), detector width in degrees, exponent of the feature difference.
 constexpr double kColorExponent = 0.7, kKnee = 0.4, kKneeValue = 0.95;
 constexpr double kFeatureWidth = 0.082, kFeatureExponent = 0.5;
 
@@ -28,9 +28,9 @@ constexpr Sensitivity kBlueYellow[] = {{34.1, 0.04}, {13.5, 0.025}};
 constexpr double kWidestSensitivity = 0.04;
 
 using Plane = std::vector<float>;
-using Kernel = std::vector<float>;  // odd number of weights
+using Kernel = std::vector<float>;  // of odd length
 
-// Convolves a plane with `alongX` along x and `alongY` along y. The border pixels continue outwards.
+// Convolves with `alongX` along x and `alongY` along y, extending border pixels.
 Plane Filter(const Plane &in, Point2i size, const Kernel &alongX, const Kernel &alongY) {
     const int width = size.x, height = size.y;
     const int rx = static_cast<int>(alongX.size() / 2), ry = static_cast<int>(alongY.size() / 2);
@@ -69,7 +69,7 @@ void Scale(Kernel &kernel, double factor) {
     for (float &w : kernel) w = static_cast<float>(static_cast<double>(w) * factor);
 }
 
-// Scales the weights so that the positive ones add up to 1 and the negative ones to -1.
+// Normalises the positive weights to sum 1 and the negative ones to -1.
 void Balance(Kernel &kernel) {
     double positive = 0, negative = 0;
     for (float w : kernel) (w > 0 ? positive : negative) += static_cast<double>(w);
@@ -83,8 +83,8 @@ double Sum(const Kernel &kernel) {
     return sum;
 }
 
-// One Gaussian of a contrast sensitivity filter as a normalised kernel for one axis; `mass` gets the sum of its weights
-// over both axes before normalisation.
+// One Gaussian of a contrast sensitivity filter as a normalised 1D kernel; `mass` gets the sum of its weights over both
+// axes before normalisation.
 Kernel SensitivityKernel(const Sensitivity &s, double pixelsPerDegree, double *mass) {
     const int radius =
         static_cast<int>(std::ceil(3 * std::sqrt(kWidestSensitivity / (2 * kPi * kPi)) * pixelsPerDegree));
@@ -95,7 +95,6 @@ Kernel SensitivityKernel(const Sensitivity &s, double pixelsPerDegree, double *m
     const double sum = Sum(kernel);
     *mass = s.a * std::sqrt(kPi / s.b) * sum * sum;
     Scale(kernel, 1 / sum);
-    // Weights this small have no effect and only cost time.
     while (kernel.size() > 1 && kernel.front() < 1e-9f) {
         kernel.erase(kernel.begin());
         kernel.pop_back();
@@ -120,7 +119,6 @@ Plane BlueYellowFilter(const Plane &in, Point2i size, double pixelsPerDegree) {
     return out;
 }
 
-// Length of the vector of responses to a detector along x and along y.
 Plane FeatureLength(const Plane &lightness, Point2i size, const Kernel &detector, const Kernel &smooth) {
     Plane alongX = Filter(lightness, size, detector, smooth);
     const Plane alongY = Filter(lightness, size, smooth, detector);
@@ -128,7 +126,6 @@ Plane FeatureLength(const Plane &lightness, Point2i size, const Kernel &detector
     return alongX;
 }
 
-// XYZ divided by that of the sRGB white, so that white is (1, 1, 1).
 struct Xyz1 {
     float x, y, z;
 };
@@ -152,7 +149,7 @@ class Colors {
     glm::mat3 toXyz_, toRgb_;
 };
 
-// The opponent space of the filters: a CIELAB without the cube root.
+// Opponent space of the filters: CIELAB without the cube root.
 void ToOpponent(const Xyz1 &c, float *yy, float *cx, float *cz) {
     *yy = 116 * c.y - 16;
     *cx = 500 * (c.x - c.y);
@@ -169,7 +166,7 @@ float LabCurve(float t) {
     return t > kLimit * kLimit * kLimit ? std::cbrt(t) : t / (3 * kLimit * kLimit) + 4.f / 29;
 }
 
-// CIELAB whose chroma shrinks with the lightness (Hunt's effect).
+// CIELAB with chroma scaled by lightness (Hunt effect).
 void ToHuntLab(const Xyz1 &c, float *l, float *a, float *b) {
     const float fx = LabCurve(c.x), fy = LabCurve(c.y), fz = LabCurve(c.z);
     *l = 116 * fy - 16;
@@ -177,11 +174,11 @@ void ToHuntLab(const Xyz1 &c, float *l, float *a, float *b) {
     *b = 0.01f * *l * 200 * (fy - fz);
 }
 
-// Distance of colours that may be far apart: city block between lightness and chroma (HyAB).
+// Distance for large colour differences: city block between lightness and chroma (HyAB).
 float ColorDistance(float l, float a, float b) { return std::abs(l) + std::hypot(a, b); }
 
-// Rational fit of the ACES tone curve (Narkowicz 2015) with the factor 0.6 before it that HDR-FLIP uses: (k0 x^2 + k1
-// x) / (k2 x^2 + k3 x + k4).
+// Rational fit of the ACES tone curve (Narkowicz 2015) including HDR-FLIP's prefactor 0.6: (k0 x^2 + k1 x) / (k2 x^2 +
+// k3 x + k4).
 constexpr double kTone[] = {0.9036, 0.018, 0.8748, 0.354, 0.14};
 
 float ToneMap(float x) {
@@ -191,14 +188,12 @@ float ToneMap(float x) {
     return std::clamp((k(0) * x + k(1)) * x / ((k(2) * x + k(3)) * x + k(4)), 0.f, 1.f);
 }
 
-// The value that the tone curve maps to t.
 double InverseToneMap(double t) {
     const double a = kTone[0] - t * kTone[2], b = kTone[1] - t * kTone[3], c = -t * kTone[4];
     return (-b + std::sqrt(b * b - 4 * a * c)) / (2 * a);
 }
 
-// 2021, section 4: exposures from the one that maps the largest luminance to 0.85 to the one that maps the median to
-// 0.85. The median is taken over the pixels that are not black.
+// 2021, section 4: exposures that map the largest to the median luminance to 0.85. The median excludes black pixels.
 std::vector<double> ChooseExposures(const std::vector<float> &planes) {
     const size_t n = planes.size() / 3;
     const Rgb weights = ColorSpace::SRGB().Luminance();
@@ -247,7 +242,7 @@ FlipReference::FlipReference(const Image &reference, const FlipSettings &setting
     const std::vector<float> planes = Planes(reference);
     if (settings_.hdr) exposures_ = ChooseExposures(planes);
     for (size_t i = 0; i < std::max(exposures_.size(), size_t(1)); ++i) percepts_.push_back(See(planes, i));
-    // Green and blue are the two colours of sRGB that are farthest apart.
+    // Green and blue have the largest distance in sRGB.
     const Colors colors;
     float l[2], a[2], b[2];
     ToHuntLab(colors.FromRgb(0, 1, 0), &l[0], &a[0], &b[0]);
@@ -292,7 +287,6 @@ FlipReference::Percept FlipReference::See(const std::vector<float> &planes, size
     out.b = BlueYellowFilter(cz, resolution_, ppd);
     ParallelFor(static_cast<int64_t>(n), 4096, [&](int64_t begin, int64_t end) {
         for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
-            // The filtered colour is clamped to those that the screen can show.
             const glm::vec3 rgb = colors.ToRgb(FromOpponent(out.l[i], out.a[i], out.b[i]));
             const Xyz1 shown =
                 colors.FromRgb(std::clamp(rgb.x, 0.f, 1.f), std::clamp(rgb.y, 0.f, 1.f), std::clamp(rgb.z, 0.f, 1.f));

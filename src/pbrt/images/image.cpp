@@ -10,7 +10,7 @@ namespace pbrt {
 
 namespace {
 
-// Folds p into the octahedral square along one axis; the other axis is mirrored where an edge is crossed.
+// Folds `along` into the octahedral square; mirrors `across` where an edge is crossed.
 void FoldOctahedral(int &along, int &across, int size, int acrossSize) {
     if (along < -size || along >= 2 * size) {
         int period = 2 * size;
@@ -36,7 +36,6 @@ bool RemapPixel(Point2i &p, Point2i resolution, WrapMode wrap) {
         case WrapMode::Repeat: p = {PositiveModulo(p.x, resolution.x), PositiveModulo(p.y, resolution.y)}; return true;
         case WrapMode::Clamp: p = glm::clamp(p, Point2i(0), resolution - 1); return true;
         case WrapMode::OctahedralSphere:
-            // Coordinates far outside are clamped first, so that no sum overflows.
             p = glm::clamp(p, Point2i(-(1 << 28)), Point2i(1 << 28));
             FoldOctahedral(p.x, p.y, resolution.x, resolution.y);
             FoldOctahedral(p.y, p.x, resolution.y, resolution.x);

@@ -14,7 +14,7 @@ namespace pbrt {
 
 enum class PixelFormat { U8, Half, Float };
 
-/// How stored 8/16-bit values map to linear ones (pbrt-v4-format §8, §14).
+/// Encoding of stored 8/16-bit values (pbrt-v4-format §8, §14).
 struct ColorEncoding {
     enum class Kind { Linear, SRGB, Gamma } kind = Kind::SRGB;
     Float gamma = 1;
@@ -25,31 +25,30 @@ struct ColorEncoding {
     bool operator==(const ColorEncoding &) const = default;
 };
 
-/// An encoding as tables over the 256 byte values.
 class ByteCode {
   public:
-    /// The shared tables of an encoding, which are never freed. Takes a lock, so call it once per image.
+    /// Shared tables of an encoding, never freed. Takes a lock, so call it once per image.
     static const ByteCode &Of(const ColorEncoding &encoding);
     explicit ByteCode(const ColorEncoding &encoding);
 
     const float *DecodeTable() const { return decode_.data(); }
     Float Decode(uint8_t byte) const { return decode_[byte]; }
-    /// The byte whose encoded value is nearest; values outside [0, 1] are clamped, not-a-number gives 0.
+    /// Byte of the nearest encoded value; clamps to [0, 1], NaN gives 0.
     uint8_t Encode(Float linear) const;
 
   private:
     static constexpr size_t Cells = 4096;
     std::array<float, 256> decode_;
     std::array<float, 257> limits_;     ///< byte b encodes the values in [limits_[b], limits_[b + 1])
-    std::array<uint8_t, Cells> guess_;  ///< [0, 1) in equal cells: the byte of each cell's smallest value
+    std::array<uint8_t, Cells> guess_;  ///< per equal cell of [0, 1): byte of its smallest value
 };
 
 enum class WrapMode { Repeat, Black, Clamp, OctahedralSphere };
-/// Maps pixel coordinates into the image; false: outside and black. OctahedralSphere folds across the edges of the
+/// Wraps pixel coordinates into the image; false: outside and black. OctahedralSphere folds across the edges of the
 /// equal-area octahedral square; -x maps to x there, as in stock pbrt-v4.
 bool RemapPixel(Point2i &p, Point2i resolution, WrapMode wrap);
 
-/// Interleaved pixels, row 0 at the top, decoded to linear values when read out. 8-bit data keep their encoding and are
+/// Interleaved pixels, row 0 at the top, decoded to linear values on access. 8-bit data keep their encoding and are
 /// decoded through a table.
 class Image {
   public:
@@ -63,18 +62,17 @@ class Image {
     const std::vector<std::string> &Channels() const { return channels_; }
     const ColorEncoding &Encoding() const { return encoding_; }
     size_t ValueCount() const { return Index({0, resolution_.y}, 0); }
-    /// Index of a channel by name, -1 if absent.
     int FindChannel(const std::string &name) const;
 
     Float Get(Point2i p, int channel) const;  ///< p inside the image
     Float Get(Point2i p, int channel, WrapMode wrap) const;
-    /// Bytes are clamped to [0, 1], halves to the largest finite half (WriteImage reports those).
+    /// Clamps bytes to [0, 1], halves to the largest finite half (WriteImage reports those).
     void Set(Point2i p, int channel, Float linear);
     /// Bilinear at st in [0,1]^2, pixel centres at half-integers.
     Float Bilinear(Point2 st, int channel, WrapMode wrap) const;
-    /// The named channels as a new float image; throws UserError if one is missing.
+    /// Returns the named channels as float; throws UserError if one is missing.
     Image Select(const std::vector<std::string> &channels) const;
-    /// As Select, but the stored format and encoding stay.
+    /// As Select, but keeps format and encoding.
     Image Extract(const std::vector<std::string> &channels) const;
     Image ConvertTo(PixelFormat format) const;
     /// `bounds` must lie inside the image.
@@ -98,13 +96,12 @@ class Image {
     std::vector<float> float_;
 };
 
-/// What is known about an image beside its pixels.
 struct ImageMetadata {
-    std::optional<Bounds2i> pixelBounds;     ///< data window inside the full resolution
+    std::optional<Bounds2i> pixelBounds;     ///< data window within fullResolution
     std::optional<Point2i> fullResolution;   ///< display window
-    const ColorSpace *colorSpace = nullptr;  ///< from chromaticities; null: not stated (sRGB)
+    const ColorSpace *colorSpace = nullptr;  ///< from chromaticities; null: unspecified (sRGB)
     using Value = std::variant<int, float, std::string, glm::mat4>;
-    /// EXR header attributes by name. Matrices are ordinary ones (column vectors); files get the layout of format §14.
+    /// EXR header attributes by name. Matrices use column vectors; files get the layout of format §14.
     std::map<std::string, Value> attributes;
 };
 
@@ -113,14 +110,14 @@ struct ImageFile {
     ImageMetadata metadata;
 };
 
-/// EXR, PNG, PFM, HDR, TGA, JPG, ... (not QOI), see format §14. `encoding` for 8/16-bit PNG; nullopt: that of the
-/// format (sRGB for png; other 8-bit formats are always sRGB). Channels are named R, G, B (and A) or Y; those of EXR
-/// files keep their names. Throws UserError (no location) if missing or unreadable.
+/// Reads EXR, PNG, PFM, HDR, TGA, JPG, ... (not QOI), see format §14. `encoding` is for 8/16-bit PNG; nullopt: the
+/// format's default (sRGB for png; other 8-bit formats are always sRGB). EXR channels keep their names, others are R,
+/// G, B (and A) or Y. Throws UserError (no location) if missing or unreadable.
 ImageFile ReadImage(const std::string &path, std::optional<ColorEncoding> encoding = {});
 
-/// The extension, in any letter case, chooses the format: .exr (half unless the image is float), .png and .jpg (8 bit,
-/// sRGB, clamped), .pfm. The file is written by WriteFile. Images of more than 4 channels keep only R, G, B outside
-/// EXR, with a warning; a colour space other than sRGB is converted to sRGB there. Throws UserError.
+/// Writes by WriteFile in the format of the case-insensitive extension: .exr (half unless the image is float), .png and
+/// .jpg (8 bit, sRGB, clamped), .pfm. Outside EXR, images of more than 4 channels keep only R, G, B, with a warning,
+/// and other colour spaces are converted to sRGB. Throws UserError.
 void WriteImage(const std::string &path, const Image &image, const ImageMetadata &metadata = {});
 
 }  // namespace pbrt

@@ -13,7 +13,7 @@ namespace pbrt {
 
 namespace {
 
-// The message of a library without a final full stop or line end.
+// Library message without final full stop or line end.
 std::string Sentence(const std::exception &e) {
     std::string text = e.what();
     while (!text.empty() && (text.back() == '.' || std::isspace(static_cast<unsigned char>(text.back()))))
@@ -21,7 +21,7 @@ std::string Sentence(const std::exception &e) {
     return text;
 }
 
-// The part of an image that a format of at most four channels can hold: R, G, B and, if it fits, A, as sRGB.
+// Restricts an image to formats of at most four channels: R, G, B and, if it fits, A, as sRGB.
 Image ForPlainFormat(const std::string &path, const Image &image, const ImageMetadata &metadata, bool alphaFits) {
     const bool hasRgb = image.FindChannel("R") >= 0 && image.FindChannel("G") >= 0 && image.FindChannel("B") >= 0;
     Image result = image;
@@ -48,7 +48,7 @@ Image ForPlainFormat(const std::string &path, const Image &image, const ImageMet
     return result;
 }
 
-constexpr int64_t kMaxExtent = 1 << 20;  // largest width and height of an image that is read, in pixels
+constexpr int64_t kMaxExtent = 1 << 20;  // largest width and height of an input image, in pixels
 
 }  // namespace
 

@@ -15,7 +15,6 @@ namespace {
 
 constexpr double kAbsoluteEpsilon = 0.01;
 
-/// `epsilon` of a reference for RelL2 and RelL2Abs.
 double EpsilonOf(Metric metric, const Image &reference) {
     return metric == Metric::RelL2 ? RelL2Epsilon(reference) : kAbsoluteEpsilon;
 }
@@ -56,7 +55,7 @@ size_t CountNotFinite(const Image &image) {
 }  // namespace
 
 const std::vector<std::string> &MetricNames() {
-    // In the order of the enumeration.
+    // In enumeration order.
     static const std::vector<std::string> names = {"MAE",      "MSE",   "MRSE", "relL2",
                                                    "relL2Abs", "SMAPE", "FLIP", "HDR-FLIP"};
     return names;
@@ -106,7 +105,7 @@ double ImageError(const Image &image, const Image &reference, Metric metric, Ima
     double sum = 0;
     size_t counted = 0, dropped = 0;
     for (int y = 0; y < image.Resolution().y; ++y) {
-        // Summed row by row, so that large images do not lose precision.
+        // Row sums keep precision for large images.
         double row = 0;
         for (int x = 0; x < image.Resolution().x; ++x)
             for (int c = 0; c < image.ChannelCount(); ++c) {

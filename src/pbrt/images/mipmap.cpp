@@ -40,19 +40,18 @@ const std::array<Float, GaussianEntries> GaussianTable = [] {
     return table;
 }();
 
-// Twice the largest component of the footprint; stock pbrt-v4 picks the level with this texel spacing, for 1 the last
-// one. At least 1e-8, which not-a-number becomes as well.
+// Twice the largest footprint component; stock pbrt-v4 picks the level of this texel spacing, for 1 the last one. At
+// least 1e-8, also for NaN.
 Float Width(Vector2 dst0, Vector2 dst1) {
     const Float width = 2 * std::max({std::abs(dst0.x), std::abs(dst0.y), std::abs(dst1.x), std::abs(dst1.y)});
     return width > Float(1e-8) ? width : Float(1e-8);
 }
 
-// Floor of log2 of a positive normal number, from its exponent.
 int FloorLog2(Float v) { return static_cast<int>(std::bit_cast<uint32_t>(v) >> 23) - 127; }
 
 int ToPixel(Float v) { return static_cast<int>(std::clamp(v, Float(-1e9), Float(1e9))); }
 
-// Look-ups of N successive channels from `first` on, in one storage format.
+// Lookups of N successive channels from `first` on, in one storage format.
 template <PixelFormat Format, int N, bool Tiled>
 class Reader {
   public:
@@ -68,7 +67,7 @@ class Reader {
             return view_.filter == TextureFilter::Bilinear ? Bilinear(level, st) : Nearest(level, st);
         }
         const Float level = static_cast<Float>(last) + std::log2(width);
-        // Between levels 0 and 1 nothing is interpolated, as in stock pbrt-v4.
+        // No interpolation between levels 0 and 1, as in stock pbrt-v4.
         if (level < 1) return Bilinear(0, st);
         const int whole = std::min(static_cast<int>(level), last - 1);
         return Mix(level - static_cast<Float>(whole), Bilinear(whole, st), Bilinear(whole + 1, st));
@@ -105,7 +104,6 @@ class Reader {
     }
 
     Texel<N> At(const MipMap::LevelView &level, Point2i p) const {
-        // Sizes are powers of two, so that repeating is masking.
         if (view_.wrap == WrapMode::Repeat) return Load(level, p.x & (level.width - 1), p.y & (level.height - 1));
         if (!RemapPixel(p, {level.width, level.height}, view_.wrap)) return {};
         return Load(level, p.x, p.y);
@@ -158,7 +156,7 @@ class Reader {
         if (!(shorter > 0)) return Bilinear(0, st);
         const int last = static_cast<int>(view_.levels.size()) - 1;
         if (!std::isfinite(longer)) return At(last, {0, 0});
-        // Too thin an ellipse is widened, which blurs but bounds the cost.
+        // Widens thin ellipses, which blurs but bounds the cost.
         if (shorter * view_.maxAnisotropy < longer) {
             const Float scale = longer / (shorter * view_.maxAnisotropy);
             minor *= scale;
@@ -178,20 +176,19 @@ class Reader {
         const Point2 center = st * size - Float(0.5);
         major *= size;
         minor *= size;
-        // A point (x, y) is inside if a x^2 + b x y + c y^2 < 1. The added 1 is the variance of the reconstruction
-        // filter.
+        // Inside: a x^2 + b x y + c y^2 < 1. The added 1 is the variance of the reconstruction filter.
         Float a = Sqr(major.y) + Sqr(minor.y) + 1;
         Float b = -2 * (major.x * major.y + minor.x * minor.y);
         Float c = Sqr(major.x) + Sqr(minor.x) + 1;
         const Float f = a * c - Sqr(b) / 4;
-        // Half extents of the ellipse, from a and c before they are divided by the determinant f.
+        // Half extents of the ellipse, from a and c before division by the determinant f.
         const Vector2 extent(std::sqrt(c), std::sqrt(a));
         a /= f;
         b /= f;
         c /= f;
         const Point2i low(ToPixel(std::ceil(center.x - extent.x)), ToPixel(std::ceil(center.y - extent.y)));
         const Point2i high(ToPixel(std::floor(center.x + extent.x)), ToPixel(std::floor(center.y + extent.y)));
-        // Most images repeat; their texels are read without a call.
+        // Repeat is the common case, read without a call.
         const bool repeats = view_.wrap == WrapMode::Repeat;
         const Point2i mask(level.width - 1, level.height - 1);
         Texel<N> sum;
@@ -215,7 +212,7 @@ class Reader {
 
     const MipMap::View &view_;
     size_t first_;
-    /// The tile that was used last, because most texels of a look-up lie in one tile.
+    /// Last used tile, which holds most texels of a lookup.
     [[no_unique_address]] mutable std::conditional_t<Tiled, TileCache::Stored::Tile, std::monostate> tile_;
 };
 
@@ -235,7 +232,7 @@ Texel<N> Read(const MipMap::View &view, size_t first, Point2 st, Vector2 dst0, V
     return ReadFrom<N, false>(view, first, st, dst0, dst1);
 }
 
-/// Only levels of more bytes than this go to disk.
+/// Bytes; smaller levels stay in memory.
 constexpr size_t kMinStoredBytes = 1 << 16;
 
 Image KeepColor(Image image) {
@@ -289,7 +286,7 @@ MipMap::MipMap(const MipMap &image, TextureFilter filter, Float maxAnisotropy)
 }
 
 Float MipMap::LookupFloat(Point2 st, Vector2 dst0, Vector2 dst1) const {
-    // Only bilinear interpolation mixes channels; EWA falls back to it where the footprint has no width.
+    // Only bilinear interpolation mixes channels; EWA falls back to it for footprints of zero width.
     const bool smooth = view_.filter == TextureFilter::Ewa
                             ? !(std::min(glm::length(dst0), glm::length(dst1)) > 0)
                             : view_.filter != TextureFilter::Point && !(Width(dst0, dst1) >= 1);

@@ -1,4 +1,4 @@
-// The one file that calls OpenImageIO; a separate shared library, see image_library.h.
+// All OpenImageIO calls, as a separate shared library; see image_library.h.
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imagecache.h>
 #include <OpenImageIO/imageio.h>
@@ -34,8 +34,8 @@ void Check(bool done, const Source *source) {
     if (!done) throw std::runtime_error(source ? source->geterror() : OIIO::geterror());
 }
 
-// How many channels of a PNG stock pbrt-v4 keeps: those in the file before transparency chunks are applied, without the
-// alpha of grey images. Byte 25 of the file is the colour type in IHDR.
+// PNG channels kept by stock pbrt-v4: those in the file before transparency chunks, without the alpha of grey images.
+// Byte 25 of the file is the colour type in IHDR.
 int PngChannels(const std::string &path) {
     std::array<char, 26> head{};
     std::ifstream(path, std::ios::binary).read(head.data(), head.size());
@@ -47,9 +47,9 @@ int PngChannels(const std::string &path) {
     }
 }
 
-/// Caches not in use. In OpenImageIO 2.4, threads that have used a cache spoil later ones once it is
-/// destroyed: texels are wrong, or an assertion about the memory of tiles fails (the test
-/// TileCache.ThreadsForgetTheCacheBefore). So no cache is ever destroyed: it is emptied and used again.
+/// Idle caches, reused after emptying and never destroyed. In OpenImageIO 2.4, a thread that used a destroyed cache
+/// corrupts later ones: wrong texels or a failed assertion about tile memory (test
+/// TileCache.ThreadsForgetTheCacheBefore).
 class IdleCaches {
   public:
     static OIIO::ImageCache *Take() {
@@ -92,7 +92,7 @@ class CachedTiles final : public TileStore {
         for (const Pixels &image : images) {
             OIIO::ImageSpec &spec = specs.emplace_back(SpecOf(image));
             spec.tile_width = spec.tile_height = tileSize_;
-            spec.alpha_channel = -1;  // values are to come back as they are
+            spec.alpha_channel = -1;  // disables premultiplication
             spec["compression"] = "none";
         }
         std::unique_ptr<OIIO::ImageOutput> out = OIIO::ImageOutput::create(path);
@@ -104,8 +104,8 @@ class CachedTiles final : public TileStore {
         }
         Check(out->close(), out.get());
         out.reset();
-        // OpenImageIO does not report a disk that is full at the end of a file. Tiles are not compressed, so the size
-        // of a complete file is known.
+        // OpenImageIO does not report a full disk at the end of a file. Tiles are uncompressed, so the size of a
+        // complete file is fixed.
         uintmax_t expected = 0;
         for (const OIIO::ImageSpec &spec : specs) expected += spec.image_bytes();
         OIIO::ImageSpec last;
@@ -139,12 +139,13 @@ class CachedTiles final : public TileStore {
     int tileSize_;
 };
 
-/// Bytes of the pixels of an uncompressed TIFF file, or fewer. A palette has one sample a pixel, whatever its colours.
+/// Lower bound of the pixel bytes of an uncompressed TIFF file. A palette has one sample per pixel, whatever its
+/// colours.
 uintmax_t StoredBytes(const OIIO::ImageSpec &spec) {
     constexpr int kPalette = 3, kYCbCr = 6;
     const int kind = spec.get_int_attribute("tiff:PhotometricInterpretation", -1);
     if (kind == kYCbCr) return 0;  // colours may be stored at a lower resolution
-    // Of a palette the first names the bits of the file, the second those of the colours.
+    // For a palette, the first attribute is the bits in the file, the second those of the colours.
     const int bits = spec.get_int_attribute(
         "tiff:BitsPerSample",
         spec.get_int_attribute("oiio:BitsPerSample", static_cast<int>(spec.format.basesize()) * 8));
@@ -164,9 +165,9 @@ class OpenInput final : public OpenFile {
         orientation = spec.get_int_attribute("Orientation", 1);
         const bool png = format == "png";
         channels = std::min(spec.nchannels, png ? PngChannels(path) : spec.nchannels >= 3 ? 3 : 1);
-        // OpenImageIO fills what is missing in uncompressed TIFF files with 0, so callers check the size of the file.
+        // OpenImageIO zero-fills missing data of uncompressed TIFF files, so callers check the file size.
         if (format == "tiff" && spec.get_string_attribute("compression") == "none") minFileBytes = StoredBytes(spec);
-        // Everything but float and 16-bit PNG is read as 8 bit.
+        // Everything except float and 16-bit PNG is read as 8 bit.
         type = spec.format.is_floating_point()     ? ValueType::Float
                : png && spec.format.basesize() > 1 ? ValueType::U16
                                                    : ValueType::U8;
@@ -186,9 +187,8 @@ class OpenImageIO final : public ImageLibrary {
         request["oiio:UnassociatedAlpha"] = 1;
         std::unique_ptr<OIIO::ImageInput> in;
         {
-            // Up to OpenImageIO 2.4.7 the headers of two files must not be read at once: the names of the tags of
-            // colour profiles are looked up in a table that grows by every unknown tag, which no lock guards. Two
-            // threads there crash, loop for ever, or leave a table that crashes when the program ends.
+            // Up to OpenImageIO 2.4.7 reading two headers concurrently is a data race in the table of colour profile
+            // tags: crashes, endless loops, or a crash at exit.
             static std::mutex opening;
             const std::lock_guard lock(opening);
             in = OIIO::ImageInput::open(path, &request);
@@ -211,13 +211,13 @@ class OpenImageIO final : public ImageLibrary {
             spec["compression"] = "jpeg:95";
             spec["jpeg:subsampling"] = "4:4:4";
         }
-        // Written to memory, because OpenImageIO does not report a full disk.
+        // In memory, because OpenImageIO does not report a full disk.
         std::vector<unsigned char> bytes;
         OIIO::Filesystem::IOVecOutput memory(bytes);
         std::unique_ptr<OIIO::ImageOutput> out = OIIO::ImageOutput::create(format);
         Check(out != nullptr, out.get());
         Check(out->set_ioproxy(&memory), out.get());
-        // open() requires a name but does not use it.
+        // open() requires but ignores the name.
         Check(out->open("image." + format, spec) && out->write_image(spec.format, pixels.data) && out->close(),
               out.get());
         return bytes;

@@ -16,7 +16,7 @@ std::vector<std::string> NamesFor(int channels) {
     return {rgba.begin(), rgba.begin() + channels};
 }
 
-// Undoes a stored orientation (EXIF numbering), as far as it only mirrors or turns by 180 degrees.
+// Applies an EXIF orientation that only mirrors or rotates by 180 degrees.
 Image Upright(const Image &image, int orientation) {
     bool mirrorX = orientation == 2 || orientation == 3, mirrorY = orientation == 3 || orientation == 4;
     if (!mirrorX && !mirrorY) return image;
@@ -29,18 +29,17 @@ Image Upright(const Image &image, int orientation) {
     return result;
 }
 
-/// Upper bound of the bytes of pixels that one byte of the file can hold: what deflate, run lengths, LZW or a Huffman
-/// code of one bit a block can reach with constant data, times up to 24 for pixels of one bit. TIFF files of white
-/// pages have no such limit.
+/// Upper bound on pixel bytes per file byte: constant data with deflate, run lengths, LZW or one Huffman bit per block,
+/// times up to 24 for 1-bit pixels. TIFF files of white pages have no such limit.
 double MaxExpansion(const std::string &format) {
     for (const char *limited : {"png", "jpeg", "bmp", "targa", "pnm", "hdr", "psd", "gif"})
         if (format == limited) return 25000;
     return Infinity;
 }
 
-/// Throws UserError if a JPEG file ends too early; the JPEG library fills missing pixels with grey and reports nothing.
+/// Throws UserError for truncated JPEG files, which the JPEG library silently fills with grey.
 void CheckJpegEnd(const std::string &path) {
-    // Inside the pixel data a byte 0xff is always followed by 0 or the number of a restart.
+    // In pixel data a byte 0xff is always followed by 0 or a restart marker.
     const std::string content = ReadFileContents(path);
     const size_t pixels = content.rfind("\xff\xda"), end = content.rfind("\xff\xd9");
     if (end == std::string::npos || (pixels != std::string::npos && end < pixels))
@@ -72,7 +71,7 @@ ImageFile ReadOther(const std::string &path, std::optional<ColorEncoding> encodi
     Image &image = result.image;
     if (isDeep) {
         image = Image(PixelFormat::Half, resolution, names, bytes);
-        // Integers are replaced by halves in place: both have two bytes.
+        // In place: integers and halves both have two bytes.
         auto *values = static_cast<uint16_t *>(image.Data());
         file->Read(values);
         for (size_t i = 0; i < image.ValueCount(); ++i)
@@ -83,7 +82,7 @@ ImageFile ReadOther(const std::string &path, std::optional<ColorEncoding> encodi
         file->Read(image.Data());
     }
     if (file->format == "jpeg") CheckJpegEnd(path);
-    // The EXIF orientation of photographs is ignored, as in stock pbrt-v4.
+    // EXIF orientation of photographs is ignored, as in stock pbrt-v4.
     if (file->format == "targa" || file->format == "hdr") image = Upright(image, file->orientation);
     return result;
 }

@@ -21,7 +21,7 @@ float ReadFloat(const char *bytes, bool swap) {
     return std::bit_cast<float>(bits);
 }
 
-// The next word of the header; the single white space after it is consumed.
+// Next header word; consumes the single white space after it.
 std::string NextWord(const std::string &content, size_t &at) {
     while (at < content.size() && std::isspace(static_cast<unsigned char>(content[at]))) ++at;
     size_t begin = at;
@@ -31,7 +31,7 @@ std::string NextWord(const std::string &content, size_t &at) {
     return word;
 }
 
-// Throws std::invalid_argument or std::out_of_range, as std::stod does, also for trailing characters.
+// Throws std::invalid_argument or std::out_of_range, as std::stod, also for trailing characters.
 double ToNumber(const std::string &word) {
     size_t used = 0;
     double value = std::stod(word, &used);
@@ -71,7 +71,7 @@ ImageFile ReadPfm(const std::string &path) {
     result.image = Image(PixelFormat::Float, resolution,
                          color ? std::vector<std::string>{"R", "G", "B"} : std::vector<std::string>{"Y"});
     float *pixels = static_cast<float *>(result.image.Data());
-    // Positive scale: big endian. Its absolute value is a factor of all pixels, as in stock pbrt-v4.
+    // Positive scale: big endian. Its magnitude scales all pixels, as in stock pbrt-v4.
     const bool swap = scale > 0;
     const float factor = static_cast<float>(std::abs(scale));
     for (int y = resolution.y - 1; y >= 0; --y)

@@ -12,7 +12,7 @@ namespace {
 
 int NextPowerOfTwo(int n) { return static_cast<int>(std::bit_ceil(static_cast<unsigned>(n))); }
 
-/// Source pixels per target pixel and axis; the loops below are written out for four.
+/// Source pixels per target pixel and axis; the loops below are unrolled for four.
 constexpr int Taps = 4;
 
 struct PixelTaps {
@@ -22,7 +22,7 @@ struct PixelTaps {
 
 Float Sinc(Float x) { return std::abs(x) < Float(1e-5) ? 1 : std::sin(Pi * x) / (Pi * x); }
 
-// Lanczos filter of radius 2 source pixels at every target pixel centre; weights add up to 1.
+// Lanczos filter of radius 2 source pixels at target pixel centres; weights sum to 1.
 std::vector<PixelTaps> ResamplingTaps(int from, int to) {
     constexpr Float radius = 2;
     std::vector<PixelTaps> taps(static_cast<size_t>(to));
@@ -42,16 +42,16 @@ std::vector<PixelTaps> ResamplingTaps(int from, int to) {
     return taps;
 }
 
-// Enlarges an image to `target`, as float. Pixels beyond the edges follow the wrap mode; overshoot below 0 is cut off.
+// Upsamples to `target` as float. The wrap mode applies beyond edges; negative overshoot is clipped.
 Image Enlarge(const Image &image, Point2i target, WrapMode wrap) {
-    // The taps reach at most this far beyond the image.
+    // Largest reach of the taps beyond the image.
     constexpr int border = Taps / 2;
     const Point2i size = image.Resolution();
     const int channels = image.ChannelCount();
     const auto stretchX = ResamplingTaps(size.x, target.x), stretchY = ResamplingTaps(size.y, target.y);
     const size_t width = static_cast<size_t>(target.x) * static_cast<size_t>(channels);
 
-    // Rows -border ... size.y + border - 1, stretched in x only.
+    // Rows -border ... size.y + border - 1, resampled in x only.
     const int rows = size.y + 2 * border;
     std::vector<float> wide(width * static_cast<size_t>(rows));
     ParallelFor(rows, 16, [&](int64_t begin, int64_t end) {
@@ -83,12 +83,11 @@ Image Enlarge(const Image &image, Point2i target, WrapMode wrap) {
     return result;
 }
 
-// Means of 2x2 pixels (2x1 or 1x2 once one side is down to one pixel) of a float image.
+// Box filter of 2x2 pixels (2x1 or 1x2 once one side is 1) of a float image.
 Image Halve(const Image &image) {
     const Point2i size = image.Resolution();
     const size_t channels = static_cast<size_t>(image.ChannelCount());
     const size_t width = static_cast<size_t>(size.x) * channels;
-    // Offsets from a pixel to its right and lower neighbour.
     const size_t right = size.x > 1 ? channels : 0, below = size.y > 1 ? width : 0;
     Image result(PixelFormat::Float, glm::max(size / 2, Point2i(1)), image.Channels());
     const Point2i resultSize = result.Resolution();
@@ -105,7 +104,6 @@ Image Halve(const Image &image) {
     return result;
 }
 
-// `level` in the format and encoding of `like`.
 Image Store(const Image &level, const Image &like) {
     if (like.Format() == PixelFormat::Float) return level;
     Image result(like.Format(), level.Resolution(), like.Channels(), like.Encoding());
@@ -123,7 +121,7 @@ std::vector<Image> BuildPyramid(Image image, WrapMode wrap) {
     PBRT_CHECK(image);
     const Point2i target(NextPowerOfTwo(image.Resolution().x), NextPowerOfTwo(image.Resolution().y));
     std::vector<Image> levels;
-    // The unrounded level that the next one is made from.
+    // Unrounded source of the next level.
     Image exact;
     if (target == image.Resolution()) {
         exact = image.ConvertTo(PixelFormat::Float);

@@ -10,8 +10,8 @@ namespace oiio {
 class TileStore;
 }
 
-/// Images on disk, in tiled files of a temporary folder. OpenImageIO's cache keeps tiles in memory up to `megabytes`.
-/// The destructor removes the folder.
+/// Images in tiled files of a temporary folder, which the destructor removes. OpenImageIO's cache keeps up to
+/// `megabytes` of tiles in memory.
 class TileCache {
   public:
     static constexpr int kSize = 64;  ///< width and height of a tile, in texels
@@ -20,10 +20,9 @@ class TileCache {
     TileCache(const TileCache &) = delete;
     TileCache &operator=(const TileCache &) = delete;
 
-    /// Several images of one format and number of channels in one file. The TileCache must outlive this object.
+    /// Images of one format and channel count in one file. The TileCache must outlive this object.
     class Stored {
       public:
-        /// A tile of an image, kept in memory while this object lives.
         class Tile {
           public:
             Tile() = default;
@@ -33,7 +32,7 @@ class TileCache {
             bool Holds(size_t image, int x, int y) const {
                 return tile_ && image == image_ && x / kSize == x_ && y / kSize == y_;
             }
-            /// The first channel of a texel that this tile holds, in the image's format.
+            /// First channel of a texel in this tile, in the image's format.
             const void *Texel(int x, int y) const {
                 return data_ + static_cast<size_t>(y % kSize * kSize + x % kSize) * texelBytes_;
             }
@@ -47,7 +46,7 @@ class TileCache {
             size_t texelBytes_ = 0, image_ = 0;
             int x_ = 0, y_ = 0;  ///< in tiles
         };
-        /// Makes `tile` hold the texel (x, y), which must lie inside the image.
+        /// Loads the tile with texel (x, y), which must lie inside the image.
         void Get(size_t image, int x, int y, Tile &tile) const;
 
       private:
@@ -60,7 +59,6 @@ class TileCache {
     };
     /// Writes images to disk. Thread-safe. Throws UserError if the folder cannot be written.
     std::unique_ptr<const Stored> Store(const std::vector<Image> &images);
-    /// Bytes of the tiles that are in memory.
     size_t Bytes() const;
 
   private:

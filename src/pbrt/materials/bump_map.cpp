@@ -4,7 +4,7 @@ namespace pbrt {
 
 namespace {
 
-/// Step of the finite differences in u or v where the footprint is unknown.
+/// Finite difference step in u or v where the footprint is unknown.
 constexpr Float kDefaultStep = 5e-4f;
 
 Float Step(Float perPixelX, Float perPixelY) {
@@ -18,7 +18,7 @@ void BumpMap::Perturb(SurfacePoint &point) const {
     SurfacePoint::Shading &shading = point.shading;
     const TextureContext here(point);
     const Float height = height_->Evaluate(here);
-    // The moved surface p + height n has the tangents dp/du + (dheight/du) n + height dn/du, and likewise for v.
+    // Tangents of the displaced surface p + height n: dp/du + (dheight/du) n + height dn/du, likewise for v.
     auto tangent = [&](const Vector3 &dpds, const Normal3 &dnds, const Point2 &uvStep, Float step) {
         TextureContext beside = here;
         beside.p += dpds * step;

@@ -3,8 +3,8 @@
 
 namespace pbrt {
 
-/// Tilts the shading frame as if the surface were moved along its shading normal by a height (world units); the surface
-/// itself stays (Blinn 1978).
+/// Perturbs the shading frame as by a displacement along the shading normal (world units), without moving the surface
+/// (Blinn 1978).
 class BumpMap {
   public:
     explicit BumpMap(FloatTexturePtr height) : height_(std::move(height)) {}

@@ -3,7 +3,6 @@
 
 namespace pbrt {
 
-/// The dielectric layer on top of a coated material.
 struct CoatInput {
     RoughnessInput roughness;
     IndexInput eta;
@@ -17,7 +16,7 @@ struct CoatInput {
     }
     Float Asymmetry(const SurfacePoint &point) const { return std::clamp(g(point), Float(-1), Float(1)); }
 
-    /// What CoatedDiffuseBxdf can use instead of random walks; null if it has no table for the coat.
+    /// Table for CoatedDiffuseBxdf in place of random walks; null if it does not cover the coat.
     std::shared_ptr<const CoatTable> Table() const {
         const std::optional<Float> index = eta.Constant(), depth = thickness.Constant();
         if (!index || !depth || !albedo.IsBlack() || !roughness.IsIsotropic()) return nullptr;
@@ -43,7 +42,7 @@ class CoatedDiffuseMaterial final : public SurfaceMaterial {
   private:
     CoatInput coat_;
     SpectrumInput reflectance_;
-    std::shared_ptr<const CoatTable> table_;  ///< null: F is estimated by random walks
+    std::shared_ptr<const CoatTable> table_;  ///< null: random walks
 };
 
 class CoatedConductorMaterial final : public SurfaceMaterial {
@@ -51,7 +50,7 @@ class CoatedConductorMaterial final : public SurfaceMaterial {
     CoatedConductorMaterial(CoatInput coat, MetalInput metal, RoughnessInput roughness)
         : coat_(std::move(coat)), metal_(std::move(metal)), roughness_(std::move(roughness)) {}
     Bsdf GetBsdf(const SurfacePoint &point, SampledWavelengths &lambda) const override {
-        // The metal is seen from inside the coat: its index is relative to the coat's.
+        // Under the coat, the metal's index is relative to the coat's.
         MetalInput::Index index = metal_(point, lambda);
         Float coatEta = coat_.eta(lambda);
         ConductorBxdf base(roughness_(point), index.eta / coatEta, index.k / coatEta);

@@ -6,7 +6,7 @@
 
 namespace pbrt {
 
-/// The optical properties of a metal: its complex index, or a reflectance that is converted to one.
+/// Complex index of a metal, given directly or by reflectance.
 class MetalInput {
   public:
     struct Index {
@@ -15,7 +15,7 @@ class MetalInput {
     MetalInput(SpectrumInput eta, SpectrumInput k) : first_(std::move(eta)), k_(std::move(k)) {}
     explicit MetalInput(SpectrumInput reflectance) : first_(std::move(reflectance)) {}
 
-    /// For a reflectance r: eta 1 and the k whose Fresnel reflectance at normal incidence is r, r at most 0.9999.
+    /// For a reflectance r: eta 1 and the k whose normal-incidence Fresnel reflectance is r, clamped to 0.9999.
     Index operator()(const SurfacePoint &point, const SampledWavelengths &lambda) const {
         SampledSpectrum s = first_(point, lambda);
         if (k_) return {s, (*k_)(point, lambda)};

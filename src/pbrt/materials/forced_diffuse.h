@@ -3,8 +3,8 @@
 
 namespace pbrt {
 
-/// A diffuse stand-in whose reflectance is what `material` reflects and transmits (an estimate), for --force-diffuse.
-/// Interfaces and mixtures stay as they are: a mixture's operands are stand-ins themselves.
+/// Diffuse replacement with the estimated reflectance and transmittance of `material`, for --force-diffuse. Interfaces
+/// and mixtures are kept; a mixture's operands are replaced themselves.
 MaterialPtr ForceDiffuse(MaterialPtr material);
 
 }  // namespace pbrt

@@ -32,7 +32,7 @@ SampledSpectrum HairColor::operator()(const SurfacePoint &point, Float betaN, co
 }
 
 Bsdf HairMaterial::GetBsdf(const SurfacePoint &point, SampledWavelengths &lambda) const {
-    // Roughnesses below 0.01 are beyond single precision.
+    // Roughnesses below 0.01 exceed single precision.
     const Float betaM = std::clamp(betaM_(point), Float(0.01), Float(1));
     const Float betaN = std::clamp(betaN_(point), Float(0.01), Float(1));
     return MakeBsdf(

@@ -6,13 +6,13 @@
 
 namespace pbrt {
 
-/// How much a fibre absorbs per radius: given as absorption, by a reflectance or by pigments.
+/// Absorption of a fibre per radius, from absorption, reflectance or pigments.
 class HairColor {
   public:
     static HairColor Absorption(SpectrumInput sigmaA) { return HairColor(ByAbsorption{std::move(sigmaA)}); }
     /// `reflectance`: of a mass of hair.
     static HairColor Reflectance(SpectrumInput reflectance) { return HairColor(ByReflectance{std::move(reflectance)}); }
-    /// Concentrations of the pigments; negative ones count as 0.
+    /// Pigment concentrations; negative ones count as 0.
     static HairColor Pigments(FloatInput eumelanin, FloatInput pheomelanin);
 
     SampledSpectrum operator()(const SurfacePoint &point, Float betaN, const SampledWavelengths &lambda) const;
@@ -32,8 +32,7 @@ class HairColor {
     Way way_;
 };
 
-/// Hair, seen so close that rays meet a fibre at different offsets across its width; the offset is the surface
-/// parameter v.
+/// Hair in the near field; the offset across the fibre is the surface parameter v.
 class HairMaterial final : public SurfaceMaterial {
   public:
     HairMaterial(HairColor color, FloatInput eta, FloatInput betaM, FloatInput betaN, FloatInput alpha)

@@ -8,33 +8,28 @@
 
 namespace pbrt {
 
-/// Turns textures at a surface point into a BSDF.
 class Material {
   public:
     virtual ~Material() = default;
 
-    /// The BSDF at a point whose shading frame is final. May terminate secondary wavelengths (dispersion).
+    /// BSDF at a point whose shading frame is final. May terminate secondary wavelengths (dispersion).
     virtual Bsdf GetBsdf(const SurfacePoint &point, SampledWavelengths &lambda) const = 0;
 
-    /// Applies normal map or bump map to the shading frame.
     virtual void PerturbShading(SurfacePoint &) const {}
 
-    /// For mix: the material chosen at this point by a hash of p, wo and the two operands. All others return
-    /// themselves. nullptr means "interface": nothing scatters.
+    /// For mix: the material chosen by a hash of p, wo and the two operands. Others return themselves; nullptr means
+    /// interface.
     virtual const Material *Resolve(const SurfacePoint &) const { return this; }
 
-    /// True for materials that scatter light below their surface.
     virtual bool HasBssrdf() const { return false; }
-    /// Where light that crosses the surface at this point comes out again; empty if light is not scattered below the
-    /// surface.
+    /// BSSRDF at this point; empty without subsurface scattering.
     virtual std::optional<Bssrdf> GetBssrdf(const SurfacePoint &, const SampledWavelengths &) const { return {}; }
 
-    /// True for interface.
     virtual bool IsInterface() const { return false; }
-    /// True if Resolve returns this, PerturbShading does nothing and the material is no interface: GetBsdf is all.
+    /// True if GetBsdf suffices: Resolve returns this, PerturbShading does nothing, and the material is no interface.
     bool IsPlain() const { return isPlain_; }
 
-    /// True if a texture of the material, or of those that it mixes, uses the point's filter footprint.
+    /// True if a texture of the material or of its operands uses the filter footprint.
     bool NeedsFootprint() const { return needsFootprint_; }
     void SetNeedsFootprint(bool needs) { needsFootprint_ = needs; }
 

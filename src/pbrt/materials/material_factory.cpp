@@ -18,8 +18,7 @@ namespace pbrt {
 
 namespace {
 
-/// Makes the inputs of one material from texture parameters, and notes in the context whether they use filter
-/// footprints.
+/// Creates the inputs of one material and records in the context whether they use filter footprints.
 class Inputs {
   public:
     explicit Inputs(MaterialContext &context) : context_(context) {}
@@ -40,8 +39,8 @@ SpectrumTextureParam Unbounded(std::optional<Float> value = {}, const char *name
     return {{SpectrumUse::Unbounded, value, named}};
 }
 
-/// Throws if an index of refraction is invalid: a dielectric's must be positive, a metal's not negative, and none may
-/// be above kMaxIndex, whose square is finite. Tables may be 0, as they are beyond their ends, where stock takes 1.
+/// Throws on an invalid index of refraction: a dielectric's must be positive, a metal's >= 0, and none above kMaxIndex,
+/// whose square is finite. Tables may be 0, as beyond their ends, where stock uses 1.
 void CheckIndex(const ParamSet &set, const std::string &name, const Spectrum &eta, bool isMetal = false) {
     Float low = Infinity, high = -Infinity;
     for (Float nm = LambdaMin; nm <= LambdaMax; ++nm) {
@@ -97,7 +96,6 @@ struct RemapParams {
     }
 };
 
-/// The index of a metal: `reflectance`, or `eta` and `k` (whose names have the prefix).
 struct MetalParams {
     std::string prefix{};
     SpectrumTextureParam eta = Unbounded({}, "metal-Cu-eta"), k = Unbounded({}, "metal-Cu-k"), reflectance = Albedo();
@@ -123,7 +121,6 @@ struct MetalParams {
     }
 };
 
-/// The parameters that all surface materials except hair have in common.
 struct ReliefParams {
     std::string normalMap;
     FloatTextureParam displacement{};
@@ -261,8 +258,7 @@ struct HairParams {
     }
 };
 
-/// The colour can be given by sigma_a, by a reflectance or by pigments: the first one given counts, the others cause a
-/// warning.
+/// Colour by sigma_a, reflectance or pigments: the first given applies, the others cause a warning.
 HairColor MakeHairColor(const HairParams &p, const ParamSet &set, MaterialContext &context) {
     Inputs in(context);
     const SpectrumTextureParam &reflectance = p.reflectance ? p.reflectance : p.color;
@@ -330,7 +326,7 @@ const ScatteringPreset &FindPreset(const ParamSet &set, const std::string &name)
     throw set.Error("name", fmt::format("there is no medium \"{}\"; {}.", Abbreviate(name), ListChoices(name, names)));
 }
 
-/// The medium given by name, by coefficients or by reflectance; else stock's default.
+/// Medium by name, coefficients or reflectance; else stock's default.
 SubsurfaceMatter MakeSubsurfaceMatter(const SubsurfaceParams &p, const ParamSet &set, MaterialContext &context) {
     Inputs in(context);
     if (!p.name.empty()) {
@@ -404,7 +400,7 @@ MaterialPtr MakeMix(const MixParams &p, const ParamSet &set, MaterialContext &co
     return mix;
 }
 
-/// Adds a surface material to the table: `make` makes it, and its normal or bump map is set here.
+/// Adds a surface material: `make` creates it, then its normal or bump map is set.
 template <class P, class F>
 void AddSurface(MaterialTable &table, const char *name, const char *summary, F make) {
     table.Add<P>(name, summary, [make](const P &p, const ParamSet &set, MaterialContext &context) {

@@ -8,19 +8,18 @@
 
 namespace pbrt {
 
-/// What materials are made from beside their parameters.
 struct MaterialContext {
     TextureLibrary &textures;
     const FileResolver &files;
     DiagnosticSink &sink;
     std::function<MaterialPtr(const std::string &)> named;  ///< operands of mix; throws or returns nullptr if unknown
-    bool usesFootprint = false;  ///< set while a material is made: one of its textures uses the filter footprint
+    bool usesFootprint = false;  ///< set during creation if one of the material's textures uses the filter footprint
 };
 
 using MaterialTable = FactoryTable<MaterialPtr, MaterialContext>;
 const MaterialTable &Materials();
 
-/// Makes a material of the table; the deprecated names "" and "none" stand for "interface".
+/// Creates a material of the table; the deprecated names "" and "none" mean "interface".
 MaterialPtr MakeMaterial(const std::string &type, const ParamSet &params, MaterialContext &context);
 
 }  // namespace pbrt

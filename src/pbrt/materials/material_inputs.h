@@ -7,7 +7,6 @@
 
 namespace pbrt {
 
-/// A float parameter of a material: a number, or a texture to look up.
 class FloatInput {
   public:
     explicit FloatInput(FloatTexturePtr texture) : texture_(std::move(texture)) {
@@ -21,9 +20,8 @@ class FloatInput {
         return texture_ ? texture_->Evaluate(TextureContext(point)) : value_;
     }
     bool IsConstant() const { return !texture_; }
-    /// The value if it is the same everywhere.
     std::optional<Float> Constant() const { return texture_ ? std::optional<Float>() : value_; }
-    /// True if both have the same value at every point, as far as that can be known.
+    /// Conservative test that both are equal everywhere.
     bool SameAs(const FloatInput &o) const { return texture_ == o.texture_ && (texture_ || value_ == o.value_); }
 
   private:
@@ -31,15 +29,14 @@ class FloatInput {
     Float value_ = 0;
 };
 
-/// A spectrum parameter of a material. Spectra that are the same everywhere are sampled without a look-up, uplifted
-/// reflectances without a virtual call.
+/// Spectrum parameter of a material. Constant spectra are sampled without texture evaluation, uplifted reflectances
+/// without a virtual call.
 class SpectrumInput {
   public:
     explicit SpectrumInput(SpectrumTexturePtr texture)
         : texture_(std::move(texture)), constant_(texture_->Constant()),
           albedo_(dynamic_cast<const RgbAlbedoSpectrum *>(constant_)),
           isBlack_(constant_ && constant_->MaxValue() == 0) {}
-    /// True if it is 0 everywhere.
     bool IsBlack() const { return isBlack_; }
     SampledSpectrum operator()(const SurfacePoint &point, const SampledWavelengths &lambda) const {
         if (albedo_) return albedo_->Sample(lambda);
@@ -54,10 +51,8 @@ class SpectrumInput {
     bool isBlack_;
 };
 
-/// A microfacet distribution from the roughness in both directions.
 class RoughnessInput {
   public:
-    /// `remap`: the roughnesses are to be converted to the distribution's alpha.
     RoughnessInput(FloatInput u, FloatInput v, bool remap)
         : u_(std::move(u)), v_(std::move(v)), remap_(remap), sameInBoth_(u_.SameAs(v_)) {
         if (u_.IsConstant() && v_.IsConstant()) constant_ = Distribution(u_({}), v_({}));
@@ -67,9 +62,8 @@ class RoughnessInput {
         const Float u = u_(point);
         return Distribution(u, sameInBoth_ ? u : v_(point));
     }
-    /// True if the roughness is known to be the same in both directions.
+    /// True if the roughness is certainly equal in both directions.
     bool IsIsotropic() const { return sameInBoth_; }
-    /// Where it is the same everywhere: the distribution.
     std::optional<TrowbridgeReitz> Constant() const {
         if (u_.IsConstant() && v_.IsConstant()) return constant_;
         return {};
@@ -85,8 +79,7 @@ class RoughnessInput {
     TrowbridgeReitz constant_;
 };
 
-/// Index of refraction of a dielectric. If the index depends on the wavelength, only the first wavelength of the path
-/// goes on.
+/// Index of refraction of a dielectric. If it depends on wavelength, secondary wavelengths are terminated.
 class IndexInput {
   public:
     explicit IndexInput(SpectrumPtr eta)
@@ -99,7 +92,6 @@ class IndexInput {
         }
         return eta == 0 ? 1 : eta;  // beyond the ends of the table
     }
-    /// The index if it is the same at all wavelengths.
     std::optional<Float> Constant() const {
         if (!isConstant_) return {};
         return value_ == 0 ? 1 : value_;

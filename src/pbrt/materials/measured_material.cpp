@@ -23,7 +23,7 @@ class Reader {
             if (!(values[i] > values[i - 1])) Fail(name, "must increase");
         return values;
     }
-    /// The first dimensions must be `slices`; the last two are rows and columns.
+    /// The leading dimensions must be `slices`; the last two are rows and columns.
     GridSlices Grid(const std::string &name, const Shape &slices) const {
         const TensorFile::Field &field = file_.Get(name, slices.size() + 2);
         if (!std::equal(slices.begin(), slices.end(), field.shape.begin()))

@@ -11,7 +11,7 @@ namespace pbrt {
 class NormalMap {
   public:
     explicit NormalMap(std::shared_ptr<const Image> image) : image_(std::move(image)) {}
-    /// Turns the shading frame to the mapped normal. dpdu and dpdv stay orthogonal to it and keep their lengths.
+    /// Rotates the shading frame to the mapped normal. dpdu and dpdv stay orthogonal to it and keep their lengths.
     void Perturb(SurfacePoint &point) const;
 
   private:

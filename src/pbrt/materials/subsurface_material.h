@@ -6,13 +6,13 @@
 
 namespace pbrt {
 
-/// The scattering medium below a surface: given by coefficients or by a reflectance.
+/// Medium below a surface, from coefficients or a reflectance.
 class SubsurfaceMatter {
   public:
     static SubsurfaceMatter Coefficients(SpectrumInput sigmaA, SpectrumInput sigmaS) {
         return SubsurfaceMatter(ByCoefficients{std::move(sigmaA), std::move(sigmaS)});
     }
-    /// The reflectance of an evenly lit half space of the medium, and its mean free path.
+    /// Reflectance of a uniformly lit half space of the medium, and its mean free path.
     static SubsurfaceMatter Reflectance(SpectrumInput reflectance, SpectrumInput meanFreePath) {
         return SubsurfaceMatter(ByReflectance{std::move(reflectance), std::move(meanFreePath)});
     }
@@ -36,7 +36,6 @@ class SubsurfaceMatter {
     Way way_;
 };
 
-/// A dielectric boundary; light that crosses it is scattered below and comes out somewhere near.
 class SubsurfaceMaterial final : public SurfaceMaterial {
   public:
     SubsurfaceMaterial(SubsurfaceMatter matter, Float scale, RoughnessInput roughness,

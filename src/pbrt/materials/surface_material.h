@@ -7,8 +7,7 @@
 
 namespace pbrt {
 
-/// A material that scatters: all but mix and interface. It may have a normal map or a bump map; if it has both, only
-/// the normal map is used.
+/// Base of all materials except mix and interface. May have a normal or bump map; of both, the normal map is used.
 class SurfaceMaterial : public Material {
   public:
     SurfaceMaterial() { SetPlain(true); }

@@ -15,7 +15,6 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-/// Reads numbers one after the other; throws when the bytes end.
 class Bytes {
   public:
     Bytes(const std::string &data, const std::string &path) : data_(data), path_(path) {}
@@ -26,7 +25,7 @@ class Bytes {
         return value;
     }
     std::string Text(size_t length) { return {Take(length), length}; }
-    /// `count` floats at `offset`; the reading position stays.
+    /// `count` floats at `offset`, without moving the position.
     std::vector<Float> FloatsAt(uint64_t offset, uint64_t count) const {
         if (offset > data_.size() || count > (data_.size() - offset) / sizeof(float)) Fail("is cut off");
         std::vector<Float> values(count);

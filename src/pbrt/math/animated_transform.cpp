@@ -13,7 +13,7 @@ double LargestElement(const glm::dmat3 &m) {
     return largest;
 }
 
-/// The orthogonal factor of the polar decomposition, by Newton's iteration (Higham 1986). m is not singular.
+/// Orthogonal factor of the polar decomposition of a non-singular matrix, by Newton's iteration (Higham 1986).
 glm::dmat3 OrthogonalFactor(glm::dmat3 m) {
     constexpr int kMaxSteps = 100;
     for (int i = 0; i < kMaxSteps; ++i) {
@@ -49,7 +49,7 @@ bool AnimatedTransform::CanInterpolate(const Transform &start, const Transform &
 AnimatedTransform::Decomposition AnimatedTransform::Decompose(const glm::dmat4 &m) {
     const glm::dmat3 linear(m);
     glm::dmat3 rotation = OrthogonalFactor(linear);
-    if (glm::determinant(rotation) < 0) rotation = -rotation;  // mirroring goes to the scale
+    if (glm::determinant(rotation) < 0) rotation = -rotation;  // mirroring belongs to the scale
     return {glm::dvec3(m[3]), glm::normalize(glm::quat_cast(rotation)), glm::transpose(rotation) * linear};
 }
 

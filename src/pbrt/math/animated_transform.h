@@ -6,21 +6,20 @@
 
 namespace pbrt {
 
-/// The product in double precision, rounded once.
+/// Matrix product in double precision, rounded once.
 Transform Product(std::initializer_list<Transform> factors);
 
-/// A transform that moves from one matrix to another. Both are decomposed into translation, rotation and scale (a
-/// symmetric matrix); translation and scale are interpolated linearly, the rotation along the shortest great arc.
-/// Before `startTime` and after `endTime` the transform is constant.
+/// Transform interpolated between two matrices, constant outside [startTime, endTime]. Decomposes into translation,
+/// rotation and scale (a symmetric matrix); translation and scale are linear, the rotation follows the shortest great
+/// arc.
 class AnimatedTransform {
   public:
     AnimatedTransform() = default;
-    /// A transform that does not move.
     AnimatedTransform(const Transform &still) : start_(still), end_(still) {}
-    /// Both affine; if they differ, CanInterpolate(start, end).
+    /// Both affine; if they differ, CanInterpolate(start, end) must hold.
     AnimatedTransform(const Transform &start, Float startTime, const Transform &end, Float endTime);
 
-    /// False if one of the two transforms is singular or only one of them mirrors.
+    /// False if a transform is singular or only one of them mirrors.
     static bool CanInterpolate(const Transform &start, const Transform &end);
 
     bool IsAnimated() const { return isAnimated_; }
@@ -28,7 +27,7 @@ class AnimatedTransform {
     Float StartTime() const { return startTime_; }
     Float EndTime() const { return endTime_; }
     Transform At(Float time) const;
-    /// True if the rotation is constant and the scales are along the coordinate axes, or if nothing moves.
+    /// True if the transform is constant, or if the rotation is constant and the scales are along the coordinate axes.
     bool KeepsAxes() const;
 
   private:

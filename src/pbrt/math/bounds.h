@@ -28,7 +28,7 @@ struct Bounds3 {
         return p.x >= low.x && p.y >= low.y && p.z >= low.z && p.x <= high.x && p.y <= high.y && p.z <= high.z;
     }
     Point3 Corner(int i) const { return {i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z}; }
-    /// Centre and radius of the sphere through the corners; radius 0 if empty.
+    /// Sphere through the corners; radius 0 if empty.
     void BoundingSphere(Point3 *center, Float *radius) const {
         *center = Center();
         *radius = IsEmpty() ? 0 : Distance(*center, high);
@@ -61,14 +61,13 @@ inline Bounds2i Intersect(const Bounds2i &a, const Bounds2i &b) {
     return {glm::max(a.low, b.low), glm::min(a.high, b.high)};
 }
 
-/// Rectangle with real coordinates.
 struct Bounds2 {
     Point2 low{0, 0}, high{0, 0};
     Float Area() const { return (high.x - low.x) * (high.y - low.y); }
     Point2 Lerp(const Point2 &t) const { return low + (high - low) * t; }
 };
 
-/// All directions within an angle of an axis; empty if cosTheta is above 1.
+/// Directions within an angle of an axis; empty if cosTheta > 1.
 struct DirectionCone {
     Vector3 w{0, 0, 1};
     Float cosTheta = Infinity;
@@ -76,9 +75,9 @@ struct DirectionCone {
     bool IsEmpty() const { return cosTheta == Infinity; }
 };
 
-/// The smallest cone that holds both (Conty and Kulla 2018, section 4.1). In the plane of the two axes, with angles
-/// counted from a's axis towards b's, the cones are the arcs [-alpha, alpha] and [apart - beta, apart + beta]. Unless
-/// one holds the other, both fit exactly into the arc [-alpha, apart + beta].
+/// Smallest cone that contains both (Conty and Kulla 2018, section 4.1). In the plane of the axes, with angles from a's
+/// axis towards b's, the cones are the arcs [-alpha, alpha] and [apart - beta, apart + beta]. Unless one contains the
+/// other, their union spans the arc [-alpha, apart + beta].
 inline DirectionCone Union(const DirectionCone &a, const DirectionCone &b) {
     if (a.IsEmpty() || b.IsEmpty()) return a.IsEmpty() ? b : a;
     const Float alpha = SafeACos(a.cosTheta), beta = SafeACos(b.cosTheta), apart = AngleBetween(a.w, b.w);
@@ -87,9 +86,9 @@ inline DirectionCone Union(const DirectionCone &a, const DirectionCone &b) {
     if (holds(beta, alpha)) return b;
     const Float halfArc = (alpha + apart + beta) / 2, middle = halfArc - alpha;
     const Vector3 across = Cross(a.w, b.w);
-    const bool hasPlane = LengthSquared(across) > 0;  // opposite axes have none
+    const bool hasPlane = LengthSquared(across) > 0;  // not for opposite axes
     if (!hasPlane || halfArc >= Pi) return DirectionCone::EntireSphere();
-    const Vector3 &x = a.w, y = Cross(Normalize(across), a.w);  // unit vectors of the plane
+    const Vector3 &x = a.w, y = Cross(Normalize(across), a.w);
     return {Normalize(x * std::cos(middle) + y * std::sin(middle)), std::cos(halfArc)};
 }
 

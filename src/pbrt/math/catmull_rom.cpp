@@ -14,7 +14,6 @@ std::optional<SplineWeights> CatmullRomWeights(std::span<const Float> nodes, Flo
     auto weight = [&](int k) -> Float & { return weights.w[k - weights.first]; };
     weight(i) += 2 * t3 - 3 * t2 + 1;
     weight(i + 1) += 3 * t2 - 2 * t3;
-    // The slopes are differences of the values at the ends of a chord.
     auto addSlope = [&](Float basis, int from, int to) {
         const Float w = basis * width / (node(to) - node(from));
         weight(to) += w;

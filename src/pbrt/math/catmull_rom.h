@@ -7,10 +7,10 @@
 
 namespace pbrt {
 
-// Splines through (node, value) pairs: cubic Hermite pieces whose slope at a node is that of the chord between its
-// neighbours, and at the two ends that of the outermost chord. Nodes increase strictly; there are at least four.
+// Cubic Hermite splines through (node, value) pairs. The slope at a node is that of the chord between its neighbours;
+// at the ends, of the outermost chord. At least four strictly increasing nodes.
 
-/// The spline's value at x is the sum of w[k] * value[first + k].
+/// Spline value at x: sum of w[k] * value[first + k].
 struct SplineWeights {
     int first = 0;
     std::array<Float, 4> w{};
@@ -18,7 +18,7 @@ struct SplineWeights {
 /// Empty if x is outside the nodes.
 std::optional<SplineWeights> CatmullRomWeights(std::span<const Float> nodes, Float x);
 
-/// One piece as a polynomial in t in [0, 1]; slopes by t.
+/// One segment as a polynomial in t in [0, 1]; slopes are by t.
 struct SplinePiece {
     Float x = 0, width = 0;
     Float c0 = 0, c1 = 0, c2 = 0, c3 = 0;
@@ -28,11 +28,10 @@ struct SplinePiece {
           c3(2 * (f0 - f1) + slope0 + slope1) {}
     Float Value(Float t) const { return c0 + t * (c1 + t * (c2 + t * c3)); }
     Float Slope(Float t) const { return c1 + t * (2 * c2 + t * 3 * c3); }
-    /// From 0 to t, with respect to x.
     Float Integral(Float t) const { return width * t * (c0 + t * (c1 / 2 + t * (c2 / 3 + t * (c3 / 4)))); }
 };
 
-/// The piece between nodes i and i + 1 of the spline through value(k).
+/// Segment between nodes i and i + 1 of the spline through value(k).
 template <class Value>
 SplinePiece CatmullRomPiece(std::span<const Float> nodes, int i, Value value) {
     auto node = [&](int k) { return nodes[k]; };
@@ -43,8 +42,8 @@ SplinePiece CatmullRomPiece(std::span<const Float> nodes, int i, Value value) {
     return SplinePiece(node(i), width, f0, f1, slope0, slope1);
 }
 
-/// t in [0, 1] where f(t) = y, for f that grows from f(0) <= y to f(1) >= y: Newton's steps, halving where they leave
-/// the bracket.
+/// Solves f(t) = y for t in [0, 1], f increasing from f(0) <= y to f(1) >= y: Newton steps, with bisection where they
+/// leave the bracket.
 template <class F, class Slope>
 Float SolveIncreasing(F f, Slope slope, Float y, Float tolerance) {
     Float low = 0, high = 1, t = Float(0.5);
@@ -58,7 +57,7 @@ Float SolveIncreasing(F f, Slope slope, Float y, Float tolerance) {
     return t;
 }
 
-/// Largest i in [0, count - 2] with at(i) <= y; 0 if there is none. `at` must not decrease.
+/// Largest i in [0, count - 2] with at(i) <= y, else 0. `at` must not decrease.
 template <class At>
 int FindPiece(int count, At at, Float y) {
     int low = 0, high = count - 1;
@@ -69,13 +68,13 @@ int FindPiece(int count, At at, Float y) {
     return low;
 }
 
-/// Writes the running integral of the spline at the nodes to `cdf`; returns the integral over all nodes.
+/// Writes the running integral at the nodes to `cdf`; returns the total integral.
 Float IntegrateCatmullRom(std::span<const Float> nodes, std::span<const Float> values, std::span<Float> cdf);
 
-/// x where the spline has the value y; values must not decrease. The nearest end if y is outside their range.
+/// Inverts a spline with non-decreasing values at y. Returns the nearest end if y is out of range.
 Float InvertCatmullRom(std::span<const Float> nodes, std::span<const Float> values, Float y);
 
-/// Samples x with a density proportional to the spline through value(k) >= 0, whose running integral is cdf(k).
+/// Samples x proportionally to the spline through value(k) >= 0 with running integral cdf(k).
 template <class Value, class Cdf>
 Float SampleCatmullRom(std::span<const Float> nodes, Value value, Cdf cdf, Float u) {
     const int n = static_cast<int>(nodes.size());

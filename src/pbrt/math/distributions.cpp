@@ -31,8 +31,8 @@ PiecewiseConstant1D::PiecewiseConstant1D(std::span<const Float> f, Float low, Fl
 }
 
 PiecewiseConstant1D::Sampled PiecewiseConstant1D::Sample(Float u) const {
-    // Last piece whose lower end is <= u; pieces of zero width can never be chosen. No branches: u is random, so half
-    // of them would be mispredicted.
+    // Last piece whose lower end is <= u; pieces of zero width are never chosen. Branchless: random u mispredicts every
+    // second branch.
     const size_t cuts = cuts_.size() - 1;
     const size_t cut = std::min(static_cast<size_t>(u * static_cast<Float>(cuts)), cuts - 1);
     size_t i = cuts_[cut];
@@ -107,8 +107,7 @@ AliasTable::AliasTable(std::span<const Float> weights) : bins_(weights.size()) {
             under.push_back(static_cast<int>(o));
         }
     }
-    // Entries that are left over because of rounding own their whole column, except those of weight 0: their columns
-    // belong to the heaviest entry.
+    // Entries left over by rounding own their whole column; those of weight 0 pass it to the heaviest entry.
     auto byWeight = [](const Bin &a, const Bin &b) { return a.p < b.p; };
     auto heaviest = static_cast<int>(std::max_element(bins_.begin(), bins_.end(), byWeight) - bins_.begin());
     for (const std::vector<int> *rest : {&under, &over})

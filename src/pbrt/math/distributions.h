@@ -7,7 +7,7 @@
 
 namespace pbrt {
 
-/// Density on [low, high) that is constant on n equal pieces, proportional to |f|. If all values are 0 it is uniform.
+/// Density on [low, high), constant on n equal pieces, proportional to |f|; uniform if f is 0.
 class PiecewiseConstant1D {
   public:
     PiecewiseConstant1D() = default;
@@ -16,7 +16,7 @@ class PiecewiseConstant1D {
     struct Sampled {
         Float x;    ///< in [low, high)
         Float pdf;  ///< with respect to x
-        int index;  ///< of the piece that x lies in
+        int index;  ///< piece that contains x
     };
     Sampled Sample(Float u) const;
     Float Pdf(Float x) const;                     ///< 0 outside
@@ -29,13 +29,13 @@ class PiecewiseConstant1D {
 
   private:
     std::vector<Float> f_, cdf_;
-    /// cuts_[k] is the piece in which k / n lies, where n = cuts_.size() - 1: the piece of a number u lies between two
-    /// neighbours of this table. n is a power of two, so that u n is exact.
+    /// Lookup table: cuts_[k] is the piece that contains k / n, n = cuts_.size() - 1, so the piece of u lies between
+    /// neighbouring entries. n is a power of two, so that u n is exact.
     std::vector<uint32_t> cuts_;
-    Float low_ = 0, high_ = 1, last_ = OneMinusEpsilon, integral_ = 0;  ///< last_: the largest number below high_
+    Float low_ = 0, high_ = 1, last_ = OneMinusEpsilon, integral_ = 0;  ///< last_: largest number below high_
 };
 
-/// Density on a rectangle that is constant on nx * ny cells (row-major, x fastest), proportional to |f|.
+/// Density on a rectangle, constant on nx * ny cells (row-major, x fastest), proportional to |f|.
 class PiecewiseConstant2D {
   public:
     PiecewiseConstant2D() = default;
@@ -51,8 +51,7 @@ class PiecewiseConstant2D {
     PiecewiseConstant1D marginal_;
 };
 
-/// Discrete distribution with O(1) sampling (Walker/Vose). The weights must be >= 0; if all are 0, the distribution is
-/// uniform.
+/// Discrete distribution with O(1) sampling (Walker/Vose). Weights must be >= 0; uniform if all are 0.
 class AliasTable {
   public:
     AliasTable() = default;
@@ -61,7 +60,7 @@ class AliasTable {
     struct Sampled {
         int index;
         Float pmf;
-        Float uRemapped;  ///< u stretched over the chosen entry, uniform again
+        Float uRemapped;  ///< u rescaled within the chosen entry, uniform in [0, 1)
     };
     Sampled Sample(Float u) const;
     Float PMF(int i) const { return bins_[i].p; }
@@ -70,8 +69,8 @@ class AliasTable {
 
   private:
     struct Bin {
-        Float q = 0;  ///< fraction of the column that belongs to the entry itself
-        Float p = 0;  ///< probability of the entry
+        Float q = 0;  ///< fraction of the column owned by the entry
+        Float p = 0;  ///< probability
         int alias = -1;
     };
     std::vector<Bin> bins_;

@@ -8,14 +8,14 @@
 
 namespace pbrt {
 
-// Exponential functions for hot code: inline and without branches, so that four wavelengths are treated at once.
-// Coefficients are those of interpolation at Chebyshev's nodes; the bounds of the errors are checked by tests.
+// Branchless inline exponentials that vectorise over four wavelengths. Polynomials interpolate at Chebyshev nodes;
+// tests check the error bounds.
 
-/// exp(-x) for x >= 0, which may be infinite. The relative error is at most 2e-7; 0 where the value is below 2^-125.
+/// exp(-x) for x >= 0, which may be infinite. Relative error at most 2e-7; 0 where the value is below 2^-125.
 inline Float ExpOfMinus(Float x) {
     constexpr Float kMax = 86.6f, kLog2e = 1.44269504f, kLn2High = 0.693359375f, kLn2Low = -2.12194440e-4f;
     const Float limited = std::min(x, kMax);
-    // 2^-n exp(r), |r| <= ln 2 / 2; adding 3 * 2^22 rounds to an integer, which is then in the low bits.
+    // 2^-n exp(r), |r| <= ln 2 / 2. Adding 3 * 2^22 rounds to an integer in the low bits.
     constexpr Float kRound = 12582912;
     const Float shifted = limited * kLog2e + kRound, n = shifted - kRound;
     const Float r = (n * kLn2High - limited) + n * kLn2Low;
@@ -26,8 +26,8 @@ inline Float ExpOfMinus(Float x) {
     return x > kMax ? 0 : p * scale;
 }
 
-/// -log(1 - u) for a random number u, 0 or 2^-32 to 1: the optical depth on which the part u of what was sent out is
-/// absorbed or scattered. The relative error is at most 5e-7; much smaller numbers need log1p, which is slower.
+/// -log(1 - u) for u = 0 or in [2^-32, 1]: optical depth sampled from u. Relative error at most 5e-7; smaller u would
+/// need log1p, which is slower.
 inline Float DepthThatTakes(Float u) { return static_cast<Float>(-std::log(1.0 - static_cast<double>(u))); }
 
 }  // namespace pbrt

@@ -3,7 +3,7 @@
 
 namespace pbrt {
 
-/// Orthonormal basis; local coordinates have z along the normal.
+/// Orthonormal basis; local z is the normal.
 struct Frame {
     Vector3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
 
@@ -13,7 +13,7 @@ struct Frame {
         CoordinateSystem(z, &f.x, &f.y);
         return f;
     }
-    /// z, a unit vector, is kept exactly; x may have any length and is made orthogonal to z.
+    /// Keeps the unit vector z exactly; x may have any length and is orthogonalised.
     static Frame FromXZ(const Vector3 &x, const Vector3 &z) {
         Vector3 xo = x - z * Dot(x, z);
         if (!(LengthSquared(xo) > 1e-20f * LengthSquared(x))) return FromZ(z);
@@ -24,7 +24,6 @@ struct Frame {
     Vector3 FromLocal(const Vector3 &v) const { return x * v.x + y * v.y + z * v.z; }
 };
 
-// Trigonometry of a unit direction in a local frame (z up).
 inline Float CosTheta(const Vector3 &w) { return w.z; }
 inline Float Cos2Theta(const Vector3 &w) { return w.z * w.z; }
 inline Float AbsCosTheta(const Vector3 &w) { return std::abs(w.z); }

@@ -6,8 +6,8 @@
 
 namespace pbrt {
 
-// Integers that are worked on at once, in vector registers where there are any, by the vector extensions of GCC and
-// Clang. Operators work on each lane separately, so the numbers are the same on every machine.
+// SIMD integers and floats by the vector extensions of GCC and Clang. Lanes are independent, so results are the same on
+// every machine.
 
 using Lanes64 = uint64_t __attribute__((vector_size(64)));    ///< 8 lanes
 using Lanes32 = uint32_t __attribute__((vector_size(64)));    ///< 16 lanes
@@ -30,7 +30,6 @@ inline void StoreLanes(const Lanes &v, T *to) {
     std::memcpy(to, &v, sizeof(v));
 }
 
-/// first, first + 1, ...
 inline Lanes64 CountingLanes(uint64_t first) { return Lanes64{0, 1, 2, 3, 4, 5, 6, 7} + first; }
 
 inline Lanes32 ReverseBits(Lanes32 v) {
@@ -41,13 +40,12 @@ inline Lanes32 ReverseBits(Lanes32 v) {
     return (v << 16) | (v >> 16);
 }
 
-/// v * 2^-32, below 1, as SobolToFloat.
+/// v * 2^-32, below 1; same as SobolToFloat.
 inline FloatLanes FractionsToFloat(Lanes32 v) {
     const FloatLanes f = __builtin_convertvector(v, FloatLanes) * 0x1p-32f;
     return f < OneMinusEpsilon ? f : FloatLanes{} + OneMinusEpsilon;
 }
 
-/// The low halves of 16 numbers in two vectors.
 inline Lanes32 LowHalves(const Lanes64 &a, const Lanes64 &b) {
     return __builtin_shufflevector(reinterpret_cast<Lanes32>(a), reinterpret_cast<Lanes32>(b), 0, 2, 4, 6, 8, 10, 12,
                                    14, 16, 18, 20, 22, 24, 26, 28, 30);

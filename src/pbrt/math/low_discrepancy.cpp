@@ -18,7 +18,7 @@ constexpr std::array<uint16_t, PrimeCount> FirstPrimes() {
     return primes;
 }
 
-/// Number of digits in `base` that determine a value to within 2^-32.
+/// Number of digits in `base` that determine a value within 2^-32.
 int DigitsOf(uint32_t base) {
     int digits = 0;
     for (double power = 1; power < 0x1p32; power *= double(base)) ++digits;
@@ -75,7 +75,7 @@ Float PermutedRadicalInverse(uint32_t base, uint64_t a, uint64_t seed) {
 Float OwenScrambledRadicalInverse(uint32_t base, uint64_t a, uint64_t seed) {
     double scale = 1 / double(base), weight = scale, value = 0;
     int digits = DigitsOf(base);
-    uint64_t node = seed;  // identifies the digits so far
+    uint64_t node = seed;  // hash of the preceding digits
     for (int k = 0; k < digits; ++k) {
         auto digit = static_cast<uint32_t>(a % base);
         value += double(PermutationElement(digit, base, node)) * weight;
@@ -151,12 +151,12 @@ void DigitPermutations::RadicalInverses(int firstDimension, uint64_t a, Float va
     };
     const DoubleLanes base = row(rows_.base, 0), inverse = row(rows_.inverseBase, 0);
     const DoubleLanes multiplier = row(rows_.multiplier, 0);
-    // The quotient of an integer below 2^50, rounded down. Half is added to the number, so that rounding in the product
-    // cannot reach an integer; at the size of kRound a sum is rounded to the nearest integer.
+    // floor(a / base) for integers below 2^50. Adding one half keeps product rounding from reaching an integer; sums at
+    // the size of kRound round to integers.
     constexpr double kRound = 0x1.8p52;
     const DoubleLanes half = 0.5 * inverse - 0.5;
     auto quotient = [&](const DoubleLanes &v) { return ((v * inverse + half) + kRound) - kRound; };
-    // How many digits there are at most follows from the smallest base.
+    // The smallest base has the most digits.
     size_t digits = 0;
     for (uint64_t rest = a; rest; rest /= bases_[d].base) ++digits;
     digits = std::min(digits, static_cast<size_t>(bases_[d].digits));
@@ -169,7 +169,7 @@ void DigitPermutations::RadicalInverses(int firstDimension, uint64_t a, Float va
         const DoubleLanes product = multiplier * digit + row(rows_.shifts, k);
         const DoubleLanes permuted = product - quotient(product) * base;
         value += isDigit ? permuted * weight : DoubleLanes{};
-        count -= reinterpret_cast<Lanes64>(isDigit);  // all bits are set where it is true
+        count -= reinterpret_cast<Lanes64>(isDigit);  // true is all bits set
         weight *= inverse;
         left = next;
     }

@@ -10,8 +10,6 @@
 
 namespace pbrt {
 
-// ---- Bits
-
 constexpr uint32_t ReverseBits32(uint32_t v) {
     v = ((v & 0x55555555u) << 1) | ((v >> 1) & 0x55555555u);
     v = ((v & 0x33333333u) << 2) | ((v >> 2) & 0x33333333u);
@@ -19,7 +17,7 @@ constexpr uint32_t ReverseBits32(uint32_t v) {
     return __builtin_bswap32(v);
 }
 
-/// Interleaves the bits of x (even places) and y (odd places).
+/// Interleaves the bits of x (even) and y (odd).
 constexpr uint64_t EncodeMorton2(uint32_t x, uint32_t y) {
     auto spread = [](uint32_t v) {
         uint64_t s = v;
@@ -33,12 +31,9 @@ constexpr uint64_t EncodeMorton2(uint32_t x, uint32_t y) {
     return spread(x) | (spread(y) << 1);
 }
 
-// ---- Permutations
-
-/// Element i of the permutation of [0, n) that `seed` selects, computed without a table: rounds of keyed bijections of
-/// [0, m), where m is the smallest power of two that is at least n, repeated until the result is below n (the idea of
-/// Kensler 2013). There are five rounds, because with four, pairs of elements of small n visibly prefer some places
-/// (see the test).
+/// Element i of the permutation of [0, n) selected by `seed`, without tables: cycle-walking with keyed bijections of
+/// [0, m), m the next power of two (after Kensler 2013). Five rounds, because four leave correlations between elements
+/// for small n (see the test).
 inline uint32_t PermutationElement(uint32_t i, uint32_t n, uint64_t seed) {
     uint32_t mask = std::bit_ceil(n) - 1;
     int bits = std::bit_width(mask), wide = (bits + 1) / 2, narrow = std::max(1, wide - 1);
@@ -56,7 +51,6 @@ inline uint32_t PermutationElement(uint32_t i, uint32_t n, uint64_t seed) {
     return i;
 }
 
-/// PermutationElement(i, n, seed) for every lane of `seed`.
 inline Lanes64 PermutationElement(uint32_t i, uint32_t n, const Lanes64 &seed) {
     const uint32_t mask = std::bit_ceil(n) - 1;
     const int bits = std::bit_width(mask), wide = (bits + 1) / 2, narrow = std::max(1, wide - 1);
@@ -73,7 +67,7 @@ inline Lanes64 PermutationElement(uint32_t i, uint32_t n, const Lanes64 &seed) {
         next = (next + (add >> 40)) & mask;
         element = (next & pending) | (element & ~pending);
         if (mask == n - 1) return element;
-        // The difference is negative in the lanes that are done.
+        // negative in finished lanes
         pending = ((element - n) >> 63) - 1;
         uint64_t any = 0;
         for (int lane = 0; lane < Lanes64Count; ++lane) any |= pending[lane];
@@ -81,7 +75,7 @@ inline Lanes64 PermutationElement(uint32_t i, uint32_t n, const Lanes64 &seed) {
     }
 }
 
-/// For each of the four elements of a quad the places that it has in all 24 orders, two bits for each order.
+/// For each element of a quad, its positions in all 24 orders, two bits per order.
 constexpr std::array<uint64_t, 4> AllPlacesInQuads() {
     std::array<uint64_t, 4> places{};
     int n = 0;
@@ -97,53 +91,50 @@ constexpr std::array<uint64_t, 4> AllPlacesInQuads() {
 }
 inline constexpr std::array<uint64_t, 4> PlacesInQuads = AllPlacesInQuads();
 
-/// Where an element (0 ... 3) is in the order of four that a hash below 2^32 picks in each lane.
+/// Position of an element (0 ... 3) in the order of four selected by a hash below 2^32, per lane.
 inline Lanes64 PlaceInQuad(uint64_t element, const Lanes64 &hash) {
     return PlacesInQuads[element] >> (2 * (hash * 24 >> 32)) & 3;
 }
 
-// ---- Radical inverses (van der Corput, Halton)
-
 inline constexpr int PrimeCount = 1000;
-/// The first primes: 2, 3, 5, ..., 7919.
 extern const std::array<uint16_t, PrimeCount> Primes;
 
-/// The digits of a in `base`, mirrored at the radix point.
+/// Mirrors the digits of a in `base` at the radix point.
 Float RadicalInverse(uint32_t base, uint64_t a);
 
 /// The a < base^digits whose first `digits` mirrored digits, read as an integer, are `mirrored`.
 uint64_t InverseRadicalInverse(uint64_t mirrored, uint32_t base, int digits);
 
-/// Radical inverse with an independent random permutation for every digit position, which also permutes the zeros that
-/// follow the last digit of a, down to 2^-32.
+/// Radical inverse with independent random permutations per digit, including the zeros after the last digit of a, down
+/// to 2^-32.
 Float PermutedRadicalInverse(uint32_t base, uint64_t a, uint64_t seed);
 
-/// Owen scrambling: the permutation of a digit depends also on all digits before it.
+/// Owen scrambling: a digit's permutation also depends on all preceding digits.
 Float OwenScrambledRadicalInverse(uint32_t base, uint64_t a, uint64_t seed);
 
-/// Radical inverse whose k-th digit d becomes multiplier * d + r_k modulo `base`, with a random r_k for every digit; so
-/// do the zeros that follow the last digit of a, down to 2^-32. 0 < multiplier < base, and base is prime.
+/// Radical inverse whose k-th digit d becomes (multiplier * d + r_k) mod base with random r_k per digit, including
+/// trailing zeros down to 2^-32. 0 < multiplier < base, and base is prime.
 Float AffineRadicalInverse(uint32_t base, uint64_t a, uint32_t multiplier, uint64_t seed);
 
-/// AffineRadicalInverse for the first prime bases with the permutations in tables: it gives the same values faster.
+/// AffineRadicalInverse for the first prime bases by tables: faster, with the same values.
 class DigitPermutations {
   public:
-    /// Dimension d has the base Primes[d], multipliers[d] and the seed SeedOf(seed, d).
+    /// Dimension d uses base Primes[d], multipliers[d] and seed SeedOf(seed, d).
     DigitPermutations(std::span<const uint32_t> multipliers, uint64_t seed);
     static uint64_t SeedOf(uint64_t seed, int dimension) { return Hash(seed, dimension); }
     int Dimensions() const { return static_cast<int>(bases_.size()); }
     Float RadicalInverse(int dimension, uint64_t a) const;
-    /// RadicalInverse for eight dimensions from firstDimension < Dimensions() on; what lies beyond the last dimension
-    /// is undefined. a < 2^50.
+    /// Radical inverses of eight dimensions from firstDimension < Dimensions(); values beyond the last dimension are
+    /// undefined. a < 2^50.
     void RadicalInverses(int firstDimension, uint64_t a, Float values[Lanes64Count]) const;
 
   private:
-    /// For RadicalInverses: a row holds one number for every dimension, and a few for lanes beyond the last.
+    /// For RadicalInverses: each row holds one number per dimension, padded to whole vectors.
     struct Rows {
         size_t length = 0;
         std::vector<double> base, inverseBase, multiplier;
-        std::vector<double> shifts;  ///< a row for every digit
-        std::vector<double> tails;   ///< tails_, a row for every digit and one more
+        std::vector<double> shifts;  ///< a row per digit
+        std::vector<double> tails;   ///< tails_, a row per digit and one more
     };
     void MakeRows(std::span<const uint32_t> multipliers);
     struct Base {

@@ -16,7 +16,7 @@ struct Ray {
     Point3 operator()(Float t) const { return o + d * t; }
 };
 
-/// Rays through the neighbouring film positions, one pixel to the right and one down (already scaled by sampling rate).
+/// Rays through the film positions one pixel to the right and one down, scaled by the sampling rate.
 struct RayDifferential {
     bool valid = false;
     Point3 rxOrigin{}, ryOrigin{};
@@ -30,18 +30,17 @@ struct RayDifferential {
     }
 };
 
-/// The float next to a finite x, upwards if `up`, else downwards: std::nextafter without a call of the library.
+/// Next float above (`up`) or below a finite x; an inline std::nextafter.
 inline Float NextFloat(Float x, bool up) {
     if (x == 0) return up ? std::numeric_limits<Float>::denorm_min() : -std::numeric_limits<Float>::denorm_min();
     const auto bits = std::bit_cast<uint32_t>(x);
     return std::bit_cast<Float>((x > 0) == up ? bits + 1 : bits - 1);
 }
 
-/// Moves a point off its surface along the geometric normal n, to the side w points to, far enough that rounding
-/// (|error| <= pError per component) cannot leave it on the other side. Derivation: the true point is p + e, and its
-/// height over the plane through p is e . n, at most the sum of pError_i |n_i|. A step of that length along n clears
-/// the plane; the sum p + step is rounded once more, which one unit in the last place away from the surface makes up
-/// for.
+/// Offsets a ray origin along the geometric normal n to the side of w, so that rounding (|error| <= pError per
+/// component) cannot leave it on the other side. The true point p + e has height e . n <= sum of pError_i |n_i| over
+/// the plane through p. A step of that length along n clears the plane; one ulp away from the surface compensates the
+/// rounding of p + step.
 inline Point3 OffsetRayOrigin(const Point3 &p, const Vector3 &pError, const Normal3 &n, const Vector3 &w) {
     const Vector3 step = FaceForward(n, w) * Dot(Abs(n), pError);
     auto roundedAway = [](Float from, Float by) {

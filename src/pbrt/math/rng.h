@@ -10,7 +10,7 @@
 
 namespace pbrt {
 
-/// Finaliser with full avalanche (Stafford's mix 1), for one number or for lanes.
+/// Finaliser with full avalanche (Stafford's mix 1), for scalars and lanes.
 template <class T>
 constexpr T MixBitsOf(T v) {
     v ^= v >> 31;
@@ -23,8 +23,7 @@ constexpr T MixBitsOf(T v) {
 constexpr uint64_t MixBits(uint64_t v) { return MixBitsOf(v); }
 inline Lanes64 MixBits(const Lanes64 &v) { return MixBitsOf(v); }
 
-/// Hash of plain values (floats by their bits). Equal inputs give equal hashes on every machine with the same
-/// endianness.
+/// Hash of plain values (floats by their bits), the same on all machines of equal endianness.
 template <class... Args>
 uint64_t Hash(const Args &...args) {
     static_assert(sizeof...(Args) > 0);
@@ -44,14 +43,13 @@ uint64_t Hash(const Args &...args) {
     return h;
 }
 
-/// Uniform in [0, 1) from the top bits of a hash.
 inline Float HashToFloat(uint64_t h) { return std::min(OneMinusEpsilon, static_cast<Float>(h >> 32) * 0x1p-32f); }
 template <class... Args>
 Float HashFloat(const Args &...args) {
     return HashToFloat(Hash(args...));
 }
 
-/// PCG32 (O'Neill): 2^63 streams, cheap to seed, can jump ahead.
+/// PCG32 (O'Neill): 2^63 streams, cheap seeding and jump-ahead.
 class Rng {
   public:
     explicit Rng(uint64_t sequence = 0) { SetSequence(sequence, MixBits(sequence)); }
@@ -75,9 +73,7 @@ class Rng {
         Float x = Uniform();
         return {x, Uniform()};
     }
-    /// Uniform integer in [0, n).
     uint32_t UniformInt(uint32_t n) { return static_cast<uint32_t>((uint64_t(Next()) * n) >> 32); }
-    /// Skips `count` numbers.
     void Advance(uint64_t count) {
         for (; count > 0; count &= count - 1) {
             const Jump &jump = kJumps[std::countr_zero(count)];
@@ -85,7 +81,7 @@ class Rng {
         }
     }
 
-    /// The next sixteen numbers of Uniform(). The state stays as it is.
+    /// The next sixteen values of Uniform(), without advancing the state.
     FloatLanes NextUniforms() const {
         Lanes64 multipliers[2], steps[2], drawn[2];
         for (int lane = 0; lane < Lanes32Count; ++lane) {
@@ -102,7 +98,7 @@ class Rng {
 
   private:
     static constexpr uint64_t kMultiplier = 0x5851f42d4c957f2dull;
-    /// 2^k steps at once: state -> multiplier * state + steps * increment.
+    /// 2^k steps: state -> multiplier * state + steps * increment.
     struct Jump {
         uint64_t multiplier = kMultiplier, steps = 1;
     };

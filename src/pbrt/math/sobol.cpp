@@ -9,9 +9,9 @@ namespace pbrt {
 
 namespace {
 
-/// Boost's engine makes the points in Gray code order: the n-th point has the index n ^ (n >> 1), so that the index 2^c
-/// belongs to n = 2^(c+1) - 1. The engine leaves out the origin, so that its own count is one less. With fractions of
-/// 64 digits it has 64 columns; we keep 32 digits of 52 columns.
+/// Boost's engine is in Gray code order: the n-th point has index n ^ (n >> 1), so index 2^c is n = 2^(c+1) - 1. It
+/// omits the origin, so its own count is one less. With 64-digit fractions it has 64 columns; 32 digits of 52 columns
+/// are kept.
 std::vector<uint32_t> MakeSobolMatrices() {
     boost::random::sobol_engine<uint64_t, 64> engine(SobolDimensions);
     std::vector<uint32_t> matrices(static_cast<size_t>(SobolDimensions) * SobolIndexBits);
@@ -54,8 +54,8 @@ SobolPixelIndex::SobolPixelIndex(int log2Resolution) : log2Resolution_(log2Resol
         return uint64_t(first[column] >> (32 - m)) | uint64_t(second[column] >> (32 - m)) << m;
     };
 
-    // Gauss-Jordan over GF(2) on columns: `image` turns into unit vectors while `source` records which low index bits
-    // were added up to get them.
+    // Gauss-Jordan over GF(2) on columns: `image` becomes the identity while `source` records the low index bits that
+    // were combined.
     std::vector<uint64_t> image(static_cast<size_t>(n)), source(static_cast<size_t>(n));
     for (int c = 0; c < n; ++c) {
         image[c] = pixelOf(c);

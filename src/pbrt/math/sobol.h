@@ -13,32 +13,30 @@ namespace pbrt {
 inline constexpr int SobolDimensions = 1024;
 inline constexpr int SobolIndexBits = 52;
 
-/// Generator matrices from the direction numbers of Joe and Kuo (2008), as Boost ships them: column c of dimension d at
-/// [d * SobolIndexBits + c] is the point of index 2^c. Made at the first call; keep the pointer in hot code.
+/// Generator matrices of Joe and Kuo (2008) from Boost: column c of dimension d, at [d * SobolIndexBits + c], is the
+/// point of index 2^c. Built at the first call; keep the pointer in hot code.
 const uint32_t *SobolMatrices();
 
-/// One coordinate; `matrix` points at the columns of its dimension.
+/// One coordinate; `matrix` points to the columns of its dimension.
 inline uint32_t SobolBits(const uint32_t *matrix, uint64_t index) {
     uint32_t v = 0;
     for (; index; index &= index - 1) v ^= matrix[std::countr_zero(index)];
     return v;
 }
 
-/// Tables for hot code, which take four index bits at a time: for each group of bits and each of their 16 values a row
-/// with the entries of all dimensions (0.8 MB in all, made at the first call). Rows are longer than SobolDimensions, so
-/// that lanes may be read from any dimension on.
+/// Tables for four index bits at a time: per group of bits and each of its 16 values, a row with the entries of all
+/// dimensions (0.8 MB, built at the first call). Rows are padded so that lanes may be read from any dimension on.
 inline constexpr int SobolTableRow = SobolDimensions + Lanes32Count;
 const uint32_t *SobolTables();
-/// One coordinate; `table` points at the dimension's column in the first row.
+/// One coordinate; `table` points to the dimension's column in the first row.
 inline uint32_t SobolBitsByTable(const uint32_t *table, uint64_t index) {
     uint32_t v = 0;
     for (; index; index >>= 4, table += 16 * SobolTableRow) v ^= table[(index & 15) * SobolTableRow];
     return v;
 }
 
-/// The first two coordinates with their bits in reversed order. The first matrix is the mirrored identity; the second,
-/// mirrored, is Pascal's triangle mod 2: a Kronecker power of (1 1; 0 1), applied factor by factor. The last factor
-/// adds up the images of both halves of the index.
+/// The first two coordinates, bit-reversed. The first matrix is the mirrored identity. The second, mirrored, is
+/// Pascal's triangle mod 2: a Kronecker power of (1 1; 0 1), applied factor by factor.
 constexpr uint32_t SobolReversed0(uint64_t index) { return static_cast<uint32_t>(index); }
 /// T: uint32_t or lanes of it.
 template <class T>
@@ -57,20 +55,19 @@ constexpr uint32_t SobolReversed1(uint64_t index) {
 
 inline Float SobolToFloat(uint32_t v) { return std::min(static_cast<Float>(v) * 0x1p-32f, OneMinusEpsilon); }
 
-/// Whether a node of the binary tree of digits flips them: 0 or 1 by a hash. T: uint64_t or lanes of it.
+/// Flip of a node in the binary digit tree, by hash: 0 or 1. T: uint64_t or lanes of it.
 template <class T>
 inline T OwenFlip(const T &seed, const T &node) {
     T hash = (seed + node * 0x9e3779b97f4a7c15ull) * 0x7fb5d329728ea185ull;
     hash ^= hash >> 32;
     return hash * 0x81dadef4bc2dd44dull >> 63;
 }
-/// Owen's nested uniform scrambling of a number below 2^32: every digit is flipped or not by a hash of the digits
-/// before it.
+/// Owen's nested uniform scrambling of a 32-bit number: every digit is flipped by a hash of the preceding digits.
 template <class T>
 inline T OwenScrambleOf(const T &v, const T &seed) {
     T flips{};
     for (int digit = 0; digit < 32; ++digit) {
-        const T node = (v | uint64_t(1) << 32) >> (32 - digit);  // place in the tree, root = 1
+        const T node = (v | uint64_t(1) << 32) >> (32 - digit);  // node in the tree, root = 1
         flips |= OwenFlip(seed, node) << (31 - digit);
     }
     return v ^ flips;
@@ -80,9 +77,9 @@ inline uint32_t OwenScramble(uint32_t v, uint64_t seed) {
 }
 inline Lanes64 OwenScramble(const Lanes64 &v, const Lanes64 &seed) { return OwenScrambleOf(v, seed); }
 
-/// Nested uniform scrambling at the cost of one hash, for bits in reversed order: there, adding, multiplying by odd
-/// numbers and v ^= v * even change a bit depending on lower bits (earlier digits) only (Laine and Karras 2011).
-/// T: uint32_t or lanes of it; `low` and `high` are the halves of the seed.
+/// Nested uniform scrambling of bit-reversed numbers with one hash (Laine and Karras 2011). Addition, odd
+/// multiplication and v ^= v * even change a bit depending only on lower bits, which are the earlier digits. T:
+/// uint32_t or lanes of it; `low` and `high` are the halves of the seed.
 template <class T>
 inline T FastOwenScrambleReversed(T v, T low, T high) {
     v += low;
@@ -101,12 +98,12 @@ inline uint32_t FastOwenScramble(uint32_t v, uint64_t seed) {
     return ReverseBits32(FastOwenScrambleReversed(ReverseBits32(v), seed));
 }
 
-/// Finds the points of the global Sobol' sequence that fall into a pixel of a 2^m x 2^m image which the first two
-/// dimensions cover: of every aligned run of 4^m points, one falls into each pixel.
+/// Enumerates the points of the global Sobol' sequence in a pixel of a 2^m x 2^m image covered by the first two
+/// dimensions. Each aligned run of 4^m points has one point per pixel.
 class SobolPixelIndex {
   public:
     explicit SobolPixelIndex(int log2Resolution);
-    /// Index of the `frame`-th point in the pixel; 0 <= pixel < 2^m.
+    /// Index of the `frame`-th point in the pixel; 0 <= x, y < 2^m.
     uint64_t operator()(uint64_t frame, uint32_t x, uint32_t y) const {
         uint64_t low = 0;
         for (uint64_t bits = frame; bits; bits &= bits - 1) low ^= frameColumns_[IndexOf(bits)];
@@ -119,7 +116,8 @@ class SobolPixelIndex {
     static size_t IndexOf(uint64_t bits) { return static_cast<size_t>(std::countr_zero(bits)); }
     int log2Resolution_;
     std::array<uint64_t, SobolIndexBits> pixelColumns_{};  ///< low index bits for each bit of (y << m | x)
-    std::array<uint64_t, 64> frameColumns_{};              ///< low index bits that undo what frame bits do to the pixel
+    std::array<uint64_t, 64> frameColumns_{};              ///< low index bits that cancel the effect of frame bits on
+                                                           ///< the pixel
 };
 
 }  // namespace pbrt

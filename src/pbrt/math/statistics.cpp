@@ -9,9 +9,9 @@
 namespace pbrt {
 
 namespace {
-// Boost counts degrees of freedom beyond this as infinite anyway; the cap keeps its algorithms in range.
+// Boost treats more degrees of freedom as infinite anyway; the cap keeps its algorithms in range.
 constexpr double kMaxDof = 1e9;
-// Boost throws where a result leaves the range of double; here such tails are 0 or infinite.
+// Boost throws where a result leaves the range of double; with this policy such tails are 0 or infinite.
 using Policy =
     boost::math::policies::policy<boost::math::policies::overflow_error<boost::math::policies::ignore_error>,
                                   boost::math::policies::domain_error<boost::math::policies::ignore_error>,
@@ -41,7 +41,6 @@ double NormalCritical(double p) {
     return std::abs(boost::math::quantile(Normal(), p / 2));
 }
 
-// expm1 and log1p: small levels over many tests lose no digits.
 double SidakLevel(double level, size_t n) { return -std::expm1(std::log1p(-level) / static_cast<double>(n)); }
 
 double SidakP(double p, size_t n) { return p >= 1 ? 1 : -std::expm1(std::log1p(-p) * static_cast<double>(n)); }

@@ -6,23 +6,22 @@
 
 namespace pbrt {
 
-/// A 4x4 matrix and its inverse. Matrices are GLM's: column-major, column vectors, which is also how scene files list
-/// them (elements 12-14 are the translation).
+/// 4x4 matrix and its inverse. Matrices are GLM's: column-major with column vectors, the order of scene files (elements
+/// 12-14 are the translation).
 class Transform {
   public:
     Transform() = default;
     explicit Transform(const glm::mat4 &m) : m_(m), inverse_(InverseOf(m)) {}
     Transform(const glm::mat4 &m, const glm::mat4 &inverse) : m_(m), inverse_(inverse) {}
 
-    /// From 16 numbers in file order.
     static Transform FromFile(const std::array<Float, 16> &v);
     static Transform Translate(const Vector3 &t);
     static Transform Scale(const Vector3 &s);
-    /// Degrees, right-hand rule about `axis` (any length).
+    /// Degrees, right-handed about `axis` (any length).
     static Transform Rotate(Float degrees, const Vector3 &axis);
     /// World-to-camera of pbrt's left-handed LookAt; nullopt if up is parallel to the view direction or eye = look.
     static std::optional<Transform> LookAt(const Point3 &eye, const Point3 &look, const Vector3 &up);
-    /// Perspective projection of pbrt: x, y divided by z and by tan(fov/2); z from [near, far] to [0, 1].
+    /// pbrt's perspective projection: x, y divided by z and tan(fov/2); z from [near, far] to [0, 1].
     static Transform Perspective(Float fovDegrees, Float near, Float far);
     static Transform Orthographic(Float near, Float far);
 
@@ -32,26 +31,25 @@ class Transform {
     Transform operator*(const Transform &o) const { return {m_ * o.m_, o.inverse_ * inverse_}; }
     bool operator==(const Transform &o) const { return m_ == o.m_; }
     bool IsIdentity() const { return m_ == glm::mat4(1); }
-    /// True if the upper 3x3 part mirrors.
     bool SwapsHandedness() const { return Determinant3() < 0; }
-    /// True if the transform flattens space, or nearly so: the inverse has elements that are not finite.
+    /// True if the transform is singular, or nearly so: the inverse has non-finite elements.
     bool IsSingular() const { return !(std::abs(Determinant3()) > 0) || !Transform(inverse_, m_).IsFinite(); }
-    /// False if an element (not of the inverse) is infinite or not a number.
+    /// False if an element of the matrix (not of the inverse) is not finite.
     bool IsFinite() const;
 
-    /// Points; the homogeneous divide happens only for projective matrices.
+    /// Divides by w only for projective matrices.
     Point3 Point(const Point3 &p) const { return Apply(m_, p); }
     Vector3 Vector(const Vector3 &v) const { return glm::mat3(m_) * v; }
-    /// By the inverse transpose; not normalised.
+    /// Multiplies by the inverse transpose; not normalised.
     Normal3 Normal(const Normal3 &n) const { return n * glm::mat3(inverse_); }
     Point3 InversePoint(const Point3 &p) const { return Apply(inverse_, p); }
     Vector3 InverseVector(const Vector3 &v) const { return glm::mat3(inverse_) * v; }
     Normal3 InverseNormal(const Normal3 &n) const { return n * glm::mat3(m_); }
-    /// Bound of the rounding error of Point(p) when p itself has error bounds `pError`.
+    /// Rounding error bound of Point(p) for p with error bounds `pError`.
     Vector3 PointError(const Point3 &p, const Vector3 &pError = Vector3(0)) const;
 
   private:
-    /// Inverts in double precision; the result is exactly affine if m is.
+    /// Inverts in double precision; exactly affine if m is.
     static glm::mat4 InverseOf(const glm::mat4 &m);
     double Determinant3() const { return glm::determinant(glm::dmat3(glm::mat3(m_))); }
     static Point3 Apply(const glm::mat4 &m, const Point3 &p) {

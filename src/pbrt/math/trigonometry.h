@@ -3,23 +3,23 @@
 
 namespace pbrt {
 
-// Trigonometric functions by polynomials, for hot code: inline, and without the branches of the library's. Coefficients
-// are those of interpolation at Chebyshev's nodes; the bounds of the errors are checked over all arguments by tests.
+// Branchless polynomial trigonometry for hot code. Polynomials interpolate at Chebyshev nodes; tests check the error
+// bounds over all arguments.
 
 struct SineCosine {
     Float sin, cos;
 };
 
-/// Of the angle Pi / 4 * x, |x| <= 1. Both are off by at most 1e-7, the sine relative to itself.
+/// Of the angle Pi / 4 * x, |x| <= 1. Errors at most 1e-7, relative for the sine.
 inline SineCosine SineCosineOfEighth(Float x) {
     const Float s = x * x;
     return {x * (0.78539816f + s * (-0.080745434f + s * (2.4900068e-3f + s * -3.5954291e-5f))),
             1 + s * (-0.30842514f + s * (0.015854325f + s * (-3.2593859e-4f + s * 3.5297971e-6f)))};
 }
 
-/// Of the angle 2 Pi u, 0 <= u <= 1. Off by at most 1e-7.
+/// Of the angle 2 Pi u, 0 <= u <= 1. Errors at most 1e-7.
 inline SineCosine SineCosineOfTurn(Float u) {
-    // The nearest multiple of a quarter turn, and what is left in eighths of a turn: exact in floating point.
+    // Nearest quarter turn and the rest in eighths of a turn, exact in floating point.
     const Float quarters = 4 * u;
     const int nearest = static_cast<int>(quarters + Float(0.5));
     const SineCosine rest = SineCosineOfEighth(2 * (quarters - static_cast<Float>(nearest)));
@@ -28,7 +28,7 @@ inline SineCosine SineCosineOfTurn(Float u) {
     return {nearest & 2 ? -sin : sin, (nearest + 1) & 2 ? -cos : cos};
 }
 
-/// std::atan2(y, x) for y >= 0: from 0 to Pi. Relative error at most 3e-7.
+/// std::atan2(y, x) for y >= 0, in [0, Pi]. Relative error at most 3e-7.
 inline Float ArcTangent2(Float y, Float x) {
     const Float across = std::abs(x);
     const Float larger = std::max(y, across), t = larger > 0 ? std::min(y, across) / larger : 0;

@@ -9,7 +9,7 @@
 
 namespace pbrt {
 
-// GLM under our names. Points, vectors and normals share a type; names of variables and functions tell them apart.
+// GLM types. Points, vectors and normals share a type and differ by name.
 using Point2 = glm::vec2;
 using Vector2 = glm::vec2;
 using Point3 = glm::vec3;
@@ -23,11 +23,11 @@ inline constexpr Float InvPi = std::numbers::inv_pi_v<Float>;
 inline constexpr Float Inv2Pi = InvPi / 2;
 inline constexpr Float Inv4Pi = InvPi / 4;
 inline constexpr Float Infinity = std::numeric_limits<Float>::infinity();
-/// Largest value below 1: random numbers live in [0, OneMinusEpsilon].
+/// Largest float below 1; random numbers are in [0, OneMinusEpsilon].
 inline constexpr Float OneMinusEpsilon = 0x1.fffffep-1f;
 inline constexpr Float MachineEpsilon = std::numeric_limits<Float>::epsilon() / 2;
 
-/// Bound on the relative rounding error of n chained operations.
+/// Relative rounding error bound of n chained operations.
 constexpr Float Gamma(int n) {
     Float e = static_cast<Float>(n) * MachineEpsilon;
     return e / (1 - e);
@@ -71,9 +71,8 @@ inline Float MaxComponent(const Vector3 &v) { return std::max({v.x, v.y, v.z}); 
 inline Point3 Min(const Point3 &a, const Point3 &b) { return glm::min(a, b); }
 inline Point3 Max(const Point3 &a, const Point3 &b) { return glm::max(a, b); }
 
-/// Angle in radians between unit vectors, accurate when they are nearly (anti)parallel. Two unit vectors at the angle t
-/// are the legs of an isosceles triangle with the base 2 sin(t / 2). Beyond a right angle the triangle of a and -b is
-/// used, whose angle is Pi - t, because there the arcsine amplifies rounding less.
+/// Angle in radians between unit vectors, accurate near 0 and Pi: they span an isosceles triangle with base 2 sin(t /
+/// 2). Beyond a right angle, uses a and -b at the angle Pi - t, where the arcsine amplifies rounding less.
 inline Float AngleBetween(const Vector3 &a, const Vector3 &b) {
     const bool obtuse = Dot(a, b) < 0;
     const Float base = Length(obtuse ? a + b : a - b);
@@ -81,7 +80,7 @@ inline Float AngleBetween(const Vector3 &a, const Vector3 &b) {
     return obtuse ? Pi - apex : apex;
 }
 
-/// Two unit vectors that complete the unit vector v to a right-handed orthonormal basis (Duff et al. 2017).
+/// Completes the unit vector v to a right-handed orthonormal basis (Duff et al. 2017).
 inline void CoordinateSystem(const Vector3 &v, Vector3 *s, Vector3 *t) {
     Float sign = std::copysign(Float(1), v.z);
     Float a = -1 / (sign + v.z);

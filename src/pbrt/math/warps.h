@@ -4,12 +4,11 @@
 
 namespace pbrt {
 
-// Maps from the unit square and their densities, side by side. Directions have z up.
+// Maps from the unit square with their densities. Directions have z up.
 
-/// Unit disk, area-preserving and low in distortion (Shirley and Chiu 1997): the outline of the square around the
-/// origin with half the side |r| becomes the circle of radius |r|, each of its sides evenly a quarter of the circle.
-/// The position of a point on its side, from -1 to 1, times Pi / 4 is thus the angle from the middle of the side. A
-/// negative r means the opposite side. Density 1/Pi by area.
+/// Concentric map to the unit disk (Shirley and Chiu 1997). The outline of the square with half side |r| maps to the
+/// circle of radius |r|, each side to a quarter; the position on the side, in [-1, 1], times Pi / 4 is the angle from
+/// its middle. A negative r means the opposite side. Density 1/Pi by area.
 inline Point2 SampleUniformDiskConcentric(const Point2 &u) {
     const Point2 at = Float(2) * u - Float(1);
     const bool onVerticalSide = std::abs(at.x) > std::abs(at.y);
@@ -19,7 +18,7 @@ inline Point2 SampleUniformDiskConcentric(const Point2 &u) {
     return r * (onVerticalSide ? Point2(angle.cos, angle.sin) : Point2(angle.sin, angle.cos));
 }
 
-/// Unit disk by polar coordinates. Density 1/Pi by area.
+/// Polar map to the unit disk. Density 1/Pi by area.
 inline Point2 SampleUniformDiskPolar(const Point2 &u) {
     const SineCosine theta = SineCosineOfTurn(u.y);
     return std::sqrt(u.x) * Point2(theta.cos, theta.sin);
@@ -69,7 +68,7 @@ inline Vector3 SampleUniformTriangle(const Point2 &u) {
     return {b0, b1, 1 - b0 - b1};
 }
 
-/// x in [0, 1) with density proportional to Lerp(x, a, b); a, b >= 0; uniform if both are 0.
+/// Samples [0, 1) proportionally to Lerp(x, a, b); a, b >= 0; uniform if both are 0.
 inline Float SampleLinear(Float u, Float a, Float b) {
     if (!(a + b > 0)) return u;
     if (u == 0 && a == 0) return 0;
@@ -82,14 +81,14 @@ inline Float LinearPdf(Float x, Float a, Float b) {
     return 2 * Lerp(x, a, b) / (a + b);
 }
 
-/// Point of the unit square with density proportional to the bilinear interpolation of the corner values
-/// w = {w00, w10, w01, w11} (x first). Integrated over x the density is linear in y, between half the sums of the lower
-/// and the upper corners; for a given y it is linear in x, between the values on the left and the right edge.
+/// Samples the unit square proportionally to the bilinear interpolation of w = {w00, w10, w01, w11} (x first). The
+/// marginal in y is linear between half the sums of the lower and upper corners; the conditional in x is linear between
+/// the values on the left and right edges.
 inline Point2 SampleBilinear(const Point2 &u, const Float w[4]) {
     const Float y = SampleLinear(u.y, w[0] + w[1], w[2] + w[3]);
     return {SampleLinear(u.x, Lerp(y, w[0], w[2]), Lerp(y, w[1], w[3])), y};
 }
-/// The interpolated value divided by the mean of the corner values, which is the integral.
+/// Interpolated value divided by its integral, the mean of the corner values.
 inline Float BilinearPdf(const Point2 &p, const Float w[4]) {
     const bool inside = p.x >= 0 && p.x <= 1 && p.y >= 0 && p.y <= 1;
     if (!inside) return 0;
@@ -99,17 +98,17 @@ inline Float BilinearPdf(const Point2 &p, const Float w[4]) {
     return 4 * Lerp(p.y, lower, upper) / sum;
 }
 
-/// MIS weight for one sample from each of two densities (Veach).
+/// MIS weight of one sample from each of two densities (Veach).
 inline Float PowerHeuristic(Float f, Float g) {
     if (std::isinf(f * f)) return 1;
     return f * f / (f * f + g * g);
 }
 
-/// The unit square onto the sphere, area-preserving (Clarberg 2008): pbrt's layout of environment images. z up.
+/// Area-preserving map of the unit square to the sphere, z up (Clarberg 2008): pbrt's layout of environment images.
 Vector3 EqualAreaSquareToSphere(const Point2 &p);
-/// Its inverse; w must be unit.
+/// Inverse map; w must be a unit vector.
 Point2 EqualAreaSphereToSquare(const Vector3 &w);
-/// Maps positions outside the square to the ones that show the same direction (octahedral wrap-around).
+/// Wraps positions outside the square to the same direction inside (octahedral wrap-around).
 Point2 WrapEqualAreaSquare(Point2 p);
 
 }  // namespace pbrt

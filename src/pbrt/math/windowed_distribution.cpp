@@ -8,7 +8,7 @@ namespace pbrt {
 
 namespace {
 
-/// Value at a real position of a function that is linear between whole numbers 0 ... n.
+/// Piecewise linear interpolation of a function given at 0 ... n.
 template <class F>
 double Between(double x, int n, F atWhole) {
     int i = std::min(static_cast<int>(x), n - 1);
@@ -16,9 +16,9 @@ double Between(double x, int n, F atWhole) {
     return low + (x - i) * (atWhole(i + 1) - low);
 }
 
-/// Finds the x at which a non-decreasing function of that kind has made the fraction u of its rise over [from, to];
-/// *piece is the interval that x lies in, one in which the function rises, and *risen the whole rise. Returns false if
-/// it does not rise.
+/// Inverts a non-decreasing function of that kind: x where it reaches the fraction u of its increase over [from, to].
+/// *piece is an interval that contains x and where the function increases, *risen the total increase. Returns false if
+/// that is 0.
 template <class F>
 bool Invert(double u, double from, double to, int n, F atWhole, double *x, int *piece, double *risen) {
     const double start = Between(from, n, atWhole), rise = Between(to, n, atWhole) - start;
@@ -26,7 +26,6 @@ bool Invert(double u, double from, double to, int n, F atWhole, double *x, int *
     if (!(rise > 0)) return false;
     double target = start + u * rise;
     int low = std::min(static_cast<int>(from), n - 1), high = std::min(static_cast<int>(to), n - 1);
-    // The first interval whose end is beyond the target.
     while (low < high) {
         int middle = low + (high - low) / 2;
         if (atWhole(middle + 1) > target) high = middle;
@@ -87,7 +86,7 @@ std::optional<Point2> WindowedPiecewiseConstant2D::Sample(const Point2 &u, const
     if (!Invert(static_cast<double>(u.x), w.x0, w.x1, nx_, left, &x, &column, &total)) return {};
     const auto below = [&](int j) { return MassBelow(column, j); };
     if (!Invert(static_cast<double>(u.y), w.y0, w.y1, ny_, below, &y, &row, &ofColumn)) return {};
-    // Rounding to Float may cross into the next cell; the density is that of the point returned.
+    // Rounding to Float may cross into the next cell; the density is that of the returned point.
     const Point2 p(std::clamp(static_cast<Float>(x / nx_), window.low.x, window.high.x),
                    std::clamp(static_cast<Float>(y / ny_), window.low.y, window.high.y));
     *pdf = Density(p, total / (static_cast<double>(nx_) * static_cast<double>(ny_)));

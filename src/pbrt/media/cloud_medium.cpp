@@ -7,14 +7,12 @@ namespace pbrt {
 namespace {
 
 constexpr Float kLacunarity = Float(1.99);
-/// No gradient noise is larger: with the best gradient at each corner of its cube it reaches 1.03635.
+/// Bound on gradient noise: the best gradients at a cube's corners reach 1.03635.
 constexpr Float kMaxNoise = Float(1.04);
-/// The steepness of the density in its noise at the bottom of the cloud.
 constexpr Float kSteepness = Float(4.5);
 }  // namespace
 
 Float CloudMedium::Shape::DensityAt(const Point3 &p) const {
-    // What fills the lower half of the cloud, whatever the noise.
     const Float fill = 2 * std::max(Float(0), Float(0.5) - p.y);
     if (fill >= 1) return 1;
     const Float steepness = std::abs((1 - p.y) * kSteepness * density);
@@ -27,11 +25,11 @@ Float CloudMedium::Shape::DensityAt(const Point3 &p) const {
             fineness *= kLacunarity;
         }
     }
-    // Above the top noise counts the other way round.
+    // Above the top, noise is negated.
     Float noise = 0, strength = std::copysign(Float(0.5), 1 - p.y), fineness = 1;
     for (int octave = 0; octave < 5; ++octave) {
         noise += strength * GradientNoise(fineness * at);
-        // The octaves that are left are together weaker than this one. Mostly they cannot matter.
+        // Bound on the remaining octaves, which together are weaker than this one and mostly irrelevant.
         const Float rest = kMaxNoise * std::abs(strength);
         if (noise + rest < 0) return fill;
         if (steepness * (noise - rest) > 1 - fill) return 1;

@@ -3,16 +3,15 @@
 
 namespace pbrt {
 
-/// A box with a cloud of noise in it, whose density is at most 1. Coordinates of the density are those of the medium's
-/// own space, in which the cloud lies between y = 0 and y = 1.
+/// Box with a procedural cloud of density at most 1. The density is a function of medium space, where the cloud lies
+/// between y = 0 and y = 1.
 class CloudMedium final : public Medium {
   public:
     struct Shape {
         Float density = 1, wispiness = 1, frequency = 5;
-        /// The density at a place of the medium's space.
         Float DensityAt(const Point3 &p) const;
     };
-    /// The spectra are those at density 1; the emission must be 0.
+    /// Spectra at density 1; the emission must be 0.
     CloudMedium(MediumSpectra spectra, Float g, const Transform &renderFromMedium, const Bounds3 &bounds,
                 const Shape &shape);
     size_t Bytes() const override { return sizeof(*this) + spectra_.Bytes() + majorants_.Bytes(); }

@@ -3,7 +3,6 @@
 
 namespace pbrt {
 
-/// A medium that is the same everywhere, without bounds.
 class HomogeneousMedium final : public Medium {
   public:
     HomogeneousMedium(MediumSpectra spectra, Float g)

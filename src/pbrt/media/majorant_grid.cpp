@@ -34,7 +34,7 @@ GridWalk::GridWalk(const MajorantGrid &grid, const AffineMap &gridFromRender, co
     double begin = 0, end = static_cast<double>(tMax);
     for (int a = 0; a < 3; ++a) {
         const double size = size_[a];
-        if (d[a] == 0) {  // runs along two of the borders, on which it counts as inside
+        if (d[a] == 0) {  // along two of the borders, which count as inside
             if (!(o[a] >= 0 && o[a] <= size)) end = -1;
             continue;
         }
@@ -52,7 +52,7 @@ GridWalk::GridWalk(const MajorantGrid &grid, const AffineMap &gridFromRender, co
     origin_ = Point3(o + d * static_cast<double>(anchor_));
     direction_ = Vector3(d);
     for (int a = 0; a < 3; ++a) {
-        // Along a direction too small to divide by the ray does not get anywhere in its part in the box.
+        // Directions too small for division do not move within the box.
         const bool moves = std::isfinite(1 / direction_[a]);
         step_[a] = moves ? (direction_[a] > 0 ? 1 : -1) : 0;
         cell_[a] = std::clamp(static_cast<int>(std::floor(origin_[a])), 0, size_[a] - 1);
@@ -73,14 +73,14 @@ bool GridWalk::Next(Float *begin, Float *end, Float *value) {
     while (!isDone_) {
         const glm::ivec3 cell = cell_;
         const int axis = exit_.x < exit_.y ? (exit_.x < exit_.z ? 0 : 2) : (exit_.y < exit_.z ? 1 : 2);
-        // Rounding must not turn back: a border that lies behind makes an empty stretch.
+        // Rounding must not reverse: a border behind gives an empty segment.
         const Float from = anchor_ + now_;
         now_ = std::max(now_, exit_[axis]);
         Float to = anchor_ + now_;
         cell_[axis] += step_[axis];
         if (to < end_ && cell_[axis] >= 0 && cell_[axis] < size_[axis]) {
             exit_[axis] = ExitOf(axis);
-        } else {  // out of the box; what rounding leaves before its end belongs to the last cell
+        } else {  // outside the box; a rest by rounding belongs to the last cell
             to = end_;
             isDone_ = true;
         }

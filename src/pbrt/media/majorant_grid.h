@@ -7,12 +7,12 @@
 
 namespace pbrt {
 
-/// Upper bounds of a density in the cells of a box that is divided evenly. Cell (x, y, z) covers the cube from (x, y,
-/// z) to (x + 1, y + 1, z + 1) in the grid's own coordinates, in which the box reaches from 0 to Resolution().
+/// Upper bounds of a density in a regular grid of cells. Cell (x, y, z) is the cube from (x, y, z) to (x + 1, y + 1, z
+/// + 1) in grid coordinates, which range from 0 to Resolution().
 class MajorantGrid {
   public:
     MajorantGrid() = default;
-    /// `bound` gives the upper bound in a cell, at least 0 and finite; it is called from any thread.
+    /// `bound` returns a cell's upper bound, finite and >= 0; it must be thread-safe.
     MajorantGrid(const glm::ivec3 &resolution, const std::function<Float(const glm::ivec3 &)> &bound);
 
     const glm::ivec3 &Resolution() const { return resolution_; }
@@ -26,7 +26,7 @@ class MajorantGrid {
     std::vector<Float> values_;
 };
 
-/// An affine map in double precision, so that boxes far from the origin of rendering space keep their cells.
+/// Affine map in double precision, so that boxes far from the rendering-space origin keep their cells.
 struct AffineMap {
     glm::dmat3 linear{1};
     glm::dvec3 offset{0};
@@ -34,8 +34,7 @@ struct AffineMap {
     AffineMap() = default;
     AffineMap(const glm::dmat3 &l, const glm::dvec3 &o) : linear(l), offset(o) {}
     explicit AffineMap(const glm::dmat4 &m) : linear(m), offset(m[3]) {}
-    /// Moves `low` to 0 and the box from `low` to `high` to the box from 0 to `size`. A box without thickness along an
-    /// axis must not occur.
+    /// Maps the box from `low` to `high`, of non-zero extent, to that from 0 to `size`.
     static AffineMap ToBox(const glm::dvec3 &low, const glm::dvec3 &high, const glm::dvec3 &size);
 
     glm::dvec3 Point(const glm::dvec3 &p) const { return linear * p + offset; }
@@ -44,34 +43,32 @@ struct AffineMap {
     AffineMap Inverse() const;
 };
 
-/// The way of a ray through the cells of a MajorantGrid, or through one cell without bounds. A value of fixed size.
+/// Traversal of a MajorantGrid, or of one unbounded cell, along a ray. A value of fixed size.
 class GridWalk {
   public:
-    /// One cell that is everywhere, whose value is 1, from 0 to tMax.
+    /// One unbounded cell of value 1, from 0 to tMax.
     explicit GridWalk(Float tMax) : end_(tMax) {}
-    /// The ray's part in [0, tMax] that lies in the box. `gridFromRender` leads to the grid's own coordinates. The grid
-    /// must stay where it is.
+    /// Clips [0, tMax] to the box. `gridFromRender` maps to grid coordinates. The grid must outlive this object at a
+    /// fixed address.
     GridWalk(const MajorantGrid &grid, const AffineMap &gridFromRender, const Ray &ray, Float tMax);
 
-    /// The next stretch of the ray in one cell whose value is not 0; stretches come in order of distance and are never
-    /// empty. False if there are no more.
+    /// Next segment in one cell of non-zero value; segments are in order and never empty. False if there are no more.
     bool Next(Float *begin, Float *end, Float *value);
 
-    /// True if t is in the part of the ray that lies in the box.
     bool Contains(Float t) const { return t >= anchor_ && t <= end_; }
-    /// The place on the ray in the grid's coordinates; only for walks through a grid, and t of the part that lies in
-    /// the box. Places of the current stretch are in its cell, whatever rounding does to them.
+    /// Point on the ray in grid coordinates; only for walks through a grid, with t inside the box. Points of the
+    /// current segment are in its cell regardless of rounding.
     Point3 At(Float t) const {
         const Point3 p = origin_ + direction_ * (t - anchor_);
         const bool isHere = t >= hereBegin_ && t <= hereEnd_;
         return isHere ? Min(Max(p, Point3(here_)), Point3(here_ + 1)) : Min(Max(p, Point3(0)), Point3(size_));
     }
-    /// The ray in the grid's coordinates: its origin + Direction() * (t - Anchor()).
+    /// The ray in grid coordinates: its origin + Direction() * (t - Anchor()).
     const Vector3 &Direction() const { return direction_; }
     Float Anchor() const { return anchor_; }
 
   private:
-    /// Where the ray leaves the cell through the next border of an axis, as a distance from the anchor.
+    /// Distance from the anchor to the cell's next border along an axis.
     Float ExitOf(int axis) const {
         if (step_[axis] == 0) return Infinity;
         const int border = cell_[axis] + (step_[axis] > 0 ? 1 : 0);
@@ -79,14 +76,14 @@ class GridWalk {
     }
 
     const MajorantGrid *grid_ = nullptr;
-    Float anchor_ = 0, end_ = 0;  ///< the ray's part in the box, by distance along the ray
-    Float now_ = 0;               ///< distance from the anchor at which the current cell begins
+    Float anchor_ = 0, end_ = 0;  ///< the ray's part in the box, by distance
+    Float now_ = 0;               ///< distance from the anchor to the start of the current cell
     bool isDone_ = false;
-    Point3 origin_{};  ///< where the ray is at the anchor, in the grid's coordinates
+    Point3 origin_{};  ///< position at the anchor, in grid coordinates
     Vector3 direction_{};
     glm::ivec3 cell_{0}, step_{0}, size_{0};
-    Vector3 exit_{};  ///< distance from the anchor at which each axis leaves the cell
-    // The stretch that Next returned last.
+    Vector3 exit_{};  ///< distance from the anchor to each axis's border
+    // Last segment of Next.
     glm::ivec3 here_{0};
     Float hereBegin_ = Infinity, hereEnd_ = -Infinity;
 };

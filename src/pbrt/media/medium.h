@@ -11,34 +11,32 @@
 
 namespace pbrt {
 
-/// What a medium does at a place, at the wavelengths of a path. Absorption and scattering are per unit of length in
-/// rendering space, which is that of the world.
+/// Medium properties at a point, at one path's wavelengths. Absorption and scattering per unit length in rendering
+/// space (= world space units).
 struct MediumCoefficients {
     SampledSpectrum absorption, scattering;
-    SampledSpectrum emission;  ///< radiance; the medium emits absorption * emission per unit of length
+    SampledSpectrum emission;  ///< radiance; absorption * emission is emitted per unit length
 };
 
-/// A stretch of a ray in which the coefficients of absorption and scattering together are at most `majorant`.
+/// Ray segment in which absorption plus scattering is at most `majorant`.
 struct MajorantSegment {
     Float begin = 0, end = 0;  ///< distances along the ray; `end` may be infinite
-    SampledSpectrum majorant;  ///< per unit of length; not 0 at all wavelengths
+    SampledSpectrum majorant;  ///< per unit length; not 0 at all wavelengths
 };
 
 class MediumOnRay;
 
-/// Something that absorbs, scatters or emits light between surfaces. Immutable, shared between threads.
+/// Participating medium. Immutable and thread-safe.
 class Medium {
   public:
     virtual ~Medium() = default;
     const HenyeyGreenstein &Phase() const { return phase_; }
     bool IsEmissive() const { return isEmissive_; }
-    /// Memory that the medium takes.
     virtual size_t Bytes() const = 0;
 
-    /// The medium along a ray, whose direction must have unit length, from its origin to the distance tMax, which may
-    /// be infinite. Refers to the medium.
+    /// The medium along a ray of unit direction up to distance tMax, which may be infinite. Refers to this medium.
     virtual MediumOnRay On(const Ray &ray, Float tMax, const SampledWavelengths &lambda) const = 0;
-    /// The coefficients at a place of rendering space. Slower than MediumOnRay::At.
+    /// Coefficients at a point in rendering space. Slower than MediumOnRay::At.
     MediumCoefficients At(const Point3 &p, const SampledWavelengths &lambda) const;
 
   protected:
@@ -46,35 +44,32 @@ class Medium {
 
   private:
     friend class MediumOnRay;
-    /// The coefficients at a distance that the walk of the ray contains.
     virtual MediumCoefficients Evaluate(MediumOnRay &onRay, Float t) const = 0;
 
     HenyeyGreenstein phase_;
     bool isEmissive_;
 };
 
-/// A medium along one ray: first where collisions can happen, then what the medium does at the distances chosen. A
-/// value without memory of its own that is made for every ray; one thread uses it.
+/// Medium along one ray: majorant segments, then coefficients at sampled distances. Created per ray without allocation;
+/// not thread-safe.
 class MediumOnRay {
   public:
-    /// The next stretch of the ray; they come in order of distance, within [0, tMax], and none is empty. Between them
-    /// is vacuum. False if there are no more.
+    /// Next segment within [0, tMax]; segments are in order and never empty, with vacuum between them. False if there
+    /// are no more.
     bool Next(MajorantSegment *segment) {
         Float value = 0;
         if (!majorant_ || !walk_.Next(&segment->begin, &segment->end, &value)) return false;
         segment->majorant = majorant_ * value;
         return true;
     }
-    /// The coefficients at a distance along the ray. In the stretch that Next returned last they keep to its majorant.
+    /// Coefficients at a distance. In the last segment of Next they do not exceed its majorant.
     MediumCoefficients At(Float t) {
         if (!walk_.Contains(t)) return {};
         return medium_->Evaluate(*this, t);
     }
 
-    // For the classes of media.
-
-    /// `unit`: the coefficients at density 1, as far as they do not depend on the place. `majorant` is multiplied by
-    /// the values of the walk.
+    /// `unit`: coefficients at density 1, as far as they are constant. `majorant` is multiplied by the values of the
+    /// walk.
     MediumOnRay(const Medium &medium, const GridWalk &walk, const SampledWavelengths &lambda,
                 const MediumCoefficients &unit, const SampledSpectrum &majorant)
         : medium_(&medium), walk_(walk), lambda_(lambda), unit_(unit), majorant_(majorant) {}
@@ -82,7 +77,7 @@ class MediumOnRay {
     const GridWalk &Walk() const { return walk_; }
     const SampledWavelengths &Lambda() const { return lambda_; }
     const MediumCoefficients &Unit() const { return unit_; }
-    /// Memory for what a class of media keeps along a ray. It must be made before it is used.
+    /// Storage for per-ray state of derived media. Must be constructed before use.
     template <class T>
     T &MakeMemory(const T &value) {
         static_assert(sizeof(T) <= sizeof(memory_) && alignof(T) <= 16 && std::is_trivially_copyable_v<T>);

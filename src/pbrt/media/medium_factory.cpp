@@ -21,8 +21,6 @@ constexpr const char *kGHelp = "asymmetry of the scattering (Henyey-Greenstein):
 constexpr const char *kScaleHelp = "factor of absorption and scattering";
 constexpr const char *kEmissionScaleHelp = "factor of the emission";
 
-// Coefficients.
-
 /// `factor` times the spectrum. Throws if a value is negative or too large.
 DenseSpectrum Coefficient(const ParamSet &set, const char *name, const Spectrum &s, Float factor) {
     for (Float nm = LambdaMin; nm <= LambdaMax; ++nm) {
@@ -50,7 +48,7 @@ struct CoefficientParams {
     }
 };
 
-/// The emission "Le" so that a scale of 1 is one photometric unit, as lights have it; black if it is not given.
+/// Emission "Le", scaled like lights so that scale 1 is one photometric unit; black if absent.
 DenseSpectrum Emission(const ParamSet &set, const MediumContext &context, const SpectrumParam &given, Float scale) {
     if (!given) return ScaledSpectrum(ConstantSpectrum(0), 0);
     const SpectrumPtr emission = given.Make(context.files);
@@ -62,9 +60,6 @@ DenseSpectrum Emission(const ParamSet &set, const MediumContext &context, const 
     return Coefficient(set, "Le", *emission, scale / photometric);
 }
 
-// Places.
-
-/// Throws if the current transformation cannot place a medium.
 const Transform &RequirePlace(const ParamSet &set, const MediumContext &context) {
     const Transform &t = context.renderFromMedium;
     const glm::mat4 &m = t.Matrix();
@@ -105,7 +100,6 @@ struct CountParams {
     }
     glm::ivec3 Count() const { return {x, y, z}; }
     int64_t Size() const { return int64_t(x) * y * z; }
-    /// Throws unless a list has one value for every voxel.
     void RequireSize(const ParamSet &set, const char *name, size_t found) const {
         if (static_cast<int64_t>(found) != Size())
             throw set.Error(name, fmt::format("\"{}\" has {} values; nx * ny * nz = {} x {} x {} = {} are wanted.",
@@ -113,7 +107,7 @@ struct CountParams {
     }
 };
 
-/// A list with one number for every voxel, or nothing.
+/// A list with one number per voxel, or empty.
 std::vector<Float> VoxelValues(const ParamSet &set, const CountParams &count, const char *name,
                                std::span<const Float> given, Range<Float> range) {
     if (given.empty()) return {};
@@ -144,8 +138,6 @@ struct ThermalParams {
     }
 };
 
-// Homogeneous media.
-
 const ScatteringPreset *FindPreset(const std::string &name) {
     for (const ScatteringPreset &preset : EmbeddedScatteringPresets())
         if (preset.name == name) return &preset;
@@ -175,7 +167,7 @@ MediumSpectra PresetSpectra(const ParamSet &set, const ScatteringPreset &preset,
     auto spectrum = [&](const std::array<Float, 3> &rgb) {
         return Coefficient(set, "scale", RgbUnboundedSpectrum(ColorSpace::SRGB(), Rgb(rgb[0], rgb[1], rgb[2])), scale);
     };
-    // The table holds reduced scattering; stock pbrt-v4 takes it for the scattering of a medium of any g.
+    // As in stock pbrt-v4, the table's reduced scattering is used as scattering for any g.
     return {spectrum(preset.absorption), spectrum(preset.reducedScattering), ScaledSpectrum(ConstantSpectrum(0), 0)};
 }
 
@@ -192,8 +184,6 @@ std::unique_ptr<Medium> MakeHomogeneous(const HomogeneousParams &p, const ParamS
     spectra.emission = Emission(set, context, p.emission, p.emissionScale);
     return std::make_unique<HomogeneousMedium>(std::move(spectra), p.coefficients.g);
 }
-
-// Grids of voxels.
 
 struct UniformGridParams {
     CoefficientParams coefficients;
@@ -255,7 +245,6 @@ struct RgbGridParams {
     }
 };
 
-/// The colour space of the numbers of an "rgb" parameter.
 const ColorSpace &SpaceOf(const ParamSet &set, const char *name, const MediumContext &context) {
     const Param *p = set.Find(name, ParamType::Rgb);
     const ColorSpace *space = p ? ColorSpace::Find(p->colorSpace) : nullptr;
@@ -289,8 +278,6 @@ std::unique_ptr<Medium> MakeRgbGrid(const RgbGridParams &p, const ParamSet &set,
     grids.emissionScale = p.emissionScale;
     return std::make_unique<RgbGridMedium>(p.g, RequirePlace(set, context), p.bounds.Make(set), std::move(grids));
 }
-
-// Clouds and files.
 
 struct CloudParams {
     CoefficientParams coefficients;

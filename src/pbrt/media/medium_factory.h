@@ -9,7 +9,6 @@
 
 namespace pbrt {
 
-/// What a medium is made from beside its parameters.
 struct MediumContext {
     const Transform &renderFromMedium;
     const ColorSpace &colorSpace;  ///< the current one
@@ -17,7 +16,6 @@ struct MediumContext {
     DiagnosticSink &sink;
 };
 
-/// The factories of MakeNamedMedium directives, by their "type".
 using MediumFactories = FactoryTable<std::unique_ptr<Medium>, const MediumContext>;
 const MediumFactories &Media();
 

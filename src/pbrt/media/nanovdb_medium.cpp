@@ -4,13 +4,12 @@
 #include <atomic>
 #include <filesystem>
 #include <fstream>
-#include <iostream>  // NanoVDB needs it
+#include <iostream>  // required by NanoVDB
 
 #include "pbrt/core/error.h"
 #include "pbrt/core/memory.h"
 #include "pbrt/core/parallel.h"
 
-// The only file that sees NanoVDB.
 #define NANOVDB_USE_ZIP
 #define NANOVDB_USE_BLOSC
 #include <nanovdb/NanoVDB.h>
@@ -25,7 +24,7 @@ using FloatGrid = nanovdb::NanoGrid<float>;
 using Accessor = nanovdb::DefaultReadAccessor<float>;
 using Handle = nanovdb::GridHandle<nanovdb::HostBuffer>;
 
-/// Throws UserError if the file is not one that this version of NanoVDB reads.
+/// Throws UserError unless this NanoVDB version can read the file.
 void CheckMagic(const std::string &path) {
     std::ifstream file(path, std::ios::binary);
     std::error_code none;
@@ -48,8 +47,8 @@ void CheckMagic(const std::string &path) {
     throw UserError(fmt::format("{}: this is not a NanoVDB file.", path));
 }
 
-/// True if all nodes of the grid's tree lie in its memory of `bytes`, so that its values can be read. NanoVDB's own
-/// check does not visit all of them.
+/// True if all tree nodes lie within the grid's `bytes` of memory, so that values can be read. NanoVDB's own check does
+/// not visit all of them.
 bool IsSound(const FloatGrid &grid, size_t bytes) {
     const auto begin = reinterpret_cast<uintptr_t>(&grid);
     auto holds = [&](const void *p, uint64_t size) {
@@ -60,7 +59,7 @@ bool IsSound(const FloatGrid &grid, size_t bytes) {
     const auto &tree = grid.tree();
     const auto &root = tree.root();
     if (!holds(&root, sizeof(root)) || !holds(&root, root.memUsage())) return false;
-    // A damaged tree may refer to a node many times: no more are visited than its node counts allow.
+    // A damaged tree may refer to a node repeatedly: visits are limited by its node counts.
     std::array<uint64_t, 3> visited{};
     auto isFine = [&](const auto &node, size_t level) {
         return ++visited[level] <= tree.nodeCount(static_cast<int>(level)) && holds(&node, sizeof(node));
@@ -78,7 +77,7 @@ bool IsSound(const FloatGrid &grid, size_t bytes) {
     return true;
 }
 
-/// One grid of a file, with its memory. Empty if the file has no such grid.
+/// A grid of a file, with its memory. Empty if the file has no such grid.
 class VdbGrid {
   public:
     VdbGrid() = default;
@@ -132,7 +131,7 @@ VdbGrids ReadGrids(const NanoVdbRequest &request) {
                                         Abbreviate(request.densityName), ListChoices(request.densityName, names)));
     } catch (const UserError &) {
         throw;
-    } catch (const std::exception &e) {  // NanoVDB's own, and memory for sizes that are nonsense
+    } catch (const std::exception &e) {  // NanoVDB's exceptions, and allocation failure for invalid sizes
         throw UserError(fmt::format("{}: the file is damaged or cannot be read: {}.", request.path, e.what()));
     }
     return grids;
@@ -149,17 +148,17 @@ Float Interpolate(const Accessor &accessor, const Point3 &p) {
     return Lerp(w.y, Lerp(w.x, alongZ[0], alongZ[1]), Lerp(w.x, alongZ[2], alongZ[3]));
 }
 
-/// The upper bounds of a density in the cells of a grid over a box of index space.
+/// Density upper bounds in grid cells over a box of index space.
 class DensityBounds {
   public:
-    /// Index coordinates of a place are low + perCell * p, p in the coordinates of the majorants.
+    /// Index coordinates are low + perCell * p, p in majorant coordinates.
     DensityBounds(const glm::ivec3 &low, const Vector3 &perCell, const glm::ivec3 &cells)
         : low_(low), perCell_(perCell), cells_(cells) {
         max_ = std::vector<std::atomic<Float>>(static_cast<size_t>(cells.x) * static_cast<size_t>(cells.y) *
                                                static_cast<size_t>(cells.z));
     }
 
-    /// From the coordinates of the majorants to index space along an axis; see Voxels::ToVoxels.
+    /// Maps majorant coordinates to index space along an axis; see Voxels::ToVoxels.
     static Float ToIndex(Float p, Float perCell, int low) { return std::fma(p, perCell, static_cast<Float>(low)); }
 
     void Take(const FloatGrid &grid) {
@@ -181,7 +180,6 @@ class DensityBounds {
         if (grid.tree().background() != 0)
             for (std::atomic<Float> &max : max_) Raise(max, grid.tree().background());
     }
-    /// False if a value is infinite or not a number.
     bool IsFinite() const { return isFinite_; }
     Float operator()(const glm::ivec3 &cell) const { return max_[IndexOf(cell)]; }
 
@@ -190,10 +188,10 @@ class DensityBounds {
     using Leaf = nanovdb::NanoLeaf<float>;
     static constexpr int kLowersPerUpper = 32;
     struct Cells {
-        int first, last;  ///< none if the last one is before the first one
+        int first, last;  ///< empty if last < first
     };
 
-    /// The cells that hold places where the values from index `from` to `to` count: those less than 1 away.
+    /// Cells influenced by values from index `from` to `to`: those less than 1 away.
     Cells CellsOf(int axis, int from, int to) const {
         const auto below = static_cast<double>(from - 1), above = static_cast<double>(to + 1);
         auto cellAt = [&](double index) {
@@ -203,7 +201,7 @@ class DensityBounds {
         auto index = [&](int cell) {
             return static_cast<double>(ToIndex(static_cast<Float>(cell), perCell_[axis], low_[axis]));
         };
-        // One more on each side for the division, then only those that the places reach.
+        // One more on each side for rounding in the division, then restricted to the cells actually reached.
         Cells c{std::max(cellAt(below) - 1, 0), std::min(cellAt(above) + 1, cells_[axis] - 1)};
         while (c.first <= c.last && index(c.first + 1) <= below) ++c.first;
         while (c.first <= c.last && index(c.last) >= above) --c.last;
@@ -230,7 +228,6 @@ class DensityBounds {
         for (int a = 0; a < 3; ++a) cells[a] = CellsOf(a, origin[a], origin[a] + (size - 1));
         Spread(cells, value);
     }
-    /// The values of a node that stand for whole cubes of voxels.
     template <class Node>
     void TakeTiles(const Node &node, int size) {
         for (uint32_t n = 0; n < Node::SIZE; ++n)
@@ -299,8 +296,7 @@ class NanoVdbMedium final : public Medium {
     }
 
   private:
-    /// What is kept along a ray: the nodes of the trees that were read last, and the ray in the index space of the
-    /// temperature, where it starts at the anchor of the walk.
+    /// Per-ray state: tree accessors, and the ray in the temperature's index space, starting at the walk's anchor.
     struct OnRay {
         Accessor density, temperature;
         Point3 origin;
@@ -308,7 +304,7 @@ class NanoVdbMedium final : public Medium {
     };
     static constexpr int kMaxCells = 64;
 
-    /// From the coordinates of the majorants to the density's index space.
+    /// Maps majorant coordinates to the density's index space.
     Point3 ToIndex(const Point3 &p) const {
         return {DensityBounds::ToIndex(p.x, indicesPerCell_.x, low_.x),
                 DensityBounds::ToIndex(p.y, indicesPerCell_.y, low_.y),
@@ -331,7 +327,7 @@ class NanoVdbMedium final : public Medium {
     MediumSpectra spectra_;
     VdbGrids grids_;
     ThermalEmission thermal_;
-    glm::ivec3 low_{0};  ///< index coordinates of the low corner of the majorants
+    glm::ivec3 low_{0};  ///< index coordinates of the majorants' low corner
     Vector3 indicesPerCell_{};
     MajorantGrid majorants_;
     AffineMap gridFromRender_, temperatureFromRender_;

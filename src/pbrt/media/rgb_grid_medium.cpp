@@ -5,8 +5,8 @@
 namespace pbrt {
 
 namespace {
-/// Measured as for uniformgrid. Looking up a place takes longer here, so that tighter majorants pay: 16 cells are best
-/// from 8 voxels on, and no more cells than voxels in smaller grids.
+/// Measured as for uniformgrid. Lookups are slower here, so tighter majorants pay: 16 cells from 8 voxels on, otherwise
+/// at most one cell per voxel.
 glm::ivec3 CellsOfRgbGrid(const glm::ivec3 &voxels) { return MajorantCells(voxels, 1, 16); }
 
 Float HighestIn(const std::vector<RgbUnboundedSpectrum> &spectra, const Voxels &voxels, const glm::ivec3 &cell) {

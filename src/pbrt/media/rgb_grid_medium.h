@@ -7,19 +7,18 @@
 
 namespace pbrt {
 
-/// A box of voxels that hold absorption, scattering and emission as colours. What is interpolated are the spectra that
-/// stand for them, not the colours.
+/// Box of RGB voxels for absorption, scattering and emission. Interpolates the uplifted spectra, not the colours.
 class RgbGridMedium final : public Medium {
   public:
     struct Grids {
         glm::ivec3 count{1};                                       ///< voxels per axis
         std::vector<RgbUnboundedSpectrum> absorption, scattering;  ///< empty: 1
         std::vector<RgbUnboundedSpectrum> emission;                ///< without the illuminant; empty: 0
-        const Spectrum *illuminant = nullptr;                      ///< by which the emission is multiplied
+        const Spectrum *illuminant = nullptr;                      ///< factor of the emission
         Float scale = 1;                                           ///< of absorption and scattering
         Float emissionScale = 1;
     };
-    /// `bounds`: of the voxels, in the space of the medium.
+    /// `bounds`: of the voxels, in medium space.
     RgbGridMedium(Float g, const Transform &renderFromMedium, const Bounds3 &bounds, Grids grids);
     size_t Bytes() const override;
     MediumOnRay On(const Ray &ray, Float tMax, const SampledWavelengths &lambda) const override;

@@ -3,8 +3,7 @@
 
 namespace pbrt {
 
-/// How a temperature becomes emission: that of a black body at the temperature (T - offset) * factor, divided by its
-/// peak. At 100 K and below there is none.
+/// Emission of a black body at temperature (T - offset) * factor, normalised to its peak. None at 100 K and below.
 struct ThermalEmission {
     Float offset = 0;  ///< kelvin
     Float factor = 1;

@@ -6,24 +6,23 @@
 
 namespace pbrt {
 
-/// Transmittance of a stretch in which all wavelengths meet their majorants; `length` may be infinite.
+/// Transmittance of a segment at the majorants of all wavelengths; `length` may be infinite.
 inline SampledSpectrum MajorantTransmittance(const SampledSpectrum &majorant, Float length) {
     return majorant.Map([length](Float m) { return m > 0 ? ExpOfMinus(m * length) : Float(1); });
 }
 
-/// Tentative collisions along a ray, whose distances follow the majorant at wavelength 0: `u` decides the first one,
-/// `rng` the others. Calls
+/// Samples tentative collisions along a ray with the majorant at wavelength 0: `u` for the first one, `rng` for the
+/// others. Calls
 ///   visit(Float t, const MediumCoefficients &, const SampledSpectrum &majorant, const SampledSpectrum &tMaj) -> bool
-/// with the distance, the medium there, and the transmittance of the majorants since the last tentative collision or
-/// the start of the ray, and goes on while it returns true. The density of t is majorant[0] * tMaj[0], relative to the
-/// last collision. Returns the transmittance of the majorants from the last collision to the end of the ray, or 1 if
-/// `visit` returned false. Where the majorant is 0 at wavelength 0 no collisions happen, but the other wavelengths'
-/// majorants count for the transmittance.
+///   until it returns false. tMaj is the majorant transmittance since the last tentative collision or the ray's start;
+///   the density of t is majorant[0] * tMaj[0] relative to it. Returns the majorant transmittance from the last
+///   collision to the end of the ray, or 1 if `visit` returned false. Segments with majorant 0 at wavelength 0 have no
+///   collisions, but count for the transmittance of the other wavelengths.
 template <class Visit>
 SampledSpectrum ForEachCollision(MediumOnRay &onRay, Float u, Rng &rng, Visit &&visit) {
     SampledSpectrum tMaj(1);
     uint64_t lookups = 0;
-    Float depth = DepthThatTakes(u);  // majorant optical depth, at wavelength 0, that is left until the next collision
+    Float depth = DepthThatTakes(u);  // majorant optical depth, at wavelength 0, to the next collision
     MajorantSegment segment;
     while (onRay.Next(&segment)) {
         const Float majorant = segment.majorant[0];
@@ -49,8 +48,8 @@ SampledSpectrum ForEachCollision(MediumOnRay &onRay, Float u, Rng &rng, Visit &&
     return tMaj;
 }
 
-/// An unbiased estimate of the transmittance along a ray, each wavelength within [0, 1]: ratio tracking (Novak et al.
-/// 2014) by the largest majorant of all wavelengths, which is why it is right for every one of them.
+/// Unbiased estimate of the transmittance along a ray, per wavelength within [0, 1]: ratio tracking (Novak et al. 2014)
+/// with the largest majorant of all wavelengths, hence valid for each of them.
 inline SampledSpectrum RatioTransmittance(MediumOnRay &onRay, Rng &rng) {
     SampledSpectrum transmittance(1);
     Float depth = DepthThatTakes(rng.Uniform());

@@ -5,8 +5,8 @@
 namespace pbrt {
 
 namespace {
-/// Measured by ratio tracking through cubes of 1 to 128^3 voxels, noise and a ball, of optical depth 1 and 8: of 1 to
-/// 32 cells along an axis, 1 are fastest in small grids and 4 to 8 in larger ones. Stock's 16 take up to twice as long.
+/// Measured by ratio tracking through cubes of 1 to 128^3 voxels, noise and a ball, at optical depths 1 and 8. Of 1 to
+/// 32 cells per axis, 1 is fastest in small grids and 4 to 8 in larger ones; stock's 16 take up to twice as long.
 glm::ivec3 CellsOfUniformGrid(const glm::ivec3 &voxels) { return MajorantCells(voxels, 4, 8); }
 }  // namespace
 

@@ -8,8 +8,8 @@
 
 namespace pbrt {
 
-/// A box of voxels that hold a density, by which absorption and scattering are multiplied, and possibly a factor of the
-/// emission and a temperature.
+/// Box of voxels with a density that multiplies absorption and scattering, and optionally an emission factor and a
+/// temperature.
 class UniformGridMedium final : public Medium {
   public:
     struct Grids {
@@ -18,7 +18,7 @@ class UniformGridMedium final : public Medium {
         std::vector<Float> emission;     ///< factor of the emission; empty: 1
         std::vector<Float> temperature;  ///< kelvin; empty: none
     };
-    /// `bounds`: of the voxels, in the space of the medium. Without a temperature the emission is that of `spectra`.
+    /// `bounds`: of the voxels, in medium space. Without temperatures the emission is that of `spectra`.
     UniformGridMedium(MediumSpectra spectra, Float g, const Transform &renderFromMedium, const Bounds3 &bounds,
                       Grids grids, const ThermalEmission &thermal);
     size_t Bytes() const override;

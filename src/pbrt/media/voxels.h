@@ -3,12 +3,11 @@
 
 namespace pbrt {
 
-/// Evenly spaced voxels in a box, x fastest. A voxel's value stands at its centre; between the centres values are
-/// interpolated linearly along each axis, and outside the box all voxels are 0, so that values fade in the outer half
-/// of the outermost voxels. This is how stock pbrt-v4 reads its grids.
+/// Regular voxels in a box, x fastest. Values are at voxel centres, interpolated trilinearly. As in stock pbrt-v4,
+/// voxels outside the box are 0, so values fade in the outer half of the outermost voxels.
 ///
-/// Places are given in the coordinates of a MajorantGrid over the same box. What the voxels hold is up to the callers,
-/// who pass a function from the index of a voxel to its value.
+/// Points are in the coordinates of a MajorantGrid over the same box. Callers pass a function from voxel index to
+/// value.
 class Voxels {
   public:
     Voxels(const glm::ivec3 &count, const glm::ivec3 &gridResolution)
@@ -19,7 +18,6 @@ class Voxels {
         return static_cast<size_t>(count_.x) * static_cast<size_t>(count_.y) * static_cast<size_t>(count_.z);
     }
 
-    /// The interpolated value at a place.
     template <class ValueOf>
     auto Interpolate(const Point3 &p, ValueOf &&valueOf) const {
         const Vector3 v = ToVoxels(p), low = glm::floor(v), w = v - low;
@@ -36,7 +34,7 @@ class Voxels {
                 }
         return sum;
     }
-    /// The largest value of all voxels that reach into a cell of the grid; at least 0.
+    /// Largest value of all voxels that influence a grid cell; at least 0.
     template <class ValueOf>
     Float MaxIn(const glm::ivec3 &cell, ValueOf &&valueOf) const {
         const glm::ivec3 low = glm::max(glm::ivec3(glm::floor(ToVoxels(Point3(cell)))), glm::ivec3(0));
@@ -49,8 +47,8 @@ class Voxels {
     }
 
   private:
-    /// In units of voxels, so that the centre of voxel i is at i. The fused operation rounds in the same way wherever
-    /// it is inlined; it does not decrease with p, so a cell's voxels are those between the ends of the cell.
+    /// Voxel units, centre of voxel i at i. The fused operation rounds identically wherever it is inlined, and is
+    /// monotonic in p, so a cell's voxels are those between its ends.
     Vector3 ToVoxels(const Point3 &p) const {
         return {std::fma(p.x, perCell_.x, Float(-0.5)), std::fma(p.y, perCell_.y, Float(-0.5)),
                 std::fma(p.z, perCell_.z, Float(-0.5))};

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kSize = BlueNoiseMask::Size, kCount = kSize * kSize;
 
-/// A set of chosen pixels, with an energy for every pixel that grows with its nearness to chosen ones.
+/// Set of chosen pixels, with an energy per pixel that grows near chosen ones.
 class Pattern {
   public:
     Pattern() : bell_(kCount), chosen_(kCount, 0), energy_(kCount, 0) {
@@ -32,14 +32,14 @@ class Pattern {
             for (int x = 0; x < kSize; ++x)
                 energy_[y * kSize + x] += sign * bell_[((y - py) & (kSize - 1)) * kSize + ((x - px) & (kSize - 1))];
     }
-    /// The chosen pixel nearest to other chosen ones.
+    /// Chosen pixel of highest energy.
     int TightestCluster() const {
         int best = -1;
         for (int i = 0; i < kCount; ++i)
             if (IsChosen(i) && (best < 0 || Energy(i) > Energy(best))) best = i;
         return best;
     }
-    /// The pixel farthest from chosen ones.
+    /// Pixel of lowest energy.
     int LargestVoid() const {
         int best = -1;
         for (int i = 0; i < kCount; ++i)
@@ -66,7 +66,7 @@ BlueNoiseMask::BlueNoiseMask(uint64_t seed) : ranks_(kCount) {
         pattern.Toggle(pixel);
         ++count;
     }
-    // Spreads the pixels chosen so far evenly.
+    // Distributes the initial pixels evenly.
     for (;;) {
         const int cluster = pattern.TightestCluster();
         pattern.Toggle(cluster);

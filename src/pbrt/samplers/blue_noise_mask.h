@@ -6,8 +6,8 @@
 
 namespace pbrt {
 
-/// The numbers 0 ... Size * Size - 1 in a square of pixels that tiles the plane; similar numbers are far from each
-/// other (void and cluster, Ulichney 1993): thresholds with blue noise.
+/// Permutation of 0 ... Size * Size - 1 over a tiling square of pixels, with similar ranks far apart (void and cluster,
+/// Ulichney 1993): blue-noise thresholds.
 class BlueNoiseMask {
   public:
     static constexpr int Log2Size = 6, Size = 1 << Log2Size;

@@ -4,7 +4,7 @@ namespace pbrt {
 
 namespace {
 
-/// Steps from sample to sample of a pixel in the first digit of each dimension, see HaltonSampler::Step.
+/// First-digit steps per dimension between samples of a pixel, see HaltonSampler::Step.
 constexpr std::array<uint16_t, HaltonSampler::StepCount> kSteps = {
     1,  1,  2,  3,  3,  3,  3,  6,   3,  6,  13,  10, 16, 10, 15,  5,  28, 26,  18, 28, 17, 28,
     9,  43, 42, 15, 32, 25, 39, 11,  61, 35, 20,  55, 34, 52, 15,  77, 46, 28,  71, 41, 66, 19,
@@ -36,7 +36,7 @@ HaltonSampler::HaltonSampler(int samplesPerPixel, Point2i resolution, Randomizat
     xStep_ = sy * InverseModulo(sy, sx);
     yStep_ = sx * InverseModulo(sx, sy);
     if (randomization == Randomization::PermuteDigits) {
-        // The permutations of dimensions 0 and 1 are not used. No other base divides the stride.
+        // Dimensions 0 and 1 are unused. No other base divides the stride.
         std::array<uint32_t, kSteps.size()> multipliers{1, 1};
         for (size_t d = 2; d < kSteps.size(); ++d) {
             const uint64_t base = Primes[d];
@@ -47,8 +47,8 @@ HaltonSampler::HaltonSampler(int samplesPerPixel, Point2i resolution, Randomizat
 }
 
 int HaltonSampler::StartSample(Point2i pixel, int sampleIndex, int dimension) {
-    // The first j binary digits of the index, mirrored, are the column in the tile; the first k ternary ones the row.
-    // The Chinese remainder theorem puts both together.
+    // The first j mirrored binary digits of the index are the column in the tile; the first k ternary ones the row. The
+    // Chinese remainder theorem combines both.
     if (pixel != pixel_) {
         pixel_ = pixel;
         auto x = static_cast<uint64_t>(Wrap(pixel.x, kTile)), y = static_cast<uint64_t>(Wrap(pixel.y, kTile));

@@ -5,9 +5,8 @@
 
 namespace pbrt {
 
-/// Halton points over tiles of up to 128 x 128 pixels: bases 2 and 3, scaled by the power that covers the tile, give
-/// the position on the film, so that each pixel owns every (2^j 3^k)-th point; the other bases give the other
-/// dimensions.
+/// Halton points over tiles of up to 128 x 128 pixels. Bases 2 and 3, scaled by the power that covers the tile, give
+/// the film position, so each pixel owns every (2^j 3^k)-th point; other bases give the other dimensions.
 class HaltonSampler final : public Sampler {
   public:
     HaltonSampler(int samplesPerPixel, Point2i resolution, Randomization randomization, int seed);
@@ -18,14 +17,13 @@ class HaltonSampler final : public Sampler {
         return std::make_unique<HaltonSampler>(samplesPerPixel_, resolution_, randomization_, seed);
     }
 
-    /// Index of the current sample in the Halton sequence.
     uint64_t Index() const { return index_; }
     Point2i TileScale() const { return scale_; }
 
-    /// With permuted digits the first dimensions, those of the film aside, have affine permutations: in a large base
-    /// these keep the few samples of a pixel spread over the whole interval, which random permutations do not. From one
-    /// sample of a pixel to the next the first digit goes on by Step(dimension), modulo the base. Only the shifts are
-    /// random. Later dimensions have random permutations.
+    /// With permuted digits the first dimensions, except the film's, use affine permutations: in a large base these
+    /// keep a pixel's few samples spread over the interval, unlike random permutations. Between successive samples the
+    /// first digit advances by Step(dimension), modulo the base. Only the shifts are random. Later dimensions use
+    /// random permutations.
     static constexpr int StepCount = 64;
     static int Step(int dimension);
 
@@ -44,7 +42,7 @@ class HaltonSampler final : public Sampler {
     Point2i scale_{1, 1};             ///< 2^j and 3^k
     Point2i exponents_{0, 0};         ///< j and k
     uint64_t stride_ = 1;             ///< product of the scales
-    uint64_t xStep_ = 0, yStep_ = 0;  ///< 1 modulo the one scale and 0 modulo the other
+    uint64_t xStep_ = 0, yStep_ = 0;  ///< 1 modulo one scale and 0 modulo the other
     Point2i pixel_{-1, -1};
     uint64_t pixelIndex_ = 0;  ///< of the pixel's first sample
     uint64_t index_ = 0;

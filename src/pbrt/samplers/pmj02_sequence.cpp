@@ -13,8 +13,8 @@ namespace {
 
 constexpr size_t X = 0, Y = 1;
 
-/// The points with Sobol's own coordinates and with the flipped ones. A node of an axis is the set of all points whose
-/// own Sobol coordinates share their first digits.
+/// Points with their Sobol' and flipped coordinates. A node of an axis is the set of points whose Sobol' coordinates
+/// share their first digits.
 struct Sequence {
     std::array<std::vector<uint32_t>, 2> sobol, flipped;
 
@@ -28,7 +28,7 @@ struct Sequence {
     uint32_t Node(uint32_t i, size_t axis, int digits) const { return sobol[axis][i] >> (32 - digits); }
 };
 
-/// The first 4^level points, one in each of 2^level x 2^level cells.
+/// First 4^level points, one in each of 2^level x 2^level cells.
 class Prefix {
   public:
     Prefix(const Sequence &sequence, int level) : sequence_(&sequence), level_(level) {
@@ -41,15 +41,14 @@ class Prefix {
         }
     }
 
-    /// The prefix's points in a node; `digits` at most 2 * level.
+    /// Points of the prefix in a node; `digits` at most 2 * level.
     std::span<const uint32_t> PointsIn(size_t axis, int digits, uint32_t node) const {
         const size_t count = size_t(1) << (2 * level_ - digits);
         return {order_[axis].data() + count * node, count};
     }
     int Level() const { return level_; }
 
-    /// How crowded the points of a node are, on average. Pairs within the node count once, as do pairs across its
-    /// border.
+    /// Mean energy of a node's points. Pairs within the node and across its border count once.
     float Energy(size_t axis, int digits, uint32_t node) const {
         float sum = 0;
         std::span<const uint32_t> points = PointsIn(axis, digits, node);
@@ -73,10 +72,9 @@ class Prefix {
             for (uint32_t dx = 0; dx < 5; ++dx) {
                 const uint32_t k = cells_[((row + dy - 2) & mask) << level_ | ((column + dx - 2) & mask)];
                 if (k == i) continue;
-                // Differences wrap around as the square does.
+                // Toroidal differences.
                 const float u = static_cast<float>(static_cast<int32_t>(xs[k] - xs[i])) * scale,
                             v = static_cast<float>(static_cast<int32_t>(ys[k] - ys[i])) * scale;
-                // A bell that ends 1.6 cells from the point.
                 const float q = 1 - (u * u + v * v) / (1.6f * 1.6f);
                 if (q > 0) f(k, q * q * q * q);
             }
@@ -85,7 +83,7 @@ class Prefix {
     const Sequence *sequence_;
     int level_;
     std::vector<uint32_t> cells_;
-    std::array<std::vector<uint32_t>, 2> order_;  ///< points by Sobol's own coordinates
+    std::array<std::vector<uint32_t>, 2> order_;  ///< points by Sobol' coordinate
 };
 
 /// Decides for every node of `digits` digits whether the next digit of its points is flipped. `prefixes`: largest
@@ -121,8 +119,8 @@ void SearchFlips(Sequence &sequence, int digits, std::span<const Prefix *const> 
 std::vector<BinaryPoint> MakePmj02bn(int log2Count, int blueLevels, uint64_t seed) {
     PBRT_CHECK(log2Count <= 30 && 2 * blueLevels <= log2Count);
     Sequence sequence(uint32_t(1) << log2Count, seed);
-    // The cells of the points of a prefix are fixed when the digits before its level are decided. A digit moves the
-    // points of the prefix of its own level by half a cell, those of the two levels before by a quarter and an eighth.
+    // A prefix's cells are fixed by the digits before its level. A digit moves the points of its own level's prefix by
+    // half a cell, those of the two preceding levels by a quarter and an eighth.
     std::vector<Prefix> prefixes;
     for (int digit = 2; digit <= blueLevels + 2; ++digit) {
         if (digit <= blueLevels) prefixes.emplace_back(sequence, digit);

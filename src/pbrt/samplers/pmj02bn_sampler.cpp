@@ -13,14 +13,14 @@ const BlueNoiseMask &Mask() {
     return mask;
 }
 
-/// Permutes the numbers of `bits` bits so that every aligned run of 4, 16, ... stays together: the four parts of every
-/// run go in a random order of their own, which depends on the seed of the lane.
+/// Permutes `bits`-bit numbers keeping every aligned run of 4, 16, ... together: the quarters of each run have their
+/// own random order, by the lane's seed.
 Lanes64 ShuffleRuns(uint32_t index, int bits, const Lanes64 &seed) {
     Lanes64 shuffled{};
     for (int shift = 0; shift < bits; shift += 2) {
         const Lanes64 hash = MixBits(seed ^ (uint64_t(shift) << 32 | index >> (shift + 2)));
         const uint64_t part = index >> shift & 3;
-        // If `bits` is odd, the highest bit alone is flipped at random.
+        // If `bits` is odd, the highest bit alone is flipped randomly.
         shuffled |= (shift + 1 == bits ? part ^ (hash >> 63) : PlaceInQuad(part, hash >> 32)) << shift;
     }
     return shuffled;
@@ -32,8 +32,8 @@ const std::vector<BinaryPoint> &Pmj02bnSampler::Set(int index) {
     using Sets = std::array<std::vector<BinaryPoint>, SetCount>;
     static const Sets sets = [] {
         Sets made;
-        // Flipped digits would destroy blue noise, so that only the set for positions has it. In the other sets its
-        // regular spacing would only harm: the error of a pixel was measured to be larger with it.
+        // Flipped digits destroy blue noise, so only the position set has it. In other sets its regular spacing
+        // increases the measured pixel error.
         for (size_t i = 0; i < made.size(); ++i) made[i] = MakePmj02bn(kLog2Count, i == 0 ? 7 : 0, i);
         return made;
     }();
@@ -45,7 +45,7 @@ Pmj02bnSampler::Pmj02bnSampler(int samplesPerPixel, int seed)
       log2Samples_(std::bit_width(static_cast<unsigned>(samplesPerPixel - 1))), seed_(Hash(seed)) {
     log2PerPixel_ = std::min((log2Samples_ + 1) / 2 * 2, kLog2Count);
     log2Tile_ = (kLog2Count - log2PerPixel_) / 2;
-    // The points in a pixel, in the order of the sequence, are again a (0,2) sequence.
+    // The points in a pixel, in sequence order, are again a (0,2) sequence.
     auto sorted = std::make_shared<std::vector<BinaryPoint>>(size_t(1) << kLog2Count);
     std::vector<uint32_t> found(size_t(1) << (2 * log2Tile_), 0);
     auto place = [&](uint32_t v) { return static_cast<uint32_t>(uint64_t(v) >> (32 - log2Tile_)); };
@@ -61,7 +61,7 @@ Pmj02bnSampler::Pmj02bnSampler(int samplesPerPixel, int seed)
 int Pmj02bnSampler::StartSample(Point2i pixel, int sampleIndex, int dimension) {
     pixel_ = pixel;
     index_ = sampleIndex;
-    // Where the sets end they are used again, flipped and ordered differently.
+    // Exhausted sets are reused, flipped and reordered.
     setHash_ = Hash(seed_, sampleIndex >> kLog2Count);
     pixelHash_ = Hash(pixel, setHash_);
     return std::max(2, dimension);
@@ -77,8 +77,8 @@ Lanes64 Pmj02bnSampler::PlacesFor(int dimension) const {
 }
 
 Lanes64 Pmj02bnSampler::FlipsFor(int dimension) const {
-    // Every dimension shifts the mask by another offset; multiples of the inverse of the plastic number and of its
-    // square (Roberts 2018) keep the offsets apart.
+    // Each dimension offsets the mask by multiples of the inverse plastic number and its square (Roberts 2018), which
+    // stay apart.
     Lanes64 rank;
     for (int lane = 0; lane < Lanes64Count; ++lane) {
         const auto d = static_cast<uint32_t>(dimension + lane);
@@ -88,7 +88,6 @@ Lanes64 Pmj02bnSampler::FlipsFor(int dimension) const {
     }
     constexpr int kRankBits = 2 * BlueNoiseMask::Log2Size;
     const Lanes64 sameEverywhere = AddDimensions(setHash_, dimension);
-    // A hash of another sequence of seeds.
     const Lanes64 fine = MixBits(pixelHash_ - 0x9e3779b97f4a7c15ull * CountingLanes(static_cast<uint64_t>(dimension)));
     return (rank << (32 - kRankBits) | fine >> (32 + kRankBits)) ^ sameEverywhere;
 }
@@ -114,7 +113,7 @@ Sampler::Run Pmj02bnSampler::Prepare(int dimension, Numbers &numbers) {
 }
 
 Point2 Pmj02bnSampler::GetPixel2D() {
-    // Tiles are laid out from another pixel for every seed; further rounds through a tile's points flip their digits.
+    // Tiles start at a seed-dependent pixel; further rounds through a tile's points flip their digits.
     const uint32_t mask = (uint32_t(1) << log2Tile_) - 1;
     const uint32_t x = (static_cast<uint32_t>(pixel_.x) + static_cast<uint32_t>(seed_)) & mask,
                    y = (static_cast<uint32_t>(pixel_.y) + static_cast<uint32_t>(seed_ >> 32)) & mask;

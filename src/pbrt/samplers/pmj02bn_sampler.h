@@ -8,10 +8,9 @@
 
 namespace pbrt {
 
-/// Progressive multi-jittered (0,2) points. The positions of all samples within a square of pixels are one point set
-/// with blue noise. For all other dimensions a pixel takes the points of one of a few fixed sets, in its own random
-/// order that keeps runs of 4, 16, ... samples together. Their digits are flipped by masks that have blue noise over
-/// the image; after that they are still (0,2) points.
+/// Progressive multi-jittered (0,2) points. Positions of all samples in a square of pixels are one blue-noise point
+/// set. For other dimensions a pixel uses one of a few fixed sets, in a random order that keeps runs of 4, 16, ...
+/// samples together. Digits are flipped by masks with blue noise over the image, which preserves the (0,2) property.
 class Pmj02bnSampler final : public Sampler {
   public:
     Pmj02bnSampler(int samplesPerPixel, int seed);
@@ -22,7 +21,7 @@ class Pmj02bnSampler final : public Sampler {
         return std::make_unique<Pmj02bnSampler>(samplesPerPixel_, seed);
     }
 
-    /// The sets: 2^SetLog2Count points each; the first one is for positions. Made at the first call.
+    /// 2^SetLog2Count points per set; the first set is for positions. Built at the first call.
     static constexpr int SetCount = 6, SetLog2Count = 16;
     static const std::vector<BinaryPoint> &Set(int index);
 
@@ -31,7 +30,7 @@ class Pmj02bnSampler final : public Sampler {
     Run Prepare(int dimension, Numbers &numbers) override;
 
   private:
-    /// For eight dimensions from the given one on: places in the sets, and masks of flipped bits.
+    /// For eight dimensions from the given one: indices into the sets, and flip masks.
     Lanes64 PlacesFor(int dimension) const;
     Lanes64 FlipsFor(int dimension) const;
 
@@ -40,8 +39,8 @@ class Pmj02bnSampler final : public Sampler {
     int samplesPerPixel_;
     int log2Samples_;  ///< log2 of the samples per pixel, rounded up
     uint64_t seed_;
-    int log2Tile_;                                                 ///< pixels of a tile along each side
-    int log2PerPixel_;                                             ///< points of a tile in each of its pixels
+    int log2Tile_;                                                 ///< side of a tile in pixels
+    int log2PerPixel_;                                             ///< points of a tile per pixel
     std::shared_ptr<const std::vector<BinaryPoint>> pixelPoints_;  ///< of a tile, by pixel, as fractions of the pixel
     Point2i pixel_{};
     int index_ = 0;

@@ -4,8 +4,6 @@
 
 namespace pbrt {
 
-// ---- Streams
-
 void PixelStream::Start(Point2i pixel, int sampleIndex) {
     uint64_t h = Hash(pixel, seed_);
     rng_.SetSequence(h, MixBits(h));
@@ -17,8 +15,6 @@ FloatLanes PixelStream::Numbers(int dimension) const {
     rng.Advance(static_cast<uint64_t>(dimension));
     return rng.NextUniforms();
 }
-
-// ---- Stratified
 
 int StratifiedSampler::StartSample(Point2i pixel, int sampleIndex, int dimension) {
     int round = sampleIndex / SamplesPerPixel();

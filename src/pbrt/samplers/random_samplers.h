@@ -4,12 +4,11 @@
 
 namespace pbrt {
 
-/// A stream of random numbers for each pixel; each sample owns kDimensionsPerSample consecutive numbers of it.
+/// Random stream per pixel; each sample owns kDimensionsPerSample consecutive numbers.
 class PixelStream {
   public:
     explicit PixelStream(int seed) : seed_(seed) {}
     void Start(Point2i pixel, int sampleIndex);
-    /// Sixteen numbers of the sample from one dimension on.
     FloatLanes Numbers(int dimension) const;
 
   private:
@@ -44,8 +43,8 @@ class IndependentSampler final : public Sampler {
     PixelStream stream_;
 };
 
-/// Jittered cells: every pair of dimensions of a pixel has one sample in each of xSamples * ySamples cells, taken in an
-/// independent random order; single dimensions likewise have one in each of xSamples * ySamples intervals.
+/// Jittered stratification: each 2D request has one sample per xSamples * ySamples cell, in independent random order;
+/// 1D requests likewise one per xSamples * ySamples interval.
 class StratifiedSampler final : public Sampler {
   public:
     StratifiedSampler(int xSamples, int ySamples, bool jitter, int seed)

@@ -3,22 +3,21 @@
 
 namespace pbrt {
 
-/// How low-discrepancy points are made random without losing their stratification.
+/// Randomisations that preserve the stratification of low-discrepancy points.
 enum class Randomization { None, PermuteDigits, FastOwen, Owen };
 
-/// The seeds of eight dimensions from `first` on that belong to a hashed state.
+/// Seeds of eight dimensions from `first` on for a hashed state.
 inline Lanes64 AddDimensions(uint64_t hash, int first) {
     return MixBits(hash + 0x9e3779b97f4a7c15ull * (CountingLanes(static_cast<uint64_t>(first)) + 1));
 }
 
-/// Sixteen 64-bit numbers.
 struct SixteenLanes {
     Lanes64 a, b;
     Lanes32 Low() const { return LowHalves(a, b); }
     Lanes32 High() const { return LowHalves(a >> 32, b >> 32); }
 };
 
-/// One coordinate of sixteen points; its bits are given in reversed order.
+/// One coordinate of sixteen points, from bit-reversed values.
 inline FloatLanes RandomizedReversed(const Lanes32 &reversed, Randomization randomization, const SixteenLanes &seeds) {
     switch (randomization) {
         case Randomization::FastOwen:
@@ -39,8 +38,8 @@ inline FloatLanes RandomizedReversed(const Lanes32 &reversed, Randomization rand
     }
 }
 
-/// A seed for the second of two coordinates. It is a full hash, because with a product its low bits would depend on
-/// those of the first seed.
+/// Seed of the second coordinate. A full hash, because the low bits of a product would depend on those of the first
+/// seed.
 inline SixteenLanes SecondSeed(const SixteenLanes &seed) {
     return {MixBits(seed.a ^ 0x632be59bd9b4e019ull), MixBits(seed.b ^ 0x632be59bd9b4e019ull)};
 }

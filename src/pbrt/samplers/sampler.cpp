@@ -94,7 +94,7 @@ struct StratifiedParams : SeedParams {
 std::unique_ptr<Sampler> MakeStratified(const StratifiedParams &p, const ParamSet &set, const SamplerContext &context) {
     int x = p.x, y = p.y;
     if (const int count = context.samplesPerPixel; count > 0) {
-        // The two factors of the count that are closest to each other.
+        // Most nearly equal factors of the count.
         for (y = static_cast<int>(std::sqrt(double(count)) + 0.5); y > 1 && count % y != 0;) --y;
         x = count / y;
     } else if (int64_t(x) * y > kMaxSamples) {
@@ -114,7 +114,6 @@ std::unique_ptr<Sampler> MakePmj(const CountParams &p, const ParamSet &set, cons
     return std::make_unique<Pmj02bnSampler>(samples, p.Seed(context));
 }
 
-/// The samples of one of the three Sobol samplers.
 int SobolSamples(const SobolParams &p, const ParamSet &set, const SamplerContext &context) {
     const int samples = p.Samples(context);
     if (!std::has_single_bit(static_cast<unsigned>(samples)))

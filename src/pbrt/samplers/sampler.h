@@ -7,12 +7,12 @@
 
 namespace pbrt {
 
-/// Random numbers for pixel samples: a function of (seed, pixel, sample index, dimension) only. Not thread-safe: each
-/// thread works on its own Clone(). All values lie in [0, 1). Sample indices from SamplesPerPixel() on are allowed:
-/// they start another, independent set of SamplesPerPixel() samples (or continue the sequence).
+/// Sample values in [0, 1) as a function of (seed, pixel, sample index, dimension) only. Not thread-safe: each thread
+/// uses its own Clone(). Indices from SamplesPerPixel() on start another independent set of SamplesPerPixel() samples
+/// (or continue the sequence).
 ///
-/// Numbers are prepared for several dimensions at once, because that takes little longer than one and saves virtual
-/// calls: Prepare computes what Get1D and Get2D return in the dimensions that follow.
+/// Prepare computes the values of several following dimensions at once, which costs little more than one and saves
+/// virtual calls.
 class Sampler {
   public:
     virtual ~Sampler() = default;
@@ -21,13 +21,11 @@ class Sampler {
         next_ = end_ = 0;
         firstPrepared_ = StartSample(pixel, sampleIndex, dimension);
     }
-    /// Uses up one dimension.
     Float Get1D() {
         if (next_ >= end_) [[unlikely]]
             PrepareNext();
         return prepared_.one[next_++];
     }
-    /// Uses up two dimensions.
     Point2 Get2D() {
         if (next_ >= end_) [[unlikely]]
             PrepareNext();
@@ -37,40 +35,39 @@ class Sampler {
     }
     virtual Point2 GetPixel2D() = 0;  ///< position inside the pixel
     virtual std::unique_ptr<Sampler> Clone() const = 0;
-    /// The same kind of samples from another seed.
+    /// Same kind of sampler with another seed.
     virtual std::unique_ptr<Sampler> WithSeed(int seed) const = 0;
-    /// The sampler for the index-th batch of SamplesPerPixel() samples: a clone for batch 0, else one with a seed that
-    /// depends on this one's and the index.
+    /// Sampler of the index-th batch of SamplesPerPixel() samples: a clone for batch 0, else one with a seed derived
+    /// from this one's and the index.
     std::unique_ptr<Sampler> ForBatch(int index) const;
 
   protected:
     static constexpr int kPrepared = 16;
-    /// Entry i is what Get1D and Get2D return in dimension first + i.
+    /// Entry i holds the results of Get1D and Get2D in dimension first + i.
     struct Numbers {
         alignas(64) Float one[kPrepared];
         alignas(64) Point2 two[kPrepared];
 
-        /// For samplers with a point for each dimension; Get1D returns its x.
+        /// For samplers with a point per dimension; Get1D returns its x.
         void SetPoints(const FloatLanes &x, const FloatLanes &y);
-        /// For samplers with one number for each dimension; the last entry is not valid, because it lacks its y.
+        /// For samplers with one number per dimension; the last entry is invalid, because its y is missing.
         void SetSequence(const FloatLanes &values);
     };
-    /// A run of dimensions whose Numbers are known; entries 0 ... count - 1 are valid.
+    /// A run of prepared dimensions; entries 0 ... count - 1 are valid.
     struct Run {
         int first = 0, count = 0;
     };
 
     explicit Sampler(int seed) : givenSeed_(seed) {}
-    /// Returns the first dimension of the sample.
     virtual int StartSample(Point2i pixel, int sampleIndex, int dimension) = 0;
-    /// Fills in numbers for a run of dimensions that contains `dimension`.
+    /// Fills numbers for a run of dimensions that contains `dimension`.
     virtual Run Prepare(int dimension, Numbers &numbers) = 0;
 
   private:
     void PrepareNext();
     int givenSeed_;
     int firstPrepared_ = 0;   ///< dimension of entry 0 of prepared_
-    int next_ = 0, end_ = 0;  ///< entries of prepared_: the next one to be used, and how many are valid
+    int next_ = 0, end_ = 0;  ///< next entry of prepared_ to use, and number of valid entries
     Numbers prepared_{};
 };
 
@@ -92,11 +89,10 @@ inline void Sampler::Numbers::SetSequence(const FloatLanes &values) {
     StoreLanes(high, two + kPrepared / 2);
 }
 
-/// What the functions that make samplers need beside the parameters.
 struct SamplerContext {
     Point2i resolution{1, 1};  ///< of the full film
-    int samplesPerPixel = 0;   ///< if above 0, overrides the parameters (--spp)
-    int seed = 0;              ///< used if the parameters give none
+    int samplesPerPixel = 0;   ///< overrides the parameters if above 0 (--spp)
+    int seed = 0;              ///< default seed
     DiagnosticSink &sink;
 };
 

@@ -8,7 +8,6 @@ namespace {
 
 int Log2RoundedUp(int v) { return std::bit_width(static_cast<unsigned>(std::max(1, v)) - 1); }
 
-/// The first two coordinates of sixteen points of the Sobol' sequence.
 void SetSobolPoints(const SixteenLanes &index, Randomization randomization, const SixteenLanes &seedX, FloatLanes *x,
                     FloatLanes *y) {
     const Lanes32 low = index.Low();
@@ -18,8 +17,6 @@ void SetSobolPoints(const SixteenLanes &index, Randomization randomization, cons
 }
 
 }  // namespace
-
-// ---- Global
 
 SobolSampler::SobolSampler(int samplesPerPixel, Point2i resolution, Randomization randomization, int seed)
     : Sampler(seed), samplesPerPixel_(samplesPerPixel), resolution_(resolution), randomization_(randomization),
@@ -44,7 +41,7 @@ int SobolSampler::StartSample(Point2i pixel, int sampleIndex, int dimension) {
 }
 
 Point2 SobolSampler::GetPixel2D() {
-    // What is left of each coordinate after the digits that name the pixel.
+    // Fraction of each coordinate after the pixel's digits.
     return {SobolToFloat(SobolBitsByTable(tables_, index_) << log2Resolution_),
             SobolToFloat(SobolBitsByTable(tables_ + 1, index_) << log2Resolution_)};
 }
@@ -85,8 +82,6 @@ Sampler::Run SobolSampler::Prepare(int dimension, Numbers &numbers) {
     return {dimension, kPrepared - 1};
 }
 
-// ---- Padded
-
 int PaddedSobolSampler::StartSample(Point2i pixel, int sampleIndex, int dimension) {
     int round = sampleIndex / samplesPerPixel_;
     index_ = static_cast<uint32_t>(sampleIndex - round * samplesPerPixel_);
@@ -103,8 +98,6 @@ Sampler::Run PaddedSobolSampler::Prepare(int dimension, Numbers &numbers) {
     numbers.SetPoints(x, y);
     return {dimension, kPrepared};
 }
-
-// ---- Z order
 
 ZSobolSampler::ZSobolSampler(int samplesPerPixel, Point2i resolution, Randomization randomization, int seed)
     : Sampler(seed), samplesPerPixel_(samplesPerPixel), resolution_(resolution), randomization_(randomization),
@@ -137,7 +130,7 @@ Lanes64 ZSobolSampler::PermutedQuads(const Lanes64 &hash, int fromBit, int toBit
 }
 
 Lanes64 ZSobolSampler::SobolIndices(int firstDimension, const Lanes64 &hash) {
-    // The quads down to the pixel are the same for all its samples.
+    // Quads down to the pixel are common to all its samples.
     Lanes64 index;
     if (firstDimension < kRemembered) {
         const uint32_t known = 1u << (firstDimension / Lanes64Count);
@@ -150,15 +143,14 @@ Lanes64 ZSobolSampler::SobolIndices(int firstDimension, const Lanes64 &hash) {
     } else {
         index = PermutedQuads(hash, log2Samples_, indexBits_);
     }
-    // Below the pixel the quads group its samples. If these have an odd number of bits, the last bit is a pair in
-    // random order.
+    // Below the pixel, quads group its samples; with an odd number of bits, the last bit is a pair in random order.
     int lone = log2Samples_ & 1;
     if (lone) index |= (morton_ & 1) ^ (MixBits(hash ^ (morton_ >> 1)) >> 63);
     return index | PermutedQuads(hash, lone, log2Samples_);
 }
 
 Sampler::Run ZSobolSampler::Prepare(int dimension, Numbers &numbers) {
-    // Runs start at multiples of their length, so that pixelPart_ is filled by whole vectors.
+    // Runs are aligned to their length, so that pixelPart_ is filled by whole vectors.
     const int first = dimension - dimension % kPrepared;
     const SixteenLanes hash{AddDimensions(roundSeed_, first), AddDimensions(roundSeed_, first + Lanes64Count)};
     FloatLanes x, y;

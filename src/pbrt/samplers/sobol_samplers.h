@@ -8,8 +8,8 @@
 
 namespace pbrt {
 
-/// The global Sobol' sequence: its first two dimensions cover the film (up to a power of two), so that pixels share one
-/// high-dimensional point set. These two stay as they are, the others are randomized.
+/// Global Sobol' sequence: its first two dimensions cover the film (up to a power of two), so that pixels share one
+/// high-dimensional point set. These two are not randomised, the others are.
 class SobolSampler final : public Sampler {
   public:
     SobolSampler(int samplesPerPixel, Point2i resolution, Randomization randomization, int seed);
@@ -26,7 +26,7 @@ class SobolSampler final : public Sampler {
     Run Prepare(int dimension, Numbers &numbers) override;
 
   private:
-    /// The seeds of the dimensions, in halves; there are SobolTableRow of each.
+    /// Seeds of the dimensions, in halves; SobolTableRow of each.
     struct Seeds {
         std::vector<uint32_t> low, high;
     };
@@ -42,8 +42,8 @@ class SobolSampler final : public Sampler {
     uint64_t index_ = 0;
 };
 
-/// Every request uses the first one or two Sobol' dimensions, each time in another random order and with another
-/// randomization, independently for every pixel.
+/// Each request uses the first one or two Sobol' dimensions, with independent random order and randomisation per
+/// request and pixel.
 class PaddedSobolSampler final : public Sampler {
   public:
     PaddedSobolSampler(int samplesPerPixel, Randomization randomization, int seed)
@@ -67,8 +67,8 @@ class PaddedSobolSampler final : public Sampler {
     uint32_t index_ = 0;
 };
 
-/// Blue noise by order (Ahmed and Wonka 2020): pixels in Morton order take consecutive pieces of one Sobol' sequence,
-/// with the four children of every quad in a random order that differs from dimension to dimension.
+/// Blue-noise error by ordering (Ahmed and Wonka 2020): pixels in Morton order take consecutive pieces of one Sobol'
+/// sequence, with the children of every quad in a random order per dimension.
 class ZSobolSampler final : public Sampler {
   public:
     ZSobolSampler(int samplesPerPixel, Point2i resolution, Randomization randomization, int seed);
@@ -84,9 +84,9 @@ class ZSobolSampler final : public Sampler {
     Run Prepare(int dimension, Numbers &numbers) override;
 
   private:
-    /// The index of the Sobol' point for each of eight dimensions from firstDimension on, whose hashes are given.
+    /// Sobol' indices for eight dimensions from firstDimension on, given their hashes.
     Lanes64 SobolIndices(int firstDimension, const Lanes64 &hash);
-    /// Bits fromBit ... toBit - 1 of morton_ with the children of every quad in the order that (hash, quad) picks.
+    /// Bits fromBit ... toBit - 1 of morton_, with the children of every quad in the order selected by (hash, quad).
     Lanes64 PermutedQuads(const Lanes64 &hash, int fromBit, int toBit) const;
     static constexpr int kRemembered = 128;
     int samplesPerPixel_;
@@ -98,10 +98,9 @@ class ZSobolSampler final : public Sampler {
     Point2i pixel_{-1, -1};
     int round_ = -1;
     uint64_t roundSeed_ = 0;
-    uint64_t pixelMorton_ = 0;  ///< the pixel's place in Morton order, above the bits of the sample index
+    uint64_t pixelMorton_ = 0;  ///< Morton index of the pixel, above the bits of the sample index
     uint64_t morton_ = 0;       ///< pixelMorton_ with the sample index
-    /// The bits of SobolIndices above the sample's, by dimension, and which are known: a bit for every eight
-    /// dimensions.
+    /// High bits of SobolIndices, by dimension, and which are cached: one bit per eight dimensions.
     uint32_t pixelPartKnown_ = 0;
     std::array<uint64_t, kRemembered> pixelPart_{};
 };

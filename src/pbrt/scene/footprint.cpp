@@ -4,14 +4,14 @@ namespace pbrt {
 
 namespace {
 
-/// Where the ray meets the tangent plane at the point, minus the point; zero if it runs along the plane.
+/// Offset from the point to the ray's hit with the tangent plane; zero if parallel.
 Vector3 PlaneOffset(const SurfacePoint &point, const Point3 &o, const Vector3 &d) {
     Float t = Dot(point.n, point.p - o) / Dot(point.n, d);
     if (!std::isfinite(t)) return Vector3(0);
     return o + d * t - point.p;
 }
 
-/// Least-squares (u, v) step that moves along the surface by dp.
+/// Least-squares (u, v) step for a displacement dp along the surface.
 Vector2 ParameterStep(const SurfacePoint &point, const Vector3 &dp, Float inverseDeterminant, Float uu, Float uv,
                       Float vv) {
     Float bu = Dot(point.dpdu, dp), bv = Dot(point.dpdv, dp);
@@ -83,7 +83,7 @@ RayDifferential TransmitDifferential(const SurfacePoint &point, const RayDiffere
         dndx = -dndx;
         dndy = -dndy;
     }
-    // wi = -wo / eta + mu n with mu = cos_o / eta - |cos_i|; differentiate both terms.
+    // wi = -wo / eta + mu n with mu = cos_o / eta - |cos_i|; both terms are differentiated.
     Float cosO = Dot(wo, n), cosI = AbsDot(wi, n);
     Float mu = cosO / eta - cosI;
     auto transmitted = [&](const Vector3 &arrivedDirection, const Normal3 &dn) {

@@ -34,7 +34,7 @@ std::optional<SurfacePoint> Scene::Intersect(const Ray &ray) const {
 bool Scene::Intersect(const Ray &ray, SurfacePoint *point) const {
     ++ThreadCounters().closestHitRays;
     std::optional<AccelHit> hit = contents_.accel->Intersect(ray);
-    // Made in its place, without a copy.
+    // Constructed in place, without a copy.
     static_assert(std::is_trivially_destructible_v<SurfacePoint>);
     if (hit) new (point) SurfacePoint(SurfaceAt(*hit, ray));
     return hit.has_value();
@@ -55,7 +55,8 @@ std::optional<Scene::Crossing> Scene::SampleCrossing(const Point3 &from, const P
         if (!hit) break;
         tMin = hit->hit.t;
         if (contents_.shapes[hit->shape.value].material != material) continue;
-        // The n-th crossing replaces the one kept so far with probability 1/n; u is rescaled to be uniform again.
+        // Reservoir sampling: the n-th crossing replaces the kept one with probability 1/n; u is rescaled to be uniform
+        // again.
         const Float keep = 1 - 1 / static_cast<Float>(++count);
         if (u >= keep) {
             chosen = *hit;
@@ -79,7 +80,7 @@ SurfacePoint Scene::SurfaceAt(const AccelHit &hit, const Ray &ray) const {
     point.primitive = hit.primitive;
     point.material = record.material;
     if (record.firstLight && hit.instance < 0) point.light = LightId(record.firstLight.value + hit.primitive);
-    // A surface with the same medium on both sides lies in whatever medium the ray comes through.
+    // A surface with the same medium on both sides is inside the ray's current medium.
     const bool isBoundary = record.insideMedium != record.outsideMedium;
     point.insideMedium = isBoundary ? record.insideMedium : ray.medium;
     point.outsideMedium = isBoundary ? record.outsideMedium : ray.medium;
@@ -93,8 +94,8 @@ SurfacePoint Scene::InstancedSurface(const Shape &shape, const AccelHit &hit, co
 }
 
 Ray Scene::ShadowRay(const LightSampleContext &from, const LightLiSample &to) {
-    // Rounding of the direction and of the intersection moves the light's own surface by a few units in the last place
-    // of the segment's longest side, beside the error of the sample's position.
+    // Rounding of direction and intersection moves the light's own surface by a few ulps of the segment's longest
+    // component, besides the sample's position error.
     constexpr Float kRounding = Gamma(8);
     Ray ray;
     ray.o = from.OffsetOrigin(to.wi);

@@ -11,7 +11,6 @@
 
 namespace pbrt {
 
-/// A shape with the properties beyond its geometry.
 struct ShapeRecord {
     std::unique_ptr<Shape> shape;
     FloatTexturePtr alpha;  ///< null: opaque
@@ -20,75 +19,70 @@ struct ShapeRecord {
     MediumId insideMedium{}, outsideMedium{};
 };
 
-/// Everything that build/ hands over to a Scene.
 struct SceneContents {
     std::vector<ShapeRecord> shapes;
     std::vector<MaterialPtr> materials;
     std::unique_ptr<Accel> accel;
     std::unique_ptr<LightTable> lights;
     std::vector<std::unique_ptr<Medium>> media;
-    MediumId cameraMedium{};  ///< the medium that the camera stands in
-    /// The media that a light stands in, by LightTable::LightOf. The inside is that behind the shape of an area light;
-    /// for other lights both are the same, and vacuum for those beyond the scene.
+    MediumId cameraMedium{};  ///< medium of the camera
+    /// Media around a light, by LightTable::LightOf. `inside` is behind the shape of an area light; for other lights
+    /// both are equal, and vacuum for infinite and distant ones.
     struct LightMedia {
         MediumId outside{}, inside{};
     };
     std::vector<LightMedia> lightMedia{};
 };
 
-/// The immutable scene: ray queries, lights, materials by id. No setters.
+/// Immutable scene: ray queries, lights, materials by id.
 class Scene {
   public:
     explicit Scene(SceneContents contents);
 
-    /// Nearest surface along the ray, complete but for the filter footprint.
+    /// Nearest surface along the ray, complete except for the filter footprint.
     std::optional<SurfacePoint> Intersect(const Ray &ray) const;
-    /// The same, written to *point; false if the ray hits nothing.
     bool Intersect(const Ray &ray, SurfacePoint *point) const;
-    /// One of the points where a segment crosses surfaces of shapes with a material, all equally likely.
+    /// A uniformly chosen crossing of a segment with surfaces that have a material.
     struct Crossing {
         SurfacePoint point;
-        int count = 1;  ///< number of crossings it was drawn from
+        int count = 1;  ///< number of candidate crossings
     };
     std::optional<Crossing> SampleCrossing(const Point3 &from, const Point3 &to, Float time, MaterialId material,
                                            Float u) const;
-    /// True if a surface lies between the points. Both ends are moved off their surfaces first.
+    /// True if a surface lies between the points, both offset from their surfaces.
     bool Occluded(const LightSampleContext &from, const LightLiSample &to) const {
         return Occluded(ShadowRay(from, to));
     }
     bool Occluded(const Ray &ray) const { return Occluded(ray, nullptr); }
-    /// The segment between both points as a ray to its end, which is moved off the light's surface by the error bound
-    /// of the sample and of the intersection; its direction has no unit length.
+    /// Unnormalised shadow ray between both points, ending before the light's surface by the error bounds of sample and
+    /// intersection.
     static Ray ShadowRay(const LightSampleContext &from, const LightLiSample &to);
-    /// A surface between media on a ray, and the medium behind it.
     struct Interface {
         Float t = 0;
         MediumId behind{};
     };
-    /// Like Occluded; if the ray is not blocked, `passed` receives the surfaces between media that it passes.
+    /// As Occluded; if unblocked, `passed` receives the interfaces between media.
     bool Occluded(const Ray &ray, PassedHits *passed) const;
     Interface InterfaceAt(const AccelHit &passed, const Ray &ray) const {
         return {passed.hit.t, SurfaceAt(passed, ray).MediumTowards(ray.d)};
     }
-    /// The first such surface behind `tMin` that shadow rays pass, for rays that pass more of them than PassedHits
-    /// holds.
+    /// First such interface beyond `tMin`, for rays with more of them than PassedHits holds.
     std::optional<Interface> NextInterface(const Ray &ray, Float tMin) const;
 
     const LightTable &Lights() const { return *contents_.lights; }
     const Material &MaterialOf(MaterialId id) const { return *contents_.materials[id.value]; }
     /// Null: vacuum.
     const Medium *MediumAt(MediumId id) const { return id ? contents_.media[id.value].get() : nullptr; }
-    /// True if some ray can be in a medium.
+    /// True if any ray can be in a medium.
     bool HasMedia() const { return hasMedia_; }
-    /// The medium in which camera rays start.
     MediumId CameraMedium() const { return contents_.cameraMedium; }
-    /// The medium in which light leaves a light in direction w, from a surface of this normal (zero: from none).
+    /// Medium into which light leaves in direction w, from a surface of normal n (zero: no surface).
     MediumId MediumOfLight(LightId id, const Normal3 &n, const Vector3 &w) const;
     const Shape &ShapeOf(ShapeId id) const { return *contents_.shapes[id.value].shape; }
     size_t ShapeCount() const { return contents_.shapes.size(); }
-    /// True if some material scatters light below its surface.
+    /// True if a material has subsurface scattering.
     bool HasSubsurface() const { return hasSubsurface_; }
-    /// True if some material uses filter footprints.
+    /// True if a material uses filter footprints.
     bool NeedsFootprints() const { return needsFootprints_; }
     bool NeedsFootprintAt(const SurfacePoint &point) const {
         return point.material && contents_.materials[point.material.value] &&
@@ -99,7 +93,6 @@ class Scene {
 
   private:
     SurfacePoint SurfaceAt(const AccelHit &hit, const Ray &ray) const;
-    /// The point of a shape of an object, placed by the instance that was hit.
     SurfacePoint InstancedSurface(const Shape &shape, const AccelHit &hit, const Ray &ray) const;
     SceneContents contents_;
     Bounds3 bounds_;

@@ -3,8 +3,8 @@
 
 namespace pbrt {
 
-/// The BSDF at a hit, its shading frame perturbed by normal maps; empty (false) where the surface does not scatter.
-/// Needs the footprint filled if the material's textures filter. May terminate secondary wavelengths.
+/// BSDF at a hit, with normal maps applied to the shading frame; empty (false) where the surface does not scatter.
+/// Needs a footprint if the material's textures filter. May terminate secondary wavelengths.
 inline Bsdf ComputeBsdf(const Scene &scene, SurfacePoint &point, SampledWavelengths &lambda) {
     if (!point.material) return {};
     const Material *material = &scene.MaterialOf(point.material);
@@ -16,19 +16,18 @@ inline Bsdf ComputeBsdf(const Scene &scene, SurfacePoint &point, SampledWaveleng
     return material->GetBsdf(point, lambda);
 }
 
-/// True only if ComputeBsdf is not empty there; a cheap test that covers most surfaces.
+/// Cheap, conservative test that ComputeBsdf is not empty; true for most surfaces.
 inline bool ScattersSurely(const Scene &scene, const SurfacePoint &point) {
     return point.material && scene.MaterialOf(point.material).IsPlain();
 }
 
-/// Where light that crosses the surface at a hit comes out again; empty if light is not scattered below the surface.
 inline std::optional<Bssrdf> ComputeBssrdf(const Scene &scene, const SurfacePoint &point,
                                            const SampledWavelengths &lambda) {
     const Material *material = scene.MaterialOf(point.material).Resolve(point);
     return material->GetBssrdf(point, lambda);
 }
 
-/// Radiance the surface emits back along the ray (area lights).
+/// Radiance emitted back along the ray (area lights).
 inline SampledSpectrum EmittedRadiance(const Scene &scene, const SurfacePoint &point,
                                        const SampledWavelengths &lambda) {
     if (!point.light) return SampledSpectrum(0);

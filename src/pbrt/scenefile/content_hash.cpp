@@ -16,7 +16,6 @@ namespace pbrt {
 
 namespace {
 
-/// Quoted strings of a scene file, in order; comments are passed over.
 std::vector<std::string> QuotedStrings(const std::string &text) {
     std::vector<std::string> strings;
     for (size_t i = 0; i < text.size(); ++i) {
@@ -34,7 +33,6 @@ std::vector<std::string> QuotedStrings(const std::string &text) {
 
 bool IsSceneText(const std::string &name) { return name.ends_with(".pbrt") || name.ends_with(".pbrt.gz"); }
 
-/// Visits the scene file and every file that it names, each once.
 class SceneReader {
   public:
     using Visit = std::function<void(const std::string &path, const std::string &content)>;
@@ -50,7 +48,7 @@ class SceneReader {
         visit_(path, content);
         if (!isScene) return;
         for (const std::string &name : QuotedStrings(content)) {
-            // Most strings are names of parameters, which come again and again.
+            // Most strings are recurring parameter names.
             if (name.empty() || !names_.insert(name).second) continue;
             std::error_code none;
             std::string file = files_.Resolve(name);

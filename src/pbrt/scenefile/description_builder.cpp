@@ -8,7 +8,7 @@ namespace pbrt {
 
 namespace {
 
-/// "; it was first defined at FILE:LINE", or "" if the location is not known.
+/// "; it was first defined at FILE:LINE", or "" if the location is unknown.
 std::string FirstDefinedAt(const FileLoc &loc) {
     return loc ? fmt::format("; it was first defined at {}:{}", loc.file->name, loc.line) : std::string();
 }
@@ -32,8 +32,6 @@ void DescriptionBuilder::WrongBlock(std::string_view word, const FileLoc &loc) {
         sink_.Error(loc, inWorld_ ? fmt::format("{} is not allowed after WorldBegin: it belongs to the options.", word)
                                   : fmt::format("{} is not allowed before WorldBegin.", word));
 }
-
-// Transformations
 
 void DescriptionBuilder::Concat(const Transform &t, const FileLoc &loc) {
     GraphicsState &s = State();
@@ -70,15 +68,13 @@ void DescriptionBuilder::UseCoordinateSystem(const std::string &name, const File
                                    name, names.empty() ? "none is defined" : ListChoices(name, names)));
 }
 
-// Options block
-
 ParamSet DescriptionBuilder::MakeParams(std::string what, Params params, const FileLoc &loc,
                                         std::optional<AttributeTarget> target) const {
     ParamSet set(std::move(what), loc);
     if (target)
         if (const auto &defaults = units_.back().state.attributes[static_cast<size_t>(*target)])
             for (Param p : *defaults) {
-                // Stock pbrt-v4 reads all parameters of an entity in the colour space in force at the entity.
+                // As in stock pbrt-v4, all parameters of an entity use the colour space current at the entity.
                 p.colorSpace = units_.back().state.colorSpace;
                 set.AddDefault(std::move(p));
             }
@@ -146,8 +142,6 @@ void DescriptionBuilder::CountFile(const FileLoc &loc) {
         throw UserError(fmt::format("More than {} files are included or imported.", kMaxFiles), loc);
 }
 
-// Blocks
-
 void DescriptionBuilder::OpenBlockAt(const FileLoc &loc, BlockKind kind) {
     constexpr size_t kMaxBlocks = size_t(1) << 17;
     Unit &unit = units_.back();
@@ -178,7 +172,7 @@ void DescriptionBuilder::CloseBlock(BlockKind kind, const FileLoc &loc) {
                                          unit.blocks.back().loc.file->name, unit.blocks.back().loc.line));
         return;
     }
-    // Blocks that were opened further inside end here, too, so that one mistake gives one message.
+    // Also ends blocks opened further inside, so that one mistake gives one message.
     for (; unit.blocks.back().kind != kind; unit.blocks.pop_back())
         sink_.Error(unit.blocks.back().loc,
                     fmt::format("This {} has no end before the {}End at {}:{}.",
@@ -242,12 +236,9 @@ void DescriptionBuilder::ReportOpenBlocks() {
                                                            : "ObjectBegin without ObjectEnd.");
 }
 
-// Attribute state
-
 void DescriptionBuilder::AddAttributes(AttributeTarget target, Params params) {
     auto &list = State().attributes[static_cast<size_t>(target)];
-    // The list is copied at most once per scope, so that the time for many directives in one scope is linear in their
-    // number.
+    // Copied at most once per scope, so that many directives in one scope take linear time.
     if (!list) list = std::make_shared<Params>();
     else if (list.use_count() > 1) list = std::make_shared<Params>(*list);
     std::move(params.begin(), params.end(), std::back_inserter(*list));
@@ -267,8 +258,6 @@ void DescriptionBuilder::SetAreaLight(const std::string &type, Params params, co
     Fill(light->entity, type, "AreaLightSource", std::move(params), loc, AttributeTarget::Light);
     State().areaLight = std::move(light);
 }
-
-// Entities of the world
 
 TransformPair DescriptionBuilder::Unmoving(const char *what, const FileLoc &loc) {
     const TransformPair &ctm = State().ctm;
@@ -389,8 +378,6 @@ void DescriptionBuilder::AddShape(const std::string &type, Params params, const 
     else if (unit.object == kNoObject) scene_.shapes.push_back(std::move(shape));
 }
 
-// The end
-
 void DescriptionBuilder::FillDefaults(const FileLoc &where) {
     auto fill = [&](Entity &entity, bool given, const char *type, const char *directive) {
         if (given) return;
@@ -406,8 +393,8 @@ void DescriptionBuilder::FillDefaults(const FileLoc &where) {
     fill(scene_.accelerator, hasAccelerator_, "bvh", "Accelerator");
 }
 
-/// ListChoices, or `none` if there are no names or the message will not be kept: the list takes time, and there may be
-/// as many messages as there are names.
+/// ListChoices, or `none` if there are no names or the message will be dropped: lists are slow, and there may be as
+/// many messages as names.
 std::string DescriptionBuilder::ListNames(const std::string &given, const std::vector<std::string> &names,
                                           const char *none) const {
     return names.empty() || sink_.IsFull() ? none : ListChoices(given, names);
@@ -456,7 +443,7 @@ void DescriptionBuilder::CheckMedia() {
         for (const ShapeEntity &shape : object.shapes) checkShape(shape);
 }
 
-/// Reports instances of undefined objects, and removes empty objects and their instances.
+/// Reports instances of undefined objects; removes empty objects and their instances.
 void DescriptionBuilder::ResolveInstances() {
     std::vector<std::string> names;
     for (const ObjectEntity &object : scene_.objects) names.push_back(object.name);

@@ -11,13 +11,13 @@
 
 namespace pbrt {
 
-/// A parameter list as read, before it belongs to an entity.
+/// A parameter list before it belongs to an entity.
 using Params = std::vector<Param>;
 
-/// Carries out the directives: keeps the graphics state and fills the scene description, independently of the file's
-/// text. Structural errors go to the sink; the offending directive then has no effect.
+/// Executes directives: maintains the graphics state and fills the scene description, independently of the file's text.
+/// Structural errors go to the sink; the offending directive then has no effect.
 ///
-/// One Unit exists for the scene's files and one, nested, for every imported file.
+/// The scene's files share one Unit; every imported file has a nested one.
 class DescriptionBuilder {
   public:
     explicit DescriptionBuilder(DiagnosticSink &sink) : sink_(sink) { units_.emplace_back(); }
@@ -25,16 +25,14 @@ class DescriptionBuilder {
     GraphicsState &State() { return units_.back().state; }
     bool InWorld() const { return inWorld_; }
     DiagnosticSink &Sink() { return sink_; }
-    /// Reports a directive in the wrong block, once for every word.
+    /// Reports a directive in the wrong block, once per word.
     void WrongBlock(std::string_view word, const FileLoc &loc);
 
-    // Transformations.
     void Concat(const Transform &t, const FileLoc &loc);
     void SetTransform(const Transform &t);
     void DefineCoordinateSystem(const std::string &name);
     void UseCoordinateSystem(const std::string &name, const FileLoc &loc);
 
-    // Options block.
     SceneOptions &Options() { return scene_.options; }
     void SetCamera(const std::string &type, Params params, const FileLoc &loc);
     void SetFilm(const std::string &type, Params params, const FileLoc &loc);
@@ -44,11 +42,9 @@ class DescriptionBuilder {
     void SetAccelerator(const std::string &type, Params params, const FileLoc &loc);
     void WorldBegin();
 
-    /// Counts a file that is read at `loc`. Throws UserError if there are so many that files seem to include each other
-    /// again and again.
+    /// Counts a file read at `loc`. Throws UserError above a limit that indicates recursive inclusion.
     void CountFile(const FileLoc &loc);
 
-    // Blocks.
     void BeginAttributes(const FileLoc &loc);
     void EndAttributes(const FileLoc &loc);
     void WarnTransformBlock(const FileLoc &loc);
@@ -56,15 +52,13 @@ class DescriptionBuilder {
     void EndObject(const FileLoc &loc);
     void AddInstance(const std::string &name, const FileLoc &loc, const FileLoc &nameLoc);
     void BeginImport();
-    /// Discards the unit's state. If `complete`, blocks that are still open are errors; else its parse was cut short.
+    /// Discards the unit's state. If `complete`, open blocks are errors; else parsing ended early.
     void EndImport(bool complete);
 
-    // Attribute state.
     void AddAttributes(AttributeTarget target, Params params);
     void SetColorSpace(const std::string &name, const FileLoc &loc);
     void SetAreaLight(const std::string &type, Params params, const FileLoc &loc);
 
-    // Entities of the world.
     void AddMaterial(const std::string &type, Params params, const FileLoc &loc);
     void AddNamedMaterial(const std::string &name, Params params, const FileLoc &loc, const FileLoc &nameLoc);
     void AddTexture(const std::string &name, bool isSpectrum, const std::string &type, Params params,
@@ -73,8 +67,8 @@ class DescriptionBuilder {
     void AddLight(const std::string &type, Params params, const FileLoc &loc);
     void AddShape(const std::string &type, Params params, const FileLoc &loc);
 
-    /// Returns the scene. If `complete`, the checks that need the whole scene are made first. `where`: the location (a
-    /// file without line) of errors that belong to no directive.
+    /// Returns the scene, after whole-scene checks if `complete`. `where`: file location of errors that belong to no
+    /// directive.
     SceneDescription Finish(bool complete, const FileLoc &where, FileResolver files);
 
   private:
@@ -92,18 +86,17 @@ class DescriptionBuilder {
         std::map<std::string, FileLoc> objects, media;  ///< defined by this unit: redefinition is an error
         int object = kNoObject;
     };
-    /// Unit::object is an index into scene_.objects or one of these: outside of objects, in an object that is
-    /// discarded.
+    /// Unit::object is an index into scene_.objects, or one of these: outside objects, inside a discarded object.
     static constexpr int kNoObject = -1, kDiscard = -2;
 
     ParamSet MakeParams(std::string what, Params params, const FileLoc &loc,
                         std::optional<AttributeTarget> target) const;
     void Fill(Entity &entity, const std::string &type, const char *directive, Params params, const FileLoc &loc,
               std::optional<AttributeTarget> target = {}) const;
-    /// Fill for a named entity, whose type is the parameter "string type".
+    /// Fill for a named entity, whose type is its parameter "string type".
     void FillNamed(Entity &entity, const std::string &name, const char *directive, Params params, const FileLoc &loc,
                    AttributeTarget target);
-    /// The CTM pair for something that cannot move: the start transform, with a warning if the two differ.
+    /// CTM pair of an entity that cannot be animated: the start transform, with a warning if the two differ.
     TransformPair Unmoving(const char *what, const FileLoc &loc);
     void OpenBlockAt(const FileLoc &loc, BlockKind kind);
     void CloseBlock(BlockKind kind, const FileLoc &loc);
@@ -126,7 +119,6 @@ class DescriptionBuilder {
     std::unordered_map<std::string, size_t> objectIndex_, mediumIndex_;
 };
 
-/// The colour space names, canonical spelling.
 const std::vector<std::string> &ColorSpaceNames();
 
 }  // namespace pbrt

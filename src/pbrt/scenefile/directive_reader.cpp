@@ -95,7 +95,7 @@ void DirectiveReader::Run() {
     }
 }
 
-/// Skips values and parameter lists; the next word that is not a value begins a directive.
+/// Skips values and parameter lists up to the next word, which begins a directive.
 void DirectiveReader::SkipToNextDirective() {
     for (;;) {
         const Token &token = tokens_.Peek();
@@ -146,8 +146,6 @@ Transform DirectiveReader::ReadMatrix() {
     return t;
 }
 
-// Transformations
-
 void DirectiveReader::ReadIdentity() { builder_.SetTransform(Transform()); }
 void DirectiveReader::ReadTransform() { builder_.SetTransform(ReadMatrix()); }
 void DirectiveReader::ReadConcatTransform() { builder_.Concat(ReadMatrix(), here_); }
@@ -164,7 +162,7 @@ void DirectiveReader::ReadRotate() {
     Float degrees = arguments_.ReadFloat("an angle in degrees");
     Vector3 axis = ReadVector();
     const Float size = MaxComponent(Abs(axis));
-    if (size > 0)  // the squared length of a very long or short axis would overflow or vanish
+    if (size > 0)  // the squared length of a very long or short axis would overflow or underflow
         builder_.Concat(Transform::Rotate(degrees, axis / size), here_);
     else builder_.Sink().Error(here_, "Rotate: the axis has length zero.");
 }
@@ -202,8 +200,6 @@ void DirectiveReader::ReadTransformTimes() {
     builder_.State().startTime = arguments_.ReadFloat("the start time");
     builder_.State().endTime = arguments_.ReadFloat("the end time");
 }
-
-// Options block
 
 void DirectiveReader::ReadCamera() {
     std::string type = ReadType();
@@ -289,8 +285,6 @@ void DirectiveReader::SetOption(const std::string &name, const Token &token) {
     }
 }
 
-// Attribute state
-
 void DirectiveReader::ReadAttributeBegin() { builder_.BeginAttributes(here_); }
 void DirectiveReader::ReadAttributeEnd() { builder_.EndAttributes(here_); }
 
@@ -337,8 +331,6 @@ void DirectiveReader::ReadAreaLightSource() {
     std::string type = ReadType();
     builder_.SetAreaLight(type, ReadParams(), here_);
 }
-
-// Entities of the world
 
 void DirectiveReader::ReadMaterial() {
     std::string type = ReadType();
@@ -401,8 +393,6 @@ void DirectiveReader::ReadObjectInstance() {
     builder_.AddInstance(name, here_, loc);
 }
 
-// Other files
-
 std::shared_ptr<const SourceFile> DirectiveReader::ReadFile(std::string *key) {
     Token token = arguments_.ReadString("a file name");
     FileLoc loc = tokens_.Loc(token);
@@ -427,8 +417,7 @@ void DirectiveReader::ReadInclude() {
     if (auto file = ReadFile(&key)) tokens_.Push(std::move(file), std::move(key));
 }
 
-/// Stock pbrt-v4 reads imported files in parallel; here they are read one after the other, so that the scene is always
-/// the same.
+/// Unlike stock pbrt-v4, which imports files in parallel, imports sequentially for determinism.
 void DirectiveReader::ReadImport() {
     std::string key;
     auto file = ReadFile(&key);

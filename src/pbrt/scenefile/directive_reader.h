@@ -10,13 +10,13 @@
 
 namespace pbrt {
 
-/// The grammar of scene files: reads directives from a tokenizer and calls the builder. There is one reader for every
-/// top-level or imported file.
+/// Grammar of scene files: reads directives from a tokenizer and calls the builder. One reader per top-level or
+/// imported file.
 class DirectiveReader {
   public:
     DirectiveReader(Tokenizer &tokens, DescriptionBuilder &builder, const FileResolver &files);
 
-    /// Reads all tokens. Throws the first error after which it is not clear how to read on.
+    /// Reads all tokens. Throws the first unrecoverable error.
     void Run();
 
   private:
@@ -26,7 +26,6 @@ class DirectiveReader {
     void SkipToNextDirective();
     void Unknown(const Token &word);
 
-    // One per directive, or per group of directives of the same form.
     void ReadAccelerator();
     void ReadActiveTransform();
     void ReadAreaLightSource();
@@ -69,13 +68,13 @@ class DirectiveReader {
     void ReadWorldBegin();
 
     std::string ReadType() { return std::string(arguments_.ReadString("a type name").text); }
-    /// A name that must not be empty; *loc is where it stands.
+    /// Reads a non-empty name; *loc is its location.
     std::string ReadName(const char *what, FileLoc *loc);
     Params ReadParams() { return arguments_.ReadList(builder_.State().colorSpace); }
     Vector3 ReadVector();
     Transform ReadMatrix();
     void SetOption(const std::string &name, const Token &token);
-    /// Reads the file that the next token names. If it cannot be read, reports this and returns null.
+    /// Reads the file that the next token names. On failure, reports an error and returns null.
     std::shared_ptr<const SourceFile> ReadFile(std::string *key);
 
     Tokenizer &tokens_;
@@ -86,9 +85,9 @@ class DirectiveReader {
     int unknownWords_ = 0;
 };
 
-/// Reads a file, or standard input for "-"; throws UserError (no location) if that fails.
+/// Reads a file, or standard input for "-"; throws UserError (no location) on failure.
 std::shared_ptr<const SourceFile> OpenSceneFile(const std::string &path, ReadFrom from = ReadFrom::Files);
-/// A key of the file that is the same for every way to write its name.
+/// Canonical key of a file, independent of how its name is written.
 std::string SceneFileKey(const std::string &path);
 
 }  // namespace pbrt

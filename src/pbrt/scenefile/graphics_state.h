@@ -8,18 +8,17 @@
 
 namespace pbrt {
 
-/// What an Attribute directive can address.
 enum class AttributeTarget { Shape, Light, Material, Medium, Texture };
 inline constexpr size_t AttributeTargetCount = 5;
 
-/// An AreaLightSource directive. It enters the description when the first shape uses it.
+/// An AreaLightSource directive, added to the description when the first shape uses it.
 struct PendingAreaLight {
     Entity entity;
     int index = -1;
     bool warnedInObject = false;
 };
 
-/// Everything AttributeBegin saves and AttributeEnd restores (pbrt-v4-format §2.1).
+/// State saved by AttributeBegin and restored by AttributeEnd (pbrt-v4-format §2.1).
 struct GraphicsState {
     TransformPair ctm;
     bool startActive = true, endActive = true;
@@ -29,8 +28,8 @@ struct GraphicsState {
     std::shared_ptr<PendingAreaLight> areaLight;
     std::string insideMedium, outsideMedium;
     std::string colorSpace = "srgb";
-    /// Parameters of Attribute directives, one list per target. A list may be shared by the states of several scopes;
-    /// only a state that is its sole owner may add to it (files are read by one thread).
+    /// Parameters of Attribute directives, one list per target. Copy-on-write: scopes may share a list, and only its
+    /// sole owner may append (files are read by one thread).
     std::array<std::shared_ptr<std::vector<Param>>, AttributeTargetCount> attributes;
 };
 

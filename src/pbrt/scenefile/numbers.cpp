@@ -19,7 +19,7 @@ const char *ScanFloat(const char *begin, const char *end, Float *value, bool *ov
     bool negative = false;
     if (p != end && (*p == '-' || *p == '+')) negative = *p++ == '-';
     if (p == end) return begin;
-    // from_chars would also take a second sign, "inf" and "nan".
+    // from_chars would also accept a second sign, "inf" and "nan".
     if (!IsDigit(*p) && !(*p == '.' && p + 1 != end && IsDigit(p[1]))) return begin;
     auto format = std::chars_format::general;
     const char *digits = p;

@@ -29,7 +29,6 @@ std::string ListTypes(std::string_view given) {
     return ListChoices(given, names);
 }
 
-/// Cuts the first word, and the blanks before it, off the front of `text`.
 std::string_view TakeWord(std::string_view &text) {
     size_t begin = std::min(text.find_first_not_of(" \t"), text.size());
     size_t end = std::min(text.find_first_of(" \t", begin), text.size());
@@ -40,7 +39,7 @@ std::string_view TakeWord(std::string_view &text) {
 
 bool TakesStrings(ParamType type) { return type == ParamType::String || type == ParamType::Texture; }
 
-/// True if the strings are names of other entities, which are compared in composed form (NFC).
+/// True if the strings name entities, which are compared in composed form (NFC).
 bool HoldsNames(const Param &param) { return param.type == ParamType::Texture || param.name == "materials"; }
 
 const char *ExpectedValues(ParamType type) {
@@ -50,14 +49,13 @@ const char *ExpectedValues(ParamType type) {
     return "numbers";
 }
 
-/// A token as messages quote it.
 std::string Quote(const Token &token) {
     return fmt::format("{}\"{}\"", token.kind == TokenKind::String ? "the string " : "", Abbreviate(token.text));
 }
 
 }  // namespace
 
-/// The values of one parameter while they are read. Numbers are in floats_ or ints_ of the reader.
+/// Values of the parameter being read. Numbers are in floats_ or ints_ of the reader.
 struct ParameterReader::Values {
     Kind kind = Kind::None;
     Token first;
@@ -99,7 +97,7 @@ Float ParameterReader::ToFloat(const Token &token) const {
     return value;
 }
 
-/// Reading continues with the value 0, so that all such numbers are found in one run.
+/// Substitutes 0 and continues, so that one run reports all such numbers.
 void ParameterReader::ReportOverflow(const Token &token, ParamType type) const {
     std::string rule = "a number must lie between -3.4028235e+38 and 3.4028235e+38 (32-bit float)";
     if (type == ParamType::Integer)

@@ -7,26 +7,26 @@
 
 namespace pbrt {
 
-/// Reads arguments and parameter lists. Errors after which reading can continue (an unknown type, values of the wrong
-/// kind) go to the sink; all others are thrown as a located UserError.
+/// Reads arguments and parameter lists. Recoverable errors (an unknown type, values of the wrong kind) go to the sink;
+/// others are thrown as a located UserError.
 class ParameterReader {
   public:
     ParameterReader(Tokenizer &tokens, DiagnosticSink &sink) : tokens_(tokens), sink_(sink) {}
 
-    /// All parameters up to the first token that is not a quoted string.
+    /// Reads parameters up to the first token that is not a quoted string.
     std::vector<Param> ReadList(const std::string &colorSpace);
 
-    /// One required argument; `what` names it in the message.
+    /// Reads a required argument; `what` names it in messages.
     Token ReadString(const char *what);
     Token ReadWord(const char *what);
     Float ReadFloat(const char *what);
     int ReadInt(const char *what);
     bool ReadBool(const char *what);
 
-    /// The string as a name, in composed form (NFC); an error if it is not valid UTF-8.
+    /// The string as a name in composed form (NFC); throws if it is not valid UTF-8.
     std::string NameOf(const Token &token) const;
 
-    /// The next token. The end of the input is an error that names what was expected.
+    /// Next token; throws at the end of the input, naming `what` was expected.
     Token Require(const char *what);
     [[noreturn]] void Fail(const Token &token, std::string message) const;
 

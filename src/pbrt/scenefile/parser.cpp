@@ -11,7 +11,7 @@ namespace pbrt {
 
 namespace {
 
-/// Parses one top-level file into the builder. Returns false if an error ended the parse early.
+/// Parses one top-level file. Returns false if an error ended the parse early.
 bool ParseFile(std::shared_ptr<const SourceFile> file, std::string key, const FileResolver &files,
                DescriptionBuilder &builder) {
     try {
@@ -32,7 +32,7 @@ SceneDescription ParseSceneFiles(const std::vector<std::string> &paths, Diagnost
     FileResolver files;
     FileLoc where;
     bool complete = true;
-    // After a syntax error the files that follow would be read in an unknown state and give false errors.
+    // After a syntax error the state is undefined, and following files would give false errors.
     for (size_t i = 0; i < paths.size() && complete; ++i) {
         const std::string &path = paths[i];
         files = path == "-" ? FileResolver() : FileResolver(std::filesystem::path(path).parent_path());

@@ -10,26 +10,24 @@
 
 namespace pbrt {
 
-/// The two CTMs (start and end of the shutter interval given by TransformTimes).
+/// Start and end CTM, at the TransformTimes.
 struct TransformPair {
     Transform start, end;
     bool IsAnimated() const { return !(start == end); }
     bool operator==(const TransformPair &) const = default;
 };
 
-/// Index into the description's material list, or a name. Without both it is the default, a diffuse material with
-/// reflectance 0.5.
+/// Material by index or name; default: diffuse with reflectance 0.5.
 struct MaterialRef {
     int index = -1;
     std::string name;
 };
 
-/// A directive that makes one thing: type word and parameters.
 struct Entity {
     std::string type;
     ParamSet params;
     FileLoc loc;
-    std::string colorSpace = "srgb";  ///< in force at the directive
+    std::string colorSpace = "srgb";  ///< current at the directive
 };
 
 struct CameraEntity : Entity {
@@ -67,7 +65,7 @@ struct ShapeEntity : Entity {
     std::string insideMedium, outsideMedium;
 };
 
-/// An object definition: its shapes lie in world space under the CTM of the definition.
+/// An object definition; its shapes are in world space under the CTM of the definition.
 struct ObjectEntity {
     std::string name;
     FileLoc loc;
@@ -81,7 +79,7 @@ struct InstanceEntity {
     Float startTime = 0, endTime = 1;
 };
 
-/// Values of Option directives; options that are not set leave the choice to the command line.
+/// Values of Option directives; unset ones are left to the command line.
 struct SceneOptions {
     std::optional<bool> disablePixelJitter, disableTextureFiltering, disableWavelengthJitter, forceDiffuse, pixelStats,
         wavefront;
@@ -90,10 +88,10 @@ struct SceneOptions {
     std::optional<int> seed;
 };
 
-/// The content of a scene file in its order, as plain data: nothing is built yet.
+/// Content of a scene in file order, as plain data.
 struct SceneDescription {
     SceneOptions options;
-    Entity film, sampler, filter, integrator, accelerator;  ///< defaults filled in when absent (§5)
+    Entity film, sampler, filter, integrator, accelerator;  ///< defaults if absent (§5)
     CameraEntity camera;
     std::vector<MaterialEntity> materials;  ///< unnamed and named, in file order
     std::vector<TextureEntity> textures;

@@ -13,7 +13,7 @@ namespace pbrt {
 
 enum class TokenKind { End, Word, String, Open, Close };
 
-/// A piece of a scene file. The text stays valid while the tokenizer lives.
+/// A token; its text is valid during the tokenizer's lifetime.
 struct Token {
     TokenKind kind = TokenKind::End;
     std::string_view text;  ///< of a string: without quotes, escapes replaced
@@ -22,33 +22,29 @@ struct Token {
     int column = 0;
 };
 
-/// The tokens of a file with other files spliced in (Include): when an inner file ends, the outer one continues.
-/// Lexical errors are thrown as located UserErrors.
+/// Tokens of a file with included files spliced in. Lexical errors are thrown as located UserErrors.
 class Tokenizer {
   public:
-    /// `outer`: the tokenizer of the file that imports this one, so that files that import themselves are found.
+    /// `outer`: tokenizer of the importing file, for the detection of recursive imports.
     explicit Tokenizer(const Tokenizer *outer = nullptr) : outer_(outer) {}
     Tokenizer(const Tokenizer &) = delete;
     Tokenizer &operator=(const Tokenizer &) = delete;
 
-    /// Reads `file` from now on; what was being read continues when it ends. `key` identifies the file for IsOpen.
+    /// Reads `file` before continuing with the current one. `key` identifies it for IsOpen.
     void Push(std::shared_ptr<const SourceFile> file, std::string key);
-    /// True if that file is being read here or further out.
+    /// True if the file is being read here or in an outer tokenizer.
     bool IsOpen(const std::string &key) const;
-    /// How many files are being read, one inside the other, here and further out.
     size_t Depth() const { return stack_.size() + (outer_ ? outer_->Depth() : 0); }
 
     Token Next();
     const Token &Peek();
 
-    /// Bulk reading: appends the numbers that follow and stops before the first token that is not a plain number, at
-    /// the end of a file, or at a value out of range; Next() returns which. Appends nothing if a peeked token is
-    /// pending.
+    /// Bulk reading: appends numbers up to the first token that is not a plain number, the end of a file, or a value
+    /// out of range; Next() returns that token. Appends nothing if a peeked token is pending.
     void ReadFloats(std::vector<Float> &out);
     void ReadInts(std::vector<int> &out);
 
     FileLoc Loc(const Token &token) const { return {files_[token.file], token.line, token.column}; }
-    /// Of the token that Next() gave last.
     FileLoc LastLoc() const;
 
   private:

@@ -5,12 +5,12 @@
 
 namespace pbrt {
 
-/// Offset of the first byte that is not part of valid UTF-8 (overlong forms, surrogates and values beyond U+10FFFF are
-/// not valid); nullopt if all is well.
+/// Offset of the first byte of invalid UTF-8 (including overlong forms, surrogates and values beyond U+10FFFF); nullopt
+/// if valid.
 std::optional<size_t> FindInvalidUtf8(std::string_view text);
 
-/// Unicode normalisation form C of valid UTF-8, so that names typed with combining marks equal precomposed ones. What
-/// is not valid is returned unchanged.
+/// Unicode normalisation form C, so that names with combining marks equal precomposed ones. Returns invalid UTF-8
+/// unchanged.
 std::string ComposeUtf8(std::string_view text);
 
 }  // namespace pbrt

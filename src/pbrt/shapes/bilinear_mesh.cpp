@@ -18,14 +18,14 @@ T Bilerp(const Point2 &uv, const T &f00, const T &f10, const T &f01, const T &f1
     return (1 - uv.y) * ((1 - uv.x) * f00 + uv.x * f10) + uv.y * ((1 - uv.x) * f01 + uv.x * f11);
 }
 
-/// Texture coordinates (s, t) at a point of a patch and how its parameters (u, v) change with them.
+/// Texture coordinates (s, t) at a point of a patch and the derivatives of (u, v) with respect to them.
 struct TextureCoordinates {
     Point2 value{};
     Vector2 uvPerS{1, 0}, uvPerT{0, 1};
 
-    /// From the coordinates at the corners. The derivatives should be the inverse of the matrix d(s, t)/d(u, v). Stock
-    /// pbrt-v4 takes the reciprocal of each entry, and so do we: that is exact where s depends on u only and t on v
-    /// only (or the other way round), as nearly always.
+    /// Interpolates the corner coordinates. The derivatives should be the inverse of the matrix d(s, t)/d(u, v). As in
+    /// stock pbrt-v4, they are the reciprocals of its entries: exact where s depends on u only and t on v only (or the
+    /// reverse), as nearly always.
     static TextureCoordinates At(const Point2 &uv, const Point2 &st00, const Point2 &st10, const Point2 &st01,
                                  const Point2 &st11) {
         const Vector2 perU = Lerp(uv.y, st10, st11) - Lerp(uv.y, st00, st01);
@@ -34,12 +34,10 @@ struct TextureCoordinates {
         return {
             Bilerp(uv, st00, st10, st01, st11), {inverse(perU.x), inverse(perV.x)}, {inverse(perU.y), inverse(perV.y)}};
     }
-    /// The chain rule for a quantity with the derivatives perU and perV.
     Vector3 AlongS(const Vector3 &perU, const Vector3 &perV) const { return perU * uvPerS.x + perV * uvPerS.y; }
     Vector3 AlongT(const Vector3 &perU, const Vector3 &perV) const { return perU * uvPerT.x + perV * uvPerT.y; }
 };
 
-/// Real roots of a + b x + c x^2; returns how many.
 int SolveQuadratic(double a, double b, double c, std::array<double, 2> &x) {
     double discriminant = b * b - 4 * a * c;
     if (!(discriminant >= 0)) return 0;
@@ -50,13 +48,13 @@ int SolveQuadratic(double a, double b, double c, std::array<double, 2> &x) {
     return n;
 }
 
-/// v turned by the smallest rotation that takes the unit vector `from` to `to`.
+/// Rotates v by the smallest rotation from unit vector `from` to `to`.
 Vector3 RotateFromTo(const Vector3 &from, const Vector3 &to, const Vector3 &v) {
     Vector3 axis = Cross(from, to);
     Float c = Dot(from, to), s2 = LengthSquared(axis);
     if (s2 < Float(1e-12)) {
         if (c > 0) return v;
-        Vector3 s, t;  // half a turn about any axis perpendicular to `from`
+        Vector3 s, t;  // half turn about an axis perpendicular to `from`
         CoordinateSystem(from, &s, &t);
         return 2 * Dot(s, v) * s - v;
     }
@@ -130,7 +128,7 @@ Bounds3 BilinearMesh::PrimitiveBounds(uint32_t primitive) const {
 Float BilinearMesh::Area(uint32_t primitive) const {
     Corners c = CornersOf(primitive);
     if (IsRectangle(primitive)) return Distance(c.p00, c.p01) * Distance(c.p00, c.p10);
-    // Stock pbrt-v4's approximation, because emitted power is defined by it: 3 x 3 pieces that are taken as flat.
+    // Stock pbrt-v4's approximation by 3 x 3 flat pieces, because it defines emitted power.
     constexpr int kPieces = 3;
     Point3 p[kPieces + 1][kPieces + 1];
     for (int i = 0; i <= kPieces; ++i)
@@ -150,7 +148,7 @@ Normal3 BilinearMesh::OrientedNormal(uint32_t primitive, const Corners &c, const
 }
 
 DirectionCone BilinearMesh::NormalBounds(uint32_t primitive) const {
-    // The unnormalised normal is linear in (u, v), so every normal lies between those of the corners.
+    // The unnormalised normal is linear in (u, v), so all normals lie between those of the corners.
     Corners c = CornersOf(primitive);
     DirectionCone cone;
     for (Point2 uv : {Point2(0, 0), Point2(1, 0), Point2(0, 1), Point2(1, 1)}) {
@@ -160,16 +158,14 @@ DirectionCone BilinearMesh::NormalBounds(uint32_t primitive) const {
     return cone.IsEmpty() ? DirectionCone::EntireSphere() : cone;
 }
 
-/// Where a ray meets a patch, in double precision.
 struct BilinearMesh::PatchHit {
     double t, u, v;
 
-    /// The hit in (tMin, tMax) that is nearest to `at`; u and v may be off [0, 1] by `slack`.
+    /// The hit in (tMin, tMax) nearest to `at`; u and v may leave [0, 1] by `slack`.
     static std::optional<PatchHit> Nearest(const Corners &c, const Point3 &o, const Vector3 &d, double tMin,
                                            double tMax, double at, double slack) {
-        // For fixed u the patch is a straight line; the ray meets that line where line and ray are coplanar, a
-        // quadratic in u. Double precision: two roots that differ by the patch's curvature must not be confused, and
-        // shared edges must not leak.
+        // For fixed u the patch is a line; the ray meets it where both are coplanar, a quadratic in u. Double precision
+        // separates close roots of low curvature and keeps shared edges watertight.
         using D = glm::dvec3;
         D dir(d), a0 = D(c.p00) - D(o), da = D(c.p10) - D(c.p00), e0 = D(c.p01) - D(c.p00);
         D de = (D(c.p11) - D(c.p01)) - da;
@@ -177,7 +173,7 @@ struct BilinearMesh::PatchHit {
         std::array<double, 2> roots{};
         int n = SolveQuadratic(glm::dot(e0, a0d), glm::dot(de, a0d) + glm::dot(e0, dad), glm::dot(de, dad), roots);
 
-        // Cross products lose 2^-46 of the patch's size at most; planes that hold the origin are not hit at it.
+        // Cross products lose at most 2^-46 of the patch's size; planes through the origin are not hit at it.
         const D size = glm::abs(a0) + glm::abs(da) + glm::abs(e0) + glm::abs(de), length = glm::abs(dir);
         tMin += 0x1p-46 * std::max({size.x, size.y, size.z}) / std::max({length.x, length.y, length.z});
         std::optional<PatchHit> best;
@@ -190,7 +186,7 @@ struct BilinearMesh::PatchHit {
             if (!(ed2 > 0)) continue;
             double v = -glm::dot(glm::cross(a, dir), ed) / ed2;
             double t = -glm::dot(glm::cross(a, e), ed) / ed2;
-            // Once more by the tangent plane, which is exact along the axes.
+            // Refined with the tangent plane, which is exact along the axes.
             const D normal = glm::cross(da + v * de, e);
             const double slope = glm::dot(normal, dir);
             if (std::abs(slope) > 1e-7 * glm::length(normal) * glm::length(dir))
@@ -285,7 +281,7 @@ SurfacePoint BilinearMesh::Surface(uint32_t primitive, const PrimitiveHit &hit) 
 }
 
 Point2 BilinearMesh::Parameters(const Corners &c, const Point3 &p, const Normal3 &n) const {
-    // Solved in the coordinate plane the patch faces most. p = p00 + u E + v F + uv G; eliminating u leaves a
+    // Solved in the coordinate plane that the patch faces most. p = p00 + u E + v F + uv G; eliminating u leaves a
     // quadratic.
     using D2 = glm::dvec2;
     Vector3 an = Abs(n);

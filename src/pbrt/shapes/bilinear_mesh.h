@@ -6,8 +6,8 @@
 
 namespace pbrt {
 
-/// Bilinear patches in rendering space. Rectangles among them are sampled by solid angle, unless an image gives the
-/// density of emission over every patch.
+/// Bilinear patches in rendering space. Rectangles are sampled by solid angle, unless an image defines the density of
+/// emission per patch.
 class BilinearMesh final : public Shape {
   public:
     /// `emission`: density over (u, v), or null; only for meshes without texture coordinates.
@@ -33,7 +33,7 @@ class BilinearMesh final : public Shape {
                         const Normal3 &nHit) const override;
 
     const MeshData &Data() const { return mesh_; }
-    /// Sampled by solid angle (planar, right angles, to stock pbrt-v4's tolerance).
+    /// True if sampled by solid angle: planar with right angles, to stock pbrt-v4's tolerance.
     bool IsRectangle(uint32_t primitive) const { return isRectangle_[primitive] != 0; }
     /// p11 = p10 + p01 - p00 up to rounding: (u, v) is then affine on the patch.
     bool IsParallelogram(uint32_t primitive) const;
@@ -45,18 +45,17 @@ class BilinearMesh final : public Shape {
         Vector3 DpDu(Float v) const;
         Vector3 DpDv(Float u) const;
         Vector3 Error(const Point2 &uv, const Point3 &p, const Normal3 &n) const;  ///< of p = At(uv)
-        /// Length of the unnormalised normal at the corners: the weights of the bilinear warp in SampleArea.
+        /// Lengths of the unnormalised normal at the corners: weights of the bilinear warp in SampleArea.
         void AreaWeights(Float w[4]) const;
     };
     struct PatchHit;
     Corners CornersOf(uint32_t primitive) const;
     template <class T>
     T AtCorners(const std::vector<T> &values, uint32_t primitive, const Point2 &uv) const;
-    /// Surface parameters of a point known to lie on the patch, where the normal is n.
     Point2 Parameters(const Corners &c, const Point3 &p, const Normal3 &n) const;
     Normal3 OrientedNormal(uint32_t primitive, const Corners &c, const Point2 &uv) const;
     ShapeSample SampleAt(uint32_t primitive, const Corners &c, const Point2 &uv) const;
-    /// Density by area with which SampleArea finds the point (u, v).
+    /// Density of SampleArea at (u, v), by area.
     Float PdfArea(uint32_t primitive, const Corners &c, const Point2 &uv) const;
 
     MeshData mesh_;

@@ -18,7 +18,7 @@ CubicBezier SegmentOf(std::span<const Point3> points, size_t index, int degree, 
             const Point3 *p = &points[3 * index];
             return {{p[0], p[1], p[2], p[3]}};
         }
-        // Blossoms of the spline on the knots -2..3 about the segment [0, 1]: b(0,0,0), b(0,0,1), b(0,1,1), b(1,1,1).
+        // Blossoms of the spline with knots -2..3 about the segment [0, 1]: b(0,0,0), b(0,0,1), b(0,1,1), b(1,1,1).
         const Point3 *p = &points[index];
         constexpr Float kThird = Float(1) / 3;
         Point3 b01 = Lerp(kThird, p[1], p[2]), b10 = Lerp(kThird, p[2], p[1]);

@@ -8,7 +8,6 @@
 
 namespace pbrt {
 
-/// A cubic Bezier curve over u in [0, 1].
 struct CubicBezier {
     std::array<Point3, 4> p{};
 
@@ -17,11 +16,9 @@ struct CubicBezier {
         Vector3 a = Lerp(u, p[1] - p[0], p[2] - p[1]), b = Lerp(u, p[2] - p[1], p[3] - p[2]);
         return Float(3) * Lerp(u, a, b);
     }
-    /// The part over [u0, u1] as a separate curve.
     CubicBezier Part(Float u0, Float u1) const {
         return {{Blossom(u0, u0, u0), Blossom(u0, u0, u1), Blossom(u0, u1, u1), Blossom(u1, u1, u1)}};
     }
-    /// The parts over [0, 1/2] and [1/2, 1].
     void Halves(CubicBezier *first, CubicBezier *second) const {
         constexpr Float kHalf = 0.5f;
         Point3 p01 = (p[0] + p[1]) * kHalf, p12 = (p[1] + p[2]) * kHalf, p23 = (p[2] + p[3]) * kHalf;
@@ -30,12 +27,12 @@ struct CubicBezier {
         *first = {{p[0], p01, p012, middle}};
         *second = {{middle, p123, p23, p[3]}};
     }
-    /// The multi-affine form: B(u, u, u) is the point at u.
+    /// Multi-affine form: B(u, u, u) is the point at u.
     Point3 Blossom(Float a, Float b, Float c) const {
         Point3 p01 = Lerp(a, p[0], p[1]), p12 = Lerp(a, p[1], p[2]), p23 = Lerp(a, p[2], p[3]);
         return Lerp(c, Lerp(b, p01, p12), Lerp(b, p12, p23));
     }
-    /// Largest component of the second differences: 6 times it bounds the second derivative.
+    /// Largest component of the second differences; 6 times it bounds the second derivative.
     Float LargestSecondDifference() const {
         return std::max(MaxComponent(Abs(p[0] - Float(2) * p[1] + p[2])),
                         MaxComponent(Abs(p[1] - Float(2) * p[2] + p[3])));
@@ -44,7 +41,7 @@ struct CubicBezier {
 
 enum class CurveBasis { Bezier, BSpline };
 
-/// Number of segments of a curve with `count` control points; 0 if that is no possible count.
+/// Number of segments for `count` control points; 0 if the count is invalid.
 size_t SegmentCount(size_t count, int degree, CurveBasis basis);
 /// Segment `index` as a cubic. Degree 2 or 3; B-splines are uniform.
 CubicBezier SegmentOf(std::span<const Point3> points, size_t index, int degree, CurveBasis basis);

@@ -8,7 +8,7 @@ namespace {
 
 Float WidthAt(const Curves::Segment &s, Float u) { return Lerp(u, s.width0, s.width1); }
 
-/// The factor by which a transform scales all lengths; nullopt if it scales them differently.
+/// Uniform scale of a transform; nullopt if it is not uniform.
 std::optional<Float> UniformScale(const Transform &t) {
     glm::dmat3 m = glm::dmat3(glm::mat3(t.Matrix()));
     glm::dmat3 gram = glm::transpose(m) * m;
@@ -27,7 +27,7 @@ Vector3 SomePerpendicular(const Vector3 &v) {
     return s;
 }
 
-/// Unit vector along a x b, or any one perpendicular to b if a x b vanishes.
+/// Unit vector along a x b, or any perpendicular to b if a x b vanishes.
 Vector3 UnitCross(const Vector3 &a, const Vector3 &b) {
     Vector3 c = Cross(a, b);
     Float length = Length(c);
@@ -80,8 +80,8 @@ bool Curves::Append(const Curves &other) {
     return true;
 }
 
-/// Splits as long as that reduces the surface of the bounding boxes by at least 30 %: into at most 8 pieces, and no
-/// more than stock pbrt-v4.
+/// Splits while that reduces the bounding boxes' surface area by at least 30 %: at most 8 pieces, and no more than
+/// stock pbrt-v4.
 void Curves::AddPieces(const Segment &segment, size_t index, std::vector<Piece> *pieces) {
     auto surface = [&](uint32_t log2Count) {
         Float sum = 0, n = static_cast<Float>(1u << log2Count);
@@ -148,7 +148,7 @@ Normal3 Curves::RibbonNormal(uint32_t segment, Float u) const {
     return (std::sin((1 - u) * angle) * a + std::sin(u * angle) * b) / sine;
 }
 
-/// The search for the nearest hit, in ray space: the origin is the ray's, z runs along it.
+/// Nearest-hit search in ray space: origin at the ray's, z along the ray.
 struct Curves::Search {
     const Curves &curves;
     const Segment &segment;
@@ -158,7 +158,7 @@ struct Curves::Search {
     Float u = 0, v = 0;
     bool found = false;
 
-    /// Halves the curve `depth` times; then, unless partsAreStraight, as often as each part needs to be straight.
+    /// Halves the curve `depth` times; then, unless partsAreStraight, until each part is straight.
     void Visit(const CubicBezier &c, Float u0, Float u1, int depth, bool partsAreStraight) {
         if (Misses(c, u0, u1)) return;
         if (depth == 0) {
@@ -192,7 +192,7 @@ struct Curves::Search {
         return low.y > half || high.y < -half || low.x > half || high.x < -half || low.z > zMax || high.z < zMin;
     }
 
-    /// Tests a part that is nearly straight: the strip between the perpendiculars at its ends.
+    /// Tests a nearly straight part: the strip between the perpendiculars at its ends.
     void TestPart(const CubicBezier &c, Float u0, Float u1) {
         Vector2 a(c.p[0]), b(c.p[3]);
         if (glm::dot(a, Vector2(c.p[1]) - a) > 0 || glm::dot(b, Vector2(c.p[2]) - b) > 0) return;
@@ -228,7 +228,7 @@ std::optional<PrimitiveHit> Curves::Intersect(uint32_t primitive, const Point3 &
     Float u0 = piece.U0(), u1 = piece.U1(), length = Length(d);
     CubicBezier c = piece.log2Count == 0 ? segment.curve : segment.curve.Part(u0, u1);
 
-    // With x along the projected chord the bounds in y are tight.
+    // x along the projected chord gives tight bounds in y.
     Vector3 z = d / length, y = UnitCross(z, c.p[3] - c.p[0]);
     y = Normalize(y - z * Dot(y, z));
     Vector3 x = Cross(y, z);
@@ -261,7 +261,7 @@ SurfacePoint Curves::SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, c
     } else {
         dpdv = side_ * width * UnitCross(d, dpdu);
         if (kind_ == CurveKind::Cylinder) {
-            // v = 0, 1/2, 1 turn the strip by 90, 0, -90 degrees about the curve.
+            // v = 0, 1/2, 1 rotates the strip by 90, 0, -90 degrees about the curve.
             Float theta = Pi * (hit.v - Float(0.5));
             dpdv = dpdv * std::cos(theta) - Cross(Normalize(dpdu), dpdv) * (side_ * std::sin(theta));
         }

@@ -4,44 +4,42 @@
 
 namespace pbrt {
 
-/// How the strip along a curve is turned. Flat and Cylinder face the ray; Cylinder has the normals of a round tube;
-/// Ribbon is turned by normals and looks narrower from the side.
+/// Orientation of the strip. Flat and Cylinder face the ray; Cylinder has the normals of a round tube; Ribbon is
+/// oriented by normals and looks narrower from the side.
 enum class CurveKind { Flat, Cylinder, Ribbon };
 
-/// Many curve segments as strips that face the ray, as in stock pbrt-v4: a ray hits a segment where, seen along the
-/// ray, it passes the curve at less than half its width; the hit lies at the distance of the curve itself. u runs along
-/// each segment, v across (hits are (u, v)). The error bound is the width at the hit, so rays that leave the strip
-/// start as far from it as in stock.
+/// Curve segments as ray-facing strips, as in stock pbrt-v4. A ray hits a segment where it passes, in projection, at
+/// less than half the width; the hit has the distance of the curve itself. u runs along each segment, v across (hits
+/// are (u, v)). The error bound is the width at the hit, as in stock, which offsets outgoing rays.
 ///
-/// Segments are cut into parts that count as straight by stock's rule (to 5 % of the width, starting from 2^splitDepth
-/// parts), because the rule's errors in u and v are visible in pictures. Each segment is one or several primitives, so
-/// that bounds are tight. Curves are not sampled as lights (nor are they in stock).
+/// Segments are subdivided by stock's flatness rule (to 5 % of the width, at least 2^splitDepth parts), because its
+/// errors in u and v are visible. Each segment is one or several primitives, for tight bounds. As in stock, curves are
+/// not sampled as lights.
 class Curves final : public Shape {
   public:
     struct Segment {
         CubicBezier curve;
         Float width0, width1;  ///< at u = 0 and 1, linear between
-        int splitDepth = 3;    ///< hits are sought on at least 2^splitDepth parts
+        int splitDepth = 3;    ///< intersection uses at least 2^splitDepth parts
     };
     /// In object space. `normals`: two per segment for ribbons, at u = 0 and 1; else empty.
     Curves(CurveKind kind, std::vector<Segment> segments, std::vector<Normal3> normals,
            const Transform &renderFromObject, bool reverseOrientation);
 
-    /// Adds the segments of `other`, whose primitives follow those of this shape. False, without a change, if one shape
-    /// cannot hold both.
+    /// Appends the segments of `other` and their primitives. False, without a change, if one shape cannot hold both.
     bool Append(const Curves &other);
 
     ShapeKind Kind() const override { return ShapeKind::Curves; }
     uint32_t PrimitiveCount() const override { return static_cast<uint32_t>(pieces_.size()); }
     Bounds3 PrimitiveBounds(uint32_t primitive) const override;
-    /// Length of the curve times its width, approximately.
+    /// Approximately length times width.
     Float Area(uint32_t primitive) const override;
     DirectionCone NormalBounds(uint32_t) const override { return DirectionCone::EntireSphere(); }
     std::optional<PrimitiveHit> Intersect(uint32_t primitive, const Point3 &o, const Vector3 &d, Float tMin,
                                           Float tMax) const override;
     SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Point3 &o,
                               const Vector3 &d) const override;
-    /// As seen from some direction perpendicular to the curve.
+    /// For a view direction perpendicular to the curve.
     SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const override;
     Point2 Uv(uint32_t, const PrimitiveHit &hit) const override { return {hit.u, hit.v}; }
     std::optional<ShapeSample> SampleArea(uint32_t, const Point2 &) const override { return {}; }
@@ -58,7 +56,7 @@ class Curves final : public Shape {
     const Segment &SegmentOfPrimitive(uint32_t primitive) const { return segments_[pieces_[primitive].segment]; }
 
   private:
-    /// The part number `index` of 2^log2Count equal ones (in u) of a segment.
+    /// Part `index` of 2^log2Count equal parts (in u) of a segment.
     struct Piece {
         uint32_t segment : 27;
         uint32_t log2Count : 2;
@@ -77,11 +75,10 @@ class Curves final : public Shape {
     std::vector<Segment> segments_;
     std::vector<Normal3> normals_;
     std::vector<Piece> pieces_;
-    /// From the space of the segments. Identity if renderFromObject scales all lengths alike: then segments lie in
-    /// rendering space.
+    /// From the segments' space. Identity if renderFromObject scales uniformly: then segments are in rendering space.
     Transform renderFromSegments_;
     bool isPlaced_;
-    Float side_ = 1;  ///< -1 if the segments' space is mirrored against object space
+    Float side_ = 1;  ///< -1 if the segments' space mirrors object space
     Float normalSide_;
 };
 

@@ -44,7 +44,6 @@ class Splitter {
             auto [v0, v1, v2] = todo_.back();
             todo_.pop_back();
             const Float d01 = EdgeLength(v0, v1), d12 = EdgeLength(v1, v2), d20 = EdgeLength(v2, v0);
-            // The longest edge runs from v0 to v1.
             if (d12 > d01 && d12 >= d20) std::tie(v0, v1, v2) = std::tuple(v1, v2, v0);
             else if (d20 > d01 && d20 > d12) std::tie(v0, v1, v2) = std::tuple(v2, v0, v1);
             const Float longest = std::max({d01, d12, d20});
@@ -64,8 +63,7 @@ class Splitter {
   private:
     Float EdgeLength(uint32_t a, uint32_t b) const { return Distance(placed_[a], placed_[b]); }
 
-    /// The vertex in the middle of an edge, the same for the faces on both sides. Empty if no float lies between the
-    /// ends.
+    /// Midpoint vertex of an edge, shared by both faces. Empty if no float lies between the ends.
     std::optional<uint32_t> Middle(uint32_t a, uint32_t b) {
         const uint64_t key = uint64_t(std::min(a, b)) << 32 | std::max(a, b);
         auto [it, isNew] = middles_.emplace(key, static_cast<uint32_t>(mesh_.p.size()));
@@ -75,7 +73,7 @@ class Splitter {
             middles_.erase(it);
             return {};
         }
-        // Each new vertex adds two triangles to a surface, or one at its border.
+        // Each new vertex adds two triangles, or one at a border.
         if (mesh_.p.size() >= kMaxDisplacedTriangles / 2) refuse_();
         const Normal3 n = mesh_.n[a] + mesh_.n[b];
         mesh_.p.push_back(p);
@@ -104,8 +102,7 @@ void MoveVertices(MeshData &mesh, const Transform &renderFromObject, const Displ
     });
 }
 
-/// Each vertex gets the mean of the unit normals of its faces, each turned to the side of the old normals at the face's
-/// corners.
+/// Vertex normals: mean of the unit face normals, each on the side of the old normals at the face's corners.
 void RenewNormals(MeshData &mesh) {
     std::vector<Normal3> sums(mesh.p.size(), Normal3(0));
     for (size_t i = 0; i < mesh.indices.size(); i += 3) {
@@ -132,8 +129,8 @@ void ForEachTriangle(const PlyMesh &ply, F f) {
 
 }  // namespace
 
-// Halving longest edges makes similar triangles whose area is from 1/9 to 1/4 of the square of the longest edge
-// allowed; narrower triangles are only cut across their length.
+// Bisecting longest edges makes similar triangles with an area of 1/9 to 1/4 of the squared longest edge; narrower
+// triangles are only cut across their length.
 double SplitSize::Triangles(double maxEdge) const { return faces + 6 * area / (maxEdge * maxEdge) + edges / maxEdge; }
 
 SplitSize MeasureSplit(const PlyMesh &ply, const Transform &renderFromObject) {

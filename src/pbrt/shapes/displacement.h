@@ -6,14 +6,13 @@
 
 namespace pbrt {
 
-/// How a mesh is displaced.
 struct Displacement {
-    /// Object units along the normal; the position and the (unit) normal are given in rendering space.
+    /// Displacement along the normal in object units; position and (unit) normal are in rendering space.
     std::function<Float(const Point3 &p, const Normal3 &n, const Point2 &uv)> height;
     Float edgeScale = 1;  ///< multiplies "edgelength"
 };
 
-/// A mesh that cannot be displaced (no location), and the parameter of the shape that is the reason.
+/// Displacement failure (no location) with the responsible parameter of the shape.
 class DisplacementError : public UserError {
   public:
     DisplacementError(const char *parameter, std::string message)
@@ -24,20 +23,19 @@ class DisplacementError : public UserError {
     const char *parameter_;  ///< "displacement" or "edgelength"
 };
 
-/// Splits triangles and quads at the middle of their longest edges until all edges are shorter than `maxEdge` in
-/// rendering space, then moves the vertices along their normals and gives them new normals, on the side of the old
-/// ones. Faces that share vertices keep doing so: no cracks. The result is in object space. Throws DisplacementError if
-/// texture coordinates or normals are missing, or there would be more than kMaxDisplacedTriangles; nearly always before
-/// the work is done.
+/// Bisects the longest edges of triangles and quads until all are shorter than `maxEdge` in rendering space. Then
+/// displaces vertices along their normals and recomputes normals, on the side of the old ones. Shared vertices stay
+/// shared: no cracks. The result is in object space. Throws DisplacementError if texture coordinates or normals are
+/// missing or kMaxDisplacedTriangles is exceeded; nearly always before the work is done.
 MeshData DisplaceMesh(const PlyMesh &mesh, const Transform &renderFromObject, Float maxEdge,
                       const Displacement &displacement);
 
 inline constexpr size_t kMaxDisplacedTriangles = size_t(1) << 25;
 
-/// Size of the surface that is to be split, in rendering space.
+/// Size of the input surface, in rendering space.
 struct SplitSize {
     double faces = 0, area = 0, edges = 0;  ///< number of triangles; sums of their areas and of their longest edges
-    /// An estimate of the number of triangles after the split.
+    /// Estimated number of triangles after splitting.
     double Triangles(double maxEdge) const;
 };
 SplitSize MeasureSplit(const PlyMesh &mesh, const Transform &renderFromObject);

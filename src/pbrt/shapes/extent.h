@@ -12,16 +12,14 @@ inline bool IsWithinReach(const Point3 &p) {
 }
 inline bool IsWithinReach(const Bounds3 &b) { return b.IsEmpty() || (IsWithinReach(b.low) && IsWithinReach(b.high)); }
 
-/// The box around a transformed box.
 Bounds3 TransformBounds(const Transform &t, const Bounds3 &b);
-/// The box around all primitives.
 Bounds3 BoundsOf(const Shape &shape);
 
-/// Throws UserError "`what` reaches to ...; coordinates must be ..." unless the box, where `place` puts it at the start
-/// and at the end of its motion, lies within kMaxCoordinate.
+/// Throws UserError "`what` reaches to ...; coordinates must be ..." unless the box, placed at the start and end of its
+/// motion, lies within kMaxCoordinate.
 void RequireReach(const std::string &what, const AnimatedTransform &place, const Bounds3 &b, const FileLoc &loc);
 
-/// The same for a shape in the space it is in. Meshes name the first vertex that is too far away.
+/// The same for a shape in its own space. For meshes the error names the first offending vertex.
 void RequireReach(const std::string &what, const Shape &shape, const FileLoc &loc);
 
 }  // namespace pbrt

@@ -17,13 +17,13 @@ namespace Sdc = OpenSubdiv::Sdc;
 
 using Points = std::vector<Point3>;
 
-/// Warren's weight of each neighbour of an interior vertex of valence n. (OpenSubdiv's Loop scheme has Loop's weights,
-/// which differ for n = 4, 5 and above 6; that is why its refinement of positions is not used.)
+/// Warren's neighbour weight for an interior vertex of valence n. (OpenSubdiv has Loop's weights, which differ for n =
+/// 4, 5 and above 6; hence its position refinement is not used.)
 Float InteriorWeight(int n) { return n == 3 ? Float(3) / 16 : Float(3) / (8 * static_cast<Float>(n)); }
-/// A boundary is refined as a cubic B-spline. Its limit mask would be 1/6; stock's 1/5 is kept.
+/// Boundaries are cubic B-splines. Their limit mask would be 1/6; stock's 1/5 is kept.
 constexpr Float kBoundaryWeight = Float(1) / 8, kBoundaryLimitWeight = Float(1) / 5;
 
-/// The neighbours of a vertex, counter-clockwise; from one boundary edge to the other if it lies on the boundary.
+/// One-ring of a vertex, counter-clockwise; from boundary edge to boundary edge if on the boundary.
 class Ring {
   public:
     void Collect(const Far::TopologyLevel &level, int vertex) {
@@ -38,8 +38,8 @@ class Ring {
     int Size() const { return static_cast<int>(vertices_.size()); }
     const Point3 &At(const Points &p, int i) const { return p[vertices_[i]]; }
 
-    /// Weighted mean of the vertex and its neighbours (on the boundary, the two boundary neighbours): each neighbour
-    /// has the weight given, the vertex the rest.
+    /// Weighted mean of the vertex and its neighbours (on the boundary, the two boundary neighbours): the given weight
+    /// per neighbour, the rest for the vertex.
     Point3 Smoothed(const Points &p, int vertex, Float interiorWeight, Float boundaryWeight) const {
         const Point3 &center = p[vertex];
         if (isBoundary_) return center * (1 - 2 * boundaryWeight) + (At(p, 0) + At(p, Size() - 1)) * boundaryWeight;
@@ -54,7 +54,7 @@ class Ring {
         Float n = static_cast<Float>(Size());
         return Smoothed(p, vertex, 1 / (n + 3 / (8 * InteriorWeight(Size()))), kBoundaryLimitWeight);
     }
-    /// Cross product of the tangents; `p` are limit positions already, as in stock.
+    /// Cross product of the tangents; `p` holds limit positions, as in stock.
     Normal3 LimitNormal(const Points &p, int vertex) const {
         Vector3 along, across;
         if (isBoundary_) {
@@ -115,7 +115,7 @@ Points RefineOnce(const Far::TopologyLevel &level, const Points &p, int childCou
     return children;
 }
 
-/// Throws UserError unless every edge belongs to one face, or to two that run along it in opposite directions.
+/// Throws UserError unless every edge belongs to one face, or to two in opposite directions.
 void CheckManifold(std::span<const int> corners) {
     std::map<std::pair<int, int>, size_t> edges;
     for (size_t i = 0; i < corners.size(); ++i) {

@@ -5,13 +5,12 @@
 
 namespace pbrt {
 
-/// Refines a triangle control mesh `levels` times by Loop subdivision, then moves its vertices to the limit surface and
-/// gives them the limit's normals. The masks are those stock pbrt-v4 uses (see the .cpp), so the surface is stock's;
-/// OpenSubdiv provides the topology. The result lies in the space of `points`. Like stock's, normals point to the side
-/// from which the faces are seen clockwise.
+/// Refines a triangle control mesh `levels` times by Loop subdivision, then projects vertices and normals to the limit
+/// surface. The masks are stock pbrt-v4's (see the .cpp), so the surface is stock's; OpenSubdiv provides the topology.
+/// The result is in the space of `points`. Like stock's, normals point to the side from which faces appear clockwise.
 ///
-/// Throws UserError, without location, if the faces are no oriented two-manifold (with or without boundary). Points
-/// that no face uses are dropped. Indices must be in range.
+/// Throws UserError, without location, unless the faces are an oriented two-manifold, possibly with boundary. Unused
+/// points are dropped. Indices must be in range.
 MeshData LoopSubdivide(std::span<const uint32_t> indices, std::span<const Point3> points, int levels);
 
 }  // namespace pbrt

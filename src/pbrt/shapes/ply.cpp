@@ -60,7 +60,7 @@ class HeaderReader {
     Header Read() {
         std::string_view line;
         bool hasFormat = false;
-        // The first line decides, so that a binary body may begin with any byte.
+        // The first line decides the line ending, so that a binary body may begin with any byte.
         const size_t end = std::min(content_.find_first_of("\r\n"), content_.size());
         if (content_.substr(end, 1) == "\r" && content_.substr(end, 2) != "\r\n") header_.lineEnd = '\r';
         if (!NextLine(&line) || Words(line) != std::vector<std::string_view>{"ply"})
@@ -157,14 +157,12 @@ class HeaderReader {
     Header header_;
 };
 
-/// Hands out the numbers of the body one after the other.
 class BodyReader {
   public:
     BodyReader(std::string_view content, const Header &header, const std::string &name)
         : at_(content.data() + header.bodyOffset), end_(content.data() + content.size()), name_(name),
           encoding_(header.encoding), lineEnd_(header.lineEnd), line_(header.lines + 1) {}
 
-    /// For messages: what is being read.
     void SetItem(const std::string *element, uint64_t index) {
         element_ = element;
         index_ = index;
@@ -224,7 +222,7 @@ class BodyReader {
         T value{};
         auto [stop, code] = std::from_chars(at_, end_, value);
         bool ended = stop == end_ || *stop == ' ' || *stop == '\t' || *stop == '\r' || *stop == '\n';
-        // from_chars leaves a value beyond double's range untouched, be it too large or too small.
+        // from_chars leaves the value unchanged on overflow and underflow alike.
         if (!ended || (code != std::errc() && code != std::errc::result_out_of_range)) {
             const char *word = start;
             while (word != end_ && *word != ' ' && *word != '\t' && *word != '\r' && *word != '\n') ++word;
@@ -248,8 +246,8 @@ class BodyReader {
     uint64_t index_ = 0;
 };
 
-/// Where each property of a vertex goes: component 0-2 position, 3-5 normal, 6-7 uv, -1 nowhere. Of several pairs of
-/// texture coordinates, the first complete one of the list below is used.
+/// Destination of each vertex property: component 0-2 position, 3-5 normal, 6-7 uv, -1 none. The first complete pair of
+/// texture coordinates in the list below is used.
 std::vector<int> VertexSlots(const Element &e) {
     std::array<std::string_view, 8> names = {"x", "y", "z", "nx", "ny", "nz"};
     static constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kPairs = {
@@ -277,7 +275,7 @@ void SkipProperty(BodyReader &body, const Property &p) {
     for (int64_t i = 0; i < n; ++i) body.Number(p.type);
 }
 
-/// Rejects counts of items that the file cannot hold, before memory is reserved for them.
+/// Rejects counts that the file cannot hold, before memory is reserved.
 void CheckCount(const BodyReader &body, const Element &e) {
     size_t least = 0;
     for (const Property &p : e.properties)
@@ -286,8 +284,7 @@ void CheckCount(const BodyReader &body, const Element &e) {
         body.Fail(fmt::format("the file ends too early for {} items of element \"{}\"", e.count, e.name));
 }
 
-/// v, or zero if a component is infinite or not a number, which `broken` counts. Normals of length zero are ignored
-/// later.
+/// v, or zero if a component is non-finite, which `broken` counts. Normals of length zero are ignored later.
 template <class T>
 T Sanitized(T v, size_t *broken) {
     for (int i = 0; i < T::length(); ++i)
@@ -298,7 +295,7 @@ T Sanitized(T v, size_t *broken) {
     return v;
 }
 
-/// Positions must be finite; returns how many normals and uv were not.
+/// Requires finite positions; returns the number of non-finite normals and uv.
 size_t ReadVertices(BodyReader &body, const Element &e, MeshData &mesh) {
     size_t broken = 0;
     const std::vector<int> slots = VertexSlots(e);

@@ -6,7 +6,7 @@ namespace pbrt {
 
 Quadric::Quadric(const Transform &renderFromObject, bool reverseOrientation)
     : renderFromObject_(renderFromObject), flipNormal_(reverseOrientation != renderFromObject.SwapsHandedness()) {
-    // In double from the forward matrix, so that rays meet the surface where Surface() puts its points.
+    // Double precision from the forward matrix, so that hits lie on the surface of Surface().
     glm::dmat3 m(renderFromObject.Matrix());
     toObject_ = glm::inverse(m);
     origin_ = glm::dvec3(renderFromObject.Matrix()[3]);
@@ -28,7 +28,7 @@ void Quadric::SetArea(Float objectArea) {
         area_ = objectArea * scale_ * scale_;
         return;
     }
-    // |dpdu x dpdv| integrated over the surface's (u, v) square by the midpoint rule.
+    // |dpdu x dpdv| integrated over (u, v) by the midpoint rule.
     constexpr int kSteps = 128;
     double sum = 0;
     for (int i = 0; i < kSteps; ++i)
@@ -74,10 +74,10 @@ SurfacePoint Quadric::SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, 
     SurfacePoint s = Surface(primitive, hit);
     const glm::dvec3 origin(o), direction(d);
     const Roots roots = ObjectIntersect(toObject_ * (origin - origin_), toObject_ * direction);
-    if (roots.count == 0) return s;  // a grazing ray that rounding moved off the surface
+    if (roots.count == 0) return s;  // a grazing ray moved off the surface by rounding
     const double t = double(hit.t), first = roots.t[0], last = roots.t[roots.count - 1];
     s.p = Point3(origin + (std::abs(last - t) < std::abs(first - t) ? last : first) * direction);
-    // The point is rounded once; Intersect and the line above lose some of a double's 53 bits.
+    // One rounding of the point; Intersect and the line above lose some of a double's 53 bits.
     s.pError = Gamma(2) * Abs(s.p) + 0x1p-40f * (reach_ + Abs(o));
     return s;
 }

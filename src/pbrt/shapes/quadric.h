@@ -3,12 +3,12 @@
 
 namespace pbrt {
 
-/// What sphere, disk and cylinder share: one primitive, described in object space, placed by an affine transform.
-/// Derived classes work in object space only.
+/// Base of sphere, disk and cylinder: one primitive in object space, placed by an affine transform. Derived classes
+/// work in object space only.
 ///
-/// Hits and samples have the same normal: it is flipped if the transform mirrors or ReverseOrientation is on, but not
-/// if both. Samples are drawn from the part that zmin, zmax, phimax and innerradius leave, and areas and densities
-/// include the scale of the transform. (Stock differs in all of this: docs/reference/compatibility.md, "Area lights".)
+/// Hits and samples have the same normal, flipped if exactly one of mirroring and ReverseOrientation applies. Samples
+/// cover the part left by zmin, zmax, phimax and innerradius; areas and densities include the transform's scale. (Stock
+/// differs in all of this: docs/reference/compatibility.md, "Area lights".)
 class Quadric : public Shape {
   public:
     uint32_t PrimitiveCount() const final { return 1; }
@@ -28,7 +28,6 @@ class Quadric : public Shape {
                         const Normal3 &nHit) const override;
 
   protected:
-    /// A point of the surface in object space.
     struct ObjectPoint {
         Point3 p{};
         Vector3 pError{};
@@ -42,34 +41,34 @@ class Quadric : public Shape {
         Normal3 n{};
         Point2 uv{};
     };
-    /// Up to two ray parameters in ascending order where the unclipped surface is hit.
+    /// Ray parameters of up to two hits with the unclipped surface, ascending.
     struct Roots {
         int count = 0;
         double t[2] = {0, 0};
     };
 
     Quadric(const Transform &renderFromObject, bool reverseOrientation);
-    /// To be called at the end of the derived constructor, with the object-space area of the clipped surface.
+    /// Sets the object-space area of the clipped surface; called at the end of derived constructors.
     void SetArea(Float objectArea);
 
     virtual Bounds3 ObjectBounds() const = 0;
     virtual Roots ObjectIntersect(const glm::dvec3 &o, const glm::dvec3 &d) const = 0;
-    /// (u, v) of a point of the unclipped surface; nullopt if it is clipped away.
+    /// (u, v) of a point of the unclipped surface; nullopt if clipped.
     virtual std::optional<Point2> Clip(const glm::dvec3 &p) const = 0;
     virtual ObjectPoint PointAt(const Point2 &uv) const = 0;
     /// Uniform by object-space area over the clipped surface.
     virtual ObjectSample SampleObject(const Point2 &u) const = 0;
-    /// Outward normal of an object-space point on the surface, any length.
+    /// Outward normal at an object-space surface point, any length.
     virtual Normal3 NormalAt(const Point3 &p) const = 0;
 
     const Transform &RenderFromObject() const { return renderFromObject_; }
     bool IsSimilarity() const { return isSimilarity_; }
     Float Scale() const { return scale_; }  ///< only if IsSimilarity()
-    /// Unit normal in rendering space, flipped if the surface is.
+    /// Unit normal in rendering space, flipped as the surface.
     Normal3 RenderNormal(const Normal3 &objectNormal) const;
 
   private:
-    /// Rendering-space area per object-space area where the unit object normal is n.
+    /// Rendering-space per object-space area for unit object normal n.
     Float AreaStretch(const Normal3 &n) const;
     Float PdfAreaAt(const Normal3 &objectNormal) const { return 1 / (objectArea_ * AreaStretch(objectNormal)); }
 
@@ -84,19 +83,16 @@ class Quadric : public Shape {
     bool flipNormal_;
 };
 
-/// True if a sweep up to phiMax is the whole circle.
 inline bool IsFullTurn(Float phiMax) { return phiMax >= Float(6.28318); }
-/// True if a sweep up to phiMax leaves out the azimuth phi.
 inline bool CutsAzimuth(Float phiMax, double phi) { return !IsFullTurn(phiMax) && phi > double(phiMax); }
 
-/// Azimuth in [0, 2 Pi).
 template <class T>
 T Azimuth(T x, T y) {
     T phi = std::atan2(y, x);
     return phi < 0 ? phi + 2 * std::numbers::pi_v<T> : phi;
 }
 
-/// Disk at z = height about the z axis, facing +z, cut by an inner radius and phiMax.
+/// Disk at z = height about the z axis, facing +z, cut by inner radius and phiMax.
 class Disk final : public Quadric {
   public:
     /// phiMax in degrees.

@@ -5,24 +5,24 @@
 
 namespace pbrt {
 
-/// A rectangle as a point sees it, for sampling positions on it: (s, t) is corner + s * edgeX + t * edgeY. As
-/// TriangleSampling, in its plane if it is small for its distance, else on the sphere.
+/// Sampling of a rectangle from a point; (s, t) is corner + s * edgeX + t * edgeY. As TriangleSampling: in its plane if
+/// small for its distance, else on the sphere.
 class RectangleSampling {
   public:
     RectangleSampling(const ShapeSampleContext &from, const Point3 &corner, const Vector3 &edgeX, const Vector3 &edgeY);
 
     struct Point {
         Point2 st;
-        Float pdf;  ///< solid angle; 0 or infinite if nothing can be drawn
+        Float pdf;  ///< solid angle; 0 or infinite if sampling fails
     };
     Point Sample(const Point2 &u) const;
-    /// The density with which Sample finds p, a point of the rectangle.
+    /// Density of Sample at p, a point of the rectangle, by solid angle.
     Float Pdf(const Point3 &p) const;
     bool IsInPlane() const { return inPlane_; }
 
-    /// As in TriangleSampling, of the diagonal. At the limit the variance is 0.001.
+    /// As in TriangleSampling, of the diagonal. Relative variance at the limit: 0.001.
     static constexpr Float kMaxSizeSquared = 0.2f;
-    /// Rectangles that cover a smaller solid angle (sr) are sampled in their plane.
+    /// sr; smaller rectangles are sampled in their plane.
     static constexpr Float kMinSolidAngle = 1e-4f;
 
   private:
@@ -31,7 +31,7 @@ class RectangleSampling {
     Vector3 edgeX_, edgeY_, toCorner_;
     Float weights_[4];  ///< for SampleBilinear
     bool inPlane_;
-    Float volume_;  ///< in the plane: triple product of the edges and the way to the corner, without its sign
+    Float volume_;  ///< in the plane: absolute triple product of edges and vector to the corner
     SphericalRectangle sphere_;
 };
 
@@ -54,7 +54,6 @@ inline RectangleSampling::RectangleSampling(const ShapeSampleContext &from, cons
         return;
     }
     volume_ = std::abs(Dot(Cross(edgeX, edgeY), toCorner_));
-    // The cosine over the third power of the distance.
     const Float min = Float(0.01) * std::sqrt(d2[0]);
     for (int i = 0; i < 4; ++i) {
         const Float ratio = nearest > 0 ? d2[0] / d2[i] : Float(1);

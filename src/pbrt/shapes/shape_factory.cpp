@@ -35,7 +35,6 @@ void DiscardUnlessPer(const ParamSet &set, DiagnosticSink &sink, std::vector<T> 
 
 constexpr RequiredItems kPoints{{ParamType::Point3}};
 
-/// The parameters that trianglemesh and bilinearmesh share.
 struct MeshParams {
     MeshData mesh;
     std::span<const int> indices, faceIndices;
@@ -47,11 +46,11 @@ struct MeshParams {
         v("uv", mesh.uv, Items{ParamType::Point2}, "texture coordinates for each point");
         v("faceIndices", faceIndices, "accepted but not used (only Ptex textures would need it)");
     }
-    /// The complete and checked mesh, with `corners` indices per face.
+    /// Validated mesh with `corners` indices per face.
     MeshData Finish(const ParamSet &set, DiagnosticSink &sink, size_t corners);
 };
 
-/// The index of a point; throws UserError if there is no such point.
+/// Validated point index; throws UserError if out of range.
 uint32_t Corner(int index, size_t points, const ParamSet &set) {
     if (index < 0 || static_cast<size_t>(index) >= points)
         throw set.Error("indices", fmt::format("index {} is out of range; there are {} points.", index, points));
@@ -99,8 +98,8 @@ struct BilinearMeshParams : MeshParams {
     }
 };
 
-/// Sampling density from the brightness of an image over (u, v), v upwards; null, with a warning, if it is black. A
-/// cell gets the mean of bilinear look-ups inside it, so that no emitting point has density 0.
+/// Sampling density from image brightness over (u, v), v upwards; null, with a warning, if black. Cells average
+/// bilinear lookups inside them, so that no emitting point has density 0.
 std::shared_ptr<const PiecewiseConstant2D> EmissionDensity(const std::string &filename, const ParamSet &set,
                                                            const ShapeContext &context) {
     const Image image = ReadImage(context.files.Resolve(filename)).image;
@@ -120,7 +119,7 @@ std::shared_ptr<const PiecewiseConstant2D> EmissionDensity(const std::string &fi
             sum += cell;
         }
     if (sum > 0) {
-        // A hundredth is spread uniformly, because the light may emit where this image is black.
+        // One percent is uniform, because the light may emit where this image is black.
         const Float everywhere = sum / static_cast<Float>(f.size()) / 100;
         for (Float &cell : f) cell += everywhere;
         return std::make_shared<PiecewiseConstant2D>(f, n.x, n.y);
@@ -224,7 +223,7 @@ ShapeList MakeLoopSubdivision(const LoopSubdivisionParams &p, const ParamSet &se
     for (int i : p.indices.first(p.indices.size() - p.indices.size() % 3))
         corners.push_back(Corner(i, p.points.size(), set));
     if (corners.empty()) throw set.Error("indices", "no complete face is left.");
-    // The last level with its topology, and the levels before it, each a quarter of the next.
+    // Includes topology and coarser levels, each a quarter of the next.
     constexpr double kBytesPerTriangle = 400;
     const double triangles = static_cast<double>(corners.size() / 3) * std::pow(4.0, p.levels);
     RequireMemory(triangles * kBytesPerTriangle, fmt::format("{}: a mesh of {:.2g} triangles", set.What(), triangles),
@@ -270,7 +269,6 @@ ShapeList MakePlyMesh(const PlyMeshParams &p, const ParamSet &set, const ShapeCo
     return shapes;
 }
 
-/// The parameters that quadrics share.
 struct QuadricParams {
     Float radius = 1, phiMax = 360;
     template <class V>
@@ -310,8 +308,8 @@ struct CylinderParams : QuadricParams {
     }
 };
 
-/// Checks that the shapes lie within kCoordinateRange. Quadrics and curves are traced in object space, which a singular
-/// transform does not have.
+/// Requires shapes within kCoordinateRange. Quadrics and curves need a non-singular transform, because they are traced
+/// in object space.
 template <class P, class F>
 void AddShape(ShapeTable &table, const char *name, const char *summary, bool isTracedInObjectSpace, F make) {
     table.Add<P>(name, summary, [make, isTracedInObjectSpace](P p, const ParamSet &set, const ShapeContext &context) {
@@ -323,7 +321,6 @@ void AddShape(ShapeTable &table, const char *name, const char *summary, bool isT
     });
 }
 
-/// One shape that is traced in object space.
 template <class P, class F>
 void AddQuadric(ShapeTable &table, const char *name, const char *summary, F make) {
     AddShape<P>(table, name, summary, true, [make](const P &p, const ParamSet &, const ShapeContext &context) {

@@ -8,20 +8,19 @@
 
 namespace pbrt {
 
-/// What the shapes of a Shape directive are made from beside its parameters. Its textures and anything about materials
-/// are read by build/.
+/// Context of shape creation besides the directive's parameters. Textures and materials are read by build/.
 struct ShapeContext {
     const Transform &renderFromObject;
     bool reverseOrientation = false;
     const FileResolver &files;
-    DiagnosticSink &sink;                        ///< also for errors that stock pbrt-v4 reports and survives
-    const ParamReader &before;                   ///< the parameters that build/ has read already
+    DiagnosticSink &sink;                        ///< also for errors that stock pbrt-v4 reports without failing
+    const ParamReader &before;                   ///< parameters already read by build/
     const Displacement *displacement = nullptr;  ///< null: none
-    bool opaque = true;                          ///< false: an alpha texture will let some rays through
-    Transform renderFromPlaced{};  ///< where an object definition lies, for displacement; the identity elsewhere
+    bool opaque = true;                          ///< false: an alpha texture lets some rays pass
+    Transform renderFromPlaced{};                ///< placement of an object definition, for displacement; else identity
 };
 
-/// A plymesh with triangles and quads yields two shapes, unless it is displaced.
+/// A plymesh with triangles and quads yields two shapes, unless displaced.
 using ShapeList = std::vector<std::unique_ptr<Shape>>;
 using ShapeTable = FactoryTable<ShapeList, const ShapeContext>;
 const ShapeTable &Shapes();

@@ -25,14 +25,13 @@ Sphere::Sphere(Float radius, Float zMin, Float zMax, Float phiMax, const Transfo
 Bounds3 Sphere::ObjectBounds() const { return {Point3(-radius_, -radius_, zMin_), Point3(radius_, radius_, zMax_)}; }
 
 Quadric::Roots Sphere::ObjectIntersect(const glm::dvec3 &o, const glm::dvec3 &d) const {
-    // The distance of the line from the centre decides whether it hits; the roots lie symmetrically about the nearest
-    // point (parameter m).
+    // Hit test by the line's distance from the centre; roots are symmetric about the nearest point (parameter m).
     double a = glm::dot(d, d), m = -glm::dot(o, d) / a, r = double(radius_);
     glm::dvec3 nearest = o + m * d;
     double rest = r * r - glm::dot(nearest, nearest);
     if (!(rest >= 0)) return {};
     double half = std::sqrt(rest / a), far = m >= 0 ? m + half : m - half;
-    // The root nearer to the ray's origin follows from the product of the roots, without cancellation.
+    // The root nearer to the origin follows from the product of the roots, without cancellation.
     double near = far != 0 ? (glm::dot(o, o) - r * r) / (a * far) : 0;
     return {2, {std::min(near, far), std::max(near, far)}};
 }
@@ -73,7 +72,6 @@ Quadric::ObjectPoint Sphere::PointAt(const Point2 &uv) const {
 }
 
 Quadric::ObjectSample Sphere::SampleObject(const Point2 &u) const {
-    // Slices of equal height have equal areas.
     Float z = Lerp(u.x, zMax_, zMin_), phi = u.y * phiMax_, ring = SafeSqrt(radius_ * radius_ - z * z);
     ObjectSample at;
     at.n = Normalize(Vector3(ring * std::cos(phi), ring * std::sin(phi), z));
@@ -91,13 +89,13 @@ std::optional<Sphere::Cone> Sphere::ConeFrom(const ShapeSampleContext &from) con
     Float sinMax = renderRadius_ / distance;
     if (!(sinMax < 1)) return {};
     Float sin2Max = sinMax * sinMax;
-    // 1 - cos written so that it keeps its digits for small spheres.
+    // Form of 1 - cos that is accurate for small spheres.
     return Cone{distance, sinMax, sin2Max / (1 + SafeSqrt(1 - sin2Max))};
 }
 
 ShapeSample Sphere::SampleNearSide(const Cone &cone, const ShapeSampleContext &from, const Point2 &u) const {
-    // theta: angle of the direction from the axis, seen from the point. alpha: angle of the hit from the axis, seen
-    // from the centre; both follow from the triangle point - centre - hit.
+    // theta: angle between direction and axis at the reference point. alpha: angle of the hit at the centre; from the
+    // triangle point - centre - hit.
     Float h = u.x * cone.oneMinusCosThetaMax;  // 1 - cos(theta)
     Float sin2Theta = h * (2 - h), cosTheta = 1 - h;
     Float sin2Ratio = std::min(Float(1), sin2Theta / (cone.sinThetaMax * cone.sinThetaMax));
@@ -146,7 +144,7 @@ std::optional<ShapeSample> Sphere::Sample(uint32_t primitive, const ShapeSampleC
     if (!s) return {};
     Vector3 wi = Normalize(s->p - from.p);
     const bool metFirst = byCone || IsMetFirst(from, wi, s->p);
-    if (opaque_ && !metFirst) return {};  // a nearer part of the sphere hides it
+    if (opaque_ && !metFirst) return {};  // hidden by a nearer part of the sphere
     s->pdf = (1 - coneShare_) * Quadric::PdfSolidAngle(primitive, from, wi, s->p, s->n);
     if (metFirst) s->pdf += coneShare_ * cone->Pdf();
     return s;

@@ -2,10 +2,9 @@
 
 namespace pbrt {
 
-// With the eye at the origin, z the distance of the plane, c = x / hypot(x, z) and b = y / hypot(y, z), the corner
-// rectangle [0,x] x [0,y] has solid angle asin(c b). So what lies left of x in [y0,y1] is
-//     g = asin(c b1) - asin(c b0),  and solved for c:  c = sin g / sqrt(b0^2 + b1^2 - 2 b0 b1 cos g).
-// The map is the one of Urena, Fajardo and King 2013.
+// Map of Urena, Fajardo and King 2013. With the eye at the origin, plane distance z, c = x / hypot(x, z) and b = y /
+// hypot(y, z), the rectangle [0,x] x [0,y] has solid angle asin(c b). The part left of x in [y0,y1] is thus
+//     g = asin(c b1) - asin(c b0), hence c = sin g / sqrt(b0^2 + b1^2 - 2 b0 b1 cos g).
 
 SphericalRectangle::SphericalRectangle(const Point3 &eye, const Point3 &corner, const Vector3 &edgeX,
                                        const Vector3 &edgeY)
@@ -24,7 +23,7 @@ SphericalRectangle::SphericalRectangle(const Point3 &eye, const Point3 &corner, 
     b0_ = y0_ / std::sqrt(y0_ * y0_ + z_ * z_);
     b1_ = y1_ / std::sqrt(y1_ * y1_ + z_ * z_);
     left_ = AreaLeftOf(x0_);
-    // An eye within rounding of the plane (a point of the rectangle itself) sees it edge-on, not as half the sphere.
+    // An eye within rounding of the plane (a point of the rectangle) sees it edge-on, not as half the sphere.
     double rounding = 1e-6 * (static_cast<double>(MaxComponent(Abs(eye))) + width + height);
     area_ = z_ > rounding ? AreaLeftOf(x1_) - left_ : 0;
 }

@@ -4,9 +4,9 @@ namespace pbrt {
 
 namespace {
 
-/// Bound of the error, seen in the outer space, of carrying p into the inner space with a float inverse. The sums of
-/// magnitudes are pessimistic: one rounding of each would do (measured on random walks inside instances), three are
-/// safe, and more would push points past their neighbours in strongly flattened instances.
+/// Error bound, in the outer space, of transforming p to the inner space by a float inverse. Sums of magnitudes are
+/// pessimistic: one rounding each suffices in random walks inside instances, three are safe. More would push points
+/// past their neighbours in strongly flattened instances.
 Vector3 ReturnError(const Transform &t, const Point3 &p) {
     glm::mat3 forward, back;
     for (int c = 0; c < 3; ++c) {

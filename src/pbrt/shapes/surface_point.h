@@ -4,7 +4,7 @@
 
 namespace pbrt {
 
-/// A point on a surface for the integrators. It holds ids only, which the scene resolves.
+/// Surface point for integrators, with ids that the scene resolves.
 struct SurfacePoint {
     Point3 p{};
     Vector3 pError{};  ///< componentwise bound on |true p - p|
@@ -25,21 +25,20 @@ struct SurfacePoint {
     uint32_t primitive = 0;
     MaterialId material{};
     LightId light{};                           ///< area light on this primitive, NoLight if none
-    MediumId insideMedium{}, outsideMedium{};  ///< on the side that n points away from, and on the other
+    MediumId insideMedium{}, outsideMedium{};  ///< on the side opposite to n, and on the side of n
 
-    // Filter footprint: derivatives by one pixel step in x and y, 0 if unknown.
+    // Filter footprint: derivatives per pixel step in x and y, 0 if unknown.
     Vector3 dpdx{}, dpdy{};
     Float dudx = 0, dvdx = 0, dudy = 0, dvdy = 0;
 
-    /// Start of a ray that leaves towards w, off the surface by the error bound.
+    /// Origin of a ray towards w, offset by the error bound.
     Point3 OffsetOrigin(const Vector3 &w) const { return OffsetRayOrigin(p, pError, n, w); }
     MediumId MediumTowards(const Vector3 &w) const { return Dot(w, n) > 0 ? outsideMedium : insideMedium; }
     Ray SpawnRay(const Vector3 &d) const { return {OffsetOrigin(d), d, Infinity, time, MediumTowards(d)}; }
 };
 
-/// The same point after its shape was moved by `t` (an instance's placement): geometry and error bounds are
-/// transformed, normals keep the side they are on, everything else is copied. The bounds also cover what is lost when a
-/// ray that starts here is taken back through the inverse of `t` in single precision.
+/// Transforms a surface point by an instance's placement: geometry and error bounds are transformed, normals keep their
+/// side, all else is copied. Error bounds include transforming outgoing rays back by the inverse in single precision.
 SurfacePoint TransformSurface(const Transform &t, const SurfacePoint &s);
 
 }  // namespace pbrt

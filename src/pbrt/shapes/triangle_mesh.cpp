@@ -84,7 +84,6 @@ Point2 TriangleMesh::UvAt(uint32_t primitive, const Vector3 &b) const {
     return b.x * mesh_.uv[v[0]] + b.y * mesh_.uv[v[1]] + b.z * mesh_.uv[v[2]];
 }
 
-/// Where a line meets the plane of a triangle, in double precision.
 struct TriangleMesh::PlaneHit {
     double t, b1, b2;
 
@@ -138,7 +137,7 @@ SurfacePoint TriangleMesh::Surface(uint32_t primitive, const PrimitiveHit &hit) 
     s.pError = Gamma(7) * (Abs(b.x * c.p0) + Abs(b.y * c.p1) + Abs(b.z * c.p2));
     s.uv = UvAt(primitive, b);
 
-    // Without coordinates the corners have (0, 0), (1, 0) and (1, 1), so that the determinant is 1.
+    // Default corner coordinates (0, 0), (1, 0), (1, 1), with determinant 1.
     Vector2 duv02(-1, -1), duv12(0, -1);
     Float inverse = 1;
     bool degenerateUv = false;
@@ -150,7 +149,7 @@ SurfacePoint TriangleMesh::Surface(uint32_t primitive, const PrimitiveHit &hit) 
         inverse = degenerateUv ? 0 : 1 / determinant;
     }
     Vector3 dp02 = c.p0 - c.p2, dp12 = c.p1 - c.p2;
-    // Change per unit of u and of v of a quantity that changes by d02 and d12 along the edges from corner 2.
+    // Derivatives by u and v of a quantity with differences d02 and d12 along the edges from corner 2.
     auto perU = [&](const Vector3 &d02, const Vector3 &d12) { return (duv12.y * d02 - duv02.y * d12) * inverse; };
     auto perV = [&](const Vector3 &d02, const Vector3 &d12) { return (duv02.x * d12 - duv12.x * d02) * inverse; };
     Normal3 face = FaceNormal(c.p0, c.p1, c.p2);
@@ -207,7 +206,7 @@ std::optional<ShapeSample> TriangleMesh::SampleArea(uint32_t primitive, const Po
     if (!(area > 0)) return {};
     const Corners c = CornersOf(primitive);
     ShapeSample s = SampleAt(primitive, c, SampleUniformTriangle(u));
-    s.pError += PlaneTestError(c.p0, c.p1, c.p2, s.p) * Abs(s.n);  // rays start here
+    s.pError += PlaneTestError(c.p0, c.p1, c.p2, s.p) * Abs(s.n);  // for rays that start here
     s.pdf = 1 / area;
     return s;
 }

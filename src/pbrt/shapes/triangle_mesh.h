@@ -5,7 +5,7 @@
 
 namespace pbrt {
 
-/// Vertex data of a triangle or patch mesh, in object space as read; transformed by the mesh's constructor.
+/// Vertex data of a triangle or patch mesh, in object space until placed by the mesh's constructor.
 struct MeshData {
     std::vector<uint32_t> indices;  ///< 3 (or 4: (0,0),(1,0),(0,1),(1,1)) per primitive
     std::vector<Point3> p;
@@ -15,11 +15,11 @@ struct MeshData {
     std::vector<int> faceIndices;  ///< per primitive or empty
 };
 
-/// Takes vertices, normals and tangents to rendering space; normals are flipped if `reverseOrientation`. Leaves room
-/// behind the last vertex, because Embree reads 16 bytes per vertex.
+/// Transforms to rendering space; normals are flipped if `reverseOrientation`. Reserves space after the last vertex,
+/// because Embree reads 16 bytes per vertex.
 void PlaceMesh(MeshData &mesh, const Transform &renderFromObject, bool reverseOrientation);
 
-/// Triangles in rendering space. Embree reads the vertex and index buffers directly.
+/// Triangles in rendering space. Embree uses the vertex and index buffers directly.
 class TriangleMesh final : public Shape {
   public:
     TriangleMesh(MeshData data, const Transform &renderFromObject, bool reverseOrientation);
@@ -54,9 +54,9 @@ class TriangleMesh final : public Shape {
     };
     struct PlaneHit;
     Corners CornersOf(uint32_t primitive) const;
-    /// How far a triangle reaches, along the axis along which it reaches farthest; at most twice too much.
+    /// Upper bound of the largest axis-aligned extent; at most twice too large.
     static Float SpanOf(const Corners &corners);
-    /// Unit normal on the side that samples and hits report at barycentric coordinates b.
+    /// Unit normal on the side of samples and hits at barycentric coordinates b.
     Normal3 OrientedNormal(uint32_t primitive, const Corners &c, const Vector3 &b) const;
     Point2 UvAt(uint32_t primitive, const Vector3 &b) const;
     ShapeSample SampleAt(uint32_t primitive, const Corners &c, const Vector3 &b) const;

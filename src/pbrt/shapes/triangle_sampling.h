@@ -5,32 +5,30 @@
 
 namespace pbrt {
 
-/// A triangle as a point sees it, for sampling directions towards it. Inline, because it lives in registers then.
+/// Sampling of directions to a triangle from a point. Inline, to stay in registers.
 ///
-/// The density is nearly proportional to the cosine at the receiver, which is interpolated between the corners with a
-/// minimum of about 0.01, where the receiver has a normal, and by solid angle otherwise. There are two ways. A triangle
-/// that is small for its distance is sampled in its plane: by area, a point at the distance d has the density
-/// d^3 / (area * height) by solid angle, which is evened out together with the cosine. A large one is sampled on the
-/// sphere.
+/// With a receiver normal, the density is nearly proportional to the receiver cosine, interpolated between the corners
+/// with a minimum of about 0.01; otherwise it is uniform by solid angle. Triangles small for their distance are sampled
+/// in their plane: area sampling has solid-angle density d^3 / (area * height) at distance d, which is equalised
+/// together with the cosine. Larger ones are sampled on the sphere.
 class TriangleSampling {
   public:
     TriangleSampling(const ShapeSampleContext &from, const Point3 &p0, const Point3 &p1, const Point3 &p2);
 
     struct Point {
         Vector3 barycentrics;
-        Float pdf;  ///< solid angle; 0 or infinite if nothing can be drawn
+        Float pdf;  ///< solid angle; 0 or infinite if sampling fails
     };
     Point Sample(const Point2 &u) const;
-    /// The density with which Sample finds the direction wi, which is known to meet the triangle.
+    /// Density of Sample in direction wi, which must hit the triangle.
     Float Pdf(const Vector3 &wi) const;
     bool IsInPlane() const { return inPlane_; }
 
-    /// Triangles are sampled in their plane if the square of the longest side is at most this, relative to the squared
-    /// distance of the nearest corner. At the limit what a diffuse receiver gets has a relative variance of 0.003 on
-    /// the average, as much as on the sphere with cosines that are interpolated without SetWeights (see the test).
+    /// Limit, for sampling in the plane, of the squared longest side relative to the squared distance of the nearest
+    /// corner. At the limit a diffuse receiver has a mean relative variance of 0.003, as on the sphere with
+    /// interpolated cosines without SetWeights (see the test).
     static constexpr Float kMaxSizeSquared = 0.2f;
-    /// On the sphere, solid angles (sr) are limited: below, rounding spoils the angles; above, the triangle is nearly a
-    /// hemisphere.
+    /// Limits in sr for the sphere: below, rounding dominates the angles; above, the triangle is nearly a hemisphere.
     static constexpr Float kMinSolidAngle = 2e-4f, kMaxSolidAngle = 6.22f;
 
   private:
@@ -38,18 +36,17 @@ class TriangleSampling {
     bool TrySphere(const ShapeSampleContext &from);
     Float InPlane(const Point2 &square, const Vector3 &barycentrics) const;
 
-    Vector3 to0_, to1_, to2_;  ///< the corners, from the receiver
+    Vector3 to0_, to1_, to2_;  ///< corners relative to the receiver
     Vector3 edge1_, edge2_;
     Float weights_[4];  ///< for SampleBilinear over the square whose side y = 0 is corner 1
     bool inPlane_;
-    Float volume_;      ///< in the plane: triple product of the corners, without its sign
+    Float volume_;      ///< in the plane: absolute triple product of the corners
     Vector3 distance_;  ///< on the sphere: of the corners
     SphericalTriangle sphere_;
 };
 
-/// The values wanted at the corners, between which the density is to be linear. In the square it depends on the square
-/// root of y then, because a row of the square is y of the area away from corner 1. The root is replaced by the line
-/// 4/15 + 12/15 y, which is nearest to it in the mean square.
+/// Sets the corner values of a linear density. In the square it depends on sqrt(y), because a row is the fraction y of
+/// the area away from corner 1. The root is replaced by its least-squares line 4/15 + 12/15 y.
 inline void TriangleSampling::SetWeights(Float at0, Float at1, Float at2) {
     constexpr Float kNear = Float(4) / 15, kFar = Float(16) / 15, kMin = 0.02f;
     auto between = [&](Float other, Float t) { return std::max(at1 + (other - at1) * t, kMin * at1); };
@@ -72,7 +69,6 @@ inline TriangleSampling::TriangleSampling(const ShapeSampleContext &from, const 
         SetWeights(1, 1, 1);
         return;
     }
-    // The cosine over the third power of the distance.
     const Float ratio0 = d1 / d0, ratio2 = d1 / d2;
     if (from.ns == Normal3(0)) {
         SetWeights(ratio0 * std::sqrt(ratio0), 1, ratio2 * std::sqrt(ratio2));
@@ -83,7 +79,6 @@ inline TriangleSampling::TriangleSampling(const ShapeSampleContext &from, const 
                std::max(min, AbsDot(from.ns, to2_)) * (ratio2 * ratio2));
 }
 
-/// False if the triangle is too small or too large for the sphere.
 inline bool TriangleSampling::TrySphere(const ShapeSampleContext &from) {
     distance_ = {Length(to0_), Length(to1_), Length(to2_)};
     const Vector3 a = to0_ / distance_.x, b = to1_ / distance_.y, c = to2_ / distance_.z;
@@ -113,7 +108,7 @@ inline TriangleSampling::Point TriangleSampling::Sample(const Point2 &u) const {
 }
 
 inline Float TriangleSampling::Pdf(const Vector3 &wi) const {
-    // Where the ray meets the triangle's plane; rounding may put it beside the triangle.
+    // Hit with the triangle's plane, possibly outside the triangle by rounding.
     const Vector3 k = Cross(wi, edge2_);
     const Float determinant = Dot(k, edge1_);
     if (determinant == 0) return 0;

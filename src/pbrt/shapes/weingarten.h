@@ -3,7 +3,7 @@
 
 namespace pbrt {
 
-/// Derivatives of the unit normal n from the first and second derivatives of the position (Weingarten equations).
+/// Derivatives of the unit normal n from first and second derivatives of the position (Weingarten equations).
 inline void NormalDerivatives(const Vector3 &dpdu, const Vector3 &dpdv, const Vector3 &d2pduu, const Vector3 &d2pduv,
                               const Vector3 &d2pdvv, const Normal3 &n, Normal3 *dndu, Normal3 *dndv) {
     Float uu = Dot(dpdu, dpdu), uv = Dot(dpdu, dpdv), vv = Dot(dpdv, dpdv);

@@ -14,11 +14,11 @@ glm::mat3 WhiteBalanceMatrix(const Point2 &from, const Point2 &to) {
 }
 
 DenseSpectrum DaylightSpectrum(Float kelvin) {
-    // Radiation constant c2 was 1.4380e-2 when the illuminants were defined; nominal temperatures refer to that value.
+    // The illuminants were defined with the radiation constant c2 = 1.4380e-2, to which nominal temperatures refer.
     double cct = double(kelvin) * (1.4388 / 1.4380);
     std::vector<Float> values;
     if (cct < 4000) {
-        // CIE daylight is not defined below 4000 K; stock pbrt-v4 uses a black body there.
+        // CIE daylight is undefined below 4000 K; stock pbrt-v4 uses a black body there.
         BlackbodySpectrum blackbody(static_cast<Float>(cct));
         for (Float lambda = LambdaMin; lambda <= LambdaMax; ++lambda) values.push_back(blackbody(lambda));
     } else {

@@ -34,21 +34,20 @@ const std::vector<ColorSpace> &AllSpaces() {
     return spaces;
 }
 
-/// A place on an axis of a table: `fraction` of the way from `node` to the next node.
+/// Position on a table axis: `fraction` of the way from `node` to the next one.
 struct AxisPlace {
     size_t node;
     Float fraction;
 };
 
-/// `ratio` in [0, 1], on equally spaced nodes.
 AxisPlace PlaceOfRatio(Float ratio) {
     Float nodes = ratio * static_cast<Float>(RgbTableResolution - 1);
     size_t node = std::min(static_cast<size_t>(nodes), RgbTableResolution - 2);
     return {node, nodes - static_cast<Float>(node)};
 }
 
-/// `scale` in [0, 1], on the nodes of RgbTableScales. Binary search in six steps without branches, which would
-/// often be mispredicted because scales vary irregularly.
+/// `scale` in [0, 1], on the nodes of RgbTableScales. Branchless binary search in six steps, because varying scales
+/// mispredict branches.
 AxisPlace PlaceOfScale(Float scale) {
     static_assert(RgbTableResolution == 64);
     size_t node = 0;
@@ -57,13 +56,13 @@ AxisPlace PlaceOfScale(Float scale) {
     return {node, (scale - kScales[node]) / (kScales[node + 1] - kScales[node])};
 }
 
-/// Every component in [0, bound]; NaN becomes 0 because of the order of the arguments of std::max.
+/// Clamps to [0, bound]; NaN becomes 0 by the argument order of std::max.
 Rgb Bounded(const Rgb &rgb, Float bound) {
     auto component = [bound](Float v) { return std::min(std::max(Float(0), v), bound); };
     return {component(rgb.x), component(rgb.y), component(rgb.z)};
 }
 
-/// Three coefficients and one value that does not matter: four are one register.
+/// Three coefficients and padding, for one register.
 using Quad = std::array<Float, 4>;
 
 Quad Between(Float t, const Quad &a, const Quad &b) {
@@ -72,13 +71,13 @@ Quad Between(Float t, const Quad &a, const Quad &b) {
     return r;
 }
 
-/// Which component is the largest; the last of equal ones.
+/// Index of the largest component; the last of equal ones.
 size_t LargestComponent(const Rgb &rgb) {
     size_t largest = rgb.y >= rgb.x ? 1 : 0;
     return rgb.z >= std::max(rgb.x, rgb.y) ? 2 : largest;
 }
 
-/// Nothing is divided by numbers below this: quotients would overflow, or be 0 / 0 where denormal numbers count as 0.
+/// Smallest divisor: below it quotients overflow, or are 0 / 0 where denormals count as 0.
 constexpr Float kTiny = std::numeric_limits<Float>::min();
 
 bool NearlyEqual(const Point2 &a, const Point2 &b) {
@@ -89,8 +88,7 @@ bool NearlyEqual(const Point2 &a, const Point2 &b) {
 }  // namespace
 
 Float SigmoidPolynomial::MaxValue() const {
-    // The sigmoid increases, so that it is largest where the parabola is: at an end of the range, or at the vertex if
-    // the parabola opens downwards.
+    // The sigmoid is monotonic: its maximum is at that of the parabola, an end of the range or the vertex.
     const Float vertex = c0 < 0 ? std::clamp(-c1 / (2 * c0), LambdaMin, LambdaMax) : LambdaMin;
     return std::max({(*this)(LambdaMin), (*this)(vertex), (*this)(LambdaMax)});
 }
@@ -134,17 +132,16 @@ SigmoidPolynomial ColorSpace::ToPolynomial(const Rgb &rgb) const {
     const size_t slab = LargestComponent(color);
     const Float largest = color[static_cast<int>(slab)];
     const Float next = color[static_cast<int>((slab + 1) % 3)], afterNext = color[static_cast<int>((slab + 2) % 3)];
-    // A grey g has a flat spectrum, s(0, 0, c2) = g, which is solved for c2: infinite for black and white.
+    // A grey g has the flat spectrum s(0, 0, c2) = g; c2 is infinite for black and white.
     if ((next == largest && afterNext == largest) || largest < kTiny)
         return {0, 0, (largest - Float(0.5)) / std::sqrt(largest * (1 - largest))};
 
-    // Linear interpolation of the coefficients along the three axes in turn, from the 8 nodes around the colour.
     const AxisPlace x = PlaceOfRatio(next / largest), y = PlaceOfRatio(afterNext / largest);
     const AxisPlace scale = PlaceOfScale(largest);
     const float *first = table_ + RgbTableIndex(slab, scale.node, y.node, x.node);
     constexpr size_t kUp = RgbTableIndex(0, 0, 1, 0), kAbove = RgbTableIndex(0, 1, 0, 0);
     auto row = [&](const float *left) {
-        // The node on the right begins after the three coefficients of this one; it is read with the last of them.
+        // The right node starts after this node's three coefficients and is loaded with the last of them.
         Quad a, b;
         std::memcpy(&a, left, sizeof a);
         std::memcpy(&b, left + 2, sizeof b);
@@ -162,11 +159,11 @@ glm::mat3 ConvertRgbMatrix(const ColorSpace &from, const ColorSpace &to) {
 
 namespace {
 
-/// Bound of RGB components: its product with an illuminant does not overflow.
+/// Bound of RGB components: products with an illuminant do not overflow.
 constexpr Float kBrightest = 1e37f;
 
-/// The factor between a colour and one whose largest component is 1/2, for which the polynomial is looked up: a sigmoid
-/// is at most 1, and the tables are smooth around 1/2.
+/// Factor between a colour and its scaled copy with largest component 1/2, which is looked up: sigmoids are at most 1,
+/// and the tables are smooth around 1/2.
 Float ScaleOf(const Rgb &rgb) {
     const Rgb bounded = Bounded(rgb, kBrightest);
     const Float largest = std::max({bounded.x, bounded.y, bounded.z});

@@ -9,12 +9,12 @@ namespace pbrt {
 using Rgb = glm::vec3;
 using Xyz = glm::vec3;
 
-/// Coefficients of the sigmoid of a quadratic in wavelength that stands for an RGB reflectance (Jakob and Hanika 2019):
-/// s(c0 l^2 + c1 l + c2), s(x) = 1/2 + x / (2 sqrt(1 + x^2)).
+/// Sigmoid of a quadratic in wavelength, the reflectance of an RGB colour (Jakob and Hanika 2019): s(c0 l^2 + c1 l +
+/// c2), s(x) = 1/2 + x / (2 sqrt(1 + x^2)).
 struct SigmoidPolynomial {
     Float c0 = 0, c1 = 0, c2 = 0;
     Float operator()(Float lambda) const {
-        // The clamp changes no value and keeps infinite coefficients (black, white) from making NaN.
+        // Changes no value; avoids NaN from infinite coefficients (black, white).
         Float x = std::clamp((c0 * lambda + c1) * lambda + c2, Float(-1e18), Float(1e18));
         return Float(0.5) + x / (2 * std::sqrt(1 + x * x));
     }
@@ -26,14 +26,14 @@ struct SigmoidPolynomial {
     Float MaxValue() const;
 };
 
-/// An RGB space: primaries, white, illuminant, matrices, and the table that turns RGB into sigmoid polynomials.
+/// RGB colour space: primaries, white, illuminant, matrices, and the RGB-to-sigmoid table.
 class ColorSpace {
   public:
-    /// By name, case-insensitive: srgb, dci-p3, rec2020, aces2065-1. nullptr if unknown. Lives for ever.
+    /// By case-insensitive name: srgb, dci-p3, rec2020, aces2065-1. nullptr if unknown. Static lifetime.
     static const ColorSpace *Find(const std::string &name);
     static const ColorSpace &SRGB();
     static std::vector<std::string> Names();
-    /// The known space with these chromaticities (relative tolerance 1e-3), else nullptr. Order r, g, b, white.
+    /// Known space with these chromaticities (relative tolerance 1e-3), else nullptr. Order r, g, b, white.
     static const ColorSpace *FromChromaticities(const Point2 &r, const Point2 &g, const Point2 &b, const Point2 &w);
 
     const std::string &Name() const { return name_; }
@@ -49,10 +49,10 @@ class ColorSpace {
     Point2 B() const { return b_; }
     Point2 White() const { return w_; }
 
-    /// The reflectance that stands for an RGB in [0, 1]^3. Components outside count as the nearest bound, NaN as 0.
+    /// Reflectance of an RGB in [0, 1]^3. Other components are clamped, NaN counts as 0.
     SigmoidPolynomial ToPolynomial(const Rgb &rgb) const;
 
-    /// Only for the list of known spaces: others use Find(). `table`: embedded at build time, layout in rgb_table.h.
+    /// For the list of known spaces; others use Find(). `table`: embedded at build time, layout in rgb_table.h.
     ColorSpace(std::string name, Point2 r, Point2 g, Point2 b, SpectrumPtr illuminant, const float *table);
 
   private:
@@ -63,12 +63,11 @@ class ColorSpace {
     const float *table_;
 };
 
-/// Converts RGB of the space `from` to RGB of the space `to` through XYZ, without chromatic adaptation.
+/// Matrix from RGB of `from` to RGB of `to` through XYZ, without chromatic adaptation.
 glm::mat3 ConvertRgbMatrix(const ColorSpace &from, const ColorSpace &to);
 
-/// The three spectra that stand for an RGB, by its use (pbrt-v4-format §4). All sample without allocation and are cheap
-/// to make on the stack. They are finite and not negative for every RGB: components below 0 and NaN count as 0,
-/// components above 1 (albedo) or 1e37 (the others) as that bound.
+/// RGB uplifted to a spectrum by use (pbrt-v4-format §4), without allocation. Values are finite and >= 0: negative
+/// components and NaN count as 0; others are clamped to 1 (albedo) or 1e37.
 class RgbAlbedoSpectrum final : public Spectrum {
   public:
     RgbAlbedoSpectrum(const ColorSpace &cs, const Rgb &rgb) : poly_(cs.ToPolynomial(rgb)) {}
@@ -105,7 +104,7 @@ class RgbIlluminantSpectrum final : public Spectrum {
   private:
     Float scale_;
     SigmoidPolynomial poly_;
-    const Spectrum *illuminant_;  ///< of the colour space, lives for ever
+    const Spectrum *illuminant_;  ///< of the colour space, static lifetime
 };
 
 /// Von Kries adaptation in Bradford cone space: XYZ under white `from` to XYZ under white `to` (chromaticities).

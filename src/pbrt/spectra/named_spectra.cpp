@@ -7,7 +7,7 @@ namespace pbrt {
 
 namespace {
 
-/// Built-in tables that end inside 360-830 nm continue with their end values, as in stock pbrt-v4.
+/// Tables that end inside 360-830 nm are extended with their end values, as in stock pbrt-v4.
 SpectrumPtr Build(const TabulatedSpectrum &table) {
     std::vector<Float> lambdas = table.lambdas, values = table.values;
     if (lambdas.front() > LambdaMin) {

@@ -6,22 +6,20 @@
 
 namespace pbrt {
 
-/// What defines an RGB colour space (pbrt-v4-format §4): chromaticities of the primaries and an illuminant of §16.
+/// Definition of an RGB colour space (pbrt-v4-format §4): chromaticities of the primaries and an illuminant of §16.
 struct RgbPrimaries {
     std::string name;
     Point2 r, g, b;
     std::string illuminant;
 };
 
-/// srgb, dci-p3, rec2020, aces2065-1.
 std::span<const RgbPrimaries> KnownRgbPrimaries();
 
-/// x, y of a colour.
 Point2 Chromaticity(const Vector3 &xyz);
-/// The colour of that chromaticity with Y = 1 (0 if y is 0).
+/// Colour of that chromaticity with Y = 1 (0 if y is 0).
 Vector3 XyzFromChromaticity(const Point2 &xy);
 
-/// The matrix that takes (1, 1, 1) to `white` and each unit vector to a multiple of its primary.
+/// Matrix that maps (1, 1, 1) to `white` and each unit vector to a multiple of its primary.
 glm::mat3 ComputeXyzFromRgb(const Point2 &r, const Point2 &g, const Point2 &b, const Vector3 &white);
 
 }  // namespace pbrt

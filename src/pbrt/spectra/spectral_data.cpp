@@ -18,7 +18,6 @@ namespace pbrt {
 
 namespace {
 
-/// Cuts the next piece off the front of `text`, up to `separator`.
 std::string_view CutField(std::string_view &text, char separator) {
     size_t end = std::min(text.find(separator), text.size());
     std::string_view field = text.substr(0, end);
@@ -34,7 +33,6 @@ Float ParseNumber(std::string_view field) {
     return value;
 }
 
-/// Calls row(line) for every line but the heading.
 template <class F>
 void ForEachRow(std::string_view text, F row) {
     CutField(text, '\n');
@@ -53,7 +51,7 @@ ThreeColumnTable ParseThreeColumns(std::string_view text) {
     return table;
 }
 
-/// The first `nameFields` columns, joined by "_", are the name.
+/// The first `nameFields` columns, joined by "_", form the name.
 std::vector<TabulatedSpectrum> ParseNamedSpectra(std::string_view text, int nameFields = 1) {
     std::vector<TabulatedSpectrum> spectra;
     ForEachRow(text, [&](std::string_view line) {

@@ -7,17 +7,15 @@
 
 namespace pbrt {
 
-// The tables of data/*.csv, embedded into the binary and parsed at first use.
+// Tables of data/*.csv, embedded into the binary and parsed at first use.
 
 struct TabulatedSpectrum {
     std::string name;
     std::vector<Float> lambdas, values;  ///< nm increasing
 };
-/// In the order of the file.
 const std::vector<TabulatedSpectrum> &EmbeddedNamedSpectra();
 /// Camera sensors, three rows each, named SENSOR_r, SENSOR_g, SENSOR_b.
 const std::vector<TabulatedSpectrum> &EmbeddedSensorResponses();
-/// Reflectances of the 24 patches of a colour checker.
 const std::vector<TabulatedSpectrum> &EmbeddedColorChecker();
 
 struct ScatteringPreset {
@@ -33,7 +31,6 @@ struct ThreeColumnTable {
 };
 /// x-bar, y-bar, z-bar at 360, 361, ..., 830 nm.
 const ThreeColumnTable &EmbeddedCie1931();
-/// S0, S1, S2 of CIE daylight.
 const ThreeColumnTable &EmbeddedDaylight();
 
 }  // namespace pbrt

@@ -11,8 +11,7 @@ namespace {
 constexpr int kFirstNm = 360, kLastNm = 830;
 constexpr size_t kNmCount = kLastNm - kFirstNm + 1;
 
-// Fit of 1/cosh^2 to the sensitivity of the eye, cut to the visible range: density kPeak / cosh^2((lambda - kMid) /
-// kWidth).
+// Fit to the eye's sensitivity, truncated to the visible range: density kPeak / cosh^2((lambda - kMid) / kWidth).
 constexpr Float kPeak = 0.0039398042f, kMid = 538, kWidth = 138.888889f;
 constexpr Float kTanhAtMin = 0.85691062f, kTanhSpan = 1.82750197f;
 
@@ -24,7 +23,7 @@ SampledWavelengths SampledWavelengths::SampleVisible(Float u) {
         Float ui = u + static_cast<Float>(i) / SpectrumSamples;
         if (ui > 1) ui -= 1;
         Float t = kTanhAtMin - kTanhSpan * ui;
-        // With the rounded constants u near 1 would give up to 830.04 nm; the clamp keeps lambda in the visible range.
+        // Clamped, because the rounded constants reach 830.04 nm for u near 1.
         s.lambda_[i] = std::clamp(kMid - kWidth / 2 * std::log((1 + t) / (1 - t)), LambdaMin, LambdaMax);  // atanh t
         s.pdf_[i] = kPeak * (1 - t * t);  // 1/cosh^2(atanh t) = 1 - t^2
     }
@@ -96,7 +95,7 @@ void DenseSpectrum::Summarise() {
 }
 
 namespace {
-/// Values are at whole nanometres, so the nearest one is a rounding away; 0 outside 360-830 nm.
+/// Values are at whole nanometres; 0 outside 360-830 nm.
 inline Float Nearest(const Float *values, Float lambda) {
     auto i = static_cast<unsigned>(static_cast<int>(lambda + Float(0.5)) - kFirstNm);
     return i < kNmCount ? values[i] : 0;

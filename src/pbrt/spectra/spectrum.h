@@ -12,10 +12,8 @@ namespace pbrt {
 
 inline constexpr Float LambdaMin = 360;  ///< nm
 inline constexpr Float LambdaMax = 830;  ///< nm
-/// Wavelengths carried by one path.
 inline constexpr int SpectrumSamples = 4;
 
-/// Values at the wavelengths of one path.
 class SampledSpectrum {
   public:
     SampledSpectrum() : v_{} {}
@@ -62,7 +60,6 @@ class SampledSpectrum {
             if (std::isnan(v)) return true;
         return false;
     }
-    /// Applies f to every value.
     template <class F>
     SampledSpectrum Map(F f) const {
         SampledSpectrum r;
@@ -79,7 +76,7 @@ class SampledSpectrum {
     std::array<Float, SpectrumSamples> v_;
 };
 
-/// Root mean square of the values; neither overflows nor underflows.
+/// Root mean square, without overflow or underflow.
 inline double RootMeanSquare(const SampledSpectrum &s) {
     double sum = 0;
     for (int i = 0; i < SpectrumSamples; ++i) sum += double(s[i]) * double(s[i]);
@@ -107,14 +104,12 @@ inline SampledSpectrum SafeSqrt(const SampledSpectrum &s) {
 /// The wavelengths of one path (nm) and their densities (1/nm).
 class SampledWavelengths {
   public:
-    /// Wavelengths stratified over the visible range, denser where the eye is more sensitive: the density is
-    /// proportional to 1/cosh^2(0.0072 (lambda - 538)), as in stock pbrt-v4.
+    /// Stratified wavelengths with density proportional to 1/cosh^2(0.0072 (lambda - 538)), as in stock pbrt-v4.
     static SampledWavelengths SampleVisible(Float u);
     static SampledWavelengths SampleUniform(Float u, Float low = LambdaMin, Float high = LambdaMax);
-    /// Stands for all wavelengths, for what a light is worth to a light sampler. The emission of a light has one value
-    /// there: its root mean square over the visible range, by the density of SampleVisible. Not the mean, because
-    /// errors are squared wavelength by wavelength. It is positive if the light emits anywhere. Other spectra are
-    /// evaluated at SampleVisible(0.5).
+    /// Proxy for all wavelengths, used for light importance in light samplers. A light's emission there is its root
+    /// mean square over the visible range by the density of SampleVisible; not the mean, because errors are squared per
+    /// wavelength. Positive if the light emits anywhere. Other spectra are evaluated at SampleVisible(0.5).
     static const SampledWavelengths &WholeRange();
     bool IsWholeRange() const { return isWholeRange_; }
 
@@ -125,7 +120,7 @@ class SampledWavelengths {
         for (int i = 0; i < SpectrumSamples; ++i) s[i] = PdfAt(i);
         return s;
     }
-    /// Keeps only the first wavelength (dispersion); its density is divided by the number of wavelengths.
+    /// Keeps only the first wavelength (dispersion); divides its density by the number of wavelengths.
     void TerminateSecondary();
     bool SecondaryTerminated() const;
 
@@ -134,14 +129,14 @@ class SampledWavelengths {
     bool isWholeRange_ = false;
 };
 
-/// A function of wavelength. Immutable, shared between threads. Sample() is the hot call.
+/// Function of wavelength. Immutable and thread-safe. Sample() is the hot call.
 class Spectrum {
   public:
     virtual ~Spectrum() = default;
     virtual Float operator()(Float lambda) const = 0;  ///< at lambda nm
     virtual SampledSpectrum Sample(const SampledWavelengths &lambda) const;
     virtual Float MaxValue() const = 0;
-    /// True if the value is the same at all wavelengths (no dispersion for an index of refraction).
+    /// True if independent of wavelength (no dispersion for an index of refraction).
     virtual bool IsConstant() const { return false; }
 };
 using SpectrumPtr = std::shared_ptr<const Spectrum>;
@@ -158,7 +153,7 @@ class ConstantSpectrum final : public Spectrum {
     Float c_;
 };
 
-/// One value per nm from 360 to 830, looked up at the nearest nm. Lights store their emission in this form.
+/// One value per nm from 360 to 830, nearest-nm lookup. Representation of light emission.
 class DenseSpectrum final : public Spectrum {
   public:
     explicit DenseSpectrum(const Spectrum &s);
@@ -175,7 +170,7 @@ class DenseSpectrum final : public Spectrum {
     Float rootMeanSquare_ = 0;  ///< at SampledWavelengths::WholeRange()
 };
 
-/// Straight lines between (lambda, value) pairs, lambda strictly increasing; 0 outside.
+/// Linear interpolation of (lambda, value) pairs, lambda strictly increasing; 0 outside.
 class PiecewiseLinearSpectrum final : public Spectrum {
   public:
     PiecewiseLinearSpectrum(std::vector<Float> lambdas, std::vector<Float> values);
@@ -184,10 +179,10 @@ class PiecewiseLinearSpectrum final : public Spectrum {
 
   private:
     std::vector<Float> lambdas_, values_;
-    std::vector<uint32_t> startOfNm_;  ///< per nm of 360-830: the last sample not beyond it, where the search begins
+    std::vector<uint32_t> startOfNm_;  ///< per nm of 360-830: last sample not beyond it, the start of the search
 };
 
-/// Planck emission at T kelvin divided by its maximum (Wien), so the peak is 1.
+/// Planck emission at T kelvin, normalised to peak 1 (Wien).
 class BlackbodySpectrum final : public Spectrum {
   public:
     explicit BlackbodySpectrum(Float kelvin);
@@ -208,21 +203,20 @@ const DenseSpectrum &CieZ();
 /// Integral of y-bar over 360-830 nm (the usual 106.857).
 inline constexpr Float CieYIntegral = 106.856895f;
 
-/// Sum over whole nanometres of a*b, 360-830 nm.
+/// Sum of a*b over whole nanometres, 360-830 nm.
 Float InnerProduct(const Spectrum &a, const Spectrum &b);
 /// XYZ of an emission spectrum, divided by CieYIntegral.
 Vector3 SpectrumToXyz(const Spectrum &s);
-/// Integral of y-bar times s, by which light spectra are divided (pbrt-v4-format §9). For an RgbIlluminantSpectrum, s
-/// is only its illuminant, without the RGB factor.
+/// Integral of y-bar times s, the divisor of light spectra (pbrt-v4-format §9). For an RgbIlluminantSpectrum, s is only
+/// its illuminant, without the RGB factor.
 Float SpectrumToPhotometric(const Spectrum &s);
 
-/// A spectrum of §16 by name ("glass-BK7", "metal-Ag-eta", "stdillum-D65", "nikon_d850_r", ...); nullptr if unknown.
-/// Illuminants are scaled to Y = 1 (SpectrumToXyz().y == 1).
+/// Spectrum of §16 by name ("glass-BK7", "metal-Ag-eta", "stdillum-D65", "nikon_d850_r", ...); nullptr if unknown.
+/// Illuminants are scaled to SpectrumToXyz().y == 1.
 SpectrumPtr NamedSpectrum(const std::string &name);
 std::vector<std::string> NamedSpectrumNames();
-/// Cameras of §16. The response of channel r, g or b is the named spectrum SENSOR_r, SENSOR_g or SENSOR_b.
+/// Cameras of §16. Channel responses are the named spectra SENSOR_r, SENSOR_g and SENSOR_b.
 std::vector<std::string> CameraSensorNames();
-/// Reflectances of the 24 patches of a colour checker.
 const std::vector<SpectrumPtr> &ColorCheckerReflectances();
 
 }  // namespace pbrt

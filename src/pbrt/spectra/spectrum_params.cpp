@@ -48,7 +48,6 @@ SpectrumPtr FromBlackbody(const Param &p) {
     return std::make_shared<BlackbodySpectrum>(p.floats[0]);
 }
 
-/// `where`: the parameter or the file, with which the messages begin.
 SpectrumPtr FromSamples(std::span<const Float> samples, SpectrumUse use, const std::string &where, const FileLoc &loc) {
     if (samples.empty())
         throw UserError(fmt::format("{}: no samples; wavelength and value pairs are wanted.", where), loc);
@@ -120,8 +119,8 @@ SpectrumPtr SpectrumParam::Make(const FileResolver &files) const {
     return constant ? std::make_shared<ConstantSpectrum>(*constant) : nullptr;
 }
 
-/// A parameter of the entity itself overrides Attribute defaults, of which the last counts. It is an error if the
-/// entity itself has two of this name with different types.
+/// The entity's own parameter overrides Attribute defaults, of which the last applies. Two own ones of this name with
+/// different types are an error.
 void ReadParam(ParamReader &reader, const std::string &name, SpectrumParam &value) {
     value.set = &reader.Set();
     value.given = nullptr;
@@ -134,7 +133,7 @@ void ReadParam(ParamReader &reader, const std::string &name, SpectrumParam &valu
             throw UserError(fmt::format("{}: \"{}\" is given both as \"{}\" and as \"{}\".", value.set->What(), name,
                                         Name(chosen->type), Name(p->type)),
                             p->loc);
-        // Parameters of one list stand one after the other in memory, in the order of the scene.
+        // Parameters of one list are contiguous, in scene order.
         const bool isLater = chosen && chosen->fromAttribute == p->fromAttribute && p > chosen;
         if (!chosen || (chosen->fromAttribute && !p->fromAttribute) || isLater) chosen = p;
     }

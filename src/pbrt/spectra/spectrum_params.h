@@ -5,23 +5,22 @@
 
 namespace pbrt {
 
-/// How an `rgb` parameter is uplifted (pbrt-v4-format §4).
+/// Uplifting of an `rgb` parameter (pbrt-v4-format §4).
 enum class SpectrumUse { Albedo, Unbounded, Illuminant };
 
-/// A parameter that is a spectrum in any of its forms: rgb, blackbody, spectrum (inline samples, name, file). Holds
-/// the declaration of the parameter and, after reading, what was given; valid only while the ParamSet lives.
+/// Spectrum parameter in any form: rgb, blackbody, spectrum (inline samples, name, file). Holds its declaration and,
+/// after reading, the given value; valid only while the ParamSet lives.
 struct SpectrumParam {
     SpectrumUse use = SpectrumUse::Albedo;
-    std::optional<Float> constant{};  ///< the default, if it is a number
-    const char *named = nullptr;      ///< the default, if it is a built-in spectrum
+    std::optional<Float> constant{};  ///< numeric default
+    const char *named = nullptr;      ///< named spectrum as default
     bool takesFloat = false;          ///< "float name" is a constant spectrum
     const ParamSet *set = nullptr;
     const Param *given = nullptr;
 
     explicit operator bool() const { return given != nullptr; }
-    /// The spectrum given or the default; null if there is neither. Throws UserError for: negative rgb, albedo above 1,
-    /// negative illuminant, odd or unsorted samples, unknown name or unreadable file, several values where one is
-    /// meant.
+    /// The given spectrum or the default; null if there is neither. Throws UserError for negative rgb, albedo above 1,
+    /// negative illuminant, odd or unsorted samples, unknown name, unreadable file, or too many values.
     SpectrumPtr Make(const FileResolver &files) const;
 };
 void ReadParam(ParamReader &reader, const std::string &name, SpectrumParam &value);

@@ -28,14 +28,14 @@ class ConstantSpectrumTexture final : public SpectrumTexture {
     SpectrumPtr value_;
 };
 
-// The classes that exist in both families are written once: Base is FloatTexture or SpectrumTexture, V what it
-// evaluates to, Lambda the further argument of Evaluate, if any.
+// Classes of both families are templates: Base is FloatTexture or SpectrumTexture, V the value type, Lambda the further
+// argument of Evaluate, if any.
 template <template <class, class, class...> class T>
 using FloatFamily = T<FloatTexture, Float>;
 template <template <class, class, class...> class T>
 using SpectrumFamily = T<SpectrumTexture, SampledSpectrum, SampledWavelengths>;
 
-/// (1 - w) a + w b; evaluates only textures whose weight is not 0.
+/// (1 - w) a + w b; evaluates only textures of non-zero weight.
 template <class V, class Base, class... Lambda>
 V BlendTextures(Float w, const Base &a, const Base &b, const TextureContext &ctx, const Lambda &...lambda) {
     if (w == 0) return a.Evaluate(ctx, lambda...);
@@ -78,7 +78,7 @@ class MixTexture final : public Base {
     FloatTexturePtr amount_;
 };
 
-/// The first texture where the normal is parallel to `direction` (rendering space), the second where it is
+/// Blends the first texture, where the normal is parallel to `direction` (rendering space), to the second where
 /// perpendicular.
 template <class Base, class V, class... Lambda>
 class DirectionMixTexture final : public Base {
@@ -96,7 +96,7 @@ class DirectionMixTexture final : public Base {
     Vector3 direction_;
 };
 
-/// Four constants at the corners of the unit square of (s, t), in the order v00, v01, v10, v11 (s first).
+/// Bilinear interpolation of corner constants over (s, t), in the order v00, v01, v10, v11 (s first).
 template <class Base, class V, class... Lambda>
 class BilerpTexture final : public Base {
   public:

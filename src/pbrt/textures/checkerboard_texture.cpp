@@ -4,23 +4,21 @@ namespace pbrt {
 
 namespace {
 
-/// Position within the wave's period, [0, 2).
 Float Phase(Float x) { return x - 2 * std::floor(x / 2); }
 
-/// Zero-mean function of period 2 whose second derivative is the square wave: one parabola up, one down.
+/// Zero-mean second integral of the square wave, of period 2: one parabola up, one down.
 Float TwiceIntegratedWave(Float x) {
     Float m = Phase(x);
     return m < 1 ? m * (m - 1) / 2 : (m - 1) * (2 - m) / 2;
 }
 
-/// Half-width of the tent filter: one and a half pixel steps.
 Float FilterRadius(Float dx, Float dy) { return Float(1.5) * std::max(std::abs(dx), std::abs(dy)); }
 
 }  // namespace
 
 Float FilteredSquareWave(Float x, Float radius) {
     if (std::floor(x - radius) == std::floor(x + radius)) return Phase(x) < 1 ? 1 : -1;
-    // The tent is the second integral of three impulses (1, -2, 1) / radius^2, so the average is a second difference.
+    // The tent is the second integral of three impulses (1, -2, 1) / radius^2, so filtering is a second difference.
     x = Phase(x);
     Float difference = TwiceIntegratedWave(x + radius) - 2 * TwiceIntegratedWave(x) + TwiceIntegratedWave(x - radius);
     return std::clamp(difference / Sqr(radius), Float(-1), Float(1));

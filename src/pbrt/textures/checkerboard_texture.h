@@ -5,10 +5,10 @@
 
 namespace pbrt {
 
-/// The square wave that is +1 on [0, 1), -1 on [1, 2), ..., averaged with a tent of half-width `radius` around x.
+/// Square wave (+1 on [0, 1), -1 on [1, 2), ...) filtered by a tent of half-width `radius` around x.
 Float FilteredSquareWave(Float x, Float radius);
 
-/// The weight of the second texture, in [0, 1]: 0 in the cell at the origin, alternating, filtered over the footprint.
+/// Weight of the second texture, in [0, 1]: 0 in the cell at the origin, alternating, filtered over the footprint.
 class CheckerPattern {
   public:
     explicit CheckerPattern(TextureMapping2D mapping) : mapping_(std::move(mapping)) {}

@@ -31,7 +31,6 @@ std::shared_ptr<const Image> ReadLinearRgb(const std::string &path) {
     return std::make_shared<const Image>(std::move(image));
 }
 
-/// Runs `read` and keeps either what it returns or why it failed.
 template <class Entry, class Read>
 void Fill(Entry &entry, Read &&read) {
     try {

@@ -9,13 +9,12 @@
 
 namespace pbrt {
 
-/// Everything that distinguishes one pyramid from another.
 struct MipMapKey {
     std::string path;
     TextureFilter filter = TextureFilter::Bilinear;
     WrapMode wrap = WrapMode::Repeat;
     Float maxAnisotropy = 8;
-    std::optional<ColorEncoding> encoding{};  ///< nullopt: that of the file format
+    std::optional<ColorEncoding> encoding{};  ///< nullopt: the format's default
 
     auto Order() const {
         return std::make_tuple(path, static_cast<int>(filter), static_cast<int>(wrap), maxAnisotropy,
@@ -25,16 +24,15 @@ struct MipMapKey {
     bool HasPixelsOf(const MipMapKey &o) const { return path == o.path && wrap == o.wrap && encoding == o.encoding; }
 };
 
-/// Images of one scene, read once each, however they are filtered. Reading errors are UserErrors without location,
-/// thrown again on every look-up.
+/// Images of one scene, each read once regardless of filtering. Reading errors are UserErrors without location,
+/// rethrown on every lookup.
 class ImageCache {
   public:
-    /// `megabytes` > 0: big images are kept on disk, and at most this much of them in memory.
+    /// `megabytes` > 0: big images are stored on disk, with at most this much of them in memory.
     explicit ImageCache(int megabytes = 0) : tiles_(megabytes > 0 ? std::make_unique<TileCache>(megabytes) : nullptr) {}
     std::shared_ptr<const MipMap> GetMipMap(const MipMapKey &key);
-    /// R, G and B of a file; values of 8 or 16 bits are taken as linear.
+    /// R, G and B of a file; 8 or 16 bit values are taken as linear.
     std::shared_ptr<const Image> GetLinearRgb(const std::string &path);
-    /// Reads several images on all threads, unless they are read already.
     void Preload(const std::vector<MipMapKey> &keys);
 
   private:
@@ -43,7 +41,7 @@ class ImageCache {
         std::shared_ptr<const T> value;
         std::string error;
     };
-    /// The entry of another key with the same pixels; null if there is none.
+    /// Entry of another key with the same pixels; null if there is none.
     const Entry<MipMap> *SamePixels(const MipMapKey &key) const;
     std::unique_ptr<TileCache> tiles_;
     std::map<MipMapKey, Entry<MipMap>> mipMaps_;

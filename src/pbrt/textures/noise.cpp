@@ -7,7 +7,7 @@ namespace pbrt {
 
 namespace {
 
-/// Perlin's permutation of 0-255 (Improving Noise, SIGGRAPH 2002), which every renderer with his noise shares.
+/// Permutation of 0-255 of the reference implementation (Perlin, Improving Noise, SIGGRAPH 2002).
 constexpr std::array<uint8_t, 256> kPermutation = {
     151, 160, 137, 91,  90,  15,  131, 13,  201, 95,  96,  53,  194, 233, 7,   225, 140, 36,  103, 30,  69,  142,
     8,   99,  37,  240, 21,  10,  23,  190, 6,   148, 247, 120, 234, 75,  0,   26,  197, 62,  94,  252, 219, 203,
@@ -31,55 +31,53 @@ constexpr bool IsPermutation() {
 }
 static_assert(IsPermutation());
 
-/// The gradients of the 16 hash values: from a cube's centre to the middles of its 12 edges, four of them twice.
+/// Gradients per hash: from a cube's centre to the middles of its 12 edges, four of them twice.
 constexpr int8_t kGradients[16][3] = {{1, 1, 0},  {-1, 1, 0},  {1, -1, 0}, {-1, -1, 0}, {1, 0, 1},  {-1, 0, 1},
                                       {1, 0, -1}, {-1, 0, -1}, {0, 1, 1},  {0, -1, 1},  {0, 1, -1}, {0, -1, -1},
                                       {1, 1, 0},  {-1, 1, 0},  {0, 1, -1}, {0, -1, -1}};
 
 constexpr Float kLacunarity = Float(1.99);
-/// The mean of |noise|, used for octaves that are too fine for the footprint.
+/// Mean of |noise|, for octaves too fine for the footprint.
 constexpr Float kMeanMagnitude = Float(0.2);
 
 uint8_t Permute(int i) { return kPermutation[i & 255]; }
 
-/// The gradient at the lattice point `cell`.
 Vector3 LatticeGradient(const glm::ivec3 &cell) {
     const int hash = Permute(Permute(Permute(cell.x) + cell.y) + cell.z) & 15;
     const int8_t *g = kGradients[hash];
     return {static_cast<Float>(g[0]), static_cast<Float>(g[1]), static_cast<Float>(g[2])};
 }
 
-/// The dot product of d, the offset from the lattice point `cell`, and the gradient at that point.
+/// Dot product of the gradient at lattice point `cell` and the offset d from it.
 Float LatticePlane(const glm::ivec3 &cell, const Vector3 &d) {
     const Vector3 g = LatticeGradient(cell);
     return g.x * d.x + g.y * d.y + g.z * d.z;
 }
 
-/// 0 to 1 with two vanishing derivatives at both ends.
+/// Quintic from 0 to 1 with two vanishing derivatives at both ends.
 Float Fade(Float t) { return t * t * t * (t * (t * 6 - 15) + 10); }
 Float FadeSlope(Float t) { return 30 * Sqr(t * (t - 1)); }
 
-/// A place relative to the lattice: its cube, and where it is in it, in [0, 1]^3.
+/// Lattice cell and position in it, in [0, 1]^3.
 struct LatticePlace {
     glm::ivec3 cell;
     Vector3 d;
 
     explicit LatticePlace(const Point3 &p) {
         const Point3 low = glm::floor(p);
-        // Coordinates that an int cannot hold are taken as 0.
         auto whole = [](Float v) { return std::abs(v) < Float(1 << 30) ? static_cast<int>(v) : 0; };
         cell = {whole(low.x), whole(low.y), whole(low.z)};
         d = p - low;
     }
 };
 
-/// How many octaves the footprint can show, and how much of the next.
+/// Number of octaves within the footprint's resolution, and the fraction of the next.
 struct VisibleOctaves {
     int whole;
     Float part;
 
     VisibleOctaves(int count, const Vector3 &dpdx, const Vector3 &dpdy) {
-        // The finest octave that is kept has features about two footprints apart.
+        // The finest octave kept has features about two footprints apart.
         const Float squared = std::max(LengthSquared(dpdx), LengthSquared(dpdy));
         const Float n = std::clamp(-1 - std::log2(squared) / 2, Float(0), static_cast<Float>(count));
         whole = static_cast<int>(n);
@@ -108,7 +106,6 @@ Vector3 GradientNoiseSlope(const Point3 &p) {
     const auto [cell, d] = LatticePlace(p);
     const Vector3 fade(Fade(d.x), Fade(d.y), Fade(d.z));
     const Vector3 fadeSlope(FadeSlope(d.x), FadeSlope(d.y), FadeSlope(d.z));
-    // The noise is a sum of planes times weights, one for each corner; a weight is a product over the axes.
     Vector3 sum(0);
     for (int i = 0; i < 8; ++i) {
         const glm::ivec3 corner(i & 1, (i >> 1) & 1, i >> 2);
@@ -144,7 +141,7 @@ Float NoiseOctaves::Creased(const Point3 &p, const Vector3 &dpdx, const Vector3 
         frequency *= kLacunarity;
         strength *= roughness;
     }
-    // The faded octave blends with its mean. The loop below counts it once more as a mean, as in stock pbrt-v4.
+    // The faded octave blends with its mean. The loop below counts it again as a mean, as in stock pbrt-v4.
     sum += strength * Lerp(visible.part, kMeanMagnitude, std::abs(GradientNoise(frequency * p)));
     for (int i = visible.whole; i < count; ++i) {
         sum += strength * kMeanMagnitude;

@@ -3,20 +3,19 @@
 
 namespace pbrt {
 
-/// Gradient noise (Perlin 2002): 0 at whole coordinates, within [-1, 1], smooth, repeats every 256 units.
+/// Gradient noise (Perlin 2002): 0 at integer coordinates, in [-1, 1], period 256.
 Float GradientNoise(const Point3 &p);
-/// Its gradient.
 Vector3 GradientNoiseSlope(const Point3 &p);
 
-/// Octaves of noise added up, each 1.99 times as fine and `roughness` times as strong as the one before. Octaves finer
-/// than the footprint (dpdx, dpdy: moves of p by one pixel step) fade out; a footprint of 0 keeps all of them.
+/// Fractal sum of noise: each octave has 1.99 times the frequency and `roughness` times the amplitude of the previous.
+/// Octaves finer than the footprint (dpdx, dpdy per pixel step) fade out; a zero footprint keeps all.
 struct NoiseOctaves {
     Float roughness = Float(0.5);
     int count = 8;
 
-    /// Plain sum: mean 0.
+    /// Plain sum of mean 0.
     Float Signed(const Point3 &p, const Vector3 &dpdx, const Vector3 &dpdy) const;
-    /// Sum of absolute values: creases where noise is 0. Octaves that fade out are replaced by their mean.
+    /// Sum of absolute values (turbulence). Faded octaves are replaced by their mean.
     Float Creased(const Point3 &p, const Vector3 &dpdx, const Vector3 &dpdy) const;
 };
 

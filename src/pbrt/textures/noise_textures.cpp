@@ -8,17 +8,17 @@ namespace {
 
 constexpr Float kDotRadius = Float(0.35);
 
-/// Noise over a plane halfway between lattice planes, where it is strongest.
+/// Noise on a plane halfway between lattice planes, where its amplitude is largest.
 Float PlaneNoise(const Point2 &p) { return GradientNoise({p.x, p.y, Float(0.5)}); }
 
-// Marble colours (sRGB, pbrt-v4's) that one period of the vein pattern runs through, before brightening.
+// Marble colours (sRGB, pbrt-v4's) over one period of the pattern, before brightening.
 constexpr int kMarbleColors = 9;
 constexpr Float kBrightening = Float(1.5);
 const Rgb kMarble[kMarbleColors] = {{.58f, .58f, .6f}, {.58f, .58f, .6f}, {.58f, .58f, .6f},
                                     {.5f, .5f, .5f},   {.6f, .59f, .58f}, {.58f, .58f, .6f},
                                     {.58f, .58f, .6f}, {.2f, .2f, .33f},  {.58f, .58f, .6f}};
 
-/// The colour at t in [0, 1]: every four successive colours are the control points of a cubic Bezier curve.
+/// Colour at t in [0, 1]: four successive colours are the control points of a cubic Bezier curve.
 Rgb MarbleColor(Float t) {
     constexpr int kRuns = kMarbleColors - 3;
     const Float x = t * kRuns;

@@ -6,7 +6,7 @@
 
 namespace pbrt {
 
-/// About 40 % of the unit cells around whole (s, t) contain one dot of radius 0.35 at a random place.
+/// Random dots of radius 0.35 in about 40 % of the unit cells around integer (s, t).
 class DotPattern {
   public:
     explicit DotPattern(TextureMapping2D mapping) : mapping_(std::move(mapping)) {}
@@ -32,7 +32,7 @@ class DotsTexture final : public Base {
     Ptr dot_, ground_;
 };
 
-/// One of the sums of NoiseOctaves, evaluated in texture space.
+/// A sum of NoiseOctaves, evaluated in texture space.
 template <Float (NoiseOctaves::*Sum)(const Point3 &, const Vector3 &, const Vector3 &) const>
 class OctavesTexture final : public FloatTexture {
   public:
@@ -50,7 +50,7 @@ class OctavesTexture final : public FloatTexture {
 using FbmTexture = OctavesTexture<&NoiseOctaves::Signed>;
 using WrinkledTexture = OctavesTexture<&NoiseOctaves::Creased>;
 
-/// Waves whose height is modulated by broad gusts.
+/// Waves with height modulated by low-frequency noise.
 class WindyTexture final : public FloatTexture {
   public:
     explicit WindyTexture(const PointMapping &mapping) : mapping_(mapping) {}
@@ -64,10 +64,10 @@ class WindyTexture final : public FloatTexture {
 struct MarbleSettings {
     NoiseOctaves octaves;
     Float scale = 1;               ///< factor of positions in texture space
-    Float variation = Float(0.2);  ///< how far noise bends the veins
+    Float variation = Float(0.2);  ///< amplitude of the veins' distortion
 };
 
-/// Veins that alternate along y of texture space. Always uplifted as a reflectance, whatever its use.
+/// Veins alternating along y of texture space. Always uplifted as a reflectance, regardless of its use.
 class MarbleTexture final : public SpectrumTexture {
   public:
     MarbleTexture(const PointMapping &mapping, const MarbleSettings &settings)

@@ -7,8 +7,8 @@
 
 namespace pbrt {
 
-/// What the value of a texture may depend on. The filter footprint is given as derivatives by one pixel step; 0 means
-/// point sampling.
+/// Arguments of texture evaluation. The filter footprint is given as derivatives per pixel step; 0 means point
+/// sampling.
 struct TextureContext {
     Point3 p{};
     Vector3 dpdx{}, dpdy{};
@@ -26,21 +26,17 @@ class FloatTexture {
   public:
     virtual ~FloatTexture() = default;
     virtual Float Evaluate(const TextureContext &ctx) const = 0;
-    /// The value if it is the same everywhere.
     virtual std::optional<Float> Constant() const { return {}; }
-    /// Whether Evaluate uses the filter footprint.
     virtual bool UsesFootprint() const { return false; }
 };
 using FloatTexturePtr = std::shared_ptr<const FloatTexture>;
 
-/// Made for one use (albedo, unbounded or illuminant), which decides how RGB is uplifted.
+/// Created per use (albedo, unbounded or illuminant), which determines the uplifting of RGB.
 class SpectrumTexture {
   public:
     virtual ~SpectrumTexture() = default;
     virtual SampledSpectrum Evaluate(const TextureContext &ctx, const SampledWavelengths &lambda) const = 0;
-    /// The spectrum if it is the same everywhere.
     virtual const Spectrum *Constant() const { return nullptr; }
-    /// Whether Evaluate uses the filter footprint.
     virtual bool UsesFootprint() const { return false; }
 };
 using SpectrumTexturePtr = std::shared_ptr<const SpectrumTexture>;

@@ -30,8 +30,8 @@ constexpr const char *kWhyNoPtex =
 
 const char *FamilyName(bool isSpectrum) { return isSpectrum ? "spectrum" : "float"; }
 
-/// The largest cost of a look-up of a texture: how deep it calls other textures, and how many textures it evaluates (a
-/// number that doubles with every level where both operands are the same).
+/// Maximum cost of a lookup: nesting depth, and number of texture evaluations (which doubles per level where both
+/// operands are the same).
 struct LookupCost {
     int depth = 1;
     double evaluations = 1;
@@ -54,7 +54,7 @@ struct TextureLibrary::Impl {
     struct Definition {
         std::string name, textureClass;
         bool isSpectrum = false;
-        bool broken = false;  ///< reported when it was defined; replaced by a constant silently
+        bool broken = false;  ///< reported once; replaced by a constant silently
         bool made = false;
         bool failed = false;
         ParamSet params;
@@ -68,11 +68,11 @@ struct TextureLibrary::Impl {
     size_t &missingImages;
     ImageCache images;
     bool imagesPreloaded = false;
-    int nesting = 0;                                       ///< how deep textures are being made
+    int nesting = 0;                                       ///< current depth of nested creation
     std::vector<std::unique_ptr<Definition>> definitions;  ///< in file order
     std::map<std::string, size_t> indexOf[2];              ///< by family: float, spectrum
 
-    /// All names of a family that may be used at `limit`.
+    /// Names of a family usable at `limit`.
     std::vector<std::string> Names(bool isSpectrum, size_t limit) const {
         std::vector<std::string> names;
         for (const auto &[name, index] : indexOf[isSpectrum])
@@ -80,8 +80,7 @@ struct TextureLibrary::Impl {
         return names;
     }
 
-    /// The definition that a parameter refers to: one before `limit`, or any image map. Throws UserError if there is
-    /// none.
+    /// Definition that a parameter refers to: one before `limit`, or any image map. Throws UserError if there is none.
     Definition &Resolve(const ParamSet &params, const Param &reference, bool isSpectrum, size_t limit) {
         const std::string &name = reference.strings[0];
         auto found = indexOf[isSpectrum].find(name);
@@ -95,14 +94,14 @@ struct TextureLibrary::Impl {
             problem += " yet (a texture must be defined before another one uses it)";
         else if (indexOf[!isSpectrum].contains(name))
             problem += fmt::format(" (\"{}\" is a {} texture)", name, FamilyName(!isSpectrum));
-        // The list takes time, and an error that is only counted does not need it.
+        // Skipped if the error is only counted, because the list takes time.
         std::vector<std::string> names = sink.IsFull() ? std::vector<std::string>() : Names(isSpectrum, limit);
         problem += names.empty() ? fmt::format("; no {} texture is defined.", FamilyName(isSpectrum))
                                  : "; " + ListChoices(name, names) + ".";
         throw UserError(problem, reference.loc);
     }
 
-    /// `user`: the cost of the texture that the parameter belongs to; null for materials and shapes.
+    /// `user`: cost of the texture that owns the parameter; null for materials and shapes.
     FloatTexturePtr Find(const FloatTextureParam &p, size_t limit, LookupCost *user = nullptr) {
         FloatTexturePtr texture;
         if (p.given && p.given->type == ParamType::Texture)
@@ -121,7 +120,7 @@ struct TextureLibrary::Impl {
         return value ? std::make_shared<ConstantSpectrumTexture>(std::move(value)) : nullptr;
     }
 
-    /// The texture as an operand. Throws UserError if a look-up of its user would call too many textures.
+    /// The texture as an operand. Throws UserError if its user's lookup would become too expensive.
     template <class Ptr>
     static Ptr Use(const Made<Ptr> &made, LookupCost *user, const Param &reference) {
         if (!user) return made.texture;
@@ -139,8 +138,8 @@ struct TextureLibrary::Impl {
         return made.texture;
     }
 
-    /// Makes the texture from one of the tables. Its parameters may be read again for another use, but warnings and
-    /// unused parameters are reported once.
+    /// Creates the texture from a table. Parameters may be read again for another use; warnings and unused parameters
+    /// are reported once.
     template <class Table>
     auto MakeOf(const Table &table, Definition &d, SpectrumUse use, LookupCost *cost) {
         DiagnosticSink ignored;
@@ -156,7 +155,7 @@ struct TextureLibrary::Impl {
         return table.Make(d.textureClass, d.params, request);
     }
 
-    /// Reads the files of all image maps at once. Errors are reported later, when a texture is made.
+    /// Reads the files of all image maps in parallel. Errors are reported when a texture is created.
     void PreloadImages() {
         imagesPreloaded = true;
         std::vector<MipMapKey> keys;
@@ -171,11 +170,10 @@ struct TextureLibrary::Impl {
         images.Preload(keys);
     }
 
-    /// Runs `make`; after an error, which is reported once, returns nullptr. `user`: where the texture is used.
+    /// Runs `make`; returns nullptr after an error, which is reported once. `user`: location of the use.
     template <class Make>
     auto Try(Definition &d, const FileLoc &user, Make &&make) -> decltype(make()) {
-        // Operands are made first, so making textures nests as deep as look-ups; checked here before the stack
-        // overflows.
+        // Operands are created first, so creation nests as deep as lookups; tested here before the stack overflows.
         if (nesting >= kMaxNesting)
             throw UserError(fmt::format("texture \"{}\": textures are nested more than {} deep here.",
                                         Abbreviate(d.name), kMaxNesting),

@@ -11,32 +11,32 @@
 
 namespace pbrt {
 
-/// Named textures of a scene, made when first asked for (spectrum textures once per use), and the reader of
-/// texture-valued parameters. Definitions are kept; a texture may only use textures defined before it. When the first
-/// image map is made, the files of all image maps defined so far are read at once, on all threads.
+/// Named textures of a scene, created on first use (spectrum textures once per use), and the reader of texture
+/// parameters. A texture may only use textures defined before it. With the first image map, the files of all image maps
+/// defined so far are read in parallel.
 class TextureLibrary {
   public:
-    /// `cacheMegabytes` > 0: big images are kept on disk, and at most this much of them in memory.
+    /// `cacheMegabytes` > 0: big images are stored on disk, with at most this much of them in memory.
     TextureLibrary(const FileResolver &files, DiagnosticSink &sink, int cacheMegabytes = 0);
     ~TextureLibrary();
 
-    /// A Texture directive. Throws UserError on an unknown class; errors in parameters come from CheckAll or first use.
+    /// Executes a Texture directive. Throws UserError on an unknown class; parameter errors come from CheckAll or first
+    /// use.
     void Define(const std::string &name, bool isSpectrum, const std::string &textureClass, ParamSet params,
                 const Transform &renderFromTexture);
-    /// Makes every texture that nothing used, so that their mistakes are reported too, then reports unused parameters
-    /// and the number of missing images. Mistakes in a texture go to the sink once, however often it is used; its users
-    /// get the constant 0.5 instead.
+    /// Creates all unused textures to find their errors, then reports unused parameters and the number of missing
+    /// images. Errors in a texture are reported once; its users get the constant 0.5 instead.
     void CheckAll();
 
-    /// The texture that a parameter names, or a constant one of the value given or the default; nullptr if there is
-    /// neither. Throws UserError.
+    /// The texture named by a parameter, or a constant of the given or default value; nullptr if there is neither.
+    /// Throws UserError.
     FloatTexturePtr Get(const FloatTextureParam &param);
     SpectrumTexturePtr Get(const SpectrumTextureParam &param);
 
-    /// An image file as R, G, B without decoding (normal maps). Each file is read once. Throws UserError (no location).
+    /// Undecoded R, G, B of an image file (normal maps), read once per file. Throws UserError (no location).
     std::shared_ptr<const Image> GetLinearRgbImage(const std::string &file);
 
-    /// Number of image textures whose file was not found (already reported to the sink).
+    /// Number of image textures with missing files (already reported to the sink).
     size_t MissingImages() const { return missingImages_; }
 
   private:
@@ -45,7 +45,6 @@ class TextureLibrary {
     size_t missingImages_ = 0;
 };
 
-/// Texture classes of the pbrt-v4 format that are not supported.
 const std::vector<std::string> &UnsupportedTextures();
 
 }  // namespace pbrt

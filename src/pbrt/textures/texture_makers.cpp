@@ -8,8 +8,8 @@ namespace pbrt {
 
 namespace {
 
-/// Texture classes of both families are written once, over FloatKind or SpectrumKind, which define the type of
-/// parameters and how operands and values become textures.
+/// Texture classes are templates over FloatKind or SpectrumKind, which define parameter types and the conversion of
+/// operands and values to textures.
 struct FloatKind {
     using Ptr = FloatTexturePtr;
     using Operand = FloatTextureParam;
@@ -74,8 +74,7 @@ struct ScaleParams {
     }
 };
 
-/// A constant factor on an image becomes part of the image's own scale, before inversion and clamping, as in stock
-/// pbrt-v4.
+/// Folds a constant factor on an image into the image's scale, before inversion and clamping, as in stock pbrt-v4.
 template <class Kind>
 typename Kind::Ptr MakeScale(const ScaleParams<Kind> &p, const ParamSet &, const TextureRequest &r) {
     auto texture = Kind::Make(p.tex, r);
@@ -88,7 +87,6 @@ typename Kind::Ptr MakeScale(const ScaleParams<Kind> &p, const ParamSet &, const
     return std::make_shared<typename Kind::template Texture<ScaleTexture>>(std::move(texture), std::move(scale));
 }
 
-/// Two operands.
 template <class Kind>
 struct TwoParams {
     typename Kind::Operand first = Kind::DefaultOperand(0), second = Kind::DefaultOperand(1);
@@ -202,7 +200,7 @@ struct DotsParams : MappingParams {
     }
 };
 
-/// Stock pbrt-v4 shows "outside" in the dots and "inside" around them; scenes are made to look right with it.
+/// As in stock pbrt-v4, "outside" is inside the dots and "inside" around them.
 template <class Kind>
 typename Kind::Ptr MakeDots(const DotsParams<Kind> &p, const ParamSet &set, const TextureRequest &r) {
     DotPattern pattern(p.Make(set, r.renderFromTexture, r.sink));
@@ -215,7 +213,7 @@ struct NoiseParams {
     NoiseOctaves octaves;
     template <class V>
     void Describe(V &&v) {
-        // Each octave has nearly twice the frequency of the one before.
+        // Each octave has nearly twice the frequency of the previous.
         v("octaves", octaves.count, Range<int>{0, 64}, "number of octaves of noise that are added");
         v("roughness", octaves.roughness, "strength of an octave relative to the one before");
     }

@@ -7,10 +7,10 @@
 
 namespace pbrt {
 
-/// What a texture is made from beside its parameters. The two functions resolve the textures that its parameters name.
+/// Context of texture creation besides its parameters. The two functions resolve operand textures.
 struct TextureRequest {
     const Transform &renderFromTexture;
-    SpectrumUse use;  ///< what rgb values are uplifted to; only for spectrum textures
+    SpectrumUse use;  ///< uplifting of rgb values; only for spectrum textures
     const FileResolver &files;
     ImageCache &images;
     DiagnosticSink &sink;
@@ -23,12 +23,12 @@ using SpectrumTextureTable = FactoryTable<SpectrumTexturePtr, const TextureReque
 const FloatTextureTable &FloatTextures();
 const SpectrumTextureTable &SpectrumTextures();
 
-/// Thrown instead of a plain UserError when an image file does not exist.
+/// Thrown instead of UserError when an image file does not exist.
 class MissingImageError : public UserError {
     using UserError::UserError;
 };
 
-/// The pyramid that the parameters of an imagemap ask for, whether or not its file exists.
+/// Pyramid key of an imagemap's parameters, whether or not its file exists.
 MipMapKey ReadMipMapKey(const ParamSet &params, const FileResolver &files);
 
 }  // namespace pbrt

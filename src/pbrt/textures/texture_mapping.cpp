@@ -4,14 +4,14 @@ namespace pbrt {
 
 namespace {
 
-/// Change of the azimuth over 2 pi with position; 0 on the axis, where it is undefined.
+/// Gradient of azimuth / 2 pi; 0 on the axis, where it is undefined.
 Vector3 AzimuthGradient(const Point3 &p) {
     Float r2 = Sqr(p.x) + Sqr(p.y);
     if (!(r2 > 0)) return Vector3(0);
     return Vector3(-p.y, p.x, 0) * (Inv2Pi / r2);
 }
 
-/// Change of the polar angle over pi with position; 0 on the axis.
+/// Gradient of polar angle / pi; 0 on the axis.
 Vector3 PolarGradient(const Point3 &p) {
     Float r2 = Sqr(p.x) + Sqr(p.y), r = std::sqrt(r2);
     if (!(r > 0)) return Vector3(0);
@@ -26,8 +26,8 @@ TexCoord2 SphericalMapping::Map(const TextureContext &ctx) const {
     Float theta = distance > 0 ? SafeACos(c.p.z / distance) : 0;
     Float phi = std::atan2(c.p.y, c.p.x);
     if (phi < 0) phi += 2 * Pi;
-    // Stock pbrt-v4 hands out the azimuth's change as that of s and the polar angle's as that of t, crosswise to the
-    // coordinates. Only the width of filters depends on it; kept so that pictures agree.
+    // As in stock pbrt-v4, the derivatives are swapped: the azimuth's is returned for s, the polar angle's for t. It
+    // affects only filter widths.
     Vector3 ds = AzimuthGradient(c.p), dt = PolarGradient(c.p);
     return {{theta * InvPi, phi * Inv2Pi}, Dot(ds, c.dpdx), Dot(ds, c.dpdy), Dot(dt, c.dpdx), Dot(dt, c.dpdy)};
 }

@@ -7,7 +7,7 @@
 
 namespace pbrt {
 
-/// Texture coordinates and how they change by one pixel step in x and y.
+/// Texture coordinates and their derivatives per pixel step in x and y.
 struct TexCoord2 {
     Point2 st{};
     Float dsdx = 0, dsdy = 0, dtdx = 0, dtdy = 0;
@@ -17,7 +17,6 @@ struct TexCoord3 {
     Vector3 dpdx{}, dpdy{};
 };
 
-/// The surface's own parameters, scaled and shifted.
 struct UvMapping {
     Float su = 1, sv = 1, du = 0, dv = 0;
     TexCoord2 Map(const TextureContext &ctx) const {
@@ -25,7 +24,6 @@ struct UvMapping {
     }
 };
 
-/// Position in texture space.
 struct PointMapping {
     explicit PointMapping(const Transform &renderFromTexture) : textureFromRender(renderFromTexture.Inverse()) {}
     Transform textureFromRender;
@@ -34,7 +32,7 @@ struct PointMapping {
     }
 };
 
-/// (theta / pi, phi / 2 pi) seen from the origin of texture space.
+/// (theta / pi, phi / 2 pi) about the origin of texture space.
 struct SphericalMapping {
     PointMapping point;
     TexCoord2 Map(const TextureContext &ctx) const;
@@ -62,7 +60,7 @@ inline TexCoord2 Map(const TextureMapping2D &mapping, const TextureContext &ctx)
     return std::visit([&](const auto &m) { return m.Map(ctx); }, mapping);
 }
 
-/// The `mapping` parameter and what belongs to it (pbrt-v4-format §8).
+/// Parameters of texture mapping (pbrt-v4-format §8).
 struct MappingParams {
     std::string mapping = "uv";
     UvMapping uv;

@@ -4,8 +4,8 @@ namespace pbrt {
 
 namespace {
 
-/// The parameter that names a texture; nullptr, and `*isValue` true, if a value (one of `types`) is in force or nothing
-/// is given.
+/// Parameter that names a texture; nullptr, and `*isValue` true, if a value (one of `types`) applies or nothing is
+/// given.
 const Param *TakeReference(ParamReader &reader, const std::string &name, std::initializer_list<ParamType> types,
                            bool *isValue) {
     const Param *own = nullptr;

@@ -3,11 +3,10 @@
 
 namespace pbrt {
 
-/// A parameter that is a number or names a float texture: how it is declared and, after reading, what was given. Valid
-/// while the ParamSet lives. If both a number and a name are given, the last one is used, and the other is an unused
-/// parameter.
+/// A number or named float texture: its declaration and, after reading, the given value. Valid while the ParamSet
+/// lives. If both a number and a name are given, the last one is used, and the other is an unused parameter.
 struct FloatTextureParam {
-    std::optional<Float> constant{};      ///< the default; nullopt: none
+    std::optional<Float> constant{};      ///< default; nullopt: none
     std::optional<Range<Float>> range{};  ///< of numbers and constant textures
     const ParamSet *set = nullptr;
     const Param *given = nullptr;
@@ -15,7 +14,6 @@ struct FloatTextureParam {
     explicit operator bool() const { return given != nullptr; }
 };
 
-/// The same for spectra.
 struct SpectrumTextureParam : SpectrumParam {};
 
 void ReadParam(ParamReader &reader, const std::string &name, FloatTextureParam &value);

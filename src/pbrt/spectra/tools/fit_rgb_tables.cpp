@@ -1,4 +1,4 @@
-// Writes the table of one colour space: fit_rgb_tables <space> <file>. Layout in rgb_table.h.
+// Fits and writes the table of one colour space: fit_rgb_tables <space> <file>. Layout in rgb_table.h.
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -16,7 +16,7 @@ namespace {
 
 constexpr size_t kRes = RgbTableResolution;
 
-/// Fits all scales of one pair of ratios, from a middle one outwards: each fit starts from its neighbour's result.
+/// Fits all scales of one pair of ratios outwards from a middle one, each starting from its neighbour's result.
 void FitColumn(const SigmoidFit &fit, size_t slab, size_t yIndex, size_t xIndex, std::vector<float> &table) {
     const auto scales = RgbTableScales();
     constexpr size_t kStart = kRes / 5;

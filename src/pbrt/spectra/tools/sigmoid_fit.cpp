@@ -11,8 +11,8 @@ namespace {
 constexpr double kMaxCoefficient = 200;
 constexpr int kMaxIterations = 15;
 constexpr double kGoodEnough = 1e-10;  // squared CIELAB distance
-// Tables with 5 nm steps and three nodes in each step, with which stock pbrt-v4's tables were fitted; the sum over
-// whole nanometres differs by up to 0.4 % in dark channels of saturated colours.
+// As for stock pbrt-v4's tables: 5 nm steps with three nodes each. Summing whole nanometres differs by up to 0.4 % in
+// dark channels of saturated colours.
 constexpr int kStep = 5, kSteps = 470 / kStep, kIntervals = 3 * kSteps;
 constexpr size_t kVectorLength = 8;
 
@@ -31,7 +31,6 @@ bool Solve3(const double a[3][3], const double b[3], double x[3]) {
     return true;
 }
 
-/// Straight lines between samples every kStep nm.
 double AtTableStep(const Spectrum &s, double position) {
     double x = position * kSteps;
     int i = std::min(static_cast<int>(x), kSteps - 1);
@@ -115,7 +114,6 @@ double SigmoidFit::Fit(const double rgb[3], double c[3]) const {
         if (error < kGoodEnough || !Solve3(jacobian, r, step)) break;
         if (!std::isfinite(step[0] + step[1] + step[2])) break;
         for (int j = 0; j < 3; ++j) c[j] += step[j];
-        // The largest by value, not by magnitude: negative coefficients are not bounded.
         if (double largest = std::max({c[0], c[1], c[2]}); largest > kMaxCoefficient)
             for (int j = 0; j < 3; ++j) c[j] *= kMaxCoefficient / largest;
     }

@@ -5,20 +5,19 @@
 namespace pbrt {
 
 /// Fits reflectances s(lambda) = sigmoid(quadratic) to RGB values of one colour space under its illuminant: least
-/// squares in CIELAB (Jakob and Hanika 2019, section 4), by Gauss-Newton steps with an analytic Jacobian.
+/// squares in CIELAB (Jakob and Hanika 2019, section 4), by Gauss-Newton with an analytic Jacobian.
 class SigmoidFit {
   public:
     explicit SigmoidFit(const RgbPrimaries &space);
 
-    /// `c`: start and result, for wavelength mapped to [0, 1]. Returns the CIELAB distance before the last step.
-    /// The largest coefficient, by value and not by magnitude, stays at or below 200 by scaling all three, so colours
-    /// that no reflectance has end at a steep step. Where that step lies depends on the bound: stock pbrt-v4's pictures
-    /// of such colours agree with this one to 0.1 % and differ by up to 6 % if magnitudes are bounded. Damped steps
-    /// would come closer to such colours (tried: up to 30 % elsewhere in dark channels), but stock's tables come from
-    /// at most 15 plain ones, and its pictures are the reference.
+    /// `c`: initial value and result, for wavelength mapped to [0, 1]. Returns the CIELAB distance before the last
+    /// step. The largest coefficient, by value and not by magnitude, is limited to 200 by scaling all three. Colours
+    /// outside the gamut of reflectances thus end at a steep step, whose wavelength depends on the bound. Their images
+    /// agree with stock pbrt-v4 to 0.1 %; bounding magnitudes would change them by up to 6 %. Steps are not damped,
+    /// because the reference, stock's tables, comes from at most 15 undamped ones; damping changes dark channels by up
+    /// to 30 %.
     double Fit(const double rgb[3], double c[3]) const;
 
-    /// The same polynomial for wavelength in nm.
     static void ToNanometres(const double c[3], float out[3]);
 
   private:

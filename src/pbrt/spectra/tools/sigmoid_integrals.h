@@ -4,14 +4,14 @@
 
 namespace pbrt {
 
-/// Products of the matching functions and an illuminant, so that XYZ of a reflectance is a plain sum; the reflectance 1
-/// has Y = 1. Padded with zeros to whole vectors.
+/// Products of matching functions and illuminant, so that a reflectance's XYZ is a plain sum; reflectance 1 has Y = 1.
+/// Zero-padded to whole vectors.
 struct ReflectanceWeights {
     std::vector<double> position;                ///< wavelength mapped to [0, 1]
     std::array<std::vector<double>, 3> weights;  ///< X, Y, Z
 };
 
-/// XYZ of the sigmoid of (c[0] t + c[1]) t + c[2], t = position, and its derivatives: jacobian[k][j] = d xyz[k] / d
+/// XYZ of the sigmoid of (c[0] t + c[1]) t + c[2], t = position, and its derivatives jacobian[k][j] = d xyz[k] / d
 /// c[j].
 struct SigmoidIntegrals {
     double xyz[3];

@@ -4,7 +4,7 @@
 
 namespace pbrt {
 
-/// All that plugins add: light samplers, and what chooses directions of paths.
+/// Everything that plugins register: light samplers and direction sampling.
 struct PluginRegistry : LightSamplerRegistry {
     DirectionSamplings directionSamplings{"direction sampling"};
 };

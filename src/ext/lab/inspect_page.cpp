@@ -44,7 +44,7 @@ std::string Figure(const Json &layer) {
         name, file, EscapeHtml(layer.at("meaning")), range);
 }
 
-/// Sentences about the layers that have no picture.
+/// Sentences for the flat layers.
 std::string FlatText(const Json &layers) {
     std::string same, unknown, text;
     for (const Json &layer : layers) {

@@ -14,7 +14,7 @@ struct DiffOptions {
     bool json = false;
 };
 
-// The mean of the finite values.
+// Mean of the finite values.
 double Mean(const Image &image) {
     double sum = 0;
     size_t count = 0;

@@ -6,7 +6,6 @@
 namespace ext {
 using namespace pbrt;
 
-/// Contribution of one light group to the image.
 struct ImageContribution {
     /// Sum of the contributions of camera paths with a non-specular vertex, over the squared relative brightness: 0.1
     /// plus the mean of a 16 x 16 pixel tile over the image mean.

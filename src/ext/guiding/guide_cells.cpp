@@ -82,12 +82,10 @@ class GuideCellsBuilder {
         double plain = 0;                            ///< with BSDF sampling alone
         std::array<double, kProbabilities> parts{};  ///< relative second moment per guiding probability
     };
-    /// Records and events in a tree node.
     struct Content {
         size_t begin = 0, end = 0;   ///< range in records_
         size_t kindBounces[2] = {};  ///< events at BSDFs without and with glossy lobes
     };
-    /// A future leaf.
     struct Task {
         size_t begin, end;                    ///< range in records_
         size_t firstBounce = 0, bounces = 0;  ///< range in bounces_
@@ -261,7 +259,6 @@ class GuideCellsBuilder {
         return sums;
     }
 
-    /// Mean over positions of a task.
     void FindSolidAngles(const Task &task, std::span<const SourceCluster> targets, std::span<double> angles) const {
         const size_t step = std::max<size_t>(1, task.bounces / kCellPlaces);
         size_t places = 0;

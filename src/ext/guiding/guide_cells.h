@@ -7,7 +7,6 @@
 
 namespace ext {
 
-/// Record of one scattering event.
 struct GuideRecord {
     Point3 p{};
     Point3 target{};             ///< position that its radiance comes from, unfolded through specular vertices
@@ -33,7 +32,6 @@ struct GuideRecord {
 /// where nothing is gained.
 class GuideCells {
   public:
-    /// Rebuilds all estimates.
     void Learn(std::span<const GuideRecord> records, Float largestProbability);
 
     /// Cluster radiances at p and the guiding probability; null: probability 0. `importance`: squared product of
@@ -52,7 +50,6 @@ class GuideCells {
         if (!MayGuide(importance)) return 0;
         return std::max(Float(0), importance * leaves_[tree_.LeafOf(p)].gain[isGlossy ? 1 : 0] - kGuidedCost);
     }
-    /// True if the guiding probability is positive anywhere.
     bool Guide() const { return largestGain_ > 0; }
     /// False if At returns null everywhere.
     bool MayGuide(Float importance) const { return importance * largestGain_ > kGuidedCost; }
@@ -82,7 +79,6 @@ class GuideCells {
 
         bool Guides() const { return gain[0] > 0 || gain[1] > 0; }
     };
-    /// Updates members derived from the leaves.
     void LeavesChanged();
     friend class GuideCellsBuilder;
 

@@ -28,7 +28,6 @@ class GuidedDirections {
     /// Called when a path ray reaches a scattering surface or medium point.
     void RecordHit(const PathVertex &vertex);
     void RecordHitInMedium(const Point3 &p);
-    /// Prepares Sample and Pdf at a vertex.
     void PrepareDirections(const PathVertex &vertex, const SampledSpectrum &beta);
     /// Records throughput and radiance before next-event estimation at a vertex.
     void BeginVertex(const PathVertex &vertex, const SampledSpectrum &beta, const SampledSpectrum &L);

@@ -13,8 +13,8 @@ namespace ext {
 namespace {
 
 /// Sample counts per pixel after which the guide is updated from the samples since the last update, if at least as many
-/// follow. Where one sample per pixel gives less than half of the paths to record, they are multiples of the count that
-/// gives half.
+/// follow. If one sample per pixel gives less than half of the paths to record, the counts are multiples of the number
+/// that gives half.
 constexpr int kUpdateAfter[] = {2, 4, 16};
 /// Records at most one in this many of the image's paths per update, as recording costs time.
 constexpr size_t kPathsPerRecorded = 32;
@@ -27,7 +27,6 @@ constexpr double kMinFirstSaving = 0.16;
 constexpr size_t kFirstStride = 4;
 /// Selects one in `stride` paths, in pairs of the two halves.
 bool IsUsed(size_t path, size_t stride) { return path / 2 % stride == 0; }
-/// Maximum recorded vertices per path.
 constexpr int kMaxVertices = 5;
 /// Throughput at which PathGuide::Inspect shows the continuation probability.
 constexpr Float kInspectedWeight = 0.5f;

@@ -60,11 +60,9 @@ class PathGuide final : public DirectionSampling {
     bool EstimatesDirections() const { return estimatesDirections_; }
     /// Null: roulette by throughput alone.
     PathRoulette *Roulette() { return params_.roulette ? &roulette_ : nullptr; }
-    /// Estimates at a path vertex, for inspection.
     void Inspect(const PathVertex &vertex, Point2i pixel, std::vector<InspectedValue> &values) const override;
     /// Pixel relative to the image corner.
     Point2i InPicture(Point2i pixel) const { return pixel - pixels_.low; }
-    /// Number of a recorded path; empty if not recorded.
     std::optional<size_t> PathNumber(Point2i pixel, int sample) const { return paths_.NumberOf(pixel, sample); }
     /// Record slots for the bounces of a path; the path stores the range.
     PathObserver::PathPlaces BeginRecords(std::optional<size_t> path) const { return records_.PlacesOf(path); }

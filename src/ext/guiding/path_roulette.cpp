@@ -22,7 +22,6 @@ constexpr double kDark = 0.2;
 /// Minimum recorded paths per image tile, if the image has as many.
 constexpr double kTilePaths = 64;
 
-/// Mean squared radiance and mean cost.
 struct Moments {
     double squares = 0, cost = 0;
     Float Root() const {

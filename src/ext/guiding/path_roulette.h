@@ -60,7 +60,6 @@ class PathRoulette {
         records_.Begin(paths, vertices);
         totals_.Begin(paths, 1);
     }
-    /// Maximum records per path.
     size_t Vertices() const { return records_.PerPath(); }
     /// Stores the record of vertex k < Vertices() of a path.
     void Record(size_t path, size_t k, const RouletteRecord &record) { records_.Set(path, k, record); }
@@ -106,7 +105,7 @@ class PathRoulette {
         EstimatePixels(size, pixels);
         EstimateCells();
     }
-    /// Total cost of the recorded paths, in vertices.
+    /// In vertices.
     double RecordedCost() const;
     size_t Cells() const { return cells_.size(); }
     size_t Bytes() const { return tree_.Bytes() + cells_.size() * sizeof(Cell) + tiles_.size() * sizeof(Float); }

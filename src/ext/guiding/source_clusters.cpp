@@ -17,7 +17,6 @@ constexpr Float kMinSine = 0.0316f;
 constexpr Float kMinSine2 = kMinSine * kMinSine;
 /// Independent partial sums, for vectorization.
 constexpr size_t kLanes = 8;
-/// Minimum samples per cluster.
 constexpr size_t kMinSamples = 8;
 /// Approximate number of small clusters before merging.
 constexpr size_t kSmallClusters = 256;
@@ -45,12 +44,10 @@ struct Cluster {
     double Cost() const { return std::sqrt(moment) * static_cast<double>(Length(bounds.high - bounds.low)); }
 };
 
-/// Positions of scattering events.
 struct Places {
     std::vector<Point3> some;
     double each = 1;  ///< events represented by each position
 
-    /// Of a cluster, summed over all positions.
     double SolidAngle(const Point3 &middle, Float r2) const {
         double sum = 0;
         for (const Point3 &p : some) {

@@ -19,7 +19,6 @@ struct SourceCluster {
     bool Contains(const Point3 &q) const { return LengthSquared(p - q) <= r2; }
 };
 
-/// Radiance received at one scattering event.
 struct RadianceSample {
     static constexpr uint32_t kNone = ~uint32_t{0};
     Point3 target{};

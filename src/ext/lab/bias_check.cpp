@@ -119,7 +119,6 @@ class StrongSamples {
     std::vector<std::pair<TileNoise, double>> groups_;
 };
 
-/// One channel of the whole check.
 class Channel {
   public:
     Channel(std::span<const TileMeans> runs, std::span<const AuxiliaryRuns> auxiliary, const BiasReference &reference,
@@ -246,7 +245,6 @@ class Channel {
         return runs_.Mean(t) - parts_.Mean(t);
     }
 
-    /// TileNoise::Strongest for a single run.
     double StrongestDifference(const TileRectangle &r) const {
         std::vector<double> values;
         r.ForEach([&](int x, int y) { values.push_back(Difference(x, y)); });

@@ -37,7 +37,6 @@ struct BiasReference {
     std::vector<AuxiliaryRuns> auxiliary{};  ///< additional images of the reference's sampler
 };
 
-/// Test of one image region in one channel.
 struct RegionTest {
     int level = 0;  ///< 0: the smallest regions; every level doubles the side; the last is the whole image
     Bounds2i pixels;

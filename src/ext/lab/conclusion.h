@@ -14,7 +14,6 @@ struct Doubt {
     std::string sampler;  ///< label of the sampler concerned; empty: all
 };
 
-/// One sampler's input to the conclusion.
 struct Contender {
     std::string label;
     std::vector<double> errors, trimmedErrors;  ///< final relL2 and trimmed relL2 per seed

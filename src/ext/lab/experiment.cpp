@@ -55,7 +55,6 @@ void OpenFolder(const ExperimentSettings &settings, const Json &identity, const 
     records.SaveSettings(identity);
 }
 
-/// Renders all runs.
 class Rounds {
   public:
     Rounds(const ExperimentSettings &settings, const LabScene &scene, const References &references,
@@ -228,7 +227,6 @@ class Rounds {
         const RunRecord &record = recordsOf_[i][seed];
         return record.rounds.empty() ? 0 : SecondsOf(i, record.rounds.back().samples, record.rounds.back().spent);
     }
-    /// Seconds of all runs missing from the records.
     double SecondsLeft() const {
         double left = 0;
         for (size_t i = 0; i < settings_.samplers.size(); ++i)

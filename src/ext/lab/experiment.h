@@ -14,8 +14,8 @@ struct ExperimentOutcome {
     std::string text;  ///< table and conclusion, for the terminal
 };
 
-/// Compares light samplers on one scene: builds it once, creates the reference, renders every (sampler, seed) in rounds
-/// A B C A B C ..., measures after each, and writes results, images and tables into the output folder. Resumes an
+/// Compares light samplers on one scene. Builds it once, creates the reference, and renders every (sampler, seed) in
+/// rounds A B C A B C ..., measuring after each. Writes results, images and tables into the output folder. Resumes an
 /// interrupted experiment of equal settings from the records in the folder. Returns nothing if cancelled; records of
 /// finished rounds remain. Throws UserError; errors in the settings are reported before rendering. `display` may be
 /// null.

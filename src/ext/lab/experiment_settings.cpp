@@ -70,7 +70,6 @@ SampleCounts::SampleCounts(const std::string &path, const ExperimentSettings &se
                 counts.assign(checkpoints_, 0);
                 for (const Json &round : run.at("rounds"))
                     counts.at(round.at("checkpoint").get<size_t>()) = round.at("samples").get<int>();
-                // Checkpoints without new samples are not listed.
                 for (size_t i = 1; i < counts.size(); ++i) counts[i] = std::max(counts[i], counts[i - 1]);
                 int &expected = expected_[sampler.at("label").get<std::string>()];
                 expected = run.at("expectedSamples").get<int>();

@@ -8,7 +8,6 @@
 
 namespace ext::lab {
 
-/// The settings of `lightlab scene.pbrt`.
 struct ExperimentSettings {
     std::string scene;
     std::vector<SamplerChoice> samplers;
@@ -45,7 +44,6 @@ class SampleCounts {
     /// Throws UserError if the file is not lightlab's results.json, or lacks a sampler or seed of `settings`.
     SampleCounts(const std::string &path, const ExperimentSettings &settings);
     int Checkpoints() const { return checkpoints_; }
-    /// Samples of a run at a checkpoint.
     int At(const std::string &label, int seed, int checkpoint) const;
     /// Samples per pixel expected by the preparation of a sampler's runs.
     int Expected(const std::string &label) const { return expected_.at(label); }

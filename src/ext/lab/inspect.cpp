@@ -67,7 +67,6 @@ std::optional<FirstHit> FindFirstHit(const BuiltScene &built, Point2i pixel) {
     return {};
 }
 
-/// Measurements of one light group at one point.
 struct Measured {
     double mean = 0;     ///< contribution
     double second = 0;   ///< its part of the one-light estimator's second moment, under the sampler's probabilities
@@ -122,7 +121,6 @@ std::string Plain(std::string name) {
     return name;
 }
 
-/// Display of the values of DirectionSampling::Inspect.
 struct GuideLayer {
     const char *name, *meaning;
     double least, most;

@@ -10,7 +10,6 @@
 namespace ext::lab {
 using namespace pbrt;
 
-/// The effort of an inspection.
 struct InspectSettings {
     int samples = 32;      ///< light samples and shadow rays per light and pixel
     int shownLights = 16;  ///< images of measured visibility, for the most powerful lights
@@ -56,7 +55,6 @@ struct Inspection {
 /// lights; mean path vertices, and the state of the path guide.
 Inspection InspectLights(const BuiltScene &built, const Integrator &integrator, const InspectSettings &settings,
                          Progress &progress);
-/// The same for a light sampler alone.
 Inspection InspectLights(const BuiltScene &built, const LightSampler &sampler, const InspectSettings &settings,
                          Progress &progress);
 
@@ -70,7 +68,6 @@ Json WriteLayers(const Inspection &inspection, const std::string &folder, int le
 /// index.html (overview) and structure.txt into `folder`, created if needed.
 void WriteInspection(const Inspection &inspection, const std::string &folder, const Json &about);
 
-/// The options of `lightlab inspect scene.pbrt --sampler octree`.
 struct InspectOptions {
     std::vector<std::string> sceneFiles;
     BuildOptions build;  ///< build.lightSampler: the inspected sampler; film overrides set the resolution

@@ -4,7 +4,6 @@
 
 namespace ext::lab {
 
-/// The scene of an experiment, built once.
 struct LabScene {
     BuiltScene built;
     std::string hash;  ///< SceneHash of its files

@@ -37,7 +37,6 @@ class MeasuringReference {
     std::unique_ptr<FlipReference> flip_;
 };
 
-/// Mean and spread of a measure over seeds.
 struct Summary {
     size_t count = 0;
     double mean = 0;

@@ -34,7 +34,6 @@ std::vector<Image> Pictures(const NoiseOptions &options, const LabScene &scene, 
     return pictures;
 }
 
-/// One bar per sampler, with one segment per depth.
 std::string Bars(const Json &json, const char *what) {
     constexpr double kWidth = 760, kHeight = 34, kLeft = 260;
     double most = 0;

@@ -9,7 +9,6 @@
 
 namespace ext::lab {
 
-/// The options of `lightlab noise scene.pbrt`.
 struct NoiseOptions {
     ExperimentSettings experiment;  ///< scene, samples per pixel, seeds (at least 2), divisor, maxDepth, folder
     std::vector<std::string> samplers;

@@ -25,9 +25,9 @@ double ChooseErrorScale(std::span<const std::vector<float>> maps);
 /// Writes the map in false colours from 0 to `most`.
 void WriteErrorPicture(const std::string &path, const std::vector<float> &map, Point2i resolution, double most);
 
-/// Up to three disjoint square crops, 64 pixels wide (a quarter of the shorter side in small images, at least 8), that
-/// maximize the difference between the samplers' largest and smallest RMS error. `maps`: one per sampler. Candidates
-/// lie on a grid of half their width; ties go to the upper left.
+/// Up to three disjoint square crops that maximize the difference between the samplers' largest and smallest RMS error.
+/// Side: 64 pixels (a quarter of the shorter side in small images, at least 8). `maps`: one per sampler. Candidates lie
+/// on a grid of half their width; ties go to the upper left.
 std::vector<Bounds2i> ChooseCrops(std::span<const std::vector<float>> maps, Point2i resolution);
 
 }  // namespace ext::lab

@@ -19,7 +19,6 @@ constexpr int kSeedStep = 1000;     // between references
 constexpr int kMinSamples = 64;     // by time
 constexpr double kDisagree = 2;     // factor on the relL2 explained by the noise of two references
 
-/// Renders a reference, or reads it from the cache.
 class ReferenceMaker {
   public:
     ReferenceMaker(const ExperimentSettings &settings, const LabScene &scene, const RecordFolder &records,
@@ -101,7 +100,6 @@ class ReferenceMaker {
     ReferenceRule rule_;
 };
 
-/// True if two references contradict each other.
 bool Contradict(const Reference &a, const Reference &b) {
     auto means = [](const Reference &r) {
         std::vector<TileMeans> tiles;

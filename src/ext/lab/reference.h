@@ -6,7 +6,6 @@
 
 namespace ext::lab {
 
-/// Reference image of the runs.
 struct Reference {
     Image image;                  ///< R, G, B over the film's pixels
     std::vector<Image> parts;     ///< images of equal weight with mean `image`; empty: unknown
@@ -17,7 +16,6 @@ struct Reference {
     std::string source;           ///< file name
 };
 
-/// Sample count of a rendered reference.
 struct ReferenceRule {
     int samples = 0;     ///< per pixel; 0: by time
     double seconds = 0;  ///< estimated from the pilot
@@ -41,12 +39,11 @@ struct References {
 /// noise explains. Sets `*proveNoBias` in the first case.
 std::optional<Doubt> Disagreement(const Reference &a, const Reference &b, bool areStocks, bool *proveNoBias);
 
-/// Reads the user's file, or renders a reference with the best sampler of a pilot run. If that sampler is itself
-/// compared, it is evaluated against a second reference from the next best, so that no sampler is evaluated on its own
-/// samples. If the two contradict each other (bias check), two references by stock samplers replace them; these are
-/// doubtful if they contradict each other too. Differences beyond their noise are a doubt. Rendered references are
-/// stored in the cache folder (reference_cache.h). Finished parts survive interruption. Returns nothing if cancelled.
-/// Throws UserError.
+/// Reads the user's file, or renders a reference with the best sampler of a pilot run. No sampler is evaluated on its
+/// own samples: if that sampler is compared itself, a second reference by the next best evaluates it. If the two
+/// contradict each other (bias check), two references by stock samplers replace them; these are doubtful if they
+/// contradict each other too. Differences beyond their noise are a doubt. Rendered references are stored in the cache
+/// folder (reference_cache.h). Finished parts survive interruption. Returns nothing if cancelled. Throws UserError.
 std::optional<References> MakeReferences(const ExperimentSettings &settings, const LabScene &scene,
                                          const PluginRegistry &registry, const RecordFolder &records, Progress &cancel,
                                          ExperimentDisplay &display);

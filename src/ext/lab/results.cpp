@@ -12,7 +12,6 @@ namespace {
 
 constexpr double kFewOracleSamples = 8;
 
-/// Removes rounds without new samples.
 void DropEmptyRounds(RunRecord *run) {
     std::vector<RoundRecord> kept;
     for (const RoundRecord &r : run->rounds)
@@ -55,7 +54,6 @@ double CpuPerSample(const std::vector<RunRecord> &runs) {
     return samples > 0 ? cpu / samples : 0;
 }
 
-/// Final error of every run.
 std::vector<double> ErrorsOf(const std::vector<RunRecord> &runs, size_t measure) {
     std::vector<double> errors;
     for (const RunRecord &run : runs) errors.push_back(run.rounds.back().measures[measure]);
@@ -92,7 +90,6 @@ std::string NameWithoutMesh(const std::string &label) {
     return at == std::string::npos ? label : label.substr(0, at) + label.substr(at + mesh.size());
 }
 
-/// The bias verdicts of an experiment.
 class BiasJudge {
   public:
     BiasJudge(const References &references, const std::vector<std::vector<Image>> &pictures) {

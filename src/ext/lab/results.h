@@ -6,7 +6,6 @@
 
 namespace ext::lab {
 
-/// The results of one sampler.
 struct SamplerResult {
     SamplerChoice choice;
     size_t reference = 0;

@@ -51,7 +51,6 @@ struct RoundRecord {
     Measures measures{};
 };
 
-/// One sampler with one seed.
 struct RunRecord {
     int seed = 0;
     int expectedSamples = 1;  ///< samples per pixel expected by the preparation

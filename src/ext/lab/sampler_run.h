@@ -21,7 +21,6 @@ class SamplerRun {
     /// Renders in waves: at least one sample; then no wave starts that would end more than half a sample after the
     /// target time. Returns false if cancelled; the film is then unusable.
     bool RenderTo(const RenderTarget &target, const std::function<void()> &afterWave = {});
-    /// Appends the current state to the record.
     void AddRound(int checkpoint, const Measures &measures);
 
     int Samples() const { return renderer_.Done(); }
@@ -49,8 +48,8 @@ class SamplerRun {
     double secondsPerSample_ = 0;
 };
 
-/// Loads the rounds of a run up to the last one that can be resumed: all records up to it are complete and belong to
-/// this experiment, and so does that round's film, or the finished image if it is the last of `checkpoints`. Removes
+/// Loads the rounds of a run up to the last one that can be resumed. All records up to it must be complete and belong
+/// to this experiment, and that round's film must exist (the finished image for the last of `checkpoints`). Removes
 /// later files, with a warning if records are among them. `picture`: file of the finished image.
 RunRecord TakeUpRun(const RecordFolder &records, const LabScene &scene, const std::string &sampler, int seed,
                     size_t checkpoints, const std::string &picture);

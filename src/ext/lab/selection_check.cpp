@@ -9,12 +9,13 @@
 // Method. Samplers differ only in their light selection probabilities, so bias is tested at the vertices of paths,
 // generated as in the render.
 //
-// At a vertex, on a surface or in a medium, the contribution c_l of every light (of very many lights, of every n-th
-// from a random start) is measured once, by a point on the light and a shadow ray. (Statements on BSDFs hold for phase
-// functions.) Then many lights are drawn from the sampler, with stratified random numbers. Two numbers are compared per
-// measured light. First, the mean over the draws of next-event estimation of c_l, with the draws' probabilities and the
-// MIS weight against BSDF sampling. Second, the share of c_l that BSDF sampling leaves to next-event estimation, by the
-// PMF that the integrator evaluates when a ray hits the light. (A point of an environment light represents its region.)
+// At a surface or medium vertex, the contribution c_l of every light is measured once, by a point on the light and a
+// shadow ray. With very many lights, only every n-th is measured, from a random start. (Statements on BSDFs hold for
+// phase functions.) Then many lights are drawn from the sampler, with stratified random numbers. Two numbers are
+// compared per measured light. First, the mean over the draws of next-event estimation of c_l, with the draws'
+// probabilities and the MIS weight against BSDF sampling. Second, the share of c_l that BSDF sampling leaves to
+// next-event estimation, by the PMF that the integrator evaluates when a ray hits the light. (A point of an environment
+// light represents its region.)
 //
 // `excess` is the difference, summed over the lights. Its mean is 0 at every vertex if and only if draws, probabilities
 // and PMF agree and no light is omitted. Light points, visibility, path and weight are common to both sides, and so is

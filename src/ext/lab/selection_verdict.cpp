@@ -21,7 +21,6 @@ constexpr double kMaxVertex = 8;
 constexpr double kMinEffective = 20;  ///< minimum effective paths for a statement
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Sums over paths.
 struct Sums {
     double light = 0, excess = 0, squares = 0, lightSquares = 0, unjudged = 0;
     double Difference() const { return light > 0 ? excess / light : 0; }

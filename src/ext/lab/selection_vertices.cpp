@@ -101,7 +101,6 @@ class Measurer {
         }
     }
 
-    /// Stores the vertex if it receives light.
     static void Keep(SelectionVertices::Vertex &&vertex, std::vector<SelectionVertices::Vertex> &out) {
         if (vertex.lights.empty()) return;
         vertex.query.bsdf = nullptr;

@@ -24,7 +24,6 @@ inline constexpr const char *kPageHead = R"(<!doctype html>
 <link rel="icon" href="data:,">
 )";
 
-/// Escapes text for HTML content and attribute values.
 std::string EscapeHtml(const std::string &text);
 
 /// cpu, threads, memoryGB and os of this machine; null if unknown.

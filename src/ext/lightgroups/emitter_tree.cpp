@@ -35,7 +35,6 @@ struct EmitterTree::Part {
     static std::vector<Cluster> Divide(std::span<EmitterItem> items, std::span<const Emitter> emitters);
 };
 
-/// Sorts the items so that clusters are contiguous.
 std::vector<EmitterTree::Cluster> EmitterTree::Part::Divide(std::span<EmitterItem> items,
                                                             std::span<const Emitter> emitters) {
     FindFeatures(items, emitters);
@@ -48,7 +47,6 @@ std::vector<EmitterTree::Cluster> EmitterTree::Part::Divide(std::span<EmitterIte
         auto widest = std::max_element(clusters.begin(), clusters.end(),
                                        [](const Cluster &a, const Cluster &b) { return a.spread < b.spread; });
         if (widest->spread < 0) break;
-        // Median split.
         Cluster left = *widest, right = *widest;
         left.end = right.begin = (widest->begin + widest->end) / 2;
         auto at = [&](size_t i) { return items.begin() + static_cast<std::ptrdiff_t>(i); };

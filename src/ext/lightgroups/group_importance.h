@@ -11,11 +11,9 @@ namespace ext {
 class GroupImportance {
   public:
     explicit GroupImportance(std::span<const Emitter> emitters);
-    /// One emitter per group.
     explicit GroupImportance(const LightGroups &groups) : GroupImportance(EmittersOf(groups)) {}
 
     static std::vector<Emitter> EmittersOf(const LightGroups &groups);
-    /// Lights of one group, in order.
     static std::vector<Emitter> EmittersIn(const LightGroups &groups, uint32_t group);
 
     size_t Size() const { return size_; }

@@ -1,4 +1,3 @@
-// Reports, Inspect and serialization of the octree light samplers.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 

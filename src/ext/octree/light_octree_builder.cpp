@@ -18,7 +18,6 @@ LightOctreeBuilder::LightOctreeBuilder(const Bounds3 &bounds, std::vector<Point3
     for (size_t i = 0; i < points.size(); ++i) quantized_[i] = tree_.cells_.Quantize(points[i]);
     splitAbove_ = std::max<size_t>(1, 4 * points.size() / static_cast<size_t>(leafTarget));
 
-    // Counting sort into the top grid.
     constexpr uint32_t kTop = CellOctree::TopCount;
     std::vector<uint32_t> start(kTop + 1, 0);
     for (const glm::uvec3 &q : quantized_) ++start[CellOctree::TopCell(q) + 1];

@@ -77,7 +77,6 @@ class VisibilityModel final : public OnlineModel, public PathObserver {
         /// Empty if valid for this many light groups and this light tree (or null), else the error.
         std::optional<std::string> ValidateFor(size_t groups, const LightTree *lights) const;
     };
-    /// Identifies the render that the records belong to.
     struct Render {
         Bounds2i pixels{};
         int samplesPerPixel = 0, depth = 0;
@@ -100,7 +99,6 @@ class VisibilityModel final : public OnlineModel, public PathObserver {
     size_t RayCount() const { return onSurfaces_.records.rays.size() + inMedia_.records.rays.size(); }
     /// Allocates record slots for samples from `first` to the next update; frees update state if none is due.
     void BeginRecording(int first);
-    /// Appends the render's records on surfaces or in media.
     void AppendRendered(VisibilityRecords *records, bool inMedium) const;
     /// Validates the loaded schedule and allocates record slots; returns the error if invalid.
     std::optional<std::string> ResumeRecording(const PrepareContext &context);

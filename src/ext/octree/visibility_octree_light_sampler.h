@@ -61,7 +61,6 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler {
                                const Vector3 &d) const override;
 
     double PathsPerPixel(const PrepareContext &context) const;
-    /// Rebuilds the candidates after portals were added or removed.
     void PortalsChanged();
     void LoadLearned(const PrepareContext &context, StateReader &reader);
     /// Hash of the lights and light tree nodes that a saved model refers to.

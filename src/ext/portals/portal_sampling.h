@@ -36,7 +36,6 @@ class PortalSampling {
     /// Detects portals, if few enough environment rays leave the scene, and learns their visibility. Several progress
     /// phases.
     void Find(PrepareContext &context, std::span<const PrepassVertex> vertices);
-    /// Removes all portals.
     void Clear();
 
     bool IsActive() const { return count_ > 0; }
@@ -85,7 +84,6 @@ class PortalSampling {
         return {&*e.portals, static_cast<uint32_t>(region)};
     }
     void Use(std::span<const Portal> portals);
-    /// G of the regions of a light.
     void Evaluate(const LightQuery &query, const Environment &e, Float *g) const;
     bool Learn(PrepareContext &context, std::span<const PrepassVertex> vertices);
     /// Traces one shadow ray to each region of each light.

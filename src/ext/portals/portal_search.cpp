@@ -141,7 +141,6 @@ class Planes {
         Float height = 0;
     };
 
-    /// Plane of maximum gain.
     Plane Best() const {
         Plane best;
         const auto test = [&](Float height) {

@@ -75,7 +75,6 @@ class PathRecordStore {
     /// Stores in slot k < PerPath() of a path.
     void Set(size_t path, size_t k, const Record &record) { places_[path * perPath_ + k] = record; }
     size_t PerPath() const { return perPath_; }
-    /// All slots in path order, including empty ones.
     std::span<const Record> Places() const { return places_; }
     size_t PathOf(size_t place) const { return place / perPath_; }
     size_t Bytes() const { return places_.size() * sizeof(Record); }
@@ -91,7 +90,6 @@ class PathRecordStore {
             out.Value(places_[i]);
         }
     }
-    /// Saves, then clears all slots.
     void Extract(StateWriter &out) {
         Save(out);
         std::fill(places_.begin(), places_.end(), Record{});

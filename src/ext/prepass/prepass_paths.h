@@ -8,7 +8,6 @@
 namespace ext {
 using namespace pbrt;
 
-/// Camera path of a prepass, with its random numbers.
 struct PrepassPath {
     Rng rng;
     SampledWavelengths lambda;

@@ -6,7 +6,6 @@
 
 namespace ext {
 
-/// Sums over a cell's shadow rays to one light.
 struct ShadowRaySums {
     uint32_t light = 0;            ///< or its position in the light tree, if any
     double wm = 0, w = 0, w2 = 0;  ///< sums of w m, w, w^2; m: the learned moment, contribution / G or its square

@@ -29,7 +29,6 @@ Float RatioOf(double found, Float g) {
     return std::isfinite(ratio) ? ratio : 0;
 }
 
-/// Distributes chunks among the processes of a team.
 bool IsMine(const Team &team, size_t chunk) {
     return chunk % static_cast<size_t>(team.Size()) == static_cast<size_t>(team.Rank());
 }
@@ -64,7 +63,6 @@ class Draws {
 };
 static_assert(LightTree::kBaseNodes + LightTree::kFarNodes <= kMaxScanned);
 
-/// Gathers all chunks on every process of the team.
 void Exchange(Team &team, std::vector<VisibilityRecords> &chunks) {
     std::vector<bool> isHere(chunks.size());
     for (size_t i = 0; i < chunks.size(); ++i) isHere[i] = IsMine(team, i);
@@ -140,7 +138,6 @@ VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const Prepa
             total += static_cast<double>(g / drawn->pmf);
             out.rays.push_back({drawn->light.value, g, g / drawn->pmf, RatioOf(found, g)});
         }
-        // The unoccluded sum is estimated from the draws.
         const double unoccluded = total / static_cast<double>(perRecord);
         for (size_t t = first; t < out.rays.size(); ++t) {
             out.rays[t].share = static_cast<Float>(static_cast<double>(out.rays[t].share) / unoccluded);

@@ -6,7 +6,6 @@
 
 namespace pbrt {
 
-/// Command line options that override the scene file.
 struct BuildOptions {
     FilmOverrides film;
     int samplesPerPixel = 0;  ///< --spp; 0: the scene's

@@ -58,13 +58,11 @@ struct BuiltScene {
     std::vector<std::string> leftOut;  ///< features left out by --ignore-media or --ignore-unsupported, with locations
     Transform cameraFromWorld;         ///< at shutter open; for image metadata
 
-    /// Render settings from scene and command line.
     RenderSettings Settings() const;
     /// Recreates sampler and integrator for this number of samples per pixel, as --spp.
     void SetSamples(int samples);
     /// Context for Integrator::Prepare. The caller may change seed and samples.
     PrepareContext Preparation(Progress &progress, Team &team = Team::Alone()) const;
-    /// Context for RenderWaves with the scene's integrator and film.
     RenderContext Rendering(Progress &progress, Team &team = Team::Alone()) const {
         return {*integrator, *camera, *filter, *film, *sampler, progress, team};
     }

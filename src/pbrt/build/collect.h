@@ -18,7 +18,6 @@ bool Collect(DiagnosticSink &sink, F &&make) {
     }
 }
 
-/// Colour space of an entity's colours.
 inline const ColorSpace &SpaceOf(const Entity &e) {
     const ColorSpace *space = ColorSpace::Find(e.colorSpace);
     PBRT_CHECK_MSG(space != nullptr, "colour space {}", e.colorSpace);

@@ -36,7 +36,6 @@ struct ShapeTextureParams {
     }
 };
 
-/// Name of one primitive of a shape, for messages.
 const char *PrimitiveName(ShapeKind kind) {
     switch (kind) {
         case ShapeKind::TriangleMesh: return "triangle";

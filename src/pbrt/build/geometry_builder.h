@@ -13,7 +13,6 @@
 
 namespace pbrt {
 
-/// Documents all shapes with their parameters, including textures.
 FamilyDoc DocumentShapes();
 
 /// Builds materials, shapes, area lights, objects and instances. Errors are collected in the sink.

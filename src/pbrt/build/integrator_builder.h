@@ -20,7 +20,6 @@ struct IntegratorSettings {
     std::function<std::unique_ptr<Integrator>(const PathContext &, const ColorSpace &filmSpace)> make;
 };
 
-/// Inputs for parsing integrator parameters.
 struct IntegratorReading {
     const BuildOptions &options;
     const PluginRegistry &registry;

@@ -5,8 +5,6 @@
 
 namespace pbrt {
 
-// Shared by the integrator makers.
-
 struct DepthParams {
     int maxDepth = 5;
     template <class V>

@@ -7,7 +7,6 @@
 
 namespace pbrt {
 
-/// A named light sampler with its parameters.
 struct LightSamplerSpec {
     const LightSamplerRegistry::Entry *entry = nullptr;
     bool meshLights = false;
@@ -34,7 +33,6 @@ struct LightChoiceText {
 /// Throws UserError, at the flag, for other suffixes after "+". Names and parameters are not validated.
 LightChoiceText SplitLightChoice(const std::string &choice, const char *flag);
 
-/// Light sampler parameters of an integrator.
 struct LightSelectionParams {
     std::string lightSampler = "bvh";
     bool meshLights = false;
@@ -56,7 +54,6 @@ struct LightSelection {
     std::optional<ParamSet> guide;
 };
 
-/// Direction sampling with its parameters.
 struct DirectionSpec {
     const DirectionSamplings::Entry *entry = nullptr;
     ParamSet params;
@@ -66,9 +63,9 @@ DirectionSpec ReadDirections(const ParamSet &integrator, const std::optional<Par
                              const PluginRegistry &registry, DiagnosticSink &sink);
 
 /// Parses `"string lightsampler"`, `"bool meshlights"` and the `name.key` parameters of an integrator, and the
-/// overriding flags: a name replaces the scene's, keys are added to the scene's keys for the same sampler. Unknown
-/// names or keys and invalid values are reported to the sink as errors with location (the result is then empty),
-/// parameters without effect as warnings. `defaults`: the integrator's.
+/// overriding flags: a name replaces the scene's, keys are added to the scene's keys for the same sampler. Errors
+/// (unknown names or keys, invalid values) go to the sink with location, and the result is empty; parameters without
+/// effect are warnings. `defaults`: the integrator's.
 std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, const LightFlags &flags,
                                                  const PluginRegistry &registry, DiagnosticSink &sink,
                                                  const LightSelectionParams &defaults = {});

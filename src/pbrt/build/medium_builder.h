@@ -11,7 +11,6 @@
 
 namespace pbrt {
 
-/// Medium ids by name.
 class MediumIds {
   public:
     void Add(const std::string &name, MediumId id) { ids_.emplace(name, id); }

@@ -17,7 +17,6 @@ struct MemoryEstimate {
     double largest = 0;   ///< its bytes
 
     double Total() const { return film + meshes + images; }
-    /// Updates the largest part.
     void See(double bytes, const FileLoc &at) {
         if (!(bytes > largest)) return;
         largest = bytes;

@@ -28,7 +28,6 @@ struct View {
     std::unique_ptr<Sampler> sampler;
 };
 
-/// Film overrides of the flags.
 FilmOverrides FilmOverridesOf(const BuildOptions &options);
 
 /// Cheap, so errors are reported before geometry is read. `seed`: used unless the scene's sampler has one.

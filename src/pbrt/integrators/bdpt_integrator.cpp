@@ -8,7 +8,6 @@
 
 namespace pbrt {
 
-/// One sample of a pixel.
 struct BdptIntegrator::Sample {
     const PathStart &start;
     SampledWavelengths &lambda;

@@ -34,7 +34,6 @@ struct BdptVertex {
     bool IsInMedium() const { return kind == Kind::Medium; }
     Point3 Position() const { return IsSurface() ? surface.point.p : p; }
     Normal3 Normal() const { return IsSurface() ? surface.point.n : n; }
-    /// Unit vector towards another vertex.
     Vector3 Towards(const BdptVertex &to) const {
         if (to.isBeyondScene) return -to.direction;
         return isBeyondScene ? direction : Normalize(to.Position() - Position());
@@ -71,7 +70,6 @@ struct BdptVertex {
     Float ScatterPdf(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const {
         return IsInMedium() ? phase->P(wo, wi) : surface.bsdf.Pdf(wo, wi, mode);
     }
-    /// Origin of connections.
     LightSampleContext Context() const {
         return IsInMedium() ? LightSampleContext{p, {}, {}, {}, time} : LightContextAt(surface.point);
     }

@@ -11,7 +11,7 @@ struct PathSettings {
     int maxDepth = 5;         ///< scattering events; 0: emission only, 1: direct light
     bool regularize = false;  ///< roughen specular lobes after the first non-specular bounce
     bool subsurface = false;  ///< subsurface scattering (volpath; path renders clear dielectrics, as in stock)
-    /// Shadow rays pass interface surfaces (volpath, if the scene has any on their way; in path they block, as in
+    /// Shadow rays pass interface surfaces (volpath, in scenes built so that they pass them; in path they block, as in
     /// stock).
     bool seesThroughInterfaces = false;
     /// Excludes emission reached only by BSDF sampling: directly visible or mirrored lights, caustics. It is
@@ -22,7 +22,6 @@ struct PathSettings {
     bool tracksMedia = false;  ///< volpath in a scene with media
 };
 
-/// Shared inputs of an integrator's camera paths, by reference.
 struct CameraPathSetup {
     const PathContext &context;
     const PathSettings &settings;
@@ -77,7 +76,6 @@ class MediaThroughput : public SpectralWeights {
     }
 };
 
-/// Policy of CameraPath without photon gathering.
 struct NoGathering {
     static constexpr bool IsLastRay() { return false; }
     static constexpr bool GathersAt(const PathVertex &) { return false; }
@@ -258,7 +256,6 @@ class CameraPath {
         return true;
     }
 
-    /// Next-event estimation at the current surface.
     void AddDirectLight() {
         const PathVertex &vertex = walk_.Vertex();
         current_->Prepare(setup_.lights, vertex, lambda_, depth_);

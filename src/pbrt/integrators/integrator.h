@@ -67,7 +67,6 @@ class Integrator {
     virtual void SaveForOthers(StateWriter &writer) const {
         if (const LightSampler *lights = Lights()) lights->SaveLearned(writer, false);
     }
-    /// Light sampler in use; null if none.
     virtual const LightSampler *Lights() const { return nullptr; }
     /// Light sampler of light path emission; null if none.
     virtual const LightSampler *EmissionSampler() const { return nullptr; }

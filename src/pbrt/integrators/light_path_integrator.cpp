@@ -50,7 +50,6 @@ class LightPathIntegrator::LightPath {
         return ray;
     }
 
-    /// Splats at every vertex of the path.
     void Follow(const Ray &ray) {
         PathWalk walk(context_, ray);
         for (int depth = 0;;) {

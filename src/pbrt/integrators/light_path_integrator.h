@@ -3,9 +3,9 @@
 
 namespace pbrt {
 
-/// Particle tracing: every pixel sample traces one path from a light, and every vertex visible to the camera adds a
-/// splat at its film position (Arvo and Kirk 1990; Veach 1997, section 10.3.4). As in stock pbrt-v4, objects visible
-/// through mirrors or smooth glass, directly visible lights outside the scene, and medium emission stay dark.
+/// Particle tracing (Arvo and Kirk 1990; Veach 1997, section 10.3.4). Every pixel sample traces one path from a light;
+/// vertices visible to the camera add splats at their film position. As in stock pbrt-v4, objects visible through
+/// mirrors or smooth glass, directly visible lights outside the scene, and medium emission stay dark.
 class LightPathIntegrator final : public PixelIntegrator {
   public:
     /// The camera must support Camera::CanConnect. `lights` selects where paths start, with position-independent

@@ -27,7 +27,6 @@ struct MltIntegrator::Pair {
     Float importance = 0;  ///< scalar sum of `splats`; positive wherever the film receives light
 };
 
-/// Start state of a sample's chains.
 struct MltIntegrator::Unit {
     std::vector<Float> importance;   ///< per bootstrap pair
     std::vector<double> sums;        ///< inclusive running sums
@@ -58,13 +57,11 @@ class MltIntegrator::Renderer {
     }
 
     int64_t Chains() const { return pixels_ > 0 ? pass_.count * chains_ : 0; }
-    /// `number`: of the chain in the pass.
     uint32_t MutationsOf(int64_t number) const {
         const int64_t chain = number % chains_;
         return static_cast<uint32_t>(pixels_ * (chain + 1) / chains_ - pixels_ * chain / chains_);
     }
 
-    /// Traces the bootstrap of every sample of the pass.
     void Bootstrap() {
         units_.resize(Chains() / chains_);
         for (Unit &unit : units_) unit.importance.resize(bootstrap_);

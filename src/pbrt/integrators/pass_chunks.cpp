@@ -25,7 +25,6 @@ bool ReducePass(const RenderPass &pass, int64_t chunks, int64_t whole, int64_t u
     // A process cancelled after its last request could not report it.
     pass.progress.Cancel();
     if (!pass.done) return false;
-    // Progress is required per chunk.
     struct Done {
         uint32_t chunk, samples;
     };

@@ -10,8 +10,8 @@ namespace pbrt {
 struct Photon {
     Point3 p{};
     Vector3 wi{0, 0, 1};  ///< unit, towards the previous vertex
-    /// Power relative to one light path, times the ratio of the cosines at the shading and geometric normals, because a
-    /// camera path shades with the former.
+    /// Power relative to one light path, times the ratio of the cosines at the shading and geometric normals (camera
+    /// paths shade with the former).
     SampledSpectrum power{0};
     int scatterings = 0;       ///< of the light path before this vertex
     bool isOneColour = false;  ///< only the first wavelength counts, as after SampledWavelengths::TerminateSecondary

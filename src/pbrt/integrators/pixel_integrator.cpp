@@ -14,7 +14,6 @@ constexpr int64_t kStripsPerThread = 64;
 
 class PassRenderer {
   public:
-    /// `uWavelengths`: PixelIntegrator::CommonWavelengths.
     PassRenderer(const PixelIntegrator &integrator, const RenderPass &pass, std::optional<Float> uWavelengths)
         : integrator_(integrator), pass_(pass), uWavelengths_(uWavelengths),
           wantsVisible_(pass.film.WantsVisibleSurface()),

@@ -4,7 +4,6 @@
 
 namespace pbrt {
 
-/// Start of a camera path.
 struct PathStart {
     const RenderPass &pass;  ///< splatting integrators add to its film
     CameraRay ray;
@@ -18,7 +17,6 @@ struct PathStart {
 class PixelIntegrator : public Integrator {
   public:
     bool Render(const RenderPass &pass) override;
-    /// Radiance along a camera ray. Const while rendering.
     virtual SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const = 0;
     /// True if Li adds splats to the pass's film (if RenderPass::keepsSamples), for one light path per call.
     virtual bool Splats() const { return false; }

@@ -4,7 +4,6 @@
 
 namespace pbrt {
 
-/// Everything that plugins register: light samplers and direction sampling.
 struct PluginRegistry : LightSamplerRegistry {
     DirectionSamplings directionSamplings{"direction sampling"};
 };

@@ -52,7 +52,6 @@ struct RenderResult {
     std::string mseFailure;     ///< why RenderSettings::mseReferenceOut is incomplete; empty if complete
 };
 
-/// Inputs of a render besides its settings.
 struct RenderContext {
     Integrator &integrator;
     const Camera &camera;

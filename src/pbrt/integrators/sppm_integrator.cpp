@@ -112,7 +112,6 @@ bool SppmIntegrator::Render(const RenderPass &pass) {
             TraceLightPath(lambda, static_cast<uint64_t>(pass.first * paths + i), groups[group]);
     });
     map_.Build(groups, radius);
-    // If cancelled, no camera path starts.
     const bool isWhole = PixelIntegrator::Render(pass);
     map_.Clear();
     return isWhole;

@@ -17,7 +17,6 @@ class StrategyPictures {
         Unweighted,  ///< each strategy's own estimate of the light of its depth that it can sample
         Weighted     ///< its MIS-weighted estimate: they sum to the image
     };
-    /// Contribution of a path sampled by a strategy.
     struct Contribution {
         int s = 0, t = 0;
         SampledSpectrum unweighted, weighted;
@@ -34,7 +33,6 @@ class StrategyPictures {
     /// pixel; a pixel's sample order does not depend on the threads.
     void Add(std::span<const Contribution> contributions, Point2i pixel, Float weight, const SampledWavelengths &lambda,
              const Filter &filter);
-    /// Number of light paths that Add was called for.
     void AddSplatPaths(uint64_t paths);
     std::vector<SidePicture> Pictures() const;
 

@@ -3,7 +3,6 @@
 
 namespace pbrt {
 
-/// Parallel light from infinity.
 class DistantLight final : public LightBeyondScene {
   public:
     /// `wi`: unit, from the scene towards the light. A surface that faces it receives `irradiance` times scale.

@@ -21,7 +21,6 @@ class GoniometricLight final : public LightAtPoint<GoniometricLight> {
     Float PdfDirection(const Vector3 &w) const;
     std::optional<LightBounds> Bounds(uint32_t) const override;
 
-    /// Mean of the image over all directions.
     static Float Mean(const Image &image);
 
   private:

@@ -6,7 +6,6 @@
 
 namespace pbrt {
 
-/// Uniform radiance from all directions.
 class UniformInfiniteLight final : public EnvironmentLight {
   public:
     UniformInfiniteLight(std::shared_ptr<const DenseSpectrum> radiance, Float scale);

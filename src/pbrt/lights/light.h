@@ -58,7 +58,6 @@ struct LightPower {
     }
 };
 
-/// One primitive of a shape.
 struct ShapePrimitive {
     const Shape *shape = nullptr;
     uint32_t primitive = 0;

@@ -49,7 +49,6 @@ class LightAtPoint : public Light {
   protected:
     explicit LightAtPoint(const Point3 &position) : Light(LightKind::DeltaPosition), position_(position) {}
 
-    /// Bounds of an isotropic light.
     std::optional<LightBounds> AllAround(double phi) const {
         if (!(phi > 0)) return {};
         return LightBounds{Bounds3(position_), Vector3(0, 0, 1), phi, -1, 0, false};

@@ -5,7 +5,6 @@
 
 namespace pbrt {
 
-/// Base of all lights outside the scene.
 class LightBeyondScene : public Light {
   public:
     void Preprocess(const Point3 &sceneCenter, Float sceneRadius) final {

@@ -74,7 +74,7 @@ template <class Ops, class F = typename Ops::F, class Mask>
 [[gnu::always_inline]] inline F ImportanceOf(const Emitters<F, Mask> &e, const Point3 &p, const Normal3 &n) {
     constexpr Float kMax = 1e36f;  // the sum of two stays finite
     constexpr Float kTiny = std::numeric_limits<Float>::min();
-    // sin^2 of a milliradian by which the sphere is enlarged, so that rounding of directions cannot hide an emitter at
+    // sin^2 of a milliradian by which the sphere is enlarged. Otherwise rounding of directions could hide an emitter at
     // the border of its cone or of the receiver's horizon.
     constexpr Float kSlack = 1e-6f;
     // Falloff beyond 90 degrees (wide spot lights) still emits where the cosine is not positive.

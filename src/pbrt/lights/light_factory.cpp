@@ -23,7 +23,6 @@ namespace pbrt {
 
 namespace {
 
-/// Throws if the light is too far away.
 void RequirePosition(const ParamSet &set, const LightContext &context, const Point3 &p) {
     RequireReach(set.What(), context.renderFromLight, Bounds3(p), set.Loc());
 }
@@ -79,7 +78,6 @@ struct IntensityParams {
     }
 };
 
-/// Position and target of a light.
 struct DirectionParams {
     Point3 from{0, 0, 0}, to{0, 0, 1};
     template <class V>
@@ -261,7 +259,6 @@ struct InfiniteParams {
     }
 };
 
-/// Corners of "portal", if given.
 std::optional<std::array<Point3, 4>> GetPortal(const std::vector<Point3> &given, const ParamSet &set,
                                                const LightContext &context) {
     if (given.empty()) return {};
@@ -305,7 +302,6 @@ LightImage ConstantImage(const SpectrumParam &L, const ParamSet &set, const Ligh
     return light;
 }
 
-/// Throws if both "L" and "filename" are given.
 void RequireOneEmission(const SpectrumParam &L, const std::string &filename, const ParamSet &set) {
     if (L && !filename.empty()) throw set.Error("filename", "\"L\" and \"filename\" exclude each other.");
 }

@@ -10,7 +10,6 @@
 
 namespace pbrt {
 
-/// Inputs of a light factory besides its parameters.
 struct LightContext {
     const Transform &renderFromLight;
     const Transform &renderFromWorld;  ///< only for parameters in world space (portals)

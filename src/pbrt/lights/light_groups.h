@@ -28,7 +28,7 @@ class LightGroups {
     size_t Size() const { return first_.empty() ? LightCount() : first_.size() - 1; }
     size_t LightCount() const { return lightCount_; }
     const LightTable &Lights() const { return lights_; }
-    /// Power (sum), bounds (union) and kind of a group.
+    /// Power (sum) and bounds (union) of a group.
     LightCandidate Candidate(uint32_t group) const;
     std::vector<LightCandidate> Candidates() const;
     uint32_t GroupOf(LightId light) const { return first_.empty() ? light.value : LightOf(light); }

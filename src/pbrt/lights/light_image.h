@@ -5,7 +5,6 @@
 
 namespace pbrt {
 
-/// Image emitted by a light.
 struct LightImage {
     Image image;  ///< R, G, B, linear, finite
     const ColorSpace *colorSpace = nullptr;
@@ -24,7 +23,6 @@ inline Point2i PixelAt(const Point2 &st, const Point2i &n) {
             std::clamp(static_cast<int>(st.y * static_cast<Float>(n.y)), 0, n.y - 1)};
 }
 
-/// Pixel centre in [0, 1]^2.
 inline Point2 PixelCenter(int x, int y, const Point2i &n) {
     return {(static_cast<Float>(x) + Float(0.5)) / static_cast<Float>(n.x),
             (static_cast<Float>(y) + Float(0.5)) / static_cast<Float>(n.y)};

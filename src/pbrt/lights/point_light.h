@@ -4,7 +4,6 @@
 
 namespace pbrt {
 
-/// Isotropic point light.
 class PointLight final : public LightAtPoint<PointLight> {
   public:
     PointLight(const Point3 &position, std::shared_ptr<const DenseSpectrum> intensity, Float scale);

@@ -122,7 +122,6 @@ std::optional<LightLeSample> PortalLight::SampleLe(const Point2 &uPosition, cons
 LightLePdf PortalLight::PdfLe(const Point3 &p, const Normal3 &, const Vector3 &w, uint32_t) const {
     const Vector3 wi = frame_.ToLocal(-w);
     if (!(wi.z > 0) || !(Area() > 0)) return {};
-    // Crossing point with the rectangle's plane.
     const Point3 from = frame_.ToLocal(p);
     const Point2 at = Point2(from) + Vector2(wi) * ((Rectangle().low.z - from.z) / wi.z);
     if (glm::any(glm::lessThan(at, Point2(Rectangle().low))) ||

@@ -9,8 +9,8 @@
 namespace pbrt {
 
 /// Environment light visible only through a rectangle, from one side (Bitterli, Wyman and Pharr 2015). As in stock
-/// pbrt-v4 the image is resampled to a map over the angles atan(x/z) and atan(y/z) of a direction (x, y, z) in the
-/// rectangle's frame; radiance is constant per map pixel.
+/// pbrt-v4 the image is resampled to a map over angles: atan(x/z) and atan(y/z) of a direction (x, y, z) in the
+/// rectangle's frame. Radiance is constant per map pixel.
 class PortalLight final : public EnvironmentLight {
   public:
     /// `image`: as for ImageInfiniteLight. `portal`: corners in order, in the source space of `renderFromPortal`; light

@@ -10,8 +10,8 @@ namespace pbrt {
 namespace {
 
 constexpr int kMinSide = 128, kMaxSide = 512;
-/// Minimum share of the whole map that a pixel may hold to be subdivided, if its neighbourhood also has enough contrast
-/// to its mean.
+/// A pixel is subdivided if it may hold this share of the whole map, and the brightest point in or beside it exceeds
+/// its mean by this contrast.
 constexpr double kMinShare = 1e-4;
 constexpr Float kContrast = 1.5f;
 /// Minimum value of pixels and subpixels, relative to the brightest point beside them: the corner of a sun between

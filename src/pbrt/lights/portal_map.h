@@ -10,10 +10,10 @@ namespace pbrt {
 
 class EnvironmentLight;
 
-/// Radiance of an environment light over the half-space z > 0 of a frame, on a map where every rectangle with sides
-/// along x and y is an axis-aligned window from any point before it. Coordinates of a direction (x, y, z) are its
-/// slopes a = x / z and b = y / z, each mapped to (0, 1) by (1 + a / (1 + |a|)) / 2. (Bitterli, Wyman and Pharr 2015,
-/// Portal-Masked Environment Map Sampling, use the arc tangent; this avoids trigonometry.)
+/// Radiance of an environment light over the half-space z > 0 of a frame. A rectangle with sides along x and y is an
+/// axis-aligned window on the map, from any point before it. Map coordinates of a direction (x, y, z) are its slopes a
+/// = x / z and b = y / z, mapped to (0, 1) by (1 + a / (1 + |a|)) / 2. (Bitterli, Wyman and Pharr 2015, Portal-Masked
+/// Environment Map Sampling, use the arc tangent; this avoids trigonometry.)
 ///
 /// Within a window, directions are sampled in proportion to the mean radiance of the map's pixels. Bright high-contrast
 /// pixels are subdivided once: the rim of a sun would be noisy otherwise.

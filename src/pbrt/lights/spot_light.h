@@ -25,7 +25,6 @@ class SpotLight final : public LightAtPoint<SpotLight> {
     Float Falloff(const Vector3 &w) const;
 
   private:
-    /// Falloff by cosine of the angle from the axis.
     Float FalloffAt(Float cosine) const;
     Transform renderFromLight_;
     Vector3 axis_;

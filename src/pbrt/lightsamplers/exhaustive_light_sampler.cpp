@@ -60,7 +60,6 @@ std::optional<GroupLightSampler::ChosenGroup> ExhaustiveLightSampler::ChooseGrou
     if (!infinite_.ChooseBounded(rest, &infinite)) return ChosenGroup{infinite, infinite_.Pmf(), InnerNumber(query, u)};
     if (!(sums.total > 0)) return {};
 
-    // Selects the block, then the light.
     const double target = rest * sums.total;
     const size_t blocks = (packets_.size() + blockSize_ - 1) / blockSize_;
     const auto block = ChooseByWeight<double>(blocks, target, [&](uint32_t b) { return sums.block[b]; });

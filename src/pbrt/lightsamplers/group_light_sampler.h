@@ -48,7 +48,6 @@ class GroupLightSampler : public LightSampler {
         return groups_.ShareOf(light);
     }
 
-    /// Selects uniformly among all groups.
     ChosenGroup SampleUniformly(const LightQuery &query, Float u) const;
     /// Selects by the CDF of the groups.
     static ChosenGroup SampleCdf(std::span<const Float> cdf, const LightQuery &query, Float u);

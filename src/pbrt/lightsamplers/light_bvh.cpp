@@ -202,7 +202,6 @@ class LightBvh::Packing {
         }
         for (const LightBvhNode &node : below) tops->push_back(node.Link());
     }
-    /// Fills blocks with subtrees smaller than a block.
     void PlaceSmall() {
         for (uint32_t free = kPairs;;) {
             uint32_t size = free;

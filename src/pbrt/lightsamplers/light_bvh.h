@@ -60,9 +60,9 @@ struct alignas(64) LightBvhBlock {
 };
 static_assert(sizeof(LightBvhBlock) == LightBvhBlock::kLanes * sizeof(LightBvhNode));
 
-/// Binary tree over the bounded lights, one per leaf, split by the surface area orientation heuristic (Conty and Kulla
-/// 2018, section 4) with 12 buckets per axis. Selection is stock's; only the memory layout differs: a block holds an
-/// interior node and its most powerful descendants.
+/// Binary tree over the bounded lights, one per leaf. Splits use the surface area orientation heuristic (Conty and
+/// Kulla 2018, section 4) with 12 buckets per axis. Selection is stock's; only the memory layout differs: a block holds
+/// an interior node and its most powerful descendants.
 class LightBvh {
   public:
     static constexpr int kMaxDepth = 62;

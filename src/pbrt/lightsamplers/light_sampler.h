@@ -58,7 +58,6 @@ struct SampledLight {
     EnvironmentRegion region{};  ///< of an environment light, from which to sample the point (LightTable::Region)
 };
 
-/// Inputs of LightSampler::Prepare.
 struct PrepareContext {
     const Scene &scene;
     const Camera &camera;

@@ -13,7 +13,6 @@ class PathObserver {
     struct PathPlaces {
         size_t next = 0, end = 0;
     };
-    /// Slots for the path of a pixel sample.
     virtual PathPlaces BeginPath(Point2i pixel, int sample) const = 0;
     /// Records the light sample of a path vertex: radiance times cosine over the density of the point on the light
     /// (solid angle), without BSDF and `light.pmf`; 0 if occluded or dark.

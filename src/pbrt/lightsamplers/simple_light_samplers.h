@@ -4,7 +4,6 @@
 
 namespace pbrt {
 
-/// Selects uniformly among groups.
 class UniformLightSampler final : public GroupLightSampler {
   public:
     explicit UniformLightSampler(const LightGroups &groups);

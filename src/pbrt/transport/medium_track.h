@@ -27,7 +27,6 @@ struct SpectralWeights {
     Float Mean(const SampledSpectrum &densities) const { return onlyFirst ? densities[0] : densities.Average(); }
 };
 
-/// Interaction along a ray through a medium.
 struct MediumEvent {
     enum class Kind { Passed, Scattered, Absorbed } kind = Kind::Passed;
     Float t = 0;  ///< distance of the scattering event

@@ -57,7 +57,6 @@ class PathWalk {
     void Leave(const Vector3 &wi);
     /// Medium between the previous vertex and the hit of Next; null: vacuum.
     const Medium *MediumAhead() const { return context_.scene.MediumAt(ray_.medium); }
-    /// Tracks the light through that medium (TrackMedium).
     template <class Emit>
     MediumEvent ThroughMedium(const SampledWavelengths &lambda, Float u, Rng &rng, bool emits, SpectralWeights &weights,
                               Emit &&emit) const {

@@ -4,7 +4,6 @@
 
 namespace pbrt {
 
-/// Exit vertex and weight of subsurface scattering.
 struct SubsurfaceExit {
     PathVertex vertex;       ///< wo: shading normal on the exit side; the BSDF is the exit lobe
     SampledSpectrum weight;  ///< profile over density

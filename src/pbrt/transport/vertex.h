@@ -27,8 +27,8 @@ inline LightSampleContext ScatteringContextAt(const Scene &scene, const SurfaceP
 }
 
 /// Cosine for light from `wo` scattered towards `wi` on a light path. Camera paths use the cosine at the shading
-/// normal. For consistent images, light paths use the cosine at the geometric normal times the ratio of both cosines on
-/// the incident side (Veach 1997, section 5.3.2).
+/// normal. Consistent light paths use the cosine at the geometric normal, times the ratio of both on the incident side
+/// (Veach 1997, section 5.3.2).
 inline Float AdjointCosine(const SurfacePoint &point, const Vector3 &wo, const Vector3 &wi) {
     const Float geometric = AbsDot(wo, point.n);
     return geometric > 0 ? AbsDot(wo, point.shading.n) * AbsDot(wi, point.n) / geometric : 0;

@@ -20,7 +20,6 @@ class NeeppLightSampler final : public VoxelLightSampler {
     const VisibilityMap &Map() const { return map_; }
 
   private:
-    /// Fills the voxel's row on first use.
     std::span<const uint32_t> Cdf(const Point3 &p) const override;
 
     NeeppParams params_;

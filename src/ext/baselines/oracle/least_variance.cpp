@@ -35,7 +35,6 @@ double Gain(double p, double r) {
 bool LeastVariancePmf(std::span<const LightPoint> points, std::span<double> pmf) {
     const size_t lights = pmf.size(), perLight = lights ? points.size() / lights : 0;
     auto of = [&](size_t light) { return points.subspan(light * perLight, perLight); };
-    // Initialized without BSDF sampling.
     double total = 0;
     bool anyRatio = false;
     for (size_t l = 0; l < lights; ++l) {

@@ -7,9 +7,9 @@
 
 namespace ext {
 
-/// A reference for measurements, not for rendering: at every shading point it traces its own shadow rays to every light
-/// and selects with the probabilities that minimize the variance of direct lighting (least_variance.h). Errors of other
-/// samplers are compared with its error.
+/// A reference for measurements, not for rendering: errors of other samplers are compared with its error. At every
+/// shading point it traces shadow rays to every light and selects with the probabilities that minimize the variance of
+/// direct lighting (least_variance.h).
 ///
 /// Minimized quantity, given shading point, outgoing direction, BSDF and wavelengths: the summed second moments of one
 /// light sample and one BSDF sample, combined by the power heuristic (`mis` true). The value is the root mean square
@@ -22,8 +22,8 @@ namespace ext {
 ///
 /// An image rendered with the oracle may have slightly more error than the minimum:
 /// - expectations are means over `samples` light points;
-/// - the fraction `floor` goes to the unoccluded estimate (EmitterTree), so that a light that none of the points
-///   reached can still be selected and the image is unbiased;
+/// - the fraction `floor` goes to the unoccluded estimate (EmitterTree), so that unreached lights can be selected and
+///   the image is unbiased;
 /// - image error is measured in colours, the oracle minimizes it over wavelengths;
 /// - pixel noise also comes from the rest of the path.
 ///
@@ -49,7 +49,6 @@ class OracleLightSampler final : public InteriorLightSampler {
     EmitterTree unoccluded_;        ///< over groups
     const Scene *scene_ = nullptr;  ///< null: not prepared, or at most one group; only unoccluded_ is used
     int seed_ = 0;
-    /// For Report only.
     mutable std::atomic<uint64_t> measured_{0}, rays_{0};
 };
 

@@ -33,7 +33,6 @@ class SpatialLightSampler final : public VoxelLightSampler {
         Float uMember = 0;
         Point2 uLight{};
     };
-    /// Fills the voxel's distribution on first use.
     std::span<const uint32_t> Cdf(const Point3 &p) const override;
 
     const LightTable &lights_;

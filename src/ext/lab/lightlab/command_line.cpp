@@ -121,7 +121,6 @@ LightlabCommandLine ParseNoise(int argc, const char *const *argv, const std::vec
     return result;
 }
 
-/// Flags of `lightlab scene.pbrt` whose targets are not settings.
 struct RawFlags {
     std::string samplers, samplersFile, crops;
     bool direct = false, noReport = false;

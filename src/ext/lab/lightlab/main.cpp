@@ -73,7 +73,6 @@ int Compare(const LightlabOptions &options, const PluginRegistry &registry) {
             if (!outcome) return signals.Status();
             scene.results = std::move(outcome->results);
         } catch (const UserError &e) {
-            // Other scenes are still compared.
             std::fputs(FormatAll(e, isatty(STDERR_FILENO) != 0).c_str(), stderr);
             scene.failure = e.Diagnostics()[0].message;
             hasFailed = true;

@@ -47,7 +47,6 @@ void ForEachPixel(const Image &image, F &&f) {
         for (int x = 0; x < image.Resolution().x; ++x) f(Point2i(x, y));
 }
 
-/// Resolution as "640 x 480".
 std::string SizeText(const Image &image);
 /// Colour space of the file; default sRGB.
 const ColorSpace &SpaceOf(const ImageFile &file);
@@ -72,7 +71,6 @@ void CheckComparable(const ImageFile &a, const std::string &pathA, const ImageFi
 /// Shortest decimal number that identifies the float, for JSON.
 double ShortNumber(Float v);
 
-/// Reads an image as float.
 ImageFile ReadAsFloat(const std::string &path);
 /// Files that match `names`, without duplicates. A name is a file, a pattern with * and ? in the last path component,
 /// or a prefix of image paths. Pattern and prefix matches are sorted and exclude `except`, so that earlier results are

@@ -81,7 +81,6 @@ Image AverageChannels(const Image &image) {
     return result;
 }
 
-// Image of the given size with pixels `source(p)`.
 template <class F>
 Image Rearrange(const Image &image, Point2i resolution, F &&source) {
     Image result(image.Format(), resolution, image.Channels());

@@ -49,7 +49,6 @@ struct AttributeJson {
     Json operator()(int v) const { return v; }
     Json operator()(float v) const { return ShortNumber(v); }
     Json operator()(const std::string &v) const { return v; }
-    /// Matrix as an array of rows.
     Json operator()(const glm::mat4 &m) const {
         Json rows = Json::array();
         for (int row = 0; row < 4; ++row)

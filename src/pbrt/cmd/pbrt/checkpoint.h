@@ -27,7 +27,6 @@ class Checkpoint {
     /// Writes the file. Failures are logged as warnings; Failure() is the message of the last call.
     void Write(const BuiltScene &built, const RenderPosition &position, const ImageMetadata &metadata);
     const std::string &Failure() const { return failure_; }
-    /// Render seconds of earlier runs.
     double RenderSecondsBefore() const { return renderSecondsBefore_; }
 
   private:

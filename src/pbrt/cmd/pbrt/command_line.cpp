@@ -93,7 +93,6 @@ void CheckKeeping(const CommandLine &o) {
     if (!o.saveLights.empty()) refuse("--samples and --save-lights exclude each other: a part lacks samples");
 }
 
-/// Stock pbrt-v4 flags that are not supported.
 FlagHints StockFlags() {
     FlagHints hints;
     const auto add = [&](std::initializer_list<const char *> flags, const char *hint) {
@@ -111,7 +110,6 @@ FlagHints StockFlags() {
     return hints;
 }
 
-/// Targets of flags that BuildOptions stores in another form.
 struct RawFlags {
     std::vector<Float> crop;
     std::vector<int> bounds, pixel;

@@ -32,7 +32,6 @@ inline std::vector<std::string> SceneFilesOf(const CommandLine &options) {
     return options.sceneFiles.empty() ? std::vector<std::string>{"-"} : options.sceneFiles;
 }
 
-/// Result of parsing.
 struct CommandLineResult {
     CommandLine options;
     bool done = false;  ///< help or error was printed: exit with `status`

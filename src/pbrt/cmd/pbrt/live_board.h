@@ -12,7 +12,6 @@
 
 namespace pbrt {
 
-/// Image after a number of samples per pixel.
 struct LivePicture {
     Image colors;  ///< R, G, B, linear, float, over the rendered pixels
     enum class State { Growing, Finished, Interrupted };
@@ -94,7 +93,6 @@ class LiveBoard final : public ProgressSink {
 inline double SecondsSince(std::chrono::steady_clock::time_point t) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - t).count();
 }
-/// CPU seconds of the calling thread.
 double ThreadCpuSeconds();
 
 /// Estimates the error of a progressive image without reference, from the change by its last samples.

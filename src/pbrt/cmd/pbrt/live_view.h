@@ -101,13 +101,12 @@ class LiveView {
     ~LiveView();
 
     ProgressSink *Sink() { return board_.get(); }
-    /// Sends images to a tev-compatible viewer at "host:port".
+    /// `server`: "host:port" of a tev-compatible viewer.
     void SendTo(const std::string &server);
     /// Opens the page. `port` -1: a free one. Throws UserError if the port is in use.
     void Serve(int port);
     bool HasViewers() const { return !viewers_.empty(); }
 
-    /// Call when the scene is built and rendering starts.
     void Begin(const LiveRender &render);
     /// Call between waves: publishes an image if due. Returns the seconds until the next is due.
     double AfterWave(const Film &film, int samples);

@@ -33,7 +33,6 @@ int ThreadsOf(const pbrt::CommandLine &options, const pbrt::AnnouncedTeam &annou
 
 int main(int argc, char **argv) {
     using namespace pbrt;
-    // Only rank 0 prints.
     const AnnouncedTeam announced = ReadAnnouncedTeam();
     const bool isSilent = announced.rank > 0;
     if (isSilent) {

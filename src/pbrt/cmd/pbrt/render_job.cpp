@@ -64,7 +64,6 @@ std::string NothingWritten(const std::string &phase) {
     return fmt::format("Interrupted while {}: no image was written.", phase);
 }
 
-/// Writes the image of one render.
 class PictureWriter {
   public:
     PictureWriter(const CommandLine &options, const BuiltScene &built, const Timings &timings, SignalWatch &signals)
@@ -156,8 +155,8 @@ void ShareCheckpoint(Team &team, BuildOptions *build, std::optional<StateReader>
     if (in.Value<bool>()) *learned = StateReader(in.Take(in.BytesLeft()), "the checkpoint");
 }
 
-/// Sets samples per pixel to what --time allows, measured on rank 0, so that everything that depends on it (prepass,
-/// guide, pixel sampler) matches the equivalent --spp. `start`: of the budget.
+/// Sets samples per pixel to what --time allows, measured on rank 0. So everything that depends on it (prepass, guide,
+/// pixel sampler) matches the equivalent --spp. `start`: of the budget.
 void PlanSamples(double budget, std::chrono::steady_clock::time_point start, Team &team, BuiltScene &built) {
     int samples = 0;
     if (team.IsRank0()) {
@@ -214,7 +213,6 @@ class RenderJob {
     }
 
   private:
-    /// Reads the scene, learned lights and the checkpoint.
     SceneDescription Read() {
         if (team_.Size() > 1) RefusePipes(options_);
         progress_.BeginPhase("reading", 0);
@@ -282,7 +280,6 @@ class RenderJob {
         team_.EndMeetings();
     }
 
-    /// Remainder of the job on ranks above 0.
     int FollowRender() {
         signals_.Cancel("", "", SignalWatch::kForever);
         FollowWaves(built_->Rendering(progress_, team_), *settings_);
@@ -321,7 +318,6 @@ class RenderJob {
         }
     }
 
-    /// Renders, writes and reports. Returns the exit status.
     int Render() {
         BuiltScene &built = *built_;
         PictureWriter writer(options_, built, timings_, signals_);
@@ -352,7 +348,6 @@ class RenderJob {
         // The image is written even if one of these failed.
         if (!result.mseFailure.empty()) throw UserError(result.mseFailure);
         if (hasFailed) throw UserError(checkpoint_->Failure());
-        // Only memory remains to be freed.
         signals_.EndAtOnce("");
         return signals_.Status();
     }

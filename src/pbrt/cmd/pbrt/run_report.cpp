@@ -21,7 +21,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Report of a light sampler or guide.
 struct ComponentReport {
     std::string key, title;  ///< for attributes and JSON; for the user
     std::string name;        ///< empty: only one kind

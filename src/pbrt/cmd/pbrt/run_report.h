@@ -28,7 +28,6 @@ double SecondsSinceProcessStart();
 ImageMetadata DescribeImage(const CommandLine &options, const BuiltScene &built, const RenderResult &result,
                             const Timings &timings);
 
-/// Prints the text of --stats to standard output.
 void PrintStatistics(const BuiltScene &built, const RenderResult &result, const Timings &timings);
 /// Prints the JSON of --stats=json to standard output; schema: docs/guide/scripting/stats.schema.json. `picture`: file
 /// written, or empty.

@@ -57,7 +57,6 @@ class Packet {
     std::string bytes_;
 };
 
-/// A connection with time-outs.
 class Connection {
   public:
     Connection(const LiveBoard &board, const std::string &server) : board_(board) {

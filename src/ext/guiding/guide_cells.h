@@ -7,6 +7,7 @@
 
 namespace ext {
 
+/// Record of one scattering event.
 struct GuideRecord {
     Point3 p{};
     Point3 target{};             ///< position that its radiance comes from, unfolded through specular vertices

@@ -9,13 +9,13 @@ namespace ext {
 
 namespace {
 
-/// Makes the random numbers of this prepass independent of every other use of the seed.
+/// Decorrelates this prepass from other uses of the seed.
 constexpr uint64_t kStream = 0x7365656eull;
-/// Paths have at most so many vertices, whatever the render's may have.
+/// Maximum vertices per path, regardless of the render's maximum.
 constexpr int kMaxDepth = 8;
-/// No contribution counts more than so many times the mean.
+/// Outlier limit of a contribution, relative to the mean.
 constexpr double kLargest = 100;
-/// A tile is weighted by one over the square of its relative mean plus this.
+/// Added to a tile's relative mean before weighting by its inverse square.
 constexpr double kPlain = 0.1;
 
 struct Sample {
@@ -23,7 +23,6 @@ struct Sample {
     double value;
 };
 
-/// One camera path, and what it samples.
 class ContributionPath {
   public:
     ContributionPath(const PrepareContext &context, const GroupLightSampler &chooser, PrepassPath &path,
@@ -114,7 +113,7 @@ class ContributionPath {
         if (value > 0 && std::isfinite(value)) samples_.push_back({chooser_.Groups().GroupOf(light), value});
     }
 
-    /// `pdf(wi)`: the density with which scattering draws a direction.
+    /// `pdf(wi)`: scattering density of a direction (solid angle).
     template <class Scatter, class Pdf, class MediumTowards>
     void SampleLight(const LightSampleContext &at, Scatter &&scatter, Pdf &&pdf, MediumTowards &&mediumTowards) {
         const Float u = rng_.Uniform();
@@ -144,9 +143,8 @@ class ContributionPath {
     Rng &rng_;
     SampledWavelengths &lambda_;
     SpectralWeights weights_;
-    VertexSelection last_;  ///< of the last vertex that is not specular
-    /// Density of the direction that the path left it by (solid angle); 0: the path left its last vertex by a specular
-    /// sample.
+    VertexSelection last_;  ///< of the last non-specular vertex
+    /// Density of the direction that left it (solid angle); 0: the last vertex was left by a specular sample.
     Float pdf_ = 0;
 };
 

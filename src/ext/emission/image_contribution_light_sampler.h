@@ -21,17 +21,17 @@ struct ImageContributionParams {
     }
 };
 
-/// Chooses lights with the same probabilities everywhere: the part `floor` by power, the rest in proportion to
-/// sqrt(power * image contribution), relative to the brightness of the picture (EstimateImageContributions).
+/// Selects lights with position-independent probabilities: a fraction `floor` by power, the rest in proportion to
+/// sqrt(power * image contribution), relative to image brightness (EstimateImageContributions).
 ///
-/// Why the root: a light of power Phi that begins light paths with probability p gives each of them the power Phi / p.
-/// A part of about I / Phi of them reaches the picture, which gets I of it. The second moment of the contribution of a
-/// path is then about Phi I / p, and its sum over all lights is least where p is in proportion to sqrt(Phi I).
+/// The square root: a light of power Phi that emits light paths with probability p gives each the power Phi / p. About
+/// I / Phi of them reach the image, which receives I. The second moment of a path's contribution is then about Phi I /
+/// p. Its sum over all lights is minimal for p proportional to sqrt(Phi I).
 ///
-/// The contribution of lights that no sample met is about the number of lights met once over the number of samples
-/// (Good 1953). That part is spread by power. A group without power has probability 0, as with "power".
+/// The contribution of unsampled lights is about the number of lights sampled once over the number of samples (Good
+/// 1953); it is distributed by power. A group without power has probability 0, as with "power".
 ///
-/// Before Prepare, and without samples in the prepass, lights are chosen by power.
+/// Before Prepare, and without prepass samples, selection is by power.
 class ImageContributionLightSampler final : public GroupLightSampler {
   public:
     ImageContributionLightSampler(const LightTable &lights, const ImageContributionParams &params);
@@ -41,7 +41,7 @@ class ImageContributionLightSampler final : public GroupLightSampler {
     void Report(nlohmann::ordered_json &json) const override;
     void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override;
 
-    /// Per group, after Prepare; empty before.
+    /// Per group; empty before Prepare.
     const std::vector<ImageContribution> &Contributions() const { return contributions_; }
 
   private:

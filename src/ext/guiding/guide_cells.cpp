@@ -10,24 +10,23 @@ namespace ext {
 
 namespace {
 
-/// A cell with more records of positive contribution is divided.
+/// Cells with more records of positive contribution are split.
 constexpr size_t kCellRecords = 256;
-/// Outliers: no record counts for more than this share of a second moment.
+/// Outlier limit: maximum share of one record in a second moment.
 constexpr double kLargestPart = 0.1;
-/// Weight of the estimate of the cell above for a cluster, in samples.
+/// Weight of the parent cell's radiance estimate for a cluster, in samples.
 constexpr double kPriorSamples = 3;
-/// Vertices of a cell over which the solid angles of clusters are averaged.
+/// Vertices per cell over which cluster solid angles are averaged.
 constexpr size_t kCellPlaces = 32;
-/// About so many vertices are given to MakeSourceClusters.
+/// Approximate number of vertices passed to MakeSourceClusters.
 constexpr size_t kFrom = 1024;
-/// A guiding probability is estimated from at least so many records.
+/// Minimum number of records for a guiding probability.
 constexpr size_t kMinTests = 32;
-/// Weight of the estimate of the cell above for the guiding probability, in scattering events.
+/// Weight of the parent cell's estimate of the guiding probability, in scattering events.
 constexpr double kPriorBounces = 2048;
-/// A guiding probability must reduce the second moment by at least this share: smaller gains occur by chance, also
-/// under uniform illumination.
+/// Minimum relative reduction of the second moment: smaller gains occur by chance, even under uniform illumination.
 constexpr double kMinGain = 0.03;
-constexpr size_t kProbabilities = 8;  ///< that are tested, 0 among them
+constexpr size_t kProbabilities = 8;  ///< tested, including 0
 
 }  // namespace
 
@@ -64,34 +63,32 @@ class GuideCellsBuilder {
     }
 
   private:
-    /// The two halves of the records, and all of them.
+    /// The two halves of the records, and their union.
     static constexpr size_t kAll = 2, kParts = 3;
     struct Entry {
         const GuideRecord *record;
-        double counts = 0;  ///< how much its square: the mean radiance where it went over its own
+        double counts = 0;  ///< weight of its square: mean radiance from its direction over its own
         uint32_t cluster[kParts] = {RadianceSample::kNone, RadianceSample::kNone, RadianceSample::kNone};
-        double flux[kParts] = {};  ///< radiance times cosine over density, limited
+        double flux[kParts] = {};  ///< radiance times cosine over density, clamped
     };
-    /// The second moment of a record with each guiding probability, and with BSDF sampling alone.
+    /// Second moment of a record with each guiding probability, and with BSDF sampling alone.
     struct Tested {
-        std::array<double, kProbabilities> squares{};  ///< its part of the second moment with each of them
+        std::array<double, kProbabilities> squares{};  ///< contribution to the second moment, per guiding probability
         double plainSquare = 0;
     };
-    /// Of the scattering events of a cell, at BSDFs of one kind.
+    /// Over the scattering events of a cell, for BSDFs of one kind.
     struct Moments {
-        double each = 0;                             ///< the mean second moment of an event without guiding
+        double each = 0;                             ///< mean second moment of an event without guiding
         double plain = 0;                            ///< with BSDF sampling alone
-        std::array<double, kProbabilities> parts{};  ///< relative second moment with each guiding probability
+        std::array<double, kProbabilities> parts{};  ///< relative second moment per guiding probability
     };
-    /// What lies in a node of the tree.
     struct Content {
-        size_t begin = 0, end = 0;   ///< of records_
-        size_t kindBounces[2] = {};  ///< bounces at BSDFs without and with glossy lobes
+        size_t begin = 0, end = 0;   ///< range in records_
+        size_t kindBounces[2] = {};  ///< events at BSDFs without and with glossy lobes
     };
-    /// What is to become a leaf.
     struct Task {
-        size_t begin, end;                    ///< of records_
-        size_t firstBounce = 0, bounces = 0;  ///< in bounces_
+        size_t begin, end;                    ///< range in records_
+        size_t firstBounce = 0, bounces = 0;  ///< range in bounces_
         PerSourceCluster radiances[kParts] = {};
     };
 
@@ -123,7 +120,7 @@ class GuideCellsBuilder {
         for (RadianceSample &f : samples) f.radiance = std::min(f.radiance, kLargestPart * sum / f.perPdf);
         clusters_[part] = MakeSourceClusters(samples, from, bounces);
         sideBySide_[part] = SourceClusters(clusters_[part]);
-        // Single radiances have a large variance: the mean of the cluster takes their place.
+        // Single radiances have high variance; the cluster mean replaces them.
         std::vector<double> radiances(clusters_[part].size()), counts(radiances.size());
         for (const RadianceSample &f : samples)
             if (f.cluster != RadianceSample::kNone) {
@@ -159,7 +156,7 @@ class GuideCellsBuilder {
         Divide(below + 1, second, end);
     }
 
-    /// Sorts all scattering events by task, also those without contribution.
+    /// Sorts all scattering events by task, including those without contribution.
     void SortBounces() {
         std::vector<uint32_t> leaves(places_.size());
         for (size_t i = 0; i < places_.size(); ++i) {
@@ -187,14 +184,14 @@ class GuideCellsBuilder {
         }
     }
 
-    /// For each node of the tree and each cluster of a part (node after node): sampled and expected flux.
+    /// Sampled and expected flux per tree node and cluster of a part (node-major).
     struct Sums {
         std::vector<double> found, expected;
-        std::vector<double> meanSample;  ///< for each cluster
+        std::vector<double> meanSample;  ///< per cluster
     };
 
-    /// Radiance of the clusters of a part from each task: from the root down, sampled over expected flux, where few
-    /// samples are pulled towards the estimate of the cell above.
+    /// Estimates cluster radiances per task as sampled over expected flux, top-down. Sparse cells shrink to their
+    /// parent's estimate.
     void EstimateRadiances(size_t part) {
         const std::vector<SourceCluster> &targets = clusters_[part];
         const size_t count = targets.size();
@@ -206,7 +203,7 @@ class GuideCellsBuilder {
         for (size_t node = 0; node < nodes.size(); ++node) {
             for (size_t k = 0; k < count; ++k) {
                 const double prior = kPriorSamples * sums.meanSample[k];
-                double &a = factor[node * count + k];  // so far that of the node above
+                double &a = factor[node * count + k];  // holds the parent's value here
                 const double f = sums.found[node * count + k] + prior;
                 a = f > 0 && a > 0 ? f / (sums.expected[node * count + k] + prior / a) : 0;
             }
@@ -245,7 +242,7 @@ class GuideCellsBuilder {
             for (size_t i = task.begin; i < task.end; ++i) {
                 const Entry &entry = records_[i];
                 const uint32_t cluster = entry.cluster[part];
-                // Inside a cluster its expected flux is 0 (SolidAngleOf), so its samples do not count.
+                // Inside a cluster the expected flux is 0 (SolidAngleOf), so its samples are excluded.
                 if (cluster == RadianceSample::kNone || targets[cluster].Contains(entry.record->p)) continue;
                 f[cluster] += entry.flux[part];
                 sums.meanSample[cluster] += entry.flux[part];
@@ -262,7 +259,6 @@ class GuideCellsBuilder {
         return sums;
     }
 
-    /// The mean over places of a task.
     void FindSolidAngles(const Task &task, std::span<const SourceCluster> targets, std::span<double> angles) const {
         const size_t step = std::max<size_t>(1, task.bounces / kCellPlaces);
         size_t places = 0;
@@ -295,8 +291,8 @@ class GuideCellsBuilder {
         }
     }
 
-    /// Estimates the guiding probability of all leaves below a node for a kind of BSDFs. With few records the cell
-    /// above dominates, because rare contributions carry most of the second moment.
+    /// Estimates the guiding probability of all leaves below a node for one kind of BSDF. Sparse cells follow their
+    /// parent, because rare contributions dominate the second moment.
     void EstimateProbabilities(size_t kind, size_t node, const Moments &above) {
         const Content &content = contents_[node];
         const double prior = node == 0 ? 0 : kPriorBounces;
@@ -324,7 +320,7 @@ class GuideCellsBuilder {
         const double bounces = prior + static_cast<double>(content.kindBounces[kind]);
         here.each = here.parts[0] / bounces;
         here.plain /= bounces;
-        // The first, without guiding, is the last to be divided by itself.
+        // In reverse: parts[0], without guiding, is the divisor.
         for (size_t k = kProbabilities; k-- > 0;) here.parts[k] /= here.parts[0];
         const PointTree::Node &n = cells_.tree_.Nodes()[node];
         if (!n.IsLeaf()) {
@@ -338,7 +334,7 @@ class GuideCellsBuilder {
         leaf.gain[kind] = static_cast<Float>(here.plain * (1 - *best));
     }
 
-    /// Makes leaves of nodes below which nothing guides. True: the node is such a leaf.
+    /// Turns nodes into leaves if nothing below them is guided. Returns true if `node` is such a leaf.
     bool Collapse(size_t node) {
         const PointTree::Node n = cells_.tree_.Nodes()[node];
         if (n.IsLeaf()) return !cells_.leaves_[n.below].Guides();
@@ -349,15 +345,15 @@ class GuideCellsBuilder {
     }
 
     std::span<const GuideRecord> places_;
-    std::vector<Entry> records_;  ///< those of positive contribution
+    std::vector<Entry> records_;  ///< with positive contribution
     const Float largestProbability_;
     GuideCells &cells_;
-    std::vector<Task> tasks_;        ///< one for each leaf
-    std::vector<Content> contents_;  ///< one for each node
-    std::vector<Tested> tested_;     ///< one for each of records_
+    std::vector<Task> tasks_;        ///< one per leaf
+    std::vector<Content> contents_;  ///< one per node
+    std::vector<Tested> tested_;     ///< one per entry of records_
     std::vector<uint32_t> bounces_;
     std::vector<SourceCluster> clusters_[kParts];
-    SourceClusters sideBySide_[kParts];  ///< clusters_, for GuideDirections
+    SourceClusters sideBySide_[kParts];  ///< clusters_ as structure of arrays
 };
 
 void GuideCells::Learn(std::span<const GuideRecord> records, Float largestProbability) {
@@ -380,7 +376,7 @@ Float GuideCells::ShinesAt(const Point3 &p) const {
 }
 
 GuideRecord GuideRecord::Read(StateReader &in) {
-    // Flags are the last four bytes.
+    // The flags are the last four bytes.
     StateReader flags = in;
     flags.Take(offsetof(GuideRecord, bothSides));
     for (int i = 0; i < 4; ++i) flags.Value<bool>();

@@ -12,7 +12,7 @@ void GuidedDirections::RecordHit(const PathVertex &vertex) {
     if (!seeksSource_) return;
     way_ += Distance(at_, vertex.point.p);
     at_ = vertex.point.p;
-    // Mirrors show what is behind them as far away as the way there is long.
+    // Sources behind mirrors lie at the unfolded path length.
     const BxdfFlags flags = vertex.bsdf.Flags();
     if (IsNonSpecular(flags) || !IsSpecular(flags)) SetSource(way_);
 }
@@ -72,8 +72,8 @@ std::optional<BsdfSample> GuidedDirections::Sample(const PathVertex &vertex, Flo
         sample->pdf *= 1 - guidingProbability_;
         return sample;
     }
-    // One sample of two techniques by the balance heuristic. Its weights use Bsdf::Pdf for both, which need not be the
-    // density that the BSDF sampled with: they add up to one all the same.
+    // One-sample MIS of two techniques with the balance heuristic. The weights use Bsdf::Pdf for both, which may differ
+    // from the BSDF's sampling density; they sum to one regardless.
     const Float bsdfPdf = sample->pdfIsProportional ? bsdf.Pdf(point.wo, sample->wi) : sample->pdf;
     const Float guidePdf = directions_.Pdf(sample->wi);
     const Float pdf = (1 - guidingProbability_) * bsdfPdf + guidingProbability_ * guidePdf;

@@ -4,12 +4,12 @@
 
 namespace ext {
 
-/// Directions and continuation probabilities of one camera path (policy of CameraPath). With the guiding probability a
-/// direction is drawn from the guide, else from the BSDF; all weights use the density of the mixture, and specular
-/// lobes keep their samples. Where the guiding probability is 0, samples are bit-identical to those of the BSDF alone.
-/// The path's radiance is recorded for the guide.
+/// Directions and continuation probabilities of one camera path (policy of CameraPath). Directions are drawn from the
+/// guide with the guiding probability, else from the BSDF. All weights use the mixture density; specular lobes keep
+/// their samples. With guiding probability 0, samples are bit-identical to BSDF sampling. Records the path's radiance
+/// for the guide.
 ///
-/// `beta`: throughput of the path; `L`: its radiance so far.
+/// `beta`: path throughput; `L`: radiance accumulated so far.
 class GuidedDirections {
   public:
     GuidedDirections(PathGuide &guide, Point2i pixel, int sample)
@@ -22,13 +22,12 @@ class GuidedDirections {
     /// Continuation probability at a vertex; 0: no estimate. `beta`: mean over wavelengths.
     Float ContinuationProbability(const PathVertex &vertex, Float beta);
     Float ContinuationProbabilityInMedium(const Point3 &p, Float beta);
-    /// The same after next-event estimation at the vertex of the last call of one of these; 1: no estimate.
+    /// Continuation probability after next-event estimation, at the vertex of the previous call; 1: no estimate.
     Float ContinuationProbabilityAfterNee(Float beta);
 
-    /// A ray of the path has met a surface that scatters, or a point in a medium.
+    /// Called when a path ray reaches a scattering surface or medium point.
     void RecordHit(const PathVertex &vertex);
     void RecordHitInMedium(const Point3 &p);
-    /// Prepares Sample and Pdf at a vertex.
     void PrepareDirections(const PathVertex &vertex, const SampledSpectrum &beta);
     /// Records throughput and radiance before next-event estimation at a vertex.
     void BeginVertex(const PathVertex &vertex, const SampledSpectrum &beta, const SampledSpectrum &L);
@@ -36,16 +35,16 @@ class GuidedDirections {
     /// Records throughput and radiance after next-event estimation at the current vertex.
     void BeginScattering(const SampledSpectrum &beta, const SampledSpectrum &L);
     std::optional<BsdfSample> Sample(const PathVertex &vertex, Float uc, const Point2 &u) const;
-    /// Density of the mixture (solid angle), without specular lobes.
+    /// Mixture density (solid angle), excluding specular lobes.
     Float Pdf(const PathVertex &vertex, const Vector3 &wi) const;
-    /// Records a direction that was not specular. `pdf`: its density (solid angle); `beta`: behind the vertex.
+    /// Records a non-specular direction. `pdf`: its density (solid angle); `beta`: throughput after the vertex.
     void RecordScatter(const PathVertex &vertex, const BsdfSample &sample, Float pdf, const SampledSpectrum &L,
                        const SampledSpectrum &beta);
-    /// Ends the path and its records. `L`: all its radiance.
+    /// Ends the path and its records. `L`: total radiance.
     void End(const SampledSpectrum &L);
 
   private:
-    /// A direction whose radiance is still being summed.
+    /// A direction whose radiance is still accumulating.
     struct PendingBounce {
         GuideRecord record;
         SampledSpectrum L, beta;
@@ -53,15 +52,15 @@ class GuidedDirections {
     static constexpr size_t kMaxPendingBounces = 5;
     Float ContinuationProbabilityIn(const PathRoulette::Cell &cell, Float beta);
     void BeginVertexAt(const Point3 &p, uint32_t kind, const SampledSpectrum &beta, const SampledSpectrum &L);
-    /// Sets where the radiance of the last pending bounce comes from, at this distance.
+    /// Sets the source position of the last pending bounce, at this distance.
     void SetSource(Float distance);
 
-    /// A vertex whose estimates are still being summed.
+    /// A vertex whose estimates are still accumulating.
     struct PendingVertex {
-        /// The path up to there.
+        /// Path state at that point.
         struct Before {
             SampledSpectrum L;
-            Float beta = 0;  ///< 0: the path ended before
+            Float beta = 0;  ///< 0: the path ended earlier
             Float cost = 0;
         };
         Point3 p{};
@@ -71,24 +70,25 @@ class GuidedDirections {
     static constexpr size_t kMaxPendingVertices = 6;
 
     PathGuide &guide_;
-    PathRoulette *roulette_;            ///< or null
-    const Float pixelImportance_;       ///< of the pixel
-    const std::optional<size_t> path_;  ///< its number, if it is recorded
+    PathRoulette *roulette_;  ///< may be null
+    const Float pixelImportance_;
+    const std::optional<size_t> path_;  ///< recorded path number; empty: not recorded
     PathObserver::PathPlaces places_;
-    bool isGuided_ = false;  ///< the vertex's BSDF can be guided
+    bool isGuided_ = false;  ///< BSDF at the vertex can be guided
     bool isGlossy_ = false, bothSides_ = false;
-    Float guidingProbability_ = 0;  ///< more than 0: directions_ is set
+    Float guidingProbability_ = 0;  ///< positive: directions_ is prepared
     Float beta_ = 0;                ///< throughput at the vertex, mean over wavelengths
     Vector3 normal_{};
     GuideDirections directions_;
     size_t pendingBounces_ = 0;
-    bool seeksSource_ = false;  ///< for the last open bounce, from which the path has come the way `way_` to `at_`
+    bool seeksSource_ =
+        false;  ///< the last pending bounce has no source yet; the path has covered `way_` to `at_` since
     Float way_ = 0;
     Point3 at_{};
     std::array<PendingBounce, kMaxPendingBounces> bounces_;
-    PathRoulette::Cell cell_;         ///< of the last continuation probability
+    PathRoulette::Cell cell_;         ///< of the last ContinuationProbability
     Float continuationAfterNee_ = 1;  ///< the last ContinuationProbabilityAfterNee
-    bool isPending_ = false;          ///< the last vertex is the last of vertices_
+    bool isPending_ = false;          ///< the last vertex is vertices_.back()
     Float cost_ = 0;                  ///< see PathCost
     size_t pendingVertices_ = 0;
     std::array<PendingVertex, kMaxPendingVertices> vertices_;

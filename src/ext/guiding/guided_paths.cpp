@@ -1,4 +1,3 @@
-// Camera paths whose directions and ends are guided.
 #include "ext/guiding/guided_directions.h"
 #include "pbrt/integrators/camera_path.h"
 

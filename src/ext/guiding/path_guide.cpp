@@ -12,33 +12,30 @@ namespace ext {
 
 namespace {
 
-/// The guide is updated after these numbers of samples per pixel, from the samples since the last update, if at least
-/// as many follow. Where one sample per pixel makes less than half of the paths to be recorded, the numbers are
-/// multiples of the number that makes half of them.
+/// Sample counts per pixel after which the guide is updated from the samples since the last update, if at least as many
+/// follow. If one sample per pixel gives less than half of the paths to record, the counts are multiples of the number
+/// that gives half.
 constexpr int kUpdateAfter[] = {2, 4, 16};
-/// One in so many of the picture's paths is recorded for an update, at most, as records cost time.
+/// Records at most one in this many of the image's paths per update, as recording costs time.
 constexpr size_t kPathsPerRecorded = 32;
-/// Of small pictures up to twice as many paths are recorded, but no more than this.
+/// Small images record up to twice as many paths, but at most this many.
 constexpr size_t kEnoughPaths = 16384;
-/// The first estimate of PathGuide::SavedShare has few records and may be far too low: directional guiding is disabled
-/// below this part of GuideParams::minSaved, unless no update follows.
+/// The first estimate of PathGuide::SavedShare has few records and may be far too low. Directional guiding is disabled
+/// below this fraction of GuideParams::minSaved, unless no update follows.
 constexpr double kMinFirstSaving = 0.16;
-/// With several times kEnoughPaths, the saving is estimated first from one path in so many, which takes less time than
-/// from all of them.
+/// With several times kEnoughPaths, the saving is first estimated from one path in this many.
 constexpr size_t kFirstStride = 4;
-/// One of `stride` paths, in pairs of the two halves.
+/// Selects one in `stride` paths, in pairs of the two halves.
 bool IsUsed(size_t path, size_t stride) { return path / 2 % stride == 0; }
-/// Only so many vertices of a path are recorded.
 constexpr int kMaxVertices = 5;
-/// The throughput at which PathGuide::Inspect shows the continuation probability.
+/// Throughput at which PathGuide::Inspect shows the continuation probability.
 constexpr Float kInspectedWeight = 0.5f;
 
-/// Two pictures show the same if rays at the same places in them begin no further apart than this part of
-/// PathGuide::EnvironmentDistance, a thousandth of the scene, and their directions (unit) are no further apart than
-/// this.
+/// Tolerances for equal views. kSameDistance: distance of ray origins, relative to PathGuide::EnvironmentDistance (a
+/// thousandth of the scene). kSameDirection: distance of unit directions.
 constexpr Float kSameDistance = 1e-4f, kSameDirection = 0.02f;
 
-/// Changes with everything that PathGuide::Save and SaveForOthers write.
+/// Incremented whenever the output of PathGuide::Save or SaveForOthers changes.
 constexpr uint32_t kVersion = 11;
 
 }  // namespace
@@ -58,7 +55,7 @@ void PathGuide::Prepare(PrepareContext &prepare, int maxDepth) {
     environmentDistance_ = bounds.IsEmpty() ? 1 : 10 * Length(bounds.high - bounds.low);
     view_ = ViewOf(prepare);
     BeginRecording(0, NextAfter(0));
-    // A file of learned lights has nothing for the guide if the render that made it had none.
+    // Learned lights contain no guide if the render that saved them had none.
     if (!prepare.learned || prepare.learned->BytesLeft() == 0) return;
     StateReader &in = *prepare.learned;
     in.Require(in.Value<uint32_t>() == kVersion, "another version of the guide wrote it");
@@ -66,7 +63,7 @@ void PathGuide::Prepare(PrepareContext &prepare, int maxDepth) {
     const int first = in.Value<int>(), next = in.Value<int>();
     int learned = 0;
     while (learned < first && NextAfter(learned) != 0) learned = NextAfter(learned);
-    // A guide that was loaded from another render learns no more.
+    // A guide loaded from another render does not learn further.
     in.Require(learned == first && (next == 0 || next == NextAfter(first)),
                "the guide learns after a wrong number of samples");
     LoadCells(in);
@@ -176,7 +173,7 @@ void PathGuide::BeginRecording(int first, int next) {
     first_ = first;
     next_ = next;
     paths_ = next_ > 0 ? RecordedPaths(pixels_, first_, next_, PathsToRecord()) : RecordedPaths();
-    // Directions are not recorded from the first samples, as the pixel importance is not estimated yet.
+    // The first samples record no directions, as the pixel importance is not estimated yet.
     records_.Begin(estimatesDirections_ && first_ > 0 ? paths_.Count() : 0, vertices_);
     roulette_.BeginRecords(params_.roulette ? paths_.Count() : 0, vertices_ + 1);
     recordBytes_ = std::max(recordBytes_, records_.Bytes() + roulette_.RecordBytes());

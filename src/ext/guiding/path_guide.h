@@ -12,13 +12,12 @@
 
 namespace ext {
 
-/// Parameters of guided paths.
 struct GuideParams {
     bool roulette = true;
     bool directions = true;
     Float share = 0.7f;
-    /// Guiding costs about a tenth of the time, and the estimate of its saving, which includes outliers, is far too
-    /// high.
+    /// Minimum estimated saving, as a fraction of the path cost. Guiding costs about a tenth of the time; the estimate
+    /// includes outliers and is far too high.
     Float minSaved = 0.5f;
     int records = 1 << 19;
     template <class V>
@@ -36,9 +35,9 @@ struct GuideParams {
     }
 };
 
-/// Path guiding, learned during the render: directions towards sources of radiance (GuideCells), recorded times the
-/// MIS weight of the bounce, so that radiance that light sampling finds better does not count; and Russian roulette
-/// from the same paths (PathRoulette).
+/// Path guiding and Russian roulette, learned during the render. Directions follow sources of radiance (GuideCells),
+/// weighted by the MIS weight of the bounce, which excludes radiance that light sampling covers. Russian roulette uses
+/// the same paths (PathRoulette).
 class PathGuide final : public DirectionSampling {
   public:
     explicit PathGuide(const GuideParams &params) : params_(params), estimatesDirections_(params.directions) {}
@@ -46,28 +45,26 @@ class PathGuide final : public DirectionSampling {
     SampledSpectrum Li(const CameraPathSetup &setup, const PathStart &start, SampledWavelengths &lambda,
                        Sampler &sampler) override;
 
-    /// True if bounces at such a BSDF are guided or learned from.
+    /// True if bounces at this BSDF are guided or recorded.
     static bool Guides(const Bsdf &bsdf);
-    /// PathRoulette::PixelImportance of a pixel, relative to the picture's corner; infinite before the first estimate.
-    /// Times throughput (mean over wavelengths), squared, it is the importance of GuideCells::At.
+    /// PathRoulette::PixelImportance, with pixels relative to the image corner; infinite before the first estimate.
+    /// Multiplied by throughput (mean over wavelengths) and squared, it is the importance of GuideCells::At.
     Float PixelImportance(Point2i pixel) const {
         return roulette_.HasEstimates() ? roulette_.PixelImportance(pixel) : std::numeric_limits<Float>::infinity();
     }
     const GuideCells &Cells() const { return cells_; }
 
-    /// Distance of sources that rays find which leave the scene.
+    /// Source distance assigned to rays that leave the scene.
     Float EnvironmentDistance() const { return environmentDistance_; }
-    /// False if directional guiding is off or disabled: then bounces are not recorded.
+    /// False if directional guiding is off or disabled; bounces are then not recorded.
     bool EstimatesDirections() const { return estimatesDirections_; }
     /// Null: roulette by throughput alone.
     PathRoulette *Roulette() { return params_.roulette ? &roulette_ : nullptr; }
-    /// Estimates at a vertex of a path of a pixel, for views.
     void Inspect(const PathVertex &vertex, Point2i pixel, std::vector<InspectedValue> &values) const override;
-    /// A pixel, relative to the picture's corner.
+    /// Pixel relative to the image corner.
     Point2i InPicture(Point2i pixel) const { return pixel - pixels_.low; }
-    /// The number of a path that is recorded; empty: it is not.
     std::optional<size_t> PathNumber(Point2i pixel, int sample) const { return paths_.NumberOf(pixel, sample); }
-    /// The places for records of a path's bounces. The path keeps the range.
+    /// Record slots for the bounces of a path; the path stores the range.
     PathObserver::PathPlaces BeginRecords(std::optional<size_t> path) const { return records_.PlacesOf(path); }
     void Record(PathObserver::PathPlaces &path, GuideRecord record) {
         record.isOfFirstHalf = path.end / vertices_ % 2 == 0;
@@ -79,16 +76,15 @@ class PathGuide final : public DirectionSampling {
     void ExtractRecords(StateWriter &out) override;
     void MergeRecords(StateReader &in) override;
 
-    /// Estimates and records, for a checkpoint, without those of the light sampler.
+    /// Saves estimates and records for a checkpoint, excluding the light sampler's.
     void Save(StateWriter &out) const override;
-    /// Estimates, for other renders. They may have another camera or another resolution, and learn nothing more.
+    /// Saves estimates for other renders, whose camera or resolution may differ; those do not learn further.
     void SaveForOthers(StateWriter &out) const override;
-    /// Cells, how many of them guide, the saved part of the path cost, memory of estimates and, at most, of records,
-    /// and the time of updates.
+    /// Cells, guided cells, saved share of the path cost, memory of estimates and (maximum) records, update time.
     void Report(nlohmann::ordered_json &json) const override;
 
   private:
-    /// Rays through the corners and the middle of the picture.
+    /// Rays through the image's corners and centre.
     struct View {
         static constexpr size_t kRays = 5;
         std::array<Point3, kRays> from{};
@@ -102,15 +98,15 @@ class PathGuide final : public DirectionSampling {
 
     Vector2i Size() const { return pixels_.IsEmpty() ? Vector2i(0) : pixels_.high - pixels_.low; }
     size_t Pixels() const { return static_cast<size_t>(Size().x) * static_cast<size_t>(Size().y); }
-    /// At most so many are recorded between two updates.
+    /// Maximum paths recorded between two updates.
     size_t PathsToRecord() const;
-    /// Samples per pixel of the next update after `first`; 0: none.
+    /// Samples per pixel at the next update after `first`; 0: none.
     int NextAfter(int first) const;
-    /// Makes places for records of samples [first, next); none if `next` is 0.
+    /// Allocates records for samples [first, next); none if `next` is 0.
     void BeginRecording(int first, int next);
-    /// Disables directional guiding if it saves less than this part of the path cost.
+    /// Disables directional guiding if it saves less than this fraction of the path cost.
     void EstimateDirections(double minSaved);
-    /// The part of the path cost that guiding saves, from the records of one path in `stride`.
+    /// Fraction of the path cost that guiding saves, from the records of one path in `stride`.
     double SavedShare(size_t stride) const;
 
     GuideParams params_;
@@ -124,8 +120,8 @@ class PathGuide final : public DirectionSampling {
     RecordedPaths paths_;
     PathRecordStore<GuideRecord> records_;
     PathRoulette roulette_;
-    size_t recordBytes_ = 0;  ///< the most so far
-    double savedShare_ = 0;   ///< of the last update
+    size_t recordBytes_ = 0;  ///< maximum so far
+    double savedShare_ = 0;   ///< at the last update
     double updateSeconds_ = 0;
 };
 

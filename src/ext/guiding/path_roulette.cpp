@@ -9,20 +9,19 @@ namespace ext {
 
 namespace {
 
-/// A cell with more records is divided.
+/// Cells with more records are split.
 constexpr std::ptrdiff_t kCellRecords = 1024;
-/// Weight of the estimate of the cell above, in records.
+/// Weight of the parent cell's estimate, in records.
 constexpr double kPriorRecords = 128;
-/// No record has a larger part than this of the second moment of its cell.
+/// Outlier limit: maximum share of one record in its cell's second moment.
 constexpr double kLargestPart = 0.1;
-/// No pixel has a larger part than this of the picture's variance.
+/// Outlier limit: maximum share of one pixel in the image variance.
 constexpr double kLargestPixel = 0.01;
-/// Where the picture is darker than this part of its mean, errors count less.
+/// Fraction of the image mean below which errors have less weight.
 constexpr double kDark = 0.2;
-/// A tile of the picture has at least so many recorded paths, if the picture has.
+/// Minimum recorded paths per image tile, if the image has as many.
 constexpr double kTilePaths = 64;
 
-/// Mean square of the radiance, and mean cost.
 struct Moments {
     double squares = 0, cost = 0;
     Float Root() const {
@@ -30,7 +29,7 @@ struct Moments {
     }
 };
 
-/// `prior`: of the cell above.
+/// `prior`: of the parent cell.
 Moments MeanOf(const RouletteRecord *const *begin, const RouletteRecord *const *end,
                RouletteRecord::Segment RouletteRecord::*segment, const Moments &prior) {
     const auto square = [&](const RouletteRecord *r) { return Sqr(static_cast<double>((r->*segment).radiance)); };
@@ -50,7 +49,7 @@ Moments MeanOf(const RouletteRecord *const *begin, const RouletteRecord *const *
 
 }  // namespace
 
-// Radiance may be infinite; Learn leaves such records out.
+// Radiance may be infinite; Learn excludes such records.
 RouletteRecord RouletteRecord::Read(StateReader &in) {
     const auto r = in.Value<RouletteRecord>();
     in.Require(!r.IsEmpty() && std::isfinite(r.p.x + r.p.y + r.p.z) && std::isfinite(r.here.cost) &&
@@ -107,7 +106,7 @@ void PathRoulette::EstimatePixels(Vector2i size, const std::vector<Point2i> &pix
         tile[0] += static_cast<double>(totals[i].radiance);
         ++tile[1];
     }
-    // A tile and its neighbours, weighted 4 : 2 : 1.
+    // 3x3 tile filter, weighted 4 : 2 : 1.
     std::vector<double> radiance(sums.size());
     for (int y = 0; y < count.y; ++y)
         for (int x = 0; x < count.x; ++x) {
@@ -122,7 +121,7 @@ void PathRoulette::EstimatePixels(Vector2i size, const std::vector<Point2i> &pix
                 }
             radiance[static_cast<size_t>(y * count.x + x)] = std::hypot(paths > 0 ? found / paths : mean, kDark * mean);
         }
-    // The variance within pixels, of blocks of successive samples.
+    // Variance within pixels, of blocks of successive samples.
     std::vector<double> variances;
     double all = 0;
     for (size_t i = 0, end = 0; i < totals.size(); i = end) {

@@ -10,15 +10,15 @@
 namespace ext {
 using namespace pbrt;
 
-/// Binary trees over places: every node is divided at the median of what lies in it, across its longest side. Leaves
-/// have numbers, given by who builds the tree.
+/// Binary space partition: nodes are split at the median of their points, across the longest side. The builder numbers
+/// the leaves.
 class PointTree {
   public:
     static constexpr uint32_t kLeaf = 3;
     struct Node {
         Float split = 0;
         uint32_t axis = kLeaf;
-        uint32_t below = 0;  ///< the first of two children in a row, behind the node; of a leaf: its number
+        uint32_t below = 0;  ///< first of two consecutive children, after the node; in a leaf: its number
 
         bool IsLeaf() const { return axis == kLeaf; }
     };
@@ -26,18 +26,18 @@ class PointTree {
     bool IsEmpty() const { return nodes_.empty(); }
     const std::vector<Node> &Nodes() const { return nodes_; }
     size_t Bytes() const { return nodes_.size() * sizeof(Node); }
-    /// The number of the leaf that p lies in, in the tree of a root. The tree must not be empty.
+    /// Number of the leaf that contains p, below a root. The tree must not be empty.
     uint32_t LeafOf(const Point3 &p, uint32_t root = 0) const {
         const Node *node = &nodes_[root];
         while (!node->IsLeaf()) node = &nodes_[node->below + (p[static_cast<int>(node->axis)] < node->split ? 0 : 1)];
         return node->below;
     }
 
-    /// Begins anew with so many trees: nodes 0 to `roots` - 1.
+    /// Resets to this many trees: nodes 0 to `roots` - 1.
     void Begin(size_t roots) { nodes_.assign(roots, {}); }
     void MakeLeaf(size_t node, size_t number) { nodes_[node] = {0, kLeaf, static_cast<uint32_t>(number)}; }
-    /// Divides a node and what lies in it, [begin, end), which is reordered: what lies in the first child comes first.
-    /// Where what lies in the second begins; `begin` if the node stays a leaf, as all lie in one point.
+    /// Splits a node and reorders its points [begin, end), those of the first child first. Returns the start of the
+    /// second child's points; `begin` if the node stays a leaf because all points coincide.
     template <class Iterator, class PointOf>
     Iterator Divide(size_t node, Iterator begin, Iterator end, PointOf &&pointOf) {
         Bounds3 bounds;
@@ -48,7 +48,7 @@ class PointTree {
         std::nth_element(begin, middle, end,
                          [&](const auto &a, const auto &b) { return pointOf(a)[axis] < pointOf(b)[axis]; });
         Float split = pointOf(*middle)[axis];
-        // Half of them or more may lie in the lowest plane, as on a floor: they are the first half then.
+        // Half of the points or more may lie in the lowest plane, as on a floor; they form the first half then.
         if (split == bounds.low[axis]) {
             split = std::numeric_limits<Float>::infinity();
             for (Iterator i = begin; i != end; ++i)
@@ -67,8 +67,7 @@ class PointTree {
         in.Structure(&nodes_);
         in.RequireValid(Validate(roots, leaves));
     }
-    /// Empty, or why LeafOf would go astray or end at a leaf with a number of `leaves` or more. Nodes that no root
-    /// leads to are allowed.
+    /// Empty, or why LeafOf would not terminate or return a number of `leaves` or more. Unreachable nodes are allowed.
     std::optional<std::string> Validate(size_t roots, size_t leaves) const {
         if (nodes_.empty()) return {};
         if (nodes_.size() < roots || (nodes_.size() - roots) % 2 != 0) return "a tree of places lacks nodes";

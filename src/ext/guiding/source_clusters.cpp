@@ -11,46 +11,43 @@ namespace ext {
 
 namespace {
 
-/// The sine of the smallest cone's half angle, 1.8 degrees: in narrower ones rounding would decide whether a direction
-/// lies inside.
+/// Sine of the minimum cone half angle, 1.8 degrees: in narrower cones, rounding would decide whether a direction is
+/// inside.
 constexpr Float kMinSine = 0.0316f;
 constexpr Float kMinSine2 = kMinSine * kMinSine;
-/// Sums are taken in so many parts at once.
+/// Independent partial sums, for vectorization.
 constexpr size_t kLanes = 8;
-/// Clusters are made of at least so many samples each.
 constexpr size_t kMinSamples = 8;
-/// The number of small clusters that are merged, about.
+/// Approximate number of small clusters before merging.
 constexpr size_t kSmallClusters = 256;
-/// Places that the solid angles of clusters are averaged over.
+/// Positions over which cluster solid angles are averaged.
 constexpr size_t kPlaces = 128;
 
 using Lanes = std::array<Float, kLanes>;
 
 Float SumOf(const Lanes &s) { return ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7])); }
 
-/// 1 - cos of a half angle of a cone, by the square of its sine.
+/// 1 - cos of a cone's half angle, from its squared sine.
 Float OneMinusCosine(Float sine2) { return sine2 / (1 + std::sqrt(std::max(Float(0), 1 - sine2))); }
 
 struct Cluster {
     size_t count = 0;
-    double moment = 0;  ///< of the mean radiance: the integral of its square over directions, summed over places
+    double moment = 0;  ///< of the mean radiance: integral of its square over directions, summed over positions
     Bounds3 bounds;
-    double cost = 0;              ///< what Cost tells
-    std::vector<uint32_t> parts;  ///< the small clusters that it was merged from
+    double cost = 0;              ///< cached Cost()
+    std::vector<uint32_t> parts;  ///< small clusters merged into it
 
     Point3 Middle() const { return bounds.low + (bounds.high - bounds.low) * Float(0.5); }
     Float Radius2() const { return LengthSquared(bounds.high - Middle()); }
-    /// What it adds to the root of the least second moment: the root of its part of the moment times the solid angle
-    /// that it covers, which goes with the square of its size.
+    /// Contribution to the root of the minimal second moment: the root of its moment times the solid angle it covers,
+    /// which is proportional to its squared size.
     double Cost() const { return std::sqrt(moment) * static_cast<double>(Length(bounds.high - bounds.low)); }
 };
 
-/// Places that bounces left from.
 struct Places {
     std::vector<Point3> some;
-    double each = 1;  ///< how many of all each of them stands for
+    double each = 1;  ///< events represented by each position
 
-    /// Of a cluster, summed over all places.
     double SolidAngle(const Point3 &middle, Float r2) const {
         double sum = 0;
         for (const Point3 &p : some) {
@@ -61,13 +58,13 @@ struct Places {
     }
 };
 
-/// Without its cost and parts.
+/// Without cost and parts.
 Cluster Merged(const Cluster &a, const Cluster &b) {
     return {a.count + b.count, a.moment + b.moment, Union(a.bounds, b.bounds), 0, {}};
 }
 
-/// Divides the samples along their largest extent until they are few, or have a small part of count and flux: at the
-/// mean of both together, which lies beside a small bright place, and so divides it from what is about it.
+/// Splits the samples along their largest extent until they are few, or hold a small share of count and flux. The split
+/// is at the mean of both, which lies beside a small bright spot and so separates it from its surroundings.
 void AddSmallClusters(std::span<RadianceSample> samples, size_t largest, double fluxOfAll, size_t countOfAll,
                       const Places &places, std::vector<Cluster> *clusters) {
     Cluster cluster;
@@ -111,7 +108,7 @@ void AddSmallClusters(std::span<RadianceSample> samples, size_t largest, double 
     AddSmallClusters(samples.subspan(middle), largest, fluxOfAll, countOfAll, places, clusters);
 }
 
-/// Merges, again and again, the two clusters whose merging costs least.
+/// Repeatedly merges the pair of clusters with the lowest cost increase.
 void MergeClusters(std::vector<Cluster> *clusters) {
     struct Partner {
         size_t of = 0;
@@ -211,7 +208,7 @@ SourceClusters::SourceClusters(std::span<const SourceCluster> made) : count(made
 void GuideDirections::Prepare(const SourceClusters &__restrict made, const PerSourceCluster &__restrict radiances,
                               const Point3 &at, const Vector3 &normal, bool bothSides) {
     static_assert(kMaxSourceClusters % kLanes == 0);
-    // Without copies what is written could be one of them, and there would be no vector instructions.
+    // Copies exclude aliasing with the output, which would prevent vectorization.
     const Point3 p = at;
     const Vector3 n = normal;
     const Float always = bothSides ? 1 : 0;

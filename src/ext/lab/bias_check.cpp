@@ -14,56 +14,55 @@
 #include "pbrt/images/metrics.h"
 #include "pbrt/math/statistics.h"
 
-// The method. Few seeds (often 3) and rare strong samples are the difficulty: a t-test of one tile over 3 seeds has two
-// degrees of freedom and no power, and where a rare bright path was missed, mean and variance are low together.
+// Method. The difficulty is few seeds (often 3) and rare strong samples. A t-test of one tile over 3 seeds has two
+// degrees of freedom and no power; where a rare bright path was missed, mean and variance are both low.
 //
-// Regions. Tiles are nearly independent of each other, so the noise of a region is the sum of the noise of its tiles
-// and has (seeds - 1) x tiles degrees of freedom. The smallest regions ("blocks") hold at least kMinimumData tile
-// means; the next level joins 2 x 2 of them, and so on up to the whole image. Every region is tested in every channel.
+// Regions. Tiles are nearly independent, so a region's noise is the sum over its tiles, with (seeds - 1) x tiles
+// degrees of freedom. The smallest regions ("blocks") hold at least kMinimumData tile means; each level joins 2 x 2
+// regions, up to the whole image. Every region is tested in every channel.
 //
-// Statistic. Mean over the region's tiles of w (runs - reference), w = 1 / (reference mean of the block + a little of
-// the image mean). w hardly depends on a single noisy value, so the statistic is unbiased, bright parts do not drown
-// dark ones, and no tile counts more because its noise happened to be low.
+// Statistic. Mean over the region's tiles of w (runs - reference), w = 1 / (reference mean of the block + a fraction of
+// the image mean). w hardly depends on single noisy values, so the statistic is unbiased, bright areas do not dominate,
+// and no tile gains weight by accidentally low noise.
 //
-// Noise. Of the runs and of the reference's parts: variances of tile means plus the covariances of neighbouring tiles
-// (pixel filters reach over tile borders), or the variance of the region's mean from seed to seed if that is larger
-// (random numbers shared by the whole picture). Degrees of freedom by Welch and Satterthwaite, so a region whose noise
-// sits in a few tiles has few. If the reference has one part of unknown noise, or there is one run: scatter of the
-// differences over the region's tiles, which holds both noises.
+// Noise. Of the runs and of the reference's parts: variances of tile means plus covariances of neighbouring tiles
+// (pixel filters extend over tile borders), or the variance of the region's mean between seeds if larger (random
+// numbers shared by the whole image). Degrees of freedom by Welch and Satterthwaite, so a region whose noise is in a
+// few tiles has few. For one run, or one reference part of unknown noise: scatter of the differences over the region's
+// tiles, which includes both noises.
 //
-// Heavy tails. Where c strong samples are expected, none is met with probability exp(-c); then both the mean and the
-// estimated noise are too low. So a difference d must exceed what unseen samples could explain. If each of them moves
-// the region's mean by s, d stands for d / s unseen samples, which add s |d| to the variance. The bound d^2 = t^2
-// variance + c s |d| with c = -log(level of one test) is c s where nothing was seen, as it must be. The check uses 0.7
-// times this c (kUnseen): in simulations, false alarms then keep their level, and biases of noisy samplers are detected
-// better. Where a handful of samples decides the noise, the verdict is never "biased", and the smallest visible bias is
-// large.
+// Heavy tails. Where c strong samples are expected, all are missed with probability exp(-c); mean and estimated noise
+// are then too low. So a difference d must exceed the effect of missed samples. If each moves the region's mean by s, d
+// corresponds to d / s missed samples, which add s |d| to the variance. The bound d^2 = t^2 variance + c s |d| with c =
+// -log(level of one test) is c s where no sample was found, as required. The check uses 0.7 times this c (kUnseen): in
+// simulations, false alarms stay at their level, and biases of noisy samplers are detected better. Where a handful of
+// samples dominates the noise, the verdict is never "biased", and the smallest visible bias is large.
 //
-// The strength of unseen samples is estimated from pictures whose samples have the same distribution. If the runs are
-// too dark, they may lack samples as strong as the strongest ones in the runs and their auxiliary runs. If they are too
-// bright, the reference may lack samples, as strong as the strongest ones in its parts and its sampler's auxiliary
-// runs. Pictures of another sampler do not count: where it finds a light in many weak samples, this one may find the
-// same light in few strong ones, or the other way round, and the strong samples of a noisy sampler would hide every
-// bias of a quiet one. The estimate uses the region, its neighbours, and what is usual in the picture: light that walls
-// hide from a sampler is hidden in many places. "Strong" is the excess over the ordinary noise of tiles.
+// The strength of missed samples is estimated from images with the same sample distribution. Runs that are too dark may
+// lack samples as strong as the strongest in the runs and their auxiliary runs. If they are too bright, the reference
+// may lack samples as strong as the strongest in its parts and its sampler's auxiliary runs. Images of other samplers
+// are excluded: one sampler may receive a light in many weak samples, another in few strong ones, and a noisy sampler's
+// strong samples would hide every bias of a quiet one. The estimate uses the region, its neighbours, and the typical
+// value of the image, as light occluded from a sampler is so in many places. "Strong" is the excess over the ordinary
+// noise of tiles.
 //
-// Limits. A sampler cannot be distinguished from one that never chooses a light if neither its runs nor its auxiliary
-// runs have strong samples in this region, and few elsewhere. False alarms and power are measured in
-// bias_check_test.cpp and bias_auxiliary_test.cpp.
+// Limits. A sampler is indistinguishable from one that never selects a light if neither its runs nor its auxiliary runs
+// have strong samples in this region, and few elsewhere. False alarms and power are measured in bias_check_test.cpp and
+// bias_auxiliary_test.cpp.
 
 namespace ext::lab {
 
 namespace {
 
 constexpr int kMinimumData = 32;  ///< tile means (seeds x tiles) in a block
-constexpr int kMinRegions = 4;    ///< fewest regions of about 1/16 of the picture for a "clean" verdict
-constexpr double kUnseen = 0.7;   ///< strong samples that may have been missed, in units of -log(level)
-constexpr size_t kUsual = 6;      ///< one block in kUsual has a sample that is at least as strong as the usual one
-constexpr double kDark = 0.05;    ///< fraction of the image mean that is added to every block's mean
+constexpr int kMinRegions = 4;    ///< minimum regions of about 1/16 of the image for a "clean" verdict
+constexpr double kUnseen = 0.7;   ///< strong samples that may be missed, in units of -log(level)
+constexpr size_t kUsual = 6;      ///< one block in kUsual has a sample at least as strong as the typical one
+constexpr double kDark = 0.05;    ///< fraction of the image mean added to every block's mean
 constexpr double kManyDof = 1e9;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// One level of regions: the grid of tiles, cut into rectangles as evenly as possible.
+/// One level of regions: the tile grid, divided evenly into rectangles.
 struct Cut {
     int countX = 1, countY = 1, tilesX = 1, tilesY = 1;
     int Count() const { return countX * countY; }
@@ -86,7 +85,7 @@ std::vector<Cut> Levels(const TileGrid &grid, int runs) {
     }
 }
 
-/// How strong a single sample can be, estimated from pictures of one kind of sampler.
+/// Strength of single samples, estimated from images of one kind of sampler.
 class StrongSamples {
   public:
     explicit StrongSamples(const Cut &blocks) : blocks_(blocks) {}
@@ -107,8 +106,7 @@ class StrongSamples {
     }
     bool Known() const { return !groups_.empty(); }
 
-    /// The strength of the strongest sample in `r`, and at least the usual one: what it adds to the mean of one tile of
-    /// one run.
+    /// Strength of the strongest sample in `r`, at least the typical one, as its effect on one tile's mean of one run.
     double Around(const TileRectangle &r) const {
         double strongest = usual_;
         for (const auto &[pictures, ratio] : groups_) strongest = std::max(strongest, ratio * pictures.Strongest(r));
@@ -121,7 +119,6 @@ class StrongSamples {
     std::vector<std::pair<TileNoise, double>> groups_;
 };
 
-/// One channel of the whole check.
 class Channel {
   public:
     Channel(std::span<const TileMeans> runs, std::span<const AuxiliaryRuns> auxiliary, const BiasReference &reference,
@@ -137,14 +134,14 @@ class Channel {
         add(auxiliary, &ofRuns_);
         ofReference_.Add(parts_, sampleRatio_);
         add(reference.auxiliary, &ofReference_);
-        // Where a side has no pictures to judge from, the other side's are the best guess.
+        // A side without images uses the other side's estimate.
         if (!ofRuns_.Known()) ofRuns_.Add(parts_, sampleRatio_);
         if (!ofReference_.Known()) ofReference_.Add(runs_, 1);
         if (reference.parts.size() == 1 && reference.relL2 && runs.size() > 1) {
             const std::vector<double> &values = reference.parts[0].values;
             const double mean = std::accumulate(values.begin(), values.end(), 0.) / static_cast<double>(values.size());
             const double epsilon = RelL2Epsilon(mean);
-            // Pixel filters make neighbouring pixels alike: a tile's mean has about twice the variance.
+            // Pixel filters correlate neighbouring pixels: a tile's mean has about twice the variance.
             for (int t = 0; t < grid_.Count(); ++t) {
                 const Bounds2i pixels = grid_.Pixels(t % grid_.tilesX, t / grid_.tilesX);
                 const double area = (pixels.high.x - pixels.low.x) * (pixels.high.y - pixels.low.y);
@@ -164,8 +161,7 @@ class Channel {
             test.difference += Difference(x, y) / tiles;
             unit += parts_.Mean(grid_.Index(x, y)) / tiles;
         });
-        // About 0.95 in a region of ordinary brightness. The bound keeps the relative differences of nearly black
-        // regions small.
+        // About 0.95 in regions of ordinary brightness. The bound limits relative differences of nearly black regions.
         unit = std::max(unit, 0.5);
 
         const auto runs = static_cast<double>(runs_.Pictures()), parts = static_cast<double>(parts_.Pictures());
@@ -178,8 +174,8 @@ class Channel {
         if (runs > 1) {
             const TileNoise::Estimate noise = runs_.Of(r);
             add(noise);
-            // Where a few runs agree by chance, all noise seems to come from the reference, whose parts suggest too
-            // many degrees of freedom.
+            // If few runs agree by chance, all noise seems to come from the reference, whose parts suggest too many
+            // degrees of freedom.
             if (runs_.Pictures() < TileNoise::kFew && noise.dof > 0) mostDof = noise.dof;
         }
         if (parts > 1) {
@@ -216,7 +212,7 @@ class Channel {
         test.floor = floorWith(test.difference < 0 ? lack : surplus);
         test.biased = test.p < level && std::abs(test.difference) > test.floor;
         test.visible = floorWith(std::max(lack, surplus));
-        // NormalCritical(0.2) leaves 10 % on one side; the square root accounts for the error of the estimated noise.
+        // NormalCritical(0.2) leaves 10 % on one side; the square root accounts for the error of the noise estimate.
         if (test.standardError > 0 && test.dof > 0)
             test.visible +=
                 std::sqrt(1 + critical * critical / (2 * test.dof)) * NormalCritical(0.2) * test.standardError;
@@ -249,7 +245,6 @@ class Channel {
         return runs_.Mean(t) - parts_.Mean(t);
     }
 
-    /// The same as TileNoise::Strongest, for a single run.
     double StrongestDifference(const TileRectangle &r) const {
         std::vector<double> values;
         r.ForEach([&](int x, int y) { values.push_back(Difference(x, y)); });
@@ -280,7 +275,7 @@ class Channel {
     TileNoise runs_, parts_;
     double sampleRatio_;
     StrongSamples ofRuns_, ofReference_;
-    std::vector<double> known_;  ///< variances of the weighted tile means of a reference with one part and known relL2
+    std::vector<double> known_;  ///< variances of the weighted tile means, for a one-part reference of known relL2
 };
 
 void CheckInput(std::span<const TileMeans> runs, std::span<const AuxiliaryRuns> auxiliary,
@@ -381,7 +376,7 @@ BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &refer
     }
 
     const double imageArea = static_cast<double>(grid.resolution.x) * grid.resolution.y;
-    // The level whose regions are nearest to 1/16 of the image.
+    // Level whose regions are closest to 1/16 of the image.
     size_t sixteenth = 0;
     auto offSixteenth = [&](size_t l) { return std::abs(std::log(levels[l].Count() / 16.0)); };
     for (size_t l = 1; l < levels.size(); ++l)
@@ -411,7 +406,7 @@ BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &refer
         first = false;
     }
     report.pValue = SidakP(report.worst.p, tests.size());
-    // A deviate that has no finite value (p = 0) is shown as a large one.
+    // Infinite deviates (p = 0) are shown as a large one.
     report.worstZ = std::copysign(std::min(NormalCritical(report.worst.p), 40.0), report.worst.difference);
 
     if (anyBiased) report.verdict = BiasVerdict::Biased;

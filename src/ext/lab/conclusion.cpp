@@ -34,7 +34,7 @@ bool Leads(const std::vector<double> &mine, const std::vector<double> &other) {
     return LowerBeyondNoise(mine, other, kWinnerLevel / 2);
 }
 
-/// Labels of the samplers over which the leader's lead may be chance.
+/// Labels of the samplers over which the lead is not significant.
 std::vector<std::string> NotBeaten(const Contender &leader, const std::vector<const Contender *> &others,
                                    bool trimmed) {
     std::vector<std::string> names;
@@ -44,7 +44,6 @@ std::vector<std::string> NotBeaten(const Contender &leader, const std::vector<co
     return names;
 }
 
-/// Why the leader is no winner.
 std::vector<std::string> Objections(const Contender &leader, const std::vector<const Contender *> &others,
                                     const std::vector<Doubt> &doubts, bool equalTime) {
     std::vector<std::string> reasons;

@@ -8,45 +8,42 @@
 
 namespace ext::lab {
 
-/// A reason not to trust errors. It is printed wherever results are shown. If it concerns the leader or all samplers,
-/// there is no winner.
+/// Reason to distrust errors, printed with all results. If it concerns the leader or all samplers, there is no winner.
 struct Doubt {
     std::string text;     ///< one or two sentences
-    std::string sampler;  ///< label of the only sampler that it concerns; empty: all
+    std::string sampler;  ///< label of the sampler concerned; empty: all
 };
 
-/// Input of the conclusion: one sampler.
 struct Contender {
     std::string label;
-    std::vector<double> errors, trimmedErrors;  ///< final relL2 and trimmed relL2, one value per seed
+    std::vector<double> errors, trimmedErrors;  ///< final relL2 and trimmed relL2 per seed
     BiasVerdict bias = BiasVerdict::Unknown;
-    bool isOracle = false;          ///< a measuring instrument, which does not compete
-    bool firefliesDecide = false;   ///< a few pixels decide its error
-    std::optional<double> speedUp;  ///< time that the best other sampler needs for this error, over this sampler's time
+    bool isOracle = false;          ///< reference for measurements, excluded from ranking
+    bool firefliesDecide = false;   ///< its error is dominated by a few pixels
+    std::optional<double> speedUp;  ///< time of the best other sampler for this error, over this sampler's time
     std::string speedUpAgainst;
 };
 
-/// The conclusion of an experiment in sentences. It is made once; the terminal, report.html, table.md and results.json
-/// all show the same.
+/// Conclusion of an experiment in sentences, shared by terminal, report.html, table.md and results.json.
 struct Conclusion {
-    std::optional<size_t> winner;      ///< index; only if nothing speaks against it
-    std::optional<size_t> lowest;      ///< index of the lowest mean error among the samplers that may win
-    std::string headline;              ///< who has the lowest error, or "Undecided" and what the numbers are
-    std::vector<std::string> reasons;  ///< why there is no winner; empty if there is one
-    std::vector<std::string> doubts;   ///< all doubts; some are reasons as well
-    std::vector<std::string> remarks;  ///< further notes
-    /// The sentences to show: headline, reasons, the other doubts, remarks.
+    std::optional<size_t> winner;      ///< index; empty if any objection applies
+    std::optional<size_t> lowest;      ///< index of the lowest mean error among eligible samplers
+    std::string headline;              ///< lowest error, or "Undecided" and the numbers
+    std::vector<std::string> reasons;  ///< why there is no winner; else empty
+    std::vector<std::string> doubts;   ///< all doubts, including those among the reasons
+    std::vector<std::string> remarks;  ///< additional notes
+    /// Sentences to show: headline, reasons, other doubts, remarks.
     std::vector<std::string> Sentences() const;
 };
 
-/// Chance that a winner is named where the best two are equally good. Each lead is tested one-sided at half of that, as
-/// either of the two may seem to lead.
+/// Probability of naming a winner if the best two are equally good. Each lead is tested one-sided at half of it, as
+/// either may seem to lead.
 inline constexpr double kWinnerLevel = 0.05;
 
-/// Samplers compete if they are neither biased nor the oracle. The winner has the lowest mean error of them; leads
-/// every other one beyond noise at kWinnerLevel, in the trimmed error too if fireflies decide its own error; has a
-/// clean bias verdict; and no doubt concerns it or all samplers. `equalTime`: the budget is time, so the winner must
-/// also need the least time for its error.
+/// Eligible samplers are neither biased nor the oracle. The winner has the lowest mean error of them and leads all
+/// others significantly at kWinnerLevel, in trimmed error too if fireflies dominate its error. It has a clean bias
+/// verdict, and no doubt concerns it or all samplers. `equalTime`: the budget is time, so the winner must also need the
+/// least time for its error.
 Conclusion Conclude(const std::vector<Contender> &contenders, const std::vector<Doubt> &doubts,
                     std::vector<std::string> remarks, bool equalTime);
 

@@ -7,7 +7,7 @@ namespace ext::lab {
 
 namespace {
 
-// Replaces errors that rise with the cost by the geometric mean of the points that disagree, until none rises.
+// Replaces increasing errors by the geometric mean of the violating points, until none increases.
 void LevelRises(std::vector<CurvePoint> &points) {
     struct Block {
         double logSum;
@@ -26,7 +26,7 @@ void LevelRises(std::vector<CurvePoint> &points) {
     }
     size_t i = 0;
     for (const Block &block : blocks) {
-        // A point that agrees with its neighbours keeps its error to the last bit.
+        // Points that agree with their neighbours keep their exact error.
         for (size_t k = 0; k < block.count; ++k, ++i)
             if (block.count > 1) points[i].error = std::exp(block.Mean());
     }

@@ -29,8 +29,7 @@ constexpr int kReliableSamples = 4;
 
 std::string SelectionNote(const SamplerChoice &choice) { return choice.folder + "/selection.json"; }
 
-/// Creates the folders. An experiment that is there already is continued if it has the same settings; else throws
-/// UserError.
+/// Creates the folders. An existing experiment is resumed if its settings match; else throws UserError.
 void OpenFolder(const ExperimentSettings &settings, const Json &identity, const RecordFolder &records) {
     const std::string &out = settings.outFolder;
     if (fs::exists(out) && !fs::is_directory(out)) throw UserError(fmt::format("{}: is a file, not a folder.", out));
@@ -56,7 +55,6 @@ void OpenFolder(const ExperimentSettings &settings, const Json &identity, const 
     records.SaveSettings(identity);
 }
 
-/// The rendering of all runs.
 class Rounds {
   public:
     Rounds(const ExperimentSettings &settings, const LabScene &scene, const References &references,
@@ -101,16 +99,15 @@ class Rounds {
                 if (!RenderTo(i, seed, c, *runs[i])) return false;
                 record = runs[i]->Record();
                 if (c + 1 < checkpoints_.size()) continue;
-                // Not earlier: samplers that learn while they render would learn from the queries of the views and the
-                // check.
+                // Not earlier: samplers that learn during rendering would learn from the queries of views and check.
                 if (seed == 0 && (!InspectSampler(i, runs[i].get()) || !Check(i, runs[i].get()))) return false;
                 runs[i].reset();
             }
         return true;
     }
 
-    /// Writes the inspection views of a sampler after its first run, once per sampler. `run`: that run, or null if an
-    /// earlier session finished it. Returns false if cancelled.
+    /// Writes the inspection views of a sampler once, after its first run. `run`: that run, or null if finished in an
+    /// earlier session. Returns false if cancelled.
     bool InspectSampler(size_t i, SamplerRun *run) {
         const SamplerChoice &choice = settings_.samplers[i];
         if (!settings_.views || ViewsAreWhole(settings_, records_.LoadNote(ViewsNote(choice)))) return true;
@@ -124,8 +121,8 @@ class Rounds {
         return true;
     }
 
-    /// Checks, once per sampler, its light selection after the first run; `run` as in InspectSampler. Leaves out the
-    /// oracle, which does not compete and would take hours.
+    /// Checks a sampler's light selection once, after its first run; `run` as in InspectSampler. Skips the oracle,
+    /// which is not ranked and would take hours.
     bool Check(size_t i, SamplerRun *run) {
         const SamplerChoice &choice = settings_.samplers[i];
         if (!(settings_.selectionWork > 0) || choice.IsOracle()) return true;
@@ -167,7 +164,7 @@ class Rounds {
     bool RenderTo(size_t i, int seed, size_t checkpoint, SamplerRun &run) {
         const std::string &folder = settings_.samplers[i].folder;
         auto afterWave = [&] {
-            // The first samples of a run fill caches and cells: the pilot's estimate is better.
+            // A run's first samples fill caches and cells; the pilot's estimate is better.
             if (run.SecondsPerSample() > 0 && (run.Samples() >= kReliableSamples || !wasInPilot_[i]))
                 cost_[i] = run.SecondsPerSample();
             const double sinceRecord = SecondsOf(i, run.Samples(), run.Spent()) - SecondsDone(i, seed);
@@ -177,7 +174,7 @@ class Rounds {
         const Image picture = run.Picture();
         const int c = static_cast<int>(checkpoint);
         run.AddRound(c, measuring_[ofSampler_[i]]->Compare(picture));
-        // The record is written last: a round without a record does not count.
+        // The record is written last: a round without record does not count.
         const bool last = checkpoint + 1 == checkpoints_.size();
         if (last) WriteImage(PictureFile(i, seed), picture, run.Metadata());
         else run.SaveFilm(records_.FilmFile(folder, seed, c));
@@ -186,9 +183,9 @@ class Rounds {
         return true;
     }
 
-    /// Sets expected_, the number of samples per pixel that every sampler plans for. With a time budget it is an
-    /// estimate (FittingSamples), from the pilot or else from a run of two samples, which also warms up the machine. It
-    /// is kept in the records, because pictures may depend on it. Returns false if cancelled.
+    /// Sets expected_, the planned samples per pixel of every sampler. With a time budget it is an estimate
+    /// (FittingSamples), from the pilot or a run of two samples, which also warms up the machine. Stored in the
+    /// records, because images may depend on it. Returns false if cancelled.
     bool FindExpectedSamples() {
         Json note = records_.LoadNote("expected-samples.json");
         if (!note.is_object()) note = Json::object();
@@ -222,7 +219,7 @@ class Rounds {
     }
 
     bool BySamples() const { return replay_ || !settings_.Timed(); }
-    /// Seconds of one run; by samples, at the present estimate of the cost of a sample.
+    /// Seconds of one run; by samples, at the current cost estimate.
     double SecondsOf(size_t i, int samples, const TimeSpent &spent) const {
         return BySamples() ? samples * cost_[i] : std::min(spent.wall, settings_.timeBudget);
     }
@@ -230,7 +227,6 @@ class Rounds {
         const RunRecord &record = recordsOf_[i][seed];
         return record.rounds.empty() ? 0 : SecondsOf(i, record.rounds.back().samples, record.rounds.back().spent);
     }
-    /// Seconds of all runs that the records do not hold.
     double SecondsLeft() const {
         double left = 0;
         for (size_t i = 0; i < settings_.samplers.size(); ++i)
@@ -241,14 +237,14 @@ class Rounds {
             }
         return left;
     }
-    /// Estimates the cost of a sample from the rounds of an earlier session.
+    /// Estimates the cost per sample from rounds of an earlier session.
     void LearnCost(size_t i, const RunRecord &record) {
         if (record.rounds.empty()) return;
         const RoundRecord &last = record.rounds.back();
         if (last.samples < kReliableSamples && wasInPilot_[i]) return;
         cost_[i] = (last.spent.wall - record.prepare.wall) / std::max(1, last.samples);
     }
-    /// Sets the seconds per sample from the pilot; a sampler that was not in it has the mean, or 1 without a pilot.
+    /// Sets the seconds per sample from the pilot; missing samplers get the mean, or 1 without pilot.
     void LoadCosts() {
         std::map<std::string, double> known;
         const Json pilot = records_.LoadNote("pilot.json");
@@ -278,7 +274,7 @@ class Rounds {
     std::vector<int> expected_;
     bool hasPilot_ = false;
     std::vector<std::vector<RunRecord>> recordsOf_;
-    std::optional<SelectionVertices> vertices_;  ///< for the checks of light selection; made when first needed
+    std::optional<SelectionVertices> vertices_;  ///< for light selection checks; created on first use
 };
 
 Json Header(const ExperimentSettings &settings, const LabScene &scene, const Json &identity, size_t checkpoints) {
@@ -312,7 +308,7 @@ void CheckCrops(const ExperimentSettings &settings, const LabScene &scene) {
                                         c.low.y, c.high.x, c.high.y, resolution.x, resolution.y));
 }
 
-/// Makes an integrator with each sampler once, so that a parameter out of range is found before anything is rendered.
+/// Creates an integrator per sampler, so that invalid parameters are reported before rendering.
 void CheckSamplers(const ExperimentSettings &settings, const LabScene &scene) {
     DiagnosticSink sink;
     for (const SamplerChoice &choice : settings.samplers) {
@@ -344,7 +340,7 @@ std::optional<ExperimentOutcome> RunExperiment(const ExperimentSettings &setting
     CheckCrops(settings, scene);
     CheckSamplers(settings, scene);
     if (!settings.referenceFile.empty())
-        ReadReference(settings.referenceFile, scene);  // throws if it does not fit the film
+        ReadReference(settings.referenceFile, scene);  // throws if it does not match the film
     const Json identity = IdentityOf(settings, scene.hash, ThreadCount());
     const RecordFolder records(settings.outFolder + "/records", ExperimentKey(identity));
     OpenFolder(settings, identity, records);

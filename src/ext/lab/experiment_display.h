@@ -8,15 +8,15 @@
 namespace ext::lab {
 using namespace pbrt;
 
-/// Shows progress and remaining time of a whole experiment, from estimates that its phases update.
+/// Shows progress and remaining time of an experiment, from its phases' estimates.
 class ExperimentDisplay {
   public:
     explicit ExperimentDisplay(ProgressSink *sink) : sink_(sink) {}
 
     void SetPhase(const std::string &phase) { phase_ = phase; }
-    /// Sets the estimated seconds of all phases after the present one.
+    /// Sets the estimated seconds of all later phases.
     void SetAfter(double seconds) { after_ = seconds; }
-    /// `left`: estimated seconds of the present phase; negative: not known yet.
+    /// `left`: estimated seconds of the current phase; negative: unknown.
     void Show(double left) {
         const Clock::time_point now = Clock::now();
         if (!sink_ || now - shown_ < std::chrono::milliseconds(200)) return;

@@ -44,7 +44,7 @@ std::vector<std::string> Differences(const Json &old, const Json &now) {
     };
     Json keys = old;
     keys.update(now);
-    keys.erase("seeds");  // runs are independent: an experiment may be resumed with more or fewer seeds
+    keys.erase("seeds");  // runs are independent: a resumed experiment may change the number of seeds
     for (const auto &[key, value] : keys.items())
         if (!old.contains(key) || !now.contains(key) || old[key] != now[key])
             list.push_back(fmt::format("{}: was {}, now {}", key, text(old, key), text(now, key)));
@@ -70,7 +70,6 @@ SampleCounts::SampleCounts(const std::string &path, const ExperimentSettings &se
                 counts.assign(checkpoints_, 0);
                 for (const Json &round : run.at("rounds"))
                     counts.at(round.at("checkpoint").get<size_t>()) = round.at("samples").get<int>();
-                // A checkpoint that brought no new sample is not listed.
                 for (size_t i = 1; i < counts.size(); ++i) counts[i] = std::max(counts[i], counts[i - 1]);
                 int &expected = expected_[sampler.at("label").get<std::string>()];
                 expected = run.at("expectedSamples").get<int>();

@@ -19,9 +19,9 @@ namespace {
 
 constexpr uint64_t kPixelStream = 0x696e7370656374ull;
 constexpr int kMaxSpecular = 64;
-constexpr int kPaths = 16;  ///< followed from each inspected pixel
+constexpr int kPaths = 16;  ///< per inspected pixel
 constexpr int kPathSeed = 700009;
-constexpr int kLongestShown = 12;  ///< the end of the colour scale for vertices of paths
+constexpr int kLongestShown = 12;  ///< colour scale limit for path vertices
 
 std::vector<InspectedLight> NamedGroups(const LightGroups &groups, const LightNames &names) {
     std::vector<InspectedLight> lights(groups.Size());
@@ -36,8 +36,8 @@ std::vector<InspectedLight> NamedGroups(const LightGroups &groups, const LightNa
     return lights;
 }
 
-/// Where the camera's ray through the middle of a pixel first meets something that is not purely specular. At smooth
-/// glass the ray takes the likelier way.
+/// First hit of the camera ray through a pixel centre that is not purely specular. At smooth glass the ray takes the
+/// more probable branch.
 struct FirstHit {
     PathVertex vertex;
     SampledWavelengths lambda = SampledWavelengths::WholeRange();
@@ -67,11 +67,10 @@ std::optional<FirstHit> FindFirstHit(const BuiltScene &built, Point2i pixel) {
     return {};
 }
 
-/// What is measured of one group of lights at one point.
 struct Measured {
     double mean = 0;     ///< contribution
-    double second = 0;   ///< second moment of the one-light estimator's part from this group, as the sampler chooses
-    double visible = 0;  ///< share of shadow rays that arrive; none is sent to primitives that face away
+    double second = 0;   ///< its part of the one-light estimator's second moment, under the sampler's probabilities
+    double visible = 0;  ///< fraction of unoccluded shadow rays; back-facing primitives get none
 };
 
 class Inspector {
@@ -89,7 +88,7 @@ class Inspector {
           paths_(dynamic_cast<const PixelIntegrator *>(integrator)),
           guide_(integrator ? integrator->Directions() : nullptr), settings_(settings),
           groups_(built.scene->Lights().ByLight()), lights_(NamedGroups(groups_, built.lightNames)) {
-        // A sample of theirs is paths from the lights as well.
+        // Their samples include paths from the lights.
         if (paths_ && paths_->Splats()) paths_ = nullptr;
     }
 
@@ -98,31 +97,30 @@ class Inspector {
   private:
     void MakeLayers(Inspection &out);
     void InspectPixel(const FirstHit &hit, Point2i pixel, Sampler &sampler, std::vector<double> &values) const;
-    /// The mean number of vertices, the camera's not counted.
+    /// Mean number of vertices, excluding the camera's.
     double PathLength(Point2i pixel, Sampler &sampler) const;
     Measured Measure(const FirstHit &hit, const LightSampleContext &from, uint32_t group, Rng &rng,
                      std::span<const Float> pmf) const;
 
     const BuiltScene &built_;
     const LightSampler &sampler_;
-    const RenderPass pass_;           ///< of the paths that are followed
+    const RenderPass pass_;           ///< of the traced paths
     const PixelIntegrator *paths_;    ///< null: path lengths are not shown
-    const DirectionSampling *guide_;  ///< or null
+    const DirectionSampling *guide_;  ///< may be null
     const InspectSettings &settings_;
     const LightGroups &groups_;
     std::vector<InspectedLight> lights_;  ///< per group
-    std::vector<size_t> shown_;           ///< groups whose visibility is shown, most power first
+    std::vector<size_t> shown_;           ///< groups with visibility layers, in order of power
     size_t samplerLayers_ = 0;
 };
 
-/// The name with every character but letters, digits and dots replaced by _, for EXR channels and files.
+/// Replaces every character except letters, digits and dots by _, for EXR channels and files.
 std::string Plain(std::string name) {
     std::replace_if(
         name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)) && c != '.'; }, '_');
     return name;
 }
 
-/// How the values of DirectionSampling::Inspect are shown.
 struct GuideLayer {
     const char *name, *meaning;
     double least, most;
@@ -191,7 +189,7 @@ double Inspector::PathLength(Point2i pixel, Sampler &sampler) const {
         cs.time = sampler.Get1D();
         cs.pLens = sampler.Get2D();
         if (const std::optional<CameraRay> ray = built_.camera->GenerateRay(cs, lambda)) {
-            // Beyond all samples that are learned from.
+            // Beyond all samples used for learning.
             const PathStart start{pass_, *ray, pixel, std::numeric_limits<int>::max() - kPaths + i};
             paths_->Li(start, lambda, sampler);
         }
@@ -207,7 +205,7 @@ Measured Inspector::Measure(const FirstHit &hit, const LightSampleContext &from,
     const double shift[3] = {static_cast<double>(rng.Uniform()), static_cast<double>(rng.Uniform()),
                              static_cast<double>(rng.Uniform())};
     for (int i = 0; i < settings_.samples; ++i) {
-        // Evenly spread for any number of samples: an additive recurrence.
+        // Additive recurrence: evenly distributed for any number of samples.
         auto at = [&](int dimension, double step) {
             double v = shift[dimension] + i * step;
             return std::min(static_cast<Float>(v - std::floor(v)), OneMinusEpsilon);
@@ -259,7 +257,7 @@ void Inspector::InspectPixel(const FirstHit &hit, Point2i pixel, Sampler &sample
         Measured m = Measure(hit, from, static_cast<uint32_t>(g), rng, pmf);
         visible[g] = m.visible;
         second += m.second;
-        // If the group were always chosen, with the sampler's probabilities inside it, its second moment would be
+        // If the group were always selected, with the sampler's probabilities inside it, its second moment would be
         // second * p.
         root += std::sqrt(m.second * p);
         if (m.mean > greatest) {
@@ -307,7 +305,7 @@ Inspection Inspector::Run() {
         const std::unique_ptr<Sampler> sampler = built_.sampler->WithSeed(kPathSeed);
         const int y0 = static_cast<int>(row) * out.stride;
         for (int x0 = 0; x0 < resolution.x && !progress.Cancelled(); x0 += out.stride) {
-            // The middle of the block stands for it.
+            // The block's centre represents it.
             const Point2i pixel = glm::min(Point2i(x0, y0) + out.stride / 2, resolution - 1) + pixels.low;
             std::optional<FirstHit> hit = FindFirstHit(built_, pixel);
             if (!hit) continue;

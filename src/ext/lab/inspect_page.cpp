@@ -44,7 +44,6 @@ std::string Figure(const Json &layer) {
         name, file, EscapeHtml(layer.at("meaning")), range);
 }
 
-/// Sentences about the layers that have no picture.
 std::string FlatText(const Json &layers) {
     std::string same, unknown, text;
     for (const Json &layer : layers) {

@@ -60,8 +60,7 @@ Json WriteLayers(const Inspection &inspection, const std::string &folder, int le
         style.most = static_cast<Float>(layer.shownMost);
         style.legendRows = legendRows;
         const std::string file = layer.name + ".png";
-        if (layer.IsFlat())
-            fs::remove(fs::path(folder) / file);  // a picture of an earlier inspection must not pass for one of this
+        if (layer.IsFlat()) fs::remove(fs::path(folder) / file);  // removes images of earlier inspections
         else WriteImage(folder + "/" + file, FalseColor(inspection.image, static_cast<int>(c), style, &hit));
         json.push_back(LayerJson(layer, file));
     }
@@ -106,7 +105,7 @@ int RunInspect(const InspectOptions &options, const PluginRegistry &registry, Pr
     built.Prepare(progress);
     if (progress.Cancelled()) return 130;
     if (built.integrator->Directions()) {
-        // The guide learns while samples are rendered; the picture is discarded.
+        // The guide learns during rendering; the image is discarded.
         RenderSettings settings = built.Settings();
         RenderWaves(built.Rendering(progress), settings);
         if (progress.Cancelled()) return 130;

@@ -39,7 +39,7 @@ LabScene LoadLabScene(const ExperimentSettings &settings, const PluginRegistry &
     options.maxDepth = settings.maxDepth;
     options.sampledLightOnly = settings.sampledLightOnly;
     options.lightSamplerFlag = kSamplersFlag;
-    options.lightSampler = "uniform";  // of an integrator that is not used: nothing to build
+    options.lightSampler = "uniform";  // for the unused default integrator: nothing to build
     progress.BeginPhase("building", 0);
     scene.built = BuildScene(description, options, registry, sink, progress);
     progress.EndPhase();

@@ -14,7 +14,7 @@ namespace ext::lab {
 
 using namespace pbrt;
 
-/// The error measures of every round, in the order of the results file. The two Abs are for the paper's tables only.
+/// Error measures of every round, in results file order. The two Abs are for the paper's tables only.
 enum class Measure { RelL2, MSE, MRSE, MAE, SMAPE, FLIP, RelL2Trimmed, RelL2Abs, RelL2AbsTrimmed };
 constexpr size_t MeasureCount = 9;
 constexpr std::array<const char *, MeasureCount> MeasureNames = {
@@ -25,7 +25,7 @@ inline double Get(const Measures &m, Measure which) { return m[static_cast<size_
 Json ToJson(const Measures &measures);
 Measures MeasuresFromJson(const Json &json);
 
-/// Compares pictures with one reference (R, G, B of the same resolution).
+/// Compares images with one reference (R, G, B of equal resolution).
 class MeasuringReference {
   public:
     explicit MeasuringReference(Image reference);
@@ -37,7 +37,6 @@ class MeasuringReference {
     std::unique_ptr<FlipReference> flip_;
 };
 
-/// Mean and spread of one measure over the seeds.
 struct Summary {
     size_t count = 0;
     double mean = 0;
@@ -46,13 +45,13 @@ struct Summary {
 };
 Summary Summarize(std::span<const double> values);
 
-/// True if the trimmed relL2 is less than the plain one by more than `factor`: a few fireflies decide the error.
+/// True if trimmed relL2 is lower than relL2 by more than `factor`: fireflies dominate the error.
 bool FirefliesDecide(double relL2, double trimmedRelL2, double factor = 2);
 
-/// Returns true if the mean of `a` is lower than that of `b` by a one-sided t-test at `level`. Both have one value per
-/// seed, and runs with the same seed share the camera's random numbers: if both have the same number of seeds, at least
-/// `kSeedsToPair`, the differences per seed are tested. Else the runs are treated as independent, which is on the safe
-/// side (Welch's test of the logarithms, with their spread to first order). Never if either has fewer than two values.
+/// True if the mean of `a` is lower than that of `b` by a one-sided t-test at `level`, with one value per seed. Runs of
+/// equal seed share the camera's random numbers: for equal seed counts of at least `kSeedsToPair`, per-seed differences
+/// are tested. Otherwise runs are treated as independent, which is conservative (Welch's test of the logarithms, their
+/// spread to first order). False if either has fewer than two values.
 bool LowerBeyondNoise(std::span<const double> a, std::span<const double> b, double level = 0.05);
 inline constexpr size_t kSeedsToPair = 5;
 

@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kTrimmedShare = 0.001;
 
-/// The pictures of one sampler with paths of at most `depth` scattering events; none if cancelled.
+/// Images of one sampler with path depths of at most `depth`; empty if cancelled.
 std::vector<Image> Pictures(const NoiseOptions &options, const LabScene &scene, const SamplerChoice &choice, int depth,
                             Progress &progress) {
     std::vector<Image> pictures;
@@ -34,7 +34,6 @@ std::vector<Image> Pictures(const NoiseOptions &options, const LabScene &scene, 
     return pictures;
 }
 
-/// A bar for every sampler, with a piece for every depth.
 std::string Bars(const Json &json, const char *what) {
     constexpr double kWidth = 760, kHeight = 34, kLeft = 260;
     double most = 0;
@@ -135,7 +134,7 @@ int RunNoise(const NoiseOptions &options, const PluginRegistry &registry, Progre
     const std::vector<int> depths = NoiseDepths(scene.built.maxDepth);
 
     progress.BeginPhase("rendering", choices.size() * depths.size() * options.experiment.seeds);
-    // The deepest come first: all are measured against their mean. The others need not be kept.
+    // The deepest come first: their mean is the reference of all others, which need not be stored.
     std::vector<std::vector<Image>> deepest;
     std::vector<const Image *> whole;
     for (const SamplerChoice &choice : choices) {

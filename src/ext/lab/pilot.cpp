@@ -12,9 +12,9 @@ namespace ext::lab {
 
 namespace {
 
-constexpr int kMinPilotSamples = 4, kMaxPilotSamples = 16;  // per picture; two pictures a candidate
+constexpr int kMinPilotSamples = 4, kMaxPilotSamples = 16;  // per image; two images per candidate
 constexpr int kShareOfReference = 128;                      // all candidates together take some 6 % of two references
-constexpr int kPilotSeed = 700001;                          // far from the seeds of the runs
+constexpr int kPilotSeed = 700001;                          // disjoint from the seeds of the runs
 
 std::vector<SamplerChoice> Candidates(const ExperimentSettings &settings, const PluginRegistry &registry) {
     std::vector<SamplerChoice> candidates;
@@ -28,8 +28,7 @@ std::vector<SamplerChoice> Candidates(const ExperimentSettings &settings, const 
     return candidates;
 }
 
-/// More samples where there are many lights per pixel (a light that no candidate chose leaves no trace), and for long
-/// references.
+/// More samples for many lights per pixel (lights never selected leave no trace), and for long references.
 int SamplesPerPicture(const ExperimentSettings &settings, const LabScene &scene) {
     const double lights = static_cast<double>(scene.built.scene->Lights().Size());
     const double pixels = static_cast<double>(std::max<int64_t>(1, scene.Pixels().Area()));
@@ -38,7 +37,7 @@ int SamplesPerPicture(const ExperimentSettings &settings, const LabScene &scene)
                       kMaxPilotSamples);
 }
 
-/// Two pictures of a candidate and their common tile means.
+/// Two images of a candidate and their common tile means.
 struct Pilot {
     std::array<Image, 2> pictures;
     TileMeans tiles;
@@ -50,9 +49,9 @@ struct Pilot {
     }
 };
 
-/// Variance of one sample, relative as in relL2, from the differences of the candidate's two pictures. The denominators
-/// are tile means of the other candidates' pictures: a rare bright hit must not enlarge what it is divided by, or the
-/// sampler with the rarest hits ranks best. `epsilon`: RelL2Epsilon of all candidates' mean.
+/// Variance of one sample, relative as in relL2, from the differences of the candidate's two images. Denominators are
+/// tile means of the other candidates: a rare bright sample must not enlarge its own divisor, which would favour the
+/// sampler with the rarest ones. `epsilon`: RelL2Epsilon of all candidates' mean.
 double VarianceBetweenPictures(const std::vector<Pilot> &pilots, size_t which, int samples, double epsilon) {
     const auto &[a, b] = pilots[which].pictures;
     const TileGrid &grid = pilots[which].tiles.grid;
@@ -75,12 +74,11 @@ double VarianceBetweenPictures(const std::vector<Pilot> &pilots, size_t which, i
     return samples * sum / (3 * static_cast<double>(a.Resolution().x) * static_cast<double>(a.Resolution().y));
 }
 
-/// The same from the squared differences of the candidate's tiles to the mean of the others, minus the noise of that
-/// mean. This shows light that the candidate finds so rarely that neither of its pictures has it. `between`:
-/// VarianceBetweenPictures of all.
+/// The same from the squared differences of the candidate's tiles to the mean of the others, minus that mean's noise.
+/// Detects light so rare that neither of its images contains it. `between`: VarianceBetweenPictures of all.
 double VarianceAgainstOthers(const std::vector<Pilot> &pilots, size_t which, int samples,
                              const std::vector<double> &between, double epsilon) {
-    // Noisy candidates count less. None counts more than the median one, because a candidate that finds no light seems
+    // Noisy candidates count less. None counts more than the median one, because a candidate that misses a light seems
     // quiet.
     std::vector<double> sorted = between, weights(between.size(), 0);
     std::sort(sorted.begin(), sorted.end());
@@ -113,7 +111,7 @@ Json ToJson(const std::vector<PilotEntry> &entries) {
     return json;
 }
 
-/// Entries from the note of an earlier session; empty if it does not fit.
+/// Entries from an earlier session's note; empty if it does not match.
 std::vector<PilotEntry> FromJson(const Json &json, const std::vector<SamplerChoice> &candidates) {
     std::vector<PilotEntry> entries;
     if (!json.is_array()) return {};
@@ -157,7 +155,7 @@ std::optional<std::vector<PilotEntry>> RunPilot(const ExperimentSettings &settin
     display.SetPhase("pilot");
     const int samples = SamplesPerPicture(settings, scene);
     std::vector<PilotEntry> entries;
-    double left = -1;  // not known before the first candidate is rendered
+    double left = -1;  // unknown before the first candidate is rendered
     std::vector<Pilot> pilots;
     const int expected = settings.Timed() ? scene.Batch() : settings.samplesPerPixel;
     for (const SamplerChoice &candidate : candidates) {

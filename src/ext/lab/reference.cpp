@@ -14,12 +14,11 @@ namespace ext::lab {
 namespace {
 
 constexpr int kParts = 8;           // seeds of a reference; their scatter estimates its noise (7 degrees of freedom)
-constexpr int kFirstSeed = 800001;  // far from the seeds of the runs and of the pilot
+constexpr int kFirstSeed = 800001;  // disjoint from the seeds of runs and pilot
 constexpr int kSeedStep = 1000;     // between references
 constexpr int kMinSamples = 64;     // by time
-constexpr double kDisagree = 2;     // factor on the relL2 that the noise of two references explains
+constexpr double kDisagree = 2;     // factor on the relL2 explained by the noise of two references
 
-/// Renders a reference, or finds it in the cache.
 class ReferenceMaker {
   public:
     ReferenceMaker(const ExperimentSettings &settings, const LabScene &scene, const RecordFolder &records,
@@ -53,8 +52,8 @@ class ReferenceMaker {
     }
 
   private:
-    /// With a time budget, as many as fit at the cost that the pilot measured, kept in the records so that a resumed
-    /// experiment uses the same number. A replay takes the number of the experiment that it repeats.
+    /// With a time budget, from the cost measured by the pilot; recorded, so that a resumed experiment uses the same
+    /// number. A replay uses the number of the original experiment.
     int SamplesPerPart(const PilotEntry &with, int index) const {
         if (rule_.samples > 0) return (rule_.samples + kParts - 1) / kParts;
         if (!settings_.samplesFrom.empty())
@@ -101,7 +100,6 @@ class ReferenceMaker {
     ReferenceRule rule_;
 };
 
-/// Do two references contradict each other?
 bool Contradict(const Reference &a, const Reference &b) {
     auto means = [](const Reference &r) {
         std::vector<TileMeans> tiles;

@@ -12,7 +12,6 @@ namespace {
 
 constexpr double kFewOracleSamples = 8;
 
-/// Leaves out rounds in which a run took no new sample.
 void DropEmptyRounds(RunRecord *run) {
     std::vector<RoundRecord> kept;
     for (const RoundRecord &r : run->rounds)
@@ -20,7 +19,7 @@ void DropEmptyRounds(RunRecord *run) {
     run->rounds = std::move(kept);
 }
 
-/// Mean curve over the seeds, with the checkpoints that all seeds have.
+/// Mean curve over the seeds, at the checkpoints that all seeds have.
 std::vector<CurvePoint> Curve(const SamplerResult &sampler, bool bySamples) {
     std::vector<std::vector<CurvePoint>> curves(sampler.runs.size());
     auto isShared = [&](int checkpoint) {
@@ -43,8 +42,7 @@ double MeanOver(const std::vector<RunRecord> &runs, F &&value) {
     return runs.empty() ? 0 : sum / static_cast<double>(runs.size());
 }
 
-/// CPU seconds of one sample per pixel, over all runs. The first sample of a run warms up caches and cells that are
-/// filled on demand.
+/// CPU seconds per sample per pixel, over all runs. A run's first sample warms up caches and cells filled on demand.
 double CpuPerSample(const std::vector<RunRecord> &runs) {
     double cpu = 0, samples = 0;
     for (const RunRecord &run : runs) {
@@ -56,7 +54,6 @@ double CpuPerSample(const std::vector<RunRecord> &runs) {
     return samples > 0 ? cpu / samples : 0;
 }
 
-/// The error of every run at its end.
 std::vector<double> ErrorsOf(const std::vector<RunRecord> &runs, size_t measure) {
     std::vector<double> errors;
     for (const RunRecord &run : runs) errors.push_back(run.rounds.back().measures[measure]);
@@ -86,14 +83,13 @@ std::vector<TileMeans> TilesOf(const std::vector<Image> &pictures) {
     return tiles;
 }
 
-/// Returns the label without "+mesh": runs of one sampler with and without mesh lights are auxiliary to each other.
+/// Label without "+mesh": runs with and without mesh lights are auxiliary to each other.
 std::string NameWithoutMesh(const std::string &label) {
     const std::string mesh = "+mesh";
     const size_t at = label.find(mesh);
     return at == std::string::npos ? label : label.substr(0, at) + label.substr(at + mesh.size());
 }
 
-/// The bias verdicts of an experiment.
 class BiasJudge {
   public:
     BiasJudge(const References &references, const std::vector<std::vector<Image>> &pictures) {
@@ -107,7 +103,7 @@ class BiasJudge {
         for (const std::vector<Image> &runs : pictures) runs_.push_back({"", TilesOf(runs), 0});
     }
 
-    /// To be called for every sampler before the first call of Judge.
+    /// Call for every sampler before Judge.
     void Describe(size_t sampler, const std::string &label, double samples) {
         runs_[sampler].name = NameWithoutMesh(label);
         runs_[sampler].samples = samples;
@@ -127,7 +123,7 @@ class BiasJudge {
             return auxiliary;
         };
         const BiasReference against{judge.tiles, noise_[reference], ratio(judge), auxiliaryOf(judge.name)};
-        // The level is the chance of a false alarm in the whole experiment, which has one verdict per sampler.
+        // The level is the false alarm probability of the whole experiment, which has one verdict per sampler.
         BiasSettings settings;
         settings.level = SidakLevel(settings.level, runs_.size());
         return CheckBias(runs.tiles, against, settings, auxiliaryOf(runs.name));
@@ -137,7 +133,7 @@ class BiasJudge {
     struct Pictures {
         std::string name;
         std::vector<TileMeans> tiles;
-        double samples = 0;  ///< per pixel of one; 0: not known
+        double samples = 0;  ///< per pixel of one; 0: unknown
     };
     std::vector<Pictures> runs_, references_;
     std::vector<std::optional<double>> noise_;
@@ -171,7 +167,6 @@ void CompareSamplers(std::vector<SamplerResult> *samplers) {
     }
 }
 
-/// Notes for the conclusion, besides doubts.
 std::vector<std::string> RemarksOn(const ExperimentSettings &settings, const References &references,
                                    const std::vector<SamplerResult> &samplers) {
     std::vector<std::string> remarks = references.remarks;

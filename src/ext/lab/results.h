@@ -6,22 +6,21 @@
 
 namespace ext::lab {
 
-/// The results of one sampler.
 struct SamplerResult {
     SamplerChoice choice;
     size_t reference = 0;
-    std::vector<RunRecord> runs;  ///< without rounds in which no sample was taken
+    std::vector<RunRecord> runs;  ///< excluding rounds without samples
     /// Set by Summarize.
     double samples = 0, seconds = 0, cpuSeconds = 0;  ///< means over the runs
     double prepareSeconds = 0, prepareCpuSeconds = 0;
     std::array<Summary, MeasureCount> measures;
     bool firefliesDecide = false;
     double efficiency = 0;
-    std::optional<double> speedUp;  ///< over the other sampler that needs the least time for this sampler's error
+    std::optional<double> speedUp;  ///< over the other sampler with the least time for this sampler's error
     std::string speedUpAgainst;
     std::vector<std::pair<std::string, double>> speedUps;  ///< over every other sampler, by label
     std::optional<double> ratioToOracle;
-    double cpuPerSample = 0;                  ///< CPU seconds of rendering; without the first sample if there are more
+    double cpuPerSample = 0;                  ///< render CPU seconds; excluding the first sample if there are more
     double relativeCost = 0;                  ///< cpuPerSample over that of the first sampler
     double shadowRays = 0, blockedShare = 0;  ///< per run
     BiasReport bias;                          ///< of both checks together
@@ -34,24 +33,23 @@ struct ExperimentResults {
     Conclusion conclusion;
 };
 
-/// `pictures`: final pictures of the runs, by sampler and seed. `selections`: by sampler; empty where the check was not
-/// made.
+/// `pictures`: final images of the runs, by sampler and seed. `selections`: by sampler; empty if not checked.
 ExperimentResults Summarize(const ExperimentSettings &settings, const References &references,
                             std::vector<std::vector<RunRecord>> runs, const std::vector<std::vector<Image>> &pictures,
                             const std::vector<std::optional<SelectionReport>> &selections);
 
-/// Returns the text for the terminal: table, references, bias verdicts and conclusion.
+/// Text for the terminal: table, references, bias verdicts and conclusion.
 std::string TableText(const ExperimentResults &results, const References &references);
-/// Return CSV with one line per sampler, and with one line per sampler, seed and round.
+/// CSV with one line per sampler, and with one line per sampler, seed and round.
 std::string SummaryCsv(const ExperimentResults &results);
 std::string RoundsCsv(const ExperimentResults &results);
 /// Adds "samplers" and "conclusion" to results.json.
 void AddToJson(const ExperimentResults &results, Json *json);
 
-/// Replaces numbers that came from single precision by their shortest form: 0.01, not 0.009999999776482582.
+/// Replaces single-precision numbers by their shortest form: 0.01, not 0.009999999776482582.
 void ShortenFloats(Json *json);
 
-/// Returns the number in a report of LightSampler::Report under the first of `names` that it has.
+/// Number in a LightSampler::Report under the first of `names` present.
 std::optional<double> ReportNumber(const Json &report, std::initializer_list<const char *> names);
 
 }  // namespace ext::lab

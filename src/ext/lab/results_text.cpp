@@ -23,7 +23,7 @@ Overhead OverheadOf(const SamplerResult &s) {
     for (const RunRecord &run : s.runs) {
         const double prepass = ReportNumber(run.report, {"prepassSeconds"}).value_or(0);
         o.prepass += prepass;
-        // Preparation that a sampler does not report as prepass counts as building.
+        // Preparation not reported as prepass counts as building.
         o.build += std::max(0.0, run.prepare.wall - prepass);
         o.render += run.rounds.back().spent.wall - run.prepare.wall;
     }

@@ -16,7 +16,6 @@ namespace {
 Json ToJson(const TimeSpent &t) { return {{"wall", t.wall}, {"cpu", t.cpu}}; }
 TimeSpent TimeFromJson(const Json &json) { return {json.at("wall").get<double>(), json.at("cpu").get<double>()}; }
 
-/// Whether the last round of a run that was read can be one.
 bool IsPossible(const RunRecord &run) {
     const auto isTime = [](const TimeSpent &t) {
         return t.wall >= 0 && t.cpu >= 0 && std::isfinite(t.wall) && std::isfinite(t.cpu);

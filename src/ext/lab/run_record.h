@@ -10,7 +10,7 @@
 
 namespace ext::lab {
 
-/// Seconds by the monotonic clock, and CPU seconds of all threads of the process.
+/// Monotonic clock seconds, and CPU seconds of all threads of the process.
 struct TimeSpent {
     double wall = 0, cpu = 0;
     TimeSpent &operator+=(const TimeSpent &o) {
@@ -36,7 +36,7 @@ class Stopwatch {
     double cpu_ = CpuSeconds();
 };
 
-/// Where a run stops: at a time of its own clock or, if `seconds` is 0, at a number of samples per pixel.
+/// Stop condition of a run: a time of its own clock or, if `seconds` is 0, samples per pixel.
 struct RenderTarget {
     int samples = 0;
     double seconds = 0;
@@ -45,16 +45,15 @@ struct RenderTarget {
 /// One run at one checkpoint.
 struct RoundRecord {
     int checkpoint = 0;
-    int samples = 0;  ///< per pixel
-    TimeSpent spent;  ///< preparation and rendering; measuring and writing are not counted
+    int samples = 0;                                 ///< per pixel
+    TimeSpent spent;                                 ///< preparation and rendering, excluding measuring and writing
     uint64_t shadowRays = 0, shadowRaysBlocked = 0;  ///< of rendering
     Measures measures{};
 };
 
-/// One sampler with one seed.
 struct RunRecord {
     int seed = 0;
-    int expectedSamples = 1;  ///< samples per pixel that the preparation expects
+    int expectedSamples = 1;  ///< samples per pixel expected by the preparation
     TimeSpent prepare;
     uint64_t prepareShadowRays = 0;
     Json report = Json::object();  ///< LightSampler::Report at the last checkpoint
@@ -62,29 +61,28 @@ struct RunRecord {
     std::vector<RoundRecord> rounds;  ///< one per checkpoint, in order
 };
 
-/// The records of an experiment on disk: a JSON file per sampler, seed and checkpoint, and the film's sums of every run
-/// that is not finished. Every JSON file but the settings names its experiment; one of another experiment or another
-/// version of this program, or one that cannot be read, counts as absent.
+/// Records of an experiment on disk: a JSON file per sampler, seed and checkpoint, and the film sums of unfinished
+/// runs. Every JSON file but the settings names its experiment; files of other experiments or program versions, or
+/// unreadable ones, count as absent.
 class RecordFolder {
   public:
     /// `experiment`: ExperimentKey of the settings.
     RecordFolder(std::string folder, std::string experiment)
         : folder_(std::move(folder)), experiment_(std::move(experiment)) {}
     const std::string &Folder() const { return folder_; }
-    /// Loads the rounds of a run, from the first one to the first gap, at most `most`.
+    /// Loads the rounds of a run up to the first gap, at most `most`.
     RunRecord LoadRun(const std::string &sampler, int seed, int most = std::numeric_limits<int>::max()) const;
     void SaveLastRound(const std::string &sampler, const RunRecord &run) const;
     std::string FilmFile(const std::string &sampler, int seed, int checkpoint) const;
-    /// Returns one more than the last round with a file, regardless of its content.
+    /// One more than the last round with a file, regardless of its content.
     size_t CountRounds(const std::string &sampler, int seed, size_t checkpoints) const;
-    /// Removes the files of the rounds from `kept` on, and all films but that of round `kept` - 1.
+    /// Removes the files of rounds from `kept` on, and all films but that of round `kept` - 1.
     void RemoveRounds(const std::string &sampler, int seed, size_t kept, size_t checkpoints) const;
 
-    /// Loads the settings of the experiment in the folder: null if there is none, discarded JSON if they cannot be
-    /// read.
+    /// Loads the settings of the folder's experiment: null if none, discarded JSON if unreadable.
     Json LoadSettings() const;
     void SaveSettings(const Json &settings) const;
-    /// Loads another note by name (pilot, views): null if absent, unreadable or of another experiment.
+    /// Loads another record by name (pilot, views): null if absent, unreadable or of another experiment.
     Json LoadNote(const std::string &name) const;
     void SaveNote(const std::string &name, const Json &note) const;
     std::string File(const std::string &name) const { return folder_ + "/" + name; }

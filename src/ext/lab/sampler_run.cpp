@@ -16,7 +16,7 @@ namespace ext::lab {
 
 namespace {
 
-constexpr double kLongestWave = 1;  ///< seconds; the clock and the progress are only updated between waves
+constexpr double kLongestWave = 1;  ///< seconds; clock and progress are updated between waves only
 
 bool IsWholeFilm(const std::string &file, const LabScene &scene) {
     std::ifstream in(file, std::ios::binary);
@@ -154,7 +154,7 @@ RunRecord TakeUpRun(const RecordFolder &records, const LabScene &scene, const st
             "{}/{}: records of seed {} are damaged or missing; {}.", records.Folder(), sampler, seed,
             kept > 0 ? fmt::format("resuming from {} per pixel", CountText(run.rounds[kept - 1].samples, "sample"))
                      : "restarting this run"));
-    // Reports and structure must be those of the last round that is kept.
+    // Reports and structure must be those of the last kept round.
     if (kept < run.rounds.size()) run = records.LoadRun(sampler, seed, static_cast<int>(kept));
     records.RemoveRounds(sampler, seed, kept, checkpoints);
     return run;

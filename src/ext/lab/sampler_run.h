@@ -5,23 +5,22 @@
 
 namespace ext::lab {
 
-/// One sampler with one seed over the experiment's scene: integrator, film and a clock that only runs while it prepares
-/// or renders. Only one run may work at a time (the ray counters are those of the process).
+/// One sampler with one seed: integrator, film and a clock that runs only during preparation and rendering. Only one
+/// run may be active at a time (the ray counters are per process).
 class SamplerRun {
   public:
-    /// `expectedSamples`: samples per pixel that will be rendered, for light samplers whose preparation depends on it.
-    /// `maxDepth`: scattering events of a path; the experiment's if left out.
+    /// `expectedSamples`: samples per pixel to be rendered, for samplers whose preparation depends on it. `maxDepth`:
+    /// scattering events of a path; default the experiment's.
     SamplerRun(const LabScene &scene, const SamplerChoice &choice, int seed, int expectedSamples, Progress &cancel,
                std::optional<int> maxDepth = {});
 
-    /// Prepares the light sampler; to be called once, before rendering. Returns false if cancelled.
+    /// Prepares the light sampler; call once, before rendering. Returns false if cancelled.
     bool Prepare();
-    /// To be called after Prepare. Continues a run whose film was saved; its clock continues from the recorded time.
+    /// Call after Prepare. Resumes a run from its saved film; its clock continues from the recorded time.
     void Resume(const RunRecord &record, const std::string &filmFile);
-    /// Renders in waves. At least one sample; then no wave is begun that would end more than half a sample after the
+    /// Renders in waves: at least one sample; then no wave starts that would end more than half a sample after the
     /// target time. Returns false if cancelled; the film is then unusable.
     bool RenderTo(const RenderTarget &target, const std::function<void()> &afterWave = {});
-    /// Appends the present state to the record.
     void AddRound(int checkpoint, const Measures &measures);
 
     int Samples() const { return renderer_.Done(); }
@@ -49,17 +48,16 @@ class SamplerRun {
     double secondsPerSample_ = 0;
 };
 
-/// Loads the rounds of one run from disk, up to the last one from which the run can resume: every record up to it is
-/// complete and belongs to this experiment, and so does the film of that round, or the finished picture if it is the
-/// last of `checkpoints`. Removes later files, with a warning if a record is among them. `picture`: file of the
-/// finished picture.
+/// Loads the rounds of a run up to the last one that can be resumed. All records up to it must be complete and belong
+/// to this experiment, and that round's film must exist (the finished image for the last of `checkpoints`). Removes
+/// later files, with a warning if records are among them. `picture`: file of the finished image.
 RunRecord TakeUpRun(const RecordFolder &records, const LabScene &scene, const std::string &sampler, int seed,
                     size_t checkpoints, const std::string &picture);
 
-/// Returns true if all pixels of R, G and B are finite.
+/// True if all pixels of R, G and B are finite.
 bool IsFinite(const Image &picture);
 
-/// Returns true if the picture is readable and has finite R, G and B at this resolution.
+/// True if the image is readable and has finite R, G and B at this resolution.
 bool IsWholePicture(const std::string &file, Point2i resolution);
 
 }  // namespace ext::lab

@@ -6,28 +6,28 @@
 #include "pbrt/math/rng.h"
 #include "pbrt/math/warps.h"
 
-// The method. Samplers differ only in the probabilities with which they choose lights; everything else in a picture is
-// common to them. So bias is tested where they differ: at the vertices of paths, as the render makes them.
+// Method. Samplers differ only in their light selection probabilities, so bias is tested at the vertices of paths,
+// generated as in the render.
 //
-// At a vertex, on a surface or in a medium, the contribution c_l of every light (of very many lights, of every n-th one
-// from a random one on) is measured once, by a point on the light and a shadow ray. (What follows on BSDFs holds for
-// phase functions.) Then many lights are drawn from the sampler, with random numbers spread over [0, 1). For every
-// measured light two numbers are compared: the mean over the draws of what next-event estimation makes of c_l, with the
-// probabilities that came with the draws and the weight against BSDF sampling; and the share of c_l that BSDF sampling
-// leaves to next-event estimation, by the PMF that the integrator evaluates when a ray hits the light. (The point of a
-// sky stands for the part that it lies in.) `excess` is the difference, summed over the lights. Its mean is 0 at every
-// vertex if and only if draws, their probabilities and the PMF agree and no light is left out: points and visibility of
-// the lights, the path and its weight are the same on both sides, and their noise with them. Draws need no rays, so
-// there can be thousands per vertex.
+// At a surface or medium vertex, the contribution c_l of every light is measured once, by a point on the light and a
+// shadow ray. With very many lights, only every n-th is measured, from a random start. (Statements on BSDFs hold for
+// phase functions.) Then many lights are drawn from the sampler, with stratified random numbers. Two numbers are
+// compared per measured light. First, the mean over the draws of next-event estimation of c_l, with the draws'
+// probabilities and the MIS weight against BSDF sampling. Second, the share of c_l that BSDF sampling leaves to
+// next-event estimation, by the PMF that the integrator evaluates when a ray hits the light. (A point of an environment
+// light represents its region.)
 //
-// Heavy tails: a light of share s chosen with probability p moves a vertex by s / (p draws). Where that is more than
-// kMaxStep, the light counts with less weight, on both sides; what is left out is reported and added to the
-// smallest visible bias. Weights depend on what was measured, not on what was drawn, so the mean stays 0. A light that
-// is never chosen keeps its whole weight.
+// `excess` is the difference, summed over the lights. Its mean is 0 at every vertex if and only if draws, probabilities
+// and PMF agree and no light is omitted. Light points, visibility, path and weight are common to both sides, and so is
+// their noise. Draws need no rays, so there can be thousands per vertex.
 //
-// Rounds: each has four times the draws of the one before, at the same vertices, until a bias of interest would be
-// seen. Only the last round counts. When to stop depends on the noise, not on the differences, so there is one test,
-// not one per round.
+// Heavy tails: a light of share s selected with probability p moves a vertex by s / (p draws). Above kMaxStep the light
+// counts with less weight on both sides; the omitted part is reported and added to the smallest visible bias. Weights
+// depend on measurements, not on draws, so the mean stays 0. A light that is never selected keeps its whole weight.
+//
+// Rounds: each has four times the draws of the previous one, at the same vertices, until a bias of interest would be
+// detected. Only the last round counts. The stopping rule depends on the noise, not on the differences, so there is a
+// single test.
 
 namespace ext::lab {
 
@@ -37,7 +37,7 @@ constexpr uint64_t kStream = 0x73656c656374ull;
 constexpr int kMinDraws = 64, kMaxDraws = 1 << 16;
 constexpr double kMaxStep = 0.5;
 
-/// Draws lights from a sampler at vertices and compares them with the measured lights.
+/// Compares draws from a sampler with the lights measured at vertices.
 class VertexChecker {
   public:
     VertexChecker(const LightSampler &lights, int draws, const LightTable &table)
@@ -55,8 +55,7 @@ class VertexChecker {
         for (size_t i = 0; i < vertex.lights.size(); ++i) {
             const auto &m = vertex.lights[i];
             const Float pmf = choices_[i].light.pmf;
-            // The share that BSDF sampling leaves to light sampling: all of it for lights without extent, which no BSDF
-            // sample hits.
+            // Share that BSDF sampling leaves to light sampling: all of it for delta lights.
             const double due = m.isDelta ? 1 : pmf > 0 ? static_cast<double>(Weight(m, choices_[i], pmf)) : 0;
             const double got = got_[i] / draws_;
             const double c = static_cast<double>(m.c);
@@ -73,7 +72,7 @@ class VertexChecker {
     }
 
   private:
-    /// The choice of the sampler that draws the measured point, and the density of the point then.
+    /// The sampler's selection for the measured point, and the resulting density of the point.
     struct Choice {
         SampledLight light;
         Float pdf = 0;  ///< solid angle
@@ -96,7 +95,7 @@ class VertexChecker {
         }
     }
 
-    /// Sets got_: for every measured light, the sum of its weights over the draws.
+    /// Sets got_: per measured light, the sum of its weights over the draws.
     void Draw(const SelectionVertices::Vertex &vertex, const LightDistribution &lights, Rng &rng) {
         got_.assign(vertex.lights.size(), 0);
         for (size_t i = 0; i < choices_.size(); ++i)
@@ -121,7 +120,7 @@ class VertexChecker {
     const LightTable &table_;
     std::vector<Choice> choices_;  ///< of the vertex's lights
     std::vector<double> got_;
-    std::vector<uint32_t> places_;  ///< for every light, 1 + its index among the vertex's lights, or 0
+    std::vector<uint32_t> places_;  ///< per light: 1 + its index among the vertex's lights, or 0
 };
 
 }  // namespace

@@ -12,13 +12,13 @@
 
 namespace ext::lab {
 
-constexpr int kSelectionSide = 4;  ///< regions along a side of the picture
+constexpr int kSelectionSide = 4;  ///< regions per side of the image
 
-/// What next-event estimation finds at one vertex of a path; all values are multiplied by the path's weight.
+/// Next-event estimation at one path vertex; all values are multiplied by the path's weight.
 struct VertexFinding {
     float light = 0;     ///< all direct light that is measured
-    float excess = 0;    ///< of the estimate over what it should be; its mean is 0 without bias
-    float unjudged = 0;  ///< part of `light` left out of `excess`: chosen too rarely for a verdict
+    float excess = 0;    ///< of the estimate over its expected value; mean 0 without bias
+    float unjudged = 0;  ///< part of `light` excluded from `excess`: selected too rarely for a verdict
     bool endsPath = false;
 };
 
@@ -26,41 +26,41 @@ struct SelectionReport {
     BiasVerdict verdict = BiasVerdict::Unknown;
     int64_t vertices = 0;                      ///< that receive light
     int draws = 0;                             ///< per vertex
-    double difference = 0, standardError = 0;  ///< of the whole picture, relative
-    double visibleImage = 0;                   ///< smallest bias detected in 9 of 10 checks
+    double difference = 0, standardError = 0;  ///< of the whole image, relative
+    double visibleImage = 0;                   ///< smallest bias detected with probability 0.9
     double visibleSixteenth = 0;               ///< the same, in half of the regions that receive light
-    double unjudged = 0;                       ///< share of the light
-    int worstRegion = -1;                      ///< the region with the largest bias; -1: the whole picture, or no bias
+    double unjudged = 0;                       ///< fraction of the light
+    int worstRegion = -1;                      ///< region of largest bias; -1: the whole image, or no bias
     double worstDifference = 0;
     std::string text;  ///< a sentence for the user
 };
 
-/// Judges the vertices of whole paths, in order, for every region. Paths without light may be left out.
+/// Evaluates the vertices of whole paths, in order, per region. Paths without light may be omitted.
 SelectionReport JudgeSelection(std::span<const std::vector<VertexFinding>> regions, const BiasSettings &settings);
 
-/// Returns the number of paths of equal light with the same noise: (sum of light)^2 / sum of light^2.
+/// Number of paths of equal light with the same noise: (sum of light)^2 / sum of light^2.
 double EffectivePaths(std::span<const VertexFinding> region);
 
 Json ToJson(const SelectionReport &report);
 SelectionReport SelectionFromJson(const Json &json);
 
-/// Adds the check at vertices to the verdict and the text of `report`: biased if either check says so; clean if the
-/// pictures show no bias and either check could have seen a bias of interest.
+/// Merges the vertex check into the verdict and text of `report`: biased if either check is; clean if the images show
+/// no bias and either check could detect a bias of interest.
 void AddSelection(const SelectionReport &selection, BiasReport *report);
 
-/// The vertices that receive light, on surfaces and in media, of paths through sixteen regions of the picture, with the
-/// contribution of every light. They do not depend on the number of threads.
+/// Vertices that receive light, on surfaces and in media, of paths through sixteen image regions, with every light's
+/// contribution. Independent of the number of threads.
 class SelectionVertices {
   public:
     struct MeasuredLight {
         uint32_t light = 0;
-        Float c = 0;               ///< contribution by one point on the light, times the path's weight; above 0
-        Float pdf = 0, pBsdf = 0;  ///< densities of that point and of scattering towards it, per solid angle
+        Float c = 0;               ///< contribution of one point on the light, times the path's weight; positive
+        Float pdf = 0, pBsdf = 0;  ///< densities of that point and of scattering towards it (solid angle)
         bool isDelta = false, isInfinite = false;
         Vector3 wi{};  ///< unit, towards the point
     };
     struct Vertex {
-        LightQuery query;        ///< without the pointers to what scatters and to the wavelengths, which are below
+        LightQuery query;        ///< without the pointers to scattering and wavelengths, stored below
         Bsdf bsdf;               ///< on a surface
         HenyeyGreenstein phase;  ///< in a medium
         SampledWavelengths lambda;
@@ -68,7 +68,7 @@ class SelectionVertices {
         bool endsPath = false;
 
         bool IsInMedium() const { return query.ns == Normal3(0); }
-        /// Returns the complete query of the render; it refers to this vertex.
+        /// The render's query at this vertex, which it refers to.
         LightQuery FullQuery() const {
             LightQuery full = query;
             full.lambda = &lambda;
@@ -91,16 +91,15 @@ class SelectionVertices {
     const LightTable &lights_;
 };
 
-/// Settings of the check whether a light sampler loses or adds light at the vertices of this scene's paths. A bias is
-/// harder to see in pictures, because these have the noise of the paths as well. selection_check.cpp explains the
-/// method.
+/// Settings of the check for light lost or added by a light sampler at the vertices of this scene's paths. More
+/// sensitive than images, which also contain the noise of the paths. Method: selection_check.cpp.
 struct SelectionSettings {
-    BiasSettings bias;      ///< the check ends when a bias of size `interest` would be seen in half of the regions
-    double mostWork = 1e8;  ///< no further round draws more lights than this (0.05 to 1 us each)
+    BiasSettings bias;      ///< the check ends when a bias of size `interest` would be detected in half of the regions
+    double mostWork = 1e8;  ///< maximum draws per round (0.05 to 1 us each)
     int seed = 0;
 };
 
-/// Checks a prepared light sampler; the result does not depend on the number of threads. Returns nothing if cancelled.
+/// Checks a prepared light sampler, independent of the number of threads. Returns nothing if cancelled.
 std::optional<SelectionReport> CheckSelection(const SelectionVertices &vertices, const LightSampler &lights,
                                               const SelectionSettings &settings, Progress &progress);
 

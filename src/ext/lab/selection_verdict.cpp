@@ -8,26 +8,25 @@
 
 #include "pbrt/math/statistics.h"
 
-// Statistic of a region: the sum of the excess over the sum of the light of its paths; its noise is estimated from the
-// variation between paths. A vertex with more than kMaxVertex times the mean light of the region's paths that have
-// light is scaled down to that much. The light does not depend on the draws, so the mean of the excess stays 0, no
-// single path decides, and sums over hundreds of paths are nearly normal.
+// Statistic of a region: sum of the excess over the sum of the light of its paths, with noise estimated from the
+// variation between paths. Vertices are scaled down to kMaxVertex times the mean light of the region's lit paths. The
+// light is independent of the draws, so the mean of the excess stays 0, no single path dominates, and sums over
+// hundreds of paths are nearly normal.
 
 namespace ext::lab {
 
 namespace {
 
 constexpr double kMaxVertex = 8;
-constexpr double kMinEffective = 20;  ///< fewest effective paths for a statement
+constexpr double kMinEffective = 20;  ///< minimum effective paths for a statement
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Sums over paths.
 struct Sums {
     double light = 0, excess = 0, squares = 0, lightSquares = 0, unjudged = 0;
     double Difference() const { return light > 0 ? excess / light : 0; }
-    /// The excess has mean 0 if there is no bias, so the sum of its squares estimates the variance of its sum.
+    /// The excess has mean 0 without bias, so the sum of its squares estimates the variance of its sum.
     double StandardError() const { return light > 0 ? std::sqrt(squares) / light : kInfinity; }
-    /// The number of paths of equal light that would give the same noise.
+    /// Number of paths of equal light with the same noise.
     double Paths() const { return lightSquares > 0 ? light * light / lightSquares : 0; }
     double Unjudged() const { return light > 0 ? unjudged / light : 0; }
     Sums &operator+=(const Sums &o) {
@@ -93,7 +92,7 @@ SelectionReport JudgeSelection(std::span<const std::vector<VertexFinding>> regio
         return report;
     }
     const double level = SidakLevel(settings.level, withLight + 1);
-    // The critical value of Student's t times the standard error, for a two-sided level p.
+    // Critical value of Student's t times the standard error, for a two-sided level p.
     auto deviates = [&](const Sums &s, double p) {
         return s.Paths() >= kMinEffective ? StudentCritical(p, s.Paths() - 1) * s.StandardError() : kInfinity;
     };
@@ -173,7 +172,7 @@ void AddSelection(const SelectionReport &selection, BiasReport *report) {
     const std::string atVertices = " Vertex by vertex: " + selection.text + ".";
     const bool picturesShowNothing = !report->worst.biased;
     if (selection.verdict == BiasVerdict::Clean && report->verdict == BiasVerdict::Unknown && picturesShowNothing) {
-        // This text replaces "Too few data": the vertices give enough.
+        // This text replaces "Too few data": the vertices are sufficient.
         report->verdict = BiasVerdict::Clean;
         auto size = [](double v) { return std::isfinite(v) ? Percent(v) : std::string("none"); };
         report->text = fmt::format(

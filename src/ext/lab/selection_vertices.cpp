@@ -19,10 +19,10 @@ constexpr int kRegions = kSelectionSide * kSelectionSide;
 constexpr int kMinPaths = 256, kMaxPaths = 4096;  ///< per region
 constexpr int kBlock = 16;                        ///< paths per task
 constexpr double kEnoughEffective = 60;  ///< tracing ends when half of the lit regions have this many effective paths
-constexpr size_t kMaxMeasured = 2048;    ///< most lights measured at a vertex
+constexpr size_t kMaxMeasured = 2048;    ///< maximum lights measured per vertex
 constexpr Float kAllInMedium = 8;        ///< vertices in media up to this depth are all measured
 
-/// Follows paths as the render makes them and measures the lights at their vertices.
+/// Traces paths as in the render and measures the lights at their vertices.
 class Measurer {
   public:
     Measurer(const BuiltScene &built)
@@ -54,7 +54,7 @@ class Measurer {
         SpectralWeights weights{};
         int depth = 0;
     };
-    /// f times the cosine, or the phase function, and the density of that direction (solid angle).
+    /// f times cosine, or phase function, and the scattering density (solid angle).
     struct Scattering {
         SampledSpectrum f;
         Float pdf = 0;
@@ -101,7 +101,6 @@ class Measurer {
         }
     }
 
-    /// Keeps the vertex if it receives light.
     static void Keep(SelectionVertices::Vertex &&vertex, std::vector<SelectionVertices::Vertex> &out) {
         if (vertex.lights.empty()) return;
         vertex.query.bsdf = nullptr;
@@ -110,14 +109,14 @@ class Measurer {
         out.push_back(std::move(vertex));
     }
 
-    /// Measures the lights at the distance t along the ray and scatters the path there.
+    /// Measures the lights at distance t along the ray and scatters the path there.
     void ScatterInMedium(Path &path, Float t) {
         auto &[walk, lambda, rng, out, weights, depth] = path;
         const HenyeyGreenstein &phase = walk.MediumAhead()->Phase();
         const Ray ray = walk.GetRay();
         const Point3 p = ray(t);
         ++depth;
-        // A path in a dense medium has a hundred vertices: of the later ones some are measured and stand for all.
+        // A path in a dense medium has a hundred vertices: of the later ones some are measured and represent all.
         const Float share = std::min(Float(1), kAllInMedium / static_cast<Float>(depth));
         if (share == 1 || rng.Uniform() < share) {
             Measure(
@@ -142,7 +141,7 @@ class Measurer {
             });
     }
 
-    /// Writes lights_. `from`: the place that lights are sampled from.
+    /// Writes lights_. `from`: receiver of light sampling.
     template <class MediumTowards, class Scatter>
     void Measure(Path &path, const LightSampleContext &from, MediumTowards &&mediumTowards, Scatter &&scatter) {
         lights_.clear();
@@ -153,7 +152,8 @@ class Measurer {
              l += stride_) {
             const LightComponent light = table[LightId(l)];
             const Point2 u = path.rng.Uniform2();
-            // All directions of a sky, also those that the render leaves to BSDF sampling: parts may hold them.
+            // All directions of an environment light, including those that the render leaves to BSDF sampling, as
+            // regions may contain them.
             std::optional<LightLiSample> sample = light.SampleLi(from, u, path.lambda, false);
             if (!sample || !sample->L || !(sample->pdf > 0)) continue;
             const Scattering to = scatter(sample->wi);
@@ -176,7 +176,7 @@ class Measurer {
     std::vector<SelectionVertices::MeasuredLight> lights_;
 };
 
-/// Returns true if half of the regions that receive light have enough effective paths.
+/// True if half of the regions that receive light have enough effective paths.
 bool HaveEnough(std::span<const std::vector<SelectionVertices::Vertex>> regions) {
     int lit = 0, enough = 0;
     for (const auto &region : regions) {

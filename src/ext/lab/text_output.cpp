@@ -14,7 +14,7 @@ using namespace pbrt;
 
 namespace {
 
-/// What follows `key` and `separator` in the first line of a file that starts with the key; empty if there is none.
+/// Text after `key` and `separator` in the first line that starts with the key; empty if none.
 std::string ValueInFile(const char *path, const std::string &key, char separator) {
     std::ifstream in(path);
     for (std::string line; std::getline(in, line);) {

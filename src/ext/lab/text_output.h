@@ -6,15 +6,15 @@
 namespace ext::lab {
 using Json = nlohmann::ordered_json;
 
-/// Returns the rows as a text table with aligned columns: the first one to the left, the others to the right.
+/// Formats rows as a table: first column left-aligned, others right-aligned.
 std::string Align(const std::vector<std::vector<std::string>> &rows);
 
-/// Returns a name as a CSV field. Names must not contain quotation marks.
+/// A name as a CSV field. Names must not contain quotation marks.
 inline std::string Quoted(const std::string &text) {
     return text.find_first_of(",\"") == std::string::npos ? text : "\"" + text + "\"";
 }
 
-/// Start of a page without external resources; title and style follow.
+/// Head of a page without external resources; title and style follow.
 inline constexpr const char *kPageHead = R"(<!doctype html>
 <html lang="en">
 <head>
@@ -24,12 +24,11 @@ inline constexpr const char *kPageHead = R"(<!doctype html>
 <link rel="icon" href="data:,">
 )";
 
-/// Escapes text for HTML content and attribute values.
 std::string EscapeHtml(const std::string &text);
 
-/// Returns cpu, threads, memoryGB and os of this machine; null where unknown.
+/// cpu, threads, memoryGB and os of this machine; null if unknown.
 Json DescribeMachine();
-/// Returns the present time in UTC, as 2026-11-21T03:00:00Z.
+/// Current UTC time, as 2026-11-21T03:00:00Z.
 std::string DateText();
 
 }  // namespace ext::lab

@@ -132,7 +132,7 @@ TileNoise::Estimate TileNoise::Of(const TileRectangle &r) const {
         r.ForEach([&](int x, int y) {
             const double e = Residual(i, x, y);
             total += e;
-            // Each pair once; the other half is the factor 2 below.
+            // Each pair once; the factor 2 below accounts for the other half.
             if (x + 1 < r.x1) neighbours += e * Residual(i, x + 1, y);
             if (y + 1 < r.y1) {
                 neighbours += e * Residual(i, x, y + 1);
@@ -156,11 +156,11 @@ TileNoise::Estimate TileNoise::Of(const TileRectangle &r) const {
     const double tiles = r.Count();
     const double sum = std::max(own + std::max(0.0, 2 * neighbours), between);
     noise.variance = sum / (n * (n - 1) * tiles * tiles);
-    // Satterthwaite's estimate from squares that are too large by (n + 1) / (n - 1), being estimates themselves;
-    // right for equal tiles ((n - 1) tiles - 2) and if one tile has all the noise (n - 1).
+    // Satterthwaite's estimate from squares that are too large by (n + 1) / (n - 1), being estimates themselves; exact
+    // for equal tiles ((n - 1) tiles - 2) and if one tile has all the noise (n - 1).
     if (ownSquared > 0) noise.dof = std::min((n + 1) * own * own / ownSquared - 2, (n - 1) * tiles);
-    // Few pictures often agree by chance just where most of the noise is; then many quiet tiles seem to vouch for the
-    // region. So it has no more degrees of freedom than if the noise went with the brightness.
+    // Few images often agree by chance where most of the noise is; many quiet tiles then dominate. So the region's
+    // degrees of freedom are limited to those of noise proportional to brightness.
     if (n_ < kFew && brightSquared > 0) noise.dof = std::min(noise.dof, (n - 1) * bright * bright / brightSquared);
     return noise;
 }
@@ -168,7 +168,7 @@ TileNoise::Estimate TileNoise::Of(const TileRectangle &r) const {
 double TileNoise::Strongest(const TileRectangle &r) const {
     std::vector<double> values;
     for (size_t i = 0; i < n_; ++i) r.ForEach([&](int x, int y) { values.push_back(Residual(i, x, y)); });
-    // The picture with the strong sample has raised the mean itself, by 1/n of it.
+    // The image with the strong sample has itself raised the mean, by 1/n of it.
     return static_cast<double>(n_) / static_cast<double>(n_ - 1) * Excess(values);
 }
 

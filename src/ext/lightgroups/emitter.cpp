@@ -6,10 +6,10 @@ namespace ext {
 
 namespace {
 
-/// The range of strengths within which G and sums of it neither overflow nor underflow.
+/// Range of strengths for which G and its sums neither overflow nor underflow.
 constexpr double kMinStrength = 1e-30, kMaxStrength = 1e30;
 
-/// Moments of a light at infinity, as averages over its own samples.
+/// Moments of a light at infinity, estimated from its own samples.
 void FindMoments(const LightComponent &light, double unit, Emitter *e) {
     constexpr int kSide = 32;
     LightSampleContext from{};
@@ -30,7 +30,7 @@ void FindMoments(const LightComponent &light, double unit, Emitter *e) {
     e->m1 = e->isDelta ? Normalize(Vector3(first / sum)) : Vector3(first / sum * m0);
 }
 
-/// The normal of the side the receiver is seen from; zero in a medium.
+/// Normal on the viewer's side; zero in a medium.
 Normal3 ReceiverNormal(const LightQuery &query) {
     if (query.ns == Normal3(0)) return Normal3(0);
     return Dot(query.wo, query.ns) < 0 ? -query.ns : query.ns;
@@ -40,21 +40,20 @@ using Ops = SimdOps<EmitterPacket::kLanes>;
 using F = Ops::F;
 F Load(const Float *v) { return F(v, std::experimental::vector_aligned); }
 
-/// The mean clamped cosine over an emitter whose directions' cosines lie between c - s and c + s (see G), with c and s
-/// times the distance.
+/// Mean clamped cosine over an emitter with direction cosines in [c - s, c + s] (see G); c and s times the distance.
 [[gnu::always_inline]] inline F MeanCosine(const F &c, const F &s, const F &quarterInvS) {
     F above = Ops::Max(c + s, F(0));
     return Ops::Select(c >= s, c, above * above * quarterInvS);
 }
 
-/// The squared sine of a thousandth of a radian, a margin for the rounding of directions (as in LightBounds).
+/// Squared sine of a milliradian: margin for rounding of directions (as in LightBounds).
 constexpr Float kSlack = 1e-6f;
-/// Intensity over squared distance is at most this, so that sums of G stay finite.
+/// Maximum intensity over squared distance; keeps sums of G finite.
 constexpr Float kMaxArriving = 1e36f;
 
-/// C(axis, -w) of G: the mean cosine of the angle by which the direction leaves the cone of normals. Where the emission
-/// ends before or after the horizon (spot lights), the end of the falloff limits it instead of the horizon. `c`: cosine
-/// of the angle between direction and axis. All cosines and sines come times the distance d, products of two times d2.
+/// C(axis, -w) of G: the mean cosine of the angle outside the cone of normals. For emission that ends before or after
+/// the horizon (spot lights), the end of the falloff replaces the horizon. `c`: cosine between direction and axis.
+/// Cosines and sines are scaled by the distance d, products of two by d2.
 [[gnu::always_inline]] inline F Emission(const EmitterPacket &e, const F &c, const F &d2, const F &s,
                                          const F &quarterInvS) {
     const F d = Ops::Sqrt(d2), cosO = Load(e.cosO), sinO = Load(e.sinO), cosE = Load(e.cosE);
@@ -64,7 +63,7 @@ constexpr Float kMaxArriving = 1e36f;
     F mean = MeanCosine(beyond, s, quarterInvS);
     if (!e.someCut) return mean;
     F sinBeyond = Ops::Select(within, F(0), sinAxis * cosO - c * sinO);
-    // The direction in the sphere that is nearest to the axis: the angle is less by the sphere's half angle.
+    // Direction in the sphere closest to the axis: the angle minus the sphere's half angle.
     F cosExtent = Ops::Sqrt(Ops::Max(d2 - s * s, F(0)));
     auto inCone = beyond > cosExtent || beyond * cosExtent + sinBeyond * s > cosE * d2;
     F cut = Ops::Select(inCone, Ops::Max(mean, F(1e-3f) * d), F(0));
@@ -98,7 +97,7 @@ Emitter MakeEmitter(const LightTable &lights, LightId firstId, const LightCandid
     if (e.isArea) {
         e.intensity = candidate.power * InvPi / (candidate.bounds->twoSided ? 2 : 1);
     } else {
-        // Full strength within theta_o, half of it on average in the falloff.
+        // Full intensity within theta_o, half on average in the falloff.
         Float inner = SafeACos(candidate.bounds->cosTheta_o),
               outer = std::min(inner + SafeACos(candidate.bounds->cosTheta_e), Pi);
         Float solidAngle = Pi * ((1 - std::cos(inner)) + (1 - std::cos(outer)));
@@ -123,7 +122,7 @@ void EmitterPacket::Set(size_t lane, const Emitter &e) {
     centerX[lane] = s.center.x;
     centerY[lane] = s.center.y;
     centerZ[lane] = s.center.z;
-    // A little larger, so that rounding cannot hide what grazes a horizon.
+    // Slightly enlarged, so that rounding cannot hide emitters that graze a horizon.
     radius2[lane] = Sqr(s.radius * 1.001f);
     axisX[lane] = s.w.x;
     axisY[lane] = s.w.y;
@@ -132,7 +131,7 @@ void EmitterPacket::Set(size_t lane, const Emitter &e) {
     intensity[lane] = std::clamp(e.intensity * shown, Float(kMinStrength), Float(kMaxStrength));
     inside[lane] = std::min(intensity[lane] / std::max(radius2[lane], Float(1e-30f)), kMaxArriving) / 4;
     side[lane] = s.twoSided ? -1 : 1;
-    // Normals that differ by rounding only are one normal (kSlack is larger).
+    // Normals that differ only by rounding count as equal (kSlack is larger).
     const bool isFlat = s.cosTheta_o > 1 - 2e-7f;
     cosO[lane] = isFlat ? 1 : s.cosTheta_o;
     sinO[lane] = isFlat ? 0 : SafeSqrt(1 - Sqr(s.cosTheta_o));
@@ -141,8 +140,8 @@ void EmitterPacket::Set(size_t lane, const Emitter &e) {
     someCut |= s.cosTheta_e != 0;
 }
 
-// Compiled once, so that all uses get the same bits. The distance d is never divided by: with v = d w every cosine
-// comes as d times itself, and G = I (d C) (d C) / d^4.
+// noinline: bit-identical results for all call sites. Avoids division by the distance d: with v = d w every cosine is
+// scaled by d, and G = I (d C) (d C) / d^4.
 [[gnu::noinline]] Float EmitterPacket::EvaluateAll(const EmitterPacket *packets, size_t count, const LightQuery &query,
                                                    Float *out) {
     const F px(query.p.x), py(query.p.y), pz(query.p.z);
@@ -199,7 +198,6 @@ namespace {
 using Eight = Float __attribute__((vector_size(32)));
 using EightInts = int __attribute__((vector_size(32)));
 
-/// v[i][k] becomes v[k][i].
 [[gnu::always_inline]] inline void Transpose(Eight v[8]) {
     constexpr EightInts kPairLow = {0, 8, 1, 9, 4, 12, 5, 13}, kPairHigh = {2, 10, 3, 11, 6, 14, 7, 15};
     constexpr EightInts kTwoLow = {0, 1, 8, 9, 4, 5, 12, 13}, kTwoHigh = {2, 3, 10, 11, 6, 7, 14, 15};

@@ -6,9 +6,8 @@
 
 namespace ext {
 
-/// Place and direction of an emitter as one vector, for trees that put similar emitters together. Places are relative
-/// to the diagonal of the box around all of them; opposite directions of flat emitters are 0.7 apart, where opposite
-/// ends of the diagonal are 1 apart.
+/// Position and direction of an emitter as one vector, for clustering. Positions are relative to the bounds' diagonal:
+/// its ends are 1 apart, opposite directions of flat emitters 0.7.
 using EmitterFeature = std::array<Float, 6>;
 inline EmitterFeature FeatureOf(const Emitter &e, const Point3 &center, Float invSize) {
     Vector3 place = (e.bounds->Centroid() - center) * invSize;
@@ -17,18 +16,16 @@ inline EmitterFeature FeatureOf(const Emitter &e, const Point3 &center, Float in
     return {place.x, place.y, place.z, w.x, w.y, w.z};
 }
 
-/// An emitter as an item of a tree that is being built.
 struct EmitterItem {
     uint32_t emitter = 0;
     Float weight = 0;
     EmitterFeature feature{};
 };
 
-/// The children of a node of at least this many emitters are built in parallel; LightTree splits such nodes at the
-/// median.
+/// Minimum emitters of a node whose children are built in parallel; LightTree splits such nodes at the median.
 inline constexpr size_t kManyEmitters = 4096;
 
-/// Sets the features of all items, relative to the box around their own places.
+/// Sets the features of all items, relative to the bounds of their positions.
 inline void FindFeatures(std::span<EmitterItem> items, std::span<const Emitter> emitters) {
     Bounds3 cloud;
     for (const EmitterItem &item : items) cloud = Union(cloud, emitters[item.emitter].bounds->Centroid());
@@ -38,9 +35,9 @@ inline void FindFeatures(std::span<EmitterItem> items, std::span<const Emitter> 
     for (EmitterItem &item : items) item.feature = FeatureOf(emitters[item.emitter], center, invSize);
 }
 
-/// The axis of the feature along which a list of items differs most.
+/// Feature axis of maximum spread over a list of items.
 struct WidestAxis {
-    double spread = 0;  ///< sum of weighted squared distances from the mean
+    double spread = 0;  ///< weighted sum of squared distances from the mean
     size_t axis = 0;
 
     explicit WidestAxis(std::span<const EmitterItem> items) {
@@ -63,8 +60,7 @@ struct WidestAxis {
     }
 };
 
-/// Orders items by one coordinate of the feature and ties by index, so that the result does not depend on the order
-/// before.
+/// Orders by one feature coordinate, ties by index, so that the result is independent of the input order.
 struct LessAlong {
     size_t axis = 0;
     bool operator()(const EmitterItem &a, const EmitterItem &b) const {

@@ -10,7 +10,7 @@ namespace ext {
 
 struct EmitterTree::Cluster {
     size_t begin = 0, end = 0;
-    double spread = 0;  ///< along the widest axis; negative: one emitter
+    double spread = 0;  ///< along the widest axis; negative: a single emitter
     size_t axis = 0;
 
     void Measure(std::span<const EmitterItem> items) {
@@ -22,20 +22,19 @@ struct EmitterTree::Cluster {
     }
 };
 
-/// A tree or a part of one, without its packets.
+/// A tree or subtree, without its packets.
 struct EmitterTree::Part {
-    std::vector<Branch> nodes;    ///< [0] is the topmost
-    std::vector<Emitter> wholes;  ///< per node, the emitters below it as one (not set for the root)
+    std::vector<Branch> nodes;    ///< [0] is the root
+    std::vector<Emitter> wholes;  ///< per node, the union of its emitters (not set for the root)
     std::vector<uint32_t> children;
     int depth = 0;
 
-    /// Adds a node over these items, and all below it; returns its index.
+    /// Adds a node over these items and its subtree; returns the node's index.
     uint32_t Add(std::span<EmitterItem> items, std::span<const Emitter> emitters, const Emitter &whole, int level);
     uint32_t Append(const Part &part);
     static std::vector<Cluster> Divide(std::span<EmitterItem> items, std::span<const Emitter> emitters);
 };
 
-/// Sorts the items so that each cluster is a range of them.
 std::vector<EmitterTree::Cluster> EmitterTree::Part::Divide(std::span<EmitterItem> items,
                                                             std::span<const Emitter> emitters) {
     FindFeatures(items, emitters);
@@ -48,7 +47,6 @@ std::vector<EmitterTree::Cluster> EmitterTree::Part::Divide(std::span<EmitterIte
         auto widest = std::max_element(clusters.begin(), clusters.end(),
                                        [](const Cluster &a, const Cluster &b) { return a.spread < b.spread; });
         if (widest->spread < 0) break;
-        // Half of the emitters to each side.
         Cluster left = *widest, right = *widest;
         left.end = right.begin = (widest->begin + widest->end) / 2;
         auto at = [&](size_t i) { return items.begin() + static_cast<std::ptrdiff_t>(i); };
@@ -84,7 +82,7 @@ uint32_t EmitterTree::Part::Add(std::span<EmitterItem> items, std::span<const Em
             children[firstChild + static_cast<size_t>(c)] = build(static_cast<size_t>(c));
         });
     for (size_t c = 0; c < clusters.size(); ++c) {
-        // Not one expression: Add can reallocate `children`.
+        // Not one expression: Add may reallocate `children`.
         uint32_t child = asTasks ? children[firstChild + c] : build(c);
         if (asTasks && !(child & kLeaf)) child = Append(parts[c]);
         children[firstChild + c] = child;
@@ -134,7 +132,7 @@ EmitterTree::EmitterTree(std::span<const Emitter> emitters) : places_(emitters.s
 
 void EmitterTree::MakePackets(std::span<const Emitter> emitters, std::span<const Emitter> wholes) {
     constexpr size_t kLanes = EmitterPacket::kLanes;
-    size_t begin = 0;  // the first free lane
+    size_t begin = 0;  // first free lane
     for (Branch &node : nodes_) {
         if (begin % kLanes + node.count > kLanes) begin = (begin + kLanes - 1) / kLanes * kLanes;
         node.firstPacket = static_cast<uint32_t>(begin / kLanes);
@@ -171,7 +169,7 @@ void EmitterTree::WeighBelow(Node n, const LightQuery &query, Level *level) cons
     for (uint32_t i = 0; i < level->far; ++i) level->sum += EvaluateFar(far_[i].emitter, query);
 }
 
-/// First the packet, then the lane in it.
+/// Selects the packet, then the lane.
 WeightedChoice<double, Float> EmitterTree::Level::Choose(double target) const {
     double before = 0;
     for (uint32_t p = 0; p < packets; ++p) {
@@ -190,7 +188,7 @@ WeightedChoice<double, Float> EmitterTree::Level::Choose(double target) const {
         chosen.index += near;
         return chosen;
     }
-    // Only rounding leads here: the last child of positive weight.
+    // Reached only by rounding: the last child of positive weight.
     return ChooseByWeight<double>(near, std::numeric_limits<double>::infinity(),
                                   [&](uint32_t i) { return WeightAt(i); });
 }
@@ -205,7 +203,7 @@ std::optional<SampledLight> EmitterTree::Sample(const LightQuery &query, Float u
 Float EmitterTree::PMF(const LightQuery &query, uint32_t emitter) const {
     Place place = places_[emitter];
     if (place.slot == kLeaf) return 0;
-    std::array<uint32_t, 32> slots;  // from the leaf up; a child has at most half (rounded up) of its node's emitters
+    std::array<uint32_t, 32> slots;  // bottom-up; a child has at most half (rounded up) of its node's emitters
     size_t depth = 0;
     for (;; place = {nodes_[place.node].parent, nodes_[place.node].slot}) {
         slots[depth++] = place.slot;

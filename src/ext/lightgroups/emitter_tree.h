@@ -7,33 +7,33 @@
 
 namespace ext {
 
-/// A wide tree over emitters: every node has up to 32 children, chosen among in proportion to G (EmitterPacket), so a
-/// choice among n emitters evaluates G about 32 log_32 n times. Children are made by splitting, again and again, the
-/// one whose emitters differ most in place and direction (weighted by intensity): near a curved emitter the first level
-/// already separates the sides that face away, which a binary tree of bounds separates only near its leaves.
+/// Wide tree over emitters: every node has up to 32 children, selected in proportion to G (EmitterPacket). Selecting
+/// among n emitters evaluates G about 32 log_32 n times. Children result from repeatedly splitting the cluster with
+/// maximum spread in position and direction, weighted by intensity. Near a curved emitter, the first level already
+/// separates back-facing sides; a binary tree of bounds does so only near its leaves.
 class EmitterTree {
   public:
     EmitterTree() = default;
-    /// The same tree for any number of threads.
+    /// Deterministic for any number of threads.
     explicit EmitterTree(std::span<const Emitter> emitters);
 
-    /// An emitter (`light` is its index) and its probability; none if no emitter can contribute.
+    /// Samples an emitter (`light` is its index) with its probability; empty if no emitter can contribute.
     std::optional<SampledLight> Sample(const LightQuery &query, Float u) const;
     Float PMF(const LightQuery &query, uint32_t emitter) const;
 
-    /// For WalkDown (weighted_choice.h): a node, or kLeaf | emitter. Far lights are the last children of the root.
+    /// WalkDown interface (weighted_choice.h): a node, or kLeaf | emitter. Far lights are the root's last children.
     static constexpr size_t kWidth = 32;
     static constexpr uint32_t kLeaf = 0x80000000u;
     using Node = uint32_t;
     struct Level {
         static constexpr size_t kLanes = EmitterPacket::kLanes;
-        alignas(32) Float g[kWidth];  ///< of whole packets; 0 in lanes of other nodes
+        alignas(32) Float g[kWidth];  ///< whole packets; 0 in lanes of other nodes
         Float packetSums[kWidth / kLanes];
         uint32_t packets = 0, firstLane = 0;
         const uint32_t *children;
         const EmitterTree *tree;
         const LightQuery *query;
-        uint32_t near = 0;  ///< children without far lights
+        uint32_t near = 0;  ///< children, excluding far lights
         uint32_t far = 0;
         Float sum = 0;
         Float WeightAt(uint32_t i) const {
@@ -52,9 +52,9 @@ class EmitterTree {
   private:
     struct Branch {
         uint32_t firstPacket = 0, firstChild = 0, parent = 0;
-        uint8_t firstLane = 0;  ///< in the first packet: small nodes share packets
-        uint8_t count = 0;      ///< children, without far lights
-        uint8_t slot = 0;       ///< among the parent's children
+        uint8_t firstLane = 0;  ///< in the first packet; small nodes share packets
+        uint8_t count = 0;      ///< children, excluding far lights
+        uint8_t slot = 0;       ///< index among the parent's children
     };
     struct Place {
         uint32_t node = 0, slot = kLeaf;
@@ -70,7 +70,7 @@ class EmitterTree {
     std::vector<Branch> nodes_;
     std::vector<EmitterPacket> packets_;
     std::vector<uint32_t> children_;  ///< kLeaf | emitter, or node
-    std::vector<Far> far_;            ///< more children of the root, after the others
+    std::vector<Far> far_;            ///< further children of the root, after the others
     std::vector<Place> places_;       ///< per emitter; slot kLeaf: not in the tree
     int depth_ = 0;
 };

@@ -4,7 +4,7 @@
 
 namespace ext {
 
-/// Group light samplers that can choose inside a group by importance at the point (MeshInterior).
+/// Group light samplers that select within a group by importance at the point (MeshInterior).
 class InteriorLightSampler : public GroupLightSampler {
   protected:
     InteriorLightSampler(const LightTable &lights, bool meshlights, bool interiorByImportance)

@@ -11,11 +11,10 @@ namespace ext {
 
 namespace {
 
-/// Each child has at least 1 / kMinPart of its node's lights, so that the depth stays logarithmic.
+/// Each child has at least 1 / kMinPart of its node's lights, which keeps the depth logarithmic.
 constexpr uint32_t kMinPart = 8;
 
-/// Where to split items that are sorted along `axis`: the number of items of the first side, for the least sum of the
-/// weighted spreads within the two sides.
+/// Split index of items sorted along `axis` that minimizes the summed weighted spread of both sides.
 uint32_t BestSplit(std::span<const EmitterItem> items, size_t axis) {
     double weight = 0, sum = 0;
     for (const EmitterItem &item : items) {
@@ -29,7 +28,7 @@ uint32_t BestSplit(std::span<const EmitterItem> items, size_t axis) {
         left += static_cast<double>(items[i].weight);
         leftSum += static_cast<double>(items[i].weight * items[i].feature[axis]);
         if (i + 1 < least || !(left > 0) || !(weight > left)) continue;
-        // The total spread is fixed: the more lies between the two sides, the less is within them.
+        // Total spread is constant: maximizing it between the sides minimizes it within them.
         const double rest = sum - leftSum, between = leftSum * leftSum / left + rest * rest / (weight - left);
         if (between > most) {
             most = between;
@@ -48,7 +47,7 @@ class LightTree::Builder {
         Add(0, 0, static_cast<uint32_t>(items_.size()));
         for (uint32_t i = 0; i < items_.size(); ++i) tree_.order_[i] = items_[i].emitter;
     }
-    /// Per node: radius of the sphere around its lights times their intensity.
+    /// Per node: bounding sphere radius times total intensity.
     std::span<const Float> Spread() const { return spread_; }
 
   private:

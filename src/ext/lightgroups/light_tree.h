@@ -7,25 +7,25 @@
 
 namespace ext {
 
-/// A binary tree over emitters (lights, for short) whose nodes can be named one by one: a *cut* is a list of nodes that
-/// holds every light exactly once. A node stands for all lights below it: G of a node (EmitterPacket) is that of a
-/// sphere around them with all their intensity, and it is positive wherever G of one of them is.
+/// Binary tree over emitters ("lights") with addressable nodes. A *cut* is a list of nodes that covers every light
+/// exactly once. G of a node (EmitterPacket) is that of its lights' bounding sphere with their total intensity; it is
+/// positive wherever G of one of them is.
 ///
-/// Nodes are in preorder, so that names in rising order are lights in rising order of *position*. Far lights have no
-/// place in the scene: up to kFarNodes nodes after all others hold them and are part of every cut.
+/// Nodes are in preorder, so ascending nodes cover ascending light *positions*. Far lights have no location: up to
+/// kFarNodes nodes after all others hold them and belong to every cut.
 class LightTree {
   public:
     static constexpr size_t kFarNodes = 16;
     static constexpr uint32_t kNowhere = ~0u;
 
     LightTree() = default;
-    /// The same tree for any number of threads.
+    /// Deterministic for any number of threads.
     explicit LightTree(std::span<const Emitter> emitters);
 
     size_t NodeCount() const { return ranges_.size(); }
     size_t FarNodeCount() const { return ranges_.size() - nearNodes_; }
-    size_t LightCount() const { return order_.size(); }  ///< lights that never contribute are not counted
-    /// Lights of a node, by position.
+    size_t LightCount() const { return order_.size(); }  ///< excludes lights that never contribute
+    /// Positions of a node's lights.
     struct Range {
         uint32_t begin = 0, end = 0;
         uint32_t Size() const { return end - begin; }
@@ -39,28 +39,27 @@ class LightTree {
     uint32_t First(uint32_t node) const { return node + 1; }
     uint32_t Second(uint32_t node) const { return node + 2 * ranges_[node + 1].Size(); }
     Float Intensity(uint32_t node) const { return node < nearNodes_ ? rows_[node].field[kIntensity] : Float(0); }
-    /// The nodes without a parent, in order: the node of all near lights, then the nodes of far lights. This is the
-    /// shortest cut.
+    /// Nodes without a parent: the root of all near lights, then the far nodes. The shortest cut.
     std::span<const uint32_t> Roots() const { return roots_; }
-    /// A cut of up to kBaseNodes near nodes and all far ones, for places about which nothing was learned: nodes with
-    /// the largest product of intensity and radius are divided first.
+    /// Cut of up to kBaseNodes near nodes and all far ones, for regions without learned data: splits nodes with maximum
+    /// intensity times radius first.
     static constexpr size_t kBaseNodes = 48;
     std::span<const uint32_t> BaseCut() const { return base_; }
 
-    /// Writes G of the nodes, which must be in rising order, to out[0, nodes.size()) and returns the sum.
+    /// Writes G of the nodes (ascending) to out[0, nodes.size()) and returns the sum.
     Float Evaluate(const LightQuery &query, std::span<const uint32_t> nodes, std::span<Float> out) const;
-    /// A light below a node, chosen level by level by G, its probability given the node, and its G as `unoccluded`.
-    /// None if no light there can contribute.
+    /// Samples a light below a node, level by level by G: its probability given the node, and its G as `unoccluded`.
+    /// Empty if no light there can contribute.
     std::optional<SampledLight> SampleWithin(uint32_t node, const LightQuery &query, Float u) const;
-    /// The probability with which SampleWithin chooses the light at a position in the node's range.
+    /// Probability that SampleWithin selects the light at a position in the node's range.
     Float PMFWithin(uint32_t node, const LightQuery &query, uint32_t position) const;
-    /// The index in a cut (nodes in rising order) of the node that holds a position.
+    /// Index in a cut (ascending) of the node that holds a position.
     size_t FindInCut(std::span<const uint32_t> cut, uint32_t position) const;
 
-    /// True if the nodes are a cut, in rising order.
+    /// True if the nodes form a cut, ascending.
     bool IsCut(std::span<const uint32_t> nodes) const;
 
-    /// For WalkDown (weighted_choice.h): up to eight nodes, in order, that hold the lights of a node with children.
+    /// WalkDown interface (weighted_choice.h): up to eight nodes, in order, that cover an inner node.
     static constexpr int kLanes = EmitterPacket::kLanes;
     using Node = uint32_t;
     struct Level {
@@ -80,7 +79,7 @@ class LightTree {
     size_t Bytes() const;
 
   private:
-    static constexpr size_t kIntensity = 7;  ///< in EmitterRow
+    static constexpr size_t kIntensity = 7;  ///< index in EmitterRow
     class Builder;
     Float EvaluateFarNode(uint32_t node, const LightQuery &query) const;
     void ChooseBaseCut(std::span<const Float> spread);
@@ -88,7 +87,7 @@ class LightTree {
     std::vector<Range> ranges_;     ///< per node
     std::vector<EmitterRow> rows_;  ///< per near node
     uint32_t nearNodes_ = 0;
-    std::vector<Emitter> far_;  ///< at position LightCount() - far_.size() and after
+    std::vector<Emitter> far_;  ///< positions LightCount() - far_.size() and up
     std::vector<uint32_t> order_, position_, roots_, base_;
 };
 

@@ -7,16 +7,15 @@
 
 namespace ext {
 
-/// P(light | group, query): chooses a primitive of an emissive mesh, once the mesh is chosen. The choice is by the
-/// importance G at the point: G of every primitive is evaluated for up to 32 primitives, an EmitterTree is used for
-/// more. Primitives that face away get nothing, near ones more; a choice by power alone (LightGroups) wastes most
-/// samples on curved and closed emitters.
+/// P(light | group, query): selects a primitive of an emissive mesh in proportion to its G at the point. Evaluates all
+/// primitives up to 32, an EmitterTree above. Back-facing primitives get probability 0; selection by power alone
+/// (LightGroups) wastes most samples on curved and closed emitters.
 class MeshInterior {
   public:
-    /// `byImportance` false: the choice is by power, for comparison.
+    /// `byImportance` false: by power, for comparison.
     MeshInterior(const LightGroups &groups, bool byImportance = true);
 
-    /// A light of the group and its probability within the group; none if no primitive can contribute.
+    /// Samples a light of the group, with its probability within the group; empty if no primitive can contribute.
     std::optional<SampledLight> Sample(uint32_t group, const LightQuery &query, Float u) const;
     /// P(light | its group, query).
     Float PMF(const LightQuery &query, LightId light) const;

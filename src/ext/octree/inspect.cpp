@@ -1,4 +1,3 @@
-// Reports, views and files of the octree light samplers.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -12,7 +11,7 @@ namespace ext {
 
 namespace {
 
-/// Changes with everything that SaveLearned writes.
+/// Incremented whenever the output of SaveLearned changes.
 constexpr uint32_t kVersion = 5;
 constexpr std::string_view kOtherVersion = "another version of this light sampler wrote it";
 

@@ -18,7 +18,6 @@ LightOctreeBuilder::LightOctreeBuilder(const Bounds3 &bounds, std::vector<Point3
     for (size_t i = 0; i < points.size(); ++i) quantized_[i] = tree_.cells_.Quantize(points[i]);
     splitAbove_ = std::max<size_t>(1, 4 * points.size() / static_cast<size_t>(leafTarget));
 
-    // Counting sort into the top grid.
     constexpr uint32_t kTop = CellOctree::TopCount;
     std::vector<uint32_t> start(kTop + 1, 0);
     for (const glm::uvec3 &q : quantized_) ++start[CellOctree::TopCell(q) + 1];
@@ -57,14 +56,12 @@ LightOctree LightOctreeBuilder::Build(size_t groups, const AddValues &addValues)
     auto sumOf = [&](size_t node) { return std::span<double>(sums.data() + node * groups, groups); };
     auto isLeaf = [&](size_t node) { return isLeaf_[node] != 0; };
 
-    // One task per leaf; big leaves first would balance better, but leaves are alike by construction.
     ParallelFor(static_cast<int64_t>(nodeCount), 64, [&](int64_t begin, int64_t end) {
         for (auto node = static_cast<size_t>(begin); node < static_cast<size_t>(end); ++node)
             if (isLeaf(node))
                 for (uint32_t i = rangeOf_[node].begin; i < rangeOf_[node].end; ++i) addValues(order_[i], sumOf(node));
     });
-    // Children come after their parents, so one pass from the back adds every node to its parent, and the top cells to
-    // the whole scene.
+    // Children follow their parents, so one backward pass adds every node to its parent, and the top cells to the root.
     std::vector<double> all(groups, 0.0);
     for (size_t node = nodeCount; node-- > 0;) {
         std::span<double> into = parentOf_[node] == kNoParent ? std::span<double>(all) : sumOf(parentOf_[node]);
@@ -85,7 +82,7 @@ LightOctree LightOctreeBuilder::Build(size_t groups, const AddValues &addValues)
     constexpr uint32_t kNone = 0xffffffffu;
     std::vector<uint32_t> rowOf(nodeCount, kNone);
     uint32_t rootRow = kNone;
-    // The row of the nearest ancestor (or self) that saw light; made when first needed.
+    // Row of the nearest ancestor (or self) with a positive sum; created on first use.
     auto rowFor = [&](uint32_t node) {
         while (node != kNoParent && !(total(sumOf(node)) > 0)) node = parentOf_[node];
         uint32_t &row = node == kNoParent ? rootRow : rowOf[node];

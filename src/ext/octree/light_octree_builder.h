@@ -6,23 +6,23 @@
 
 namespace ext {
 
-/// Builds a LightOctree from points (paper, section 4.1): a 4x4x4 grid, split while a cell holds more than 4N/T points;
-/// a leaf's distribution is proportional to the mean, over its points, of a vector with one value per group.
+/// Builds a LightOctree from points (paper, section 4.1): a 4x4x4 grid whose cells are split while they hold more than
+/// 4N/T points. A leaf's distribution is proportional to the mean of its points' vectors, one value per group.
 class LightOctreeBuilder {
   public:
     /// `leafTarget`: the paper's T.
     LightOctreeBuilder(const Bounds3 &bounds, std::vector<Point3> points, int leafTarget);
 
-    /// Adds the values of point `index` (position in the constructor's list) to `sum`. Called in parallel for points of
-    /// different leaves, in a fixed order within a leaf.
+    /// Adds the values of point `index` (constructor order) to `sum`. Called in parallel for different leaves, in a
+    /// fixed order within a leaf.
     using AddValues = std::function<void(uint32_t index, std::span<double> sum)>;
-    /// Leaves without points, and leaves where all values are 0, share the distribution of their nearest ancestor that
-    /// has one; if there is none at all, every group gets the same share.
+    /// Leaves without points or without positive values use the nearest ancestor's distribution; uniform if no ancestor
+    /// has one.
     LightOctree Build(size_t groups, const AddValues &addValues);
 
-    /// The number of leaves of the tree, with and without points.
+    /// Number of leaves, including empty ones.
     size_t LeafCount() const { return tree_.leaves_; }
-    /// The number of points in each node, indexed by CellOctree::Cell::node. Valid before and after Build.
+    /// Number of points per node, indexed by CellOctree::Cell::node. Valid before and after Build.
     std::vector<uint32_t> PointsPerNode() const {
         std::vector<uint32_t> counts;
         counts.reserve(rangeOf_.size());

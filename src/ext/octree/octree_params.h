@@ -6,10 +6,9 @@ using namespace pbrt;
 
 /// Defaults of OctreeParams::floor.
 inline constexpr Float kVisibilityFloor = 0.05f, kPaperFloor = 0.1f;
-/// Candidates of VisibilityOctreeLightSampler: with more groups of lights they are nodes of a light tree.
+/// Maximum candidates of VisibilityOctreeLightSampler; with more light groups, candidates are light tree nodes.
 inline constexpr size_t kMaxCandidates = 64;
 
-/// Parameters of the octree light sampler.
 struct OctreeParams {
     std::string model = "visibility";
     int leaves = 4096;

@@ -13,7 +13,7 @@
 namespace ext {
 
 namespace {
-/// Above this many groups the floor comes from the light BVH instead of a scan.
+/// Above this many groups, the floor uses the light BVH instead of exhaustive evaluation.
 constexpr size_t kMaxScan = 64;
 
 double SecondsSince(std::chrono::steady_clock::time_point t) {

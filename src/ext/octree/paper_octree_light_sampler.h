@@ -7,15 +7,15 @@
 
 namespace ext {
 
-/// "Enhanced Direct Lighting Using Visibility-Aware Light Sampling" (Noh, Choi, Moon 2023), section 4: a prepass traces
-/// short camera paths; at every vertex one shadow ray to each light gives g = Le G V / p (Eq. 5); an octree over the
-/// vertices stores the mean of g per leaf and light; lights are chosen in proportion to this mean.
+/// "Enhanced Direct Lighting Using Visibility-Aware Light Sampling" (Noh, Choi, Moon 2023), section 4. A prepass traces
+/// short camera paths and, at every vertex, one shadow ray per light: g = Le G V / p (Eq. 5). An octree over the
+/// vertices stores the mean of g per leaf and light; selection is proportional to this mean.
 ///
-/// Departures, both where the paper is silent:
-/// - P(l | x) = (1 - floor) leaf(x, l) + floor * importance(x, l): without the second term a light that no sample of
-///   a leaf saw would have probability 0, and the image would be biased. importance is the unoccluded estimate of stock
-///   pbrt-v4's samplers at the point itself: the exhaustive sampler for up to 64 groups, the light BVH for more.
-/// - A cell without vertices, or whose vertices saw no light, uses the nearest ancestor's distribution.
+/// Departures where the paper is silent:
+/// - P(l | x) = (1 - floor) leaf(x, l) + floor * importance(x, l). Without the floor, lights that no sample of a leaf
+///   reached would have probability 0 (bias). importance is stock pbrt-v4's unoccluded estimate at x: the exhaustive
+///   sampler up to 64 groups, the light BVH above.
+/// - A cell without vertices or without visible lights uses the nearest ancestor's distribution.
 class PaperOctreeLightSampler final : public GroupLightSampler {
   public:
     PaperOctreeLightSampler(const LightTable &lights, const OctreeParams &params);
@@ -25,7 +25,7 @@ class PaperOctreeLightSampler final : public GroupLightSampler {
     bool SavesLearned() const override { return true; }
     void SaveLearned(StateWriter &writer, bool goesOn) const override;
     void Report(nlohmann::ordered_json &report) const override;
-    /// The leaf, the number of its records and its depth.
+    /// Leaf, its number of records and its depth.
     void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override;
     std::string DescribeStructure() const override;
 
@@ -36,7 +36,7 @@ class PaperOctreeLightSampler final : public GroupLightSampler {
     const void *WeighGroups(const LightQuery &query, LightMemory &memory) const override;
     std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *weights, Float u) const override;
     Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const override;
-    /// The distributions for a query: that of its leaf (null: nothing was learned) and the weights of unoccluded_.
+    /// Distributions for a query: CDF of its leaf (null: not learned) and weights of unoccluded_.
     struct Weights {
         const Float *cdf = nullptr;
         const void *unoccluded = nullptr;
@@ -47,7 +47,7 @@ class PaperOctreeLightSampler final : public GroupLightSampler {
     std::unique_ptr<GroupLightSampler> unoccluded_;  ///< over groups
     LightOctree tree_;
     std::vector<uint32_t> recordsPerNode_;  ///< for Inspect and DescribeStructure only
-    bool learned_ = false;                  ///< false: one group or none, or Prepare was not called: unoccluded_ alone
+    bool learned_ = false;  ///< false: at most one group, or Prepare was not called; only unoccluded_ is used
     size_t vertices_ = 0;
     double prepassSeconds_ = 0, buildSeconds_ = 0;
 };

@@ -6,7 +6,7 @@ namespace ext {
 
 namespace {
 constexpr double kMinVertices = 2000, kMaxFactor = 1.25, kMaxShadowRays = 4e6;
-/// The cost of a drawn shadow ray when the tree is built, in units of the cost of a ray.
+/// Tree build cost of a drawn shadow ray, in units of the cost of a ray.
 constexpr double kBuildPerShadowRay = 0.3;
 }  // namespace
 

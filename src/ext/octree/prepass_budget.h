@@ -3,22 +3,21 @@
 
 namespace ext {
 
-/// The length of the prepass of the visibility model: its rays are the share `budget` of the rays of the render that
-/// follows, and take about the same share of its time. Where shadow rays go to every light, 1 % lies in the flat
-/// minimum of error times time; where lights are drawn among many, a short render would gain from a larger budget
-/// (docs/results/budget.csv).
+/// Length of the visibility model's prepass. `budget` is the ratio of prepass rays to render rays, and about the ratio
+/// of their times. With shadow rays to all lights, 1 % is within the flat minimum of error times time. With drawn
+/// lights, short renders would benefit from a larger budget (docs/results/budget.csv).
 struct PrepassBudget {
-    size_t lights = 0;           ///< groups to choose from
-    size_t raysPerVertex = 0;    ///< shadow rays; if fewer than `lights`, lights are drawn
-    size_t environmentRays = 0;  ///< more rays, to environment lights
+    size_t lights = 0;           ///< light groups
+    size_t raysPerVertex = 0;    ///< shadow rays; if fewer than `lights`, lights are drawn at random
+    size_t environmentRays = 0;  ///< additional rays to environment lights
     int depth = 1;               ///< vertices of a prepass path
     double pixels = 1;
     int samplesPerPixel = 1;  ///< of the render
-    double budget = 0.01;     ///< share of the render's rays
+    double budget = 0.01;     ///< fraction of the render's rays
 
-    /// The prepass as a share of the render's rays. A vertex costs two rays in the render; in the prepass one and its
-    /// shadow rays. Without drawing, which costs less per shadow ray, a short render spends up to 1.25 times the budget
-    /// to reach 2,000 vertices. No prepass makes more than four million shadow rays.
+    /// Ratio of prepass rays to render rays. A vertex costs two rays in the render, and one plus its shadow rays in the
+    /// prepass. If all lights are tested (cheaper per shadow ray), short renders spend up to 1.25 times the budget to
+    /// reach 2,000 vertices. The prepass is limited to four million shadow rays.
     double Share() const;
     double PathsPerPixel() const;
 

@@ -17,9 +17,9 @@ double SecondsSince(std::chrono::steady_clock::time_point t) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - t).count();
 }
 
-/// The trees are built again after these numbers of samples per pixel, if at least three times as many follow.
+/// Sample counts per pixel after which the trees are rebuilt, if at least three times as many samples follow.
 constexpr int kUpdateAfter[] = {1, 4, 16, 64};
-/// At most this many shadow rays of the render are recorded between two updates.
+/// Maximum shadow rays of the render recorded between two updates.
 constexpr size_t kMaxRecorded = 400000;
 
 bool IsFinite(const Point3 &p) { return std::isfinite(p.x + p.y + p.z); }
@@ -137,7 +137,7 @@ void VisibilityModel::Update(const Progress &progress) {
         raysBefore[k] = kinds[k]->rays.size();
         AppendRendered(kinds[k], k == 1);
     }
-    // Cells may hold four times as many records as in the first build: the tree is as good, and built in half the time.
+    // Four times the records per cell of the first build: same quality, half the build time.
     if (!Build(4 * params_.records, progress)) {
         for (size_t k = 0; k < 2; ++k) {
             kinds[k]->records.resize(recordsBefore[k]);

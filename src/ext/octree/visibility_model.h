@@ -6,38 +6,37 @@
 
 namespace ext {
 
-/// A shadow ray of the render.
+/// Shadow ray recorded during the render.
 struct RenderShadowRay {
     Point3 p{};
-    uint32_t inMedium = 0;  ///< 1 inside a medium, 0 on surfaces
-    ShadowRay ray;          ///< of weight 0: an empty place
+    uint32_t inMedium = 0;  ///< 1 in media, 0 on surfaces
+    ShadowRay ray;          ///< weight 0: empty slot
 
     bool IsEmpty() const { return !(ray.weight > 0); }
     static RenderShadowRay Read(StateReader &in);
 };
 
-/// The learned factors a(leaf, l) of the visibility octree: one VisibilityTree on surfaces and one inside media, built
-/// from shadow rays of the prepass. Where lights are chosen through a light tree, both are built again from all shadow
-/// rays of prepass and render, after 1, 4, 16 and 64 samples per pixel.
+/// Learned factors a(leaf, l) of the visibility octree: one VisibilityTree for surfaces and one for media, built from
+/// prepass shadow rays. With a light tree, both are rebuilt from all shadow rays of prepass and render, after 1, 4, 16
+/// and 64 samples per pixel.
 class VisibilityModel final : public OnlineModel, public PathObserver {
   public:
     VisibilityModel(const LightGroups &groups, const OctreeParams &params, Float floor)
         : groups_(groups), params_(params), floor_(floor) {}
-    /// The tree over the groups that rows are cuts through; null: rows name all groups. Must outlive its use here.
+    /// Light tree whose cuts the rows are; null: rows hold all groups. Not owned.
     void SetLightTree(const LightTree *lights) { lights_ = lights; }
 
-    /// Traces shadow rays from `vertices` and builds both trees, in two phases of the context's progress. Ends early if
-    /// it is cancelled.
+    /// Traces shadow rays from `vertices` and builds both trees, in two progress phases. Returns early if cancelled.
     void Learn(PrepareContext &context, std::span<PrepassVertex> vertices, const GroupImportance &importance,
                const MeshInterior &interior);
-    /// The tree for a vertex; null if nothing was learned there.
+    /// Tree for the vertex's domain; null if nothing was learned.
     const VisibilityTree *TreeAt(const LightQuery &query) const {
         const Estimate &estimate = EstimateAt(query);
         return estimate.tree.RowCount() > 0 ? &estimate.tree : nullptr;
     }
-    /// Shadow rays from a vertex of the prepass.
+    /// Shadow rays per prepass vertex.
     size_t RaysPerVertex() const { return RaysPerRecord(groups_.Size(), params_.tries); }
-    /// True if the trees are built again during the render.
+    /// True if the trees are rebuilt during the render.
     bool IsUpdated() const { return lights_ && params_.learn; }
 
     int NextUpdate() const override { return nextUpdate_; }
@@ -50,24 +49,24 @@ class VisibilityModel final : public OnlineModel, public PathObserver {
     void RecordLightSample(PathPlaces &path, const LightQuery &query, const SampledLight &light,
                            const SampledSpectrum &irradiance) override;
 
-    /// `goesOn`: with all that later updates need.
+    /// `goesOn`: include the state that later updates need.
     void Save(StateWriter &out, bool goesOn) const;
-    /// Throws UserError if what was saved does not fit the lights or the context.
+    /// Throws UserError if the saved model does not match the lights or the context.
     void Load(const PrepareContext &context, StateReader &in);
 
     void Report(nlohmann::ordered_json &report) const;
-    /// The leaf of a vertex, and its factors if there is no light tree.
+    /// Leaf of the vertex, and its factors if there is no light tree.
     void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const;
-    /// Leaves and rows as lines of text; empty if nothing was learned.
+    /// Leaves and rows as text; empty if nothing was learned.
     std::string Describe() const;
     size_t Bytes() const { return onSurfaces_.tree.Bytes() + inMedia_.tree.Bytes(); }
 
   private:
-    /// Of one kind of place.
+    /// Model for surfaces or for media.
     struct Estimate {
-        VisibilityRecords records;       ///< all so far; emptied when no update follows
-        VisibilityTree tree;             ///< without rows: nothing was learned
-        std::vector<LeafSize> leaves{};  ///< these three for Inspect, Describe and Report only
+        VisibilityRecords records;       ///< all so far; freed when no update follows
+        VisibilityTree tree;             ///< without rows: not learned
+        std::vector<LeafSize> leaves{};  ///< this and the next two: for Inspect, Describe and Report only
         std::vector<uint32_t> recordsPerNode{};
         size_t leavesBefore = 0;
 
@@ -75,10 +74,9 @@ class VisibilityModel final : public OnlineModel, public PathObserver {
         void Visit(Archive &archive) {
             archive(tree, leaves, recordsPerNode, leavesBefore, records);
         }
-        /// Empty, or why it does not fit so many groups of lights and the tree over them (or null).
+        /// Empty if valid for this many light groups and this light tree (or null), else the error.
         std::optional<std::string> ValidateFor(size_t groups, const LightTree *lights) const;
     };
-    /// The render that the records are of.
     struct Render {
         Bounds2i pixels{};
         int samplesPerPixel = 0, depth = 0;
@@ -87,7 +85,6 @@ class VisibilityModel final : public OnlineModel, public PathObserver {
                    depth == o.depth;
         }
     };
-    /// Numbers for Report.
     struct Counts {
         size_t prepassRecords = 0, prepassRays = 0, renderRays = 0;
         double buildSeconds = 0, updateSeconds = 0;
@@ -96,16 +93,14 @@ class VisibilityModel final : public OnlineModel, public PathObserver {
     const Estimate &EstimateAt(const LightQuery &query) const {
         return query.ns == Normal3(0) ? inMedia_ : onSurfaces_;
     }
-    /// Builds both trees anew, with `records` per leaf. False: cancelled through `progress`; they are unchanged.
+    /// Rebuilds both trees with `records` per leaf. Returns false, leaving them unchanged, if `progress` was cancelled.
     bool Build(int records, const Progress &progress);
     std::optional<Estimate> Built(const VisibilityRecords &from, int records, const Progress &progress) const;
     size_t RayCount() const { return onSurfaces_.records.rays.size() + inMedia_.records.rays.size(); }
-    /// Makes places for the samples after the first `first`, until the next update; if none is due, frees what only
-    /// updates need.
+    /// Allocates record slots for samples from `first` to the next update; frees update state if none is due.
     void BeginRecording(int first);
-    /// Appends what the render recorded on surfaces or inside media.
     void AppendRendered(VisibilityRecords *records, bool inMedium) const;
-    /// Empty, or what is wrong with the schedule that was read. Makes places for the render's records.
+    /// Validates the loaded schedule and allocates record slots; returns the error if invalid.
     std::optional<std::string> ResumeRecording(const PrepareContext &context);
 
     const LightGroups &groups_;

@@ -13,14 +13,14 @@ namespace ext {
 
 namespace {
 
-/// Inside media with a larger mean cosine than this the choice of lights follows the phase function: below, that costs
-/// as much time as it takes off the error.
+/// Mean cosine above which light selection in media includes the phase function. Below it, the cost equals the error
+/// reduction.
 constexpr Float kPeaked = 0.6f;
 
 Float FloorOf(const OctreeParams &params) { return params.floor > 0 ? params.floor : kVisibilityFloor; }
 
-/// Whether an emissive mesh is one light. If all primitives that emit fit into one packet, they are all weighed at once
-/// instead, which takes less time than to choose a mesh and then one of its primitives.
+/// True if emissive meshes are single lights. If all emissive primitives fit into one packet, evaluating all of them is
+/// faster than selecting a mesh and then a primitive.
 bool MeshesAreLights(const LightTable &lights, const OctreeParams &params) {
     return params.meshlights && (lights.ByLight().Size() <= 1 || lights.ByComponent().Size() > EmitterPacket::kLanes);
 }
@@ -44,7 +44,7 @@ void VisibilityOctreeLightSampler::PortalsChanged() {
 }
 
 void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
-    if (portals_.IsActive()) {  // it was prepared before
+    if (portals_.IsActive()) {  // Prepare was called before.
         portals_.Clear();
         PortalsChanged();
     }
@@ -88,7 +88,6 @@ const void *VisibilityOctreeLightSampler::WeighGroups(const LightQuery &query, L
     const bool isDirectional =
         query.phase ? std::abs(query.phase->G()) > kPeaked : query.bsdf && query.bsdf->IsDirectional();
     if (params_.bsdf && isDirectional) WeighScattering(query, c);
-    // The sum over w is 0 only where that over g is.
     const Float sumW = c->SumW();
     c->perW = sumW > 0 ? (1 - floor_) / sumW : 0;
     c->perG = sumW > 0 ? floor_ / sumG : 0;
@@ -122,17 +121,17 @@ void VisibilityOctreeLightSampler::WeighPortals(const LightQuery &query, LightMe
 }
 
 void VisibilityOctreeLightSampler::WeighScattering(const LightQuery &query, Candidates *c) const {
-    // A light's centre may lie outside the lobe while its rim is inside, so a part of every weight ignores the lobe.
+    // A light's centre may lie outside the lobe while its rim is inside, so part of every weight ignores the lobe.
     constexpr Float kAlike = 0.1f;
-    // The lobe is not evaluated for lights of less weight than this, as that costs as much as the rest of the choice.
-    // They contribute little to the noise, and BSDF samples find the brightest.
+    // Lights below this weight skip the lobe evaluation, which costs as much as the rest of the selection. They
+    // contribute little noise, and BSDF samples cover the brightest.
     const Float least = c->SumW() * std::min(Float(0.01), Float(0.15) / static_cast<Float>(c->count));
     Vector3 wi[kMaxCandidates];
     uint8_t evaluated[kMaxCandidates];
     size_t count = 0;
     for (size_t i = 0; i < c->count; ++i) {
         if (!(c->w[i] > least)) continue;
-        // The centre of a node of several lights is far from most of their directions.
+        // A node of several lights spans directions far from its centre.
         if (lightTree_ && !lightTree_->IsLight(c->nodes[i])) continue;
         wi[count] = importance_.DirectionTo(
             query.p, lightTree_ ? lightTree_->LightAt(lightTree_->At(c->nodes[i]).begin) : static_cast<uint32_t>(i));
@@ -149,7 +148,7 @@ void VisibilityOctreeLightSampler::WeighScattering(const LightQuery &query, Cand
     }
     const Float mean = weights > 0 ? weighted / weights : 0;
     if (!(mean > 0) || !std::isfinite(mean)) return;
-    // Relative to the mean, so that these lights together keep their weight against those without an f.
+    // Relative to the mean, which preserves the total weight of the evaluated lights against the others.
     for (size_t k = 0; k < count; ++k) c->w[evaluated[k]] *= (f[k] / mean + kAlike) / (1 + kAlike);
 }
 

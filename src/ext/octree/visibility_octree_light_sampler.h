@@ -9,19 +9,19 @@
 
 namespace ext {
 
-/// The octree sampler's own model: candidates times visibility times BSDF.
+/// Visibility model of the octree sampler: unoccluded importance times learned visibility times BSDF.
 ///
 ///   P(l | x) = (1 - e) G_l(x) a(leaf, l) b_l(x) / sum + e G_l(x) / sum G
 ///
-/// G (GroupImportance) is the unoccluded irradiance, evaluated at the shading point; a is the learned visibility in the
-/// point's leaf, the root mean square of contribution over G (VisibilityModel); b follows the BSDF towards the light's
-/// centre where the surface is glossy without a diffuse part, and is 1 elsewhere. Inside media G has no cosine, a
-/// includes their transmittance, and b follows a peaked phase function.
+/// - G (GroupImportance): unoccluded irradiance at the shading point. In media, G has no cosine.
+/// - a (VisibilityModel): learned visibility of the leaf, the root mean square of contribution over G. In media, a
+///   includes transmittance.
+/// - b: BSDF towards the light's centre on glossy surfaces without a diffuse lobe, or a peaked phase function; else 1.
 ///
-/// Candidates l are groups of lights: up to kMaxCandidates of them, all. With more groups a candidate is a node of a
-/// cut through a tree over them (LightTree); every leaf has its own cut, fine where its light comes from. Below a node
-/// lights are chosen level by level by G, and inside a mesh the primitive is chosen by MeshInterior. Environment lights
-/// with portals (PortalSampling) are candidates whose G and a are those of their regions.
+/// Candidates l are all light groups, up to kMaxCandidates. Above that they are nodes of a per-leaf cut through a
+/// LightTree, fine where the leaf's light comes from. Below a node, lights are selected level by level by G. Inside a
+/// mesh, MeshInterior selects the primitive. Environment lights with portals (PortalSampling) are candidates with the G
+/// and a of their regions.
 class VisibilityOctreeLightSampler final : public InteriorLightSampler {
   public:
     VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params);
@@ -36,20 +36,19 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler {
     std::string DescribeStructure() const override;
 
   private:
-    /// Weights at a point. Environment lights with portals follow the `count` other candidates.
+    /// Weights at a point. Environment lights with portals follow the first `count` candidates.
     struct Candidates {
         static constexpr size_t kSize = kMaxCandidates + PortalSampling::kMaxLights;
         alignas(32) Float g[kSize], w[kSize];  ///< G, and G a b
-        Float localG = 0;                      ///< sum over g of the first `count`
+        Float localG = 0;                      ///< sum of the first `count` g
         Float perW = 0, perG = 0;              ///< P = w perW + g perG
-        std::span<const uint32_t> nodes;       ///< of the light tree; empty: all groups, in order
+        std::span<const uint32_t> nodes;       ///< of the light tree; empty: all groups in order
         size_t count = 0, all = 0;
         const PortalSampling::Weights *portals = nullptr;
 
         Float Probability(size_t i) const { return w[i] * perW + g[i] * perG; }
         Float SumW() const;
     };
-    // P(group), in the order of its factors.
     void WeighCandidates(const LightQuery &query, const VisibilityTree *visibility, Candidates *c) const;
     void WeighPortals(const LightQuery &query, LightMemory &memory, Candidates *c) const;
     void WeighScattering(const LightQuery &query, Candidates *c) const;
@@ -62,17 +61,16 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler {
                                const Vector3 &d) const override;
 
     double PathsPerPixel(const PrepareContext &context) const;
-    /// Divides the candidates by the portals that were found, or not any more.
     void PortalsChanged();
     void LoadLearned(const PrepareContext &context, StateReader &reader);
-    /// Identifies the lights, and the nodes of the light tree, that a saved model refers to.
+    /// Hash of the lights and light tree nodes that a saved model refers to.
     uint64_t LightTreeHash() const;
 
     OctreeParams params_;
     Float floor_;
     PortalSampling portals_;
-    GroupImportance importance_;            ///< dark where an environment light has portals
-    std::unique_ptr<LightTree> lightTree_;  ///< null: at most kMaxCandidates groups, all of which are weighed
+    GroupImportance importance_;            ///< zero for environment lights with portals
+    std::unique_ptr<LightTree> lightTree_;  ///< null: at most kMaxCandidates groups, all evaluated
     VisibilityModel model_;
     double prepassSeconds_ = 0;
 };

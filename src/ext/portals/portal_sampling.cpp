@@ -16,10 +16,10 @@ namespace ext {
 namespace {
 
 constexpr uint64_t kStream = 0x77696e646f77;
-/// Where a larger share of the rays towards the environment lights leaves the scene, portals are not used: in direct
-/// light, and with bounces, where they pay only if less of the light is seen.
+/// Maximum fraction of environment rays that leave the scene for portals to be used: for direct light, and with
+/// bounces, where portals pay off only at smaller fractions.
 constexpr double kMaxSeen = 0.3, kMaxSeenWithBounces = 0.005;
-/// Rays are traced from so many vertices of the prepass, if there are as many.
+/// Maximum number of prepass vertices for detection.
 constexpr size_t kSearchVertices = 4096;
 
 bool HasLocalLights(const LightTable &lights) {
@@ -29,7 +29,7 @@ bool HasLocalLights(const LightTable &lights) {
     return false;
 }
 
-/// The unit of G over that of the mean radiance.
+/// Unit of G over that of the mean radiance.
 Float PerMeanRadiance(const EnvironmentLight &light, double unit) {
     constexpr int kSide = 8;
     double sum = 0;
@@ -46,8 +46,8 @@ Float PerMeanRadiance(const EnvironmentLight &light, double unit) {
     return count > 0 ? static_cast<Float>(sum / count / unit) : 0;
 }
 
-/// The mean clamped cosine over a sphere around the portal, as for local lights (EmitterPacket): 0 only where all of it
-/// is below the horizon.
+/// Mean clamped cosine over the portal's bounding sphere, as for local lights (EmitterPacket): 0 only where the sphere
+/// is entirely below the horizon.
 Float MeanCosine(const Portal &portal, const LightQuery &query) {
     if (query.ns == Normal3(0)) return Float(0.25);
     const Normal3 n = query.ns * (Dot(query.wo, query.ns) < 0 ? Float(-1) : Float(1));
@@ -59,9 +59,9 @@ Float MeanCosine(const Portal &portal, const LightQuery &query) {
     return c >= s ? c : Sqr(std::max(c + s, Float(0))) / (4 * s);
 }
 
-/// Widens portals for rays that leave just past their borders.
+/// Extends portals to rays that leave just outside their borders.
 void Widen(std::span<Portal> portals, std::span<const EnvironmentRay> rays) {
-    constexpr Float kNear = 0.15f, kMargin = 0.01f;  // of the portal's size
+    constexpr Float kNear = 0.15f, kMargin = 0.01f;  // relative to the portal's size
     for (const EnvironmentRay &ray : rays) {
         if (!ray.left) continue;
         Portal *nearest = nullptr;
@@ -84,12 +84,12 @@ void Widen(std::span<Portal> portals, std::span<const EnvironmentRay> rays) {
     }
 }
 
-/// Portals without those that hardly any ray passes; none if too many rays leave past all of them, because the rest of
-/// the light, to which few samples go, is noisy. Rays from beyond all portals, as from an outer sill, do not count:
-/// from there all samples go to the rest.
+/// Removes portals that hardly any ray passes. Returns none if too many rays miss all portals, because the remainder
+/// gets few samples and is noisy. Rays from beyond all portals, as from an outer sill, are ignored: from there all
+/// samples go to the remainder.
 std::vector<Portal> Kept(std::span<const Portal> portals, std::span<const EnvironmentRay> rays) {
     constexpr double kMinShare = 0.01, kMaxPast = 0.02;
-    // A few rays past them may be chance.
+    // Allows for a few rays by chance.
     constexpr double kAFew = 2;
     std::vector<double> passed(portals.size() + 1, 0);
     double left = 0;
@@ -148,7 +148,7 @@ void PortalSampling::Find(PrepareContext &context, std::span<const PrepassVertex
         seenShare_ = static_cast<double>(left) / static_cast<double>(std::max<size_t>(rays.size(), 1));
         return context.progress.Cancelled() || seenShare_ > share;
     };
-    // Under an open sky a few vertices are enough.
+    // Outdoors, a few vertices suffice.
     if (!isSeenMoreThan(2 * most, kSearchVertices / 16) && !isSeenMoreThan(most, kSearchVertices)) {
         std::vector<Normal3> normals;
         for (const PrepassVertex &vertex : vertices) normals.push_back(vertex.at.n);
@@ -229,7 +229,7 @@ const PortalSampling::Weights *PortalSampling::Weigh(const LightQuery &query, Li
         }
         at->g[k] = sumG;
         at->w[k] = sumW;
-        // More arrives unoccluded from the rest than through all portals, so it would take nearly all of the floor.
+        // Unoccluded, the remainder exceeds all portals, so it would take nearly all of the floor.
         const size_t rest = count_;
         const Float ofPortals = sumG - g[rest], e = sumW > 0 ? floor_ : Float(1);
         const Float share = g[rest] > 0 && ofPortals > 0 ? e / 2 : e;

@@ -13,36 +13,36 @@ namespace ext {
 namespace {
 
 constexpr uint64_t kRayStream = 0x736b79;
-/// Where there are few vertices, up to kMaxPerVertex rays are traced from each of them to each light, to have so many.
+/// With few vertices, up to kMaxPerVertex rays per vertex and light are traced to reach kFewRays.
 constexpr size_t kFewRays = 16384, kMaxPerVertex = 4 * kEnvironmentRaysPerVertex;
-/// Directions drawn for a ray at most. They are accepted with their cosine as the probability.
+/// Maximum draws per ray; accepted with probability equal to the cosine.
 constexpr size_t kMaxDraws = 16;
 
 constexpr size_t kMaxPortals = 8;
-/// Rays that are used, of either kind.
+/// Maximum rays of either kind.
 constexpr size_t kMaxRays = 2048;
-/// What a ray that is blocked counts against one that leaves.
+/// Weight of a blocked ray relative to one that leaves.
 constexpr double kBlocked = 0.25;
 constexpr int kMaxCells = 48, kMinCells = 8, kSteps = 48, kFineSteps = 8;
-/// Fewer rays than this make no portal, and so do those of a smaller share of all that left.
+/// Minimum rays per portal; also a minimum fraction of all that left.
 constexpr size_t kMinRays = 12;
 constexpr double kSmallestShare = 0.02;
-/// Rays nearly parallel to a plane are left out.
+/// Minimum cosine; rays nearly parallel to a plane are skipped.
 constexpr Float kMinCosine = 0.05f;
 
 struct Line {
     Point3 p;
     Vector3 d;
     bool left;
-    double count;  ///< how many rays it stands for
+    double count;  ///< number of rays it represents
 };
 
-/// The directions that a plane may face: the normals of most surfaces, and the axes; with the opposite ones.
+/// Candidate plane normals: of most surfaces, and the axes, with both signs.
 std::vector<Vector3> Facings(std::span<const Normal3> normals) {
     std::map<std::array<int, 3>, std::pair<size_t, Vector3>> bins;
     for (const Normal3 &n : normals) {
         if (n == Normal3(0)) continue;
-        // Opposite normals belong to the same planes.
+        // Opposite normals define the same planes.
         const bool turned =
             n.x < -1e-3f || (std::abs(n.x) <= 1e-3f && (n.y < -1e-3f || (std::abs(n.y) <= 1e-3f && n.z < 0)));
         const Vector3 v = turned ? Vector3(-n) : Vector3(n);
@@ -66,14 +66,14 @@ std::vector<Vector3> Facings(std::span<const Normal3> normals) {
     return facings;
 }
 
-/// The planes' frames: x along another facing where one is orthogonal.
+/// Frame of the planes: x along another candidate normal if orthogonal.
 Frame FrameOf(const Vector3 &z, std::span<const Vector3> facings) {
     for (const Vector3 &x : facings)
         if (AbsDot(x, z) < 0.02f) return Frame::FromXZ(x, z);
     return Frame::FromZ(z);
 }
 
-/// What is between the lowest and the highest hundredth of some numbers.
+/// Range from the 1st to the 99th percentile.
 std::pair<Float, Float> Range(std::vector<Float> v) {
     const size_t skipped = v.size() / 100;
     std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(skipped), v.end());
@@ -82,7 +82,7 @@ std::pair<Float, Float> Range(std::vector<Float> v) {
     return {low, v[v.size() - 1 - skipped]};
 }
 
-/// An interval around nearly all of some numbers; a little wider, as they rarely lie at its ends.
+/// Slightly widened range of nearly all values.
 std::pair<Float, Float> Around(std::vector<Float> v) {
     const auto n = static_cast<Float>(v.size());
     const auto [low, high] = Range(std::move(v));
@@ -90,31 +90,31 @@ std::pair<Float, Float> Around(std::vector<Float> v) {
     return {low - more, high + more};
 }
 
-/// A line as parallel planes see it.
+/// A line in coordinates of parallel planes.
 struct Crossing {
-    Vector3 p;  ///< in coordinates of the planes' frame
+    Vector3 p;  ///< in the planes' frame
     Vector2 slope;
     bool left;
     double count;
-    /// Where it crosses a plane; empty if it starts beyond it.
+    /// Crossing point with a plane; empty if the line starts beyond it.
     std::optional<Point2> At(Float height) const {
         if (!(height > p.z)) return {};
         return Point2(p.x + slope.x * (height - p.z), p.y + slope.y * (height - p.z));
     }
 };
 
-/// Empty for lines that are nearly parallel to the planes.
+/// Empty for lines nearly parallel to the planes.
 std::optional<Crossing> CrossingOf(const Frame &frame, const Line &line) {
     const Vector3 d = frame.ToLocal(line.d);
     if (!(d.z > kMinCosine)) return {};
     return Crossing{frame.ToLocal(line.p), Vector2(d.x, d.y) / d.z, line.left, line.count};
 }
 
-/// The lines as a family of parallel planes sees them.
+/// Lines relative to a family of parallel planes.
 class Planes {
   public:
     Planes(const Frame &frame, std::span<const Line> lines) : frame_(frame) {
-        // A portal's cells must be connected by the rays that pass them.
+        // Cell size: cells of a portal must be connected by the rays through them.
         const auto left = static_cast<double>(std::ranges::count_if(lines, [](const Line &line) { return line.left; }));
         cells_ = std::clamp(static_cast<int>(1.5 * std::sqrt(left)), kMinCells, kMaxCells);
         std::vector<Float> x, y, z;
@@ -126,7 +126,7 @@ class Planes {
         std::tie(low_.x, high_.x) = Range(std::move(x));
         std::tie(low_.y, high_.y) = Range(std::move(y));
         std::tie(low_.z, high_.z) = Range(std::move(z));
-        // Portals lie at the border of what rays start from.
+        // Portals lie at the border of the ray origins.
         const Vector3 margin = (high_ - low_) * Float(0.1);
         low_ -= margin, high_ += margin;
     }
@@ -141,7 +141,6 @@ class Planes {
         Float height = 0;
     };
 
-    /// The plane of the greatest gain.
     Plane Best() const {
         Plane best;
         const auto test = [&](Float height) {
@@ -155,7 +154,7 @@ class Planes {
         return best;
     }
 
-    /// The rectangles around connected cells of the plane whose gain is positive.
+    /// Bounding rectangles of connected cells with positive gain.
     std::vector<Portal> Portals(Float height, double fewest) const {
         const Grid grid = Count(height);
         std::vector<int> component(grid.size(), -1);
@@ -227,13 +226,13 @@ class Planes {
     }
 
     Frame frame_;
-    int cells_ = 0;  ///< along a side of the grid
+    int cells_ = 0;  ///< per side of the grid
     std::vector<Crossing> crossing_;
     Vector3 low_{0}, high_{0};
 };
 
-/// A portal moved to the height at which the rays that leave through it pass the smallest rectangle, as they do in the
-/// opening itself: from there on they part.
+/// Moves a portal to the height at which its leaving rays pass the smallest rectangle; they converge in the opening
+/// itself.
 Portal AtNarrowest(const Portal &portal, std::span<const Line> lines) {
     std::vector<Crossing> rays;
     for (const Line &line : lines) {
@@ -245,7 +244,7 @@ Portal AtNarrowest(const Portal &portal, std::span<const Line> lines) {
         std::vector<Float> x, y;
         for (const Crossing &ray : rays)
             if (const std::optional<Point2> place = ray.At(height)) x.push_back(place->x), y.push_back(place->y);
-        // Rays that start beyond it do not pass it: few may.
+        // Rays that start beyond the plane do not pass it; at most 2 % may.
         if (x.size() * 50 < rays.size() * 49) return {};
         const auto [x0, x1] = Around(std::move(x));
         const auto [y0, y1] = Around(std::move(y));
@@ -264,7 +263,7 @@ Portal AtNarrowest(const Portal &portal, std::span<const Line> lines) {
     return narrowest;
 }
 
-/// At most kMaxRays of each kind.
+/// Selects at most kMaxRays of each kind.
 std::vector<Line> SomeOf(std::span<const EnvironmentRay> rays) {
     size_t count[2] = {0, 0}, seen[2] = {0, 0};
     for (const EnvironmentRay &ray : rays) ++count[ray.left];
@@ -292,7 +291,7 @@ std::vector<EnvironmentRay> TraceEnvironmentRays(PrepareContext &context, std::s
         const LightSampleContext &at = vertex.at;
         Rng rng(Hash(kRayStream, context.seed, i));
         for (const LightId light : lights) {
-            // An additive recurrence: any number of points is well spread.
+            // Additive recurrence: well distributed for any number of points.
             glm::dvec2 point = rng.Uniform2();
             size_t traced = 0;
             for (size_t k = 0; k < kMaxDraws * perVertex && traced < perVertex; ++k) {
@@ -351,7 +350,7 @@ namespace {
 
 constexpr int kRefiningRays = 8192, kRefiningCells = 48;
 
-/// The portal with its borders found; unchanged if no ray passes it.
+/// Portal with refined borders; unchanged if no ray passes it.
 Portal Refined(const Scene &scene, const Portal &portal, std::span<const PrepassVertex> vertices, uint64_t seed) {
     const Frame &frame = portal.frame;
     const Vector2 size = Vector2(portal.high) - Vector2(portal.low);
@@ -380,7 +379,7 @@ Portal Refined(const Scene &scene, const Portal &portal, std::span<const Prepass
         }
     });
 
-    // The cells that are connected with the portal: light passes them.
+    // Cells connected with the portal that rays pass.
     constexpr auto n = kRefiningCells;
     const auto cellOf = [&](const Point2 &at) {
         const Point2 f = (at - low) / (high - low) * Float(n);
@@ -400,7 +399,7 @@ Portal Refined(const Scene &scene, const Portal &portal, std::span<const Prepass
             open.push_back(cell);
         }
     }
-    // A frame between two panes may be a cell or two wide.
+    // A frame between two panes may be one or two cells wide.
     constexpr int kReach = 2;
     while (!open.empty()) {
         const Point2i c = open.back();
@@ -425,7 +424,7 @@ Portal Refined(const Scene &scene, const Portal &portal, std::span<const Prepass
     return found;
 }
 
-/// Whether nearly all of a portal lies in another one of the same plane.
+/// True if nearly all of a portal lies within another in the same plane.
 bool LiesIn(const Portal &portal, const Portal &other) {
     if (portal.frame.x != other.frame.x || portal.frame.z != other.frame.z) return false;
     const Vector2 size = portal.high - portal.low,

@@ -10,12 +10,12 @@
 namespace ext {
 using namespace pbrt;
 
-/// The paths of a render that are recorded: samples [first, end) of every stride-th pixel of a row. Rows are shifted
-/// against each other, so that the recorded pixels form no columns. Default: none.
+/// The recorded paths of a render: samples [first, end) of every stride-th pixel per row. Rows are shifted against each
+/// other so that recorded pixels form no columns. Default: none.
 class RecordedPaths {
   public:
     RecordedPaths() = default;
-    /// With the smallest stride that gives at most `most` paths; at least one pixel of each row.
+    /// Uses the smallest stride that gives at most `most` paths; at least one pixel per row.
     RecordedPaths(const Bounds2i &pixels, int first, int end, size_t most) : pixels_(pixels), first_(first), end_(end) {
         const Vector2i size = pixels.IsEmpty() ? Vector2i(0) : pixels.high - pixels.low;
         for (stride_ = 1;; ++stride_) {
@@ -25,14 +25,14 @@ class RecordedPaths {
         }
     }
     size_t Count() const { return count_; }
-    /// Below Count(); empty: the path is not recorded.
+    /// Path number below Count(); empty if not recorded.
     std::optional<size_t> NumberOf(Point2i pixel, int sample) const {
         const Vector2i at = pixel - pixels_.low;
         if (count_ == 0 || sample < first_ || sample >= end_ || (at.x + kRowShift * at.y) % stride_ != 0) return {};
         const size_t ofPixel = static_cast<size_t>(at.y) * perRow_ + static_cast<size_t>(at.x / stride_);
         return ofPixel * static_cast<size_t>(end_ - first_) + static_cast<size_t>(sample - first_);
     }
-    /// The pixel of a path, relative to the corner of the pixels.
+    /// Pixel of a path, relative to the corner of the pixel bounds.
     Point2i PixelOf(size_t path) const {
         const size_t ofPixel = path / static_cast<size_t>(end_ - first_);
         const int y = static_cast<int>(ofPixel / perRow_);
@@ -48,39 +48,38 @@ class RecordedPaths {
     size_t perRow_ = 0, count_ = 0;
 };
 
-/// Records of paths, each in a place of its own, so that the result does not depend on the order in which threads
-/// write. A Record is trivially copyable without padding and has IsEmpty(), true by default, and `static Record
-/// Read(StateReader &)`, which throws UserError if what is read is no valid record.
+/// Records of paths, each in its own slot, so that the result is independent of thread order. A Record is trivially
+/// copyable without padding, with IsEmpty(), true by default, and `static Record Read(StateReader &)`, which throws
+/// UserError on invalid records.
 template <class Record>
 class PathRecordStore {
   public:
-    /// Discards all records and makes `perPath` places for each of `paths` paths.
+    /// Discards all records and allocates `perPath` slots for each of `paths` paths.
     void Begin(size_t paths, size_t perPath) {
         places_ = {};
         places_.resize(paths * perPath);
         perPath_ = perPath;
     }
-    /// Frees all places; nothing is recorded until the next Begin.
+    /// Frees all slots; disables recording until the next Begin.
     void End() { *this = {}; }
     bool IsOpen() const { return !places_.empty(); }
-    /// The places of a path, which the path keeps; none for a path that is not recorded.
+    /// Slots of a path, stored by the path; none if it is not recorded.
     PathObserver::PathPlaces PlacesOf(std::optional<size_t> path) const {
         if (!path || places_.empty()) return {};
         return {*path * perPath_, (*path + 1) * perPath_};
     }
-    /// Records in the next place of the path; beyond its last place nothing is recorded.
+    /// Stores in the next slot of the path; ignored when it is full.
     void Add(PathObserver::PathPlaces &path, const Record &record) {
         if (path.next < path.end) places_[path.next++] = record;
     }
-    /// Records in place k of a path, below PerPath().
+    /// Stores in slot k < PerPath() of a path.
     void Set(size_t path, size_t k, const Record &record) { places_[path * perPath_ + k] = record; }
     size_t PerPath() const { return perPath_; }
-    /// All places, path after path; some are empty.
     std::span<const Record> Places() const { return places_; }
     size_t PathOf(size_t place) const { return place / perPath_; }
     size_t Bytes() const { return places_.size() * sizeof(Record); }
 
-    /// The records that are not empty, with their places.
+    /// Writes the non-empty records with their slots.
     void Save(StateWriter &out) const {
         const auto isFilled = [](const Record &record) { return !record.IsEmpty(); };
         out.Value(uint64_t{places_.size()});
@@ -91,12 +90,11 @@ class PathRecordStore {
             out.Value(places_[i]);
         }
     }
-    /// Save, and empties all places.
     void Extract(StateWriter &out) {
         Save(out);
         std::fill(places_.begin(), places_.end(), Record{});
     }
-    /// Adds what Save wrote. Throws UserError if it belongs to other places.
+    /// Merges the output of Save. Throws UserError if its slots do not match.
     void Merge(StateReader &in) {
         in.Require(in.Value<uint64_t>() == places_.size(), "it has other records than the render makes");
         for (auto filled = in.Value<uint64_t>(); filled > 0; --filled) {

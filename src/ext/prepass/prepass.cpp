@@ -9,10 +9,9 @@ namespace ext {
 
 namespace {
 
-/// Makes the random numbers of the prepass independent of every other use of the seed.
+/// Decorrelates the prepass from other uses of the seed.
 constexpr uint64_t kStream = 0x70726570617373ull;
 
-/// Appends the vertices of one camera path.
 void FollowPath(const PrepareContext &context, PrepassPath &path, int depth, std::vector<PrepassVertex> &out) {
     auto &[rng, lambda, start] = path;
     const PathContext paths{context.scene, context.camera, context.samplesPerPixel, context.scene.NeedsFootprints()};
@@ -92,7 +91,7 @@ double VisibleContribution(const Scene &scene, const PrepassVertex &vertex, cons
     if (!sample || !sample->L || !(sample->pdf > 0)) return 0;
     const Float cosine = vertex.phase ? Float(1) : Dot(sample->wi, vertex.at.ns);
     if (!vertex.transmits && cosine * Dot(vertex.wo, vertex.at.ns) <= 0) return 0;
-    // Le G / p by area equals Le cos / p by solid angle.
+    // Le G / p (area) equals Le cos / p (solid angle).
     const double value =
         RootMeanSquare(sample->L) * double(std::abs(cosine)) / double(sample->pdf) / scene.Lights().Unit();
     if (!(value > 0) || !std::isfinite(value)) return 0;

@@ -11,8 +11,7 @@ Vector2i TilesOf(const Bounds2i &pixels) {
     return (pixels.high - pixels.low + (kPrepassTileSize - 1)) / kPrepassTileSize;
 }
 
-/// The number of paths through a pixel: the integer part of pathsPerPixel, and one more in a share of the pixels that
-/// equals its fractional part.
+/// Paths of a pixel: the integer part of pathsPerPixel, plus one in a fraction of pixels equal to its fractional part.
 int PathsOf(Point2i pixel, uint64_t stream, double pathsPerPixel) {
     const int whole = static_cast<int>(pathsPerPixel);
     const double fraction = pathsPerPixel - whole;

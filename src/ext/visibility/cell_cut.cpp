@@ -8,18 +8,18 @@
 namespace ext {
 
 namespace {
-/// A cell's children inherit up to this many times as many nodes as a cut has.
+/// Children of a cell inherit up to this many times the nodes of a cut.
 constexpr size_t kInherited = 2;
-/// The cost of a node of several lights is raised by this factor, because the choice below it is not perfect.
+/// Cost factor of a node of several lights, as selection below it is imperfect.
 constexpr double kInnerCost = 1.1;
-/// Siblings are always joined if that costs less than this part of the cost of the finest cut.
+/// Siblings are always merged below this fraction of the finest cut's cost.
 constexpr double kNoCost = 1e-4;
 constexpr double kNever = -std::numeric_limits<double>::infinity();
-/// The ratio of what is known of a node here to what the cell above said of it is kept within these bounds.
+/// Bounds of the ratio of a node's moment to the parent cell's.
 constexpr double kMinRatio = 1e-4, kMaxRatio = 1e4;
 }  // namespace
 
-/// Estimates all nodes that differ by the shadow rays or in the cell above, then joins.
+/// Estimates all nodes that the shadow rays or the parent cell distinguish, then merges.
 struct CellCut::Merger {
     const LightTree &lights;
     std::span<const ShadowRaySums> sums;
@@ -27,18 +27,18 @@ struct CellCut::Merger {
     const CellCut *above;
     const Settings &settings;
     struct Item {
-        uint32_t node = 0, next = 0, second = 0;  ///< `second`: item of the second child; 0: it is in the cut
+        uint32_t node = 0, next = 0, second = 0;  ///< `second`: item of the second child; 0: node of the cut
         double moment = 0, share = 0;
-        double cost = 0;  ///< what the node adds to the cost of a cut that it is in
-        double key = 0;   ///< the largest cost of a join at or below the node
+        double cost = 0;  ///< contribution of the node to the cost of a cut
+        double key = 0;   ///< maximum merge cost at or below the node
     };
     std::vector<Item> items = {};
     std::vector<double> w = {}, w2 = {}, wm = {},
-                        expected = {};  ///< running sums, one more entry; `expected`: of wm, by the cell above
+                        expected = {};  ///< running sums, one more entry; `expected`: of wm, from the parent cell
 
     void SumUp() {
         for (std::vector<double> *v : {&w, &w2, &wm, &expected}) v->assign(1, 0);
-        size_t known = 0;  // where the cell above holds the light
+        size_t known = 0;  // index of the light in the parent cell
         for (const ShadowRaySums &s : sums) {
             if (above)
                 while (above->IsInner(known) || lights.At(above->known_[known].node).end <= s.light) ++known;
@@ -49,10 +49,10 @@ struct CellCut::Merger {
         }
     }
 
-    /// Adds a node and those below it. `knownAbove`: the node's index in known_ of the cell above; empty if that cell
-    /// does not tell the node apart: then `momentAbove` is the moment of the node there that holds it. `ratioBefore`:
-    /// the ratio of this cell's moment to that of the cell above, for the node's parent in the light tree.
-    /// `shareBefore`: the share expected of the node.
+    /// Adds a node and its subtree. `knownAbove`: the node's index in the parent cell's known_; empty if that cell does
+    /// not distinguish it, then `momentAbove` is the moment of its ancestor there. `ratioBefore`: the ratio of this
+    /// cell's moment to the parent cell's, for the node's parent in the light tree. `shareBefore`: the expected share
+    /// of the node.
     void Add(uint32_t node, size_t begin, size_t end, std::optional<size_t> knownAbove, double momentAbove,
              double ratioBefore, double shareBefore) {
         const double sw = w[end] - w[begin], sw2 = w2[end] - w2[begin], se = expected[end] - expected[begin],
@@ -113,15 +113,14 @@ struct CellCut::Merger {
     size_t nodes = 0;                                     ///< of the cut
     double total = 0;                                     ///< cost of the finest cut
     std::vector<std::pair<double, uint32_t>> joins = {};  ///< keys and items
-    /// Joins siblings, the cheapest first: all joins that cost next to nothing, and more until the cut has at most
-    /// `most` nodes. A node's key is at least as large as the keys below it, so that the nodes below it are joined
-    /// before.
+    /// Merges siblings in order of cost: all that are almost free, and more until the cut has at most `most` nodes. A
+    /// node's key is at least the maximum key below it, so descendants are merged first.
     void JoinDownTo(size_t most) {
         joins.clear();
         size_t free = 0;
         for (uint32_t i = 0; i < items.size(); i = IsInner(i) ? i + 1 : items[i].next) {
             if (!IsInner(i)) continue;
-            // Among equal keys, nodes further down come first.
+            // For equal keys, deeper nodes come first.
             joins.push_back({items[i].key, ~i});
             free += items[i].key < kNoCost * total;
         }
@@ -131,7 +130,7 @@ struct CellCut::Merger {
         for (size_t k = 0; k < count; ++k) items[~joins[k].second].second = 0;
         nodes -= count;
     }
-    /// Visits what the joins left, in preorder.
+    /// Visits the remaining nodes in preorder.
     template <class Visit>
     void ForEach(Visit &&visit) const {
         for (uint32_t i = 0; i < items.size(); i = IsInner(i) ? i + 1 : items[i].next) visit(items[i], IsInner(i));
@@ -165,7 +164,7 @@ CellCut::CellCut(const LightTree &lights, std::span<const ShadowRaySums> sums, d
     merger.ForEach([&](const Merger::Item &item, bool) {
         known_.push_back({item.node, 0, static_cast<float>(item.moment), static_cast<float>(item.share)});
     });
-    // From the back: a node ends where its second child does.
+    // Backwards: a node ends where its second child does.
     for (size_t i = known_.size(); i-- > 0;) {
         known_[i].next = static_cast<uint32_t>(i + 1);
         const bool inner = i + 1 < known_.size() && lights.HasChildren(known_[i].node) &&

@@ -9,7 +9,7 @@ CellOctree::CellOctree(const Bounds3 &bounds) {
     low_ = bounds.low;
     for (int i = 0; i < 3; ++i) {
         const Float scale = static_cast<Float>(1 << MaxDepth) / (bounds.high[i] - bounds.low[i]);
-        // Infinite if the box has no extent, or too little to be divided.
+        // Infinite if the extent is zero or too small to divide.
         scale_[i] = std::isfinite(scale) ? scale : 0;
     }
 }

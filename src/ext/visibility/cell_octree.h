@@ -8,20 +8,20 @@
 namespace ext {
 using namespace pbrt;
 
-/// An octree over a box that maps a point to the row of the leaf that holds it. One array of 4-byte nodes; a look-up is
-/// index arithmetic, without pointers. The user of the octree decides what a row holds.
+/// Octree over a box that maps a point to the row of its leaf. A single array of 4-byte nodes; look-up is index
+/// arithmetic without pointers. The row's content is defined by the caller.
 class CellOctree {
   public:
     /// Cells per axis of the undivided top grid (paper, "Implementation Details").
     static constexpr int TopCells = 4;
     static constexpr uint32_t TopCount = TopCells * TopCells * TopCells;
-    /// Deepest level; positions are quantised to 21 bits an axis. The top grid is level 2.
+    /// Deepest level; positions are quantized to 21 bits per axis. The top grid is level 2.
     static constexpr int MaxDepth = 21;
 
     CellOctree() = default;
     explicit CellOctree(const Bounds3 &bounds);
 
-    /// Row of the leaf that holds p; points outside the bounds belong to the nearest cell.
+    /// Row of the leaf that contains p; points outside are clamped to the bounds.
     uint32_t Row(const Point3 &p) const {
         glm::uvec3 q = Quantize(p);
         int bit = MaxDepth - 2;
@@ -29,10 +29,10 @@ class CellOctree {
         while (!(node & LeafBit)) node = nodes_[node + Child(q, --bit)];
         return node & ~LeafBit;
     }
-    /// The cell a point falls in, for views and tests.
+    /// Cell that contains a point, for inspection and tests.
     struct Cell {
         Bounds3 bounds;
-        uint32_t node = 0;  ///< identifies the leaf: index below NodeCount
+        uint32_t node = 0;  ///< leaf index, below NodeCount
         uint32_t row = 0;
         int depth = 0;
     };
@@ -46,24 +46,24 @@ class CellOctree {
     size_t Bytes() const { return nodes_.capacity() * sizeof(uint32_t); }
     bool operator==(const CellOctree &o) const = default;
 
-    /// Cell coordinates at the deepest level; 0 where p is not a number.
+    /// Cell coordinates at the deepest level; 0 for NaN.
     glm::uvec3 Quantize(const Point3 &p) const {
         constexpr Float kMax = (1 << MaxDepth) - 1;
-        // The order of the arguments matters: max(0, NaN) is 0.
+        // Argument order matters: max(0, NaN) is 0.
         return glm::uvec3(glm::min(glm::max(Vector3(0), (p - low_) * scale_), Vector3(kMax)));
     }
     static uint32_t TopCell(const glm::uvec3 &q) {
         constexpr int bit = MaxDepth - 2;
         return (q.x >> bit) | ((q.y >> bit) << 2) | ((q.z >> bit) << 4);
     }
-    /// Which of the 8 children, from the coordinates' bits at this level. x is the lowest bit.
+    /// Child index (0 to 7) from the coordinate bits at this level; x is the lowest bit.
     static uint32_t Child(const glm::uvec3 &q, int bit) {
         return ((q.x >> bit) & 1) | (((q.y >> bit) & 1) << 1) | (((q.z >> bit) & 1) << 2);
     }
 
-    /// For builders: the first TopCount nodes are the top grid, x fastest; then blocks of 8 children.
+    /// For builders: the first TopCount nodes are the top grid, x fastest, followed by blocks of 8 children.
     void SetLeaf(uint32_t node, uint32_t row) { nodes_[node] = LeafBit | row; }
-    /// Makes `node` an inner one; returns the index of its first child.
+    /// Makes `node` an inner node and returns the index of its first child.
     uint32_t Split(uint32_t node) {
         auto first = static_cast<uint32_t>(nodes_.size());
         nodes_[node] = first;
@@ -76,9 +76,9 @@ class CellOctree {
         archive(low_, scale_);
         archive.Structure(nodes_);
     }
-    /// Empty, or why look-ups would not end or reach a row beyond `rows`.
+    /// Empty if valid, else why look-ups would not terminate or reach a row beyond `rows`.
     std::optional<std::string> ValidateFor(size_t rows) const;
-    /// ValidateFor, and that every row has a leaf and that the tree has so many leaves and levels.
+    /// ValidateFor; also tests that every row has a leaf, and the number of leaves and levels.
     std::optional<std::string> ValidateLeaves(size_t rows, size_t leaves, int depth) const;
 
   private:
@@ -90,13 +90,13 @@ class CellOctree {
     }
     static constexpr uint32_t LeafBit = 0x80000000u;
     Point3 low_{0, 0, 0};
-    Vector3 scale_{0, 0, 0};  ///< to quantised units; 0 along axes that are not divided
+    Vector3 scale_{0, 0, 0};  ///< to quantized units; 0 along undivided axes
     std::vector<uint32_t> nodes_ =
         std::vector<uint32_t>(TopCount, LeafBit);  ///< LeafBit | row, or index of the first child
 };
 
-/// Sorts order[begin, end), which index `quantized`, by child at this level, keeping the order within each child; child
-/// c gets order[start[c], start[c + 1]).
+/// Stable-sorts order[begin, end), indices into `quantized`, by child at this level; child c gets order[start[c],
+/// start[c + 1]).
 void SortIntoChildren(const std::vector<glm::uvec3> &quantized, std::vector<uint32_t> &order, uint32_t begin,
                       uint32_t end, int bit, uint32_t start[9]);
 

@@ -10,7 +10,7 @@ struct LeafSize {
     uint32_t records = 0;
 };
 
-/// Leaves and records by depth, and quantiles of records per leaf, as lines of text.
+/// Leaves and records by depth, and quantiles of records per leaf, as text.
 std::string DescribeLeaves(const std::vector<LeafSize> &leaves);
 
 }  // namespace ext

@@ -1,5 +1,4 @@
-// Validates learned structures that come from a file, before they are used. Loading validates lengths; these functions
-// validate the content of structures of these lengths.
+// Validates the content of learned structures read from files; loading has validated the lengths.
 #include <algorithm>
 #include <cmath>
 
@@ -18,7 +17,7 @@ std::optional<std::string> CellOctree::ValidateFor(size_t rows) const {
     if (!IsFinite(low_) || !IsPositive(scale_.x) || !IsPositive(scale_.y) || !IsPositive(scale_.z))
         return "the box of an octree is not finite";
     if (nodes_.size() < TopCount || (nodes_.size() - TopCount) % 8 != 0) return "an octree lacks nodes";
-    // Depth of every block of eight children; 0: not reached. Children come after their parents.
+    // Depth of each block of eight children; 0: unreachable. Children follow their parents.
     std::vector<uint8_t> depth((nodes_.size() - TopCount) / 8, 0);
     for (size_t i = 0; i < nodes_.size(); ++i) {
         const uint32_t node = nodes_[i];
@@ -48,7 +47,7 @@ std::optional<std::string> CellOctree::ValidateLeaves(size_t rows, size_t leaves
         deepest = std::max(deepest, at);
     });
     if (std::find(used.begin(), used.end(), false) != used.end()) return "a row belongs to no leaf";
-    // Leaves above the top grid are spread over its cells.
+    // Leaves above the top grid cover several of its cells.
     if (leaves < rows || leaves > count || (deepest > 2 ? depth != deepest : depth < 0 || depth > 2))
         return "the numbers of leaves and levels do not fit the octree";
     return {};

@@ -13,8 +13,8 @@ namespace {
 constexpr size_t kMaxScanned = 64;
 constexpr int64_t kChunk = 256;
 
-/// The contribution of a group that one light sample finds, drawn as in the render: what arrives, over the probability
-/// of the light within the group.
+/// Contribution of a group from one light sample, drawn as in the render: incident light over the probability of the
+/// light within the group.
 double SampleGroup(const Scene &scene, const PrepassVertex &vertex, const LightQuery &query,
                    const MeshInterior &interior, uint32_t group, Rng &rng) {
     Float uLight = rng.Uniform();
@@ -29,12 +29,11 @@ Float RatioOf(double found, Float g) {
     return std::isfinite(ratio) ? ratio : 0;
 }
 
-/// Processes that prepare together share the chunks.
 bool IsMine(const Team &team, size_t chunk) {
     return chunk % static_cast<size_t>(team.Size()) == static_cast<size_t>(team.Rank());
 }
 
-/// Draws lights at one point by G.
+/// Draws lights at one point in proportion to G.
 class Draws {
   public:
     Draws(const GroupImportance &importance, const LightTree *tree, const LightQuery &query)
@@ -64,7 +63,6 @@ class Draws {
 };
 static_assert(LightTree::kBaseNodes + LightTree::kFarNodes <= kMaxScanned);
 
-/// Of processes that prepare together, each has traced some of the chunks; afterwards all of them have all.
 void Exchange(Team &team, std::vector<VisibilityRecords> &chunks) {
     std::vector<bool> isHere(chunks.size());
     for (size_t i = 0; i < chunks.size(); ++i) isHere[i] = IsMine(team, i);
@@ -130,7 +128,7 @@ VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const Prepa
         const Draws draws(importance, tree, query);
         double total = 0;
         for (size_t k = 0; k < perRecord; ++k) {
-            // Stratified: one draw in each of `perRecord` equal parts of [0, 1).
+            // Stratified in `perRecord` equal strata.
             const Float u = (static_cast<Float>(k) + rng.Uniform()) / static_cast<Float>(perRecord);
             std::optional<SampledLight> drawn = draws.Draw(std::min(u, OneMinusEpsilon));
             if (!drawn) continue;
@@ -140,7 +138,6 @@ VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const Prepa
             total += static_cast<double>(g / drawn->pmf);
             out.rays.push_back({drawn->light.value, g, g / drawn->pmf, RatioOf(found, g)});
         }
-        // The unoccluded sum is estimated from the draws.
         const double unoccluded = total / static_cast<double>(perRecord);
         for (size_t t = first; t < out.rays.size(); ++t) {
             out.rays[t].share = static_cast<Float>(static_cast<double>(out.rays[t].share) / unoccluded);

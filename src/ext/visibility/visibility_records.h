@@ -7,7 +7,6 @@
 
 namespace ext {
 
-/// Shadow rays, for VisibilityTreeBuilder.
 struct VisibilityRecords {
     std::vector<VisibilityRecord> records;
     std::vector<ShadowRay> rays;
@@ -16,17 +15,17 @@ struct VisibilityRecords {
     void Visit(Archive &archive) {
         archive(records, rays);
     }
-    /// Empty, or what is wrong with records that were read. `groups`: of lights; `lights`: the tree over them, or null.
+    /// Empty if the loaded records are valid, else the error. `groups`: of lights; `lights`: light tree or null.
     std::optional<std::string> ValidateFor(size_t groups, const LightTree *lights) const;
 };
 
-/// The number of shadow rays from a vertex. `wanted` 0: one to each of up to 64 groups, and 8 to drawn groups if there
-/// are more. Else `wanted`, but at most the number of groups.
+/// Number of shadow rays per vertex. `wanted` 0: one to each group up to 64 groups, else 8 to drawn groups. Otherwise
+/// `wanted`, at most the number of groups.
 size_t RaysPerRecord(size_t groups, int wanted);
 
-/// Traces shadow rays from every vertex: to all groups that could contribute if there are at most `perRecord` groups,
-/// else to `perRecord` groups drawn in proportion to G, through `tree` unless it is null. A vertex that no group could
-/// contribute to gives no record. The result is the same for any number of threads.
+/// Traces shadow rays from every vertex: to all groups that could contribute, if there are at most `perRecord` groups.
+/// Otherwise to `perRecord` groups drawn in proportion to G, through `tree` unless null. Vertices that no group could
+/// contribute to give no record. Deterministic for any number of threads.
 VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const PrepassVertex> vertices,
                                   const LightGroups &groups, const GroupImportance &importance,
                                   const MeshInterior &interior, const LightTree *tree, size_t perRecord);

@@ -8,13 +8,12 @@
 
 namespace ext {
 
-/// The frozen structure of the visibility model: a tree of cells, each with a row of correction factors a(leaf, l) for
-/// the lights, or, where there are many, for the nodes of a cut through the light tree. 8 bits a factor, on a
-/// logarithmic scale; equal rows are stored once.
+/// The visibility model's structure: an octree whose leaves have rows of correction factors a(leaf, l). Factors are per
+/// light or, with many lights, per node of a cut through the light tree. 8 bits per factor on a logarithmic scale;
+/// equal rows are shared.
 class VisibilityTree {
   public:
-    /// A row: `nodes` (rising) and `codes` side by side. With few lights every row names all of them and `nodes` is
-    /// empty.
+    /// Parallel `nodes` (ascending) and `codes`. With few lights, rows cover all of them and `nodes` is empty.
     struct Row {
         std::span<const uint32_t> nodes;
         std::span<const uint8_t> codes;
@@ -25,7 +24,7 @@ class VisibilityTree {
         return {nodes_.empty() ? std::span<const uint32_t>() : std::span<const uint32_t>(nodes_.data() + begin, count),
                 {codes_.data() + begin, count}};
     }
-    /// The factor of a code: 2^((code - 192) / 8), 9 % apart; from 6e-8 to 235.
+    /// Factor of a code: 2^((code - 192) / 8), steps of 9 %, from 6e-8 to 235.
     static Float Decode(uint8_t code) { return Table()[code]; }
     static uint8_t Encode(double factor) {
         return static_cast<uint8_t>(std::clamp(std::lround(192 + 8 * std::log2(std::max(factor, 1e-12))), 0l, 255l));
@@ -34,7 +33,7 @@ class VisibilityTree {
     const CellOctree &Cells() const { return cells_; }
     size_t LeafCount() const { return leaves_; }
     size_t RowCount() const { return offset_.empty() ? 0 : offset_.size() - 1; }
-    int Depth() const { return depth_; }  ///< levels below the whole box: 0 is one leaf
+    int Depth() const { return depth_; }  ///< levels below the root; 0: a single leaf
     size_t Bytes() const {
         return cells_.Bytes() + offset_.capacity() * sizeof(uint32_t) + nodes_.capacity() * sizeof(uint32_t) +
                codes_.capacity();
@@ -47,7 +46,7 @@ class VisibilityTree {
         archive.Structure(nodes_);
         archive(codes_, leaves_, depth_);
     }
-    /// Empty, or what is wrong with a tree that was read. A tree without rows is valid.
+    /// Empty if valid, else the error. A tree without rows is valid.
     std::optional<std::string> Validate() const;
 
     static const std::array<Float, 256> &Table();  ///< Decode of every code
@@ -55,7 +54,7 @@ class VisibilityTree {
   private:
     friend class VisibilityTreeBuilder;
     CellOctree cells_;
-    std::vector<uint32_t> offset_;  ///< where a row begins in nodes_ and codes_; one more entry at the end
+    std::vector<uint32_t> offset_;  ///< start of each row in nodes_ and codes_; one more entry at the end
     std::vector<uint32_t> nodes_;
     std::vector<uint8_t> codes_;
     size_t leaves_ = 0;

@@ -11,7 +11,7 @@ namespace ext {
 
 namespace {
 constexpr int kAllRecords = -1;
-/// The half that a record belongs to: 0 makes the estimates, 1 judges them (Prune).
+/// Cross-validation half of a record: 0 provides estimates, 1 evaluates them (Prune).
 int HalfOf(uint32_t record) { return static_cast<int>(MixBits(record) & 1); }
 }  // namespace
 
@@ -19,7 +19,7 @@ VisibilityTreeBuilder::VisibilityTreeBuilder(const Bounds3 &bounds, std::span<co
                                              std::span<const ShadowRay> rays, const VisibilityBuildSettings &settings)
     : bounds_(bounds), records_(records), rays_(rays), settings_(settings), cells_(bounds) {}
 
-/// True from the first time that `stop` returned true, so that no step works on what another left unfinished.
+/// Latches the first true result of `stop`, so that no step reads unfinished results of another.
 bool VisibilityTreeBuilder::Stopped() const {
     if (stopped_.load(std::memory_order_relaxed)) return true;
     if (!*stop_ || !(*stop_)()) return false;
@@ -64,7 +64,7 @@ void VisibilityTreeBuilder::Divide() {
 }
 
 void VisibilityTreeBuilder::SumUp(int half) {
-    // Sorts by light and adds up the entries of each light, in the order in which they stood.
+    // Sorts by light and sums the entries of each light in their original order.
     auto compress = [](std::vector<ShadowRaySums> &sums) {
         std::vector<uint64_t> order(sums.size());
         for (size_t i = 0; i < sums.size(); ++i) order[i] = uint64_t(sums[i].light) << 32 | i;
@@ -123,8 +123,7 @@ void VisibilityTreeBuilder::EstimateNode(Node &node, const Node *above) const {
     if (settings_.lights) {
         double weight = 0;
         for (const ShadowRaySums &s : node.sums) weight += s.w;
-        // Four times the pseudo-rays, because the estimate is pulled towards values that are better known: those of
-        // the cell above and of the light's neighbours.
+        // Four times the pseudo-rays, as the shrinkage targets (parent cell, neighbouring lights) are better estimates.
         node.cut = CellCut(*settings_.lights, node.sums, weight, above ? &above->cut : nullptr,
                            {4 * k, settings_.secondMoment, static_cast<size_t>(settings_.cut)});
         return;
@@ -149,7 +148,7 @@ void VisibilityTreeBuilder::Estimate() {
     }
     const double mean = w > 0 && wm > 0 ? wm / w : 1;
     prior_ = settings_.secondMoment ? std::sqrt(mean) : mean;
-    // Parents come before their children. Nodes of a depth follow each other, as they are made breadth first.
+    // Parents precede children, and nodes of equal depth are consecutive (breadth-first).
     for (size_t begin = 0, end = 0; begin < nodes_.size(); begin = end) {
         while (end < nodes_.size() && nodes_[end].depth == nodes_[begin].depth) ++end;
         ParallelFor(static_cast<int64_t>(end - begin), 8, [&](int64_t first, int64_t last) {
@@ -198,7 +197,7 @@ void VisibilityTreeBuilder::Prune() {
                 below += best[i];
                 squares += (l - best[i]) * (l - best[i]);
             }
-            // A split is kept if its gain is more than the share pruneGain of the loss and more than chance.
+            // A split is kept if its gain exceeds both pruneGain of the loss and the noise.
             const double gain = here - below;
             bool keep = node.firstChild != 0 && gain > static_cast<double>(settings_.pruneGain) * here &&
                         gain > std::sqrt(squares);

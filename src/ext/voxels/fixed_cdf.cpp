@@ -11,7 +11,7 @@ void BuildFixedCdf(std::span<const double> weights, std::span<uint32_t> begins) 
     PBRT_CHECK(n == begins.size() && n < (uint64_t(1) << 32));
     double total = 0;
     for (double w : weights) total += w;
-    // What is left after one unit for each entry is shared out in proportion.
+    // The remainder after one unit per entry is distributed in proportion.
     const double units = static_cast<double>((uint64_t(1) << 32) - n);
     double running = 0;
     for (size_t i = 0; i < n; ++i) {
@@ -21,7 +21,7 @@ void BuildFixedCdf(std::span<const double> weights, std::span<uint32_t> begins) 
 }
 
 uint32_t SampleFixedCdf(std::span<const uint32_t> begins, Float u, const Point3 &p) {
-    // Spacing of floats at u, in units; less than one below 2^-8.
+    // Float spacing at u, in units; less than one below 2^-8.
     auto spacing = (std::bit_cast<uint32_t>(u) & 0x7f800000u);
     auto fine = static_cast<double>(std::bit_cast<Float>(spacing) * 0x1p-23f) * 0x1p32;
     auto target = static_cast<double>(u) * 0x1p32 + fine * static_cast<double>(HashFloat(p, u));

@@ -7,12 +7,12 @@
 namespace ext {
 using namespace pbrt;
 
-// A discrete distribution in 4 bytes an entry: the number at which the entry begins, in units of 2^-32; the first entry
-// begins at 0 and the last ends at 1. Differences are exact, so the probabilities sum to 1 and no small one is lost
-// beside larger ones, as it would be with running sums in float.
+// Discrete distribution with 4 bytes per entry: its start in the CDF, in units of 2^-32, from 0; the last entry ends at
+// 1. Differences are exact: probabilities sum to 1, and small ones survive beside large ones, unlike with float running
+// sums.
 
-/// Writes a distribution in proportion to the weights (>= 0, finite; if all are 0, equal shares). Every entry gets at
-/// least 2^-32.
+/// Builds a distribution proportional to the weights (>= 0, finite; uniform if all are 0). Every entry gets at least
+/// 2^-32.
 void BuildFixedCdf(std::span<const double> weights, std::span<uint32_t> begins);
 
 inline Float FixedCdfPMF(std::span<const uint32_t> begins, uint32_t index) {
@@ -24,8 +24,8 @@ inline Float FixedCdfBegin(std::span<const uint32_t> begins, uint32_t index) {
     return static_cast<Float>(begins[index]) * 0x1p-32f;
 }
 
-/// The entry for a uniform number u. A float near 1 has 24 bits, too few to hit narrow entries with the right
-/// frequency, so the bits below its last come from a hash of u and the point `p` of the query.
+/// Entry for a uniform number u. A float near 1 has 24 bits, too few for narrow entries, so lower bits come from a hash
+/// of u and the query point `p`.
 uint32_t SampleFixedCdf(std::span<const uint32_t> begins, Float u, const Point3 &p);
 
 }  // namespace ext

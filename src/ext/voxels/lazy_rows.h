@@ -7,9 +7,9 @@
 
 namespace ext {
 
-/// Arrays of equal length that are made when first asked for, by whichever thread asks. A row's content must depend on
-/// its index only: threads that want the same row at once each make it, one publishes, the others throw theirs away,
-/// and nobody waits. So the result is the same for any timing. A row that exists costs one load.
+/// Arrays of equal length, created lazily by any thread. A row must depend on its index only: threads that race for a
+/// row each create it, one publishes, the others discard theirs, and none waits. The result is independent of timing.
+/// Access to an existing row costs one load.
 template <class T>
 class LazyRows {
   public:
@@ -18,7 +18,7 @@ class LazyRows {
     LazyRows(const LazyRows &) = delete;
     LazyRows &operator=(const LazyRows &) = delete;
 
-    /// Deletes all rows and sets their number and length. Not while rows are in use.
+    /// Deletes all rows and sets their number and length. Not thread-safe.
     void Reset(size_t rows, size_t length) {
         Clear();
         rows_ = std::make_unique<std::atomic<T *>[]>(rows);
@@ -27,7 +27,7 @@ class LazyRows {
         filled_ = discarded_ = nanoseconds_ = 0;
     }
 
-    /// The row; if it does not exist, `fill` makes it: it gets a span of T with unspecified values and sets them all.
+    /// Returns the row, creating it with `fill` if missing, which must set every element of an uninitialized span of T.
     template <class Fill>
     std::span<const T> Get(size_t row, const Fill &fill) const {
         const T *values = rows_[row].load(std::memory_order_acquire);
@@ -39,9 +39,9 @@ class LazyRows {
 
     size_t Size() const { return count_; }
     size_t Filled() const { return static_cast<size_t>(filled_.load()); }
-    /// Rows thrown away because another thread published the same row first.
+    /// Rows discarded because another thread published first.
     size_t Discarded() const { return static_cast<size_t>(discarded_.load()); }
-    /// CPU time spent in `fill`, added up over threads.
+    /// CPU time in `fill`, summed over threads.
     double FillThreadSeconds() const { return static_cast<double>(nanoseconds_.load()) * 1e-9; }
     size_t Bytes() const { return count_ * sizeof(T *) + Filled() * length_ * sizeof(T); }
 

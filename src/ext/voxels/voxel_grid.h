@@ -6,16 +6,15 @@
 namespace ext {
 using namespace pbrt;
 
-/// A regular grid over a box, with voxels as near to cubes as whole numbers allow. Look-up is index arithmetic.
+/// Regular grid over a box with nearly cubic voxels. Look-up is index arithmetic.
 class VoxelGrid {
   public:
-    /// A grid of one voxel.
     VoxelGrid() = default;
-    /// `voxels` along the longest axis, in proportion along the others. An empty box gives one voxel without extent at
+    /// `voxels` along the longest axis, in proportion along the others. An empty box gives one voxel of zero extent at
     /// the origin.
     VoxelGrid(const Bounds3 &bounds, int voxels);
 
-    /// Points outside belong to the nearest voxel (and NaN to the first).
+    /// Points outside are clamped to the grid; NaN maps to the first voxel.
     uint32_t Index(const Point3 &p) const {
         Vector3 q = (p - low_) * scale_;
         auto x = Clamped(q.x, resolution_.x), y = Clamped(q.y, resolution_.y), z = Clamped(q.z, resolution_.z);
@@ -27,7 +26,7 @@ class VoxelGrid {
     Bounds3 Voxel(uint32_t index) const;
     /// Point of a voxel; u in [0, 1)^3.
     Point3 PointIn(uint32_t index, const Vector3 &u) const { return low_ + (Corner(index) + u) * size_; }
-    /// Voxels that have a face on the border of the grid: an estimate of how many voxels hold surfaces.
+    /// Voxels with a face on the grid's border: an estimate of the number of voxels with surfaces.
     size_t BorderSize() const;
 
   private:

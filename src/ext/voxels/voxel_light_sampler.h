@@ -4,7 +4,7 @@
 
 namespace ext {
 
-/// Group light samplers that keep a distribution over the groups for every voxel of the scene.
+/// Group light samplers with a distribution over the groups per voxel.
 class VoxelLightSampler : public GroupLightSampler {
   public:
     const void *WeighGroups(const LightQuery &query, LightMemory &) const final { return Cdf(query.p).data(); }
@@ -21,8 +21,8 @@ class VoxelLightSampler : public GroupLightSampler {
 
   protected:
     using GroupLightSampler::GroupLightSampler;
-    /// The distribution of the voxel that holds p, in fixed point (BuildFixedCdf). It stays at its address until the
-    /// next Prepare. Empty before Prepare: then all groups have the same share.
+    /// Distribution of the voxel that contains p, in fixed point (BuildFixedCdf). Its address is stable until the next
+    /// Prepare. Empty before Prepare: uniform.
     virtual std::span<const uint32_t> Cdf(const Point3 &p) const = 0;
 
   private:

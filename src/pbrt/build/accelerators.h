@@ -8,7 +8,7 @@ namespace pbrt {
 struct AcceleratorContext {
     DiagnosticSink &sink;
 };
-/// The acceleration structure is always Embree's; the parameters of stock's structures are only checked.
+/// The accelerator is always Embree; the parameters of stock's accelerators are validated only.
 using AcceleratorTable = FactoryTable<std::monostate, const AcceleratorContext>;
 const AcceleratorTable &Accelerators();
 

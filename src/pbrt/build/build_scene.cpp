@@ -21,13 +21,13 @@ namespace pbrt {
 
 namespace {
 
-/// The place in the scene file of the instance or moving shape whose inverse transformation enlarges distances most.
+/// Location of the instance or moving shape whose inverse transformation has the largest scale.
 FileLoc SmallestPlaced(const SceneDescription &d) {
     FileLoc smallest;
     double mostGrowth = -1;
     auto look = [&](const TransformPair &ctm, const FileLoc &loc) {
         for (const Transform *t : {&ctm.start, &ctm.end}) {
-            if (t->IsSingular()) continue;  // not placed
+            if (t->IsSingular()) continue;  // hidden
             for (int row = 0; row < 3; ++row) {
                 double growth = 0;
                 for (int c = 0; c < 3; ++c) growth += std::abs(static_cast<double>(t->InverseMatrix()[c][row]));
@@ -43,8 +43,8 @@ FileLoc SmallestPlaced(const SceneDescription &d) {
     return smallest;
 }
 
-/// Throws all errors. The first `checked` diagnostics are of CheckSupported: a later error at one of their places is
-/// the factory saying the same again, and is left out.
+/// Throws all errors. The first `checked` diagnostics are from CheckSupported; later errors at the same locations are
+/// duplicates and omitted.
 void ThrowIfErrors(const DiagnosticSink &sink, size_t checked) {
     if (!sink.HasErrors()) return;
     auto place = [](const Diagnostic &d) { return std::tuple(d.loc.file.get(), d.loc.line, d.loc.column); };
@@ -59,12 +59,11 @@ void ThrowIfErrors(const DiagnosticSink &sink, size_t checked) {
     throw UserError(std::move(errors), sink.Omitted());
 }
 
-/// True for errors of the command line, or of a file that it names: with them no scene can be rendered.
+/// True for errors in the command line or in a file it names, which no scene can fix.
 bool IsOfCommandLine(const Diagnostic &d) {
     return d.severity == Severity::Error && (!d.loc.file || d.loc.file->name.starts_with("--"));
 }
 
-/// Options given on the command line override those of the scene.
 void ChooseRenderOptions(const SceneOptions &scene, const BuildOptions &options, BuiltScene &built,
                          DiagnosticSink &sink) {
     auto name = [](const std::string &flag, const std::optional<std::string> &o) {
@@ -88,14 +87,14 @@ void TakeView(View view, const Placement &placement, BuiltScene &built) {
     if (built.camera) built.cameraFromWorld = placement.worldFromCamera.At(built.camera->ShutterOpen()).Inverse();
 }
 
-/// The name of the picture. Without a film (its mistake is reported already) only the flag's name is known.
+/// Output file name. Without a valid film only the flag's name is available.
 std::string OutputName(const BuiltScene &built, const BuildOptions &options) {
     const std::string name = built.film ? built.film->Filename() : options.film.filename;
     if (built.leftOut.empty() || name.empty() || !options.film.filename.empty()) return name;
     return WithSuffix(name, options.ignoreUnsupported ? "-incomplete" : "-without-media");
 }
 
-/// Checks that the files to be written can be written, and that the reference image exists.
+/// Checks that output files are writable and that the reference image exists.
 void CheckOutput(const BuiltScene &built, DiagnosticSink &sink) {
     if (!built.filename.empty()) Collect(sink, [&] { CheckWritable(built.filename); });
     std::error_code none;
@@ -112,7 +111,7 @@ std::unique_ptr<TextureLibrary> MakeTextures(SceneDescription &d, const BuildOpt
     return textures;
 }
 
-/// Makes media, materials, shapes and lights, not ready for rays yet.
+/// Creates media, materials, shapes and lights; not ready for rays yet.
 SceneContents MakeContents(SceneDescription &d, const BuildOptions &options, const Transform &renderFromWorld,
                            TextureLibrary &textures, LightNames &lightNames, DiagnosticSink &sink, Progress &progress) {
     BuiltMedia media = MakeMedia(d, renderFromWorld, sink);
@@ -134,7 +133,7 @@ SceneContents MakeContents(SceneDescription &d, const BuildOptions &options, con
             const Transform renderFromLight = renderFromWorld * l.ctm.start;
             auto light = Lights().Make(l.type, l.params,
                                        LightContext{renderFromLight, renderFromWorld, SpaceOf(l), d.files, sink});
-            // Light from beyond the scene arrives through vacuum, whatever medium is current at its LightSource.
+            // Light from outside the scene arrives through vacuum, regardless of the current medium at its LightSource.
             const bool isBeyondScene =
                 light->Kind() == LightKind::Infinite || light->Kind() == LightKind::DeltaDirection;
             const MediumId medium = isBeyondScene ? MediumId() : media.ids.Find(l.medium);
@@ -147,7 +146,7 @@ SceneContents MakeContents(SceneDescription &d, const BuildOptions &options, con
     return contents;
 }
 
-/// Makes the scene, ready for rays, from parts without errors.
+/// Creates the scene, ready for rays, from valid contents.
 std::unique_ptr<Scene> MakeScene(SceneContents contents, const SceneDescription &d, DiagnosticSink &sink) {
     if (contents.lights->Size() == 0) sink.Warning({}, "the scene has no lights: the image will be black.");
     try {
@@ -169,7 +168,7 @@ BuiltIntegrator MakeIntegrator(const BuiltScene &built, const IntegratorSettings
 }
 
 BuiltIntegrator MakeIntegrator(const BuiltScene &built, const Entity &entity, const BuildOptions &options) {
-    DiagnosticSink sink;  // its warnings were given when the scene was built
+    DiagnosticSink sink;  // its warnings were reported when the scene was built
     const IntegratorSettings settings = ReadIntegrator(entity, options, *built.integratorRequest.registry, sink);
     sink.ThrowIfErrors();
     return MakeIntegrator(built, settings, sink);
@@ -211,7 +210,7 @@ PrepareContext BuiltScene::Preparation(Progress &progress, Team &team) const {
 
 BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const PluginRegistry &registry,
                       DiagnosticSink &sink, Progress &progress) {
-    // Unsupported features are not built, but everything else is checked, so that one run reports all mistakes.
+    // Unsupported features are not built, but everything else is checked, so that one run reports all errors.
     BuiltScene built;
     BuildOptions options = given;
     built.leftOut = CheckSupported(d, options, sink);
@@ -230,8 +229,8 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Plug
     TakeView(MakeView(d, options, placement, built.seed, sink), placement, built);
     built.filename = OutputName(built, options);
     if (options.checksOutput) CheckOutput(built, sink);
-    // Errors in the scene so far may not be all, so its shapes are checked, too. Errors of the command line are
-    // reported at once, before big shapes are read.
+    // Shapes are checked even after errors, to report all of them. Command line errors are reported at once, before
+    // large shapes are read.
     if (std::any_of(sink.All().begin(), sink.All().end(), IsOfCommandLine)) ThrowIfErrors(sink, checked);
 
     built.memory =

@@ -15,7 +15,7 @@
 namespace pbrt {
 
 namespace {
-/// Appends the parameters of direction sampling, named as in scenes, to those of the integrators that use it.
+/// Appends the parameters of direction sampling, as named in scenes, to the integrators that use it.
 FamilyDoc DocumentIntegrators(const DirectionSamplings &directions) {
     FamilyDoc doc = Integrators().Document("integrators");
     for (FactoryDoc &maker : doc.makers) {

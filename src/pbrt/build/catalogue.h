@@ -6,12 +6,12 @@
 
 namespace pbrt {
 
-/// Everything that a scene can name together with its parameters, in the order of a scene file. Light samplers are not
-/// among them: their registry lists them. Guided integrators have the parameters of direction sampling as well.
+/// All scene entities with their parameters, in scene file order. Excludes light samplers, listed by their registry.
+/// Guided integrators include the parameters of direction sampling.
 std::vector<FamilyDoc> AllFamilies(const PluginRegistry &registry);
 
 /// Text of `pbrt --list WHAT`: a family; "all": docs/reference/parameters.md; "table": the table of
-/// docs/reference/compatibility.md. Throws UserError, which lists the choices, for anything else.
+/// docs/reference/compatibility.md. Throws UserError with the choices for anything else.
 std::string ListWhat(const std::string &what, const PluginRegistry &registry);
 
 }  // namespace pbrt

@@ -30,8 +30,8 @@ class Checker {
   public:
     explicit Checker(DiagnosticSink &sink) : sink_(sink) {}
 
-    /// `wayOut`: advice on the flag that leaves `what` out; `isGiven`: that flag was given. `instead`: what is rendered
-    /// then, for the message.
+    /// `wayOut`: advice on the flag that leaves `what` out; `isGiven`: the flag was given. `instead`: replacement, for
+    /// the message.
     void NotBuilt(const FileLoc &loc, const std::string &what, bool isGiven, const std::string &wayOut,
                   const std::string &instead = "") {
         if (!isGiven) {
@@ -68,7 +68,7 @@ std::vector<std::string> CheckSupported(SceneDescription &d, BuildOptions &optio
         if (options.ignoreUnsupported) options.integrator = instead;
     }
     for (TextureEntity &t : d.textures) {
-        // Without the flag the texture's own error has more detail.
+        // Without the flag, the texture's own error is more detailed.
         if (!options.ignoreUnsupported || !Contains(UnsupportedTextures(), t.type)) continue;
         check.NotBuilt(t.loc, fmt::format("Texture \"{}\" of class {}", t.name, t.type), true, "", "a constant 0.5");
         Param half;

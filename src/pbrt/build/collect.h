@@ -6,7 +6,7 @@
 
 namespace pbrt {
 
-/// Runs `make`, turning its UserError into collected diagnostics. True if it succeeded.
+/// Runs `make`, converting its UserError into diagnostics. Returns true on success.
 template <class F>
 bool Collect(DiagnosticSink &sink, F &&make) {
     try {
@@ -18,15 +18,13 @@ bool Collect(DiagnosticSink &sink, F &&make) {
     }
 }
 
-/// The colour space that an entity's colours are given in.
 inline const ColorSpace &SpaceOf(const Entity &e) {
     const ColorSpace *space = ColorSpace::Find(e.colorSpace);
     PBRT_CHECK_MSG(space != nullptr, "colour space {}", e.colorSpace);
     return *space;
 }
 
-/// The motion of an entity whose CTMs at the two times were turned into `start` and `end`. Throws UserError if they
-/// cannot be interpolated.
+/// Motion of an entity with CTMs transformed to `start` and `end`. Throws UserError if they cannot be interpolated.
 template <class Entity>
 AnimatedTransform MotionOf(const char *what, const Entity &entity, const Transform &start, const Transform &end) {
     if (start == end) return start;

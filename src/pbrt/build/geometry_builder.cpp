@@ -23,7 +23,7 @@ Displacement MakeDisplacement(const FloatTexturePtr &height, Float edgeScale) {
             edgeScale};
 }
 
-/// The texture parameters of a shape. They are read here because pbrt/shapes must not depend on pbrt/textures.
+/// Texture parameters of a shape. Read here because pbrt/shapes must not depend on pbrt/textures.
 struct ShapeTextureParams {
     bool isPly = true;
     FloatTextureParam alpha{}, displacement{};
@@ -36,7 +36,6 @@ struct ShapeTextureParams {
     }
 };
 
-/// The name of one primitive of a shape, for messages.
 const char *PrimitiveName(ShapeKind kind) {
     switch (kind) {
         case ShapeKind::TriangleMesh: return "triangle";
@@ -120,7 +119,7 @@ MaterialId GeometryBuilder::ResolveMaterial(const ShapeEntity &entity) {
 }
 
 void GeometryBuilder::BuildShapes(Progress &progress) {
-    // Textures are made on one thread, because the library is not thread-safe.
+    // Single-threaded, because the texture library is not thread-safe.
     for (Work &w : work_) {
         try {
             ShapeTextureParams p{w.entity->type == "plymesh"};
@@ -138,7 +137,7 @@ void GeometryBuilder::BuildShapes(Progress &progress) {
     ParallelForEach(static_cast<int64_t>(work_.size()), [&](int64_t i) {
         Work &w = work_[i];
         MakeShapes(w);
-        if (w.object < 0) w.entity->params = {};  // so that big meshes given as text are not kept twice
+        if (w.object < 0) w.entity->params = {};  // frees large inline meshes
         progress.Advance();
     });
     CenterDefinitions();
@@ -165,9 +164,9 @@ void GeometryBuilder::MakeShapes(Work &w) {
             place = Product({space.Inverse(), e.ctm.start});
             renderFromPlaced = Product({renderFromWorld_, space});
         }
-        // A constant alpha of 0 makes a light that shines as if it were opaque.
+        // A constant alpha of 0 makes a light that emits as if opaque.
         const bool opaque = !w.alpha || w.alpha->Constant() == Float(0);
-        ShapeTextureParams made{e.type == "plymesh"};  // were read before
+        ShapeTextureParams made{e.type == "plymesh"};  // already read
         ParamReader before(e.params);
         made.Describe(before);
         const ShapeContext context{place,
@@ -187,7 +186,7 @@ void GeometryBuilder::MakeShapes(Work &w) {
 }
 
 void GeometryBuilder::CenterDefinitions() {
-    constexpr Float kFar = 64;  ///< sizes from the origin
+    constexpr Float kFar = 64;  ///< relative to the size, from the origin
     std::vector<Bounds3> bounds(spaces_.size());
     for (const Work &w : work_)
         if (w.object >= 0 && !w.motion)
@@ -327,7 +326,7 @@ void GeometryBuilder::BuildInstances(const std::vector<Definition> &definitions)
     struct Placeable {
         const Definition *definition;
         int still;       ///< accel object, -1: none
-        Bounds3 bounds;  ///< of all its shapes, where the definition itself lies
+        Bounds3 bounds;  ///< of all its shapes, in the definition's space
         const Transform *space;
     };
     std::map<std::string, Placeable> byName;
@@ -354,7 +353,7 @@ void GeometryBuilder::BuildInstances(const std::vector<Definition> &definitions)
                 MotionOf("the instance", i, Product({renderFromWorld_, i.ctm.start, worldFromRender}),
                          Product({renderFromWorld_, i.ctm.end, worldFromRender}));
             RequireReach(fmt::format("the instance of \"{}\"", Abbreviate(i.name)), motion, it->second.bounds, i.loc);
-            if (motion.Start().IsSingular()) {  // scenes hide objects so; as in stock
+            if (motion.Start().IsSingular()) {  // hides an object, as in stock
                 sink_.Warning(i.loc, fmt::format("the instance of \"{}\" cannot be seen: the current transformation "
                                                  "flattens it.",
                                                  Abbreviate(i.name)));

@@ -13,13 +13,12 @@
 
 namespace pbrt {
 
-/// Documents all shapes with their parameters, including those that name textures.
 FamilyDoc DocumentShapes();
 
-/// Materials, shapes, area lights, objects and instances of a description. Mistakes are collected in the sink.
+/// Builds materials, shapes, area lights, objects and instances. Errors are collected in the sink.
 class GeometryBuilder {
   public:
-    /// `interfacesBlock`: interface surfaces stop shadow rays. `media`: the media that shapes name.
+    /// `interfacesBlock`: interface surfaces block shadow rays. `media`: named by shapes.
     GeometryBuilder(SceneDescription &description, const Transform &renderFromWorld, bool interfacesBlock,
                     const MediumIds &media, TextureLibrary &textures, DiagnosticSink &sink);
 
@@ -27,13 +26,12 @@ class GeometryBuilder {
     /// Reads and transforms all shapes (in parallel), then registers them in file order.
     void BuildShapes(Progress &progress);
     int64_t ShapeEntityCount() const { return static_cast<int64_t>(work_.size()); }
-    /// The parts built so far. The Accel is not committed and the lights are not finished.
+    /// Moves out the contents. The Accel is not committed and the lights are not finished.
     SceneContents TakeContents() { return std::move(contents_); }
-    /// The names of all lights in the contents.
     LightNames TakeLightNames() { return std::move(lightNames_); }
 
   private:
-    /// One Shape directive on its way to becoming shapes.
+    /// A Shape directive in progress.
     struct Work {
         ShapeEntity *entity = nullptr;
         int object = -1;  ///< index into description.objects, -1: the scene itself
@@ -41,30 +39,29 @@ class GeometryBuilder {
         std::optional<Displacement> displacement;
         /// In rendering space, in the space of their object definition, or in their own if they move.
         std::vector<std::unique_ptr<Shape>> shapes;
-        std::unique_ptr<const AnimatedTransform> motion;  ///< null: they do not move
+        std::unique_ptr<const AnimatedTransform> motion;  ///< null: static
         DiagnosticSink sink;
     };
 
-    /// An object definition in terms of Accel's objects.
+    /// An object definition, as objects of Accel.
     struct Definition {
         std::vector<ShapeId> still;  ///< in spaces_
         struct Moving {
             int object;
             AnimatedTransform renderFromObject;
-            Bounds3 bounds;  ///< at the start and the end of the motion
+            Bounds3 bounds;  ///< at both ends of the motion
         };
         std::vector<Moving> moving;
     };
 
     void MakeShapes(Work &work);
-    /// Makes shapes of object definitions again whose vertices lie far from the origin of their space: there, rays have
-    /// few digits.
+    /// Rebuilds shapes of object definitions whose vertices are far from their space's origin, where rays lose
+    /// precision.
     void CenterDefinitions();
     MaterialId ResolveMaterial(const ShapeEntity &entity);
-    /// Scenes have one Shape directive per hair: consecutive curves that differ only in their geometry become one
-    /// shape.
+    /// Merges consecutive curves that differ only in geometry: scenes have one Shape directive per hair.
     void MergeCurves();
-    /// The maker of the shape's area light; null if the shape is not an emitter.
+    /// Maker of the shape's area light; null if it does not emit.
     const AreaLightMaker *MakerFor(const ShapeEntity &entity, bool isInterface, bool isInDefinition);
     /// `definition`: null outside object definitions.
     void Register(Work &work, Definition *definition);
@@ -80,13 +77,13 @@ class GeometryBuilder {
     SceneContents contents_;
     LightNames lightNames_;
     std::vector<Work> work_;
-    /// By object definition: world from the space of its still shapes, a translation that brings them to the origin.
+    /// By object definition: world from the space of its static shapes, a translation that centres them.
     std::vector<Transform> spaces_;
     std::map<std::string, MaterialId> named_;
     std::vector<MaterialId> byIndex_;
     MaterialId defaultMaterial_{};
     std::vector<AreaLightMaker> makers_;  ///< by area-light index
-    std::vector<int> makerOf_;            ///< area-light entity -> makers_ index, -1 not made, -2 failed
+    std::vector<int> makerOf_;            ///< area-light entity -> makers_ index, -1 not created, -2 failed
 };
 
 }  // namespace pbrt

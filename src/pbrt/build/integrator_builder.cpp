@@ -42,7 +42,7 @@ struct PathParams : DepthParams {
     }
 };
 
-/// Without media volpath is path with subsurface scattering and with light sampling through interface surfaces.
+/// Without media, volpath is path with subsurface scattering and shadow rays through interfaces.
 IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const IntegratorReading &r, bool isVolume) {
     IntegratorSettings settings;
     settings.maxDepth = p.MaxDepth(r);
@@ -55,7 +55,7 @@ IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const Inte
     path.seesThroughInterfaces = isVolume;
     DirectionSpec directions;
     const bool isGuided = p.guide || r.options.guide || settings.lights->guide;
-    // Parameters are checked in any case.
+    // Parameters are validated even without guiding.
     if (isGuided || !r.registry.directionSamplings.Names().empty())
         directions = ReadDirections(set, settings.lights->guide, r.registry, r.sink);
     if (!isGuided) directions.entry = nullptr;
@@ -95,7 +95,7 @@ struct AmbientOcclusionParams {
     }
 };
 
-/// An integrator without a light sampler; `make(p, maxDepth, context, film's colour space)`.
+/// Integrator without light sampler; `make(p, maxDepth, context, film's colour space)`.
 template <class P, class F>
 void AddSimple(IntegratorTable &table, const char *name, F make, IntegratorTraits traits = {}) {
     const auto read = [make](const P &p, const ParamSet &, const IntegratorReading &r) {
@@ -109,7 +109,7 @@ void AddSimple(IntegratorTable &table, const char *name, F make, IntegratorTrait
     table.Add<P>(name, "", read, traits);
 }
 
-/// The integrators that have a trait: `"path" and "volpath"`.
+/// Integrators with a trait: `"path" and "volpath"`.
 std::string NamesWith(bool IntegratorTraits::*trait) {
     std::vector<std::string> names;
     for (const std::string &name : Integrators().Names())
@@ -123,7 +123,7 @@ std::string OnlyTheseAreGuided() {
     return fmt::format("only the integrators {} are guided", NamesWith(&IntegratorTraits::isGuided));
 }
 
-/// True if the scene stands in a medium without a boundary: a ray from the camera leaves the scene in one.
+/// True if the scene is inside an unbounded medium: a camera ray leaves the scene in one.
 bool IsInEndlessMedium(const PathContext &context) {
     CameraSample middle;
     middle.pFilm = middle.pLens = Point2(0.5f, 0.5f);
@@ -218,8 +218,7 @@ IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &opti
     } else {
         const IntegratorTable::Entry &entry = Integrators().Find(type);
         const IntegratorTraits &traits = entry.traits;
-        // With --integrator the scene's parameters, which belong to another integrator, are ignored, except for the
-        // depth.
+        // --integrator ignores the scene's integrator parameters except the depth.
         ParamSet fresh(fmt::format("Integrator \"{}\"", options.integrator), {});
         const auto isDepth = [](const ParamDoc &doc) { return doc.name == "maxdepth"; };
         if (const Param *depth = entity.params.Find("maxdepth", ParamType::Integer);

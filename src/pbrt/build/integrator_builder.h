@@ -9,53 +9,52 @@
 
 namespace pbrt {
 
-/// An integrator whose parameters were read, to be made when there is a scene.
+/// An integrator with parsed parameters, created once the scene exists.
 struct IntegratorSettings {
     std::string type;
     int maxDepth = 5;
-    int samplesPerPixel = 0;  ///< above 0: takes the place of the sampler's, unless --spp or --quick overrides it
-    std::optional<LightSelection> lights;      ///< of integrators that take a light sampler
-    std::optional<LightSamplerSpec> shooting;  ///< of integrators that follow light from the lights
-    /// May be called only if reading gave no errors; the registry used then must still exist.
+    int samplesPerPixel = 0;               ///< positive: replaces the sampler's, unless --spp or --quick overrides it
+    std::optional<LightSelection> lights;  ///< for integrators with a light sampler
+    std::optional<LightSamplerSpec> shooting;  ///< for integrators with light paths
+    /// Call only if parsing gave no errors; the registry used must still exist.
     std::function<std::unique_ptr<Integrator>(const PathContext &, const ColorSpace &filmSpace)> make;
 };
 
-/// What is needed to read the parameters of an integrator.
 struct IntegratorReading {
     const BuildOptions &options;
     const PluginRegistry &registry;
     DiagnosticSink &sink;
-    const ParamReader &before;  ///< has declared the parameters of light samplers
+    const ParamReader &before;  ///< with the light samplers' parameters declared
 };
 
-/// What an integrator does and needs; declared where it is registered.
+/// Capabilities and requirements of an integrator, declared at its registration.
 struct IntegratorTraits {
-    bool hasLightSampler = false;     ///< takes the light samplers' parameters and flags
-    bool hasEmissionSampler = false;  ///< light paths begin at lights that a second light sampler chooses
-    bool connectsToCamera = false;    ///< light paths reach the camera, which must support Camera::CanConnect
-    bool isGuided = false;            ///< DirectionSampling can take the place of BSDFs
-    bool rendersMedia = false;        ///< follows light through media
+    bool hasLightSampler = false;     ///< accepts the light samplers' parameters and flags
+    bool hasEmissionSampler = false;  ///< a second light sampler selects where light paths start
+    bool connectsToCamera = false;    ///< requires Camera::CanConnect
+    bool isGuided = false;            ///< supports DirectionSampling
+    bool rendersMedia = false;        ///< traces media
     bool passesInterfaces = false;    ///< shadow rays pass interface surfaces; geometry is built for it
-    bool scattersSubsurface = false;  ///< other integrators render subsurface materials as dielectrics
-    bool samplesPixels = true;        ///< false: no sample belongs to a pixel, which --disable-pixel-jitter needs
+    bool scattersSubsurface = false;  ///< others render subsurface materials as dielectrics
+    bool samplesPixels = true;        ///< false: samples do not belong to pixels, as --disable-pixel-jitter requires
 };
 using IntegratorTable = FactoryTable<IntegratorSettings, const IntegratorReading, IntegratorTraits>;
 const IntegratorTable &Integrators();
-/// The integrators that the format has but this renderer does not support.
+/// Integrators of the format that are not supported.
 const std::vector<std::string> &UnsupportedIntegrators();
 
-/// Reads the parameters of the integrator that the scene or --integrator names, and of its light sampler. Everything
-/// wrong with them goes to the sink, before anything is built.
+/// Parses the parameters of the integrator named by scene or --integrator, and of its light sampler. Reports all errors
+/// to the sink before anything is built.
 IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &options, const PluginRegistry &registry,
                                   DiagnosticSink &sink);
 
-/// Makes the integrator, from settings that were read without errors.
+/// Creates the integrator from settings that parsed without errors.
 BuiltIntegrator MakeIntegrator(const IntegratorSettings &settings, const PathContext &context,
                                const ColorSpace &filmSpace, DiagnosticSink &sink);
 
-/// The type of the integrator to be used: that of the scene's entity, or the one that --integrator names.
+/// Integrator type: the scene's, or that of --integrator.
 const std::string &IntegratorType(const Entity &entity, const BuildOptions &options);
-/// The traits of that integrator; the defaults if there is none of that name.
+/// Traits of that integrator; defaults if the name is unknown.
 IntegratorTraits TraitsOf(const std::string &integrator);
 
 }  // namespace pbrt

@@ -5,8 +5,6 @@
 
 namespace pbrt {
 
-// What the makers of integrators share.
-
 struct DepthParams {
     int maxDepth = 5;
     template <class V>
@@ -17,7 +15,7 @@ struct DepthParams {
     int MaxDepth(const IntegratorReading &r) const { return r.options.maxDepth.value_or(maxDepth); }
 };
 
-/// Reads the light sampler of an integrator; nothing is returned after errors, which went to the sink.
+/// Parses an integrator's light sampler; empty on errors, which are in the sink.
 std::optional<LightSelection> ReadLights(const ParamSet &set, const IntegratorReading &r,
                                          const LightSelectionParams &defaults = {});
 std::unique_ptr<LightSampler> MakeLights(const LightSamplerSpec &chosen, const PluginRegistry &registry,

@@ -10,7 +10,6 @@ namespace pbrt {
 
 namespace {
 
-/// Where light paths begin.
 struct ShootingParams {
     std::string shootingSampler = "power";
     template <class V>

@@ -7,7 +7,7 @@ namespace pbrt {
 
 namespace {
 
-/// The text of a flag, for errors that point into it.
+/// Text of a flag, for errors with positions.
 class FlagText {
   public:
     FlagText(const char *flag, const std::string &text)
@@ -19,7 +19,7 @@ class FlagText {
     std::shared_ptr<const SourceFile> source_;
 };
 
-/// A part of a flag's text: the characters from `begin` up to `end`.
+/// Characters [begin, end) of a flag's text.
 struct Piece {
     size_t begin = 0, end = 0;
     std::string Of(const std::string &text) const { return text.substr(begin, end - begin); }
@@ -31,7 +31,7 @@ struct Pieces {
     std::optional<Piece> guide;
 };
 
-/// Where "+mesh" or another "+word" starts; numbers such as 1e+4 do not.
+/// Start of "+mesh" or another "+word"; excludes numbers such as 1e+4.
 size_t FindSuffix(const std::string &text, size_t from) {
     for (size_t at = text.find('+', from); at != std::string::npos; at = text.find('+', at + 1))
         if (at + 1 < text.size() && std::isalpha(static_cast<unsigned char>(text[at + 1]))) return at;
@@ -98,7 +98,7 @@ Param ReadOne(const FlagText &flag, const std::string &owner, const std::vector<
     return p;
 }
 
-/// Reads "key=value,...". All mistakes are reported.
+/// Parses "key=value,...". Reports all errors.
 void ReadKeys(const FlagText &flag, const std::string &owner, const std::vector<ParamDoc> &docs, const Piece &piece,
               ParamSet *params, DiagnosticSink &sink) {
     for (size_t begin = piece.begin; begin <= piece.end;) {
@@ -112,8 +112,8 @@ void ReadKeys(const FlagText &flag, const std::string &owner, const std::vector<
     }
 }
 
-/// Throws if another character than ':' separates a known name from parameters: "octree,floor=0.1". `name`: all before
-/// the colon.
+/// Throws if a character other than ':' separates a valid name from parameters: "octree,floor=0.1". `name`: everything
+/// before the colon.
 template <class Find>
 void CheckColon(const FlagText &flag, const Piece &name, size_t end, const Find &find) {
     const std::string &text = flag.Text();
@@ -128,8 +128,7 @@ void CheckColon(const FlagText &flag, const Piece &name, size_t end, const Find 
                     flag.At(stop));
 }
 
-/// "name:key=value,..." taken apart; `find(name, loc)` gives the registry's entry, which is returned if the name is
-/// known.
+/// Splits "name:key=value,..."; `find(name, loc)` returns the registry entry of a known name.
 template <class Find>
 auto ReadPiece(const FlagText &flag, const Piece &piece, const Find &find, ParamSet *params, DiagnosticSink &sink)
     -> decltype(&find("", FileLoc())) {
@@ -148,7 +147,7 @@ auto ReadPiece(const FlagText &flag, const Piece &piece, const Find &find, Param
 
 constexpr const char *kGuideName = "guide";
 
-/// The parameters of the chosen entry: the integrator's, overridden by the flag's. Values out of range are errors.
+/// Parameters of the selected entry: the integrator's, overridden by the flag's. Values out of range are errors.
 template <class Entry>
 ParamSet ChosenParams(const std::string &owner, const Entry &entry, const ParamSet &integrator, const FileLoc &loc,
                       const ParamSet &added, DiagnosticSink &sink) {
@@ -169,7 +168,7 @@ ParamSet LightParams(const LightSamplerRegistry::Entry &entry, const ParamSet &i
     return ChosenParams(fmt::format("light sampler \"{}\"", entry.name), entry, integrator, loc, added, sink);
 }
 
-/// Warns of parameters that belong to another value of a choice such as "model" (ParamDoc::choice).
+/// Warns about parameters that belong to another value of a choice such as "model" (ParamDoc::choice).
 void WarnOfParamsWithoutEffect(const LightSamplerRegistry::Entry &entry, const ParamSet &params, DiagnosticSink &sink) {
     for (const ParamDoc &choice : entry.params) {
         if (choice.choices.empty()) continue;
@@ -206,7 +205,7 @@ void DeclareLightParams(ParamReader &reader, const PluginRegistry &registry, boo
 }
 
 namespace {
-/// Throws UserError in a program that was built without path guiding.
+/// Throws UserError in a build without path guiding.
 const DirectionSamplings::Entry &FindGuide(const PluginRegistry &registry, const FileLoc &loc) {
     if (registry.directionSamplings.Has(kGuideName)) return registry.directionSamplings.Find(kGuideName);
     throw UserError("path guiding is an extension, which this program was built without (-DPBRT_EXT=OFF).", loc);
@@ -247,7 +246,7 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
         return registry.samplers.Find(n, loc);
     };
 
-    // The scene's name is checked even where a flag overrides it.
+    // The scene's name is validated even if a flag overrides it.
     const FileLoc loc = integrator.LocOf("lightsampler");
     collect([&] {
         const std::string &name = scene.lightSampler;
@@ -276,7 +275,7 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
     }
 
     sampler.meshLights = scene.meshLights || flags.meshLights || pieces.mesh;
-    // A sampler that does not take groups forms them itself.
+    // Samplers that do not accept groups form them themselves.
     if (sampler.entry && !sampler.entry->traits.takesGroups) sampler.meshLights = false;
     if (sink.ErrorCount() > errorsBefore) return {};
     return selection;
@@ -302,7 +301,7 @@ std::optional<LightSamplerSpec> ReadShootingSampler(const ParamSet &integrator, 
     LightSamplerSpec spec;
     ParamSet keys;
     const FileLoc loc = integrator.LocOf("shootingsampler");
-    // The scene's name is checked even where the flag overrides it.
+    // The scene's name is validated even if the flag overrides it.
     try {
         spec.entry = &find(named, loc);
     } catch (const UserError &e) {

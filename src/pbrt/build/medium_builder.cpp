@@ -9,8 +9,8 @@ BuiltMedia MakeMedia(SceneDescription &d, const Transform &renderFromWorld, Diag
     BuiltMedia built;
     for (MediumEntity &m : d.media)
         Collect(sink, [&] {
-            // Rendering space is known here wherever the medium stands in the file. Stock pbrt-v4 misplaces grids that
-            // are defined before Camera.
+            // Rendering space is available here regardless of file order. Stock pbrt-v4 misplaces grids defined before
+            // Camera.
             const Transform renderFromMedium = renderFromWorld * m.ctm.start;
             auto medium = Media().Make(m.type, m.params, MediumContext{renderFromMedium, SpaceOf(m), d.files, sink});
             built.ids.Add(m.name, MediumId(built.media.size()));

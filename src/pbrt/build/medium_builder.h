@@ -11,11 +11,10 @@
 
 namespace pbrt {
 
-/// The ids of media by their names.
 class MediumIds {
   public:
     void Add(const std::string &name, MediumId id) { ids_.emplace(name, id); }
-    /// No medium for "", which is vacuum, and for a medium that could not be made.
+    /// No medium for "" (vacuum) and for media that failed to build.
     MediumId Find(const std::string &name) const {
         auto it = ids_.find(name);
         return it == ids_.end() ? MediumId() : it->second;
@@ -30,8 +29,8 @@ struct BuiltMedia {
     MediumIds ids;
 };
 
-/// Makes all media of the scene, also those that nothing is in, so that their mistakes are found; these go to the sink.
-/// Lists of values are dropped from the description.
+/// Builds all media of the scene, including unused ones, so that all errors are reported to the sink. Frees value lists
+/// of the description.
 BuiltMedia MakeMedia(SceneDescription &description, const Transform &renderFromWorld, DiagnosticSink &sink);
 
 }  // namespace pbrt

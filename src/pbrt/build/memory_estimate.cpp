@@ -9,11 +9,9 @@ namespace pbrt {
 
 namespace {
 
-/// Bytes of Embree's structure for a triangle: fewer than it takes, as a test checks on a mesh. A patch counts
-/// as two triangles.
+/// Lower bound of Embree's bytes per triangle, validated by a test. A patch counts as two triangles.
 constexpr double kAccelerationPerTriangle = 50;
 
-/// Numbers of things, of which a mesh may be the sum of many.
 struct MeshCounts {
     double vertices = 0, triangles = 0, bytesPerVertex = sizeof(Point3);
     double Bytes() const {
@@ -21,7 +19,7 @@ struct MeshCounts {
     }
 };
 
-/// The first bytes of a file, decompressed; empty if it cannot be read, which building reports.
+/// First bytes of a file, decompressed; empty if unreadable, which building reports.
 std::string HeadOf(const std::string &path, size_t bytes) {
     std::error_code none;
     if (!std::filesystem::is_regular_file(path, none)) return {};
@@ -43,7 +41,7 @@ MeshCounts CountsOfPly(const std::string &path) {
         words >> kind >> name;
         if (kind == "element" && words >> count && count > 0 && count < 1e12) {
             if (name == "vertex") counts.vertices = count;
-            if (name == "face") counts.triangles = count;  // a quad counts as one: at least
+            if (name == "face") counts.triangles = count;  // lower bound: a quad counts as one
         } else if (kind == "property" && words >> last) {
             if (last == "nx") counts.bytesPerVertex += sizeof(Normal3);
             if (last == "u" || last == "s") counts.bytesPerVertex += sizeof(Point2);
@@ -78,7 +76,7 @@ MeshCounts CountsOf(const ShapeEntity &shape, const FileResolver &files) {
     return counts;
 }
 
-/// Bytes of the pixels of an image, at least.
+/// Lower bound of an image's pixel bytes.
 double ImageBytes(const std::string &path) {
     const std::string head = HeadOf(path, 26);
     if (head.starts_with("\x89PNG") && head.size() == 26) {
@@ -109,7 +107,7 @@ void AddImages(const SceneDescription &d, MemoryEstimate *estimate) {
         ++estimate->imageCount;
     };
     for (const TextureEntity &t : d.textures)
-        if (t.type == "imagemap") add(t, 4.0 / 3);  // with the smaller levels of the pyramid
+        if (t.type == "imagemap") add(t, 4.0 / 3);  // with MIP levels
     for (const LightEntity &l : d.lights) add(l, 1);
 }
 
@@ -136,7 +134,7 @@ MemoryEstimate EstimateMemory(const SceneDescription &d, double filmBytes, bool 
         }
     };
     addShapes(d.shapes);
-    std::set<std::string> used;  // the shapes of an object are built once if it is used, however often
+    std::set<std::string> used;  // an object's shapes are built once, regardless of its number of instances
     for (const InstanceEntity &i : d.instances) used.insert(i.name);
     for (const ObjectEntity &o : d.objects)
         if (used.count(o.name)) addShapes(o.shapes);

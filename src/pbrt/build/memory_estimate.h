@@ -6,19 +6,17 @@
 
 namespace pbrt {
 
-/// The least memory that a scene can need, as far as it is known before anything is built. It counts the sums of the
-/// film; meshes, by their parameters or the heads of their files, with their acceleration structure; and images, by the
-/// heads of PNG files and the sizes of others. It leaves out curves, quadrics, displaced meshes, volumes, lights and
-/// what is learned of them.
+/// Lower bound of a scene's memory before building: film sums; meshes, by parameters or file headers, with their
+/// acceleration structure; images, by PNG headers and other files' sizes. Excludes curves, quadrics, displaced meshes,
+/// volumes, lights and learned structures.
 struct MemoryEstimate {
     double film = 0, meshes = 0, images = 0;  ///< bytes
     double triangles = 0;
     int imageCount = 0;
-    FileLoc largestAt{};  ///< the directive of the mesh or image that needs most
-    double largest = 0;   ///< bytes of that one
+    FileLoc largestAt{};  ///< directive of the largest mesh or image
+    double largest = 0;   ///< its bytes
 
     double Total() const { return film + meshes + images; }
-    /// Keeps the place of the largest part.
     void See(double bytes, const FileLoc &at) {
         if (!(bytes > largest)) return;
         largest = bytes;
@@ -28,10 +26,10 @@ struct MemoryEstimate {
     std::string Text() const;
 };
 
-/// `imagesInMemory` false: images are in the tile cache and do not count.
+/// `imagesInMemory` false: images are in the tile cache and excluded.
 MemoryEstimate EstimateMemory(const SceneDescription &description, double filmBytes, bool imagesInMemory);
 
-/// Throws UserError, at the directive that needs most, if the scene needs more memory than this process can use.
+/// Throws UserError, at the largest directive, if the estimate exceeds this process's memory.
 void RequireMemory(const MemoryEstimate &estimate);
 
 }  // namespace pbrt

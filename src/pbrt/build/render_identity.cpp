@@ -11,7 +11,7 @@ namespace pbrt {
 
 namespace {
 
-/// The names in the scene of files that a render writes.
+/// Output file names in the scene.
 std::set<std::string> OutputsOf(const SceneDescription &d) {
     std::set<std::string> outputs;
     if (const Param *name = d.film.params.Find("filename", ParamType::String))
@@ -21,7 +21,7 @@ std::set<std::string> OutputsOf(const SceneDescription &d) {
     return outputs;
 }
 
-/// A hash of a group's power, place and directions, bit by bit.
+/// Bitwise hash of a group's power, position and directions.
 uint64_t HashOf(const LightCandidate &c) {
     uint64_t hash = Hash(c.power, static_cast<int>(c.infinite), static_cast<int>(c.bounds.has_value()));
     if (const auto &b = c.bounds)
@@ -30,7 +30,7 @@ uint64_t HashOf(const LightCandidate &c) {
     return hash;
 }
 
-/// A hash of the light from beyond the scene in many directions.
+/// Hash of the radiance from outside the scene in many directions.
 uint64_t HashOfSkies(const Scene &scene) {
     constexpr int kSide = 32;
     uint64_t hash = 0;

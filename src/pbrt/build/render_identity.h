@@ -9,13 +9,13 @@
 
 namespace pbrt {
 
-/// Everything that the samples of a render depend on, but for the number of samples: the program, every file that the
-/// scene names, and the flags. Throws UserError if the scene comes from standard input, which cannot be read twice.
+/// Everything that a render's samples depend on, except their number: program, scene files, and flags. Throws UserError
+/// for standard input, which cannot be read twice.
 RenderIdentity IdentityOf(const BuildOptions &options, const std::vector<std::string> &sceneFiles,
                           const SceneDescription &description);
 
-/// What two renders must have in common to choose their lights by what one of them learned: the program, the light
-/// sampler, the scene's bounds and its lights, by name. Cameras, films and materials may differ.
+/// Requirements for two renders to share learned light selection: program, light sampler, scene bounds and lights by
+/// name. Cameras, films and materials may differ.
 RenderIdentity LightIdentity(const Scene &scene, const std::string &lightSampler, const std::string &parameters);
 
 }  // namespace pbrt

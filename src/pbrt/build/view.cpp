@@ -7,8 +7,8 @@ namespace pbrt {
 
 namespace {
 
-/// Rendering space is world space moved so that the camera sits at the origin halfway between the transform times,
-/// unless the flag --render-coord-sys overrides it.
+/// Rendering space is world space translated to the camera at the middle of the transform times, unless
+/// --render-coord-sys overrides it.
 Transform RenderFromWorld(const SceneDescription &d, const AnimatedTransform &worldFromCamera,
                           const BuildOptions &options) {
     std::string which =
@@ -63,7 +63,7 @@ View MakeView(SceneDescription &d, const BuildOptions &options, const Placement 
     });
     const Point2i resolution = view.film ? view.film->FullResolution() : Point2i(16, 16);
     const Float diagonal = view.film ? view.film->DiagonalMm() : 35;
-    Collect(sink, [&] {  // its parameters are checked even if its placement is an error
+    Collect(sink, [&] {  // parameters are validated even if the placement is an error
         const CameraContext context{placement.renderFromCamera, resolution, diagonal, d.files, sink};
         view.camera = Cameras().Make(d.camera.type, d.camera.params, context);
     });

@@ -10,17 +10,17 @@
 
 namespace pbrt {
 
-/// Where the camera stands, and the rendering space that follows from it.
+/// Camera placement and the resulting rendering space.
 struct Placement {
-    bool isKnown = false;  ///< false: the scene's placement is an error, and all transforms here are identities
+    bool isKnown = false;  ///< false: invalid placement; all transforms are identities
     Transform renderFromWorld;
     AnimatedTransform worldFromCamera, renderFromCamera;
 };
 
-/// Mistakes go to the sink, as with all stages.
+/// Errors go to the sink.
 Placement PlaceCamera(const SceneDescription &description, const BuildOptions &options, DiagnosticSink &sink);
 
-/// What turns the scene into a picture. A member is null if its parameters were an error.
+/// Camera, film and sampling. Members with invalid parameters are null.
 struct View {
     std::unique_ptr<Filter> filter;
     std::unique_ptr<Film> film;
@@ -28,11 +28,9 @@ struct View {
     std::unique_ptr<Sampler> sampler;
 };
 
-/// The overrides of the film that the flags ask for.
 FilmOverrides FilmOverridesOf(const BuildOptions &options);
 
-/// All of this is cheap, so its mistakes are found before any geometry is read. `seed`: used unless the scene's sampler
-/// has a seed.
+/// Cheap, so errors are reported before geometry is read. `seed`: used unless the scene's sampler has one.
 View MakeView(SceneDescription &description, const BuildOptions &options, const Placement &placement, int seed,
               DiagnosticSink &sink);
 

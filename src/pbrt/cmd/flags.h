@@ -15,8 +15,7 @@
 
 namespace pbrt {
 
-/// Returns a validator for option->check(). Its message does not print the largest double as a bound, unlike CLI11's
-/// own.
+/// Validator for option->check() whose message, unlike CLI11's, does not print the largest double as a bound.
 inline CLI::Validator NumberCheck(bool zeroToo, const std::string &name) {
     return CLI::Validator(
         [zeroToo](std::string &text) {
@@ -30,8 +29,8 @@ inline CLI::Validator NumberCheck(bool zeroToo, const std::string &name) {
 inline const CLI::Validator PositiveNumber = NumberCheck(false, "POSITIVE");
 inline const CLI::Validator NonNegativeNumber = NumberCheck(true, "NONNEGATIVE");
 
-/// A row of a table of flags: names as CLI11 declares them, target, help text, check of the value. A bool takes no
-/// value; a list is written with commas.
+/// Row of a flag table: names as CLI11 declares them, target, help text, validator. A bool takes no value; lists are
+/// comma-separated.
 class Flag {
   public:
     template <class T>
@@ -52,7 +51,7 @@ class Flag {
         isRequired_ = true;
         return std::move(*this);
     }
-    /// The help text shows the target's value as the default.
+    /// Shows the target's value as the default in the help text.
     Flag &&ShowDefault() && {
         showsDefault_ = true;
         return std::move(*this);
@@ -74,23 +73,23 @@ inline void AddFlags(CLI::App &app, const std::string &heading, std::initializer
     for (const Flag &row : rows) row.AddTo(app)->group(heading);
 }
 
-/// Replacement for a flag of other programs, by the flag in lower case without - and _.
+/// Replacements for flags of other programs, keyed by folded name (FoldFlag).
 using FlagHints = std::map<std::string, std::string>;
 
-/// Returns the name of a flag in lower case without - and _, as names are compared.
+/// Flag name in lower case without - and _, for comparison.
 inline std::string FoldFlag(std::string name) {
     std::erase_if(name, [](char c) { return c == '-' || c == '_'; });
     return CLI::detail::to_lower(name);
 }
 
-/// True for arguments that are written as flags: -x, --xyz, --xyz=value, but not numbers and not "-" or "--".
+/// True for -x, --xyz and --xyz=value, but not for numbers, "-" and "--".
 inline bool IsFlag(const std::string &argument) {
     const size_t name = argument.find_first_not_of('-');
     return (name == 1 || name == 2) && !std::isdigit(static_cast<unsigned char>(argument[name])) &&
            argument[name] != '.';
 }
 
-/// The option that an argument written as in CLI11's declarations names, or null.
+/// Option named by an argument in CLI11's spelling, or null.
 inline const CLI::Option *FindOption(const CLI::App &app, const std::string &argument) {
     const std::string name = argument.substr(0, argument.find('='));
     for (const CLI::Option *option : app.get_options())
@@ -98,8 +97,7 @@ inline const CLI::Option *FindOption(const CLI::App &app, const std::string &arg
     return nullptr;
 }
 
-/// Throws for a list of numbers that has another length than its option takes. CLI11 would count the words that follow,
-/// whatever they are.
+/// Throws if a number list has the wrong length. CLI11 would count any words that follow.
 inline void CheckNumberList(const CLI::Option &option, const std::vector<std::string> &arguments, size_t at) {
     const int wanted = option.get_expected_min() * option.get_type_size_min();
     const size_t equals = arguments[at].find('=');
@@ -121,9 +119,9 @@ inline void CheckNumberList(const CLI::Option &option, const std::vector<std::st
                                                option.get_type_name(), count, count ? ": " : "", given));
 }
 
-/// Throws CLI::ValidationError for the first flag that `app` lacks, with the nearest one that it has, and for lists of
-/// numbers of the wrong length. To be called before CLI11 parses: it would report the first word that is left over,
-/// which may be the value of a misspelt flag, or a file.
+/// Throws CLI::ValidationError for the first unknown flag, suggesting the closest one, and for number lists of wrong
+/// length. Call before CLI11 parses: it would report the first leftover word, which may be a misspelt flag's value or a
+/// file.
 inline void CheckFlags(const CLI::App &app, const std::vector<std::string> &arguments, const FlagHints &hints = {}) {
     for (size_t i = 0; i < arguments.size() && arguments[i] != "--"; ++i) {
         if (!IsFlag(arguments[i])) continue;
@@ -147,14 +145,14 @@ inline void CheckFlags(const CLI::App &app, const std::vector<std::string> &argu
     }
 }
 
-/// Parses the arguments without the program's name, then calls `check`, which may throw CLI::ParseError. Prints help,
-/// version or an error; then returns the exit status of the program.
+/// Parses the arguments without the program name, then calls `check`, which may throw CLI::ParseError. After printing
+/// help, version or an error, returns the exit status.
 template <class Check>
 std::optional<int> ParseFlags(CLI::App &app, std::vector<std::string> arguments, const FlagHints &hints,
                               Check &&check) {
     try {
         CheckFlags(app, arguments, hints);
-        std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
+        std::reverse(arguments.begin(), arguments.end());  // CLI11 expects reverse order
         app.parse(arguments);
         check();
         return {};
@@ -170,7 +168,7 @@ std::optional<int> ParseFlags(CLI::App &app, std::vector<std::string> arguments,
     }
 }
 
-/// Returns the command line as typed, with blanks between the arguments.
+/// The command line as typed, joined by blanks.
 inline std::string JoinArguments(int argc, const char *const *argv) {
     std::string text;
     for (int i = 0; i < argc; ++i) text += (i ? " " : "") + std::string(argv[i]);

@@ -8,7 +8,6 @@
 
 namespace pbrt {
 
-/// One sample of a pixel.
 struct BdptIntegrator::Sample {
     const PathStart &start;
     SampledWavelengths &lambda;
@@ -52,10 +51,10 @@ struct BdptIntegrator::Subpath {
     int &count;
     TransportMode mode;
     Sampler &sampler;
-    Float pdf;  ///< of the next ray: by solid angle, or beyond the scene by area across it
+    Float pdf;  ///< of the next ray: solid angle, or outside the scene area across it
     SpectralWeights weights{};
-    SampledSpectrum L{0};  ///< emission met on the way
-    Float ofFirst = 0;     ///< the same at the first wavelength, as if it had been the only one all the way
+    SampledSpectrum L{0};  ///< emission hit on the way
+    Float ofFirst = 0;     ///< the same at the first wavelength, as if it had been the only one throughout
     bool anyNonSpecular = false;
 
     BdptVertex &Last() const { return vertices[count - 1]; }
@@ -77,7 +76,7 @@ bool BdptIntegrator::PassMedium(PathWalk &walk, Subpath &path, const Sample &sam
     const Ray &ray = walk.GetRay();
     const Float u = path.sampler.Get1D();
     Rng rng = NumbersAlong(ray, u);
-    // As volpath, the last ray of a path finds lights, but no light of media.
+    // As in volpath, the last ray of a path reaches lights but not medium emission.
     const bool emits = path.mode == TransportMode::Radiance && path.count <= maxDepth_;
     path.weights.onlyFirst = sample.lambda.SecondaryTerminated();
     const MediumEvent event = walk.ThroughMedium(
@@ -148,7 +147,7 @@ void BdptIntegrator::Follow(PathWalk &walk, Subpath &path, Sample &sample) const
         }
         if (path.mode == TransportMode::Radiance) AddEmission(walk, path, sample);
         if (met == PathWalk::Met::Nothing) return;
-        // A ray behind the last vertex goes on through surfaces that do not scatter: there may be light behind them.
+        // A ray from the last vertex continues through non-scattering surfaces, as there may be light behind them.
         const bool isFull = path.count == static_cast<int>(path.vertices.size());
         if (isFull && (path.mode == TransportMode::Importance || ScattersSurely(context_.scene, walk.Vertex().point)))
             return;
@@ -208,7 +207,7 @@ SampledSpectrum BdptIntegrator::TraceCamera(Sample &sample) const {
     PathWalk walk(context_, sample.start.ray, sample.start.visible);
     Subpath subpath{paths.camera, paths.cameraCount, TransportMode::Radiance, sample.samplers.camera, pdf};
     Follow(walk, subpath, sample);
-    // Contributions from before the secondary wavelengths were terminated count on the first one only.
+    // Contributions before termination of the secondary wavelengths count on the first one only.
     if (!hasMedia_ || !sample.lambda.SecondaryTerminated()) return subpath.L;
     for (StrategyPictures::Contribution &f : paths.contributions) {
         f.weighted *= f.mean;
@@ -341,7 +340,7 @@ void BdptIntegrator::ConnectToCamera(Sample &sample, int lightVertices, std::vec
     lens.pLight = seen->p;
     const ShadowTransmittance through = Passing(sample, last, lens);
     if (!through.value) return;
-    // These connections come last: the camera's vertex of the camera path is not needed any more.
+    // These connections come last: the camera path's camera vertex is not needed afterwards.
     BdptVertex &camera = sample.paths.camera[0];
     camera.p = seen->p;
     camera.direction = -seen->wi;

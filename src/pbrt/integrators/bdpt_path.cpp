@@ -7,7 +7,7 @@ Float BdptWeights::LightPdf(const BdptVertex &light, const BdptVertex &next) con
     LightQuery anywhere;
     const Float pmf = shooting_.PMF(anywhere, light.light);
     if (IsDelta(part.Kind())) {
-        // The position of a distant light is its direction, and that of an invisible area light has a density.
+        // The position of a distant light is its direction; that of an invisible area light has a density.
         if (light.isBeyondScene || light.n == Normal3(0)) return pmf;
     }
     const LightLePdf pdf = part.PdfLe(light.isBeyondScene ? next.Position() : light.p, light.n, light.Towards(next));
@@ -35,7 +35,7 @@ Float BdptWeights::ConnectedLightPdf(const BdptVertex &light, const BdptVertex &
     const Float pmf = chosen.pmf;
     if (light.isBeyondScene ? !isInfinite : light.n == Normal3(0)) return pmf;
     const ShapePrimitive at = part.Surface();
-    // Of an area light that rays cannot hit PdfLi says 0, because only light sampling finds it.
+    // PdfLi is 0 for an area light that rays cannot hit, because only light sampling reaches it.
     const Float pdf = part.Kind() == LightKind::DeltaPosition && at.shape
                           ? at.shape->PdfSolidAngle(at.primitive, context, wi, light.p, light.n)
                           : part.PdfLi(context, wi, light.p, light.n, false);
@@ -45,12 +45,12 @@ Float BdptWeights::ConnectedLightPdf(const BdptVertex &light, const BdptVertex &
 Float BdptWeights::Weight(std::span<const BdptVertex *const> path, int fromLight, Float cameraPdf,
                           const SampledWavelengths &lambda) const {
     const int n = static_cast<int>(path.size()), s = fromLight;
-    if (n == 2) return 1;  // light that the camera sees is found by the camera only
+    if (n == 2) return 1;  // directly visible light is sampled by the camera only
     const auto at = [&](int k) -> const BdptVertex & { return *path[k]; };
     const auto scatterPdf = [&](int k, int from, int to, TransportMode mode) {
         return at(k).ScatterPdf(at(k).Towards(at(from)), at(k).Towards(at(to)), mode);
     };
-    // The densities of the vertices on both sides of the connection, by the subpath that did not make them.
+    // Densities of the vertices on both sides of the connection, for the respective other subpath.
     Float cameraAtLightEnd = 0, cameraBefore = 0, lightAtCameraEnd = 0, lightBehind = 0;
     if (s >= 1)
         cameraAtLightEnd =
@@ -63,10 +63,10 @@ Float BdptWeights::Weight(std::span<const BdptVertex *const> path, int fromLight
     if (s + 1 <= n - 2)
         lightBehind = s == 0 ? FirstStepPdf(at(0), at(1))
                              : at(s + 1).AreaPdf(at(s), scatterPdf(s, s - 1, s + 1, TransportMode::Importance));
-    // At the connection both ends scatter without a delta, whatever their subpaths did there.
+    // At the connection both ends scatter without a delta, regardless of their subpaths.
     const auto isSpecular = [&](int k) { return k != s - 1 && k != s && at(k).isSpecular; };
-    // Where a vertex is reached by specular scattering, its density is a delta, for whichever side comes that way. It
-    // is part of every strategy's density exactly once, and so it is left out everywhere.
+    // Densities of specular vertices are deltas from either side. They occur in every strategy's density exactly once
+    // and are omitted everywhere.
     const auto lightPdf = [&](int k) -> Float {
         if (k >= 1 && isSpecular(k - 1)) return 1;
         return k < s ? at(k).pdfForward : k == s ? lightAtCameraEnd : k == s + 1 ? lightBehind : at(k).pdfReverse;
@@ -76,8 +76,8 @@ Float BdptWeights::Weight(std::span<const BdptVertex *const> path, int fromLight
         return k >= s ? at(k).pdfForward : k == s - 1 ? cameraAtLightEnd : k == s - 2 ? cameraBefore : at(k).pdfReverse;
     };
     const bool canBeHit = !IsDelta(lights_[at(0).light].Kind());
-    // How a strategy with i vertices from the light compares to what the densities of light subpaths say: a single
-    // light vertex is chosen for the vertex that sees it.
+    // Ratio of a strategy's density to the product of light subpath densities: a single light vertex is selected for
+    // the vertex it illuminates.
     const Float chosen = LightPdf(at(0), at(1));
     const Float single = chosen > 0 ? ConnectedLightPdf(at(0), at(1), at(2), lambda, n - 2) / chosen : 0;
     const auto ratio = [&](int i, Float density) -> Float {

@@ -6,39 +6,37 @@
 
 namespace pbrt {
 
-/// What the weights of bidirectional paths need to know.
+/// MIS weights of bidirectional paths.
 ///
-/// In media the densities that are compared are geometric: by area, without the factors of free flight, which are the
-/// chance to pass a stretch and the density per length to be scattered behind it. Every strategy scatters at every
-/// inner vertex, so the latter is a factor of all their densities; they differ by the transmittance of the one edge
-/// that was connected, and by what the wavelengths that could have led the path say of it (SpectralWeights). Both are
-/// left out. A weight need not be a ratio of true densities for the sum of all strategies to have the right mean: for
-/// every path, given by its vertices, the weights of the strategies that can make it must add up to 1, and they do,
-/// because each is a share of the same sum, which depends on nothing else. (It does not depend on null collisions, on
-/// the wavelength that led the path, or on estimates of transmittance.) Each strategy by itself divides by its own
-/// density, averaged over the wavelengths that could have led. What is lost is some noise: an edge that hardly any
-/// light passes counts as much as a clear one.
+/// In media the compared densities are geometric: by area, without the free-flight factors (transmittance, and density
+/// per length of scattering). Every strategy scatters at every inner vertex, so the latter is common to all. They
+/// differ by the transmittance of the connected edge and by the spectral densities (SpectralWeights); both are omitted.
+///
+/// A weight need not be a ratio of true densities for the sum over strategies to be unbiased. For every path, the
+/// weights of all strategies that can sample it must sum to 1. They do, because each is a share of the same sum, which
+/// does not depend on null collisions, on the sampled wavelength, or on transmittance estimates. Each strategy divides
+/// by its own density, averaged over wavelengths. The cost is some noise: an edge of low transmittance counts as much
+/// as a clear one.
 class BdptWeights {
   public:
-    /// `shooting` chose the lights of light subpaths, `connecting` chooses those of single light vertices.
+    /// `shooting` selected the lights of light subpaths, `connecting` those of single light vertices.
     BdptWeights(const LightTable &lights, const LightSampler &shooting, const LightSampler &connecting)
         : lights_(lights), shooting_(shooting), connecting_(connecting) {}
 
-    /// The weight of the balance heuristic for a path that was made with so many vertices from the light, against all
-    /// other numbers with which the same path can be made (Veach 1997, section 10.2). `path`: its vertices from the
-    /// light to the camera, each with the densities of its own subpath. `cameraPdf`: the density by area with which the
-    /// camera finds the vertex next to it.
+    /// Balance heuristic weight of a path sampled with `fromLight` vertices from the light, against all other splits
+    /// (Veach 1997, section 10.2). `path`: vertices from light to camera, each with its own subpath's densities.
+    /// `cameraPdf`: density by area of the vertex next to the camera, sampled from the camera.
     Float Weight(std::span<const BdptVertex *const> path, int fromLight, Float cameraPdf,
                  const SampledWavelengths &lambda) const;
 
-    /// Density of the light's own end of a light subpath: by area; beyond the scene: by solid angle.
+    /// Density of a light subpath's first vertex: by area; outside the scene: by solid angle.
     Float LightPdf(const BdptVertex &light, const BdptVertex &next) const;
 
   private:
-    /// Density by area with which a light subpath that begins at `light` continues to `next`.
+    /// Density by area of `next` as the second vertex of a light subpath from `light`.
     Float FirstStepPdf(const BdptVertex &light, const BdptVertex &next) const;
-    /// The same as LightPdf for a light vertex that was chosen for, and seen from, the vertex `from`, which goes on to
-    /// `beyond` and is the vertex of this depth from the camera. Of a sky that is chosen by parts: of the part.
+    /// LightPdf for a light vertex selected for and sampled from the vertex `from`, which continues to `beyond` and has
+    /// this depth from the camera. For an environment light with regions: of the region.
     Float ConnectedLightPdf(const BdptVertex &light, const BdptVertex &from, const BdptVertex &beyond,
                             const SampledWavelengths &lambda, int depth) const;
     const LightTable &lights_;

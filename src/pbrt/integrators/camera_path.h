@@ -10,43 +10,40 @@ namespace pbrt {
 struct PathSettings {
     int maxDepth = 5;         ///< scattering events; 0: emission only, 1: direct light
     bool regularize = false;  ///< roughen specular lobes after the first non-specular bounce
-    bool subsurface =
-        false;  ///< follow light below surfaces (volpath; to path they are clear dielectrics, as in stock)
-    /// Light sampling reaches through interface surfaces (volpath, with a scene whose shadow rays pass them; with path
-    /// they block shadow rays, as in stock).
+    bool subsurface = false;  ///< subsurface scattering (volpath; path renders clear dielectrics, as in stock)
+    /// Shadow rays pass interface surfaces (volpath, in scenes built so that they pass them; in path they block, as in
+    /// stock).
     bool seesThroughInterfaces = false;
-    /// Leaves out emission that only BSDF sampling can find: lights seen directly or in a mirror, caustics. It does not
-    /// depend on the light sampler; without it a measurement of light samplers is free of its noise.
+    /// Excludes emission reached only by BSDF sampling: directly visible or mirrored lights, caustics. It is
+    /// independent of the light sampler and would add noise to comparisons.
     bool sampledLightOnly = false;
-    /// Least continuation probability of roulette: 0 as in stock, 1 for no roulette.
+    /// Minimum continuation probability of roulette: 0 as in stock, 1 for no roulette.
     Float minContinuation = 0;
-    bool tracksMedia = false;  ///< volpath, in a scene with media
+    bool tracksMedia = false;  ///< volpath in a scene with media
 };
 
-/// What all camera paths of an integrator share. Refers to everything.
 struct CameraPathSetup {
     const PathContext &context;
     const PathSettings &settings;
     const LightSampler &lights;
-    PathObserver *observer = nullptr;  ///< of light samples, or null
+    PathObserver *observer = nullptr;  ///< of light samples; may be null
 };
 
-/// Throughput of a path where media do not matter. MIS by the power heuristic, as in stock pbrt-v4.
+/// Path throughput without media. MIS by the power heuristic, as in stock pbrt-v4.
 class SurfaceThroughput {
   public:
     static constexpr bool kHasMedia = false;
     SampledSpectrum beta{1};
 
-    /// The weight of the path's samples.
     SampledSpectrum Weight() const { return beta; }
     SampledSpectrum Scaled(Float scale) const { return beta * scale; }
-    /// After a direction was drawn with this density (solid angle) by scattering that light sampling could replace.
+    /// Called for a sampled scattering direction (density by solid angle) that light sampling could replace.
     void SampledDirection(Float pdf) { pScatter_ = pdf; }
-    /// The contribution of emission met; `pLight`: the density of light sampling (solid angle), 0: it could not.
+    /// Contribution of emission hit; `pLight`: density of light sampling (solid angle), 0: not sampled.
     SampledSpectrum Emission(const SampledSpectrum &Le, Float pLight) const {
         return beta * Le * (pLight > 0 ? PowerHeuristic(pScatter_, pLight) : Float(1));
     }
-    /// The contribution of a light sample; pScatter(wi): the density of scattering.
+    /// Contribution of a light sample; pScatter(wi): scattering density (solid angle).
     template <class Pdf>
     SampledSpectrum Direct(const DirectLight &light, Pdf &&pScatter) const {
         const Float pLight = light.Pdf();
@@ -58,7 +55,7 @@ class SurfaceThroughput {
     Float pScatter_ = 0;
 };
 
-/// Throughput of a path through media (SpectralWeights). MIS by the balance heuristic, over wavelengths as well.
+/// Path throughput with media (SpectralWeights). MIS by the balance heuristic, over wavelengths as well.
 class MediaThroughput : public SpectralWeights {
   public:
     static constexpr bool kHasMedia = true;
@@ -79,7 +76,6 @@ class MediaThroughput : public SpectralWeights {
     }
 };
 
-/// The policy of CameraPath for paths that end by scattering and roulette alone.
 struct NoGathering {
     static constexpr bool IsLastRay() { return false; }
     static constexpr bool GathersAt(const PathVertex &) { return false; }
@@ -87,13 +83,12 @@ struct NoGathering {
     void Leave(const PathVertex &, const BsdfSample &) {}
 };
 
-/// A path from the camera with next-event estimation: the algorithm of path, volpath and the camera pass of sppm. Three
-/// policies:
+/// Camera path with next-event estimation: the algorithm of path, volpath and the camera pass of sppm. Three policies:
 ///
-///   Throughput   SurfaceThroughput or MediaThroughput: weights, MIS heuristic, and whether media are tracked
+///   Throughput   SurfaceThroughput or MediaThroughput: weights, MIS heuristic, and medium tracking
 ///   Gathering    NoGathering, or estimates of indirect light at surfaces that end the path
-///   Directions   directions at surfaces with their densities, continuation probabilities where there is an estimate,
-///                and records of the path; in the order of calls, with throughput `beta` and radiance so far `L`:
+///   Directions   surface directions with densities, continuation probabilities, and records of the path; in call
+///                order, with throughput `beta` and accumulated radiance `L`:
 ///
 ///     RecordHit[InMedium](vertex)                          the path arrived
 ///     HasLearnedRoulette()                                 roulette happens on arrival, not after scattering
@@ -104,7 +99,7 @@ struct NoGathering {
 ///     ContinuationProbabilityAfterNee(mean beta)           1: no estimate
 ///     BeginScattering(beta, L)
 ///     Sample(vertex, uc, u)
-///     RecordScatter(vertex, sample, pdf, L, beta)          after scattering that was not specular
+///     RecordScatter(vertex, sample, pdf, L, beta)          after non-specular scattering
 ///     End(L)
 template <class Throughput, class Directions, class Gathering = NoGathering>
 class CameraPath {
@@ -115,7 +110,7 @@ class CameraPath {
           directions_(directions), gathering_(gathering), walk_(setup.context, start.ray, start.visible),
           observed_(setup.observer, start.pixel, start.sampleIndex) {}
 
-    /// The radiance along the camera ray.
+    /// Returns the radiance along the camera ray.
     SampledSpectrum Follow() {
         while (Step()) {
         }
@@ -127,7 +122,7 @@ class CameraPath {
   private:
     enum class Passed { Through, Scattered, Ended };
 
-    /// From one vertex to the next. False: the path ends.
+    /// Advances to the next vertex. Returns false if the path ends.
     bool Step() {
         const PathWalk::Met met = walk_.Next();
         if (met == PathWalk::Met::TooManyInterfaces) return false;
@@ -159,7 +154,7 @@ class CameraPath {
         const Ray &ray = walk_.GetRay();
         const Float u = sampler_.Get1D();
         Rng rng = NumbersAlong(ray, u);
-        // Emission between the last vertices that a path may have is left out, as in stock pbrt-v4.
+        // Medium emission before the last vertex is excluded, as in stock pbrt-v4.
         const bool emits = depth_ < settings_.maxDepth && !settings_.sampledLightOnly;
         const MediumEvent event = walk_.ThroughMedium(lambda_, u, rng, emits, throughput_,
                                                       [&](const SampledSpectrum &radiance, Float) { L_ += radiance; });
@@ -205,8 +200,8 @@ class CameraPath {
         if (gathering_.IsLastRay() || depth_++ == settings_.maxDepth) return false;
         ++ThreadCounters().pathVertices;
         if (directions_.HasLearnedRoulette() && depth_ > 1) {
-            // Where there is no estimate, and at specular surfaces, the throughput decides. Light is sampled at two
-            // vertices in any case.
+            // Without an estimate, and at specular surfaces, roulette is by throughput. Light is always sampled at the
+            // first two vertices.
             const Float probability =
                 directions_.ContinuationProbability(walk_.Vertex(), throughput_.Weight().Average());
             if (depth_ > 2 && !(probability > 0 ? Continues(probability) : ContinuesByThroughput())) return false;
@@ -240,8 +235,7 @@ class CameraPath {
         return directions_.HasLearnedRoulette() || depth_ <= 1 || gathering_.IsLastRay() || ContinuesByThroughput();
     }
 
-    /// Light that entered a subsurface material leaves it elsewhere: the same scattering event, as in stock. False: the
-    /// path ends.
+    /// Subsurface scattering counts as one scattering event, as in stock. Returns false if the path ends.
     bool PassBelowSurface() {
         const std::optional<Bssrdf> bssrdf = ComputeBssrdf(scene_, walk_.Vertex().point, lambda_);
         if (!bssrdf) return true;
@@ -262,11 +256,10 @@ class CameraPath {
         return true;
     }
 
-    /// Next-event estimation at the surface that the path has reached.
     void AddDirectLight() {
         const PathVertex &vertex = walk_.Vertex();
         current_->Prepare(setup_.lights, vertex, lambda_, depth_);
-        // All random numbers are drawn in any case, so that dimensions stay aligned between samples.
+        // All random numbers are drawn unconditionally, so that dimensions stay aligned between samples.
         const Float uLight = sampler_.Get1D();
         const std::optional<DirectLight> light =
             SampleDirectLight(scene_, vertex, current_->lights, lambda_, true, uLight, sampler_.Get2D(), observed_,
@@ -283,21 +276,21 @@ class CameraPath {
         return TraceShadow(scene_, current_->from, medium, to, lambda_, rng);
     }
 
-    /// The path leaves the vertex by scattering of this density (solid angle) that light sampling could replace.
+    /// Leaves the vertex by scattering of this density (solid angle) that light sampling could replace.
     void LeaveVertex(Float pdf) {
         throughput_.SampledDirection(pdf);
         std::swap(current_, previous_);
         lightCouldSample_ = anyNonSpecular_ = true;
     }
 
-    /// Russian roulette. False: the path ends.
+    /// Russian roulette. Returns false if the path ends.
     bool Continues(Float probability) {
         if (!(probability < 1)) return true;
         if (sampler_.Get1D() >= probability) return false;
         throughput_.beta /= probability;
         return true;
     }
-    /// By the throughput without the radiance scaling of refraction.
+    /// Uses the throughput without the radiance scaling of refraction.
     bool ContinuesByThroughput() {
         return Continues(std::max(throughput_.Scaled(etaScale_).MaxComponent(), settings_.minContinuation));
     }
@@ -314,16 +307,15 @@ class CameraPath {
     SampledSpectrum L_{0};
     Throughput throughput_;
     VertexSelection selections_[2];
-    /// The vertex that the path has reached, and the one where it scattered before, for the light-sampling density of
-    /// what the ray meets.
+    /// The current vertex and the last scattering vertex, for the light-sampling density of emission hit.
     VertexSelection *current_ = &selections_[0], *previous_ = &selections_[1];
     int depth_ = 0;
     Float etaScale_ = 1;
-    bool lightCouldSample_ = false;  ///< light sampling at `previous_` could have found what the ray meets
+    bool lightCouldSample_ = false;  ///< light sampling at `previous_` covers the next emission
     bool anyNonSpecular_ = false;
 };
 
-/// Directions of the BSDF alone, and roulette by throughput: policy of CameraPath, which documents the functions.
+/// Policy of CameraPath, which documents the functions: BSDF directions and roulette by throughput.
 struct BsdfDirections {
     static constexpr bool HasLearnedRoulette() { return false; }
     static constexpr Float ContinuationProbability(const PathVertex &, Float) { return 0; }

@@ -7,26 +7,26 @@
 
 namespace pbrt {
 
-/// Extension point: chooses directions and continuation probabilities of camera paths from records of the render, in
-/// place of BSDF and throughput alone. It follows whole paths, so that its policy can be a type (CameraPath).
+/// Extension point: learned directions and continuation probabilities of camera paths, instead of BSDF sampling and
+/// throughput. It traces whole paths, so that its policy can be a type (CameraPath).
 class DirectionSampling : public OnlineModel {
   public:
-    /// After the light sampler's. `maxDepth`: of the integrator.
+    /// Called after the light sampler's Prepare. `maxDepth`: of the integrator.
     virtual void Prepare(PrepareContext &prepare, int maxDepth) = 0;
-    /// The radiance along a camera ray, by CameraPath with directions of its own.
+    /// Radiance along a camera ray, by CameraPath with its own directions.
     virtual SampledSpectrum Li(const CameraPathSetup &setup, const PathStart &start, SampledWavelengths &lambda,
                                Sampler &sampler) = 0;
-    /// Model and records for a checkpoint, without those of the light sampler.
+    /// Saves model and records for a checkpoint, excluding the light sampler's.
     virtual void Save(StateWriter &out) const = 0;
-    /// The model for other renders, with another camera or resolution, which do not update it.
+    /// Saves the model for other renders, whose camera or resolution may differ; those do not update it.
     virtual void SaveForOthers(StateWriter &out) const = 0;
-    /// Sizes, times and what is gained, for --stats and image metadata.
+    /// Sizes, times and gain, for --stats and image metadata.
     virtual void Report(nlohmann::ordered_json &json) const = 0;
-    /// The model at a vertex, for pictures. `pixel`: whose path it is.
+    /// Model state at a vertex of a path of `pixel`, for visualization.
     virtual void Inspect(const PathVertex &vertex, Point2i pixel, std::vector<InspectedValue> &values) const = 0;
 };
 
-/// The kinds of DirectionSampling by name. Their parameters are "name.key" of the integrator.
+/// DirectionSampling implementations by name. Their parameters are "name.key" of the integrator.
 using DirectionSamplings = FactoryTable<std::unique_ptr<DirectionSampling>, const Scene>;
 
 }  // namespace pbrt

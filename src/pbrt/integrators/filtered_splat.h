@@ -4,13 +4,13 @@
 
 namespace pbrt {
 
-/// Adds light that arrives at a place of the film (raster position) to all pixels that the filter lets see it, so that
-/// they measure the same as by samples that the filter draws.
+/// Adds a splat at a film position (raster space) to all pixels in the filter's support, with the expected value of
+/// filter-sampled pixels.
 inline void AddFilteredSplat(Film &film, const Filter &filter, const Point2 &pFilm, const SampledSpectrum &L,
                              const SampledWavelengths &lambda) {
     const Bounds2i &bounds = film.PixelBounds();
     const Point2 first = pFilm - filter.Radius() - Float(0.5), last = pFilm + filter.Radius() - Float(0.5);
-    // Compared as numbers first: what is far outside does not fit into integers.
+    // Compared as floats first: distant positions do not fit into integers.
     if (!(last.x >= static_cast<Float>(bounds.low.x) && last.y >= static_cast<Float>(bounds.low.y) &&
           first.x < static_cast<Float>(bounds.high.x) && first.y < static_cast<Float>(bounds.high.y)))
         return;

@@ -16,82 +16,80 @@ namespace pbrt {
 
 class DirectionSampling;
 
-/// A part of a render: some samples of every pixel of the film.
+/// Part of a render: some samples of every film pixel.
 struct RenderPass {
     const Camera &camera;
     const Filter &filter;
     Film &film;
     std::span<const std::unique_ptr<Sampler>> samplers;  ///< one per thread, by ThreadIndex()
-    int samplesPerPixel = 1;                             ///< in a batch of the samplers
-    int batchFirst = 0;                                  ///< number of samples of a pixel before this batch
-    int first = 0, count = 1;                            ///< which samples of the batch
+    int samplesPerPixel = 1;                             ///< per sampler batch
+    int batchFirst = 0;                                  ///< samples per pixel before this batch
+    int first = 0, count = 1;                            ///< sample range within the batch
     bool jittersPixels = true;  ///< false: sample pixel centres, lens centre, mid-shutter; full texture footprints
     bool jittersWavelengths = true;
-    bool keepsSamples = true;  ///< false: the film holds these samples already; they are traced only to learn from them
-    bool isCounted = true;     ///< every sample of a pixel counts in `progress`
-    /// Null, or how much of the pass is done, for each of the parts in which the integrator renders it: what is done
-    /// when Render is called (empty: nothing) is left out, and when it returns all is done, or what was done until it
-    /// was cancelled.
+    bool keepsSamples = true;  ///< false: the film already holds these samples; they are traced for learning only
+    bool isCounted = true;     ///< every pixel sample counts in `progress`
+    /// Null, or progress per chunk of the integrator. On call, completed samples are skipped (empty: none are); on
+    /// return everything is done, or what was done until cancellation.
     std::vector<uint32_t> *done = nullptr;
-    std::string_view doneFile{};  ///< that `done` was read from, for messages
+    std::string_view doneFile{};  ///< source file of `done`, for messages
     Progress &progress;
-    /// The processes that render the pass together, each with its own film: samples are distributed among them.
-    /// Afterwards `done` of rank 0 holds what all have done.
+    /// Processes that render the pass together, each with its own film; samples are distributed among them. Afterwards
+    /// rank 0's `done` covers all processes.
     Team &team = Team::Alone();
 };
 
-/// A picture that an integrator makes beside the one of the film that it renders.
+/// An image produced in addition to the film's.
 struct SidePicture {
-    std::string name;  ///< to be appended to that of the film's file
+    std::string name;  ///< suffix of the film's file name
     const Film *film = nullptr;
 };
 
-/// Adds samples to a film. Every sample is a function of pixel and sample index, and of what the OnlineModel learned
-/// from fixed samples before it, so that any number of threads, and any split into passes, gives the same image.
+/// Adds samples to a film. Every sample is a function of pixel, sample index, and what the OnlineModel learned from
+/// fixed earlier samples. So any number of threads and any split into passes give the same image.
 class Integrator {
   public:
     virtual ~Integrator() = default;
-    /// Before the first pass; the light sampler's prepass happens here.
+    /// Called before the first pass; runs the light sampler's prepass.
     virtual void Prepare(PrepareContext &) {}
-    /// False if cancelled: then some pixels lack samples of the pass; RenderPass::done lists which.
+    /// Returns false if cancelled: some pixels then lack samples of the pass, recorded in RenderPass::done.
     virtual bool Render(const RenderPass &pass) = 0;
-    /// The largest RenderPass::count that Render takes.
+    /// Maximum RenderPass::count.
     virtual int MaxPassSamples() const { return std::numeric_limits<int>::max(); }
-    /// The model that is updated between passes; null if there is none.
+    /// Model updated between passes; may be null.
     virtual OnlineModel *Model() { return nullptr; }
-    /// Writes the state of Prepare and of the model, for PrepareContext::learned of a resumed render. Not while rays
-    /// are traced; the writer may refer to memory of this object.
+    /// Writes the state of Prepare and the model, for PrepareContext::learned of a resumed render. Not while rays are
+    /// traced; the writer may refer to memory of this object.
     virtual void SaveLearned(StateWriter &writer) const {
         if (const LightSampler *lights = Lights()) lights->SaveLearned(writer, true);
     }
-    /// Writes what other renders under the same lights can use, for PrepareContext::learned with `learnsOn` false.
+    /// Writes the state for other renders under the same lights, for PrepareContext::learned with `learnsOn` false.
     virtual void SaveForOthers(StateWriter &writer) const {
         if (const LightSampler *lights = Lights()) lights->SaveLearned(writer, false);
     }
-    /// The light sampler in use; null if the integrator has none.
     virtual const LightSampler *Lights() const { return nullptr; }
-    /// The light sampler that chooses where light paths begin; null if none do.
+    /// Light sampler of light path emission; null if none.
     virtual const LightSampler *EmissionSampler() const { return nullptr; }
-    /// True if there will be side pictures. They hold only samples of this process since its start: checkpoints do not
-    /// keep them, and other processes do not send theirs.
+    /// True if there are side images. They hold only samples of this process since its start: checkpoints and other
+    /// processes do not share them.
     virtual bool MakesSidePictures() const { return false; }
-    /// After the first pass.
+    /// Valid after the first pass.
     virtual std::vector<SidePicture> SidePictures() const { return {}; }
-    /// What chooses directions in place of BSDFs, or null.
+    /// Learned direction sampling, or null.
     virtual const DirectionSampling *Directions() const { return nullptr; }
 };
 
-/// The chunks of a pass, which threads and processes render in any order.
+/// Chunks of a pass, rendered in any order by threads and processes.
 struct PassChunks {
     int64_t count = 0;
     bool splat = false;  ///< samples add splats to the film, for one path each
     std::function<uint32_t(int64_t chunk)> samplesOf;
-    /// Renders a chunk of which so many samples are done; returns how many are then: all, unless cancelled.
+    /// Renders a chunk with `done` samples done; returns the new count: all, unless cancelled.
     std::function<uint32_t(int64_t chunk, uint32_t done)> render;
 };
 
-/// Renders what RenderPass::done does not name as done, and keeps account of it there. Returns whether the pass is
-/// whole, in all processes that take part.
+/// Renders the chunks not completed in RenderPass::done, and updates it. Returns true if the pass is complete in all
+/// processes.
 bool RenderChunks(const RenderPass &pass, const PassChunks &chunks);
 
 }  // namespace pbrt

@@ -11,7 +11,6 @@ namespace pbrt {
 LightPathIntegrator::LightPathIntegrator(const PathContext &context, int maxDepth, std::unique_ptr<LightSampler> lights)
     : context_(context), maxDepth_(maxDepth), lights_(ByPowerUnless(std::move(lights), context.scene.Lights())) {}
 
-/// One path from a light.
 class LightPathIntegrator::LightPath {
   public:
     LightPath(const LightPathIntegrator &integrator, const PathStart &start, SampledWavelengths &lambda,
@@ -20,7 +19,7 @@ class LightPathIntegrator::LightPath {
           splatUnit_(start.pass.film.SplatUnit()), hasMedia_(context_.scene.HasMedia()), lambda_(lambda),
           sampler_(sampler) {}
 
-    /// Samples the first ray, and splats the light where it starts.
+    /// Samples the first ray and splats the light at its origin.
     std::optional<Ray> Begin() {
         const Scene &scene = context_.scene;
         LightQuery anywhere;
@@ -37,7 +36,7 @@ class LightPathIntegrator::LightPath {
         if (hasSurface) {
             const LightSampleContext from{left->p, left->pError, left->n, left->n, time_};
             Splat(from, uFirst, mediumTowards, [&](const Vector3 &wi) {
-                // The radiance of a surface is the same in all directions in which it shines.
+                // Surface radiance is equal in all emitting directions.
                 return light.L(left->p, left->n, left->uv, wi, lambda_) ? left->L * (AbsDot(left->n, wi) / pdfPosition)
                                                                         : SampledSpectrum(0);
             });
@@ -51,7 +50,6 @@ class LightPathIntegrator::LightPath {
         return ray;
     }
 
-    /// Splats at every vertex of the path.
     void Follow(const Ray &ray) {
         PathWalk walk(context_, ray);
         for (int depth = 0;;) {
@@ -70,8 +68,8 @@ class LightPathIntegrator::LightPath {
     }
 
   private:
-    /// Adds the radiance `leaving`(wi) of light that leaves `from`, on its side in the medium `mediumTowards`(wi),
-    /// where the camera sees it.
+    /// Splats radiance `leaving`(wi) from `from`, in the medium `mediumTowards`(wi) on that side, if visible to the
+    /// camera.
     template <class M, class L>
     void Splat(const LightSampleContext &from, const Point2 &uLens, M &&mediumTowards, L &&leaving) {
         const std::optional<CameraConnection> seen = context_.camera.Connect(from.p, uLens, time_);
@@ -98,7 +96,7 @@ class LightPathIntegrator::LightPath {
             AddFilteredSplat(pass_.film, pass_.filter, places[i], radiance, lambda_);
     }
 
-    /// The event in the medium ahead; Absorbed where the path ends.
+    /// Event in the medium ahead; Absorbed if the path ends.
     MediumEvent::Kind ThroughMedium(PathWalk &walk, const Medium &inside, int &depth) {
         using Kind = MediumEvent::Kind;
         const SampledSpectrum &beta = weights_.beta;
@@ -120,7 +118,7 @@ class LightPathIntegrator::LightPath {
         return Kind::Scattered;
     }
 
-    /// False: the path ends.
+    /// Returns false if the path ends.
     bool Scatter(PathWalk &walk) {
         ++ThreadCounters().pathVertices;
         SampledSpectrum &beta = weights_.beta;

@@ -12,36 +12,34 @@ namespace pbrt {
 
 namespace {
 
-/// A bootstrap has at least one pair for so many pixels, so that more pixels also mean better known brightness.
+/// Minimum of one bootstrap pair per this many pixels, so that the brightness estimate improves with resolution.
 constexpr int64_t kPixelsPerBootstrapPair = 8;
-/// Bootstrap pairs that are one task.
+/// Bootstrap pairs per task.
 constexpr int64_t kGroup = 256;
 
 }  // namespace
 
-/// A pair of subpaths, as the numbers that make it and as what it brings to the film.
+/// A pair of subpaths: its random numbers and its contribution to the film.
 struct MltIntegrator::Pair {
-    std::vector<Float> numbers[3];                    ///< PrimarySampler; of the light, the camera and the connections
-    std::vector<BdptIntegrator::CameraSplat> splats;  ///< an estimate of the film for every pair
+    std::vector<Float> numbers[3];                    ///< PrimarySampler; of light, camera and connections
+    std::vector<BdptIntegrator::CameraSplat> splats;  ///< a film estimate per pair
     SampledWavelengths lambda;
-    Float importance = 0;  ///< the sum of `splats` as one number; above 0 wherever the film gets anything
+    Float importance = 0;  ///< scalar sum of `splats`; positive wherever the film receives light
 };
 
-/// What the chains of a sample begin with.
 struct MltIntegrator::Unit {
-    std::vector<Float> importance;   ///< of the bootstrap's pairs
-    std::vector<double> sums;        ///< of those up to a pair
-    double mean = 0;                 ///< of all
-    Float first = 0;                 ///< where in the sums the first chain begins, in [0, 1)
+    std::vector<Float> importance;   ///< per bootstrap pair
+    std::vector<double> sums;        ///< inclusive running sums
+    double mean = 0;                 ///< over all pairs
+    Float first = 0;                 ///< start of the first chain in the sums, in [0, 1)
     size_t PairAt(double u) const {  ///< u in [0, 1)
         const auto at = std::upper_bound(sums.begin(), sums.end(), u * sums.back());
         size_t i = std::min(static_cast<size_t>(at - sums.begin()), sums.size() - 1);
-        while (i > 0 && !(importance[i] > 0)) --i;  // where rounding led behind the last one
+        while (i > 0 && !(importance[i] > 0)) --i;  // rounding may lead past the last one
         return i;
     }
 };
 
-/// Renders the chains of a pass.
 class MltIntegrator::Renderer {
   public:
     Renderer(const MltIntegrator &integrator, const RenderPass &pass)
@@ -59,13 +57,11 @@ class MltIntegrator::Renderer {
     }
 
     int64_t Chains() const { return pixels_ > 0 ? pass_.count * chains_ : 0; }
-    /// `number`: of the chain in the pass.
     uint32_t MutationsOf(int64_t number) const {
         const int64_t chain = number % chains_;
         return static_cast<uint32_t>(pixels_ * (chain + 1) / chains_ - pixels_ * chain / chains_);
     }
 
-    /// Traces the bootstrap of every sample of the pass.
     void Bootstrap() {
         units_.resize(Chains() / chains_);
         for (Unit &unit : units_) unit.importance.resize(bootstrap_);
@@ -88,14 +84,14 @@ class MltIntegrator::Renderer {
         }
     }
 
-    /// Goes through the mutations of a chain. Those before `done` are in the film already.
+    /// Runs the mutations of a chain. Those before `done` are already in the film.
     uint32_t RenderChain(int64_t number, uint32_t done) const {
         const int64_t unitIndex = number / chains_, chain = number % chains_;
         const Unit &unit = units_[unitIndex];
         const uint32_t all = MutationsOf(number);
         if (pass_.progress.Cancelled()) return done;
-        if (!(unit.mean > 0)) return all;  // no light was found
-        // Each chain begins anywhere with equal density, and all of them evenly spread.
+        if (!(unit.mean > 0)) return all;  // no light
+        // Each start is uniform, and all of them are stratified.
         double u = double(unit.first) + static_cast<double>(chain) / static_cast<double>(chains_);
         u -= std::floor(u);
         Pair current, proposed;
@@ -116,10 +112,9 @@ class MltIntegrator::Renderer {
     }
 
   private:
-    /// The number of a sample of the pass among all of the batch, which the samplers are for.
+    /// Sample index of a unit within the batch of the samplers.
     int64_t SampleOf(int64_t unit) const { return pass_.first + unit; }
 
-    /// A pair of the bootstrap.
     void MakePair(int64_t unit, int64_t index, Pair &pair) const {
         Rng rng(Hash(seed_, SampleOf(unit), index, uint64_t{0}));
         for (std::vector<Float> &numbers : pair.numbers) numbers.clear();
@@ -135,7 +130,7 @@ class MltIntegrator::Renderer {
         Trace(proposed, rng);
     }
 
-    /// Finds out what the numbers of a pair bring; numbers that are missing are drawn.
+    /// Evaluates the contribution of a pair's numbers, drawing missing ones.
     void Trace(Pair &pair, Rng &rng) const {
         PrimarySampler light(pair.numbers[0], rng), camera(pair.numbers[1], rng), connections(pair.numbers[2], rng);
         for (PrimarySampler *sampler : {&light, &camera, &connections}) sampler->StartPixelSample({0, 0}, 0);
@@ -150,7 +145,7 @@ class MltIntegrator::Renderer {
         if (std::optional<CameraRay> ray = pass_.camera.GenerateRay(sample, pair.lambda)) {
             ray->differential.Scale(ray->ray, differentialScale_);
             const PathStart start{pass_, *ray};
-            // Camera rays are spread over the area, so each of them stands for all its pixels.
+            // Camera rays are spread over the area, so each represents all its pixels.
             const Float splatUnit = pass_.film.SplatUnit();
             const SampledSpectrum L = integrator_.pairs_.TracePair(start, pair.lambda, {light, camera, connections},
                                                                    area_, splatUnit, pair.splats);
@@ -158,14 +153,14 @@ class MltIntegrator::Renderer {
             const BdptIntegrator::CameraSplat direct{sample.pFilm, ray->weight * L * (area_ * splatUnit)};
             if (Reaches(direct)) pair.splats.push_back(direct);
         }
-        // What is too large for single precision stays, for the film to count, but attracts no mutations.
+        // Values beyond single precision are kept for the film to count, but attract no mutations.
         for (const BdptIntegrator::CameraSplat &s : pair.splats) {
             const Float sum = pair.importance + (pair.lambda.SecondaryTerminated() ? s.L[0] : s.L.Average());
             if (std::isfinite(sum)) pair.importance = sum;
         }
         for (PrimarySampler *sampler : {&light, &camera, &connections}) sampler->ForgetUnused();
     }
-    /// True if the film, with its filter, gets anything of this light.
+    /// True if the filtered film receives light from the splat.
     bool Reaches(const BdptIntegrator::CameraSplat &s) const {
         return s.L && s.pFilm.x >= low_.x && s.pFilm.y >= low_.y && s.pFilm.x <= low_.x + size_.x &&
                s.pFilm.y <= low_.y + size_.y;
@@ -181,8 +176,8 @@ class MltIntegrator::Renderer {
     const MltSettings &settings_;
     const RenderPass &pass_;
     const Bounds2i bounds_;
-    const int64_t pixels_, chains_, bootstrap_;  ///< of a unit
-    const Point2 low_, size_;                    ///< the part of the film plane that the pixels see
+    const int64_t pixels_, chains_, bootstrap_;  ///< per unit
+    const Point2 low_, size_;                    ///< film area covered by the pixels
     const Float area_, differentialScale_;
     uint64_t seed_ = 0;
     std::vector<Unit> units_;

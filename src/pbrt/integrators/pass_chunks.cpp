@@ -6,9 +6,9 @@ namespace pbrt {
 
 namespace {
 
-/// Brings the account of what the processes have done of a pass to rank 0. `whole`: how many chunks this process has
-/// finished. `before`: RenderPass::done when the pass began. Returns, everywhere, whether all chunks are whole; if not,
-/// `progress` is cancelled everywhere.
+/// Gathers the progress of all processes on rank 0. `whole`: number of chunks this process finished. `before`:
+/// RenderPass::done at the start. Returns, everywhere, whether all chunks are complete; if not, cancels `progress`
+/// everywhere.
 bool ReducePass(const RenderPass &pass, int64_t chunks, int64_t whole, int64_t unreported,
                 const std::vector<uint32_t> &before) {
     struct Sums {
@@ -22,10 +22,9 @@ bool ReducePass(const RenderPass &pass, int64_t chunks, int64_t whole, int64_t u
                      });
     if (pass.isCounted && pass.team.IsRank0()) pass.progress.Advance(sums.unreported);
     if (pass.team.BroadcastValue(sums.whole == chunks)) return true;
-    // A process that was cancelled after its last request could not report it.
+    // A process cancelled after its last request could not report it.
     pass.progress.Cancel();
     if (!pass.done) return false;
-    // What is done must be known chunk by chunk.
     struct Done {
         uint32_t chunk, samples;
     };
@@ -53,7 +52,7 @@ bool RenderChunks(const RenderPass &pass, const PassChunks &chunks) {
     if (chunks.splat) pass.film.ExpectSplats();
     std::atomic<int64_t> whole = 0;
     std::atomic<uint64_t> paths = 0;
-    // Returns how many samples were added to a chunk that is now whole.
+    // Returns the samples added to a chunk that is now complete.
     const auto render = [&](int64_t i) {
         const uint32_t before = doneBefore(i);
         const uint32_t done = chunks.render(i, before);

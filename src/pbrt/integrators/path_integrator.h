@@ -5,12 +5,12 @@
 
 namespace pbrt {
 
-/// Unidirectional path tracing with next-event estimation (CameraPath): path, and volpath, where distances in media are
-/// drawn by delta tracking and shadow rays are weakened by ratio tracking. Both sides of MIS use the light sampler's
-/// distribution of the same vertex.
+/// Unidirectional path tracing with next-event estimation (CameraPath): path, and volpath with delta tracking of
+/// distances and ratio tracking of shadow rays. Both sides of MIS use the light sampler's distribution of the same
+/// vertex.
 class PathIntegrator final : public PixelIntegrator {
   public:
-    /// `directions`: null for those of the BSDF.
+    /// `directions`: null for BSDF sampling.
     PathIntegrator(const PathContext &context, const PathSettings &settings, std::unique_ptr<LightSampler> lights,
                    std::unique_ptr<DirectionSampling> directions = nullptr);
     PathIntegrator(const PathIntegrator &) = delete;  // setup_ refers to members

@@ -16,7 +16,7 @@ void PhotonMap::Build(std::vector<std::vector<Photon>> &groups, Float radius) {
     perWidth_ = 1 / (2 * double(radius));
     if (count == 0) return;
     begins_.assign(std::bit_ceil(count) + 1, 0);
-    // Counting sort, which keeps the order inside a bucket.
+    // Stable counting sort.
     for (const std::vector<Photon> &group : groups)
         for (const Photon &photon : group) ++begins_[BucketOf(CellOf(photon.p)) + 1];
     for (size_t i = 1; i < begins_.size(); ++i) begins_[i] += begins_[i - 1];

@@ -6,17 +6,17 @@
 
 namespace pbrt {
 
-/// A place where a light path met a surface.
+/// Intersection of a light path with a surface.
 struct Photon {
     Point3 p{};
-    Vector3 wi{0, 0, 1};  ///< unit, to where the light came from
-    /// Power, per power of one light path, times the ratio of the cosines at the shading normal and at the geometric
-    /// normal of the place: a camera path would shade by the former.
+    Vector3 wi{0, 0, 1};  ///< unit, towards the previous vertex
+    /// Power relative to one light path, times the ratio of the cosines at the shading and geometric normals (camera
+    /// paths shade with the former).
     SampledSpectrum power{0};
-    int scatterings = 0;       ///< of the light path before this place
+    int scatterings = 0;       ///< of the light path before this vertex
     bool isOneColour = false;  ///< only the first wavelength counts, as after SampledWavelengths::TerminateSecondary
 
-    /// The power as a path with these wavelengths, which share the first one with it, counts it.
+    /// Power for a camera path with these wavelengths and the same first one.
     SampledSpectrum PowerFor(bool pathIsOneColour) const {
         if (!isOneColour || pathIsOneColour) return power;
         // The density of the first wavelength was divided by their number; here it was not.
@@ -26,16 +26,16 @@ struct Photon {
     }
 };
 
-/// Photons that can be asked for around a place. They are found in an order that depends on their numbers only.
+/// Spatial hash grid of photons. Query results are in deterministic order.
 class PhotonMap {
   public:
-    /// Takes over photons, in groups; those are numbered one group after another. Queries have this radius.
+    /// Takes groups of photons, numbered group after group. Queries use this radius.
     void Build(std::vector<std::vector<Photon>> &groups, Float radius);
     void Clear() { *this = {}; }
 
     Float Radius() const { return radius_; }
     size_t Size() const { return photons_.size(); }
-    /// Calls visit(photon) for every photon that is not farther from `p` than the radius.
+    /// Calls visit(photon) for every photon within the radius of `p`.
     template <class Visit>
     void ForEachAround(const Point3 &p, Visit &&visit) const;
 
@@ -44,17 +44,16 @@ class PhotonMap {
         int64_t x, y, z;
         bool operator==(const Cell &) const = default;
     };
-    /// The cells are as wide as the sphere of a query, which so lies in at most eight of them.
+    /// Cells are as wide as the query sphere, which overlaps at most eight of them.
     Cell CellOf(double x, double y, double z) const {
         return {static_cast<int64_t>(std::floor(x * perWidth_)), static_cast<int64_t>(std::floor(y * perWidth_)),
                 static_cast<int64_t>(std::floor(z * perWidth_))};
     }
     Cell CellOf(const Point3 &p) const { return CellOf(double(p.x), double(p.y), double(p.z)); }
-    /// Cells share buckets.
     size_t BucketOf(const Cell &cell) const;
 
-    std::vector<Photon> photons_;   ///< sorted by bucket, inside a bucket by number
-    std::vector<uint32_t> begins_;  ///< of each bucket, and the end of the last one; empty without photons
+    std::vector<Photon> photons_;   ///< sorted by bucket, then by number
+    std::vector<uint32_t> begins_;  ///< of each bucket; one more entry at the end; empty without photons
     Float radius_ = 0;
     double perWidth_ = 0;
 };
@@ -72,7 +71,7 @@ void PhotonMap::ForEachAround(const Point3 &p, Visit &&visit) const {
                 const size_t bucket = BucketOf(cell);
                 for (uint32_t i = begins_[bucket]; i < begins_[bucket + 1]; ++i) {
                     const Photon &photon = photons_[i];
-                    // The bucket may hold photons of other cells, also of those that have a turn of their own.
+                    // Buckets may hold photons of several cells, including other visited ones.
                     if (LengthSquared(photon.p - p) <= radius_ * radius_ && CellOf(photon.p) == cell) visit(photon);
                 }
             }

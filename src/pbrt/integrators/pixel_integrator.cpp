@@ -9,13 +9,11 @@ namespace pbrt {
 namespace {
 
 constexpr int kTileSize = 16;
-/// Least number of strips per thread where several processes render a pass, so that all of them end together.
+/// Minimum strips per thread if several processes render a pass, for load balance.
 constexpr int64_t kStripsPerThread = 64;
 
-/// Traces the samples of a pass.
 class PassRenderer {
   public:
-    /// `uWavelengths`: PixelIntegrator::CommonWavelengths.
     PassRenderer(const PixelIntegrator &integrator, const RenderPass &pass, std::optional<Float> uWavelengths)
         : integrator_(integrator), pass_(pass), uWavelengths_(uWavelengths),
           wantsVisible_(pass.film.WantsVisibleSurface()),
@@ -23,18 +21,18 @@ class PassRenderer {
                                  ? std::max(Float(0.125), 1 / std::sqrt(static_cast<Float>(pass.samplesPerPixel)))
                                  : Float(1)) {}
 
-    /// Some pixels of a tile, counted row by row.
+    /// Consecutive pixels of a tile in row order.
     struct Strip {
         Bounds2i tile;
         uint32_t firstPixel = 0, pixels = 0;
     };
-    /// Traces the samples of a strip, pixel by pixel, from the one with this number on. Returns how many are done then:
+    /// Traces the samples of a strip, pixel by pixel, starting at number `done`. Returns the number done:
     /// SamplesOf(strip), unless cancelled.
     uint32_t RenderStrip(const Strip &strip, uint32_t done, Sampler &sampler) const {
         const uint32_t all = SamplesOf(strip), count = static_cast<uint32_t>(pass_.count);
         const auto width = static_cast<uint32_t>(strip.tile.Width());
         for (; done < all; ++done) {
-            // Checked before every sample, because a single one may take a tenth of a second.
+            // Tested per sample, because a single one may take a tenth of a second.
             if (pass_.progress.Cancelled()) break;
             const uint32_t pixel = strip.firstPixel + done / count;
             TraceSample(strip.tile.low + Vector2i(pixel % width, pixel / width),
@@ -82,14 +80,14 @@ class PassRenderer {
 
 namespace {
 
-/// The chunks of a pass: its tiles, or several strips of each of them.
+/// Chunks of a pass: its tiles, or several strips per tile.
 class PassStrips {
   public:
     explicit PassStrips(const RenderPass &pass) : bounds_(pass.film.PixelBounds()) {
         const Vector2i tiles = (bounds_.high - bounds_.low + (kTileSize - 1)) / kTileSize;
         tilesPerRow_ = tiles.x;
         const int64_t count = bounds_.IsEmpty() ? 0 : int64_t{tiles.x} * tiles.y;
-        // A resumed pass keeps its strips; RenderChunks checks their number.
+        // A resumed pass keeps its strips; RenderChunks validates their number.
         if (pass.done && !pass.done->empty()) {
             perTile_ = static_cast<int64_t>(pass.done->size()) / std::max(count, int64_t{1});
         } else if (pass.team.Size() > 1 && count > 0) {
@@ -125,7 +123,6 @@ bool PixelIntegrator::Render(const RenderPass &pass) {
                                .samplesOf = [&](int64_t i) { return renderer.SamplesOf(strips[i]); },
                                .render =
                                    [&](int64_t i, uint32_t done) {
-                                       // Any thread may take any strip.
                                        return renderer.RenderStrip(strips[i], done, *pass.samplers[ThreadIndex()]);
                                    }});
 }

@@ -6,7 +6,7 @@
 
 namespace pbrt {
 
-/// Hands out numbers from a list. Where the list ends, it is made longer by even random numbers. Refers to both.
+/// Returns numbers from a list, extended by uniform random numbers at its end. Refers to both.
 class PrimarySampler final : public Sampler {
   public:
     PrimarySampler(std::vector<Float> &numbers, Rng &rng) : Sampler(0), numbers_(numbers), rng_(rng) {}
@@ -14,7 +14,7 @@ class PrimarySampler final : public Sampler {
     Point2 GetPixel2D() override { return Get2D(); }
     std::unique_ptr<Sampler> Clone() const override { return std::make_unique<PrimarySampler>(numbers_, rng_); }
     std::unique_ptr<Sampler> WithSeed(int) const override { return Clone(); }
-    /// Shortens the list to what was prepared for use: numbers beyond have no meaning, so they need not be kept.
+    /// Truncates the list to the numbers prepared for use; those beyond are unused.
     void ForgetUnused() {
         if (used_ < numbers_.size()) numbers_.resize(used_);
     }
@@ -36,7 +36,7 @@ class PrimarySampler final : public Sampler {
     size_t used_ = 0;
 };
 
-/// Appends to `to` the numbers of `from`, each moved by a normally distributed step around the circle [0, 1).
+/// Appends the numbers of `from` to `to`, each moved by a normally distributed step, modulo 1.
 inline void PerturbNumbers(const std::vector<Float> &from, Float sigma, Rng &rng, std::vector<Float> &to) {
     const auto wrapped = [](Float v) { return std::min(v - std::floor(v), OneMinusEpsilon); };
     for (size_t i = 0; i < from.size(); i += 2) {

@@ -37,7 +37,7 @@ std::optional<double> ReferenceLog::Log(int samples, const Film &film) {
 }
 
 const std::string &ReferenceLog::Finish() {
-    // Some file systems report a failed write only when the file is closed.
+    // Some file systems report failed writes only on close.
     if (out_ && std::fclose(out_.release()) != 0) Fail();
     return failure_;
 }

@@ -8,15 +8,15 @@
 
 namespace pbrt {
 
-/// A reference image and the file that gets one line "samples, mean squared error" per wave.
+/// Logs one line "samples, mean squared error" per wave against a reference image.
 class ReferenceLog {
   public:
-    /// With empty names the log does nothing. Throws UserError if the reference does not cover the film or a file
-    /// cannot be opened.
+    /// Does nothing with empty names. Throws UserError if the reference does not cover the film or a file cannot be
+    /// opened.
     ReferenceLog(const std::string &referenceImage, const std::string &outFile, const Film &film);
     bool IsKept() const { return static_cast<bool>(reference_); }
     std::optional<double> Log(int samples, const Film &film);
-    /// Closes the file. Returns why it is incomplete; empty if it is complete.
+    /// Closes the file. Returns why it is incomplete; empty if complete.
     const std::string &Finish();
 
   private:

@@ -4,7 +4,6 @@
 
 namespace pbrt {
 
-/// All that plugins add: light samplers, and what chooses directions of paths.
 struct PluginRegistry : LightSamplerRegistry {
     DirectionSamplings directionSamplings{"direction sampling"};
 };

@@ -28,7 +28,7 @@ int WaveRenderer::Render(int count) {
     UpdateIfDue();
     if (model_ && model_->NextUpdate() > 0) size = std::min(size, model_->NextUpdate() - Done());
     if (context_.progress.Cancelled()) return 0;
-    // What is left of a pass that was cancelled comes first.
+    // The rest of a cancelled pass comes first.
     if (position_.passCount > 0) size = position_.passCount;
     position_.passCount = size;
     Send(Command::Pass);
@@ -103,7 +103,7 @@ void WaveRenderer::UpdateTogether() {
                    [&](StateReader &in) { model_->MergeRecords(in); });
     const int before = model_->NextUpdate();
     model_->Update(context_.progress);
-    // A process that was cancelled meanwhile has its old model; then none renders on.
+    // A process cancelled meanwhile has its old model; all processes then stop.
     bool areAllUpdated = model_->NextUpdate() != before;
     team.Reduce([&](StateWriter &out) { out.Value(areAllUpdated); },
                 [&](StateReader &in) { areAllUpdated = in.Value<bool>() && areAllUpdated; });
@@ -146,7 +146,6 @@ void FollowWaves(const RenderContext &context, const RenderSettings &settings) {
 
 namespace {
 
-/// The loop of RenderWaves.
 class WaveLoop {
   public:
     WaveLoop(const RenderContext &context, const RenderSettings &settings)
@@ -186,7 +185,7 @@ class WaveLoop {
         const int64_t pixels = context_.film.PixelBounds().Area();
         progress.BeginPhase("rendering", IsTimed() ? 0 : pixels * (settings_.EndSample() - settings_.firstSample));
         start_ = Clock::now();
-        // Preparing the lights may have taken long; a resumed render has just read what it would save.
+        // Light preparation may have taken long; a resumed render has just loaded its checkpoint.
         saved_ = settings_.from ? start_ : settings_.start;
         if (settings_.from) {
             renderer_.GoOnFrom(*settings_.from);
@@ -205,7 +204,7 @@ class WaveLoop {
         saved_ = Clock::now();
     }
 
-    /// The samples per pixel of the next wave, at most `wave`; 0 where not even half a sample fits the time budget.
+    /// Samples per pixel of the next wave, at most `wave`; 0 if less than half a sample fits the time budget.
     int SizeOf(int wave) const {
         int size = IsTimed() ? wave : std::min(wave, settings_.EndSample() - renderer_.Done());
         if (!(secondsPerSample_ > 0)) return size;
@@ -223,7 +222,7 @@ class WaveLoop {
         return size;
     }
 
-    /// False: cancelled.
+    /// Returns false if cancelled.
     bool RenderWave(int size) {
         renderer_.UpdateIfDue();
         const Clock::time_point start = Clock::now();

@@ -12,7 +12,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Cancels the work whose progress it is shown when a time is reached.
+/// Cancels work at a deadline, through its progress.
 class Deadline : public ProgressSink {
   public:
     explicit Deadline(double seconds) : end_(Clock::now() + std::chrono::duration<double>(seconds)) {}
@@ -21,7 +21,7 @@ class Deadline : public ProgressSink {
         if (Clock::now() > end_) progress.Cancel();
     }
     void PhaseDone(const std::string &, double) override {}
-    /// Of the phase, when it was cancelled.
+    /// Of the phase, at cancellation.
     double Fraction() const { return fraction_; }
 
     Progress progress{this};
@@ -40,8 +40,8 @@ int FittingSamples(double seconds, double secondsPerSample) {
 
 double MeasureSecondsPerSample(const RenderContext &context, RenderSettings settings, double seconds) {
     Deadline deadline(seconds / 20);
-    settings.timeBudget = 0;                                                  // samples count as progress
-    settings.samplesPerPixel = std::max(settings.samplesPerPixel, kMaxWave);  // no wave is cut by the end of a batch
+    settings.timeBudget = 0;                                                  // progress by samples
+    settings.samplesPerPixel = std::max(settings.samplesPerPixel, kMaxWave);  // no wave ends at a batch boundary
     WaveRenderer renderer(
         {context.integrator, context.camera, context.filter, context.film, context.sampler, deadline.progress},
         settings);

@@ -11,7 +11,7 @@ namespace pbrt {
 
 namespace {
 
-/// The radiance emitted towards the walk by all that its ray has just met.
+/// Radiance emitted towards the walk at its last hit.
 SampledSpectrum Arriving(const PathWalk &walk, const SampledWavelengths &lambda) {
     SampledSpectrum sum(0);
     walk.ForEachEmission(lambda,
@@ -24,7 +24,7 @@ struct Direction {
     Float pdf = 0;  ///< solid angle
 };
 
-/// Evenly distributed over the directions into which a vertex can scatter: the half-space on the viewer's side, the one
+/// Samples uniformly the directions into which a vertex can scatter: the half-space on the viewer's side, the one
 /// behind the surface, or both.
 Direction SampleEvenly(const PathVertex &vertex, const Point2 &u) {
     const auto &[point, bsdf] = vertex;
@@ -36,7 +36,7 @@ Direction SampleEvenly(const PathVertex &vertex, const Point2 &u) {
     return {viewerSide == reflects ? aroundNormal : -aroundNormal, UniformHemispherePdf()};
 }
 
-/// The throughput of one scattering event into a direction that was not drawn from the BSDF.
+/// Throughput of scattering into a direction not sampled from the BSDF.
 SampledSpectrum Throughput(const PathVertex &vertex, const Direction &to) {
     const auto &[point, bsdf] = vertex;
     return bsdf.F(point.wo, to.wi) * (AbsDot(to.wi, point.shading.n) / to.pdf);
@@ -65,8 +65,8 @@ SampledSpectrum SimplePathIntegrator::Li(const PathStart &start, SampledWaveleng
     PathWalk walk(context_, start.ray, start.visible);
     SampledSpectrum L(0), beta(1);
     ++ThreadCounters().cameraPaths;
-    // Without MIS weights every light path must be found by one technique only: where lights are sampled, emission that
-    // the walk meets counts only if light sampling could not have found it.
+    // Without MIS, every light path must be sampled by one technique only: where lights are sampled, emission hit
+    // counts only if light sampling cannot reach it.
     bool foundBySampling = false;
     for (int depth = 0; beta; ++depth) {
         const PathWalk::Met met = walk.Next();

@@ -5,14 +5,14 @@
 
 namespace pbrt {
 
-/// Path tracing without MIS: light sampling (uniform over the lights) and BSDF sampling can be switched off.
+/// Path tracing without MIS, with optional light sampling (uniform over the lights) and BSDF sampling.
 class SimplePathIntegrator final : public PixelIntegrator {
   public:
     SimplePathIntegrator(const PathContext &context, int maxDepth, bool sampleLights, bool sampleBsdf);
     SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
 
   private:
-    /// Direct light by one point on one light, without MIS weight, times the path's throughput.
+    /// Direct light from one point on one light, without MIS weight, times the path's throughput.
     SampledSpectrum SampleDirect(const PathVertex &vertex, const SampledSpectrum &beta,
                                  const SampledWavelengths &lambda, int depth, Sampler &sampler) const;
     PathContext context_;
@@ -21,8 +21,7 @@ class SimplePathIntegrator final : public PixelIntegrator {
     std::unique_ptr<LightSampler> lights_;
 };
 
-/// Scatters into uniformly distributed directions and adds the emission met: slow, but simple enough to check the
-/// others with.
+/// Scatters into uniform directions and adds emission: slow, but simple enough to validate the others.
 class RandomWalkIntegrator final : public PixelIntegrator {
   public:
     RandomWalkIntegrator(const PathContext &context, int maxDepth) : context_(context), maxDepth_(maxDepth) {}
@@ -33,8 +32,8 @@ class RandomWalkIntegrator final : public PixelIntegrator {
     int maxDepth_;
 };
 
-/// Path tracing through media and interface surfaces without light sampling, at one wavelength: simple enough to check
-/// the others with. Surfaces that scatter end a path, as in stock pbrt-v4.
+/// Single-wavelength path tracing through media and interfaces without light sampling, to validate the others.
+/// Scattering surfaces end a path, as in stock pbrt-v4.
 class SimpleVolPathIntegrator final : public PixelIntegrator {
   public:
     SimpleVolPathIntegrator(const PathContext &context, int maxDepth) : context_(context), maxDepth_(maxDepth) {}
@@ -45,7 +44,7 @@ class SimpleVolPathIntegrator final : public PixelIntegrator {
     int maxDepth_;
 };
 
-/// Cosine-weighted fraction of the hemisphere that is free up to maxDistance, times a unit illuminant.
+/// Cosine-weighted unoccluded fraction of the hemisphere up to maxDistance, times a unit illuminant.
 class AmbientOcclusionIntegrator final : public PixelIntegrator {
   public:
     AmbientOcclusionIntegrator(const PathContext &context, bool cosineSample, Float maxDistance,

@@ -15,12 +15,12 @@ namespace pbrt {
 
 namespace {
 
-/// The share of photons that a shrinking radius keeps (Hachisuka and Jensen 2009, alpha).
+/// Fraction of photons kept as the radius shrinks (Hachisuka and Jensen 2009, alpha).
 constexpr double kKept = 2.0 / 3;
-/// Light paths that are one task.
+/// Light paths per task.
 constexpr int64_t kGroup = 4096;
 
-/// A coordinate of a light path: a scrambled Sobol' sequence over all light paths of a batch of iterations.
+/// Coordinate of a light path: a scrambled Sobol' sequence over all light paths of a batch of iterations.
 Float SobolNumber(int dimension, uint64_t index, uint64_t seed) {
     const uint32_t v = SobolBits(SobolMatrices() + dimension * SobolIndexBits, index);
     return SobolToFloat(OwenScramble(v, Hash(seed, dimension)));
@@ -63,7 +63,7 @@ void SppmIntegrator::TraceLightPath(const SampledWavelengths &shared, uint64_t i
     for (int scatterings = 0; beta && walk.Next() == PathWalk::Met::Surface;) {
         if (!walk.FindScattering(lambda)) continue;
         const auto &[point, bsdf] = walk.Vertex();
-        // Light that arrives at its first surface is what camera paths sample there.
+        // Light at its first surface is covered by the camera paths' direct lighting.
         const Float cosine = AbsDot(point.wo, point.n);
         if (scatterings > 0 && cosine > 0) {
             const Float ratio = AbsDot(point.wo, point.shading.n) / cosine;
@@ -75,7 +75,7 @@ void SppmIntegrator::TraceLightPath(const SampledWavelengths &shared, uint64_t i
             bsdf.Sample(point.wo, uComponent, rng.Uniform2(), TransportMode::Importance);
         if (!sample) break;
         SampledSpectrum next = beta * sample->f * (AdjointCosine(point, point.wo, sample->wi) / sample->pdf);
-        // Russian roulette that keeps the power of all photons about the same.
+        // Russian roulette that keeps the power of all photons about equal.
         const Float continuation = next.MaxComponent() / beta.MaxComponent();
         if (continuation < 1) {
             if (rng.Uniform() >= continuation) break;
@@ -87,12 +87,12 @@ void SppmIntegrator::TraceLightPath(const SampledWavelengths &shared, uint64_t i
 }
 
 bool SppmIntegrator::Render(const RenderPass &pass) {
-    // Everything random about an iteration comes from the samplers, so that other seeds give other pictures.
+    // All randomness of an iteration derives from the samplers, so it depends on their seed.
     Sampler &sampler = *pass.samplers[0];
     sampler.StartPixelSample({0, 0}, 0);
     const Float u[] = {sampler.Get1D(), sampler.Get1D(), sampler.Get1D(), sampler.Get1D()};
     seed_ = Hash(u[0], u[1], u[2], u[3], settings_.seed);
-    // All pixels share the error that few sets of wavelengths have; evenly spaced ones have the least.
+    // All pixels share the error of few wavelength sets; even spacing minimizes it.
     uWavelengths_ = RadicalInverse(2, static_cast<uint64_t>(pass.first)) + HashToFloat(seed_);
     uWavelengths_ -= std::floor(uWavelengths_);
     const SampledWavelengths lambda = pass.film.SampleWavelengths(pass.jittersWavelengths ? uWavelengths_ : Float(0.5));
@@ -112,7 +112,6 @@ bool SppmIntegrator::Render(const RenderPass &pass) {
             TraceLightPath(lambda, static_cast<uint64_t>(pass.first * paths + i), groups[group]);
     });
     map_.Build(groups, radius);
-    // If cancelled, no camera path begins.
     const bool isWhole = PixelIntegrator::Render(pass);
     map_.Clear();
     return isWhole;
@@ -130,8 +129,8 @@ SampledSpectrum SppmIntegrator::IndirectFromPhotons(const PathVertex &vertex, co
     return sum * perArea_;
 }
 
-/// The policy of camera paths: photons at surfaces with a diffuse part bring all light that arrives by scattering there
-/// but the emission that the next ray meets.
+/// Policy of camera paths: at surfaces with a diffuse lobe, photons provide all scattered light except the emission hit
+/// by the next ray.
 class SppmIntegrator::PhotonGathering {
   public:
     explicit PhotonGathering(const SppmIntegrator &integrator) : integrator_(integrator) {}

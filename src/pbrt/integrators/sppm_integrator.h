@@ -8,18 +8,17 @@ namespace pbrt {
 
 struct SppmSettings {
     int maxDepth = 5;               ///< scattering events of the whole path
-    int photonsPerIteration = -1;   ///< light paths; -1: as many as the film has pixels
-    Float radius = 1;               ///< of the first iteration, in units of the scene
-    int seed = 0;                   ///< chooses among sets of light paths
-    bool sampledLightOnly = false;  ///< leaves out emission that only BSDF sampling can find
+    int photonsPerIteration = -1;   ///< light paths; -1: one per film pixel
+    Float radius = 1;               ///< of the first iteration, in scene units
+    int seed = 0;                   ///< of the light paths
+    bool sampledLightOnly = false;  ///< excludes emission reached only by BSDF sampling
 };
 
-/// Stochastic progressive photon mapping (Hachisuka and Jensen 2009). An iteration is a sample of every pixel: light
-/// paths from the lights leave photons where they meet surfaces, except at the first one; camera paths are
-/// followed to the first diffuse surface, whose direct light comes from light and BSDF sampling, and all other light
-/// from the photons within a radius. The mean over iterations is the picture. The radius shrinks from iteration to
-/// iteration and depends on nothing else (Knaus and Zwicker 2011), so that iterations are independent and a render can
-/// be divided like any other. Surfaces only.
+/// Stochastic progressive photon mapping (Hachisuka and Jensen 2009). Each sample per pixel is an iteration. Light
+/// paths leave photons at surfaces, except at the first. Camera paths are traced to the first diffuse surface: direct
+/// light there from light and BSDF sampling, the rest from photons within a radius. The image is the mean over
+/// iterations. The radius depends on the iteration only (Knaus and Zwicker 2011), so iterations are independent and a
+/// render can be divided. Surfaces only.
 class SppmIntegrator final : public PixelIntegrator {
   public:
     SppmIntegrator(const PathContext &context, const SppmSettings &settings, std::unique_ptr<LightSampler> lights,
@@ -36,12 +35,12 @@ class SppmIntegrator final : public PixelIntegrator {
     const LightSampler *Lights() const override { return lights_.get(); }
     const LightSampler *EmissionSampler() const override { return shooting_.get(); }
 
-    /// The radius of an iteration, counted from 0, over that of the first one. Its square shrinks by (i + 2/3)/(i + 1)
-    /// at each step, as stock's does where the same number of photons falls on every area in every iteration.
+    /// Radius of an iteration (from 0) relative to the first. Its square shrinks by (i + 2/3)/(i + 1) per step, as
+    /// stock's does for a constant number of photons per area and iteration.
     static Float RelativeRadius(int iteration);
 
   protected:
-    /// Photons and camera paths of an iteration have the same wavelengths.
+    /// Photons and camera paths of an iteration share wavelengths.
     std::optional<Float> CommonWavelengths() const override { return uWavelengths_; }
 
   private:
@@ -55,7 +54,7 @@ class SppmIntegrator final : public PixelIntegrator {
     SppmSettings settings_;
     PathSettings path_;  ///< of camera paths
     std::unique_ptr<LightSampler> lights_, shooting_;
-    // Of the iteration that is rendered.
+    // Of the current iteration.
     PhotonMap map_;
     Float uWavelengths_ = 0, perArea_ = 0;
     uint64_t seed_ = 0;

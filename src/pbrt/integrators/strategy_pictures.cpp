@@ -9,7 +9,7 @@ namespace pbrt {
 StrategyPictures::StrategyPictures(std::vector<Kind> kinds, int maxDepth) : kinds_(std::move(kinds)) {
     for (int depth = 0; depth <= std::min(maxDepth, kMaxDepth); ++depth)
         for (int s = 0; s <= depth + 1; ++s) {
-            if (s == 1 && depth == 0) continue;  // light that the camera sees is found by the camera only
+            if (s == 1 && depth == 0) continue;  // directly visible light is sampled by the camera only
             const int t = depth + 2 - s;
             indexOf_[s][t] = strategies_.size();
             strategies_.push_back({s, t});

@@ -70,7 +70,7 @@ double DiffuseAreaLight::PowerPerRadiance(const ShapePrimitive &at) const {
 
 Float DiffuseAreaLight::Coverage(const Point3 &p, const Point2 &uv) const {
     if (!alpha_) return 1;
-    TextureContext at;  // only what a ray's alpha test fills in, too
+    TextureContext at;  // the fields that alpha tests set
     at.p = p;
     at.uv = uv;
     return std::clamp(alpha_->Evaluate(at), Float(0), Float(1));

@@ -3,10 +3,9 @@
 
 namespace pbrt {
 
-/// Parallel light from infinitely far away.
 class DistantLight final : public LightBeyondScene {
   public:
-    /// `wi`: unit, from the scene towards the light. `irradiance` times scale falls on a surface that faces it.
+    /// `wi`: unit, from the scene towards the light. A surface that faces it receives `irradiance` times scale.
     DistantLight(const Vector3 &wi, std::shared_ptr<const DenseSpectrum> irradiance, Float scale);
 
     LightPower Phi(const SampledWavelengths &lambda, uint32_t) const override;

@@ -3,18 +3,18 @@
 
 namespace pbrt {
 
-/// Radiance from outside of the scene by direction: from all sides, or through one opening.
+/// Directional radiance from outside the scene, from all sides or through one opening.
 class EnvironmentLight : public LightBeyondScene {
   public:
     EnvironmentLight() : LightBeyondScene(LightKind::Infinite) {}
     const EnvironmentLight *AsEnvironment() const final { return this; }
 
-    /// Mean of R, G and B of the radiance from direction d (unit), up to a factor that is the same for all directions.
+    /// Mean of R, G and B of the radiance from direction d (unit), up to a constant factor.
     virtual Float MeanRadiance(const Vector3 &d) const = 0;
-    /// Pixels along a side of the image; 1 if there is none.
+    /// Pixels per side of the image; 1 without image.
     virtual int Resolution() const = 0;
-    /// The opening through which the light enters the scene, as if the opening were the light; empty: there is none.
-    /// Stock light samplers treat lights with an opening like any other infinite light.
+    /// Bounds of the opening through which the light enters, as an emitter; empty without opening. Stock light samplers
+    /// treat lights with an opening like any other infinite light.
     virtual std::optional<LightBounds> Opening() const { return {}; }
 
     std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
@@ -37,7 +37,7 @@ class EnvironmentLight : public LightBeyondScene {
     }
 
   protected:
-    /// SampleLi from p, without pLight, and its density (solid angle).
+    /// SampleLi from p without pLight; density by solid angle.
     virtual std::optional<LightLiSample> SampleDirection(const Point3 &p, const Point2 &u,
                                                          const SampledWavelengths &lambda,
                                                          bool allowIncompletePdfs) const = 0;

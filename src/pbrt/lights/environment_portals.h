@@ -9,19 +9,19 @@
 
 namespace pbrt {
 
-/// A rectangle through which an environment light is seen.
+/// Rectangle through which an environment light is visible.
 struct Portal {
-    Frame frame;           ///< x and y along the sides, z to the outside
-    Point3 low{}, high{};  ///< opposite corners, in coordinates of the frame, with low.z = high.z
+    Frame frame;           ///< x and y along the sides, z outward
+    Point3 low{}, high{};  ///< opposite corners in frame coordinates, low.z = high.z
 
-    /// Empty, or what is wrong with a portal that was read from a file.
+    /// Empty if valid, else the error.
     std::optional<std::string> Validate() const;
 
     Point3 Middle() const { return frame.FromLocal((low + high) * Float(0.5)); }
 
-    /// Whether p is on the inner side of its plane.
+    /// True if p is on the inner side of the portal's plane.
     bool IsBefore(const Point3 &p) const { return low.z > Dot(p, frame.z); }
-    /// Whether a ray from p in direction d passes it outward.
+    /// True if a ray from p in direction d passes the portal outward.
     bool IsPassed(const Point3 &p, const Vector3 &d) const {
         const Float height = low.z - Dot(p, frame.z), rise = Dot(d, frame.z);
         if (!(height > 0) || !(rise > 0)) return false;
@@ -29,41 +29,40 @@ struct Portal {
         const Float x = Dot(at, frame.x), y = Dot(at, frame.y);
         return x >= low.x && y >= low.y && x <= high.x && y <= high.y;
     }
-    /// The portal on its PortalMap, as seen from p; empty behind it.
+    /// The portal on its PortalMap from p; empty behind it.
     std::optional<Bounds2> WindowFrom(const Point3 &p) const;
 };
 
-/// Divides the directions of an environment light, as seen from a point, into regions: what is seen through the first
-/// portal, through the second and not the first, and so on; the last region is the rest, seen through no portal. A
-/// portal's region is sampled by a map of the light behind it (PortalMap), in proportion to the radiance within the
-/// portal as seen from the point (Bitterli, Wyman and Pharr 2015, Portal-Masked Environment Map Sampling); the rest
-/// like the whole light. Refers to the light. Immutable.
+/// Partitions the directions of an environment light, from a point, into regions: visible through the first portal,
+/// through the second but not the first, and so on; the last region is the remainder. Portal regions are sampled in
+/// proportion to the radiance within the portal, by a PortalMap (Bitterli, Wyman and Pharr 2015, Portal-Masked
+/// Environment Map Sampling); the remainder like the whole light. Refers to the light. Immutable.
 class EnvironmentPortals {
   public:
     static constexpr size_t kMax = 15;
 
-    /// At most kMax portals. Portals of equal frames share a map. Traces nothing; takes milliseconds a map.
+    /// At most kMax portals. Portals of equal frames share a map. Traces no rays; takes milliseconds per map.
     EnvironmentPortals(const EnvironmentLight &light, std::span<const Portal> portals);
 
     size_t Count() const { return portals_.size(); }
     size_t RegionCount() const { return portals_.size() + 1; }
     const Portal &operator[](size_t k) const { return portals_[k]; }
-    /// The region of direction d from p: the first portal that is passed, or Count(), the rest.
+    /// Region of direction d from p: index of the first portal passed, or Count() for the remainder.
     size_t RegionTowards(const Point3 &p, const Vector3 &d) const {
         size_t k = 0;
         while (k < portals_.size() && !portals_[k].IsPassed(p, d)) ++k;
         return k;
     }
-    /// The integral of the light's mean radiance (EnvironmentLight::MeanRadiance) over portal k as seen from p.
+    /// Integral of EnvironmentLight::MeanRadiance over portal k from p.
     Float Integral(size_t k, const Point3 &p) const;
 
     struct Direction {
         Vector3 wi;
         Float pdf;  ///< solid angle
     };
-    /// A direction through portal k; empty where it shows nothing, or what a portal before it shows.
+    /// Samples a direction through portal k; empty where its radiance is zero or an earlier portal covers it.
     std::optional<Direction> Sample(size_t k, const Point3 &p, const Point2 &u) const;
-    /// Density of Sample (solid angle); 0 for directions that are not of region k.
+    /// Density of Sample (solid angle); 0 outside region k.
     Float Pdf(size_t k, const Point3 &p, const Vector3 &wi) const;
 
     /// Light::SampleLi and PdfLi (solid angle) of a region.

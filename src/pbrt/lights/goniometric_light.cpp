@@ -62,7 +62,7 @@ SampledSpectrum GoniometricLight::Intensity(const Vector3 &w, const SampledWavel
 }
 
 std::optional<LightBounds> GoniometricLight::Bounds(uint32_t) const {
-    // As a point light of the same power (stock pbrt-v4).
+    // As a point light of equal power (stock pbrt-v4).
     return AllAround(4 * std::numbers::pi * double(mean_) * double(scale_) * double(intensity_->MaxValue()));
 }
 

@@ -8,7 +8,7 @@
 
 namespace pbrt {
 
-/// A point whose intensity by direction is a spectrum times an image in the equal-area octahedral layout.
+/// Point light whose directional intensity is a spectrum times an image in the equal-area octahedral layout.
 class GoniometricLight final : public LightAtPoint<GoniometricLight> {
   public:
     /// `image`: square, one channel, finite; negative values count as 0. Its +z is the light's +y.
@@ -21,14 +21,13 @@ class GoniometricLight final : public LightAtPoint<GoniometricLight> {
     Float PdfDirection(const Vector3 &w) const;
     std::optional<LightBounds> Bounds(uint32_t) const override;
 
-    /// Mean of such an image over all directions.
     static Float Mean(const Image &image);
 
   private:
-    /// The value of the image in the direction w (render space, any length).
+    /// Image value in direction w (render space, any length).
     Float Share(const Vector3 &w) const;
     Point2 SquareTowards(const Vector3 &w) const;
-    /// The image as a distribution, made when it is first asked for.
+    /// The image as a distribution, created on first use.
     const PiecewiseConstant2D &Distribution() const;
 
     Transform renderFromLight_;

@@ -81,7 +81,7 @@ SampledSpectrum ImageInfiniteLight::Radiance(const Point2 &st, const SampledWave
 }
 
 LightPower ImageInfiniteLight::Phi(const SampledWavelengths &lambda, uint32_t) const {
-    // Radiance averaged over the sphere, times 4 pi sr, times the area of the disk of the scene's bounding sphere.
+    // Mean radiance over the sphere, times 4 pi sr, times the disk area of the scene's bounding sphere.
     return {double(scale_) * Sqr(2 * std::numbers::pi * double(sceneRadius_)),
             AverageIlluminant(image_, *colorSpace_, lambda)};
 }

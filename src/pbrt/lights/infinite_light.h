@@ -6,7 +6,6 @@
 
 namespace pbrt {
 
-/// The same radiance from everywhere.
 class UniformInfiniteLight final : public EnvironmentLight {
   public:
     UniformInfiniteLight(std::shared_ptr<const DenseSpectrum> radiance, Float scale);
@@ -17,7 +16,7 @@ class UniformInfiniteLight final : public EnvironmentLight {
     int Resolution() const override { return 1; }
 
   private:
-    /// Draws nothing if pdfs may be incomplete: BSDF sampling finds it better (as in stock pbrt-v4).
+    /// Returns no sample if pdfs may be incomplete: BSDF sampling is better (as in stock pbrt-v4).
     std::optional<LightLiSample> SampleDirection(const Point3 &, const Point2 &u, const SampledWavelengths &lambda,
                                                  bool allowIncompletePdfs) const override;
     Float DirectionPdf(const Point3 &, const Vector3 &wi, bool allowIncompletePdfs) const override;
@@ -38,12 +37,12 @@ class ImageInfiniteLight final : public EnvironmentLight {
     int Resolution() const override { return image_.Resolution().x; }
 
   private:
-    /// Draws pixels in proportion to their mean of R, G, B; if pdfs may be incomplete, in proportion to what exceeds
-    /// the image's average (Karlik et al. 2019).
+    /// Samples pixels in proportion to their mean of R, G, B; if pdfs may be incomplete, to the excess over the image
+    /// average (Karlik et al. 2019).
     std::optional<LightLiSample> SampleDirection(const Point3 &, const Point2 &u, const SampledWavelengths &lambda,
                                                  bool allowIncompletePdfs) const override;
     Float DirectionPdf(const Point3 &, const Vector3 &wi, bool allowIncompletePdfs) const override;
-    /// Where direction d (unit) lies on the image's square, and the inverse.
+    /// Position of direction d (unit) on the image's square, and the inverse.
     Point2 SquareTowards(const Vector3 &d) const;
     Vector3 DirectionAt(const Point2 &st) const;
     SampledSpectrum Radiance(const Point2 &st, const SampledWavelengths &lambda) const;

@@ -3,12 +3,12 @@
 
 namespace pbrt {
 
-/// What all point-shaped lights have in common. `Self` has a public
+/// Base of all point-shaped lights. `Self` provides, non-virtually for speed,
 ///     SampledSpectrum Intensity(const Vector3 &w, const SampledWavelengths &lambda) const
-/// for the intensity along w (render space, any length but 0), not virtual because it is hot, and
+/// for the intensity along w (render space, any nonzero length), and
 ///     Vector3 SampleDirection(const Point2 &u) const
 ///     Float PdfDirection(const Vector3 &w) const
-/// for unit directions drawn nearly in proportion to it, by solid angle.
+/// for unit directions nearly in proportion to it (density by solid angle).
 template <class Self>
 class LightAtPoint : public Light {
   public:
@@ -49,7 +49,6 @@ class LightAtPoint : public Light {
   protected:
     explicit LightAtPoint(const Point3 &position) : Light(LightKind::DeltaPosition), position_(position) {}
 
-    /// Bounds of a light that shines equally in all directions.
     std::optional<LightBounds> AllAround(double phi) const {
         if (!(phi > 0)) return {};
         return LightBounds{Bounds3(position_), Vector3(0, 0, 1), phi, -1, 0, false};

@@ -5,20 +5,19 @@
 
 namespace pbrt {
 
-/// What all lights that shine from outside the scene have in common.
 class LightBeyondScene : public Light {
   public:
     void Preprocess(const Point3 &sceneCenter, Float sceneRadius) final {
         sceneCenter_ = sceneCenter;
         sceneRadius_ = sceneRadius;
     }
-    /// The end of a shadow segment that leaves the scene from p along wi (unit).
+    /// End of a shadow segment that leaves the scene from p along wi (unit).
     Point3 Beyond(const Point3 &p, const Vector3 &wi) const { return p + wi * (2 * sceneRadius_); }
 
   protected:
     using Light::Light;
 
-    /// A ray into the scene against wi (unit, towards the light), which crosses the disk of the bounding sphere evenly.
+    /// Ray into the scene against wi (unit, towards the light), uniform over the disk of the bounding sphere.
     Ray RayAgainst(const Vector3 &wi, const Point2 &u) const {
         const Point2 disk = SampleUniformDiskConcentric(u) * sceneRadius_;
         Ray ray;
@@ -27,7 +26,7 @@ class LightBeyondScene : public Light {
         return ray;
     }
     Float PdfOfDisk() const { return 1 / (Pi * Sqr(sceneRadius_)); }
-    /// The sample along RayAgainst, from a sample of SampleLi.
+    /// Emission sample along RayAgainst, from a SampleLi sample.
     std::optional<LightLeSample> EvenlyAgainst(const std::optional<LightLiSample> &li, const Point2 &u) const {
         if (!li) return {};
         LightLeSample s;

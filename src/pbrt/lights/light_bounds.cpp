@@ -20,7 +20,7 @@ LightBounds Union(const LightBounds &a, const LightBounds &b) {
             .w = joint.w,
             .phi = a.phi + b.phi,
             .cosTheta_o = joint.cosTheta,
-            .cosTheta_e = std::min(a.cosTheta_e, b.cosTheta_e),  // the wider falloff
+            .cosTheta_e = std::min(a.cosTheta_e, b.cosTheta_e),  // wider falloff
             .twoSided = a.twoSided || b.twoSided};
 }
 

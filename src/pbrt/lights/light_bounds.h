@@ -4,7 +4,7 @@
 
 namespace pbrt {
 
-/// LightBounds with the box replaced by its bounding sphere: all that the importance depends on.
+/// LightBounds with its box's bounding sphere: everything that the importance depends on.
 struct LightSphere {
     Point3 center{};
     Float radius = 0;
@@ -13,12 +13,12 @@ struct LightSphere {
     Float cosTheta_o = 1, cosTheta_e = 0;
     bool twoSided = false;
 
-    /// See LightBounds::Importance. Never NaN, never infinite; positive wherever the emitter can contribute.
+    /// See LightBounds::Importance. Never NaN or infinite; positive wherever the emitter can contribute.
     Float Importance(const Point3 &p, const Normal3 &n) const;
 };
 
-/// Where a light is, how strong, and where it shines (Conty and Kulla 2018; pbrt-v4): power phi leaves `bounds` within
-/// angle theta_o of axis w, plus falloff theta_e beyond it.
+/// Spatial and directional emission bounds (Conty and Kulla 2018; pbrt-v4): power phi leaves `bounds` within angle
+/// theta_o of axis w, plus falloff theta_e beyond it.
 struct LightBounds {
     Bounds3 bounds;
     Vector3 w{0, 0, 1};
@@ -28,23 +28,23 @@ struct LightBounds {
 
     Point3 Centroid() const { return bounds.Center(); }
     LightSphere Sphere() const {
-        // Positive powers stay positive, and a few of them still add up to a finite number.
+        // Positive powers stay positive, and sums of a few stay finite.
         const double inRange = phi > 0 ? std::clamp(phi, 1e-36, 1e36) : 0;
         return {Centroid(), Length(bounds.Diagonal()) / 2, w, static_cast<Float>(inRange), cosTheta_o, cosTheta_e,
                 twoSided};
     }
-    /// Upper-bound-like estimate of the contribution at p; n may be zero (medium). Receiver cosine as |cos| (a
-    /// transmissive surface may face away), as stock pbrt-v4. Not inlined: equal arguments give equal bits everywhere.
+    /// Upper-bound-like contribution estimate at p; n may be zero (medium). The receiver cosine is |cos| (transmissive
+    /// surfaces may face away), as in stock pbrt-v4. Not inlined: bit-identical for equal arguments.
     Float Importance(const Point3 &p, const Normal3 &n) const;
 };
-/// True if lengths and angles keep their proportions: cones stay cones.
+/// True if the transformation preserves proportions, so cones stay cones.
 bool IsSimilarity(const Transform &t);
 /// Empty bounds (phi 0) are neutral.
 LightBounds Union(const LightBounds &a, const LightBounds &b);
 
 namespace detail {
 
-/// The arithmetic of ImportanceOf for one light at a time. SimdOps has the same members for several lights.
+/// Arithmetic of ImportanceOf for one light. SimdOps is the vector counterpart.
 struct ScalarOps {
     using F = Float;
     static F Min(F a, F b) { return std::min(a, b); }
@@ -54,17 +54,17 @@ struct ScalarOps {
     static F Abs(F a) { return std::abs(a); }
 };
 
-/// The sine of an angle in [0, pi] with this cosine.
+/// Sine of an angle in [0, pi] from its cosine.
 template <class Ops, class F = typename Ops::F>
 F SineOf(const F &cosine) {
     return Ops::Sqrt(Ops::Max(F(1) - cosine * cosine, F(0)));
 }
 
-/// The values of a LightSphere, for one light or for several at a time.
+/// Values of a LightSphere, for one or several lights.
 template <class F, class Mask>
 struct Emitters {
     F centerX, centerY, centerZ, radius;
-    F axisX, axisY, axisZ, axisLength2;  ///< any length but 0
+    F axisX, axisY, axisZ, axisLength2;  ///< any nonzero length
     F phi;
     F cosTheta_o, sinTheta_o, cosTheta_e;
     Mask twoSided;
@@ -72,25 +72,25 @@ struct Emitters {
 
 template <class Ops, class F = typename Ops::F, class Mask>
 [[gnu::always_inline]] inline F ImportanceOf(const Emitters<F, Mask> &e, const Point3 &p, const Normal3 &n) {
-    constexpr Float kMax = 1e36f;  // two of them still add up to a finite number
+    constexpr Float kMax = 1e36f;  // the sum of two stays finite
     constexpr Float kTiny = std::numeric_limits<Float>::min();
-    // sin^2 of a thousandth of a radian: the sphere is taken to be that much larger, so that rounding of directions
-    // cannot hide an emitter that grazes the border of its cone or of the receiver's horizon.
+    // sin^2 of a milliradian by which the sphere is enlarged. Otherwise rounding of directions could hide an emitter at
+    // the border of its cone or of the receiver's horizon.
     constexpr Float kSlack = 1e-6f;
-    // A falloff region beyond 90 degrees (wide spot lights) still emits where the cosine is not positive.
+    // Falloff beyond 90 degrees (wide spot lights) still emits where the cosine is not positive.
     constexpr Float kMinCosine = 1e-3f;
 
     F vx = F(p.x) - e.centerX, vy = F(p.y) - e.centerY, vz = F(p.z) - e.centerZ;
     F d2 = vx * vx + vy * vy + vz * vz, r2 = e.radius * e.radius;
     auto inside = d2 <= r2 * F(Float(1.00001));
     d2 = Ops::Max(d2, F(kTiny));
-    // Stock pbrt-v4 clamps the *squared* distance at *half the diagonal*. The units do not agree; the rule is kept
-    // because the probabilities, and so the noise, are to be stock's.
+    // Stock pbrt-v4 clamps the *squared* distance at *half the diagonal*. Units are inconsistent; kept so that
+    // probabilities, and hence noise, match stock.
     F unoriented = Ops::Min(e.phi / Ops::Max(d2, e.radius), F(kMax));
 
-    // Sines and cosines of single angles come times the distance, those of differences of two times its square, and at
-    // the axis times its length, so that nothing is divided before the end: roots and quotients are what takes time
-    // here, and one that waits for another most. The difference of two angles is 0 where the second is larger.
+    // Sines and cosines of single angles are scaled by the distance, those of differences by its square, and at the
+    // axis by its length. This defers all divisions; roots and quotients dominate the cost, dependent ones most. The
+    // difference of two angles is 0 where the second is larger.
     F distance = Ops::Sqrt(d2), invD2 = F(1) / d2, axisLength = Ops::Sqrt(e.axisLength2);
     F sinExtent2 = Ops::Min(r2 + F(kSlack) * d2, d2);
     F sinExtent = Ops::Sqrt(sinExtent2), cosExtent = Ops::Sqrt(d2 - sinExtent2);
@@ -112,8 +112,8 @@ template <class Ops, class F = typename Ops::F, class Mask>
         F arriving = Ops::Select(cosReceiver > cosExtent, d2, cosReceiver * cosExtent + sinReceiver * sinExtent);
         oriented = oriented * (arriving * invD2);
     }
-    // Inside the sphere the emitter may lie in any direction. (Stock pbrt-v4 allows for this only inside the box and
-    // assumes a half-space between box and sphere, which can give 0 to a light that is seen.)
+    // Inside the sphere the emitter may lie in any direction. (Stock pbrt-v4 assumes this only inside the box, and a
+    // half-space between box and sphere, which can give 0 to a visible light.)
     return unoriented * Ops::Select(inside, F(1), oriented);
 }
 

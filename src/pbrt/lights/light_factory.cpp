@@ -23,12 +23,11 @@ namespace pbrt {
 
 namespace {
 
-/// Throws if the light is too far away.
 void RequirePosition(const ParamSet &set, const LightContext &context, const Point3 &p) {
     RequireReach(set.What(), context.renderFromLight, Bounds3(p), set.Loc());
 }
 
-/// Returns `scale`; throws if the emission times `scale` is too large for single precision.
+/// Returns `scale`; throws if emission times `scale` exceeds single precision.
 Float RequireFinite(const ParamSet &set, Float scale, const Spectrum &emission, const char *name) {
     if (!std::isfinite(scale) || !std::isfinite(scale * emission.MaxValue()))
         throw set.Error(set.Has("scale") ? "scale" : name,
@@ -37,11 +36,11 @@ Float RequireFinite(const ParamSet &set, Float scale, const Spectrum &emission, 
     return scale;
 }
 
-/// `scale` so that an emission of scale 1 is one photometric unit.
+/// `scale` such that an emission of scale 1 is one photometric unit.
 Float PhotometricScale(const ParamSet &set, Float scale, const Spectrum &emission, const char *name) {
     const Float photometric = SpectrumToPhotometric(emission);
     if (photometric > 0) return scale / photometric;
-    // Black light is legal; anything else that has no luminous part cannot be brought to photometric units.
+    // Black lights are legal; other emission without luminance cannot be photometrically normalized.
     if (!(emission.MaxValue() > 0)) return 0;
     throw set.Error(name, fmt::format("\"{}\" emits nothing that the eye can see, so it cannot be scaled to "
                                       "photometric units.",
@@ -79,7 +78,6 @@ struct IntensityParams {
     }
 };
 
-/// Where a light stands and which point it shines to.
 struct DirectionParams {
     Point3 from{0, 0, 0}, to{0, 0, 1};
     template <class V>
@@ -135,7 +133,7 @@ std::unique_ptr<Light> MakeSpot(const SpotParams &p, const ParamSet &set, const 
                         fmt::format("\"conedeltaangle\" is {}; it must be from 0 to twice the cone angle ({}).",
                                     p.delta, 2 * p.coneAngle));
     RequirePosition(set, context, p.direction.from);
-    // A falloff wider than the cone starts on the other side of the axis; only its cosine counts.
+    // A falloff wider than the cone starts on the other side of the axis; only its cosine matters.
     Float falloffStart = std::abs(p.coneAngle - p.delta);
     if (p.power > 0) scale *= p.power / SpotLight::PowerPerIntensity(p.coneAngle, falloffStart);
     RequireFinite(set, scale, *intensity, "I");
@@ -165,7 +163,7 @@ std::unique_ptr<Light> MakeDistant(const DistantParams &p, const ParamSet &set, 
     return std::make_unique<DistantLight>(wi, InternSpectrum(*radiance), scale);
 }
 
-/// The factor that brings the light to `power`, from the power that it emits at scale 1.
+/// Factor to reach `power`, from the power emitted at scale 1.
 Float PowerFactor(const ParamSet &set, Float power, Float emitted, const std::string &image) {
     if (!(emitted > 0))
         throw set.Error("power", fmt::format("\"{}\" is black, so \"power\" cannot be reached.", image));
@@ -225,8 +223,8 @@ std::unique_ptr<Light> MakeProjection(const ProjectionParams &p, const ParamSet 
                                              p.fov);
 }
 
-/// What stock pbrt-v4 takes for the illuminance of an environment on a surface that faces its +z. It counts 2 pi sr for
-/// the whole image, half of the sphere's 4 pi, so pictures come out twice as bright as asked; kept to match them.
+/// Stock pbrt-v4's illuminance of an environment light on a surface that faces its +z. It uses 2 pi sr for the whole
+/// image, half of the sphere's 4 pi, so images are twice as bright as specified; kept for compatibility.
 Float MeasureIlluminance(const LightImage &light, const Rgb &weights) {
     Point2i n = light.image.Resolution();
     double sum = 0;
@@ -238,9 +236,8 @@ Float MeasureIlluminance(const LightImage &light, const Rgb &weights) {
     return static_cast<Float>(sum * 2 * std::numbers::pi / (static_cast<double>(n.x) * static_cast<double>(n.y)));
 }
 
-/// What stock pbrt-v4 multiplies R, G and B by when it measures an illuminance. Behind a portal it takes the channels
-/// in the order of the file, and EXR files hold them as B, G, R; its picture of conformance scene
-/// lights/portal_illuminance shows these weights to five digits.
+/// Stock pbrt-v4's RGB weights for illuminance. Behind a portal, stock takes the channels in file order, which is B, G,
+/// R in EXR; its image of conformance scene lights/portal_illuminance confirms these weights to five digits.
 Rgb IlluminanceWeights(const LightImage &light, bool hasPortal) {
     const Rgb luminance = light.colorSpace->Luminance();
     const bool exr = light.name.ends_with(".exr") || light.name.ends_with(".EXR");
@@ -262,7 +259,6 @@ struct InfiniteParams {
     }
 };
 
-/// The corners of "portal", if there is one.
 std::optional<std::array<Point3, 4>> GetPortal(const std::vector<Point3> &given, const ParamSet &set,
                                                const LightContext &context) {
     if (given.empty()) return {};
@@ -281,7 +277,7 @@ std::optional<std::array<Point3, 4>> GetPortal(const std::vector<Point3> &given,
     return p;
 }
 
-/// "L" as an image, for lights that need one; of luminance 1 unless it is an "rgb".
+/// "L" as an image, for lights that need one; luminance 1 unless it is an "rgb".
 LightImage ConstantImage(const SpectrumParam &L, const ParamSet &set, const LightContext &context) {
     LightImage light;
     light.name.assign(1, 'L');
@@ -298,7 +294,7 @@ LightImage ConstantImage(const SpectrumParam &L, const ParamSet &set, const Ligh
                  fmt::format("behind a portal only the colour of \"L\" is used: rgb {:.4g} {:.4g} {:.4g}.", rgb.x,
                              rgb.y, rgb.z));
     }
-    // Many pixels, so that sampling knows how much of the sky each part of the portal shows.
+    // High resolution, so that sampling resolves the light visible through each part of the portal.
     light.image = Image(PixelFormat::Float, {32, 32}, {"R", "G", "B"});
     for (int y = 0; y < 32; ++y)
         for (int x = 0; x < 32; ++x)
@@ -306,7 +302,6 @@ LightImage ConstantImage(const SpectrumParam &L, const ParamSet &set, const Ligh
     return light;
 }
 
-/// Throws if both "L" and "filename" are given.
 void RequireOneEmission(const SpectrumParam &L, const std::string &filename, const ParamSet &set) {
     if (L && !filename.empty()) throw set.Error("filename", "\"L\" and \"filename\" exclude each other.");
 }
@@ -378,7 +373,7 @@ AreaLightMaker MakeDiffuseArea(const DiffuseAreaParams &p, const ParamSet &set, 
     return AreaLightMaker(std::move(emission));
 }
 
-/// Adds a light that has a direction, for which a singular transformation is an error.
+/// Registers a directional light, for which a singular transformation is an error.
 template <class P, class F>
 void AddDirected(LightFactories &table, const char *name, F make) {
     table.Add<P>(name, "", [make](const P &p, const ParamSet &set, const LightContext &context) {

@@ -54,7 +54,7 @@ LightId LightGroups::SampleWithin(uint32_t group, Float u) const {
     if (end - begin == 1) return LightId(begin);
     auto it = std::upper_bound(cdf_.begin() + begin, cdf_.begin() + end, u);
     auto index = static_cast<uint32_t>(it - cdf_.begin());
-    if (index == end) {  // rounding left the last sum below 1: the last light with a share takes the rest
+    if (index == end) {  // rounding left the last sum below 1: use the last light with a share
         index = end - 1;
         while (index > begin && share_[index] == 0) --index;
     }

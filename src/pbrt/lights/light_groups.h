@@ -10,17 +10,16 @@ namespace pbrt {
 
 class LightTable;
 
-/// One thing a light sampler can choose: a component of a light, or several together.
+/// A selectable unit of a light sampler: one or several light components.
 struct LightCandidate {
     Float power = 0;                    ///< Phi at SampledWavelengths::WholeRange() over LightTable::Unit(), >= 0
-    std::optional<LightBounds> bounds;  ///< phi in the same unit; empty: infinite (or no power)
+    std::optional<LightBounds> bounds;  ///< phi in the same unit; empty: infinite, or no power
     bool infinite = false;
 };
 
-/// The lights of a scene, divided into the groups that a light sampler chooses from: every light with all its
-/// components is one group, or every component is a group. P(component | query) = P(group | query) * P(component |
-/// group); the second factor is the component's share of the group's power and lives here, so that all samplers use the
-/// same.
+/// Partition of a scene's lights into groups for light samplers: each light with all its components, or each component.
+/// P(component | query) = P(group | query) * P(component | group). The second factor, the component's share of the
+/// group's power, is defined here for all samplers.
 class LightGroups {
   public:
     /// `byLight` false: every component is a group. The table must outlive the groups.
@@ -29,26 +28,25 @@ class LightGroups {
     size_t Size() const { return first_.empty() ? LightCount() : first_.size() - 1; }
     size_t LightCount() const { return lightCount_; }
     const LightTable &Lights() const { return lights_; }
-    /// The power (sum), the bounds (union) and the kind of a group, by which samplers weigh it.
+    /// Power (sum) and bounds (union) of a group.
     LightCandidate Candidate(uint32_t group) const;
     std::vector<LightCandidate> Candidates() const;
     uint32_t GroupOf(LightId light) const { return first_.empty() ? light.value : LightOf(light); }
-    /// The first component of a group and the number of its components, which have consecutive ids.
+    /// First component of a group and its component count; ids are consecutive.
     uint32_t FirstOf(uint32_t group) const { return first_.empty() ? group : first_[group]; }
     uint32_t CountOf(uint32_t group) const { return first_.empty() ? 1 : first_[group + 1] - first_[group]; }
 
     /// P(light | its group). Discrete.
     Float ShareOf(LightId light) const { return share_.empty() ? Float(1) : share_[light.value]; }
-    /// Chooses a component of the group with probability ShareOf; u in [0, 1).
+    /// Selects a component with probability ShareOf; u in [0, 1).
     LightId SampleLight(uint32_t group, Float u) const {
         return first_.empty() ? LightId(group) : SampleWithin(group, u);
     }
-    /// Makes the uniform number for SampleLight from the number u that chose the group: it is independent of the group
-    /// that u chose, and fine enough for any number of components.
+    /// Uniform number for SampleLight from the number u that selected the group: independent of the group, and with
+    /// enough bits for any number of components.
     static Float InnerNumber(Float u, const Point3 &p) { return HashFloat(u, p); }
-    /// The same for a group that was chosen because u is in [begin, begin + share): the relative position of u in this
-    /// interval, so that well-spread u are well spread inside the group as well. The bits that u lacks come from a
-    /// hash, for small shares all bits.
+    /// The same for a group selected because u is in [begin, begin + share): u's relative position in the interval,
+    /// which preserves stratification within the group. Bits that u lacks come from a hash, for small shares all bits.
     static Float InnerNumber(Float u, const Point3 &p, Float begin, Float share) {
         constexpr Float kStep = 0x1p-24f, kSmall = 1e-3f;
         if (share < kSmall) return InnerNumber(u, p);
@@ -66,8 +64,8 @@ class LightGroups {
     // All four are empty if every component is a group.
     std::vector<LightCandidate> candidates_;
     std::vector<uint32_t> first_;  ///< per group, its first light; one more entry at the end
-    std::vector<Float> share_;     ///< per light; empty if no group has more than one
-    std::vector<Float> cdf_;       ///< per light: share of all lights of its group up to and including it
+    std::vector<Float> share_;     ///< per light; empty if all groups are single lights
+    std::vector<Float> cdf_;       ///< per light: inclusive running sum of shares in its group
 };
 
 }  // namespace pbrt

@@ -11,7 +11,6 @@ bool HasRgb(const Image &image) {
     return image.FindChannel("R") >= 0 && image.FindChannel("G") >= 0 && image.FindChannel("B") >= 0;
 }
 
-/// `select` picks the channels.
 template <class Select>
 LightImage Read(const std::string &path, Select select) {
     ImageFile file = ReadImage(path);

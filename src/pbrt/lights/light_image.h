@@ -5,38 +5,36 @@
 
 namespace pbrt {
 
-/// An image that a light emits.
 struct LightImage {
     Image image;  ///< R, G, B, linear, finite
     const ColorSpace *colorSpace = nullptr;
     std::string name;
 };
 
-/// Reads a file. Throws UserError (no location).
+/// Throws UserError (no location).
 LightImage ReadLightImage(const std::string &path);
 
-/// Reads an image that scales an intensity. It gets one channel: Y, or the mean of R, G and B.
+/// Reads an image that scales an intensity, as one channel: Y, or the mean of R, G and B.
 LightImage ReadIntensityImage(const std::string &path);
 
-/// The pixel at st in [0, 1]^2.
+/// Pixel at st in [0, 1]^2.
 inline Point2i PixelAt(const Point2 &st, const Point2i &n) {
     return {std::clamp(static_cast<int>(st.x * static_cast<Float>(n.x)), 0, n.x - 1),
             std::clamp(static_cast<int>(st.y * static_cast<Float>(n.y)), 0, n.y - 1)};
 }
 
-/// The middle of a pixel in [0, 1]^2.
 inline Point2 PixelCenter(int x, int y, const Point2i &n) {
     return {(static_cast<Float>(x) + Float(0.5)) / static_cast<Float>(n.x),
             (static_cast<Float>(y) + Float(0.5)) / static_cast<Float>(n.y)};
 }
 
-/// A pixel of an image with channels R, G, B; negative values count as 0.
+/// Pixel of an image with channels R, G, B; negative values are clamped to 0.
 inline Rgb LightPixel(const Image &image, const Point2i &p) {
     return glm::max(Rgb(image.Get(p, 0), image.Get(p, 1), image.Get(p, 2)), Rgb(0));
 }
 
-/// The illuminant spectrum that a colour stands for. Over the whole range its root mean square is taken as that of R,
-/// G and B times that of the colour space's illuminant.
+/// Illuminant spectrum of a colour. Its root mean square over the whole range is taken as that of R, G and B times that
+/// of the colour space's illuminant.
 inline SampledSpectrum RgbIlluminant(const ColorSpace &colorSpace, const Rgb &rgb, const SampledWavelengths &lambda) {
     if (lambda.IsWholeRange()) [[unlikely]] {
         const glm::dvec3 wide(rgb);
@@ -45,13 +43,12 @@ inline SampledSpectrum RgbIlluminant(const ColorSpace &colorSpace, const Rgb &rg
     return RgbIlluminantSpectrum(colorSpace, rgb).Sample(lambda);
 }
 
-/// RgbIlluminant of a pixel's colour.
 inline SampledSpectrum PixelIlluminant(const Image &image, const Point2i &p, const ColorSpace &colorSpace,
                                        const SampledWavelengths &lambda) {
     return RgbIlluminant(colorSpace, LightPixel(image, p), lambda);
 }
 
-/// Mean of PixelIlluminant over the pixels (x, y), times weight(x, y) if there is one. Runs in parallel.
+/// Mean of PixelIlluminant over the pixels (x, y), weighted by weight(x, y) if given. Runs in parallel.
 SampledSpectrum AverageIlluminant(const Image &image, const ColorSpace &colorSpace, const SampledWavelengths &lambda,
                                   const std::function<Float(int, int)> &weight = {});
 

@@ -6,7 +6,7 @@
 namespace pbrt {
 
 uint32_t LightNames::IndexOf(const std::string &text) {
-    // Searched from the end: neighbouring directives mostly have the same type and file.
+    // Backwards: consecutive directives mostly have the same type and file.
     const auto found = std::find(texts_.rbegin(), texts_.rend(), text);
     if (found != texts_.rend()) return static_cast<uint32_t>(texts_.rend() - found - 1);
     texts_.push_back(text);

@@ -7,20 +7,19 @@
 
 namespace pbrt {
 
-/// Names of the lights of a LightTable for messages: the directive and its place in the scene file (named without
-/// folders). Keeps one small entry per directive, however many lights it makes, and nothing of the file's text.
+/// Names of a LightTable's lights for messages: directive and scene file location, without folders. Stores one small
+/// entry per directive, independent of its number of lights.
 class LightNames {
   public:
-    /// Adds the next `count` lights, in the order of their ids. `what`: the directive with its type, e.g. LightSource
-    /// "point". `shape`: place of the Shape directive whose primitives emit; empty for other lights. `primitive`: what
-    /// one primitive is called, e.g. triangle.
+    /// Adds the next `count` lights, in id order. `what`: directive with type, e.g. LightSource "point". `shape`:
+    /// location of the emitting Shape directive; empty for other lights. `primitive`: name of one primitive, e.g.
+    /// triangle.
     void Add(size_t count, const std::string &what, const FileLoc &light, const FileLoc &shape = {},
              const std::string &primitive = {});
 
     /// For example: AreaLightSource "diffuse" at room.pbrt:123, shape at :125, triangle 3 of 12.
     std::string NameOf(LightId light) const;
-    /// The same for `count` lights of one directive from `first` on; for more than one it ends in, for example, "12
-    /// triangles".
+    /// The same for `count` lights of one directive from `first`; more than one end in, e.g., "12 triangles".
     std::string NameOf(LightId first, size_t count) const;
     size_t Size() const { return end_; }
     size_t EntryCount() const { return entries_.size(); }
@@ -39,7 +38,7 @@ class LightNames {
     std::string Text(const Place &place, uint32_t fileSaidBefore) const;
 
     std::vector<Entry> entries_;
-    std::vector<std::string> texts_ = {""};  ///< names of files and directives: few
+    std::vector<std::string> texts_ = {""};  ///< file and directive names
     size_t end_ = 0;
 };
 

@@ -5,8 +5,7 @@
 
 namespace pbrt {
 
-/// The form in which lights store their emission: one value per nm, shared by all lights of equal emission. May be
-/// called from any thread.
+/// Emission as one value per nm, shared by all lights of equal emission. Thread-safe.
 std::shared_ptr<const DenseSpectrum> InternSpectrum(const Spectrum &s);
 
 }  // namespace pbrt

@@ -6,9 +6,9 @@
 namespace pbrt {
 
 namespace {
-/// The least power of a light that emits, as a share of the greatest power of all.
+/// Minimum power of an emitting light, relative to the maximum.
 constexpr double kMinShare = 1e-30;
-/// Bounds sums that overflow in images.
+/// Limits powers so that image sums stay finite.
 constexpr double kMaxPower = 1e100;
 }  // namespace
 

@@ -9,8 +9,8 @@
 
 namespace pbrt {
 
-/// All lights of a scene, in file order. A LightId stands for one component of a light: the components of all lights
-/// are numbered through, those of one light one after the other.
+/// All lights of a scene in file order. A LightId identifies one component; the components of a light have consecutive
+/// ids.
 class LightTable {
   public:
     LightTable() = default;
@@ -19,26 +19,26 @@ class LightTable {
 
     /// Appends a light and returns the id of its first component. Not after Finish.
     LightId Add(std::unique_ptr<Light> light);
-    /// Gives every light the scene's bounding sphere and makes the groups. Must be called once, after the last Add.
+    /// Sets every light's scene bounding sphere and builds the groups. Call once, after the last Add.
     void Finish(const Point3 &sceneCenter, Float sceneRadius);
 
-    /// The number of components of all lights.
+    /// Number of components of all lights.
     size_t Size() const { return lightOf_.size(); }
     LightComponent operator[](LightId id) const { return Region(id, {}); }
-    /// A region of an environment light. Any other light has no regions.
+    /// Region of an environment light; other lights have none.
     LightComponent Region(LightId id, EnvironmentRegion region) const {
         const Entry &entry = lights_[lightOf_[id.value]];
         return {*entry.light, id.value - entry.first, region};
     }
     size_t LightCount() const { return lights_.size(); }
-    /// The index of the light that the component belongs to, below LightCount().
+    /// Index of the component's light, below LightCount().
     uint32_t LightOf(LightId id) const { return lightOf_[id.value]; }
 
-    /// Environment lights that shine from all sides (EnvironmentLight::Opening is empty), in file order.
+    /// Environment lights without Opening, in file order.
     std::span<const LightId> Environments() const { return environments_; }
 
     /// For a ray from o in direction d that leaves the scene: calls visit(radiance, id) for every infinite light with
-    /// radiance along the ray, with the id of the whole light.
+    /// nonzero radiance, with the id of the whole light.
     template <class Visit>
     void ForEachBeyond(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda, Visit &&visit) const {
         for (LightId first : infinite_) {
@@ -48,24 +48,24 @@ class LightTable {
     bool HasInfinite() const { return !infinite_.empty(); }
     /// Power and bounds of a component, for light samplers. Only after Finish.
     LightCandidate Candidate(LightId id) const;
-    /// The power (as of Light::Phi) that is 1 in candidates. It is the geometric mean of the least and the greatest
-    /// power of all components over the radius of the scene, so that powers of lights, and powers over squared
-    /// distances, neither overflow nor underflow in single precision. A power of two: dividing by it is exact.
+    /// Unit of candidate powers (as Light::Phi): the geometric mean of minimum and maximum component power over the
+    /// scene radius. So powers, and powers over squared distances, neither overflow nor underflow in single precision.
+    /// A power of two: division by it is exact.
     double Unit() const { return unit_; }
-    /// Every component as a group, and every light with all its components as a group. Only after Finish.
+    /// Groups by component, and by light. Only after Finish.
     const LightGroups &ByComponent() const { return *byComponent_; }
     const LightGroups &ByLight() const { return *byLight_; }
 
   private:
     struct Entry {
         std::unique_ptr<Light> light;
-        uint32_t first = 0;  ///< its first component
+        uint32_t first = 0;
     };
     std::vector<Entry> lights_;
     std::vector<uint32_t> lightOf_;  ///< per component
-    std::vector<Float> power_;       ///< per component, as in LightCandidate
+    std::vector<Float> power_;       ///< per component, as LightCandidate::power
     double unit_ = 1;
-    std::vector<LightId> infinite_;  ///< the first components of infinite lights
+    std::vector<LightId> infinite_;  ///< first components of infinite lights
     std::vector<LightId> environments_;
     std::unique_ptr<LightGroups> byComponent_, byLight_;
 };

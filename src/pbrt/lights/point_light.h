@@ -4,7 +4,6 @@
 
 namespace pbrt {
 
-/// Equal intensity in all directions.
 class PointLight final : public LightAtPoint<PointLight> {
   public:
     PointLight(const Point3 &position, std::shared_ptr<const DenseSpectrum> intensity, Float scale);

@@ -10,21 +10,21 @@ namespace {
 
 constexpr Bounds2 kHalfSpace{{0, 0}, {1, 1}};  ///< on a PortalMap
 
-/// The direction in the frame at a point of the map of angles.
+/// Frame direction at a point of the map of angles.
 Vector3 LocalFromMap(const Point2 &st) {
     Float a = Pi * (st.x - Float(0.5)), b = Pi * (st.y - Float(0.5));
-    // (tan a, tan b, 1) times both cosines, which stays finite at the borders.
+    // (tan a, tan b, 1) times both cosines, which is finite at the borders.
     return Normalize(Vector3(std::sin(a) * std::cos(b), std::cos(a) * std::sin(b), std::cos(a) * std::cos(b)));
 }
 
-/// Solid angle per area of the map of angles at a unit direction of the frame.
+/// Solid angle per area of the map of angles, at a unit frame direction.
 Float SolidAngleDensity(const Vector3 &w) {
-    // d(x/z) = pi / cos^2(a) ds with cos^2(a) = z^2 / (1 - y^2), likewise for t; an area on the plane at distance 1
+    // d(x/z) = pi / cos^2(a) ds with cos^2(a) = z^2 / (1 - y^2), likewise for t; area on the plane at distance 1
     // subtends z^3 times as much solid angle.
     return Pi * Pi * (1 - Sqr(w.x)) * (1 - Sqr(w.y)) / w.z;
 }
 
-/// x and y along the sides, z to the outside. Left-handed if the transformation swaps handedness.
+/// x and y along the sides, z outward. Left-handed if the transformation swaps handedness.
 Portal PortalFrom(const std::array<Point3, 4> &corners, const Transform &renderFromPortal) {
     std::array<Point3, 4> p;
     for (size_t i = 0; i < 4; ++i) p[i] = renderFromPortal.Point(corners[i]);
@@ -122,7 +122,6 @@ std::optional<LightLeSample> PortalLight::SampleLe(const Point2 &uPosition, cons
 LightLePdf PortalLight::PdfLe(const Point3 &p, const Normal3 &, const Vector3 &w, uint32_t) const {
     const Vector3 wi = frame_.ToLocal(-w);
     if (!(wi.z > 0) || !(Area() > 0)) return {};
-    // Where the ray crosses the rectangle's plane.
     const Point3 from = frame_.ToLocal(p);
     const Point2 at = Point2(from) + Vector2(wi) * ((Rectangle().low.z - from.z) / wi.z);
     if (glm::any(glm::lessThan(at, Point2(Rectangle().low))) ||

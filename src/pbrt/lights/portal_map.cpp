@@ -10,12 +10,12 @@ namespace pbrt {
 namespace {
 
 constexpr int kMinSide = 128, kMaxSide = 512;
-/// A pixel is divided if it may hold this share of the whole map and the brightest place in or beside it is so much
-/// brighter than the mean.
+/// A pixel is subdivided if it may hold this share of the whole map, and the brightest point in or beside it exceeds
+/// its mean by this contrast.
 constexpr double kMinShare = 1e-4;
 constexpr Float kContrast = 1.5f;
-/// Pixels, and their parts, are at least worth this share of the brightest place beside them: the corner of a sun that
-/// reaches into one between the places looked at must not be drawn with the probability of the sky around it.
+/// Minimum value of pixels and subpixels, relative to the brightest point beside them: the corner of a sun between
+/// evaluated points must not be sampled with the probability of its surroundings.
 constexpr Float kBesidePixel = 1 / Float(32), kBesidePart = 1 / Float(8);
 
 }  // namespace
@@ -25,8 +25,8 @@ PortalMap::PortalMap(const EnvironmentLight &light, const Frame &frame)
     struct Value {
         Float mean = 0, greatest = 0;
     };
-    // Over the square of this width at `low`, in units of the map; the greatest also `beside` steps past it. No pixel
-    // of the sky must be missed, as it may be a sun: so the borders are looked at, too.
+    // Over the square of this width at `low`, in map units; the maximum also `beside` steps past it. Includes the
+    // borders, so that no image pixel, which may be a sun, is missed.
     const auto look = [&](const Point2 &low, Float width, int across, int beside) {
         Value value;
         for (int y = -beside; y < across + beside; ++y)
@@ -34,7 +34,7 @@ PortalMap::PortalMap(const EnvironmentLight &light, const Frame &frame)
                 const Point2 st = low + Point2(x, y) * (width / static_cast<Float>(across - 1));
                 const Vector2 slopes = ToSlopes(st);
                 const Float density = SolidAngleDensity(slopes);
-                if (!(density > 0) || !std::isfinite(density)) continue;  // at the border of the map
+                if (!(density > 0) || !std::isfinite(density)) continue;  // at the map's border
                 const Vector3 d = frame.FromLocal(Normalize(Vector3(slopes, 1)));
                 const Float here = density * light.MeanRadiance(d);
                 if (x >= 0 && y >= 0 && x < across && y < across) value.mean += here;
@@ -46,7 +46,7 @@ PortalMap::PortalMap(const EnvironmentLight &light, const Frame &frame)
     const auto n = static_cast<size_t>(n_);
     const Float width = 1 / static_cast<Float>(n_);
     const auto corner = [&](size_t i) { return Point2(i % n, i / n) * width; };
-    // In the middle, pixels of the map are about half as wide as those of the sky, if there are as many.
+    // In the centre, map pixels are about half as wide as image pixels at equal resolution.
     const int across = 2 * ((light.Resolution() + n_ - 1) / n_) + 1;
     std::vector<Value> values(n * n);
     ParallelFor(n_, 8, [&](int64_t begin, int64_t end) {
@@ -121,7 +121,7 @@ std::optional<PortalMap::Sample> PortalMap::Draw(const Point2 &u, const Bounds2 
     Point2 pixel;
     const std::optional<Part> part = PartAt(*st, window, &pixel);
     if (!part) return s;
-    // Where the point is in the pixel is uniform, and chooses the part.
+    // The position within the pixel is uniform and selects the subpixel.
     const Vector2 extent = part->window.high - part->window.low;
     const Point2 in = (*st * static_cast<Float>(n_) - pixel) * Float(kDetail);
     const Point2 v = glm::clamp((in - part->window.low) / extent, Point2(0), Point2(OneMinusEpsilon));

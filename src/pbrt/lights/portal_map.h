@@ -10,14 +10,13 @@ namespace pbrt {
 
 class EnvironmentLight;
 
-/// The radiance of an environment light over the half-space z > 0 of a frame, on a map on which every rectangle with
-/// sides along x and y is, seen from any point before it, an axis-aligned window. The coordinates of a direction
-/// (x, y, z) are its slopes a = x / z and b = y / z, each mapped from all real numbers to (0, 1) by
-/// (1 + a / (1 + |a|)) / 2. (Bitterli, Wyman and Pharr 2015, Portal-Masked Environment Map Sampling, take the arc
-/// tangent; this takes no trigonometry.)
+/// Radiance of an environment light over the half-space z > 0 of a frame. A rectangle with sides along x and y is an
+/// axis-aligned window on the map, from any point before it. Map coordinates of a direction (x, y, z) are its slopes a
+/// = x / z and b = y / z, mapped to (0, 1) by (1 + a / (1 + |a|)) / 2. (Bitterli, Wyman and Pharr 2015, Portal-Masked
+/// Environment Map Sampling, use the arc tangent; this avoids trigonometry.)
 ///
-/// Within any such window directions are drawn in proportion to the mean radiance of the map's pixels. Bright pixels of
-/// much contrast are divided once more: the rim of a sun would make noise.
+/// Within a window, directions are sampled in proportion to the mean radiance of the map's pixels. Bright high-contrast
+/// pixels are subdivided once: the rim of a sun would be noisy otherwise.
 class PortalMap {
   public:
     PortalMap(const EnvironmentLight &light, const Frame &frame);
@@ -29,16 +28,16 @@ class PortalMap {
     }
     static Point2 FromSlopes(const Vector2 &a) { return {FromSlope(a.x), FromSlope(a.y)}; }
     static Vector2 ToSlopes(const Point2 &st) { return {ToSlope(st.x), ToSlope(st.y)}; }
-    /// Solid angle per area of the map.
+    /// Solid angle per map area.
     static Float SolidAngleDensity(const Vector2 &a) {
         const Float x = 1 + std::abs(a.x), y = 1 + std::abs(a.y), z2 = 1 / (1 + a.x * a.x + a.y * a.y);
         return 4 * Sqr(x * y) * z2 * std::sqrt(z2);
     }
 
-    /// The integral over a window of mean radiance (EnvironmentLight::MeanRadiance) and solid angle.
+    /// Integral over a window of mean radiance (EnvironmentLight::MeanRadiance) and solid angle.
     Float Integral(const Bounds2 &window) const { return static_cast<Float>(pixels_.Integral(window)); }
-    /// A direction (unit, in the frame) within the window, and its density (solid angle). Empty where the window shows
-    /// nothing.
+    /// Samples a direction (unit, in the frame) within the window; density by solid angle. Empty where the window has
+    /// no radiance.
     std::optional<Vector3> SampleDirection(const Point2 &u, const Bounds2 &window, Float *pdf) const;
     /// Density of SampleDirection; 0 outside the window. `local`: in the frame.
     Float DirectionPdf(const Vector3 &local, const Bounds2 &window) const;
@@ -47,18 +46,18 @@ class PortalMap {
   private:
     struct Sample {
         Point2 st;
-        Float pdf;  ///< by area of the map
+        Float pdf;  ///< by map area
     };
     std::optional<Sample> Draw(const Point2 &u, const Bounds2 &window) const;
     Float Pdf(const Point2 &st, const Bounds2 &window) const;
 
     static constexpr int kDetail = 8;
-    /// The parts of a pixel; their mean is the pixel's value.
+    /// Subpixel values; their mean is the pixel's value.
     using Detail = std::array<Float, kDetail * kDetail>;
-    /// A pixel of detail, as far as it is within a window.
+    /// A subdivided pixel, clipped to a window.
     struct Part {
         const Detail *detail;
-        Bounds2 window;  ///< in units of parts
+        Bounds2 window;  ///< in subpixel units
         Float Overlap(int part, int axis) const {
             return std::min(window.high[axis], static_cast<Float>(part + 1)) -
                    std::max(window.low[axis], static_cast<Float>(part));
@@ -68,12 +67,12 @@ class PortalMap {
         Float OfColumn(int x) const;
         Float Sum() const;
     };
-    /// Empty if the pixel has no detail. *pixel: its place.
+    /// Empty if the pixel is not subdivided. *pixel: its position.
     std::optional<Part> PartAt(const Point2 &st, const Bounds2 &window, Point2 *pixel) const;
 
     int n_ = 0;
     WindowedPiecewiseConstant2D pixels_;
-    std::vector<uint32_t> detailOf_;  ///< per pixel: one more than its index in details_; 0: none
+    std::vector<uint32_t> detailOf_;  ///< per pixel: index in details_ + 1; 0: none
     std::vector<Detail> details_;
 };
 

@@ -79,7 +79,6 @@ Vector3 ProjectionLight::SampleDirection(const Point2 &u) const {
 Float ProjectionLight::PdfDirection(const Vector3 &w) const {
     const std::optional<Point2> st = PlaceOf(w);
     if (!st) return 0;
-    // An area on the plane at distance 1 subtends cos^3 times as much solid angle.
     const Float cosine = Normalize(renderFromLight_.InverseVector(w)).z;
     const Float pdf = Distribution().Pdf(*st) / (4 * half_.x * half_.y * cosine * cosine * cosine);
     return MappedDirectionPdf(renderFromLight_, w, pdf);
@@ -99,7 +98,7 @@ std::optional<LightBounds> ProjectionLight::Bounds(uint32_t) const {
             Rgb rgb = LightPixel(image_, {x, y});
             sum += static_cast<double>(std::max(std::max(rgb.x, rgb.y), rgb.z));
         }
-    // The solid angle is left out as in stock pbrt-v4, so that the probabilities are the same.
+    // Excludes the solid angle, as stock pbrt-v4, to match its probabilities.
     const double phi = double(scale_) * sum / (static_cast<double>(n.x) * static_cast<double>(n.y));
     if (!(phi > 0)) return {};
     Vector3 axis = Normalize(renderFromLight_.Vector({0, 0, 1}));

@@ -8,7 +8,7 @@
 
 namespace pbrt {
 
-/// A slide projector that is a point: an RGB image is thrown along +z, its top towards +y, its right towards +x.
+/// Point light that projects an RGB image along +z, its top towards +y, its right towards +x.
 class ProjectionLight final : public LightAtPoint<ProjectionLight> {
   public:
     /// `image`: channels R, G, B in this order, finite. `fov` in degrees, of the image's shorter side, below 180.
@@ -25,9 +25,9 @@ class ProjectionLight final : public LightAtPoint<ProjectionLight> {
     static Float LuminancePower(const Image &image, const ColorSpace &colorSpace, Float fov);
 
   private:
-    /// The place of a direction (any length) in the image, in [0, 1]^2; empty if it misses the image.
+    /// Image position of a direction (any length), in [0, 1]^2; empty outside the image.
     std::optional<Point2> PlaceOf(const Vector3 &w) const;
-    /// Pixels by luminance and solid angle, made when they are first asked for.
+    /// Pixels by luminance and solid angle, created on first use.
     const PiecewiseConstant2D &Distribution() const;
     Transform renderFromLight_;
     Image image_;

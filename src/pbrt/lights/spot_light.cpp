@@ -31,14 +31,14 @@ Float SpotLight::FalloffAt(Float cosine) const {
 }
 
 Vector3 SpotLight::SampleDirection(const Point2 &u) const {
-    // Of the power, as PowerPerIntensity has it, so much leaves inside the cone of full intensity.
+    // Share of PowerPerIntensity inside the cone of full intensity.
     const Float inner = 1 - cosStart_, outer = (cosStart_ - cosEnd_) / 2;
     const Float cut = inner / (inner + outer);
     Float cosine;
     if (u.x < cut || !(outer > 0)) {
         cosine = Lerp(cut > 0 ? u.x / cut : u.x, Float(1), cosStart_);
     } else {
-        // The cubic p of FalloffAt has the distribution function 2 h^3 - h^4, which is inverted by bisection.
+        // The cubic p of FalloffAt has the distribution function 2 h^3 - h^4, inverted by bisection.
         const Float share = (u.x - cut) / (1 - cut);
         Float low = 0, high = 1;
         for (int i = 0; i < 24; ++i) {
@@ -73,7 +73,7 @@ std::optional<LightBounds> SpotLight::Bounds(uint32_t) const {
         return b;
     }
     b.cosTheta_e = std::cos(SafeACos(cosEnd_) - SafeACos(cosStart_));
-    // A thin falloff region must not vanish in rounding.
+    // Prevents rounding from removing a thin falloff region.
     if (b.cosTheta_e == 1) b.cosTheta_e = Float(0.999);
     return b;
 }

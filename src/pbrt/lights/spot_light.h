@@ -4,8 +4,8 @@
 
 namespace pbrt {
 
-/// Full intensity inside a cone, smooth falloff to zero at its border. The cone is a cone in light space: a stretching
-/// transform deforms it, as in stock pbrt-v4.
+/// Full intensity inside a cone with smooth falloff to zero at its border. The cone is defined in light space:
+/// non-uniform scaling deforms it, as in stock pbrt-v4.
 class SpotLight final : public LightAtPoint<SpotLight> {
   public:
     /// `from` and `axis` (unit) in light space; angles in degrees from the axis, falloffStart <= coneAngle.
@@ -14,18 +14,17 @@ class SpotLight final : public LightAtPoint<SpotLight> {
 
     LightPower Phi(const SampledWavelengths &lambda, uint32_t) const override;
     SampledSpectrum Intensity(const Vector3 &w, const SampledWavelengths &lambda) const;
-    /// Exactly in proportion to Falloff, if the transform does not stretch.
+    /// Exactly proportional to Falloff without non-uniform scaling.
     Vector3 SampleDirection(const Point2 &u) const;
     Float PdfDirection(const Vector3 &w) const;
     std::optional<LightBounds> Bounds(uint32_t) const override;
 
     /// Power of a light of unit intensity on the axis.
     static Float PowerPerIntensity(Float coneAngle, Float falloffStart);
-    /// Share of the axis intensity that leaves along w (render space, any length).
+    /// Fraction of the axis intensity along w (render space, any length).
     Float Falloff(const Vector3 &w) const;
 
   private:
-    /// Falloff at an angle from the axis whose cosine is given.
     Float FalloffAt(Float cosine) const;
     Transform renderFromLight_;
     Vector3 axis_;

@@ -5,8 +5,8 @@
 
 namespace pbrt {
 
-/// Walks down a tree of light bounds, choosing at each node by the importance of the two children at the query point
-/// with the shading normal. Infinite lights are chosen as InfiniteShare says.
+/// Traverses a light BVH, selecting children by their importance at the query point with the shading normal. Infinite
+/// lights: see InfiniteShare.
 class BVHLightSampler final : public GroupLightSampler {
   public:
     explicit BVHLightSampler(const LightGroups &groups);
@@ -17,7 +17,7 @@ class BVHLightSampler final : public GroupLightSampler {
     const LightBvh &Tree() const { return tree_; }
 
   private:
-    /// False if the tree holds a single light and that has no importance at the query point.
+    /// False if the tree holds a single light whose importance at the query point is 0.
     bool Reaches(const LightQuery &query) const;
 
     LightBvh tree_;

@@ -26,7 +26,7 @@ ExhaustiveLightSampler::ExhaustiveLightSampler(const LightGroups &groups)
     infinite_ = InfiniteShare(std::move(infinite), !lights_.empty());
 }
 
-// Compiled once, so that all uses get the same bits.
+// noinline: bit-identical results for all call sites.
 [[gnu::noinline]] void ExhaustiveLightSampler::Importances(size_t packet, const LightQuery &query, Float *out) const {
     packets_[packet].Importances(query.p, query.n, out);
 }
@@ -60,7 +60,6 @@ std::optional<GroupLightSampler::ChosenGroup> ExhaustiveLightSampler::ChooseGrou
     if (!infinite_.ChooseBounded(rest, &infinite)) return ChosenGroup{infinite, infinite_.Pmf(), InnerNumber(query, u)};
     if (!(sums.total > 0)) return {};
 
-    // First the block, then the light in it.
     const double target = rest * sums.total;
     const size_t blocks = (packets_.size() + blockSize_ - 1) / blockSize_;
     const auto block = ChooseByWeight<double>(blocks, target, [&](uint32_t b) { return sums.block[b]; });

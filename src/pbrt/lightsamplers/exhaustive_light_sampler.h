@@ -5,8 +5,8 @@
 
 namespace pbrt {
 
-/// Chooses bounded lights in proportion to the importance of their bounds at the query point with the geometric normal;
-/// every light is weighed for every query. Infinite lights are chosen as InfiniteShare says.
+/// Selects bounded lights in proportion to the importance of their bounds at the query point with the geometric normal;
+/// evaluates every light per query. Infinite lights: see InfiniteShare.
 class ExhaustiveLightSampler final : public GroupLightSampler {
   public:
     explicit ExhaustiveLightSampler(const LightGroups &groups);
@@ -18,16 +18,16 @@ class ExhaustiveLightSampler final : public GroupLightSampler {
   private:
     static constexpr size_t kLanes = 8;
     static constexpr size_t kBlocks = 64;
-    /// Sums of importance over consecutive blocks of packets and over all.
+    /// Sums of importance per block of packets, and total.
     struct Sums {
         double block[kBlocks];
         double total;
-        /// Importances in the last packet of each block; these are all lights if a block is one packet.
+        /// Importances in the last packet of each block; all lights if a block is one packet.
         Float lane[kBlocks][kLanes];
     };
     void AddUp(const LightQuery &query, Sums *sums) const;
     void Importances(size_t packet, const LightQuery &query, Float *out) const;
-    /// Importances in a packet: from `sums` if they are kept there, else computed again into `scratch`.
+    /// Importances in a packet: from `sums` if stored there, else recomputed into `scratch`.
     const Float *Lanes(size_t packet, const LightQuery &query, const Sums &sums, Float *scratch) const {
         if (blockSize_ == 1) return sums.lane[packet];
         Importances(packet, query, scratch);
@@ -35,7 +35,7 @@ class ExhaustiveLightSampler final : public GroupLightSampler {
     }
 
     std::vector<LightPacket<kLanes>> packets_;
-    std::vector<uint32_t> lights_;    ///< group of each lane; lanes are counted over all packets
+    std::vector<uint32_t> lights_;    ///< group of each lane, over all packets
     std::vector<uint32_t> position_;  ///< lane of each group, or one of the two constants below
     static constexpr uint32_t kInfinite = 0xffffffff, kNever = 0xfffffffe;
     size_t blockSize_ = 1;  ///< packets per block

@@ -6,39 +6,36 @@
 
 namespace pbrt {
 
-/// Light samplers that choose a group of lights first (LightGroups) and then one of its lights:
-/// P(light) = P(group) P(light | group). Derived classes choose the group. Inside the group a light is chosen by its
-/// share of the power, unless a derived class overrides ChooseInside.
+/// Light samplers that select a group (LightGroups), then one of its lights: P(light) = P(group) P(light | group).
+/// Derived classes select the group. Within it, lights are selected by power unless ChooseInside is overridden.
 class GroupLightSampler : public LightSampler {
   public:
-    /// The numbers of groups and lights.
     void Report(nlohmann::ordered_json &report) const override;
 
     const LightGroups &Groups() const { return groups_; }
 
-    /// `pmf`: the probability of the group. `inner`: the uniform number for the choice inside it. `unoccluded` and
-    /// `weight`: those of SampledLight, for the group.
+    /// `pmf`: probability of the group. `inner`: uniform number for the selection within it. `unoccluded` and `weight`:
+    /// as SampledLight, for the group.
     struct ChosenGroup {
         uint32_t group = 0;
         Float pmf = 1, inner = 0;
         Float unoccluded = 0, weight = 0;
     };
-    /// Like Weigh, Choose and Probability of LightSampler, for groups. No group is chosen if none can contribute.
+    /// LightSampler's Weigh, Choose and Probability for groups. No group is selected if none can contribute.
     virtual const void *WeighGroups(const LightQuery &, LightMemory &) const { return nullptr; }
     virtual std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *weights, Float u) const = 0;
     virtual Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const = 0;
 
   protected:
-    /// `alwaysAsked`: ChooseGroup is called even if there is only one group; false: a single group has probability 1.
+    /// `alwaysAsked`: call ChooseGroup even for a single group; false: a single group has probability 1.
     explicit GroupLightSampler(const LightGroups &groups, bool alwaysAsked = false) : groups_(groups) {
         SetAlwaysAsked(alwaysAsked);
     }
 
-    /// See the constructor.
     void SetAlwaysAsked(bool alwaysAsked) { isAsked_ = groups_.Size() > (alwaysAsked ? 0 : 1); }
 
-    /// A light of a group and its probability within the group; none if no light there can contribute. `weights`: what
-    /// WeighGroups returned; `uPoint`: see LightDistribution::Sample.
+    /// Samples a light of a group, with its probability within the group; empty if no light there can contribute.
+    /// `weights`: result of WeighGroups; `uPoint`: see LightDistribution::Sample.
     virtual std::optional<SampledLight> ChooseInside(const LightQuery &, const void *weights, uint32_t group, Float u,
                                                      Point2 *uPoint) const {
         (void)weights;
@@ -51,17 +48,15 @@ class GroupLightSampler : public LightSampler {
         return groups_.ShareOf(light);
     }
 
-    /// Chooses among all groups with equal probabilities.
     ChosenGroup SampleUniformly(const LightQuery &query, Float u) const;
-    /// Chooses by the running sums `cdf` of the groups' probabilities, which end at 1.
+    /// Selects by the CDF of the groups.
     static ChosenGroup SampleCdf(std::span<const Float> cdf, const LightQuery &query, Float u);
     static Float CdfPMF(std::span<const Float> cdf, uint32_t group) {
         return cdf[group] - (group > 0 ? cdf[group - 1] : 0);
     }
-    /// The number for the choice inside a group, for samplers that have nothing better than a hash of the number u that
-    /// chose the group.
+    /// Number for selection within a group, as a hash of the number u that selected the group.
     Float InnerNumber(const LightQuery &query, Float u) const {
-        if (groups_.Size() == groups_.LightCount()) return 0;  // there is nothing to choose
+        if (groups_.Size() == groups_.LightCount()) return 0;
         return groups_.Size() == 1 ? u : LightGroups::InnerNumber(u, query.p);
     }
 

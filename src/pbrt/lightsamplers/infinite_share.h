@@ -7,8 +7,8 @@
 
 namespace pbrt {
 
-/// The first choice of the samplers that use light bounds, as in stock pbrt-v4: every infinite light, and all bounded
-/// lights together, have the same probability.
+/// First selection of samplers with light bounds, as in stock pbrt-v4: every infinite light, and all bounded lights
+/// together, have equal probability.
 class InfiniteShare {
   public:
     InfiniteShare() = default;
@@ -18,10 +18,10 @@ class InfiniteShare {
         share_ = shares > 0 ? 1 / static_cast<Float>(shares) : 0;
         boundedFrom_ = static_cast<double>(infinite_.size()) / static_cast<double>(std::max<size_t>(shares, 1));
     }
-    /// Probability of each infinite light, and of the bounded ones together.
+    /// Probability of each infinite light, and of all bounded ones together.
     Float Pmf() const { return share_; }
-    /// True if the choice fell on the bounded lights: `u` becomes a fresh number. False: `chosen` is set. There must be
-    /// a light of either kind.
+    /// Returns true for the bounded lights, remapping `u` to a fresh number; else sets `chosen`. There must be a light
+    /// of either kind.
     bool ChooseBounded(double &u, uint32_t *chosen) const {
         if (anyBounded_ && u >= boundedFrom_) {
             u = (u - boundedFrom_) / (1 - boundedFrom_);

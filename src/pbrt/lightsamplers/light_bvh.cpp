@@ -1,4 +1,4 @@
-// g++ 12 warns of its own header of AVX-512 instructions.
+// g++ 12 warns about its own AVX-512 header.
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #include "pbrt/lightsamplers/light_bvh.h"
 
@@ -18,7 +18,7 @@ constexpr Float kSteps = 65535;
 
 Float DecodeCosine(uint16_t q) { return static_cast<Float>(q) * (2 / kSteps) - 1; }
 
-/// Largest code whose cosine is not above c.
+/// Largest code whose cosine is at most c.
 uint16_t EncodeCosineDown(Float c) {
     auto q = static_cast<int>(std::floor((std::clamp(c, Float(-1), Float(1)) + 1) / 2 * kSteps));
     q = std::clamp(q, 0, 65535);
@@ -42,8 +42,8 @@ Vector3 DecodeAxis(const uint16_t q[2]) {
     return Normalize(v);
 }
 
-/// How much it costs to keep these emitters together (Conty and Kulla 2018, Eq. 1 with the measure of section 4.2;
-/// `stretch` punishes thin boxes).
+/// Cost of a cluster of emitters (Conty and Kulla 2018, Eq. 1 with the measure of section 4.2; `stretch` penalizes thin
+/// boxes).
 double SplitCost(const LightBounds &b, Float stretch) {
     if (!(b.phi > 0)) return 0;
     Float o = SafeACos(b.cosTheta_o), e = SafeACos(b.cosTheta_e);
@@ -111,7 +111,7 @@ LightBvhNode LightBvhBlock::Node(uint32_t lane) const {
     return node;
 }
 
-// Compiled once, so that all uses get the same bits.
+// noinline: bit-identical results for all call sites.
 [[gnu::noinline]] void LightBvhBlock::Importances(const Point3 &p, const Normal3 &n, Float out[kLanes]) const {
     namespace simd = std::experimental;
     using Ops = SimdOps<kLanes>;
@@ -152,12 +152,12 @@ LightBvhNode LightBvhBlock::Node(uint32_t lane) const {
     detail::ImportanceOf<Ops>(e, p, n).copy_to(out, simd::element_aligned);
 }
 
-/// Places the pairs of the tree in blocks. A block starts with the children of some node and goes on with those of the
-/// most powerful nodes below it. Small subtrees are not divided.
+/// Packs child pairs into blocks. A block holds the children of a node, then those of its most powerful descendants.
+/// Small subtrees are not divided.
 class LightBvh::Packing {
   public:
     explicit Packing(std::span<const Pair> pairs) : pairs_(pairs), size_(pairs.size(), 1), place_(pairs.size()) {
-        for (size_t i = pairs.size(); i-- > 0;)  // children come after their parents
+        for (size_t i = pairs.size(); i-- > 0;)  // children follow their parents
             for (const LightBvhNode &child : pairs[i].child)
                 if (!child.IsLeaf()) size_[i] += size_[child.Link()];
         std::vector<uint32_t> tops{0};
@@ -185,7 +185,7 @@ class LightBvh::Packing {
   private:
     static constexpr uint32_t kPairs = LightBvhBlock::kPairs;
 
-    /// Fills one block, and adds the nodes below it to `tops`.
+    /// Fills one block and appends the nodes below it to `tops`.
     void PlaceWithMostPowerful(uint32_t top, std::vector<uint32_t> *tops) {
         std::vector<LightBvhNode> below;
         uint32_t pair = top;
@@ -202,7 +202,6 @@ class LightBvh::Packing {
         }
         for (const LightBvhNode &node : below) tops->push_back(node.Link());
     }
-    /// Fills blocks with subtrees that are smaller than a block.
     void PlaceSmall() {
         for (uint32_t free = kPairs;;) {
             uint32_t size = free;
@@ -226,8 +225,8 @@ class LightBvh::Packing {
     }
 
     std::span<const Pair> pairs_;
-    std::vector<uint32_t> size_;   ///< pairs of a subtree
-    std::vector<uint32_t> place_;  ///< the number of a pair in all blocks
+    std::vector<uint32_t> size_;   ///< pairs per subtree
+    std::vector<uint32_t> place_;  ///< index of a pair in all blocks
     std::array<std::vector<uint32_t>, kPairs> small_;
     uint32_t next_ = 0;
 };
@@ -269,7 +268,7 @@ LightBvhNode LightBvh::Build(std::span<Item> items, uint64_t trail, int depth, L
     }
     Vector3 extent = box.Diagonal();
     Split best;
-    // Halving needs bit_width(size) more levels; if the trail has room for no more, the split must be balanced.
+    // Halving needs bit_width(size) more levels; without spare levels in the trail, the split must be balanced.
     bool mustHalve = depth + std::bit_width(items.size()) >= kMaxDepth;
     for (int axis = 0; axis < 3 && !mustHalve; ++axis) {
         Float low = centroids.low[axis], high = centroids.high[axis];

@@ -8,18 +8,17 @@
 
 namespace pbrt {
 
-/// A node of the tree: a LightSphere and the link to what is below, in 32 bytes. Directions and cosines are rounded so
-/// that the cone only grows, but for what Importance's own margin makes up for.
+/// Tree node in 32 bytes: a LightSphere and a link. Directions and cosines are rounded so that the cone only grows, up
+/// to the margin of Importance.
 class alignas(32) LightBvhNode {
   public:
     LightBvhNode() = default;
-    /// `link`: leaf: index of the light; else index of the pair of children. Below 2^30.
+    /// `link`: light index (leaf) or index of the pair of children. Below 2^30.
     LightBvhNode(const LightBounds &bounds, bool isLeaf, uint32_t link);
 
     static constexpr uint32_t kLeaf = 1u << 31;
     bool IsLeaf() const { return (link_ & kLeaf) != 0; }
     uint32_t Link() const { return link_ & kLinkMask; }
-    /// Link and IsLeaf in one number.
     uint32_t LinkAndKind() const { return link_ & ~kTwoSided; }
     void LinkTo(uint32_t link) { link_ = (link_ & ~kLinkMask) | link; }
     LightSphere Sphere() const;
@@ -36,8 +35,8 @@ class alignas(32) LightBvhNode {
 };
 static_assert(sizeof(LightBvhNode) == 32);
 
-/// The children of several interior nodes side by side, whose importances are computed together: a walk that has chosen
-/// among two of them often goes on to two others.
+/// Children of several interior nodes as structure of arrays, with joint importance evaluation: a traversal often
+/// continues to a pair in the same block.
 struct alignas(64) LightBvhBlock {
 #ifdef __AVX512F__
     static constexpr uint32_t kPairs = 8;
@@ -49,8 +48,8 @@ struct alignas(64) LightBvhBlock {
     void Set(uint32_t lane, const LightBvhNode &node);
     LightBvhNode Node(uint32_t lane) const;
     uint32_t LinkAndKind(uint32_t lane) const { return link[lane]; }
-    /// Node(i).Sphere().Importance(p, n) of all nodes, 0 for lanes that were not set. The same bits for the same
-    /// arguments wherever it is called, whatever the other lanes hold.
+    /// Node(i).Sphere().Importance(p, n) of all nodes, 0 for unset lanes. Bit-identical for equal arguments, for all
+    /// call sites and contents of other lanes.
     void Importances(const Point3 &p, const Normal3 &n, Float out[kLanes]) const;
 
   private:
@@ -61,9 +60,9 @@ struct alignas(64) LightBvhBlock {
 };
 static_assert(sizeof(LightBvhBlock) == LightBvhBlock::kLanes * sizeof(LightBvhNode));
 
-/// Binary tree over the bounded lights, one light per leaf, split by the surface area orientation heuristic
-/// (Conty and Kulla 2018, section 4) in 12 buckets per axis. The choice at every node is stock's; only where children
-/// lie in memory is not: a block holds an interior node and, of those below it, the most powerful.
+/// Binary tree over the bounded lights, one per leaf. Splits use the surface area orientation heuristic (Conty and
+/// Kulla 2018, section 4) with 12 buckets per axis. Selection is stock's; only the memory layout differs: a block holds
+/// an interior node and its most powerful descendants.
 class LightBvh {
   public:
     static constexpr int kMaxDepth = 62;
@@ -73,22 +72,20 @@ class LightBvh {
 
     bool IsEmpty() const { return !hasRoot_; }
     const LightBvhNode &Root() const { return root_; }
-    /// The first or second child of an interior node.
     LightBvhNode Child(const LightBvhNode &node, uint32_t which) const {
         const uint32_t lane = 2 * node.Link() + which;
         return blocks_[lane / LightBvhBlock::kLanes].Node(lane % LightBvhBlock::kLanes);
     }
-    /// The path from the root to a candidate: bit d says which child is taken at depth d. NotInTree for candidates that
-    /// the tree does not hold.
+    /// Path from the root to a candidate: bit d is the child at depth d. NotInTree for candidates not in the tree.
     static constexpr uint64_t NotInTree = ~uint64_t(0);
     uint64_t Trail(uint32_t candidate) const { return trails_[candidate]; }
 
-    /// The interface for WalkDown (weighted_choice.h); importances are for the shading normal.
+    /// WalkDown interface (weighted_choice.h); importances use the shading normal.
     using Node = uint32_t;  ///< LightBvhNode::LinkAndKind
     static uint32_t Light(Node leaf) { return leaf & ~LightBvhNode::kLeaf; }
     struct Level {
-        const LightBvhBlock *block = nullptr;  ///< the one whose importances are known
-        uint32_t lane = 0;                     ///< the first of the two children
+        const LightBvhBlock *block = nullptr;  ///< block whose importances are cached
+        uint32_t lane = 0;                     ///< of the first of the two children
         alignas(32) Float importances[LightBvhBlock::kLanes];
         Float sum;
         Float WeightAt(uint32_t i) const { return importances[lane + i]; }
@@ -127,7 +124,7 @@ class LightBvh {
     int depth_ = 0;
     size_t pairCount_ = 0;
     std::vector<LightBvhBlock>
-        blocks_;  ///< interior node: links to pair i of all blocks, i % kPairs of block i / kPairs
+        blocks_;  ///< interior nodes link to pair i, stored as pair i % kPairs of block i / kPairs
     std::vector<uint64_t> trails_;
 };
 

@@ -6,20 +6,20 @@
 
 namespace pbrt {
 
-/// Memory for what a light sampler weighs at one vertex. It belongs to the caller, for example to a path on the stack:
-/// 4096 bytes are part of the object, and only what exceeds them comes from the heap.
+/// Scratch memory for a light sampler's weights at one vertex, owned by the caller, e.g. on the stack. 4096 bytes are
+/// inline; only the excess is allocated on the heap.
 class LightMemory {
   public:
     LightMemory() = default;
     LightMemory(const LightMemory &) = delete;
     LightMemory &operator=(const LightMemory &) = delete;
 
-    /// Everything that was made before becomes invalid.
+    /// Invalidates all allocations.
     void Clear() {
         used_ = 0;
         if (!larger_.empty()) larger_.clear();
     }
-    /// A T or `count` of them, aligned to a cache line and not initialised.
+    /// Allocates a T or `count` of them, cache-line aligned and uninitialized.
     template <class T>
     T *Make(size_t count = 1) {
         static_assert(std::is_trivially_destructible_v<T> && alignof(T) <= kAlignment);

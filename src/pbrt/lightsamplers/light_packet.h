@@ -5,8 +5,8 @@
 
 namespace pbrt {
 
-/// detail::ScalarOps for N lights at once, in the vector registers of the machine. Inlined, each is one or two
-/// instructions; a call would have to save every register in use.
+/// detail::ScalarOps for N lights in SIMD registers. Always inlined: each is one or two instructions, and a call would
+/// spill all registers.
 template <int N>
 struct SimdOps {
     using F = std::experimental::simd<Float, std::experimental::simd_abi::deduce_t<Float, N>>;
@@ -22,7 +22,7 @@ struct SimdOps {
     [[gnu::always_inline]] static F Abs(const F &a) { return std::experimental::abs(a); }
 };
 
-/// N lights side by side, whose importances are computed together. Lanes that were not set have importance 0.
+/// N lights as structure of arrays, with joint importance evaluation. Unset lanes have importance 0.
 template <int N>
 struct alignas(4 * N) LightPacket {
     Float centerX[N] = {}, centerY[N] = {}, centerZ[N] = {}, radius[N] = {};

@@ -9,18 +9,16 @@
 namespace pbrt {
 
 struct LightSamplerTraits {
-    /// True if it chooses among the groups that it is given; other samplers have a parameter "meshlights".
+    /// True if it selects among given groups; other samplers have a parameter "meshlights".
     bool takesGroups = false;
-    /// True if its probabilities are the same for every query: then it can choose where light paths begin.
+    /// True if its probabilities do not depend on the query, so it can select where light paths start.
     bool isSameEverywhere = false;
 };
 
-/// The light samplers that can be named in a scene or on the command line. An object, not a global; filled by explicit
-/// calls.
+/// Light samplers by name, for scenes and the command line. An object filled by explicit calls, not a global.
 class LightSamplerRegistry {
   public:
-    /// The context is the set of groups to choose from, unless the sampler has a parameter "meshlights", which decides
-    /// it.
+    /// The context is the set of groups, unless the sampler has a parameter "meshlights", which determines it.
     using Samplers = FactoryTable<std::unique_ptr<LightSampler>, const LightGroups, LightSamplerTraits>;
     using Entry = Samplers::Entry;
 

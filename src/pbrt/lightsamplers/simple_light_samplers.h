@@ -4,7 +4,6 @@
 
 namespace pbrt {
 
-/// Every group is as likely as any other.
 class UniformLightSampler final : public GroupLightSampler {
   public:
     explicit UniformLightSampler(const LightGroups &groups);
@@ -15,7 +14,7 @@ class UniformLightSampler final : public GroupLightSampler {
     Float pmf_;
 };
 
-/// Chooses in proportion to LightCandidate::power; uniformly if no group has any power.
+/// Selects in proportion to LightCandidate::power; uniformly if no group has power.
 class PowerLightSampler final : public GroupLightSampler {
   public:
     explicit PowerLightSampler(const LightGroups &groups);
@@ -27,7 +26,7 @@ class PowerLightSampler final : public GroupLightSampler {
     AliasTable table_;
 };
 
-/// The sampler itself; if there is none, one that chooses by power among all parts of lights.
+/// Returns `chosen`; if null, a sampler by power over all light components.
 std::unique_ptr<LightSampler> ByPowerUnless(std::unique_ptr<LightSampler> chosen, const LightTable &lights);
 
 }  // namespace pbrt

@@ -6,20 +6,20 @@
 
 namespace pbrt {
 
-/// One of several things, chosen with probability weight / sum of the weights.
+/// An item selected with probability weight / sum of weights.
 template <class Sum, class Weight>
 struct WeightedChoice {
     uint32_t index = 0;
     Weight weight = 0;
-    Sum before = 0;  ///< sum of the weights before it
+    Sum before = 0;  ///< sum of the preceding weights
 
     explicit operator bool() const { return weight > 0; }
 };
 
-/// Chooses one of `count` things by a scan over their weights. `target`: a uniform number times the sum of the weights;
-/// weightAt(i): the weight of thing i. The weights are added up in the precision of Sum. If rounding makes their sum
-/// less than `target`, the last positive weight is chosen. Weight 0: nothing is chosen, as no weight is positive.
-/// (No std::optional: it would be copied through memory, in the middle of every choice.)
+/// Selects one of `count` items by linear search. `target`: a uniform number times the sum of weights; weightAt(i):
+/// weight of item i. Weights are summed in the precision of Sum. If rounding leaves the sum below `target`, the last
+/// positive weight is selected. Weight 0: nothing selected, as no weight is positive. (Not std::optional, which would
+/// be copied through memory in every selection.)
 template <class Sum, class WeightAt>
 [[gnu::always_inline]] inline auto ChooseByWeight(size_t count, Sum target, WeightAt &&weightAt, Sum before = 0) {
     using Choice = WeightedChoice<Sum, decltype(weightAt(0u))>;
@@ -34,8 +34,7 @@ template <class Sum, class WeightAt>
     return chosen;
 }
 
-/// ChooseByWeight for two. It looks results up in tables instead of branching, because processors cannot predict which
-/// of the two is chosen.
+/// ChooseByWeight for two items. Branch-free table look-ups, as the outcome is unpredictable.
 template <class Sum, class Weight>
 [[gnu::always_inline]] inline WeightedChoice<Sum, Weight> ChooseOfTwo(Sum target, const Weight *weights) {
     const Sum before[2] = {0, static_cast<Sum>(weights[0])};
@@ -43,25 +42,25 @@ template <class Sum, class Weight>
     return {index, weights[index], before[index]};
 }
 
-/// Where a walk down a tree over lights ends: at a leaf (the tree knows what it holds), and the probability of that.
+/// Leaf reached by a traversal of a light tree, with its probability.
 template <class Node>
 struct WalkEnd {
     Node node{};
     Float pmf = 1;
     double rest = 0;   ///< a fresh uniform number
-    Float weight = 0;  ///< of the last choice; 0 if there was none
+    Float weight = 0;  ///< of the last selection; 0 if there was none
 };
 
-/// Walks down from `node` and chooses at every level among the nodes below by their weights. A tree has
+/// Traverses a tree from `node`, selecting a child at every level by weight. A tree has
 ///
-///   using Node = ...;                           names a node; a small value
-///   struct Level;                               what is known of the nodes below, kept from one level to the next:
+///   using Node = ...;                           node handle; a small value
+///   struct Level;                               data of the child nodes, reused between levels:
 ///       Float sum;  Float WeightAt(i) const;  Node At(i) const;
 ///       WeightedChoice<double, Float> Choose(double target) const;   as ChooseByWeight; weight 0: nothing
 ///   bool IsLeaf(Node) const;
 ///   void WeighBelow(Node, const LightQuery &, Level *) const;
 ///
-/// The result is empty if the walk comes to a node below which no weight is positive.
+/// Returns empty at a node whose children all have weight 0.
 template <class Tree>
 std::optional<WalkEnd<typename Tree::Node>> WalkDown(const Tree &tree, typename Tree::Node node,
                                                      const LightQuery &query, double u) {
@@ -80,8 +79,8 @@ std::optional<WalkEnd<typename Tree::Node>> WalkDown(const Tree &tree, typename 
     return end;
 }
 
-/// The probability that WalkDown from `*node` takes a given way: `next(node, level)` returns the index in `level` of
-/// the node that the way goes to. `*node` becomes the leaf. The result equals the pmf of WalkDown to the bit.
+/// Probability that WalkDown from `*node` takes a given path: `next(node, level)` returns the index in `level` of the
+/// next node. `*node` becomes the leaf. Bit-identical to the pmf of WalkDown.
 template <class Tree, class Next>
 Float WalkProbability(const Tree &tree, typename Tree::Node *node, const LightQuery &query, Next &&next) {
     Float pmf = 1;

@@ -7,8 +7,8 @@
 
 namespace pbrt {
 
-/// What light sampling needs at a vertex. It is kept until the next vertex, because the MIS weight of emission there
-/// depends on the probabilities of the lights here.
+/// Light sampling state at a vertex. Kept until the next vertex, because the MIS weight of emission there depends on
+/// the light probabilities here.
 struct VertexSelection {
     LightQuery query;
     LightSampleContext from;
@@ -23,8 +23,8 @@ struct VertexSelection {
     void Prepare(const LightSampler &sampler, const PathVertex &vertex, const SampledWavelengths &lambda, int depth) {
         Prepare(sampler, LightQueryAt(vertex, lambda, depth), LightContextAt(vertex.point));
     }
-    /// Density (solid angle) with which light sampling here would have found emission that a ray in direction d (unit)
-    /// met at p with normal n, or beyond the scene (`isInfinite`; p and n are ignored). 0: it could not.
+    /// Density (solid angle) of light sampling here for emission that a ray in direction d (unit) hit at p with normal
+    /// n, or outside the scene (`isInfinite`; p and n are ignored). 0: not sampled.
     Float LightPdf(const LightTable &table, LightId light, bool isInfinite, const Vector3 &d, const Point3 &p,
                    const Normal3 &n) const {
         const SampledLight chosen =
@@ -33,7 +33,7 @@ struct VertexSelection {
     }
 };
 
-/// The record of one path for a PathObserver, or of none.
+/// A path's records for a PathObserver, or none.
 struct ObservedPath {
     PathObserver *observer = nullptr;
     PathObserver::PathPlaces places{};
@@ -44,32 +44,32 @@ struct ObservedPath {
     }
 };
 
-/// The BSDF or phase function towards a direction, and the cosine there (1 in media).
+/// BSDF or phase function for a direction, and the cosine (1 in media).
 struct Scattering {
     SampledSpectrum f{0};
     Float cosine = 1;
 };
 
-/// Light from one point on one light that arrives at a vertex, without weight for MIS.
+/// Incident light at a vertex from one point on one light, without MIS weight.
 struct DirectLight {
     SampledLight chosen;
     LightLiSample sample;
-    Scattering to;                ///< from the vertex towards the light
-    ShadowTransmittance through;  ///< not 0
-    bool isDelta = false;         ///< no other technique finds it
+    Scattering to;                ///< scattering towards the light
+    ShadowTransmittance through;  ///< nonzero
+    bool isDelta = false;         ///< not reachable by other techniques
 
     SampledSpectrum F() const { return to.f * to.cosine; }
-    Float Pdf() const { return chosen.pmf * sample.pdf; }  ///< solid angle, and discrete choice of the light
+    Float Pdf() const { return chosen.pmf * sample.pdf; }  ///< solid angle, including the discrete light selection
 };
 
-/// Next-event estimation at a vertex, for every integrator: chooses a light by `lights` and a point on it, and traces
+/// Next-event estimation at a vertex, for every integrator: selects a light by `lights` and a point on it, and traces
 /// the shadow ray. Empty if nothing arrives.
 ///
 ///   scatter(wi) -> Scattering
-///   trace(const LightLiSample &, const Point2 &u) -> ShadowTransmittance; u: the numbers that drew the point
+///   trace(const LightLiSample &, const Point2 &u) -> ShadowTransmittance; u: the numbers that sampled the point
 ///
-/// `from`: where lights are sampled from (ScatteringContextAt). The observer receives the irradiance over the density
-/// of the point, also where it is 0.
+/// `from`: receiver of light sampling (ScatteringContextAt). The observer receives irradiance over the density of the
+/// point, also where it is 0.
 template <class Scatter, class Trace>
 std::optional<DirectLight> SampleDirectLight(const LightTable &table, const LightDistribution &lights,
                                              const LightSampleContext &from, const SampledWavelengths &lambda,
@@ -99,7 +99,7 @@ std::optional<DirectLight> SampleDirectLight(const LightTable &table, const Ligh
     return DirectLight{*chosen, *sample, to, through, IsDelta(light.Kind())};
 }
 
-/// SampleDirectLight at a surface. `trace` as there.
+/// SampleDirectLight at a surface, with the same `trace`.
 template <class Trace>
 std::optional<DirectLight> SampleDirectLight(const Scene &scene, const PathVertex &vertex,
                                              const LightDistribution &lights, const SampledWavelengths &lambda,
@@ -115,7 +115,7 @@ std::optional<DirectLight> SampleDirectLight(const Scene &scene, const PathVerte
         trace);
 }
 
-/// A shadow ray that every surface blocks.
+/// Shadow ray that is blocked by every surface.
 inline ShadowTransmittance TraceShadowRay(const Scene &scene, const LightSampleContext &from, const LightLiSample &to) {
     ShadowTransmittance through;
     if (!scene.Occluded(from, to)) through.value = SampledSpectrum(1);

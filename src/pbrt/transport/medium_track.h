@@ -3,43 +3,42 @@
 
 namespace pbrt {
 
-/// The throughput of a path through media, for each of its wavelengths. A place in a medium is sampled by the
-/// coefficients of the first wavelength, so the path could as well have been sampled by those of another one, or its
-/// end by light sampling; `ru` and `rl` are these densities over the one that was used, and a contribution of the path
-/// is divided by the mean of ru, or of ru + rl, over the wavelengths: the balance heuristic over all ways to sample it
-/// (Miller, Georgiev and Jarosz 2019, A null-scattering path integral formulation of light transport, sections 5, 6).
+/// Spectral throughput of a path through media. Distances are sampled with the coefficients of the first wavelength;
+/// the path could equally have been sampled with another wavelength's, or its end by light sampling. `ru` and `rl` are
+/// these densities relative to the one used. A contribution is divided by the mean over wavelengths of ru, or of ru +
+/// rl: the balance heuristic over all sampling strategies (Miller, Georgiev and Jarosz 2019, A null-scattering path
+/// integral formulation of light transport, sections 5, 6).
 ///
-/// That needs every wavelength to be the first one equally often. Once the others were terminated (dispersion), only
-/// the first one's own densities count; stock pbrt-v4 continues with the mean of all, which is biased.
+/// This requires every wavelength to be first equally often. After termination of the secondary wavelengths
+/// (dispersion) only the first one's densities count; stock pbrt-v4 continues with the mean over all, which is biased.
 struct SpectralWeights {
     SampledSpectrum beta{1};  ///< throughput over the density used
-    SampledSpectrum ru{1};    ///< path sampled step by step
-    SampledSpectrum rl{1};    ///< its last vertex sampled as a point on a light
-    bool onlyFirst = false;   ///< the other wavelengths were terminated
+    SampledSpectrum ru{1};    ///< unidirectional sampling
+    SampledSpectrum rl{1};    ///< last vertex sampled on a light
+    bool onlyFirst = false;   ///< secondary wavelengths were terminated
 
     void Multiply(const SampledSpectrum &f) {
         beta *= f;
         ru *= f;
         rl *= f;
     }
-    /// After a direction was drawn with this density (solid angle) by scattering that light sampling could replace.
+    /// Updates rl for a sampled scattering direction (density by solid angle) that light sampling could replace.
     void SampledDirection(Float pdf) { rl = ru / pdf; }
     Float Mean(const SampledSpectrum &densities) const { return onlyFirst ? densities[0] : densities.Average(); }
 };
 
-/// What happens to light on its way through a medium.
 struct MediumEvent {
     enum class Kind { Passed, Scattered, Absorbed } kind = Kind::Passed;
-    Float t = 0;  ///< distance at which it is scattered
+    Float t = 0;  ///< distance of the scattering event
 };
 
-/// Random numbers for everything that happens on a ray through a medium after the first distance, which `u` decides. A
-/// hash of the ray makes them, because numbers of the pixel's sampler take more time and are no better there.
+/// RNG for everything along a ray through a medium except the first distance, which `u` determines. Seeded by a hash of
+/// the ray: sampler dimensions cost more time and are no better here.
 inline Rng NumbersAlong(const Ray &ray, Float u) { return Rng(Hash(ray.o, ray.d, u)); }
 
-/// Follows light along a ray through a medium (delta tracking) and updates the weights of its path. `emits`: calls
-/// emit(radiance, mean) for the emission on the way, divided by `mean`, the mean of its densities. `u`: uniform, for
-/// the first distance; `rng` for all else.
+/// Delta tracking along a ray through a medium; updates the path's weights. `emits`: calls emit(radiance, mean) for
+/// emission on the way, divided by `mean`, the mean of its densities. `u`: uniform, for the first distance; `rng` for
+/// the rest.
 template <class Emit>
 MediumEvent TrackMedium(MediumOnRay on, Float u, Rng &rng, bool emits, SpectralWeights &weights, Emit &&emit) {
     MediumEvent event;

@@ -17,7 +17,7 @@ PathWalk::Met PathWalk::Next() {
 bool PathWalk::FindScattering(SampledWavelengths &lambda) {
     SurfacePoint &point = vertex_.point;
     FindFootprint();
-    // Made in its place: to copy what was just written in small pieces costs as much as making it.
+    // Constructed in place: copying recently written small fields costs as much as constructing.
     static_assert(std::is_trivially_destructible_v<Bsdf>);
     new (&vertex_.bsdf) Bsdf(ComputeBsdf(context_.scene, point, lambda));
     if (vertex_.bsdf) {
@@ -35,7 +35,7 @@ bool PathWalk::FindScattering(SampledWavelengths &lambda) {
 
 void PathWalk::RecordVisible(const SampledWavelengths &lambda) const {
     SurfacePoint point = vertex_.point;
-    // A walk that needs no footprints has marked its differentials as invalid.
+    // Walks without footprints have marked their differentials invalid.
     RayDifferential differential = differential_;
     differential.valid = startsWithDifferential_;
     ComputeFootprint(point, differential, context_.camera, context_.samplesPerPixel);
@@ -73,10 +73,10 @@ void PathWalk::ScatterInMedium(const Point3 &p, const Vector3 &wi) {
     ray_.d = wi;
     passed_ = 0;
     left_ = false;
-    visible_ = nullptr;  // the camera sees no surface there
+    visible_ = nullptr;  // no surface is visible there
 }
 
-/// Computes the footprint only if it is used: by the point's material, or at the next surface of a specular path.
+/// Computes the footprint only if used: by the material, or at the next surface of a specular path.
 void PathWalk::FindFootprint() {
     SurfacePoint &point = vertex_.point;
     if (!context_.needsFootprints) differential_.valid = false;

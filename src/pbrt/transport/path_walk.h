@@ -6,7 +6,7 @@
 
 namespace pbrt {
 
-/// What every walk of a path needs. Refers to the scene and the camera.
+/// Shared inputs of path walks. Refers to scene and camera.
 struct PathContext {
     const Scene &scene;
     const Camera &camera;
@@ -14,66 +14,62 @@ struct PathContext {
     bool needsFootprints = true;  ///< some material uses filter footprints
 };
 
-/// A path from the camera, followed step by step; all integrators use it. The caller decides what happens at a vertex:
+/// A path from the camera, traced step by step; used by all integrators. The caller handles the vertices:
 ///
 ///     PathWalk walk(context, cameraRay);
 ///     while (walk.Next() == PathWalk::Met::Surface) {
-///         if (!walk.FindScattering(lambda)) continue;       // does not scatter: the walk continues behind it
+///         if (!walk.FindScattering(lambda)) continue;       // interface surface: continues behind it
 ///         ... walk.Vertex().bsdf.Sample(...) ...
 ///         walk.Scatter(sample);
 ///     }
 ///
-/// Where there are media, the caller follows the light through them after every step of Next: MediumAhead,
-/// ThroughMedium.
+/// With media, the caller tracks them after every Next: MediumAhead, ThroughMedium.
 class PathWalk {
   public:
-    /// After more than this many surfaces in a row that do not scatter, the path ends at the next surface.
+    /// After more than this many consecutive non-scattering surfaces, the path ends at the next surface.
     static constexpr int MaxPassed = 64;
     enum class Met { Surface, Nothing, TooManyInterfaces };
 
-    /// `visible`, if not null, receives the first surface that scatters.
+    /// `visible`, if not null, receives the first scattering surface.
     PathWalk(const PathContext &context, const CameraRay &start, std::optional<VisibleSurface> *visible = nullptr)
         : context_(context), ray_(start.ray), differential_(start.differential), visible_(visible),
           startsWithDifferential_(start.differential.valid) {
         ray_.medium = context.scene.CameraMedium();
     }
 
-    /// A walk that starts anywhere, such as on a light; the ray has its medium.
+    /// A walk with an arbitrary start, such as a light; the ray carries its medium.
     PathWalk(const PathContext &context, const Ray &start)
         : context_(context), ray_(start), visible_(nullptr), startsWithDifferential_(false) {}
 
-    /// Follows the ray to the next surface, whose point is then in Vertex(). Nothing: the ray leaves the scene.
+    /// Traces the ray to the next surface, stored in Vertex(). Nothing: the ray leaves the scene.
     Met Next();
-    /// Reports the emission that the ray meets: calls visit(radiance, light, p, n) for the light of the surface met, or
-    /// for every infinite light once nothing was met (where p and n are zero). Radiance arrives along the ray and is
-    /// not zero.
+    /// Calls visit(radiance, light, p, n) for the light of the surface hit, or for every infinite light if nothing was
+    /// hit (p and n are zero). Radiance arrives along the ray and is nonzero.
     template <class Visit>
     void ForEachEmission(const SampledWavelengths &lambda, Visit &&visit) const;
-    /// Completes Vertex() by its filter footprint and its BSDF. False: the surface does not scatter, and the ray goes
-    /// on behind it. May terminate secondary wavelengths.
+    /// Completes Vertex() with filter footprint and BSDF. Returns false for a non-scattering surface; the ray then
+    /// continues behind it. May terminate secondary wavelengths.
     bool FindScattering(SampledWavelengths &lambda);
-    /// Roughens the vertex's BSDF.
     void Regularize() { vertex_.bsdf.Regularize(); }
     /// Leaves the vertex by a BSDF sample. Ray differentials survive specular scattering only.
     void Scatter(const BsdfSample &sample);
-    /// Leaves the vertex in a direction (unit) that did not come from its BSDF.
+    /// Leaves the vertex in a direction (unit) not sampled from its BSDF.
     void Leave(const Vector3 &wi);
-    /// The medium between the vertex left and what Next has met; null: vacuum.
+    /// Medium between the previous vertex and the hit of Next; null: vacuum.
     const Medium *MediumAhead() const { return context_.scene.MediumAt(ray_.medium); }
-    /// Follows light through that medium: TrackMedium.
     template <class Emit>
     MediumEvent ThroughMedium(const SampledWavelengths &lambda, Float u, Rng &rng, bool emits, SpectralWeights &weights,
                               Emit &&emit) const {
         return TrackMedium(MediumAhead()->On(ray_, left_ ? Infinity : vertex_.point.t, lambda), u, rng, emits, weights,
                            emit);
     }
-    /// Scatters in the medium before the ray reaches what Next has met: at a place on the ray, into a direction (unit).
+    /// Scatters in the medium before the hit of Next: at a point on the ray, into a direction (unit).
     void ScatterInMedium(const Point3 &p, const Vector3 &wi);
-    /// Moves the path to the vertex where light that went below the surface comes out.
+    /// Moves the path to the exit vertex of subsurface scattering.
     void MoveTo(const PathVertex &vertex) { vertex_ = vertex; }
 
-    /// Ends the walk at a surface met before FindScattering. If `visible` is still empty, continues to the first
-    /// surface that scatters.
+    /// Ends the walk at a surface before FindScattering. If `visible` is still empty, continues to the first scattering
+    /// surface.
     void End(SampledWavelengths lambda) {
         while (visible_ && !*visible_ && !FindScattering(lambda) && Next() == Met::Surface) {
         }
@@ -91,7 +87,7 @@ class PathWalk {
     RayDifferential differential_;
     PathVertex vertex_;
     int passed_ = 0;
-    bool left_ = false;  ///< the ray met nothing
+    bool left_ = false;  ///< the ray left the scene
     std::optional<VisibleSurface> *visible_;
     const bool startsWithDifferential_;
 };

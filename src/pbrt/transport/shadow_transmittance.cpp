@@ -6,11 +6,11 @@ namespace pbrt {
 
 namespace {
 
-/// Less transmittance than this is followed further with a probability only.
+/// Transmittance below which Russian roulette applies.
 constexpr Float kLittle = 0.05f;
 constexpr Float kSurvive = 0.25f;
 
-/// Ratio tracking through one medium. False: nothing is left.
+/// Ratio tracking through one medium. Returns false if no light remains.
 bool PassMedium(MediumOnRay on, Rng &rng, ShadowTransmittance *through) {
     auto &[value, ru, rl] = *through;
     const SampledSpectrum rest = ForEachCollision(

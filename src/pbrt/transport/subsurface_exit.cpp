@@ -16,7 +16,7 @@ std::optional<SubsurfaceExit> SampleSubsurfaceExit(const Scene &scene, const Sur
     auto &[point, bsdf] = exit.vertex;
     point = crossing->point;
     point.wo = point.shading.n;
-    // The probe was no ray in a medium: a surface that is no boundary has got none.
+    // The probe ray carried no medium, so surfaces without interface have none set.
     if (point.insideMedium == point.outsideMedium) point.insideMedium = point.outsideMedium = entry.outsideMedium;
     const Float pdf = bssrdf.Pdf(point.p, point.n) / static_cast<Float>(crossing->count);  // area
     if (!(pdf > 0)) return {};

@@ -11,8 +11,8 @@ namespace ext {
 namespace {
 constexpr int kSkySamples = 4096;
 
-/// Calls visit(point, weight) for points spread evenly over the area of a primitive, enough of them to make it unlikely
-/// that a voxel that the primitive crosses is missed. The weights sum to 1.
+/// Calls visit(point, weight) for points uniform over a primitive's area, enough to make missing a crossed voxel
+/// unlikely. Weights sum to 1.
 template <class Visit>
 void ForPointsOn(const Shape &shape, uint32_t primitive, const VoxelGrid &grid, const Visit &visit) {
     Bounds3 box = shape.PrimitiveBounds(primitive);
@@ -89,8 +89,8 @@ LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const Ligh
             weights[addTarget({Kind::Direction, 0, s->wi})] += share;
         } else if (kind == LightKind::Infinite) {
             for (uint64_t k = 0; k < kSkySamples; ++k) {
-                // From points all over the scene, because the directions that a light with a portal samples depend on
-                // the point.
+                // From points all over the scene, because the directions that a portal light samples depend on the
+                // point.
                 LightSampleContext from;
                 from.p = bounds.low +
                          bounds.Diagonal() * Vector3(RadicalInverse(5, k), RadicalInverse(7, k), RadicalInverse(11, k));

@@ -5,10 +5,9 @@
 
 namespace ext {
 
-/// NEE++ (Guo et al. 2020, as Noh, Choi and Moon 2023 describe it): chooses lights in proportion to the stored
-/// visibility between the point's voxel and the lights' voxels. Nothing else counts, neither power nor distance.
-/// Visibility below the floor counts as the floor, so every light can be chosen. Before Prepare all groups have the
-/// same share.
+/// NEE++ (Guo et al. 2020, as described by Noh, Choi and Moon 2023): selects lights in proportion to the stored
+/// visibility between the voxels of point and light, ignoring power and distance. Visibility is clamped to the floor,
+/// so every light can be selected. Before Prepare, selection is uniform.
 class NeeppLightSampler final : public VoxelLightSampler {
   public:
     NeeppLightSampler(const LightTable &lights, const NeeppParams &params);
@@ -21,13 +20,12 @@ class NeeppLightSampler final : public VoxelLightSampler {
     const VisibilityMap &Map() const { return map_; }
 
   private:
-    /// Fills the row of the voxel if it is empty.
     std::span<const uint32_t> Cdf(const Point3 &p) const override;
 
     NeeppParams params_;
     VisibilityMap map_;
     LazyRows<uint32_t> cdfs_;  ///< per voxel
-    bool prepared_ = false;    ///< false: one group or none, or Prepare was not called
+    bool prepared_ = false;    ///< false: at most one group, or Prepare was not called
 };
 
 }  // namespace ext

@@ -9,7 +9,7 @@
 namespace ext {
 
 namespace {
-/// Makes the random numbers of the segments independent of every other use of the seed.
+/// Decorrelates the segments from other uses of the seed.
 constexpr uint64_t kStream = 0x6e65657070ull;
 
 Vector3 Uniform3(Rng &rng) {
@@ -35,7 +35,7 @@ void VisibilityMap::Prepare(PrepareContext &context, const LightGroups &groups) 
 }
 
 void VisibilityMap::TestSegments(uint32_t voxel, std::span<uint8_t> row) const {
-    // Scene::Occluded would count these rays as shadow rays of the render.
+    // Scene::Occluded would count these as shadow rays of the render.
     const Accel &accel = scene_->Acceleration();
     for (uint32_t t = 0; t < row.size(); ++t) {
         const LightTargets::Target &target = targets_[t];
@@ -68,7 +68,7 @@ Float VisibilityMap::GroupVisibility(std::span<const uint8_t> row, uint32_t grou
 
 void VisibilityMap::Report(nlohmann::ordered_json &report) const {
     report["prepassSeconds"] = 0.0;
-    // Voxels are filled while rendering, by all threads; a thread that fills does not render.
+    // Voxels are filled during rendering; a thread that fills does not render.
     report["buildSeconds"] = prepareSeconds_ + rows_.FillThreadSeconds() / std::max(1, ThreadCount());
     report["fillThreadSeconds"] = rows_.FillThreadSeconds();
     report["voxels"] = rows_.Size();

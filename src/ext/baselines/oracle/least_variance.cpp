@@ -12,8 +12,7 @@ constexpr double kTolerance = 1e-3;
 
 double Square(Float v) { return static_cast<double>(v) * static_cast<double>(v); }
 
-/// The term of S(p) for one point with value 1. Computed relative to the larger of p and r, so that nothing under- or
-/// overflows.
+/// Term of S(p) for one point of value 1, computed relative to max(p, r) to avoid under- and overflow.
 double Moment(double p, double r) {
     const double s = std::max(p, r);
     if (!(s > 0)) return std::numeric_limits<double>::infinity();
@@ -36,7 +35,6 @@ double Gain(double p, double r) {
 bool LeastVariancePmf(std::span<const LightPoint> points, std::span<double> pmf) {
     const size_t lights = pmf.size(), perLight = lights ? points.size() / lights : 0;
     auto of = [&](size_t light) { return points.subspan(light * perLight, perLight); };
-    // Start as if there were no BSDF sampling.
     double total = 0;
     bool anyRatio = false;
     for (size_t l = 0; l < lights; ++l) {
@@ -61,12 +59,12 @@ bool LeastVariancePmf(std::span<const LightPoint> points, std::span<double> pmf)
             double p = pmf[l], gain = 0;
             if (!(p > 0)) continue;
             for (const LightPoint &y : of(l)) gain += Square(y.value) * Gain(p, static_cast<double>(y.ratio));
-            double target = std::sqrt(gain);  // up to normalisation
+            double target = std::sqrt(gain);  // unnormalized
             if (p > kTolerance) {
                 least = std::min(least, target / p);
                 most = std::max(most, target / p);
             }
-            // Half of the way, in the logarithm: the full step can swing around the minimum.
+            // Half a step in the logarithm: a full step can oscillate around the minimum.
             sum += pmf[l] = std::sqrt(p * target);
         }
         for (size_t l = 0; l < lights; ++l) pmf[l] /= sum;

@@ -13,10 +13,10 @@ namespace ext {
 
 namespace {
 
-/// Makes these random numbers independent of every other use of the seed.
+/// Decorrelates this sampler from other uses of the seed.
 constexpr uint64_t kStream = 0x6f7261636c65ull;
 
-/// f cos towards wi, and the density of BSDF sampling there.
+/// f cos towards wi, and the BSDF sampling density there.
 struct Scattered {
     SampledSpectrum fCos;
     Float pdf = 0;  ///< solid angle
@@ -64,13 +64,13 @@ const Float *OracleLightSampler::Measure(const LightQuery &query, LightMemory &m
     pmf.assign(groupCount, 0.0);
 
     RenderCounters &counters = ThreadCounters();
-    const RenderCounters before = counters;  // these rays are not the render's
+    const RenderCounters before = counters;  // not counted as rays of the render
     Rng rng(Hash(kStream, seed_, query.p, query.wo));
     for (uint32_t g = 0; g < groupCount; ++g) {
         const double shift[3] = {static_cast<double>(rng.Uniform()), static_cast<double>(rng.Uniform()),
                                  static_cast<double>(rng.Uniform())};
         for (size_t i = 0; i < k; ++i) {
-            // Additive recurrence with the reciprocal powers of the root of x^4 = x + 1: evenly spread for any number
+            // Additive recurrence with reciprocal powers of the root of x^4 = x + 1: evenly distributed for any number
             // of points.
             const auto at = static_cast<double>(i);
             std::optional<SampledLight> chosen =
@@ -83,7 +83,7 @@ const Float *OracleLightSampler::Measure(const LightQuery &query, LightMemory &m
             const bool findable = params_.mis && !IsDelta(light.Kind());
             Scattered scattered = ScatteredTo(query, sample->wi, findable);
             const Float pLight = chosen->pmf * sample->pdf;
-            // The root mean square over the wavelengths, because errors are squared wavelength by wavelength.
+            // RMS over the wavelengths, because errors are squared per wavelength.
             const double value = RootMeanSquare(sample->L * scattered.fCos) / double(pLight) / scene_->Lights().Unit();
             if (!(value > 0) || !std::isfinite(value) || scene_->Occluded(from, *sample)) continue;
             points[g * k + i] = {static_cast<Float>(value), findable ? scattered.pdf / pLight : 0};

@@ -7,33 +7,33 @@
 
 namespace ext {
 
-/// A measuring instrument, not a sampler to render with: at every shading point it traces its own shadow rays to every
-/// light and chooses with the probabilities that minimise the variance of the estimate of direct light there
-/// (least_variance.h). The errors of other samplers are compared with its error.
+/// A reference for measurements, not for rendering: errors of other samplers are compared with its error. At every
+/// shading point it traces shadow rays to every light and selects with the probabilities that minimize the variance of
+/// direct lighting (least_variance.h).
 ///
-/// What is minimised: given the shading point, the direction it is seen from, its BSDF and the path's wavelengths, the
-/// sum of the second moments of one light sample and one BSDF sample of direct light, combined by the power heuristic
-/// (`mis` true), with the root mean square over the wavelengths as the value. With `mis` false: the second moment of
-/// the light sample alone, that is p_l ~ sqrt(E[(f Le cos V / p(y))^2]).
+/// Minimized quantity, given shading point, outgoing direction, BSDF and wavelengths: the summed second moments of one
+/// light sample and one BSDF sample, combined by the power heuristic (`mis` true). The value is the root mean square
+/// over the wavelengths. With `mis` false: the second moment of the light sample alone, p_l ~ sqrt(E[(f Le cos V /
+/// p(y))^2]).
 ///
-/// What is taken as given: how a point on a light is drawn, how a primitive of a mesh is chosen (MeshInterior, as the
-/// octree does), and where the paths go. No choice among the lights has a lower error; a sampler that chooses better
-/// inside meshes or on a light could have. With `meshlights` false every primitive is measured, which gives the lower
-/// limit for the choice inside meshes as well.
+/// Given: the sampling of points on a light, of primitives in a mesh (MeshInterior, as the octree), and of paths. No
+/// light selection has a lower error; better sampling inside meshes or on a light could. With `meshlights` false every
+/// primitive is measured, which also bounds selection inside meshes.
 ///
-/// Why an image rendered with the oracle may have a little more error than the minimum: expectations are means over
-/// `samples` light points; the share `floor` goes to the unoccluded estimate at the point (EmitterTree), so that a
-/// light that none of the points saw can still be chosen and the mean of the image is right; the error of an image is
-/// measured in colours, the oracle minimises it over wavelengths; and noise in a pixel comes from the rest of the path
-/// as well.
+/// An image rendered with the oracle may have slightly more error than the minimum:
+/// - expectations are means over `samples` light points;
+/// - the fraction `floor` goes to the unoccluded estimate (EmitterTree), so that unreached lights can be selected and
+///   the image is unbiased;
+/// - image error is measured in colours, the oracle minimizes it over wavelengths;
+/// - pixel noise also comes from the rest of the path.
 ///
-/// Without a BSDF in the query the surface is a white diffuse one, of both sides if it transmits; in a medium
-/// scattering is uniform. Random numbers depend on the seed and the query's position and direction only.
+/// Without a BSDF in the query the surface is white and diffuse, on both sides if it transmits; in a medium scattering
+/// is isotropic. Random numbers depend on the seed and the query's position and direction only.
 class OracleLightSampler final : public InteriorLightSampler {
   public:
     OracleLightSampler(const LightTable &lights, const OracleParams &params);
 
-    /// The scene of the context must live as long as the sampler is used.
+    /// The context's scene must outlive the sampler.
     void Prepare(PrepareContext &context) override;
     void Report(nlohmann::ordered_json &report) const override;
     void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override;
@@ -42,14 +42,13 @@ class OracleLightSampler final : public InteriorLightSampler {
     const void *WeighGroups(const LightQuery &query, LightMemory &memory) const override;
     std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *weights, Float u) const override;
     Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const override;
-    /// The running sums of the probabilities of the groups, in `memory`; null if no shadow ray found light.
+    /// CDF over the groups, in `memory`; null if no shadow ray reached a light.
     const Float *Measure(const LightQuery &query, LightMemory &memory) const;
 
     OracleParams params_;
     EmitterTree unoccluded_;        ///< over groups
-    const Scene *scene_ = nullptr;  ///< null: not prepared, or at most one group: unoccluded_ alone
+    const Scene *scene_ = nullptr;  ///< null: not prepared, or at most one group; only unoccluded_ is used
     int seed_ = 0;
-    /// For Report only.
     mutable std::atomic<uint64_t> measured_{0}, rays_{0};
 };
 

@@ -4,7 +4,6 @@
 namespace ext {
 using namespace pbrt;
 
-/// Parameters of the oracle.
 struct OracleParams {
     int samples = 32;
     Float floor = 0.02f;

@@ -14,10 +14,9 @@
 namespace ext {
 
 namespace {
-/// Makes the shifts of the points independent of every other use of the seed.
+/// Decorrelates the shifts from other uses of the seed.
 constexpr uint64_t kStream = 0x7370617469616cull;
 
-/// u + shift modulo 1.
 Float Shifted(Float u, Float shift) {
     Float v = u + shift;
     return std::min(v < 1 ? v : v - 1, OneMinusEpsilon);
@@ -68,7 +67,7 @@ std::vector<double> SpatialLightSampler::UnshadowedContributions(uint32_t voxel)
             std::optional<LightLiSample> sample =
                 lights_[light].SampleLi(from, u, SampledWavelengths::WholeRange(), true);
             if (!sample || !sample->L || !(sample->pdf > 0)) continue;
-            // Le G / p by area equals Le / p by solid angle where there is no cosine at the point.
+            // Le G / p (area) equals Le / p (solid angle) without a receiver cosine.
             const double value = RootMeanSquare(sample->L) / (double(sample->pdf) * double(groups_.ShareOf(light)));
             if (std::isfinite(value)) mean[g] += value;
         }
@@ -93,7 +92,7 @@ void SpatialLightSampler::Report(nlohmann::ordered_json &report) const {
     report["parameters"] = EffectiveParamsText(params_);
     GroupLightSampler::Report(report);
     report["prepassSeconds"] = 0.0;
-    // Voxels are filled while rendering, by all threads; a thread that fills does not render.
+    // Voxels are filled during rendering; a thread that fills does not render.
     report["buildSeconds"] = prepareSeconds_ + cdfs_.FillThreadSeconds() / std::max(1, ThreadCount());
     report["fillThreadSeconds"] = cdfs_.FillThreadSeconds();
     report["voxels"] = cdfs_.Size();

@@ -7,13 +7,12 @@
 
 namespace ext {
 
-/// Chooses lights in proportion to what they would contribute to a voxel if nothing were in the way: Eq. 3 of "Enhanced
-/// Direct Lighting Using Visibility-Aware Light Sampling" (Noh, Choi, Moon 2023), Le G / p over low-discrepancy points
-/// of the voxel. The points lie in space, so G has the light's cosine and the distance but no cosine at the point (as
-/// in pbrt-v3).
+/// Selects lights in proportion to their unoccluded contribution to a voxel: Eq. 3 of "Enhanced Direct Lighting Using
+/// Visibility-Aware Light Sampling" (Noh, Choi, Moon 2023), Le G / p over low-discrepancy points of the voxel. The
+/// points lie in space, so G has the light's cosine and the distance but no receiver cosine (as in pbrt-v3).
 ///
-/// A voxel's distribution is made when a path first asks for it and depends on the voxel and the seed only. Before
-/// Prepare there is no grid and all groups have the same share.
+/// A voxel's distribution is created on first use and depends on voxel and seed only. Before Prepare, selection is
+/// uniform.
 class SpatialLightSampler final : public VoxelLightSampler {
   public:
     SpatialLightSampler(const LightTable &lights, const SpatialParams &params);
@@ -24,17 +23,16 @@ class SpatialLightSampler final : public VoxelLightSampler {
     std::string DescribeStructure() const override;
 
     const VoxelGrid &Grid() const { return grid_; }
-    /// Eq. 3 for every group, without the floor.
+    /// Eq. 3 for every group, excluding the floor.
     std::vector<double> UnshadowedContributions(uint32_t voxel) const;
 
   private:
-    /// One low-discrepancy point: its place in the voxel, and the uniform numbers for the light sample. All in [0, 1).
+    /// Low-discrepancy point in the voxel, with the uniform numbers of its light sample; all in [0, 1).
     struct VoxelPoint {
         Vector3 place{};
         Float uMember = 0;
         Point2 uLight{};
     };
-    /// Fills the voxel's distribution if it is empty.
     std::span<const uint32_t> Cdf(const Point3 &p) const override;
 
     const LightTable &lights_;
@@ -42,7 +40,7 @@ class SpatialLightSampler final : public VoxelLightSampler {
     VoxelGrid grid_;
     std::vector<VoxelPoint> points_;
     LazyRows<uint32_t> cdfs_;  ///< per voxel
-    bool prepared_ = false;    ///< false: one group or none, or Prepare was not called
+    bool prepared_ = false;    ///< false: at most one group, or Prepare was not called
     int seed_ = 0;
     double prepareSeconds_ = 0;
 };

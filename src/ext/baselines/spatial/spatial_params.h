@@ -4,7 +4,6 @@
 namespace ext {
 using namespace pbrt;
 
-/// Parameters of the spatial light sampler.
 struct SpatialParams {
     int voxels = 64;
     int samples = 128;

@@ -51,7 +51,7 @@ bool Parse(CLI::App &app, int argc, const char *const *argv, LightlabCommandLine
     return !result->done;
 }
 
-/// The samplers of the paper's comparison that this build has.
+/// Samplers of the paper's comparison in this build.
 std::string DefaultSamplers(const std::vector<std::string> &registered) {
     std::string list;
     for (const char *name : {"uniform", "power", "bvh", "spatial", "neepp", "octree"})
@@ -121,13 +121,11 @@ LightlabCommandLine ParseNoise(int argc, const char *const *argv, const std::vec
     return result;
 }
 
-/// Flags of `lightlab scene.pbrt` whose targets are not settings.
 struct RawFlags {
     std::string samplers, samplersFile, crops;
     bool direct = false, noReport = false;
 };
 
-/// The table of all flags of `lightlab scene.pbrt`.
 void AddAllFlags(CLI::App &app, LightlabOptions &o, RawFlags &raw, const std::vector<std::string> &registered) {
     ExperimentSettings &c = o.experiment;
     app.set_version_flag("--version", VersionText(), "print the version, and stop");
@@ -177,7 +175,7 @@ void AddAllFlags(CLI::App &app, LightlabOptions &o, RawFlags &raw, const std::ve
         app.get_option(flag)->excludes(app.get_option(other));
 }
 
-/// Takes the settings that the command line does not give from the experiment that is replayed.
+/// Takes settings missing from the command line from the replayed experiment.
 void TakeFromResults(const CLI::App &app, LightlabOptions *o) {
     ExperimentSettings &c = o->experiment;
     const Json results = ReadResults(c.samplesFrom);

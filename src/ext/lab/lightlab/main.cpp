@@ -19,11 +19,11 @@ namespace ext::lab {
 
 namespace {
 
-/// Seconds from a signal to the end of the process. Records and pictures on disk are complete at any time, so nothing
-/// needs to be waited for; but most work ends within this time and then leaves no unfinished files.
+/// Seconds from a signal to process exit. Records and images on disk are always complete, so waiting is optional; but
+/// most work ends within this time and then leaves no unfinished files.
 constexpr double kGraceSeconds = 0.4;
 
-/// Compares samplers on one scene. Nothing if a signal ended it: then `signals` has the status.
+/// Compares samplers on one scene. Empty if a signal ended it; `signals` then has the status.
 std::optional<ExperimentOutcome> CompareOn(const ExperimentSettings &settings, const LightlabOptions &options,
                                            const PluginRegistry &registry, SignalWatch &signals, Progress &cancel) {
     std::unique_ptr<ProgressSink> display = MakeTerminalProgress(options.quiet);
@@ -73,7 +73,6 @@ int Compare(const LightlabOptions &options, const PluginRegistry &registry) {
             if (!outcome) return signals.Status();
             scene.results = std::move(outcome->results);
         } catch (const UserError &e) {
-            // The other scenes are still compared.
             std::fputs(FormatAll(e, isatty(STDERR_FILENO) != 0).c_str(), stderr);
             scene.failure = e.Diagnostics()[0].message;
             hasFailed = true;
@@ -85,7 +84,6 @@ int Compare(const LightlabOptions &options, const PluginRegistry &registry) {
     return hasFailed ? 1 : signals.Status();
 }
 
-/// `lightlab inspect` or `lightlab noise`.
 int RunSubcommand(const LightlabOptions &options, const PluginRegistry &registry) {
     std::unique_ptr<ProgressSink> display = MakeTerminalProgress(options.quiet);
     Progress progress(display.get());

@@ -21,8 +21,8 @@ std::string Environment(const char *name, const char *otherwise) {
     return value && *value ? value : otherwise;
 }
 
-/// Where the scripts are: beside the program in the build folder, in share/ where it is installed. Relative to the
-/// program, so that an installed folder may be moved.
+/// Script folder: beside the program in the build tree, in share/ if installed. Relative to the program, so that an
+/// installation is relocatable.
 std::string ScriptFolder() {
     std::error_code failed;
     const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", failed).parent_path();
@@ -31,9 +31,10 @@ std::string ScriptFolder() {
     return (program / "../share/pbrt_octree/report").lexically_normal().string();
 }
 
-/// Replaces the forked child by the program. Makes only calls that are allowed after a fork in a process with threads.
+/// Replaces the forked child by the program. Makes only calls that are async-signal-safe, as required after a fork in a
+/// multithreaded process.
 [[noreturn]] void Become(const char *const *arguments, pid_t parent, const sigset_t &mask, int failures) {
-    // The handlers of these signals belong to the parent; in the child a signal ends the process, or stays ignored.
+    // The handlers of these signals belong to the parent; in the child they terminate, or stay ignored.
     for (int signal : {SIGINT, SIGTERM, SIGHUP}) {
         struct sigaction action = {};
         if (sigaction(signal, nullptr, &action) == 0 && action.sa_handler == SIG_IGN) continue;
@@ -42,7 +43,7 @@ std::string ScriptFolder() {
         sigaction(signal, &action, nullptr);
     }
     pthread_sigmask(SIG_SETMASK, &mask, nullptr);
-    // However the parent ends, this process ends with it.
+    // Terminates with the parent, however that ends.
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() == parent) {
         if (const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC); nowhere >= 0) dup2(nowhere, STDOUT_FILENO);
@@ -53,8 +54,8 @@ std::string ScriptFolder() {
     _exit(127);
 }
 
-/// Exit status of `python script folder`, or why it has none. Its standard output is dropped, because lightlab's
-/// standard output holds the table. To be called by a thread that lives as long as the process.
+/// Exit status of `python script folder`, or the reason for its absence. Discards its standard output, as lightlab's
+/// own holds the table. Call from a thread that lives as long as the process.
 struct ScriptResult {
     int status = -1;
     std::string failure;
@@ -64,7 +65,7 @@ ScriptResult RunScript(const std::string &python, const std::string &script, con
     auto notStarted = [](int reason) {
         return ScriptResult{-1, fmt::format("not started: {}", std::strerror(reason))};
     };
-    int failures[2];  // a pipe for the errno of a failed start; a successful start closes it
+    int failures[2];  // pipe for the errno of a failed start; closed by a successful one
     if (pipe2(failures, O_CLOEXEC) != 0) return notStarted(errno);
     sigset_t all, before;
     sigfillset(&all);

@@ -38,13 +38,11 @@ img { display: block; width: 150px; border-radius: 3px; }
 <body>
 )";
 
-/// A sampler of one scene.
 struct Cell {
     double error = 0, standardError = 0;
     bool wins = false, isBiased = false;
 };
 
-/// The outcomes as rows and columns.
 class Grid {
   public:
     explicit Grid(const std::vector<SceneOutcome> &outcomes) {
@@ -66,7 +64,7 @@ class Grid {
         const auto found = rows_[scene].find(label);
         return found != rows_[scene].end() ? &found->second : nullptr;
     }
-    /// The geometric mean, over the scenes that have both, of the sampler's error over the first sampler's.
+    /// Geometric mean of the sampler's error over the first sampler's, over the scenes that have both.
     std::optional<double> Ratio(const std::string &label) const {
         double sum = 0;
         int count = 0;
@@ -114,7 +112,6 @@ Json ScenesJson(const std::vector<SceneOutcome> &outcomes) {
     return json;
 }
 
-/// What the numbers are, in one sentence.
 std::string Legend(const std::vector<SceneOutcome> &outcomes) {
     for (const SceneOutcome &o : outcomes)
         if (!o.results.is_null()) {
@@ -132,7 +129,7 @@ std::string PageRow(const std::string &folder, const SceneOutcome &o, size_t ind
     if (o.results.is_null())
         return fmt::format("<tr><td></td><td>{}</td><td colspan=\"{}\">{}</td></tr>\n", name, grid.Labels().size() + 1,
                            EscapeHtml(o.failure));
-    // Without a report there is the folder's data.
+    // Without a report, links to the data folder.
     const bool hasReport = FileExists(fmt::format("{}/{}/report.html", folder, o.folder));
     const std::string link = at + (hasReport ? "/report.html" : "/results.json");
     std::string row = fmt::format(

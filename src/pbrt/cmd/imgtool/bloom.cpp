@@ -15,7 +15,7 @@ struct BloomOptions {
     Float level = Infinity, scale = Float(0.3);
 };
 
-/// Gaussian over an odd number of pixels, sum 1; the ends are three standard deviations from the middle.
+/// Gaussian over an odd number of pixels, sum 1, truncated at three standard deviations.
 std::vector<Float> Gaussian(int width) {
     const int radius = width / 2;
     const double sigma = std::max(width / 6.0, 1e-3);
@@ -27,7 +27,7 @@ std::vector<Float> Gaussian(int width) {
     return weights;
 }
 
-/// Blurs along one axis. Light that is blurred over the edge is lost.
+/// Blurs along one axis. Light blurred over the edge is lost.
 Image Blur(const Image &image, const std::vector<Float> &weights, Point2i axis) {
     Image result(PixelFormat::Float, image.Resolution(), image.Channels());
     const int radius = static_cast<int>(weights.size()) / 2;
@@ -54,7 +54,7 @@ int Bloom(const BloomOptions &o) {
     size_t count = 0;
     ForEachPixel(bright, [&](Point2i p) {
         const Rgb color = GetRgb(file.image, p, rgb);
-        // A value that is not a number or infinite would spread to its neighbours.
+        // NaN and infinity would spread to neighbours.
         if (!(std::max({color.x, color.y, color.z}) > o.level) || !std::isfinite(color.x + color.y + color.z)) return;
         ++count;
         SetRgb(bright, p, {0, 1, 2}, color);

@@ -11,15 +11,15 @@
 
 namespace pbrt::imgtool {
 
-/// What a chosen command does; returns the exit status. Throws UserError.
+/// Runs a command and returns the exit status. Throws UserError.
 using Action = std::function<int()>;
 
-/// Adds a subcommand to `app`; sets `action`, which must stay until parsing is over, when the subcommand is chosen.
+/// Adds a subcommand to `app`; sets `action`, which must outlive parsing, if it is selected.
 using CommandAdder = void(CLI::App &app, Action &action);
 CommandAdder AddInfo, AddConvert, AddDiff, AddError, AddFalsecolor, AddAverage, AddAssemble, AddMerge, AddSplitn,
     AddBloom, AddWhitebalance, AddScalenormalmap, AddMakeequiarea, AddMakesky;
 
-/// Adds a subcommand whose action is `run`. Returns it and the options that are to be declared.
+/// Adds a subcommand with action `run`. Returns it and the options to be declared.
 template <class O>
 std::pair<CLI::App &, O &> AddCommand(CLI::App &app, Action &action, int (*run)(const O &), const std::string &name,
                                       const std::string &about, const std::string &footer) {
@@ -30,9 +30,9 @@ std::pair<CLI::App &, O &> AddCommand(CLI::App &app, Action &action, int (*run)(
     return {*command, *options};
 }
 
-/// Splits "R,G,B" into names; those with a wavelength may hold a comma. Throws UserError if a name is empty.
+/// Splits "R,G,B" into names; wavelength channels may contain a comma. Throws UserError for empty names.
 std::vector<std::string> SplitChannels(const std::string &list);
-/// Returns the indices of the channels R, G, B. Throws UserError if one is missing.
+/// Indices of the channels R, G, B. Throws UserError if one is missing.
 std::array<int, 3> RgbChannels(const Image &image, const std::string &path);
 inline Rgb GetRgb(const Image &image, Point2i p, const std::array<int, 3> &channels) {
     return {image.Get(p, channels[0]), image.Get(p, channels[1]), image.Get(p, channels[2])};
@@ -47,40 +47,35 @@ void ForEachPixel(const Image &image, F &&f) {
         for (int x = 0; x < image.Resolution().x; ++x) f(Point2i(x, y));
 }
 
-/// Returns the resolution as "640 x 480".
 std::string SizeText(const Image &image);
-/// Returns the colour space of the file; sRGB by default.
+/// Colour space of the file; default sRGB.
 const ColorSpace &SpaceOf(const ImageFile &file);
 
-/// Returns the data window of the file, by default all pixels.
+/// Data window of the file; default all pixels.
 Bounds2i WindowOf(const ImageFile &file);
-/// Crops to the four numbers x0,x1,y0,y1 (half-open, in pixels of the whole picture; none: everything) and sets the
-/// data window. Throws UserError if they are not inside the window.
+/// Crops to x0,x1,y0,y1 (half-open, in pixels of the whole image; none: everything) and sets the data window. Throws
+/// UserError if they exceed the window.
 void ApplyCrop(ImageFile &file, const std::vector<int> &numbers, const std::string &path);
 
-/// Adds --crop to a subcommand.
 CLI::Option *AddCropOption(CLI::App &command, std::vector<int> &numbers);
-/// Adds the required option --outfile. If it `isPositional`, the name alone may stand after the image.
+/// Adds the required option --outfile. If `isPositional`, the bare name may follow the image.
 CLI::Option *AddOutfileOption(CLI::App &command, std::string &path, bool isPositional = false);
 
-/// Returns the metric called `name`. Throws UserError with the choices.
+/// Metric by name. Throws UserError with the choices.
 Metric ChosenMetric(const std::string &name);
-/// Throws UserError unless resolution, data window, colour space and channels agree; `hint` ends the sentence about
+/// Throws UserError unless resolution, data window, colour space and channels match; `hint` ends the sentence about
 /// channels.
 void CheckComparable(const ImageFile &a, const std::string &pathA, const ImageFile &b, const std::string &pathB,
                      const std::string &hint = "");
 
-/// Returns the shortest decimal number that identifies the float, for JSON.
+/// Shortest decimal number that identifies the float, for JSON.
 double ShortNumber(Float v);
 
-/// Reads an image; its pixels become float.
 ImageFile ReadAsFloat(const std::string &path);
-/// Returns the files that `names` match, each once. A name is that of a file; or a pattern for the last part of a path
-/// with * (any characters) and ? (any one); or the start of the paths of images. Files found by a pattern or a start
-/// come in name order, without the files `except`, so that results of an earlier run are no input. Throws UserError for
-/// a name that fits no file.
+/// Files that match `names`, without duplicates. A name is a file, a pattern with * and ? in the last path component,
+/// or a prefix of image paths. Pattern and prefix matches are sorted and exclude `except`, so that earlier results are
+/// no input. Throws UserError for a name without match.
 std::vector<std::string> FindImages(const std::vector<std::string> &names, const std::vector<std::string> &except);
-/// Help text for such names.
 inline constexpr const char *kImagesHelp =
     "Images: names of files, patterns in quotes such as 'runs/seed*.exr', or starts of names such as runs/seed";
 

@@ -33,7 +33,7 @@ void MapColors(Image &image, F &&f) {
     });
 }
 
-// Limits magnitudes: R, G and B of a pixel by a common factor, which keeps the hue; other colours one by one.
+// Clamps magnitudes: R, G and B of a pixel by a common factor, which preserves hue; other channels separately.
 void Clamp(Image &image, Float limit) {
     const std::array<int, 3> rgb = {image.FindChannel("R"), image.FindChannel("G"), image.FindChannel("B")};
     const bool isColor = std::all_of(rgb.begin(), rgb.end(), [](int c) { return c >= 0; });
@@ -46,8 +46,8 @@ void Clamp(Image &image, Float limit) {
     MapColors(image, [&](Float v) { return std::clamp(v, -limit, limit); });
 }
 
-// Reinhard et al. 2002, eq. 4: luminance L becomes L (1 + L / max^2) / (1 + L), so that `maxLuminance` becomes 1. The
-// default is the largest luminance of the image, or 1 if that is less.
+// Reinhard et al. 2002, eq. 4: luminance L becomes L (1 + L / max^2) / (1 + L), mapping `maxLuminance` to 1. Default:
+// the image's maximum luminance, at least 1.
 void Tonemap(Image &image, std::optional<Float> maxLuminance, const ColorSpace &space) {
     const int r = image.FindChannel("R"), g = image.FindChannel("G"), b = image.FindChannel("B");
     const bool color = r >= 0 && g >= 0 && b >= 0;
@@ -81,7 +81,6 @@ Image AverageChannels(const Image &image) {
     return result;
 }
 
-// The image with every pixel `source(p)` of the given size.
 template <class F>
 Image Rearrange(const Image &image, Point2i resolution, F &&source) {
     Image result(image.Format(), resolution, image.Channels());

@@ -14,7 +14,6 @@ struct DiffOptions {
     bool json = false;
 };
 
-// The mean of the finite values.
 double Mean(const Image &image) {
     double sum = 0;
     size_t count = 0;

@@ -28,13 +28,13 @@ Float ColorMean(const Image &image, Point2i p) {
     return count ? sum / static_cast<Float>(count) : 0;
 }
 
-constexpr int kShown = 99;  // percent of the pixels that the default range holds
+constexpr int kShown = 99;  // percentile of the default range
 
 struct Range {
     Float most = 1, largest = 0;
 };
 
-// Up to the largest value, a few bright pixels would make all others black.
+// With the maximum, a few bright pixels would turn all others black.
 Range ChooseRange(std::vector<Float> values) {
     Range range;
     if (values.empty()) return range;

@@ -13,7 +13,7 @@ namespace {
 using namespace pbrt;
 using namespace pbrt::imgtool;
 
-// Flags may be written with one or two dashes; case, - and _ inside a name do not count (pbrt-v4-format §13).
+// Flags may have one or two dashes; case, - and _ in names are ignored (pbrt-v4-format §13).
 std::string NormalizeFlag(const std::string &argument) {
     size_t begin = argument.find_first_not_of('-');
     if (begin == 0 || begin > 2 || begin == std::string::npos ||
@@ -42,7 +42,7 @@ const CLI::App *FindCommand(const CLI::App &app, const std::string &name) {
     return nullptr;
 }
 
-// What went wrong, with the valid choices, on standard error. `chosen`: the command, or null.
+// Prints the error with the valid choices to standard error. `chosen`: the command, or null.
 int ReportUsage(const CLI::App &app, const CLI::App *chosen, const CLI::ParseError &e) {
     fmt::print(stderr, "Error: {}\n", e.what());
     if (!chosen)
@@ -62,7 +62,7 @@ void AddHelp(CLI::App &app, Action &action) {
     auto overview = std::make_shared<std::string>(app.help());
     command->callback([name, overview, &app, &action] {
         action = [name, overview, &app] {
-            // app.help() would describe the command in use.
+            // app.help() would describe the current command.
             if (name->empty()) {
                 fmt::print("{}", *overview);
                 return 0;
@@ -97,7 +97,7 @@ int Run(int argc, char **argv) {
     for (int i = 1; i < argc; ++i) arguments.push_back(NormalizeFlag(argv[i]));
     try {
         CheckFlags(command ? *command : app, arguments);
-        std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
+        std::reverse(arguments.begin(), arguments.end());  // CLI11 expects reverse order
         app.parse(arguments);
     } catch (const CLI::CallForHelp &) {
         fmt::print("{}", command ? command->help(app.get_name()) : app.help());

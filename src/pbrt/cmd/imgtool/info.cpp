@@ -49,7 +49,6 @@ struct AttributeJson {
     Json operator()(int v) const { return v; }
     Json operator()(float v) const { return ShortNumber(v); }
     Json operator()(const std::string &v) const { return v; }
-    /// A matrix as an array of its rows.
     Json operator()(const glm::mat4 &m) const {
         Json rows = Json::array();
         for (int row = 0; row < 4; ++row)
@@ -75,7 +74,7 @@ void PrintAttribute(const std::string &name, const ImageMetadata::Value &value) 
     }
 }
 
-/// nlohmann::json writes what is not finite as null.
+/// nlohmann::json writes non-finite numbers as null.
 Json InfoJson(const std::string &path) {
     const ImageFile file = ReadImage(path);
     const ImageMetadata &metadata = file.metadata;

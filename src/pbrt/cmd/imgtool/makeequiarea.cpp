@@ -14,12 +14,12 @@ struct MakeequiareaOptions {
     int resolution = 0;
 };
 
-/// Bilinear interpolation in a latitude-longitude image: columns wrap around, rows end at the poles.
+/// Bilinear interpolation in a latitude-longitude image: columns wrap around, rows clamp at the poles.
 class LatLong {
   public:
     explicit LatLong(const Image &image) : image_(image), size_(image.Resolution()) {}
 
-    /// z up; the first column begins at +x and goes towards +y, the first row is around +z.
+    /// z up; the first column starts at +x towards +y, the first row is around +z.
     void Interpolate(const Vector3 &w, std::vector<Float> &values) const {
         Float phi = std::atan2(w.y, w.x);
         if (phi < 0) phi += 2 * Pi;
@@ -50,8 +50,7 @@ int Makeequiarea(const MakeequiareaOptions &o) {
         LogWarning(fmt::format("{}: a latitude-longitude image is twice as wide as high; this one has {}.", o.path,
                                SizeText(file.image)));
     const int resolution = o.resolution > 0 ? o.resolution : size.x;
-    // If the result is smaller than the input's width, a pixel is the mean of several lookups, so that no light is
-    // lost.
+    // If the result is smaller than the input's width, a pixel averages several look-ups, so that no light is lost.
     const int perSide = (size.x + resolution - 1) / resolution;
     const LatLong source(file.image);
     Image result(PixelFormat::Float, {resolution, resolution}, file.image.Channels());

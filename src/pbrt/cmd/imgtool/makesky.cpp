@@ -16,8 +16,8 @@ struct MakeskyOptions {
     int resolution = 2048;
 };
 
-/// Adds points that are spread evenly over the sun's disc, each with its share of the light, so that energy is kept for
-/// any resolution. Points below the horizon are hidden.
+/// Adds points uniform over the sun's disc, each with its share of the light, which preserves energy at any resolution.
+/// Points below the horizon are skipped.
 void AddSun(Image &image, const PreethamSky &sky, const ColorSpace &space) {
     constexpr int kPoints = 1 << 16;
     const double pixel = 4 * double(Pi) / (double(image.Resolution().x) * image.Resolution().y);
@@ -25,7 +25,7 @@ void AddSun(Image &image, const PreethamSky &sky, const ColorSpace &space) {
     const double share = 2 * double(Pi) * (1 - cosRadius) / pixel / kPoints;
     const Rgb light = space.ToRgb(sky.SunRadiance()) * static_cast<Float>(share);
     const Frame frame = Frame::FromZ(sky.SunDirection());
-    constexpr double kTurn = 2.399963229728653;  // golden angle: a sunflower's spiral
+    constexpr double kTurn = 2.399963229728653;  // golden angle: sunflower spiral
     for (int i = 0; i < kPoints; ++i) {
         const double cosTheta = 1 - (1 - cosRadius) * (i + 0.5) / kPoints,
                      sinTheta = std::sqrt(1 - cosTheta * cosTheta);

@@ -26,7 +26,7 @@ struct Part {
     std::string Range() const { return fmt::format("{}:{}", head.first, head.done); }
 };
 
-/// The part without its sums, which need not be in memory for all parts at once.
+/// The part without its sums, which are not in memory for all parts at once.
 Part ReadPart(const std::string &path, bool incomplete) {
     Part part{path, RenderFile(path).Head()};
     const RenderFileHead &head = part.head;
@@ -48,7 +48,7 @@ void CheckSameRender(const Part &one, const Part &other) {
         throw UserError(fmt::format("{} and {} are not parts of one render: {}.", other.path, one.path, differences));
 }
 
-/// `parts` are sorted. Returns the number of samples that they have together.
+/// `parts` are sorted. Returns their total number of samples.
 int CheckCover(const std::vector<Part> &parts, bool incomplete) {
     std::string problems;
     int next = 0, total = 0, all = parts[0].head.samplesPerBatch;

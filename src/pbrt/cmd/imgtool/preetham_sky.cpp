@@ -12,7 +12,7 @@ constexpr double kPi = 3.14159265358979323846;
 
 double Polynomial(const std::array<double, 4> &c, double x) { return ((c[0] * x + c[1]) * x + c[2]) * x + c[3]; }
 
-/// Chromaticity at the zenith: turbidity^2, turbidity, 1 times cubic polynomials in the sun's angle from the zenith.
+/// Zenith chromaticity: (turbidity^2, turbidity, 1) times cubic polynomials in the sun's zenith angle.
 double Zenith(const std::array<std::array<double, 4>, 3> &m, double turbidity, double theta) {
     return (Polynomial(m[0], theta) * turbidity + Polynomial(m[1], theta)) * turbidity + Polynomial(m[2], theta);
 }
@@ -21,7 +21,7 @@ constexpr std::array<std::array<double, 4>, 3> kZenithX = {
 constexpr std::array<std::array<double, 4>, 3> kZenithY = {
     {{0.00275, -0.00610, 0.00317, 0}, {-0.04214, 0.08970, -0.04153, 0.00516}, {0.15346, -0.26756, 0.06670, 0.26688}}};
 
-/// Absorption of ozone in 1/cm at 450, 460, ... 780 nm (Chappuis bands; Leckner 1978).
+/// Ozone absorption in 1/cm at 450, 460, ... 780 nm (Chappuis bands; Leckner 1978).
 constexpr std::array<double, 34> kOzone = {.003, .006, .009, .014, .021, .030, .040, .048, .063, .075, .085, .103,
                                            .120, .120, .115, .125, .120, .105, .090, .079, .067, .057, .048, .036,
                                            .028, .023, .018, .014, .011, .010, .009, .007, .004, 0};
@@ -75,7 +75,7 @@ PreethamSky::PreethamSky(double elevation, double turbidity, double albedo) {
     for (Perez &p : perez_) p.factor = p.zenith / p(1, theta);
     sunRadiance_ = SunThroughAir(theta, t);
 
-    // The ground reflects light up, the sky returns a share of it, the ground reflects a part of that again, and so on.
+    // Interreflection between ground and sky, as a geometric series.
     const double share = albedo * (0.0685 + 0.16 * (1 - std::exp(-1.66 * AerosolDepth(t, 0.55))));
     const Xyz sky = SkyIrradiance();
     const double solidAngle = 2 * kPi * (1 - std::cos(SunRadius));
@@ -92,7 +92,7 @@ Xyz PreethamSky::Radiance(const Vector3 &w) const {
 }
 
 Xyz PreethamSky::SkyIrradiance() const {
-    // Midpoints of equal parts of the projected hemisphere.
+    // Midpoints of equal strata of the projected hemisphere.
     constexpr int kSteps = 256;
     glm::dvec3 sum(0);
     for (int i = 0; i < kSteps; ++i)

@@ -13,7 +13,7 @@ struct ScalenormalmapOptions {
     Float scale = 1;
 };
 
-/// A PNG whose bytes are 255 times the values: normal maps have no sRGB encoding.
+/// PNG bytes are 255 times the values: normal maps have no sRGB encoding.
 void WriteLinearPng(const std::string &path, const Image &image) {
     Image bytes(PixelFormat::U8, image.Resolution(), image.Channels());
     auto *out = static_cast<uint8_t *>(bytes.Data());

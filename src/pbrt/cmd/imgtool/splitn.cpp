@@ -13,7 +13,7 @@ struct SplitnOptions {
     int cropSize = 96;
 };
 
-constexpr int kGap = 4;  // pixels between the parts of the result
+constexpr int kGap = 4;  // pixels between parts
 
 Point2i ParseCorner(const std::string &text) {
     Point2i p(0);
@@ -26,8 +26,8 @@ Point2i ParseCorner(const std::string &text) {
     throw UserError(fmt::format("--crop {}: two whole numbers x,y were expected.", text));
 }
 
-/// The layout of the result: vertical strips of the images side by side, together as large as one image; below them,
-/// for every crop, a row with the same square of each image, enlarged by a whole number.
+/// Layout: vertical strips of the images side by side, together as large as one image. Below, one row per crop with the
+/// same square of each image, at an integer magnification.
 struct Layout {
     Point2i picture;
     int images, cropSize, zoom, step;

@@ -16,7 +16,7 @@ Point2 Chromaticity(const Spectrum &s) {
     return {xyz.x / (xyz.x + xyz.y + xyz.z), xyz.y / (xyz.x + xyz.y + xyz.z)};
 }
 
-/// The prefix of a name may be left out: A is stdillum-A.
+/// The prefix of a name is optional: A is stdillum-A.
 Point2 WhiteOfIlluminant(const std::string &name) {
     std::vector<std::string> choices;
     for (const std::string &known : NamedSpectrumNames())

@@ -1,6 +1,5 @@
-// Stands under the names pbrt, lightlab and imgtool where the programs are installed for several instruction sets, and
-// becomes the program of that name that is built for the best one which the processor has. It links to nothing that is
-// slow to load.
+// Installed as pbrt, lightlab and imgtool if there are builds for several instruction sets; executes the program of
+// that name for the best supported one. Links to nothing that loads slowly.
 #include <unistd.h>
 
 #include <cstdio>
@@ -16,7 +15,7 @@ struct InstructionSet {
     bool isSupported;
 };
 
-/// The best comes first. The names are those of the x86-64 psABI.
+/// Best first. The names are those of the x86-64 psABI.
 std::vector<InstructionSet> InstructionSets() {
     __builtin_cpu_init();
     return {{"x86-64-v4", __builtin_cpu_supports("x86-64-v4") != 0},
@@ -26,8 +25,8 @@ std::vector<InstructionSet> InstructionSets() {
 
 }  // namespace
 
-/// Every set's programs are an installed folder of their own: ../lib/pbrt_octree/SET/bin/NAME. The best set that the
-/// processor has, and that was built, is taken; the environment variable PBRT_INSTRUCTION_SET names another one.
+/// Each instruction set has an install tree ../lib/pbrt_octree/SET/bin/NAME. Uses the best installed set that the
+/// processor supports, or that of the environment variable PBRT_INSTRUCTION_SET.
 int main(int, char **argv) {
     std::error_code failed;
     const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", failed);

@@ -97,13 +97,13 @@ void Checkpoint::Begin(const BuiltScene &built, RenderSettings *settings) {
                                        (next == 0 || next >= ahead),
                                    "its numbers of samples do not fit the scene");
     if (head_.done > head_.first) settings->secondsPerSample = head_.renderSeconds / (head_.done - head_.first);
-    // Time that was spent before counts.
+    // Earlier runs count towards the budget.
     settings->start -=
         std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(secondsBefore_));
     settings->firstSample = head_.first;
     settings->endSample = head_.end;
     LogInfo(fmt::format("Resuming from {}, after {} per pixel.", path_, CountText(head_.done - head_.first, "sample")));
-    file_.reset();  // its memory is not needed any more
+    file_.reset();  // frees its memory
 }
 
 void Checkpoint::Write(const BuiltScene &built, const RenderPosition &position, const ImageMetadata &metadata) {

@@ -8,27 +8,25 @@
 
 namespace pbrt {
 
-/// The checkpoint of one render: read with --resume before the scene is built, and written while it is rendered.
+/// Checkpoint of one render: read with --resume before the scene is built, written during rendering.
 class Checkpoint {
   public:
-    /// Reads the file if the render is resumed and the file exists. Changes `build` so that the samples are those of
-    /// the first run. `lightsHash`: of the file that --load-lights names, or empty. Throws UserError if the file is
-    /// damaged, belongs to another render, or exists without --resume.
+    /// Reads the file if the render is resumed and the file exists. Changes `build` so that the samples match the first
+    /// run. `lightsHash`: of the --load-lights file, or empty. Throws UserError if the file is damaged, belongs to
+    /// another render, or exists without --resume.
     static Checkpoint Open(const CommandLine &options, const SceneDescription &description,
                            const std::string &lightsHash, BuildOptions *build);
 
     bool IsResumed() const { return file_ != nullptr; }
     const std::string &Path() const { return path_; }
     const RenderFileHead &Head() const { return head_; }
-    /// Only if IsResumed(), and before Begin.
+    /// Requires IsResumed(); call before Begin.
     StateReader Learned() const { return file_->Learned(); }
-    /// Loads the film and sets the position at which `settings` resume; the integrator must be prepared. Throws
-    /// UserError.
+    /// Loads the film and sets the resume position in `settings`; the integrator must be prepared. Throws UserError.
     void Begin(const BuiltScene &built, RenderSettings *settings);
-    /// Writes the file. A failure is logged as a warning; Failure() is the message of the last call.
+    /// Writes the file. Failures are logged as warnings; Failure() is the message of the last call.
     void Write(const BuiltScene &built, const RenderPosition &position, const ImageMetadata &metadata);
     const std::string &Failure() const { return failure_; }
-    /// Seconds of rendering in earlier runs.
     double RenderSecondsBefore() const { return renderSecondsBefore_; }
 
   private:

@@ -19,7 +19,7 @@ bool IsNumber(std::string_view text) {
     return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
-/// Rewrites every flag to the declared spelling. Unknown flags stay unchanged, and CheckFlags reports them.
+/// Rewrites flags to the declared spelling. Unknown flags stay unchanged for CheckFlags.
 std::vector<std::string> CanonicalFlags(const CLI::App &app, int argc, const char *const *argv) {
     std::map<std::string, std::string> canonical;
     for (const CLI::Option *option : app.get_options())
@@ -35,7 +35,7 @@ std::vector<std::string> CanonicalFlags(const CLI::App &app, int argc, const cha
             if (it != canonical.end())
                 argument = it->second + (equals == std::string::npos ? "" : argument.substr(equals));
         }
-        // The port may be left out, so CLI11 would take it for the name of a scene.
+        // The port is optional, so CLI11 would parse it as a scene name.
         if (argument == "--serve" && i + 1 < argc && IsNumber(argv[i + 1])) argument += std::string("=") + argv[++i];
         arguments.push_back(argument);
     }
@@ -55,7 +55,7 @@ std::pair<int, int> ParseSamples(const std::string &text) {
     return {first, end};
 }
 
-/// CLI11's value of a flag without one.
+/// CLI11's value of a flag without value.
 constexpr const char *kNoValue = "true";
 
 /// "text" or "json".
@@ -65,7 +65,7 @@ std::string ParseStats(const std::string &text) {
     throw CLI::ValidationError("--stats", "\"" + text + "\" is unknown; valid: text, json");
 }
 
-/// The port of --serve; -1: a usual one.
+/// Port of --serve; -1: the default.
 int ParsePort(const std::string &text) {
     if (text == kNoValue) return -1;
     if (!IsNumber(text) || text.size() > 5 || std::stoi(text) > 65535)
@@ -73,7 +73,7 @@ int ParsePort(const std::string &text) {
     return std::stoi(text);
 }
 
-/// The rules for the flags of viewers.
+/// Validates the flags of viewers.
 void CheckViewers(const CommandLine &o) {
     if (!o.displayServer.empty() && SplitServer(o.displayServer).first.empty())
         throw CLI::ValidationError(
@@ -81,7 +81,7 @@ void CheckViewers(const CommandLine &o) {
             "\"" + o.displayServer + "\" is no HOST:PORT, such as localhost:14158, where tev listens");
 }
 
-/// The rules for the flags that keep a render.
+/// Validates the flags of checkpoints and parts.
 void CheckKeeping(const CommandLine &o) {
     const auto refuse = [](const char *message) { throw CLI::ValidationError(message); };
     if (o.resume && o.checkpoint.empty()) refuse("--resume needs --checkpoint, the file to resume from");
@@ -93,7 +93,6 @@ void CheckKeeping(const CommandLine &o) {
     if (!o.saveLights.empty()) refuse("--samples and --save-lights exclude each other: a part lacks samples");
 }
 
-/// Flags of stock pbrt-v4 that this program lacks.
 FlagHints StockFlags() {
     FlagHints hints;
     const auto add = [&](std::initializer_list<const char *> flags, const char *hint) {
@@ -111,7 +110,6 @@ FlagHints StockFlags() {
     return hints;
 }
 
-/// Targets of flags that BuildOptions keeps in another form.
 struct RawFlags {
     std::vector<Float> crop;
     std::vector<int> bounds, pixel;
@@ -119,7 +117,6 @@ struct RawFlags {
     double memoryLimitMb = 0;
 };
 
-/// The table of all flags.
 void AddAllFlags(CLI::App &app, CommandLine &o, RawFlags &raw) {
     BuildOptions &build = o.build;
     app.add_option("scene", o.sceneFiles,
@@ -268,7 +265,7 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
     });
     if (status) return {{}, true, *status};
     o.memoryLimit = 1e6 * raw.memoryLimitMb;
-    // A part makes no picture.
+    // A part writes no image.
     o.build.checksOutput = !o.samples;
     const auto &[crop, bounds, pixel, samples, port, limit] = raw;
     if (!crop.empty()) o.build.film.cropWindow = Bounds2{{crop[0], crop[2]}, {crop[1], crop[3]}};

@@ -9,7 +9,7 @@ namespace pbrt {
 void ErrorEstimate::Add(std::shared_ptr<const LivePicture> picture) {
     if (!picture || picture->samples < 1 || (last_ && picture->samples <= last_->samples)) return;
     const double n2 = picture->samples;
-    // With few further samples the estimate is rough: the picture before is a better base then.
+    // With few additional samples the estimate is rough; the previous base is better then.
     if (last_ && (!base_ || 4 * last_->samples <= 3 * picture->samples)) base_ = last_;
     if (base_) {
         const double n1 = base_->samples;

@@ -16,8 +16,7 @@ std::optional<T> Attribute(const ImageMetadata &m, const std::string &name) {
     return value ? std::optional<T>(*value) : std::nullopt;
 }
 
-/// Returns true if two pictures may show the same scene, so that their samples can be compared. Missing attributes
-/// count as equal.
+/// True if two images may show the same scene, so that their samples are comparable. Missing attributes count as equal.
 bool MayShowTheSame(const ImageMetadata &a, const ImageMetadata &b) {
     for (const char *name : {"pbrt.scene", "pbrt.integrator"}) {
         const std::optional<std::string> one = Attribute<std::string>(a, name), other = Attribute<std::string>(b, name);

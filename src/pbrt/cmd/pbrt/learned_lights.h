@@ -7,17 +7,17 @@
 
 namespace pbrt {
 
-/// The files of --save-lights and --load-lights: records of a light sampler and a guide for other renders.
+/// Files of --save-lights and --load-lights: light sampler records and a guide for other renders.
 class LearnedLights {
   public:
-    /// Reads the file to be loaded. Throws UserError if it is damaged, or if the other one cannot be written.
+    /// Reads the file to load. Throws UserError if it is damaged, or if the file to save is not writable.
     static LearnedLights Open(const CommandLine &options);
 
     bool AreUsed() const { return loaded_ || !savePath_.empty(); }
     bool AreLoaded() const { return loaded_ != nullptr; }
-    /// Hash of the content of the loaded file; empty if there is none.
+    /// Content hash of the loaded file; empty if none.
     std::string Hash() const;
-    /// Checks that the sampler learns, and that the loaded file fits the built scene. Throws UserError.
+    /// Checks that the sampler learns and that the loaded file matches the scene. Throws UserError.
     void Check(const BuiltScene &built) const;
     StateReader Learned() const { return {loaded_->Section("learned"), loaded_->Path()}; }
     /// Writes the records after the render. Throws UserError.

@@ -12,9 +12,8 @@
 
 namespace pbrt {
 
-/// The picture after some samples of every pixel.
 struct LivePicture {
-    Image colors;  ///< R, G, B, linear, in float precision, over the rendered pixels
+    Image colors;  ///< R, G, B, linear, float, over the rendered pixels
     enum class State { Growing, Finished, Interrupted };
     State state = State::Growing;
     int samples = 0;
@@ -22,22 +21,22 @@ struct LivePicture {
     bool IsFinal() const { return state != State::Growing; }
 };
 
-/// A render before its first picture.
+/// Render properties available before the first image.
 struct LiveRender {
     std::string scene, filename;
     Point2i fullResolution{};
     Bounds2i pixelBounds{};
-    int samples = 0;        ///< to be taken of every pixel; 0: as many as there is time for
+    int samples = 0;        ///< per pixel; 0: limited by time
     double timeBudget = 0;  ///< seconds; 0: none
 };
 
-/// Where the render leaves what viewers show: each viewer has a thread of its own, which reads from here. All members
-/// may be called from any thread. Progress is passed on to another sink, if there is one.
+/// Data shared between the render and its viewers, each of which reads in its own thread. Thread-safe. Forwards
+/// progress to another sink, if any.
 class LiveBoard final : public ProgressSink {
   public:
     struct Status {
         std::string phase;
-        double fraction = 0, elapsed = 0, remaining = -1;  ///< seconds; remaining < 0: not known
+        double fraction = 0, elapsed = 0, remaining = -1;  ///< seconds; remaining < 0: unknown
     };
     explicit LiveBoard(ProgressSink *next) : next_(next) {}
 
@@ -48,7 +47,7 @@ class LiveBoard final : public ProgressSink {
         Locked([&] { render_ = render; });
     }
     void Put(Image colors, LivePicture::State state, int samples);
-    /// Ends the viewers.
+    /// Terminates the viewers.
     void Close();
 
     Status Progress() const {
@@ -57,17 +56,17 @@ class LiveBoard final : public ProgressSink {
     std::optional<LiveRender> Render() const {
         return Locked([&] { return render_; });
     }
-    /// Null before the first one.
+    /// Null before the first image.
     std::shared_ptr<const LivePicture> Latest() const {
         return Locked([&] { return latest_; });
     }
-    /// Waits until there is a picture of a later version, or Close was called, or the time is over.
+    /// Waits for an image of a later version, Close, or a time-out in seconds.
     std::shared_ptr<const LivePicture> WaitBeyond(int version, double seconds) const;
     bool IsClosed() const {
         return Locked([&] { return isClosed_; });
     }
 
-    /// CPU seconds that viewers have used.
+    /// Adds CPU seconds used by viewers.
     void Charge(double cpuSeconds) {
         Locked([&] { charged_ += cpuSeconds; });
     }
@@ -94,23 +93,21 @@ class LiveBoard final : public ProgressSink {
 inline double SecondsSince(std::chrono::steady_clock::time_point t) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - t).count();
 }
-/// CPU seconds of the calling thread.
 double ThreadCpuSeconds();
 
-/// Estimates the error of a picture that grows, without a reference, from what its last samples changed.
+/// Estimates the error of a progressive image without reference, from the change by its last samples.
 ///
-/// M1 is the mean of a pixel's first n1 samples, M2 that of n2 > n1 samples. If samples are independent with variance
-/// v, then M2 - M1 has the variance v (1/n1 - 1/n2), and M2 the variance v/n2, that is (M2 - M1)^2 n1 / (n2 - n1) on
-/// average. The mean of that over pixels and channels, each divided by M2^2 + RelL2Epsilon, estimates the relL2 that
-/// imgtool diff measures. Samples of a low-discrepancy sampler are spread better than independent ones: they change
-/// less, but what they will still change is less, too.
+/// M1 is the mean of a pixel's first n1 samples, M2 that of n2 > n1. For independent samples of variance v, M2 - M1 has
+/// variance v (1/n1 - 1/n2) and M2 variance v/n2, which is (M2 - M1)^2 n1 / (n2 - n1) on average. Its mean over pixels
+/// and channels, each divided by M2^2 + RelL2Epsilon, estimates the relL2 of imgtool diff. Low-discrepancy samples
+/// change the image less than independent ones, but their remaining error is smaller, too.
 class ErrorEstimate {
   public:
-    /// To be called for the pictures in order; some may be left out.
+    /// Call for the images in order; images may be skipped.
     void Add(std::shared_ptr<const LivePicture> picture);
-    /// relL2 of the last picture; empty while there is nothing to compare with.
+    /// relL2 of the last image; empty without an earlier one to compare.
     std::optional<double> RelL2() const { return relL2_; }
-    /// Returns why there is no estimate, for the user; empty if there is one. `isFinal`: no picture follows.
+    /// Why there is no estimate, for the user; empty if there is one. `isFinal`: no image follows.
     std::string WhyNone(bool isFinal) const;
 
   private:

@@ -22,15 +22,15 @@ using asio::ip::tcp;
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-/// A browser whose last request is younger than this is connected, seconds.
+/// Seconds since its last request for which a browser counts as connected.
 constexpr double kConnectedSeconds = 3;
 
-/// What the sessions share. Only the thread of the page uses it.
+/// State shared by the sessions; used by the page's thread only.
 struct Shared {
     std::shared_ptr<LiveBoard> board;
     ErrorEstimate error;
-    Clock::time_point lastRequest = Clock::now() - std::chrono::hours(1);  ///< of a browser
-    bool lastIsFetched = false;                                            ///< the final picture
+    Clock::time_point lastRequest = Clock::now() - std::chrono::hours(1);  ///< of any browser
+    bool lastIsFetched = false;                                            ///< of the final image
 
     std::string StatusText();
 };
@@ -60,7 +60,6 @@ std::string Shared::StatusText() {
     return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-/// One connection of a browser.
 class Session : public std::enable_shared_from_this<Session> {
   public:
     Session(tcp::socket socket, Shared &shared) : stream_(std::move(socket)), shared_(shared) {}
@@ -74,7 +73,7 @@ class Session : public std::enable_shared_from_this<Session> {
     }
 
   private:
-    /// A page from elsewhere must not read the picture by a host name that it has pointed to this machine.
+    /// DNS rebinding: pages from elsewhere must not read the image through a host name that points here.
     bool HasLocalHost() const {
         std::string host(request_[http::field::host]);
         host = host.substr(0, host.rfind(':'));
@@ -143,7 +142,7 @@ struct LivePage::Impl {
         const tcp::endpoint here(asio::ip::address_v4::loopback(), static_cast<unsigned short>(port));
         beast::error_code failed;
         acceptor.open(here.protocol(), failed);
-        // A port that an earlier render used is free at once.
+        // Allows immediate reuse of an earlier render's port.
         if (!failed) acceptor.set_option(asio::socket_base::reuse_address(true), failed);
         if (!failed) acceptor.bind(here, failed);
         if (!failed) acceptor.listen(asio::socket_base::max_listen_connections, failed);
@@ -156,7 +155,7 @@ struct LivePage::Impl {
     void Accept() {
         acceptor.async_accept([this](beast::error_code failed, tcp::socket socket) {
             if (!failed) std::make_shared<Session>(std::move(socket), shared)->Read();
-            else  // such as too many open files, which pass
+            else  // temporary, such as too many open files
                 std::this_thread::sleep_for(std::chrono::milliseconds(100));
             if (acceptor.is_open()) Accept();
         });

@@ -11,12 +11,12 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Estimated cost of a picture before the first measurement.
+/// Estimated cost of an image before the first measurement.
 constexpr double kSecondsPerPixel = 5e-8;
 
 }  // namespace
 
-// A viewer that is not waited for ends with the process.
+// Remaining viewers end with the process.
 LiveView::~LiveView() { WaitForViewers(0.3); }
 
 void LiveView::SendTo(const std::string &server) {
@@ -37,7 +37,7 @@ void LiveView::Begin(const LiveRender &render) {
 }
 
 double LiveView::AfterWave(const Film &film, int samples) {
-    // The viewers' threads take time from all threads of the render together.
+    // Viewer threads take time from all render threads together.
     const double spent = spent_ + board_->Charged() / ThreadCount();
     const double due = (spent + lastCost_ - kFirstSeconds) / kMaxShare;
     const double elapsed = SecondsSince(begin_);

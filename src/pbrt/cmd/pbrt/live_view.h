@@ -15,14 +15,14 @@
 
 namespace pbrt {
 
-/// A thread that shows what a LiveBoard holds. It may outlive this object (a look-up of a host name cannot be ended),
-/// so it owns all that it uses.
+/// Viewer thread of a LiveBoard. May outlive this object (host name look-ups cannot be cancelled), so it owns
+/// everything it uses.
 class LiveViewer {
   public:
     template <class Body>
     explicit LiveViewer(Body body) : hasEnded_(std::make_shared<Flag>()) {
         thread_ = std::thread([body = std::move(body), ended = hasEnded_]() mutable {
-            // A failed viewer does not end the render.
+            // A failed viewer does not stop the render.
             try {
                 body();
             } catch (const std::exception &e) {
@@ -37,7 +37,7 @@ class LiveViewer {
     ~LiveViewer() {
         if (thread_.joinable()) thread_.detach();
     }
-    /// Waits for the end of the thread, but no longer than until then.
+    /// Waits until the thread ends, or the deadline.
     void WaitUntil(std::chrono::steady_clock::time_point deadline) {
         {
             std::unique_lock lock(hasEnded_->mutex);
@@ -56,22 +56,19 @@ class LiveViewer {
     std::thread thread_;
 };
 
-/// A page for browsers on this machine (127.0.0.1 only): the picture as it grows, an estimate of its error, time left.
+/// Web page on 127.0.0.1 with the progressive image, its estimated error and the remaining time.
 ///
 ///   /         the page
-///   /status   what is known of the render, as JSON
-///   /picture  the pixels of the last picture: red, green and blue of each as little-endian floats, row by row
+///   /status   state of the render, as JSON
+///   /picture  pixels of the last image: R, G, B as little-endian floats, row by row
 class LivePage {
   public:
-    /// `port` -1: kDefaultPort, or any free one if that is in use; 0: any free one. Throws UserError if the port is in
-    /// use.
+    /// `port` -1: kDefaultPort, or any free one if in use; 0: any free one. Throws UserError if the port is in use.
     LivePage(std::shared_ptr<LiveBoard> board, int port);
     ~LivePage();
 
-    /// "http://127.0.0.1:PORT/".
     std::string Address() const;
-    /// Answers browsers until the board is closed and the last picture was fetched by those that watch. To be run by a
-    /// thread of its own.
+    /// Serves browsers until the board is closed and connected ones have the last image. Run in its own thread.
     void Run();
 
     static constexpr int kDefaultPort = 8642;
@@ -81,44 +78,41 @@ class LivePage {
     std::unique_ptr<Impl> impl_;
 };
 
-/// Sends every picture of the board to a viewer that speaks the protocol of tev (https://github.com/Tom94/tev), until
-/// the board is closed and the last picture is sent, or the viewer is gone. `server`: "host:port". To be run by a
-/// thread of its own.
+/// Sends every image to a viewer with tev's protocol (https://github.com/Tom94/tev), until the board is closed and the
+/// last image is sent, or the viewer disconnects. `server`: "host:port". Run in its own thread.
 void ShowInTev(LiveBoard &board, const std::string &server);
 
-/// Returns host and port of "host:port"; an IPv6 address may stand in brackets. Empty strings if it is something else.
+/// Splits "host:port"; an IPv6 address may be in brackets. Empty strings if malformed.
 std::pair<std::string, std::string> SplitServer(const std::string &server);
 
-/// The viewers of a render, and when they get a new picture: between waves, as often as kMaxShare allows, counting what
-/// the picture costs the render and the CPU time of the viewers' threads.
+/// Viewers of a render. Updates them between waves as often as kMaxShare allows, counting the render's cost per image
+/// and the viewer threads' CPU time.
 class LiveView {
   public:
-    /// The share of the time of a render that viewers may take: a quarter of one per cent. Waiting at the ends of waves
-    /// costs about as much.
+    /// Maximum fraction of render time for viewers. Waiting at wave ends costs about as much.
     static constexpr double kMaxShare = 0.0025;
-    /// Seconds that they may take besides, so that the first picture comes soon.
+    /// Additional seconds, for an early first image.
     static constexpr double kFirstSeconds = 0.01;
-    /// The longest time after the end of a render for which viewers may keep the program from ending.
+    /// Maximum seconds that viewers may delay the program's exit.
     static constexpr double kFarewellSeconds = 2;
 
-    /// `progress`: the sink that progress is passed on to, or null.
+    /// `progress`: sink to forward progress to, or null.
     explicit LiveView(ProgressSink *progress) : board_(std::make_shared<LiveBoard>(progress)) {}
     ~LiveView();
 
     ProgressSink *Sink() { return board_.get(); }
-    /// Sends the picture to a program that speaks tev's protocol; "host:port".
+    /// `server`: "host:port" of a tev-compatible viewer.
     void SendTo(const std::string &server);
     /// Opens the page. `port` -1: a free one. Throws UserError if the port is in use.
     void Serve(int port);
     bool HasViewers() const { return !viewers_.empty(); }
 
-    /// When the scene is built and rendering begins.
     void Begin(const LiveRender &render);
-    /// Between waves: takes a picture if one is due. Returns the seconds until the next will be.
+    /// Call between waves: publishes an image if due. Returns the seconds until the next is due.
     double AfterWave(const Film &film, int samples);
-    /// The last picture; viewers get it while the file is written.
+    /// Publishes the last image; viewers receive it while the file is written.
     void Finish(const Film &film, int samples, bool isInterrupted);
-    /// Gives viewers time to show it, kFarewellSeconds at most.
+    /// Waits at most kFarewellSeconds for viewers to show it.
     void SayFarewell();
 
   private:

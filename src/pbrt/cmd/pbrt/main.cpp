@@ -21,7 +21,7 @@
 
 namespace {
 
-/// The number of threads of this process; 0: all cores. Processes on one machine share its cores.
+/// Threads of this process; 0: all cores. Processes on one machine share its cores.
 int ThreadsOf(const pbrt::CommandLine &options, const pbrt::AnnouncedTeam &announced) {
     if (options.threads > 0 || announced.onThisMachine <= 1) return options.threads;
     const auto share = static_cast<int>(sysconf(_SC_NPROCESSORS_ONLN)) / announced.onThisMachine;
@@ -33,7 +33,6 @@ int ThreadsOf(const pbrt::CommandLine &options, const pbrt::AnnouncedTeam &annou
 
 int main(int argc, char **argv) {
     using namespace pbrt;
-    // Only rank 0 prints.
     const AnnouncedTeam announced = ReadAnnouncedTeam();
     const bool isSilent = announced.rank > 0;
     if (isSilent) {
@@ -42,14 +41,13 @@ int main(int argc, char **argv) {
         SetLogLevel(LogLevel::Quiet);
     }
     CommandLineResult parsed = ParseCommandLine(argc, argv);
-    // All processes have the same command line. One that ended with an error would make mpirun end the first one, which
-    // may not have reported the error yet.
+    // All processes have the same command line. If another one exited with an error, mpirun could kill rank 0 before it
+    // reports the error.
     if (parsed.done) return isSilent ? 0 : parsed.status;
     const CommandLine &options = parsed.options;
     if (options.quiet && !isSilent) SetLogLevel(LogLevel::Error);
     std::unique_ptr<ProgressSink> sink = MakeTerminalProgress(options.quiet || isSilent);
     LiveView live(sink.get());
-    // Rank 0 shows the picture.
     const bool isWatched = !isSilent && (options.servePort || !options.displayServer.empty());
     Progress progress(isWatched ? live.Sink() : sink.get());
     auto team = std::make_unique<Team>();
@@ -86,9 +84,9 @@ int main(int argc, char **argv) {
         return 1;
     } catch (const std::bad_alloc &) {
         return fail(OutOfMemoryText(progress.PhaseName()));
-    } catch (const std::length_error &) {  // a container that would be larger than any memory
+    } catch (const std::length_error &) {  // container beyond any memory
         return fail(OutOfMemoryText(progress.PhaseName()));
-    } catch (const std::system_error &e) {  // most likely a thread that got no memory for its stack
+    } catch (const std::system_error &e) {  // most likely no memory for a thread's stack
         return fail(fmt::format("{}; most likely {}", e.what(), OutOfMemoryText(progress.PhaseName())));
     } catch (const std::exception &e) {
         return fail(e.what());

@@ -25,12 +25,12 @@ namespace pbrt {
 
 namespace {
 
-/// Seconds that writing a picture may take after a signal. Longer than any disk needs, shorter than schedulers
-/// wait before they kill a process.
+/// Maximum seconds for writing an image after a signal: above any disk's needs, below the delay before schedulers kill
+/// a process.
 constexpr double kWritingSeconds = 10;
 
-/// Longest wave in seconds while a viewer is connected. Shorter waves cost more: consecutive samples of a pixel share
-/// work.
+/// Maximum wave length in seconds while a viewer is connected. Shorter waves cost more: consecutive samples of a pixel
+/// share work.
 constexpr double kLiveWaveSeconds = 3;
 
 LiveRender LiveRenderOf(const CommandLine &options, const BuiltScene &built, const RenderSettings &settings) {
@@ -51,7 +51,7 @@ void PrintWarnings(const DiagnosticSink &sink, size_t *printed) {
         if (all[*printed].severity == Severity::Warning) LogInfo(Format(all[*printed], color));
 }
 
-/// Throws UserError if side pictures, which stay in the memory of one process, meet checkpoints or several ranks.
+/// Throws UserError if side images, which stay in one process's memory, are combined with checkpoints or several ranks.
 void CheckSidePictures(const CommandLine &options, const BuiltScene &built, const Team &team) {
     if (!built.integrator->MakesSidePictures()) return;
     if (!options.checkpoint.empty() || team.Size() > 1)
@@ -64,13 +64,12 @@ std::string NothingWritten(const std::string &phase) {
     return fmt::format("Interrupted while {}: no image was written.", phase);
 }
 
-/// The picture of one render on its way to its file.
 class PictureWriter {
   public:
     PictureWriter(const CommandLine &options, const BuiltScene &built, const Timings &timings, SignalWatch &signals)
         : options_(options), built_(built), timings_(timings), signals_(signals), output_(built.filename) {}
 
-    /// Writes an unfinished picture after a wave. A failure is only a warning, because the final picture may succeed.
+    /// Writes an unfinished image after a wave. Failures are warnings only, because the final image may succeed.
     void WritePartial(const RenderResult &result) {
         try {
             SetWriting(output_.Filename());
@@ -82,7 +81,7 @@ class PictureWriter {
         SetRendering();
     }
 
-    /// Writes the final picture. Returns false if there is nothing to write.
+    /// Writes the final image. Returns false if there is nothing to write.
     bool Write(const RenderResult &result) {
         if (result.cancelled && result.samplesTaken == 0) {
             LogInfo("Interrupted before every pixel had a sample: no image was written.");
@@ -128,14 +127,14 @@ class PictureWriter {
     std::string written_;
 };
 
-/// Throws UserError for standard input under mpirun, which passes it to rank 0 only.
+/// Throws UserError for standard input under mpirun, which forwards it to rank 0 only.
 void RefusePipes(const CommandLine &options) {
     for (const std::string &file : SceneFilesOf(options))
         if (file == "-")
             throw UserError("under mpirun the scene must be in files: only one process gets the standard input.");
 }
 
-/// Distributes what rank 0 read from the checkpoint to all ranks. In other ranks `learned` then refers to `memory`.
+/// Distributes rank 0's checkpoint to all ranks. In other ranks `learned` then refers to `memory`.
 void ShareCheckpoint(Team &team, BuildOptions *build, std::optional<StateReader> *learned, std::string *memory) {
     if (team.Size() == 1) return;
     team.Meet();
@@ -156,8 +155,8 @@ void ShareCheckpoint(Team &team, BuildOptions *build, std::optional<StateReader>
     if (in.Value<bool>()) *learned = StateReader(in.Take(in.BytesLeft()), "the checkpoint");
 }
 
-/// Sets the number of samples per pixel to what --time allows by a measurement of rank 0, so that everything
-/// that depends on it (prepass, guide, pixel sampler) is as with the fitting --spp. `start`: of the budget.
+/// Sets samples per pixel to what --time allows, measured on rank 0. So everything that depends on it (prepass, guide,
+/// pixel sampler) matches the equivalent --spp. `start`: of the budget.
 void PlanSamples(double budget, std::chrono::steady_clock::time_point start, Team &team, BuiltScene &built) {
     int samples = 0;
     if (team.IsRank0()) {
@@ -179,7 +178,7 @@ void PlanSamples(double budget, std::chrono::steady_clock::time_point start, Tea
                         samples));
 }
 
-/// Sums counters and sent bytes of all ranks in rank 0.
+/// Sums counters and sent bytes of all ranks on rank 0.
 void ReduceCounters(Team &team, uint64_t *sent) {
     *sent = team.BytesSent();
     team.Reduce(
@@ -193,7 +192,6 @@ void ReduceCounters(Team &team, uint64_t *sent) {
         });
 }
 
-/// One render, phase by phase.
 class RenderJob {
   public:
     RenderJob(const CommandLine &options, const PluginRegistry &registry, Team &team, Progress &progress,
@@ -204,7 +202,7 @@ class RenderJob {
     int Run() {
         signals_.EndAtOnce(NothingWritten("reading"));
         SceneDescription description = Read();
-        // Here and below, a signal that comes after the line "done" belongs to the phase that follows.
+        // Here and below, a signal after the line "done" belongs to the following phase.
         signals_.EndAtOnce(NothingWritten("building"));
         timings_.read = progress_.EndPhase();
         built_.emplace(Build(description));
@@ -215,7 +213,6 @@ class RenderJob {
     }
 
   private:
-    /// Reads the scene, learned lights and the checkpoint.
     SceneDescription Read() {
         if (team_.Size() > 1) RefusePipes(options_);
         progress_.BeginPhase("reading", 0);
@@ -224,7 +221,7 @@ class RenderJob {
         sink_.ThrowIfErrors();
         build_.checksOutput = build_.checksOutput && team_.IsRank0();
         learnedLights_ = LearnedLights::Open(options_);
-        // In world coordinates the lights of all frames of an animation are the same, wherever the camera is.
+        // In world coordinates the lights of all frames of an animation are identical, independent of the camera.
         if (learnedLights_->AreUsed() && build_.renderCoordSys.empty() && !description.options.renderCoordSys)
             build_.renderCoordSys = "world";
         if (!options_.checkpoint.empty() && team_.IsRank0())
@@ -252,7 +249,7 @@ class RenderJob {
         return built;
     }
 
-    /// Prepares the integrator from the checkpoint, from a file of learned lights, or afresh.
+    /// Prepares the integrator from the checkpoint, from learned lights, or anew.
     void PrepareLights() {
         BuiltScene &built = *built_;
         if (options_.build.quick)
@@ -274,7 +271,7 @@ class RenderJob {
         }
         if (learned_) context.learned = &*learned_;
         built.integrator->Prepare(context);
-        // A file of learned lights may have more than this integrator uses.
+        // Learned lights may contain more than this integrator uses.
         if (learned_ && context.learnsOn) learned_->RequireEnd();
         timings_.prepare = progress_.EndPhase();
         if (checkpoint_) checkpoint_->Begin(built, &*settings_);
@@ -283,7 +280,6 @@ class RenderJob {
         team_.EndMeetings();
     }
 
-    /// The rest of the job in ranks other than the first.
     int FollowRender() {
         signals_.Cancel("", "", SignalWatch::kForever);
         FollowWaves(built_->Rendering(progress_, team_), *settings_);
@@ -293,12 +289,12 @@ class RenderJob {
         return signals_.Status();
     }
 
-    /// Sets what is done between waves: partial images, live pictures, checkpoints.
+    /// Sets the callbacks between waves: partial images, live images, checkpoints.
     void SetCallbacks(PictureWriter &writer) {
         RenderSettings &settings = *settings_;
         if (options_.writePartialImages || live_.HasViewers())
             settings.afterWave = [this, &settings, &writer](int samples) {
-                // The last picture comes with the end of the render.
+                // The last image follows at the end of the render.
                 if (options_.timeBudget <= 0 && samples == settings.EndSample()) return;
                 if (live_.HasViewers())
                     settings.maxWaveSeconds = std::max(kLiveWaveSeconds, live_.AfterWave(*built_->film, samples));
@@ -311,7 +307,7 @@ class RenderJob {
             settings.maxWaveSeconds = kLiveWaveSeconds;
             live_.Begin(LiveRenderOf(options_, *built_, settings));
         }
-        // A checkpoint needs a finished preparation.
+        // Checkpoints require a completed preparation.
         if (checkpoint_ && !progress_.Cancelled()) {
             settings.checkpointInterval = options_.checkpointInterval;
             settings.checkpoint = [this](const RenderPosition &position) {
@@ -322,7 +318,6 @@ class RenderJob {
         }
     }
 
-    /// Renders, and writes and reports the result. Returns the exit status.
     int Render() {
         BuiltScene &built = *built_;
         PictureWriter writer(options_, built, timings_, signals_);
@@ -350,10 +345,9 @@ class RenderJob {
         if (options_.stats == "json") PrintStatisticsJson(options_, built, result, timings_, writer.Written());
         std::fflush(stdout);
         live_.SayFarewell();
-        // The picture is written even if one of these failed.
+        // The image is written even if one of these failed.
         if (!result.mseFailure.empty()) throw UserError(result.mseFailure);
         if (hasFailed) throw UserError(checkpoint_->Failure());
-        // Only memory is left to be freed.
         signals_.EndAtOnce("");
         return signals_.Status();
     }
@@ -377,12 +371,12 @@ class RenderJob {
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
     Timings timings_{.startUp = SecondsSinceProcessStart()};
     DiagnosticSink sink_;
-    size_t printed_ = 0;  ///< diagnostics of sink_ that are printed
+    size_t printed_ = 0;  ///< printed diagnostics of sink_
     BuildOptions build_;
     std::optional<LearnedLights> learnedLights_;
     std::optional<Checkpoint> checkpoint_;
-    std::string shared_;                  ///< what learned_ of other ranks refers to
-    std::optional<StateReader> learned_;  ///< by the checkpoint, or by the file of learned lights
+    std::string shared_;                  ///< storage of learned_ on other ranks
+    std::optional<StateReader> learned_;  ///< from the checkpoint or the learned lights
     std::optional<BuiltScene> built_;
     std::optional<RenderSettings> settings_;
 };

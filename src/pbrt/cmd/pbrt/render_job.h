@@ -8,9 +8,8 @@
 namespace pbrt {
 
 /// Reads, builds, renders and writes one image. Throws UserError. Returns the exit status: 0, or 128 plus the number of
-/// a signal that ended the render early; what was rendered until then is saved.
-/// `team`: the processes that render the image together, all of which call this; rank 0 writes.
-/// `live` shows the picture as it grows.
+/// a signal that ended the render early, after saving its samples. `team`: processes that render the image together,
+/// all of which call this; rank 0 writes. `live` shows the progressive image.
 int RunRenderJob(const CommandLine &options, const PluginRegistry &registry, Team &team, Progress &progress,
                  SignalWatch &signals, LiveView &live);
 

@@ -21,10 +21,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// What a light sampler or guide reports.
 struct ComponentReport {
-    std::string key, title;  ///< for attributes and JSON, for the user
-    std::string name;        ///< empty: there is only one kind
+    std::string key, title;  ///< for attributes and JSON; for the user
+    std::string name;        ///< empty: only one kind
     Json report = Json::object();
 };
 
@@ -44,7 +43,7 @@ std::vector<ComponentReport> ReportsOf(const BuiltScene &built) {
 double SecondsSinceProcessStart() {
     std::ifstream in("/proc/self/stat");
     std::string text{std::istreambuf_iterator<char>(in), {}};
-    // The program's name, in parentheses, may hold blanks. The start is the 20th word after it.
+    // The program name, in parentheses, may contain blanks. The start time is the 20th word after it.
     std::istringstream words(text.substr(text.rfind(')') + 1));
     std::string word;
     for (int i = 0; i < 20; ++i) words >> word;

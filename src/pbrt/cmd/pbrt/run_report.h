@@ -9,9 +9,9 @@
 
 namespace pbrt {
 
-/// Seconds of the phases of a run, in order; shown by the progress lines, the last line and --stats.
+/// Seconds per phase of a run, in order; for progress lines, the last line and --stats.
 struct Timings {
-    double startUp = 0;  ///< from the start of the process to reading
+    double startUp = 0;  ///< from process start to reading
     double read = 0, build = 0, prepare = 0, render = 0, write = 0;
 
     std::vector<std::pair<std::string, double>> Phases() const {
@@ -21,17 +21,16 @@ struct Timings {
     double Total() const { return startUp + read + build + prepare + render + write; }
 };
 
-/// Returns the seconds since the process was started, in steps of the kernel's clock (10 ms).
+/// Seconds since process start, in steps of the kernel's clock (10 ms).
 double SecondsSinceProcessStart();
 
-/// Returns what a picture depends on and its cost, for the file's header.
+/// Image header: settings that determine the image, and its cost.
 ImageMetadata DescribeImage(const CommandLine &options, const BuiltScene &built, const RenderResult &result,
                             const Timings &timings);
 
-/// Prints the text of --stats to standard output.
 void PrintStatistics(const BuiltScene &built, const RenderResult &result, const Timings &timings);
-/// Prints the JSON object of --stats=json to standard output; docs/guide/scripting/stats.schema.json describes it.
-/// `picture`: the file that was written, or empty.
+/// Prints the JSON of --stats=json to standard output; schema: docs/guide/scripting/stats.schema.json. `picture`: file
+/// written, or empty.
 void PrintStatisticsJson(const CommandLine &options, const BuiltScene &built, const RenderResult &result,
                          const Timings &timings, const std::string &picture);
 

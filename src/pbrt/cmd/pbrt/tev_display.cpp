@@ -20,15 +20,14 @@ using boost::asio::ip::tcp;
 
 static_assert(std::endian::native == std::endian::little, "the protocol is little-endian");
 
-/// How long a viewer may take to answer, seconds.
+/// Connection time-out in seconds.
 constexpr int kConnectSeconds = 5;
-/// How long a viewer that reads nothing is waited for after the end of the render; LiveView::kFarewellSeconds is
-/// longer.
+/// Seconds to wait for a stalled viewer after the end of the render; below LiveView::kFarewellSeconds.
 constexpr double kLastSeconds = 1.5;
-/// Values of one update: small packets are shown while others are on their way.
+/// Values per update: small packets overlap transfer and display.
 constexpr int kMaxValues = 1 << 16;
 
-/// One message: its bytes with their number before them, which counts itself.
+/// A message, prefixed by its size in bytes including the prefix.
 class Packet {
   public:
     enum Type : char { CloseImage = 2, UpdateImage = 3, CreateImage = 4 };
@@ -58,7 +57,6 @@ class Packet {
     std::string bytes_;
 };
 
-/// A connection with time-outs.
 class Connection {
   public:
     Connection(const LiveBoard &board, const std::string &server) : board_(board) {
@@ -74,7 +72,7 @@ class Connection {
     bool IsOpen() const { return !failed_; }
     std::string Failure() const { return isStalled_ ? "it reads nothing" : failed_.message(); }
 
-    /// Returns false if the viewer is gone, or has read nothing for kLastSeconds after the board was closed.
+    /// Returns false if the viewer disconnected, or read nothing for kLastSeconds after the board was closed.
     bool Send(const std::string &bytes) {
         for (size_t sent = 0; sent < bytes.size() && !failed_;) {
             bool isDone = false;
@@ -91,7 +89,7 @@ class Connection {
                 if (isDone || isStalled_ || !board_.IsClosed()) continue;
                 if (!closed) closed = std::chrono::steady_clock::now();
                 isStalled_ = SecondsSince(*closed) > kLastSeconds;
-                if (isStalled_) stream_.close();  // ends the write with an error
+                if (isStalled_) stream_.close();  // aborts the write with an error
             }
         }
         return !failed_;
@@ -107,7 +105,7 @@ class Connection {
 
 constexpr const char *kChannels[3] = {"R", "G", "B"};
 
-/// Sends a picture in strips, each channel in a packet of its own.
+/// Sends an image in strips, one packet per channel.
 bool SendPicture(Connection &viewer, const LiveRender &render, const LivePicture &picture) {
     const Point2i resolution = picture.colors.Resolution(), low = render.pixelBounds.low;
     const int rows = std::max(1, kMaxValues / std::max(1, resolution.x));
@@ -127,7 +125,7 @@ bool SendPicture(Connection &viewer, const LiveRender &render, const LivePicture
     return true;
 }
 
-/// A picture of the same name, of an earlier render, is closed first: it may have another size.
+/// Closes an earlier render's image of the same name first, as its size may differ.
 bool SendBeginning(Connection &viewer, const LiveRender &render) {
     Packet create(Packet::CreateImage);
     create.Flag(true).Text(render.filename);

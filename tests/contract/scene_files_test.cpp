@@ -24,6 +24,12 @@ struct Findings {
 constexpr size_t kSearch = 3200000, kMaxPoints = 512, kMinPoints = 6;
 constexpr int kDraws = 32;
 
+/// Whether the light is chosen by regions at the place.
+bool IsDivided(const SceneFixture &f, const LightDistribution &at, LightId light) {
+    return f.Lights()[light].Kind() == LightKind::Infinite &&
+           at.Towards(light, at.Query().p, Vector3(0, 0, 1)).region.portals;
+}
+
 /// The first contribution that is not 0 among `points` light points of a light, seen from a place; 0 if there is none.
 /// An environment light may be chosen by regions: then a contribution counts if the region in its direction has the PMF
 /// 0. Directions are drawn as if there were no BSDF sampling, because regions are sampled so.
@@ -33,8 +39,7 @@ double SearchLight(const SceneFixture &f, const LightSampler &sampler, size_t pl
     LightMemory memory;
     const LightDistribution at = sampler.At(f.queries[place], memory);
     const Point3 &p = f.queries[place].p;
-    const bool isInfinite = f.Lights()[light].Kind() == LightKind::Infinite,
-               isDivided = isInfinite && at.Towards(light, p, Vector3(0, 0, 1)).region.portals;
+    const bool isInfinite = f.Lights()[light].Kind() == LightKind::Infinite, isDivided = IsDivided(f, at, light);
     for (size_t k = 0; k < points; ++k) {
         Vector3 wi;
         const double c =
@@ -47,9 +52,12 @@ double SearchLight(const SceneFixture &f, const LightSampler &sampler, size_t pl
 
 void SearchZeros(const SceneFixture &f, const LightSampler &sampler, uint64_t seed, Findings *out) {
     std::vector<std::pair<size_t, LightId>> zeros;
-    for (size_t q = 0; q < f.queries.size(); ++q)
+    LightMemory memory;
+    for (size_t q = 0; q < f.queries.size(); ++q) {
+        const LightDistribution at = sampler.At(f.queries[q], memory);
         for (size_t l = 0; l < f.Lights().Size(); ++l)
-            if (!(sampler.PMF(f.queries[q], LightId(l)) > 0)) zeros.emplace_back(q, LightId(l));
+            if (!(at.PMF(LightId(l)) > 0) || IsDivided(f, at, LightId(l))) zeros.emplace_back(q, LightId(l));
+    }
     out->zeros = zeros.size();
     if (zeros.empty()) return;
     const size_t points = std::clamp(kSearch / zeros.size(), kMinPoints, kMaxPoints);
@@ -69,10 +77,11 @@ void Draw(const SceneFixture &f, const LightSampler &sampler, Findings *out) {
             std::optional<SampledLight> s = sampler.Sample(f.queries[q], rng.Uniform());
             if (!s) continue;
             Float pmf = sampler.PMF(f.queries[q], s->light);
-            if (s->pmf != pmf || !(pmf > 0))
+            // Regions have a part of the light's probability (CheckRegions).
+            if ((s->region.portals ? s->pmf > pmf : s->pmf != pmf) || !(s->pmf > 0))
                 out->wrong.push_back(
                     fmt::format("place {}: light {} drawn with {}, PMF {}", q, s->light.value, s->pmf, pmf));
-            const LightComponent light = f.Lights()[s->light];
+            const LightComponent light = f.Lights().Region(s->light, s->region);
             out->contributing += Contribution(*f.built.scene, f.queries[q], light, rng.Uniform2()) > 0;
         }
 }

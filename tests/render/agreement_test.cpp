@@ -182,7 +182,7 @@ void ExpectNoticed(const std::string &name, const std::string &what, const View 
 /// A sampler whose probabilities are tampered with; Sample and PMF stay consistent.
 class Tampered final : public WrappedSampler {
   public:
-    using Change = std::function<Float(const LightQuery &, LightId, Float)>;
+    using Change = std::function<Float(const LightQuery &, const SampledLight &)>;
     Tampered(std::unique_ptr<LightSampler> inner, Change change)
         : WrappedSampler(*inner), inner_(std::move(inner)), change_(std::move(change)) {}
     void Prepare(PrepareContext &context) override { inner_->Prepare(context); }
@@ -191,11 +191,17 @@ class Tampered final : public WrappedSampler {
     std::optional<SampledLight> Choose(const LightQuery &q, const void *weights, Float u,
                                        Point2 *uPoint) const override {
         std::optional<SampledLight> s = Inner(weights).Sample(u, uPoint);
-        if (s) s->pmf = change_(q, s->light, s->pmf);
+        if (s) s->pmf = change_(q, *s);
         return s && s->pmf > 0 ? s : std::nullopt;
     }
     Float Probability(const LightQuery &q, const void *weights, LightId light) const override {
-        return change_(q, light, Inner(weights).PMF(light));
+        return change_(q, {light, Inner(weights).PMF(light)});
+    }
+    SampledLight ChoiceTowards(const LightQuery &q, const void *weights, LightId infinite, const Point3 &p,
+                               const Vector3 &d) const override {
+        SampledLight choice = Inner(weights).Towards(infinite, p, d);
+        choice.pmf = change_(q, choice);
+        return choice;
     }
 
     std::unique_ptr<LightSampler> inner_;
@@ -209,7 +215,8 @@ Wrap Tamper(Tampered::Change change) {
 }
 
 /// With "floor=0.0001" of the paper's model: what the octree did not see gets nothing.
-const Wrap kNoFloor = Tamper([](const LightQuery &, LightId, Float pmf) { return pmf <= Float(1.01e-4) ? 0 : pmf; });
+const Wrap kNoFloor =
+    Tamper([](const LightQuery &, const SampledLight &s) { return s.pmf <= Float(1.01e-4) ? 0 : s.pmf; });
 constexpr const char *kMinFloor = "octree:model=paper,floor=0.0001";
 
 bool HasOctree() {
@@ -227,11 +234,12 @@ TEST(LightSamplersAgree, TwelveLights) {
     std::string file = "tests/conformance/suite/scenes/lightsamplers/twelve_lights_bvh.pbrt";
     View view(BuildFile(std::string(PBRT_SOURCE_DIR) + "/" + file), 16, 8);
     auto good = ExpectAgreement("twelve_lights", view);
-    ExpectNoticed("twelve_lights", "bvh, 3 % off on one side", view, good, "bvh",
-                  Tamper([](const LightQuery &q, LightId, Float pmf) { return q.p.x > 0 ? pmf * Float(1.03) : pmf; }));
+    ExpectNoticed(
+        "twelve_lights", "bvh, 3 % off on one side", view, good, "bvh",
+        Tamper([](const LightQuery &q, const SampledLight &s) { return q.p.x > 0 ? s.pmf * Float(1.03) : s.pmf; }));
     ExpectNoticed("twelve_lights", "bvh without one lamp", view, good, "bvh",
-                  Tamper([lamp = view.WeakestDelta()](const LightQuery &, LightId light, Float pmf) {
-                      return light == lamp ? 0 : pmf;
+                  Tamper([lamp = view.WeakestDelta()](const LightQuery &, const SampledLight &s) {
+                      return s.light == lamp ? 0 : s.pmf;
                   }));
 }
 
@@ -256,9 +264,10 @@ TEST(LightSamplersAgree, Slit) {
 TEST(LightSamplersAgree, RoomsFullOfFog) {
     View view(BuildFile(std::string(PBRT_SOURCE_DIR) + "/tests/render/scenes/fog.pbrt", Reduced(2)), 40, 8);
     auto good = ExpectAgreement("fog", view);
-    ExpectNoticed(
-        "fog", "bvh, a fifth off inside the fog", view, good, "bvh",
-        Tamper([](const LightQuery &q, LightId, Float pmf) { return q.ns == Normal3(0) ? pmf * Float(1.2) : pmf; }));
+    ExpectNoticed("fog", "bvh, a fifth off inside the fog", view, good, "bvh",
+                  Tamper([](const LightQuery &q, const SampledLight &s) {
+                      return q.ns == Normal3(0) ? s.pmf * Float(1.2) : s.pmf;
+                  }));
 }
 
 TEST(LightSamplersAgree, Dollhouse) {
@@ -271,16 +280,16 @@ TEST(LightSamplersAgree, Dollhouse) {
                       std::string(kMinFloor) + ",depth=1,leaves=65536", kNoFloor);
 }
 
-/// A sky that is sampled through windows, and through blinds and a curtain.
-TEST(LightSamplersAgree, SkyThroughWindows) {
-    if (!HasOctree()) GTEST_SKIP() << "Only the octree finds windows.";
+/// An environment light sampled through portals, and through blinds and a curtain.
+TEST(LightSamplersAgree, EnvironmentThroughPortals) {
+    if (!HasOctree()) GTEST_SKIP() << "Only the octree finds portals.";
     for (const char *name : {"sunny-room", "blinds"}) {
         View view(BuildFile(fmt::format("{0}/scenes/{1}/{1}.pbrt", PBRT_SOURCE_DIR, name), Reduced(6)), 32, 8);
         const std::vector<std::string> labels = {"bvh", "octree:portals=always", "octree:portals=never", "octree"};
         auto good = ExpectAgreement(name, view, labels);
-        ExpectNoticed(name, "octree, half of the windows 15 % off", view, good, "octree:portals=always",
-                      Tamper([](const LightQuery &, LightId light, Float pmf) {
-                          return light.value % 2 ? pmf * Float(1.15) : pmf;
+        ExpectNoticed(name, "octree, half of the portals 15 % off", view, good, "octree:portals=always",
+                      Tamper([](const LightQuery &, const SampledLight &s) {
+                          return s.region.portals && s.region.index % 2 == 0 ? s.pmf * Float(1.15) : s.pmf;
                       }));
     }
 }

@@ -20,7 +20,7 @@ class WrappedSampler : public LightSampler {
         return inner;
     }
     SampledLight ChoiceTowards(const LightQuery &query, const void *weights, LightId infinite, const Point3 &p,
-                               const Vector3 &d) const final {
+                               const Vector3 &d) const override {
         SampledLight choice = Inner(weights).Towards(infinite, p, d);
         if (!(Probability(query, weights, infinite) > 0)) choice.pmf = 0;
         return choice;

@@ -43,7 +43,7 @@ TEST_F(Checkpoints, ARenderThatWasKilledGivesTheSameBits) {
         const std::string arguments = lights_ + " scene.pbrt --nthreads 2 --outfile ";
         const ImageFile whole = Render(lights_ + "scene.pbrt --nthreads 1", "whole.exr");
         const std::string messages = KillAndResume(arguments + "out.exr", 3);
-        EXPECT_TRUE(Has(messages, "Going on from c.chk, after ")) << messages;
+        EXPECT_TRUE(Has(messages, "Resuming from c.chk, after ")) << messages;
         const ImageFile resumed = ReadImage(Path("out.exr"));
         EXPECT_EQ(IntOf(resumed, "samplesPerPixel"), 512);
         EXPECT_TRUE(SamePixels(whole, resumed)) << film;
@@ -128,13 +128,13 @@ TEST_F(Checkpoints, TimedRendersGoOnAndHaveTheBitsOfTheirNumberOfSamples) {
 TEST_F(Checkpoints, InterruptedRendersKeepEverySample) {
     Write("scene.pbrt", LearningScene("rgb", 1024));
     const std::string arguments = lights_ + "scene.pbrt --outfile out.exr --checkpoint c.chk";
-    // The first samples are done; it is then amid a wave.
-    const pid_t pid = StartUntilWritten(arguments + " --checkpoint-interval 0.01", "c.chk");
+    // The first wave is done.
+    const pid_t pid = StartUntilWritten(arguments + " --write-partial-images --checkpoint-interval 0.01", "out.exr");
     kill(pid, SIGINT);
     const Outcome o = Wait(pid);
     EXPECT_EQ(o.status, 128 + SIGINT) << o.err;
     EXPECT_TRUE(Has(o.err, "c.chk holds what was rendered")) << o.err;
-    ASSERT_TRUE(Exists("out.exr"));
+    EXPECT_TRUE(Has(o.err, "the image holds what was rendered")) << o.err;
     EXPECT_LT(IntOf(ReadImage(Path("out.exr")), "samplesPerPixel"), 1024);
     RunWell(arguments + " --resume");
     const ImageFile resumed = ReadImage(Path("out.exr"));

@@ -21,6 +21,7 @@ std::optional<SampledLight> GroupLightSampler::Choose(const LightQuery &query, c
 }
 
 Float GroupLightSampler::Probability(const LightQuery &query, const void *weights, LightId light) const {
+    if (light.value >= groups_.LightCount()) return 0;
     const Float inside = ProbabilityInside(query, weights, light);
     if (!isAsked_ || !(inside > 0)) return inside;
     return inside * GroupProbability(query, weights, groups_.GroupOf(light));

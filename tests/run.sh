@@ -99,23 +99,19 @@ run_sanitized() { # run_sanitized KIND: runs the "NAME COMMAND" lines of standar
   done
 }
 
-# Addresses and undefined behaviour: samplers and their densities, which is where indices and roundings are; learned
-# structures and state files; and the programs with all integrators and light samplers. `.ci/run asan` has all unit and
-# contract tests.
+# Addresses and undefined behaviour: samplers and their densities, which is where indices and roundings are. `.ci/run asan`
+# has all unit and contract tests; tests/stress/programs_once.sh runs the programs of such a build.
 echo "Building with address and undefined-behaviour sanitizers (build/asan.log)"
 if bash .ci/build "$top/build/asan" -DPBRT_SANITIZE=address,undefined -DPBRT_BENCH=OFF -DPBRT_UNITY=ON -- \
-  unit_{math,shapes,bxdfs,materials,lights,media,ext_visibility,ext_prepass} pbrt imgtool lightlab; then
+  unit_{math,shapes,bxdfs,materials,lights,media}; then
   units=build/asan/tests/unit
   run_sanitized asan <<COMMANDS
-programs tests/stress/programs_once.sh build/asan
 unit_math $units/pbrt/math/unit_math
 unit_shapes $units/pbrt/shapes/unit_shapes
 unit_bxdfs $units/pbrt/bxdfs/unit_bxdfs
 unit_materials $units/pbrt/materials/unit_materials --gtest_filter=Measured.*
 unit_lights $units/pbrt/lights/unit_lights
 unit_media $units/pbrt/media/unit_media
-unit_ext_visibility $units/ext/visibility/unit_ext_visibility
-unit_ext_prepass $units/ext/prepass/unit_ext_prepass
 COMMANDS
 else
   count "build with address and undefined-behaviour sanitizers" 1

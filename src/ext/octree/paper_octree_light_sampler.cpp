@@ -7,6 +7,7 @@
 #include "ext/prepass/prepass.h"
 #include "pbrt/core/effective_params_text.h"
 #include "pbrt/core/log.h"
+#include "pbrt/core/seconds_since.h"
 #include "pbrt/lightsamplers/bvh_light_sampler.h"
 #include "pbrt/lightsamplers/exhaustive_light_sampler.h"
 
@@ -15,10 +16,6 @@ namespace ext {
 namespace {
 /// Above this many groups, the floor uses the light BVH instead of exhaustive evaluation.
 constexpr size_t kMaxScan = 64;
-
-double SecondsSince(std::chrono::steady_clock::time_point t) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - t).count();
-}
 }  // namespace
 
 PaperOctreeLightSampler::PaperOctreeLightSampler(const LightTable &lights, const OctreeParams &params)

@@ -7,31 +7,23 @@
 
 #include "ext/visibility/structure_text.h"
 #include "ext/visibility/visibility_tree_builder.h"
+#include "pbrt/core/seconds_since.h"
 #include "pbrt/scene/scene.h"
 
 namespace ext {
 
 namespace {
 
-double SecondsSince(std::chrono::steady_clock::time_point t) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - t).count();
-}
-
 /// Sample counts per pixel after which the trees are rebuilt, if at least three times as many samples follow.
 constexpr int kUpdateAfter[] = {1, 4, 16, 64};
 /// Maximum shadow rays of the render recorded between two updates.
 constexpr size_t kMaxRecorded = 400000;
 
-bool IsFinite(const Point3 &p) { return std::isfinite(p.x + p.y + p.z); }
-bool IsPositive(Float v) { return v >= 0 && std::isfinite(v); }
-
 }  // namespace
 
 RenderShadowRay RenderShadowRay::Read(StateReader &in) {
     const auto r = in.Value<RenderShadowRay>();
-    in.Require(!r.IsEmpty() && r.inMedium <= 1 && IsFinite(r.p) && IsPositive(r.ray.weight) &&
-                   IsPositive(r.ray.share) && IsPositive(r.ray.ratio),
-               "a record is not finite");
+    in.Require(!r.IsEmpty() && r.inMedium <= 1, "a record has no weight");
     return r;
 }
 
@@ -170,9 +162,8 @@ void VisibilityModel::Save(StateWriter &out, bool goesOn) const {
     StateSaver save(out);
     save(counts_, bounds_, render_, goesOn ? nextUpdate_ : 0);
     for (const Estimate *estimate : {&onSurfaces_, &inMedia_}) {
-        save(estimate->tree, estimate->leaves, estimate->recordsPerNode, estimate->leavesBefore);
         static const VisibilityRecords none;
-        save(goesOn ? estimate->records : none);
+        save(*estimate, goesOn ? estimate->records : none);
     }
     if (goesOn && nextUpdate_ > 0) rendered_.Save(out);
 }
@@ -181,7 +172,7 @@ void VisibilityModel::Load(const PrepareContext &context, StateReader &in) {
     StateLoader load(in);
     load(counts_, bounds_, render_, nextUpdate_);
     for (Estimate *estimate : {&onSurfaces_, &inMedia_}) {
-        load(*estimate);
+        load(*estimate, estimate->records);
         in.RequireValid(estimate->ValidateFor(groups_.Size(), lights_));
     }
     in.RequireValid(ResumeRecording(context));

@@ -62,7 +62,7 @@ class VisibilityModel final : public OnlineModel, public PathObserver {
     size_t Bytes() const { return onSurfaces_.tree.Bytes() + inMedia_.tree.Bytes(); }
 
   private:
-    /// Model for surfaces or for media.
+    /// Model for surfaces or for media. Visit leaves out the records, which are saved only for later updates.
     struct Estimate {
         VisibilityRecords records;       ///< all so far; freed when no update follows
         VisibilityTree tree;             ///< without rows: not learned
@@ -72,7 +72,7 @@ class VisibilityModel final : public OnlineModel, public PathObserver {
 
         template <class Archive>
         void Visit(Archive &archive) {
-            archive(tree, leaves, recordsPerNode, leavesBefore, records);
+            archive(tree, leaves, recordsPerNode, leavesBefore);
         }
         /// Empty if valid for this many light groups and this light tree (or null), else the error.
         std::optional<std::string> ValidateFor(size_t groups, const LightTree *lights) const;

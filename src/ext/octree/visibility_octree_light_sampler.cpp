@@ -7,6 +7,7 @@
 #include "ext/octree/prepass_budget.h"
 #include "pbrt/bxdfs/bsdf.h"
 #include "pbrt/bxdfs/henyey_greenstein.h"
+#include "pbrt/core/seconds_since.h"
 #include "pbrt/lightsamplers/weighted_choice.h"
 
 namespace ext {
@@ -59,7 +60,7 @@ void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
     }
     if (context.progress.Cancelled()) return;
     if (groups_.Size() > std::max<size_t>(portals_.Count(), 1)) model_.Learn(context, vertices, importance_, interior_);
-    prepassSeconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    prepassSeconds_ = SecondsSince(start);
 }
 
 double VisibilityOctreeLightSampler::PathsPerPixel(const PrepareContext &context) const {

@@ -8,6 +8,7 @@
 #include "ext/visibility/visibility_records.h"
 #include "ext/visibility/visibility_tree_builder.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/core/seconds_since.h"
 #include "pbrt/lightsamplers/weighted_choice.h"
 #include "pbrt/math/rng.h"
 
@@ -158,7 +159,7 @@ void PortalSampling::Find(PrepareContext &context, std::span<const PrepassVertex
         if (!portals.empty() && !context.progress.Cancelled()) Use(portals);
         if (IsActive() && !Learn(context, vertices)) Clear();
     }
-    seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    seconds_ = SecondsSince(start);
 }
 
 void PortalSampling::Evaluate(const LightQuery &query, const Environment &e, Float *g) const {

@@ -49,8 +49,7 @@ std::unique_ptr<Team> ConnectTeam(int threads) {
     void *entry = module ? dlsym(module, "PbrtMessagePort") : nullptr;
     if (!entry) return fail(fmt::format("{} cannot be loaded: {}", PBRT_MPI_MODULE, dlerror()));
     std::unique_ptr<MessagePort> port(reinterpret_cast<MessagePort *(*)()>(entry)());
-    if (port->Size() != announced.size)
-        return fail("this program speaks Open MPI only, and was started by something else");
+    if (port->Size() != announced.size) return fail("this program supports Open MPI only; another launcher started it");
     return std::make_unique<Team>(std::move(port), threads);
 #else
     (void)threads;

@@ -2,16 +2,10 @@
 
 #include "pbrt/core/online_model.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/core/seconds_since.h"
 #include "pbrt/integrators/reference_log.h"
 
 namespace pbrt {
-
-namespace {
-
-using Clock = std::chrono::steady_clock;
-double SecondsSince(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
-
-}  // namespace
 
 WaveRenderer::WaveRenderer(const RenderContext &context, const RenderSettings &settings)
     : context_(context), model_(context.integrator.Model()), settings_(settings), samplers_(ThreadCount()) {}
@@ -145,6 +139,8 @@ void FollowWaves(const RenderContext &context, const RenderSettings &settings) {
 }
 
 namespace {
+
+using Clock = std::chrono::steady_clock;
 
 class WaveLoop {
   public:

@@ -69,11 +69,11 @@ class EnvironmentPortals {
     std::optional<LightLiSample> SampleLi(size_t region, const LightSampleContext &from, const Point2 &u,
                                           const SampledWavelengths &lambda, bool allowIncompletePdfs) const;
     Float PdfLi(size_t region, const LightSampleContext &from, const Vector3 &wi, bool allowIncompletePdfs) const;
+    /// Map of the half-space behind portal k.
+    const PortalMap &Map(size_t k) const { return maps_[mapOf_[k]]; }
     size_t Bytes() const;
 
   private:
-    const PortalMap &Map(size_t k) const { return maps_[mapOf_[k]]; }
-
     const EnvironmentLight *light_;
     std::vector<Portal> portals_;
     std::vector<uint32_t> mapOf_;

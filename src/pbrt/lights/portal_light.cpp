@@ -67,7 +67,6 @@ PortalLight::PortalLight(const Transform &renderFromLight, const Image &image, c
             }
     });
     portal_.emplace(*this, std::span(&rectangle, 1));
-    halfSpace_.emplace(*this, frame_);
 }
 
 Point2i PortalLight::PixelTowards(const Vector3 &w) const {
@@ -107,7 +106,7 @@ Float PortalLight::DirectionPdf(const Point3 &p, const Vector3 &wi, bool) const 
 std::optional<LightLeSample> PortalLight::SampleLe(const Point2 &uPosition, const Point2 &uDirection,
                                                    const SampledWavelengths &lambda, uint32_t) const {
     LightLeSample s;
-    const std::optional<Vector3> local = halfSpace_->SampleDirection(uDirection, kHalfSpace, &s.pdfDirection);
+    const std::optional<Vector3> local = portal_->Map(0).SampleDirection(uDirection, kHalfSpace, &s.pdfDirection);
     if (!local || !(local->z > 0) || !(Area() > 0)) return {};
     s.L = Radiance(*local, lambda);
     if (!s.L) return {};
@@ -127,7 +126,7 @@ LightLePdf PortalLight::PdfLe(const Point3 &p, const Normal3 &, const Vector3 &w
     if (glm::any(glm::lessThan(at, Point2(Rectangle().low))) ||
         glm::any(glm::greaterThan(at, Point2(Rectangle().high))))
         return {};
-    return {1 / (Area() * wi.z), halfSpace_->DirectionPdf(wi, kHalfSpace)};
+    return {1 / (Area() * wi.z), portal_->Map(0).DirectionPdf(wi, kHalfSpace)};
 }
 
 LightPower PortalLight::Phi(const SampledWavelengths &lambda, uint32_t) const {
@@ -140,7 +139,7 @@ LightPower PortalLight::Phi(const SampledWavelengths &lambda, uint32_t) const {
 }
 
 std::optional<LightBounds> PortalLight::Opening() const {
-    const double phi = double(Area()) * double(scale_) * double(halfSpace_->Integral(kHalfSpace));
+    const double phi = double(Area()) * double(scale_) * double(portal_->Map(0).Integral(kHalfSpace));
     if (!(phi > 0)) return {};
     const auto &[low, high] = std::pair(Rectangle().low, Rectangle().high);
     Bounds3 bounds(frame_.FromLocal(low));

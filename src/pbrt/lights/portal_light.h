@@ -50,7 +50,6 @@ class PortalLight final : public EnvironmentLight {
     const ColorSpace *colorSpace_;
     Float scale_;
     std::optional<EnvironmentPortals> portal_;
-    std::optional<PortalMap> halfSpace_;  ///< for SampleLe
 };
 
 }  // namespace pbrt

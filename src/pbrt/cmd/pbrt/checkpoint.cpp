@@ -8,14 +8,11 @@
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/online_model.h"
+#include "pbrt/core/seconds_since.h"
 
 namespace pbrt {
 
 namespace {
-
-double SecondsSince(std::chrono::steady_clock::time_point t) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - t).count();
-}
 
 std::string RangeText(int first, int end) { return fmt::format("{}:{}", first, end); }
 

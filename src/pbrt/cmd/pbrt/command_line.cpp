@@ -143,7 +143,7 @@ void AddAllFlags(CLI::App &app, CommandLine &o, RawFlags &raw) {
     const char *watching = "Watching";
     AddFlags(app, watching,
              {{"--display-server", o.displayServer,
-               "HOST:PORT of a viewer that speaks tev's protocol (tev listens at localhost:14158): shows the picture "
+               "HOST:PORT of a viewer with tev's protocol (tev uses localhost:14158): shows the picture "
                "as it grows"}});
     app.add_flag("--serve", raw.port,
                  "page for a browser on this machine: the picture as it grows, its error so far, time left; --serve "

@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "pbrt/core/progress.h"
+#include "pbrt/core/seconds_since.h"
 #include "pbrt/images/image.h"
 
 namespace pbrt {
@@ -90,9 +91,6 @@ class LiveBoard final : public ProgressSink {
     bool isClosed_ = false;
 };
 
-inline double SecondsSince(std::chrono::steady_clock::time_point t) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - t).count();
-}
 double ThreadCpuSeconds();
 
 /// Estimates the error of a progressive image without reference, from the change by its last samples.

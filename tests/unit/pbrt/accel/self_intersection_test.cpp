@@ -262,6 +262,27 @@ TEST(SelfIntersection, TiltedFloorsDoNotHitThemselves) {
     }
 }
 
+/// Tilted triangles whose hits are near an edge, far from the first corner: the corner from which Embree's test
+/// measures.
+TEST(SelfIntersection, TrianglesWithAFarCornerDoNotHitThemselves) {
+    Rng rng(12);
+    int hits = 0, again = 0;
+    for (int turn = 0; turn < 60; ++turn) {
+        const Transform t = Transform::Rotate(180 * rng.Uniform(), test::RandomDirection(rng));
+        for (const Float far : {3.f, 30.f, 300.f, 3000.f}) {
+            MeshData narrow;
+            narrow.p = {{0.3f * far, far, -1}, {-1, -0.1f, -1}, {1, -0.2f, -1}};
+            narrow.indices = {0, 1, 2};
+            const TriangleMesh mesh(narrow, t, false);
+            const FloorRays rays = LeaveFloor(mesh, t, false, t.Vector({0, 0, -1}));
+            hits += rays.hits;
+            again += rays.again;
+        }
+    }
+    EXPECT_GT(hits, 100000);
+    EXPECT_EQ(again, 0) << "of " << hits;
+}
+
 /// Counts of rays from inside a closed mesh, aimed at points of its edges as exactly as floats allow, and of those that
 /// miss the mesh.
 struct Aimed {

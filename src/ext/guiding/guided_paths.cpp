@@ -3,7 +3,7 @@
 
 namespace ext {
 
-SampledSpectrum PathGuide::Li(const CameraPathSetup &setup, const PathStart &start, SampledWavelengths &lambda,
+SampledSpectrum PathGuide::Li(const CameraPathSetup &setup, const CameraPathStart &start, SampledWavelengths &lambda,
                               Sampler &sampler) {
     GuidedDirections directions(*this, start.pixel, start.sampleIndex);
     if (setup.settings.tracksMedia)

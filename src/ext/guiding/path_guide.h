@@ -42,7 +42,7 @@ class PathGuide final : public DirectionSampling {
   public:
     explicit PathGuide(const GuideParams &params) : params_(params), estimatesDirections_(params.directions) {}
     void Prepare(PrepareContext &prepare, int maxDepth) override;
-    SampledSpectrum Li(const CameraPathSetup &setup, const PathStart &start, SampledWavelengths &lambda,
+    SampledSpectrum Li(const CameraPathSetup &setup, const CameraPathStart &start, SampledWavelengths &lambda,
                        Sampler &sampler) override;
 
     /// True if bounces at this BSDF are guided or recorded.

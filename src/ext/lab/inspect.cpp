@@ -190,7 +190,7 @@ double Inspector::PathLength(Point2i pixel, Sampler &sampler) const {
         cs.pLens = sampler.Get2D();
         if (const std::optional<CameraRay> ray = built_.camera->GenerateRay(cs, lambda)) {
             // Beyond all samples used for learning.
-            const PathStart start{pass_, *ray, pixel, std::numeric_limits<int>::max() - kPaths + i};
+            const PathStart start{{*ray, pixel, std::numeric_limits<int>::max() - kPaths + i}, pass_};
             paths_->Li(start, lambda, sampler);
         }
     }

@@ -12,7 +12,7 @@ namespace ext {
 namespace {
 
 /// Incremented whenever the output of SaveLearned changes.
-constexpr uint32_t kVersion = 5;
+constexpr uint32_t kVersion = 6;
 constexpr std::string_view kOtherVersion = "another version of this light sampler wrote it";
 
 }  // namespace

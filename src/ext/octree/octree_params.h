@@ -63,9 +63,8 @@ struct OctreeParams {
           "visibility: nodes of the light tree in the cut of a leaf, with more than 64 lights");
         v("learn", learn, "visibility: with more than 64 lights, update the model from shadow rays of the render");
         v("portals", portals, Choices{"auto", "always", "never"},
-          "visibility: find portals (windows, doors) and sample environment lights through them, where at most 0.3 of "
-          "the rays towards these lights leave the scene; auto: only without local lights, and with bounces at most "
-          "0.005");
+          "visibility: find portals (windows, doors) and sample environment lights through them; auto: if a trial "
+          "before the render finds that they pay (path and volpath)");
         v.OnlyWith("", "");
         v("meshlights", meshlights,
           "an emissive mesh is one light for selection; visibility: unless at most eight primitives of the scene emit");

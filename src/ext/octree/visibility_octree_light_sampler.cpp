@@ -58,9 +58,26 @@ void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
         portals_.Find(context, vertices);
         if (portals_.IsActive()) PortalsChanged();
     }
-    if (context.progress.Cancelled()) return;
-    if (groups_.Size() > std::max<size_t>(portals_.Count(), 1)) model_.Learn(context, vertices, importance_, interior_);
+    Learn(context, vertices);
+    if (portals_.IsActive() && portals_.IsOnTrial()) TryPortals(context, vertices);
     prepassSeconds_ = SecondsSince(start);
+}
+
+void VisibilityOctreeLightSampler::Learn(PrepareContext &context, std::span<PrepassVertex> vertices) {
+    if (context.progress.Cancelled() || groups_.Size() <= std::max<size_t>(portals_.Count(), 1)) return;
+    model_.Learn(context, vertices, importance_, interior_);
+}
+
+void VisibilityOctreeLightSampler::TryPortals(PrepareContext &context, std::span<PrepassVertex> vertices) {
+    const auto use = [&](bool active) {
+        portals_.SetActive(active);
+        PortalsChanged();
+        Learn(context, vertices);
+    };
+    const std::vector<TrialPixel> with = context.trial ? context.trial() : std::vector<TrialPixel>();
+    use(false);
+    if (with.empty() || context.progress.Cancelled()) return portals_.Clear();
+    if (portals_.EndTrial(CompareTrials(with, context.trial(), portals_.CostPerVertex()))) use(true);
 }
 
 double VisibilityOctreeLightSampler::PathsPerPixel(const PrepareContext &context) const {

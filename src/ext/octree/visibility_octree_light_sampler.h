@@ -62,6 +62,9 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler {
 
     double PathsPerPixel(const PrepareContext &context) const;
     void PortalsChanged();
+    void Learn(PrepareContext &context, std::span<PrepassVertex> vertices);
+    /// Keeps the portals if a trial finds that they reduce the error at equal cost.
+    void TryPortals(PrepareContext &context, std::span<PrepassVertex> vertices);
     void LoadLearned(const PrepareContext &context, StateReader &reader);
     /// Hash of the lights and light tree nodes that a saved model refers to.
     uint64_t LightTreeHash() const;

@@ -17,18 +17,10 @@ namespace ext {
 namespace {
 
 constexpr uint64_t kStream = 0x77696e646f77;
-/// Maximum fraction of environment rays that leave the scene for portals to be used: for direct light, and with
-/// bounces, where portals pay off only at smaller fractions.
-constexpr double kMaxSeen = 0.3, kMaxSeenWithBounces = 0.005;
+/// Above this fraction of environment rays that leave the scene, no portals are searched: outdoors, there are none.
+constexpr double kMaxSeen = 0.3;
 /// Maximum number of prepass vertices for detection.
 constexpr size_t kSearchVertices = 4096;
-
-bool HasLocalLights(const LightTable &lights) {
-    const LightGroups &groups = lights.ByLight();
-    for (uint32_t g = 0; g < groups.Size(); ++g)
-        if (const LightCandidate c = groups.Candidate(g); !c.infinite && c.power > 0) return true;
-    return false;
-}
 
 /// Unit of G over that of the mean radiance.
 Float PerMeanRadiance(const EnvironmentLight &light, double unit) {
@@ -60,6 +52,18 @@ Float MeanCosine(const Portal &portal, const LightQuery &query) {
     return c >= s ? c : Sqr(std::max(c + s, Float(0))) / (4 * s);
 }
 
+/// Leaves out the rays of points from which at least half leave the scene: outdoors, no portal is needed, and their
+/// rays pass none.
+std::vector<EnvironmentRay> FromIndoors(std::span<const EnvironmentRay> rays) {
+    std::vector<EnvironmentRay> indoors;
+    for (size_t begin = 0, end = 0; begin < rays.size(); begin = end) {
+        size_t left = 0;
+        for (; end < rays.size() && rays[end].p == rays[begin].p; ++end) left += rays[end].left;
+        if (2 * left < end - begin) indoors.insert(indoors.end(), rays.begin() + begin, rays.begin() + end);
+    }
+    return indoors;
+}
+
 /// Extends portals to rays that leave just outside their borders.
 void Widen(std::span<Portal> portals, std::span<const EnvironmentRay> rays) {
     constexpr Float kNear = 0.15f, kMargin = 0.01f;  // relative to the portal's size
@@ -85,38 +89,29 @@ void Widen(std::span<Portal> portals, std::span<const EnvironmentRay> rays) {
     }
 }
 
-/// Removes portals that hardly any ray passes. Returns none if too many rays miss all portals, because the remainder
-/// gets few samples and is noisy. Rays from beyond all portals, as from an outer sill, are ignored: from there all
-/// samples go to the remainder.
+/// Removes portals that hardly any ray passes. Rays from beyond all portals, as from an outer sill, do not count.
 std::vector<Portal> Kept(std::span<const Portal> portals, std::span<const EnvironmentRay> rays) {
-    constexpr double kMinShare = 0.01, kMaxPast = 0.02;
-    // Allows for a few rays by chance.
-    constexpr double kAFew = 2;
-    std::vector<double> passed(portals.size() + 1, 0);
+    constexpr double kMinShare = 0.01;
+    std::vector<double> passed(portals.size(), 0);
     double left = 0;
     for (const EnvironmentRay &ray : rays) {
         if (!ray.left) continue;
-        size_t k = 0;
-        while (k < portals.size() && !portals[k].IsPassed(ray.p, ray.d)) ++k;
-        if (k == portals.size() &&
-            std::ranges::none_of(portals, [&](const Portal &portal) { return portal.IsBefore(ray.p); }))
-            continue;
-        ++passed[k], ++left;
+        const auto first = std::ranges::find_if(portals, [&](const Portal &p) { return p.IsPassed(ray.p, ray.d); });
+        if (first != portals.end()) ++passed[static_cast<size_t>(first - portals.begin())];
+        else if (std::ranges::none_of(portals, [&](const Portal &p) { return p.IsBefore(ray.p); })) continue;
+        ++left;
     }
     std::vector<Portal> result;
-    for (size_t k = 0; k < portals.size(); ++k) {
+    for (size_t k = 0; k < portals.size(); ++k)
         if (passed[k] >= kMinShare * left) result.push_back(portals[k]);
-        else passed.back() += passed[k];
-    }
-    if (passed.back() > kMaxPast * left + kAFew) result.clear();
     return result;
 }
 
 }  // namespace
 
 PortalSampling::PortalSampling(const LightGroups &groups, const std::string &mode, Float floor)
-    : lights_(groups.Lights()), always_(mode == "always"), floor_(floor) {
-    if (mode == "never" || (mode == "auto" && HasLocalLights(lights_))) return;
+    : lights_(groups.Lights()), isOnTrial_(mode == "auto"), floor_(floor) {
+    if (mode == "never") return;
     for (const LightId id : lights_.Environments()) {
         if (environments_.size() == kMaxLights || !(lights_.Candidate(id).power > 0)) continue;
         const EnvironmentLight *light = lights_[id].Parent().AsEnvironment();
@@ -131,17 +126,18 @@ PortalSampling::PortalSampling(const LightGroups &groups, const std::string &mod
 
 void PortalSampling::Clear() {
     count_ = 0;
+    isActive_ = false;
     for (Environment &e : environments_) e.portals.reset();
 }
 
 void PortalSampling::Use(std::span<const Portal> portals) {
     count_ = portals.size();
+    isActive_ = count_ > 0;
     for (Environment &e : environments_) e.portals.emplace(*e.light, portals);
 }
 
 void PortalSampling::Find(PrepareContext &context, std::span<const PrepassVertex> vertices) {
     const auto start = std::chrono::steady_clock::now();
-    const double most = context.maxDepth <= 1 || always_ ? kMaxSeen : kMaxSeenWithBounces;
     std::vector<EnvironmentRay> rays;
     const auto isSeenMoreThan = [&](double share, size_t count) {
         rays = TraceEnvironmentRays(context, ids_, vertices, count);
@@ -150,7 +146,8 @@ void PortalSampling::Find(PrepareContext &context, std::span<const PrepassVertex
         return context.progress.Cancelled() || seenShare_ > share;
     };
     // Outdoors, a few vertices suffice.
-    if (!isSeenMoreThan(2 * most, kSearchVertices / 16) && !isSeenMoreThan(most, kSearchVertices)) {
+    if (!isSeenMoreThan(2 * kMaxSeen, kSearchVertices / 16) && !isSeenMoreThan(kMaxSeen, kSearchVertices)) {
+        rays = FromIndoors(rays);
         std::vector<Normal3> normals;
         for (const PrepassVertex &vertex : vertices) normals.push_back(vertex.at.n);
         std::vector<Portal> portals = RefinePortals(context.scene, FindPortals(rays, normals), vertices, context.seed);
@@ -165,10 +162,22 @@ void PortalSampling::Find(PrepareContext &context, std::span<const PrepassVertex
 void PortalSampling::Evaluate(const LightQuery &query, const Environment &e, Float *g) const {
     for (size_t i = 0; i < count_; ++i) {
         g[i] = MeanCosine((*e.portals)[i], query);
-        if (g[i] > 0) g[i] *= e.perMean * e.portals->Integral(i, query.p);
+        if (g[i] > 0) g[i] *= e.perMean * e.portals->IntegralAround(i, query.p);
         if (!std::isfinite(g[i])) g[i] = 0;
     }
     g[count_] = e.whole.m0 > 0 ? EvaluateFar(e.whole, query) : 0;
+}
+
+double PortalSampling::CostPerVertex() const {
+    // Measured on sunny-room and the dining room, in the unit of CompareTrials.
+    return 0.15 + 0.25 * static_cast<double>(count_ * environments_.size());
+}
+
+bool PortalSampling::EndTrial(const TrialRatio &result) {
+    trial_ = result;
+    const bool pays = result.Gain() > 1;
+    if (!pays) Clear();
+    return pays;
 }
 
 bool PortalSampling::Learn(PrepareContext &context, std::span<const PrepassVertex> vertices) {
@@ -261,7 +270,7 @@ void PortalSampling::Save(StateWriter &out) const {
     for (size_t i = 0; i < count_; ++i) portals.push_back((*environments_[0].portals)[i]);
     out.CopyOfVector(portals);
     StateSaver save(out);
-    save(seconds_, seenShare_, tree_);
+    save(seconds_, seenShare_, trial_, tree_);
 }
 
 void PortalSampling::Load(StateReader &in) {
@@ -272,7 +281,7 @@ void PortalSampling::Load(StateReader &in) {
     for (const Portal &portal : portals) in.RequireValid(portal.Validate());
     Clear();
     StateLoader load(in);
-    load(seconds_, seenShare_, tree_);
+    load(seconds_, seenShare_, trial_, tree_);
     if (portals.empty()) return;
     Use(portals);
     in.Require(tree_.RowCount() > 0, "its portals have no visibility");
@@ -285,6 +294,7 @@ void PortalSampling::Report(nlohmann::ordered_json &report) const {
     if (!(seconds_ > 0)) return;
     report["environmentSeenShare"] = seenShare_;
     report["environmentSeconds"] = seconds_;
+    if (trial_.WasTried()) trial_.Report(report["portalTrial"]);
     if (!IsActive()) return;
     report["portals"] = count_;
     report["portalBytes"] = Bytes();

@@ -7,6 +7,7 @@
 
 #include "ext/lightgroups/emitter.h"
 #include "ext/portals/portal_search.h"
+#include "ext/prepass/trial.h"
 #include "ext/visibility/visibility_records.h"
 #include "ext/visibility/visibility_tree.h"
 
@@ -26,7 +27,7 @@ class PortalSampling {
     static constexpr size_t kMaxLights = 4;
     static constexpr size_t kMaxRegions = EnvironmentPortals::kMax + 1;
 
-    /// `mode`: "auto" (only without local lights), "always" or "never". `groups`: the caller's light groups.
+    /// `mode`: "auto" (IsOnTrial), "always" or "never". `groups`: the caller's light groups.
     PortalSampling(const LightGroups &groups, const std::string &mode, Float floor);
 
     /// False if portal detection is off.
@@ -38,7 +39,17 @@ class PortalSampling {
     void Find(PrepareContext &context, std::span<const PrepassVertex> vertices);
     void Clear();
 
-    bool IsActive() const { return count_ > 0; }
+    /// True if a trial decides whether portals that were found are used.
+    bool IsOnTrial() const { return isOnTrial_; }
+    /// Selects between the portals found and whole lights, for a trial.
+    void SetActive(bool active) { isActive_ = active && count_ > 0; }
+    /// Takes the trial of portals relative to whole lights, and discards the portals unless they pay. Returns whether
+    /// they do; they are still inactive.
+    bool EndTrial(const TrialRatio &result);
+    /// Cost of active portals per path vertex (CompareTrials).
+    double CostPerVertex() const;
+
+    bool IsActive() const { return isActive_; }
     /// Number of lights with portals.
     size_t Count() const { return IsActive() ? environments_.size() : 0; }
     uint32_t GroupOf(size_t k) const { return environments_[k].group; }
@@ -90,12 +101,13 @@ class PortalSampling {
     std::vector<ShadowRay> TraceRegions(PrepareContext &context, const PrepassVertex &vertex, uint64_t seed) const;
 
     const LightTable &lights_;
-    bool always_;
+    bool isOnTrial_, isActive_ = false;
     Float floor_;
     std::vector<Environment> environments_;
     std::vector<LightId> ids_;  ///< of environments_
     size_t count_ = 0;          ///< number of portals
     VisibilityTree tree_;
+    TrialRatio trial_;
     double seconds_ = 0, seenShare_ = 0;  ///< detection time; fraction of its rays that left the scene
 };
 

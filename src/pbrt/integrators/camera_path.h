@@ -104,7 +104,7 @@ struct NoGathering {
 template <class Throughput, class Directions, class Gathering = NoGathering>
 class CameraPath {
   public:
-    CameraPath(const CameraPathSetup &setup, const PathStart &start, SampledWavelengths &lambda, Sampler &sampler,
+    CameraPath(const CameraPathSetup &setup, const CameraPathStart &start, SampledWavelengths &lambda, Sampler &sampler,
                Directions &directions, Gathering gathering = {})
         : setup_(setup), scene_(setup.context.scene), settings_(setup.settings), lambda_(lambda), sampler_(sampler),
           directions_(directions), gathering_(gathering), walk_(setup.context, start.ray, start.visible),

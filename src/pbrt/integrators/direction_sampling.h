@@ -14,7 +14,7 @@ class DirectionSampling : public OnlineModel {
     /// Called after the light sampler's Prepare. `maxDepth`: of the integrator.
     virtual void Prepare(PrepareContext &prepare, int maxDepth) = 0;
     /// Radiance along a camera ray, by CameraPath with its own directions.
-    virtual SampledSpectrum Li(const CameraPathSetup &setup, const PathStart &start, SampledWavelengths &lambda,
+    virtual SampledSpectrum Li(const CameraPathSetup &setup, const CameraPathStart &start, SampledWavelengths &lambda,
                                Sampler &sampler) = 0;
     /// Saves model and records for a checkpoint, excluding the light sampler's.
     virtual void Save(StateWriter &out) const = 0;

@@ -144,7 +144,7 @@ class MltIntegrator::Renderer {
         sample.pLens = camera.Get2D();
         if (std::optional<CameraRay> ray = pass_.camera.GenerateRay(sample, pair.lambda)) {
             ray->differential.Scale(ray->ray, differentialScale_);
-            const PathStart start{pass_, *ray};
+            const PathStart start{{*ray}, pass_};
             // Camera rays are spread over the area, so each represents all its pixels.
             const Float splatUnit = pass_.film.SplatUnit();
             const SampledSpectrum L = integrator_.pairs_.TracePair(start, pair.lambda, {light, camera, connections},

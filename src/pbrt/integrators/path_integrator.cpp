@@ -1,6 +1,7 @@
 #include "pbrt/integrators/path_integrator.h"
 
 #include "pbrt/integrators/camera_path.h"
+#include "pbrt/integrators/trial.h"
 
 namespace pbrt {
 
@@ -11,6 +12,11 @@ PathIntegrator::PathIntegrator(const PathContext &context, const PathSettings &s
 
 SampledSpectrum PathIntegrator::Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const {
     if (directions_) return directions_->Li(setup_, start, lambda, sampler);
+    return FollowBsdf(start, lambda, sampler);
+}
+
+SampledSpectrum PathIntegrator::FollowBsdf(const CameraPathStart &start, SampledWavelengths &lambda,
+                                           Sampler &sampler) const {
     BsdfDirections bsdf;
     if (settings_.tracksMedia)
         return CameraPath<MediaThroughput, BsdfDirections>(setup_, start, lambda, sampler, bsdf).Follow();
@@ -18,7 +24,13 @@ SampledSpectrum PathIntegrator::Li(const PathStart &start, SampledWavelengths &l
 }
 
 void PathIntegrator::Prepare(PrepareContext &prepare) {
+    prepare.trial = [&] {
+        return TraceTrial(prepare, [this](const CameraPathStart &start, SampledWavelengths &lambda, Sampler &sampler) {
+            return FollowBsdf(start, lambda, sampler);
+        });
+    };
     lights_->Prepare(prepare);
+    prepare.trial = {};
     if (directions_) directions_->Prepare(prepare, settings_.maxDepth);
 }
 

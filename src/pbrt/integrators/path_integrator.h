@@ -17,6 +17,8 @@ class PathIntegrator final : public PixelIntegrator {
     PathIntegrator &operator=(const PathIntegrator &) = delete;
 
     SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
+    /// As Li, for CameraPathStart, with BSDF directions.
+    SampledSpectrum FollowBsdf(const CameraPathStart &start, SampledWavelengths &lambda, Sampler &sampler) const;
     void Prepare(PrepareContext &prepare) override;
     OnlineModel *Model() override { return models_.IsEmpty() ? nullptr : &models_; }
     void SaveLearned(StateWriter &writer) const override;

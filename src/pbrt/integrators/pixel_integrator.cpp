@@ -60,8 +60,9 @@ class PassRenderer {
         if (std::optional<CameraRay> ray = pass_.camera.GenerateRay(cs, sample.lambda)) {
             const SampledSpectrum weight = ray->weight;
             ray->differential.Scale(ray->ray, differentialScale_);
-            const PathStart start{
-                pass_, *ray, pixel, pass_.batchFirst + index, wantsVisible_ ? &sample.visible : nullptr, sample.weight};
+            const PathStart start{{*ray, pixel, pass_.batchFirst + index, wantsVisible_ ? &sample.visible : nullptr},
+                                  pass_,
+                                  sample.weight};
             sample.L = weight * integrator_.Li(start, sample.lambda, sampler);
         } else {
             sample.hasRay = false;

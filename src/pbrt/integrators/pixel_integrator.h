@@ -4,13 +4,16 @@
 
 namespace pbrt {
 
-struct PathStart {
-    const RenderPass &pass;  ///< splatting integrators add to its film
+struct CameraPathStart {
     CameraRay ray;
     Point2i pixel{};
     int sampleIndex = 0;                               ///< of the pixel
     std::optional<VisibleSurface> *visible = nullptr;  ///< null, or receives PathWalk's first visible surface
-    Float filterWeight = 1;                            ///< FilmSample::weight of the sample
+};
+
+struct PathStart : CameraPathStart {
+    const RenderPass &pass;  ///< splatting integrators add to its film
+    Float filterWeight = 1;  ///< FilmSample::weight of the sample
 };
 
 /// Base of integrators that compute the radiance of one camera ray for its pixel.

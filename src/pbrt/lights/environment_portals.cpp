@@ -52,6 +52,11 @@ Float EnvironmentPortals::Integral(size_t k, const Point3 &p) const {
     return window ? Map(k).Integral(*window) : Float(0);
 }
 
+Float EnvironmentPortals::IntegralAround(size_t k, const Point3 &p) const {
+    const std::optional<Bounds2> window = portals_[k].WindowFrom(p);
+    return window ? Map(k).IntegralAround(*window) : Float(0);
+}
+
 std::optional<EnvironmentPortals::Direction> EnvironmentPortals::Sample(size_t k, const Point3 &p,
                                                                         const Point2 &u) const {
     const std::optional<Bounds2> window = portals_[k].WindowFrom(p);

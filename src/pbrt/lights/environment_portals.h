@@ -55,6 +55,8 @@ class EnvironmentPortals {
     }
     /// Integral of EnvironmentLight::MeanRadiance over portal k from p.
     Float Integral(size_t k, const Point3 &p) const;
+    /// An estimate of it, at least as large; a fraction of the cost.
+    Float IntegralAround(size_t k, const Point3 &p) const;
 
     struct Direction {
         Vector3 wi;

@@ -36,6 +36,8 @@ class PortalMap {
 
     /// Integral over a window of mean radiance (EnvironmentLight::MeanRadiance) and solid angle.
     Float Integral(const Bounds2 &window) const { return static_cast<Float>(pixels_.Integral(window)); }
+    /// The same over a slightly larger window; a fraction of the cost.
+    Float IntegralAround(const Bounds2 &window) const { return pixels_.IntegralAround(window); }
     /// Samples a direction (unit, in the frame) within the window; density by solid angle. Empty where the window has
     /// no radiance.
     std::optional<Vector3> SampleDirection(const Point2 &u, const Bounds2 &window, Float *pdf) const;

@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
@@ -58,6 +59,13 @@ struct SampledLight {
     EnvironmentRegion region{};  ///< of an environment light, from which to sample the point (LightTable::Region)
 };
 
+/// Samples of a pixel in a trial (PrepareContext::trial). Blocks of kPerBlock consecutive results are near each other.
+struct TrialPixel {
+    static constexpr int kPerBlock = 4;
+    double mean = 0, variance = 0;  ///< of a sample's radiance, mean over wavelengths
+    double paths = 0, vertices = 0, shadowRays = 0;
+};
+
 struct PrepareContext {
     const Scene &scene;
     const Camera &camera;
@@ -71,6 +79,10 @@ struct PrepareContext {
     StateReader *learned = nullptr;
     bool learnsOn = true;        ///< false: with `learned`, the render does not update the model
     Team &team = Team::Alone();  ///< processes that prepare the same sampler concurrently
+    /// Extension point: traces a few paths of the render with the sampler as it is, to choose its state by measurement.
+    /// Null if the integrator has no such paths; the result is empty if the render is too short. Same numbers at every
+    /// call.
+    std::function<std::vector<TrialPixel>()> trial{};
 };
 
 class LightSampler;

@@ -8,7 +8,7 @@
 namespace pbrt {
 
 /// Density on any axis-aligned window of the unit square, proportional to a function on nx * ny equal cells (row-major,
-/// x fastest, >= 0). A summed-area table allows another window per call: sampling takes two binary searches, a density
+/// x fastest, >= 0). A summed-area table allows another window per call: sampling takes two searches, a density
 /// four table corners (Bitterli, Wyman and Pharr 2015, Portal-Masked Environment Map Sampling).
 class WindowedPiecewiseConstant2D {
   public:
@@ -20,7 +20,9 @@ class WindowedPiecewiseConstant2D {
     /// 0 outside the window.
     Float Pdf(const Point2 &p, const Bounds2 &window) const;
     double Integral(const Bounds2 &window) const;
-    size_t Bytes() const { return f_.capacity() * sizeof(Float) + sums_.capacity() * sizeof(double); }
+    /// Integral over the cells that the window meets, four table corners: at least that of the window.
+    Float IntegralAround(const Bounds2 &window) const;
+    size_t Bytes() const { return (sums_.capacity() + columns_.capacity()) * sizeof(double); }
 
   private:
     /// Window in units of cells.
@@ -44,13 +46,15 @@ class WindowedPiecewiseConstant2D {
         }
     };
     Band BandOf(const Cells &w) const;
-    double MassBelow(int i, int j) const { return Corner(i + 1, j) - Corner(i, j); }
+    const double *ColumnSums(int i) const {
+        return columns_.data() + static_cast<size_t>(i) * static_cast<size_t>(ny_ + 1);
+    }
     double Total(const Cells &w) const;
     Float Density(const Point2 &p, double integral) const;
 
     int nx_ = 0, ny_ = 0;
-    std::vector<Float> f_;
-    std::vector<double> sums_;  ///< summed-area table of (nx + 1) * (ny + 1) corners
+    std::vector<double> sums_;     ///< summed-area table of (nx + 1) * (ny + 1) corners
+    std::vector<double> columns_;  ///< sums up to each row of every column, column by column: ny + 1 each
 };
 
 }  // namespace pbrt

@@ -1,8 +1,8 @@
-#include "pbrt/samplers/blue_noise_mask.h"
-
 #include <cmath>
+#include <functional>
 
 #include "pbrt/math/rng.h"
+#include "pbrt/samplers/pmj02bn_sampler.h"
 
 namespace pbrt {
 
@@ -32,23 +32,20 @@ class Pattern {
             for (int x = 0; x < kSize; ++x)
                 energy_[y * kSize + x] += sign * bell_[((y - py) & (kSize - 1)) * kSize + ((x - px) & (kSize - 1))];
     }
-    /// Chosen pixel of highest energy.
-    int TightestCluster() const {
-        int best = -1;
-        for (int i = 0; i < kCount; ++i)
-            if (IsChosen(i) && (best < 0 || Energy(i) > Energy(best))) best = i;
-        return best;
-    }
-    /// Pixel of lowest energy.
-    int LargestVoid() const {
-        int best = -1;
-        for (int i = 0; i < kCount; ++i)
-            if (!IsChosen(i) && (best < 0 || Energy(i) < Energy(best))) best = i;
-        return best;
-    }
+    /// Toggles and returns the chosen pixel of highest energy.
+    int RemoveTightestCluster() { return ToggleBest(true, std::greater<float>()); }
+    /// Toggles and returns the pixel of lowest energy that is not chosen.
+    int FillLargestVoid() { return ToggleBest(false, std::less<float>()); }
 
   private:
-    float Energy(int pixel) const { return energy_[pixel]; }
+    template <class Better>
+    int ToggleBest(bool chosen, Better isBetter) {
+        int best = -1;
+        for (int i = 0; i < kCount; ++i)
+            if (IsChosen(i) == chosen && (best < 0 || isBetter(energy_[i], energy_[best]))) best = i;
+        Toggle(best);
+        return best;
+    }
     std::vector<float> bell_;
     std::vector<uint8_t> chosen_;
     std::vector<float> energy_;
@@ -68,23 +65,12 @@ BlueNoiseMask::BlueNoiseMask(uint64_t seed) : ranks_(kCount) {
     }
     // Distributes the initial pixels evenly.
     for (;;) {
-        const int cluster = pattern.TightestCluster();
-        pattern.Toggle(cluster);
-        const int hole = pattern.LargestVoid();
-        pattern.Toggle(hole);
-        if (hole == cluster) break;
+        const int cluster = pattern.RemoveTightestCluster();
+        if (pattern.FillLargestVoid() == cluster) break;
     }
     Pattern fewer = pattern;
-    for (int rank = count - 1; rank >= 0; --rank) {
-        const int pixel = fewer.TightestCluster();
-        fewer.Toggle(pixel);
-        ranks_[pixel] = static_cast<uint16_t>(rank);
-    }
-    for (int rank = count; rank < kCount; ++rank) {
-        const int pixel = pattern.LargestVoid();
-        pattern.Toggle(pixel);
-        ranks_[pixel] = static_cast<uint16_t>(rank);
-    }
+    for (int rank = count - 1; rank >= 0; --rank) ranks_[fewer.RemoveTightestCluster()] = static_cast<uint16_t>(rank);
+    for (int rank = count; rank < kCount; ++rank) ranks_[pattern.FillLargestVoid()] = static_cast<uint16_t>(rank);
 }
 
 }  // namespace pbrt

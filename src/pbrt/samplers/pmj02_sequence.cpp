@@ -1,11 +1,8 @@
-#include "pbrt/samplers/pmj02_sequence.h"
-
-#include <algorithm>
-#include <array>
 #include <span>
 
 #include "pbrt/core/error.h"
 #include "pbrt/math/sobol.h"
+#include "pbrt/samplers/pmj02bn_sampler.h"
 
 namespace pbrt {
 

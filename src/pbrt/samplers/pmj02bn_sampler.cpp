@@ -1,6 +1,6 @@
 #include "pbrt/samplers/pmj02bn_sampler.h"
 
-#include "pbrt/math/sobol.h"
+#include "pbrt/samplers/randomization.h"
 
 namespace pbrt {
 
@@ -40,9 +40,9 @@ const std::vector<BinaryPoint> &Pmj02bnSampler::Set(int index) {
     return sets[index];
 }
 
-Pmj02bnSampler::Pmj02bnSampler(int samplesPerPixel, int seed)
-    : Sampler(seed), samplesPerPixel_(samplesPerPixel),
-      log2Samples_(std::bit_width(static_cast<unsigned>(samplesPerPixel - 1))), seed_(Hash(seed)) {
+Pmj02bnSampler::Pmj02bnSampler(const SamplerSettings &settings)
+    : SamplerBySettings(settings), log2Samples_(std::bit_width(static_cast<unsigned>(settings.samplesPerPixel - 1))),
+      seed_(Hash(settings.seed)) {
     log2PerPixel_ = std::min((log2Samples_ + 1) / 2 * 2, kLog2Count);
     log2Tile_ = (kLog2Count - log2PerPixel_) / 2;
     // The points in a pixel, in sequence order, are again a (0,2) sequence.

@@ -19,7 +19,7 @@ FloatLanes PixelStream::Numbers(int dimension) const {
 int StratifiedSampler::StartSample(Point2i pixel, int sampleIndex, int dimension) {
     int round = sampleIndex / SamplesPerPixel();
     index_ = static_cast<uint32_t>(sampleIndex - round * SamplesPerPixel());
-    pixelHash_ = Hash(pixel, seed_, round);
+    pixelHash_ = Hash(pixel, settings_.seed, round);
     if (jitter_) stream_.Start(pixel, sampleIndex);
     return dimension;
 }

@@ -17,16 +17,10 @@ class PixelStream {
     Rng rng_;  ///< at the sample's first number
 };
 
-class IndependentSampler final : public Sampler {
+class IndependentSampler final : public SamplerBySettings<IndependentSampler> {
   public:
-    IndependentSampler(int samplesPerPixel, int seed)
-        : Sampler(seed), samplesPerPixel_(samplesPerPixel), stream_(seed) {}
-    int SamplesPerPixel() const override { return samplesPerPixel_; }
-    Point2 GetPixel2D() override { return Get2D(); }
-    std::unique_ptr<Sampler> Clone() const override { return std::make_unique<IndependentSampler>(*this); }
-    std::unique_ptr<Sampler> WithSeed(int seed) const override {
-        return std::make_unique<IndependentSampler>(samplesPerPixel_, seed);
-    }
+    explicit IndependentSampler(const SamplerSettings &settings)
+        : SamplerBySettings(settings), stream_(settings.seed) {}
 
   protected:
     int StartSample(Point2i pixel, int sampleIndex, int dimension) override {
@@ -39,7 +33,6 @@ class IndependentSampler final : public Sampler {
     }
 
   private:
-    int samplesPerPixel_;
     PixelStream stream_;
 };
 
@@ -48,9 +41,8 @@ class IndependentSampler final : public Sampler {
 class StratifiedSampler final : public Sampler {
   public:
     StratifiedSampler(int xSamples, int ySamples, bool jitter, int seed)
-        : Sampler(seed), xSamples_(xSamples), ySamples_(ySamples), jitter_(jitter), seed_(seed), stream_(seed) {}
-    int SamplesPerPixel() const override { return xSamples_ * ySamples_; }
-    Point2 GetPixel2D() override { return Get2D(); }
+        : Sampler(SamplerSettings{.samplesPerPixel = xSamples * ySamples, .seed = seed}), xSamples_(xSamples),
+          ySamples_(ySamples), jitter_(jitter), stream_(seed) {}
     std::unique_ptr<Sampler> Clone() const override { return std::make_unique<StratifiedSampler>(*this); }
     std::unique_ptr<Sampler> WithSeed(int seed) const override {
         return std::make_unique<StratifiedSampler>(xSamples_, ySamples_, jitter_, seed);
@@ -63,7 +55,6 @@ class StratifiedSampler final : public Sampler {
   private:
     int xSamples_, ySamples_;
     bool jitter_;
-    int seed_;
     PixelStream stream_;
     uint64_t pixelHash_ = 0;
     uint32_t index_ = 0;

@@ -1,5 +1,4 @@
-#include "pbrt/media/cloud_medium.h"
-
+#include "pbrt/media/medium_kinds.h"
 #include "pbrt/textures/noise.h"
 
 namespace pbrt {
@@ -10,6 +9,7 @@ constexpr Float kLacunarity = Float(1.99);
 /// Bound on gradient noise: the best gradients at a cube's corners reach 1.03635.
 constexpr Float kMaxNoise = Float(1.04);
 constexpr Float kSteepness = Float(4.5);
+
 }  // namespace
 
 Float CloudMedium::Shape::DensityAt(const Point3 &p) const {
@@ -44,8 +44,7 @@ CloudMedium::CloudMedium(MediumSpectra spectra, Float g, const Transform &render
                          const Shape &shape)
     : Medium(g, false), spectra_(std::move(spectra)), shape_(shape), bounds_(bounds),
       majorants_(glm::ivec3(1), [](const glm::ivec3 &) { return kMajorantSlack; }),
-      gridFromRender_(AffineMap::ToBox(bounds.low, bounds.high, glm::dvec3(1)) *
-                      AffineMap(glm::dmat4(renderFromMedium.Matrix())).Inverse()) {}
+      gridFromRender_(GridFromRender(renderFromMedium, bounds, glm::ivec3(1))) {}
 
 MediumOnRay CloudMedium::On(const Ray &ray, Float tMax, const SampledWavelengths &lambda) const {
     const MediumCoefficients unit = spectra_.Sample(lambda);

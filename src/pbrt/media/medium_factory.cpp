@@ -3,11 +3,7 @@
 #include <cmath>
 
 #include "pbrt/core/limits.h"
-#include "pbrt/media/cloud_medium.h"
-#include "pbrt/media/homogeneous_medium.h"
-#include "pbrt/media/nanovdb_medium.h"
-#include "pbrt/media/rgb_grid_medium.h"
-#include "pbrt/media/uniform_grid_medium.h"
+#include "pbrt/media/medium_kinds.h"
 #include "pbrt/spectra/spectral_data.h"
 #include "pbrt/spectra/spectrum_params.h"
 

@@ -14,9 +14,7 @@ class Voxels {
         : count_(count), perCell_(Vector3(count) / Vector3(gridResolution)) {}
 
     const glm::ivec3 &Count() const { return count_; }
-    size_t Size() const {
-        return static_cast<size_t>(count_.x) * static_cast<size_t>(count_.y) * static_cast<size_t>(count_.z);
-    }
+    size_t Size() const { return size_t(1) * count_.x * count_.y * count_.z; }
 
     template <class ValueOf>
     auto Interpolate(const Point3 &p, ValueOf &&valueOf) const {
@@ -56,11 +54,7 @@ class Voxels {
     bool Has(const glm::ivec3 &v) const {
         return v.x >= 0 && v.y >= 0 && v.z >= 0 && v.x < count_.x && v.y < count_.y && v.z < count_.z;
     }
-    size_t IndexOf(const glm::ivec3 &v) const {
-        return (static_cast<size_t>(v.z) * static_cast<size_t>(count_.y) + static_cast<size_t>(v.y)) *
-                   static_cast<size_t>(count_.x) +
-               static_cast<size_t>(v.x);
-    }
+    size_t IndexOf(const glm::ivec3 &v) const { return (size_t(1) * v.z * count_.y + v.y) * count_.x + v.x; }
     glm::ivec3 count_;
     Vector3 perCell_;
 };

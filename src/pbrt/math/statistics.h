@@ -7,8 +7,7 @@ namespace pbrt {
 double StudentTwoSidedP(double t, double dof);
 /// Inverse: t > 0 with StudentTwoSidedP(t, dof) == p, p in (0, 1]; infinity if dof <= 0.
 double StudentCritical(double p, double dof);
-/// Two-sided p-value of a standard normal z, and its inverse (>= 0).
-double NormalTwoSidedP(double z);
+/// z >= 0 whose two-sided p-value as a standard normal is p.
 double NormalCritical(double p);
 /// Per-test level of n tests for a family-wise false alarm rate `level` (Sidak). The inverse SidakP is the probability
 /// that the smallest of n p-values is at most p.

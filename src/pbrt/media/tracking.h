@@ -1,6 +1,6 @@
 #pragma once
 #include "pbrt/core/counters.h"
-#include "pbrt/math/exponential.h"
+#include "pbrt/math/fast_functions.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/media/medium.h"
 

@@ -72,7 +72,6 @@ Float HaltonSampler::Dimension(int dimension) const {
     switch (settings_.randomization) {
         case Randomization::None: return RadicalInverse(base, index_);
         case Randomization::PermuteDigits:
-            if (dimension < StepCount) return permutations_->RadicalInverse(dimension, index_);
             return PermutedRadicalInverse(base, index_, DigitPermutations::SeedOf(seed_, dimension));
         default: return OwenScrambledRadicalInverse(base, index_, DigitPermutations::SeedOf(seed_, dimension));
     }

@@ -1,5 +1,5 @@
 #pragma once
-#include "pbrt/math/trigonometry.h"
+#include "pbrt/math/fast_functions.h"
 
 namespace pbrt {
 

@@ -106,6 +106,10 @@ TEST(Scramble, LanesAgreeWithSingleNumbers) {
     EXPECT_EQ(FractionsToFloat(Lanes32{} + 0xffffffffu)[3], OneMinusEpsilon);
 }
 
+uint32_t FastOwenScramble(uint32_t v, uint64_t seed) {
+    return ReverseBits32(FastOwenScrambleReversed(ReverseBits32(v), seed));
+}
+
 using Scramble = uint32_t (*)(uint32_t, uint64_t);
 const std::pair<const char *, Scramble> kScrambles[] = {{"owen", OwenScramble}, {"fastowen", FastOwenScramble}};
 

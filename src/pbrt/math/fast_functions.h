@@ -6,8 +6,8 @@
 
 namespace pbrt {
 
-// Branchless polynomial functions for hot code, vectorised over wavelengths. Polynomials interpolate at Chebyshev nodes;
-// tests check the error bounds over all arguments.
+// Branchless polynomial functions for hot code, vectorised over wavelengths. Polynomials interpolate at Chebyshev
+// nodes; tests check the error bounds over all arguments.
 
 struct SineCosine {
     Float sin, cos;

@@ -215,12 +215,12 @@ struct ErrorShares {
 ErrorShares ComparePixels(const Plates &plates, int samples) {
     double truth = 0;
     constexpr int kTruth = 1 << 16;
-    HaltonSampler many(kTruth, {1, 1}, Randomization::Owen, 3);
+    HaltonSampler many({kTruth, {1, 1}, Randomization::Owen, 3});
     for (int i = 0; i < kTruth; ++i) truth += plates(NumbersOf(many, {0, 0}, i)) / kTruth;
 
     double ofSampler = 0, ofPermuted = 0, ofTwin = 0;
     for (int seed = 0; seed < 60; ++seed) {
-        HaltonSampler sampler(samples, kFilm, Randomization::PermuteDigits, seed);
+        HaltonSampler sampler({samples, kFilm, Randomization::PermuteDigits, seed});
         const ShuffledHalton twin(12, Hash(seed));
         auto permuted = [seed](int dimension, uint64_t n) {
             return PermutedRadicalInverse(BaseOf(dimension), n, Hash(seed, dimension));

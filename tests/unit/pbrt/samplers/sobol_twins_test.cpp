@@ -101,7 +101,7 @@ TEST(SobolTwins, SobolEqualsItsTwin) {
         if (randomization == std::string("permutedigits")) r = Randomization::PermuteDigits;
         if (randomization == std::string("owen")) r = Randomization::Owen;
         if (randomization == std::string("fastowen")) r = Randomization::FastOwen;
-        SobolSampler s(16, {64, 48}, r, 4);
+        SobolSampler s({16, {64, 48}, r, 4});
         s.StartPixelSample({30, 7}, 21);
         for (int d = 2; d < 1060; ++d) {
             const uint64_t seed = AddDimension(Hash(4), d);
@@ -118,7 +118,7 @@ TEST(SobolTwins, SobolEqualsItsTwin) {
 }
 
 TEST(IndependentTwin, NumbersAreThoseOfThePixelsStream) {
-    IndependentSampler s(16, 3);
+    IndependentSampler s({.samplesPerPixel = 16, .seed = 3});
     for (int i : {0, 5, 40}) {
         const uint64_t hash = Hash(Point2i(3, 8), 3);
         Rng rng(hash, MixBits(hash));

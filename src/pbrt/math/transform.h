@@ -34,6 +34,8 @@ class Transform {
     bool SwapsHandedness() const { return Determinant3() < 0; }
     /// True if the transform is singular, or nearly so: the inverse has non-finite elements.
     bool IsSingular() const { return !(std::abs(Determinant3()) > 0) || !Transform(inverse_, m_).IsFinite(); }
+    /// Factor of lengths; empty if those of vectors differ. `tolerance`: relative, of squared lengths.
+    std::optional<double> UniformScale(double tolerance) const;
     /// False if an element of the matrix (not of the inverse) is not finite.
     bool IsFinite() const;
 

@@ -15,17 +15,27 @@ struct MeshData {
     std::vector<int> faceIndices;  ///< per primitive or empty
 };
 
-/// Transforms to rendering space; normals are flipped if `reverseOrientation`. Reserves space after the last vertex,
-/// because Embree reads 16 bytes per vertex.
-void PlaceMesh(MeshData &mesh, const Transform &renderFromObject, bool reverseOrientation);
+/// Primitives that share vertices.
+class Mesh : public Shape {
+  public:
+    uint32_t PrimitiveCount() const final { return static_cast<uint32_t>(mesh_.indices.size() / cornerCount_); }
+    /// In rendering space, with normals flipped if `reverseOrientation`. There is space after the last vertex, because
+    /// Embree reads 16 bytes per vertex.
+    const MeshData &Data() const { return mesh_; }
+
+  protected:
+    Mesh(ShapeKind kind, size_t cornerCount, MeshData data, const Transform &renderFromObject, bool reverseOrientation);
+
+    MeshData mesh_;
+    size_t cornerCount_;  ///< per primitive
+    bool flipNormal_;     ///< orientation flag XOR handedness
+};
 
 /// Triangles in rendering space. Embree uses the vertex and index buffers directly.
-class TriangleMesh final : public Shape {
+class TriangleMesh final : public Mesh {
   public:
     TriangleMesh(MeshData data, const Transform &renderFromObject, bool reverseOrientation);
 
-    ShapeKind Kind() const override { return ShapeKind::TriangleMesh; }
-    uint32_t PrimitiveCount() const override { return static_cast<uint32_t>(mesh_.indices.size() / 3); }
     Bounds3 PrimitiveBounds(uint32_t primitive) const override;
     Float Area(uint32_t primitive) const override;
     DirectionCone NormalBounds(uint32_t primitive) const override;
@@ -45,9 +55,6 @@ class TriangleMesh final : public Shape {
     Float PdfSolidAngle(uint32_t primitive, const ShapeSampleContext &from, const Vector3 &wi, const Point3 &pHit,
                         const Normal3 &nHit) const override;
 
-    const MeshData &Data() const { return mesh_; }
-    Float SolidAngle(uint32_t primitive, const Point3 &p) const;
-
   private:
     struct Corners {
         Point3 p0, p1, p2;
@@ -61,8 +68,6 @@ class TriangleMesh final : public Shape {
     Point2 UvAt(uint32_t primitive, const Vector3 &b) const;
     ShapeSample SampleAt(uint32_t primitive, const Corners &c, const Vector3 &b) const;
 
-    MeshData mesh_;
-    bool flipNormal_;        ///< orientation flag XOR handedness
     Float largestSpan_ = 0;  ///< SpanOf the largest triangle
 };
 

@@ -22,20 +22,11 @@ bool CountMemory(void *counter, ssize_t bytes, bool) {
 }
 
 RTCRay ToEmbree(const Ray &ray, Float time, Float tMin = 0) {
-    RTCRay r{};
-    r.org_x = ray.o.x;
-    r.org_y = ray.o.y;
-    r.org_z = ray.o.z;
-    r.dir_x = ray.d.x;
-    r.dir_y = ray.d.y;
-    r.dir_z = ray.d.z;
     // Embree accepts hits at tnear. Denormals may be flushed to zero.
     constexpr Float kSmallest = std::numeric_limits<Float>::min();
-    r.tnear = tMin < kSmallest ? kSmallest : NextFloat(tMin, true);
-    r.tfar = ray.tMax;
-    r.time = time;
-    r.mask = 0xffffffffu;
-    return r;
+    const Float tNear = tMin < kSmallest ? kSmallest : NextFloat(tMin, true);
+    constexpr unsigned kAllGeometries = 0xffffffffu;
+    return {ray.o.x, ray.o.y, ray.o.z, tNear, ray.d.x, ray.d.y, ray.d.z, time, ray.tMax, kAllGeometries, 0, 0};
 }
 
 /// Numbers of time steps. Embree, like AnimatedTransform, interpolates rotations along great arcs, but scales as the

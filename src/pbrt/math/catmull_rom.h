@@ -34,12 +34,11 @@ struct SplinePiece {
 /// Segment between nodes i and i + 1 of the spline through value(k).
 template <class Value>
 SplinePiece CatmullRomPiece(std::span<const Float> nodes, int i, Value value) {
-    auto node = [&](int k) { return nodes[k]; };
     const int last = static_cast<int>(nodes.size()) - 1;
-    const Float width = node(i + 1) - node(i), f0 = value(i), f1 = value(i + 1);
-    const Float slope0 = i > 0 ? width * (f1 - value(i - 1)) / (node(i + 1) - node(i - 1)) : f1 - f0;
-    const Float slope1 = i + 2 <= last ? width * (value(i + 2) - f0) / (node(i + 2) - node(i)) : f1 - f0;
-    return SplinePiece(node(i), width, f0, f1, slope0, slope1);
+    const Float width = nodes[i + 1] - nodes[i], f0 = value(i), f1 = value(i + 1);
+    const Float slope0 = i > 0 ? width * (f1 - value(i - 1)) / (nodes[i + 1] - nodes[i - 1]) : f1 - f0;
+    const Float slope1 = i + 2 <= last ? width * (value(i + 2) - f0) / (nodes[i + 2] - nodes[i]) : f1 - f0;
+    return SplinePiece(nodes[i], width, f0, f1, slope0, slope1);
 }
 
 /// Solves f(t) = y for t in [0, 1], f increasing from f(0) <= y to f(1) >= y: Newton steps, with bisection where they

@@ -106,9 +106,7 @@ DigitPermutations::DigitPermutations(std::span<const uint32_t> multipliers, uint
 void DigitPermutations::RadicalInverses(int firstDimension, uint64_t a, Float values[Lanes64Count]) const {
     const auto d = static_cast<size_t>(firstDimension);
     auto row = [&](const std::vector<double> &rows, size_t k) {
-        DoubleLanes v;
-        std::memcpy(&v, rows.data() + k * length_ + d, sizeof(v));
-        return v;
+        return LoadLanes<DoubleLanes>(rows.data() + k * length_ + d);
     };
     const DoubleLanes base = row(base_, 0), inverse = row(inverseBase_, 0), multiplier = row(multiplier_, 0);
     // floor(a / base) for integers below 2^50. Adding one half keeps product rounding from reaching an integer; sums at

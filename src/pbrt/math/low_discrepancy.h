@@ -10,13 +10,6 @@
 
 namespace pbrt {
 
-constexpr uint32_t ReverseBits32(uint32_t v) {
-    v = ((v & 0x55555555u) << 1) | ((v >> 1) & 0x55555555u);
-    v = ((v & 0x33333333u) << 2) | ((v >> 2) & 0x33333333u);
-    v = ((v & 0x0f0f0f0fu) << 4) | ((v >> 4) & 0x0f0f0f0fu);
-    return __builtin_bswap32(v);
-}
-
 /// Interleaves the bits of x (even) and y (odd).
 constexpr uint64_t EncodeMorton2(uint32_t x, uint32_t y) {
     auto spread = [](uint32_t v) {

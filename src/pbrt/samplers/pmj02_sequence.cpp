@@ -18,7 +18,7 @@ struct Sequence {
     Sequence(uint32_t count, uint64_t seed) {
         for (uint32_t i = 0; i < count; ++i)
             for (size_t axis : {X, Y}) {
-                sobol[axis].push_back(ReverseBits32(axis == X ? SobolReversed0(i) : SobolReversed1(i)));
+                sobol[axis].push_back(ReverseBits(axis == X ? SobolReversed0(i) : SobolReversed1(i)));
                 flipped[axis].push_back(OwenScramble(sobol[axis][i], Hash(seed, axis)));
             }
     }

@@ -61,9 +61,20 @@ class Sampler {
         alignas(64) Point2 two[kPrepared];
 
         /// For samplers with a point per dimension; Get1D returns its x.
-        void SetPoints(const FloatLanes &x, const FloatLanes &y);
+        void SetPoints(const FloatLanes &x, const FloatLanes &y) {
+            static_assert(kPrepared == Lanes32Count);
+            StoreLanes(x, one);
+            StoreLanes(__builtin_shufflevector(x, y, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23), two);
+            StoreLanes(__builtin_shufflevector(x, y, 8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31),
+                       two + kPrepared / 2);
+        }
         /// For samplers with one number per dimension; the last entry is invalid, because its y is missing.
-        void SetSequence(const FloatLanes &values);
+        void SetSequence(const FloatLanes &v) {
+            StoreLanes(v, one);
+            StoreLanes(__builtin_shufflevector(v, v, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7, 8), two);
+            StoreLanes(__builtin_shufflevector(v, v, 8, 9, 9, 10, 10, 11, 11, 12, 12, 13, 13, 14, 14, 15, 15, 15),
+                       two + kPrepared / 2);
+        }
     };
     /// A run of prepared dimensions; entries 0 ... count - 1 are valid.
     struct Run {
@@ -95,24 +106,6 @@ class SamplerBySettings : public Sampler {
         return std::make_unique<S>(settings);
     }
 };
-
-inline void Sampler::Numbers::SetPoints(const FloatLanes &x, const FloatLanes &y) {
-    static_assert(kPrepared == Lanes32Count);
-    StoreLanes(x, one);
-    const FloatLanes low = __builtin_shufflevector(x, y, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
-    const FloatLanes high = __builtin_shufflevector(x, y, 8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31);
-    StoreLanes(low, two);
-    StoreLanes(high, two + kPrepared / 2);
-}
-inline void Sampler::Numbers::SetSequence(const FloatLanes &values) {
-    static_assert(kPrepared == Lanes32Count);
-    StoreLanes(values, one);
-    const FloatLanes low = __builtin_shufflevector(values, values, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7, 8);
-    const FloatLanes high =
-        __builtin_shufflevector(values, values, 8, 9, 9, 10, 10, 11, 11, 12, 12, 13, 13, 14, 14, 15, 15, 15);
-    StoreLanes(low, two);
-    StoreLanes(high, two + kPrepared / 2);
-}
 
 struct SamplerContext {
     Point2i resolution{1, 1};  ///< of the full film

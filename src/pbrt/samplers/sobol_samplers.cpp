@@ -50,8 +50,9 @@ FloatLanes SobolSampler::SixteenDimensions(int first) const {
     Lanes32 v{};
     const uint32_t *rows = tables_ + first;
     for (uint64_t bits = index_; bits; bits >>= 4, rows += 16 * SobolTableRow)
-        v ^= LoadLanes(rows + (bits & 15) * SobolTableRow);
-    const Lanes32 low = LoadLanes(seeds_->low.data() + first), high = LoadLanes(seeds_->high.data() + first);
+        v ^= LoadLanes<Lanes32>(rows + (bits & 15) * SobolTableRow);
+    const auto low = LoadLanes<Lanes32>(seeds_->low.data() + first),
+               high = LoadLanes<Lanes32>(seeds_->high.data() + first);
     switch (settings_.randomization) {
         case Randomization::FastOwen: v = ReverseBits(FastOwenScrambleReversed(ReverseBits(v), low, high)); break;
         case Randomization::Owen:
@@ -138,7 +139,7 @@ Lanes64 ZSobolSampler::SobolIndices(int firstDimension, const Lanes64 &hash) {
             StoreLanes(PermutedQuads(hash, log2Samples_, indexBits_), part);
             pixelPartKnown_ |= known;
         }
-        index = LoadLanes(part);
+        index = LoadLanes<Lanes64>(part);
     } else {
         index = PermutedQuads(hash, log2Samples_, indexBits_);
     }

@@ -21,7 +21,7 @@ TEST(Bits, ReverseAndMortonMatchTheSlowWay) {
             reversed |= (x >> b & 1) << (31 - b);
             morton |= uint64_t(x >> b & 1) << (2 * b) | uint64_t(y >> b & 1) << (2 * b + 1);
         }
-        ASSERT_EQ(ReverseBits32(x), reversed);
+        ASSERT_EQ(ReverseBits(x), reversed);
         ASSERT_EQ(EncodeMorton2(x, y), morton);
     }
 }

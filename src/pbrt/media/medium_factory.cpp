@@ -3,7 +3,8 @@
 #include <cmath>
 
 #include "pbrt/core/limits.h"
-#include "pbrt/media/medium_kinds.h"
+#include "pbrt/media/cloud_medium.h"
+#include "pbrt/media/voxel_media.h"
 #include "pbrt/spectra/spectral_data.h"
 #include "pbrt/spectra/spectrum_params.h"
 

@@ -2,8 +2,6 @@
 #include <vector>
 
 #include "pbrt/media/medium.h"
-#include "pbrt/media/voxels.h"
-#include "pbrt/spectra/color_space.h"
 
 namespace pbrt {
 
@@ -65,82 +63,6 @@ inline glm::ivec3 MajorantCells(const glm::ivec3 &voxels, int voxelsPerCell, int
 inline AffineMap GridFromRender(const Transform &renderFromMedium, const Bounds3 &box, const glm::ivec3 &cells) {
     return AffineMap::ToBox(box.low, box.high, cells) * AffineMap(glm::dmat4(renderFromMedium.Matrix())).Inverse();
 }
-
-/// Box with a procedural cloud of density at most 1. The density is a function of medium space, where the cloud lies
-/// between y = 0 and y = 1.
-class CloudMedium final : public Medium {
-  public:
-    struct Shape {
-        Float density = 1, wispiness = 1, frequency = 5;
-        Float DensityAt(const Point3 &p) const;
-    };
-    /// Spectra at density 1; the emission must be 0.
-    CloudMedium(MediumSpectra spectra, Float g, const Transform &renderFromMedium, const Bounds3 &bounds,
-                const Shape &shape);
-    size_t Bytes() const override { return sizeof(*this) + spectra_.Bytes() + majorants_.Bytes(); }
-    MediumOnRay On(const Ray &ray, Float tMax, const SampledWavelengths &lambda) const override;
-
-  private:
-    MediumCoefficients Evaluate(MediumOnRay &onRay, Float t) const override;
-
-    MediumSpectra spectra_;
-    Shape shape_;
-    Bounds3 bounds_;
-    MajorantGrid majorants_;
-    AffineMap gridFromRender_;
-};
-
-/// Box of voxels with a density that multiplies absorption and scattering, and optionally an emission factor and a
-/// temperature.
-class UniformGridMedium final : public Medium {
-  public:
-    struct Grids {
-        glm::ivec3 count{1};             ///< voxels per axis
-        std::vector<Float> density;      ///< at least 0
-        std::vector<Float> emission;     ///< factor of the emission; empty: 1
-        std::vector<Float> temperature;  ///< kelvin; empty: none
-    };
-    /// `bounds`: of the voxels, in medium space. Without temperatures the emission is that of `spectra`.
-    UniformGridMedium(MediumSpectra spectra, Float g, const Transform &renderFromMedium, const Bounds3 &bounds,
-                      Grids grids, const ThermalEmission &thermal);
-    size_t Bytes() const override;
-    MediumOnRay On(const Ray &ray, Float tMax, const SampledWavelengths &lambda) const override;
-
-  private:
-    MediumCoefficients Evaluate(MediumOnRay &onRay, Float t) const override;
-
-    MediumSpectra spectra_;
-    Grids grids_;
-    ThermalEmission thermal_;
-    Voxels voxels_;
-    MajorantGrid majorants_;
-    AffineMap gridFromRender_;
-};
-
-/// Box of RGB voxels for absorption, scattering and emission. Interpolates the uplifted spectra, not the colours.
-class RgbGridMedium final : public Medium {
-  public:
-    struct Grids {
-        glm::ivec3 count{1};                                       ///< voxels per axis
-        std::vector<RgbUnboundedSpectrum> absorption, scattering;  ///< empty: 1
-        std::vector<RgbUnboundedSpectrum> emission;                ///< without the illuminant; empty: 0
-        const Spectrum *illuminant = nullptr;                      ///< factor of the emission
-        Float scale = 1;                                           ///< of absorption and scattering
-        Float emissionScale = 1;
-    };
-    /// `bounds`: of the voxels, in medium space.
-    RgbGridMedium(Float g, const Transform &renderFromMedium, const Bounds3 &bounds, Grids grids);
-    size_t Bytes() const override;
-    MediumOnRay On(const Ray &ray, Float tMax, const SampledWavelengths &lambda) const override;
-
-  private:
-    MediumCoefficients Evaluate(MediumOnRay &onRay, Float t) const override;
-
-    Grids grids_;
-    Voxels voxels_;
-    MajorantGrid majorants_;
-    AffineMap gridFromRender_;
-};
 
 struct NanoVdbRequest {
     std::string path;

@@ -62,13 +62,9 @@ class PassedHits {
 /// alpha texture are hit with probability alpha, by a hash of the ray that is independent of thread and query order.
 class Accel {
   public:
-    struct Options {
-        /// Embree's robust traversal: watertight at shared edges. (High build quality is not offered, because Embree
-        /// builds robust scenes the same either way.)
-        bool robust = true;
-    };
-    Accel() : Accel(Options{}) {}
-    explicit Accel(const Options &options);
+    /// `robust`: Embree's robust traversal, watertight at shared edges. (High build quality is not offered, because
+    /// Embree builds robust scenes the same either way.)
+    explicit Accel(bool robust = true);
     ~Accel();
     Accel(const Accel &) = delete;
     Accel &operator=(const Accel &) = delete;

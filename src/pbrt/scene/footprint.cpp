@@ -1,4 +1,4 @@
-#include "pbrt/scene/footprint.h"
+#include "pbrt/scene/shading.h"
 
 namespace pbrt {
 

@@ -1,6 +1,8 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <optional>
+#include <ranges>
 #include <span>
 
 #include "pbrt/math/vec.h"
@@ -59,12 +61,8 @@ Float SolveIncreasing(F f, Slope slope, Float y, Float tolerance) {
 /// Largest i in [0, count - 2] with at(i) <= y, else 0. `at` must not decrease.
 template <class At>
 int FindPiece(int count, At at, Float y) {
-    int low = 0, high = count - 1;
-    while (high - low > 1) {
-        const int middle = (low + high) / 2;
-        (at(middle) <= y ? low : high) = middle;
-    }
-    return low;
+    const auto inner = std::views::iota(1, count - 1);
+    return *std::ranges::partition_point(inner, [&](int k) { return at(k) <= y; }) - 1;
 }
 
 /// Writes the running integral at the nodes to `cdf`; returns the total integral.

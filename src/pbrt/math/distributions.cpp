@@ -201,8 +201,7 @@ AliasTable::AliasTable(std::span<const Float> weights) : bins_(weights.size()) {
         }
     }
     // Entries left over by rounding own their whole column; those of weight 0 pass it to the heaviest entry.
-    auto byWeight = [](const Bin &a, const Bin &b) { return a.p < b.p; };
-    auto heaviest = static_cast<int>(std::max_element(bins_.begin(), bins_.end(), byWeight) - bins_.begin());
+    const auto heaviest = static_cast<int>(std::ranges::max_element(bins_, {}, &Bin::p) - bins_.begin());
     for (const std::vector<int> *rest : {&under, &over})
         for (int i : *rest) bins_[i] = {bins_[i].p > 0 ? Float(1) : Float(0), bins_[i].p, heaviest};
 }

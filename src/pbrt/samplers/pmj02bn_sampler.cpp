@@ -8,11 +8,6 @@ namespace {
 
 constexpr int kLog2Count = Pmj02bnSampler::SetLog2Count;
 
-const BlueNoiseMask &Mask() {
-    static const BlueNoiseMask mask(0);
-    return mask;
-}
-
 /// Permutes `bits`-bit numbers keeping every aligned run of 4, 16, ... together: the quarters of each run have their
 /// own random order, by the lane's seed.
 Lanes64 ShuffleRuns(uint32_t index, int bits, const Lanes64 &seed) {
@@ -55,7 +50,8 @@ Pmj02bnSampler::Pmj02bnSampler(const SamplerSettings &settings)
     }
     pixelPoints_ = std::move(sorted);
     for (int i = 0; i < SetCount; ++i) sets_[i] = Set(i).data();
-    mask_ = &Mask();
+    static const BlueNoiseMask mask(0);
+    mask_ = &mask;
 }
 
 int Pmj02bnSampler::StartSample(Point2i pixel, int sampleIndex, int dimension) {

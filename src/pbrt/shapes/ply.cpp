@@ -318,11 +318,10 @@ size_t ReadVertices(BodyReader &body, const Element &e, MeshData &mesh) {
 }
 
 void ReadFaces(BodyReader &body, const Element &e, uint64_t vertexCount, PlyMesh &mesh) {
-    const Property *indices = nullptr, *faceIndices = nullptr;
+    const Property *indices = nullptr;
     std::string names;
     for (const Property &p : e.properties) {
         if (p.isList && p.name == "vertex_indices") indices = &p;
-        if (!p.isList && p.name == "face_indices") faceIndices = &p;
         names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ", p.name);
     }
     if (!indices)
@@ -332,11 +331,11 @@ void ReadFaces(BodyReader &body, const Element &e, uint64_t vertexCount, PlyMesh
     for (uint64_t i = 0; i < e.count; ++i) {
         body.SetItem(&e.name, i);
         int64_t n = 0;
-        int faceIndex = 0;
         for (const Property &p : e.properties) {
-            if (&p == faceIndices) faceIndex = static_cast<int>(body.Integer(p.type));
-            else if (&p != indices) SkipProperty(body, p);
-            if (&p != indices) continue;
+            if (&p != indices) {
+                SkipProperty(body, p);
+                continue;
+            }
             n = body.Integer(p.countType);
             for (int64_t c = 0; c < n; ++c) {
                 int64_t v = body.Integer(p.type);
@@ -352,7 +351,6 @@ void ReadFaces(BodyReader &body, const Element &e, uint64_t vertexCount, PlyMesh
         MeshData &kind = n == 3 ? mesh.triangles : mesh.quads;
         if (n == 3) kind.indices.insert(kind.indices.end(), {corners[0], corners[1], corners[2]});
         else kind.indices.insert(kind.indices.end(), {corners[0], corners[1], corners[3], corners[2]});
-        if (faceIndices) kind.faceIndices.push_back(faceIndex);
     }
 }
 

@@ -46,7 +46,6 @@ struct MeshParams {
     }
     /// Validated mesh with `corners` indices per face.
     MeshData Finish(const ParamSet &set, DiagnosticSink &sink, size_t corners) {
-        mesh.faceIndices.assign(faceIndices.begin(), faceIndices.end());
         if (indices.empty()) {
             if (mesh.p.size() != corners)
                 throw set.Error("",
@@ -69,12 +68,12 @@ struct MeshParams {
             set.Warn(
                 sink, name,
                 fmt::format("\"{}\" has {} entries for {} {}; it is discarded.", name, values.size(), expected, what));
-            values.clear();
+            values = {};
         };
         discardUnlessPer(mesh.n, mesh.p.size(), "N", "points");
         discardUnlessPer(mesh.s, mesh.p.size(), "S", "points");
         discardUnlessPer(mesh.uv, mesh.p.size(), "uv", "points");
-        discardUnlessPer(mesh.faceIndices, mesh.indices.size() / corners, "faceIndices", "faces");
+        discardUnlessPer(faceIndices, mesh.indices.size() / corners, "faceIndices", "faces");
         return std::move(mesh);
     }
 };

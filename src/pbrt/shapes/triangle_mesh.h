@@ -9,10 +9,9 @@ namespace pbrt {
 struct MeshData {
     std::vector<uint32_t> indices;  ///< 3 (or 4: (0,0),(1,0),(0,1),(1,1)) per primitive
     std::vector<Point3> p;
-    std::vector<Normal3> n;        ///< per vertex or empty
-    std::vector<Vector3> s;        ///< per vertex or empty
-    std::vector<Point2> uv;        ///< per vertex or empty
-    std::vector<int> faceIndices;  ///< per primitive or empty
+    std::vector<Normal3> n;  ///< per vertex or empty
+    std::vector<Vector3> s;  ///< per vertex or empty
+    std::vector<Point2> uv;  ///< per vertex or empty
 };
 
 /// Primitives that share vertices.

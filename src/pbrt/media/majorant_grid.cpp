@@ -16,16 +16,6 @@ MajorantGrid::MajorantGrid(const glm::ivec3 &resolution, const std::function<Flo
     for (Float v : values_) PBRT_CHECK_MSG(v >= 0 && std::isfinite(v), "majorant {}", v);
 }
 
-AffineMap AffineMap::ToBox(const glm::dvec3 &low, const glm::dvec3 &high, const glm::dvec3 &size) {
-    const glm::dvec3 scale = size / (high - low);
-    return {glm::dmat3(scale.x, 0, 0, 0, scale.y, 0, 0, 0, scale.z), -low * scale};
-}
-
-AffineMap AffineMap::Inverse() const {
-    const glm::dmat3 inverse = glm::inverse(linear);
-    return {inverse, -(inverse * offset)};
-}
-
 GridWalk::GridWalk(const MajorantGrid &grid, const AffineMap &gridFromRender, const Ray &ray, Float tMax)
     : grid_(&grid), isDone_(true), size_(grid.Resolution()) {
     const glm::dvec3 o = gridFromRender.Point(ray.o), d = gridFromRender.Vector(ray.d);

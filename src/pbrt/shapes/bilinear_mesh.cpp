@@ -4,8 +4,7 @@
 
 #include "pbrt/core/error.h"
 #include "pbrt/math/warps.h"
-#include "pbrt/shapes/plane_error.h"
-#include "pbrt/shapes/rectangle_sampling.h"
+#include "pbrt/shapes/solid_angle_sampling.h"
 
 namespace pbrt {
 

@@ -2,8 +2,7 @@
 
 #include "pbrt/core/error.h"
 #include "pbrt/math/warps.h"
-#include "pbrt/shapes/plane_error.h"
-#include "pbrt/shapes/triangle_sampling.h"
+#include "pbrt/shapes/solid_angle_sampling.h"
 
 namespace pbrt {
 

@@ -50,7 +50,7 @@ struct Scene {
     const Accel &Of(Variant v) {
         std::unique_ptr<Accel> &accel = accels[v];
         if (accel) return *accel;
-        accel = std::make_unique<Accel>(Accel::Options{.robust = v != Variant::Fast});
+        accel = std::make_unique<Accel>(v != Variant::Fast);
         if (v == Variant::Instance)
             accel->AddInstance(accel->AddObject({ShapeId(0u)}, {&mesh}, {nullptr}), Transform());
         else accel->AddShape(ShapeId(0u), mesh, v == Variant::Alpha ? &half : nullptr);

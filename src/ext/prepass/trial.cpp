@@ -41,9 +41,9 @@ TrialRatio CompareTrials(std::span<const TrialPixel> option, std::span<const Tri
     const auto errorOf = [&](std::span<const TrialPixel> trial) {
         std::vector<double> errors;
         for (size_t b = 0; b < blocks; ++b) {
-            const double here = (SumOfMeans(option.subspan(b * kBlock, kBlock)) +
-                                 SumOfMeans(alternative.subspan(b * kBlock, kBlock))) /
-                                (2 * kBlock);
+            const double here =
+                (SumOfMeans(option.subspan(b * kBlock, kBlock)) + SumOfMeans(alternative.subspan(b * kBlock, kBlock))) /
+                (2 * kBlock);
             double variance = 0;
             for (const TrialPixel &p : trial.subspan(b * kBlock, kBlock)) variance += p.variance;
             const double unit = here * here + 0.01 * mean * mean;

@@ -1,7 +1,6 @@
 #include "pbrt/accel/accel.h"
 
 #include <atomic>
-#include <bit>
 #include <map>
 
 #include "pbrt/accel/embree_callbacks.h"
@@ -22,20 +21,11 @@ bool CountMemory(void *counter, ssize_t bytes, bool) {
 }
 
 RTCRay ToEmbree(const Ray &ray, Float time, Float tMin = 0) {
-    RTCRay r{};
-    r.org_x = ray.o.x;
-    r.org_y = ray.o.y;
-    r.org_z = ray.o.z;
-    r.dir_x = ray.d.x;
-    r.dir_y = ray.d.y;
-    r.dir_z = ray.d.z;
     // Embree accepts hits at tnear. Denormals may be flushed to zero.
     constexpr Float kSmallest = std::numeric_limits<Float>::min();
-    r.tnear = tMin < kSmallest ? kSmallest : NextFloat(tMin, true);
-    r.tfar = ray.tMax;
-    r.time = time;
-    r.mask = 0xffffffffu;
-    return r;
+    const Float tNear = tMin < kSmallest ? kSmallest : NextFloat(tMin, true);
+    constexpr unsigned kAllGeometries = 0xffffffffu;
+    return {ray.o.x, ray.o.y, ray.o.z, tNear, ray.d.x, ray.d.y, ray.d.z, time, ray.tMax, kAllGeometries, 0, 0};
 }
 
 /// Numbers of time steps. Embree, like AnimatedTransform, interpolates rotations along great arcs, but scales as the
@@ -102,18 +92,17 @@ struct Accel::Impl {
     };
     struct Instance {
         int object;
-        Transform transform;             ///< if static
-        int32_t motion = -1;             ///< -1: static
-        RTCGeometry geometry = nullptr;  ///< owned by the Embree scene
+        Transform transform;               ///< if static
+        std::unique_ptr<Motion> motion{};  ///< null: static
+        RTCGeometry geometry = nullptr;    ///< owned by the Embree scene
     };
 
     std::atomic<int64_t> bytes{0};
-    Options options;
+    bool robust;
     RTCDevice device = nullptr;
     Group top;
     std::vector<Group> objects;
     std::vector<Instance> instances;
-    std::vector<Motion> motions;
     std::map<uint32_t, ShadowRays> shadowless;  ///< shapes ignored by Occluded, by id
     bool anyMoves = false;
     Float startTime = 0, endTime = 1;  ///< of all moving instances
@@ -121,7 +110,7 @@ struct Accel::Impl {
     /// Largest origin and direction coordinates of rays that Embree can trace in every instance.
     Float maxOrigin = kEmbreeReach, maxDirection = kEmbreeReach;
 
-    explicit Impl(const Options &o) : options(o) {
+    explicit Impl(bool isRobust) : robust(isRobust) {
         device = rtcNewDevice(nullptr);
         if (!device) {
             // Under a memory limit Embree, with its threads and tables, fails first.
@@ -136,17 +125,15 @@ struct Accel::Impl {
         top.scene = NewScene();
     }
     ~Impl() {
-        if (top.scene) rtcReleaseScene(top.scene);
+        rtcReleaseScene(top.scene);
         for (Group &g : objects) rtcReleaseScene(g.scene);
-        if (device) rtcReleaseDevice(device);
+        rtcReleaseDevice(device);
     }
-    Impl(const Impl &) = delete;
-    Impl &operator=(const Impl &) = delete;
 
     RTCScene NewScene() {
         RTCScene scene = rtcNewScene(device);
         if (!scene) CheckDevice();
-        rtcSetSceneFlags(scene, options.robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
+        rtcSetSceneFlags(scene, robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
         rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_MEDIUM);
         return scene;
     }
@@ -166,12 +153,9 @@ struct Accel::Impl {
         auto *corners = static_cast<uint32_t *>(rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4,
                                                                         4 * sizeof(uint32_t), mesh.PrimitiveCount()));
         if (!corners) CheckDevice();
-        for (size_t i = 0; i < data.indices.size(); i += 4) {  // Embree orders corners around the quad
-            corners[i] = data.indices[i];
-            corners[i + 1] = data.indices[i + 1];
-            corners[i + 2] = data.indices[i + 3];
-            corners[i + 3] = data.indices[i + 2];
-        }
+        std::copy(data.indices.begin(), data.indices.end(), corners);
+        // Embree orders corners around the quad.
+        for (size_t i = 2; i < data.indices.size(); i += 4) std::swap(corners[i], corners[i + 1]);
         return g;
     }
     static void ShareVertices(RTCGeometry g, const MeshData &data) {
@@ -206,8 +190,7 @@ struct Accel::Impl {
         } else {
             g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
             rtcSetGeometryUserPrimitiveCount(g, shape.PrimitiveCount());
-            rtcSetGeometryBoundsFunction(
-                g, [](const RTCBoundsFunctionArguments *a) { UserBounds(a); }, nullptr);
+            rtcSetGeometryBoundsFunction(g, UserBounds, nullptr);
             rtcSetGeometryIntersectFunction(g, UserIntersect);
             rtcSetGeometryOccludedFunction(g, shadows.userGeometry);
         }
@@ -234,14 +217,14 @@ struct Accel::Impl {
         return time >= endTime ? 1 : (time - startTime) / (endTime - startTime);
     }
     void Place(const Instance &instance) {
-        if (instance.motion < 0) {
+        if (!instance.motion) {
             rtcSetGeometryTimeStepCount(instance.geometry, 1);
             rtcSetGeometryTransform(instance.geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR,
                                     &instance.transform.Matrix()[0][0]);
             NarrowReach(instance.transform);
             return;
         }
-        const Motion &motion = motions[instance.motion];
+        const Motion &motion = *instance.motion;
         const int steps = motion.StepCount();
         rtcSetGeometryTimeStepCount(instance.geometry, static_cast<unsigned>(steps));
         for (int i = 0; i < steps; ++i) {
@@ -290,7 +273,7 @@ struct Accel::Impl {
     }
 };
 
-Accel::Accel(const Options &options) : impl_(std::make_unique<Impl>(options)) {}
+Accel::Accel(bool robust) : impl_(std::make_unique<Impl>(robust)) {}
 Accel::~Accel() = default;
 
 void Accel::LetShadowRaysThrough(ShapeId id, bool collect) {
@@ -329,8 +312,7 @@ int Accel::AddMovingInstance(int object, const AnimatedTransform &renderFromOute
         PBRT_CHECK(t->StartTime() == impl_->startTime && t->EndTime() == impl_->endTime);
     }
     const int instance = AddInstance(object, Transform());
-    impl_->instances.back().motion = static_cast<int32_t>(impl_->motions.size());
-    impl_->motions.push_back({renderFromOuter, outerFromObject});
+    impl_->instances.back().motion = std::make_unique<Impl::Motion>(Impl::Motion{renderFromOuter, outerFromObject});
     return instance;
 }
 
@@ -374,8 +356,7 @@ std::optional<AccelHit> Accel::Intersect(const Ray &ray, Float tMin) const {
     QueryContext context(ray);
     RTCRayHit query{};
     query.ray = ToEmbree(ray, impl_->EmbreeTime(ray.time), tMin);
-    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(impl_->top.scene, &context.base, &query);
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
     AccelHit hit;
@@ -405,7 +386,7 @@ bool Accel::Occluded(const Ray &ray, PassedHits *passed) const {
 
 Transform Accel::InstanceTransform(int instance, Float time) const {
     const Impl::Instance &i = impl_->instances[instance];
-    if (i.motion < 0) return i.transform;
+    if (!i.motion) return i.transform;
     // Embree's transform rather than Motion::At: differences in the last digits could move a surface across the origin
     // of a ray leaving it.
     glm::mat4 m;

@@ -1,27 +1,70 @@
 #pragma once
+#include <algorithm>
+#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
-#include "pbrt/accel/passed_hits.h"
 #include "pbrt/core/error.h"
 #include "pbrt/math/animated_transform.h"
+#include "pbrt/shapes/shape.h"
 #include "pbrt/textures/texture.h"
 
 namespace pbrt {
+
+struct AccelHit {
+    ShapeId shape{};
+    uint32_t primitive = 0;
+    PrimitiveHit hit{};
+    int32_t instance = -1;  ///< -1: placed directly in the scene
+};
+
+/// Fixed-size list of the nearest surfaces passed by a shadow ray, in ray order. Hits at equal distance are kept once,
+/// because rays through a shared edge hit both triangles and primitives in several boxes are reported repeatedly.
+class PassedHits {
+  public:
+    static constexpr int kMaxHits = 8;
+
+    /// The result is independent of the order of additions.
+    void Add(const AccelHit &hit) {
+        int i = count_;
+        while (i > 0 && hit.hit.t < hits_[i - 1].hit.t) --i;
+        if (i > 0 && hits_[i - 1].hit.t == hit.hit.t) {
+            AccelHit &kept = hits_[i - 1];
+            if (Identity(hit) < Identity(kept)) kept = hit;
+            return;
+        }
+        if (count_ == kMaxHits) {
+            hasDropped_ = true;
+            if (i == kMaxHits) return;
+            --count_;
+        }
+        std::copy_backward(hits_.begin() + i, hits_.begin() + count_, hits_.begin() + count_ + 1);
+        hits_[i] = hit;
+        ++count_;
+    }
+    std::span<AccelHit> Hits() { return std::span(hits_).first(count_); }
+    std::span<const AccelHit> Hits() const { return std::span(hits_).first(count_); }
+    bool HasDropped() const { return hasDropped_; }
+
+  private:
+    static std::array<uint32_t, 3> Identity(const AccelHit &hit) {
+        return {hit.shape.value, hit.primitive, static_cast<uint32_t>(hit.instance)};
+    }
+    std::array<AccelHit, kMaxHits> hits_;
+    int count_ = 0;
+    bool hasDropped_ = false;
+};
 
 /// Ray queries through Embree. Shapes are in rendering space or, grouped into objects, instanced. Surfaces with an
 /// alpha texture are hit with probability alpha, by a hash of the ray that is independent of thread and query order.
 class Accel {
   public:
-    struct Options {
-        /// Embree's robust traversal: watertight at shared edges. (High build quality is not offered, because Embree
-        /// builds robust scenes the same either way.)
-        bool robust = true;
-    };
-    Accel() : Accel(Options{}) {}
-    explicit Accel(const Options &options);
+    /// `robust`: Embree's robust traversal, watertight at shared edges. (High build quality is not offered, because
+    /// Embree builds robust scenes the same either way.)
+    explicit Accel(bool robust = true);
     ~Accel();
     Accel(const Accel &) = delete;
     Accel &operator=(const Accel &) = delete;

@@ -3,8 +3,7 @@
 
 #include <optional>
 
-#include "pbrt/accel/passed_hits.h"
-#include "pbrt/textures/texture.h"
+#include "pbrt/accel/accel.h"
 
 namespace pbrt {
 

@@ -1,6 +1,6 @@
 #include "pbrt/cameras/camera_space.h"
 
-#include "pbrt/math/solid_angle.h"
+#include "pbrt/math/transform.h"
 
 namespace pbrt {
 

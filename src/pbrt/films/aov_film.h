@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "pbrt/films/film.h"
-#include "pbrt/math/precise_sum.h"
+#include "pbrt/math/statistics.h"
 
 namespace pbrt {
 

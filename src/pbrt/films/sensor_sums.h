@@ -10,7 +10,7 @@
 #include "pbrt/films/sensor.h"
 #include "pbrt/films/splats.h"
 #include "pbrt/images/image.h"
-#include "pbrt/math/precise_sum.h"
+#include "pbrt/math/statistics.h"
 
 namespace pbrt {
 

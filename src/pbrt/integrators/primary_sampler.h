@@ -9,9 +9,7 @@ namespace pbrt {
 /// Returns numbers from a list, extended by uniform random numbers at its end. Refers to both.
 class PrimarySampler final : public Sampler {
   public:
-    PrimarySampler(std::vector<Float> &numbers, Rng &rng) : Sampler(0), numbers_(numbers), rng_(rng) {}
-    int SamplesPerPixel() const override { return 1; }
-    Point2 GetPixel2D() override { return Get2D(); }
+    PrimarySampler(std::vector<Float> &numbers, Rng &rng) : Sampler(SamplerSettings()), numbers_(numbers), rng_(rng) {}
     std::unique_ptr<Sampler> Clone() const override { return std::make_unique<PrimarySampler>(numbers_, rng_); }
     std::unique_ptr<Sampler> WithSeed(int) const override { return Clone(); }
     /// Truncates the list to the numbers prepared for use; those beyond are unused.

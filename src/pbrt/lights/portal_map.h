@@ -3,8 +3,8 @@
 #include <optional>
 #include <vector>
 
+#include "pbrt/math/distributions.h"
 #include "pbrt/math/frame.h"
-#include "pbrt/math/windowed_distribution.h"
 
 namespace pbrt {
 

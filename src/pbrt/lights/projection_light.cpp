@@ -2,7 +2,7 @@
 
 #include "pbrt/core/error.h"
 #include "pbrt/lights/light_image.h"
-#include "pbrt/math/solid_angle.h"
+#include "pbrt/math/transform.h"
 
 namespace pbrt {
 

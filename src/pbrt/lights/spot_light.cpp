@@ -1,7 +1,7 @@
 #include "pbrt/lights/spot_light.h"
 
 #include "pbrt/math/frame.h"
-#include "pbrt/math/solid_angle.h"
+#include "pbrt/math/transform.h"
 #include "pbrt/math/warps.h"
 
 namespace pbrt {

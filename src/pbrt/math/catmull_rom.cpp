@@ -4,10 +4,10 @@ namespace pbrt {
 
 std::optional<SplineWeights> CatmullRomWeights(std::span<const Float> nodes, Float x) {
     if (!(x >= nodes.front() && x <= nodes.back())) return {};
-    auto node = [&](int k) { return nodes[k]; };
     const int n = static_cast<int>(nodes.size());
+    auto node = [&](int k) { return nodes[k]; };
     const int i = FindPiece(n, node, x);
-    const Float width = node(i + 1) - node(i), t = (x - node(i)) / width;
+    const Float width = nodes[i + 1] - nodes[i], t = (x - nodes[i]) / width;
     const Float t2 = t * t, t3 = t2 * t;
     SplineWeights weights;
     weights.first = std::clamp(i - 1, 0, n - 4);
@@ -15,7 +15,7 @@ std::optional<SplineWeights> CatmullRomWeights(std::span<const Float> nodes, Flo
     weight(i) += 2 * t3 - 3 * t2 + 1;
     weight(i + 1) += 3 * t2 - 2 * t3;
     auto addSlope = [&](Float basis, int from, int to) {
-        const Float w = basis * width / (node(to) - node(from));
+        const Float w = basis * width / (nodes[to] - nodes[from]);
         weight(to) += w;
         weight(from) -= w;
     };
@@ -27,11 +27,8 @@ std::optional<SplineWeights> CatmullRomWeights(std::span<const Float> nodes, Flo
 Float IntegrateCatmullRom(std::span<const Float> nodes, std::span<const Float> values, std::span<Float> cdf) {
     Float sum = 0;
     cdf[0] = 0;
-    for (size_t i = 0; i + 1 < nodes.size(); ++i) {
-        auto value = [&](int k) { return values[k]; };
-        sum += CatmullRomPiece(nodes, static_cast<int>(i), value).Integral(1);
-        cdf[i + 1] = sum;
-    }
+    for (int i = 0; i + 1 < static_cast<int>(nodes.size()); ++i)
+        cdf[i + 1] = sum += CatmullRomPiece(nodes, i, [&](int k) { return values[k]; }).Integral(1);
     return sum;
 }
 

@@ -1,6 +1,8 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <optional>
+#include <ranges>
 #include <span>
 
 #include "pbrt/math/vec.h"
@@ -34,12 +36,11 @@ struct SplinePiece {
 /// Segment between nodes i and i + 1 of the spline through value(k).
 template <class Value>
 SplinePiece CatmullRomPiece(std::span<const Float> nodes, int i, Value value) {
-    auto node = [&](int k) { return nodes[k]; };
     const int last = static_cast<int>(nodes.size()) - 1;
-    const Float width = node(i + 1) - node(i), f0 = value(i), f1 = value(i + 1);
-    const Float slope0 = i > 0 ? width * (f1 - value(i - 1)) / (node(i + 1) - node(i - 1)) : f1 - f0;
-    const Float slope1 = i + 2 <= last ? width * (value(i + 2) - f0) / (node(i + 2) - node(i)) : f1 - f0;
-    return SplinePiece(node(i), width, f0, f1, slope0, slope1);
+    const Float width = nodes[i + 1] - nodes[i], f0 = value(i), f1 = value(i + 1);
+    const Float slope0 = i > 0 ? width * (f1 - value(i - 1)) / (nodes[i + 1] - nodes[i - 1]) : f1 - f0;
+    const Float slope1 = i + 2 <= last ? width * (value(i + 2) - f0) / (nodes[i + 2] - nodes[i]) : f1 - f0;
+    return SplinePiece(nodes[i], width, f0, f1, slope0, slope1);
 }
 
 /// Solves f(t) = y for t in [0, 1], f increasing from f(0) <= y to f(1) >= y: Newton steps, with bisection where they
@@ -60,12 +61,8 @@ Float SolveIncreasing(F f, Slope slope, Float y, Float tolerance) {
 /// Largest i in [0, count - 2] with at(i) <= y, else 0. `at` must not decrease.
 template <class At>
 int FindPiece(int count, At at, Float y) {
-    int low = 0, high = count - 1;
-    while (high - low > 1) {
-        const int middle = (low + high) / 2;
-        (at(middle) <= y ? low : high) = middle;
-    }
-    return low;
+    const auto inner = std::views::iota(1, count - 1);
+    return *std::ranges::partition_point(inner, [&](int k) { return at(k) <= y; }) - 1;
 }
 
 /// Writes the running integral at the nodes to `cdf`; returns the total integral.

@@ -7,6 +7,62 @@
 
 namespace pbrt {
 
+namespace {
+
+/// Piecewise linear interpolation of a function given at 0 ... n.
+template <class F>
+double Between(double x, int n, F atWhole) {
+    int i = std::min(static_cast<int>(x), n - 1);
+    double low = atWhole(i);
+    return low + (x - i) * (atWhole(i + 1) - low);
+}
+
+/// Piece of a non-decreasing function, given at 0 ... n, in which it reaches a target.
+struct Piece {
+    int at;
+    double low, high;  ///< values at both ends
+};
+
+/// The piece within [from, to] that contains the target; `start` and `rise`: value at `from` and increase up to `to`.
+/// Interpolation finds it in a few steps where the function is nearly linear; every second step bisects.
+template <class F>
+Piece FindPiece(double target, double from, double to, double start, double rise, int n, F atWhole) {
+    int low = std::min(static_cast<int>(from), n - 1), high = std::min(static_cast<int>(to), n - 1);
+    const int last = high;
+    double x0 = from, x1 = to, y0 = start, y1 = start + rise;
+    for (bool bisects = false; low <= high; bisects = !bisects) {
+        const double x = bisects || !(y1 > y0) ? (x0 + x1) / 2 : x0 + (target - y0) / (y1 - y0) * (x1 - x0);
+        const int i = std::clamp(static_cast<int>(x), low, high);
+        const Piece piece{i, atWhole(i), atWhole(i + 1)};
+        if (!(piece.high > target)) {
+            low = piece.at + 1, x0 = low, y0 = piece.high;
+        } else if (piece.low > target && piece.at > low) {
+            high = piece.at - 1, x1 = piece.at, y1 = piece.low;
+        } else {
+            return piece;
+        }
+    }
+    return {last, atWhole(last), atWhole(last + 1)};
+}
+
+/// Inverts a non-decreasing function of that kind: x where it reaches the fraction u of its increase over [from, to].
+/// *piece is an interval that contains x and where the function increases, *risen the total increase. Returns false if
+/// that is 0.
+template <class F>
+bool Invert(double u, double from, double to, int n, F atWhole, double *x, int *piece, double *risen) {
+    const double start = Between(from, n, atWhole), rise = Between(to, n, atWhole) - start;
+    *risen = rise;
+    if (!(rise > 0)) return false;
+    const double target = start + u * rise;
+    const auto [at, a, b] = FindPiece(target, from, to, start, rise, n, atWhole);
+    if (!(b > a)) return false;
+    *piece = at;
+    *x = std::clamp(at + (target - a) / (b - a), std::max(from, double(at)), std::min(to, double(at) + 1));
+    return true;
+}
+
+}  // namespace
+
 PiecewiseConstant1D::PiecewiseConstant1D(std::span<const Float> f, Float low, Float high)
     : f_(f.begin(), f.end()), cdf_(f.size() + 1), low_(low), high_(high), last_(std::nextafter(high, low)) {
     PBRT_CHECK(!f.empty() && high > low);
@@ -34,7 +90,7 @@ PiecewiseConstant1D::Sampled PiecewiseConstant1D::Sample(Float u) const {
     // Last piece whose lower end is <= u; pieces of zero width are never chosen. Branchless: random u mispredicts every
     // second branch.
     const size_t cuts = cuts_.size() - 1;
-    const size_t cut = std::min(static_cast<size_t>(u * static_cast<Float>(cuts)), cuts - 1);
+    const size_t cut = std::min(size_t(u * static_cast<Float>(cuts)), cuts - 1);
     size_t i = cuts_[cut];
     for (size_t left = cuts_[cut + 1] - i + 1; left > 1;) {
         const size_t half = left / 2;
@@ -53,21 +109,16 @@ Float PiecewiseConstant1D::Pdf(Float x) const {
     if (x < low_ || x > high_) return 0;
     if (!(integral_ > 0)) return 1 / (high_ - low_);
     auto n = static_cast<Float>(f_.size());
-    auto i = std::min(static_cast<size_t>((x - low_) / (high_ - low_) * n), f_.size() - 1);
+    auto i = std::min(size_t((x - low_) / (high_ - low_) * n), f_.size() - 1);
     return f_[i] / integral_;
 }
 
-PiecewiseConstant2D::PiecewiseConstant2D(std::span<const Float> f, int nx, int ny, const Bounds2 &domain)
-    : domain_(domain) {
-    PBRT_CHECK(f.size() == static_cast<size_t>(nx) * static_cast<size_t>(ny));
+PiecewiseConstant2D::PiecewiseConstant2D(std::span<const Float> f, int nx, int ny) {
+    PBRT_CHECK(f.size() == size_t(1) * nx * ny);
     rows_.reserve(ny);
     std::vector<Float> integrals;
-    for (int y = 0; y < ny; ++y) {
-        rows_.emplace_back(f.subspan(static_cast<size_t>(y) * static_cast<size_t>(nx), static_cast<size_t>(nx)),
-                           domain.low.x, domain.high.x);
-        integrals.push_back(rows_.back().Integral());
-    }
-    marginal_ = PiecewiseConstant1D(integrals, domain.low.y, domain.high.y);
+    for (; !f.empty(); f = f.subspan(nx)) integrals.push_back(rows_.emplace_back(f.first(nx)).Integral());
+    marginal_ = PiecewiseConstant1D(integrals);
 }
 
 Point2 PiecewiseConstant2D::Sample(const Point2 &u, Float *pdf) const {
@@ -78,10 +129,87 @@ Point2 PiecewiseConstant2D::Sample(const Point2 &u, Float *pdf) const {
 }
 
 Float PiecewiseConstant2D::Pdf(const Point2 &p) const {
-    Float t = (p.y - domain_.low.y) / (domain_.high.y - domain_.low.y);
-    if (t < 0 || t > 1) return 0;
-    auto row = std::min(static_cast<size_t>(t * static_cast<Float>(rows_.size())), rows_.size() - 1);
+    if (p.y < 0 || p.y > 1) return 0;
+    auto row = std::min(size_t(p.y * static_cast<Float>(rows_.size())), rows_.size() - 1);
     return marginal_.Pdf(p.y) * rows_[row].Pdf(p.x);
+}
+
+WindowedPiecewiseConstant2D::WindowedPiecewiseConstant2D(std::span<const Float> f, int nx, int ny) : nx_(nx), ny_(ny) {
+    PBRT_CHECK(nx > 0 && ny > 0 && f.size() == size_t(nx) * size_t(ny));
+    const size_t stride = size_t(nx) + 1;
+    sums_.assign(stride * (size_t(ny) + 1), 0);
+    for (size_t j = 0; j < size_t(ny); ++j) {
+        double row = 0;
+        for (size_t i = 0; i < size_t(nx); ++i) {
+            row += std::max(double(f[j * size_t(nx) + i]), 0.0);
+            sums_[(j + 1) * stride + i + 1] = sums_[j * stride + i + 1] + row;
+        }
+    }
+    columns_.reserve(size_t(nx) * (size_t(ny) + 1));
+    for (int i = 0; i < nx; ++i) {
+        double column = 0;
+        columns_.push_back(0);
+        for (int j = 0; j < ny; ++j) columns_.push_back(column += std::max(double(f[j * nx + i]), 0.0));
+    }
+}
+
+WindowedPiecewiseConstant2D::Cells WindowedPiecewiseConstant2D::InCells(const Bounds2 &w) const {
+    auto scaled = [](Float v, int n) { return double(std::clamp(v, Float(0), Float(1))) * n; };
+    return {scaled(w.low.x, nx_), scaled(w.high.x, nx_), scaled(w.low.y, ny_), scaled(w.high.y, ny_)};
+}
+
+WindowedPiecewiseConstant2D::Band WindowedPiecewiseConstant2D::BandOf(const Cells &w) const {
+    const int low = std::min(static_cast<int>(w.y0), ny_ - 1), high = std::min(static_cast<int>(w.y1), ny_ - 1);
+    const size_t stride = size_t(nx_) + 1;
+    return {sums_.data() + size_t(low) * stride, sums_.data() + size_t(high) * stride, stride, w.y0 - low, w.y1 - high};
+}
+
+double WindowedPiecewiseConstant2D::Total(const Cells &w) const {
+    const Band left = BandOf(w);
+    return std::max(Between(w.x1, nx_, left) - Between(w.x0, nx_, left), 0.0);
+}
+
+double WindowedPiecewiseConstant2D::Integral(const Bounds2 &window) const {
+    return Total(InCells(window)) / (double(nx_) * double(ny_));
+}
+
+std::optional<Point2> WindowedPiecewiseConstant2D::Sample(const Point2 &u, const Bounds2 &window, Float *pdf) const {
+    const Cells w = InCells(window);
+    double x = 0, y = 0, total = 0, ofColumn = 0;
+    int column = 0, row = 0;
+    const Band left = BandOf(w);
+    if (!Invert(double(u.x), w.x0, w.x1, nx_, left, &x, &column, &total)) return {};
+    const double *const sums = ColumnSums(column);
+    const auto below = [&](int j) { return sums[j]; };
+    if (!Invert(double(u.y), w.y0, w.y1, ny_, below, &y, &row, &ofColumn)) return {};
+    // Rounding to Float may cross into the next cell; the density is that of the returned point.
+    const Point2 p(std::clamp(static_cast<Float>(x / nx_), window.low.x, window.high.x),
+                   std::clamp(static_cast<Float>(y / ny_), window.low.y, window.high.y));
+    *pdf = Density(p, total / (double(nx_) * double(ny_)));
+    if (!(*pdf > 0)) return {};
+    return p;
+}
+
+Float WindowedPiecewiseConstant2D::Density(const Point2 &p, double integral) const {
+    const int i = std::clamp(static_cast<int>(p.x * static_cast<Float>(nx_)), 0, nx_ - 1);
+    const int j = std::clamp(static_cast<int>(p.y * static_cast<Float>(ny_)), 0, ny_ - 1);
+    const double *const sums = ColumnSums(i);
+    return static_cast<Float>((sums[j + 1] - sums[j]) / integral);
+}
+
+Float WindowedPiecewiseConstant2D::IntegralAround(const Bounds2 &window) const {
+    const Cells w = InCells(window);
+    const int x0 = static_cast<int>(w.x0), x1 = static_cast<int>(std::ceil(w.x1)), y0 = static_cast<int>(w.y0),
+              y1 = static_cast<int>(std::ceil(w.y1));
+    return static_cast<Float>((Corner(x1, y1) - Corner(x0, y1)) - (Corner(x1, y0) - Corner(x0, y0))) /
+           static_cast<Float>(nx_ * ny_);
+}
+
+Float WindowedPiecewiseConstant2D::Pdf(const Point2 &p, const Bounds2 &window) const {
+    if (!(p.x >= window.low.x && p.x <= window.high.x && p.y >= window.low.y && p.y <= window.high.y)) return 0;
+    double integral = Integral(window);
+    if (!(integral > 0)) return 0;
+    return Density(p, integral);
 }
 
 AliasTable::AliasTable(std::span<const Float> weights) : bins_(weights.size()) {
@@ -97,34 +225,29 @@ AliasTable::AliasTable(std::span<const Float> weights) : bins_(weights.size()) {
         (scaled[i] < 1 ? under : over).push_back(static_cast<int>(i));
     }
     while (!under.empty() && !over.empty()) {
-        auto u = static_cast<size_t>(under.back()), o = static_cast<size_t>(over.back());
+        const int u = under.back(), o = over.back();
         under.pop_back();
         bins_[u].q = static_cast<Float>(scaled[u]);
-        bins_[u].alias = static_cast<int>(o);
+        bins_[u].alias = o;
         scaled[o] -= 1 - scaled[u];
         if (scaled[o] < 1) {
             over.pop_back();
-            under.push_back(static_cast<int>(o));
+            under.push_back(o);
         }
     }
     // Entries left over by rounding own their whole column; those of weight 0 pass it to the heaviest entry.
-    auto byWeight = [](const Bin &a, const Bin &b) { return a.p < b.p; };
-    auto heaviest = static_cast<int>(std::max_element(bins_.begin(), bins_.end(), byWeight) - bins_.begin());
+    const auto heaviest = static_cast<int>(std::ranges::max_element(bins_, {}, &Bin::p) - bins_.begin());
     for (const std::vector<int> *rest : {&under, &over})
-        for (int i : *rest) {
-            Bin &bin = bins_[i];
-            bin.q = bin.p > 0 ? 1 : 0;
-            bin.alias = heaviest;
-        }
+        for (int i : *rest) bins_[i] = {bins_[i].p > 0 ? Float(1) : Float(0), bins_[i].p, heaviest};
 }
 
 AliasTable::Sampled AliasTable::Sample(Float u) const {
     auto n = static_cast<Float>(bins_.size());
-    auto column = std::min(static_cast<size_t>(u * n), bins_.size() - 1);
+    auto column = std::min(size_t(u * n), bins_.size() - 1);
     Float up = std::min(u * n - static_cast<Float>(column), OneMinusEpsilon);
     const Bin &bin = bins_[column];
-    if (up < bin.q) return {static_cast<int>(column), bin.p, std::min(up / bin.q, OneMinusEpsilon)};
-    return {bin.alias, bins_[bin.alias].p, std::min((up - bin.q) / (1 - bin.q), OneMinusEpsilon)};
+    if (up < bin.q) return {static_cast<int>(column), bin.p};
+    return {bin.alias, bins_[bin.alias].p};
 }
 
 }  // namespace pbrt

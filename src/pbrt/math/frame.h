@@ -25,9 +25,8 @@ struct Frame {
 };
 
 inline Float CosTheta(const Vector3 &w) { return w.z; }
-inline Float Cos2Theta(const Vector3 &w) { return w.z * w.z; }
 inline Float AbsCosTheta(const Vector3 &w) { return std::abs(w.z); }
-inline Float Sin2Theta(const Vector3 &w) { return std::max(Float(0), 1 - Cos2Theta(w)); }
+inline Float Sin2Theta(const Vector3 &w) { return std::max(Float(0), 1 - w.z * w.z); }
 inline Float SinTheta(const Vector3 &w) { return std::sqrt(Sin2Theta(w)); }
 inline bool SameHemisphere(const Vector3 &a, const Vector3 &b) { return a.z * b.z > 0; }
 

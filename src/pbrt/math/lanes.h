@@ -15,13 +15,9 @@ using FloatLanes = float __attribute__((vector_size(64)));    ///< 16 lanes
 using DoubleLanes = double __attribute__((vector_size(64)));  ///< 8 lanes
 inline constexpr int Lanes64Count = 8, Lanes32Count = 16;
 
-inline Lanes64 LoadLanes(const uint64_t *from) {
-    Lanes64 v;
-    std::memcpy(&v, from, sizeof(v));
-    return v;
-}
-inline Lanes32 LoadLanes(const uint32_t *from) {
-    Lanes32 v;
+template <class Lanes, class T>
+inline Lanes LoadLanes(const T *from) {
+    Lanes v;
     std::memcpy(&v, from, sizeof(v));
     return v;
 }
@@ -32,7 +28,9 @@ inline void StoreLanes(const Lanes &v, T *to) {
 
 inline Lanes64 CountingLanes(uint64_t first) { return Lanes64{0, 1, 2, 3, 4, 5, 6, 7} + first; }
 
-inline Lanes32 ReverseBits(Lanes32 v) {
+/// T: uint32_t or lanes of it.
+template <class T>
+constexpr T ReverseBits(T v) {
     v = ((v & 0x55555555u) << 1) | ((v >> 1) & 0x55555555u);
     v = ((v & 0x33333333u) << 2) | ((v >> 2) & 0x33333333u);
     v = ((v & 0x0f0f0f0fu) << 4) | ((v >> 4) & 0x0f0f0f0fu);

@@ -10,13 +10,6 @@
 
 namespace pbrt {
 
-constexpr uint32_t ReverseBits32(uint32_t v) {
-    v = ((v & 0x55555555u) << 1) | ((v >> 1) & 0x55555555u);
-    v = ((v & 0x33333333u) << 2) | ((v >> 2) & 0x33333333u);
-    v = ((v & 0x0f0f0f0fu) << 4) | ((v >> 4) & 0x0f0f0f0fu);
-    return __builtin_bswap32(v);
-}
-
 /// Interleaves the bits of x (even) and y (odd).
 constexpr uint64_t EncodeMorton2(uint32_t x, uint32_t y) {
     auto spread = [](uint32_t v) {
@@ -112,41 +105,23 @@ Float PermutedRadicalInverse(uint32_t base, uint64_t a, uint64_t seed);
 /// Owen scrambling: a digit's permutation also depends on all preceding digits.
 Float OwenScrambledRadicalInverse(uint32_t base, uint64_t a, uint64_t seed);
 
-/// Radical inverse whose k-th digit d becomes (multiplier * d + r_k) mod base with random r_k per digit, including
-/// trailing zeros down to 2^-32. 0 < multiplier < base, and base is prime.
-Float AffineRadicalInverse(uint32_t base, uint64_t a, uint32_t multiplier, uint64_t seed);
-
-/// AffineRadicalInverse for the first prime bases by tables: faster, with the same values.
+/// Radical inverses in the first prime bases whose k-th digit d becomes (multiplier * d + r_k) mod base with random r_k
+/// per digit, including trailing zeros down to 2^-32.
 class DigitPermutations {
   public:
-    /// Dimension d uses base Primes[d], multipliers[d] and seed SeedOf(seed, d).
+    /// Dimension d uses base Primes[d], multipliers[d] in [1, base) and seed SeedOf(seed, d).
     DigitPermutations(std::span<const uint32_t> multipliers, uint64_t seed);
     static uint64_t SeedOf(uint64_t seed, int dimension) { return Hash(seed, dimension); }
-    int Dimensions() const { return static_cast<int>(bases_.size()); }
-    Float RadicalInverse(int dimension, uint64_t a) const;
-    /// Radical inverses of eight dimensions from firstDimension < Dimensions(); values beyond the last dimension are
-    /// undefined. a < 2^50.
+    /// Values of eight dimensions from firstDimension on; those beyond the last dimension are undefined. a < 2^50.
     void RadicalInverses(int firstDimension, uint64_t a, Float values[Lanes64Count]) const;
 
   private:
-    /// For RadicalInverses: each row holds one number per dimension, padded to whole vectors.
-    struct Rows {
-        size_t length = 0;
-        std::vector<double> base, inverseBase, multiplier;
-        std::vector<double> shifts;  ///< a row per digit
-        std::vector<double> tails;   ///< tails_, a row per digit and one more
-    };
-    void MakeRows(std::span<const uint32_t> multipliers);
-    struct Base {
-        uint32_t base = 0;
-        int digits = 0;
-        size_t first = 0;      ///< into permutations_: digits * base entries
-        size_t firstTail = 0;  ///< into tails_: digits + 1 entries
-    };
-    std::vector<Base> bases_;
-    std::vector<uint16_t> permutations_;
-    std::vector<double> tails_;  ///< value of the permuted zeros from digit k on
-    Rows rows_;
+    // Rows of one number per dimension, padded to whole vectors.
+    size_t length_;
+    std::vector<double> base_, inverseBase_, multiplier_;
+    std::vector<double> shifts_;  ///< r_k: a row per digit
+    std::vector<double> tails_;   ///< value of the permuted zeros from digit k on: a row per digit and one more
+    std::vector<int> digits_;     ///< per dimension
 };
 
 }  // namespace pbrt

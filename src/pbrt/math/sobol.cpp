@@ -7,41 +7,33 @@
 
 namespace pbrt {
 
-namespace {
-
-/// Boost's engine is in Gray code order: the n-th point has index n ^ (n >> 1), so index 2^c is n = 2^(c+1) - 1. It
-/// omits the origin, so its own count is one less. With 64-digit fractions it has 64 columns; 32 digits of 52 columns
-/// are kept.
-std::vector<uint32_t> MakeSobolMatrices() {
-    boost::random::sobol_engine<uint64_t, 64> engine(SobolDimensions);
-    std::vector<uint32_t> matrices(static_cast<size_t>(SobolDimensions) * SobolIndexBits);
-    for (int c = 0; c < SobolIndexBits; ++c) {
-        engine.seed((uint64_t(2) << c) - 2);
-        for (size_t d = 0; d < SobolDimensions; ++d)
-            matrices[d * SobolIndexBits + static_cast<size_t>(c)] = static_cast<uint32_t>(engine() >> 32);
-    }
-    return matrices;
-}
-
-std::vector<uint32_t> MakeSobolTables() {
-    constexpr size_t kRows = SobolIndexBits / 4 * 16;
-    std::vector<uint32_t> tables(kRows * SobolTableRow);
-    const uint32_t *columns = SobolMatrices();
-    for (size_t row = 0; row < kRows; ++row)
-        for (size_t d = 0; d < SobolDimensions; ++d)
-            tables[row * SobolTableRow + d] = SobolBits(columns + d * SobolIndexBits + row / 16 * 4, row % 16);
-    return tables;
-}
-
-}  // namespace
-
 const uint32_t *SobolMatrices() {
-    static const std::vector<uint32_t> matrices = MakeSobolMatrices();
+    // Boost's engine is in Gray code order: the n-th point has index n ^ (n >> 1), so index 2^c is n = 2^(c+1) - 1. It
+    // omits the origin, so its own count is one less. With 64-digit fractions it has 64 columns; 32 digits of 52
+    // columns are kept.
+    static const std::vector<uint32_t> matrices = [] {
+        boost::random::sobol_engine<uint64_t, 64> engine(SobolDimensions);
+        std::vector<uint32_t> made(size_t(SobolDimensions) * SobolIndexBits);
+        for (size_t c = 0; c < SobolIndexBits; ++c) {
+            engine.seed((uint64_t(2) << c) - 2);
+            for (size_t d = 0; d < SobolDimensions; ++d)
+                made[d * SobolIndexBits + c] = static_cast<uint32_t>(engine() >> 32);
+        }
+        return made;
+    }();
     return matrices.data();
 }
 
 const uint32_t *SobolTables() {
-    static const std::vector<uint32_t> tables = MakeSobolTables();
+    static const std::vector<uint32_t> tables = [] {
+        constexpr size_t kRows = SobolIndexBits / 4 * 16;
+        std::vector<uint32_t> made(kRows * SobolTableRow);
+        const uint32_t *columns = SobolMatrices();
+        for (size_t row = 0; row < kRows; ++row)
+            for (size_t d = 0; d < SobolDimensions; ++d)
+                made[row * SobolTableRow + d] = SobolBits(columns + d * SobolIndexBits + row / 16 * 4, row % 16);
+        return made;
+    }();
     return tables.data();
 }
 

@@ -94,9 +94,6 @@ inline T FastOwenScrambleReversed(T v, T low, T high) {
 inline uint32_t FastOwenScrambleReversed(uint32_t v, uint64_t seed) {
     return FastOwenScrambleReversed<uint32_t>(v, static_cast<uint32_t>(seed), static_cast<uint32_t>(seed >> 32));
 }
-inline uint32_t FastOwenScramble(uint32_t v, uint64_t seed) {
-    return ReverseBits32(FastOwenScrambleReversed(ReverseBits32(v), seed));
-}
 
 /// Enumerates the points of the global Sobol' sequence in a pixel of a 2^m x 2^m image covered by the first two
 /// dimensions. Each aligned run of 4^m points has one point per pixel.

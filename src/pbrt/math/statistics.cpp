@@ -33,8 +33,6 @@ double StudentCritical(double p, double dof) {
     return std::abs(boost::math::quantile(Student(std::min(dof, kMaxDof)), p / 2));
 }
 
-double NormalTwoSidedP(double z) { return std::erfc(std::abs(z) / std::sqrt(2.0)); }
-
 double NormalCritical(double p) {
     if (p >= 1) return 0;
     if (p <= 0) return std::numeric_limits<double>::infinity();

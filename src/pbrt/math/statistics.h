@@ -1,4 +1,5 @@
 #pragma once
+#include <cmath>
 #include <cstddef>
 
 namespace pbrt {
@@ -7,8 +8,7 @@ namespace pbrt {
 double StudentTwoSidedP(double t, double dof);
 /// Inverse: t > 0 with StudentTwoSidedP(t, dof) == p, p in (0, 1]; infinity if dof <= 0.
 double StudentCritical(double p, double dof);
-/// Two-sided p-value of a standard normal z, and its inverse (>= 0).
-double NormalTwoSidedP(double z);
+/// z >= 0 whose two-sided p-value as a standard normal is p.
 double NormalCritical(double p);
 /// Per-test level of n tests for a family-wise false alarm rate `level` (Sidak). The inverse SidakP is the probability
 /// that the smallest of n p-values is at most p.
@@ -45,5 +45,54 @@ class RunningMoments {
     size_t count_ = 0;
     double mean_ = 0, squares_ = 0;
 };
+
+/// Double-double accumulator: the rounded sum and its rounding error (Knuth's two-sum).
+///
+/// The sum is exact if every addend is a multiple of 2^q and no partial sum reaches 2^(q + 105). It is then
+/// bit-identical for any order and any partition of the addends. Products of two floats qualify unless they differ by
+/// more than a factor of about 2^55. Otherwise each addition has an error of at most 2^-105 of the sum.
+class PreciseSum {
+  public:
+    void Add(double x) {
+        const TwoSum first(high_, x);
+        if (!std::isfinite(first.sum)) [[unlikely]] {
+            high_ = first.sum;  // same as a plain sum
+            low_ = 0;
+            return;
+        }
+        const TwoSum second(first.sum, low_ + first.rest);
+        high_ = second.sum;
+        low_ = second.rest;
+    }
+    /// An empty sum plus another is bit-identical to the other.
+    void operator+=(const PreciseSum &other) {
+        Add(other.high_);
+        if (other.low_ != 0) Add(other.low_);
+    }
+    double Value() const { return high_; }
+    double Rest() const { return low_; }  ///< exact sum: Value() + Rest()
+
+  private:
+    struct TwoSum {
+        double sum, rest;  ///< a + b == sum + rest exactly
+        TwoSum(double a, double b) : sum(a + b) {
+            const double fromB = sum - a;
+            rest = (a - (sum - fromB)) + (b - fromB);
+        }
+    };
+    double high_ = 0, low_ = 0;
+};
+
+/// Sample variance (divided by n - 1) from sum and sum of squares; 0 for n < 2. Subtracts with 113 bits, more than both
+/// sums have.
+inline double VarianceOf(const PreciseSum &sum, const PreciseSum &squares, double n) {
+    if (!(n > 1)) return 0;
+    const auto whole = [](const PreciseSum &s) {
+        return static_cast<__float128>(s.Value()) + static_cast<__float128>(s.Rest());
+    };
+    const __float128 s = whole(sum);
+    return std::fmax(0.0, static_cast<double>((whole(squares) - s * s / static_cast<__float128>(n)) /
+                                              static_cast<__float128>(n - 1)));
+}
 
 }  // namespace pbrt

@@ -21,6 +21,15 @@ bool Transform::IsFinite() const {
     return true;
 }
 
+std::optional<double> Transform::UniformScale(double tolerance) const {
+    const glm::dmat3 m(m_), gram = glm::transpose(m) * m;
+    double s2 = (gram[0][0] + gram[1][1] + gram[2][2]) / 3, deviation = 0;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) deviation = std::max(deviation, std::abs(gram[i][j] - (i == j ? s2 : 0)));
+    if (!(deviation <= tolerance * s2)) return {};
+    return std::sqrt(s2);
+}
+
 Transform Transform::FromFile(const std::array<Float, 16> &v) { return Transform(glm::make_mat4(v.data())); }
 
 Transform Transform::Translate(const Vector3 &t) {

@@ -34,6 +34,8 @@ class Transform {
     bool SwapsHandedness() const { return Determinant3() < 0; }
     /// True if the transform is singular, or nearly so: the inverse has non-finite elements.
     bool IsSingular() const { return !(std::abs(Determinant3()) > 0) || !Transform(inverse_, m_).IsFinite(); }
+    /// Factor of lengths; empty if those of vectors differ. `tolerance`: relative, of squared lengths.
+    std::optional<double> UniformScale(double tolerance) const;
     /// False if an element of the matrix (not of the inverse) is not finite.
     bool IsFinite() const;
 
@@ -60,5 +62,16 @@ class Transform {
     glm::mat4 m_{1};
     glm::mat4 inverse_{1};
 };
+
+// Change of measure under an affine map M. A unit vector d maps to M d / |M d|; solid angle around d scales by |det M|
+// / |M d|^3, area across d by |det M| / |M d|.
+
+inline Float VolumeScale(const Transform &m) { return std::abs(glm::determinant(glm::mat3(m.Matrix()))); }
+
+/// Solid-angle density, in the target space of m, of unit direction w whose preimage has density `pdf`.
+inline Float MappedDirectionPdf(const Transform &m, const Vector3 &w, Float pdf) {
+    const Float inverse = 1 / Length(m.InverseVector(w));
+    return pdf * inverse * inverse * inverse / VolumeScale(m);
+}
 
 }  // namespace pbrt

@@ -1,5 +1,5 @@
 #pragma once
-#include "pbrt/math/trigonometry.h"
+#include "pbrt/math/fast_functions.h"
 #include "pbrt/math/vec.h"
 
 namespace pbrt {
@@ -16,12 +16,6 @@ inline Point2 SampleUniformDiskConcentric(const Point2 &u) {
     if (r == 0) return {0, 0};
     const SineCosine angle = SineCosineOfEighth((onVerticalSide ? at.y : at.x) / r);
     return r * (onVerticalSide ? Point2(angle.cos, angle.sin) : Point2(angle.sin, angle.cos));
-}
-
-/// Polar map to the unit disk. Density 1/Pi by area.
-inline Point2 SampleUniformDiskPolar(const Point2 &u) {
-    const SineCosine theta = SineCosineOfTurn(u.y);
-    return std::sqrt(u.x) * Point2(theta.cos, theta.sin);
 }
 
 /// Unit vector at polar angle theta from +z and azimuth 2 Pi u from +x.
@@ -48,13 +42,6 @@ inline Vector3 SampleCosineHemisphere(const Point2 &u) {
 }
 constexpr Float CosineHemispherePdf(Float cosTheta) { return cosTheta * InvPi; }  ///< solid angle
 
-/// Directions within the cone cos(theta) >= cosThetaMax about +z.
-inline Vector3 SampleUniformCone(const Point2 &u, Float cosThetaMax) {
-    Float c = (1 - u.x) + u.x * cosThetaMax;
-    return SphericalDirectionOfTurn(SafeSqrt(1 - c * c), c, u.y);
-}
-inline Float UniformConePdf(Float cosThetaMax) { return 1 / (2 * Pi * (1 - cosThetaMax)); }  ///< solid angle
-
 /// Barycentric coordinates, uniform by area (Heitz 2019, low distortion).
 inline Vector3 SampleUniformTriangle(const Point2 &u) {
     Float b0, b1;
@@ -74,11 +61,6 @@ inline Float SampleLinear(Float u, Float a, Float b) {
     if (u == 0 && a == 0) return 0;
     Float x = u * (a + b) / (a + std::sqrt(Lerp(u, a * a, b * b)));
     return std::min(x, OneMinusEpsilon);
-}
-inline Float LinearPdf(Float x, Float a, Float b) {
-    if (x < 0 || x > 1) return 0;
-    if (!(a + b > 0)) return 1;
-    return 2 * Lerp(x, a, b) / (a + b);
 }
 
 /// Samples the unit square proportionally to the bilinear interpolation of w = {w00, w10, w01, w11} (x first). The

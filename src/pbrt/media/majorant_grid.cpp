@@ -8,24 +8,12 @@ namespace pbrt {
 MajorantGrid::MajorantGrid(const glm::ivec3 &resolution, const std::function<Float(const glm::ivec3 &)> &bound)
     : resolution_(resolution) {
     PBRT_CHECK(resolution.x > 0 && resolution.y > 0 && resolution.z > 0);
-    const auto row = static_cast<size_t>(resolution.x);
-    values_.resize(row * static_cast<size_t>(resolution.y) * static_cast<size_t>(resolution.z));
+    values_.resize(size_t(1) * resolution.x * resolution.y * resolution.z);
     ParallelForEach(int64_t(resolution.y) * resolution.z, [&](int64_t i) {
         const int y = static_cast<int>(i % resolution.y), z = static_cast<int>(i / resolution.y);
-        for (int x = 0; x < resolution.x; ++x)
-            values_[static_cast<size_t>(i) * row + static_cast<size_t>(x)] = bound({x, y, z});
+        for (int x = 0; x < resolution.x; ++x) values_[i * resolution.x + x] = bound({x, y, z});
     });
     for (Float v : values_) PBRT_CHECK_MSG(v >= 0 && std::isfinite(v), "majorant {}", v);
-}
-
-AffineMap AffineMap::ToBox(const glm::dvec3 &low, const glm::dvec3 &high, const glm::dvec3 &size) {
-    const glm::dvec3 scale = size / (high - low);
-    return {glm::dmat3(scale.x, 0, 0, 0, scale.y, 0, 0, 0, scale.z), -low * scale};
-}
-
-AffineMap AffineMap::Inverse() const {
-    const glm::dmat3 inverse = glm::inverse(linear);
-    return {inverse, -(inverse * offset)};
 }
 
 GridWalk::GridWalk(const MajorantGrid &grid, const AffineMap &gridFromRender, const Ray &ray, Float tMax)

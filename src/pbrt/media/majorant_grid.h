@@ -35,12 +35,18 @@ struct AffineMap {
     AffineMap(const glm::dmat3 &l, const glm::dvec3 &o) : linear(l), offset(o) {}
     explicit AffineMap(const glm::dmat4 &m) : linear(m), offset(m[3]) {}
     /// Maps the box from `low` to `high`, of non-zero extent, to that from 0 to `size`.
-    static AffineMap ToBox(const glm::dvec3 &low, const glm::dvec3 &high, const glm::dvec3 &size);
+    static AffineMap ToBox(const glm::dvec3 &low, const glm::dvec3 &high, const glm::dvec3 &size) {
+        const glm::dvec3 scale = size / (high - low);
+        return {glm::dmat3(scale.x, 0, 0, 0, scale.y, 0, 0, 0, scale.z), -low * scale};
+    }
 
     glm::dvec3 Point(const glm::dvec3 &p) const { return linear * p + offset; }
     glm::dvec3 Vector(const glm::dvec3 &v) const { return linear * v; }
     AffineMap operator*(const AffineMap &o) const { return {linear * o.linear, linear * o.offset + offset}; }
-    AffineMap Inverse() const;
+    AffineMap Inverse() const {
+        const glm::dmat3 inverse = glm::inverse(linear);
+        return {inverse, -(inverse * offset)};
+    }
 };
 
 /// Traversal of a MajorantGrid, or of one unbounded cell, along a ray. A value of fixed size.

@@ -97,4 +97,8 @@ class MediumOnRay {
     alignas(16) std::byte memory_[192];
 };
 
+inline MediumCoefficients Medium::At(const Point3 &p, const SampledWavelengths &lambda) const {
+    return On({.o = p}, 0, lambda).At(0);
+}
+
 }  // namespace pbrt

@@ -4,10 +4,7 @@
 
 #include "pbrt/core/limits.h"
 #include "pbrt/media/cloud_medium.h"
-#include "pbrt/media/homogeneous_medium.h"
-#include "pbrt/media/nanovdb_medium.h"
-#include "pbrt/media/rgb_grid_medium.h"
-#include "pbrt/media/uniform_grid_medium.h"
+#include "pbrt/media/voxel_media.h"
 #include "pbrt/spectra/spectral_data.h"
 #include "pbrt/spectra/spectrum_params.h"
 
@@ -139,9 +136,9 @@ struct ThermalParams {
 };
 
 const ScatteringPreset *FindPreset(const std::string &name) {
-    for (const ScatteringPreset &preset : EmbeddedScatteringPresets())
-        if (preset.name == name) return &preset;
-    return nullptr;
+    const auto &all = EmbeddedScatteringPresets();
+    const auto found = std::ranges::find(all, name, &ScatteringPreset::name);
+    return found == all.end() ? nullptr : &*found;
 }
 
 struct HomogeneousParams {
@@ -324,20 +321,18 @@ std::unique_ptr<Medium> MakeNanoVdb(const NanoVdbParams &p, const ParamSet &set,
     return set.At("filename", [&] { return MakeNanoVdbMedium(request, std::move(spectra), p.coefficients.g, place); });
 }
 
-MediumFactories MakeTable() {
-    MediumFactories t("Medium");
-    t.Add<HomogeneousParams>("homogeneous", "a medium that is the same everywhere", MakeHomogeneous);
-    t.Add<UniformGridParams>("uniformgrid", "a box of voxels with densities", MakeUniformGrid);
-    t.Add<RgbGridParams>("rgbgrid", "a box of voxels with colours", MakeRgbGrid);
-    t.Add<CloudParams>("cloud", "a box with a cloud made of noise", MakeCloud);
-    t.Add<NanoVdbParams>("nanovdb", "voxels from a NanoVDB file", MakeNanoVdb);
-    return t;
-}
-
 }  // namespace
 
 const MediumFactories &Media() {
-    static const MediumFactories table = MakeTable();
+    static const MediumFactories table = [] {
+        MediumFactories t("Medium");
+        t.Add<HomogeneousParams>("homogeneous", "a medium that is the same everywhere", MakeHomogeneous);
+        t.Add<UniformGridParams>("uniformgrid", "a box of voxels with densities", MakeUniformGrid);
+        t.Add<RgbGridParams>("rgbgrid", "a box of voxels with colours", MakeRgbGrid);
+        t.Add<CloudParams>("cloud", "a box with a cloud made of noise", MakeCloud);
+        t.Add<NanoVdbParams>("nanovdb", "voxels from a NanoVDB file", MakeNanoVdb);
+        return t;
+    }();
     return table;
 }
 

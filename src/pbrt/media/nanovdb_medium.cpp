@@ -1,14 +1,11 @@
-#include "pbrt/media/nanovdb_medium.h"
-
 #include <array>
-#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <iostream>  // required by NanoVDB
 
 #include "pbrt/core/error.h"
 #include "pbrt/core/memory.h"
-#include "pbrt/core/parallel.h"
+#include "pbrt/media/medium_kinds.h"
 
 #define NANOVDB_USE_ZIP
 #define NANOVDB_USE_BLOSC
@@ -148,108 +145,50 @@ Float Interpolate(const Accessor &accessor, const Point3 &p) {
     return Lerp(w.y, Lerp(w.x, alongZ[0], alongZ[1]), Lerp(w.x, alongZ[2], alongZ[3]));
 }
 
-/// Density upper bounds in grid cells over a box of index space.
-class DensityBounds {
+/// Largest value of the voxels in a box of index space.
+class MaxInBox {
   public:
-    /// Index coordinates are low + perCell * p, p in majorant coordinates.
-    DensityBounds(const glm::ivec3 &low, const Vector3 &perCell, const glm::ivec3 &cells)
-        : low_(low), perCell_(perCell), cells_(cells) {
-        max_ = std::vector<std::atomic<Float>>(static_cast<size_t>(cells.x) * static_cast<size_t>(cells.y) *
-                                               static_cast<size_t>(cells.z));
-    }
+    using Index = glm::vec<3, int64_t>;
+    /// Voxels from `low` to `high`, inclusive.
+    MaxInBox(const Index &low, const Index &high) : low_(low), high_(high) {}
 
-    /// Maps majorant coordinates to index space along an axis; see Voxels::ToVoxels.
-    static Float ToIndex(Float p, Float perCell, int low) { return std::fma(p, perCell, static_cast<Float>(low)); }
-
-    void Take(const FloatGrid &grid) {
-        const auto &root = grid.tree().root();
-        // Lower nodes are cubes of 128^3 voxels.
-        std::vector<const Lower *> lowers;
-        for (auto upper = root.beginChild(); upper; ++upper) {
-            for (auto lower = upper->beginChild(); lower; ++lower) lowers.push_back(&*lower);
-            TakeTiles(*upper, Lower::DIM);
+    /// At least 0 and the background; infinite if a value in the box is not finite.
+    Float Of(const FloatGrid &grid) {
+        const auto &root = *grid.tree().root().data();
+        max_ = std::max(Float(0), grid.tree().background());
+        for (uint32_t i = 0; i < root.mTableSize; ++i) {
+            const auto *tile = root.tile(i);
+            const Index origin(tile->origin()[0], tile->origin()[1], tile->origin()[2]);
+            if (tile->isChild()) Visit(*root.getChild(tile), origin);
+            else if (glm::all(glm::lessThanEqual(origin, high_)) && glm::all(glm::lessThan(low_, origin + kTileSize)))
+                Take(tile->value);
         }
-        for (uint32_t i = 0; i < root.data()->mTableSize; ++i)
-            if (const auto *tile = root.data()->tile(i); !tile->isChild())
-                TakeCube(tile->origin(), Lower::DIM * kLowersPerUpper, tile->value);
-        ParallelForEach(static_cast<int64_t>(lowers.size()), [&](int64_t i) {
-            const Lower &lower = *lowers[i];
-            for (auto leaf = lower.beginChild(); leaf; ++leaf) TakeLeaf(*leaf);
-            TakeTiles(lower, Leaf::DIM);
-        });
-        if (grid.tree().background() != 0)
-            for (std::atomic<Float> &max : max_) Raise(max, grid.tree().background());
+        return max_;
     }
-    bool IsFinite() const { return isFinite_; }
-    Float operator()(const glm::ivec3 &cell) const { return max_[IndexOf(cell)]; }
 
   private:
-    using Lower = nanovdb::NanoLower<float>;
-    using Leaf = nanovdb::NanoLeaf<float>;
-    static constexpr int kLowersPerUpper = 32;
-    struct Cells {
-        int first, last;  ///< empty if last < first
-    };
+    static constexpr int64_t kTileSize = nanovdb::NanoUpper<float>::DIM;
 
-    /// Cells influenced by values from index `from` to `to`: those less than 1 away.
-    Cells CellsOf(int axis, int from, int to) const {
-        const auto below = static_cast<double>(from - 1), above = static_cast<double>(to + 1);
-        auto cellAt = [&](double index) {
-            const double cell = (index - low_[axis]) / static_cast<double>(perCell_[axis]);
-            return static_cast<int>(std::clamp(std::floor(cell), -2.0, static_cast<double>(cells_[axis]) + 2));
-        };
-        auto index = [&](int cell) {
-            return static_cast<double>(ToIndex(static_cast<Float>(cell), perCell_[axis], low_[axis]));
-        };
-        // One more on each side for rounding in the division, then restricted to the cells actually reached.
-        Cells c{std::max(cellAt(below) - 1, 0), std::min(cellAt(above) + 1, cells_[axis] - 1)};
-        while (c.first <= c.last && index(c.first + 1) <= below) ++c.first;
-        while (c.first <= c.last && index(c.last) >= above) --c.last;
-        return c;
-    }
-    size_t IndexOf(const glm::ivec3 &cell) const {
-        return static_cast<size_t>((cell.z * cells_.y + cell.y) * cells_.x + cell.x);
-    }
-    static void Raise(std::atomic<Float> &max, Float value) {
-        Float known = max.load(std::memory_order_relaxed);
-        while (known < value && !max.compare_exchange_weak(known, value, std::memory_order_relaxed)) {
-        }
-    }
-    void Spread(const std::array<Cells, 3> &cells, Float value) {
-        if (!std::isfinite(value)) isFinite_ = false;
-        if (!(value > 0)) return;
-        for (int z = cells[2].first; z <= cells[2].last; ++z)
-            for (int y = cells[1].first; y <= cells[1].last; ++y)
-                for (int x = cells[0].first; x <= cells[0].last; ++x) Raise(max_[IndexOf({x, y, z})], value);
-    }
-    void TakeCube(const nanovdb::Coord &origin, int size, Float value) {
-        if (value == 0) return;
-        std::array<Cells, 3> cells;
-        for (int a = 0; a < 3; ++a) cells[a] = CellsOf(a, origin[a], origin[a] + (size - 1));
-        Spread(cells, value);
-    }
+    /// `origin`: the node's first voxel.
     template <class Node>
-    void TakeTiles(const Node &node, int size) {
-        for (uint32_t n = 0; n < Node::SIZE; ++n)
-            if (!node.childMask().isOn(n)) TakeCube(node.offsetToGlobalCoord(n), size, node.data()->mTable[n].value);
+    void Visit(const Node &node, const Index &origin) {
+        constexpr int64_t kLog2Slots = Node::LOG2DIM, kLog2Size = Node::TOTAL - Node::LOG2DIM;  // per axis; of a slot
+        const Index first = glm::max(low_ - origin, Index(0)) >> kLog2Size;
+        const Index last = glm::min((high_ - origin) >> kLog2Size, Index((1 << kLog2Slots) - 1));
+        for (int64_t x = first.x; x <= last.x; ++x)
+            for (int64_t y = first.y; y <= last.y; ++y)
+                for (int64_t z = first.z; z <= last.z; ++z) {
+                    const auto slot = static_cast<uint32_t>((x << kLog2Slots | y) << kLog2Slots | z);
+                    if constexpr (Node::LEVEL == 0) Take(node.getValue(slot));
+                    else if (node.childMask().isOn(slot))
+                        Visit(*node.data()->getChild(slot), origin + (Index(x, y, z) << kLog2Size));
+                    else Take(node.data()->mTable[slot].value);
+                }
     }
-    void TakeLeaf(const Leaf &leaf) {
-        constexpr int kSize = Leaf::DIM;
-        std::array<std::array<Cells, kSize>, 3> cells;
-        const nanovdb::Coord origin = leaf.origin();
-        for (int a = 0; a < 3; ++a)
-            for (int i = 0; i < kSize; ++i) cells[a][i] = CellsOf(a, origin[a] + i, origin[a] + i);
-        for (uint32_t n = 0; n < kSize * kSize * kSize; ++n) {
-            const nanovdb::Coord at = Leaf::OffsetToLocalCoord(n);
-            Spread({cells[0][at[0]], cells[1][at[1]], cells[2][at[2]]}, leaf.getValue(n));
-        }
-    }
+    void Take(Float value) { max_ = std::isfinite(value) ? std::max(max_, value) : Infinity; }
 
-    glm::ivec3 low_;
-    Vector3 perCell_;
-    glm::ivec3 cells_;
-    std::vector<std::atomic<Float>> max_;
-    std::atomic<bool> isFinite_ = true;
+    Index low_, high_;
+    Float max_ = 0;
 };
 
 class NanoVdbMedium final : public Medium {
@@ -267,12 +206,16 @@ class NanoVdbMedium final : public Medium {
         indicesPerCell_ = Vector3(high - low_) / Vector3(cells);
         gridFromRender_ = AffineMap::ToBox(low_, high, cells) * grids_.density.IndexFromWorld() * mediumFromRender;
         if (grids_.temperature) temperatureFromRender_ = grids_.temperature.IndexFromWorld() * mediumFromRender;
-        DensityBounds bounds(low_, indicesPerCell_, cells);
-        bounds.Take(*grids_.density);
-        if (!bounds.IsFinite())
-            throw UserError(fmt::format("{}: grid \"{}\" holds a density that is not a number or infinite.",
-                                        request.path, Abbreviate(request.densityName)));
-        majorants_ = MajorantGrid(cells, [&](const glm::ivec3 &cell) { return kMajorantSlack * bounds(cell); });
+        majorants_ = MajorantGrid(cells, [&](const glm::ivec3 &cell) {
+            using Index = MaxInBox::Index;
+            // Values influence points less than 1 away.
+            MaxInBox reach(Index(glm::floor(ToIndex(Point3(cell)))), Index(glm::ceil(ToIndex(Point3(cell + 1)))));
+            const Float max = reach.Of(*grids_.density);
+            if (max == Infinity)
+                throw UserError(fmt::format("{}: grid \"{}\" holds a density that is not a number or infinite.",
+                                            request.path, Abbreviate(request.densityName)));
+            return kMajorantSlack * max;
+        });
     }
 
     size_t Bytes() const override {
@@ -304,11 +247,11 @@ class NanoVdbMedium final : public Medium {
     };
     static constexpr int kMaxCells = 64;
 
-    /// Maps majorant coordinates to the density's index space.
+    /// Maps majorant coordinates to the density's index space; see Voxels::ToVoxels.
     Point3 ToIndex(const Point3 &p) const {
-        return {DensityBounds::ToIndex(p.x, indicesPerCell_.x, low_.x),
-                DensityBounds::ToIndex(p.y, indicesPerCell_.y, low_.y),
-                DensityBounds::ToIndex(p.z, indicesPerCell_.z, low_.z)};
+        return {std::fma(p.x, indicesPerCell_.x, static_cast<Float>(low_.x)),
+                std::fma(p.y, indicesPerCell_.y, static_cast<Float>(low_.y)),
+                std::fma(p.z, indicesPerCell_.z, static_cast<Float>(low_.z))};
     }
 
     MediumCoefficients Evaluate(MediumOnRay &onRay, Float t) const override {

@@ -1,6 +1,6 @@
 #pragma once
 #include "pbrt/core/counters.h"
-#include "pbrt/math/exponential.h"
+#include "pbrt/math/fast_functions.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/media/medium.h"
 
@@ -46,30 +46,6 @@ SampledSpectrum ForEachCollision(MediumOnRay &onRay, Float u, Rng &rng, Visit &&
     }
     ThreadCounters().mediumLookups += lookups;
     return tMaj;
-}
-
-/// Unbiased estimate of the transmittance along a ray, per wavelength within [0, 1]: ratio tracking (Novak et al. 2014)
-/// with the largest majorant of all wavelengths, hence valid for each of them.
-inline SampledSpectrum RatioTransmittance(MediumOnRay &onRay, Rng &rng) {
-    SampledSpectrum transmittance(1);
-    Float depth = DepthThatTakes(rng.Uniform());
-    MajorantSegment segment;
-    while (onRay.Next(&segment)) {
-        const Float majorant = segment.majorant.MaxComponent();
-        for (Float begin = segment.begin;;) {
-            const Float t = begin + depth / majorant;
-            if (!(t < segment.end)) {
-                depth = std::max(depth - majorant * (segment.end - begin), Float(0));
-                break;
-            }
-            const MediumCoefficients c = onRay.At(t);
-            transmittance *= ClampZero(SampledSpectrum(1) - (c.absorption + c.scattering) / majorant);
-            if (!transmittance) return transmittance;
-            begin = t;
-            depth = DepthThatTakes(rng.Uniform());
-        }
-    }
-    return transmittance;
 }
 
 }  // namespace pbrt

@@ -21,12 +21,11 @@ int Wrap(int v, int n) { return (v % n + n) % n; }
 
 }  // namespace
 
-HaltonSampler::HaltonSampler(int samplesPerPixel, Point2i resolution, Randomization randomization, int seed)
-    : Sampler(seed), samplesPerPixel_(samplesPerPixel), resolution_(resolution), randomization_(randomization),
-      seed_(Hash(seed)) {
+HaltonSampler::HaltonSampler(const SamplerSettings &settings)
+    : SamplerBySettings(settings), seed_(Hash(settings.seed)) {
     for (int axis = 0; axis < 2; ++axis) {
         int base = axis == 0 ? 2 : 3;
-        while (scale_[axis] < std::min(resolution[axis], kTile)) {
+        while (scale_[axis] < std::min(settings.resolution[axis], kTile)) {
             scale_[axis] *= base;
             ++exponents_[axis];
         }
@@ -35,7 +34,7 @@ HaltonSampler::HaltonSampler(int samplesPerPixel, Point2i resolution, Randomizat
     stride_ = sx * sy;
     xStep_ = sy * InverseModulo(sy, sx);
     yStep_ = sx * InverseModulo(sx, sy);
-    if (randomization == Randomization::PermuteDigits) {
+    if (settings.randomization == Randomization::PermuteDigits) {
         // Dimensions 0 and 1 are unused. No other base divides the stride.
         std::array<uint32_t, kSteps.size()> multipliers{1, 1};
         for (size_t d = 2; d < kSteps.size(); ++d) {
@@ -70,10 +69,9 @@ int HaltonSampler::Step(int dimension) { return kSteps[dimension]; }
 Float HaltonSampler::Dimension(int dimension) const {
     if (dimension >= PrimeCount) return HashFloat(index_, dimension, seed_);
     uint32_t base = Primes[dimension];
-    switch (randomization_) {
+    switch (settings_.randomization) {
         case Randomization::None: return RadicalInverse(base, index_);
         case Randomization::PermuteDigits:
-            if (dimension < StepCount) return permutations_->RadicalInverse(dimension, index_);
             return PermutedRadicalInverse(base, index_, DigitPermutations::SeedOf(seed_, dimension));
         default: return OwenScrambledRadicalInverse(base, index_, DigitPermutations::SeedOf(seed_, dimension));
     }
@@ -82,7 +80,7 @@ Float HaltonSampler::Dimension(int dimension) const {
 Sampler::Run HaltonSampler::Prepare(int dimension, Numbers &numbers) {
     FloatLanes values{};
     int d = dimension;
-    if (randomization_ == Randomization::PermuteDigits && dimension < StepCount) {
+    if (settings_.randomization == Randomization::PermuteDigits && dimension < StepCount) {
         alignas(64) Float known[kPrepared] = {};
         for (int first = dimension; first < std::min(StepCount, dimension + kPrepared); first += Lanes64Count)
             permutations_->RadicalInverses(first, index_, known + (first - dimension));

@@ -1,21 +1,15 @@
 #pragma once
 #include "pbrt/math/low_discrepancy.h"
-#include "pbrt/samplers/randomization.h"
 #include "pbrt/samplers/sampler.h"
 
 namespace pbrt {
 
 /// Halton points over tiles of up to 128 x 128 pixels. Bases 2 and 3, scaled by the power that covers the tile, give
 /// the film position, so each pixel owns every (2^j 3^k)-th point; other bases give the other dimensions.
-class HaltonSampler final : public Sampler {
+class HaltonSampler final : public SamplerBySettings<HaltonSampler> {
   public:
-    HaltonSampler(int samplesPerPixel, Point2i resolution, Randomization randomization, int seed);
-    int SamplesPerPixel() const override { return samplesPerPixel_; }
+    explicit HaltonSampler(const SamplerSettings &settings);
     Point2 GetPixel2D() override;
-    std::unique_ptr<Sampler> Clone() const override { return std::make_unique<HaltonSampler>(*this); }
-    std::unique_ptr<Sampler> WithSeed(int seed) const override {
-        return std::make_unique<HaltonSampler>(samplesPerPixel_, resolution_, randomization_, seed);
-    }
 
     uint64_t Index() const { return index_; }
     Point2i TileScale() const { return scale_; }
@@ -34,9 +28,6 @@ class HaltonSampler final : public Sampler {
   private:
     Float Dimension(int dimension) const;
     static constexpr int kTile = 128;
-    int samplesPerPixel_;
-    Point2i resolution_;
-    Randomization randomization_;
     uint64_t seed_;
     std::shared_ptr<const DigitPermutations> permutations_;
     Point2i scale_{1, 1};             ///< 2^j and 3^k

@@ -1,17 +1,12 @@
 #include "pbrt/samplers/pmj02bn_sampler.h"
 
-#include "pbrt/math/sobol.h"
+#include "pbrt/samplers/randomization.h"
 
 namespace pbrt {
 
 namespace {
 
 constexpr int kLog2Count = Pmj02bnSampler::SetLog2Count;
-
-const BlueNoiseMask &Mask() {
-    static const BlueNoiseMask mask(0);
-    return mask;
-}
 
 /// Permutes `bits`-bit numbers keeping every aligned run of 4, 16, ... together: the quarters of each run have their
 /// own random order, by the lane's seed.
@@ -40,9 +35,9 @@ const std::vector<BinaryPoint> &Pmj02bnSampler::Set(int index) {
     return sets[index];
 }
 
-Pmj02bnSampler::Pmj02bnSampler(int samplesPerPixel, int seed)
-    : Sampler(seed), samplesPerPixel_(samplesPerPixel),
-      log2Samples_(std::bit_width(static_cast<unsigned>(samplesPerPixel - 1))), seed_(Hash(seed)) {
+Pmj02bnSampler::Pmj02bnSampler(const SamplerSettings &settings)
+    : SamplerBySettings(settings), log2Samples_(std::bit_width(static_cast<unsigned>(settings.samplesPerPixel - 1))),
+      seed_(Hash(settings.seed)) {
     log2PerPixel_ = std::min((log2Samples_ + 1) / 2 * 2, kLog2Count);
     log2Tile_ = (kLog2Count - log2PerPixel_) / 2;
     // The points in a pixel, in sequence order, are again a (0,2) sequence.
@@ -55,7 +50,8 @@ Pmj02bnSampler::Pmj02bnSampler(int samplesPerPixel, int seed)
     }
     pixelPoints_ = std::move(sorted);
     for (int i = 0; i < SetCount; ++i) sets_[i] = Set(i).data();
-    mask_ = &Mask();
+    static const BlueNoiseMask mask(0);
+    mask_ = &mask;
 }
 
 int Pmj02bnSampler::StartSample(Point2i pixel, int sampleIndex, int dimension) {

@@ -1,5 +1,5 @@
 #pragma once
-#include "pbrt/math/rng.h"
+#include "pbrt/math/low_discrepancy.h"
 #include "pbrt/samplers/sampler.h"
 
 namespace pbrt {
@@ -8,8 +8,16 @@ namespace pbrt {
 class PixelStream {
   public:
     explicit PixelStream(int seed) : seed_(seed) {}
-    void Start(Point2i pixel, int sampleIndex);
-    FloatLanes Numbers(int dimension) const;
+    void Start(Point2i pixel, int sampleIndex) {
+        uint64_t h = Hash(pixel, seed_);
+        rng_.SetSequence(h, MixBits(h));
+        rng_.Advance(static_cast<uint64_t>(sampleIndex) * kDimensionsPerSample);
+    }
+    FloatLanes Numbers(int dimension) const {
+        Rng rng = rng_;
+        rng.Advance(static_cast<uint64_t>(dimension));
+        return rng.NextUniforms();
+    }
 
   private:
     static constexpr uint64_t kDimensionsPerSample = 65536;
@@ -17,16 +25,10 @@ class PixelStream {
     Rng rng_;  ///< at the sample's first number
 };
 
-class IndependentSampler final : public Sampler {
+class IndependentSampler final : public SamplerBySettings<IndependentSampler> {
   public:
-    IndependentSampler(int samplesPerPixel, int seed)
-        : Sampler(seed), samplesPerPixel_(samplesPerPixel), stream_(seed) {}
-    int SamplesPerPixel() const override { return samplesPerPixel_; }
-    Point2 GetPixel2D() override { return Get2D(); }
-    std::unique_ptr<Sampler> Clone() const override { return std::make_unique<IndependentSampler>(*this); }
-    std::unique_ptr<Sampler> WithSeed(int seed) const override {
-        return std::make_unique<IndependentSampler>(samplesPerPixel_, seed);
-    }
+    explicit IndependentSampler(const SamplerSettings &settings)
+        : SamplerBySettings(settings), stream_(settings.seed) {}
 
   protected:
     int StartSample(Point2i pixel, int sampleIndex, int dimension) override {
@@ -39,7 +41,6 @@ class IndependentSampler final : public Sampler {
     }
 
   private:
-    int samplesPerPixel_;
     PixelStream stream_;
 };
 
@@ -48,22 +49,44 @@ class IndependentSampler final : public Sampler {
 class StratifiedSampler final : public Sampler {
   public:
     StratifiedSampler(int xSamples, int ySamples, bool jitter, int seed)
-        : Sampler(seed), xSamples_(xSamples), ySamples_(ySamples), jitter_(jitter), seed_(seed), stream_(seed) {}
-    int SamplesPerPixel() const override { return xSamples_ * ySamples_; }
-    Point2 GetPixel2D() override { return Get2D(); }
+        : Sampler(SamplerSettings{.samplesPerPixel = xSamples * ySamples, .seed = seed}), xSamples_(xSamples),
+          ySamples_(ySamples), jitter_(jitter), stream_(seed) {}
     std::unique_ptr<Sampler> Clone() const override { return std::make_unique<StratifiedSampler>(*this); }
     std::unique_ptr<Sampler> WithSeed(int seed) const override {
         return std::make_unique<StratifiedSampler>(xSamples_, ySamples_, jitter_, seed);
     }
 
   protected:
-    int StartSample(Point2i pixel, int sampleIndex, int dimension) override;
-    Run Prepare(int dimension, Numbers &numbers) override;
+    int StartSample(Point2i pixel, int sampleIndex, int dimension) override {
+        int round = sampleIndex / SamplesPerPixel();
+        index_ = static_cast<uint32_t>(sampleIndex - round * SamplesPerPixel());
+        pixelHash_ = Hash(pixel, settings_.seed, round);
+        if (jitter_) stream_.Start(pixel, sampleIndex);
+        return dimension;
+    }
+    Run Prepare(int dimension, Numbers &numbers) override {
+        const FloatLanes offsets = jitter_ ? stream_.Numbers(dimension) : FloatLanes{} + Float(0.5);
+        const auto strata = static_cast<uint32_t>(SamplesPerPixel());
+        auto within = [](int stratum, Float offset, int count) {
+            return std::min((static_cast<Float>(stratum) + offset) / static_cast<Float>(count), OneMinusEpsilon);
+        };
+        Lanes64 stratum[2];
+        for (int half = 0; half < 2; ++half) {
+            const uint64_t seed = pixelHash_ + static_cast<uint64_t>(dimension + half * Lanes64Count);
+            stratum[half] = PermutationElement(index_, strata, CountingLanes(seed));
+        }
+        for (int i = 0; i < kPrepared - 1; ++i) {
+            const auto s = static_cast<int>(stratum[i / Lanes64Count][i % Lanes64Count]);
+            numbers.one[i] = within(s, offsets[i], SamplesPerPixel());
+            numbers.two[i] = {within(s % xSamples_, offsets[i], xSamples_),
+                              within(s / xSamples_, offsets[i + 1], ySamples_)};
+        }
+        return {dimension, kPrepared - 1};
+    }
 
   private:
     int xSamples_, ySamples_;
     bool jitter_;
-    int seed_;
     PixelStream stream_;
     uint64_t pixelHash_ = 0;
     uint32_t index_ = 0;

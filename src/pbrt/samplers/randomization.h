@@ -1,10 +1,8 @@
 #pragma once
 #include "pbrt/math/sobol.h"
+#include "pbrt/samplers/sampler.h"
 
 namespace pbrt {
-
-/// Randomisations that preserve the stratification of low-discrepancy points.
-enum class Randomization { None, PermuteDigits, FastOwen, Owen };
 
 /// Seeds of eight dimensions from `first` on for a hashed state.
 inline Lanes64 AddDimensions(uint64_t hash, int first) {

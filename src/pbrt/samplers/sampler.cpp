@@ -6,7 +6,6 @@
 #include "pbrt/samplers/halton_sampler.h"
 #include "pbrt/samplers/pmj02bn_sampler.h"
 #include "pbrt/samplers/random_samplers.h"
-#include "pbrt/samplers/randomization.h"
 #include "pbrt/samplers/sobol_samplers.h"
 
 namespace pbrt {
@@ -21,7 +20,7 @@ void Sampler::PrepareNext() {
 
 std::unique_ptr<Sampler> Sampler::ForBatch(int index) const {
     if (index == 0) return Clone();
-    const uint64_t mixed = MixBits(static_cast<uint64_t>(givenSeed_) * 0x10001 + static_cast<uint64_t>(index));
+    const uint64_t mixed = MixBits(static_cast<uint64_t>(settings_.seed) * 0x10001 + static_cast<uint64_t>(index));
     return WithSeed(static_cast<int>(mixed & 0x7fffffff));
 }
 
@@ -51,8 +50,9 @@ struct CountParams : SeedParams {
         v("pixelsamples", samples, Range<int>{1, kMaxSamples}, "samples per pixel; --spp overrides it");
         SeedParams::Describe(v);
     }
-    int Samples(const SamplerContext &context) const {
-        return context.samplesPerPixel > 0 ? context.samplesPerPixel : samples;
+    SamplerSettings Settings(const SamplerContext &context, Randomization randomization = Randomization::None) const {
+        const int count = context.samplesPerPixel > 0 ? context.samplesPerPixel : samples;
+        return {count, context.resolution, randomization, Seed(context)};
     }
 };
 
@@ -104,23 +104,26 @@ std::unique_ptr<Sampler> MakeStratified(const StratifiedParams &p, const ParamSe
     return std::make_unique<StratifiedSampler>(x, y, p.jitter, p.Seed(context));
 }
 
-std::unique_ptr<Sampler> MakePmj(const CountParams &p, const ParamSet &set, const SamplerContext &context) {
-    const int samples = p.Samples(context);
+/// Warns unless samples per pixel are a power of `base`, 2 or 4.
+void SuggestPower(int base, int samples, const ParamSet &set, const SamplerContext &context) {
     const auto n = static_cast<unsigned>(samples);
-    if (!std::has_single_bit(n) || std::countr_zero(n) % 2 != 0)
-        set.Warn(context.sink, "pixelsamples",
-                 fmt::format("{} samples per pixel are not a power of four; this sampler is at its best with one.",
-                             samples));
-    return std::make_unique<Pmj02bnSampler>(samples, p.Seed(context));
+    if (std::has_single_bit(n) && (base == 2 || std::countr_zero(n) % 2 == 0)) return;
+    set.Warn(context.sink, "pixelsamples",
+             fmt::format("{} samples per pixel are not a power of {}; this sampler is at its best with one.", samples,
+                         base == 2 ? "two" : "four"));
 }
 
-int SobolSamples(const SobolParams &p, const ParamSet &set, const SamplerContext &context) {
-    const int samples = p.Samples(context);
-    if (!std::has_single_bit(static_cast<unsigned>(samples)))
-        set.Warn(
-            context.sink, "pixelsamples",
-            fmt::format("{} samples per pixel are not a power of two; this sampler is at its best with one.", samples));
-    return samples;
+std::unique_ptr<Sampler> MakePmj(const CountParams &p, const ParamSet &set, const SamplerContext &context) {
+    const SamplerSettings settings = p.Settings(context);
+    SuggestPower(4, settings.samplesPerPixel, set, context);
+    return std::make_unique<Pmj02bnSampler>(settings);
+}
+
+template <class S>
+std::unique_ptr<Sampler> MakeSobol(const SobolParams &p, const ParamSet &set, const SamplerContext &context) {
+    const SamplerSettings settings = p.Settings(context, p.randomization);
+    SuggestPower(2, settings.samplesPerPixel, set, context);
+    return std::make_unique<S>(settings);
 }
 
 }  // namespace
@@ -130,21 +133,15 @@ const SamplerTable &Samplers() {
         using Context = const SamplerContext;
         SamplerTable t("Sampler");
         t.Add<IndependentParams>("independent", "", [](const auto &p, const ParamSet &, Context &c) {
-            return std::make_unique<IndependentSampler>(p.Samples(c), p.Seed(c));
+            return std::make_unique<IndependentSampler>(p.Settings(c));
         });
         t.Add<StratifiedParams>("stratified", "", MakeStratified);
         t.Add<HaltonParams>("halton", "", [](const auto &p, const ParamSet &, Context &c) {
-            return std::make_unique<HaltonSampler>(p.Samples(c), c.resolution, p.randomization, p.Seed(c));
+            return std::make_unique<HaltonSampler>(p.Settings(c, p.randomization));
         });
-        t.Add<SobolParams>("sobol", "", [](const auto &p, const ParamSet &set, Context &c) {
-            return std::make_unique<SobolSampler>(SobolSamples(p, set, c), c.resolution, p.randomization, p.Seed(c));
-        });
-        t.Add<SobolParams>("paddedsobol", "", [](const auto &p, const ParamSet &set, Context &c) {
-            return std::make_unique<PaddedSobolSampler>(SobolSamples(p, set, c), p.randomization, p.Seed(c));
-        });
-        t.Add<SobolParams>("zsobol", "", [](const auto &p, const ParamSet &set, Context &c) {
-            return std::make_unique<ZSobolSampler>(SobolSamples(p, set, c), c.resolution, p.randomization, p.Seed(c));
-        });
+        t.Add<SobolParams>("sobol", "", MakeSobol<SobolSampler>);
+        t.Add<SobolParams>("paddedsobol", "", MakeSobol<PaddedSobolSampler>);
+        t.Add<SobolParams>("zsobol", "", MakeSobol<ZSobolSampler>);
         t.Add<CountParams>("pmj02bn", "the points are generated at startup and differ from stock pbrt-v4's", MakePmj);
         return t;
     }();

@@ -7,6 +7,17 @@
 
 namespace pbrt {
 
+/// Randomisations that preserve the stratification of low-discrepancy points.
+enum class Randomization { None, PermuteDigits, FastOwen, Owen };
+
+/// What samplers are constructed from. Not every kind has a randomization or depends on the resolution.
+struct SamplerSettings {
+    int samplesPerPixel = 1;
+    Point2i resolution{1, 1};  ///< of the full film
+    Randomization randomization = Randomization::None;
+    int seed = 0;
+};
+
 /// Sample values in [0, 1) as a function of (seed, pixel, sample index, dimension) only. Not thread-safe: each thread
 /// uses its own Clone(). Indices from SamplesPerPixel() on start another independent set of SamplesPerPixel() samples
 /// (or continue the sequence).
@@ -15,8 +26,9 @@ namespace pbrt {
 /// virtual calls.
 class Sampler {
   public:
+    explicit Sampler(const SamplerSettings &settings) : settings_(settings) {}
     virtual ~Sampler() = default;
-    virtual int SamplesPerPixel() const = 0;
+    int SamplesPerPixel() const { return settings_.samplesPerPixel; }
     void StartPixelSample(Point2i pixel, int sampleIndex, int dimension = 0) {
         next_ = end_ = 0;
         firstPrepared_ = StartSample(pixel, sampleIndex, dimension);
@@ -33,7 +45,7 @@ class Sampler {
         next_ += 2;
         return p;
     }
-    virtual Point2 GetPixel2D() = 0;  ///< position inside the pixel
+    virtual Point2 GetPixel2D() { return Get2D(); }  ///< position inside the pixel
     virtual std::unique_ptr<Sampler> Clone() const = 0;
     /// Same kind of sampler with another seed.
     virtual std::unique_ptr<Sampler> WithSeed(int seed) const = 0;
@@ -49,45 +61,51 @@ class Sampler {
         alignas(64) Point2 two[kPrepared];
 
         /// For samplers with a point per dimension; Get1D returns its x.
-        void SetPoints(const FloatLanes &x, const FloatLanes &y);
+        void SetPoints(const FloatLanes &x, const FloatLanes &y) {
+            static_assert(kPrepared == Lanes32Count);
+            StoreLanes(x, one);
+            StoreLanes(__builtin_shufflevector(x, y, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23), two);
+            StoreLanes(__builtin_shufflevector(x, y, 8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31),
+                       two + kPrepared / 2);
+        }
         /// For samplers with one number per dimension; the last entry is invalid, because its y is missing.
-        void SetSequence(const FloatLanes &values);
+        void SetSequence(const FloatLanes &v) {
+            StoreLanes(v, one);
+            StoreLanes(__builtin_shufflevector(v, v, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7, 8), two);
+            StoreLanes(__builtin_shufflevector(v, v, 8, 9, 9, 10, 10, 11, 11, 12, 12, 13, 13, 14, 14, 15, 15, 15),
+                       two + kPrepared / 2);
+        }
     };
     /// A run of prepared dimensions; entries 0 ... count - 1 are valid.
     struct Run {
         int first = 0, count = 0;
     };
 
-    explicit Sampler(int seed) : givenSeed_(seed) {}
     virtual int StartSample(Point2i pixel, int sampleIndex, int dimension) = 0;
     /// Fills numbers for a run of dimensions that contains `dimension`.
     virtual Run Prepare(int dimension, Numbers &numbers) = 0;
 
+    SamplerSettings settings_;
+
   private:
     void PrepareNext();
-    int givenSeed_;
     int firstPrepared_ = 0;   ///< dimension of entry 0 of prepared_
     int next_ = 0, end_ = 0;  ///< next entry of prepared_ to use, and number of valid entries
     Numbers prepared_{};
 };
 
-inline void Sampler::Numbers::SetPoints(const FloatLanes &x, const FloatLanes &y) {
-    static_assert(kPrepared == Lanes32Count);
-    StoreLanes(x, one);
-    const FloatLanes low = __builtin_shufflevector(x, y, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
-    const FloatLanes high = __builtin_shufflevector(x, y, 8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31);
-    StoreLanes(low, two);
-    StoreLanes(high, two + kPrepared / 2);
-}
-inline void Sampler::Numbers::SetSequence(const FloatLanes &values) {
-    static_assert(kPrepared == Lanes32Count);
-    StoreLanes(values, one);
-    const FloatLanes low = __builtin_shufflevector(values, values, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7, 8);
-    const FloatLanes high =
-        __builtin_shufflevector(values, values, 8, 9, 9, 10, 10, 11, 11, 12, 12, 13, 13, 14, 14, 15, 15, 15);
-    StoreLanes(low, two);
-    StoreLanes(high, two + kPrepared / 2);
-}
+/// Base of samplers of type S that are constructed from their settings alone.
+template <class S>
+class SamplerBySettings : public Sampler {
+  public:
+    using Sampler::Sampler;
+    std::unique_ptr<Sampler> Clone() const final { return std::make_unique<S>(static_cast<const S &>(*this)); }
+    std::unique_ptr<Sampler> WithSeed(int seed) const final {
+        SamplerSettings settings = settings_;
+        settings.seed = seed;
+        return std::make_unique<S>(settings);
+    }
+};
 
 struct SamplerContext {
     Point2i resolution{1, 1};  ///< of the full film

@@ -18,9 +18,9 @@ void SetSobolPoints(const SixteenLanes &index, Randomization randomization, cons
 
 }  // namespace
 
-SobolSampler::SobolSampler(int samplesPerPixel, Point2i resolution, Randomization randomization, int seed)
-    : Sampler(seed), samplesPerPixel_(samplesPerPixel), resolution_(resolution), randomization_(randomization),
-      seed_(Hash(seed)), log2Resolution_(Log2RoundedUp(std::max(resolution.x, resolution.y))),
+SobolSampler::SobolSampler(const SamplerSettings &settings)
+    : SamplerBySettings(settings), seed_(Hash(settings.seed)),
+      log2Resolution_(Log2RoundedUp(std::max(settings.resolution.x, settings.resolution.y))),
       pixelIndex_(std::make_shared<const SobolPixelIndex>(log2Resolution_)), tables_(SobolTables()) {
     Seeds seeds;
     for (int d = 0; d < SobolTableRow; d += Lanes64Count) {
@@ -50,9 +50,10 @@ FloatLanes SobolSampler::SixteenDimensions(int first) const {
     Lanes32 v{};
     const uint32_t *rows = tables_ + first;
     for (uint64_t bits = index_; bits; bits >>= 4, rows += 16 * SobolTableRow)
-        v ^= LoadLanes(rows + (bits & 15) * SobolTableRow);
-    const Lanes32 low = LoadLanes(seeds_->low.data() + first), high = LoadLanes(seeds_->high.data() + first);
-    switch (randomization_) {
+        v ^= LoadLanes<Lanes32>(rows + (bits & 15) * SobolTableRow);
+    const auto low = LoadLanes<Lanes32>(seeds_->low.data() + first),
+               high = LoadLanes<Lanes32>(seeds_->high.data() + first);
+    switch (settings_.randomization) {
         case Randomization::FastOwen: v = ReverseBits(FastOwenScrambleReversed(ReverseBits(v), low, high)); break;
         case Randomization::Owen:
             for (int half = 0; half < 2; ++half) {
@@ -83,29 +84,28 @@ Sampler::Run SobolSampler::Prepare(int dimension, Numbers &numbers) {
 }
 
 int PaddedSobolSampler::StartSample(Point2i pixel, int sampleIndex, int dimension) {
-    int round = sampleIndex / samplesPerPixel_;
-    index_ = static_cast<uint32_t>(sampleIndex - round * samplesPerPixel_);
-    pixelHash_ = Hash(pixel, seed_, round);
+    int round = sampleIndex / SamplesPerPixel();
+    index_ = static_cast<uint32_t>(sampleIndex - round * SamplesPerPixel());
+    pixelHash_ = Hash(pixel, settings_.seed, round);
     return dimension;
 }
 
 Sampler::Run PaddedSobolSampler::Prepare(int dimension, Numbers &numbers) {
     const SixteenLanes seed{AddDimensions(pixelHash_, dimension), AddDimensions(pixelHash_, dimension + Lanes64Count)};
-    const auto count = static_cast<uint32_t>(samplesPerPixel_);
+    const auto count = static_cast<uint32_t>(SamplesPerPixel());
     FloatLanes x, y;
     SetSobolPoints({PermutationElement(index_, count, seed.a), PermutationElement(index_, count, seed.b)},
-                   randomization_, seed, &x, &y);
+                   settings_.randomization, seed, &x, &y);
     numbers.SetPoints(x, y);
     return {dimension, kPrepared};
 }
 
-ZSobolSampler::ZSobolSampler(int samplesPerPixel, Point2i resolution, Randomization randomization, int seed)
-    : Sampler(seed), samplesPerPixel_(samplesPerPixel), resolution_(resolution), randomization_(randomization),
-      seed_(Hash(seed)), log2Samples_(Log2RoundedUp(samplesPerPixel)),
-      indexBits_(log2Samples_ + 2 * Log2RoundedUp(std::max(resolution.x, resolution.y))) {}
+ZSobolSampler::ZSobolSampler(const SamplerSettings &settings)
+    : SamplerBySettings(settings), seed_(Hash(settings.seed)), log2Samples_(Log2RoundedUp(settings.samplesPerPixel)),
+      indexBits_(log2Samples_ + 2 * Log2RoundedUp(std::max(settings.resolution.x, settings.resolution.y))) {}
 
 int ZSobolSampler::StartSample(Point2i pixel, int sampleIndex, int dimension) {
-    int round = sampleIndex / samplesPerPixel_;
+    int round = sampleIndex / SamplesPerPixel();
     if (pixel != pixel_ || round != round_) {
         pixel_ = pixel;
         round_ = round;
@@ -113,7 +113,7 @@ int ZSobolSampler::StartSample(Point2i pixel, int sampleIndex, int dimension) {
         roundSeed_ = seed_ + static_cast<uint64_t>(round) * 0xbf58476d1ce4e5b9ull;
         pixelMorton_ = EncodeMorton2(static_cast<uint32_t>(pixel.x), static_cast<uint32_t>(pixel.y)) << log2Samples_;
     }
-    morton_ = pixelMorton_ | static_cast<uint64_t>(sampleIndex - round * samplesPerPixel_);
+    morton_ = pixelMorton_ | static_cast<uint64_t>(sampleIndex - round * SamplesPerPixel());
     return dimension;
 }
 
@@ -139,7 +139,7 @@ Lanes64 ZSobolSampler::SobolIndices(int firstDimension, const Lanes64 &hash) {
             StoreLanes(PermutedQuads(hash, log2Samples_, indexBits_), part);
             pixelPartKnown_ |= known;
         }
-        index = LoadLanes(part);
+        index = LoadLanes<Lanes64>(part);
     } else {
         index = PermutedQuads(hash, log2Samples_, indexBits_);
     }
@@ -154,7 +154,7 @@ Sampler::Run ZSobolSampler::Prepare(int dimension, Numbers &numbers) {
     const int first = dimension - dimension % kPrepared;
     const SixteenLanes hash{AddDimensions(roundSeed_, first), AddDimensions(roundSeed_, first + Lanes64Count)};
     FloatLanes x, y;
-    SetSobolPoints({SobolIndices(first, hash.a), SobolIndices(first + Lanes64Count, hash.b)}, randomization_,
+    SetSobolPoints({SobolIndices(first, hash.a), SobolIndices(first + Lanes64Count, hash.b)}, settings_.randomization,
                    SecondSeed(hash), &x, &y);
     numbers.SetPoints(x, y);
     return {first, kPrepared};

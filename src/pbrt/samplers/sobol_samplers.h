@@ -10,15 +10,10 @@ namespace pbrt {
 
 /// Global Sobol' sequence: its first two dimensions cover the film (up to a power of two), so that pixels share one
 /// high-dimensional point set. These two are not randomised, the others are.
-class SobolSampler final : public Sampler {
+class SobolSampler final : public SamplerBySettings<SobolSampler> {
   public:
-    SobolSampler(int samplesPerPixel, Point2i resolution, Randomization randomization, int seed);
-    int SamplesPerPixel() const override { return samplesPerPixel_; }
+    explicit SobolSampler(const SamplerSettings &settings);
     Point2 GetPixel2D() override;
-    std::unique_ptr<Sampler> Clone() const override { return std::make_unique<SobolSampler>(*this); }
-    std::unique_ptr<Sampler> WithSeed(int seed) const override {
-        return std::make_unique<SobolSampler>(samplesPerPixel_, resolution_, randomization_, seed);
-    }
     uint64_t Index() const { return index_; }
 
   protected:
@@ -31,9 +26,6 @@ class SobolSampler final : public Sampler {
         std::vector<uint32_t> low, high;
     };
     FloatLanes SixteenDimensions(int first) const;
-    int samplesPerPixel_;
-    Point2i resolution_;
-    Randomization randomization_;
     uint64_t seed_;
     int log2Resolution_;
     std::shared_ptr<const SobolPixelIndex> pixelIndex_;
@@ -44,40 +36,24 @@ class SobolSampler final : public Sampler {
 
 /// Each request uses the first one or two Sobol' dimensions, with independent random order and randomisation per
 /// request and pixel.
-class PaddedSobolSampler final : public Sampler {
+class PaddedSobolSampler final : public SamplerBySettings<PaddedSobolSampler> {
   public:
-    PaddedSobolSampler(int samplesPerPixel, Randomization randomization, int seed)
-        : Sampler(seed), samplesPerPixel_(samplesPerPixel), randomization_(randomization), seed_(seed) {}
-    int SamplesPerPixel() const override { return samplesPerPixel_; }
-    Point2 GetPixel2D() override { return Get2D(); }
-    std::unique_ptr<Sampler> Clone() const override { return std::make_unique<PaddedSobolSampler>(*this); }
-    std::unique_ptr<Sampler> WithSeed(int seed) const override {
-        return std::make_unique<PaddedSobolSampler>(samplesPerPixel_, randomization_, seed);
-    }
+    using SamplerBySettings::SamplerBySettings;
 
   protected:
     int StartSample(Point2i pixel, int sampleIndex, int dimension) override;
     Run Prepare(int dimension, Numbers &numbers) override;
 
   private:
-    int samplesPerPixel_;
-    Randomization randomization_;
-    int seed_;
     uint64_t pixelHash_ = 0;
     uint32_t index_ = 0;
 };
 
 /// Blue-noise error by ordering (Ahmed and Wonka 2020): pixels in Morton order take consecutive pieces of one Sobol'
 /// sequence, with the children of every quad in a random order per dimension.
-class ZSobolSampler final : public Sampler {
+class ZSobolSampler final : public SamplerBySettings<ZSobolSampler> {
   public:
-    ZSobolSampler(int samplesPerPixel, Point2i resolution, Randomization randomization, int seed);
-    int SamplesPerPixel() const override { return samplesPerPixel_; }
-    Point2 GetPixel2D() override { return Get2D(); }
-    std::unique_ptr<Sampler> Clone() const override { return std::make_unique<ZSobolSampler>(*this); }
-    std::unique_ptr<Sampler> WithSeed(int seed) const override {
-        return std::make_unique<ZSobolSampler>(samplesPerPixel_, resolution_, randomization_, seed);
-    }
+    explicit ZSobolSampler(const SamplerSettings &settings);
 
   protected:
     int StartSample(Point2i pixel, int sampleIndex, int dimension) override;
@@ -89,9 +65,6 @@ class ZSobolSampler final : public Sampler {
     /// Bits fromBit ... toBit - 1 of morton_, with the children of every quad in the order selected by (hash, quad).
     Lanes64 PermutedQuads(const Lanes64 &hash, int fromBit, int toBit) const;
     static constexpr int kRemembered = 128;
-    int samplesPerPixel_;
-    Point2i resolution_;
-    Randomization randomization_;
     uint64_t seed_;
     int log2Samples_;  ///< log2 of the samples per pixel, rounded up
     int indexBits_;    ///< of morton_

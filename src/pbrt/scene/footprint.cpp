@@ -1,4 +1,4 @@
-#include "pbrt/scene/footprint.h"
+#include "pbrt/scene/shading.h"
 
 namespace pbrt {
 
@@ -22,7 +22,17 @@ Vector2 ParameterStep(const SurfacePoint &point, const Vector3 &dp, Float invers
     return {bounded(du), bounded(dv)};
 }
 
-RayDifferential Checked(RayDifferential d) {
+/// Differentials of a scattered ray from those it arrived with. `scattered` maps the direction of an arriving ray and
+/// the change of the shading normal to the new direction. Invalid if too large.
+template <class F>
+RayDifferential Scattered(const SurfacePoint &point, const RayDifferential &arrived, F scattered) {
+    RayDifferential d;
+    if (!arrived.valid) return d;
+    const SurfacePoint::Shading &shading = point.shading;
+    d.rxOrigin = point.p + point.dpdx;
+    d.ryOrigin = point.p + point.dpdy;
+    d.rxDirection = scattered(arrived.rxDirection, shading.dndu * point.dudx + shading.dndv * point.dvdx);
+    d.ryDirection = scattered(arrived.ryDirection, shading.dndu * point.dudy + shading.dndv * point.dvdy);
     constexpr Float kMaxSquare = 1e16f;
     Float largest = std::max(std::max(LengthSquared(d.rxDirection), LengthSquared(d.ryDirection)),
                              std::max(LengthSquared(d.rxOrigin), LengthSquared(d.ryOrigin)));
@@ -53,50 +63,29 @@ void ComputeFootprint(SurfacePoint &point, const RayDifferential &differential, 
 }
 
 RayDifferential ReflectDifferential(const SurfacePoint &point, const RayDifferential &arrived, const Vector3 &wi) {
-    RayDifferential d;
-    if (!arrived.valid) return d;
     const Vector3 &n = point.shading.n, &wo = point.wo;
-    auto reflected = [&](const Vector3 &arrivedDirection, const Normal3 &dn) {
+    return Scattered(point, arrived, [&](const Vector3 &arrivedDirection, const Normal3 &dn) {
         Vector3 dwo = -arrivedDirection - wo;
         Float dCos = Dot(dwo, n) + Dot(wo, dn);
         return wi - dwo + Float(2) * (Dot(wo, n) * dn + dCos * n);
-    };
-    Normal3 dndx = point.shading.dndu * point.dudx + point.shading.dndv * point.dvdx;
-    Normal3 dndy = point.shading.dndu * point.dudy + point.shading.dndv * point.dvdy;
-    d.rxOrigin = point.p + point.dpdx;
-    d.ryOrigin = point.p + point.dpdy;
-    d.rxDirection = reflected(arrived.rxDirection, dndx);
-    d.ryDirection = reflected(arrived.ryDirection, dndy);
-    return Checked(d);
+    });
 }
 
 RayDifferential TransmitDifferential(const SurfacePoint &point, const RayDifferential &arrived, const Vector3 &wi,
                                      Float eta) {
-    RayDifferential d;
-    if (!arrived.valid) return d;
-    Normal3 n = point.shading.n;
     const Vector3 &wo = point.wo;
-    Normal3 dndx = point.shading.dndu * point.dudx + point.shading.dndv * point.dvdx;
-    Normal3 dndy = point.shading.dndu * point.dudy + point.shading.dndv * point.dvdy;
-    if (Dot(wo, n) < 0) {
-        n = -n;
-        dndx = -dndx;
-        dndy = -dndy;
-    }
+    const bool inside = Dot(wo, point.shading.n) < 0;
+    const Normal3 n = inside ? -point.shading.n : point.shading.n;
     // wi = -wo / eta + mu n with mu = cos_o / eta - |cos_i|; both terms are differentiated.
     Float cosO = Dot(wo, n), cosI = AbsDot(wi, n);
     Float mu = cosO / eta - cosI;
-    auto transmitted = [&](const Vector3 &arrivedDirection, const Normal3 &dn) {
+    return Scattered(point, arrived, [&](const Vector3 &arrivedDirection, const Normal3 &dnOutside) {
+        const Normal3 dn = inside ? -dnOutside : dnOutside;
         Vector3 dwo = -arrivedDirection - wo;
         Float dCos = Dot(dwo, n) + Dot(wo, dn);
         Float dMu = dCos * (1 / eta - cosO / (Sqr(eta) * cosI));
         return wi - dwo / eta + mu * dn + dMu * n;
-    };
-    d.rxOrigin = point.p + point.dpdx;
-    d.ryOrigin = point.p + point.dpdy;
-    d.rxDirection = transmitted(arrived.rxDirection, dndx);
-    d.ryDirection = transmitted(arrived.ryDirection, dndy);
-    return Checked(d);
+    });
 }
 
 }  // namespace pbrt

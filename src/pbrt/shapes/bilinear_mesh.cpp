@@ -4,10 +4,7 @@
 
 #include "pbrt/core/error.h"
 #include "pbrt/math/warps.h"
-#include "pbrt/shapes/plane_error.h"
-#include "pbrt/shapes/rectangle_sampling.h"
-#include "pbrt/shapes/shape.h"
-#include "pbrt/shapes/weingarten.h"
+#include "pbrt/shapes/solid_angle_sampling.h"
 
 namespace pbrt {
 
@@ -88,12 +85,9 @@ void BilinearMesh::Corners::AreaWeights(Float w[4]) const {
 
 BilinearMesh::BilinearMesh(MeshData data, const Transform &renderFromObject, bool reverseOrientation,
                            std::shared_ptr<const PiecewiseConstant2D> emission)
-    : mesh_(std::move(data)), emission_(std::move(emission)),
-      flipNormal_(reverseOrientation != renderFromObject.SwapsHandedness()) {
-    PBRT_CHECK(mesh_.indices.size() % 4 == 0 && !(emission_ && !mesh_.uv.empty()));
-    for (uint32_t i : mesh_.indices) PBRT_CHECK_MSG(i < mesh_.p.size(), "index {} of {}", i, mesh_.p.size());
-    PlaceMesh(mesh_, renderFromObject, reverseOrientation);
-    isRectangle_.resize(mesh_.indices.size() / 4);
+    : Mesh(ShapeKind::BilinearMesh, 4, std::move(data), renderFromObject, reverseOrientation),
+      isRectangle_(PrimitiveCount()), emission_(std::move(emission)) {
+    PBRT_CHECK(!emission_ || mesh_.uv.empty());
     for (uint32_t i = 0; i < PrimitiveCount(); ++i) {
         Corners c = CornersOf(i);
         isRectangle_[i] = LooksRectangular(c.p00, c.p10, c.p01, c.p11);

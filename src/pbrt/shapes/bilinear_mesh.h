@@ -8,14 +8,12 @@ namespace pbrt {
 
 /// Bilinear patches in rendering space. Rectangles are sampled by solid angle, unless an image defines the density of
 /// emission per patch.
-class BilinearMesh final : public Shape {
+class BilinearMesh final : public Mesh {
   public:
     /// `emission`: density over (u, v), or null; only for meshes without texture coordinates.
     BilinearMesh(MeshData data, const Transform &renderFromObject, bool reverseOrientation,
                  std::shared_ptr<const PiecewiseConstant2D> emission = nullptr);
 
-    ShapeKind Kind() const override { return ShapeKind::BilinearMesh; }
-    uint32_t PrimitiveCount() const override { return static_cast<uint32_t>(mesh_.indices.size() / 4); }
     Bounds3 PrimitiveBounds(uint32_t primitive) const override;
     Float Area(uint32_t primitive) const override;
     DirectionCone NormalBounds(uint32_t primitive) const override;
@@ -32,7 +30,6 @@ class BilinearMesh final : public Shape {
     Float PdfSolidAngle(uint32_t primitive, const ShapeSampleContext &from, const Vector3 &wi, const Point3 &pHit,
                         const Normal3 &nHit) const override;
 
-    const MeshData &Data() const { return mesh_; }
     /// True if sampled by solid angle: planar with right angles, to stock pbrt-v4's tolerance.
     bool IsRectangle(uint32_t primitive) const { return isRectangle_[primitive] != 0; }
     /// p11 = p10 + p01 - p00 up to rounding: (u, v) is then affine on the patch.
@@ -58,10 +55,8 @@ class BilinearMesh final : public Shape {
     /// Density of SampleArea at (u, v), by area.
     Float PdfArea(uint32_t primitive, const Corners &c, const Point2 &uv) const;
 
-    MeshData mesh_;
     std::vector<uint8_t> isRectangle_;
     std::shared_ptr<const PiecewiseConstant2D> emission_;
-    bool flipNormal_;
 };
 
 }  // namespace pbrt

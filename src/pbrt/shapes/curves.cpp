@@ -4,20 +4,40 @@
 
 namespace pbrt {
 
+size_t SegmentCount(size_t count, int degree, CurveBasis basis) {
+    PBRT_CHECK(degree == 2 || degree == 3);
+    auto d = static_cast<size_t>(degree);
+    if (count < d + 1) return 0;
+    if (basis == CurveBasis::BSpline) return count - d;
+    return (count - 1) % d == 0 ? (count - 1) / d : 0;
+}
+
+CubicBezier SegmentOf(std::span<const Point3> points, size_t index, int degree, CurveBasis basis) {
+    if (degree == 3) {
+        if (basis == CurveBasis::Bezier) {
+            const Point3 *p = &points[3 * index];
+            return {{p[0], p[1], p[2], p[3]}};
+        }
+        // Blossoms of the spline with knots -2..3 about the segment [0, 1]: b(0,0,0), b(0,0,1), b(0,1,1), b(1,1,1).
+        const Point3 *p = &points[index];
+        constexpr Float kThird = Float(1) / 3;
+        Point3 b01 = Lerp(kThird, p[1], p[2]), b10 = Lerp(kThird, p[2], p[1]);
+        return {
+            {(Lerp(kThird, p[1], p[0]) + b01) * Float(0.5), b01, b10, (b10 + Lerp(kThird, p[2], p[3])) * Float(0.5)}};
+    }
+    const Point3 *p = &points[basis == CurveBasis::Bezier ? 2 * index : index];
+    Point3 a = p[0], b = p[1], c = p[2];
+    if (basis == CurveBasis::BSpline) {
+        a = (a + b) * Float(0.5);
+        c = (b + c) * Float(0.5);
+    }
+    constexpr Float kTwoThirds = Float(2) / 3;
+    return {{a, Lerp(kTwoThirds, a, b), Lerp(kTwoThirds, c, b), c}};
+}
+
 namespace {
 
 Float WidthAt(const Curves::Segment &s, Float u) { return Lerp(u, s.width0, s.width1); }
-
-/// Uniform scale of a transform; nullopt if it is not uniform.
-std::optional<Float> UniformScale(const Transform &t) {
-    glm::dmat3 m = glm::dmat3(glm::mat3(t.Matrix()));
-    glm::dmat3 gram = glm::transpose(m) * m;
-    double s2 = (gram[0][0] + gram[1][1] + gram[2][2]) / 3, deviation = 0;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) deviation = std::max(deviation, std::abs(gram[i][j] - (i == j ? s2 : 0)));
-    if (deviation > 1e-5 * s2) return {};
-    return static_cast<Float>(std::sqrt(s2));
-}
 
 Vector3 SomePerpendicular(const Vector3 &v) {
     Float length = Length(v);
@@ -44,16 +64,17 @@ Vector3 Tangent(const CubicBezier &c, Float u) {
 
 Curves::Curves(CurveKind kind, std::vector<Segment> segments, std::vector<Normal3> normals,
                const Transform &renderFromObject, bool reverseOrientation)
-    : Shape(true), kind_(kind), segments_(std::move(segments)), normals_(std::move(normals)),
+    : Shape(ShapeKind::Curves), kind_(kind), segments_(std::move(segments)), normals_(std::move(normals)),
       normalSide_(reverseOrientation ? Float(-1) : Float(1)) {
     PBRT_CHECK(normals_.size() == (kind == CurveKind::Ribbon ? 2 * segments_.size() : 0));
-    std::optional<Float> scale = UniformScale(renderFromObject);
-    isPlaced_ = scale.has_value();
+    const std::optional<double> uniform = renderFromObject.UniformScale(1e-5);
+    isPlaced_ = uniform.has_value();
     if (isPlaced_) {
+        const auto scale = static_cast<Float>(*uniform);
         for (Segment &s : segments_) {
             for (Point3 &p : s.curve.p) p = renderFromObject.Point(p);
-            s.width0 *= *scale;
-            s.width1 *= *scale;
+            s.width0 *= scale;
+            s.width1 *= scale;
         }
         for (Normal3 &n : normals_) n = renderFromObject.Normal(n);
         if (renderFromObject.SwapsHandedness()) side_ = -1;
@@ -117,14 +138,7 @@ Bounds3 Curves::PieceBounds(const Segment &segment, Float u0, Float u1) {
 Bounds3 Curves::PrimitiveBounds(uint32_t primitive) const {
     const Piece &piece = pieces_[primitive];
     Bounds3 own = PieceBounds(segments_[piece.segment], piece.U0(), piece.U1());
-    if (isPlaced_) return own;
-    Bounds3 b;
-    for (int i = 0; i < 8; ++i) {
-        Point3 corner = own.Corner(i), p = renderFromSegments_.Point(corner);
-        Vector3 error = renderFromSegments_.PointError(corner);
-        b = Union(b, Bounds3(p - error, p + error));
-    }
-    return b;
+    return isPlaced_ ? own : PlacedBounds(renderFromSegments_, own);
 }
 
 Float Curves::Area(uint32_t primitive) const {

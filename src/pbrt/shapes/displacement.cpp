@@ -38,7 +38,7 @@ class Splitter {
         for (const Point3 &p : mesh_.p) placed_.push_back(renderFromObject_.Point(p));
     }
 
-    void Split(uint32_t a, uint32_t b, uint32_t c, int faceIndex) {
+    void Split(uint32_t a, uint32_t b, uint32_t c) {
         todo_.push_back({a, b, c});
         while (!todo_.empty()) {
             auto [v0, v1, v2] = todo_.back();
@@ -54,7 +54,6 @@ class Splitter {
                 continue;
             }
             mesh_.indices.insert(mesh_.indices.end(), {v0, v1, v2});
-            if (faceIndex >= 0) mesh_.faceIndices.push_back(faceIndex);
         }
     }
 
@@ -118,12 +117,11 @@ void RenewNormals(MeshData &mesh) {
 
 template <class F>
 void ForEachTriangle(const PlyMesh &ply, F f) {
-    auto faceIndex = [](const MeshData &m, size_t face) { return m.faceIndices.empty() ? -1 : m.faceIndices[face]; };
     const std::vector<uint32_t> &t = ply.triangles.indices, &q = ply.quads.indices;
-    for (size_t i = 0; i < t.size(); i += 3) f(t[i], t[i + 1], t[i + 2], faceIndex(ply.triangles, i / 3));
+    for (size_t i = 0; i < t.size(); i += 3) f(t[i], t[i + 1], t[i + 2]);
     for (size_t i = 0; i < q.size(); i += 4) {
-        f(q[i], q[i + 1], q[i + 3], faceIndex(ply.quads, i / 4));
-        f(q[i], q[i + 3], q[i + 2], faceIndex(ply.quads, i / 4));
+        f(q[i], q[i + 1], q[i + 3]);
+        f(q[i], q[i + 3], q[i + 2]);
     }
 }
 
@@ -136,7 +134,7 @@ double SplitSize::Triangles(double maxEdge) const { return faces + 6 * area / (m
 SplitSize MeasureSplit(const PlyMesh &ply, const Transform &renderFromObject) {
     const std::vector<Point3> &p = ply.triangles.indices.empty() ? ply.quads.p : ply.triangles.p;
     SplitSize size;
-    ForEachTriangle(ply, [&](uint32_t a, uint32_t b, uint32_t c, int) {
+    ForEachTriangle(ply, [&](uint32_t a, uint32_t b, uint32_t c) {
         const Vector3 u = renderFromObject.Vector(p[b] - p[a]), v = renderFromObject.Vector(p[c] - p[a]);
         ++size.faces;
         size.area += double(Length(Cross(u, v))) / 2;
@@ -156,7 +154,7 @@ MeshData DisplaceMesh(const PlyMesh &ply, const Transform &renderFromObject, Flo
     auto fail = [&] { ThrowTooManySplits(size, maxEdge, displacement.edgeScale); };
     if (size.Triangles(double(maxEdge)) > kMaxDisplacedTriangles) fail();
     Splitter splitter(vertices, renderFromObject, maxEdge, fail);
-    ForEachTriangle(ply, [&](uint32_t a, uint32_t b, uint32_t c, int face) { splitter.Split(a, b, c, face); });
+    ForEachTriangle(ply, [&](uint32_t a, uint32_t b, uint32_t c) { splitter.Split(a, b, c); });
     MeshData mesh = splitter.Take();
     MoveVertices(mesh, renderFromObject, displacement);
     RenewNormals(mesh);

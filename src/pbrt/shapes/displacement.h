@@ -2,7 +2,7 @@
 #include <functional>
 
 #include "pbrt/core/error.h"
-#include "pbrt/shapes/ply.h"
+#include "pbrt/shapes/mesh_sources.h"
 
 namespace pbrt {
 

@@ -1,6 +1,5 @@
 #include "pbrt/shapes/extent.h"
 
-#include "pbrt/shapes/bilinear_mesh.h"
 #include "pbrt/shapes/triangle_mesh.h"
 
 namespace pbrt {
@@ -10,9 +9,8 @@ namespace {
 std::string PointText(const Point3 &p) { return fmt::format("({}, {}, {})", p.x, p.y, p.z); }
 
 const MeshData *MeshOf(const Shape &shape) {
-    if (shape.Kind() == ShapeKind::TriangleMesh) return &static_cast<const TriangleMesh &>(shape).Data();
-    if (shape.Kind() == ShapeKind::BilinearMesh) return &static_cast<const BilinearMesh &>(shape).Data();
-    return nullptr;
+    const auto *mesh = dynamic_cast<const Mesh *>(&shape);
+    return mesh ? &mesh->Data() : nullptr;
 }
 
 }  // namespace

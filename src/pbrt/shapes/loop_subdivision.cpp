@@ -1,4 +1,4 @@
-#include "pbrt/shapes/loop_subdivision.h"
+#include "pbrt/shapes/mesh_sources.h"
 
 #include <opensubdiv/far/topologyDescriptor.h>
 #include <opensubdiv/far/topologyRefinerFactory.h>
@@ -91,26 +91,31 @@ class Ring {
 
 Point3 EdgePoint(const Far::TopologyLevel &level, const Points &p, int edge) {
     Far::ConstIndexArray ends = level.GetEdgeVertices(edge);
-    auto at = [&](int v) { return p[v]; };
-    Point3 sum = at(ends[0]) + at(ends[1]);
+    Point3 sum = p[ends[0]] + p[ends[1]];
     if (level.IsEdgeBoundary(edge)) return sum * Float(0.5);
     Point3 opposite(0);
     Far::ConstIndexArray faces = level.GetEdgeFaces(edge);
     for (int f = 0; f < faces.size(); ++f) {
         Far::ConstIndexArray corners = level.GetFaceVertices(faces[f]);
         for (int c = 0; c < corners.size(); ++c)
-            if (corners[c] != ends[0] && corners[c] != ends[1]) opposite += at(corners[c]);
+            if (corners[c] != ends[0] && corners[c] != ends[1]) opposite += p[corners[c]];
     }
     return sum * (Float(3) / 8) + opposite * (Float(1) / 8);
 }
 
-Points RefineOnce(const Far::TopologyLevel &level, const Points &p, int childCount) {
-    Points children(static_cast<size_t>(childCount));
+/// Calls f(ring, vertex) for each vertex of a level.
+template <class F>
+void ForEachRing(const Far::TopologyLevel &level, F f) {
     Ring ring;
     for (int v = 0; v < level.GetNumVertices(); ++v) {
         ring.Collect(level, v);
-        children[level.GetVertexChildVertex(v)] = ring.Refined(p, v);
+        f(ring, v);
     }
+}
+
+Points RefineOnce(const Far::TopologyLevel &level, const Points &p, int childCount) {
+    Points children(childCount);
+    ForEachRing(level, [&](const Ring &r, int v) { children[level.GetVertexChildVertex(v)] = r.Refined(p, v); });
     for (int e = 0; e < level.GetNumEdges(); ++e) children[level.GetEdgeChildVertex(e)] = EdgePoint(level, p, e);
     return children;
 }
@@ -180,15 +185,8 @@ MeshData LoopSubdivide(std::span<const uint32_t> indices, std::span<const Point3
     MeshData mesh;
     mesh.p.resize(p.size());
     mesh.n.resize(p.size());
-    Ring ring;
-    for (int v = 0; v < last.GetNumVertices(); ++v) {
-        ring.Collect(last, v);
-        mesh.p[v] = ring.Limit(p, v);
-    }
-    for (int v = 0; v < last.GetNumVertices(); ++v) {
-        ring.Collect(last, v);
-        mesh.n[v] = ring.LimitNormal(mesh.p, v);
-    }
+    ForEachRing(last, [&](const Ring &r, int v) { mesh.p[v] = r.Limit(p, v); });
+    ForEachRing(last, [&](const Ring &r, int v) { mesh.n[v] = r.LimitNormal(mesh.p, v); });
     mesh.indices.reserve(3 * static_cast<size_t>(last.GetNumFaces()));
     for (int f = 0; f < last.GetNumFaces(); ++f) {
         Far::ConstIndexArray c = last.GetFaceVertices(f);

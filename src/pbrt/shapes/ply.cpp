@@ -1,4 +1,4 @@
-#include "pbrt/shapes/ply.h"
+#include "pbrt/shapes/mesh_sources.h"
 
 #include <algorithm>
 #include <array>
@@ -6,6 +6,8 @@
 #include <charconv>
 #include <cstdlib>
 #include <cstring>
+#include <iterator>
+#include <sstream>
 #include <string_view>
 
 #include "pbrt/core/error.h"
@@ -41,17 +43,14 @@ size_t SizeOf(Scalar t) {
     return kSizes[static_cast<size_t>(t)];
 }
 
-std::vector<std::string_view> Words(std::string_view line) {
-    std::vector<std::string_view> words;
-    for (size_t i = 0; i < line.size();) {
-        size_t start = line.find_first_not_of(" \t\r", i);
-        if (start == std::string_view::npos) break;
-        size_t end = std::min(line.find_first_of(" \t\r", start), line.size());
-        words.push_back(line.substr(start, end - start));
-        i = end;
-    }
-    return words;
+using WordList = std::vector<std::string>;
+
+WordList Words(std::string_view line) {
+    std::istringstream in{std::string(line)};
+    return {std::istream_iterator<std::string>(in), {}};
 }
+
+bool IsSpace(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 
 class HeaderReader {
   public:
@@ -63,10 +62,10 @@ class HeaderReader {
         // The first line decides the line ending, so that a binary body may begin with any byte.
         const size_t end = std::min(content_.find_first_of("\r\n"), content_.size());
         if (content_.substr(end, 1) == "\r" && content_.substr(end, 2) != "\r\n") header_.lineEnd = '\r';
-        if (!NextLine(&line) || Words(line) != std::vector<std::string_view>{"ply"})
+        if (!NextLine(&line) || Words(line) != WordList{"ply"})
             throw UserError(fmt::format("{}: is not a PLY file: the first line must be \"ply\".", name_));
         while (NextLine(&line)) {
-            std::vector<std::string_view> w = Words(line);
+            const WordList w = Words(line);
             if (w.empty() || w[0] == "comment" || w[0] == "obj_info") continue;
             if (w[0] == "end_header") {
                 if (!hasFormat) Fail("the header has no \"format\" line");
@@ -100,27 +99,25 @@ class HeaderReader {
         ++header_.lines;
         return true;
     }
-    void ReadFormat(const std::vector<std::string_view> &w) {
-        static const std::vector<std::string> kFormats = {"ascii", "binary_little_endian", "binary_big_endian"};
-        for (size_t i = 0; w.size() == 3 && i < kFormats.size(); ++i)
-            if (w[1] == kFormats[i]) {
-                header_.encoding = static_cast<Encoding>(i);
-                return;
-            }
-        std::string given(w.size() > 1 ? w[1] : "");
-        Fail(fmt::format("format \"{}\" is not known; {}", given, ListChoices(given, kFormats)));
+    void ReadFormat(const WordList &w) {
+        static const WordList kFormats = {"ascii", "binary_little_endian", "binary_big_endian"};
+        const std::string given(w.size() > 1 ? w[1] : "");
+        const auto format = std::ranges::find(kFormats, given);
+        if (w.size() != 3 || format == kFormats.end())
+            Fail(fmt::format("format \"{}\" is not known; {}", given, ListChoices(given, kFormats)));
+        header_.encoding = static_cast<Encoding>(format - kFormats.begin());
     }
-    void ReadElement(const std::vector<std::string_view> &w) {
+    void ReadElement(const WordList &w) {
         Element e;
         if (w.size() != 3) Fail("an element line must read \"element <name> <count>\"");
-        e.name = std::string(w[1]);
+        e.name = w[1];
         auto [end, code] = std::from_chars(w[2].data(), w[2].data() + w[2].size(), e.count);
         if (code != std::errc() || end != w[2].data() + w[2].size()) Fail(fmt::format("\"{}\" is not a count", w[2]));
         for (const Element &other : header_.elements)
             if (other.name == e.name) Fail(fmt::format("element \"{}\" is declared twice", e.name));
         header_.elements.push_back(std::move(e));
     }
-    void ReadProperty(const std::vector<std::string_view> &w) {
+    void ReadProperty(const WordList &w) {
         if (header_.elements.empty()) Fail("a property stands before any element");
         Property p;
         if (w.size() == 5 && w[1] == "list") {
@@ -128,10 +125,10 @@ class HeaderReader {
             p.countType = TypeOf(w[2]);
             if (p.countType >= Scalar::Float32) Fail("the length of a list must be an integer type");
             p.type = TypeOf(w[3]);
-            p.name = std::string(w[4]);
+            p.name = w[4];
         } else if (w.size() == 3) {
             p.type = TypeOf(w[1]);
-            p.name = std::string(w[2]);
+            p.name = w[2];
         } else {
             Fail("a property line must read \"property <type> <name>\" or \"property list <type> <type> <name>\"");
         }
@@ -141,11 +138,9 @@ class HeaderReader {
                 Fail(fmt::format("property \"{}\" is declared twice in element \"{}\"", p.name, e.name));
         e.properties.push_back(std::move(p));
     }
-    Scalar TypeOf(std::string_view word) const {
-        static const std::vector<std::string> kOld = {"char", "uchar", "short", "ushort",
-                                                      "int",  "uint",  "float", "double"};
-        static const std::vector<std::string> kNew = {"int8",  "uint8",  "int16",   "uint16",
-                                                      "int32", "uint32", "float32", "float64"};
+    Scalar TypeOf(const std::string &word) const {
+        static const WordList kOld = {"char", "uchar", "short", "ushort", "int", "uint", "float", "double"};
+        static const WordList kNew = {"int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "float64"};
         for (size_t i = 0; i < kOld.size(); ++i)
             if (word == kOld[i] || word == kNew[i]) return static_cast<Scalar>(i);
         Fail(fmt::format("unknown type \"{}\"; {}", word, ListChoices(word, kOld)));
@@ -176,9 +171,8 @@ class BodyReader {
         size_t size = SizeOf(type);
         if (BytesLeft() < size) Fail("the file ends too early");
         bool nativeOrder = (encoding_ == Encoding::LittleEndian) == (std::endian::native == std::endian::little);
-        if (nativeOrder) std::memcpy(raw.data(), at_, size);
-        else
-            for (size_t i = 0; i < size; ++i) raw[i] = at_[size - 1 - i];
+        std::memcpy(raw.data(), at_, size);
+        if (!nativeOrder) std::reverse(raw.begin(), raw.begin() + size);
         at_ += size;
         auto as = [&]<class T>(T value) {
             std::memcpy(&value, raw.data(), sizeof(T));
@@ -214,18 +208,16 @@ class BodyReader {
   private:
     template <class T>
     T AsciiNumber(const char *kind) {
-        while (at_ != end_ && (*at_ == ' ' || *at_ == '\t' || *at_ == '\r' || *at_ == '\n'))
-            line_ += *at_++ == lineEnd_;
+        while (at_ != end_ && IsSpace(*at_)) line_ += *at_++ == lineEnd_;
         if (at_ == end_) Fail("the file ends too early");
         const char *start = at_;
         if (*at_ == '+') ++at_;
         T value{};
         auto [stop, code] = std::from_chars(at_, end_, value);
-        bool ended = stop == end_ || *stop == ' ' || *stop == '\t' || *stop == '\r' || *stop == '\n';
+        bool ended = stop == end_ || IsSpace(*stop);
         // from_chars leaves the value unchanged on overflow and underflow alike.
         if (!ended || (code != std::errc() && code != std::errc::result_out_of_range)) {
-            const char *word = start;
-            while (word != end_ && *word != ' ' && *word != '\t' && *word != '\r' && *word != '\n') ++word;
+            const char *word = std::find_if(start, end_, IsSpace);
             Fail(fmt::format("\"{}\" is not a valid {}", std::string_view(start, std::min<size_t>(word - start, 40)),
                              kind));
         }
@@ -326,29 +318,21 @@ size_t ReadVertices(BodyReader &body, const Element &e, MeshData &mesh) {
 }
 
 void ReadFaces(BodyReader &body, const Element &e, uint64_t vertexCount, PlyMesh &mesh) {
-    int indexProperty = -1, faceIndexProperty = -1;
+    const Property *indices = nullptr;
     std::string names;
-    for (size_t k = 0; k < e.properties.size(); ++k) {
-        const Property &p = e.properties[k];
-        if (p.isList && p.name == "vertex_indices") indexProperty = static_cast<int>(k);
-        if (!p.isList && p.name == "face_indices") faceIndexProperty = static_cast<int>(k);
-        names += fmt::format("{}\"{}\"", k ? ", " : "", p.name);
+    for (const Property &p : e.properties) {
+        if (p.isList && p.name == "vertex_indices") indices = &p;
+        names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ", p.name);
     }
-    if (indexProperty < 0)
+    if (!indices)
         body.Fail(fmt::format("faces need a list property \"vertex_indices\"; the file has {}",
                               names.empty() ? "none" : names));
     std::array<uint32_t, 4> corners{};
     for (uint64_t i = 0; i < e.count; ++i) {
         body.SetItem(&e.name, i);
         int64_t n = 0;
-        int faceIndex = 0;
-        for (size_t k = 0; k < e.properties.size(); ++k) {
-            const Property &p = e.properties[k];
-            if (static_cast<int>(k) == faceIndexProperty) {
-                faceIndex = static_cast<int>(body.Integer(p.type));
-                continue;
-            }
-            if (static_cast<int>(k) != indexProperty) {
+        for (const Property &p : e.properties) {
+            if (&p != indices) {
                 SkipProperty(body, p);
                 continue;
             }
@@ -367,7 +351,6 @@ void ReadFaces(BodyReader &body, const Element &e, uint64_t vertexCount, PlyMesh
         MeshData &kind = n == 3 ? mesh.triangles : mesh.quads;
         if (n == 3) kind.indices.insert(kind.indices.end(), {corners[0], corners[1], corners[2]});
         else kind.indices.insert(kind.indices.end(), {corners[0], corners[1], corners[3], corners[2]});
-        if (faceIndexProperty >= 0) kind.faceIndices.push_back(faceIndex);
     }
 }
 
@@ -399,13 +382,13 @@ PlyMesh ParsePly(const std::string &content, const std::string &name) {
     }
     bool triangles = !mesh.triangles.indices.empty(), quads = !mesh.quads.indices.empty();
     if (!triangles && !quads) throw UserError(fmt::format("{}: has no faces with 3 or 4 corners.", name));
-    auto give = [&](MeshData &to, bool last) {
-        to.p = last ? std::move(vertices.p) : vertices.p;
-        to.n = last ? std::move(vertices.n) : vertices.n;
-        to.uv = last ? std::move(vertices.uv) : vertices.uv;
+    auto give = [](MeshData &to, MeshData from) {
+        to.p = std::move(from.p);
+        to.n = std::move(from.n);
+        to.uv = std::move(from.uv);
     };
-    if (triangles) give(mesh.triangles, !quads);
-    if (quads) give(mesh.quads, true);
+    if (triangles && quads) give(mesh.triangles, vertices);
+    give(quads ? mesh.quads : mesh.triangles, std::move(vertices));
     return mesh;
 }
 

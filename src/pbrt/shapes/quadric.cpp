@@ -1,11 +1,11 @@
 #include "pbrt/shapes/quadric.h"
 
-#include "pbrt/shapes/shape.h"
-
 namespace pbrt {
 
-Quadric::Quadric(const Transform &renderFromObject, bool reverseOrientation)
-    : renderFromObject_(renderFromObject), flipNormal_(reverseOrientation != renderFromObject.SwapsHandedness()) {
+Quadric::Quadric(ShapeKind kind, Float radius, Float phiMax, const Transform &renderFromObject, bool reverseOrientation)
+    : Shape(kind), radius_(radius), phiMax_(Radians(std::clamp(phiMax, Float(0), Float(360)))),
+      renderFromObject_(renderFromObject), isSimilarity_(renderFromObject.UniformScale(1e-4).has_value()),
+      flipNormal_(reverseOrientation != renderFromObject.SwapsHandedness()) {
     // Double precision from the forward matrix, so that hits lie on the surface of Surface().
     glm::dmat3 m(renderFromObject.Matrix());
     toObject_ = glm::inverse(m);
@@ -13,11 +13,6 @@ Quadric::Quadric(const Transform &renderFromObject, bool reverseOrientation)
     double determinant = glm::determinant(m);
     determinant_ = static_cast<Float>(std::abs(determinant));
     scale_ = static_cast<Float>(std::cbrt(std::abs(determinant)));
-    glm::dmat3 gram = glm::transpose(m) * m;
-    double s2 = (gram[0][0] + gram[1][1] + gram[2][2]) / 3, deviation = 0;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) deviation = std::max(deviation, std::abs(gram[i][j] - (i == j ? s2 : 0)));
-    isSimilarity_ = deviation <= 1e-4 * s2;
 }
 
 void Quadric::SetArea(Float objectArea) {
@@ -45,16 +40,7 @@ Float Quadric::AreaStretch(const Normal3 &n) const {
     return determinant_ * Length(renderFromObject_.Normal(n));
 }
 
-Bounds3 Quadric::PrimitiveBounds(uint32_t) const {
-    Bounds3 object = ObjectBounds(), b;
-    for (int i = 0; i < 8; ++i) {
-        Point3 corner = object.Corner(i);
-        Point3 p = renderFromObject_.Point(corner);
-        Vector3 error = renderFromObject_.PointError(corner);
-        b = Union(b, Bounds3(p - error, p + error));
-    }
-    return b;
-}
+Bounds3 Quadric::PrimitiveBounds(uint32_t) const { return PlacedBounds(renderFromObject_, ObjectBounds()); }
 
 std::optional<PrimitiveHit> Quadric::Intersect(uint32_t, const Point3 &o, const Vector3 &d, Float tMin,
                                                Float tMax) const {
@@ -106,13 +92,11 @@ Normal3 Quadric::RenderNormal(const Normal3 &objectNormal) const {
 
 std::optional<ShapeSample> Quadric::SampleArea(uint32_t, const Point2 &u) const {
     if (!(objectArea_ > 0)) return {};
-    ObjectSample at = SampleObject(u);
-    ShapeSample s;
-    s.p = renderFromObject_.Point(at.p);
-    s.pError = renderFromObject_.PointError(at.p, at.pError);
-    s.n = RenderNormal(at.n);
-    s.uv = at.uv;
-    s.pdf = PdfAreaAt(at.n);
+    ShapeSample s = SampleObject(u);
+    s.pdf = PdfAreaAt(s.n);
+    s.pError = renderFromObject_.PointError(s.p, s.pError);
+    s.p = renderFromObject_.Point(s.p);
+    s.n = RenderNormal(s.n);
     return s;
 }
 

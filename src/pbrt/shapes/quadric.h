@@ -1,4 +1,5 @@
 #pragma once
+#include "pbrt/math/warps.h"
 #include "pbrt/shapes/shape.h"
 
 namespace pbrt {
@@ -19,7 +20,6 @@ class Quadric : public Shape {
     SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const final;
     SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Point3 &o,
                               const Vector3 &d) const final;
-    Point2 Uv(uint32_t, const PrimitiveHit &hit) const final { return {hit.u, hit.v}; }
     std::optional<ShapeSample> SampleArea(uint32_t primitive, const Point2 &u) const final;
     Float PdfArea(uint32_t primitive, const Point3 &p, const Normal3 &n) const final;
     std::optional<ShapeSample> Sample(uint32_t primitive, const ShapeSampleContext &from,
@@ -35,19 +35,14 @@ class Quadric : public Shape {
         Vector3 dpdu{}, dpdv{};
         Normal3 dndu{}, dndv{};
     };
-    struct ObjectSample {
-        Point3 p{};
-        Vector3 pError{};
-        Normal3 n{};
-        Point2 uv{};
-    };
     /// Ray parameters of up to two hits with the unclipped surface, ascending.
     struct Roots {
         int count = 0;
         double t[2] = {0, 0};
     };
 
-    Quadric(const Transform &renderFromObject, bool reverseOrientation);
+    /// phiMax in degrees.
+    Quadric(ShapeKind kind, Float radius, Float phiMax, const Transform &renderFromObject, bool reverseOrientation);
     /// Sets the object-space area of the clipped surface; called at the end of derived constructors.
     void SetArea(Float objectArea);
 
@@ -56,8 +51,8 @@ class Quadric : public Shape {
     /// (u, v) of a point of the unclipped surface; nullopt if clipped.
     virtual std::optional<Point2> Clip(const glm::dvec3 &p) const = 0;
     virtual ObjectPoint PointAt(const Point2 &uv) const = 0;
-    /// Uniform by object-space area over the clipped surface.
-    virtual ObjectSample SampleObject(const Point2 &u) const = 0;
+    /// Uniform by object-space area over the clipped surface, in object space; pdf is not set.
+    virtual ShapeSample SampleObject(const Point2 &u) const = 0;
     /// Outward normal at an object-space surface point, any length.
     virtual Normal3 NormalAt(const Point3 &p) const = 0;
 
@@ -66,6 +61,24 @@ class Quadric : public Shape {
     Float Scale() const { return scale_; }  ///< only if IsSimilarity()
     /// Unit normal in rendering space, flipped as the surface.
     Normal3 RenderNormal(const Normal3 &objectNormal) const;
+
+    /// Hits of a line with a sphere, or a circle, about the origin: tested by the line's distance from it. Roots are
+    /// symmetric about the nearest point (parameter m).
+    template <class V>
+    Roots RoundRoots(const V &o, const V &d) const {
+        const double a = glm::dot(d, d), m = -glm::dot(o, d) / a, r = double(radius_);
+        const V nearest = o + m * d;
+        const double rest = r * r - glm::dot(nearest, nearest);
+        if (!(rest >= 0)) return {};
+        const double half = std::sqrt(rest / a), far = m >= 0 ? m + half : m - half;
+        // The root nearer to the origin follows from the product of the roots, without cancellation.
+        const double near = far != 0 ? (glm::dot(o, o) - r * r) / (a * far) : 0;
+        return {2, {std::min(near, far), std::max(near, far)}};
+    }
+    bool IsFullTurn() const { return phiMax_ >= Float(6.28318); }
+    bool CutsAzimuth(double phi) const { return !IsFullTurn() && phi > double(phiMax_); }
+
+    Float radius_, phiMax_;  ///< phiMax_ in radians
 
   private:
     /// Rendering-space per object-space area for unit object normal n.
@@ -83,9 +96,6 @@ class Quadric : public Shape {
     bool flipNormal_;
 };
 
-inline bool IsFullTurn(Float phiMax) { return phiMax >= Float(6.28318); }
-inline bool CutsAzimuth(Float phiMax, double phi) { return !IsFullTurn(phiMax) && phi > double(phiMax); }
-
 template <class T>
 T Azimuth(T x, T y) {
     T phi = std::atan2(y, x);
@@ -97,21 +107,60 @@ class Disk final : public Quadric {
   public:
     /// phiMax in degrees.
     Disk(Float height, Float radius, Float innerRadius, Float phiMax, const Transform &renderFromObject,
-         bool reverseOrientation);
-
-    ShapeKind Kind() const override { return ShapeKind::Disk; }
+         bool reverseOrientation)
+        : Quadric(ShapeKind::Disk, radius, phiMax, renderFromObject, reverseOrientation), height_(height),
+          innerRadius_(std::max(innerRadius, Float(0))) {
+        SetArea(phiMax_ / 2 * (radius_ * radius_ - innerRadius_ * innerRadius_));
+    }
     DirectionCone NormalBounds(uint32_t) const override { return {RenderNormal({0, 0, 1}), 1}; }
 
   protected:
-    Bounds3 ObjectBounds() const override;
-    Roots ObjectIntersect(const glm::dvec3 &o, const glm::dvec3 &d) const override;
-    std::optional<Point2> Clip(const glm::dvec3 &p) const override;
-    ObjectPoint PointAt(const Point2 &uv) const override;
-    ObjectSample SampleObject(const Point2 &u) const override;
+    Bounds3 ObjectBounds() const override {
+        return {Point3(-radius_, -radius_, height_), Point3(radius_, radius_, height_)};
+    }
+    Roots ObjectIntersect(const glm::dvec3 &o, const glm::dvec3 &d) const override {
+        if (d.z == 0) return {};
+        return {1, {(double(height_) - o.z) / d.z, 0}};
+    }
+    std::optional<Point2> Clip(const glm::dvec3 &p) const override {
+        double r = std::sqrt(p.x * p.x + p.y * p.y), outer = double(radius_), inner = double(innerRadius_);
+        if (!(r <= outer && r >= inner)) return {};
+        double phi = Azimuth(p.x, p.y);
+        if (CutsAzimuth(phi)) return {};
+        return Point2(std::min(static_cast<Float>(phi / double(phiMax_)), Float(1)),
+                      static_cast<Float>((outer - r) / (outer - inner)));
+    }
+    ObjectPoint PointAt(const Point2 &uv) const override {
+        Float phi = uv.x * phiMax_, cosPhi = std::cos(phi), sinPhi = std::sin(phi);
+        Float r = radius_ - uv.y * (radius_ - innerRadius_);
+        ObjectPoint at;
+        at.p = {r * cosPhi, r * sinPhi, height_};
+        at.n = {0, 0, 1};
+        at.dpdu = Vector3(-sinPhi, cosPhi, 0) * (phiMax_ * std::max(r, Float(1e-5) * radius_));
+        at.dpdv = Vector3(cosPhi, sinPhi, 0) * (innerRadius_ - radius_);
+        return at;
+    }
+    ShapeSample SampleObject(const Point2 &u) const override {
+        ShapeSample at;
+        at.n = {0, 0, 1};
+        Float r, phi;
+        if (innerRadius_ == 0 && IsFullTurn()) {
+            Point2 d = SampleUniformDiskConcentric(u) * radius_;
+            at.p = {d.x, d.y, height_};
+            r = std::sqrt(d.x * d.x + d.y * d.y);
+            phi = Azimuth(d.x, d.y);
+        } else {
+            r = std::sqrt(Lerp(u.x, innerRadius_ * innerRadius_, radius_ * radius_));
+            phi = u.y * phiMax_;
+            at.p = {r * std::cos(phi), r * std::sin(phi), height_};
+        }
+        at.uv = {phi / phiMax_, (radius_ - r) / (radius_ - innerRadius_)};
+        return at;
+    }
     Normal3 NormalAt(const Point3 &) const override { return {0, 0, 1}; }
 
   private:
-    Float height_, radius_, innerRadius_, phiMax_;
+    Float height_, innerRadius_;
 };
 
 /// Open cylinder about the z axis between zMin and zMax, cut at phiMax.
@@ -119,21 +168,49 @@ class Cylinder final : public Quadric {
   public:
     /// zMin and zMax in any order; phiMax in degrees.
     Cylinder(Float radius, Float zMin, Float zMax, Float phiMax, const Transform &renderFromObject,
-             bool reverseOrientation);
-
-    ShapeKind Kind() const override { return ShapeKind::Cylinder; }
-    DirectionCone NormalBounds(uint32_t) const override { return DirectionCone::EntireSphere(); }
+             bool reverseOrientation)
+        : Quadric(ShapeKind::Cylinder, radius, phiMax, renderFromObject, reverseOrientation),
+          zMin_(std::min(zMin, zMax)), zMax_(std::max(zMin, zMax)) {
+        SetArea((zMax_ - zMin_) * radius_ * phiMax_);
+    }
 
   protected:
-    Bounds3 ObjectBounds() const override;
-    Roots ObjectIntersect(const glm::dvec3 &o, const glm::dvec3 &d) const override;
-    std::optional<Point2> Clip(const glm::dvec3 &p) const override;
-    ObjectPoint PointAt(const Point2 &uv) const override;
-    ObjectSample SampleObject(const Point2 &u) const override;
+    Bounds3 ObjectBounds() const override {
+        return {Point3(-radius_, -radius_, zMin_), Point3(radius_, radius_, zMax_)};
+    }
+    Roots ObjectIntersect(const glm::dvec3 &o, const glm::dvec3 &d) const override {
+        return RoundRoots(glm::dvec2(o), glm::dvec2(d));
+    }
+    std::optional<Point2> Clip(const glm::dvec3 &p) const override {
+        double z0 = double(zMin_), z1 = double(zMax_);
+        if (p.z < z0 || p.z > z1) return {};
+        double phi = Azimuth(p.x, p.y);
+        if (CutsAzimuth(phi)) return {};
+        return Point2(std::min(static_cast<Float>(phi / double(phiMax_)), Float(1)),
+                      static_cast<Float>((p.z - z0) / (z1 - z0)));
+    }
+    ObjectPoint PointAt(const Point2 &uv) const override {
+        double phi = double(uv.x) * double(phiMax_);
+        auto cosPhi = static_cast<Float>(std::cos(phi)), sinPhi = static_cast<Float>(std::sin(phi));
+        Vector3 outward(cosPhi, sinPhi, 0), around(-sinPhi, cosPhi, 0);
+        ObjectPoint at;
+        at.p = {radius_ * cosPhi, radius_ * sinPhi, Lerp(uv.y, zMin_, zMax_)};
+        at.pError = Gamma(3) * Abs(Vector3(at.p.x, at.p.y, 0));
+        at.n = outward;
+        at.dpdu = around * (phiMax_ * radius_);
+        at.dpdv = {0, 0, zMax_ - zMin_};
+        NormalDerivatives(at.dpdu, at.dpdv, outward * (-phiMax_ * phiMax_ * radius_), Vector3(0), Vector3(0), at.n,
+                          &at.dndu, &at.dndv);
+        return at;
+    }
+    ShapeSample SampleObject(const Point2 &u) const override {
+        ObjectPoint at = PointAt({u.y, u.x});
+        return {at.p, at.pError, at.n, {u.y, u.x}, 0};
+    }
     Normal3 NormalAt(const Point3 &p) const override { return {p.x, p.y, 0}; }
 
   private:
-    Float radius_, zMin_, zMax_, phiMax_;
+    Float zMin_, zMax_;
 };
 
 }  // namespace pbrt

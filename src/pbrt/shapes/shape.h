@@ -38,12 +38,12 @@ enum class ShapeKind { TriangleMesh, BilinearMesh, Sphere, Disk, Cylinder, Curve
 class Shape {
   public:
     virtual ~Shape() = default;
-    virtual ShapeKind Kind() const = 0;
+    ShapeKind Kind() const { return kind_; }
     virtual uint32_t PrimitiveCount() const = 0;
     virtual Bounds3 PrimitiveBounds(uint32_t primitive) const = 0;
     virtual Float Area(uint32_t primitive) const = 0;
     /// Cone that contains all (oriented) normals of the primitive.
-    virtual DirectionCone NormalBounds(uint32_t primitive) const = 0;
+    virtual DirectionCone NormalBounds(uint32_t) const { return DirectionCone::EntireSphere(); }
 
     /// Nearest hit with one primitive, t in (tMin, tMax). Used for kinds that Embree does not trace natively, and as a
     /// reference in tests. The direction need not be unit.
@@ -57,8 +57,8 @@ class Shape {
     virtual SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Point3 &o,
                                       const Vector3 &d) const = 0;
     /// True for curves, which face the ray.
-    bool FacesRay() const { return facesRay_; }
-    virtual Point2 Uv(uint32_t primitive, const PrimitiveHit &hit) const = 0;
+    bool FacesRay() const { return kind_ == ShapeKind::Curves; }
+    virtual Point2 Uv(uint32_t, const PrimitiveHit &hit) const { return {hit.u, hit.v}; }
 
     /// Samples a point, uniform by area where that is simple. pdf by area.
     virtual std::optional<ShapeSample> SampleArea(uint32_t primitive, const Point2 &u) const = 0;
@@ -73,10 +73,10 @@ class Shape {
                                 const Point3 &pHit, const Normal3 &nHit) const = 0;
 
   protected:
-    explicit Shape(bool facesRay = false) : facesRay_(facesRay) {}
+    explicit Shape(ShapeKind kind) : kind_(kind) {}
 
   private:
-    bool facesRay_;
+    ShapeKind kind_;
 };
 
 /// Converts a density by area to solid angle at `from`; wi is the unit direction to the point. 0 if edge-on.

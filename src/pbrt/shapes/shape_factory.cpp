@@ -6,8 +6,7 @@
 #include "pbrt/shapes/bilinear_mesh.h"
 #include "pbrt/shapes/curves.h"
 #include "pbrt/shapes/extent.h"
-#include "pbrt/shapes/loop_subdivision.h"
-#include "pbrt/shapes/ply.h"
+#include "pbrt/shapes/mesh_sources.h"
 #include "pbrt/shapes/quadric.h"
 #include "pbrt/shapes/sphere.h"
 #include "pbrt/shapes/triangle_mesh.h"
@@ -16,24 +15,22 @@ namespace pbrt {
 
 namespace {
 
-template <class Mesh>
-ShapeList One(MeshData data, const ShapeContext &context) {
+/// A shape of type S; its constructor ends in the transformation and orientation of the context.
+template <class S, class... Args>
+ShapeList One(const ShapeContext &context, Args... args) {
     ShapeList shapes;
-    shapes.push_back(std::make_unique<Mesh>(std::move(data), context.renderFromObject, context.reverseOrientation));
+    shapes.push_back(std::make_unique<S>(std::move(args)..., context.renderFromObject, context.reverseOrientation));
     return shapes;
 }
 
-/// Stock pbrt-v4 reports arrays of the wrong length and continues without them.
-template <class T>
-void DiscardUnlessPer(const ParamSet &set, DiagnosticSink &sink, std::vector<T> &values, size_t expected,
-                      const char *name, const char *what) {
-    if (values.empty() || values.size() == expected) return;
-    set.Warn(sink, name,
-             fmt::format("\"{}\" has {} entries for {} {}; it is discarded.", name, values.size(), expected, what));
-    values.clear();
-}
-
 constexpr RequiredItems kPoints{{ParamType::Point3}};
+
+/// Validated point index; throws UserError if out of range.
+uint32_t Corner(int index, size_t points, const ParamSet &set) {
+    if (index < 0 || static_cast<size_t>(index) >= points)
+        throw set.Error("indices", fmt::format("index {} is out of range; there are {} points.", index, points));
+    return static_cast<uint32_t>(index);
+}
 
 struct MeshParams {
     MeshData mesh;
@@ -47,39 +44,38 @@ struct MeshParams {
         v("faceIndices", faceIndices, "accepted but not used (only Ptex textures would need it)");
     }
     /// Validated mesh with `corners` indices per face.
-    MeshData Finish(const ParamSet &set, DiagnosticSink &sink, size_t corners);
-};
-
-/// Validated point index; throws UserError if out of range.
-uint32_t Corner(int index, size_t points, const ParamSet &set) {
-    if (index < 0 || static_cast<size_t>(index) >= points)
-        throw set.Error("indices", fmt::format("index {} is out of range; there are {} points.", index, points));
-    return static_cast<uint32_t>(index);
-}
-
-MeshData MeshParams::Finish(const ParamSet &set, DiagnosticSink &sink, size_t corners) {
-    mesh.faceIndices.assign(faceIndices.begin(), faceIndices.end());
-    if (indices.empty()) {
-        if (mesh.p.size() != corners)
-            throw set.Error("", fmt::format("\"integer indices\" is missing; it may be left out only for exactly {} "
+    MeshData Finish(const ParamSet &set, DiagnosticSink &sink, size_t corners) {
+        if (indices.empty()) {
+            if (mesh.p.size() != corners)
+                throw set.Error("",
+                                fmt::format("\"integer indices\" is missing; it may be left out only for exactly {} "
                                             "points, and there are {}.",
                                             corners, mesh.p.size()));
-        for (size_t i = 0; i < corners; ++i) mesh.indices.push_back(static_cast<uint32_t>(i));
+            for (size_t i = 0; i < corners; ++i) mesh.indices.push_back(static_cast<uint32_t>(i));
+        }
+        size_t excess = indices.size() % corners;
+        if (excess != 0)
+            set.Warn(sink, "indices",
+                     fmt::format("the number of \"indices\" ({}) is not a multiple of {}; the last {} are "
+                                 "dropped.",
+                                 indices.size(), corners, excess));
+        for (int i : indices.first(indices.size() - excess)) mesh.indices.push_back(Corner(i, mesh.p.size(), set));
+        if (mesh.indices.empty()) throw set.Error("indices", "no complete face is left.");
+        // Stock pbrt-v4 reports arrays of the wrong length and continues without them.
+        auto discardUnlessPer = [&](auto &values, size_t expected, const char *name, const char *what) {
+            if (values.empty() || values.size() == expected) return;
+            set.Warn(
+                sink, name,
+                fmt::format("\"{}\" has {} entries for {} {}; it is discarded.", name, values.size(), expected, what));
+            values = {};
+        };
+        discardUnlessPer(mesh.n, mesh.p.size(), "N", "points");
+        discardUnlessPer(mesh.s, mesh.p.size(), "S", "points");
+        discardUnlessPer(mesh.uv, mesh.p.size(), "uv", "points");
+        discardUnlessPer(faceIndices, mesh.indices.size() / corners, "faceIndices", "faces");
+        return std::move(mesh);
     }
-    size_t excess = indices.size() % corners;
-    if (excess != 0)
-        set.Warn(sink, "indices",
-                 fmt::format("the number of \"indices\" ({}) is not a multiple of {}; the last {} are "
-                             "dropped.",
-                             indices.size(), corners, excess));
-    for (int i : indices.first(indices.size() - excess)) mesh.indices.push_back(Corner(i, mesh.p.size(), set));
-    if (mesh.indices.empty()) throw set.Error("indices", "no complete face is left.");
-    DiscardUnlessPer(set, sink, mesh.n, mesh.p.size(), "N", "points");
-    DiscardUnlessPer(set, sink, mesh.s, mesh.p.size(), "S", "points");
-    DiscardUnlessPer(set, sink, mesh.uv, mesh.p.size(), "uv", "points");
-    DiscardUnlessPer(set, sink, mesh.faceIndices, mesh.indices.size() / corners, "faceIndices", "faces");
-    return std::move(mesh);
-}
+};
 
 struct TriangleMeshParams : MeshParams {
     template <class V>
@@ -118,14 +114,14 @@ std::shared_ptr<const PiecewiseConstant2D> EmissionDensity(const std::string &fi
             f.push_back(cell);
             sum += cell;
         }
-    if (sum > 0) {
-        // One percent is uniform, because the light may emit where this image is black.
-        const Float everywhere = sum / static_cast<Float>(f.size()) / 100;
-        for (Float &cell : f) cell += everywhere;
-        return std::make_shared<PiecewiseConstant2D>(f, n.x, n.y);
+    if (!(sum > 0)) {
+        set.Warn(context.sink, "emissionfilename", fmt::format("{} is black; it is ignored.", filename));
+        return nullptr;
     }
-    set.Warn(context.sink, "emissionfilename", fmt::format("{} is black; it is ignored.", filename));
-    return nullptr;
+    // One percent is uniform, because the light may emit where this image is black.
+    const Float everywhere = sum / static_cast<Float>(f.size()) / 100;
+    for (Float &cell : f) cell += everywhere;
+    return std::make_shared<PiecewiseConstant2D>(f, n.x, n.y);
 }
 
 ShapeList MakeBilinearMesh(BilinearMeshParams p, const ParamSet &set, const ShapeContext &context) {
@@ -197,10 +193,7 @@ ShapeList MakeCurve(CurveParams p, const ParamSet &set, const ShapeContext &cont
                        static_cast<int>(std::clamp(splitDepth, Float(0), Float(10)))};
         if (!p.normals.empty()) ends.insert(ends.end(), {p.normals[i], p.normals[i + 1]});
     }
-    ShapeList shapes;
-    shapes.push_back(std::make_unique<Curves>(p.kind, std::move(segments), std::move(ends), context.renderFromObject,
-                                              context.reverseOrientation));
-    return shapes;
+    return One<Curves>(context, p.kind, std::move(segments), std::move(ends));
 }
 
 struct LoopSubdivisionParams {
@@ -228,7 +221,7 @@ ShapeList MakeLoopSubdivision(const LoopSubdivisionParams &p, const ParamSet &se
     const double triangles = static_cast<double>(corners.size() / 3) * std::pow(4.0, p.levels);
     RequireMemory(triangles * kBytesPerTriangle, fmt::format("{}: a mesh of {:.2g} triangles", set.What(), triangles),
                   set.LocOf("levels"));
-    return One<TriangleMesh>(set.At("indices", [&] { return LoopSubdivide(corners, p.points, p.levels); }), context);
+    return One<TriangleMesh>(context, set.At("indices", [&] { return LoopSubdivide(corners, p.points, p.levels); }));
 }
 
 struct PlyMeshParams {
@@ -257,15 +250,15 @@ ShapeList MakePlyMesh(const PlyMeshParams &p, const ParamSet &set, const ShapeCo
     if (context.displacement) {
         try {
             const Transform place = Product({context.renderFromPlaced, context.renderFromObject});
-            return One<TriangleMesh>(DisplaceMesh(ply, place, p.edgeLength, *context.displacement), context);
+            return One<TriangleMesh>(context, DisplaceMesh(ply, place, p.edgeLength, *context.displacement));
         } catch (const DisplacementError &e) {
             throw set.Error(e.Parameter(), fmt::format("{}: {}", p.filename, e.Diagnostics().front().message));
         }
     }
     ShapeList shapes;
-    if (!ply.triangles.indices.empty()) shapes = One<TriangleMesh>(std::move(ply.triangles), context);
+    if (!ply.triangles.indices.empty()) shapes = One<TriangleMesh>(context, std::move(ply.triangles));
     if (!ply.quads.indices.empty())
-        shapes.push_back(std::move(One<BilinearMesh>(std::move(ply.quads), context).front()));
+        shapes.push_back(std::move(One<BilinearMesh>(context, std::move(ply.quads)).front()));
     return shapes;
 }
 
@@ -321,15 +314,6 @@ void AddShape(ShapeTable &table, const char *name, const char *summary, bool isT
     });
 }
 
-template <class P, class F>
-void AddQuadric(ShapeTable &table, const char *name, const char *summary, F make) {
-    AddShape<P>(table, name, summary, true, [make](const P &p, const ParamSet &, const ShapeContext &context) {
-        ShapeList shapes;
-        shapes.push_back(make(p, context));
-        return shapes;
-    });
-}
-
 }  // namespace
 
 const ShapeTable &Shapes() {
@@ -338,7 +322,7 @@ const ShapeTable &Shapes() {
         ShapeTable t("Shape");
         AddShape<TriangleMeshParams>(t, "trianglemesh", "", false,
                                      [](TriangleMeshParams p, const ParamSet &set, Context &c) {
-                                         return One<TriangleMesh>(p.Finish(set, c.sink, 3), c);
+                                         return One<TriangleMesh>(c, p.Finish(set, c.sink, 3));
                                      });
         AddShape<BilinearMeshParams>(t, "bilinearmesh", "", false, MakeBilinearMesh);
         AddShape<CurveParams>(t, "curve",
@@ -350,19 +334,21 @@ const ShapeTable &Shapes() {
                                 "displacement **differs**, see below; more than 33 million triangles of one displaced "
                                 "mesh are an error",
                                 false, MakePlyMesh);
-        AddQuadric<SphereParams>(
-            t, "sphere", "as lights **differs** when scaled, see below", [](const SphereParams &p, Context &c) {
-                return std::make_unique<Sphere>(p.radius, p.zMin.value_or(-p.radius), p.zMax.value_or(p.radius),
-                                                p.phiMax, c.renderFromObject, c.reverseOrientation, c.opaque);
-            });
-        AddQuadric<DiskParams>(t, "disk", "as sphere", [](const DiskParams &p, Context &c) {
-            return std::make_unique<Disk>(p.height, p.radius, p.inner, p.phiMax, c.renderFromObject,
-                                          c.reverseOrientation);
+        AddShape<SphereParams>(t, "sphere", "as lights **differs** when scaled, see below", true,
+                               [](const SphereParams &p, const ParamSet &, Context &c) {
+                                   ShapeList shapes;
+                                   shapes.push_back(std::make_unique<Sphere>(
+                                       p.radius, p.zMin.value_or(-p.radius), p.zMax.value_or(p.radius), p.phiMax,
+                                       c.renderFromObject, c.reverseOrientation, c.opaque));
+                                   return shapes;
+                               });
+        AddShape<DiskParams>(t, "disk", "as sphere", true, [](const DiskParams &p, const ParamSet &, Context &c) {
+            return One<Disk>(c, p.height, p.radius, p.inner, p.phiMax);
         });
-        AddQuadric<CylinderParams>(t, "cylinder", "as sphere", [](const CylinderParams &p, Context &c) {
-            return std::make_unique<Cylinder>(p.radius, p.zMin, p.zMax, p.phiMax, c.renderFromObject,
-                                              c.reverseOrientation);
-        });
+        AddShape<CylinderParams>(t, "cylinder", "as sphere", true,
+                                 [](const CylinderParams &p, const ParamSet &, Context &c) {
+                                     return One<Cylinder>(c, p.radius, p.zMin, p.zMax, p.phiMax);
+                                 });
         return t;
     }();
     return table;

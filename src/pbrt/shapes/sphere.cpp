@@ -1,40 +1,25 @@
 #include "pbrt/shapes/sphere.h"
 
 #include "pbrt/math/frame.h"
-#include "pbrt/math/warps.h"
-#include "pbrt/shapes/weingarten.h"
 
 namespace pbrt {
 
 Sphere::Sphere(Float radius, Float zMin, Float zMax, Float phiMax, const Transform &renderFromObject,
                bool reverseOrientation, bool opaque)
-    : Quadric(renderFromObject, reverseOrientation), radius_(radius), opaque_(opaque) {
+    : Quadric(ShapeKind::Sphere, radius, phiMax, renderFromObject, reverseOrientation), opaque_(opaque) {
     zMin_ = std::clamp(std::min(zMin, zMax), -radius, radius);
     zMax_ = std::clamp(std::max(zMin, zMax), -radius, radius);
     thetaZMin_ = SafeACos(zMin_ / radius);
     thetaZMax_ = SafeACos(zMax_ / radius);
-    phiMax_ = Radians(std::clamp(phiMax, Float(0), Float(360)));
     center_ = renderFromObject.Point(Point3(0));
     renderRadius_ = radius * Scale();
     SetArea(phiMax_ * radius_ * (zMax_ - zMin_));
-    const bool whole = !(zMin_ > -radius_) && !(zMax_ < radius_) && IsFullTurn(phiMax_);
+    const bool whole = !(zMin_ > -radius_) && !(zMax_ < radius_) && IsFullTurn();
     Float part = whole ? 1 : (zMax_ - zMin_) / (2 * radius_) * (phiMax_ / (2 * Pi));
     coneShare_ = opaque ? part : part / 2;
 }
 
 Bounds3 Sphere::ObjectBounds() const { return {Point3(-radius_, -radius_, zMin_), Point3(radius_, radius_, zMax_)}; }
-
-Quadric::Roots Sphere::ObjectIntersect(const glm::dvec3 &o, const glm::dvec3 &d) const {
-    // Hit test by the line's distance from the centre; roots are symmetric about the nearest point (parameter m).
-    double a = glm::dot(d, d), m = -glm::dot(o, d) / a, r = double(radius_);
-    glm::dvec3 nearest = o + m * d;
-    double rest = r * r - glm::dot(nearest, nearest);
-    if (!(rest >= 0)) return {};
-    double half = std::sqrt(rest / a), far = m >= 0 ? m + half : m - half;
-    // The root nearer to the origin follows from the product of the roots, without cancellation.
-    double near = far != 0 ? (glm::dot(o, o) - r * r) / (a * far) : 0;
-    return {2, {std::min(near, far), std::max(near, far)}};
-}
 
 Point2 Sphere::UvOf(const glm::dvec3 &p) const {
     double phi = Azimuth(p.x, p.y), theta = std::atan2(std::sqrt(p.x * p.x + p.y * p.y), p.z);
@@ -44,7 +29,7 @@ Point2 Sphere::UvOf(const glm::dvec3 &p) const {
 
 std::optional<Point2> Sphere::Clip(const glm::dvec3 &p) const {
     if ((zMin_ > -radius_ && p.z < double(zMin_)) || (zMax_ < radius_ && p.z > double(zMax_))) return {};
-    if (CutsAzimuth(phiMax_, Azimuth(p.x, p.y))) return {};
+    if (CutsAzimuth(Azimuth(p.x, p.y))) return {};
     Point2 uv = UvOf(p);
     return Point2(std::clamp(uv.x, Float(0), Float(1)), std::clamp(uv.y, Float(0), Float(1)));
 }
@@ -71,9 +56,9 @@ Quadric::ObjectPoint Sphere::PointAt(const Point2 &uv) const {
     return at;
 }
 
-Quadric::ObjectSample Sphere::SampleObject(const Point2 &u) const {
+ShapeSample Sphere::SampleObject(const Point2 &u) const {
     Float z = Lerp(u.x, zMax_, zMin_), phi = u.y * phiMax_, ring = SafeSqrt(radius_ * radius_ - z * z);
-    ObjectSample at;
+    ShapeSample at;
     at.n = Normalize(Vector3(ring * std::cos(phi), ring * std::sin(phi), z));
     at.p = at.n * radius_;
     at.pError = Gamma(5) * Abs(at.p);

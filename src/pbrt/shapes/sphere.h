@@ -16,8 +16,6 @@ class Sphere final : public Quadric {
     Sphere(Float radius, Float zMin, Float zMax, Float phiMax, const Transform &renderFromObject,
            bool reverseOrientation, bool opaque = true);
 
-    ShapeKind Kind() const override { return ShapeKind::Sphere; }
-    DirectionCone NormalBounds(uint32_t) const override { return DirectionCone::EntireSphere(); }
     std::optional<ShapeSample> Sample(uint32_t primitive, const ShapeSampleContext &from,
                                       const Point2 &u) const override;
     Float PdfSolidAngle(uint32_t primitive, const ShapeSampleContext &from, const Vector3 &wi, const Point3 &pHit,
@@ -25,10 +23,10 @@ class Sphere final : public Quadric {
 
   protected:
     Bounds3 ObjectBounds() const override;
-    Roots ObjectIntersect(const glm::dvec3 &o, const glm::dvec3 &d) const override;
+    Roots ObjectIntersect(const glm::dvec3 &o, const glm::dvec3 &d) const override { return RoundRoots(o, d); }
     std::optional<Point2> Clip(const glm::dvec3 &p) const override;
     ObjectPoint PointAt(const Point2 &uv) const override;
-    ObjectSample SampleObject(const Point2 &u) const override;
+    ShapeSample SampleObject(const Point2 &u) const override;
     Normal3 NormalAt(const Point3 &p) const override { return p; }
 
   private:
@@ -48,7 +46,7 @@ class Sphere final : public Quadric {
     /// True if the ray from `from` to surface point p has no earlier hit on this sphere.
     bool IsMetFirst(const ShapeSampleContext &from, const Vector3 &wi, const Point3 &p) const;
 
-    Float radius_, zMin_, zMax_, thetaZMin_, thetaZMax_, phiMax_;
+    Float zMin_, zMax_, thetaZMin_, thetaZMax_;
     bool opaque_;
     Float coneShare_;     ///< probability of cone sampling from outside; 1 for a full opaque sphere
     Point3 center_;       ///< rendering space

@@ -41,4 +41,14 @@ SurfacePoint TransformSurface(const Transform &t, const SurfacePoint &s) {
     return r;
 }
 
+Bounds3 PlacedBounds(const Transform &t, const Bounds3 &b) {
+    Bounds3 placed;
+    for (int i = 0; i < 8; ++i) {
+        const Point3 corner = b.Corner(i), p = t.Point(corner);
+        const Vector3 error = t.PointError(corner);
+        placed = Union(placed, Bounds3(p - error, p + error));
+    }
+    return placed;
+}
+
 }  // namespace pbrt

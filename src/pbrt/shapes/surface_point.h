@@ -1,5 +1,6 @@
 #pragma once
 #include "pbrt/core/ids.h"
+#include "pbrt/math/bounds.h"
 #include "pbrt/math/transform.h"
 
 namespace pbrt {
@@ -40,5 +41,19 @@ struct SurfacePoint {
 /// Transforms a surface point by an instance's placement: geometry and error bounds are transformed, normals keep their
 /// side, all else is copied. Error bounds include transforming outgoing rays back by the inverse in single precision.
 SurfacePoint TransformSurface(const Transform &t, const SurfacePoint &s);
+
+/// Bounds of a transformed box, with the rounding errors of its corners.
+Bounds3 PlacedBounds(const Transform &t, const Bounds3 &b);
+
+/// Derivatives of the unit normal n from first and second derivatives of the position (Weingarten equations).
+inline void NormalDerivatives(const Vector3 &dpdu, const Vector3 &dpdv, const Vector3 &d2pduu, const Vector3 &d2pduv,
+                              const Vector3 &d2pdvv, const Normal3 &n, Normal3 *dndu, Normal3 *dndv) {
+    Float uu = Dot(dpdu, dpdu), uv = Dot(dpdu, dpdv), vv = Dot(dpdv, dpdv);
+    Float e = Dot(n, d2pduu), f = Dot(n, d2pduv), g = Dot(n, d2pdvv);
+    Float determinant = DifferenceOfProducts(uu, vv, uv, uv);
+    Float inverse = determinant == 0 ? 0 : 1 / determinant;
+    *dndu = ((f * uv - e * vv) * dpdu + (e * uv - f * uu) * dpdv) * inverse;
+    *dndv = ((g * uv - f * vv) * dpdu + (f * uv - g * uu) * dpdv) * inverse;
+}
 
 }  // namespace pbrt

@@ -2,9 +2,7 @@
 
 #include "pbrt/core/error.h"
 #include "pbrt/math/warps.h"
-#include "pbrt/shapes/plane_error.h"
-#include "pbrt/shapes/spherical.h"
-#include "pbrt/shapes/triangle_sampling.h"
+#include "pbrt/shapes/solid_angle_sampling.h"
 
 namespace pbrt {
 
@@ -18,22 +16,24 @@ Vector3 HitBarycentrics(const PrimitiveHit &hit) { return {std::max(Float(0), 1 
 
 }  // namespace
 
-void PlaceMesh(MeshData &mesh, const Transform &renderFromObject, bool reverseOrientation) {
+Mesh::Mesh(ShapeKind kind, size_t cornerCount, MeshData data, const Transform &renderFromObject,
+           bool reverseOrientation)
+    : Shape(kind), mesh_(std::move(data)), cornerCount_(cornerCount),
+      flipNormal_(reverseOrientation != renderFromObject.SwapsHandedness()) {
+    PBRT_CHECK(mesh_.indices.size() % cornerCount == 0);
+    for (uint32_t i : mesh_.indices) PBRT_CHECK_MSG(i < mesh_.p.size(), "index {} of {}", i, mesh_.p.size());
     if (!renderFromObject.IsIdentity()) {
-        for (Point3 &p : mesh.p) p = renderFromObject.Point(p);
-        for (Normal3 &n : mesh.n) n = renderFromObject.Normal(n);
-        for (Vector3 &s : mesh.s) s = renderFromObject.Vector(s);
+        for (Point3 &p : mesh_.p) p = renderFromObject.Point(p);
+        for (Normal3 &n : mesh_.n) n = renderFromObject.Normal(n);
+        for (Vector3 &s : mesh_.s) s = renderFromObject.Vector(s);
     }
     if (reverseOrientation)
-        for (Normal3 &n : mesh.n) n = -n;
-    mesh.p.reserve(mesh.p.size() + 1);
+        for (Normal3 &n : mesh_.n) n = -n;
+    mesh_.p.reserve(mesh_.p.size() + 1);
 }
 
 TriangleMesh::TriangleMesh(MeshData data, const Transform &renderFromObject, bool reverseOrientation)
-    : mesh_(std::move(data)), flipNormal_(reverseOrientation != renderFromObject.SwapsHandedness()) {
-    PBRT_CHECK(mesh_.indices.size() % 3 == 0);
-    for (uint32_t i : mesh_.indices) PBRT_CHECK_MSG(i < mesh_.p.size(), "index {} of {}", i, mesh_.p.size());
-    PlaceMesh(mesh_, renderFromObject, reverseOrientation);
+    : Mesh(ShapeKind::TriangleMesh, 3, std::move(data), renderFromObject, reverseOrientation) {
     for (uint32_t i = 0; i < PrimitiveCount(); ++i) largestSpan_ = std::max(largestSpan_, SpanOf(CornersOf(i)));
 }
 
@@ -61,14 +61,6 @@ DirectionCone TriangleMesh::NormalBounds(uint32_t primitive) const {
     for (Vector3 corner : {Vector3(0, 1, 0), Vector3(0, 0, 1)})
         if (Dot(OrientedNormal(primitive, c, corner), n) < 0) return DirectionCone::EntireSphere();
     return {n, 1};
-}
-
-Float TriangleMesh::SolidAngle(uint32_t primitive, const Point3 &p) const {
-    Corners c = CornersOf(primitive);
-    const Vector3 to[3] = {c.p0 - p, c.p1 - p, c.p2 - p};
-    const Float length[3] = {Length(to[0]), Length(to[1]), Length(to[2])};
-    if (!(length[0] > 0 && length[1] > 0 && length[2] > 0)) return 0;
-    return SphericalTriangle(to[0] / length[0], to[1] / length[1], to[2] / length[2]).Area();
 }
 
 Normal3 TriangleMesh::OrientedNormal(uint32_t primitive, const Corners &c, const Vector3 &b) const {

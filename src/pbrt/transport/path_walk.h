@@ -1,6 +1,6 @@
 #pragma once
 #include "pbrt/films/visible_surface.h"
-#include "pbrt/scene/footprint.h"
+#include "pbrt/scene/shading.h"
 #include "pbrt/transport/medium_track.h"
 #include "pbrt/transport/vertex.h"
 

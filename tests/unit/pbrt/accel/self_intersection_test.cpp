@@ -308,7 +308,7 @@ Aimed AimAtEdges(const Accel &accel, const MeshData &m) {
 
 TEST(SelfIntersection, RobustTrianglesDoNotLeakAtSharedEdges) {
     TriangleMesh mesh(test::BumpyBall(40), Transform(), false);
-    Accel robust, fast(Accel::Options{.robust = false});
+    Accel robust, fast(false);
     for (Accel *accel : {&robust, &fast}) {
         accel->AddShape(ShapeId(0u), mesh, nullptr);
         accel->Commit();

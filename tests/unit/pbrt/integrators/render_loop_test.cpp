@@ -47,8 +47,7 @@ struct Pass {
 /// A sampler whose SamplesPerPixel() is its seed; counts how often WithSeed() is called.
 class SeedTeller final : public Sampler {
   public:
-    SeedTeller(int seed, int *made) : Sampler(seed), seed_(seed), made_(made) {}
-    int SamplesPerPixel() const override { return seed_; }
+    SeedTeller(int seed, int *made) : Sampler(SamplerSettings{.samplesPerPixel = seed, .seed = seed}), made_(made) {}
     Point2 GetPixel2D() override { return {}; }
     std::unique_ptr<Sampler> Clone() const override { return std::make_unique<SeedTeller>(*this); }
     std::unique_ptr<Sampler> WithSeed(int seed) const override {
@@ -64,7 +63,6 @@ class SeedTeller final : public Sampler {
     }
 
   private:
-    int seed_;
     int *made_;
 };
 

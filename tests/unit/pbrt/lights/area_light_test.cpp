@@ -4,6 +4,7 @@
 #include "pbrt/lights/diffuse_area_light.h"
 #include "pbrt/shapes/shape_factory.h"
 #include "pbrt/shapes/triangle_mesh.h"
+#include "support/sampling.h"
 #include "unit/pbrt/shapes/shape_cases.h"
 
 namespace pbrt::test {

@@ -5,6 +5,7 @@
 #include "pbrt/math/frame.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/math/warps.h"
+#include "support/sampling.h"
 
 namespace pbrt {
 namespace {
@@ -75,8 +76,8 @@ TEST(LightBounds, UnionIsImportantWhereverAPartShines) {
         // A ray from some emitter in the box: its normal is within theta_o of the axis, and the direction within
         // theta_e of the normal.
         Point3 from = a.bounds.low + a.bounds.Diagonal() * Vector3(rng.Uniform(), rng.Uniform(), rng.Uniform());
-        Vector3 normal = Frame::FromZ(a.w).FromLocal(SampleUniformCone(rng.Uniform2(), a.cosTheta_o));
-        Vector3 d = Frame::FromZ(normal).FromLocal(SampleUniformCone(rng.Uniform2(), a.cosTheta_e));
+        Vector3 normal = Frame::FromZ(a.w).FromLocal(test::SampleUniformCone(rng.Uniform2(), a.cosTheta_o));
+        Vector3 d = Frame::FromZ(normal).FromLocal(test::SampleUniformCone(rng.Uniform2(), a.cosTheta_e));
         if (a.twoSided && rng.UniformInt(2)) d = -d;
         Point3 p = from + d * (3 * rng.Uniform());
         ASSERT_GT(a.Importance(p, Normal3(0)), 0);

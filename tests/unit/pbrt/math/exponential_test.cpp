@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "pbrt/math/exponential.h"
+#include "pbrt/math/fast_functions.h"
 #include "pbrt/math/rng.h"
 
 namespace pbrt::test {

@@ -6,6 +6,7 @@
 
 #include <set>
 
+#include "support/sampling.h"
 #include "support/statistics.h"
 
 namespace pbrt {
@@ -20,7 +21,7 @@ TEST(Bits, ReverseAndMortonMatchTheSlowWay) {
             reversed |= (x >> b & 1) << (31 - b);
             morton |= uint64_t(x >> b & 1) << (2 * b) | uint64_t(y >> b & 1) << (2 * b + 1);
         }
-        ASSERT_EQ(ReverseBits32(x), reversed);
+        ASSERT_EQ(ReverseBits(x), reversed);
         ASSERT_EQ(EncodeMorton2(x, y), morton);
     }
 }
@@ -137,8 +138,8 @@ TEST(RadicalInverse, ScramblingsKeepTheStratification) {
                     IsStratified(base, k, 3 * n, [&](uint64_t a) { return PermutedRadicalInverse(base, a, seed); }));
                 EXPECT_TRUE(IsStratified(base, k, 3 * n,
                                          [&](uint64_t a) { return OwenScrambledRadicalInverse(base, a, seed); }));
-                EXPECT_TRUE(IsStratified(base, k, 3 * n,
-                                         [&](uint64_t a) { return AffineRadicalInverse(base, a, base / 2, seed); }));
+                EXPECT_TRUE(IsStratified(
+                    base, k, 3 * n, [&](uint64_t a) { return test::AffineRadicalInverse(base, a, base / 2, seed); }));
             }
 }
 
@@ -151,7 +152,7 @@ TEST(RadicalInverse, ScrambledPointsAreUniformOverSeeds) {
             for (int s = 0; s < kSeeds; ++s) {
                 Float p = PermutedRadicalInverse(base, a, MixBits(static_cast<uint64_t>(s)));
                 Float o = OwenScrambledRadicalInverse(base, a, MixBits(static_cast<uint64_t>(s)));
-                Float q = AffineRadicalInverse(base, a, base - 1, MixBits(static_cast<uint64_t>(s)));
+                Float q = test::AffineRadicalInverse(base, a, base - 1, MixBits(static_cast<uint64_t>(s)));
                 ASSERT_TRUE(p >= 0 && p < 1 && o >= 0 && o < 1 && q >= 0 && q < 1);
                 ++affine[static_cast<size_t>(q * kCells)];
                 ++permuted[static_cast<size_t>(p * kCells)];
@@ -179,35 +180,23 @@ TEST(RadicalInverse, OwenChoosesTheSecondDigitByTheFirst) {
     EXPECT_NEAR(owenEqual, 40, 25);
 }
 
-TEST(DigitPermutations, TablesEqualTheSlowTwin) {
-    std::vector<uint32_t> multipliers(40);
-    for (size_t d = 0; d < multipliers.size(); ++d)
-        multipliers[d] = 1 + static_cast<uint32_t>(Hash(d) % (Primes[d] - 1));
-    DigitPermutations tables(multipliers, 5);
-    Rng rng(2);
-    for (int d = 0; d < tables.Dimensions(); ++d)
-        for (int i = 0; i < 50; ++i) {
-            uint64_t a = i < 5 ? static_cast<uint64_t>(i) : uint64_t(rng.Next()) << (i % 20);
-            const auto dimension = static_cast<size_t>(d);
-            Float slow =
-                AffineRadicalInverse(Primes[dimension], a, multipliers[dimension], DigitPermutations::SeedOf(5, d));
-            EXPECT_NEAR(tables.RadicalInverse(d, a), slow, 1.2e-7f) << d << " " << a;
-        }
-}
-
-TEST(DigitPermutations, LanesAgreeWithSingleNumbers) {
+TEST(DigitPermutations, LanesEqualTheSlowTwin) {
     std::vector<uint32_t> multipliers(40);
     for (size_t d = 0; d < multipliers.size(); ++d)
         multipliers[d] = 1 + static_cast<uint32_t>(Hash(d) % (Primes[d] - 1));
     const DigitPermutations tables(multipliers, 5);
     Rng rng(3);
-    for (int first = 0; first < tables.Dimensions(); ++first)
+    for (size_t first = 0; first < multipliers.size(); ++first)
         for (int i = 0; i < 200; ++i) {
             const uint64_t a = i < 5 ? static_cast<uint64_t>(i) : uint64_t(rng.Next()) << 18 >> (i % 50);
             Float values[Lanes64Count];
-            tables.RadicalInverses(first, a, values);
-            for (int lane = 0; lane < std::min(Lanes64Count, tables.Dimensions() - first); ++lane)
-                ASSERT_NEAR(values[lane], tables.RadicalInverse(first + lane, a), 1.2e-7f) << first + lane << " " << a;
+            tables.RadicalInverses(static_cast<int>(first), a, values);
+            for (size_t lane = 0; lane < Lanes64Count && first + lane < multipliers.size(); ++lane) {
+                const size_t d = first + lane;
+                const uint64_t seed = DigitPermutations::SeedOf(5, static_cast<int>(d));
+                ASSERT_NEAR(values[lane], test::AffineRadicalInverse(Primes[d], a, multipliers[d], seed), 2.4e-7f)
+                    << d << " " << a;
+            }
         }
     // A number does not depend on its neighbours.
     Float a[Lanes64Count], b[Lanes64Count];

@@ -1,4 +1,4 @@
-#include "pbrt/math/precise_sum.h"
+#include "pbrt/math/statistics.h"
 
 #include <gtest/gtest.h>
 

@@ -72,8 +72,8 @@ TEST(Sobol, ShortcutsForTheFirstTwoDimensionsEqualTheMatrices) {
     Rng rng(1);
     for (int i = 0; i < 2000; ++i) {
         uint64_t index = (uint64_t(rng.Next()) << 32 | rng.Next()) >> (12 + rng.UniformInt(50));
-        ASSERT_EQ(ReverseBits32(SobolReversed0(index)), SobolBits(m, index)) << index;
-        ASSERT_EQ(ReverseBits32(SobolReversed1(index)), SobolBits(m + SobolIndexBits, index)) << index;
+        ASSERT_EQ(ReverseBits(SobolReversed0(index)), SobolBits(m, index)) << index;
+        ASSERT_EQ(ReverseBits(SobolReversed1(index)), SobolBits(m + SobolIndexBits, index)) << index;
     }
 }
 
@@ -99,11 +99,15 @@ TEST(Scramble, LanesAgreeWithSingleNumbers) {
         for (int lane = 0; lane < Lanes32Count; ++lane) {
             const uint32_t b = bits[lane];
             ASSERT_EQ(fast[lane], FastOwenScrambleReversed(b, uint64_t(high[lane]) << 32 | low[lane]));
-            ASSERT_EQ(reversed[lane], ReverseBits32(b));
+            ASSERT_EQ(reversed[lane], ReverseBits(b));
             ASSERT_EQ(floats[lane], SobolToFloat(b));
         }
     }
     EXPECT_EQ(FractionsToFloat(Lanes32{} + 0xffffffffu)[3], OneMinusEpsilon);
+}
+
+uint32_t FastOwenScramble(uint32_t v, uint64_t seed) {
+    return ReverseBits(FastOwenScrambleReversed(ReverseBits(v), seed));
 }
 
 using Scramble = uint32_t (*)(uint32_t, uint64_t);
@@ -189,7 +193,7 @@ TEST(Scramble, NetsStayNets) {
         for (uint64_t first : {uint64_t(0), uint64_t(5) << k}) {
             std::vector<std::pair<uint32_t, uint32_t>> plain, owen, fast;
             for (uint64_t i = first; i < first + (uint64_t(1) << k); ++i) {
-                uint32_t x = ReverseBits32(SobolReversed0(i)), y = ReverseBits32(SobolReversed1(i));
+                uint32_t x = ReverseBits(SobolReversed0(i)), y = ReverseBits(SobolReversed1(i));
                 plain.push_back({x, y});
                 owen.push_back({OwenScramble(x, 11), OwenScramble(y, 12)});
                 fast.push_back({FastOwenScramble(x, MixBits(11)), FastOwenScramble(y, MixBits(12))});

@@ -1,4 +1,4 @@
-#include "pbrt/math/trigonometry.h"
+#include "pbrt/math/fast_functions.h"
 
 #include <gtest/gtest.h>
 

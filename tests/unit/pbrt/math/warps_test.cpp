@@ -43,7 +43,6 @@ TEST(Warps, DisksAreUniformByArea) {
     auto cell = [](const Point2 &p) { return Point2(p.x * p.x + p.y * p.y, Azimuth01(p.y, p.x)); };
     auto flat = [](double, double) { return 1.0; };
     EXPECT_GT(SquareTest([&](const Point2 &u) { return cell(SampleUniformDiskConcentric(u)); }, flat), 1e-4);
-    EXPECT_GT(SquareTest([&](const Point2 &u) { return cell(SampleUniformDiskPolar(u)); }, flat), 1e-4);
     EXPECT_EQ(SampleUniformDiskConcentric({0.5f, 0.5f}), Point2(0, 0));
 }
 
@@ -66,9 +65,6 @@ TEST(Warps, DirectionsFollowTheirDensities) {
         return z > 0.5 ? 4 * M_PI * double(CosineHemispherePdf(static_cast<Float>(2 * z - 1))) : 0;
     };
     EXPECT_GT(SquareTest([](const Point2 &u) { return SphereCell(SampleCosineHemisphere(u)); }, cosine), 1e-4);
-    Float cosMax = 0.5f;  // on a cell boundary: z = 0.75
-    auto cone = [&](double z, double) { return z > 0.75 ? 4 * M_PI * double(UniformConePdf(cosMax)) : 0; };
-    EXPECT_GT(SquareTest([&](const Point2 &u) { return SphereCell(SampleUniformCone(u, cosMax)); }, cone), 1e-4);
     EXPECT_NEAR(UniformSpherePdf() * 4 * Pi, 1, 1e-6f);
 }
 
@@ -77,7 +73,7 @@ TEST(Warps, SampledDirectionsAreUnit) {
     for (int i = 0; i < 1000; ++i) {
         Point2 u = i == 0 ? Point2(0, 0) : i == 1 ? Point2(OneMinusEpsilon, OneMinusEpsilon) : rng.Uniform2();
         for (const Vector3 &w : {SampleUniformSphere(u), SampleUniformHemisphere(u), SampleCosineHemisphere(u),
-                                 SampleUniformCone(u, 0.9f), EqualAreaSquareToSphere(u)})
+                                 EqualAreaSquareToSphere(u)})
             EXPECT_NEAR(Length(w), 1, 2e-6f);
     }
 }
@@ -98,18 +94,16 @@ TEST(Warps, LinearSamplesFollowTheDensity) {
          {std::pair{1.f, 3.f}, {3.f, 1.f}, {0.f, 1.f}, {1.f, 0.f}, {2.f, 2.f}, {0.f, 0.f}, {1e-20f, 1e-20f}}) {
         Float lo = a, hi = b;
         auto sample = [&](const Point2 &u) { return Point2(SampleLinear(u.x, lo, hi), u.y); };
-        EXPECT_GT(
-            SquareTest(sample, [&](double x, double) { return double(LinearPdf(static_cast<Float>(x), lo, hi)); }),
-            1e-4)
-            << a << " " << b;
+        auto density = [&](double x, double) {
+            return lo + hi > 0 ? 2 * std::lerp(double(lo), double(hi), x) / double(lo + hi) : 1;
+        };
+        EXPECT_GT(SquareTest(sample, density), 1e-4) << a << " " << b;
         for (Float u : {0.f, 1e-6f, 0.25f, 0.5f, 0.9f, OneMinusEpsilon}) {
             Float x = SampleLinear(u, a, b);
             EXPECT_GE(x, 0);
             EXPECT_LT(x, 1);
         }
     }
-    EXPECT_EQ(LinearPdf(1.01f, 1, 2), 0);
-    EXPECT_EQ(LinearPdf(-0.01f, 1, 2), 0);
 }
 
 TEST(Warps, BilinearSamplesFollowTheDensity) {

@@ -1,4 +1,4 @@
-#include "pbrt/math/windowed_distribution.h"
+#include "pbrt/math/distributions.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "media_test_support.h"
-#include "pbrt/media/thermal_emission.h"
+#include "pbrt/media/medium_kinds.h"
 
 namespace pbrt::test {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "media_test_support.h"
 #include "pbrt/core/files.h"
-#include "pbrt/media/thermal_emission.h"
+#include "pbrt/media/medium_kinds.h"
 #include "support/errors.h"
 
 // The same as where the renderer includes it, because its functions are inline.

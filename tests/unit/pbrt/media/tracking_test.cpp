@@ -18,6 +18,30 @@ std::array<double, SpectrumSamples> OpticalDepth(const Medium &medium, const Ray
     return depth;
 }
 
+/// Unbiased estimate of the transmittance along a ray, per wavelength within [0, 1]: ratio tracking (Novak et al. 2014)
+/// with the largest majorant of all wavelengths, hence valid for each of them.
+SampledSpectrum RatioTransmittance(MediumOnRay &onRay, Rng &rng) {
+    SampledSpectrum transmittance(1);
+    Float depth = DepthThatTakes(rng.Uniform());
+    MajorantSegment segment;
+    while (onRay.Next(&segment)) {
+        const Float majorant = segment.majorant.MaxComponent();
+        for (Float begin = segment.begin;;) {
+            const Float t = begin + depth / majorant;
+            if (!(t < segment.end)) {
+                depth = std::max(depth - majorant * (segment.end - begin), Float(0));
+                break;
+            }
+            const MediumCoefficients c = onRay.At(t);
+            transmittance *= ClampZero(SampledSpectrum(1) - (c.absorption + c.scattering) / majorant);
+            if (!transmittance) return transmittance;
+            begin = t;
+            depth = DepthThatTakes(rng.Uniform());
+        }
+    }
+    return transmittance;
+}
+
 /// Compares ratio tracking along a ray with exp(-depth).
 void CheckTransmittance(const std::string &name, const Medium &medium, const Ray &ray, Float length, double worstP) {
     const auto depth = OpticalDepth(medium, ray, length, 4000);

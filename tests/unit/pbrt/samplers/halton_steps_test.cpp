@@ -4,6 +4,7 @@
 
 #include "pbrt/math/warps.h"
 #include "pbrt/samplers/halton_sampler.h"
+#include "support/sampling.h"
 
 // Tests how evenly the few samples of a pixel of the Halton sampler fill the space of their dimensions.
 
@@ -78,7 +79,7 @@ class StepSearch {
     static std::vector<double> KernelOf(int d, uint32_t step) {
         const uint32_t multiplier = MultiplierFor(d, step);
         const auto seed = static_cast<uint64_t>(d);
-        return KernelOf([&](uint64_t a) { return double(AffineRadicalInverse(BaseOf(d), a, multiplier, seed)); });
+        return KernelOf([&](uint64_t a) { return double(test::AffineRadicalInverse(BaseOf(d), a, multiplier, seed)); });
     }
     double CostOf(const std::vector<double> &kernel) const {
         double cost = 0;
@@ -163,7 +164,8 @@ class Plates {
     double operator()(const VertexNumbers &u) const {
         const auto chosen = std::min(3, static_cast<int>(u.light * 4));
         const Disk &disk = kDisks[chosen];
-        const Point2 p = disk.centre + disk.radius * SampleUniformDiskPolar(u.onLight);
+        const SineCosine theta = SineCosineOfTurn(u.onLight.y);
+        const Point2 p = disk.centre + disk.radius * std::sqrt(u.onLight.x) * Point2(theta.cos, theta.sin);
         // The radiance of a disk is four times the density by area of a light sample, which is constant on a disk.
         const Float density = Density(disk);
         double L = double(4 * Lobe(p) * PowerHeuristic(density, Lobe(p)));
@@ -213,12 +215,12 @@ struct ErrorShares {
 ErrorShares ComparePixels(const Plates &plates, int samples) {
     double truth = 0;
     constexpr int kTruth = 1 << 16;
-    HaltonSampler many(kTruth, {1, 1}, Randomization::Owen, 3);
+    HaltonSampler many({kTruth, {1, 1}, Randomization::Owen, 3});
     for (int i = 0; i < kTruth; ++i) truth += plates(NumbersOf(many, {0, 0}, i)) / kTruth;
 
     double ofSampler = 0, ofPermuted = 0, ofTwin = 0;
     for (int seed = 0; seed < 60; ++seed) {
-        HaltonSampler sampler(samples, kFilm, Randomization::PermuteDigits, seed);
+        HaltonSampler sampler({samples, kFilm, Randomization::PermuteDigits, seed});
         const ShuffledHalton twin(12, Hash(seed));
         auto permuted = [seed](int dimension, uint64_t n) {
             return PermutedRadicalInverse(BaseOf(dimension), n, Hash(seed, dimension));

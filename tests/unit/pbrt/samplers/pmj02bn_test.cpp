@@ -6,7 +6,6 @@
 #include <set>
 
 #include "pbrt/math/rng.h"
-#include "pbrt/samplers/blue_noise_mask.h"
 #include "sampler_cases.h"
 #include "support/statistics.h"
 

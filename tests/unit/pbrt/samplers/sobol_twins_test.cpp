@@ -18,10 +18,10 @@ uint64_t SecondSeed(uint64_t seed) { return MixBits(seed ^ 0x632be59bd9b4e019ull
 
 /// One coordinate from bits in reversed order.
 Float Randomize(uint32_t reversed, const std::string &randomization, uint64_t seed) {
-    if (randomization == "fastowen") return SobolToFloat(ReverseBits32(FastOwenScrambleReversed(reversed, seed)));
-    if (randomization == "owen") return SobolToFloat(OwenScramble(ReverseBits32(reversed), seed));
+    if (randomization == "fastowen") return SobolToFloat(ReverseBits(FastOwenScrambleReversed(reversed, seed)));
+    if (randomization == "owen") return SobolToFloat(OwenScramble(ReverseBits(reversed), seed));
     if (randomization == "permutedigits") reversed ^= static_cast<uint32_t>(seed);
-    return SobolToFloat(ReverseBits32(reversed));
+    return SobolToFloat(ReverseBits(reversed));
 }
 
 /// The place of one child among its siblings: the orders of four in lexicographic order.
@@ -101,7 +101,7 @@ TEST(SobolTwins, SobolEqualsItsTwin) {
         if (randomization == std::string("permutedigits")) r = Randomization::PermuteDigits;
         if (randomization == std::string("owen")) r = Randomization::Owen;
         if (randomization == std::string("fastowen")) r = Randomization::FastOwen;
-        SobolSampler s(16, {64, 48}, r, 4);
+        SobolSampler s({16, {64, 48}, r, 4});
         s.StartPixelSample({30, 7}, 21);
         for (int d = 2; d < 1060; ++d) {
             const uint64_t seed = AddDimension(Hash(4), d);
@@ -110,7 +110,7 @@ TEST(SobolTwins, SobolEqualsItsTwin) {
                 const uint32_t bits = SobolBits(SobolMatrices() + d * SobolIndexBits, s.Index());
                 // Digits are permuted in their order here, not in reversed order.
                 expected = r == Randomization::PermuteDigits ? SobolToFloat(bits ^ static_cast<uint32_t>(seed))
-                                                             : Randomize(ReverseBits32(bits), randomization, seed);
+                                                             : Randomize(ReverseBits(bits), randomization, seed);
             }
             ASSERT_EQ(s.Get1D(), expected) << randomization << " " << d;
         }
@@ -118,7 +118,7 @@ TEST(SobolTwins, SobolEqualsItsTwin) {
 }
 
 TEST(IndependentTwin, NumbersAreThoseOfThePixelsStream) {
-    IndependentSampler s(16, 3);
+    IndependentSampler s({.samplesPerPixel = 16, .seed = 3});
     for (int i : {0, 5, 40}) {
         const uint64_t hash = Hash(Point2i(3, 8), 3);
         Rng rng(hash, MixBits(hash));

@@ -146,7 +146,7 @@ TEST(Stratification, StratifiedTakesTheCellsInAnotherOrderEachTime) {
 
 TEST(Stratification, HaltonPixelsOwnTheirPointsOfTheDirectSequence) {
     for (Point2i resolution : {Point2i(16, 9), Point2i(200, 300), Point2i(1, 1), Point2i(1, 50)}) {
-        HaltonSampler s(16, resolution, Randomization::None, 0);
+        HaltonSampler s({16, resolution, Randomization::None, 0});
         auto scale = s.TileScale();
         EXPECT_GE(scale.x, std::min(128, resolution.x));
         EXPECT_GE(scale.y, std::min(128, resolution.y));
@@ -171,7 +171,7 @@ TEST(Stratification, HaltonPixelsOwnTheirPointsOfTheDirectSequence) {
 }
 
 TEST(Stratification, HaltonTilesRepeatAfter128Pixels) {
-    HaltonSampler s(4, {400, 400}, Randomization::PermuteDigits, 0);
+    HaltonSampler s({4, {400, 400}, Randomization::PermuteDigits, 0});
     s.StartPixelSample({5, 7}, 1, 0);
     uint64_t index = s.Index();
     s.StartPixelSample({5 + 128, 7 + 256}, 1, 0);
@@ -183,7 +183,7 @@ TEST(Stratification, HaltonTilesRepeatAfter128Pixels) {
 TEST(Stratification, HaltonDimensionsAreStratifiedAlongTheSequence) {
     // For 5^3 consecutive points of a 1 x 1 film, every interval of length 1/125 of dimension 2 (base 5) holds one.
     for (Randomization r : {Randomization::None, Randomization::PermuteDigits, Randomization::Owen}) {
-        HaltonSampler s(125, {1, 1}, r, 9);
+        HaltonSampler s({125, {1, 1}, r, 9});
         std::set<int> cells;
         for (int i = 0; i < 125; ++i) {
             s.StartPixelSample({0, 0}, i, 0);
@@ -195,7 +195,7 @@ TEST(Stratification, HaltonDimensionsAreStratifiedAlongTheSequence) {
 
 TEST(Stratification, SobolPixelsAreStratifiedAndPointsAreTheGlobalOnes) {
     for (Point2i resolution : {Point2i(64, 48), Point2i(33, 1), Point2i(1, 1), Point2i(1920, 1080)}) {
-        SobolSampler s(16, resolution, Randomization::None, 0);
+        SobolSampler s({16, resolution, Randomization::None, 0});
         int scale = static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(resolution.x, resolution.y))));
         const uint32_t *m = SobolMatrices();
         for (Point2i pixel : {Point2i(0, 0), resolution - 1, resolution / 2}) {

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "pbrt/scene/footprint.h"
 #include "support/build_text.h"
 #include "support/scene_text.h"
 

@@ -21,9 +21,7 @@ PlyMesh QuadAndTriangle() {
     for (const Point3 &p : vertices.p) vertices.uv.emplace_back(p.x, p.y);
     ply.triangles = ply.quads = vertices;
     ply.triangles.indices = {1, 4, 3};
-    ply.triangles.faceIndices = {7};
     ply.quads.indices = {0, 1, 2, 3};
-    ply.quads.faceIndices = {9};
     return ply;
 }
 
@@ -104,15 +102,6 @@ TEST(Displacement, MovesAlongTheNormalByObjectUnitsAndRenewsNormals) {
     for (size_t i = 0; i < down.p.size(); ++i) {
         EXPECT_EQ(down.p[i].z, -0.25f);
         EXPECT_EQ(down.n[i], Normal3(0, 0, -1)) << "the normals stay on the side of those in the mesh";
-    }
-}
-
-TEST(Displacement, TrianglesInheritFaceIndices) {
-    const MeshData m = DisplaceMesh(QuadAndTriangle(), Transform(), 0.2f, By([](auto...) { return Float(0); }));
-    ASSERT_EQ(m.faceIndices.size(), m.indices.size() / 3);
-    for (size_t f = 0; f < m.faceIndices.size(); ++f) {
-        const Float x = (m.p[m.indices[3 * f]].x + m.p[m.indices[3 * f + 1]].x + m.p[m.indices[3 * f + 2]].x) / 3;
-        EXPECT_EQ(m.faceIndices[f], x > 1 ? 7 : 9);
     }
 }
 

@@ -1,4 +1,4 @@
-#include "pbrt/shapes/ply.h"
+#include "pbrt/shapes/mesh_sources.h"
 
 #include <gtest/gtest.h>
 
@@ -57,8 +57,6 @@ std::string Binary(bool big) {
 void CheckMesh(const PlyMesh &m) {
     EXPECT_EQ(m.triangles.indices, (std::vector<uint32_t>{0, 1, 2}));
     EXPECT_EQ(m.quads.indices, (std::vector<uint32_t>{0, 1, 3, 2}));
-    EXPECT_EQ(m.triangles.faceIndices, std::vector<int>{7});
-    EXPECT_EQ(m.quads.faceIndices, std::vector<int>{8});
     EXPECT_EQ(m.ignoredFaces, 1u);
     for (const MeshData *d : {&m.triangles, &m.quads}) {
         ASSERT_EQ(d->p.size(), 4u);

@@ -1,10 +1,9 @@
-#include "pbrt/shapes/triangle_sampling.h"
+#include "pbrt/shapes/solid_angle_sampling.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "pbrt/math/rng.h"
-#include "pbrt/shapes/rectangle_sampling.h"
 #include "support/statistics.h"
 
 // The two ways in which triangles and rectangles are sampled, and the limit between them.

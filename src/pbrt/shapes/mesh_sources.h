@@ -1,4 +1,5 @@
 #pragma once
+#include <span>
 #include <string>
 
 #include "pbrt/shapes/triangle_mesh.h"
@@ -17,5 +18,13 @@ struct PlyMesh {
 /// but with `name` and the line or item, for malformed files, missing vertices or faces, indices out of range, and
 /// non-finite positions.
 PlyMesh ParsePly(const std::string &content, const std::string &name);
+
+/// Refines a triangle control mesh `levels` times by Loop subdivision, then projects vertices and normals to the limit
+/// surface. The masks are stock pbrt-v4's (see the .cpp), so the surface is stock's; OpenSubdiv provides the topology.
+/// The result is in the space of `points`. Like stock's, normals point to the side from which faces appear clockwise.
+///
+/// Throws UserError, without location, unless the faces are an oriented two-manifold, possibly with boundary. Unused
+/// points are dropped. Indices must be in range.
+MeshData LoopSubdivide(std::span<const uint32_t> indices, std::span<const Point3> points, int levels);
 
 }  // namespace pbrt

@@ -1,4 +1,4 @@
-#include "pbrt/shapes/spherical.h"
+#include "pbrt/shapes/solid_angle_sampling.h"
 
 namespace pbrt {
 

@@ -1,0 +1,25 @@
+#pragma once
+#include "pbrt/math/rng.h"
+#include "pbrt/math/warps.h"
+
+namespace pbrt::test {
+
+/// Slow twin of DigitPermutations in one dimension.
+inline Float AffineRadicalInverse(uint32_t base, uint64_t a, uint32_t multiplier, uint64_t seed) {
+    double weight = 1, value = 0;
+    for (uint64_t k = 1; weight > 0x1p-32; ++k, a /= base) {
+        const uint64_t shift = (MixBits(seed + 0x9e3779b97f4a7c15ull * k) >> 32) * base >> 32;
+        weight /= base;
+        value += double((multiplier * (a % base) + shift) % base) * weight;
+    }
+    return std::min(static_cast<Float>(value), OneMinusEpsilon);
+}
+
+/// Directions within the cone cos(theta) >= cosThetaMax about +z.
+inline Vector3 SampleUniformCone(const Point2 &u, Float cosThetaMax) {
+    Float c = (1 - u.x) + u.x * cosThetaMax;
+    return SphericalDirectionOfTurn(SafeSqrt(1 - c * c), c, u.y);
+}
+inline Float UniformConePdf(Float cosThetaMax) { return 1 / (2 * Pi * (1 - cosThetaMax)); }  ///< solid angle
+
+}  // namespace pbrt::test

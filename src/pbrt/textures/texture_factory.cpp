@@ -2,31 +2,18 @@
 
 #include <algorithm>
 #include <array>
-#include <initializer_list>
-#include <vector>
 
-#include "pbrt/core/files.h"
 #include "pbrt/core/limits.h"
 #include "pbrt/textures/basic_textures.h"
 #include "pbrt/textures/texture_makers.h"
 
 namespace pbrt {
 
-const std::vector<std::string> &UnsupportedTextures() {
-    static const std::vector<std::string> kNames = {"ptex"};
-    return kNames;
-}
-
 namespace {
-
-bool Contains(const std::vector<std::string> &names, const std::string &name) {
-    return std::find(names.begin(), names.end(), name) != names.end();
-}
 
 constexpr const char *kWhyNoPtex =
     "no library of Debian reads Ptex files (its OpenImageIO is built without Ptex support). Bake the texture into an "
-    "image "
-    "and use class \"imagemap\".";
+    "image and use class \"imagemap\".";
 
 const char *FamilyName(bool isSpectrum) { return isSpectrum ? "spectrum" : "float"; }
 
@@ -186,18 +173,14 @@ struct TextureLibrary::Impl {
         if (d.textureClass == "imagemap" && !imagesPreloaded) PreloadImages();
         try {
             return make();
-        } catch (const MissingImageError &e) {
-            if (!d.failed) ++missingImages;
-            Report(d, e);
         } catch (const UserError &e) {
-            Report(d, e);
+            if (!d.failed) {
+                if (dynamic_cast<const MissingImageError *>(&e)) ++missingImages;
+                sink.Add(e);
+            }
+            d.failed = true;
         }
         return nullptr;
-    }
-
-    void Report(Definition &d, const UserError &e) {
-        if (!d.failed) sink.Add(e);
-        d.failed = true;
     }
 
     const Made<FloatTexturePtr> &MakeFloat(Definition &d, const FileLoc &user = {}) {
@@ -234,16 +217,16 @@ void TextureLibrary::Define(const std::string &name, bool isSpectrum, const std:
     d->isSpectrum = isSpectrum;
     d->params = std::move(params);
     d->renderFromTexture = renderFromTexture;
-    std::vector<std::string> classes = isSpectrum ? SpectrumTextures().Names() : FloatTextures().Names();
-    d->broken = !Contains(classes, textureClass);
-    const bool isBroken = d->broken;
+    const bool isKnown = isSpectrum ? SpectrumTextures().Has(textureClass) : FloatTextures().Has(textureClass);
+    d->broken = !isKnown;
     impl_->indexOf[isSpectrum][name] = impl_->definitions.size();
     impl_->definitions.push_back(std::move(d));
-    if (!isBroken) return;
+    if (isKnown) return;
     const std::string what = fmt::format("texture \"{}\"", Abbreviate(name));
-    if (Contains(UnsupportedTextures(), textureClass))
+    if (textureClass == kUnsupportedTexture)
         throw UserError(fmt::format("{}: class \"{}\" is not supported: {}", what, textureClass, kWhyNoPtex), loc);
-    classes.insert(classes.end(), UnsupportedTextures().begin(), UnsupportedTextures().end());
+    std::vector<std::string> classes = isSpectrum ? SpectrumTextures().Names() : FloatTextures().Names();
+    classes.push_back(kUnsupportedTexture);
     ThrowUnknown(fmt::format("{}: {} texture class", what, FamilyName(isSpectrum)), textureClass, classes, loc);
 }
 

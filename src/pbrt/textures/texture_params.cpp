@@ -1,4 +1,4 @@
-#include "pbrt/textures/texture_params.h"
+#include "pbrt/textures/texture_factory.h"
 
 namespace pbrt {
 

@@ -3,7 +3,6 @@
 #include "pbrt/build/collect.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/lights/light_factory.h"
-#include "pbrt/materials/forced_diffuse.h"
 #include "pbrt/shapes/curves.h"
 #include "pbrt/shapes/extent.h"
 #include "pbrt/shapes/shape_factory.h"

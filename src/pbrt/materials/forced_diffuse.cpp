@@ -1,6 +1,4 @@
-#include "pbrt/materials/forced_diffuse.h"
-
-#include "pbrt/bxdfs/bsdf.h"
+#include "pbrt/materials/material_factory.h"
 #include "pbrt/materials/mix_material.h"
 
 namespace pbrt {

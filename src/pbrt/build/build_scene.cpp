@@ -121,7 +121,7 @@ SceneContents MakeContents(SceneDescription &d, const BuildOptions &options, con
         media = {};
     }
     GeometryBuilder geometry(d, renderFromWorld, !TraitsOf(IntegratorType(d.integrator, options)).passesInterfaces,
-                             media.ids, textures, sink);
+                             media, textures, sink);
     geometry.BuildMaterials();
     textures.CheckAll();
     progress.SetTotal(geometry.ShapeEntityCount());
@@ -136,12 +136,12 @@ SceneContents MakeContents(SceneDescription &d, const BuildOptions &options, con
             // Light from outside the scene arrives through vacuum, regardless of the current medium at its LightSource.
             const bool isBeyondScene =
                 light->Kind() == LightKind::Infinite || light->Kind() == LightKind::DeltaDirection;
-            const MediumId medium = isBeyondScene ? MediumId() : media.ids.Find(l.medium);
+            const MediumId medium = isBeyondScene ? MediumId() : media.Find(l.medium);
             contents.lights->Add(std::move(light));
             contents.lightMedia.push_back({medium, medium});
             lightNames.Add(1, fmt::format("LightSource \"{}\"", l.type), l.loc);
         });
-    contents.cameraMedium = media.ids.Find(d.camera.medium);
+    contents.cameraMedium = media.Find(d.camera.medium);
     contents.media = std::move(media.media);
     return contents;
 }

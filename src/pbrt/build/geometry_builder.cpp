@@ -59,7 +59,7 @@ FamilyDoc DocumentShapes() {
 }
 
 GeometryBuilder::GeometryBuilder(SceneDescription &description, const Transform &renderFromWorld, bool interfacesBlock,
-                                 const MediumIds &media, TextureLibrary &textures, DiagnosticSink &sink)
+                                 const BuiltMedia &media, TextureLibrary &textures, DiagnosticSink &sink)
     : description_(description), renderFromWorld_(renderFromWorld), interfacesBlock_(interfacesBlock), media_(media),
       textures_(textures), sink_(sink) {
     contents_.accel = std::make_unique<Accel>();
@@ -93,11 +93,7 @@ void GeometryBuilder::BuildMaterials() {
     MaterialContext context{textures_, description_.files, sink_, byName};
     for (MaterialEntity &m : description_.materials) {
         MaterialId id{};
-        try {
-            id = add(MakeMaterial(m.type, m.params, context));
-        } catch (const UserError &e) {
-            sink_.Add(e);
-        }
+        Collect(sink_, [&] { id = add(MakeMaterial(m.type, m.params, context)); });
         byIndex_.push_back(id);
         if (!m.name.empty()) named_.emplace(m.name, id);
     }
@@ -120,7 +116,7 @@ MaterialId GeometryBuilder::ResolveMaterial(const ShapeEntity &entity) {
 void GeometryBuilder::BuildShapes(Progress &progress) {
     // Single-threaded, because the texture library is not thread-safe.
     for (Work &w : work_) {
-        try {
+        Collect(w.sink, [&] {
             ShapeTextureParams p{w.entity->type == "plymesh"};
             ParamReader reader(w.entity->params);
             p.Describe(reader);
@@ -129,9 +125,7 @@ void GeometryBuilder::BuildShapes(Progress &progress) {
             if (w.alpha && w.alpha->Constant() && *w.alpha->Constant() >= 1) w.alpha = nullptr;
             if (FloatTexturePtr height = textures_.Get(p.displacement))
                 w.displacement = MakeDisplacement(height, description_.options.displacementEdgeScale.value_or(1));
-        } catch (const UserError &e) {
-            w.sink.Add(e);
-        }
+        });
     }
     ParallelForEach(static_cast<int64_t>(work_.size()), [&](int64_t i) {
         Work &w = work_[i];
@@ -152,7 +146,7 @@ void GeometryBuilder::BuildShapes(Progress &progress) {
 
 void GeometryBuilder::MakeShapes(Work &w) {
     const ShapeEntity &e = *w.entity;
-    try {
+    Collect(w.sink, [&] {
         Transform place = Product({renderFromWorld_, e.ctm.start}), renderFromPlaced;
         if (e.ctm.IsAnimated()) {
             w.motion = std::make_unique<const AnimatedTransform>(
@@ -179,9 +173,7 @@ void GeometryBuilder::MakeShapes(Work &w) {
         w.shapes = Shapes().Make(e.type, e.params, context);
         if (w.motion)
             for (const auto &shape : w.shapes) RequireReach(e.params.What(), *w.motion, BoundsOf(*shape), e.loc);
-    } catch (const UserError &error) {
-        w.sink.Add(error);
-    }
+    });
 }
 
 void GeometryBuilder::CenterDefinitions() {
@@ -243,10 +235,9 @@ const AreaLightMaker *GeometryBuilder::MakerFor(const ShapeEntity &e, bool isInt
         makerOf_[index] = -2;
         Collect(sink_, [&] {
             const Entity &light = description_.areaLights[index];
-            const ColorSpace *space = ColorSpace::Find(light.colorSpace);
             const Transform none;
             makers_.push_back(AreaLights().Make(light.type, light.params,
-                                                LightContext{none, none, *space, description_.files, sink_}));
+                                                LightContext{none, none, SpaceOf(light), description_.files, sink_}));
             makerOf_[index] = static_cast<int>(makers_.size()) - 1;
         });
     }
@@ -347,7 +338,7 @@ void GeometryBuilder::BuildInstances(const std::vector<Definition> &definitions)
             sink_.Error(i.loc, fmt::format("object \"{}\" is not defined.", i.name));
             continue;
         }
-        try {
+        Collect(sink_, [&] {
             const AnimatedTransform motion =
                 MotionOf("the instance", i, Product({renderFromWorld_, i.ctm.start, worldFromRender}),
                          Product({renderFromWorld_, i.ctm.end, worldFromRender}));
@@ -356,7 +347,7 @@ void GeometryBuilder::BuildInstances(const std::vector<Definition> &definitions)
                 sink_.Warning(i.loc, fmt::format("the instance of \"{}\" cannot be seen: the current transformation "
                                                  "flattens it.",
                                                  Abbreviate(i.name)));
-                continue;
+                return;
             }
             if (it->second.still >= 0) {
                 const Transform &space = *it->second.space;
@@ -366,9 +357,7 @@ void GeometryBuilder::BuildInstances(const std::vector<Definition> &definitions)
             }
             for (const Definition::Moving &m : it->second.definition->moving)
                 contents_.accel->AddMovingInstance(m.object, motion, m.renderFromObject);
-        } catch (const UserError &e) {
-            sink_.Add(e);
-        }
+        });
     }
 }
 

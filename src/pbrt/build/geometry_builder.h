@@ -20,7 +20,7 @@ class GeometryBuilder {
   public:
     /// `interfacesBlock`: interface surfaces block shadow rays. `media`: named by shapes.
     GeometryBuilder(SceneDescription &description, const Transform &renderFromWorld, bool interfacesBlock,
-                    const MediumIds &media, TextureLibrary &textures, DiagnosticSink &sink);
+                    const BuiltMedia &media, TextureLibrary &textures, DiagnosticSink &sink);
 
     void BuildMaterials();
     /// Reads and transforms all shapes (in parallel), then registers them in file order.
@@ -71,7 +71,7 @@ class GeometryBuilder {
     SceneDescription &description_;
     Transform renderFromWorld_;
     bool interfacesBlock_;
-    const MediumIds &media_;
+    const BuiltMedia &media_;
     TextureLibrary &textures_;
     DiagnosticSink &sink_;
     SceneContents contents_;

@@ -3,7 +3,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <limits>
 
 #include "pbrt/build/collect.h"
 #include "pbrt/build/integrator_makers.h"
@@ -90,8 +89,7 @@ struct AmbientOcclusionParams {
     template <class V>
     void Describe(V &&v) {
         v("cossample", cosine, "sample directions in proportion to their cosine; false: uniformly");
-        v("maxdistance", maxDistance, Positive(std::numeric_limits<Float>::max()),
-          "surfaces farther away do not occlude");
+        v("maxdistance", maxDistance, kPositive, "surfaces farther away do not occlude");
     }
 };
 
@@ -192,11 +190,6 @@ const IntegratorTable &Integrators() {
     return table;
 }
 
-const std::vector<std::string> &UnsupportedIntegrators() {
-    static const std::vector<std::string> names = {"function"};
-    return names;
-}
-
 const std::string &IntegratorType(const Entity &entity, const BuildOptions &options) {
     return options.integrator.empty() ? entity.type : options.integrator;
 }
@@ -208,12 +201,11 @@ IntegratorTraits TraitsOf(const std::string &integrator) {
 IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &options, const PluginRegistry &registry,
                                   DiagnosticSink &sink) {
     const std::string &type = IntegratorType(entity, options);
-    const std::vector<std::string> &later = UnsupportedIntegrators();
     IntegratorSettings settings;
     if (!Integrators().Has(type)) {
-        const bool isLater = std::find(later.begin(), later.end(), type) != later.end();
         sink.Error(options.integrator.empty() ? entity.loc : FileLoc{},
-                   fmt::format("Integrator \"{}\" is {}; {}{}.", type, isLater ? "not supported yet" : "unknown",
+                   fmt::format("Integrator \"{}\" is {}; {}{}.", type,
+                               type == kUnsupportedIntegrator ? "not supported yet" : "unknown",
                                V3Hint("Integrator", type), ListChoices(type, Integrators().Names())));
     } else {
         const IntegratorTable::Entry &entry = Integrators().Find(type);

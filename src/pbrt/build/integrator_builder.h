@@ -40,8 +40,8 @@ struct IntegratorTraits {
 };
 using IntegratorTable = FactoryTable<IntegratorSettings, const IntegratorReading, IntegratorTraits>;
 const IntegratorTable &Integrators();
-/// Integrators of the format that are not supported.
-const std::vector<std::string> &UnsupportedIntegrators();
+/// Integrator of the format that is not supported.
+inline constexpr const char *kUnsupportedIntegrator = "function";
 
 /// Parses the parameters of the integrator named by scene or --integrator, and of its light sampler. Reports all errors
 /// to the sink before anything is built.

@@ -5,6 +5,9 @@
 
 namespace pbrt {
 
+inline constexpr Range<int> kCounts{1, std::numeric_limits<int>::max()};
+inline constexpr Range<Float> kPositive = Positive(std::numeric_limits<Float>::max());
+
 struct DepthParams {
     int maxDepth = 5;
     template <class V>

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <charconv>
 
+#include "pbrt/build/collect.h"
+
 namespace pbrt {
 
 namespace {
@@ -103,11 +105,7 @@ void ReadKeys(const FlagText &flag, const std::string &owner, const std::vector<
               ParamSet *params, DiagnosticSink &sink) {
     for (size_t begin = piece.begin; begin <= piece.end;) {
         const size_t end = std::min(flag.Text().find(',', begin), piece.end);
-        try {
-            params->Add(ReadOne(flag, owner, docs, {begin, end}));
-        } catch (const UserError &e) {
-            sink.Add(e);
-        }
+        Collect(sink, [&] { params->Add(ReadOne(flag, owner, docs, {begin, end})); });
         begin = end + 1;
     }
 }
@@ -130,19 +128,16 @@ void CheckColon(const FlagText &flag, const Piece &name, size_t end, const Find 
 
 /// Splits "name:key=value,..."; `find(name, loc)` returns the registry entry of a known name.
 template <class Find>
-auto ReadPiece(const FlagText &flag, const Piece &piece, const Find &find, ParamSet *params, DiagnosticSink &sink)
-    -> decltype(&find("", FileLoc())) {
+auto ReadPiece(const FlagText &flag, const Piece &piece, const Find &find, ParamSet *params, DiagnosticSink &sink) {
     const std::string &text = flag.Text();
     const size_t colon = std::min(text.find(':', piece.begin), piece.end);
-    try {
+    decltype(&find("", FileLoc())) entry = nullptr;
+    Collect(sink, [&] {
         CheckColon(flag, {piece.begin, colon}, piece.end, find);
-        const auto *entry = &find(text.substr(piece.begin, colon - piece.begin), flag.At(piece.begin));
+        entry = &find(text.substr(piece.begin, colon - piece.begin), flag.At(piece.begin));
         if (colon < piece.end) ReadKeys(flag, entry->name, entry->params, {colon + 1, piece.end}, params, sink);
-        return entry;
-    } catch (const UserError &e) {
-        sink.Add(e);
-        return nullptr;
-    }
+    });
+    return entry;
 }
 
 constexpr const char *kGuideName = "guide";
@@ -155,11 +150,7 @@ ParamSet ChosenParams(const std::string &owner, const Entry &entry, const ParamS
     for (const ParamDoc &doc : entry.params)
         if (const Param *p = integrator.Find(entry.name + "." + doc.name, doc.types.front())) params.Add(*p);
     for (const Param &p : added.Own()) params.Add(p);
-    try {
-        if (entry.check) entry.check(params);
-    } catch (const UserError &e) {
-        sink.Add(e);
-    }
+    if (entry.check) Collect(sink, [&] { entry.check(params); });
     return params;
 }
 
@@ -225,19 +216,12 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
                                                  const PluginRegistry &registry, DiagnosticSink &sink,
                                                  const LightSelectionParams &defaults) {
     const size_t errorsBefore = sink.ErrorCount();
-    auto collect = [&](auto &&read) {
-        try {
-            read();
-        } catch (const UserError &e) {
-            sink.Add(e);
-        }
-    };
     LightSelection selection;
     auto &[sampler, guide] = selection;
     LightSelectionParams scene = defaults;
     ParamReader reader(integrator);
     scene.Describe(reader);
-    collect([&] { reader.ThrowIfErrors(); });
+    Collect(sink, [&] { reader.ThrowIfErrors(); });
 
     const FlagText choice(flags.choiceFlag, flags.choice);
     const Pieces pieces = Split(choice, sink);
@@ -248,7 +232,7 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
 
     // The scene's name is validated even if a flag overrides it.
     const FileLoc loc = integrator.LocOf("lightsampler");
-    collect([&] {
+    Collect(sink, [&] {
         const std::string &name = scene.lightSampler;
         if (const size_t stop = name.find_first_of(":,;=+ "); stop != std::string::npos)
             throw UserError(
@@ -266,7 +250,7 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
 
     if (pieces.guide) {
         guide.emplace("the guide", choice.At(pieces.guide->begin));
-        collect([&] {
+        Collect(sink, [&] {
             const auto &entry = FindGuide(registry, guide->Loc());
             if (choice.Text()[pieces.guide->begin - 1] == ':')
                 ReadKeys(choice, kGuideName, entry.params, *pieces.guide, &*guide, sink);
@@ -302,11 +286,7 @@ std::optional<LightSamplerSpec> ReadShootingSampler(const ParamSet &integrator, 
     ParamSet keys;
     const FileLoc loc = integrator.LocOf("shootingsampler");
     // The scene's name is validated even if the flag overrides it.
-    try {
-        spec.entry = &find(named, loc);
-    } catch (const UserError &e) {
-        sink.Add(e);
-    }
+    Collect(sink, [&] { spec.entry = &find(named, loc); });
     if (!flag.empty()) spec.entry = ReadPiece(text, {0, flag.size()}, find, &keys, sink);
     if (spec.entry) spec.params = LightParams(*spec.entry, integrator, loc, keys, sink);
     if (sink.ErrorCount() > errorsBefore) return {};

@@ -13,7 +13,7 @@ BuiltMedia MakeMedia(SceneDescription &d, const Transform &renderFromWorld, Diag
             // Camera.
             const Transform renderFromMedium = renderFromWorld * m.ctm.start;
             auto medium = Media().Make(m.type, m.params, MediumContext{renderFromMedium, SpaceOf(m), d.files, sink});
-            built.ids.Add(m.name, MediumId(built.media.size()));
+            built.ids.emplace(m.name, MediumId(built.media.size()));
             built.media.push_back(std::move(medium));
             m.params = {};
         });

@@ -11,22 +11,15 @@
 
 namespace pbrt {
 
-class MediumIds {
-  public:
-    void Add(const std::string &name, MediumId id) { ids_.emplace(name, id); }
-    /// No medium for "" (vacuum) and for media that failed to build.
-    MediumId Find(const std::string &name) const {
-        auto it = ids_.find(name);
-        return it == ids_.end() ? MediumId() : it->second;
-    }
-
-  private:
-    std::map<std::string, MediumId> ids_;
-};
-
 struct BuiltMedia {
     std::vector<std::unique_ptr<Medium>> media;  ///< by MediumId
-    MediumIds ids;
+    std::map<std::string, MediumId> ids;
+
+    /// No medium for "" (vacuum) and for media that failed to build.
+    MediumId Find(const std::string &name) const {
+        auto it = ids.find(name);
+        return it == ids.end() ? MediumId() : it->second;
+    }
 };
 
 /// Builds all media of the scene, including unused ones, so that all errors are reported to the sink. Frees value lists

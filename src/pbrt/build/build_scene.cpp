@@ -11,7 +11,6 @@
 #include "pbrt/build/geometry_builder.h"
 #include "pbrt/build/integrator_builder.h"
 #include "pbrt/build/medium_builder.h"
-#include "pbrt/build/view.h"
 #include "pbrt/core/files.h"
 #include "pbrt/images/picture_name.h"
 #include "pbrt/lights/light_factory.h"
@@ -76,15 +75,6 @@ void ChooseRenderOptions(const SceneOptions &scene, const BuildOptions &options,
     built.mseReferenceOut = name(options.mseReferenceOut, scene.mseReferenceOut);
     if (built.mseReferenceImage.empty() != built.mseReferenceOut.empty())
         sink.Error({}, "an MSE reference needs both the image and the output file.");
-}
-
-void TakeView(View view, const Placement &placement, BuiltScene &built) {
-    built.filter = std::move(view.filter);
-    built.film = std::move(view.film);
-    built.camera = std::move(view.camera);
-    built.sampler = std::move(view.sampler);
-    if (built.sampler) built.samplesPerPixel = built.sampler->SamplesPerPixel();
-    if (built.camera) built.cameraFromWorld = placement.worldFromCamera.At(built.camera->ShutterOpen()).Inverse();
 }
 
 /// Output file name. Without a valid film only the flag's name is available.
@@ -226,7 +216,9 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Plug
                                      integrator.type));
     if (integrator.samplesPerPixel > 0 && options.samplesPerPixel == 0 && !options.quick)
         options.samplesPerPixel = integrator.samplesPerPixel;
-    TakeView(MakeView(d, options, placement, built.seed, sink), placement, built);
+    static_cast<View &>(built) = MakeView(d, options, placement, built.seed, sink);
+    if (built.sampler) built.samplesPerPixel = built.sampler->SamplesPerPixel();
+    if (built.camera) built.cameraFromWorld = placement.worldFromCamera.At(built.camera->ShutterOpen()).Inverse();
     built.filename = OutputName(built, options);
     if (options.checksOutput) CheckOutput(built, sink);
     // Shapes are checked even after errors, to report all of them. Command line errors are reported at once, before

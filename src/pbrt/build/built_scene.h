@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "pbrt/build/build_options.h"
 #include "pbrt/build/memory_estimate.h"
+#include "pbrt/build/view.h"
 #include "pbrt/integrators/registry.h"
 #include "pbrt/integrators/render_loop.h"
 #include "pbrt/lights/light_names.h"
@@ -35,13 +35,10 @@ struct IntegratorRequest {
     bool needsFootprints = true;
 };
 
-/// Everything a render needs, from one description. Members are destroyed in reverse order.
-struct BuiltScene {
+/// Everything a render needs, from one description. The sampler is for the first batch of samplesPerPixel samples.
+/// Members are destroyed in reverse order.
+struct BuiltScene : View {
     std::unique_ptr<TextureLibrary> textures;
-    std::unique_ptr<Filter> filter;
-    std::unique_ptr<Film> film;
-    std::unique_ptr<Camera> camera;
-    std::unique_ptr<Sampler> sampler;  ///< for the first batch of samplesPerPixel samples
     std::unique_ptr<Scene> scene;
     LightNames lightNames;  ///< for messages
     std::unique_ptr<Integrator> integrator;

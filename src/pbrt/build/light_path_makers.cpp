@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "pbrt/build/integrator_makers.h"
+#include "pbrt/build/integrator_builder.h"
 #include "pbrt/integrators/bdpt_integrator.h"
 #include "pbrt/integrators/light_path_integrator.h"
 #include "pbrt/integrators/mlt_integrator.h"

@@ -216,7 +216,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Plug
                                      integrator.type));
     if (integrator.samplesPerPixel > 0 && options.samplesPerPixel == 0 && !options.quick)
         options.samplesPerPixel = integrator.samplesPerPixel;
-    static_cast<View &>(built) = MakeView(d, options, placement, built.seed, sink);
+    static_cast<RenderView &>(built) = MakeView(d, options, placement, built.seed, sink);
     if (built.sampler) built.samplesPerPixel = built.sampler->SamplesPerPixel();
     if (built.camera) built.cameraFromWorld = placement.worldFromCamera.At(built.camera->ShutterOpen()).Inverse();
     built.filename = OutputName(built, options);

@@ -37,7 +37,7 @@ struct IntegratorRequest {
 
 /// Everything a render needs, from one description. The sampler is for the first batch of samplesPerPixel samples.
 /// Members are destroyed in reverse order.
-struct BuiltScene : View {
+struct BuiltScene : RenderView {
     std::unique_ptr<TextureLibrary> textures;
     std::unique_ptr<Scene> scene;
     LightNames lightNames;  ///< for messages

@@ -50,9 +50,9 @@ FilmOverrides FilmOverridesOf(const BuildOptions &options) {
     return overrides;
 }
 
-View MakeView(SceneDescription &d, const BuildOptions &options, const Placement &placement, int seed,
-              DiagnosticSink &sink) {
-    View view;
+RenderView MakeView(SceneDescription &d, const BuildOptions &options, const Placement &placement, int seed,
+                    DiagnosticSink &sink) {
+    RenderView view;
     Collect(sink, [&] { view.filter = Filters().Make(d.filter.type, d.filter.params, FilterContext{sink}); });
     const Float exposure = ExposureTime(d.camera.params);
     Collect(sink, [&] {

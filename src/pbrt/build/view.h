@@ -21,7 +21,7 @@ struct Placement {
 Placement PlaceCamera(const SceneDescription &description, const BuildOptions &options, DiagnosticSink &sink);
 
 /// Camera, film and sampling. Members with invalid parameters are null.
-struct View {
+struct RenderView {
     std::unique_ptr<Filter> filter;
     std::unique_ptr<Film> film;
     std::unique_ptr<Camera> camera;
@@ -31,7 +31,7 @@ struct View {
 FilmOverrides FilmOverridesOf(const BuildOptions &options);
 
 /// Cheap, so errors are reported before geometry is read. `seed`: used unless the scene's sampler has one.
-View MakeView(SceneDescription &description, const BuildOptions &options, const Placement &placement, int seed,
-              DiagnosticSink &sink);
+RenderView MakeView(SceneDescription &description, const BuildOptions &options, const Placement &placement, int seed,
+                    DiagnosticSink &sink);
 
 }  // namespace pbrt

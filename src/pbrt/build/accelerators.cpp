@@ -9,8 +9,8 @@ struct BvhParams {
     std::string splitMethod = "sah";
     template <class V>
     void Describe(V &&v) {
-        v("maxnodeprims", maxNodePrims, "without effect");
-        v("splitmethod", splitMethod, "without effect: sah, hlbvh, middle or equal; any other name causes a warning");
+        v("maxnodeprims", maxNodePrims, "no effect");
+        v("splitmethod", splitMethod, "no effect: sah, hlbvh, middle or equal, else a warning");
     }
 };
 
@@ -28,11 +28,11 @@ struct KdTreeParams {
     Float emptyBonus = 0.5f;
     template <class V>
     void Describe(V &&v) {
-        v("intersectcost", intersectCost, "without effect");
-        v("traversalcost", traversalCost, "without effect");
-        v("emptybonus", emptyBonus, "without effect");
-        v("maxprims", maxPrims, "without effect");
-        v("maxdepth", maxDepth, "without effect");
+        v("intersectcost", intersectCost, "no effect");
+        v("traversalcost", traversalCost, "no effect");
+        v("emptybonus", emptyBonus, "no effect");
+        v("maxprims", maxPrims, "no effect");
+        v("maxdepth", maxDepth, "no effect");
     }
 };
 

@@ -28,10 +28,8 @@ struct ShapeTextureParams {
     FloatTextureParam alpha{}, displacement{};
     template <class V>
     void Describe(V &&v) {
-        v("alpha", alpha, "share of the rays that the surface stops");
-        if (isPly)
-            v("displacement", displacement,
-              "heights by which the surface is moved along its normals; needs normals and uv");
+        v("alpha", alpha, "fraction of rays that the surface stops");
+        if (isPly) v("displacement", displacement, "displacement along normals; needs normals and uv");
     }
 };
 

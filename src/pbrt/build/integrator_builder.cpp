@@ -32,11 +32,11 @@ struct PathParams : DepthParams {
     template <class V>
     void Describe(V &&v) {
         DepthParams::Describe(v);
-        v("regularize", regularize, "roughen nearly specular lobes after the first non-specular scattering");
+        v("regularize", regularize, "roughen nearly specular lobes after non-specular scattering");
         v("minsurvival", minContinuation, Range<Float>{0, 1},
-          "least probability with which roulette lets a path go on; 0: as in stock, 1: no roulette (only here)");
+          "minimum continuation probability; 0: as stock, 1: no roulette (only here)");
         lights.Describe(v);
-        v("guide", guide, "path guiding and learned Russian roulette, with the parameters below; as --guide");
+        v("guide", guide, "path guiding and learned Russian roulette; as --guide");
     }
 };
 
@@ -76,9 +76,8 @@ struct SimplePathParams : DepthParams {
     template <class V>
     void Describe(V &&v) {
         DepthParams::Describe(v);
-        v("samplelights", sampleLights,
-          "sample lights by shadow rays; false: light is found only where a path hits it");
-        v("samplebsdf", sampleBsdf, "sample directions from the BSDF; false: uniformly");
+        v("samplelights", sampleLights, "sample lights with shadow rays");
+        v("samplebsdf", sampleBsdf, "sample the BSDF; false: uniform directions");
     }
 };
 
@@ -87,8 +86,8 @@ struct AmbientOcclusionParams {
     Float maxDistance = Infinity;
     template <class V>
     void Describe(V &&v) {
-        v("cossample", cosine, "sample directions in proportion to their cosine; false: uniformly");
-        v("maxdistance", maxDistance, kPositive, "surfaces farther away do not occlude");
+        v("cossample", cosine, "cosine-weighted directions; false: uniform");
+        v("maxdistance", maxDistance, kPositive, "maximum distance of occluders");
     }
 };
 

@@ -68,7 +68,7 @@ struct DepthParams {
     template <class V>
     void Describe(V &&v) {
         v("maxdepth", maxDepth, Range<int>{0, std::numeric_limits<int>::max()},
-          "largest number of scattering events of a path; --maxdepth overrides it");
+          "maximum scattering events; --maxdepth overrides it");
     }
     int MaxDepth(const IntegratorReading &r) const { return r.options.maxDepth.value_or(maxDepth); }
 };

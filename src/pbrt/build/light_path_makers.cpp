@@ -15,8 +15,7 @@ struct ShootingParams {
     template <class V>
     void Describe(V &&v) {
         v("shootingsampler", shootingSampler,
-          "the light sampler that chooses where light paths begin, with the same probabilities everywhere: power, "
-          "uniform or (where it is built) seen; --shooting-sampler overrides it (only here)");
+          "light sampler of light paths: power, uniform or seen; --shooting-sampler overrides it (only here)");
     }
 };
 
@@ -34,7 +33,7 @@ struct BidirectionalParams : LightPathParams {
     template <class V>
     void Describe(V &&v) {
         LightPathParams::Describe(v);
-        v("regularize", regularize, "roughen nearly specular lobes after the first non-specular scattering");
+        v("regularize", regularize, "roughen nearly specular lobes after non-specular scattering");
     }
 };
 
@@ -45,11 +44,9 @@ struct BdptParams : BidirectionalParams {
     void Describe(V &&v) {
         BidirectionalParams::Describe(v);
         v("visualizestrategies", visualizeStrategies,
-          "also write what every strategy alone finds, `<picture>-strategy-depth<d>-s<s>-t<t>`: paths of s vertices "
-          "from the light and t from the camera; limits `maxdepth` to 5");
+          "also write each strategy's image, `<picture>-strategy-depth<d>-s<s>-t<t>`; limits `maxdepth` to 5");
         v("visualizeweights", visualizeWeights,
-          "also write the share of every strategy in the picture, `<picture>-weighted-depth<d>-s<s>-t<t>`; limits "
-          "`maxdepth` to 5");
+          "also write each strategy's share, `<picture>-weighted-depth<d>-s<s>-t<t>`; limits `maxdepth` to 5");
         lights.Describe(v);
     }
 };
@@ -62,15 +59,11 @@ struct MltParams : BidirectionalParams {
     void Describe(V &&v) {
         BidirectionalParams::Describe(v);
         v("bootstrapsamples", bootstrapSamples, kCounts,
-          "independent paths that find out how much light there is, for `mutationsperpixel`; at least one for eight "
-          "mutations are traced");
-        v("chains", chains, kCounts,
-          "chains of mutations, for `mutationsperpixel`; at least one for each mutation of a pixel");
-        v("mutationsperpixel", mutationsPerPixel, kCounts,
-          "takes the place of the sampler's `pixelsamples`; --spp overrides it");
-        v("largestepprobability", largeStepProbability, Range<Float>{0, 1},
-          "of a mutation that draws all numbers anew");
-        v("sigma", sigma, kPositive, "standard deviation of the other mutations, of numbers in [0, 1)");
+          "bootstrap paths for `mutationsperpixel`; at least one per 8 mutations");
+        v("chains", chains, kCounts, "Markov chains for `mutationsperpixel`; at least one per mutation");
+        v("mutationsperpixel", mutationsPerPixel, kCounts, "replaces the sampler's `pixelsamples`; --spp overrides it");
+        v("largestepprobability", largeStepProbability, Range<Float>{0, 1}, "probability of redrawing all numbers");
+        v("sigma", sigma, kPositive, "standard deviation of small mutations, of numbers in [0, 1)");
         lights.Describe(v);
     }
 };
@@ -84,10 +77,9 @@ struct SppmParams : DepthParams {
     void Describe(V &&v) {
         DepthParams::Describe(v);
         v("photonsperiteration", photonsPerIteration, Range<int>{-1, std::numeric_limits<int>::max()},
-          "light paths of an iteration; -1 or 0: as many as the film has pixels");
-        v("radius", radius, kPositive,
-          "of the first iteration, in units of the scene: photons this near to a place count there");
-        v("seed", seed, "chooses among sets of light paths");
+          "light paths per iteration; -1 or 0: one per pixel");
+        v("radius", radius, kPositive, "initial photon radius, in scene units");
+        v("seed", seed, "seed of the light paths");
         lights.Describe(v);
         shooting.Describe(v);
     }

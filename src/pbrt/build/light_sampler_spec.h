@@ -38,9 +38,8 @@ struct LightSelectionParams {
     bool meshLights = false;
     template <class V>
     void Describe(V &&v) {
-        v("lightsampler", lightSampler,
-          "the light sampler, which chooses the light for each shadow ray; --lightsampler overrides it");
-        v("meshlights", meshLights, "an emissive mesh is one light for selection");
+        v("lightsampler", lightSampler, "light sampler of shadow rays; --lightsampler overrides it");
+        v("meshlights", meshLights, "select emissive meshes as one light");
     }
 };
 

@@ -11,15 +11,14 @@ struct HairParams {
     template <class V>
     void Describe(V &&v) {
         v("sigma_a", sigmaA, "absorption");
-        v("reflectance", reflectance, "reflectance of a mass of hair; used if there is no sigma_a");
+        v("reflectance", reflectance, "reflectance of a mass of hair, without sigma_a");
         if (v.When(!reflectance)) v("color", color, "the same as reflectance");
-        v("eumelanin", eumelanin,
-          "concentration of the dark pigment, if no colour is given; 1.3 if pheomelanin is not given either");
-        v("pheomelanin", pheomelanin, "concentration of the red pigment");
+        v("eumelanin", eumelanin, "dark pigment, without a colour; default without pheomelanin: 1.3");
+        v("pheomelanin", pheomelanin, "red pigment, without a colour");
         v("eta", eta, "index of refraction");
         v("beta_m", betaM, "roughness along the fibre, 0 to 1");
         v("beta_n", betaN, "roughness around the fibre, 0 to 1");
-        v("alpha", alpha, "angle of the scales, in degrees");
+        v("alpha", alpha, "scale angle, in degrees");
     }
 };
 

@@ -51,8 +51,8 @@ struct MetalParams {
     template <class V>
     void Describe(V &&v) {
         v(prefix + "eta", eta, "index of refraction");
-        v(prefix + "k", k, "imaginary part of the index: absorption");
-        v("reflectance", reflectance, "reflectance of the metal at normal incidence, instead of eta and k");
+        v(prefix + "k", k, "imaginary part of the index");
+        v("reflectance", reflectance, "reflectance at normal incidence, instead of eta and k");
     }
     MetalInput Make(const ParamSet &set, MaterialContext &context) const {
         Inputs in(context);
@@ -91,11 +91,11 @@ struct CoatParams : RemapParams, ReliefParams {
     void Describe(V &&v) {
         roughness.Describe(v);
         index.Describe(v);
-        v("thickness", thickness, "optical thickness of the coat along its normal");
-        v("albedo", albedo, "single-scattering albedo of the medium in the coat; 0: the medium only absorbs");
-        v("g", g, "asymmetry of the medium's scattering");
-        v("maxdepth", maxDepth, Range<int>{0, 1 << 16}, "largest number of scattering events in the coat");
-        v("nsamples", samples, Range<int>{1, 1 << 16}, "random walks for each evaluation");
+        v("thickness", thickness, "optical thickness along the normal");
+        v("albedo", albedo, "albedo of the coat's medium; 0: only absorbs");
+        v("g", g, "scattering asymmetry of the coat's medium");
+        v("maxdepth", maxDepth, Range<int>{0, 1 << 16}, "maximum scattering events in the coat");
+        v("nsamples", samples, Range<int>{1, 1 << 16}, "random walks per evaluation");
         RemapParams::Describe(v);
         ReliefParams::Describe(v);
     }
@@ -171,8 +171,8 @@ struct DiffuseTransmissionParams : ReliefParams {
     Float scale = 1;
     template <class V>
     void Describe(V &&v) {
-        v("reflectance", reflectance, "share of the light that is reflected");
-        v("transmittance", transmittance, "share of the light that is transmitted");
+        v("reflectance", reflectance, "fraction of light reflected");
+        v("transmittance", transmittance, "fraction of light transmitted");
         v("scale", scale, "factor of reflectance and transmittance");
         ReliefParams::Describe(v);
     }
@@ -219,7 +219,7 @@ struct MeasuredParams : ReliefParams {
     std::string filename;
     template <class V>
     void Describe(V &&v) {
-        v("filename", filename, Required(), "a file of the RGL database");
+        v("filename", filename, Required(), "file of the RGL database");
         ReliefParams::Describe(v);
     }
 };
@@ -229,8 +229,8 @@ struct MixParams {
     FloatTextureParam amount{Float(0.5)};
     template <class V>
     void Describe(V &&v) {
-        v("materials", materials, "two names of materials");
-        v("amount", amount, "probability of the second material at a point");
+        v("materials", materials, "two material names");
+        v("amount", amount, "probability of the second material");
     }
 };
 

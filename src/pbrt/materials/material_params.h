@@ -43,8 +43,7 @@ struct RoughnessParams {
         constexpr Range<Float> kRange{0, 1e6f};
         visit(prefix + "uroughness", u, kRange, "roughness along u");
         visit(prefix + "vroughness", v, kRange, "roughness along v");
-        if (visit.When(!u || !v))
-            visit(prefix + "roughness", both, kRange, "roughness along u and v where none is given");
+        if (visit.When(!u || !v)) visit(prefix + "roughness", both, kRange, "roughness where none is given");
     }
     RoughnessInput Make(MaterialContext &context, bool remap) const {
         Inputs in(context);
@@ -56,8 +55,7 @@ struct RemapParams {
     bool remap = true;
     template <class V>
     void Describe(V &&v) {
-        v("remaproughness", remap,
-          "the distribution's alpha is the square root of the roughness; false: it is the roughness");
+        v("remaproughness", remap, "alpha is the roughness' square root; false: the roughness");
     }
 };
 
@@ -66,8 +64,8 @@ struct ReliefParams {
     FloatTextureParam displacement{};
     template <class V>
     void Describe(V &&v) {
-        v("displacement", displacement, "heights of a bump map, in world units");
-        v("normalmap", normalMap, "an image of normals; displacement has no effect beside it");
+        v("displacement", displacement, "bump map heights, in world units");
+        v("normalmap", normalMap, "image of normals; overrides displacement");
     }
 };
 

@@ -56,17 +56,16 @@ struct SubsurfaceParams : RemapParams, ReliefParams {
     RoughnessParams roughness;
     template <class V>
     void Describe(V &&v) {
-        v("name", name, "name of a known medium, which sets absorption and scattering");
+        v("name", name, "known medium; sets absorption and scattering");
         if (v.When(name.empty())) {
-            v("sigma_a", sigmaA, "absorption, if there is no name");
-            v("sigma_s", sigmaS, "reduced scattering; used together with sigma_a");
+            v("sigma_a", sigmaA, "absorption, without name");
+            v("sigma_s", sigmaS, "reduced scattering, with sigma_a");
             if (v.When(!sigmaA && !sigmaS))
-                v("reflectance", reflectance,
-                  "reflectance of the medium seen from outside, if neither sigma_a nor sigma_s is given");
-            if (v.When(static_cast<bool>(reflectance))) v("mfp", mfp, "mean free path; used together with reflectance");
+                v("reflectance", reflectance, "reflectance of the medium, without sigma_a, sigma_s");
+            if (v.When(static_cast<bool>(reflectance))) v("mfp", mfp, "mean free path, with reflectance");
         }
-        v("scale", scale, "factor of absorption and scattering, or of the mean free path");
-        v("g", g, Range<Float>{-1, 1, true, true}, "asymmetry of the scattering");
+        v("scale", scale, "factor of coefficients or mean free path");
+        v("g", g, Range<Float>{-1, 1, true, true}, "scattering asymmetry");
         v("eta", eta, "index of refraction");
         roughness.Describe(v);
         RemapParams::Describe(v);

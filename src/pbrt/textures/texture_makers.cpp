@@ -68,7 +68,7 @@ struct ConstantParams {
     typename Kind::Value value = Kind::DefaultValue(1);
     template <class V>
     void Describe(V &&v) {
-        v("value", value, "value of the texture");
+        v("value", value, "value");
     }
 };
 
@@ -97,8 +97,8 @@ struct ScaleParams {
     FloatTextureParam scale{1};
     template <class V>
     void Describe(V &&v) {
-        v("tex", tex, "texture that is scaled");
-        v("scale", scale, "the factor");
+        v("tex", tex, "scaled texture");
+        v("scale", scale, "factor");
     }
 };
 
@@ -125,8 +125,8 @@ struct TwoParams {
     typename Kind::Operand first = Kind::DefaultOperand(0), second = Kind::DefaultOperand(1);
     template <class V>
     void Describe(V &&v) {
-        v("tex1", first, "one operand");
-        v("tex2", second, "the other operand");
+        v("tex1", first, "first operand");
+        v("tex2", second, "second operand");
     }
 };
 
@@ -158,8 +158,7 @@ struct DirectionMixParams : TwoParams<Kind> {
     template <class V>
     void Describe(V &&v) {
         TwoParams<Kind>::Describe(v);
-        v("dir", direction, Items{ParamType::Vector3},
-          "direction; the share of tex1 is the absolute cosine of its angle to the normal");
+        v("dir", direction, Items{ParamType::Vector3}, "share of tex1: |cos| of its angle to the normal");
     }
 };
 
@@ -214,8 +213,8 @@ struct CheckerboardParams : MappingParams {
     template <class V>
     void Describe(V &&v) {
         v("dimension", dimension, Range<int>{2, 3}, "squares (2) or cubes (3)");
-        v("tex1", first, "texture of the cell at the origin and every other one");
-        v("tex2", second, "texture of the cells between");
+        v("tex1", first, "cell at the origin and every other one");
+        v("tex2", second, "cells between");
         if (v.When(dimension == 2)) MappingParams::Describe(v);
     }
 };
@@ -236,8 +235,8 @@ struct DotsParams : MappingParams {
     typename Kind::Operand inside = Kind::DefaultOperand(1), outside = Kind::DefaultOperand(0);
     template <class V>
     void Describe(V &&v) {
-        v("inside", inside, "texture around the dots, as in stock");
-        v("outside", outside, "texture in the dots, as in stock");
+        v("inside", inside, "around the dots, as in stock");
+        v("outside", outside, "in the dots, as in stock");
         MappingParams::Describe(v);
     }
 };
@@ -256,8 +255,8 @@ struct NoiseParams {
     template <class V>
     void Describe(V &&v) {
         // Each octave has nearly twice the frequency of the previous.
-        v("octaves", octaves.count, Range<int>{0, 64}, "number of octaves of noise that are added");
-        v("roughness", octaves.roughness, "strength of an octave relative to the one before");
+        v("octaves", octaves.count, Range<int>{0, 64}, "number of noise octaves");
+        v("roughness", octaves.roughness, "strength relative to the previous octave");
     }
 };
 
@@ -267,8 +266,8 @@ struct MarbleParams {
     template <class V>
     void Describe(V &&v) {
         noise.Describe(v);
-        v("scale", scale, "factor of the position in texture space");
-        v("variation", variation, "how far the noise moves the veins");
+        v("scale", scale, "factor of positions in texture space");
+        v("variation", variation, "distortion of the veins");
     }
 };
 
@@ -289,14 +288,13 @@ struct ImagemapParams : MappingParams {
     bool invert = false;
     template <class V>
     void Describe(V &&v) {
-        v("filename", filename, Required(), "the image");
-        v("filter", key.filter, kFilters, "how the image is filtered");
-        v("maxanisotropy", key.maxAnisotropy, Positive(1e6f),
-          "of filter ewa: largest ratio of length to width of the footprint");
-        v("wrap", key.wrap, kWraps, "what lies outside of the image");
+        v("filename", filename, Required(), "image file");
+        v("filter", key.filter, kFilters, "filter");
+        v("maxanisotropy", key.maxAnisotropy, Positive(1e6f), "ewa: maximum length over width of the footprint");
+        v("wrap", key.wrap, kWraps, "outside of the image");
         v("scale", scale, "factor of the values");
-        v("invert", invert, "take 1 minus the value");
-        v("encoding", encoding, "sRGB, linear or \"gamma X\"; default: what the file says");
+        v("invert", invert, "use 1 minus the value");
+        v("encoding", encoding, "sRGB, linear or \"gamma X\"; default: the file's");
         MappingParams::Describe(v);
     }
     MipMapKey Key(const ParamSet &set, const FileResolver &files) const {

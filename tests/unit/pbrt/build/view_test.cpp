@@ -92,7 +92,7 @@ TEST(MakeView, TakesWhatTheSceneSays) {
         "Sampler \"independent\" \"integer pixelsamples\" 7\nPixelFilter \"triangle\" \"float xradius\" 3\n"
         "Camera \"perspective\" \"float shutteropen\" 1 \"float shutterclose\" 3");
     DiagnosticSink sink;
-    const View view = MakeView(d, {}, {}, 0, sink);
+    const RenderView view = MakeView(d, {}, {}, 0, sink);
     EXPECT_FALSE(sink.HasErrors());
     EXPECT_EQ(view.film->FullResolution(), Point2i(40, 30));
     EXPECT_EQ(view.film->DiagonalMm(), 20);
@@ -109,7 +109,7 @@ TEST(MakeView, QuickMeansAQuarterOfTheResolutionAndOneSample) {
     DiagnosticSink sink;
     BuildOptions options;
     options.quick = true;
-    View view = MakeView(d, options, {}, 0, sink);
+    RenderView view = MakeView(d, options, {}, 0, sink);
     EXPECT_EQ(view.film->FullResolution(), Point2i(10, 7));
     EXPECT_EQ(view.sampler->SamplesPerPixel(), 1);
     options.samplesPerPixel = 5;
@@ -123,7 +123,7 @@ TEST(MakeView, TheShutterTimeIsTheExposure) {
             "Camera \"perspective\" " +
             std::string(shutter));
         DiagnosticSink sink;
-        const View view = MakeView(d, {}, {}, 0, sink);
+        const RenderView view = MakeView(d, {}, {}, 0, sink);
         FilmSample sample;
         sample.lambda = view.film->SampleWavelengths(0.5f);
         sample.L = SampledSpectrum(0.01f);
@@ -136,7 +136,7 @@ TEST(MakeView, TheShutterTimeIsTheExposure) {
     EXPECT_NEAR(brightness("\"float shutteropen\" 4 \"float shutterclose\" 2") / one, 2, 1e-2f);
 }
 
-Float FirstNumber(const View &view) {
+Float FirstNumber(const RenderView &view) {
     view.sampler->StartPixelSample({3, 4}, 0);
     return view.sampler->Get1D();
 }
@@ -157,7 +157,7 @@ TEST(MakeView, OneMistakeDoesNotHideAnother) {
         "Film \"rgb\" \"integer xresolution\" -1\nPixelFilter \"boxx\"\n"
         "Sampler \"independent\" \"integer pixelsamples\" 0\nCamera \"perspective\" \"float fov\" 500");
     DiagnosticSink sink;
-    const View view = MakeView(d, {}, {}, 0, sink);
+    const RenderView view = MakeView(d, {}, {}, 0, sink);
     EXPECT_EQ(Errors(sink).size(), 4u);
     EXPECT_FALSE(view.film || view.filter || view.sampler || view.camera);
 }

@@ -158,7 +158,7 @@ struct DirectionMixParams : TwoParams<Kind> {
     template <class V>
     void Describe(V &&v) {
         TwoParams<Kind>::Describe(v);
-        v("dir", direction, Items{ParamType::Vector3}, "share of tex1: |cos| of its angle to the normal");
+        v("dir", direction, Items{ParamType::Vector3}, "share of tex1: absolute cosine to the normal");
     }
 };
 

@@ -7,8 +7,7 @@ namespace {
 struct BvhParams {
     int maxNodePrims = 4;
     std::string splitMethod = "sah";
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("maxnodeprims", maxNodePrims, "no effect");
         v("splitmethod", splitMethod, "no effect: sah, hlbvh, middle or equal, else a warning");
     }
@@ -26,8 +25,7 @@ std::monostate CheckBvh(const BvhParams &p, const ParamSet &set, const Accelerat
 struct KdTreeParams {
     int intersectCost = 5, traversalCost = 1, maxPrims = 1, maxDepth = -1;
     Float emptyBonus = 0.5f;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("intersectcost", intersectCost, "no effect");
         v("traversalcost", traversalCost, "no effect");
         v("emptybonus", emptyBonus, "no effect");

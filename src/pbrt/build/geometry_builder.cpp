@@ -26,8 +26,7 @@ Displacement MakeDisplacement(const FloatTexturePtr &height, Float edgeScale) {
 struct ShapeTextureParams {
     bool isPly = true;
     FloatTextureParam alpha{}, displacement{};
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("alpha", alpha, "fraction of rays that the surface stops");
         if (isPly) v("displacement", displacement, "displacement along normals; needs normals and uv");
     }

@@ -29,8 +29,7 @@ struct PathParams : DepthParams {
     Float minContinuation = 0;
     LightSelectionParams lights;  ///< declared here, used by ReadLightSelection
     bool guide = false;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         DepthParams::Describe(v);
         v("regularize", regularize, "roughen nearly specular lobes after non-specular scattering");
         v("minsurvival", minContinuation, Range<Float>{0, 1},
@@ -73,8 +72,7 @@ IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const Inte
 
 struct SimplePathParams : DepthParams {
     bool sampleLights = true, sampleBsdf = true;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         DepthParams::Describe(v);
         v("samplelights", sampleLights, "sample lights with shadow rays");
         v("samplebsdf", sampleBsdf, "sample the BSDF; false: uniform directions");
@@ -84,8 +82,7 @@ struct SimplePathParams : DepthParams {
 struct AmbientOcclusionParams {
     bool cosine = true;
     Float maxDistance = Infinity;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("cossample", cosine, "cosine-weighted directions; false: uniform");
         v("maxdistance", maxDistance, kPositive, "maximum distance of occluders");
     }

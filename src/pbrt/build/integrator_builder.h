@@ -65,8 +65,7 @@ inline constexpr Range<Float> kPositive = Positive(std::numeric_limits<Float>::m
 
 struct DepthParams {
     int maxDepth = 5;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("maxdepth", maxDepth, Range<int>{0, std::numeric_limits<int>::max()},
           "maximum scattering events; --maxdepth overrides it");
     }

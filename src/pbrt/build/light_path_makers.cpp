@@ -12,8 +12,7 @@ namespace {
 
 struct ShootingParams {
     std::string shootingSampler = "power";
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("shootingsampler", shootingSampler,
           "light sampler of light paths: power, uniform or seen; --shooting-sampler overrides it (only here)");
     }
@@ -21,8 +20,7 @@ struct ShootingParams {
 
 struct LightPathParams : DepthParams {
     ShootingParams shooting;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         DepthParams::Describe(v);
         shooting.Describe(v);
     }
@@ -30,8 +28,7 @@ struct LightPathParams : DepthParams {
 
 struct BidirectionalParams : LightPathParams {
     bool regularize = false;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         LightPathParams::Describe(v);
         v("regularize", regularize, "roughen nearly specular lobes after non-specular scattering");
     }
@@ -40,8 +37,7 @@ struct BidirectionalParams : LightPathParams {
 struct BdptParams : BidirectionalParams {
     LightSelectionParams lights{.lightSampler = "power"};
     bool visualizeStrategies = false, visualizeWeights = false;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         BidirectionalParams::Describe(v);
         v("visualizestrategies", visualizeStrategies,
           "also write each strategy's image, `<picture>-strategy-depth<d>-s<s>-t<t>`; limits `maxdepth` to 5");
@@ -55,8 +51,7 @@ struct MltParams : BidirectionalParams {
     LightSelectionParams lights{.lightSampler = "power"};
     int bootstrapSamples = 100000, chains = 1000, mutationsPerPixel = 100;
     Float largeStepProbability = 0.3f, sigma = 0.01f;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         BidirectionalParams::Describe(v);
         v("bootstrapsamples", bootstrapSamples, kCounts,
           "bootstrap paths for `mutationsperpixel`; at least one per 8 mutations");
@@ -73,8 +68,7 @@ struct SppmParams : DepthParams {
     Float radius = 1;
     LightSelectionParams lights;
     ShootingParams shooting;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         DepthParams::Describe(v);
         v("photonsperiteration", photonsPerIteration, Range<int>{-1, std::numeric_limits<int>::max()},
           "light paths per iteration; -1 or 0: one per pixel");

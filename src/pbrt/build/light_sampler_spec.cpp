@@ -112,8 +112,7 @@ void ReadKeys(const FlagText &flag, const std::string &owner, const std::vector<
 
 /// Throws if a character other than ':' separates a valid name from parameters: "octree,floor=0.1". `name`: everything
 /// before the colon.
-template <class Find>
-void CheckColon(const FlagText &flag, const Piece &name, size_t end, const Find &find) {
+void CheckColon(const FlagText &flag, const Piece &name, size_t end, const auto &find) {
     const std::string &text = flag.Text();
     const auto isOfNames = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_'; };
     const auto stop = std::find_if_not(text.begin() + name.begin, text.begin() + name.end, isOfNames) - text.begin();
@@ -127,8 +126,7 @@ void CheckColon(const FlagText &flag, const Piece &name, size_t end, const Find 
 }
 
 /// Splits "name:key=value,..."; `find(name, loc)` returns the registry entry of a known name.
-template <class Find>
-auto ReadPiece(const FlagText &flag, const Piece &piece, const Find &find, ParamSet *params, DiagnosticSink &sink) {
+auto ReadPiece(const FlagText &flag, const Piece &piece, const auto &find, ParamSet *params, DiagnosticSink &sink) {
     const std::string &text = flag.Text();
     const size_t colon = std::min(text.find(':', piece.begin), piece.end);
     decltype(&find("", FileLoc())) entry = nullptr;
@@ -143,8 +141,7 @@ auto ReadPiece(const FlagText &flag, const Piece &piece, const Find &find, Param
 constexpr const char *kGuideName = "guide";
 
 /// Parameters of the selected entry: the integrator's, overridden by the flag's. Values out of range are errors.
-template <class Entry>
-ParamSet ChosenParams(const std::string &owner, const Entry &entry, const ParamSet &integrator, const FileLoc &loc,
+ParamSet ChosenParams(const std::string &owner, const auto &entry, const ParamSet &integrator, const FileLoc &loc,
                       const ParamSet &added, DiagnosticSink &sink) {
     ParamSet params(owner, loc);
     for (const ParamDoc &doc : entry.params)

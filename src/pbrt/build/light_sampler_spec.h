@@ -36,8 +36,7 @@ LightChoiceText SplitLightChoice(const std::string &choice, const char *flag);
 struct LightSelectionParams {
     std::string lightSampler = "bvh";
     bool meshLights = false;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("lightsampler", lightSampler, "light sampler of shadow rays; --lightsampler overrides it");
         v("meshlights", meshLights, "select emissive meshes as one light");
     }

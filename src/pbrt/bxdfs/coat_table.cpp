@@ -1,10 +1,7 @@
 #include "pbrt/bxdfs/coat_table.h"
 
-#include <map>
-#include <mutex>
-#include <tuple>
-
 #include "pbrt/bxdfs/fresnel.h"
+#include "pbrt/bxdfs/shared_table.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/math/warps.h"
 
@@ -65,19 +62,7 @@ CoatTable::CoatTable(Float eta, Float thickness, std::optional<Float> alpha)
 }
 
 std::shared_ptr<const CoatTable> CoatTable::Shared(Float eta, Float thickness, std::optional<Float> alpha) {
-    static std::mutex mutex;
-    static std::map<std::tuple<Float, Float, Float>, std::weak_ptr<const CoatTable>> tables;
-    const std::tuple key(eta, thickness, alpha.value_or(-1));
-    {
-        std::lock_guard lock(mutex);
-        if (std::shared_ptr<const CoatTable> table = tables[key].lock()) return table;
-    }
-    // Without the lock, because a thread waiting for its loop may run another caller's task.
-    auto table = std::make_shared<const CoatTable>(eta, thickness, alpha);
-    std::lock_guard lock(mutex);
-    if (std::shared_ptr<const CoatTable> other = tables[key].lock()) return other;
-    tables[key] = table;
-    return table;
+    return SharedTable<CoatTable>(eta, thickness, alpha);
 }
 
 std::optional<ClearCoat> CoatTable::At(const TrowbridgeReitz &facets) const {

@@ -52,8 +52,7 @@ Rng NumbersFor(Stream stream, const Vector3 &a, const Vector3 &b) {
                        std::rotl(words[2] * 0x165667b19e3779f9ull, 41) ^ (static_cast<uint64_t>(stream) << 32)));
 }
 
-template <class Lobe>
-std::optional<BsdfSample> Draw(const Lobe &lobe, const Vector3 &wo, Rng &rng, TransportMode mode,
+std::optional<BsdfSample> Draw(const auto &lobe, const Vector3 &wo, Rng &rng, TransportMode mode,
                                ReflTransFlags which = ReflTransFlags::All) {
     Float uc = rng.Uniform();
     Point2 u = rng.Uniform2();

@@ -1,9 +1,7 @@
 #include "pbrt/bxdfs/subsurface_table.h"
 
-#include <map>
-#include <mutex>
-
 #include "pbrt/bxdfs/fresnel.h"
+#include "pbrt/bxdfs/shared_table.h"
 #include "pbrt/core/parallel.h"
 
 namespace pbrt {
@@ -15,8 +13,7 @@ constexpr int kAlbedos = 100, kRadii = 64;
 constexpr int kDepths = 100;
 
 /// Mean of f over depths with density exp(-depth), at the midpoints of equiprobable intervals.
-template <class F>
-double MeanOverDepths(F f) {
+double MeanOverDepths(auto f) {
     double sum = 0;
     for (int i = 0; i < kDepths; ++i) sum += f(-std::log(1 - (i + 0.5) / kDepths));
     return sum / kDepths;
@@ -64,8 +61,7 @@ struct MultipleScattering {
 };
 
 /// Simpson's rule over [0, 1] in two parts; `split` is the cosine where total reflection begins.
-template <class F>
-double IntegrateCosines(double split, F f) {
+double IntegrateCosines(double split, auto f) {
     constexpr int n = 512;
     auto part = [&](double a, double b) {
         double sum = f(a) + f(b);
@@ -109,25 +105,18 @@ SubsurfaceTable::SubsurfaceTable(Float g, Float eta)
 }
 
 std::shared_ptr<const SubsurfaceTable> SubsurfaceTable::Shared(Float g, Float eta) {
-    static std::mutex mutex;
-    static std::map<std::pair<Float, Float>, std::weak_ptr<const SubsurfaceTable>> tables;
-    std::lock_guard lock(mutex);
-    std::weak_ptr<const SubsurfaceTable> &known = tables[{g, eta}];
-    std::shared_ptr<const SubsurfaceTable> table = known.lock();
-    if (!table) known = table = std::make_shared<const SubsurfaceTable>(g, eta);
-    return table;
+    return SharedTable<SubsurfaceTable>(g, eta);
 }
 
 SubsurfaceTable::Row SubsurfaceTable::AtAlbedo(Float albedo) const {
     Row row;
     row.albedo = *CatmullRomWeights(albedos_, std::clamp(albedo, Float(0), Float(1)));
-    for (size_t k = 0; k < 4; ++k)
-        row.reflectance += row.albedo.w[k] * reflectances_[static_cast<size_t>(row.albedo.first) + k];
+    for (size_t k = 0; k < 4; ++k) row.reflectance += row.albedo.w[k] * reflectances_[row.albedo.first + k];
     return row;
 }
 
 Float SubsurfaceTable::Interpolate(const std::vector<Float> &table, const SplineWeights &albedo, int radius) const {
-    const Float *at = &table[static_cast<size_t>(albedo.first) * kRadii + static_cast<size_t>(radius)];
+    const Float *at = &table[albedo.first * kRadii + radius];
     return albedo.w[0] * at[0] + albedo.w[1] * at[kRadii] + albedo.w[2] * at[2 * kRadii] + albedo.w[3] * at[3 * kRadii];
 }
 

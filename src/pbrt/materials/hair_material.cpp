@@ -8,8 +8,7 @@ struct HairParams {
     SpectrumTextureParam sigmaA = Unbounded(), reflectance = Albedo(), color = Albedo();
     FloatTextureParam eumelanin{}, pheomelanin{};
     FloatTextureParam eta{Float(1.55)}, betaM{Float(0.3)}, betaN{Float(0.3)}, alpha{2};
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("sigma_a", sigmaA, "absorption");
         v("reflectance", reflectance, "reflectance of a mass of hair, without sigma_a");
         if (v.When(!reflectance)) v("color", color, "the same as reflectance");
@@ -28,8 +27,7 @@ struct HairShape {
 
 /// Hair in the near field; the offset across the fibre is the surface parameter v. `absorption(point, betaN, lambda)`:
 /// per fibre radius.
-template <class F>
-std::shared_ptr<SurfaceMaterial> MakeFibre(const HairShape &shape, F absorption) {
+std::shared_ptr<SurfaceMaterial> MakeFibre(const HairShape &shape, auto absorption) {
     return MakeLobeMaterial([=](const SurfacePoint &point, SampledWavelengths &lambda) {
         // Roughnesses below 0.01 exceed single precision.
         const Float betaM = std::clamp(shape.betaM(point), Float(0.01), Float(1));

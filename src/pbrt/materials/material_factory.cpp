@@ -34,10 +34,7 @@ namespace {
 struct IndexParams {
     SpectrumParam eta{SpectrumUse::Unbounded, Float(1.5), nullptr, true};
     std::string name = "eta";
-    template <class V>
-    void Describe(V &&v) {
-        v(name, eta, "index of refraction");
-    }
+    void Describe(auto &&v) { v(name, eta, "index of refraction"); }
     IndexInput Make(const ParamSet &set, const MaterialContext &context) const {
         SpectrumPtr spectrum = eta.Make(context.files);
         CheckIndex(set, name, *spectrum);
@@ -48,8 +45,7 @@ struct IndexParams {
 struct MetalParams {
     std::string prefix{};
     SpectrumTextureParam eta = Unbounded({}, "metal-Cu-eta"), k = Unbounded({}, "metal-Cu-k"), reflectance = Albedo();
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v(prefix + "eta", eta, "index of refraction");
         v(prefix + "k", k, "imaginary part of the index");
         v("reflectance", reflectance, "reflectance at normal incidence, instead of eta and k");
@@ -72,8 +68,7 @@ struct MetalParams {
 
 struct DiffuseParams : ReliefParams {
     SpectrumTextureParam reflectance = Albedo(Float(0.5));
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("reflectance", reflectance, "albedo");
         ReliefParams::Describe(v);
     }
@@ -87,8 +82,7 @@ struct CoatParams : RemapParams, ReliefParams {
     SpectrumTextureParam albedo = Albedo(0);
     int maxDepth = 10, samples = 1;
     explicit CoatParams(const std::string &prefix) : roughness{prefix} { index.name = prefix + "eta"; }
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         roughness.Describe(v);
         index.Describe(v);
         v("thickness", thickness, "optical thickness along the normal");
@@ -114,8 +108,7 @@ struct CoatParams : RemapParams, ReliefParams {
 struct CoatedDiffuseParams : CoatParams {
     SpectrumTextureParam reflectance = Albedo(Float(0.5));
     CoatedDiffuseParams() : CoatParams("") {}
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("reflectance", reflectance, "albedo below the coat");
         CoatParams::Describe(v);
     }
@@ -125,8 +118,7 @@ struct CoatedConductorParams : CoatParams {
     MetalParams metal{"conductor."};
     RoughnessParams metalRoughness{"conductor."};
     CoatedConductorParams() : CoatParams("interface.") {}
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         metal.Describe(v);
         metalRoughness.Describe(v);
         CoatParams::Describe(v);
@@ -136,8 +128,7 @@ struct CoatedConductorParams : CoatParams {
 struct ConductorParams : RemapParams, ReliefParams {
     MetalParams metal;
     RoughnessParams roughness;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         metal.Describe(v);
         roughness.Describe(v);
         RemapParams::Describe(v);
@@ -148,8 +139,7 @@ struct ConductorParams : RemapParams, ReliefParams {
 struct DielectricParams : RemapParams, ReliefParams {
     IndexParams index;
     RoughnessParams roughness;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         index.Describe(v);
         roughness.Describe(v);
         RemapParams::Describe(v);
@@ -159,8 +149,7 @@ struct DielectricParams : RemapParams, ReliefParams {
 
 struct ThinDielectricParams : ReliefParams {
     IndexParams index;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         index.Describe(v);
         ReliefParams::Describe(v);
     }
@@ -169,8 +158,7 @@ struct ThinDielectricParams : ReliefParams {
 struct DiffuseTransmissionParams : ReliefParams {
     SpectrumTextureParam reflectance = Albedo(Float(0.25)), transmittance = Albedo(Float(0.25));
     Float scale = 1;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("reflectance", reflectance, "fraction of light reflected");
         v("transmittance", transmittance, "fraction of light transmitted");
         v("scale", scale, "factor of reflectance and transmittance");
@@ -217,8 +205,7 @@ std::shared_ptr<SurfaceMaterial> MakeDiffuseTransmission(const DiffuseTransmissi
 
 struct MeasuredParams : ReliefParams {
     std::string filename;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("filename", filename, Required(), "file of the RGL database");
         ReliefParams::Describe(v);
     }
@@ -227,8 +214,7 @@ struct MeasuredParams : ReliefParams {
 struct MixParams {
     std::span<const std::string> materials;
     FloatTextureParam amount{Float(0.5)};
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("materials", materials, "two material names");
         v("amount", amount, "probability of the second material");
     }

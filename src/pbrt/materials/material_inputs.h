@@ -58,16 +58,13 @@ class RoughnessInput {
         if (u_.IsConstant() && v_.IsConstant()) constant_ = Distribution(u_({}), v_({}));
     }
     TrowbridgeReitz operator()(const SurfacePoint &point) const {
-        if (u_.IsConstant() && v_.IsConstant()) return constant_;
+        if (constant_) return *constant_;
         const Float u = u_(point);
         return Distribution(u, sameInBoth_ ? u : v_(point));
     }
     /// True if the roughness is certainly equal in both directions.
     bool IsIsotropic() const { return sameInBoth_; }
-    std::optional<TrowbridgeReitz> Constant() const {
-        if (u_.IsConstant() && v_.IsConstant()) return constant_;
-        return {};
-    }
+    const std::optional<TrowbridgeReitz> &Constant() const { return constant_; }
 
   private:
     TrowbridgeReitz Distribution(Float u, Float v) const {
@@ -76,31 +73,31 @@ class RoughnessInput {
     }
     FloatInput u_, v_;
     bool remap_, sameInBoth_;
-    TrowbridgeReitz constant_;
+    std::optional<TrowbridgeReitz> constant_;
 };
 
 /// Index of refraction of a dielectric. If it depends on wavelength, secondary wavelengths are terminated.
 class IndexInput {
   public:
-    explicit IndexInput(SpectrumPtr eta)
-        : eta_(std::move(eta)), isConstant_(eta_->IsConstant()), value_((*eta_)(LambdaMin)) {}
+    explicit IndexInput(SpectrumPtr eta) : eta_(std::move(eta)) {
+        if (eta_->IsConstant()) constant_ = At(LambdaMin);
+    }
     Float operator()(SampledWavelengths &lambda) const {
-        Float eta = value_;
-        if (!isConstant_) {
-            eta = (*eta_)(lambda[0]);
-            lambda.TerminateSecondary();
-        }
-        return eta == 0 ? 1 : eta;  // beyond the ends of the table
+        if (constant_) return *constant_;
+        lambda.TerminateSecondary();
+        return At(lambda[0]);
     }
-    std::optional<Float> Constant() const {
-        if (!isConstant_) return {};
-        return value_ == 0 ? 1 : value_;
-    }
+    const std::optional<Float> &Constant() const { return constant_; }
 
   private:
+    /// 1 beyond the ends of a table.
+    Float At(Float nm) const {
+        const Float eta = (*eta_)(nm);
+        return eta == 0 ? 1 : eta;
+    }
+
     SpectrumPtr eta_;
-    bool isConstant_;
-    Float value_;
+    std::optional<Float> constant_;
 };
 
 /// Complex index of a metal, given directly or by reflectance.

@@ -38,8 +38,7 @@ SpectrumInput ConstantSrgb(const Rgb &rgb);
 struct RoughnessParams {
     std::string prefix{};
     FloatTextureParam both{0}, u{}, v{};
-    template <class V>
-    void Describe(V &&visit) {
+    void Describe(auto &&visit) {
         constexpr Range<Float> kRange{0, 1e6f};
         visit(prefix + "uroughness", u, kRange, "roughness along u");
         visit(prefix + "vroughness", v, kRange, "roughness along v");
@@ -53,17 +52,13 @@ struct RoughnessParams {
 
 struct RemapParams {
     bool remap = true;
-    template <class V>
-    void Describe(V &&v) {
-        v("remaproughness", remap, "alpha is the roughness' square root; false: the roughness");
-    }
+    void Describe(auto &&v) { v("remaproughness", remap, "alpha is the roughness' square root; false: the roughness"); }
 };
 
 struct ReliefParams {
     std::string normalMap;
     FloatTextureParam displacement{};
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("displacement", displacement, "bump map heights, in world units");
         v("normalmap", normalMap, "image of normals; overrides displacement");
     }

@@ -54,8 +54,7 @@ struct SubsurfaceParams : RemapParams, ReliefParams {
     SpectrumTextureParam sigmaA = Unbounded(), sigmaS = Unbounded(), reflectance = Albedo(), mfp = Unbounded(1);
     Float scale = 1, g = 0, eta = Float(1.33);
     RoughnessParams roughness;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("name", name, "known medium; sets absorption and scattering");
         if (v.When(name.empty())) {
             v("sigma_a", sigmaA, "absorption, without name");

@@ -35,8 +35,7 @@ Float ParseNumber(std::string_view field) {
     return value;
 }
 
-template <class F>
-void ForEachRow(std::string_view text, F row) {
+void ForEachRow(std::string_view text, auto row) {
     CutField(text, '\n');
     while (!text.empty()) {
         std::string_view line = CutField(text, '\n');

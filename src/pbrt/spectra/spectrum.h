@@ -48,16 +48,14 @@ class SampledSpectrum {
     Float Average() const { return (v_[0] + v_[1] + v_[2] + v_[3]) / SpectrumSamples; }
     Float MaxComponent() const { return std::max(std::max(v_[0], v_[1]), std::max(v_[2], v_[3])); }
     Float MinComponent() const { return std::min(std::min(v_[0], v_[1]), std::min(v_[2], v_[3])); }
-    template <class F>
-    SampledSpectrum Map(F f) const {
+    SampledSpectrum Map(auto f) const {
         SampledSpectrum r;
         for (int i = 0; i < SpectrumSamples; ++i) r[i] = f((*this)[i]);
         return r;
     }
 
   private:
-    template <class F>
-    SampledSpectrum &Zip(const SampledSpectrum &o, F f) {
+    SampledSpectrum &Zip(const SampledSpectrum &o, auto f) {
         for (size_t i = 0; i < SpectrumSamples; ++i) v_[i] = f(v_[i], o.v_[i]);
         return *this;
     }

@@ -127,8 +127,7 @@ struct TextureLibrary::Impl {
 
     /// Creates the texture from a table. Parameters may be read again for another use; warnings and unused parameters
     /// are reported once.
-    template <class Table>
-    auto MakeOf(const Table &table, Definition &d, SpectrumUse use, LookupCost *cost) {
+    auto MakeOf(const auto &table, Definition &d, SpectrumUse use, LookupCost *cost) {
         DiagnosticSink ignored;
         const size_t limit = indexOf[d.isSpectrum].at(d.name);
         const TextureRequest request{d.renderFromTexture,
@@ -158,8 +157,7 @@ struct TextureLibrary::Impl {
     }
 
     /// Runs `make`; returns nullptr after an error, which is reported once. `user`: location of the use.
-    template <class Make>
-    auto Try(Definition &d, const FileLoc &user, Make &&make) -> decltype(make()) {
+    auto Try(Definition &d, const FileLoc &user, auto &&make) -> decltype(make()) {
         // Operands are created first, so creation nests as deep as lookups; tested here before the stack overflows.
         if (nesting >= kMaxNesting)
             throw UserError(fmt::format("texture \"{}\": textures are nested more than {} deep here.",

@@ -66,10 +66,7 @@ typename Kind::Ptr Blend(const typename Kind::Ptr &first, const typename Kind::P
 template <class Kind>
 struct ConstantParams {
     typename Kind::Value value = Kind::DefaultValue(1);
-    template <class V>
-    void Describe(V &&v) {
-        v("value", value, "value");
-    }
+    void Describe(auto &&v) { v("value", value, "value"); }
 };
 
 /// Copy of an image texture with its scale, before the inversion, multiplied by `factor`; null for other textures.
@@ -95,8 +92,7 @@ template <class Kind>
 struct ScaleParams {
     typename Kind::Operand tex = Kind::DefaultOperand(1);
     FloatTextureParam scale{1};
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("tex", tex, "scaled texture");
         v("scale", scale, "factor");
     }
@@ -123,8 +119,7 @@ typename Kind::Ptr MakeScale(const ScaleParams<Kind> &p, const ParamSet &, const
 template <class Kind>
 struct TwoParams {
     typename Kind::Operand first = Kind::DefaultOperand(0), second = Kind::DefaultOperand(1);
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("tex1", first, "first operand");
         v("tex2", second, "second operand");
     }
@@ -133,8 +128,7 @@ struct TwoParams {
 template <class Kind>
 struct MixParams : TwoParams<Kind> {
     FloatTextureParam amount{Float(0.5)};
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         TwoParams<Kind>::Describe(v);
         v("amount", amount, "share of tex2");
     }
@@ -155,8 +149,7 @@ typename Kind::Ptr MakeMix(const MixParams<Kind> &p, const ParamSet &, const Tex
 template <class Kind>
 struct DirectionMixParams : TwoParams<Kind> {
     Vector3 direction{0, 1, 0};
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         TwoParams<Kind>::Describe(v);
         v("dir", direction, Items{ParamType::Vector3}, "share of tex1: absolute cosine to the normal");
     }
@@ -176,8 +169,7 @@ template <class Kind>
 struct BilerpParams : MappingParams {
     std::array<typename Kind::Value, 4> v{Kind::DefaultValue(0), Kind::DefaultValue(1), Kind::DefaultValue(0),
                                           Kind::DefaultValue(1)};
-    template <class V>
-    void Describe(V &&visit) {
+    void Describe(auto &&visit) {
         visit("v00", v[0], "value at (s, t) = (0, 0)");
         visit("v01", v[1], "value at (s, t) = (0, 1)");
         visit("v10", v[2], "value at (s, t) = (1, 0)");
@@ -210,8 +202,7 @@ template <class Kind>
 struct CheckerboardParams : MappingParams {
     int dimension = 2;
     typename Kind::Operand first = Kind::DefaultOperand(1), second = Kind::DefaultOperand(0);
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("dimension", dimension, Range<int>{2, 3}, "squares (2) or cubes (3)");
         v("tex1", first, "cell at the origin and every other one");
         v("tex2", second, "cells between");
@@ -233,8 +224,7 @@ typename Kind::Ptr MakeCheckerboard(const CheckerboardParams<Kind> &p, const Par
 template <class Kind>
 struct DotsParams : MappingParams {
     typename Kind::Operand inside = Kind::DefaultOperand(1), outside = Kind::DefaultOperand(0);
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("inside", inside, "around the dots, as in stock");
         v("outside", outside, "in the dots, as in stock");
         MappingParams::Describe(v);
@@ -252,8 +242,7 @@ typename Kind::Ptr MakeDots(const DotsParams<Kind> &p, const ParamSet &set, cons
 
 struct NoiseParams {
     NoiseOctaves octaves;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         // Each octave has nearly twice the frequency of the previous.
         v("octaves", octaves.count, Range<int>{0, 64}, "number of noise octaves");
         v("roughness", octaves.roughness, "strength relative to the previous octave");
@@ -263,8 +252,7 @@ struct NoiseParams {
 struct MarbleParams {
     NoiseParams noise;
     Float scale = 1, variation = Float(0.2);
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         noise.Describe(v);
         v("scale", scale, "factor of positions in texture space");
         v("variation", variation, "distortion of the veins");
@@ -286,8 +274,7 @@ struct ImagemapParams : MappingParams {
     MipMapKey key;
     Float scale = 1;
     bool invert = false;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("filename", filename, Required(), "image file");
         v("filter", key.filter, kFilters, "filter");
         v("maxanisotropy", key.maxAnisotropy, Positive(1e6f), "ewa: maximum length over width of the footprint");

@@ -66,8 +66,7 @@ struct MappingParams {
     UvMapping uv;
     Vector3 v1{1, 0, 0}, v2{0, 1, 0};
 
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("mapping", mapping, "uv, spherical, cylindrical or planar, else a warning");
         if (v.When(mapping == "uv")) {
             v("uscale", uv.su, "uv: factor of u");

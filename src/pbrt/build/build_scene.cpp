@@ -10,7 +10,6 @@
 #include "pbrt/build/collect.h"
 #include "pbrt/build/geometry_builder.h"
 #include "pbrt/build/integrator_builder.h"
-#include "pbrt/build/medium_builder.h"
 #include "pbrt/core/files.h"
 #include "pbrt/images/picture_name.h"
 #include "pbrt/lights/light_factory.h"

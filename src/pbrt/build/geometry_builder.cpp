@@ -3,6 +3,7 @@
 #include "pbrt/build/collect.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/lights/light_factory.h"
+#include "pbrt/media/medium_factory.h"
 #include "pbrt/shapes/curves.h"
 #include "pbrt/shapes/extent.h"
 #include "pbrt/shapes/shape_factory.h"
@@ -55,6 +56,21 @@ FamilyDoc DocumentShapes() {
     return doc;
 }
 
+BuiltMedia MakeMedia(SceneDescription &d, const Transform &renderFromWorld, DiagnosticSink &sink) {
+    BuiltMedia built;
+    for (MediumEntity &m : d.media)
+        Collect(sink, [&] {
+            // Rendering space is available here regardless of file order. Stock pbrt-v4 misplaces grids defined before
+            // Camera.
+            const Transform renderFromMedium = renderFromWorld * m.ctm.start;
+            auto medium = Media().Make(m.type, m.params, MediumContext{renderFromMedium, SpaceOf(m), d.files, sink});
+            built.ids.emplace(m.name, MediumId(built.media.size()));
+            built.media.push_back(std::move(medium));
+            m.params = {};
+        });
+    return built;
+}
+
 GeometryBuilder::GeometryBuilder(SceneDescription &description, const Transform &renderFromWorld, bool interfacesBlock,
                                  const BuiltMedia &media, TextureLibrary &textures, DiagnosticSink &sink)
     : description_(description), renderFromWorld_(renderFromWorld), interfacesBlock_(interfacesBlock), media_(media),
@@ -73,8 +89,6 @@ GeometryBuilder::GeometryBuilder(SceneDescription &description, const Transform 
     for (const ObjectEntity &o : description_.objects)
         spaces_.push_back(o.shapes.empty() ? Transform()
                                            : Transform::Translate(Vector3(o.shapes.front().ctm.start.Matrix()[3])));
-    makerOf_.assign(description_.areaLights.size(), -1);
-    makers_.reserve(description_.areaLights.size());
 }
 
 void GeometryBuilder::BuildMaterials() {
@@ -156,9 +170,8 @@ void GeometryBuilder::MakeShapes(Work &w) {
         }
         // A constant alpha of 0 makes a light that emits as if opaque.
         const bool opaque = !w.alpha || w.alpha->Constant() == Float(0);
-        ShapeTextureParams made{e.type == "plymesh"};  // already read
         ParamReader before(e.params);
-        made.Describe(before);
+        ShapeTextureParams{e.type == "plymesh"}.Describe(before);  // already read
         const ShapeContext context{place,
                                    e.reverseOrientation,
                                    description_.files,
@@ -227,18 +240,16 @@ const AreaLightMaker *GeometryBuilder::MakerFor(const ShapeEntity &e, bool isInt
                                  : "area lights inside object definitions are not supported; this one is ignored.");
         return nullptr;
     }
-    const auto index = static_cast<size_t>(e.areaLight);
-    if (makerOf_[index] == -1) {
-        makerOf_[index] = -2;
+    const auto [it, isNew] = makers_.try_emplace(e.areaLight);
+    std::optional<AreaLightMaker> &maker = it->second;
+    if (isNew)
         Collect(sink_, [&] {
-            const Entity &light = description_.areaLights[index];
+            const Entity &light = description_.areaLights[e.areaLight];
             const Transform none;
-            makers_.push_back(AreaLights().Make(light.type, light.params,
-                                                LightContext{none, none, SpaceOf(light), description_.files, sink_}));
-            makerOf_[index] = static_cast<int>(makers_.size()) - 1;
+            maker.emplace(AreaLights().Make(light.type, light.params,
+                                            LightContext{none, none, SpaceOf(light), description_.files, sink_}));
         });
-    }
-    return makerOf_[index] >= 0 ? &makers_[makerOf_[index]] : nullptr;
+    return maker ? &*maker : nullptr;
 }
 
 void GeometryBuilder::Register(Work &w, Definition *definition) {
@@ -263,24 +274,19 @@ void GeometryBuilder::Register(Work &w, Definition *definition) {
     const char *primitive = w.shapes.empty() ? "" : PrimitiveName(w.shapes.front()->Kind());
     if (w.shapes.size() > 1) primitive = "face";
     for (std::unique_ptr<Shape> &shape : w.shapes) {
-        ShapeRecord record;
-        ShapeId id(contents_.shapes.size());
-        record.shape = std::move(shape);
-        record.alpha = w.alpha;
-        record.material = material;
-        record.insideMedium = media_.Find(e.insideMedium);
-        record.outsideMedium = media_.Find(e.outsideMedium);
+        const ShapeId id(contents_.shapes.size());
+        contents_.shapes.push_back(
+            {std::move(shape), w.alpha, material, {}, media_.Find(e.insideMedium), media_.Find(e.outsideMedium)});
+        ShapeRecord &record = contents_.shapes.back();
         if (firstLight) {
             record.firstLight = LightId(firstLight.value + emitters);
             emitters += record.shape->PrimitiveCount();
         }
         if (interface && !interfacesBlock_)
             contents_.accel->LetShadowRaysThrough(id, record.insideMedium != record.outsideMedium);
-        contents_.shapes.push_back(std::move(record));
-        const ShapeRecord &kept = contents_.shapes.back();
         if (w.motion) moving.push_back(id);
         else if (definition) definition->still.push_back(id);
-        else contents_.accel->AddShape(id, *kept.shape, kept.alpha.get());
+        else contents_.accel->AddShape(id, *record.shape, record.alpha.get());
     }
     if (maker) {
         const Entity &light = description_.areaLights[e.areaLight];

@@ -1,8 +1,7 @@
-#include "pbrt/build/medium_builder.h"
-
 #include <gtest/gtest.h>
 
-#include "pbrt/build/view.h"
+#include "pbrt/build/built_scene.h"
+#include "pbrt/build/geometry_builder.h"
 #include "pbrt/scenefile/parser.h"
 #include "support/build_text.h"
 

@@ -1,10 +1,6 @@
 #include <algorithm>
 
-#include "pbrt/core/limits.h"
 #include "pbrt/materials/material_params.h"
-#include "pbrt/materials/measured_material.h"
-#include "pbrt/materials/mix_material.h"
-#include "pbrt/math/rng.h"
 #include "pbrt/textures/basic_textures.h"
 
 namespace pbrt {
@@ -125,35 +121,14 @@ struct CoatedConductorParams : CoatParams {
     }
 };
 
-struct ConductorParams : RemapParams, ReliefParams {
-    MetalParams metal;
-    RoughnessParams roughness;
-    void Describe(auto &&v) {
-        metal.Describe(v);
-        roughness.Describe(v);
-        RemapParams::Describe(v);
-        ReliefParams::Describe(v);
-    }
+/// The parameters of several structs, in this order.
+template <class... Parts>
+struct JoinedParams : Parts... {
+    void Describe(auto &&v) { (Parts::Describe(v), ...); }
 };
-
-struct DielectricParams : RemapParams, ReliefParams {
-    IndexParams index;
-    RoughnessParams roughness;
-    void Describe(auto &&v) {
-        index.Describe(v);
-        roughness.Describe(v);
-        RemapParams::Describe(v);
-        ReliefParams::Describe(v);
-    }
-};
-
-struct ThinDielectricParams : ReliefParams {
-    IndexParams index;
-    void Describe(auto &&v) {
-        index.Describe(v);
-        ReliefParams::Describe(v);
-    }
-};
+using ConductorParams = JoinedParams<MetalParams, RoughnessParams, RemapParams, ReliefParams>;
+using DielectricParams = JoinedParams<IndexParams, RoughnessParams, RemapParams, ReliefParams>;
+using ThinDielectricParams = JoinedParams<IndexParams, ReliefParams>;
 
 struct DiffuseTransmissionParams : ReliefParams {
     SpectrumTextureParam reflectance = Albedo(Float(0.25)), transmittance = Albedo(Float(0.25));
@@ -194,6 +169,25 @@ std::shared_ptr<SurfaceMaterial> MakeCoatedConductor(const CoatedConductorParams
     });
 }
 
+std::shared_ptr<SurfaceMaterial> MakeConductor(const ConductorParams &p, const ParamSet &set,
+                                               MaterialContext &context) {
+    const MetalInput metal = p.MetalParams::Make(set, context);
+    const RoughnessInput roughness = p.RoughnessParams::Make(context, p.remap);
+    return MakeLobeMaterial([=](const SurfacePoint &point, const SampledWavelengths &lambda) {
+        const MetalInput::Index index = metal(point, lambda);
+        return ConductorBxdf(roughness(point), index.eta, index.k);
+    });
+}
+
+std::shared_ptr<SurfaceMaterial> MakeDielectric(const DielectricParams &p, const ParamSet &set,
+                                                MaterialContext &context) {
+    const IndexInput eta = p.IndexParams::Make(set, context);
+    const RoughnessInput roughness = p.RoughnessParams::Make(context, p.remap);
+    return MakeLobeMaterial([=](const SurfacePoint &point, SampledWavelengths &lambda) {
+        return DielectricBxdf(eta(lambda), roughness(point));
+    });
+}
+
 std::shared_ptr<SurfaceMaterial> MakeDiffuseTransmission(const DiffuseTransmissionParams &p, const ParamSet &,
                                                          MaterialContext &context) {
     const SpectrumInput reflectance = Inputs(context)(p.reflectance), transmittance = Inputs(context)(p.transmittance);
@@ -203,52 +197,12 @@ std::shared_ptr<SurfaceMaterial> MakeDiffuseTransmission(const DiffuseTransmissi
     });
 }
 
-struct MeasuredParams : ReliefParams {
-    std::string filename;
-    void Describe(auto &&v) {
-        v("filename", filename, Required(), "file of the RGL database");
-        ReliefParams::Describe(v);
-    }
+class InterfaceMaterial final : public Material {
+  public:
+    Bsdf GetBsdf(const SurfacePoint &, SampledWavelengths &) const override { return {}; }
+    const Material *Resolve(const SurfacePoint &) const override { return nullptr; }
+    bool IsInterface() const override { return true; }
 };
-
-struct MixParams {
-    std::span<const std::string> materials;
-    FloatTextureParam amount{Float(0.5)};
-    void Describe(auto &&v) {
-        v("materials", materials, "two material names");
-        v("amount", amount, "probability of the second material");
-    }
-};
-
-uint64_t HashText(const std::string &text) {
-    uint64_t h = Hash(uint64_t(text.size()));
-    for (char c : text) h = Hash(h, c);
-    return h;
-}
-
-MaterialPtr MakeMix(const MixParams &p, const ParamSet &set, MaterialContext &context) {
-    const std::span<const std::string> names = p.materials;
-    if (names.size() != 2)
-        throw set.Error("materials",
-                        fmt::format("\"string materials\" takes two names of materials, found {}.", names.size()));
-    std::array<MaterialPtr, 2> materials;
-    for (size_t i = 0; i < 2; ++i) {
-        materials[i] = set.At("materials", [&] { return context.named(names[i]); });
-        if (!materials[i])
-            throw set.Error("materials", fmt::format("there is no material \"{}\" here.", Abbreviate(names[i])));
-        if (materials[i]->IsInterface())
-            throw set.Error("materials", fmt::format("\"{}\" is an interface, which cannot be mixed.", names[i]));
-    }
-    const FloatInput amount = Inputs(context)(p.amount);
-    const bool needsFootprint =
-        context.usesFootprint || materials[0]->NeedsFootprint() || materials[1]->NeedsFootprint();
-    auto mix =
-        std::make_shared<MixMaterial>(std::move(materials), amount, Hash(HashText(names[0]), HashText(names[1])));
-    mix->SetNeedsFootprint(needsFootprint);
-    if (mix->Depth() > kMaxNesting)
-        throw set.Error("materials", fmt::format("mixes are nested more than {} deep here.", kMaxNesting));
-    return mix;
-}
 
 }  // namespace
 
@@ -263,48 +217,22 @@ const MaterialTable &Materials() {
         });
         AddSurface<CoatedDiffuseParams>(t, "coateddiffuse", "", MakeCoatedDiffuse);
         AddSurface<CoatedConductorParams>(t, "coatedconductor", "", MakeCoatedConductor);
-        AddSurface<ConductorParams>(t, "conductor", "", [](const auto &p, const ParamSet &set, Context &c) {
-            const MetalInput metal = p.metal.Make(set, c);
-            return MakeLobeMaterial(
-                [metal, roughness = p.roughness.Make(c, p.remap)](const SurfacePoint &point, auto &lambda) {
-                    const MetalInput::Index index = metal(point, lambda);
-                    return ConductorBxdf(roughness(point), index.eta, index.k);
-                });
-        });
-        AddSurface<DielectricParams>(t, "dielectric",
-                                     "**differs**: an index that is not above 0 is an error, in all materials",
-                                     [](const auto &p, const ParamSet &set, Context &c) {
-                                         const IndexInput eta = p.index.Make(set, c);
-                                         return MakeLobeMaterial([eta, roughness = p.roughness.Make(c, p.remap)](
-                                                                     const SurfacePoint &point, auto &lambda) {
-                                             return DielectricBxdf(eta(lambda), roughness(point));
-                                         });
-                                     });
+        AddSurface<ConductorParams>(t, "conductor", "", MakeConductor);
+        AddSurface<DielectricParams>(
+            t, "dielectric", "**differs**: an index that is not above 0 is an error, in all materials", MakeDielectric);
         AddSurface<ThinDielectricParams>(t, "thindielectric", "", [](const auto &p, const ParamSet &set, Context &c) {
-            return MakeLobeMaterial([eta = p.index.Make(set, c)](const SurfacePoint &, auto &lambda) {
+            return MakeLobeMaterial([eta = p.IndexParams::Make(set, c)](const SurfacePoint &, auto &lambda) {
                 return ThinDielectricBxdf(eta(lambda));
             });
         });
         AddSurface<DiffuseTransmissionParams>(t, "diffusetransmission", "", MakeDiffuseTransmission);
         AddHair(t);
-        AddSurface<MeasuredParams>(
-            t, "measured",
-            "isotropic, or anisotropic over the whole circle; else **not supported**: `field \"phi_i\" covers a part "
-            "of the circle only; such reduced tables are not supported.` The databases cannot be shipped, so tests "
-            "write their own files",
-            [](const auto &p, const ParamSet &set, Context &c) {
-                auto brdf = set.At("filename", [&] { return ReadMeasuredBrdf(c.files.Resolve(p.filename)); });
-                return MakeLobeMaterial(
-                    [brdf](const SurfacePoint &, auto &lambda) { return MeasuredBxdf(*brdf, lambda); });
-            });
+        AddMeasured(t);
         AddSubsurface(t);
         t.Add<NoParams>(
             "interface", "also \"\" and \"none\", with a warning",
             [](const auto &, const ParamSet &, Context &) { return std::make_shared<InterfaceMaterial>(); });
-        t.Add<MixParams>("mix", "", [](const auto &p, const ParamSet &set, Context &c) {
-            c.usesFootprint = false;
-            return MakeMix(p, set, c);
-        });
+        AddMix(t);
         return t;
     }();
     return table;

@@ -85,6 +85,12 @@ void AddSurface(MaterialTable &table, const char *name, const char *summary, F m
 }
 
 void AddHair(MaterialTable &table);
+void AddMeasured(MaterialTable &table);
+void AddMix(MaterialTable &table);
 void AddSubsurface(MaterialTable &table);
+
+/// Reads a BRDF of the RGL material database (isotropic, or anisotropic over the whole circle). Throws UserError (no
+/// location).
+std::shared_ptr<const MeasuredBrdf> ReadMeasuredBrdf(const std::string &path);
 
 }  // namespace pbrt

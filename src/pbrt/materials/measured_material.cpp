@@ -1,12 +1,8 @@
-#include "pbrt/materials/measured_material.h"
-
-#include <fmt/format.h>
-
 #include <bit>
 #include <cstring>
 
-#include "pbrt/core/error.h"
 #include "pbrt/core/files.h"
+#include "pbrt/materials/material_params.h"
 
 namespace pbrt {
 
@@ -155,6 +151,30 @@ std::shared_ptr<const MeasuredBrdf> ReadMeasuredBrdf(const std::string &path) {
     t.luminance = read.Density("luminance", {t.phi.size(), t.theta.size()});
     t.spectra = read.Grid("spectra", {t.phi.size(), t.theta.size(), t.wavelengths.size()});
     return std::make_shared<const MeasuredBrdf>(std::move(t));
+}
+
+namespace {
+
+struct MeasuredParams : ReliefParams {
+    std::string filename;
+    void Describe(auto &&v) {
+        v("filename", filename, Required(), "file of the RGL database");
+        ReliefParams::Describe(v);
+    }
+};
+
+}  // namespace
+
+void AddMeasured(MaterialTable &table) {
+    AddSurface<MeasuredParams>(
+        table, "measured",
+        "isotropic, or anisotropic over the whole circle; else **not supported**: `field \"phi_i\" covers a part "
+        "of the circle only; such reduced tables are not supported.` The databases cannot be shipped, so tests "
+        "write their own files",
+        [](const auto &p, const ParamSet &set, MaterialContext &c) {
+            auto brdf = set.At("filename", [&] { return ReadMeasuredBrdf(c.files.Resolve(p.filename)); });
+            return MakeLobeMaterial([brdf](const SurfacePoint &, auto &lambda) { return MeasuredBxdf(*brdf, lambda); });
+        });
 }
 
 }  // namespace pbrt

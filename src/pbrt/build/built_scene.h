@@ -3,8 +3,10 @@
 #include <string>
 #include <vector>
 
+#include "pbrt/build/build_options.h"
 #include "pbrt/build/memory_estimate.h"
-#include "pbrt/build/view.h"
+#include "pbrt/cameras/camera.h"
+#include "pbrt/films/filter.h"
 #include "pbrt/integrators/registry.h"
 #include "pbrt/integrators/render_loop.h"
 #include "pbrt/lights/light_names.h"
@@ -13,6 +15,30 @@
 #include "pbrt/textures/texture_factory.h"
 
 namespace pbrt {
+
+/// Camera placement and the resulting rendering space.
+struct Placement {
+    bool isKnown = false;  ///< false: invalid placement; all transforms are identities
+    Transform renderFromWorld;
+    AnimatedTransform worldFromCamera, renderFromCamera;
+};
+
+/// Errors go to the sink.
+Placement PlaceCamera(const SceneDescription &description, const BuildOptions &options, DiagnosticSink &sink);
+
+/// Camera, film and sampling. Members with invalid parameters are null.
+struct RenderView {
+    std::unique_ptr<Filter> filter;
+    std::unique_ptr<Film> film;
+    std::unique_ptr<Camera> camera;
+    std::unique_ptr<Sampler> sampler;
+};
+
+FilmOverrides FilmOverridesOf(const BuildOptions &options);
+
+/// Cheap, so errors are reported before geometry is read. `seed`: used unless the scene's sampler has one.
+RenderView MakeView(SceneDescription &description, const BuildOptions &options, const Placement &placement, int seed,
+                    DiagnosticSink &sink);
 
 /// Light selection options that can vary over one built scene.
 struct LightChoice {

@@ -20,37 +20,25 @@ void LeaveOutMedia(SceneDescription &d) {
     for (ObjectEntity &o : d.objects) leaveOut(o.shapes);
 }
 
-class Checker {
-  public:
-    explicit Checker(DiagnosticSink &sink) : sink_(sink) {}
-
-    /// `instead`: replacement, for the message.
-    void LeaveOut(const FileLoc &loc, const std::string &what, const std::string &instead = "") {
-        const std::string left =
-            what + (instead.empty() ? " is left out" : " is left out, " + instead + " is used instead");
-        sink_.Warning(loc, left + ": the picture is not that of the scene.");
-        leftOut.push_back(loc ? fmt::format("{}:{}: {}", loc.file->name, loc.line, left) : left);
-    }
-
-    std::vector<std::string> leftOut;
-
-  private:
-    DiagnosticSink &sink_;
-};
-
 }  // namespace
 
 std::vector<std::string> CheckSupported(SceneDescription &d, BuildOptions &options, DiagnosticSink &sink) {
-    Checker check(sink);
+    std::vector<std::string> leftOut;
+    auto leaveOut = [&](const FileLoc &loc, const std::string &what, const std::string &replacement = "") {
+        const std::string instead = replacement.empty() ? "" : ", " + replacement + " is used instead";
+        const std::string left = what + " is left out" + instead;
+        sink.Warning(loc, left + ": the picture is not that of the scene.");
+        leftOut.push_back(loc ? fmt::format("{}:{}: {}", loc.file->name, loc.line, left) : left);
+    };
     if (options.ignoreMedia) {
-        for (const MediumEntity &m : d.media) check.LeaveOut(m.loc, fmt::format("MakeNamedMedium \"{}\"", m.name));
+        for (const MediumEntity &m : d.media) leaveOut(m.loc, fmt::format("MakeNamedMedium \"{}\"", m.name));
         LeaveOutMedia(d);
     }
     if (options.integrator.empty() && d.integrator.type == kUnsupportedIntegrator) {
         const std::string what = fmt::format("Integrator \"{}\"", kUnsupportedIntegrator);
         const std::string instead = d.media.empty() ? "path" : "volpath";
         if (options.ignoreUnsupported) {
-            check.LeaveOut(d.integrator.loc, what, instead);
+            leaveOut(d.integrator.loc, what, instead);
             options.integrator = instead;
         } else {
             sink.Error(d.integrator.loc,
@@ -61,7 +49,7 @@ std::vector<std::string> CheckSupported(SceneDescription &d, BuildOptions &optio
     for (TextureEntity &t : d.textures) {
         // Without the flag, the texture's own error is more detailed.
         if (!options.ignoreUnsupported || t.type != kUnsupportedTexture) continue;
-        check.LeaveOut(t.loc, fmt::format("Texture \"{}\" of class {}", t.name, t.type), "a constant 0.5");
+        leaveOut(t.loc, fmt::format("Texture \"{}\" of class {}", t.name, t.type), "a constant 0.5");
         Param half;
         half.name = "value";
         half.type = t.isSpectrum ? ParamType::Rgb : ParamType::Float;
@@ -77,7 +65,7 @@ std::vector<std::string> CheckSupported(SceneDescription &d, BuildOptions &optio
     for (const ShapeEntity &s : d.shapes) shape(s);
     for (const ObjectEntity &o : d.objects)
         for (const ShapeEntity &s : o.shapes) shape(s);
-    return std::move(check.leftOut);
+    return leftOut;
 }
 
 }  // namespace pbrt

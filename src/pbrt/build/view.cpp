@@ -1,5 +1,4 @@
-#include "pbrt/build/view.h"
-
+#include "pbrt/build/built_scene.h"
 #include "pbrt/build/collect.h"
 #include "pbrt/shapes/extent.h"
 

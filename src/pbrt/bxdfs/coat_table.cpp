@@ -27,7 +27,7 @@ Float SmoothInner(Float eta, Float thickness) {
     double sum = 0;
     for (int k = 0; k < kSmoothPoints; ++k) {
         const Float cosine = std::sqrt((static_cast<Float>(k) + Float(0.5)) / kSmoothPoints);
-        sum += static_cast<double>(FresnelDielectric(-cosine, eta) * std::exp(-2 * thickness / cosine));
+        sum += double(FresnelDielectric(-cosine, eta) * std::exp(-2 * thickness / cosine));
     }
     return static_cast<Float>(sum / kSmoothPoints);
 }
@@ -87,7 +87,7 @@ CoatShares CoatTable::SharesAt(const DielectricBxdf &top, Float cosine) const {
     int refracted = 0;
     for (int k = 0; k < kDirectionPoints; ++k) {
         const Point2 u = PointOfSquare(k);
-        mirrored += static_cast<double>(FresnelDielectric(Dot(wo, top.Facets().SampleVisibleByCap(wo, u)), eta_));
+        mirrored += double(FresnelDielectric(Dot(wo, top.Facets().SampleVisibleByCap(wo, u)), eta_));
         const DielectricBxdf::Drawn drawn = top.DrawTransmission(wo, u, TransportMode::Importance);
         if (!(drawn.weight > 0)) continue;
         ++refracted;
@@ -95,9 +95,8 @@ CoatShares CoatTable::SharesAt(const DielectricBxdf &top, Float cosine) const {
         const Float transmitted = drawn.weight * Transmittance(thickness_, drawn.wi);
         // Stock weights the way from the base out along wo with the density of leaving, instead of entering.
         const Float leaving = top.EvaluateTransmission(drawn.wi, wo, TransportMode::Radiance).pdf;
-        through += static_cast<double>(transmitted);
-        throughStock +=
-            static_cast<double>(transmitted * (PowerHeuristic(drawn.pdf, base) + PowerHeuristic(base, leaving)));
+        through += double(transmitted);
+        throughStock += double(transmitted * (PowerHeuristic(drawn.pdf, base) + PowerHeuristic(base, leaving)));
     }
     auto mean = [](double sum) { return static_cast<Float>(sum / kDirectionPoints); };
     return {mean(through), mean(throughStock), mean(mirrored), mean(refracted)};
@@ -112,9 +111,9 @@ Float CoatTable::InnerReflectance(const DielectricBxdf &top) const {
         double reflected = 0;
         for (int k = 0; k < kInnerPoints; ++k) {
             const DielectricBxdf::Drawn drawn = top.DrawReflection(down, PointOfSquare(i * kInnerPoints + k));
-            if (drawn.weight > 0) reflected += static_cast<double>(drawn.weight * Transmittance(thickness_, drawn.wi));
+            if (drawn.weight > 0) reflected += double(drawn.weight * Transmittance(thickness_, drawn.wi));
         }
-        sum += reflected * static_cast<double>(Transmittance(thickness_, down));
+        sum += reflected * double(Transmittance(thickness_, down));
     }
     return static_cast<Float>(sum / (kInnerCosines * kInnerPoints));
 }

@@ -1,5 +1,5 @@
 // Tests the stages that build the view of a scene: camera, film, filter and sampler.
-#include "pbrt/build/view.h"
+#include "pbrt/build/built_scene.h"
 
 #include <gtest/gtest.h>
 

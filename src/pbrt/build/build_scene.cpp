@@ -239,14 +239,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Plug
 
     const bool filters = !options.disableTextureFiltering && !d.options.disableTextureFiltering.value_or(false);
     built.integratorRequest = {d.integrator, d.sampler, options, &registry, filters && built.scene->NeedsFootprints()};
-    Collect(sink, [&] {
-        BuiltIntegrator made = MakeIntegrator(built, integrator, sink);
-        built.integrator = std::move(made.integrator);
-        built.integratorName = made.name;
-        built.lightSamplerName = made.lightSamplerName;
-        built.shootingSamplerName = made.shootingSamplerName;
-        built.maxDepth = made.maxDepth;
-    });
+    Collect(sink, [&] { static_cast<BuiltIntegrator &>(built) = MakeIntegrator(built, integrator, sink); });
     sink.ThrowIfErrors();
     return built;
 }

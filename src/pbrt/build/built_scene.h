@@ -16,9 +16,8 @@
 
 namespace pbrt {
 
-/// Camera placement and the resulting rendering space.
+/// Camera placement and the resulting rendering space; identities if the placement is invalid.
 struct Placement {
-    bool isKnown = false;  ///< false: invalid placement; all transforms are identities
     Transform renderFromWorld;
     AnimatedTransform worldFromCamera, renderFromCamera;
 };
@@ -49,7 +48,8 @@ struct LightChoice {
 
 struct BuiltIntegrator {
     std::unique_ptr<Integrator> integrator;
-    std::string name, lightSamplerName, shootingSamplerName;  ///< the last two may be empty
+    std::string integratorName;
+    std::string lightSamplerName, shootingSamplerName;  ///< empty if there is none
     int maxDepth = 5;
 };
 
@@ -63,20 +63,16 @@ struct IntegratorRequest {
 
 /// Everything a render needs, from one description. The sampler is for the first batch of samplesPerPixel samples.
 /// Members are destroyed in reverse order.
-struct BuiltScene : RenderView {
+struct BuiltScene : RenderView, BuiltIntegrator {
     std::unique_ptr<TextureLibrary> textures;
     std::unique_ptr<Scene> scene;
     LightNames lightNames;  ///< for messages
-    std::unique_ptr<Integrator> integrator;
     IntegratorRequest integratorRequest;
     MemoryEstimate memory;  ///< before building
     int samplesPerPixel = 16;
     bool disablePixelJitter = false, disableWavelengthJitter = false;
     std::string mseReferenceImage, mseReferenceOut;
     int seed = 0;
-    int maxDepth = 5;
-    std::string integratorName;
-    std::string lightSamplerName, shootingSamplerName;  ///< empty if there is none
     std::string filename;              ///< of the image; suffixed if features were left out, unless set by a flag
     std::vector<std::string> leftOut;  ///< features left out by --ignore-media or --ignore-unsupported, with locations
     Transform cameraFromWorld;         ///< at shutter open; for image metadata

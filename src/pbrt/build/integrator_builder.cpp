@@ -248,7 +248,7 @@ BuiltIntegrator MakeIntegrator(const IntegratorSettings &settings, const PathCon
                                  "\"volpath\" there. Put a shape with material \"interface\" around the medium.",
                                  settings.type));
     BuiltIntegrator built;
-    built.name = settings.type;
+    built.integratorName = settings.type;
     built.maxDepth = settings.maxDepth;
     built.integrator = settings.make(context, filmSpace);
     if (settings.lights) built.lightSamplerName = settings.lights->sampler.Label();

@@ -37,7 +37,6 @@ Placement PlaceCamera(const SceneDescription &d, const BuildOptions &options, Di
         p.renderFromWorld = RenderFromWorld(d, p.worldFromCamera, options);
         p.renderFromCamera =
             MotionOf("Camera", d.camera, p.renderFromWorld * start.Inverse(), p.renderFromWorld * end.Inverse());
-        p.isKnown = true;
         placement = p;
     });
     return placement;

@@ -20,8 +20,6 @@ Point2 PointOfSquare(int k) {
     return {static_cast<Float>(std::modf(0.5 + a * k, &whole)), static_cast<Float>(std::modf(0.5 + b * k, &whole))};
 }
 
-Float Transmittance(Float thickness, const Vector3 &w) { return std::exp(-std::abs(thickness / w.z)); }
-
 /// Mean inner Fresnel reflectance, including both crossings of the medium, over cosine-distributed directions.
 Float SmoothInner(Float eta, Float thickness) {
     double sum = 0;

@@ -61,8 +61,7 @@ BxdfFlags CoatedBxdf<Base>::Flags() const {
     BxdfFlags top = top_.Flags(), bottom = bottom_.Flags(), flags = BxdfFlags::Reflection;
     if (IsSpecular(top)) flags = flags | BxdfFlags::Specular;
     if (scatters_ || Has(bottom, BxdfFlags::Diffuse)) return flags | BxdfFlags::Diffuse;
-    if (Has(top | bottom, BxdfFlags::Glossy)) return flags | BxdfFlags::Glossy;
-    return flags;
+    return Has(top | bottom, BxdfFlags::Glossy) ? flags | BxdfFlags::Glossy : flags;
 }
 
 template <class Base>

@@ -22,16 +22,12 @@ struct GuideParams {
     int records = 1 << 19;
     template <class V>
     void Describe(V &&v) {
-        v("roulette", roulette,
-          "learned Russian roulette: continuation probabilities from the radiance and the cost of earlier paths");
-        v("directions", directions,
-          "path guiding: directions towards sources of radiance of earlier paths, in scenes where that pays");
-        v("share", share, Range<Float>{0, 0.95f},
-          "largest guiding probability: directions from the guide, not from the BSDF");
-        v("leastsaved", minSaved, Range<Float>{0, 1000},
-          "directional guiding is disabled when its estimated saving is below this part of the path cost; 0: never");
+        v("roulette", roulette, "learned Russian roulette");
+        v("directions", directions, "directional guiding, where it pays");
+        v("share", share, Range<Float>{0, 0.95f}, "maximum probability of guided directions");
+        v("leastsaved", minSaved, Range<Float>{0, 1000}, "guiding stops below this saving per path cost; 0: never");
         v("records", records, Range<int>{1000, 1 << 26},
-          "largest number of vertices recorded between two updates (32 bytes each, with directions 104)");
+          "maximum vertices recorded per update (32 bytes, with directions 104)");
     }
 };
 

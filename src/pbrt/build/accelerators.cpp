@@ -7,10 +7,9 @@ namespace {
 struct BvhParams {
     int maxNodePrims = 4;
     std::string splitMethod = "sah";
-    template <class V>
-    void Describe(V &&v) {
-        v("maxnodeprims", maxNodePrims, "without effect");
-        v("splitmethod", splitMethod, "without effect: sah, hlbvh, middle or equal; any other name causes a warning");
+    void Describe(auto &&v) {
+        v("maxnodeprims", maxNodePrims, "no effect");
+        v("splitmethod", splitMethod, "no effect: sah, hlbvh, middle or equal, else a warning");
     }
 };
 
@@ -26,13 +25,12 @@ std::monostate CheckBvh(const BvhParams &p, const ParamSet &set, const Accelerat
 struct KdTreeParams {
     int intersectCost = 5, traversalCost = 1, maxPrims = 1, maxDepth = -1;
     Float emptyBonus = 0.5f;
-    template <class V>
-    void Describe(V &&v) {
-        v("intersectcost", intersectCost, "without effect");
-        v("traversalcost", traversalCost, "without effect");
-        v("emptybonus", emptyBonus, "without effect");
-        v("maxprims", maxPrims, "without effect");
-        v("maxdepth", maxDepth, "without effect");
+    void Describe(auto &&v) {
+        v("intersectcost", intersectCost, "no effect");
+        v("traversalcost", traversalCost, "no effect");
+        v("emptybonus", emptyBonus, "no effect");
+        v("maxprims", maxPrims, "no effect");
+        v("maxdepth", maxDepth, "no effect");
     }
 };
 

@@ -10,8 +10,6 @@
 #include "pbrt/build/collect.h"
 #include "pbrt/build/geometry_builder.h"
 #include "pbrt/build/integrator_builder.h"
-#include "pbrt/build/medium_builder.h"
-#include "pbrt/build/view.h"
 #include "pbrt/core/files.h"
 #include "pbrt/images/picture_name.h"
 #include "pbrt/lights/light_factory.h"
@@ -78,15 +76,6 @@ void ChooseRenderOptions(const SceneOptions &scene, const BuildOptions &options,
         sink.Error({}, "an MSE reference needs both the image and the output file.");
 }
 
-void TakeView(View view, const Placement &placement, BuiltScene &built) {
-    built.filter = std::move(view.filter);
-    built.film = std::move(view.film);
-    built.camera = std::move(view.camera);
-    built.sampler = std::move(view.sampler);
-    if (built.sampler) built.samplesPerPixel = built.sampler->SamplesPerPixel();
-    if (built.camera) built.cameraFromWorld = placement.worldFromCamera.At(built.camera->ShutterOpen()).Inverse();
-}
-
 /// Output file name. Without a valid film only the flag's name is available.
 std::string OutputName(const BuiltScene &built, const BuildOptions &options) {
     const std::string name = built.film ? built.film->Filename() : options.film.filename;
@@ -121,7 +110,7 @@ SceneContents MakeContents(SceneDescription &d, const BuildOptions &options, con
         media = {};
     }
     GeometryBuilder geometry(d, renderFromWorld, !TraitsOf(IntegratorType(d.integrator, options)).passesInterfaces,
-                             media.ids, textures, sink);
+                             media, textures, sink);
     geometry.BuildMaterials();
     textures.CheckAll();
     progress.SetTotal(geometry.ShapeEntityCount());
@@ -136,12 +125,12 @@ SceneContents MakeContents(SceneDescription &d, const BuildOptions &options, con
             // Light from outside the scene arrives through vacuum, regardless of the current medium at its LightSource.
             const bool isBeyondScene =
                 light->Kind() == LightKind::Infinite || light->Kind() == LightKind::DeltaDirection;
-            const MediumId medium = isBeyondScene ? MediumId() : media.ids.Find(l.medium);
+            const MediumId medium = isBeyondScene ? MediumId() : media.Find(l.medium);
             contents.lights->Add(std::move(light));
             contents.lightMedia.push_back({medium, medium});
             lightNames.Add(1, fmt::format("LightSource \"{}\"", l.type), l.loc);
         });
-    contents.cameraMedium = media.ids.Find(d.camera.medium);
+    contents.cameraMedium = media.Find(d.camera.medium);
     contents.media = std::move(media.media);
     return contents;
 }
@@ -226,7 +215,9 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Plug
                                      integrator.type));
     if (integrator.samplesPerPixel > 0 && options.samplesPerPixel == 0 && !options.quick)
         options.samplesPerPixel = integrator.samplesPerPixel;
-    TakeView(MakeView(d, options, placement, built.seed, sink), placement, built);
+    static_cast<RenderView &>(built) = MakeView(d, options, placement, built.seed, sink);
+    if (built.sampler) built.samplesPerPixel = built.sampler->SamplesPerPixel();
+    if (built.camera) built.cameraFromWorld = placement.worldFromCamera.At(built.camera->ShutterOpen()).Inverse();
     built.filename = OutputName(built, options);
     if (options.checksOutput) CheckOutput(built, sink);
     // Shapes are checked even after errors, to report all of them. Command line errors are reported at once, before
@@ -248,14 +239,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Plug
 
     const bool filters = !options.disableTextureFiltering && !d.options.disableTextureFiltering.value_or(false);
     built.integratorRequest = {d.integrator, d.sampler, options, &registry, filters && built.scene->NeedsFootprints()};
-    Collect(sink, [&] {
-        BuiltIntegrator made = MakeIntegrator(built, integrator, sink);
-        built.integrator = std::move(made.integrator);
-        built.integratorName = made.name;
-        built.lightSamplerName = made.lightSamplerName;
-        built.shootingSamplerName = made.shootingSamplerName;
-        built.maxDepth = made.maxDepth;
-    });
+    Collect(sink, [&] { static_cast<BuiltIntegrator &>(built) = MakeIntegrator(built, integrator, sink); });
     sink.ThrowIfErrors();
     return built;
 }

@@ -5,6 +5,8 @@
 
 #include "pbrt/build/build_options.h"
 #include "pbrt/build/memory_estimate.h"
+#include "pbrt/cameras/camera.h"
+#include "pbrt/films/filter.h"
 #include "pbrt/integrators/registry.h"
 #include "pbrt/integrators/render_loop.h"
 #include "pbrt/lights/light_names.h"
@@ -13,6 +15,29 @@
 #include "pbrt/textures/texture_factory.h"
 
 namespace pbrt {
+
+/// Camera placement and the resulting rendering space; identities if the placement is invalid.
+struct Placement {
+    Transform renderFromWorld;
+    AnimatedTransform worldFromCamera, renderFromCamera;
+};
+
+/// Errors go to the sink.
+Placement PlaceCamera(const SceneDescription &description, const BuildOptions &options, DiagnosticSink &sink);
+
+/// Camera, film and sampling. Members with invalid parameters are null.
+struct RenderView {
+    std::unique_ptr<Filter> filter;
+    std::unique_ptr<Film> film;
+    std::unique_ptr<Camera> camera;
+    std::unique_ptr<Sampler> sampler;
+};
+
+FilmOverrides FilmOverridesOf(const BuildOptions &options);
+
+/// Cheap, so errors are reported before geometry is read. `seed`: used unless the scene's sampler has one.
+RenderView MakeView(SceneDescription &description, const BuildOptions &options, const Placement &placement, int seed,
+                    DiagnosticSink &sink);
 
 /// Light selection options that can vary over one built scene.
 struct LightChoice {
@@ -23,7 +48,8 @@ struct LightChoice {
 
 struct BuiltIntegrator {
     std::unique_ptr<Integrator> integrator;
-    std::string name, lightSamplerName, shootingSamplerName;  ///< the last two may be empty
+    std::string integratorName;
+    std::string lightSamplerName, shootingSamplerName;  ///< empty if there is none
     int maxDepth = 5;
 };
 
@@ -35,25 +61,18 @@ struct IntegratorRequest {
     bool needsFootprints = true;
 };
 
-/// Everything a render needs, from one description. Members are destroyed in reverse order.
-struct BuiltScene {
+/// Everything a render needs, from one description. The sampler is for the first batch of samplesPerPixel samples.
+/// Members are destroyed in reverse order.
+struct BuiltScene : RenderView, BuiltIntegrator {
     std::unique_ptr<TextureLibrary> textures;
-    std::unique_ptr<Filter> filter;
-    std::unique_ptr<Film> film;
-    std::unique_ptr<Camera> camera;
-    std::unique_ptr<Sampler> sampler;  ///< for the first batch of samplesPerPixel samples
     std::unique_ptr<Scene> scene;
     LightNames lightNames;  ///< for messages
-    std::unique_ptr<Integrator> integrator;
     IntegratorRequest integratorRequest;
     MemoryEstimate memory;  ///< before building
     int samplesPerPixel = 16;
     bool disablePixelJitter = false, disableWavelengthJitter = false;
     std::string mseReferenceImage, mseReferenceOut;
     int seed = 0;
-    int maxDepth = 5;
-    std::string integratorName;
-    std::string lightSamplerName, shootingSamplerName;  ///< empty if there is none
     std::string filename;              ///< of the image; suffixed if features were left out, unless set by a flag
     std::vector<std::string> leftOut;  ///< features left out by --ignore-media or --ignore-unsupported, with locations
     Transform cameraFromWorld;         ///< at shutter open; for image metadata

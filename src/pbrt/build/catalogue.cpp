@@ -1,5 +1,7 @@
 #include "pbrt/build/catalogue.h"
 
+#include <fmt/ranges.h>
+
 #include "pbrt/build/accelerators.h"
 #include "pbrt/build/geometry_builder.h"
 #include "pbrt/build/integrator_builder.h"
@@ -15,6 +17,7 @@
 namespace pbrt {
 
 namespace {
+
 /// Appends the parameters of direction sampling, as named in scenes, to the integrators that use it.
 FamilyDoc DocumentIntegrators(const DirectionSamplings &directions) {
     FamilyDoc doc = Integrators().Document("integrators");
@@ -28,6 +31,49 @@ FamilyDoc DocumentIntegrators(const DirectionSamplings &directions) {
     }
     return doc;
 }
+
+/// Markdown table with a row for each parameter and the entities that share it.
+std::string ParameterTable(const FamilyDoc &family) {
+    std::vector<std::string> rows, without;
+    std::map<std::string, std::vector<std::string>> entitiesOf;
+    for (const FactoryDoc &maker : family.makers) {
+        if (maker.params.empty()) without.push_back(maker.name);
+        for (const ParamDoc &p : maker.params) {
+            std::string row = fmt::format("|`{} {}`|{}|{}|{}|", p.TypeText(), p.name, p.defaultValue, p.range, p.help);
+            std::vector<std::string> &entities = entitiesOf[row];
+            if (entities.empty()) rows.push_back(std::move(row));
+            entities.push_back(maker.name);
+        }
+    }
+    const size_t all = family.makers.size() - without.size();
+    std::string text = "|parameter|default|values|meaning|of|\n|---|---|---|---|---|\n";
+    for (const std::string &row : rows) {
+        const std::vector<std::string> &entities = entitiesOf[row];
+        text +=
+            fmt::format("{}{}|\n", row, entities.size() == all ? "all" : fmt::format("{}", fmt::join(entities, ", ")));
+    }
+    if (!without.empty()) text += fmt::format("\nWithout parameters: {}.\n", fmt::join(without, ", "));
+    return text;
+}
+
+/// Text of docs/reference/parameters.md.
+std::string ParameterPage(std::vector<FamilyDoc> families) {
+    std::string text =
+        "# Parameters\n\nThe output of `pbrt --list all`. Those of light samplers are in "
+        "[lightsamplers.md](lightsamplers.md); remarks on entities are in [compatibility.md](compatibility.md).\n";
+    for (FamilyDoc &family : families) {
+        text += fmt::format("\n## {}\n\n", family.name);
+        if (family.name == "spectrumtextures") {
+            std::vector<std::string> shared = SpectrumTextures().Names();
+            std::erase_if(shared, [](const std::string &name) { return !FloatTextures().Has(name); });
+            std::erase_if(family.makers, [](const FactoryDoc &maker) { return FloatTextures().Has(maker.name); });
+            text += fmt::format("As floattextures, with spectra for values: {}. Further:\n\n", fmt::join(shared, ", "));
+        }
+        text += ParameterTable(family);
+    }
+    return text;
+}
+
 }  // namespace
 
 std::vector<FamilyDoc> AllFamilies(const PluginRegistry &registry) {
@@ -53,20 +99,12 @@ std::vector<FamilyDoc> AllFamilies(const PluginRegistry &registry) {
 
 std::string ListWhat(const std::string &what, const PluginRegistry &registry) {
     const std::vector<FamilyDoc> families = AllFamilies(registry);
-    std::string text;
     if (what == "table") {
-        text = "| entity | parameters | remark |\n|---|---|---|\n";
+        std::string text = "| entity | parameters | remark |\n|---|---|---|\n";
         for (const FamilyDoc &family : families) text += TableRowsOf(family);
         return text;
     }
-    if (what == "all") {
-        text =
-            "# Parameters\n\nThe output of `pbrt --list all`: parameters with their types, defaults, ranges and what "
-            "they mean. Those of light samplers are in lightsamplers.md.\n";
-        for (const FamilyDoc &family : families)
-            text += fmt::format("\n## {}\n\n```\n{}```\n", family.name, ListingOf(family));
-        return text;
-    }
+    if (what == "all") return ParameterPage(families);
     std::vector<std::string> names = {"all", "table"};
     for (const FamilyDoc &family : families) {
         if (family.name == what) return ListingOf(family);

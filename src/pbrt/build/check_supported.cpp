@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include "pbrt/build/built_scene.h"
 #include "pbrt/build/integrator_builder.h"
 #include "pbrt/textures/texture_factory.h"
@@ -7,10 +5,6 @@
 namespace pbrt {
 
 namespace {
-
-bool Contains(const std::vector<std::string> &names, const std::string &name) {
-    return std::find(names.begin(), names.end(), name) != names.end();
-}
 
 void LeaveOutMedia(SceneDescription &d) {
     d.media.clear();
@@ -26,51 +20,36 @@ void LeaveOutMedia(SceneDescription &d) {
     for (ObjectEntity &o : d.objects) leaveOut(o.shapes);
 }
 
-class Checker {
-  public:
-    explicit Checker(DiagnosticSink &sink) : sink_(sink) {}
-
-    /// `wayOut`: advice on the flag that leaves `what` out; `isGiven`: the flag was given. `instead`: replacement, for
-    /// the message.
-    void NotBuilt(const FileLoc &loc, const std::string &what, bool isGiven, const std::string &wayOut,
-                  const std::string &instead = "") {
-        if (!isGiven) {
-            sink_.Error(loc, fmt::format("{} is not supported yet.{}", what, wayOut));
-            return;
-        }
-        LeaveOut(loc, what, instead);
-    }
-    void LeaveOut(const FileLoc &loc, const std::string &what, const std::string &instead = "") {
-        const std::string left =
-            what + (instead.empty() ? " is left out" : " is left out, " + instead + " is used instead");
-        sink_.Warning(loc, left + ": the picture is not that of the scene.");
-        leftOut.push_back(loc ? fmt::format("{}:{}: {}", loc.file->name, loc.line, left) : left);
-    }
-
-    std::vector<std::string> leftOut;
-
-  private:
-    DiagnosticSink &sink_;
-};
-
 }  // namespace
 
 std::vector<std::string> CheckSupported(SceneDescription &d, BuildOptions &options, DiagnosticSink &sink) {
-    Checker check(sink);
+    std::vector<std::string> leftOut;
+    auto leaveOut = [&](const FileLoc &loc, const std::string &what, const std::string &replacement = "") {
+        const std::string instead = replacement.empty() ? "" : ", " + replacement + " is used instead";
+        const std::string left = what + " is left out" + instead;
+        sink.Warning(loc, left + ": the picture is not that of the scene.");
+        leftOut.push_back(loc ? fmt::format("{}:{}: {}", loc.file->name, loc.line, left) : left);
+    };
     if (options.ignoreMedia) {
-        for (const MediumEntity &m : d.media) check.LeaveOut(m.loc, fmt::format("MakeNamedMedium \"{}\"", m.name));
+        for (const MediumEntity &m : d.media) leaveOut(m.loc, fmt::format("MakeNamedMedium \"{}\"", m.name));
         LeaveOutMedia(d);
     }
-    if (options.integrator.empty() && Contains(UnsupportedIntegrators(), d.integrator.type)) {
+    if (options.integrator.empty() && d.integrator.type == kUnsupportedIntegrator) {
+        const std::string what = fmt::format("Integrator \"{}\"", kUnsupportedIntegrator);
         const std::string instead = d.media.empty() ? "path" : "volpath";
-        check.NotBuilt(d.integrator.loc, fmt::format("Integrator \"{}\"", d.integrator.type), options.ignoreUnsupported,
-                       fmt::format(" --integrator {} renders the scene by path tracing.", instead), instead);
-        if (options.ignoreUnsupported) options.integrator = instead;
+        if (options.ignoreUnsupported) {
+            leaveOut(d.integrator.loc, what, instead);
+            options.integrator = instead;
+        } else {
+            sink.Error(d.integrator.loc,
+                       fmt::format("{} is not supported yet. --integrator {} renders the scene by path tracing.", what,
+                                   instead));
+        }
     }
     for (TextureEntity &t : d.textures) {
         // Without the flag, the texture's own error is more detailed.
-        if (!options.ignoreUnsupported || !Contains(UnsupportedTextures(), t.type)) continue;
-        check.NotBuilt(t.loc, fmt::format("Texture \"{}\" of class {}", t.name, t.type), true, "", "a constant 0.5");
+        if (!options.ignoreUnsupported || t.type != kUnsupportedTexture) continue;
+        leaveOut(t.loc, fmt::format("Texture \"{}\" of class {}", t.name, t.type), "a constant 0.5");
         Param half;
         half.name = "value";
         half.type = t.isSpectrum ? ParamType::Rgb : ParamType::Float;
@@ -86,7 +65,7 @@ std::vector<std::string> CheckSupported(SceneDescription &d, BuildOptions &optio
     for (const ShapeEntity &s : d.shapes) shape(s);
     for (const ObjectEntity &o : d.objects)
         for (const ShapeEntity &s : o.shapes) shape(s);
-    return std::move(check.leftOut);
+    return leftOut;
 }
 
 }  // namespace pbrt

@@ -7,8 +7,7 @@
 namespace pbrt {
 
 /// Runs `make`, converting its UserError into diagnostics. Returns true on success.
-template <class F>
-bool Collect(DiagnosticSink &sink, F &&make) {
+bool Collect(DiagnosticSink &sink, auto &&make) {
     try {
         make();
         return true;
@@ -25,8 +24,7 @@ inline const ColorSpace &SpaceOf(const Entity &e) {
 }
 
 /// Motion of an entity with CTMs transformed to `start` and `end`. Throws UserError if they cannot be interpolated.
-template <class Entity>
-AnimatedTransform MotionOf(const char *what, const Entity &entity, const Transform &start, const Transform &end) {
+AnimatedTransform MotionOf(const char *what, const auto &entity, const Transform &start, const Transform &end) {
     if (start == end) return start;
     if (!AnimatedTransform::CanInterpolate(start, end))
         throw UserError(fmt::format("{} cannot move from its start to its end transformation: one of them flattens it, "

@@ -3,7 +3,7 @@
 #include "pbrt/build/collect.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/lights/light_factory.h"
-#include "pbrt/materials/forced_diffuse.h"
+#include "pbrt/media/medium_factory.h"
 #include "pbrt/shapes/curves.h"
 #include "pbrt/shapes/extent.h"
 #include "pbrt/shapes/shape_factory.h"
@@ -27,12 +27,9 @@ Displacement MakeDisplacement(const FloatTexturePtr &height, Float edgeScale) {
 struct ShapeTextureParams {
     bool isPly = true;
     FloatTextureParam alpha{}, displacement{};
-    template <class V>
-    void Describe(V &&v) {
-        v("alpha", alpha, "share of the rays that the surface stops");
-        if (isPly)
-            v("displacement", displacement,
-              "heights by which the surface is moved along its normals; needs normals and uv");
+    void Describe(auto &&v) {
+        v("alpha", alpha, "fraction of rays that the surface stops");
+        if (isPly) v("displacement", displacement, "displacement along normals; needs normals and uv");
     }
 };
 
@@ -59,8 +56,23 @@ FamilyDoc DocumentShapes() {
     return doc;
 }
 
+BuiltMedia MakeMedia(SceneDescription &d, const Transform &renderFromWorld, DiagnosticSink &sink) {
+    BuiltMedia built;
+    for (MediumEntity &m : d.media)
+        Collect(sink, [&] {
+            // Rendering space is available here regardless of file order. Stock pbrt-v4 misplaces grids defined before
+            // Camera.
+            const Transform renderFromMedium = renderFromWorld * m.ctm.start;
+            auto medium = Media().Make(m.type, m.params, MediumContext{renderFromMedium, SpaceOf(m), d.files, sink});
+            built.ids.emplace(m.name, MediumId(built.media.size()));
+            built.media.push_back(std::move(medium));
+            m.params = {};
+        });
+    return built;
+}
+
 GeometryBuilder::GeometryBuilder(SceneDescription &description, const Transform &renderFromWorld, bool interfacesBlock,
-                                 const MediumIds &media, TextureLibrary &textures, DiagnosticSink &sink)
+                                 const BuiltMedia &media, TextureLibrary &textures, DiagnosticSink &sink)
     : description_(description), renderFromWorld_(renderFromWorld), interfacesBlock_(interfacesBlock), media_(media),
       textures_(textures), sink_(sink) {
     contents_.accel = std::make_unique<Accel>();
@@ -77,8 +89,6 @@ GeometryBuilder::GeometryBuilder(SceneDescription &description, const Transform 
     for (const ObjectEntity &o : description_.objects)
         spaces_.push_back(o.shapes.empty() ? Transform()
                                            : Transform::Translate(Vector3(o.shapes.front().ctm.start.Matrix()[3])));
-    makerOf_.assign(description_.areaLights.size(), -1);
-    makers_.reserve(description_.areaLights.size());
 }
 
 void GeometryBuilder::BuildMaterials() {
@@ -94,11 +104,7 @@ void GeometryBuilder::BuildMaterials() {
     MaterialContext context{textures_, description_.files, sink_, byName};
     for (MaterialEntity &m : description_.materials) {
         MaterialId id{};
-        try {
-            id = add(MakeMaterial(m.type, m.params, context));
-        } catch (const UserError &e) {
-            sink_.Add(e);
-        }
+        Collect(sink_, [&] { id = add(MakeMaterial(m.type, m.params, context)); });
         byIndex_.push_back(id);
         if (!m.name.empty()) named_.emplace(m.name, id);
     }
@@ -121,7 +127,7 @@ MaterialId GeometryBuilder::ResolveMaterial(const ShapeEntity &entity) {
 void GeometryBuilder::BuildShapes(Progress &progress) {
     // Single-threaded, because the texture library is not thread-safe.
     for (Work &w : work_) {
-        try {
+        Collect(w.sink, [&] {
             ShapeTextureParams p{w.entity->type == "plymesh"};
             ParamReader reader(w.entity->params);
             p.Describe(reader);
@@ -130,9 +136,7 @@ void GeometryBuilder::BuildShapes(Progress &progress) {
             if (w.alpha && w.alpha->Constant() && *w.alpha->Constant() >= 1) w.alpha = nullptr;
             if (FloatTexturePtr height = textures_.Get(p.displacement))
                 w.displacement = MakeDisplacement(height, description_.options.displacementEdgeScale.value_or(1));
-        } catch (const UserError &e) {
-            w.sink.Add(e);
-        }
+        });
     }
     ParallelForEach(static_cast<int64_t>(work_.size()), [&](int64_t i) {
         Work &w = work_[i];
@@ -153,7 +157,7 @@ void GeometryBuilder::BuildShapes(Progress &progress) {
 
 void GeometryBuilder::MakeShapes(Work &w) {
     const ShapeEntity &e = *w.entity;
-    try {
+    Collect(w.sink, [&] {
         Transform place = Product({renderFromWorld_, e.ctm.start}), renderFromPlaced;
         if (e.ctm.IsAnimated()) {
             w.motion = std::make_unique<const AnimatedTransform>(
@@ -166,9 +170,8 @@ void GeometryBuilder::MakeShapes(Work &w) {
         }
         // A constant alpha of 0 makes a light that emits as if opaque.
         const bool opaque = !w.alpha || w.alpha->Constant() == Float(0);
-        ShapeTextureParams made{e.type == "plymesh"};  // already read
         ParamReader before(e.params);
-        made.Describe(before);
+        ShapeTextureParams{e.type == "plymesh"}.Describe(before);  // already read
         const ShapeContext context{place,
                                    e.reverseOrientation,
                                    description_.files,
@@ -180,9 +183,7 @@ void GeometryBuilder::MakeShapes(Work &w) {
         w.shapes = Shapes().Make(e.type, e.params, context);
         if (w.motion)
             for (const auto &shape : w.shapes) RequireReach(e.params.What(), *w.motion, BoundsOf(*shape), e.loc);
-    } catch (const UserError &error) {
-        w.sink.Add(error);
-    }
+    });
 }
 
 void GeometryBuilder::CenterDefinitions() {
@@ -239,19 +240,16 @@ const AreaLightMaker *GeometryBuilder::MakerFor(const ShapeEntity &e, bool isInt
                                  : "area lights inside object definitions are not supported; this one is ignored.");
         return nullptr;
     }
-    const auto index = static_cast<size_t>(e.areaLight);
-    if (makerOf_[index] == -1) {
-        makerOf_[index] = -2;
+    const auto [it, isNew] = makers_.try_emplace(e.areaLight);
+    std::optional<AreaLightMaker> &maker = it->second;
+    if (isNew)
         Collect(sink_, [&] {
-            const Entity &light = description_.areaLights[index];
-            const ColorSpace *space = ColorSpace::Find(light.colorSpace);
+            const Entity &light = description_.areaLights[e.areaLight];
             const Transform none;
-            makers_.push_back(AreaLights().Make(light.type, light.params,
-                                                LightContext{none, none, *space, description_.files, sink_}));
-            makerOf_[index] = static_cast<int>(makers_.size()) - 1;
+            maker.emplace(AreaLights().Make(light.type, light.params,
+                                            LightContext{none, none, SpaceOf(light), description_.files, sink_}));
         });
-    }
-    return makerOf_[index] >= 0 ? &makers_[makerOf_[index]] : nullptr;
+    return maker ? &*maker : nullptr;
 }
 
 void GeometryBuilder::Register(Work &w, Definition *definition) {
@@ -276,24 +274,19 @@ void GeometryBuilder::Register(Work &w, Definition *definition) {
     const char *primitive = w.shapes.empty() ? "" : PrimitiveName(w.shapes.front()->Kind());
     if (w.shapes.size() > 1) primitive = "face";
     for (std::unique_ptr<Shape> &shape : w.shapes) {
-        ShapeRecord record;
-        ShapeId id(contents_.shapes.size());
-        record.shape = std::move(shape);
-        record.alpha = w.alpha;
-        record.material = material;
-        record.insideMedium = media_.Find(e.insideMedium);
-        record.outsideMedium = media_.Find(e.outsideMedium);
+        const ShapeId id(contents_.shapes.size());
+        contents_.shapes.push_back(
+            {std::move(shape), w.alpha, material, {}, media_.Find(e.insideMedium), media_.Find(e.outsideMedium)});
+        ShapeRecord &record = contents_.shapes.back();
         if (firstLight) {
             record.firstLight = LightId(firstLight.value + emitters);
             emitters += record.shape->PrimitiveCount();
         }
         if (interface && !interfacesBlock_)
             contents_.accel->LetShadowRaysThrough(id, record.insideMedium != record.outsideMedium);
-        contents_.shapes.push_back(std::move(record));
-        const ShapeRecord &kept = contents_.shapes.back();
         if (w.motion) moving.push_back(id);
         else if (definition) definition->still.push_back(id);
-        else contents_.accel->AddShape(id, *kept.shape, kept.alpha.get());
+        else contents_.accel->AddShape(id, *record.shape, record.alpha.get());
     }
     if (maker) {
         const Entity &light = description_.areaLights[e.areaLight];
@@ -348,7 +341,7 @@ void GeometryBuilder::BuildInstances(const std::vector<Definition> &definitions)
             sink_.Error(i.loc, fmt::format("object \"{}\" is not defined.", i.name));
             continue;
         }
-        try {
+        Collect(sink_, [&] {
             const AnimatedTransform motion =
                 MotionOf("the instance", i, Product({renderFromWorld_, i.ctm.start, worldFromRender}),
                          Product({renderFromWorld_, i.ctm.end, worldFromRender}));
@@ -357,7 +350,7 @@ void GeometryBuilder::BuildInstances(const std::vector<Definition> &definitions)
                 sink_.Warning(i.loc, fmt::format("the instance of \"{}\" cannot be seen: the current transformation "
                                                  "flattens it.",
                                                  Abbreviate(i.name)));
-                continue;
+                return;
             }
             if (it->second.still >= 0) {
                 const Transform &space = *it->second.space;
@@ -367,9 +360,7 @@ void GeometryBuilder::BuildInstances(const std::vector<Definition> &definitions)
             }
             for (const Definition::Moving &m : it->second.definition->moving)
                 contents_.accel->AddMovingInstance(m.object, motion, m.renderFromObject);
-        } catch (const UserError &e) {
-            sink_.Add(e);
-        }
+        });
     }
 }
 

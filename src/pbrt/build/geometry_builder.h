@@ -2,7 +2,6 @@
 #include <map>
 #include <vector>
 
-#include "pbrt/build/medium_builder.h"
 #include "pbrt/core/progress.h"
 #include "pbrt/lights/light_factory.h"
 #include "pbrt/lights/light_names.h"
@@ -15,12 +14,27 @@ namespace pbrt {
 
 FamilyDoc DocumentShapes();
 
+struct BuiltMedia {
+    std::vector<std::unique_ptr<Medium>> media;  ///< by MediumId
+    std::map<std::string, MediumId> ids;
+
+    /// No medium for "" (vacuum) and for media that failed to build.
+    MediumId Find(const std::string &name) const {
+        auto it = ids.find(name);
+        return it == ids.end() ? MediumId() : it->second;
+    }
+};
+
+/// Builds all media of the scene, including unused ones, so that all errors are reported to the sink. Frees value lists
+/// of the description.
+BuiltMedia MakeMedia(SceneDescription &description, const Transform &renderFromWorld, DiagnosticSink &sink);
+
 /// Builds materials, shapes, area lights, objects and instances. Errors are collected in the sink.
 class GeometryBuilder {
   public:
     /// `interfacesBlock`: interface surfaces block shadow rays. `media`: named by shapes.
     GeometryBuilder(SceneDescription &description, const Transform &renderFromWorld, bool interfacesBlock,
-                    const MediumIds &media, TextureLibrary &textures, DiagnosticSink &sink);
+                    const BuiltMedia &media, TextureLibrary &textures, DiagnosticSink &sink);
 
     void BuildMaterials();
     /// Reads and transforms all shapes (in parallel), then registers them in file order.
@@ -71,7 +85,7 @@ class GeometryBuilder {
     SceneDescription &description_;
     Transform renderFromWorld_;
     bool interfacesBlock_;
-    const MediumIds &media_;
+    const BuiltMedia &media_;
     TextureLibrary &textures_;
     DiagnosticSink &sink_;
     SceneContents contents_;
@@ -82,8 +96,7 @@ class GeometryBuilder {
     std::map<std::string, MaterialId> named_;
     std::vector<MaterialId> byIndex_;
     MaterialId defaultMaterial_{};
-    std::vector<AreaLightMaker> makers_;  ///< by area-light index
-    std::vector<int> makerOf_;            ///< area-light entity -> makers_ index, -1 not created, -2 failed
+    std::map<int, std::optional<AreaLightMaker>> makers_;  ///< by area-light entity; empty after an error
 };
 
 }  // namespace pbrt

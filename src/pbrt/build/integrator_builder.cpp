@@ -3,10 +3,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <limits>
 
 #include "pbrt/build/collect.h"
-#include "pbrt/build/integrator_makers.h"
 #include "pbrt/core/v3_names.h"
 #include "pbrt/integrators/path_integrator.h"
 #include "pbrt/integrators/simple_integrators.h"
@@ -31,14 +29,13 @@ struct PathParams : DepthParams {
     Float minContinuation = 0;
     LightSelectionParams lights;  ///< declared here, used by ReadLightSelection
     bool guide = false;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         DepthParams::Describe(v);
-        v("regularize", regularize, "roughen nearly specular lobes after the first non-specular scattering");
+        v("regularize", regularize, "roughen nearly specular lobes after non-specular scattering");
         v("minsurvival", minContinuation, Range<Float>{0, 1},
-          "least probability with which roulette lets a path go on; 0: as in stock, 1: no roulette (only here)");
+          "minimum continuation probability; 0: as stock, 1: no roulette (only here)");
         lights.Describe(v);
-        v("guide", guide, "path guiding and learned Russian roulette, with the parameters below; as --guide");
+        v("guide", guide, "path guiding and learned Russian roulette; as --guide");
     }
 };
 
@@ -75,23 +72,19 @@ IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const Inte
 
 struct SimplePathParams : DepthParams {
     bool sampleLights = true, sampleBsdf = true;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         DepthParams::Describe(v);
-        v("samplelights", sampleLights,
-          "sample lights by shadow rays; false: light is found only where a path hits it");
-        v("samplebsdf", sampleBsdf, "sample directions from the BSDF; false: uniformly");
+        v("samplelights", sampleLights, "sample lights with shadow rays");
+        v("samplebsdf", sampleBsdf, "sample the BSDF; false: uniform directions");
     }
 };
 
 struct AmbientOcclusionParams {
     bool cosine = true;
     Float maxDistance = Infinity;
-    template <class V>
-    void Describe(V &&v) {
-        v("cossample", cosine, "sample directions in proportion to their cosine; false: uniformly");
-        v("maxdistance", maxDistance, Positive(std::numeric_limits<Float>::max()),
-          "surfaces farther away do not occlude");
+    void Describe(auto &&v) {
+        v("cossample", cosine, "cosine-weighted directions; false: uniform");
+        v("maxdistance", maxDistance, kPositive, "maximum distance of occluders");
     }
 };
 
@@ -192,11 +185,6 @@ const IntegratorTable &Integrators() {
     return table;
 }
 
-const std::vector<std::string> &UnsupportedIntegrators() {
-    static const std::vector<std::string> names = {"function"};
-    return names;
-}
-
 const std::string &IntegratorType(const Entity &entity, const BuildOptions &options) {
     return options.integrator.empty() ? entity.type : options.integrator;
 }
@@ -208,12 +196,11 @@ IntegratorTraits TraitsOf(const std::string &integrator) {
 IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &options, const PluginRegistry &registry,
                                   DiagnosticSink &sink) {
     const std::string &type = IntegratorType(entity, options);
-    const std::vector<std::string> &later = UnsupportedIntegrators();
     IntegratorSettings settings;
     if (!Integrators().Has(type)) {
-        const bool isLater = std::find(later.begin(), later.end(), type) != later.end();
         sink.Error(options.integrator.empty() ? entity.loc : FileLoc{},
-                   fmt::format("Integrator \"{}\" is {}; {}{}.", type, isLater ? "not supported yet" : "unknown",
+                   fmt::format("Integrator \"{}\" is {}; {}{}.", type,
+                               type == kUnsupportedIntegrator ? "not supported yet" : "unknown",
                                V3Hint("Integrator", type), ListChoices(type, Integrators().Names())));
     } else {
         const IntegratorTable::Entry &entry = Integrators().Find(type);
@@ -261,7 +248,7 @@ BuiltIntegrator MakeIntegrator(const IntegratorSettings &settings, const PathCon
                                  "\"volpath\" there. Put a shape with material \"interface\" around the medium.",
                                  settings.type));
     BuiltIntegrator built;
-    built.name = settings.type;
+    built.integratorName = settings.type;
     built.maxDepth = settings.maxDepth;
     built.integrator = settings.make(context, filmSpace);
     if (settings.lights) built.lightSamplerName = settings.lights->sampler.Label();

@@ -1,5 +1,6 @@
 #pragma once
 #include <functional>
+#include <limits>
 #include <optional>
 
 #include "pbrt/build/built_scene.h"
@@ -40,8 +41,8 @@ struct IntegratorTraits {
 };
 using IntegratorTable = FactoryTable<IntegratorSettings, const IntegratorReading, IntegratorTraits>;
 const IntegratorTable &Integrators();
-/// Integrators of the format that are not supported.
-const std::vector<std::string> &UnsupportedIntegrators();
+/// Integrator of the format that is not supported.
+inline constexpr const char *kUnsupportedIntegrator = "function";
 
 /// Parses the parameters of the integrator named by scene or --integrator, and of its light sampler. Reports all errors
 /// to the sink before anything is built.
@@ -56,5 +57,28 @@ BuiltIntegrator MakeIntegrator(const IntegratorSettings &settings, const PathCon
 const std::string &IntegratorType(const Entity &entity, const BuildOptions &options);
 /// Traits of that integrator; defaults if the name is unknown.
 IntegratorTraits TraitsOf(const std::string &integrator);
+
+// For the makers of integrators.
+
+inline constexpr Range<int> kCounts{1, std::numeric_limits<int>::max()};
+inline constexpr Range<Float> kPositive = Positive(std::numeric_limits<Float>::max());
+
+struct DepthParams {
+    int maxDepth = 5;
+    void Describe(auto &&v) {
+        v("maxdepth", maxDepth, Range<int>{0, std::numeric_limits<int>::max()},
+          "maximum scattering events; --maxdepth overrides it");
+    }
+    int MaxDepth(const IntegratorReading &r) const { return r.options.maxDepth.value_or(maxDepth); }
+};
+
+/// Parses an integrator's light sampler; empty on errors, which are in the sink.
+std::optional<LightSelection> ReadLights(const ParamSet &set, const IntegratorReading &r,
+                                         const LightSelectionParams &defaults = {});
+std::unique_ptr<LightSampler> MakeLights(const LightSamplerSpec &chosen, const PluginRegistry &registry,
+                                         const LightTable &table);
+
+/// lightpath, bdpt, mlt, sppm.
+void AddLightPathIntegrators(IntegratorTable &table);
 
 }  // namespace pbrt

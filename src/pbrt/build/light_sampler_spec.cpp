@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <charconv>
 
+#include "pbrt/build/collect.h"
+
 namespace pbrt {
 
 namespace {
@@ -12,154 +14,134 @@ class FlagText {
   public:
     FlagText(const char *flag, const std::string &text)
         : source_(std::make_shared<SourceFile>(SourceFile{flag, text})) {}
-    const std::string &Text() const { return source_->text; }
-    FileLoc At(size_t column) const { return {source_, 1, static_cast<int>(column)}; }
+    std::string_view Text() const { return source_->text; }
+    /// `place`: in Text().
+    FileLoc At(const char *place) const { return {source_, 1, static_cast<int>(place - source_->text.data())}; }
 
   private:
     std::shared_ptr<const SourceFile> source_;
 };
 
-/// Characters [begin, end) of a flag's text.
-struct Piece {
-    size_t begin = 0, end = 0;
-    std::string Of(const std::string &text) const { return text.substr(begin, end - begin); }
-};
-
+/// Parts of a FlagText.
 struct Pieces {
-    Piece sampler;
+    std::string_view sampler;
     bool mesh = false;
-    std::optional<Piece> guide;
+    std::optional<std::string_view> guide;
 };
 
 /// Start of "+mesh" or another "+word"; excludes numbers such as 1e+4.
-size_t FindSuffix(const std::string &text, size_t from) {
+size_t FindSuffix(std::string_view text, size_t from) {
     for (size_t at = text.find('+', from); at != std::string::npos; at = text.find('+', at + 1))
         if (at + 1 < text.size() && std::isalpha(static_cast<unsigned char>(text[at + 1]))) return at;
     return text.size();
 }
 
 Pieces Split(const FlagText &flag, DiagnosticSink &sink) {
-    static const std::string kGuide = "guide:";
-    const std::string &text = flag.Text();
+    constexpr std::string_view kGuide = "guide:";
+    const std::string_view text = flag.Text();
+    size_t end = FindSuffix(text, 0);
     Pieces pieces;
-    pieces.sampler = {0, FindSuffix(text, 0)};
-    for (size_t at = pieces.sampler.end, end; at < text.size(); at = end) {
-        end = FindSuffix(text, at + 1);
-        const std::string word = text.substr(at + 1, end - at - 1);
+    pieces.sampler = text.substr(0, end);
+    while (end < text.size()) {
+        const size_t begin = end + 1;
+        end = FindSuffix(text, begin);
+        const std::string_view word = text.substr(begin, end - begin);
         if (word == "mesh") pieces.mesh = true;
-        else if (word == "guide") pieces.guide = Piece{end, end};
-        else if (word.starts_with(kGuide)) pieces.guide = Piece{at + 1 + kGuide.size(), end};
+        else if (word == "guide") pieces.guide = word.substr(word.size());
+        else if (word.starts_with(kGuide)) pieces.guide = word.substr(kGuide.size());
         else
-            sink.Error(flag.At(at),
+            sink.Error(flag.At(word.data() - 1),
                        fmt::format("\"+{}\" is unknown; a light sampler is written {}.", word, kLightChoiceSyntax));
     }
     return pieces;
 }
 
-Param ReadOne(const FlagText &flag, const std::string &owner, const std::vector<ParamDoc> &docs, const Piece &piece) {
-    const std::string item = piece.Of(flag.Text());
+/// Parses "key=value".
+Param ReadOne(const FlagText &flag, const std::string &owner, const std::vector<ParamDoc> &docs,
+              std::string_view item) {
+    const FileLoc loc = flag.At(item.data());
     const size_t equals = item.find('=');
-    const std::string key = item.substr(0, equals);
-    const ParamDoc *doc = nullptr;
-    std::vector<std::string> keys;
-    for (const ParamDoc &d : docs) {
-        keys.push_back(d.name);
-        if (d.name == key) doc = &d;
+    const std::string_view key = item.substr(0, equals);
+    const auto doc = std::ranges::find(docs, key, &ParamDoc::name);
+    if (doc == docs.end()) {
+        std::vector<std::string> keys;
+        for (const ParamDoc &d : docs) keys.push_back(d.name);
+        throw UserError(fmt::format("\"{}\" has no parameter \"{}\"; {}.", owner, key, ListChoices(key, keys)), loc);
     }
-    if (!doc)
-        throw UserError(fmt::format("\"{}\" has no parameter \"{}\"; {}.", owner, key, ListChoices(key, keys)),
-                        flag.At(piece.begin));
-    if (equals == std::string::npos) throw UserError(fmt::format("expected \"{}=value\".", key), flag.At(piece.begin));
-    const std::string value = item.substr(equals + 1);
+    if (equals == std::string::npos) throw UserError(fmt::format("expected \"{}=value\".", key), loc);
+    const std::string_view value = item.substr(equals + 1);
     Param p;
-    p.name = owner + "." + key;
-    p.loc = flag.At(piece.begin);
+    p.name = fmt::format("{}.{}", owner, key);
+    p.loc = loc;
     p.type = doc->types.front();
-    bool good = false;
+    bool good = true;
     auto number = [&](auto &out) {
         auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), out);
-        return error == std::errc() && end == value.data() + value.size();
+        good = error == std::errc() && end == value.data() + value.size();
     };
     if (p.type == ParamType::Integer) {
-        good = number(p.ints.emplace_back());
+        number(p.ints.emplace_back());
     } else if (p.type == ParamType::Bool) {
         p.bools.push_back(value == "true");
         good = value == "true" || value == "false";
     } else if (p.type == ParamType::String) {
-        p.strings.push_back(value);
-        good = true;
+        p.strings.emplace_back(value);
     } else {
-        good = number(p.floats.emplace_back());
+        number(p.floats.emplace_back());
     }
     if (!good)
         throw UserError(fmt::format("\"{}\" is not a value of type {}{}.", value, doc->TypeText(),
                                     value.find('=') == std::string::npos ? "" : "; commas separate parameters"),
-                        flag.At(piece.begin + equals + 1));
+                        flag.At(value.data()));
     return p;
 }
 
 /// Parses "key=value,...". Reports all errors.
-void ReadKeys(const FlagText &flag, const std::string &owner, const std::vector<ParamDoc> &docs, const Piece &piece,
+void ReadKeys(const FlagText &flag, const std::string &owner, const std::vector<ParamDoc> &docs, std::string_view piece,
               ParamSet *params, DiagnosticSink &sink) {
-    for (size_t begin = piece.begin; begin <= piece.end;) {
-        const size_t end = std::min(flag.Text().find(',', begin), piece.end);
-        try {
-            params->Add(ReadOne(flag, owner, docs, {begin, end}));
-        } catch (const UserError &e) {
-            sink.Add(e);
-        }
+    for (size_t begin = 0; begin <= piece.size();) {
+        const size_t end = std::min(piece.find(',', begin), piece.size());
+        Collect(sink, [&] { params->Add(ReadOne(flag, owner, docs, piece.substr(begin, end - begin))); });
         begin = end + 1;
     }
 }
 
-/// Throws if a character other than ':' separates a valid name from parameters: "octree,floor=0.1". `name`: everything
-/// before the colon.
-template <class Find>
-void CheckColon(const FlagText &flag, const Piece &name, size_t end, const Find &find) {
-    const std::string &text = flag.Text();
+/// Throws if a character other than ':' separates a valid name from parameters: "octree,floor=0.1". `colon`: length of
+/// `piece` before the colon.
+void CheckColon(const FlagText &flag, std::string_view piece, size_t colon, const auto &find) {
     const auto isOfNames = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_'; };
-    const auto stop = std::find_if_not(text.begin() + name.begin, text.begin() + name.end, isOfNames) - text.begin();
-    const std::string known = text.substr(name.begin, stop - name.begin);
-    const size_t keys = text.find_first_not_of(",;=/( ", stop);
-    if (keys >= end || known.empty() || static_cast<size_t>(stop) == name.end) return;
-    find(known, flag.At(name.begin));
+    const size_t stop = std::find_if_not(piece.begin(), piece.begin() + colon, isOfNames) - piece.begin();
+    const std::string known(piece.substr(0, stop));
+    const size_t keys = piece.find_first_not_of(",;=/( ", stop);
+    if (keys == std::string::npos || known.empty() || stop == colon) return;
+    find(known, flag.At(piece.data()));
     throw UserError(fmt::format("a colon separates the name from its parameters, and commas separate these: \"{}:{}\".",
-                                known, text.substr(keys, end - keys)),
-                    flag.At(stop));
+                                known, piece.substr(keys)),
+                    flag.At(piece.data() + stop));
 }
 
-/// Splits "name:key=value,..."; `find(name, loc)` returns the registry entry of a known name.
-template <class Find>
-auto ReadPiece(const FlagText &flag, const Piece &piece, const Find &find, ParamSet *params, DiagnosticSink &sink)
-    -> decltype(&find("", FileLoc())) {
-    const std::string &text = flag.Text();
-    const size_t colon = std::min(text.find(':', piece.begin), piece.end);
-    try {
-        CheckColon(flag, {piece.begin, colon}, piece.end, find);
-        const auto *entry = &find(text.substr(piece.begin, colon - piece.begin), flag.At(piece.begin));
-        if (colon < piece.end) ReadKeys(flag, entry->name, entry->params, {colon + 1, piece.end}, params, sink);
-        return entry;
-    } catch (const UserError &e) {
-        sink.Add(e);
-        return nullptr;
-    }
+/// Parses "name:key=value,..."; `find(name, loc)` returns the registry entry of a known name.
+auto ReadPiece(const FlagText &flag, std::string_view piece, const auto &find, ParamSet *params, DiagnosticSink &sink) {
+    const size_t colon = std::min(piece.find(':'), piece.size());
+    decltype(&find("", FileLoc())) entry = nullptr;
+    Collect(sink, [&] {
+        CheckColon(flag, piece, colon, find);
+        entry = &find(std::string(piece.substr(0, colon)), flag.At(piece.data()));
+        if (colon < piece.size()) ReadKeys(flag, entry->name, entry->params, piece.substr(colon + 1), params, sink);
+    });
+    return entry;
 }
 
 constexpr const char *kGuideName = "guide";
 
 /// Parameters of the selected entry: the integrator's, overridden by the flag's. Values out of range are errors.
-template <class Entry>
-ParamSet ChosenParams(const std::string &owner, const Entry &entry, const ParamSet &integrator, const FileLoc &loc,
+ParamSet ChosenParams(const std::string &owner, const auto &entry, const ParamSet &integrator, const FileLoc &loc,
                       const ParamSet &added, DiagnosticSink &sink) {
     ParamSet params(owner, loc);
     for (const ParamDoc &doc : entry.params)
         if (const Param *p = integrator.Find(entry.name + "." + doc.name, doc.types.front())) params.Add(*p);
     for (const Param &p : added.Own()) params.Add(p);
-    try {
-        if (entry.check) entry.check(params);
-    } catch (const UserError &e) {
-        sink.Add(e);
-    }
+    if (entry.check) Collect(sink, [&] { entry.check(params); });
     return params;
 }
 
@@ -187,10 +169,11 @@ void WarnOfParamsWithoutEffect(const LightSamplerRegistry::Entry &entry, const P
 
 LightChoiceText SplitLightChoice(const std::string &choice, const char *flag) {
     DiagnosticSink sink;
-    const Pieces pieces = Split(FlagText(flag, choice), sink);
+    const FlagText text(flag, choice);
+    const Pieces pieces = Split(text, sink);
     sink.ThrowIfErrors();
-    LightChoiceText parts{pieces.sampler.Of(choice), pieces.mesh, {}};
-    if (pieces.guide) parts.guide = pieces.guide->Of(choice);
+    LightChoiceText parts{std::string(pieces.sampler), pieces.mesh, {}};
+    if (pieces.guide) parts.guide = *pieces.guide;
     return parts;
 }
 
@@ -225,19 +208,12 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
                                                  const PluginRegistry &registry, DiagnosticSink &sink,
                                                  const LightSelectionParams &defaults) {
     const size_t errorsBefore = sink.ErrorCount();
-    auto collect = [&](auto &&read) {
-        try {
-            read();
-        } catch (const UserError &e) {
-            sink.Add(e);
-        }
-    };
     LightSelection selection;
     auto &[sampler, guide] = selection;
     LightSelectionParams scene = defaults;
     ParamReader reader(integrator);
     scene.Describe(reader);
-    collect([&] { reader.ThrowIfErrors(); });
+    Collect(sink, [&] { reader.ThrowIfErrors(); });
 
     const FlagText choice(flags.choiceFlag, flags.choice);
     const Pieces pieces = Split(choice, sink);
@@ -248,7 +224,7 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
 
     // The scene's name is validated even if a flag overrides it.
     const FileLoc loc = integrator.LocOf("lightsampler");
-    collect([&] {
+    Collect(sink, [&] {
         const std::string &name = scene.lightSampler;
         if (const size_t stop = name.find_first_of(":,;=+ "); stop != std::string::npos)
             throw UserError(
@@ -265,10 +241,10 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
     }
 
     if (pieces.guide) {
-        guide.emplace("the guide", choice.At(pieces.guide->begin));
-        collect([&] {
+        guide.emplace("the guide", choice.At(pieces.guide->data()));
+        Collect(sink, [&] {
             const auto &entry = FindGuide(registry, guide->Loc());
-            if (choice.Text()[pieces.guide->begin - 1] == ':')
+            if (pieces.guide->data()[-1] == ':')
                 ReadKeys(choice, kGuideName, entry.params, *pieces.guide, &*guide, sink);
             entry.check(*guide);
         });
@@ -302,12 +278,8 @@ std::optional<LightSamplerSpec> ReadShootingSampler(const ParamSet &integrator, 
     ParamSet keys;
     const FileLoc loc = integrator.LocOf("shootingsampler");
     // The scene's name is validated even if the flag overrides it.
-    try {
-        spec.entry = &find(named, loc);
-    } catch (const UserError &e) {
-        sink.Add(e);
-    }
-    if (!flag.empty()) spec.entry = ReadPiece(text, {0, flag.size()}, find, &keys, sink);
+    Collect(sink, [&] { spec.entry = &find(named, loc); });
+    if (!flag.empty()) spec.entry = ReadPiece(text, text.Text(), find, &keys, sink);
     if (spec.entry) spec.params = LightParams(*spec.entry, integrator, loc, keys, sink);
     if (sink.ErrorCount() > errorsBefore) return {};
     return spec;

@@ -36,11 +36,9 @@ LightChoiceText SplitLightChoice(const std::string &choice, const char *flag);
 struct LightSelectionParams {
     std::string lightSampler = "bvh";
     bool meshLights = false;
-    template <class V>
-    void Describe(V &&v) {
-        v("lightsampler", lightSampler,
-          "the light sampler, which chooses the light for each shadow ray; --lightsampler overrides it");
-        v("meshlights", meshLights, "an emissive mesh is one light for selection");
+    void Describe(auto &&v) {
+        v("lightsampler", lightSampler, "light sampler of shadow rays; --lightsampler overrides it");
+        v("meshlights", meshLights, "select emissive meshes as one light");
     }
 };
 

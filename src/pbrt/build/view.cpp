@@ -1,5 +1,4 @@
-#include "pbrt/build/view.h"
-
+#include "pbrt/build/built_scene.h"
 #include "pbrt/build/collect.h"
 #include "pbrt/shapes/extent.h"
 
@@ -38,7 +37,6 @@ Placement PlaceCamera(const SceneDescription &d, const BuildOptions &options, Di
         p.renderFromWorld = RenderFromWorld(d, p.worldFromCamera, options);
         p.renderFromCamera =
             MotionOf("Camera", d.camera, p.renderFromWorld * start.Inverse(), p.renderFromWorld * end.Inverse());
-        p.isKnown = true;
         placement = p;
     });
     return placement;
@@ -50,9 +48,9 @@ FilmOverrides FilmOverridesOf(const BuildOptions &options) {
     return overrides;
 }
 
-View MakeView(SceneDescription &d, const BuildOptions &options, const Placement &placement, int seed,
-              DiagnosticSink &sink) {
-    View view;
+RenderView MakeView(SceneDescription &d, const BuildOptions &options, const Placement &placement, int seed,
+                    DiagnosticSink &sink) {
+    RenderView view;
     Collect(sink, [&] { view.filter = Filters().Make(d.filter.type, d.filter.params, FilterContext{sink}); });
     const Float exposure = ExposureTime(d.camera.params);
     Collect(sink, [&] {

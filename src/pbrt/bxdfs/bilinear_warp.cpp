@@ -19,8 +19,7 @@ Cell CellOf(Float x, int n) {
 }
 
 /// Last i in [0, n - 2] with sum(i) <= u; sum must not decrease.
-template <class Sum>
-int LastNotAbove(int n, Float u, Sum sum) {
+int LastNotAbove(int n, Float u, auto sum) {
     int low = 0, high = n - 1;
     while (high - low > 1) {
         int middle = (low + high) / 2;
@@ -46,11 +45,11 @@ Float GridSlices::Evaluate(const Point2 &p, size_t slice) const {
 }
 
 BilinearWarp::BilinearWarp(const GridSlices &values) : nx_(values.Nx()), ny_(values.Ny()) {
-    const size_t perSlice = static_cast<size_t>(nx_ * ny_);
+    const size_t perSlice = nx_ * ny_;
     density_.resize(values.Count() * perSlice);
     left_.resize(density_.size());
-    below_.resize(values.Count() * static_cast<size_t>(ny_));
-    std::vector<double> left(perSlice), below(static_cast<size_t>(ny_));
+    below_.resize(values.Count() * ny_);
+    std::vector<double> left(perSlice), below(ny_);
     for (size_t s = 0; s < values.Count(); ++s) {
         for (int y = 0; y < ny_; ++y) {
             for (int x = 0; x < nx_; ++x)
@@ -65,7 +64,7 @@ BilinearWarp::BilinearWarp(const GridSlices &values) : nx_(values.Nx()), ny_(val
                 density_[s * perSlice + Index(x, y)] = static_cast<Float>(double(values.At(s, x, y)) / total);
                 left_[s * perSlice + Index(x, y)] = static_cast<Float>(left[Index(x, y)] / total);
             }
-            below_[s * static_cast<size_t>(ny_) + static_cast<size_t>(y)] = static_cast<Float>(below[y] / total);
+            below_[s * ny_ + y] = static_cast<Float>(below[y] / total);
         }
     }
 }

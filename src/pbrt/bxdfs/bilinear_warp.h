@@ -18,11 +18,8 @@ class GridSlices {
     Float Evaluate(const Point2 &p, size_t slice) const;
     int Nx() const { return nx_; }
     int Ny() const { return ny_; }
-    size_t Count() const { return values_.size() / (static_cast<size_t>(nx_) * static_cast<size_t>(ny_)); }
-    Float At(size_t slice, int x, int y) const {
-        return values_[(slice * static_cast<size_t>(ny_) + static_cast<size_t>(y)) * static_cast<size_t>(nx_) +
-                       static_cast<size_t>(x)];
-    }
+    size_t Count() const { return values_.size() / nx_ / ny_; }
+    Float At(size_t slice, int x, int y) const { return values_[(slice * ny_ + y) * nx_ + x]; }
 
   private:
     std::vector<Float> values_;
@@ -53,19 +50,16 @@ class BilinearWarp {
   private:
     /// MassBelowRow: integral over the rows below knot row y. Left: integral along knot row y up to knot x. Density:
     /// value at a knot. Lengths are in grid cells.
-    Float MassBelowRow(const SliceBlend &blend, int y) const {
-        return Blend(blend, below_, static_cast<size_t>(y), ny_);
-    }
+    Float MassBelowRow(const SliceBlend &blend, int y) const { return Blend(blend, below_, y, ny_); }
     Float Left(const SliceBlend &blend, int x, int y) const { return Blend(blend, left_, Index(x, y), ny_ * nx_); }
     Float Density(const SliceBlend &blend, int x, int y) const {
         return Blend(blend, density_, Index(x, y), ny_ * nx_);
     }
-    size_t Index(int x, int y) const { return static_cast<size_t>(y * nx_ + x); }
+    size_t Index(int x, int y) const { return y * nx_ + x; }
     static Float Blend(const SliceBlend &blend, const std::vector<Float> &table, size_t at, int perSlice) {
         Float sum = 0;
         for (size_t k = 0; k < 4; ++k)
-            if (blend.weight[k] != 0)
-                sum += blend.weight[k] * table[blend.slice[k] * static_cast<size_t>(perSlice) + at];
+            if (blend.weight[k] != 0) sum += blend.weight[k] * table[blend.slice[k] * perSlice + at];
         return sum;
     }
     Float CellArea() const { return Float(1) / static_cast<Float>((nx_ - 1) * (ny_ - 1)); }

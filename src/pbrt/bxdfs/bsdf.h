@@ -10,7 +10,6 @@
 #include "pbrt/bxdfs/hair.h"
 #include "pbrt/bxdfs/layered.h"
 #include "pbrt/bxdfs/measured.h"
-#include "pbrt/bxdfs/normalized_fresnel.h"
 #include "pbrt/math/frame.h"
 
 namespace pbrt {
@@ -24,8 +23,7 @@ class Bsdf {
                               NormalizedFresnelBxdf>;
 
     Bsdf() = default;
-    template <class L>
-    Bsdf(const Normal3 &ns, const Vector3 &dpdus, const L &lobe)
+    Bsdf(const Normal3 &ns, const Vector3 &dpdus, const auto &lobe)
         : frame_(Frame::FromXZ(dpdus, ns)), lobe_(lobe), flags_(lobe.Flags()) {}
 
     explicit operator bool() const { return !std::holds_alternative<std::monostate>(lobe_); }

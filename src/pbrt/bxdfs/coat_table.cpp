@@ -1,10 +1,7 @@
 #include "pbrt/bxdfs/coat_table.h"
 
-#include <map>
-#include <mutex>
-#include <tuple>
-
 #include "pbrt/bxdfs/fresnel.h"
+#include "pbrt/bxdfs/shared_table.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/math/warps.h"
 
@@ -23,14 +20,12 @@ Point2 PointOfSquare(int k) {
     return {static_cast<Float>(std::modf(0.5 + a * k, &whole)), static_cast<Float>(std::modf(0.5 + b * k, &whole))};
 }
 
-Float Transmittance(Float thickness, const Vector3 &w) { return std::exp(-std::abs(thickness / w.z)); }
-
 /// Mean inner Fresnel reflectance, including both crossings of the medium, over cosine-distributed directions.
 Float SmoothInner(Float eta, Float thickness) {
     double sum = 0;
     for (int k = 0; k < kSmoothPoints; ++k) {
         const Float cosine = std::sqrt((static_cast<Float>(k) + Float(0.5)) / kSmoothPoints);
-        sum += static_cast<double>(FresnelDielectric(-cosine, eta) * std::exp(-2 * thickness / cosine));
+        sum += double(FresnelDielectric(-cosine, eta) * std::exp(-2 * thickness / cosine));
     }
     return static_cast<Float>(sum / kSmoothPoints);
 }
@@ -65,19 +60,7 @@ CoatTable::CoatTable(Float eta, Float thickness, std::optional<Float> alpha)
 }
 
 std::shared_ptr<const CoatTable> CoatTable::Shared(Float eta, Float thickness, std::optional<Float> alpha) {
-    static std::mutex mutex;
-    static std::map<std::tuple<Float, Float, Float>, std::weak_ptr<const CoatTable>> tables;
-    const std::tuple key(eta, thickness, alpha.value_or(-1));
-    {
-        std::lock_guard lock(mutex);
-        if (std::shared_ptr<const CoatTable> table = tables[key].lock()) return table;
-    }
-    // Without the lock, because a thread waiting for its loop may run another caller's task.
-    auto table = std::make_shared<const CoatTable>(eta, thickness, alpha);
-    std::lock_guard lock(mutex);
-    if (std::shared_ptr<const CoatTable> other = tables[key].lock()) return other;
-    tables[key] = table;
-    return table;
+    return SharedTable<CoatTable>(eta, thickness, alpha);
 }
 
 std::optional<ClearCoat> CoatTable::At(const TrowbridgeReitz &facets) const {
@@ -102,7 +85,7 @@ CoatShares CoatTable::SharesAt(const DielectricBxdf &top, Float cosine) const {
     int refracted = 0;
     for (int k = 0; k < kDirectionPoints; ++k) {
         const Point2 u = PointOfSquare(k);
-        mirrored += static_cast<double>(FresnelDielectric(Dot(wo, top.Facets().SampleVisibleByCap(wo, u)), eta_));
+        mirrored += double(FresnelDielectric(Dot(wo, top.Facets().SampleVisibleByCap(wo, u)), eta_));
         const DielectricBxdf::Drawn drawn = top.DrawTransmission(wo, u, TransportMode::Importance);
         if (!(drawn.weight > 0)) continue;
         ++refracted;
@@ -110,9 +93,8 @@ CoatShares CoatTable::SharesAt(const DielectricBxdf &top, Float cosine) const {
         const Float transmitted = drawn.weight * Transmittance(thickness_, drawn.wi);
         // Stock weights the way from the base out along wo with the density of leaving, instead of entering.
         const Float leaving = top.EvaluateTransmission(drawn.wi, wo, TransportMode::Radiance).pdf;
-        through += static_cast<double>(transmitted);
-        throughStock +=
-            static_cast<double>(transmitted * (PowerHeuristic(drawn.pdf, base) + PowerHeuristic(base, leaving)));
+        through += double(transmitted);
+        throughStock += double(transmitted * (PowerHeuristic(drawn.pdf, base) + PowerHeuristic(base, leaving)));
     }
     auto mean = [](double sum) { return static_cast<Float>(sum / kDirectionPoints); };
     return {mean(through), mean(throughStock), mean(mirrored), mean(refracted)};
@@ -127,9 +109,9 @@ Float CoatTable::InnerReflectance(const DielectricBxdf &top) const {
         double reflected = 0;
         for (int k = 0; k < kInnerPoints; ++k) {
             const DielectricBxdf::Drawn drawn = top.DrawReflection(down, PointOfSquare(i * kInnerPoints + k));
-            if (drawn.weight > 0) reflected += static_cast<double>(drawn.weight * Transmittance(thickness_, drawn.wi));
+            if (drawn.weight > 0) reflected += double(drawn.weight * Transmittance(thickness_, drawn.wi));
         }
-        sum += reflected * static_cast<double>(Transmittance(thickness_, down));
+        sum += reflected * double(Transmittance(thickness_, down));
     }
     return static_cast<Float>(sum / (kInnerCosines * kInnerPoints));
 }

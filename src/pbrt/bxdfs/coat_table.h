@@ -9,6 +9,9 @@
 
 namespace pbrt {
 
+/// Of a medium of extinction 1, over the height dz along w.
+inline Float Transmittance(Float dz, const Vector3 &w) { return std::exp(-std::abs(dz / w.z)); }
+
 /// Effect of a clear coat on light from one direction above it, averaged over its facets.
 struct CoatShares {
     Float through = 0;       ///< fraction of light that reaches the base, including the medium's absorption

@@ -1,8 +1,5 @@
 #include "pbrt/bxdfs/layered.h"
 
-#include <array>
-#include <bit>
-
 #include "pbrt/bxdfs/fresnel.h"
 #include "pbrt/bxdfs/henyey_greenstein.h"
 #include "pbrt/math/rng.h"
@@ -39,8 +36,6 @@ TransportMode Reverse(TransportMode mode) {
 
 bool Usable(const std::optional<BsdfSample> &s) { return s && s->pdf > 0 && s->wi.z != 0 && s->f; }
 
-Float Transmittance(Float dz, const Vector3 &w) { return std::exp(-std::abs(dz / w.z)); }
-
 /// Height of the next collision from z along w (extinction 1).
 Float SampleCollision(Float z, const Vector3 &w, Float u) { return z - w.z * std::log(1 - u); }
 
@@ -52,8 +47,7 @@ Rng NumbersFor(Stream stream, const Vector3 &a, const Vector3 &b) {
                        std::rotl(words[2] * 0x165667b19e3779f9ull, 41) ^ (static_cast<uint64_t>(stream) << 32)));
 }
 
-template <class Lobe>
-std::optional<BsdfSample> Draw(const Lobe &lobe, const Vector3 &wo, Rng &rng, TransportMode mode,
+std::optional<BsdfSample> Draw(const auto &lobe, const Vector3 &wo, Rng &rng, TransportMode mode,
                                ReflTransFlags which = ReflTransFlags::All) {
     Float uc = rng.Uniform();
     Point2 u = rng.Uniform2();
@@ -67,8 +61,7 @@ BxdfFlags CoatedBxdf<Base>::Flags() const {
     BxdfFlags top = top_.Flags(), bottom = bottom_.Flags(), flags = BxdfFlags::Reflection;
     if (IsSpecular(top)) flags = flags | BxdfFlags::Specular;
     if (scatters_ || Has(bottom, BxdfFlags::Diffuse)) return flags | BxdfFlags::Diffuse;
-    if (Has(top | bottom, BxdfFlags::Glossy)) return flags | BxdfFlags::Glossy;
-    return flags;
+    return Has(top | bottom, BxdfFlags::Glossy) ? flags | BxdfFlags::Glossy : flags;
 }
 
 template <class Base>
@@ -272,19 +265,17 @@ template <class Base>
 Float CoatedBxdf<Base>::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode mode, ReflTransFlags which) const {
     if (!Has(which, ReflTransFlags::Reflection)) return 0;
     Float side = wo.z < 0 ? Float(-1) : Float(1);
-    if (way_ == Way::Smooth) return SameHemisphere(wo, wi) ? ClearDensity(wo * side, wi * side, mode) : 0;
+    const Vector3 o = wo * side, i = wi * side;
+    const bool isAbove = SameHemisphere(wo, wi);
     Float pdf = 0;
-    if (SameHemisphere(wo, wi)) {
-        Vector3 o = wo * side, i = wi * side;
-        if (way_ == Way::Table) {
-            pdf = ClearDensity(o, i, mode);
-        } else {
-            Rng rng = NumbersFor(Stream::Density, o, i);
-            for (int s = 0; s < nSamples_; ++s) pdf += EstimateDensity(o, i, mode, rng);
-            pdf /= static_cast<Float>(nSamples_);
-        }
+    if (isAbove && way_ != Way::Walk) {
+        pdf = ClearDensity(o, i, mode);
+    } else if (isAbove) {
+        Rng rng = NumbersFor(Stream::Density, o, i);
+        for (int s = 0; s < nSamples_; ++s) pdf += EstimateDensity(o, i, mode, rng);
+        pdf /= static_cast<Float>(nSamples_);
     }
-    return Lerp(kDensityTrust, UniformSpherePdf(), pdf);
+    return way_ == Way::Smooth ? pdf : Lerp(kDensityTrust, UniformSpherePdf(), pdf);
 }
 
 /// Density of coat reflection plus the base's density for the inside directions, without refraction Jacobians; not
@@ -329,9 +320,8 @@ SampledSpectrum CoatedBxdf<Base>::BaseSeries(int hits) const {
             });
         }
         return r * sum;
-    } else {
-        return SampledSpectrum(0);
     }
+    return SampledSpectrum(0);
 }
 
 template <class Base>
@@ -373,15 +363,11 @@ std::optional<BsdfSample> CoatedBxdf<Base>::SampleClear(const Vector3 &wo, Float
         const Float transmission = std::min(through * (1 - inner * Sqr(r)) / Sqr(1 - inner * r), Float(1));
         if (!(uc - mirrored < transmission * (1 - mirrored))) return {};
         // Light leaves at the second event and every second one after it.
-        return BsdfSample{BaseSeries(maxDepth_ / 2) * (through * InvPi),
-                          wi,
-                          (1 - mirrored) * transmission * CosineHemispherePdf(wi.z),
-                          BxdfFlags::Reflection | BxdfFlags::Glossy,
-                          1,
-                          true};
-    } else {
-        return {};
+        const Float pdf = (1 - mirrored) * transmission * CosineHemispherePdf(wi.z);
+        return BsdfSample{BaseSeries(maxDepth_ / 2) * (through * InvPi), wi, pdf,
+                          BxdfFlags::Reflection | BxdfFlags::Glossy,     1,  true};
     }
+    return {};
 }
 
 /// Under a smooth coat, the density of SampleClear without the specular reflection. Under a rough one, the density of

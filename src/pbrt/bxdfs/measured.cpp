@@ -37,15 +37,10 @@ struct MeasuredBrdf::View {
     Vector3 wo;
 };
 
-MeasuredBrdf::MeasuredBrdf(Tables t)
-    : phi_(std::move(t.phi)), theta_(std::move(t.theta)), wavelengths_(std::move(t.wavelengths)),
-      ndf_(std::move(t.ndf)), sigma_(std::move(t.sigma)), spectra_(std::move(t.spectra)),
-      visibleNormals_(t.visibleNormals), luminance_(t.luminance), isotropic_(phi_.size() <= 2) {}
-
 MeasuredBrdf::View MeasuredBrdf::ViewFrom(const Vector3 &wo) const {
     const Float theta = Theta(wo), phi = Phi(wo);
-    const Knot p = Locate(phi_, phi), t = Locate(theta_, theta);
-    const size_t n = theta_.size();
+    const Knot p = Locate(t_.phi, phi), t = Locate(t_.theta, theta);
+    const size_t n = t_.theta.size();
     return {phi,
             {SquareOfTheta(theta), SquareOfPhi(phi)},
             {{p.index * n + t.index, p.index * n + t.next, p.next * n + t.index, p.next * n + t.next},
@@ -62,48 +57,49 @@ SampledSpectrum MeasuredBrdf::Value(const View &view, const Point2 &measured, co
                                     const SampledWavelengths &lambda) const {
     SampledSpectrum value;
     for (int i = 0; i < SpectrumSamples; ++i) {
-        const Knot w = Locate(wavelengths_, lambda[i]);
+        const Knot w = Locate(t_.wavelengths, lambda[i]);
         Float sum = 0;
         for (size_t k = 0; k < 4; ++k) {
             if (view.blend.weight[k] == 0) continue;
-            const size_t first = view.blend.slice[k] * wavelengths_.size();
-            sum += view.blend.weight[k] *
-                   Lerp(w.t, spectra_.Evaluate(measured, first + w.index), spectra_.Evaluate(measured, first + w.next));
+            const size_t first = view.blend.slice[k] * t_.wavelengths.size();
+            sum += view.blend.weight[k] * Lerp(w.t, t_.spectra.Evaluate(measured, first + w.index),
+                                               t_.spectra.Evaluate(measured, first + w.next));
         }
         value[i] = std::max(sum, Float(0));
     }
-    return value * (ndf_.Evaluate(half, 0) / (4 * sigma_.Evaluate(view.square, 0) * cosI));
+    return value * (t_.ndf.Evaluate(half, 0) / (4 * t_.sigma.Evaluate(view.square, 0) * cosI));
 }
 
 SampledSpectrum MeasuredBrdf::F(const Vector3 &wo, const Vector3 &wi, const SampledWavelengths &lambda) const {
     const View view = ViewFrom(wo);
     const Point2 half = SquareOfHalf(view, Normalize(wo + wi));
-    return Value(view, visibleNormals_.Invert(half, view.blend).p, half, wi.z, lambda);
+    return Value(view, t_.visibleNormals.Invert(half, view.blend).p, half, wi.z, lambda);
 }
 
 Float MeasuredBrdf::Pdf(const Vector3 &wo, const Vector3 &wi) const {
     const View view = ViewFrom(wo);
     const Vector3 halfVector = Normalize(wo + wi);
     const Point2 half = SquareOfHalf(view, halfVector);
-    const BilinearWarp::Mapped measured = visibleNormals_.Invert(half, view.blend);
-    return measured.pdf * luminance_.Invert(measured.p, view.blend).pdf /
+    const BilinearWarp::Mapped measured = t_.visibleNormals.Invert(half, view.blend);
+    return measured.pdf * t_.luminance.Invert(measured.p, view.blend).pdf /
            (4 * Dot(wo, halfVector) * SolidAngleByArea(half.x, SinTheta(halfVector)));
 }
 
-std::optional<MeasuredBrdf::Sampled> MeasuredBrdf::Sample(const Vector3 &wo, const Point2 &u,
-                                                          const SampledWavelengths &lambda) const {
+std::optional<BsdfSample> MeasuredBrdf::Sample(const Vector3 &wo, const Point2 &u,
+                                               const SampledWavelengths &lambda) const {
     const View view = ViewFrom(wo);
     // The square's y grows with phi, its x with theta.
-    const BilinearWarp::Mapped measured = luminance_.Sample(u, view.blend);
-    const BilinearWarp::Mapped half = visibleNormals_.Sample(measured.p, view.blend);
+    const BilinearWarp::Mapped measured = t_.luminance.Sample(u, view.blend);
+    const BilinearWarp::Mapped half = t_.visibleNormals.Sample(measured.p, view.blend);
     const Float theta = Sqr(half.p.x) * (Pi / 2), phi = (2 * half.p.y - 1) * Pi + (isotropic_ ? view.phi : 0);
     const Float sinTheta = std::sin(theta);
     const Vector3 halfVector = SphericalDirection(sinTheta, std::cos(theta), phi);
     const Vector3 wi = Reflect(wo, halfVector);
     const Float cosHalf = Dot(wo, halfVector);
     if (!(wi.z > 0) || !(cosHalf > 0)) return {};
-    return Sampled{Value(view, measured.p, half.p, wi.z, lambda), wi,
-                   measured.pdf * half.pdf / (4 * cosHalf * SolidAngleByArea(half.p.x, sinTheta))};
+    return BsdfSample{Value(view, measured.p, half.p, wi.z, lambda), wi,
+                      measured.pdf * half.pdf / (4 * cosHalf * SolidAngleByArea(half.p.x, sinTheta)),
+                      BxdfFlags::Glossy | BxdfFlags::Reflection};
 }
 
 SampledSpectrum MeasuredBxdf::F(const Vector3 &wo, const Vector3 &wi, TransportMode) const {
@@ -116,8 +112,8 @@ std::optional<BsdfSample> MeasuredBxdf::Sample(const Vector3 &wo, Float, const P
     if (!Has(which, ReflTransFlags::Reflection)) return {};
     const Float side = wo.z < 0 ? Float(-1) : Float(1);
     auto sample = Brdf().Sample(wo * side, u, lambda_);
-    if (!sample) return {};
-    return BsdfSample{sample->f, sample->wi * side, sample->pdf, Flags()};
+    if (sample) sample->wi *= side;
+    return sample;
 }
 
 Float MeasuredBxdf::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode, ReflTransFlags which) const {

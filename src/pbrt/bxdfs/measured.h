@@ -16,21 +16,16 @@ class MeasuredBrdf {
         std::vector<Float> phi, theta;   ///< of the views; at most two phi: isotropic
         std::vector<Float> wavelengths;  ///< nm, increasing
         GridSlices ndf, sigma;           ///< one slice each: normal distribution by half vector, projected area by view
-        GridSlices visibleNormals;       ///< slice by (phi, theta) of the view: density by half vector
-        GridSlices luminance;            ///< the same slices: density by measured point
+        BilinearWarp visibleNormals;     ///< slice by (phi, theta) of the view: density by half vector
+        BilinearWarp luminance;          ///< the same slices: density by measured point
         GridSlices spectra;              ///< slice by (phi, theta, wavelength): value at a measured point
     };
-    explicit MeasuredBrdf(Tables tables);
+    explicit MeasuredBrdf(Tables tables) : t_(std::move(tables)), isotropic_(t_.phi.size() <= 2) {}
 
     /// Both directions above the surface.
     SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, const SampledWavelengths &lambda) const;
     Float Pdf(const Vector3 &wo, const Vector3 &wi) const;
-    struct Sampled {
-        SampledSpectrum f;
-        Vector3 wi;
-        Float pdf;
-    };
-    std::optional<Sampled> Sample(const Vector3 &wo, const Point2 &u, const SampledWavelengths &lambda) const;
+    std::optional<BsdfSample> Sample(const Vector3 &wo, const Point2 &u, const SampledWavelengths &lambda) const;
 
   private:
     struct View;
@@ -39,9 +34,7 @@ class MeasuredBrdf {
     SampledSpectrum Value(const View &view, const Point2 &measured, const Point2 &half, Float cosI,
                           const SampledWavelengths &lambda) const;
 
-    std::vector<Float> phi_, theta_, wavelengths_;
-    GridSlices ndf_, sigma_, spectra_;
-    BilinearWarp visibleNormals_, luminance_;
+    Tables t_;
     bool isotropic_;
 };
 

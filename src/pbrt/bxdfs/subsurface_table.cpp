@@ -1,9 +1,7 @@
 #include "pbrt/bxdfs/subsurface_table.h"
 
-#include <map>
-#include <mutex>
-
 #include "pbrt/bxdfs/fresnel.h"
+#include "pbrt/bxdfs/shared_table.h"
 #include "pbrt/core/parallel.h"
 
 namespace pbrt {
@@ -15,8 +13,7 @@ constexpr int kAlbedos = 100, kRadii = 64;
 constexpr int kDepths = 100;
 
 /// Mean of f over depths with density exp(-depth), at the midpoints of equiprobable intervals.
-template <class F>
-double MeanOverDepths(F f) {
+double MeanOverDepths(auto f) {
     double sum = 0;
     for (int i = 0; i < kDepths; ++i) sum += f(-std::log(1 - (i + 0.5) / kDepths));
     return sum / kDepths;
@@ -25,13 +22,13 @@ double MeanOverDepths(F f) {
 /// Single scattering along the beam; lengths in mean free paths. The beam contributes only below the depth from which
 /// light reaches the surface at r without total reflection.
 double SingleScattering(double albedo, double g, Float eta, double r) {
-    const double start = r * std::sqrt(std::max(0.0, static_cast<double>(eta) * static_cast<double>(eta) - 1));
+    const double start = r * std::sqrt(std::max(0.0, double(eta) * double(eta) - 1));
     return MeanOverDepths([&](double x) {
         const double depth = start + x;
         const double distance2 = r * r + depth * depth, distance = std::sqrt(distance2), cosine = depth / distance;
         const double s = 1 + g * g + 2 * g * cosine;  // deflection beyond 90 degrees
         const double phase = (1 - g * g) / (4 * std::numbers::pi * s * std::sqrt(s));
-        const double transmitted = 1 - static_cast<double>(FresnelDielectric(static_cast<Float>(-cosine), eta));
+        const double transmitted = 1 - double(FresnelDielectric(static_cast<Float>(-cosine), eta));
         return albedo * std::exp(-(distance + start)) / distance2 * phase * transmitted * cosine;
     });
 }
@@ -64,8 +61,7 @@ struct MultipleScattering {
 };
 
 /// Simpson's rule over [0, 1] in two parts; `split` is the cosine where total reflection begins.
-template <class F>
-double IntegrateCosines(double split, F f) {
+double IntegrateCosines(double split, auto f) {
     constexpr int n = 512;
     auto part = [&](double a, double b) {
         double sum = f(a) + f(b);
@@ -80,8 +76,8 @@ double CriticalCosine(double etaThere) { return etaThere < 1 ? std::sqrt(1 - eta
 }  // namespace
 
 Float InnerFresnelMoment(Float eta, int power) {
-    return static_cast<Float>(IntegrateCosines(CriticalCosine(1 / static_cast<double>(eta)), [&](double c) {
-        return static_cast<double>(FresnelDielectric(static_cast<Float>(-c), eta)) * std::pow(c, power);
+    return static_cast<Float>(IntegrateCosines(CriticalCosine(1 / double(eta)), [&](double c) {
+        return double(FresnelDielectric(static_cast<Float>(-c), eta)) * std::pow(c, power);
     }));
 }
 
@@ -92,16 +88,15 @@ SubsurfaceTable::SubsurfaceTable(Float g, Float eta)
     while (radii_.size() < kRadii) radii_.push_back(radii_.back() * Float(1.2));
     for (int i = 0; i < kAlbedos; ++i)
         albedos_.push_back(static_cast<Float>((1 - std::exp(-8.0 * i / (kAlbedos - 1))) / (1 - std::exp(-8.0))));
-    const double moment1 = static_cast<double>(InnerFresnelMoment(eta, 1)),
-                 moment2 = static_cast<double>(InnerFresnelMoment(eta, 2));
+    const double moment1 = double(InnerFresnelMoment(eta, 1)), moment2 = double(InnerFresnelMoment(eta, 2));
     ParallelForEach(kAlbedos, [&](int64_t index) {
         const auto i = static_cast<size_t>(index);
-        const double albedo = static_cast<double>(albedos_[i]);
-        const MultipleScattering multiple{albedo, static_cast<double>(g), moment1, moment2};
-        auto single = [&](double r) { return SingleScattering(albedo, static_cast<double>(g), eta, r); };
+        const double albedo = double(albedos_[i]);
+        const MultipleScattering multiple{albedo, double(g), moment1, moment2};
+        auto single = [&](double r) { return SingleScattering(albedo, double(g), eta, r); };
         const std::span<Float> profile = std::span(profile_).subspan(i * kRadii, kRadii);
         for (size_t j = 0; j < kRadii; ++j) {
-            const double r = static_cast<double>(radii_[j]);
+            const double r = double(radii_[j]);
             if (r > 0) profile[j] = static_cast<Float>(2 * std::numbers::pi * r * (single(r) + multiple(r)));
         }
         reflectances_[i] = IntegrateCatmullRom(radii_, profile, std::span(cdf_).subspan(i * kRadii, kRadii));
@@ -109,25 +104,18 @@ SubsurfaceTable::SubsurfaceTable(Float g, Float eta)
 }
 
 std::shared_ptr<const SubsurfaceTable> SubsurfaceTable::Shared(Float g, Float eta) {
-    static std::mutex mutex;
-    static std::map<std::pair<Float, Float>, std::weak_ptr<const SubsurfaceTable>> tables;
-    std::lock_guard lock(mutex);
-    std::weak_ptr<const SubsurfaceTable> &known = tables[{g, eta}];
-    std::shared_ptr<const SubsurfaceTable> table = known.lock();
-    if (!table) known = table = std::make_shared<const SubsurfaceTable>(g, eta);
-    return table;
+    return SharedTable<SubsurfaceTable>(g, eta);
 }
 
 SubsurfaceTable::Row SubsurfaceTable::AtAlbedo(Float albedo) const {
     Row row;
     row.albedo = *CatmullRomWeights(albedos_, std::clamp(albedo, Float(0), Float(1)));
-    for (size_t k = 0; k < 4; ++k)
-        row.reflectance += row.albedo.w[k] * reflectances_[static_cast<size_t>(row.albedo.first) + k];
+    for (size_t k = 0; k < 4; ++k) row.reflectance += row.albedo.w[k] * reflectances_[row.albedo.first + k];
     return row;
 }
 
 Float SubsurfaceTable::Interpolate(const std::vector<Float> &table, const SplineWeights &albedo, int radius) const {
-    const Float *at = &table[static_cast<size_t>(albedo.first) * kRadii + static_cast<size_t>(radius)];
+    const Float *at = &table[albedo.first * kRadii + radius];
     return albedo.w[0] * at[0] + albedo.w[1] * at[kRadii] + albedo.w[2] * at[2 * kRadii] + albedo.w[3] * at[3 * kRadii];
 }
 

@@ -21,13 +21,12 @@ struct CameraParams {
     template <class V>
     void Describe(V &&v) {
         constexpr Range<Float> kShutterRange{-1e9f, 1e9f, false, false, "s"};
-        v("shutteropen", shutterOpen, kShutterRange, "when the shutter opens");
-        v("shutterclose", shutterClose, kShutterRange,
-          "when the shutter closes; brightness is proportional to the time it is open");
+        v("shutteropen", shutterOpen, kShutterRange, "shutter opening time");
+        v("shutterclose", shutterClose, kShutterRange, "shutter closing time; longer exposures are brighter");
         v("frameaspectratio", frameAspectRatio, Range<Float>{1e-6f, 1e6f},
-          "width over height of the screen; default: that of the film");
+          "screen width over height; default: the film's");
         v("screenwindow", screenWindow, Range<Float>{-1e9f, 1e9f},
-          "xmin xmax ymin ymax on the screen; default: the shorter side is -1 to 1");
+          "xmin xmax ymin ymax; default: shorter side -1 to 1");
     }
     CameraFrame Frame(const ParamSet &set, const CameraContext &context) const {
         if (!(shutterClose > shutterOpen))
@@ -52,9 +51,9 @@ struct LensParams : CameraParams {
     template <class V>
     void Describe(V &&v) {
         CameraParams::Describe(v);
-        v("lensradius", lens.radius, Range<Float>{0, 1e15f}, "radius of a thin lens; 0: a pinhole");
+        v("lensradius", lens.radius, Range<Float>{0, 1e15f}, "radius of a thin lens; 0: pinhole");
         v("focaldistance", lens.focalDistance, Positive(std::numeric_limits<Float>::max()),
-          "distance of the plane in focus");
+          "distance to the focal plane");
     }
     CameraFrame Frame(const ParamSet &set, const CameraContext &context) const {
         // With a lens the distance's square must be finite and above 0.
@@ -81,9 +80,9 @@ struct SphericalParams : CameraParams {
     template <class V>
     void Describe(V &&v) {
         CameraParams::Describe(v);
-        v("mapping", mapping, kMappings, "how directions are mapped to the picture");
-        v("lensradius", lensRadius, "without effect, as in stock");
-        v("focaldistance", focalDistance, "without effect, as in stock");
+        v("mapping", mapping, kMappings, "map from directions to the image");
+        v("lensradius", lensRadius, "no effect, as in stock");
+        v("focaldistance", focalDistance, "no effect, as in stock");
     }
 };
 
@@ -93,10 +92,10 @@ struct RealisticParams : CameraParams {
     template <class V>
     void Describe(V &&v) {
         CameraParams::Describe(v);
-        v("lensfile", lensFile, Required(), "file that describes the lens");
-        v("aperturediameter", diameter, Positive(1e6f, "mm"), "diameter of the aperture stop");
-        v("focusdistance", distance, kLengthRange, "distance from the film to the plane in focus, in metres");
-        v("aperture", aperture, "image file or built-in shape of the stop; default: a disk");
+        v("lensfile", lensFile, Required(), "lens description");
+        v("aperturediameter", diameter, Positive(1e6f, "mm"), "aperture diameter");
+        v("focusdistance", distance, kLengthRange, "distance from film to focal plane, in metres");
+        v("aperture", aperture, "aperture image or built-in shape; default: disk");
     }
 };
 

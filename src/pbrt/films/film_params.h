@@ -19,17 +19,16 @@ struct FilmParams {
 
     template <class V>
     void Describe(V &&v) {
-        v("filename", filename, "file name of the picture; --outfile overrides it");
+        v("filename", filename, "image file; --outfile overrides it");
         v("xresolution", xResolution, Range<int>{1, 1 << 20, false, false, "pixels"}, "width");
         v("yresolution", yResolution, Range<int>{1, 1 << 20, false, false, "pixels"}, "height");
-        v("cropwindow", cropWindow,
-          "x0 x1 y0 y1 of the rendered part, as fractions; --cropwindow and --pixelbounds override it");
-        v("pixelbounds", pixelBounds, "x0 x1 y0 y1 of the rendered part, in pixels; cropwindow overrides it");
-        v("diagonal", diagonalMm, Positive(1e6f, "mm"), "diagonal of the film, for realistic cameras");
+        v("cropwindow", cropWindow, "rendered x0 x1 y0 y1 as fractions; overridden by --cropwindow, --pixelbounds");
+        v("pixelbounds", pixelBounds, "rendered x0 x1 y0 y1 in pixels; overridden by cropwindow");
+        v("diagonal", diagonalMm, Positive(1e6f, "mm"), "film diagonal, for realistic cameras");
         sensor.Describe(v);
         v("maxcomponentvalue", maxComponentValue, Positive(std::numeric_limits<Float>::max()),
-          "largest value of a sample or splat; brighter ones are scaled down to it");
-        v("savefp16", half, "write the picture in half precision");
+          "brighter samples and splats are scaled down to this");
+        v("savefp16", half, "write half-precision floats");
     }
 };
 

@@ -129,8 +129,8 @@ struct RadiusParams {
     template <class V>
     void Describe(V &&v) {
         const Range<Float> range = Positive(1000, "pixels");  // tables have 32 cells per pixel
-        v("xradius", x, range, "half of the width");
-        v("yradius", y, range, "half of the height");
+        v("xradius", x, range, "half width");
+        v("yradius", y, range, "half height");
     }
     Vector2 Radius() const { return {x, y}; }
 };
@@ -172,7 +172,7 @@ struct SincParams : RadiusParams {
     template <class V>
     void Describe(V &&v) {
         RadiusParams::Describe(v);
-        v("tau", tau, kWidthRange, "half the width of the main lobe of the window, in pixels");
+        v("tau", tau, kWidthRange, "half width of the window's main lobe, in pixels");
     }
     WindowedSincProfile Profile(Float radius) const { return {radius, tau}; }
 };

@@ -17,10 +17,10 @@ struct SensorParams {
     Float whiteBalance = 0;
     template <class V>
     void Describe(V &&v) {
-        v("sensor", name, SupportedSensors(), "spectral response of the pixels");
+        v("sensor", name, SupportedSensors(), "spectral response");
         v("iso", iso, Positive(1e9f), "sensitivity");
         v("whitebalance", whiteBalance, Range<Float>{0, 1e6f, false, false, "K"},
-          "colour temperature that becomes white, at least 1000; 0: none for cie1931, 6500 for cameras");
+          "colour temperature of white, at least 1000; 0: 6500, for cie1931 none");
     }
 };
 

@@ -16,8 +16,8 @@ struct SpectralParams : FilmParams {
         constexpr Range<Float> kVisible{LambdaMin, LambdaMax, false, false, "nm"};
         FilmParams::Describe(v);
         v("nbuckets", buckets.count, Range<int>{1, 1 << 16}, "number of spectral channels");
-        v("lambdamin", buckets.low, kVisible, "where the first bucket begins");
-        v("lambdamax", buckets.high, kVisible, "where the last bucket ends");
+        v("lambdamin", buckets.low, kVisible, "start of the first bucket");
+        v("lambdamax", buckets.high, kVisible, "end of the last bucket");
     }
 };
 

@@ -22,7 +22,7 @@ struct ColorEncoding {
     static std::optional<ColorEncoding> Parse(const std::string &name);
     Float ToLinear(Float encoded) const;
     Float FromLinear(Float linear) const;
-    bool operator==(const ColorEncoding &) const = default;
+    auto operator<=>(const ColorEncoding &) const = default;
 };
 
 class ByteCode {

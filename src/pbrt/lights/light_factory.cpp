@@ -63,16 +63,15 @@ SpectrumPtr OrIlluminant(const SpectrumParam &given, const LightContext &context
 
 constexpr SpectrumParam kEmission{SpectrumUse::Illuminant};
 constexpr Items kPosition{ParamType::Point3, kCoordinateRange};
-constexpr const char *kScaleHelp = "factor",
-                     *kPowerHelp = "if above 0, the power that the light is scaled to, in watts";
-constexpr const char *kIlluminanceHelp = "if above 0, the illuminance that the light is scaled to, in lux";
+constexpr const char *kScaleHelp = "factor", *kPowerHelp = "if above 0: total power, in watts";
+constexpr const char *kIlluminanceHelp = "if above 0: total illuminance, in lux";
 
 struct IntensityParams {
     SpectrumParam intensity = kEmission;
     Float scale = 1, power = -1;
     template <class V>
     void Describe(V &&v) {
-        v("I", intensity, "intensity; default: the illuminant of the colour space");
+        v("I", intensity, "intensity; default: illuminant of the colour space");
         v("scale", scale, kBrightnessRange, kScaleHelp);
         v("power", power, kPowerRange, kPowerHelp);
     }
@@ -82,8 +81,8 @@ struct DirectionParams {
     Point3 from{0, 0, 0}, to{0, 0, 1};
     template <class V>
     void Describe(V &&v) {
-        v("from", from, kPosition, "where the light comes from");
-        v("to", to, kPosition, "a point that it shines to");
+        v("from", from, kPosition, "where light comes from");
+        v("to", to, kPosition, "point that it shines to");
     }
     Vector3 UnitVector(const ParamSet &set) const {
         const Vector3 d = to - from;
@@ -99,7 +98,7 @@ struct PointParams : IntensityParams {
     template <class V>
     void Describe(V &&v) {
         IntensityParams::Describe(v);
-        v("from", from, kPosition, "where the light stands");
+        v("from", from, kPosition, "position");
     }
 };
 
@@ -119,9 +118,8 @@ struct SpotParams : IntensityParams {
     void Describe(V &&v) {
         IntensityParams::Describe(v);
         direction.Describe(v);
-        v("coneangle", coneAngle, Positive(180, "degrees"), "angle between the axis and the border of the cone");
-        v("conedeltaangle", delta, AnyFloat("degrees"),
-          "angle inside the border of the cone over which the light falls off");
+        v("coneangle", coneAngle, Positive(180, "degrees"), "angle between axis and border");
+        v("conedeltaangle", delta, AnyFloat("degrees"), "angle of the falloff inside the border");
     }
 };
 
@@ -147,7 +145,7 @@ struct DistantParams {
     DirectionParams direction;
     template <class V>
     void Describe(V &&v) {
-        v("L", radiance, "radiance; default: the illuminant of the colour space");
+        v("L", radiance, "radiance; default: illuminant of the colour space");
         v("scale", scale, kBrightnessRange, kScaleHelp);
         v("illuminance", illuminance, kPowerRange, kIlluminanceHelp);
         direction.Describe(v);
@@ -175,7 +173,7 @@ struct GoniometricParams : IntensityParams {
     template <class V>
     void Describe(V &&v) {
         IntensityParams::Describe(v);
-        v("filename", filename, "a square image of factors by which the intensity is multiplied in each direction");
+        v("filename", filename, "square image of factors by direction");
     }
 };
 
@@ -203,8 +201,8 @@ struct ProjectionParams {
     Float fov = 90, scale = 1, power = -1;
     template <class V>
     void Describe(V &&v) {
-        v("filename", filename, Required(), "the image to be projected");
-        v("fov", fov, Range<Float>{0, 180, true, true, "degrees"}, "field of view along the shorter side of the image");
+        v("filename", filename, Required(), "projected image");
+        v("fov", fov, Range<Float>{0, 180, true, true, "degrees"}, "field of view along the shorter side");
         v("scale", scale, kBrightnessRange, kScaleHelp);
         v("power", power, kPowerRange, kPowerHelp);
     }
@@ -251,11 +249,11 @@ struct InfiniteParams {
     std::vector<Point3> portal;
     template <class V>
     void Describe(V &&v) {
-        v("L", radiance, "radiance; default without an image: the illuminant of the colour space");
-        v("filename", filename, "a square image of the sky, in the equal-area octahedral layout");
+        v("L", radiance, "radiance; default without image: illuminant of the colour space");
+        v("filename", filename, "square image, equal-area octahedral");
         v("scale", scale, kBrightnessRange, kScaleHelp);
         v("illuminance", illuminance, kPowerRange, kIlluminanceHelp);
-        v("portal", portal, kPosition, "the corners, in world space, of the rectangle through which the light enters");
+        v("portal", portal, kPosition, "corners of a rectangular portal, in world space");
     }
 };
 
@@ -347,11 +345,11 @@ struct DiffuseAreaParams {
     bool twoSided = false;
     template <class V>
     void Describe(V &&v) {
-        v("L", radiance, "radiance; default without an image: the illuminant of the colour space");
-        v("filename", filename, "an image over (u, v), v upwards");
+        v("L", radiance, "radiance; default without image: illuminant of the colour space");
+        v("filename", filename, "image over (u, v), v upwards");
         v("scale", scale, kBrightnessRange, kScaleHelp);
-        v("twosided", twoSided, "shines to both sides");
-        v("power", power, kPowerRange, "if above 0, the power that each primitive is scaled to, in watts");
+        v("twosided", twoSided, "emits on both sides");
+        v("power", power, kPowerRange, "if above 0: power per primitive, in watts");
     }
 };
 

@@ -1,7 +1,4 @@
-#include "pbrt/materials/forced_diffuse.h"
-
-#include "pbrt/bxdfs/bsdf.h"
-#include "pbrt/materials/mix_material.h"
+#include "pbrt/materials/material_factory.h"
 
 namespace pbrt {
 
@@ -28,7 +25,7 @@ class ForcedDiffuseMaterial final : public Material {
 }  // namespace
 
 MaterialPtr ForceDiffuse(MaterialPtr material) {
-    if (material->IsInterface() || dynamic_cast<const MixMaterial *>(material.get())) return material;
+    if (material->IsInterface() || material->IsMix()) return material;
     return std::make_shared<ForcedDiffuseMaterial>(std::move(material));
 }
 

@@ -26,6 +26,7 @@ class Material {
     virtual std::optional<Bssrdf> GetBssrdf(const SurfacePoint &, const SampledWavelengths &) const { return {}; }
 
     virtual bool IsInterface() const { return false; }
+    virtual bool IsMix() const { return false; }
     /// True if GetBsdf suffices: Resolve returns this, PerturbShading does nothing, and the material is no interface.
     bool IsPlain() const { return isPlain_; }
 

@@ -22,4 +22,8 @@ const MaterialTable &Materials();
 /// Creates a material of the table; the deprecated names "" and "none" mean "interface".
 MaterialPtr MakeMaterial(const std::string &type, const ParamSet &params, MaterialContext &context);
 
+/// Diffuse replacement with the estimated reflectance and transmittance of `material`, for --force-diffuse. Interfaces
+/// and mixtures are kept; a mixture's operands are replaced themselves.
+MaterialPtr ForceDiffuse(MaterialPtr material);
+
 }  // namespace pbrt

@@ -1,7 +1,7 @@
 #pragma once
 #include <string>
 
-#include "pbrt/bxdfs/microfacet.h"
+#include "pbrt/bxdfs/layered.h"
 #include "pbrt/spectra/color_space.h"
 #include "pbrt/textures/texture_factory.h"
 
@@ -58,16 +58,13 @@ class RoughnessInput {
         if (u_.IsConstant() && v_.IsConstant()) constant_ = Distribution(u_({}), v_({}));
     }
     TrowbridgeReitz operator()(const SurfacePoint &point) const {
-        if (u_.IsConstant() && v_.IsConstant()) return constant_;
+        if (constant_) return *constant_;
         const Float u = u_(point);
         return Distribution(u, sameInBoth_ ? u : v_(point));
     }
     /// True if the roughness is certainly equal in both directions.
     bool IsIsotropic() const { return sameInBoth_; }
-    std::optional<TrowbridgeReitz> Constant() const {
-        if (u_.IsConstant() && v_.IsConstant()) return constant_;
-        return {};
-    }
+    const std::optional<TrowbridgeReitz> &Constant() const { return constant_; }
 
   private:
     TrowbridgeReitz Distribution(Float u, Float v) const {
@@ -76,31 +73,79 @@ class RoughnessInput {
     }
     FloatInput u_, v_;
     bool remap_, sameInBoth_;
-    TrowbridgeReitz constant_;
+    std::optional<TrowbridgeReitz> constant_;
 };
 
 /// Index of refraction of a dielectric. If it depends on wavelength, secondary wavelengths are terminated.
 class IndexInput {
   public:
-    explicit IndexInput(SpectrumPtr eta)
-        : eta_(std::move(eta)), isConstant_(eta_->IsConstant()), value_((*eta_)(LambdaMin)) {}
-    Float operator()(SampledWavelengths &lambda) const {
-        Float eta = value_;
-        if (!isConstant_) {
-            eta = (*eta_)(lambda[0]);
-            lambda.TerminateSecondary();
-        }
-        return eta == 0 ? 1 : eta;  // beyond the ends of the table
+    explicit IndexInput(SpectrumPtr eta) : eta_(std::move(eta)) {
+        if (eta_->IsConstant()) constant_ = At(LambdaMin);
     }
-    std::optional<Float> Constant() const {
-        if (!isConstant_) return {};
-        return value_ == 0 ? 1 : value_;
+    Float operator()(SampledWavelengths &lambda) const {
+        if (constant_) return *constant_;
+        lambda.TerminateSecondary();
+        return At(lambda[0]);
+    }
+    const std::optional<Float> &Constant() const { return constant_; }
+
+  private:
+    /// 1 beyond the ends of a table.
+    Float At(Float nm) const {
+        const Float eta = (*eta_)(nm);
+        return eta == 0 ? 1 : eta;
+    }
+
+    SpectrumPtr eta_;
+    std::optional<Float> constant_;
+};
+
+/// Complex index of a metal, given directly or by reflectance.
+class MetalInput {
+  public:
+    struct Index {
+        SampledSpectrum eta, k;
+    };
+    MetalInput(SpectrumInput eta, SpectrumInput k) : first_(std::move(eta)), k_(std::move(k)) {}
+    explicit MetalInput(SpectrumInput reflectance) : first_(std::move(reflectance)) {}
+
+    /// For a reflectance r: eta 1 and the k whose normal-incidence Fresnel reflectance is r, clamped to 0.9999.
+    Index operator()(const SurfacePoint &point, const SampledWavelengths &lambda) const {
+        SampledSpectrum s = first_(point, lambda);
+        if (k_) return {s, (*k_)(point, lambda)};
+        return {SampledSpectrum(1), Clamp(s, 0, Float(0.9999)).Map([](Float r) { return 2 * std::sqrt(r / (1 - r)); })};
     }
 
   private:
-    SpectrumPtr eta_;
-    bool isConstant_;
-    Float value_;
+    SpectrumInput first_;  ///< eta, or the reflectance if there is no k
+    std::optional<SpectrumInput> k_;
+};
+
+struct CoatInput {
+    RoughnessInput roughness;
+    IndexInput eta;
+    FloatInput thickness;
+    SpectrumInput albedo;  ///< of the medium in the coat
+    FloatInput g;
+    int maxDepth, samples;
+
+    /// `index`: this coat's.
+    template <class Base>
+    CoatedBxdf<Base> Over(const Base &base, Float index, const SurfacePoint &point,
+                          const SampledWavelengths &lambda) const {
+        const SampledSpectrum a = albedo.IsBlack() ? SampledSpectrum(0) : Clamp(albedo(point, lambda), 0, 1);
+        return {DielectricBxdf(index, roughness(point)),   base,     thickness(point), a,
+                std::clamp(g(point), Float(-1), Float(1)), maxDepth, samples};
+    }
+
+    /// Table for CoatedDiffuseBxdf in place of random walks; null if it does not cover the coat.
+    std::shared_ptr<const CoatTable> Table() const {
+        const std::optional<Float> index = eta.Constant(), depth = thickness.Constant();
+        if (!index || !depth || !albedo.IsBlack() || !roughness.IsIsotropic()) return nullptr;
+        std::optional<Float> alpha;
+        if (auto constant = roughness.Constant()) alpha = constant->AlphaX();
+        return CoatTable::Shared(*index, std::max(*depth, Float(0)), alpha);
+    }
 };
 
 }  // namespace pbrt

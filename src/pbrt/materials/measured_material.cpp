@@ -1,49 +1,115 @@
-#include "pbrt/materials/measured_material.h"
+#include <bit>
+#include <cstring>
 
-#include <fmt/format.h>
-
-#include <algorithm>
-
-#include "pbrt/core/error.h"
-#include "pbrt/materials/tensor_file.h"
+#include "pbrt/core/files.h"
+#include "pbrt/materials/material_params.h"
 
 namespace pbrt {
 
 namespace {
 
+static_assert(std::endian::native == std::endian::little);
+
 using Shape = std::vector<size_t>;
+
+class Bytes {
+  public:
+    Bytes(const std::string &data, const std::string &path) : data_(data), path_(path) {}
+    template <class T>
+    T Next() {
+        T value;
+        std::memcpy(&value, Take(sizeof(T)), sizeof(T));
+        return value;
+    }
+    std::string Text(size_t length) { return {Take(length), length}; }
+    /// `count` floats at `offset`, without moving the position.
+    std::vector<Float> FloatsAt(uint64_t offset, uint64_t count) const {
+        if (offset > data_.size() || count > (data_.size() - offset) / sizeof(float)) Fail("is cut off");
+        std::vector<Float> values(count);
+        if (count) std::memcpy(values.data(), data_.data() + offset, count * sizeof(float));
+        return values;
+    }
+    [[noreturn]] void Fail(const char *why) const { throw UserError(fmt::format("{}: tensor file {}.", path_, why)); }
+
+  private:
+    const char *Take(size_t n) {
+        if (n > data_.size() - at_) Fail("is cut off");
+        at_ += n;
+        return data_.data() + at_ - n;
+    }
+    const std::string &data_;
+    const std::string &path_;
+    size_t at_ = 0;
+};
+
+struct Field {
+    std::string name;
+    Shape shape;
+    std::vector<Float> values;  ///< empty if the type is not float32 (others are unused)
+};
+
+constexpr uint8_t kFloat32 = 10;
+
+/// Named arrays of a little-endian file, the container of the RGL material database.
+std::vector<Field> ReadTensorFile(const std::string &path) {
+    const std::string data = ReadFileContents(path);
+    Bytes bytes(data, path);
+    if (data.size() < 18 || bytes.Text(12) != std::string("tensor_file\0", 12)) bytes.Fail("header is missing");
+    const int major = bytes.Next<uint8_t>(), minor = bytes.Next<uint8_t>();
+    if (major != 1 || minor != 0) bytes.Fail("has an unknown version (1.0 is known)");
+    std::vector<Field> fields;
+    const uint32_t count = bytes.Next<uint32_t>();
+    uint64_t total = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        Field field;
+        field.name = bytes.Text(bytes.Next<uint16_t>());
+        const size_t dimensions = bytes.Next<uint16_t>();
+        const uint8_t type = bytes.Next<uint8_t>();
+        const uint64_t offset = bytes.Next<uint64_t>();
+        uint64_t size = 1;
+        for (size_t d = 0; d < dimensions; ++d) {
+            const uint64_t extent = bytes.Next<uint64_t>();
+            if (extent > data.size() || (extent > 0 && size > data.size() / extent)) bytes.Fail("is cut off");
+            size *= extent;
+            field.shape.push_back(extent);
+        }
+        if (type == kFloat32) {
+            total += size;
+            if (total > data.size() / sizeof(float)) bytes.Fail("has fields that overlap");
+            field.values = bytes.FloatsAt(offset, size);
+        }
+        fields.push_back(std::move(field));
+    }
+    return fields;
+}
 
 class Reader {
   public:
-    explicit Reader(const std::string &path) : path_(path), file_(TensorFile::Read(path)) {}
+    explicit Reader(const std::string &path) : path_(path), fields_(ReadTensorFile(path)) {}
 
     std::vector<Float> Axis(const std::string &name) const {
-        std::vector<Float> values = file_.Get(name, 1).values;
+        std::vector<Float> values = Get(name, 1).values;
         for (size_t i = 1; i < values.size(); ++i)
             if (!(values[i] > values[i - 1])) Fail(name, "must increase");
         return values;
     }
     /// The leading dimensions must be `slices`; the last two are rows and columns.
     GridSlices Grid(const std::string &name, const Shape &slices) const {
-        const TensorFile::Field &field = file_.Get(name, slices.size() + 2);
+        const Field &field = Get(name, slices.size() + 2);
         if (!std::equal(slices.begin(), slices.end(), field.shape.begin()))
             Fail(name, "does not fit the numbers of directions and wavelengths");
         const size_t rows = field.shape[slices.size()], columns = field.shape[slices.size() + 1];
         if (rows < 2 || columns < 2) Fail(name, "needs two rows and columns at least");
-        for (Float v : field.values)
-            if (!std::isfinite(v)) Fail(name, "holds a value that is not finite");
         return {field.values, static_cast<int>(columns), static_cast<int>(rows)};
     }
     GridSlices Density(const std::string &name, const Shape &slices) const {
         GridSlices grid = Grid(name, slices);
-        for (size_t s = 0; s < grid.Count(); ++s) {
-            Float most = 0;
-            for (int y = 0; y < grid.Ny(); ++y)
-                for (int x = 0; x < grid.Nx(); ++x) {
-                    if (grid.At(s, x, y) < 0) Fail(name, "holds a negative value");
-                    most = std::max(most, grid.At(s, x, y));
-                }
-            if (!(most > 0)) Fail(name, "is 0 everywhere for some direction");
+        const std::vector<Float> &values = Get(name, slices.size() + 2).values;
+        const size_t perSlice = values.size() / grid.Count();
+        for (auto slice = values.begin(); slice != values.end(); slice += perSlice) {
+            const auto [least, most] = std::minmax_element(slice, slice + perSlice);
+            if (*least < 0) Fail(name, "holds a negative value");
+            if (!(*most > 0)) Fail(name, "is 0 everywhere for some direction");
         }
         return grid;
     }
@@ -52,8 +118,21 @@ class Reader {
     }
 
   private:
+    /// Throws UserError if the field is missing, not float32, not finite, or of another dimension count.
+    const Field &Get(const std::string &name, size_t dimensions) const {
+        const auto field = std::ranges::find(fields_, name, &Field::name);
+        if (field == fields_.end()) Fail(name, "is missing");
+        if (field->shape.size() != dimensions || field->values.empty())
+            Fail(name, fmt::format("must be 32 bit floats in {} dimensions", dimensions).c_str());
+        for (size_t i = 0; i < field->values.size(); ++i)
+            if (!std::isfinite(field->values[i]))
+                throw UserError(fmt::format("{}: field \"{}\": value {} is {}; all must be finite.", path_, name, i,
+                                            field->values[i]));
+        return *field;
+    }
+
     const std::string &path_;
-    TensorFile file_;
+    std::vector<Field> fields_;
 };
 
 }  // namespace
@@ -72,6 +151,30 @@ std::shared_ptr<const MeasuredBrdf> ReadMeasuredBrdf(const std::string &path) {
     t.luminance = read.Density("luminance", {t.phi.size(), t.theta.size()});
     t.spectra = read.Grid("spectra", {t.phi.size(), t.theta.size(), t.wavelengths.size()});
     return std::make_shared<const MeasuredBrdf>(std::move(t));
+}
+
+namespace {
+
+struct MeasuredParams : ReliefParams {
+    std::string filename;
+    void Describe(auto &&v) {
+        v("filename", filename, Required(), "file of the RGL database");
+        ReliefParams::Describe(v);
+    }
+};
+
+}  // namespace
+
+void AddMeasured(MaterialTable &table) {
+    AddSurface<MeasuredParams>(
+        table, "measured",
+        "isotropic, or anisotropic over the whole circle; else **not supported**: `field \"phi_i\" covers a part "
+        "of the circle only; such reduced tables are not supported.` The databases cannot be shipped, so tests "
+        "write their own files",
+        [](const auto &p, const ParamSet &set, MaterialContext &c) {
+            auto brdf = set.At("filename", [&] { return ReadMeasuredBrdf(c.files.Resolve(p.filename)); });
+            return MakeLobeMaterial([brdf](const SurfacePoint &, auto &lambda) { return MeasuredBxdf(*brdf, lambda); });
+        });
 }
 
 }  // namespace pbrt

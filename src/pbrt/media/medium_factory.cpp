@@ -14,9 +14,9 @@ namespace {
 
 constexpr Float kMaxCoefficient = 1e30f;
 constexpr Range<Float> kCoefficientRange{0, kMaxCoefficient};
-constexpr const char *kGHelp = "asymmetry of the scattering (Henyey-Greenstein): above 0 light goes on";
+constexpr const char *kGHelp = "Henyey-Greenstein asymmetry; above 0: forward";
 constexpr const char *kScaleHelp = "factor of absorption and scattering";
-constexpr const char *kEmissionScaleHelp = "factor of the emission";
+constexpr const char *kEmissionScaleHelp = "factor of emission";
 
 /// `factor` times the spectrum. Throws if a value is negative or too large.
 DenseSpectrum Coefficient(const ParamSet &set, const char *name, const Spectrum &s, Float factor) {
@@ -34,8 +34,8 @@ struct CoefficientParams {
     Float g = 0;
     template <class V>
     void Describe(V &&v) {
-        v("sigma_a", absorption, "absorption per unit of length");
-        v("sigma_s", scattering, "scattering per unit of length");
+        v("sigma_a", absorption, "absorption per unit length");
+        v("sigma_s", scattering, "scattering per unit length");
         v("g", g, Range<Float>{-1, 1}, kGHelp);
     }
     MediumSpectra Make(const ParamSet &set, const MediumContext &context, Float scale) const {
@@ -73,8 +73,8 @@ struct BoundsParams {
     Point3 p0{0, 0, 0}, p1{1, 1, 1};
     template <class V>
     void Describe(V &&v) {
-        v("p0", p0, kPosition, "a corner of the box that holds the medium, in the medium's space");
-        v("p1", p1, kPosition, "the opposite corner");
+        v("p0", p0, kPosition, "corner of the medium's box, in its space");
+        v("p1", p1, kPosition, "opposite corner");
     }
     Bounds3 Make(const ParamSet &set) const {
         for (int a = 0; a < 3; ++a)
@@ -91,7 +91,7 @@ struct CountParams {
     template <class V>
     void Describe(V &&v) {
         constexpr Range<int> kCounts{1, 1 << 20};
-        v("nx", x, kCounts, "voxels along x, which is the fastest in lists of values");
+        v("nx", x, kCounts, "voxels along x, fastest in lists");
         v("ny", y, kCounts, "voxels along y");
         v("nz", z, kCounts, "voxels along z");
     }
@@ -148,13 +148,13 @@ struct HomogeneousParams {
     Float emissionScale = 1, scale = 1;
     template <class V>
     void Describe(V &&v) {
-        v("preset", preset, "name of a known substance, which sets sigma_a and sigma_s, per millimetre");
+        v("preset", preset, "known substance; sets sigma_a and sigma_s, per millimetre");
         if (v.When(!FindPreset(preset))) {
-            v("sigma_a", coefficients.absorption, "absorption per unit of length");
-            v("sigma_s", coefficients.scattering, "scattering per unit of length");
+            v("sigma_a", coefficients.absorption, "absorption per unit length");
+            v("sigma_s", coefficients.scattering, "scattering per unit length");
         }
         v("g", coefficients.g, Range<Float>{-1, 1}, kGHelp);
-        v("Le", emission, "radiance that is emitted, times sigma_a, per unit of length; default: none");
+        v("Le", emission, "emitted radiance per unit length, times sigma_a");
         v("Lescale", emissionScale, kBrightnessRange, kEmissionScaleHelp);
         v("scale", scale, kCoefficientRange, kScaleHelp);
     }
@@ -192,14 +192,14 @@ struct UniformGridParams {
     ThermalParams thermal;
     template <class V>
     void Describe(V &&v) {
-        v("density", density, Required(), "one factor of absorption and scattering for every voxel");
+        v("density", density, Required(), "factor of absorption and scattering per voxel");
         count.Describe(v);
         bounds.Describe(v);
         coefficients.Describe(v);
         v("scale", scale, kCoefficientRange, kScaleHelp);
-        v("Le", emission, "radiance that is emitted, times absorption, per unit of length; default: none");
-        v("Lescale", emissionScale, "one factor of the emission for every voxel; default: 1 everywhere");
-        v("temperature", temperature, "one temperature in kelvin for every voxel, which makes it emit; not with Le");
+        v("Le", emission, "emitted radiance per unit length, times absorption");
+        v("Lescale", emissionScale, "factor of emission per voxel; default: 1");
+        v("temperature", temperature, "emission temperature (K) per voxel; not with Le");
         thermal.Describe(v);
     }
 };
@@ -229,11 +229,9 @@ struct RgbGridParams {
     template <class V>
     void Describe(V &&v) {
         constexpr Items kCoefficients{ParamType::Rgb, kCoefficientRange}, kRadiances{ParamType::Rgb, kBrightnessRange};
-        v("sigma_a", absorption, kCoefficients, "absorption in every voxel; default, beside sigma_s: 1");
-        v("sigma_s", scattering, kCoefficients, "scattering in every voxel; default, beside sigma_a: 1");
-        v("Le", emission, kRadiances,
-          "radiance that every voxel emits, times absorption, per unit of length; not in photometric units; needs "
-          "sigma_a");
+        v("sigma_a", absorption, kCoefficients, "absorption per voxel; default beside sigma_s: 1");
+        v("sigma_s", scattering, kCoefficients, "scattering per voxel; default beside sigma_a: 1");
+        v("Le", emission, kRadiances, "emitted radiance per unit length, times sigma_a (required); not photometric");
         count.Describe(v);
         bounds.Describe(v);
         v("Lescale", emissionScale, kBrightnessRange, kEmissionScaleHelp);
@@ -282,9 +280,9 @@ struct CloudParams {
     BoundsParams bounds;
     template <class V>
     void Describe(V &&v) {
-        v("density", shape.density, kCoefficientRange, "how thick the cloud is");
-        v("wispiness", shape.wispiness, kCoefficientRange, "how much its fine features are torn");
-        v("frequency", shape.frequency, kCoefficientRange, "features of the cloud per unit of length");
+        v("density", shape.density, kCoefficientRange, "density");
+        v("wispiness", shape.wispiness, kCoefficientRange, "distortion of fine features");
+        v("frequency", shape.frequency, kCoefficientRange, "features per unit length");
         bounds.Describe(v);
         coefficients.Describe(v);
     }
@@ -302,10 +300,9 @@ struct NanoVdbParams {
     ThermalParams thermal;
     template <class V>
     void Describe(V &&v) {
-        v("filename", filename, Required(), "a NanoVDB file");
-        v("gridname", gridName, "the grid whose values multiply absorption and scattering");
-        v("temperaturename", temperatureName,
-          "the grid of temperatures in kelvin, if the file has one; they make it emit");
+        v("filename", filename, Required(), "NanoVDB file");
+        v("gridname", gridName, "grid of factors of absorption and scattering");
+        v("temperaturename", temperatureName, "grid of emission temperatures (K), if present");
         v("Lescale", emissionScale, kBrightnessRange, kEmissionScaleHelp);
         thermal.Describe(v);
         coefficients.Describe(v);

@@ -38,7 +38,7 @@ struct SeedParams {
     std::optional<int> seed;
     template <class V>
     void Describe(V &&v) {
-        v("seed", seed, "seed of the random numbers; the default is that of --seed or Option \"seed\"");
+        v("seed", seed, "random seed; default: --seed or Option \"seed\"");
     }
     int Seed(const SamplerContext &context) const { return seed.value_or(context.seed); }
 };
@@ -65,7 +65,7 @@ struct HaltonParams : CountParams {
     template <class V>
     void Describe(V &&v) {
         CountParams::Describe(v);
-        v("randomization", randomization, kHaltonRandomizations, "how the points are randomized");
+        v("randomization", randomization, kHaltonRandomizations, "randomization of the points");
     }
 };
 
@@ -74,7 +74,7 @@ struct SobolParams : CountParams {
     template <class V>
     void Describe(V &&v) {
         CountParams::Describe(v);
-        v("randomization", randomization, kRandomizations, "how the points are randomized");
+        v("randomization", randomization, kRandomizations, "randomization of the points");
     }
 };
 
@@ -83,10 +83,9 @@ struct StratifiedParams : SeedParams {
     int x = 4, y = 4;
     template <class V>
     void Describe(V &&v) {
-        v("jitter", jitter, "a random place in each cell; false: its centre");
-        v("xsamples", x, Range<int>{1, kMaxSamples},
-          "columns of cells of a pixel; --spp overrides xsamples and ysamples");
-        v("ysamples", y, Range<int>{1, kMaxSamples}, "rows of cells of a pixel");
+        v("jitter", jitter, "random place in each cell; false: centre");
+        v("xsamples", x, Range<int>{1, kMaxSamples}, "cell columns per pixel; --spp overrides xsamples, ysamples");
+        v("ysamples", y, Range<int>{1, kMaxSamples}, "cell rows per pixel");
         SeedParams::Describe(v);
     }
 };

@@ -37,11 +37,11 @@ struct MeshParams {
     std::span<const int> indices, faceIndices;
     template <class V>
     void Describe(V &&v) {
-        v("indices", indices, "points of the corners of each face; may be left out for a single face");
-        v("P", mesh.p, kPoints, "the points");
-        v("N", mesh.n, Items{ParamType::Normal}, "a normal for each point");
-        v("uv", mesh.uv, Items{ParamType::Point2}, "texture coordinates for each point");
-        v("faceIndices", faceIndices, "accepted but not used (only Ptex textures would need it)");
+        v("indices", indices, "corner indices; optional for a single face");
+        v("P", mesh.p, kPoints, "points");
+        v("N", mesh.n, Items{ParamType::Normal}, "normal per point");
+        v("uv", mesh.uv, Items{ParamType::Point2}, "texture coordinates per point");
+        v("faceIndices", faceIndices, "accepted, not used (for Ptex only)");
     }
     /// Validated mesh with `corners` indices per face.
     MeshData Finish(const ParamSet &set, DiagnosticSink &sink, size_t corners) {
@@ -81,7 +81,7 @@ struct TriangleMeshParams : MeshParams {
     template <class V>
     void Describe(V &&v) {
         MeshParams::Describe(v);
-        v("S", mesh.s, Items{ParamType::Vector3}, "a tangent for each point");
+        v("S", mesh.s, Items{ParamType::Vector3}, "tangent per point");
     }
 };
 
@@ -90,7 +90,7 @@ struct BilinearMeshParams : MeshParams {
     template <class V>
     void Describe(V &&v) {
         MeshParams::Describe(v);
-        v("emissionfilename", emissionFilename, "image over (u, v) whose brightness guides area light sampling");
+        v("emissionfilename", emissionFilename, "image over (u, v) that guides light sampling");
     }
 };
 
@@ -155,13 +155,13 @@ struct CurveParams {
         constexpr Range<Float> kWidthRange{0, kMaxCoordinate};
         v("P", points, kPoints, "control points");
         v("degree", degree, Range<int>{2, 3}, "degree of the curve");
-        v("basis", basis, kBases, "what the control points mean");
+        v("basis", basis, kBases, "meaning of the control points");
         v("type", kind, kCurveKinds, "kind of surface");
         v("width", width, kWidthRange, "width at both ends");
         v("width0", width0, kWidthRange, "width at the start; default: width");
         v("width1", width1, kWidthRange, "width at the end; default: width");
-        v("N", normals, Items{ParamType::Normal}, "of type ribbon: the normals at the ends of segments");
-        v("splitdepth", intSplitDepth, "how often a segment is halved to find hits");
+        v("N", normals, Items{ParamType::Normal}, "ribbon: normals at segment ends");
+        v("splitdepth", intSplitDepth, "halvings of a segment to find hits");
         v("splitdepth", splitDepth, "the same as a float; overrides the integer");
     }
 };
@@ -204,10 +204,10 @@ struct LoopSubdivisionParams {
     template <class V>
     void Describe(V &&v) {
         // OpenSubdiv's limit is 15; 10 levels split each triangle into a million.
-        v("levels", levels, Range<int>{0, 10}, "number of times each triangle is split into four");
-        v("indices", indices, Required(), "points of the corners of each triangle");
-        v("P", points, kPoints, "the points");
-        v("scheme", scheme, "without effect, as in stock");
+        v("levels", levels, Range<int>{0, 10}, "times that a triangle is split into four");
+        v("indices", indices, Required(), "corner indices of the triangles");
+        v("P", points, kPoints, "points");
+        v("scheme", scheme, "no effect, as in stock");
     }
 };
 
@@ -229,8 +229,8 @@ struct PlyMeshParams {
     Float edgeLength = 1;
     template <class V>
     void Describe(V &&v) {
-        v("filename", filename, Required(), "the mesh, as a PLY file");
-        v("edgelength", edgeLength, kLengthRange, "largest edge of the triangles of a displaced mesh");
+        v("filename", filename, Required(), "PLY file");
+        v("edgelength", edgeLength, kLengthRange, "maximum edge of displaced triangles");
     }
 };
 
@@ -266,8 +266,8 @@ struct QuadricParams {
     Float radius = 1, phiMax = 360;
     template <class V>
     void Describe(V &&v) {
-        v("radius", radius, kLengthRange, "radius of the shape");
-        v("phimax", phiMax, AnyFloat("degrees"), "largest angle around the axis");
+        v("radius", radius, kLengthRange, "radius");
+        v("phimax", phiMax, AnyFloat("degrees"), "maximum angle around the axis");
     }
 };
 

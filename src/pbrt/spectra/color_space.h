@@ -52,7 +52,7 @@ class ColorSpace {
     /// Reflectance of an RGB in [0, 1]^3. Other components are clamped, NaN counts as 0.
     SigmoidPolynomial ToPolynomial(const Rgb &rgb) const;
 
-    /// For the list of known spaces; others use Find(). `table`: embedded at build time, layout in rgb_table.h.
+    /// For the list of known spaces; others use Find(). `table`: embedded at build time, layout in rgb_primaries.h.
     ColorSpace(std::string name, Point2 r, Point2 g, Point2 b, SpectrumPtr illuminant, const float *table);
 
   private:

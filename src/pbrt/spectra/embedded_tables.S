@@ -1,4 +1,4 @@
-/* Sigmoid coefficients per colour space, layout in rgb_table.h. */
+/* Sigmoid coefficients per colour space, layout in rgb_primaries.h. */
     .section .rodata
     .macro embed name, file
     .global \name

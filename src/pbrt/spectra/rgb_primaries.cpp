@@ -1,7 +1,5 @@
 #include "pbrt/spectra/rgb_primaries.h"
 
-#include <array>
-
 namespace pbrt {
 
 std::span<const RgbPrimaries> KnownRgbPrimaries() {

@@ -7,16 +7,7 @@
 
 namespace pbrt {
 
-// Tables of data/*.csv, embedded into the binary and parsed at first use.
-
-struct TabulatedSpectrum {
-    std::string name;
-    std::vector<Float> lambdas, values;  ///< nm increasing
-};
-const std::vector<TabulatedSpectrum> &EmbeddedNamedSpectra();
-/// Camera sensors, three rows each, named SENSOR_r, SENSOR_g, SENSOR_b.
-const std::vector<TabulatedSpectrum> &EmbeddedSensorResponses();
-const std::vector<TabulatedSpectrum> &EmbeddedColorChecker();
+// Tables of data/*.csv, embedded into the binary and parsed at first use. Named spectra: spectrum.h.
 
 struct ScatteringPreset {
     std::string name;
@@ -29,8 +20,7 @@ struct ThreeColumnTable {
     std::vector<Float> lambdas;  ///< nm
     std::array<std::vector<Float>, 3> columns;
 };
-/// x-bar, y-bar, z-bar at 360, 361, ..., 830 nm.
-const ThreeColumnTable &EmbeddedCie1931();
+/// Components of CIE daylight.
 const ThreeColumnTable &EmbeddedDaylight();
 
 }  // namespace pbrt

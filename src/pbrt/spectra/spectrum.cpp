@@ -166,4 +166,8 @@ Float InnerProduct(const Spectrum &a, const Spectrum &b) {
     return static_cast<Float>(sum);
 }
 
+Vector3 SpectrumToXyz(const Spectrum &s) {
+    return Vector3(InnerProduct(CieX(), s), InnerProduct(CieY(), s), InnerProduct(CieZ(), s)) / CieYIntegral;
+}
+
 }  // namespace pbrt

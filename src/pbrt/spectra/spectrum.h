@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -21,18 +22,10 @@ class SampledSpectrum {
     Float operator[](int i) const { return v_[i]; }
     Float &operator[](int i) { return v_[i]; }
 
-    SampledSpectrum &operator+=(const SampledSpectrum &o) {
-        return Zip(o, [](Float a, Float b) { return a + b; });
-    }
-    SampledSpectrum &operator-=(const SampledSpectrum &o) {
-        return Zip(o, [](Float a, Float b) { return a - b; });
-    }
-    SampledSpectrum &operator*=(const SampledSpectrum &o) {
-        return Zip(o, [](Float a, Float b) { return a * b; });
-    }
-    SampledSpectrum &operator/=(const SampledSpectrum &o) {
-        return Zip(o, [](Float a, Float b) { return a / b; });
-    }
+    SampledSpectrum &operator+=(const SampledSpectrum &o) { return Zip(o, std::plus()); }
+    SampledSpectrum &operator-=(const SampledSpectrum &o) { return Zip(o, std::minus()); }
+    SampledSpectrum &operator*=(const SampledSpectrum &o) { return Zip(o, std::multiplies()); }
+    SampledSpectrum &operator/=(const SampledSpectrum &o) { return Zip(o, std::divides()); }
     SampledSpectrum &operator*=(Float s) {
         for (Float &v : v_) v *= s;
         return *this;
@@ -55,21 +48,14 @@ class SampledSpectrum {
     Float Average() const { return (v_[0] + v_[1] + v_[2] + v_[3]) / SpectrumSamples; }
     Float MaxComponent() const { return std::max(std::max(v_[0], v_[1]), std::max(v_[2], v_[3])); }
     Float MinComponent() const { return std::min(std::min(v_[0], v_[1]), std::min(v_[2], v_[3])); }
-    bool HasNaN() const {
-        for (Float v : v_)
-            if (std::isnan(v)) return true;
-        return false;
-    }
-    template <class F>
-    SampledSpectrum Map(F f) const {
+    SampledSpectrum Map(auto f) const {
         SampledSpectrum r;
         for (int i = 0; i < SpectrumSamples; ++i) r[i] = f((*this)[i]);
         return r;
     }
 
   private:
-    template <class F>
-    SampledSpectrum &Zip(const SampledSpectrum &o, F f) {
+    SampledSpectrum &Zip(const SampledSpectrum &o, auto f) {
         for (size_t i = 0; i < SpectrumSamples; ++i) v_[i] = f(v_[i], o.v_[i]);
         return *this;
     }
@@ -93,12 +79,6 @@ inline SampledSpectrum Clamp(const SampledSpectrum &s, Float low, Float high) {
 }
 inline SampledSpectrum ClampZero(const SampledSpectrum &s) {
     return s.Map([](Float v) { return std::max(Float(0), v); });
-}
-inline SampledSpectrum Sqrt(const SampledSpectrum &s) {
-    return s.Map([](Float v) { return std::sqrt(v); });
-}
-inline SampledSpectrum SafeSqrt(const SampledSpectrum &s) {
-    return s.Map([](Float v) { return std::sqrt(std::max(Float(0), v)); });
 }
 
 /// The wavelengths of one path (nm) and their densities (1/nm).

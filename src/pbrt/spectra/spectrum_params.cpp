@@ -1,6 +1,5 @@
 #include "pbrt/spectra/spectrum_params.h"
 
-#include "pbrt/core/files.h"
 #include "pbrt/core/limits.h"
 #include "pbrt/core/log.h"
 
@@ -49,29 +48,23 @@ SpectrumPtr FromBlackbody(const Param &p) {
 }
 
 SpectrumPtr FromSamples(std::span<const Float> samples, SpectrumUse use, const std::string &where, const FileLoc &loc) {
-    if (samples.empty())
-        throw UserError(fmt::format("{}: no samples; wavelength and value pairs are wanted.", where), loc);
+    auto fail = [&](const std::string &what) { throw UserError(fmt::format("{}: {}.", where, what), loc); };
+    if (samples.empty()) fail("no samples; wavelength and value pairs are wanted");
     if (samples.size() % 2 != 0)
-        throw UserError(
-            fmt::format("{}: odd number of values ({}); wavelength and value pairs are wanted.", where, samples.size()),
-            loc);
+        fail(fmt::format("odd number of values ({}); wavelength and value pairs are wanted", samples.size()));
     std::vector<Float> lambdas, values;
     for (size_t i = 0; i < samples.size(); i += 2) {
         if (!lambdas.empty() && !(samples[i] > lambdas.back()))
-            throw UserError(fmt::format("{}: wavelengths must increase, but {} nm follows {} nm (pair {}).", where,
-                                        samples[i], lambdas.back(), i / 2 + 1),
-                            loc);
+            fail(fmt::format("wavelengths must increase, but {} nm follows {} nm (pair {})", samples[i], lambdas.back(),
+                             i / 2 + 1));
         if (use == SpectrumUse::Illuminant && !(samples[i + 1] >= 0))
-            throw UserError(fmt::format("{}: the value at {} nm is {}; no light emits less than 0.", where, samples[i],
-                                        samples[i + 1]),
-                            loc);
+            fail(fmt::format("the value at {} nm is {}; no light emits less than 0", samples[i], samples[i + 1]));
         lambdas.push_back(samples[i]);
         values.push_back(samples[i + 1]);
     }
     if (lambdas.size() == 1) {
-        Diagnostic d{Severity::Warning, loc,
-                     fmt::format("{}: a single wavelength and value pair; the spectrum is 0 everywhere else.", where)};
-        LogWarning(loc ? fmt::format("{}:{}:{}: {}", loc.file->name, loc.line, loc.column, d.message) : d.message);
+        const std::string place = loc ? fmt::format("{}:{}:{}: ", loc.file->name, loc.line, loc.column) : "";
+        LogWarning(place + where + ": a single wavelength and value pair; the spectrum is 0 everywhere else.");
     }
     return std::make_shared<PiecewiseLinearSpectrum>(std::move(lambdas), std::move(values));
 }

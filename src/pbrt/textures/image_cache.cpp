@@ -31,8 +31,7 @@ std::shared_ptr<const Image> ReadLinearRgb(const std::string &path) {
     return std::make_shared<const Image>(std::move(image));
 }
 
-template <class Entry, class Read>
-void Fill(Entry &entry, Read &&read) {
+void Fill(auto &entry, auto &&read) {
     try {
         entry.value = read();
     } catch (const UserError &e) {

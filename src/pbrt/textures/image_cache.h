@@ -3,7 +3,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <tuple>
 
 #include "pbrt/images/mipmap.h"
 
@@ -16,11 +15,7 @@ struct MipMapKey {
     Float maxAnisotropy = 8;
     std::optional<ColorEncoding> encoding{};  ///< nullopt: the format's default
 
-    auto Order() const {
-        return std::make_tuple(path, static_cast<int>(filter), static_cast<int>(wrap), maxAnisotropy,
-                               encoding ? static_cast<int>(encoding->kind) : -1, encoding ? encoding->gamma : Float(0));
-    }
-    bool operator<(const MipMapKey &o) const { return Order() < o.Order(); }
+    auto operator<=>(const MipMapKey &) const = default;
     bool HasPixelsOf(const MipMapKey &o) const { return path == o.path && wrap == o.wrap && encoding == o.encoding; }
 };
 

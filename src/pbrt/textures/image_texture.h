@@ -15,26 +15,23 @@ struct ImageOverlay {
 
 class ImageFloatTexture final : public FloatTexture {
   public:
-    explicit ImageFloatTexture(ImageOverlay overlay) : overlay_(std::move(overlay)) {}
+    explicit ImageFloatTexture(ImageOverlay image) : overlay(std::move(image)) {}
     Float Evaluate(const TextureContext &ctx) const override;
     bool UsesFootprint() const override { return true; }  // all filters select a pyramid level
-    /// Returns a copy with the scale multiplied by `factor`, before the inversion.
-    std::shared_ptr<const ImageFloatTexture> Scaled(Float factor) const;
 
-  private:
-    ImageOverlay overlay_;
+    ImageOverlay overlay;
 };
 
 /// Filters RGB and uplifts in the image's own colour space. Albedo is clamped to 1.
 class ImageSpectrumTexture final : public SpectrumTexture {
   public:
-    ImageSpectrumTexture(ImageOverlay overlay, SpectrumUse use) : overlay_(std::move(overlay)), use_(use) {}
+    ImageSpectrumTexture(ImageOverlay image, SpectrumUse use) : overlay(std::move(image)), use_(use) {}
     SampledSpectrum Evaluate(const TextureContext &ctx, const SampledWavelengths &lambda) const override;
     bool UsesFootprint() const override { return true; }  // all filters select a pyramid level
-    std::shared_ptr<const ImageSpectrumTexture> Scaled(Float factor) const;
+
+    ImageOverlay overlay;
 
   private:
-    ImageOverlay overlay_;
     SpectrumUse use_;
 };
 

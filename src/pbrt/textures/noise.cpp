@@ -1,5 +1,6 @@
 #include "pbrt/textures/noise.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -22,14 +23,10 @@ constexpr std::array<uint8_t, 256> kPermutation = {
     181, 199, 106, 157, 184, 84,  204, 176, 115, 121, 50,  45,  127, 4,   150, 254, 138, 236, 205, 93,  222, 114,
     67,  29,  24,  72,  243, 141, 128, 195, 78,  66,  215, 61,  156, 180};
 
-constexpr bool IsPermutation() {
-    std::array<bool, 256> seen{};
-    for (uint8_t v : kPermutation) seen[v] = true;
-    for (bool s : seen)
-        if (!s) return false;
-    return true;
-}
-static_assert(IsPermutation());
+static_assert([](std::array<uint8_t, 256> values) {
+    std::ranges::sort(values);
+    return std::ranges::adjacent_find(values) == values.end();
+}(kPermutation));
 
 /// Gradients per hash: from a cube's centre to the middles of its 12 edges, four of them twice.
 constexpr int8_t kGradients[16][3] = {{1, 1, 0},  {-1, 1, 0},  {1, -1, 0}, {-1, -1, 0}, {1, 0, 1},  {-1, 0, 1},
@@ -45,7 +42,7 @@ uint8_t Permute(int i) { return kPermutation[i & 255]; }
 Vector3 LatticeGradient(const glm::ivec3 &cell) {
     const int hash = Permute(Permute(Permute(cell.x) + cell.y) + cell.z) & 15;
     const int8_t *g = kGradients[hash];
-    return {static_cast<Float>(g[0]), static_cast<Float>(g[1]), static_cast<Float>(g[2])};
+    return Vector3(g[0], g[1], g[2]);
 }
 
 /// Dot product of the gradient at lattice point `cell` and the offset d from it.

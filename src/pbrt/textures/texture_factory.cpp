@@ -2,31 +2,73 @@
 
 #include <algorithm>
 #include <array>
-#include <initializer_list>
-#include <vector>
 
-#include "pbrt/core/files.h"
 #include "pbrt/core/limits.h"
 #include "pbrt/textures/basic_textures.h"
 #include "pbrt/textures/texture_makers.h"
 
 namespace pbrt {
 
-const std::vector<std::string> &UnsupportedTextures() {
-    static const std::vector<std::string> kNames = {"ptex"};
-    return kNames;
+namespace {
+
+/// Parameter that names a texture; nullptr, and `*isValue` true, if a value (one of `types`) applies or nothing is
+/// given.
+const Param *TakeReference(ParamReader &reader, const std::string &name, std::initializer_list<ParamType> types,
+                           bool *isValue) {
+    const Param *own = nullptr;
+    for (const Param &p : reader.Set().Own())
+        if (p.name == name &&
+            (p.type == ParamType::Texture || std::find(types.begin(), types.end(), p.type) != types.end()))
+            own = &p;
+    const Param *reference = own && own->type != ParamType::Texture ? nullptr : reader.Take(name, ParamType::Texture);
+    *isValue = !reference;
+    if (reference) detail::RequireCount(reader.Set(), *reference, reference->strings.size(), 1);
+    return reference;
+}
+
+}  // namespace
+
+void ReadParam(ParamReader &reader, const std::string &name, FloatTextureParam &value) {
+    value.set = &reader.Set();
+    bool isValue = false;
+    value.given = TakeReference(reader, name, {ParamType::Float}, &isValue);
+    if (!isValue) return;
+    value.given = reader.Take(name, ParamType::Float);
+    if (value.given) detail::RequireCount(*value.set, *value.given, value.given->floats.size(), 1);
+}
+
+void ReadParam(ParamReader &reader, const std::string &name, FloatTextureParam &value, const Range<Float> &range) {
+    ReadParam(reader, name, value);
+    value.range = range;
+}
+
+void ReadParam(ParamReader &reader, const std::string &name, SpectrumTextureParam &value) {
+    value.set = &reader.Set();
+    bool isValue = false;
+    value.given = TakeReference(reader, name, {ParamType::Rgb, ParamType::Blackbody, ParamType::Spectrum}, &isValue);
+    if (isValue) ReadParam(reader, name, static_cast<SpectrumParam &>(value));
+}
+
+void DocumentParam(ParamDoc &doc, const FloatTextureParam &value) {
+    doc.types = {ParamType::Float, ParamType::Texture};
+    if (value.constant) doc.defaultValue = fmt::format("{}", *value.constant);
+}
+
+void DocumentParam(ParamDoc &doc, const FloatTextureParam &value, const Range<Float> &range) {
+    DocumentParam(doc, value);
+    doc.range = ShortText(range);
+}
+
+void DocumentParam(ParamDoc &doc, const SpectrumTextureParam &value) {
+    DocumentParam(doc, static_cast<const SpectrumParam &>(value));
+    doc.types.push_back(ParamType::Texture);
 }
 
 namespace {
 
-bool Contains(const std::vector<std::string> &names, const std::string &name) {
-    return std::find(names.begin(), names.end(), name) != names.end();
-}
-
 constexpr const char *kWhyNoPtex =
     "no library of Debian reads Ptex files (its OpenImageIO is built without Ptex support). Bake the texture into an "
-    "image "
-    "and use class \"imagemap\".";
+    "image and use class \"imagemap\".";
 
 const char *FamilyName(bool isSpectrum) { return isSpectrum ? "spectrum" : "float"; }
 
@@ -140,8 +182,7 @@ struct TextureLibrary::Impl {
 
     /// Creates the texture from a table. Parameters may be read again for another use; warnings and unused parameters
     /// are reported once.
-    template <class Table>
-    auto MakeOf(const Table &table, Definition &d, SpectrumUse use, LookupCost *cost) {
+    auto MakeOf(const auto &table, Definition &d, SpectrumUse use, LookupCost *cost) {
         DiagnosticSink ignored;
         const size_t limit = indexOf[d.isSpectrum].at(d.name);
         const TextureRequest request{d.renderFromTexture,
@@ -171,8 +212,7 @@ struct TextureLibrary::Impl {
     }
 
     /// Runs `make`; returns nullptr after an error, which is reported once. `user`: location of the use.
-    template <class Make>
-    auto Try(Definition &d, const FileLoc &user, Make &&make) -> decltype(make()) {
+    auto Try(Definition &d, const FileLoc &user, auto &&make) -> decltype(make()) {
         // Operands are created first, so creation nests as deep as lookups; tested here before the stack overflows.
         if (nesting >= kMaxNesting)
             throw UserError(fmt::format("texture \"{}\": textures are nested more than {} deep here.",
@@ -186,18 +226,14 @@ struct TextureLibrary::Impl {
         if (d.textureClass == "imagemap" && !imagesPreloaded) PreloadImages();
         try {
             return make();
-        } catch (const MissingImageError &e) {
-            if (!d.failed) ++missingImages;
-            Report(d, e);
         } catch (const UserError &e) {
-            Report(d, e);
+            if (!d.failed) {
+                if (dynamic_cast<const MissingImageError *>(&e)) ++missingImages;
+                sink.Add(e);
+            }
+            d.failed = true;
         }
         return nullptr;
-    }
-
-    void Report(Definition &d, const UserError &e) {
-        if (!d.failed) sink.Add(e);
-        d.failed = true;
     }
 
     const Made<FloatTexturePtr> &MakeFloat(Definition &d, const FileLoc &user = {}) {
@@ -234,16 +270,16 @@ void TextureLibrary::Define(const std::string &name, bool isSpectrum, const std:
     d->isSpectrum = isSpectrum;
     d->params = std::move(params);
     d->renderFromTexture = renderFromTexture;
-    std::vector<std::string> classes = isSpectrum ? SpectrumTextures().Names() : FloatTextures().Names();
-    d->broken = !Contains(classes, textureClass);
-    const bool isBroken = d->broken;
+    const bool isKnown = isSpectrum ? SpectrumTextures().Has(textureClass) : FloatTextures().Has(textureClass);
+    d->broken = !isKnown;
     impl_->indexOf[isSpectrum][name] = impl_->definitions.size();
     impl_->definitions.push_back(std::move(d));
-    if (!isBroken) return;
+    if (isKnown) return;
     const std::string what = fmt::format("texture \"{}\"", Abbreviate(name));
-    if (Contains(UnsupportedTextures(), textureClass))
+    if (textureClass == kUnsupportedTexture)
         throw UserError(fmt::format("{}: class \"{}\" is not supported: {}", what, textureClass, kWhyNoPtex), loc);
-    classes.insert(classes.end(), UnsupportedTextures().begin(), UnsupportedTextures().end());
+    std::vector<std::string> classes = isSpectrum ? SpectrumTextures().Names() : FloatTextures().Names();
+    classes.push_back(kUnsupportedTexture);
     ThrowUnknown(fmt::format("{}: {} texture class", what, FamilyName(isSpectrum)), textureClass, classes, loc);
 }
 

@@ -6,10 +6,30 @@
 #include "pbrt/core/files.h"
 #include "pbrt/images/image.h"
 #include "pbrt/math/transform.h"
+#include "pbrt/spectra/spectrum_params.h"
 #include "pbrt/textures/texture.h"
-#include "pbrt/textures/texture_params.h"
 
 namespace pbrt {
+
+/// A number or named float texture: its declaration and, after reading, the given value. Valid while the ParamSet
+/// lives. If both a number and a name are given, the last one is used, and the other is an unused parameter.
+struct FloatTextureParam {
+    std::optional<Float> constant{};      ///< default; nullopt: none
+    std::optional<Range<Float>> range{};  ///< of numbers and constant textures
+    const ParamSet *set = nullptr;
+    const Param *given = nullptr;
+
+    explicit operator bool() const { return given != nullptr; }
+};
+
+struct SpectrumTextureParam : SpectrumParam {};
+
+void ReadParam(ParamReader &reader, const std::string &name, FloatTextureParam &value);
+void ReadParam(ParamReader &reader, const std::string &name, FloatTextureParam &value, const Range<Float> &range);
+void ReadParam(ParamReader &reader, const std::string &name, SpectrumTextureParam &value);
+void DocumentParam(ParamDoc &doc, const FloatTextureParam &value);
+void DocumentParam(ParamDoc &doc, const FloatTextureParam &value, const Range<Float> &range);
+void DocumentParam(ParamDoc &doc, const SpectrumTextureParam &value);
 
 /// Named textures of a scene, created on first use (spectrum textures once per use), and the reader of texture
 /// parameters. A texture may only use textures defined before it. With the first image map, the files of all image maps
@@ -45,6 +65,7 @@ class TextureLibrary {
     size_t missingImages_ = 0;
 };
 
-const std::vector<std::string> &UnsupportedTextures();
+/// Texture class of the format that is not supported.
+inline constexpr const char *kUnsupportedTexture = "ptex";
 
 }  // namespace pbrt

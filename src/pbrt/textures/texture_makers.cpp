@@ -1,34 +1,37 @@
 #include "pbrt/textures/texture_makers.h"
 
-#include "pbrt/textures/checkerboard_texture.h"
+#include "pbrt/textures/basic_textures.h"
 #include "pbrt/textures/image_texture.h"
-#include "pbrt/textures/noise_textures.h"
+#include "pbrt/textures/noise.h"
+#include "pbrt/textures/patterns.h"
 
 namespace pbrt {
 
 namespace {
 
-/// Texture classes are templates over FloatKind or SpectrumKind, which define parameter types and the conversion of
-/// operands and values to textures.
+/// Makers are templates over FloatKind or SpectrumKind, which define parameter types and the conversion of operands,
+/// values and functions to textures.
 struct FloatKind {
     using Ptr = FloatTexturePtr;
     using Operand = FloatTextureParam;
     using Value = Float;
-    template <template <class, class, class...> class T>
-    using Texture = FloatFamily<T>;
+    using Result = Float;
 
     static Operand DefaultOperand(Float value) { return {value}; }
     static Value DefaultValue(Float value) { return value; }
     static Ptr Make(const Operand &p, const TextureRequest &r) { return r.floatTexture(p); }
     static Ptr Make(Value value, const TextureRequest &) { return std::make_shared<ConstantFloatTexture>(value); }
+    template <class F>
+    static Ptr Compute(bool usesFootprint, F f) {
+        return std::make_shared<FunctionTexture<F, FloatTexture, Float>>(usesFootprint, std::move(f));
+    }
 };
 
 struct SpectrumKind {
     using Ptr = SpectrumTexturePtr;
     using Operand = SpectrumTextureParam;
     using Value = SpectrumParam;
-    template <template <class, class, class...> class T>
-    using Texture = SpectrumFamily<T>;
+    using Result = SampledSpectrum;
 
     static Operand DefaultOperand(Float value) { return {DefaultValue(value)}; }
     static Value DefaultValue(Float value) { return {SpectrumUse::Unbounded, value}; }
@@ -40,37 +43,58 @@ struct SpectrumKind {
         value.use = r.use;
         return std::make_shared<ConstantSpectrumTexture>(value.Make(r.files));
     }
+    template <class F>
+    static Ptr Compute(bool usesFootprint, F f) {
+        return std::make_shared<FunctionTexture<F, SpectrumTexture, SampledSpectrum, SampledWavelengths>>(usesFootprint,
+                                                                                                          std::move(f));
+    }
 };
+
+/// (1 - w) first + w second, with w = weight(context); evaluates only textures of non-zero weight.
+template <class Kind, class Weight>
+typename Kind::Ptr Blend(const typename Kind::Ptr &first, const typename Kind::Ptr &second, bool weightUsesFootprint,
+                         Weight weight) {
+    const bool usesFootprint = weightUsesFootprint || first->UsesFootprint() || second->UsesFootprint();
+    return Kind::Compute(usesFootprint, [=](const TextureContext &ctx, const auto &...lambda) {
+        const Float w = weight(ctx);
+        if (w == 0) return first->Evaluate(ctx, lambda...);
+        if (w == 1) return second->Evaluate(ctx, lambda...);
+        return first->Evaluate(ctx, lambda...) * (1 - w) + second->Evaluate(ctx, lambda...) * w;
+    });
+}
 
 template <class Kind>
 struct ConstantParams {
     typename Kind::Value value = Kind::DefaultValue(1);
-    template <class V>
-    void Describe(V &&v) {
-        v("value", value, "value of the texture");
-    }
+    void Describe(auto &&v) { v("value", value, "value"); }
 };
+
+/// Copy of an image texture with its scale, before the inversion, multiplied by `factor`; null for other textures.
+template <class Image, class Ptr>
+Ptr ScaleImage(const Ptr &texture, Float factor) {
+    const auto *image = dynamic_cast<const Image *>(texture.get());
+    if (!image) return nullptr;
+    auto scaled = std::make_shared<Image>(*image);
+    scaled->overlay.scale *= factor;
+    return scaled;
+}
 
 FloatTexturePtr ScaleBy(const FloatTexturePtr &texture, Float factor) {
     if (factor == 1) return texture;
     if (auto constant = texture->Constant()) return std::make_shared<ConstantFloatTexture>(*constant * factor);
-    if (auto image = dynamic_cast<const ImageFloatTexture *>(texture.get())) return image->Scaled(factor);
-    return nullptr;
+    return ScaleImage<ImageFloatTexture>(texture, factor);
 }
 SpectrumTexturePtr ScaleBy(const SpectrumTexturePtr &texture, Float factor) {
-    if (factor == 1) return texture;
-    if (auto image = dynamic_cast<const ImageSpectrumTexture *>(texture.get())) return image->Scaled(factor);
-    return nullptr;
+    return factor == 1 ? texture : ScaleImage<ImageSpectrumTexture>(texture, factor);
 }
 
 template <class Kind>
 struct ScaleParams {
     typename Kind::Operand tex = Kind::DefaultOperand(1);
     FloatTextureParam scale{1};
-    template <class V>
-    void Describe(V &&v) {
-        v("tex", tex, "texture that is scaled");
-        v("scale", scale, "the factor");
+    void Describe(auto &&v) {
+        v("tex", tex, "scaled texture");
+        v("scale", scale, "factor");
     }
 };
 
@@ -84,24 +108,27 @@ typename Kind::Ptr MakeScale(const ScaleParams<Kind> &p, const ParamSet &, const
     if constexpr (std::is_same_v<Kind, FloatKind>)
         if (auto factor = texture->Constant())
             if (auto scaled = ScaleBy(scale, *factor)) return scaled;
-    return std::make_shared<typename Kind::template Texture<ScaleTexture>>(std::move(texture), std::move(scale));
+    const bool usesFootprint = texture->UsesFootprint() || scale->UsesFootprint();
+    return Kind::Compute(usesFootprint, [=](const TextureContext &ctx, const auto &...lambda) {
+        const Float s = scale->Evaluate(ctx);
+        if (s == 0) return typename Kind::Result(Float(0));
+        return texture->Evaluate(ctx, lambda...) * s;
+    });
 }
 
 template <class Kind>
 struct TwoParams {
     typename Kind::Operand first = Kind::DefaultOperand(0), second = Kind::DefaultOperand(1);
-    template <class V>
-    void Describe(V &&v) {
-        v("tex1", first, "one operand");
-        v("tex2", second, "the other operand");
+    void Describe(auto &&v) {
+        v("tex1", first, "first operand");
+        v("tex2", second, "second operand");
     }
 };
 
 template <class Kind>
 struct MixParams : TwoParams<Kind> {
     FloatTextureParam amount{Float(0.5)};
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         TwoParams<Kind>::Describe(v);
         v("amount", amount, "share of tex2");
     }
@@ -115,18 +142,16 @@ typename Kind::Ptr MakeMix(const MixParams<Kind> &p, const ParamSet &, const Tex
         if (*weight == 0) return first;
         if (*weight == 1) return second;
     }
-    return std::make_shared<typename Kind::template Texture<MixTexture>>(std::move(first), std::move(second),
-                                                                         std::move(amount));
+    return Blend<Kind>(first, second, amount->UsesFootprint(),
+                       [amount](const TextureContext &ctx) { return amount->Evaluate(ctx); });
 }
 
 template <class Kind>
 struct DirectionMixParams : TwoParams<Kind> {
     Vector3 direction{0, 1, 0};
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         TwoParams<Kind>::Describe(v);
-        v("dir", direction, Items{ParamType::Vector3},
-          "direction; the share of tex1 is the absolute cosine of its angle to the normal");
+        v("dir", direction, Items{ParamType::Vector3}, "share of tex1: absolute cosine to the normal");
     }
 };
 
@@ -135,16 +160,16 @@ typename Kind::Ptr MakeDirectionMix(const DirectionMixParams<Kind> &p, const Par
     auto first = Kind::Make(p.first, r), second = Kind::Make(p.second, r);
     Vector3 direction = r.renderFromTexture.Vector(p.direction);
     if (!(LengthSquared(direction) > 0)) throw set.Error("dir", "\"dir\" has no direction, because its length is 0.");
-    return std::make_shared<typename Kind::template Texture<DirectionMixTexture>>(std::move(first), std::move(second),
-                                                                                  direction);
+    direction = Normalize(direction);
+    return Blend<Kind>(second, first, false,
+                       [direction](const TextureContext &ctx) { return AbsDot(ctx.n, direction); });
 }
 
 template <class Kind>
 struct BilerpParams : MappingParams {
     std::array<typename Kind::Value, 4> v{Kind::DefaultValue(0), Kind::DefaultValue(1), Kind::DefaultValue(0),
                                           Kind::DefaultValue(1)};
-    template <class V>
-    void Describe(V &&visit) {
+    void Describe(auto &&visit) {
         visit("v00", v[0], "value at (s, t) = (0, 0)");
         visit("v01", v[1], "value at (s, t) = (0, 1)");
         visit("v10", v[2], "value at (s, t) = (1, 0)");
@@ -157,8 +182,14 @@ template <class Kind>
 typename Kind::Ptr MakeBilerp(const BilerpParams<Kind> &p, const ParamSet &set, const TextureRequest &r) {
     std::array<typename Kind::Ptr, 4> corners;
     for (size_t i = 0; i < 4; ++i) corners[i] = Kind::Make(p.v[i], r);
-    return std::make_shared<typename Kind::template Texture<BilerpTexture>>(p.Make(set, r.renderFromTexture, r.sink),
-                                                                            std::move(corners));
+    const TextureMapping2D mapping = p.Make(set, r.renderFromTexture, r.sink);
+    return Kind::Compute(false, [=](const TextureContext &ctx, const auto &...lambda) {
+        const Point2 st = Map(mapping, ctx).st;
+        const Float ws[2] = {1 - st.x, st.x}, wt[2] = {1 - st.y, st.y};
+        typename Kind::Result sum(Float(0));
+        for (size_t i = 0; i < 4; ++i) sum += corners[i]->Evaluate(ctx, lambda...) * (ws[i >> 1] * wt[i & 1]);
+        return sum;
+    });
 }
 
 PointMapping MakePointMapping(const ParamSet &set, const TextureRequest &r, const char *what) {
@@ -171,31 +202,31 @@ template <class Kind>
 struct CheckerboardParams : MappingParams {
     int dimension = 2;
     typename Kind::Operand first = Kind::DefaultOperand(1), second = Kind::DefaultOperand(0);
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("dimension", dimension, Range<int>{2, 3}, "squares (2) or cubes (3)");
-        v("tex1", first, "texture of the cell at the origin and every other one");
-        v("tex2", second, "texture of the cells between");
+        v("tex1", first, "cell at the origin and every other one");
+        v("tex2", second, "cells between");
         if (v.When(dimension == 2)) MappingParams::Describe(v);
     }
 };
 
 template <class Kind>
 typename Kind::Ptr MakeCheckerboard(const CheckerboardParams<Kind> &p, const ParamSet &set, const TextureRequest &r) {
-    CheckerPattern pattern = p.dimension == 2 ? CheckerPattern(p.Make(set, r.renderFromTexture, r.sink))
-                                              : CheckerPattern(MakePointMapping(set, r, "dimension 3"));
-    auto first = Kind::Make(p.first, r), second = Kind::Make(p.second, r);
-    return std::make_shared<typename Kind::template Texture<CheckerboardTexture>>(std::move(pattern), std::move(first),
-                                                                                  std::move(second));
+    const auto checkers = [&](const auto &mapping) {
+        auto first = Kind::Make(p.first, r), second = Kind::Make(p.second, r);
+        return Blend<Kind>(first, second, true,
+                           [mapping](const TextureContext &ctx) { return CheckerWeight(mapping, ctx); });
+    };
+    if (p.dimension == 3) return checkers(MakePointMapping(set, r, "dimension 3"));
+    return checkers(p.Make(set, r.renderFromTexture, r.sink));
 }
 
 template <class Kind>
 struct DotsParams : MappingParams {
     typename Kind::Operand inside = Kind::DefaultOperand(1), outside = Kind::DefaultOperand(0);
-    template <class V>
-    void Describe(V &&v) {
-        v("inside", inside, "texture around the dots, as in stock");
-        v("outside", outside, "texture in the dots, as in stock");
+    void Describe(auto &&v) {
+        v("inside", inside, "around the dots, as in stock");
+        v("outside", outside, "in the dots, as in stock");
         MappingParams::Describe(v);
     }
 };
@@ -203,30 +234,28 @@ struct DotsParams : MappingParams {
 /// As in stock pbrt-v4, "outside" is inside the dots and "inside" around them.
 template <class Kind>
 typename Kind::Ptr MakeDots(const DotsParams<Kind> &p, const ParamSet &set, const TextureRequest &r) {
-    DotPattern pattern(p.Make(set, r.renderFromTexture, r.sink));
+    const TextureMapping2D mapping = p.Make(set, r.renderFromTexture, r.sink);
     auto inside = Kind::Make(p.inside, r), outside = Kind::Make(p.outside, r);
-    return std::make_shared<typename Kind::template Texture<DotsTexture>>(std::move(pattern), std::move(outside),
-                                                                          std::move(inside));
+    return Blend<Kind>(inside, outside, false,
+                       [mapping](const TextureContext &ctx) -> Float { return IsInDot(Map(mapping, ctx).st) ? 1 : 0; });
 }
 
 struct NoiseParams {
     NoiseOctaves octaves;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         // Each octave has nearly twice the frequency of the previous.
-        v("octaves", octaves.count, Range<int>{0, 64}, "number of octaves of noise that are added");
-        v("roughness", octaves.roughness, "strength of an octave relative to the one before");
+        v("octaves", octaves.count, Range<int>{0, 64}, "number of noise octaves");
+        v("roughness", octaves.roughness, "strength relative to the previous octave");
     }
 };
 
 struct MarbleParams {
     NoiseParams noise;
     Float scale = 1, variation = Float(0.2);
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         noise.Describe(v);
-        v("scale", scale, "factor of the position in texture space");
-        v("variation", variation, "how far the noise moves the veins");
+        v("scale", scale, "factor of positions in texture space");
+        v("variation", variation, "distortion of the veins");
     }
 };
 
@@ -245,16 +274,14 @@ struct ImagemapParams : MappingParams {
     MipMapKey key;
     Float scale = 1;
     bool invert = false;
-    template <class V>
-    void Describe(V &&v) {
-        v("filename", filename, Required(), "the image");
-        v("filter", key.filter, kFilters, "how the image is filtered");
-        v("maxanisotropy", key.maxAnisotropy, Positive(1e6f),
-          "of filter ewa: largest ratio of length to width of the footprint");
-        v("wrap", key.wrap, kWraps, "what lies outside of the image");
+    void Describe(auto &&v) {
+        v("filename", filename, Required(), "image file");
+        v("filter", key.filter, kFilters, "filter");
+        v("maxanisotropy", key.maxAnisotropy, Positive(1e6f), "ewa: maximum length over width of the footprint");
+        v("wrap", key.wrap, kWraps, "outside of the image");
         v("scale", scale, "factor of the values");
-        v("invert", invert, "take 1 minus the value");
-        v("encoding", encoding, "sRGB, linear or \"gamma X\"; default: what the file says");
+        v("invert", invert, "use 1 minus the value");
+        v("encoding", encoding, "sRGB, linear or \"gamma X\"; default: the file's");
         MappingParams::Describe(v);
     }
     MipMapKey Key(const ParamSet &set, const FileResolver &files) const {
@@ -294,9 +321,26 @@ void AddOfBothFamilies(Table &table) {
     table.template Add<DotsParams<Kind>>("dots", "swapped, as in stock", MakeDots<Kind>);
 }
 
-template <class Texture>
+/// `Sum`: Signed or Creased of NoiseOctaves, evaluated in texture space.
+template <auto Sum>
 FloatTexturePtr MakeNoise(const NoiseParams &p, const ParamSet &set, const TextureRequest &r) {
-    return std::make_shared<Texture>(MakePointMapping(set, r, "noise"), p.octaves);
+    const PointMapping mapping = MakePointMapping(set, r, "noise");
+    return FloatKind::Compute(true, [mapping, octaves = p.octaves](const TextureContext &ctx) {
+        const TexCoord3 c = mapping.Map(ctx);
+        return (octaves.*Sum)(c.p, c.dpdx, c.dpdy);
+    });
+}
+
+/// Veins alternating along y of texture space. Always uplifted as a reflectance, regardless of its use.
+SpectrumTexturePtr MakeMarble(const MarbleParams &p, const ParamSet &set, const TextureRequest &r) {
+    const PointMapping mapping = MakePointMapping(set, r, "noise");
+    return SpectrumKind::Compute(true, [=](const TextureContext &ctx, const SampledWavelengths &lambda) {
+        const TexCoord3 c = mapping.Map(ctx);
+        const Float s = p.scale;
+        const Point3 q = s * c.p;
+        const Float phase = q.y + p.variation * p.noise.octaves.Signed(q, s * c.dpdx, s * c.dpdy);
+        return RgbAlbedoSpectrum(ColorSpace::SRGB(), MarbleColor((1 + std::sin(phase)) / 2)).Sample(lambda);
+    });
 }
 
 }  // namespace
@@ -310,10 +354,12 @@ const FloatTextureTable &FloatTextures() {
                               [](const auto &p, const ParamSet &set, Request &r) {
                                   return std::make_shared<ImageFloatTexture>(MakeImageOverlay(p, set, r));
                               });
-        t.Add<NoiseParams>("fbm", "", MakeNoise<FbmTexture>);
-        t.Add<NoiseParams>("wrinkled", "", MakeNoise<WrinkledTexture>);
+        t.Add<NoiseParams>("fbm", "", MakeNoise<&NoiseOctaves::Signed>);
+        t.Add<NoiseParams>("wrinkled", "", MakeNoise<&NoiseOctaves::Creased>);
         t.Add<NoParams>("windy", "", [](const auto &, const ParamSet &set, Request &r) {
-            return std::make_shared<WindyTexture>(MakePointMapping(set, r, "noise"));
+            return FloatKind::Compute(true, [mapping = MakePointMapping(set, r, "noise")](const TextureContext &ctx) {
+                return WindyNoise(mapping.Map(ctx));
+            });
         });
         return t;
     }();
@@ -328,10 +374,7 @@ const SpectrumTextureTable &SpectrumTextures() {
         t.Add<ImagemapParams>("imagemap", "as the float texture", [](const auto &p, const ParamSet &set, Request &r) {
             return std::make_shared<ImageSpectrumTexture>(MakeImageOverlay(p, set, r), r.use);
         });
-        t.Add<MarbleParams>("marble", "", [](const auto &p, const ParamSet &set, Request &r) {
-            return std::make_shared<MarbleTexture>(MakePointMapping(set, r, "noise"),
-                                                   MarbleSettings{p.noise.octaves, p.scale, p.variation});
-        });
+        t.Add<MarbleParams>("marble", "", MakeMarble);
         return t;
     }();
     return table;

@@ -66,20 +66,19 @@ struct MappingParams {
     UvMapping uv;
     Vector3 v1{1, 0, 0}, v2{0, 1, 0};
 
-    template <class V>
-    void Describe(V &&v) {
-        v("mapping", mapping, "uv, spherical, cylindrical or planar; another name is a warning");
+    void Describe(auto &&v) {
+        v("mapping", mapping, "uv, spherical, cylindrical or planar, else a warning");
         if (v.When(mapping == "uv")) {
-            v("uscale", uv.su, "of mapping uv: factor of u");
-            v("vscale", uv.sv, "of mapping uv: factor of v");
+            v("uscale", uv.su, "uv: factor of u");
+            v("vscale", uv.sv, "uv: factor of v");
         }
         if (v.When(mapping == "uv" || mapping == "planar")) {
-            v("udelta", uv.du, "of mappings uv and planar: what is added to u");
-            v("vdelta", uv.dv, "of mappings uv and planar: what is added to v");
+            v("udelta", uv.du, "uv, planar: offset of u");
+            v("vdelta", uv.dv, "uv, planar: offset of v");
         }
         if (v.When(mapping == "planar")) {
-            v("v1", v1, Items{ParamType::Vector3}, "of mapping planar: the axis of u");
-            v("v2", v2, Items{ParamType::Vector3}, "of mapping planar: the axis of v");
+            v("v1", v1, Items{ParamType::Vector3}, "planar: axis of u");
+            v("v2", v2, Items{ParamType::Vector3}, "planar: axis of v");
         }
     }
     /// An unknown name is a warning and means "uv", as in stock pbrt-v4.

@@ -1,5 +1,5 @@
 #include "direct_light_integrator.h"
-#include "pbrt/build/integrator_makers.h"
+#include "pbrt/build/integrator_builder.h"
 
 using namespace pbrt;
 

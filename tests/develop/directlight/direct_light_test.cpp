@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "pbrt/build/integrator_makers.h"
+#include "pbrt/build/integrator_builder.h"
 #include "support/build_text.h"
 
 using namespace pbrt;

@@ -3,7 +3,6 @@
 #include <tuple>
 
 #include "pbrt/build/render_identity.h"
-#include "pbrt/build/view.h"
 #include "pbrt/core/count_text.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"

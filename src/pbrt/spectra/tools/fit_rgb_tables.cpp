@@ -1,4 +1,4 @@
-// Fits and writes the table of one colour space: fit_rgb_tables <space> <file>. Layout in rgb_table.h.
+// Fits and writes the table of one colour space: fit_rgb_tables <space> <file>. Layout in rgb_primaries.h.
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -7,7 +7,6 @@
 #include "pbrt/core/error.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/spectra/rgb_table.h"
 #include "pbrt/spectra/tools/sigmoid_fit.h"
 
 using namespace pbrt;

@@ -1,8 +1,7 @@
-#include "pbrt/build/medium_builder.h"
-
 #include <gtest/gtest.h>
 
-#include "pbrt/build/view.h"
+#include "pbrt/build/built_scene.h"
+#include "pbrt/build/geometry_builder.h"
 #include "pbrt/scenefile/parser.h"
 #include "support/build_text.h"
 
@@ -23,7 +22,7 @@ struct Built {
         media = MakeMedia(d, renderFromWorld, sink);
     }
     Float DensityAt(const std::string &name, const Point3 &world) const {
-        const MediumId id = media.ids.Find(name);
+        const MediumId id = media.Find(name);
         return media.media.at(id.value)->At(renderFromWorld.Point(world), kLambda).absorption[0];
     }
 };
@@ -45,7 +44,7 @@ TEST(MediumBuilder, MediaStandWhereTheSceneSaysWhereverTheyAreDefined) {
     EXPECT_EQ(all.DensityAt("early", {3.9f, 5.5f, 6.5f}), 0);
     EXPECT_NEAR(all.DensityAt("middle", {7.5f, 5.5f, 6.5f}), 2, 1e-4f);
     EXPECT_NEAR(all.DensityAt("late", {11, 6, 7}), 2, 1e-4f);
-    EXPECT_FALSE(all.media.ids.Find(""));
+    EXPECT_FALSE(all.media.Find(""));
 }
 
 TEST(MediumBuilder, MistakesOfUnusedMediaAreFound) {
@@ -55,8 +54,8 @@ TEST(MediumBuilder, MistakesOfUnusedMediaAreFound) {
         "MakeNamedMedium \"c\" \"string type\" \"homogeneous\"\n");
     EXPECT_EQ(built.sink.ErrorCount(), 2u);
     EXPECT_EQ(built.media.media.size(), 1u);
-    EXPECT_FALSE(built.media.ids.Find("a"));
-    EXPECT_EQ(built.media.ids.Find("c"), MediumId(0u));
+    EXPECT_FALSE(built.media.Find("a"));
+    EXPECT_EQ(built.media.Find("c"), MediumId(0u));
 }
 
 }  // namespace

@@ -1,5 +1,3 @@
-#include "pbrt/materials/bump_map.h"
-
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -19,9 +17,12 @@ class Height final : public FloatTexture {
     std::function<Float(const TextureContext &)> f_;
 };
 
-BumpMap Bumps(std::function<Float(const TextureContext &)> f) {
-    return BumpMap(std::make_shared<Height>(std::move(f)));
-}
+struct Bumps {
+    explicit Bumps(std::function<Float(const TextureContext &)> f) : height(std::make_shared<Height>(std::move(f))) {}
+    void Perturb(SurfacePoint &point) const { ApplyBumpMap(*height, point); }
+
+    FloatTexturePtr height;
+};
 
 void ExpectNear(const Vector3 &a, const Vector3 &b, Float tolerance = 1e-3f) {
     EXPECT_LT(Distance(a, b), tolerance) << a.x << " " << a.y << " " << a.z << " against " << b.x << " " << b.y << " "
@@ -125,8 +126,8 @@ TEST(BumpMap, MaterialsReadDisplacementButTheNormalMapWins) {
     } both;
     Image image(PixelFormat::Float, {1, 1}, {"R", "G", "B"});
     for (int c = 0; c < 3; ++c) image.Set({0, 0}, c, (Vector3(0, .6f, .8f)[c] + 1) / 2);
-    both.SetNormalMap(std::make_unique<NormalMap>(std::make_shared<const Image>(std::move(image))));
-    both.SetBumpMap(Bumps([](const TextureContext &c) { return c.p.x; }));
+    both.SetNormalMap(std::make_shared<const Image>(std::move(image)));
+    both.SetBumpMap(Bumps([](const TextureContext &c) { return c.p.x; }).height);
     SurfacePoint s = FlatPoint();
     both.PerturbShading(s);
     ExpectNear(s.shading.n, {0, .6f, .8f});

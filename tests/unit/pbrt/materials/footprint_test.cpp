@@ -4,7 +4,6 @@
 
 #include "material_test_support.h"
 #include "pbrt/images/image.h"
-#include "pbrt/materials/forced_diffuse.h"
 
 namespace pbrt {
 namespace {

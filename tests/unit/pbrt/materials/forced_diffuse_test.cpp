@@ -1,5 +1,3 @@
-#include "pbrt/materials/forced_diffuse.h"
-
 #include "material_test_support.h"
 #include "pbrt/bxdfs/bsdf.h"
 

@@ -1,5 +1,3 @@
-#include "pbrt/materials/hair_material.h"
-
 #include <gtest/gtest.h>
 
 #include "material_test_support.h"

@@ -1,4 +1,4 @@
-#include "pbrt/materials/measured_material.h"
+#include "pbrt/materials/material_params.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

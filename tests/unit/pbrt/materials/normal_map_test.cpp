@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "material_test_support.h"
-#include "pbrt/materials/normal_map.h"
+#include "pbrt/materials/surface_material.h"
 #include "pbrt/math/frame.h"
 
 namespace pbrt {
@@ -33,7 +33,7 @@ void ExpectNear(const Vector3 &a, const Vector3 &b) {
 
 TEST(NormalMap, FrameTurnsToTheMappedNormal) {
     SurfacePoint s = FlatPoint();
-    NormalMap(Picture({{.6f, 0, .8f}})).Perturb(s);
+    ApplyNormalMap(*Picture({{.6f, 0, .8f}}), s);
     ExpectNear(s.shading.n, {.6f, 0, .8f});
     ExpectNear(s.shading.dpdu, Vector3(.8f, 0, -.6f) * 2.f);
     ExpectNear(s.shading.dpdv, {0, 3, 0});
@@ -43,13 +43,13 @@ TEST(NormalMap, FrameTurnsToTheMappedNormal) {
 
 TEST(NormalMap, PixelsNeedNotBeUnit) {
     SurfacePoint s = FlatPoint();
-    NormalMap(Picture({{.3f, 0, .4f}})).Perturb(s);
+    ApplyNormalMap(*Picture({{.3f, 0, .4f}}), s);
     ExpectNear(s.shading.n, {.6f, 0, .8f});
 }
 
 TEST(NormalMap, StraightUpChangesNothing) {
     SurfacePoint s = test::TestPoint(), t = s;
-    NormalMap(Picture({{0, 0, 1}})).Perturb(t);
+    ApplyNormalMap(*Picture({{0, 0, 1}}), t);
     ExpectNear(s.shading.n, t.shading.n);
     ExpectNear(s.shading.dpdu, t.shading.dpdu);
     ExpectNear(s.shading.dpdv, t.shading.dpdv);
@@ -59,7 +59,7 @@ TEST(NormalMap, FrameStaysOrthogonalWithItsLengths) {
     SurfacePoint s = test::TestPoint();
     Vector3 u = s.shading.dpdu, v = s.shading.dpdv, n = s.shading.n;
     Vector3 mapped = Normalize(Vector3(.3f, -.5f, .7f));
-    NormalMap(Picture({mapped})).Perturb(s);
+    ApplyNormalMap(*Picture({mapped}), s);
     ExpectNear(s.shading.n, Frame::FromXZ(Normalize(u), n).FromLocal(mapped));
     EXPECT_NEAR(Dot(s.shading.n, s.shading.dpdu), 0, 1e-5f);
     EXPECT_NEAR(Dot(s.shading.n, s.shading.dpdv), 0, 1e-5f);
@@ -71,27 +71,27 @@ TEST(NormalMap, FrameStaysOrthogonalWithItsLengths) {
 TEST(NormalMap, NormalStaysOnTheGeometricSide) {
     SurfacePoint s = FlatPoint();
     s.n = {0, 0, -1};
-    NormalMap(Picture({{.6f, 0, .8f}})).Perturb(s);
+    ApplyNormalMap(*Picture({{.6f, 0, .8f}}), s);
     ExpectNear(s.shading.n, {-.6f, 0, -.8f});
 }
 
 TEST(NormalMap, ZeroVIsTheBottomRowAndItRepeats) {
-    NormalMap map(Picture({{.6f, 0, .8f}, {0, .6f, .8f}}));
+    const auto map = Picture({{.6f, 0, .8f}, {0, .6f, .8f}});
     for (Float v : {.25f, 1.25f, -.75f}) {
         SurfacePoint s = FlatPoint();
         s.uv = {.5f, v};
-        map.Perturb(s);
+        ApplyNormalMap(*map, s);
         ExpectNear(s.shading.n, {0, .6f, .8f});
     }
     SurfacePoint s = FlatPoint();
     s.uv = {.5f, .75f};
-    map.Perturb(s);
+    ApplyNormalMap(*map, s);
     ExpectNear(s.shading.n, {.6f, 0, .8f});
 }
 
 TEST(NormalMap, NoDirectionChangesNothing) {
     SurfacePoint s = FlatPoint();
-    NormalMap(Picture({{0, 0, 0}})).Perturb(s);
+    ApplyNormalMap(*Picture({{0, 0, 0}}), s);
     ExpectNear(s.shading.n, {0, 0, 1});
 }
 

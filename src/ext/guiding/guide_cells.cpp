@@ -375,36 +375,17 @@ Float GuideCells::ShinesAt(const Point3 &p) const {
     return radiance > 0 ? radiance / brightest : 0;
 }
 
-GuideRecord GuideRecord::Read(StateReader &in) {
-    // The flags are the last four bytes.
-    StateReader flags = in;
-    flags.Take(offsetof(GuideRecord, bothSides));
-    for (int i = 0; i < 4; ++i) flags.Value<bool>();
-    const auto r = in.Value<GuideRecord>();
-    for (const Vector3 &v : {Vector3(r.p), Vector3(r.target), r.normal, r.wi})
-        in.Require(std::isfinite(v.x + v.y + v.z), "a record is not finite");
-    in.Require(r.pdf > 0 && std::isfinite(r.pdf) && r.bsdfPdf >= 0 && std::isfinite(r.bsdfPdf) && r.beta >= 0 &&
-                   std::isfinite(r.beta) && std::isfinite(r.radiance) && std::isfinite(r.contribution),
-               "a record is not finite");
-    return r;
-}
-
-void GuideCells::Save(StateWriter &out) const {
-    out.Vector(leaves_);
-    out.Vector(clusters_);
-    tree_.Save(out);
-}
-
-void GuideCells::Load(StateReader &in) {
-    in.Vector(&leaves_);
-    in.Vector(&clusters_);
-    in.Require(clusters_.size() <= kMaxSourceClusters, "it has too many clusters");
-    tree_.Load(in, 1, leaves_.size());
-    in.RequireValid(Validate());
-    LeavesChanged();
+std::optional<std::string> GuideRecord::Validate() const {
+    const auto isFinite = [](const Vector3 &v) { return std::isfinite(v.x + v.y + v.z); };
+    const bool isValid = isFinite(p) && isFinite(target) && isFinite(normal) && isFinite(wi) && pdf > 0 &&
+                         std::isfinite(pdf) && bsdfPdf >= 0 && std::isfinite(bsdfPdf) && beta >= 0 &&
+                         std::isfinite(beta) && std::isfinite(radiance) && std::isfinite(contribution);
+    return isValid ? std::nullopt : std::optional("a record is not finite");
 }
 
 std::optional<std::string> GuideCells::Validate() const {
+    if (clusters_.size() > kMaxSourceClusters) return "it has too many clusters";
+    if (std::optional<std::string> fault = tree_.ValidateFor(1, leaves_.size())) return fault;
     const auto isNumber = [](Float v) { return v >= 0 && std::isfinite(v); };
     for (const Leaf &leaf : leaves_) {
         for (const size_t kind : {0, 1})

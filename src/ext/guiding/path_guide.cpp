@@ -1,10 +1,9 @@
 #include "ext/guiding/path_guide.h"
 
-#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "pbrt/core/effective_params_text.h"
-#include "pbrt/core/state_io.h"
+#include "pbrt/core/seconds_since.h"
 #include "pbrt/math/bounds.h"
 #include "pbrt/scene/scene.h"
 
@@ -66,7 +65,7 @@ void PathGuide::Prepare(PrepareContext &prepare, int maxDepth) {
     // A guide loaded from another render does not learn further.
     in.Require(learned == first && (next == 0 || next == NextAfter(first)),
                "the guide learns after a wrong number of samples");
-    LoadCells(in);
+    LoadEstimates(in);
     in.Require(!roulette_.HasEstimates() || roulette_.Size() == Size(), "roulette was learned for another picture");
     BeginRecording(first, next);
     MergeRecords(in);
@@ -74,12 +73,8 @@ void PathGuide::Prepare(PrepareContext &prepare, int maxDepth) {
 }
 
 void PathGuide::Save(StateWriter &out) const {
-    out.Value(kVersion);
-    out.Value(first_);
-    out.Value(next_);
-    out.Value(estimatesDirections_);
-    cells_.Save(out);
-    roulette_.Save(out);
+    StateSaver save(out);
+    save(kVersion, first_, next_, *this);
     records_.Save(out);
     roulette_.SaveRecords(out);
 }
@@ -109,19 +104,19 @@ bool PathGuide::IsSame(const View &a, const View &b) const {
 }
 
 void PathGuide::SaveForOthers(StateWriter &out) const {
-    out.Value(kVersion);
-    out.Text(EffectiveParamsText(params_));
-    out.Value(view_);
-    out.Value(estimatesDirections_);
-    cells_.Save(out);
-    roulette_.Save(out);
+    StateSaver save(out);
+    save(kVersion, EffectiveParamsText(params_), view_, *this);
 }
 
-void PathGuide::LoadCells(StateReader &in) {
-    estimatesDirections_ = in.Value<bool>();
-    in.Require(params_.directions || !estimatesDirections_, "it has directions, which are off");
-    cells_.Load(in);
-    roulette_.Load(in);
+void PathGuide::LoadEstimates(StateReader &in) {
+    StateLoader load(in);
+    load(*this);
+    cells_.LeavesChanged();
+}
+
+std::optional<std::string> PathGuide::Validate() const {
+    return params_.directions || !estimatesDirections_ ? std::nullopt
+                                                       : std::optional("it has directions, which are off");
 }
 
 void PathGuide::LoadOfOther(StateReader &in) {
@@ -130,7 +125,7 @@ void PathGuide::LoadOfOther(StateReader &in) {
         throw UserError(fmt::format("{}: was learned by a guide with other parameters: {}; here they are {}.",
                                     in.What(), saved, here));
     const auto view = in.Value<View>();
-    LoadCells(in);
+    LoadEstimates(in);
     in.RequireEnd();
     roulette_.UseFor(Size(), IsSame(view, view_));
     BeginRecording(0, 0);
@@ -182,12 +177,12 @@ void PathGuide::BeginRecording(int first, int next) {
 void PathGuide::Update(const Progress &progress) {
     if (progress.Cancelled()) return;
     const int now = next_;
-    const auto begin = std::chrono::steady_clock::now();
+    const auto start = std::chrono::steady_clock::now();
     if (params_.roulette) roulette_.Learn(Size(), [&](size_t path) { return paths_.PixelOf(path); });
     if (records_.IsOpen())
         EstimateDirections(static_cast<double>(params_.minSaved) * (NextAfter(now) != 0 ? kMinFirstSaving : 1));
     BeginRecording(now, NextAfter(now));
-    updateSeconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    updateSeconds_ += SecondsSince(start);
 }
 
 void PathGuide::EstimateDirections(double minSaved) {

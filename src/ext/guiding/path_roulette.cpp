@@ -49,20 +49,14 @@ Moments MeanOf(const RouletteRecord *const *begin, const RouletteRecord *const *
 
 }  // namespace
 
-// Radiance may be infinite; Learn excludes such records.
-RouletteRecord RouletteRecord::Read(StateReader &in) {
-    const auto r = in.Value<RouletteRecord>();
-    in.Require(!r.IsEmpty() && std::isfinite(r.p.x + r.p.y + r.p.z) && std::isfinite(r.here.cost) &&
-                   std::isfinite(r.onwards.cost),
-               "a record is not finite");
-    in.Require(r.kind < PathRoulette::kKinds, "a record is of no kind");
-    return r;
+std::optional<std::string> RouletteRecord::Validate() const {
+    if (IsEmpty() || !std::isfinite(p.x + p.y + p.z) || !std::isfinite(here.cost) || !std::isfinite(onwards.cost))
+        return "a record is not finite";
+    return kind < PathRoulette::kKinds ? std::nullopt : std::optional("a record is of no kind");
 }
 
-PathTotal PathTotal::Read(StateReader &in) {
-    const auto total = in.Value<PathTotal>();
-    in.Require(!total.IsEmpty() && std::isfinite(total.cost), "a record is not finite");
-    return total;
+std::optional<std::string> PathTotal::Validate() const {
+    return !IsEmpty() && std::isfinite(cost) ? std::nullopt : std::optional("a record is not finite");
 }
 
 uint32_t PathRoulette::KindOf(const Vector3 &n, bool isGlossy) {
@@ -208,24 +202,8 @@ void PathRoulette::Divide(size_t node, const RouletteRecord **begin, const Roule
     Divide(below + 1, second, end, mean);
 }
 
-void PathRoulette::Save(StateWriter &out) const {
-    out.Vector(cells_);
-    tree_.Save(out);
-    out.Value(size_);
-    out.Value(tile_);
-    out.Vector(tiles_);
-}
-
-void PathRoulette::Load(StateReader &in) {
-    in.Vector(&cells_);
-    tree_.Load(in, kKinds, cells_.size());
-    in.Value(&size_);
-    in.Value(&tile_);
-    in.Vector(&tiles_);
-    in.RequireValid(Validate());
-}
-
 std::optional<std::string> PathRoulette::Validate() const {
+    if (std::optional<std::string> fault = tree_.ValidateFor(kKinds, cells_.size())) return fault;
     if (!HasEstimates())
         return cells_.empty() && tiles_.empty() ? std::nullopt : std::optional("cells of roulette belong to no tree");
     constexpr int kMaxSide = 1 << 24;

@@ -4,7 +4,7 @@
 #include <limits>
 #include <vector>
 
-#include "pbrt/core/state_io.h"
+#include "pbrt/core/state_archive.h"
 #include "pbrt/math/bounds.h"
 
 namespace ext {
@@ -61,14 +61,12 @@ class PointTree {
         return second;
     }
 
-    void Save(StateWriter &out) const { out.Structure(nodes_); }
-    /// Throws UserError if the tree is not valid.
-    void Load(StateReader &in, size_t roots, size_t leaves) {
-        in.Structure(&nodes_);
-        in.RequireValid(Validate(roots, leaves));
+    template <class Archive>
+    void Visit(Archive &archive) {
+        archive.Structure(nodes_);
     }
     /// Empty, or why LeafOf would not terminate or return a number of `leaves` or more. Unreachable nodes are allowed.
-    std::optional<std::string> Validate(size_t roots, size_t leaves) const {
+    std::optional<std::string> ValidateFor(size_t roots, size_t leaves) const {
         if (nodes_.empty()) return {};
         if (nodes_.size() < roots || (nodes_.size() - roots) % 2 != 0) return "a tree of places lacks nodes";
         std::vector<bool> isChild((nodes_.size() - roots) / 2, false);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ostream>
 
 #include "pbrt/films/aov_film.h"
 #include "pbrt/films/gbuffer_film.h"
@@ -42,9 +41,17 @@ std::unique_ptr<Film> MakeFilm(const std::string &type, const ParamSet &params, 
     return std::make_unique<AovFilm>(std::move(film), context);
 }
 
+Rgb AlbedoColor(const VisibleSurface &visible, const ColorSpace &space) {
+    const SampledWavelengths &lambda = visible.lambda;
+    const SampledSpectrum reflected = SafeDivide(visible.albedo * space.Illuminant().Sample(lambda), lambda.Pdf());
+    const Xyz xyz((reflected * CieX().Sample(lambda)).Average(), (reflected * CieY().Sample(lambda)).Average(),
+                  (reflected * CieZ().Sample(lambda)).Average());
+    return space.ToRgb(xyz / CieYIntegral);
+}
+
 /// True if all doubles among the sums are finite. Counts never have such bits; splat sums, which may have any bits, are
 /// excluded.
-static bool AreFinite(const std::vector<std::byte> &sums) {
+static bool AreFinite(std::string_view sums) {
     bool areFinite = true;
     for (size_t at = 0; at + sizeof(double) <= sums.size(); at += sizeof(double)) {
         double value = 0;
@@ -68,19 +75,6 @@ size_t Film::Bytes() const {
     return bytes;
 }
 
-void Film::Save(StateWriter &out) const { WriteState(out, kind_, PixelBounds(), Blocks()); }
-
-void Film::Save(std::ostream &out) const {
-    StateWriter writer;
-    Save(writer);
-    for (const std::string_view piece : writer.Pieces())
-        out.write(piece.data(), static_cast<std::streamsize>(piece.size()));
-}
-
-void Film::Load(std::istream &in) { Add(in, true); }
-
-void Film::Merge(std::istream &in) { Add(in, false); }
-
 void Film::TakeSums(StateWriter &out) {
     // The receiving film must allocate splats before it reads the sums.
     const std::vector<StateBlock> blocks = Blocks();
@@ -93,7 +87,7 @@ void Film::AddSums(StateReader &in) {
     pbrt::AddSums(in, Blocks());
 }
 
-void Film::Add(std::istream &in, bool forgetsFirst) {
+void Film::Add(StateReader &in, bool forgetsFirst) {
     const SavedState state = ReadState(in);
     auto throwOtherFilm = [] { throw UserError("the saved state of a film does not belong to this film."); };
     if (state.kind != kind_ || state.pixelBounds.low != PixelBounds().low ||
@@ -116,9 +110,9 @@ void Film::Add(std::istream &in, bool forgetsFirst) {
             throw UserError("the saved state of a film has sums that are not finite.");
     }
     for (const StateBlock &block : blocks) {
-        const std::vector<std::byte> &data = state.Find(block.name)->data;
+        const std::string_view data = state.Find(block.name)->data;
         if (forgetsFirst) block.clear(block.Memory(), block.bytes);
-        block.add(block.Memory(), data.data(), data.size());
+        block.add(block.Memory(), reinterpret_cast<const std::byte *>(data.data()), data.size());
     }
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 #include <cstddef>
 #include <cstring>
-#include <iosfwd>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -56,7 +55,7 @@ struct SavedState {
     Bounds2i pixelBounds{};
     struct Block {
         std::string name;
-        std::vector<std::byte> data;
+        std::string_view data;  ///< of the reader
     };
     std::vector<Block> blocks;
 
@@ -71,6 +70,6 @@ void TakeSums(StateWriter &out, const std::vector<StateBlock> &blocks);
 /// Adds the output of TakeSums for blocks of the same sizes. Throws UserError for others.
 void AddSums(StateReader &in, const std::vector<StateBlock> &blocks);
 /// Throws UserError for truncated or other data.
-SavedState ReadState(std::istream &in);
+SavedState ReadState(StateReader &in);
 
 }  // namespace pbrt

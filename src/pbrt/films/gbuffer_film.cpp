@@ -2,9 +2,6 @@
 
 #include <array>
 
-#include "pbrt/films/rgb_film.h"
-#include "pbrt/films/visible_surface.h"
-
 namespace pbrt {
 
 namespace {
@@ -16,24 +13,21 @@ constexpr std::array<const char *, 22> kFurtherChannels = {
     "RelativeVariance.B"};
 // clang-format on
 
-constexpr double kBytesPerPixel = SensorSums::kBytesPerPixel + kFurtherChannels.size() * sizeof(float);
-
 }  // namespace
 
 GBufferFilm::GBufferFilm(const GBufferParams &params, const ParamSet &set, const FilmRequest &request)
-    : Film("gbuffer",
-           request.Frame(params, set, {.onlyExr = true, .bytesPerPixel = kBytesPerPixel + double{sizeof(Pixel)}})),
+    : RgbFilm("gbuffer", params, set, request, kFurtherChannels.size() * sizeof(float) + sizeof(Surface)),
       renderFromOutput_(params.space == GBufferParams::Space::Camera
                             ? request.context.renderFromCamera
                             : AnimatedTransform(request.context.renderFromWorld)),
-      sums_(params, set, Frame(), request.context.exposureTime), pixels_(Frame().PixelCount()) {}
+      surfaces_(Frame().PixelCount()) {}
 
 void GBufferFilm::AddSample(const FilmSample &sample) {
-    const std::optional<Vector3> sensor = sums_.Measure(sample.L, sample.lambda, sample.weight);
+    const std::optional<Vector3> sensor = Measure(sample.L, sample.lambda, sample.weight);
     if (!sensor) return;
     const size_t index = Frame().IndexOf(sample.pixel);
-    sums_.Add(index, *sensor, sample.weight);
-    Pixel &sums = pixels_[index];
+    Add(index, *sensor, sample.weight);
+    Surface &sums = surfaces_[index];
     const double w = double(sample.weight);
     if (sample.hasRay) sums.rayWeight.Add(w);
     if (!sample.visible) return;
@@ -54,11 +48,7 @@ void GBufferFilm::AddSample(const FilmSample &sample) {
     sums.albedo.Add(w, glm::dvec3(AlbedoColor(visible, OutputSpace())));
 }
 
-void GBufferFilm::AddSplat(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) {
-    if (PixelBounds().Contains(pixel)) sums_.AddSplat(Frame().IndexOf(pixel), L, lambda, weight);
-}
-
-void GBufferFilm::Pixel::operator+=(const Pixel &other) {
+void GBufferFilm::Surface::operator+=(const Surface &other) {
     p += other.p;
     n += other.n;
     ns += other.ns;
@@ -72,17 +62,15 @@ void GBufferFilm::Pixel::operator+=(const Pixel &other) {
     count += other.count;
 }
 
-std::unique_ptr<Film> GBufferFilm::MakeRgbFilm() const { return std::make_unique<RgbFilm>(Frame(), sums_); }
-
 std::vector<StateBlock> GBufferFilm::Blocks() const {
-    std::vector<StateBlock> blocks = {MakeStateBlock("surfaces", std::span(pixels_))};
-    sums_.AppendBlocks(blocks);
+    std::vector<StateBlock> blocks = RgbFilm::Blocks();
+    blocks.insert(blocks.begin(), MakeStateBlock("surfaces", std::span(surfaces_)));
     return blocks;
 }
 
 Image GBufferFilm::ToImage() const {
-    Image image = sums_.MakeImage({kFurtherChannels.begin(), kFurtherChannels.end()});
-    const Pixel *pixel = pixels_.data();
+    Image image = MakeImage({kFurtherChannels.begin(), kFurtherChannels.end()});
+    const Surface *pixel = surfaces_.data();
     for (int y = 0; y < image.Resolution().y; ++y)
         for (int x = 0; x < image.Resolution().x; ++x, ++pixel) {
             int channel = 3;

@@ -1,6 +1,5 @@
 #pragma once
-#include "pbrt/films/film.h"
-#include "pbrt/films/sensor_sums.h"
+#include "pbrt/films/rgb_film.h"
 
 namespace pbrt {
 
@@ -17,25 +16,18 @@ struct GBufferParams : FilmParams {
 
 /// The `gbuffer` film: RGB, mean visible-surface data per pixel, and the variance of samples with a hit. Splats change
 /// RGB only.
-class GBufferFilm final : public Film {
+class GBufferFilm final : public RgbFilm {
   public:
     GBufferFilm(const GBufferParams &params, const ParamSet &set, const FilmRequest &request);
 
     bool WantsVisibleSurface() const override { return true; }
     void AddSample(const FilmSample &sample) override;
-    void ExpectSplats() override { sums_.ExpectSplats(); }
-    void AddSplat(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) override;
-    void AddSplatPaths(uint64_t paths) override { sums_.AddSplatPaths(paths); }
-
     /// The channels of pbrt-v4-format §14.
     Image ToImage() const override;
-    Image Colors() const override { return sums_.Colors(); }
-    uint64_t RejectedSamples() const override { return sums_.Rejected(); }
-    std::unique_ptr<Film> MakeRgbFilm() const override;
 
   private:
     std::vector<StateBlock> Blocks() const override;
-    struct Pixel {
+    struct Surface {
         template <int N>
         struct Sums {
             PreciseSum of[N];
@@ -57,11 +49,10 @@ class GBufferFilm final : public Film {
         PreciseSum rayWeight;     ///< of samples with a camera ray
         Sums<3> sensor, squares;  ///< of those samples, unweighted
         uint64_t count = 0;       ///< of those samples
-        void operator+=(const Pixel &other);
+        void operator+=(const Surface &other);
     };
     AnimatedTransform renderFromOutput_;  ///< output: camera or world space
-    SensorSums sums_;
-    std::vector<Pixel> pixels_;
+    std::vector<Surface> surfaces_;
 };
 
 }  // namespace pbrt

@@ -4,7 +4,6 @@
 
 #include "pbrt/core/files.h"
 #include "pbrt/core/memory.h"
-#include "pbrt/films/visible_surface.h"
 
 namespace pbrt {
 
@@ -39,8 +38,6 @@ size_t ChannelCount(const std::vector<size_t> &aovs) {
     for (const size_t i : aovs) count += Aovs()[i].channels.size();
     return count;
 }
-
-glm::dvec3 Unit(const glm::dvec3 &v) { return glm::dot(v, v) > 0 ? glm::normalize(v) : glm::dvec3(0); }
 
 }  // namespace
 
@@ -131,7 +128,7 @@ Image AovFilm::ToImage() const {
                 const double weight = i == kAlbedo ? all : seen;
                 for (size_t c = 0; c < names.size(); ++c, ++next)
                     mean[static_cast<int>(c)] = weight != 0 ? next->Value() / weight : 0;
-                if (i == kNormal || i == kGeonormal) mean = Unit(mean);
+                if (i == kNormal || i == kGeonormal) mean = UnitOrZero(mean);
                 if (colors.FindChannel(names[0]) >= 0) continue;
                 for (size_t c = 0; c < names.size(); ++c)
                     image.Set({x, y}, channel++, static_cast<Float>(mean[static_cast<int>(c)]));

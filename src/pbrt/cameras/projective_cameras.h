@@ -1,5 +1,5 @@
 #pragma once
-#include "pbrt/cameras/camera_space.h"
+#include "pbrt/cameras/camera.h"
 
 namespace pbrt {
 
@@ -29,7 +29,7 @@ class RasterToScreen {
     Float dx_, dy_;
 };
 
-class PerspectiveCamera final : public CameraSpaceCamera {
+class PerspectiveCamera final : public Camera {
   public:
     /// `fovDegrees`: full angle between screen positions -1 and 1.
     PerspectiveCamera(const CameraFrame &frame, const ScreenWindow &window, Float fovDegrees, const Lens &lens);
@@ -49,7 +49,7 @@ class PerspectiveCamera final : public CameraSpaceCamera {
 
 /// Screen positions are camera-space x and y. As in stock pbrt-v4, with a lens all rays start on one disk about the
 /// camera's origin. The result is a perspective view onto the plane of focus.
-class OrthographicCamera final : public CameraSpaceCamera {
+class OrthographicCamera final : public Camera {
   public:
     OrthographicCamera(const CameraFrame &frame, const ScreenWindow &window, const Lens &lens);
     std::optional<Transform> NdcFromCamera() const override;

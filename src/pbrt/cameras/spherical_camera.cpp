@@ -5,7 +5,7 @@
 namespace pbrt {
 
 SphericalCamera::SphericalCamera(const CameraFrame &frame, SphericalCameraMapping mapping)
-    : CameraSpaceCamera(frame), mapping_(mapping) {
+    : Camera(frame), mapping_(mapping) {
     FindFootprint();
 }
 

@@ -69,10 +69,8 @@ class LightTree::Builder {
             }
             whole = Union(first, second);
         }
-        EmitterPacket packet;
-        packet.Set(0, whole);
-        tree_.rows_[node] = EmitterRow(packet, 0);
-        spread_[node] = std::sqrt(packet.radius2[0]) * packet.intensity[0];
+        const EmitterRow &row = tree_.rows_[node] = EmitterRow(whole);
+        spread_[node] = std::sqrt(row.field[EmitterRow::kRadius2]) * row.field[EmitterRow::kIntensity];
         return whole;
     }
 

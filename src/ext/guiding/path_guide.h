@@ -104,7 +104,7 @@ class PathGuide final : public DirectionSampling {
     void LoadEstimates(StateReader &in);
 
     Vector2i Size() const { return pixels_.IsEmpty() ? Vector2i(0) : pixels_.high - pixels_.low; }
-    size_t Pixels() const { return static_cast<size_t>(Size().x) * static_cast<size_t>(Size().y); }
+    size_t Pixels() const { return size_t(Size().x) * Size().y; }
     /// Maximum paths recorded between two updates.
     size_t PathsToRecord() const;
     /// Samples per pixel at the next update after `first`; 0: none.

@@ -89,7 +89,7 @@ class PathRoulette {
     /// units of path cost (EARS). Requires HasEstimates().
     Float PixelImportance(Point2i pixel) const {
         const Point2i at(std::clamp(pixel.x, 0, size_.x - 1) / tile_, std::clamp(pixel.y, 0, size_.y - 1) / tile_);
-        return tiles_[static_cast<size_t>(at.y * ((size_.x + tile_ - 1) / tile_) + at.x)];
+        return tiles_[at.y * ((size_.x + tile_ - 1) / tile_) + at.x];
     }
 
     /// Adapts the estimates to another image size. `isSameView` false: the view differs, and every pixel uses the mean

@@ -16,7 +16,7 @@ void FindMoments(const LightComponent &light, double unit, Emitter *e) {
     double sum = 0;
     glm::dvec3 first(0);
     for (int i = 0; i < kSide * kSide; ++i) {
-        Point2 u((static_cast<Float>(i % kSide) + 0.5f) / kSide, (static_cast<Float>(i / kSide) + 0.5f) / kSide);
+        Point2 u((Float(i % kSide) + 0.5f) / kSide, (Float(i / kSide) + 0.5f) / kSide);
         std::optional<LightLiSample> s = light.SampleLi(from, u, SampledWavelengths::WholeRange(), true);
         if (!s || !(s->pdf > 0)) continue;
         const double value = RootMeanSquare(s->L) / double(s->pdf);
@@ -26,7 +26,7 @@ void FindMoments(const LightComponent &light, double unit, Emitter *e) {
     }
     if (!(sum > 0)) return;
     const double m0 = std::clamp(sum / (kSide * kSide) / unit, kMinStrength, kMaxStrength);
-    e->m0 = static_cast<Float>(m0);
+    e->m0 = Float(m0);
     e->m1 = e->isDelta ? Normalize(Vector3(first / sum)) : Vector3(first / sum * m0);
 }
 

@@ -49,7 +49,7 @@ std::vector<EmitterTree::Cluster> EmitterTree::Part::Divide(std::span<EmitterIte
         if (widest->spread < 0) break;
         Cluster left = *widest, right = *widest;
         left.end = right.begin = (widest->begin + widest->end) / 2;
-        auto at = [&](size_t i) { return items.begin() + static_cast<std::ptrdiff_t>(i); };
+        auto at = [&](size_t i) { return items.begin() + i; };
         std::nth_element(at(left.begin), at(left.end), at(right.end), LessAlong{widest->axis});
         left.Measure(items);
         right.Measure(items);
@@ -61,10 +61,10 @@ std::vector<EmitterTree::Cluster> EmitterTree::Part::Divide(std::span<EmitterIte
 
 uint32_t EmitterTree::Part::Add(std::span<EmitterItem> items, std::span<const Emitter> emitters, const Emitter &whole,
                                 int level) {
-    const auto index = static_cast<uint32_t>(nodes.size()), firstChild = static_cast<uint32_t>(children.size());
+    const auto index = uint32_t(nodes.size()), firstChild = uint32_t(children.size());
     depth = std::max(depth, level + 1);
     const std::vector<Cluster> clusters = Divide(items, emitters);
-    nodes.push_back({.firstChild = firstChild, .count = static_cast<uint8_t>(clusters.size())});
+    nodes.push_back({.firstChild = firstChild, .count = uint8_t(clusters.size())});
     wholes.push_back(whole);
     children.resize(firstChild + clusters.size());
 
@@ -77,10 +77,7 @@ uint32_t EmitterTree::Part::Add(std::span<EmitterItem> items, std::span<const Em
         for (const EmitterItem &item : below) all = Union(all, emitters[item.emitter]);
         return (asTasks ? parts[c] : *this).Add(below, emitters, all, level + 1);
     };
-    if (asTasks)
-        ParallelForEach(static_cast<int64_t>(clusters.size()), [&](int64_t c) {
-            children[firstChild + static_cast<size_t>(c)] = build(static_cast<size_t>(c));
-        });
+    if (asTasks) ParallelForEach(clusters.size(), [&](int64_t c) { children[firstChild + c] = build(c); });
     for (size_t c = 0; c < clusters.size(); ++c) {
         // Not one expression: Add may reallocate `children`.
         uint32_t child = asTasks ? children[firstChild + c] : build(c);
@@ -88,13 +85,13 @@ uint32_t EmitterTree::Part::Add(std::span<EmitterItem> items, std::span<const Em
         children[firstChild + c] = child;
         if (child & kLeaf) continue;
         nodes[child].parent = index;
-        nodes[child].slot = static_cast<uint8_t>(c);
+        nodes[child].slot = uint8_t(c);
     }
     return index;
 }
 
 uint32_t EmitterTree::Part::Append(const Part &part) {
-    const auto firstNode = static_cast<uint32_t>(nodes.size()), firstChild = static_cast<uint32_t>(children.size());
+    const auto firstNode = uint32_t(nodes.size()), firstChild = uint32_t(children.size());
     for (Branch node : part.nodes) {
         node.parent += firstNode;
         node.firstChild += firstChild;
@@ -135,8 +132,8 @@ void EmitterTree::MakePackets(std::span<const Emitter> emitters, std::span<const
     size_t begin = 0;  // first free lane
     for (Branch &node : nodes_) {
         if (begin % kLanes + node.count > kLanes) begin = (begin + kLanes - 1) / kLanes * kLanes;
-        node.firstPacket = static_cast<uint32_t>(begin / kLanes);
-        node.firstLane = static_cast<uint8_t>(begin % kLanes);
+        node.firstPacket = uint32_t(begin / kLanes);
+        node.firstLane = uint8_t(begin % kLanes);
         begin += node.count;
     }
     packets_.resize((begin + kLanes - 1) / kLanes);
@@ -165,7 +162,7 @@ void EmitterTree::WeighBelow(Node n, const LightQuery &query, Level *level) cons
     level->tree = this;
     level->query = &query;
     level->near = node.count;
-    level->far = n == 0 ? static_cast<uint32_t>(far_.size()) : 0;
+    level->far = n == 0 ? uint32_t(far_.size()) : 0;
     for (uint32_t i = 0; i < level->far; ++i) level->sum += EvaluateFar(far_[i].emitter, query);
 }
 
@@ -173,12 +170,12 @@ void EmitterTree::WeighBelow(Node n, const LightQuery &query, Level *level) cons
 WeightedChoice<double, Float> EmitterTree::Level::Choose(double target) const {
     double before = 0;
     for (uint32_t p = 0; p < packets; ++p) {
-        const double after = before + static_cast<double>(packetSums[p]);
+        const double after = before + double(packetSums[p]);
         if (target < after) {
             const Float *lanes = g + p * kLanes;
             auto chosen = ChooseByWeight<double>(
                 kLanes, target, [&](uint32_t i) { return lanes[i]; }, before);
-            chosen.index += p * static_cast<uint32_t>(kLanes) - firstLane;
+            chosen.index += p * uint32_t(kLanes) - firstLane;
             return chosen;
         }
         before = after;
@@ -195,7 +192,7 @@ WeightedChoice<double, Float> EmitterTree::Level::Choose(double target) const {
 
 std::optional<SampledLight> EmitterTree::Sample(const LightQuery &query, Float u) const {
     if (nodes_.empty()) return {};
-    const auto end = WalkDown(*this, Node(0), query, static_cast<double>(u));
+    const auto end = WalkDown(*this, Node(0), query, double(u));
     if (!end) return {};
     return SampledLight{LightId(end->node & ~kLeaf), end->pmf};
 }

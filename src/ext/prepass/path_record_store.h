@@ -19,8 +19,8 @@ class RecordedPaths {
     RecordedPaths(const Bounds2i &pixels, int first, int end, size_t most) : pixels_(pixels), first_(first), end_(end) {
         const Vector2i size = pixels.IsEmpty() ? Vector2i(0) : pixels.high - pixels.low;
         for (stride_ = 1;; ++stride_) {
-            perRow_ = static_cast<size_t>((size.x + stride_ - 1) / stride_);
-            count_ = perRow_ * static_cast<size_t>(size.y) * static_cast<size_t>(end - first);
+            perRow_ = (size.x + stride_ - 1) / stride_;
+            count_ = perRow_ * size.y * (end - first);
             if (count_ <= most || stride_ >= size.x) break;
         }
     }
@@ -29,16 +29,16 @@ class RecordedPaths {
     std::optional<size_t> NumberOf(Point2i pixel, int sample) const {
         const Vector2i at = pixel - pixels_.low;
         if (count_ == 0 || sample < first_ || sample >= end_ || (at.x + kRowShift * at.y) % stride_ != 0) return {};
-        const size_t ofPixel = static_cast<size_t>(at.y) * perRow_ + static_cast<size_t>(at.x / stride_);
-        return ofPixel * static_cast<size_t>(end_ - first_) + static_cast<size_t>(sample - first_);
+        const size_t ofPixel = at.y * perRow_ + at.x / stride_;
+        return ofPixel * (end_ - first_) + (sample - first_);
     }
     /// Pixel of a path, relative to the corner of the pixel bounds.
     Point2i PixelOf(size_t path) const {
-        const size_t ofPixel = path / static_cast<size_t>(end_ - first_);
-        const int y = static_cast<int>(ofPixel / perRow_);
+        const size_t ofPixel = path / (end_ - first_);
+        const int y = int(ofPixel / perRow_);
         // x + kRowShift y is a multiple of the stride.
         const int shift = (stride_ - kRowShift * y % stride_) % stride_;
-        return {static_cast<int>(ofPixel % perRow_) * stride_ + shift, y};
+        return {int(ofPixel % perRow_) * stride_ + shift, y};
     }
 
   private:

@@ -41,8 +41,7 @@ struct CameraParams {
     }
     ScreenWindow Window(Point2i resolution) const {
         if (const auto &w = screenWindow) return {(*w)[0], (*w)[1], (*w)[2], (*w)[3]};
-        const Float aspect =
-            frameAspectRatio.value_or(static_cast<Float>(resolution.x) / static_cast<Float>(resolution.y));
+        const Float aspect = frameAspectRatio.value_or(Float(resolution.x) / Float(resolution.y));
         if (aspect > 1) return {-aspect, aspect, -1, 1};
         return {-1, 1, -1 / aspect, 1 / aspect};
     }
@@ -118,7 +117,7 @@ std::vector<LensElement> ReadLens(const RealisticParams &p, const ParamSet &set,
     if (!thickness)
         throw set.Error("focusdistance",
                         fmt::format("this lens cannot focus at a distance of {} m from the film.", p.distance));
-    elements.back().thickness = static_cast<Float>(*thickness);
+    elements.back().thickness = Float(*thickness);
     return elements;
 }
 

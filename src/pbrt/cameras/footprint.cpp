@@ -36,7 +36,7 @@ void Camera::FindFootprint() {
         if (isFirst || LengthSquared(v) < LengthSquared(shortest)) shortest = v;
     };
     for (int i = 0; i < kSteps; ++i) {
-        const Float t = static_cast<Float>(i) / (kSteps - 1);
+        const Float t = Float(i) / (kSteps - 1);
         CameraRay c;
         c.differential.valid = true;
         const CameraSample sample{t * Point2(frame_.resolution), {0.5f, 0.5f}, 0.5f, 1};
@@ -60,7 +60,7 @@ void Camera::ApproximateFootprint(const Point3 &p, const Normal3 &n, Float time,
     if (!(distance > 0)) return;
     RotationToZ rotation(inCamera / distance);
     const Normal3 nz = rotation(t.InverseNormal(n));
-    const Float scale = std::max(Float(0.125), 1 / std::sqrt(static_cast<Float>(samplesPerPixel)));
+    const Float scale = std::max(Float(0.125), 1 / std::sqrt(Float(samplesPerPixel)));
     // To the neighbouring ray's hit with the tangent plane.
     auto step = [&](const Vector3 &origin, const Vector3 &bend) {
         const Vector3 d = Vector3(0, 0, 1) + bend;

@@ -16,8 +16,8 @@ struct Lens {
 class RasterToScreen {
   public:
     RasterToScreen(const ScreenWindow &window, Point2i resolution)
-        : origin_(window.xMin, window.yMax), dx_((window.xMax - window.xMin) / static_cast<Float>(resolution.x)),
-          dy_((window.yMin - window.yMax) / static_cast<Float>(resolution.y)) {}
+        : origin_(window.xMin, window.yMax), dx_((window.xMax - window.xMin) / Float(resolution.x)),
+          dy_((window.yMin - window.yMax) / Float(resolution.y)) {}
     Point2 operator()(const Point2 &raster) const { return {origin_.x + raster.x * dx_, origin_.y + raster.y * dy_}; }
     Point2 Inverse(const Point2 &screen) const { return {(screen.x - origin_.x) / dx_, (screen.y - origin_.y) / dy_}; }
     Float PixelArea() const { return std::abs(dx_ * dy_); }

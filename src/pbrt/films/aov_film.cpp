@@ -19,7 +19,7 @@ std::vector<size_t> IndicesOf(const std::vector<std::string> &names) {
         const auto found = std::find(known.begin(), known.end(), name);
         if (found == known.end())
             throw UserError(fmt::format("--aov: \"{}\" is unknown; {}", name, ListChoices(name, known)));
-        indices.push_back(static_cast<size_t>(found - known.begin()));
+        indices.push_back(found - known.begin());
     }
     std::sort(indices.begin(), indices.end());
     indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
@@ -67,9 +67,9 @@ AovFilm::AovFilm(std::unique_ptr<Film> film, const FilmContext &context)
     if (LowerExtension(Filename()) != ".exr")
         throw UserError(fmt::format("--aov: \"{}\": the added channels only fit into an .exr file.", Filename()));
     const Bounds2i &bounds = PixelBounds();
-    RequireMemory(static_cast<double>(Frame().PixelCount()) *
-                      static_cast<double>(stride_ * sizeof(PreciseSum) + ChannelCount(chosen_) * sizeof(float)),
-                  fmt::format("--aov: a picture of {} x {} pixels", bounds.Width(), bounds.Height()), {});
+    RequireMemory(
+        double(Frame().PixelCount()) * double(stride_ * sizeof(PreciseSum) + ChannelCount(chosen_) * sizeof(float)),
+        fmt::format("--aov: a picture of {} x {} pixels", bounds.Width(), bounds.Height()), {});
     sums_.resize(Frame().PixelCount() * stride_);
 }
 
@@ -127,11 +127,10 @@ Image AovFilm::ToImage() const {
                 // Albedo counts rays without a hit as black; geometry excludes them.
                 const double weight = i == kAlbedo ? all : seen;
                 for (size_t c = 0; c < names.size(); ++c, ++next)
-                    mean[static_cast<int>(c)] = weight != 0 ? next->Value() / weight : 0;
+                    mean[int(c)] = weight != 0 ? next->Value() / weight : 0;
                 if (i == kNormal || i == kGeonormal) mean = UnitOrZero(mean);
                 if (colors.FindChannel(names[0]) >= 0) continue;
-                for (size_t c = 0; c < names.size(); ++c)
-                    image.Set({x, y}, channel++, static_cast<Float>(mean[static_cast<int>(c)]));
+                for (size_t c = 0; c < names.size(); ++c) image.Set({x, y}, channel++, Float(mean[int(c)]));
             }
         }
     return image;

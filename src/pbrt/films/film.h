@@ -30,7 +30,7 @@ class Film {
 
     Point2i FullResolution() const { return frame_.fullResolution; }
     /// 1 / pixels of the full image: the factor of CameraConnection::weight for a splat.
-    Float SplatUnit() const { return static_cast<Float>(1 / frame_.FullPixels()); }
+    Float SplatUnit() const { return Float(1 / frame_.FullPixels()); }
     const Bounds2i &PixelBounds() const { return frame_.pixelBounds; }
     const std::string &Filename() const { return frame_.filename; }
     Float DiagonalMm() const { return frame_.diagonalMm; }

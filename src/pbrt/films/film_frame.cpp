@@ -19,7 +19,7 @@ Bounds2i Shrunk(const std::array<int, 4> &v, int divisor) {
 
 Bounds2i FromCropWindow(const Bounds2 &window, Point2i resolution) {
     auto pixel = [](Float fraction, int extent) {
-        return static_cast<int>(std::ceil(static_cast<Float>(extent) * std::clamp(fraction, Float(0), Float(1))));
+        return int(std::ceil(Float(extent) * std::clamp(fraction, Float(0), Float(1))));
     };
     Point2 low = glm::min(window.low, window.high), high = glm::max(window.low, window.high);
     return {{pixel(low.x, resolution.x), pixel(low.y, resolution.y)},
@@ -82,7 +82,7 @@ FilmFrame FilmRequest::Frame(const FilmParams &params, const ParamSet &set, bool
     frame.diagonalMm = params.diagonalMm;
     frame.half = params.half && !overrides.fullFloat;
     const Bounds2i &bounds = frame.pixelBounds;
-    RequireMemory(static_cast<double>(bounds.Area()) * bytesPerPixel,
+    RequireMemory(double(bounds.Area()) * bytesPerPixel,
                   fmt::format("{}: a picture of {} x {} pixels", set.What(), bounds.Width(), bounds.Height()),
                   set.LocOf("xresolution"));
     return frame;

@@ -15,13 +15,8 @@ Float FloatOf(const Json &bits) { return std::bit_cast<Float>(bits.get<uint32_t>
 Json JsonOf(const Param &p) {
     std::vector<uint32_t> floats;
     for (Float f : p.floats) floats.push_back(Bits(f));
-    return {{"type", static_cast<int>(p.type)},
-            {"name", p.name},
-            {"floats", floats},
-            {"ints", p.ints},
-            {"strings", p.strings},
-            {"bools", p.bools},
-            {"space", p.colorSpace}};
+    return {{"type", int(p.type)},  {"name", p.name},   {"floats", floats},     {"ints", p.ints},
+            {"strings", p.strings}, {"bools", p.bools}, {"space", p.colorSpace}};
 }
 
 Param ParamOf(const Json &json) {
@@ -110,7 +105,7 @@ ImageMetadata MetadataFromJson(const Json &json) {
         if (value.contains("matrix")) {
             glm::mat4 m;
             for (int c = 0; c < 4; ++c)
-                for (int r = 0; r < 4; ++r) m[c][r] = FloatOf(value["matrix"].at(static_cast<size_t>(4 * c + r)));
+                for (int r = 0; r < 4; ++r) m[c][r] = FloatOf(value["matrix"].at(size_t(4 * c + r)));
             metadata.attributes[name] = m;
         }
     }

@@ -70,18 +70,18 @@ class TabulatedFilter final : public Filter {
 
     struct Axis {
         Axis(const Profile &p, Float radius) : profile(p) {
-            auto n = static_cast<size_t>(std::max(Float(1), kCells * radius));
+            auto n = size_t(std::max(Float(1), kCells * radius));
             std::vector<Float> values(n);
             double sum = 0, absolute = 0;
             for (size_t i = 0; i < n; ++i) {
-                Float t = (static_cast<Float>(i) + Float(0.5)) / static_cast<Float>(n);
+                Float t = (Float(i) + Float(0.5)) / Float(n);
                 values[i] = profile(Lerp(t, -radius, radius));
                 sum += double(values[i]);
                 absolute += std::abs(double(values[i]));
             }
             distribution = PiecewiseConstant1D(values, -radius, radius);
-            signedIntegral = static_cast<Float>(sum * 2 * double(radius) / double(n));
-            auto magnitude = static_cast<Float>(absolute / sum);
+            signedIntegral = Float(sum * 2 * double(radius) / double(n));
+            auto magnitude = Float(absolute / sum);
             for (Float v : values) weights.push_back(v < 0 ? -magnitude : magnitude);
         }
         Profile profile;

@@ -62,7 +62,7 @@ Image GBufferFilm::ToImage() const {
             const double weight = sums[Surface::kRayWeight].Value(), seenWeight = sums[Surface::kWeight].Value(),
                          seen = seenWeight != 0 ? 1 / seenWeight : 0;
             int channel = 3;
-            auto put = [&](double v) { image.Set({x, y}, channel++, static_cast<Float>(v)); };
+            auto put = [&](double v) { image.Set({x, y}, channel++, Float(v)); };
             auto put3 = [&](const glm::dvec3 &v) {
                 for (int c = 0; c < 3; ++c) put(v[c]);
             };
@@ -77,7 +77,7 @@ Image GBufferFilm::ToImage() const {
                 put3(UnitOrZero({sums[n].Value(), sums[n + 1].Value(), sums[n + 2].Value()}));
             putMeans(Surface::kUv, 2);
             glm::dvec3 variance, relative;
-            const auto count = static_cast<double>(surface->count);
+            const auto count = double(surface->count);
             for (int c = 0; c < 3; ++c) {
                 const PreciseSum &sensor = sums[Surface::kSensor + c];
                 const double mean = surface->count > 0 ? sensor.Value() / count : 0;

@@ -55,7 +55,7 @@ Rgb RgbFilm::ColorOf(size_t pixel) const {
     for (int c = 0; c < 3; ++c) {
         double mean = sums.sensor[c].Value() * scale;
         if (splats_.AreExpected()) mean += splats_.Sum(3 * pixel + c) * SplatScale();
-        sensor[c] = static_cast<Float>(mean);
+        sensor[c] = Float(mean);
     }
     return outputFromSensor_ * sensor;
 }

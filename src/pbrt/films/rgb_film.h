@@ -14,7 +14,7 @@ class Splats {
     /// Allocates `count` sums, once. Throws UserError if memory is insufficient.
     void Expect(size_t count) {
         if (!sums_.empty()) return;
-        RequireMemory(static_cast<double>(count) * sizeof(FixedSum), "the film: splats of light paths", {});
+        RequireMemory(double(count) * sizeof(FixedSum), "the film: splats of light paths", {});
         sums_.resize(count);
     }
     bool AreExpected() const { return !sums_.empty(); }
@@ -64,9 +64,7 @@ class RgbFilm : public Film {
     /// False, and counted as rejected, if not finite or beyond FixedSum's range.
     bool AddSensorSplat(size_t pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight);
     /// Factor from a splat sum to the mean over the samples that a pixel would have of as many paths.
-    double SplatScale() const {
-        return counts_.splatPaths ? Frame().FullPixels() / static_cast<double>(counts_.splatPaths) : 0;
-    }
+    double SplatScale() const { return counts_.splatPaths ? Frame().FullPixels() / double(counts_.splatPaths) : 0; }
     Float MaxComponentValue() const { return maxComponent_; }
     /// Counts a dropped value; thread-safe.
     void Reject() { std::atomic_ref(counts_.rejected).fetch_add(1, std::memory_order_relaxed); }

@@ -17,18 +17,16 @@ const SpectralBuckets &Checked(const SpectralBuckets &b, const ParamSet &set) {
 
 SpectralFilm::SpectralFilm(const SpectralParams &params, const ParamSet &set, const FilmRequest &request)
     : RgbFilm(fmt::format("spectral {} {}", params.buckets.low, params.buckets.high), params, set, request,
-              params.buckets.count * static_cast<double>(sizeof(Sums) + sizeof(float))),
+              params.buckets.count * double(sizeof(Sums) + sizeof(float))),
       buckets_(Checked(params.buckets, set)), sums_(FirstSumOf(Frame().PixelCount())) {}
 
 Float SpectralFilm::BucketCenter(int bucket) const {
-    return Lerp((static_cast<Float>(bucket) + Float(0.5)) / static_cast<Float>(buckets_.count), buckets_.low,
-                buckets_.high);
+    return Lerp((Float(bucket) + Float(0.5)) / Float(buckets_.count), buckets_.low, buckets_.high);
 }
 
 int SpectralFilm::BucketOf(Float lambda) const {
-    const Float position =
-        (lambda - buckets_.low) / (buckets_.high - buckets_.low) * static_cast<Float>(buckets_.count);
-    return std::clamp(static_cast<int>(position), 0, buckets_.count - 1);
+    const Float position = (lambda - buckets_.low) / (buckets_.high - buckets_.low) * Float(buckets_.count);
+    return std::clamp(int(position), 0, buckets_.count - 1);
 }
 
 Float SpectralFilm::ScaleOf(const SampledSpectrum &L) const {
@@ -101,7 +99,7 @@ Image SpectralFilm::ToImage() const {
                 const double weight = sums_[i].weight.Value();
                 double mean = weight != 0 ? sums_[i].radiance.Value() / weight : 0;
                 if (bucketSplats_.AreExpected()) mean += bucketSplats_.Sum(i) * SplatScale();
-                image.Set({x, y}, 3 + b, static_cast<Float>(mean));
+                image.Set({x, y}, 3 + b, Float(mean));
             }
     return image;
 }

@@ -1,9 +1,7 @@
 #include "ext/guiding/path_roulette.h"
 
-#include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 
 namespace ext {
 

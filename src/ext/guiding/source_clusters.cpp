@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 #include <numbers>
-#include <vector>
 
 #include "pbrt/math/frame.h"
 

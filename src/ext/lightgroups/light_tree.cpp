@@ -5,7 +5,6 @@
 
 #include "ext/lightgroups/emitter_feature.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/lightsamplers/weighted_choice.h"
 
 namespace ext {
 

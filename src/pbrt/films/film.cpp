@@ -12,7 +12,7 @@ namespace pbrt {
 
 namespace {
 bool HasSplats(const std::vector<StateBlock> &blocks) {
-    return std::any_of(blocks.begin(), blocks.end(), [](const StateBlock &b) { return b.isOfSplats && b.bytes > 0; });
+    return std::ranges::any_of(blocks, [](const StateBlock &b) { return b.isOfSplats && b.bytes > 0; });
 }
 }  // namespace
 
@@ -89,30 +89,28 @@ void Film::AddSums(StateReader &in) {
 
 void Film::Add(StateReader &in, bool forgetsFirst) {
     const SavedState state = ReadState(in);
-    auto throwOtherFilm = [] { throw UserError("the saved state of a film does not belong to this film."); };
-    if (state.kind != kind_ || state.pixelBounds.low != PixelBounds().low ||
-        state.pixelBounds.high != PixelBounds().high)
-        throwOtherFilm();
-    auto lacksRoom = [&](const StateBlock &block) {
-        const SavedState::Block *saved = state.Find(block.name);
-        return block.isOfSplats && block.bytes == 0 && saved && !saved->data.empty();
-    };
     std::vector<StateBlock> blocks = Blocks();
-    if (std::any_of(blocks.begin(), blocks.end(), lacksRoom)) {
+    const auto isSaved = [&](const StateBlock &block) { return state.sums.contains(block.name); };
+    if (state.kind != kind_ || state.pixelBounds.low != PixelBounds().low ||
+        state.pixelBounds.high != PixelBounds().high || !std::ranges::all_of(blocks, isSaved))
+        ThrowOtherFilm();
+    const auto lacksRoom = [&](const StateBlock &block) {
+        return block.isOfSplats && block.bytes == 0 && !state.sums.at(block.name).empty();
+    };
+    if (std::ranges::any_of(blocks, lacksRoom)) {
         ExpectSplats();
         blocks = Blocks();
     }
     for (const StateBlock &block : blocks) {
-        const SavedState::Block *saved = state.Find(block.name);
-        const bool hasNone = block.isOfSplats && saved && saved->data.empty();
-        if (!saved || (saved->data.size() != block.bytes && !hasNone)) throwOtherFilm();
-        if (!block.isOfSplats && !AreFinite(saved->data))
+        const std::string_view saved = state.sums.at(block.name);
+        if (saved.size() != block.bytes && !(block.isOfSplats && saved.empty())) ThrowOtherFilm();
+        if (!block.isOfSplats && !AreFinite(saved))
             throw UserError("the saved state of a film has sums that are not finite.");
     }
     for (const StateBlock &block : blocks) {
-        const std::string_view data = state.Find(block.name)->data;
+        const std::string_view saved = state.sums.at(block.name);
         if (forgetsFirst) block.clear(block.Memory(), block.bytes);
-        block.add(block.Memory(), reinterpret_cast<const std::byte *>(data.data()), data.size());
+        block.add(block.Memory(), reinterpret_cast<const std::byte *>(saved.data()), saved.size());
     }
 }
 

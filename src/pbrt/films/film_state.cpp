@@ -13,8 +13,6 @@ namespace {
 constexpr std::array<char, 8> kMagic = {'p', 'b', 'r', 't', 'f', 'l', 'm', '3'};  // the last byte is the version
 constexpr uint64_t kMaxNameLength = 64, kMaxBlocks = 64;
 
-[[noreturn]] void ThrowOtherFilm() { throw UserError("the saved state of a film does not belong to this film."); }
-
 std::string_view Take(StateReader &in, uint64_t bytes) {
     if (bytes > in.BytesLeft()) throw UserError("the saved state of a film ends too early.");
     return in.Take(bytes);
@@ -35,10 +33,7 @@ std::string ReadName(StateReader &in) {
 
 }  // namespace
 
-const SavedState::Block *SavedState::Find(const std::string &name) const {
-    auto found = std::find_if(blocks.begin(), blocks.end(), [&](const Block &b) { return b.name == name; });
-    return found != blocks.end() ? &*found : nullptr;
-}
+void ThrowOtherFilm() { throw UserError("the saved state of a film does not belong to this film."); }
 
 void WriteState(StateWriter &out, const std::string &kind, const Bounds2i &pixelBounds,
                 const std::vector<StateBlock> &blocks) {
@@ -63,9 +58,8 @@ SavedState ReadState(StateReader &in) {
     const auto count = ReadValue<uint64_t>(in);
     if (count > kMaxBlocks) ThrowOtherFilm();
     for (uint64_t i = 0; i < count; ++i) {
-        SavedState::Block &block = state.blocks.emplace_back();
-        block.name = ReadName(in);
-        block.data = Take(in, ReadValue<uint64_t>(in));
+        const std::string name = ReadName(in);
+        state.sums[name] = Take(in, ReadValue<uint64_t>(in));
     }
     return state;
 }

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <cstring>
+#include <map>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -53,15 +54,10 @@ StateBlock MakeStateBlock(const char *name, std::span<const T> sums) {
 struct SavedState {
     std::string kind;
     Bounds2i pixelBounds{};
-    struct Block {
-        std::string name;
-        std::string_view data;  ///< of the reader
-    };
-    std::vector<Block> blocks;
-
-    const Block *Find(const std::string &name) const;
+    std::map<std::string, std::string_view> sums;  ///< the reader's bytes
 };
 
+[[noreturn]] void ThrowOtherFilm();
 /// Writes the blocks bitwise, in native byte order. The writer refers to them.
 void WriteState(StateWriter &out, const std::string &kind, const Bounds2i &pixelBounds,
                 const std::vector<StateBlock> &blocks);

@@ -123,9 +123,10 @@ struct WindowedSincProfile {
 
 constexpr Range<Float> kWidthRange = Positive(1e6f), kSharpnessRange{-1000, 1000};
 
+/// kDefault: of both radii.
+template <Float kDefault>
 struct RadiusParams {
-    Float x, y;
-    explicit RadiusParams(Float radius) : x(radius), y(radius) {}
+    Float x = kDefault, y = kDefault;
     template <class V>
     void Describe(V &&v) {
         const Range<Float> range = Positive(1000, "pixels");  // tables have 32 cells per pixel
@@ -135,17 +136,8 @@ struct RadiusParams {
     Vector2 Radius() const { return {x, y}; }
 };
 
-struct BoxParams : RadiusParams {
-    BoxParams() : RadiusParams(Float(0.5)) {}
-};
-
-struct TriangleParams : RadiusParams {
-    TriangleParams() : RadiusParams(2) {}
-};
-
-struct GaussianParams : RadiusParams {
+struct GaussianParams : RadiusParams<Float(1.5)> {
     Float sigma = Float(0.5);
-    GaussianParams() : RadiusParams(Float(1.5)) {}
     template <class V>
     void Describe(V &&v) {
         RadiusParams::Describe(v);
@@ -154,9 +146,8 @@ struct GaussianParams : RadiusParams {
     GaussianProfile Profile(Float radius) const { return {radius, sigma}; }
 };
 
-struct MitchellParams : RadiusParams {
+struct MitchellParams : RadiusParams<Float(2)> {
     Float b = Float(1) / 3, c = Float(1) / 3;
-    MitchellParams() : RadiusParams(2) {}
     template <class V>
     void Describe(V &&v) {
         RadiusParams::Describe(v);
@@ -166,9 +157,8 @@ struct MitchellParams : RadiusParams {
     MitchellProfile Profile(Float radius) const { return {radius, b, c}; }
 };
 
-struct SincParams : RadiusParams {
+struct SincParams : RadiusParams<Float(4)> {
     Float tau = 3;
-    SincParams() : RadiusParams(4) {}
     template <class V>
     void Describe(V &&v) {
         RadiusParams::Describe(v);
@@ -193,10 +183,10 @@ void AddTabulated(FilterTable &table, const char *name) {
 const FilterTable &Filters() {
     static const FilterTable table = [] {
         FilterTable t("PixelFilter");
-        t.Add<BoxParams>("box", "", [](const auto &p, const ParamSet &, const FilterContext &) {
+        t.Add<RadiusParams<Float(0.5)>>("box", "", [](const auto &p, const ParamSet &, const FilterContext &) {
             return std::make_unique<BoxFilter>(p.Radius());
         });
-        t.Add<TriangleParams>("triangle", "", [](const auto &p, const ParamSet &, const FilterContext &) {
+        t.Add<RadiusParams<Float(2)>>("triangle", "", [](const auto &p, const ParamSet &, const FilterContext &) {
             return std::make_unique<TriangleFilter>(p.Radius());
         });
         AddTabulated<GaussianParams>(t, "gaussian");

@@ -1,7 +1,5 @@
 #include "pbrt/films/gbuffer_film.h"
 
-#include <array>
-
 namespace pbrt {
 
 namespace {

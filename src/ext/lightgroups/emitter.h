@@ -85,5 +85,9 @@ struct alignas(32) EmitterPacket {
 void Gather(const EmitterRow *rows, const uint32_t *names, size_t count, EmitterPacket *packet);
 
 Float EvaluateFar(const Emitter &far, const LightQuery &query);
+struct FarEmitter {
+    uint32_t index;
+    Emitter emitter;
+};
 
 }  // namespace ext

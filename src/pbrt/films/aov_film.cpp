@@ -61,7 +61,7 @@ std::vector<std::string> AovNames() {
 }
 
 AovFilm::AovFilm(std::unique_ptr<Film> film, const FilmContext &context)
-    : Film(KindWith(KindOf(*film), context.overrides.aovs), FrameOf(*film)), film_(std::move(film)),
+    : Film(KindWith(film->kind_, context.overrides.aovs), film->frame_), film_(std::move(film)),
       renderFromCamera_(context.renderFromCamera), chosen_(IndicesOf(context.overrides.aovs)),
       stride_(kFirstChannel + ChannelCount(chosen_)) {
     if (LowerExtension(Filename()) != ".exr")
@@ -102,7 +102,7 @@ void AovFilm::AddSample(const FilmSample &sample) {
 }
 
 std::vector<StateBlock> AovFilm::Blocks() const {
-    std::vector<StateBlock> blocks = BlocksOf(*film_);
+    std::vector<StateBlock> blocks = film_->Blocks();
     blocks.push_back(MakeStateBlock("aov", std::span(sums_)));
     return blocks;
 }

@@ -79,12 +79,9 @@ class Film {
   protected:
     Film(std::string kind, FilmFrame frame) : kind_(std::move(kind)), frame_(std::move(frame)) {}
     const FilmFrame &Frame() const { return frame_; }
-    /// Access for films that wrap another one.
-    static const FilmFrame &FrameOf(const Film &film) { return film.frame_; }
-    static const std::string &KindOf(const Film &film) { return film.kind_; }
-    static std::vector<StateBlock> BlocksOf(const Film &film) { return film.Blocks(); }
 
   private:
+    friend class AovFilm;  // wraps another film
     virtual std::vector<StateBlock> Blocks() const = 0;
     /// Adds a saved state, clearing the sums first if `forgetsFirst`. Throws UserError if it is of another film.
     void Add(StateReader &in, bool forgetsFirst);

@@ -6,7 +6,6 @@
 #include <cstring>
 #include <functional>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "agreement_statistics.h"
 #include "pbrt/core/online_model.h"
@@ -137,17 +136,20 @@ void CheckTakingUp(const Maker &make) {
         Progress progress;
         RenderSettings settings;
         settings.samplesPerPixel = kSamples;
-        std::stringstream state;
+        std::string state;
         {
             BuiltScene built = make("");
             Prepare(built, progress);
             WaveRenderer renderer(built.Rendering(progress), settings);
             while (renderer.Done() < stop) renderer.Render(stop - renderer.Done());
-            built.film->Save(state);
+            StateWriter film;
+            built.film->Save(film);
+            state = film.Joined();
         }
         BuiltScene built = make("");
         Prepare(built, progress);
-        built.film->Load(state);
+        StateReader film(state, "film");
+        built.film->Load(film);
         WaveRenderer renderer(built.Rendering(progress), settings);
         renderer.ContinueFrom(stop);
         while (renderer.Done() < kSamples) renderer.Render(kSamples);
@@ -166,9 +168,9 @@ struct Stopped {
 
 Stopped StateOf(const BuiltScene &built, const WaveRenderer &renderer) {
     Stopped stopped;
-    std::ostringstream film;
+    StateWriter film;
     built.film->Save(film);
-    stopped.film = film.str();
+    stopped.film = film.Joined();
     StateWriter learned;
     built.integrator->Lights()->SaveLearned(learned, true);
     stopped.learned = learned.Joined();
@@ -190,7 +192,7 @@ Image GoOn(const Maker &make, const Stopped &from) {
     StateWriter again;
     built.integrator->Lights()->SaveLearned(again, true);
     EXPECT_EQ(again.Joined(), from.learned);
-    std::istringstream film(from.film);
+    StateReader film(from.film, "film");
     built.film->Load(film);
     RenderSettings settings;
     settings.samplesPerPixel = kSamples;

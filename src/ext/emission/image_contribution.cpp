@@ -1,6 +1,6 @@
 #include "ext/emission/image_contribution.h"
 
-#include "ext/prepass/prepass_paths.h"
+#include "ext/prepass/prepass.h"
 #include "pbrt/math/warps.h"
 #include "pbrt/transport/direct_light.h"
 #include "pbrt/transport/path_walk.h"

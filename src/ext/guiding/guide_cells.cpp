@@ -41,16 +41,16 @@ class GuideCellsBuilder {
     void Build() {
         cells_.Clear();
         if (records_.empty()) return;
-        ParallelForEach(kParts, [&](int64_t part) { MakeClusters(static_cast<size_t>(part)); });
+        ParallelForEach(kParts, [&](int64_t part) { MakeClusters(part); });
         cells_.tree_.Begin(1);
         Divide(0, 0, records_.size());
         cells_.leaves_.resize(tasks_.size());
         SortBounces();
-        ParallelForEach(kParts, [&](int64_t part) { EstimateRadiances(static_cast<size_t>(part)); });
+        ParallelForEach(kParts, [&](int64_t part) { EstimateRadiances(part); });
         tested_.resize(records_.size());
-        ParallelForEach(static_cast<int64_t>(tasks_.size()), [&](int64_t i) {
-            const Task &task = tasks_[static_cast<size_t>(i)];
-            cells_.leaves_[static_cast<size_t>(i)].radiances = task.radiances[kAll];
+        ParallelForEach(tasks_.size(), [&](int64_t i) {
+            const Task &task = tasks_[i];
+            cells_.leaves_[i].radiances = task.radiances[kAll];
             Test(task);
         });
         for (const size_t kind : {0, 1}) EstimateProbabilities(kind, 0, {});
@@ -94,9 +94,7 @@ class GuideCellsBuilder {
 
     static bool IsOf(const GuideRecord &r, size_t part) { return part == kAll || r.isOfFirstHalf == (part == 0); }
     static size_t KindOf(const GuideRecord &r) { return r.isGlossy ? 1 : 0; }
-    static double CosineOf(const GuideRecord &r) {
-        return r.bothSides ? 1 : static_cast<double>(std::abs(Dot(r.wi, r.normal)));
-    }
+    static double CosineOf(const GuideRecord &r) { return r.bothSides ? 1 : double(std::abs(Dot(r.wi, r.normal))); }
 
     void MakeClusters(size_t part) {
         std::vector<RadianceSample> samples;
@@ -112,9 +110,8 @@ class GuideCellsBuilder {
             if (!(r.pdf > 0) || !IsOf(r, part)) continue;
             if (bounces++ % step == 0) from.push_back(r.p);
             if (!(r.contribution > 0 && r.radiance > 0)) continue;
-            const double perPdf = 1 / static_cast<double>(r.pdf);
-            samples.push_back(
-                {.target = r.target, .radiance = static_cast<double>(r.radiance), .perPdf = perPdf, .number = at});
+            const double perPdf = 1 / double(r.pdf);
+            samples.push_back({.target = r.target, .radiance = double(r.radiance), .perPdf = perPdf, .number = at});
             sum += samples.back().radiance * perPdf;
         }
         for (RadianceSample &f : samples) f.radiance = std::min(f.radiance, kLargestPart * sum / f.perPdf);
@@ -142,10 +139,9 @@ class GuideCellsBuilder {
         contents_[node].begin = begin;
         contents_[node].end = end;
         size_t second = begin;
-        if (end - begin > kCellRecords)
-            second = static_cast<size_t>(cells_.tree_.Divide(node, records_.data() + begin, records_.data() + end,
-                                                             [](const Entry &e) { return e.record->p; }) -
-                                         records_.data());
+        const auto pointOf = [](const Entry &e) { return e.record->p; };
+        if (const auto first = records_.begin(); end - begin > kCellRecords)
+            second = cells_.tree_.Divide(node, first + begin, first + end, pointOf) - first;
         if (second == begin) {
             cells_.tree_.MakeLeaf(node, tasks_.size());
             tasks_.push_back({.begin = begin, .end = end});
@@ -170,7 +166,7 @@ class GuideCellsBuilder {
         std::vector<size_t> next;
         for (const Task &task : tasks_) next.push_back(task.firstBounce);
         for (size_t i = 0; i < places_.size(); ++i)
-            if (places_[i].pdf > 0) bounces_[next[leaves[i]]++] = static_cast<uint32_t>(i);
+            if (places_[i].pdf > 0) bounces_[next[leaves[i]]++] = uint32_t(i);
         const std::vector<PointTree::Node> &nodes = cells_.tree_.Nodes();
         for (size_t node = nodes.size(); node-- > 0;) {
             size_t *const kinds = contents_[node].kindBounces;
@@ -210,8 +206,7 @@ class GuideCellsBuilder {
             const size_t below = nodes[node].below;
             if (nodes[node].IsLeaf())
                 for (size_t k = 0; k < count; ++k)
-                    tasks_[below].radiances[part][k] =
-                        static_cast<Float>(factor[node * count + k] * static_cast<double>(targets[k].radiance));
+                    tasks_[below].radiances[part][k] = Float(factor[node * count + k] * double(targets[k].radiance));
             else
                 for (size_t child = below; child < below + 2; ++child)
                     std::copy_n(&factor[node * count], count, &factor[child * count]);
@@ -252,7 +247,7 @@ class GuideCellsBuilder {
             FindSolidAngles(task, targets, angles);
             double ofPart = 0;
             for (size_t i = 0; i < task.bounces; ++i) ofPart += IsOf(places_[bounces_[task.firstBounce + i]], part);
-            for (size_t k = 0; k < count; ++k) e[k] = ofPart * static_cast<double>(targets[k].radiance) * angles[k];
+            for (size_t k = 0; k < count; ++k) e[k] = ofPart * double(targets[k].radiance) * angles[k];
         }
         for (size_t k = 0; k < count; ++k)
             if (samples[k] > 0) sums.meanSample[k] /= samples[k];
@@ -265,13 +260,13 @@ class GuideCellsBuilder {
         for (size_t i = 0; i < task.bounces; i += step, ++places) {
             const GuideRecord &r = places_[bounces_[task.firstBounce + i]];
             for (size_t k = 0; k < targets.size(); ++k)
-                angles[k] += static_cast<double>(SolidAngleOf(targets[k], r.p, r.normal, r.bothSides));
+                angles[k] += double(SolidAngleOf(targets[k], r.p, r.normal, r.bothSides));
         }
         for (double &angle : angles)
-            if (places > 0) angle /= static_cast<double>(places);
+            if (places > 0) angle /= double(places);
     }
 
-    Float ProbabilityAt(size_t k) const { return largestProbability_ * static_cast<Float>(k) / (kProbabilities - 1); }
+    Float ProbabilityAt(size_t k) const { return largestProbability_ * Float(k) / (kProbabilities - 1); }
 
     void Test(const Task &task) {
         for (size_t i = task.begin; i < task.end; ++i) {
@@ -280,11 +275,11 @@ class GuideCellsBuilder {
             GuideDirections directions;
             const size_t other = r.isOfFirstHalf ? 1 : 0;
             directions.Prepare(sideBySide_[other], task.radiances[other], r.p, r.normal, r.bothSides);
-            const auto found = static_cast<double>(r.contribution), pdf = static_cast<double>(r.pdf),
-                       bsdfPdf = static_cast<double>(r.bsdfPdf), guidePdf = static_cast<double>(directions.Pdf(r.wi));
+            const auto found = double(r.contribution), pdf = double(r.pdf), bsdfPdf = double(r.bsdfPdf),
+                       guidePdf = double(directions.Pdf(r.wi));
             const double square = found * found * records_[i].counts * pdf;
             for (size_t k = 0; k < kProbabilities; ++k) {
-                const auto share = static_cast<double>(ProbabilityAt(k));
+                const auto share = double(ProbabilityAt(k));
                 tested_[i].squares[k] = square / ((1 - share) * bsdfPdf + share * guidePdf);
             }
             tested_[i].plainSquare = found * found * pdf / bsdfPdf;
@@ -317,7 +312,7 @@ class GuideCellsBuilder {
             here.plain += std::min(tested.plainSquare, mostPlain);
         }
         if (!(here.parts[0] > 0)) return;
-        const double bounces = prior + static_cast<double>(content.kindBounces[kind]);
+        const double bounces = prior + double(content.kindBounces[kind]);
         here.each = here.parts[0] / bounces;
         here.plain /= bounces;
         // In reverse: parts[0], without guiding, is the divisor.
@@ -330,8 +325,8 @@ class GuideCellsBuilder {
         const auto best = std::min_element(here.parts.begin(), here.parts.end());
         if (*best > 1 - kMinGain) return;
         GuideCells::Leaf &leaf = cells_.leaves_[n.below];
-        leaf.probability[kind] = ProbabilityAt(static_cast<size_t>(best - here.parts.begin()));
-        leaf.gain[kind] = static_cast<Float>(here.plain * (1 - *best));
+        leaf.probability[kind] = ProbabilityAt(best - here.parts.begin());
+        leaf.gain[kind] = Float(here.plain * (1 - *best));
     }
 
     /// Turns nodes into leaves if nothing below them is guided. Returns true if `node` is such a leaf.
@@ -375,36 +370,17 @@ Float GuideCells::ShinesAt(const Point3 &p) const {
     return radiance > 0 ? radiance / brightest : 0;
 }
 
-GuideRecord GuideRecord::Read(StateReader &in) {
-    // The flags are the last four bytes.
-    StateReader flags = in;
-    flags.Take(offsetof(GuideRecord, bothSides));
-    for (int i = 0; i < 4; ++i) flags.Value<bool>();
-    const auto r = in.Value<GuideRecord>();
-    for (const Vector3 &v : {Vector3(r.p), Vector3(r.target), r.normal, r.wi})
-        in.Require(std::isfinite(v.x + v.y + v.z), "a record is not finite");
-    in.Require(r.pdf > 0 && std::isfinite(r.pdf) && r.bsdfPdf >= 0 && std::isfinite(r.bsdfPdf) && r.beta >= 0 &&
-                   std::isfinite(r.beta) && std::isfinite(r.radiance) && std::isfinite(r.contribution),
-               "a record is not finite");
-    return r;
-}
-
-void GuideCells::Save(StateWriter &out) const {
-    out.Vector(leaves_);
-    out.Vector(clusters_);
-    tree_.Save(out);
-}
-
-void GuideCells::Load(StateReader &in) {
-    in.Vector(&leaves_);
-    in.Vector(&clusters_);
-    in.Require(clusters_.size() <= kMaxSourceClusters, "it has too many clusters");
-    tree_.Load(in, 1, leaves_.size());
-    in.RequireValid(Validate());
-    LeavesChanged();
+std::optional<std::string> GuideRecord::Validate() const {
+    const auto isFinite = [](const Vector3 &v) { return std::isfinite(v.x + v.y + v.z); };
+    const bool isValid = isFinite(p) && isFinite(target) && isFinite(normal) && isFinite(wi) && pdf > 0 &&
+                         std::isfinite(pdf) && bsdfPdf >= 0 && std::isfinite(bsdfPdf) && beta >= 0 &&
+                         std::isfinite(beta) && std::isfinite(radiance) && std::isfinite(contribution);
+    return isValid ? std::nullopt : std::optional("a record is not finite");
 }
 
 std::optional<std::string> GuideCells::Validate() const {
+    if (clusters_.size() > kMaxSourceClusters) return "it has too many clusters";
+    if (std::optional<std::string> fault = tree_.ValidateFor(1, leaves_.size())) return fault;
     const auto isNumber = [](Float v) { return v >= 0 && std::isfinite(v); };
     for (const Leaf &leaf : leaves_) {
         for (const size_t kind : {0, 1})
@@ -419,14 +395,12 @@ std::optional<std::string> GuideCells::Validate() const {
     return tree_.IsEmpty() != leaves_.empty() ? std::optional("cells of the guide belong to no tree") : std::nullopt;
 }
 
-size_t GuideCells::GuidingCells() const {
-    return static_cast<size_t>(std::count_if(leaves_.begin(), leaves_.end(), [](const Leaf &l) { return l.Guides(); }));
-}
+size_t GuideCells::GuidingCells() const { return std::ranges::count_if(leaves_, &Leaf::Guides); }
 
 double GuideCells::MeanProbability() const {
     double sum = 0;
-    for (const Leaf &leaf : leaves_) sum += static_cast<double>(std::max(leaf.probability[0], leaf.probability[1]));
-    return leaves_.empty() ? 0 : sum / static_cast<double>(leaves_.size());
+    for (const Leaf &leaf : leaves_) sum += double(std::max(leaf.probability[0], leaf.probability[1]));
+    return leaves_.empty() ? 0 : sum / double(leaves_.size());
 }
 
 }  // namespace ext

@@ -24,8 +24,13 @@ struct GuideRecord {
     bool unused = false;         ///< explicit padding: saved records are byte-identical
 
     bool IsEmpty() const { return !(pdf > 0); }
-    /// Throws UserError if the record is invalid.
-    static GuideRecord Read(StateReader &in);
+    template <class Archive>
+    void Visit(Archive &archive) {
+        archive(p, target, normal, wi, radiance, contribution, pdf, bsdfPdf, beta, bothSides, isGlossy, isOfFirstHalf,
+                unused);
+    }
+    /// Empty if valid, else the error.
+    std::optional<std::string> Validate() const;
 };
 
 /// Source clusters of a scene and a spatial tree whose cells store the clusters' radiance and the guiding probability.
@@ -57,10 +62,14 @@ class GuideCells {
     /// Radiance of the brightest cluster that contains p, relative to the maximum over clusters; 0: none contains p.
     Float ShinesAt(const Point3 &p) const;
     void Clear() { *this = {}; }
-    void Save(StateWriter &out) const;
-    void Load(StateReader &in);
-    /// Empty if valid, else the error; the tree excluded.
+    /// After loading, LeavesChanged completes the members that are not saved.
+    template <class Archive>
+    void Visit(Archive &archive) {
+        archive(leaves_, clusters_, tree_);
+    }
+    /// Empty if valid, else the error.
     std::optional<std::string> Validate() const;
+    void LeavesChanged();
 
     size_t Cells() const { return leaves_.size(); }
     size_t GuidingCells() const;
@@ -80,7 +89,6 @@ class GuideCells {
 
         bool Guides() const { return gain[0] > 0 || gain[1] > 0; }
     };
-    void LeavesChanged();
     friend class GuideCellsBuilder;
 
     PointTree tree_;

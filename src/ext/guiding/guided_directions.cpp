@@ -34,8 +34,7 @@ void GuidedDirections::PrepareDirections(const PathVertex &vertex, const Sampled
     isGuided_ = true;
     isGlossy_ = Has(bsdf.Flags(), BxdfFlags::Glossy);
     bothSides_ = IsTransmissive(bsdf.Flags());
-    const Vector3 n(point.shading.n);
-    normal_ = Dot(point.wo, n) < 0 ? -n : n;
+    normal_ = FaceForward(point.shading.n, point.wo);
     Float probability = 0;
     const PerSourceCluster *const radiances = guide_.Cells().At(point.p, isGlossy_, importance, &probability);
     if (!radiances) return;

@@ -1,10 +1,10 @@
 #include "ext/guiding/path_guide.h"
 
-#include <chrono>
 #include <nlohmann/json.hpp>
 
+#include "ext/guiding/guided_directions.h"
 #include "pbrt/core/effective_params_text.h"
-#include "pbrt/core/state_io.h"
+#include "pbrt/core/seconds_since.h"
 #include "pbrt/math/bounds.h"
 #include "pbrt/scene/scene.h"
 
@@ -48,7 +48,7 @@ bool PathGuide::Guides(const Bsdf &bsdf) {
 void PathGuide::Prepare(PrepareContext &prepare, int maxDepth) {
     pixels_ = prepare.pixelBounds;
     samplesPerPixel_ = prepare.samplesPerPixel;
-    vertices_ = static_cast<size_t>(std::clamp(maxDepth, 1, kMaxVertices));
+    vertices_ = std::clamp(maxDepth, 1, kMaxVertices);
     cells_.Clear();
     estimatesDirections_ = params_.directions;
     const Bounds3 &bounds = prepare.scene.Bounds();
@@ -66,20 +66,24 @@ void PathGuide::Prepare(PrepareContext &prepare, int maxDepth) {
     // A guide loaded from another render does not learn further.
     in.Require(learned == first && (next == 0 || next == NextAfter(first)),
                "the guide learns after a wrong number of samples");
-    LoadCells(in);
+    LoadEstimates(in);
     in.Require(!roulette_.HasEstimates() || roulette_.Size() == Size(), "roulette was learned for another picture");
     BeginRecording(first, next);
     MergeRecords(in);
     in.RequireEnd();
 }
 
+SampledSpectrum PathGuide::Li(const CameraPathSetup &setup, const CameraPathStart &start, SampledWavelengths &lambda,
+                              Sampler &sampler) {
+    GuidedDirections directions(*this, start.pixel, start.sampleIndex);
+    if (setup.settings.tracksMedia)
+        return CameraPath<MediaThroughput, GuidedDirections>(setup, start, lambda, sampler, directions).Follow();
+    return CameraPath<SurfaceThroughput, GuidedDirections>(setup, start, lambda, sampler, directions).Follow();
+}
+
 void PathGuide::Save(StateWriter &out) const {
-    out.Value(kVersion);
-    out.Value(first_);
-    out.Value(next_);
-    out.Value(estimatesDirections_);
-    cells_.Save(out);
-    roulette_.Save(out);
+    StateSaver save(out);
+    save(kVersion, first_, next_, *this);
     records_.Save(out);
     roulette_.SaveRecords(out);
 }
@@ -109,19 +113,19 @@ bool PathGuide::IsSame(const View &a, const View &b) const {
 }
 
 void PathGuide::SaveForOthers(StateWriter &out) const {
-    out.Value(kVersion);
-    out.Text(EffectiveParamsText(params_));
-    out.Value(view_);
-    out.Value(estimatesDirections_);
-    cells_.Save(out);
-    roulette_.Save(out);
+    StateSaver save(out);
+    save(kVersion, EffectiveParamsText(params_), view_, *this);
 }
 
-void PathGuide::LoadCells(StateReader &in) {
-    estimatesDirections_ = in.Value<bool>();
-    in.Require(params_.directions || !estimatesDirections_, "it has directions, which are off");
-    cells_.Load(in);
-    roulette_.Load(in);
+void PathGuide::LoadEstimates(StateReader &in) {
+    StateLoader load(in);
+    load(*this);
+    cells_.LeavesChanged();
+}
+
+std::optional<std::string> PathGuide::Validate() const {
+    return params_.directions || !estimatesDirections_ ? std::nullopt
+                                                       : std::optional("it has directions, which are off");
 }
 
 void PathGuide::LoadOfOther(StateReader &in) {
@@ -130,7 +134,7 @@ void PathGuide::LoadOfOther(StateReader &in) {
         throw UserError(fmt::format("{}: was learned by a guide with other parameters: {}; here they are {}.",
                                     in.What(), saved, here));
     const auto view = in.Value<View>();
-    LoadCells(in);
+    LoadEstimates(in);
     in.RequireEnd();
     roulette_.UseFor(Size(), IsSame(view, view_));
     BeginRecording(0, 0);
@@ -144,28 +148,28 @@ void PathGuide::Inspect(const PathVertex &vertex, Point2i pixel, std::vector<Ins
                                                               roulette_.At(p, PathRoulette::KindOf(vertex)).here,
                                                               kInspectedWeight * importance)
                                                         : 0;
-    values.push_back({"continuationProbability", continuation > 0 ? static_cast<double>(continuation) : none});
+    values.push_back({"continuationProbability", continuation > 0 ? double(continuation) : none});
     if (!params_.directions) return;
     Float probability = 0;
     if (Guides(vertex.bsdf) &&
         !cells_.At(p, Has(vertex.bsdf.Flags(), BxdfFlags::Glossy), Sqr(importance), &probability))
         probability = 0;
     const Float radiance = cells_.ShinesAt(p);
-    values.push_back({"guidingProbability", static_cast<double>(probability)});
-    values.push_back({"sourceRadiance", radiance > 0 ? std::log10(static_cast<double>(radiance)) : none});
+    values.push_back({"guidingProbability", double(probability)});
+    values.push_back({"sourceRadiance", radiance > 0 ? std::log10(double(radiance)) : none});
 }
 
 size_t PathGuide::PathsToRecord() const {
-    const size_t few = Pixels() * static_cast<size_t>(samplesPerPixel_) / kPathsPerRecorded;
-    return std::min(static_cast<size_t>(params_.records) / vertices_, std::max(few, std::min(2 * few, kEnoughPaths)));
+    const size_t few = Pixels() * samplesPerPixel_ / kPathsPerRecorded;
+    return std::min(params_.records / vertices_, std::max(few, std::min(2 * few, kEnoughPaths)));
 }
 
 int PathGuide::NextAfter(int first) const {
     const size_t pixels = std::max<size_t>(1, Pixels());
     const size_t unit = std::max<size_t>(1, (PathsToRecord() + 2 * pixels - 1) / (2 * pixels));
     for (const int k : kUpdateAfter)
-        if (const size_t next = static_cast<size_t>(k) * unit; next > static_cast<size_t>(first))
-            return 2 * next <= static_cast<size_t>(samplesPerPixel_) ? static_cast<int>(next) : 0;
+        if (const size_t next = k * unit; next > size_t(first))
+            return 2 * next <= size_t(samplesPerPixel_) ? int(next) : 0;
     return 0;
 }
 
@@ -182,12 +186,11 @@ void PathGuide::BeginRecording(int first, int next) {
 void PathGuide::Update(const Progress &progress) {
     if (progress.Cancelled()) return;
     const int now = next_;
-    const auto begin = std::chrono::steady_clock::now();
+    const auto start = std::chrono::steady_clock::now();
     if (params_.roulette) roulette_.Learn(Size(), [&](size_t path) { return paths_.PixelOf(path); });
-    if (records_.IsOpen())
-        EstimateDirections(static_cast<double>(params_.minSaved) * (NextAfter(now) != 0 ? kMinFirstSaving : 1));
+    if (records_.IsOpen()) EstimateDirections(double(params_.minSaved) * (NextAfter(now) != 0 ? kMinFirstSaving : 1));
     BeginRecording(now, NextAfter(now));
-    updateSeconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    updateSeconds_ += SecondsSince(start);
 }
 
 void PathGuide::EstimateDirections(double minSaved) {
@@ -218,10 +221,9 @@ double PathGuide::SavedShare(size_t stride) const {
         const GuideRecord &r = records_.Places()[i];
         const size_t path = records_.PathOf(i);
         if (!r.IsEmpty() && IsUsed(path, stride))
-            saved += static_cast<double>(
-                cells_.SavedAt(r.p, r.isGlossy, Sqr(r.beta * PixelImportance(paths_.PixelOf(path)))));
+            saved += double(cells_.SavedAt(r.p, r.isGlossy, Sqr(r.beta * PixelImportance(paths_.PixelOf(path)))));
     }
-    return static_cast<double>(stride) * saved / roulette_.RecordedCost();
+    return double(stride) * saved / roulette_.RecordedCost();
 }
 
 void PathGuide::ExtractRecords(StateWriter &out) {

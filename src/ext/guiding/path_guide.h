@@ -72,6 +72,13 @@ class PathGuide final : public DirectionSampling {
     void ExtractRecords(StateWriter &out) override;
     void MergeRecords(StateReader &in) override;
 
+    /// The estimates, without records.
+    template <class Archive>
+    void Visit(Archive &archive) {
+        archive(estimatesDirections_, cells_, roulette_);
+    }
+    /// Empty if the estimates fit the parameters, else the error.
+    std::optional<std::string> Validate() const;
     /// Saves estimates and records for a checkpoint, excluding the light sampler's.
     void Save(StateWriter &out) const override;
     /// Saves estimates for other renders, whose camera or resolution may differ; those do not learn further.
@@ -90,10 +97,10 @@ class PathGuide final : public DirectionSampling {
     /// True if both are the same view, at any resolution.
     bool IsSame(const View &a, const View &b) const;
     void LoadOfOther(StateReader &in);
-    void LoadCells(StateReader &in);
+    void LoadEstimates(StateReader &in);
 
     Vector2i Size() const { return pixels_.IsEmpty() ? Vector2i(0) : pixels_.high - pixels_.low; }
-    size_t Pixels() const { return static_cast<size_t>(Size().x) * static_cast<size_t>(Size().y); }
+    size_t Pixels() const { return size_t(Size().x) * Size().y; }
     /// Maximum paths recorded between two updates.
     size_t PathsToRecord() const;
     /// Samples per pixel at the next update after `first`; 0: none.

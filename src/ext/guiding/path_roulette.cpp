@@ -1,9 +1,7 @@
 #include "ext/guiding/path_roulette.h"
 
-#include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 
 namespace ext {
 
@@ -24,21 +22,19 @@ constexpr double kTilePaths = 64;
 
 struct Moments {
     double squares = 0, cost = 0;
-    Float Root() const {
-        return cost > 0 ? PathRoulette::kVarianceCorrection * static_cast<Float>(std::sqrt(squares / cost)) : -1;
-    }
+    Float Root() const { return cost > 0 ? PathRoulette::kVarianceCorrection * Float(std::sqrt(squares / cost)) : -1; }
 };
 
 /// `prior`: of the parent cell.
 Moments MeanOf(const RouletteRecord *const *begin, const RouletteRecord *const *end,
                RouletteRecord::Segment RouletteRecord::*segment, const Moments &prior) {
-    const auto square = [&](const RouletteRecord *r) { return Sqr(static_cast<double>((r->*segment).radiance)); };
+    const auto square = [&](const RouletteRecord *r) { return Sqr(double((r->*segment).radiance)); };
     double squares = 0;
     for (const auto *r = begin; r != end; ++r) squares += square(*r);
     double n = prior.cost > 0 ? kPriorRecords : 0;
     Moments mean{n * prior.squares, n * prior.cost};
     for (const auto *r = begin; r != end; ++r) {
-        const auto cost = static_cast<double>(((*r)->*segment).cost);
+        const auto cost = double(((*r)->*segment).cost);
         if (!(cost > 0)) continue;
         ++n;
         mean.squares += std::min(square(*r), kLargestPart * squares);
@@ -49,36 +45,29 @@ Moments MeanOf(const RouletteRecord *const *begin, const RouletteRecord *const *
 
 }  // namespace
 
-// Radiance may be infinite; Learn excludes such records.
-RouletteRecord RouletteRecord::Read(StateReader &in) {
-    const auto r = in.Value<RouletteRecord>();
-    in.Require(!r.IsEmpty() && std::isfinite(r.p.x + r.p.y + r.p.z) && std::isfinite(r.here.cost) &&
-                   std::isfinite(r.onwards.cost),
-               "a record is not finite");
-    in.Require(r.kind < PathRoulette::kKinds, "a record is of no kind");
-    return r;
+std::optional<std::string> RouletteRecord::Validate() const {
+    if (IsEmpty() || !std::isfinite(p.x + p.y + p.z) || !std::isfinite(here.cost) || !std::isfinite(onwards.cost))
+        return "a record is not finite";
+    return kind < PathRoulette::kKinds ? std::nullopt : std::optional("a record is of no kind");
 }
 
-PathTotal PathTotal::Read(StateReader &in) {
-    const auto total = in.Value<PathTotal>();
-    in.Require(!total.IsEmpty() && std::isfinite(total.cost), "a record is not finite");
-    return total;
+std::optional<std::string> PathTotal::Validate() const {
+    return !IsEmpty() && std::isfinite(cost) ? std::nullopt : std::optional("a record is not finite");
 }
 
 uint32_t PathRoulette::KindOf(const Vector3 &n, bool isGlossy) {
     const Vector3 a = Abs(n);
     const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
-    return static_cast<uint32_t>(axis * 4 + (n[axis] < 0 ? 2 : 0) + (isGlossy ? 1 : 0));
+    return axis * 4 + (n[axis] < 0 ? 2 : 0) + (isGlossy ? 1 : 0);
 }
 
 uint32_t PathRoulette::KindOf(const PathVertex &vertex) {
-    const Vector3 n(vertex.point.n);
-    return KindOf(Dot(vertex.point.wo, n) < 0 ? -n : n, Has(vertex.bsdf.Flags(), BxdfFlags::Glossy));
+    return KindOf(FaceForward(vertex.point.n, vertex.point.wo), Has(vertex.bsdf.Flags(), BxdfFlags::Glossy));
 }
 
 double PathRoulette::RecordedCost() const {
     double cost = 0;
-    for (const PathTotal &total : totals_.Places()) cost += static_cast<double>(total.cost);
+    for (const PathTotal &total : totals_.Places()) cost += double(total.cost);
     return cost;
 }
 
@@ -88,22 +77,22 @@ void PathRoulette::EstimatePixels(Vector2i size, const std::vector<Point2i> &pix
     for (const PathTotal &t : totals) {
         if (!(t.cost > 0)) continue;
         ++known;
-        sum += static_cast<double>(t.radiance);
+        sum += double(t.radiance);
     }
     tree_.Begin(0);
     cells_.clear();
     if (!(sum > 0)) return;
     const double mean = sum / known;
-    const double perPixel = known / (static_cast<double>(size.x) * size.y);
+    const double perPixel = known / (double(size.x) * size.y);
     size_ = size;
-    tile_ = std::max(4, static_cast<int>(std::ceil(std::sqrt(kTilePaths / perPixel))));
+    tile_ = std::max(4, int(std::ceil(std::sqrt(kTilePaths / perPixel))));
     const Vector2i count = (size + (tile_ - 1)) / tile_;
-    const auto tileOf = [&](const Point2i &p) { return static_cast<size_t>(p.y / tile_ * count.x + p.x / tile_); };
-    std::vector<std::array<double, 2>> sums(static_cast<size_t>(count.x) * static_cast<size_t>(count.y));
+    const auto tileOf = [&](const Point2i &p) { return p.y / tile_ * count.x + p.x / tile_; };
+    std::vector<std::array<double, 2>> sums(size_t(count.x) * count.y);
     for (size_t i = 0; i < totals.size(); ++i) {
         if (!(totals[i].cost > 0)) continue;
         auto &tile = sums[tileOf(pixels[i])];
-        tile[0] += static_cast<double>(totals[i].radiance);
+        tile[0] += double(totals[i].radiance);
         ++tile[1];
     }
     // 3x3 tile filter, weighted 4 : 2 : 1.
@@ -114,12 +103,12 @@ void PathRoulette::EstimatePixels(Vector2i size, const std::vector<Point2i> &pix
             for (int dy = -1; dy <= 1; ++dy)
                 for (int dx = -1; dx <= 1; ++dx) {
                     if (x + dx < 0 || x + dx >= count.x || y + dy < 0 || y + dy >= count.y) continue;
-                    const auto &tile = sums[static_cast<size_t>((y + dy) * count.x + x + dx)];
+                    const auto &tile = sums[(y + dy) * count.x + x + dx];
                     const double weight = (dx == 0 ? 2 : 1) * (dy == 0 ? 2 : 1);
                     found += weight * tile[0];
                     paths += weight * tile[1];
                 }
-            radiance[static_cast<size_t>(y * count.x + x)] = std::hypot(paths > 0 ? found / paths : mean, kDark * mean);
+            radiance[y * count.x + x] = std::hypot(paths > 0 ? found / paths : mean, kDark * mean);
         }
     // Variance within pixels, of blocks of successive samples.
     std::vector<double> variances;
@@ -131,23 +120,22 @@ void PathRoulette::EstimatePixels(Vector2i size, const std::vector<Point2i> &pix
         for (size_t k = i; k + block <= end; k += block) {
             if (!std::all_of(&totals[k], &totals[k] + block, [](const PathTotal &t) { return t.cost > 0; })) continue;
             double x = 0;
-            for (size_t m = k; m < k + block; ++m) x += static_cast<double>(totals[m].radiance);
+            for (size_t m = k; m < k + block; ++m) x += double(totals[m].radiance);
             ++n;
             found += x;
             squares += x * x;
         }
         if (n < 2) continue;
         const double I = radiance[tileOf(pixels[i])];
-        variances.push_back(std::max(0.0, (squares - found * found / n) / (n - 1)) /
-                            (static_cast<double>(block) * I * I));
+        variances.push_back(std::max(0.0, (squares - found * found / n) / (n - 1)) / (double(block) * I * I));
         all += variances.back();
     }
     double limited = 0;
     for (const double v : variances) limited += std::min(v, kLargestPixel * all);
     if (!(limited > 0)) return;
-    const double scale = std::sqrt(RecordedCost() / known * static_cast<double>(variances.size()) / limited);
+    const double scale = std::sqrt(RecordedCost() / known * double(variances.size()) / limited);
     tiles_.resize(radiance.size());
-    for (size_t i = 0; i < radiance.size(); ++i) tiles_[i] = static_cast<Float>(scale / radiance[i]);
+    for (size_t i = 0; i < radiance.size(); ++i) tiles_[i] = Float(scale / radiance[i]);
     tree_.Begin(kKinds);
 }
 
@@ -155,13 +143,13 @@ void PathRoulette::UseFor(Vector2i size, bool isSameView) {
     if (!HasEstimates() || size.x < 1 || size.y < 1 || (isSameView && size == size_)) return;
     if (!isSameView) {
         double radiance = 0;
-        for (const Float importance : tiles_) radiance += 1 / static_cast<double>(importance);
-        tiles_ = {static_cast<Float>(static_cast<double>(tiles_.size()) / radiance)};
+        for (const Float importance : tiles_) radiance += 1 / double(importance);
+        tiles_ = {Float(double(tiles_.size()) / radiance)};
         size_ = size;
         tile_ = std::max(size.x, size.y);
         return;
     }
-    const auto scaled = [](int at, int from, int to) { return static_cast<int>(int64_t{at} * to / from); };
+    const auto scaled = [](int at, int from, int to) { return int(int64_t{at} * to / from); };
     const int tile = std::max(1, scaled(tile_, size_.x, size.x));
     std::vector<Float> tiles;
     for (int y = 0; y < size.y; y += tile)
@@ -208,30 +196,14 @@ void PathRoulette::Divide(size_t node, const RouletteRecord **begin, const Roule
     Divide(below + 1, second, end, mean);
 }
 
-void PathRoulette::Save(StateWriter &out) const {
-    out.Vector(cells_);
-    tree_.Save(out);
-    out.Value(size_);
-    out.Value(tile_);
-    out.Vector(tiles_);
-}
-
-void PathRoulette::Load(StateReader &in) {
-    in.Vector(&cells_);
-    tree_.Load(in, kKinds, cells_.size());
-    in.Value(&size_);
-    in.Value(&tile_);
-    in.Vector(&tiles_);
-    in.RequireValid(Validate());
-}
-
 std::optional<std::string> PathRoulette::Validate() const {
+    if (std::optional<std::string> fault = tree_.ValidateFor(kKinds, cells_.size())) return fault;
     if (!HasEstimates())
         return cells_.empty() && tiles_.empty() ? std::nullopt : std::optional("cells of roulette belong to no tree");
     constexpr int kMaxSide = 1 << 24;
     if (tile_ < 1 || tile_ > kMaxSide || size_.x < 1 || size_.y < 1 || size_.x > kMaxSide || size_.y > kMaxSide)
         return "roulette was learned for no picture";
-    const auto along = [&](int pixels) { return static_cast<size_t>((pixels + tile_ - 1) / tile_); };
+    const auto along = [&](int pixels) { return size_t((pixels + tile_ - 1) / tile_); };
     if (tiles_.size() != along(size_.x) * along(size_.y)) return "the tiles of roulette do not cover the picture";
     for (const Float tile : tiles_)
         if (!(tile > 0)) return "a tile of roulette has no importance";

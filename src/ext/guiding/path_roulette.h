@@ -28,7 +28,8 @@ struct RouletteRecord {
     Segment here, onwards;  ///< suffix with and without light sampling at the vertex; `here` of cost 0: empty slot
 
     bool IsEmpty() const { return !(here.cost > 0); }
-    static RouletteRecord Read(StateReader &in);
+    /// Empty if valid, else the error. Radiance may be infinite; such records are excluded from learning.
+    std::optional<std::string> Validate() const;
 };
 
 struct PathTotal {
@@ -36,7 +37,7 @@ struct PathTotal {
     Float cost = 0;      ///< see PathCost; 0: empty slot
 
     bool IsEmpty() const { return !(cost > 0); }
-    static PathTotal Read(StateReader &in);
+    std::optional<std::string> Validate() const;
 };
 
 /// Learned Russian roulette without splitting: Rath et al., "EARS: Efficiency-Aware Russian Roulette and Splitting"
@@ -88,7 +89,7 @@ class PathRoulette {
     /// units of path cost (EARS). Requires HasEstimates().
     Float PixelImportance(Point2i pixel) const {
         const Point2i at(std::clamp(pixel.x, 0, size_.x - 1) / tile_, std::clamp(pixel.y, 0, size_.y - 1) / tile_);
-        return tiles_[static_cast<size_t>(at.y * ((size_.x + tile_ - 1) / tile_) + at.x)];
+        return tiles_[at.y * ((size_.x + tile_ - 1) / tile_) + at.x];
     }
 
     /// Adapts the estimates to another image size. `isSameView` false: the view differs, and every pixel uses the mean
@@ -111,9 +112,11 @@ class PathRoulette {
     size_t Bytes() const { return tree_.Bytes() + cells_.size() * sizeof(Cell) + tiles_.size() * sizeof(Float); }
     size_t RecordBytes() const { return records_.Bytes() + totals_.Bytes(); }
 
-    void Save(StateWriter &out) const;
-    void Load(StateReader &in);
-    /// Empty if valid, else the error; the tree excluded.
+    template <class Archive>
+    void Visit(Archive &archive) {
+        archive(cells_, tree_, size_, tile_, tiles_);
+    }
+    /// Empty if valid, else the error.
     std::optional<std::string> Validate() const;
     Vector2i Size() const { return size_; }
     void SaveRecords(StateWriter &out) const {

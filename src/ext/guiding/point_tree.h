@@ -4,7 +4,7 @@
 #include <limits>
 #include <vector>
 
-#include "pbrt/core/state_io.h"
+#include "pbrt/core/state_archive.h"
 #include "pbrt/math/bounds.h"
 
 namespace ext {
@@ -29,13 +29,13 @@ class PointTree {
     /// Number of the leaf that contains p, below a root. The tree must not be empty.
     uint32_t LeafOf(const Point3 &p, uint32_t root = 0) const {
         const Node *node = &nodes_[root];
-        while (!node->IsLeaf()) node = &nodes_[node->below + (p[static_cast<int>(node->axis)] < node->split ? 0 : 1)];
+        while (!node->IsLeaf()) node = &nodes_[node->below + (p[int(node->axis)] < node->split ? 0 : 1)];
         return node->below;
     }
 
     /// Resets to this many trees: nodes 0 to `roots` - 1.
     void Begin(size_t roots) { nodes_.assign(roots, {}); }
-    void MakeLeaf(size_t node, size_t number) { nodes_[node] = {0, kLeaf, static_cast<uint32_t>(number)}; }
+    void MakeLeaf(size_t node, size_t number) { nodes_[node] = {0, kLeaf, uint32_t(number)}; }
     /// Splits a node and reorders its points [begin, end), those of the first child first. Returns the start of the
     /// second child's points; `begin` if the node stays a leaf because all points coincide.
     template <class Iterator, class PointOf>
@@ -56,19 +56,17 @@ class PointTree {
         }
         const Iterator second = std::partition(begin, end, [&](const auto &e) { return pointOf(e)[axis] < split; });
         if (second == end) return begin;
-        nodes_[node] = {split, static_cast<uint32_t>(axis), static_cast<uint32_t>(nodes_.size())};
+        nodes_[node] = {split, uint32_t(axis), uint32_t(nodes_.size())};
         nodes_.resize(nodes_.size() + 2);
         return second;
     }
 
-    void Save(StateWriter &out) const { out.Structure(nodes_); }
-    /// Throws UserError if the tree is not valid.
-    void Load(StateReader &in, size_t roots, size_t leaves) {
-        in.Structure(&nodes_);
-        in.RequireValid(Validate(roots, leaves));
+    template <class Archive>
+    void Visit(Archive &archive) {
+        archive.Structure(nodes_);
     }
     /// Empty, or why LeafOf would not terminate or return a number of `leaves` or more. Unreachable nodes are allowed.
-    std::optional<std::string> Validate(size_t roots, size_t leaves) const {
+    std::optional<std::string> ValidateFor(size_t roots, size_t leaves) const {
         if (nodes_.empty()) return {};
         if (nodes_.size() < roots || (nodes_.size() - roots) % 2 != 0) return "a tree of places lacks nodes";
         std::vector<bool> isChild((nodes_.size() - roots) / 2, false);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 #include <numbers>
-#include <vector>
 
 #include "pbrt/math/frame.h"
 
@@ -41,7 +40,7 @@ struct Cluster {
     Float Radius2() const { return LengthSquared(bounds.high - Middle()); }
     /// Contribution to the root of the minimal second moment: the root of its moment times the solid angle it covers,
     /// which is proportional to its squared size.
-    double Cost() const { return std::sqrt(moment) * static_cast<double>(Length(bounds.high - bounds.low)); }
+    double Cost() const { return std::sqrt(moment) * double(Length(bounds.high - bounds.low)); }
 };
 
 struct Places {
@@ -52,7 +51,7 @@ struct Places {
         double sum = 0;
         for (const Point3 &p : some) {
             const Float l2 = LengthSquared(middle - p);
-            sum += l2 > r2 ? static_cast<double>(OneMinusCosine(std::max(r2 / l2, kMinSine2))) : 2;
+            sum += l2 > r2 ? double(OneMinusCosine(std::max(r2 / l2, kMinSine2))) : 2;
         }
         return 2 * std::numbers::pi * each * sum;
     }
@@ -77,14 +76,14 @@ void AddSmallClusters(std::span<RadianceSample> samples, size_t largest, double 
     const Vector3 size = cluster.bounds.high - cluster.bounds.low;
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
     const auto weightOf = [&](const RadianceSample &f) {
-        return f.radiance * f.perPdf / fluxOfAll + 1 / static_cast<double>(countOfAll);
+        return f.radiance * f.perPdf / fluxOfAll + 1 / double(countOfAll);
     };
-    const double weight = flux / fluxOfAll + static_cast<double>(cluster.count) / static_cast<double>(countOfAll);
-    if (samples.size() <= largest || weight < 2 / static_cast<double>(kSmallClusters)) {
+    const double weight = flux / fluxOfAll + double(cluster.count) / double(countOfAll);
+    if (samples.size() <= largest || weight < 2 / double(kSmallClusters)) {
         const double meanRadiance = flux / places.SolidAngle(cluster.Middle(), cluster.Radius2());
         cluster.moment = flux * meanRadiance;
         if (!(cluster.moment > 0)) return;
-        cluster.parts = {static_cast<uint32_t>(clusters->size())};
+        cluster.parts = {uint32_t(clusters->size())};
         for (RadianceSample &f : samples) {
             f.meanRadiance = meanRadiance;
             f.cluster = cluster.parts[0];
@@ -93,16 +92,14 @@ void AddSmallClusters(std::span<RadianceSample> samples, size_t largest, double 
         return;
     }
     double sum = 0;
-    for (const RadianceSample &f : samples) sum += weightOf(f) * static_cast<double>(f.target[axis]);
-    const auto mean = static_cast<Float>(sum / weight);
-    size_t middle = static_cast<size_t>(
-        std::partition(samples.begin(), samples.end(), [&](const RadianceSample &f) { return f.target[axis] < mean; }) -
-        samples.begin());
+    for (const RadianceSample &f : samples) sum += weightOf(f) * double(f.target[axis]);
+    const auto mean = Float(sum / weight);
+    const auto isBelow = [&](const RadianceSample &f) { return f.target[axis] < mean; };
+    size_t middle = std::partition(samples.begin(), samples.end(), isBelow) - samples.begin();
     if (std::min(middle, samples.size() - middle) < kMinSamples) {
         middle = std::clamp(middle, kMinSamples, samples.size() - kMinSamples);
-        std::nth_element(
-            samples.begin(), samples.begin() + static_cast<std::ptrdiff_t>(middle), samples.end(),
-            [&](const RadianceSample &x, const RadianceSample &y) { return x.target[axis] < y.target[axis]; });
+        std::ranges::nth_element(samples, samples.begin() + middle, {},
+                                 [&](const RadianceSample &f) { return f.target[axis]; });
     }
     AddSmallClusters(samples.first(middle), largest, fluxOfAll, countOfAll, places, clusters);
     AddSmallClusters(samples.subspan(middle), largest, fluxOfAll, countOfAll, places, clusters);
@@ -160,10 +157,10 @@ std::vector<SourceCluster> MakeSourceClusters(std::span<RadianceSample> samples,
     Places places;
     const size_t stride = (from.size() + kPlaces - 1) / kPlaces;
     for (size_t i = 0; i < from.size(); i += stride) places.some.push_back(from[i]);
-    places.each = static_cast<double>(bounces) / static_cast<double>(places.some.size());
+    places.each = double(bounces) / double(places.some.size());
     const auto nothing =
         std::partition(samples.begin(), samples.end(), [](const RadianceSample &f) { return f.radiance > 0; });
-    const auto positive = samples.first(static_cast<size_t>(nothing - samples.begin()));
+    const auto positive = samples.first(nothing - samples.begin());
     if (positive.size() < kMinSamples) return {};
     std::vector<Cluster> clusters;
     double flux = 0;
@@ -173,7 +170,7 @@ std::vector<SourceCluster> MakeSourceClusters(std::span<RadianceSample> samples,
     MergeClusters(&clusters);
     std::vector<SourceCluster> made;
     for (const Cluster &cluster : clusters) {
-        for (const uint32_t part : cluster.parts) mergedInto[part] = static_cast<uint32_t>(made.size());
+        for (const uint32_t part : cluster.parts) mergedInto[part] = uint32_t(made.size());
         made.push_back({cluster.Middle(), 0, 0});
     }
     for (RadianceSample &f : positive) {
@@ -183,7 +180,7 @@ std::vector<SourceCluster> MakeSourceClusters(std::span<RadianceSample> samples,
         target.r2 = std::max(target.r2, LengthSquared(f.target - target.p));
     }
     for (size_t k = 0; k < made.size(); ++k)
-        made[k].radiance = static_cast<Float>(std::sqrt(clusters[k].moment / places.SolidAngle(made[k].p, made[k].r2)));
+        made[k].radiance = Float(std::sqrt(clusters[k].moment / places.SolidAngle(made[k].p, made[k].r2)));
     return made;
 }
 

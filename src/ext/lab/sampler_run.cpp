@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "pbrt/core/count_text.h"
 #include "pbrt/core/counters.h"
@@ -18,11 +16,15 @@ namespace {
 
 constexpr double kLongestWave = 1;  ///< seconds; clock and progress are updated between waves only
 
+void LoadFilm(const std::string &file, Film &film) {
+    const std::string bytes = ReadFileContents(file);
+    StateReader in(bytes, file);
+    film.Load(in);
+}
+
 bool IsWholeFilm(const std::string &file, const LabScene &scene) {
-    std::ifstream in(file, std::ios::binary);
-    if (!in) return false;
     try {
-        scene.built.film->MakeRgbFilm()->Load(in);
+        LoadFilm(file, *scene.built.film->MakeRgbFilm());
         return true;
     } catch (const UserError &) {
         return false;
@@ -55,9 +57,7 @@ bool SamplerRun::Prepare() {
 }
 
 void SamplerRun::Resume(const RunRecord &record, const std::string &filmFile) {
-    std::ifstream in(filmFile, std::ios::binary);
-    if (!in) throw UserError(fmt::format("{}: cannot be read.", filmFile));
-    film_->Load(in);
+    LoadFilm(filmFile, *film_);
     record_ = record;
     const RoundRecord &last = record.rounds.back();
     renderer_.ContinueFrom(last.samples);
@@ -116,9 +116,9 @@ ImageMetadata SamplerRun::Metadata() const {
 }
 
 void SamplerRun::SaveFilm(const std::string &path) const {
-    std::ostringstream out;
+    StateWriter out;
     film_->Save(out);
-    WriteFile(path, out.view());
+    WriteFile(path, out.Pieces());
 }
 
 bool IsFinite(const Image &picture) {

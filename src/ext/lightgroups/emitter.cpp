@@ -16,7 +16,7 @@ void FindMoments(const LightComponent &light, double unit, Emitter *e) {
     double sum = 0;
     glm::dvec3 first(0);
     for (int i = 0; i < kSide * kSide; ++i) {
-        Point2 u((static_cast<Float>(i % kSide) + 0.5f) / kSide, (static_cast<Float>(i / kSide) + 0.5f) / kSide);
+        Point2 u((Float(i % kSide) + 0.5f) / kSide, (Float(i / kSide) + 0.5f) / kSide);
         std::optional<LightLiSample> s = light.SampleLi(from, u, SampledWavelengths::WholeRange(), true);
         if (!s || !(s->pdf > 0)) continue;
         const double value = RootMeanSquare(s->L) / double(s->pdf);
@@ -26,19 +26,15 @@ void FindMoments(const LightComponent &light, double unit, Emitter *e) {
     }
     if (!(sum > 0)) return;
     const double m0 = std::clamp(sum / (kSide * kSide) / unit, kMinStrength, kMaxStrength);
-    e->m0 = static_cast<Float>(m0);
+    e->m0 = Float(m0);
     e->m1 = e->isDelta ? Normalize(Vector3(first / sum)) : Vector3(first / sum * m0);
-}
-
-/// Normal on the viewer's side; zero in a medium.
-Normal3 ReceiverNormal(const LightQuery &query) {
-    if (query.ns == Normal3(0)) return Normal3(0);
-    return Dot(query.wo, query.ns) < 0 ? -query.ns : query.ns;
 }
 
 using Ops = SimdOps<EmitterPacket::kLanes>;
 using F = Ops::F;
+using Row = EmitterRow;
 F Load(const Float *v) { return F(v, std::experimental::vector_aligned); }
+F Load(const EmitterPacket &e, size_t field) { return Load(e.field[field]); }
 
 /// Mean clamped cosine over an emitter with direction cosines in [c - s, c + s] (see G); c and s times the distance.
 [[gnu::always_inline]] inline F MeanCosine(const F &c, const F &s, const F &quarterInvS) {
@@ -56,7 +52,7 @@ constexpr Float kMaxArriving = 1e36f;
 /// Cosines and sines are scaled by the distance d, products of two by d2.
 [[gnu::always_inline]] inline F Emission(const EmitterPacket &e, const F &c, const F &d2, const F &s,
                                          const F &quarterInvS) {
-    const F d = Ops::Sqrt(d2), cosO = Load(e.cosO), sinO = Load(e.sinO), cosE = Load(e.cosE);
+    const F d = Ops::Sqrt(d2), cosO = Load(e, Row::kCosO), sinO = Load(e, Row::kSinO), cosE = Load(e, Row::kCosE);
     F sinAxis = Ops::Sqrt(Ops::Max(d2 - c * c, F(0)));
     auto within = c > cosO * d;
     F beyond = Ops::Select(cosO == F(1), c, Ops::Select(within, d, Ops::Min(c * cosO + sinAxis * sinO, d)));
@@ -116,28 +112,33 @@ Emitter Union(const Emitter &a, const Emitter &b) {
     return e;
 }
 
-void EmitterPacket::Set(size_t lane, const Emitter &e) {
+EmitterRow::EmitterRow(const Emitter &e) {
     if (!e.bounds) return;
     const LightSphere s = e.bounds->Sphere();
-    centerX[lane] = s.center.x;
-    centerY[lane] = s.center.y;
-    centerZ[lane] = s.center.z;
+    for (int i = 0; i < 3; ++i) {
+        field[kCenterX + i] = s.center[i];
+        field[kAxisX + i] = s.w[i];
+    }
     // Slightly enlarged, so that rounding cannot hide emitters that graze a horizon.
-    radius2[lane] = Sqr(s.radius * 1.001f);
-    axisX[lane] = s.w.x;
-    axisY[lane] = s.w.y;
-    axisZ[lane] = s.w.z;
-    Float shown = e.isArea ? (1 + 3 * (1 + s.cosTheta_o) / 2) / 4 : Float(1);
-    intensity[lane] = std::clamp(e.intensity * shown, Float(kMinStrength), Float(kMaxStrength));
-    inside[lane] = std::min(intensity[lane] / std::max(radius2[lane], Float(1e-30f)), kMaxArriving) / 4;
-    side[lane] = s.twoSided ? -1 : 1;
+    field[kRadius2] = Sqr(s.radius * 1.001f);
+    const Float shown = e.isArea ? (1 + 3 * (1 + s.cosTheta_o) / 2) / 4 : Float(1);
+    field[kIntensity] = std::clamp(e.intensity * shown, Float(kMinStrength), Float(kMaxStrength));
+    field[kInside] = std::min(field[kIntensity] / std::max(field[kRadius2], Float(1e-30f)), kMaxArriving) / 4;
+    field[kSide] = s.twoSided ? -1 : 1;
     // Normals that differ only by rounding count as equal (kSlack is larger).
     const bool isFlat = s.cosTheta_o > 1 - 2e-7f;
-    cosO[lane] = isFlat ? 1 : s.cosTheta_o;
-    sinO[lane] = isFlat ? 0 : SafeSqrt(1 - Sqr(s.cosTheta_o));
-    cosE[lane] = s.cosTheta_e;
-    someCurved |= !isFlat;
-    someCut |= s.cosTheta_e != 0;
+    field[kCosO] = isFlat ? 1 : s.cosTheta_o;
+    field[kSinO] = isFlat ? 0 : SafeSqrt(1 - Sqr(s.cosTheta_o));
+    field[kCosE] = s.cosTheta_e;
+    field[kIsCurved] = isFlat ? 0 : 1;
+    field[kIsCut] = s.cosTheta_e != 0 ? 1 : 0;
+}
+
+void EmitterPacket::Set(size_t lane, const Emitter &emitter) {
+    const EmitterRow row(emitter);
+    for (size_t f = 0; f < Row::kPacketFields; ++f) field[f][lane] = row.field[f];
+    someCurved |= row.field[Row::kIsCurved] > 0;
+    someCut |= row.field[Row::kIsCut] > 0;
 }
 
 // noinline: bit-identical results for all call sites. Avoids division by the distance d: with v = d w every cosine is
@@ -146,18 +147,18 @@ void EmitterPacket::Set(size_t lane, const Emitter &e) {
                                                    Float *out) {
     const F px(query.p.x), py(query.p.y), pz(query.p.z);
     const bool inMedium = query.ns == Normal3(0);
-    const Normal3 n = query.ns * (Dot(query.wo, query.ns) < 0 ? Float(-1) : Float(1));
+    const Normal3 n = FaceForward(query.ns, query.wo);
     const F nx(n.x), ny(n.y), nz(n.z), otherSide(query.transmits ? Float(-1) : Float(1));
     F sum(0);
     for (size_t i = 0; i < count; ++i) {
         const EmitterPacket &e = packets[i];
-        const F vx = Load(e.centerX) - px, vy = Load(e.centerY) - py, vz = Load(e.centerZ) - pz;
-        const F d2 = Ops::Max(vx * vx + vy * vy + vz * vz, F(1e-30f)), r2 = Load(e.radius2);
+        const F vx = Load(e, Row::kCenterX) - px, vy = Load(e, Row::kCenterY) - py, vz = Load(e, Row::kCenterZ) - pz;
+        const F d2 = Ops::Max(vx * vx + vy * vy + vz * vz, F(1e-30f)), r2 = Load(e, Row::kRadius2);
         const F invD2 = F(1) / d2;
         const F s = Ops::Sqrt(r2 + F(kSlack) * d2), quarterInvS = F(0.25f) / s;
 
-        F c = -(Load(e.axisX) * vx + Load(e.axisY) * vy + Load(e.axisZ) * vz);
-        c = Ops::Max(c, c * Load(e.side));
+        F c = -(Load(e, Row::kAxisX) * vx + Load(e, Row::kAxisY) * vy + Load(e, Row::kAxisZ) * vz);
+        c = Ops::Max(c, c * Load(e, Row::kSide));
         F emission = e.someCurved || e.someCut ? Emission(e, c, d2, s, quarterInvS) : MeanCosine(c, s, quarterInvS);
         F receiver;
         if (inMedium) {
@@ -166,8 +167,8 @@ void EmitterPacket::Set(size_t lane, const Emitter &e) {
             F r = nx * vx + ny * vy + nz * vz;
             receiver = MeanCosine(Ops::Max(r, r * otherSide), s, quarterInvS);
         }
-        F arriving = Ops::Min(Load(e.intensity) * invD2, F(kMaxArriving));
-        F value = Ops::Select(d2 <= r2, Load(e.inside), arriving * (emission * receiver * invD2));
+        F arriving = Ops::Min(Load(e, Row::kIntensity) * invD2, F(kMaxArriving));
+        F value = Ops::Select(d2 <= r2, Load(e, Row::kInside), arriving * (emission * receiver * invD2));
         value.copy_to(out + i * kLanes, std::experimental::element_aligned);
         sum += value;
     }
@@ -175,23 +176,6 @@ void EmitterPacket::Set(size_t lane, const Emitter &e) {
 }
 
 Float EmitterPacket::Sum(const Float *g) { return std::experimental::reduce(Load(g)); }
-
-EmitterRow::EmitterRow(const EmitterPacket &p, size_t lane)
-    : field{p.centerX[lane],
-            p.centerY[lane],
-            p.centerZ[lane],
-            p.radius2[lane],
-            p.axisX[lane],
-            p.axisY[lane],
-            p.axisZ[lane],
-            p.intensity[lane],
-            p.inside[lane],
-            p.side[lane],
-            p.cosO[lane],
-            p.sinO[lane],
-            p.cosE[lane],
-            p.someCurved && p.cosO[lane] != 1 ? Float(1) : Float(0),
-            p.someCut && p.cosE[lane] != 0 ? Float(1) : Float(0)} {}
 
 namespace {
 
@@ -230,21 +214,19 @@ void Gather(const EmitterRow *rows, const uint32_t *names, size_t count, Emitter
     }
     Transpose(low);
     Transpose(high);
-    Float *const to[13] = {packet->centerX, packet->centerY, packet->centerZ,   packet->radius2, packet->axisX,
-                           packet->axisY,   packet->axisZ,   packet->intensity, packet->inside,  packet->side,
-                           packet->cosO,    packet->sinO,    packet->cosE};
-    for (size_t f = 0; f < 13; ++f) *reinterpret_cast<Eight *>(to[f]) = f < 8 ? low[f] : high[f - 8];
+    for (size_t f = 0; f < Row::kPacketFields; ++f)
+        *reinterpret_cast<Eight *>(packet->field[f]) = f < 8 ? low[f] : high[f - 8];
     auto any = [](const Eight &v) {
         Float most = 0;
         for (int i = 0; i < 8; ++i) most = std::max(most, v[i]);
         return most > 0;
     };
-    packet->someCurved = any(high[5]);
-    packet->someCut = any(high[6]);
+    packet->someCurved = any(high[Row::kIsCurved - 8]);
+    packet->someCut = any(high[Row::kIsCut - 8]);
 }
 
 Float EvaluateFar(const Emitter &far, const LightQuery &query) {
-    Normal3 n = ReceiverNormal(query);
+    const Normal3 n = FaceForward(query.ns, query.wo);  // 0 in media
     if (n == Normal3(0)) return far.isDelta ? far.m0 : far.m0 / 4;
     Float along = Dot(far.m1, n);
     if (query.transmits) along = std::abs(along);

@@ -45,21 +45,35 @@ Emitter Union(const Emitter &a, const Emitter &b);
 ///
 /// G is positive wherever SampleLi can contribute (tests/unit/ext/lightgroups).
 ///
-/// A packet stores eight emitters as structure of arrays.
+/// An EmitterRow stores the parameters of one emitter in one cache line; an EmitterPacket those of eight as structure
+/// of arrays.
+struct alignas(64) EmitterRow {
+    /// Indices in `field`; the first kPacketFields belong to packets as well.
+    static constexpr size_t kCenterX = 0, kCenterY = 1, kCenterZ = 2, kRadius2 = 3, kAxisX = 4, kAxisY = 5, kAxisZ = 6;
+    static constexpr size_t kIntensity = 7;  ///< 0: no emitter
+    static constexpr size_t kInside = 8;     ///< G within the sphere
+    static constexpr size_t kSide = 9;       ///< 1: one-sided, -1: two-sided
+    static constexpr size_t kCosO = 10, kSinO = 11, kCosE = 12, kPacketFields = 13;
+    static constexpr size_t kIsCurved = 13;  ///< 1: normals vary (kCosO is not 1)
+    static constexpr size_t kIsCut = 14;     ///< 1: emission does not end at the horizon (kCosE is not 0)
+    Float field[16] = {};
+
+    EmitterRow() = default;
+    explicit EmitterRow(const Emitter &emitter);
+};
+
 struct alignas(32) EmitterPacket {
     static constexpr int kLanes = 8;
-    Float centerX[kLanes] = {}, centerY[kLanes] = {}, centerZ[kLanes] = {}, radius2[kLanes] = {};
-    Float axisX[kLanes] = {}, axisY[kLanes] = {}, axisZ[kLanes] = {};
-    Float intensity[kLanes] = {};  ///< 0: empty lane
-    Float inside[kLanes] = {};     ///< G within the sphere
-    Float side[kLanes] = {};       ///< 1: one-sided, -1: two-sided
-    Float cosO[kLanes] = {}, sinO[kLanes] = {}, cosE[kLanes] = {};
-    /// `someCurved`: in some lane normals vary (cosO is not 1). `someCut`: in some lane emission does not end at the
-    /// horizon (cosE is not 0). If both are false, cosO, sinO and cosE are not read.
+    Float field[EmitterRow::kPacketFields][kLanes] = {};
+    /// In some lane kIsCurved, kIsCut. If both are false, kCosO, kSinO and kCosE are not read.
     bool someCurved = false, someCut = false;
 
+    /// Sets an empty lane.
     void Set(size_t lane, const Emitter &emitter);
-    Point3 Center(size_t lane) const { return {centerX[lane], centerY[lane], centerZ[lane]}; }
+    Point3 Center(size_t lane) const {
+        return {field[EmitterRow::kCenterX][lane], field[EmitterRow::kCenterY][lane],
+                field[EmitterRow::kCenterZ][lane]};
+    }
     /// Writes G of the eight lanes. A lane's result is bit-identical for all call sites and contents of other lanes.
     void Evaluate(const LightQuery &query, Float *out) const { EvaluateAll(this, 1, query, out); }
     /// Writes G of all lanes of `count` consecutive packets and returns the sum.
@@ -67,17 +81,13 @@ struct alignas(32) EmitterPacket {
     /// Sum of the output of Evaluate; `g` is aligned like packets.
     static Float Sum(const Float *g);
 };
-
-/// One lane of a packet, in one cache line.
-struct alignas(64) EmitterRow {
-    Float field[16] = {};
-
-    EmitterRow() = default;
-    EmitterRow(const EmitterPacket &packet, size_t lane);
-};
 /// Fills `packet` with `count` <= 8 rows; clears the other lanes.
 void Gather(const EmitterRow *rows, const uint32_t *names, size_t count, EmitterPacket *packet);
 
 Float EvaluateFar(const Emitter &far, const LightQuery &query);
+struct FarEmitter {
+    uint32_t index;
+    Emitter emitter;
+};
 
 }  // namespace ext

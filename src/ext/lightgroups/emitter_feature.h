@@ -43,11 +43,11 @@ struct WidestAxis {
     explicit WidestAxis(std::span<const EmitterItem> items) {
         double mean[6] = {}, square[6] = {}, weight = 0;
         for (const EmitterItem &item : items) {
-            auto w = static_cast<double>(item.weight);
+            auto w = double(item.weight);
             weight += w;
             for (size_t a = 0; a < 6; ++a) {
-                mean[a] += w * static_cast<double>(item.feature[a]);
-                square[a] += w * static_cast<double>(item.feature[a] * item.feature[a]);
+                mean[a] += w * double(item.feature[a]);
+                square[a] += w * double(item.feature[a] * item.feature[a]);
             }
         }
         for (size_t a = 0; a < 6; ++a) {

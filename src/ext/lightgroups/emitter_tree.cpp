@@ -30,81 +30,71 @@ struct EmitterTree::Part {
     int depth = 0;
 
     /// Adds a node over these items and its subtree; returns the node's index.
-    uint32_t Add(std::span<EmitterItem> items, std::span<const Emitter> emitters, const Emitter &whole, int level);
-    uint32_t Append(const Part &part);
-    static std::vector<Cluster> Divide(std::span<EmitterItem> items, std::span<const Emitter> emitters);
+    uint32_t Add(std::span<EmitterItem> items, std::span<const Emitter> emitters, const Emitter &whole, int level) {
+        const auto index = uint32_t(nodes.size()), firstChild = uint32_t(children.size());
+        depth = std::max(depth, level + 1);
+        const std::vector<Cluster> clusters = Divide(items, emitters);
+        nodes.push_back({.firstChild = firstChild, .count = uint8_t(clusters.size())});
+        wholes.push_back(whole);
+        children.resize(firstChild + clusters.size());
+
+        const bool asTasks = items.size() >= kManyEmitters;
+        std::vector<Part> parts(asTasks ? clusters.size() : 0);
+        auto build = [&](size_t c) {
+            std::span<EmitterItem> below = items.subspan(clusters[c].begin, clusters[c].end - clusters[c].begin);
+            if (below.size() == 1) return kLeaf | below[0].emitter;
+            Emitter all;
+            for (const EmitterItem &item : below) all = Union(all, emitters[item.emitter]);
+            return (asTasks ? parts[c] : *this).Add(below, emitters, all, level + 1);
+        };
+        if (asTasks) ParallelForEach(clusters.size(), [&](int64_t c) { children[firstChild + c] = build(c); });
+        for (size_t c = 0; c < clusters.size(); ++c) {
+            // Not one expression: Add may reallocate `children`.
+            uint32_t child = asTasks ? children[firstChild + c] : build(c);
+            if (asTasks && !(child & kLeaf)) child = Append(parts[c]);
+            children[firstChild + c] = child;
+            if (child & kLeaf) continue;
+            nodes[child].parent = index;
+            nodes[child].slot = uint8_t(c);
+        }
+        return index;
+    }
+
+    uint32_t Append(const Part &part) {
+        const auto firstNode = uint32_t(nodes.size()), firstChild = uint32_t(children.size());
+        for (Branch node : part.nodes) {
+            node.parent += firstNode;
+            node.firstChild += firstChild;
+            nodes.push_back(node);
+        }
+        for (uint32_t child : part.children) children.push_back(child & kLeaf ? child : child + firstNode);
+        wholes.insert(wholes.end(), part.wholes.begin(), part.wholes.end());
+        depth = std::max(depth, part.depth);
+        return firstNode;
+    }
+
+    static std::vector<Cluster> Divide(std::span<EmitterItem> items, std::span<const Emitter> emitters) {
+        FindFeatures(items, emitters);
+        std::vector<Cluster> clusters;
+        if (items.empty()) return clusters;
+        clusters.reserve(kWidth);
+        clusters.push_back({0, items.size()});
+        clusters[0].Measure(items);
+        while (clusters.size() < kWidth) {
+            const auto widest = std::ranges::max_element(clusters, {}, &Cluster::spread);
+            if (widest->spread < 0) break;
+            Cluster left = *widest, right = *widest;
+            left.end = right.begin = (widest->begin + widest->end) / 2;
+            auto at = [&](size_t i) { return items.begin() + i; };
+            std::nth_element(at(left.begin), at(left.end), at(right.end), LessAlong{widest->axis});
+            left.Measure(items);
+            right.Measure(items);
+            *widest = left;
+            clusters.push_back(right);
+        }
+        return clusters;
+    }
 };
-
-std::vector<EmitterTree::Cluster> EmitterTree::Part::Divide(std::span<EmitterItem> items,
-                                                            std::span<const Emitter> emitters) {
-    FindFeatures(items, emitters);
-    std::vector<Cluster> clusters;
-    if (items.empty()) return clusters;
-    clusters.reserve(kWidth);
-    clusters.push_back({0, items.size()});
-    clusters[0].Measure(items);
-    while (clusters.size() < kWidth) {
-        auto widest = std::max_element(clusters.begin(), clusters.end(),
-                                       [](const Cluster &a, const Cluster &b) { return a.spread < b.spread; });
-        if (widest->spread < 0) break;
-        Cluster left = *widest, right = *widest;
-        left.end = right.begin = (widest->begin + widest->end) / 2;
-        auto at = [&](size_t i) { return items.begin() + static_cast<std::ptrdiff_t>(i); };
-        std::nth_element(at(left.begin), at(left.end), at(right.end), LessAlong{widest->axis});
-        left.Measure(items);
-        right.Measure(items);
-        *widest = left;
-        clusters.push_back(right);
-    }
-    return clusters;
-}
-
-uint32_t EmitterTree::Part::Add(std::span<EmitterItem> items, std::span<const Emitter> emitters, const Emitter &whole,
-                                int level) {
-    const auto index = static_cast<uint32_t>(nodes.size()), firstChild = static_cast<uint32_t>(children.size());
-    depth = std::max(depth, level + 1);
-    const std::vector<Cluster> clusters = Divide(items, emitters);
-    nodes.push_back({.firstChild = firstChild, .count = static_cast<uint8_t>(clusters.size())});
-    wholes.push_back(whole);
-    children.resize(firstChild + clusters.size());
-
-    const bool asTasks = items.size() >= kManyEmitters;
-    std::vector<Part> parts(asTasks ? clusters.size() : 0);
-    auto build = [&](size_t c) {
-        std::span<EmitterItem> below = items.subspan(clusters[c].begin, clusters[c].end - clusters[c].begin);
-        if (below.size() == 1) return kLeaf | below[0].emitter;
-        Emitter all;
-        for (const EmitterItem &item : below) all = Union(all, emitters[item.emitter]);
-        return (asTasks ? parts[c] : *this).Add(below, emitters, all, level + 1);
-    };
-    if (asTasks)
-        ParallelForEach(static_cast<int64_t>(clusters.size()), [&](int64_t c) {
-            children[firstChild + static_cast<size_t>(c)] = build(static_cast<size_t>(c));
-        });
-    for (size_t c = 0; c < clusters.size(); ++c) {
-        // Not one expression: Add may reallocate `children`.
-        uint32_t child = asTasks ? children[firstChild + c] : build(c);
-        if (asTasks && !(child & kLeaf)) child = Append(parts[c]);
-        children[firstChild + c] = child;
-        if (child & kLeaf) continue;
-        nodes[child].parent = index;
-        nodes[child].slot = static_cast<uint8_t>(c);
-    }
-    return index;
-}
-
-uint32_t EmitterTree::Part::Append(const Part &part) {
-    const auto firstNode = static_cast<uint32_t>(nodes.size()), firstChild = static_cast<uint32_t>(children.size());
-    for (Branch node : part.nodes) {
-        node.parent += firstNode;
-        node.firstChild += firstChild;
-        nodes.push_back(node);
-    }
-    for (uint32_t child : part.children) children.push_back(child & kLeaf ? child : child + firstNode);
-    wholes.insert(wholes.end(), part.wholes.begin(), part.wholes.end());
-    depth = std::max(depth, part.depth);
-    return firstNode;
-}
 
 EmitterTree::EmitterTree(std::span<const Emitter> emitters) : places_(emitters.size()) {
     std::vector<EmitterItem> items;
@@ -135,8 +125,8 @@ void EmitterTree::MakePackets(std::span<const Emitter> emitters, std::span<const
     size_t begin = 0;  // first free lane
     for (Branch &node : nodes_) {
         if (begin % kLanes + node.count > kLanes) begin = (begin + kLanes - 1) / kLanes * kLanes;
-        node.firstPacket = static_cast<uint32_t>(begin / kLanes);
-        node.firstLane = static_cast<uint8_t>(begin % kLanes);
+        node.firstPacket = uint32_t(begin / kLanes);
+        node.firstLane = uint8_t(begin % kLanes);
         begin += node.count;
     }
     packets_.resize((begin + kLanes - 1) / kLanes);
@@ -165,7 +155,7 @@ void EmitterTree::WeighBelow(Node n, const LightQuery &query, Level *level) cons
     level->tree = this;
     level->query = &query;
     level->near = node.count;
-    level->far = n == 0 ? static_cast<uint32_t>(far_.size()) : 0;
+    level->far = n == 0 ? uint32_t(far_.size()) : 0;
     for (uint32_t i = 0; i < level->far; ++i) level->sum += EvaluateFar(far_[i].emitter, query);
 }
 
@@ -173,12 +163,12 @@ void EmitterTree::WeighBelow(Node n, const LightQuery &query, Level *level) cons
 WeightedChoice<double, Float> EmitterTree::Level::Choose(double target) const {
     double before = 0;
     for (uint32_t p = 0; p < packets; ++p) {
-        const double after = before + static_cast<double>(packetSums[p]);
+        const double after = before + double(packetSums[p]);
         if (target < after) {
             const Float *lanes = g + p * kLanes;
             auto chosen = ChooseByWeight<double>(
                 kLanes, target, [&](uint32_t i) { return lanes[i]; }, before);
-            chosen.index += p * static_cast<uint32_t>(kLanes) - firstLane;
+            chosen.index += p * uint32_t(kLanes) - firstLane;
             return chosen;
         }
         before = after;
@@ -195,7 +185,7 @@ WeightedChoice<double, Float> EmitterTree::Level::Choose(double target) const {
 
 std::optional<SampledLight> EmitterTree::Sample(const LightQuery &query, Float u) const {
     if (nodes_.empty()) return {};
-    const auto end = WalkDown(*this, Node(0), query, static_cast<double>(u));
+    const auto end = WalkDown(*this, Node(0), query, double(u));
     if (!end) return {};
     return SampledLight{LightId(end->node & ~kLeaf), end->pmf};
 }
@@ -215,7 +205,8 @@ Float EmitterTree::PMF(const LightQuery &query, uint32_t emitter) const {
 
 size_t EmitterTree::Bytes() const {
     return nodes_.capacity() * sizeof(Branch) + packets_.capacity() * sizeof(EmitterPacket) +
-           children_.capacity() * sizeof(uint32_t) + far_.capacity() * sizeof(Far) + places_.capacity() * sizeof(Place);
+           children_.capacity() * sizeof(uint32_t) + far_.capacity() * sizeof(FarEmitter) +
+           places_.capacity() * sizeof(Place);
 }
 
 }  // namespace ext

@@ -61,16 +61,12 @@ class EmitterTree {
     };
     struct Cluster;
     struct Part;
-    struct Far {
-        uint32_t index;
-        Emitter emitter;
-    };
     void MakePackets(std::span<const Emitter> emitters, std::span<const Emitter> wholes);
 
     std::vector<Branch> nodes_;
     std::vector<EmitterPacket> packets_;
     std::vector<uint32_t> children_;  ///< kLeaf | emitter, or node
-    std::vector<Far> far_;            ///< further children of the root, after the others
+    std::vector<FarEmitter> far_;     ///< further children of the root, after the others
     std::vector<Place> places_;       ///< per emitter; slot kLeaf: not in the tree
     int depth_ = 0;
 };

@@ -26,27 +26,27 @@ std::vector<Emitter> GroupImportance::EmittersIn(const LightGroups &groups, uint
     return emitters;
 }
 
-const GroupImportance::FarLight *GroupImportance::FindFar(uint32_t emitter) const {
-    for (const FarLight &far : far_)
+const FarEmitter *GroupImportance::FindFar(uint32_t emitter) const {
+    for (const FarEmitter &far : far_)
         if (far.index == emitter) return &far;
     return nullptr;
 }
 
 Float GroupImportance::Evaluate(const LightQuery &query, std::span<Float> out) const {
     Float sum = EmitterPacket::EvaluateAll(packets_.data(), packets_.size(), query, out.data());
-    for (const FarLight &far : far_) sum += out[far.index] = EvaluateFar(far.emitter, query);
+    for (const FarEmitter &far : far_) sum += out[far.index] = EvaluateFar(far.emitter, query);
     return sum;
 }
 
 Float GroupImportance::Of(const LightQuery &query, uint32_t emitter) const {
-    if (const FarLight *far = FindFar(emitter)) return EvaluateFar(far->emitter, query);
+    if (const FarEmitter *far = FindFar(emitter)) return EvaluateFar(far->emitter, query);
     Float out[kLanes];
     packets_[emitter / kLanes].Evaluate(query, out);
     return out[emitter % kLanes];
 }
 
 Vector3 GroupImportance::DirectionTo(const Point3 &p, uint32_t emitter) const {
-    if (const FarLight *far = FindFar(emitter)) return far->emitter.isDelta ? far->emitter.m1 : Vector3(0);
+    if (const FarEmitter *far = FindFar(emitter)) return far->emitter.isDelta ? far->emitter.m1 : Vector3(0);
     Vector3 v = packets_[emitter / kLanes].Center(emitter % kLanes) - p;
     Float length = Length(v);
     return length > 0 ? v / length : Vector3(0);

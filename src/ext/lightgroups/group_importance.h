@@ -26,17 +26,13 @@ class GroupImportance {
     Float Of(const LightQuery &query, uint32_t emitter) const;
     /// Unit vector to the centre of an emitter; zero for environment lights.
     Vector3 DirectionTo(const Point3 &p, uint32_t emitter) const;
-    size_t Bytes() const { return packets_.capacity() * sizeof(EmitterPacket) + far_.capacity() * sizeof(FarLight); }
+    size_t Bytes() const { return packets_.capacity() * sizeof(EmitterPacket) + far_.capacity() * sizeof(FarEmitter); }
 
   private:
-    struct FarLight {
-        uint32_t index;
-        Emitter emitter;
-    };
-    const FarLight *FindFar(uint32_t emitter) const;
+    const FarEmitter *FindFar(uint32_t emitter) const;
 
     std::vector<EmitterPacket> packets_;
-    std::vector<FarLight> far_;
+    std::vector<FarEmitter> far_;
     size_t size_ = 0;
 };
 

@@ -5,7 +5,6 @@
 
 #include "ext/lightgroups/emitter_feature.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/lightsamplers/weighted_choice.h"
 
 namespace ext {
 
@@ -18,15 +17,15 @@ constexpr uint32_t kMinPart = 8;
 uint32_t BestSplit(std::span<const EmitterItem> items, size_t axis) {
     double weight = 0, sum = 0;
     for (const EmitterItem &item : items) {
-        weight += static_cast<double>(item.weight);
-        sum += static_cast<double>(item.weight * item.feature[axis]);
+        weight += double(item.weight);
+        sum += double(item.weight * item.feature[axis]);
     }
-    const auto count = static_cast<uint32_t>(items.size()), least = std::max(1u, count / kMinPart);
+    const auto count = uint32_t(items.size()), least = std::max(1u, count / kMinPart);
     uint32_t best = count / 2;
     double most = -1, left = 0, leftSum = 0;
     for (uint32_t i = 0; i + least < count; ++i) {
-        left += static_cast<double>(items[i].weight);
-        leftSum += static_cast<double>(items[i].weight * items[i].feature[axis]);
+        left += double(items[i].weight);
+        leftSum += double(items[i].weight * items[i].feature[axis]);
         if (i + 1 < least || !(left > 0) || !(weight > left)) continue;
         // Total spread is constant: maximizing it between the sides minimizes it within them.
         const double rest = sum - leftSum, between = leftSum * leftSum / left + rest * rest / (weight - left);
@@ -44,7 +43,7 @@ class LightTree::Builder {
   public:
     Builder(LightTree &tree, std::span<const Emitter> emitters, std::vector<EmitterItem> items)
         : tree_(tree), emitters_(emitters), items_(std::move(items)), spread_(2 * items_.size(), 0) {
-        Add(0, 0, static_cast<uint32_t>(items_.size()));
+        Add(0, 0, uint32_t(items_.size()));
         for (uint32_t i = 0; i < items_.size(); ++i) tree_.order_[i] = items_[i].emitter;
     }
     /// Per node: bounding sphere radius times total intensity.
@@ -69,10 +68,8 @@ class LightTree::Builder {
             }
             whole = Union(first, second);
         }
-        EmitterPacket packet;
-        packet.Set(0, whole);
-        tree_.rows_[node] = EmitterRow(packet, 0);
-        spread_[node] = std::sqrt(packet.radius2[0]) * packet.intensity[0];
+        const EmitterRow &row = tree_.rows_[node] = EmitterRow(whole);
+        spread_[node] = std::sqrt(row.field[EmitterRow::kRadius2]) * row.field[EmitterRow::kIntensity];
         return whole;
     }
 
@@ -82,9 +79,8 @@ class LightTree::Builder {
         const size_t axis = WidestAxis(items).axis;
         if (items.size() >= kManyEmitters) {
             const size_t middle = items.size() / 2;
-            std::nth_element(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(middle), items.end(),
-                             LessAlong{axis});
-            return begin + static_cast<uint32_t>(middle);
+            std::nth_element(items.begin(), items.begin() + middle, items.end(), LessAlong{axis});
+            return begin + uint32_t(middle);
         }
         std::sort(items.begin(), items.end(), LessAlong{axis});
         return begin + BestSplit(items, axis);
@@ -103,7 +99,7 @@ LightTree::LightTree(std::span<const Emitter> emitters) : position_(emitters.siz
         if (emitters[i].isFar) far.push_back(i);
         else if (emitters[i].bounds) items.push_back({i, emitters[i].intensity, {}});
     }
-    const auto near = static_cast<uint32_t>(items.size());
+    const auto near = uint32_t(items.size());
     nearNodes_ = near > 0 ? 2 * near - 1 : 0;
     ranges_.resize(nearNodes_);
     rows_.resize(nearNodes_);
@@ -115,9 +111,8 @@ LightTree::LightTree(std::span<const Emitter> emitters) : position_(emitters.siz
     }
     const size_t farNodes = std::min(far.size(), kFarNodes);
     for (size_t n = 0; n < farNodes; ++n) {
-        const auto first = static_cast<uint32_t>(n * far.size() / farNodes),
-                   last = static_cast<uint32_t>((n + 1) * far.size() / farNodes);
-        roots_.push_back(static_cast<uint32_t>(ranges_.size()));
+        const auto first = uint32_t(n * far.size() / farNodes), last = uint32_t((n + 1) * far.size() / farNodes);
+        roots_.push_back(uint32_t(ranges_.size()));
         base_.push_back(roots_.back());
         ranges_.push_back({near + first, near + last});
     }
@@ -162,7 +157,7 @@ Float LightTree::Evaluate(const LightQuery &query, std::span<const uint32_t> nod
         Gather(rows_.data(), nodes.data() + begin, count, &gathered);
         Float g[kLanes];
         sum += EmitterPacket::EvaluateAll(&gathered, 1, query, g);
-        std::copy(g, g + count, out.begin() + static_cast<std::ptrdiff_t>(begin));
+        std::copy(g, g + count, out.begin() + begin);
     }
     for (size_t i = near; i < nodes.size(); ++i) sum += out[i] = EvaluateFarNode(nodes[i], query);
     return sum;
@@ -190,13 +185,13 @@ void LightTree::WeighBelow(Node node, const LightQuery &query, Level *level) con
 }
 
 std::optional<SampledLight> LightTree::SampleWithin(uint32_t node, const LightQuery &query, Float u) const {
-    const auto end = WalkDown(*this, node, query, static_cast<double>(u));
+    const auto end = WalkDown(*this, node, query, double(u));
     if (!end) return {};
     const Range range = ranges_[end->node];
     if (range.Size() == 1) return SampledLight{LightId(order_[range.begin]), end->pmf, end->weight};
     const size_t near = order_.size() - far_.size();
     const Float sum = EvaluateFarNode(end->node, query);
-    const auto chosen = ChooseByWeight<Float>(range.Size(), static_cast<Float>(end->rest) * sum, [&](uint32_t i) {
+    const auto chosen = ChooseByWeight<Float>(range.Size(), Float(end->rest) * sum, [&](uint32_t i) {
         return EvaluateFar(far_[range.begin + i - near], query);
     });
     if (!chosen) return {};
@@ -205,7 +200,7 @@ std::optional<SampledLight> LightTree::SampleWithin(uint32_t node, const LightQu
 
 Float LightTree::PMFWithin(uint32_t node, const LightQuery &query, uint32_t position) const {
     const Float pmf = WalkProbability(*this, &node, query, [&](Node, const Level &level) {
-        return static_cast<uint32_t>(FindInCut({level.nodes, level.count}, position));
+        return uint32_t(FindInCut({level.nodes, level.count}, position));
     });
     if (!(pmf > 0) || IsLight(node)) return pmf;
     const size_t near = order_.size() - far_.size();
@@ -225,7 +220,7 @@ bool LightTree::IsCut(std::span<const uint32_t> nodes) const {
 size_t LightTree::FindInCut(std::span<const uint32_t> cut, uint32_t position) const {
     auto after = std::upper_bound(cut.begin(), cut.end(), position,
                                   [&](uint32_t p, uint32_t node) { return p < ranges_[node].begin; });
-    return static_cast<size_t>(after - cut.begin()) - 1;
+    return after - cut.begin() - 1;
 }
 
 size_t LightTree::Bytes() const {

@@ -38,7 +38,9 @@ class LightTree {
     bool HasChildren(uint32_t node) const { return node < nearNodes_ && !IsLight(node); }
     uint32_t First(uint32_t node) const { return node + 1; }
     uint32_t Second(uint32_t node) const { return node + 2 * ranges_[node + 1].Size(); }
-    Float Intensity(uint32_t node) const { return node < nearNodes_ ? rows_[node].field[kIntensity] : Float(0); }
+    Float Intensity(uint32_t node) const {
+        return node < nearNodes_ ? rows_[node].field[EmitterRow::kIntensity] : Float(0);
+    }
     /// Nodes without a parent: the root of all near lights, then the far nodes. The shortest cut.
     std::span<const uint32_t> Roots() const { return roots_; }
     /// Cut of up to kBaseNodes near nodes and all far ones, for regions without learned data: splits nodes with maximum
@@ -79,7 +81,6 @@ class LightTree {
     size_t Bytes() const;
 
   private:
-    static constexpr size_t kIntensity = 7;  ///< index in EmitterRow
     class Builder;
     Float EvaluateFarNode(uint32_t node, const LightQuery &query) const;
     void ChooseBaseCut(std::span<const Float> spread);

@@ -8,8 +8,8 @@ namespace ext {
 MeshInterior::MeshInterior(const LightGroups &groups, bool byImportance)
     : groups_(groups), byImportance_(byImportance), inner_(groups.Size()) {
     if (!byImportance) return;
-    ParallelFor(static_cast<int64_t>(groups.Size()), 4, [&](int64_t begin, int64_t end) {
-        for (auto g = static_cast<uint32_t>(begin); g < static_cast<uint32_t>(end); ++g) {
+    ParallelFor(groups.Size(), 4, [&](int64_t begin, int64_t end) {
+        for (auto g = uint32_t(begin); g < uint32_t(end); ++g) {
             const uint32_t count = groups.CountOf(g);
             if (count == 1) continue;
             std::vector<Emitter> emitters = GroupImportance::EmittersIn(groups, g);

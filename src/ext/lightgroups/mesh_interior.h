@@ -4,6 +4,7 @@
 
 #include "ext/lightgroups/emitter_tree.h"
 #include "ext/lightgroups/group_importance.h"
+#include "pbrt/lightsamplers/group_light_sampler.h"
 
 namespace ext {
 
@@ -30,6 +31,24 @@ class MeshInterior {
     const LightGroups &groups_;
     bool byImportance_;
     std::vector<Inner> inner_;  ///< per group; both empty for single lights
+};
+
+/// Group light samplers that select within a group by importance at the point (MeshInterior).
+class InteriorLightSampler : public GroupLightSampler {
+  protected:
+    InteriorLightSampler(const LightTable &lights, bool meshlights, bool interiorByImportance)
+        : GroupLightSampler(meshlights ? lights.ByLight() : lights.ByComponent()),
+          interior_(groups_, interiorByImportance) {}
+
+    std::optional<SampledLight> ChooseInside(const LightQuery &query, const void *, uint32_t group, Float u,
+                                             Point2 *) const override {
+        return interior_.Sample(group, query, u);
+    }
+    Float ProbabilityInside(const LightQuery &query, const void *, LightId light) const override {
+        return interior_.PMF(query, light);
+    }
+
+    MeshInterior interior_;
 };
 
 }  // namespace ext

@@ -21,12 +21,6 @@ constexpr size_t kMaxRecorded = 400000;
 
 }  // namespace
 
-RenderShadowRay RenderShadowRay::Read(StateReader &in) {
-    const auto r = in.Value<RenderShadowRay>();
-    in.Require(!r.IsEmpty() && r.inMedium <= 1, "a record has no weight");
-    return r;
-}
-
 VisibilityModel::Render VisibilityModel::RenderOf(const PrepareContext &context) const {
     return {context.pixelBounds, context.samplesPerPixel, std::min(params_.depth, std::max(1, context.maxDepth))};
 }

@@ -13,7 +13,9 @@ struct RenderShadowRay {
     ShadowRay ray;          ///< weight 0: empty slot
 
     bool IsEmpty() const { return !(ray.weight > 0); }
-    static RenderShadowRay Read(StateReader &in);
+    std::optional<std::string> Validate() const {
+        return !IsEmpty() && inMedium <= 1 ? std::nullopt : std::optional("a record has no weight");
+    }
 };
 
 /// Learned factors a(leaf, l) of the visibility octree: one VisibilityTree for surfaces and one for media, built from

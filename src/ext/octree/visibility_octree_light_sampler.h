@@ -2,8 +2,8 @@
 #include <memory>
 
 #include "ext/lightgroups/group_importance.h"
-#include "ext/lightgroups/interior_light_sampler.h"
 #include "ext/lightgroups/light_tree.h"
+#include "ext/lightgroups/mesh_interior.h"
 #include "ext/octree/visibility_model.h"
 #include "ext/portals/portal_sampling.h"
 

@@ -19,8 +19,8 @@ class RecordedPaths {
     RecordedPaths(const Bounds2i &pixels, int first, int end, size_t most) : pixels_(pixels), first_(first), end_(end) {
         const Vector2i size = pixels.IsEmpty() ? Vector2i(0) : pixels.high - pixels.low;
         for (stride_ = 1;; ++stride_) {
-            perRow_ = static_cast<size_t>((size.x + stride_ - 1) / stride_);
-            count_ = perRow_ * static_cast<size_t>(size.y) * static_cast<size_t>(end - first);
+            perRow_ = (size.x + stride_ - 1) / stride_;
+            count_ = perRow_ * size.y * (end - first);
             if (count_ <= most || stride_ >= size.x) break;
         }
     }
@@ -29,16 +29,16 @@ class RecordedPaths {
     std::optional<size_t> NumberOf(Point2i pixel, int sample) const {
         const Vector2i at = pixel - pixels_.low;
         if (count_ == 0 || sample < first_ || sample >= end_ || (at.x + kRowShift * at.y) % stride_ != 0) return {};
-        const size_t ofPixel = static_cast<size_t>(at.y) * perRow_ + static_cast<size_t>(at.x / stride_);
-        return ofPixel * static_cast<size_t>(end_ - first_) + static_cast<size_t>(sample - first_);
+        const size_t ofPixel = at.y * perRow_ + at.x / stride_;
+        return ofPixel * (end_ - first_) + (sample - first_);
     }
     /// Pixel of a path, relative to the corner of the pixel bounds.
     Point2i PixelOf(size_t path) const {
-        const size_t ofPixel = path / static_cast<size_t>(end_ - first_);
-        const int y = static_cast<int>(ofPixel / perRow_);
+        const size_t ofPixel = path / (end_ - first_);
+        const int y = int(ofPixel / perRow_);
         // x + kRowShift y is a multiple of the stride.
         const int shift = (stride_ - kRowShift * y % stride_) % stride_;
-        return {static_cast<int>(ofPixel % perRow_) * stride_ + shift, y};
+        return {int(ofPixel % perRow_) * stride_ + shift, y};
     }
 
   private:
@@ -48,9 +48,9 @@ class RecordedPaths {
     size_t perRow_ = 0, count_ = 0;
 };
 
-/// Records of paths, each in its own slot, so that the result is independent of thread order. A Record is trivially
-/// copyable without padding, with IsEmpty(), true by default, and `static Record Read(StateReader &)`, which throws
-/// UserError on invalid records.
+/// Records of paths, each in its own slot, so that the result is independent of thread order. A Record has IsEmpty(),
+/// true by default, and `std::optional<std::string> Validate() const`, the error of an invalid one. It has Visit
+/// (core/state_archive.h) or is trivially copyable without padding.
 template <class Record>
 class PathRecordStore {
   public:
@@ -82,13 +82,10 @@ class PathRecordStore {
     /// Writes the non-empty records with their slots.
     void Save(StateWriter &out) const {
         const auto isFilled = [](const Record &record) { return !record.IsEmpty(); };
-        out.Value(uint64_t{places_.size()});
-        out.Value(static_cast<uint64_t>(std::ranges::count_if(places_, isFilled)));
-        for (size_t i = 0; i < places_.size(); ++i) {
-            if (!isFilled(places_[i])) continue;
-            out.Value(uint64_t{i});
-            out.Value(places_[i]);
-        }
+        StateSaver save(out);
+        save(uint64_t{places_.size()}, uint64_t(std::ranges::count_if(places_, isFilled)));
+        for (size_t i = 0; i < places_.size(); ++i)
+            if (isFilled(places_[i])) save(uint64_t{i}, places_[i]);
     }
     void Extract(StateWriter &out) {
         Save(out);
@@ -97,10 +94,11 @@ class PathRecordStore {
     /// Merges the output of Save. Throws UserError if its slots do not match.
     void Merge(StateReader &in) {
         in.Require(in.Value<uint64_t>() == places_.size(), "it has other records than the render makes");
+        StateLoader load(in);
         for (auto filled = in.Value<uint64_t>(); filled > 0; --filled) {
             const auto place = in.Value<uint64_t>();
             in.Require(place < places_.size(), "a record has no place");
-            places_[place] = Record::Read(in);
+            load(places_[place]);
         }
     }
 

@@ -1,7 +1,7 @@
 #include "ext/prepass/prepass.h"
 
-#include "ext/prepass/prepass_paths.h"
-#include "pbrt/math/rng.h"
+#include "pbrt/core/parallel.h"
+#include "pbrt/films/filter.h"
 #include "pbrt/transport/path_walk.h"
 #include "pbrt/transport/shadow_transmittance.h"
 
@@ -11,6 +11,29 @@ namespace {
 
 /// Decorrelates the prepass from other uses of the seed.
 constexpr uint64_t kStream = 0x70726570617373ull;
+
+Vector2i TilesOf(const Bounds2i &pixels) {
+    return (pixels.high - pixels.low + (kPrepassTileSize - 1)) / kPrepassTileSize;
+}
+
+/// Paths of a pixel: the integer part of pathsPerPixel, plus one in a fraction of pixels equal to its fractional part.
+int PathsOf(Point2i pixel, uint64_t stream, double pathsPerPixel) {
+    const int whole = int(pathsPerPixel);
+    const double fraction = pathsPerPixel - whole;
+    return whole + (fraction > 0 && double(HashFloat(stream, pixel)) < fraction ? 1 : 0);
+}
+
+std::optional<PrepassPath> Start(const PrepareContext &context, uint64_t stream, Point2i pixel, int sampleIndex) {
+    Rng rng(Hash(stream, context.seed, pixel, sampleIndex));
+    CameraSample cs;
+    cs.pFilm = Point2(pixel) + Point2(0.5f, 0.5f) + context.filter.Sample(rng.Uniform2()).offset;
+    cs.time = rng.Uniform();
+    cs.pLens = rng.Uniform2();
+    SampledWavelengths lambda = SampledWavelengths::SampleVisible(rng.Uniform());
+    const std::optional<CameraRay> ray = context.camera.GenerateRay(cs, lambda);
+    if (!ray) return {};
+    return PrepassPath{rng, lambda, *ray};
+}
 
 void FollowPath(const PrepareContext &context, PrepassPath &path, int depth, std::vector<PrepassVertex> &out) {
     auto &[rng, lambda, start] = path;
@@ -51,6 +74,30 @@ void FollowPath(const PrepareContext &context, PrepassPath &path, int depth, std
 
 }  // namespace
 
+int64_t PrepassTileCount(const Bounds2i &pixels) {
+    const Vector2i tiles = TilesOf(pixels);
+    return pixels.IsEmpty() ? 0 : int64_t(tiles.x) * tiles.y;
+}
+
+void ForEachPrepassPath(PrepareContext &context, const char *phase, uint64_t stream, double pathsPerPixel,
+                        const std::function<void(int64_t tile, PrepassPath &path)> &follow) {
+    const Bounds2i &bounds = context.pixelBounds;
+    const Vector2i tiles = TilesOf(bounds);
+    const int64_t tileCount = PrepassTileCount(bounds);
+    context.progress.BeginPhase(phase, tileCount);
+    ParallelForEach(tileCount, [&](int64_t tile) {
+        if (context.progress.Cancelled()) return;
+        const Point2i low = bounds.low + kPrepassTileSize * Point2i(int(tile % tiles.x), int(tile / tiles.x));
+        const Point2i high = glm::min(low + kPrepassTileSize, bounds.high);
+        for (int y = low.y; y < high.y; ++y)
+            for (int x = low.x; x < high.x; ++x)
+                for (int s = 0, count = PathsOf({x, y}, stream, pathsPerPixel); s < count; ++s)
+                    if (std::optional<PrepassPath> path = Start(context, stream, {x, y}, s)) follow(tile, *path);
+        context.progress.Advance();
+    });
+    context.progress.EndPhase();
+}
+
 LightQuery QueryAt(const PrepassVertex &vertex) {
     LightQuery query;
     query.p = vertex.at.p;
@@ -66,11 +113,10 @@ LightQuery QueryAt(const PrepassVertex &vertex) {
 }
 
 std::vector<PrepassVertex> TracePrepassPaths(PrepareContext &context, double samplesPerPixel, int depth) {
-    std::vector<std::vector<PrepassVertex>> perTile(static_cast<size_t>(PrepassTileCount(context.pixelBounds)));
+    std::vector<std::vector<PrepassVertex>> perTile(PrepassTileCount(context.pixelBounds));
     ForEachPrepassPath(context, "prepass", kStream, samplesPerPixel, [&](int64_t tile, PrepassPath &path) {
-        std::vector<PrepassVertex> &out = perTile[static_cast<size_t>(tile)];
-        if (out.empty())
-            out.reserve(static_cast<size_t>(kPrepassTileSize * kPrepassTileSize * samplesPerPixel * depth) + 1);
+        std::vector<PrepassVertex> &out = perTile[tile];
+        if (out.empty()) out.reserve(size_t(kPrepassTileSize * kPrepassTileSize * samplesPerPixel * depth) + 1);
         FollowPath(context, path, depth, out);
     });
     size_t total = 0;

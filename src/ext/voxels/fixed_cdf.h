@@ -17,12 +17,10 @@ void BuildFixedCdf(std::span<const double> weights, std::span<uint32_t> begins);
 
 inline Float FixedCdfPMF(std::span<const uint32_t> begins, uint32_t index) {
     uint64_t end = index + 1 < begins.size() ? begins[index + 1] : uint64_t(1) << 32;
-    return static_cast<Float>(end - begins[index]) * 0x1p-32f;
+    return Float(end - begins[index]) * 0x1p-32f;
 }
 
-inline Float FixedCdfBegin(std::span<const uint32_t> begins, uint32_t index) {
-    return static_cast<Float>(begins[index]) * 0x1p-32f;
-}
+inline Float FixedCdfBegin(std::span<const uint32_t> begins, uint32_t index) { return Float(begins[index]) * 0x1p-32f; }
 
 /// Entry for a uniform number u. A float near 1 has 24 bits, too few for narrow entries, so lower bits come from a hash
 /// of u and the query point `p`.

@@ -38,11 +38,11 @@ class LazyRows {
     bool IsFilled(size_t row) const { return rows_[row].load(std::memory_order_acquire) != nullptr; }
 
     size_t Size() const { return count_; }
-    size_t Filled() const { return static_cast<size_t>(filled_.load()); }
+    size_t Filled() const { return filled_.load(); }
     /// Rows discarded because another thread published first.
-    size_t Discarded() const { return static_cast<size_t>(discarded_.load()); }
+    size_t Discarded() const { return discarded_.load(); }
     /// CPU time in `fill`, summed over threads.
-    double FillThreadSeconds() const { return static_cast<double>(nanoseconds_.load()) * 1e-9; }
+    double FillThreadSeconds() const { return double(nanoseconds_.load()) * 1e-9; }
     size_t Bytes() const { return count_ * sizeof(T *) + Filled() * length_ * sizeof(T); }
 
   private:

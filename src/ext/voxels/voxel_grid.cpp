@@ -9,10 +9,10 @@ VoxelGrid::VoxelGrid(const Bounds3 &bounds, int voxels) {
     Float longest = MaxComponent(extent);
     for (int i = 0; i < 3; ++i) {
         if (!(extent[i] > 0)) continue;
-        auto n = static_cast<int>(std::lround(extent[i] / longest * static_cast<Float>(voxels)));
+        auto n = int(std::lround(extent[i] / longest * Float(voxels)));
         resolution_[i] = std::max(1, n);
-        scale_[i] = static_cast<Float>(resolution_[i]) / extent[i];
-        size_[i] = extent[i] / static_cast<Float>(resolution_[i]);
+        scale_[i] = Float(resolution_[i]) / extent[i];
+        size_[i] = extent[i] / Float(resolution_[i]);
     }
 }
 

@@ -18,7 +18,7 @@ class VoxelGrid {
     uint32_t Index(const Point3 &p) const {
         Vector3 q = (p - low_) * scale_;
         auto x = Clamped(q.x, resolution_.x), y = Clamped(q.y, resolution_.y), z = Clamped(q.z, resolution_.z);
-        return x + static_cast<uint32_t>(resolution_.x) * (y + static_cast<uint32_t>(resolution_.y) * z);
+        return x + uint32_t(resolution_.x) * (y + uint32_t(resolution_.y) * z);
     }
     size_t Size() const { return size_t(resolution_.x) * size_t(resolution_.y) * size_t(resolution_.z); }
     const glm::ivec3 &Resolution() const { return resolution_; }
@@ -31,10 +31,10 @@ class VoxelGrid {
 
   private:
     static uint32_t Clamped(Float q, int resolution) {
-        return static_cast<uint32_t>(std::max(Float(0), std::min(q, static_cast<Float>(resolution - 1))));
+        return uint32_t(std::max(Float(0), std::min(q, Float(resolution - 1))));
     }
     Vector3 Corner(uint32_t index) const {
-        auto x = static_cast<uint32_t>(resolution_.x), y = static_cast<uint32_t>(resolution_.y);
+        auto x = uint32_t(resolution_.x), y = uint32_t(resolution_.y);
         return Vector3(glm::uvec3(index % x, index / x % y, index / x / y));
     }
 

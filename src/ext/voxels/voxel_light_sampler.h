@@ -16,7 +16,7 @@ class VoxelLightSampler : public GroupLightSampler {
         return ChosenGroup{group, pmf, LightGroups::InnerNumber(u, query.p, FixedCdfBegin(cdf, group), pmf)};
     }
     Float GroupProbability(const LightQuery &, const void *weights, uint32_t group) const final {
-        return weights ? FixedCdfPMF(Weighed(weights), group) : 1 / static_cast<Float>(groups_.Size());
+        return weights ? FixedCdfPMF(Weighed(weights), group) : 1 / Float(groups_.Size());
     }
 
   protected:

@@ -22,9 +22,9 @@ Image Draw(const std::function<Float(const Point2 &p)> &value) {
 
 /// Star-shaped polygon: corners at equal angles from `firstAngle` (radians), with alternating radii `a` and `b`.
 Image DrawPolygon(int corners, Float firstAngle, Float a, Float b) {
-    const Float step = 2 * Pi / static_cast<Float>(corners);
+    const Float step = 2 * Pi / Float(corners);
     auto corner = [&](int i) {
-        const Float angle = firstAngle + static_cast<Float>(i) * step;
+        const Float angle = firstAngle + Float(i) * step;
         return Point2(std::cos(angle), std::sin(angle)) * (i % 2 ? b : a);
     };
     return Draw([&](const Point2 &p) {
@@ -68,7 +68,7 @@ Image Mono(const Image &image, const std::string &name) {
                 throw UserError(
                     fmt::format("\"{}\": pixel ({}, {}) is negative, infinite or not a number.", name, x, y));
             largest = std::max(largest, sum);
-            mono.Set({x, n.y - 1 - y}, 0, sum / static_cast<Float>(source.ChannelCount()));
+            mono.Set({x, n.y - 1 - y}, 0, sum / Float(source.ChannelCount()));
         }
     if (!(largest > 0)) throw UserError(fmt::format("\"{}\" is black: no light passes this aperture.", name));
     return mono;
@@ -95,7 +95,7 @@ ApertureImage::ApertureImage(Image image) : image_(std::move(image)) {
     const double mean = sum / (double(n.x) * double(n.y));
     for (int y = 0; y < n.y; ++y)
         for (int x = 0; x < n.x; ++x)
-            image_.Set({x, y}, 0, static_cast<Float>(double(image_.Get({x, y}, 0)) / mean * double(Pi / 4)));
+            image_.Set({x, y}, 0, Float(double(image_.Get({x, y}, 0)) / mean * double(Pi / 4)));
 }
 
 ApertureImage ApertureImage::Read(const std::string &name, const FileResolver &files) {

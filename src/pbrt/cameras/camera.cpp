@@ -7,6 +7,7 @@
 #include "pbrt/cameras/realistic_camera.h"
 #include "pbrt/cameras/spherical_camera.h"
 #include "pbrt/core/limits.h"
+#include "pbrt/math/solid_angle.h"
 
 namespace pbrt {
 
@@ -39,8 +40,7 @@ struct CameraParams {
     }
     ScreenWindow Window(Point2i resolution) const {
         if (const auto &w = screenWindow) return {(*w)[0], (*w)[1], (*w)[2], (*w)[3]};
-        const Float aspect =
-            frameAspectRatio.value_or(static_cast<Float>(resolution.x) / static_cast<Float>(resolution.y));
+        const Float aspect = frameAspectRatio.value_or(Float(resolution.x) / Float(resolution.y));
         if (aspect > 1) return {-aspect, aspect, -1, 1};
         return {-1, 1, -1 / aspect, 1 / aspect};
     }
@@ -116,11 +116,50 @@ std::vector<LensElement> ReadLens(const RealisticParams &p, const ParamSet &set,
     if (!thickness)
         throw set.Error("focusdistance",
                         fmt::format("this lens cannot focus at a distance of {} m from the film.", p.distance));
-    elements.back().thickness = static_cast<Float>(*thickness);
+    elements.back().thickness = Float(*thickness);
     return elements;
 }
 
 }  // namespace
+
+std::optional<CameraRay> Camera::GenerateRay(const CameraSample &sample, const SampledWavelengths &) const {
+    CameraRay c;
+    c.differential.valid = true;
+    if (!GenerateInCameraSpace(sample, &c)) return {};
+    c.ray.time = Lerp(sample.time, frame_.shutterOpen, frame_.shutterClose);
+    const Transform t = frame_.renderFromCamera.At(c.ray.time);
+    c.ray.o = t.Point(c.ray.o);
+    c.ray.d = Normalize(t.Vector(c.ray.d));
+    c.differential.rxOrigin = t.Point(c.differential.rxOrigin);
+    c.differential.ryOrigin = t.Point(c.differential.ryOrigin);
+    c.differential.rxDirection = Normalize(t.Vector(c.differential.rxDirection));
+    c.differential.ryDirection = Normalize(t.Vector(c.differential.ryDirection));
+    return c;
+}
+
+std::optional<CameraConnection> Camera::Connect(const Point3 &p, const Point2 &uLens, Float time) const {
+    const Transform t = frame_.renderFromCamera.At(time);
+    // Subtracts first: far from the rendering-space origin the inverse of a point loses precision.
+    const Point3 inCamera = t.InverseVector(p - t.Point(Point3(0)));
+    CameraConnection c;
+    if (!ConnectInCameraSpace(inCamera, uLens, &c)) return {};
+    const Vector3 d = inCamera - c.p;
+    c.weight = WeightAlong(t, d);
+    if (!(c.weight > 0)) return {};
+    c.p = t.Point(c.p);
+    c.wi = -Normalize(t.Vector(d));
+    return c;
+}
+
+Float Camera::RayWeight(const Vector3 &d, Float time) const {
+    const Transform t = frame_.renderFromCamera.At(time);
+    return WeightAlong(t, t.InverseVector(d));
+}
+
+/// The weight is an importance by area across the ray: of a lens at a distance, or of a parallel view.
+Float Camera::WeightAlong(const Transform &renderFromCamera, const Vector3 &d) const {
+    return WeightInCameraSpace(d) * (Length(renderFromCamera.Vector(Normalize(d))) / VolumeScale(renderFromCamera));
+}
 
 Float ExposureTime(const ParamSet &params) {
     CameraParams p;

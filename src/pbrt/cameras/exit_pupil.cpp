@@ -34,7 +34,7 @@ class Search {
 
   private:
     void Cover(const Bounds2 &area, int n) {
-        const Vector2 step((area.high.x - area.low.x) / static_cast<Float>(n), area.high.y / static_cast<Float>(n));
+        const Vector2 step((area.high.x - area.low.x) / Float(n), area.high.y / Float(n));
         for (int j = 0; j < n; ++j)
             for (int i = 0; i < n; ++i) {
                 const Point2 p = Point2(area.low.x, 0) + (Point2(i, j) + Point2(0.5f)) * step;
@@ -66,13 +66,13 @@ class Search {
 
 ExitPupil::ExitPupil(const LensSystem &lens, Float filmRadius) : filmRadius_(filmRadius), bounds_(kSteps) {
     ParallelForEach(kSteps, [&](int64_t i) {
-        auto distance = [&](int64_t step) { return static_cast<Float>(step) / kSteps * filmRadius; };
+        auto distance = [&](int64_t step) { return Float(step) / kSteps * filmRadius; };
         bounds_[i] = Search(lens, distance(i), distance(i + 1)).Find();
     });
 }
 
 const Bounds2 &ExitPupil::Bounds(Float distance) const {
-    const int step = static_cast<int>(distance / filmRadius_ * kSteps);
+    const int step = int(distance / filmRadius_ * kSteps);
     return bounds_[std::min(step, kSteps - 1)];
 }
 

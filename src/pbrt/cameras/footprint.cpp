@@ -1,4 +1,5 @@
-#include "pbrt/cameras/footprint.h"
+#include "pbrt/cameras/camera.h"
+#include "pbrt/math/frame.h"
 
 namespace pbrt {
 
@@ -28,21 +29,47 @@ class RotationToZ {
 
 }  // namespace
 
-void FootprintOnTangentPlane(const SmallestDifferentials &smallest, const Point3 &p, const Normal3 &n, Vector3 *dpdx,
-                             Vector3 *dpdy) {
-    *dpdx = *dpdy = Vector3(0);
-    Float distance = Length(p);
-    if (!(distance > 0)) return;
-    RotationToZ rotation(p / distance);
-    Normal3 nz = rotation(n);
-    auto step = [&](const Vector3 &origin, const Vector3 &bend) {
-        Vector3 d = Vector3(0, 0, 1) + bend;
-        Float t = (nz.z * distance - Dot(nz, origin)) / Dot(nz, d);
-        if (!std::isfinite(t)) return Vector3(0);
-        return rotation.Inverse(origin + t * d - Vector3(0, 0, distance));
+void Camera::FindFootprint() {
+    constexpr int kSteps = 512;  // along the film's diagonal
+    bool isFirst = true;
+    auto keepShorter = [&](Vector3 &shortest, const Vector3 &v) {
+        if (isFirst || LengthSquared(v) < LengthSquared(shortest)) shortest = v;
     };
-    *dpdx = step(smallest.positionX, smallest.directionX);
-    *dpdy = step(smallest.positionY, smallest.directionY);
+    for (int i = 0; i < kSteps; ++i) {
+        const Float t = Float(i) / (kSteps - 1);
+        CameraRay c;
+        c.differential.valid = true;
+        const CameraSample sample{t * Point2(frame_.resolution), {0.5f, 0.5f}, 0.5f, 1};
+        if (!GenerateInCameraSpace(sample, &c) || !c.differential.valid) continue;
+        keepShorter(smallest_.positionX, c.differential.rxOrigin - c.ray.o);
+        keepShorter(smallest_.positionY, c.differential.ryOrigin - c.ray.o);
+        const Frame frame = Frame::FromZ(c.ray.d);
+        const Vector3 along = frame.ToLocal(c.ray.d);
+        keepShorter(smallest_.directionX, Normalize(frame.ToLocal(c.differential.rxDirection)) - along);
+        keepShorter(smallest_.directionY, Normalize(frame.ToLocal(c.differential.ryDirection)) - along);
+        isFirst = false;
+    }
+}
+
+void Camera::ApproximateFootprint(const Point3 &p, const Normal3 &n, Float time, int samplesPerPixel, Vector3 *dpdx,
+                                  Vector3 *dpdy) const {
+    const Transform t = frame_.renderFromCamera.At(time);
+    const Point3 inCamera = t.InversePoint(p);
+    const Float distance = Length(inCamera);
+    *dpdx = *dpdy = Vector3(0);
+    if (!(distance > 0)) return;
+    RotationToZ rotation(inCamera / distance);
+    const Normal3 nz = rotation(t.InverseNormal(n));
+    const Float scale = std::max(Float(0.125), 1 / std::sqrt(Float(samplesPerPixel)));
+    // To the neighbouring ray's hit with the tangent plane.
+    auto step = [&](const Vector3 &origin, const Vector3 &bend) {
+        const Vector3 d = Vector3(0, 0, 1) + bend;
+        const Float along = (nz.z * distance - Dot(nz, origin)) / Dot(nz, d);
+        const bool isHit = std::isfinite(along);
+        return t.Vector((isHit ? rotation.Inverse(origin + along * d - Vector3(0, 0, distance)) : Vector3(0)) * scale);
+    };
+    *dpdx = step(smallest_.positionX, smallest_.directionX);
+    *dpdy = step(smallest_.positionY, smallest_.directionY);
 }
 
 }  // namespace pbrt

@@ -19,7 +19,7 @@ Point3 PointOnLens(const Lens &lens, const Point2 &u) {
 
 PerspectiveCamera::PerspectiveCamera(const CameraFrame &frame, const ScreenWindow &window, Float fovDegrees,
                                      const Lens &lens)
-    : CameraSpaceCamera(frame), screen_(window, frame.resolution), fovDegrees_(fovDegrees),
+    : Camera(frame), screen_(window, frame.resolution), fovDegrees_(fovDegrees),
       tanHalfFov_(std::tan(Radians(fovDegrees) / 2)), lens_(lens) {
     FindFootprint();
 }
@@ -70,7 +70,7 @@ Float PerspectiveCamera::WeightInCameraSpace(const Vector3 &d) const {
 }
 
 OrthographicCamera::OrthographicCamera(const CameraFrame &frame, const ScreenWindow &window, const Lens &lens)
-    : CameraSpaceCamera(frame), screen_(window, frame.resolution), lens_(lens) {
+    : Camera(frame), screen_(window, frame.resolution), lens_(lens) {
     FindFootprint();
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "pbrt/cameras/camera_space.h"
+#include "pbrt/cameras/camera.h"
 
 namespace pbrt {
 
@@ -16,8 +16,8 @@ struct Lens {
 class RasterToScreen {
   public:
     RasterToScreen(const ScreenWindow &window, Point2i resolution)
-        : origin_(window.xMin, window.yMax), dx_((window.xMax - window.xMin) / static_cast<Float>(resolution.x)),
-          dy_((window.yMin - window.yMax) / static_cast<Float>(resolution.y)) {}
+        : origin_(window.xMin, window.yMax), dx_((window.xMax - window.xMin) / Float(resolution.x)),
+          dy_((window.yMin - window.yMax) / Float(resolution.y)) {}
     Point2 operator()(const Point2 &raster) const { return {origin_.x + raster.x * dx_, origin_.y + raster.y * dy_}; }
     Point2 Inverse(const Point2 &screen) const { return {(screen.x - origin_.x) / dx_, (screen.y - origin_.y) / dy_}; }
     Float PixelArea() const { return std::abs(dx_ * dy_); }
@@ -29,7 +29,7 @@ class RasterToScreen {
     Float dx_, dy_;
 };
 
-class PerspectiveCamera final : public CameraSpaceCamera {
+class PerspectiveCamera final : public Camera {
   public:
     /// `fovDegrees`: full angle between screen positions -1 and 1.
     PerspectiveCamera(const CameraFrame &frame, const ScreenWindow &window, Float fovDegrees, const Lens &lens);
@@ -49,7 +49,7 @@ class PerspectiveCamera final : public CameraSpaceCamera {
 
 /// Screen positions are camera-space x and y. As in stock pbrt-v4, with a lens all rays start on one disk about the
 /// camera's origin. The result is a perspective view onto the plane of focus.
-class OrthographicCamera final : public CameraSpaceCamera {
+class OrthographicCamera final : public Camera {
   public:
     OrthographicCamera(const CameraFrame &frame, const ScreenWindow &window, const Lens &lens);
     std::optional<Transform> NdcFromCamera() const override;

@@ -15,7 +15,7 @@ LensSystem WithRoundStops(std::vector<LensElement> elements, const ApertureImage
 
 RealisticCamera::RealisticCamera(const CameraFrame &frame, Float filmDiagonal, std::vector<LensElement> elements,
                                  const ApertureImage &aperture)
-    : CameraSpaceCamera(frame), lens_(elements, aperture), pupil_(WithRoundStops(elements, aperture), filmDiagonal / 2),
+    : Camera(frame), lens_(elements, aperture), pupil_(WithRoundStops(elements, aperture), filmDiagonal / 2),
       filmSize_(Vector2(frame.resolution) * (filmDiagonal / glm::length(Vector2(frame.resolution)))) {
     FindFootprint();
 }

@@ -5,7 +5,7 @@
 namespace pbrt {
 
 SphericalCamera::SphericalCamera(const CameraFrame &frame, SphericalCameraMapping mapping)
-    : CameraSpaceCamera(frame), mapping_(mapping) {
+    : Camera(frame), mapping_(mapping) {
     FindFootprint();
 }
 
@@ -73,7 +73,7 @@ int SphericalCamera::SeenAlsoAt(const Point2 &pFilm, OtherPlaces &places) const 
                   {other + 1, -y},  {other - 1, 2 - y}, {other, 2 - y},  {other + 1, 2 - y}};
     }
     for (Point2 &place : places) place *= size;
-    return static_cast<int>(places.size());
+    return int(places.size());
 }
 
 }  // namespace pbrt

@@ -1,12 +1,12 @@
 #pragma once
-#include "pbrt/cameras/camera_space.h"
+#include "pbrt/cameras/camera.h"
 
 namespace pbrt {
 
 enum class SphericalCameraMapping { EqualArea, Equirectangular };
 
 /// Omnidirectional camera; the top of the image is +y.
-class SphericalCamera final : public CameraSpaceCamera {
+class SphericalCamera final : public Camera {
   public:
     SphericalCamera(const CameraFrame &frame, SphericalCameraMapping mapping);
     bool CanConnect() const override { return true; }

@@ -51,12 +51,9 @@ class StateLoader {
   private:
     template <class T>
     void Load(T &value) {
-        if constexpr (requires { value.Visit(*this); }) {
-            value.Visit(*this);
-            if constexpr (requires { value.Validate(); }) in_.RequireValid(value.Validate());
-        } else {
-            in_.Value(&value);
-        }
+        if constexpr (requires { value.Visit(*this); }) value.Visit(*this);
+        else in_.Value(&value);
+        if constexpr (requires { value.Validate(); }) in_.RequireValid(value.Validate());
     }
     template <class T>
     void Load(std::vector<T> &values) {

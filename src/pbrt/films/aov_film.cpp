@@ -4,7 +4,6 @@
 
 #include "pbrt/core/files.h"
 #include "pbrt/core/memory.h"
-#include "pbrt/films/visible_surface.h"
 
 namespace pbrt {
 
@@ -20,7 +19,7 @@ std::vector<size_t> IndicesOf(const std::vector<std::string> &names) {
         const auto found = std::find(known.begin(), known.end(), name);
         if (found == known.end())
             throw UserError(fmt::format("--aov: \"{}\" is unknown; {}", name, ListChoices(name, known)));
-        indices.push_back(static_cast<size_t>(found - known.begin()));
+        indices.push_back(found - known.begin());
     }
     std::sort(indices.begin(), indices.end());
     indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
@@ -39,8 +38,6 @@ size_t ChannelCount(const std::vector<size_t> &aovs) {
     for (const size_t i : aovs) count += Aovs()[i].channels.size();
     return count;
 }
-
-glm::dvec3 Unit(const glm::dvec3 &v) { return glm::dot(v, v) > 0 ? glm::normalize(v) : glm::dvec3(0); }
 
 }  // namespace
 
@@ -64,15 +61,15 @@ std::vector<std::string> AovNames() {
 }
 
 AovFilm::AovFilm(std::unique_ptr<Film> film, const FilmContext &context)
-    : Film(KindWith(KindOf(*film), context.overrides.aovs), FrameOf(*film)), film_(std::move(film)),
+    : Film(KindWith(film->kind_, context.overrides.aovs), film->frame_), film_(std::move(film)),
       renderFromCamera_(context.renderFromCamera), chosen_(IndicesOf(context.overrides.aovs)),
       stride_(kFirstChannel + ChannelCount(chosen_)) {
     if (LowerExtension(Filename()) != ".exr")
         throw UserError(fmt::format("--aov: \"{}\": the added channels only fit into an .exr file.", Filename()));
     const Bounds2i &bounds = PixelBounds();
-    RequireMemory(static_cast<double>(Frame().PixelCount()) *
-                      static_cast<double>(stride_ * sizeof(PreciseSum) + ChannelCount(chosen_) * sizeof(float)),
-                  fmt::format("--aov: a picture of {} x {} pixels", bounds.Width(), bounds.Height()), {});
+    RequireMemory(
+        double(Frame().PixelCount()) * double(stride_ * sizeof(PreciseSum) + ChannelCount(chosen_) * sizeof(float)),
+        fmt::format("--aov: a picture of {} x {} pixels", bounds.Width(), bounds.Height()), {});
     sums_.resize(Frame().PixelCount() * stride_);
 }
 
@@ -105,7 +102,7 @@ void AovFilm::AddSample(const FilmSample &sample) {
 }
 
 std::vector<StateBlock> AovFilm::Blocks() const {
-    std::vector<StateBlock> blocks = BlocksOf(*film_);
+    std::vector<StateBlock> blocks = film_->Blocks();
     blocks.push_back(MakeStateBlock("aov", std::span(sums_)));
     return blocks;
 }
@@ -130,11 +127,10 @@ Image AovFilm::ToImage() const {
                 // Albedo counts rays without a hit as black; geometry excludes them.
                 const double weight = i == kAlbedo ? all : seen;
                 for (size_t c = 0; c < names.size(); ++c, ++next)
-                    mean[static_cast<int>(c)] = weight != 0 ? next->Value() / weight : 0;
-                if (i == kNormal || i == kGeonormal) mean = Unit(mean);
+                    mean[int(c)] = weight != 0 ? next->Value() / weight : 0;
+                if (i == kNormal || i == kGeonormal) mean = UnitOrZero(mean);
                 if (colors.FindChannel(names[0]) >= 0) continue;
-                for (size_t c = 0; c < names.size(); ++c)
-                    image.Set({x, y}, channel++, static_cast<Float>(mean[static_cast<int>(c)]));
+                for (size_t c = 0; c < names.size(); ++c) image.Set({x, y}, channel++, Float(mean[int(c)]));
             }
         }
     return image;

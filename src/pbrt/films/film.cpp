@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ostream>
 
 #include "pbrt/films/aov_film.h"
 #include "pbrt/films/gbuffer_film.h"
@@ -13,7 +12,7 @@ namespace pbrt {
 
 namespace {
 bool HasSplats(const std::vector<StateBlock> &blocks) {
-    return std::any_of(blocks.begin(), blocks.end(), [](const StateBlock &b) { return b.isOfSplats && b.bytes > 0; });
+    return std::ranges::any_of(blocks, [](const StateBlock &b) { return b.isOfSplats && b.bytes > 0; });
 }
 }  // namespace
 
@@ -42,9 +41,17 @@ std::unique_ptr<Film> MakeFilm(const std::string &type, const ParamSet &params, 
     return std::make_unique<AovFilm>(std::move(film), context);
 }
 
+Rgb AlbedoColor(const VisibleSurface &visible, const ColorSpace &space) {
+    const SampledWavelengths &lambda = visible.lambda;
+    const SampledSpectrum reflected = SafeDivide(visible.albedo * space.Illuminant().Sample(lambda), lambda.Pdf());
+    const Xyz xyz((reflected * CieX().Sample(lambda)).Average(), (reflected * CieY().Sample(lambda)).Average(),
+                  (reflected * CieZ().Sample(lambda)).Average());
+    return space.ToRgb(xyz / CieYIntegral);
+}
+
 /// True if all doubles among the sums are finite. Counts never have such bits; splat sums, which may have any bits, are
 /// excluded.
-static bool AreFinite(const std::vector<std::byte> &sums) {
+static bool AreFinite(std::string_view sums) {
     bool areFinite = true;
     for (size_t at = 0; at + sizeof(double) <= sums.size(); at += sizeof(double)) {
         double value = 0;
@@ -68,19 +75,6 @@ size_t Film::Bytes() const {
     return bytes;
 }
 
-void Film::Save(StateWriter &out) const { WriteState(out, kind_, PixelBounds(), Blocks()); }
-
-void Film::Save(std::ostream &out) const {
-    StateWriter writer;
-    Save(writer);
-    for (const std::string_view piece : writer.Pieces())
-        out.write(piece.data(), static_cast<std::streamsize>(piece.size()));
-}
-
-void Film::Load(std::istream &in) { Add(in, true); }
-
-void Film::Merge(std::istream &in) { Add(in, false); }
-
 void Film::TakeSums(StateWriter &out) {
     // The receiving film must allocate splats before it reads the sums.
     const std::vector<StateBlock> blocks = Blocks();
@@ -93,32 +87,30 @@ void Film::AddSums(StateReader &in) {
     pbrt::AddSums(in, Blocks());
 }
 
-void Film::Add(std::istream &in, bool forgetsFirst) {
+void Film::Add(StateReader &in, bool forgetsFirst) {
     const SavedState state = ReadState(in);
-    auto throwOtherFilm = [] { throw UserError("the saved state of a film does not belong to this film."); };
-    if (state.kind != kind_ || state.pixelBounds.low != PixelBounds().low ||
-        state.pixelBounds.high != PixelBounds().high)
-        throwOtherFilm();
-    auto lacksRoom = [&](const StateBlock &block) {
-        const SavedState::Block *saved = state.Find(block.name);
-        return block.isOfSplats && block.bytes == 0 && saved && !saved->data.empty();
-    };
     std::vector<StateBlock> blocks = Blocks();
-    if (std::any_of(blocks.begin(), blocks.end(), lacksRoom)) {
+    const auto isSaved = [&](const StateBlock &block) { return state.sums.contains(block.name); };
+    if (state.kind != kind_ || state.pixelBounds.low != PixelBounds().low ||
+        state.pixelBounds.high != PixelBounds().high || !std::ranges::all_of(blocks, isSaved))
+        ThrowOtherFilm();
+    const auto lacksRoom = [&](const StateBlock &block) {
+        return block.isOfSplats && block.bytes == 0 && !state.sums.at(block.name).empty();
+    };
+    if (std::ranges::any_of(blocks, lacksRoom)) {
         ExpectSplats();
         blocks = Blocks();
     }
     for (const StateBlock &block : blocks) {
-        const SavedState::Block *saved = state.Find(block.name);
-        const bool hasNone = block.isOfSplats && saved && saved->data.empty();
-        if (!saved || (saved->data.size() != block.bytes && !hasNone)) throwOtherFilm();
-        if (!block.isOfSplats && !AreFinite(saved->data))
+        const std::string_view saved = state.sums.at(block.name);
+        if (saved.size() != block.bytes && !(block.isOfSplats && saved.empty())) ThrowOtherFilm();
+        if (!block.isOfSplats && !AreFinite(saved))
             throw UserError("the saved state of a film has sums that are not finite.");
     }
     for (const StateBlock &block : blocks) {
-        const std::vector<std::byte> &data = state.Find(block.name)->data;
+        const std::string_view saved = state.sums.at(block.name);
         if (forgetsFirst) block.clear(block.Memory(), block.bytes);
-        block.add(block.Memory(), data.data(), data.size());
+        block.add(block.Memory(), reinterpret_cast<const std::byte *>(saved.data()), saved.size());
     }
 }
 

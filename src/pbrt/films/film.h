@@ -1,5 +1,4 @@
 #pragma once
-#include <iosfwd>
 #include <memory>
 #include <optional>
 #include <string>
@@ -31,7 +30,7 @@ class Film {
 
     Point2i FullResolution() const { return frame_.fullResolution; }
     /// 1 / pixels of the full image: the factor of CameraConnection::weight for a splat.
-    Float SplatUnit() const { return static_cast<Float>(1 / frame_.FullPixels()); }
+    Float SplatUnit() const { return Float(1 / frame_.FullPixels()); }
     const Bounds2i &PixelBounds() const { return frame_.pixelBounds; }
     const std::string &Filename() const { return frame_.filename; }
     Float DiagonalMm() const { return frame_.diagonalMm; }
@@ -65,15 +64,13 @@ class Film {
     /// Creates an empty rgb film of the same pixels and sensor, in float precision.
     virtual std::unique_ptr<Film> MakeRgbFilm() const = 0;
 
-    /// Save writes all sums bitwise, in native byte order; a film that loads them continues identically. Merge adds
-    /// them as if both films' samples had been added to one, bit-identical in any order as far as PreciseSum is exact.
-    /// Load and Merge throw UserError, without a change, if the state is incomplete or of another kind of film or other
-    /// pixels.
-    void Save(std::ostream &out) const;
-    /// The same without a copy: the writer refers to this film's sums.
-    void Save(StateWriter &out) const;
-    void Load(std::istream &in);
-    void Merge(std::istream &in);
+    /// Save writes all sums bitwise, in native byte order; the writer refers to them. A film that loads them continues
+    /// identically. Merge adds them as if both films' samples had been added to one, bit-identical in any order as far
+    /// as PreciseSum is exact. Load and Merge throw UserError, without a change, if the state is incomplete or of
+    /// another kind of film or other pixels.
+    void Save(StateWriter &out) const { WriteState(out, kind_, PixelBounds(), Blocks()); }
+    void Load(StateReader &in) { Add(in, true); }
+    void Merge(StateReader &in) { Add(in, false); }
     /// Transfer of sums between processes for films of the same kind and pixels: Take writes and clears the non-empty
     /// ones, Add merges them.
     void TakeSums(StateWriter &out);
@@ -82,15 +79,12 @@ class Film {
   protected:
     Film(std::string kind, FilmFrame frame) : kind_(std::move(kind)), frame_(std::move(frame)) {}
     const FilmFrame &Frame() const { return frame_; }
-    /// Access for films that wrap another one.
-    static const FilmFrame &FrameOf(const Film &film) { return film.frame_; }
-    static const std::string &KindOf(const Film &film) { return film.kind_; }
-    static std::vector<StateBlock> BlocksOf(const Film &film) { return film.Blocks(); }
 
   private:
+    friend class AovFilm;  // wraps another film
     virtual std::vector<StateBlock> Blocks() const = 0;
     /// Adds a saved state, clearing the sums first if `forgetsFirst`. Throws UserError if it is of another film.
-    void Add(std::istream &in, bool forgetsFirst);
+    void Add(StateReader &in, bool forgetsFirst);
     std::string kind_;
     FilmFrame frame_;
 };
@@ -106,10 +100,9 @@ struct FilmContext {
 struct FilmRequest {
     const FilmContext &context;
     DiagnosticSink &sink;
-    /// Throws UserError.
-    FilmFrame Frame(const FilmParams &params, const ParamSet &set, const FrameNeeds &needs) const {
-        return MakeFilmFrame(params, set, context.outputSpace, context.overrides, needs, sink);
-    }
+    /// `set`: source of the parameters. `onlyExr`: other formats cannot hold the channels. `bytesPerPixel`: of sums and
+    /// output image. Throws UserError, also if memory is insufficient.
+    FilmFrame Frame(const FilmParams &params, const ParamSet &set, bool onlyExr, double bytesPerPixel) const;
 };
 
 using FilmTable = FactoryTable<std::unique_ptr<Film>, const FilmRequest>;

@@ -1,4 +1,4 @@
-#include "pbrt/films/film_frame.h"
+#include "pbrt/films/film.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,7 @@ Bounds2i Shrunk(const std::array<int, 4> &v, int divisor) {
 
 Bounds2i FromCropWindow(const Bounds2 &window, Point2i resolution) {
     auto pixel = [](Float fraction, int extent) {
-        return static_cast<int>(std::ceil(static_cast<Float>(extent) * std::clamp(fraction, Float(0), Float(1))));
+        return int(std::ceil(Float(extent) * std::clamp(fraction, Float(0), Float(1))));
     };
     Point2 low = glm::min(window.low, window.high), high = glm::max(window.low, window.high);
     return {{pixel(low.x, resolution.x), pixel(low.y, resolution.y)},
@@ -63,28 +63,26 @@ Bounds2i ChoosePixelBounds(const FilmParams &params, const ParamSet &set, Point2
     return bounds;
 }
 
-/// Called before rendering, so that no render is lost.
-void CheckFilename(const std::string &filename, bool onlyExr, const FileLoc &loc) {
-    CheckPictureName(filename, loc);
-    if (onlyExr && LowerExtension(filename) != ".exr")
-        throw UserError(fmt::format("\"{}\": the channels of this film only fit into an .exr file.", filename), loc);
-}
-
 }  // namespace
 
-FilmFrame MakeFilmFrame(const FilmParams &params, const ParamSet &set, const ColorSpace &outputSpace,
-                        const FilmOverrides &overrides, const FrameNeeds &needs, DiagnosticSink &sink) {
+FilmFrame FilmRequest::Frame(const FilmParams &params, const ParamSet &set, bool onlyExr, double bytesPerPixel) const {
+    const FilmOverrides &overrides = context.overrides;
     FilmFrame frame;
-    frame.outputSpace = &outputSpace;
+    frame.outputSpace = &context.outputSpace;
     auto shrunk = [&](int extent) { return std::max(1, extent / overrides.resolutionDivisor); };
     frame.fullResolution = {shrunk(params.xResolution), shrunk(params.yResolution)};
     frame.pixelBounds = ChoosePixelBounds(params, set, frame.fullResolution, overrides, sink);
     frame.filename = overrides.filename.empty() ? params.filename : overrides.filename;
-    CheckFilename(frame.filename, needs.onlyExr, overrides.filename.empty() ? set.LocOf("filename") : FileLoc());
+    // Before rendering, so that no render is lost.
+    const FileLoc loc = overrides.filename.empty() ? set.LocOf("filename") : FileLoc();
+    CheckPictureName(frame.filename, loc);
+    if (onlyExr && LowerExtension(frame.filename) != ".exr")
+        throw UserError(fmt::format("\"{}\": the channels of this film only fit into an .exr file.", frame.filename),
+                        loc);
     frame.diagonalMm = params.diagonalMm;
     frame.half = params.half && !overrides.fullFloat;
     const Bounds2i &bounds = frame.pixelBounds;
-    RequireMemory(static_cast<double>(bounds.Area()) * needs.bytesPerPixel,
+    RequireMemory(double(bounds.Area()) * bytesPerPixel,
                   fmt::format("{}: a picture of {} x {} pixels", set.What(), bounds.Width(), bounds.Height()),
                   set.LocOf("xresolution"));
     return frame;

@@ -1,14 +1,39 @@
 #pragma once
+#include <array>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "pbrt/core/error.h"
-#include "pbrt/films/film_params.h"
+#include "pbrt/films/sensor.h"
 #include "pbrt/math/bounds.h"
-#include "pbrt/spectra/color_space.h"
 
 namespace pbrt {
+
+struct FilmParams {
+    std::string filename = "pbrt.exr";
+    int xResolution = 1280, yResolution = 720;
+    std::optional<std::array<Float, 4>> cropWindow;
+    std::optional<std::array<int, 4>> pixelBounds;
+    Float diagonalMm = 35, maxComponentValue = Infinity;
+    bool half = true;
+    SensorParams sensor;
+
+    template <class V>
+    void Describe(V &&v) {
+        v("filename", filename, "image file; --outfile overrides it");
+        v("xresolution", xResolution, Range<int>{1, 1 << 20, false, false, "pixels"}, "width");
+        v("yresolution", yResolution, Range<int>{1, 1 << 20, false, false, "pixels"}, "height");
+        v("cropwindow", cropWindow,
+          "rendered x0 x1 y0 y1 as fractions; overridden by --cropwindow, --pixelbounds");
+        v("pixelbounds", pixelBounds, "rendered x0 x1 y0 y1 in pixels; overridden by cropwindow");
+        v("diagonal", diagonalMm, Positive(1e6f, "mm"), "film diagonal, for realistic cameras");
+        sensor.Describe(v);
+        v("maxcomponentvalue", maxComponentValue, Positive(std::numeric_limits<Float>::max()),
+          "brighter samples and splats are scaled down to this");
+        v("savefp16", half, "write half-precision floats");
+    }
+};
 
 struct FilmOverrides {
     std::optional<Bounds2> cropWindow;  ///< fractions
@@ -28,28 +53,14 @@ struct FilmFrame {
     bool half = true;  ///< half-precision output
     const ColorSpace *outputSpace = nullptr;
 
-    FilmFrame WithFullFloat() const {
-        FilmFrame frame = *this;
-        frame.half = false;
-        return frame;
-    }
-    size_t PixelCount() const { return static_cast<size_t>(pixelBounds.Area()); }
+    size_t PixelCount() const { return pixelBounds.Area(); }
     /// Pixel count of the full image.
     double FullPixels() const { return double(fullResolution.x) * double(fullResolution.y); }
     size_t IndexOf(Point2i pixel) const {
         PBRT_DCHECK(pixelBounds.Contains(pixel));
         const Point2i p = pixel - pixelBounds.low;
-        return static_cast<size_t>(p.y) * static_cast<size_t>(pixelBounds.Width()) + static_cast<size_t>(p.x);
+        return size_t(p.y) * pixelBounds.Width() + p.x;
     }
 };
-
-struct FrameNeeds {
-    bool onlyExr = false;      ///< other formats cannot hold its channels
-    double bytesPerPixel = 0;  ///< sums, and the output image
-};
-
-/// `set`: source of the parameters. Throws UserError, also if memory is insufficient.
-FilmFrame MakeFilmFrame(const FilmParams &params, const ParamSet &set, const ColorSpace &outputSpace,
-                        const FilmOverrides &overrides, const FrameNeeds &needs, DiagnosticSink &sink);
 
 }  // namespace pbrt

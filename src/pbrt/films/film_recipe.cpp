@@ -15,13 +15,8 @@ Float FloatOf(const Json &bits) { return std::bit_cast<Float>(bits.get<uint32_t>
 Json JsonOf(const Param &p) {
     std::vector<uint32_t> floats;
     for (Float f : p.floats) floats.push_back(Bits(f));
-    return {{"type", static_cast<int>(p.type)},
-            {"name", p.name},
-            {"floats", floats},
-            {"ints", p.ints},
-            {"strings", p.strings},
-            {"bools", p.bools},
-            {"space", p.colorSpace}};
+    return {{"type", int(p.type)},  {"name", p.name},   {"floats", floats},     {"ints", p.ints},
+            {"strings", p.strings}, {"bools", p.bools}, {"space", p.colorSpace}};
 }
 
 Param ParamOf(const Json &json) {
@@ -93,8 +88,7 @@ Json ToJson(const ImageMetadata &metadata) {
         if (const std::string *s = std::get_if<std::string>(&value)) json[name] = {{"text", *s}};
         if (const glm::mat4 *m = std::get_if<glm::mat4>(&value)) {
             Json bits = Json::array();
-            for (int c = 0; c < 4; ++c)
-                for (int r = 0; r < 4; ++r) bits.push_back(Bits((*m)[c][r]));
+            for (int i = 0; i < 16; ++i) bits.push_back(Bits((*m)[i / 4][i % 4]));
             json[name] = {{"matrix", bits}};
         }
     }
@@ -109,8 +103,7 @@ ImageMetadata MetadataFromJson(const Json &json) {
         if (value.contains("text")) metadata.attributes[name] = value["text"].get<std::string>();
         if (value.contains("matrix")) {
             glm::mat4 m;
-            for (int c = 0; c < 4; ++c)
-                for (int r = 0; r < 4; ++r) m[c][r] = FloatOf(value["matrix"].at(static_cast<size_t>(4 * c + r)));
+            for (size_t i = 0; i < 16; ++i) m[int(i / 4)][int(i % 4)] = FloatOf(value["matrix"].at(i));
             metadata.attributes[name] = m;
         }
     }

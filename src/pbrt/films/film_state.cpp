@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <istream>
 
 #include "pbrt/core/error.h"
 
@@ -14,46 +13,27 @@ namespace {
 constexpr std::array<char, 8> kMagic = {'p', 'b', 'r', 't', 'f', 'l', 'm', '3'};  // the last byte is the version
 constexpr uint64_t kMaxNameLength = 64, kMaxBlocks = 64;
 
-[[noreturn]] void ThrowOtherFilm() { throw UserError("the saved state of a film does not belong to this film."); }
-
-void ReadBytes(std::istream &in, void *to, size_t bytes) {
-    if (!in.read(static_cast<char *>(to), static_cast<std::streamsize>(bytes)))
-        throw UserError("the saved state of a film ends too early.");
+std::string_view Take(StateReader &in, uint64_t bytes) {
+    if (bytes > in.BytesLeft()) throw UserError("the saved state of a film ends too early.");
+    return in.Take(bytes);
 }
 
 template <class T>
-T ReadValue(std::istream &in) {
+T ReadValue(StateReader &in) {
     T value;
-    ReadBytes(in, &value, sizeof(value));
+    std::memcpy(&value, Take(in, sizeof(value)).data(), sizeof(value));
     return value;
 }
 
-std::string ReadName(std::istream &in) {
+std::string ReadName(StateReader &in) {
     const auto length = ReadValue<uint64_t>(in);
     if (length > kMaxNameLength) ThrowOtherFilm();
-    std::string name(length, ' ');
-    ReadBytes(in, name.data(), length);
-    return name;
-}
-
-/// Reads in pieces, so that memory grows with the data present, not with the size in a damaged file.
-std::vector<std::byte> ReadData(std::istream &in, uint64_t bytes) {
-    constexpr uint64_t kPiece = 1 << 24;
-    std::vector<std::byte> data;
-    while (data.size() < bytes) {
-        const size_t have = data.size();
-        data.resize(have + std::min(kPiece, bytes - have));
-        ReadBytes(in, data.data() + have, data.size() - have);
-    }
-    return data;
+    return std::string(Take(in, length));
 }
 
 }  // namespace
 
-const SavedState::Block *SavedState::Find(const std::string &name) const {
-    auto found = std::find_if(blocks.begin(), blocks.end(), [&](const Block &b) { return b.name == name; });
-    return found != blocks.end() ? &*found : nullptr;
-}
+void ThrowOtherFilm() { throw UserError("the saved state of a film does not belong to this film."); }
 
 void WriteState(StateWriter &out, const std::string &kind, const Bounds2i &pixelBounds,
                 const std::vector<StateBlock> &blocks) {
@@ -68,7 +48,7 @@ void WriteState(StateWriter &out, const std::string &kind, const Bounds2i &pixel
     }
 }
 
-SavedState ReadState(std::istream &in) {
+SavedState ReadState(StateReader &in) {
     SavedState state;
     const auto magic = ReadValue<std::array<char, 8>>(in);
     if (!std::equal(kMagic.begin(), kMagic.end() - 1, magic.begin())) ThrowOtherFilm();
@@ -78,9 +58,8 @@ SavedState ReadState(std::istream &in) {
     const auto count = ReadValue<uint64_t>(in);
     if (count > kMaxBlocks) ThrowOtherFilm();
     for (uint64_t i = 0; i < count; ++i) {
-        SavedState::Block &block = state.blocks.emplace_back();
-        block.name = ReadName(in);
-        block.data = ReadData(in, ReadValue<uint64_t>(in));
+        const std::string name = ReadName(in);
+        state.sums[name] = Take(in, ReadValue<uint64_t>(in));
     }
     return state;
 }

@@ -1,7 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <cstring>
-#include <iosfwd>
+#include <map>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -54,15 +54,10 @@ StateBlock MakeStateBlock(const char *name, std::span<const T> sums) {
 struct SavedState {
     std::string kind;
     Bounds2i pixelBounds{};
-    struct Block {
-        std::string name;
-        std::vector<std::byte> data;
-    };
-    std::vector<Block> blocks;
-
-    const Block *Find(const std::string &name) const;
+    std::map<std::string, std::string_view> sums;  ///< the reader's bytes
 };
 
+[[noreturn]] void ThrowOtherFilm();
 /// Writes the blocks bitwise, in native byte order. The writer refers to them.
 void WriteState(StateWriter &out, const std::string &kind, const Bounds2i &pixelBounds,
                 const std::vector<StateBlock> &blocks);
@@ -71,6 +66,6 @@ void TakeSums(StateWriter &out, const std::vector<StateBlock> &blocks);
 /// Adds the output of TakeSums for blocks of the same sizes. Throws UserError for others.
 void AddSums(StateReader &in, const std::vector<StateBlock> &blocks);
 /// Throws UserError for truncated or other data.
-SavedState ReadState(std::istream &in);
+SavedState ReadState(StateReader &in);
 
 }  // namespace pbrt

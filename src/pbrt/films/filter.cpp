@@ -70,18 +70,18 @@ class TabulatedFilter final : public Filter {
 
     struct Axis {
         Axis(const Profile &p, Float radius) : profile(p) {
-            auto n = static_cast<size_t>(std::max(Float(1), kCells * radius));
+            auto n = size_t(std::max(Float(1), kCells * radius));
             std::vector<Float> values(n);
             double sum = 0, absolute = 0;
             for (size_t i = 0; i < n; ++i) {
-                Float t = (static_cast<Float>(i) + Float(0.5)) / static_cast<Float>(n);
+                Float t = (Float(i) + Float(0.5)) / Float(n);
                 values[i] = profile(Lerp(t, -radius, radius));
                 sum += double(values[i]);
                 absolute += std::abs(double(values[i]));
             }
             distribution = PiecewiseConstant1D(values, -radius, radius);
-            signedIntegral = static_cast<Float>(sum * 2 * double(radius) / double(n));
-            auto magnitude = static_cast<Float>(absolute / sum);
+            signedIntegral = Float(sum * 2 * double(radius) / double(n));
+            auto magnitude = Float(absolute / sum);
             for (Float v : values) weights.push_back(v < 0 ? -magnitude : magnitude);
         }
         Profile profile;
@@ -123,9 +123,10 @@ struct WindowedSincProfile {
 
 constexpr Range<Float> kWidthRange = Positive(1e6f), kSharpnessRange{-1000, 1000};
 
+/// kDefault: of both radii.
+template <Float kDefault>
 struct RadiusParams {
-    Float x, y;
-    explicit RadiusParams(Float radius) : x(radius), y(radius) {}
+    Float x = kDefault, y = kDefault;
     template <class V>
     void Describe(V &&v) {
         const Range<Float> range = Positive(1000, "pixels");  // tables have 32 cells per pixel
@@ -135,17 +136,8 @@ struct RadiusParams {
     Vector2 Radius() const { return {x, y}; }
 };
 
-struct BoxParams : RadiusParams {
-    BoxParams() : RadiusParams(Float(0.5)) {}
-};
-
-struct TriangleParams : RadiusParams {
-    TriangleParams() : RadiusParams(2) {}
-};
-
-struct GaussianParams : RadiusParams {
+struct GaussianParams : RadiusParams<Float(1.5)> {
     Float sigma = Float(0.5);
-    GaussianParams() : RadiusParams(Float(1.5)) {}
     template <class V>
     void Describe(V &&v) {
         RadiusParams::Describe(v);
@@ -154,9 +146,8 @@ struct GaussianParams : RadiusParams {
     GaussianProfile Profile(Float radius) const { return {radius, sigma}; }
 };
 
-struct MitchellParams : RadiusParams {
+struct MitchellParams : RadiusParams<Float(2)> {
     Float b = Float(1) / 3, c = Float(1) / 3;
-    MitchellParams() : RadiusParams(2) {}
     template <class V>
     void Describe(V &&v) {
         RadiusParams::Describe(v);
@@ -166,9 +157,8 @@ struct MitchellParams : RadiusParams {
     MitchellProfile Profile(Float radius) const { return {radius, b, c}; }
 };
 
-struct SincParams : RadiusParams {
+struct SincParams : RadiusParams<Float(4)> {
     Float tau = 3;
-    SincParams() : RadiusParams(4) {}
     template <class V>
     void Describe(V &&v) {
         RadiusParams::Describe(v);
@@ -193,10 +183,10 @@ void AddTabulated(FilterTable &table, const char *name) {
 const FilterTable &Filters() {
     static const FilterTable table = [] {
         FilterTable t("PixelFilter");
-        t.Add<BoxParams>("box", "", [](const auto &p, const ParamSet &, const FilterContext &) {
+        t.Add<RadiusParams<Float(0.5)>>("box", "", [](const auto &p, const ParamSet &, const FilterContext &) {
             return std::make_unique<BoxFilter>(p.Radius());
         });
-        t.Add<TriangleParams>("triangle", "", [](const auto &p, const ParamSet &, const FilterContext &) {
+        t.Add<RadiusParams<Float(2)>>("triangle", "", [](const auto &p, const ParamSet &, const FilterContext &) {
             return std::make_unique<TriangleFilter>(p.Radius());
         });
         AddTabulated<GaussianParams>(t, "gaussian");

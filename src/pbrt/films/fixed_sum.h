@@ -21,12 +21,12 @@ class FixedSum {
         // |x| is mantissa * 2^(shift - kFractionBits).
         const auto bits = std::bit_cast<uint64_t>(x);
         uint64_t mantissa = (bits & (kImplicitBit - 1)) | kImplicitBit;
-        int shift = static_cast<int>(bits >> 52 & 0x7ff) - (1023 + 52) + kFractionBits;
+        int shift = int(bits >> 52 & 0x7ff) - (1023 + 52) + kFractionBits;
         if (shift < 0) {
             mantissa = shift < -53 ? 0 : (mantissa + (uint64_t{1} << (-shift - 1))) >> -shift;
             shift = 0;
         }
-        const auto word = static_cast<size_t>(shift / 64);
+        const size_t word = shift / 64;
         const int within = shift % 64;
         const auto add = [&](auto &&addTo) {
             // In any order of threads, a word wraps around exactly as often as the true sum carries.
@@ -57,7 +57,7 @@ class FixedSum {
         // A negative sum is -1 minus the number with inverted bits.
         const uint64_t flip = words_.back() >> 63 != 0 ? ~uint64_t{0} : 0;
         double value = 0;
-        for (size_t i = kWords; i-- > 0;) value = value * 0x1p64 + static_cast<double>(words_[i] ^ flip);
+        for (size_t i = kWords; i-- > 0;) value = value * 0x1p64 + double(words_[i] ^ flip);
         return std::ldexp(flip ? -1 - value : value, -kFractionBits);
     }
     bool operator==(const FixedSum &) const = default;

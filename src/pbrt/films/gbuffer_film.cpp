@@ -1,10 +1,5 @@
 #include "pbrt/films/gbuffer_film.h"
 
-#include <array>
-
-#include "pbrt/films/rgb_film.h"
-#include "pbrt/films/visible_surface.h"
-
 namespace pbrt {
 
 namespace {
@@ -16,97 +11,75 @@ constexpr std::array<const char *, 22> kFurtherChannels = {
     "RelativeVariance.B"};
 // clang-format on
 
-constexpr double kBytesPerPixel = SensorSums::kBytesPerPixel + kFurtherChannels.size() * sizeof(float);
-
 }  // namespace
 
 GBufferFilm::GBufferFilm(const GBufferParams &params, const ParamSet &set, const FilmRequest &request)
-    : Film("gbuffer",
-           request.Frame(params, set, {.onlyExr = true, .bytesPerPixel = kBytesPerPixel + double{sizeof(Pixel)}})),
+    : RgbFilm("gbuffer", params, set, request, kFurtherChannels.size() * sizeof(float) + sizeof(Surface)),
       renderFromOutput_(params.space == GBufferParams::Space::Camera
                             ? request.context.renderFromCamera
                             : AnimatedTransform(request.context.renderFromWorld)),
-      sums_(params, set, Frame(), request.context.exposureTime), pixels_(Frame().PixelCount()) {}
+      surfaces_(Frame().PixelCount()) {}
 
 void GBufferFilm::AddSample(const FilmSample &sample) {
-    const std::optional<Vector3> sensor = sums_.Measure(sample.L, sample.lambda, sample.weight);
+    const std::optional<Vector3> sensor = Measure(sample.L, sample.lambda, sample.weight);
     if (!sensor) return;
     const size_t index = Frame().IndexOf(sample.pixel);
-    sums_.Add(index, *sensor, sample.weight);
-    Pixel &sums = pixels_[index];
+    Add(index, *sensor, sample.weight);
+    Surface &surface = surfaces_[index];
     const double w = double(sample.weight);
-    if (sample.hasRay) sums.rayWeight.Add(w);
+    if (sample.hasRay) surface.sums[Surface::kRayWeight].Add(w);
     if (!sample.visible) return;
     const VisibleSurface &visible = *sample.visible;
     const Transform outputFromRender = renderFromOutput_.At(visible.time).Inverse();
-    auto output = [&](const Normal3 &n) { return glm::dvec3(Normalize(outputFromRender.Normal(n))); };
-    auto depth = [&](const Vector3 &v) { return double(std::abs(outputFromRender.Vector(v).z)); };
+    auto depth = [&](const Vector3 &v) { return std::abs(outputFromRender.Vector(v).z); };
     const glm::dvec3 measured(*sensor);
-    sums.sensor.Add(1, measured);
-    sums.squares.Add(1, measured * measured);
-    ++sums.count;
-    sums.weight.Add(w);
-    sums.p.Add(w, glm::dvec3(outputFromRender.Point(visible.p)));
-    sums.n.Add(w, output(visible.n));
-    sums.ns.Add(w, output(visible.ns));
-    sums.uv.Add(w, glm::dvec2(visible.uv));
-    sums.dz.Add(w, glm::dvec2(depth(visible.dpdx), depth(visible.dpdy)));
-    sums.albedo.Add(w, glm::dvec3(AlbedoColor(visible, OutputSpace())));
+    surface.Add(Surface::kSensor, 1, measured);
+    surface.Add(Surface::kSquares, 1, measured * measured);
+    ++surface.count;
+    surface.sums[Surface::kWeight].Add(w);
+    surface.Add(Surface::kP, w, outputFromRender.Point(visible.p));
+    surface.Add(Surface::kN, w, Normalize(outputFromRender.Normal(visible.n)));
+    surface.Add(Surface::kNs, w, Normalize(outputFromRender.Normal(visible.ns)));
+    surface.Add(Surface::kUv, w, visible.uv);
+    surface.Add(Surface::kDz, w, Vector2(depth(visible.dpdx), depth(visible.dpdy)));
+    surface.Add(Surface::kAlbedo, w, AlbedoColor(visible, OutputSpace()));
 }
-
-void GBufferFilm::AddSplat(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) {
-    if (PixelBounds().Contains(pixel)) sums_.AddSplat(Frame().IndexOf(pixel), L, lambda, weight);
-}
-
-void GBufferFilm::Pixel::operator+=(const Pixel &other) {
-    p += other.p;
-    n += other.n;
-    ns += other.ns;
-    albedo += other.albedo;
-    uv += other.uv;
-    dz += other.dz;
-    weight += other.weight;
-    rayWeight += other.rayWeight;
-    sensor += other.sensor;
-    squares += other.squares;
-    count += other.count;
-}
-
-std::unique_ptr<Film> GBufferFilm::MakeRgbFilm() const { return std::make_unique<RgbFilm>(Frame(), sums_); }
 
 std::vector<StateBlock> GBufferFilm::Blocks() const {
-    std::vector<StateBlock> blocks = {MakeStateBlock("surfaces", std::span(pixels_))};
-    sums_.AppendBlocks(blocks);
+    std::vector<StateBlock> blocks = RgbFilm::Blocks();
+    blocks.insert(blocks.begin(), MakeStateBlock("surfaces", std::span(surfaces_)));
     return blocks;
 }
 
 Image GBufferFilm::ToImage() const {
-    Image image = sums_.MakeImage({kFurtherChannels.begin(), kFurtherChannels.end()});
-    const Pixel *pixel = pixels_.data();
+    Image image = MakeImage({kFurtherChannels.begin(), kFurtherChannels.end()});
+    const Surface *surface = surfaces_.data();
     for (int y = 0; y < image.Resolution().y; ++y)
-        for (int x = 0; x < image.Resolution().x; ++x, ++pixel) {
+        for (int x = 0; x < image.Resolution().x; ++x, ++surface) {
+            const auto &sums = surface->sums;
+            const double weight = sums[Surface::kRayWeight].Value(), seenWeight = sums[Surface::kWeight].Value(),
+                         seen = seenWeight != 0 ? 1 / seenWeight : 0;
             int channel = 3;
-            auto put = [&](double v) { image.Set({x, y}, channel++, static_cast<Float>(v)); };
+            auto put = [&](double v) { image.Set({x, y}, channel++, Float(v)); };
             auto put3 = [&](const glm::dvec3 &v) {
                 for (int c = 0; c < 3; ++c) put(v[c]);
             };
-            auto unit = [](const glm::dvec3 &v) { return glm::dot(v, v) > 0 ? glm::normalize(v) : glm::dvec3(0); };
-            const double seenWeight = pixel->weight.Value(), seen = seenWeight != 0 ? 1 / seenWeight : 0;
-            const double weight = pixel->rayWeight.Value();
+            auto putMeans = [&](size_t first, size_t count) {
+                for (size_t i = first; i < first + count; ++i) put(sums[i].Value() * seen);
+            };
             // Albedo counts rays without a hit as black; geometry excludes them.
-            put3(weight != 0 ? pixel->albedo.Value() / weight : glm::dvec3(0));
-            put3(pixel->p.Value() * seen);
-            put(pixel->dz.of[0].Value() * seen);
-            put(pixel->dz.of[1].Value() * seen);
-            put3(unit(pixel->n.Value()));
-            put3(unit(pixel->ns.Value()));
-            put(pixel->uv.of[0].Value() * seen);
-            put(pixel->uv.of[1].Value() * seen);
+            for (size_t c = 0; c < 3; ++c) put(weight != 0 ? sums[Surface::kAlbedo + c].Value() / weight : 0);
+            putMeans(Surface::kP, 3);
+            putMeans(Surface::kDz, 2);
+            for (const size_t n : {Surface::kN, Surface::kNs})
+                put3(UnitOrZero({sums[n].Value(), sums[n + 1].Value(), sums[n + 2].Value()}));
+            putMeans(Surface::kUv, 2);
             glm::dvec3 variance, relative;
-            const auto count = static_cast<double>(pixel->count);
+            const auto count = double(surface->count);
             for (int c = 0; c < 3; ++c) {
-                const double mean = pixel->count > 0 ? pixel->sensor.of[c].Value() / count : 0;
-                variance[c] = VarianceOf(pixel->sensor.of[c], pixel->squares.of[c], count);
+                const PreciseSum &sensor = sums[Surface::kSensor + c];
+                const double mean = surface->count > 0 ? sensor.Value() / count : 0;
+                variance[c] = VarianceOf(sensor, sums[Surface::kSquares + c], count);
                 relative[c] = mean != 0 ? variance[c] / mean : 0;
             }
             put3(variance);

@@ -1,6 +1,7 @@
 #pragma once
-#include "pbrt/films/film.h"
-#include "pbrt/films/sensor_sums.h"
+#include <array>
+
+#include "pbrt/films/rgb_film.h"
 
 namespace pbrt {
 
@@ -17,51 +18,37 @@ struct GBufferParams : FilmParams {
 
 /// The `gbuffer` film: RGB, mean visible-surface data per pixel, and the variance of samples with a hit. Splats change
 /// RGB only.
-class GBufferFilm final : public Film {
+class GBufferFilm final : public RgbFilm {
   public:
     GBufferFilm(const GBufferParams &params, const ParamSet &set, const FilmRequest &request);
 
     bool WantsVisibleSurface() const override { return true; }
     void AddSample(const FilmSample &sample) override;
-    void ExpectSplats() override { sums_.ExpectSplats(); }
-    void AddSplat(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) override;
-    void AddSplatPaths(uint64_t paths) override { sums_.AddSplatPaths(paths); }
-
     /// The channels of pbrt-v4-format §14.
     Image ToImage() const override;
-    Image Colors() const override { return sums_.Colors(); }
-    uint64_t RejectedSamples() const override { return sums_.Rejected(); }
-    std::unique_ptr<Film> MakeRgbFilm() const override;
 
   private:
     std::vector<StateBlock> Blocks() const override;
-    struct Pixel {
-        template <int N>
-        struct Sums {
-            PreciseSum of[N];
-            void Add(double weight, const glm::vec<N, double> &v) {
-                for (int i = 0; i < N; ++i) of[i].Add(weight * v[i]);
-            }
-            glm::vec<N, double> Value() const {
-                glm::vec<N, double> v;
-                for (int i = 0; i < N; ++i) v[i] = of[i].Value();
-                return v;
-            }
-            void operator+=(const Sums &other) {
-                for (int i = 0; i < N; ++i) of[i] += other.of[i];
-            }
-        };
-        Sums<3> p, n, ns, albedo;
-        Sums<2> uv, dz;
-        PreciseSum weight;        ///< of samples with a surface hit
-        PreciseSum rayWeight;     ///< of samples with a camera ray
-        Sums<3> sensor, squares;  ///< of those samples, unweighted
-        uint64_t count = 0;       ///< of those samples
-        void operator+=(const Pixel &other);
+    struct Surface {
+        /// Indices in `sums`. kSensor and kSquares: of samples with a surface hit, unweighted.
+        static constexpr size_t kP = 0, kN = 3, kNs = 6, kAlbedo = 9, kUv = 12, kDz = 14, kSensor = 18, kSquares = 21,
+                                kEnd = 24;
+        static constexpr size_t kWeight = 16;     ///< of samples with a surface hit
+        static constexpr size_t kRayWeight = 17;  ///< of samples with a camera ray
+        std::array<PreciseSum, kEnd> sums;
+        uint64_t count = 0;  ///< samples with a surface hit
+
+        /// Adds a vector.
+        void Add(size_t first, double weight, const auto &v) {
+            for (int c = 0; c < v.length(); ++c) sums[first + c].Add(weight * double(v[c]));
+        }
+        void operator+=(const Surface &other) {
+            for (size_t i = 0; i < kEnd; ++i) sums[i] += other.sums[i];
+            count += other.count;
+        }
     };
     AnimatedTransform renderFromOutput_;  ///< output: camera or world space
-    SensorSums sums_;
-    std::vector<Pixel> pixels_;
+    std::vector<Surface> surfaces_;
 };
 
 }  // namespace pbrt

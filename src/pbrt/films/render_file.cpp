@@ -3,10 +3,8 @@
 #include <fmt/ranges.h>
 
 #include <cmath>
-#include <istream>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <streambuf>
 
 namespace pbrt {
 
@@ -16,14 +14,6 @@ using Json = nlohmann::ordered_json;
 constexpr const char *kKind = "checkpoint";
 constexpr const char *kProgram = "program";
 constexpr std::string_view kFile = "file ";
-
-class View : public std::streambuf {
-  public:
-    explicit View(std::string_view bytes) {
-        char *begin = const_cast<char *>(bytes.data());  // read-only
-        setg(begin, begin, begin + bytes.size());
-    }
-};
 
 Json ToJson(const RenderFileHead &h) {
     return {{"identity", h.identity},
@@ -121,26 +111,20 @@ std::vector<uint32_t> RenderFile::PassDone() const {
     return done;
 }
 
-void RenderFile::ReadFilm(Film &film, void (Film::*read)(std::istream &)) const {
-    View view(file_.Section("film"));
-    std::istream in(&view);
+void RenderFile::ReadFilm(Film &film, void (Film::*read)(StateReader &)) const {
+    StateReader in(file_.Section("film"), Path());
     try {
         (film.*read)(in);
     } catch (const UserError &e) {
         throw UserError(fmt::format("{}: {}", Path(), e.Diagnostics()[0].message));
     }
-    const StateReader all({}, Path());
-    all.Require(in.peek() == std::istream::traits_type::eof(), "its film is too long");
+    in.Require(in.BytesLeft() == 0, "its film is too long");
     const Image colors = film.Colors();
     for (int y = 0; y < colors.Resolution().y; ++y)
         for (int x = 0; x < colors.Resolution().x; ++x)
             for (int c = 0; c < 3; ++c)
-                all.Require(std::isfinite(colors.Get({x, y}, c)), "a pixel of its film is not finite");
+                in.Require(std::isfinite(colors.Get({x, y}, c)), "a pixel of its film is not finite");
 }
-
-void RenderFile::LoadFilm(Film &film) const { ReadFilm(film, &Film::Load); }
-
-void RenderFile::MergeFilm(Film &film) const { ReadFilm(film, &Film::Merge); }
 
 void WriteRenderFile(const std::string &path, const RenderFileHead &head, const std::vector<uint32_t> &passDone,
                      const Film &film, const StateWriter &learned) {

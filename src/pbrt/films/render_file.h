@@ -44,14 +44,14 @@ class RenderFile {
     const RenderFileHead &Head() const { return head_; }
     std::vector<uint32_t> PassDone() const;
     /// Film::Load and Film::Merge of the sums. Throw UserError.
-    void LoadFilm(Film &film) const;
-    void MergeFilm(Film &film) const;
+    void LoadFilm(Film &film) const { ReadFilm(film, &Film::Load); }
+    void MergeFilm(Film &film) const { ReadFilm(film, &Film::Merge); }
     /// Learned state of the light sampler.
     StateReader Learned() const { return {file_.Section("learned"), Path()}; }
 
   private:
     /// Adds the file name to errors. Throws UserError if `read` leaves data, or a pixel becomes non-finite.
-    void ReadFilm(Film &film, void (Film::*read)(std::istream &)) const;
+    void ReadFilm(Film &film, void (Film::*read)(StateReader &)) const;
     StateFile file_;
     RenderFileHead head_;
 };

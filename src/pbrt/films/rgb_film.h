@@ -1,28 +1,114 @@
 #pragma once
+#include <atomic>
+
+#include "pbrt/core/memory.h"
 #include "pbrt/films/film.h"
-#include "pbrt/films/sensor_sums.h"
+#include "pbrt/films/fixed_sum.h"
+#include "pbrt/math/precise_sum.h"
 
 namespace pbrt {
 
-/// The `rgb` film: sensor values only.
-class RgbFilm final : public Film {
+/// Splat sums per pixel; adding is thread-safe.
+class Splats {
   public:
-    RgbFilm(const FilmParams &params, const ParamSet &set, const FilmRequest &request);
-    /// Empty film in float precision with the sensor of `like`.
-    RgbFilm(const FilmFrame &frame, const SensorSums &like);
+    /// Allocates `count` sums, once. Throws UserError if memory is insufficient.
+    void Expect(size_t count) {
+        if (!sums_.empty()) return;
+        RequireMemory(double(count) * sizeof(FixedSum), "the film: splats of light paths", {});
+        sums_.resize(count);
+    }
+    bool AreExpected() const { return !sums_.empty(); }
+    void Add(size_t index, double x) { sums_[index].Add(x); }
+    double Sum(size_t index) const { return sums_[index].Value(); }
 
-    void AddSample(const FilmSample &sample) override;
-    void ExpectSplats() override { sums_.ExpectSplats(); }
-    void AddSplat(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) override;
-    void AddSplatPaths(uint64_t paths) override { sums_.AddSplatPaths(paths); }
-    Image ToImage() const override { return sums_.MakeImage({}); }
-    Image Colors() const override { return sums_.Colors(); }
-    uint64_t RejectedSamples() const override { return sums_.Rejected(); }
-    std::unique_ptr<Film> MakeRgbFilm() const override { return std::make_unique<RgbFilm>(Frame(), sums_); }
+    StateBlock Block(const char *name) const {
+        StateBlock block = MakeStateBlock(name, std::span(sums_));
+        block.isOfSplats = true;
+        return block;
+    }
 
   private:
-    std::vector<StateBlock> Blocks() const override;
-    SensorSums sums_;
+    std::vector<FixedSum> sums_;
 };
+
+/// The `rgb` film: weighted sensor samples and splats per pixel. Base of films with further channels.
+class RgbFilm : public Film {
+  public:
+    RgbFilm(const FilmParams &params, const ParamSet &set, const FilmRequest &request)
+        : RgbFilm("rgb", params, set, request, 0) {}
+
+    void AddSample(const FilmSample &sample) override;
+    void ExpectSplats() override { splats_.Expect(3 * pixels_.size()); }
+    void AddSplat(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) override {
+        if (PixelBounds().Contains(pixel)) AddSensorSplat(Frame().IndexOf(pixel), L, lambda, weight);
+    }
+    void AddSplatPaths(uint64_t paths) final { counts_.splatPaths += paths; }
+    Image ToImage() const override { return MakeImage({}); }
+    Image Colors() const final;
+    uint64_t RejectedSamples() const final { return counts_.rejected; }
+    std::unique_ptr<Film> MakeRgbFilm() const final;
+
+  protected:
+    /// `furtherBytes`: per pixel, of sums and channels besides those of RGB; 0: no further channels.
+    RgbFilm(const std::string &kind, const FilmParams &params, const ParamSet &set, const FilmRequest &request,
+            double furtherBytes);
+    std::vector<StateBlock> Blocks() const override;
+
+    /// Sensor value, scaled down to maxcomponentvalue if larger. Empty and counted as rejected if not finite.
+    std::optional<Vector3> Measure(const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight);
+    void Add(size_t pixel, const Vector3 &sensor, Float weight) {
+        Pixel &sums = pixels_[pixel];
+        for (int c = 0; c < 3; ++c) sums.sensor[c].Add(double(weight) * double(sensor[c]));
+        sums.weight.Add(double(weight));
+    }
+    /// False, and counted as rejected, if not finite or beyond FixedSum's range.
+    bool AddSensorSplat(size_t pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight);
+    /// Factor from a splat sum to the mean over the samples that a pixel would have of as many paths.
+    double SplatScale() const { return counts_.splatPaths ? Frame().FullPixels() / double(counts_.splatPaths) : 0; }
+    Float MaxComponentValue() const { return maxComponent_; }
+    /// Counts a dropped value; thread-safe.
+    void Reject() { std::atomic_ref(counts_.rejected).fetch_add(1, std::memory_order_relaxed); }
+    /// Image with R, G, B filled and further channels for the film to fill; reports clamped and dropped values.
+    Image MakeImage(const std::vector<std::string> &furtherChannels) const;
+
+  private:
+    RgbFilm(const std::string &kind, const FilmFrame &frame, Float maxComponent, const PixelSensor &sensor);
+    struct Pixel {
+        PreciseSum sensor[3];  ///< of weight * XYZ or camera RGB
+        PreciseSum weight;
+        void operator+=(const Pixel &p) {
+            for (int c = 0; c < 3; ++c) sensor[c] += p.sensor[c];
+            weight += p.weight;
+        }
+    };
+    struct Counts {
+        uint64_t rejected = 0, splatPaths = 0;
+        void operator+=(const Counts &c) {
+            rejected += c.rejected;
+            splatPaths += c.splatPaths;
+        }
+    };
+    Point2i Resolution() const { return PixelBounds().high - PixelBounds().low; }
+    /// Output colour in float precision.
+    Rgb ColorOf(size_t pixel) const;
+    Float maxComponent_;
+    PixelSensor sensor_;
+    glm::mat3 outputFromSensor_;
+    std::vector<Pixel> pixels_;
+    Splats splats_;
+    Counts counts_;
+};
+
+inline std::optional<Vector3> RgbFilm::Measure(const SampledSpectrum &L, const SampledWavelengths &lambda,
+                                               Float weight) {
+    Vector3 sensor = sensor_.Expose(SafeDivide(L, lambda.Pdf()), lambda);
+    if (!std::isfinite(sensor.x + sensor.y + sensor.z) || !std::isfinite(weight)) {
+        Reject();
+        return {};
+    }
+    Float largest = MaxComponent(sensor);
+    if (largest > maxComponent_) sensor *= maxComponent_ / largest;
+    return sensor;
+}
 
 }  // namespace pbrt

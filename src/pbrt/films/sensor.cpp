@@ -14,8 +14,8 @@ Vector3 Project(const Spectrum &reflectance, const Spectrum &illuminant, const S
                 const Spectrum &c) {
     glm::dvec3 sum(0);
     double white = 0;
-    for (int nm = static_cast<int>(LambdaMin); nm <= static_cast<int>(LambdaMax); ++nm) {
-        const auto lambda = static_cast<Float>(nm);
+    for (int nm = int(LambdaMin); nm <= int(LambdaMax); ++nm) {
+        const auto lambda = Float(nm);
         const double light = double(illuminant(lambda)), reflected = light * double(reflectance(lambda));
         sum += reflected * glm::dvec3(double(a(lambda)), double(b(lambda)), double(c(lambda)));
         white += light * double(b(lambda));

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "pbrt/films/rgb_film.h"
-
 namespace pbrt {
 
 namespace {
@@ -18,37 +16,31 @@ const SpectralBuckets &Checked(const SpectralBuckets &b, const ParamSet &set) {
 }  // namespace
 
 SpectralFilm::SpectralFilm(const SpectralParams &params, const ParamSet &set, const FilmRequest &request)
-    : Film(fmt::format("spectral {} {}", params.buckets.low, params.buckets.high),
-           request.Frame(params, set,
-                         {.onlyExr = true,
-                          .bytesPerPixel = SensorSums::kBytesPerPixel +
-                                           params.buckets.count * static_cast<double>(sizeof(Sums) + sizeof(float))})),
-      buckets_(Checked(params.buckets, set)), sensor_(params, set, Frame(), request.context.exposureTime),
-      sums_(FirstSumOf(Frame().PixelCount())) {}
+    : RgbFilm(fmt::format("spectral {} {}", params.buckets.low, params.buckets.high), params, set, request,
+              params.buckets.count * double(sizeof(Sums) + sizeof(float))),
+      buckets_(Checked(params.buckets, set)), sums_(FirstSumOf(Frame().PixelCount())) {}
 
 Float SpectralFilm::BucketCenter(int bucket) const {
-    return Lerp((static_cast<Float>(bucket) + Float(0.5)) / static_cast<Float>(buckets_.count), buckets_.low,
-                buckets_.high);
+    return Lerp((Float(bucket) + Float(0.5)) / Float(buckets_.count), buckets_.low, buckets_.high);
 }
 
 int SpectralFilm::BucketOf(Float lambda) const {
-    const Float position =
-        (lambda - buckets_.low) / (buckets_.high - buckets_.low) * static_cast<Float>(buckets_.count);
-    return std::clamp(static_cast<int>(position), 0, buckets_.count - 1);
+    const Float position = (lambda - buckets_.low) / (buckets_.high - buckets_.low) * Float(buckets_.count);
+    return std::clamp(int(position), 0, buckets_.count - 1);
 }
 
 Float SpectralFilm::ScaleOf(const SampledSpectrum &L) const {
     // Emission is in photometric units (radiance over the integral of y-bar); this factor restores radiance.
     Float scale = CieYIntegral;
-    if (Float max = L.MaxComponent(); max > sensor_.MaxComponentValue()) scale *= sensor_.MaxComponentValue() / max;
+    if (Float max = L.MaxComponent(); max > MaxComponentValue()) scale *= MaxComponentValue() / max;
     return scale;
 }
 
 void SpectralFilm::AddSample(const FilmSample &sample) {
-    const std::optional<Vector3> sensor = sensor_.Measure(sample.L, sample.lambda, sample.weight);
+    const std::optional<Vector3> sensor = Measure(sample.L, sample.lambda, sample.weight);
     if (!sensor) return;
     const size_t index = Frame().IndexOf(sample.pixel);
-    sensor_.Add(index, *sensor, sample.weight);
+    Add(index, *sensor, sample.weight);
     const Float scale = ScaleOf(sample.L);
     Sums *sums = sums_.data() + FirstSumOf(index);
     const Float range = buckets_.high - buckets_.low;
@@ -65,8 +57,8 @@ void SpectralFilm::AddSample(const FilmSample &sample) {
 }
 
 void SpectralFilm::ExpectSplats() {
-    sensor_.ExpectSplats();
-    splats_.Expect(sums_.size());
+    RgbFilm::ExpectSplats();
+    bucketSplats_.Expect(sums_.size());
 }
 
 void SpectralFilm::AddSplat(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) {
@@ -78,18 +70,16 @@ void SpectralFilm::AddSplat(Point2i pixel, const SampledSpectrum &L, const Sampl
     for (int i = 0; i < SpectrumSamples; ++i) {
         if (lambda.PdfAt(i) == 0) continue;
         parts[i] = double(weight) * double(L[i] * ScaleOf(L)) / (SpectrumSamples * double(lambda.PdfAt(i)) * width);
-        if (!FixedSum::Holds(parts[i])) return sensor_.Reject();
+        if (!FixedSum::Holds(parts[i])) return Reject();
     }
-    if (!sensor_.AddSplat(index, L, lambda, weight)) return;
+    if (!AddSensorSplat(index, L, lambda, weight)) return;
     for (int i = 0; i < SpectrumSamples; ++i)
-        if (parts[i] != 0) splats_.Add(FirstSumOf(index) + static_cast<size_t>(BucketOf(lambda[i])), parts[i]);
+        if (parts[i] != 0) bucketSplats_.Add(FirstSumOf(index) + BucketOf(lambda[i]), parts[i]);
 }
 
-std::unique_ptr<Film> SpectralFilm::MakeRgbFilm() const { return std::make_unique<RgbFilm>(Frame(), sensor_); }
-
 std::vector<StateBlock> SpectralFilm::Blocks() const {
-    std::vector<StateBlock> blocks = {MakeStateBlock("buckets", std::span(sums_)), splats_.Block("bucket splats")};
-    sensor_.AppendBlocks(blocks);
+    std::vector<StateBlock> blocks = RgbFilm::Blocks();
+    blocks.insert(blocks.begin(), {MakeStateBlock("buckets", std::span(sums_)), bucketSplats_.Block("bucket splats")});
     return blocks;
 }
 
@@ -101,15 +91,15 @@ Image SpectralFilm::ToImage() const {
         name[name.find('.', 3)] = ',';
         names.push_back(name);
     }
-    Image image = sensor_.MakeImage(names);
+    Image image = MakeImage(names);
     size_t i = 0;
     for (int y = 0; y < image.Resolution().y; ++y)
         for (int x = 0; x < image.Resolution().x; ++x)
             for (int b = 0; b < buckets_.count; ++b, ++i) {
                 const double weight = sums_[i].weight.Value();
                 double mean = weight != 0 ? sums_[i].radiance.Value() / weight : 0;
-                if (splats_.AreExpected()) mean += splats_.Sum(i) * sensor_.SplatScale();
-                image.Set({x, y}, 3 + b, static_cast<Float>(mean));
+                if (bucketSplats_.AreExpected()) mean += bucketSplats_.Sum(i) * SplatScale();
+                image.Set({x, y}, 3 + b, Float(mean));
             }
     return image;
 }

@@ -1,6 +1,5 @@
 #pragma once
-#include "pbrt/films/film.h"
-#include "pbrt/films/sensor_sums.h"
+#include "pbrt/films/rgb_film.h"
 
 namespace pbrt {
 
@@ -23,7 +22,7 @@ struct SpectralParams : FilmParams {
 
 /// The `spectral` film: RGB and the mean radiance in equal wavelength buckets. Wavelengths are sampled uniformly over
 /// the buckets' range, so RGB excludes light beyond it, as in stock pbrt-v4.
-class SpectralFilm final : public Film {
+class SpectralFilm final : public RgbFilm {
   public:
     SpectralFilm(const SpectralParams &params, const ParamSet &set, const FilmRequest &request);
 
@@ -36,14 +35,9 @@ class SpectralFilm final : public Film {
     void AddSample(const FilmSample &sample) override;
     void ExpectSplats() override;
     void AddSplat(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) override;
-    void AddSplatPaths(uint64_t paths) override { sensor_.AddSplatPaths(paths); }
-
     /// R, G, B, then S0.<centre>nm per bucket.
     Image ToImage() const override;
-    Image Colors() const override { return sensor_.Colors(); }
     ImageMetadata Metadata() const override;
-    uint64_t RejectedSamples() const override { return sensor_.Rejected(); }
-    std::unique_ptr<Film> MakeRgbFilm() const override;
 
   private:
     struct Sums {
@@ -57,12 +51,11 @@ class SpectralFilm final : public Film {
     int BucketOf(Float lambda) const;
     /// Factor from L to output units, including scaling down to maxcomponentvalue.
     Float ScaleOf(const SampledSpectrum &L) const;
-    size_t FirstSumOf(size_t pixel) const { return pixel * static_cast<size_t>(buckets_.count); }
+    size_t FirstSumOf(size_t pixel) const { return pixel * buckets_.count; }
 
     SpectralBuckets buckets_;
-    SensorSums sensor_;
     std::vector<Sums> sums_;
-    Splats splats_;
+    Splats bucketSplats_;
 };
 
 }  // namespace pbrt

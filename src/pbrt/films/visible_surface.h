@@ -21,4 +21,7 @@ struct VisibleSurface {
 /// Colour of the space's white after one reflection at the surface.
 Rgb AlbedoColor(const VisibleSurface &visible, const ColorSpace &space);
 
+/// Mean normals of pixels without a surface are zero.
+inline glm::dvec3 UnitOrZero(const glm::dvec3 &v) { return glm::dot(v, v) > 0 ? glm::normalize(v) : glm::dvec3(0); }
+
 }  // namespace pbrt

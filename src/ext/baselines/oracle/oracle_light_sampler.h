@@ -3,7 +3,7 @@
 
 #include "ext/baselines/oracle/oracle_params.h"
 #include "ext/lightgroups/emitter_tree.h"
-#include "ext/lightgroups/interior_light_sampler.h"
+#include "ext/lightgroups/mesh_interior.h"
 
 namespace ext {
 

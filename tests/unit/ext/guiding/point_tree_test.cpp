@@ -71,16 +71,20 @@ TEST(PointTree, RefusesADamagedOne) {
     std::vector<Point3> places(1000);
     for (Point3 &p : places) p = {rng.Uniform(), rng.Uniform(), rng.Uniform()};
     built.Divide(0, places.data(), places.data() + places.size(), 100);
-    StateWriter writer;
-    built.tree.Save(writer);
-    const std::string saved = writer.Joined();
+    const auto bytesOf = [](const PointTree &tree) {
+        StateWriter writer;
+        StateSaver save(writer);
+        save(tree);
+        return writer.Joined();
+    };
+    const std::string saved = bytesOf(built.tree);
     const auto load = [&](const std::string &bytes, size_t roots, size_t leaves) {
         StateReader in(bytes, "tree");
         PointTree tree;
-        tree.Load(in, roots, leaves);
-        StateWriter again;
-        tree.Save(again);
-        EXPECT_EQ(again.Joined(), bytes);
+        StateLoader archive(in);
+        archive(tree);
+        in.RequireValid(tree.ValidateFor(roots, leaves));
+        EXPECT_EQ(bytesOf(tree), bytes);
     };
     load(saved, 1, built.leaves.size());
     EXPECT_THROW(load(saved, 1, built.leaves.size() - 1), UserError);

@@ -129,20 +129,24 @@ TEST(PathRoulette, SidesAndGlossyPlacesAreApart) {
 
 TEST(PathRoulette, ASavedStateIsLoadedBitByBitAndADamagedOneRefused) {
     const PathRoulette roulette = Learned([](const Point3 &p, Float u) { return p.x > 0 ? u : 0.1f; }, Even);
-    StateWriter saved;
-    roulette.Save(saved);
-    const std::string state = saved.Joined();
-    PathRoulette other;
-    StateReader reader(state, "state");
-    other.Load(reader);
-    StateWriter again;
-    other.Save(again);
-    EXPECT_EQ(again.Joined(), state);
+    const auto bytesOf = [](const PathRoulette &saved) {
+        StateWriter writer;
+        StateSaver save(writer);
+        save(saved);
+        return writer.Joined();
+    };
+    const auto load = [](const std::string &bytes) {
+        PathRoulette loaded;
+        StateReader reader(bytes, "state");
+        StateLoader archive(reader);
+        archive(loaded);
+        return loaded;
+    };
+    const std::string state = bytesOf(roulette);
+    EXPECT_EQ(bytesOf(load(state)), state);
     for (const std::string &damaged :
-         {state.substr(0, state.size() - 1), state.substr(0, 20), std::string(state.size(), '\x7f')}) {
-        StateReader broken(damaged, "state");
-        EXPECT_THROW(PathRoulette().Load(broken), UserError);
-    }
+         {state.substr(0, state.size() - 1), state.substr(0, 20), std::string(state.size(), '\x7f')})
+        EXPECT_THROW(load(damaged), UserError);
 }
 
 TEST(PathRoulette, IsOfUseToOtherPictures) {

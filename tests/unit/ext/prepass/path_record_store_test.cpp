@@ -17,10 +17,8 @@ struct Record {
     int32_t x = 0, y = 0, sample = 0, vertex = -1;
     bool IsEmpty() const { return vertex < 0; }
     bool operator==(const Record &) const = default;
-    static Record Read(StateReader &in) {
-        const auto r = in.Value<Record>();
-        in.Require(r.vertex >= 0, "a record has no vertex");
-        return r;
+    std::optional<std::string> Validate() const {
+        return IsEmpty() ? std::optional("a record has no vertex") : std::nullopt;
     }
 };
 

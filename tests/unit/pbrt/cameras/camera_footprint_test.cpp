@@ -1,5 +1,4 @@
 #include "camera_cases.h"
-#include "pbrt/cameras/footprint.h"
 #include "pbrt/math/rng.h"
 
 namespace pbrt {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "pbrt/cameras/lens_file.h"
+#include "pbrt/cameras/lens_system.h"
 
 namespace pbrt::test {
 

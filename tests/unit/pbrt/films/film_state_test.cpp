@@ -3,7 +3,6 @@
 
 #include <cstring>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "pbrt/core/parallel.h"
 #include "pbrt/films/film_recipe.h"
@@ -70,18 +69,18 @@ void AddSplats(Film &film, int64_t first, int64_t last, int threads) {
 }
 
 std::string Saved(const Film &film) {
-    std::ostringstream out;
+    StateWriter out;
     film.Save(out);
-    return out.str();
+    return out.Joined();
 }
 
 void Load(Film &film, const std::string &state) {
-    std::istringstream in(state);
+    StateReader in(state, "film");
     film.Load(in);
 }
 
 void Merge(Film &film, const std::string &state) {
-    std::istringstream in(state);
+    StateReader in(state, "film");
     film.Merge(in);
 }
 

@@ -5,7 +5,6 @@
 
 #include <mutex>
 #include <set>
-#include <sstream>
 
 #include "pbrt/core/counters.h"
 #include "pbrt/core/parallel.h"
@@ -148,9 +147,9 @@ class PixelPass : public ::testing::Test {
                                .progress = progress_});
     }
     std::string State() const {
-        std::ostringstream out;
+        StateWriter out;
         built_.film->Save(out);
-        return out.str();
+        return out.Joined();
     }
     BuiltScene built_;
     std::string kind_;

@@ -30,12 +30,13 @@ bool FileExists(const std::string &path) {
     return std::filesystem::exists(path, none);
 }
 
-std::string LowerExtension(const std::string &path) {
-    std::string extension = std::filesystem::path(path).extension().string();
-    for (char &c : extension)
+std::string Lower(std::string text) {
+    for (char &c : text)
         if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return extension;
+    return text;
 }
+
+std::string LowerExtension(const std::string &path) { return Lower(std::filesystem::path(path).extension().string()); }
 
 namespace {
 

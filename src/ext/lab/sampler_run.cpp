@@ -6,8 +6,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "pbrt/core/count_text.h"
 #include "pbrt/core/counters.h"
+#include "pbrt/core/error.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/version.h"

@@ -13,7 +13,7 @@
 #include "pbrt/build/medium_builder.h"
 #include "pbrt/build/view.h"
 #include "pbrt/core/files.h"
-#include "pbrt/images/picture_name.h"
+#include "pbrt/images/image.h"
 #include "pbrt/lights/light_factory.h"
 #include "pbrt/shapes/extent.h"
 

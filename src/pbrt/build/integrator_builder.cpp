@@ -7,7 +7,6 @@
 
 #include "pbrt/build/collect.h"
 #include "pbrt/build/integrator_makers.h"
-#include "pbrt/core/v3_names.h"
 #include "pbrt/integrators/path_integrator.h"
 #include "pbrt/integrators/simple_integrators.h"
 

@@ -164,9 +164,7 @@ class MemoryStream final : public Imf::OStream {
 
 size_t CountAtHalfLimit(const Image &image) {
     size_t count = 0;
-    for (int y = 0; y < image.Resolution().y; ++y)
-        for (int x = 0; x < image.Resolution().x; ++x)
-            for (int c = 0; c < image.ChannelCount(); ++c) count += std::abs(image.Get({x, y}, c)) >= LargestHalf;
+    ForEachValue(image, [&](Point2i p, int c) { count += std::abs(image.Get(p, c)) >= LargestHalf; });
     return count;
 }
 

@@ -130,9 +130,7 @@ Image Image::Select(const std::vector<std::string> &channels) const {
 Image Image::ConvertTo(PixelFormat format) const {
     if (format == format_) return *this;
     Image result(format, resolution_, channels_, encoding_);
-    for (int y = 0; y < resolution_.y; ++y)
-        for (int x = 0; x < resolution_.x; ++x)
-            for (int c = 0; c < ChannelCount(); ++c) result.Set({x, y}, c, Get({x, y}, c));
+    ForEachValue(*this, [&](Point2i p, int c) { result.Set(p, c, Get(p, c)); });
     return result;
 }
 

@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "pbrt/core/error.h"
 #include "pbrt/math/bounds.h"
 #include "pbrt/spectra/color_space.h"
 
@@ -96,6 +97,19 @@ class Image {
     std::vector<float> float_;
 };
 
+/// Calls f(p) for the pixels row by row, or f(p, channel) for their values.
+template <class F>
+void ForEachPixel(const Image &image, F &&f) {
+    for (int y = 0; y < image.Resolution().y; ++y)
+        for (int x = 0; x < image.Resolution().x; ++x) f(Point2i(x, y));
+}
+template <class F>
+void ForEachValue(const Image &image, F &&f) {
+    ForEachPixel(image, [&](Point2i p) {
+        for (int c = 0; c < image.ChannelCount(); ++c) f(p, c);
+    });
+}
+
 struct ImageMetadata {
     std::optional<Bounds2i> pixelBounds;     ///< data window within fullResolution
     std::optional<Point2i> fullResolution;   ///< display window
@@ -119,5 +133,12 @@ ImageFile ReadImage(const std::string &path, std::optional<ColorEncoding> encodi
 /// .jpg (8 bit, sRGB, clamped), .pfm. Outside EXR, images of more than 4 channels keep only R, G, B, with a warning,
 /// and other colour spaces are converted to sRGB. Throws UserError.
 void WriteImage(const std::string &path, const Image &image, const ImageMetadata &metadata = {});
+
+/// Throws UserError unless the name of a rendered image ends in .exr, .png or .pfm (case-insensitive). CheckWritable
+/// (core/files.h) tests whether the file can be written.
+void CheckPictureName(const std::string &path, const FileLoc &loc);
+
+/// Inserts a suffix before the extension: "out-more.exr" for "out.exr" and "-more".
+std::string WithSuffix(const std::string &path, const std::string &suffix);
 
 }  // namespace pbrt

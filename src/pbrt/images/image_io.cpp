@@ -6,8 +6,8 @@
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/memory.h"
+#include "pbrt/images/image.h"
 #include "pbrt/images/image_formats.h"
-#include "pbrt/images/picture_name.h"
 
 namespace pbrt {
 
@@ -39,12 +39,10 @@ Image ForPlainFormat(const std::string &path, const Image &image, const ImageMet
     if (!hasRgb || !metadata.colorSpace || metadata.colorSpace == &ColorSpace::SRGB()) return result;
     const glm::mat3 toSrgb = ConvertRgbMatrix(*metadata.colorSpace, ColorSpace::SRGB());
     result = result.ConvertTo(PixelFormat::Float);
-    for (int y = 0; y < result.Resolution().y; ++y)
-        for (int x = 0; x < result.Resolution().x; ++x) {
-            Point2i p(x, y);
-            Rgb rgb = toSrgb * Rgb(result.Get(p, 0), result.Get(p, 1), result.Get(p, 2));
-            for (int c = 0; c < 3; ++c) result.Set(p, c, rgb[c]);
-        }
+    ForEachPixel(result, [&](Point2i p) {
+        Rgb rgb = toSrgb * Rgb(result.Get(p, 0), result.Get(p, 1), result.Get(p, 2));
+        for (int c = 0; c < 3; ++c) result.Set(p, c, rgb[c]);
+    });
     return result;
 }
 

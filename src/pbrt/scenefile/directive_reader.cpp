@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "pbrt/core/limits.h"
-#include "pbrt/core/v3_names.h"
 #include "pbrt/scenefile/parameter_reader.h"
 
 namespace pbrt {

@@ -4,7 +4,6 @@
 #include <optional>
 #include <utility>
 
-#include "pbrt/core/v3_names.h"
 #include "pbrt/scenefile/numbers.h"
 #include "pbrt/scenefile/unicode.h"
 

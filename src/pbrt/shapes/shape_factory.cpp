@@ -33,7 +33,7 @@ void DiscardUnlessPer(const ParamSet &set, DiagnosticSink &sink, std::vector<T> 
     values.clear();
 }
 
-constexpr RequiredItems kPoints{{ParamType::Point3}};
+constexpr Items kPoints{.type = ParamType::Point3, .isRequired = true};
 
 struct MeshParams {
     MeshData mesh;

@@ -1,5 +1,4 @@
 #include "pbrt/cmd/imgtool/commands.h"
-#include "pbrt/core/count_text.h"
 #include "pbrt/core/error.h"
 #include "pbrt/core/log.h"
 

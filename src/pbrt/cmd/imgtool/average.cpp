@@ -1,7 +1,6 @@
 #include <fmt/ranges.h>
 
 #include "pbrt/cmd/imgtool/commands.h"
-#include "pbrt/core/count_text.h"
 #include "pbrt/core/error.h"
 
 namespace pbrt::imgtool {

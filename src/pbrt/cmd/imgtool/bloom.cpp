@@ -1,7 +1,6 @@
 #include <cmath>
 
 #include "pbrt/cmd/imgtool/commands.h"
-#include "pbrt/core/count_text.h"
 #include "pbrt/core/error.h"
 #include "pbrt/core/log.h"
 

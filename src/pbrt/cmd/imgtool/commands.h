@@ -41,12 +41,6 @@ inline void SetRgb(Image &image, Point2i p, const std::array<int, 3> &channels, 
     for (int c = 0; c < 3; ++c) image.Set(p, channels[c], rgb[c]);
 }
 
-template <class F>
-void ForEachPixel(const Image &image, F &&f) {
-    for (int y = 0; y < image.Resolution().y; ++y)
-        for (int x = 0; x < image.Resolution().x; ++x) f(Point2i(x, y));
-}
-
 std::string SizeText(const Image &image);
 /// Colour space of the file; default sRGB.
 const ColorSpace &SpaceOf(const ImageFile &file);

@@ -3,7 +3,6 @@
 #include <nlohmann/json.hpp>
 
 #include "pbrt/cmd/imgtool/commands.h"
-#include "pbrt/core/count_text.h"
 #include "pbrt/core/error.h"
 
 namespace pbrt::imgtool {

@@ -2,11 +2,10 @@
 #include <tuple>
 
 #include "pbrt/cmd/imgtool/commands.h"
-#include "pbrt/core/count_text.h"
 #include "pbrt/core/error.h"
 #include "pbrt/core/log.h"
 #include "pbrt/films/render_file.h"
-#include "pbrt/images/picture_name.h"
+#include "pbrt/images/image.h"
 
 namespace pbrt::imgtool {
 

@@ -4,11 +4,11 @@
 
 #include "pbrt/build/render_identity.h"
 #include "pbrt/build/view.h"
-#include "pbrt/core/count_text.h"
+#include "pbrt/core/error.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/online_model.h"
-#include "pbrt/core/seconds_since.h"
+#include "pbrt/core/progress.h"
 
 namespace pbrt {
 

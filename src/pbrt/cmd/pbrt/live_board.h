@@ -8,7 +8,6 @@
 #include <type_traits>
 
 #include "pbrt/core/progress.h"
-#include "pbrt/core/seconds_since.h"
 #include "pbrt/images/image.h"
 
 namespace pbrt {

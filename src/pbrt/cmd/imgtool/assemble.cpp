@@ -1,5 +1,4 @@
 #include "pbrt/cmd/imgtool/commands.h"
-#include "pbrt/core/error.h"
 #include "pbrt/core/log.h"
 
 namespace pbrt::imgtool {
@@ -57,8 +56,8 @@ int Assemble(const AssembleOptions &o) {
 void AddAssemble(CLI::App &app, Action &action) {
     auto [command, o] = AddCommand(app, action, Assemble, "assemble", "Join parts of one picture",
                                    "Example: imgtool assemble left.exr right.exr --outfile whole.exr");
-    command.add_option("files", o.paths, "Parts: .exr files with data windows")->required();
-    AddOutfileOption(command, o.outfile);
+    AddFlags(command,
+             {Flag("files", o.paths, "Parts: .exr files with data windows").Required(), OutfileFlag(o.outfile)});
 }
 
 }  // namespace pbrt::imgtool

@@ -1,7 +1,6 @@
 #include <fmt/ranges.h>
 
 #include "pbrt/cmd/imgtool/commands.h"
-#include "pbrt/core/error.h"
 
 namespace pbrt::imgtool {
 
@@ -35,12 +34,11 @@ int Average(const AverageOptions &o) {
 void AddAverage(CLI::App &app, Action &action) {
     auto [command, o] = AddCommand(app, action, Average, "average", "Mean of several images",
                                    "Example: imgtool average runs/seed --outfile mean.exr");
-    command.add_option("images", o.names, kImagesHelp)->required();
-    AddFlags(
-        command, "Options",
-        {Flag("--outfile", o.outfile, "Result; not averaged itself, even if a pattern or the start of a name fits it")
-             .Required()
-             .Type("FILE")});
+    AddFlags(command, {Flag("images", o.names, kImagesHelp).Required(),
+                       Flag("--outfile", o.outfile,
+                            "Result; not averaged itself, even if a pattern or the start of a name fits it")
+                           .Required()
+                           .Type("FILE")});
 }
 
 }  // namespace pbrt::imgtool

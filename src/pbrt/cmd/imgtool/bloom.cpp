@@ -1,7 +1,6 @@
 #include <cmath>
 
 #include "pbrt/cmd/imgtool/commands.h"
-#include "pbrt/core/error.h"
 #include "pbrt/core/log.h"
 
 namespace pbrt::imgtool {
@@ -79,11 +78,10 @@ int Bloom(const BloomOptions &o) {
 void AddBloom(CLI::App &app, Action &action) {
     auto [command, o] = AddCommand(app, action, Bloom, "bloom", "Let bright pixels shine into their surroundings",
                                    "Example: imgtool bloom render.exr --level 10 --width 31 --outfile bloom.exr");
-    AddFlags(command, "Options", {Flag("file", o.path, "Image with the channels R, G, B").Required()});
-    AddOutfileOption(command, o.outfile, true);
     AddFlags(
-        command, "Options",
-        {Flag("--level", o.level, "Pixels bloom if R, G or B is above this").ShowDefault(),
+        command,
+        {Flag("file", o.path, "Image with the channels R, G, B").Required(), OutfileFlag(o.outfile, true),
+         Flag("--level", o.level, "Pixels bloom if R, G or B is above this").ShowDefault(),
          Flag("--width", o.width, "Width of the blur in pixels (odd); its standard deviation is a sixth",
               CLI::Range(1, 1 << 12))
              .ShowDefault(),

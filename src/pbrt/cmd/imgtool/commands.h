@@ -1,9 +1,5 @@
 #pragma once
-#include <CLI/CLI.hpp>
 #include <array>
-#include <functional>
-#include <string>
-#include <vector>
 
 #include "pbrt/cmd/flags.h"
 #include "pbrt/images/image.h"
@@ -51,9 +47,9 @@ Bounds2i WindowOf(const ImageFile &file);
 /// UserError if they exceed the window.
 void ApplyCrop(ImageFile &file, const std::vector<int> &numbers, const std::string &path);
 
-CLI::Option *AddCropOption(CLI::App &command, std::vector<int> &numbers);
-/// Adds the required option --outfile. If `isPositional`, the bare name may follow the image.
-CLI::Option *AddOutfileOption(CLI::App &command, std::string &path, bool isPositional = false);
+Flag CropFlag(std::vector<int> &numbers);
+/// The required flag --outfile. If `isPositional`, the bare name may follow the image.
+Flag OutfileFlag(std::string &path, bool isPositional = false);
 
 /// Metric by name. Throws UserError with the choices.
 Metric ChosenMetric(const std::string &name);

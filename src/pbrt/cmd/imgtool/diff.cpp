@@ -2,7 +2,6 @@
 #include <nlohmann/json.hpp>
 
 #include "pbrt/cmd/imgtool/commands.h"
-#include "pbrt/core/error.h"
 
 namespace pbrt::imgtool {
 
@@ -71,21 +70,20 @@ void AddDiff(CLI::App &app, Action &action) {
         AddCommand(app, action, Diff, "diff", "Compare an image with a reference",
                    "Prints nothing and exits with 0 only if the error is exactly 0; else exits with 1.\n"
                    "Example: imgtool diff render.exr --reference reference.exr --metric relL2 --outfile error.exr");
-    AddFlags(command, "Options",
-             {Flag("file", o.path, "Image").Required(),
-              Flag("--reference", o.reference, "Image to compare with").Required().Type("FILE"),
-              Flag("--metric", o.metric,
-                   "MAE, MSE, MRSE (mean of (x - ref)^2 / (ref + 0.01)^2), relL2 (mean of (x - ref)^2 / (ref^2 + 0.01 "
-                   "m^2), m the mean of ref), relL2Abs (the paper's: 0.01 instead of 0.01 m^2), SMAPE (mean of |x - "
-                   "ref| / ((|x| + |ref|) / 2 + 0.01)), FLIP (seen at 67 pixels per degree; R, G, B clamped to 0..1) "
-                   "or HDR-FLIP (largest FLIP over exposures from the brightest value of the reference to its median)")
-                  .ShowDefault()
-                  .Type("NAME"),
-              Flag("--channels", o.channels, "Compare only these channels").Type("R,G,B")});
-    AddCropOption(command, o.crop);
     AddFlags(
-        command, "Options",
-        {Flag("--outfile", o.outfile, "Write the error of every pixel and channel; FLIP: of every pixel").Type("FILE"),
+        command,
+        {Flag("file", o.path, "Image").Required(),
+         Flag("--reference", o.reference, "Image to compare with").Required().Type("FILE"),
+         Flag("--metric", o.metric,
+              "MAE, MSE, MRSE (mean of (x - ref)^2 / (ref + 0.01)^2), relL2 (mean of (x - ref)^2 / (ref^2 + 0.01 "
+              "m^2), m the mean of ref), relL2Abs (the paper's: 0.01 instead of 0.01 m^2), SMAPE (mean of |x - "
+              "ref| / ((|x| + |ref|) / 2 + 0.01)), FLIP (seen at 67 pixels per degree; R, G, B clamped to 0..1) "
+              "or HDR-FLIP (largest FLIP over exposures from the brightest value of the reference to its median)")
+             .ShowDefault()
+             .Type("NAME"),
+         Flag("--channels", o.channels, "Compare only these channels").Type("R,G,B"),
+         CropFlag(o.crop),
+         Flag("--outfile", o.outfile, "Write the error of every pixel and channel; FLIP: of every pixel").Type("FILE"),
          {"--json", o.json, "Print a JSON object, also if the images are equal"}});
 }
 

@@ -1,7 +1,6 @@
 #include <cmath>
 
 #include "pbrt/cmd/imgtool/commands.h"
-#include "pbrt/core/error.h"
 
 namespace pbrt::imgtool {
 
@@ -58,19 +57,18 @@ void AddError(CLI::App &app, Action &action) {
     auto [command, o] =
         AddCommand(app, action, Error, "error", "Errors of several images, and their mean",
                    "Example: imgtool error runs/seed --reference reference.exr --metric MRSE --errorfile error.exr");
-    command.add_option("images", o.names, kImagesHelp)->required();
     AddFlags(
-        command, "Options",
-        {Flag("--reference", o.reference,
+        command,
+        {Flag("images", o.names, kImagesHelp).Required(),
+         Flag("--reference", o.reference,
               "Image to compare with; not compared itself, even if a pattern or the start of a name fits it")
              .Required()
              .Type("FILE"),
          Flag("--metric", o.metric, "MAE, MSE, MRSE, relL2, relL2Abs, SMAPE, FLIP or HDR-FLIP; see imgtool help diff")
              .ShowDefault()
-             .Type("NAME")});
-    AddCropOption(command, o.crop);
-    AddFlags(command, "Options",
-             {Flag("--errorfile", o.errorfile, "Write the mean error of every pixel and channel").Type("FILE")});
+             .Type("NAME"),
+         CropFlag(o.crop),
+         Flag("--errorfile", o.errorfile, "Write the mean error of every pixel and channel").Type("FILE")});
 }
 
 }  // namespace pbrt::imgtool

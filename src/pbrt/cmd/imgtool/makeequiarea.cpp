@@ -1,7 +1,6 @@
 #include <cmath>
 
 #include "pbrt/cmd/imgtool/commands.h"
-#include "pbrt/core/error.h"
 #include "pbrt/core/log.h"
 #include "pbrt/math/warps.h"
 
@@ -79,11 +78,10 @@ void AddMakeequiarea(CLI::App &app, Action &action) {
     auto [command, o] = AddCommand(app, action, Makeequiarea, "makeequiarea",
                                    "Turn a latitude-longitude environment map into the equal-area square of pbrt-v4",
                                    "Example: imgtool makeequiarea meadow.hdr --resolution 1024 --outfile meadow.exr");
-    AddFlags(command, "Options", {Flag("file", o.path, "Latitude-longitude image, up in the first row").Required()});
-    AddOutfileOption(command, o.outfile, true);
-    AddFlags(command, "Options",
-             {{"--resolution", o.resolution, "Side of the result in pixels (default: width of the input)",
-               CLI::Range(1, 1 << 15)}});
+    AddFlags(command, {Flag("file", o.path, "Latitude-longitude image, up in the first row").Required(),
+                       OutfileFlag(o.outfile, true),
+                       {"--resolution", o.resolution, "Side of the result in pixels (default: width of the input)",
+                        CLI::Range(1, 1 << 15)}});
 }
 
 }  // namespace pbrt::imgtool

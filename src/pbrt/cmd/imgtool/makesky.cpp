@@ -2,7 +2,6 @@
 
 #include "pbrt/cmd/imgtool/commands.h"
 #include "pbrt/cmd/imgtool/preetham_sky.h"
-#include "pbrt/core/error.h"
 #include "pbrt/math/frame.h"
 #include "pbrt/math/warps.h"
 
@@ -64,10 +63,10 @@ void AddMakesky(CLI::App &app, Action &action) {
                    "Values are radiances in W / (m^2 sr nm): 1 is 72983 cd/m^2.\n"
                    "Model: Preetham, Shirley and Smits 1999; stock pbrt-v4 uses Hosek and Wilkie's.\n"
                    "Example: imgtool makesky --elevation 30 --outfile sky.exr");
-    AddOutfileOption(command, o.outfile);
     AddFlags(
-        command, "Options",
-        {Flag("--elevation", o.elevation, "Degrees of the sun above the horizon", CLI::Range(0., 90.)).ShowDefault(),
+        command,
+        {OutfileFlag(o.outfile),
+         Flag("--elevation", o.elevation, "Degrees of the sun above the horizon", CLI::Range(0., 90.)).ShowDefault(),
          Flag("--turbidity", o.turbidity, "2: very clear, 10: haze", CLI::Range(2., 10.)).ShowDefault(),
          Flag("--albedo", o.albedo, "Albedo of the ground, whose light brightens the sky (the ground is black)",
               CLI::Range(0., 1.))

@@ -2,7 +2,6 @@
 #include <tuple>
 
 #include "pbrt/cmd/imgtool/commands.h"
-#include "pbrt/core/error.h"
 #include "pbrt/core/log.h"
 #include "pbrt/films/render_file.h"
 #include "pbrt/images/image.h"
@@ -109,16 +108,15 @@ int Merge(const MergeOptions &o) {
 void AddMerge(CLI::App &app, Action &action) {
     auto [command, o] = AddCommand(app, action, Merge, "merge", "Make the picture from the parts of a render",
                                    "Example: imgtool merge picture.exr part-*.chk");
-    AddFlags(command, "Options", {Flag("outfile", o.outfile, "Picture: .exr, .png or .pfm").Required().Type("FILE")});
-    command
-        .add_option("parts", o.paths,
-                    "Files that pbrt --samples FIRST:END --checkpoint FILE wrote, in any order; together they must "
-                    "have every sample once")
-        ->required()
-        ->type_name("PART...");
     AddFlags(
-        command, "Options",
-        {{"--incomplete", o.incomplete, "Make the picture of the samples that there are, although some are missing"}});
+        command,
+        {Flag("outfile", o.outfile, "Picture: .exr, .png or .pfm").Required().Type("FILE"),
+         Flag("parts", o.paths,
+              "Files that pbrt --samples FIRST:END --checkpoint FILE wrote, in any order; together they must "
+              "have every sample once")
+             .Required()
+             .Type("PART..."),
+         {"--incomplete", o.incomplete, "Make the picture of the samples that there are, although some are missing"}});
 }
 
 }  // namespace pbrt::imgtool

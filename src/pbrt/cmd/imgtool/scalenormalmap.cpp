@@ -2,7 +2,6 @@
 #include <filesystem>
 
 #include "pbrt/cmd/imgtool/commands.h"
-#include "pbrt/core/error.h"
 
 namespace pbrt::imgtool {
 
@@ -48,11 +47,9 @@ void AddScalenormalmap(CLI::App &app, Action &action) {
     auto [command, o] =
         AddCommand(app, action, Scalenormalmap, "scalenormalmap", "Make the relief of a normal map stronger or weaker",
                    "Example: imgtool scalenormalmap bricks.png --scale 0.5 --outfile softer.png");
-    AddFlags(command, "Options",
-             {Flag("file", o.path, "Normal map: R, G, B = (normal + 1) / 2, without sRGB encoding").Required()});
-    AddOutfileOption(command, o.outfile, true);
-    AddFlags(command, "Options",
-             {Flag("--scale", o.scale, "Slopes are multiplied by this; 0 gives a flat map").ShowDefault()});
+    AddFlags(command, {Flag("file", o.path, "Normal map: R, G, B = (normal + 1) / 2, without sRGB encoding").Required(),
+                       OutfileFlag(o.outfile, true),
+                       Flag("--scale", o.scale, "Slopes are multiplied by this; 0 gives a flat map").ShowDefault()});
 }
 
 }  // namespace pbrt::imgtool

@@ -1,5 +1,4 @@
 #include "pbrt/cmd/imgtool/commands.h"
-#include "pbrt/core/error.h"
 
 namespace pbrt::imgtool {
 
@@ -58,21 +57,16 @@ void AddWhitebalance(CLI::App &app, Action &action) {
                                    "Turn the white of a given light into the white of the image's colour space",
                                    "Adaptation after von Kries in Bradford's cone space.\n"
                                    "Example: imgtool whitebalance lamp.exr --temperature 2800 --outfile white.exr");
-    AddFlags(command, "Options", {Flag("file", o.path, "Image with the channels R, G, B").Required()});
-    AddOutfileOption(command, o.outfile, true);
-    CLI::Option *illuminant =
-        command.add_option("--illuminant", o.illuminant, "The light: a standard illuminant, for instance A or D50")
-            ->type_name("NAME");
-    CLI::Option *primaries = command.add_option("--primaries", o.primaries, "The light: its chromaticity")
-                                 ->delimiter(',')
-                                 ->expected(2)
-                                 ->type_name("x,y");
-    CLI::Option *temperature =
-        command
-            .add_option("--temperature", o.temperature,
-                        "The light: daylight of this temperature in kelvin, below 4000 a black body")
-            ->check(CLI::Range(1000.0, 25000.0));
-    illuminant->excludes(primaries)->excludes(temperature);
+    AddFlags(
+        command,
+        {Flag("file", o.path, "Image with the channels R, G, B").Required(),
+         OutfileFlag(o.outfile, true),
+         Flag("--illuminant", o.illuminant, "The light: a standard illuminant, for instance A or D50").Type("NAME"),
+         Flag("--primaries", o.primaries, "The light: its chromaticity").Count(2).Type("x,y"),
+         {"--temperature", o.temperature, "The light: daylight of this temperature in kelvin, below 4000 a black body",
+          CLI::Range(1000.0, 25000.0)}});
+    CLI::Option *primaries = command.get_option("--primaries"), *temperature = command.get_option("--temperature");
+    command.get_option("--illuminant")->excludes(primaries)->excludes(temperature);
     primaries->excludes(temperature);
 }
 

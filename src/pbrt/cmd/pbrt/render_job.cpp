@@ -178,18 +178,19 @@ void PlanSamples(double budget, std::chrono::steady_clock::time_point start, Tea
                         samples));
 }
 
-/// Sums counters and sent bytes of all ranks on rank 0.
-void ReduceCounters(Team &team, uint64_t *sent) {
-    *sent = team.BytesSent();
+/// Sums the counters of all ranks on rank 0; returns the sum of sent bytes there.
+uint64_t ReduceCounters(Team &team) {
+    uint64_t sent = team.BytesSent();
     team.Reduce(
         [&](StateWriter &out) {
             out.Value(SumCounters());
-            out.Value(*sent);
+            out.Value(sent);
         },
         [&](StateReader &in) {
             AddCounters(in.Value<RenderCounters>());
-            *sent += in.Value<uint64_t>();
+            sent += in.Value<uint64_t>();
         });
+    return sent;
 }
 
 class RenderJob {
@@ -283,8 +284,7 @@ class RenderJob {
     int FollowRender() {
         signals_.Cancel("", "", SignalWatch::kForever);
         FollowWaves(built_->Rendering(progress_, team_), *settings_);
-        uint64_t sent = 0;
-        ReduceCounters(team_, &sent);
+        ReduceCounters(team_);
         signals_.EndAtOnce("");
         return signals_.Status();
     }
@@ -324,8 +324,7 @@ class RenderJob {
         SetCallbacks(writer);
         writer.SetRendering();
         RenderResult result = RenderWaves(built.Rendering(progress_, team_), *settings_);
-        uint64_t sent = 0;
-        ReduceCounters(team_, &sent);
+        const uint64_t sent = ReduceCounters(team_);
         timings_.render = result.seconds;
         if (checkpoint_) result.seconds += checkpoint_->RenderSecondsBefore();
         live_.Finish(*built.film, result.samplesTaken, result.cancelled);

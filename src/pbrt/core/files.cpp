@@ -59,7 +59,7 @@ int OpenForReading(const std::string &path, ReadFrom from, size_t *size) {
         close(file);
         throw UserError(fmt::format("{}: {}.", path, refusal));
     }
-    *size = S_ISREG(status.st_mode) ? static_cast<size_t>(status.st_size) : 0;
+    *size = S_ISREG(status.st_mode) ? status.st_size : 0;
     return file;
 }
 
@@ -104,7 +104,7 @@ std::string ReadFileContents(const std::string &path, ReadFrom from, double (*av
             int error = 0;
             throw UserError(fmt::format("{}: {}.", path, gzerror(file.get(), &error)));
         }
-        content.resize(old + static_cast<size_t>(got));
+        content.resize(old + got);
         if (got == 0) break;
     }
     int closed = gzclose(file.release());

@@ -24,9 +24,8 @@ class BarSink final : public ProgressSink {
         constexpr int kCells = 30;
         int full = static_cast<int>(kCells * std::clamp(fraction, 0.0, 1.0));
         std::fprintf(stderr, "\r\033[K%-10s [%s%s] %3d%%  %s elapsed, %s left", phase.c_str(),
-                     std::string(static_cast<size_t>(full), '#').c_str(),
-                     std::string(static_cast<size_t>(kCells - full), '.').c_str(), static_cast<int>(100 * fraction),
-                     Duration(elapsed).c_str(), Duration(remaining).c_str());
+                     std::string(full, '#').c_str(), std::string(kCells - full, '.').c_str(),
+                     static_cast<int>(100 * fraction), Duration(elapsed).c_str(), Duration(remaining).c_str());
         std::fflush(stderr);
     }
     void PhaseDone(const std::string &phase, double elapsed) override {

@@ -35,10 +35,10 @@ using Kernel = std::vector<float>;  // of odd length
 Plane Filter(const Plane &in, Point2i size, const Kernel &alongX, const Kernel &alongY) {
     const int width = size.x, height = size.y;
     const int rx = static_cast<int>(alongX.size() / 2), ry = static_cast<int>(alongY.size() / 2);
-    auto row = [width](auto *data, int y) { return data + static_cast<size_t>(y) * static_cast<size_t>(width); };
+    auto row = [width](auto *data, int y) { return data + static_cast<size_t>(y) * width; };
     Plane across(in.size()), out(in.size());
     ParallelFor(height, kRowsPerTask, [&](int64_t begin, int64_t end) {
-        Plane padded(static_cast<size_t>(width + 2 * rx));
+        Plane padded(width + 2 * rx);
         for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
             const float *from = row(in.data(), y);
             for (int x = 0; x < width + 2 * rx; ++x) padded[x] = from[std::clamp(x - rx, 0, width - 1)];
@@ -193,7 +193,7 @@ std::vector<double> ChooseExposures(const std::vector<float> &planes) {
         if (y > 0) luminance.push_back(y);
     }
     if (luminance.empty()) return {0};
-    auto middle = luminance.begin() + static_cast<std::ptrdiff_t>(luminance.size() / 2);
+    auto middle = luminance.begin() + luminance.size() / 2;
     std::nth_element(luminance.begin(), middle, luminance.end());
     const double median = static_cast<double>(*middle);
     const double largest = static_cast<double>(*std::max_element(luminance.begin(), luminance.end()));
@@ -210,13 +210,13 @@ std::vector<double> ChooseExposures(const std::vector<float> &planes) {
 }  // namespace
 
 std::vector<float> FlipReference::Planes(const Image &image) {
-    const size_t n = image.ValueCount() / static_cast<size_t>(image.ChannelCount());
+    const size_t n = image.ValueCount() / image.ChannelCount();
     std::vector<float> planes(3 * n);
     for (int c = 0; c < 3; ++c) {
         const std::string name(1, "RGB"[c]);
         const int channel = image.FindChannel(name);
         if (channel < 0) throw UserError(fmt::format("FLIP needs the channels R, G and B; {} is missing.", name));
-        size_t i = static_cast<size_t>(c) * n;
+        size_t i = c * n;
         ForEachPixel(image, [&](Point2i p) {
             const float v = image.Get(p, channel);
             planes[i++] = std::isfinite(v) ? v : 0;
@@ -244,8 +244,8 @@ FlipReference::Percept FlipReference::See(const std::vector<float> &planes, size
     const Colors colors;
     const float factor = settings_.hdr ? static_cast<float>(std::exp2(exposures_[exposure])) : 1;
     Plane yy(n), cx(n), cz(n), lightness(n);
-    ParallelFor(static_cast<int64_t>(n), 4096, [&](int64_t begin, int64_t end) {
-        for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+    ParallelFor(n, 4096, [&](int64_t begin, int64_t end) {
+        for (int64_t i = begin; i < end; ++i) {
             Rgb rgb;
             for (int c = 0; c < 3; ++c) {
                 const float v = planes[c * n + i];
@@ -273,8 +273,8 @@ FlipReference::Percept FlipReference::See(const std::vector<float> &planes, size
     out.l = SensitivityFilter(yy, resolution_, kAchromatic, ppd);
     out.a = SensitivityFilter(cx, resolution_, kRedGreen, ppd);
     out.b = BlueYellowFilter(cz, resolution_, ppd);
-    ParallelFor(static_cast<int64_t>(n), 4096, [&](int64_t begin, int64_t end) {
-        for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+    ParallelFor(n, 4096, [&](int64_t begin, int64_t end) {
+        for (int64_t i = begin; i < end; ++i) {
             const Rgb rgb = colors.ToRgb(FromOpponent(out.l[i], out.a[i], out.b[i]));
             ToHuntLab(colors.FromRgb(glm::clamp(rgb, 0.f, 1.f)), &out.l[i], &out.a[i], &out.b[i]);
         }
@@ -301,9 +301,8 @@ double FlipReference::Compare(const Image &image, Image *errorImage) const {
     std::vector<float> flip(planes.size() / 3, 0.f);
     for (size_t e = 0; e < percepts_.size(); ++e) {
         const Percept percept = See(planes, e);
-        ParallelFor(static_cast<int64_t>(flip.size()), 4096, [&](int64_t begin, int64_t end) {
-            for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i)
-                flip[i] = std::max(flip[i], Difference(percepts_[e], percept, i));
+        ParallelFor(flip.size(), 4096, [&](int64_t begin, int64_t end) {
+            for (int64_t i = begin; i < end; ++i) flip[i] = std::max(flip[i], Difference(percepts_[e], percept, i));
         });
     }
     if (errorImage) {

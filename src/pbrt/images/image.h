@@ -84,8 +84,7 @@ class Image {
 
   private:
     size_t Index(Point2i p, int channel) const {
-        size_t pixel = static_cast<size_t>(p.y) * static_cast<size_t>(resolution_.x) + static_cast<size_t>(p.x);
-        return pixel * channels_.size() + static_cast<size_t>(channel);
+        return (static_cast<size_t>(p.y) * resolution_.x + p.x) * channels_.size() + channel;
     }
     PixelFormat format_ = PixelFormat::Float;
     Point2i resolution_{0, 0};

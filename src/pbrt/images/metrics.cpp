@@ -144,9 +144,8 @@ double TrimmedRelL2(const Image &image, const Image &reference, double fraction,
         std::min(static_cast<size_t>(std::ceil(fraction * static_cast<double>(terms.size()))), terms.size());
     const size_t kept = terms.size() - worst;
     if (kept == 0) return 0;
-    std::nth_element(terms.begin(), terms.begin() + static_cast<std::ptrdiff_t>(kept) - 1, terms.end());
-    return std::accumulate(terms.begin(), terms.begin() + static_cast<std::ptrdiff_t>(kept), 0.0) /
-           static_cast<double>(kept);
+    std::nth_element(terms.begin(), terms.begin() + kept - 1, terms.end());
+    return std::accumulate(terms.begin(), terms.begin() + kept, 0.0) / static_cast<double>(kept);
 }
 
 }  // namespace pbrt

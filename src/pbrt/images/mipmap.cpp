@@ -92,14 +92,12 @@ class Reader {
     Texel<N> Load(const MipMap::LevelView &level, int x, int y) const {
         if constexpr (Tiled) {
             if (!level.texels) {
-                const auto index = static_cast<size_t>(&level - view_.levels.data());
+                const size_t index = &level - view_.levels.data();
                 if (!tile_.Holds(index, x, y)) view_.tiles->Get(index, x, y, tile_);
                 return Decode(tile_.Texel(x, y), first_);
             }
         }
-        const size_t i =
-            (static_cast<size_t>(y) * static_cast<size_t>(level.width) + static_cast<size_t>(x)) * view_.channels +
-            first_;
+        const size_t i = (static_cast<size_t>(y) * level.width + x) * view_.channels + first_;
         return Decode(level.texels, i);
     }
 
@@ -254,7 +252,7 @@ MipMap::MipMap(Image image, const ColorSpace *colorSpace, TextureFilter filter, 
     pixels->levels = BuildPyramid(KeepColor(std::move(image)), wrap);
     const Image &base = pixels->levels[0];
     view_.format = base.Format();
-    view_.channels = static_cast<size_t>(base.ChannelCount());
+    view_.channels = base.ChannelCount();
     view_.decode = base.Format() == PixelFormat::U8 ? ByteCode::Of(base.Encoding()).DecodeTable() : nullptr;
     view_.filter = filter;
     view_.wrap = wrap;

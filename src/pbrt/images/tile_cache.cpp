@@ -54,8 +54,7 @@ std::unique_ptr<const TileCache::Stored> TileCache::Store(const std::vector<Imag
     for (const Image &image : images)
         pixels.push_back(
             {image.Resolution().x, image.Resolution().y, image.ChannelCount(), TypeOf(image.Format()), image.Data()});
-    const size_t texelBytes =
-        images[0].Bytes() / (images[0].ValueCount() / static_cast<size_t>(images[0].ChannelCount()));
+    const size_t texelBytes = images[0].Bytes() / (images[0].ValueCount() / images[0].ChannelCount());
     void *file = nullptr;
     try {
         file = impl_->tiles->Add(path, pixels);

@@ -33,9 +33,7 @@ class TileCache {
                 return tile_ && image == image_ && x / kSize == x_ && y / kSize == y_;
             }
             /// First channel of a texel in this tile, in the image's format.
-            const void *Texel(int x, int y) const {
-                return data_ + static_cast<size_t>(y % kSize * kSize + x % kSize) * texelBytes_;
-            }
+            const void *Texel(int x, int y) const { return data_ + (y % kSize * kSize + x % kSize) * texelBytes_; }
 
           private:
             friend class Stored;

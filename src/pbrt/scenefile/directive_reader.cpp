@@ -377,7 +377,7 @@ std::shared_ptr<const SourceFile> OpenSceneFile(const std::string &path, ReadFro
         if (got < 0 && errno == EINTR) continue;
         if (got < 0) throw UserError(fmt::format("Standard input: {}.", std::strerror(errno)));
         if (got == 0) break;
-        text.append(buffer.data(), static_cast<size_t>(got));
+        text.append(buffer.data(), got);
     }
     return std::make_shared<SourceFile>(SourceFile{"<stdin>", std::move(text)});
 }

@@ -1,4 +1,5 @@
 #include "pbrt/cmd/imgtool/commands.h"
+#include "pbrt/spectra/rgb_primaries.h"
 
 namespace pbrt::imgtool {
 
@@ -10,25 +11,21 @@ struct WhitebalanceOptions {
     std::optional<Float> temperature;
 };
 
-Point2 Chromaticity(const Spectrum &s) {
-    const Xyz xyz = SpectrumToXyz(s);
-    return {xyz.x / (xyz.x + xyz.y + xyz.z), xyz.y / (xyz.x + xyz.y + xyz.z)};
-}
-
 /// The prefix of a name is optional: A is stdillum-A.
 Point2 WhiteOfIlluminant(const std::string &name) {
     std::vector<std::string> choices;
     for (const std::string &known : NamedSpectrumNames())
         if (known.starts_with("stdillum-") || known.starts_with("illum-")) {
             choices.push_back(known);
-            if (name == known || name == known.substr(known.find('-') + 1)) return Chromaticity(*NamedSpectrum(known));
+            if (name == known || name == known.substr(known.find('-') + 1))
+                return Chromaticity(SpectrumToXyz(*NamedSpectrum(known)));
         }
     throw UserError(fmt::format("--illuminant {}: unknown; {}", name, ListChoices(name, choices)));
 }
 
 Point2 White(const WhitebalanceOptions &o) {
     if (!o.illuminant.empty()) return WhiteOfIlluminant(o.illuminant);
-    if (o.temperature) return Chromaticity(DaylightSpectrum(*o.temperature));
+    if (o.temperature) return Chromaticity(SpectrumToXyz(DaylightSpectrum(*o.temperature)));
     if (o.primaries.empty()) throw UserError("One of --illuminant, --primaries and --temperature is needed.");
     const Point2 white(o.primaries[0], o.primaries[1]);
     if (!(white.x > 0 && white.y > 0 && white.x + white.y < 1))

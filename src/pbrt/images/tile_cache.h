@@ -1,7 +1,11 @@
 #pragma once
+#include <atomic>
+#include <filesystem>
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "pbrt/core/temporaries.h"
 #include "pbrt/images/image.h"
 
 namespace pbrt {
@@ -60,8 +64,10 @@ class TileCache {
     size_t Bytes() const;
 
   private:
-    struct Impl;
-    std::unique_ptr<Impl> impl_;
+    std::unique_ptr<oiio::TileStore> tiles_;
+    std::filesystem::path folder_;
+    std::optional<Temporary> registered_;  ///< the folder
+    std::atomic<int> files_{0};
 };
 
 }  // namespace pbrt

@@ -227,9 +227,8 @@ void AddAllFlags(CLI::App &app, CommandLine &o, RawFlags &raw) {
 
 }  // namespace
 
-CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
-    CommandLineResult result;
-    CommandLine &o = result.options;
+std::optional<int> ParseCommandLine(int argc, const char *const *argv, CommandLine *options) {
+    CommandLine &o = *options;
     o.text = JoinArguments(argc, argv);
 
     CLI::App app(
@@ -261,7 +260,7 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
         if (app.count("--serve")) o.servePort = ParsePort(raw.port);
         if (app.count("--stats")) o.stats = ParseStats(o.stats);
     });
-    if (status) return {{}, true, *status};
+    if (status) return status;
     o.memoryLimit = 1e6 * raw.memoryLimitMb;
     // A part writes no image.
     o.build.checksOutput = !o.samples;
@@ -269,7 +268,7 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
     if (!crop.empty()) o.build.film.cropWindow = Bounds2{{crop[0], crop[2]}, {crop[1], crop[3]}};
     if (!bounds.empty()) o.build.film.pixelBounds = Bounds2i{{bounds[0], bounds[2]}, {bounds[1], bounds[3]}};
     if (!pixel.empty()) o.build.film.pixelBounds = Bounds2i{{pixel[0], pixel[1]}, {pixel[0] + 1, pixel[1] + 1}};
-    return result;
+    return {};
 }
 
 }  // namespace pbrt

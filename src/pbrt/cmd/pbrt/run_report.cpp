@@ -100,7 +100,7 @@ void PrintStatistics(const BuiltScene &built, const RenderResult &result, const 
         return static_cast<double>(count) / std::max(1e-9, result.seconds) / 1e6;
     };
     std::printf("Statistics\n");
-    for (const auto &[phase, seconds] : timings.Phases()) PrintLine(phase + " (s)", "{:.3f}", seconds);
+    for (const Timings::Phase &p : timings.Phases()) PrintLine(fmt::format("{} (s)", p.name), "{:.3f}", p.seconds);
     PrintLine("total (s)", "{:.3f}", timings.Total());
     PrintLine("samples per pixel", "{}", result.samplesTaken);
     PrintLine("shapes, lights", "{}, {}", built.scene->ShapeCount(), built.scene->Lights().Size());
@@ -125,8 +125,11 @@ void PrintStatistics(const BuiltScene &built, const RenderResult &result, const 
 
 void PrintStatisticsJson(const CommandLine &options, const BuiltScene &built, const RenderResult &result,
                          const Timings &timings, const std::string &picture) {
-    const auto milliseconds = [](double seconds) { return std::round(1000 * seconds) / 1000; };
+    const auto milliseconds = [](double s) { return std::round(1000 * s) / 1000; };
     const auto bytes = [](double v) { return static_cast<int64_t>(v); };
+    Json seconds;
+    for (const Timings::Phase &p : timings.Phases()) seconds[p.key] = milliseconds(p.seconds);
+    seconds["total"] = milliseconds(timings.Total());
     const RenderCounters c = SumCounters();
     const Bounds2i &window = built.film->PixelBounds();
     Json json = {{"schema", 1},
@@ -144,14 +147,7 @@ void PrintStatisticsJson(const CommandLine &options, const BuiltScene &built, co
                  {"plannedSamplesPerPixel", options.timeBudget > 0 ? Json(built.samplesPerPixel) : Json()},
                  {"isInterrupted", result.cancelled},
                  {"mse", result.mse ? Json(*result.mse) : Json()},
-                 {"seconds",
-                  {{"startUp", milliseconds(timings.startUp)},
-                   {"reading", milliseconds(timings.read)},
-                   {"building", milliseconds(timings.build)},
-                   {"preparingLights", milliseconds(timings.prepare)},
-                   {"rendering", milliseconds(timings.render)},
-                   {"writing", milliseconds(timings.write)},
-                   {"total", milliseconds(timings.Total())}}},
+                 {"seconds", seconds},
                  {"shapes", built.scene->ShapeCount()},
                  {"lights", built.scene->Lights().Size()},
                  {"bytes",

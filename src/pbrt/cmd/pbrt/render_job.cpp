@@ -34,14 +34,12 @@ constexpr double kWritingSeconds = 10;
 constexpr double kLiveWaveSeconds = 3;
 
 LiveRender LiveRenderOf(const CommandLine &options, const BuiltScene &built, const RenderSettings &settings) {
-    LiveRender live;
-    live.scene = fmt::format("{}", fmt::join(SceneFilesOf(options), " "));
-    live.filename = built.filename;
-    live.fullResolution = built.film->FullResolution();
-    live.pixelBounds = built.film->PixelBounds();
-    live.timeBudget = options.timeBudget;
-    if (options.timeBudget <= 0) live.samples = settings.EndSample();
-    return live;
+    return {.scene = fmt::format("{}", fmt::join(SceneFilesOf(options), " ")),
+            .filename = built.filename,
+            .fullResolution = built.film->FullResolution(),
+            .pixelBounds = built.film->PixelBounds(),
+            .samples = options.timeBudget > 0 ? 0 : settings.EndSample(),
+            .timeBudget = options.timeBudget};
 }
 
 void PrintWarnings(const DiagnosticSink &sink, size_t *printed) {

@@ -10,7 +10,7 @@
 #include "ext/lab/sampler_run.h"
 #include "ext/lab/text_output.h"
 #include "ext/lab/tile_statistics.h"
-#include "pbrt/core/count_text.h"
+#include "pbrt/core/error.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/images/metrics.h"

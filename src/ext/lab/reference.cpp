@@ -6,7 +6,7 @@
 
 #include "ext/lab/bias_check.h"
 #include "ext/lab/sampler_run.h"
-#include "pbrt/core/count_text.h"
+#include "pbrt/core/error.h"
 #include "pbrt/images/metrics.h"
 
 namespace ext::lab {

@@ -6,7 +6,7 @@
 
 #include "ext/lab/results.h"
 #include "ext/lab/text_output.h"
-#include "pbrt/core/count_text.h"
+#include "pbrt/core/error.h"
 
 namespace ext::lab {
 

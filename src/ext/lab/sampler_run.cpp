@@ -4,8 +4,8 @@
 #include <cmath>
 #include <filesystem>
 
-#include "pbrt/core/count_text.h"
 #include "pbrt/core/counters.h"
+#include "pbrt/core/error.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/version.h"

@@ -7,7 +7,7 @@
 #include "ext/prepass/prepass.h"
 #include "pbrt/core/effective_params_text.h"
 #include "pbrt/core/log.h"
-#include "pbrt/core/seconds_since.h"
+#include "pbrt/core/progress.h"
 #include "pbrt/lightsamplers/bvh_light_sampler.h"
 #include "pbrt/lightsamplers/exhaustive_light_sampler.h"
 

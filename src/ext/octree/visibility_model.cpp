@@ -7,7 +7,7 @@
 
 #include "ext/visibility/structure_text.h"
 #include "ext/visibility/visibility_tree_builder.h"
-#include "pbrt/core/seconds_since.h"
+#include "pbrt/core/progress.h"
 #include "pbrt/scene/scene.h"
 
 namespace ext {

@@ -7,7 +7,7 @@
 #include "ext/octree/prepass_budget.h"
 #include "pbrt/bxdfs/bsdf.h"
 #include "pbrt/bxdfs/henyey_greenstein.h"
-#include "pbrt/core/seconds_since.h"
+#include "pbrt/core/progress.h"
 #include "pbrt/lightsamplers/weighted_choice.h"
 
 namespace ext {

@@ -8,7 +8,7 @@
 #include "ext/visibility/visibility_records.h"
 #include "ext/visibility/visibility_tree_builder.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/core/seconds_since.h"
+#include "pbrt/core/progress.h"
 #include "pbrt/lightsamplers/weighted_choice.h"
 #include "pbrt/math/rng.h"
 

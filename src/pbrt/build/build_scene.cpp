@@ -11,7 +11,7 @@
 #include "pbrt/build/geometry_builder.h"
 #include "pbrt/build/integrator_builder.h"
 #include "pbrt/core/files.h"
-#include "pbrt/images/picture_name.h"
+#include "pbrt/images/image.h"
 #include "pbrt/lights/light_factory.h"
 #include "pbrt/shapes/extent.h"
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "pbrt/build/collect.h"
-#include "pbrt/core/v3_names.h"
 #include "pbrt/integrators/path_integrator.h"
 #include "pbrt/integrators/simple_integrators.h"
 

@@ -2,7 +2,7 @@
 
 #include <fmt/ranges.h>
 
-#include "pbrt/core/build_id.h"
+#include "pbrt/core/version.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/math/warps.h"
 #include "pbrt/scenefile/content_hash.h"

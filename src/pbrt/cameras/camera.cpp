@@ -7,7 +7,7 @@
 #include "pbrt/cameras/realistic_camera.h"
 #include "pbrt/cameras/spherical_camera.h"
 #include "pbrt/core/limits.h"
-#include "pbrt/math/solid_angle.h"
+#include "pbrt/math/transform.h"
 
 namespace pbrt {
 

@@ -29,8 +29,8 @@ inline CLI::Validator NumberCheck(bool zeroToo, const std::string &name) {
 inline const CLI::Validator PositiveNumber = NumberCheck(false, "POSITIVE");
 inline const CLI::Validator NonNegativeNumber = NumberCheck(true, "NONNEGATIVE");
 
-/// Row of a flag table: names as CLI11 declares them, target, help text, validator. A bool takes no value; lists are
-/// comma-separated.
+/// Row of a flag table: names as CLI11 declares them, target, help text, validator. A bool takes no value; lists of
+/// flags are comma-separated.
 class Flag {
   public:
     template <class T>
@@ -40,11 +40,16 @@ class Flag {
               if constexpr (std::is_same_v<T, bool>) option = app.add_flag(names, target, help);
               else option = app.add_option(names, target, help);
               if constexpr (CLI::detail::is_mutable_container<T>::value)
-                  option->delimiter(',')->allow_extra_args(false);
+                  if (names[0] == '-') option->delimiter(',')->allow_extra_args(false);
               return check ? option->check(*check) : option;
           }) {}
     Flag &&Type(const char *name) && {
         type_ = name;
+        return std::move(*this);
+    }
+    /// Number of values of a list.
+    Flag &&Count(int count) && {
+        count_ = count;
         return std::move(*this);
     }
     Flag &&Required() && {
@@ -59,11 +64,13 @@ class Flag {
     CLI::Option *AddTo(CLI::App &app) const {
         CLI::Option *option = add_(app)->required(isRequired_);
         if (type_) option->type_name(type_);
+        if (count_ > 0) option->expected(count_);
         return showsDefault_ ? option->capture_default_str() : option;
     }
 
   private:
     const char *type_ = nullptr;
+    int count_ = 0;
     bool isRequired_ = false, showsDefault_ = false;
     std::function<CLI::Option *(CLI::App &)> add_;
 };
@@ -72,6 +79,7 @@ class Flag {
 inline void AddFlags(CLI::App &app, const std::string &heading, std::initializer_list<Flag> rows) {
     for (const Flag &row : rows) row.AddTo(app)->group(heading);
 }
+inline void AddFlags(CLI::App &app, std::initializer_list<Flag> rows) { AddFlags(app, "Options", rows); }
 
 /// Replacements for flags of other programs, keyed by folded name (FoldFlag).
 using FlagHints = std::map<std::string, std::string>;

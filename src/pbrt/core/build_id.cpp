@@ -1,4 +1,4 @@
-#include "pbrt/core/build_id.h"
+#include "pbrt/core/version.h"
 
 #include <elf.h>
 #include <link.h>

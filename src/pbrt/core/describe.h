@@ -44,10 +44,10 @@ struct NamedValue {
 struct Items {
     ParamType type;
     Range<Float> range = AnyFloat();
+    bool isRequired = false;  ///< for lists
 };
 
 struct Required {};
-struct RequiredItems : Items {};
 
 /// Documentation of one parameter, for listings and for command-line flags.
 struct ParamDoc {
@@ -138,11 +138,6 @@ void DocumentParam(ParamDoc &doc, const std::span<const T> &) {
     doc.types = {detail::TypeOf<T>()};
     doc.isList = true;
 }
-template <class T>
-void DocumentParam(ParamDoc &doc, const std::span<const T> &values, Required) {
-    DocumentParam(doc, values);
-    doc.range = "required";
-}
 template <class T, size_t N>
 void DocumentParam(ParamDoc &doc, const std::optional<std::array<T, N>> &) {
     DocumentParam(doc, std::span<const T>());
@@ -157,12 +152,7 @@ template <class T>
 void DocumentParam(ParamDoc &doc, const std::vector<T> &, const Items &items) {
     doc.types = {items.type};
     doc.isList = true;
-    doc.range = ShortText(items.range);
-}
-template <class T>
-void DocumentParam(ParamDoc &doc, const std::vector<T> &value, const RequiredItems &items) {
-    DocumentParam(doc, value, static_cast<const Items &>(items));
-    doc.range = "required";
+    doc.range = items.isRequired ? "required" : ShortText(items.range);
 }
 template <class T>
 void DocumentParam(ParamDoc &doc, const T &value, const Items &items) {

@@ -101,7 +101,7 @@ std::string Summarize(const std::vector<Diagnostic> &diagnostics, size_t omitted
     if (diagnostics.empty()) return {};
     const size_t others = diagnostics.size() - 1 + omitted;
     std::string first = Heading(diagnostics.front(), false);
-    return others > 0 ? fmt::format("{}\n({} more error{})", first, others, others == 1 ? "" : "s") : first;
+    return others > 0 ? fmt::format("{}\n({})", first, CountText(others, "more error")) : first;
 }
 
 }  // namespace
@@ -115,8 +115,7 @@ std::string FormatAll(const UserError &e, bool color) {
     LineFinder lines;
     std::string out;
     for (const Diagnostic &d : e.Diagnostics()) out += Format(d, color, lines) + '\n';
-    if (e.Omitted() > 0)
-        out += fmt::format("... and {} more error{} not shown.\n", e.Omitted(), e.Omitted() == 1 ? "" : "s");
+    if (e.Omitted() > 0) out += fmt::format("... and {} not shown.\n", CountText(e.Omitted(), "more error"));
     return out;
 }
 
@@ -149,16 +148,10 @@ void DiagnosticSink::Warning(const FileLoc &loc, std::string message) {
         diagnostics_.push_back({Severity::Warning, {}, "there are more warnings, which are not shown."});
 }
 
-void DiagnosticSink::Add(const UserError &e) {
-    for (const Diagnostic &d : e.Diagnostics())
+void DiagnosticSink::Add(const std::vector<Diagnostic> &diagnostics, size_t omitted) {
+    for (const Diagnostic &d : diagnostics)
         d.severity == Severity::Error ? Error(d.loc, d.message) : Warning(d.loc, d.message);
-    errorCount_ += e.Omitted();
-}
-
-void DiagnosticSink::Add(const DiagnosticSink &other) {
-    for (const Diagnostic &d : other.diagnostics_)
-        d.severity == Severity::Error ? Error(d.loc, d.message) : Warning(d.loc, d.message);
-    errorCount_ += other.Omitted();
+    errorCount_ += omitted;
 }
 
 void DiagnosticSink::ThrowIfErrors() const {

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -60,14 +61,19 @@ std::string FormatAll(const UserError &e, bool color = false);
 /// User text quoted in a message: one line, cut to `maxBytes` and then followed by "...".
 std::string Abbreviate(std::string_view text, size_t maxBytes = 60);
 
+/// "1 sample", "2 samples".
+inline std::string CountText(int64_t count, std::string_view noun) {
+    return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
 /// Collects all errors and warnings of a scene, kMaxDiagnostics of each; further errors are counted.
 class DiagnosticSink {
   public:
     void Error(const FileLoc &loc, std::string message);
     /// Never fatal; printed by the owner of the sink (cmd/ unless --quiet).
     void Warning(const FileLoc &loc, std::string message);
-    void Add(const UserError &e);
-    void Add(const DiagnosticSink &other);
+    void Add(const UserError &e) { Add(e.Diagnostics(), e.Omitted()); }
+    void Add(const DiagnosticSink &other) { Add(other.All(), other.Omitted()); }
 
     bool HasErrors() const { return errorCount_ > 0; }
     size_t ErrorCount() const { return errorCount_; }
@@ -79,6 +85,7 @@ class DiagnosticSink {
     void ThrowIfErrors() const;
 
   private:
+    void Add(const std::vector<Diagnostic> &diagnostics, size_t omitted);
     std::vector<Diagnostic> diagnostics_;
     size_t errorCount_ = 0, warningCount_ = 0;
 };
@@ -91,6 +98,11 @@ std::string ListChoices(std::string_view given, const std::vector<std::string> &
 
 /// Choice most similar to `given`; empty if none is similar.
 std::string NearestChoice(std::string_view given, const std::vector<std::string> &choices);
+
+/// Replacement of a pbrt-v3 name, as a prefix for the list of valid choices: "it is of pbrt-v3: ...; ". Empty for other
+/// names. `what`: the directive whose type it is ("Material"), or "directive", "parameter type", "kind of texture",
+/// "parameter".
+std::string V3Hint(std::string_view what, std::string_view name);
 
 }  // namespace pbrt
 

@@ -1,7 +1,5 @@
 #include "pbrt/core/factory_table.h"
 
-#include "pbrt/core/v3_names.h"
-
 namespace pbrt {
 
 void ThrowUnknown(const std::string &what, const std::string &given, const std::vector<std::string> &names,

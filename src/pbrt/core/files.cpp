@@ -30,12 +30,13 @@ bool FileExists(const std::string &path) {
     return std::filesystem::exists(path, none);
 }
 
-std::string LowerExtension(const std::string &path) {
-    std::string extension = std::filesystem::path(path).extension().string();
-    for (char &c : extension)
+std::string Lower(std::string text) {
+    for (char &c : text)
         if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return extension;
+    return text;
 }
+
+std::string LowerExtension(const std::string &path) { return Lower(std::filesystem::path(path).extension().string()); }
 
 namespace {
 
@@ -58,7 +59,7 @@ int OpenForReading(const std::string &path, ReadFrom from, size_t *size) {
         close(file);
         throw UserError(fmt::format("{}: {}.", path, refusal));
     }
-    *size = S_ISREG(status.st_mode) ? static_cast<size_t>(status.st_size) : 0;
+    *size = S_ISREG(status.st_mode) ? status.st_size : 0;
     return file;
 }
 
@@ -103,7 +104,7 @@ std::string ReadFileContents(const std::string &path, ReadFrom from, double (*av
             int error = 0;
             throw UserError(fmt::format("{}: {}.", path, gzerror(file.get(), &error)));
         }
-        content.resize(old + static_cast<size_t>(got));
+        content.resize(old + got);
         if (got == 0) break;
     }
     int closed = gzclose(file.release());

@@ -24,6 +24,8 @@ class FileResolver {
 /// True if a file, folder or device of that name exists; false for invalid names.
 bool FileExists(const std::string &path);
 
+/// Replaces A-Z by a-z.
+std::string Lower(std::string text);
 /// Lower-case extension: ".exr" of "a/B.EXR".
 std::string LowerExtension(const std::string &path);
 

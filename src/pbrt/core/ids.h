@@ -22,7 +22,4 @@ using MaterialId = Id<struct MaterialTag>;
 using MediumId = Id<struct MediumTag>;
 using LightId = Id<struct LightTag>;  ///< dense index into the LightTable
 
-inline constexpr MediumId NoMedium{};
-inline constexpr LightId NoLight{};
-
 }  // namespace pbrt

@@ -27,6 +27,13 @@ struct KernelText {
     }
 };
 
+/// This process's limit in bytes; infinite if there is none.
+double LimitOf(decltype(RLIMIT_AS) resource) {
+    rlimit limit{};
+    const bool isSet = getrlimit(resource, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;
+    return isSet ? static_cast<double>(limit.rlim_cur) : std::numeric_limits<double>::infinity();
+}
+
 bool isLimited = false;  ///< by LimitMemory
 
 /// Limit of the control group (version 2) as visible inside a container; `none` if there is none.
@@ -40,13 +47,8 @@ double ControlGroupLimit(double none) {
 }  // namespace
 
 double UsableMemory() {
-    double bytes = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-    for (auto resource : {RLIMIT_AS, RLIMIT_DATA}) {
-        rlimit limit{};
-        if (getrlimit(resource, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
-            bytes = std::min(bytes, static_cast<double>(limit.rlim_cur));
-    }
-    return std::min(bytes, ControlGroupLimit(bytes));
+    const double bytes = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+    return std::min({bytes, LimitOf(RLIMIT_AS), LimitOf(RLIMIT_DATA), ControlGroupLimit(bytes)});
 }
 
 double AvailableMemory() {
@@ -61,11 +63,7 @@ double AvailableMemory() {
     if (const char *at = std::strstr(machine.text, kAvailable))
         bytes = std::min(bytes, 1024 * std::strtod(at + std::strlen(kAvailable), nullptr));
     bytes = std::min(bytes, ControlGroupLimit(std::numeric_limits<double>::infinity()) - page * resident);
-    for (auto [resource, pages] : {std::pair(RLIMIT_AS, all), std::pair(RLIMIT_DATA, data)}) {
-        rlimit limit{};
-        if (getrlimit(resource, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
-            bytes = std::min(bytes, static_cast<double>(limit.rlim_cur) - page * pages);
-    }
+    bytes = std::min({bytes, LimitOf(RLIMIT_AS) - page * all, LimitOf(RLIMIT_DATA) - page * data});
     return std::max(0.0, bytes);
 }
 

@@ -78,7 +78,7 @@ class MpiPort final : public MessagePort {
             MPI_Request request;
             MPI_Imrecv(message.bytes.data() + at, bytes, MPI_BYTE, &fragment, &request);
             WaitBusily(request);
-            at += static_cast<size_t>(bytes);
+            at += bytes;
         }
         return message;
     }

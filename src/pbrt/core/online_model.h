@@ -1,10 +1,12 @@
 #pragma once
+#include <algorithm>
 #include <initializer_list>
 #include <vector>
 
+#include "pbrt/core/progress.h"
+
 namespace pbrt {
 
-class Progress;
 class StateReader;
 class StateWriter;
 
@@ -28,13 +30,33 @@ class OnlineModel {
 /// Composite of several models, not owned; null ones are skipped.
 class OnlineModels final : public OnlineModel {
   public:
-    OnlineModels(std::initializer_list<OnlineModel *> models);
+    OnlineModels(std::initializer_list<OnlineModel *> models) : models_(models) { std::erase(models_, nullptr); }
     bool IsEmpty() const { return models_.empty(); }
-    int NextUpdate() const override;
+    int NextUpdate() const override {
+        int next = 0;
+        for (const OnlineModel *model : models_)
+            if (const int n = model->NextUpdate(); n > 0) next = next > 0 ? std::min(next, n) : n;
+        return next;
+    }
     /// Updates those that are due, in order, and stops at the first that is cancelled.
-    void Update(const Progress &progress) override;
-    void ExtractRecords(StateWriter &out) override;
-    void MergeRecords(StateReader &in) override;
+    void Update(const Progress &progress) override {
+        const int now = NextUpdate();
+        if (now == 0) return;
+        for (OnlineModel *model : models_) {
+            if (model->NextUpdate() != now) continue;
+            if (progress.Cancelled()) return;
+            model->Update(progress);
+            if (model->NextUpdate() == now) return;
+        }
+    }
+    void ExtractRecords(StateWriter &out) override {
+        for (OnlineModel *model : models_)
+            if (model->NextUpdate() > 0) model->ExtractRecords(out);
+    }
+    void MergeRecords(StateReader &in) override {
+        for (OnlineModel *model : models_)
+            if (model->NextUpdate() > 0) model->MergeRecords(in);
+    }
 
   private:
     std::vector<OnlineModel *> models_;

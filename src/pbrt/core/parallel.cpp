@@ -72,7 +72,7 @@ int ThreadIndex() { return std::max(0, tbb::this_task_arena::current_thread_inde
 void ParallelFor(int64_t count, int64_t grain, const std::function<void(int64_t, int64_t)> &body) {
     RegionOrder order;
     InArena([&] {
-        tbb::parallel_for(tbb::blocked_range<int64_t>(0, count, static_cast<size_t>(grain)),
+        tbb::parallel_for(tbb::blocked_range<int64_t>(0, count, grain),
                           [&](const tbb::blocked_range<int64_t> &r) { order.Run([&] { body(r.begin(), r.end()); }); });
     });
 }

@@ -2,8 +2,6 @@
 
 #include <set>
 
-#include "pbrt/core/v3_names.h"
-
 namespace pbrt {
 
 void ParamReader::ReportUnused(DiagnosticSink &sink) const {

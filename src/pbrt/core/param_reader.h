@@ -166,17 +166,13 @@ void ReadParam(ParamReader &reader, const std::string &name, std::vector<T> &val
     static_assert(std::is_trivially_copyable_v<T>);
     PBRT_DCHECK(sizeof(T) == ItemSize(items.type) * sizeof(Float));
     const Param *p = reader.Take(name, items.type);
+    if (items.isRequired && (!p || p->floats.empty())) detail::ThrowMissing(reader.Set(), name, items.type);
     if (!p) return;
     detail::RequireItems(reader.Set(), *p);
     if (items.range.low > AnyFloat().low)
         for (Float v : p->floats) detail::RequireRange(reader.Set(), *p, v, items.range);
     values.resize(p->floats.size() * sizeof(Float) / sizeof(T));
     if (!values.empty()) std::memcpy(static_cast<void *>(values.data()), p->floats.data(), values.size() * sizeof(T));
-}
-template <class T>
-void ReadParam(ParamReader &reader, const std::string &name, std::vector<T> &values, const RequiredItems &items) {
-    ReadParam(reader, name, values, static_cast<const Items &>(items));
-    if (values.empty()) detail::ThrowMissing(reader.Set(), name, items.type);
 }
 template <class T>
 void ReadParam(ParamReader &reader, const std::string &name, T &value, const Items &items) {

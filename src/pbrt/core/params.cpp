@@ -1,7 +1,6 @@
 #include "pbrt/core/params.h"
 
 #include <algorithm>
-#include <array>
 
 namespace pbrt {
 
@@ -17,13 +16,6 @@ size_t ItemSize(ParamType type) {
     }
 }
 
-const char *Name(ParamType type) {
-    static constexpr std::array<const char *, 13> kNames = {"integer",   "float",    "point2", "vector2", "point3",
-                                                            "vector3",   "normal",   "bool",   "string",  "rgb",
-                                                            "blackbody", "spectrum", "texture"};
-    return kNames[static_cast<size_t>(type)];
-}
-
 const Param *ParamSet::Find(std::string_view name, ParamType type) const {
     for (const std::vector<Param> *list : {&params_, &defaults_})
         for (auto p = list->rbegin(); p != list->rend(); ++p)
@@ -33,8 +25,7 @@ const Param *ParamSet::Find(std::string_view name, ParamType type) const {
 
 bool ParamSet::Has(std::string_view name) const {
     auto matches = [&](const Param &p) { return p.name == name; };
-    return std::any_of(params_.begin(), params_.end(), matches) ||
-           std::any_of(defaults_.begin(), defaults_.end(), matches);
+    return std::ranges::any_of(params_, matches) || std::ranges::any_of(defaults_, matches);
 }
 
 UserError ParamSet::Error(std::string_view name, std::string_view message) const {

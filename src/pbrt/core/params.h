@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -28,7 +29,10 @@ enum class ParamType {
     Texture
 };
 
-const char *Name(ParamType type);
+inline constexpr std::array<const char *, 13> kParamTypeNames = {
+    "integer", "float",  "point2", "vector2",   "point3",   "vector3", "normal",
+    "bool",    "string", "rgb",    "blackbody", "spectrum", "texture"};  ///< in that order
+constexpr const char *Name(ParamType type) { return kParamTypeNames[static_cast<size_t>(type)]; }
 /// Numbers per value: 2 or 3 for points, vectors, normals and rgb, else 1.
 size_t ItemSize(ParamType type);
 

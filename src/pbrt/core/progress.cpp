@@ -24,9 +24,8 @@ class BarSink final : public ProgressSink {
         constexpr int kCells = 30;
         int full = static_cast<int>(kCells * std::clamp(fraction, 0.0, 1.0));
         std::fprintf(stderr, "\r\033[K%-10s [%s%s] %3d%%  %s elapsed, %s left", phase.c_str(),
-                     std::string(static_cast<size_t>(full), '#').c_str(),
-                     std::string(static_cast<size_t>(kCells - full), '.').c_str(), static_cast<int>(100 * fraction),
-                     Duration(elapsed).c_str(), Duration(remaining).c_str());
+                     std::string(full, '#').c_str(), std::string(kCells - full, '.').c_str(),
+                     static_cast<int>(100 * fraction), Duration(elapsed).c_str(), Duration(remaining).c_str());
         std::fflush(stderr);
     }
     void PhaseDone(const std::string &phase, double elapsed) override {
@@ -72,28 +71,25 @@ void Progress::BeginPhase(std::string name, int64_t total) {
 
 void Progress::Advance(int64_t amount) {
     int64_t done = done_.fetch_add(amount, std::memory_order_relaxed) + amount;
-    if (!sink_ || phase_.total <= 0) return;
-    double elapsed = Elapsed();
-    auto ms = static_cast<int64_t>(elapsed * 1000);
-    int64_t next = nextShowMs_.load(std::memory_order_relaxed);
-    if (ms < next || !nextShowMs_.compare_exchange_strong(next, ms + 200)) return;
-    double fraction = static_cast<double>(done) / static_cast<double>(phase_.total);
-    std::lock_guard lock(showMutex_);
-    sink_->Show(phase_.name, std::min(1.0, fraction), elapsed, fraction > 0 ? elapsed * (1 - fraction) / fraction : -1);
+    if (sink_ && phase_.total > 0) ShowIfDue(static_cast<double>(done) / static_cast<double>(phase_.total));
 }
 
 void Progress::SetFraction(double fraction, double remainingSeconds) {
-    if (!sink_) return;
-    double elapsed = Elapsed();
+    if (sink_) ShowIfDue(fraction, remainingSeconds);
+}
+
+void Progress::ShowIfDue(double fraction, std::optional<double> remaining) {
+    double elapsed = SecondsSince(phase_.begin);
     auto ms = static_cast<int64_t>(elapsed * 1000);
     int64_t next = nextShowMs_.load(std::memory_order_relaxed);
     if (ms < next || !nextShowMs_.compare_exchange_strong(next, ms + 200)) return;
+    if (!remaining) remaining = fraction > 0 ? elapsed * (1 - fraction) / fraction : -1;
     std::lock_guard lock(showMutex_);
-    sink_->Show(phase_.name, std::min(1.0, fraction), elapsed, remainingSeconds);
+    sink_->Show(phase_.name, std::min(1.0, fraction), elapsed, *remaining);
 }
 
 double Progress::EndPhase() {
-    double elapsed = Elapsed();
+    double elapsed = SecondsSince(phase_.begin);
     if (sink_) sink_->PhaseDone(std::string(2 * outer_.size(), ' ') + phase_.name, elapsed);
     last_ = std::move(phase_.name);
     phase_ = {};
@@ -102,7 +98,7 @@ double Progress::EndPhase() {
         outer_.pop_back();
     }
     done_ = phase_.done;
-    nextShowMs_ = static_cast<int64_t>(Elapsed() * 1000) + 100;
+    nextShowMs_ = static_cast<int64_t>(SecondsSince(phase_.begin) * 1000) + 100;
     return elapsed;
 }
 

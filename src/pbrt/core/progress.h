@@ -4,10 +4,16 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace pbrt {
+
+/// Seconds from `start` until now.
+inline double SecondsSince(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
 
 /// Display of progress. Reports contain only phase, amount done and total.
 class ProgressSink {
@@ -48,7 +54,8 @@ class Progress {
         int64_t total = 0, done = 0;  ///< done: value when an inner phase began
         Clock::time_point begin{};
     };
-    double Elapsed() const { return std::chrono::duration<double>(Clock::now() - phase_.begin).count(); }
+    /// Shows the phase unless it was shown just before. `remaining`: seconds; empty: estimated from the fraction.
+    void ShowIfDue(double fraction, std::optional<double> remaining = {});
     ProgressSink *sink_;
     Phase phase_;
     std::vector<Phase> outer_;  ///< phases that enclose phase_, outermost first

@@ -8,8 +8,8 @@
 #include <thread>
 #include <utility>
 
-#include "pbrt/core/build_id.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/core/version.h"
 
 namespace pbrt {
 

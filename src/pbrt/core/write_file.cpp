@@ -64,7 +64,7 @@ void WriteAll(int file, std::string_view content, const std::string &shown) {
         const ssize_t written = write(file, content.data(), content.size());
         if (written < 0 && errno == EINTR) continue;
         if (written < 0) Fail(shown, errno);
-        content.remove_prefix(static_cast<size_t>(written));
+        content.remove_prefix(written);
     }
 }
 

@@ -5,7 +5,7 @@
 
 #include "pbrt/core/files.h"
 #include "pbrt/core/memory.h"
-#include "pbrt/images/picture_name.h"
+#include "pbrt/images/image.h"
 
 namespace pbrt {
 

@@ -4,7 +4,7 @@
 #include "pbrt/core/memory.h"
 #include "pbrt/films/film.h"
 #include "pbrt/films/fixed_sum.h"
-#include "pbrt/math/precise_sum.h"
+#include "pbrt/math/statistics.h"
 
 namespace pbrt {
 

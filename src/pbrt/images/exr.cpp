@@ -118,7 +118,7 @@ Imf::FrameBuffer Bind(const std::vector<std::string> &names, Imf::PixelType type
                       const Imath::Box2i &window) {
     size_t valueBytes = type == Imf::HALF ? 2 : 4;
     size_t xStride = names.size() * valueBytes;
-    size_t yStride = xStride * (static_cast<size_t>(window.max.x - window.min.x) + 1);
+    size_t yStride = xStride * (window.max.x - window.min.x + 1);
     Imf::FrameBuffer buffer;
     for (size_t c = 0; c < names.size(); ++c)
         buffer.insert(names[c], Imf::Slice::Make(type, pixels + c * valueBytes, window, xStride, yStride));
@@ -150,7 +150,7 @@ class MemoryStream final : public Imf::OStream {
     void write(const char bytes[], int count) override {
         const auto size = static_cast<size_t>(count);
         if (at_ + size > content_.size()) content_.resize(at_ + size);
-        std::copy_n(bytes, size, content_.begin() + static_cast<std::ptrdiff_t>(at_));
+        std::copy_n(bytes, size, content_.begin() + at_);
         at_ += size;
     }
     uint64_t tellp() override { return at_; }
@@ -164,9 +164,7 @@ class MemoryStream final : public Imf::OStream {
 
 size_t CountAtHalfLimit(const Image &image) {
     size_t count = 0;
-    for (int y = 0; y < image.Resolution().y; ++y)
-        for (int x = 0; x < image.Resolution().x; ++x)
-            for (int c = 0; c < image.ChannelCount(); ++c) count += std::abs(image.Get({x, y}, c)) >= LargestHalf;
+    ForEachValue(image, [&](Point2i p, int c) { count += std::abs(image.Get(p, c)) >= LargestHalf; });
     return count;
 }
 
@@ -209,8 +207,8 @@ ImageFile ReadExr(const std::string &path) {
     }
     std::vector<std::string> names = OrderedNames(header.channels());
     if (names.empty()) throw UserError(fmt::format("{}: the image has no channels.", path));
-    CheckSize(path, Extent(data.min.x, data.max.x), Extent(data.min.y, data.max.y), static_cast<int64_t>(names.size()),
-              allHalf ? 2 : 4, MaxExpansion(header.compression()));
+    CheckSize(path, Extent(data.min.x, data.max.x), Extent(data.min.y, data.max.y), names.size(), allHalf ? 2 : 4,
+              MaxExpansion(header.compression()));
     if (Extent(display.min.x, display.max.x) > INT_MAX || Extent(display.min.y, display.max.y) > INT_MAX)
         throw UserError(fmt::format("{}: the display window is impossibly large.", path));
     for (int corner : {data.min.x, data.min.y, display.min.x, display.min.y})

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
@@ -34,10 +35,10 @@ using Kernel = std::vector<float>;  // of odd length
 Plane Filter(const Plane &in, Point2i size, const Kernel &alongX, const Kernel &alongY) {
     const int width = size.x, height = size.y;
     const int rx = static_cast<int>(alongX.size() / 2), ry = static_cast<int>(alongY.size() / 2);
-    auto row = [width](auto *data, int y) { return data + static_cast<size_t>(y) * static_cast<size_t>(width); };
+    auto row = [width](auto *data, int y) { return data + static_cast<size_t>(y) * width; };
     Plane across(in.size()), out(in.size());
     ParallelFor(height, kRowsPerTask, [&](int64_t begin, int64_t end) {
-        Plane padded(static_cast<size_t>(width + 2 * rx));
+        Plane padded(width + 2 * rx);
         for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
             const float *from = row(in.data(), y);
             for (int x = 0; x < width + 2 * rx; ++x) padded[x] = from[std::clamp(x - rx, 0, width - 1)];
@@ -77,11 +78,7 @@ void Balance(Kernel &kernel) {
         w = static_cast<float>(static_cast<double>(w) / (w > 0 ? positive : negative < 0 ? -negative : 1));
 }
 
-double Sum(const Kernel &kernel) {
-    double sum = 0;
-    for (float w : kernel) sum += static_cast<double>(w);
-    return sum;
-}
+double Sum(const std::vector<float> &values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
 // One Gaussian of a contrast sensitivity filter as a normalised 1D kernel; `mass` gets the sum of its weights over both
 // axes before normalisation.
@@ -126,10 +123,6 @@ Plane FeatureLength(const Plane &lightness, Point2i size, const Kernel &detector
     return alongX;
 }
 
-struct Xyz1 {
-    float x, y, z;
-};
-
 class Colors {
   public:
     Colors() {
@@ -139,24 +132,21 @@ class Colors {
         for (int column = 0; column < 3; ++column) toXyz_[column] = toXyz_[column] / white;
         toRgb_ = glm::inverse(toXyz_);
     }
-    Xyz1 FromRgb(float r, float g, float b) const {
-        const glm::vec3 v = toXyz_ * glm::vec3(r, g, b);
-        return {v.x, v.y, v.z};
-    }
-    glm::vec3 ToRgb(const Xyz1 &c) const { return toRgb_ * glm::vec3(c.x, c.y, c.z); }
+    Xyz FromRgb(const Rgb &c) const { return toXyz_ * c; }
+    Rgb ToRgb(const Xyz &c) const { return toRgb_ * c; }
 
   private:
     glm::mat3 toXyz_, toRgb_;
 };
 
 // Opponent space of the filters: CIELAB without the cube root.
-void ToOpponent(const Xyz1 &c, float *yy, float *cx, float *cz) {
+void ToOpponent(const Xyz &c, float *yy, float *cx, float *cz) {
     *yy = 116 * c.y - 16;
     *cx = 500 * (c.x - c.y);
     *cz = 200 * (c.y - c.z);
 }
 
-Xyz1 FromOpponent(float yy, float cx, float cz) {
+Xyz FromOpponent(float yy, float cx, float cz) {
     const float y = (yy + 16) / 116;
     return {y + cx / 500, y, y - cz / 200};
 }
@@ -167,7 +157,7 @@ float LabCurve(float t) {
 }
 
 // CIELAB with chroma scaled by lightness (Hunt effect).
-void ToHuntLab(const Xyz1 &c, float *l, float *a, float *b) {
+void ToHuntLab(const Xyz &c, float *l, float *a, float *b) {
     const float fx = LabCurve(c.x), fy = LabCurve(c.y), fz = LabCurve(c.z);
     *l = 116 * fy - 16;
     *a = 0.01f * *l * 500 * (fx - fy);
@@ -203,7 +193,7 @@ std::vector<double> ChooseExposures(const std::vector<float> &planes) {
         if (y > 0) luminance.push_back(y);
     }
     if (luminance.empty()) return {0};
-    auto middle = luminance.begin() + static_cast<std::ptrdiff_t>(luminance.size() / 2);
+    auto middle = luminance.begin() + luminance.size() / 2;
     std::nth_element(luminance.begin(), middle, luminance.end());
     const double median = static_cast<double>(*middle);
     const double largest = static_cast<double>(*std::max_element(luminance.begin(), luminance.end()));
@@ -220,19 +210,17 @@ std::vector<double> ChooseExposures(const std::vector<float> &planes) {
 }  // namespace
 
 std::vector<float> FlipReference::Planes(const Image &image) {
-    const Point2i size = image.Resolution();
-    const size_t n = static_cast<size_t>(size.x) * static_cast<size_t>(size.y);
+    const size_t n = image.ValueCount() / image.ChannelCount();
     std::vector<float> planes(3 * n);
     for (int c = 0; c < 3; ++c) {
         const std::string name(1, "RGB"[c]);
         const int channel = image.FindChannel(name);
         if (channel < 0) throw UserError(fmt::format("FLIP needs the channels R, G and B; {} is missing.", name));
-        size_t i = static_cast<size_t>(c) * n;
-        for (int y = 0; y < size.y; ++y)
-            for (int x = 0; x < size.x; ++x, ++i) {
-                const float v = image.Get({x, y}, channel);
-                planes[i] = std::isfinite(v) ? v : 0;
-            }
+        size_t i = c * n;
+        ForEachPixel(image, [&](Point2i p) {
+            const float v = image.Get(p, channel);
+            planes[i++] = std::isfinite(v) ? v : 0;
+        });
     }
     return planes;
 }
@@ -245,8 +233,8 @@ FlipReference::FlipReference(const Image &reference, const FlipSettings &setting
     // Green and blue have the largest distance in sRGB.
     const Colors colors;
     float l[2], a[2], b[2];
-    ToHuntLab(colors.FromRgb(0, 1, 0), &l[0], &a[0], &b[0]);
-    ToHuntLab(colors.FromRgb(0, 0, 1), &l[1], &a[1], &b[1]);
+    ToHuntLab(colors.FromRgb({0, 1, 0}), &l[0], &a[0], &b[0]);
+    ToHuntLab(colors.FromRgb({0, 0, 1}), &l[1], &a[1], &b[1]);
     largestColorDifference_ =
         std::pow(static_cast<double>(ColorDistance(l[0] - l[1], a[0] - a[1], b[0] - b[1])), kColorExponent);
 }
@@ -256,14 +244,14 @@ FlipReference::Percept FlipReference::See(const std::vector<float> &planes, size
     const Colors colors;
     const float factor = settings_.hdr ? static_cast<float>(std::exp2(exposures_[exposure])) : 1;
     Plane yy(n), cx(n), cz(n), lightness(n);
-    ParallelFor(static_cast<int64_t>(n), 4096, [&](int64_t begin, int64_t end) {
-        for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
-            float rgb[3];
-            for (size_t c = 0; c < 3; ++c) {
+    ParallelFor(n, 4096, [&](int64_t begin, int64_t end) {
+        for (int64_t i = begin; i < end; ++i) {
+            Rgb rgb;
+            for (int c = 0; c < 3; ++c) {
                 const float v = planes[c * n + i];
                 rgb[c] = settings_.hdr ? ToneMap(v * factor) : std::clamp(v, 0.f, 1.f);
             }
-            ToOpponent(colors.FromRgb(rgb[0], rgb[1], rgb[2]), &yy[i], &cx[i], &cz[i]);
+            ToOpponent(colors.FromRgb(rgb), &yy[i], &cx[i], &cz[i]);
             lightness[i] = (yy[i] + 16) / 116;
         }
     });
@@ -285,12 +273,10 @@ FlipReference::Percept FlipReference::See(const std::vector<float> &planes, size
     out.l = SensitivityFilter(yy, resolution_, kAchromatic, ppd);
     out.a = SensitivityFilter(cx, resolution_, kRedGreen, ppd);
     out.b = BlueYellowFilter(cz, resolution_, ppd);
-    ParallelFor(static_cast<int64_t>(n), 4096, [&](int64_t begin, int64_t end) {
-        for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
-            const glm::vec3 rgb = colors.ToRgb(FromOpponent(out.l[i], out.a[i], out.b[i]));
-            const Xyz1 shown =
-                colors.FromRgb(std::clamp(rgb.x, 0.f, 1.f), std::clamp(rgb.y, 0.f, 1.f), std::clamp(rgb.z, 0.f, 1.f));
-            ToHuntLab(shown, &out.l[i], &out.a[i], &out.b[i]);
+    ParallelFor(n, 4096, [&](int64_t begin, int64_t end) {
+        for (int64_t i = begin; i < end; ++i) {
+            const Rgb rgb = colors.ToRgb(FromOpponent(out.l[i], out.a[i], out.b[i]));
+            ToHuntLab(colors.FromRgb(glm::clamp(rgb, 0.f, 1.f)), &out.l[i], &out.a[i], &out.b[i]);
         }
     });
     return out;
@@ -315,18 +301,15 @@ double FlipReference::Compare(const Image &image, Image *errorImage) const {
     std::vector<float> flip(planes.size() / 3, 0.f);
     for (size_t e = 0; e < percepts_.size(); ++e) {
         const Percept percept = See(planes, e);
-        ParallelFor(static_cast<int64_t>(flip.size()), 4096, [&](int64_t begin, int64_t end) {
-            for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i)
-                flip[i] = std::max(flip[i], Difference(percepts_[e], percept, i));
+        ParallelFor(flip.size(), 4096, [&](int64_t begin, int64_t end) {
+            for (int64_t i = begin; i < end; ++i) flip[i] = std::max(flip[i], Difference(percepts_[e], percept, i));
         });
     }
-    double sum = 0;
-    for (float v : flip) sum += static_cast<double>(v);
     if (errorImage) {
         *errorImage = Image(PixelFormat::Float, resolution_, {"Y"});
         std::copy(flip.begin(), flip.end(), static_cast<float *>(errorImage->Data()));
     }
-    return flip.empty() ? 0 : sum / static_cast<double>(flip.size());
+    return flip.empty() ? 0 : Sum(flip) / static_cast<double>(flip.size());
 }
 
 }  // namespace pbrt

@@ -10,21 +10,18 @@ namespace pbrt {
 
 namespace {
 
+int PositiveModulo(int a, int n) {
+    int r = a % n;
+    return r < 0 ? r + n : r;
+}
+
 // Folds `along` into the octahedral square; mirrors `across` where an edge is crossed.
 void FoldOctahedral(int &along, int &across, int size, int acrossSize) {
-    if (along < -size || along >= 2 * size) {
-        int period = 2 * size;
-        along = ((along % period) + period) % period;
-    }
+    if (along < -size || along >= 2 * size) along = PositiveModulo(along, 2 * size);
     if (along < 0) along = std::min(-along, size - 1);
     else if (along >= size) along = 2 * size - 1 - along;
     else return;
     across = acrossSize - 1 - across;
-}
-
-int PositiveModulo(int a, int n) {
-    int r = a % n;
-    return r < 0 ? r + n : r;
 }
 
 }  // namespace
@@ -109,7 +106,7 @@ Image Image::Extract(const std::vector<std::string> &channels) const {
         int index = FindChannel(name);
         if (index < 0)
             throw UserError(fmt::format("The image has no channel \"{}\"; {}", name, ListChoices(name, channels_)));
-        from.push_back(static_cast<size_t>(index));
+        from.push_back(index);
     }
     Image result(format_, resolution_, channels, encoding_);
     auto copy = [&](const auto &source, auto &target) {
@@ -130,9 +127,7 @@ Image Image::Select(const std::vector<std::string> &channels) const {
 Image Image::ConvertTo(PixelFormat format) const {
     if (format == format_) return *this;
     Image result(format, resolution_, channels_, encoding_);
-    for (int y = 0; y < resolution_.y; ++y)
-        for (int x = 0; x < resolution_.x; ++x)
-            for (int c = 0; c < ChannelCount(); ++c) result.Set({x, y}, c, Get({x, y}, c));
+    ForEachValue(*this, [&](Point2i p, int c) { result.Set(p, c, Get(p, c)); });
     return result;
 }
 
@@ -142,7 +137,7 @@ Image Image::Crop(const Bounds2i &bounds) const {
                    "[{}, {}) x [{}, {}) of {} x {}", bounds.low.x, bounds.high.x, bounds.low.y, bounds.high.y,
                    resolution_.x, resolution_.y);
     Image result(format_, {bounds.Width(), bounds.Height()}, channels_, encoding_);
-    size_t valueBytes = Bytes() / ValueCount(), rowBytes = result.Bytes() / static_cast<size_t>(bounds.Height());
+    size_t valueBytes = Bytes() / ValueCount(), rowBytes = result.Bytes() / bounds.Height();
     const std::byte *source = static_cast<const std::byte *>(Data());
     std::byte *target = static_cast<std::byte *>(result.Data());
     for (int y = bounds.low.y; y < bounds.high.y; ++y, target += rowBytes)

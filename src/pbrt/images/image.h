@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "pbrt/core/error.h"
 #include "pbrt/math/bounds.h"
 #include "pbrt/spectra/color_space.h"
 
@@ -83,8 +84,7 @@ class Image {
 
   private:
     size_t Index(Point2i p, int channel) const {
-        size_t pixel = static_cast<size_t>(p.y) * static_cast<size_t>(resolution_.x) + static_cast<size_t>(p.x);
-        return pixel * channels_.size() + static_cast<size_t>(channel);
+        return (static_cast<size_t>(p.y) * resolution_.x + p.x) * channels_.size() + channel;
     }
     PixelFormat format_ = PixelFormat::Float;
     Point2i resolution_{0, 0};
@@ -95,6 +95,19 @@ class Image {
     std::vector<uint16_t> half_;
     std::vector<float> float_;
 };
+
+/// Calls f(p) for the pixels row by row, or f(p, channel) for their values.
+template <class F>
+void ForEachPixel(const Image &image, F &&f) {
+    for (int y = 0; y < image.Resolution().y; ++y)
+        for (int x = 0; x < image.Resolution().x; ++x) f(Point2i(x, y));
+}
+template <class F>
+void ForEachValue(const Image &image, F &&f) {
+    ForEachPixel(image, [&](Point2i p) {
+        for (int c = 0; c < image.ChannelCount(); ++c) f(p, c);
+    });
+}
 
 struct ImageMetadata {
     std::optional<Bounds2i> pixelBounds;     ///< data window within fullResolution
@@ -119,5 +132,12 @@ ImageFile ReadImage(const std::string &path, std::optional<ColorEncoding> encodi
 /// .jpg (8 bit, sRGB, clamped), .pfm. Outside EXR, images of more than 4 channels keep only R, G, B, with a warning,
 /// and other colour spaces are converted to sRGB. Throws UserError.
 void WriteImage(const std::string &path, const Image &image, const ImageMetadata &metadata = {});
+
+/// Throws UserError unless the name of a rendered image ends in .exr, .png or .pfm (case-insensitive). CheckWritable
+/// (core/files.h) tests whether the file can be written.
+void CheckPictureName(const std::string &path, const FileLoc &loc);
+
+/// Inserts a suffix before the extension: "out-more.exr" for "out.exr" and "-more".
+std::string WithSuffix(const std::string &path, const std::string &suffix);
 
 }  // namespace pbrt

@@ -6,19 +6,29 @@
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/memory.h"
+#include "pbrt/images/image.h"
 #include "pbrt/images/image_formats.h"
-#include "pbrt/images/picture_name.h"
 
 namespace pbrt {
 
 namespace {
 
-// Library message without final full stop or line end.
-std::string Sentence(const std::exception &e) {
-    std::string text = e.what();
-    while (!text.empty() && (text.back() == '.' || std::isspace(static_cast<unsigned char>(text.back()))))
-        text.pop_back();
-    return text;
+// Returns f(). Library errors become a UserError that names the file; `use`: "for" or "to write" it.
+template <class F>
+auto NamingFile(const std::string &path, const char *use, F &&f) {
+    try {
+        return f();
+    } catch (const UserError &) {
+        throw;
+    } catch (const std::bad_alloc &) {
+        throw UserError(fmt::format("{}: there is not enough memory {} this image.", path, use));
+    } catch (const std::exception &e) {
+        // Without final full stop or line end.
+        std::string text = e.what();
+        while (!text.empty() && (text.back() == '.' || std::isspace(static_cast<unsigned char>(text.back()))))
+            text.pop_back();
+        throw UserError(fmt::format("{}: {}.", path, text));
+    }
 }
 
 // Restricts an image to formats of at most four channels: R, G, B and, if it fits, A, as sRGB.
@@ -39,12 +49,10 @@ Image ForPlainFormat(const std::string &path, const Image &image, const ImageMet
     if (!hasRgb || !metadata.colorSpace || metadata.colorSpace == &ColorSpace::SRGB()) return result;
     const glm::mat3 toSrgb = ConvertRgbMatrix(*metadata.colorSpace, ColorSpace::SRGB());
     result = result.ConvertTo(PixelFormat::Float);
-    for (int y = 0; y < result.Resolution().y; ++y)
-        for (int x = 0; x < result.Resolution().x; ++x) {
-            Point2i p(x, y);
-            Rgb rgb = toSrgb * Rgb(result.Get(p, 0), result.Get(p, 1), result.Get(p, 2));
-            for (int c = 0; c < 3; ++c) result.Set(p, c, rgb[c]);
-        }
+    ForEachPixel(result, [&](Point2i p) {
+        Rgb rgb = toSrgb * Rgb(result.Get(p, 0), result.Get(p, 1), result.Get(p, 2));
+        for (int c = 0; c < 3; ++c) result.Set(p, c, rgb[c]);
+    });
     return result;
 }
 
@@ -84,19 +92,13 @@ ImageFile ReadImage(const std::string &path, std::optional<ColorEncoding> encodi
     if (!std::filesystem::is_regular_file(status))
         throw UserError(fmt::format("{}: is a pipe or a device, not an image file.", path));
     const std::string extension = LowerExtension(path);
-    try {
+    return NamingFile(path, "for", [&] {
         if (extension == ".exr") return formats::ReadExr(path);
         if (extension == ".pfm") return formats::ReadPfm(path);
         if (extension == ".qoi")
             throw UserError(fmt::format("{}: QOI images cannot be read; convert the image to PNG.", path));
         return formats::ReadOther(path, encoding);
-    } catch (const UserError &) {
-        throw;
-    } catch (const std::bad_alloc &) {
-        throw UserError(fmt::format("{}: there is not enough memory for this image.", path));
-    } catch (const std::exception &e) {
-        throw UserError(fmt::format("{}: {}.", path, Sentence(e)));
-    }
+    });
 }
 
 void CheckPictureName(const std::string &path, const FileLoc &loc) {
@@ -116,19 +118,12 @@ void WriteImage(const std::string &path, const Image &image, const ImageMetadata
     const bool jpeg = extension == ".jpg" || extension == ".jpeg";
     if (!jpeg && extension != ".exr" && extension != ".png" && extension != ".pfm")
         throw UserError(fmt::format("{}: images can be written as .exr, .png, .pfm or .jpg only.", path));
-    std::string content;
-    try {
-        if (extension == ".exr") content = formats::EncodeExr(path, image, metadata);
-        else if (extension == ".pfm") content = formats::EncodePfm(ForPlainFormat(path, image, metadata, false));
-        else content = formats::EncodeBytes(jpeg ? "jpeg" : "png", path, ForPlainFormat(path, image, metadata, !jpeg));
-    } catch (const UserError &) {
-        throw;
-    } catch (const std::bad_alloc &) {
-        throw UserError(fmt::format("{}: there is not enough memory to write this image.", path));
-    } catch (const std::exception &e) {
-        throw UserError(fmt::format("{}: {}.", path, Sentence(e)));
-    }
-    WriteFile(path, content);
+    WriteFile(path, NamingFile(path, "to write", [&] {
+                  if (extension == ".exr") return formats::EncodeExr(path, image, metadata);
+                  if (extension == ".pfm") return formats::EncodePfm(ForPlainFormat(path, image, metadata, false));
+                  return formats::EncodeBytes(jpeg ? "jpeg" : "png", path,
+                                              ForPlainFormat(path, image, metadata, !jpeg));
+              }));
 }
 
 }  // namespace pbrt

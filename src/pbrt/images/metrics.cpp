@@ -19,8 +19,8 @@ double EpsilonOf(Metric metric, const Image &reference) {
     return metric == Metric::RelL2 ? RelL2Epsilon(reference) : kAbsoluteEpsilon;
 }
 
-double Term(Metric metric, double x, double r, double epsilon) {
-    const double d = x - r;
+double Term(Metric metric, const Image &image, const Image &reference, Point2i p, int c, double epsilon) {
+    const double x = static_cast<double>(image.Get(p, c)), r = static_cast<double>(reference.Get(p, c)), d = x - r;
     switch (metric) {
         case Metric::MAE: return std::abs(d);
         case Metric::MSE: return d * d;
@@ -46,9 +46,7 @@ void RequireSameShape(const Image &image, const Image &reference) {
 
 size_t CountNotFinite(const Image &image) {
     size_t count = 0;
-    for (int y = 0; y < image.Resolution().y; ++y)
-        for (int x = 0; x < image.Resolution().x; ++x)
-            for (int c = 0; c < image.ChannelCount(); ++c) count += !std::isfinite(image.Get({x, y}, c));
+    ForEachValue(image, [&](Point2i p, int c) { count += !std::isfinite(image.Get(p, c)); });
     return count;
 }
 
@@ -60,8 +58,6 @@ const std::vector<std::string> &MetricNames() {
                                                    "relL2Abs", "SMAPE", "FLIP", "HDR-FLIP"};
     return names;
 }
-
-const std::string &MetricName(Metric metric) { return MetricNames()[static_cast<size_t>(metric)]; }
 
 std::optional<Metric> ParseMetric(const std::string &name) {
     for (size_t i = 0; i < MetricNames().size(); ++i)
@@ -81,14 +77,14 @@ double RelL2Epsilon(const Image &reference) {
     }
     double sum = 0;
     size_t counted = 0;
-    for (int y = 0; y < reference.Resolution().y; ++y)
-        for (int x = 0; x < reference.Resolution().x; ++x)
-            for (const int c : channels) {
-                const auto v = static_cast<double>(reference.Get({x, y}, c));
-                if (!std::isfinite(v)) continue;
-                sum += std::abs(v);
-                ++counted;
-            }
+    ForEachPixel(reference, [&](Point2i p) {
+        for (const int c : channels) {
+            const auto v = static_cast<double>(reference.Get(p, c));
+            if (!std::isfinite(v)) continue;
+            sum += std::abs(v);
+            ++counted;
+        }
+    });
     return RelL2Epsilon(counted ? sum / static_cast<double>(counted) : 0);
 }
 
@@ -109,10 +105,8 @@ double ImageError(const Image &image, const Image &reference, Metric metric, Ima
         double row = 0;
         for (int x = 0; x < image.Resolution().x; ++x)
             for (int c = 0; c < image.ChannelCount(); ++c) {
-                Point2i p(x, y);
-                double term = Term(metric, static_cast<double>(image.Get(p, c)),
-                                   static_cast<double>(reference.Get(p, c)), epsilon);
-                if (errorImage) errorImage->Set(p, c, static_cast<Float>(term));
+                double term = Term(metric, image, reference, {x, y}, c, epsilon);
+                if (errorImage) errorImage->Set({x, y}, c, static_cast<Float>(term));
                 if (std::isfinite(term)) {
                     row += term;
                     ++counted;
@@ -131,31 +125,27 @@ double TrimmedRelL2(const Image &image, const Image &reference, double fraction,
     const double epsilon = EpsilonOf(metric, reference);
     std::vector<double> terms;
     size_t dropped = 0;
-    for (int y = 0; y < image.Resolution().y; ++y)
-        for (int x = 0; x < image.Resolution().x; ++x) {
-            double sum = 0;
-            int counted = 0;
-            for (int c = 0; c < image.ChannelCount(); ++c) {
-                const double term = Term(metric, static_cast<double>(image.Get({x, y}, c)),
-                                         static_cast<double>(reference.Get({x, y}, c)), epsilon);
-                if (std::isfinite(term)) {
-                    sum += term;
-                    ++counted;
-                } else {
-                    ++dropped;
-                }
+    ForEachPixel(image, [&](Point2i p) {
+        double sum = 0;
+        int counted = 0;
+        for (int c = 0; c < image.ChannelCount(); ++c) {
+            const double term = Term(metric, image, reference, p, c, epsilon);
+            if (std::isfinite(term)) {
+                sum += term;
+                ++counted;
+            } else {
+                ++dropped;
             }
-            if (counted) terms.push_back(sum / counted);
         }
+        if (counted) terms.push_back(sum / counted);
+    });
     if (skipped) *skipped = dropped;
     const auto worst =
         std::min(static_cast<size_t>(std::ceil(fraction * static_cast<double>(terms.size()))), terms.size());
     const size_t kept = terms.size() - worst;
     if (kept == 0) return 0;
-    std::nth_element(terms.begin(), terms.begin() + static_cast<std::ptrdiff_t>(kept) - 1, terms.end());
-    double sum = 0;
-    for (size_t i = 0; i < kept; ++i) sum += terms[i];
-    return sum / static_cast<double>(kept);
+    std::nth_element(terms.begin(), terms.begin() + kept - 1, terms.end());
+    return std::accumulate(terms.begin(), terms.begin() + kept, 0.0) / static_cast<double>(kept);
 }
 
 }  // namespace pbrt

@@ -9,7 +9,6 @@ namespace pbrt {
 /// Image error measures over all pixels and channels; both FLIPs are per pixel and need R, G and B.
 enum class Metric { MAE, MSE, MRSE, RelL2, RelL2Abs, SMAPE, FLIP, HdrFLIP };
 std::optional<Metric> ParseMetric(const std::string &name);
-const std::string &MetricName(Metric metric);
 const std::vector<std::string> &MetricNames();
 
 /// Epsilon of relL2 for a reference of mean magnitude `mean`: 0.01 mean^2, which makes relL2 independent of exposure;

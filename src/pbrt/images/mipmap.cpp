@@ -92,14 +92,12 @@ class Reader {
     Texel<N> Load(const MipMap::LevelView &level, int x, int y) const {
         if constexpr (Tiled) {
             if (!level.texels) {
-                const auto index = static_cast<size_t>(&level - view_.levels.data());
+                const size_t index = &level - view_.levels.data();
                 if (!tile_.Holds(index, x, y)) view_.tiles->Get(index, x, y, tile_);
                 return Decode(tile_.Texel(x, y), first_);
             }
         }
-        const size_t i =
-            (static_cast<size_t>(y) * static_cast<size_t>(level.width) + static_cast<size_t>(x)) * view_.channels +
-            first_;
+        const size_t i = (static_cast<size_t>(y) * level.width + x) * view_.channels + first_;
         return Decode(level.texels, i);
     }
 
@@ -116,31 +114,28 @@ class Reader {
                           ToPixel(std::round(st.y * static_cast<Float>(level.height) - Float(0.5)))});
     }
 
-    Texel<N> Bilinear(int i, Point2 st) const {
-        const MipMap::LevelView &level = view_.levels[i];
+    Texel<N> Bilinear(int index, Point2 st) const {
+        const MipMap::LevelView &level = view_.levels[index];
         const Float x = st.x * static_cast<Float>(level.width) - Float(0.5);
         const Float y = st.y * static_cast<Float>(level.height) - Float(0.5);
         const Float fx = std::floor(x), fy = std::floor(y);
         const Float dx = x - fx, dy = y - fy;
         const Point2i p(ToPixel(fx), ToPixel(fy));
         Texel<N> sum;
+        const auto add = [&](auto &&at) {
+            sum.AddScaled((1 - dx) * (1 - dy), at(0, 0));
+            sum.AddScaled(dx * (1 - dy), at(1, 0));
+            sum.AddScaled((1 - dx) * dy, at(0, 1));
+            sum.AddScaled(dx * dy, at(1, 1));
+        };
         if (view_.wrap == WrapMode::Repeat) {
-            const int x0 = p.x & (level.width - 1), x1 = (p.x + 1) & (level.width - 1);
-            const int y0 = p.y & (level.height - 1), y1 = (p.y + 1) & (level.height - 1);
-            sum.AddScaled((1 - dx) * (1 - dy), Load(level, x0, y0));
-            sum.AddScaled(dx * (1 - dy), Load(level, x1, y0));
-            sum.AddScaled((1 - dx) * dy, Load(level, x0, y1));
-            sum.AddScaled(dx * dy, Load(level, x1, y1));
+            const int xs[] = {p.x & (level.width - 1), (p.x + 1) & (level.width - 1)};
+            const int ys[] = {p.y & (level.height - 1), (p.y + 1) & (level.height - 1)};
+            add([&](int i, int j) { return Load(level, xs[i], ys[j]); });
         } else if (p.x >= 0 && p.y >= 0 && p.x + 1 < level.width && p.y + 1 < level.height) {
-            sum.AddScaled((1 - dx) * (1 - dy), Load(level, p.x, p.y));
-            sum.AddScaled(dx * (1 - dy), Load(level, p.x + 1, p.y));
-            sum.AddScaled((1 - dx) * dy, Load(level, p.x, p.y + 1));
-            sum.AddScaled(dx * dy, Load(level, p.x + 1, p.y + 1));
+            add([&](int i, int j) { return Load(level, p.x + i, p.y + j); });
         } else {
-            sum.AddScaled((1 - dx) * (1 - dy), At(level, p));
-            sum.AddScaled(dx * (1 - dy), At(level, p + Point2i(1, 0)));
-            sum.AddScaled((1 - dx) * dy, At(level, p + Point2i(0, 1)));
-            sum.AddScaled(dx * dy, At(level, p + Point2i(1, 1)));
+            add([&](int i, int j) { return At(level, p + Point2i(i, j)); });
         }
         return sum;
     }
@@ -257,7 +252,7 @@ MipMap::MipMap(Image image, const ColorSpace *colorSpace, TextureFilter filter, 
     pixels->levels = BuildPyramid(KeepColor(std::move(image)), wrap);
     const Image &base = pixels->levels[0];
     view_.format = base.Format();
-    view_.channels = static_cast<size_t>(base.ChannelCount());
+    view_.channels = base.ChannelCount();
     view_.decode = base.Format() == PixelFormat::U8 ? ByteCode::Of(base.Encoding()).DecodeTable() : nullptr;
     view_.filter = filter;
     view_.wrap = wrap;

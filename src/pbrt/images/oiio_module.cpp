@@ -18,13 +18,9 @@ namespace pbrt::oiio {
 namespace {
 
 OIIO::TypeDesc TypeOf(ValueType type) {
-    switch (type) {
-        case ValueType::U8: return OIIO::TypeDesc::UINT8;
-        case ValueType::U16: return OIIO::TypeDesc::UINT16;
-        case ValueType::Half: return OIIO::TypeDesc::HALF;
-        case ValueType::Float: break;
-    }
-    return OIIO::TypeDesc::FLOAT;
+    using OIIO::TypeDesc;
+    constexpr TypeDesc::BASETYPE kTypes[] = {TypeDesc::UINT8, TypeDesc::UINT16, TypeDesc::HALF, TypeDesc::FLOAT};
+    return kTypes[static_cast<size_t>(type)];
 }
 
 OIIO::ImageSpec SpecOf(const Pixels &p) { return {p.width, p.height, p.channels, TypeOf(p.type)}; }

@@ -22,10 +22,9 @@ Image Upright(const Image &image, int orientation) {
     if (!mirrorX && !mirrorY) return image;
     Image result(image.Format(), image.Resolution(), image.Channels(), image.Encoding());
     Point2i last = image.Resolution() - 1;
-    for (int y = 0; y <= last.y; ++y)
-        for (int x = 0; x <= last.x; ++x)
-            for (int c = 0; c < image.ChannelCount(); ++c)
-                result.Set({x, y}, c, image.Get({mirrorX ? last.x - x : x, mirrorY ? last.y - y : y}, c));
+    ForEachValue(image, [&](Point2i p, int c) {
+        result.Set(p, c, image.Get({mirrorX ? last.x - p.x : p.x, mirrorY ? last.y - p.y : p.y}, c));
+    });
     return result;
 }
 
@@ -54,11 +53,8 @@ ImageFile ReadOther(const std::string &path, std::optional<ColorEncoding> encodi
     const std::vector<std::string> names = NamesFor(file->channels);
     const ColorEncoding bytes = file->format == "png" ? encoding.value_or(ColorEncoding{}) : ColorEncoding{};
     const bool isFloat = file->type == oiio::ValueType::Float, isDeep = file->type == oiio::ValueType::U16;
-    CheckSize(path, resolution.x, resolution.y, file->channels,
-              isFloat  ? 4
-              : isDeep ? 2
-                       : 1,
-              MaxExpansion(file->format));
+    const int valueBytes = isFloat ? 4 : isDeep ? 2 : 1;
+    CheckSize(path, resolution.x, resolution.y, file->channels, valueBytes, MaxExpansion(file->format));
     std::error_code failed;
     if (file->format == "hdr" && file->orientation > 4)
         throw UserError(
@@ -77,8 +73,7 @@ ImageFile ReadOther(const std::string &path, std::optional<ColorEncoding> encodi
         for (size_t i = 0; i < image.ValueCount(); ++i)
             values[i] = imath_float_to_half(bytes.ToLinear(static_cast<Float>(values[i]) / 65535));
     } else {
-        image =
-            isFloat ? Image(PixelFormat::Float, resolution, names) : Image(PixelFormat::U8, resolution, names, bytes);
+        image = Image(isFloat ? PixelFormat::Float : PixelFormat::U8, resolution, names, bytes);
         file->Read(image.Data());
     }
     if (file->format == "jpeg") CheckJpegEnd(path);
@@ -98,13 +93,11 @@ std::string EncodeBytes(const std::string &format, const std::string &path, cons
     } else {
         const ByteCode &code = ByteCode::Of(sRGB);
         size_t i = 0;
-        for (int y = 0; y < image.Resolution().y; ++y)
-            for (int x = 0; x < image.Resolution().x; ++x)
-                for (int c = 0; c < image.ChannelCount(); ++c) {
-                    const Float v = image.Get({x, y}, c);
-                    clamped += !(v >= 0 && v <= 1);
-                    bytes[i++] = code.Encode(v);
-                }
+        ForEachValue(image, [&](Point2i p, int c) {
+            const Float v = image.Get(p, c);
+            clamped += !(v >= 0 && v <= 1);
+            bytes[i++] = code.Encode(v);
+        });
     }
     if (clamped)
         LogWarning(fmt::format("{}: {} of {} channel values were outside [0, 1] and clamped.", path, clamped, values));

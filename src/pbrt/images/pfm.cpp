@@ -62,7 +62,7 @@ ImageFile ReadPfm(const std::string &path) {
     CheckSize(path, static_cast<int64_t>(width), static_cast<int64_t>(height), color ? 3 : 1, sizeof(float), Infinity);
     Point2i resolution(static_cast<int>(width), static_cast<int>(height));
     size_t rowValues = static_cast<size_t>(resolution.x) * (color ? 3 : 1);
-    size_t expected = rowValues * static_cast<size_t>(resolution.y) * sizeof(float);
+    size_t expected = rowValues * resolution.y * sizeof(float);
     if (content.size() - std::min(at, content.size()) < expected)
         throw UserError(
             fmt::format("{}: the pixels end too early ({} of {} bytes).", path, content.size() - at, expected));
@@ -76,19 +76,18 @@ ImageFile ReadPfm(const std::string &path) {
     const float factor = static_cast<float>(std::abs(scale));
     for (int y = resolution.y - 1; y >= 0; --y)
         for (size_t i = 0; i < rowValues; ++i, at += sizeof(float))
-            pixels[static_cast<size_t>(y) * rowValues + i] = ReadFloat(content.data() + at, swap) * factor;
+            pixels[y * rowValues + i] = ReadFloat(content.data() + at, swap) * factor;
     return result;
 }
 
 std::string EncodePfm(const Image &image) {
     const Image pixels = image.ConvertTo(PixelFormat::Float);
     const char *data = static_cast<const char *>(pixels.Data());
-    const size_t rowBytes = pixels.Bytes() / static_cast<size_t>(image.Resolution().y);
+    const size_t rowBytes = pixels.Bytes() / image.Resolution().y;
     std::string content = fmt::format("{}\n{} {}\n-1\n", image.ChannelCount() == 3 ? "PF" : "Pf", image.Resolution().x,
                                       image.Resolution().y);
     content.reserve(content.size() + pixels.Bytes());
-    for (int y = image.Resolution().y - 1; y >= 0; --y)
-        content.append(data + static_cast<size_t>(y) * rowBytes, rowBytes);
+    for (int y = image.Resolution().y - 1; y >= 0; --y) content.append(data + y * rowBytes, rowBytes);
     return content;
 }
 

@@ -25,7 +25,7 @@ Float Sinc(Float x) { return std::abs(x) < Float(1e-5) ? 1 : std::sin(Pi * x) / 
 // Lanczos filter of radius 2 source pixels at target pixel centres; weights sum to 1.
 std::vector<PixelTaps> ResamplingTaps(int from, int to) {
     constexpr Float radius = 2;
-    std::vector<PixelTaps> taps(static_cast<size_t>(to));
+    std::vector<PixelTaps> taps(to);
     for (int i = 0; i < to; ++i) {
         PixelTaps &tap = taps[i];
         Float center = (static_cast<Float>(i) + Float(0.5)) * static_cast<Float>(from) / static_cast<Float>(to);
@@ -49,18 +49,18 @@ Image Enlarge(const Image &image, Point2i target, WrapMode wrap) {
     const Point2i size = image.Resolution();
     const int channels = image.ChannelCount();
     const auto stretchX = ResamplingTaps(size.x, target.x), stretchY = ResamplingTaps(size.y, target.y);
-    const size_t width = static_cast<size_t>(target.x) * static_cast<size_t>(channels);
+    const size_t width = static_cast<size_t>(target.x) * channels;
 
     // Rows -border ... size.y + border - 1, resampled in x only.
     const int rows = size.y + 2 * border;
-    std::vector<float> wide(width * static_cast<size_t>(rows));
+    std::vector<float> wide(width * rows);
     ParallelFor(rows, 16, [&](int64_t begin, int64_t end) {
-        std::vector<float> source(static_cast<size_t>(size.x + 2 * border) * static_cast<size_t>(channels));
+        std::vector<float> source(static_cast<size_t>(size.x + 2 * border) * channels);
         for (int64_t row = begin; row < end; ++row) {
             float *fill = source.data();
             for (int x = -border; x < size.x + border; ++x)
                 for (int c = 0; c < channels; ++c) *fill++ = image.Get({x, static_cast<int>(row) - border}, c, wrap);
-            float *out = wide.data() + static_cast<size_t>(row) * width;
+            float *out = wide.data() + row * width;
             for (const PixelTaps &taps : stretchX) {
                 const float *in = source.data() + (taps.first + border) * channels;
                 for (int c = 0; c < channels; ++c, ++in)
@@ -73,8 +73,8 @@ Image Enlarge(const Image &image, Point2i target, WrapMode wrap) {
     ParallelFor(target.y, 16, [&](int64_t begin, int64_t end) {
         for (int64_t y = begin; y < end; ++y) {
             const PixelTaps &taps = stretchY[y];
-            const float *in = wide.data() + static_cast<size_t>(taps.first + border) * width;
-            float *out = static_cast<float *>(result.Data()) + static_cast<size_t>(y) * width;
+            const float *in = wide.data() + (taps.first + border) * width;
+            float *out = static_cast<float *>(result.Data()) + y * width;
             for (size_t i = 0; i < width; ++i)
                 out[i] = std::max(0.f, taps.weight[0] * in[i] + taps.weight[1] * in[i + width] +
                                            taps.weight[2] * in[i + 2 * width] + taps.weight[3] * in[i + 3 * width]);
@@ -86,16 +86,15 @@ Image Enlarge(const Image &image, Point2i target, WrapMode wrap) {
 // Box filter of 2x2 pixels (2x1 or 1x2 once one side is 1) of a float image.
 Image Halve(const Image &image) {
     const Point2i size = image.Resolution();
-    const size_t channels = static_cast<size_t>(image.ChannelCount());
-    const size_t width = static_cast<size_t>(size.x) * channels;
+    const size_t channels = image.ChannelCount();
+    const size_t width = size.x * channels;
     const size_t right = size.x > 1 ? channels : 0, below = size.y > 1 ? width : 0;
     Image result(PixelFormat::Float, glm::max(size / 2, Point2i(1)), image.Channels());
     const Point2i resultSize = result.Resolution();
     ParallelFor(resultSize.y, 16, [&](int64_t begin, int64_t end) {
         for (int64_t y = begin; y < end; ++y) {
-            const float *in = static_cast<const float *>(image.Data()) + 2 * static_cast<size_t>(y) * width;
-            float *out = static_cast<float *>(result.Data()) +
-                         static_cast<size_t>(y) * static_cast<size_t>(resultSize.x) * channels;
+            const float *in = static_cast<const float *>(image.Data()) + 2 * y * width;
+            float *out = static_cast<float *>(result.Data()) + y * resultSize.x * channels;
             for (int x = 0; x < resultSize.x; ++x, in += channels)
                 for (size_t c = 0; c < channels; ++c, ++in)
                     *out++ = (in[0] + in[right] + in[below] + in[below + right]) / 4;

@@ -3,69 +3,44 @@
 #include <unistd.h>
 
 #include <atomic>
-#include <filesystem>
-#include <optional>
 
-#include "pbrt/core/error.h"
-#include "pbrt/core/temporaries.h"
 #include "pbrt/images/image_library.h"
 
 namespace pbrt {
 
-namespace {
-
-oiio::ValueType TypeOf(PixelFormat format) {
-    switch (format) {
-        case PixelFormat::U8: return oiio::ValueType::U8;
-        case PixelFormat::Half: return oiio::ValueType::Half;
-        case PixelFormat::Float: break;
-    }
-    return oiio::ValueType::Float;
-}
-
-}  // namespace
-
-struct TileCache::Impl {
-    std::unique_ptr<oiio::TileStore> tiles;
-    std::filesystem::path folder;
-    std::optional<Temporary> registered;  ///< the folder
-    std::atomic<int> files{0};
-};
-
-TileCache::TileCache(int megabytes) : impl_(std::make_unique<Impl>()) {
-    impl_->tiles = oiio::Library().MakeTileStore(megabytes, kSize);
+TileCache::TileCache(int megabytes) : tiles_(oiio::Library().MakeTileStore(megabytes, kSize)) {
     static std::atomic<int> caches{0};
-    impl_->folder = std::filesystem::temp_directory_path() / fmt::format("pbrt_textures_{}_{}", getpid(), caches++);
-    impl_->registered.emplace(impl_->folder.string());
+    folder_ = std::filesystem::temp_directory_path() / fmt::format("pbrt_textures_{}_{}", getpid(), caches++);
+    registered_.emplace(folder_.string());
     std::error_code failed;
-    std::filesystem::create_directories(impl_->folder, failed);
-    if (failed) throw UserError(fmt::format("{}: {}.", impl_->folder.string(), failed.message()));
+    std::filesystem::create_directories(folder_, failed);
+    if (failed) throw UserError(fmt::format("{}: {}.", folder_.string(), failed.message()));
 }
 
 TileCache::~TileCache() {
-    impl_->tiles.reset();
+    tiles_.reset();
     std::error_code ignored;
-    std::filesystem::remove_all(impl_->folder, ignored);
+    std::filesystem::remove_all(folder_, ignored);
 }
 
 std::unique_ptr<const TileCache::Stored> TileCache::Store(const std::vector<Image> &images) {
-    const std::string path = (impl_->folder / fmt::format("{}.tif", impl_->files++)).string();
+    const std::string path = (folder_ / fmt::format("{}.tif", files_++)).string();
+    constexpr oiio::ValueType kTypes[] = {oiio::ValueType::U8, oiio::ValueType::Half, oiio::ValueType::Float};
     std::vector<oiio::Pixels> pixels;
     for (const Image &image : images)
-        pixels.push_back(
-            {image.Resolution().x, image.Resolution().y, image.ChannelCount(), TypeOf(image.Format()), image.Data()});
-    const size_t texelBytes =
-        images[0].Bytes() / (images[0].ValueCount() / static_cast<size_t>(images[0].ChannelCount()));
+        pixels.push_back({image.Resolution().x, image.Resolution().y, image.ChannelCount(),
+                          kTypes[static_cast<size_t>(image.Format())], image.Data()});
+    const size_t texelBytes = images[0].Bytes() / (images[0].ValueCount() / images[0].ChannelCount());
     void *file = nullptr;
     try {
-        file = impl_->tiles->Add(path, pixels);
+        file = tiles_->Add(path, pixels);
     } catch (const std::runtime_error &e) {
         throw UserError(fmt::format("{}: {}.", path, e.what()));
     }
-    return std::unique_ptr<const Stored>(new Stored(impl_->tiles.get(), file, texelBytes));
+    return std::unique_ptr<const Stored>(new Stored(tiles_.get(), file, texelBytes));
 }
 
-size_t TileCache::Bytes() const { return impl_->tiles->Bytes(); }
+size_t TileCache::Bytes() const { return tiles_->Bytes(); }
 
 void TileCache::Stored::Get(size_t image, int x, int y, Tile &tile) const {
     tile.Release();

@@ -1,7 +1,11 @@
 #pragma once
+#include <atomic>
+#include <filesystem>
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "pbrt/core/temporaries.h"
 #include "pbrt/images/image.h"
 
 namespace pbrt {
@@ -33,9 +37,7 @@ class TileCache {
                 return tile_ && image == image_ && x / kSize == x_ && y / kSize == y_;
             }
             /// First channel of a texel in this tile, in the image's format.
-            const void *Texel(int x, int y) const {
-                return data_ + static_cast<size_t>(y % kSize * kSize + x % kSize) * texelBytes_;
-            }
+            const void *Texel(int x, int y) const { return data_ + (y % kSize * kSize + x % kSize) * texelBytes_; }
 
           private:
             friend class Stored;
@@ -62,8 +64,10 @@ class TileCache {
     size_t Bytes() const;
 
   private:
-    struct Impl;
-    std::unique_ptr<Impl> impl_;
+    std::unique_ptr<oiio::TileStore> tiles_;
+    std::filesystem::path folder_;
+    std::optional<Temporary> registered_;  ///< the folder
+    std::atomic<int> files_{0};
 };
 
 }  // namespace pbrt

@@ -2,7 +2,7 @@
 
 #include "pbrt/core/online_model.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/core/seconds_since.h"
+#include "pbrt/core/progress.h"
 #include "pbrt/integrators/reference_log.h"
 
 namespace pbrt {

@@ -33,33 +33,27 @@ std::vector<std::string> QuotedStrings(const std::string &text) {
 
 bool IsSceneText(const std::string &name) { return name.ends_with(".pbrt") || name.ends_with(".pbrt.gz"); }
 
-class SceneReader {
-  public:
-    using Visit = std::function<void(const std::string &path, const std::string &content)>;
-    SceneReader(const std::string &scenePath, Visit visit, const std::set<std::string> &outputs = {})
-        : files_(std::filesystem::path(scenePath).parent_path()), visit_(std::move(visit)), names_(outputs) {
-        Add(scenePath, true);
-    }
+using Visit = std::function<void(const std::string &path, const std::string &content)>;
 
-  private:
-    void Add(const std::string &path, bool isScene) {
-        if (!seen_.insert(path).second) return;
+/// Visits the scene file and all files it names except `names`.
+void VisitFiles(const std::string &scenePath, const Visit &visit, std::set<std::string> names = {}) {
+    const FileResolver files(std::filesystem::path(scenePath).parent_path());
+    std::set<std::string> seen;
+    const std::function<void(const std::string &, bool)> add = [&](const std::string &path, bool isScene) {
+        if (!seen.insert(path).second) return;
         const std::string content = ReadFileContents(path);
-        visit_(path, content);
+        visit(path, content);
         if (!isScene) return;
         for (const std::string &name : QuotedStrings(content)) {
             // Most strings are recurring parameter names.
-            if (name.empty() || !names_.insert(name).second) continue;
+            if (name.empty() || !names.insert(name).second) continue;
             std::error_code none;
-            std::string file = files_.Resolve(name);
-            if (std::filesystem::is_regular_file(file, none)) Add(file, IsSceneText(file));
+            std::string file = files.Resolve(name);
+            if (std::filesystem::is_regular_file(file, none)) add(file, IsSceneText(file));
         }
-    }
-
-    FileResolver files_;
-    Visit visit_;
-    std::set<std::string> seen_, names_;
-};
+    };
+    add(scenePath, true);
+}
 
 }  // namespace
 
@@ -76,14 +70,14 @@ std::string ContentHash::Hex() const { return fmt::format("{:016x}", hash_); }
 
 std::string SceneHash(const std::string &scenePath) {
     ContentHash hash;
-    SceneReader(scenePath, [&](const std::string &, const std::string &content) { hash.Add(content); });
+    VisitFiles(scenePath, [&](const std::string &, const std::string &content) { hash.Add(content); });
     return hash.Hex();
 }
 
 std::map<std::string, std::string> FileHashes(const std::string &scenePath, const std::set<std::string> &outputs) {
     std::map<std::string, std::string> hashes;
     const std::filesystem::path folder = std::filesystem::path(scenePath).parent_path();
-    SceneReader(
+    VisitFiles(
         scenePath,
         [&](const std::string &path, const std::string &content) {
             ContentHash hash;

@@ -1,7 +1,6 @@
 #include "pbrt/scenefile/description_builder.h"
 
 #include <algorithm>
-#include <cctype>
 #include <utility>
 
 namespace pbrt {
@@ -13,17 +12,7 @@ std::string FirstDefinedAt(const FileLoc &loc) {
     return loc ? fmt::format("; it was first defined at {}:{}", loc.file->name, loc.line) : std::string();
 }
 
-std::string Lower(std::string s) {
-    std::transform(s.begin(), s.end(), s.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return s;
-}
-
 }  // namespace
-
-const std::vector<std::string> &ColorSpaceNames() {
-    static const std::vector<std::string> names = {"srgb", "dci-p3", "rec2020", "aces2065-1"};
-    return names;
-}
 
 void DescriptionBuilder::WrongBlock(std::string_view word, const FileLoc &loc) {
     if (!wrongBlockWords_.insert(std::string(word)).second) return;
@@ -51,43 +40,34 @@ void DescriptionBuilder::SetTransform(const Transform &t) {
     if (s.endActive) s.ctm.end = t;
 }
 
-void DescriptionBuilder::DefineCoordinateSystem(const std::string &name) {
-    units_.back().coordinateSystems[name] = State().ctm;
-}
-
-void DescriptionBuilder::UseCoordinateSystem(const std::string &name, const FileLoc &loc) {
+void DescriptionBuilder::UseCoordinateSystem(const GivenName &name) {
     const auto &known = units_.back().coordinateSystems;
-    auto found = known.find(name);
+    auto found = known.find(name.text);
     if (found != known.end()) {
         State().ctm = found->second;
         return;
     }
     std::vector<std::string> names;
     for (const auto &[knownName, pair] : known) names.push_back(knownName);
-    sink_.Warning(loc, fmt::format("Coordinate system \"{}\" is not defined; the transformation stays as it is ({}).",
-                                   name, names.empty() ? "none is defined" : ListChoices(name, names)));
-}
-
-ParamSet DescriptionBuilder::MakeParams(std::string what, Params params, const FileLoc &loc,
-                                        std::optional<AttributeTarget> target) const {
-    ParamSet set(std::move(what), loc);
-    if (target)
-        if (const auto &defaults = units_.back().state.attributes[static_cast<size_t>(*target)])
-            for (Param p : *defaults) {
-                // As in stock pbrt-v4, all parameters of an entity use the colour space current at the entity.
-                p.colorSpace = units_.back().state.colorSpace;
-                set.AddDefault(std::move(p));
-            }
-    for (Param &p : params) set.Add(std::move(p));
-    return set;
+    sink_.Warning(name.loc,
+                  fmt::format("Coordinate system \"{}\" is not defined; the transformation stays as it is ({}).",
+                              name.text, names.empty() ? "none is defined" : ListChoices(name.text, names)));
 }
 
 void DescriptionBuilder::Fill(Entity &entity, const std::string &type, const char *directive, Params params,
                               const FileLoc &loc, std::optional<AttributeTarget> target) const {
+    const GraphicsState &s = units_.back().state;
     entity.type = type;
     entity.loc = loc;
-    entity.colorSpace = units_.back().state.colorSpace;
-    entity.params = MakeParams(fmt::format("{} \"{}\"", directive, Abbreviate(type)), std::move(params), loc, target);
+    entity.colorSpace = s.colorSpace;
+    entity.params = ParamSet(fmt::format("{} \"{}\"", directive, Abbreviate(type)), loc);
+    if (const auto *defaults = target ? s.attributes[static_cast<size_t>(*target)].get() : nullptr)
+        for (Param p : *defaults) {
+            // As in stock pbrt-v4, all parameters of an entity use the colour space current at the entity.
+            p.colorSpace = s.colorSpace;
+            entity.params.AddDefault(std::move(p));
+        }
+    for (Param &p : params) entity.params.Add(std::move(p));
 }
 
 void DescriptionBuilder::SetCamera(const std::string &type, Params params, const FileLoc &loc) {
@@ -100,32 +80,6 @@ void DescriptionBuilder::SetCamera(const std::string &type, Params params, const
     camera.medium = s.outsideMedium;
     units_.back().coordinateSystems["camera"] = {s.ctm.start.Inverse(), s.ctm.end.Inverse()};
     scene_.camera = std::move(camera);
-    hasCamera_ = true;
-}
-
-void DescriptionBuilder::SetFilm(const std::string &type, Params params, const FileLoc &loc) {
-    Fill(scene_.film, type, "Film", std::move(params), loc);
-    hasFilm_ = true;
-}
-
-void DescriptionBuilder::SetSampler(const std::string &type, Params params, const FileLoc &loc) {
-    Fill(scene_.sampler, type, "Sampler", std::move(params), loc);
-    hasSampler_ = true;
-}
-
-void DescriptionBuilder::SetFilter(const std::string &type, Params params, const FileLoc &loc) {
-    Fill(scene_.filter, type, "PixelFilter", std::move(params), loc);
-    hasFilter_ = true;
-}
-
-void DescriptionBuilder::SetIntegrator(const std::string &type, Params params, const FileLoc &loc) {
-    Fill(scene_.integrator, type, "Integrator", std::move(params), loc);
-    hasIntegrator_ = true;
-}
-
-void DescriptionBuilder::SetAccelerator(const std::string &type, Params params, const FileLoc &loc) {
-    Fill(scene_.accelerator, type, "Accelerator", std::move(params), loc);
-    hasAccelerator_ = true;
 }
 
 void DescriptionBuilder::WorldBegin() {
@@ -149,10 +103,6 @@ void DescriptionBuilder::OpenBlockAt(const FileLoc &loc, BlockKind kind) {
         throw UserError(fmt::format("Blocks are nested more than {} deep.", kMaxBlocks), loc);
     unit.blocks.push_back({kind, loc, unit.state, unit.object});
 }
-
-void DescriptionBuilder::BeginAttributes(const FileLoc &loc) { OpenBlockAt(loc, BlockKind::Attributes); }
-
-void DescriptionBuilder::EndAttributes(const FileLoc &loc) { CloseBlock(BlockKind::Attributes, loc); }
 
 void DescriptionBuilder::WarnTransformBlock(const FileLoc &loc) {
     if (std::exchange(warnedTransformBlock_, true)) return;
@@ -184,38 +134,48 @@ void DescriptionBuilder::CloseBlock(BlockKind kind, const FileLoc &loc) {
     unit.blocks.pop_back();
 }
 
-void DescriptionBuilder::BeginObject(const std::string &name, const FileLoc &loc, const FileLoc &nameLoc) {
+bool DescriptionBuilder::IsFirst(std::map<std::string, FileLoc> &known, const char *kind, const GivenName &name) {
+    auto [first, isNew] = known.try_emplace(name.text, name.loc);
+    if (!isNew)
+        sink_.Error(name.loc,
+                    fmt::format("{} \"{}\" is defined twice{}.", kind, name.text, FirstDefinedAt(first->second)));
+    return isNew;
+}
+
+template <class E>
+size_t DescriptionBuilder::PlaceOf(const GivenName &name, const char *kind, std::vector<E> &list,
+                                   std::unordered_map<std::string, size_t> &index) {
+    auto [place, isNew] = index.try_emplace(name.text, list.size());
+    if (isNew) list.emplace_back();
+    else
+        sink_.Warning(name.loc,
+                      fmt::format("{} \"{}\" is defined again by another file{}; the later definition is used.", kind,
+                                  name.text, FirstDefinedAt(list[place->second].loc)));
+    return place->second;
+}
+
+void DescriptionBuilder::BeginObject(const GivenName &name, const FileLoc &loc) {
     Unit &unit = units_.back();
     int object = kDiscard;
     if (unit.object != kNoObject) {
-        sink_.Error(loc, fmt::format("ObjectBegin \"{}\" inside another object definition.", name));
+        sink_.Error(loc, fmt::format("ObjectBegin \"{}\" inside another object definition.", name.text));
         object = unit.object;
-    } else if (auto [known, isNew] = unit.objects.try_emplace(name, nameLoc); !isNew) {
-        sink_.Error(nameLoc, fmt::format("Object \"{}\" is defined twice{}.", name, FirstDefinedAt(known->second)));
-    } else if (auto [index, fresh] = objectIndex_.try_emplace(name, scene_.objects.size()); fresh) {
-        object = static_cast<int>(scene_.objects.size());
-        scene_.objects.push_back({name, loc, {}});
-    } else {
-        sink_.Warning(nameLoc,
-                      fmt::format("Object \"{}\" is defined again by another file{}; the later definition is used.",
-                                  name, FirstDefinedAt(scene_.objects[index->second].loc)));
-        object = static_cast<int>(index->second);
-        scene_.objects[index->second] = {name, loc, {}};
+    } else if (IsFirst(unit.objects, "Object", name)) {
+        object = static_cast<int>(PlaceOf(name, "Object", scene_.objects, objectIndex_));
+        scene_.objects[object] = {name.text, loc, {}};
     }
     OpenBlockAt(loc, BlockKind::Object);
     unit.object = object;
 }
 
-void DescriptionBuilder::EndObject(const FileLoc &loc) { CloseBlock(BlockKind::Object, loc); }
-
-void DescriptionBuilder::AddInstance(const std::string &name, const FileLoc &loc, const FileLoc &nameLoc) {
+void DescriptionBuilder::AddInstance(const GivenName &name, const FileLoc &loc) {
     if (units_.back().object != kNoObject) {
-        sink_.Error(loc,
-                    fmt::format("ObjectInstance \"{}\" inside an object definition; instances do not nest.", name));
+        sink_.Error(
+            loc, fmt::format("ObjectInstance \"{}\" inside an object definition; instances do not nest.", name.text));
         return;
     }
     const GraphicsState &s = State();
-    scene_.instances.push_back({name, nameLoc, s.ctm, s.startTime, s.endTime});
+    scene_.instances.push_back({name.text, name.loc, s.ctm, s.startTime, s.endTime});
 }
 
 void DescriptionBuilder::BeginImport() {
@@ -245,12 +205,12 @@ void DescriptionBuilder::AddAttributes(AttributeTarget target, Params params) {
 }
 
 void DescriptionBuilder::SetColorSpace(const std::string &name, const FileLoc &loc) {
-    const auto &names = ColorSpaceNames();
+    static const std::vector<std::string> kNames = {"srgb", "dci-p3", "rec2020", "aces2065-1"};
     std::string lower = Lower(name);
-    if (std::find(names.begin(), names.end(), lower) != names.end()) State().colorSpace = lower;
+    if (std::find(kNames.begin(), kNames.end(), lower) != kNames.end()) State().colorSpace = lower;
     else
         sink_.Warning(loc, fmt::format("Unknown colour space \"{}\"; \"{}\" stays in force ({}).", name,
-                                       State().colorSpace, ListChoices(name, names)));
+                                       State().colorSpace, ListChoices(name, kNames)));
 }
 
 void DescriptionBuilder::SetAreaLight(const std::string &type, Params params, const FileLoc &loc) {
@@ -289,55 +249,33 @@ void DescriptionBuilder::FillNamed(Entity &entity, const std::string &name, cons
     else entity.type = type->strings[0];
 }
 
-void DescriptionBuilder::AddNamedMaterial(const std::string &name, Params params, const FileLoc &loc,
-                                          const FileLoc &nameLoc) {
+void DescriptionBuilder::AddNamedMaterial(const GivenName &name, Params params, const FileLoc &loc) {
     MaterialEntity material;
-    FillNamed(material, name, "MakeNamedMaterial", std::move(params), loc, AttributeTarget::Material);
-    material.name = name;
-    auto [known, isNew] = materialNames_.try_emplace(name, nameLoc);
-    if (!isNew) {
-        sink_.Error(nameLoc, fmt::format("Material \"{}\" is defined twice{}.", name, FirstDefinedAt(known->second)));
-        return;
-    }
-    scene_.materials.push_back(std::move(material));
+    FillNamed(material, name.text, "MakeNamedMaterial", std::move(params), loc, AttributeTarget::Material);
+    material.name = name.text;
+    if (IsFirst(materialNames_, "Material", name)) scene_.materials.push_back(std::move(material));
 }
 
-void DescriptionBuilder::AddTexture(const std::string &name, bool isSpectrum, const std::string &type, Params params,
-                                    const FileLoc &loc, const FileLoc &nameLoc) {
-    auto &names = isSpectrum ? spectrumTextureNames_ : floatTextureNames_;
-    auto [known, isNew] = names.try_emplace(name, nameLoc);
-    if (!isNew) {
-        sink_.Error(nameLoc, fmt::format("{} texture \"{}\" is defined twice{}.", isSpectrum ? "Spectrum" : "Float",
-                                         name, FirstDefinedAt(known->second)));
+void DescriptionBuilder::AddTexture(const GivenName &name, bool isSpectrum, const std::string &type, Params params,
+                                    const FileLoc &loc) {
+    if (!IsFirst(isSpectrum ? spectrumTextureNames_ : floatTextureNames_,
+                 isSpectrum ? "Spectrum texture" : "Float texture", name))
         return;
-    }
     TextureEntity texture;
     Fill(texture, type, "Texture", std::move(params), loc, AttributeTarget::Texture);
-    texture.name = name;
+    texture.name = name.text;
     texture.isSpectrum = isSpectrum;
     texture.ctm = Unmoving("A texture", loc);
     scene_.textures.push_back(std::move(texture));
 }
 
-void DescriptionBuilder::AddMedium(const std::string &name, Params params, const FileLoc &loc, const FileLoc &nameLoc) {
+void DescriptionBuilder::AddMedium(const GivenName &name, Params params, const FileLoc &loc) {
     MediumEntity medium;
-    FillNamed(medium, name, "MakeNamedMedium", std::move(params), loc, AttributeTarget::Medium);
-    medium.name = name;
+    FillNamed(medium, name.text, "MakeNamedMedium", std::move(params), loc, AttributeTarget::Medium);
+    medium.name = name.text;
     medium.ctm = Unmoving("A medium", loc);
-    auto [known, isNew] = units_.back().media.try_emplace(name, nameLoc);
-    if (!isNew) {
-        sink_.Error(nameLoc, fmt::format("Medium \"{}\" is defined twice{}.", name, FirstDefinedAt(known->second)));
-        return;
-    }
-    auto [index, fresh] = mediumIndex_.try_emplace(name, scene_.media.size());
-    if (fresh) {
-        scene_.media.push_back(std::move(medium));
-        return;
-    }
-    sink_.Warning(nameLoc,
-                  fmt::format("Medium \"{}\" is defined again by another file{}; the later definition is used.", name,
-                              FirstDefinedAt(scene_.media[index->second].loc)));
-    scene_.media[index->second] = std::move(medium);
+    if (IsFirst(units_.back().media, "Medium", name))
+        scene_.media[PlaceOf(name, "Medium", scene_.media, mediumIndex_)] = std::move(medium);
 }
 
 void DescriptionBuilder::AddLight(const std::string &type, Params params, const FileLoc &loc) {
@@ -379,18 +317,18 @@ void DescriptionBuilder::AddShape(const std::string &type, Params params, const 
 }
 
 void DescriptionBuilder::FillDefaults(const FileLoc &where) {
-    auto fill = [&](Entity &entity, bool given, const char *type, const char *directive) {
-        if (given) return;
+    auto fill = [&](Entity &entity, const char *type, const char *directive) {
+        if (entity.loc) return;  // given
         entity.type = type;
         entity.loc = where;
         entity.params = ParamSet(fmt::format("{} \"{}\"", directive, type), where);
     };
-    fill(scene_.camera, hasCamera_, "perspective", "Camera");
-    fill(scene_.film, hasFilm_, "rgb", "Film");
-    fill(scene_.sampler, hasSampler_, "zsobol", "Sampler");
-    fill(scene_.filter, hasFilter_, "gaussian", "PixelFilter");
-    fill(scene_.integrator, hasIntegrator_, "volpath", "Integrator");
-    fill(scene_.accelerator, hasAccelerator_, "bvh", "Accelerator");
+    fill(scene_.camera, "perspective", "Camera");
+    fill(scene_.film, "rgb", "Film");
+    fill(scene_.sampler, "zsobol", "Sampler");
+    fill(scene_.filter, "gaussian", "PixelFilter");
+    fill(scene_.integrator, "volpath", "Integrator");
+    fill(scene_.accelerator, "bvh", "Accelerator");
 }
 
 /// ListChoices, or `none` if there are no names or the message will be dropped: lists are slow, and there may be as
@@ -400,20 +338,24 @@ std::string DescriptionBuilder::ListNames(const std::string &given, const std::v
     return names.empty() || sink_.IsFull() ? none : ListChoices(given, names);
 }
 
+template <class F>
+void DescriptionBuilder::ForEachShape(F &&f) const {
+    for (const ShapeEntity &shape : scene_.shapes) f(shape);
+    for (const ObjectEntity &object : scene_.objects)
+        for (const ShapeEntity &shape : object.shapes) f(shape);
+}
+
 void DescriptionBuilder::CheckMaterials() {
     struct Missing {
         FileLoc firstUse;
         size_t shapes = 0;
     };
     std::map<std::string, Missing> missing;
-    auto check = [&](const ShapeEntity &shape) {
+    ForEachShape([&](const ShapeEntity &shape) {
         if (shape.material.name.empty() || materialNames_.contains(shape.material.name)) return;
         Missing &m = missing[shape.material.name];
         if (m.shapes++ == 0) m.firstUse = shape.loc;
-    };
-    for (const ShapeEntity &shape : scene_.shapes) check(shape);
-    for (const ObjectEntity &object : scene_.objects)
-        for (const ShapeEntity &shape : object.shapes) check(shape);
+    });
     std::vector<std::string> names;
     for (const auto &[name, loc] : materialNames_) names.push_back(name);
     for (const auto &[name, m] : missing)
@@ -434,13 +376,10 @@ void DescriptionBuilder::CheckMedia() {
     };
     check(scene_.camera.medium, scene_.camera.loc);
     for (const LightEntity &light : scene_.lights) check(light.medium, light.loc);
-    auto checkShape = [&](const ShapeEntity &shape) {
+    ForEachShape([&](const ShapeEntity &shape) {
         check(shape.insideMedium, shape.loc);
         check(shape.outsideMedium, shape.loc);
-    };
-    for (const ShapeEntity &shape : scene_.shapes) checkShape(shape);
-    for (const ObjectEntity &object : scene_.objects)
-        for (const ShapeEntity &shape : object.shapes) checkShape(shape);
+    });
 }
 
 /// Reports instances of undefined objects; removes empty objects and their instances.

@@ -4,30 +4,12 @@
 #include <optional>
 #include <utility>
 
-#include "pbrt/core/v3_names.h"
 #include "pbrt/scenefile/numbers.h"
 #include "pbrt/scenefile/unicode.h"
 
 namespace pbrt {
 
 namespace {
-
-constexpr ParamType kTypes[] = {ParamType::Integer, ParamType::Float,   ParamType::Point2,    ParamType::Vector2,
-                                ParamType::Point3,  ParamType::Vector3, ParamType::Normal,    ParamType::Bool,
-                                ParamType::String,  ParamType::Rgb,     ParamType::Blackbody, ParamType::Spectrum,
-                                ParamType::Texture};
-
-std::optional<ParamType> FindType(std::string_view word) {
-    for (ParamType type : kTypes)
-        if (word == Name(type)) return type;
-    return {};
-}
-
-std::string ListTypes(std::string_view given) {
-    std::vector<std::string> names;
-    for (ParamType type : kTypes) names.emplace_back(Name(type));
-    return ListChoices(given, names);
-}
 
 std::string_view TakeWord(std::string_view &text) {
     size_t begin = std::min(text.find_first_not_of(" \t"), text.size());
@@ -87,16 +69,6 @@ Token ParameterReader::ReadWord(const char *what) {
     return token;
 }
 
-Float ParameterReader::ToFloat(const Token &token) const {
-    Float value = 0;
-    bool overflow = false;
-    const char *end = token.text.data() + token.text.size();
-    if (token.kind != TokenKind::Word || ScanFloat(token.text.data(), end, &value, &overflow) != end)
-        Fail(token, fmt::format("Expected a number, found {}.", Quote(token)));
-    if (overflow) ReportOverflow(token, ParamType::Float);
-    return value;
-}
-
 /// Substitutes 0 and continues, so that one run reports all such numbers.
 void ParameterReader::ReportOverflow(const Token &token, ParamType type) const {
     std::string rule = "a number must lie between -3.4028235e+38 and 3.4028235e+38 (32-bit float)";
@@ -107,7 +79,13 @@ void ParameterReader::ReportOverflow(const Token &token, ParamType type) const {
 
 Float ParameterReader::ReadFloat(const char *what) {
     Token token = Require(what);
-    return ToFloat(token);
+    Float value = 0;
+    bool overflow = false;
+    const char *end = token.text.data() + token.text.size();
+    if (token.kind != TokenKind::Word || ScanFloat(token.text.data(), end, &value, &overflow) != end)
+        Fail(token, fmt::format("Expected a number, found {}.", Quote(token)));
+    if (overflow) ReportOverflow(token, ParamType::Float);
+    return value;
 }
 
 int ParameterReader::ReadInt(const char *what) {
@@ -167,13 +145,13 @@ Param ParameterReader::ReadDeclaration(const Token &token, bool *known) {
     Param param;
     param.loc = tokens_.Loc(token);
     param.name = name;
-    std::optional<ParamType> type = FindType(typeWord);
-    *known = type.has_value();
-    if (type) param.type = *type;
+    const auto type = std::find(kParamTypeNames.begin(), kParamTypeNames.end(), typeWord);
+    *known = type != kParamTypeNames.end();
+    if (*known) param.type = static_cast<ParamType>(type - kParamTypeNames.begin());
     else
-        sink_.Error(param.loc,
-                    fmt::format("\"{}\": unknown parameter type \"{}\"; {}{}.", Abbreviate(token.text),
-                                Abbreviate(typeWord), V3Hint("parameter type", typeWord), ListTypes(typeWord)));
+        sink_.Error(param.loc, fmt::format("\"{}\": unknown parameter type \"{}\"; {}{}.", Abbreviate(token.text),
+                                           Abbreviate(typeWord), V3Hint("parameter type", typeWord),
+                                           ListChoices(typeWord, {kParamTypeNames.begin(), kParamTypeNames.end()})));
     return param;
 }
 

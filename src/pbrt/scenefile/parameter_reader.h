@@ -37,7 +37,6 @@ class ParameterReader {
     void ReadValues(const Param &param, bool known, Values &values);
     Kind ReadValue(const Token &token, const Param &param, bool known, bool bracketed, Values &values);
     void CheckKind(const Param &param, const Values &values);
-    Float ToFloat(const Token &token) const;
     void ReportOverflow(const Token &token, ParamType type) const;
 
     Tokenizer &tokens_;

@@ -3,29 +3,9 @@
 #include <filesystem>
 #include <utility>
 
-#include "pbrt/scenefile/description_builder.h"
 #include "pbrt/scenefile/directive_reader.h"
-#include "pbrt/scenefile/tokenizer.h"
 
 namespace pbrt {
-
-namespace {
-
-/// Parses one top-level file. Returns false if an error ended the parse early.
-bool ParseFile(std::shared_ptr<const SourceFile> file, std::string key, const FileResolver &files,
-               DescriptionBuilder &builder) {
-    try {
-        Tokenizer tokens;
-        tokens.Push(std::move(file), std::move(key));
-        DirectiveReader(tokens, builder, files).Run();
-        return true;
-    } catch (const UserError &e) {
-        builder.Sink().Add(e);
-        return false;
-    }
-}
-
-}  // namespace
 
 SceneDescription ParseSceneFiles(const std::vector<std::string> &paths, DiagnosticSink &sink) {
     DescriptionBuilder builder(sink);
@@ -39,7 +19,7 @@ SceneDescription ParseSceneFiles(const std::vector<std::string> &paths, Diagnost
         try {
             auto file = OpenSceneFile(path, ReadFrom::FilesAndPipes);
             where = {file, 0, 0};
-            complete = ParseFile(std::move(file), SceneFileKey(path), files, builder);
+            complete = ReadDirectives(std::move(file), SceneFileKey(path), files, builder);
         } catch (const UserError &e) {
             sink.Add(e);
             complete = false;
@@ -53,7 +33,7 @@ SceneDescription ParseSceneText(const std::string &text, DiagnosticSink &sink, c
     DescriptionBuilder builder(sink);
     FileResolver files{std::filesystem::path(directory)};
     auto file = std::make_shared<const SourceFile>(SourceFile{name, text});
-    bool complete = ParseFile(file, name, files, builder);
+    bool complete = ReadDirectives(file, name, files, builder);
     return builder.Finish(complete, FileLoc{file, 0, 0}, std::move(files));
 }
 

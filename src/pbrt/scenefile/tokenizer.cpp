@@ -91,7 +91,7 @@ Token Tokenizer::Scan() {
             token.kind = TokenKind::Word;
             while (p != r.end && !EndsWord(*p)) ++p;
         }
-        token.text = {begin, static_cast<size_t>(p - begin)};
+        token.text = std::string_view(begin, p - begin);
         r.position = p;
         return token;
     }
@@ -111,7 +111,7 @@ Token Tokenizer::ScanString(Reading &r, Token token) {
         if (p + 1 != r.end && p[1] != '\n') ++p;
     }
     r.position = p + 1;
-    token.text = {begin, static_cast<size_t>(p - begin)};
+    token.text = std::string_view(begin, p - begin);
     if (!escapes) return token;
     std::string plain;
     for (const char *c = begin; c != p; ++c) {

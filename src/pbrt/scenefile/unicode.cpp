@@ -22,7 +22,7 @@ std::optional<size_t> FindInvalidUtf8(std::string_view text) {
         utf8proc_int32_t value = 0;
         const utf8proc_ssize_t length = utf8proc_iterate(BytesOf(rest), std::ssize(rest), &value);
         if (length <= 0) return i;
-        i += static_cast<size_t>(length);
+        i += length;
     }
     return {};
 }
@@ -35,7 +35,7 @@ std::string ComposeUtf8(std::string_view text) {
         utf8proc_map(BytesOf(text), std::ssize(text), &bytes, utf8proc_option_t(UTF8PROC_STABLE | UTF8PROC_COMPOSE));
     const std::unique_ptr<utf8proc_uint8_t, decltype(&std::free)> owner(bytes, &std::free);
     if (length < 0) return std::string(text);
-    return std::string(reinterpret_cast<const char *>(bytes), static_cast<size_t>(length));
+    return std::string(reinterpret_cast<const char *>(bytes), length);
 }
 
 }  // namespace pbrt

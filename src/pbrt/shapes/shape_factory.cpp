@@ -23,7 +23,7 @@ ShapeList One(const ShapeContext &context, Args... args) {
     return shapes;
 }
 
-constexpr RequiredItems kPoints{{ParamType::Point3}};
+constexpr Items kPoints{.type = ParamType::Point3, .isRequired = true};
 
 /// Validated point index; throws UserError if out of range.
 uint32_t Corner(int index, size_t points, const ParamSet &set) {

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "pbrt/core/error.h"
 #include "pbrt/core/files.h"
 
 namespace pbrt::imgtool {
@@ -65,21 +64,18 @@ void ApplyCrop(ImageFile &file, const std::vector<int> &n, const std::string &pa
     file.metadata.pixelBounds = bounds;
 }
 
-CLI::Option *AddCropOption(CLI::App &command, std::vector<int> &numbers) {
-    return command
-        .add_option("--crop", numbers,
-                    "Only these pixels: columns x0 up to x1, rows y0 up to y1 (ends excluded), counted in the whole "
-                    "picture also if the file has a part of it")
-        ->delimiter(',')
-        ->expected(4)
-        ->type_name("x0,x1,y0,y1");
+Flag CropFlag(std::vector<int> &numbers) {
+    return Flag("--crop", numbers,
+                "Only these pixels: columns x0 up to x1, rows y0 up to y1 (ends excluded), counted in the whole "
+                "picture also if the file has a part of it")
+        .Count(4)
+        .Type("x0,x1,y0,y1");
 }
 
-CLI::Option *AddOutfileOption(CLI::App &command, std::string &path, bool isPositional) {
-    return command
-        .add_option(isPositional ? "outfile,--outfile" : "--outfile", path, "Result: .exr, .png, .pfm or .jpg")
-        ->required()
-        ->type_name("FILE");
+Flag OutfileFlag(std::string &path, bool isPositional) {
+    return Flag(isPositional ? "outfile,--outfile" : "--outfile", path, "Result: .exr, .png, .pfm or .jpg")
+        .Required()
+        .Type("FILE");
 }
 
 Metric ChosenMetric(const std::string &name) {
@@ -113,22 +109,14 @@ ImageFile ReadAsFloat(const std::string &path) {
     return file;
 }
 
-namespace {
-
-bool IsImageName(const std::string &name) {
-    const std::vector<std::string> known = {".exr", ".png", ".pfm",  ".hdr", ".jpg", ".jpeg", ".tga", ".bmp",
-                                            ".gif", ".tif", ".tiff", ".ppm", ".pgm", ".pnm",  ".psd", ".qoi"};
-    return std::find(known.begin(), known.end(), LowerExtension(name)) != known.end();
-}
-
-}  // namespace
-
 std::vector<std::string> FindImages(const std::vector<std::string> &names, const std::vector<std::string> &except) {
     namespace fs = std::filesystem;
+    static const std::vector<std::string> kKnown = {".exr", ".png", ".pfm",  ".hdr", ".jpg", ".jpeg", ".tga", ".bmp",
+                                                    ".gif", ".tif", ".tiff", ".ppm", ".pgm", ".pnm",  ".psd", ".qoi"};
     std::error_code code;
     std::vector<std::string> files;
     auto add = [&](const std::string &file) {
-        if (std::find(files.begin(), files.end(), file) == files.end()) files.push_back(file);
+        if (std::ranges::count(files, file) == 0) files.push_back(file);
     };
     for (const std::string &name : names) {
         if (fs::is_regular_file(name, code)) {
@@ -142,8 +130,9 @@ std::vector<std::string> FindImages(const std::vector<std::string> &names, const
         for (const fs::directory_entry &entry :
              fs::directory_iterator(path.has_parent_path() ? path.parent_path() : fs::path("."), code)) {
             const std::string here = entry.path().filename().string();
-            const bool fits = isPattern ? fnmatch(last.c_str(), here.c_str(), FNM_PERIOD) == 0
-                                        : here.starts_with(last) && IsImageName(here);
+            const bool fits = isPattern
+                                  ? fnmatch(last.c_str(), here.c_str(), FNM_PERIOD) == 0
+                                  : here.starts_with(last) && std::ranges::count(kKnown, LowerExtension(here)) > 0;
             if (!fits || !entry.is_regular_file(code)) continue;
             if (std::any_of(except.begin(), except.end(),
                             [&](const std::string &e) { return fs::equivalent(entry.path(), e, code); }))

@@ -1,9 +1,5 @@
 #pragma once
-#include <CLI/CLI.hpp>
 #include <array>
-#include <functional>
-#include <string>
-#include <vector>
 
 #include "pbrt/cmd/flags.h"
 #include "pbrt/images/image.h"
@@ -41,12 +37,6 @@ inline void SetRgb(Image &image, Point2i p, const std::array<int, 3> &channels, 
     for (int c = 0; c < 3; ++c) image.Set(p, channels[c], rgb[c]);
 }
 
-template <class F>
-void ForEachPixel(const Image &image, F &&f) {
-    for (int y = 0; y < image.Resolution().y; ++y)
-        for (int x = 0; x < image.Resolution().x; ++x) f(Point2i(x, y));
-}
-
 std::string SizeText(const Image &image);
 /// Colour space of the file; default sRGB.
 const ColorSpace &SpaceOf(const ImageFile &file);
@@ -57,9 +47,9 @@ Bounds2i WindowOf(const ImageFile &file);
 /// UserError if they exceed the window.
 void ApplyCrop(ImageFile &file, const std::vector<int> &numbers, const std::string &path);
 
-CLI::Option *AddCropOption(CLI::App &command, std::vector<int> &numbers);
-/// Adds the required option --outfile. If `isPositional`, the bare name may follow the image.
-CLI::Option *AddOutfileOption(CLI::App &command, std::string &path, bool isPositional = false);
+Flag CropFlag(std::vector<int> &numbers);
+/// The required flag --outfile. If `isPositional`, the bare name may follow the image.
+Flag OutfileFlag(std::string &path, bool isPositional = false);
 
 /// Metric by name. Throws UserError with the choices.
 Metric ChosenMetric(const std::string &name);

@@ -2,7 +2,6 @@
 #include <limits>
 
 #include "pbrt/cmd/imgtool/commands.h"
-#include "pbrt/core/error.h"
 
 namespace pbrt::imgtool {
 
@@ -134,33 +133,29 @@ void AddConvert(CLI::App &app, Action &action) {
         AddCommand(app, action, Convert, "convert", "Change an image or its file format",
                    "The changes happen in the order listed.\n"
                    "Example: imgtool convert render.exr view.png --crop 0,200,0,100 --exposure 1.5 --tonemap");
-    AddFlags(command, "Options", {Flag("file", o.path, "Image").Required()});
-    AddOutfileOption(command, o.outfile, true);
-    AddCropOption(command, o.crop);
     AddFlags(
-        command, "Options",
-        {Flag("--channels", o.channels, "Keep only these channels, in this order").Type("R,G,B"),
+        command,
+        {Flag("file", o.path, "Image").Required(),
+         OutfileFlag(o.outfile, true),
+         CropFlag(o.crop),
+         Flag("--channels", o.channels, "Keep only these channels, in this order").Type("R,G,B"),
          Flag("--scale", o.scale, "Multiply colours by this").ShowDefault(),
          Flag("--exposure", o.exposure,
               "Stops by which the image becomes brighter: multiply colours by 2 to this power",
               CLI::Range(-100.0, 100.0))
              .ShowDefault(),
          {"--clamp", o.clamp, "Scale R, G and B of brighter pixels so that the largest is this; limit other channels",
-          CLI::NonNegativeNumber}});
-    CLI::Option *tonemap =
-        command.add_flag("--tonemap", o.tonemap, "Reinhard's tone mapping: compress luminances to 0 .. 1");
-    command
-        .add_option("--maxluminance", o.maxLuminance,
-                    "Luminance that --tonemap maps to 1 (default: the largest of the image, at least 1)")
-        ->check(CLI::PositiveNumber)
-        ->needs(tonemap);
-    AddFlags(command, "Options",
-             {Flag("--gamma", o.gamma, "Raise colours to this power", CLI::PositiveNumber).ShowDefault(),
-              {"--bw", o.blackAndWhite, "Average the colour channels into one"},
-              {"--flipy", o.flipY, "Turn upside down"},
-              Flag("--repeatpix", o.repeat, "Repeat every pixel n times in both directions", CLI::Range(1, 1 << 16))
-                  .ShowDefault(),
-              {"--fp16", o.half, "Write half precision (otherwise the precision of the input stays)"}});
+          CLI::NonNegativeNumber},
+         {"--tonemap", o.tonemap, "Reinhard's tone mapping: compress luminances to 0 .. 1"},
+         {"--maxluminance", o.maxLuminance,
+          "Luminance that --tonemap maps to 1 (default: the largest of the image, at least 1)", CLI::PositiveNumber},
+         Flag("--gamma", o.gamma, "Raise colours to this power", CLI::PositiveNumber).ShowDefault(),
+         {"--bw", o.blackAndWhite, "Average the colour channels into one"},
+         {"--flipy", o.flipY, "Turn upside down"},
+         Flag("--repeatpix", o.repeat, "Repeat every pixel n times in both directions", CLI::Range(1, 1 << 16))
+             .ShowDefault(),
+         {"--fp16", o.half, "Write half precision (otherwise the precision of the input stays)"}});
+    command.get_option("--maxluminance")->needs(command.get_option("--tonemap"));
 }
 
 }  // namespace pbrt::imgtool

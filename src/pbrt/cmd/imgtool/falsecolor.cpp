@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include "pbrt/cmd/imgtool/commands.h"
-#include "pbrt/core/error.h"
 #include "pbrt/images/false_color.h"
 
 namespace pbrt::imgtool {
@@ -80,10 +79,10 @@ void AddFalsecolor(CLI::App &app, Action &action) {
         AddCommand(app, action, Falsecolor, "falsecolor", "Show the mean of each pixel's channels as a colour",
                    "Values that are not finite become magenta.\n"
                    "Example: imgtool falsecolor error.exr error.png --maxvalue 0.5 --ramp");
-    AddFlags(command, "Options", {Flag("file", o.path, "Image").Required()});
-    AddOutfileOption(command, o.outfile, true);
-    AddFlags(command, "Options",
-             {{"--maxvalue", o.maxValue, "Value of the last colour (default: 99 % of the pixels have no larger one)",
+    AddFlags(command,
+             {Flag("file", o.path, "Image").Required(),
+              OutfileFlag(o.outfile, true),
+              {"--maxvalue", o.maxValue, "Value of the last colour (default: 99 % of the pixels have no larger one)",
                CLI::PositiveNumber},
               {"--plusminus", o.plusMinus, "Blue for negative, black for 0, red for positive"},
               {"--ramp", o.ramp, "Add a bar of all colours below the image"}});

@@ -5,7 +5,6 @@
 
 #include "pbrt/cmd/flags.h"
 #include "pbrt/cmd/imgtool/commands.h"
-#include "pbrt/core/error.h"
 #include "pbrt/core/version.h"
 
 namespace {

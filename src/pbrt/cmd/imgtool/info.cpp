@@ -3,8 +3,6 @@
 #include <nlohmann/json.hpp>
 
 #include "pbrt/cmd/imgtool/commands.h"
-#include "pbrt/core/count_text.h"
-#include "pbrt/core/error.h"
 
 namespace pbrt::imgtool {
 
@@ -150,8 +148,8 @@ void AddInfo(CLI::App &app, Action &action) {
     auto [command, o] =
         AddCommand(app, action, Info, "info", "Print resolution, colour space, metadata and channel statistics",
                    "Example: imgtool info render.exr");
-    command.add_option("files", o.paths, "Images")->required();
-    command.add_flag("--json", o.json, "Print a JSON array with an object for each image");
+    AddFlags(command, {Flag("files", o.paths, "Images").Required(),
+                       {"--json", o.json, "Print a JSON array with an object for each image"}});
 }
 
 }  // namespace pbrt::imgtool

@@ -1,7 +1,6 @@
 #include <charconv>
 
 #include "pbrt/cmd/imgtool/commands.h"
-#include "pbrt/core/error.h"
 
 namespace pbrt::imgtool {
 
@@ -88,15 +87,15 @@ void AddSplitn(CLI::App &app, Action &action) {
     auto [command, o] =
         AddCommand(app, action, Splitn, "splitn", "One picture in strips of several images, with crops of each below",
                    "Example: imgtool splitn bvh.exr octree.exr --crop 120,40 --cropsize 64 --outfile compare.png");
-    command.add_option("files", o.paths, "Images of one size; the first gives the leftmost strip")->required();
-    AddOutfileOption(command, o.outfile);
+    AddFlags(command, {Flag("files", o.paths, "Images of one size; the first gives the leftmost strip").Required(),
+                       OutfileFlag(o.outfile)});
     command
         .add_option("--crop", o.crops,
                     "Upper left corner of a square; a row below the strips shows this square of every image, enlarged "
                     "if there is room; may be given several times")
         ->allow_extra_args(false)
         ->type_name("x,y");
-    AddFlags(command, "Options",
+    AddFlags(command,
              {Flag("--cropsize", o.cropSize, "Side of the squares in pixels", CLI::Range(1, 1 << 16)).ShowDefault()});
 }
 

@@ -3,11 +3,11 @@
 #include <tuple>
 
 #include "pbrt/build/render_identity.h"
-#include "pbrt/core/count_text.h"
+#include "pbrt/core/error.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/online_model.h"
-#include "pbrt/core/seconds_since.h"
+#include "pbrt/core/progress.h"
 
 namespace pbrt {
 

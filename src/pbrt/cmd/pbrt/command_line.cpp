@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <map>
-#include <tuple>
 
 #include "pbrt/cmd/flags.h"
 #include "pbrt/cmd/pbrt/live_view.h"
@@ -123,23 +122,22 @@ void AddAllFlags(CLI::App &app, CommandLine &o, RawFlags &raw) {
                    "scene files, parsed one after the other as one scene; none or \"-\": standard input");
     AddFlags(
         app, "Image",
-        {{"--cropwindow", raw.crop, "render only x0,x1,y0,y1, as fractions of the image"},
-         {"--pixelbounds", raw.bounds, "render only x0,x1,y0,y1, in pixels"},
-         {"--pixel", raw.pixel, "render only the pixel x,y"},
+        {Flag("--cropwindow", raw.crop, "render only x0,x1,y0,y1, as fractions of the image")
+             .Count(4)
+             .Type("x0,x1,y0,y1"),
+         Flag("--pixelbounds", raw.bounds, "render only x0,x1,y0,y1, in pixels").Count(4).Type("x0,x1,y0,y1"),
+         Flag("--pixel", raw.pixel, "render only the pixel x,y").Count(2).Type("x,y"),
          {"--outfile", build.film.filename, "image to write (.exr, .png, .pfm); overrides the scene's film filename"},
-         {"--aov", build.film.aovs,
-          fmt::format("auxiliary channels of the first visible surface, added to the picture of any film, separated by "
-                      "commas: {}; denoisers read these names",
-                      fmt::join(AovNames(), ", ")),
-          CLI::IsMember(AovNames())},
+         Flag("--aov", build.film.aovs,
+              fmt::format(
+                  "auxiliary channels of the first visible surface, added to the picture of any film, separated by "
+                  "commas: {}; denoisers read these names",
+                  fmt::join(AovNames(), ", ")),
+              CLI::IsMember(AovNames()))
+             .Type("NAME,..."),
          {"--write-partial-images", o.writePartialImages, "write the image after every wave of samples"},
          {"--mse-reference-image", build.mseReferenceImage, "compare with this image after every wave"},
          {"--mse-reference-out", build.mseReferenceOut, "file for the \"spp, mse\" lines of that comparison"}});
-    const std::tuple<const char *, int, const char *> lists[] = {
-        {"--cropwindow", 4, "x0,x1,y0,y1"}, {"--pixelbounds", 4, "x0,x1,y0,y1"}, {"--pixel", 2, "x,y"}};
-    for (const auto &[name, count, form] : lists) app.get_option(name)->expected(count)->type_name(form);
-    app.get_option("--aov")->type_name("NAME,...");
-
     const char *watching = "Watching";
     AddFlags(app, watching,
              {{"--display-server", o.displayServer,
@@ -229,9 +227,8 @@ void AddAllFlags(CLI::App &app, CommandLine &o, RawFlags &raw) {
 
 }  // namespace
 
-CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
-    CommandLineResult result;
-    CommandLine &o = result.options;
+std::optional<int> ParseCommandLine(int argc, const char *const *argv, CommandLine *options) {
+    CommandLine &o = *options;
     o.text = JoinArguments(argc, argv);
 
     CLI::App app(
@@ -263,7 +260,7 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
         if (app.count("--serve")) o.servePort = ParsePort(raw.port);
         if (app.count("--stats")) o.stats = ParseStats(o.stats);
     });
-    if (status) return {{}, true, *status};
+    if (status) return status;
     o.memoryLimit = 1e6 * raw.memoryLimitMb;
     // A part writes no image.
     o.build.checksOutput = !o.samples;
@@ -271,7 +268,7 @@ CommandLineResult ParseCommandLine(int argc, const char *const *argv) {
     if (!crop.empty()) o.build.film.cropWindow = Bounds2{{crop[0], crop[2]}, {crop[1], crop[3]}};
     if (!bounds.empty()) o.build.film.pixelBounds = Bounds2i{{bounds[0], bounds[2]}, {bounds[1], bounds[3]}};
     if (!pixel.empty()) o.build.film.pixelBounds = Bounds2i{{pixel[0], pixel[1]}, {pixel[0] + 1, pixel[1] + 1}};
-    return result;
+    return {};
 }
 
 }  // namespace pbrt

@@ -32,14 +32,9 @@ inline std::vector<std::string> SceneFilesOf(const CommandLine &options) {
     return options.sceneFiles.empty() ? std::vector<std::string>{"-"} : options.sceneFiles;
 }
 
-struct CommandLineResult {
-    CommandLine options;
-    bool done = false;  ///< help or error was printed: exit with `status`
-    int status = 0;
-};
-
 /// Parses flags as stock pbrt-v4: one or two dashes; `-`, `_` and case in names ignored; `--name value` or
-/// `--name=value` (pbrt-v4-format §13). Adds our own.
-CommandLineResult ParseCommandLine(int argc, const char *const *argv);
+/// `--name=value` (pbrt-v4-format §13). Adds our own. After printing help, version or an error, returns the exit
+/// status.
+std::optional<int> ParseCommandLine(int argc, const char *const *argv, CommandLine *options);
 
 }  // namespace pbrt

@@ -27,11 +27,6 @@ bool MayShowTheSame(const ImageMetadata &a, const ImageMetadata &b) {
 
 }  // namespace
 
-std::string ImageOutput::BesideName() const {
-    const std::filesystem::path path(filename_);
-    return (path.parent_path() / (path.stem().string() + "-unfinished" + path.extension().string())).string();
-}
-
 bool ImageOutput::KeepsOld(const ImageMetadata &metadata) {
     std::error_code none;
     if (isOurs_ || !std::filesystem::is_regular_file(filename_, none)) return false;

@@ -14,7 +14,7 @@ class ImageOutput {
 
     const std::string &Filename() const { return filename_; }
     /// "out-unfinished.exr" for "out.exr".
-    std::string BesideName() const;
+    std::string BesideName() const { return WithSuffix(filename_, "-unfinished"); }
     void WriteFinished(const Image &image, const ImageMetadata &metadata);
     /// Returns the name of the file written. `metadata` provides samples, scene and integrator.
     std::string WriteUnfinished(const Image &image, const ImageMetadata &metadata);

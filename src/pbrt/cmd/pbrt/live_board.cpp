@@ -1,30 +1,34 @@
 #include "pbrt/cmd/pbrt/live_board.h"
 
 #include <chrono>
+#include <cmath>
 #include <ctime>
+
+#include "pbrt/images/metrics.h"
 
 namespace pbrt {
 
 void LiveBoard::Show(const std::string &phase, double fraction, double elapsed, double remaining) {
-    Locked([&] { status_ = {phase, fraction, elapsed, remaining}; });
+    Assign(status_, Status{phase, fraction, elapsed, remaining});
     if (next_) next_->Show(phase, fraction, elapsed, remaining);
 }
 
 void LiveBoard::PhaseDone(const std::string &phase, double elapsed) {
-    Locked([&] { status_ = {phase, 1, elapsed, 0}; });
+    Assign(status_, Status{phase, 1, elapsed, 0});
     if (next_) next_->PhaseDone(phase, elapsed);
 }
 
 void LiveBoard::Put(Image colors, LivePicture::State state, int samples) {
-    Locked([&] {
+    {
+        const std::lock_guard lock(mutex_);
         const int version = latest_ ? latest_->version + 1 : 1;
         latest_ = std::make_shared<const LivePicture>(LivePicture{std::move(colors), state, samples, version});
-    });
+    }
     changed_.notify_all();
 }
 
 void LiveBoard::Close() {
-    Locked([&] { isClosed_ = true; });
+    Assign(isClosed_, true);
     changed_.notify_all();
 }
 
@@ -35,11 +39,33 @@ std::shared_ptr<const LivePicture> LiveBoard::WaitBeyond(int version, double sec
     return latest_;
 }
 
-double ThreadCpuSeconds() {
+void LiveBoard::ChargeThread() {
+    thread_local double charged = 0;
     timespec t = {};
-    return clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t) == 0
-               ? static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec)
-               : 0;
+    if (clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t) != 0) return;
+    const double now = static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+    const std::lock_guard lock(mutex_);
+    charged_ += now - std::exchange(charged, now);
+}
+
+void ErrorEstimate::Add(std::shared_ptr<const LivePicture> picture) {
+    if (!picture || picture->samples < 1 || (last_ && picture->samples <= last_->samples)) return;
+    const double n2 = picture->samples;
+    // With few additional samples the estimate is rough; the previous base is better then.
+    if (last_ && (!base_ || 4 * last_->samples <= 3 * picture->samples)) base_ = last_;
+    if (base_) {
+        const double n1 = base_->samples;
+        relL2_ = ImageError(base_->colors, picture->colors, Metric::RelL2) * n1 / (n2 - n1);
+    }
+    last_ = std::move(picture);
+}
+
+std::string ErrorEstimate::WhyNone(bool isFinal) const {
+    if (!last_) return isFinal ? "no picture was made" : "no samples yet";
+    if (!base_)
+        return isFinal ? "an estimate needs two pictures; the render had only one"
+                       : "an estimate needs two pictures; this is the first";
+    return std::isfinite(*relL2_) ? "" : "some pixels are not finite";
 }
 
 }  // namespace pbrt

@@ -5,10 +5,9 @@
 #include <mutex>
 #include <optional>
 #include <string>
-#include <type_traits>
+#include <utility>
 
 #include "pbrt/core/progress.h"
-#include "pbrt/core/seconds_since.h"
 #include "pbrt/images/image.h"
 
 namespace pbrt {
@@ -44,42 +43,34 @@ class LiveBoard final : public ProgressSink {
     void Show(const std::string &phase, double fraction, double elapsed, double remaining) override;
     void PhaseDone(const std::string &phase, double elapsed) override;
 
-    void Describe(const LiveRender &render) {
-        Locked([&] { render_ = render; });
-    }
+    void Describe(const LiveRender &render) { Assign(render_, render); }
     void Put(Image colors, LivePicture::State state, int samples);
     /// Terminates the viewers.
     void Close();
 
-    Status Progress() const {
-        return Locked([&] { return status_; });
-    }
-    std::optional<LiveRender> Render() const {
-        return Locked([&] { return render_; });
-    }
+    Status Progress() const { return Copy(status_); }
+    std::optional<LiveRender> Render() const { return Copy(render_); }
     /// Null before the first image.
-    std::shared_ptr<const LivePicture> Latest() const {
-        return Locked([&] { return latest_; });
-    }
+    std::shared_ptr<const LivePicture> Latest() const { return Copy(latest_); }
     /// Waits for an image of a later version, Close, or a time-out in seconds.
     std::shared_ptr<const LivePicture> WaitBeyond(int version, double seconds) const;
-    bool IsClosed() const {
-        return Locked([&] { return isClosed_; });
-    }
+    bool IsClosed() const { return Copy(isClosed_); }
 
-    /// Adds CPU seconds used by viewers.
-    void Charge(double cpuSeconds) {
-        Locked([&] { charged_ += cpuSeconds; });
-    }
-    double Charged() const {
-        return Locked([&] { return charged_; });
-    }
+    /// Adds the CPU time of the calling viewer's thread since its last call.
+    void ChargeThread();
+    /// CPU seconds of all viewers.
+    double Charged() const { return Copy(charged_); }
 
   private:
-    template <class F>
-    std::invoke_result_t<F> Locked(F &&f) const {
+    template <class T>
+    T Copy(const T &member) const {
         const std::lock_guard lock(mutex_);
-        return f();
+        return member;
+    }
+    template <class T, class U>
+    void Assign(T &member, U &&value) {
+        const std::lock_guard lock(mutex_);
+        member = std::forward<U>(value);
     }
     ProgressSink *next_;
     mutable std::mutex mutex_;
@@ -90,8 +81,6 @@ class LiveBoard final : public ProgressSink {
     double charged_ = 0;
     bool isClosed_ = false;
 };
-
-double ThreadCpuSeconds();
 
 /// Estimates the error of a progressive image without reference, from the change by its last samples.
 ///

@@ -8,7 +8,6 @@
 #include <thread>
 
 #include "live_page_text.h"
-#include "pbrt/cmd/pbrt/live_board.h"
 #include "pbrt/core/error.h"
 
 namespace pbrt {
@@ -180,12 +179,9 @@ std::string LivePage::Address() const {
 void LivePage::Run() {
     Shared &shared = impl_->shared;
     impl_->Accept();
-    double charged = 0;
     for (;;) {
         impl_->io.run_one_for(std::chrono::milliseconds(100));
-        const double cpu = ThreadCpuSeconds();
-        shared.board->Charge(cpu - charged);
-        charged = cpu;
+        shared.board->ChargeThread();
         if (!shared.board->IsClosed()) continue;
         const std::shared_ptr<const LivePicture> picture = shared.board->Latest();
         const bool awaitsLast = picture && picture->IsFinal() && !shared.lastIsFetched;

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <exception>
+#include <future>
 #include <memory>
 #include <string>
 #include <thread>
@@ -20,17 +21,17 @@ namespace pbrt {
 class LiveViewer {
   public:
     template <class Body>
-    explicit LiveViewer(Body body) : hasEnded_(std::make_shared<Flag>()) {
-        thread_ = std::thread([body = std::move(body), ended = hasEnded_]() mutable {
+    explicit LiveViewer(Body body) {
+        std::promise<void> ended;
+        hasEnded_ = ended.get_future();
+        thread_ = std::thread([body = std::move(body), ended = std::move(ended)]() mutable {
             // A failed viewer does not stop the render.
             try {
                 body();
             } catch (const std::exception &e) {
                 LogWarning(fmt::format("a viewer of the render has ended: {}", e.what()));
             }
-            const std::lock_guard lock(ended->mutex);
-            ended->isSet = true;
-            ended->changed.notify_all();
+            ended.set_value();
         });
     }
     LiveViewer(LiveViewer &&) = default;
@@ -39,20 +40,11 @@ class LiveViewer {
     }
     /// Waits until the thread ends, or the deadline.
     void WaitUntil(std::chrono::steady_clock::time_point deadline) {
-        {
-            std::unique_lock lock(hasEnded_->mutex);
-            if (!hasEnded_->changed.wait_until(lock, deadline, [&] { return hasEnded_->isSet; })) return;
-        }
-        thread_.join();
+        if (hasEnded_.wait_until(deadline) == std::future_status::ready) thread_.join();
     }
 
   private:
-    struct Flag {
-        std::mutex mutex;
-        std::condition_variable changed;
-        bool isSet = false;
-    };
-    std::shared_ptr<Flag> hasEnded_;
+    std::future<void> hasEnded_;
     std::thread thread_;
 };
 

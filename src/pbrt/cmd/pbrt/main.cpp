@@ -40,11 +40,11 @@ int main(int argc, char **argv) {
         std::cerr.setstate(std::ios::failbit);
         SetLogLevel(LogLevel::Quiet);
     }
-    CommandLineResult parsed = ParseCommandLine(argc, argv);
+    CommandLine options;
+    const std::optional<int> status = ParseCommandLine(argc, argv, &options);
     // All processes have the same command line. If another one exited with an error, mpirun could kill rank 0 before it
     // reports the error.
-    if (parsed.done) return isSilent ? 0 : parsed.status;
-    const CommandLine &options = parsed.options;
+    if (status) return isSilent ? 0 : *status;
     if (options.quiet && !isSilent) SetLogLevel(LogLevel::Error);
     std::unique_ptr<ProgressSink> sink = MakeTerminalProgress(options.quiet || isSilent);
     LiveView live(sink.get());

@@ -11,13 +11,13 @@
 #include "pbrt/cmd/pbrt/image_output.h"
 #include "pbrt/cmd/pbrt/learned_lights.h"
 #include "pbrt/cmd/pbrt/run_report.h"
-#include "pbrt/core/count_text.h"
 #include "pbrt/core/counters.h"
+#include "pbrt/core/error.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/memory.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/images/picture_name.h"
+#include "pbrt/images/image.h"
 #include "pbrt/integrators/render_loop.h"
 #include "pbrt/scenefile/parser.h"
 
@@ -34,14 +34,12 @@ constexpr double kWritingSeconds = 10;
 constexpr double kLiveWaveSeconds = 3;
 
 LiveRender LiveRenderOf(const CommandLine &options, const BuiltScene &built, const RenderSettings &settings) {
-    LiveRender live;
-    live.scene = fmt::format("{}", fmt::join(SceneFilesOf(options), " "));
-    live.filename = built.filename;
-    live.fullResolution = built.film->FullResolution();
-    live.pixelBounds = built.film->PixelBounds();
-    live.timeBudget = options.timeBudget;
-    if (options.timeBudget <= 0) live.samples = settings.EndSample();
-    return live;
+    return {.scene = fmt::format("{}", fmt::join(SceneFilesOf(options), " ")),
+            .filename = built.filename,
+            .fullResolution = built.film->FullResolution(),
+            .pixelBounds = built.film->PixelBounds(),
+            .samples = options.timeBudget > 0 ? 0 : settings.EndSample(),
+            .timeBudget = options.timeBudget};
 }
 
 void PrintWarnings(const DiagnosticSink &sink, size_t *printed) {
@@ -178,18 +176,19 @@ void PlanSamples(double budget, std::chrono::steady_clock::time_point start, Tea
                         samples));
 }
 
-/// Sums counters and sent bytes of all ranks on rank 0.
-void ReduceCounters(Team &team, uint64_t *sent) {
-    *sent = team.BytesSent();
+/// Sums the counters of all ranks on rank 0; returns the sum of sent bytes there.
+uint64_t ReduceCounters(Team &team) {
+    uint64_t sent = team.BytesSent();
     team.Reduce(
         [&](StateWriter &out) {
             out.Value(SumCounters());
-            out.Value(*sent);
+            out.Value(sent);
         },
         [&](StateReader &in) {
             AddCounters(in.Value<RenderCounters>());
-            *sent += in.Value<uint64_t>();
+            sent += in.Value<uint64_t>();
         });
+    return sent;
 }
 
 class RenderJob {
@@ -283,8 +282,7 @@ class RenderJob {
     int FollowRender() {
         signals_.Cancel("", "", SignalWatch::kForever);
         FollowWaves(built_->Rendering(progress_, team_), *settings_);
-        uint64_t sent = 0;
-        ReduceCounters(team_, &sent);
+        ReduceCounters(team_);
         signals_.EndAtOnce("");
         return signals_.Status();
     }
@@ -324,8 +322,7 @@ class RenderJob {
         SetCallbacks(writer);
         writer.SetRendering();
         RenderResult result = RenderWaves(built.Rendering(progress_, team_), *settings_);
-        uint64_t sent = 0;
-        ReduceCounters(team_, &sent);
+        const uint64_t sent = ReduceCounters(team_);
         timings_.render = result.seconds;
         if (checkpoint_) result.seconds += checkpoint_->RenderSecondsBefore();
         live_.Finish(*built.film, result.samplesTaken, result.cancelled);

@@ -38,6 +38,11 @@ std::vector<ComponentReport> ReportsOf(const BuiltScene &built) {
     return reports;
 }
 
+template <class... T>
+void PrintLine(const std::string &what, fmt::format_string<T...> value, T &&...arguments) {
+    std::printf("  %-34s %s\n", what.c_str(), fmt::format(value, std::forward<T>(arguments)...).c_str());
+}
+
 }  // namespace
 
 double SecondsSinceProcessStart() {
@@ -87,47 +92,44 @@ ImageMetadata DescribeImage(const CommandLine &options, const BuiltScene &built,
 }
 
 void PrintStatistics(const BuiltScene &built, const RenderResult &result, const Timings &timings) {
-    RenderCounters c = SumCounters();
-    auto line = [](const char *what, const std::string &value) { std::printf("  %-34s %s\n", what, value.c_str()); };
-    auto share = [](uint64_t part, uint64_t whole) {
-        return whole ? 100.0 * static_cast<double>(part) / static_cast<double>(whole) : 0.0;
+    const RenderCounters c = SumCounters();
+    const auto ratio = [](uint64_t part, uint64_t whole) {
+        return whole ? static_cast<double>(part) / static_cast<double>(whole) : 0.0;
+    };
+    const auto perSecond = [&](uint64_t count) {
+        return static_cast<double>(count) / std::max(1e-9, result.seconds) / 1e6;
     };
     std::printf("Statistics\n");
-    for (const auto &[phase, seconds] : timings.Phases())
-        line((phase + " (s)").c_str(), fmt::format("{:.3f}", seconds));
-    line("total (s)", fmt::format("{:.3f}", timings.Total()));
-    line("samples per pixel", fmt::format("{}", result.samplesTaken));
-    line("shapes, lights", fmt::format("{}, {}", built.scene->ShapeCount(), built.scene->Lights().Size()));
-    line("acceleration structure (MB)",
-         fmt::format("{:.1f}", static_cast<double>(built.scene->Acceleration().Bytes()) / 1e6));
-    line("memory expected before building", built.memory.Text());
-    line("camera paths", fmt::format("{}", c.cameraPaths));
-    line("path vertices",
-         fmt::format("{} ({:.2f} a path)", c.pathVertices,
-                     c.cameraPaths ? static_cast<double>(c.pathVertices) / static_cast<double>(c.cameraPaths) : 0.0));
-    line("closest-hit rays", fmt::format("{}", c.closestHitRays));
-    line("shadow rays", fmt::format("{} ({:.1f} % blocked)", c.shadowRays, share(c.shadowRaysBlocked, c.shadowRays)));
-    auto perSecond = [&](uint64_t count) {
-        return fmt::format("{:.2f}", static_cast<double>(count) / std::max(1e-9, result.seconds) / 1e6);
-    };
-    line("rays per second (million)", perSecond(c.closestHitRays + c.shadowRays));
+    for (const Timings::Phase &p : timings.Phases()) PrintLine(fmt::format("{} (s)", p.name), "{:.3f}", p.seconds);
+    PrintLine("total (s)", "{:.3f}", timings.Total());
+    PrintLine("samples per pixel", "{}", result.samplesTaken);
+    PrintLine("shapes, lights", "{}, {}", built.scene->ShapeCount(), built.scene->Lights().Size());
+    PrintLine("acceleration structure (MB)", "{:.1f}", static_cast<double>(built.scene->Acceleration().Bytes()) / 1e6);
+    PrintLine("memory expected before building", "{}", built.memory.Text());
+    PrintLine("camera paths", "{}", c.cameraPaths);
+    PrintLine("path vertices", "{} ({:.2f} a path)", c.pathVertices, ratio(c.pathVertices, c.cameraPaths));
+    PrintLine("closest-hit rays", "{}", c.closestHitRays);
+    PrintLine("shadow rays", "{} ({:.1f} % blocked)", c.shadowRays, ratio(100 * c.shadowRaysBlocked, c.shadowRays));
+    PrintLine("rays per second (million)", "{:.2f}", perSecond(c.closestHitRays + c.shadowRays));
     if (built.scene->HasMedia()) {
-        line("look-ups in media", fmt::format("{}", c.mediumLookups));
-        line("look-ups per second (million)", perSecond(c.mediumLookups));
+        PrintLine("look-ups in media", "{}", c.mediumLookups);
+        PrintLine("look-ups per second (million)", "{:.2f}", perSecond(c.mediumLookups));
     }
-    if (built.film->RejectedSamples())
-        line("samples dropped (not finite)", fmt::format("{}", built.film->RejectedSamples()));
+    if (built.film->RejectedSamples()) PrintLine("samples dropped (not finite)", "{}", built.film->RejectedSamples());
     for (const ComponentReport &r : ReportsOf(built)) {
-        line(r.title.c_str(), r.name);
+        PrintLine(r.title, "{}", r.name);
         for (const auto &[key, value] : r.report.items())
-            line(("  " + key).c_str(), value.is_string() ? value.get<std::string>() : value.dump());
+            PrintLine("  " + key, "{}", value.is_string() ? value.get<std::string>() : value.dump());
     }
 }
 
 void PrintStatisticsJson(const CommandLine &options, const BuiltScene &built, const RenderResult &result,
                          const Timings &timings, const std::string &picture) {
-    const auto milliseconds = [](double seconds) { return std::round(1000 * seconds) / 1000; };
+    const auto milliseconds = [](double s) { return std::round(1000 * s) / 1000; };
     const auto bytes = [](double v) { return static_cast<int64_t>(v); };
+    Json seconds;
+    for (const Timings::Phase &p : timings.Phases()) seconds[p.key] = milliseconds(p.seconds);
+    seconds["total"] = milliseconds(timings.Total());
     const RenderCounters c = SumCounters();
     const Bounds2i &window = built.film->PixelBounds();
     Json json = {{"schema", 1},
@@ -145,14 +147,7 @@ void PrintStatisticsJson(const CommandLine &options, const BuiltScene &built, co
                  {"plannedSamplesPerPixel", options.timeBudget > 0 ? Json(built.samplesPerPixel) : Json()},
                  {"isInterrupted", result.cancelled},
                  {"mse", result.mse ? Json(*result.mse) : Json()},
-                 {"seconds",
-                  {{"startUp", milliseconds(timings.startUp)},
-                   {"reading", milliseconds(timings.read)},
-                   {"building", milliseconds(timings.build)},
-                   {"preparingLights", milliseconds(timings.prepare)},
-                   {"rendering", milliseconds(timings.render)},
-                   {"writing", milliseconds(timings.write)},
-                   {"total", milliseconds(timings.Total())}}},
+                 {"seconds", seconds},
                  {"shapes", built.scene->ShapeCount()},
                  {"lights", built.scene->Lights().Size()},
                  {"bytes",

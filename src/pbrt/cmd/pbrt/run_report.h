@@ -1,6 +1,5 @@
 #pragma once
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "pbrt/build/built_scene.h"
@@ -14,9 +13,14 @@ struct Timings {
     double startUp = 0;  ///< from process start to reading
     double read = 0, build = 0, prepare = 0, render = 0, write = 0;
 
-    std::vector<std::pair<std::string, double>> Phases() const {
-        return {{"start-up", startUp},         {"reading", read},     {"building", build},
-                {"preparing lights", prepare}, {"rendering", render}, {"writing", write}};
+    struct Phase {
+        const char *name, *key;  ///< for the user; for JSON
+        double seconds;
+    };
+    std::vector<Phase> Phases() const {
+        return {{"start-up", "startUp", startUp},   {"reading", "reading", read},
+                {"building", "building", build},    {"preparing lights", "preparingLights", prepare},
+                {"rendering", "rendering", render}, {"writing", "writing", write}};
     }
     double Total() const { return startUp + read + build + prepare + render + write; }
 };

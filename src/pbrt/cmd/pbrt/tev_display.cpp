@@ -155,7 +155,6 @@ void ShowInTev(LiveBoard &board, const std::string &server) {
     };
     if (!viewer.IsOpen()) return complain("no viewer answers");
     int version = 0;
-    double charged = 0;
     for (;;) {
         const std::shared_ptr<const LivePicture> picture = board.WaitBeyond(version, 3600);
         const bool isNew = picture && picture->version > version;
@@ -166,9 +165,7 @@ void ShowInTev(LiveBoard &board, const std::string &server) {
         if (version == 0 && !SendBeginning(viewer, *render)) return complain("the viewer is gone");
         if (!SendPicture(viewer, *render, *picture)) return complain("the viewer is gone");
         version = picture->version;
-        const double cpu = ThreadCpuSeconds();
-        board.Charge(cpu - charged);
-        charged = cpu;
+        board.ChargeThread();
         if (picture->IsFinal()) return;
     }
 }

@@ -121,7 +121,7 @@ TEST(ImageError, KnowsTheNamesOfTheFormat) {
     EXPECT_EQ(ParseMetric("HDR-FLIP"), Metric::HdrFLIP);
     EXPECT_FALSE(ParseMetric("mse"));
     EXPECT_EQ(MetricNames().size(), std::size(kMetrics));
-    for (Metric metric : kMetrics) EXPECT_EQ(ParseMetric(MetricName(metric)), metric);
+    for (Metric metric : kMetrics) EXPECT_EQ(ParseMetric(MetricNames()[static_cast<size_t>(metric)]), metric);
 }
 
 }  // namespace pbrt

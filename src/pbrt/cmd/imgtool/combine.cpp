@@ -1,0 +1,209 @@
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <tuple>
+
+#include "pbrt/cmd/imgtool/commands.h"
+#include "pbrt/core/log.h"
+#include "pbrt/films/render_file.h"
+
+namespace pbrt::imgtool {
+
+namespace {
+
+struct AverageOptions {
+    std::vector<std::string> names;
+    std::string outfile;
+};
+
+int Average(const AverageOptions &o) {
+    const std::vector<std::string> paths = FindImages(o.names, {o.outfile});
+    ImageFile first = ReadAsFloat(paths[0]);
+    std::vector<double> sums(first.image.ValueCount(), 0);
+    for (const std::string &path : paths) {
+        const ImageFile file = path == paths[0] ? first : ReadAsFloat(path);
+        CheckComparable(first, paths[0], file, path);
+        const float *values = static_cast<const float *>(file.image.Data());
+        for (size_t i = 0; i < sums.size(); ++i) sums[i] += static_cast<double>(values[i]);
+    }
+    float *values = static_cast<float *>(first.image.Data());
+    for (size_t i = 0; i < sums.size(); ++i)
+        values[i] = static_cast<float>(sums[i] / static_cast<double>(paths.size()));
+    WriteImage(o.outfile, first.image, first.metadata);
+    fmt::print("{}: mean of {}: {}\n", o.outfile, CountText(paths.size(), "image"), fmt::join(paths, ", "));
+    return 0;
+}
+
+struct AssembleOptions {
+    std::vector<std::string> paths;
+    std::string outfile;
+};
+
+int Assemble(const AssembleOptions &o) {
+    ImageFile whole;
+    std::vector<uint8_t> counts;
+    for (const std::string &path : o.paths) {
+        const ImageFile part = ReadImage(path);
+        const ImageMetadata &m = part.metadata;
+        if (!m.pixelBounds || !m.fullResolution)
+            throw UserError(fmt::format("{}: has no data window; only .exr files have one.", path));
+        const Point2i resolution = *m.fullResolution;
+        if (path == o.paths[0]) {
+            whole.metadata = m;
+            whole.metadata.pixelBounds = Bounds2i{{0, 0}, resolution};
+            whole.image = Image(part.image.Format(), resolution, part.image.Channels());
+            counts.assign(static_cast<size_t>(resolution.x) * resolution.y, 0);
+        }
+        if (resolution != whole.image.Resolution())
+            throw UserError(
+                fmt::format("Parts of different pictures: {} belongs to a picture of {}, {} to one of {} x {}.",
+                            o.paths[0], SizeText(whole.image), path, resolution.x, resolution.y));
+        if (part.image.Channels() != whole.image.Channels() || &SpaceOf(part) != &SpaceOf(whole))
+            throw UserError(fmt::format("{} and {} have different channels or colour spaces.", o.paths[0], path));
+        const Bounds2i &window = *m.pixelBounds;
+        if (window.low.x < 0 || window.low.y < 0 || window.high.x > resolution.x || window.high.y > resolution.y)
+            throw UserError(fmt::format("{}: its pixels (x {} to {}, y {} to {}) reach beyond the picture of {} x {}.",
+                                        path, window.low.x, window.high.x, window.low.y, window.high.y, resolution.x,
+                                        resolution.y));
+        ForEachPixel(part.image, [&](Point2i p) {
+            const Point2i at = p + window.low;
+            for (int c = 0; c < part.image.ChannelCount(); ++c) whole.image.Set(at, c, part.image.Get(p, c));
+            uint8_t &count = counts[static_cast<size_t>(at.y) * resolution.x + at.x];
+            count = static_cast<uint8_t>(std::min(count + 1, 2));
+        });
+    }
+    const auto missing = std::count(counts.begin(), counts.end(), 0);
+    const auto twice = std::count(counts.begin(), counts.end(), 2);
+    if (twice) LogWarning(fmt::format("{} in more than one file; the last file counts.", CountText(twice, "pixel")));
+    if (missing) LogWarning(fmt::format("{} of {} pixels are in no file and stay 0.", missing, counts.size()));
+    WriteImage(o.outfile, whole.image, whole.metadata);
+    return 0;
+}
+
+struct MergeOptions {
+    std::string outfile;
+    std::vector<std::string> paths;
+    bool incomplete = false;
+};
+
+constexpr const char *kIncomplete = ", and --incomplete makes the picture of the samples that there are";
+
+struct Part {
+    std::string path;
+    RenderFileHead head;
+    std::string Range() const { return fmt::format("{}:{}", head.first, head.done); }
+};
+
+/// The part without its sums, which are not in memory for all parts at once.
+Part ReadPart(const std::string &path, bool incomplete) {
+    Part part{path, RenderFile(path).Head()};
+    const RenderFileHead &head = part.head;
+    if (head.passCount > 0 || (!head.IsComplete() && !incomplete))
+        throw UserError(fmt::format(
+            "{}: is unfinished: of the samples {}:{} it has {}; the same command with --resume completes it{}.", path,
+            head.first, head.end, part.Range() + (head.passCount > 0 ? " and some more of some pixels" : ""),
+            head.passCount > 0 ? "" : kIncomplete));
+    return part;
+}
+
+void CheckSameRender(const Part &one, const Part &other) {
+    const RenderFileHead &a = other.head, &b = one.head;
+    std::string differences = DifferencesOf(a.identity, b.identity, one.path);
+    if (std::tie(a.samplesFlag, a.samplesPerBatch) != std::tie(b.samplesFlag, b.samplesPerBatch))
+        differences += fmt::format("{}the render has {} per pixel, but {} in {}", differences.empty() ? "" : "; ",
+                                   CountText(a.samplesPerBatch, "sample"), b.samplesPerBatch, one.path);
+    if (!differences.empty())
+        throw UserError(fmt::format("{} and {} are not parts of one render: {}.", other.path, one.path, differences));
+}
+
+/// `parts` are sorted. Returns their total number of samples.
+int CheckCover(const std::vector<Part> &parts, bool incomplete) {
+    std::string problems;
+    int next = 0, total = 0, all = parts[0].head.samplesPerBatch;
+    const Part *before = nullptr;
+    bool isMissing = false;
+    const auto missing = [&](int first, int end) {
+        if (incomplete) LogWarning(fmt::format("the samples {}:{} are missing.", first, end));
+        else problems += fmt::format("The samples {}:{} are in no file. ", first, end);
+        isMissing = true;
+    };
+    for (const Part &part : parts) {
+        const RenderFileHead &head = part.head;
+        if (head.first > next) missing(next, head.first);
+        if (before && head.first < next)
+            problems += fmt::format("{} ({}) and {} ({}) have samples in common. ", before->path, before->Range(),
+                                    part.path, part.Range());
+        total += head.done - head.first;
+        all = std::max(all, head.end);
+        if (head.done > next || !before) before = &part;
+        next = std::max(next, head.done);
+    }
+    if (next < all) missing(next, all);
+    if (!problems.empty()) {
+        problems.pop_back();
+        if (isMissing) problems.insert(problems.size() - 1, kIncomplete);
+        throw UserError(problems);
+    }
+    return total;
+}
+
+int Merge(const MergeOptions &o) {
+    CheckPictureName(o.outfile, {});
+    std::vector<Part> parts;
+    for (const std::string &path : o.paths) {
+        parts.push_back(ReadPart(path, o.incomplete));
+        CheckSameRender(parts[0], parts.back());
+    }
+    std::stable_sort(parts.begin(), parts.end(),
+                     [](const Part &a, const Part &b) { return a.head.first < b.head.first; });
+    const int samples = CheckCover(parts, o.incomplete);
+    const std::unique_ptr<Film> film = parts[0].head.film.Make();
+    double seconds = 0;
+    for (const Part &part : parts) {
+        RenderFile(part.path).MergeFilm(*film);
+        seconds += part.head.renderSeconds;
+    }
+    ImageMetadata metadata = film->Metadata();
+    metadata.attributes = parts[0].head.metadata.attributes;
+    metadata.attributes["samplesPerPixel"] = samples;
+    metadata.attributes["renderTimeSeconds"] = static_cast<float>(seconds);
+    metadata.attributes["pbrt.parts"] = static_cast<int>(parts.size());
+    WriteImage(o.outfile, film->ToImage(), metadata);
+    fmt::print("{}: {} per pixel from {}\n", o.outfile, CountText(samples, "sample"), CountText(parts.size(), "file"));
+    return 0;
+}
+
+}  // namespace
+
+void AddAverage(CLI::App &app, Action &action) {
+    auto [command, o] = AddCommand(app, action, Average, "average", "Mean of several images",
+                                   "Example: imgtool average runs/seed --outfile mean.exr");
+    AddFlags(command, {Flag("images", o.names, kImagesHelp).Required(),
+                       Flag("--outfile", o.outfile,
+                            "Result; not averaged itself, even if a pattern or the start of a name fits it")
+                           .Required()
+                           .Type("FILE")});
+}
+
+void AddAssemble(CLI::App &app, Action &action) {
+    auto [command, o] = AddCommand(app, action, Assemble, "assemble", "Join parts of one picture",
+                                   "Example: imgtool assemble left.exr right.exr --outfile whole.exr");
+    AddFlags(command,
+             {Flag("files", o.paths, "Parts: .exr files with data windows").Required(), OutfileFlag(o.outfile)});
+}
+
+void AddMerge(CLI::App &app, Action &action) {
+    auto [command, o] = AddCommand(app, action, Merge, "merge", "Make the picture from the parts of a render",
+                                   "Example: imgtool merge picture.exr part-*.chk");
+    AddFlags(
+        command,
+        {Flag("outfile", o.outfile, "Picture: .exr, .png or .pfm").Required().Type("FILE"),
+         Flag("parts", o.paths,
+              "Files that pbrt --samples FIRST:END --checkpoint FILE wrote, in any order; together they must "
+              "have every sample once")
+             .Required()
+             .Type("PART..."),
+         {"--incomplete", o.incomplete, "Make the picture of the samples that there are, although some are missing"}});
+}
+
+}  // namespace pbrt::imgtool

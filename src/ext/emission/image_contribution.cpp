@@ -1,4 +1,4 @@
-#include "ext/emission/image_contribution.h"
+#include "ext/emission/image_contribution_light_sampler.h"
 
 #include "ext/prepass/prepass_paths.h"
 #include "pbrt/math/warps.h"
@@ -97,12 +97,9 @@ class ContributionPath {
                                                : sample->pdf;
             anyNonSpecular = anyNonSpecular || pdf_ > 0;
             walk.Scatter(*sample);
-            if (depth > 1) {
-                const Float survive = weights_.beta.MaxComponent();
-                if (survive < 1) {
-                    if (rng_.Uniform() >= survive) return;
-                    weights_.beta /= survive;
-                }
+            if (const Float survive = weights_.beta.MaxComponent(); depth > 1 && survive < 1) {
+                if (rng_.Uniform() >= survive) return;
+                weights_.beta /= survive;
             }
         }
     }
@@ -157,10 +154,10 @@ std::vector<ImageContribution> EstimateImageContributions(PrepareContext &contex
         int64_t paths = 0;
         double sum = 0;
     };
-    std::vector<Tile> perTile(static_cast<size_t>(PrepassTileCount(context.pixelBounds)));
+    std::vector<Tile> perTile(PrepassTileCount(context.pixelBounds));
     const double pathsPerPixel = perTile.empty() ? 0 : paths / static_cast<double>(context.pixelBounds.Area());
     ForEachPrepassPath(context, "image contributions", kStream, pathsPerPixel, [&](int64_t tile, PrepassPath &path) {
-        Tile &to = perTile[static_cast<size_t>(tile)];
+        Tile &to = perTile[tile];
         ContributionPath(context, chooser, path, to.samples);
         ++to.paths;
     });

@@ -1,10 +1,11 @@
 #include "ext/emission/image_contribution_light_sampler.h"
 
-#include <chrono>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
 #include "pbrt/core/effective_params_text.h"
+#include "pbrt/core/seconds_since.h"
+#include "pbrt/integrators/registry.h"
 #include "pbrt/lightsamplers/bvh_light_sampler.h"
 
 namespace ext {
@@ -52,7 +53,7 @@ void ImageContributionLightSampler::Prepare(PrepareContext &context) {
         weights[g] = static_cast<Float>((1 - floor) * roots[g] / sum +
                                         floor * static_cast<double>(groups_.Candidate(g).power) / power);
     table_ = AliasTable(weights);
-    prepassSeconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    prepassSeconds_ = SecondsSince(start);
 }
 
 std::optional<GroupLightSampler::ChosenGroup> ImageContributionLightSampler::ChooseGroup(const LightQuery &query,
@@ -82,3 +83,14 @@ void ImageContributionLightSampler::Inspect(const LightQuery &, std::vector<Insp
 }
 
 }  // namespace ext
+
+void register_seen(pbrt::PluginRegistry &registry) {
+    using namespace ext;
+    registry.samplers.Add<ImageContributionParams>(
+        "seen",
+        "Chooses lights by power and by their contribution to the image, from a prepass; for `shootingsampler`.",
+        [](const ImageContributionParams &p, const ParamSet &, const LightGroups &groups) {
+            return std::make_unique<ImageContributionLightSampler>(groups.Lights(), p);
+        },
+        {.isSameEverywhere = true});
+}

@@ -36,9 +36,8 @@ void ForPointsOn(const Shape &shape, uint32_t primitive, const VoxelGrid &grid, 
 }  // namespace
 
 uint32_t LightTargets::SkyPartOf(const Vector3 &w) {
-    Point2 s = EqualAreaSphereToSquare(w) * static_cast<Float>(SkySide);
-    auto x = std::clamp(static_cast<int>(s.x), 0, SkySide - 1), y = std::clamp(static_cast<int>(s.y), 0, SkySide - 1);
-    return static_cast<uint32_t>(x + SkySide * y);
+    const Point2i cell = glm::clamp(Point2i(EqualAreaSphereToSquare(w) * Float(SkySide)), 0, SkySide - 1);
+    return static_cast<uint32_t>(cell.x + SkySide * cell.y);
 }
 
 Vector3 LightTargets::DirectionIn(uint32_t skyPart, const Point2 &u) {
@@ -58,13 +57,9 @@ LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const Ligh
         targets_.push_back(target);
         return static_cast<uint32_t>(targets_.size() - 1);
     };
-    const auto voxelTarget = [&](uint32_t voxel) {
-        uint32_t &target = ofVoxel[voxel];
-        return target != kNone ? target : target = addTarget({Kind::Voxel, voxel, {}});
-    };
-    const auto skyTarget = [&](uint32_t part) {
-        uint32_t &target = ofSkyPart[part];
-        return target != kNone ? target : target = addTarget({Kind::SkyPart, part, {}});
+    const auto sharedTarget = [&](Kind kind, uint32_t index) {
+        uint32_t &target = (kind == Kind::Voxel ? ofVoxel : ofSkyPart)[index];
+        return target != kNone ? target : target = addTarget({kind, index, {}});
     };
 
     std::map<uint32_t, double> weights;
@@ -96,14 +91,14 @@ LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const Ligh
                          bounds.Diagonal() * Vector3(RadicalInverse(5, k), RadicalInverse(7, k), RadicalInverse(11, k));
                 Point2 u(RadicalInverse(2, k), RadicalInverse(3, k));
                 std::optional<LightLiSample> s = lights[id].SampleLi(from, u, lambda, true);
-                if (s && s->L && s->pdf > 0) weights[skyTarget(SkyPartOf(s->wi))] += 1;
+                if (s && s->L && s->pdf > 0) weights[sharedTarget(Kind::SkyPart, SkyPartOf(s->wi))] += 1;
             }
         } else if (const ShapePrimitive at = lights[id].Surface(); at.shape) {
             ForPointsOn(*at.shape, at.primitive, grid, [&](const Point3 &p, Float part) {
-                weights[voxelTarget(grid.Index(p))] += share * static_cast<double>(part);
+                weights[sharedTarget(Kind::Voxel, grid.Index(p))] += share * static_cast<double>(part);
             });
         } else if (candidate.bounds) {
-            weights[voxelTarget(grid.Index(candidate.bounds->Centroid()))] += share;
+            weights[sharedTarget(Kind::Voxel, grid.Index(candidate.bounds->Centroid()))] += share;
         }
     }
     if (lights.Size() > 0) finishGroup();

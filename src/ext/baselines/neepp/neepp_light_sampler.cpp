@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pbrt/core/effective_params_text.h"
+#include "pbrt/integrators/registry.h"
 
 namespace ext {
 
@@ -55,3 +56,12 @@ void NeeppLightSampler::Inspect(const LightQuery &query, std::vector<InspectedVa
 std::string NeeppLightSampler::DescribeStructure() const { return prepared_ ? map_.Describe() : std::string(); }
 
 }  // namespace ext
+
+void register_neepp(pbrt::PluginRegistry &registry) {
+    using namespace ext;
+    registry.samplers.Add<NeeppParams>(
+        "neepp", "visibility between voxels (NEE++, Guo et al. 2020); neither power nor distance counts",
+        [](const NeeppParams &p, const ParamSet &, const LightGroups &groups) {
+            return std::make_unique<NeeppLightSampler>(groups.Lights(), p);
+        });
+}

@@ -1,10 +1,10 @@
 #include "ext/baselines/neepp/visibility_map.h"
 
-#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "pbrt/core/log.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/core/seconds_since.h"
 
 namespace ext {
 
@@ -19,7 +19,7 @@ Vector3 Uniform3(Rng &rng) {
 }  // namespace
 
 void VisibilityMap::Prepare(PrepareContext &context, const LightGroups &groups) {
-    auto start = std::chrono::steady_clock::now();
+    const auto start = std::chrono::steady_clock::now();
     scene_ = &context.scene;
     seed_ = context.seed;
     grid_ = VoxelGrid(context.scene.Bounds(), voxels_);
@@ -31,7 +31,7 @@ void VisibilityMap::Prepare(PrepareContext &context, const LightGroups &groups) 
             fmt::format("neepp: visibility to {} voxels and directions with lights takes about {:.1e} rays, {} for "
                         "every voxel that a path enters for the first time.",
                         targets_.Size(), work, targets_.Size() * static_cast<size_t>(samples_)));
-    prepareSeconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    prepareSeconds_ = SecondsSince(start);
 }
 
 void VisibilityMap::TestSegments(uint32_t voxel, std::span<uint8_t> row) const {

@@ -1,13 +1,14 @@
 #include "ext/baselines/spatial/spatial_light_sampler.h"
 
 #include <algorithm>
-#include <chrono>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
 #include "pbrt/core/effective_params_text.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/core/seconds_since.h"
+#include "pbrt/integrators/registry.h"
 #include "pbrt/math/low_discrepancy.h"
 #include "pbrt/scene/scene.h"
 
@@ -25,7 +26,7 @@ Float Shifted(Float u, Float shift) {
 
 SpatialLightSampler::SpatialLightSampler(const LightTable &lights, const SpatialParams &params)
     : VoxelLightSampler(params.meshlights ? lights.ByLight() : lights.ByComponent()), lights_(lights), params_(params) {
-    points_.resize(static_cast<size_t>(params.samples));
+    points_.resize(params.samples);
     for (size_t i = 0; i < points_.size(); ++i) {
         points_[i].place = {RadicalInverse(2, i), RadicalInverse(3, i), RadicalInverse(5, i)};
         points_[i].uLight = {RadicalInverse(7, i), RadicalInverse(11, i)};
@@ -35,7 +36,7 @@ SpatialLightSampler::SpatialLightSampler(const LightTable &lights, const Spatial
 
 void SpatialLightSampler::Prepare(PrepareContext &context) {
     if (groups_.Size() <= 1) return;
-    auto start = std::chrono::steady_clock::now();
+    const auto start = std::chrono::steady_clock::now();
     grid_ = VoxelGrid(context.scene.Bounds(), params_.voxels);
     cdfs_.Reset(grid_.Size(), groups_.Size());
     seed_ = context.seed;
@@ -46,7 +47,7 @@ void SpatialLightSampler::Prepare(PrepareContext &context) {
             fmt::format("spatial: the distributions over {} lights take about {:.1e} light samples, {} for every "
                         "voxel that a path enters for the first time.",
                         groups_.Size(), work, groups_.Size() * points_.size()));
-    prepareSeconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    prepareSeconds_ = SecondsSince(start);
 }
 
 std::vector<double> SpatialLightSampler::UnshadowedContributions(uint32_t voxel) const {
@@ -128,3 +129,12 @@ std::string SpatialLightSampler::DescribeStructure() const {
 }
 
 }  // namespace ext
+
+void register_spatial(pbrt::PluginRegistry &registry) {
+    using namespace ext;
+    registry.samplers.Add<SpatialParams>("spatial",
+                                         "unshadowed contribution per voxel, as pbrt-v3 (Noh, Choi, Moon 2023, Eq. 3)",
+                                         [](const SpatialParams &p, const ParamSet &, const LightGroups &groups) {
+                                             return std::make_unique<SpatialLightSampler>(groups.Lights(), p);
+                                         });
+}

@@ -1,11 +1,27 @@
 #pragma once
-#include "ext/baselines/spatial/spatial_params.h"
 #include "ext/voxels/lazy_rows.h"
 #include "ext/voxels/voxel_grid.h"
 #include "ext/voxels/voxel_light_sampler.h"
+#include "pbrt/core/describe.h"
 #include "pbrt/lightsamplers/light_sampler.h"
 
 namespace ext {
+
+struct SpatialParams {
+    int voxels = 64;
+    int samples = 128;
+    Float floor = 0.001f;
+    bool meshlights = true;
+
+    template <class V>
+    void Describe(V &&v) {
+        v("voxels", voxels, Range<int>{1, 256}, "voxels along the longest axis of the scene");
+        v("samples", samples, Range<int>{1, 1 << 16}, "points in a voxel, each with one light sample of every light");
+        v("floor", floor, Range<Float>{1e-6f, 1.f},
+          "least contribution assumed of any light, as a share of the lights' mean");
+        v("meshlights", meshlights, "an emissive mesh is one light for selection");
+    }
+};
 
 /// Selects lights in proportion to their unoccluded contribution to a voxel: Eq. 3 of "Enhanced Direct Lighting Using
 /// Visibility-Aware Light Sampling" (Noh, Choi, Moon 2023), Le G / p over low-discrepancy points of the voxel. The

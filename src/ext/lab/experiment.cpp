@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <map>
 
-#include "ext/lab/experiment_display.h"
+#include "ext/lab/experiment_context.h"
 #include "ext/lab/pictures.h"
 #include "ext/lab/reference.h"
 #include "ext/lab/results.h"

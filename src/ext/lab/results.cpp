@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ext/lab/convergence.h"
+#include "ext/lab/measures.h"
 #include "pbrt/math/statistics.h"
 
 namespace ext::lab {
@@ -75,12 +75,6 @@ void SummarizeOne(SamplerResult *s) {
     s->shadowRays = MeanOver(s->runs, [&](const RunRecord &r) { return double(last(r).shadowRays); });
     const double blocked = MeanOver(s->runs, [&](const RunRecord &r) { return double(last(r).shadowRaysBlocked); });
     s->blockedShare = s->shadowRays > 0 ? blocked / s->shadowRays : 0;
-}
-
-std::vector<TileMeans> TilesOf(const std::vector<Image> &pictures) {
-    std::vector<TileMeans> tiles;
-    for (const Image &picture : pictures) tiles.push_back(ComputeTileMeans(picture));
-    return tiles;
 }
 
 /// Label without "+mesh": runs with and without mesh lights are auxiliary to each other.

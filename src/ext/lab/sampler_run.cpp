@@ -6,11 +6,11 @@
 #include <fstream>
 #include <sstream>
 
+#include "ext/lab/tile_statistics.h"
 #include "pbrt/core/count_text.h"
 #include "pbrt/core/counters.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
-#include "pbrt/core/version.h"
 
 namespace ext::lab {
 
@@ -33,7 +33,7 @@ bool IsWholeFilm(const std::string &file, const LabScene &scene) {
 
 SamplerRun::SamplerRun(const LabScene &scene, const SamplerChoice &choice, int seed, int expectedSamples,
                        Progress &cancel, std::optional<int> maxDepth)
-    : scene_(scene), choice_(choice), cancel_(cancel), integrator_(scene.MakeIntegrator(choice, maxDepth)),
+    : scene_(scene), label_(choice.label), cancel_(cancel), integrator_(scene.MakeIntegrator(choice, maxDepth)),
       film_(scene.built.film->MakeRgbFilm()), sampler_(scene.built.sampler->WithSeed(seed)),
       settings_(scene.built.Settings()),
       renderer_({*integrator_, *scene.built.camera, *scene.built.filter, *film_, *sampler_, cancel}, settings_) {
@@ -102,16 +102,9 @@ void SamplerRun::AddRound(int checkpoint, const Measures &measures) {
 }
 
 ImageMetadata SamplerRun::Metadata() const {
-    ImageMetadata m = film_->Metadata();
-    m.attributes["renderTimeSeconds"] = static_cast<float>(spent_.wall);
-    m.attributes["samplesPerPixel"] = Samples();
-    m.attributes["lightlab.sampler"] = choice_.label;
+    ImageMetadata m = scene_.Metadata(label_, Samples(), spent_.wall);
     m.attributes["lightlab.prepareSeconds"] = static_cast<float>(record_.prepare.wall);
     m.attributes["lightlab.seed"] = record_.seed;
-    m.attributes["lightlab.sceneHash"] = scene_.hash;
-    m.attributes["pbrt.version"] = std::string(VersionText());
-    m.attributes["pbrt.integrator"] = scene_.built.integratorName;
-    m.attributes["pbrt.maxDepth"] = scene_.built.maxDepth;
     return m;
 }
 
@@ -122,11 +115,11 @@ void SamplerRun::SaveFilm(const std::string &path) const {
 }
 
 bool IsFinite(const Image &picture) {
-    for (int y = 0; y < picture.Resolution().y; ++y)
-        for (int x = 0; x < picture.Resolution().x; ++x)
-            for (int c = 0; c < 3; ++c)
-                if (!std::isfinite(picture.Get({x, y}, c))) return false;
-    return true;
+    bool isFinite = true;
+    ForEachPixel(picture.Resolution(), [&](int x, int y) {
+        for (int c = 0; c < 3; ++c) isFinite = isFinite && std::isfinite(picture.Get({x, y}, c));
+    });
+    return isFinite;
 }
 
 bool IsWholePicture(const std::string &file, Point2i resolution) {

@@ -1,5 +1,5 @@
 #pragma once
-#include "ext/lab/lab_scene.h"
+#include "ext/lab/experiment_settings.h"
 #include "ext/lab/run_record.h"
 #include "pbrt/integrators/render_loop.h"
 
@@ -35,7 +35,7 @@ class SamplerRun {
 
   private:
     const LabScene &scene_;
-    SamplerChoice choice_;
+    std::string label_;
     Progress &cancel_;
     std::unique_ptr<Integrator> integrator_;
     std::unique_ptr<Film> film_;

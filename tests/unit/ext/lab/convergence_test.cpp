@@ -1,4 +1,4 @@
-#include "ext/lab/convergence.h"
+#include "ext/lab/measures.h"
 
 #include <gtest/gtest.h>
 

@@ -5,12 +5,10 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <ranges>
 
 #include "ext/lab/experiment_settings.h"
 #include "ext/lab/results.h"
-#include "ext/lab/run_record.h"
-#include "ext/lab/text_output.h"
-#include "pbrt/core/error.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/version.h"
@@ -20,9 +18,12 @@
 
 namespace ext::lab {
 
+namespace fs = std::filesystem;
+
 namespace {
 
 constexpr size_t kMaxLights = 100;
+constexpr int kLegendRows = 12;
 
 constexpr const char *kHead = R"(<style>
 :root { color-scheme: light dark; }
@@ -43,16 +44,15 @@ std::string Number(const Json &value) {
 
 std::string Figure(const Json &layer) {
     const Json &colours = layer.at("colours");
-    const std::string range =
-        colours.is_object() ? fmt::format("colours from {} to {}; here {} to {}, mean {}",
-                                          Number(colours.at("darkest")), Number(colours.at("brightest")),
-                                          Number(layer.at("least")), Number(layer.at("most")), Number(layer.at("mean")))
-                            : std::string("a colour for each");
+    std::string range = "a colour for each";
+    if (colours.is_object())
+        range = fmt::format("colours from {} to {}; here {} to {}, mean {}", Number(colours.at("darkest")),
+                            Number(colours.at("brightest")), Number(layer.at("least")), Number(layer.at("most")),
+                            Number(layer.at("mean")));
     const std::string name = EscapeHtml(layer.at("name")), file = EscapeHtml(layer.at("file"));
     return fmt::format(
         "<figure id=\"{0}\"><a href=\"{1}\"><img src=\"{1}\" alt=\"{0}\"></a><figcaption><b>{0}</b>{2}; "
-        "{3}.</figcaption>"
-        "</figure>\n",
+        "{3}.</figcaption></figure>\n",
         name, file, EscapeHtml(layer.at("meaning")), range);
 }
 
@@ -75,21 +75,17 @@ std::string FlatText(const Json &layers) {
 }
 
 std::string LightRows(const Json &lights) {
-    std::vector<const Json *> sorted;
-    for (const Json &light : lights) sorted.push_back(&light);
-    std::stable_sort(sorted.begin(), sorted.end(), [](const Json *a, const Json *b) {
-        return a->at("power").get<double>() > b->at("power").get<double>();
-    });
+    std::vector<Json> sorted(lights.begin(), lights.end());
+    std::ranges::stable_sort(sorted, std::greater(), [](const Json &l) { return l.at("power").get<double>(); });
     std::string rows;
-    for (size_t i = 0; i < std::min(sorted.size(), kMaxLights); ++i)
+    for (const Json &light : sorted | std::views::take(kMaxLights))
         rows += fmt::format("<tr><td>{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td></tr>\n",
-                            EscapeHtml(sorted[i]->at("label")), Number(sorted[i]->at("first")),
-                            Number(sorted[i]->at("power")));
+                            EscapeHtml(light.at("label")), Number(light.at("first")), Number(light.at("power")));
     return rows;
 }
 
-}  // namespace
-
+/// HTML page for the images in the same folder, from inspect.json: captioned images, sentences for flat layers, lights,
+/// structure.
 std::string InspectPage(const Json &inspection, const std::string &structure) {
     const Json &layers = inspection.at("layers"), &lights = inspection.at("lights");
     const std::string sampler = EscapeHtml(inspection.value("sampler", "")),
@@ -97,9 +93,7 @@ std::string InspectPage(const Json &inspection, const std::string &structure) {
     std::string page = std::string(kPageHead) + kHead;
     page += fmt::format("<title>{} · lightlab inspect</title>\n</head>\n<body>\n<h1>{}</h1>\n", sampler, sampler);
     page += fmt::format(
-        "<p>State of the light sampler at the first visible surface that is not purely specular. Scene: "
-        "{}. "
-        "{}</p>\n",
+        "<p>State of the light sampler at the first visible surface that is not purely specular. Scene: {}. {}</p>\n",
         scene, EscapeHtml(inspection.value("note", "")));
     page += FlatText(layers) + "<div class=\"pictures\">\n";
     for (const Json &layer : layers)
@@ -113,18 +107,6 @@ std::string InspectPage(const Json &inspection, const std::string &structure) {
     page += "<h2>Structure</h2>\n<pre>" + EscapeHtml(structure.empty() ? "no learned structure" : structure) +
             "</pre>\n</body>\n</html>\n";
     return page;
-}
-
-namespace fs = std::filesystem;
-
-namespace {
-
-constexpr int kLegendRows = 12;
-
-void MakeFolder(const std::string &folder) {
-    std::error_code failed;
-    fs::create_directories(folder, failed);
-    if (failed) throw UserError(fmt::format("{}: {}.", folder, failed.message()));
 }
 
 Json LayerJson(const InspectedLayer &layer, const std::string &file) {
@@ -210,7 +192,8 @@ int RunInspect(const InspectOptions &options, const PluginRegistry &registry, Pr
         RenderWaves(built.Rendering(progress), settings);
         if (progress.Cancelled()) return 130;
     }
-    Inspection inspection = InspectLights(built, *built.integrator, options.settings, progress);
+    Inspection inspection =
+        InspectLights(built, *built.integrator->Lights(), built.integrator.get(), options.settings, progress);
     if (progress.Cancelled()) return 130;
 
     Json about;

@@ -24,29 +24,20 @@ Measures MeasuresFromJson(const Json &json) {
     return measures;
 }
 
-MeasuringReference::MeasuringReference(Image reference)
-    : reference_(std::move(reference)), flip_(std::make_unique<FlipReference>(reference_)) {}
-
 Measures MeasuringReference::Compare(const Image &image) const {
     auto error = [&](Metric metric) { return ImageError(image, reference_, metric); };
     auto trimmed = [&](Metric metric) { return TrimmedRelL2(image, reference_, 0.001, nullptr, metric); };
     return {error(Metric::RelL2),   error(Metric::MSE),      error(Metric::MRSE),
-            error(Metric::MAE),     error(Metric::SMAPE),    flip_->Compare(image),
+            error(Metric::MAE),     error(Metric::SMAPE),    flip_.Compare(image),
             trimmed(Metric::RelL2), error(Metric::RelL2Abs), trimmed(Metric::RelL2Abs)};
 }
 
 Summary Summarize(std::span<const double> values) {
     RunningMoments moments;
     for (double v : values) moments.Add(v);
-    Summary out;
-    out.count = moments.Count();
-    out.mean = moments.Mean();
-    out.stdDev = std::sqrt(moments.Variance());
-    if (out.count > 1) out.standardError = out.stdDev / std::sqrt(static_cast<double>(out.count));
-    return out;
+    const double stdDev = std::sqrt(moments.Variance()), n = static_cast<double>(moments.Count());
+    return {moments.Count(), moments.Mean(), stdDev, n > 1 ? stdDev / std::sqrt(n) : 0};
 }
-
-bool FirefliesDecide(double relL2, double trimmedRelL2, double factor) { return relL2 > factor * trimmedRelL2; }
 
 namespace {
 
@@ -69,18 +60,6 @@ double WelchP(const Summary &a, const Summary &b) {
     return StudentTwoSidedP(std::log(b.mean / a.mean) / std::sqrt(variance), dof) / 2;
 }
 
-}  // namespace
-
-bool LowerBeyondNoise(std::span<const double> a, std::span<const double> b, double level) {
-    const Summary sa = Summarize(a), sb = Summarize(b);
-    if (sa.count < 2 || sb.count < 2 || !(sa.mean < sb.mean)) return false;
-    if (sa.mean <= 0) return true;
-    const bool paired = sa.count == sb.count && sa.count >= kSeedsToPair;
-    return (paired ? PairedP(a, b) : WelchP(sa, sb)) < level;
-}
-
-namespace {
-
 // Replaces increasing errors by the geometric mean of the violating points, until none increases.
 void LevelRises(std::vector<CurvePoint> &points) {
     struct Block {
@@ -99,11 +78,10 @@ void LevelRises(std::vector<CurvePoint> &points) {
         }
     }
     size_t i = 0;
-    for (const Block &block : blocks) {
-        // Points that agree with their neighbours keep their exact error.
+    for (const Block &block : blocks)
         for (size_t k = 0; k < block.count; ++k, ++i)
+            // Points that agree with their neighbours keep their exact error.
             if (block.count > 1) points[i].error = std::exp(block.Mean());
-    }
 }
 
 // y at x on the line through (x0, y0) and (x1, y1) in log-log.
@@ -114,10 +92,18 @@ double LogLog(double x, double x0, double y0, double x1, double y1) {
 
 }  // namespace
 
+bool LowerBeyondNoise(std::span<const double> a, std::span<const double> b, double level) {
+    const Summary sa = Summarize(a), sb = Summarize(b);
+    if (sa.count < 2 || sb.count < 2 || !(sa.mean < sb.mean)) return false;
+    if (sa.mean <= 0) return true;
+    const bool paired = sa.count == sb.count && sa.count >= kSeedsToPair;
+    return (paired ? PairedP(a, b) : WelchP(sa, sb)) < level;
+}
+
 ErrorCurve::ErrorCurve(std::vector<CurvePoint> points, double fixedCost) : fixedCost_(fixedCost) {
     for (const CurvePoint &p : points)
         if (std::isfinite(p.cost) && std::isfinite(p.error) && p.cost > 0 && p.error > 0) points_.push_back(p);
-    std::sort(points_.begin(), points_.end(), [](const CurvePoint &a, const CurvePoint &b) { return a.cost < b.cost; });
+    std::ranges::sort(points_, {}, &CurvePoint::cost);
     LevelRises(points_);
     if (!points_.empty()) fixedCost_ = std::clamp(fixedCost_, 0.0, points_.back().cost);
 }
@@ -126,8 +112,7 @@ std::optional<ErrorCurve::Reading> ErrorCurve::ErrorAt(double cost) const {
     if (points_.empty() || !(cost >= points_.front().cost)) return {};
     const CurvePoint &last = points_.back();
     if (cost > last.cost) return Reading{last.error * (last.cost - fixedCost_) / (cost - fixedCost_), true};
-    auto next = std::lower_bound(points_.begin(), points_.end(), cost,
-                                 [](const CurvePoint &p, double c) { return p.cost < c; });
+    const auto next = std::ranges::lower_bound(points_, cost, {}, &CurvePoint::cost);
     if (next->cost == cost) return Reading{next->error, false};
     const CurvePoint &before = *std::prev(next);
     return Reading{LogLog(cost, before.cost, before.error, next->cost, next->error), false};
@@ -137,8 +122,8 @@ std::optional<ErrorCurve::Reading> ErrorCurve::CostToReach(double error) const {
     if (points_.empty() || !(error > 0) || points_.front().error < error) return {};
     const CurvePoint &last = points_.back();
     if (last.error > error) return Reading{fixedCost_ + (last.cost - fixedCost_) * (last.error / error), true};
-    auto reached =
-        std::find_if(points_.begin(), points_.end(), [error](const CurvePoint &p) { return p.error <= error; });
+    const auto reached = std::ranges::find_if(
+        points_, [=](double e) { return e <= error; }, &CurvePoint::error);
     if (reached->error == error) return Reading{reached->cost, false};
     const CurvePoint &before = *std::prev(reached);
     return Reading{LogLog(error, before.error, before.cost, reached->error, reached->cost), false};
@@ -147,8 +132,7 @@ std::optional<ErrorCurve::Reading> ErrorCurve::CostToReach(double error) const {
 std::vector<CurvePoint> MeanCurve(std::span<const std::vector<CurvePoint>> runs) {
     std::vector<CurvePoint> mean;
     if (runs.empty()) return mean;
-    size_t length = runs[0].size();
-    for (const auto &run : runs) length = std::min(length, run.size());
+    const size_t length = std::ranges::min_element(runs, {}, std::ranges::size)->size();
     const auto n = static_cast<double>(runs.size());
     for (size_t i = 0; i < length; ++i) {
         CurvePoint p;
@@ -162,7 +146,7 @@ std::vector<CurvePoint> MeanCurve(std::span<const std::vector<CurvePoint>> runs)
 }
 
 std::optional<ErrorCurve::Reading> SpeedUpToEqualError(const ErrorCurve &mine, const ErrorCurve &other) {
-    if (mine.Empty() || other.Empty()) return {};
+    if (mine.Points().empty() || other.Points().empty()) return {};
     const CurvePoint &last = mine.Points().back();
     if (auto needed = other.CostToReach(last.error))
         return ErrorCurve::Reading{needed->value / last.cost, needed->extrapolated};
@@ -173,13 +157,11 @@ std::optional<ErrorCurve::Reading> SpeedUpToEqualError(const ErrorCurve &mine, c
 }
 
 std::optional<double> ErrorRatioAtEqualCost(const ErrorCurve &mine, const ErrorCurve &other) {
-    if (mine.Empty() || other.Empty()) return {};
+    if (mine.Points().empty() || other.Points().empty()) return {};
     const double cost = std::min(mine.Points().back().cost, other.Points().back().cost);
     auto a = mine.ErrorAt(cost), b = other.ErrorAt(cost);
     if (!a || !b) return {};
     return a->value / b->value;
 }
-
-double Efficiency(double error, double seconds) { return error > 0 && seconds > 0 ? 1 / (error * seconds) : 0; }
 
 }  // namespace ext::lab

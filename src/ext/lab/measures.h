@@ -19,7 +19,11 @@ constexpr size_t MeasureCount = 9;
 constexpr std::array<const char *, MeasureCount> MeasureNames = {
     "relL2", "MSE", "MRSE", "MAE", "SMAPE", "FLIP", "relL2Trimmed", "relL2Abs", "relL2AbsTrimmed"};
 using Measures = std::array<double, MeasureCount>;
-inline double Get(const Measures &m, Measure which) { return m[static_cast<size_t>(which)]; }
+/// The value of one measure.
+template <class T>
+const T &Get(const std::array<T, MeasureCount> &values, Measure which) {
+    return values[static_cast<size_t>(which)];
+}
 
 Json ToJson(const Measures &measures);
 Measures MeasuresFromJson(const Json &json);
@@ -27,13 +31,12 @@ Measures MeasuresFromJson(const Json &json);
 /// Compares images with one reference (R, G, B of equal resolution).
 class MeasuringReference {
   public:
-    explicit MeasuringReference(Image reference);
+    explicit MeasuringReference(const Image &reference) : reference_(reference), flip_(reference) {}
     Measures Compare(const Image &image) const;
-    const Image &Picture() const { return reference_; }
 
   private:
     Image reference_;
-    std::unique_ptr<FlipReference> flip_;
+    FlipReference flip_;
 };
 
 struct Summary {
@@ -44,8 +47,8 @@ struct Summary {
 };
 Summary Summarize(std::span<const double> values);
 
-/// True if trimmed relL2 is lower than relL2 by more than `factor`: fireflies dominate the error.
-bool FirefliesDecide(double relL2, double trimmedRelL2, double factor = 2);
+/// True if trimmed relL2 is lower than relL2 by more than a factor of 2: fireflies dominate the error.
+inline bool FirefliesDecide(double relL2, double trimmedRelL2) { return relL2 > 2 * trimmedRelL2; }
 
 /// True if the mean of `a` is lower than that of `b` by a one-sided t-test at `level`, with one value per seed. Runs of
 /// equal seed share the camera's random numbers: for equal seed counts of at least `kSeedsToPair`, per-seed differences
@@ -77,7 +80,6 @@ class ErrorCurve {
     /// Minimum cost for an error; empty if the first point is already below it (`value` would then be a guess).
     std::optional<Reading> CostToReach(double error) const;
     const std::vector<CurvePoint> &Points() const { return points_; }  ///< sorted by cost, levelled
-    bool Empty() const { return points_.empty(); }
 
   private:
     std::vector<CurvePoint> points_;
@@ -95,6 +97,6 @@ std::optional<ErrorCurve::Reading> SpeedUpToEqualError(const ErrorCurve &mine, c
 std::optional<double> ErrorRatioAtEqualCost(const ErrorCurve &mine, const ErrorCurve &other);
 
 /// 1 / (error x seconds); 0 if either is not positive.
-double Efficiency(double error, double seconds);
+inline double Efficiency(double error, double seconds) { return error > 0 && seconds > 0 ? 1 / (error * seconds) : 0; }
 
 }  // namespace ext::lab

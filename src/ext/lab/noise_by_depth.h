@@ -1,4 +1,5 @@
 #pragma once
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,7 +21,7 @@ struct Noise {
     double plain = 0;
     double trimmed = 0;  ///< excluding the noisiest 0.1 % of pixels
 };
-Noise NoiseOf(const std::vector<Image> &pictures, const Image &reference);
+Noise NoiseOf(std::span<const Image> pictures, const Image &reference);
 
 /// 1, 2, 3, 4, 6, 8, 12, ... scattering events, up to `maxDepth`.
 std::vector<int> NoiseDepths(int maxDepth);

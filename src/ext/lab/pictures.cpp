@@ -172,7 +172,7 @@ Json WriteViews(const ExperimentSettings &settings, const LabScene &scene, size_
                 Progress &cancel) {
     InspectSettings how = ViewSettings();
     if (sampler > 0) how.shownLights = 0;
-    const Inspection inspection = InspectLights(scene.built, integrator, how, cancel);
+    const Inspection inspection = InspectLights(scene.built, *integrator.Lights(), &integrator, how, cancel);
     if (cancel.Cancelled()) return {};
     auto write = [&](const std::string &folder, bool ofScene) {
         return WithFolder(

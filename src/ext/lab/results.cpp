@@ -23,9 +23,8 @@ void DropEmptyRounds(RunRecord *run) {
 std::vector<CurvePoint> Curve(const SamplerResult &sampler, bool bySamples) {
     std::vector<std::vector<CurvePoint>> curves(sampler.runs.size());
     auto isShared = [&](int checkpoint) {
-        return std::all_of(sampler.runs.begin(), sampler.runs.end(), [&](const RunRecord &run) {
-            return std::any_of(run.rounds.begin(), run.rounds.end(),
-                               [&](const RoundRecord &r) { return r.checkpoint == checkpoint; });
+        return std::ranges::all_of(sampler.runs, [&](const RunRecord &run) {
+            return std::ranges::find(run.rounds, checkpoint, &RoundRecord::checkpoint) != run.rounds.end();
         });
     };
     for (size_t i = 0; i < curves.size(); ++i)
@@ -54,9 +53,9 @@ double CpuPerSample(const std::vector<RunRecord> &runs) {
     return samples > 0 ? cpu / samples : 0;
 }
 
-std::vector<double> ErrorsOf(const std::vector<RunRecord> &runs, size_t measure) {
+std::vector<double> ErrorsOf(const std::vector<RunRecord> &runs, Measure measure) {
     std::vector<double> errors;
-    for (const RunRecord &run : runs) errors.push_back(run.rounds.back().measures[measure]);
+    for (const RunRecord &run : runs) errors.push_back(Get(run.rounds.back().measures, measure));
     return errors;
 }
 
@@ -67,9 +66,9 @@ void SummarizeOne(SamplerResult *s) {
     s->cpuSeconds = MeanOver(s->runs, [&](const RunRecord &r) { return last(r).spent.cpu; });
     s->prepareSeconds = MeanOver(s->runs, [](const RunRecord &r) { return r.prepare.wall; });
     s->prepareCpuSeconds = MeanOver(s->runs, [](const RunRecord &r) { return r.prepare.cpu; });
-    for (size_t m = 0; m < MeasureCount; ++m) s->measures[m] = Summarize(ErrorsOf(s->runs, m));
-    const double error = s->measures[static_cast<size_t>(Measure::RelL2)].mean;
-    s->firefliesDecide = FirefliesDecide(error, s->measures[static_cast<size_t>(Measure::RelL2Trimmed)].mean);
+    for (size_t m = 0; m < MeasureCount; ++m) s->measures[m] = Summarize(ErrorsOf(s->runs, static_cast<Measure>(m)));
+    const double error = Get(s->measures, Measure::RelL2).mean;
+    s->firefliesDecide = FirefliesDecide(error, Get(s->measures, Measure::RelL2Trimmed).mean);
     s->efficiency = Efficiency(error, s->seconds);
     s->cpuPerSample = CpuPerSample(s->runs);
     s->shadowRays = MeanOver(s->runs, [&](const RunRecord &r) { return double(last(r).shadowRays); });
@@ -86,7 +85,9 @@ std::string NameWithoutMesh(const std::string &label) {
 
 class BiasJudge {
   public:
-    BiasJudge(const References &references, const std::vector<std::vector<Image>> &pictures) {
+    /// `samplers`: with the samples of their runs, in the order of `pictures`.
+    BiasJudge(const References &references, const std::vector<SamplerResult> &samplers,
+              const std::vector<std::vector<Image>> &pictures) {
         for (const Reference &r : references.all) {
             Pictures p{NameWithoutMesh(r.sampler), TilesOf(r.parts), static_cast<double>(r.samples)};
             if (p.tiles.empty()) p.tiles.push_back(ComputeTileMeans(r.image));
@@ -94,13 +95,8 @@ class BiasJudge {
             references_.push_back(std::move(p));
             noise_.push_back(r.noise);
         }
-        for (const std::vector<Image> &runs : pictures) runs_.push_back({"", TilesOf(runs), 0});
-    }
-
-    /// Call for every sampler before Judge.
-    void Describe(size_t sampler, const std::string &label, double samples) {
-        runs_[sampler].name = NameWithoutMesh(label);
-        runs_[sampler].samples = samples;
+        for (size_t i = 0; i < samplers.size(); ++i)
+            runs_.push_back({NameWithoutMesh(samplers[i].choice.label), TilesOf(pictures[i]), samplers[i].samples});
     }
 
     BiasReport Judge(size_t sampler, size_t reference) const {
@@ -177,17 +173,10 @@ std::vector<std::string> RemarksOn(const ExperimentSettings &settings, const Ref
 
 }  // namespace
 
-std::optional<double> ReportNumber(const Json &report, std::initializer_list<const char *> names) {
-    for (const char *name : names)
-        if (report.contains(name) && report[name].is_number()) return report[name].get<double>();
-    return {};
-}
-
 ExperimentResults Summarize(const ExperimentSettings &settings, const References &references,
                             std::vector<std::vector<RunRecord>> runs, const std::vector<std::vector<Image>> &pictures,
                             const std::vector<std::optional<SelectionReport>> &selections) {
     ExperimentResults results;
-    BiasJudge judge(references, pictures);
     for (size_t i = 0; i < settings.samplers.size(); ++i) {
         SamplerResult s;
         s.choice = settings.samplers[i];
@@ -196,9 +185,9 @@ ExperimentResults Summarize(const ExperimentSettings &settings, const References
         for (RunRecord &run : s.runs) DropEmptyRounds(&run);
         SummarizeOne(&s);
         s.selection = selections[i];
-        judge.Describe(i, s.choice.label, s.samples);
         results.samplers.push_back(std::move(s));
     }
+    const BiasJudge judge(references, results.samplers, pictures);
     for (size_t i = 0; i < results.samplers.size(); ++i) {
         SamplerResult &s = results.samplers[i];
         s.bias = judge.Judge(i, s.reference);
@@ -210,9 +199,9 @@ ExperimentResults Summarize(const ExperimentSettings &settings, const References
     }
     CompareSamplers(&results.samplers);
     for (const SamplerResult &s : results.samplers)
-        results.contenders.push_back({s.choice.label, ErrorsOf(s.runs, static_cast<size_t>(Measure::RelL2)),
-                                      ErrorsOf(s.runs, static_cast<size_t>(Measure::RelL2Trimmed)), s.bias.verdict,
-                                      s.choice.IsOracle(), s.firefliesDecide, s.speedUp, s.speedUpAgainst});
+        results.contenders.push_back({s.choice.label, ErrorsOf(s.runs, Measure::RelL2),
+                                      ErrorsOf(s.runs, Measure::RelL2Trimmed), s.bias.verdict, s.choice.IsOracle(),
+                                      s.firefliesDecide, s.speedUp, s.speedUpAgainst});
     results.conclusion = Conclude(results.contenders, references.doubts,
                                   RemarksOn(settings, references, results.samplers), settings.Timed());
     return results;

@@ -133,33 +133,6 @@ class VertexChecker {
     std::vector<uint32_t> places_;  ///< per light: 1 + its index among the vertex's lights, or 0
 };
 
-}  // namespace
-
-std::optional<SelectionReport> CheckSelection(const SelectionVertices &vertices, const LightSampler &lights,
-                                              const SelectionSettings &settings, Progress &progress) {
-    SelectionReport report;
-    const double count = static_cast<double>(vertices.VertexCount());
-    for (int draws = kMinDraws; draws <= kMaxDraws; draws *= 4) {
-        std::vector<std::vector<VertexFinding>> regions(vertices.RegionCount());
-        progress.BeginPhase("checking light selection", regions.size());
-        ParallelForEach(regions.size(), [&](int64_t r) {
-            VertexChecker checker(lights, draws, vertices.Lights());
-            const auto &region = vertices.OfRegion(r);
-            for (size_t v = 0; v < region.size() && !progress.Cancelled(); ++v)
-                regions[r].push_back(checker.Check(region[v], Rng(Hash(kStream, settings.seed, draws, r, v))));
-            progress.Advance();
-        });
-        progress.EndPhase();
-        if (progress.Cancelled()) return {};
-        report = JudgeSelection(regions, settings.bias);
-        report.draws = draws;
-        if (report.visibleSixteenth <= settings.bias.interest || 4 * draws * count > settings.mostWork) break;
-    }
-    return report;
-}
-
-namespace {
-
 constexpr double kMaxVertex = 8;
 constexpr double kMinEffective = 20;  ///< minimum effective paths for a statement
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -207,11 +180,48 @@ Sums SumUp(std::span<const VertexFinding> region) {
     return sums;
 }
 
+/// Calls f(name in JSON, value); infinity is null there.
+template <class Report, class F>
+void ForEachNumber(Report &r, F &&f) {
+    f("vertices", r.vertices);
+    f("draws", r.draws);
+    f("difference", r.difference);
+    f("standardError", r.standardError);
+    f("visibleImage", r.visibleImage);
+    f("visibleSixteenth", r.visibleSixteenth);
+    f("unjudged", r.unjudged);
+    f("worstRegion", r.worstRegion);
+    f("worstDifference", r.worstDifference);
+}
+
 std::string Percent(double share) {
     return std::abs(share) < 0.995 ? fmt::format("{:.2g} %", 100 * share) : fmt::format("{:.0f} %", 100 * share);
 }
 
 }  // namespace
+
+std::optional<SelectionReport> CheckSelection(const SelectionVertices &vertices, const LightSampler &lights,
+                                              const SelectionSettings &settings, Progress &progress) {
+    SelectionReport report;
+    const double count = static_cast<double>(vertices.VertexCount());
+    for (int draws = kMinDraws; draws <= kMaxDraws; draws *= 4) {
+        std::vector<std::vector<VertexFinding>> regions(vertices.RegionCount());
+        progress.BeginPhase("checking light selection", regions.size());
+        ParallelForEach(regions.size(), [&](int64_t r) {
+            VertexChecker checker(lights, draws, vertices.Lights());
+            const auto &region = vertices.OfRegion(r);
+            for (size_t v = 0; v < region.size() && !progress.Cancelled(); ++v)
+                regions[r].push_back(checker.Check(region[v], Rng(Hash(kStream, settings.seed, draws, r, v))));
+            progress.Advance();
+        });
+        progress.EndPhase();
+        if (progress.Cancelled()) return {};
+        report = JudgeSelection(regions, settings.bias);
+        report.draws = draws;
+        if (report.visibleSixteenth <= settings.bias.interest || 4 * draws * count > settings.mostWork) break;
+    }
+    return report;
+}
 
 double EffectivePaths(std::span<const VertexFinding> region) { return SumUp(region).Paths(); }
 
@@ -279,42 +289,26 @@ SelectionReport JudgeSelection(std::span<const std::vector<VertexFinding>> regio
 }
 
 Json ToJson(const SelectionReport &r) {
-    auto finite = [](double v) { return std::isfinite(v) ? Json(v) : Json(); };
-    return {{"verdict", BiasVerdictName(r.verdict)},
-            {"vertices", r.vertices},
-            {"draws", r.draws},
-            {"difference", r.difference},
-            {"standardError", finite(r.standardError)},
-            {"visibleImage", finite(r.visibleImage)},
-            {"visibleSixteenth", finite(r.visibleSixteenth)},
-            {"unjudged", r.unjudged},
-            {"worstRegion", r.worstRegion},
-            {"worstDifference", r.worstDifference},
-            {"text", r.text}};
+    Json json;
+    json["verdict"] = BiasVerdictName(r.verdict);
+    ForEachNumber(r, [&](const char *name, auto v) { json[name] = std::isfinite(double(v)) ? Json(v) : Json(); });
+    json["text"] = r.text;
+    return json;
 }
 
 SelectionReport SelectionFromJson(const Json &json) {
-    auto number = [&](const char *name) { return json.at(name).is_null() ? kInfinity : json.at(name).get<double>(); };
     SelectionReport r;
     for (BiasVerdict v : {BiasVerdict::Clean, BiasVerdict::Biased, BiasVerdict::Unknown})
         if (json.at("verdict") == BiasVerdictName(v)) r.verdict = v;
-    r.vertices = json.at("vertices");
-    r.draws = json.at("draws");
-    r.difference = json.at("difference");
-    r.standardError = number("standardError");
-    r.visibleImage = number("visibleImage");
-    r.visibleSixteenth = number("visibleSixteenth");
-    r.unjudged = json.at("unjudged");
-    r.worstRegion = json.at("worstRegion");
-    r.worstDifference = json.at("worstDifference");
+    ForEachNumber(r, [&]<class T>(const char *name, T &v) {
+        v = json.at(name).is_null() ? std::numeric_limits<T>::infinity() : json.at(name).get<T>();
+    });
     r.text = json.at("text");
     return r;
 }
 
 void AddSelection(const SelectionReport &selection, BiasReport *report) {
-    const std::string atVertices = " Vertex by vertex: " + selection.text + ".";
-    const bool picturesShowNothing = !report->worst.biased;
-    if (selection.verdict == BiasVerdict::Clean && report->verdict == BiasVerdict::Unknown && picturesShowNothing) {
+    if (selection.verdict == BiasVerdict::Clean && report->verdict == BiasVerdict::Unknown && !report->worst.biased) {
         // This text replaces "Too few data": the vertices are sufficient.
         report->verdict = BiasVerdict::Clean;
         auto size = [](double v) { return std::isfinite(v) ? Percent(v) : std::string("none"); };
@@ -327,7 +321,7 @@ void AddSelection(const SelectionReport &selection, BiasReport *report) {
         report->verdict = BiasVerdict::Biased;
         report->text = "The pictures alone do not show this bias.";
     }
-    report->text += atVertices;
+    report->text += " Vertex by vertex: " + selection.text + ".";
 }
 
 }  // namespace ext::lab

@@ -56,10 +56,10 @@ struct Inspection {
 Inspection InspectLights(const BuiltScene &built, const LightSampler &sampler, const Integrator *integrator,
                          const InspectSettings &settings, Progress &progress);
 
-/// Writes one false-colour PNG per non-flat layer that is `wanted` into `folder`, created if needed; `legendRows`:
-/// height of the colour bar in pixels. Returns per wanted layer: name, file (in `folder`; null if flat), meaning,
-/// colour scale limits, range.
-Json WriteLayers(const Inspection &inspection, const std::string &folder, int legendRows,
+/// Writes one false-colour PNG per non-flat layer that is `wanted` into `folder`, created if needed, by its name after
+/// `prefix`, which may name a subfolder; `legendRows`: height of the colour bar in pixels. Returns per wanted layer:
+/// name, file (from `folder`; null if flat), meaning, colour scale limits, range.
+Json WriteLayers(const Inspection &inspection, const std::string &folder, const std::string &prefix, int legendRows,
                  const std::function<bool(const InspectedLayer &)> &wanted);
 
 /// Writes inspect.exr (all layers), a false-colour PNG per non-flat layer, inspect.json (meanings and ranges),

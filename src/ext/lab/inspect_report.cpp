@@ -128,9 +128,9 @@ Json LayerJson(const InspectedLayer &layer, const std::string &file) {
 
 }  // namespace
 
-Json WriteLayers(const Inspection &inspection, const std::string &folder, int legendRows,
+Json WriteLayers(const Inspection &inspection, const std::string &folder, const std::string &prefix, int legendRows,
                  const std::function<bool(const InspectedLayer &)> &wanted) {
-    MakeFolder(folder);
+    MakeFolder((fs::path(folder) / prefix).parent_path().string());
     const Image hit = inspection.image.Select({"hit"});
     Json json = Json::array();
     for (size_t c = 0; c < inspection.layers.size(); ++c) {
@@ -141,7 +141,7 @@ Json WriteLayers(const Inspection &inspection, const std::string &folder, int le
         style.least = static_cast<Float>(layer.shownLeast);
         style.most = static_cast<Float>(layer.shownMost);
         style.legendRows = legendRows;
-        const std::string file = layer.name + ".png";
+        const std::string file = prefix + layer.name + ".png";
         if (layer.IsFlat()) fs::remove(fs::path(folder) / file);  // removes images of earlier inspections
         else WriteImage(folder + "/" + file, FalseColor(inspection.image, static_cast<int>(c), style, &hit));
         json.push_back(LayerJson(layer, file));
@@ -151,7 +151,7 @@ Json WriteLayers(const Inspection &inspection, const std::string &folder, int le
 
 void WriteInspection(const Inspection &inspection, const std::string &folder, const Json &about) {
     MakeFolder(folder);
-    const fs::path out(folder);
+    const std::string out = folder + "/";
     Json json = about;
     json["note"] =
         "Dark grey: nothing visible. Magenta: not finite. The bar below a picture runs from the "
@@ -162,13 +162,12 @@ void WriteInspection(const Inspection &inspection, const std::string &folder, co
         json["lights"].push_back(
             {{"first", light.first.value}, {"count", light.count}, {"power", light.power}, {"label", light.label}});
 
-    WriteImage((out / "inspect.exr").string(), inspection.image);
-    json["layers"] = WriteLayers(inspection, folder, kLegendRows, [](const InspectedLayer &) { return true; });
+    WriteImage(out + "inspect.exr", inspection.image);
+    json["layers"] = WriteLayers(inspection, folder, "", kLegendRows, [](const InspectedLayer &) { return true; });
     ShortenFloats(&json);
-    WriteFile((out / "inspect.json").string(), json.dump(2) + "\n");
-    WriteFile((out / "structure.txt").string(),
-              inspection.structure.empty() ? "no learned structure\n" : inspection.structure);
-    WriteFile((out / "index.html").string(), InspectPage(json, inspection.structure));
+    WriteFile(out + "inspect.json", json.dump(2) + "\n");
+    WriteFile(out + "structure.txt", inspection.structure.empty() ? "no learned structure\n" : inspection.structure);
+    WriteFile(out + "index.html", InspectPage(json, inspection.structure));
 }
 
 int RunInspect(const InspectOptions &options, const PluginRegistry &registry, Progress &progress) {

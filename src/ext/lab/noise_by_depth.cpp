@@ -22,12 +22,12 @@ namespace {
 constexpr double kTrimmedShare = 0.001;
 
 /// Images of one sampler with path depths of at most `depth`; empty if cancelled.
-std::vector<Image> Pictures(const NoiseOptions &options, const LabScene &scene, const SamplerChoice &choice, int depth,
-                            Progress &progress) {
+std::vector<Image> Pictures(const ExperimentSettings &settings, const LabScene &scene, const SamplerChoice &choice,
+                            int depth, Progress &progress) {
     std::vector<Image> pictures;
-    for (int seed = 0; seed < options.experiment.seeds; ++seed) {
-        SamplerRun run(scene, choice, seed, options.experiment.samplesPerPixel, progress, depth);
-        if (!run.Prepare() || !run.RenderTo({options.experiment.samplesPerPixel, 0})) return {};
+    for (int seed = 0; seed < settings.seeds; ++seed) {
+        SamplerRun run(scene, choice, seed, settings.samplesPerPixel, progress, depth);
+        if (!run.Prepare() || !run.RenderTo({settings.samplesPerPixel, 0})) return {};
         pictures.push_back(run.Picture().Select({"R", "G", "B"}));
         progress.Advance();
     }
@@ -125,13 +125,13 @@ std::vector<int> NoiseDepths(int maxDepth) {
     return depths;
 }
 
-int RunNoise(const NoiseOptions &options, const PluginRegistry &registry, Progress &progress) {
-    if (options.experiment.seeds < 2) throw UserError("--seeds: a variance takes at least two.");
-    const std::vector<SamplerChoice> choices = ParseSamplerChoices(options.samplers, registry);
-    const LabScene scene = LoadLabScene(options.experiment, registry, progress);
+int RunNoise(const ExperimentSettings &settings, const PluginRegistry &registry, Progress &progress) {
+    if (settings.seeds < 2) throw UserError("--seeds: a variance takes at least two.");
+    const std::vector<SamplerChoice> &choices = settings.samplers;
+    const LabScene scene = LoadLabScene(settings, registry, progress);
     const std::vector<int> depths = NoiseDepths(scene.built.maxDepth);
 
-    progress.BeginPhase("rendering", choices.size() * depths.size() * options.experiment.seeds);
+    progress.BeginPhase("rendering", choices.size() * depths.size() * settings.seeds);
     // The deepest come first: their mean is the reference of all others, which need not be stored.
     std::vector<Image> deepest;
     for (const SamplerChoice &choice : choices) {
@@ -140,7 +140,7 @@ int RunNoise(const NoiseOptions &options, const PluginRegistry &registry, Progre
         deepest.insert(deepest.end(), pictures.begin(), pictures.end());
     }
     const Image reference = AverageImages(deepest).image;
-    const size_t seeds = options.experiment.seeds;
+    const size_t seeds = settings.seeds;
     std::vector<std::vector<Noise>> noise(choices.size());
     for (size_t i = 0; i < choices.size(); ++i) {
         for (size_t d = 0; d + 1 < depths.size(); ++d) {
@@ -153,10 +153,10 @@ int RunNoise(const NoiseOptions &options, const PluginRegistry &registry, Progre
     progress.EndPhase();
 
     Json json;
-    json["scene"] = options.experiment.scene;
-    json["commandLine"] = options.experiment.commandLine;
-    json["samples"] = options.experiment.samplesPerPixel;
-    json["seeds"] = options.experiment.seeds;
+    json["scene"] = settings.scene;
+    json["commandLine"] = settings.commandLine;
+    json["samples"] = settings.samplesPerPixel;
+    json["seeds"] = settings.seeds;
     json["samplers"] = Json::array();
     std::printf("%-36s", "scattering events");
     for (const int depth : depths) std::printf(" %9d", depth);
@@ -173,7 +173,7 @@ int RunNoise(const NoiseOptions &options, const PluginRegistry &registry, Progre
         std::printf("\n%-36s%s", "  trimmed", trimmed.c_str());
         json["samplers"].push_back(entry);
     }
-    const std::string &folder = options.experiment.outFolder;
+    const std::string &folder = settings.outFolder;
     MakeFolder(folder);
     ShortenFloats(&json);
     WriteFile(folder + "/noise.json", json.dump(2) + "\n");

@@ -15,6 +15,8 @@
 
 namespace ext::lab {
 
+namespace fs = std::filesystem;
+
 namespace {
 
 template <class T>
@@ -115,76 +117,44 @@ std::vector<Bounds2i> ChooseCrops(std::span<const std::vector<float>> maps, Poin
     std::vector<Candidate> candidates;
     for (int y = 0; y + side <= resolution.y; y += step)
         for (int x = 0; x + side <= resolution.x; x += step) {
+            const Bounds2i square{{x, y}, {x + side, y + side}};
             double least = std::numeric_limits<double>::infinity(), most = 0;
             for (const std::vector<float> &map : maps) {
                 double sum = 0;
-                for (int v = y; v < y + side; ++v)
-                    for (int u = x; u < x + side; ++u) {
-                        const double e = double(map[v * resolution.x + u]);
-                        sum += e * e;
-                    }
+                ForEachPixel(square, [&](int u, int v) { sum += Sqr(double(map[v * resolution.x + u])); });
                 least = std::min(least, sum);
                 most = std::max(most, sum);
             }
-            if (!maps.empty())
-                candidates.push_back({{{x, y}, {x + side, y + side}}, std::sqrt(most) - std::sqrt(least)});
+            if (!maps.empty()) candidates.push_back({square, std::sqrt(most) - std::sqrt(least)});
         }
-    std::stable_sort(candidates.begin(), candidates.end(),
-                     [](const Candidate &a, const Candidate &b) { return a.score > b.score; });
+    std::ranges::stable_sort(candidates, std::ranges::greater(), &Candidate::score);
     std::vector<Bounds2i> crops;
     for (const Candidate &c : candidates) {
-        const bool isFree = std::none_of(crops.begin(), crops.end(), [&](const Bounds2i &o) {
-            return c.pixels.low.x < o.high.x && o.low.x < c.pixels.high.x && c.pixels.low.y < o.high.y &&
-                   o.low.y < c.pixels.high.y;
-        });
-        if (isFree) crops.push_back(c.pixels);
+        auto overlaps = [&](const Bounds2i &o) { return !Intersect(c.pixels, o).IsEmpty(); };
+        if (std::ranges::none_of(crops, overlaps)) crops.push_back(c.pixels);
         if (crops.size() == 3) break;
     }
     return crops;
 }
 
-namespace fs = std::filesystem;
-
-namespace {
-
-constexpr const char *kFolder = "views";
-
-/// Coarser than `lightlab inspect`: some seconds on two cores for any number of lights.
-InspectSettings ViewSettings() {
-    InspectSettings s;
-    s.samples = 8;
-    s.shownLights = 4;
-    s.maxWork = 2e7;
-    return s;
-}
-
-Json WithFolder(Json layers, const std::string &folder) {
-    for (Json &layer : layers)
-        if (layer["file"].is_string()) layer["file"] = folder + "/" + layer["file"].get<std::string>();
-    return layers;
-}
-
-}  // namespace
-
 std::string ViewsNote(const SamplerChoice &choice) { return choice.folder + "/views.json"; }
 
 Json WriteViews(const ExperimentSettings &settings, const LabScene &scene, size_t sampler, const Integrator &integrator,
                 Progress &cancel) {
-    InspectSettings how = ViewSettings();
-    if (sampler > 0) how.shownLights = 0;
+    // Coarser than `lightlab inspect`: some seconds on two cores for any number of lights.
+    const InspectSettings how{.samples = 8, .shownLights = sampler > 0 ? 0 : 4, .maxWork = 2e7};
     const Inspection inspection = InspectLights(scene.built, *integrator.Lights(), &integrator, how, cancel);
     if (cancel.Cancelled()) return {};
-    auto write = [&](const std::string &folder, bool ofScene) {
-        return WithFolder(
-            WriteLayers(inspection, settings.outFolder + "/" + folder, 0,
-                        [&](const InspectedLayer &layer) { return layer.name != "hit" && layer.ofScene == ofScene; }),
-            folder);
+    auto write = [&](const std::string &prefix, bool ofScene) {
+        return WriteLayers(inspection, settings.outFolder, prefix, 0, [&](const InspectedLayer &layer) {
+            return layer.name != "hit" && layer.ofScene == ofScene;
+        });
     };
     Json views;
     views["everyNthPixel"] = inspection.stride;
     views["samplesPerLight"] = how.samples;
-    views["layers"] = write(settings.samplers[sampler].folder + "/" + kFolder, false);
-    if (sampler == 0) views["layersOfScene"] = write(kFolder, true);
+    views["layers"] = write(settings.samplers[sampler].folder + "/views/", false);
+    if (sampler == 0) views["layersOfScene"] = write("views/", true);
     views["bytes"] = Json::object();
     for (const char *part : {"layers", "layersOfScene"})
         for (const Json &layer : views.value(part, Json::array()))
@@ -229,9 +199,10 @@ void WritePictures(const ExperimentSettings &settings, const LabScene &scene, co
         metadata.attributes["lightlab.sampler"] = r.sampler;
         metadata.attributes["lightlab.sceneHash"] = scene.hash;
         metadata.attributes["samplesPerPixel"] = r.samples;
-        WriteImage(fmt::format("{}/{}.exr", settings.outFolder, name), r.image, metadata);
-        WritePicture(fmt::format("{}/{}.png", settings.outFolder, name), r.image, exposure);
-        WriteRangePicture(fmt::format("{}/{}.hdr", settings.outFolder, name), r.image);
+        const std::string file = settings.outFolder + "/" + name;
+        WriteImage(file + ".exr", r.image, metadata);
+        WritePicture(file + ".png", r.image, exposure);
+        WriteRangePicture(file + ".hdr", r.image);
         (*json)["references"].push_back({{"file", name + ".exr"},
                                          {"picture", name + ".png"},
                                          {"pictureRange", name + ".hdr"},

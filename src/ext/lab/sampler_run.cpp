@@ -19,11 +19,10 @@ namespace {
 constexpr double kLongestWave = 1;  ///< seconds; clock and progress are updated between waves only
 
 bool IsWholeFilm(const std::string &file, const LabScene &scene) {
-    std::ifstream in(file, std::ios::binary);
-    if (!in) return false;
     try {
-        scene.built.film->MakeRgbFilm()->Load(in);
-        return true;
+        std::ifstream in(file, std::ios::binary);
+        if (in) scene.built.film->MakeRgbFilm()->Load(in);
+        return in.is_open();
     } catch (const UserError &) {
         return false;
     }

@@ -345,9 +345,8 @@ BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &refer
     const std::vector<Cut> levels = Levels(grid, static_cast<int>(runs.size()));
 
     BiasReport report;
-    report.runs = static_cast<int>(runs.size());
     report.tiles = grid.Count();
-    report.smallestSide = levels[0].At(0, 0).high.x * grid.tileSize;
+    report.smallestSide = levels[0].At(0, 0).high.x * TileGrid::kTileSize;
     const double total = MeanOf(reference.parts);
     if (total != 0) report.meanDifference = MeanOf(runs) / total - 1;
 

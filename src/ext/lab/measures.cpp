@@ -108,25 +108,25 @@ ErrorCurve::ErrorCurve(std::vector<CurvePoint> points, double fixedCost) : fixed
     if (!points_.empty()) fixedCost_ = std::clamp(fixedCost_, 0.0, points_.back().cost);
 }
 
-std::optional<ErrorCurve::Reading> ErrorCurve::ErrorAt(double cost) const {
+std::optional<double> ErrorCurve::ErrorAt(double cost) const {
     if (points_.empty() || !(cost >= points_.front().cost)) return {};
     const CurvePoint &last = points_.back();
-    if (cost > last.cost) return Reading{last.error * (last.cost - fixedCost_) / (cost - fixedCost_), true};
+    if (cost > last.cost) return last.error * (last.cost - fixedCost_) / (cost - fixedCost_);
     const auto next = std::ranges::lower_bound(points_, cost, {}, &CurvePoint::cost);
-    if (next->cost == cost) return Reading{next->error, false};
+    if (next->cost == cost) return next->error;
     const CurvePoint &before = *std::prev(next);
-    return Reading{LogLog(cost, before.cost, before.error, next->cost, next->error), false};
+    return LogLog(cost, before.cost, before.error, next->cost, next->error);
 }
 
-std::optional<ErrorCurve::Reading> ErrorCurve::CostToReach(double error) const {
+std::optional<double> ErrorCurve::CostToReach(double error) const {
     if (points_.empty() || !(error > 0) || points_.front().error < error) return {};
     const CurvePoint &last = points_.back();
-    if (last.error > error) return Reading{fixedCost_ + (last.cost - fixedCost_) * (last.error / error), true};
+    if (last.error > error) return fixedCost_ + (last.cost - fixedCost_) * (last.error / error);
     const auto reached = std::ranges::find_if(
         points_, [=](double e) { return e <= error; }, &CurvePoint::error);
-    if (reached->error == error) return Reading{reached->cost, false};
+    if (reached->error == error) return reached->cost;
     const CurvePoint &before = *std::prev(reached);
-    return Reading{LogLog(error, before.error, before.cost, reached->error, reached->cost), false};
+    return LogLog(error, before.error, before.cost, reached->error, reached->cost);
 }
 
 std::vector<CurvePoint> MeanCurve(std::span<const std::vector<CurvePoint>> runs) {
@@ -145,15 +145,14 @@ std::vector<CurvePoint> MeanCurve(std::span<const std::vector<CurvePoint>> runs)
     return mean;
 }
 
-std::optional<ErrorCurve::Reading> SpeedUpToEqualError(const ErrorCurve &mine, const ErrorCurve &other) {
+std::optional<double> SpeedUpToEqualError(const ErrorCurve &mine, const ErrorCurve &other) {
     if (mine.Points().empty() || other.Points().empty()) return {};
     const CurvePoint &last = mine.Points().back();
-    if (auto needed = other.CostToReach(last.error))
-        return ErrorCurve::Reading{needed->value / last.cost, needed->extrapolated};
+    if (auto needed = other.CostToReach(last.error)) return *needed / last.cost;
     const CurvePoint &first = other.Points().front();
     auto needed = mine.CostToReach(first.error);
     if (!needed) return {};
-    return ErrorCurve::Reading{first.cost / needed->value, needed->extrapolated};
+    return first.cost / *needed;
 }
 
 std::optional<double> ErrorRatioAtEqualCost(const ErrorCurve &mine, const ErrorCurve &other) {
@@ -161,7 +160,7 @@ std::optional<double> ErrorRatioAtEqualCost(const ErrorCurve &mine, const ErrorC
     const double cost = std::min(mine.Points().back().cost, other.Points().back().cost);
     auto a = mine.ErrorAt(cost), b = other.ErrorAt(cost);
     if (!a || !b) return {};
-    return a->value / b->value;
+    return *a / *b;
 }
 
 }  // namespace ext::lab

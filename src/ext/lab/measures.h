@@ -71,14 +71,10 @@ class ErrorCurve {
     /// the logarithms), so the curve is monotone.
     explicit ErrorCurve(std::vector<CurvePoint> points, double fixedCost = 0);
 
-    struct Reading {
-        double value = 0;
-        bool extrapolated = false;  ///< beyond the last point
-    };
     /// Error at a cost; empty before the first point or without points.
-    std::optional<Reading> ErrorAt(double cost) const;
-    /// Minimum cost for an error; empty if the first point is already below it (`value` would then be a guess).
-    std::optional<Reading> CostToReach(double error) const;
+    std::optional<double> ErrorAt(double cost) const;
+    /// Minimum cost for an error; empty if the first point is already below it (the value would then be a guess).
+    std::optional<double> CostToReach(double error) const;
     const std::vector<CurvePoint> &Points() const { return points_; }  ///< sorted by cost, levelled
 
   private:
@@ -91,7 +87,7 @@ std::vector<CurvePoint> MeanCurve(std::span<const std::vector<CurvePoint>> runs)
 
 /// Cost of `other` for the error of `mine` at its last point, over the cost of that point; above 1 if `mine` is faster.
 /// If the first point of `other` is already better: the ratio at that point's error, extrapolating `mine` where needed.
-std::optional<ErrorCurve::Reading> SpeedUpToEqualError(const ErrorCurve &mine, const ErrorCurve &other);
+std::optional<double> SpeedUpToEqualError(const ErrorCurve &mine, const ErrorCurve &other);
 
 /// Error ratio of `mine` to `other` at the largest cost measured for both (interpolated).
 std::optional<double> ErrorRatioAtEqualCost(const ErrorCurve &mine, const ErrorCurve &other);

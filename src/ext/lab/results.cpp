@@ -144,12 +144,12 @@ void CompareSamplers(std::vector<SamplerResult> *samplers) {
             if (k == i) continue;
             if (other.choice.IsOracle() && !mine.ratioToOracle)
                 mine.ratioToOracle = ErrorRatioAtEqualCost(bySamples[i], bySamples[k]);
-            const std::optional<ErrorCurve::Reading> speedUp = SpeedUpToEqualError(bySeconds[i], bySeconds[k]);
+            const std::optional<double> speedUp = SpeedUpToEqualError(bySeconds[i], bySeconds[k]);
             if (!speedUp) continue;
-            mine.speedUps.emplace_back(other.choice.label, speedUp->value);
+            mine.speedUps.emplace_back(other.choice.label, *speedUp);
             const bool counts = !other.choice.IsOracle() && other.bias.verdict != BiasVerdict::Biased;
-            if (counts && (!mine.speedUp || speedUp->value < *mine.speedUp)) {
-                mine.speedUp = speedUp->value;
+            if (counts && (!mine.speedUp || *speedUp < *mine.speedUp)) {
+                mine.speedUp = *speedUp;
                 mine.speedUpAgainst = other.choice.label;
             }
         }

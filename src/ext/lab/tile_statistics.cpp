@@ -9,17 +9,12 @@
 
 namespace ext::lab {
 
-TileGrid::TileGrid(Point2i resolution, int tileSize) : resolution(resolution), tileSize(tileSize) {
-    tilesX = std::max(1, resolution.x / tileSize);
-    tilesY = std::max(1, resolution.y / tileSize);
-}
-
 Bounds2i TileGrid::Pixels(int x, int y) const {
-    return Bounds2i({x * tileSize, y * tileSize}, {x + 1 == tilesX ? resolution.x : (x + 1) * tileSize,
-                                                   y + 1 == tilesY ? resolution.y : (y + 1) * tileSize});
+    const Point2i low = Point2i(x, y) * kTileSize, next = low + kTileSize;
+    return {low, {x + 1 == tilesX ? resolution.x : next.x, y + 1 == tilesY ? resolution.y : next.y}};
 }
 
-TileMeans ComputeTileMeans(const Image &image, int tileSize) {
+TileMeans ComputeTileMeans(const Image &image) {
     std::vector<int> channels;
     for (const char *name : {"R", "G", "B"})
         if (int c = image.FindChannel(name); c >= 0) channels.push_back(c);
@@ -28,7 +23,7 @@ TileMeans ComputeTileMeans(const Image &image, int tileSize) {
         for (int c = 0; c < image.ChannelCount(); ++c) channels.push_back(c);
     }
     TileMeans means;
-    means.grid = TileGrid(image.Resolution(), tileSize);
+    means.grid = TileGrid(image.Resolution());
     means.channels = static_cast<int>(channels.size());
     means.values.reserve(means.grid.Count() * channels.size());
     means.grid.ForEachTile([&](int tx, int ty) {

@@ -1,5 +1,5 @@
 #pragma once
-#include <cstddef>
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -20,14 +20,15 @@ void ForEachPixel(Point2i resolution, F &&f) {
 }
 
 /// Square tiles over an image. Remaining pixels at the right and bottom belong to the last tiles, so no tile is smaller
-/// than tileSize unless the image is.
+/// than kTileSize unless the image is.
 struct TileGrid {
+    static constexpr int kTileSize = 8;  ///< keeps tiles nearly independent under ordinary pixel filters
     Point2i resolution{0, 0};
-    int tileSize = 8;
     int tilesX = 0, tilesY = 0;
 
     TileGrid() = default;
-    TileGrid(Point2i resolution, int tileSize);
+    explicit TileGrid(Point2i size)
+        : resolution(size), tilesX(std::max(1, size.x / kTileSize)), tilesY(std::max(1, size.y / kTileSize)) {}
     int Count() const { return tilesX * tilesY; }
     int Index(int x, int y) const { return y * tilesX + x; }
     Bounds2i Pixels(int x, int y) const;
@@ -47,9 +48,8 @@ struct TileMeans {
     double operator()(int tile, int channel) const { return values[tile * channels + channel]; }
 };
 
-/// Tile means of R, G, B if present, else of all channels, without non-finite values. tileSize >= 8 keeps tiles nearly
-/// independent under ordinary pixel filters.
-TileMeans ComputeTileMeans(const Image &image, int tileSize = 8);
+/// Tile means of R, G, B if present, else of all channels, without non-finite values.
+TileMeans ComputeTileMeans(const Image &image);
 std::vector<TileMeans> TilesOf(std::span<const Image> images);
 
 /// Mean of images of equal weight, and its expected relL2 (from the variance between the images; 0 for a single one).

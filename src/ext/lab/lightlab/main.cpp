@@ -124,14 +124,9 @@ int main(int argc, char **argv) {
         std::fputs(FormatAll(e, isatty(STDERR_FILENO) != 0).c_str(), stderr);
         if (e.Count() > 1) std::fprintf(stderr, "%zu errors; nothing was rendered.\n", e.Count());
         return 1;
-    } catch (const std::bad_alloc &) {
-        std::fprintf(stderr, "Error: %s\n", OutOfMemoryText("").c_str());
-        return 1;
-    } catch (const std::length_error &) {
-        std::fprintf(stderr, "Error: %s\n", OutOfMemoryText("").c_str());
-        return 1;
     } catch (const std::exception &e) {
-        std::fprintf(stderr, "Error: %s\n", e.what());
+        const bool isMemory = dynamic_cast<const std::bad_alloc *>(&e) || dynamic_cast<const std::length_error *>(&e);
+        std::fprintf(stderr, "Error: %s\n", isMemory ? OutOfMemoryText("").c_str() : e.what());
         return 1;
     }
 }

@@ -12,7 +12,7 @@ namespace ext::lab {
 
 TEST(TileGrid, CoversEveryPixelOnce) {
     for (Point2i size : {Point2i(64, 48), Point2i(67, 41), Point2i(5, 9), Point2i(8, 1)}) {
-        const TileGrid grid(size, 8);
+        const TileGrid grid(size);
         std::vector<int> hits(static_cast<size_t>(size.x * size.y));
         for (int ty = 0; ty < grid.tilesY; ++ty)
             for (int tx = 0; tx < grid.tilesX; ++tx) {
@@ -36,7 +36,7 @@ TEST(TileMeans, AreMeansOfTheColorChannels) {
             image.Set({x, y}, 3, 2);
         }
     image.Set({0, 0}, 3, NAN);
-    const TileMeans means = ComputeTileMeans(image, 8);
+    const TileMeans means = ComputeTileMeans(image);
     ASSERT_EQ(means.grid.Count(), 2);  // one covers the columns 0 to 7, one 8 to 19
     ASSERT_EQ(means.channels, 3);
     EXPECT_DOUBLE_EQ(means(0, 0), 3.5);

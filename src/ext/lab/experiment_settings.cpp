@@ -167,8 +167,8 @@ SampleCounts::SampleCounts(const std::string &path, const ExperimentSettings &se
     hash_ = hash.Hex();
 }
 
-ImageMetadata LabScene::Metadata(const std::string &sampler, int samples, double seconds) const {
-    ImageMetadata m = built.film->Metadata();
+ImageMetadata LabScene::Metadata(const Film &film, const std::string &sampler, int samples, double seconds) const {
+    ImageMetadata m = film.Metadata();
     m.attributes["lightlab.sampler"] = sampler;
     m.attributes["lightlab.sceneHash"] = hash;
     m.attributes["samplesPerPixel"] = samples;

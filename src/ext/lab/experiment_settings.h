@@ -100,8 +100,8 @@ struct LabScene {
     /// Samples per pixel of one sampler batch; longer renders add batches with other seeds. Texture filters depend on
     /// it, so it is equal for all runs and references.
     int Batch() const { return built.samplesPerPixel; }
-    /// Film metadata and attributes that name scene, program and these arguments. `samples`: per pixel.
-    ImageMetadata Metadata(const std::string &sampler, int samples, double seconds) const;
+    /// Metadata of the film, and attributes that name scene, program and the other arguments. `samples`: per pixel.
+    ImageMetadata Metadata(const Film &film, const std::string &sampler, int samples, double seconds) const;
     std::unique_ptr<Integrator> MakeIntegrator(const SamplerChoice &choice, std::optional<int> maxDepth = {}) const;
 };
 

@@ -116,7 +116,8 @@ class ReferenceCache {
             for (int c = 0; c < all.ChannelCount(); ++c)
                 all.Set({x, y}, c, (c < 3 ? reference->image : parts[c / 3 - 1]).Get({x, y}, c % 3));
         });
-        ImageMetadata m = scene_.Metadata(reference->sampler, reference->samples, reference->seconds);
+        ImageMetadata m =
+            scene_.Metadata(*scene_.built.film, reference->sampler, reference->samples, reference->seconds);
         m.attributes["lightlab.parts"] = static_cast<int>(parts.size());
         m.attributes["lightlab.reference"] = about_;
         m.attributes["lightlab.noiseRelL2"] = static_cast<float>(reference->noise.value_or(0));

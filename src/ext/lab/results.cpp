@@ -77,10 +77,9 @@ void SummarizeOne(SamplerResult *s) {
 }
 
 /// Label without "+mesh": runs with and without mesh lights are auxiliary to each other.
-std::string NameWithoutMesh(const std::string &label) {
-    const std::string mesh = "+mesh";
-    const size_t at = label.find(mesh);
-    return at == std::string::npos ? label : label.substr(0, at) + label.substr(at + mesh.size());
+std::string NameWithoutMesh(std::string label) {
+    if (const size_t at = label.find("+mesh"); at != std::string::npos) label.erase(at, 5);
+    return label;
 }
 
 class BiasJudge {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <sstream>
 
@@ -101,7 +100,7 @@ void SamplerRun::AddRound(int checkpoint, const Measures &measures) {
 }
 
 ImageMetadata SamplerRun::Metadata() const {
-    ImageMetadata m = scene_.Metadata(label_, Samples(), spent_.wall);
+    ImageMetadata m = scene_.Metadata(*film_, label_, Samples(), spent_.wall);
     m.attributes["lightlab.prepareSeconds"] = static_cast<float>(record_.prepare.wall);
     m.attributes["lightlab.seed"] = record_.seed;
     return m;
@@ -122,7 +121,7 @@ bool IsFinite(const Image &picture) {
 }
 
 bool IsWholePicture(const std::string &file, Point2i resolution) {
-    if (!std::filesystem::exists(file)) return false;
+    if (!FileExists(file)) return false;
     try {
         const Image picture = ReadImage(file).image.Select({"R", "G", "B"});
         return picture.Resolution() == resolution && IsFinite(picture);
@@ -134,14 +133,13 @@ bool IsWholePicture(const std::string &file, Point2i resolution) {
 RunRecord TakeUpRun(const RecordFolder &records, const LabScene &scene, const std::string &sampler, int seed,
                     size_t checkpoints, const std::string &picture) {
     RunRecord run = records.LoadRun(sampler, seed);
-    const size_t recorded = records.CountRounds(sampler, seed, checkpoints);
     auto canResume = [&](size_t rounds) {
         if (rounds == checkpoints) return IsWholePicture(picture, scene.Resolution());
         return IsWholeFilm(records.FilmFile(sampler, seed, static_cast<int>(rounds) - 1), scene);
     };
     size_t kept = std::min(run.rounds.size(), checkpoints);
     while (kept > 0 && !canResume(kept)) --kept;
-    if (recorded > kept)
+    if (records.CountRounds(sampler, seed, checkpoints) > kept)
         LogWarning(fmt::format(
             "{}/{}: records of seed {} are damaged or missing; {}.", records.Folder(), sampler, seed,
             kept > 0 ? fmt::format("resuming from {} per pixel", CountText(run.rounds[kept - 1].samples, "sample"))

@@ -35,12 +35,10 @@ class NeeppLightSampler final : public VoxelLightSampler {
     const VisibilityMap &Map() const { return map_; }
 
   private:
-    std::span<const uint32_t> Cdf(const Point3 &p) const override;
+    std::vector<double> Weights(uint32_t voxel) const override;
 
     NeeppParams params_;
     VisibilityMap map_;
-    LazyRows<uint32_t> cdfs_;  ///< per voxel
-    bool prepared_ = false;    ///< false: at most one group, or Prepare was not called
 };
 
 }  // namespace ext

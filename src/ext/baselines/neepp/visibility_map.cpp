@@ -13,6 +13,14 @@
 namespace ext {
 
 namespace {
+/// Decorrelates the segments from other uses of the seed.
+constexpr uint64_t kStream = 0x6e65657070ull;
+
+Vector3 Uniform3(Rng &rng) {
+    Float x = rng.Uniform(), y = rng.Uniform();
+    return {x, y, rng.Uniform()};
+}
+
 constexpr int kSkySamples = 4096;
 
 /// Calls visit(point, weight) for points uniform over a primitive's area, enough to make missing a crossed voxel
@@ -112,16 +120,6 @@ size_t LightTargets::Bytes() const {
     return targets_.capacity() * sizeof(Target) + shares_.capacity() * sizeof(Share) +
            first_.capacity() * sizeof(uint32_t);
 }
-
-namespace {
-/// Decorrelates the segments from other uses of the seed.
-constexpr uint64_t kStream = 0x6e65657070ull;
-
-Vector3 Uniform3(Rng &rng) {
-    Float x = rng.Uniform(), y = rng.Uniform();
-    return {x, y, rng.Uniform()};
-}
-}  // namespace
 
 void VisibilityMap::Prepare(PrepareContext &context, const LightGroups &groups) {
     const auto start = std::chrono::steady_clock::now();

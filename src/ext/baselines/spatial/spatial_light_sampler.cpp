@@ -37,10 +37,8 @@ SpatialLightSampler::SpatialLightSampler(const LightTable &lights, const Spatial
 void SpatialLightSampler::Prepare(PrepareContext &context) {
     if (groups_.Size() <= 1) return;
     const auto start = std::chrono::steady_clock::now();
-    grid_ = VoxelGrid(context.scene.Bounds(), params_.voxels);
-    cdfs_.Reset(grid_.Size(), groups_.Size());
+    PrepareVoxels(VoxelGrid(context.scene.Bounds(), params_.voxels));
     seed_ = context.seed;
-    prepared_ = true;
     auto work = static_cast<double>(grid_.BorderSize()) * static_cast<double>(groups_.Size()) * params_.samples;
     if (work > 3e8)
         LogWarning(
@@ -77,16 +75,12 @@ std::vector<double> SpatialLightSampler::UnshadowedContributions(uint32_t voxel)
     return mean;
 }
 
-std::span<const uint32_t> SpatialLightSampler::Cdf(const Point3 &p) const {
-    if (!prepared_) return {};
-    uint32_t voxel = grid_.Index(p);
-    return cdfs_.Get(voxel, [&](std::span<uint32_t> begins) {
-        std::vector<double> f = UnshadowedContributions(voxel);
-        double least = std::accumulate(f.begin(), f.end(), 0.0) / static_cast<double>(f.size()) *
-                       static_cast<double>(params_.floor);
-        for (double &v : f) v = std::max(v, least);
-        BuildFixedCdf(f, begins);
-    });
+std::vector<double> SpatialLightSampler::Weights(uint32_t voxel) const {
+    std::vector<double> f = UnshadowedContributions(voxel);
+    double least =
+        std::accumulate(f.begin(), f.end(), 0.0) / static_cast<double>(f.size()) * static_cast<double>(params_.floor);
+    for (double &v : f) v = std::max(v, least);
+    return f;
 }
 
 void SpatialLightSampler::Report(nlohmann::ordered_json &report) const {
@@ -105,7 +99,7 @@ void SpatialLightSampler::Report(nlohmann::ordered_json &report) const {
 void SpatialLightSampler::Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const {
     uint32_t strongest = 0;
     Float share = groups_.Size() > 0 ? 1 / static_cast<Float>(groups_.Size()) : 0;
-    if (prepared_) {
+    if (IsPrepared()) {
         std::span<const uint32_t> cdf = Cdf(query.p);
         for (uint32_t g = 1; g < cdf.size(); ++g)
             if (FixedCdfPMF(cdf, g) > FixedCdfPMF(cdf, strongest)) strongest = g;
@@ -117,7 +111,7 @@ void SpatialLightSampler::Inspect(const LightQuery &query, std::vector<Inspected
 }
 
 std::string SpatialLightSampler::DescribeStructure() const {
-    if (!prepared_) return {};
+    if (!IsPrepared()) return {};
     const glm::ivec3 &r = grid_.Resolution();
     const Vector3 &s = grid_.VoxelSize();
     return fmt::format(

@@ -1,9 +1,6 @@
 #pragma once
-#include "ext/voxels/lazy_rows.h"
-#include "ext/voxels/voxel_grid.h"
 #include "ext/voxels/voxel_light_sampler.h"
 #include "pbrt/core/describe.h"
-#include "pbrt/lightsamplers/light_sampler.h"
 
 namespace ext {
 
@@ -27,8 +24,7 @@ struct SpatialParams {
 /// Visibility-Aware Light Sampling" (Noh, Choi, Moon 2023), Le G / p over low-discrepancy points of the voxel. The
 /// points lie in space, so G has the light's cosine and the distance but no receiver cosine (as in pbrt-v3).
 ///
-/// A voxel's distribution is created on first use and depends on voxel and seed only. Before Prepare, selection is
-/// uniform.
+/// A voxel's distribution depends on voxel and seed only.
 class SpatialLightSampler final : public VoxelLightSampler {
   public:
     SpatialLightSampler(const LightTable &lights, const SpatialParams &params);
@@ -49,14 +45,11 @@ class SpatialLightSampler final : public VoxelLightSampler {
         Float uMember = 0;
         Point2 uLight{};
     };
-    std::span<const uint32_t> Cdf(const Point3 &p) const override;
+    std::vector<double> Weights(uint32_t voxel) const override;
 
     const LightTable &lights_;
     SpatialParams params_;
-    VoxelGrid grid_;
     std::vector<VoxelPoint> points_;
-    LazyRows<uint32_t> cdfs_;  ///< per voxel
-    bool prepared_ = false;    ///< false: at most one group, or Prepare was not called
     int seed_ = 0;
     double prepareSeconds_ = 0;
 };

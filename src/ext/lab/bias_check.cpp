@@ -10,7 +10,6 @@
 #include <ranges>
 #include <utility>
 
-#include "ext/lab/tile_statistics.h"
 #include "pbrt/core/error.h"
 #include "pbrt/images/metrics.h"
 #include "pbrt/math/statistics.h"
@@ -65,24 +64,22 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// One level of regions: the tile grid, divided evenly into rectangles.
 struct Cut {
-    int countX = 1, countY = 1, tilesX = 1, tilesY = 1;
-    int Count() const { return countX * countY; }
-    Bounds2i At(int x, int y) const {
-        return {{x * tilesX / countX, y * tilesY / countY}, {(x + 1) * tilesX / countX, (y + 1) * tilesY / countY}};
-    }
+    Point2i count, tiles;
+    int Count() const { return count.x * count.y; }
+    Bounds2i At(int x, int y) const { return {Point2i(x, y) * tiles / count, Point2i(x + 1, y + 1) * tiles / count}; }
 };
 
 std::vector<Cut> Levels(const TileGrid &grid, int runs) {
     auto cut = [&](int side) {
         auto parts = [side](int tiles) { return std::max(1, (tiles + side / 2) / side); };
-        return Cut{parts(grid.tilesX), parts(grid.tilesY), grid.tilesX, grid.tilesY};
+        return Cut{{parts(grid.tilesX), parts(grid.tilesY)}, {grid.tilesX, grid.tilesY}};
     };
     int side = 2;
     while (side * side * runs < kMinimumData) side *= 2;
     std::vector<Cut> levels;
     for (;; side *= 2) {
         levels.push_back(cut(side));
-        if (levels.back().countX == 1 && levels.back().countY == 1) return levels;
+        if (levels.back().Count() == 1) return levels;
     }
 }
 
@@ -95,9 +92,8 @@ class StrongSamples {
     void Add(const TileNoise &pictures, double sampleRatio) {
         if (pictures.Pictures() < 2) return;
         std::vector<double> ofBlocks;
-        for (int y = 0; y < blocks_.countY; ++y)
-            for (int x = 0; x < blocks_.countX; ++x)
-                ofBlocks.push_back(sampleRatio * pictures.Strongest(blocks_.At(x, y)));
+        ForEachPixel(blocks_.count,
+                     [&](int x, int y) { ofBlocks.push_back(sampleRatio * pictures.Strongest(blocks_.At(x, y))); });
         const size_t usual = std::max<size_t>(1, ofBlocks.size() / kUsual);
         if (usual < ofBlocks.size()) {
             std::nth_element(ofBlocks.begin(), ofBlocks.begin() + usual, ofBlocks.end(), std::greater<>());
@@ -144,12 +140,12 @@ class Channel {
             const double mean = std::accumulate(values.begin(), values.end(), 0.) / static_cast<double>(values.size());
             const double epsilon = RelL2Epsilon(mean);
             // Pixel filters correlate neighbouring pixels: a tile's mean has about twice the variance.
-            for (int t = 0; t < grid_.Count(); ++t) {
-                const Bounds2i pixels = grid_.Pixels(t % grid_.tilesX, t / grid_.tilesX);
-                const auto area = static_cast<double>(pixels.Area());
+            grid_.ForEachTile([&](int x, int y) {
+                const int t = grid_.Index(x, y);
+                const auto area = static_cast<double>(grid_.Pixels(x, y).Area());
                 const double value = reference.parts[0](t, channel);
                 known_.push_back(2 * *reference.relL2 * (value * value + epsilon) * weights_[t] * weights_[t] / area);
-            }
+            });
         }
     }
 
@@ -231,14 +227,13 @@ class Channel {
             for (const TileMeans &part : reference.parts) value[t] += part(static_cast<int>(t), channel) / parts;
             image += value[t] / static_cast<double>(value.size());
         }
-        for (int by = 0; by < blocks.countY; ++by)
-            for (int bx = 0; bx < blocks.countX; ++bx) {
-                const Bounds2i r = blocks.At(bx, by);
-                double sum = 0;
-                ForEachPixel(r, [&](int x, int y) { sum += value[grid.Index(x, y)]; });
-                const double mean = sum / static_cast<double>(r.Area()) + kDark * image;
-                ForEachPixel(r, [&](int x, int y) { weights[grid.Index(x, y)] = mean > 0 ? 1 / mean : 0; });
-            }
+        ForEachPixel(blocks.count, [&](int blockX, int blockY) {
+            const Bounds2i r = blocks.At(blockX, blockY);
+            double sum = 0;
+            ForEachPixel(r, [&](int x, int y) { sum += value[grid.Index(x, y)]; });
+            const double mean = sum / static_cast<double>(r.Area()) + kDark * image;
+            ForEachPixel(r, [&](int x, int y) { weights[grid.Index(x, y)] = mean > 0 ? 1 / mean : 0; });
+        });
         return weights;
     }
 
@@ -295,10 +290,10 @@ void CheckInput(std::span<const TileMeans> runs, std::span<const AuxiliaryRuns> 
 double MeanOf(std::span<const TileMeans> pictures) {
     double sum = 0;
     for (const TileMeans &p : pictures)
-        for (int t = 0; t < p.grid.Count(); ++t) {
-            const auto area = static_cast<double>(p.grid.Pixels(t % p.grid.tilesX, t / p.grid.tilesX).Area());
-            for (int c = 0; c < p.channels; ++c) sum += p(t, c) * area;
-        }
+        p.grid.ForEachTile([&](int x, int y) {
+            const auto area = static_cast<double>(p.grid.Pixels(x, y).Area());
+            for (int c = 0; c < p.channels; ++c) sum += p(p.grid.Index(x, y), c) * area;
+        });
     return sum / static_cast<double>(pictures.size());
 }
 
@@ -314,28 +309,19 @@ std::string Explain(const BiasReport &report, const BiasSettings &settings) {
                     Percent(report.visibleImage), Percent(report.visibleSixteenth), report.sixteenthRegions,
                     Percent(report.visibleSmallest), report.smallestSide);
     const RegionTest &w = report.worst;
-    switch (report.verdict) {
-        case BiasVerdict::Clean: return fmt::format("No bias detected; smallest detectable: {}.", visible);
-        case BiasVerdict::Unknown:
-            return fmt::format("Too few data to detect a bias of {}; smallest detectable: {}.",
-                               Percent(settings.interest), visible);
-        case BiasVerdict::Biased:
-            return fmt::format("{:+.2f} % (standard error {:.2f} %) in pixels x {} to {}, y {} to {}, channel {}.",
-                               100 * w.difference, 100 * w.standardError, w.pixels.low.x, w.pixels.high.x,
-                               w.pixels.low.y, w.pixels.high.y, w.channel);
-    }
-    return {};
+    if (report.verdict == BiasVerdict::Biased)
+        return fmt::format("{:+.2f} % (standard error {:.2f} %) in pixels x {} to {}, y {} to {}, channel {}.",
+                           100 * w.difference, 100 * w.standardError, w.pixels.low.x, w.pixels.high.x, w.pixels.low.y,
+                           w.pixels.high.y, w.channel);
+    if (report.verdict == BiasVerdict::Clean) return fmt::format("No bias detected; smallest detectable: {}.", visible);
+    return fmt::format("Too few data to detect a bias of {}; smallest detectable: {}.", Percent(settings.interest),
+                       visible);
 }
 
 }  // namespace
 
 const char *BiasVerdictName(BiasVerdict verdict) {
-    switch (verdict) {
-        case BiasVerdict::Clean: return "clean";
-        case BiasVerdict::Biased: return "biased";
-        case BiasVerdict::Unknown: break;
-    }
-    return "unknown";
+    return verdict == BiasVerdict::Clean ? "clean" : verdict == BiasVerdict::Biased ? "biased" : "unknown";
 }
 
 BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &reference, const BiasSettings &settings,
@@ -357,36 +343,31 @@ BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &refer
         const Channel channel(runs, auxiliary, reference, c, levels[0]);
         for (size_t l = 0; l < levels.size(); ++l) {
             const Cut &cut = levels[l];
-            const bool whole = l + 1 == levels.size();
-            const double allowance = whole ? settings.allowanceImage : settings.allowanceRegion;
-            for (int y = 0; y < cut.countY; ++y)
-                for (int x = 0; x < cut.countX; ++x) {
-                    const Bounds2i low = cut.At(std::max(x - 1, 0), std::max(y - 1, 0));
-                    const Bounds2i high = cut.At(std::min(x + 1, cut.countX - 1), std::min(y + 1, cut.countY - 1));
-                    RegionTest test = channel.Test(cut.At(x, y), {low.low, high.high}, allowance, level);
-                    test.level = static_cast<int>(l);
-                    test.channel = c;
-                    tests.push_back(test);
-                }
+            const double allowance = l + 1 == levels.size() ? settings.allowanceImage : settings.allowanceRegion;
+            ForEachPixel(cut.count, [&](int x, int y) {
+                const Bounds2i low = cut.At(std::max(x - 1, 0), std::max(y - 1, 0));
+                const Bounds2i high = cut.At(std::min(x + 1, cut.count.x - 1), std::min(y + 1, cut.count.y - 1));
+                RegionTest test = channel.Test(cut.At(x, y), {low.low, high.high}, allowance, level);
+                test.level = static_cast<int>(l);
+                test.channel = c;
+                tests.push_back(test);
+            });
         }
     }
 
     // Level whose regions are closest to 1/16 of the image.
-    size_t sixteenth = 0;
-    auto offSixteenth = [&](size_t l) { return std::abs(std::log(levels[l].Count() / 16.0)); };
-    for (size_t l = 1; l < levels.size(); ++l)
-        if (offSixteenth(l) < offSixteenth(sixteenth)) sixteenth = l;
-
-    report.sixteenthRegions = levels[sixteenth].Count();
+    const auto sixteenth =
+        std::ranges::min_element(levels, {}, [](const Cut &cut) { return std::abs(std::log(cut.Count() / 16.0)); });
+    report.sixteenthRegions = sixteenth->Count();
     const auto last = static_cast<int>(levels.size()) - 1;
-    auto visible = [&](size_t of) {
+    auto visible = [&](std::ptrdiff_t of) {
         std::vector<double> values;
         for (const RegionTest &t : tests)
-            if (t.level == static_cast<int>(of)) values.push_back(t.visible);
+            if (t.level == of) values.push_back(t.visible);
         return values;
     };
     report.visibleImage = std::ranges::max(visible(last));
-    report.visibleSixteenth = Median(visible(sixteenth));
+    report.visibleSixteenth = Median(visible(sixteenth - levels.begin()));
     report.visibleSmallest = Median(visible(0));
 
     auto leastP = [&](auto &&isMeant) {

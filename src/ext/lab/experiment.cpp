@@ -139,7 +139,8 @@ class Rounds {
         how.bias.level = SidakLevel(how.bias.level, settings_.samplers.size());
         if (!vertices_) vertices_.emplace(context_.scene.built, how.seed, context_.cancel);
         if (context_.cancel.Cancelled()) return false;
-        const std::optional<SelectionReport> report = CheckSelection(*vertices_, *run->Lights(), how, context_.cancel);
+        const std::optional<SelectionReport> report =
+            CheckSelection(*vertices_, *run->GetIntegrator().Lights(), how, context_.cancel);
         if (!report) return false;
         Json note = ToJson(*report);
         note["work"] = how.mostWork;

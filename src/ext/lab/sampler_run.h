@@ -28,7 +28,6 @@ class SamplerRun {
     double SecondsPerSample() const { return secondsPerSample_; }
     const RunRecord &Record() const { return record_; }
     const Integrator &GetIntegrator() const { return *integrator_; }
-    const LightSampler *Lights() const { return integrator_->Lights(); }
     Image Picture() const { return film_->ToImage(); }
     ImageMetadata Metadata() const;
     void SaveFilm(const std::string &path) const;

@@ -1,7 +1,5 @@
 #pragma once
 #include <array>
-#include <cstddef>
-#include <memory>
 #include <optional>
 #include <span>
 #include <vector>

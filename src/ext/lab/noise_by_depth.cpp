@@ -135,7 +135,7 @@ int RunNoise(const ExperimentSettings &settings, const PluginRegistry &registry,
     // The deepest come first: their mean is the reference of all others, which need not be stored.
     std::vector<Image> deepest;
     for (const SamplerChoice &choice : choices) {
-        const std::vector<Image> pictures = Pictures(options, scene, choice, depths.back(), progress);
+        const std::vector<Image> pictures = Pictures(settings, scene, choice, depths.back(), progress);
         if (pictures.empty()) return 130;
         deepest.insert(deepest.end(), pictures.begin(), pictures.end());
     }
@@ -144,7 +144,7 @@ int RunNoise(const ExperimentSettings &settings, const PluginRegistry &registry,
     std::vector<std::vector<Noise>> noise(choices.size());
     for (size_t i = 0; i < choices.size(); ++i) {
         for (size_t d = 0; d + 1 < depths.size(); ++d) {
-            const std::vector<Image> pictures = Pictures(options, scene, choices[i], depths[d], progress);
+            const std::vector<Image> pictures = Pictures(settings, scene, choices[i], depths[d], progress);
             if (pictures.empty()) return 130;
             noise[i].push_back(NoiseOf(pictures, reference));
         }

@@ -196,8 +196,8 @@ class Inspector {
         add("brightest_probability", "probability of the light that contributes most; magenta: no light contributes", 0,
             1);
         add("log10_excess",
-            "second moment of the one-light estimator over the least that other probabilities of the lights can reach (the "
-            "choice inside a mesh unchanged), log10; without MIS; magenta: no light contributes, or a light that "
+            "second moment of the one-light estimator over the least that other probabilities of the lights can reach "
+            "(the choice inside a mesh unchanged), log10; without MIS; magenta: no light contributes, or a light that "
             "contributes has probability 0",
             0, 2);
         for (size_t g : shown_) {

@@ -67,7 +67,7 @@ class Experiment:
     def spread(self, weights, metric="relL2"):
         """Standard error of the sum of weight * error over samplers, and its degrees of freedom. Runs of a seed share
         the camera's random numbers: from five seeds on they are compared one by one; fewer are taken for independent
-        (Welch), as lightlab does (src/ext/lab/summary.h)."""
+        (Welch), as lightlab does (src/ext/lab/measures.h)."""
         runs = {k: [r["rounds"][-1]["metrics"][metric] for r in self.samplers[k]["runs"]] for k in weights}
         seeds = min(len(r) for r in runs.values())
         if seeds < 2:

@@ -1,13 +1,192 @@
 #include "ext/emission/image_contribution_light_sampler.h"
 
-#include <chrono>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "ext/prepass/prepass.h"
 #include "pbrt/core/effective_params_text.h"
+#include "pbrt/core/progress.h"
+#include "pbrt/integrators/registry.h"
 #include "pbrt/lightsamplers/bvh_light_sampler.h"
+#include "pbrt/math/warps.h"
+#include "pbrt/transport/direct_light.h"
+#include "pbrt/transport/path_walk.h"
 
 namespace ext {
+
+namespace {
+
+/// Decorrelates this prepass from other uses of the seed.
+constexpr uint64_t kStream = 0x7365656eull;
+/// Maximum vertices per path, regardless of the render's maximum.
+constexpr int kMaxDepth = 8;
+/// Outlier limit of a contribution, relative to the mean.
+constexpr double kLargest = 100;
+/// Added to a tile's relative mean before weighting by its inverse square.
+constexpr double kPlain = 0.1;
+
+struct Sample {
+    uint32_t group;
+    double value;
+};
+
+class ContributionPath {
+  public:
+    ContributionPath(const PrepareContext &context, const GroupLightSampler &chooser, PrepassPath &path,
+                     std::vector<Sample> &samples)
+        : context_(context), scene_(context.scene), chooser_(chooser), samples_(samples), rng_(path.rng),
+          lambda_(path.lambda) {
+        Follow(path.start);
+    }
+
+  private:
+    void Follow(const CameraRay &start) {
+        const PathContext paths{scene_, context_.camera, context_.samplesPerPixel, scene_.NeedsFootprints()};
+        PathWalk walk(paths, start);
+        const int most = std::min(context_.maxDepth, kMaxDepth);
+        bool anyNonSpecular = false;
+        for (int depth = 0;;) {
+            const PathWalk::Met met = walk.Next();
+            if (met == PathWalk::Met::TooManyInterfaces) return;
+            if (const Medium *medium = walk.MediumAhead()) {
+                const Ray &ray = walk.GetRay();
+                const Float u = rng_.Uniform();
+                const MediumEvent event =
+                    walk.ThroughMedium(lambda_, u, rng_, false, weights_, [](const SampledSpectrum &, Float) {});
+                if (event.kind == MediumEvent::Kind::Absorbed) return;
+                if (event.kind == MediumEvent::Kind::Scattered) {
+                    if (depth++ == most) return;
+                    const HenyeyGreenstein &phase = medium->Phase();
+                    const Point3 p = ray(event.t);
+                    const Vector3 wo = -ray.d;
+                    last_.Prepare(chooser_, LightQueryInMedium(p, wo, ray.medium, phase, ray.time, lambda_, depth),
+                                  {p, {}, {}, {}, ray.time});
+                    SampleLight(
+                        last_.from,
+                        [&](const Vector3 &wi) {
+                            return Scattering{SampledSpectrum(phase.P(wo, wi)), 1};
+                        },
+                        [&](const Vector3 &wi) { return phase.P(wo, wi); },
+                        [&](const Vector3 &) { return ray.medium; });
+                    const auto scattered = phase.SampleP(wo, rng_.Uniform2());
+                    pdf_ = scattered.p;
+                    anyNonSpecular = true;
+                    walk.ScatterInMedium(p, scattered.wi);
+                    continue;
+                }
+            }
+            if (anyNonSpecular)
+                walk.ForEachEmission(
+                    lambda_, [&](const SampledSpectrum &Le, LightId id, const Point3 &p, const Normal3 &n) {
+                        Hit(weights_.beta * Le, id, met == PathWalk::Met::Nothing, walk.GetRay().d, p, n);
+                    });
+            if (met == PathWalk::Met::Nothing) return;
+            if (!walk.FindScattering(lambda_)) continue;
+            if (depth++ == most) return;
+            const auto &[point, bsdf] = walk.Vertex();
+            if (IsNonSpecular(bsdf.Flags())) {
+                last_.Prepare(chooser_, walk.Vertex(), lambda_, depth);
+                SampleLight(
+                    ScatteringContextAt(scene_, point, bsdf),
+                    [&](const Vector3 &wi) {
+                        return Scattering{bsdf.F(point.wo, wi), AbsDot(wi, point.shading.n)};
+                    },
+                    [&](const Vector3 &wi) { return bsdf.Pdf(point.wo, wi); },
+                    [&](const Vector3 &wi) { return point.MediumTowards(wi); });
+            }
+            const Float uc = rng_.Uniform();
+            const std::optional<BsdfSample> sample = bsdf.Sample(point.wo, uc, rng_.Uniform2());
+            if (!sample) return;
+            weights_.beta *= sample->f * (AbsDot(sample->wi, point.shading.n) / sample->pdf);
+            if (!weights_.beta) return;
+            pdf_ = IsSpecular(sample->flags)   ? 0
+                   : sample->pdfIsProportional ? bsdf.Pdf(point.wo, sample->wi)
+                                               : sample->pdf;
+            anyNonSpecular = anyNonSpecular || pdf_ > 0;
+            walk.Scatter(*sample);
+            if (const Float survive = weights_.beta.MaxComponent(); depth > 1 && survive < 1) {
+                if (rng_.Uniform() >= survive) return;
+                weights_.beta /= survive;
+            }
+        }
+    }
+
+    /// `densities`: as SpectralWeights::ru.
+    void Add(const SampledSpectrum &L, LightId light, const SampledSpectrum &densities) {
+        const double value = double(SafeDivide(L, lambda_.Pdf()).Average()) / double(densities.Average());
+        if (value > 0 && std::isfinite(value)) samples_.push_back({chooser_.Groups().GroupOf(light), value});
+    }
+
+    /// `pdf(wi)`: scattering density of a direction (solid angle).
+    template <class Scatter, class Pdf, class MediumTowards>
+    void SampleLight(const LightSampleContext &at, Scatter &&scatter, Pdf &&pdf, MediumTowards &&mediumTowards) {
+        const Float u = rng_.Uniform();
+        const auto trace = [&](const LightLiSample &to, const Point2 &) {
+            return scene_.HasMedia() ? TraceShadow(scene_, last_.from, mediumTowards(to.wi), to, lambda_, rng_)
+                                     : TraceShadowRay(scene_, last_.from, to);
+        };
+        ObservedPath unobserved;
+        const std::optional<DirectLight> light = SampleDirectLight(scene_.Lights(), last_.lights, at, lambda_, true, u,
+                                                                   rng_.Uniform2(), unobserved, scatter, trace);
+        if (!light) return;
+        SampledSpectrum L = weights_.beta * light->F() * light->sample.L / light->Pdf() * light->through.value;
+        if (!light->isDelta) L *= PowerHeuristic(light->Pdf(), pdf(light->sample.wi));
+        Add(L, light->chosen.light, weights_.ru * light->through.rl);
+    }
+
+    void Hit(const SampledSpectrum &L, LightId light, bool isInfinite, const Vector3 &wi, const Point3 &p,
+             const Normal3 &n) {
+        const Float pLight = pdf_ > 0 ? last_.LightPdf(scene_.Lights(), light, isInfinite, wi, p, n) : 0;
+        Add(L * (pLight > 0 ? PowerHeuristic(pdf_, pLight) : Float(1)), light, weights_.ru);
+    }
+
+    const PrepareContext &context_;
+    const Scene &scene_;
+    const GroupLightSampler &chooser_;
+    std::vector<Sample> &samples_;
+    Rng &rng_;
+    SampledWavelengths &lambda_;
+    SpectralWeights weights_;
+    VertexSelection last_;  ///< of the last non-specular vertex
+    /// Density of the direction that left it (solid angle); 0: the last vertex was left by a specular sample.
+    Float pdf_ = 0;
+};
+
+}  // namespace
+
+std::vector<ImageContribution> EstimateImageContributions(PrepareContext &context, const GroupLightSampler &chooser,
+                                                          double paths) {
+    struct Tile {
+        std::vector<Sample> samples;
+        int64_t paths = 0;
+        double sum = 0;
+    };
+    std::vector<Tile> perTile(PrepassTileCount(context.pixelBounds));
+    const double pathsPerPixel = perTile.empty() ? 0 : paths / static_cast<double>(context.pixelBounds.Area());
+    ForEachPrepassPath(context, "image contributions", kStream, pathsPerPixel, [&](int64_t tile, PrepassPath &path) {
+        Tile &to = perTile[tile];
+        ContributionPath(context, chooser, path, to.samples);
+        ++to.paths;
+    });
+    double sum = 0, count = 0, all = 0;
+    for (Tile &t : perTile) {
+        for (const Sample &f : t.samples) t.sum += f.value;
+        sum += t.sum;
+        count += static_cast<double>(t.samples.size());
+        all += static_cast<double>(t.paths);
+    }
+    std::vector<ImageContribution> result(chooser.Groups().Size());
+    if (sum > 0)
+        for (const Tile &t : perTile) {
+            const double largest = kLargest * sum / count;
+            const double brightness = t.sum / std::max(1.0, static_cast<double>(t.paths)) / (sum / all) + kPlain;
+            for (const Sample &f : t.samples) {
+                result[f.group].sum += std::min(f.value, largest) / (brightness * brightness);
+                ++result[f.group].count;
+            }
+        }
+    return result;
+}
 
 namespace {
 constexpr double kMinPaths = 8192, kMaxPaths = 1 << 20;
@@ -52,7 +231,7 @@ void ImageContributionLightSampler::Prepare(PrepareContext &context) {
         weights[g] = static_cast<Float>((1 - floor) * roots[g] / sum +
                                         floor * static_cast<double>(groups_.Candidate(g).power) / power);
     table_ = AliasTable(weights);
-    prepassSeconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    prepassSeconds_ = SecondsSince(start);
 }
 
 std::optional<GroupLightSampler::ChosenGroup> ImageContributionLightSampler::ChooseGroup(const LightQuery &query,
@@ -82,3 +261,14 @@ void ImageContributionLightSampler::Inspect(const LightQuery &, std::vector<Insp
 }
 
 }  // namespace ext
+
+void register_seen(pbrt::PluginRegistry &registry) {
+    using namespace ext;
+    registry.samplers.Add<ImageContributionParams>(
+        "seen",
+        "Chooses lights by power and by their contribution to the image, from a prepass; for `shootingsampler`.",
+        [](const ImageContributionParams &p, const ParamSet &, const LightGroups &groups) {
+            return std::make_unique<ImageContributionLightSampler>(groups.Lights(), p);
+        },
+        {.isSameEverywhere = true});
+}

@@ -7,9 +7,9 @@
 #include <functional>
 #include <limits>
 #include <numeric>
+#include <ranges>
 #include <utility>
 
-#include "ext/lab/tile_statistics.h"
 #include "pbrt/core/error.h"
 #include "pbrt/images/metrics.h"
 #include "pbrt/math/statistics.h"
@@ -64,24 +64,22 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// One level of regions: the tile grid, divided evenly into rectangles.
 struct Cut {
-    int countX = 1, countY = 1, tilesX = 1, tilesY = 1;
-    int Count() const { return countX * countY; }
-    TileRectangle At(int x, int y) const {
-        return {x * tilesX / countX, y * tilesY / countY, (x + 1) * tilesX / countX, (y + 1) * tilesY / countY};
-    }
+    Point2i count, tiles;
+    int Count() const { return count.x * count.y; }
+    Bounds2i At(int x, int y) const { return {Point2i(x, y) * tiles / count, Point2i(x + 1, y + 1) * tiles / count}; }
 };
 
 std::vector<Cut> Levels(const TileGrid &grid, int runs) {
     auto cut = [&](int side) {
         auto parts = [side](int tiles) { return std::max(1, (tiles + side / 2) / side); };
-        return Cut{parts(grid.tilesX), parts(grid.tilesY), grid.tilesX, grid.tilesY};
+        return Cut{{parts(grid.tilesX), parts(grid.tilesY)}, {grid.tilesX, grid.tilesY}};
     };
     int side = 2;
     while (side * side * runs < kMinimumData) side *= 2;
     std::vector<Cut> levels;
     for (;; side *= 2) {
         levels.push_back(cut(side));
-        if (levels.back().countX == 1 && levels.back().countY == 1) return levels;
+        if (levels.back().Count() == 1) return levels;
     }
 }
 
@@ -94,9 +92,8 @@ class StrongSamples {
     void Add(const TileNoise &pictures, double sampleRatio) {
         if (pictures.Pictures() < 2) return;
         std::vector<double> ofBlocks;
-        for (int y = 0; y < blocks_.countY; ++y)
-            for (int x = 0; x < blocks_.countX; ++x)
-                ofBlocks.push_back(sampleRatio * pictures.Strongest(blocks_.At(x, y)));
+        ForEachPixel(blocks_.count,
+                     [&](int x, int y) { ofBlocks.push_back(sampleRatio * pictures.Strongest(blocks_.At(x, y))); });
         const size_t usual = std::max<size_t>(1, ofBlocks.size() / kUsual);
         if (usual < ofBlocks.size()) {
             std::nth_element(ofBlocks.begin(), ofBlocks.begin() + usual, ofBlocks.end(), std::greater<>());
@@ -106,8 +103,9 @@ class StrongSamples {
     }
     bool Known() const { return !groups_.empty(); }
 
-    /// Strength of the strongest sample in `r`, at least the typical one, as its effect on one tile's mean of one run.
-    double Around(const TileRectangle &r) const {
+    /// Strength of the strongest sample in the tiles `r`, at least the typical one, as its effect on one tile's mean of
+    /// one run.
+    double Around(const Bounds2i &r) const {
         double strongest = usual_;
         for (const auto &[pictures, ratio] : groups_) strongest = std::max(strongest, ratio * pictures.Strongest(r));
         return strongest;
@@ -142,22 +140,22 @@ class Channel {
             const double mean = std::accumulate(values.begin(), values.end(), 0.) / static_cast<double>(values.size());
             const double epsilon = RelL2Epsilon(mean);
             // Pixel filters correlate neighbouring pixels: a tile's mean has about twice the variance.
-            for (int t = 0; t < grid_.Count(); ++t) {
-                const Bounds2i pixels = grid_.Pixels(t % grid_.tilesX, t / grid_.tilesX);
-                const double area = (pixels.high.x - pixels.low.x) * (pixels.high.y - pixels.low.y);
+            grid_.ForEachTile([&](int x, int y) {
+                const int t = grid_.Index(x, y);
+                const auto area = static_cast<double>(grid_.Pixels(x, y).Area());
                 const double value = reference.parts[0](t, channel);
                 known_.push_back(2 * *reference.relL2 * (value * value + epsilon) * weights_[t] * weights_[t] / area);
-            }
+            });
         }
     }
 
     /// `level`: significance level of this test.
-    RegionTest Test(const TileRectangle &r, const TileRectangle &around, double allowance, double level) const {
+    RegionTest Test(const Bounds2i &r, const Bounds2i &around, double allowance, double level) const {
         RegionTest test;
-        test.pixels = Bounds2i(grid_.Pixels(r.x0, r.y0).low, grid_.Pixels(r.x1 - 1, r.y1 - 1).high);
-        const double tiles = r.Count();
+        test.pixels = Bounds2i(grid_.Pixels(r.low.x, r.low.y).low, grid_.Pixels(r.high.x - 1, r.high.y - 1).high);
+        const double tiles = static_cast<double>(r.Area());
         double unit = 0;  // weighted mean of the reference
-        r.ForEach([&](int x, int y) {
+        ForEachPixel(r, [&](int x, int y) {
             test.difference += Difference(x, y) / tiles;
             unit += parts_.Mean(grid_.Index(x, y)) / tiles;
         });
@@ -181,7 +179,7 @@ class Channel {
         if (parts > 1) {
             add(parts_.Of(r));
         } else if (!known_.empty()) {
-            r.ForEach([&](int x, int y) { variance += known_[grid_.Index(x, y)] / (tiles * tiles); });
+            ForEachPixel(r, [&](int x, int y) { variance += known_[grid_.Index(x, y)] / (tiles * tiles); });
         }
         test.dof = squared > 0 ? std::min(variance * variance / squared, mostDof) : kManyDof;
         double lack = ofRuns_.Around(around) / (runs * tiles);
@@ -229,14 +227,13 @@ class Channel {
             for (const TileMeans &part : reference.parts) value[t] += part(static_cast<int>(t), channel) / parts;
             image += value[t] / static_cast<double>(value.size());
         }
-        for (int by = 0; by < blocks.countY; ++by)
-            for (int bx = 0; bx < blocks.countX; ++bx) {
-                const TileRectangle r = blocks.At(bx, by);
-                double sum = 0;
-                r.ForEach([&](int x, int y) { sum += value[grid.Index(x, y)]; });
-                const double mean = sum / ((r.x1 - r.x0) * (r.y1 - r.y0)) + kDark * image;
-                r.ForEach([&](int x, int y) { weights[grid.Index(x, y)] = mean > 0 ? 1 / mean : 0; });
-            }
+        ForEachPixel(blocks.count, [&](int blockX, int blockY) {
+            const Bounds2i r = blocks.At(blockX, blockY);
+            double sum = 0;
+            ForEachPixel(r, [&](int x, int y) { sum += value[grid.Index(x, y)]; });
+            const double mean = sum / static_cast<double>(r.Area()) + kDark * image;
+            ForEachPixel(r, [&](int x, int y) { weights[grid.Index(x, y)] = mean > 0 ? 1 / mean : 0; });
+        });
         return weights;
     }
 
@@ -245,23 +242,23 @@ class Channel {
         return runs_.Mean(t) - parts_.Mean(t);
     }
 
-    double StrongestDifference(const TileRectangle &r) const {
+    double StrongestDifference(const Bounds2i &r) const {
         std::vector<double> values;
-        r.ForEach([&](int x, int y) { values.push_back(Difference(x, y)); });
+        ForEachPixel(r, [&](int x, int y) { values.push_back(Difference(x, y)); });
         return Excess(values);
     }
 
-    TileNoise::Estimate Scatter(const TileRectangle &r, double mean) const {
+    TileNoise::Estimate Scatter(const Bounds2i &r, double mean) const {
         double own = 0, ownSquared = 0, neighbours = 0;
-        const double tiles = (r.x1 - r.x0) * (r.y1 - r.y0);
+        const auto tiles = static_cast<double>(r.Area());
         if (tiles < 2) return {kInfinity, 0};
         auto off = [&](int x, int y) { return Difference(x, y) - mean; };
-        r.ForEach([&](int x, int y) {
+        ForEachPixel(r, [&](int x, int y) {
             const double d = off(x, y);
             own += d * d;
             ownSquared += d * d * d * d;
-            if (x + 1 < r.x1) neighbours += d * off(x + 1, y);
-            if (y + 1 < r.y1) neighbours += d * off(x, y + 1);
+            if (x + 1 < r.high.x) neighbours += d * off(x + 1, y);
+            if (y + 1 < r.high.y) neighbours += d * off(x, y + 1);
         });
         TileNoise::Estimate noise;
         noise.variance = (own + std::max(0.0, 2 * neighbours)) / (tiles * (tiles - 1));
@@ -281,27 +278,22 @@ class Channel {
 void CheckInput(std::span<const TileMeans> runs, std::span<const AuxiliaryRuns> auxiliary,
                 const BiasReference &reference) {
     if (runs.empty() || reference.parts.empty()) throw UserError("The bias check needs runs and a reference.");
-    const TileMeans &first = runs[0];
-    auto allMatch = [&](std::span<const TileMeans> pictures) {
-        return std::all_of(pictures.begin(), pictures.end(),
-                           [&](const TileMeans &m) { return m.grid == first.grid && m.channels == first.channels; });
-    };
-    auto auxiliaryMatch = [&](std::span<const AuxiliaryRuns> list) {
-        return std::all_of(list.begin(), list.end(), [&](const AuxiliaryRuns &k) { return allMatch(k.pictures); });
-    };
-    if (!allMatch(runs) || !allMatch(reference.parts) || !auxiliaryMatch(auxiliary) ||
-        !auxiliaryMatch(reference.auxiliary))
-        throw UserError("Runs and reference of the bias check differ in resolution, tiles or channels.");
+    std::vector<std::span<const TileMeans>> all = {runs, reference.parts};
+    for (const AuxiliaryRuns &k : auxiliary) all.push_back(k.pictures);
+    for (const AuxiliaryRuns &k : reference.auxiliary) all.push_back(k.pictures);
+    for (const std::span<const TileMeans> pictures : all)
+        for (const TileMeans &m : pictures)
+            if (m.grid != runs[0].grid || m.channels != runs[0].channels)
+                throw UserError("Runs and reference of the bias check differ in resolution, tiles or channels.");
 }
 
 double MeanOf(std::span<const TileMeans> pictures) {
     double sum = 0;
     for (const TileMeans &p : pictures)
-        for (int t = 0; t < p.grid.Count(); ++t) {
-            const Bounds2i b = p.grid.Pixels(t % p.grid.tilesX, t / p.grid.tilesX);
-            const double area = (b.high.x - b.low.x) * (b.high.y - b.low.y);
-            for (int c = 0; c < p.channels; ++c) sum += p(t, c) * area;
-        }
+        p.grid.ForEachTile([&](int x, int y) {
+            const auto area = static_cast<double>(p.grid.Pixels(x, y).Area());
+            for (int c = 0; c < p.channels; ++c) sum += p(p.grid.Index(x, y), c) * area;
+        });
     return sum / static_cast<double>(pictures.size());
 }
 
@@ -317,28 +309,19 @@ std::string Explain(const BiasReport &report, const BiasSettings &settings) {
                     Percent(report.visibleImage), Percent(report.visibleSixteenth), report.sixteenthRegions,
                     Percent(report.visibleSmallest), report.smallestSide);
     const RegionTest &w = report.worst;
-    switch (report.verdict) {
-        case BiasVerdict::Clean: return fmt::format("No bias detected; smallest detectable: {}.", visible);
-        case BiasVerdict::Unknown:
-            return fmt::format("Too few data to detect a bias of {}; smallest detectable: {}.",
-                               Percent(settings.interest), visible);
-        case BiasVerdict::Biased:
-            return fmt::format("{:+.2f} % (standard error {:.2f} %) in pixels x {} to {}, y {} to {}, channel {}.",
-                               100 * w.difference, 100 * w.standardError, w.pixels.low.x, w.pixels.high.x,
-                               w.pixels.low.y, w.pixels.high.y, w.channel);
-    }
-    return {};
+    if (report.verdict == BiasVerdict::Biased)
+        return fmt::format("{:+.2f} % (standard error {:.2f} %) in pixels x {} to {}, y {} to {}, channel {}.",
+                           100 * w.difference, 100 * w.standardError, w.pixels.low.x, w.pixels.high.x, w.pixels.low.y,
+                           w.pixels.high.y, w.channel);
+    if (report.verdict == BiasVerdict::Clean) return fmt::format("No bias detected; smallest detectable: {}.", visible);
+    return fmt::format("Too few data to detect a bias of {}; smallest detectable: {}.", Percent(settings.interest),
+                       visible);
 }
 
 }  // namespace
 
 const char *BiasVerdictName(BiasVerdict verdict) {
-    switch (verdict) {
-        case BiasVerdict::Clean: return "clean";
-        case BiasVerdict::Biased: return "biased";
-        case BiasVerdict::Unknown: break;
-    }
-    return "unknown";
+    return verdict == BiasVerdict::Clean ? "clean" : verdict == BiasVerdict::Biased ? "biased" : "unknown";
 }
 
 BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &reference, const BiasSettings &settings,
@@ -348,9 +331,8 @@ BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &refer
     const std::vector<Cut> levels = Levels(grid, static_cast<int>(runs.size()));
 
     BiasReport report;
-    report.runs = static_cast<int>(runs.size());
     report.tiles = grid.Count();
-    report.smallestSide = levels[0].At(0, 0).x1 * grid.tileSize;
+    report.smallestSide = levels[0].At(0, 0).high.x * TileGrid::kTileSize;
     const double total = MeanOf(reference.parts);
     if (total != 0) report.meanDifference = MeanOf(runs) / total - 1;
 
@@ -361,57 +343,47 @@ BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &refer
         const Channel channel(runs, auxiliary, reference, c, levels[0]);
         for (size_t l = 0; l < levels.size(); ++l) {
             const Cut &cut = levels[l];
-            const bool whole = l + 1 == levels.size();
-            const double allowance = whole ? settings.allowanceImage : settings.allowanceRegion;
-            for (int y = 0; y < cut.countY; ++y)
-                for (int x = 0; x < cut.countX; ++x) {
-                    const TileRectangle low = cut.At(std::max(x - 1, 0), std::max(y - 1, 0));
-                    const TileRectangle high = cut.At(std::min(x + 1, cut.countX - 1), std::min(y + 1, cut.countY - 1));
-                    RegionTest test = channel.Test(cut.At(x, y), {low.x0, low.y0, high.x1, high.y1}, allowance, level);
-                    test.level = static_cast<int>(l);
-                    test.channel = c;
-                    tests.push_back(test);
-                }
+            const double allowance = l + 1 == levels.size() ? settings.allowanceImage : settings.allowanceRegion;
+            ForEachPixel(cut.count, [&](int x, int y) {
+                const Bounds2i low = cut.At(std::max(x - 1, 0), std::max(y - 1, 0));
+                const Bounds2i high = cut.At(std::min(x + 1, cut.count.x - 1), std::min(y + 1, cut.count.y - 1));
+                RegionTest test = channel.Test(cut.At(x, y), {low.low, high.high}, allowance, level);
+                test.level = static_cast<int>(l);
+                test.channel = c;
+                tests.push_back(test);
+            });
         }
     }
 
-    const double imageArea = static_cast<double>(grid.resolution.x) * grid.resolution.y;
     // Level whose regions are closest to 1/16 of the image.
-    size_t sixteenth = 0;
-    auto offSixteenth = [&](size_t l) { return std::abs(std::log(levels[l].Count() / 16.0)); };
-    for (size_t l = 1; l < levels.size(); ++l)
-        if (offSixteenth(l) < offSixteenth(sixteenth)) sixteenth = l;
+    const auto sixteenth =
+        std::ranges::min_element(levels, {}, [](const Cut &cut) { return std::abs(std::log(cut.Count() / 16.0)); });
+    report.sixteenthRegions = sixteenth->Count();
+    const auto last = static_cast<int>(levels.size()) - 1;
+    auto visible = [&](std::ptrdiff_t of) {
+        std::vector<double> values;
+        for (const RegionTest &t : tests)
+            if (t.level == of) values.push_back(t.visible);
+        return values;
+    };
+    report.visibleImage = std::ranges::max(visible(last));
+    report.visibleSixteenth = Median(visible(sixteenth - levels.begin()));
+    report.visibleSmallest = Median(visible(0));
 
-    report.sixteenthRegions = levels[sixteenth].Count();
-    std::vector<double> visibleWhole, visibleSixteenth, visibleSmallest;
-    bool anyBiased = false;
-    for (const RegionTest &t : tests) {
-        anyBiased |= t.biased;
-        if (t.level + 1 == static_cast<int>(levels.size())) visibleWhole.push_back(t.visible);
-        if (t.level == static_cast<int>(sixteenth)) visibleSixteenth.push_back(t.visible);
-        if (t.level == 0) visibleSmallest.push_back(t.visible);
-    }
-    report.visibleImage = *std::max_element(visibleWhole.begin(), visibleWhole.end());
-    report.visibleSixteenth = Median(visibleSixteenth);
-    report.visibleSmallest = Median(visibleSmallest);
-
-    bool first = true, firstWhole = true;
-    for (const RegionTest &t : tests) {
-        if (t.level + 1 == static_cast<int>(levels.size()) && (firstWhole || t.p < report.whole.p)) {
-            report.whole = t;
-            firstWhole = false;
-        }
-        if (t.biased != anyBiased) continue;
-        if (first || t.p < report.worst.p) report.worst = t;
-        first = false;
-    }
+    auto leastP = [&](auto &&isMeant) {
+        auto meant = tests | std::views::filter(isMeant);
+        return *std::ranges::min_element(meant, {}, &RegionTest::p);
+    };
+    const bool anyBiased = std::ranges::any_of(tests, &RegionTest::biased);
+    report.whole = leastP([&](const RegionTest &t) { return t.level == last; });
+    report.worst = leastP([&](const RegionTest &t) { return t.biased == anyBiased; });
     report.pValue = SidakP(report.worst.p, tests.size());
     // Infinite deviates (p = 0) are shown as a large one.
     report.worstZ = std::copysign(std::min(NormalCritical(report.worst.p), 40.0), report.worst.difference);
 
     if (anyBiased) report.verdict = BiasVerdict::Biased;
-    else if (imageArea > 0 && report.visibleImage <= settings.interest &&
-             report.visibleSixteenth <= settings.interest && report.sixteenthRegions >= kMinRegions)
+    else if (report.visibleImage <= settings.interest && report.visibleSixteenth <= settings.interest &&
+             report.sixteenthRegions >= kMinRegions)
         report.verdict = BiasVerdict::Clean;
     report.text = Explain(report, settings);
     return report;

@@ -12,7 +12,6 @@ namespace ext::lab {
 struct BiasSettings {
     double level = 0.005;    ///< false alarm probability of the whole check, for normal noise
     double interest = 0.03;  ///< "clean" rules out a relative bias of this size
-    int tileSize = 8;        ///< pixels
     /// Differences below these are never called a bias, regardless of significance.
     double allowanceRegion = 0.01, allowanceImage = 0.002;
 };
@@ -51,7 +50,7 @@ struct RegionTest {
 
 struct BiasReport {
     BiasVerdict verdict = BiasVerdict::Unknown;
-    int runs = 0, tiles = 0, tests = 0;
+    int tiles = 0, tests = 0;
     RegionTest whole;           ///< smallest p over channels, for the whole image
     RegionTest worst;           ///< smallest p of the biased regions; of all regions if none is biased
     double pValue = 1;          ///< of `worst`, corrected for multiple tests

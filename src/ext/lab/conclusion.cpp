@@ -24,42 +24,36 @@ std::string ErrorText(const Contender &c) {
     return fmt::format("{:.3g}{}", s.mean, s.count > 1 ? fmt::format(" +- {:.2g}", s.standardError) : "");
 }
 
+/// At least one name.
 std::string Listed(const std::vector<std::string> &names) {
-    if (names.size() < 2) return names.empty() ? "" : names[0];
-    const std::vector<std::string> most(names.begin(), names.end() - 1);
-    return fmt::format("{} and {}", fmt::join(most, ", "), names.back());
+    if (names.size() == 1) return names[0];
+    return fmt::format("{} and {}", fmt::join(names.begin(), names.end() - 1, ", "), names.back());
 }
 
-bool Leads(const std::vector<double> &mine, const std::vector<double> &other) {
-    return LowerBeyondNoise(mine, other, kWinnerLevel / 2);
-}
-
-/// Labels of the samplers over which the lead is not significant.
+/// Labels of the samplers over which the lead in these errors is not significant.
 std::vector<std::string> NotBeaten(const Contender &leader, const std::vector<const Contender *> &others,
-                                   bool trimmed) {
+                                   std::vector<double> Contender::*errors) {
     std::vector<std::string> names;
     for (const Contender *other : others)
-        if (!Leads(trimmed ? leader.trimmedErrors : leader.errors, trimmed ? other->trimmedErrors : other->errors))
-            names.push_back(other->label);
+        if (!LowerBeyondNoise(leader.*errors, other->*errors, kWinnerLevel / 2)) names.push_back(other->label);
     return names;
 }
 
 std::vector<std::string> Objections(const Contender &leader, const std::vector<const Contender *> &others,
                                     const std::vector<Doubt> &doubts, bool equalTime) {
     std::vector<std::string> reasons;
-    const bool noiseIsKnown =
-        leader.errors.size() > 1 &&
-        std::all_of(others.begin(), others.end(), [](const Contender *o) { return o->errors.size() > 1; });
+    const bool noiseIsKnown = leader.errors.size() > 1 &&
+                              std::ranges::all_of(others, [](const Contender *o) { return o->errors.size() > 1; });
     if (others.empty()) {
         reasons.push_back(fmt::format("There is no other sampler to compare {} with.", leader.label));
     } else if (!noiseIsKnown) {
         reasons.push_back("One seed gives no noise estimate, hence no ranking; use --seeds 3 or more.");
-    } else if (const std::vector<std::string> tied = NotBeaten(leader, others, false); !tied.empty()) {
+    } else if (const std::vector<std::string> tied = NotBeaten(leader, others, &Contender::errors); !tied.empty()) {
         reasons.push_back(fmt::format(
             "The lead of {} over {} is within the noise of the runs (level {:g} %); use more seeds or time.",
             leader.label, Listed(tied), 100 * kWinnerLevel));
     } else if (leader.firefliesDecide) {
-        if (const std::vector<std::string> near = NotBeaten(leader, others, true); !near.empty())
+        if (const std::vector<std::string> near = NotBeaten(leader, others, &Contender::trimmedErrors); !near.empty())
             reasons.push_back(fmt::format(
                 "A few fireflies decide the error of {}, and in trimmed relL2 its lead over {} is within noise.",
                 leader.label, Listed(near)));
@@ -105,9 +99,7 @@ Conclusion Conclude(const std::vector<Contender> &contenders, const std::vector<
     std::vector<const Contender *> competing;
     for (const Contender &c : contenders)
         if (Competes(c)) competing.push_back(&c);
-    std::stable_sort(competing.begin(), competing.end(), [](const Contender *a, const Contender *b) {
-        return Summarize(a->errors).mean < Summarize(b->errors).mean;
-    });
+    std::ranges::stable_sort(competing, {}, [](const Contender *c) { return Summarize(c->errors).mean; });
     if (competing.empty()) {
         out.headline = "Undecided: no sampler that may win has a measured error.";
         out.reasons.push_back("Nothing was measured of a sampler that is neither biased nor the oracle.");
@@ -144,7 +136,7 @@ std::vector<std::string> Conclusion::Sentences() const {
     std::vector<std::string> sentences = {headline};
     sentences.insert(sentences.end(), reasons.begin(), reasons.end());
     for (const std::string &doubt : doubts)
-        if (std::find(reasons.begin(), reasons.end(), doubt) == reasons.end()) sentences.push_back("Doubt: " + doubt);
+        if (std::ranges::count(reasons, doubt) == 0) sentences.push_back("Doubt: " + doubt);
     for (const std::string &remark : remarks) sentences.push_back("Note: " + remark);
     return sentences;
 }

@@ -5,12 +5,9 @@
 #include <filesystem>
 #include <map>
 
-#include "ext/lab/experiment_display.h"
 #include "ext/lab/pictures.h"
-#include "ext/lab/reference.h"
 #include "ext/lab/results.h"
 #include "ext/lab/sampler_run.h"
-#include "ext/lab/text_output.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/parallel.h"
@@ -57,12 +54,11 @@ void OpenFolder(const ExperimentSettings &settings, const Json &identity, const 
 
 class Rounds {
   public:
-    Rounds(const ExperimentSettings &settings, const LabScene &scene, const References &references,
-           const RecordFolder &records, Progress &cancel, ExperimentDisplay &display)
-        : settings_(settings), scene_(scene), records_(records), cancel_(cancel), display_(display),
-          ofSampler_(references.ofSampler), checkpoints_(Checkpoints(settings)) {
-        for (const Reference &r : references.all) measuring_.push_back(std::make_unique<MeasuringReference>(r.image));
-        if (!settings.samplesFrom.empty()) replay_.emplace(settings.samplesFrom, settings);
+    Rounds(const ExperimentContext &context, const References &references)
+        : context_(context), settings_(context.settings), ofSampler_(references.ofSampler),
+          checkpoints_(Checkpoints(settings_)) {
+        for (const Reference &r : references.all) measuring_.emplace_back(r.image);
+        if (!settings_.samplesFrom.empty()) replay_.emplace(settings_.samplesFrom, settings_);
         if (replay_) checkpoints_.resize(replay_->Checkpoints());
         LoadCosts();
     }
@@ -73,20 +69,23 @@ class Rounds {
         recordsOf_.assign(settings_.samplers.size(), {});
         for (size_t i = 0; i < settings_.samplers.size(); ++i)
             for (int seed = 0; seed < settings_.seeds; ++seed) {
-                recordsOf_[i].push_back(TakeUpRun(records_, scene_, settings_.samplers[i].folder, seed,
+                recordsOf_[i].push_back(TakeUpRun(context_.records, context_.scene, settings_.samplers[i].folder, seed,
                                                   checkpoints_.size(), PictureFile(i, seed)));
                 LearnCost(i, recordsOf_[i].back());
             }
-        display_.SetPhase("rendering");
-        display_.SetAfter(0);
+        context_.display.SetPhase("rendering");
+        context_.display.SetAfter(0);
         for (int seed = 0; seed < settings_.seeds; ++seed)
             if (!RenderSeed(seed)) return false;
         for (size_t i = 0; i < settings_.samplers.size(); ++i)
-            if (!InspectSampler(i, nullptr) || !Check(i, nullptr)) return false;
+            if (!Examine(i, nullptr)) return false;
         return true;
     }
     std::vector<std::vector<RunRecord>> TakeRecords() { return std::move(recordsOf_); }
     size_t CheckpointCount() const { return checkpoints_.size(); }
+    std::string PictureFile(size_t i, int seed) const {
+        return fmt::format("{}/{}/seed{}.exr", settings_.outFolder, settings_.samplers[i].folder, seed);
+    }
 
   private:
     bool RenderSeed(int seed) {
@@ -100,64 +99,66 @@ class Rounds {
                 record = runs[i]->Record();
                 if (c + 1 < checkpoints_.size()) continue;
                 // Not earlier: samplers that learn during rendering would learn from the queries of views and check.
-                if (seed == 0 && (!InspectSampler(i, runs[i].get()) || !Check(i, runs[i].get()))) return false;
+                if (seed == 0 && !Examine(i, runs[i].get())) return false;
                 runs[i].reset();
             }
         return true;
     }
 
-    /// Writes the inspection views of a sampler once, after its first run. `run`: that run, or null if finished in an
-    /// earlier session. Returns false if cancelled.
+    /// Inspects a sampler and checks its light selection, after its first run. `run`: that run, or null if finished in
+    /// an earlier session. Returns false if cancelled.
+    bool Examine(size_t i, SamplerRun *run) { return InspectSampler(i, run) && Check(i, run); }
+
+    /// Writes the inspection views of a sampler once.
     bool InspectSampler(size_t i, SamplerRun *run) {
         const SamplerChoice &choice = settings_.samplers[i];
-        if (!settings_.views || ViewsAreWhole(settings_, records_.LoadNote(ViewsNote(choice)))) return true;
+        if (!settings_.views || ViewsAreWhole(settings_, context_.records.LoadNote(ViewsNote(choice)))) return true;
         std::unique_ptr<SamplerRun> again;
-        if (!run && !(run = PrepareAgain(i, &again))) return false;
+        if (!run && !(run = (again = Prepared(i, 0, expected_[i])).get())) return false;
         // A guide learns from the samples.
         if (again && run->GetIntegrator().Directions() && !run->RenderTo({expected_[i], 0})) return false;
-        const Json views = WriteViews(settings_, scene_, i, run->GetIntegrator(), cancel_);
+        const Json views = WriteViews(settings_, context_.scene, i, run->GetIntegrator(), context_.cancel);
         if (views.is_null()) return false;
-        records_.SaveNote(ViewsNote(choice), views);
+        context_.records.SaveNote(ViewsNote(choice), views);
         return true;
     }
 
-    /// Checks a sampler's light selection once, after its first run; `run` as in InspectSampler. Skips the oracle,
-    /// which is not ranked and would take hours.
+    /// Checks a sampler's light selection once. Skips the oracle, which is not ranked and would take hours.
     bool Check(size_t i, SamplerRun *run) {
         const SamplerChoice &choice = settings_.samplers[i];
         if (!(settings_.selectionWork > 0) || choice.IsOracle()) return true;
         // An undecided check is repeated if more work is allowed.
-        if (const Json note = records_.LoadNote(SelectionNote(choice));
+        if (const Json note = context_.records.LoadNote(SelectionNote(choice));
             note.is_object() &&
             (note.at("verdict") != BiasVerdictName(BiasVerdict::Unknown) || note.at("work") >= settings_.selectionWork))
             return true;
         std::unique_ptr<SamplerRun> again;
-        if (!run && !(run = PrepareAgain(i, &again))) return false;
+        if (!run && !(run = (again = Prepared(i, 0, expected_[i])).get())) return false;
         SelectionSettings how;
         how.mostWork = settings_.selectionWork;
         how.bias.level = SidakLevel(how.bias.level, settings_.samplers.size());
-        if (!vertices_) vertices_.emplace(scene_.built, how.seed, cancel_);
-        if (cancel_.Cancelled()) return false;
-        const std::optional<SelectionReport> report = CheckSelection(*vertices_, *run->Lights(), how, cancel_);
+        if (!vertices_) vertices_.emplace(context_.scene.built, how.seed, context_.cancel);
+        if (context_.cancel.Cancelled()) return false;
+        const std::optional<SelectionReport> report =
+            CheckSelection(*vertices_, *run->GetIntegrator().Lights(), how, context_.cancel);
         if (!report) return false;
         Json note = ToJson(*report);
         note["work"] = how.mostWork;
-        records_.SaveNote(SelectionNote(choice), note);
+        context_.records.SaveNote(SelectionNote(choice), note);
         return true;
     }
 
-    SamplerRun *PrepareAgain(size_t i, std::unique_ptr<SamplerRun> *run) {
-        *run = std::make_unique<SamplerRun>(scene_, settings_.samplers[i], 0, expected_[i], cancel_);
-        return (*run)->Prepare() ? run->get() : nullptr;
+    /// Null if cancelled.
+    std::unique_ptr<SamplerRun> Prepared(size_t i, int seed, int expected) {
+        auto run = std::make_unique<SamplerRun>(context_.scene, settings_.samplers[i], seed, expected, context_.cancel);
+        return run->Prepare() ? std::move(run) : nullptr;
     }
 
     std::unique_ptr<SamplerRun> Start(size_t i, int seed, const RunRecord &record) {
-        const SamplerChoice &choice = settings_.samplers[i];
-        const int expected = record.rounds.empty() ? expected_[i] : record.expectedSamples;
-        auto run = std::make_unique<SamplerRun>(scene_, choice, seed, expected, cancel_);
-        if (!run->Prepare()) return nullptr;
-        if (!record.rounds.empty())
-            run->Resume(record, records_.FilmFile(choice.folder, seed, record.rounds.back().checkpoint));
+        if (record.rounds.empty()) return Prepared(i, seed, expected_[i]);
+        auto run = Prepared(i, seed, record.expectedSamples);
+        const std::string &folder = settings_.samplers[i].folder;
+        if (run) run->Resume(record, context_.records.FilmFile(folder, seed, record.rounds.back().checkpoint));
         return run;
     }
 
@@ -168,18 +169,18 @@ class Rounds {
             if (run.SecondsPerSample() > 0 && (run.Samples() >= kReliableSamples || !wasInPilot_[i]))
                 cost_[i] = run.SecondsPerSample();
             const double sinceRecord = SecondsOf(i, run.Samples(), run.Spent()) - SecondsDone(i, seed);
-            display_.Show(std::max(0.0, SecondsLeft() - sinceRecord));
+            context_.display.Show(std::max(0.0, SecondsLeft() - sinceRecord));
         };
         if (!run.RenderTo(TargetOf(i, seed, checkpoint), afterWave)) return false;
         const Image picture = run.Picture();
         const int c = static_cast<int>(checkpoint);
-        run.AddRound(c, measuring_[ofSampler_[i]]->Compare(picture));
+        run.AddRound(c, measuring_[ofSampler_[i]].Compare(picture));
         // The record is written last: a round without record does not count.
         const bool last = checkpoint + 1 == checkpoints_.size();
         if (last) WriteImage(PictureFile(i, seed), picture, run.Metadata());
-        else run.SaveFilm(records_.FilmFile(folder, seed, c));
-        records_.SaveLastRound(folder, run.Record());
-        if (checkpoint > 0) fs::remove(records_.FilmFile(folder, seed, c - 1));
+        else run.SaveFilm(context_.records.FilmFile(folder, seed, c));
+        context_.records.SaveLastRound(folder, run.Record());
+        if (checkpoint > 0) fs::remove(context_.records.FilmFile(folder, seed, c - 1));
         return true;
     }
 
@@ -187,35 +188,30 @@ class Rounds {
     /// (FittingSamples), from the pilot or a run of two samples, which also warms up the machine. Stored in the
     /// records, because images may depend on it. Returns false if cancelled.
     bool FindExpectedSamples() {
-        Json note = records_.LoadNote("expected-samples.json");
+        Json note = context_.records.LoadNote("expected-samples.json");
         if (!note.is_object()) note = Json::object();
         for (size_t i = 0; i < settings_.samplers.size(); ++i) {
             const std::string &label = settings_.samplers[i].label;
             int expected = note.value(label, settings_.samplesPerPixel);
             if (replay_) expected = replay_->Expected(label);
             else if (settings_.Timed() && !note.contains(label)) {
-                double perSample = cost_[i];
                 if (!hasPilot_) {
-                    SamplerRun run(scene_, settings_.samplers[i], kWarmUpSeed, scene_.Batch(), cancel_);
-                    if (!run.Prepare() || !run.RenderTo({2, 0})) return false;
-                    cost_[i] = perSample = run.SecondsPerSample();
+                    const auto run = Prepared(i, kWarmUpSeed, context_.scene.Batch());
+                    if (!run || !run->RenderTo({2, 0})) return false;
+                    cost_[i] = run->SecondsPerSample();
                 }
-                expected = FittingSamples(settings_.timeBudget, perSample);
+                expected = FittingSamples(settings_.timeBudget, cost_[i]);
             }
             note[label] = expected;
             expected_.push_back(expected);
         }
-        records_.SaveNote("expected-samples.json", note);
+        context_.records.SaveNote("expected-samples.json", note);
         return true;
     }
 
     RenderTarget TargetOf(size_t i, int seed, size_t checkpoint) const {
         if (replay_) return {replay_->At(settings_.samplers[i].label, seed, static_cast<int>(checkpoint)), 0};
         return checkpoints_[checkpoint];
-    }
-
-    std::string PictureFile(size_t i, int seed) const {
-        return fmt::format("{}/{}/seed{}.exr", settings_.outFolder, settings_.samplers[i].folder, seed);
     }
 
     bool BySamples() const { return replay_ || !settings_.Timed(); }
@@ -247,7 +243,7 @@ class Rounds {
     /// Sets the seconds per sample from the pilot; missing samplers get the mean, or 1 without pilot.
     void LoadCosts() {
         std::map<std::string, double> known;
-        const Json pilot = records_.LoadNote("pilot.json");
+        const Json pilot = context_.records.LoadNote("pilot.json");
         double mean = 0;
         for (const Json &entry : pilot.is_array() ? pilot : Json::array()) {
             known[entry.value("sampler", "")] = entry.value("secondsPerSample", 0.0);
@@ -260,15 +256,12 @@ class Rounds {
         }
     }
 
+    const ExperimentContext &context_;
     const ExperimentSettings &settings_;
-    const LabScene &scene_;
-    const RecordFolder &records_;
-    Progress &cancel_;
-    ExperimentDisplay &display_;
     const std::vector<size_t> &ofSampler_;
     std::vector<RenderTarget> checkpoints_;
     std::optional<SampleCounts> replay_;
-    std::vector<std::unique_ptr<MeasuringReference>> measuring_;
+    std::vector<MeasuringReference> measuring_;
     std::vector<double> cost_;  ///< seconds per sample
     std::vector<bool> wasInPilot_;
     std::vector<int> expected_;
@@ -303,7 +296,7 @@ Json Header(const ExperimentSettings &settings, const LabScene &scene, const Jso
 void CheckCrops(const ExperimentSettings &settings, const LabScene &scene) {
     const Point2i resolution = scene.Resolution();
     for (const Bounds2i &c : settings.crops)
-        if (c.IsEmpty() || c.low.x < 0 || c.low.y < 0 || c.high.x > resolution.x || c.high.y > resolution.y)
+        if (c.IsEmpty() || Intersect(c, {{0, 0}, resolution}).Area() < c.Area())
             throw UserError(fmt::format("--crops: {},{},{},{} is not inside the picture of {} x {} pixels.", c.low.x,
                                         c.low.y, c.high.x, c.high.y, resolution.x, resolution.y));
 }
@@ -346,18 +339,17 @@ std::optional<ExperimentOutcome> RunExperiment(const ExperimentSettings &setting
     OpenFolder(settings, identity, records);
 
     ExperimentDisplay display(sink);
-    std::optional<References> references = MakeReferences(settings, scene, registry, records, cancel, display);
+    const ExperimentContext context{settings, scene, registry, records, cancel, display};
+    const std::optional<References> references = MakeReferences(context);
     if (!references) return {};
-    Rounds rounds(settings, scene, *references, records, cancel, display);
+    Rounds rounds(context, *references);
     if (!rounds.RenderAll()) return {};
     display.Finish();
 
     std::vector<std::vector<Image>> pictures(settings.samplers.size());
     for (size_t i = 0; i < pictures.size(); ++i)
         for (int seed = 0; seed < settings.seeds; ++seed)
-            pictures[i].push_back(
-                ReadImage(fmt::format("{}/{}/seed{}.exr", settings.outFolder, settings.samplers[i].folder, seed))
-                    .image.Select({"R", "G", "B"}));
+            pictures[i].push_back(ReadImage(rounds.PictureFile(i, seed)).image.Select({"R", "G", "B"}));
     std::vector<std::optional<SelectionReport>> selections(settings.samplers.size());
     for (size_t i = 0; i < selections.size(); ++i)
         if (const Json note = records.LoadNote(SelectionNote(settings.samplers[i]));

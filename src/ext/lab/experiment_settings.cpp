@@ -1,10 +1,92 @@
 #include "ext/lab/experiment_settings.h"
 
+#include <cctype>
+#include <set>
+#include <sstream>
+
+#include "pbrt/build/light_sampler_spec.h"
 #include "pbrt/core/files.h"
+#include "pbrt/core/log.h"
 #include "pbrt/core/version.h"
 #include "pbrt/scenefile/content_hash.h"
+#include "pbrt/scenefile/parser.h"
 
 namespace ext::lab {
+
+namespace {
+
+std::string Trim(const std::string &text) {
+    size_t begin = text.find_first_not_of(" \t\r\n");
+    if (begin == std::string::npos) return {};
+    return text.substr(begin, text.find_last_not_of(" \t\r\n") - begin + 1);
+}
+
+SamplerChoice ParseOne(const std::string &text, const PluginRegistry &registry, DiagnosticSink &sink) {
+    const LightChoiceText parts = SplitLightChoice(text, kSamplersFlag);
+    LightFlags flags;
+    flags.choice = text;
+    flags.choiceFlag = kSamplersFlag;
+    ReadLightSelection(ParamSet(), flags, registry, sink);
+    const std::string guide = !parts.guide ? "" : parts.guide->empty() ? "+guide" : "+guide:" + *parts.guide;
+    return {text, SafeFileName(text), parts.sampler.substr(0, parts.sampler.find(':')), parts.sampler + guide,
+            parts.mesh};
+}
+
+}  // namespace
+
+std::string SafeFileName(const std::string &text) {
+    std::string safe = text;
+    for (char &c : safe)
+        if (!std::isalnum(static_cast<unsigned char>(c)) && std::string("-+=.,").find(c) == std::string::npos) c = '_';
+    return safe;
+}
+
+std::vector<std::string> SplitSamplerList(const std::string &text) {
+    std::vector<std::string> list;
+    std::istringstream groups(text);
+    for (std::string group; std::getline(groups, group, ';');) {
+        const size_t first = list.size();
+        std::istringstream in(group);
+        for (std::string piece; std::getline(in, piece, ',');) {
+            size_t stop = piece.find_first_of("=:+");
+            if (stop != std::string::npos && piece[stop] == '=' && list.size() > first)
+                list.back().append(",").append(Trim(piece));
+            else list.push_back(Trim(piece));
+        }
+    }
+    return list;
+}
+
+std::vector<std::string> ReadSamplerFile(const std::string &path) {
+    std::vector<std::string> list;
+    std::istringstream in(ReadFileContents(path));
+    for (std::string line; std::getline(in, line);)
+        if (std::string sampler = Trim(line.substr(0, line.find('#'))); !sampler.empty()) list.push_back(sampler);
+    if (list.empty()) throw UserError(fmt::format("{}: names no light sampler.", path));
+    return list;
+}
+
+std::vector<SamplerChoice> ParseSamplerChoices(const std::vector<std::string> &texts, const PluginRegistry &registry) {
+    DiagnosticSink sink;
+    std::vector<SamplerChoice> choices;
+    std::set<std::string> labels, folders;
+    if (texts.empty()) sink.Error({}, "no light sampler is named.");
+    for (const std::string &text : texts) {
+        try {
+            if (text.empty()) throw UserError("the list of samplers has an empty entry.");
+            SamplerChoice choice = ParseOne(text, registry, sink);
+            if (!labels.insert(choice.label).second)
+                throw UserError(fmt::format("sampler \"{}\" is listed twice.", text));
+            while (!folders.insert(choice.folder).second) choice.folder += "_";
+            choices.push_back(choice);
+        } catch (const UserError &e) {
+            sink.Add(e);
+        }
+    }
+    sink.ThrowIfErrors();
+    for (const Diagnostic &warning : sink.All()) LogInfo(Format(warning));
+    return choices;
+}
 
 Json IdentityOf(const ExperimentSettings &settings, const std::string &sceneHash, int threads) {
     Json id;
@@ -85,8 +167,52 @@ SampleCounts::SampleCounts(const std::string &path, const ExperimentSettings &se
     hash_ = hash.Hex();
 }
 
-int SampleCounts::At(const std::string &label, int seed, int checkpoint) const {
-    return counts_.at({label, seed}).at(checkpoint);
+ImageMetadata LabScene::Metadata(const Film &film, const std::string &sampler, int samples, double seconds) const {
+    ImageMetadata m = film.Metadata();
+    m.attributes["lightlab.sampler"] = sampler;
+    m.attributes["lightlab.sceneHash"] = hash;
+    m.attributes["samplesPerPixel"] = samples;
+    m.attributes["renderTimeSeconds"] = static_cast<float>(seconds);
+    m.attributes["pbrt.version"] = std::string(VersionText());
+    m.attributes["pbrt.integrator"] = built.integratorName;
+    m.attributes["pbrt.maxDepth"] = built.maxDepth;
+    return m;
+}
+
+std::unique_ptr<Integrator> LabScene::MakeIntegrator(const SamplerChoice &choice, std::optional<int> maxDepth) const {
+    return pbrt::MakeIntegrator(built, {choice.lightSampler, choice.meshLights, maxDepth}).integrator;
+}
+
+void CheckSamplesLights(const BuiltScene &built, const std::string &scene) {
+    if (built.lightSamplerName.empty())
+        throw UserError(
+            fmt::format("{}: the integrator \"{}\" uses no light sampler; \"path\", \"volpath\", \"bdpt\", "
+                        "\"mlt\" and \"sppm\" do.",
+                        scene, built.integratorName));
+    if (built.scene->Lights().Size() == 0) throw UserError(fmt::format("{}: has no lights.", scene));
+}
+
+LabScene LoadLabScene(const ExperimentSettings &settings, const PluginRegistry &registry, Progress &progress) {
+    LabScene scene;
+    DiagnosticSink sink;
+    SceneDescription description = ParseSceneFiles({settings.scene}, sink);
+    sink.ThrowIfErrors();
+    BuildOptions options;
+    options.film.resolutionDivisor = settings.resolutionDivisor;
+    options.film.filename = "lightlab.exr";  // never written; the scene's own format may be unsupported
+    options.samplesPerPixel = settings.Timed() ? 0 : settings.samplesPerPixel;
+    options.maxDepth = settings.maxDepth;
+    options.sampledLightOnly = settings.sampledLightOnly;
+    options.lightSamplerFlag = kSamplersFlag;
+    options.lightSampler = "uniform";  // for the unused default integrator: nothing to build
+    progress.BeginPhase("building", 0);
+    scene.built = BuildScene(description, options, registry, sink, progress);
+    progress.EndPhase();
+    CheckSamplesLights(scene.built, settings.scene);
+    for (const Diagnostic &d : sink.All())
+        if (d.severity == Severity::Warning) LogInfo(Format(d));
+    scene.hash = SceneHash(settings.scene);
+    return scene;
 }
 
 }  // namespace ext::lab

@@ -1,12 +1,40 @@
 #pragma once
 #include <map>
 #include <optional>
+#include <string>
+#include <vector>
 
-#include "ext/lab/sampler_choice.h"
 #include "ext/lab/text_output.h"
-#include "pbrt/math/bounds.h"
+#include "pbrt/build/built_scene.h"
 
 namespace ext::lab {
+using namespace pbrt;
+
+/// Flag named in messages about a choice.
+inline constexpr const char *kSamplersFlag = "--samplers";
+
+/// A compared sampler: kLightChoiceSyntax.
+struct SamplerChoice {
+    std::string label;         ///< as typed
+    std::string folder;        ///< the label as a safe file name
+    std::string name;          ///< of the light sampler
+    std::string lightSampler;  ///< name[:key=value,...][+guide[:key=value,...]]
+    bool meshLights = false;
+    bool IsOracle() const { return name == "oracle"; }
+};
+
+/// Splits a list of samplers. A semicolon ends a sampler, and so does a comma unless a "key=value" follows, which
+/// belongs to the preceding sampler: "octree:budget=0.02,floor=0.2,bvh" is two samplers.
+std::vector<std::string> SplitSamplerList(const std::string &text);
+/// Reads a file with one sampler per line, ignoring blank lines and text after #. Throws UserError if it is unreadable
+/// or names no sampler.
+std::vector<std::string> ReadSamplerFile(const std::string &path);
+
+/// Throws one UserError with all unknown names and parameters, invalid values and duplicates.
+std::vector<SamplerChoice> ParseSamplerChoices(const std::vector<std::string> &texts, const PluginRegistry &registry);
+
+/// Replaces all characters except letters, digits and -+=., by _.
+std::string SafeFileName(const std::string &text);
 
 struct ExperimentSettings {
     std::string scene;
@@ -44,7 +72,9 @@ class SampleCounts {
     /// Throws UserError if the file is not lightlab's results.json, or lacks a sampler or seed of `settings`.
     SampleCounts(const std::string &path, const ExperimentSettings &settings);
     int Checkpoints() const { return checkpoints_; }
-    int At(const std::string &label, int seed, int checkpoint) const;
+    int At(const std::string &label, int seed, int checkpoint) const {
+        return counts_.at({label, seed}).at(checkpoint);
+    }
     /// Samples per pixel expected by the preparation of a sampler's runs.
     int Expected(const std::string &label) const { return expected_.at(label); }
     const std::string &Hash() const { return hash_; }
@@ -60,5 +90,25 @@ class SampleCounts {
 inline constexpr int kResultsSchema = 2;
 /// Reads a results.json to be replayed. Throws UserError.
 Json ReadResults(const std::string &path);
+
+struct LabScene {
+    BuiltScene built;
+    std::string hash;  ///< SceneHash of its files
+    Point2i FullResolution() const { return built.film->FullResolution(); }
+    const Bounds2i &Pixels() const { return built.film->PixelBounds(); }
+    Point2i Resolution() const { return Pixels().high - Pixels().low; }
+    /// Samples per pixel of one sampler batch; longer renders add batches with other seeds. Texture filters depend on
+    /// it, so it is equal for all runs and references.
+    int Batch() const { return built.samplesPerPixel; }
+    /// Metadata of the film, and attributes that name scene, program and the other arguments. `samples`: per pixel.
+    ImageMetadata Metadata(const Film &film, const std::string &sampler, int samples, double seconds) const;
+    std::unique_ptr<Integrator> MakeIntegrator(const SamplerChoice &choice, std::optional<int> maxDepth = {}) const;
+};
+
+/// Throws UserError if the scene's integrator has no light sampler, or the scene has no lights.
+void CheckSamplesLights(const BuiltScene &built, const std::string &scene);
+
+/// Throws UserError; includes CheckSamplesLights.
+LabScene LoadLabScene(const ExperimentSettings &settings, const PluginRegistry &registry, Progress &progress);
 
 }  // namespace ext::lab

@@ -26,7 +26,7 @@ struct InspectedLayer {
     double shownLeast = 0, shownMost = 1;  ///< limits of the colour scale
     double least = 0, most = 0, mean = 0;  ///< of the finite values where "hit" is 1 (layer "hit": everywhere)
     size_t values = 0, unknown = 0;        ///< number of these finite values, and of non-finite ones
-    std::string light;                     ///< light that the layer refers to; empty: none
+    std::string light{};                   ///< light that the layer refers to; empty: none
     /// True if the value is constant or nowhere defined; the page then has a sentence instead of an image.
     bool IsFlat() const { return values == 0 || (least == most && unknown == 0); }
 };
@@ -49,19 +49,17 @@ struct Inspection {
     int stride = 1;         ///< see InspectSettings::maxWork
 };
 
-/// Inspects the integrator's prepared light sampler at the first visible surfaces, with one ray per pixel centre.
-/// Deterministic. Layers: values of LightSampler::Inspect; entropy of the pmf over lights; the strongest light and its
-/// probability; second moment of the one-light estimator relative to the minimum; measured visibility of the strongest
-/// lights; mean path vertices, and the state of the path guide.
-Inspection InspectLights(const BuiltScene &built, const Integrator &integrator, const InspectSettings &settings,
-                         Progress &progress);
-Inspection InspectLights(const BuiltScene &built, const LightSampler &sampler, const InspectSettings &settings,
-                         Progress &progress);
+/// Inspects a prepared light sampler at the first visible surfaces, with one ray per pixel centre. Deterministic.
+/// Layers: values of LightSampler::Inspect; entropy of the pmf over lights; the strongest light and its probability;
+/// second moment of the one-light estimator relative to the minimum; measured visibility of the strongest lights; of
+/// the integrator, unless null, mean path vertices and the state of the path guide.
+Inspection InspectLights(const BuiltScene &built, const LightSampler &sampler, const Integrator *integrator,
+                         const InspectSettings &settings, Progress &progress);
 
-/// Writes one false-colour PNG per non-flat layer that is `wanted` into `folder`, created if needed; `legendRows`:
-/// height of the colour bar in pixels. Returns per wanted layer: name, file (in `folder`; null if flat), meaning,
-/// colour scale limits, range.
-Json WriteLayers(const Inspection &inspection, const std::string &folder, int legendRows,
+/// Writes one false-colour PNG per non-flat layer that is `wanted` into `folder`, created if needed, by its name after
+/// `prefix`, which may name a subfolder; `legendRows`: height of the colour bar in pixels. Returns per wanted layer:
+/// name, file (from `folder`; null if flat), meaning, colour scale limits, range.
+Json WriteLayers(const Inspection &inspection, const std::string &folder, const std::string &prefix, int legendRows,
                  const std::function<bool(const InspectedLayer &)> &wanted);
 
 /// Writes inspect.exr (all layers), a false-colour PNG per non-flat layer, inspect.json (meanings and ranges),
@@ -79,9 +77,5 @@ struct InspectOptions {
 /// Builds the scene, prepares and inspects the sampler, writes the results, and prints structure and ranges to standard
 /// output. Exit status: 0, or 130 if interrupted. Throws UserError.
 int RunInspect(const InspectOptions &options, const PluginRegistry &registry, Progress &progress);
-
-/// HTML page for the images in the same folder, from inspect.json: captioned images, sentences for flat layers, lights,
-/// structure.
-std::string InspectPage(const Json &inspection, const std::string &structure);
 
 }  // namespace ext::lab

@@ -1,11 +1,14 @@
+#include "ext/lab/inspect.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <ranges>
 
-#include "ext/lab/inspect.h"
-#include "ext/lab/lab_scene.h"
+#include "ext/lab/experiment_settings.h"
 #include "ext/lab/results.h"
-#include "ext/lab/run_record.h"
-#include "pbrt/core/error.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/version.h"
@@ -19,12 +22,91 @@ namespace fs = std::filesystem;
 
 namespace {
 
+constexpr size_t kMaxLights = 100;
 constexpr int kLegendRows = 12;
 
-void MakeFolder(const std::string &folder) {
-    std::error_code failed;
-    fs::create_directories(folder, failed);
-    if (failed) throw UserError(fmt::format("{}: {}.", folder, failed.message()));
+constexpr const char *kHead = R"(<style>
+:root { color-scheme: light dark; }
+body { margin: 0 auto; max-width: 1400px; padding: 24px 28px; font: 15px/1.5 system-ui, "DejaVu Sans", sans-serif; }
+h1 { margin: 0; font-size: 28px; } h2 { margin: 32px 0 12px; font-size: 19px; }
+.pictures { display: grid; grid-template-columns: repeat(auto-fill, minmax(300px, 1fr)); gap: 20px 18px; }
+figure { margin: 0; } img { width: 100%; image-rendering: pixelated; }
+figcaption { font-size: 13px; line-height: 1.4; overflow-wrap: anywhere; } figcaption b { display: block; }
+table { border-collapse: collapse; font-size: 14px; } th, td { padding: 4px 14px 4px 0; text-align: left; }
+td.number { text-align: right; font-variant-numeric: tabular-nums; }
+pre { overflow: auto; font-size: 13px; }
+</style>
+)";
+
+std::string Number(const Json &value) {
+    return value.is_number() ? fmt::format("{:.4g}", value.get<double>()) : "unknown";
+}
+
+std::string Figure(const Json &layer) {
+    const Json &colours = layer.at("colours");
+    std::string range = "a colour for each";
+    if (colours.is_object())
+        range = fmt::format("colours from {} to {}; here {} to {}, mean {}", Number(colours.at("darkest")),
+                            Number(colours.at("brightest")), Number(layer.at("least")), Number(layer.at("most")),
+                            Number(layer.at("mean")));
+    const std::string name = EscapeHtml(layer.at("name")), file = EscapeHtml(layer.at("file"));
+    return fmt::format(
+        "<figure id=\"{0}\"><a href=\"{1}\"><img src=\"{1}\" alt=\"{0}\"></a><figcaption><b>{0}</b>{2}; "
+        "{3}.</figcaption></figure>\n",
+        name, file, EscapeHtml(layer.at("meaning")), range);
+}
+
+std::string FlatText(const Json &layers) {
+    std::string same, unknown, text;
+    for (const Json &layer : layers) {
+        if (!layer.at("isFlat")) continue;
+        const std::string name = layer.at("name");
+        const std::string subject =
+            layer.contains("light") ? "visibility of " + layer.at("light").get<std::string>() : name;
+        if (!layer.contains("least")) unknown += (unknown.empty() ? "" : "; ") + subject;
+        else if (name == "sampler.leaf") text += "One leaf covers everything visible. ";
+        else if (name == "brightest")
+            text += "One light contributes most everywhere: " + layer.value("light", name) + ". ";
+        else same += (same.empty() ? "" : "; ") + subject + " " + Number(layer.at("least"));
+    }
+    if (!same.empty()) text += "The same everywhere: " + same + ". ";
+    if (!unknown.empty()) text += "No value anywhere: " + unknown + ". ";
+    return text.empty() ? "" : "<p id=\"flat\">" + EscapeHtml(text) + "</p>\n";
+}
+
+std::string LightRows(const Json &lights) {
+    std::vector<Json> sorted(lights.begin(), lights.end());
+    std::ranges::stable_sort(sorted, std::greater(), [](const Json &l) { return l.at("power").get<double>(); });
+    std::string rows;
+    for (const Json &light : sorted | std::views::take(kMaxLights))
+        rows += fmt::format("<tr><td>{}</td><td class=\"number\">{}</td><td class=\"number\">{}</td></tr>\n",
+                            EscapeHtml(light.at("label")), Number(light.at("first")), Number(light.at("power")));
+    return rows;
+}
+
+/// HTML page for the images in the same folder, from inspect.json: captioned images, sentences for flat layers, lights,
+/// structure.
+std::string InspectPage(const Json &inspection, const std::string &structure) {
+    const Json &layers = inspection.at("layers"), &lights = inspection.at("lights");
+    const std::string sampler = EscapeHtml(inspection.value("sampler", "")),
+                      scene = EscapeHtml(inspection.value("scene", Json::array()).dump());
+    std::string page = std::string(kPageHead) + kHead;
+    page += fmt::format("<title>{} · lightlab inspect</title>\n</head>\n<body>\n<h1>{}</h1>\n", sampler, sampler);
+    page += fmt::format(
+        "<p>State of the light sampler at the first visible surface that is not purely specular. Scene: {}. {}</p>\n",
+        scene, EscapeHtml(inspection.value("note", "")));
+    page += FlatText(layers) + "<div class=\"pictures\">\n";
+    for (const Json &layer : layers)
+        if (layer.at("file").is_string()) page += Figure(layer);
+    page += fmt::format(
+        "</div>\n<h2>Lights</h2>\n<p>{} lights or emissive meshes{}. \"first\" is the number that the pictures' names "
+        "use.</p>\n",
+        lights.size(), lights.size() > kMaxLights ? fmt::format("; the {} of most power", kMaxLights) : "");
+    page += "<table id=\"lights\"><tr><th>place in the scene file</th><th>first</th><th>power</th></tr>\n" +
+            LightRows(lights) + "</table>\n";
+    page += "<h2>Structure</h2>\n<pre>" + EscapeHtml(structure.empty() ? "no learned structure" : structure) +
+            "</pre>\n</body>\n</html>\n";
+    return page;
 }
 
 Json LayerJson(const InspectedLayer &layer, const std::string &file) {
@@ -46,9 +128,9 @@ Json LayerJson(const InspectedLayer &layer, const std::string &file) {
 
 }  // namespace
 
-Json WriteLayers(const Inspection &inspection, const std::string &folder, int legendRows,
+Json WriteLayers(const Inspection &inspection, const std::string &folder, const std::string &prefix, int legendRows,
                  const std::function<bool(const InspectedLayer &)> &wanted) {
-    MakeFolder(folder);
+    MakeFolder((fs::path(folder) / prefix).parent_path().string());
     const Image hit = inspection.image.Select({"hit"});
     Json json = Json::array();
     for (size_t c = 0; c < inspection.layers.size(); ++c) {
@@ -59,7 +141,7 @@ Json WriteLayers(const Inspection &inspection, const std::string &folder, int le
         style.least = static_cast<Float>(layer.shownLeast);
         style.most = static_cast<Float>(layer.shownMost);
         style.legendRows = legendRows;
-        const std::string file = layer.name + ".png";
+        const std::string file = prefix + layer.name + ".png";
         if (layer.IsFlat()) fs::remove(fs::path(folder) / file);  // removes images of earlier inspections
         else WriteImage(folder + "/" + file, FalseColor(inspection.image, static_cast<int>(c), style, &hit));
         json.push_back(LayerJson(layer, file));
@@ -69,7 +151,7 @@ Json WriteLayers(const Inspection &inspection, const std::string &folder, int le
 
 void WriteInspection(const Inspection &inspection, const std::string &folder, const Json &about) {
     MakeFolder(folder);
-    const fs::path out(folder);
+    const std::string out = folder + "/";
     Json json = about;
     json["note"] =
         "Dark grey: nothing visible. Magenta: not finite. The bar below a picture runs from the "
@@ -80,13 +162,12 @@ void WriteInspection(const Inspection &inspection, const std::string &folder, co
         json["lights"].push_back(
             {{"first", light.first.value}, {"count", light.count}, {"power", light.power}, {"label", light.label}});
 
-    WriteImage((out / "inspect.exr").string(), inspection.image);
-    json["layers"] = WriteLayers(inspection, folder, kLegendRows, [](const InspectedLayer &) { return true; });
+    WriteImage(out + "inspect.exr", inspection.image);
+    json["layers"] = WriteLayers(inspection, folder, "", kLegendRows, [](const InspectedLayer &) { return true; });
     ShortenFloats(&json);
-    WriteFile((out / "inspect.json").string(), json.dump(2) + "\n");
-    WriteFile((out / "structure.txt").string(),
-              inspection.structure.empty() ? "no learned structure\n" : inspection.structure);
-    WriteFile((out / "index.html").string(), InspectPage(json, inspection.structure));
+    WriteFile(out + "inspect.json", json.dump(2) + "\n");
+    WriteFile(out + "structure.txt", inspection.structure.empty() ? "no learned structure\n" : inspection.structure);
+    WriteFile(out + "index.html", InspectPage(json, inspection.structure));
 }
 
 int RunInspect(const InspectOptions &options, const PluginRegistry &registry, Progress &progress) {
@@ -110,7 +191,8 @@ int RunInspect(const InspectOptions &options, const PluginRegistry &registry, Pr
         RenderWaves(built.Rendering(progress), settings);
         if (progress.Cancelled()) return 130;
     }
-    Inspection inspection = InspectLights(built, *built.integrator, options.settings, progress);
+    Inspection inspection =
+        InspectLights(built, *built.integrator->Lights(), built.integrator.get(), options.settings, progress);
     if (progress.Cancelled()) return 130;
 
     Json about;

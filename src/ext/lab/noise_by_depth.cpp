@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
+#include <numeric>
 
 #include "ext/lab/results.h"
 #include "ext/lab/sampler_run.h"
@@ -22,12 +22,12 @@ namespace {
 constexpr double kTrimmedShare = 0.001;
 
 /// Images of one sampler with path depths of at most `depth`; empty if cancelled.
-std::vector<Image> Pictures(const NoiseOptions &options, const LabScene &scene, const SamplerChoice &choice, int depth,
-                            Progress &progress) {
+std::vector<Image> Pictures(const ExperimentSettings &settings, const LabScene &scene, const SamplerChoice &choice,
+                            int depth, Progress &progress) {
     std::vector<Image> pictures;
-    for (int seed = 0; seed < options.experiment.seeds; ++seed) {
-        SamplerRun run(scene, choice, seed, options.experiment.samplesPerPixel, progress, depth);
-        if (!run.Prepare() || !run.RenderTo({options.experiment.samplesPerPixel, 0})) return {};
+    for (int seed = 0; seed < settings.seeds; ++seed) {
+        SamplerRun run(scene, choice, seed, settings.samplesPerPixel, progress, depth);
+        if (!run.Prepare() || !run.RenderTo({settings.samplesPerPixel, 0})) return {};
         pictures.push_back(run.Picture().Select({"R", "G", "B"}));
         progress.Advance();
     }
@@ -46,24 +46,23 @@ std::string Bars(const Json &json, const char *what) {
         svg += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{}</text>\n", kLeft - 10, y + 20,
                            EscapeHtml(s.at("label")));
         double from = 0;
-        size_t k = 0;
+        int k = 0;
+        const auto at = [&](double noise) { return kLeft + (most > 0 ? noise / most * kWidth : 0); };
         for (const Json &d : s.at("depths")) {
             const double to = std::max(from, d.at(what).get<double>());
             const double width = most > 0 ? (to - from) / most * kWidth : 0;
             svg += fmt::format(
                 "<rect x=\"{:.1f}\" y=\"{}\" width=\"{:.1f}\" height=\"{}\" fill=\"hsl({} 60% {}%)\"><title>up to {} "
                 "scattering events: {:.4g}</title></rect>\n",
-                kLeft + (most > 0 ? from / most * kWidth : 0), y, width, kHeight - 8,
-                215 - 25 * static_cast<int>(k % 8), k % 2 ? 58 : 46, d.at("depth").get<int>(),
+                at(from), y, width, kHeight - 8, 215 - 25 * (k % 8), k % 2 ? 58 : 46, d.at("depth").get<int>(),
                 d.at(what).get<double>());
             if (width > 22)
-                svg += fmt::format("<text class=\"in\" x=\"{:.1f}\" y=\"{}\">{}</text>\n",
-                                   kLeft + from / most * kWidth + 5, y + 18, d.at("depth").get<int>());
+                svg += fmt::format("<text class=\"in\" x=\"{:.1f}\" y=\"{}\">{}</text>\n", at(from) + 5, y + 18,
+                                   d.at("depth").get<int>());
             from = to;
             ++k;
         }
-        svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\">{:.3g}</text>\n",
-                           kLeft + (most > 0 ? from / most * kWidth : 0) + 8, y + 20, from);
+        svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\">{:.3g}</text>\n", at(from) + 8, y + 20, from);
         y += kHeight;
     }
     return svg + "</svg>\n";
@@ -92,7 +91,7 @@ svg text { fill: currentColor; } svg text.in { fill: #fff; }
 
 }  // namespace
 
-Noise NoiseOf(const std::vector<Image> &pictures, const Image &reference) {
+Noise NoiseOf(std::span<const Image> pictures, const Image &reference) {
     const auto n = static_cast<double>(pictures.size());
     const int channels = reference.ChannelCount();
     const double epsilon = RelL2Epsilon(reference);
@@ -109,8 +108,7 @@ Noise NoiseOf(const std::vector<Image> &pictures, const Image &reference) {
     });
     std::sort(terms.begin(), terms.end());
     const auto mean = [&](size_t kept) {
-        double sum = 0;
-        for (size_t i = 0; i < kept; ++i) sum += terms[i];
+        const double sum = std::accumulate(terms.begin(), terms.begin() + kept, 0.0);
         return kept ? sum / static_cast<double>(kept) : 0;
     };
     return {mean(terms.size()),
@@ -127,39 +125,38 @@ std::vector<int> NoiseDepths(int maxDepth) {
     return depths;
 }
 
-int RunNoise(const NoiseOptions &options, const PluginRegistry &registry, Progress &progress) {
-    if (options.experiment.seeds < 2) throw UserError("--seeds: a variance takes at least two.");
-    const std::vector<SamplerChoice> choices = ParseSamplerChoices(options.samplers, registry);
-    const LabScene scene = LoadLabScene(options.experiment, registry, progress);
+int RunNoise(const ExperimentSettings &settings, const PluginRegistry &registry, Progress &progress) {
+    if (settings.seeds < 2) throw UserError("--seeds: a variance takes at least two.");
+    const std::vector<SamplerChoice> &choices = settings.samplers;
+    const LabScene scene = LoadLabScene(settings, registry, progress);
     const std::vector<int> depths = NoiseDepths(scene.built.maxDepth);
 
-    progress.BeginPhase("rendering", choices.size() * depths.size() * options.experiment.seeds);
+    progress.BeginPhase("rendering", choices.size() * depths.size() * settings.seeds);
     // The deepest come first: their mean is the reference of all others, which need not be stored.
-    std::vector<std::vector<Image>> deepest;
-    std::vector<const Image *> whole;
+    std::vector<Image> deepest;
     for (const SamplerChoice &choice : choices) {
-        deepest.push_back(Pictures(options, scene, choice, depths.back(), progress));
-        if (deepest.back().empty()) return 130;
+        const std::vector<Image> pictures = Pictures(settings, scene, choice, depths.back(), progress);
+        if (pictures.empty()) return 130;
+        deepest.insert(deepest.end(), pictures.begin(), pictures.end());
     }
-    for (const std::vector<Image> &pictures : deepest)
-        for (const Image &picture : pictures) whole.push_back(&picture);
-    const Image reference = AverageImages(whole).image;
+    const Image reference = AverageImages(deepest).image;
+    const size_t seeds = settings.seeds;
     std::vector<std::vector<Noise>> noise(choices.size());
     for (size_t i = 0; i < choices.size(); ++i) {
         for (size_t d = 0; d + 1 < depths.size(); ++d) {
-            const std::vector<Image> pictures = Pictures(options, scene, choices[i], depths[d], progress);
+            const std::vector<Image> pictures = Pictures(settings, scene, choices[i], depths[d], progress);
             if (pictures.empty()) return 130;
             noise[i].push_back(NoiseOf(pictures, reference));
         }
-        noise[i].push_back(NoiseOf(deepest[i], reference));
+        noise[i].push_back(NoiseOf(std::span(deepest).subspan(i * seeds, seeds), reference));
     }
     progress.EndPhase();
 
     Json json;
-    json["scene"] = options.experiment.scene;
-    json["commandLine"] = options.experiment.commandLine;
-    json["samples"] = options.experiment.samplesPerPixel;
-    json["seeds"] = options.experiment.seeds;
+    json["scene"] = settings.scene;
+    json["commandLine"] = settings.commandLine;
+    json["samples"] = settings.samplesPerPixel;
+    json["seeds"] = settings.seeds;
     json["samplers"] = Json::array();
     std::printf("%-36s", "scattering events");
     for (const int depth : depths) std::printf(" %9d", depth);
@@ -176,10 +173,8 @@ int RunNoise(const NoiseOptions &options, const PluginRegistry &registry, Progre
         std::printf("\n%-36s%s", "  trimmed", trimmed.c_str());
         json["samplers"].push_back(entry);
     }
-    const std::string &folder = options.experiment.outFolder;
-    std::error_code failed;
-    std::filesystem::create_directories(folder, failed);
-    if (failed) throw UserError(fmt::format("{}: {}.", folder, failed.message()));
+    const std::string &folder = settings.outFolder;
+    MakeFolder(folder);
     ShortenFloats(&json);
     WriteFile(folder + "/noise.json", json.dump(2) + "\n");
     WriteFile(folder + "/index.html", Page(json));

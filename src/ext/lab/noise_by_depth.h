@@ -1,4 +1,5 @@
 #pragma once
+#include <span>
 #include <string>
 #include <vector>
 
@@ -9,18 +10,13 @@
 
 namespace ext::lab {
 
-struct NoiseOptions {
-    ExperimentSettings experiment;  ///< scene, samples per pixel, seeds (at least 2), divisor, maxDepth, folder
-    std::vector<std::string> samplers;
-};
-
 /// Noise of at least two images of a scene: variance per pixel and channel over (r^2 + RelL2Epsilon), averaged over the
 /// image; the expected relL2 of one of them. `r`: reference image.
 struct Noise {
     double plain = 0;
     double trimmed = 0;  ///< excluding the noisiest 0.1 % of pixels
 };
-Noise NoiseOf(const std::vector<Image> &pictures, const Image &reference);
+Noise NoiseOf(std::span<const Image> pictures, const Image &reference);
 
 /// 1, 2, 3, 4, 6, 8, 12, ... scattering events, up to `maxDepth`.
 std::vector<int> NoiseDepths(int maxDepth);
@@ -29,8 +25,9 @@ std::vector<int> NoiseDepths(int maxDepth);
 /// reports the noise added per depth. The sampler `oracle`, whose probabilities minimize variance, gives the lower
 /// bound of any light selection.
 ///
+/// Used of `settings`: scene, samplers, samples per pixel, seeds (at least 2), divisor, maxDepth, folder, command line.
 /// Writes noise.json and index.html into the folder and prints a table. Exit status: 0, or 130 if interrupted. Throws
 /// UserError.
-int RunNoise(const NoiseOptions &options, const PluginRegistry &registry, Progress &progress);
+int RunNoise(const ExperimentSettings &settings, const PluginRegistry &registry, Progress &progress);
 
 }  // namespace ext::lab

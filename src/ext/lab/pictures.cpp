@@ -4,13 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
+#include "ext/lab/experiment.h"
+#include "ext/lab/inspect.h"
 #include "ext/lab/tile_statistics.h"
 #include "pbrt/core/files.h"
 #include "pbrt/images/false_color.h"
 #include "pbrt/images/metrics.h"
 
 namespace ext::lab {
+
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -112,32 +117,123 @@ std::vector<Bounds2i> ChooseCrops(std::span<const std::vector<float>> maps, Poin
     std::vector<Candidate> candidates;
     for (int y = 0; y + side <= resolution.y; y += step)
         for (int x = 0; x + side <= resolution.x; x += step) {
+            const Bounds2i square{{x, y}, {x + side, y + side}};
             double least = std::numeric_limits<double>::infinity(), most = 0;
             for (const std::vector<float> &map : maps) {
                 double sum = 0;
-                for (int v = y; v < y + side; ++v)
-                    for (int u = x; u < x + side; ++u) {
-                        const double e = double(map[v * resolution.x + u]);
-                        sum += e * e;
-                    }
+                ForEachPixel(square, [&](int u, int v) { sum += Sqr(double(map[v * resolution.x + u])); });
                 least = std::min(least, sum);
                 most = std::max(most, sum);
             }
-            if (!maps.empty())
-                candidates.push_back({{{x, y}, {x + side, y + side}}, std::sqrt(most) - std::sqrt(least)});
+            if (!maps.empty()) candidates.push_back({square, std::sqrt(most) - std::sqrt(least)});
         }
-    std::stable_sort(candidates.begin(), candidates.end(),
-                     [](const Candidate &a, const Candidate &b) { return a.score > b.score; });
+    std::ranges::stable_sort(candidates, std::ranges::greater(), &Candidate::score);
     std::vector<Bounds2i> crops;
     for (const Candidate &c : candidates) {
-        const bool isFree = std::none_of(crops.begin(), crops.end(), [&](const Bounds2i &o) {
-            return c.pixels.low.x < o.high.x && o.low.x < c.pixels.high.x && c.pixels.low.y < o.high.y &&
-                   o.low.y < c.pixels.high.y;
-        });
-        if (isFree) crops.push_back(c.pixels);
+        auto overlaps = [&](const Bounds2i &o) { return !Intersect(c.pixels, o).IsEmpty(); };
+        if (std::ranges::none_of(crops, overlaps)) crops.push_back(c.pixels);
         if (crops.size() == 3) break;
     }
     return crops;
+}
+
+std::string ViewsNote(const SamplerChoice &choice) { return choice.folder + "/views.json"; }
+
+Json WriteViews(const ExperimentSettings &settings, const LabScene &scene, size_t sampler, const Integrator &integrator,
+                Progress &cancel) {
+    // Coarser than `lightlab inspect`: some seconds on two cores for any number of lights.
+    const InspectSettings how{.samples = 8, .shownLights = sampler > 0 ? 0 : 4, .maxWork = 2e7};
+    const Inspection inspection = InspectLights(scene.built, *integrator.Lights(), &integrator, how, cancel);
+    if (cancel.Cancelled()) return {};
+    auto write = [&](const std::string &prefix, bool ofScene) {
+        return WriteLayers(inspection, settings.outFolder, prefix, 0, [&](const InspectedLayer &layer) {
+            return layer.name != "hit" && layer.ofScene == ofScene;
+        });
+    };
+    Json views;
+    views["everyNthPixel"] = inspection.stride;
+    views["samplesPerLight"] = how.samples;
+    views["layers"] = write(settings.samplers[sampler].folder + "/views/", false);
+    if (sampler == 0) views["layersOfScene"] = write("views/", true);
+    views["bytes"] = Json::object();
+    for (const char *part : {"layers", "layersOfScene"})
+        for (const Json &layer : views.value(part, Json::array()))
+            if (layer.at("file").is_string()) {
+                const std::string file = layer.at("file").get<std::string>();
+                views["bytes"][file] = fs::file_size(fs::path(settings.outFolder) / file);
+            }
+    return views;
+}
+
+bool ViewsAreWhole(const ExperimentSettings &settings, const Json &note) {
+    if (!note.is_object()) return false;
+    std::error_code error;
+    for (const auto &[file, bytes] : note.at("bytes").items())
+        if (fs::file_size(fs::path(settings.outFolder) / file, error) != bytes || error) return false;
+    return true;
+}
+
+void AddViews(const ExperimentSettings &settings, const RecordFolder &records, Json *results) {
+    for (size_t i = 0; i < settings.samplers.size(); ++i) {
+        const Json views = records.LoadNote(ViewsNote(settings.samplers[i]));
+        if (!views.is_object()) continue;
+        auto part = [&](const char *layers) {
+            return Json{{"everyNthPixel", views.at("everyNthPixel")},
+                        {"samplesPerLight", views.at("samplesPerLight")},
+                        {"layers", views.at(layers)}};
+        };
+        (*results)["samplers"][i]["views"] = part("layers");
+        if (views.contains("layersOfScene")) (*results)["views"] = part("layersOfScene");
+    }
+}
+
+void WritePictures(const ExperimentSettings &settings, const LabScene &scene, const References &references,
+                   const std::vector<std::vector<Image>> &pictures, Json *json) {
+    const double exposure = ChooseExposure(references.all[0].image);
+    const Point2i resolution = references.all[0].image.Resolution();
+    (*json)["references"] = Json::array();
+    for (size_t i = 0; i < references.all.size(); ++i) {
+        const Reference &r = references.all[i];
+        const std::string name = fmt::format("reference-{}", i);
+        ImageMetadata metadata = scene.built.film->Metadata();
+        metadata.attributes["lightlab.sampler"] = r.sampler;
+        metadata.attributes["lightlab.sceneHash"] = scene.hash;
+        metadata.attributes["samplesPerPixel"] = r.samples;
+        const std::string file = settings.outFolder + "/" + name;
+        WriteImage(file + ".exr", r.image, metadata);
+        WritePicture(file + ".png", r.image, exposure);
+        WriteRangePicture(file + ".hdr", r.image);
+        (*json)["references"].push_back({{"file", name + ".exr"},
+                                         {"picture", name + ".png"},
+                                         {"pictureRange", name + ".hdr"},
+                                         {"sampler", r.sampler.empty() ? Json() : Json(r.sampler)},
+                                         {"samples", r.samples ? Json(r.samples) : Json()},
+                                         {"seconds", r.seconds > 0 ? Json(r.seconds) : Json()},
+                                         {"noise", r.noise ? Json(*r.noise) : Json()},
+                                         {"source", r.source}});
+    }
+    std::vector<std::vector<float>> maps, shared;
+    for (size_t i = 0; i < settings.samplers.size(); ++i) {
+        maps.push_back(ErrorMap(pictures[i].front(), references.all[references.ofSampler[i]].image));
+        if (!settings.samplers[i].IsOracle()) shared.push_back(maps.back());
+    }
+    const double scale = ChooseErrorScale(maps);
+    for (size_t i = 0; i < settings.samplers.size(); ++i) {
+        const std::string folder = settings.outFolder + "/" + settings.samplers[i].folder;
+        WritePicture(folder + "/result.png", pictures[i].front(), exposure);
+        WriteRangePicture(folder + "/result.hdr", pictures[i].front());
+        WriteErrorPicture(folder + "/error.png", maps[i], resolution, scale);
+    }
+    (*json)["exposure"] = exposure;
+    (*json)["errorScale"] = scale;
+    (*json)["crops"] = Json::array();
+    const std::vector<Bounds2i> crops = settings.crops.empty() ? ChooseCrops(shared, resolution) : settings.crops;
+    for (size_t i = 0; i < crops.size(); ++i)
+        (*json)["crops"].push_back({{"name", std::string(1, static_cast<char>('a' + i % 26))},
+                                    {"x0", crops[i].low.x},
+                                    {"y0", crops[i].low.y},
+                                    {"x1", crops[i].high.x},
+                                    {"y1", crops[i].high.y}});
 }
 
 }  // namespace ext::lab

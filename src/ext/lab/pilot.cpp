@@ -1,4 +1,3 @@
-#include "ext/lab/pilot.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,11 +19,9 @@ std::vector<SamplerChoice> Candidates(const ExperimentSettings &settings, const 
     std::vector<SamplerChoice> candidates;
     for (const SamplerChoice &s : settings.samplers)
         if (!s.IsOracle()) candidates.push_back(s);
-    for (const char *stock : {"bvh", "uniform"}) {
-        auto isListed = [&](const SamplerChoice &s) { return s.label == stock; };
-        if (std::none_of(candidates.begin(), candidates.end(), isListed))
+    for (const char *stock : {"bvh", "uniform"})
+        if (std::ranges::find(candidates, stock, &SamplerChoice::label) == candidates.end())
             candidates.push_back(ParseSamplerChoices({stock}, registry).front());
-    }
     return candidates;
 }
 
@@ -62,12 +59,10 @@ double VarianceBetweenPictures(const std::vector<Pilot> &pilots, size_t which, i
             for (size_t k = 0; k < pilots.size(); ++k)
                 if (k != which) others += pilots[k].tiles(grid.Index(tx, ty), c);
             others /= static_cast<double>(pilots.size() - 1);
-            const Bounds2i pixels = grid.Pixels(tx, ty);
-            for (int y = pixels.low.y; y < pixels.high.y; ++y)
-                for (int x = pixels.low.x; x < pixels.high.x; ++x) {
-                    const double d = double(a.Get({x, y}, c)) - double(b.Get({x, y}, c));
-                    if (std::isfinite(d)) squares += d * d / 2;
-                }
+            ForEachPixel(grid.Pixels(tx, ty), [&](int x, int y) {
+                const double d = double(a.Get({x, y}, c)) - double(b.Get({x, y}, c));
+                if (std::isfinite(d)) squares += d * d / 2;
+            });
             sum += squares / (others * others + epsilon);
         }
     });
@@ -122,19 +117,19 @@ std::vector<PilotEntry> FromJson(const Json &json, const std::vector<SamplerChoi
     return entries.size() == candidates.size() ? entries : std::vector<PilotEntry>{};
 }
 
-}  // namespace
-
 double MeanSecondsPerSample(const std::vector<PilotEntry> &entries) {
     double sum = 0;
     for (const PilotEntry &e : entries) sum += e.secondsPerSample;
     return entries.empty() ? 0 : sum / static_cast<double>(entries.size());
 }
 
+}  // namespace
+
 double EstimateRuns(const ExperimentSettings &settings, const std::vector<PilotEntry> &entries) {
     double seconds = 0;
     for (const SamplerChoice &s : settings.samplers) {
-        auto known = std::find_if(entries.begin(), entries.end(),
-                                  [&](const PilotEntry &e) { return e.choice.label == s.label; });
+        const auto known = std::ranges::find(
+            entries, s.label, [](const PilotEntry &e) -> auto & { return e.choice.label; });
         const double cost = known == entries.end() ? MeanSecondsPerSample(entries) : known->secondsPerSample;
         seconds += settings.Timed() ? settings.timeBudget : settings.samplesPerPixel * cost;
     }
@@ -145,9 +140,8 @@ bool IsTrusted(const SamplerChoice &choice) {
     return choice.name == "uniform" || choice.name == "power" || choice.name == "bvh" || choice.name == "exhaustive";
 }
 
-std::optional<std::vector<PilotEntry>> RunPilot(const ExperimentSettings &settings, const LabScene &scene,
-                                                const PluginRegistry &registry, const RecordFolder &records,
-                                                Progress &cancel, ExperimentDisplay &display) {
+std::optional<std::vector<PilotEntry>> RunPilot(const ExperimentContext &context) {
+    const auto &[settings, scene, registry, records, cancel, display] = context;
     const std::vector<SamplerChoice> candidates = Candidates(settings, registry);
     if (std::vector<PilotEntry> known = FromJson(records.LoadNote("pilot.json"), candidates); !known.empty())
         return known;
@@ -182,8 +176,7 @@ std::optional<std::vector<PilotEntry>> RunPilot(const ExperimentSettings &settin
     for (size_t i = 0; i < pilots.size(); ++i) between.push_back(VarianceBetweenPictures(pilots, i, samples, epsilon));
     for (size_t i = 0; i < pilots.size(); ++i)
         entries[i].variance = std::max(between[i], VarianceAgainstOthers(pilots, i, samples, between, epsilon));
-    std::stable_sort(entries.begin(), entries.end(),
-                     [](const PilotEntry &a, const PilotEntry &b) { return a.variance < b.variance; });
+    std::ranges::stable_sort(entries, {}, &PilotEntry::variance);
     records.SaveNote("pilot.json", ToJson(entries));
     return entries;
 }

@@ -2,14 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 
 #include "ext/lab/bias_check.h"
 #include "ext/lab/sampler_run.h"
+#include "ext/lab/tile_statistics.h"
 #include "pbrt/core/error.h"
+#include "pbrt/core/files.h"
+#include "pbrt/core/log.h"
 #include "pbrt/images/metrics.h"
+#include "pbrt/scenefile/content_hash.h"
 
 namespace ext::lab {
+
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -19,35 +26,152 @@ constexpr int kSeedStep = 1000;     // between references
 constexpr int kMinSamples = 64;     // by time
 constexpr double kDisagree = 2;     // factor on the relL2 explained by the noise of two references
 
+std::string PartChannel(size_t part, int color) { return fmt::format("part{}.{}", part + 1, "RGB"[color]); }
+
+template <class T>
+T Attribute(const ImageMetadata &m, const std::string &name, T otherwise) {
+    const auto it = m.attributes.find(name);
+    const T *value = it == m.attributes.end() ? nullptr : std::get_if<T>(&it->second);
+    return value ? *value : otherwise;
+}
+
+/// A reference without images, from the metadata of its file.
+Reference Described(const std::string &path, const ImageMetadata &m) {
+    Reference reference;
+    reference.sampler = Attribute<std::string>(m, "lightlab.sampler", "");
+    reference.samples = Attribute(m, "samplesPerPixel", 0);
+    reference.seconds = double(Attribute(m, "renderTimeSeconds", 0.f));
+    reference.source = path;
+    return reference;
+}
+
+/// Sets `image` to the mean of the parts and, if there are several, `noise`.
+void AverageParts(Reference *reference) {
+    MeanImage mean = AverageImages(reference->parts);
+    reference->image = std::move(mean.image);
+    if (reference->parts.size() > 1) reference->noise = mean.noise;
+}
+
+/// Empty if the file is not a whole reference.
+std::optional<Reference> ReadCached(const std::string &path, Point2i resolution) {
+    const ImageFile file = ReadImage(path);
+    Reference reference = Described(path, file.metadata);
+    const int parts = Attribute(file.metadata, "lightlab.parts", 0);
+    if (parts < 1 || file.image.Resolution() != resolution) return {};
+    for (int part = 0; part < parts; ++part) {
+        Image colors = file.image.Select({PartChannel(part, 0), PartChannel(part, 1), PartChannel(part, 2)});
+        Image &image =
+            reference.parts.emplace_back(PixelFormat::Float, resolution, std::vector<std::string>{"R", "G", "B"});
+        ForEachPixel(resolution, [&](int x, int y) {
+            for (int c = 0; c < 3; ++c) image.Set({x, y}, c, colors.Get({x, y}, c));
+        });
+    }
+    AverageParts(&reference);
+    if (!IsFinite(reference.image)) return {};
+    return reference;
+}
+
+/// The file of one reference in the cache; see MakeReferences.
+class ReferenceCache {
+  public:
+    /// `about`: sampler, rule and seeds as text, part of the hash.
+    ReferenceCache(const ExperimentSettings &settings, const LabScene &scene, const std::string &about)
+        : scene_(scene), about_(about) {
+        const Bounds2i &pixels = scene.Pixels();
+        ContentHash hash;
+        hash.Add(fmt::format("reference 1; scene {}; {}x{}, pixels {} {} {} {}; depth {}; batch {}; jitter {} {}; {}",
+                             scene.hash, scene.FullResolution().x, scene.FullResolution().y, pixels.low.x, pixels.low.y,
+                             pixels.high.x, pixels.high.y, scene.built.maxDepth, scene.Batch(),
+                             scene.built.disablePixelJitter, scene.built.disableWavelengthJitter, about));
+        if (settings.sampledLightOnly) hash.Add("sampled light");
+        key_ = hash.Hex();
+        const std::string name = fmt::format("{}.reference-{}.exr", fs::path(settings.scene).stem().string(), key_);
+        if (!settings.cacheFolder.empty()) files_.push_back((fs::path(settings.cacheFolder) / name).string());
+        files_.push_back((fs::path(settings.outFolder) / name).string());
+    }
+    const std::string &Key() const { return key_; }
+
+    /// Files that are unreadable or lack parts give a warning and count as absent.
+    std::optional<Reference> Find() const {
+        for (const std::string &path : files_) {
+            if (!FileExists(path)) continue;
+            try {
+                if (std::optional<Reference> found = ReadCached(path, scene_.Resolution())) return found;
+                LogWarning(fmt::format("{}: is not the reference that belongs there; it is rendered again.", path));
+            } catch (const UserError &e) {
+                LogWarning(fmt::format("{} The reference is rendered again.", e.what()));
+            }
+        }
+        return {};
+    }
+
+    /// Sets reference.source. A cache folder that is not writable gives a warning, an output folder an error.
+    void Store(Reference *reference) const {
+        const std::vector<Image> &parts = reference->parts;
+        std::vector<std::string> channels = {"R", "G", "B"};
+        for (size_t part = 0; part < parts.size(); ++part)
+            for (int c = 0; c < 3; ++c) channels.push_back(PartChannel(part, c));
+        Image all(PixelFormat::Float, reference->image.Resolution(), channels);
+        ForEachPixel(all.Resolution(), [&](int x, int y) {
+            for (int c = 0; c < all.ChannelCount(); ++c)
+                all.Set({x, y}, c, (c < 3 ? reference->image : parts[c / 3 - 1]).Get({x, y}, c % 3));
+        });
+        ImageMetadata m =
+            scene_.Metadata(*scene_.built.film, reference->sampler, reference->samples, reference->seconds);
+        m.attributes["lightlab.parts"] = static_cast<int>(parts.size());
+        m.attributes["lightlab.reference"] = about_;
+        m.attributes["lightlab.noiseRelL2"] = static_cast<float>(reference->noise.value_or(0));
+        m.attributes["lightlab.date"] = DateText();
+        for (const std::string &path : files_) {
+            try {
+                std::error_code error;
+                fs::create_directories(fs::path(path).parent_path(), error);
+                WriteImage(path, all, m);
+                reference->source = path;
+                return;
+            } catch (const std::exception &e) {
+                if (&path == &files_.back()) throw;
+                LogWarning(fmt::format(
+                    "{}: the reference cannot be kept there ({}); it is kept in the output folder. --cache DIR chooses "
+                    "another place.",
+                    path, e.what()));
+            }
+        }
+    }
+
+  private:
+    const LabScene &scene_;
+    std::string about_, key_;
+    std::vector<std::string> files_;  ///< in search and write order
+};
+
 class ReferenceMaker {
   public:
-    ReferenceMaker(const ExperimentSettings &settings, const LabScene &scene, const RecordFolder &records,
-                   Progress &cancel, ExperimentDisplay &display)
-        : settings_(settings), scene_(scene), records_(records), cancel_(cancel), display_(display),
-          rule_(ReferenceRule::For(settings)) {}
+    explicit ReferenceMaker(const ExperimentContext &context)
+        : context_(context), rule_(ReferenceRule::For(context.settings)) {}
 
     /// Returns nothing if cancelled.
     std::optional<Reference> Make(const PilotEntry &with, int index) {
         const int firstSeed = kFirstSeed + index * kSeedStep;
         const std::string about =
             fmt::format("sampler {}; {}; {} parts from seed {}", with.choice.label, rule_.Text(), kParts, firstSeed);
-        ReferenceCache cache(settings_, scene_, about);
+        ReferenceCache cache(context_.settings, context_.scene, about);
         if (std::optional<Reference> found = cache.Find()) return found;
 
         Reference reference;
         reference.sampler = with.choice.label;
         const int samples = SamplesPerPart(with, index);
         reference.samples = samples * kParts;
-        display_.SetPhase(fmt::format("reference {}", index));
+        context_.display.SetPhase(fmt::format("reference {}", index));
         std::vector<std::string> files;
         for (int part = 0; part < kParts; ++part) {
-            files.push_back(records_.File(fmt::format("reference-{}-part{}.exr", cache.Key(), part + 1)));
+            files.push_back(context_.records.File(fmt::format("reference-{}-part{}.exr", cache.Key(), part + 1)));
             if (!RenderPart(with.choice, firstSeed + part, samples, kParts - 1 - part, files.back(), &reference))
                 return {};
         }
         AverageParts(&reference);
-        cache.Store(scene_, about, &reference);
-        for (const std::string &file : files) std::filesystem::remove(file);
+        cache.Store(&reference);
+        for (const std::string &file : files) fs::remove(file);
         return reference;
     }
 
@@ -56,57 +180,47 @@ class ReferenceMaker {
     /// number. A replay uses the number of the original experiment.
     int SamplesPerPart(const PilotEntry &with, int index) const {
         if (rule_.samples > 0) return (rule_.samples + kParts - 1) / kParts;
-        if (!settings_.samplesFrom.empty())
-            for (const Json &r : ReadResults(settings_.samplesFrom).at("references"))
+        if (!context_.settings.samplesFrom.empty())
+            for (const Json &r : ReadResults(context_.settings.samplesFrom).at("references"))
                 if (r.value("sampler", "") == with.choice.label && r.value("samples", 0) > 0)
                     return (r.value("samples", 0) + kParts - 1) / kParts;
         const std::string note = fmt::format("reference-{}.json", index);
-        Json known = records_.LoadNote(note);
+        Json known = context_.records.LoadNote(note);
         if (known.is_object() && known.value("sampler", "") == with.choice.label)
             return known.value("samplesPerPart", 1);
         const double fit = rule_.seconds / std::max(1e-6, with.secondsPerSample);
         const int samples = static_cast<int>(std::ceil(std::max<double>(kMinSamples, fit) / kParts));
-        records_.SaveNote(note, {{"sampler", with.choice.label}, {"samplesPerPart", samples}});
+        context_.records.SaveNote(note, {{"sampler", with.choice.label}, {"samplesPerPart", samples}});
         return samples;
     }
 
     bool RenderPart(const SamplerChoice &choice, int seed, int samples, int partsAfter, const std::string &file,
                     Reference *reference) {
-        if (IsWholePicture(file, scene_.Resolution())) {
-            ImageFile known = ReadImage(file);
-            if (const auto *seconds = std::get_if<float>(&known.metadata.attributes["renderTimeSeconds"]))
-                reference->seconds += double(*seconds);
+        if (IsWholePicture(file, context_.scene.Resolution())) {
+            const ImageFile known = ReadImage(file);
+            reference->seconds += double(Attribute(known.metadata, "renderTimeSeconds", 0.f));
             reference->parts.push_back(known.image.Select({"R", "G", "B"}));
             return true;
         }
-        SamplerRun run(scene_, choice, seed, samples, cancel_);
+        SamplerRun run(context_.scene, choice, seed, samples, context_.cancel);
         if (!run.Prepare()) return false;
-        auto afterWave = [&] {
-            const double samplesLeft = samples * (1.0 + partsAfter) - run.Samples();
-            display_.Show(samplesLeft * run.SecondsPerSample());
-        };
-        if (!run.RenderTo({samples, 0}, afterWave)) return false;
+        if (!run.RenderTo({samples, 0}, [&] {
+                const double samplesLeft = samples * (1.0 + partsAfter) - run.Samples();
+                context_.display.Show(samplesLeft * run.SecondsPerSample());
+            }))
+            return false;
         WriteImage(file, run.Picture(), run.Metadata());
         reference->parts.push_back(run.Picture());
         reference->seconds += run.Spent().wall;
         return true;
     }
 
-    const ExperimentSettings &settings_;
-    const LabScene &scene_;
-    const RecordFolder &records_;
-    Progress &cancel_;
-    ExperimentDisplay &display_;
+    const ExperimentContext &context_;
     ReferenceRule rule_;
 };
 
 bool Contradict(const Reference &a, const Reference &b) {
-    auto means = [](const Reference &r) {
-        std::vector<TileMeans> tiles;
-        for (const Image &part : r.parts) tiles.push_back(ComputeTileMeans(part));
-        return tiles;
-    };
-    return CheckBias(means(a), BiasReference{means(b), {}}).verdict == BiasVerdict::Biased;
+    return CheckBias(TilesOf(a.parts), BiasReference{TilesOf(b.parts), {}}).verdict == BiasVerdict::Biased;
 }
 
 References GivenReference(const ExperimentSettings &settings, const LabScene &scene) {
@@ -156,18 +270,16 @@ std::string ReferenceRule::Text() const {
     return samples > 0 ? CountText(samples, "sample") + " per pixel" : fmt::format("{} s", seconds);
 }
 
-std::optional<References> MakeReferences(const ExperimentSettings &settings, const LabScene &scene,
-                                         const PluginRegistry &registry, const RecordFolder &records, Progress &cancel,
-                                         ExperimentDisplay &display) {
-    if (!settings.referenceFile.empty()) return GivenReference(settings, scene);
-    const std::optional<std::vector<PilotEntry>> pilot = RunPilot(settings, scene, registry, records, cancel, display);
+std::optional<References> MakeReferences(const ExperimentContext &context) {
+    const ExperimentSettings &settings = context.settings;
+    if (!settings.referenceFile.empty()) return GivenReference(settings, context.scene);
+    const std::optional<std::vector<PilotEntry>> pilot = RunPilot(context);
     if (!pilot) return {};
 
     auto isListed = [&](const SamplerChoice &c) {
-        return std::any_of(settings.samplers.begin(), settings.samplers.end(),
-                           [&](const SamplerChoice &s) { return s.label == c.label; });
+        return std::ranges::find(settings.samplers, c.label, &SamplerChoice::label) != settings.samplers.end();
     };
-    ReferenceMaker maker(settings, scene, records, cancel, display);
+    ReferenceMaker maker(context);
     References references;
     std::vector<PilotEntry> makers = *pilot;
     bool areStocks = false;
@@ -179,7 +291,7 @@ std::optional<References> MakeReferences(const ExperimentSettings &settings, con
             double after = EstimateRuns(settings, *pilot);
             for (size_t k = i + 1; k < wanted; ++k)
                 after += ReferenceRule::For(settings).EstimateSeconds(makers[k].secondsPerSample);
-            display.SetAfter(after);
+            context.display.SetAfter(after);
             std::optional<Reference> made = maker.Make(makers[i], static_cast<int>(i));
             if (!made) return {};
             references.all.push_back(std::move(*made));
@@ -192,14 +304,43 @@ std::optional<References> MakeReferences(const ExperimentSettings &settings, con
             "the references instead.",
             makers[0].choice.label, makers[1].choice.label));
     }
-    if (references.all.size() > 1) {
+    if (references.all.size() > 1)
         if (std::optional<Doubt> doubt =
                 Disagreement(references.all[0], references.all[1], areStocks, &references.areDoubtful))
             references.doubts.push_back(*doubt);
-    }
     for (const SamplerChoice &s : settings.samplers)
         references.ofSampler.push_back(s.label == references.all[0].sampler && references.all.size() > 1 ? 1 : 0);
     return references;
+}
+
+std::string UserCacheFolder() {
+    auto variable = [](const char *name) {
+        const char *value = std::getenv(name);
+        return fs::path(value ? value : "");
+    };
+    // The XDG specification ignores relative paths.
+    if (const fs::path cache = variable("XDG_CACHE_HOME"); cache.is_absolute()) return (cache / "pbrt_octree").string();
+    if (const fs::path home = variable("HOME"); home.is_absolute()) return (home / ".cache" / "pbrt_octree").string();
+    return {};
+}
+
+Reference ReadReference(const std::string &path, const LabScene &scene) {
+    const ImageFile file = ReadImage(path);
+    const Bounds2i &wanted = scene.Pixels();
+    const Bounds2i have = file.metadata.pixelBounds.value_or(Bounds2i{{0, 0}, file.image.Resolution()});
+    const Point2i full = file.metadata.fullResolution.value_or(file.image.Resolution());
+    const bool covers = Intersect(wanted, have).Area() == wanted.Area();
+    if (full != scene.FullResolution() || !covers)
+        throw UserError(fmt::format(
+            "{}: the reference is {} x {} pixels (x {}-{}, y {}-{} of them); the film is {} x {} "
+            "and needs x {}-{}, y {}-{}. See --divisor.",
+            path, full.x, full.y, have.low.x, have.high.x, have.low.y, have.high.y, scene.FullResolution().x,
+            scene.FullResolution().y, wanted.low.x, wanted.high.x, wanted.low.y, wanted.high.y));
+    Reference reference = Described(path, file.metadata);
+    reference.image = file.image.Select({"R", "G", "B"}).Crop({wanted.low - have.low, wanted.high - have.low});
+    if (!IsFinite(reference.image))
+        throw UserError(fmt::format("{}: the reference has pixels that are not finite.", path));
+    return reference;
 }
 
 }  // namespace ext::lab

@@ -2,9 +2,28 @@
 #include <optional>
 
 #include "ext/lab/conclusion.h"
-#include "ext/lab/pilot.h"
+#include "ext/lab/experiment_context.h"
 
 namespace ext::lab {
+
+/// Candidate sampler for a reference, with variance and cost estimated from a few samples.
+struct PilotEntry {
+    SamplerChoice choice;
+    /// Variance of one sample per pixel, relative to the squared local brightness (8x8 tiles of the other candidates).
+    /// Maximum of two estimates: from the candidate's own two images, and from its difference to the others.
+    double variance = 0;
+    double secondsPerSample = 0;  ///< per pixel sample, for the whole image
+};
+
+/// Ranks the experiment's samplers (except oracles) and stock's bvh and uniform over single lights by variance per
+/// sample. Stores the result in the records. Returns nothing if cancelled.
+std::optional<std::vector<PilotEntry>> RunPilot(const ExperimentContext &context);
+
+/// Estimates the seconds of all runs of the experiment; samplers without entry have average cost.
+double EstimateRuns(const ExperimentSettings &settings, const std::vector<PilotEntry> &entries);
+
+/// True for samplers of stock pbrt, whose images are considered unbiased.
+bool IsTrusted(const SamplerChoice &choice);
 
 struct Reference {
     Image image;                  ///< R, G, B over the film's pixels
@@ -42,29 +61,12 @@ std::optional<Doubt> Disagreement(const Reference &a, const Reference &b, bool a
 /// Reads the user's file, or renders a reference with the best sampler of a pilot run. No sampler is evaluated on its
 /// own samples: if that sampler is compared itself, a second reference by the next best evaluates it. If the two
 /// contradict each other (bias check), two references by stock samplers replace them; these are doubtful if they
-/// contradict each other too. Differences beyond their noise are a doubt. Rendered references are stored in the cache
-/// folder (reference_cache.h). Finished parts survive interruption. Returns nothing if cancelled. Throws UserError.
-std::optional<References> MakeReferences(const ExperimentSettings &settings, const LabScene &scene,
-                                         const PluginRegistry &registry, const RecordFolder &records, Progress &cancel,
-                                         ExperimentDisplay &display);
-
+/// contradict each other too. Differences beyond their noise are a doubt. Finished parts survive interruption. Returns
+/// nothing if cancelled. Throws UserError.
+///
 /// File of a rendered reference: <scene>.reference-<hash>.exr, with a hash of everything its pixels depend on. In the
 /// cache folder, or in the output folder if that is missing or not writable; never in the scene's folder.
-class ReferenceCache {
-  public:
-    /// `what`: sampler, rule and seeds as text, part of the hash.
-    ReferenceCache(const ExperimentSettings &settings, const LabScene &scene, const std::string &what);
-    /// Files that are unreadable or lack parts give a warning and count as absent.
-    std::optional<Reference> Find() const;
-    /// Sets reference.source. A cache folder that is not writable gives a warning, an output folder an error.
-    void Store(const LabScene &scene, const std::string &about, Reference *reference) const;
-    const std::string &Key() const { return key_; }
-
-  private:
-    Point2i resolution_;
-    std::string key_;
-    std::vector<std::string> files_;  ///< in search and write order
-};
+std::optional<References> MakeReferences(const ExperimentContext &context);
 
 /// $XDG_CACHE_HOME/pbrt_octree, else ~/.cache/pbrt_octree; empty if neither is set.
 std::string UserCacheFolder();
@@ -72,7 +74,5 @@ std::string UserCacheFolder();
 /// Reads R, G, B of the film's pixels from an image that may be larger; without parts and noise. Throws UserError if it
 /// does not cover the film.
 Reference ReadReference(const std::string &path, const LabScene &scene);
-/// Sets `image` to the mean of the parts and, if there are several, `noise`.
-void AverageParts(Reference *reference);
 
 }  // namespace ext::lab

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ext/lab/convergence.h"
+#include "ext/lab/measures.h"
 #include "pbrt/math/statistics.h"
 
 namespace ext::lab {
@@ -23,9 +23,8 @@ void DropEmptyRounds(RunRecord *run) {
 std::vector<CurvePoint> Curve(const SamplerResult &sampler, bool bySamples) {
     std::vector<std::vector<CurvePoint>> curves(sampler.runs.size());
     auto isShared = [&](int checkpoint) {
-        return std::all_of(sampler.runs.begin(), sampler.runs.end(), [&](const RunRecord &run) {
-            return std::any_of(run.rounds.begin(), run.rounds.end(),
-                               [&](const RoundRecord &r) { return r.checkpoint == checkpoint; });
+        return std::ranges::all_of(sampler.runs, [&](const RunRecord &run) {
+            return std::ranges::find(run.rounds, checkpoint, &RoundRecord::checkpoint) != run.rounds.end();
         });
     };
     for (size_t i = 0; i < curves.size(); ++i)
@@ -54,9 +53,9 @@ double CpuPerSample(const std::vector<RunRecord> &runs) {
     return samples > 0 ? cpu / samples : 0;
 }
 
-std::vector<double> ErrorsOf(const std::vector<RunRecord> &runs, size_t measure) {
+std::vector<double> ErrorsOf(const std::vector<RunRecord> &runs, Measure measure) {
     std::vector<double> errors;
-    for (const RunRecord &run : runs) errors.push_back(run.rounds.back().measures[measure]);
+    for (const RunRecord &run : runs) errors.push_back(Get(run.rounds.back().measures, measure));
     return errors;
 }
 
@@ -67,9 +66,9 @@ void SummarizeOne(SamplerResult *s) {
     s->cpuSeconds = MeanOver(s->runs, [&](const RunRecord &r) { return last(r).spent.cpu; });
     s->prepareSeconds = MeanOver(s->runs, [](const RunRecord &r) { return r.prepare.wall; });
     s->prepareCpuSeconds = MeanOver(s->runs, [](const RunRecord &r) { return r.prepare.cpu; });
-    for (size_t m = 0; m < MeasureCount; ++m) s->measures[m] = Summarize(ErrorsOf(s->runs, m));
-    const double error = s->measures[static_cast<size_t>(Measure::RelL2)].mean;
-    s->firefliesDecide = FirefliesDecide(error, s->measures[static_cast<size_t>(Measure::RelL2Trimmed)].mean);
+    for (size_t m = 0; m < MeasureCount; ++m) s->measures[m] = Summarize(ErrorsOf(s->runs, static_cast<Measure>(m)));
+    const double error = Get(s->measures, Measure::RelL2).mean;
+    s->firefliesDecide = FirefliesDecide(error, Get(s->measures, Measure::RelL2Trimmed).mean);
     s->efficiency = Efficiency(error, s->seconds);
     s->cpuPerSample = CpuPerSample(s->runs);
     s->shadowRays = MeanOver(s->runs, [&](const RunRecord &r) { return double(last(r).shadowRays); });
@@ -77,22 +76,17 @@ void SummarizeOne(SamplerResult *s) {
     s->blockedShare = s->shadowRays > 0 ? blocked / s->shadowRays : 0;
 }
 
-std::vector<TileMeans> TilesOf(const std::vector<Image> &pictures) {
-    std::vector<TileMeans> tiles;
-    for (const Image &picture : pictures) tiles.push_back(ComputeTileMeans(picture));
-    return tiles;
-}
-
 /// Label without "+mesh": runs with and without mesh lights are auxiliary to each other.
-std::string NameWithoutMesh(const std::string &label) {
-    const std::string mesh = "+mesh";
-    const size_t at = label.find(mesh);
-    return at == std::string::npos ? label : label.substr(0, at) + label.substr(at + mesh.size());
+std::string NameWithoutMesh(std::string label) {
+    if (const size_t at = label.find("+mesh"); at != std::string::npos) label.erase(at, 5);
+    return label;
 }
 
 class BiasJudge {
   public:
-    BiasJudge(const References &references, const std::vector<std::vector<Image>> &pictures) {
+    /// `samplers`: with the samples of their runs, in the order of `pictures`.
+    BiasJudge(const References &references, const std::vector<SamplerResult> &samplers,
+              const std::vector<std::vector<Image>> &pictures) {
         for (const Reference &r : references.all) {
             Pictures p{NameWithoutMesh(r.sampler), TilesOf(r.parts), static_cast<double>(r.samples)};
             if (p.tiles.empty()) p.tiles.push_back(ComputeTileMeans(r.image));
@@ -100,13 +94,8 @@ class BiasJudge {
             references_.push_back(std::move(p));
             noise_.push_back(r.noise);
         }
-        for (const std::vector<Image> &runs : pictures) runs_.push_back({"", TilesOf(runs), 0});
-    }
-
-    /// Call for every sampler before Judge.
-    void Describe(size_t sampler, const std::string &label, double samples) {
-        runs_[sampler].name = NameWithoutMesh(label);
-        runs_[sampler].samples = samples;
+        for (size_t i = 0; i < samplers.size(); ++i)
+            runs_.push_back({NameWithoutMesh(samplers[i].choice.label), TilesOf(pictures[i]), samplers[i].samples});
     }
 
     BiasReport Judge(size_t sampler, size_t reference) const {
@@ -154,12 +143,12 @@ void CompareSamplers(std::vector<SamplerResult> *samplers) {
             if (k == i) continue;
             if (other.choice.IsOracle() && !mine.ratioToOracle)
                 mine.ratioToOracle = ErrorRatioAtEqualCost(bySamples[i], bySamples[k]);
-            const std::optional<ErrorCurve::Reading> speedUp = SpeedUpToEqualError(bySeconds[i], bySeconds[k]);
+            const std::optional<double> speedUp = SpeedUpToEqualError(bySeconds[i], bySeconds[k]);
             if (!speedUp) continue;
-            mine.speedUps.emplace_back(other.choice.label, speedUp->value);
+            mine.speedUps.emplace_back(other.choice.label, *speedUp);
             const bool counts = !other.choice.IsOracle() && other.bias.verdict != BiasVerdict::Biased;
-            if (counts && (!mine.speedUp || speedUp->value < *mine.speedUp)) {
-                mine.speedUp = speedUp->value;
+            if (counts && (!mine.speedUp || *speedUp < *mine.speedUp)) {
+                mine.speedUp = *speedUp;
                 mine.speedUpAgainst = other.choice.label;
             }
         }
@@ -183,17 +172,10 @@ std::vector<std::string> RemarksOn(const ExperimentSettings &settings, const Ref
 
 }  // namespace
 
-std::optional<double> ReportNumber(const Json &report, std::initializer_list<const char *> names) {
-    for (const char *name : names)
-        if (report.contains(name) && report[name].is_number()) return report[name].get<double>();
-    return {};
-}
-
 ExperimentResults Summarize(const ExperimentSettings &settings, const References &references,
                             std::vector<std::vector<RunRecord>> runs, const std::vector<std::vector<Image>> &pictures,
                             const std::vector<std::optional<SelectionReport>> &selections) {
     ExperimentResults results;
-    BiasJudge judge(references, pictures);
     for (size_t i = 0; i < settings.samplers.size(); ++i) {
         SamplerResult s;
         s.choice = settings.samplers[i];
@@ -202,9 +184,9 @@ ExperimentResults Summarize(const ExperimentSettings &settings, const References
         for (RunRecord &run : s.runs) DropEmptyRounds(&run);
         SummarizeOne(&s);
         s.selection = selections[i];
-        judge.Describe(i, s.choice.label, s.samples);
         results.samplers.push_back(std::move(s));
     }
+    const BiasJudge judge(references, results.samplers, pictures);
     for (size_t i = 0; i < results.samplers.size(); ++i) {
         SamplerResult &s = results.samplers[i];
         s.bias = judge.Judge(i, s.reference);
@@ -216,9 +198,9 @@ ExperimentResults Summarize(const ExperimentSettings &settings, const References
     }
     CompareSamplers(&results.samplers);
     for (const SamplerResult &s : results.samplers)
-        results.contenders.push_back({s.choice.label, ErrorsOf(s.runs, static_cast<size_t>(Measure::RelL2)),
-                                      ErrorsOf(s.runs, static_cast<size_t>(Measure::RelL2Trimmed)), s.bias.verdict,
-                                      s.choice.IsOracle(), s.firefliesDecide, s.speedUp, s.speedUpAgainst});
+        results.contenders.push_back({s.choice.label, ErrorsOf(s.runs, Measure::RelL2),
+                                      ErrorsOf(s.runs, Measure::RelL2Trimmed), s.bias.verdict, s.choice.IsOracle(),
+                                      s.firefliesDecide, s.speedUp, s.speedUpAgainst});
     results.conclusion = Conclude(results.contenders, references.doubts,
                                   RemarksOn(settings, references, results.samplers), settings.Timed());
     return results;

@@ -49,7 +49,4 @@ void AddToJson(const ExperimentResults &results, Json *json);
 /// Replaces single-precision numbers by their shortest form: 0.01, not 0.009999999776482582.
 void ShortenFloats(Json *json);
 
-/// Number in a LightSampler::Report under the first of `names` present.
-std::optional<double> ReportNumber(const Json &report, std::initializer_list<const char *> names);
-
 }  // namespace ext::lab

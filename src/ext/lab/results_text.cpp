@@ -12,7 +12,11 @@ namespace ext::lab {
 
 namespace {
 
-const Summary &Of(const SamplerResult &s, Measure m) { return s.measures[static_cast<size_t>(m)]; }
+/// Number in a LightSampler::Report.
+std::optional<double> ReportNumber(const Json &report, const char *name) {
+    if (!report.contains(name) || !report[name].is_number()) return {};
+    return report[name].get<double>();
+}
 
 struct Overhead {
     double prepass = 0, build = 0, render = 0;  ///< seconds, means over the runs
@@ -21,7 +25,7 @@ struct Overhead {
 Overhead OverheadOf(const SamplerResult &s) {
     Overhead o;
     for (const RunRecord &run : s.runs) {
-        const double prepass = ReportNumber(run.report, {"prepassSeconds"}).value_or(0);
+        const double prepass = ReportNumber(run.report, "prepassSeconds").value_or(0);
         o.prepass += prepass;
         // Preparation not reported as prepass counts as building.
         o.build += std::max(0.0, run.prepare.wall - prepass);
@@ -31,10 +35,11 @@ Overhead OverheadOf(const SamplerResult &s) {
     return {o.prepass / n, o.build / n, o.render / n};
 }
 
-std::optional<double> ReportMean(const SamplerResult &s, std::initializer_list<const char *> names) {
+/// Null unless all runs report it.
+Json ReportMean(const SamplerResult &s, const char *name) {
     double sum = 0;
     for (const RunRecord &run : s.runs) {
-        const std::optional<double> value = ReportNumber(run.report, names);
+        const std::optional<double> value = ReportNumber(run.report, name);
         if (!value) return {};
         sum += *value;
     }
@@ -106,8 +111,8 @@ Json SummaryJson(const SamplerResult &s) {
     json["cpuSecondsPerSample"] = s.cpuPerSample;
     json["relativeCost"] = s.relativeCost;
     json["preparationShare"] = s.cpuSeconds > 0 ? s.prepareCpuSeconds / s.cpuSeconds : 0;
-    json["leaves"] = OrNull(ReportMean(s, {"leaves"}));
-    json["bytes"] = OrNull(ReportMean(s, {"bytes"}));
+    json["leaves"] = ReportMean(s, "leaves");
+    json["bytes"] = ReportMean(s, "bytes");
     json["shadowRays"] = s.shadowRays;
     json["blockedShare"] = s.blockedShare;
     json["bias"] = BiasJson(s.bias);
@@ -209,23 +214,21 @@ std::string TableText(const ExperimentResults &results, const References &refere
                                                    "prep.", "cost", "blocked", "bias"}};
     for (const SamplerResult &s : results.samplers) {
         const Overhead o = OverheadOf(s);
-        rows.push_back({s.choice.label, fmt::format("{:.1f}", s.samples), fmt::format("{:.2f}", s.seconds),
-                        fmt::format("{:.4g}", Of(s, Measure::RelL2).mean),
-                        fmt::format("{:.2g}", Of(s, Measure::RelL2).standardError),
-                        fmt::format("{:.4g}{}", Of(s, Measure::RelL2Trimmed).mean, s.firefliesDecide ? " !" : ""),
-                        fmt::format("{:.4g}", s.efficiency), optional(s.speedUp, "x"), optional(s.ratioToOracle, ""),
-                        fmt::format("{:.3f}", o.prepass), fmt::format("{:.3f}", o.build),
-                        Percent(s.cpuSeconds > 0 ? s.prepareCpuSeconds / s.cpuSeconds : 0),
-                        fmt::format("{:.3f}", s.relativeCost), Percent(s.blockedShare),
-                        BiasVerdictName(s.bias.verdict)});
+        rows.push_back(
+            {s.choice.label, fmt::format("{:.1f}", s.samples), fmt::format("{:.2f}", s.seconds),
+             fmt::format("{:.4g}", Get(s.measures, Measure::RelL2).mean),
+             fmt::format("{:.2g}", Get(s.measures, Measure::RelL2).standardError),
+             fmt::format("{:.4g}{}", Get(s.measures, Measure::RelL2Trimmed).mean, s.firefliesDecide ? " !" : ""),
+             fmt::format("{:.4g}", s.efficiency), optional(s.speedUp, "x"), optional(s.ratioToOracle, ""),
+             fmt::format("{:.3f}", o.prepass), fmt::format("{:.3f}", o.build),
+             Percent(s.cpuSeconds > 0 ? s.prepareCpuSeconds / s.cpuSeconds : 0), fmt::format("{:.3f}", s.relativeCost),
+             Percent(s.blockedShare), BiasVerdictName(s.bias.verdict)});
     }
     std::string text = Align(rows);
     text +=
         "\nspeed-up: time that the best other sampler needs for this one's error, over this one's time. x oracle: "
-        "relL2 over "
-        "the oracle's at equal samples.\ncost: CPU time of a sample over that of the first sampler. prep.: share of "
-        "the "
-        "preparation in the CPU time. !: a few fireflies decide the relL2.\n";
+        "relL2 over the oracle's at equal samples.\ncost: CPU time of a sample over that of the first sampler. prep.: "
+        "share of the preparation in the CPU time. !: a few fireflies decide the relL2.\n";
     for (size_t i = 0; i < references.all.size(); ++i) {
         const Reference &r = references.all[i];
         text += fmt::format("reference {}: {}{}{} ({})\n", i, r.sampler.empty() ? "given" : r.sampler,

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <filesystem>
 
+#include "ext/lab/tile_statistics.h"
 #include "pbrt/core/counters.h"
 #include "pbrt/core/error.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
-#include "pbrt/core/version.h"
 
 namespace ext::lab {
 
@@ -35,7 +35,7 @@ bool IsWholeFilm(const std::string &file, const LabScene &scene) {
 
 SamplerRun::SamplerRun(const LabScene &scene, const SamplerChoice &choice, int seed, int expectedSamples,
                        Progress &cancel, std::optional<int> maxDepth)
-    : scene_(scene), choice_(choice), cancel_(cancel), integrator_(scene.MakeIntegrator(choice, maxDepth)),
+    : scene_(scene), label_(choice.label), cancel_(cancel), integrator_(scene.MakeIntegrator(choice, maxDepth)),
       film_(scene.built.film->MakeRgbFilm()), sampler_(scene.built.sampler->WithSeed(seed)),
       settings_(scene.built.Settings()),
       renderer_({*integrator_, *scene.built.camera, *scene.built.filter, *film_, *sampler_, cancel}, settings_) {
@@ -102,16 +102,9 @@ void SamplerRun::AddRound(int checkpoint, const Measures &measures) {
 }
 
 ImageMetadata SamplerRun::Metadata() const {
-    ImageMetadata m = film_->Metadata();
-    m.attributes["renderTimeSeconds"] = static_cast<float>(spent_.wall);
-    m.attributes["samplesPerPixel"] = Samples();
-    m.attributes["lightlab.sampler"] = choice_.label;
+    ImageMetadata m = scene_.Metadata(*film_, label_, Samples(), spent_.wall);
     m.attributes["lightlab.prepareSeconds"] = static_cast<float>(record_.prepare.wall);
     m.attributes["lightlab.seed"] = record_.seed;
-    m.attributes["lightlab.sceneHash"] = scene_.hash;
-    m.attributes["pbrt.version"] = std::string(VersionText());
-    m.attributes["pbrt.integrator"] = scene_.built.integratorName;
-    m.attributes["pbrt.maxDepth"] = scene_.built.maxDepth;
     return m;
 }
 
@@ -122,15 +115,15 @@ void SamplerRun::SaveFilm(const std::string &path) const {
 }
 
 bool IsFinite(const Image &picture) {
-    for (int y = 0; y < picture.Resolution().y; ++y)
-        for (int x = 0; x < picture.Resolution().x; ++x)
-            for (int c = 0; c < 3; ++c)
-                if (!std::isfinite(picture.Get({x, y}, c))) return false;
-    return true;
+    bool isFinite = true;
+    ForEachPixel(picture.Resolution(), [&](int x, int y) {
+        for (int c = 0; c < 3; ++c) isFinite = isFinite && std::isfinite(picture.Get({x, y}, c));
+    });
+    return isFinite;
 }
 
 bool IsWholePicture(const std::string &file, Point2i resolution) {
-    if (!std::filesystem::exists(file)) return false;
+    if (!FileExists(file)) return false;
     try {
         const Image picture = ReadImage(file).image.Select({"R", "G", "B"});
         return picture.Resolution() == resolution && IsFinite(picture);
@@ -142,14 +135,13 @@ bool IsWholePicture(const std::string &file, Point2i resolution) {
 RunRecord TakeUpRun(const RecordFolder &records, const LabScene &scene, const std::string &sampler, int seed,
                     size_t checkpoints, const std::string &picture) {
     RunRecord run = records.LoadRun(sampler, seed);
-    const size_t recorded = records.CountRounds(sampler, seed, checkpoints);
     auto canResume = [&](size_t rounds) {
         if (rounds == checkpoints) return IsWholePicture(picture, scene.Resolution());
         return IsWholeFilm(records.FilmFile(sampler, seed, static_cast<int>(rounds) - 1), scene);
     };
     size_t kept = std::min(run.rounds.size(), checkpoints);
     while (kept > 0 && !canResume(kept)) --kept;
-    if (recorded > kept)
+    if (records.CountRounds(sampler, seed, checkpoints) > kept)
         LogWarning(fmt::format(
             "{}/{}: records of seed {} are damaged or missing; {}.", records.Folder(), sampler, seed,
             kept > 0 ? fmt::format("resuming from {} per pixel", CountText(run.rounds[kept - 1].samples, "sample"))

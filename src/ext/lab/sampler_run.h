@@ -1,5 +1,5 @@
 #pragma once
-#include "ext/lab/lab_scene.h"
+#include "ext/lab/experiment_settings.h"
 #include "ext/lab/run_record.h"
 #include "pbrt/integrators/render_loop.h"
 
@@ -28,14 +28,13 @@ class SamplerRun {
     double SecondsPerSample() const { return secondsPerSample_; }
     const RunRecord &Record() const { return record_; }
     const Integrator &GetIntegrator() const { return *integrator_; }
-    const LightSampler *Lights() const { return integrator_->Lights(); }
     Image Picture() const { return film_->ToImage(); }
     ImageMetadata Metadata() const;
     void SaveFilm(const std::string &path) const;
 
   private:
     const LabScene &scene_;
-    SamplerChoice choice_;
+    std::string label_;
     Progress &cancel_;
     std::unique_ptr<Integrator> integrator_;
     std::unique_ptr<Film> film_;

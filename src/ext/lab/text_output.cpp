@@ -1,12 +1,14 @@
 #include "ext/lab/text_output.h"
 
-#include <fmt/format.h>
+#include <fmt/chrono.h>
 
 #include <algorithm>
 #include <array>
 #include <ctime>
+#include <filesystem>
 #include <fstream>
 
+#include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
 
 namespace ext::lab {
@@ -44,6 +46,12 @@ std::string Align(const std::vector<std::vector<std::string>> &rows) {
     return text;
 }
 
+void MakeFolder(const std::string &folder) {
+    std::error_code failed;
+    std::filesystem::create_directories(folder, failed);
+    if (failed) throw UserError(fmt::format("{}: {}.", folder, failed.message()));
+}
+
 std::string EscapeHtml(const std::string &text) {
     std::string out;
     for (const char c : text) {
@@ -59,20 +67,12 @@ Json DescribeMachine() {
     Json machine;
     machine["cpu"] = known(ValueInFile("/proc/cpuinfo", "model name", ':'));
     machine["threads"] = ThreadCount();
-    std::string memory = ValueInFile("/proc/meminfo", "MemTotal", ':');
-    machine["memoryGB"] = nullptr;
-    if (!memory.empty()) machine["memoryGB"] = static_cast<double>(std::atoll(memory.c_str()) / 100000) / 10;
+    const std::string memory = ValueInFile("/proc/meminfo", "MemTotal", ':');
+    machine["memoryGB"] = memory.empty() ? Json() : Json(double(std::atoll(memory.c_str()) / 100000) / 10);
     machine["os"] = known(ValueInFile("/etc/os-release", "PRETTY_NAME", '='));
     return machine;
 }
 
-std::string DateText() {
-    std::time_t now = std::time(nullptr);
-    std::tm utc{};
-    gmtime_r(&now, &utc);
-    char text[32];
-    std::strftime(text, sizeof(text), "%Y-%m-%dT%H:%M:%SZ", &utc);
-    return text;
-}
+std::string DateText() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))); }
 
 }  // namespace ext::lab

@@ -24,6 +24,9 @@ inline constexpr const char *kPageHead = R"(<!doctype html>
 <link rel="icon" href="data:,">
 )";
 
+/// Creates the folder if needed. Throws UserError.
+void MakeFolder(const std::string &folder);
+
 std::string EscapeHtml(const std::string &text);
 
 /// cpu, threads, memoryGB and os of this machine; null if unknown.

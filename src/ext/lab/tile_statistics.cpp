@@ -9,17 +9,12 @@
 
 namespace ext::lab {
 
-TileGrid::TileGrid(Point2i resolution, int tileSize) : resolution(resolution), tileSize(tileSize) {
-    tilesX = std::max(1, resolution.x / tileSize);
-    tilesY = std::max(1, resolution.y / tileSize);
-}
-
 Bounds2i TileGrid::Pixels(int x, int y) const {
-    return Bounds2i({x * tileSize, y * tileSize}, {x + 1 == tilesX ? resolution.x : (x + 1) * tileSize,
-                                                   y + 1 == tilesY ? resolution.y : (y + 1) * tileSize});
+    const Point2i low = Point2i(x, y) * kTileSize, next = low + kTileSize;
+    return {low, {x + 1 == tilesX ? resolution.x : next.x, y + 1 == tilesY ? resolution.y : next.y}};
 }
 
-TileMeans ComputeTileMeans(const Image &image, int tileSize) {
+TileMeans ComputeTileMeans(const Image &image) {
     std::vector<int> channels;
     for (const char *name : {"R", "G", "B"})
         if (int c = image.FindChannel(name); c >= 0) channels.push_back(c);
@@ -28,7 +23,7 @@ TileMeans ComputeTileMeans(const Image &image, int tileSize) {
         for (int c = 0; c < image.ChannelCount(); ++c) channels.push_back(c);
     }
     TileMeans means;
-    means.grid = TileGrid(image.Resolution(), tileSize);
+    means.grid = TileGrid(image.Resolution());
     means.channels = static_cast<int>(channels.size());
     means.values.reserve(means.grid.Count() * channels.size());
     means.grid.ForEachTile([&](int tx, int ty) {
@@ -36,27 +31,29 @@ TileMeans ComputeTileMeans(const Image &image, int tileSize) {
         for (int c : channels) {
             double sum = 0;
             size_t counted = 0;
-            for (int y = pixels.low.y; y < pixels.high.y; ++y)
-                for (int x = pixels.low.x; x < pixels.high.x; ++x) {
-                    const auto v = static_cast<double>(image.Get({x, y}, c));
-                    if (std::isfinite(v)) {
-                        sum += v;
-                        ++counted;
-                    } else {
-                        ++means.skipped;
-                    }
-                }
+            ForEachPixel(pixels, [&](int x, int y) {
+                const auto v = static_cast<double>(image.Get({x, y}, c));
+                if (!std::isfinite(v)) return;
+                sum += v;
+                ++counted;
+            });
             means.values.push_back(counted ? sum / static_cast<double>(counted) : 0);
         }
     });
     return means;
 }
 
-MeanImage AverageImages(std::span<const Image *const> images) {
+std::vector<TileMeans> TilesOf(std::span<const Image> images) {
+    std::vector<TileMeans> tiles;
+    for (const Image &image : images) tiles.push_back(ComputeTileMeans(image));
+    return tiles;
+}
+
+MeanImage AverageImages(std::span<const Image> images) {
     if (images.empty()) throw UserError("There is no image to average.");
-    const Image &first = *images[0];
-    for (const Image *image : images)
-        if (image->Resolution() != first.Resolution() || image->Channels() != first.Channels())
+    const Image &first = images[0];
+    for (const Image &image : images)
+        if (image.Resolution() != first.Resolution() || image.Channels() != first.Channels())
             throw UserError("Images of different resolution or channels cannot be averaged.");
     MeanImage out{Image(PixelFormat::Float, first.Resolution(), first.Channels())};
     const auto n = static_cast<double>(images.size());
@@ -64,12 +61,9 @@ MeanImage AverageImages(std::span<const Image *const> images) {
     ForEachPixel(first.Resolution(), [&](int x, int y) {
         for (int c = 0; c < first.ChannelCount(); ++c) {
             double sum = 0, squares = 0;
-            for (const Image *image : images) sum += static_cast<double>(image->Get({x, y}, c));
+            for (const Image &image : images) sum += static_cast<double>(image.Get({x, y}, c));
             const double mean = sum / n;
-            for (const Image *image : images) {
-                const double d = static_cast<double>(image->Get({x, y}, c)) - mean;
-                squares += d * d;
-            }
+            for (const Image &image : images) squares += Sqr(static_cast<double>(image.Get({x, y}, c)) - mean);
             out.image.Set({x, y}, c, static_cast<Float>(mean));
             variances.push_back(n > 1 ? squares / (n - 1) / n : 0);
         }
@@ -89,10 +83,6 @@ MeanImage AverageImages(std::span<const Image *const> images) {
     return out;
 }
 
-namespace {
-constexpr double kDeviationPerMedian = 1.4826;  ///< of normal deviates: standard deviation over median absolute value
-}
-
 double Median(std::vector<double> values) {
     if (values.empty()) return std::numeric_limits<double>::infinity();
     auto middle = values.begin() + values.size() / 2;
@@ -101,6 +91,7 @@ double Median(std::vector<double> values) {
 }
 
 double Excess(const std::vector<double> &values) {
+    constexpr double kDeviationPerMedian = 1.4826;  // of normal deviates: standard deviation over median absolute value
     double largest = 0;
     std::vector<double> sizes;
     for (double v : values) {
@@ -124,26 +115,26 @@ TileNoise::TileNoise(std::span<const TileMeans> pictures, int channel, const std
     }
 }
 
-TileNoise::Estimate TileNoise::Of(const TileRectangle &r) const {
+TileNoise::Estimate TileNoise::Of(const Bounds2i &r) const {
     const auto n = static_cast<double>(n_);
     double own = 0, ownSquared = 0, neighbours = 0, between = 0;
     for (size_t i = 0; i < n_; ++i) {
         double total = 0;
-        r.ForEach([&](int x, int y) {
+        ForEachPixel(r, [&](int x, int y) {
             const double e = Residual(i, x, y);
             total += e;
             // Each pair once; the factor 2 below accounts for the other half.
-            if (x + 1 < r.x1) neighbours += e * Residual(i, x + 1, y);
-            if (y + 1 < r.y1) {
+            if (x + 1 < r.high.x) neighbours += e * Residual(i, x + 1, y);
+            if (y + 1 < r.high.y) {
                 neighbours += e * Residual(i, x, y + 1);
-                if (x + 1 < r.x1) neighbours += e * Residual(i, x + 1, y + 1);
-                if (x > r.x0) neighbours += e * Residual(i, x - 1, y + 1);
+                if (x + 1 < r.high.x) neighbours += e * Residual(i, x + 1, y + 1);
+                if (x > r.low.x) neighbours += e * Residual(i, x - 1, y + 1);
             }
         });
         between += total * total;
     }
     double bright = 0, brightSquared = 0;
-    r.ForEach([&](int x, int y) {
+    ForEachPixel(r, [&](int x, int y) {
         double squares = 0;
         for (size_t i = 0; i < n_; ++i) squares += Residual(i, x, y) * Residual(i, x, y);
         own += squares;
@@ -153,7 +144,7 @@ TileNoise::Estimate TileNoise::Of(const TileRectangle &r) const {
         brightSquared += expected * expected;
     });
     Estimate noise;
-    const double tiles = r.Count();
+    const double tiles = static_cast<double>(r.Area());
     const double sum = std::max(own + std::max(0.0, 2 * neighbours), between);
     noise.variance = sum / (n * (n - 1) * tiles * tiles);
     // Satterthwaite's estimate from squares that are too large by (n + 1) / (n - 1), being estimates themselves; exact
@@ -165,9 +156,9 @@ TileNoise::Estimate TileNoise::Of(const TileRectangle &r) const {
     return noise;
 }
 
-double TileNoise::Strongest(const TileRectangle &r) const {
+double TileNoise::Strongest(const Bounds2i &r) const {
     std::vector<double> values;
-    for (size_t i = 0; i < n_; ++i) r.ForEach([&](int x, int y) { values.push_back(Residual(i, x, y)); });
+    for (size_t i = 0; i < n_; ++i) ForEachPixel(r, [&](int x, int y) { values.push_back(Residual(i, x, y)); });
     // The image with the strong sample has itself raised the mean, by 1/n of it.
     return static_cast<double>(n_) / static_cast<double>(n_ - 1) * Excess(values);
 }

@@ -1,5 +1,5 @@
 #pragma once
-#include <cstddef>
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -8,21 +8,27 @@
 namespace ext::lab {
 using namespace pbrt;
 
+/// Row by row.
+template <class F>
+void ForEachPixel(const Bounds2i &pixels, F &&f) {
+    for (int y = pixels.low.y; y < pixels.high.y; ++y)
+        for (int x = pixels.low.x; x < pixels.high.x; ++x) f(x, y);
+}
 template <class F>
 void ForEachPixel(Point2i resolution, F &&f) {
-    for (int y = 0; y < resolution.y; ++y)
-        for (int x = 0; x < resolution.x; ++x) f(x, y);
+    ForEachPixel(Bounds2i{{0, 0}, resolution}, f);
 }
 
 /// Square tiles over an image. Remaining pixels at the right and bottom belong to the last tiles, so no tile is smaller
-/// than tileSize unless the image is.
+/// than kTileSize unless the image is.
 struct TileGrid {
+    static constexpr int kTileSize = 8;  ///< keeps tiles nearly independent under ordinary pixel filters
     Point2i resolution{0, 0};
-    int tileSize = 8;
     int tilesX = 0, tilesY = 0;
 
     TileGrid() = default;
-    TileGrid(Point2i resolution, int tileSize);
+    explicit TileGrid(Point2i size)
+        : resolution(size), tilesX(std::max(1, size.x / kTileSize)), tilesY(std::max(1, size.y / kTileSize)) {}
     int Count() const { return tilesX * tilesY; }
     int Index(int x, int y) const { return y * tilesX + x; }
     Bounds2i Pixels(int x, int y) const;
@@ -38,14 +44,13 @@ struct TileMeans {
     TileGrid grid;
     int channels = 0;
     std::vector<double> values;  ///< tile-major, channels interleaved
-    size_t skipped = 0;          ///< non-finite values that were excluded
 
     double operator()(int tile, int channel) const { return values[tile * channels + channel]; }
 };
 
-/// Tile means of R, G, B if present, else of all channels. tileSize >= 8 keeps tiles nearly independent under ordinary
-/// pixel filters.
-TileMeans ComputeTileMeans(const Image &image, int tileSize = 8);
+/// Tile means of R, G, B if present, else of all channels, without non-finite values.
+TileMeans ComputeTileMeans(const Image &image);
+std::vector<TileMeans> TilesOf(std::span<const Image> images);
 
 /// Mean of images of equal weight, and its expected relL2 (from the variance between the images; 0 for a single one).
 /// Throws UserError if they do not match.
@@ -53,18 +58,7 @@ struct MeanImage {
     Image image;
     double noise = 0;
 };
-MeanImage AverageImages(std::span<const Image *const> images);
-
-/// A rectangle of tiles, half-open.
-struct TileRectangle {
-    int x0, y0, x1, y1;
-    int Count() const { return (x1 - x0) * (y1 - y0); }
-    template <class F>
-    void ForEach(F &&f) const {
-        for (int y = y0; y < y1; ++y)
-            for (int x = x0; x < x1; ++x) f(x, y);
-    }
-};
+MeanImage AverageImages(std::span<const Image> images);
 
 /// Median of unsorted values; infinity if empty.
 double Median(std::vector<double> values);
@@ -87,11 +81,11 @@ class TileNoise {
     struct Estimate {
         double variance = 0, dof = 0;
     };
-    /// Noise of the mean over a region; requires at least two images.
-    Estimate Of(const TileRectangle &r) const;
+    /// Noise of the mean over a region of tiles; requires at least two images.
+    Estimate Of(const Bounds2i &r) const;
 
     /// Excess of the strongest tile of a single image within `r`; requires at least two images.
-    double Strongest(const TileRectangle &r) const;
+    double Strongest(const Bounds2i &r) const;
 
   private:
     double Residual(size_t picture, int x, int y) const {

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pbrt/core/effective_params_text.h"
+#include "pbrt/integrators/registry.h"
 
 namespace ext {
 
@@ -13,20 +14,15 @@ NeeppLightSampler::NeeppLightSampler(const LightTable &lights, const NeeppParams
 void NeeppLightSampler::Prepare(PrepareContext &context) {
     if (groups_.Size() <= 1) return;
     map_.Prepare(context, groups_);
-    cdfs_.Reset(map_.Grid().Size(), groups_.Size());
-    prepared_ = true;
+    PrepareVoxels(map_.Grid());
 }
 
-std::span<const uint32_t> NeeppLightSampler::Cdf(const Point3 &p) const {
-    if (!prepared_) return {};
-    uint32_t voxel = map_.Grid().Index(p);
-    return cdfs_.Get(voxel, [&](std::span<uint32_t> begins) {
-        std::span<const uint8_t> row = map_.Row(voxel);
-        std::vector<double> weights(groups_.Size());
-        for (uint32_t g = 0; g < weights.size(); ++g)
-            weights[g] = static_cast<double>(std::max(map_.GroupVisibility(row, g), params_.floor));
-        BuildFixedCdf(weights, begins);
-    });
+std::vector<double> NeeppLightSampler::Weights(uint32_t voxel) const {
+    const std::span<const uint8_t> row = map_.Row(voxel);
+    std::vector<double> weights(groups_.Size());
+    for (uint32_t g = 0; g < weights.size(); ++g)
+        weights[g] = static_cast<double>(std::max(map_.GroupVisibility(row, g), params_.floor));
+    return weights;
 }
 
 void NeeppLightSampler::Report(nlohmann::ordered_json &report) const {
@@ -39,7 +35,7 @@ void NeeppLightSampler::Report(nlohmann::ordered_json &report) const {
 void NeeppLightSampler::Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const {
     Float mean = 0;
     uint32_t voxel = map_.Grid().Index(query.p), seen = 0;
-    if (prepared_) {
+    if (IsPrepared()) {
         std::span<const uint8_t> row = map_.Row(voxel);
         for (uint32_t g = 0; g < groups_.Size(); ++g) {
             Float v = map_.GroupVisibility(row, g);
@@ -52,6 +48,15 @@ void NeeppLightSampler::Inspect(const LightQuery &query, std::vector<InspectedVa
     values.push_back({"mean visibility of the groups", static_cast<double>(mean), false});
 }
 
-std::string NeeppLightSampler::DescribeStructure() const { return prepared_ ? map_.Describe() : std::string(); }
+std::string NeeppLightSampler::DescribeStructure() const { return IsPrepared() ? map_.Describe() : std::string(); }
 
 }  // namespace ext
+
+void register_neepp(pbrt::PluginRegistry &registry) {
+    using namespace ext;
+    registry.samplers.Add<NeeppParams>(
+        "neepp", "visibility between voxels (NEE++, Guo et al. 2020); neither power nor distance counts",
+        [](const NeeppParams &p, const ParamSet &, const LightGroups &groups) {
+            return std::make_unique<NeeppLightSampler>(groups.Lights(), p);
+        });
+}

@@ -1,9 +1,24 @@
 #pragma once
-#include "ext/baselines/neepp/neepp_params.h"
 #include "ext/baselines/neepp/visibility_map.h"
 #include "ext/voxels/voxel_light_sampler.h"
+#include "pbrt/core/describe.h"
 
 namespace ext {
+
+struct NeeppParams {
+    int voxels = 16;
+    int samples = 16;
+    Float floor = 0.02f;
+    bool meshlights = true;
+
+    template <class V>
+    void Describe(V &&v) {
+        v("voxels", voxels, Range<int>{1, 128}, "voxels along the longest axis of the scene");
+        v("samples", samples, Range<int>{1, 255}, "segments tested for a pair of voxels");
+        v("floor", floor, Range<Float>{1e-4f, 1.f}, "least visibility assumed of any light");
+        v("meshlights", meshlights, "an emissive mesh is one light for selection");
+    }
+};
 
 /// NEE++ (Guo et al. 2020, as described by Noh, Choi and Moon 2023): selects lights in proportion to the stored
 /// visibility between the voxels of point and light, ignoring power and distance. Visibility is clamped to the floor,
@@ -20,12 +35,10 @@ class NeeppLightSampler final : public VoxelLightSampler {
     const VisibilityMap &Map() const { return map_; }
 
   private:
-    std::span<const uint32_t> Cdf(const Point3 &p) const override;
+    std::vector<double> Weights(uint32_t voxel) const override;
 
     NeeppParams params_;
     VisibilityMap map_;
-    LazyRows<uint32_t> cdfs_;  ///< per voxel
-    bool prepared_ = false;    ///< false: at most one group, or Prepare was not called
 };
 
 }  // namespace ext

@@ -1,10 +1,14 @@
 #include "ext/baselines/neepp/visibility_map.h"
 
-#include <chrono>
+#include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "pbrt/core/log.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/core/progress.h"
+#include "pbrt/math/low_discrepancy.h"
+#include "pbrt/math/warps.h"
 
 namespace ext {
 
@@ -16,10 +20,109 @@ Vector3 Uniform3(Rng &rng) {
     Float x = rng.Uniform(), y = rng.Uniform();
     return {x, y, rng.Uniform()};
 }
+
+constexpr int kSkySamples = 4096;
+
+/// Calls visit(point, weight) for points uniform over a primitive's area, enough to make missing a crossed voxel
+/// unlikely. Weights sum to 1.
+template <class Visit>
+void ForPointsOn(const Shape &shape, uint32_t primitive, const VoxelGrid &grid, const Visit &visit) {
+    Bounds3 box = shape.PrimitiveBounds(primitive);
+    if (grid.Index(box.low) == grid.Index(box.high)) {
+        visit(box.Center(), Float(1));
+        return;
+    }
+    Float span[3];
+    for (int i = 0; i < 3; ++i) {
+        Float size = grid.VoxelSize()[i];
+        span[i] = size > 0 ? std::ceil((box.high[i] - box.low[i]) / size) + 1 : 1;
+    }
+    std::sort(span, span + 3);
+    int n = static_cast<int>(std::clamp(8 * span[1] * span[2], Float(32), Float(4096)));
+    for (int i = 0; i < n; ++i) {
+        auto k = static_cast<uint64_t>(i);
+        std::optional<ShapeSample> s = shape.SampleArea(primitive, {RadicalInverse(2, k), RadicalInverse(3, k)});
+        visit(s ? s->p : box.Center(), 1 / static_cast<Float>(n));
+    }
+}
 }  // namespace
 
+uint32_t LightTargets::SkyPartOf(const Vector3 &w) {
+    const Point2i cell = glm::clamp(Point2i(EqualAreaSphereToSquare(w) * Float(SkySide)), 0, SkySide - 1);
+    return static_cast<uint32_t>(cell.x + SkySide * cell.y);
+}
+
+Vector3 LightTargets::DirectionIn(uint32_t skyPart, const Point2 &u) {
+    Point2 corner(skyPart % SkySide, skyPart / SkySide);
+    return EqualAreaSquareToSphere((corner + u) / static_cast<Float>(SkySide));
+}
+
+LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const LightGroups &groups) {
+    const LightTable &lights = scene.Lights();
+    const SampledWavelengths &lambda = SampledWavelengths::WholeRange();
+    const Bounds3 bounds = scene.Bounds().IsEmpty() ? Bounds3(Point3(0)) : scene.Bounds();
+    LightSampleContext center;
+    center.p = bounds.Center();
+    constexpr uint32_t kNone = 0xffffffffu;
+    std::vector<uint32_t> ofVoxel(grid.Size(), kNone), ofSkyPart(SkySide * SkySide, kNone);
+    const auto addTarget = [&](const Target &target) {
+        targets_.push_back(target);
+        return static_cast<uint32_t>(targets_.size() - 1);
+    };
+    const auto sharedTarget = [&](Kind kind, uint32_t index) {
+        uint32_t &target = (kind == Kind::Voxel ? ofVoxel : ofSkyPart)[index];
+        return target != kNone ? target : target = addTarget({kind, index, {}});
+    };
+
+    std::map<uint32_t, double> weights;
+    auto finishGroup = [&] {
+        double sum = 0;
+        for (const auto &[target, weight] : weights) sum += weight;
+        for (const auto &[target, weight] : weights)
+            if (weight > 0) shares_.push_back({target, static_cast<Float>(weight / sum)});
+        first_.push_back(static_cast<uint32_t>(shares_.size()));
+        weights.clear();
+    };
+    for (uint32_t i = 0; i < lights.Size(); ++i) {
+        LightId id(i);
+        if (i > 0 && groups.GroupOf(id) != groups.GroupOf(LightId(i - 1))) finishGroup();
+        const LightCandidate candidate = lights.Candidate(id);
+        auto share = static_cast<double>(groups.ShareOf(id));
+        if (!(candidate.power > 0)) continue;
+        const LightKind kind = lights[id].Kind();
+        if (kind == LightKind::DeltaDirection) {
+            std::optional<LightLiSample> s = lights[id].SampleLi(center, {0.5f, 0.5f}, lambda, true);
+            if (!s) continue;
+            weights[addTarget({Kind::Direction, 0, s->wi})] += share;
+        } else if (kind == LightKind::Infinite) {
+            for (uint64_t k = 0; k < kSkySamples; ++k) {
+                // From points all over the scene, because the directions that a portal light samples depend on the
+                // point.
+                LightSampleContext from;
+                from.p = bounds.low +
+                         bounds.Diagonal() * Vector3(RadicalInverse(5, k), RadicalInverse(7, k), RadicalInverse(11, k));
+                Point2 u(RadicalInverse(2, k), RadicalInverse(3, k));
+                std::optional<LightLiSample> s = lights[id].SampleLi(from, u, lambda, true);
+                if (s && s->L && s->pdf > 0) weights[sharedTarget(Kind::SkyPart, SkyPartOf(s->wi))] += 1;
+            }
+        } else if (const ShapePrimitive at = lights[id].Surface(); at.shape) {
+            ForPointsOn(*at.shape, at.primitive, grid, [&](const Point3 &p, Float part) {
+                weights[sharedTarget(Kind::Voxel, grid.Index(p))] += share * static_cast<double>(part);
+            });
+        } else if (candidate.bounds) {
+            weights[sharedTarget(Kind::Voxel, grid.Index(candidate.bounds->Centroid()))] += share;
+        }
+    }
+    if (lights.Size() > 0) finishGroup();
+}
+
+size_t LightTargets::Bytes() const {
+    return targets_.capacity() * sizeof(Target) + shares_.capacity() * sizeof(Share) +
+           first_.capacity() * sizeof(uint32_t);
+}
+
 void VisibilityMap::Prepare(PrepareContext &context, const LightGroups &groups) {
-    auto start = std::chrono::steady_clock::now();
+    const auto start = std::chrono::steady_clock::now();
     scene_ = &context.scene;
     seed_ = context.seed;
     grid_ = VoxelGrid(context.scene.Bounds(), voxels_);
@@ -31,7 +134,7 @@ void VisibilityMap::Prepare(PrepareContext &context, const LightGroups &groups) 
             fmt::format("neepp: visibility to {} voxels and directions with lights takes about {:.1e} rays, {} for "
                         "every voxel that a path enters for the first time.",
                         targets_.Size(), work, targets_.Size() * static_cast<size_t>(samples_)));
-    prepareSeconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    prepareSeconds_ = SecondsSince(start);
 }
 
 void VisibilityMap::TestSegments(uint32_t voxel, std::span<uint8_t> row) const {

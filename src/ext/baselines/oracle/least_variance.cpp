@@ -12,17 +12,8 @@ constexpr double kTolerance = 1e-3;
 
 double Square(Float v) { return static_cast<double>(v) * static_cast<double>(v); }
 
-/// Term of S(p) for one point of value 1, computed relative to max(p, r) to avoid under- and overflow.
-double Moment(double p, double r) {
-    const double s = std::max(p, r);
-    if (!(s > 0)) return std::numeric_limits<double>::infinity();
-    p /= s;
-    r /= s;
-    const double d = p * p + r * r;
-    return (p * p * p + r * r * r) / (d * d * s);
-}
-
-/// -d Moment / d p times p^2: 1 for r = 0. Never negative: x^3 - 3x + 4 > 0 for x = p/r >= 0.
+/// -dS/dp times p^2 for one point of value 1, computed relative to max(p, r) to avoid under- and overflow: 1 for r = 0.
+/// Never negative: x^3 - 3x + 4 > 0 for x = p/r >= 0.
 double Gain(double p, double r) {
     const double s = std::max(p, r);
     p /= s;
@@ -35,22 +26,16 @@ double Gain(double p, double r) {
 bool LeastVariancePmf(std::span<const LightPoint> points, std::span<double> pmf) {
     const size_t lights = pmf.size(), perLight = lights ? points.size() / lights : 0;
     auto of = [&](size_t light) { return points.subspan(light * perLight, perLight); };
+    auto root = [&](size_t light) {
+        double m = 0;
+        for (const LightPoint &y : of(light)) m += Square(y.value);
+        return std::sqrt(m);
+    };
     double total = 0;
-    bool anyRatio = false;
-    for (size_t l = 0; l < lights; ++l) {
-        double m = 0;
-        for (const LightPoint &y : of(l)) {
-            m += Square(y.value);
-            anyRatio = anyRatio || (y.value > 0 && y.ratio > 0);
-        }
-        total += std::sqrt(m);
-    }
+    for (size_t l = 0; l < lights; ++l) total += root(l);
     if (!(total > 0) || !std::isfinite(total)) return false;
-    for (size_t l = 0; l < lights; ++l) {
-        double m = 0;
-        for (const LightPoint &y : of(l)) m += Square(y.value);
-        pmf[l] = std::sqrt(m) / total;
-    }
+    for (size_t l = 0; l < lights; ++l) pmf[l] = root(l) / total;
+    const bool anyRatio = std::ranges::any_of(points, [](const LightPoint &y) { return y.value > 0 && y.ratio > 0; });
     if (!anyRatio || lights == 1) return true;
 
     for (int step = 0; step < kMaxSteps; ++step) {
@@ -71,16 +56,6 @@ bool LeastVariancePmf(std::span<const LightPoint> points, std::span<double> pmf)
         if (most <= least * (1 + kTolerance)) break;
     }
     return true;
-}
-
-double SecondMoment(std::span<const LightPoint> points, std::span<const double> pmf) {
-    const size_t perLight = pmf.empty() ? 0 : points.size() / pmf.size();
-    double sum = 0;
-    for (size_t l = 0; l < pmf.size(); ++l)
-        for (const LightPoint &y : points.subspan(l * perLight, perLight))
-            if (y.value > 0)
-                sum += Square(y.value) * Moment(pmf[l], static_cast<double>(y.ratio)) / static_cast<double>(perLight);
-    return sum;
 }
 
 }  // namespace ext

@@ -28,7 +28,4 @@ struct LightPoint {
 /// are 0 or their sum overflows.
 bool LeastVariancePmf(std::span<const LightPoint> points, std::span<double> pmf);
 
-/// S(p) of LeastVariancePmf for these points.
-double SecondMoment(std::span<const LightPoint> points, std::span<const double> pmf);
-
 }  // namespace ext

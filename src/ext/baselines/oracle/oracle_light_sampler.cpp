@@ -7,6 +7,7 @@
 #include "pbrt/core/counters.h"
 #include "pbrt/core/effective_params_text.h"
 #include "pbrt/core/log.h"
+#include "pbrt/integrators/registry.h"
 #include "pbrt/scene/scene.h"
 
 namespace ext {
@@ -153,3 +154,13 @@ void OracleLightSampler::Report(nlohmann::ordered_json &report) const {
 }
 
 }  // namespace ext
+
+void register_oracle(pbrt::PluginRegistry &registry) {
+    using namespace ext;
+    registry.samplers.Add<OracleParams>(
+        "oracle",
+        "measuring instrument, slow: traces shadow rays to every light at every point for the choice of least variance",
+        [](const OracleParams &p, const ParamSet &, const LightGroups &groups) {
+            return std::make_unique<OracleLightSampler>(groups.Lights(), p);
+        });
+}

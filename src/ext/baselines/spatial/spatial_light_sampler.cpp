@@ -1,13 +1,14 @@
 #include "ext/baselines/spatial/spatial_light_sampler.h"
 
 #include <algorithm>
-#include <chrono>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
 #include "pbrt/core/effective_params_text.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/core/progress.h"
+#include "pbrt/integrators/registry.h"
 #include "pbrt/math/low_discrepancy.h"
 #include "pbrt/scene/scene.h"
 
@@ -25,7 +26,7 @@ Float Shifted(Float u, Float shift) {
 
 SpatialLightSampler::SpatialLightSampler(const LightTable &lights, const SpatialParams &params)
     : VoxelLightSampler(params.meshlights ? lights.ByLight() : lights.ByComponent()), lights_(lights), params_(params) {
-    points_.resize(static_cast<size_t>(params.samples));
+    points_.resize(params.samples);
     for (size_t i = 0; i < points_.size(); ++i) {
         points_[i].place = {RadicalInverse(2, i), RadicalInverse(3, i), RadicalInverse(5, i)};
         points_[i].uLight = {RadicalInverse(7, i), RadicalInverse(11, i)};
@@ -35,18 +36,16 @@ SpatialLightSampler::SpatialLightSampler(const LightTable &lights, const Spatial
 
 void SpatialLightSampler::Prepare(PrepareContext &context) {
     if (groups_.Size() <= 1) return;
-    auto start = std::chrono::steady_clock::now();
-    grid_ = VoxelGrid(context.scene.Bounds(), params_.voxels);
-    cdfs_.Reset(grid_.Size(), groups_.Size());
+    const auto start = std::chrono::steady_clock::now();
+    PrepareVoxels(VoxelGrid(context.scene.Bounds(), params_.voxels));
     seed_ = context.seed;
-    prepared_ = true;
     auto work = static_cast<double>(grid_.BorderSize()) * static_cast<double>(groups_.Size()) * params_.samples;
     if (work > 3e8)
         LogWarning(
             fmt::format("spatial: the distributions over {} lights take about {:.1e} light samples, {} for every "
                         "voxel that a path enters for the first time.",
                         groups_.Size(), work, groups_.Size() * points_.size()));
-    prepareSeconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    prepareSeconds_ = SecondsSince(start);
 }
 
 std::vector<double> SpatialLightSampler::UnshadowedContributions(uint32_t voxel) const {
@@ -76,16 +75,12 @@ std::vector<double> SpatialLightSampler::UnshadowedContributions(uint32_t voxel)
     return mean;
 }
 
-std::span<const uint32_t> SpatialLightSampler::Cdf(const Point3 &p) const {
-    if (!prepared_) return {};
-    uint32_t voxel = grid_.Index(p);
-    return cdfs_.Get(voxel, [&](std::span<uint32_t> begins) {
-        std::vector<double> f = UnshadowedContributions(voxel);
-        double least = std::accumulate(f.begin(), f.end(), 0.0) / static_cast<double>(f.size()) *
-                       static_cast<double>(params_.floor);
-        for (double &v : f) v = std::max(v, least);
-        BuildFixedCdf(f, begins);
-    });
+std::vector<double> SpatialLightSampler::Weights(uint32_t voxel) const {
+    std::vector<double> f = UnshadowedContributions(voxel);
+    double least =
+        std::accumulate(f.begin(), f.end(), 0.0) / static_cast<double>(f.size()) * static_cast<double>(params_.floor);
+    for (double &v : f) v = std::max(v, least);
+    return f;
 }
 
 void SpatialLightSampler::Report(nlohmann::ordered_json &report) const {
@@ -104,7 +99,7 @@ void SpatialLightSampler::Report(nlohmann::ordered_json &report) const {
 void SpatialLightSampler::Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const {
     uint32_t strongest = 0;
     Float share = groups_.Size() > 0 ? 1 / static_cast<Float>(groups_.Size()) : 0;
-    if (prepared_) {
+    if (IsPrepared()) {
         std::span<const uint32_t> cdf = Cdf(query.p);
         for (uint32_t g = 1; g < cdf.size(); ++g)
             if (FixedCdfPMF(cdf, g) > FixedCdfPMF(cdf, strongest)) strongest = g;
@@ -116,7 +111,7 @@ void SpatialLightSampler::Inspect(const LightQuery &query, std::vector<Inspected
 }
 
 std::string SpatialLightSampler::DescribeStructure() const {
-    if (!prepared_) return {};
+    if (!IsPrepared()) return {};
     const glm::ivec3 &r = grid_.Resolution();
     const Vector3 &s = grid_.VoxelSize();
     return fmt::format(
@@ -128,3 +123,12 @@ std::string SpatialLightSampler::DescribeStructure() const {
 }
 
 }  // namespace ext
+
+void register_spatial(pbrt::PluginRegistry &registry) {
+    using namespace ext;
+    registry.samplers.Add<SpatialParams>("spatial",
+                                         "unshadowed contribution per voxel, as pbrt-v3 (Noh, Choi, Moon 2023, Eq. 3)",
+                                         [](const SpatialParams &p, const ParamSet &, const LightGroups &groups) {
+                                             return std::make_unique<SpatialLightSampler>(groups.Lights(), p);
+                                         });
+}

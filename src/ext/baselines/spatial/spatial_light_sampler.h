@@ -1,18 +1,30 @@
 #pragma once
-#include "ext/baselines/spatial/spatial_params.h"
-#include "ext/voxels/lazy_rows.h"
-#include "ext/voxels/voxel_grid.h"
 #include "ext/voxels/voxel_light_sampler.h"
-#include "pbrt/lightsamplers/light_sampler.h"
+#include "pbrt/core/describe.h"
 
 namespace ext {
+
+struct SpatialParams {
+    int voxels = 64;
+    int samples = 128;
+    Float floor = 0.001f;
+    bool meshlights = true;
+
+    template <class V>
+    void Describe(V &&v) {
+        v("voxels", voxels, Range<int>{1, 256}, "voxels along the longest axis of the scene");
+        v("samples", samples, Range<int>{1, 1 << 16}, "points in a voxel, each with one light sample of every light");
+        v("floor", floor, Range<Float>{1e-6f, 1.f},
+          "least contribution assumed of any light, as a share of the lights' mean");
+        v("meshlights", meshlights, "an emissive mesh is one light for selection");
+    }
+};
 
 /// Selects lights in proportion to their unoccluded contribution to a voxel: Eq. 3 of "Enhanced Direct Lighting Using
 /// Visibility-Aware Light Sampling" (Noh, Choi, Moon 2023), Le G / p over low-discrepancy points of the voxel. The
 /// points lie in space, so G has the light's cosine and the distance but no receiver cosine (as in pbrt-v3).
 ///
-/// A voxel's distribution is created on first use and depends on voxel and seed only. Before Prepare, selection is
-/// uniform.
+/// A voxel's distribution depends on voxel and seed only.
 class SpatialLightSampler final : public VoxelLightSampler {
   public:
     SpatialLightSampler(const LightTable &lights, const SpatialParams &params);
@@ -33,14 +45,11 @@ class SpatialLightSampler final : public VoxelLightSampler {
         Float uMember = 0;
         Point2 uLight{};
     };
-    std::span<const uint32_t> Cdf(const Point3 &p) const override;
+    std::vector<double> Weights(uint32_t voxel) const override;
 
     const LightTable &lights_;
     SpatialParams params_;
-    VoxelGrid grid_;
     std::vector<VoxelPoint> points_;
-    LazyRows<uint32_t> cdfs_;  ///< per voxel
-    bool prepared_ = false;    ///< false: at most one group, or Prepare was not called
     int seed_ = 0;
     double prepareSeconds_ = 0;
 };

@@ -38,36 +38,24 @@ const char *const kFooter =
     "16 n samples for --spp n, at least 512, and about 10 t seconds for --time t.\n\n"
     "Environment: LIGHTLAB_REPORT_SCRIPTS, the folder of charts.py and report.py; LIGHTLAB_PYTHON (/usr/bin/python3).";
 
-/// Parses the arguments into the targets of `app`. Returns false if help or an error was printed.
-template <class Check>
-bool Parse(CLI::App &app, int argc, const char *const *argv, LightlabCommandLine *result, Check &&check) {
-    const FlagHints hints = {{"lightsampler",
-                              "--samplers lists the light samplers to compare; in lightlab inspect, --sampler names "
-                              "one"},
-                             {"outfile", "--out names the folder of all that is written"}};
-    const std::optional<int> status = ParseFlags(app, {argv, argv + argc}, hints, check);
-    result->done = status.has_value();
-    result->status = status.value_or(0);
-    return !result->done;
-}
+const FlagHints kHints = {
+    {"lightsampler", "--samplers lists the light samplers to compare; in lightlab inspect, --sampler names one"},
+    {"outfile", "--out names the folder of all that is written"}};
 
 /// Samplers of the paper's comparison in this build.
 std::string DefaultSamplers(const std::vector<std::string> &registered) {
     std::string list;
     for (const char *name : {"uniform", "power", "bvh", "spatial", "neepp", "octree"})
-        if (std::find(registered.begin(), registered.end(), name) != registered.end())
-            list += (list.empty() ? "" : ",") + std::string(name);
+        if (std::ranges::count(registered, name) > 0) list += (list.empty() ? "" : ",") + std::string(name);
     return list;
 }
 
-LightlabCommandLine ParseInspect(int argc, const char *const *argv) {
+std::optional<int> ParseInspect(int argc, const char *const *argv, LightlabOptions &o) {
     CLI::App app(
         "Visualises the state of a light sampler at the first visible surfaces: cell and records,\n"
         "entropy of the distribution, which light contributes most and its probability, measured visibility.\n\n"
         "  lightlab inspect scene.pbrt --sampler octree --out DIR",
         "lightlab inspect");
-    LightlabCommandLine result;
-    LightlabOptions &o = result.options;
     InspectOptions &inspect = o.inspect.emplace();
     inspect.build.lightSamplerFlag = "--sampler";
     inspect.commandLine = JoinArguments(argc, argv);
@@ -84,26 +72,23 @@ LightlabCommandLine ParseInspect(int argc, const char *const *argv) {
                NonNegativeNumber},
               {"--nthreads", o.threads, "threads (0: all cores)", NonNegativeNumber},
               {"--quiet", o.quiet, "no progress and no warnings"}});
-    Parse(app, argc - 2, argv + 2, &result, [] {});
-    return result;
+    return ParseFlags(app, {argv + 2, argv + argc}, kHints, [] {});
 }
 
-LightlabCommandLine ParseNoise(int argc, const char *const *argv, const std::vector<std::string> &registered) {
+std::optional<int> ParseNoise(int argc, const char *const *argv, const std::vector<std::string> &registered,
+                              LightlabOptions &o) {
     CLI::App app(
         "Noise per path depth. Renders the scene with paths of at most 1, 2, 3, ... scattering events, and reports "
-        "how\n"
-        "much noise each path vertex adds, for each of several light samplers, with and without a guide.\n"
+        "how\nmuch noise each path vertex adds, for each of several light samplers, with and without a guide.\n"
         "The sampler oracle gives the bound of optimal light selection (slow with many lights).\n\n"
         "  lightlab noise scene.pbrt --samplers octree,octree+guide,oracle --divisor 4 --out DIR",
         "lightlab noise");
-    LightlabCommandLine result;
-    LightlabOptions &o = result.options;
-    NoiseOptions &noise = o.noise.emplace();
-    ExperimentSettings &c = noise.experiment;
+    ExperimentSettings &c = o.experiment;
+    o.noise = true;
     c.samplesPerPixel = 32;
     c.seeds = 6;
     c.commandLine = JoinArguments(argc, argv);
-    const bool hasOctree = std::find(registered.begin(), registered.end(), "octree") != registered.end();
+    const bool hasOctree = std::ranges::count(registered, "octree") > 0;
     std::string samplers = hasOctree ? "octree,octree+guide" : "bvh,bvh+guide";
     app.add_option("scene", c.scene, "scene file")->required();
     AddFlags(app, "Options",
@@ -115,10 +100,10 @@ LightlabCommandLine ParseNoise(int argc, const char *const *argv, const std::vec
               {"--out", c.outFolder, "folder (<scene name>-noise)"},
               {"--nthreads", o.threads, "threads (0: all cores)", NonNegativeNumber},
               {"--quiet", o.quiet, "no progress and no warnings"}});
-    Parse(app, argc - 2, argv + 2, &result, [] {});
+    const std::optional<int> status = ParseFlags(app, {argv + 2, argv + argc}, kHints, [] {});
     if (c.outFolder.empty()) c.outFolder = std::filesystem::path(c.scene).stem().string() + "-noise";
-    noise.samplers = SplitSamplerList(samplers);
-    return result;
+    o.samplers = SplitSamplerList(samplers);
+    return status;
 }
 
 struct RawFlags {
@@ -211,15 +196,13 @@ std::vector<Bounds2i> ParseCrops(const std::string &text) {
     return crops;
 }
 
-LightlabCommandLine ParseLightlabCommandLine(int argc, const char *const *argv,
-                                             const std::vector<std::string> &registered) {
-    if (argc > 1 && std::string(argv[1]) == "inspect") return ParseInspect(argc, argv);
-    if (argc > 1 && std::string(argv[1]) == "noise") return ParseNoise(argc, argv, registered);
+std::optional<int> ParseLightlabCommandLine(int argc, const char *const *argv,
+                                            const std::vector<std::string> &registered, LightlabOptions &o) {
+    if (argc > 1 && std::string(argv[1]) == "inspect") return ParseInspect(argc, argv, o);
+    if (argc > 1 && std::string(argv[1]) == "noise") return ParseNoise(argc, argv, registered, o);
 
     CLI::App app(kAbout, "lightlab");
     app.footer(std::string("A sampler is written ") + kLightChoiceSyntax + kFooter);
-    LightlabCommandLine result;
-    LightlabOptions &o = result.options;
     ExperimentSettings &c = o.experiment;
     RawFlags raw;
     AddAllFlags(app, o, raw, registered);
@@ -231,7 +214,7 @@ LightlabCommandLine ParseLightlabCommandLine(int argc, const char *const *argv,
             if (!value->empty())
                 throw CLI::ValidationError(fmt::format("{} belongs to one scene; {} are given", flag, o.scenes.size()));
     };
-    if (!Parse(app, argc - 1, argv + 1, &result, checkScenes)) return result;
+    if (const std::optional<int> status = ParseFlags(app, {argv + 1, argv + argc}, kHints, checkScenes)) return status;
     c.scene = o.scenes[0];
     if (!app.count("--cache")) c.cacheFolder = UserCacheFolder();
     o.report = c.views = !raw.noReport;
@@ -244,7 +227,7 @@ LightlabCommandLine ParseLightlabCommandLine(int argc, const char *const *argv,
     if (o.samplers.empty() && !app.count("--samplers")) o.samplers = SplitSamplerList(DefaultSamplers(registered));
     if (c.outFolder.empty() && o.scenes.size() > 1) c.outFolder = "scenes-lab";
     if (c.outFolder.empty()) c.outFolder = std::filesystem::path(c.scene).stem().string() + "-lab";
-    return result;
+    return {};
 }
 
 }  // namespace ext::lab

@@ -4,8 +4,6 @@
 
 #include "ext/lab/experiment_settings.h"
 #include "ext/lab/inspect.h"
-#include "ext/lab/noise_by_depth.h"
-#include "ext/lab/text_output.h"
 
 namespace ext::lab {
 
@@ -14,20 +12,15 @@ struct LightlabOptions {
     std::vector<std::string> scenes;  ///< several: one experiment each, in separate folders
     std::vector<std::string> samplers;
     std::optional<InspectOptions> inspect;  ///< set: `lightlab inspect`
-    std::optional<NoiseOptions> noise;      ///< set: `lightlab noise`
+    bool noise = false;                     ///< `lightlab noise`
     int threads = 0;
     bool quiet = false, report = true;
 };
 
-struct LightlabCommandLine {
-    LightlabOptions options;
-    bool done = false;  ///< help or an error was printed: exit with `status`
-    int status = 0;
-};
-
-/// `registered`: light samplers of this build, for the default list.
-LightlabCommandLine ParseLightlabCommandLine(int argc, const char *const *argv,
-                                             const std::vector<std::string> &registered);
+/// Sets `options`. After printing help or an error, returns the exit status. `registered`: light samplers of this
+/// build, for the default list.
+std::optional<int> ParseLightlabCommandLine(int argc, const char *const *argv,
+                                            const std::vector<std::string> &registered, LightlabOptions &options);
 
 /// "x0,y0,x1,y1;..." in image pixels, half-open. Throws UserError.
 std::vector<Bounds2i> ParseCrops(const std::string &text);

@@ -7,6 +7,7 @@
 
 #include "ext/lab/experiment.h"
 #include "ext/lab/lightlab/lightlab.h"
+#include "ext/lab/noise_by_depth.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/memory.h"
@@ -89,8 +90,10 @@ int RunSubcommand(const LightlabOptions &options, const PluginRegistry &registry
     Progress progress(display.get());
     SignalWatch signals(progress, "");
     signals.Cancel("", "Interrupted.", kGraceSeconds);
-    const int status = options.inspect ? RunInspect(*options.inspect, registry, progress)
-                                       : RunNoise(*options.noise, registry, progress);
+    ExperimentSettings settings = options.experiment;
+    if (options.noise) settings.samplers = ParseSamplerChoices(options.samplers, registry);
+    const int status =
+        options.inspect ? RunInspect(*options.inspect, registry, progress) : RunNoise(settings, registry, progress);
     if (signals.Status() == 0) return status;
     LogInfo("Interrupted.");
     return signals.Status();
@@ -112,24 +115,18 @@ int main(int argc, char **argv) {
     try {
         PluginRegistry registry;
         RegisterPlugins(registry);
-        const LightlabCommandLine parsed = ParseLightlabCommandLine(argc, argv, registry.samplers.Names());
-        if (parsed.done) return parsed.status;
-        if (parsed.options.quiet) SetLogLevel(LogLevel::Error);
-        ThreadLimit threads(parsed.options.threads);
-        return parsed.options.inspect || parsed.options.noise ? RunSubcommand(parsed.options, registry)
-                                                              : Compare(parsed.options, registry);
+        LightlabOptions options;
+        if (auto status = ParseLightlabCommandLine(argc, argv, registry.samplers.Names(), options)) return *status;
+        if (options.quiet) SetLogLevel(LogLevel::Error);
+        ThreadLimit threads(options.threads);
+        return options.inspect || options.noise ? RunSubcommand(options, registry) : Compare(options, registry);
     } catch (const UserError &e) {
         std::fputs(FormatAll(e, isatty(STDERR_FILENO) != 0).c_str(), stderr);
         if (e.Count() > 1) std::fprintf(stderr, "%zu errors; nothing was rendered.\n", e.Count());
         return 1;
-    } catch (const std::bad_alloc &) {
-        std::fprintf(stderr, "Error: %s\n", OutOfMemoryText("").c_str());
-        return 1;
-    } catch (const std::length_error &) {
-        std::fprintf(stderr, "Error: %s\n", OutOfMemoryText("").c_str());
-        return 1;
     } catch (const std::exception &e) {
-        std::fprintf(stderr, "Error: %s\n", e.what());
+        const bool isMemory = dynamic_cast<const std::bad_alloc *>(&e) || dynamic_cast<const std::length_error *>(&e);
+        std::fprintf(stderr, "Error: %s\n", isMemory ? OutOfMemoryText("").c_str() : e.what());
         return 1;
     }
 }

@@ -52,7 +52,7 @@ class Grid {
             const Json &winner = o.results.at("conclusion").at("winner");
             for (const Json &s : o.results.at("samplers")) {
                 const std::string label = s.at("label");
-                if (std::find(labels_.begin(), labels_.end(), label) == labels_.end()) labels_.push_back(label);
+                if (std::ranges::count(labels_, label) == 0) labels_.push_back(label);
                 const Json &summary = s.at("summary"), &error = summary.at("metrics").at("relL2");
                 row[label] = {error.at("mean").get<double>(), error.at("standardError").get<double>(), winner == label,
                               summary.at("bias").at("verdict") == "biased"};
@@ -113,15 +113,13 @@ Json ScenesJson(const std::vector<SceneOutcome> &outcomes) {
 }
 
 std::string Legend(const std::vector<SceneOutcome> &outcomes) {
-    for (const SceneOutcome &o : outcomes)
-        if (!o.results.is_null()) {
-            const std::string budget = o.results.at("budget").dump();
-            return o.results.at("mode") == "time"
-                       ? fmt::format("relL2 +- standard error, {} s for every sampler and seed", budget)
-                       : fmt::format("relL2 +- standard error, {} sample{} per pixel for every sampler and seed",
-                                     budget, budget == "1" ? "" : "s");
-        }
-    return "no scene was compared";
+    const auto compared = std::ranges::find_if(outcomes, [](const SceneOutcome &o) { return !o.results.is_null(); });
+    if (compared == outcomes.end()) return "no scene was compared";
+    const std::string budget = compared->results.at("budget").dump();
+    const std::string unit = compared->results.at("mode") == "time" ? "s"
+                             : budget == "1"                        ? "sample per pixel"
+                                                                    : "samples per pixel";
+    return fmt::format("relL2 +- standard error, {} {} for every sampler and seed", budget, unit);
 }
 
 std::string PageRow(const std::string &folder, const SceneOutcome &o, size_t index, const Grid &grid) {
@@ -178,8 +176,7 @@ std::vector<std::string> SceneFolders(const std::vector<std::string> &scenes) {
     for (const std::string &scene : scenes) {
         const std::string stem = std::filesystem::path(scene).stem().string();
         std::string name = stem;
-        for (int i = 2; std::find(folders.begin(), folders.end(), name) != folders.end(); ++i)
-            name = fmt::format("{}-{}", stem, i);
+        for (int i = 2; std::ranges::count(folders, name) > 0; ++i) name = fmt::format("{}-{}", stem, i);
         folders.push_back(name);
     }
     return folders;

@@ -1,4 +1,4 @@
-#include "ext/lab/convergence.h"
+#include "ext/lab/measures.h"
 
 #include <gtest/gtest.h>
 
@@ -23,26 +23,23 @@ TEST(ErrorCurve, ReadsPowerLawsExactlyBetweenThePoints) {
         for (double c : {1.0, 1.7, 3.0, 11.0, 20.0}) {
             const auto error = curve.ErrorAt(c);
             ASSERT_TRUE(error);
-            EXPECT_NEAR(error->value, 2 * std::pow(c, slope), 1e-12);
-            EXPECT_FALSE(error->extrapolated);
-            EXPECT_NEAR(curve.CostToReach(error->value)->value, c, 1e-9 * c);
+            EXPECT_NEAR(*error, 2 * std::pow(c, slope), 1e-12);
+            EXPECT_NEAR(*curve.CostToReach(*error), c, 1e-9 * c);
         }
     }
 }
 
 TEST(ErrorCurve, GoesOnAtTheMonteCarloRateAfterPreparation) {
     const ErrorCurve curve = MonteCarlo(3, 5, {6, 8, 12});
-    EXPECT_NEAR(curve.ErrorAt(47)->value, 3.0 / 42, 1e-12);
-    EXPECT_TRUE(curve.ErrorAt(47)->extrapolated);
-    EXPECT_NEAR(curve.CostToReach(3.0 / 42)->value, 47, 1e-9);
-    EXPECT_TRUE(curve.CostToReach(3.0 / 42)->extrapolated);
+    EXPECT_NEAR(*curve.ErrorAt(47), 3.0 / 42, 1e-12);
+    EXPECT_NEAR(*curve.CostToReach(3.0 / 42), 47, 1e-9);
 }
 
 TEST(ErrorCurve, DoesNotGuessBeforeTheFirstPoint) {
     const ErrorCurve curve = MonteCarlo(1, 0, {2, 4});
     EXPECT_FALSE(curve.ErrorAt(1.9));
     EXPECT_FALSE(curve.CostToReach(0.6));
-    EXPECT_EQ(curve.CostToReach(0.5)->value, 2);
+    EXPECT_EQ(*curve.CostToReach(0.5), 2);
     EXPECT_FALSE(curve.CostToReach(0));
     EXPECT_FALSE(ErrorCurve({}).ErrorAt(1));
     EXPECT_FALSE(ErrorCurve({{1, 0}, {NAN, 1}, {0, 1}, {2, INFINITY}}).CostToReach(1));
@@ -55,8 +52,8 @@ TEST(ErrorCurve, LevelsRisesToTheirGeometricMean) {
     EXPECT_NEAR(curve.Points()[1].error, 2, 1e-12);
     EXPECT_NEAR(curve.Points()[2].error, 2, 1e-12);
     EXPECT_EQ(curve.Points()[3].error, 0.5);
-    EXPECT_NEAR(curve.CostToReach(2)->value, 2, 1e-9);
-    EXPECT_NEAR(curve.ErrorAt(3)->value, 2, 1e-12);
+    EXPECT_NEAR(*curve.CostToReach(2), 2, 1e-9);
+    EXPECT_NEAR(*curve.ErrorAt(3), 2, 1e-12);
 }
 
 TEST(MeanCurve, AveragesPointByPointAsLongAsTheShortest) {
@@ -72,14 +69,11 @@ TEST(MeanCurve, AveragesPointByPointAsLongAsTheShortest) {
 
 TEST(SpeedUp, IsTheRatioOfTheConstantsOfTwoMonteCarloMeans) {
     const ErrorCurve fast = MonteCarlo(1, 0, {1, 2, 4, 8}), slow = MonteCarlo(5, 0, {1, 2, 4, 8});
-    EXPECT_NEAR(SpeedUpToEqualError(fast, slow)->value, 5, 1e-9);
-    EXPECT_TRUE(SpeedUpToEqualError(fast, slow)->extrapolated);
-    EXPECT_NEAR(SpeedUpToEqualError(slow, fast)->value, 0.2, 1e-9);
-    EXPECT_FALSE(SpeedUpToEqualError(slow, fast)->extrapolated);
+    EXPECT_NEAR(*SpeedUpToEqualError(fast, slow), 5, 1e-9);
+    EXPECT_NEAR(*SpeedUpToEqualError(slow, fast), 0.2, 1e-9);
     // The first error of this curve is below the last one of the other.
     const ErrorCurve best = MonteCarlo(0.01, 0, {1, 2, 4, 8});
-    EXPECT_NEAR(SpeedUpToEqualError(slow, best)->value, 0.002, 1e-9);
-    EXPECT_TRUE(SpeedUpToEqualError(slow, best)->extrapolated);
+    EXPECT_NEAR(*SpeedUpToEqualError(slow, best), 0.002, 1e-9);
     EXPECT_FALSE(SpeedUpToEqualError(fast, ErrorCurve({})));
 }
 
@@ -87,7 +81,7 @@ TEST(SpeedUp, IsTheRatioOfTheConstantsOfTwoMonteCarloMeans) {
 // prepared curve, 1/4, costs 8 instead of 20.
 TEST(SpeedUp, CountsPreparation) {
     const ErrorCurve prepared = MonteCarlo(1, 4, {5, 6, 8}), plain = MonteCarlo(5, 0, {1, 2, 4, 8});
-    EXPECT_NEAR(SpeedUpToEqualError(prepared, plain)->value, 20.0 / 8, 1e-9);
+    EXPECT_NEAR(*SpeedUpToEqualError(prepared, plain), 20.0 / 8, 1e-9);
 }
 
 TEST(ErrorRatio, ComparesAtTheLargestCommonCost) {

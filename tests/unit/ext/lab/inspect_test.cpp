@@ -66,7 +66,7 @@ class Inspect : public testing::Test {
     Inspection MakeInspection(InspectSettings settings = {}) {
         settings.samples = 4;
         Progress progress;
-        return InspectLights(built_, *sampler_, settings, progress);
+        return InspectLights(built_, *sampler_, nullptr, settings, progress);
     }
     static double At(const Inspection &inspection, int x, int y, const std::string &layer) {
         int channel = inspection.image.FindChannel(layer);
@@ -98,7 +98,8 @@ Shape "bilinearmesh" "point3 P" [ -3 0 -3  3 0 -3  -3 0 3  3 0 3 ]
     built_.Prepare(progress);
     const RenderSettings settings = built_.Settings();
     RenderWaves(built_.Rendering(progress), settings);
-    const Inspection inspection = InspectLights(built_, *built_.integrator, {}, progress);
+    const LightSampler &lights = *built_.integrator->Lights();
+    const Inspection inspection = InspectLights(built_, lights, built_.integrator.get(), {}, progress);
     double share = 0, shines = 0, length = 0;
     for (int y = 0; y < 32; ++y)
         for (int x = 0; x < 32; ++x) {
@@ -113,7 +114,7 @@ Shape "bilinearmesh" "point3 P" [ -3 0 -3  3 0 -3  -3 0 3  3 0 3 ]
     EXPECT_GT(length, 2);
     EXPECT_LE(length, 4);
     // An inspection at the light sampler alone has none of this.
-    EXPECT_EQ(InspectLights(built_, *built_.integrator->Lights(), {}, progress).image.FindChannel("path.vertices"), -1);
+    EXPECT_EQ(InspectLights(built_, lights, nullptr, {}, progress).image.FindChannel("path.vertices"), -1);
 }
 
 TEST_F(Inspect, SeesTheFloorWhereItIs) {

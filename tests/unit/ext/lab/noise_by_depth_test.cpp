@@ -56,18 +56,18 @@ Material "diffuse" "rgb reflectance" [ 0.8 0.8 0.8 ]
 Shape "bilinearmesh" "point3 P" [ -4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4 ]
 Shape "bilinearmesh" "point3 P" [ -1 2 -1  1 2 -1  -1 2 1  1 2 1 ]
 )";
-    NoiseOptions options;
-    options.experiment.scene = (folder / "scene.pbrt").string();
-    options.experiment.outFolder = (folder / "noise").string();
-    options.experiment.samplesPerPixel = 8;
-    options.experiment.seeds = 4;
-    options.samplers = {"uniform", "uniform+guide"};
     PluginRegistry registry;
     RegisterStockLightSamplers(registry);
     register_guide(registry);
+    ExperimentSettings settings;
+    settings.scene = (folder / "scene.pbrt").string();
+    settings.outFolder = (folder / "noise").string();
+    settings.samplesPerPixel = 8;
+    settings.seeds = 4;
+    settings.samplers = ParseSamplerChoices({"uniform", "uniform+guide"}, registry);
     Progress progress;
     testing::internal::CaptureStdout();
-    EXPECT_EQ(RunNoise(options, registry, progress), 0);
+    EXPECT_EQ(RunNoise(settings, registry, progress), 0);
     EXPECT_NE(testing::internal::GetCapturedStdout().find("uniform+guide"), std::string::npos);
     std::ifstream in(folder / "noise" / "noise.json");
     const auto json = nlohmann::json::parse(in);
@@ -78,8 +78,8 @@ Shape "bilinearmesh" "point3 P" [ -1 2 -1  1 2 -1  -1 2 1  1 2 1 ]
         EXPECT_GT(second, 1e-4) << json.dump();
     }
     EXPECT_GT(std::filesystem::file_size(folder / "noise" / "index.html"), 1000u);
-    options.samplers = {"nosuch"};
-    EXPECT_THROW(RunNoise(options, registry, progress), UserError);
+    settings.seeds = 1;
+    EXPECT_THROW(RunNoise(settings, registry, progress), UserError);
     std::filesystem::remove_all(folder);
 }
 

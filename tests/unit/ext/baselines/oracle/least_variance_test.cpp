@@ -1,11 +1,10 @@
-#include "ext/baselines/oracle/least_variance.h"
-
 #include <gtest/gtest.h>
 
 #include <numeric>
 #include <vector>
 
 #include "pbrt/math/rng.h"
+#include "second_moment.h"
 
 namespace {
 

@@ -3,11 +3,11 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "ext/baselines/oracle/least_variance.h"
 #include "pbrt/core/counters.h"
 #include "pbrt/core/log.h"
 #include "pbrt/transport/light_query.h"
 #include "plugins.h"
+#include "second_moment.h"
 #include "support/build_text.h"
 #include "support/scene_text.h"
 

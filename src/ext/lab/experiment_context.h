@@ -3,7 +3,8 @@
 #include <chrono>
 #include <string>
 
-#include "pbrt/core/progress.h"
+#include "ext/lab/experiment_settings.h"
+#include "ext/lab/run_record.h"
 
 namespace ext::lab {
 using namespace pbrt;
@@ -36,6 +37,16 @@ class ExperimentDisplay {
     std::string phase_;
     double after_ = 0;
     Clock::time_point start_ = Clock::now(), shown_ = start_;
+};
+
+/// What all parts of an experiment use.
+struct ExperimentContext {
+    const ExperimentSettings &settings;
+    const LabScene &scene;
+    const PluginRegistry &registry;
+    const RecordFolder &records;
+    Progress &cancel;
+    ExperimentDisplay &display;
 };
 
 }  // namespace ext::lab

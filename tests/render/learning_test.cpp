@@ -128,6 +128,37 @@ TEST(OpenSky, StaysWholeAndGivesThePictureOfBvh) {
     }
 }
 
+/// Report of the octree sampler, prepared for this many samples per pixel.
+nlohmann::ordered_json ReportOf(const Objects &world, int samples, int threads) {
+    ThreadLimit limit(threads);
+    BuiltScene built = BuildUnderSky("'string lightsampler' 'octree'", world);
+    Progress progress;
+    PrepareContext context = built.Preparation(progress);
+    context.samplesPerPixel = samples;
+    built.integrator->Prepare(context);
+    nlohmann::ordered_json report;
+    built.integrator->Lights()->Report(report);
+    return report;
+}
+
+TEST(PortalsOnTrial, AreUsedWhereTheyPay) {
+    const nlohmann::ordered_json dark = ReportOf(RoomWithWindow(), 128, 1);
+    EXPECT_GT(dark["portalTrial"]["gain"].get<double>(), 1);
+    EXPECT_EQ(dark.value("portals", 0), 1);
+    EXPECT_EQ(dark["portalTrial"], ReportOf(RoomWithWindow(), 128, 3)["portalTrial"]);
+    // The noise is the lamp's.
+    const Objects lit =
+        RoomWithWindow().Attribute("", Objects().AreaLight("500 500 500").Quad("0 1.9 0  1 1.9 0  0 1.9 1  1 1.9 1"));
+    const nlohmann::ordered_json bright = ReportOf(lit, 128, 2);
+    EXPECT_LT(bright["portalTrial"]["gain"].get<double>(), 1);
+    EXPECT_GT(bright["portalTrial"]["relativeCost"].get<double>(), 1);
+    EXPECT_FALSE(bright.contains("portals"));
+    // Too short for a trial.
+    const nlohmann::ordered_json brief = ReportOf(RoomWithWindow(), 16, 2);
+    EXPECT_FALSE(brief.contains("portalTrial"));
+    EXPECT_FALSE(brief.contains("portals"));
+}
+
 /// Taking a run up again gives the same picture.
 void CheckTakingUp(const Maker &make) {
     BuiltScene uninterrupted = make("");

@@ -13,6 +13,7 @@ class RealisticCamera final : public Camera {
                     const ApertureImage &aperture);
 
     const LensSystem &Lens() const { return lens_; }
+    const ExitPupil &Pupil() const { return pupil_; }
     /// Maps raster (pixels) to film (metres). The image on the film is upside down.
     Point2 FilmFromRaster(const Point2 &raster) const;
 

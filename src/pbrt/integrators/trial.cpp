@@ -64,7 +64,8 @@ std::vector<TrialPixel> TraceTrial(const PrepareContext &context, const FollowPa
                                    TrialPixel::kPerBlock);
     context.progress.BeginPhase("trial", static_cast<int64_t>(result.size()));
     ParallelForEach(static_cast<int64_t>(result.size()) / TrialPixel::kPerBlock, [&](int64_t b) {
-        IndependentSampler sampler(kSamples, static_cast<int>(Hash(kStream, context.seed)));
+        IndependentSampler sampler(
+            {.samplesPerPixel = kSamples, .seed = static_cast<int>(Hash(kStream, context.seed))});
         const Point2i block(static_cast<int>(b % blocks.x), static_cast<int>(b / blocks.x));
         for (int i = 0; i < TrialPixel::kPerBlock && !context.progress.Cancelled(); ++i) {
             const Point2i pixel = bounds.low + (2 * block + Point2i(i % 2, i / 2)) * step + step / 2;

@@ -78,7 +78,7 @@ TEST(PlaceCamera, AMovingCameraIsAtTheOriginHalfway) {
 TEST(PlaceCamera, ACameraWithoutAPlaceIsAnErrorAtItsDirective) {
     const SceneDescription d = Parse("Scale 1 0 1\nCamera \"perspective\"");
     DiagnosticSink sink;
-    PlaceCamera(d, {}, sink);
+    const Placement placement = PlaceCamera(d, {}, sink);
     ASSERT_EQ(Errors(sink).size(), 1u);
     EXPECT_EQ(sink.All()[0].loc.line, 2);
     ExpectPoint(placement.renderFromWorld.Point({1, 2, 3}), {1, 2, 3});

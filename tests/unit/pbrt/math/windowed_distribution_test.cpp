@@ -53,6 +53,13 @@ TEST(WindowedDistribution, IntegralEqualsTheSumOverCells) {
         Bounds2 w = k % 7 == 0 ? Bounds2{{0, 0}, {1, 1}} : RandomWindow(rng, 0.001f);
         double slow = t.SlowIntegral(w);
         EXPECT_NEAR(t.distribution.Integral(w), slow, 1e-9 + 1e-9 * slow);
+        const auto outwards = [](Float v, int n, bool up) {
+            const Float cells = v * static_cast<Float>(n);
+            return (up ? std::ceil(cells) : std::floor(cells)) / static_cast<Float>(n);
+        };
+        const Bounds2 around{{outwards(w.low.x, t.nx, false), outwards(w.low.y, t.ny, false)},
+                             {outwards(w.high.x, t.nx, true), outwards(w.high.y, t.ny, true)}};
+        EXPECT_NEAR(t.distribution.IntegralAround(w), t.SlowIntegral(around), 1e-5 * (1 + t.SlowIntegral(around)));
     }
 }
 

@@ -321,7 +321,8 @@ TEST_F(SharedLights, FramesOfAnAnimationChooseTheSameLights) {
 TEST_F(SharedLights, WindowsGoWithThem) {
     Write("a.pbrt", WindowScene("0 0 -1.8", 1, "1 1 1"));
     Write("b.pbrt", WindowScene("1 .2 -1.7", 1, "1 1 1"));
-    const std::string octree = "--lightsampler octree:prepassspp=1 ", load = octree + "--load-lights lights ";
+    const std::string octree = "--lightsampler octree:prepassspp=1,portals=always ",
+                      load = octree + "--load-lights lights ";
     const ImageFile made = Render(octree + "a.pbrt --save-lights lights"), loaded = Render(load + "a.pbrt"),
                     other = Render(load + "b.pbrt --nthreads 1");
     EXPECT_EQ(IntOf(made, "lightSampler.portals"), 1);

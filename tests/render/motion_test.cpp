@@ -92,7 +92,7 @@ TEST(Motion, EveryMomentIsAStillPicture) {
                                               .progress = progress};
                         const Transform cameraFromRender = built.camera->CameraFromRender(ray->ray.time);
                         dynamic_cast<const PixelIntegrator &>(*built.integrator)
-                            .Li({pass, *ray, {x, y}, 0, &seen[k]}, used, *built.sampler->Clone());
+                            .Li({{*ray, {x, y}, 0, &seen[k]}, pass}, used, *built.sampler->Clone());
                         if (seen[k]) {
                             seen[k]->p = cameraFromRender.Point(seen[k]->p);
                             seen[k]->n = Normalize(cameraFromRender.Normal(seen[k]->n));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ext/lab/measures.h"
 #include "ext/lab/results.h"
 #include "ext/lab/text_output.h"
 #include "pbrt/core/error.h"

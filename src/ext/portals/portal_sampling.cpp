@@ -311,8 +311,12 @@ void PortalSampling::Inspect(const Point3 &p, std::vector<InspectedValue> &value
 }
 
 std::string PortalSampling::Describe() const {
-    if (!IsActive()) return "";
-    std::string text = fmt::format("portals: {}, with visibility in {} leaves\n", count_, tree_.LeafCount());
+    std::string text;
+    if (trial_.WasTried())
+        text = fmt::format("portals on trial: error {:.3g}, cost {:.3g}, gain {:.3g}\n", trial_.error, trial_.cost,
+                           trial_.Gain());
+    if (!IsActive()) return text;
+    text += fmt::format("portals: {}, with visibility in {} leaves\n", count_, tree_.LeafCount());
     for (size_t i = 0; i < count_; ++i) {
         const Portal &portal = (*environments_[0].portals)[i];
         const Vector3 sides = portal.high - portal.low;

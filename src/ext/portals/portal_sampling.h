@@ -77,7 +77,7 @@ class PortalSampling {
     void Load(StateReader &in);
     void Report(nlohmann::ordered_json &report) const;
     void Inspect(const Point3 &p, std::vector<InspectedValue> &values) const;
-    /// The portals as text; empty without portals.
+    /// Trial and portals as text; empty without both.
     std::string Describe() const;
     size_t Bytes() const;
 

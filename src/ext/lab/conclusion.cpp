@@ -106,7 +106,7 @@ Conclusion Conclude(const std::vector<Contender> &contenders, const std::vector<
     } else {
         const Contender &leader = *competing.front();
         const std::vector<const Contender *> others(competing.begin() + 1, competing.end());
-        out.lowest = static_cast<size_t>(&leader - contenders.data());
+        out.lowest = size_t(&leader - contenders.data());
         out.reasons = Objections(leader, others, doubts, equalTime);
         if (out.reasons.empty()) out.winner = out.lowest;
         out.headline = out.winner ? WinnerHeadline(leader, *others.front(), equalTime) : UndecidedHeadline(competing);

@@ -173,7 +173,7 @@ class Rounds {
         };
         if (!run.RenderTo(TargetOf(i, seed, checkpoint), afterWave)) return false;
         const Image picture = run.Picture();
-        const int c = static_cast<int>(checkpoint);
+        const int c = int(checkpoint);
         run.AddRound(c, measuring_[ofSampler_[i]].Compare(picture));
         // The record is written last: a round without record does not count.
         const bool last = checkpoint + 1 == checkpoints_.size();
@@ -210,7 +210,7 @@ class Rounds {
     }
 
     RenderTarget TargetOf(size_t i, int seed, size_t checkpoint) const {
-        if (replay_) return {replay_->At(settings_.samplers[i].label, seed, static_cast<int>(checkpoint)), 0};
+        if (replay_) return {replay_->At(settings_.samplers[i].label, seed, int(checkpoint)), 0};
         return checkpoints_[checkpoint];
     }
 
@@ -247,7 +247,7 @@ class Rounds {
         double mean = 0;
         for (const Json &entry : pilot.is_array() ? pilot : Json::array()) {
             known[entry.value("sampler", "")] = entry.value("secondsPerSample", 0.0);
-            mean += entry.value("secondsPerSample", 0.0) / static_cast<double>(pilot.size());
+            mean += entry.value("secondsPerSample", 0.0) / double(pilot.size());
         }
         hasPilot_ = mean > 0;
         for (const SamplerChoice &s : settings_.samplers) {

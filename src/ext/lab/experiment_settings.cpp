@@ -172,7 +172,7 @@ ImageMetadata LabScene::Metadata(const Film &film, const std::string &sampler, i
     m.attributes["lightlab.sampler"] = sampler;
     m.attributes["lightlab.sceneHash"] = hash;
     m.attributes["samplesPerPixel"] = samples;
-    m.attributes["renderTimeSeconds"] = static_cast<float>(seconds);
+    m.attributes["renderTimeSeconds"] = float(seconds);
     m.attributes["pbrt.version"] = std::string(VersionText());
     m.attributes["pbrt.integrator"] = built.integratorName;
     m.attributes["pbrt.maxDepth"] = built.maxDepth;

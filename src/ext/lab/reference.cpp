@@ -118,9 +118,9 @@ class ReferenceCache {
         });
         ImageMetadata m =
             scene_.Metadata(*scene_.built.film, reference->sampler, reference->samples, reference->seconds);
-        m.attributes["lightlab.parts"] = static_cast<int>(parts.size());
+        m.attributes["lightlab.parts"] = int(parts.size());
         m.attributes["lightlab.reference"] = about_;
-        m.attributes["lightlab.noiseRelL2"] = static_cast<float>(reference->noise.value_or(0));
+        m.attributes["lightlab.noiseRelL2"] = float(reference->noise.value_or(0));
         m.attributes["lightlab.date"] = DateText();
         for (const std::string &path : files_) {
             try {
@@ -189,7 +189,7 @@ class ReferenceMaker {
         if (known.is_object() && known.value("sampler", "") == with.choice.label)
             return known.value("samplesPerPart", 1);
         const double fit = rule_.seconds / std::max(1e-6, with.secondsPerSample);
-        const int samples = static_cast<int>(std::ceil(std::max<double>(kMinSamples, fit) / kParts));
+        const int samples = int(std::ceil(std::max<double>(kMinSamples, fit) / kParts));
         context_.records.SaveNote(note, {{"sampler", with.choice.label}, {"samplesPerPart", samples}});
         return samples;
     }
@@ -292,7 +292,7 @@ std::optional<References> MakeReferences(const ExperimentContext &context) {
             for (size_t k = i + 1; k < wanted; ++k)
                 after += ReferenceRule::For(settings).EstimateSeconds(makers[k].secondsPerSample);
             context.display.SetAfter(after);
-            std::optional<Reference> made = maker.Make(makers[i], static_cast<int>(i));
+            std::optional<Reference> made = maker.Make(makers[i], int(i));
             if (!made) return {};
             references.all.push_back(std::move(*made));
         }

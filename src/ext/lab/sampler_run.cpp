@@ -74,7 +74,7 @@ bool SamplerRun::RenderTo(const RenderTarget &target, const std::function<void()
         if (renderer_.Done() > 0) {
             double fits = kLongestWave / std::max(secondsPerSample_, 1e-6);
             if (timed) fits = std::min(fits, (target.seconds - spent_.wall) / secondsPerSample_ + 0.5);
-            size = std::clamp(static_cast<int>(fits), timed ? 0 : 1, kMaxWave);
+            size = std::clamp(int(fits), timed ? 0 : 1, kMaxWave);
         }
         if (!timed) size = std::min(size, target.samples - renderer_.Done());
         if (size < 1) return true;
@@ -103,7 +103,7 @@ void SamplerRun::AddRound(int checkpoint, const Measures &measures) {
 
 ImageMetadata SamplerRun::Metadata() const {
     ImageMetadata m = scene_.Metadata(*film_, label_, Samples(), spent_.wall);
-    m.attributes["lightlab.prepareSeconds"] = static_cast<float>(record_.prepare.wall);
+    m.attributes["lightlab.prepareSeconds"] = float(record_.prepare.wall);
     m.attributes["lightlab.seed"] = record_.seed;
     return m;
 }
@@ -137,7 +137,7 @@ RunRecord TakeUpRun(const RecordFolder &records, const LabScene &scene, const st
     RunRecord run = records.LoadRun(sampler, seed);
     auto canResume = [&](size_t rounds) {
         if (rounds == checkpoints) return IsWholePicture(picture, scene.Resolution());
-        return IsWholeFilm(records.FilmFile(sampler, seed, static_cast<int>(rounds) - 1), scene);
+        return IsWholeFilm(records.FilmFile(sampler, seed, int(rounds) - 1), scene);
     };
     size_t kept = std::min(run.rounds.size(), checkpoints);
     while (kept > 0 && !canResume(kept)) --kept;
@@ -147,7 +147,7 @@ RunRecord TakeUpRun(const RecordFolder &records, const LabScene &scene, const st
             kept > 0 ? fmt::format("resuming from {} per pixel", CountText(run.rounds[kept - 1].samples, "sample"))
                      : "restarting this run"));
     // Reports and structure must be those of the last kept round.
-    if (kept < run.rounds.size()) run = records.LoadRun(sampler, seed, static_cast<int>(kept));
+    if (kept < run.rounds.size()) run = records.LoadRun(sampler, seed, int(kept));
     records.RemoveRounds(sampler, seed, kept, checkpoints);
     return run;
 }

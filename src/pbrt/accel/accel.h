@@ -51,7 +51,7 @@ class PassedHits {
 
   private:
     static std::array<uint32_t, 3> Identity(const AccelHit &hit) {
-        return {hit.shape.value, hit.primitive, static_cast<uint32_t>(hit.instance)};
+        return {hit.shape.value, hit.primitive, uint32_t(hit.instance)};
     }
     std::array<AccelHit, kMaxHits> hits_;
     int count_ = 0;

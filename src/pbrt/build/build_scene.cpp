@@ -28,7 +28,7 @@ FileLoc SmallestPlaced(const SceneDescription &d) {
             if (t->IsSingular()) continue;  // hidden
             for (int row = 0; row < 3; ++row) {
                 double growth = 0;
-                for (int c = 0; c < 3; ++c) growth += std::abs(static_cast<double>(t->InverseMatrix()[c][row]));
+                for (int c = 0; c < 3; ++c) growth += std::abs(double(t->InverseMatrix()[c][row]));
                 if (!(growth > mostGrowth)) continue;
                 mostGrowth = growth;
                 smallest = loc;
@@ -224,8 +224,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Plug
     // large shapes are read.
     if (std::any_of(sink.All().begin(), sink.All().end(), IsOfCommandLine)) ThrowIfErrors(sink, checked);
 
-    built.memory =
-        EstimateMemory(d, built.film ? static_cast<double>(built.film->Bytes()) : 0, options.textureCacheMb <= 0);
+    built.memory = EstimateMemory(d, built.film ? double(built.film->Bytes()) : 0, options.textureCacheMb <= 0);
     Collect(sink, [&] { RequireMemory(built.memory); });
     if (std::any_of(sink.All().begin(), sink.All().end(), IsOfCommandLine)) ThrowIfErrors(sink, checked);
 

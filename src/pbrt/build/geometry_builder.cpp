@@ -85,7 +85,7 @@ GeometryBuilder::GeometryBuilder(SceneDescription &description, const Transform 
     };
     for (ShapeEntity &s : description_.shapes) add(s, -1);
     for (size_t o = 0; o < description_.objects.size(); ++o)
-        for (ShapeEntity &s : description_.objects[o].shapes) add(s, static_cast<int>(o));
+        for (ShapeEntity &s : description_.objects[o].shapes) add(s, int(o));
     for (const ObjectEntity &o : description_.objects)
         spaces_.push_back(o.shapes.empty() ? Transform()
                                            : Transform::Translate(Vector3(o.shapes.front().ctm.start.Matrix()[3])));
@@ -138,7 +138,7 @@ void GeometryBuilder::BuildShapes(Progress &progress) {
                 w.displacement = MakeDisplacement(height, description_.options.displacementEdgeScale.value_or(1));
         });
     }
-    ParallelForEach(static_cast<int64_t>(work_.size()), [&](int64_t i) {
+    ParallelForEach(int64_t(work_.size()), [&](int64_t i) {
         Work &w = work_[i];
         MakeShapes(w);
         if (w.object < 0) w.entity->params = {};  // frees large inline meshes
@@ -198,7 +198,7 @@ void GeometryBuilder::CenterDefinitions() {
     for (size_t o = 0; o < spaces_.size(); ++o)
         if (isFar(bounds[o]))
             spaces_[o] = Product({spaces_[o], Transform::Translate((bounds[o].low + bounds[o].high) / Float(2))});
-    ParallelForEach(static_cast<int64_t>(work_.size()), [&](int64_t i) {
+    ParallelForEach(int64_t(work_.size()), [&](int64_t i) {
         Work &w = work_[i];
         if (w.object < 0) return;
         if (isFar(bounds[w.object]) && !w.motion && !w.shapes.empty()) {

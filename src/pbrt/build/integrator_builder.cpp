@@ -129,7 +129,7 @@ bool IsInEndlessMedium(const PathContext &context) {
         t = next->t;
         medium = next->behind;
     }
-    return static_cast<bool>(medium);
+    return bool(medium);
 }
 
 bool HasLightsBeyondScene(const LightTable &lights) {

@@ -16,7 +16,7 @@ class FlagText {
         : source_(std::make_shared<SourceFile>(SourceFile{flag, text})) {}
     std::string_view Text() const { return source_->text; }
     /// `place`: in Text().
-    FileLoc At(const char *place) const { return {source_, 1, static_cast<int>(place - source_->text.data())}; }
+    FileLoc At(const char *place) const { return {source_, 1, int(place - source_->text.data())}; }
 
   private:
     std::shared_ptr<const SourceFile> source_;

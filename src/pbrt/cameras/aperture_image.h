@@ -15,7 +15,7 @@ class ApertureImage {
     /// Built-in shape or image file `name`; empty if the name is empty. Throws UserError (no location).
     static ApertureImage Read(const std::string &name, const FileResolver &files);
 
-    explicit operator bool() const { return static_cast<bool>(image_); }
+    explicit operator bool() const { return bool(image_); }
     /// `p` in units of the stop's radius; 0 outside [-1, 1]^2.
     Float Lookup(const Point2 &p) const { return image_.Bilinear((p + Point2(1)) / Float(2), 0, WrapMode::Black); }
     /// Largest radius that passes light, in units of the stop's radius.

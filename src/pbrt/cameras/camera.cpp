@@ -19,8 +19,7 @@ struct CameraParams {
     std::optional<Float> frameAspectRatio;
     std::optional<std::array<Float, 4>> screenWindow;
 
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         constexpr Range<Float> kShutterRange{-1e9f, 1e9f, false, false, "s"};
         v("shutteropen", shutterOpen, kShutterRange, "shutter opening time");
         v("shutterclose", shutterClose, kShutterRange, "shutter closing time; longer exposures are brighter");
@@ -48,8 +47,7 @@ struct CameraParams {
 
 struct LensParams : CameraParams {
     Lens lens;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         CameraParams::Describe(v);
         v("lensradius", lens.radius, Range<Float>{0, 1e15f}, "radius of a thin lens; 0: pinhole");
         v("focaldistance", lens.focalDistance, Positive(std::numeric_limits<Float>::max()),
@@ -64,8 +62,7 @@ struct LensParams : CameraParams {
 
 struct PerspectiveParams : LensParams {
     Float fov = 90;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         LensParams::Describe(v);
         v("fov", fov, Range<Float>{0, 180, true, true, "degrees"}, "field of view along the shorter side");
     }
@@ -77,8 +74,7 @@ constexpr NamedValue<SphericalCameraMapping> kMappings[] = {
 struct SphericalParams : CameraParams {
     SphericalCameraMapping mapping = SphericalCameraMapping::EqualArea;
     Float lensRadius = 0, focalDistance = 1e30f;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         CameraParams::Describe(v);
         v("mapping", mapping, kMappings, "map from directions to the image");
         v("lensradius", lensRadius, "no effect, as in stock");
@@ -89,8 +85,7 @@ struct SphericalParams : CameraParams {
 struct RealisticParams : CameraParams {
     std::string lensFile, aperture;
     Float diameter = 1, distance = 10;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         CameraParams::Describe(v);
         v("lensfile", lensFile, Required(), "lens description");
         v("aperturediameter", diameter, Positive(1e6f, "mm"), "aperture diameter");

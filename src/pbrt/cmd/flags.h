@@ -33,8 +33,7 @@ inline const CLI::Validator NonNegativeNumber = NumberCheck(true, "NONNEGATIVE")
 /// flags are comma-separated.
 class Flag {
   public:
-    template <class T>
-    Flag(std::string names, T &target, std::string help, std::optional<CLI::Validator> check = {})
+    Flag(std::string names, auto &target, std::string help, std::optional<CLI::Validator> check = {})
         : add_([=, &target](CLI::App &app) {
               CLI::Option *option = nullptr;
               if constexpr (std::is_same_v<T, bool>) option = app.add_flag(names, target, help);
@@ -155,9 +154,7 @@ inline void CheckFlags(const CLI::App &app, const std::vector<std::string> &argu
 
 /// Parses the arguments without the program name, then calls `check`, which may throw CLI::ParseError. After printing
 /// help, version or an error, returns the exit status.
-template <class Check>
-std::optional<int> ParseFlags(CLI::App &app, std::vector<std::string> arguments, const FlagHints &hints,
-                              Check &&check) {
+std::optional<int> ParseFlags(CLI::App &app, std::vector<std::string> arguments, const FlagHints &hints, auto &&check) {
     try {
         CheckFlags(app, arguments, hints);
         std::reverse(arguments.begin(), arguments.end());  // CLI11 expects reverse order

@@ -14,7 +14,7 @@ std::optional<int> NumberInEnvironment(const char *name) {
     char *end = nullptr;
     const long value = std::strtol(text, &end, 10);
     if (*end != 0 || value < 0 || value > 1 << 24) return {};
-    return static_cast<int>(value);
+    return int(value);
 }
 
 }  // namespace

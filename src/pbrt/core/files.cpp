@@ -32,7 +32,7 @@ bool FileExists(const std::string &path) {
 
 std::string Lower(std::string text) {
     for (char &c : text)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+        if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
     return text;
 }
 
@@ -68,12 +68,11 @@ int OpenForReading(const std::string &path, ReadFrom from, size_t *size) {
 void Grow(std::string &content, size_t bytes, const std::string &path, double (*available)()) {
     // Smaller sizes skip the check, which is a system call.
     constexpr size_t kSmall = 1 << 24;
-    if (const double left = bytes > kSmall ? available() : 0; bytes > kSmall && static_cast<double>(bytes) > left)
+    if (const double left = bytes > kSmall ? available() : 0; bytes > kSmall && double(bytes) > left)
         throw UserError(
             fmt::format("{}: too large to read: after {} of content, reading on needs {} of "
                         "memory, but {} are left for this process.",
-                        path, BytesText(static_cast<double>(content.size())), BytesText(static_cast<double>(bytes)),
-                        BytesText(left)));
+                        path, BytesText(double(content.size())), BytesText(double(bytes)), BytesText(left)));
     content.reserve(bytes);
 }
 
@@ -91,7 +90,7 @@ std::string ReadFileContents(const std::string &path, ReadFrom from, double (*av
     // Scenes may have thousands of small files, hence no larger than the file.
     constexpr size_t kMax = 1 << 18, kMin = 1 << 12;
     if (size == 0) size = kMax;  // a pipe or a virtual file of the kernel
-    gzbuffer(file.get(), static_cast<unsigned>(std::clamp(size, kMin, kMax)));
+    gzbuffer(file.get(), unsigned(std::clamp(size, kMin, kMax)));
     std::string content;
     Grow(content, size + kMin, path, available);
     for (;;) {
@@ -99,7 +98,7 @@ std::string ReadFileContents(const std::string &path, ReadFrom from, double (*av
         if (content.capacity() == old) Grow(content, 2 * old, path, available);
         const size_t chunk = std::min(content.capacity() - old, kMax);
         content.resize(old + chunk);
-        int got = gzread(file.get(), content.data() + old, static_cast<unsigned>(chunk));
+        int got = gzread(file.get(), content.data() + old, unsigned(chunk));
         if (got < 0) {
             int error = 0;
             throw UserError(fmt::format("{}: {}.", path, gzerror(file.get(), &error)));

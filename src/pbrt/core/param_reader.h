@@ -49,8 +49,7 @@ class ParamReader {
         std::string name;
         ParamType type;
     };
-    template <class F>
-    void Collect(F &&read) {
+    void Collect(auto &&read) {
         try {
             read();
         } catch (const UserError &e) {

@@ -32,7 +32,7 @@ enum class ParamType {
 inline constexpr std::array<const char *, 13> kParamTypeNames = {
     "integer", "float",  "point2", "vector2",   "point3",   "vector3", "normal",
     "bool",    "string", "rgb",    "blackbody", "spectrum", "texture"};  ///< in that order
-constexpr const char *Name(ParamType type) { return kParamTypeNames[static_cast<size_t>(type)]; }
+constexpr const char *Name(ParamType type) { return kParamTypeNames[size_t(type)]; }
 /// Numbers per value: 2 or 3 for points, vectors, normals and rgb, else 1.
 size_t ItemSize(ParamType type);
 
@@ -109,8 +109,7 @@ class ParamSet {
     UserError Error(std::string_view name, std::string_view message) const;
     void Warn(DiagnosticSink &sink, std::string_view name, std::string_view message) const;
     /// Runs `read`; errors without a location get that of parameter `name`.
-    template <class F>
-    auto At(std::string_view name, F &&read) const {
+    auto At(std::string_view name, auto &&read) const {
         try {
             return read();
         } catch (const UserError &e) {

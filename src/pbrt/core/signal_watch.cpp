@@ -91,7 +91,7 @@ struct SignalWatch::Impl {
         if (!deadline) return -1;
         const auto left = std::chrono::ceil<std::chrono::milliseconds>(*deadline - Clock::now()).count();
         if (left <= 0) End();
-        return static_cast<int>(left);
+        return int(left);
     }
 
     void Watch() {

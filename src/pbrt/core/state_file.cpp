@@ -77,7 +77,7 @@ void WriteStateFile(const std::string &path, const std::string &kind,
     for (const auto &[name, content] : sections) length += 2 * sizeof(uint64_t) + name.size() + content->Bytes();
     all.Value(length);
     all.Text(kind);
-    all.Value(static_cast<uint32_t>(sections.size()));
+    all.Value(uint32_t(sections.size()));
     for (const auto &[name, content] : sections) {
         all.Text(name);
         all.Value(content->Bytes());

@@ -129,7 +129,7 @@ class TemporaryFile {
         if (done != 0 && errno != EINVAL && errno != ENOTSUP) Fail(target_.shown, errno);
         struct stat status {};
         if (fstat(file_, &status) != 0) Fail(target_.shown, errno);
-        if (static_cast<size_t>(status.st_size) != bytes)
+        if (size_t(status.st_size) != bytes)
             throw UserError(fmt::format("{}: only {} of {} bytes were written.", target_.shown, status.st_size, bytes));
         const int closed = close(file_);
         file_ = -1;

@@ -127,8 +127,7 @@ constexpr Range<Float> kWidthRange = Positive(1e6f), kSharpnessRange{-1000, 1000
 template <Float kDefault>
 struct RadiusParams {
     Float x = kDefault, y = kDefault;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         const Range<Float> range = Positive(1000, "pixels");  // tables have 32 cells per pixel
         v("xradius", x, range, "half width");
         v("yradius", y, range, "half height");
@@ -138,8 +137,7 @@ struct RadiusParams {
 
 struct GaussianParams : RadiusParams<Float(1.5)> {
     Float sigma = Float(0.5);
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         RadiusParams::Describe(v);
         v("sigma", sigma, kWidthRange, "standard deviation");
     }
@@ -148,8 +146,7 @@ struct GaussianParams : RadiusParams<Float(1.5)> {
 
 struct MitchellParams : RadiusParams<Float(2)> {
     Float b = Float(1) / 3, c = Float(1) / 3;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         RadiusParams::Describe(v);
         v("B", b, kSharpnessRange, "strength of blurring");
         v("C", c, kSharpnessRange, "strength of ringing");
@@ -159,8 +156,7 @@ struct MitchellParams : RadiusParams<Float(2)> {
 
 struct SincParams : RadiusParams<Float(4)> {
     Float tau = 3;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         RadiusParams::Describe(v);
         v("tau", tau, kWidthRange, "half width of the window's main lobe, in pixels");
     }

@@ -127,7 +127,7 @@ Imf::FrameBuffer Bind(const std::vector<std::string> &names, Imf::PixelType type
 
 constexpr int64_t kMaxOffset = 1 << 28;  // largest offset of a window from the origin, in pixels
 
-int64_t Extent(int low, int high) { return static_cast<int64_t>(high) - low + 1; }
+int64_t Extent(int low, int high) { return int64_t(high) - low + 1; }
 
 /// Upper bound on pixel bytes per file byte.
 double MaxExpansion(Imf::Compression compression) {
@@ -148,7 +148,7 @@ class MemoryStream final : public Imf::OStream {
   public:
     explicit MemoryStream(const std::string &name) : OStream(name.c_str()) {}
     void write(const char bytes[], int count) override {
-        const auto size = static_cast<size_t>(count);
+        const auto size = size_t(count);
         if (at_ + size > content_.size()) content_.resize(at_ + size);
         std::copy_n(bytes, size, content_.begin() + at_);
         at_ += size;
@@ -212,7 +212,7 @@ ImageFile ReadExr(const std::string &path) {
     if (Extent(display.min.x, display.max.x) > INT_MAX || Extent(display.min.y, display.max.y) > INT_MAX)
         throw UserError(fmt::format("{}: the display window is impossibly large.", path));
     for (int corner : {data.min.x, data.min.y, display.min.x, display.min.y})
-        if (std::abs(static_cast<int64_t>(corner)) > kMaxOffset)
+        if (std::abs(int64_t(corner)) > kMaxOffset)
             throw UserError(fmt::format("{}: a window begins at {}; at most {} from the origin are supported.", path,
                                         corner, kMaxOffset));
     ImageFile result;

@@ -14,8 +14,7 @@ namespace pbrt {
 namespace {
 
 // Returns f(). Library errors become a UserError that names the file; `use`: "for" or "to write" it.
-template <class F>
-auto NamingFile(const std::string &path, const char *use, F &&f) {
+auto NamingFile(const std::string &path, const char *use, auto &&f) {
     try {
         return f();
     } catch (const UserError &) {
@@ -70,13 +69,12 @@ void CheckSize(const std::string &path, int64_t width, int64_t height, int64_t c
     if (width > kMaxExtent || height > kMaxExtent)
         throw UserError(fmt::format("{}: the header has {} x {} pixels; images have at most {} in each direction.",
                                     path, width, height, kMaxExtent));
-    const double bytes = static_cast<double>(width) * static_cast<double>(height) * static_cast<double>(channels) *
-                         static_cast<double>(bytesPerValue);
+    const double bytes = double(width) * double(height) * double(channels) * double(bytesPerValue);
     const std::string what =
         fmt::format("{}: the header has {} x {} pixels of {} channels, which", path, width, height, channels);
     RequireMemory(bytes, what, {});
     std::error_code failed;
-    const auto stored = static_cast<double>(std::filesystem::file_size(path, failed));
+    const auto stored = double(std::filesystem::file_size(path, failed));
     if (!failed && bytes > stored * maxExpansion)
         throw UserError(
             fmt::format("{} take {}; the file has {} bytes, which cannot hold them.", what, BytesText(bytes), stored));

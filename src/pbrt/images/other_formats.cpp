@@ -71,7 +71,7 @@ ImageFile ReadOther(const std::string &path, std::optional<ColorEncoding> encodi
         auto *values = static_cast<uint16_t *>(image.Data());
         file->Read(values);
         for (size_t i = 0; i < image.ValueCount(); ++i)
-            values[i] = imath_float_to_half(bytes.ToLinear(static_cast<Float>(values[i]) / 65535));
+            values[i] = imath_float_to_half(bytes.ToLinear(Float(values[i]) / 65535));
     } else {
         image = Image(isFloat ? PixelFormat::Float : PixelFormat::U8, resolution, names, bytes);
         file->Read(image.Data());

@@ -59,9 +59,9 @@ ImageFile ReadPfm(const std::string &path) {
     auto isSize = [](double v) { return v >= 1 && v <= 1e9 && v == std::floor(v); };
     if (!isSize(width) || !isSize(height) || scale == 0 || !std::isfinite(scale))
         throw UserError(fmt::format("{}: impossible PFM header: {} x {}, scale {}.", path, width, height, scale));
-    CheckSize(path, static_cast<int64_t>(width), static_cast<int64_t>(height), color ? 3 : 1, sizeof(float), Infinity);
+    CheckSize(path, int64_t(width), int64_t(height), color ? 3 : 1, sizeof(float), Infinity);
     Point2i resolution(static_cast<int>(width), static_cast<int>(height));
-    size_t rowValues = static_cast<size_t>(resolution.x) * (color ? 3 : 1);
+    size_t rowValues = size_t(resolution.x) * (color ? 3 : 1);
     size_t expected = rowValues * resolution.y * sizeof(float);
     if (content.size() - std::min(at, content.size()) < expected)
         throw UserError(
@@ -73,7 +73,7 @@ ImageFile ReadPfm(const std::string &path) {
     float *pixels = static_cast<float *>(result.image.Data());
     // Positive scale: big endian. Its magnitude scales all pixels, as in stock pbrt-v4.
     const bool swap = scale > 0;
-    const float factor = static_cast<float>(std::abs(scale));
+    const float factor = float(std::abs(scale));
     for (int y = resolution.y - 1; y >= 0; --y)
         for (size_t i = 0; i < rowValues; ++i, at += sizeof(float))
             pixels[y * rowValues + i] = ReadFloat(content.data() + at, swap) * factor;

@@ -29,7 +29,7 @@ std::unique_ptr<const TileCache::Stored> TileCache::Store(const std::vector<Imag
     std::vector<oiio::Pixels> pixels;
     for (const Image &image : images)
         pixels.push_back({image.Resolution().x, image.Resolution().y, image.ChannelCount(),
-                          kTypes[static_cast<size_t>(image.Format())], image.Data()});
+                          kTypes[size_t(image.Format())], image.Data()});
     const size_t texelBytes = images[0].Bytes() / (images[0].ValueCount() / images[0].ChannelCount());
     void *file = nullptr;
     try {
@@ -44,7 +44,7 @@ size_t TileCache::Bytes() const { return tiles_->Bytes(); }
 
 void TileCache::Stored::Get(size_t image, int x, int y, Tile &tile) const {
     tile.Release();
-    void *found = tiles_->GetTile(file_, static_cast<int>(image), x, y);
+    void *found = tiles_->GetTile(file_, int(image), x, y);
     PBRT_CHECK_MSG(found != nullptr, "a texture tile cannot be read: {}", tiles_->Error());
     tile.tiles_ = tiles_;
     tile.tile_ = found;

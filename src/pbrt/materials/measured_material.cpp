@@ -100,7 +100,7 @@ class Reader {
             Fail(name, "does not fit the numbers of directions and wavelengths");
         const size_t rows = field.shape[slices.size()], columns = field.shape[slices.size() + 1];
         if (rows < 2 || columns < 2) Fail(name, "needs two rows and columns at least");
-        return {field.values, static_cast<int>(columns), static_cast<int>(rows)};
+        return {field.values, int(columns), int(rows)};
     }
     GridSlices Density(const std::string &name, const Shape &slices) const {
         GridSlices grid = Grid(name, slices);

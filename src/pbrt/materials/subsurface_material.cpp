@@ -61,7 +61,7 @@ struct SubsurfaceParams : RemapParams, ReliefParams {
             v("sigma_s", sigmaS, "reduced scattering, with sigma_a");
             if (v.When(!sigmaA && !sigmaS))
                 v("reflectance", reflectance, "reflectance of the medium, without sigma_a, sigma_s");
-            if (v.When(static_cast<bool>(reflectance))) v("mfp", mfp, "mean free path, with reflectance");
+            if (v.When(bool(reflectance))) v("mfp", mfp, "mean free path, with reflectance");
         }
         v("scale", scale, "factor of coefficients or mean free path");
         v("g", g, Range<Float>{-1, 1, true, true}, "scattering asymmetry");

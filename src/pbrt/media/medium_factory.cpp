@@ -32,8 +32,7 @@ DenseSpectrum Coefficient(const ParamSet &set, const char *name, const Spectrum 
 struct CoefficientParams {
     SpectrumParam absorption{SpectrumUse::Unbounded, Float(1)}, scattering{SpectrumUse::Unbounded, Float(1)};
     Float g = 0;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("sigma_a", absorption, "absorption per unit length");
         v("sigma_s", scattering, "scattering per unit length");
         v("g", g, Range<Float>{-1, 1}, kGHelp);
@@ -71,8 +70,7 @@ constexpr Items kPosition{ParamType::Point3, kCoordinateRange};
 
 struct BoundsParams {
     Point3 p0{0, 0, 0}, p1{1, 1, 1};
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("p0", p0, kPosition, "corner of the medium's box, in its space");
         v("p1", p1, kPosition, "opposite corner");
     }
@@ -88,8 +86,7 @@ struct BoundsParams {
 
 struct CountParams {
     int x = 1, y = 1, z = 1;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         constexpr Range<int> kCounts{1, 1 << 20};
         v("nx", x, kCounts, "voxels along x, fastest in lists");
         v("ny", y, kCounts, "voxels along y");
@@ -98,7 +95,7 @@ struct CountParams {
     glm::ivec3 Count() const { return {x, y, z}; }
     int64_t Size() const { return int64_t(x) * y * z; }
     void RequireSize(const ParamSet &set, const char *name, size_t found) const {
-        if (static_cast<int64_t>(found) != Size())
+        if (int64_t(found) != Size())
             throw set.Error(name, fmt::format("\"{}\" has {} values; nx * ny * nz = {} x {} x {} = {} are wanted.",
                                               name, found, x, y, z, Size()));
     }
@@ -119,8 +116,7 @@ std::vector<Float> VoxelValues(const ParamSet &set, const CountParams &count, co
 struct ThermalParams {
     std::optional<Float> offset, cutoff;
     Float factor = 1;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("temperatureoffset", offset, AnyFloat("K"), "subtracted from temperatures; default 0");
         v("temperaturecutoff", cutoff, AnyFloat("K"), "another name of temperatureoffset");
         v("temperaturescale", factor, kCoefficientRange, "factor of temperatures, after the offset");
@@ -146,8 +142,7 @@ struct HomogeneousParams {
     CoefficientParams coefficients;
     SpectrumParam emission{SpectrumUse::Illuminant};
     Float emissionScale = 1, scale = 1;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("preset", preset, "known substance; sets sigma_a and sigma_s, per millimetre");
         if (v.When(!FindPreset(preset))) {
             v("sigma_a", coefficients.absorption, "absorption per unit length");
@@ -190,8 +185,7 @@ struct UniformGridParams {
     std::span<const Float> density, temperature, emissionScale;
     SpectrumParam emission{SpectrumUse::Illuminant};
     ThermalParams thermal;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("density", density, Required(), "factor of absorption and scattering per voxel");
         count.Describe(v);
         bounds.Describe(v);
@@ -226,8 +220,7 @@ struct RgbGridParams {
     BoundsParams bounds;
     std::vector<Rgb> absorption, scattering, emission;
     Float emissionScale = 1, scale = 1, g = 0;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         constexpr Items kCoefficients{ParamType::Rgb, kCoefficientRange}, kRadiances{ParamType::Rgb, kBrightnessRange};
         v("sigma_a", absorption, kCoefficients, "absorption per voxel; default beside sigma_s: 1");
         v("sigma_s", scattering, kCoefficients, "scattering per voxel; default beside sigma_a: 1");
@@ -278,8 +271,7 @@ struct CloudParams {
     CoefficientParams coefficients;
     CloudMedium::Shape shape;
     BoundsParams bounds;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("density", shape.density, kCoefficientRange, "density");
         v("wispiness", shape.wispiness, kCoefficientRange, "distortion of fine features");
         v("frequency", shape.frequency, kCoefficientRange, "features per unit length");
@@ -298,8 +290,7 @@ struct NanoVdbParams {
     CoefficientParams coefficients;
     Float emissionScale = 1, scale = 1;
     ThermalParams thermal;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("filename", filename, Required(), "NanoVDB file");
         v("gridname", gridName, "grid of factors of absorption and scattering");
         v("temperaturename", temperatureName, "grid of emission temperatures (K), if present");

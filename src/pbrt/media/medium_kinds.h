@@ -18,7 +18,7 @@ struct MediumSpectra {
         return {absorption.Sample(lambda), scattering.Sample(lambda),
                 emission.MaxValue() > 0 ? emission.Sample(lambda) : SampledSpectrum(0)};
     }
-    size_t Bytes() const { return 3 * static_cast<size_t>(LambdaMax - LambdaMin + 1) * sizeof(Float); }
+    size_t Bytes() const { return 3 * size_t(LambdaMax - LambdaMin + 1) * sizeof(Float); }
 };
 
 /// Emission of a black body at temperature (T - offset) * factor, normalised to its peak. None at 100 K and below.

@@ -29,7 +29,7 @@ void CheckMagic(const std::string &path) {
         throw UserError(fmt::format("{}: the file cannot be opened.", path));
     std::array<char, 8> magic{};
     file.read(magic.data(), magic.size());
-    const std::string_view found(magic.data(), static_cast<size_t>(file.gcount()));
+    const std::string_view found(magic.data(), size_t(file.gcount()));
     if (found == "NanoVDB0") return;
     if (found.starts_with("NanoVDB"))
         throw UserError(
@@ -59,7 +59,7 @@ bool IsSound(const FloatGrid &grid, size_t bytes) {
     // A damaged tree may refer to a node repeatedly: visits are limited by its node counts.
     std::array<uint64_t, 3> visited{};
     auto isFine = [&](const auto &node, size_t level) {
-        return ++visited[level] <= tree.nodeCount(static_cast<int>(level)) && holds(&node, sizeof(node));
+        return ++visited[level] <= tree.nodeCount(int(level)) && holds(&node, sizeof(node));
     };
     for (auto upper = root.beginChild(); upper; ++upper) {
         if (!isFine(*upper, 2)) return false;
@@ -70,7 +70,7 @@ bool IsSound(const FloatGrid &grid, size_t bytes) {
         }
     }
     for (size_t level = 0; level < 3; ++level)
-        if (visited[level] != tree.nodeCount(static_cast<int>(level))) return false;
+        if (visited[level] != tree.nodeCount(int(level))) return false;
     return true;
 }
 
@@ -83,7 +83,7 @@ class VdbGrid {
         if (data.gridType != nanovdb::GridType::Float)
             throw UserError(fmt::format("{} holds values of type {}; only float is possible.", what,
                                         nanovdb::toStr(data.gridType)));
-        RequireMemory(static_cast<double>(data.gridSize), what, {});
+        RequireMemory(double(data.gridSize), what, {});
         handle_ = nanovdb::io::readGrid(path, data.gridName);
         if (handle_.size() >= sizeof(nanovdb::GridData)) grid_ = handle_.grid<float>();
         if (!grid_ || !IsSound(*grid_, handle_.size()) || !nanovdb::isValid(*grid_))
@@ -136,7 +136,7 @@ VdbGrids ReadGrids(const NanoVdbRequest &request) {
 
 Float Interpolate(const Accessor &accessor, const Point3 &p) {
     const Vector3 low = glm::floor(p), w = p - low;
-    const nanovdb::Coord first(static_cast<int>(low.x), static_cast<int>(low.y), static_cast<int>(low.z));
+    const nanovdb::Coord first(int(low.x), int(low.y), int(low.z));
     std::array<Float, 4> alongZ;
     for (int i = 0; i < 4; ++i) {
         const nanovdb::Coord at = first.offsetBy(i & 1, i >> 1, 0);
@@ -178,7 +178,7 @@ class MaxInBox {
         for (int64_t x = first.x; x <= last.x; ++x)
             for (int64_t y = first.y; y <= last.y; ++y)
                 for (int64_t z = first.z; z <= last.z; ++z) {
-                    const auto slot = static_cast<uint32_t>((x << kLog2Slots | y) << kLog2Slots | z);
+                    const auto slot = uint32_t((x << kLog2Slots | y) << kLog2Slots | z);
                     if constexpr (Node::LEVEL == 0) Take(node.getValue(slot));
                     else if (node.childMask().isOn(slot))
                         Visit(*node.data()->getChild(slot), origin + (Index(x, y, z) << kLog2Size));
@@ -231,8 +231,7 @@ class NanoVdbMedium final : public Medium {
         OnRay &memory = onRay.MakeMemory(OnRay{grids_.density->getAccessor(), temperature->getAccessor(), {}, {}});
         if (IsEmissive() && onRay.Walk().Anchor() < Infinity) {
             const glm::dvec3 d(ray.d);
-            memory.origin = Point3(
-                temperatureFromRender_.Point(glm::dvec3(ray.o) + d * static_cast<double>(onRay.Walk().Anchor())));
+            memory.origin = Point3(temperatureFromRender_.Point(glm::dvec3(ray.o) + d * double(onRay.Walk().Anchor())));
             memory.direction = Vector3(temperatureFromRender_.Vector(d));
         }
         return onRay;
@@ -249,9 +248,8 @@ class NanoVdbMedium final : public Medium {
 
     /// Maps majorant coordinates to the density's index space; see Voxels::ToVoxels.
     Point3 ToIndex(const Point3 &p) const {
-        return {std::fma(p.x, indicesPerCell_.x, static_cast<Float>(low_.x)),
-                std::fma(p.y, indicesPerCell_.y, static_cast<Float>(low_.y)),
-                std::fma(p.z, indicesPerCell_.z, static_cast<Float>(low_.z))};
+        return {std::fma(p.x, indicesPerCell_.x, Float(low_.x)), std::fma(p.y, indicesPerCell_.y, Float(low_.y)),
+                std::fma(p.z, indicesPerCell_.z, Float(low_.z))};
     }
 
     MediumCoefficients Evaluate(MediumOnRay &onRay, Float t) const override {

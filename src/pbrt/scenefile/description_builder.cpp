@@ -61,7 +61,7 @@ void DescriptionBuilder::Fill(Entity &entity, const std::string &type, const cha
     entity.loc = loc;
     entity.colorSpace = s.colorSpace;
     entity.params = ParamSet(fmt::format("{} \"{}\"", directive, Abbreviate(type)), loc);
-    if (const auto *defaults = target ? s.attributes[static_cast<size_t>(*target)].get() : nullptr)
+    if (const auto *defaults = target ? s.attributes[size_t(*target)].get() : nullptr)
         for (Param p : *defaults) {
             // As in stock pbrt-v4, all parameters of an entity use the colour space current at the entity.
             p.colorSpace = s.colorSpace;
@@ -161,7 +161,7 @@ void DescriptionBuilder::BeginObject(const GivenName &name, const FileLoc &loc) 
         sink_.Error(loc, fmt::format("ObjectBegin \"{}\" inside another object definition.", name.text));
         object = unit.object;
     } else if (IsFirst(unit.objects, "Object", name)) {
-        object = static_cast<int>(PlaceOf(name, "Object", scene_.objects, objectIndex_));
+        object = int(PlaceOf(name, "Object", scene_.objects, objectIndex_));
         scene_.objects[object] = {name.text, loc, {}};
     }
     OpenBlockAt(loc, BlockKind::Object);
@@ -197,7 +197,7 @@ void DescriptionBuilder::ReportOpenBlocks() {
 }
 
 void DescriptionBuilder::AddAttributes(AttributeTarget target, Params params) {
-    auto &list = State().attributes[static_cast<size_t>(target)];
+    auto &list = State().attributes[size_t(target)];
     // Copied at most once per scope, so that many directives in one scope take linear time.
     if (!list) list = std::make_shared<Params>();
     else if (list.use_count() > 1) list = std::make_shared<Params>(*list);
@@ -229,7 +229,7 @@ TransformPair DescriptionBuilder::Unmoving(const char *what, const FileLoc &loc)
 void DescriptionBuilder::AddMaterial(const std::string &type, Params params, const FileLoc &loc) {
     MaterialEntity material;
     Fill(material, type, "Material", std::move(params), loc, AttributeTarget::Material);
-    State().material = {static_cast<int>(scene_.materials.size()), {}};
+    State().material = {int(scene_.materials.size()), {}};
     scene_.materials.push_back(std::move(material));
 }
 
@@ -307,7 +307,7 @@ void DescriptionBuilder::AddShape(const std::string &type, Params params, const 
         if (shape.ctm.IsAnimated()) sink_.Error(loc, "A shape that emits light cannot move.");
         PendingAreaLight &light = *s.areaLight;
         if (light.index < 0) {
-            light.index = static_cast<int>(scene_.areaLights.size());
+            light.index = int(scene_.areaLights.size());
             scene_.areaLights.push_back(std::move(light.entity));
         }
         shape.areaLight = light.index;
@@ -338,8 +338,7 @@ std::string DescriptionBuilder::ListNames(const std::string &given, const std::v
     return names.empty() || sink_.IsFull() ? none : ListChoices(given, names);
 }
 
-template <class F>
-void DescriptionBuilder::ForEachShape(F &&f) const {
+void DescriptionBuilder::ForEachShape(auto &&f) const {
     for (const ShapeEntity &shape : scene_.shapes) f(shape);
     for (const ObjectEntity &object : scene_.objects)
         for (const ShapeEntity &shape : object.shapes) f(shape);

@@ -40,7 +40,7 @@ struct Header {
 
 size_t SizeOf(Scalar t) {
     static constexpr std::array<size_t, 8> kSizes = {1, 1, 2, 2, 4, 4, 4, 8};
-    return kSizes[static_cast<size_t>(t)];
+    return kSizes[size_t(t)];
 }
 
 using WordList = std::vector<std::string>;
@@ -142,7 +142,7 @@ class HeaderReader {
         static const WordList kOld = {"char", "uchar", "short", "ushort", "int", "uint", "float", "double"};
         static const WordList kNew = {"int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "float64"};
         for (size_t i = 0; i < kOld.size(); ++i)
-            if (word == kOld[i] || word == kNew[i]) return static_cast<Scalar>(i);
+            if (word == kOld[i] || word == kNew[i]) return Scalar(i);
         Fail(fmt::format("unknown type \"{}\"; {}", word, ListChoices(word, kOld)));
     }
 
@@ -162,7 +162,7 @@ class BodyReader {
         element_ = element;
         index_ = index;
     }
-    size_t BytesLeft() const { return static_cast<size_t>(end_ - at_); }
+    size_t BytesLeft() const { return size_t(end_ - at_); }
     Encoding Format() const { return encoding_; }
 
     double Number(Scalar type) {
@@ -176,7 +176,7 @@ class BodyReader {
         at_ += size;
         auto as = [&]<class T>(T value) {
             std::memcpy(&value, raw.data(), sizeof(T));
-            return static_cast<double>(value);
+            return double(value);
         };
         switch (type) {
             case Scalar::Int8: return as(int8_t{});
@@ -191,11 +191,10 @@ class BodyReader {
         return 0;
     }
     int64_t Integer(Scalar type) {
-        double v = encoding_ == Encoding::Ascii && type < Scalar::Float32
-                       ? static_cast<double>(AsciiNumber<int64_t>("integer"))
-                       : Number(type);
+        double v = encoding_ == Encoding::Ascii && type < Scalar::Float32 ? double(AsciiNumber<int64_t>("integer"))
+                                                                          : Number(type);
         if (!(v == std::floor(v) && std::abs(v) < 9e15)) Fail(fmt::format("{} is not an integer", v));
-        return static_cast<int64_t>(v);
+        return int64_t(v);
     }
 
     [[noreturn]] void Fail(const std::string &message) const {
@@ -257,7 +256,7 @@ std::vector<int> VertexSlots(const Element &e) {
     std::vector<int> slots;
     for (const Property &p : e.properties) {
         const auto slot = std::find(names.begin(), names.end(), p.name);
-        slots.push_back(p.isList || slot == names.end() ? -1 : static_cast<int>(slot - names.begin()));
+        slots.push_back(p.isList || slot == names.end() ? -1 : int(slot - names.begin()));
     }
     return slots;
 }
@@ -304,7 +303,7 @@ size_t ReadVertices(BodyReader &body, const Element &e, MeshData &mesh) {
         std::array<Float, 8> v{};
         for (size_t k = 0; k < slots.size(); ++k) {
             if (slots[k] < 0) SkipProperty(body, e.properties[k]);
-            else v[slots[k]] = static_cast<Float>(body.Number(e.properties[k].type));
+            else v[slots[k]] = Float(body.Number(e.properties[k].type));
         }
         for (size_t k = 0; k < 3; ++k)
             if (!std::isfinite(v[k]))
@@ -339,9 +338,9 @@ void ReadFaces(BodyReader &body, const Element &e, uint64_t vertexCount, PlyMesh
             n = body.Integer(p.countType);
             for (int64_t c = 0; c < n; ++c) {
                 int64_t v = body.Integer(p.type);
-                if (v < 0 || v >= static_cast<int64_t>(vertexCount))
+                if (v < 0 || v >= int64_t(vertexCount))
                     body.Fail(fmt::format("vertex index {} is out of range; there are {} vertices", v, vertexCount));
-                if (c < 4) corners[c] = static_cast<uint32_t>(v);
+                if (c < 4) corners[c] = uint32_t(v);
             }
         }
         if (n != 3 && n != 4) {

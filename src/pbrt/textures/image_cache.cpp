@@ -79,7 +79,7 @@ void ImageCache::Preload(const std::vector<MipMapKey> &keys) {
         auto [it, isNew] = mipMaps_.try_emplace(key);
         missing.emplace_back(&it->first, &it->second);
     }
-    ParallelForEach(static_cast<int64_t>(missing.size()), [&](int64_t i) {
+    ParallelForEach(int64_t(missing.size()), [&](int64_t i) {
         auto [key, entry] = missing[i];
         Fill(*entry, [&, key = key] { return ReadMipMap(*key, tiles_.get()); });
     });

@@ -245,7 +245,7 @@ struct TextureLibrary::Impl {
     }
 
     const Made<SpectrumTexturePtr> &MakeSpectrum(Definition &d, SpectrumUse use, const FileLoc &user = {}) {
-        Made<SpectrumTexturePtr> &made = d.asSpectrum[static_cast<size_t>(use)];
+        Made<SpectrumTexturePtr> &made = d.asSpectrum[size_t(use)];
         if (!made.texture && !d.broken)
             made.texture = Try(d, user, [&] { return MakeOf(SpectrumTextures(), d, use, &made.cost); });
         if (!made.texture)

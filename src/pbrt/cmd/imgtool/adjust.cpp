@@ -22,15 +22,14 @@ std::vector<Float> Gaussian(int width) {
     std::vector<Float> weights;
     double sum = 0;
     for (int i = -radius; i <= radius; ++i) sum += std::exp(-i * i / (2 * sigma * sigma));
-    for (int i = -radius; i <= radius; ++i)
-        weights.push_back(static_cast<Float>(std::exp(-i * i / (2 * sigma * sigma)) / sum));
+    for (int i = -radius; i <= radius; ++i) weights.push_back(Float(std::exp(-i * i / (2 * sigma * sigma)) / sum));
     return weights;
 }
 
 /// Blurs along one axis. Light blurred over the edge is lost.
 Image Blur(const Image &image, const std::vector<Float> &weights, Point2i axis) {
     Image result(PixelFormat::Float, image.Resolution(), image.Channels());
-    const int radius = static_cast<int>(weights.size()) / 2;
+    const int radius = int(weights.size()) / 2;
     const int last = axis.x ? image.Resolution().x - 1 : image.Resolution().y - 1;
     ForEachPixel(image, [&](Point2i p) {
         const int at = axis.x ? p.x : p.y;
@@ -65,7 +64,7 @@ int Bloom(const BloomOptions &o) {
     const std::vector<Float> weights = Gaussian(o.width);
     for (int i = 0; i < o.iterations && count > 0; ++i) {
         bright = Blur(Blur(bright, weights, {1, 0}), weights, {0, 1});
-        const Float share = o.scale / static_cast<Float>(o.iterations);
+        const Float share = o.scale / Float(o.iterations);
         ForEachPixel(bright, [&](Point2i p) {
             SetRgb(file.image, p, rgb, GetRgb(file.image, p, rgb) + share * GetRgb(bright, p, {0, 1, 2}));
         });
@@ -128,7 +127,7 @@ void WriteLinearPng(const std::string &path, const Image &image) {
     auto *out = static_cast<uint8_t *>(bytes.Data());
     const auto *values = static_cast<const float *>(image.Data());
     for (size_t i = 0; i < image.ValueCount(); ++i)
-        out[i] = static_cast<uint8_t>(std::lround(std::clamp(values[i], 0.f, 1.f) * 255));
+        out[i] = uint8_t(std::lround(std::clamp(values[i], 0.f, 1.f) * 255));
     WriteImage(path, bytes);
 }
 

@@ -24,11 +24,10 @@ int Average(const AverageOptions &o) {
         const ImageFile file = path == paths[0] ? first : ReadAsFloat(path);
         CheckComparable(first, paths[0], file, path);
         const float *values = static_cast<const float *>(file.image.Data());
-        for (size_t i = 0; i < sums.size(); ++i) sums[i] += static_cast<double>(values[i]);
+        for (size_t i = 0; i < sums.size(); ++i) sums[i] += double(values[i]);
     }
     float *values = static_cast<float *>(first.image.Data());
-    for (size_t i = 0; i < sums.size(); ++i)
-        values[i] = static_cast<float>(sums[i] / static_cast<double>(paths.size()));
+    for (size_t i = 0; i < sums.size(); ++i) values[i] = float(sums[i] / double(paths.size()));
     WriteImage(o.outfile, first.image, first.metadata);
     fmt::print("{}: mean of {}: {}\n", o.outfile, CountText(paths.size(), "image"), fmt::join(paths, ", "));
     return 0;
@@ -52,7 +51,7 @@ int Assemble(const AssembleOptions &o) {
             whole.metadata = m;
             whole.metadata.pixelBounds = Bounds2i{{0, 0}, resolution};
             whole.image = Image(part.image.Format(), resolution, part.image.Channels());
-            counts.assign(static_cast<size_t>(resolution.x) * resolution.y, 0);
+            counts.assign(size_t(resolution.x) * resolution.y, 0);
         }
         if (resolution != whole.image.Resolution())
             throw UserError(
@@ -68,8 +67,8 @@ int Assemble(const AssembleOptions &o) {
         ForEachPixel(part.image, [&](Point2i p) {
             const Point2i at = p + window.low;
             for (int c = 0; c < part.image.ChannelCount(); ++c) whole.image.Set(at, c, part.image.Get(p, c));
-            uint8_t &count = counts[static_cast<size_t>(at.y) * resolution.x + at.x];
-            count = static_cast<uint8_t>(std::min(count + 1, 2));
+            uint8_t &count = counts[size_t(at.y) * resolution.x + at.x];
+            count = uint8_t(std::min(count + 1, 2));
         });
     }
     const auto missing = std::count(counts.begin(), counts.end(), 0);
@@ -166,8 +165,8 @@ int Merge(const MergeOptions &o) {
     ImageMetadata metadata = film->Metadata();
     metadata.attributes = parts[0].head.metadata.attributes;
     metadata.attributes["samplesPerPixel"] = samples;
-    metadata.attributes["renderTimeSeconds"] = static_cast<float>(seconds);
-    metadata.attributes["pbrt.parts"] = static_cast<int>(parts.size());
+    metadata.attributes["renderTimeSeconds"] = float(seconds);
+    metadata.attributes["pbrt.parts"] = int(parts.size());
     WriteImage(o.outfile, film->ToImage(), metadata);
     fmt::print("{}: {} per pixel from {}\n", o.outfile, CountText(samples, "sample"), CountText(parts.size(), "file"));
     return 0;

@@ -24,8 +24,7 @@ std::vector<int> ColorChannels(const Image &image) {
     return indices;
 }
 
-template <class F>
-void MapColors(Image &image, F &&f) {
+void MapColors(Image &image, auto &&f) {
     const std::vector<int> colors = ColorChannels(image);
     ForEachPixel(image, [&](Point2i p) {
         for (int c : colors) image.Set(p, c, f(image.Get(p, c)));
@@ -75,13 +74,12 @@ Image AverageChannels(const Image &image) {
     ForEachPixel(image, [&](Point2i p) {
         Float sum = 0;
         for (int c : colors) sum += image.Get(p, c);
-        result.Set(p, 0, sum / static_cast<Float>(colors.size()));
+        result.Set(p, 0, sum / Float(colors.size()));
     });
     return result;
 }
 
-template <class F>
-Image Rearrange(const Image &image, Point2i resolution, F &&source) {
+Image Rearrange(const Image &image, Point2i resolution, auto &&source) {
     Image result(image.Format(), resolution, image.Channels());
     ForEachPixel(result, [&](Point2i p) {
         for (int c = 0; c < image.ChannelCount(); ++c) result.Set(p, c, image.Get(source(p), c));

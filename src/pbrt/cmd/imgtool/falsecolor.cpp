@@ -24,7 +24,7 @@ Float ColorMean(const Image &image, Point2i p) {
         sum += image.Get(p, c);
         ++count;
     }
-    return count ? sum / static_cast<Float>(count) : 0;
+    return count ? sum / Float(count) : 0;
 }
 
 constexpr int kShown = 99;  // percentile of the default range

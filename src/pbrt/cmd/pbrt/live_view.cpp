@@ -33,7 +33,7 @@ void LiveView::Begin(const LiveRender &render) {
     board_->Describe(render);
     begin_ = Clock::now();
     spent_ = 0;
-    lastCost_ = static_cast<double>(render.pixelBounds.Area()) * kSecondsPerPixel;
+    lastCost_ = double(render.pixelBounds.Area()) * kSecondsPerPixel;
 }
 
 double LiveView::AfterWave(const Film &film, int samples) {

@@ -166,7 +166,7 @@ void PlanSamples(double budget, std::chrono::steady_clock::time_point start, Tea
         const std::unique_ptr<Film> scratch = built.film->MakeRgbFilm();
         double perSample = MeasureSecondsPerSample(
             {*plain, *built.camera, *built.filter, *scratch, *built.sampler, silent}, built.Settings(), left());
-        perSample *= static_cast<double>(ThreadCount()) / team.TotalThreads();
+        perSample *= double(ThreadCount()) / team.TotalThreads();
         samples = FittingSamples(left(), perSample);
     }
     team.Meet();
@@ -338,7 +338,7 @@ class RenderJob {
         if (options_.stats == "text") PrintStatistics(built, result, timings_);
         if (options_.stats == "text" && team_.Size() > 1)
             std::printf("  %-34s %d, %d; %.3f MB sent\n", "processes, threads", team_.Size(), team_.TotalThreads(),
-                        static_cast<double>(sent) / 1e6);
+                        double(sent) / 1e6);
         if (options_.stats == "json") PrintStatisticsJson(options_, built, result, timings_, writer.Written());
         std::fflush(stdout);
         live_.SayFarewell();

@@ -53,7 +53,7 @@ int main(int argc, char **argv) try {
     SigmoidFit fit(FindSpace(argv[1]));
     std::vector<float> table(RgbTableFloats);
     ParallelForEach(3 * kRes, [&](int64_t row) {
-        auto slab = static_cast<size_t>(row) / kRes, y = static_cast<size_t>(row) % kRes;
+        auto slab = size_t(row) / kRes, y = size_t(row) % kRes;
         for (size_t x = 0; x < kRes; ++x) FitColumn(fit, slab, y, x, table);
     });
     WriteFile(argv[2], {reinterpret_cast<const char *>(table.data()), table.size() * sizeof(float)});

@@ -29,25 +29,25 @@ std::string SelectionNote(const SamplerChoice &choice) { return choice.folder + 
 /// Creates the folders. An existing experiment is resumed if its settings match; else throws UserError.
 void OpenFolder(const ExperimentSettings &settings, const Json &identity, const RecordFolder &records) {
     const std::string &out = settings.outFolder;
-    if (fs::exists(out) && !fs::is_directory(out)) throw UserError(fmt::format("{}: is a file, not a folder.", out));
+    if (fs::exists(out) && !fs::is_directory(out)) throw UserError("{}: is a file, not a folder.", out);
     if (settings.restart) fs::remove_all(records.Folder());
     const Json old = records.LoadSettings();
     if (old.is_discarded()) {
-        LogWarning(fmt::format("{}: cannot be read; records that belong to these settings are used.",
-                               records.File("settings.json")));
+        LogWarning("{}: cannot be read; records that belong to these settings are used.",
+                   records.File("settings.json"));
     } else if (old.is_object()) {
         if (std::vector<std::string> differences = Differences(old, identity); !differences.empty())
             throw UserError(
-                fmt::format("{} holds an experiment with other settings ({}). Choose another --out, or "
-                            "--restart to replace it.",
-                            out, fmt::join(differences, "; ")));
-        LogInfo(fmt::format("{} holds records of this experiment; resuming from them.", out));
+                "{} holds an experiment with other settings ({}). Choose another --out, or "
+                "--restart to replace it.",
+                out, fmt::join(differences, "; "));
+        LogInfo("{} holds records of this experiment; resuming from them.", out);
     }
     std::error_code error;
     for (const SamplerChoice &s : settings.samplers) {
         fs::create_directories(fs::path(records.Folder()) / s.folder, error);
         if (!error) fs::create_directories(fs::path(out) / s.folder, error);
-        if (error) throw UserError(fmt::format("{}: cannot be created: {}.", out, error.message()));
+        if (error) throw UserError("{}: cannot be created: {}.", out, error.message());
     }
     records.SaveSettings(identity);
 }
@@ -297,8 +297,8 @@ void CheckCrops(const ExperimentSettings &settings, const LabScene &scene) {
     const Point2i resolution = scene.Resolution();
     for (const Bounds2i &c : settings.crops)
         if (c.IsEmpty() || Intersect(c, {{0, 0}, resolution}).Area() < c.Area())
-            throw UserError(fmt::format("--crops: {},{},{},{} is not inside the picture of {} x {} pixels.", c.low.x,
-                                        c.low.y, c.high.x, c.high.y, resolution.x, resolution.y));
+            throw UserError("--crops: {},{},{},{} is not inside the picture of {} x {} pixels.", c.low.x, c.low.y,
+                            c.high.x, c.high.y, resolution.x, resolution.y);
 }
 
 /// Creates an integrator per sampler, so that invalid parameters are reported before rendering.

@@ -142,10 +142,10 @@ RunRecord TakeUpRun(const RecordFolder &records, const LabScene &scene, const st
     size_t kept = std::min(run.rounds.size(), checkpoints);
     while (kept > 0 && !canResume(kept)) --kept;
     if (records.CountRounds(sampler, seed, checkpoints) > kept)
-        LogWarning(fmt::format(
-            "{}/{}: records of seed {} are damaged or missing; {}.", records.Folder(), sampler, seed,
-            kept > 0 ? fmt::format("resuming from {} per pixel", CountText(run.rounds[kept - 1].samples, "sample"))
-                     : "restarting this run"));
+        LogWarning("{}/{}: records of seed {} are damaged or missing; {}.", records.Folder(), sampler, seed,
+                   kept > 0
+                       ? fmt::format("resuming from {} per pixel", CountText(run.rounds[kept - 1].samples, "sample"))
+                       : "restarting this run");
     // Reports and structure must be those of the last kept round.
     if (kept < run.rounds.size()) run = records.LoadRun(sampler, seed, int(kept));
     records.RemoveRounds(sampler, seed, kept, checkpoints);

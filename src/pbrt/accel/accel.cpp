@@ -265,9 +265,8 @@ struct Accel::Impl {
     void CheckDevice() const {
         RTCError error = rtcGetDeviceError(device);
         if (error == RTC_ERROR_OUT_OF_MEMORY)
-            throw UserError(
-                fmt::format("There is not enough memory for the ray acceleration structure (this process can use {}).",
-                            BytesText(UsableMemory())));
+            throw UserError("There is not enough memory for the ray acceleration structure (this process can use {}).",
+                            BytesText(UsableMemory()));
         PBRT_CHECK_MSG(error == RTC_ERROR_NONE, "Embree error {}", int(error));
     }
 };

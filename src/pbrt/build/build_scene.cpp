@@ -88,7 +88,7 @@ void CheckOutput(const BuiltScene &built, DiagnosticSink &sink) {
     if (!built.filename.empty()) Collect(sink, [&] { CheckWritable(built.filename); });
     std::error_code none;
     if (!built.mseReferenceImage.empty() && !std::filesystem::exists(built.mseReferenceImage, none))
-        sink.Error({}, fmt::format("{}: the reference image does not exist.", built.mseReferenceImage));
+        sink.Error({}, "{}: the reference image does not exist.", built.mseReferenceImage);
     if (!built.mseReferenceOut.empty()) Collect(sink, [&] { CheckWritable(built.mseReferenceOut); });
 }
 
@@ -106,7 +106,7 @@ SceneContents MakeContents(SceneDescription &d, const BuildOptions &options, con
     BuiltMedia media = MakeMedia(d, renderFromWorld, sink);
     if (const std::string &type = IntegratorType(d.integrator, options);
         !media.media.empty() && !TraitsOf(type).rendersMedia) {
-        sink.Warning({}, fmt::format("integrator \"{}\" renders no media; \"volpath\" does.", type));
+        sink.Warning({}, "integrator \"{}\" renders no media; \"volpath\" does.", type);
         media = {};
     }
     GeometryBuilder geometry(d, renderFromWorld, !TraitsOf(IntegratorType(d.integrator, options)).passesInterfaces,
@@ -210,9 +210,10 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Plug
     Collect(sink, [&] { Accelerators().Make(d.accelerator.type, d.accelerator.params, AcceleratorContext{sink}); });
     const IntegratorSettings integrator = ReadIntegrator(d.integrator, options, registry, sink);
     if (built.disablePixelJitter && !TraitsOf(integrator.type).samplesPixels)
-        sink.Warning({}, fmt::format("integrator \"{}\" has no samples of single pixels, so pixel jitter cannot be "
-                                     "disabled.",
-                                     integrator.type));
+        sink.Warning({},
+                     "integrator \"{}\" has no samples of single pixels, so pixel jitter cannot be "
+                     "disabled.",
+                     integrator.type);
     if (integrator.samplesPerPixel > 0 && options.samplesPerPixel == 0 && !options.quick)
         options.samplesPerPixel = integrator.samplesPerPixel;
     static_cast<RenderView &>(built) = MakeView(d, options, placement, built.seed, sink);

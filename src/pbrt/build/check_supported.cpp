@@ -41,9 +41,8 @@ std::vector<std::string> CheckSupported(SceneDescription &d, BuildOptions &optio
             leaveOut(d.integrator.loc, what, instead);
             options.integrator = instead;
         } else {
-            sink.Error(d.integrator.loc,
-                       fmt::format("{} is not supported yet. --integrator {} renders the scene by path tracing.", what,
-                                   instead));
+            sink.Error(d.integrator.loc, "{} is not supported yet. --integrator {} renders the scene by path tracing.",
+                       what, instead);
         }
     }
     for (TextureEntity &t : d.textures) {

@@ -119,8 +119,7 @@ MaterialId GeometryBuilder::ResolveMaterial(const ShapeEntity &entity) {
     if (it != named_.end()) return it->second;
     std::vector<std::string> names;
     for (const auto &[name, id] : named_) names.push_back(name);
-    sink_.Error(entity.loc,
-                fmt::format("named material \"{}\" is not defined; {}.", ref.name, ListChoices(ref.name, names)));
+    sink_.Error(entity.loc, "named material \"{}\" is not defined; {}.", ref.name, ListChoices(ref.name, names));
     return {};
 }
 
@@ -338,7 +337,7 @@ void GeometryBuilder::BuildInstances(const std::vector<Definition> &definitions)
     for (const InstanceEntity &i : description_.instances) {
         auto it = byName.find(i.name);
         if (it == byName.end()) {
-            sink_.Error(i.loc, fmt::format("object \"{}\" is not defined.", i.name));
+            sink_.Error(i.loc, "object \"{}\" is not defined.", i.name);
             continue;
         }
         Collect(sink_, [&] {
@@ -347,9 +346,10 @@ void GeometryBuilder::BuildInstances(const std::vector<Definition> &definitions)
                          Product({renderFromWorld_, i.ctm.end, worldFromRender}));
             RequireReach(fmt::format("the instance of \"{}\"", Abbreviate(i.name)), motion, it->second.bounds, i.loc);
             if (motion.Start().IsSingular()) {  // hides an object, as in stock
-                sink_.Warning(i.loc, fmt::format("the instance of \"{}\" cannot be seen: the current transformation "
-                                                 "flattens it.",
-                                                 Abbreviate(i.name)));
+                sink_.Warning(i.loc,
+                              "the instance of \"{}\" cannot be seen: the current transformation "
+                              "flattens it.",
+                              Abbreviate(i.name));
                 return;
             }
             if (it->second.still >= 0) {

@@ -145,9 +145,8 @@ MemoryEstimate EstimateMemory(const SceneDescription &d, double filmBytes, bool 
 void RequireMemory(const MemoryEstimate &estimate) {
     const double usable = UsableMemory();
     if (estimate.Total() > usable)
-        throw UserError(fmt::format("the scene needs at least {}; this process can use {} of memory.", estimate.Text(),
-                                    BytesText(usable)),
-                        estimate.largestAt);
+        throw UserError(estimate.largestAt, "the scene needs at least {}; this process can use {} of memory.",
+                        estimate.Text(), BytesText(usable));
 }
 
 }  // namespace pbrt

@@ -16,8 +16,8 @@ Transform RenderFromWorld(const SceneDescription &d, const AnimatedTransform &wo
     if (which == "camera") return middle.Inverse();
     if (which == "world") return {};
     if (which != "cameraworld")
-        throw UserError(fmt::format("rendering coordinate system \"{}\" is unknown; {}.", which,
-                                    ListChoices(which, {"camera", "cameraworld", "world"})));
+        throw UserError("rendering coordinate system \"{}\" is unknown; {}.", which,
+                        ListChoices(which, {"camera", "cameraworld", "world"}));
     return Transform::Translate(-middle.Point(Point3(0)));
 }
 

@@ -55,7 +55,7 @@ Image DrawShape(const std::string &shape) {
 Image Mono(const Image &image, const std::string &name) {
     const int count = image.ChannelCount();
     if (count > 1 && (image.FindChannel("R") < 0 || image.FindChannel("G") < 0 || image.FindChannel("B") < 0))
-        throw UserError(fmt::format("\"{}\": an image of an aperture has one channel or R, G and B.", name));
+        throw UserError("\"{}\": an image of an aperture has one channel or R, G and B.", name);
     const Image source = count > 1 ? image.Select({"R", "G", "B"}) : image;
     const Point2i n = source.Resolution();
     Image mono(PixelFormat::Float, n, {"Y"});
@@ -65,12 +65,11 @@ Image Mono(const Image &image, const std::string &name) {
             Float sum = 0;
             for (int c = 0; c < source.ChannelCount(); ++c) sum += source.Get({x, y}, c);
             if (!(sum >= 0 && std::isfinite(sum)))
-                throw UserError(
-                    fmt::format("\"{}\": pixel ({}, {}) is negative, infinite or not a number.", name, x, y));
+                throw UserError("\"{}\": pixel ({}, {}) is negative, infinite or not a number.", name, x, y);
             largest = std::max(largest, sum);
             mono.Set({x, n.y - 1 - y}, 0, sum / Float(source.ChannelCount()));
         }
-    if (!(largest > 0)) throw UserError(fmt::format("\"{}\" is black: no light passes this aperture.", name));
+    if (!(largest > 0)) throw UserError("\"{}\" is black: no light passes this aperture.", name);
     return mono;
 }
 
@@ -104,8 +103,8 @@ ApertureImage ApertureImage::Read(const std::string &name, const FileResolver &f
     const std::string path = files.Resolve(name);
     std::error_code ignored;
     if (!std::filesystem::exists(path, ignored))
-        throw UserError(fmt::format("\"aperture\" \"{}\" is neither a file nor a built-in shape; {}.", name,
-                                    ListChoices(name, kShapes)));
+        throw UserError("\"aperture\" \"{}\" is neither a file nor a built-in shape; {}.", name,
+                        ListChoices(name, kShapes));
     return ApertureImage(Mono(ReadImage(path).image, path));
 }
 

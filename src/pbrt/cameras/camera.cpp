@@ -31,8 +31,8 @@ struct CameraParams {
     CameraFrame Frame(const ParamSet &set, const CameraContext &context) const {
         if (!(shutterClose > shutterOpen))
             throw set.Error(set.Has("shutterclose") ? "shutterclose" : "shutteropen",
-                            fmt::format("the shutter opens at {} and closes at {}; it must close after it opens.",
-                                        shutterOpen, shutterClose));
+                            "the shutter opens at {} and closes at {}; it must close after it opens.", shutterOpen,
+                            shutterClose);
         if (const auto &w = screenWindow; w && ((*w)[0] == (*w)[1] || (*w)[2] == (*w)[3]))
             throw set.Error("screenwindow", "\"screenwindow\" is empty.");
         return {context.renderFromCamera, context.resolution, shutterOpen, shutterClose};
@@ -109,8 +109,7 @@ std::vector<LensElement> ReadLens(const RealisticParams &p, const ParamSet &set,
         }
     const std::optional<double> thickness = FocusedThickness(elements, double(p.distance));
     if (!thickness)
-        throw set.Error("focusdistance",
-                        fmt::format("this lens cannot focus at a distance of {} m from the film.", p.distance));
+        throw set.Error("focusdistance", "this lens cannot focus at a distance of {} m from the film.", p.distance);
     elements.back().thickness = Float(*thickness);
     return elements;
 }

@@ -10,15 +10,15 @@ std::vector<LensElement> ReadLensFile(const std::string &path) {
     const std::vector<Float> v = ReadNumberFile(path);
     if (v.empty() || v.size() % 4 != 0)
         throw UserError(
-            fmt::format("{}: a lens file holds four numbers per element (curvature radius, thickness, "
-                        "index of refraction, aperture diameter); found {} numbers.",
-                        path, v.size()));
+            "{}: a lens file holds four numbers per element (curvature radius, thickness, "
+            "index of refraction, aperture diameter); found {} numbers.",
+            path, v.size());
     std::vector<LensElement> elements;
     for (size_t i = 0; i < v.size(); i += 4) {
         constexpr Float kMillimetre = 0.001f;
         LensElement e{v[i] * kMillimetre, v[i + 1] * kMillimetre, v[i + 2], v[i + 3] / 2 * kMillimetre};
         auto complain = [&](const char *what, Float value) {
-            throw UserError(fmt::format("{}: element {}: the {} is {}.", path, i / 4 + 1, what, value));
+            throw UserError("{}: element {}: the {} is {}.", path, i / 4 + 1, what, value);
         };
         if (!(e.thickness >= 0)) complain("thickness", v[i + 1]);
         if (e.IsStop() && e.index == 0) e.index = 1;

@@ -41,7 +41,7 @@ std::unique_ptr<Team> ConnectTeam(int threads) {
     if (announced.size <= 1) return std::make_unique<Team>();
     const auto fail = [&](const std::string &why) -> std::unique_ptr<Team> {
         if (announced.rank > 0) throw AnotherRankFailed{};
-        throw UserError(fmt::format("mpirun started {} processes, but {}.", announced.size, why));
+        throw UserError("mpirun started {} processes, but {}.", announced.size, why);
     };
 #ifdef PBRT_MPI_MODULE
     // Found by the program's run path. Global, because components that Open MPI loads use its symbols.

@@ -46,7 +46,7 @@ int OpenForReading(const std::string &path, ReadFrom from, size_t *size) {
     // Without O_NONBLOCK, opening a pipe blocks until a writer connects.
     const int flags = from == ReadFrom::Files ? O_RDONLY | O_CLOEXEC | O_NONBLOCK : O_RDONLY | O_CLOEXEC;
     const int file = open(path.c_str(), flags);
-    if (file < 0) throw UserError(fmt::format("{}: {}.", path, std::strerror(errno)));
+    if (file < 0) throw UserError("{}: {}.", path, std::strerror(errno));
     struct stat status {};
     const bool known = fstat(file, &status) == 0;
     const bool pipe = S_ISFIFO(status.st_mode) || S_ISSOCK(status.st_mode) || isatty(file) == 1;
@@ -57,7 +57,7 @@ int OpenForReading(const std::string &path, ReadFrom from, size_t *size) {
     else if (!pipe && !S_ISREG(status.st_mode)) refusal = "is a device, not a file";
     if (refusal) {
         close(file);
-        throw UserError(fmt::format("{}: {}.", path, refusal));
+        throw UserError("{}: {}.", path, refusal);
     }
     *size = S_ISREG(status.st_mode) ? status.st_size : 0;
     return file;
@@ -70,9 +70,9 @@ void Grow(std::string &content, size_t bytes, const std::string &path, double (*
     constexpr size_t kSmall = 1 << 24;
     if (const double left = bytes > kSmall ? available() : 0; bytes > kSmall && double(bytes) > left)
         throw UserError(
-            fmt::format("{}: too large to read: after {} of content, reading on needs {} of "
-                        "memory, but {} are left for this process.",
-                        path, BytesText(double(content.size())), BytesText(double(bytes)), BytesText(left)));
+            "{}: too large to read: after {} of content, reading on needs {} of "
+            "memory, but {} are left for this process.",
+            path, BytesText(double(content.size())), BytesText(double(bytes)), BytesText(left));
     content.reserve(bytes);
 }
 
@@ -85,7 +85,7 @@ std::string ReadFileContents(const std::string &path, ReadFrom from, double (*av
     std::unique_ptr<gzFile_s, int (*)(gzFile)> file(gzdopen(descriptor, "rb"), gzclose);
     if (!file) {
         close(descriptor);
-        throw UserError(fmt::format("{}: {}.", path, std::strerror(ENOMEM)));
+        throw UserError("{}: {}.", path, std::strerror(ENOMEM));
     }
     // Scenes may have thousands of small files, hence no larger than the file.
     constexpr size_t kMax = 1 << 18, kMin = 1 << 12;
@@ -101,13 +101,13 @@ std::string ReadFileContents(const std::string &path, ReadFrom from, double (*av
         int got = gzread(file.get(), content.data() + old, unsigned(chunk));
         if (got < 0) {
             int error = 0;
-            throw UserError(fmt::format("{}: {}.", path, gzerror(file.get(), &error)));
+            throw UserError("{}: {}.", path, gzerror(file.get(), &error));
         }
         content.resize(old + got);
         if (got == 0) break;
     }
     int closed = gzclose(file.release());
-    if (closed == Z_BUF_ERROR) throw UserError(fmt::format("{}: the compressed data ends too early.", path));
+    if (closed == Z_BUF_ERROR) throw UserError("{}: the compressed data ends too early.", path);
     return content;
 }
 
@@ -128,8 +128,8 @@ std::vector<Float> ReadNumberFile(const std::string &path) {
             bool separated =
                 after > at && (after >= end || std::isspace(static_cast<unsigned char>(*after)) || *after == '#');
             if (!separated || !std::isfinite(value))
-                throw UserError(fmt::format(
-                    "{}:{}: expected a number; this file may contain only finite numbers and # comments.", path, line));
+                throw UserError("{}:{}: expected a number; this file may contain only finite numbers and # comments.",
+                                path, line);
             numbers.push_back(value);
             at = after;
         }

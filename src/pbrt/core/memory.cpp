@@ -90,9 +90,8 @@ std::string BytesText(double bytes) {
 void RequireMemory(double bytes, const std::string &what, const FileLoc &loc) {
     const double usable = UsableMemory();
     if (bytes > usable)
-        throw UserError(fmt::format("{} needs about {} of memory, but this process can use {}.", what, BytesText(bytes),
-                                    BytesText(usable)),
-                        loc);
+        throw UserError(loc, "{} needs about {} of memory, but this process can use {}.", what, BytesText(bytes),
+                        BytesText(usable));
 }
 
 std::string OutOfMemoryText(const std::string &phase) {

@@ -101,12 +101,15 @@ class ParamSet {
     template <class T>
     void Require(std::string_view name, T value, const Range<T> &range) const {
         if (!range.Contains(value))
-            throw UserError(fmt::format("{}: \"{}\" is {}; it must be {}.", what_, name, value, Text(range)),
-                            LocOf(name));
+            throw UserError(LocOf(name), "{}: \"{}\" is {}; it must be {}.", what_, name, value, Text(range));
     }
 
     /// An error located at parameter `name`; the message begins with the entity's name.
     UserError Error(std::string_view name, std::string_view message) const;
+    template <class... T>
+    UserError Error(std::string_view name, fmt::format_string<T...> format, T &&...values) const {
+        return Error(name, fmt::format(format, std::forward<T>(values)...));
+    }
     void Warn(DiagnosticSink &sink, std::string_view name, std::string_view message) const;
     /// Runs `read`; errors without a location get that of parameter `name`.
     auto At(std::string_view name, auto &&read) const {

@@ -35,7 +35,7 @@ Param ParamOf(const Json &json) {
 
 std::unique_ptr<Film> FilmRecipe::Make() const {
     const ColorSpace *space = ColorSpace::Find(colorSpace);
-    if (!space) throw UserError(fmt::format("colour space \"{}\" is unknown.", colorSpace));
+    if (!space) throw UserError("colour space \"{}\" is unknown.", colorSpace);
     DiagnosticSink sink;  // warnings were reported when the scene was built
     return MakeFilm(type, params,
                     FilmContext{.outputSpace = *space, .exposureTime = exposureTime, .overrides = overrides}, sink);

@@ -51,7 +51,7 @@ RenderFileHead HeadOf(const StateFile &file) {
         h.film = FilmRecipe::FromJson(json.at("film"));
         h.metadata = MetadataFromJson(json.at("metadata"));
     } catch (const Json::exception &) {
-        throw UserError(fmt::format("{}: its content is damaged: its head is not readable.", file.Path()));
+        throw UserError("{}: its content is damaged: its head is not readable.", file.Path());
     }
     StateReader({}, file.Path()).RequireValid(h.Validate());
     return h;
@@ -116,7 +116,7 @@ void RenderFile::ReadFilm(Film &film, void (Film::*read)(StateReader &)) const {
     try {
         (film.*read)(in);
     } catch (const UserError &e) {
-        throw UserError(fmt::format("{}: {}", Path(), e.Diagnostics()[0].message));
+        throw UserError("{}: {}", Path(), e.Diagnostics()[0].message);
     }
     in.Require(in.BytesLeft() == 0, "its film is too long");
     const Image colors = film.Colors();

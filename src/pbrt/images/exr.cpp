@@ -75,9 +75,9 @@ const ColorSpace *FindSpace(const Imf::Header &header, const std::string &path) 
         ColorSpace::FromChromaticities(ToPoint(c.red), ToPoint(c.green), ToPoint(c.blue), ToPoint(c.white));
     if (!space)
         LogWarning(
-            fmt::format("{}: the chromaticities r ({}, {}) g ({}, {}) b ({}, {}) white ({}, {}) are those of no "
-                        "known colour space; sRGB is assumed.",
-                        path, c.red.x, c.red.y, c.green.x, c.green.y, c.blue.x, c.blue.y, c.white.x, c.white.y));
+            "{}: the chromaticities r ({}, {}) g ({}, {}) b ({}, {}) white ({}, {}) are those of no "
+            "known colour space; sRGB is assumed.",
+            path, c.red.x, c.red.y, c.green.x, c.green.y, c.blue.x, c.blue.y, c.white.x, c.white.y);
     return space;
 }
 
@@ -178,8 +178,8 @@ void WarnOfParts(const std::string &path) {
         const Imf::Header &header = file.header(i);
         names += fmt::format("{}\"{}\"", i ? ", " : "", header.hasName() ? Abbreviate(header.name()) : "");
     }
-    LogWarning(fmt::format("{}: the image has {} parts ({}{}); only the first is read.", path, count, names,
-                           count > kMaxNames ? ", ..." : ""));
+    LogWarning("{}: the image has {} parts ({}{}); only the first is read.", path, count, names,
+               count > kMaxNames ? ", ..." : "");
 }
 
 }  // namespace
@@ -199,22 +199,21 @@ ImageFile ReadExr(const std::string &path) {
     for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
         const Imf::Channel &channel = it.channel();
         if (channel.xSampling != 1 || channel.ySampling != 1)
-            throw UserError(fmt::format("{}: channel \"{}\" is subsampled, which is not supported.", path, it.name()));
+            throw UserError("{}: channel \"{}\" is subsampled, which is not supported.", path, it.name());
         if (channel.type == Imf::UINT)
-            throw UserError(
-                fmt::format("{}: channel \"{}\" holds integers; only half and float are supported.", path, it.name()));
+            throw UserError("{}: channel \"{}\" holds integers; only half and float are supported.", path, it.name());
         allHalf = allHalf && channel.type == Imf::HALF;
     }
     std::vector<std::string> names = OrderedNames(header.channels());
-    if (names.empty()) throw UserError(fmt::format("{}: the image has no channels.", path));
+    if (names.empty()) throw UserError("{}: the image has no channels.", path);
     CheckSize(path, Extent(data.min.x, data.max.x), Extent(data.min.y, data.max.y), names.size(), allHalf ? 2 : 4,
               MaxExpansion(header.compression()));
     if (Extent(display.min.x, display.max.x) > INT_MAX || Extent(display.min.y, display.max.y) > INT_MAX)
-        throw UserError(fmt::format("{}: the display window is impossibly large.", path));
+        throw UserError("{}: the display window is impossibly large.", path);
     for (int corner : {data.min.x, data.min.y, display.min.x, display.min.y})
         if (std::abs(int64_t(corner)) > kMaxOffset)
-            throw UserError(fmt::format("{}: a window begins at {}; at most {} from the origin are supported.", path,
-                                        corner, kMaxOffset));
+            throw UserError("{}: a window begins at {}; at most {} from the origin are supported.", path, corner,
+                            kMaxOffset);
     ImageFile result;
     ImageMetadata &metadata = result.metadata;
     metadata.pixelBounds = Bounds2i{{data.min.x - display.min.x, data.min.y - display.min.y},
@@ -252,8 +251,7 @@ std::string EncodeExr(const std::string &path, const Image &image, const ImageMe
     const bool asFloat = image.Format() == PixelFormat::Float;
     const Image pixels = asFloat ? image : image.ConvertTo(PixelFormat::Half);
     if (size_t clamped = asFloat ? 0 : CountAtHalfLimit(pixels))
-        LogWarning(fmt::format("{}: {} values are at or beyond {}, the largest in half precision.", path, clamped,
-                               LargestHalf));
+        LogWarning("{}: {} values are at or beyond {}, the largest in half precision.", path, clamped, LargestHalf);
     Imf::PixelType type = asFloat ? Imf::FLOAT : Imf::HALF;
     for (const std::string &name : image.Channels()) header.channels().insert(name, Imf::Channel(type));
     MemoryStream stream(path);

@@ -212,7 +212,7 @@ std::vector<float> FlipReference::Planes(const Image &image) {
     for (int c = 0; c < 3; ++c) {
         const std::string name(1, "RGB"[c]);
         const int channel = image.FindChannel(name);
-        if (channel < 0) throw UserError(fmt::format("FLIP needs the channels R, G and B; {} is missing.", name));
+        if (channel < 0) throw UserError("FLIP needs the channels R, G and B; {} is missing.", name);
         size_t i = c * n;
         ForEachPixel(image, [&](Point2i p) {
             const float v = image.Get(p, channel);
@@ -290,8 +290,8 @@ float FlipReference::Difference(const Percept &r, const Percept &t, size_t i) co
 
 double FlipReference::Compare(const Image &image, Image *errorImage) const {
     if (image.Resolution() != resolution_)
-        throw UserError(fmt::format("Images of different resolution cannot be compared: {} x {} and {} x {}.",
-                                    image.Resolution().x, image.Resolution().y, resolution_.x, resolution_.y));
+        throw UserError("Images of different resolution cannot be compared: {} x {} and {} x {}.", image.Resolution().x,
+                        image.Resolution().y, resolution_.x, resolution_.y);
     const std::vector<float> planes = Planes(image);
     std::vector<float> flip(planes.size() / 3, 0.f);
     for (size_t e = 0; e < percepts_.size(); ++e) {

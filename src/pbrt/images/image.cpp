@@ -103,8 +103,7 @@ Image Image::Extract(const std::vector<std::string> &channels) const {
     std::vector<size_t> from;
     for (const std::string &name : channels) {
         int index = FindChannel(name);
-        if (index < 0)
-            throw UserError(fmt::format("The image has no channel \"{}\"; {}", name, ListChoices(name, channels_)));
+        if (index < 0) throw UserError("The image has no channel \"{}\"; {}", name, ListChoices(name, channels_));
         from.push_back(index);
     }
     Image result(format_, resolution_, channels, encoding_);

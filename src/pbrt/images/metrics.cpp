@@ -36,12 +36,11 @@ double Term(Metric metric, const Image &image, const Image &reference, Point2i p
 
 void RequireSameShape(const Image &image, const Image &reference) {
     if (image.Resolution() != reference.Resolution())
-        throw UserError(fmt::format("Images of different resolution cannot be compared: {} x {} and {} x {}.",
-                                    image.Resolution().x, image.Resolution().y, reference.Resolution().x,
-                                    reference.Resolution().y));
+        throw UserError("Images of different resolution cannot be compared: {} x {} and {} x {}.", image.Resolution().x,
+                        image.Resolution().y, reference.Resolution().x, reference.Resolution().y);
     if (image.Channels() != reference.Channels())
-        throw UserError(fmt::format("Images of different channels cannot be compared: {} and {}.",
-                                    fmt::join(image.Channels(), ","), fmt::join(reference.Channels(), ",")));
+        throw UserError("Images of different channels cannot be compared: {} and {}.", fmt::join(image.Channels(), ","),
+                        fmt::join(reference.Channels(), ","));
 }
 
 size_t CountNotFinite(const Image &image) {

@@ -42,7 +42,7 @@ void CheckJpegEnd(const std::string &path) {
     const std::string content = ReadFileContents(path);
     const size_t pixels = content.rfind("\xff\xda"), end = content.rfind("\xff\xd9");
     if (end == std::string::npos || (pixels != std::string::npos && end < pixels))
-        throw UserError(fmt::format("{}: the pixels end too early.", path));
+        throw UserError("{}: the pixels end too early.", path);
 }
 
 }  // namespace
@@ -58,11 +58,11 @@ ImageFile ReadOther(const std::string &path, std::optional<ColorEncoding> encodi
     std::error_code failed;
     if (file->format == "hdr" && file->orientation > 4)
         throw UserError(
-            fmt::format("{}: the pixels are stored column by column; only row by row is supported (a resolution line "
-                        "such as \"-Y {} +X {}\").",
-                        path, file->height, file->width));
+            "{}: the pixels are stored column by column; only row by row is supported (a resolution line "
+            "such as \"-Y {} +X {}\").",
+            path, file->height, file->width);
     if (std::filesystem::file_size(path, failed) < file->minFileBytes)
-        throw UserError(fmt::format("{}: the pixels end too early.", path));
+        throw UserError("{}: the pixels end too early.", path);
     ImageFile result;
     Image &image = result.image;
     if (isDeep) {
@@ -99,8 +99,7 @@ std::string EncodeBytes(const std::string &format, const std::string &path, cons
             bytes[i++] = code.Encode(v);
         });
     }
-    if (clamped)
-        LogWarning(fmt::format("{}: {} of {} channel values were outside [0, 1] and clamped.", path, clamped, values));
+    if (clamped) LogWarning("{}: {} of {} channel values were outside [0, 1] and clamped.", path, clamped, values);
     const std::vector<unsigned char> file = oiio::Library().Encode(
         format, {image.Resolution().x, image.Resolution().y, image.ChannelCount(), oiio::ValueType::U8, bytes.data()});
     return {file.begin(), file.end()};

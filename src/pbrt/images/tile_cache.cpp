@@ -14,7 +14,7 @@ TileCache::TileCache(int megabytes) : tiles_(oiio::Library().MakeTileStore(megab
     registered_.emplace(folder_.string());
     std::error_code failed;
     std::filesystem::create_directories(folder_, failed);
-    if (failed) throw UserError(fmt::format("{}: {}.", folder_.string(), failed.message()));
+    if (failed) throw UserError("{}: {}.", folder_.string(), failed.message());
 }
 
 TileCache::~TileCache() {
@@ -35,7 +35,7 @@ std::unique_ptr<const TileCache::Stored> TileCache::Store(const std::vector<Imag
     try {
         file = tiles_->Add(path, pixels);
     } catch (const std::runtime_error &e) {
-        throw UserError(fmt::format("{}: {}.", path, e.what()));
+        throw UserError("{}: {}.", path, e.what());
     }
     return std::unique_ptr<const Stored>(new Stored(tiles_.get(), file, texelBytes));
 }

@@ -13,11 +13,10 @@ void CheckIndex(const ParamSet &set, const std::string &name, const Spectrum &et
     }
     const bool isTable = !dynamic_cast<const ConstantSpectrum *>(&eta);
     constexpr Float kMaxIndex = 1e6f;
-    if (high > kMaxIndex)
-        throw set.Error(name, fmt::format("\"{}\" is {}; it must be at most {}.", name, high, kMaxIndex));
+    if (high > kMaxIndex) throw set.Error(name, "\"{}\" is {}; it must be at most {}.", name, high, kMaxIndex);
     if (low >= 0 && (isMetal || isTable || high > 0)) return;
-    throw set.Error(name, fmt::format("\"{}\" {} {}; it must {}.", name, low == high ? "is" : "goes down to", low,
-                                      isMetal ? "not be negative" : "be positive"));
+    throw set.Error(name, "\"{}\" {} {}; it must {}.", name, low == high ? "is" : "goes down to", low,
+                    isMetal ? "not be negative" : "be positive");
 }
 
 SpectrumInput ConstantSrgb(const Rgb &rgb) {
@@ -49,8 +48,8 @@ struct MetalParams {
     MetalInput Make(const ParamSet &set, MaterialContext &context) const {
         Inputs in(context);
         if (reflectance && (eta || k))
-            throw set.Error("reflectance", fmt::format("\"reflectance\" and \"{}{}\" cannot both be given.", prefix,
-                                                       eta ? "eta" : "k"));
+            throw set.Error("reflectance", "\"reflectance\" and \"{}{}\" cannot both be given.", prefix,
+                            eta ? "eta" : "k");
         if (reflectance) return MetalInput(in(reflectance));
         auto checked = [&](const SpectrumTextureParam &p, const char *name) {
             SpectrumTexturePtr texture = in.Note(context.textures.Get(p));
@@ -240,7 +239,7 @@ const MaterialTable &Materials() {
 
 MaterialPtr MakeMaterial(const std::string &type, const ParamSet &params, MaterialContext &context) {
     if (!type.empty() && type != "none") return Materials().Make(type, params, context);
-    context.sink.Warning(params.Loc(), fmt::format("material \"{}\" is deprecated; write \"interface\".", type));
+    context.sink.Warning(params.Loc(), "material \"{}\" is deprecated; write \"interface\".", type);
     return Materials().Make("interface", params, context);
 }
 

@@ -29,7 +29,7 @@ class Bytes {
         if (count) std::memcpy(values.data(), data_.data() + offset, count * sizeof(float));
         return values;
     }
-    [[noreturn]] void Fail(const char *why) const { throw UserError(fmt::format("{}: tensor file {}.", path_, why)); }
+    [[noreturn]] void Fail(const char *why) const { throw UserError("{}: tensor file {}.", path_, why); }
 
   private:
     const char *Take(size_t n) {
@@ -114,7 +114,7 @@ class Reader {
         return grid;
     }
     [[noreturn]] void Fail(const std::string &name, const char *why) const {
-        throw UserError(fmt::format("{}: field \"{}\" {}.", path_, name, why));
+        throw UserError("{}: field \"{}\" {}.", path_, name, why);
     }
 
   private:
@@ -126,8 +126,8 @@ class Reader {
             Fail(name, fmt::format("must be 32 bit floats in {} dimensions", dimensions).c_str());
         for (size_t i = 0; i < field->values.size(); ++i)
             if (!std::isfinite(field->values[i]))
-                throw UserError(fmt::format("{}: field \"{}\": value {} is {}; all must be finite.", path_, name, i,
-                                            field->values[i]));
+                throw UserError("{}: field \"{}\": value {} is {}; all must be finite.", path_, name, i,
+                                field->values[i]);
         return *field;
     }
 

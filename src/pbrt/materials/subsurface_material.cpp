@@ -78,7 +78,7 @@ const ScatteringPreset &FindPreset(const ParamSet &set, const std::string &name)
         if (preset.name == name) return preset;
         names.push_back(preset.name);
     }
-    throw set.Error("name", fmt::format("there is no medium \"{}\"; {}.", Abbreviate(name), ListChoices(name, names)));
+    throw set.Error("name", "there is no medium \"{}\"; {}.", Abbreviate(name), ListChoices(name, names));
 }
 
 /// Medium by name, coefficients or reflectance; else stock's default.

@@ -23,8 +23,8 @@ DenseSpectrum Coefficient(const ParamSet &set, const char *name, const Spectrum 
     for (Float nm = LambdaMin; nm <= LambdaMax; ++nm) {
         const Float value = factor * s(nm);
         if (!kCoefficientRange.Contains(value))
-            throw set.Error(name, fmt::format("\"{}\" times all that scales it is {:.4g} at {} nm; it must be {}.",
-                                              name, value, nm, Text(kCoefficientRange)));
+            throw set.Error(name, "\"{}\" times all that scales it is {:.4g} at {} nm; it must be {}.", name, value, nm,
+                            Text(kCoefficientRange));
     }
     return ScaledSpectrum(s, factor);
 }
@@ -78,8 +78,8 @@ struct BoundsParams {
         for (int a = 0; a < 3; ++a)
             if (p0[a] == p1[a])
                 throw set.Error(set.Has("p1") ? "p1" : "p0",
-                                fmt::format("\"p0\" and \"p1\" have the same coordinate {}, {}, so the box is flat.",
-                                            "xyz"[a], p0[a]));
+                                "\"p0\" and \"p1\" have the same coordinate {}, {}, so the box is flat.", "xyz"[a],
+                                p0[a]);
         return {p0, p1};
     }
 };
@@ -96,8 +96,8 @@ struct CountParams {
     int64_t Size() const { return int64_t(x) * y * z; }
     void RequireSize(const ParamSet &set, const char *name, size_t found) const {
         if (int64_t(found) != Size())
-            throw set.Error(name, fmt::format("\"{}\" has {} values; nx * ny * nz = {} x {} x {} = {} are wanted.",
-                                              name, found, x, y, z, Size()));
+            throw set.Error(name, "\"{}\" has {} values; nx * ny * nz = {} x {} x {} = {} are wanted.", name, found, x,
+                            y, z, Size());
     }
 };
 
@@ -108,8 +108,7 @@ std::vector<Float> VoxelValues(const ParamSet &set, const CountParams &count, co
     count.RequireSize(set, name, given.size());
     for (size_t i = 0; i < given.size(); ++i)
         if (!range.Contains(given[i]))
-            throw set.Error(
-                name, fmt::format("value {} of \"{}\" is {}; it must be {}.", i + 1, name, given[i], Text(range)));
+            throw set.Error(name, "value {} of \"{}\" is {}; it must be {}.", i + 1, name, given[i], Text(range));
     return {given.begin(), given.end()};
 }
 

@@ -25,23 +25,22 @@ using Handle = nanovdb::GridHandle<nanovdb::HostBuffer>;
 void CheckMagic(const std::string &path) {
     std::ifstream file(path, std::ios::binary);
     std::error_code none;
-    if (!file || std::filesystem::is_directory(path, none))
-        throw UserError(fmt::format("{}: the file cannot be opened.", path));
+    if (!file || std::filesystem::is_directory(path, none)) throw UserError("{}: the file cannot be opened.", path);
     std::array<char, 8> magic{};
     file.read(magic.data(), magic.size());
     const std::string_view found(magic.data(), size_t(file.gcount()));
     if (found == "NanoVDB0") return;
     if (found.starts_with("NanoVDB"))
         throw UserError(
-            fmt::format("{}: the file was written by a newer version of NanoVDB (it begins with \"{}\"); "
-                        "versions up to {}, whose files begin with \"NanoVDB0\", can be read.",
-                        path, found, NANOVDB_MAJOR_VERSION_NUMBER));
+            "{}: the file was written by a newer version of NanoVDB (it begins with \"{}\"); "
+            "versions up to {}, whose files begin with \"NanoVDB0\", can be read.",
+            path, found, NANOVDB_MAJOR_VERSION_NUMBER);
     if (found.starts_with(" BDV"))
         throw UserError(
-            fmt::format("{}: this is an OpenVDB file; the program nanovdb_convert turns it into a NanoVDB "
-                        "file.",
-                        path));
-    throw UserError(fmt::format("{}: this is not a NanoVDB file.", path));
+            "{}: this is an OpenVDB file; the program nanovdb_convert turns it into a NanoVDB "
+            "file.",
+            path);
+    throw UserError("{}: this is not a NanoVDB file.", path);
 }
 
 /// True if all tree nodes lie within the grid's `bytes` of memory, so that values can be read. NanoVDB's own check does
@@ -81,8 +80,7 @@ class VdbGrid {
     VdbGrid(const std::string &path, const nanovdb::io::GridMetaData &data) {
         const std::string what = fmt::format("{}: grid \"{}\"", path, Abbreviate(data.gridName));
         if (data.gridType != nanovdb::GridType::Float)
-            throw UserError(fmt::format("{} holds values of type {}; only float is possible.", what,
-                                        nanovdb::toStr(data.gridType)));
+            throw UserError("{} holds values of type {}; only float is possible.", what, nanovdb::toStr(data.gridType));
         RequireMemory(double(data.gridSize), what, {});
         handle_ = nanovdb::io::readGrid(path, data.gridName);
         if (handle_.size() >= sizeof(nanovdb::GridData)) grid_ = handle_.grid<float>();
@@ -124,12 +122,12 @@ VdbGrids ReadGrids(const NanoVdbRequest &request) {
                 grids.temperature = VdbGrid(request.path, data);
         }
         if (!grids.density)
-            throw UserError(fmt::format("{}: the file has no grid \"{}\"; {}.", request.path,
-                                        Abbreviate(request.densityName), ListChoices(request.densityName, names)));
+            throw UserError("{}: the file has no grid \"{}\"; {}.", request.path, Abbreviate(request.densityName),
+                            ListChoices(request.densityName, names));
     } catch (const UserError &) {
         throw;
     } catch (const std::exception &e) {  // NanoVDB's exceptions, and allocation failure for invalid sizes
-        throw UserError(fmt::format("{}: the file is damaged or cannot be read: {}.", request.path, e.what()));
+        throw UserError("{}: the file is damaged or cannot be read: {}.", request.path, e.what());
     }
     return grids;
 }
@@ -212,8 +210,8 @@ class NanoVdbMedium final : public Medium {
             MaxInBox reach(Index(glm::floor(ToIndex(Point3(cell)))), Index(glm::ceil(ToIndex(Point3(cell + 1)))));
             const Float max = reach.Of(*grids_.density);
             if (max == Infinity)
-                throw UserError(fmt::format("{}: grid \"{}\" holds a density that is not a number or infinite.",
-                                            request.path, Abbreviate(request.densityName)));
+                throw UserError("{}: grid \"{}\" holds a density that is not a number or infinite.", request.path,
+                                Abbreviate(request.densityName));
             return kMajorantSlack * max;
         });
     }
@@ -280,7 +278,7 @@ std::unique_ptr<Medium> MakeNanoVdbMedium(const NanoVdbRequest &request, MediumS
                                           const Transform &renderFromMedium) {
     VdbGrids grids = ReadGrids(request);
     if (grids.density->isEmpty())
-        throw UserError(fmt::format("{}: grid \"{}\" is empty.", request.path, Abbreviate(request.densityName)));
+        throw UserError("{}: grid \"{}\" is empty.", request.path, Abbreviate(request.densityName));
     return std::make_unique<NanoVdbMedium>(request, std::move(grids), std::move(spectra), g, renderFromMedium);
 }
 

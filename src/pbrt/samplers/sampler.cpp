@@ -90,8 +90,7 @@ std::unique_ptr<Sampler> MakeStratified(const StratifiedParams &p, const ParamSe
         for (y = int(std::sqrt(double(count)) + 0.5); y > 1 && count % y != 0;) --y;
         x = count / y;
     } else if (int64_t(x) * y > kMaxSamples) {
-        throw set.Error("xsamples",
-                        fmt::format("{} x {} samples per pixel are too many; at most 2^30 are allowed.", x, y));
+        throw set.Error("xsamples", "{} x {} samples per pixel are too many; at most 2^30 are allowed.", x, y);
     }
     return std::make_unique<StratifiedSampler>(x, y, p.jitter, p.Seed(context));
 }

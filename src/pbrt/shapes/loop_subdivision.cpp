@@ -125,13 +125,13 @@ void CheckManifold(std::span<const int> corners) {
         size_t face = i / 3;
         std::pair<int, int> edge(corners[i], corners[3 * face + (i + 1) % 3]);
         if (edge.first == edge.second)
-            throw UserError(fmt::format("face {} uses a point twice; subdivision needs proper triangles.", face));
+            throw UserError("face {} uses a point twice; subdivision needs proper triangles.", face);
         auto [it, isNew] = edges.emplace(edge, face);
         if (!isNew)
             throw UserError(
-                fmt::format("faces {} and {} share an edge in the same direction; subdivision needs faces "
-                            "of consistent orientation, at most two at an edge.",
-                            it->second, face));
+                "faces {} and {} share an edge in the same direction; subdivision needs faces "
+                "of consistent orientation, at most two at an edge.",
+                it->second, face);
     }
 }
 

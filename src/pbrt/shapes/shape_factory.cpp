@@ -28,7 +28,7 @@ constexpr Items kPoints{.type = ParamType::Point3, .isRequired = true};
 /// Validated point index; throws UserError if out of range.
 uint32_t Corner(int index, size_t points, const ParamSet &set) {
     if (index < 0 || size_t(index) >= points)
-        throw set.Error("indices", fmt::format("index {} is out of range; there are {} points.", index, points));
+        throw set.Error("indices", "index {} is out of range; there are {} points.", index, points);
     return uint32_t(index);
 }
 
@@ -47,9 +47,9 @@ struct MeshParams {
         if (indices.empty()) {
             if (mesh.p.size() != corners)
                 throw set.Error("",
-                                fmt::format("\"integer indices\" is missing; it may be left out only for exactly {} "
-                                            "points, and there are {}.",
-                                            corners, mesh.p.size()));
+                                "\"integer indices\" is missing; it may be left out only for exactly {} "
+                                "points, and there are {}.",
+                                corners, mesh.p.size());
             for (size_t i = 0; i < corners; ++i) mesh.indices.push_back(uint32_t(i));
         }
         size_t excess = indices.size() % corners;
@@ -172,8 +172,8 @@ ShapeList MakeCurve(CurveParams p, const ParamSet &set, const ShapeContext &cont
                                                p.points.size(), p.degree, p.degree + 1));
     if (p.kind == CurveKind::Ribbon) {
         if (p.normals.size() != count + 1)
-            throw set.Error("N", fmt::format("a ribbon of {} segments needs {} normals \"N\", and there are {}.", count,
-                                             count + 1, p.normals.size()));
+            throw set.Error("N", "a ribbon of {} segments needs {} normals \"N\", and there are {}.", count, count + 1,
+                            p.normals.size());
     } else if (!p.normals.empty()) {
         set.Warn(context.sink, "N", "\"N\" is used only for type \"ribbon\".");
         p.normals.clear();
@@ -245,7 +245,7 @@ ShapeList MakePlyMesh(const PlyMeshParams &p, const ParamSet &set, const ShapeCo
             const Transform place = Product({context.renderFromPlaced, context.renderFromObject});
             return One<TriangleMesh>(context, DisplaceMesh(ply, place, p.edgeLength, *context.displacement));
         } catch (const DisplacementError &e) {
-            throw set.Error(e.Parameter(), fmt::format("{}: {}", p.filename, e.Diagnostics().front().message));
+            throw set.Error(e.Parameter(), "{}: {}", p.filename, e.Diagnostics().front().message);
         }
     }
     ShapeList shapes;

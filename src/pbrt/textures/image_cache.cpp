@@ -14,7 +14,7 @@ const std::vector<std::string> kRgb = {"R", "G", "B"};
 void RequireRgb(const Image &image, const std::string &path) {
     for (const std::string &channel : kRgb)
         if (image.FindChannel(channel) < 0)
-            throw UserError(fmt::format("{}: the image has no channel {}; R, G and B are needed.", path, channel));
+            throw UserError("{}: the image has no channel {}; R, G and B are needed.", path, channel);
 }
 
 std::shared_ptr<const MipMap> ReadMipMap(const MipMapKey &key, TileCache *tiles) {

@@ -193,8 +193,7 @@ typename Kind::Ptr MakeBilerp(const BilerpParams<Kind> &p, const ParamSet &set, 
 }
 
 PointMapping MakePointMapping(const ParamSet &set, const TextureRequest &r, const char *what) {
-    if (r.renderFromTexture.IsSingular())
-        throw set.Error("", fmt::format("{} needs a transformation that can be inverted.", what));
+    if (r.renderFromTexture.IsSingular()) throw set.Error("", "{} needs a transformation that can be inverted.", what);
     return PointMapping(r.renderFromTexture);
 }
 
@@ -289,9 +288,10 @@ struct ImagemapParams : MappingParams {
         k.path = files.Resolve(filename);
         k.encoding = ColorEncoding::Parse(encoding);
         if (!k.encoding && !encoding.empty())
-            throw set.Error("encoding", fmt::format("\"{}\" is no encoding; valid: sRGB, linear, \"gamma X\" with X "
-                                                    "above 0.",
-                                                    encoding));
+            throw set.Error("encoding",
+                            "\"{}\" is no encoding; valid: sRGB, linear, \"gamma X\" with X "
+                            "above 0.",
+                            encoding);
         return k;
     }
 };

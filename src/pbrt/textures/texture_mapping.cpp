@@ -46,7 +46,7 @@ TexCoord2 PlanarMapping::Map(const TextureContext &ctx) const {
 TextureMapping2D MappingParams::Make(const ParamSet &set, const Transform &renderFromTexture,
                                      DiagnosticSink &sink) const {
     if (mapping != "uv" && renderFromTexture.IsSingular())
-        throw set.Error("", fmt::format("mapping \"{}\" needs a transformation that can be inverted.", mapping));
+        throw set.Error("", "mapping \"{}\" needs a transformation that can be inverted.", mapping);
     if (mapping == "spherical") return SphericalMapping{PointMapping(renderFromTexture)};
     if (mapping == "cylindrical") return CylindricalMapping{PointMapping(renderFromTexture)};
     if (mapping == "planar") return PlanarMapping{PointMapping(renderFromTexture), v1, v2, uv.du, uv.dv};

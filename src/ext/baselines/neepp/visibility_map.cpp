@@ -130,9 +130,9 @@ void VisibilityMap::Prepare(PrepareContext &context, const LightGroups &groups) 
     auto work = double(grid_.BorderSize()) * double(targets_.Size()) * samples_;
     if (work > 3e8)
         LogWarning(
-            fmt::format("neepp: visibility to {} voxels and directions with lights takes about {:.1e} rays, {} for "
-                        "every voxel that a path enters for the first time.",
-                        targets_.Size(), work, targets_.Size() * samples_));
+            "neepp: visibility to {} voxels and directions with lights takes about {:.1e} rays, {} for "
+            "every voxel that a path enters for the first time.",
+            targets_.Size(), work, targets_.Size() * samples_);
     prepareSeconds_ = SecondsSince(start);
 }
 

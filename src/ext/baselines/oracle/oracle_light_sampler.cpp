@@ -47,10 +47,10 @@ void OracleLightSampler::Prepare(PrepareContext &context) {
     if (groups_.Size() <= 1) return;
     scene_ = &context.scene;
     seed_ = context.seed;
-    LogWarning(fmt::format(
+    LogWarning(
         "oracle: this measuring instrument is slow: {} lights x {} samples = up to {} shadow rays at every path "
         "vertex.",
-        groups_.Size(), params_.samples, groups_.Size() * params_.samples));
+        groups_.Size(), params_.samples, groups_.Size() * params_.samples);
 }
 
 const Float *OracleLightSampler::Measure(const LightQuery &query, LightMemory &memory) const {

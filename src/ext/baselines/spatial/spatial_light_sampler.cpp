@@ -42,9 +42,9 @@ void SpatialLightSampler::Prepare(PrepareContext &context) {
     auto work = double(grid_.BorderSize()) * double(groups_.Size()) * params_.samples;
     if (work > 3e8)
         LogWarning(
-            fmt::format("spatial: the distributions over {} lights take about {:.1e} light samples, {} for every "
-                        "voxel that a path enters for the first time.",
-                        groups_.Size(), work, groups_.Size() * points_.size()));
+            "spatial: the distributions over {} lights take about {:.1e} light samples, {} for every "
+            "voxel that a path enters for the first time.",
+            groups_.Size(), work, groups_.Size() * points_.size());
     prepareSeconds_ = SecondsSince(start);
 }
 

@@ -45,7 +45,7 @@ Image Blur(const Image &image, const std::vector<Float> &weights, Point2i axis) 
 
 int Bloom(const BloomOptions &o) {
     if (o.width % 2 == 0)
-        throw UserError(fmt::format("--width {}: an odd number is needed, so that the light stays in place.", o.width));
+        throw UserError("--width {}: an odd number is needed, so that the light stays in place.", o.width);
     ImageFile file = ReadAsFloat(o.path);
     const std::array<int, 3> rgb = RgbChannels(file.image, o.path);
 
@@ -58,8 +58,7 @@ int Bloom(const BloomOptions &o) {
         ++count;
         SetRgb(bright, p, {0, 1, 2}, color);
     });
-    if (count == 0)
-        LogWarning(fmt::format("{}: no pixel is brighter than --level {}; nothing blooms.", o.path, o.level));
+    if (count == 0) LogWarning("{}: no pixel is brighter than --level {}; nothing blooms.", o.path, o.level);
 
     const std::vector<Float> weights = Gaussian(o.width);
     for (int i = 0; i < o.iterations && count > 0; ++i) {
@@ -89,7 +88,7 @@ Point2 WhiteOfIlluminant(const std::string &name) {
             if (name == known || name == known.substr(known.find('-') + 1))
                 return Chromaticity(SpectrumToXyz(*NamedSpectrum(known)));
         }
-    throw UserError(fmt::format("--illuminant {}: unknown; {}", name, ListChoices(name, choices)));
+    throw UserError("--illuminant {}: unknown; {}", name, ListChoices(name, choices));
 }
 
 Point2 White(const WhitebalanceOptions &o) {
@@ -99,9 +98,9 @@ Point2 White(const WhitebalanceOptions &o) {
     const Point2 white(o.primaries[0], o.primaries[1]);
     if (!(white.x > 0 && white.y > 0 && white.x + white.y < 1))
         throw UserError(
-            fmt::format("--primaries {},{}: not the chromaticity of a white; x and y are above 0 and x + y "
-                        "below 1.",
-                        white.x, white.y));
+            "--primaries {},{}: not the chromaticity of a white; x and y are above 0 and x + y "
+            "below 1.",
+            white.x, white.y);
     return white;
 }
 

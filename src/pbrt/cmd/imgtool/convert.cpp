@@ -112,8 +112,7 @@ int Convert(const ConvertOptions &o) {
     }
     if (o.repeat > 1) {
         const int64_t widest = std::max(image.Resolution().x, image.Resolution().y);
-        if (widest * o.repeat > (1 << 20))
-            throw UserError(fmt::format("--repeatpix {}: the image becomes too large.", o.repeat));
+        if (widest * o.repeat > (1 << 20)) throw UserError("--repeatpix {}: the image becomes too large.", o.repeat);
         image = Rearrange(image, image.Resolution() * o.repeat, [&](Point2i p) { return p / o.repeat; });
         if (std::optional<Bounds2i> &window = file.metadata.pixelBounds)
             window = {window->low * o.repeat, window->high * o.repeat};

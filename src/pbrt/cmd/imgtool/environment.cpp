@@ -45,11 +45,11 @@ int Makeequiarea(const MakeequiareaOptions &o) {
     const ImageFile file = ReadAsFloat(o.path);
     const Point2i size = file.image.Resolution();
     if (file.metadata.fullResolution && *file.metadata.fullResolution != size)
-        throw UserError(fmt::format("{}: has a part of a picture of {} x {} pixels; the whole sphere is needed.",
-                                    o.path, file.metadata.fullResolution->x, file.metadata.fullResolution->y));
+        throw UserError("{}: has a part of a picture of {} x {} pixels; the whole sphere is needed.", o.path,
+                        file.metadata.fullResolution->x, file.metadata.fullResolution->y);
     if (size.x != 2 * size.y)
-        LogWarning(fmt::format("{}: a latitude-longitude image is twice as wide as high; this one has {}.", o.path,
-                               SizeText(file.image)));
+        LogWarning("{}: a latitude-longitude image is twice as wide as high; this one has {}.", o.path,
+                   SizeText(file.image));
     const int resolution = o.resolution > 0 ? o.resolution : size.x;
     // If the result is smaller than the input's width, a pixel averages several look-ups, so that no light is lost.
     const int perSide = (size.x + resolution - 1) / resolution;

@@ -22,7 +22,7 @@ Point2i ParseCorner(const std::string &text) {
         auto [rest, codeY] = std::from_chars(comma + 1, end, p.y);
         if (codeY == std::errc() && rest == end) return p;
     }
-    throw UserError(fmt::format("--crop {}: two whole numbers x,y were expected.", text));
+    throw UserError("--crop {}: two whole numbers x,y were expected.", text);
 }
 
 /// Layout: vertical strips of the images side by side, together as large as one image. Below, one row per crop with the
@@ -54,8 +54,8 @@ int Splitn(const SplitnOptions &o) {
     for (size_t i = 0; i < corners.size(); ++i)
         if (corners[i].x < 0 || corners[i].y < 0 || corners[i].x + o.cropSize > resolution.x ||
             corners[i].y + o.cropSize > resolution.y)
-            throw UserError(fmt::format("--crop {}: a square of {} pixels there reaches beyond the {} of the images.",
-                                        o.crops[i], o.cropSize, SizeText(files[0].image)));
+            throw UserError("--crop {}: a square of {} pixels there reaches beyond the {} of the images.", o.crops[i],
+                            o.cropSize, SizeText(files[0].image));
 
     const Layout layout(resolution, int(files.size()), o.cropSize);
     Image result(PixelFormat::Float, layout.Size(int(corners.size())), files[0].image.Channels());

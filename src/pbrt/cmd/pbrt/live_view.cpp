@@ -25,7 +25,7 @@ void LiveView::SendTo(const std::string &server) {
 
 void LiveView::Serve(int port) {
     auto page = std::make_shared<LivePage>(board_, port);
-    LogInfo(fmt::format("Live page: {}", page->Address()));
+    LogInfo("Live page: {}", page->Address());
     viewers_.emplace_back([page] { page->Run(); });
 }
 

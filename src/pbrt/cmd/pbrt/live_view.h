@@ -28,7 +28,7 @@ class LiveViewer {
             try {
                 body();
             } catch (const std::exception &e) {
-                LogWarning(fmt::format("a viewer of the render has ended: {}", e.what()));
+                LogWarning("a viewer of the render has ended: {}", e.what());
             }
             ended.set_value();
         });

@@ -150,8 +150,7 @@ std::pair<std::string, std::string> SplitServer(const std::string &server) {
 void ShowInTev(LiveBoard &board, const std::string &server) {
     Connection viewer(board, server);
     const auto complain = [&](const char *what) {
-        LogWarning(fmt::format("--display-server {}: {} ({}); the render continues without it.", server, what,
-                               viewer.Failure()));
+        LogWarning("--display-server {}: {} ({}); the render continues without it.", server, what, viewer.Failure());
     };
     if (!viewer.IsOpen()) return complain("no viewer answers");
     int version = 0;

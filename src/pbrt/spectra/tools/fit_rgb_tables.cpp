@@ -43,7 +43,7 @@ const RgbPrimaries &FindSpace(const std::string &name) {
         if (space.name == name) return space;
         names.push_back(space.name);
     }
-    throw UserError(fmt::format("no colour space \"{}\"; {}.", name, ListChoices(name, names)));
+    throw UserError("no colour space \"{}\"; {}.", name, ListChoices(name, names));
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include "ext/lab/experiment.h"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <map>
 

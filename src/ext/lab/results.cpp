@@ -1,9 +1,7 @@
 #include "ext/lab/results.h"
 
 #include <algorithm>
-#include <cmath>
 
-#include "ext/lab/measures.h"
 #include "pbrt/math/statistics.h"
 
 namespace ext::lab {

@@ -2,7 +2,6 @@
 #include <chrono>
 #include <ctime>
 #include <limits>
-#include <optional>
 #include <string>
 #include <vector>
 

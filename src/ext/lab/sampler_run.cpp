@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include "ext/lab/tile_statistics.h"
 #include "pbrt/core/counters.h"

@@ -1,6 +1,5 @@
 #include "ext/lab/tile_statistics.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 

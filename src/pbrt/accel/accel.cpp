@@ -4,7 +4,6 @@
 #include <map>
 
 #include "pbrt/accel/embree_callbacks.h"
-#include "pbrt/core/error.h"
 #include "pbrt/core/memory.h"
 #include "pbrt/shapes/bilinear_mesh.h"
 

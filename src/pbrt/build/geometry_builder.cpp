@@ -2,7 +2,6 @@
 
 #include "pbrt/build/collect.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/lights/light_factory.h"
 #include "pbrt/media/medium_factory.h"
 #include "pbrt/shapes/curves.h"
 #include "pbrt/shapes/extent.h"

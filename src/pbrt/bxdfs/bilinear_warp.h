@@ -1,6 +1,5 @@
 #pragma once
 #include <array>
-#include <span>
 #include <vector>
 
 #include "pbrt/math/vec.h"

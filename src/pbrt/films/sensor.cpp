@@ -1,7 +1,5 @@
 #include "pbrt/films/sensor.h"
 
-#include <algorithm>
-
 #include "pbrt/spectra/rgb_primaries.h"
 
 namespace pbrt {

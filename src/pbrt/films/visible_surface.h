@@ -1,5 +1,4 @@
 #pragma once
-#include <optional>
 
 #include "pbrt/math/vec.h"
 #include "pbrt/spectra/color_space.h"

@@ -4,8 +4,6 @@
 
 #include <cstring>
 
-#include "pbrt/core/error.h"
-
 namespace pbrt {
 
 namespace {

@@ -2,8 +2,6 @@
 
 #include <unistd.h>
 
-#include <atomic>
-
 #include "pbrt/images/image_library.h"
 
 namespace pbrt {

@@ -1,5 +1,4 @@
 #pragma once
-#include <string>
 
 #include "pbrt/bxdfs/layered.h"
 #include "pbrt/spectra/color_space.h"

@@ -1,7 +1,5 @@
 #include "pbrt/media/medium_factory.h"
 
-#include <cmath>
-
 #include "pbrt/core/limits.h"
 #include "pbrt/media/cloud_medium.h"
 #include "pbrt/media/voxel_media.h"

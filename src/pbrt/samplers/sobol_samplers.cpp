@@ -1,7 +1,5 @@
 #include "pbrt/samplers/sobol_samplers.h"
 
-#include <array>
-
 namespace pbrt {
 
 namespace {

@@ -1,6 +1,5 @@
 #include "pbrt/scene/scene.h"
 
-#include <new>
 #include <type_traits>
 
 #include "pbrt/core/counters.h"

@@ -5,7 +5,6 @@
 #include <cstring>
 #include <filesystem>
 #include <functional>
-#include <set>
 #include <vector>
 
 #include "pbrt/core/error.h"

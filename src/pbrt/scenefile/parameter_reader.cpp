@@ -1,7 +1,6 @@
 #include "pbrt/scenefile/parameter_reader.h"
 
 #include <algorithm>
-#include <optional>
 #include <utility>
 
 #include "pbrt/scenefile/numbers.h"

@@ -1,6 +1,5 @@
 #include "pbrt/cmd/pbrt/live_board.h"
 
-#include <chrono>
 #include <cmath>
 #include <ctime>
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "pbrt/core/log.h"
 #include "pbrt/core/parallel.h"
 
 namespace pbrt {

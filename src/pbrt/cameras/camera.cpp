@@ -6,7 +6,7 @@
 #include "pbrt/cameras/projective_cameras.h"
 #include "pbrt/cameras/realistic_camera.h"
 #include "pbrt/cameras/spherical_camera.h"
-#include "pbrt/core/limits.h"
+#include "pbrt/core/params.h"
 #include "pbrt/math/transform.h"
 
 namespace pbrt {

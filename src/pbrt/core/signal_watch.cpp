@@ -11,8 +11,8 @@
 #include <system_error>
 #include <thread>
 
+#include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
-#include "pbrt/core/temporaries.h"
 
 namespace pbrt {
 

@@ -5,6 +5,28 @@
 
 namespace pbrt {
 
+namespace {
+
+class ForcedDiffuseMaterial final : public Material {
+  public:
+    explicit ForcedDiffuseMaterial(MaterialPtr original) : original_(std::move(original)) {
+        SetNeedsFootprint(original_->NeedsFootprint());
+    }
+
+    Bsdf GetBsdf(const SurfacePoint &point, SampledWavelengths &lambda) const override {
+        const Bsdf bsdf = original_->GetBsdf(point, lambda);
+        if (!bsdf) return bsdf;
+        const SampledSpectrum albedo = Clamp(EstimateAlbedo(bsdf, point.wo), 0, 1);
+        return Bsdf(point.shading.n, point.shading.dpdu, DiffuseBxdf(albedo));
+    }
+    void PerturbShading(SurfacePoint &point) const override { original_->PerturbShading(point); }
+
+  private:
+    MaterialPtr original_;
+};
+
+}  // namespace
+
 void CheckIndex(const ParamSet &set, const std::string &name, const Spectrum &eta, bool isMetal) {
     Float low = Infinity, high = -Infinity;
     for (Float nm = LambdaMin; nm <= LambdaMax; ++nm) {
@@ -241,6 +263,11 @@ MaterialPtr MakeMaterial(const std::string &type, const ParamSet &params, Materi
     if (!type.empty() && type != "none") return Materials().Make(type, params, context);
     context.sink.Warning(params.Loc(), "material \"{}\" is deprecated; write \"interface\".", type);
     return Materials().Make("interface", params, context);
+}
+
+MaterialPtr ForceDiffuse(MaterialPtr material) {
+    if (material->IsInterface() || material->IsMix()) return material;
+    return std::make_shared<ForcedDiffuseMaterial>(std::move(material));
 }
 
 }  // namespace pbrt

@@ -1,4 +1,4 @@
-#include "pbrt/core/limits.h"
+#include "pbrt/core/params.h"
 #include "pbrt/materials/material_params.h"
 #include "pbrt/math/rng.h"
 

@@ -1,6 +1,6 @@
 #include "pbrt/media/medium_factory.h"
 
-#include "pbrt/core/limits.h"
+#include "pbrt/core/params.h"
 #include "pbrt/media/cloud_medium.h"
 #include "pbrt/media/voxel_media.h"
 #include "pbrt/spectra/spectral_data.h"

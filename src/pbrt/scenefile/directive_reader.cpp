@@ -11,7 +11,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "pbrt/core/limits.h"
+#include "pbrt/core/params.h"
 #include "pbrt/scenefile/parameter_reader.h"
 
 namespace pbrt {

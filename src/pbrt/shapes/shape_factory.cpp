@@ -1,7 +1,7 @@
 #include "pbrt/shapes/shape_factory.h"
 
-#include "pbrt/core/limits.h"
 #include "pbrt/core/memory.h"
+#include "pbrt/core/params.h"
 #include "pbrt/images/image.h"
 #include "pbrt/shapes/bilinear_mesh.h"
 #include "pbrt/shapes/curves.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "pbrt/core/limits.h"
+#include "pbrt/core/params.h"
 #include "pbrt/textures/basic_textures.h"
 #include "pbrt/textures/texture_makers.h"
 

@@ -37,14 +37,12 @@ struct KdTreeParams {
 }  // namespace
 
 const AcceleratorTable &Accelerators() {
-    static const AcceleratorTable table = [] {
-        AcceleratorTable t("Accelerator");
+    static const AcceleratorTable table("Accelerator", [](AcceleratorTable &t) {
         t.Add<BvhParams>("bvh", "checked; without effect", CheckBvh);
         t.Add<KdTreeParams>(
             "kdtree", "checked; without effect",
             [](const auto &, const ParamSet &, const AcceleratorContext &) { return std::monostate(); });
-        return t;
-    }();
+    });
     return table;
 }
 

@@ -143,20 +143,18 @@ bool HasLightsBeyondScene(const LightTable &lights) {
 }  // namespace
 
 const IntegratorTable &Integrators() {
-    static const IntegratorTable table = [] {
-        using Request = const IntegratorReading;
-        IntegratorTable t("Integrator");
+    static const IntegratorTable table("Integrator", [](IntegratorTable &t) {
         t.Add<PathParams>(
             "path",
             "only here: `guide` ([guided-paths.md](../method/guided-paths.md)), `meshlights` and the "
             "light samplers' own parameters "
             "([lightsamplers.md](lightsamplers.md)); **differs**: an unknown light sampler is an error (stock "
             "uses bvh)",
-            [](const auto &p, const ParamSet &set, Request &r) { return MakePath(p, set, r, false); },
+            [](const auto &p, const ParamSet &set, auto &r) { return MakePath(p, set, r, false); },
             {.hasLightSampler = true, .isGuided = true});
         t.Add<PathParams>("volpath",
                           "as path, with media and subsurface scattering, and shadow rays pass \"interface\"",
-                          [](const auto &p, const ParamSet &set, Request &r) { return MakePath(p, set, r, true); },
+                          [](const auto &p, const ParamSet &set, auto &r) { return MakePath(p, set, r, true); },
                           {.hasLightSampler = true,
                            .isGuided = true,
                            .rendersMedia = true,
@@ -179,8 +177,7 @@ const IntegratorTable &Integrators() {
             t, "ambientocclusion", [](const auto &p, int, const PathContext &c, const ColorSpace &space) {
                 return std::make_unique<AmbientOcclusionIntegrator>(c, p.cosine, p.maxDistance, space);
             });
-        return t;
-    }();
+    });
     return table;
 }
 

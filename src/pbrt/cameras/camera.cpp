@@ -163,29 +163,26 @@ Float ExposureTime(const ParamSet &params) {
 }
 
 const CameraTable &Cameras() {
-    static const CameraTable table = [] {
-        using Context = const CameraContext;
-        CameraTable t("Camera");
+    static const CameraTable table("Camera", [](CameraTable &t) {
         t.Add<PerspectiveParams>(
-            "perspective", "may move, as all cameras", [](const auto &p, const ParamSet &set, Context &c) {
+            "perspective", "may move, as all cameras", [](const auto &p, const ParamSet &set, auto &c) {
                 return std::make_unique<PerspectiveCamera>(p.Frame(set, c), p.Window(c.resolution), p.fov, p.lens);
             });
-        t.Add<LensParams>("orthographic", "", [](const auto &p, const ParamSet &set, Context &c) {
+        t.Add<LensParams>("orthographic", "", [](const auto &p, const ParamSet &set, auto &c) {
             return std::make_unique<OrthographicCamera>(p.Frame(set, c), p.Window(c.resolution), p.lens);
         });
-        t.Add<SphericalParams>("spherical", "", [](const auto &p, const ParamSet &set, Context &c) {
+        t.Add<SphericalParams>("spherical", "", [](const auto &p, const ParamSet &set, auto &c) {
             return std::make_unique<SphericalCamera>(p.Frame(set, c), p.mapping);
         });
         t.Add<RealisticParams>("realistic", "**differs** with an aperture image, see below",
-                               [](const auto &p, const ParamSet &set, Context &c) {
+                               [](const auto &p, const ParamSet &set, auto &c) {
                                    const CameraFrame frame = p.Frame(set, c);
                                    const ApertureImage aperture =
                                        set.At("aperture", [&] { return ApertureImage::Read(p.aperture, c.files); });
                                    return std::make_unique<RealisticCamera>(frame, c.filmDiagonalMm / 1000,
                                                                             ReadLens(p, set, c), aperture);
                                });
-        return t;
-    }();
+    });
     return table;
 }
 

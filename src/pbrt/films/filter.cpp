@@ -177,8 +177,7 @@ void AddTabulated(FilterTable &table, const char *name) {
 }  // namespace
 
 const FilterTable &Filters() {
-    static const FilterTable table = [] {
-        FilterTable t("PixelFilter");
+    static const FilterTable table("PixelFilter", [](FilterTable &t) {
         t.Add<RadiusParams<Float(0.5)>>("box", "", [](const auto &p, const ParamSet &, const FilterContext &) {
             return std::make_unique<BoxFilter>(p.Radius());
         });
@@ -188,8 +187,7 @@ const FilterTable &Filters() {
         AddTabulated<GaussianParams>(t, "gaussian");
         AddTabulated<MitchellParams>(t, "mitchell");
         AddTabulated<SincParams>(t, "sinc");
-        return t;
-    }();
+    });
     return table;
 }
 

@@ -228,10 +228,8 @@ class InterfaceMaterial final : public Material {
 }  // namespace
 
 const MaterialTable &Materials() {
-    static const MaterialTable table = [] {
-        using Context = MaterialContext;
-        MaterialTable t("Material");
-        AddSurface<DiffuseParams>(t, "diffuse", "", [](const auto &p, const ParamSet &, Context &c) {
+    static const MaterialTable table("Material", [](MaterialTable &t) {
+        AddSurface<DiffuseParams>(t, "diffuse", "", [](const auto &p, const ParamSet &, auto &c) {
             return MakeLobeMaterial([reflectance = Inputs(c)(p.reflectance)](const SurfacePoint &point, auto &lambda) {
                 return DiffuseBxdf(Clamp(reflectance(point, lambda), 0, 1));
             });
@@ -241,7 +239,7 @@ const MaterialTable &Materials() {
         AddSurface<ConductorParams>(t, "conductor", "", MakeConductor);
         AddSurface<DielectricParams>(
             t, "dielectric", "**differs**: an index that is not above 0 is an error, in all materials", MakeDielectric);
-        AddSurface<ThinDielectricParams>(t, "thindielectric", "", [](const auto &p, const ParamSet &set, Context &c) {
+        AddSurface<ThinDielectricParams>(t, "thindielectric", "", [](const auto &p, const ParamSet &set, auto &c) {
             return MakeLobeMaterial([eta = p.IndexParams::Make(set, c)](const SurfacePoint &, auto &lambda) {
                 return ThinDielectricBxdf(eta(lambda));
             });
@@ -250,12 +248,10 @@ const MaterialTable &Materials() {
         AddHair(t);
         AddMeasured(t);
         AddSubsurface(t);
-        t.Add<NoParams>(
-            "interface", "also \"\" and \"none\", with a warning",
-            [](const auto &, const ParamSet &, Context &) { return std::make_shared<InterfaceMaterial>(); });
+        t.Add<NoParams>("interface", "also \"\" and \"none\", with a warning",
+                        [](const auto &, const ParamSet &, auto &) { return std::make_shared<InterfaceMaterial>(); });
         AddMix(t);
-        return t;
-    }();
+    });
     return table;
 }
 

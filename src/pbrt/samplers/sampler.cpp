@@ -120,22 +120,19 @@ std::unique_ptr<Sampler> MakeSobol(const SobolParams &p, const ParamSet &set, co
 }  // namespace
 
 const SamplerTable &Samplers() {
-    static const SamplerTable table = [] {
-        using Context = const SamplerContext;
-        SamplerTable t("Sampler");
-        t.Add<IndependentParams>("independent", "", [](const auto &p, const ParamSet &, Context &c) {
+    static const SamplerTable table("Sampler", [](SamplerTable &t) {
+        t.Add<IndependentParams>("independent", "", [](const auto &p, const ParamSet &, auto &c) {
             return std::make_unique<IndependentSampler>(p.Settings(c));
         });
         t.Add<StratifiedParams>("stratified", "", MakeStratified);
-        t.Add<HaltonParams>("halton", "", [](const auto &p, const ParamSet &, Context &c) {
+        t.Add<HaltonParams>("halton", "", [](const auto &p, const ParamSet &, auto &c) {
             return std::make_unique<HaltonSampler>(p.Settings(c, p.randomization));
         });
         t.Add<SobolParams>("sobol", "", MakeSobol<SobolSampler>);
         t.Add<SobolParams>("paddedsobol", "", MakeSobol<PaddedSobolSampler>);
         t.Add<SobolParams>("zsobol", "", MakeSobol<ZSobolSampler>);
         t.Add<CountParams>("pmj02bn", "the points are generated at startup and differ from stock pbrt-v4's", MakePmj);
-        return t;
-    }();
+    });
     return table;
 }
 

@@ -306,11 +306,9 @@ void AddShape(ShapeTable &table, const char *name, const char *summary, bool isT
 }  // namespace
 
 const ShapeTable &Shapes() {
-    static const ShapeTable table = [] {
-        using Context = const ShapeContext;
-        ShapeTable t("Shape");
+    static const ShapeTable table("Shape", [](ShapeTable &t) {
         AddShape<TriangleMeshParams>(t, "trianglemesh", "", false,
-                                     [](TriangleMeshParams p, const ParamSet &set, Context &c) {
+                                     [](TriangleMeshParams p, const ParamSet &set, auto &c) {
                                          return One<TriangleMesh>(c, p.Finish(set, c.sink, 3));
                                      });
         AddShape<BilinearMeshParams>(t, "bilinearmesh", "", false, MakeBilinearMesh);
@@ -324,22 +322,21 @@ const ShapeTable &Shapes() {
                                 "mesh are an error",
                                 false, MakePlyMesh);
         AddShape<SphereParams>(t, "sphere", "as lights **differs** when scaled, see below", true,
-                               [](const SphereParams &p, const ParamSet &, Context &c) {
+                               [](const SphereParams &p, const ParamSet &, auto &c) {
                                    ShapeList shapes;
                                    shapes.push_back(std::make_unique<Sphere>(
                                        p.radius, p.zMin.value_or(-p.radius), p.zMax.value_or(p.radius), p.phiMax,
                                        c.renderFromObject, c.reverseOrientation, c.opaque));
                                    return shapes;
                                });
-        AddShape<DiskParams>(t, "disk", "as sphere", true, [](const DiskParams &p, const ParamSet &, Context &c) {
+        AddShape<DiskParams>(t, "disk", "as sphere", true, [](const DiskParams &p, const ParamSet &, auto &c) {
             return One<Disk>(c, p.height, p.radius, p.inner, p.phiMax);
         });
         AddShape<CylinderParams>(t, "cylinder", "as sphere", true,
-                                 [](const CylinderParams &p, const ParamSet &, Context &c) {
+                                 [](const CylinderParams &p, const ParamSet &, auto &c) {
                                      return One<Cylinder>(c, p.radius, p.zMin, p.zMax, p.phiMax);
                                  });
-        return t;
-    }();
+    });
     return table;
 }
 

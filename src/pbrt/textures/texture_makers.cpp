@@ -346,37 +346,31 @@ SpectrumTexturePtr MakeMarble(const MarbleParams &p, const ParamSet &set, const 
 }  // namespace
 
 const FloatTextureTable &FloatTextures() {
-    static const FloatTextureTable table = [] {
-        using Request = const TextureRequest;
-        FloatTextureTable t("float texture class");
+    static const FloatTextureTable table("float texture class", [](FloatTextureTable &t) {
         AddOfBothFamilies<FloatKind>(t);
         t.Add<ImagemapParams>("imagemap", "`wrap \"black\"` **differs**, see below",
-                              [](const auto &p, const ParamSet &set, Request &r) {
+                              [](const auto &p, const ParamSet &set, auto &r) {
                                   return std::make_shared<ImageFloatTexture>(MakeImageOverlay(p, set, r));
                               });
         t.Add<NoiseParams>("fbm", "", MakeNoise<&NoiseOctaves::Signed>);
         t.Add<NoiseParams>("wrinkled", "", MakeNoise<&NoiseOctaves::Creased>);
-        t.Add<NoParams>("windy", "", [](const auto &, const ParamSet &set, Request &r) {
+        t.Add<NoParams>("windy", "", [](const auto &, const ParamSet &set, auto &r) {
             return FloatKind::Compute(true, [mapping = MakePointMapping(set, r, "noise")](const TextureContext &ctx) {
                 return WindyNoise(mapping.Map(ctx));
             });
         });
-        return t;
-    }();
+    });
     return table;
 }
 
 const SpectrumTextureTable &SpectrumTextures() {
-    static const SpectrumTextureTable table = [] {
-        using Request = const TextureRequest;
-        SpectrumTextureTable t("spectrum texture class");
+    static const SpectrumTextureTable table("spectrum texture class", [](SpectrumTextureTable &t) {
         AddOfBothFamilies<SpectrumKind>(t);
-        t.Add<ImagemapParams>("imagemap", "as the float texture", [](const auto &p, const ParamSet &set, Request &r) {
+        t.Add<ImagemapParams>("imagemap", "as the float texture", [](const auto &p, const ParamSet &set, auto &r) {
             return std::make_shared<ImageSpectrumTexture>(MakeImageOverlay(p, set, r), r.use);
         });
         t.Add<MarbleParams>("marble", "", MakeMarble);
-        return t;
-    }();
+    });
     return table;
 }
 

@@ -13,7 +13,6 @@
 #include "pbrt/cmd/pbrt/run_report.h"
 #include "pbrt/core/counters.h"
 #include "pbrt/core/error.h"
-#include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/memory.h"
 #include "pbrt/core/parallel.h"

@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "pbrt/materials/material_params.h"
-#include "pbrt/textures/basic_textures.h"
+#include "pbrt/textures/texture.h"
 
 namespace pbrt {
 

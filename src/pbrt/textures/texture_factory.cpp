@@ -4,7 +4,7 @@
 #include <array>
 
 #include "pbrt/core/params.h"
-#include "pbrt/textures/basic_textures.h"
+#include "pbrt/textures/texture.h"
 #include "pbrt/textures/texture_makers.h"
 
 namespace pbrt {

@@ -1,9 +1,9 @@
 #include "pbrt/textures/texture_makers.h"
 
-#include "pbrt/textures/basic_textures.h"
 #include "pbrt/textures/image_texture.h"
 #include "pbrt/textures/noise.h"
 #include "pbrt/textures/patterns.h"
+#include "pbrt/textures/texture.h"
 
 namespace pbrt {
 

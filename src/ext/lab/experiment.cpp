@@ -37,8 +37,7 @@ void OpenFolder(const ExperimentSettings &settings, const Json &identity, const 
     } else if (old.is_object()) {
         if (std::vector<std::string> differences = Differences(old, identity); !differences.empty())
             throw UserError(
-                "{} holds an experiment with other settings ({}). Choose another --out, or "
-                "--restart to replace it.",
+                "{} holds an experiment with other settings ({}). Choose another --out, or --restart to replace it.",
                 out, fmt::join(differences, "; "));
         LogInfo("{} holds records of this experiment; resuming from them.", out);
     }

@@ -164,8 +164,7 @@ std::string SummaryCsv(const ExperimentResults &results) {
     std::string text = "sampler,samples,seconds,cpuSeconds";
     for (const char *name : MeasureNames) text += fmt::format(",{0},{0}StandardError", name);
     text +=
-        ",efficiency,speedUp,speedUpAgainst,ratioToOracle,prepassSeconds,buildSeconds,renderSeconds,preparationShare,"
-        "cpuSecondsPerSample,relativeCost,leaves,bytes,shadowRays,blockedShare,biasVerdict,biasPValue\n";
+        ",efficiency,speedUp,speedUpAgainst,ratioToOracle,prepassSeconds,buildSeconds,renderSeconds,preparationShare,cpuSecondsPerSample,relativeCost,leaves,bytes,shadowRays,blockedShare,biasVerdict,biasPValue\n";
     for (const SamplerResult &s : results.samplers) {
         const Json summary = SummaryJson(s);
         std::vector<std::string> fields = {Quoted(s.choice.label)};

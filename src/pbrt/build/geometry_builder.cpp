@@ -345,9 +345,7 @@ void GeometryBuilder::BuildInstances(const std::vector<Definition> &definitions)
                          Product({renderFromWorld_, i.ctm.end, worldFromRender}));
             RequireReach(fmt::format("the instance of \"{}\"", Abbreviate(i.name)), motion, it->second.bounds, i.loc);
             if (motion.Start().IsSingular()) {  // hides an object, as in stock
-                sink_.Warning(i.loc,
-                              "the instance of \"{}\" cannot be seen: the current transformation "
-                              "flattens it.",
+                sink_.Warning(i.loc, "the instance of \"{}\" cannot be seen: the current transformation flattens it.",
                               Abbreviate(i.name));
                 return;
             }

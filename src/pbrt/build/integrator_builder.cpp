@@ -146,10 +146,9 @@ const IntegratorTable &Integrators() {
     static const IntegratorTable table("Integrator", [](IntegratorTable &t) {
         t.Add<PathParams>(
             "path",
-            "only here: `guide` ([guided-paths.md](../method/guided-paths.md)), `meshlights` and the "
-            "light samplers' own parameters "
-            "([lightsamplers.md](lightsamplers.md)); **differs**: an unknown light sampler is an error (stock "
-            "uses bvh)",
+            "only here: `guide` ([guided-paths.md](../method/guided-paths.md)), `meshlights` and the light samplers' "
+            "own parameters ([lightsamplers.md](lightsamplers.md)); **differs**: an unknown light sampler is an error "
+            "(stock uses bvh)",
             [](const auto &p, const ParamSet &set, auto &r) { return MakePath(p, set, r, false); },
             {.hasLightSampler = true, .isGuided = true});
         t.Add<PathParams>("volpath",

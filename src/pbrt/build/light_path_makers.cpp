@@ -114,9 +114,7 @@ auto ReadBdpt(const BdptParams &p, const IntegratorReading &r, IntegratorSetting
     if (p.visualizeWeights) shown.push_back(Kind::Weighted);
     if (!shown.empty() && settings.maxDepth > StrategyPictures::kMaxDepth) {
         settings.maxDepth = StrategyPictures::kMaxDepth;
-        r.sink.Warning({},
-                       "Integrator \"bdpt\": pictures of strategies go up to \"maxdepth\" {}, which is "
-                       "used.",
+        r.sink.Warning({}, "Integrator \"bdpt\": pictures of strategies go up to \"maxdepth\" {}, which is used.",
                        settings.maxDepth);
     }
     return [depth = settings.maxDepth, regularize = p.regularize, shown](const PathContext &context,

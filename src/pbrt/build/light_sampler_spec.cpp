@@ -266,8 +266,7 @@ std::optional<LightSamplerSpec> ReadShootingSampler(const ParamSet &integrator, 
             if (registry.samplers.Find(n).traits.isSameEverywhere) choices.push_back(n);
         if (registry.samplers.Has(name) && !registry.samplers.Find(name).traits.isSameEverywhere)
             throw UserError(loc,
-                            "light sampler \"{}\" chooses by place, and light paths have none before they "
-                            "begin; {}.",
+                            "light sampler \"{}\" chooses by place, and light paths have none before they begin; {}.",
                             name, ListChoices(name, choices));
         if (!registry.samplers.Has(name)) ThrowUnknown("light sampler", name, choices, loc);
         return registry.samplers.Find(name, loc);

@@ -98,8 +98,7 @@ Image RgbFilm::MakeImage(const std::vector<std::string> &furtherChannels) const 
             clamped, kMaxHalf);
     if (counts_.rejected > 0)
         LogWarning(
-            "{} samples were dropped: their radiance is not a number, or too large for single "
-            "precision ({:.2g}).",
+            "{} samples were dropped: their radiance is not a number, or too large for single precision ({:.2g}).",
             counts_.rejected, std::numeric_limits<Float>::max());
     return image;
 }

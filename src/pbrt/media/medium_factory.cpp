@@ -122,8 +122,7 @@ struct ThermalParams {
         if (offset && cutoff)
             throw set.Error(
                 "temperaturecutoff",
-                "\"temperatureoffset\" and \"temperaturecutoff\" are the same parameter and cannot be given "
-                "together.");
+                "\"temperatureoffset\" and \"temperaturecutoff\" are the same parameter and cannot be given together.");
         return {offset.value_or(cutoff.value_or(0)), factor, scale};
     }
 };

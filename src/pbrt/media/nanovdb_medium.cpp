@@ -36,10 +36,7 @@ void CheckMagic(const std::string &path) {
             "versions up to {}, whose files begin with \"NanoVDB0\", can be read.",
             path, found, NANOVDB_MAJOR_VERSION_NUMBER);
     if (found.starts_with(" BDV"))
-        throw UserError(
-            "{}: this is an OpenVDB file; the program nanovdb_convert turns it into a NanoVDB "
-            "file.",
-            path);
+        throw UserError("{}: this is an OpenVDB file; the program nanovdb_convert turns it into a NanoVDB file.", path);
     throw UserError("{}: this is not a NanoVDB file.", path);
 }
 

@@ -210,9 +210,7 @@ void ParameterReader::ReadValues(const Param &param, bool known, Values &values)
             values.kind = kind;
             values.first = token;
         } else if (values.kind != kind) {
-            Fail(token,
-                 "{} among other kinds of values of \"{}\": all must be numbers, all strings or all "
-                 "true/false.",
+            Fail(token, "{} among other kinds of values of \"{}\": all must be numbers, all strings or all true/false.",
                  Quote(token), Abbreviate(param.name));
         }
     } while (bracketed);

@@ -55,8 +55,7 @@ struct MeshParams {
         size_t excess = indices.size() % corners;
         if (excess != 0)
             set.Warn(sink, "indices",
-                     fmt::format("the number of \"indices\" ({}) is not a multiple of {}; the last {} are "
-                                 "dropped.",
+                     fmt::format("the number of \"indices\" ({}) is not a multiple of {}; the last {} are dropped.",
                                  indices.size(), corners, excess));
         for (int i : indices.first(indices.size() - excess)) mesh.indices.push_back(Corner(i, mesh.p.size(), set));
         if (mesh.indices.empty()) throw set.Error("indices", "no complete face is left.");

@@ -288,9 +288,7 @@ struct ImagemapParams : MappingParams {
         k.path = files.Resolve(filename);
         k.encoding = ColorEncoding::Parse(encoding);
         if (!k.encoding && !encoding.empty())
-            throw set.Error("encoding",
-                            "\"{}\" is no encoding; valid: sRGB, linear, \"gamma X\" with X "
-                            "above 0.",
+            throw set.Error("encoding", "\"{}\" is no encoding; valid: sRGB, linear, \"gamma X\" with X above 0.",
                             encoding);
         return k;
     }

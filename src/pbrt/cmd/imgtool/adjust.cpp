@@ -97,10 +97,8 @@ Point2 White(const WhitebalanceOptions &o) {
     if (o.primaries.empty()) throw UserError("One of --illuminant, --primaries and --temperature is needed.");
     const Point2 white(o.primaries[0], o.primaries[1]);
     if (!(white.x > 0 && white.y > 0 && white.x + white.y < 1))
-        throw UserError(
-            "--primaries {},{}: not the chromaticity of a white; x and y are above 0 and x + y "
-            "below 1.",
-            white.x, white.y);
+        throw UserError("--primaries {},{}: not the chromaticity of a white; x and y are above 0 and x + y below 1.",
+                        white.x, white.y);
     return white;
 }
 

@@ -13,7 +13,6 @@
 #include "pbrt/transport/path_walk.h"
 
 namespace ext {
-
 namespace {
 
 /// Decorrelates this prepass from other uses of the seed.

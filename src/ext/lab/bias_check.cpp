@@ -51,7 +51,6 @@
 // bias_auxiliary_test.cpp.
 
 namespace ext::lab {
-
 namespace {
 
 constexpr int kMinimumData = 32;  ///< tile means (seeds x tiles) in a block

@@ -9,7 +9,6 @@
 #include "ext/lab/measures.h"
 
 namespace ext::lab {
-
 namespace {
 
 constexpr size_t kMaxNamed = 4;  ///< samplers named in a headline

@@ -12,7 +12,6 @@
 #include "pbrt/scenefile/parser.h"
 
 namespace ext::lab {
-
 namespace {
 
 std::string Trim(const std::string &text) {

@@ -14,7 +14,6 @@
 #include "pbrt/transport/path_walk.h"
 
 namespace ext::lab {
-
 namespace {
 
 constexpr uint64_t kPixelStream = 0x696e7370656374ull;

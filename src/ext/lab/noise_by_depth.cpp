@@ -15,7 +15,6 @@
 #include "pbrt/images/metrics.h"
 
 namespace ext::lab {
-
 namespace {
 
 constexpr double kTrimmedShare = 0.001;

@@ -8,7 +8,6 @@
 #include "pbrt/images/metrics.h"
 
 namespace ext::lab {
-
 namespace {
 
 constexpr int kMinPilotSamples = 4, kMaxPilotSamples = 16;  // per image; two images per candidate

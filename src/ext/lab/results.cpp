@@ -5,7 +5,6 @@
 #include "pbrt/math/statistics.h"
 
 namespace ext::lab {
-
 namespace {
 
 constexpr double kFewOracleSamples = 8;

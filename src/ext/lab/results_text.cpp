@@ -9,7 +9,6 @@
 #include "pbrt/core/error.h"
 
 namespace ext::lab {
-
 namespace {
 
 /// Number in a LightSampler::Report.

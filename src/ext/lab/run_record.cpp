@@ -10,7 +10,6 @@
 #include "pbrt/core/files.h"
 
 namespace ext::lab {
-
 namespace {
 
 Json ToJson(const TimeSpent &t) { return {{"wall", t.wall}, {"cpu", t.cpu}}; }

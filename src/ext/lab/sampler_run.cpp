@@ -10,7 +10,6 @@
 #include "pbrt/core/log.h"
 
 namespace ext::lab {
-
 namespace {
 
 constexpr double kLongestWave = 1;  ///< seconds; clock and progress are updated between waves only

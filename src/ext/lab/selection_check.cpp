@@ -40,7 +40,6 @@
 // hundreds of paths are nearly normal.
 
 namespace ext::lab {
-
 namespace {
 
 constexpr uint64_t kStream = 0x73656c656374ull;

@@ -11,7 +11,6 @@
 #include "pbrt/transport/shadow_transmittance.h"
 
 namespace ext::lab {
-
 namespace {
 
 constexpr uint64_t kVertexStream = 0x73656c656374ull;

@@ -8,7 +8,6 @@
 #include "pbrt/shapes/bilinear_mesh.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Embree's bound on coordinates of vertices, ray origins and directions (FLT_LARGE).

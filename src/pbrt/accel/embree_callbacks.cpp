@@ -3,7 +3,6 @@
 #include "pbrt/math/rng.h"
 
 namespace pbrt {
-
 namespace {
 
 const QueryContext &QueryOf(const RTCIntersectContext *context) {

@@ -1,7 +1,6 @@
 #include "pbrt/build/accelerators.h"
 
 namespace pbrt {
-
 namespace {
 
 struct BvhParams {

@@ -15,7 +15,6 @@
 #include "pbrt/shapes/extent.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Location of the instance or moving shape whose inverse transformation has the largest scale.

@@ -3,7 +3,6 @@
 #include "pbrt/textures/texture_factory.h"
 
 namespace pbrt {
-
 namespace {
 
 void LeaveOutMedia(SceneDescription &d) {

@@ -8,7 +8,6 @@
 #include "pbrt/shapes/shape_factory.h"
 
 namespace pbrt {
-
 namespace {
 
 Displacement MakeDisplacement(const FloatTexturePtr &height, Float edgeScale) {

@@ -7,7 +7,6 @@
 #include "pbrt/integrators/sppm_integrator.h"
 
 namespace pbrt {
-
 namespace {
 
 struct ShootingParams {

@@ -6,7 +6,6 @@
 #include "pbrt/build/collect.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Text of a flag, for errors with positions.

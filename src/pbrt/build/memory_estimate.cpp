@@ -6,7 +6,6 @@
 #include <sstream>
 
 namespace pbrt {
-
 namespace {
 
 /// Lower bound of Embree's bytes per triangle, validated by a test. A patch counts as two triangles.

@@ -8,7 +8,6 @@
 #include "pbrt/scenefile/content_hash.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Output file names in the scene.

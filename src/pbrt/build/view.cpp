@@ -3,7 +3,6 @@
 #include "pbrt/shapes/extent.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Rendering space is world space translated to the camera at the middle of the transform times, unless

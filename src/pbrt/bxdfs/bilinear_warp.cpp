@@ -3,7 +3,6 @@
 #include "pbrt/math/warps.h"
 
 namespace pbrt {
-
 namespace {
 
 struct Cell {

@@ -5,7 +5,6 @@
 #include <type_traits>
 
 namespace pbrt {
-
 namespace {
 
 bool Offers(BxdfFlags flags, ReflTransFlags which) {

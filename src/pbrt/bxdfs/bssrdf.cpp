@@ -1,7 +1,6 @@
 #include "pbrt/bxdfs/bssrdf.h"
 
 namespace pbrt {
-
 namespace {
 
 // Probes along the normal (third axis) find exits on flat surroundings, the others on steep ones.

@@ -6,7 +6,6 @@
 #include "pbrt/math/warps.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Rows of a table for all roughnesses, at squares of equidistant numbers: the values change fastest for small alphas.

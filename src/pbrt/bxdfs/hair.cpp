@@ -6,7 +6,6 @@
 #include "pbrt/math/frame.h"
 
 namespace pbrt {
-
 namespace {
 
 /// exp(-x) I0(x) for x >= 0 (Abramowitz and Stegun 9.8.1 and 9.8.2; relative error below 2e-7).

@@ -5,7 +5,6 @@
 #include "pbrt/math/rng.h"
 
 namespace pbrt {
-
 namespace {
 
 // Inside, directions are those of travel: w.z < 0 goes down to the base at z = 0, w.z > 0 up to the coat at z =

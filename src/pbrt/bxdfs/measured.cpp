@@ -4,7 +4,6 @@
 #include "pbrt/math/frame.h"
 
 namespace pbrt {
-
 namespace {
 
 struct Knot {

@@ -5,7 +5,6 @@
 #include "pbrt/core/parallel.h"
 
 namespace pbrt {
-
 namespace {
 
 // Same knots as in stock, because interpolation between them affects images.

@@ -10,7 +10,6 @@
 #include "pbrt/math/transform.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Parameters accepted by every camera, even without effect, as in stock pbrt-v4.

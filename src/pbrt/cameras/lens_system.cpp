@@ -6,7 +6,6 @@
 #include "pbrt/core/files.h"
 
 namespace pbrt {
-
 namespace {
 
 const std::vector<std::string> kShapes = {"gaussian", "square", "pentagon", "star"};

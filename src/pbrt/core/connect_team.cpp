@@ -5,7 +5,6 @@
 #include "pbrt/core/team.h"
 
 namespace pbrt {
-
 namespace {
 
 std::optional<int> NumberInEnvironment(const char *name) {

@@ -6,7 +6,6 @@
 #include <map>
 
 namespace pbrt {
-
 namespace {
 
 /// Random access to lines of files; the line ends of each file are indexed once.

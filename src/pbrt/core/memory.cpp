@@ -11,7 +11,6 @@
 #include <limits>
 
 namespace pbrt {
-
 namespace {
 
 /// Beginning of a kernel file; empty if it does not exist. Does not allocate, since memory may be exhausted.

@@ -9,7 +9,6 @@
 #include "pbrt/core/message_port.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Longer messages are fragmented, because MPI counts with int.
@@ -112,7 +111,6 @@ class MpiPort final : public MessagePort {
 };
 
 }  // namespace
-
 }  // namespace pbrt
 
 extern "C" [[gnu::visibility("default")]] pbrt::MessagePort *PbrtMessagePort() { return new pbrt::MpiPort; }

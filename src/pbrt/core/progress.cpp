@@ -8,7 +8,6 @@
 #include <cstdio>
 
 namespace pbrt {
-
 namespace {
 
 std::string Duration(double seconds) {

@@ -15,7 +15,6 @@
 #include "pbrt/core/log.h"
 
 namespace pbrt {
-
 namespace {
 
 using Clock = std::chrono::steady_clock;

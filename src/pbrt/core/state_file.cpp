@@ -8,7 +8,6 @@
 #include "pbrt/core/files.h"
 
 namespace pbrt {
-
 namespace {
 
 constexpr std::array<char, 8> kMagic = {'p', 'b', 'r', 't', 's', 't', 'a', 't'};

@@ -14,7 +14,6 @@
 #include "pbrt/core/files.h"
 
 namespace pbrt {
-
 namespace {
 
 struct Registry {

@@ -6,7 +6,6 @@
 #include "pbrt/core/memory.h"
 
 namespace pbrt {
-
 namespace {
 
 enum : size_t { kAlbedo, kNormal, kGeonormal, kPosition, kDepth, kUv };

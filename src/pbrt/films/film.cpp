@@ -9,7 +9,6 @@
 #include "pbrt/films/spectral_film.h"
 
 namespace pbrt {
-
 namespace {
 bool HasSplats(const std::vector<StateBlock> &blocks) {
     return std::ranges::any_of(blocks, [](const StateBlock &b) { return b.isOfSplats && b.bytes > 0; });

@@ -8,7 +8,6 @@
 #include "pbrt/images/image.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Scales the scene's pixel bounds by 1 / `divisor`, rounded outwards.

@@ -6,7 +6,6 @@
 #include "pbrt/math/warps.h"
 
 namespace pbrt {
-
 namespace {
 
 class BoxFilter final : public Filter {

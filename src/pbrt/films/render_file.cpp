@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 namespace pbrt {
-
 namespace {
 
 using Json = nlohmann::ordered_json;

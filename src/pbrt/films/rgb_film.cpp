@@ -6,7 +6,6 @@
 #include "pbrt/core/parallel.h"
 
 namespace pbrt {
-
 namespace {
 
 constexpr Float kMaxHalf = 65504;

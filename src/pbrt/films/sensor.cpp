@@ -3,7 +3,6 @@
 #include "pbrt/spectra/rgb_primaries.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Response of three sensitivities to a reflectance under an illuminant, relative to the second's to the bare

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 namespace pbrt {
-
 namespace {
 
 const SpectralBuckets &Checked(const SpectralBuckets &b, const ParamSet &set) {

@@ -24,7 +24,6 @@
 #include "pbrt/images/image_formats.h"
 
 namespace pbrt::formats {
-
 namespace {
 
 constexpr Float LargestHalf = 65504;

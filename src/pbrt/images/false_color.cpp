@@ -5,7 +5,6 @@
 namespace pbrt {
 
 namespace false_color {
-
 namespace {
 constexpr std::array<Rgb, 6> kColors = {Rgb(0.02f, 0.02f, 0.10f), Rgb(0.25f, 0.10f, 0.55f), Rgb(0.05f, 0.45f, 0.65f),
                                         Rgb(0.15f, 0.70f, 0.30f), Rgb(0.95f, 0.80f, 0.15f), Rgb(1.00f, 0.98f, 0.90f)};

@@ -8,7 +8,6 @@
 #include "pbrt/core/parallel.h"
 
 namespace pbrt {
-
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;

@@ -5,7 +5,6 @@
 #include <cstring>
 
 namespace pbrt {
-
 namespace {
 
 int PositiveModulo(int a, int n) {

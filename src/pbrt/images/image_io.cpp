@@ -10,7 +10,6 @@
 #include "pbrt/images/image_formats.h"
 
 namespace pbrt {
-
 namespace {
 
 // Returns f(). Library errors become a UserError that names the file; `use`: "for" or "to write" it.

@@ -10,7 +10,6 @@
 #include "pbrt/images/flip.h"
 
 namespace pbrt {
-
 namespace {
 
 constexpr double kAbsoluteEpsilon = 0.01;

@@ -14,7 +14,6 @@
 #include "pbrt/images/image_library.h"
 
 namespace pbrt::oiio {
-
 namespace {
 
 OIIO::TypeDesc TypeOf(ValueType type) {

@@ -7,7 +7,6 @@
 #include "pbrt/images/image_library.h"
 
 namespace pbrt::formats {
-
 namespace {
 
 std::vector<std::string> NamesFor(int channels) {

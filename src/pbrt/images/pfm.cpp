@@ -9,7 +9,6 @@
 #include "pbrt/images/image_formats.h"
 
 namespace pbrt::formats {
-
 namespace {
 
 static_assert(std::endian::native == std::endian::little);

@@ -7,7 +7,6 @@
 #include "pbrt/images/mipmap.h"
 
 namespace pbrt {
-
 namespace {
 
 int NextPowerOfTwo(int n) { return int(std::bit_ceil(unsigned(n))); }

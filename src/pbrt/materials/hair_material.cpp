@@ -1,7 +1,6 @@
 #include "pbrt/materials/material_params.h"
 
 namespace pbrt {
-
 namespace {
 
 struct HairParams {

@@ -4,7 +4,6 @@
 #include "pbrt/textures/texture.h"
 
 namespace pbrt {
-
 namespace {
 
 class ForcedDiffuseMaterial final : public Material {

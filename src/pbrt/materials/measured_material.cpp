@@ -5,7 +5,6 @@
 #include "pbrt/materials/material_params.h"
 
 namespace pbrt {
-
 namespace {
 
 static_assert(std::endian::native == std::endian::little);

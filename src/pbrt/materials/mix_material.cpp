@@ -3,7 +3,6 @@
 #include "pbrt/math/rng.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Chooses one of two materials per point, the second with probability `amount`. A hash of point, direction and

@@ -2,7 +2,6 @@
 #include "pbrt/spectra/spectral_data.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Medium below a surface: absorption and reduced scattering or, if `isReflectance`, the reflectance of a uniformly lit

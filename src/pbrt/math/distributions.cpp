@@ -6,7 +6,6 @@
 #include "pbrt/core/error.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Piecewise linear interpolation of a function given at 0 ... n.

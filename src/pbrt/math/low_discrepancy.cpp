@@ -3,7 +3,6 @@
 #include "pbrt/core/error.h"
 
 namespace pbrt {
-
 namespace {
 
 constexpr std::array<uint16_t, PrimeCount> FirstPrimes() {

@@ -6,7 +6,6 @@
 #include <limits>
 
 namespace pbrt {
-
 namespace {
 // Boost treats more degrees of freedom as infinite anyway; the cap keeps its algorithms in range.
 constexpr double kMaxDof = 1e9;

@@ -7,7 +7,6 @@
 #include "pbrt/spectra/spectrum_params.h"
 
 namespace pbrt {
-
 namespace {
 
 constexpr Float kMaxCoefficient = 1e30f;

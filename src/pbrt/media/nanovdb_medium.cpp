@@ -14,7 +14,6 @@
 #include <nanovdb/util/IO.h>
 
 namespace pbrt {
-
 namespace {
 
 using FloatGrid = nanovdb::NanoGrid<float>;

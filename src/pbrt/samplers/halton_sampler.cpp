@@ -1,7 +1,6 @@
 #include "pbrt/samplers/halton_sampler.h"
 
 namespace pbrt {
-
 namespace {
 
 /// First-digit steps per dimension between samples of a pixel, see HaltonSampler::Step.

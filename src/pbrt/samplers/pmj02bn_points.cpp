@@ -7,7 +7,6 @@
 #include "pbrt/samplers/pmj02bn_sampler.h"
 
 namespace pbrt {
-
 namespace {
 
 constexpr int kSize = BlueNoiseMask::Size, kCount = kSize * kSize;

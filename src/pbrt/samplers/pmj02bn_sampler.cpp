@@ -3,7 +3,6 @@
 #include "pbrt/samplers/randomization.h"
 
 namespace pbrt {
-
 namespace {
 
 constexpr int kLog2Count = Pmj02bnSampler::SetLog2Count;

@@ -1,7 +1,6 @@
 #include "pbrt/samplers/sobol_samplers.h"
 
 namespace pbrt {
-
 namespace {
 
 int Log2RoundedUp(int v) { return std::bit_width(unsigned(std::max(1, v)) - 1); }

@@ -1,7 +1,6 @@
 #include "pbrt/scene/shading.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Offset from the point to the ray's hit with the tangent plane; zero if parallel.

@@ -12,7 +12,6 @@
 #include "pbrt/math/rng.h"
 
 namespace pbrt {
-
 namespace {
 
 std::vector<std::string> QuotedStrings(const std::string &text) {

@@ -4,7 +4,6 @@
 #include <utility>
 
 namespace pbrt {
-
 namespace {
 
 /// "; it was first defined at FILE:LINE", or "" if the location is unknown.

@@ -15,7 +15,6 @@
 #include "pbrt/scenefile/parameter_reader.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Grammar of scene files: one reader per top-level or imported file.

@@ -7,7 +7,6 @@
 #include "pbrt/scenefile/unicode.h"
 
 namespace pbrt {
-
 namespace {
 
 std::string_view TakeWord(std::string_view &text) {

@@ -7,7 +7,6 @@
 #include "pbrt/shapes/solid_angle_sampling.h"
 
 namespace pbrt {
-
 namespace {
 
 template <class T>

@@ -9,7 +9,6 @@
 #include "pbrt/core/parallel.h"
 
 namespace pbrt {
-
 namespace {
 
 [[noreturn]] void ThrowTooManySplits(const SplitSize &size, Float maxEdge, Float edgeScale) {

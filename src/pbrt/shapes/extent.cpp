@@ -3,7 +3,6 @@
 #include "pbrt/shapes/triangle_mesh.h"
 
 namespace pbrt {
-
 namespace {
 
 std::string PointText(const Point3 &p) { return fmt::format("({}, {}, {})", p.x, p.y, p.z); }

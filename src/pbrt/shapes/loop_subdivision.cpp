@@ -9,7 +9,6 @@
 #include "pbrt/core/error.h"
 
 namespace pbrt {
-
 namespace {
 
 namespace Far = OpenSubdiv::Far;

@@ -13,7 +13,6 @@
 #include "pbrt/core/error.h"
 
 namespace pbrt {
-
 namespace {
 
 enum class Scalar { Int8, Uint8, Int16, Uint16, Int32, Uint32, Float32, Float64 };

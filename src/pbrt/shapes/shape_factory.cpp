@@ -12,7 +12,6 @@
 #include "pbrt/shapes/triangle_mesh.h"
 
 namespace pbrt {
-
 namespace {
 
 /// A shape of type S; its constructor ends in the transformation and orientation of the context.

@@ -5,7 +5,6 @@
 #include "pbrt/shapes/solid_angle_sampling.h"
 
 namespace pbrt {
-
 namespace {
 
 Vector3 HitBarycentrics(const PrimitiveHit &hit) { return {std::max(Float(0), 1 - hit.u - hit.v), hit.u, hit.v}; }

@@ -17,7 +17,6 @@ extern const float pbrt_rgb_table_aces2065_1[];
 }
 
 namespace pbrt {
-
 namespace {
 
 constexpr std::array<Float, RgbTableResolution> kScales = RgbTableScales();

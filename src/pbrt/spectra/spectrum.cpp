@@ -5,7 +5,6 @@
 #include "pbrt/core/error.h"
 
 namespace pbrt {
-
 namespace {
 
 constexpr int kFirstNm = 360, kLastNm = 830;

@@ -4,7 +4,6 @@
 #include "pbrt/core/params.h"
 
 namespace pbrt {
-
 namespace {
 
 void RequireCount(const Param &p, size_t found, size_t wanted) {

@@ -6,7 +6,6 @@
 #include "pbrt/core/parallel.h"
 
 namespace pbrt {
-
 namespace {
 
 const std::vector<std::string> kRgb = {"R", "G", "B"};

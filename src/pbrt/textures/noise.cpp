@@ -5,7 +5,6 @@
 #include <cstdint>
 
 namespace pbrt {
-
 namespace {
 
 /// Permutation of 0-255 of the reference implementation (Perlin, Improving Noise, SIGGRAPH 2002).

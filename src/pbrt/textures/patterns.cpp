@@ -3,7 +3,6 @@
 #include "pbrt/textures/noise.h"
 
 namespace pbrt {
-
 namespace {
 
 Float Phase(Float x) { return x - 2 * std::floor(x / 2); }

@@ -8,7 +8,6 @@
 #include "pbrt/textures/texture_makers.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Parameter that names a texture; nullptr, and `*isValue` true, if a value (one of `types`) applies or nothing is

@@ -6,7 +6,6 @@
 #include "pbrt/textures/texture.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Makers are templates over FloatKind or SpectrumKind, which define parameter types and the conversion of operands,

@@ -1,7 +1,6 @@
 #include "pbrt/textures/texture_mapping.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Gradient of azimuth / 2 pi; 0 on the axis, where it is undefined.

@@ -11,7 +11,6 @@
 #include "pbrt/math/warps.h"
 
 namespace ext {
-
 namespace {
 /// Decorrelates the segments from other uses of the seed.
 constexpr uint64_t kStream = 0x6e65657070ull;

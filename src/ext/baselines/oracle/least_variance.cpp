@@ -5,7 +5,6 @@
 #include <limits>
 
 namespace ext {
-
 namespace {
 constexpr int kMaxSteps = 30;
 constexpr double kTolerance = 1e-3;

@@ -11,7 +11,6 @@
 #include "pbrt/scene/scene.h"
 
 namespace ext {
-
 namespace {
 
 /// Decorrelates this sampler from other uses of the seed.

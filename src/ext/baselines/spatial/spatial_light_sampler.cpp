@@ -13,7 +13,6 @@
 #include "pbrt/scene/scene.h"
 
 namespace ext {
-
 namespace {
 /// Decorrelates the shifts from other uses of the seed.
 constexpr uint64_t kStream = 0x7370617469616cull;

@@ -11,7 +11,6 @@
 #include "pbrt/cmd/flags.h"
 
 namespace ext::lab {
-
 namespace {
 
 const char *const kAbout =

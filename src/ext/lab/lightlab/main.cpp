@@ -17,7 +17,6 @@
 #include "plugins.h"
 
 namespace ext::lab {
-
 namespace {
 
 /// Seconds from a signal to process exit. Records and images on disk are always complete, so waiting is optional; but
@@ -100,7 +99,6 @@ int RunSubcommand(const LightlabOptions &options, const PluginRegistry &registry
 }
 
 }  // namespace
-
 }  // namespace ext::lab
 
 int main(int argc, char **argv) {

@@ -6,7 +6,6 @@
 #include "pbrt/spectra/rgb_primaries.h"
 
 namespace pbrt::imgtool {
-
 namespace {
 
 struct BloomOptions {

@@ -8,7 +8,6 @@
 #include "pbrt/films/render_file.h"
 
 namespace pbrt::imgtool {
-
 namespace {
 
 struct AverageOptions {

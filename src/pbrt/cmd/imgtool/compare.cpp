@@ -4,7 +4,6 @@
 #include "pbrt/cmd/imgtool/commands.h"
 
 namespace pbrt::imgtool {
-
 namespace {
 
 struct DiffOptions {

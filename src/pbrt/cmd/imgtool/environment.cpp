@@ -7,7 +7,6 @@
 #include "pbrt/math/warps.h"
 
 namespace pbrt::imgtool {
-
 namespace {
 
 struct MakeequiareaOptions {

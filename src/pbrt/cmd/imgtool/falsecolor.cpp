@@ -5,7 +5,6 @@
 #include "pbrt/images/false_color.h"
 
 namespace pbrt::imgtool {
-
 namespace {
 
 struct FalsecolorOptions {

@@ -4,7 +4,6 @@
 #include "pbrt/cmd/imgtool/commands.h"
 
 namespace pbrt::imgtool {
-
 namespace {
 
 using Json = nlohmann::ordered_json;

@@ -5,7 +5,6 @@
 #include <vector>
 
 namespace pbrt::imgtool {
-
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;

@@ -3,7 +3,6 @@
 #include "pbrt/cmd/imgtool/commands.h"
 
 namespace pbrt::imgtool {
-
 namespace {
 
 struct SplitnOptions {

@@ -10,7 +10,6 @@
 #include "pbrt/core/progress.h"
 
 namespace pbrt {
-
 namespace {
 
 std::string RangeText(int first, int end) { return fmt::format("{}:{}", first, end); }

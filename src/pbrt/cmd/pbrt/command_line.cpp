@@ -11,7 +11,6 @@
 #include "pbrt/films/aov_film.h"
 
 namespace pbrt {
-
 namespace {
 
 bool IsNumber(std::string_view text) {

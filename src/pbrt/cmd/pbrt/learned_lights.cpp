@@ -7,7 +7,6 @@
 #include "pbrt/scenefile/content_hash.h"
 
 namespace pbrt {
-
 namespace {
 
 using Json = nlohmann::ordered_json;

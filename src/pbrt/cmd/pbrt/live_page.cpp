@@ -11,7 +11,6 @@
 #include "pbrt/core/error.h"
 
 namespace pbrt {
-
 namespace {
 
 namespace asio = boost::asio;

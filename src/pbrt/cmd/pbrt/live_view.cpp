@@ -5,7 +5,6 @@
 #include "pbrt/core/parallel.h"
 
 namespace pbrt {
-
 namespace {
 
 using Clock = std::chrono::steady_clock;

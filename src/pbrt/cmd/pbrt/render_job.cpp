@@ -21,7 +21,6 @@
 #include "pbrt/scenefile/parser.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Maximum seconds for writing an image after a signal: above any disk's needs, below the delay before schedulers kill

@@ -16,7 +16,6 @@
 #include "pbrt/integrators/direction_sampling.h"
 
 namespace pbrt {
-
 namespace {
 
 using Json = nlohmann::ordered_json;

@@ -12,7 +12,6 @@
 #include "pbrt/core/log.h"
 
 namespace pbrt {
-
 namespace {
 
 namespace beast = boost::beast;

@@ -5,7 +5,6 @@
 #include "pbrt/spectra/spectrum.h"
 
 namespace pbrt {
-
 namespace {
 
 constexpr double kMaxCoefficient = 200;

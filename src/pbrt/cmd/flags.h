@@ -33,7 +33,8 @@ inline const CLI::Validator NonNegativeNumber = NumberCheck(true, "NONNEGATIVE")
 /// flags are comma-separated.
 class Flag {
   public:
-    Flag(std::string names, auto &target, std::string help, std::optional<CLI::Validator> check = {})
+    template <class T>
+    Flag(std::string names, T &target, std::string help, std::optional<CLI::Validator> check = {})
         : add_([=, &target](CLI::App &app) {
               CLI::Option *option = nullptr;
               if constexpr (std::is_same_v<T, bool>) option = app.add_flag(names, target, help);

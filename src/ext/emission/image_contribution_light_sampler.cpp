@@ -13,7 +13,6 @@
 #include "pbrt/transport/path_walk.h"
 
 namespace ext {
-
 namespace {
 
 /// Decorrelates this prepass from other uses of the seed.
@@ -162,7 +161,7 @@ std::vector<ImageContribution> EstimateImageContributions(PrepareContext &contex
         double sum = 0;
     };
     std::vector<Tile> perTile(PrepassTileCount(context.pixelBounds));
-    const double pathsPerPixel = perTile.empty() ? 0 : paths / static_cast<double>(context.pixelBounds.Area());
+    const double pathsPerPixel = perTile.empty() ? 0 : paths / double(context.pixelBounds.Area());
     ForEachPrepassPath(context, "image contributions", kStream, pathsPerPixel, [&](int64_t tile, PrepassPath &path) {
         Tile &to = perTile[tile];
         ContributionPath(context, chooser, path, to.samples);
@@ -172,14 +171,14 @@ std::vector<ImageContribution> EstimateImageContributions(PrepareContext &contex
     for (Tile &t : perTile) {
         for (const Sample &f : t.samples) t.sum += f.value;
         sum += t.sum;
-        count += static_cast<double>(t.samples.size());
-        all += static_cast<double>(t.paths);
+        count += double(t.samples.size());
+        all += double(t.paths);
     }
     std::vector<ImageContribution> result(chooser.Groups().Size());
     if (sum > 0)
         for (const Tile &t : perTile) {
             const double largest = kLargest * sum / count;
-            const double brightness = t.sum / std::max(1.0, static_cast<double>(t.paths)) / (sum / all) + kPlain;
+            const double brightness = t.sum / std::max(1.0, double(t.paths)) / (sum / all) + kPlain;
             for (const Sample &f : t.samples) {
                 result[f.group].sum += std::min(f.value, largest) / (brightness * brightness);
                 ++result[f.group].count;
@@ -204,9 +203,8 @@ ImageContributionLightSampler::ImageContributionLightSampler(const LightTable &l
 void ImageContributionLightSampler::Prepare(PrepareContext &context) {
     if (groups_.Size() <= 1) return;
     const auto start = std::chrono::steady_clock::now();
-    const double pixels = context.pixelBounds.IsEmpty() ? 0 : static_cast<double>(context.pixelBounds.Area());
-    const double paths =
-        std::clamp(static_cast<double>(params_.budget) * context.samplesPerPixel * pixels, kMinPaths, kMaxPaths);
+    const double pixels = context.pixelBounds.IsEmpty() ? 0 : double(context.pixelBounds.Area());
+    const double paths = std::clamp(double(params_.budget) * context.samplesPerPixel * pixels, kMinPaths, kMaxPaths);
     contributions_ = EstimateImageContributions(context, BVHLightSampler(groups_), paths);
     double found = 0, samples = 0, once = 0, power = 0;
     for (uint32_t g = 0; g < groups_.Size(); ++g) {
@@ -214,22 +212,21 @@ void ImageContributionLightSampler::Prepare(PrepareContext &context) {
         samples += contributions_[g].count;
         once += contributions_[g].count == 1;
         groupsSeen_ += contributions_[g].count > 0;
-        power += static_cast<double>(groups_.Candidate(g).power);
+        power += double(groups_.Candidate(g).power);
     }
     if (!(found > 0) || !(power > 0) || !std::isfinite(power)) return;
     missed_ = once / samples;
     std::vector<double> roots(groups_.Size());
     for (uint32_t g = 0; g < groups_.Size(); ++g) {
-        const double share = static_cast<double>(groups_.Candidate(g).power) / power;
+        const double share = double(groups_.Candidate(g).power) / power;
         roots[g] = std::sqrt(share * ((1 - missed_) * contributions_[g].sum / found + missed_ * share));
     }
     const double sum = std::accumulate(roots.begin(), roots.end(), 0.0);
     if (!(sum > 0)) return;
-    const auto floor = static_cast<double>(params_.floor);
+    const auto floor = double(params_.floor);
     std::vector<Float> weights(groups_.Size());
     for (uint32_t g = 0; g < groups_.Size(); ++g)
-        weights[g] = static_cast<Float>((1 - floor) * roots[g] / sum +
-                                        floor * static_cast<double>(groups_.Candidate(g).power) / power);
+        weights[g] = Float((1 - floor) * roots[g] / sum + floor * double(groups_.Candidate(g).power) / power);
     table_ = AliasTable(weights);
     prepassSeconds_ = SecondsSince(start);
 }
@@ -237,11 +234,11 @@ void ImageContributionLightSampler::Prepare(PrepareContext &context) {
 std::optional<GroupLightSampler::ChosenGroup> ImageContributionLightSampler::ChooseGroup(const LightQuery &query,
                                                                                          const void *, Float u) const {
     const AliasTable::Sampled s = table_.Sample(u);
-    return ChosenGroup{static_cast<uint32_t>(s.index), s.pmf, InnerNumber(query, u)};
+    return ChosenGroup{uint32_t(s.index), s.pmf, InnerNumber(query, u)};
 }
 
 Float ImageContributionLightSampler::GroupProbability(const LightQuery &, const void *, uint32_t group) const {
-    return table_.PMF(static_cast<int>(group));
+    return table_.PMF(int(group));
 }
 
 void ImageContributionLightSampler::Report(nlohmann::ordered_json &json) const {
@@ -256,8 +253,8 @@ void ImageContributionLightSampler::Report(nlohmann::ordered_json &json) const {
 void ImageContributionLightSampler::Inspect(const LightQuery &, std::vector<InspectedValue> &values) const {
     uint32_t likeliest = 0;
     for (uint32_t g = 1; g < groups_.Size(); ++g)
-        if (table_.PMF(static_cast<int>(g)) > table_.PMF(static_cast<int>(likeliest))) likeliest = g;
-    values.push_back({"likeliest group", static_cast<double>(likeliest), true});
+        if (table_.PMF(int(g)) > table_.PMF(int(likeliest))) likeliest = g;
+    values.push_back({"likeliest group", double(likeliest), true});
 }
 
 }  // namespace ext

@@ -28,8 +28,7 @@ struct ImageContributionParams {
     Float budget = 0.01f;
     bool meshlights = true;
 
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("floor", floor, Range<Float>{0.01f, 1.f}, "part of the probability given by power alone");
         v("budget", budget, Range<Float>{1e-4f, 1.f},
           "paths of the prepass as a part of the render's; from 8,192 to about a million");

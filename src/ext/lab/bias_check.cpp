@@ -51,7 +51,6 @@
 // bias_auxiliary_test.cpp.
 
 namespace ext::lab {
-
 namespace {
 
 constexpr int kMinimumData = 32;  ///< tile means (seeds x tiles) in a block
@@ -137,12 +136,12 @@ class Channel {
         if (!ofReference_.Known()) ofReference_.Add(runs_, 1);
         if (reference.parts.size() == 1 && reference.relL2 && runs.size() > 1) {
             const std::vector<double> &values = reference.parts[0].values;
-            const double mean = std::accumulate(values.begin(), values.end(), 0.) / static_cast<double>(values.size());
+            const double mean = std::accumulate(values.begin(), values.end(), 0.) / double(values.size());
             const double epsilon = RelL2Epsilon(mean);
             // Pixel filters correlate neighbouring pixels: a tile's mean has about twice the variance.
             grid_.ForEachTile([&](int x, int y) {
                 const int t = grid_.Index(x, y);
-                const auto area = static_cast<double>(grid_.Pixels(x, y).Area());
+                const auto area = double(grid_.Pixels(x, y).Area());
                 const double value = reference.parts[0](t, channel);
                 known_.push_back(2 * *reference.relL2 * (value * value + epsilon) * weights_[t] * weights_[t] / area);
             });
@@ -153,7 +152,7 @@ class Channel {
     RegionTest Test(const Bounds2i &r, const Bounds2i &around, double allowance, double level) const {
         RegionTest test;
         test.pixels = Bounds2i(grid_.Pixels(r.low.x, r.low.y).low, grid_.Pixels(r.high.x - 1, r.high.y - 1).high);
-        const double tiles = static_cast<double>(r.Area());
+        const double tiles = double(r.Area());
         double unit = 0;  // weighted mean of the reference
         ForEachPixel(r, [&](int x, int y) {
             test.difference += Difference(x, y) / tiles;
@@ -162,7 +161,7 @@ class Channel {
         // About 0.95 in regions of ordinary brightness. The bound limits relative differences of nearly black regions.
         unit = std::max(unit, 0.5);
 
-        const auto runs = static_cast<double>(runs_.Pictures()), parts = static_cast<double>(parts_.Pictures());
+        const auto runs = double(runs_.Pictures()), parts = double(parts_.Pictures());
         double variance = 0, squared = 0;
         auto add = [&](const TileNoise::Estimate &noise) {
             variance += noise.variance;
@@ -220,18 +219,18 @@ class Channel {
   private:
     static std::vector<double> Weights(const BiasReference &reference, int channel, const Cut &blocks) {
         const TileGrid &grid = reference.parts[0].grid;
-        const auto parts = static_cast<double>(reference.parts.size());
+        const auto parts = double(reference.parts.size());
         std::vector<double> value(grid.Count()), weights(value.size());
         double image = 0;
         for (size_t t = 0; t < value.size(); ++t) {
-            for (const TileMeans &part : reference.parts) value[t] += part(static_cast<int>(t), channel) / parts;
-            image += value[t] / static_cast<double>(value.size());
+            for (const TileMeans &part : reference.parts) value[t] += part(int(t), channel) / parts;
+            image += value[t] / double(value.size());
         }
         ForEachPixel(blocks.count, [&](int blockX, int blockY) {
             const Bounds2i r = blocks.At(blockX, blockY);
             double sum = 0;
             ForEachPixel(r, [&](int x, int y) { sum += value[grid.Index(x, y)]; });
-            const double mean = sum / static_cast<double>(r.Area()) + kDark * image;
+            const double mean = sum / double(r.Area()) + kDark * image;
             ForEachPixel(r, [&](int x, int y) { weights[grid.Index(x, y)] = mean > 0 ? 1 / mean : 0; });
         });
         return weights;
@@ -250,7 +249,7 @@ class Channel {
 
     TileNoise::Estimate Scatter(const Bounds2i &r, double mean) const {
         double own = 0, ownSquared = 0, neighbours = 0;
-        const auto tiles = static_cast<double>(r.Area());
+        const auto tiles = double(r.Area());
         if (tiles < 2) return {kInfinity, 0};
         auto off = [&](int x, int y) { return Difference(x, y) - mean; };
         ForEachPixel(r, [&](int x, int y) {
@@ -291,10 +290,10 @@ double MeanOf(std::span<const TileMeans> pictures) {
     double sum = 0;
     for (const TileMeans &p : pictures)
         p.grid.ForEachTile([&](int x, int y) {
-            const auto area = static_cast<double>(p.grid.Pixels(x, y).Area());
+            const auto area = double(p.grid.Pixels(x, y).Area());
             for (int c = 0; c < p.channels; ++c) sum += p(p.grid.Index(x, y), c) * area;
         });
-    return sum / static_cast<double>(pictures.size());
+    return sum / double(pictures.size());
 }
 
 std::string Percent(double v) {
@@ -328,7 +327,7 @@ BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &refer
                      std::span<const AuxiliaryRuns> auxiliary) {
     CheckInput(runs, auxiliary, reference);
     const TileGrid &grid = runs[0].grid;
-    const std::vector<Cut> levels = Levels(grid, static_cast<int>(runs.size()));
+    const std::vector<Cut> levels = Levels(grid, int(runs.size()));
 
     BiasReport report;
     report.tiles = grid.Count();
@@ -348,7 +347,7 @@ BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &refer
                 const Bounds2i low = cut.At(std::max(x - 1, 0), std::max(y - 1, 0));
                 const Bounds2i high = cut.At(std::min(x + 1, cut.count.x - 1), std::min(y + 1, cut.count.y - 1));
                 RegionTest test = channel.Test(cut.At(x, y), {low.low, high.high}, allowance, level);
-                test.level = static_cast<int>(l);
+                test.level = int(l);
                 test.channel = c;
                 tests.push_back(test);
             });
@@ -359,7 +358,7 @@ BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &refer
     const auto sixteenth =
         std::ranges::min_element(levels, {}, [](const Cut &cut) { return std::abs(std::log(cut.Count() / 16.0)); });
     report.sixteenthRegions = sixteenth->Count();
-    const auto last = static_cast<int>(levels.size()) - 1;
+    const auto last = int(levels.size()) - 1;
     auto visible = [&](std::ptrdiff_t of) {
         std::vector<double> values;
         for (const RegionTest &t : tests)

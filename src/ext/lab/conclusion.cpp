@@ -9,7 +9,6 @@
 #include "ext/lab/measures.h"
 
 namespace ext::lab {
-
 namespace {
 
 constexpr size_t kMaxNamed = 4;  ///< samplers named in a headline
@@ -106,7 +105,7 @@ Conclusion Conclude(const std::vector<Contender> &contenders, const std::vector<
     } else {
         const Contender &leader = *competing.front();
         const std::vector<const Contender *> others(competing.begin() + 1, competing.end());
-        out.lowest = static_cast<size_t>(&leader - contenders.data());
+        out.lowest = size_t(&leader - contenders.data());
         out.reasons = Objections(leader, others, doubts, equalTime);
         if (out.reasons.empty()) out.winner = out.lowest;
         out.headline = out.winner ? WinnerHeadline(leader, *others.front(), equalTime) : UndecidedHeadline(competing);

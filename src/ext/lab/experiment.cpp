@@ -1,7 +1,6 @@
 #include "ext/lab/experiment.h"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <map>
 
@@ -29,25 +28,24 @@ std::string SelectionNote(const SamplerChoice &choice) { return choice.folder + 
 /// Creates the folders. An existing experiment is resumed if its settings match; else throws UserError.
 void OpenFolder(const ExperimentSettings &settings, const Json &identity, const RecordFolder &records) {
     const std::string &out = settings.outFolder;
-    if (fs::exists(out) && !fs::is_directory(out)) throw UserError(fmt::format("{}: is a file, not a folder.", out));
+    if (fs::exists(out) && !fs::is_directory(out)) throw UserError("{}: is a file, not a folder.", out);
     if (settings.restart) fs::remove_all(records.Folder());
     const Json old = records.LoadSettings();
     if (old.is_discarded()) {
-        LogWarning(fmt::format("{}: cannot be read; records that belong to these settings are used.",
-                               records.File("settings.json")));
+        LogWarning("{}: cannot be read; records that belong to these settings are used.",
+                   records.File("settings.json"));
     } else if (old.is_object()) {
         if (std::vector<std::string> differences = Differences(old, identity); !differences.empty())
             throw UserError(
-                fmt::format("{} holds an experiment with other settings ({}). Choose another --out, or "
-                            "--restart to replace it.",
-                            out, fmt::join(differences, "; ")));
-        LogInfo(fmt::format("{} holds records of this experiment; resuming from them.", out));
+                "{} holds an experiment with other settings ({}). Choose another --out, or --restart to replace it.",
+                out, fmt::join(differences, "; "));
+        LogInfo("{} holds records of this experiment; resuming from them.", out);
     }
     std::error_code error;
     for (const SamplerChoice &s : settings.samplers) {
         fs::create_directories(fs::path(records.Folder()) / s.folder, error);
         if (!error) fs::create_directories(fs::path(out) / s.folder, error);
-        if (error) throw UserError(fmt::format("{}: cannot be created: {}.", out, error.message()));
+        if (error) throw UserError("{}: cannot be created: {}.", out, error.message());
     }
     records.SaveSettings(identity);
 }
@@ -173,7 +171,7 @@ class Rounds {
         };
         if (!run.RenderTo(TargetOf(i, seed, checkpoint), afterWave)) return false;
         const Image picture = run.Picture();
-        const int c = static_cast<int>(checkpoint);
+        const int c = int(checkpoint);
         run.AddRound(c, measuring_[ofSampler_[i]].Compare(picture));
         // The record is written last: a round without record does not count.
         const bool last = checkpoint + 1 == checkpoints_.size();
@@ -210,7 +208,7 @@ class Rounds {
     }
 
     RenderTarget TargetOf(size_t i, int seed, size_t checkpoint) const {
-        if (replay_) return {replay_->At(settings_.samplers[i].label, seed, static_cast<int>(checkpoint)), 0};
+        if (replay_) return {replay_->At(settings_.samplers[i].label, seed, int(checkpoint)), 0};
         return checkpoints_[checkpoint];
     }
 
@@ -247,7 +245,7 @@ class Rounds {
         double mean = 0;
         for (const Json &entry : pilot.is_array() ? pilot : Json::array()) {
             known[entry.value("sampler", "")] = entry.value("secondsPerSample", 0.0);
-            mean += entry.value("secondsPerSample", 0.0) / static_cast<double>(pilot.size());
+            mean += entry.value("secondsPerSample", 0.0) / double(pilot.size());
         }
         hasPilot_ = mean > 0;
         for (const SamplerChoice &s : settings_.samplers) {
@@ -297,8 +295,8 @@ void CheckCrops(const ExperimentSettings &settings, const LabScene &scene) {
     const Point2i resolution = scene.Resolution();
     for (const Bounds2i &c : settings.crops)
         if (c.IsEmpty() || Intersect(c, {{0, 0}, resolution}).Area() < c.Area())
-            throw UserError(fmt::format("--crops: {},{},{},{} is not inside the picture of {} x {} pixels.", c.low.x,
-                                        c.low.y, c.high.x, c.high.y, resolution.x, resolution.y));
+            throw UserError("--crops: {},{},{},{} is not inside the picture of {} x {} pixels.", c.low.x, c.low.y,
+                            c.high.x, c.high.y, resolution.x, resolution.y);
 }
 
 /// Creates an integrator per sampler, so that invalid parameters are reported before rendering.

@@ -12,7 +12,6 @@
 #include "pbrt/scenefile/parser.h"
 
 namespace ext::lab {
-
 namespace {
 
 std::string Trim(const std::string &text) {
@@ -62,7 +61,7 @@ std::vector<std::string> ReadSamplerFile(const std::string &path) {
     std::istringstream in(ReadFileContents(path));
     for (std::string line; std::getline(in, line);)
         if (std::string sampler = Trim(line.substr(0, line.find('#'))); !sampler.empty()) list.push_back(sampler);
-    if (list.empty()) throw UserError(fmt::format("{}: names no light sampler.", path));
+    if (list.empty()) throw UserError("{}: names no light sampler.", path);
     return list;
 }
 
@@ -75,8 +74,7 @@ std::vector<SamplerChoice> ParseSamplerChoices(const std::vector<std::string> &t
         try {
             if (text.empty()) throw UserError("the list of samplers has an empty entry.");
             SamplerChoice choice = ParseOne(text, registry, sink);
-            if (!labels.insert(choice.label).second)
-                throw UserError(fmt::format("sampler \"{}\" is listed twice.", text));
+            if (!labels.insert(choice.label).second) throw UserError("sampler \"{}\" is listed twice.", text);
             while (!folders.insert(choice.folder).second) choice.folder += "_";
             choices.push_back(choice);
         } catch (const UserError &e) {
@@ -137,7 +135,7 @@ Json ReadResults(const std::string &path) {
     Json json = Json::parse(ReadFileContents(path), nullptr, false);
     if (!json.is_object() || (json.value("schema", 0) != 1 && json.value("schema", 0) != kResultsSchema) ||
         !json.contains("samplers") || !json.contains("settings"))
-        throw UserError(fmt::format("{}: is not a results.json of lightlab.", path));
+        throw UserError("{}: is not a results.json of lightlab.", path);
     return json;
 }
 
@@ -158,12 +156,12 @@ SampleCounts::SampleCounts(const std::string &path, const ExperimentSettings &se
                 hash.Add(fmt::format("{} {}", expected, Json(counts).dump()));
             }
     } catch (const std::exception &) {
-        throw UserError(fmt::format("{}: the sample counts cannot be read.", path));
+        throw UserError("{}: the sample counts cannot be read.", path);
     }
     for (const SamplerChoice &s : settings.samplers)
         for (int seed = 0; seed < settings.seeds; ++seed)
             if (!counts_.contains({s.label, seed}))
-                throw UserError(fmt::format("{}: has no run of sampler \"{}\" with seed {}.", path, s.label, seed));
+                throw UserError("{}: has no run of sampler \"{}\" with seed {}.", path, s.label, seed);
     hash_ = hash.Hex();
 }
 
@@ -172,7 +170,7 @@ ImageMetadata LabScene::Metadata(const Film &film, const std::string &sampler, i
     m.attributes["lightlab.sampler"] = sampler;
     m.attributes["lightlab.sceneHash"] = hash;
     m.attributes["samplesPerPixel"] = samples;
-    m.attributes["renderTimeSeconds"] = static_cast<float>(seconds);
+    m.attributes["renderTimeSeconds"] = float(seconds);
     m.attributes["pbrt.version"] = std::string(VersionText());
     m.attributes["pbrt.integrator"] = built.integratorName;
     m.attributes["pbrt.maxDepth"] = built.maxDepth;
@@ -186,10 +184,10 @@ std::unique_ptr<Integrator> LabScene::MakeIntegrator(const SamplerChoice &choice
 void CheckSamplesLights(const BuiltScene &built, const std::string &scene) {
     if (built.lightSamplerName.empty())
         throw UserError(
-            fmt::format("{}: the integrator \"{}\" uses no light sampler; \"path\", \"volpath\", \"bdpt\", "
-                        "\"mlt\" and \"sppm\" do.",
-                        scene, built.integratorName));
-    if (built.scene->Lights().Size() == 0) throw UserError(fmt::format("{}: has no lights.", scene));
+            "{}: the integrator \"{}\" uses no light sampler; \"path\", \"volpath\", \"bdpt\", "
+            "\"mlt\" and \"sppm\" do.",
+            scene, built.integratorName);
+    if (built.scene->Lights().Size() == 0) throw UserError("{}: has no lights.", scene);
 }
 
 LabScene LoadLabScene(const ExperimentSettings &settings, const PluginRegistry &registry, Progress &progress) {

@@ -14,7 +14,6 @@
 #include "pbrt/transport/path_walk.h"
 
 namespace ext::lab {
-
 namespace {
 
 constexpr uint64_t kPixelStream = 0x696e7370656374ull;
@@ -29,7 +28,7 @@ std::vector<InspectedLight> NamedGroups(const LightGroups &groups, const LightNa
         InspectedLight &light = lights[g];
         light.first = LightId(groups.FirstOf(g));
         light.count = groups.CountOf(g);
-        light.power = static_cast<double>(groups.Candidate(g).power) * groups.Lights().Unit();
+        light.power = double(groups.Candidate(g).power) * groups.Lights().Unit();
         light.label = names.NameOf(light.first, light.count);
         if (light.label.empty()) light.label = fmt::format("light {}", light.first.value);
     }
@@ -94,7 +93,7 @@ void FindRange(int channel, Inspection *out) {
     InspectedLayer &layer = out->layers[channel];
     double sum = 0;
     ForEachPixel(out->image.Resolution(), [&](int x, int y) {
-        const auto v = static_cast<double>(out->image.Get({x, y}, channel));
+        const auto v = double(out->image.Get({x, y}, channel));
         if (channel > 0 && out->image.Get({x, y}, 0) == 0) return;
         if (!std::isfinite(v)) {
             ++layer.unknown;
@@ -105,10 +104,10 @@ void FindRange(int channel, Inspection *out) {
         sum += v;
         ++layer.values;
     });
-    layer.mean = layer.values ? sum / static_cast<double>(layer.values) : 0;
+    layer.mean = layer.values ? sum / double(layer.values) : 0;
     if (layer.name == "brightest" && layer.IsFlat() && layer.values > 0)
         for (const InspectedLight &light : out->lights)
-            if (light.first.value == static_cast<uint32_t>(layer.least)) layer.light = light.label;
+            if (light.first.value == uint32_t(layer.least)) layer.light = light.label;
     if (layer.shownMost <= layer.shownLeast)
         layer.shownMost = layer.most > layer.shownLeast ? layer.most : layer.shownLeast + 1;
 }
@@ -135,15 +134,14 @@ class Inspector {
         Inspection out;
         for (size_t g = 0; g < groups_.Size(); ++g) shown_.push_back(g);
         std::ranges::stable_sort(shown_, std::ranges::greater(), [&](size_t g) { return lights_[g].power; });
-        shown_.resize(std::min(shown_.size(), static_cast<size_t>(std::max(settings_.shownLights, 0))));
+        shown_.resize(std::min(shown_.size(), size_t(std::max(settings_.shownLights, 0))));
         MakeLayers(out);
         out.structure = sampler_.DescribeStructure();
         out.lights = lights_;
 
         const Bounds2i pixels = built_.film->PixelBounds();
         const Point2i resolution = pixels.high - pixels.low;
-        const double perPixel = static_cast<double>(built_.scene->Lights().Size()) +
-                                static_cast<double>(groups_.Size()) * settings_.samples;
+        const double perPixel = double(built_.scene->Lights().Size()) + double(groups_.Size()) * settings_.samples;
         while (perPixel * resolution.x * resolution.y / (out.stride * out.stride) > settings_.maxWork) ++out.stride;
 
         std::vector<std::string> names;
@@ -155,7 +153,7 @@ class Inspector {
         ParallelForEach(rows, [&](int64_t row) {
             std::vector<double> values;
             const std::unique_ptr<Sampler> sampler = built_.sampler->WithSeed(kPathSeed);
-            const int y0 = static_cast<int>(row) * out.stride;
+            const int y0 = int(row) * out.stride;
             for (int x0 = 0; x0 < resolution.x && !progress.Cancelled(); x0 += out.stride) {
                 // The block's centre represents it.
                 const Point2i pixel = glm::min(Point2i(x0, y0) + out.stride / 2, resolution - 1) + pixels.low;
@@ -165,14 +163,13 @@ class Inspector {
                 InspectPixel(*hit, pixel, *sampler, values);
                 for (int y = y0; y < std::min(y0 + out.stride, resolution.y); ++y)
                     for (int x = x0; x < std::min(x0 + out.stride, resolution.x); ++x)
-                        for (size_t c = 0; c < values.size(); ++c)
-                            out.image.Set({x, y}, static_cast<int>(c), static_cast<Float>(values[c]));
+                        for (size_t c = 0; c < values.size(); ++c) out.image.Set({x, y}, int(c), Float(values[c]));
             }
             progress.Advance();
         });
         progress.EndPhase();
 
-        for (size_t c = 0; c < out.layers.size(); ++c) FindRange(static_cast<int>(c), &out);
+        for (size_t c = 0; c < out.layers.size(); ++c) FindRange(int(c), &out);
         return out;
     }
 
@@ -188,7 +185,7 @@ class Inspector {
         samplerLayers_ = values.size();
         for (const InspectedValue &v : values)
             add(Plain("sampler." + v.name), "reported by the sampler: " + v.name, 0, 0, v.isId);
-        const double bits = std::log2(static_cast<double>(std::max<size_t>(groups_.Size(), 2)));
+        const double bits = std::log2(double(std::max<size_t>(groups_.Size(), 2)));
         add("entropy", "entropy of the probabilities of the lights, in bits; a mesh or a sky counts as one light", 0,
             bits);
         add("brightest", "the light that contributes most, by its first id; magenta: no light contributes", 0, 0, true,
@@ -236,7 +233,7 @@ class Inspector {
                 paths_->Li(start, lambda, sampler);
             }
         }
-        return static_cast<double>(ThreadCounters().pathVertices - before) / kPaths;
+        return double(ThreadCounters().pathVertices - before) / kPaths;
     }
 
     Measured Measure(const FirstHit &hit, const LightSampleContext &from, uint32_t group, Rng &rng,
@@ -249,10 +246,10 @@ class Inspector {
             // Additive recurrence: evenly distributed for any number of samples.
             auto at = [&](int dimension, double step) {
                 double v = shift[dimension] + i * step;
-                return std::min(static_cast<Float>(v - std::floor(v)), OneMinusEpsilon);
+                return std::min(Float(v - std::floor(v)), OneMinusEpsilon);
             };
             const LightId light = groups_.SampleLight(group, at(0, 0.5497004779019703));
-            const auto share = static_cast<double>(groups_.ShareOf(light));
+            const auto share = double(groups_.ShareOf(light));
             std::optional<LightLiSample> s = scene.Lights()[light].SampleLi(
                 from, {at(1, 0.8191725133961645), at(2, 0.6710436067037893)}, hit.lambda, true);
             if (!s || !s->L || !(s->pdf > 0)) continue;
@@ -261,11 +258,10 @@ class Inspector {
             ++m.visible;
             SampledSpectrum f =
                 hit.vertex.bsdf.F(hit.vertex.point.wo, s->wi) * AbsDot(s->wi, hit.vertex.point.shading.n);
-            double value = static_cast<double>(SafeDivide(s->L * f, hit.lambda.Pdf()).Average()) /
-                           (share * static_cast<double>(s->pdf));
+            double value = double(SafeDivide(s->L * f, hit.lambda.Pdf()).Average()) / (share * double(s->pdf));
             if (!(value > 0)) continue;
             m.mean += value;
-            const auto chosen = static_cast<double>(pmf[light.value]);
+            const auto chosen = double(pmf[light.value]);
             m.second += chosen > 0 ? value * value * share / chosen : std::numeric_limits<double>::infinity();
         }
         const double n = settings_.samples;
@@ -294,10 +290,9 @@ class Inspector {
         for (size_t g = 0; g < groups_.Size(); ++g) {
             const InspectedLight &light = lights_[g];
             double p = 0;
-            for (size_t l = light.first.value; l < light.first.value + light.count; ++l)
-                p += static_cast<double>(pmf[l]);
+            for (size_t l = light.first.value; l < light.first.value + light.count; ++l) p += double(pmf[l]);
             if (p > 0) entropy -= p * std::log2(p);
-            Measured m = Measure(hit, from, static_cast<uint32_t>(g), rng, pmf);
+            Measured m = Measure(hit, from, uint32_t(g), rng, pmf);
             visible[g] = m.visible;
             second += m.second;
             // If the group were always selected, with the sampler's probabilities inside it, its second moment would be
@@ -311,7 +306,7 @@ class Inspector {
         }
         const double none = std::numeric_limits<double>::quiet_NaN();
         values.push_back(std::max(entropy, 0.0));
-        values.push_back(brightest ? static_cast<double>(brightest->first.value) : none);
+        values.push_back(brightest ? double(brightest->first.value) : none);
         values.push_back(brightest ? probability : none);
         values.push_back(brightest ? std::log10(second / (root * root)) : none);
         for (size_t g : shown_) values.push_back(visible[g]);

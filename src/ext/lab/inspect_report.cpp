@@ -138,12 +138,12 @@ Json WriteLayers(const Inspection &inspection, const std::string &folder, const 
         if (!wanted(layer)) continue;
         FalseColorStyle style;
         style.scale = layer.isId ? FalseColorStyle::Scale::Id : FalseColorStyle::Scale::Ramp;
-        style.least = static_cast<Float>(layer.shownLeast);
-        style.most = static_cast<Float>(layer.shownMost);
+        style.least = Float(layer.shownLeast);
+        style.most = Float(layer.shownMost);
         style.legendRows = legendRows;
         const std::string file = prefix + layer.name + ".png";
         if (layer.IsFlat()) fs::remove(fs::path(folder) / file);  // removes images of earlier inspections
-        else WriteImage(folder + "/" + file, FalseColor(inspection.image, static_cast<int>(c), style, &hit));
+        else WriteImage(folder + "/" + file, FalseColor(inspection.image, int(c), style, &hit));
         json.push_back(LayerJson(layer, file));
     }
     return json;

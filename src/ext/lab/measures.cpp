@@ -35,7 +35,7 @@ Measures MeasuringReference::Compare(const Image &image) const {
 Summary Summarize(std::span<const double> values) {
     RunningMoments moments;
     for (double v : values) moments.Add(v);
-    const double stdDev = std::sqrt(moments.Variance()), n = static_cast<double>(moments.Count());
+    const double stdDev = std::sqrt(moments.Variance()), n = double(moments.Count());
     return {moments.Count(), moments.Mean(), stdDev, n > 1 ? stdDev / std::sqrt(n) : 0};
 }
 
@@ -46,7 +46,7 @@ double PairedP(std::span<const double> a, std::span<const double> b) {
     RunningMoments difference;
     for (size_t i = 0; i < a.size(); ++i) difference.Add(b[i] - a[i]);
     if (difference.Variance() == 0) return 0;
-    const double n = static_cast<double>(a.size());
+    const double n = double(a.size());
     return StudentTwoSidedP(difference.Mean() / std::sqrt(difference.Variance() / n), n - 1) / 2;
 }
 
@@ -55,8 +55,7 @@ double WelchP(const Summary &a, const Summary &b) {
     auto logVariance = [](const Summary &s) { return s.standardError * s.standardError / (s.mean * s.mean); };
     const double va = logVariance(a), vb = logVariance(b), variance = va + vb;
     if (variance == 0) return 0;
-    const double dof =
-        variance * variance / (va * va / static_cast<double>(a.count - 1) + vb * vb / static_cast<double>(b.count - 1));
+    const double dof = variance * variance / (va * va / double(a.count - 1) + vb * vb / double(b.count - 1));
     return StudentTwoSidedP(std::log(b.mean / a.mean) / std::sqrt(variance), dof) / 2;
 }
 
@@ -65,7 +64,7 @@ void LevelRises(std::vector<CurvePoint> &points) {
     struct Block {
         double logSum;
         size_t count;
-        double Mean() const { return logSum / static_cast<double>(count); }
+        double Mean() const { return logSum / double(count); }
     };
     std::vector<Block> blocks;
     for (const CurvePoint &p : points) {
@@ -133,7 +132,7 @@ std::vector<CurvePoint> MeanCurve(std::span<const std::vector<CurvePoint>> runs)
     std::vector<CurvePoint> mean;
     if (runs.empty()) return mean;
     const size_t length = std::ranges::min_element(runs, {}, std::ranges::size)->size();
-    const auto n = static_cast<double>(runs.size());
+    const auto n = double(runs.size());
     for (size_t i = 0; i < length; ++i) {
         CurvePoint p;
         for (const auto &run : runs) {

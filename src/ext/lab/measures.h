@@ -20,7 +20,7 @@ using Measures = std::array<double, MeasureCount>;
 /// The value of one measure.
 template <class T>
 const T &Get(const std::array<T, MeasureCount> &values, Measure which) {
-    return values[static_cast<size_t>(which)];
+    return values[size_t(which)];
 }
 
 Json ToJson(const Measures &measures);

@@ -8,7 +8,6 @@
 
 #include "ext/lab/results.h"
 #include "ext/lab/sampler_run.h"
-#include "ext/lab/text_output.h"
 #include "ext/lab/tile_statistics.h"
 #include "pbrt/core/error.h"
 #include "pbrt/core/files.h"
@@ -16,7 +15,6 @@
 #include "pbrt/images/metrics.h"
 
 namespace ext::lab {
-
 namespace {
 
 constexpr double kTrimmedShare = 0.001;
@@ -39,8 +37,8 @@ std::string Bars(const Json &json, const char *what) {
     double most = 0;
     for (const Json &s : json.at("samplers")) most = std::max(most, s.at("depths").back().at(what).get<double>());
     const size_t rows = json.at("samplers").size();
-    std::string svg = fmt::format("<svg viewBox=\"0 0 {} {}\" role=\"img\">\n", kLeft + kWidth + 90,
-                                  static_cast<double>(rows) * kHeight + 6);
+    std::string svg =
+        fmt::format("<svg viewBox=\"0 0 {} {}\" role=\"img\">\n", kLeft + kWidth + 90, double(rows) * kHeight + 6);
     double y = 3;
     for (const Json &s : json.at("samplers")) {
         svg += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{}</text>\n", kLeft - 10, y + 20,
@@ -92,7 +90,7 @@ svg text { fill: currentColor; } svg text.in { fill: #fff; }
 }  // namespace
 
 Noise NoiseOf(std::span<const Image> pictures, const Image &reference) {
-    const auto n = static_cast<double>(pictures.size());
+    const auto n = double(pictures.size());
     const int channels = reference.ChannelCount();
     const double epsilon = RelL2Epsilon(reference);
     std::vector<double> terms;
@@ -100,26 +98,23 @@ Noise NoiseOf(std::span<const Image> pictures, const Image &reference) {
         double term = 0;
         for (int c = 0; c < channels; ++c) {
             double sum = 0, squares = 0;
-            for (const Image &p : pictures) sum += static_cast<double>(p.Get({x, y}, c));
-            for (const Image &p : pictures) squares += Sqr(static_cast<double>(p.Get({x, y}, c)) - sum / n);
-            term += squares / (n - 1) / (Sqr(static_cast<double>(reference.Get({x, y}, c))) + epsilon) / channels;
+            for (const Image &p : pictures) sum += double(p.Get({x, y}, c));
+            for (const Image &p : pictures) squares += Sqr(double(p.Get({x, y}, c)) - sum / n);
+            term += squares / (n - 1) / (Sqr(double(reference.Get({x, y}, c))) + epsilon) / channels;
         }
         terms.push_back(term);
     });
     std::sort(terms.begin(), terms.end());
     const auto mean = [&](size_t kept) {
         const double sum = std::accumulate(terms.begin(), terms.begin() + kept, 0.0);
-        return kept ? sum / static_cast<double>(kept) : 0;
+        return kept ? sum / double(kept) : 0;
     };
-    return {mean(terms.size()),
-            mean(terms.size() - static_cast<size_t>(std::ceil(kTrimmedShare * static_cast<double>(terms.size()))))};
+    return {mean(terms.size()), mean(terms.size() - size_t(std::ceil(kTrimmedShare * double(terms.size()))))};
 }
 
 std::vector<int> NoiseDepths(int maxDepth) {
     std::vector<int> depths;
-    const auto next = [](int d) {
-        return d < 4 ? d + 1 : std::has_single_bit(static_cast<unsigned>(d)) ? d / 2 * 3 : d / 3 * 4;
-    };
+    const auto next = [](int d) { return d < 4 ? d + 1 : std::has_single_bit(unsigned(d)) ? d / 2 * 3 : d / 3 * 4; };
     for (int d = 1; d < maxDepth; d = next(d)) depths.push_back(d);
     depths.push_back(std::max(maxDepth, 1));
     return depths;

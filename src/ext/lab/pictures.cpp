@@ -22,9 +22,9 @@ namespace {
 template <class T>
 double Percentile(std::vector<T> values, double share) {
     if (values.empty()) return 0;
-    auto at = values.begin() + static_cast<ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+    auto at = values.begin() + ptrdiff_t(share * double(values.size() - 1));
     std::nth_element(values.begin(), at, values.end());
-    return static_cast<double>(*at);
+    return double(*at);
 }
 
 }  // namespace
@@ -47,7 +47,7 @@ void WritePicture(const std::string &path, const Image &image, double exposure) 
     Image shown(PixelFormat::Float, image.Resolution(), {"R", "G", "B"});
     ForEachPixel(image.Resolution(), [&](int x, int y) {
         for (int c = 0; c < 3; ++c)
-            shown.Set({x, y}, c, std::clamp(image.Get({x, y}, c) * static_cast<Float>(exposure), Float(0), Float(1)));
+            shown.Set({x, y}, c, std::clamp(image.Get({x, y}, c) * Float(exposure), Float(0), Float(1)));
     });
     WriteImage(path, shown);
 }
@@ -58,7 +58,7 @@ void WriteRangePicture(const std::string &path, const Image &image) {
     ForEachPixel(resolution, [&](int x, int y) {
         double color[3], brightest = 0;
         for (int c = 0; c < 3; ++c) {
-            const auto v = static_cast<double>(image.Get({x, y}, c));
+            const auto v = double(image.Get({x, y}, c));
             color[c] = std::isfinite(v) ? std::max(v, 0.0) : 0;
             brightest = std::max(brightest, color[c]);
         }
@@ -68,9 +68,9 @@ void WriteRangePicture(const std::string &path, const Image &image) {
         const int stored = std::min(exponent, 127) + 128;
         for (double v : color) {
             const double byte = isBlack ? 0 : std::min(std::floor(std::ldexp(v, 8 - (stored - 128))), 255.0);
-            text += static_cast<char>(static_cast<uint8_t>(byte));
+            text += char(uint8_t(byte));
         }
-        text += static_cast<char>(static_cast<uint8_t>(isBlack ? 0 : stored));
+        text += char(uint8_t(isBlack ? 0 : stored));
     });
     WriteFile(path, text);
 }
@@ -86,7 +86,7 @@ std::vector<float> ErrorMap(const Image &image, const Image &reference) {
             const double r = double(reference.Get({x, y}, c)), d = double(image.Get({x, y}, c)) - r;
             sum += d * d / (r * r + epsilon);
         }
-        map.push_back(std::isfinite(sum) ? static_cast<float>(std::sqrt(sum / 3)) : 0.f);
+        map.push_back(std::isfinite(sum) ? float(std::sqrt(sum / 3)) : 0.f);
     });
     return map;
 }
@@ -102,7 +102,7 @@ void WriteErrorPicture(const std::string &path, const std::vector<float> &map, P
     size_t i = 0;
     ForEachPixel(resolution, [&](int x, int y) { values.Set({x, y}, 0, map[i++]); });
     FalseColorStyle style;
-    style.most = static_cast<Float>(most);
+    style.most = Float(most);
     WriteImage(path, FalseColor(values, 0, style));
 }
 
@@ -229,7 +229,7 @@ void WritePictures(const ExperimentSettings &settings, const LabScene &scene, co
     (*json)["crops"] = Json::array();
     const std::vector<Bounds2i> crops = settings.crops.empty() ? ChooseCrops(shared, resolution) : settings.crops;
     for (size_t i = 0; i < crops.size(); ++i)
-        (*json)["crops"].push_back({{"name", std::string(1, static_cast<char>('a' + i % 26))},
+        (*json)["crops"].push_back({{"name", std::string(1, char('a' + i % 26))},
                                     {"x0", crops[i].low.x},
                                     {"y0", crops[i].low.y},
                                     {"x1", crops[i].high.x},

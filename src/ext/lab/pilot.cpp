@@ -8,7 +8,6 @@
 #include "pbrt/images/metrics.h"
 
 namespace ext::lab {
-
 namespace {
 
 constexpr int kMinPilotSamples = 4, kMaxPilotSamples = 16;  // per image; two images per candidate
@@ -27,11 +26,10 @@ std::vector<SamplerChoice> Candidates(const ExperimentSettings &settings, const 
 
 /// More samples for many lights per pixel (lights never selected leave no trace), and for long references.
 int SamplesPerPicture(const ExperimentSettings &settings, const LabScene &scene) {
-    const double lights = static_cast<double>(scene.built.scene->Lights().Size());
-    const double pixels = static_cast<double>(std::max<int64_t>(1, scene.Pixels().Area()));
+    const double lights = double(scene.built.scene->Lights().Size());
+    const double pixels = double(std::max<int64_t>(1, scene.Pixels().Area()));
     const int forReference = ReferenceRule::For(settings).samples / kShareOfReference;
-    return std::clamp(std::max(static_cast<int>(8 * lights / pixels), forReference), kMinPilotSamples,
-                      kMaxPilotSamples);
+    return std::clamp(std::max(int(8 * lights / pixels), forReference), kMinPilotSamples, kMaxPilotSamples);
 }
 
 /// Two images of a candidate and their common tile means.
@@ -58,7 +56,7 @@ double VarianceBetweenPictures(const std::vector<Pilot> &pilots, size_t which, i
             double others = 0, squares = 0;
             for (size_t k = 0; k < pilots.size(); ++k)
                 if (k != which) others += pilots[k].tiles(grid.Index(tx, ty), c);
-            others /= static_cast<double>(pilots.size() - 1);
+            others /= double(pilots.size() - 1);
             ForEachPixel(grid.Pixels(tx, ty), [&](int x, int y) {
                 const double d = double(a.Get({x, y}, c)) - double(b.Get({x, y}, c));
                 if (std::isfinite(d)) squares += d * d / 2;
@@ -66,7 +64,7 @@ double VarianceBetweenPictures(const std::vector<Pilot> &pilots, size_t which, i
             sum += squares / (others * others + epsilon);
         }
     });
-    return samples * sum / (3 * static_cast<double>(a.Resolution().x) * static_cast<double>(a.Resolution().y));
+    return samples * sum / (3 * double(a.Resolution().x) * double(a.Resolution().y));
 }
 
 /// The same from the squared differences of the candidate's tiles to the mean of the others, minus that mean's noise.
@@ -90,7 +88,7 @@ double VarianceAgainstOthers(const std::vector<Pilot> &pilots, size_t which, int
             double others = 0;
             for (size_t k = 0; k < pilots.size(); ++k) others += weights[k] / total * pilots[k].tiles(tile, c);
             const double d = pilots[which].tiles(tile, c) - others;
-            const auto pixels = static_cast<double>(grid.Pixels(tx, ty).Area());
+            const auto pixels = double(grid.Pixels(tx, ty).Area());
             sum += pixels * pixels * d * d / (others * others + epsilon);
             area += pixels;
         }
@@ -120,7 +118,7 @@ std::vector<PilotEntry> FromJson(const Json &json, const std::vector<SamplerChoi
 double MeanSecondsPerSample(const std::vector<PilotEntry> &entries) {
     double sum = 0;
     for (const PilotEntry &e : entries) sum += e.secondsPerSample;
-    return entries.empty() ? 0 : sum / static_cast<double>(entries.size());
+    return entries.empty() ? 0 : sum / double(entries.size());
 }
 
 }  // namespace
@@ -164,13 +162,13 @@ std::optional<std::vector<PilotEntry>> RunPilot(const ExperimentContext &context
         }
         entries.push_back(entry);
         const double perSample = MeanSecondsPerSample(entries);
-        left = static_cast<double>(candidates.size() - entries.size()) * 2 * samples * perSample;
+        left = double(candidates.size() - entries.size()) * 2 * samples * perSample;
         display.SetAfter(2 * ReferenceRule::For(settings).EstimateSeconds(perSample) + EstimateRuns(settings, entries));
         pilots.emplace_back(std::move(pair));
     }
     double mean = 0;
     for (const Pilot &p : pilots)
-        for (const double v : p.tiles.values) mean += v / static_cast<double>(pilots.size() * p.tiles.values.size());
+        for (const double v : p.tiles.values) mean += v / double(pilots.size() * p.tiles.values.size());
     const double epsilon = RelL2Epsilon(mean);
     std::vector<double> between;
     for (size_t i = 0; i < pilots.size(); ++i) between.push_back(VarianceBetweenPictures(pilots, i, samples, epsilon));

@@ -97,9 +97,9 @@ class ReferenceCache {
             if (!FileExists(path)) continue;
             try {
                 if (std::optional<Reference> found = ReadCached(path, scene_.Resolution())) return found;
-                LogWarning(fmt::format("{}: is not the reference that belongs there; it is rendered again.", path));
+                LogWarning("{}: is not the reference that belongs there; it is rendered again.", path);
             } catch (const UserError &e) {
-                LogWarning(fmt::format("{} The reference is rendered again.", e.what()));
+                LogWarning("{} The reference is rendered again.", e.what());
             }
         }
         return {};
@@ -118,9 +118,9 @@ class ReferenceCache {
         });
         ImageMetadata m =
             scene_.Metadata(*scene_.built.film, reference->sampler, reference->samples, reference->seconds);
-        m.attributes["lightlab.parts"] = static_cast<int>(parts.size());
+        m.attributes["lightlab.parts"] = int(parts.size());
         m.attributes["lightlab.reference"] = about_;
-        m.attributes["lightlab.noiseRelL2"] = static_cast<float>(reference->noise.value_or(0));
+        m.attributes["lightlab.noiseRelL2"] = float(reference->noise.value_or(0));
         m.attributes["lightlab.date"] = DateText();
         for (const std::string &path : files_) {
             try {
@@ -131,10 +131,10 @@ class ReferenceCache {
                 return;
             } catch (const std::exception &e) {
                 if (&path == &files_.back()) throw;
-                LogWarning(fmt::format(
+                LogWarning(
                     "{}: the reference cannot be kept there ({}); it is kept in the output folder. --cache DIR chooses "
                     "another place.",
-                    path, e.what()));
+                    path, e.what());
             }
         }
     }
@@ -189,7 +189,7 @@ class ReferenceMaker {
         if (known.is_object() && known.value("sampler", "") == with.choice.label)
             return known.value("samplesPerPart", 1);
         const double fit = rule_.seconds / std::max(1e-6, with.secondsPerSample);
-        const int samples = static_cast<int>(std::ceil(std::max<double>(kMinSamples, fit) / kParts));
+        const int samples = int(std::ceil(std::max<double>(kMinSamples, fit) / kParts));
         context_.records.SaveNote(note, {{"sampler", with.choice.label}, {"samplesPerPart", samples}});
         return samples;
     }
@@ -292,7 +292,7 @@ std::optional<References> MakeReferences(const ExperimentContext &context) {
             for (size_t k = i + 1; k < wanted; ++k)
                 after += ReferenceRule::For(settings).EstimateSeconds(makers[k].secondsPerSample);
             context.display.SetAfter(after);
-            std::optional<Reference> made = maker.Make(makers[i], static_cast<int>(i));
+            std::optional<Reference> made = maker.Make(makers[i], int(i));
             if (!made) return {};
             references.all.push_back(std::move(*made));
         }
@@ -331,15 +331,14 @@ Reference ReadReference(const std::string &path, const LabScene &scene) {
     const Point2i full = file.metadata.fullResolution.value_or(file.image.Resolution());
     const bool covers = Intersect(wanted, have).Area() == wanted.Area();
     if (full != scene.FullResolution() || !covers)
-        throw UserError(fmt::format(
+        throw UserError(
             "{}: the reference is {} x {} pixels (x {}-{}, y {}-{} of them); the film is {} x {} "
             "and needs x {}-{}, y {}-{}. See --divisor.",
             path, full.x, full.y, have.low.x, have.high.x, have.low.y, have.high.y, scene.FullResolution().x,
-            scene.FullResolution().y, wanted.low.x, wanted.high.x, wanted.low.y, wanted.high.y));
+            scene.FullResolution().y, wanted.low.x, wanted.high.x, wanted.low.y, wanted.high.y);
     Reference reference = Described(path, file.metadata);
     reference.image = file.image.Select({"R", "G", "B"}).Crop({wanted.low - have.low, wanted.high - have.low});
-    if (!IsFinite(reference.image))
-        throw UserError(fmt::format("{}: the reference has pixels that are not finite.", path));
+    if (!IsFinite(reference.image)) throw UserError("{}: the reference has pixels that are not finite.", path);
     return reference;
 }
 

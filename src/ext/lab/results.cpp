@@ -1,13 +1,10 @@
 #include "ext/lab/results.h"
 
 #include <algorithm>
-#include <cmath>
 
-#include "ext/lab/measures.h"
 #include "pbrt/math/statistics.h"
 
 namespace ext::lab {
-
 namespace {
 
 constexpr double kFewOracleSamples = 8;
@@ -34,11 +31,10 @@ std::vector<CurvePoint> Curve(const SamplerResult &sampler, bool bySamples) {
     return MeanCurve(curves);
 }
 
-template <class F>
-double MeanOver(const std::vector<RunRecord> &runs, F &&value) {
+double MeanOver(const std::vector<RunRecord> &runs, auto &&value) {
     double sum = 0;
     for (const RunRecord &run : runs) sum += value(run);
-    return runs.empty() ? 0 : sum / static_cast<double>(runs.size());
+    return runs.empty() ? 0 : sum / double(runs.size());
 }
 
 /// CPU seconds per sample per pixel, over all runs. A run's first sample warms up caches and cells filled on demand.
@@ -88,9 +84,9 @@ class BiasJudge {
     BiasJudge(const References &references, const std::vector<SamplerResult> &samplers,
               const std::vector<std::vector<Image>> &pictures) {
         for (const Reference &r : references.all) {
-            Pictures p{NameWithoutMesh(r.sampler), TilesOf(r.parts), static_cast<double>(r.samples)};
+            Pictures p{NameWithoutMesh(r.sampler), TilesOf(r.parts), double(r.samples)};
             if (p.tiles.empty()) p.tiles.push_back(ComputeTileMeans(r.image));
-            p.samples /= static_cast<double>(p.tiles.size());
+            p.samples /= double(p.tiles.size());
             references_.push_back(std::move(p));
             noise_.push_back(r.noise);
         }

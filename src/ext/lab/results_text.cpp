@@ -10,7 +10,6 @@
 #include "pbrt/core/error.h"
 
 namespace ext::lab {
-
 namespace {
 
 /// Number in a LightSampler::Report.
@@ -32,7 +31,7 @@ Overhead OverheadOf(const SamplerResult &s) {
         o.build += std::max(0.0, run.prepare.wall - prepass);
         o.render += run.rounds.back().spent.wall - run.prepare.wall;
     }
-    const double n = static_cast<double>(std::max<size_t>(1, s.runs.size()));
+    const double n = double(std::max<size_t>(1, s.runs.size()));
     return {o.prepass / n, o.build / n, o.render / n};
 }
 
@@ -44,7 +43,7 @@ Json ReportMean(const SamplerResult &s, const char *name) {
         if (!value) return {};
         sum += *value;
     }
-    return sum / static_cast<double>(s.runs.size());
+    return sum / double(s.runs.size());
 }
 
 Json OrNull(const std::optional<double> &value) { return value ? Json(*value) : Json(); }
@@ -130,8 +129,8 @@ void ShortenFloats(Json *json) {
         for (auto &entry : json->items()) ShortenFloats(&entry.value());
     } else if (json->is_number_float()) {
         const double value = json->get<double>();
-        const auto single = static_cast<float>(value);
-        if (std::isfinite(single) && static_cast<double>(single) == value) *json = std::stod(fmt::format("{}", single));
+        const auto single = float(value);
+        if (std::isfinite(single) && double(single) == value) *json = std::stod(fmt::format("{}", single));
     }
 }
 
@@ -165,8 +164,7 @@ std::string SummaryCsv(const ExperimentResults &results) {
     std::string text = "sampler,samples,seconds,cpuSeconds";
     for (const char *name : MeasureNames) text += fmt::format(",{0},{0}StandardError", name);
     text +=
-        ",efficiency,speedUp,speedUpAgainst,ratioToOracle,prepassSeconds,buildSeconds,renderSeconds,preparationShare,"
-        "cpuSecondsPerSample,relativeCost,leaves,bytes,shadowRays,blockedShare,biasVerdict,biasPValue\n";
+        ",efficiency,speedUp,speedUpAgainst,ratioToOracle,prepassSeconds,buildSeconds,renderSeconds,preparationShare,cpuSecondsPerSample,relativeCost,leaves,bytes,shadowRays,blockedShare,biasVerdict,biasPValue\n";
     for (const SamplerResult &s : results.samplers) {
         const Json summary = SummaryJson(s);
         std::vector<std::string> fields = {Quoted(s.choice.label)};

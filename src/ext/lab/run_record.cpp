@@ -10,7 +10,6 @@
 #include "pbrt/core/files.h"
 
 namespace ext::lab {
-
 namespace {
 
 Json ToJson(const TimeSpent &t) { return {{"wall", t.wall}, {"cpu", t.cpu}}; }
@@ -93,13 +92,13 @@ void RecordFolder::SaveLastRound(const std::string &sampler, const RunRecord &ru
 
 size_t RecordFolder::CountRounds(const std::string &sampler, int seed, size_t checkpoints) const {
     size_t rounds = checkpoints;
-    while (rounds > 0 && !std::filesystem::exists(RoundFile(sampler, seed, static_cast<int>(rounds) - 1))) --rounds;
+    while (rounds > 0 && !std::filesystem::exists(RoundFile(sampler, seed, int(rounds) - 1))) --rounds;
     return rounds;
 }
 
 void RecordFolder::RemoveRounds(const std::string &sampler, int seed, size_t kept, size_t checkpoints) const {
     for (size_t c = 0; c < checkpoints; ++c) {
-        const int checkpoint = static_cast<int>(c);
+        const int checkpoint = int(c);
         if (c >= kept) std::filesystem::remove(RoundFile(sampler, seed, checkpoint));
         if (c + 1 != kept) std::filesystem::remove(FilmFile(sampler, seed, checkpoint));
     }

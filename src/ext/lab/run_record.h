@@ -2,7 +2,6 @@
 #include <chrono>
 #include <ctime>
 #include <limits>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,7 +29,7 @@ class Stopwatch {
     static double CpuSeconds() {
         timespec t{};
         clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-        return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+        return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
     }
     std::chrono::steady_clock::time_point wall_ = std::chrono::steady_clock::now();
     double cpu_ = CpuSeconds();

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include "ext/lab/tile_statistics.h"
 #include "pbrt/core/counters.h"
@@ -11,7 +10,6 @@
 #include "pbrt/core/log.h"
 
 namespace ext::lab {
-
 namespace {
 
 constexpr double kLongestWave = 1;  ///< seconds; clock and progress are updated between waves only
@@ -74,7 +72,7 @@ bool SamplerRun::RenderTo(const RenderTarget &target, const std::function<void()
         if (renderer_.Done() > 0) {
             double fits = kLongestWave / std::max(secondsPerSample_, 1e-6);
             if (timed) fits = std::min(fits, (target.seconds - spent_.wall) / secondsPerSample_ + 0.5);
-            size = std::clamp(static_cast<int>(fits), timed ? 0 : 1, kMaxWave);
+            size = std::clamp(int(fits), timed ? 0 : 1, kMaxWave);
         }
         if (!timed) size = std::min(size, target.samples - renderer_.Done());
         if (size < 1) return true;
@@ -103,7 +101,7 @@ void SamplerRun::AddRound(int checkpoint, const Measures &measures) {
 
 ImageMetadata SamplerRun::Metadata() const {
     ImageMetadata m = scene_.Metadata(*film_, label_, Samples(), spent_.wall);
-    m.attributes["lightlab.prepareSeconds"] = static_cast<float>(record_.prepare.wall);
+    m.attributes["lightlab.prepareSeconds"] = float(record_.prepare.wall);
     m.attributes["lightlab.seed"] = record_.seed;
     return m;
 }
@@ -137,17 +135,17 @@ RunRecord TakeUpRun(const RecordFolder &records, const LabScene &scene, const st
     RunRecord run = records.LoadRun(sampler, seed);
     auto canResume = [&](size_t rounds) {
         if (rounds == checkpoints) return IsWholePicture(picture, scene.Resolution());
-        return IsWholeFilm(records.FilmFile(sampler, seed, static_cast<int>(rounds) - 1), scene);
+        return IsWholeFilm(records.FilmFile(sampler, seed, int(rounds) - 1), scene);
     };
     size_t kept = std::min(run.rounds.size(), checkpoints);
     while (kept > 0 && !canResume(kept)) --kept;
     if (records.CountRounds(sampler, seed, checkpoints) > kept)
-        LogWarning(fmt::format(
-            "{}/{}: records of seed {} are damaged or missing; {}.", records.Folder(), sampler, seed,
-            kept > 0 ? fmt::format("resuming from {} per pixel", CountText(run.rounds[kept - 1].samples, "sample"))
-                     : "restarting this run"));
+        LogWarning("{}/{}: records of seed {} are damaged or missing; {}.", records.Folder(), sampler, seed,
+                   kept > 0
+                       ? fmt::format("resuming from {} per pixel", CountText(run.rounds[kept - 1].samples, "sample"))
+                       : "restarting this run");
     // Reports and structure must be those of the last kept round.
-    if (kept < run.rounds.size()) run = records.LoadRun(sampler, seed, static_cast<int>(kept));
+    if (kept < run.rounds.size()) run = records.LoadRun(sampler, seed, int(kept));
     records.RemoveRounds(sampler, seed, kept, checkpoints);
     return run;
 }

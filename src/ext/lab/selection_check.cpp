@@ -40,7 +40,6 @@
 // hundreds of paths are nearly normal.
 
 namespace ext::lab {
-
 namespace {
 
 constexpr uint64_t kStream = 0x73656c656374ull;
@@ -61,23 +60,22 @@ class VertexChecker {
         FindChoices(vertex, lights);
         Draw(vertex, lights, rng);
         double light = 0, excess = 0, unjudged = 0;
-        for (const auto &m : vertex.lights) light += static_cast<double>(m.c);
+        for (const auto &m : vertex.lights) light += double(m.c);
         for (size_t i = 0; i < vertex.lights.size(); ++i) {
             const auto &m = vertex.lights[i];
             const Float pmf = choices_[i].light.pmf;
             // Share that BSDF sampling leaves to light sampling: all of it for delta lights.
-            const double due = m.isDelta ? 1 : pmf > 0 ? static_cast<double>(Weight(m, choices_[i], pmf)) : 0;
+            const double due = m.isDelta ? 1 : pmf > 0 ? double(Weight(m, choices_[i], pmf)) : 0;
             const double got = got_[i] / draws_;
-            const double c = static_cast<double>(m.c);
+            const double c = double(m.c);
             double counts = 1;
-            if (pmf > 0 && due > 0)
-                counts = std::min(1.0, kMaxStep * light * static_cast<double>(pmf) * draws_ / (c * due));
+            if (pmf > 0 && due > 0) counts = std::min(1.0, kMaxStep * light * double(pmf) * draws_ / (c * due));
             excess += counts * c * (got - due);
             unjudged += (1 - counts) * c * due;
         }
-        finding.light = static_cast<float>(light);
-        finding.excess = static_cast<float>(excess);
-        finding.unjudged = static_cast<float>(unjudged);
+        finding.light = float(light);
+        finding.excess = float(excess);
+        finding.unjudged = float(unjudged);
         return finding;
     }
 
@@ -108,18 +106,16 @@ class VertexChecker {
     /// Sets got_: per measured light, the sum of its weights over the draws.
     void Draw(const SelectionVertices::Vertex &vertex, const LightDistribution &lights, Rng &rng) {
         got_.assign(vertex.lights.size(), 0);
-        for (size_t i = 0; i < choices_.size(); ++i)
-            places_[choices_[i].light.light.value] = static_cast<uint32_t>(i) + 1;
+        for (size_t i = 0; i < choices_.size(); ++i) places_[choices_[i].light.light.value] = uint32_t(i) + 1;
         for (int k = 0; k < draws_; ++k) {
-            const Float u =
-                std::min((static_cast<Float>(k) + rng.Uniform()) / static_cast<Float>(draws_), OneMinusEpsilon);
+            const Float u = std::min((Float(k) + rng.Uniform()) / Float(draws_), OneMinusEpsilon);
             Point2 uPoint = rng.Uniform2();
             std::optional<SampledLight> light = lights.Sample(u, &uPoint);
             if (!light || !(light->pmf > 0)) continue;
             const uint32_t place = places_[light->light.value];
             if (place > 0 && light->region == choices_[place - 1].light.region)
                 got_[place - 1] +=
-                    static_cast<double>(Weight(vertex.lights[place - 1], choices_[place - 1], light->pmf) / light->pmf);
+                    double(Weight(vertex.lights[place - 1], choices_[place - 1], light->pmf) / light->pmf);
         }
         for (const Choice &choice : choices_) places_[choice.light.light.value] = 0;
     }
@@ -159,17 +155,17 @@ Sums SumUp(std::span<const VertexFinding> region) {
     double light = 0;
     size_t paths = 0;
     for (const VertexFinding &v : region) {
-        light += static_cast<double>(v.light);
+        light += double(v.light);
         paths += v.endsPath;
     }
-    const double most = kMaxVertex * light / static_cast<double>(std::max<size_t>(paths, 1));
+    const double most = kMaxVertex * light / double(std::max<size_t>(paths, 1));
     Sums sums;
     double pathLight = 0, pathExcess = 0;
     for (const VertexFinding &v : region) {
-        const double weight = static_cast<double>(v.light) > most ? most / static_cast<double>(v.light) : 1;
-        pathLight += weight * static_cast<double>(v.light);
-        pathExcess += weight * static_cast<double>(v.excess);
-        sums.unjudged += weight * static_cast<double>(v.unjudged);
+        const double weight = double(v.light) > most ? most / double(v.light) : 1;
+        pathLight += weight * double(v.light);
+        pathExcess += weight * double(v.excess);
+        sums.unjudged += weight * double(v.unjudged);
         if (!v.endsPath) continue;
         sums.light += pathLight;
         sums.excess += pathExcess;
@@ -181,8 +177,7 @@ Sums SumUp(std::span<const VertexFinding> region) {
 }
 
 /// Calls f(name in JSON, value); infinity is null there.
-template <class Report, class F>
-void ForEachNumber(Report &r, F &&f) {
+void ForEachNumber(auto &r, auto &&f) {
     f("vertices", r.vertices);
     f("draws", r.draws);
     f("difference", r.difference);
@@ -203,7 +198,7 @@ std::string Percent(double share) {
 std::optional<SelectionReport> CheckSelection(const SelectionVertices &vertices, const LightSampler &lights,
                                               const SelectionSettings &settings, Progress &progress) {
     SelectionReport report;
-    const double count = static_cast<double>(vertices.VertexCount());
+    const double count = double(vertices.VertexCount());
     for (int draws = kMinDraws; draws <= kMaxDraws; draws *= 4) {
         std::vector<std::vector<VertexFinding>> regions(vertices.RegionCount());
         progress.BeginPhase("checking light selection", regions.size());
@@ -265,7 +260,7 @@ SelectionReport JudgeSelection(std::span<const std::vector<VertexFinding>> regio
         if (!isBiased(sums[r], settings.allowanceRegion)) continue;
         biased = true;
         if (std::abs(sums[r].Difference()) > std::abs(report.worstDifference)) {
-            report.worstRegion = static_cast<int>(r);
+            report.worstRegion = int(r);
             report.worstDifference = sums[r].Difference();
         }
     }

@@ -11,7 +11,6 @@
 #include "pbrt/transport/shadow_transmittance.h"
 
 namespace ext::lab {
-
 namespace {
 
 constexpr uint64_t kVertexStream = 0x73656c656374ull;
@@ -117,7 +116,7 @@ class Measurer {
         const Point3 p = ray(t);
         ++depth;
         // A path in a dense medium has a hundred vertices: of the later ones some are measured and represent all.
-        const Float share = std::min(Float(1), kAllInMedium / static_cast<Float>(depth));
+        const Float share = std::min(Float(1), kAllInMedium / Float(depth));
         if (share == 1 || rng.Uniform() < share) {
             Measure(
                 path, {p, {}, {}, {}, ray.time}, [&](const Vector3 &) { return ray.medium; },
@@ -142,14 +141,12 @@ class Measurer {
     }
 
     /// Writes lights_. `from`: receiver of light sampling.
-    template <class MediumTowards, class Scatter>
-    void Measure(Path &path, const LightSampleContext &from, MediumTowards &&mediumTowards, Scatter &&scatter) {
+    void Measure(Path &path, const LightSampleContext &from, auto &&mediumTowards, auto &&scatter) {
         lights_.clear();
         const LightTable &table = scene_.Lights();
         const SpectralWeights &weights = path.weights;
         auto strength = [&](const SampledSpectrum &s) { return SafeDivide(s, path.lambda.Pdf()).Average(); };
-        for (auto l = static_cast<size_t>(path.rng.Uniform() * static_cast<Float>(stride_)); l < table.Size();
-             l += stride_) {
+        for (auto l = size_t(path.rng.Uniform() * Float(stride_)); l < table.Size(); l += stride_) {
             const LightComponent light = table[LightId(l)];
             const Point2 u = path.rng.Uniform2();
             // All directions of an environment light, including those that the render leaves to BSDF sampling, as
@@ -164,7 +161,7 @@ class Measurer {
             const SampledSpectrum found = weights.beta * to.f * sample->L * through.value;
             const Float c = strength(found) / (sample->pdf * weights.Mean(weights.ru * through.rl));
             if (!(c > 0) || !std::isfinite(c)) continue;
-            lights_.push_back({static_cast<uint32_t>(l), c, sample->pdf, to.pdf, IsDelta(light.Kind()),
+            lights_.push_back({uint32_t(l), c, sample->pdf, to.pdf, IsDelta(light.Kind()),
                                light.Kind() == LightKind::Infinite, sample->wi});
         }
     }
@@ -208,7 +205,7 @@ SelectionVertices::SelectionVertices(const BuiltScene &built, int seed, Progress
         ParallelForEach(found.size(), [&](int64_t task) {
             if (progress.Cancelled()) return;
             Measurer measurer(built);
-            const int region = static_cast<int>(task) / blocks, first = done + static_cast<int>(task) % blocks * kBlock;
+            const int region = int(task) / blocks, first = done + int(task) % blocks * kBlock;
             const int x = region % kSelectionSide, y = region / kSelectionSide;
             for (int i = first; i < first + kBlock; ++i)
                 measurer.Follow(corner(x, y), corner(x + 1, y + 1), Hash(kVertexStream, seed, region, i), found[task]);

@@ -49,7 +49,7 @@ std::string Align(const std::vector<std::vector<std::string>> &rows) {
 void MakeFolder(const std::string &folder) {
     std::error_code failed;
     std::filesystem::create_directories(folder, failed);
-    if (failed) throw UserError(fmt::format("{}: {}.", folder, failed.message()));
+    if (failed) throw UserError("{}: {}.", folder, failed.message());
 }
 
 std::string EscapeHtml(const std::string &text) {

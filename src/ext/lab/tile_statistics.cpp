@@ -1,6 +1,5 @@
 #include "ext/lab/tile_statistics.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -24,7 +23,7 @@ TileMeans ComputeTileMeans(const Image &image) {
     }
     TileMeans means;
     means.grid = TileGrid(image.Resolution());
-    means.channels = static_cast<int>(channels.size());
+    means.channels = int(channels.size());
     means.values.reserve(means.grid.Count() * channels.size());
     means.grid.ForEachTile([&](int tx, int ty) {
         const Bounds2i pixels = means.grid.Pixels(tx, ty);
@@ -32,12 +31,12 @@ TileMeans ComputeTileMeans(const Image &image) {
             double sum = 0;
             size_t counted = 0;
             ForEachPixel(pixels, [&](int x, int y) {
-                const auto v = static_cast<double>(image.Get({x, y}, c));
+                const auto v = double(image.Get({x, y}, c));
                 if (!std::isfinite(v)) return;
                 sum += v;
                 ++counted;
             });
-            means.values.push_back(counted ? sum / static_cast<double>(counted) : 0);
+            means.values.push_back(counted ? sum / double(counted) : 0);
         }
     });
     return means;
@@ -56,15 +55,15 @@ MeanImage AverageImages(std::span<const Image> images) {
         if (image.Resolution() != first.Resolution() || image.Channels() != first.Channels())
             throw UserError("Images of different resolution or channels cannot be averaged.");
     MeanImage out{Image(PixelFormat::Float, first.Resolution(), first.Channels())};
-    const auto n = static_cast<double>(images.size());
+    const auto n = double(images.size());
     std::vector<double> variances;
     ForEachPixel(first.Resolution(), [&](int x, int y) {
         for (int c = 0; c < first.ChannelCount(); ++c) {
             double sum = 0, squares = 0;
-            for (const Image &image : images) sum += static_cast<double>(image.Get({x, y}, c));
+            for (const Image &image : images) sum += double(image.Get({x, y}, c));
             const double mean = sum / n;
-            for (const Image &image : images) squares += Sqr(static_cast<double>(image.Get({x, y}, c)) - mean);
-            out.image.Set({x, y}, c, static_cast<Float>(mean));
+            for (const Image &image : images) squares += Sqr(double(image.Get({x, y}, c)) - mean);
+            out.image.Set({x, y}, c, Float(mean));
             variances.push_back(n > 1 ? squares / (n - 1) / n : 0);
         }
     });
@@ -73,13 +72,13 @@ MeanImage AverageImages(std::span<const Image> images) {
     size_t counted = 0, i = 0;
     ForEachPixel(first.Resolution(), [&](int x, int y) {
         for (int c = 0; c < first.ChannelCount(); ++c) {
-            const double term = variances[i++] / (Sqr(static_cast<double>(out.image.Get({x, y}, c))) + epsilon);
+            const double term = variances[i++] / (Sqr(double(out.image.Get({x, y}, c))) + epsilon);
             if (!std::isfinite(term)) continue;
             noise += term;
             ++counted;
         }
     });
-    out.noise = counted ? noise / static_cast<double>(counted) : 0;
+    out.noise = counted ? noise / double(counted) : 0;
     return out;
 }
 
@@ -108,15 +107,15 @@ TileNoise::TileNoise(std::span<const TileMeans> pictures, int channel, const std
     residual_.resize(n_ * tiles);
     for (size_t t = 0; t < tiles; ++t) {
         for (size_t i = 0; i < n_; ++i) {
-            residual_[i * tiles + t] = weights[t] * pictures[i](static_cast<int>(t), channel);
-            mean_[t] += residual_[i * tiles + t] / static_cast<double>(n_);
+            residual_[i * tiles + t] = weights[t] * pictures[i](int(t), channel);
+            mean_[t] += residual_[i * tiles + t] / double(n_);
         }
         for (size_t i = 0; i < n_; ++i) residual_[i * tiles + t] -= mean_[t];
     }
 }
 
 TileNoise::Estimate TileNoise::Of(const Bounds2i &r) const {
-    const auto n = static_cast<double>(n_);
+    const auto n = double(n_);
     double own = 0, ownSquared = 0, neighbours = 0, between = 0;
     for (size_t i = 0; i < n_; ++i) {
         double total = 0;
@@ -144,7 +143,7 @@ TileNoise::Estimate TileNoise::Of(const Bounds2i &r) const {
         brightSquared += expected * expected;
     });
     Estimate noise;
-    const double tiles = static_cast<double>(r.Area());
+    const double tiles = double(r.Area());
     const double sum = std::max(own + std::max(0.0, 2 * neighbours), between);
     noise.variance = sum / (n * (n - 1) * tiles * tiles);
     // Satterthwaite's estimate from squares that are too large by (n + 1) / (n - 1), being estimates themselves; exact
@@ -160,7 +159,7 @@ double TileNoise::Strongest(const Bounds2i &r) const {
     std::vector<double> values;
     for (size_t i = 0; i < n_; ++i) ForEachPixel(r, [&](int x, int y) { values.push_back(Residual(i, x, y)); });
     // The image with the strong sample has itself raised the mean, by 1/n of it.
-    return static_cast<double>(n_) / static_cast<double>(n_ - 1) * Excess(values);
+    return double(n_) / double(n_ - 1) * Excess(values);
 }
 
 }  // namespace ext::lab

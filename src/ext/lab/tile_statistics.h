@@ -9,15 +9,11 @@ namespace ext::lab {
 using namespace pbrt;
 
 /// Row by row.
-template <class F>
-void ForEachPixel(const Bounds2i &pixels, F &&f) {
+void ForEachPixel(const Bounds2i &pixels, auto &&f) {
     for (int y = pixels.low.y; y < pixels.high.y; ++y)
         for (int x = pixels.low.x; x < pixels.high.x; ++x) f(x, y);
 }
-template <class F>
-void ForEachPixel(Point2i resolution, F &&f) {
-    ForEachPixel(Bounds2i{{0, 0}, resolution}, f);
-}
+void ForEachPixel(Point2i resolution, auto &&f) { ForEachPixel(Bounds2i{{0, 0}, resolution}, f); }
 
 /// Square tiles over an image. Remaining pixels at the right and bottom belong to the last tiles, so no tile is smaller
 /// than kTileSize unless the image is.
@@ -32,10 +28,7 @@ struct TileGrid {
     int Count() const { return tilesX * tilesY; }
     int Index(int x, int y) const { return y * tilesX + x; }
     Bounds2i Pixels(int x, int y) const;
-    template <class F>
-    void ForEachTile(F &&f) const {
-        ForEachPixel({tilesX, tilesY}, f);
-    }
+    void ForEachTile(auto &&f) const { ForEachPixel({tilesX, tilesY}, f); }
     bool operator==(const TileGrid &) const = default;
 };
 

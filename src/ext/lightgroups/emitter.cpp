@@ -3,7 +3,6 @@
 #include "pbrt/lights/environment_light.h"
 
 namespace ext {
-
 namespace {
 
 /// Range of strengths for which G and its sums neither overflow nor underflow.

@@ -7,7 +7,6 @@
 #include "pbrt/core/parallel.h"
 
 namespace ext {
-
 namespace {
 
 /// Each child has at least 1 / kMinPart of its node's lights, which keeps the depth logarithmic.

@@ -28,8 +28,7 @@ class LazyRows {
     }
 
     /// Returns the row, creating it with `fill` if missing, which must set every element of an uninitialized span of T.
-    template <class Fill>
-    std::span<const T> Get(size_t row, const Fill &fill) const {
+    std::span<const T> Get(size_t row, const auto &fill) const {
         const T *values = rows_[row].load(std::memory_order_acquire);
         if (!values) [[unlikely]]
             values = Make(row, fill);

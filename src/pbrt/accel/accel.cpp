@@ -4,12 +4,10 @@
 #include <map>
 
 #include "pbrt/accel/embree_callbacks.h"
-#include "pbrt/core/error.h"
 #include "pbrt/core/memory.h"
 #include "pbrt/shapes/bilinear_mesh.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Embree's bound on coordinates of vertices, ray origins and directions (FLT_LARGE).
@@ -55,8 +53,7 @@ RTCQuaternionDecomposition Decompose(const glm::dmat4 &m) {
     rtcQuaternionDecompositionSetQuaternion(&d, q.w, q.x, q.y, q.z);
     rtcQuaternionDecompositionSetScale(&d, s[0][0], s[1][1], s[2][2]);
     rtcQuaternionDecompositionSetSkew(&d, s[1][0], s[2][0], s[2][1]);
-    rtcQuaternionDecompositionSetTranslation(&d, static_cast<Float>(m[3].x), static_cast<Float>(m[3].y),
-                                             static_cast<Float>(m[3].z));
+    rtcQuaternionDecompositionSetTranslation(&d, Float(m[3].x), Float(m[3].y), Float(m[3].z));
     return d;
 }
 
@@ -116,10 +113,10 @@ struct Accel::Impl {
             // Under a memory limit Embree, with its threads and tables, fails first.
             const RTCError error = rtcGetDeviceError(nullptr);
             if (error == RTC_ERROR_OUT_OF_MEMORY) throw UserError(OutOfMemoryText("building"));
-            throw UserError(error == RTC_ERROR_UNSUPPORTED_CPU
-                                ? std::string("Embree, which traces the rays, does not support this processor.")
-                                : fmt::format("Embree, which traces the rays, cannot start (its error {}).",
-                                              static_cast<int>(error)));
+            throw UserError(
+                error == RTC_ERROR_UNSUPPORTED_CPU
+                    ? std::string("Embree, which traces the rays, does not support this processor.")
+                    : fmt::format("Embree, which traces the rays, cannot start (its error {}).", int(error)));
         }
         rtcSetDeviceMemoryMonitorFunction(device, CountMemory, &bytes);
         top.scene = NewScene();
@@ -226,15 +223,15 @@ struct Accel::Impl {
         }
         const Motion &motion = *instance.motion;
         const int steps = motion.StepCount();
-        rtcSetGeometryTimeStepCount(instance.geometry, static_cast<unsigned>(steps));
+        rtcSetGeometryTimeStepCount(instance.geometry, unsigned(steps));
         for (int i = 0; i < steps; ++i) {
-            const Float t = static_cast<Float>(i) / static_cast<Float>(steps - 1);
+            const Float t = Float(i) / Float(steps - 1);
             // Infinite times give the two ends even if startTime == endTime.
             const Float time = i == 0 ? -Infinity : i == steps - 1 ? Infinity : Lerp(t, startTime, endTime);
             const Transform at = motion.At(time);
             NarrowReach(at);
             const RTCQuaternionDecomposition d = Decompose(glm::dmat4(at.Matrix()));
-            rtcSetGeometryTransformQuaternion(instance.geometry, static_cast<unsigned>(i), &d);
+            rtcSetGeometryTransformQuaternion(instance.geometry, unsigned(i), &d);
         }
     }
 
@@ -251,7 +248,7 @@ struct Accel::Impl {
         // Margin of one eighth for Embree's own inverse and interpolation in time.
         const double reach = double(kEmbreeReach) / 1.125;
         auto within = [&](double limit, Float old) {
-            return limit > 0 ? static_cast<Float>(std::min(double(old), limit)) : Float(0);  // also for NaN
+            return limit > 0 ? Float(std::min(double(old), limit)) : Float(0);  // also for NaN
         };
         maxOrigin = within((reach - shift) / factor, maxOrigin);
         maxDirection = within(reach / factor, maxDirection);
@@ -266,10 +263,9 @@ struct Accel::Impl {
     void CheckDevice() const {
         RTCError error = rtcGetDeviceError(device);
         if (error == RTC_ERROR_OUT_OF_MEMORY)
-            throw UserError(
-                fmt::format("There is not enough memory for the ray acceleration structure (this process can use {}).",
-                            BytesText(UsableMemory())));
-        PBRT_CHECK_MSG(error == RTC_ERROR_NONE, "Embree error {}", static_cast<int>(error));
+            throw UserError("There is not enough memory for the ray acceleration structure (this process can use {}).",
+                            BytesText(UsableMemory()));
+        PBRT_CHECK_MSG(error == RTC_ERROR_NONE, "Embree error {}", int(error));
     }
 };
 
@@ -291,13 +287,13 @@ int Accel::AddObject(const std::vector<ShapeId> &ids, const std::vector<const Sh
     group.scene = impl_->NewScene();
     for (size_t i = 0; i < ids.size(); ++i) impl_->Add(group, ids[i], *shapes[i], alphas[i], renderFromObject);
     impl_->objects.push_back(std::move(group));
-    return static_cast<int>(impl_->objects.size()) - 1;
+    return int(impl_->objects.size()) - 1;
 }
 
 int Accel::AddInstance(int object, const Transform &renderFromObject) {
-    PBRT_CHECK(object >= 0 && static_cast<size_t>(object) < impl_->objects.size());
+    PBRT_CHECK(object >= 0 && size_t(object) < impl_->objects.size());
     impl_->instances.push_back({object, renderFromObject});
-    return static_cast<int>(impl_->instances.size()) - 1;
+    return int(impl_->instances.size()) - 1;
 }
 
 int Accel::AddMovingInstance(int object, const AnimatedTransform &renderFromOuter,
@@ -326,7 +322,7 @@ void Accel::Commit() {
         instance.geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_INSTANCE);
         rtcSetGeometryInstancedScene(instance.geometry, object.scene);
         impl_->Place(instance);
-        Impl::Attach(impl_->top, instance.geometry, nullptr, static_cast<int32_t>(i));
+        Impl::Attach(impl_->top, instance.geometry, nullptr, int32_t(i));
     }
     rtcCommitScene(impl_->top.scene);
     impl_->committed = true;
@@ -394,6 +390,6 @@ Transform Accel::InstanceTransform(int instance, Float time) const {
     return Transform(m);
 }
 
-size_t Accel::Bytes() const { return static_cast<size_t>(std::max<int64_t>(0, impl_->bytes.load())); }
+size_t Accel::Bytes() const { return size_t(std::max<int64_t>(0, impl_->bytes.load())); }
 
 }  // namespace pbrt

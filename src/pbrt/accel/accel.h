@@ -1,7 +1,6 @@
 #pragma once
 #include <algorithm>
 #include <array>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -51,7 +50,7 @@ class PassedHits {
 
   private:
     static std::array<uint32_t, 3> Identity(const AccelHit &hit) {
-        return {hit.shape.value, hit.primitive, static_cast<uint32_t>(hit.instance)};
+        return {hit.shape.value, hit.primitive, uint32_t(hit.instance)};
     }
     std::array<AccelHit, kMaxHits> hits_;
     int count_ = 0;

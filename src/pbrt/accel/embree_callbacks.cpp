@@ -3,7 +3,6 @@
 #include "pbrt/math/rng.h"
 
 namespace pbrt {
-
 namespace {
 
 const QueryContext &QueryOf(const RTCIntersectContext *context) {
@@ -33,7 +32,7 @@ bool StopsRay(const Geometry &g, const RTCIntersectContext *context, const RTCRa
 
 /// The hit in the query's terms, except for the instance, which is still Embree's id.
 AccelHit Report(const Geometry &g, const RTCIntersectContext *context, uint32_t primitive, const PrimitiveHit &hit) {
-    return {g.id, primitive, hit, static_cast<int32_t>(context->instID[0])};
+    return {g.id, primitive, hit, int32_t(context->instID[0])};
 }
 
 void IgnoreHit(const RTCFilterFunctionNArguments *args) { args->valid[0] = 0; }

@@ -1,7 +1,6 @@
 #include "pbrt/build/accelerators.h"
 
 namespace pbrt {
-
 namespace {
 
 struct BvhParams {
@@ -37,14 +36,12 @@ struct KdTreeParams {
 }  // namespace
 
 const AcceleratorTable &Accelerators() {
-    static const AcceleratorTable table = [] {
-        AcceleratorTable t("Accelerator");
+    static const AcceleratorTable table("Accelerator", [](AcceleratorTable &t) {
         t.Add<BvhParams>("bvh", "checked; without effect", CheckBvh);
         t.Add<KdTreeParams>(
             "kdtree", "checked; without effect",
             [](const auto &, const ParamSet &, const AcceleratorContext &) { return std::monostate(); });
-        return t;
-    }();
+    });
     return table;
 }
 

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <filesystem>
-#include <map>
 #include <set>
 #include <tuple>
 
@@ -16,7 +15,6 @@
 #include "pbrt/shapes/extent.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Location of the instance or moving shape whose inverse transformation has the largest scale.
@@ -28,7 +26,7 @@ FileLoc SmallestPlaced(const SceneDescription &d) {
             if (t->IsSingular()) continue;  // hidden
             for (int row = 0; row < 3; ++row) {
                 double growth = 0;
-                for (int c = 0; c < 3; ++c) growth += std::abs(static_cast<double>(t->InverseMatrix()[c][row]));
+                for (int c = 0; c < 3; ++c) growth += std::abs(double(t->InverseMatrix()[c][row]));
                 if (!(growth > mostGrowth)) continue;
                 mostGrowth = growth;
                 smallest = loc;
@@ -88,7 +86,7 @@ void CheckOutput(const BuiltScene &built, DiagnosticSink &sink) {
     if (!built.filename.empty()) Collect(sink, [&] { CheckWritable(built.filename); });
     std::error_code none;
     if (!built.mseReferenceImage.empty() && !std::filesystem::exists(built.mseReferenceImage, none))
-        sink.Error({}, fmt::format("{}: the reference image does not exist.", built.mseReferenceImage));
+        sink.Error({}, "{}: the reference image does not exist.", built.mseReferenceImage);
     if (!built.mseReferenceOut.empty()) Collect(sink, [&] { CheckWritable(built.mseReferenceOut); });
 }
 
@@ -106,7 +104,7 @@ SceneContents MakeContents(SceneDescription &d, const BuildOptions &options, con
     BuiltMedia media = MakeMedia(d, renderFromWorld, sink);
     if (const std::string &type = IntegratorType(d.integrator, options);
         !media.media.empty() && !TraitsOf(type).rendersMedia) {
-        sink.Warning({}, fmt::format("integrator \"{}\" renders no media; \"volpath\" does.", type));
+        sink.Warning({}, "integrator \"{}\" renders no media; \"volpath\" does.", type);
         media = {};
     }
     GeometryBuilder geometry(d, renderFromWorld, !TraitsOf(IntegratorType(d.integrator, options)).passesInterfaces,
@@ -210,9 +208,8 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Plug
     Collect(sink, [&] { Accelerators().Make(d.accelerator.type, d.accelerator.params, AcceleratorContext{sink}); });
     const IntegratorSettings integrator = ReadIntegrator(d.integrator, options, registry, sink);
     if (built.disablePixelJitter && !TraitsOf(integrator.type).samplesPixels)
-        sink.Warning({}, fmt::format("integrator \"{}\" has no samples of single pixels, so pixel jitter cannot be "
-                                     "disabled.",
-                                     integrator.type));
+        sink.Warning({}, "integrator \"{}\" has no samples of single pixels, so pixel jitter cannot be disabled.",
+                     integrator.type);
     if (integrator.samplesPerPixel > 0 && options.samplesPerPixel == 0 && !options.quick)
         options.samplesPerPixel = integrator.samplesPerPixel;
     static_cast<RenderView &>(built) = MakeView(d, options, placement, built.seed, sink);
@@ -224,8 +221,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Plug
     // large shapes are read.
     if (std::any_of(sink.All().begin(), sink.All().end(), IsOfCommandLine)) ThrowIfErrors(sink, checked);
 
-    built.memory =
-        EstimateMemory(d, built.film ? static_cast<double>(built.film->Bytes()) : 0, options.textureCacheMb <= 0);
+    built.memory = EstimateMemory(d, built.film ? double(built.film->Bytes()) : 0, options.textureCacheMb <= 0);
     Collect(sink, [&] { RequireMemory(built.memory); });
     if (std::any_of(sink.All().begin(), sink.All().end(), IsOfCommandLine)) ThrowIfErrors(sink, checked);
 

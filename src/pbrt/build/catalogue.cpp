@@ -15,7 +15,6 @@
 #include "pbrt/textures/texture_makers.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Appends the parameters of direction sampling, as named in scenes, to the integrators that use it.

@@ -3,7 +3,6 @@
 #include "pbrt/textures/texture_factory.h"
 
 namespace pbrt {
-
 namespace {
 
 void LeaveOutMedia(SceneDescription &d) {
@@ -41,9 +40,8 @@ std::vector<std::string> CheckSupported(SceneDescription &d, BuildOptions &optio
             leaveOut(d.integrator.loc, what, instead);
             options.integrator = instead;
         } else {
-            sink.Error(d.integrator.loc,
-                       fmt::format("{} is not supported yet. --integrator {} renders the scene by path tracing.", what,
-                                   instead));
+            sink.Error(d.integrator.loc, "{} is not supported yet. --integrator {} renders the scene by path tracing.",
+                       what, instead);
         }
     }
     for (TextureEntity &t : d.textures) {

@@ -27,10 +27,10 @@ inline const ColorSpace &SpaceOf(const Entity &e) {
 AnimatedTransform MotionOf(const char *what, const auto &entity, const Transform &start, const Transform &end) {
     if (start == end) return start;
     if (!AnimatedTransform::CanInterpolate(start, end))
-        throw UserError(fmt::format("{} cannot move from its start to its end transformation: one of them flattens it, "
-                                    "or only one of them mirrors it.",
-                                    what),
-                        entity.loc);
+        throw UserError(entity.loc,
+                        "{} cannot move from its start to its end transformation: one of them flattens it, "
+                        "or only one of them mirrors it.",
+                        what);
     return {start, entity.startTime, end, entity.endTime};
 }
 

@@ -2,14 +2,12 @@
 
 #include "pbrt/build/collect.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/lights/light_factory.h"
 #include "pbrt/media/medium_factory.h"
 #include "pbrt/shapes/curves.h"
 #include "pbrt/shapes/extent.h"
 #include "pbrt/shapes/shape_factory.h"
 
 namespace pbrt {
-
 namespace {
 
 Displacement MakeDisplacement(const FloatTexturePtr &height, Float edgeScale) {
@@ -85,7 +83,7 @@ GeometryBuilder::GeometryBuilder(SceneDescription &description, const Transform 
     };
     for (ShapeEntity &s : description_.shapes) add(s, -1);
     for (size_t o = 0; o < description_.objects.size(); ++o)
-        for (ShapeEntity &s : description_.objects[o].shapes) add(s, static_cast<int>(o));
+        for (ShapeEntity &s : description_.objects[o].shapes) add(s, int(o));
     for (const ObjectEntity &o : description_.objects)
         spaces_.push_back(o.shapes.empty() ? Transform()
                                            : Transform::Translate(Vector3(o.shapes.front().ctm.start.Matrix()[3])));
@@ -119,8 +117,7 @@ MaterialId GeometryBuilder::ResolveMaterial(const ShapeEntity &entity) {
     if (it != named_.end()) return it->second;
     std::vector<std::string> names;
     for (const auto &[name, id] : named_) names.push_back(name);
-    sink_.Error(entity.loc,
-                fmt::format("named material \"{}\" is not defined; {}.", ref.name, ListChoices(ref.name, names)));
+    sink_.Error(entity.loc, "named material \"{}\" is not defined; {}.", ref.name, ListChoices(ref.name, names));
     return {};
 }
 
@@ -138,7 +135,7 @@ void GeometryBuilder::BuildShapes(Progress &progress) {
                 w.displacement = MakeDisplacement(height, description_.options.displacementEdgeScale.value_or(1));
         });
     }
-    ParallelForEach(static_cast<int64_t>(work_.size()), [&](int64_t i) {
+    ParallelForEach(int64_t(work_.size()), [&](int64_t i) {
         Work &w = work_[i];
         MakeShapes(w);
         if (w.object < 0) w.entity->params = {};  // frees large inline meshes
@@ -198,7 +195,7 @@ void GeometryBuilder::CenterDefinitions() {
     for (size_t o = 0; o < spaces_.size(); ++o)
         if (isFar(bounds[o]))
             spaces_[o] = Product({spaces_[o], Transform::Translate((bounds[o].low + bounds[o].high) / Float(2))});
-    ParallelForEach(static_cast<int64_t>(work_.size()), [&](int64_t i) {
+    ParallelForEach(int64_t(work_.size()), [&](int64_t i) {
         Work &w = work_[i];
         if (w.object < 0) return;
         if (isFar(bounds[w.object]) && !w.motion && !w.shapes.empty()) {
@@ -338,7 +335,7 @@ void GeometryBuilder::BuildInstances(const std::vector<Definition> &definitions)
     for (const InstanceEntity &i : description_.instances) {
         auto it = byName.find(i.name);
         if (it == byName.end()) {
-            sink_.Error(i.loc, fmt::format("object \"{}\" is not defined.", i.name));
+            sink_.Error(i.loc, "object \"{}\" is not defined.", i.name);
             continue;
         }
         Collect(sink_, [&] {
@@ -347,9 +344,8 @@ void GeometryBuilder::BuildInstances(const std::vector<Definition> &definitions)
                          Product({renderFromWorld_, i.ctm.end, worldFromRender}));
             RequireReach(fmt::format("the instance of \"{}\"", Abbreviate(i.name)), motion, it->second.bounds, i.loc);
             if (motion.Start().IsSingular()) {  // hides an object, as in stock
-                sink_.Warning(i.loc, fmt::format("the instance of \"{}\" cannot be seen: the current transformation "
-                                                 "flattens it.",
-                                                 Abbreviate(i.name)));
+                sink_.Warning(i.loc, "the instance of \"{}\" cannot be seen: the current transformation flattens it.",
+                              Abbreviate(i.name));
                 return;
             }
             if (it->second.still >= 0) {

@@ -39,7 +39,7 @@ class GeometryBuilder {
     void BuildMaterials();
     /// Reads and transforms all shapes (in parallel), then registers them in file order.
     void BuildShapes(Progress &progress);
-    int64_t ShapeEntityCount() const { return static_cast<int64_t>(work_.size()); }
+    int64_t ShapeEntityCount() const { return int64_t(work_.size()); }
     /// Moves out the contents. The Accel is not committed and the lights are not finished.
     SceneContents TakeContents() { return std::move(contents_); }
     LightNames TakeLightNames() { return std::move(lightNames_); }

@@ -129,7 +129,7 @@ bool IsInEndlessMedium(const PathContext &context) {
         t = next->t;
         medium = next->behind;
     }
-    return static_cast<bool>(medium);
+    return bool(medium);
 }
 
 bool HasLightsBeyondScene(const LightTable &lights) {
@@ -143,20 +143,17 @@ bool HasLightsBeyondScene(const LightTable &lights) {
 }  // namespace
 
 const IntegratorTable &Integrators() {
-    static const IntegratorTable table = [] {
-        using Request = const IntegratorReading;
-        IntegratorTable t("Integrator");
+    static const IntegratorTable table("Integrator", [](IntegratorTable &t) {
         t.Add<PathParams>(
             "path",
-            "only here: `guide` ([guided-paths.md](../method/guided-paths.md)), `meshlights` and the "
-            "light samplers' own parameters "
-            "([lightsamplers.md](lightsamplers.md)); **differs**: an unknown light sampler is an error (stock "
-            "uses bvh)",
-            [](const auto &p, const ParamSet &set, Request &r) { return MakePath(p, set, r, false); },
+            "only here: `guide` ([guided-paths.md](../method/guided-paths.md)), `meshlights` and the light samplers' "
+            "own parameters ([lightsamplers.md](lightsamplers.md)); **differs**: an unknown light sampler is an error "
+            "(stock uses bvh)",
+            [](const auto &p, const ParamSet &set, auto &r) { return MakePath(p, set, r, false); },
             {.hasLightSampler = true, .isGuided = true});
         t.Add<PathParams>("volpath",
                           "as path, with media and subsurface scattering, and shadow rays pass \"interface\"",
-                          [](const auto &p, const ParamSet &set, Request &r) { return MakePath(p, set, r, true); },
+                          [](const auto &p, const ParamSet &set, auto &r) { return MakePath(p, set, r, true); },
                           {.hasLightSampler = true,
                            .isGuided = true,
                            .rendersMedia = true,
@@ -179,8 +176,7 @@ const IntegratorTable &Integrators() {
             t, "ambientocclusion", [](const auto &p, int, const PathContext &c, const ColorSpace &space) {
                 return std::make_unique<AmbientOcclusionIntegrator>(c, p.cosine, p.maxDistance, space);
             });
-        return t;
-    }();
+    });
     return table;
 }
 
@@ -197,10 +193,9 @@ IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &opti
     const std::string &type = IntegratorType(entity, options);
     IntegratorSettings settings;
     if (!Integrators().Has(type)) {
-        sink.Error(options.integrator.empty() ? entity.loc : FileLoc{},
-                   fmt::format("Integrator \"{}\" is {}; {}{}.", type,
-                               type == kUnsupportedIntegrator ? "not supported yet" : "unknown",
-                               V3Hint("Integrator", type), ListChoices(type, Integrators().Names())));
+        sink.Error(options.integrator.empty() ? entity.loc : FileLoc{}, "Integrator \"{}\" is {}; {}{}.", type,
+                   type == kUnsupportedIntegrator ? "not supported yet" : "unknown", V3Hint("Integrator", type),
+                   ListChoices(type, Integrators().Names()));
     } else {
         const IntegratorTable::Entry &entry = Integrators().Find(type);
         const IntegratorTraits &traits = entry.traits;
@@ -212,22 +207,22 @@ IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &opti
             fresh.Add(*depth);
         const ParamSet &params = type != entity.type ? fresh : entity.params;
         if (!options.shootingSampler.empty() && !traits.hasEmissionSampler)
-            sink.Error({}, fmt::format("--shooting-sampler: light paths begin at lights with the integrators {} only; "
-                                       "this one is \"{}\".",
-                                       NamesWith(&IntegratorTraits::hasEmissionSampler), type));
+            sink.Error({},
+                       "--shooting-sampler: light paths begin at lights with the integrators {} only; "
+                       "this one is \"{}\".",
+                       NamesWith(&IntegratorTraits::hasEmissionSampler), type);
         if (options.guide && !traits.isGuided)
-            sink.Error({}, fmt::format("--guide: {}; this one is \"{}\".", OnlyTheseAreGuided(), type));
+            sink.Error({}, "--guide: {}; this one is \"{}\".", OnlyTheseAreGuided(), type);
         ParamReader before(params);
         if (traits.hasLightSampler || traits.hasEmissionSampler) DeclareLightParams(before, registry, traits.isGuided);
         Collect(sink, [&] {
             settings = entry.make(params, IntegratorReading{options, registry, sink, before});
             if (!traits.hasLightSampler && (!options.lightSampler.empty() || options.meshLights))
-                sink.Warning(
-                    {}, fmt::format("--lightsampler and --mesh-lights have no effect on integrator \"{}\".", type));
+                sink.Warning({}, "--lightsampler and --mesh-lights have no effect on integrator \"{}\".", type);
         });
         if (settings.lights && settings.lights->guide && !traits.isGuided)
-            sink.Error(settings.lights->guide->Loc(),
-                       fmt::format("\"+guide\": {}; this one is \"{}\".", OnlyTheseAreGuided(), type));
+            sink.Error(settings.lights->guide->Loc(), "\"+guide\": {}; this one is \"{}\".", OnlyTheseAreGuided(),
+                       type);
     }
     settings.type = type;
     return settings;
@@ -237,15 +232,16 @@ BuiltIntegrator MakeIntegrator(const IntegratorSettings &settings, const PathCon
                                const ColorSpace &filmSpace, DiagnosticSink &sink) {
     const IntegratorTraits traits = TraitsOf(settings.type);
     if (traits.connectsToCamera && !context.camera.CanConnect())
-        sink.Error({}, fmt::format("Integrator \"{}\" follows light to the camera, which works with the cameras "
-                                   "\"perspective\", \"orthographic\" and \"spherical\" only.",
-                                   settings.type));
+        sink.Error({},
+                   "Integrator \"{}\" follows light to the camera, which works with the cameras "
+                   "\"perspective\", \"orthographic\" and \"spherical\" only.",
+                   settings.type);
     if (traits.connectsToCamera && HasLightsBeyondScene(context.scene.Lights()) && IsInEndlessMedium(context))
         sink.Warning({},
-                     fmt::format("the scene stands in a medium without a boundary, and lights shine from beyond it. "
-                                 "How much of their light arrives is not defined: integrator \"{}\" differs from "
-                                 "\"volpath\" there. Put a shape with material \"interface\" around the medium.",
-                                 settings.type));
+                     "the scene stands in a medium without a boundary, and lights shine from beyond it. "
+                     "How much of their light arrives is not defined: integrator \"{}\" differs from "
+                     "\"volpath\" there. Put a shape with material \"interface\" around the medium.",
+                     settings.type);
     BuiltIntegrator built;
     built.integratorName = settings.type;
     built.maxDepth = settings.maxDepth;
@@ -253,11 +249,10 @@ BuiltIntegrator MakeIntegrator(const IntegratorSettings &settings, const PathCon
     if (settings.lights) built.lightSamplerName = settings.lights->sampler.Label();
     if (settings.shooting) built.shootingSamplerName = settings.shooting->Label();
     if (!traits.scattersSubsurface && context.scene.HasSubsurface())
-        sink.Warning(
-            {},
-            fmt::format("subsurface materials are plain dielectrics to integrator \"{}\"; \"volpath\" scatters light "
-                        "below their surfaces.",
-                        settings.type));
+        sink.Warning({},
+                     "subsurface materials are plain dielectrics to integrator \"{}\"; \"volpath\" scatters light "
+                     "below their surfaces.",
+                     settings.type);
     return built;
 }
 

@@ -7,7 +7,6 @@
 #include "pbrt/integrators/sppm_integrator.h"
 
 namespace pbrt {
-
 namespace {
 
 struct ShootingParams {
@@ -114,9 +113,8 @@ auto ReadBdpt(const BdptParams &p, const IntegratorReading &r, IntegratorSetting
     if (p.visualizeWeights) shown.push_back(Kind::Weighted);
     if (!shown.empty() && settings.maxDepth > StrategyPictures::kMaxDepth) {
         settings.maxDepth = StrategyPictures::kMaxDepth;
-        r.sink.Warning({}, fmt::format("Integrator \"bdpt\": pictures of strategies go up to \"maxdepth\" {}, which is "
-                                       "used.",
-                                       settings.maxDepth));
+        r.sink.Warning({}, "Integrator \"bdpt\": pictures of strategies go up to \"maxdepth\" {}, which is used.",
+                       settings.maxDepth);
     }
     return [depth = settings.maxDepth, regularize = p.regularize, shown](const PathContext &context,
                                                                          OwnedSampler lights, OwnedSampler shooting) {

@@ -6,7 +6,6 @@
 #include "pbrt/build/collect.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Text of a flag, for errors with positions.
@@ -16,7 +15,7 @@ class FlagText {
         : source_(std::make_shared<SourceFile>(SourceFile{flag, text})) {}
     std::string_view Text() const { return source_->text; }
     /// `place`: in Text().
-    FileLoc At(const char *place) const { return {source_, 1, static_cast<int>(place - source_->text.data())}; }
+    FileLoc At(const char *place) const { return {source_, 1, int(place - source_->text.data())}; }
 
   private:
     std::shared_ptr<const SourceFile> source_;
@@ -50,8 +49,8 @@ Pieces Split(const FlagText &flag, DiagnosticSink &sink) {
         else if (word == "guide") pieces.guide = word.substr(word.size());
         else if (word.starts_with(kGuide)) pieces.guide = word.substr(kGuide.size());
         else
-            sink.Error(flag.At(word.data() - 1),
-                       fmt::format("\"+{}\" is unknown; a light sampler is written {}.", word, kLightChoiceSyntax));
+            sink.Error(flag.At(word.data() - 1), "\"+{}\" is unknown; a light sampler is written {}.", word,
+                       kLightChoiceSyntax);
     }
     return pieces;
 }
@@ -66,9 +65,9 @@ Param ReadOne(const FlagText &flag, const std::string &owner, const std::vector<
     if (doc == docs.end()) {
         std::vector<std::string> keys;
         for (const ParamDoc &d : docs) keys.push_back(d.name);
-        throw UserError(fmt::format("\"{}\" has no parameter \"{}\"; {}.", owner, key, ListChoices(key, keys)), loc);
+        throw UserError(loc, "\"{}\" has no parameter \"{}\"; {}.", owner, key, ListChoices(key, keys));
     }
-    if (equals == std::string::npos) throw UserError(fmt::format("expected \"{}=value\".", key), loc);
+    if (equals == std::string::npos) throw UserError(loc, "expected \"{}=value\".", key);
     const std::string_view value = item.substr(equals + 1);
     Param p;
     p.name = fmt::format("{}.{}", owner, key);
@@ -90,9 +89,8 @@ Param ReadOne(const FlagText &flag, const std::string &owner, const std::vector<
         number(p.floats.emplace_back());
     }
     if (!good)
-        throw UserError(fmt::format("\"{}\" is not a value of type {}{}.", value, doc->TypeText(),
-                                    value.find('=') == std::string::npos ? "" : "; commas separate parameters"),
-                        flag.At(value.data()));
+        throw UserError(flag.At(value.data()), "\"{}\" is not a value of type {}{}.", value, doc->TypeText(),
+                        value.find('=') == std::string::npos ? "" : "; commas separate parameters");
     return p;
 }
 
@@ -115,9 +113,9 @@ void CheckColon(const FlagText &flag, std::string_view piece, size_t colon, cons
     const size_t keys = piece.find_first_not_of(",;=/( ", stop);
     if (keys == std::string::npos || known.empty() || stop == colon) return;
     find(known, flag.At(piece.data()));
-    throw UserError(fmt::format("a colon separates the name from its parameters, and commas separate these: \"{}:{}\".",
-                                known, piece.substr(keys)),
-                    flag.At(piece.data() + stop));
+    throw UserError(flag.At(piece.data() + stop),
+                    "a colon separates the name from its parameters, and commas separate these: \"{}:{}\".", known,
+                    piece.substr(keys));
 }
 
 /// Parses "name:key=value,..."; `find(name, loc)` returns the registry entry of a known name.
@@ -159,8 +157,8 @@ void WarnOfParamsWithoutEffect(const LightSamplerRegistry::Entry &entry, const P
         for (const ParamDoc &doc : entry.params) {
             if (doc.choice != choice.name || doc.chosen == chosen) continue;
             if (const Param *p = params.Find(entry.name + "." + doc.name, doc.types.front()))
-                sink.Warning(p->loc, fmt::format("\"{}\" has no effect: it belongs to {}={}, and {} is \"{}\" here.",
-                                                 doc.name, choice.name, doc.chosen, choice.name, chosen));
+                sink.Warning(p->loc, "\"{}\" has no effect: it belongs to {}={}, and {} is \"{}\" here.", doc.name,
+                             choice.name, doc.chosen, choice.name, chosen);
         }
     }
 }
@@ -227,11 +225,10 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
     Collect(sink, [&] {
         const std::string &name = scene.lightSampler;
         if (const size_t stop = name.find_first_of(":,;=+ "); stop != std::string::npos)
-            throw UserError(
-                fmt::format("\"{}\" is the form of flags; in a scene this is a name only, and its parameters "
+            throw UserError(loc,
+                            "\"{}\" is the form of flags; in a scene this is a name only, and its parameters "
                             "are such as \"float {}.floor\".",
-                            Abbreviate(name), Abbreviate(name.substr(0, stop))),
-                loc);
+                            Abbreviate(name), Abbreviate(name.substr(0, stop)));
         sampler.entry = &find(name, loc);
     });
     if (!flags.choice.empty()) sampler.entry = ReadPiece(choice, pieces.sampler, find, &keys, sink);
@@ -267,10 +264,9 @@ std::optional<LightSamplerSpec> ReadShootingSampler(const ParamSet &integrator, 
         for (const std::string &n : registry.samplers.Names())
             if (registry.samplers.Find(n).traits.isSameEverywhere) choices.push_back(n);
         if (registry.samplers.Has(name) && !registry.samplers.Find(name).traits.isSameEverywhere)
-            throw UserError(fmt::format("light sampler \"{}\" chooses by place, and light paths have none before they "
-                                        "begin; {}.",
-                                        name, ListChoices(name, choices)),
-                            loc);
+            throw UserError(loc,
+                            "light sampler \"{}\" chooses by place, and light paths have none before they begin; {}.",
+                            name, ListChoices(name, choices));
         if (!registry.samplers.Has(name)) ThrowUnknown("light sampler", name, choices, loc);
         return registry.samplers.Find(name, loc);
     };

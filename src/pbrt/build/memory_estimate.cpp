@@ -6,7 +6,6 @@
 #include <sstream>
 
 namespace pbrt {
-
 namespace {
 
 /// Lower bound of Embree's bytes per triangle, validated by a test. A patch counts as two triangles.
@@ -26,8 +25,8 @@ std::string HeadOf(const std::string &path, size_t bytes) {
     const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(gzopen(path.c_str(), "rb"), gzclose);
     if (!file) return {};
     std::string head(bytes, 0);
-    const int got = gzread(file.get(), head.data(), static_cast<unsigned>(bytes));
-    head.resize(got > 0 ? static_cast<size_t>(got) : 0);
+    const int got = gzread(file.get(), head.data(), unsigned(bytes));
+    head.resize(got > 0 ? size_t(got) : 0);
     return head;
 }
 
@@ -55,7 +54,7 @@ MeshCounts CountsOf(const ShapeEntity &shape, const FileResolver &files) {
     const ParamSet &set = shape.params;
     const auto size = [&](const char *name, ParamType type) -> double {
         const Param *p = set.Find(name, type);
-        return p ? static_cast<double>(p->floats.size() + p->ints.size()) : 0;
+        return p ? double(p->floats.size() + p->ints.size()) : 0;
     };
     const bool isPatches = shape.type == "bilinearmesh";
     if (shape.type == "plymesh") {
@@ -91,7 +90,7 @@ double ImageBytes(const std::string &path) {
     }
     std::error_code none;
     const auto size = std::filesystem::file_size(path, none);
-    return none ? 0 : static_cast<double>(size);
+    return none ? 0 : double(size);
 }
 
 void AddImages(const SceneDescription &d, MemoryEstimate *estimate) {
@@ -145,9 +144,8 @@ MemoryEstimate EstimateMemory(const SceneDescription &d, double filmBytes, bool 
 void RequireMemory(const MemoryEstimate &estimate) {
     const double usable = UsableMemory();
     if (estimate.Total() > usable)
-        throw UserError(fmt::format("the scene needs at least {}; this process can use {} of memory.", estimate.Text(),
-                                    BytesText(usable)),
-                        estimate.largestAt);
+        throw UserError(estimate.largestAt, "the scene needs at least {}; this process can use {} of memory.",
+                        estimate.Text(), BytesText(usable));
 }
 
 }  // namespace pbrt

@@ -8,7 +8,6 @@
 #include "pbrt/scenefile/content_hash.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Output file names in the scene.
@@ -23,10 +22,9 @@ std::set<std::string> OutputsOf(const SceneDescription &d) {
 
 /// Bitwise hash of a group's power, position and directions.
 uint64_t HashOf(const LightCandidate &c) {
-    uint64_t hash = Hash(c.power, static_cast<int>(c.infinite), static_cast<int>(c.bounds.has_value()));
+    uint64_t hash = Hash(c.power, int(c.infinite), int(c.bounds.has_value()));
     if (const auto &b = c.bounds)
-        hash = Hash(hash, b->bounds.low, b->bounds.high, b->w, b->phi, b->cosTheta_o, b->cosTheta_e,
-                    static_cast<int>(b->twoSided));
+        hash = Hash(hash, b->bounds.low, b->bounds.high, b->w, b->phi, b->cosTheta_o, b->cosTheta_e, int(b->twoSided));
     return hash;
 }
 
@@ -36,7 +34,7 @@ uint64_t HashOfSkies(const Scene &scene) {
     uint64_t hash = 0;
     SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
     for (int i = 0; i < kSide * kSide; ++i) {
-        const Point2 u((static_cast<Float>(i % kSide) + 0.5f) / kSide, (static_cast<Float>(i / kSide) + 0.5f) / kSide);
+        const Point2 u((Float(i % kSide) + 0.5f) / kSide, (Float(i / kSide) + 0.5f) / kSide);
         const Vector3 d = SampleUniformSphere(u);
         scene.Lights().ForEachBeyond(scene.Bounds().Center(), d, lambda, [&](const SampledSpectrum &L, LightId id) {
             for (int k = 0; k < SpectrumSamples; ++k) hash = Hash(hash, id.value, L[k]);

@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "pbrt/build/build_options.h"
+#include "pbrt/build/built_scene.h"
 #include "pbrt/films/render_file.h"
 #include "pbrt/scene/scene.h"
 #include "pbrt/scenefile/scene_description.h"

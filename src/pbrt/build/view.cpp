@@ -3,7 +3,6 @@
 #include "pbrt/shapes/extent.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Rendering space is world space translated to the camera at the middle of the transform times, unless
@@ -16,8 +15,8 @@ Transform RenderFromWorld(const SceneDescription &d, const AnimatedTransform &wo
     if (which == "camera") return middle.Inverse();
     if (which == "world") return {};
     if (which != "cameraworld")
-        throw UserError(fmt::format("rendering coordinate system \"{}\" is unknown; {}.", which,
-                                    ListChoices(which, {"camera", "cameraworld", "world"})));
+        throw UserError("rendering coordinate system \"{}\" is unknown; {}.", which,
+                        ListChoices(which, {"camera", "cameraworld", "world"}));
     return Transform::Translate(-middle.Point(Point3(0)));
 }
 

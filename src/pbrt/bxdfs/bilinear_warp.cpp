@@ -3,7 +3,6 @@
 #include "pbrt/math/warps.h"
 
 namespace pbrt {
-
 namespace {
 
 struct Cell {
@@ -13,9 +12,9 @@ struct Cell {
 
 /// Cell that contains x, for n knots over [0, 1]; the first cell if x is NaN.
 Cell CellOf(Float x, int n) {
-    Float at = (x > 0 ? std::min(x, Float(1)) : Float(0)) * static_cast<Float>(n - 1);
-    int i = std::min(static_cast<int>(at), n - 2);
-    return {i, at - static_cast<Float>(i)};
+    Float at = (x > 0 ? std::min(x, Float(1)) : Float(0)) * Float(n - 1);
+    int i = std::min(int(at), n - 2);
+    return {i, at - Float(i)};
 }
 
 /// Last i in [0, n - 2] with sum(i) <= u; sum must not decrease.
@@ -61,10 +60,10 @@ BilinearWarp::BilinearWarp(const GridSlices &values) : nx_(values.Nx()), ny_(val
         const double total = below.back();
         for (int y = 0; y < ny_; ++y) {
             for (int x = 0; x < nx_; ++x) {
-                density_[s * perSlice + Index(x, y)] = static_cast<Float>(double(values.At(s, x, y)) / total);
-                left_[s * perSlice + Index(x, y)] = static_cast<Float>(left[Index(x, y)] / total);
+                density_[s * perSlice + Index(x, y)] = Float(double(values.At(s, x, y)) / total);
+                left_[s * perSlice + Index(x, y)] = Float(left[Index(x, y)] / total);
             }
-            below_[s * ny_ + y] = static_cast<Float>(below[y] / total);
+            below_[s * ny_ + y] = Float(below[y] / total);
         }
     }
 }
@@ -80,9 +79,7 @@ BilinearWarp::Mapped BilinearWarp::Sample(const Point2 &u, const SliceBlend &ble
     const Float d0 = Lerp(ty, Density(blend, x, y), Density(blend, x, y + 1));
     const Float d1 = Lerp(ty, Density(blend, x + 1, y), Density(blend, x + 1, y + 1));
     const Float tx = WhereMassIs(mass - left(x), d0, d1);
-    return {{(static_cast<Float>(x) + tx) / static_cast<Float>(nx_ - 1),
-             (static_cast<Float>(y) + ty) / static_cast<Float>(ny_ - 1)},
-            Lerp(tx, d0, d1) / CellArea()};
+    return {{(Float(x) + tx) / Float(nx_ - 1), (Float(y) + ty) / Float(ny_ - 1)}, Lerp(tx, d0, d1) / CellArea()};
 }
 
 BilinearWarp::Mapped BilinearWarp::Invert(const Point2 &p, const SliceBlend &blend) const {

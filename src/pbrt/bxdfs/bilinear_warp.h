@@ -1,6 +1,5 @@
 #pragma once
 #include <array>
-#include <span>
 #include <vector>
 
 #include "pbrt/math/vec.h"
@@ -62,7 +61,7 @@ class BilinearWarp {
             if (blend.weight[k] != 0) sum += blend.weight[k] * table[blend.slice[k] * perSlice + at];
         return sum;
     }
-    Float CellArea() const { return Float(1) / static_cast<Float>((nx_ - 1) * (ny_ - 1)); }
+    Float CellArea() const { return Float(1) / Float((nx_ - 1) * (ny_ - 1)); }
 
     std::vector<Float> density_, left_, below_;
     int nx_ = 0, ny_ = 0;

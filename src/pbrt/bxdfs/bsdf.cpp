@@ -5,7 +5,6 @@
 #include <type_traits>
 
 namespace pbrt {
-
 namespace {
 
 bool Offers(BxdfFlags flags, ReflTransFlags which) {
@@ -127,9 +126,9 @@ SampledSpectrum EstimateAlbedo(const Bsdf &given, const Vector3 &wo) {
     constexpr Float kOffset = Float(0.757);
     SampledSpectrum sum(0);
     for (int i = 0; i < kPoints; ++i) {
-        const auto index = static_cast<uint64_t>(kPoints - i);
+        const auto index = uint64_t(kPoints - i);
         const Point2 u(RadicalInverse(2, index), RadicalInverse(3, index));
-        const Float uLobe = (static_cast<Float>(i) + kOffset) / kPoints;
+        const Float uLobe = (Float(i) + kOffset) / kPoints;
         if (auto s = bsdf.Sample(wo, uLobe, u); s && s->pdf > 0)
             sum += s->f * (AbsDot(s->wi, bsdf.ShadingFrame().z) / s->pdf);
     }

@@ -1,7 +1,6 @@
 #include "pbrt/bxdfs/bssrdf.h"
 
 namespace pbrt {
-
 namespace {
 
 // Probes along the normal (third axis) find exits on flat surroundings, the others on steep ones.
@@ -26,7 +25,7 @@ std::optional<Bssrdf::Probe> Bssrdf::SampleProbe(Float uc, const Point2 &u) cons
     const int axis = uc < kAxisShare[0] ? 0 : uc < kAxisShare[0] + kAxisShare[1] ? 1 : 2;
     const Float begin[] = {0, kAxisShare[0], kAxisShare[0] + kAxisShare[1]};
     uc = std::clamp((uc - begin[axis]) / kAxisShare[axis], Float(0), OneMinusEpsilon);
-    const int wavelength = static_cast<int>(uc * static_cast<Float>(wavelengths_));
+    const int wavelength = int(uc * Float(wavelengths_));
     const Float reach = reach_[wavelength];
     if (!(reach > 0)) return {};
     const Float radius = table_->SampleRadius(rows_[wavelength], u.x) / sigmaT_[wavelength];
@@ -55,7 +54,7 @@ Float Bssrdf::Pdf(const Point3 &exit, const Normal3 &n) const {
             sum += kAxisShare[axis] * cosines[axis] * table_->Profile(row, radii[axis] * sigmaT_[i]);
         pdf += sum * Sqr(sigmaT_[i]) / row.reflectance;
     }
-    return pdf / static_cast<Float>(wavelengths_);
+    return pdf / Float(wavelengths_);
 }
 
 SampledSpectrum Bssrdf::Profile(Float distance) const {

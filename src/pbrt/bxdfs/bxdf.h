@@ -8,13 +8,11 @@ namespace pbrt {
 enum class TransportMode { Radiance, Importance };
 
 enum class ReflTransFlags : uint8_t { None = 0, Reflection = 1, Transmission = 2, All = 3 };
-constexpr bool Has(ReflTransFlags f, ReflTransFlags bit) { return (static_cast<int>(f) & static_cast<int>(bit)) != 0; }
+constexpr bool Has(ReflTransFlags f, ReflTransFlags bit) { return (int(f) & int(bit)) != 0; }
 
 enum class BxdfFlags : uint8_t { None = 0, Reflection = 1, Transmission = 2, Diffuse = 4, Glossy = 8, Specular = 16 };
-constexpr BxdfFlags operator|(BxdfFlags a, BxdfFlags b) {
-    return static_cast<BxdfFlags>(static_cast<int>(a) | static_cast<int>(b));
-}
-constexpr bool Has(BxdfFlags f, BxdfFlags bit) { return (static_cast<int>(f) & static_cast<int>(bit)) != 0; }
+constexpr BxdfFlags operator|(BxdfFlags a, BxdfFlags b) { return static_cast<BxdfFlags>(int(a) | int(b)); }
+constexpr bool Has(BxdfFlags f, BxdfFlags bit) { return (int(f) & int(bit)) != 0; }
 constexpr bool IsReflective(BxdfFlags f) { return Has(f, BxdfFlags::Reflection); }
 constexpr bool IsTransmissive(BxdfFlags f) { return Has(f, BxdfFlags::Transmission); }
 constexpr bool IsSpecular(BxdfFlags f) { return Has(f, BxdfFlags::Specular); }

@@ -6,7 +6,6 @@
 #include "pbrt/math/warps.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Rows of a table for all roughnesses, at squares of equidistant numbers: the values change fastest for small alphas.
@@ -17,17 +16,17 @@ constexpr int kDirectionPoints = 1024, kInnerCosines = 256, kInnerPoints = 128, 
 Point2 PointOfSquare(int k) {
     constexpr double a = 0.7548776662466927, b = 0.5698402909980532;
     double whole;
-    return {static_cast<Float>(std::modf(0.5 + a * k, &whole)), static_cast<Float>(std::modf(0.5 + b * k, &whole))};
+    return {Float(std::modf(0.5 + a * k, &whole)), Float(std::modf(0.5 + b * k, &whole))};
 }
 
 /// Mean inner Fresnel reflectance, including both crossings of the medium, over cosine-distributed directions.
 Float SmoothInner(Float eta, Float thickness) {
     double sum = 0;
     for (int k = 0; k < kSmoothPoints; ++k) {
-        const Float cosine = std::sqrt((static_cast<Float>(k) + Float(0.5)) / kSmoothPoints);
+        const Float cosine = std::sqrt((Float(k) + Float(0.5)) / kSmoothPoints);
         sum += double(FresnelDielectric(-cosine, eta) * std::exp(-2 * thickness / cosine));
     }
-    return static_cast<Float>(sum / kSmoothPoints);
+    return Float(sum / kSmoothPoints);
 }
 
 }  // namespace
@@ -38,7 +37,7 @@ CoatTable::CoatTable(Float eta, Float thickness, std::optional<Float> alpha)
     if (!alpha) {
         const Float first = std::sqrt(minAlpha);
         for (int k = 0; k < kAlphas; ++k)
-            alphas_.push_back(Sqr(first + (std::sqrt(kMaxAlpha) - first) * static_cast<Float>(k) / (kAlphas - 1)));
+            alphas_.push_back(Sqr(first + (std::sqrt(kMaxAlpha) - first) * Float(k) / (kAlphas - 1)));
     } else if (*alpha >= minAlpha && *alpha <= kMaxAlpha) {
         alphas_ = {*alpha};
     }
@@ -49,8 +48,8 @@ CoatTable::CoatTable(Float eta, Float thickness, std::optional<Float> alpha)
     inner_.resize(alphas_.size());
     // One more than the knots: the last task of a row computes inner_.
     constexpr size_t kTasks = ClearCoat::kCosines + 1;
-    ParallelFor(static_cast<int64_t>(alphas_.size() * kTasks), 16, [&](int64_t begin, int64_t end) {
-        for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+    ParallelFor(int64_t(alphas_.size() * kTasks), 16, [&](int64_t begin, int64_t end) {
+        for (auto i = size_t(begin); i < size_t(end); ++i) {
             const size_t row = i / kTasks, knot = i % kTasks;
             const DielectricBxdf top(eta_, TrowbridgeReitz(alphas_[row], alphas_[row]));
             if (knot < ClearCoat::kCosines) rows_[row][knot] = SharesAt(top, ClearCoat::CosineOf(knot));
@@ -73,9 +72,9 @@ std::optional<ClearCoat> CoatTable::At(const TrowbridgeReitz &facets) const {
     }
     if (!(alpha >= alphas_.front() && alpha <= alphas_.back())) return {};
     const Float first = std::sqrt(alphas_.front()), last = std::sqrt(alphas_.back());
-    const Float x = (std::sqrt(alpha) - first) / (last - first) * static_cast<Float>(kAlphas - 1);
-    const size_t i = std::min(static_cast<size_t>(std::max(x, Float(0))), alphas_.size() - 2);
-    const Float fraction = std::clamp(x - static_cast<Float>(i), Float(0), Float(1));
+    const Float x = (std::sqrt(alpha) - first) / (last - first) * Float(kAlphas - 1);
+    const size_t i = std::min(size_t(std::max(x, Float(0))), alphas_.size() - 2);
+    const Float fraction = std::clamp(x - Float(i), Float(0), Float(1));
     return ClearCoat(&rows_[i], fraction, Lerp(fraction, inner_[i], inner_[i + 1]));
 }
 
@@ -96,7 +95,7 @@ CoatShares CoatTable::SharesAt(const DielectricBxdf &top, Float cosine) const {
         through += double(transmitted);
         throughStock += double(transmitted * (PowerHeuristic(drawn.pdf, base) + PowerHeuristic(base, leaving)));
     }
-    auto mean = [](double sum) { return static_cast<Float>(sum / kDirectionPoints); };
+    auto mean = [](double sum) { return Float(sum / kDirectionPoints); };
     return {mean(through), mean(throughStock), mean(mirrored), mean(refracted)};
 }
 
@@ -104,7 +103,7 @@ Float CoatTable::InnerReflectance(const DielectricBxdf &top) const {
     double sum = 0;
     for (int i = 0; i < kInnerCosines; ++i) {
         // Back along a direction from the base, uniform in cos^2.
-        const Float cos2 = (static_cast<Float>(i) + Float(0.5)) / kInnerCosines;
+        const Float cos2 = (Float(i) + Float(0.5)) / kInnerCosines;
         const Vector3 down(-SafeSqrt(1 - cos2), 0, -std::sqrt(cos2));
         double reflected = 0;
         for (int k = 0; k < kInnerPoints; ++k) {
@@ -113,7 +112,7 @@ Float CoatTable::InnerReflectance(const DielectricBxdf &top) const {
         }
         sum += reflected * double(Transmittance(thickness_, down));
     }
-    return static_cast<Float>(sum / (kInnerCosines * kInnerPoints));
+    return Float(sum / (kInnerCosines * kInnerPoints));
 }
 
 }  // namespace pbrt

@@ -25,9 +25,7 @@ class ClearCoat {
   public:
     /// Knots over the cosine, at squares of equidistant numbers: the values change fastest at grazing angles.
     static constexpr size_t kCosines = 64;
-    static Float CosineOf(size_t knot) {
-        return std::max(Sqr(static_cast<Float>(knot) / static_cast<Float>(kCosines - 1)), Float(1e-4));
-    }
+    static Float CosineOf(size_t knot) { return std::max(Sqr(Float(knot) / Float(kCosines - 1)), Float(1e-4)); }
     using Row = std::array<CoatShares, kCosines>;
 
     ClearCoat() = default;
@@ -81,9 +79,9 @@ class CoatTable {
 };
 
 inline CoatShares ClearCoat::At(Float cosine) const {
-    const Float x = std::sqrt(std::min(cosine, Float(1))) * static_cast<Float>(kCosines - 1);
-    const size_t i = std::min(static_cast<size_t>(x), kCosines - 2);
-    const Float right = x - static_cast<Float>(i), left = 1 - right;
+    const Float x = std::sqrt(std::min(cosine, Float(1))) * Float(kCosines - 1);
+    const size_t i = std::min(size_t(x), kCosines - 2);
+    const Float right = x - Float(i), left = 1 - right;
     auto blend = [](const CoatShares &a, Float wa, const CoatShares &b, Float wb) {
         return CoatShares{a.through * wa + b.through * wb, a.throughStock * wa + b.throughStock * wb,
                           a.mirrored * wa + b.mirrored * wb, a.refracted * wa + b.refracted * wb};

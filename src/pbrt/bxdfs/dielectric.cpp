@@ -3,7 +3,6 @@
 #include "pbrt/bxdfs/fresnel.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Probability of sampling reflection, from both fractions of light and the requested sides. Negative if neither can be

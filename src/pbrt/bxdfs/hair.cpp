@@ -6,7 +6,6 @@
 #include "pbrt/math/frame.h"
 
 namespace pbrt {
-
 namespace {
 
 /// exp(-x) I0(x) for x >= 0 (Abramowitz and Stegun 9.8.1 and 9.8.2; relative error below 2e-7).
@@ -94,8 +93,7 @@ HairBxdf::View HairBxdf::ViewFrom(const Vector3 &wo) const {
     const Float sinGammaT = std::clamp(offset_ / bravais, Float(-1), Float(1)),
                 cosGammaT = SafeSqrt(1 - Sqr(sinGammaT));
     const Float gammaO = std::asin(offset_), gammaT = std::asin(sinGammaT);
-    for (int p = 0; p < Lobes - 1; ++p)
-        view.turn[p] = 2 * static_cast<Float>(p) * gammaT - 2 * gammaO + static_cast<Float>(p) * Pi;
+    for (int p = 0; p < Lobes - 1; ++p) view.turn[p] = 2 * Float(p) * gammaT - 2 * gammaO + Float(p) * Pi;
 
     const Float crossing = 2 * cosGammaT / std::max(cosT, Float(1e-6));  // length of one crossing, in radii
     const SampledSpectrum passed = sigmaA_.Map([&](Float s) { return std::exp(-s * crossing); });
@@ -178,7 +176,7 @@ std::optional<BsdfSample> HairBxdf::Sample(const Vector3 &wo, Float uc, const Po
 
     // Elevation is sampled about the mirrored cone: an angle from the cone's direction, and a rotation about that
     // direction (d'Eon et al. 2013).
-    const Float v = VarianceOf(static_cast<int>(p));
+    const Float v = VarianceOf(int(p));
     const Float cosFromCone = std::clamp(1 + v * std::log(u.x + (1 - u.x) * std::exp(-2 / v)), Float(-1), Float(1));
     const Float sinI = std::clamp(
         SafeSqrt(1 - Sqr(cosFromCone)) * std::cos(2 * Pi * u.y) * view.cosTheta[p] - cosFromCone * view.sinTheta[p],

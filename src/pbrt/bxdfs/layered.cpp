@@ -5,7 +5,6 @@
 #include "pbrt/math/rng.h"
 
 namespace pbrt {
-
 namespace {
 
 // Inside, directions are those of travel: w.z < 0 goes down to the base at z = 0, w.z > 0 up to the coat at z =
@@ -44,7 +43,7 @@ Float SampleCollision(Float z, const Vector3 &w, Float u) { return z - w.z * std
 Rng NumbersFor(Stream stream, const Vector3 &a, const Vector3 &b) {
     const auto words = std::bit_cast<std::array<uint64_t, 3>>(std::array<Float, 6>{a.x, a.y, a.z, b.x, b.y, b.z});
     return Rng(MixBits(words[0] * 0x9e3779b97f4a7c15ull ^ std::rotl(words[1] * 0xc2b2ae3d27d4eb4full, 23) ^
-                       std::rotl(words[2] * 0x165667b19e3779f9ull, 41) ^ (static_cast<uint64_t>(stream) << 32)));
+                       std::rotl(words[2] * 0x165667b19e3779f9ull, 41) ^ (uint64_t(stream) << 32)));
 }
 
 std::optional<BsdfSample> Draw(const auto &lobe, const Vector3 &wo, Rng &rng, TransportMode mode,
@@ -107,7 +106,7 @@ SampledSpectrum CoatedBxdf<Base>::Evaluate(const Vector3 &wo, const Vector3 &wi,
     Rng rng = NumbersFor(Stream::Evaluate, o, i);
     SampledSpectrum inside(0);
     for (int s = 0; s < nSamples_; ++s) inside += EstimateInside<Weights>(o, i, mode, rng);
-    return top_.F(o, i, mode) + inside / static_cast<Float>(nSamples_);
+    return top_.F(o, i, mode) + inside / Float(nSamples_);
 }
 
 /// One walk from wo, connected to wi through the coat at every event. At rough coats the walk's next direction is also
@@ -273,7 +272,7 @@ Float CoatedBxdf<Base>::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode 
     } else if (isAbove) {
         Rng rng = NumbersFor(Stream::Density, o, i);
         for (int s = 0; s < nSamples_; ++s) pdf += EstimateDensity(o, i, mode, rng);
-        pdf /= static_cast<Float>(nSamples_);
+        pdf /= Float(nSamples_);
     }
     return way_ == Way::Smooth ? pdf : Lerp(kDensityTrust, UniformSpherePdf(), pdf);
 }
@@ -315,9 +314,7 @@ SampledSpectrum CoatedBxdf<Base>::BaseSeries(int hits) const {
         if (hits <= kSummedHits) {
             for (int k = 1; k < hits; ++k) sum = SampledSpectrum(1) + x * sum;
         } else {
-            sum = x.Map([hits](Float v) {
-                return v < 1 ? (1 - std::pow(v, static_cast<Float>(hits))) / (1 - v) : static_cast<Float>(hits);
-            });
+            sum = x.Map([hits](Float v) { return v < 1 ? (1 - std::pow(v, Float(hits))) / (1 - v) : Float(hits); });
         }
         return r * sum;
     }
@@ -391,7 +388,7 @@ Float CoatedBxdf<Base>::ClearDensity(const Vector3 &wo, const Vector3 &wi, Trans
         const Float through = top_.Pdf(-up, wi, mode, ReflTransFlags::All);
         sum += PowerHeuristic(out.pdf, base) * base + PowerHeuristic(bounced, through) * through;
     }
-    return mirrored + sum / static_cast<Float>(nSamples_);
+    return mirrored + sum / Float(nSamples_);
 }
 
 template class CoatedBxdf<DiffuseBxdf>;

@@ -29,7 +29,7 @@ class CoatedBxdf {
     CoatedBxdf(const DielectricBxdf &top, const Base &bottom, Float thickness, const SampledSpectrum &albedo, Float g,
                int maxDepth, int nSamples)
         : top_(top), bottom_(bottom), albedo_(albedo), g_(g), thickness_(std::max(thickness, kMinThickness)),
-          maxDepth_(maxDepth), nSamples_(std::max(1, nSamples)), scatters_(static_cast<bool>(albedo)) {}
+          maxDepth_(maxDepth), nSamples_(std::max(1, nSamples)), scatters_(bool(albedo)) {}
 
     /// Makes F and Sample use the table, built for this coat's index and thickness, if it covers the coat; otherwise
     /// random walks.

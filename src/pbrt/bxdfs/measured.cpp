@@ -4,7 +4,6 @@
 #include "pbrt/math/frame.h"
 
 namespace pbrt {
-
 namespace {
 
 struct Knot {
@@ -16,7 +15,7 @@ struct Knot {
 Knot Locate(const std::vector<Float> &axis, Float x) {
     if (axis.size() < 2 || !(x > axis.front())) return {0, 0, 0};
     if (x >= axis.back()) return {axis.size() - 1, axis.size() - 1, 0};
-    size_t i = static_cast<size_t>(std::upper_bound(axis.begin(), axis.end(), x) - axis.begin()) - 1;
+    size_t i = size_t(std::upper_bound(axis.begin(), axis.end(), x) - axis.begin()) - 1;
     return {i, i + 1, (x - axis[i]) / (axis[i + 1] - axis[i])};
 }
 

@@ -5,7 +5,6 @@
 #include "pbrt/core/parallel.h"
 
 namespace pbrt {
-
 namespace {
 
 // Same knots as in stock, because interpolation between them affects images.
@@ -28,7 +27,7 @@ double SingleScattering(double albedo, double g, Float eta, double r) {
         const double distance2 = r * r + depth * depth, distance = std::sqrt(distance2), cosine = depth / distance;
         const double s = 1 + g * g + 2 * g * cosine;  // deflection beyond 90 degrees
         const double phase = (1 - g * g) / (4 * std::numbers::pi * s * std::sqrt(s));
-        const double transmitted = 1 - double(FresnelDielectric(static_cast<Float>(-cosine), eta));
+        const double transmitted = 1 - double(FresnelDielectric(Float(-cosine), eta));
         return albedo * std::exp(-(distance + start)) / distance2 * phase * transmitted * cosine;
     });
 }
@@ -76,8 +75,8 @@ double CriticalCosine(double etaThere) { return etaThere < 1 ? std::sqrt(1 - eta
 }  // namespace
 
 Float InnerFresnelMoment(Float eta, int power) {
-    return static_cast<Float>(IntegrateCosines(CriticalCosine(1 / double(eta)), [&](double c) {
-        return double(FresnelDielectric(static_cast<Float>(-c), eta)) * std::pow(c, power);
+    return Float(IntegrateCosines(CriticalCosine(1 / double(eta)), [&](double c) {
+        return double(FresnelDielectric(Float(-c), eta)) * std::pow(c, power);
     }));
 }
 
@@ -87,17 +86,17 @@ SubsurfaceTable::SubsurfaceTable(Float g, Float eta)
     radii_ = {0, Float(2.5e-3)};
     while (radii_.size() < kRadii) radii_.push_back(radii_.back() * Float(1.2));
     for (int i = 0; i < kAlbedos; ++i)
-        albedos_.push_back(static_cast<Float>((1 - std::exp(-8.0 * i / (kAlbedos - 1))) / (1 - std::exp(-8.0))));
+        albedos_.push_back(Float((1 - std::exp(-8.0 * i / (kAlbedos - 1))) / (1 - std::exp(-8.0))));
     const double moment1 = double(InnerFresnelMoment(eta, 1)), moment2 = double(InnerFresnelMoment(eta, 2));
     ParallelForEach(kAlbedos, [&](int64_t index) {
-        const auto i = static_cast<size_t>(index);
+        const auto i = size_t(index);
         const double albedo = double(albedos_[i]);
         const MultipleScattering multiple{albedo, double(g), moment1, moment2};
         auto single = [&](double r) { return SingleScattering(albedo, double(g), eta, r); };
         const std::span<Float> profile = std::span(profile_).subspan(i * kRadii, kRadii);
         for (size_t j = 0; j < kRadii; ++j) {
             const double r = double(radii_[j]);
-            if (r > 0) profile[j] = static_cast<Float>(2 * std::numbers::pi * r * (single(r) + multiple(r)));
+            if (r > 0) profile[j] = Float(2 * std::numbers::pi * r * (single(r) + multiple(r)));
         }
         reflectances_[i] = IntegrateCatmullRom(radii_, profile, std::span(cdf_).subspan(i * kRadii, kRadii));
     });

@@ -6,11 +6,10 @@
 #include "pbrt/cameras/projective_cameras.h"
 #include "pbrt/cameras/realistic_camera.h"
 #include "pbrt/cameras/spherical_camera.h"
-#include "pbrt/core/limits.h"
+#include "pbrt/core/params.h"
 #include "pbrt/math/transform.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Parameters accepted by every camera, even without effect, as in stock pbrt-v4.
@@ -19,8 +18,7 @@ struct CameraParams {
     std::optional<Float> frameAspectRatio;
     std::optional<std::array<Float, 4>> screenWindow;
 
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         constexpr Range<Float> kShutterRange{-1e9f, 1e9f, false, false, "s"};
         v("shutteropen", shutterOpen, kShutterRange, "shutter opening time");
         v("shutterclose", shutterClose, kShutterRange, "shutter closing time; longer exposures are brighter");
@@ -32,8 +30,8 @@ struct CameraParams {
     CameraFrame Frame(const ParamSet &set, const CameraContext &context) const {
         if (!(shutterClose > shutterOpen))
             throw set.Error(set.Has("shutterclose") ? "shutterclose" : "shutteropen",
-                            fmt::format("the shutter opens at {} and closes at {}; it must close after it opens.",
-                                        shutterOpen, shutterClose));
+                            "the shutter opens at {} and closes at {}; it must close after it opens.", shutterOpen,
+                            shutterClose);
         if (const auto &w = screenWindow; w && ((*w)[0] == (*w)[1] || (*w)[2] == (*w)[3]))
             throw set.Error("screenwindow", "\"screenwindow\" is empty.");
         return {context.renderFromCamera, context.resolution, shutterOpen, shutterClose};
@@ -48,8 +46,7 @@ struct CameraParams {
 
 struct LensParams : CameraParams {
     Lens lens;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         CameraParams::Describe(v);
         v("lensradius", lens.radius, Range<Float>{0, 1e15f}, "radius of a thin lens; 0: pinhole");
         v("focaldistance", lens.focalDistance, Positive(std::numeric_limits<Float>::max()),
@@ -64,8 +61,7 @@ struct LensParams : CameraParams {
 
 struct PerspectiveParams : LensParams {
     Float fov = 90;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         LensParams::Describe(v);
         v("fov", fov, Range<Float>{0, 180, true, true, "degrees"}, "field of view along the shorter side");
     }
@@ -77,8 +73,7 @@ constexpr NamedValue<SphericalCameraMapping> kMappings[] = {
 struct SphericalParams : CameraParams {
     SphericalCameraMapping mapping = SphericalCameraMapping::EqualArea;
     Float lensRadius = 0, focalDistance = 1e30f;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         CameraParams::Describe(v);
         v("mapping", mapping, kMappings, "map from directions to the image");
         v("lensradius", lensRadius, "no effect, as in stock");
@@ -89,8 +84,7 @@ struct SphericalParams : CameraParams {
 struct RealisticParams : CameraParams {
     std::string lensFile, aperture;
     Float diameter = 1, distance = 10;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         CameraParams::Describe(v);
         v("lensfile", lensFile, Required(), "lens description");
         v("aperturediameter", diameter, Positive(1e6f, "mm"), "aperture diameter");
@@ -114,8 +108,7 @@ std::vector<LensElement> ReadLens(const RealisticParams &p, const ParamSet &set,
         }
     const std::optional<double> thickness = FocusedThickness(elements, double(p.distance));
     if (!thickness)
-        throw set.Error("focusdistance",
-                        fmt::format("this lens cannot focus at a distance of {} m from the film.", p.distance));
+        throw set.Error("focusdistance", "this lens cannot focus at a distance of {} m from the film.", p.distance);
     elements.back().thickness = Float(*thickness);
     return elements;
 }
@@ -169,29 +162,26 @@ Float ExposureTime(const ParamSet &params) {
 }
 
 const CameraTable &Cameras() {
-    static const CameraTable table = [] {
-        using Context = const CameraContext;
-        CameraTable t("Camera");
+    static const CameraTable table("Camera", [](CameraTable &t) {
         t.Add<PerspectiveParams>(
-            "perspective", "may move, as all cameras", [](const auto &p, const ParamSet &set, Context &c) {
+            "perspective", "may move, as all cameras", [](const auto &p, const ParamSet &set, auto &c) {
                 return std::make_unique<PerspectiveCamera>(p.Frame(set, c), p.Window(c.resolution), p.fov, p.lens);
             });
-        t.Add<LensParams>("orthographic", "", [](const auto &p, const ParamSet &set, Context &c) {
+        t.Add<LensParams>("orthographic", "", [](const auto &p, const ParamSet &set, auto &c) {
             return std::make_unique<OrthographicCamera>(p.Frame(set, c), p.Window(c.resolution), p.lens);
         });
-        t.Add<SphericalParams>("spherical", "", [](const auto &p, const ParamSet &set, Context &c) {
+        t.Add<SphericalParams>("spherical", "", [](const auto &p, const ParamSet &set, auto &c) {
             return std::make_unique<SphericalCamera>(p.Frame(set, c), p.mapping);
         });
         t.Add<RealisticParams>("realistic", "**differs** with an aperture image, see below",
-                               [](const auto &p, const ParamSet &set, Context &c) {
+                               [](const auto &p, const ParamSet &set, auto &c) {
                                    const CameraFrame frame = p.Frame(set, c);
                                    const ApertureImage aperture =
                                        set.At("aperture", [&] { return ApertureImage::Read(p.aperture, c.files); });
                                    return std::make_unique<RealisticCamera>(frame, c.filmDiagonalMm / 1000,
                                                                             ReadLens(p, set, c), aperture);
                                });
-        return t;
-    }();
+    });
     return table;
 }
 

@@ -6,7 +6,6 @@
 #include "pbrt/core/parallel.h"
 
 namespace pbrt {
-
 namespace {
 
 constexpr int kSteps = 64;  // as in stock pbrt-v4, so that the same fraction of samples hits the pupil

@@ -2,7 +2,6 @@
 #include "pbrt/math/frame.h"
 
 namespace pbrt {
-
 namespace {
 
 class RotationToZ {

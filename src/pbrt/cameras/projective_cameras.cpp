@@ -3,7 +3,6 @@
 #include "pbrt/math/warps.h"
 
 namespace pbrt {
-
 namespace {
 
 /// pbrt's screen space to [0, 1]^3 as in stock pbrt-v4's image headers: x and y from [-1, 1] to [0, 1]; z from [0, 1]

@@ -1,7 +1,6 @@
 #include "pbrt/cameras/realistic_camera.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Lens for the exit pupil search: round stops that contain the aperture image in any orientation.

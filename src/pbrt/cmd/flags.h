@@ -155,9 +155,7 @@ inline void CheckFlags(const CLI::App &app, const std::vector<std::string> &argu
 
 /// Parses the arguments without the program name, then calls `check`, which may throw CLI::ParseError. After printing
 /// help, version or an error, returns the exit status.
-template <class Check>
-std::optional<int> ParseFlags(CLI::App &app, std::vector<std::string> arguments, const FlagHints &hints,
-                              Check &&check) {
+std::optional<int> ParseFlags(CLI::App &app, std::vector<std::string> arguments, const FlagHints &hints, auto &&check) {
     try {
         CheckFlags(app, arguments, hints);
         std::reverse(arguments.begin(), arguments.end());  // CLI11 expects reverse order

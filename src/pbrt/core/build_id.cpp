@@ -8,7 +8,6 @@
 #include "pbrt/core/error.h"
 
 namespace pbrt {
-
 namespace {
 
 /// The first 16 digits of the object's build id; empty if it has none.

@@ -5,7 +5,6 @@
 #include "pbrt/core/team.h"
 
 namespace pbrt {
-
 namespace {
 
 std::optional<int> NumberInEnvironment(const char *name) {
@@ -14,7 +13,7 @@ std::optional<int> NumberInEnvironment(const char *name) {
     char *end = nullptr;
     const long value = std::strtol(text, &end, 10);
     if (*end != 0 || value < 0 || value > 1 << 24) return {};
-    return static_cast<int>(value);
+    return int(value);
 }
 
 }  // namespace
@@ -41,7 +40,7 @@ std::unique_ptr<Team> ConnectTeam(int threads) {
     if (announced.size <= 1) return std::make_unique<Team>();
     const auto fail = [&](const std::string &why) -> std::unique_ptr<Team> {
         if (announced.rank > 0) throw AnotherRankFailed{};
-        throw UserError(fmt::format("mpirun started {} processes, but {}.", announced.size, why));
+        throw UserError("mpirun started {} processes, but {}.", announced.size, why);
     };
 #ifdef PBRT_MPI_MODULE
     // Found by the program's run path. Global, because components that Open MPI loads use its symbols.

@@ -5,7 +5,6 @@
 #include <vector>
 
 namespace pbrt {
-
 namespace {
 struct Registry {
     std::mutex mutex;

@@ -17,7 +17,7 @@
 ///
 ///   struct OctreeParams {
 ///       int leaves = 4096;
-///       template <class V> void Describe(V &&v) { v("leaves", leaves, Range{1, 1 << 20}, "what it does"); }
+///       void Describe(auto &&v) { v("leaves", leaves, Range{1, 1 << 20}, "what it does"); }
 ///   };
 ///
 /// Visitors read it (ParamReader), document it (DocumentParams) and print it (EffectiveParams). Parameters are visited
@@ -111,8 +111,7 @@ void DocumentParam(ParamDoc &doc, const T &value, const Range<U> &range) {
     DocumentParam(doc, value);
     doc.range = ShortText(range);
 }
-template <class T>
-void DocumentParam(ParamDoc &doc, const T &value, const Choices &choices) {
+void DocumentParam(ParamDoc &doc, const auto &value, const Choices &choices) {
     DocumentParam(doc, value);
     doc.choices = choices;
     doc.range = fmt::format("{}", fmt::join(choices, ", "));
@@ -126,8 +125,7 @@ void DocumentParam(ParamDoc &doc, const E &value, const NamedValue<E> (&values)[
     }
     doc.range = fmt::format("{}", fmt::join(doc.choices, ", "));
 }
-template <class T>
-void DocumentParam(ParamDoc &doc, const T &value, Required) {
+void DocumentParam(ParamDoc &doc, const auto &value, Required) {
     DocumentParam(doc, value);
     doc.defaultValue.clear();
     doc.range = "required";
@@ -158,7 +156,7 @@ template <class T>
 void DocumentParam(ParamDoc &doc, const T &value, const Items &items) {
     doc.types = {items.type};
     doc.range = ShortText(items.range);
-    for (int i = 0; i < static_cast<int>(sizeof(T) / sizeof(Float)); ++i)
+    for (int i = 0; i < int(sizeof(T) / sizeof(Float)); ++i)
         doc.defaultValue += fmt::format("{}{}", i ? " " : "", value[i]);
 }
 
@@ -230,8 +228,7 @@ Json EffectiveParams(P p) {
 
 /// For makers without parameters.
 struct NoParams {
-    template <class V>
-    void Describe(V &&) {}
+    void Describe(auto &&) {}
 };
 
 }  // namespace pbrt

@@ -6,7 +6,6 @@
 #include <map>
 
 namespace pbrt {
-
 namespace {
 
 /// Random access to lines of files; the line ends of each file are indexed once.
@@ -21,7 +20,7 @@ class LineFinder {
             for (size_t at = text.find('\n'); at != text.npos; at = text.find('\n', at + 1)) begins.push_back(at + 1);
             begins.push_back(text.size() + 1);
         }
-        const auto line = static_cast<size_t>(loc.line);
+        const auto line = size_t(loc.line);
         if (line >= begins.size()) return {};
         std::string_view line_text = text.substr(begins[line - 1], begins[line] - begins[line - 1] - 1);
         if (line_text.ends_with('\r')) line_text.remove_suffix(1);
@@ -41,7 +40,7 @@ struct Excerpt {
 Excerpt QuoteLine(const FileLoc &loc, LineFinder &lines) {
     constexpr size_t kWidth = 100;
     const std::string_view line = lines.Line(loc);
-    size_t caret = std::min(static_cast<size_t>(std::max(0, loc.column)), line.size()), from = 0;
+    size_t caret = std::min(size_t(std::max(0, loc.column)), line.size()), from = 0;
     if (line.size() > kWidth && caret > kWidth / 2) from = std::min(caret - kWidth / 2, line.size() - kWidth);
     std::string text(line.substr(from, kWidth));
     for (char &c : text)

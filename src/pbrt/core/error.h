@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -43,6 +44,12 @@ inline constexpr size_t kMaxDiagnostics = 100;
 class UserError : public std::runtime_error {
   public:
     explicit UserError(std::string message, FileLoc loc = {});
+    template <class... T>
+    explicit UserError(fmt::format_string<T...> format, T &&...values)
+        : UserError(fmt::format(format, std::forward<T>(values)...)) {}
+    template <class... T>
+    UserError(FileLoc loc, fmt::format_string<T...> format, T &&...values)
+        : UserError(fmt::format(format, std::forward<T>(values)...), std::move(loc)) {}
     /// `omitted`: further errors, counted but not kept.
     explicit UserError(std::vector<Diagnostic> diagnostics, size_t omitted = 0);
     const std::vector<Diagnostic> &Diagnostics() const { return diagnostics_; }
@@ -70,8 +77,16 @@ inline std::string CountText(int64_t count, std::string_view noun) {
 class DiagnosticSink {
   public:
     void Error(const FileLoc &loc, std::string message);
+    template <class... T>
+    void Error(const FileLoc &loc, fmt::format_string<T...> format, T &&...values) {
+        Error(loc, fmt::format(format, std::forward<T>(values)...));
+    }
     /// Never fatal; printed by the owner of the sink (cmd/ unless --quiet).
     void Warning(const FileLoc &loc, std::string message);
+    template <class... T>
+    void Warning(const FileLoc &loc, fmt::format_string<T...> format, T &&...values) {
+        Warning(loc, fmt::format(format, std::forward<T>(values)...));
+    }
     void Add(const UserError &e) { Add(e.Diagnostics(), e.Omitted()); }
     void Add(const DiagnosticSink &other) { Add(other.All(), other.Omitted()); }
 

@@ -4,9 +4,8 @@ namespace pbrt {
 
 void ThrowUnknown(const std::string &what, const std::string &given, const std::vector<std::string> &names,
                   const FileLoc &loc) {
-    throw UserError(fmt::format("{} \"{}\" is unknown; {}{}.", what, Abbreviate(given), V3Hint(what, given),
-                                ListChoices(given, names)),
-                    loc);
+    throw UserError(loc, "{} \"{}\" is unknown; {}{}.", what, Abbreviate(given), V3Hint(what, given),
+                    ListChoices(given, names));
 }
 
 namespace {

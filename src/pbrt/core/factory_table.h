@@ -48,8 +48,9 @@ class FactoryTable {
         Traits traits;
     };
 
-    /// `what`: noun for messages, for example `Camera`.
+    /// `what`: noun for messages, for example `Camera`. `fill(table)` adds the entities.
     explicit FactoryTable(std::string what) : what_(std::move(what)) {}
+    FactoryTable(std::string what, auto &&fill) : what_(std::move(what)) { fill(*this); }
 
     /// Throws std::logic_error (a program error) if the name is already registered.
     template <class P, class F>

@@ -32,7 +32,7 @@ bool FileExists(const std::string &path) {
 
 std::string Lower(std::string text) {
     for (char &c : text)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+        if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
     return text;
 }
 
@@ -46,7 +46,7 @@ int OpenForReading(const std::string &path, ReadFrom from, size_t *size) {
     // Without O_NONBLOCK, opening a pipe blocks until a writer connects.
     const int flags = from == ReadFrom::Files ? O_RDONLY | O_CLOEXEC | O_NONBLOCK : O_RDONLY | O_CLOEXEC;
     const int file = open(path.c_str(), flags);
-    if (file < 0) throw UserError(fmt::format("{}: {}.", path, std::strerror(errno)));
+    if (file < 0) throw UserError("{}: {}.", path, std::strerror(errno));
     struct stat status {};
     const bool known = fstat(file, &status) == 0;
     const bool pipe = S_ISFIFO(status.st_mode) || S_ISSOCK(status.st_mode) || isatty(file) == 1;
@@ -57,7 +57,7 @@ int OpenForReading(const std::string &path, ReadFrom from, size_t *size) {
     else if (!pipe && !S_ISREG(status.st_mode)) refusal = "is a device, not a file";
     if (refusal) {
         close(file);
-        throw UserError(fmt::format("{}: {}.", path, refusal));
+        throw UserError("{}: {}.", path, refusal);
     }
     *size = S_ISREG(status.st_mode) ? status.st_size : 0;
     return file;
@@ -68,12 +68,11 @@ int OpenForReading(const std::string &path, ReadFrom from, size_t *size) {
 void Grow(std::string &content, size_t bytes, const std::string &path, double (*available)()) {
     // Smaller sizes skip the check, which is a system call.
     constexpr size_t kSmall = 1 << 24;
-    if (const double left = bytes > kSmall ? available() : 0; bytes > kSmall && static_cast<double>(bytes) > left)
+    if (const double left = bytes > kSmall ? available() : 0; bytes > kSmall && double(bytes) > left)
         throw UserError(
-            fmt::format("{}: too large to read: after {} of content, reading on needs {} of "
-                        "memory, but {} are left for this process.",
-                        path, BytesText(static_cast<double>(content.size())), BytesText(static_cast<double>(bytes)),
-                        BytesText(left)));
+            "{}: too large to read: after {} of content, reading on needs {} of "
+            "memory, but {} are left for this process.",
+            path, BytesText(double(content.size())), BytesText(double(bytes)), BytesText(left));
     content.reserve(bytes);
 }
 
@@ -86,12 +85,12 @@ std::string ReadFileContents(const std::string &path, ReadFrom from, double (*av
     std::unique_ptr<gzFile_s, int (*)(gzFile)> file(gzdopen(descriptor, "rb"), gzclose);
     if (!file) {
         close(descriptor);
-        throw UserError(fmt::format("{}: {}.", path, std::strerror(ENOMEM)));
+        throw UserError("{}: {}.", path, std::strerror(ENOMEM));
     }
     // Scenes may have thousands of small files, hence no larger than the file.
     constexpr size_t kMax = 1 << 18, kMin = 1 << 12;
     if (size == 0) size = kMax;  // a pipe or a virtual file of the kernel
-    gzbuffer(file.get(), static_cast<unsigned>(std::clamp(size, kMin, kMax)));
+    gzbuffer(file.get(), unsigned(std::clamp(size, kMin, kMax)));
     std::string content;
     Grow(content, size + kMin, path, available);
     for (;;) {
@@ -99,16 +98,16 @@ std::string ReadFileContents(const std::string &path, ReadFrom from, double (*av
         if (content.capacity() == old) Grow(content, 2 * old, path, available);
         const size_t chunk = std::min(content.capacity() - old, kMax);
         content.resize(old + chunk);
-        int got = gzread(file.get(), content.data() + old, static_cast<unsigned>(chunk));
+        int got = gzread(file.get(), content.data() + old, unsigned(chunk));
         if (got < 0) {
             int error = 0;
-            throw UserError(fmt::format("{}: {}.", path, gzerror(file.get(), &error)));
+            throw UserError("{}: {}.", path, gzerror(file.get(), &error));
         }
         content.resize(old + got);
         if (got == 0) break;
     }
     int closed = gzclose(file.release());
-    if (closed == Z_BUF_ERROR) throw UserError(fmt::format("{}: the compressed data ends too early.", path));
+    if (closed == Z_BUF_ERROR) throw UserError("{}: the compressed data ends too early.", path);
     return content;
 }
 
@@ -129,8 +128,8 @@ std::vector<Float> ReadNumberFile(const std::string &path) {
             bool separated =
                 after > at && (after >= end || std::isspace(static_cast<unsigned char>(*after)) || *after == '#');
             if (!separated || !std::isfinite(value))
-                throw UserError(fmt::format(
-                    "{}:{}: expected a number; this file may contain only finite numbers and # comments.", path, line));
+                throw UserError("{}:{}: expected a number; this file may contain only finite numbers and # comments.",
+                                path, line);
             numbers.push_back(value);
             at = after;
         }

@@ -12,7 +12,7 @@ struct Id {
 
     constexpr Id() = default;
     constexpr explicit Id(uint32_t v) : value(v) {}
-    constexpr explicit Id(size_t v) : value(static_cast<uint32_t>(v)) {}
+    constexpr explicit Id(size_t v) : value(uint32_t(v)) {}
     constexpr explicit operator bool() const { return value != kNone; }
     friend constexpr auto operator<=>(const Id &, const Id &) = default;
 };

@@ -6,7 +6,6 @@
 #include <set>
 
 namespace pbrt {
-
 namespace {
 std::atomic<LogLevel> currentLevel{LogLevel::Info};
 

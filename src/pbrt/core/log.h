@@ -1,5 +1,8 @@
 #pragma once
 #include <string>
+#include <utility>
+
+#include <fmt/format.h>
 
 namespace pbrt {
 
@@ -12,5 +15,13 @@ LogLevel CurrentLogLevel();
 /// Equal messages are printed once.
 void LogWarning(const std::string &message);
 void LogInfo(const std::string &message);
+template <class... T>
+void LogWarning(fmt::format_string<T...> format, T &&...values) {
+    LogWarning(fmt::format(format, std::forward<T>(values)...));
+}
+template <class... T>
+void LogInfo(fmt::format_string<T...> format, T &&...values) {
+    LogInfo(fmt::format(format, std::forward<T>(values)...));
+}
 
 }  // namespace pbrt

@@ -9,10 +9,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <limits>
-#include <utility>
 
 namespace pbrt {
-
 namespace {
 
 /// Beginning of a kernel file; empty if it does not exist. Does not allocate, since memory may be exhausted.
@@ -31,7 +29,7 @@ struct KernelText {
 double LimitOf(decltype(RLIMIT_AS) resource) {
     rlimit limit{};
     const bool isSet = getrlimit(resource, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;
-    return isSet ? static_cast<double>(limit.rlim_cur) : std::numeric_limits<double>::infinity();
+    return isSet ? double(limit.rlim_cur) : std::numeric_limits<double>::infinity();
 }
 
 bool isLimited = false;  ///< by LimitMemory
@@ -47,7 +45,7 @@ double ControlGroupLimit(double none) {
 }  // namespace
 
 double UsableMemory() {
-    const double bytes = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+    const double bytes = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE));
     return std::min({bytes, LimitOf(RLIMIT_AS), LimitOf(RLIMIT_DATA), ControlGroupLimit(bytes)});
 }
 
@@ -56,7 +54,7 @@ double AvailableMemory() {
     double all = 0, resident = 0, shared = 0, code = 0, none = 0, data = 0;
     std::sscanf(KernelText("/proc/self/statm").text, "%lf %lf %lf %lf %lf %lf", &all, &resident, &shared, &code, &none,
                 &data);
-    const auto page = static_cast<double>(sysconf(_SC_PAGESIZE));
+    const auto page = double(sysconf(_SC_PAGESIZE));
     double bytes = UsableMemory();
     constexpr const char *kAvailable = "MemAvailable:";
     const KernelText machine("/proc/meminfo");
@@ -70,7 +68,7 @@ double AvailableMemory() {
 void LimitMemory(double bytes) {
     rlimit limit{};
     if (getrlimit(RLIMIT_DATA, &limit) != 0) return;
-    const auto wanted = static_cast<rlim_t>(std::min(bytes, 1e18));
+    const auto wanted = rlim_t(std::min(bytes, 1e18));
     if (limit.rlim_cur != RLIM_INFINITY && limit.rlim_cur <= wanted) return;
     limit.rlim_cur = limit.rlim_max == RLIM_INFINITY ? wanted : std::min(wanted, limit.rlim_max);
     isLimited = setrlimit(RLIMIT_DATA, &limit) == 0;
@@ -90,9 +88,8 @@ std::string BytesText(double bytes) {
 void RequireMemory(double bytes, const std::string &what, const FileLoc &loc) {
     const double usable = UsableMemory();
     if (bytes > usable)
-        throw UserError(fmt::format("{} needs about {} of memory, but this process can use {}.", what, BytesText(bytes),
-                                    BytesText(usable)),
-                        loc);
+        throw UserError(loc, "{} needs about {} of memory, but this process can use {}.", what, BytesText(bytes),
+                        BytesText(usable));
 }
 
 std::string OutOfMemoryText(const std::string &phase) {

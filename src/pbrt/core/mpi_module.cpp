@@ -9,7 +9,6 @@
 #include "pbrt/core/message_port.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Longer messages are fragmented, because MPI counts with int.
@@ -38,7 +37,7 @@ class MpiPort final : public MessagePort {
         for (const std::string_view piece : pieces) length += piece.size();
         MPI_Request request;
         const auto begin = length > kShort ? MPI_Issend : MPI_Isend;
-        begin(&length, sizeof(length), MPI_BYTE, to, static_cast<int>(channel), MPI_COMM_WORLD, &request);
+        begin(&length, sizeof(length), MPI_BYTE, to, int(channel), MPI_COMM_WORLD, &request);
         WaitPatiently(request);
         std::string small;
         const auto sendSmall = [&] {
@@ -63,7 +62,7 @@ class MpiPort final : public MessagePort {
         int hasCome = 0;
         MPI_Message matched;
         MPI_Status status;
-        MPI_Improbe(source, static_cast<int>(channel), MPI_COMM_WORLD, &hasCome, &matched, &status);
+        MPI_Improbe(source, int(channel), MPI_COMM_WORLD, &hasCome, &matched, &status);
         if (!hasCome) return {};
         uint64_t length = 0;
         MPI_Mrecv(&length, sizeof(length), MPI_BYTE, &matched, MPI_STATUS_IGNORE);
@@ -72,7 +71,7 @@ class MpiPort final : public MessagePort {
             // The sender chooses the fragment lengths.
             MPI_Message fragment;
             for (hasCome = 0; !hasCome; std::this_thread::yield())
-                MPI_Improbe(message.from, static_cast<int>(channel), MPI_COMM_WORLD, &hasCome, &fragment, &status);
+                MPI_Improbe(message.from, int(channel), MPI_COMM_WORLD, &hasCome, &fragment, &status);
             int bytes = 0;
             MPI_Get_count(&status, MPI_BYTE, &bytes);
             MPI_Request request;
@@ -91,8 +90,7 @@ class MpiPort final : public MessagePort {
   private:
     static void SendFragment(int to, Channel channel, std::string_view bytes) {
         MPI_Request request;
-        MPI_Isend(bytes.data(), static_cast<int>(bytes.size()), MPI_BYTE, to, static_cast<int>(channel), MPI_COMM_WORLD,
-                  &request);
+        MPI_Isend(bytes.data(), int(bytes.size()), MPI_BYTE, to, int(channel), MPI_COMM_WORLD, &request);
         WaitBusily(request);
     }
     static bool IsDone(MPI_Request &request) {
@@ -113,7 +111,6 @@ class MpiPort final : public MessagePort {
 };
 
 }  // namespace
-
 }  // namespace pbrt
 
 extern "C" [[gnu::visibility("default")]] pbrt::MessagePort *PbrtMessagePort() { return new pbrt::MpiPort; }

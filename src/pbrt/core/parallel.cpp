@@ -22,8 +22,7 @@ struct ThreadLimit::Impl {
 namespace {
 tbb::task_arena *currentArena = nullptr;  // set only by ThreadLimit, outside of parallel work
 
-template <class F>
-void InArena(F &&f) {
+void InArena(auto &&f) {
     if (currentArena) currentArena->execute(f);
     else f();
 }
@@ -35,8 +34,7 @@ class RegionOrder {
   public:
     RegionOrder() { __tsan_release(&begin_); }
     ~RegionOrder() { __tsan_acquire(&end_); }
-    template <class F>
-    void Run(F &&task) {
+    void Run(auto &&task) {
         __tsan_acquire(&begin_);
         task();
         __tsan_release(&end_);
@@ -47,10 +45,7 @@ class RegionOrder {
 };
 #else
 struct RegionOrder {
-    template <class F>
-    void Run(F &&task) {
-        task();
-    }
+    void Run(auto &&task) { task(); }
 };
 #endif
 }  // namespace

@@ -18,13 +18,13 @@ void ParamReader::ReportUnused(DiagnosticSink &sink) const {
             std::string types;
             for (const Declared &d : declared_)
                 if (isNamed(d)) types += fmt::format("{}\"{} {}\"", types.empty() ? "" : " or ", Name(d.type), d.name);
-            sink.Error(p.loc, fmt::format("{}: {} takes {}.", what, set_.What(), types));
+            sink.Error(p.loc, "{}: {} takes {}.", what, set_.What(), types);
             continue;
         }
         std::set<std::string> names;
         for (const Declared &d : declared_) names.insert(d.name);
-        sink.Error(p.loc, fmt::format("{} of {}; {}{}.", what, set_.What(), V3Hint("parameter", p.name),
-                                      ListChoices(p.name, {names.begin(), names.end()})));
+        sink.Error(p.loc, "{} of {}; {}{}.", what, set_.What(), V3Hint("parameter", p.name),
+                   ListChoices(p.name, {names.begin(), names.end()}));
     }
 }
 
@@ -32,27 +32,24 @@ namespace detail {
 
 void RequireCount(const ParamSet &set, const Param &p, size_t found, size_t wanted) {
     if (found == wanted) return;
-    throw UserError(fmt::format("{}: \"{} {}\" takes {} value{}, found {}.", set.What(), Name(p.type), p.name, wanted,
-                                wanted == 1 ? "" : "s", found),
-                    p.loc);
+    throw UserError(p.loc, "{}: \"{} {}\" takes {} value{}, found {}.", set.What(), Name(p.type), p.name, wanted,
+                    wanted == 1 ? "" : "s", found);
 }
 
 void RequireItems(const ParamSet &set, const Param &p) {
     const size_t item = ItemSize(p.type);
     if (p.floats.size() % item != 0)
-        throw UserError(fmt::format("{}: \"{} {}\" takes groups of {} values, found {}.", set.What(), Name(p.type),
-                                    p.name, item, p.floats.size()),
-                        p.loc);
+        throw UserError(p.loc, "{}: \"{} {}\" takes groups of {} values, found {}.", set.What(), Name(p.type), p.name,
+                        item, p.floats.size());
 }
 
 void ThrowMissing(const ParamSet &set, const std::string &name, ParamType type) {
-    throw set.Error(name, fmt::format("\"{} {}\" is missing.", Name(type), name));
+    throw set.Error(name, "\"{} {}\" is missing.", Name(type), name);
 }
 
 void ThrowNoChoice(const ParamSet &set, const Param &p, const Choices &choices) {
-    throw UserError(fmt::format("{}: \"{}\" is not a choice for \"{}\"; {}.", set.What(), Abbreviate(p.strings[0]),
-                                p.name, ListChoices(p.strings[0], choices)),
-                    p.loc);
+    throw UserError(p.loc, "{}: \"{}\" is not a choice for \"{}\"; {}.", set.What(), Abbreviate(p.strings[0]), p.name,
+                    ListChoices(p.strings[0], choices));
 }
 
 }  // namespace detail

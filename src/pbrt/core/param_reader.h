@@ -49,8 +49,7 @@ class ParamReader {
         std::string name;
         ParamType type;
     };
-    template <class F>
-    void Collect(F &&read) {
+    void Collect(auto &&read) {
         try {
             read();
         } catch (const UserError &e) {
@@ -80,7 +79,7 @@ void RequireItems(const ParamSet &set, const Param &p);
 template <class T>
 void RequireRange(const ParamSet &set, const Param &p, T value, const Range<T> &range) {
     if (!range.Contains(value))
-        throw UserError(fmt::format("{}: \"{}\" is {}; it must be {}.", set.What(), p.name, value, Text(range)), p.loc);
+        throw UserError(p.loc, "{}: \"{}\" is {}; it must be {}.", set.What(), p.name, value, Text(range));
 }
 [[noreturn]] void ThrowMissing(const ParamSet &set, const std::string &name, ParamType type);
 [[noreturn]] void ThrowNoChoice(const ParamSet &set, const Param &p, const Choices &choices);

@@ -29,11 +29,11 @@ bool ParamSet::Has(std::string_view name) const {
 }
 
 UserError ParamSet::Error(std::string_view name, std::string_view message) const {
-    return UserError(fmt::format("{}: {}", what_, message), LocOf(name));
+    return UserError(LocOf(name), "{}: {}", what_, message);
 }
 
 void ParamSet::Warn(DiagnosticSink &sink, std::string_view name, std::string_view message) const {
-    sink.Warning(LocOf(name), fmt::format("{}: {}", what_, message));
+    sink.Warning(LocOf(name), "{}: {}", what_, message);
 }
 
 FileLoc ParamSet::LocOf(std::string_view name) const {

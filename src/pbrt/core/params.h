@@ -2,7 +2,6 @@
 #include <array>
 #include <cstdint>
 #include <limits>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,7 +31,7 @@ enum class ParamType {
 inline constexpr std::array<const char *, 13> kParamTypeNames = {
     "integer", "float",  "point2", "vector2",   "point3",   "vector3", "normal",
     "bool",    "string", "rgb",    "blackbody", "spectrum", "texture"};  ///< in that order
-constexpr const char *Name(ParamType type) { return kParamTypeNames[static_cast<size_t>(type)]; }
+constexpr const char *Name(ParamType type) { return kParamTypeNames[size_t(type)]; }
 /// Numbers per value: 2 or 3 for points, vectors, normals and rgb, else 1.
 size_t ItemSize(ParamType type);
 
@@ -51,6 +50,24 @@ constexpr Range<Float> Positive(Float high, const char *unit = "") { return {0, 
 constexpr Range<Float> AnyFloat(const char *unit = "") {
     return {std::numeric_limits<Float>::lowest(), std::numeric_limits<Float>::max(), false, false, unit};
 }
+
+// Ranges shared by several parameters. docs/reference/parameters.md lists all ranges, docs/reference/compatibility.md
+// all other limits.
+
+/// Embree drops vertices beyond sqrt(largest float) / 10 = 1.844e18 and rejects rays that start there. This bound on
+/// coordinates keeps arbitrarily rotated instances below Embree's, and squared distances finite.
+inline constexpr Float kMaxCoordinate = 1e18f;
+inline constexpr Range<Float> kCoordinateRange{-kMaxCoordinate, kMaxCoordinate};
+inline constexpr Range<Float> kLengthRange = Positive(kMaxCoordinate);
+
+/// Upper bound of radiance, intensity, and factors that scale them.
+inline constexpr Float kMaxBrightness = 1e30f;
+inline constexpr Range<Float> kBrightnessRange{0, kMaxBrightness};
+/// Power or illuminance of a scaled light; values <= 0 leave the light unscaled.
+inline constexpr Range<Float> kPowerRange{-kMaxBrightness, kMaxBrightness};
+
+/// Nesting limit of textures, material mixes and included files.
+inline constexpr int kMaxNesting = 256;
 
 /// "at least 0 and below 180 degrees"
 template <class T>
@@ -101,16 +118,18 @@ class ParamSet {
     template <class T>
     void Require(std::string_view name, T value, const Range<T> &range) const {
         if (!range.Contains(value))
-            throw UserError(fmt::format("{}: \"{}\" is {}; it must be {}.", what_, name, value, Text(range)),
-                            LocOf(name));
+            throw UserError(LocOf(name), "{}: \"{}\" is {}; it must be {}.", what_, name, value, Text(range));
     }
 
     /// An error located at parameter `name`; the message begins with the entity's name.
     UserError Error(std::string_view name, std::string_view message) const;
+    template <class... T>
+    UserError Error(std::string_view name, fmt::format_string<T...> format, T &&...values) const {
+        return Error(name, fmt::format(format, std::forward<T>(values)...));
+    }
     void Warn(DiagnosticSink &sink, std::string_view name, std::string_view message) const;
     /// Runs `read`; errors without a location get that of parameter `name`.
-    template <class F>
-    auto At(std::string_view name, F &&read) const {
+    auto At(std::string_view name, auto &&read) const {
         try {
             return read();
         } catch (const UserError &e) {

@@ -8,12 +8,11 @@
 #include <cstdio>
 
 namespace pbrt {
-
 namespace {
 
 std::string Duration(double seconds) {
     if (!(seconds >= 0) || !std::isfinite(seconds)) return "--:--";
-    auto s = static_cast<int64_t>(seconds + 0.5);
+    auto s = int64_t(seconds + 0.5);
     if (s >= 3600) return fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
     return fmt::format("{:02}:{:02}", s / 60, s % 60);
 }
@@ -22,10 +21,10 @@ class BarSink final : public ProgressSink {
   public:
     void Show(const std::string &phase, double fraction, double elapsed, double remaining) override {
         constexpr int kCells = 30;
-        int full = static_cast<int>(kCells * std::clamp(fraction, 0.0, 1.0));
+        int full = int(kCells * std::clamp(fraction, 0.0, 1.0));
         std::fprintf(stderr, "\r\033[K%-10s [%s%s] %3d%%  %s elapsed, %s left", phase.c_str(),
-                     std::string(full, '#').c_str(), std::string(kCells - full, '.').c_str(),
-                     static_cast<int>(100 * fraction), Duration(elapsed).c_str(), Duration(remaining).c_str());
+                     std::string(full, '#').c_str(), std::string(kCells - full, '.').c_str(), int(100 * fraction),
+                     Duration(elapsed).c_str(), Duration(remaining).c_str());
         std::fflush(stderr);
     }
     void PhaseDone(const std::string &phase, double elapsed) override {
@@ -40,7 +39,7 @@ class LineSink final : public ProgressSink {
         if (elapsed < 2) return;
         last_ = phase;
         lastShown_ = elapsed;
-        std::fprintf(stderr, "%s: %d%%, %s elapsed, %s left\n", phase.c_str(), static_cast<int>(100 * fraction),
+        std::fprintf(stderr, "%s: %d%%, %s elapsed, %s left\n", phase.c_str(), int(100 * fraction),
                      Duration(elapsed).c_str(), Duration(remaining).c_str());
     }
     void PhaseDone(const std::string &phase, double elapsed) override {
@@ -71,7 +70,7 @@ void Progress::BeginPhase(std::string name, int64_t total) {
 
 void Progress::Advance(int64_t amount) {
     int64_t done = done_.fetch_add(amount, std::memory_order_relaxed) + amount;
-    if (sink_ && phase_.total > 0) ShowIfDue(static_cast<double>(done) / static_cast<double>(phase_.total));
+    if (sink_ && phase_.total > 0) ShowIfDue(double(done) / double(phase_.total));
 }
 
 void Progress::SetFraction(double fraction, double remainingSeconds) {
@@ -80,7 +79,7 @@ void Progress::SetFraction(double fraction, double remainingSeconds) {
 
 void Progress::ShowIfDue(double fraction, std::optional<double> remaining) {
     double elapsed = SecondsSince(phase_.begin);
-    auto ms = static_cast<int64_t>(elapsed * 1000);
+    auto ms = int64_t(elapsed * 1000);
     int64_t next = nextShowMs_.load(std::memory_order_relaxed);
     if (ms < next || !nextShowMs_.compare_exchange_strong(next, ms + 200)) return;
     if (!remaining) remaining = fraction > 0 ? elapsed * (1 - fraction) / fraction : -1;
@@ -98,7 +97,7 @@ double Progress::EndPhase() {
         outer_.pop_back();
     }
     done_ = phase_.done;
-    nextShowMs_ = static_cast<int64_t>(SecondsSince(phase_.begin) * 1000) + 100;
+    nextShowMs_ = int64_t(SecondsSince(phase_.begin) * 1000) + 100;
     return elapsed;
 }
 

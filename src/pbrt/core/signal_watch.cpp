@@ -11,11 +11,10 @@
 #include <system_error>
 #include <thread>
 
+#include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
-#include "pbrt/core/temporaries.h"
 
 namespace pbrt {
-
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -91,7 +90,7 @@ struct SignalWatch::Impl {
         if (!deadline) return -1;
         const auto left = std::chrono::ceil<std::chrono::milliseconds>(*deadline - Clock::now()).count();
         if (left <= 0) End();
-        return static_cast<int>(left);
+        return int(left);
     }
 
     void Watch() {

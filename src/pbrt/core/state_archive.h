@@ -49,8 +49,7 @@ class StateLoader {
     }
 
   private:
-    template <class T>
-    void Load(T &value) {
+    void Load(auto &value) {
         if constexpr (requires { value.Visit(*this); }) value.Visit(*this);
         else in_.Value(&value);
         if constexpr (requires { value.Validate(); }) in_.RequireValid(value.Validate());

@@ -8,7 +8,6 @@
 #include "pbrt/core/files.h"
 
 namespace pbrt {
-
 namespace {
 
 constexpr std::array<char, 8> kMagic = {'p', 'b', 'r', 't', 's', 't', 'a', 't'};
@@ -24,10 +23,9 @@ uint64_t Checksum(std::string_view bytes, uint64_t before = 0) {
 /// Unlike ReadFileContents, does not decompress.
 std::string ReadBytes(const std::string &path, const std::string &kind) {
     std::error_code code;
-    if (!std::filesystem::is_regular_file(path, code))
-        throw UserError(fmt::format("{}: there is no such {}.", path, kind));
+    if (!std::filesystem::is_regular_file(path, code)) throw UserError("{}: there is no such {}.", path, kind);
     const std::unique_ptr<std::FILE, int (*)(std::FILE *)> file(std::fopen(path.c_str(), "rb"), std::fclose);
-    if (!file) throw UserError(fmt::format("{}: cannot be read.", path));
+    if (!file) throw UserError("{}: cannot be read.", path);
     std::string content(std::filesystem::file_size(path, code), 0);
     content.resize(std::fread(content.data(), 1, content.size(), file.get()));
     return content;
@@ -36,7 +34,7 @@ std::string ReadBytes(const std::string &path, const std::string &kind) {
 }  // namespace
 
 StateFile::StateFile(const std::string &path, const std::string &kind) : path_(path), content_(ReadBytes(path, kind)) {
-    auto refuse = [&](const std::string &why) { throw UserError(fmt::format("{}: {}.", path, why)); };
+    auto refuse = [&](const std::string &why) { throw UserError("{}: {}.", path, why); };
     const size_t size = content_.size();
     const std::string_view all(content_);
     if (all.substr(0, sizeof(kMagic)) != std::string_view(kMagic.data(), kMagic.size()))
@@ -64,7 +62,7 @@ StateFile::StateFile(const std::string &path, const std::string &kind) : path_(p
 
 std::string_view StateFile::Section(const std::string &name) const {
     const auto it = sections_.find(name);
-    if (it == sections_.end()) throw UserError(fmt::format("{}: has no section \"{}\".", path_, name));
+    if (it == sections_.end()) throw UserError("{}: has no section \"{}\".", path_, name);
     return it->second;
 }
 
@@ -77,7 +75,7 @@ void WriteStateFile(const std::string &path, const std::string &kind,
     for (const auto &[name, content] : sections) length += 2 * sizeof(uint64_t) + name.size() + content->Bytes();
     all.Value(length);
     all.Text(kind);
-    all.Value(static_cast<uint32_t>(sections.size()));
+    all.Value(uint32_t(sections.size()));
     for (const auto &[name, content] : sections) {
         all.Text(name);
         all.Value(content->Bytes());

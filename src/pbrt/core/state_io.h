@@ -144,7 +144,7 @@ class StateReader {
     const std::string &What() const { return what_; }
     /// Throws the error for corrupt data. `why`: a clause.
     [[noreturn]] void ThrowCorrupt(std::string_view why) const {
-        throw UserError(fmt::format("{}: its content is damaged: {}.", what_, why));
+        throw UserError("{}: its content is damaged: {}.", what_, why);
     }
     void Require(bool isRight, std::string_view why) const {
         if (!isRight) ThrowCorrupt(why);

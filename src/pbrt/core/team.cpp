@@ -12,7 +12,6 @@
 #include "pbrt/core/version.h"
 
 namespace pbrt {
-
 namespace {
 
 std::string HostName() {

@@ -7,7 +7,6 @@
 #include "pbrt/core/parallel.h"
 
 namespace pbrt {
-
 namespace {
 
 constexpr int64_t kMaxPerThread = 4;

@@ -6,20 +6,31 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <mutex>
 #include <optional>
+#include <set>
 
 #include "pbrt/core/error.h"
 #include "pbrt/core/files.h"
-#include "pbrt/core/temporaries.h"
 
 namespace pbrt {
-
 namespace {
+
+struct Registry {
+    std::mutex mutex;
+    std::multiset<std::string> paths;
+};
+
+/// Leaked: a signal may come during process exit.
+Registry &Registered() {
+    static auto *registry = new Registry;
+    return *registry;
+}
 
 namespace fs = std::filesystem;
 
 [[noreturn]] void Fail(const std::string &path, int error) {
-    throw UserError(fmt::format("{}: cannot be written: {}.", path, std::strerror(error)));
+    throw UserError("{}: cannot be written: {}.", path, std::strerror(error));
 }
 
 /// The file at the end of all symbolic links.
@@ -33,14 +44,14 @@ struct Target {
 
 Target FindTarget(const std::string &name) {
     Target target{.shown = name, .path = name};
-    if (target.path.filename().empty()) throw UserError(fmt::format("\"{}\" is not the name of a file.", name));
+    if (target.path.filename().empty()) throw UserError("\"{}\" is not the name of a file.", name);
     target.exists = stat(name.c_str(), &target.status) == 0;
     if (!target.exists && errno != ENOENT) Fail(name, errno);
     if (target.exists) {
-        if (S_ISDIR(target.status.st_mode)) throw UserError(fmt::format("{}: is a folder.", name));
+        if (S_ISDIR(target.status.st_mode)) throw UserError("{}: is a folder.", name);
         // Rejected, although root or the folder's owner could replace a write-protected file.
         if ((target.status.st_mode & 0222) == 0 || faccessat(AT_FDCWD, name.c_str(), W_OK, AT_EACCESS) != 0)
-            throw UserError(fmt::format("{}: is write-protected.", name));
+            throw UserError("{}: is write-protected.", name);
         target.inPlace = !S_ISREG(target.status.st_mode);
     }
     std::error_code failed;
@@ -94,7 +105,7 @@ class TemporaryFile {
         if (folder_.empty()) folder_ = ".";
         std::error_code ignored;
         if (!fs::is_directory(folder_, ignored))
-            throw UserError(fmt::format("{}: the folder {} does not exist.", target.shown, folder_.string()));
+            throw UserError("{}: the folder {} does not exist.", target.shown, folder_.string());
         // Unique per thread and process; excludes the target's name, which could make it too long.
         static std::atomic<unsigned> count{0};
         do {
@@ -102,7 +113,7 @@ class TemporaryFile {
             file_ = open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         } while (file_ < 0 && errno == EEXIST);
         if (file_ < 0 && (errno == EACCES || errno == EROFS || errno == EPERM))
-            throw UserError(fmt::format("{}: the folder {} is not writable.", target.shown, folder_.string()));
+            throw UserError("{}: the folder {} is not writable.", target.shown, folder_.string());
         if (file_ < 0) Fail(target.shown, errno);
         registered_.emplace(path_.string());
     }
@@ -129,8 +140,8 @@ class TemporaryFile {
         if (done != 0 && errno != EINVAL && errno != ENOTSUP) Fail(target_.shown, errno);
         struct stat status {};
         if (fstat(file_, &status) != 0) Fail(target_.shown, errno);
-        if (static_cast<size_t>(status.st_size) != bytes)
-            throw UserError(fmt::format("{}: only {} of {} bytes were written.", target_.shown, status.st_size, bytes));
+        if (size_t(status.st_size) != bytes)
+            throw UserError("{}: only {} of {} bytes were written.", target_.shown, status.st_size, bytes);
         const int closed = close(file_);
         file_ = -1;
         if (closed != 0) Fail(target_.shown, errno);
@@ -156,6 +167,25 @@ class TemporaryFile {
 };
 
 }  // namespace
+
+Temporary::Temporary(std::string path) : path_(std::move(path)) {
+    Registry &r = Registered();
+    std::lock_guard lock(r.mutex);
+    r.paths.insert(path_);
+}
+
+Temporary::~Temporary() {
+    Registry &r = Registered();
+    std::lock_guard lock(r.mutex);
+    r.paths.erase(r.paths.find(path_));
+}
+
+void RemoveTemporaries() {
+    Registry &r = Registered();
+    r.mutex.lock();
+    std::error_code ignored;
+    for (const std::string &path : r.paths) std::filesystem::remove_all(path, ignored);
+}
 
 void WriteFile(const std::string &path, std::string_view content) { WriteFile(path, Pieces{content}); }
 

@@ -6,7 +6,6 @@
 #include "pbrt/core/memory.h"
 
 namespace pbrt {
-
 namespace {
 
 enum : size_t { kAlbedo, kNormal, kGeonormal, kPosition, kDepth, kUv };
@@ -17,8 +16,7 @@ std::vector<size_t> IndicesOf(const std::vector<std::string> &names) {
     std::vector<size_t> indices;
     for (const std::string &name : names) {
         const auto found = std::find(known.begin(), known.end(), name);
-        if (found == known.end())
-            throw UserError(fmt::format("--aov: \"{}\" is unknown; {}", name, ListChoices(name, known)));
+        if (found == known.end()) throw UserError("--aov: \"{}\" is unknown; {}", name, ListChoices(name, known));
         indices.push_back(found - known.begin());
     }
     std::sort(indices.begin(), indices.end());
@@ -65,7 +63,7 @@ AovFilm::AovFilm(std::unique_ptr<Film> film, const FilmContext &context)
       renderFromCamera_(context.renderFromCamera), chosen_(IndicesOf(context.overrides.aovs)),
       stride_(kFirstChannel + ChannelCount(chosen_)) {
     if (LowerExtension(Filename()) != ".exr")
-        throw UserError(fmt::format("--aov: \"{}\": the added channels only fit into an .exr file.", Filename()));
+        throw UserError("--aov: \"{}\": the added channels only fit into an .exr file.", Filename());
     const Bounds2i &bounds = PixelBounds();
     RequireMemory(
         double(Frame().PixelCount()) * double(stride_ * sizeof(PreciseSum) + ChannelCount(chosen_) * sizeof(float)),

@@ -9,7 +9,6 @@
 #include "pbrt/films/spectral_film.h"
 
 namespace pbrt {
-
 namespace {
 bool HasSplats(const std::vector<StateBlock> &blocks) {
     return std::ranges::any_of(blocks, [](const StateBlock &b) { return b.isOfSplats && b.bytes > 0; });
@@ -17,20 +16,17 @@ bool HasSplats(const std::vector<StateBlock> &blocks) {
 }  // namespace
 
 const FilmTable &Films() {
-    static const FilmTable table = [] {
-        using Request = const FilmRequest;
-        FilmTable t("Film");
-        t.Add<FilmParams>("rgb", "all 18 sensors", [](const auto &p, const ParamSet &set, Request &r) {
+    static const FilmTable table("Film", [](FilmTable &t) {
+        t.Add<FilmParams>("rgb", "all 18 sensors", [](const auto &p, const ParamSet &set, auto &r) {
             return std::make_unique<RgbFilm>(p, set, r);
         });
-        t.Add<GBufferParams>("gbuffer", "**differs**, see below", [](const auto &p, const ParamSet &set, Request &r) {
+        t.Add<GBufferParams>("gbuffer", "**differs**, see below", [](const auto &p, const ParamSet &set, auto &r) {
             return std::make_unique<GBufferFilm>(p, set, r);
         });
         t.Add<SpectralParams>(
             "spectral", "**differs** at dispersive surfaces, see below",
-            [](const auto &p, const ParamSet &set, Request &r) { return std::make_unique<SpectralFilm>(p, set, r); });
-        return t;
-    }();
+            [](const auto &p, const ParamSet &set, auto &r) { return std::make_unique<SpectralFilm>(p, set, r); });
+    });
     return table;
 }
 

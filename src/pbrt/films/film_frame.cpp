@@ -8,7 +8,6 @@
 #include "pbrt/images/image.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Scales the scene's pixel bounds by 1 / `divisor`, rounded outwards.
@@ -55,11 +54,9 @@ Bounds2i ChoosePixelBounds(const FilmParams &params, const ParamSet &set, Point2
         take(Shrunk(*params.pixelBounds, overrides.resolutionDivisor));
     }
     if (bounds.IsEmpty())
-        throw UserError(
-            fmt::format("{}No pixel is left to render: pixel bounds x {} to {}, y {} to {} of {} x {} pixels.",
+        throw UserError(loc, "{}No pixel is left to render: pixel bounds x {} to {}, y {} to {} of {} x {} pixels.",
                         overrides.cropWindow || overrides.pixelBounds ? "command line: " : "", bounds.low.x,
-                        bounds.high.x, bounds.low.y, bounds.high.y, fullResolution.x, fullResolution.y),
-            loc);
+                        bounds.high.x, bounds.low.y, bounds.high.y, fullResolution.x, fullResolution.y);
     return bounds;
 }
 
@@ -77,8 +74,7 @@ FilmFrame FilmRequest::Frame(const FilmParams &params, const ParamSet &set, bool
     const FileLoc loc = overrides.filename.empty() ? set.LocOf("filename") : FileLoc();
     CheckPictureName(frame.filename, loc);
     if (onlyExr && LowerExtension(frame.filename) != ".exr")
-        throw UserError(fmt::format("\"{}\": the channels of this film only fit into an .exr file.", frame.filename),
-                        loc);
+        throw UserError(loc, "\"{}\": the channels of this film only fit into an .exr file.", frame.filename);
     frame.diagonalMm = params.diagonalMm;
     frame.half = params.half && !overrides.fullFloat;
     const Bounds2i &bounds = frame.pixelBounds;

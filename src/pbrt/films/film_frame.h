@@ -19,8 +19,7 @@ struct FilmParams {
     bool half = true;
     SensorParams sensor;
 
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("filename", filename, "image file; --outfile overrides it");
         v("xresolution", xResolution, Range<int>{1, 1 << 20, false, false, "pixels"}, "width");
         v("yresolution", yResolution, Range<int>{1, 1 << 20, false, false, "pixels"}, "height");

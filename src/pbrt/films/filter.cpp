@@ -6,7 +6,6 @@
 #include "pbrt/math/warps.h"
 
 namespace pbrt {
-
 namespace {
 
 class BoxFilter final : public Filter {
@@ -127,8 +126,7 @@ constexpr Range<Float> kWidthRange = Positive(1e6f), kSharpnessRange{-1000, 1000
 template <Float kDefault>
 struct RadiusParams {
     Float x = kDefault, y = kDefault;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         const Range<Float> range = Positive(1000, "pixels");  // tables have 32 cells per pixel
         v("xradius", x, range, "half width");
         v("yradius", y, range, "half height");
@@ -138,8 +136,7 @@ struct RadiusParams {
 
 struct GaussianParams : RadiusParams<Float(1.5)> {
     Float sigma = Float(0.5);
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         RadiusParams::Describe(v);
         v("sigma", sigma, kWidthRange, "standard deviation");
     }
@@ -148,8 +145,7 @@ struct GaussianParams : RadiusParams<Float(1.5)> {
 
 struct MitchellParams : RadiusParams<Float(2)> {
     Float b = Float(1) / 3, c = Float(1) / 3;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         RadiusParams::Describe(v);
         v("B", b, kSharpnessRange, "strength of blurring");
         v("C", c, kSharpnessRange, "strength of ringing");
@@ -159,8 +155,7 @@ struct MitchellParams : RadiusParams<Float(2)> {
 
 struct SincParams : RadiusParams<Float(4)> {
     Float tau = 3;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         RadiusParams::Describe(v);
         v("tau", tau, kWidthRange, "half width of the window's main lobe, in pixels");
     }
@@ -181,8 +176,7 @@ void AddTabulated(FilterTable &table, const char *name) {
 }  // namespace
 
 const FilterTable &Filters() {
-    static const FilterTable table = [] {
-        FilterTable t("PixelFilter");
+    static const FilterTable table("PixelFilter", [](FilterTable &t) {
         t.Add<RadiusParams<Float(0.5)>>("box", "", [](const auto &p, const ParamSet &, const FilterContext &) {
             return std::make_unique<BoxFilter>(p.Radius());
         });
@@ -192,8 +186,7 @@ const FilterTable &Filters() {
         AddTabulated<GaussianParams>(t, "gaussian");
         AddTabulated<MitchellParams>(t, "mitchell");
         AddTabulated<SincParams>(t, "sinc");
-        return t;
-    }();
+    });
     return table;
 }
 

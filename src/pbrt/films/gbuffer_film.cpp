@@ -1,7 +1,6 @@
 #include "pbrt/films/gbuffer_film.h"
 
 namespace pbrt {
-
 namespace {
 
 // clang-format off

@@ -9,8 +9,7 @@ struct GBufferParams : FilmParams {
     enum class Space { Camera, World };
     static constexpr NamedValue<Space> kSpaces[] = {{"camera", Space::Camera}, {"world", Space::World}};
     Space space = Space::Camera;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         FilmParams::Describe(v);
         v("coordinatesystem", space, kSpaces, "space of positions and normals");
     }

@@ -6,7 +6,6 @@
 #include "pbrt/core/parallel.h"
 
 namespace pbrt {
-
 namespace {
 
 constexpr Float kMaxHalf = 65504;
@@ -93,14 +92,13 @@ Image RgbFilm::MakeImage(const std::vector<std::string> &furtherChannels) const 
         }
     if (clamped > 0)
         LogWarning(
-            fmt::format("{} pixel values are above {}, the largest of half precision, and are cut to it; "
-                        "\"bool savefp16\" false keeps them.",
-                        clamped, kMaxHalf));
+            "{} pixel values are above {}, the largest of half precision, and are cut to it; "
+            "\"bool savefp16\" false keeps them.",
+            clamped, kMaxHalf);
     if (counts_.rejected > 0)
         LogWarning(
-            fmt::format("{} samples were dropped: their radiance is not a number, or too large for single "
-                        "precision ({:.2g}).",
-                        counts_.rejected, std::numeric_limits<Float>::max()));
+            "{} samples were dropped: their radiance is not a number, or too large for single precision ({:.2g}).",
+            counts_.rejected, std::numeric_limits<Float>::max());
     return image;
 }
 

@@ -1,11 +1,8 @@
 #include "pbrt/films/sensor.h"
 
-#include <algorithm>
-
 #include "pbrt/spectra/rgb_primaries.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Response of three sensitivities to a reflectance under an illuminant, relative to the second's to the bare

@@ -15,8 +15,7 @@ struct SensorParams {
     std::string name = "cie1931";
     Float iso = 100;
     Float whiteBalance = 0;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("sensor", name, SupportedSensors(), "spectral response");
         v("iso", iso, Positive(1e9f), "sensitivity");
         v("whitebalance", whiteBalance, Range<Float>{0, 1e6f, false, false, "K"},

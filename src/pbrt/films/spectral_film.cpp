@@ -3,13 +3,11 @@
 #include <algorithm>
 
 namespace pbrt {
-
 namespace {
 
 const SpectralBuckets &Checked(const SpectralBuckets &b, const ParamSet &set) {
     if (!(b.low < b.high))
-        throw set.Error("lambdamin",
-                        fmt::format("\"lambdamin\" is {} nm, \"lambdamax\" {} nm; the range is empty.", b.low, b.high));
+        throw set.Error("lambdamin", "\"lambdamin\" is {} nm, \"lambdamax\" {} nm; the range is empty.", b.low, b.high);
     return b;
 }
 

@@ -10,8 +10,7 @@ struct SpectralBuckets {
 
 struct SpectralParams : FilmParams {
     SpectralBuckets buckets;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         constexpr Range<Float> kVisible{LambdaMin, LambdaMax, false, false, "nm"};
         FilmParams::Describe(v);
         v("nbuckets", buckets.count, Range<int>{1, 1 << 16}, "number of spectral channels");

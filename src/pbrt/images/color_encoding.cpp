@@ -46,23 +46,23 @@ Float ColorEncoding::FromLinear(Float linear) const {
 
 ByteCode::ByteCode(const ColorEncoding &encoding) {
     for (size_t i = 0; i < 256; ++i) {
-        decode_[i] = encoding.ToLinear(static_cast<Float>(i) / 255);
-        limits_[i] = i == 0 ? 0 : encoding.ToLinear((static_cast<Float>(i) - Float(0.5)) / 255);
+        decode_[i] = encoding.ToLinear(Float(i) / 255);
+        limits_[i] = i == 0 ? 0 : encoding.ToLinear((Float(i) - Float(0.5)) / 255);
     }
     limits_[256] = Infinity;
     size_t byte = 0;
     for (size_t i = 0; i < Cells; ++i) {
-        while (limits_[byte + 1] <= static_cast<Float>(i) / Cells) ++byte;
-        guess_[i] = static_cast<uint8_t>(byte);
+        while (limits_[byte + 1] <= Float(i) / Cells) ++byte;
+        guess_[i] = uint8_t(byte);
     }
 }
 
 uint8_t ByteCode::Encode(Float linear) const {
     if (!(linear > 0)) return 0;
     if (linear >= 1) return 255;
-    size_t byte = guess_[static_cast<size_t>(linear * Cells)];
+    size_t byte = guess_[size_t(linear * Cells)];
     while (linear >= limits_[byte + 1]) ++byte;
-    return static_cast<uint8_t>(byte);
+    return uint8_t(byte);
 }
 
 const ByteCode &ByteCode::Of(const ColorEncoding &encoding) {
@@ -71,7 +71,7 @@ const ByteCode &ByteCode::Of(const ColorEncoding &encoding) {
     static std::map<Key, std::unique_ptr<ByteCode>> codes;
     bool hasGamma = encoding.kind == ColorEncoding::Kind::Gamma;
     std::lock_guard lock(mutex);
-    auto &code = codes[Key(static_cast<int>(encoding.kind), hasGamma ? encoding.gamma : 1)];
+    auto &code = codes[Key(int(encoding.kind), hasGamma ? encoding.gamma : 1)];
     if (!code) code = std::make_unique<ByteCode>(encoding);
     return *code;
 }

@@ -17,7 +17,6 @@
 #include <algorithm>
 #include <climits>
 #include <cmath>
-#include <limits>
 #include <set>
 
 #include "pbrt/core/error.h"
@@ -25,7 +24,6 @@
 #include "pbrt/images/image_formats.h"
 
 namespace pbrt::formats {
-
 namespace {
 
 constexpr Float LargestHalf = 65504;
@@ -75,9 +73,9 @@ const ColorSpace *FindSpace(const Imf::Header &header, const std::string &path) 
         ColorSpace::FromChromaticities(ToPoint(c.red), ToPoint(c.green), ToPoint(c.blue), ToPoint(c.white));
     if (!space)
         LogWarning(
-            fmt::format("{}: the chromaticities r ({}, {}) g ({}, {}) b ({}, {}) white ({}, {}) are those of no "
-                        "known colour space; sRGB is assumed.",
-                        path, c.red.x, c.red.y, c.green.x, c.green.y, c.blue.x, c.blue.y, c.white.x, c.white.y));
+            "{}: the chromaticities r ({}, {}) g ({}, {}) b ({}, {}) white ({}, {}) are those of no "
+            "known colour space; sRGB is assumed.",
+            path, c.red.x, c.red.y, c.green.x, c.green.y, c.blue.x, c.blue.y, c.white.x, c.white.y);
     return space;
 }
 
@@ -127,7 +125,7 @@ Imf::FrameBuffer Bind(const std::vector<std::string> &names, Imf::PixelType type
 
 constexpr int64_t kMaxOffset = 1 << 28;  // largest offset of a window from the origin, in pixels
 
-int64_t Extent(int low, int high) { return static_cast<int64_t>(high) - low + 1; }
+int64_t Extent(int low, int high) { return int64_t(high) - low + 1; }
 
 /// Upper bound on pixel bytes per file byte.
 double MaxExpansion(Imf::Compression compression) {
@@ -148,7 +146,7 @@ class MemoryStream final : public Imf::OStream {
   public:
     explicit MemoryStream(const std::string &name) : OStream(name.c_str()) {}
     void write(const char bytes[], int count) override {
-        const auto size = static_cast<size_t>(count);
+        const auto size = size_t(count);
         if (at_ + size > content_.size()) content_.resize(at_ + size);
         std::copy_n(bytes, size, content_.begin() + at_);
         at_ += size;
@@ -178,8 +176,8 @@ void WarnOfParts(const std::string &path) {
         const Imf::Header &header = file.header(i);
         names += fmt::format("{}\"{}\"", i ? ", " : "", header.hasName() ? Abbreviate(header.name()) : "");
     }
-    LogWarning(fmt::format("{}: the image has {} parts ({}{}); only the first is read.", path, count, names,
-                           count > kMaxNames ? ", ..." : ""));
+    LogWarning("{}: the image has {} parts ({}{}); only the first is read.", path, count, names,
+               count > kMaxNames ? ", ..." : "");
 }
 
 }  // namespace
@@ -199,22 +197,21 @@ ImageFile ReadExr(const std::string &path) {
     for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
         const Imf::Channel &channel = it.channel();
         if (channel.xSampling != 1 || channel.ySampling != 1)
-            throw UserError(fmt::format("{}: channel \"{}\" is subsampled, which is not supported.", path, it.name()));
+            throw UserError("{}: channel \"{}\" is subsampled, which is not supported.", path, it.name());
         if (channel.type == Imf::UINT)
-            throw UserError(
-                fmt::format("{}: channel \"{}\" holds integers; only half and float are supported.", path, it.name()));
+            throw UserError("{}: channel \"{}\" holds integers; only half and float are supported.", path, it.name());
         allHalf = allHalf && channel.type == Imf::HALF;
     }
     std::vector<std::string> names = OrderedNames(header.channels());
-    if (names.empty()) throw UserError(fmt::format("{}: the image has no channels.", path));
+    if (names.empty()) throw UserError("{}: the image has no channels.", path);
     CheckSize(path, Extent(data.min.x, data.max.x), Extent(data.min.y, data.max.y), names.size(), allHalf ? 2 : 4,
               MaxExpansion(header.compression()));
     if (Extent(display.min.x, display.max.x) > INT_MAX || Extent(display.min.y, display.max.y) > INT_MAX)
-        throw UserError(fmt::format("{}: the display window is impossibly large.", path));
+        throw UserError("{}: the display window is impossibly large.", path);
     for (int corner : {data.min.x, data.min.y, display.min.x, display.min.y})
-        if (std::abs(static_cast<int64_t>(corner)) > kMaxOffset)
-            throw UserError(fmt::format("{}: a window begins at {}; at most {} from the origin are supported.", path,
-                                        corner, kMaxOffset));
+        if (std::abs(int64_t(corner)) > kMaxOffset)
+            throw UserError("{}: a window begins at {}; at most {} from the origin are supported.", path, corner,
+                            kMaxOffset);
     ImageFile result;
     ImageMetadata &metadata = result.metadata;
     metadata.pixelBounds = Bounds2i{{data.min.x - display.min.x, data.min.y - display.min.y},
@@ -252,8 +249,7 @@ std::string EncodeExr(const std::string &path, const Image &image, const ImageMe
     const bool asFloat = image.Format() == PixelFormat::Float;
     const Image pixels = asFloat ? image : image.ConvertTo(PixelFormat::Half);
     if (size_t clamped = asFloat ? 0 : CountAtHalfLimit(pixels))
-        LogWarning(fmt::format("{}: {} values are at or beyond {}, the largest in half precision.", path, clamped,
-                               LargestHalf));
+        LogWarning("{}: {} values are at or beyond {}, the largest in half precision.", path, clamped, LargestHalf);
     Imf::PixelType type = asFloat ? Imf::FLOAT : Imf::HALF;
     for (const std::string &name : image.Channels()) header.channels().insert(name, Imf::Channel(type));
     MemoryStream stream(path);

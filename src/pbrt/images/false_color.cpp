@@ -5,7 +5,6 @@
 namespace pbrt {
 
 namespace false_color {
-
 namespace {
 constexpr std::array<Rgb, 6> kColors = {Rgb(0.02f, 0.02f, 0.10f), Rgb(0.25f, 0.10f, 0.55f), Rgb(0.05f, 0.45f, 0.65f),
                                         Rgb(0.15f, 0.70f, 0.30f), Rgb(0.95f, 0.80f, 0.15f), Rgb(1.00f, 0.98f, 0.90f)};
@@ -13,8 +12,8 @@ constexpr std::array<Rgb, 6> kColors = {Rgb(0.02f, 0.02f, 0.10f), Rgb(0.25f, 0.1
 
 Rgb Ramp(Float t) {
     const Float x = std::clamp(t, Float(0), Float(1)) * (kColors.size() - 1);
-    const size_t i = std::min(static_cast<size_t>(x), kColors.size() - 2);
-    return Lerp(x - static_cast<Float>(i), kColors[i], kColors[i + 1]);
+    const size_t i = std::min(size_t(x), kColors.size() - 2);
+    return Lerp(x - Float(i), kColors[i], kColors[i + 1]);
 }
 
 Rgb Signed(Float t) {
@@ -25,11 +24,11 @@ Rgb Signed(Float t) {
 Rgb OfId(uint64_t id) {
     const uint64_t h = Hash(id);
     const Float hue = HashToFloat(h) * 6;
-    const Float saturation = Float(0.45) + Float(0.5) * static_cast<Float>(h & 0xffff) / 65536;
-    const Float value = Float(0.55) + Float(0.45) * static_cast<Float>((h >> 16) & 0xffff) / 65536;
+    const Float saturation = Float(0.45) + Float(0.5) * Float(h & 0xffff) / 65536;
+    const Float value = Float(0.55) + Float(0.45) * Float((h >> 16) & 0xffff) / 65536;
     Rgb color(0);
     for (int c = 0; c < 3; ++c) {
-        Float distance = std::abs(hue - static_cast<Float>(2 * c));
+        Float distance = std::abs(hue - Float(2 * c));
         distance = std::min(distance, 6 - distance);  // distance from this primary on the colour wheel
         color[c] = value * (1 - saturation * std::clamp(distance - 1, Float(0), Float(1)));
     }
@@ -53,13 +52,13 @@ Image FalseColor(const Image &image, int channel, const FalseColorStyle &style, 
             const Float v = image.Get({x, y}, channel);
             if (mask && mask->Get({x, y}, 0) == 0) put(x, y, Rgb(0.13f));
             else if (!std::isfinite(v)) put(x, y, false_color::Invalid);
-            else if (style.scale == Scale::Id) put(x, y, false_color::OfId(static_cast<uint64_t>(std::llround(v))));
+            else if (style.scale == Scale::Id) put(x, y, false_color::OfId(uint64_t(std::llround(v))));
             else if (style.scale == Scale::Signed) put(x, y, false_color::Signed(style.most > 0 ? v / style.most : v));
             else put(x, y, false_color::Ramp((v - style.least) / range));
         }
     for (int y = resolution.y; y < resolution.y + legend; ++y)
         for (int x = 0; x < resolution.x; ++x) {
-            const Float t = (static_cast<Float>(x) + Float(0.5)) / static_cast<Float>(resolution.x);
+            const Float t = (Float(x) + Float(0.5)) / Float(resolution.x);
             put(x, y, style.scale == Scale::Signed ? false_color::Signed(2 * t - 1) : false_color::Ramp(t));
         }
     return result;

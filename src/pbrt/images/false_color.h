@@ -1,6 +1,4 @@
 #pragma once
-#include <array>
-#include <optional>
 
 #include "pbrt/images/image.h"
 

@@ -8,7 +8,6 @@
 #include "pbrt/core/parallel.h"
 
 namespace pbrt {
-
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -34,12 +33,12 @@ using Kernel = std::vector<float>;  // of odd length
 // Convolves with `alongX` along x and `alongY` along y, extending border pixels.
 Plane Filter(const Plane &in, Point2i size, const Kernel &alongX, const Kernel &alongY) {
     const int width = size.x, height = size.y;
-    const int rx = static_cast<int>(alongX.size() / 2), ry = static_cast<int>(alongY.size() / 2);
-    auto row = [width](auto *data, int y) { return data + static_cast<size_t>(y) * width; };
+    const int rx = int(alongX.size() / 2), ry = int(alongY.size() / 2);
+    auto row = [width](auto *data, int y) { return data + size_t(y) * width; };
     Plane across(in.size()), out(in.size());
     ParallelFor(height, kRowsPerTask, [&](int64_t begin, int64_t end) {
         Plane padded(width + 2 * rx);
-        for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
+        for (int y = int(begin); y < int(end); ++y) {
             const float *from = row(in.data(), y);
             for (int x = 0; x < width + 2 * rx; ++x) padded[x] = from[std::clamp(x - rx, 0, width - 1)];
             float *to = row(across.data(), y);
@@ -48,7 +47,7 @@ Plane Filter(const Plane &in, Point2i size, const Kernel &alongX, const Kernel &
         }
     });
     ParallelFor(height, kRowsPerTask, [&](int64_t begin, int64_t end) {
-        for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
+        for (int y = int(begin); y < int(end); ++y) {
             float *to = row(out.data(), y);
             for (int k = -ry; k <= ry; ++k) {
                 const float *from = row(across.data(), std::clamp(y + k, 0, height - 1));
@@ -62,20 +61,19 @@ Plane Filter(const Plane &in, Point2i size, const Kernel &alongX, const Kernel &
 template <typename F>
 Kernel Tabulate(int radius, F f) {
     Kernel kernel;
-    for (int x = -radius; x <= radius; ++x) kernel.push_back(static_cast<float>(f(x)));
+    for (int x = -radius; x <= radius; ++x) kernel.push_back(float(f(x)));
     return kernel;
 }
 
 void Scale(Kernel &kernel, double factor) {
-    for (float &w : kernel) w = static_cast<float>(static_cast<double>(w) * factor);
+    for (float &w : kernel) w = float(double(w) * factor);
 }
 
 // Normalises the positive weights to sum 1 and the negative ones to -1.
 void Balance(Kernel &kernel) {
     double positive = 0, negative = 0;
-    for (float w : kernel) (w > 0 ? positive : negative) += static_cast<double>(w);
-    for (float &w : kernel)
-        w = static_cast<float>(static_cast<double>(w) / (w > 0 ? positive : negative < 0 ? -negative : 1));
+    for (float w : kernel) (w > 0 ? positive : negative) += double(w);
+    for (float &w : kernel) w = float(double(w) / (w > 0 ? positive : negative < 0 ? -negative : 1));
 }
 
 double Sum(const std::vector<float> &values) { return std::accumulate(values.begin(), values.end(), 0.0); }
@@ -83,8 +81,7 @@ double Sum(const std::vector<float> &values) { return std::accumulate(values.beg
 // One Gaussian of a contrast sensitivity filter as a normalised 1D kernel; `mass` gets the sum of its weights over both
 // axes before normalisation.
 Kernel SensitivityKernel(const Sensitivity &s, double pixelsPerDegree, double *mass) {
-    const int radius =
-        static_cast<int>(std::ceil(3 * std::sqrt(kWidestSensitivity / (2 * kPi * kPi)) * pixelsPerDegree));
+    const int radius = int(std::ceil(3 * std::sqrt(kWidestSensitivity / (2 * kPi * kPi)) * pixelsPerDegree));
     Kernel kernel = Tabulate(radius, [&](int x) {
         const double d = x / pixelsPerDegree;
         return std::exp(-kPi * kPi * d * d / s.b);
@@ -111,7 +108,7 @@ Plane BlueYellowFilter(const Plane &in, Point2i size, double pixelsPerDegree) {
     const Kernel narrow = SensitivityKernel(kBlueYellow[1], pixelsPerDegree, &mass[1]);
     Plane out = Filter(in, size, wide, wide);
     const Plane other = Filter(in, size, narrow, narrow);
-    const auto weight = static_cast<float>(mass[0] / (mass[0] + mass[1]));
+    const auto weight = float(mass[0] / (mass[0] + mass[1]));
     for (size_t i = 0; i < out.size(); ++i) out[i] = weight * out[i] + (1 - weight) * other[i];
     return out;
 }
@@ -172,7 +169,7 @@ float ColorDistance(float l, float a, float b) { return std::abs(l) + std::hypot
 constexpr double kTone[] = {0.9036, 0.018, 0.8748, 0.354, 0.14};
 
 float ToneMap(float x) {
-    const auto k = [](int i) { return static_cast<float>(kTone[i]); };
+    const auto k = [](int i) { return float(kTone[i]); };
     if (!(x > 0)) return 0;
     x = std::min(x, 1e9f);
     return std::clamp((k(0) * x + k(1)) * x / ((k(2) * x + k(3)) * x + k(4)), 0.f, 1.f);
@@ -195,15 +192,14 @@ std::vector<double> ChooseExposures(const std::vector<float> &planes) {
     if (luminance.empty()) return {0};
     auto middle = luminance.begin() + luminance.size() / 2;
     std::nth_element(luminance.begin(), middle, luminance.end());
-    const double median = static_cast<double>(*middle);
-    const double largest = static_cast<double>(*std::max_element(luminance.begin(), luminance.end()));
+    const double median = double(*middle);
+    const double largest = double(*std::max_element(luminance.begin(), luminance.end()));
     const double shown = InverseToneMap(0.85);
     const double start = std::log2(shown / largest), stop = std::log2(shown / median);
     if (stop <= start) return {start};
-    const size_t count = std::clamp(static_cast<size_t>(std::ceil(stop - start)), size_t(2), kMaxExposures);
+    const size_t count = std::clamp(size_t(std::ceil(stop - start)), size_t(2), kMaxExposures);
     std::vector<double> exposures;
-    for (size_t i = 0; i < count; ++i)
-        exposures.push_back(start + (stop - start) * static_cast<double>(i) / static_cast<double>(count - 1));
+    for (size_t i = 0; i < count; ++i) exposures.push_back(start + (stop - start) * double(i) / double(count - 1));
     return exposures;
 }
 
@@ -215,7 +211,7 @@ std::vector<float> FlipReference::Planes(const Image &image) {
     for (int c = 0; c < 3; ++c) {
         const std::string name(1, "RGB"[c]);
         const int channel = image.FindChannel(name);
-        if (channel < 0) throw UserError(fmt::format("FLIP needs the channels R, G and B; {} is missing.", name));
+        if (channel < 0) throw UserError("FLIP needs the channels R, G and B; {} is missing.", name);
         size_t i = c * n;
         ForEachPixel(image, [&](Point2i p) {
             const float v = image.Get(p, channel);
@@ -235,14 +231,13 @@ FlipReference::FlipReference(const Image &reference, const FlipSettings &setting
     float l[2], a[2], b[2];
     ToHuntLab(colors.FromRgb({0, 1, 0}), &l[0], &a[0], &b[0]);
     ToHuntLab(colors.FromRgb({0, 0, 1}), &l[1], &a[1], &b[1]);
-    largestColorDifference_ =
-        std::pow(static_cast<double>(ColorDistance(l[0] - l[1], a[0] - a[1], b[0] - b[1])), kColorExponent);
+    largestColorDifference_ = std::pow(double(ColorDistance(l[0] - l[1], a[0] - a[1], b[0] - b[1])), kColorExponent);
 }
 
 FlipReference::Percept FlipReference::See(const std::vector<float> &planes, size_t exposure) const {
     const size_t n = planes.size() / 3;
     const Colors colors;
-    const float factor = settings_.hdr ? static_cast<float>(std::exp2(exposures_[exposure])) : 1;
+    const float factor = settings_.hdr ? float(std::exp2(exposures_[exposure])) : 1;
     Plane yy(n), cx(n), cz(n), lightness(n);
     ParallelFor(n, 4096, [&](int64_t begin, int64_t end) {
         for (int64_t i = begin; i < end; ++i) {
@@ -259,7 +254,7 @@ FlipReference::Percept FlipReference::See(const std::vector<float> &planes, size
     Percept out;
     const double ppd = settings_.pixelsPerDegree;
     const double sigma = 0.5 * kFeatureWidth * ppd;
-    const int radius = static_cast<int>(std::ceil(3 * sigma));
+    const int radius = int(std::ceil(3 * sigma));
     auto gaussian = [sigma](int x) { return std::exp(-x * x / (2 * sigma * sigma)); };
     Kernel smooth = Tabulate(radius, gaussian);
     Scale(smooth, 1 / Sum(smooth));
@@ -283,20 +278,19 @@ FlipReference::Percept FlipReference::See(const std::vector<float> &planes, size
 }
 
 float FlipReference::Difference(const Percept &r, const Percept &t, size_t i) const {
-    const double distance = static_cast<double>(ColorDistance(r.l[i] - t.l[i], r.a[i] - t.a[i], r.b[i] - t.b[i]));
+    const double distance = double(ColorDistance(r.l[i] - t.l[i], r.a[i] - t.a[i], r.b[i] - t.b[i]));
     const double relative = std::pow(distance, kColorExponent) / largestColorDifference_;
     const double color = relative < kKnee ? relative * kKneeValue / kKnee
                                           : kKneeValue + (relative - kKnee) / (1 - kKnee) * (1 - kKneeValue);
-    const auto feature =
-        static_cast<double>(std::max(std::abs(r.edge[i] - t.edge[i]), std::abs(r.point[i] - t.point[i])));
+    const auto feature = double(std::max(std::abs(r.edge[i] - t.edge[i]), std::abs(r.point[i] - t.point[i])));
     const double structure = std::pow(std::min(feature / std::sqrt(2.0), 1.0), kFeatureExponent);
-    return static_cast<float>(std::pow(std::min(color, 1.0), 1 - structure));
+    return float(std::pow(std::min(color, 1.0), 1 - structure));
 }
 
 double FlipReference::Compare(const Image &image, Image *errorImage) const {
     if (image.Resolution() != resolution_)
-        throw UserError(fmt::format("Images of different resolution cannot be compared: {} x {} and {} x {}.",
-                                    image.Resolution().x, image.Resolution().y, resolution_.x, resolution_.y));
+        throw UserError("Images of different resolution cannot be compared: {} x {} and {} x {}.", image.Resolution().x,
+                        image.Resolution().y, resolution_.x, resolution_.y);
     const std::vector<float> planes = Planes(image);
     std::vector<float> flip(planes.size() / 3, 0.f);
     for (size_t e = 0; e < percepts_.size(); ++e) {
@@ -309,7 +303,7 @@ double FlipReference::Compare(const Image &image, Image *errorImage) const {
         *errorImage = Image(PixelFormat::Float, resolution_, {"Y"});
         std::copy(flip.begin(), flip.end(), static_cast<float *>(errorImage->Data()));
     }
-    return flip.empty() ? 0 : Sum(flip) / static_cast<double>(flip.size());
+    return flip.empty() ? 0 : Sum(flip) / double(flip.size());
 }
 
 }  // namespace pbrt

@@ -4,10 +4,7 @@
 
 #include <cstring>
 
-#include "pbrt/core/error.h"
-
 namespace pbrt {
-
 namespace {
 
 int PositiveModulo(int a, int n) {
@@ -57,7 +54,7 @@ Image::Image(PixelFormat format, Point2i resolution, std::vector<std::string> ch
 
 int Image::FindChannel(const std::string &name) const {
     for (size_t i = 0; i < channels_.size(); ++i)
-        if (channels_[i] == name) return static_cast<int>(i);
+        if (channels_[i] == name) return int(i);
     return -1;
 }
 
@@ -89,11 +86,10 @@ void Image::Set(Point2i p, int channel, Float linear) {
 }
 
 Float Image::Bilinear(Point2 st, int channel, WrapMode wrap) const {
-    Float x = st.x * static_cast<Float>(resolution_.x) - Float(0.5);
-    Float y = st.y * static_cast<Float>(resolution_.y) - Float(0.5);
+    Float x = st.x * Float(resolution_.x) - Float(0.5);
+    Float y = st.y * Float(resolution_.y) - Float(0.5);
     Float fx = std::floor(x), fy = std::floor(y);
-    Point2i p(static_cast<int>(std::clamp(fx, Float(-1e9), Float(1e9))),
-              static_cast<int>(std::clamp(fy, Float(-1e9), Float(1e9))));
+    Point2i p(int(std::clamp(fx, Float(-1e9), Float(1e9))), int(std::clamp(fy, Float(-1e9), Float(1e9))));
     Float dx = x - fx, dy = y - fy;
     Float top = Lerp(dx, Get(p, channel, wrap), Get(p + Point2i(1, 0), channel, wrap));
     Float bottom = Lerp(dx, Get(p + Point2i(0, 1), channel, wrap), Get(p + Point2i(1, 1), channel, wrap));
@@ -104,8 +100,7 @@ Image Image::Extract(const std::vector<std::string> &channels) const {
     std::vector<size_t> from;
     for (const std::string &name : channels) {
         int index = FindChannel(name);
-        if (index < 0)
-            throw UserError(fmt::format("The image has no channel \"{}\"; {}", name, ListChoices(name, channels_)));
+        if (index < 0) throw UserError("The image has no channel \"{}\"; {}", name, ListChoices(name, channels_));
         from.push_back(index);
     }
     Image result(format_, resolution_, channels, encoding_);

@@ -59,7 +59,7 @@ class Image {
     explicit operator bool() const { return resolution_.x > 0; }
     PixelFormat Format() const { return format_; }
     Point2i Resolution() const { return resolution_; }
-    int ChannelCount() const { return static_cast<int>(channels_.size()); }
+    int ChannelCount() const { return int(channels_.size()); }
     const std::vector<std::string> &Channels() const { return channels_; }
     const ColorEncoding &Encoding() const { return encoding_; }
     size_t ValueCount() const { return Index({0, resolution_.y}, 0); }
@@ -84,7 +84,7 @@ class Image {
 
   private:
     size_t Index(Point2i p, int channel) const {
-        return (static_cast<size_t>(p.y) * resolution_.x + p.x) * channels_.size() + channel;
+        return (size_t(p.y) * resolution_.x + p.x) * channels_.size() + channel;
     }
     PixelFormat format_ = PixelFormat::Float;
     Point2i resolution_{0, 0};
@@ -97,13 +97,11 @@ class Image {
 };
 
 /// Calls f(p) for the pixels row by row, or f(p, channel) for their values.
-template <class F>
-void ForEachPixel(const Image &image, F &&f) {
+void ForEachPixel(const Image &image, auto &&f) {
     for (int y = 0; y < image.Resolution().y; ++y)
         for (int x = 0; x < image.Resolution().x; ++x) f(Point2i(x, y));
 }
-template <class F>
-void ForEachValue(const Image &image, F &&f) {
+void ForEachValue(const Image &image, auto &&f) {
     ForEachPixel(image, [&](Point2i p) {
         for (int c = 0; c < image.ChannelCount(); ++c) f(p, c);
     });

@@ -10,24 +10,22 @@
 #include "pbrt/images/image_formats.h"
 
 namespace pbrt {
-
 namespace {
 
 // Returns f(). Library errors become a UserError that names the file; `use`: "for" or "to write" it.
-template <class F>
-auto NamingFile(const std::string &path, const char *use, F &&f) {
+auto NamingFile(const std::string &path, const char *use, auto &&f) {
     try {
         return f();
     } catch (const UserError &) {
         throw;
     } catch (const std::bad_alloc &) {
-        throw UserError(fmt::format("{}: there is not enough memory {} this image.", path, use));
+        throw UserError("{}: there is not enough memory {} this image.", path, use);
     } catch (const std::exception &e) {
         // Without final full stop or line end.
         std::string text = e.what();
         while (!text.empty() && (text.back() == '.' || std::isspace(static_cast<unsigned char>(text.back()))))
             text.pop_back();
-        throw UserError(fmt::format("{}: {}.", path, text));
+        throw UserError("{}: {}.", path, text);
     }
 }
 
@@ -39,12 +37,12 @@ Image ForPlainFormat(const std::string &path, const Image &image, const ImageMet
         result = image.Extract({"R", "G", "B", "A"});
     } else if (hasRgb) {
         if (image.ChannelCount() > 3)
-            LogWarning(fmt::format("{}: only the channels R, G, B of {} are written; {} files hold no more.", path,
-                                   image.ChannelCount(), LowerExtension(path)));
+            LogWarning("{}: only the channels R, G, B of {} are written; {} files hold no more.", path,
+                       image.ChannelCount(), LowerExtension(path));
         result = image.Extract({"R", "G", "B"});
     } else if (image.ChannelCount() != 1 && image.ChannelCount() != 3) {
-        throw UserError(fmt::format("{}: an image of {} channels without R, G and B can only be written as .exr.", path,
-                                    image.ChannelCount()));
+        throw UserError("{}: an image of {} channels without R, G and B can only be written as .exr.", path,
+                        image.ChannelCount());
     }
     if (!hasRgb || !metadata.colorSpace || metadata.colorSpace == &ColorSpace::SRGB()) return result;
     const glm::mat3 toSrgb = ConvertRgbMatrix(*metadata.colorSpace, ColorSpace::SRGB());
@@ -65,21 +63,19 @@ namespace formats {
 void CheckSize(const std::string &path, int64_t width, int64_t height, int64_t channels, int bytesPerValue,
                double maxExpansion) {
     if (width < 1 || height < 1 || channels < 1)
-        throw UserError(fmt::format("{}: the header has {} x {} pixels of {} channels, which is no image.", path, width,
-                                    height, channels));
+        throw UserError("{}: the header has {} x {} pixels of {} channels, which is no image.", path, width, height,
+                        channels);
     if (width > kMaxExtent || height > kMaxExtent)
-        throw UserError(fmt::format("{}: the header has {} x {} pixels; images have at most {} in each direction.",
-                                    path, width, height, kMaxExtent));
-    const double bytes = static_cast<double>(width) * static_cast<double>(height) * static_cast<double>(channels) *
-                         static_cast<double>(bytesPerValue);
+        throw UserError("{}: the header has {} x {} pixels; images have at most {} in each direction.", path, width,
+                        height, kMaxExtent);
+    const double bytes = double(width) * double(height) * double(channels) * double(bytesPerValue);
     const std::string what =
         fmt::format("{}: the header has {} x {} pixels of {} channels, which", path, width, height, channels);
     RequireMemory(bytes, what, {});
     std::error_code failed;
-    const auto stored = static_cast<double>(std::filesystem::file_size(path, failed));
+    const auto stored = double(std::filesystem::file_size(path, failed));
     if (!failed && bytes > stored * maxExpansion)
-        throw UserError(
-            fmt::format("{} take {}; the file has {} bytes, which cannot hold them.", what, BytesText(bytes), stored));
+        throw UserError("{} take {}; the file has {} bytes, which cannot hold them.", what, BytesText(bytes), stored);
 }
 
 }  // namespace formats
@@ -87,16 +83,15 @@ void CheckSize(const std::string &path, int64_t width, int64_t height, int64_t c
 ImageFile ReadImage(const std::string &path, std::optional<ColorEncoding> encoding) {
     std::error_code code;
     const auto status = std::filesystem::status(path, code);
-    if (!std::filesystem::exists(status)) throw UserError(fmt::format("{}: No such image file.", path));
-    if (std::filesystem::is_directory(status)) throw UserError(fmt::format("{}: is a directory, not an image.", path));
+    if (!std::filesystem::exists(status)) throw UserError("{}: No such image file.", path);
+    if (std::filesystem::is_directory(status)) throw UserError("{}: is a directory, not an image.", path);
     if (!std::filesystem::is_regular_file(status))
-        throw UserError(fmt::format("{}: is a pipe or a device, not an image file.", path));
+        throw UserError("{}: is a pipe or a device, not an image file.", path);
     const std::string extension = LowerExtension(path);
     return NamingFile(path, "for", [&] {
         if (extension == ".exr") return formats::ReadExr(path);
         if (extension == ".pfm") return formats::ReadPfm(path);
-        if (extension == ".qoi")
-            throw UserError(fmt::format("{}: QOI images cannot be read; convert the image to PNG.", path));
+        if (extension == ".qoi") throw UserError("{}: QOI images cannot be read; convert the image to PNG.", path);
         return formats::ReadOther(path, encoding);
     });
 }
@@ -104,7 +99,7 @@ ImageFile ReadImage(const std::string &path, std::optional<ColorEncoding> encodi
 void CheckPictureName(const std::string &path, const FileLoc &loc) {
     const std::string extension = LowerExtension(path);
     if (extension != ".exr" && extension != ".png" && extension != ".pfm")
-        throw UserError(fmt::format("\"{}\": pictures are written as .exr, .png or .pfm.", path), loc);
+        throw UserError(loc, "\"{}\": pictures are written as .exr, .png or .pfm.", path);
 }
 
 std::string WithSuffix(const std::string &path, const std::string &suffix) {
@@ -117,7 +112,7 @@ void WriteImage(const std::string &path, const Image &image, const ImageMetadata
     const std::string extension = LowerExtension(path);
     const bool jpeg = extension == ".jpg" || extension == ".jpeg";
     if (!jpeg && extension != ".exr" && extension != ".png" && extension != ".pfm")
-        throw UserError(fmt::format("{}: images can be written as .exr, .png, .pfm or .jpg only.", path));
+        throw UserError("{}: images can be written as .exr, .png, .pfm or .jpg only.", path);
     WriteFile(path, NamingFile(path, "to write", [&] {
                   if (extension == ".exr") return formats::EncodeExr(path, image, metadata);
                   if (extension == ".pfm") return formats::EncodePfm(ForPlainFormat(path, image, metadata, false));

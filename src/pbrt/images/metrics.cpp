@@ -10,7 +10,6 @@
 #include "pbrt/images/flip.h"
 
 namespace pbrt {
-
 namespace {
 
 constexpr double kAbsoluteEpsilon = 0.01;
@@ -20,7 +19,7 @@ double EpsilonOf(Metric metric, const Image &reference) {
 }
 
 double Term(Metric metric, const Image &image, const Image &reference, Point2i p, int c, double epsilon) {
-    const double x = static_cast<double>(image.Get(p, c)), r = static_cast<double>(reference.Get(p, c)), d = x - r;
+    const double x = double(image.Get(p, c)), r = double(reference.Get(p, c)), d = x - r;
     switch (metric) {
         case Metric::MAE: return std::abs(d);
         case Metric::MSE: return d * d;
@@ -36,12 +35,11 @@ double Term(Metric metric, const Image &image, const Image &reference, Point2i p
 
 void RequireSameShape(const Image &image, const Image &reference) {
     if (image.Resolution() != reference.Resolution())
-        throw UserError(fmt::format("Images of different resolution cannot be compared: {} x {} and {} x {}.",
-                                    image.Resolution().x, image.Resolution().y, reference.Resolution().x,
-                                    reference.Resolution().y));
+        throw UserError("Images of different resolution cannot be compared: {} x {} and {} x {}.", image.Resolution().x,
+                        image.Resolution().y, reference.Resolution().x, reference.Resolution().y);
     if (image.Channels() != reference.Channels())
-        throw UserError(fmt::format("Images of different channels cannot be compared: {} and {}.",
-                                    fmt::join(image.Channels(), ","), fmt::join(reference.Channels(), ",")));
+        throw UserError("Images of different channels cannot be compared: {} and {}.", fmt::join(image.Channels(), ","),
+                        fmt::join(reference.Channels(), ","));
 }
 
 size_t CountNotFinite(const Image &image) {
@@ -79,13 +77,13 @@ double RelL2Epsilon(const Image &reference) {
     size_t counted = 0;
     ForEachPixel(reference, [&](Point2i p) {
         for (const int c : channels) {
-            const auto v = static_cast<double>(reference.Get(p, c));
+            const auto v = double(reference.Get(p, c));
             if (!std::isfinite(v)) continue;
             sum += std::abs(v);
             ++counted;
         }
     });
-    return RelL2Epsilon(counted ? sum / static_cast<double>(counted) : 0);
+    return RelL2Epsilon(counted ? sum / double(counted) : 0);
 }
 
 double ImageError(const Image &image, const Image &reference, Metric metric, Image *errorImage, size_t *skipped) {
@@ -106,7 +104,7 @@ double ImageError(const Image &image, const Image &reference, Metric metric, Ima
         for (int x = 0; x < image.Resolution().x; ++x)
             for (int c = 0; c < image.ChannelCount(); ++c) {
                 double term = Term(metric, image, reference, {x, y}, c, epsilon);
-                if (errorImage) errorImage->Set({x, y}, c, static_cast<Float>(term));
+                if (errorImage) errorImage->Set({x, y}, c, Float(term));
                 if (std::isfinite(term)) {
                     row += term;
                     ++counted;
@@ -117,7 +115,7 @@ double ImageError(const Image &image, const Image &reference, Metric metric, Ima
         sum += row;
     }
     if (skipped) *skipped = dropped;
-    return counted ? sum / static_cast<double>(counted) : 0;
+    return counted ? sum / double(counted) : 0;
 }
 
 double TrimmedRelL2(const Image &image, const Image &reference, double fraction, size_t *skipped, Metric metric) {
@@ -140,12 +138,11 @@ double TrimmedRelL2(const Image &image, const Image &reference, double fraction,
         if (counted) terms.push_back(sum / counted);
     });
     if (skipped) *skipped = dropped;
-    const auto worst =
-        std::min(static_cast<size_t>(std::ceil(fraction * static_cast<double>(terms.size()))), terms.size());
+    const auto worst = std::min(size_t(std::ceil(fraction * double(terms.size()))), terms.size());
     const size_t kept = terms.size() - worst;
     if (kept == 0) return 0;
     std::nth_element(terms.begin(), terms.begin() + kept - 1, terms.end());
-    return std::accumulate(terms.begin(), terms.begin() + kept, 0.0) / static_cast<double>(kept);
+    return std::accumulate(terms.begin(), terms.begin() + kept, 0.0) / double(kept);
 }
 
 }  // namespace pbrt

@@ -11,7 +11,6 @@
 #include "pbrt/core/error.h"
 
 namespace pbrt {
-
 namespace {
 
 template <int N>
@@ -34,7 +33,7 @@ constexpr int GaussianEntries = 128;
 const std::array<Float, GaussianEntries> GaussianTable = [] {
     std::array<Float, GaussianEntries> table{};
     for (int i = 0; i < GaussianEntries; ++i) {
-        Float r2 = static_cast<Float>(i) / (GaussianEntries - 1);
+        Float r2 = Float(i) / (GaussianEntries - 1);
         table[i] = std::exp(-2 * r2) - std::exp(Float(-2));
     }
     return table;
@@ -47,9 +46,9 @@ Float Width(Vector2 dst0, Vector2 dst1) {
     return width > Float(1e-8) ? width : Float(1e-8);
 }
 
-int FloorLog2(Float v) { return static_cast<int>(std::bit_cast<uint32_t>(v) >> 23) - 127; }
+int FloorLog2(Float v) { return int(std::bit_cast<uint32_t>(v) >> 23) - 127; }
 
-int ToPixel(Float v) { return static_cast<int>(std::clamp(v, Float(-1e9), Float(1e9))); }
+int ToPixel(Float v) { return int(std::clamp(v, Float(-1e9), Float(1e9))); }
 
 // Lookups of N successive channels from `first` on, in one storage format.
 template <PixelFormat Format, int N, bool Tiled>
@@ -59,18 +58,18 @@ class Reader {
 
     Texel<N> Filter(Point2 st, Vector2 dst0, Vector2 dst1) const {
         if (view_.filter == TextureFilter::Ewa) return Ewa(st, dst0, dst1);
-        const int last = static_cast<int>(view_.levels.size()) - 1;
+        const int last = int(view_.levels.size()) - 1;
         const Float width = Width(dst0, dst1);
         if (width >= 1) return At(last, {0, 0});
         if (view_.filter != TextureFilter::Trilinear) {
             const int level = std::max(0, last + FloorLog2(width));
             return view_.filter == TextureFilter::Bilinear ? Bilinear(level, st) : Nearest(level, st);
         }
-        const Float level = static_cast<Float>(last) + std::log2(width);
+        const Float level = Float(last) + std::log2(width);
         // No interpolation between levels 0 and 1, as in stock pbrt-v4.
         if (level < 1) return Bilinear(0, st);
-        const int whole = std::min(static_cast<int>(level), last - 1);
-        return Mix(level - static_cast<Float>(whole), Bilinear(whole, st), Bilinear(whole + 1, st));
+        const int whole = std::min(int(level), last - 1);
+        return Mix(level - Float(whole), Bilinear(whole, st), Bilinear(whole + 1, st));
     }
 
   private:
@@ -97,7 +96,7 @@ class Reader {
                 return Decode(tile_.Texel(x, y), first_);
             }
         }
-        const size_t i = (static_cast<size_t>(y) * level.width + x) * view_.channels + first_;
+        const size_t i = (size_t(y) * level.width + x) * view_.channels + first_;
         return Decode(level.texels, i);
     }
 
@@ -110,14 +109,14 @@ class Reader {
 
     Texel<N> Nearest(int i, Point2 st) const {
         const MipMap::LevelView &level = view_.levels[i];
-        return At(level, {ToPixel(std::round(st.x * static_cast<Float>(level.width) - Float(0.5))),
-                          ToPixel(std::round(st.y * static_cast<Float>(level.height) - Float(0.5)))});
+        return At(level, {ToPixel(std::round(st.x * Float(level.width) - Float(0.5))),
+                          ToPixel(std::round(st.y * Float(level.height) - Float(0.5)))});
     }
 
     Texel<N> Bilinear(int index, Point2 st) const {
         const MipMap::LevelView &level = view_.levels[index];
-        const Float x = st.x * static_cast<Float>(level.width) - Float(0.5);
-        const Float y = st.y * static_cast<Float>(level.height) - Float(0.5);
+        const Float x = st.x * Float(level.width) - Float(0.5);
+        const Float y = st.y * Float(level.height) - Float(0.5);
         const Float fx = std::floor(x), fy = std::floor(y);
         const Float dx = x - fx, dy = y - fy;
         const Point2i p(ToPixel(fx), ToPixel(fy));
@@ -149,7 +148,7 @@ class Reader {
             std::swap(longer, shorter);
         }
         if (!(shorter > 0)) return Bilinear(0, st);
-        const int last = static_cast<int>(view_.levels.size()) - 1;
+        const int last = int(view_.levels.size()) - 1;
         if (!std::isfinite(longer)) return At(last, {0, 0});
         // Widens thin ellipses, which blurs but bounds the cost.
         if (shorter * view_.maxAnisotropy < longer) {
@@ -157,17 +156,16 @@ class Reader {
             minor *= scale;
             shorter *= scale;
         }
-        const Float level = std::max(Float(0), static_cast<Float>(last) + std::log2(shorter));
-        if (level >= static_cast<Float>(last) + 1) return At(last, {0, 0});
-        const int whole = static_cast<int>(level);
-        return Mix(level - static_cast<Float>(whole), EwaLevel(whole, st, major, minor),
-                   EwaLevel(whole + 1, st, major, minor));
+        const Float level = std::max(Float(0), Float(last) + std::log2(shorter));
+        if (level >= Float(last) + 1) return At(last, {0, 0});
+        const int whole = int(level);
+        return Mix(level - Float(whole), EwaLevel(whole, st, major, minor), EwaLevel(whole + 1, st, major, minor));
     }
 
     Texel<N> EwaLevel(int i, Point2 st, Vector2 major, Vector2 minor) const {
-        if (i >= static_cast<int>(view_.levels.size())) return At(i - 1, {0, 0});
+        if (i >= int(view_.levels.size())) return At(i - 1, {0, 0});
         const MipMap::LevelView &level = view_.levels[i];
-        const Vector2 size(static_cast<Float>(level.width), static_cast<Float>(level.height));
+        const Vector2 size(Float(level.width), Float(level.height));
         const Point2 center = st * size - Float(0.5);
         major *= size;
         minor *= size;
@@ -189,12 +187,12 @@ class Reader {
         Texel<N> sum;
         Float weights = 0;
         for (int y = low.y; y <= high.y; ++y) {
-            const Float dy = static_cast<Float>(y) - center.y;
+            const Float dy = Float(y) - center.y;
             for (int x = low.x; x <= high.x; ++x) {
-                const Float dx = static_cast<Float>(x) - center.x;
+                const Float dx = Float(x) - center.x;
                 const Float r2 = (a * dx + b * dy) * dx + c * dy * dy;
                 if (!(r2 < 1)) continue;
-                const int index = std::clamp(static_cast<int>(r2 * GaussianEntries), 0, GaussianEntries - 1);
+                const int index = std::clamp(int(r2 * GaussianEntries), 0, GaussianEntries - 1);
                 const Float weight = GaussianTable[index];
                 sum.AddScaled(weight, repeats ? Load(level, x & mask.x, y & mask.y) : At(level, {x, y}));
                 weights += weight;

@@ -30,7 +30,7 @@ class MipMap {
     Float LookupFloat(Point2 st, Vector2 dst0, Vector2 dst1) const;
     Rgb LookupRgb(Point2 st, Vector2 dst0, Vector2 dst1) const;
 
-    int Levels() const { return static_cast<int>(view_.levels.size()); }
+    int Levels() const { return int(view_.levels.size()); }
     /// Only for maps without a tile cache.
     const Image &Level(int i) const { return pixels_->levels[i]; }
     /// Colour space from EXR chromaticities, sRGB if unspecified.

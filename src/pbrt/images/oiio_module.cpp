@@ -14,19 +14,17 @@
 #include "pbrt/images/image_library.h"
 
 namespace pbrt::oiio {
-
 namespace {
 
 OIIO::TypeDesc TypeOf(ValueType type) {
     using OIIO::TypeDesc;
     constexpr TypeDesc::BASETYPE kTypes[] = {TypeDesc::UINT8, TypeDesc::UINT16, TypeDesc::HALF, TypeDesc::FLOAT};
-    return kTypes[static_cast<size_t>(type)];
+    return kTypes[size_t(type)];
 }
 
 OIIO::ImageSpec SpecOf(const Pixels &p) { return {p.width, p.height, p.channels, TypeOf(p.type)}; }
 
-template <class Source>
-void Check(bool done, const Source *source) {
+void Check(bool done, const auto *source) {
     if (!done) throw std::runtime_error(source ? source->geterror() : OIIO::geterror());
 }
 
@@ -77,7 +75,7 @@ class CachedTiles final : public TileStore {
   public:
     CachedTiles(int megabytes, int tileSize) : cache_(IdleCaches::Take()), tileSize_(tileSize) {
         OIIO::attribute("tiff:half", 1);
-        cache_->attribute("max_memory_MB", static_cast<float>(megabytes));
+        cache_->attribute("max_memory_MB", float(megabytes));
         cache_->attribute("max_open_files", 100);
         cache_->attribute("unassociatedalpha", 1);
     }
@@ -93,7 +91,7 @@ class CachedTiles final : public TileStore {
         }
         std::unique_ptr<OIIO::ImageOutput> out = OIIO::ImageOutput::create(path);
         Check(out != nullptr, out.get());
-        Check(out->open(path, static_cast<int>(specs.size()), specs.data()), out.get());
+        Check(out->open(path, int(specs.size()), specs.data()), out.get());
         for (size_t i = 0; i < images.size(); ++i) {
             if (i > 0) Check(out->open(path, specs[i], OIIO::ImageOutput::AppendSubimage), out.get());
             Check(out->write_image(specs[i].format, images[i].data), out.get());
@@ -107,8 +105,7 @@ class CachedTiles final : public TileStore {
         OIIO::ImageSpec last;
         std::error_code unknown;
         const uintmax_t written = std::filesystem::file_size(path, unknown);
-        if (unknown || written < expected ||
-            !cache_->get_imagespec(OIIO::ustring(path), last, static_cast<int>(specs.size()) - 1))
+        if (unknown || written < expected || !cache_->get_imagespec(OIIO::ustring(path), last, int(specs.size()) - 1))
             throw std::runtime_error("the tiles of a texture could not be written; is the disk full?");
         void *file = cache_->get_image_handle(OIIO::ustring(path));
         Check(file != nullptr, cache_);
@@ -127,7 +124,7 @@ class CachedTiles final : public TileStore {
     size_t Bytes() override {
         long long bytes = 0;
         cache_->getattribute("stat:cache_memory_used", OIIO::TypeDesc::INT64, &bytes);
-        return static_cast<size_t>(bytes);
+        return size_t(bytes);
     }
 
   private:
@@ -143,8 +140,7 @@ uintmax_t StoredBytes(const OIIO::ImageSpec &spec) {
     if (kind == kYCbCr) return 0;  // colours may be stored at a lower resolution
     // For a palette, the first attribute is the bits in the file, the second those of the colours.
     const int bits = spec.get_int_attribute(
-        "tiff:BitsPerSample",
-        spec.get_int_attribute("oiio:BitsPerSample", static_cast<int>(spec.format.basesize()) * 8));
+        "tiff:BitsPerSample", spec.get_int_attribute("oiio:BitsPerSample", int(spec.format.basesize()) * 8));
     const auto rowBits = uintmax_t(spec.width) * uintmax_t(kind == kPalette ? 1 : spec.nchannels) * uintmax_t(bits);
     return rowBits / 8 * uintmax_t(spec.height);
 }

@@ -7,7 +7,6 @@
 #include "pbrt/images/image_library.h"
 
 namespace pbrt::formats {
-
 namespace {
 
 std::vector<std::string> NamesFor(int channels) {
@@ -42,7 +41,7 @@ void CheckJpegEnd(const std::string &path) {
     const std::string content = ReadFileContents(path);
     const size_t pixels = content.rfind("\xff\xda"), end = content.rfind("\xff\xd9");
     if (end == std::string::npos || (pixels != std::string::npos && end < pixels))
-        throw UserError(fmt::format("{}: the pixels end too early.", path));
+        throw UserError("{}: the pixels end too early.", path);
 }
 
 }  // namespace
@@ -58,11 +57,11 @@ ImageFile ReadOther(const std::string &path, std::optional<ColorEncoding> encodi
     std::error_code failed;
     if (file->format == "hdr" && file->orientation > 4)
         throw UserError(
-            fmt::format("{}: the pixels are stored column by column; only row by row is supported (a resolution line "
-                        "such as \"-Y {} +X {}\").",
-                        path, file->height, file->width));
+            "{}: the pixels are stored column by column; only row by row is supported (a resolution line "
+            "such as \"-Y {} +X {}\").",
+            path, file->height, file->width);
     if (std::filesystem::file_size(path, failed) < file->minFileBytes)
-        throw UserError(fmt::format("{}: the pixels end too early.", path));
+        throw UserError("{}: the pixels end too early.", path);
     ImageFile result;
     Image &image = result.image;
     if (isDeep) {
@@ -71,7 +70,7 @@ ImageFile ReadOther(const std::string &path, std::optional<ColorEncoding> encodi
         auto *values = static_cast<uint16_t *>(image.Data());
         file->Read(values);
         for (size_t i = 0; i < image.ValueCount(); ++i)
-            values[i] = imath_float_to_half(bytes.ToLinear(static_cast<Float>(values[i]) / 65535));
+            values[i] = imath_float_to_half(bytes.ToLinear(Float(values[i]) / 65535));
     } else {
         image = Image(isFloat ? PixelFormat::Float : PixelFormat::U8, resolution, names, bytes);
         file->Read(image.Data());
@@ -99,8 +98,7 @@ std::string EncodeBytes(const std::string &format, const std::string &path, cons
             bytes[i++] = code.Encode(v);
         });
     }
-    if (clamped)
-        LogWarning(fmt::format("{}: {} of {} channel values were outside [0, 1] and clamped.", path, clamped, values));
+    if (clamped) LogWarning("{}: {} of {} channel values were outside [0, 1] and clamped.", path, clamped, values);
     const std::vector<unsigned char> file = oiio::Library().Encode(
         format, {image.Resolution().x, image.Resolution().y, image.ChannelCount(), oiio::ValueType::U8, bytes.data()});
     return {file.begin(), file.end()};

@@ -9,7 +9,6 @@
 #include "pbrt/images/image_formats.h"
 
 namespace pbrt::formats {
-
 namespace {
 
 static_assert(std::endian::native == std::endian::little);
@@ -46,7 +45,7 @@ ImageFile ReadPfm(const std::string &path) {
     size_t at = 0;
     std::string magic = NextWord(content, at);
     if (magic != "PF" && magic != "Pf")
-        throw UserError(fmt::format("{}: not a PFM file: it does not start with \"PF\" or \"Pf\".", path));
+        throw UserError("{}: not a PFM file: it does not start with \"PF\" or \"Pf\".", path);
     const bool color = magic == "PF";
     double width = 0, height = 0, scale = 0;
     try {
@@ -54,18 +53,17 @@ ImageFile ReadPfm(const std::string &path) {
         height = ToNumber(NextWord(content, at));
         scale = ToNumber(NextWord(content, at));
     } catch (const std::exception &) {
-        throw UserError(fmt::format("{}: the PFM header is malformed.", path));
+        throw UserError("{}: the PFM header is malformed.", path);
     }
     auto isSize = [](double v) { return v >= 1 && v <= 1e9 && v == std::floor(v); };
     if (!isSize(width) || !isSize(height) || scale == 0 || !std::isfinite(scale))
-        throw UserError(fmt::format("{}: impossible PFM header: {} x {}, scale {}.", path, width, height, scale));
-    CheckSize(path, static_cast<int64_t>(width), static_cast<int64_t>(height), color ? 3 : 1, sizeof(float), Infinity);
+        throw UserError("{}: impossible PFM header: {} x {}, scale {}.", path, width, height, scale);
+    CheckSize(path, int64_t(width), int64_t(height), color ? 3 : 1, sizeof(float), Infinity);
     Point2i resolution(static_cast<int>(width), static_cast<int>(height));
-    size_t rowValues = static_cast<size_t>(resolution.x) * (color ? 3 : 1);
+    size_t rowValues = size_t(resolution.x) * (color ? 3 : 1);
     size_t expected = rowValues * resolution.y * sizeof(float);
     if (content.size() - std::min(at, content.size()) < expected)
-        throw UserError(
-            fmt::format("{}: the pixels end too early ({} of {} bytes).", path, content.size() - at, expected));
+        throw UserError("{}: the pixels end too early ({} of {} bytes).", path, content.size() - at, expected);
 
     ImageFile result;
     result.image = Image(PixelFormat::Float, resolution,
@@ -73,7 +71,7 @@ ImageFile ReadPfm(const std::string &path) {
     float *pixels = static_cast<float *>(result.image.Data());
     // Positive scale: big endian. Its magnitude scales all pixels, as in stock pbrt-v4.
     const bool swap = scale > 0;
-    const float factor = static_cast<float>(std::abs(scale));
+    const float factor = float(std::abs(scale));
     for (int y = resolution.y - 1; y >= 0; --y)
         for (size_t i = 0; i < rowValues; ++i, at += sizeof(float))
             pixels[y * rowValues + i] = ReadFloat(content.data() + at, swap) * factor;

@@ -7,10 +7,9 @@
 #include "pbrt/images/mipmap.h"
 
 namespace pbrt {
-
 namespace {
 
-int NextPowerOfTwo(int n) { return static_cast<int>(std::bit_ceil(static_cast<unsigned>(n))); }
+int NextPowerOfTwo(int n) { return int(std::bit_ceil(unsigned(n))); }
 
 /// Source pixels per target pixel and axis; the loops below are unrolled for four.
 constexpr int Taps = 4;
@@ -28,11 +27,11 @@ std::vector<PixelTaps> ResamplingTaps(int from, int to) {
     std::vector<PixelTaps> taps(to);
     for (int i = 0; i < to; ++i) {
         PixelTaps &tap = taps[i];
-        Float center = (static_cast<Float>(i) + Float(0.5)) * static_cast<Float>(from) / static_cast<Float>(to);
-        tap.first = static_cast<int>(std::floor(center - radius + Float(0.5)));
+        Float center = (Float(i) + Float(0.5)) * Float(from) / Float(to);
+        tap.first = int(std::floor(center - radius + Float(0.5)));
         Float sum = 0;
         for (int j = 0; j < Taps; ++j) {
-            Float x = static_cast<Float>(tap.first + j) + Float(0.5) - center;
+            Float x = Float(tap.first + j) + Float(0.5) - center;
             Float w = std::abs(x) > radius ? 0 : Sinc(x) * Sinc(x / radius);
             tap.weight[j] = w;
             sum += w;
@@ -49,17 +48,17 @@ Image Enlarge(const Image &image, Point2i target, WrapMode wrap) {
     const Point2i size = image.Resolution();
     const int channels = image.ChannelCount();
     const auto stretchX = ResamplingTaps(size.x, target.x), stretchY = ResamplingTaps(size.y, target.y);
-    const size_t width = static_cast<size_t>(target.x) * channels;
+    const size_t width = size_t(target.x) * channels;
 
     // Rows -border ... size.y + border - 1, resampled in x only.
     const int rows = size.y + 2 * border;
     std::vector<float> wide(width * rows);
     ParallelFor(rows, 16, [&](int64_t begin, int64_t end) {
-        std::vector<float> source(static_cast<size_t>(size.x + 2 * border) * channels);
+        std::vector<float> source(size_t(size.x + 2 * border) * channels);
         for (int64_t row = begin; row < end; ++row) {
             float *fill = source.data();
             for (int x = -border; x < size.x + border; ++x)
-                for (int c = 0; c < channels; ++c) *fill++ = image.Get({x, static_cast<int>(row) - border}, c, wrap);
+                for (int c = 0; c < channels; ++c) *fill++ = image.Get({x, int(row) - border}, c, wrap);
             float *out = wide.data() + row * width;
             for (const PixelTaps &taps : stretchX) {
                 const float *in = source.data() + (taps.first + border) * channels;
@@ -107,7 +106,7 @@ Image Store(const Image &level, const Image &like) {
     if (like.Format() == PixelFormat::Float) return level;
     Image result(like.Format(), level.Resolution(), like.Channels(), like.Encoding());
     ParallelFor(level.Resolution().y, 16, [&](int64_t begin, int64_t end) {
-        for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y)
+        for (int y = int(begin); y < int(end); ++y)
             for (int x = 0; x < level.Resolution().x; ++x)
                 for (int c = 0; c < level.ChannelCount(); ++c) result.Set({x, y}, c, level.Get({x, y}, c));
     });

@@ -2,8 +2,6 @@
 
 #include <unistd.h>
 
-#include <atomic>
-
 #include "pbrt/images/image_library.h"
 
 namespace pbrt {
@@ -14,7 +12,7 @@ TileCache::TileCache(int megabytes) : tiles_(oiio::Library().MakeTileStore(megab
     registered_.emplace(folder_.string());
     std::error_code failed;
     std::filesystem::create_directories(folder_, failed);
-    if (failed) throw UserError(fmt::format("{}: {}.", folder_.string(), failed.message()));
+    if (failed) throw UserError("{}: {}.", folder_.string(), failed.message());
 }
 
 TileCache::~TileCache() {
@@ -29,13 +27,13 @@ std::unique_ptr<const TileCache::Stored> TileCache::Store(const std::vector<Imag
     std::vector<oiio::Pixels> pixels;
     for (const Image &image : images)
         pixels.push_back({image.Resolution().x, image.Resolution().y, image.ChannelCount(),
-                          kTypes[static_cast<size_t>(image.Format())], image.Data()});
+                          kTypes[size_t(image.Format())], image.Data()});
     const size_t texelBytes = images[0].Bytes() / (images[0].ValueCount() / images[0].ChannelCount());
     void *file = nullptr;
     try {
         file = tiles_->Add(path, pixels);
     } catch (const std::runtime_error &e) {
-        throw UserError(fmt::format("{}: {}.", path, e.what()));
+        throw UserError("{}: {}.", path, e.what());
     }
     return std::unique_ptr<const Stored>(new Stored(tiles_.get(), file, texelBytes));
 }
@@ -44,7 +42,7 @@ size_t TileCache::Bytes() const { return tiles_->Bytes(); }
 
 void TileCache::Stored::Get(size_t image, int x, int y, Tile &tile) const {
     tile.Release();
-    void *found = tiles_->GetTile(file_, static_cast<int>(image), x, y);
+    void *found = tiles_->GetTile(file_, int(image), x, y);
     PBRT_CHECK_MSG(found != nullptr, "a texture tile cannot be read: {}", tiles_->Error());
     tile.tiles_ = tiles_;
     tile.tile_ = found;

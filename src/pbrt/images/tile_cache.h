@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "pbrt/core/temporaries.h"
+#include "pbrt/core/files.h"
 #include "pbrt/images/image.h"
 
 namespace pbrt {

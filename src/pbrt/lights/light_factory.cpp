@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "pbrt/core/limits.h"
+#include "pbrt/core/params.h"
 #include "pbrt/lights/diffuse_area_light.h"
 #include "pbrt/lights/distant_light.h"
 #include "pbrt/lights/goniometric_light.h"

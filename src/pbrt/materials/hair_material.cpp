@@ -1,7 +1,6 @@
 #include "pbrt/materials/material_params.h"
 
 namespace pbrt {
-
 namespace {
 
 struct HairParams {
@@ -56,9 +55,9 @@ std::shared_ptr<SurfaceMaterial> MakeHair(const HairParams &p, const ParamSet &s
     auto ignore = [&](bool given, const char *name) {
         if (used && given) set.Warn(context.sink, name, fmt::format("\"{}\" has no effect beside \"{}\".", name, used));
     };
-    if (p.sigmaA) ignore(static_cast<bool>(reflectance), reflectanceName);
-    ignore(static_cast<bool>(p.eumelanin), "eumelanin");
-    ignore(static_cast<bool>(p.pheomelanin), "pheomelanin");
+    if (p.sigmaA) ignore(bool(reflectance), reflectanceName);
+    ignore(bool(p.eumelanin), "eumelanin");
+    ignore(bool(p.pheomelanin), "pheomelanin");
 
     const auto byAbsorption = [&](const SpectrumInput &sigmaA) {
         return MakeFibre(shape, [sigmaA](const SurfacePoint &point, Float, const SampledWavelengths &lambda) {

@@ -1,9 +1,30 @@
 #include <algorithm>
 
 #include "pbrt/materials/material_params.h"
-#include "pbrt/textures/basic_textures.h"
+#include "pbrt/textures/texture.h"
 
 namespace pbrt {
+namespace {
+
+class ForcedDiffuseMaterial final : public Material {
+  public:
+    explicit ForcedDiffuseMaterial(MaterialPtr original) : original_(std::move(original)) {
+        SetNeedsFootprint(original_->NeedsFootprint());
+    }
+
+    Bsdf GetBsdf(const SurfacePoint &point, SampledWavelengths &lambda) const override {
+        const Bsdf bsdf = original_->GetBsdf(point, lambda);
+        if (!bsdf) return bsdf;
+        const SampledSpectrum albedo = Clamp(EstimateAlbedo(bsdf, point.wo), 0, 1);
+        return Bsdf(point.shading.n, point.shading.dpdu, DiffuseBxdf(albedo));
+    }
+    void PerturbShading(SurfacePoint &point) const override { original_->PerturbShading(point); }
+
+  private:
+    MaterialPtr original_;
+};
+
+}  // namespace
 
 void CheckIndex(const ParamSet &set, const std::string &name, const Spectrum &eta, bool isMetal) {
     Float low = Infinity, high = -Infinity;
@@ -13,11 +34,10 @@ void CheckIndex(const ParamSet &set, const std::string &name, const Spectrum &et
     }
     const bool isTable = !dynamic_cast<const ConstantSpectrum *>(&eta);
     constexpr Float kMaxIndex = 1e6f;
-    if (high > kMaxIndex)
-        throw set.Error(name, fmt::format("\"{}\" is {}; it must be at most {}.", name, high, kMaxIndex));
+    if (high > kMaxIndex) throw set.Error(name, "\"{}\" is {}; it must be at most {}.", name, high, kMaxIndex);
     if (low >= 0 && (isMetal || isTable || high > 0)) return;
-    throw set.Error(name, fmt::format("\"{}\" {} {}; it must {}.", name, low == high ? "is" : "goes down to", low,
-                                      isMetal ? "not be negative" : "be positive"));
+    throw set.Error(name, "\"{}\" {} {}; it must {}.", name, low == high ? "is" : "goes down to", low,
+                    isMetal ? "not be negative" : "be positive");
 }
 
 SpectrumInput ConstantSrgb(const Rgb &rgb) {
@@ -49,8 +69,8 @@ struct MetalParams {
     MetalInput Make(const ParamSet &set, MaterialContext &context) const {
         Inputs in(context);
         if (reflectance && (eta || k))
-            throw set.Error("reflectance", fmt::format("\"reflectance\" and \"{}{}\" cannot both be given.", prefix,
-                                                       eta ? "eta" : "k"));
+            throw set.Error("reflectance", "\"reflectance\" and \"{}{}\" cannot both be given.", prefix,
+                            eta ? "eta" : "k");
         if (reflectance) return MetalInput(in(reflectance));
         auto checked = [&](const SpectrumTextureParam &p, const char *name) {
             SpectrumTexturePtr texture = in.Note(context.textures.Get(p));
@@ -207,10 +227,8 @@ class InterfaceMaterial final : public Material {
 }  // namespace
 
 const MaterialTable &Materials() {
-    static const MaterialTable table = [] {
-        using Context = MaterialContext;
-        MaterialTable t("Material");
-        AddSurface<DiffuseParams>(t, "diffuse", "", [](const auto &p, const ParamSet &, Context &c) {
+    static const MaterialTable table("Material", [](MaterialTable &t) {
+        AddSurface<DiffuseParams>(t, "diffuse", "", [](const auto &p, const ParamSet &, auto &c) {
             return MakeLobeMaterial([reflectance = Inputs(c)(p.reflectance)](const SurfacePoint &point, auto &lambda) {
                 return DiffuseBxdf(Clamp(reflectance(point, lambda), 0, 1));
             });
@@ -220,7 +238,7 @@ const MaterialTable &Materials() {
         AddSurface<ConductorParams>(t, "conductor", "", MakeConductor);
         AddSurface<DielectricParams>(
             t, "dielectric", "**differs**: an index that is not above 0 is an error, in all materials", MakeDielectric);
-        AddSurface<ThinDielectricParams>(t, "thindielectric", "", [](const auto &p, const ParamSet &set, Context &c) {
+        AddSurface<ThinDielectricParams>(t, "thindielectric", "", [](const auto &p, const ParamSet &set, auto &c) {
             return MakeLobeMaterial([eta = p.IndexParams::Make(set, c)](const SurfacePoint &, auto &lambda) {
                 return ThinDielectricBxdf(eta(lambda));
             });
@@ -229,19 +247,22 @@ const MaterialTable &Materials() {
         AddHair(t);
         AddMeasured(t);
         AddSubsurface(t);
-        t.Add<NoParams>(
-            "interface", "also \"\" and \"none\", with a warning",
-            [](const auto &, const ParamSet &, Context &) { return std::make_shared<InterfaceMaterial>(); });
+        t.Add<NoParams>("interface", "also \"\" and \"none\", with a warning",
+                        [](const auto &, const ParamSet &, auto &) { return std::make_shared<InterfaceMaterial>(); });
         AddMix(t);
-        return t;
-    }();
+    });
     return table;
 }
 
 MaterialPtr MakeMaterial(const std::string &type, const ParamSet &params, MaterialContext &context) {
     if (!type.empty() && type != "none") return Materials().Make(type, params, context);
-    context.sink.Warning(params.Loc(), fmt::format("material \"{}\" is deprecated; write \"interface\".", type));
+    context.sink.Warning(params.Loc(), "material \"{}\" is deprecated; write \"interface\".", type);
     return Materials().Make("interface", params, context);
+}
+
+MaterialPtr ForceDiffuse(MaterialPtr material) {
+    if (material->IsInterface() || material->IsMix()) return material;
+    return std::make_shared<ForcedDiffuseMaterial>(std::move(material));
 }
 
 }  // namespace pbrt

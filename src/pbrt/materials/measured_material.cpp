@@ -5,7 +5,6 @@
 #include "pbrt/materials/material_params.h"
 
 namespace pbrt {
-
 namespace {
 
 static_assert(std::endian::native == std::endian::little);
@@ -29,7 +28,7 @@ class Bytes {
         if (count) std::memcpy(values.data(), data_.data() + offset, count * sizeof(float));
         return values;
     }
-    [[noreturn]] void Fail(const char *why) const { throw UserError(fmt::format("{}: tensor file {}.", path_, why)); }
+    [[noreturn]] void Fail(const char *why) const { throw UserError("{}: tensor file {}.", path_, why); }
 
   private:
     const char *Take(size_t n) {
@@ -100,7 +99,7 @@ class Reader {
             Fail(name, "does not fit the numbers of directions and wavelengths");
         const size_t rows = field.shape[slices.size()], columns = field.shape[slices.size() + 1];
         if (rows < 2 || columns < 2) Fail(name, "needs two rows and columns at least");
-        return {field.values, static_cast<int>(columns), static_cast<int>(rows)};
+        return {field.values, int(columns), int(rows)};
     }
     GridSlices Density(const std::string &name, const Shape &slices) const {
         GridSlices grid = Grid(name, slices);
@@ -114,7 +113,7 @@ class Reader {
         return grid;
     }
     [[noreturn]] void Fail(const std::string &name, const char *why) const {
-        throw UserError(fmt::format("{}: field \"{}\" {}.", path_, name, why));
+        throw UserError("{}: field \"{}\" {}.", path_, name, why);
     }
 
   private:
@@ -126,8 +125,8 @@ class Reader {
             Fail(name, fmt::format("must be 32 bit floats in {} dimensions", dimensions).c_str());
         for (size_t i = 0; i < field->values.size(); ++i)
             if (!std::isfinite(field->values[i]))
-                throw UserError(fmt::format("{}: field \"{}\": value {} is {}; all must be finite.", path_, name, i,
-                                            field->values[i]));
+                throw UserError("{}: field \"{}\": value {} is {}; all must be finite.", path_, name, i,
+                                field->values[i]);
         return *field;
     }
 

@@ -1,9 +1,8 @@
-#include "pbrt/core/limits.h"
+#include "pbrt/core/params.h"
 #include "pbrt/materials/material_params.h"
 #include "pbrt/math/rng.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Chooses one of two materials per point, the second with probability `amount`. A hash of point, direction and
@@ -67,15 +66,13 @@ uint64_t HashText(const std::string &text) {
 MaterialPtr MakeMix(const MixParams &p, const ParamSet &set, MaterialContext &context) {
     const std::span<const std::string> names = p.materials;
     if (names.size() != 2)
-        throw set.Error("materials",
-                        fmt::format("\"string materials\" takes two names of materials, found {}.", names.size()));
+        throw set.Error("materials", "\"string materials\" takes two names of materials, found {}.", names.size());
     std::array<MaterialPtr, 2> materials;
     for (size_t i = 0; i < 2; ++i) {
         materials[i] = set.At("materials", [&] { return context.named(names[i]); });
-        if (!materials[i])
-            throw set.Error("materials", fmt::format("there is no material \"{}\" here.", Abbreviate(names[i])));
+        if (!materials[i]) throw set.Error("materials", "there is no material \"{}\" here.", Abbreviate(names[i]));
         if (materials[i]->IsInterface())
-            throw set.Error("materials", fmt::format("\"{}\" is an interface, which cannot be mixed.", names[i]));
+            throw set.Error("materials", "\"{}\" is an interface, which cannot be mixed.", names[i]);
     }
     const FloatInput amount = Inputs(context)(p.amount);
     const bool needsFootprint =
@@ -84,7 +81,7 @@ MaterialPtr MakeMix(const MixParams &p, const ParamSet &set, MaterialContext &co
         std::make_shared<MixMaterial>(std::move(materials), amount, Hash(HashText(names[0]), HashText(names[1])));
     mix->SetNeedsFootprint(needsFootprint);
     if (mix->Depth() > kMaxNesting)
-        throw set.Error("materials", fmt::format("mixes are nested more than {} deep here.", kMaxNesting));
+        throw set.Error("materials", "mixes are nested more than {} deep here.", kMaxNesting);
     return mix;
 }
 

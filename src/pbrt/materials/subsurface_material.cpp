@@ -2,7 +2,6 @@
 #include "pbrt/spectra/spectral_data.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Medium below a surface: absorption and reduced scattering or, if `isReflectance`, the reflectance of a uniformly lit
@@ -61,7 +60,7 @@ struct SubsurfaceParams : RemapParams, ReliefParams {
             v("sigma_s", sigmaS, "reduced scattering, with sigma_a");
             if (v.When(!sigmaA && !sigmaS))
                 v("reflectance", reflectance, "reflectance of the medium, without sigma_a, sigma_s");
-            if (v.When(static_cast<bool>(reflectance))) v("mfp", mfp, "mean free path, with reflectance");
+            if (v.When(bool(reflectance))) v("mfp", mfp, "mean free path, with reflectance");
         }
         v("scale", scale, "factor of coefficients or mean free path");
         v("g", g, Range<Float>{-1, 1, true, true}, "scattering asymmetry");
@@ -78,7 +77,7 @@ const ScatteringPreset &FindPreset(const ParamSet &set, const std::string &name)
         if (preset.name == name) return preset;
         names.push_back(preset.name);
     }
-    throw set.Error("name", fmt::format("there is no medium \"{}\"; {}.", Abbreviate(name), ListChoices(name, names)));
+    throw set.Error("name", "there is no medium \"{}\"; {}.", Abbreviate(name), ListChoices(name, names));
 }
 
 /// Medium by name, coefficients or reflectance; else stock's default.

@@ -3,7 +3,6 @@
 #include "pbrt/math/frame.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Finite difference step in u or v where the footprint is unknown.

@@ -3,7 +3,6 @@
 #include "pbrt/core/error.h"
 
 namespace pbrt {
-
 namespace {
 
 double LargestElement(const glm::dmat3 &m) {

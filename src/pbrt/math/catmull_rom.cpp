@@ -4,7 +4,7 @@ namespace pbrt {
 
 std::optional<SplineWeights> CatmullRomWeights(std::span<const Float> nodes, Float x) {
     if (!(x >= nodes.front() && x <= nodes.back())) return {};
-    const int n = static_cast<int>(nodes.size());
+    const int n = int(nodes.size());
     auto node = [&](int k) { return nodes[k]; };
     const int i = FindPiece(n, node, x);
     const Float width = nodes[i + 1] - nodes[i], t = (x - nodes[i]) / width;
@@ -27,7 +27,7 @@ std::optional<SplineWeights> CatmullRomWeights(std::span<const Float> nodes, Flo
 Float IntegrateCatmullRom(std::span<const Float> nodes, std::span<const Float> values, std::span<Float> cdf) {
     Float sum = 0;
     cdf[0] = 0;
-    for (int i = 0; i + 1 < static_cast<int>(nodes.size()); ++i)
+    for (int i = 0; i + 1 < int(nodes.size()); ++i)
         cdf[i + 1] = sum += CatmullRomPiece(nodes, i, [&](int k) { return values[k]; }).Integral(1);
     return sum;
 }
@@ -36,7 +36,7 @@ Float InvertCatmullRom(std::span<const Float> nodes, std::span<const Float> valu
     if (!(y > values.front())) return nodes.front();
     if (!(y < values.back())) return nodes.back();
     auto value = [&](int k) { return values[k]; };
-    const SplinePiece piece = CatmullRomPiece(nodes, FindPiece(static_cast<int>(nodes.size()), value, y), value);
+    const SplinePiece piece = CatmullRomPiece(nodes, FindPiece(int(nodes.size()), value, y), value);
     const Float t = SolveIncreasing([&](Float s) { return piece.Value(s); }, [&](Float s) { return piece.Slope(s); }, y,
                                     Float(1e-6) * values.back());
     return piece.x + piece.width * t;

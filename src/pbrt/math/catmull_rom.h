@@ -34,9 +34,8 @@ struct SplinePiece {
 };
 
 /// Segment between nodes i and i + 1 of the spline through value(k).
-template <class Value>
-SplinePiece CatmullRomPiece(std::span<const Float> nodes, int i, Value value) {
-    const int last = static_cast<int>(nodes.size()) - 1;
+SplinePiece CatmullRomPiece(std::span<const Float> nodes, int i, auto value) {
+    const int last = int(nodes.size()) - 1;
     const Float width = nodes[i + 1] - nodes[i], f0 = value(i), f1 = value(i + 1);
     const Float slope0 = i > 0 ? width * (f1 - value(i - 1)) / (nodes[i + 1] - nodes[i - 1]) : f1 - f0;
     const Float slope1 = i + 2 <= last ? width * (value(i + 2) - f0) / (nodes[i + 2] - nodes[i]) : f1 - f0;
@@ -45,8 +44,7 @@ SplinePiece CatmullRomPiece(std::span<const Float> nodes, int i, Value value) {
 
 /// Solves f(t) = y for t in [0, 1], f increasing from f(0) <= y to f(1) >= y: Newton steps, with bisection where they
 /// leave the bracket.
-template <class F, class Slope>
-Float SolveIncreasing(F f, Slope slope, Float y, Float tolerance) {
+Float SolveIncreasing(auto f, auto slope, Float y, Float tolerance) {
     Float low = 0, high = 1, t = Float(0.5);
     for (int i = 0; i < 64; ++i) {
         const Float difference = f(t) - y;
@@ -59,8 +57,7 @@ Float SolveIncreasing(F f, Slope slope, Float y, Float tolerance) {
 }
 
 /// Largest i in [0, count - 2] with at(i) <= y, else 0. `at` must not decrease.
-template <class At>
-int FindPiece(int count, At at, Float y) {
+int FindPiece(int count, auto at, Float y) {
     const auto inner = std::views::iota(1, count - 1);
     return *std::ranges::partition_point(inner, [&](int k) { return at(k) <= y; }) - 1;
 }
@@ -74,7 +71,7 @@ Float InvertCatmullRom(std::span<const Float> nodes, std::span<const Float> valu
 /// Samples x proportionally to the spline through value(k) >= 0 with running integral cdf(k).
 template <class Value, class Cdf>
 Float SampleCatmullRom(std::span<const Float> nodes, Value value, Cdf cdf, Float u) {
-    const int n = static_cast<int>(nodes.size());
+    const int n = int(nodes.size());
     const Float whole = cdf(n - 1);
     if (!(whole > 0)) return nodes[0];
     const Float y = u * whole;

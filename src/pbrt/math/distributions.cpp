@@ -6,13 +6,11 @@
 #include "pbrt/core/error.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Piecewise linear interpolation of a function given at 0 ... n.
-template <class F>
-double Between(double x, int n, F atWhole) {
-    int i = std::min(static_cast<int>(x), n - 1);
+double Between(double x, int n, auto atWhole) {
+    int i = std::min(int(x), n - 1);
     double low = atWhole(i);
     return low + (x - i) * (atWhole(i + 1) - low);
 }
@@ -25,14 +23,13 @@ struct Piece {
 
 /// The piece within [from, to] that contains the target; `start` and `rise`: value at `from` and increase up to `to`.
 /// Interpolation finds it in a few steps where the function is nearly linear; every second step bisects.
-template <class F>
-Piece FindPiece(double target, double from, double to, double start, double rise, int n, F atWhole) {
-    int low = std::min(static_cast<int>(from), n - 1), high = std::min(static_cast<int>(to), n - 1);
+Piece FindPiece(double target, double from, double to, double start, double rise, int n, auto atWhole) {
+    int low = std::min(int(from), n - 1), high = std::min(int(to), n - 1);
     const int last = high;
     double x0 = from, x1 = to, y0 = start, y1 = start + rise;
     for (bool bisects = false; low <= high; bisects = !bisects) {
         const double x = bisects || !(y1 > y0) ? (x0 + x1) / 2 : x0 + (target - y0) / (y1 - y0) * (x1 - x0);
-        const int i = std::clamp(static_cast<int>(x), low, high);
+        const int i = std::clamp(int(x), low, high);
         const Piece piece{i, atWhole(i), atWhole(i + 1)};
         if (!(piece.high > target)) {
             low = piece.at + 1, x0 = low, y0 = piece.high;
@@ -48,8 +45,7 @@ Piece FindPiece(double target, double from, double to, double start, double rise
 /// Inverts a non-decreasing function of that kind: x where it reaches the fraction u of its increase over [from, to].
 /// *piece is an interval that contains x and where the function increases, *risen the total increase. Returns false if
 /// that is 0.
-template <class F>
-bool Invert(double u, double from, double to, int n, F atWhole, double *x, int *piece, double *risen) {
+bool Invert(double u, double from, double to, int n, auto atWhole, double *x, int *piece, double *risen) {
     const double start = Between(from, n, atWhole), rise = Between(to, n, atWhole) - start;
     *risen = rise;
     if (!(rise > 0)) return false;
@@ -70,9 +66,9 @@ PiecewiseConstant1D::PiecewiseConstant1D(std::span<const Float> f, Float low, Fl
     double width = (double(high) - double(low)) / double(f.size()), sum = 0;
     std::vector<double> running(f.size() + 1, 0);
     for (size_t i = 0; i < f_.size(); ++i) running[i + 1] = sum += double(f_[i]) * width;
-    integral_ = static_cast<Float>(sum);
+    integral_ = Float(sum);
     for (size_t i = 1; i < cdf_.size(); ++i)
-        cdf_[i] = static_cast<Float>(sum > 0 ? running[i] / sum : double(i) / double(f_.size()));
+        cdf_[i] = Float(sum > 0 ? running[i] / sum : double(i) / double(f_.size()));
     cdf_.back() = 1;
 
     constexpr size_t kPiecesPerCut = 8;
@@ -80,9 +76,9 @@ PiecewiseConstant1D::PiecewiseConstant1D(std::span<const Float> f, Float low, Fl
     cuts_.resize(cuts + 1);
     size_t i = 0;
     for (size_t k = 0; k <= cuts; ++k) {
-        const Float u = static_cast<Float>(k) / static_cast<Float>(cuts);
+        const Float u = Float(k) / Float(cuts);
         while (i + 1 < f_.size() && cdf_[i + 1] <= u) ++i;
-        cuts_[k] = static_cast<uint32_t>(i);
+        cuts_[k] = uint32_t(i);
     }
 }
 
@@ -90,7 +86,7 @@ PiecewiseConstant1D::Sampled PiecewiseConstant1D::Sample(Float u) const {
     // Last piece whose lower end is <= u; pieces of zero width are never chosen. Branchless: random u mispredicts every
     // second branch.
     const size_t cuts = cuts_.size() - 1;
-    const size_t cut = std::min(size_t(u * static_cast<Float>(cuts)), cuts - 1);
+    const size_t cut = std::min(size_t(u * Float(cuts)), cuts - 1);
     size_t i = cuts_[cut];
     for (size_t left = cuts_[cut + 1] - i + 1; left > 1;) {
         const size_t half = left / 2;
@@ -99,16 +95,16 @@ PiecewiseConstant1D::Sampled PiecewiseConstant1D::Sample(Float u) const {
     }
     Float width = cdf_[i + 1] - cdf_[i];
     Float t = width > 0 ? std::min((u - cdf_[i]) / width, OneMinusEpsilon) : 0;
-    auto n = static_cast<Float>(f_.size());
-    Float x = std::min(Lerp((static_cast<Float>(i) + t) / n, low_, high_), last_);
+    auto n = Float(f_.size());
+    Float x = std::min(Lerp((Float(i) + t) / n, low_, high_), last_);
     Float pdf = integral_ > 0 ? f_[i] / integral_ : 1 / (high_ - low_);
-    return {x, pdf, static_cast<int>(i)};
+    return {x, pdf, int(i)};
 }
 
 Float PiecewiseConstant1D::Pdf(Float x) const {
     if (x < low_ || x > high_) return 0;
     if (!(integral_ > 0)) return 1 / (high_ - low_);
-    auto n = static_cast<Float>(f_.size());
+    auto n = Float(f_.size());
     auto i = std::min(size_t((x - low_) / (high_ - low_) * n), f_.size() - 1);
     return f_[i] / integral_;
 }
@@ -130,7 +126,7 @@ Point2 PiecewiseConstant2D::Sample(const Point2 &u, Float *pdf) const {
 
 Float PiecewiseConstant2D::Pdf(const Point2 &p) const {
     if (p.y < 0 || p.y > 1) return 0;
-    auto row = std::min(size_t(p.y * static_cast<Float>(rows_.size())), rows_.size() - 1);
+    auto row = std::min(size_t(p.y * Float(rows_.size())), rows_.size() - 1);
     return marginal_.Pdf(p.y) * rows_[row].Pdf(p.x);
 }
 
@@ -159,7 +155,7 @@ WindowedPiecewiseConstant2D::Cells WindowedPiecewiseConstant2D::InCells(const Bo
 }
 
 WindowedPiecewiseConstant2D::Band WindowedPiecewiseConstant2D::BandOf(const Cells &w) const {
-    const int low = std::min(static_cast<int>(w.y0), ny_ - 1), high = std::min(static_cast<int>(w.y1), ny_ - 1);
+    const int low = std::min(int(w.y0), ny_ - 1), high = std::min(int(w.y1), ny_ - 1);
     const size_t stride = size_t(nx_) + 1;
     return {sums_.data() + size_t(low) * stride, sums_.data() + size_t(high) * stride, stride, w.y0 - low, w.y1 - high};
 }
@@ -183,26 +179,24 @@ std::optional<Point2> WindowedPiecewiseConstant2D::Sample(const Point2 &u, const
     const auto below = [&](int j) { return sums[j]; };
     if (!Invert(double(u.y), w.y0, w.y1, ny_, below, &y, &row, &ofColumn)) return {};
     // Rounding to Float may cross into the next cell; the density is that of the returned point.
-    const Point2 p(std::clamp(static_cast<Float>(x / nx_), window.low.x, window.high.x),
-                   std::clamp(static_cast<Float>(y / ny_), window.low.y, window.high.y));
+    const Point2 p(std::clamp(Float(x / nx_), window.low.x, window.high.x),
+                   std::clamp(Float(y / ny_), window.low.y, window.high.y));
     *pdf = Density(p, total / (double(nx_) * double(ny_)));
     if (!(*pdf > 0)) return {};
     return p;
 }
 
 Float WindowedPiecewiseConstant2D::Density(const Point2 &p, double integral) const {
-    const int i = std::clamp(static_cast<int>(p.x * static_cast<Float>(nx_)), 0, nx_ - 1);
-    const int j = std::clamp(static_cast<int>(p.y * static_cast<Float>(ny_)), 0, ny_ - 1);
+    const int i = std::clamp(int(p.x * Float(nx_)), 0, nx_ - 1);
+    const int j = std::clamp(int(p.y * Float(ny_)), 0, ny_ - 1);
     const double *const sums = ColumnSums(i);
-    return static_cast<Float>((sums[j + 1] - sums[j]) / integral);
+    return Float((sums[j + 1] - sums[j]) / integral);
 }
 
 Float WindowedPiecewiseConstant2D::IntegralAround(const Bounds2 &window) const {
     const Cells w = InCells(window);
-    const int x0 = static_cast<int>(w.x0), x1 = static_cast<int>(std::ceil(w.x1)), y0 = static_cast<int>(w.y0),
-              y1 = static_cast<int>(std::ceil(w.y1));
-    return static_cast<Float>((Corner(x1, y1) - Corner(x0, y1)) - (Corner(x1, y0) - Corner(x0, y0))) /
-           static_cast<Float>(nx_ * ny_);
+    const int x0 = int(w.x0), x1 = int(std::ceil(w.x1)), y0 = int(w.y0), y1 = int(std::ceil(w.y1));
+    return Float((Corner(x1, y1) - Corner(x0, y1)) - (Corner(x1, y0) - Corner(x0, y0))) / Float(nx_ * ny_);
 }
 
 Float WindowedPiecewiseConstant2D::Pdf(const Point2 &p, const Bounds2 &window) const {
@@ -220,14 +214,14 @@ AliasTable::AliasTable(std::span<const Float> weights) : bins_(weights.size()) {
     std::vector<int> under, over;
     for (size_t i = 0; i < n; ++i) {
         double p = sum > 0 ? double(weights[i]) / sum : 1.0 / double(n);
-        bins_[i].p = static_cast<Float>(p);
+        bins_[i].p = Float(p);
         scaled[i] = p * double(n);
-        (scaled[i] < 1 ? under : over).push_back(static_cast<int>(i));
+        (scaled[i] < 1 ? under : over).push_back(int(i));
     }
     while (!under.empty() && !over.empty()) {
         const int u = under.back(), o = over.back();
         under.pop_back();
-        bins_[u].q = static_cast<Float>(scaled[u]);
+        bins_[u].q = Float(scaled[u]);
         bins_[u].alias = o;
         scaled[o] -= 1 - scaled[u];
         if (scaled[o] < 1) {
@@ -236,17 +230,17 @@ AliasTable::AliasTable(std::span<const Float> weights) : bins_(weights.size()) {
         }
     }
     // Entries left over by rounding own their whole column; those of weight 0 pass it to the heaviest entry.
-    const auto heaviest = static_cast<int>(std::ranges::max_element(bins_, {}, &Bin::p) - bins_.begin());
+    const auto heaviest = int(std::ranges::max_element(bins_, {}, &Bin::p) - bins_.begin());
     for (const std::vector<int> *rest : {&under, &over})
         for (int i : *rest) bins_[i] = {bins_[i].p > 0 ? Float(1) : Float(0), bins_[i].p, heaviest};
 }
 
 AliasTable::Sampled AliasTable::Sample(Float u) const {
-    auto n = static_cast<Float>(bins_.size());
+    auto n = Float(bins_.size());
     auto column = std::min(size_t(u * n), bins_.size() - 1);
-    Float up = std::min(u * n - static_cast<Float>(column), OneMinusEpsilon);
+    Float up = std::min(u * n - Float(column), OneMinusEpsilon);
     const Bin &bin = bins_[column];
-    if (up < bin.q) return {static_cast<int>(column), bin.p};
+    if (up < bin.q) return {int(column), bin.p};
     return {bin.alias, bins_[bin.alias].p};
 }
 

@@ -68,25 +68,19 @@ class WindowedPiecewiseConstant2D {
         double x0, x1, y0, y1;
     };
     Cells InCells(const Bounds2 &window) const;
-    double Corner(int i, int j) const {
-        return sums_[static_cast<size_t>(j) * static_cast<size_t>(nx_ + 1) + static_cast<size_t>(i)];
-    }
+    double Corner(int i, int j) const { return sums_[size_t(j) * (nx_ + 1) + i]; }
     /// Column sums between two heights. Points into the table.
     struct Band {
         const double *low, *high;  ///< rows below the heights
         size_t stride;
         double inLow, inHigh;  ///< fractions of the heights above these rows
         double operator()(int i) const {
-            const auto at = [&](const double *row, double in) {
-                return row[i] + in * (row[stride + static_cast<size_t>(i)] - row[i]);
-            };
+            const auto at = [&](const double *row, double in) { return row[i] + in * (row[stride + i] - row[i]); };
             return at(high, inHigh) - at(low, inLow);
         }
     };
     Band BandOf(const Cells &w) const;
-    const double *ColumnSums(int i) const {
-        return columns_.data() + static_cast<size_t>(i) * static_cast<size_t>(ny_ + 1);
-    }
+    const double *ColumnSums(int i) const { return columns_.data() + size_t(i) * (ny_ + 1); }
     double Total(const Cells &w) const;
     Float Density(const Point2 &p, double integral) const;
 

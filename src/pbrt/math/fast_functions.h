@@ -24,8 +24,8 @@ inline SineCosine SineCosineOfEighth(Float x) {
 inline SineCosine SineCosineOfTurn(Float u) {
     // Nearest quarter turn and the rest in eighths of a turn, exact in floating point.
     const Float quarters = 4 * u;
-    const int nearest = static_cast<int>(quarters + Float(0.5));
-    const SineCosine rest = SineCosineOfEighth(2 * (quarters - static_cast<Float>(nearest)));
+    const int nearest = int(quarters + Float(0.5));
+    const SineCosine rest = SineCosineOfEighth(2 * (quarters - Float(nearest)));
     const bool swapped = nearest & 1;
     const Float sin = swapped ? rest.cos : rest.sin, cos = swapped ? rest.sin : rest.cos;
     return {nearest & 2 ? -sin : sin, (nearest + 1) & 2 ? -cos : cos};
@@ -60,6 +60,6 @@ inline Float ExpOfMinus(Float x) {
 
 /// -log(1 - u) for u = 0 or in [2^-32, 1]: optical depth sampled from u. Relative error at most 5e-7; smaller u would
 /// need log1p, which is slower.
-inline Float DepthThatTakes(Float u) { return static_cast<Float>(-std::log(1.0 - static_cast<double>(u))); }
+inline Float DepthThatTakes(Float u) { return Float(-std::log(1.0 - double(u))); }
 
 }  // namespace pbrt

@@ -21,10 +21,7 @@ inline Lanes LoadLanes(const T *from) {
     std::memcpy(&v, from, sizeof(v));
     return v;
 }
-template <class Lanes, class T>
-inline void StoreLanes(const Lanes &v, T *to) {
-    std::memcpy(to, &v, sizeof(v));
-}
+inline void StoreLanes(const auto &v, auto *to) { std::memcpy(to, &v, sizeof(v)); }
 
 inline Lanes64 CountingLanes(uint64_t first) { return Lanes64{0, 1, 2, 3, 4, 5, 6, 7} + first; }
 

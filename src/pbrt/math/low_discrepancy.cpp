@@ -3,7 +3,6 @@
 #include "pbrt/core/error.h"
 
 namespace pbrt {
-
 namespace {
 
 constexpr std::array<uint16_t, PrimeCount> FirstPrimes() {
@@ -25,15 +24,14 @@ int DigitsOf(uint32_t base) {
     return digits;
 }
 
-Float ToUnitInterval(double v) { return std::min(static_cast<Float>(v), OneMinusEpsilon); }
+Float ToUnitInterval(double v) { return std::min(Float(v), OneMinusEpsilon); }
 
 /// Radical inverse with the k-th digit replaced by permute(k, digit), down to 2^-32.
-template <class Permute>
-Float DigitwiseInverse(uint32_t base, uint64_t a, Permute permute) {
+Float DigitwiseInverse(uint32_t base, uint64_t a, auto permute) {
     double scale = 1 / double(base), weight = scale, value = 0;
     int digits = DigitsOf(base);
     for (int k = 0; k < digits; ++k) {
-        value += double(permute(k, static_cast<uint32_t>(a % base))) * weight;
+        value += double(permute(k, uint32_t(a % base))) * weight;
         weight *= scale;
         a /= base;
     }
@@ -66,7 +64,7 @@ uint64_t InverseRadicalInverse(uint64_t mirrored, uint32_t base, int digits) {
 
 Float PermutedRadicalInverse(uint32_t base, uint64_t a, uint64_t seed) {
     return DigitwiseInverse(base, a, [&](int k, uint32_t digit) {
-        return PermutationElement(digit, base, seed + 0x9e3779b97f4a7c15ull * static_cast<uint64_t>(k));
+        return PermutationElement(digit, base, seed + 0x9e3779b97f4a7c15ull * uint64_t(k));
     });
 }
 
@@ -93,10 +91,10 @@ DigitPermutations::DigitPermutations(std::span<const uint32_t> multipliers, uint
         base_[d] = base;
         inverseBase_[d] = 1 / double(base);
         multiplier_[d] = multipliers[d];
-        const uint64_t baseSeed = SeedOf(seed, static_cast<int>(d));
+        const uint64_t baseSeed = SeedOf(seed, int(d));
         for (int k = digits_[d] - 1; k >= 0; --k) {
-            const uint64_t hash = MixBits(baseSeed + 0x9e3779b97f4a7c15ull * static_cast<uint64_t>(k + 1));
-            const double shift = static_cast<double>((hash >> 32) * base >> 32);
+            const uint64_t hash = MixBits(baseSeed + 0x9e3779b97f4a7c15ull * uint64_t(k + 1));
+            const double shift = double((hash >> 32) * base >> 32);
             shifts_[k * length_ + d] = shift;
             tails_[k * length_ + d] = tails_[(k + 1) * length_ + d] + shift * std::pow(double(base), -(k + 1));
         }
@@ -104,7 +102,7 @@ DigitPermutations::DigitPermutations(std::span<const uint32_t> multipliers, uint
 }
 
 void DigitPermutations::RadicalInverses(int firstDimension, uint64_t a, Float values[Lanes64Count]) const {
-    const auto d = static_cast<size_t>(firstDimension);
+    const auto d = size_t(firstDimension);
     auto row = [&](const std::vector<double> &rows, size_t k) {
         return LoadLanes<DoubleLanes>(rows.data() + k * length_ + d);
     };
@@ -117,9 +115,9 @@ void DigitPermutations::RadicalInverses(int firstDimension, uint64_t a, Float va
     // The smallest base has the most digits.
     size_t digits = 0;
     for (uint64_t rest = a; rest; rest /= Primes[d]) ++digits;
-    digits = std::min(digits, static_cast<size_t>(digits_[d]));
+    digits = std::min(digits, size_t(digits_[d]));
 
-    DoubleLanes left = DoubleLanes{} + static_cast<double>(a), weight = inverse, value{};
+    DoubleLanes left = DoubleLanes{} + double(a), weight = inverse, value{};
     Lanes64 count{};
     for (size_t k = 0; k < digits; ++k) {
         const auto isDigit = left > 0.5;

@@ -34,12 +34,12 @@ inline uint32_t PermutationElement(uint32_t i, uint32_t n, uint64_t seed) {
     do {
         uint64_t add = a, multiply = b;
         for (int round = 0; round < 5; ++round) {
-            i = ((i + static_cast<uint32_t>(add >> 40)) * (static_cast<uint32_t>(multiply >> 40) | 1)) & mask;
+            i = ((i + uint32_t(add >> 40)) * (uint32_t(multiply >> 40) | 1)) & mask;
             i ^= i >> (round & 1 ? wide : narrow);
             add *= 0x9e3779b97f4a7c15ull;
             multiply *= 0xd1342543de82ef95ull;
         }
-        i = (i + static_cast<uint32_t>(add >> 40)) & mask;
+        i = (i + uint32_t(add >> 40)) & mask;
     } while (i >= n);
     return i;
 }

@@ -43,7 +43,7 @@ uint64_t Hash(const Args &...args) {
     return h;
 }
 
-inline Float HashToFloat(uint64_t h) { return std::min(OneMinusEpsilon, static_cast<Float>(h >> 32) * 0x1p-32f); }
+inline Float HashToFloat(uint64_t h) { return std::min(OneMinusEpsilon, Float(h >> 32) * 0x1p-32f); }
 template <class... Args>
 Float HashFloat(const Args &...args) {
     return HashToFloat(Hash(args...));
@@ -65,15 +65,15 @@ class Rng {
     uint32_t Next() {
         uint64_t old = state_;
         state_ = old * kMultiplier + increment_;
-        auto xorshifted = static_cast<uint32_t>(((old >> 18) ^ old) >> 27);
-        return std::rotr(xorshifted, static_cast<int>(old >> 59));
+        auto xorshifted = uint32_t(((old >> 18) ^ old) >> 27);
+        return std::rotr(xorshifted, int(old >> 59));
     }
-    Float Uniform() { return std::min(OneMinusEpsilon, static_cast<Float>(Next()) * 0x1p-32f); }
+    Float Uniform() { return std::min(OneMinusEpsilon, Float(Next()) * 0x1p-32f); }
     Point2 Uniform2() {
         Float x = Uniform();
         return {x, Uniform()};
     }
-    uint32_t UniformInt(uint32_t n) { return static_cast<uint32_t>((uint64_t(Next()) * n) >> 32); }
+    uint32_t UniformInt(uint32_t n) { return uint32_t((uint64_t(Next()) * n) >> 32); }
     void Advance(uint64_t count) {
         for (; count > 0; count &= count - 1) {
             const Jump &jump = kJumps[std::countr_zero(count)];

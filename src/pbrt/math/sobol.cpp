@@ -16,8 +16,7 @@ const uint32_t *SobolMatrices() {
         std::vector<uint32_t> made(size_t(SobolDimensions) * SobolIndexBits);
         for (size_t c = 0; c < SobolIndexBits; ++c) {
             engine.seed((uint64_t(2) << c) - 2);
-            for (size_t d = 0; d < SobolDimensions; ++d)
-                made[d * SobolIndexBits + c] = static_cast<uint32_t>(engine() >> 32);
+            for (size_t d = 0; d < SobolDimensions; ++d) made[d * SobolIndexBits + c] = uint32_t(engine() >> 32);
         }
         return made;
     }();
@@ -48,12 +47,12 @@ SobolPixelIndex::SobolPixelIndex(int log2Resolution) : log2Resolution_(log2Resol
 
     // Gauss-Jordan over GF(2) on columns: `image` becomes the identity while `source` records the low index bits that
     // were combined.
-    std::vector<uint64_t> image(static_cast<size_t>(n)), source(static_cast<size_t>(n));
+    std::vector<uint64_t> image(n), source(n);
     for (int c = 0; c < n; ++c) {
         image[c] = pixelOf(c);
         source[c] = uint64_t(1) << c;
     }
-    for (size_t row = 0; row < static_cast<size_t>(n); ++row) {
+    for (size_t row = 0; row < size_t(n); ++row) {
         size_t pivot = row;
         while (pivot < image.size() && !(image[pivot] >> row & 1)) ++pivot;
         PBRT_CHECK(pivot < image.size());

@@ -37,7 +37,7 @@ inline uint32_t SobolBitsByTable(const uint32_t *table, uint64_t index) {
 
 /// The first two coordinates, bit-reversed. The first matrix is the mirrored identity. The second, mirrored, is
 /// Pascal's triangle mod 2: a Kronecker power of (1 1; 0 1), applied factor by factor.
-constexpr uint32_t SobolReversed0(uint64_t index) { return static_cast<uint32_t>(index); }
+constexpr uint32_t SobolReversed0(uint64_t index) { return uint32_t(index); }
 /// T: uint32_t or lanes of it.
 template <class T>
 constexpr T SobolReversed1OfHalf(T v) {
@@ -49,11 +49,10 @@ constexpr T SobolReversed1OfHalf(T v) {
     return v;
 }
 constexpr uint32_t SobolReversed1(uint64_t index) {
-    return SobolReversed1OfHalf(static_cast<uint32_t>(index)) ^
-           SobolReversed1OfHalf(static_cast<uint32_t>(index >> 32));
+    return SobolReversed1OfHalf(uint32_t(index)) ^ SobolReversed1OfHalf(uint32_t(index >> 32));
 }
 
-inline Float SobolToFloat(uint32_t v) { return std::min(static_cast<Float>(v) * 0x1p-32f, OneMinusEpsilon); }
+inline Float SobolToFloat(uint32_t v) { return std::min(Float(v) * 0x1p-32f, OneMinusEpsilon); }
 
 /// Flip of a node in the binary digit tree, by hash: 0 or 1. T: uint64_t or lanes of it.
 template <class T>
@@ -72,9 +71,7 @@ inline T OwenScrambleOf(const T &v, const T &seed) {
     }
     return v ^ flips;
 }
-inline uint32_t OwenScramble(uint32_t v, uint64_t seed) {
-    return static_cast<uint32_t>(OwenScrambleOf<uint64_t>(v, seed));
-}
+inline uint32_t OwenScramble(uint32_t v, uint64_t seed) { return uint32_t(OwenScrambleOf<uint64_t>(v, seed)); }
 inline Lanes64 OwenScramble(const Lanes64 &v, const Lanes64 &seed) { return OwenScrambleOf(v, seed); }
 
 /// Nested uniform scrambling of bit-reversed numbers with one hash (Laine and Karras 2011). Addition, odd
@@ -92,7 +89,7 @@ inline T FastOwenScrambleReversed(T v, T low, T high) {
     return v;
 }
 inline uint32_t FastOwenScrambleReversed(uint32_t v, uint64_t seed) {
-    return FastOwenScrambleReversed<uint32_t>(v, static_cast<uint32_t>(seed), static_cast<uint32_t>(seed >> 32));
+    return FastOwenScrambleReversed<uint32_t>(v, uint32_t(seed), uint32_t(seed >> 32));
 }
 
 /// Enumerates the points of the global Sobol' sequence in a pixel of a 2^m x 2^m image covered by the first two
@@ -110,7 +107,7 @@ class SobolPixelIndex {
     }
 
   private:
-    static size_t IndexOf(uint64_t bits) { return static_cast<size_t>(std::countr_zero(bits)); }
+    static size_t IndexOf(uint64_t bits) { return size_t(std::countr_zero(bits)); }
     int log2Resolution_;
     std::array<uint64_t, SobolIndexBits> pixelColumns_{};  ///< low index bits for each bit of (y << m | x)
     std::array<uint64_t, 64> frameColumns_{};              ///< low index bits that cancel the effect of frame bits on

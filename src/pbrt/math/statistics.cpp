@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
-#include <cmath>
 #include <limits>
 
 namespace pbrt {
-
 namespace {
 // Boost treats more degrees of freedom as infinite anyway; the cap keeps its algorithms in range.
 constexpr double kMaxDof = 1e9;
@@ -39,8 +37,8 @@ double NormalCritical(double p) {
     return std::abs(boost::math::quantile(Normal(), p / 2));
 }
 
-double SidakLevel(double level, size_t n) { return -std::expm1(std::log1p(-level) / static_cast<double>(n)); }
+double SidakLevel(double level, size_t n) { return -std::expm1(std::log1p(-level) / double(n)); }
 
-double SidakP(double p, size_t n) { return p >= 1 ? 1 : -std::expm1(std::log1p(-p) * static_cast<double>(n)); }
+double SidakP(double p, size_t n) { return p >= 1 ? 1 : -std::expm1(std::log1p(-p) * double(n)); }
 
 }  // namespace pbrt

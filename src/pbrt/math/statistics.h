@@ -21,7 +21,7 @@ class RunningMoments {
     void Add(double x) {
         ++count_;
         double d = x - mean_;
-        mean_ += d / static_cast<double>(count_);
+        mean_ += d / double(count_);
         squares_ += d * (x - mean_);
     }
     /// Merges (Chan, Golub and LeVeque 1979). An empty accumulator becomes an exact copy of the other.
@@ -31,7 +31,7 @@ class RunningMoments {
             *this = other;
             return;
         }
-        const double a = static_cast<double>(count_), b = static_cast<double>(other.count_), d = other.mean_ - mean_;
+        const double a = double(count_), b = double(other.count_), d = other.mean_ - mean_;
         count_ += other.count_;
         mean_ += d * (b / (a + b));
         squares_ += other.squares_ + d * d * (a * b / (a + b));
@@ -39,7 +39,7 @@ class RunningMoments {
     size_t Count() const { return count_; }
     double Mean() const { return mean_; }
     /// Sample variance (divided by n - 1); 0 for fewer than two values.
-    double Variance() const { return count_ > 1 ? squares_ / static_cast<double>(count_ - 1) : 0; }
+    double Variance() const { return count_ > 1 ? squares_ / double(count_ - 1) : 0; }
 
   private:
     size_t count_ = 0;
@@ -87,12 +87,9 @@ class PreciseSum {
 /// sums have.
 inline double VarianceOf(const PreciseSum &sum, const PreciseSum &squares, double n) {
     if (!(n > 1)) return 0;
-    const auto whole = [](const PreciseSum &s) {
-        return static_cast<__float128>(s.Value()) + static_cast<__float128>(s.Rest());
-    };
+    const auto whole = [](const PreciseSum &s) { return __float128(s.Value()) + __float128(s.Rest()); };
     const __float128 s = whole(sum);
-    return std::fmax(0.0, static_cast<double>((whole(squares) - s * s / static_cast<__float128>(n)) /
-                                              static_cast<__float128>(n - 1)));
+    return std::fmax(0.0, double((whole(squares) - s * s / __float128(n)) / __float128(n - 1)));
 }
 
 }  // namespace pbrt

@@ -29,7 +29,7 @@ inline constexpr Float MachineEpsilon = std::numeric_limits<Float>::epsilon() / 
 
 /// Relative rounding error bound of n chained operations.
 constexpr Float Gamma(int n) {
-    Float e = static_cast<Float>(n) * MachineEpsilon;
+    Float e = Float(n) * MachineEpsilon;
     return e / (1 - e);
 }
 

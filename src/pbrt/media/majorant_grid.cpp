@@ -10,7 +10,7 @@ MajorantGrid::MajorantGrid(const glm::ivec3 &resolution, const std::function<Flo
     PBRT_CHECK(resolution.x > 0 && resolution.y > 0 && resolution.z > 0);
     values_.resize(size_t(1) * resolution.x * resolution.y * resolution.z);
     ParallelForEach(int64_t(resolution.y) * resolution.z, [&](int64_t i) {
-        const int y = static_cast<int>(i % resolution.y), z = static_cast<int>(i / resolution.y);
+        const int y = int(i % resolution.y), z = int(i / resolution.y);
         for (int x = 0; x < resolution.x; ++x) values_[i * resolution.x + x] = bound({x, y, z});
     });
     for (Float v : values_) PBRT_CHECK_MSG(v >= 0 && std::isfinite(v), "majorant {}", v);
@@ -19,7 +19,7 @@ MajorantGrid::MajorantGrid(const glm::ivec3 &resolution, const std::function<Flo
 GridWalk::GridWalk(const MajorantGrid &grid, const AffineMap &gridFromRender, const Ray &ray, Float tMax)
     : grid_(&grid), isDone_(true), size_(grid.Resolution()) {
     const glm::dvec3 o = gridFromRender.Point(ray.o), d = gridFromRender.Vector(ray.d);
-    double begin = 0, end = static_cast<double>(tMax);
+    double begin = 0, end = double(tMax);
     for (int a = 0; a < 3; ++a) {
         const double size = size_[a];
         if (d[a] == 0) {  // along two of the borders, which count as inside
@@ -30,20 +30,20 @@ GridWalk::GridWalk(const MajorantGrid &grid, const AffineMap &gridFromRender, co
         begin = std::max(begin, std::min(toLow, toHigh));
         end = std::min(end, std::max(toLow, toHigh));
     }
-    anchor_ = static_cast<Float>(begin);
-    end_ = std::min(static_cast<Float>(end), tMax);
+    anchor_ = Float(begin);
+    end_ = std::min(Float(end), tMax);
     if (!(anchor_ <= end_)) {
         anchor_ = Infinity;
         end_ = -Infinity;
         return;
     }
-    origin_ = Point3(o + d * static_cast<double>(anchor_));
+    origin_ = Point3(o + d * double(anchor_));
     direction_ = Vector3(d);
     for (int a = 0; a < 3; ++a) {
         // Directions too small for division do not move within the box.
         const bool moves = std::isfinite(1 / direction_[a]);
         step_[a] = moves ? (direction_[a] > 0 ? 1 : -1) : 0;
-        cell_[a] = std::clamp(static_cast<int>(std::floor(origin_[a])), 0, size_[a] - 1);
+        cell_[a] = std::clamp(int(std::floor(origin_[a])), 0, size_[a] - 1);
         exit_[a] = ExitOf(a);
     }
     isDone_ = !(anchor_ < end_);

@@ -78,7 +78,7 @@ class GridWalk {
     Float ExitOf(int axis) const {
         if (step_[axis] == 0) return Infinity;
         const int border = cell_[axis] + (step_[axis] > 0 ? 1 : 0);
-        return (static_cast<Float>(border) - origin_[axis]) / direction_[axis];
+        return (Float(border) - origin_[axis]) / direction_[axis];
     }
 
     const MajorantGrid *grid_ = nullptr;

@@ -1,15 +1,12 @@
 #include "pbrt/media/medium_factory.h"
 
-#include <cmath>
-
-#include "pbrt/core/limits.h"
-#include "pbrt/media/cloud_medium.h"
+#include "pbrt/core/params.h"
+#include "pbrt/media/medium_kinds.h"
 #include "pbrt/media/voxel_media.h"
 #include "pbrt/spectra/spectral_data.h"
 #include "pbrt/spectra/spectrum_params.h"
 
 namespace pbrt {
-
 namespace {
 
 constexpr Float kMaxCoefficient = 1e30f;
@@ -23,8 +20,8 @@ DenseSpectrum Coefficient(const ParamSet &set, const char *name, const Spectrum 
     for (Float nm = LambdaMin; nm <= LambdaMax; ++nm) {
         const Float value = factor * s(nm);
         if (!kCoefficientRange.Contains(value))
-            throw set.Error(name, fmt::format("\"{}\" times all that scales it is {:.4g} at {} nm; it must be {}.",
-                                              name, value, nm, Text(kCoefficientRange)));
+            throw set.Error(name, "\"{}\" times all that scales it is {:.4g} at {} nm; it must be {}.", name, value, nm,
+                            Text(kCoefficientRange));
     }
     return ScaledSpectrum(s, factor);
 }
@@ -32,8 +29,7 @@ DenseSpectrum Coefficient(const ParamSet &set, const char *name, const Spectrum 
 struct CoefficientParams {
     SpectrumParam absorption{SpectrumUse::Unbounded, Float(1)}, scattering{SpectrumUse::Unbounded, Float(1)};
     Float g = 0;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("sigma_a", absorption, "absorption per unit length");
         v("sigma_s", scattering, "scattering per unit length");
         v("g", g, Range<Float>{-1, 1}, kGHelp);
@@ -71,8 +67,7 @@ constexpr Items kPosition{ParamType::Point3, kCoordinateRange};
 
 struct BoundsParams {
     Point3 p0{0, 0, 0}, p1{1, 1, 1};
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("p0", p0, kPosition, "corner of the medium's box, in its space");
         v("p1", p1, kPosition, "opposite corner");
     }
@@ -80,16 +75,15 @@ struct BoundsParams {
         for (int a = 0; a < 3; ++a)
             if (p0[a] == p1[a])
                 throw set.Error(set.Has("p1") ? "p1" : "p0",
-                                fmt::format("\"p0\" and \"p1\" have the same coordinate {}, {}, so the box is flat.",
-                                            "xyz"[a], p0[a]));
+                                "\"p0\" and \"p1\" have the same coordinate {}, {}, so the box is flat.", "xyz"[a],
+                                p0[a]);
         return {p0, p1};
     }
 };
 
 struct CountParams {
     int x = 1, y = 1, z = 1;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         constexpr Range<int> kCounts{1, 1 << 20};
         v("nx", x, kCounts, "voxels along x, fastest in lists");
         v("ny", y, kCounts, "voxels along y");
@@ -98,9 +92,9 @@ struct CountParams {
     glm::ivec3 Count() const { return {x, y, z}; }
     int64_t Size() const { return int64_t(x) * y * z; }
     void RequireSize(const ParamSet &set, const char *name, size_t found) const {
-        if (static_cast<int64_t>(found) != Size())
-            throw set.Error(name, fmt::format("\"{}\" has {} values; nx * ny * nz = {} x {} x {} = {} are wanted.",
-                                              name, found, x, y, z, Size()));
+        if (int64_t(found) != Size())
+            throw set.Error(name, "\"{}\" has {} values; nx * ny * nz = {} x {} x {} = {} are wanted.", name, found, x,
+                            y, z, Size());
     }
 };
 
@@ -111,16 +105,14 @@ std::vector<Float> VoxelValues(const ParamSet &set, const CountParams &count, co
     count.RequireSize(set, name, given.size());
     for (size_t i = 0; i < given.size(); ++i)
         if (!range.Contains(given[i]))
-            throw set.Error(
-                name, fmt::format("value {} of \"{}\" is {}; it must be {}.", i + 1, name, given[i], Text(range)));
+            throw set.Error(name, "value {} of \"{}\" is {}; it must be {}.", i + 1, name, given[i], Text(range));
     return {given.begin(), given.end()};
 }
 
 struct ThermalParams {
     std::optional<Float> offset, cutoff;
     Float factor = 1;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("temperatureoffset", offset, AnyFloat("K"), "subtracted from temperatures; default 0");
         v("temperaturecutoff", cutoff, AnyFloat("K"), "another name of temperatureoffset");
         v("temperaturescale", factor, kCoefficientRange, "factor of temperatures, after the offset");
@@ -129,8 +121,7 @@ struct ThermalParams {
         if (offset && cutoff)
             throw set.Error(
                 "temperaturecutoff",
-                "\"temperatureoffset\" and \"temperaturecutoff\" are the same parameter and cannot be given "
-                "together.");
+                "\"temperatureoffset\" and \"temperaturecutoff\" are the same parameter and cannot be given together.");
         return {offset.value_or(cutoff.value_or(0)), factor, scale};
     }
 };
@@ -146,8 +137,7 @@ struct HomogeneousParams {
     CoefficientParams coefficients;
     SpectrumParam emission{SpectrumUse::Illuminant};
     Float emissionScale = 1, scale = 1;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("preset", preset, "known substance; sets sigma_a and sigma_s, per millimetre");
         if (v.When(!FindPreset(preset))) {
             v("sigma_a", coefficients.absorption, "absorption per unit length");
@@ -190,8 +180,7 @@ struct UniformGridParams {
     std::span<const Float> density, temperature, emissionScale;
     SpectrumParam emission{SpectrumUse::Illuminant};
     ThermalParams thermal;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("density", density, Required(), "factor of absorption and scattering per voxel");
         count.Describe(v);
         bounds.Describe(v);
@@ -226,8 +215,7 @@ struct RgbGridParams {
     BoundsParams bounds;
     std::vector<Rgb> absorption, scattering, emission;
     Float emissionScale = 1, scale = 1, g = 0;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         constexpr Items kCoefficients{ParamType::Rgb, kCoefficientRange}, kRadiances{ParamType::Rgb, kBrightnessRange};
         v("sigma_a", absorption, kCoefficients, "absorption per voxel; default beside sigma_s: 1");
         v("sigma_s", scattering, kCoefficients, "scattering per voxel; default beside sigma_a: 1");
@@ -278,8 +266,7 @@ struct CloudParams {
     CoefficientParams coefficients;
     CloudMedium::Shape shape;
     BoundsParams bounds;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("density", shape.density, kCoefficientRange, "density");
         v("wispiness", shape.wispiness, kCoefficientRange, "distortion of fine features");
         v("frequency", shape.frequency, kCoefficientRange, "features per unit length");
@@ -298,8 +285,7 @@ struct NanoVdbParams {
     CoefficientParams coefficients;
     Float emissionScale = 1, scale = 1;
     ThermalParams thermal;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("filename", filename, Required(), "NanoVDB file");
         v("gridname", gridName, "grid of factors of absorption and scattering");
         v("temperaturename", temperatureName, "grid of emission temperatures (K), if present");

@@ -14,7 +14,6 @@
 #include <nanovdb/util/IO.h>
 
 namespace pbrt {
-
 namespace {
 
 using FloatGrid = nanovdb::NanoGrid<float>;
@@ -25,23 +24,19 @@ using Handle = nanovdb::GridHandle<nanovdb::HostBuffer>;
 void CheckMagic(const std::string &path) {
     std::ifstream file(path, std::ios::binary);
     std::error_code none;
-    if (!file || std::filesystem::is_directory(path, none))
-        throw UserError(fmt::format("{}: the file cannot be opened.", path));
+    if (!file || std::filesystem::is_directory(path, none)) throw UserError("{}: the file cannot be opened.", path);
     std::array<char, 8> magic{};
     file.read(magic.data(), magic.size());
-    const std::string_view found(magic.data(), static_cast<size_t>(file.gcount()));
+    const std::string_view found(magic.data(), size_t(file.gcount()));
     if (found == "NanoVDB0") return;
     if (found.starts_with("NanoVDB"))
         throw UserError(
-            fmt::format("{}: the file was written by a newer version of NanoVDB (it begins with \"{}\"); "
-                        "versions up to {}, whose files begin with \"NanoVDB0\", can be read.",
-                        path, found, NANOVDB_MAJOR_VERSION_NUMBER));
+            "{}: the file was written by a newer version of NanoVDB (it begins with \"{}\"); "
+            "versions up to {}, whose files begin with \"NanoVDB0\", can be read.",
+            path, found, NANOVDB_MAJOR_VERSION_NUMBER);
     if (found.starts_with(" BDV"))
-        throw UserError(
-            fmt::format("{}: this is an OpenVDB file; the program nanovdb_convert turns it into a NanoVDB "
-                        "file.",
-                        path));
-    throw UserError(fmt::format("{}: this is not a NanoVDB file.", path));
+        throw UserError("{}: this is an OpenVDB file; the program nanovdb_convert turns it into a NanoVDB file.", path);
+    throw UserError("{}: this is not a NanoVDB file.", path);
 }
 
 /// True if all tree nodes lie within the grid's `bytes` of memory, so that values can be read. NanoVDB's own check does
@@ -59,7 +54,7 @@ bool IsSound(const FloatGrid &grid, size_t bytes) {
     // A damaged tree may refer to a node repeatedly: visits are limited by its node counts.
     std::array<uint64_t, 3> visited{};
     auto isFine = [&](const auto &node, size_t level) {
-        return ++visited[level] <= tree.nodeCount(static_cast<int>(level)) && holds(&node, sizeof(node));
+        return ++visited[level] <= tree.nodeCount(int(level)) && holds(&node, sizeof(node));
     };
     for (auto upper = root.beginChild(); upper; ++upper) {
         if (!isFine(*upper, 2)) return false;
@@ -70,7 +65,7 @@ bool IsSound(const FloatGrid &grid, size_t bytes) {
         }
     }
     for (size_t level = 0; level < 3; ++level)
-        if (visited[level] != tree.nodeCount(static_cast<int>(level))) return false;
+        if (visited[level] != tree.nodeCount(int(level))) return false;
     return true;
 }
 
@@ -81,9 +76,8 @@ class VdbGrid {
     VdbGrid(const std::string &path, const nanovdb::io::GridMetaData &data) {
         const std::string what = fmt::format("{}: grid \"{}\"", path, Abbreviate(data.gridName));
         if (data.gridType != nanovdb::GridType::Float)
-            throw UserError(fmt::format("{} holds values of type {}; only float is possible.", what,
-                                        nanovdb::toStr(data.gridType)));
-        RequireMemory(static_cast<double>(data.gridSize), what, {});
+            throw UserError("{} holds values of type {}; only float is possible.", what, nanovdb::toStr(data.gridType));
+        RequireMemory(double(data.gridSize), what, {});
         handle_ = nanovdb::io::readGrid(path, data.gridName);
         if (handle_.size() >= sizeof(nanovdb::GridData)) grid_ = handle_.grid<float>();
         if (!grid_ || !IsSound(*grid_, handle_.size()) || !nanovdb::isValid(*grid_))
@@ -124,19 +118,19 @@ VdbGrids ReadGrids(const NanoVdbRequest &request) {
                 grids.temperature = VdbGrid(request.path, data);
         }
         if (!grids.density)
-            throw UserError(fmt::format("{}: the file has no grid \"{}\"; {}.", request.path,
-                                        Abbreviate(request.densityName), ListChoices(request.densityName, names)));
+            throw UserError("{}: the file has no grid \"{}\"; {}.", request.path, Abbreviate(request.densityName),
+                            ListChoices(request.densityName, names));
     } catch (const UserError &) {
         throw;
     } catch (const std::exception &e) {  // NanoVDB's exceptions, and allocation failure for invalid sizes
-        throw UserError(fmt::format("{}: the file is damaged or cannot be read: {}.", request.path, e.what()));
+        throw UserError("{}: the file is damaged or cannot be read: {}.", request.path, e.what());
     }
     return grids;
 }
 
 Float Interpolate(const Accessor &accessor, const Point3 &p) {
     const Vector3 low = glm::floor(p), w = p - low;
-    const nanovdb::Coord first(static_cast<int>(low.x), static_cast<int>(low.y), static_cast<int>(low.z));
+    const nanovdb::Coord first(int(low.x), int(low.y), int(low.z));
     std::array<Float, 4> alongZ;
     for (int i = 0; i < 4; ++i) {
         const nanovdb::Coord at = first.offsetBy(i & 1, i >> 1, 0);
@@ -178,7 +172,7 @@ class MaxInBox {
         for (int64_t x = first.x; x <= last.x; ++x)
             for (int64_t y = first.y; y <= last.y; ++y)
                 for (int64_t z = first.z; z <= last.z; ++z) {
-                    const auto slot = static_cast<uint32_t>((x << kLog2Slots | y) << kLog2Slots | z);
+                    const auto slot = uint32_t((x << kLog2Slots | y) << kLog2Slots | z);
                     if constexpr (Node::LEVEL == 0) Take(node.getValue(slot));
                     else if (node.childMask().isOn(slot))
                         Visit(*node.data()->getChild(slot), origin + (Index(x, y, z) << kLog2Size));
@@ -212,8 +206,8 @@ class NanoVdbMedium final : public Medium {
             MaxInBox reach(Index(glm::floor(ToIndex(Point3(cell)))), Index(glm::ceil(ToIndex(Point3(cell + 1)))));
             const Float max = reach.Of(*grids_.density);
             if (max == Infinity)
-                throw UserError(fmt::format("{}: grid \"{}\" holds a density that is not a number or infinite.",
-                                            request.path, Abbreviate(request.densityName)));
+                throw UserError("{}: grid \"{}\" holds a density that is not a number or infinite.", request.path,
+                                Abbreviate(request.densityName));
             return kMajorantSlack * max;
         });
     }
@@ -231,8 +225,7 @@ class NanoVdbMedium final : public Medium {
         OnRay &memory = onRay.MakeMemory(OnRay{grids_.density->getAccessor(), temperature->getAccessor(), {}, {}});
         if (IsEmissive() && onRay.Walk().Anchor() < Infinity) {
             const glm::dvec3 d(ray.d);
-            memory.origin = Point3(
-                temperatureFromRender_.Point(glm::dvec3(ray.o) + d * static_cast<double>(onRay.Walk().Anchor())));
+            memory.origin = Point3(temperatureFromRender_.Point(glm::dvec3(ray.o) + d * double(onRay.Walk().Anchor())));
             memory.direction = Vector3(temperatureFromRender_.Vector(d));
         }
         return onRay;
@@ -249,9 +242,8 @@ class NanoVdbMedium final : public Medium {
 
     /// Maps majorant coordinates to the density's index space; see Voxels::ToVoxels.
     Point3 ToIndex(const Point3 &p) const {
-        return {std::fma(p.x, indicesPerCell_.x, static_cast<Float>(low_.x)),
-                std::fma(p.y, indicesPerCell_.y, static_cast<Float>(low_.y)),
-                std::fma(p.z, indicesPerCell_.z, static_cast<Float>(low_.z))};
+        return {std::fma(p.x, indicesPerCell_.x, Float(low_.x)), std::fma(p.y, indicesPerCell_.y, Float(low_.y)),
+                std::fma(p.z, indicesPerCell_.z, Float(low_.z))};
     }
 
     MediumCoefficients Evaluate(MediumOnRay &onRay, Float t) const override {
@@ -282,7 +274,7 @@ std::unique_ptr<Medium> MakeNanoVdbMedium(const NanoVdbRequest &request, MediumS
                                           const Transform &renderFromMedium) {
     VdbGrids grids = ReadGrids(request);
     if (grids.density->isEmpty())
-        throw UserError(fmt::format("{}: grid \"{}\" is empty.", request.path, Abbreviate(request.densityName)));
+        throw UserError("{}: grid \"{}\" is empty.", request.path, Abbreviate(request.densityName));
     return std::make_unique<NanoVdbMedium>(request, std::move(grids), std::move(spectra), g, renderFromMedium);
 }
 

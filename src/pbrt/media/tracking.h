@@ -18,8 +18,7 @@ inline SampledSpectrum MajorantTransmittance(const SampledSpectrum &majorant, Fl
 ///   the density of t is majorant[0] * tMaj[0] relative to it. Returns the majorant transmittance from the last
 ///   collision to the end of the ray, or 1 if `visit` returned false. Segments with majorant 0 at wavelength 0 have no
 ///   collisions, but count for the transmittance of the other wavelengths.
-template <class Visit>
-SampledSpectrum ForEachCollision(MediumOnRay &onRay, Float u, Rng &rng, Visit &&visit) {
+SampledSpectrum ForEachCollision(MediumOnRay &onRay, Float u, Rng &rng, auto &&visit) {
     SampledSpectrum tMaj(1);
     uint64_t lookups = 0;
     Float depth = DepthThatTakes(u);  // majorant optical depth, at wavelength 0, to the next collision

@@ -17,8 +17,7 @@ class Voxels {
 
     size_t Size() const { return size_t(1) * count_.x * count_.y * count_.z; }
 
-    template <class ValueOf>
-    auto Interpolate(const Point3 &p, ValueOf &&valueOf) const {
+    auto Interpolate(const Point3 &p, auto &&valueOf) const {
         const Vector3 v = ToVoxels(p), low = glm::floor(v), w = v - low;
         const glm::ivec3 first(low);
         using Value = decltype(valueOf(size_t(0)));
@@ -34,8 +33,7 @@ class Voxels {
         return sum;
     }
     /// Largest value of all voxels that influence a grid cell; at least 0.
-    template <class ValueOf>
-    Float MaxIn(const glm::ivec3 &cell, ValueOf &&valueOf) const {
+    Float MaxIn(const glm::ivec3 &cell, auto &&valueOf) const {
         const glm::ivec3 low = glm::max(glm::ivec3(glm::floor(ToVoxels(Point3(cell)))), glm::ivec3(0));
         const glm::ivec3 high = glm::min(glm::ivec3(glm::ceil(ToVoxels(Point3(cell + 1)))), count_ - 1);
         Float max = 0;

@@ -1,7 +1,6 @@
 #include "pbrt/samplers/halton_sampler.h"
 
 namespace pbrt {
-
 namespace {
 
 /// First-digit steps per dimension between samples of a pixel, see HaltonSampler::Step.
@@ -30,7 +29,7 @@ HaltonSampler::HaltonSampler(const SamplerSettings &settings)
             ++exponents_[axis];
         }
     }
-    auto sx = static_cast<uint64_t>(scale_.x), sy = static_cast<uint64_t>(scale_.y);
+    auto sx = uint64_t(scale_.x), sy = uint64_t(scale_.y);
     stride_ = sx * sy;
     xStep_ = sy * InverseModulo(sy, sx);
     yStep_ = sx * InverseModulo(sx, sy);
@@ -39,7 +38,7 @@ HaltonSampler::HaltonSampler(const SamplerSettings &settings)
         std::array<uint32_t, kSteps.size()> multipliers{1, 1};
         for (size_t d = 2; d < kSteps.size(); ++d) {
             const uint64_t base = Primes[d];
-            multipliers[d] = static_cast<uint32_t>(kSteps[d] * InverseModulo(stride_ % base, base) % base);
+            multipliers[d] = uint32_t(kSteps[d] * InverseModulo(stride_ % base, base) % base);
         }
         permutations_ = std::make_shared<const DigitPermutations>(multipliers, seed_);
     }
@@ -50,18 +49,17 @@ int HaltonSampler::StartSample(Point2i pixel, int sampleIndex, int dimension) {
     // Chinese remainder theorem combines both.
     if (pixel != pixel_) {
         pixel_ = pixel;
-        auto x = static_cast<uint64_t>(Wrap(pixel.x, kTile)), y = static_cast<uint64_t>(Wrap(pixel.y, kTile));
+        auto x = uint64_t(Wrap(pixel.x, kTile)), y = uint64_t(Wrap(pixel.y, kTile));
         pixelIndex_ =
             (InverseRadicalInverse(x, 2, exponents_.x) * xStep_ + InverseRadicalInverse(y, 3, exponents_.y) * yStep_) %
             stride_;
     }
-    index_ = pixelIndex_ + static_cast<uint64_t>(sampleIndex) * stride_;
+    index_ = pixelIndex_ + uint64_t(sampleIndex) * stride_;
     return std::max(2, dimension);
 }
 
 Point2 HaltonSampler::GetPixel2D() {
-    return {RadicalInverse(2, index_ / static_cast<uint64_t>(scale_.x)),
-            RadicalInverse(3, index_ / static_cast<uint64_t>(scale_.y))};
+    return {RadicalInverse(2, index_ / uint64_t(scale_.x)), RadicalInverse(3, index_ / uint64_t(scale_.y))};
 }
 
 int HaltonSampler::Step(int dimension) { return kSteps[dimension]; }

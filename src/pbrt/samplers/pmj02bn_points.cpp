@@ -7,7 +7,6 @@
 #include "pbrt/samplers/pmj02bn_sampler.h"
 
 namespace pbrt {
-
 namespace {
 
 constexpr int kSize = BlueNoiseMask::Size, kCount = kSize * kSize;
@@ -19,8 +18,7 @@ class Pattern {
         constexpr float kSigma = 1.5f;  // pixels, as in Ulichney 1993
         for (int y = 0; y < kSize; ++y)
             for (int x = 0; x < kSize; ++x) {
-                const auto dx = static_cast<float>(std::min(x, kSize - x)),
-                           dy = static_cast<float>(std::min(y, kSize - y));
+                const auto dx = float(std::min(x, kSize - x)), dy = float(std::min(y, kSize - y));
                 bell_[y * kSize + x] = std::exp(-(dx * dx + dy * dy) / (2 * kSigma * kSigma));
             }
     }
@@ -40,8 +38,7 @@ class Pattern {
     int FillLargestVoid() { return ToggleBest(false, std::less<float>()); }
 
   private:
-    template <class Better>
-    int ToggleBest(bool chosen, Better isBetter) {
+    int ToggleBest(bool chosen, auto isBetter) {
         int best = -1;
         for (int i = 0; i < kCount; ++i)
             if (IsChosen(i) == chosen && (best < 0 || isBetter(energy_[i], energy_[best]))) best = i;
@@ -98,16 +95,15 @@ class Prefix {
             ForNeighbors(i, [&](uint32_t neighbor, float energy) {
                 sum += sequence_->Node(neighbor, axis, digits) == node ? energy / 2 : energy;
             });
-        return sum / static_cast<float>(points.size());
+        return sum / float(points.size());
     }
 
   private:
     uint32_t Row(uint32_t coordinate) const { return coordinate >> (32 - level_); }
 
-    template <class F>
-    void ForNeighbors(uint32_t i, const F &f) const {
+    void ForNeighbors(uint32_t i, const auto &f) const {
         const auto &[xs, ys] = sequence_->flipped;
-        const float scale = static_cast<float>(1u << level_) * 0x1p-32f;
+        const float scale = float(1u << level_) * 0x1p-32f;
         const uint32_t mask = (1u << level_) - 1;
         const uint32_t column = Row(xs[i]), row = Row(ys[i]);
         for (uint32_t dy = 0; dy < 5; ++dy)
@@ -115,8 +111,7 @@ class Prefix {
                 const uint32_t k = cells_[((row + dy - 2) & mask) << level_ | ((column + dx - 2) & mask)];
                 if (k == i) continue;
                 // Toroidal differences.
-                const float u = static_cast<float>(static_cast<int32_t>(xs[k] - xs[i])) * scale,
-                            v = static_cast<float>(static_cast<int32_t>(ys[k] - ys[i])) * scale;
+                const float u = float(int32_t(xs[k] - xs[i])) * scale, v = float(int32_t(ys[k] - ys[i])) * scale;
                 const float q = 1 - (u * u + v * v) / (1.6f * 1.6f);
                 if (q > 0) f(k, q * q * q * q);
             }
@@ -152,7 +147,7 @@ void SearchFlips(Sequence &sequence, int digits, std::span<const Prefix *const> 
                 else flip();
             }
         for (size_t i = size_t(1) << (2 * largest.Level()); i < sequence.flipped[axis].size(); ++i)
-            if (flips[sequence.Node(static_cast<uint32_t>(i), axis, digits)]) sequence.flipped[axis][i] ^= bit;
+            if (flips[sequence.Node(uint32_t(i), axis, digits)]) sequence.flipped[axis][i] ^= bit;
     }
 }
 
@@ -163,7 +158,7 @@ BlueNoiseMask::BlueNoiseMask(uint64_t seed) : ranks_(kCount) {
     Rng rng(seed);
     int count = 0;
     while (count < kCount / 10) {
-        const auto pixel = static_cast<int>(rng.UniformInt(kCount));
+        const auto pixel = int(rng.UniformInt(kCount));
         if (pattern.IsChosen(pixel)) continue;
         pattern.Toggle(pixel);
         ++count;
@@ -174,8 +169,8 @@ BlueNoiseMask::BlueNoiseMask(uint64_t seed) : ranks_(kCount) {
         if (pattern.FillLargestVoid() == cluster) break;
     }
     Pattern fewer = pattern;
-    for (int rank = count - 1; rank >= 0; --rank) ranks_[fewer.RemoveTightestCluster()] = static_cast<uint16_t>(rank);
-    for (int rank = count; rank < kCount; ++rank) ranks_[pattern.FillLargestVoid()] = static_cast<uint16_t>(rank);
+    for (int rank = count - 1; rank >= 0; --rank) ranks_[fewer.RemoveTightestCluster()] = uint16_t(rank);
+    for (int rank = count; rank < kCount; ++rank) ranks_[pattern.FillLargestVoid()] = uint16_t(rank);
 }
 
 std::vector<BinaryPoint> MakePmj02bn(int log2Count, int blueLevels, uint64_t seed) {

@@ -3,7 +3,6 @@
 #include "pbrt/samplers/randomization.h"
 
 namespace pbrt {
-
 namespace {
 
 constexpr int kLog2Count = Pmj02bnSampler::SetLog2Count;
@@ -36,14 +35,14 @@ const std::vector<BinaryPoint> &Pmj02bnSampler::Set(int index) {
 }
 
 Pmj02bnSampler::Pmj02bnSampler(const SamplerSettings &settings)
-    : SamplerBySettings(settings), log2Samples_(std::bit_width(static_cast<unsigned>(settings.samplesPerPixel - 1))),
+    : SamplerBySettings(settings), log2Samples_(std::bit_width(unsigned(settings.samplesPerPixel - 1))),
       seed_(Hash(settings.seed)) {
     log2PerPixel_ = std::min((log2Samples_ + 1) / 2 * 2, kLog2Count);
     log2Tile_ = (kLog2Count - log2PerPixel_) / 2;
     // The points in a pixel, in sequence order, are again a (0,2) sequence.
     auto sorted = std::make_shared<std::vector<BinaryPoint>>(size_t(1) << kLog2Count);
     std::vector<uint32_t> found(size_t(1) << (2 * log2Tile_), 0);
-    auto place = [&](uint32_t v) { return static_cast<uint32_t>(uint64_t(v) >> (32 - log2Tile_)); };
+    auto place = [&](uint32_t v) { return uint32_t(uint64_t(v) >> (32 - log2Tile_)); };
     for (const BinaryPoint &p : Set(0)) {
         const uint32_t pixel = place(p.y) << log2Tile_ | place(p.x);
         (*sorted)[pixel << log2PerPixel_ | found[pixel]++] = {p.x << log2Tile_, p.y << log2Tile_};
@@ -67,7 +66,7 @@ Lanes64 Pmj02bnSampler::PlacesFor(int dimension) const {
     // Each batch of 2^log2Samples_ samples takes the next run of as many points.
     const int bits = std::min(log2Samples_, kLog2Count);
     const uint32_t mask = (uint32_t(1) << bits) - 1;
-    const auto index = static_cast<uint32_t>(index_);
+    const auto index = uint32_t(index_);
     const Lanes64 shuffled = ShuffleRuns(index & mask, bits, AddDimensions(pixelHash_, dimension));
     return (shuffled | uint64_t(index & ~mask)) & ((uint64_t(1) << kLog2Count) - 1);
 }
@@ -77,14 +76,14 @@ Lanes64 Pmj02bnSampler::FlipsFor(int dimension) const {
     // stay apart.
     Lanes64 rank;
     for (int lane = 0; lane < Lanes64Count; ++lane) {
-        const auto d = static_cast<uint32_t>(dimension + lane);
+        const auto d = uint32_t(dimension + lane);
         const uint32_t x = (d * 0xc13fa9a9u) >> (32 - BlueNoiseMask::Log2Size),
                        y = (d * 0x91e10da5u) >> (32 - BlueNoiseMask::Log2Size);
-        rank[lane] = mask_->Rank(static_cast<uint32_t>(pixel_.x) + x, static_cast<uint32_t>(pixel_.y) + y);
+        rank[lane] = mask_->Rank(uint32_t(pixel_.x) + x, uint32_t(pixel_.y) + y);
     }
     constexpr int kRankBits = 2 * BlueNoiseMask::Log2Size;
     const Lanes64 sameEverywhere = AddDimensions(setHash_, dimension);
-    const Lanes64 fine = MixBits(pixelHash_ - 0x9e3779b97f4a7c15ull * CountingLanes(static_cast<uint64_t>(dimension)));
+    const Lanes64 fine = MixBits(pixelHash_ - 0x9e3779b97f4a7c15ull * CountingLanes(uint64_t(dimension)));
     return (rank << (32 - kRankBits) | fine >> (32 + kRankBits)) ^ sameEverywhere;
 }
 
@@ -94,11 +93,11 @@ Sampler::Run Pmj02bnSampler::Prepare(int dimension, Numbers &numbers) {
         const int first = half * Lanes64Count;
         const Lanes64 places = PlacesFor(dimension + first), flipped = FlipsFor(dimension + first);
         for (int lane = 0; lane < Lanes64Count; ++lane) {
-            const auto set = static_cast<size_t>(1 + (dimension + first + lane) % (SetCount - 1));
+            const auto set = size_t(1 + (dimension + first + lane) % (SetCount - 1));
             const BinaryPoint p = sets_[set][places[lane]];
             x[first + lane] = p.x;
             y[first + lane] = p.y;
-            flips[first + lane] = static_cast<uint32_t>(flipped[lane]);
+            flips[first + lane] = uint32_t(flipped[lane]);
         }
     }
     for (int i = 0; i < kPrepared - 1; ++i) {
@@ -111,13 +110,13 @@ Sampler::Run Pmj02bnSampler::Prepare(int dimension, Numbers &numbers) {
 Point2 Pmj02bnSampler::GetPixel2D() {
     // Tiles start at a seed-dependent pixel; further rounds through a tile's points flip their digits.
     const uint32_t mask = (uint32_t(1) << log2Tile_) - 1;
-    const uint32_t x = (static_cast<uint32_t>(pixel_.x) + static_cast<uint32_t>(seed_)) & mask,
-                   y = (static_cast<uint32_t>(pixel_.y) + static_cast<uint32_t>(seed_ >> 32)) & mask;
+    const uint32_t x = (uint32_t(pixel_.x) + uint32_t(seed_)) & mask,
+                   y = (uint32_t(pixel_.y) + uint32_t(seed_ >> 32)) & mask;
     const int round = index_ >> log2PerPixel_;
-    const uint32_t inPixel = static_cast<uint32_t>(index_) & ((uint32_t(1) << log2PerPixel_) - 1);
+    const uint32_t inPixel = uint32_t(index_) & ((uint32_t(1) << log2PerPixel_) - 1);
     const BinaryPoint p = (*pixelPoints_)[(y << log2Tile_ | x) << log2PerPixel_ | inPixel];
     const uint64_t flips = round > 0 ? Hash(seed_, round) : 0;
-    return {SobolToFloat(p.x ^ static_cast<uint32_t>(flips)), SobolToFloat(p.y ^ static_cast<uint32_t>(flips >> 32))};
+    return {SobolToFloat(p.x ^ uint32_t(flips)), SobolToFloat(p.y ^ uint32_t(flips >> 32))};
 }
 
 }  // namespace pbrt

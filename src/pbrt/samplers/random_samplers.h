@@ -11,11 +11,11 @@ class PixelStream {
     void Start(Point2i pixel, int sampleIndex) {
         uint64_t h = Hash(pixel, seed_);
         rng_.SetSequence(h, MixBits(h));
-        rng_.Advance(static_cast<uint64_t>(sampleIndex) * kDimensionsPerSample);
+        rng_.Advance(uint64_t(sampleIndex) * kDimensionsPerSample);
     }
     FloatLanes Numbers(int dimension) const {
         Rng rng = rng_;
-        rng.Advance(static_cast<uint64_t>(dimension));
+        rng.Advance(uint64_t(dimension));
         return rng.NextUniforms();
     }
 
@@ -59,24 +59,24 @@ class StratifiedSampler final : public Sampler {
   protected:
     int StartSample(Point2i pixel, int sampleIndex, int dimension) override {
         int round = sampleIndex / SamplesPerPixel();
-        index_ = static_cast<uint32_t>(sampleIndex - round * SamplesPerPixel());
+        index_ = uint32_t(sampleIndex - round * SamplesPerPixel());
         pixelHash_ = Hash(pixel, settings_.seed, round);
         if (jitter_) stream_.Start(pixel, sampleIndex);
         return dimension;
     }
     Run Prepare(int dimension, Numbers &numbers) override {
         const FloatLanes offsets = jitter_ ? stream_.Numbers(dimension) : FloatLanes{} + Float(0.5);
-        const auto strata = static_cast<uint32_t>(SamplesPerPixel());
+        const auto strata = uint32_t(SamplesPerPixel());
         auto within = [](int stratum, Float offset, int count) {
-            return std::min((static_cast<Float>(stratum) + offset) / static_cast<Float>(count), OneMinusEpsilon);
+            return std::min((Float(stratum) + offset) / Float(count), OneMinusEpsilon);
         };
         Lanes64 stratum[2];
         for (int half = 0; half < 2; ++half) {
-            const uint64_t seed = pixelHash_ + static_cast<uint64_t>(dimension + half * Lanes64Count);
+            const uint64_t seed = pixelHash_ + uint64_t(dimension + half * Lanes64Count);
             stratum[half] = PermutationElement(index_, strata, CountingLanes(seed));
         }
         for (int i = 0; i < kPrepared - 1; ++i) {
-            const auto s = static_cast<int>(stratum[i / Lanes64Count][i % Lanes64Count]);
+            const auto s = int(stratum[i / Lanes64Count][i % Lanes64Count]);
             numbers.one[i] = within(s, offsets[i], SamplesPerPixel());
             numbers.two[i] = {within(s % xSamples_, offsets[i], xSamples_),
                               within(s / xSamples_, offsets[i + 1], ySamples_)};

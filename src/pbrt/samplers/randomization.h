@@ -6,7 +6,7 @@ namespace pbrt {
 
 /// Seeds of eight dimensions from `first` on for a hashed state.
 inline Lanes64 AddDimensions(uint64_t hash, int first) {
-    return MixBits(hash + 0x9e3779b97f4a7c15ull * (CountingLanes(static_cast<uint64_t>(first)) + 1));
+    return MixBits(hash + 0x9e3779b97f4a7c15ull * (CountingLanes(uint64_t(first)) + 1));
 }
 
 struct SixteenLanes {

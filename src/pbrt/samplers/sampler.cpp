@@ -20,8 +20,8 @@ void Sampler::PrepareNext() {
 
 std::unique_ptr<Sampler> Sampler::ForBatch(int index) const {
     if (index == 0) return Clone();
-    const uint64_t mixed = MixBits(static_cast<uint64_t>(settings_.seed) * 0x10001 + static_cast<uint64_t>(index));
-    return WithSeed(static_cast<int>(mixed & 0x7fffffff));
+    const uint64_t mixed = MixBits(uint64_t(settings_.seed) * 0x10001 + uint64_t(index));
+    return WithSeed(int(mixed & 0x7fffffff));
 }
 
 namespace {
@@ -36,17 +36,13 @@ constexpr NamedValue<Randomization> kHaltonRandomizations[] = {kRandomizations[0
 
 struct SeedParams {
     std::optional<int> seed;
-    template <class V>
-    void Describe(V &&v) {
-        v("seed", seed, "random seed; default: --seed or Option \"seed\"");
-    }
+    void Describe(auto &&v) { v("seed", seed, "random seed; default: --seed or Option \"seed\""); }
     int Seed(const SamplerContext &context) const { return seed.value_or(context.seed); }
 };
 
 struct CountParams : SeedParams {
     int samples = 16;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("pixelsamples", samples, Range<int>{1, kMaxSamples}, "samples per pixel; --spp overrides it");
         SeedParams::Describe(v);
     }
@@ -62,8 +58,7 @@ struct IndependentParams : CountParams {
 
 struct HaltonParams : CountParams {
     Randomization randomization = Randomization::PermuteDigits;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         CountParams::Describe(v);
         v("randomization", randomization, kHaltonRandomizations, "randomization of the points");
     }
@@ -71,8 +66,7 @@ struct HaltonParams : CountParams {
 
 struct SobolParams : CountParams {
     Randomization randomization = Randomization::FastOwen;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         CountParams::Describe(v);
         v("randomization", randomization, kRandomizations, "randomization of the points");
     }
@@ -81,8 +75,7 @@ struct SobolParams : CountParams {
 struct StratifiedParams : SeedParams {
     bool jitter = true;
     int x = 4, y = 4;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("jitter", jitter, "random place in each cell; false: centre");
         v("xsamples", x, Range<int>{1, kMaxSamples}, "cell columns per pixel; --spp overrides xsamples, ysamples");
         v("ysamples", y, Range<int>{1, kMaxSamples}, "cell rows per pixel");
@@ -94,18 +87,17 @@ std::unique_ptr<Sampler> MakeStratified(const StratifiedParams &p, const ParamSe
     int x = p.x, y = p.y;
     if (const int count = context.samplesPerPixel; count > 0) {
         // Most nearly equal factors of the count.
-        for (y = static_cast<int>(std::sqrt(double(count)) + 0.5); y > 1 && count % y != 0;) --y;
+        for (y = int(std::sqrt(double(count)) + 0.5); y > 1 && count % y != 0;) --y;
         x = count / y;
     } else if (int64_t(x) * y > kMaxSamples) {
-        throw set.Error("xsamples",
-                        fmt::format("{} x {} samples per pixel are too many; at most 2^30 are allowed.", x, y));
+        throw set.Error("xsamples", "{} x {} samples per pixel are too many; at most 2^30 are allowed.", x, y);
     }
     return std::make_unique<StratifiedSampler>(x, y, p.jitter, p.Seed(context));
 }
 
 /// Warns unless samples per pixel are a power of `base`, 2 or 4.
 void SuggestPower(int base, int samples, const ParamSet &set, const SamplerContext &context) {
-    const auto n = static_cast<unsigned>(samples);
+    const auto n = unsigned(samples);
     if (std::has_single_bit(n) && (base == 2 || std::countr_zero(n) % 2 == 0)) return;
     set.Warn(context.sink, "pixelsamples",
              fmt::format("{} samples per pixel are not a power of {}; this sampler is at its best with one.", samples,
@@ -128,22 +120,19 @@ std::unique_ptr<Sampler> MakeSobol(const SobolParams &p, const ParamSet &set, co
 }  // namespace
 
 const SamplerTable &Samplers() {
-    static const SamplerTable table = [] {
-        using Context = const SamplerContext;
-        SamplerTable t("Sampler");
-        t.Add<IndependentParams>("independent", "", [](const auto &p, const ParamSet &, Context &c) {
+    static const SamplerTable table("Sampler", [](SamplerTable &t) {
+        t.Add<IndependentParams>("independent", "", [](const auto &p, const ParamSet &, auto &c) {
             return std::make_unique<IndependentSampler>(p.Settings(c));
         });
         t.Add<StratifiedParams>("stratified", "", MakeStratified);
-        t.Add<HaltonParams>("halton", "", [](const auto &p, const ParamSet &, Context &c) {
+        t.Add<HaltonParams>("halton", "", [](const auto &p, const ParamSet &, auto &c) {
             return std::make_unique<HaltonSampler>(p.Settings(c, p.randomization));
         });
         t.Add<SobolParams>("sobol", "", MakeSobol<SobolSampler>);
         t.Add<SobolParams>("paddedsobol", "", MakeSobol<PaddedSobolSampler>);
         t.Add<SobolParams>("zsobol", "", MakeSobol<ZSobolSampler>);
         t.Add<CountParams>("pmj02bn", "the points are generated at startup and differ from stock pbrt-v4's", MakePmj);
-        return t;
-    }();
+    });
     return table;
 }
 

@@ -1,12 +1,9 @@
 #include "pbrt/samplers/sobol_samplers.h"
 
-#include <array>
-
 namespace pbrt {
-
 namespace {
 
-int Log2RoundedUp(int v) { return std::bit_width(static_cast<unsigned>(std::max(1, v)) - 1); }
+int Log2RoundedUp(int v) { return std::bit_width(unsigned(std::max(1, v)) - 1); }
 
 void SetSobolPoints(const SixteenLanes &index, Randomization randomization, const SixteenLanes &seedX, FloatLanes *x,
                     FloatLanes *y) {
@@ -26,8 +23,8 @@ SobolSampler::SobolSampler(const SamplerSettings &settings)
     for (int d = 0; d < SobolTableRow; d += Lanes64Count) {
         const Lanes64 eight = AddDimensions(seed_, d);
         for (int lane = 0; lane < Lanes64Count; ++lane) {
-            seeds.low.push_back(static_cast<uint32_t>(eight[lane]));
-            seeds.high.push_back(static_cast<uint32_t>(eight[lane] >> 32));
+            seeds.low.push_back(uint32_t(eight[lane]));
+            seeds.high.push_back(uint32_t(eight[lane] >> 32));
         }
     }
     seeds_ = std::make_shared<const Seeds>(std::move(seeds));
@@ -35,8 +32,7 @@ SobolSampler::SobolSampler(const SamplerSettings &settings)
 
 int SobolSampler::StartSample(Point2i pixel, int sampleIndex, int dimension) {
     uint32_t mask = (1u << log2Resolution_) - 1;
-    index_ = (*pixelIndex_)(static_cast<uint64_t>(sampleIndex), static_cast<uint32_t>(pixel.x) & mask,
-                            static_cast<uint32_t>(pixel.y) & mask);
+    index_ = (*pixelIndex_)(uint64_t(sampleIndex), uint32_t(pixel.x) & mask, uint32_t(pixel.y) & mask);
     return std::max(2, dimension);
 }
 
@@ -63,7 +59,7 @@ FloatLanes SobolSampler::SixteenDimensions(int first) const {
                     seed[i] = uint64_t(high[half * Lanes64Count + i]) << 32 | low[half * Lanes64Count + i];
                 }
                 bits = OwenScramble(bits, seed);
-                for (int i = 0; i < Lanes64Count; ++i) v[half * Lanes64Count + i] = static_cast<uint32_t>(bits[i]);
+                for (int i = 0; i < Lanes64Count; ++i) v[half * Lanes64Count + i] = uint32_t(bits[i]);
             }
             break;
         case Randomization::PermuteDigits: v ^= low; break;
@@ -76,7 +72,7 @@ Sampler::Run SobolSampler::Prepare(int dimension, Numbers &numbers) {
     FloatLanes values{};
     if (dimension < SobolDimensions) values = SixteenDimensions(dimension);
     for (int d = std::max(dimension, SobolDimensions); d < dimension + kPrepared; ++d) {
-        const uint64_t seed = MixBits(seed_ + 0x9e3779b97f4a7c15ull * static_cast<uint64_t>(d + 1));
+        const uint64_t seed = MixBits(seed_ + 0x9e3779b97f4a7c15ull * uint64_t(d + 1));
         values[d - dimension] = HashToFloat(MixBits(seed ^ MixBits(index_)));
     }
     numbers.SetSequence(values);
@@ -85,14 +81,14 @@ Sampler::Run SobolSampler::Prepare(int dimension, Numbers &numbers) {
 
 int PaddedSobolSampler::StartSample(Point2i pixel, int sampleIndex, int dimension) {
     int round = sampleIndex / SamplesPerPixel();
-    index_ = static_cast<uint32_t>(sampleIndex - round * SamplesPerPixel());
+    index_ = uint32_t(sampleIndex - round * SamplesPerPixel());
     pixelHash_ = Hash(pixel, settings_.seed, round);
     return dimension;
 }
 
 Sampler::Run PaddedSobolSampler::Prepare(int dimension, Numbers &numbers) {
     const SixteenLanes seed{AddDimensions(pixelHash_, dimension), AddDimensions(pixelHash_, dimension + Lanes64Count)};
-    const auto count = static_cast<uint32_t>(SamplesPerPixel());
+    const auto count = uint32_t(SamplesPerPixel());
     FloatLanes x, y;
     SetSobolPoints({PermutationElement(index_, count, seed.a), PermutationElement(index_, count, seed.b)},
                    settings_.randomization, seed, &x, &y);
@@ -110,16 +106,16 @@ int ZSobolSampler::StartSample(Point2i pixel, int sampleIndex, int dimension) {
         pixel_ = pixel;
         round_ = round;
         pixelPartKnown_ = 0;
-        roundSeed_ = seed_ + static_cast<uint64_t>(round) * 0xbf58476d1ce4e5b9ull;
-        pixelMorton_ = EncodeMorton2(static_cast<uint32_t>(pixel.x), static_cast<uint32_t>(pixel.y)) << log2Samples_;
+        roundSeed_ = seed_ + uint64_t(round) * 0xbf58476d1ce4e5b9ull;
+        pixelMorton_ = EncodeMorton2(uint32_t(pixel.x), uint32_t(pixel.y)) << log2Samples_;
     }
-    morton_ = pixelMorton_ | static_cast<uint64_t>(sampleIndex - round * SamplesPerPixel());
+    morton_ = pixelMorton_ | uint64_t(sampleIndex - round * SamplesPerPixel());
     return dimension;
 }
 
 Lanes64 ZSobolSampler::PermutedQuads(const Lanes64 &hash, int fromBit, int toBit) const {
     Lanes64 index{};
-    Lanes64 level = hash + 0x9e3779b97f4a7c15ull * static_cast<uint64_t>(fromBit / 2);
+    Lanes64 level = hash + 0x9e3779b97f4a7c15ull * uint64_t(fromBit / 2);
     for (int shift = fromBit; shift < toBit; shift += 2) {
         level += 0x9e3779b97f4a7c15ull;
         Lanes64 quad = (level ^ (morton_ >> (shift + 2))) * 0x7fb5d329728ea185ull;

@@ -1,7 +1,6 @@
 #include "pbrt/scene/shading.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Offset from the point to the ray's hit with the tangent plane; zero if parallel.
@@ -24,8 +23,7 @@ Vector2 ParameterStep(const SurfacePoint &point, const Vector3 &dp, Float invers
 
 /// Differentials of a scattered ray from those it arrived with. `scattered` maps the direction of an arriving ray and
 /// the change of the shading normal to the new direction. Invalid if too large.
-template <class F>
-RayDifferential Scattered(const SurfacePoint &point, const RayDifferential &arrived, F scattered) {
+RayDifferential Scattered(const SurfacePoint &point, const RayDifferential &arrived, auto scattered) {
     RayDifferential d;
     if (!arrived.valid) return d;
     const SurfacePoint::Shading &shading = point.shading;

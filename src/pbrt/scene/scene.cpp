@@ -1,6 +1,5 @@
 #include "pbrt/scene/scene.h"
 
-#include <new>
 #include <type_traits>
 
 #include "pbrt/core/counters.h"
@@ -15,7 +14,7 @@ Scene::Scene(SceneContents contents) : contents_(std::move(contents)), bounds_(c
         hasSubsurface_ |= m->HasBssrdf();
         needsFootprints_ |= m->NeedsFootprint();
     }
-    hasMedia_ = static_cast<bool>(contents_.cameraMedium);
+    hasMedia_ = bool(contents_.cameraMedium);
     for (const ShapeRecord &s : contents_.shapes) hasMedia_ |= s.insideMedium || s.outsideMedium;
 }
 
@@ -57,10 +56,10 @@ std::optional<Scene::Crossing> Scene::SampleCrossing(const Point3 &from, const P
         if (contents_.shapes[hit->shape.value].material != material) continue;
         // Reservoir sampling: the n-th crossing replaces the kept one with probability 1/n; u is rescaled to be uniform
         // again.
-        const Float keep = 1 - 1 / static_cast<Float>(++count);
+        const Float keep = 1 - 1 / Float(++count);
         if (u >= keep) {
             chosen = *hit;
-            u = std::min((u - keep) * static_cast<Float>(count), OneMinusEpsilon);
+            u = std::min((u - keep) * Float(count), OneMinusEpsilon);
         } else {
             u /= keep;
         }

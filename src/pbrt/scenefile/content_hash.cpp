@@ -5,7 +5,6 @@
 #include <cstring>
 #include <filesystem>
 #include <functional>
-#include <set>
 #include <vector>
 
 #include "pbrt/core/error.h"
@@ -13,7 +12,6 @@
 #include "pbrt/math/rng.h"
 
 namespace pbrt {
-
 namespace {
 
 std::vector<std::string> QuotedStrings(const std::string &text) {

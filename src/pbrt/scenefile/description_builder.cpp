@@ -4,7 +4,6 @@
 #include <utility>
 
 namespace pbrt {
-
 namespace {
 
 /// "; it was first defined at FILE:LINE", or "" if the location is unknown.
@@ -49,9 +48,8 @@ void DescriptionBuilder::UseCoordinateSystem(const GivenName &name) {
     }
     std::vector<std::string> names;
     for (const auto &[knownName, pair] : known) names.push_back(knownName);
-    sink_.Warning(name.loc,
-                  fmt::format("Coordinate system \"{}\" is not defined; the transformation stays as it is ({}).",
-                              name.text, names.empty() ? "none is defined" : ListChoices(name.text, names)));
+    sink_.Warning(name.loc, "Coordinate system \"{}\" is not defined; the transformation stays as it is ({}).",
+                  name.text, names.empty() ? "none is defined" : ListChoices(name.text, names));
 }
 
 void DescriptionBuilder::Fill(Entity &entity, const std::string &type, const char *directive, Params params,
@@ -61,7 +59,7 @@ void DescriptionBuilder::Fill(Entity &entity, const std::string &type, const cha
     entity.loc = loc;
     entity.colorSpace = s.colorSpace;
     entity.params = ParamSet(fmt::format("{} \"{}\"", directive, Abbreviate(type)), loc);
-    if (const auto *defaults = target ? s.attributes[static_cast<size_t>(*target)].get() : nullptr)
+    if (const auto *defaults = target ? s.attributes[size_t(*target)].get() : nullptr)
         for (Param p : *defaults) {
             // As in stock pbrt-v4, all parameters of an entity use the colour space current at the entity.
             p.colorSpace = s.colorSpace;
@@ -92,15 +90,13 @@ void DescriptionBuilder::WorldBegin() {
 
 void DescriptionBuilder::CountFile(const FileLoc &loc) {
     constexpr size_t kMaxFiles = 20'000;
-    if (++fileCount_ > kMaxFiles)
-        throw UserError(fmt::format("More than {} files are included or imported.", kMaxFiles), loc);
+    if (++fileCount_ > kMaxFiles) throw UserError(loc, "More than {} files are included or imported.", kMaxFiles);
 }
 
 void DescriptionBuilder::OpenBlockAt(const FileLoc &loc, BlockKind kind) {
     constexpr size_t kMaxBlocks = size_t(1) << 17;
     Unit &unit = units_.back();
-    if (unit.blocks.size() >= kMaxBlocks)
-        throw UserError(fmt::format("Blocks are nested more than {} deep.", kMaxBlocks), loc);
+    if (unit.blocks.size() >= kMaxBlocks) throw UserError(loc, "Blocks are nested more than {} deep.", kMaxBlocks);
     unit.blocks.push_back({kind, loc, unit.state, unit.object});
 }
 
@@ -118,16 +114,15 @@ void DescriptionBuilder::CloseBlock(BlockKind kind, const FileLoc &loc) {
         if (kind == BlockKind::Object) sink_.Error(loc, "ObjectEnd without ObjectBegin.");
         else if (unit.blocks.empty()) sink_.Warning(loc, "AttributeEnd without AttributeBegin; it is ignored.");
         else
-            sink_.Error(loc, fmt::format("AttributeEnd inside the ObjectBegin of {}:{}, which it cannot end.",
-                                         unit.blocks.back().loc.file->name, unit.blocks.back().loc.line));
+            sink_.Error(loc, "AttributeEnd inside the ObjectBegin of {}:{}, which it cannot end.",
+                        unit.blocks.back().loc.file->name, unit.blocks.back().loc.line);
         return;
     }
     // Also ends blocks opened further inside, so that one mistake gives one message.
     for (; unit.blocks.back().kind != kind; unit.blocks.pop_back())
-        sink_.Error(unit.blocks.back().loc,
-                    fmt::format("This {} has no end before the {}End at {}:{}.",
-                                kind == BlockKind::Attributes ? "ObjectBegin" : "AttributeBegin", word,
-                                loc.file ? loc.file->name : "", loc.line));
+        sink_.Error(unit.blocks.back().loc, "This {} has no end before the {}End at {}:{}.",
+                    kind == BlockKind::Attributes ? "ObjectBegin" : "AttributeBegin", word,
+                    loc.file ? loc.file->name : "", loc.line);
     OpenBlock &block = unit.blocks.back();
     unit.state = std::move(block.saved);
     unit.object = block.outerObject;
@@ -136,9 +131,7 @@ void DescriptionBuilder::CloseBlock(BlockKind kind, const FileLoc &loc) {
 
 bool DescriptionBuilder::IsFirst(std::map<std::string, FileLoc> &known, const char *kind, const GivenName &name) {
     auto [first, isNew] = known.try_emplace(name.text, name.loc);
-    if (!isNew)
-        sink_.Error(name.loc,
-                    fmt::format("{} \"{}\" is defined twice{}.", kind, name.text, FirstDefinedAt(first->second)));
+    if (!isNew) sink_.Error(name.loc, "{} \"{}\" is defined twice{}.", kind, name.text, FirstDefinedAt(first->second));
     return isNew;
 }
 
@@ -148,9 +141,8 @@ size_t DescriptionBuilder::PlaceOf(const GivenName &name, const char *kind, std:
     auto [place, isNew] = index.try_emplace(name.text, list.size());
     if (isNew) list.emplace_back();
     else
-        sink_.Warning(name.loc,
-                      fmt::format("{} \"{}\" is defined again by another file{}; the later definition is used.", kind,
-                                  name.text, FirstDefinedAt(list[place->second].loc)));
+        sink_.Warning(name.loc, "{} \"{}\" is defined again by another file{}; the later definition is used.", kind,
+                      name.text, FirstDefinedAt(list[place->second].loc));
     return place->second;
 }
 
@@ -158,10 +150,10 @@ void DescriptionBuilder::BeginObject(const GivenName &name, const FileLoc &loc) 
     Unit &unit = units_.back();
     int object = kDiscard;
     if (unit.object != kNoObject) {
-        sink_.Error(loc, fmt::format("ObjectBegin \"{}\" inside another object definition.", name.text));
+        sink_.Error(loc, "ObjectBegin \"{}\" inside another object definition.", name.text);
         object = unit.object;
     } else if (IsFirst(unit.objects, "Object", name)) {
-        object = static_cast<int>(PlaceOf(name, "Object", scene_.objects, objectIndex_));
+        object = int(PlaceOf(name, "Object", scene_.objects, objectIndex_));
         scene_.objects[object] = {name.text, loc, {}};
     }
     OpenBlockAt(loc, BlockKind::Object);
@@ -170,8 +162,7 @@ void DescriptionBuilder::BeginObject(const GivenName &name, const FileLoc &loc) 
 
 void DescriptionBuilder::AddInstance(const GivenName &name, const FileLoc &loc) {
     if (units_.back().object != kNoObject) {
-        sink_.Error(
-            loc, fmt::format("ObjectInstance \"{}\" inside an object definition; instances do not nest.", name.text));
+        sink_.Error(loc, "ObjectInstance \"{}\" inside an object definition; instances do not nest.", name.text);
         return;
     }
     const GraphicsState &s = State();
@@ -197,7 +188,7 @@ void DescriptionBuilder::ReportOpenBlocks() {
 }
 
 void DescriptionBuilder::AddAttributes(AttributeTarget target, Params params) {
-    auto &list = State().attributes[static_cast<size_t>(target)];
+    auto &list = State().attributes[size_t(target)];
     // Copied at most once per scope, so that many directives in one scope take linear time.
     if (!list) list = std::make_shared<Params>();
     else if (list.use_count() > 1) list = std::make_shared<Params>(*list);
@@ -209,8 +200,8 @@ void DescriptionBuilder::SetColorSpace(const std::string &name, const FileLoc &l
     std::string lower = Lower(name);
     if (std::find(kNames.begin(), kNames.end(), lower) != kNames.end()) State().colorSpace = lower;
     else
-        sink_.Warning(loc, fmt::format("Unknown colour space \"{}\"; \"{}\" stays in force ({}).", name,
-                                       State().colorSpace, ListChoices(name, kNames)));
+        sink_.Warning(loc, "Unknown colour space \"{}\"; \"{}\" stays in force ({}).", name, State().colorSpace,
+                      ListChoices(name, kNames));
 }
 
 void DescriptionBuilder::SetAreaLight(const std::string &type, Params params, const FileLoc &loc) {
@@ -222,14 +213,14 @@ void DescriptionBuilder::SetAreaLight(const std::string &type, Params params, co
 TransformPair DescriptionBuilder::Unmoving(const char *what, const FileLoc &loc) {
     const TransformPair &ctm = State().ctm;
     if (ctm.IsAnimated())
-        sink_.Warning(loc, fmt::format("{} cannot be animated; the transformation at the start time is used.", what));
+        sink_.Warning(loc, "{} cannot be animated; the transformation at the start time is used.", what);
     return {ctm.start, ctm.start};
 }
 
 void DescriptionBuilder::AddMaterial(const std::string &type, Params params, const FileLoc &loc) {
     MaterialEntity material;
     Fill(material, type, "Material", std::move(params), loc, AttributeTarget::Material);
-    State().material = {static_cast<int>(scene_.materials.size()), {}};
+    State().material = {int(scene_.materials.size()), {}};
     scene_.materials.push_back(std::move(material));
 }
 
@@ -242,10 +233,10 @@ void DescriptionBuilder::FillNamed(Entity &entity, const std::string &name, cons
     std::erase_if(params, isType);
     Fill(entity, name, directive, std::move(params), loc, target);
     if (const Param *p = entity.params.Find("type", ParamType::String); p && !type) type = *p;
-    if (!type) sink_.Error(loc, fmt::format("{} needs a parameter \"string type\".", directive));
+    if (!type) sink_.Error(loc, "{} needs a parameter \"string type\".", directive);
     else if (type->strings.size() != 1)
-        sink_.Error(type->loc, fmt::format("{}: \"string type\" takes 1 value, found {}.", entity.params.What(),
-                                           type->strings.size()));
+        sink_.Error(type->loc, "{}: \"string type\" takes 1 value, found {}.", entity.params.What(),
+                    type->strings.size());
     else entity.type = type->strings[0];
 }
 
@@ -307,7 +298,7 @@ void DescriptionBuilder::AddShape(const std::string &type, Params params, const 
         if (shape.ctm.IsAnimated()) sink_.Error(loc, "A shape that emits light cannot move.");
         PendingAreaLight &light = *s.areaLight;
         if (light.index < 0) {
-            light.index = static_cast<int>(scene_.areaLights.size());
+            light.index = int(scene_.areaLights.size());
             scene_.areaLights.push_back(std::move(light.entity));
         }
         shape.areaLight = light.index;
@@ -338,8 +329,7 @@ std::string DescriptionBuilder::ListNames(const std::string &given, const std::v
     return names.empty() || sink_.IsFull() ? none : ListChoices(given, names);
 }
 
-template <class F>
-void DescriptionBuilder::ForEachShape(F &&f) const {
+void DescriptionBuilder::ForEachShape(auto &&f) const {
     for (const ShapeEntity &shape : scene_.shapes) f(shape);
     for (const ObjectEntity &object : scene_.objects)
         for (const ShapeEntity &shape : object.shapes) f(shape);
@@ -359,10 +349,9 @@ void DescriptionBuilder::CheckMaterials() {
     std::vector<std::string> names;
     for (const auto &[name, loc] : materialNames_) names.push_back(name);
     for (const auto &[name, m] : missing)
-        sink_.Error(m.firstUse,
-                    fmt::format("This shape uses the named material \"{}\", which is not defined{}; {}.",
-                                Abbreviate(name), m.shapes > 1 ? fmt::format(" (so do {} others)", m.shapes - 1) : "",
-                                ListNames(name, names, "no material is")));
+        sink_.Error(m.firstUse, "This shape uses the named material \"{}\", which is not defined{}; {}.",
+                    Abbreviate(name), m.shapes > 1 ? fmt::format(" (so do {} others)", m.shapes - 1) : "",
+                    ListNames(name, names, "no material is"));
 }
 
 void DescriptionBuilder::CheckMedia() {
@@ -371,8 +360,8 @@ void DescriptionBuilder::CheckMedia() {
     for (const MediumEntity &m : scene_.media) names.push_back(m.name);
     auto check = [&](const std::string &name, const FileLoc &loc) {
         if (name.empty() || mediumIndex_.contains(name) || !reported.insert(name).second) return;
-        sink_.Error(loc, fmt::format("Medium \"{}\" is used here but not defined; {}.", Abbreviate(name),
-                                     ListNames(name, names, "no medium is")));
+        sink_.Error(loc, "Medium \"{}\" is used here but not defined; {}.", Abbreviate(name),
+                    ListNames(name, names, "no medium is"));
     };
     check(scene_.camera.medium, scene_.camera.loc);
     for (const LightEntity &light : scene_.lights) check(light.medium, light.loc);
@@ -391,8 +380,8 @@ void DescriptionBuilder::ResolveInstances() {
         auto found = objectIndex_.find(instance.name);
         if (found != objectIndex_.end()) return scene_.objects[found->second].shapes.empty();
         if (!reported.insert(instance.name).second) return true;
-        sink_.Error(instance.loc, fmt::format("Object \"{}\" is not defined; {}.", Abbreviate(instance.name),
-                                              ListNames(instance.name, names, "no object is")));
+        sink_.Error(instance.loc, "Object \"{}\" is not defined; {}.", Abbreviate(instance.name),
+                    ListNames(instance.name, names, "no object is"));
         return true;
     });
     std::erase_if(scene_.objects, [](const ObjectEntity &object) { return object.shapes.empty(); });

@@ -139,8 +139,7 @@ class DescriptionBuilder {
     void ReportOpenBlocks();
     void FillDefaults(const FileLoc &where);
     std::string ListNames(const std::string &given, const std::vector<std::string> &names, const char *none) const;
-    template <class F>
-    void ForEachShape(F &&f) const;
+    void ForEachShape(auto &&f) const;
     void CheckMaterials();
     void CheckMedia();
     void ResolveInstances();

@@ -11,11 +11,10 @@
 #include <unordered_map>
 #include <utility>
 
-#include "pbrt/core/limits.h"
+#include "pbrt/core/params.h"
 #include "pbrt/scenefile/parameter_reader.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Grammar of scene files: one reader per top-level or imported file.
@@ -31,9 +30,9 @@ class DirectiveReader {
             if (word.kind == TokenKind::End) return;
             bool isNumber = word.text.find_first_of("0123456789+-.") == 0;
             if (word.kind != TokenKind::Word || isNumber)
-                arguments_.Fail(word, fmt::format("Expected a directive, found {0}{1}{0}{2}.",
-                                                  word.kind == TokenKind::String ? "\"" : "", Abbreviate(word.text),
-                                                  isNumber ? " (several values need [ ] around them)" : ""));
+                arguments_.Fail(word, "Expected a directive, found {0}{1}{0}{2}.",
+                                word.kind == TokenKind::String ? "\"" : "", Abbreviate(word.text),
+                                isNumber ? " (several values need [ ] around them)" : "");
             auto found = Directives().find(word.text);
             if (found == Directives().end()) {
                 Unknown(word);
@@ -227,8 +226,8 @@ class DirectiveReader {
         Token word = arguments_.ReadWord("All, StartTime or EndTime");
         bool all = word.text == "All";
         if (!all && word.text != "StartTime" && word.text != "EndTime")
-            arguments_.Fail(word, fmt::format("Unknown word \"{}\" after ActiveTransform; {}.", Abbreviate(word.text),
-                                              ListChoices(word.text, {"All", "StartTime", "EndTime"})));
+            arguments_.Fail(word, "Unknown word \"{}\" after ActiveTransform; {}.", Abbreviate(word.text),
+                            ListChoices(word.text, {"All", "StartTime", "EndTime"}));
         State().startActive = all || word.text == "StartTime";
         State().endActive = all || word.text == "EndTime";
     }
@@ -313,10 +312,10 @@ class DirectiveReader {
         std::string path = name == "-" ? name : files_.Resolve(name);
         builder_.CountFile(loc);
         if (tokens_.Depth() >= kMaxNesting)
-            throw UserError(fmt::format("{}: files are nested more than {} deep.", Abbreviate(path), kMaxNesting), loc);
+            throw UserError(loc, "{}: files are nested more than {} deep.", Abbreviate(path), kMaxNesting);
         try {
             std::string wanted = SceneFileKey(path);
-            if (tokens_.IsOpen(wanted)) throw UserError(fmt::format("{}: the file reads itself.", path));
+            if (tokens_.IsOpen(wanted)) throw UserError("{}: the file reads itself.", path);
             *key = wanted;
             return OpenSceneFile(path);
         } catch (const UserError &e) {
@@ -375,7 +374,7 @@ std::shared_ptr<const SourceFile> OpenSceneFile(const std::string &path, ReadFro
     for (;;) {
         ssize_t got = read(STDIN_FILENO, buffer.data(), buffer.size());
         if (got < 0 && errno == EINTR) continue;
-        if (got < 0) throw UserError(fmt::format("Standard input: {}.", std::strerror(errno)));
+        if (got < 0) throw UserError("Standard input: {}.", std::strerror(errno));
         if (got == 0) break;
         text.append(buffer.data(), got);
     }

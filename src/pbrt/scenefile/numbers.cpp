@@ -5,7 +5,6 @@
 #include <string>
 
 namespace pbrt {
-
 namespace {
 
 bool IsDigit(char c) { return c >= '0' && c <= '9'; }

@@ -1,14 +1,12 @@
 #include "pbrt/scenefile/parameter_reader.h"
 
 #include <algorithm>
-#include <optional>
 #include <utility>
 
 #include "pbrt/scenefile/numbers.h"
 #include "pbrt/scenefile/unicode.h"
 
 namespace pbrt {
-
 namespace {
 
 std::string_view TakeWord(std::string_view &text) {
@@ -52,20 +50,19 @@ void ParameterReader::Fail(const Token &token, std::string message) const {
 Token ParameterReader::Require(const char *what) {
     Token token = tokens_.Next();
     if (token.kind == TokenKind::End)
-        throw UserError(fmt::format("Premature end of file: after this, {} is expected.", what), tokens_.LastLoc());
+        throw UserError(tokens_.LastLoc(), "Premature end of file: after this, {} is expected.", what);
     return token;
 }
 
 Token ParameterReader::ReadString(const char *what) {
     Token token = Require(what);
-    if (token.kind != TokenKind::String)
-        Fail(token, fmt::format("Expected {} in quotes, found {}.", what, Quote(token)));
+    if (token.kind != TokenKind::String) Fail(token, "Expected {} in quotes, found {}.", what, Quote(token));
     return token;
 }
 
 Token ParameterReader::ReadWord(const char *what) {
     Token token = Require(what);
-    if (token.kind != TokenKind::Word) Fail(token, fmt::format("Expected {}, found {}.", what, Quote(token)));
+    if (token.kind != TokenKind::Word) Fail(token, "Expected {}, found {}.", what, Quote(token));
     return token;
 }
 
@@ -74,7 +71,7 @@ void ParameterReader::ReportOverflow(const Token &token, ParamType type) const {
     std::string rule = "a number must lie between -3.4028235e+38 and 3.4028235e+38 (32-bit float)";
     if (type == ParamType::Integer)
         rule = "it does not fit a 32-bit integer, which lies between -2147483648 and 2147483647";
-    sink_.Error(tokens_.Loc(token), fmt::format("{} is too large: {}.", Abbreviate(token.text), rule));
+    sink_.Error(tokens_.Loc(token), "{} is too large: {}.", Abbreviate(token.text), rule);
 }
 
 Float ParameterReader::ReadFloat(const char *what) {
@@ -83,7 +80,7 @@ Float ParameterReader::ReadFloat(const char *what) {
     bool overflow = false;
     const char *end = token.text.data() + token.text.size();
     if (token.kind != TokenKind::Word || ScanFloat(token.text.data(), end, &value, &overflow) != end)
-        Fail(token, fmt::format("Expected a number, found {}.", Quote(token)));
+        Fail(token, "Expected a number, found {}.", Quote(token));
     if (overflow) ReportOverflow(token, ParamType::Float);
     return value;
 }
@@ -94,7 +91,7 @@ int ParameterReader::ReadInt(const char *what) {
     bool overflow = false;
     const char *end = token.text.data() + token.text.size();
     if (token.kind != TokenKind::Word || ScanInt(token.text.data(), end, &value, &overflow) != end)
-        Fail(token, fmt::format("Expected {} (an integer), found {}.", what, Quote(token)));
+        Fail(token, "Expected {} (an integer), found {}.", what, Quote(token));
     if (overflow) {
         ReportOverflow(token, ParamType::Integer);
         return 0;
@@ -106,13 +103,13 @@ bool ParameterReader::ReadBool(const char *what) {
     Token token = Require(what);
     if (token.kind == TokenKind::Word && token.text == "true") return true;
     if (token.kind == TokenKind::Word && token.text == "false") return false;
-    Fail(token, fmt::format("Expected {}: true or false without quotes, found {}.", what, Quote(token)));
+    Fail(token, "Expected {}: true or false without quotes, found {}.", what, Quote(token));
 }
 
 std::string ParameterReader::NameOf(const Token &token) const {
     if (auto bad = FindInvalidUtf8(token.text))
-        Fail(token, fmt::format("The name \"{}\\x{:02x}...\" is not valid UTF-8.",
-                                Abbreviate(token.text.substr(0, *bad)), static_cast<unsigned char>(token.text[*bad])));
+        Fail(token, "The name \"{}\\x{:02x}...\" is not valid UTF-8.", Abbreviate(token.text.substr(0, *bad)),
+             static_cast<unsigned char>(token.text[*bad]));
     return ComposeUtf8(token.text);
 }
 
@@ -140,8 +137,7 @@ Param ParameterReader::ReadDeclaration(const Token &token, bool *known) {
     std::string_view text = token.text;
     std::string_view typeWord = TakeWord(text), name = TakeWord(text);
     if (typeWord.empty() || name.empty())
-        Fail(token,
-             fmt::format("Expected a parameter declaration \"type name\", found \"{}\".", Abbreviate(token.text)));
+        Fail(token, "Expected a parameter declaration \"type name\", found \"{}\".", Abbreviate(token.text));
     Param param;
     param.loc = tokens_.Loc(token);
     param.name = name;
@@ -149,9 +145,9 @@ Param ParameterReader::ReadDeclaration(const Token &token, bool *known) {
     *known = type != kParamTypeNames.end();
     if (*known) param.type = static_cast<ParamType>(type - kParamTypeNames.begin());
     else
-        sink_.Error(param.loc, fmt::format("\"{}\": unknown parameter type \"{}\"; {}{}.", Abbreviate(token.text),
-                                           Abbreviate(typeWord), V3Hint("parameter type", typeWord),
-                                           ListChoices(typeWord, {kParamTypeNames.begin(), kParamTypeNames.end()})));
+        sink_.Error(param.loc, "\"{}\": unknown parameter type \"{}\"; {}{}.", Abbreviate(token.text),
+                    Abbreviate(typeWord), V3Hint("parameter type", typeWord),
+                    ListChoices(typeWord, {kParamTypeNames.begin(), kParamTypeNames.end()}));
     return param;
 }
 
@@ -169,8 +165,8 @@ ParameterReader::Kind ParameterReader::ReadValue(const Token &token, const Param
     Float number = 0;
     bool overflow = false;
     if (ScanFloat(begin, end, &number, &overflow) != end)
-        Fail(token, fmt::format("Expected {} for \"{}\", found {}{}.", known ? ExpectedValues(param.type) : "a value",
-                                Abbreviate(param.name), Quote(token), bracketed ? "; is ] missing before it?" : ""));
+        Fail(token, "Expected {} for \"{}\", found {}{}.", known ? ExpectedValues(param.type) : "a value",
+             Abbreviate(param.name), Quote(token), bracketed ? "; is ] missing before it?" : "");
     if (!known || param.type != ParamType::Integer) {
         if (overflow) ReportOverflow(token, ParamType::Float);
         floats_.push_back(number);
@@ -179,8 +175,8 @@ ParameterReader::Kind ParameterReader::ReadValue(const Token &token, const Param
     int integer = 0;
     overflow = false;
     if (ScanInt(begin, end, &integer, &overflow) != end)
-        sink_.Error(tokens_.Loc(token), fmt::format("Expected an integer for \"{}\", found {}.", Abbreviate(param.name),
-                                                    Abbreviate(token.text)));
+        sink_.Error(tokens_.Loc(token), "Expected an integer for \"{}\", found {}.", Abbreviate(param.name),
+                    Abbreviate(token.text));
     else if (overflow) ReportOverflow(token, ParamType::Integer);
     ints_.push_back(integer);
     return Kind::Number;
@@ -213,9 +209,8 @@ void ParameterReader::ReadValues(const Param &param, bool known, Values &values)
             values.kind = kind;
             values.first = token;
         } else if (values.kind != kind) {
-            Fail(token, fmt::format("{} among other kinds of values of \"{}\": all must be numbers, all strings or all "
-                                    "true/false.",
-                                    Quote(token), Abbreviate(param.name)));
+            Fail(token, "{} among other kinds of values of \"{}\": all must be numbers, all strings or all true/false.",
+                 Quote(token), Abbreviate(param.name));
         }
     } while (bracketed);
 }
@@ -227,9 +222,8 @@ void ParameterReader::CheckKind(const Param &param, const Values &values) {
     if (param.type == ParamType::Bool) fits = values.kind == Kind::Bool;
     if (param.type == ParamType::Spectrum) fits = values.kind != Kind::Bool;
     if (!fits)
-        sink_.Error(tokens_.Loc(values.first),
-                    fmt::format("\"{} {}\" takes {}, found {}.", Name(param.type), Abbreviate(param.name),
-                                ExpectedValues(param.type), Quote(values.first)));
+        sink_.Error(tokens_.Loc(values.first), "\"{} {}\" takes {}, found {}.", Name(param.type),
+                    Abbreviate(param.name), ExpectedValues(param.type), Quote(values.first));
 }
 
 }  // namespace pbrt

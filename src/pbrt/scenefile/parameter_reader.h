@@ -29,6 +29,10 @@ class ParameterReader {
     /// Next token; throws at the end of the input, naming `what` was expected.
     Token Require(const char *what);
     [[noreturn]] void Fail(const Token &token, std::string message) const;
+    template <class... T>
+    [[noreturn]] void Fail(const Token &token, fmt::format_string<T...> format, T &&...values) const {
+        Fail(token, fmt::format(format, std::forward<T>(values)...));
+    }
 
   private:
     enum class Kind { None, Number, String, Bool };

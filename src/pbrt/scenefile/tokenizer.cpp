@@ -13,7 +13,7 @@ void Tokenizer::Push(std::shared_ptr<const SourceFile> file, std::string key) {
     if (text.starts_with("\xfe\xff") || text.starts_with("\xff\xfe"))
         throw UserError("The file is UTF-16 text; scene files must be UTF-8.", FileLoc{file, 1, 0});
     const char *begin = text.data();
-    Reading r{static_cast<uint32_t>(files_.size()), std::move(key), begin, begin + text.size(), begin};
+    Reading r{uint32_t(files_.size()), std::move(key), begin, begin + text.size(), begin};
     if (text.starts_with("\xef\xbb\xbf")) r.position += 3;  // UTF-8 byte-order mark
     files_.push_back(std::move(file));
     stack_.push_back(std::move(r));
@@ -79,7 +79,7 @@ Token Tokenizer::Scan() {
         Token token;
         token.file = r.file;
         token.line = r.line;
-        token.column = static_cast<int>(r.position - r.lineBegin);
+        token.column = int(r.position - r.lineBegin);
         const char *begin = r.position;
         if (*begin == '"') return ScanString(r, token);
         const char *p = begin + 1;
@@ -131,7 +131,7 @@ Token Tokenizer::ScanString(Reading &r, Token token) {
 }
 
 void Tokenizer::Fail(const Reading &r, const char *at, std::string message) const {
-    throw UserError(std::move(message), FileLoc{files_[r.file], r.line, static_cast<int>(at - r.lineBegin)});
+    throw UserError(std::move(message), FileLoc{files_[r.file], r.line, int(at - r.lineBegin)});
 }
 
 template <class T, class ScanNumber>

@@ -7,7 +7,6 @@
 #include <memory>
 
 namespace pbrt {
-
 namespace {
 
 const utf8proc_uint8_t *BytesOf(std::string_view text) {

@@ -7,7 +7,6 @@
 #include "pbrt/shapes/solid_angle_sampling.h"
 
 namespace pbrt {
-
 namespace {
 
 template <class T>
@@ -80,7 +79,7 @@ Vector3 BilinearMesh::Corners::Error(const Point2 &uv, const Point3 &p, const No
     return Gamma(6) * (Abs(p00) + Abs(p10) + Abs(p01) + Abs(p11)) + test * Abs(n);
 }
 void BilinearMesh::Corners::AreaWeights(Float w[4]) const {
-    for (int i = 0; i < 4; ++i) w[i] = Length(Cross(DpDu(static_cast<Float>(i >> 1)), DpDv(static_cast<Float>(i & 1))));
+    for (int i = 0; i < 4; ++i) w[i] = Length(Cross(DpDu(Float(i >> 1)), DpDv(Float(i & 1))));
 }
 
 BilinearMesh::BilinearMesh(MeshData data, const Transform &renderFromObject, bool reverseOrientation,
@@ -126,8 +125,7 @@ Float BilinearMesh::Area(uint32_t primitive) const {
     constexpr int kPieces = 3;
     Point3 p[kPieces + 1][kPieces + 1];
     for (int i = 0; i <= kPieces; ++i)
-        for (int j = 0; j <= kPieces; ++j)
-            p[i][j] = c.At({static_cast<Float>(i) / kPieces, static_cast<Float>(j) / kPieces});
+        for (int j = 0; j <= kPieces; ++j) p[i][j] = c.At({Float(i) / kPieces, Float(j) / kPieces});
     Float area = 0;
     for (int i = 0; i < kPieces; ++i)
         for (int j = 0; j < kPieces; ++j)
@@ -198,8 +196,7 @@ std::optional<PrimitiveHit> BilinearMesh::Intersect(uint32_t primitive, const Po
     const std::optional<PatchHit> hit =
         PatchHit::Nearest(CornersOf(primitive), o, d, double(tMin), double(tMax), double(tMin), 1e-9);
     if (!hit) return {};
-    return PrimitiveHit{static_cast<Float>(hit->t), static_cast<Float>(std::clamp(hit->u, 0.0, 1.0)),
-                        static_cast<Float>(std::clamp(hit->v, 0.0, 1.0))};
+    return PrimitiveHit{Float(hit->t), Float(std::clamp(hit->u, 0.0, 1.0)), Float(std::clamp(hit->v, 0.0, 1.0))};
 }
 
 SurfacePoint BilinearMesh::SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Point3 &o,
@@ -293,7 +290,7 @@ Point2 BilinearMesh::Parameters(const Corners &c, const Point3 &p, const Normal3
         D2 along = e + v * g, rest = h - v * f;
         double u = std::abs(along.x) > std::abs(along.y) ? rest.x / along.x : rest.y / along.y;
         if (!std::isfinite(u)) continue;
-        Point2 uv(static_cast<Float>(std::clamp(u, 0.0, 1.0)), static_cast<Float>(v));
+        Point2 uv(Float(std::clamp(u, 0.0, 1.0)), static_cast<Float>(v));
         double error = double(DistanceSquared(c.At(uv), p));
         if (error < bestError) {
             bestError = error;

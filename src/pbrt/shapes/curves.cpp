@@ -6,7 +6,7 @@ namespace pbrt {
 
 size_t SegmentCount(size_t count, int degree, CurveBasis basis) {
     PBRT_CHECK(degree == 2 || degree == 3);
-    auto d = static_cast<size_t>(degree);
+    auto d = size_t(degree);
     if (count < d + 1) return 0;
     if (basis == CurveBasis::BSpline) return count - d;
     return (count - 1) % d == 0 ? (count - 1) / d : 0;
@@ -70,7 +70,7 @@ Curves::Curves(CurveKind kind, std::vector<Segment> segments, std::vector<Normal
     const std::optional<double> uniform = renderFromObject.UniformScale(1e-5);
     isPlaced_ = uniform.has_value();
     if (isPlaced_) {
-        const auto scale = static_cast<Float>(*uniform);
+        const auto scale = Float(*uniform);
         for (Segment &s : segments_) {
             for (Point3 &p : s.curve.p) p = renderFromObject.Point(p);
             s.width0 *= scale;
@@ -95,7 +95,7 @@ bool Curves::Append(const Curves &other) {
     segments_.insert(segments_.end(), other.segments_.begin(), other.segments_.end());
     normals_.insert(normals_.end(), other.normals_.begin(), other.normals_.end());
     for (Piece p : other.pieces_) {
-        p.segment = (p.segment + static_cast<uint32_t>(first)) & 0x7ffffffu;
+        p.segment = (p.segment + uint32_t(first)) & 0x7ffffffu;
         pieces_.push_back(p);
     }
     return true;
@@ -105,13 +105,13 @@ bool Curves::Append(const Curves &other) {
 /// stock pbrt-v4.
 void Curves::AddPieces(const Segment &segment, size_t index, std::vector<Piece> *pieces) {
     auto surface = [&](uint32_t log2Count) {
-        Float sum = 0, n = static_cast<Float>(1u << log2Count);
+        Float sum = 0, n = Float(1u << log2Count);
         for (uint32_t i = 0; i < 1u << log2Count; ++i)
-            sum += PieceBounds(segment, static_cast<Float>(i) / n, static_cast<Float>(i + 1) / n).SurfaceArea();
+            sum += PieceBounds(segment, Float(i) / n, Float(i + 1) / n).SurfaceArea();
         return sum;
     };
     uint32_t log2Count = 0;
-    const auto most = static_cast<uint32_t>(std::clamp(segment.splitDepth, 0, 3));
+    const auto most = uint32_t(std::clamp(segment.splitDepth, 0, 3));
     for (Float now = surface(0); log2Count < most; ++log2Count) {
         Float next = surface(log2Count + 1);
         if (next > Float(0.7) * now) break;
@@ -119,7 +119,7 @@ void Curves::AddPieces(const Segment &segment, size_t index, std::vector<Piece> 
     }
     for (uint32_t i = 0; i < 1u << log2Count; ++i) {
         Piece p{};
-        p.segment = static_cast<uint32_t>(index) & 0x7ffffffu;
+        p.segment = uint32_t(index) & 0x7ffffffu;
         p.log2Count = log2Count & 3u;
         p.index = i & 7u;
         pieces->push_back(p);
@@ -147,7 +147,7 @@ Float Curves::Area(uint32_t primitive) const {
     constexpr int kSteps = 8;
     Float area = 0;
     for (int i = 0; i < kSteps; ++i) {
-        auto at = [&](int k) { return Lerp(static_cast<Float>(k) / kSteps, piece.U0(), piece.U1()); };
+        auto at = [&](int k) { return Lerp(Float(k) / kSteps, piece.U0(), piece.U1()); };
         Vector3 step = s.curve.At(at(i + 1)) - s.curve.At(at(i));
         area += Length(renderFromSegments_.Vector(step)) * (WidthAt(s, at(i)) + WidthAt(s, at(i + 1))) / 2;
     }
@@ -253,7 +253,7 @@ std::optional<PrimitiveHit> Curves::Intersect(uint32_t primitive, const Point3 &
     Search search{*this, segment, piece.segment, z, tMin * length, tMax * length};
     if (search.Misses(c, u0, u1)) return {};
 
-    int cuts = std::clamp(segment.splitDepth, 0, 10) - static_cast<int>(piece.log2Count);
+    int cuts = std::clamp(segment.splitDepth, 0, 10) - int(piece.log2Count);
     search.Visit(c, u0, u1, cuts, false);
     if (!search.found) return {};
     Float t = search.zMax / length;

@@ -70,7 +70,7 @@ class Curves final : public Shape {
     /// Appends the segments of `other` and their primitives. False, without a change, if one shape cannot hold both.
     bool Append(const Curves &other);
 
-    uint32_t PrimitiveCount() const override { return static_cast<uint32_t>(pieces_.size()); }
+    uint32_t PrimitiveCount() const override { return uint32_t(pieces_.size()); }
     Bounds3 PrimitiveBounds(uint32_t primitive) const override;
     /// Approximately length times width.
     Float Area(uint32_t primitive) const override;
@@ -99,8 +99,8 @@ class Curves final : public Shape {
         uint32_t segment : 27;
         uint32_t log2Count : 2;
         uint32_t index : 3;
-        Float U0() const { return static_cast<Float>(index) / static_cast<Float>(1u << log2Count); }
-        Float U1() const { return static_cast<Float>(index + 1) / static_cast<Float>(1u << log2Count); }
+        Float U0() const { return Float(index) / Float(1u << log2Count); }
+        Float U1() const { return Float(index + 1) / Float(1u << log2Count); }
     };
     struct Search;
 

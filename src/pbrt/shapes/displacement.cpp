@@ -9,7 +9,6 @@
 #include "pbrt/core/parallel.h"
 
 namespace pbrt {
-
 namespace {
 
 [[noreturn]] void ThrowTooManySplits(const SplitSize &size, Float maxEdge, Float edgeScale) {
@@ -65,7 +64,7 @@ class Splitter {
     /// Midpoint vertex of an edge, shared by both faces. Empty if no float lies between the ends.
     std::optional<uint32_t> Middle(uint32_t a, uint32_t b) {
         const uint64_t key = uint64_t(std::min(a, b)) << 32 | std::max(a, b);
-        auto [it, isNew] = middles_.emplace(key, static_cast<uint32_t>(mesh_.p.size()));
+        auto [it, isNew] = middles_.emplace(key, uint32_t(mesh_.p.size()));
         if (!isNew) return it->second;
         const Point3 p = (mesh_.p[a] + mesh_.p[b]) / Float(2);
         if (p == mesh_.p[a] || p == mesh_.p[b]) {
@@ -92,8 +91,8 @@ class Splitter {
 };
 
 void MoveVertices(MeshData &mesh, const Transform &renderFromObject, const Displacement &displacement) {
-    ParallelFor(static_cast<int64_t>(mesh.p.size()), 1024, [&](int64_t begin, int64_t end) {
-        for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+    ParallelFor(int64_t(mesh.p.size()), 1024, [&](int64_t begin, int64_t end) {
+        for (auto i = size_t(begin); i < size_t(end); ++i) {
             const Normal3 placed = renderFromObject.Normal(mesh.n[i]);
             const Normal3 n = LengthSquared(placed) > 0 ? Normalize(placed) : placed;
             mesh.p[i] += mesh.n[i] * displacement.height(renderFromObject.Point(mesh.p[i]), n, mesh.uv[i]);
@@ -115,8 +114,7 @@ void RenewNormals(MeshData &mesh) {
         if (LengthSquared(sums[i]) > 0) mesh.n[i] = Normalize(sums[i]);
 }
 
-template <class F>
-void ForEachTriangle(const PlyMesh &ply, F f) {
+void ForEachTriangle(const PlyMesh &ply, auto f) {
     const std::vector<uint32_t> &t = ply.triangles.indices, &q = ply.quads.indices;
     for (size_t i = 0; i < t.size(); i += 3) f(t[i], t[i + 1], t[i + 2]);
     for (size_t i = 0; i < q.size(); i += 4) {

@@ -3,7 +3,6 @@
 #include "pbrt/shapes/triangle_mesh.h"
 
 namespace pbrt {
-
 namespace {
 
 std::string PointText(const Point3 &p) { return fmt::format("({}, {}, {})", p.x, p.y, p.z); }
@@ -37,19 +36,16 @@ void RequireReach(const std::string &what, const AnimatedTransform &place, const
     for (const Transform &t : {place.Start(), place.At(place.EndTime())})
         for (int i = 0; i < 8; ++i)
             if (const Point3 p = t.Point(b.Corner(i)); !IsWithinReach(p))
-                throw UserError(fmt::format("{} reaches to {} after the transformation; coordinates must be {}.", what,
-                                            PointText(p), Text(kCoordinateRange)),
-                                loc);
+                throw UserError(loc, "{} reaches to {} after the transformation; coordinates must be {}.", what,
+                                PointText(p), Text(kCoordinateRange));
 }
 
 void RequireReach(const std::string &what, const Shape &shape, const FileLoc &loc) {
     if (const MeshData *mesh = MeshOf(shape)) {
         for (size_t i = 0; i < mesh->p.size(); ++i)
             if (!IsWithinReach(mesh->p[i]))
-                throw UserError(
-                    fmt::format("{}: vertex {} lies at {} after the transformation; coordinates must be {}.", what, i,
-                                PointText(mesh->p[i]), Text(kCoordinateRange)),
-                    loc);
+                throw UserError(loc, "{}: vertex {} lies at {} after the transformation; coordinates must be {}.", what,
+                                i, PointText(mesh->p[i]), Text(kCoordinateRange));
         return;
     }
     for (uint32_t i = 0; i < shape.PrimitiveCount(); ++i)

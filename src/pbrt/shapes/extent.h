@@ -1,7 +1,7 @@
 #pragma once
 #include <string>
 
-#include "pbrt/core/limits.h"
+#include "pbrt/core/params.h"
 #include "pbrt/math/animated_transform.h"
 #include "pbrt/shapes/shape.h"
 

@@ -9,7 +9,6 @@
 #include "pbrt/core/error.h"
 
 namespace pbrt {
-
 namespace {
 
 namespace Far = OpenSubdiv::Far;
@@ -19,7 +18,7 @@ using Points = std::vector<Point3>;
 
 /// Warren's neighbour weight for an interior vertex of valence n. (OpenSubdiv has Loop's weights, which differ for n =
 /// 4, 5 and above 6; hence its position refinement is not used.)
-Float InteriorWeight(int n) { return n == 3 ? Float(3) / 16 : Float(3) / (8 * static_cast<Float>(n)); }
+Float InteriorWeight(int n) { return n == 3 ? Float(3) / 16 : Float(3) / (8 * Float(n)); }
 /// Boundaries are cubic B-splines. Their limit mask would be 1/6; stock's 1/5 is kept.
 constexpr Float kBoundaryWeight = Float(1) / 8, kBoundaryLimitWeight = Float(1) / 5;
 
@@ -35,7 +34,7 @@ class Ring {
         }
         isBoundary_ = level.IsVertexBoundary(vertex);
     }
-    int Size() const { return static_cast<int>(vertices_.size()); }
+    int Size() const { return int(vertices_.size()); }
     const Point3 &At(const Points &p, int i) const { return p[vertices_[i]]; }
 
     /// Weighted mean of the vertex and its neighbours (on the boundary, the two boundary neighbours): the given weight
@@ -45,13 +44,13 @@ class Ring {
         if (isBoundary_) return center * (1 - 2 * boundaryWeight) + (At(p, 0) + At(p, Size() - 1)) * boundaryWeight;
         Point3 sum(0);
         for (int i = 0; i < Size(); ++i) sum += At(p, i);
-        return center * (1 - static_cast<Float>(Size()) * interiorWeight) + sum * interiorWeight;
+        return center * (1 - Float(Size()) * interiorWeight) + sum * interiorWeight;
     }
     Point3 Refined(const Points &p, int vertex) const {
         return Smoothed(p, vertex, InteriorWeight(Size()), kBoundaryWeight);
     }
     Point3 Limit(const Points &p, int vertex) const {
-        Float n = static_cast<Float>(Size());
+        Float n = Float(Size());
         return Smoothed(p, vertex, 1 / (n + 3 / (8 * InteriorWeight(Size()))), kBoundaryLimitWeight);
     }
     /// Cross product of the tangents; `p` holds limit positions, as in stock.
@@ -63,7 +62,7 @@ class Ring {
         } else {
             along = across = Vector3(0);
             for (int i = 0; i < Size(); ++i) {
-                Float angle = 2 * Pi * static_cast<Float>(i) / static_cast<Float>(Size());
+                Float angle = 2 * Pi * Float(i) / Float(Size());
                 along += At(p, i) * std::cos(angle);
                 across -= At(p, i) * std::sin(angle);
             }
@@ -78,10 +77,9 @@ class Ring {
         if (n == 2) return At(p, 0) + At(p, 1) - Float(2) * center;
         if (n == 3) return At(p, 1) - center;
         if (n == 4) return Float(2) * (At(p, 1) + At(p, 2)) - At(p, 0) - At(p, 3) - Float(2) * center;
-        Float step = Pi / static_cast<Float>(n - 1);
+        Float step = Pi / Float(n - 1);
         Vector3 t = -std::sin(step) * (At(p, 0) + At(p, n - 1));
-        for (int i = 1; i < n - 1; ++i)
-            t += (2 - 2 * std::cos(step)) * std::sin(static_cast<Float>(i) * step) * At(p, i);
+        for (int i = 1; i < n - 1; ++i) t += (2 - 2 * std::cos(step)) * std::sin(Float(i) * step) * At(p, i);
         return t;
     }
 
@@ -104,8 +102,7 @@ Point3 EdgePoint(const Far::TopologyLevel &level, const Points &p, int edge) {
 }
 
 /// Calls f(ring, vertex) for each vertex of a level.
-template <class F>
-void ForEachRing(const Far::TopologyLevel &level, F f) {
+void ForEachRing(const Far::TopologyLevel &level, auto f) {
     Ring ring;
     for (int v = 0; v < level.GetNumVertices(); ++v) {
         ring.Collect(level, v);
@@ -127,13 +124,13 @@ void CheckManifold(std::span<const int> corners) {
         size_t face = i / 3;
         std::pair<int, int> edge(corners[i], corners[3 * face + (i + 1) % 3]);
         if (edge.first == edge.second)
-            throw UserError(fmt::format("face {} uses a point twice; subdivision needs proper triangles.", face));
+            throw UserError("face {} uses a point twice; subdivision needs proper triangles.", face);
         auto [it, isNew] = edges.emplace(edge, face);
         if (!isNew)
             throw UserError(
-                fmt::format("faces {} and {} share an edge in the same direction; subdivision needs faces "
-                            "of consistent orientation, at most two at an edge.",
-                            it->second, face));
+                "faces {} and {} share an edge in the same direction; subdivision needs faces "
+                "of consistent orientation, at most two at an edge.",
+                it->second, face);
     }
 }
 
@@ -143,7 +140,7 @@ std::unique_ptr<Far::TopologyRefiner> Refine(const std::vector<int> &corners, in
     std::vector<int> sizes(corners.size() / 3, 3);
     Descriptor descriptor;
     descriptor.numVertices = pointCount;
-    descriptor.numFaces = static_cast<int>(sizes.size());
+    descriptor.numFaces = int(sizes.size());
     descriptor.numVertsPerFace = sizes.data();
     descriptor.vertIndicesPerFace = corners.data();
     Sdc::Options options;
@@ -172,13 +169,13 @@ MeshData LoopSubdivide(std::span<const uint32_t> indices, std::span<const Point3
     for (uint32_t i : indices) {
         PBRT_CHECK(i < points.size());
         if (newIndex[i] < 0) {
-            newIndex[i] = static_cast<int>(p.size());
+            newIndex[i] = int(p.size());
             p.push_back(points[i]);
         }
         corners.push_back(newIndex[i]);
     }
     CheckManifold(corners);
-    std::unique_ptr<Far::TopologyRefiner> refiner = Refine(corners, static_cast<int>(p.size()), levels);
+    std::unique_ptr<Far::TopologyRefiner> refiner = Refine(corners, int(p.size()), levels);
     for (int i = 0; i < levels; ++i) p = RefineOnce(refiner->GetLevel(i), p, refiner->GetLevel(i + 1).GetNumVertices());
 
     const Far::TopologyLevel &last = refiner->GetLevel(levels);
@@ -187,10 +184,10 @@ MeshData LoopSubdivide(std::span<const uint32_t> indices, std::span<const Point3
     mesh.n.resize(p.size());
     ForEachRing(last, [&](const Ring &r, int v) { mesh.p[v] = r.Limit(p, v); });
     ForEachRing(last, [&](const Ring &r, int v) { mesh.n[v] = r.LimitNormal(mesh.p, v); });
-    mesh.indices.reserve(3 * static_cast<size_t>(last.GetNumFaces()));
+    mesh.indices.reserve(3 * size_t(last.GetNumFaces()));
     for (int f = 0; f < last.GetNumFaces(); ++f) {
         Far::ConstIndexArray c = last.GetFaceVertices(f);
-        for (int i = 0; i < 3; ++i) mesh.indices.push_back(static_cast<uint32_t>(c[i]));
+        for (int i = 0; i < 3; ++i) mesh.indices.push_back(uint32_t(c[i]));
     }
     return mesh;
 }

@@ -13,7 +13,6 @@
 #include "pbrt/core/error.h"
 
 namespace pbrt {
-
 namespace {
 
 enum class Scalar { Int8, Uint8, Int16, Uint16, Int32, Uint32, Float32, Float64 };
@@ -40,7 +39,7 @@ struct Header {
 
 size_t SizeOf(Scalar t) {
     static constexpr std::array<size_t, 8> kSizes = {1, 1, 2, 2, 4, 4, 4, 8};
-    return kSizes[static_cast<size_t>(t)];
+    return kSizes[size_t(t)];
 }
 
 using WordList = std::vector<std::string>;
@@ -63,7 +62,7 @@ class HeaderReader {
         const size_t end = std::min(content_.find_first_of("\r\n"), content_.size());
         if (content_.substr(end, 1) == "\r" && content_.substr(end, 2) != "\r\n") header_.lineEnd = '\r';
         if (!NextLine(&line) || Words(line) != WordList{"ply"})
-            throw UserError(fmt::format("{}: is not a PLY file: the first line must be \"ply\".", name_));
+            throw UserError("{}: is not a PLY file: the first line must be \"ply\".", name_);
         while (NextLine(&line)) {
             const WordList w = Words(line);
             if (w.empty() || w[0] == "comment" || w[0] == "obj_info") continue;
@@ -80,15 +79,17 @@ class HeaderReader {
             } else if (w[0] == "property") {
                 ReadProperty(w);
             } else {
-                Fail(fmt::format("unknown header keyword \"{}\"", w[0]));
+                Fail("unknown header keyword \"{}\"", w[0]);
             }
         }
         Fail("the header has no \"end_header\" line");
     }
 
   private:
-    [[noreturn]] void Fail(const std::string &message) const {
-        throw UserError(fmt::format("{}: line {}: {}.", name_, header_.lines, message));
+    template <class... T>
+    [[noreturn]] void Fail(fmt::format_string<T...> format, T &&...values) const {
+        const std::string message = fmt::format(format, std::forward<T>(values)...);
+        throw UserError("{}: line {}: {}.", name_, header_.lines, message);
     }
     bool NextLine(std::string_view *line) {
         if (position_ >= content_.size()) return false;
@@ -104,7 +105,7 @@ class HeaderReader {
         const std::string given(w.size() > 1 ? w[1] : "");
         const auto format = std::ranges::find(kFormats, given);
         if (w.size() != 3 || format == kFormats.end())
-            Fail(fmt::format("format \"{}\" is not known; {}", given, ListChoices(given, kFormats)));
+            Fail("format \"{}\" is not known; {}", given, ListChoices(given, kFormats));
         header_.encoding = static_cast<Encoding>(format - kFormats.begin());
     }
     void ReadElement(const WordList &w) {
@@ -112,9 +113,9 @@ class HeaderReader {
         if (w.size() != 3) Fail("an element line must read \"element <name> <count>\"");
         e.name = w[1];
         auto [end, code] = std::from_chars(w[2].data(), w[2].data() + w[2].size(), e.count);
-        if (code != std::errc() || end != w[2].data() + w[2].size()) Fail(fmt::format("\"{}\" is not a count", w[2]));
+        if (code != std::errc() || end != w[2].data() + w[2].size()) Fail("\"{}\" is not a count", w[2]);
         for (const Element &other : header_.elements)
-            if (other.name == e.name) Fail(fmt::format("element \"{}\" is declared twice", e.name));
+            if (other.name == e.name) Fail("element \"{}\" is declared twice", e.name);
         header_.elements.push_back(std::move(e));
     }
     void ReadProperty(const WordList &w) {
@@ -134,16 +135,15 @@ class HeaderReader {
         }
         Element &e = header_.elements.back();
         for (const Property &other : e.properties)
-            if (other.name == p.name)
-                Fail(fmt::format("property \"{}\" is declared twice in element \"{}\"", p.name, e.name));
+            if (other.name == p.name) Fail("property \"{}\" is declared twice in element \"{}\"", p.name, e.name);
         e.properties.push_back(std::move(p));
     }
     Scalar TypeOf(const std::string &word) const {
         static const WordList kOld = {"char", "uchar", "short", "ushort", "int", "uint", "float", "double"};
         static const WordList kNew = {"int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "float64"};
         for (size_t i = 0; i < kOld.size(); ++i)
-            if (word == kOld[i] || word == kNew[i]) return static_cast<Scalar>(i);
-        Fail(fmt::format("unknown type \"{}\"; {}", word, ListChoices(word, kOld)));
+            if (word == kOld[i] || word == kNew[i]) return Scalar(i);
+        Fail("unknown type \"{}\"; {}", word, ListChoices(word, kOld));
     }
 
     std::string_view content_;
@@ -162,7 +162,7 @@ class BodyReader {
         element_ = element;
         index_ = index;
     }
-    size_t BytesLeft() const { return static_cast<size_t>(end_ - at_); }
+    size_t BytesLeft() const { return size_t(end_ - at_); }
     Encoding Format() const { return encoding_; }
 
     double Number(Scalar type) {
@@ -176,7 +176,7 @@ class BodyReader {
         at_ += size;
         auto as = [&]<class T>(T value) {
             std::memcpy(&value, raw.data(), sizeof(T));
-            return static_cast<double>(value);
+            return double(value);
         };
         switch (type) {
             case Scalar::Int8: return as(int8_t{});
@@ -191,18 +191,18 @@ class BodyReader {
         return 0;
     }
     int64_t Integer(Scalar type) {
-        double v = encoding_ == Encoding::Ascii && type < Scalar::Float32
-                       ? static_cast<double>(AsciiNumber<int64_t>("integer"))
-                       : Number(type);
-        if (!(v == std::floor(v) && std::abs(v) < 9e15)) Fail(fmt::format("{} is not an integer", v));
-        return static_cast<int64_t>(v);
+        double v = encoding_ == Encoding::Ascii && type < Scalar::Float32 ? double(AsciiNumber<int64_t>("integer"))
+                                                                          : Number(type);
+        if (!(v == std::floor(v) && std::abs(v) < 9e15)) Fail("{} is not an integer", v);
+        return int64_t(v);
     }
 
-    [[noreturn]] void Fail(const std::string &message) const {
+    template <class... T>
+    [[noreturn]] void Fail(fmt::format_string<T...> format, T &&...values) const {
+        const std::string message = fmt::format(format, std::forward<T>(values)...);
         std::string place = element_ ? fmt::format("{} {}", *element_, index_) : std::string("body");
-        if (encoding_ == Encoding::Ascii)
-            throw UserError(fmt::format("{}: line {} ({}): {}.", name_, line_, place, message));
-        throw UserError(fmt::format("{}: {}: {}.", name_, place, message));
+        if (encoding_ == Encoding::Ascii) throw UserError("{}: line {} ({}): {}.", name_, line_, place, message);
+        throw UserError("{}: {}: {}.", name_, place, message);
     }
 
   private:
@@ -218,12 +218,11 @@ class BodyReader {
         // from_chars leaves the value unchanged on overflow and underflow alike.
         if (!ended || (code != std::errc() && code != std::errc::result_out_of_range)) {
             const char *word = std::find_if(start, end_, IsSpace);
-            Fail(fmt::format("\"{}\" is not a valid {}", std::string_view(start, std::min<size_t>(word - start, 40)),
-                             kind));
+            Fail("\"{}\" is not a valid {}", std::string_view(start, std::min<size_t>(word - start, 40)), kind);
         }
         if (code == std::errc::result_out_of_range) {
             if constexpr (std::is_floating_point_v<T>) value = std::strtod(std::string(start, stop).c_str(), nullptr);
-            else Fail(fmt::format("\"{}\" is too large", std::string_view(start, std::min<size_t>(stop - start, 40))));
+            else Fail("\"{}\" is too large", std::string_view(start, std::min<size_t>(stop - start, 40)));
         }
         at_ = stop;
         return value;
@@ -257,7 +256,7 @@ std::vector<int> VertexSlots(const Element &e) {
     std::vector<int> slots;
     for (const Property &p : e.properties) {
         const auto slot = std::find(names.begin(), names.end(), p.name);
-        slots.push_back(p.isList || slot == names.end() ? -1 : static_cast<int>(slot - names.begin()));
+        slots.push_back(p.isList || slot == names.end() ? -1 : int(slot - names.begin()));
     }
     return slots;
 }
@@ -273,7 +272,7 @@ void CheckCount(const BodyReader &body, const Element &e) {
     for (const Property &p : e.properties)
         least += body.Format() == Encoding::Ascii ? 2 : SizeOf(p.isList ? p.countType : p.type);
     if (least > 0 && e.count > (body.BytesLeft() + 1) / least)
-        body.Fail(fmt::format("the file ends too early for {} items of element \"{}\"", e.count, e.name));
+        body.Fail("the file ends too early for {} items of element \"{}\"", e.count, e.name);
 }
 
 /// v, or zero if a component is non-finite, which `broken` counts. Normals of length zero are ignored later.
@@ -304,12 +303,12 @@ size_t ReadVertices(BodyReader &body, const Element &e, MeshData &mesh) {
         std::array<Float, 8> v{};
         for (size_t k = 0; k < slots.size(); ++k) {
             if (slots[k] < 0) SkipProperty(body, e.properties[k]);
-            else v[slots[k]] = static_cast<Float>(body.Number(e.properties[k].type));
+            else v[slots[k]] = Float(body.Number(e.properties[k].type));
         }
         for (size_t k = 0; k < 3; ++k)
             if (!std::isfinite(v[k]))
-                body.Fail(fmt::format("{} is {}; positions must be finite 32-bit floats",
-                                      std::string_view("xyz").substr(k, 1), v[k]));
+                body.Fail("{} is {}; positions must be finite 32-bit floats", std::string_view("xyz").substr(k, 1),
+                          v[k]);
         mesh.p[i] = {v[0], v[1], v[2]};
         if (hasNormals) mesh.n[i] = Sanitized(Normal3(v[3], v[4], v[5]), &broken);
         if (hasUv) mesh.uv[i] = Sanitized(Point2(v[6], v[7]), &broken);
@@ -325,8 +324,7 @@ void ReadFaces(BodyReader &body, const Element &e, uint64_t vertexCount, PlyMesh
         names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ", p.name);
     }
     if (!indices)
-        body.Fail(fmt::format("faces need a list property \"vertex_indices\"; the file has {}",
-                              names.empty() ? "none" : names));
+        body.Fail("faces need a list property \"vertex_indices\"; the file has {}", names.empty() ? "none" : names);
     std::array<uint32_t, 4> corners{};
     for (uint64_t i = 0; i < e.count; ++i) {
         body.SetItem(&e.name, i);
@@ -339,9 +337,9 @@ void ReadFaces(BodyReader &body, const Element &e, uint64_t vertexCount, PlyMesh
             n = body.Integer(p.countType);
             for (int64_t c = 0; c < n; ++c) {
                 int64_t v = body.Integer(p.type);
-                if (v < 0 || v >= static_cast<int64_t>(vertexCount))
-                    body.Fail(fmt::format("vertex index {} is out of range; there are {} vertices", v, vertexCount));
-                if (c < 4) corners[c] = static_cast<uint32_t>(v);
+                if (v < 0 || v >= int64_t(vertexCount))
+                    body.Fail("vertex index {} is out of range; there are {} vertices", v, vertexCount);
+                if (c < 4) corners[c] = uint32_t(v);
             }
         }
         if (n != 3 && n != 4) {
@@ -362,7 +360,7 @@ PlyMesh ParsePly(const std::string &content, const std::string &name) {
     uint64_t vertexCount = 0;
     for (const Element &e : header.elements)
         if (e.name == "vertex") vertexCount = e.count;
-    if (vertexCount == 0) throw UserError(fmt::format("{}: has no vertices.", name));
+    if (vertexCount == 0) throw UserError("{}: has no vertices.", name);
 
     PlyMesh mesh;
     MeshData vertices;
@@ -381,7 +379,7 @@ PlyMesh ParsePly(const std::string &content, const std::string &name) {
         }
     }
     bool triangles = !mesh.triangles.indices.empty(), quads = !mesh.quads.indices.empty();
-    if (!triangles && !quads) throw UserError(fmt::format("{}: has no faces with 3 or 4 corners.", name));
+    if (!triangles && !quads) throw UserError("{}: has no faces with 3 or 4 corners.", name);
     auto give = [](MeshData &to, MeshData from) {
         to.p = std::move(from.p);
         to.n = std::move(from.n);

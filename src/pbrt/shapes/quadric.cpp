@@ -11,8 +11,8 @@ Quadric::Quadric(ShapeKind kind, Float radius, Float phiMax, const Transform &re
     toObject_ = glm::inverse(m);
     origin_ = glm::dvec3(renderFromObject.Matrix()[3]);
     double determinant = glm::determinant(m);
-    determinant_ = static_cast<Float>(std::abs(determinant));
-    scale_ = static_cast<Float>(std::cbrt(std::abs(determinant)));
+    determinant_ = Float(std::abs(determinant));
+    scale_ = Float(std::cbrt(std::abs(determinant)));
 }
 
 void Quadric::SetArea(Float objectArea) {
@@ -28,11 +28,11 @@ void Quadric::SetArea(Float objectArea) {
     double sum = 0;
     for (int i = 0; i < kSteps; ++i)
         for (int j = 0; j < kSteps; ++j) {
-            Point2 uv((static_cast<Float>(i) + Float(0.5)) / kSteps, (static_cast<Float>(j) + Float(0.5)) / kSteps);
+            Point2 uv((Float(i) + Float(0.5)) / kSteps, (Float(j) + Float(0.5)) / kSteps);
             ObjectPoint at = PointAt(uv);
             sum += double(Length(Cross(renderFromObject_.Vector(at.dpdu), renderFromObject_.Vector(at.dpdv))));
         }
-    area_ = static_cast<Float>(sum / (kSteps * kSteps));
+    area_ = Float(sum / (kSteps * kSteps));
 }
 
 Float Quadric::AreaStretch(const Normal3 &n) const {
@@ -49,8 +49,7 @@ std::optional<PrimitiveHit> Quadric::Intersect(uint32_t, const Point3 &o, const 
     for (int i = 0; i < roots.count; ++i) {
         double t = roots.t[i];
         if (!(t > double(tMin) && t < double(tMax))) continue;
-        if (std::optional<Point2> uv = Clip(origin + t * direction))
-            return PrimitiveHit{static_cast<Float>(t), uv->x, uv->y};
+        if (std::optional<Point2> uv = Clip(origin + t * direction)) return PrimitiveHit{Float(t), uv->x, uv->y};
     }
     return {};
 }

@@ -127,8 +127,7 @@ class Disk final : public Quadric {
         if (!(r <= outer && r >= inner)) return {};
         double phi = Azimuth(p.x, p.y);
         if (CutsAzimuth(phi)) return {};
-        return Point2(std::min(static_cast<Float>(phi / double(phiMax_)), Float(1)),
-                      static_cast<Float>((outer - r) / (outer - inner)));
+        return Point2(std::min(Float(phi / double(phiMax_)), Float(1)), Float((outer - r) / (outer - inner)));
     }
     ObjectPoint PointAt(const Point2 &uv) const override {
         Float phi = uv.x * phiMax_, cosPhi = std::cos(phi), sinPhi = std::sin(phi);
@@ -186,12 +185,11 @@ class Cylinder final : public Quadric {
         if (p.z < z0 || p.z > z1) return {};
         double phi = Azimuth(p.x, p.y);
         if (CutsAzimuth(phi)) return {};
-        return Point2(std::min(static_cast<Float>(phi / double(phiMax_)), Float(1)),
-                      static_cast<Float>((p.z - z0) / (z1 - z0)));
+        return Point2(std::min(Float(phi / double(phiMax_)), Float(1)), Float((p.z - z0) / (z1 - z0)));
     }
     ObjectPoint PointAt(const Point2 &uv) const override {
         double phi = double(uv.x) * double(phiMax_);
-        auto cosPhi = static_cast<Float>(std::cos(phi)), sinPhi = static_cast<Float>(std::sin(phi));
+        auto cosPhi = Float(std::cos(phi)), sinPhi = Float(std::sin(phi));
         Vector3 outward(cosPhi, sinPhi, 0), around(-sinPhi, cosPhi, 0);
         ObjectPoint at;
         at.p = {radius_ * cosPhi, radius_ * sinPhi, Lerp(uv.y, zMin_, zMax_)};

@@ -1,7 +1,7 @@
 #include "pbrt/shapes/shape_factory.h"
 
-#include "pbrt/core/limits.h"
 #include "pbrt/core/memory.h"
+#include "pbrt/core/params.h"
 #include "pbrt/images/image.h"
 #include "pbrt/shapes/bilinear_mesh.h"
 #include "pbrt/shapes/curves.h"
@@ -12,7 +12,6 @@
 #include "pbrt/shapes/triangle_mesh.h"
 
 namespace pbrt {
-
 namespace {
 
 /// A shape of type S; its constructor ends in the transformation and orientation of the context.
@@ -27,16 +26,15 @@ constexpr Items kPoints{.type = ParamType::Point3, .isRequired = true};
 
 /// Validated point index; throws UserError if out of range.
 uint32_t Corner(int index, size_t points, const ParamSet &set) {
-    if (index < 0 || static_cast<size_t>(index) >= points)
-        throw set.Error("indices", fmt::format("index {} is out of range; there are {} points.", index, points));
-    return static_cast<uint32_t>(index);
+    if (index < 0 || size_t(index) >= points)
+        throw set.Error("indices", "index {} is out of range; there are {} points.", index, points);
+    return uint32_t(index);
 }
 
 struct MeshParams {
     MeshData mesh;
     std::span<const int> indices, faceIndices;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("indices", indices, "corner indices; optional for a single face");
         v("P", mesh.p, kPoints, "points");
         v("N", mesh.n, Items{ParamType::Normal}, "normal per point");
@@ -48,16 +46,15 @@ struct MeshParams {
         if (indices.empty()) {
             if (mesh.p.size() != corners)
                 throw set.Error("",
-                                fmt::format("\"integer indices\" is missing; it may be left out only for exactly {} "
-                                            "points, and there are {}.",
-                                            corners, mesh.p.size()));
-            for (size_t i = 0; i < corners; ++i) mesh.indices.push_back(static_cast<uint32_t>(i));
+                                "\"integer indices\" is missing; it may be left out only for exactly {} "
+                                "points, and there are {}.",
+                                corners, mesh.p.size());
+            for (size_t i = 0; i < corners; ++i) mesh.indices.push_back(uint32_t(i));
         }
         size_t excess = indices.size() % corners;
         if (excess != 0)
             set.Warn(sink, "indices",
-                     fmt::format("the number of \"indices\" ({}) is not a multiple of {}; the last {} are "
-                                 "dropped.",
+                     fmt::format("the number of \"indices\" ({}) is not a multiple of {}; the last {} are dropped.",
                                  indices.size(), corners, excess));
         for (int i : indices.first(indices.size() - excess)) mesh.indices.push_back(Corner(i, mesh.p.size(), set));
         if (mesh.indices.empty()) throw set.Error("indices", "no complete face is left.");
@@ -78,8 +75,7 @@ struct MeshParams {
 };
 
 struct TriangleMeshParams : MeshParams {
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         MeshParams::Describe(v);
         v("S", mesh.s, Items{ParamType::Vector3}, "tangent per point");
     }
@@ -87,8 +83,7 @@ struct TriangleMeshParams : MeshParams {
 
 struct BilinearMeshParams : MeshParams {
     std::string emissionFilename;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         MeshParams::Describe(v);
         v("emissionfilename", emissionFilename, "image over (u, v) that guides light sampling");
     }
@@ -119,7 +114,7 @@ std::shared_ptr<const PiecewiseConstant2D> EmissionDensity(const std::string &fi
         return nullptr;
     }
     // One percent is uniform, because the light may emit where this image is black.
-    const Float everywhere = sum / static_cast<Float>(f.size()) / 100;
+    const Float everywhere = sum / Float(f.size()) / 100;
     for (Float &cell : f) cell += everywhere;
     return std::make_shared<PiecewiseConstant2D>(f, n.x, n.y);
 }
@@ -150,8 +145,7 @@ struct CurveParams {
     CurveKind kind = CurveKind::Flat;
     std::vector<Point3> points;
     std::vector<Normal3> normals;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         constexpr Range<Float> kWidthRange{0, kMaxCoordinate};
         v("P", points, kPoints, "control points");
         v("degree", degree, Range<int>{2, 3}, "degree of the curve");
@@ -176,21 +170,20 @@ ShapeList MakeCurve(CurveParams p, const ParamSet &set, const ShapeContext &cont
                                                p.points.size(), p.degree, p.degree + 1));
     if (p.kind == CurveKind::Ribbon) {
         if (p.normals.size() != count + 1)
-            throw set.Error("N", fmt::format("a ribbon of {} segments needs {} normals \"N\", and there are {}.", count,
-                                             count + 1, p.normals.size()));
+            throw set.Error("N", "a ribbon of {} segments needs {} normals \"N\", and there are {}.", count, count + 1,
+                            p.normals.size());
     } else if (!p.normals.empty()) {
         set.Warn(context.sink, "N", "\"N\" is used only for type \"ribbon\".");
         p.normals.clear();
     }
     const Float width0 = p.width0.value_or(p.width), width1 = p.width1.value_or(p.width);
-    const Float splitDepth = p.splitDepth.value_or(static_cast<Float>(p.intSplitDepth));
+    const Float splitDepth = p.splitDepth.value_or(Float(p.intSplitDepth));
     std::vector<Curves::Segment> segments(count);
     std::vector<Normal3> ends;
     for (size_t i = 0; i < count; ++i) {
-        auto along = [&](size_t k) { return static_cast<Float>(k) / static_cast<Float>(count); };
+        auto along = [&](size_t k) { return Float(k) / Float(count); };
         segments[i] = {SegmentOf(p.points, i, p.degree, p.basis), Lerp(along(i), width0, width1),
-                       Lerp(along(i + 1), width0, width1),
-                       static_cast<int>(std::clamp(splitDepth, Float(0), Float(10)))};
+                       Lerp(along(i + 1), width0, width1), int(std::clamp(splitDepth, Float(0), Float(10)))};
         if (!p.normals.empty()) ends.insert(ends.end(), {p.normals[i], p.normals[i + 1]});
     }
     return One<Curves>(context, p.kind, std::move(segments), std::move(ends));
@@ -201,8 +194,7 @@ struct LoopSubdivisionParams {
     std::string scheme = "loop";
     std::span<const int> indices;
     std::vector<Point3> points;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         // OpenSubdiv's limit is 15; 10 levels split each triangle into a million.
         v("levels", levels, Range<int>{0, 10}, "times that a triangle is split into four");
         v("indices", indices, Required(), "corner indices of the triangles");
@@ -218,7 +210,7 @@ ShapeList MakeLoopSubdivision(const LoopSubdivisionParams &p, const ParamSet &se
     if (corners.empty()) throw set.Error("indices", "no complete face is left.");
     // Includes topology and coarser levels, each a quarter of the next.
     constexpr double kBytesPerTriangle = 400;
-    const double triangles = static_cast<double>(corners.size() / 3) * std::pow(4.0, p.levels);
+    const double triangles = double(corners.size() / 3) * std::pow(4.0, p.levels);
     RequireMemory(triangles * kBytesPerTriangle, fmt::format("{}: a mesh of {:.2g} triangles", set.What(), triangles),
                   set.LocOf("levels"));
     return One<TriangleMesh>(context, set.At("indices", [&] { return LoopSubdivide(corners, p.points, p.levels); }));
@@ -227,8 +219,7 @@ ShapeList MakeLoopSubdivision(const LoopSubdivisionParams &p, const ParamSet &se
 struct PlyMeshParams {
     std::string filename;
     Float edgeLength = 1;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("filename", filename, Required(), "PLY file");
         v("edgelength", edgeLength, kLengthRange, "maximum edge of displaced triangles");
     }
@@ -252,7 +243,7 @@ ShapeList MakePlyMesh(const PlyMeshParams &p, const ParamSet &set, const ShapeCo
             const Transform place = Product({context.renderFromPlaced, context.renderFromObject});
             return One<TriangleMesh>(context, DisplaceMesh(ply, place, p.edgeLength, *context.displacement));
         } catch (const DisplacementError &e) {
-            throw set.Error(e.Parameter(), fmt::format("{}: {}", p.filename, e.Diagnostics().front().message));
+            throw set.Error(e.Parameter(), "{}: {}", p.filename, e.Diagnostics().front().message);
         }
     }
     ShapeList shapes;
@@ -264,8 +255,7 @@ ShapeList MakePlyMesh(const PlyMeshParams &p, const ParamSet &set, const ShapeCo
 
 struct QuadricParams {
     Float radius = 1, phiMax = 360;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("radius", radius, kLengthRange, "radius");
         v("phimax", phiMax, AnyFloat("degrees"), "maximum angle around the axis");
     }
@@ -273,8 +263,7 @@ struct QuadricParams {
 
 struct SphereParams : QuadricParams {
     std::optional<Float> zMin, zMax;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         QuadricParams::Describe(v);
         v("zmin", zMin, kCoordinateRange, "lower end; default: -radius");
         v("zmax", zMax, kCoordinateRange, "upper end; default: radius");
@@ -283,8 +272,7 @@ struct SphereParams : QuadricParams {
 
 struct DiskParams : QuadricParams {
     Float height = 0, inner = 0;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("height", height, kCoordinateRange, "z of the disk");
         QuadricParams::Describe(v);
         v("innerradius", inner, kCoordinateRange, "radius of the hole");
@@ -293,8 +281,7 @@ struct DiskParams : QuadricParams {
 
 struct CylinderParams : QuadricParams {
     Float zMin = -1, zMax = 1;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         QuadricParams::Describe(v);
         v("zmin", zMin, kCoordinateRange, "lower end");
         v("zmax", zMax, kCoordinateRange, "upper end");
@@ -317,11 +304,9 @@ void AddShape(ShapeTable &table, const char *name, const char *summary, bool isT
 }  // namespace
 
 const ShapeTable &Shapes() {
-    static const ShapeTable table = [] {
-        using Context = const ShapeContext;
-        ShapeTable t("Shape");
+    static const ShapeTable table("Shape", [](ShapeTable &t) {
         AddShape<TriangleMeshParams>(t, "trianglemesh", "", false,
-                                     [](TriangleMeshParams p, const ParamSet &set, Context &c) {
+                                     [](TriangleMeshParams p, const ParamSet &set, auto &c) {
                                          return One<TriangleMesh>(c, p.Finish(set, c.sink, 3));
                                      });
         AddShape<BilinearMeshParams>(t, "bilinearmesh", "", false, MakeBilinearMesh);
@@ -335,22 +320,21 @@ const ShapeTable &Shapes() {
                                 "mesh are an error",
                                 false, MakePlyMesh);
         AddShape<SphereParams>(t, "sphere", "as lights **differs** when scaled, see below", true,
-                               [](const SphereParams &p, const ParamSet &, Context &c) {
+                               [](const SphereParams &p, const ParamSet &, auto &c) {
                                    ShapeList shapes;
                                    shapes.push_back(std::make_unique<Sphere>(
                                        p.radius, p.zMin.value_or(-p.radius), p.zMax.value_or(p.radius), p.phiMax,
                                        c.renderFromObject, c.reverseOrientation, c.opaque));
                                    return shapes;
                                });
-        AddShape<DiskParams>(t, "disk", "as sphere", true, [](const DiskParams &p, const ParamSet &, Context &c) {
+        AddShape<DiskParams>(t, "disk", "as sphere", true, [](const DiskParams &p, const ParamSet &, auto &c) {
             return One<Disk>(c, p.height, p.radius, p.inner, p.phiMax);
         });
         AddShape<CylinderParams>(t, "cylinder", "as sphere", true,
-                                 [](const CylinderParams &p, const ParamSet &, Context &c) {
+                                 [](const CylinderParams &p, const ParamSet &, auto &c) {
                                      return One<Cylinder>(c, p.radius, p.zMin, p.zMax, p.phiMax);
                                  });
-        return t;
-    }();
+    });
     return table;
 }
 

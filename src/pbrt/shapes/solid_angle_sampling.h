@@ -73,7 +73,7 @@ class SphericalRectangle {
     SphericalRectangle() = default;
     SphericalRectangle(const Point3 &eye, const Point3 &corner, const Vector3 &edgeX, const Vector3 &edgeY);
 
-    Float SolidAngle() const { return static_cast<Float>(area_); }
+    Float SolidAngle() const { return Float(area_); }
     /// Position (s, t) on the rectangle; uniform by solid angle for uniform u.
     Point2 Sample(const Point2 &u) const;
     /// Inverts Sample at p, a point of the rectangle.

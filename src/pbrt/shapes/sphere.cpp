@@ -24,7 +24,7 @@ Bounds3 Sphere::ObjectBounds() const { return {Point3(-radius_, -radius_, zMin_)
 Point2 Sphere::UvOf(const glm::dvec3 &p) const {
     double phi = Azimuth(p.x, p.y), theta = std::atan2(std::sqrt(p.x * p.x + p.y * p.y), p.z);
     double t0 = double(thetaZMin_), t1 = double(thetaZMax_);
-    return {static_cast<Float>(phi / double(phiMax_)), static_cast<Float>((theta - t0) / (t1 - t0))};
+    return {Float(phi / double(phiMax_)), Float((theta - t0) / (t1 - t0))};
 }
 
 std::optional<Point2> Sphere::Clip(const glm::dvec3 &p) const {
@@ -38,8 +38,8 @@ Quadric::ObjectPoint Sphere::PointAt(const Point2 &uv) const {
     double phi = double(uv.x) * double(phiMax_);
     double theta = double(thetaZMin_) + double(uv.y) * (double(thetaZMax_) - double(thetaZMin_));
     double sinTheta = std::sin(theta), cosTheta = std::cos(theta), r = double(radius_);
-    auto cosPhi = static_cast<Float>(std::cos(phi)), sinPhi = static_cast<Float>(std::sin(phi));
-    Float ring = static_cast<Float>(r * sinTheta), z = static_cast<Float>(r * cosTheta);
+    auto cosPhi = Float(std::cos(phi)), sinPhi = Float(std::sin(phi));
+    Float ring = Float(r * sinTheta), z = Float(r * cosTheta);
 
     ObjectPoint at;
     at.p = {ring * cosPhi, ring * sinPhi, z};

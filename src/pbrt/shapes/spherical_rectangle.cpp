@@ -24,7 +24,7 @@ SphericalRectangle::SphericalRectangle(const Point3 &eye, const Point3 &corner, 
     b1_ = y1_ / std::sqrt(y1_ * y1_ + z_ * z_);
     left_ = AreaLeftOf(x0_);
     // An eye within rounding of the plane (a point of the rectangle) sees it edge-on, not as half the sphere.
-    double rounding = 1e-6 * (static_cast<double>(MaxComponent(Abs(eye))) + width + height);
+    double rounding = 1e-6 * (double(MaxComponent(Abs(eye))) + width + height);
     area_ = z_ > rounding ? AreaLeftOf(x1_) - left_ : 0;
 }
 
@@ -42,7 +42,7 @@ Point2 SphericalRectangle::Sample(const Point2 &u) const {
     double h0 = y0_ / std::sqrt(y0_ * y0_ + d2), h1 = y1_ / std::sqrt(y1_ * y1_ + d2);
     double h = h0 + double(u.y) * (h1 - h0);
     double y = std::clamp(h * std::sqrt(d2 / std::max(1 - h * h, 1e-300)), y0_, y1_);
-    return {static_cast<Float>((x - x0_) / (x1_ - x0_)), static_cast<Float>((y - y0_) / (y1_ - y0_))};
+    return {Float((x - x0_) / (x1_ - x0_)), Float((y - y0_) / (y1_ - y0_))};
 }
 
 Point2 SphericalRectangle::Invert(const Point3 &p) const {
@@ -51,7 +51,7 @@ Point2 SphericalRectangle::Invert(const Point3 &p) const {
     double y = std::clamp(glm::dot(s, glm::dvec3(axisY_)), y0_, y1_);
     double d2 = x * x + z_ * z_;
     double h0 = y0_ / std::sqrt(y0_ * y0_ + d2), h1 = y1_ / std::sqrt(y1_ * y1_ + d2), h = y / std::sqrt(y * y + d2);
-    auto unit = [](double v) { return static_cast<Float>(std::clamp(v, 0.0, 1.0)); };
+    auto unit = [](double v) { return Float(std::clamp(v, 0.0, 1.0)); };
     return {unit((AreaLeftOf(x) - left_) / area_), unit((h - h0) / (h1 - h0))};
 }
 

@@ -1,7 +1,6 @@
 #include "pbrt/shapes/surface_point.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Error bound, in the outer space, of transforming p to the inner space by a float inverse. Sums of magnitudes are

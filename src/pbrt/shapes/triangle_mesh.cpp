@@ -5,7 +5,6 @@
 #include "pbrt/shapes/solid_angle_sampling.h"
 
 namespace pbrt {
-
 namespace {
 
 Vector3 HitBarycentrics(const PrimitiveHit &hit) { return {std::max(Float(0), 1 - hit.u - hit.v), hit.u, hit.v}; }
@@ -94,7 +93,7 @@ std::optional<PrimitiveHit> TriangleMesh::Intersect(uint32_t primitive, const Po
     const std::optional<PlaneHit> at = PlaneHit::Of(CornersOf(primitive), o, d);
     if (!at || !(at->b1 >= 0 && at->b2 >= 0 && at->b1 + at->b2 <= 1 && at->t > double(tMin) && at->t < double(tMax)))
         return {};
-    return PrimitiveHit{static_cast<Float>(at->t), static_cast<Float>(at->b1), static_cast<Float>(at->b2)};
+    return PrimitiveHit{Float(at->t), Float(at->b1), Float(at->b2)};
 }
 
 SurfacePoint TriangleMesh::SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Point3 &o,

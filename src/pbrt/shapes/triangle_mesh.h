@@ -57,7 +57,7 @@ struct MeshData {
 /// Primitives that share vertices.
 class Mesh : public Shape {
   public:
-    uint32_t PrimitiveCount() const final { return static_cast<uint32_t>(mesh_.indices.size() / cornerCount_); }
+    uint32_t PrimitiveCount() const final { return uint32_t(mesh_.indices.size() / cornerCount_); }
     /// In rendering space, with normals flipped if `reverseOrientation`. There is space after the last vertex, because
     /// Embree reads 16 bytes per vertex.
     const MeshData &Data() const { return mesh_; }

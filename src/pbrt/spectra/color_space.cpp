@@ -17,7 +17,6 @@ extern const float pbrt_rgb_table_aces2065_1[];
 }
 
 namespace pbrt {
-
 namespace {
 
 constexpr std::array<Float, RgbTableResolution> kScales = RgbTableScales();
@@ -41,9 +40,9 @@ struct AxisPlace {
 };
 
 AxisPlace PlaceOfRatio(Float ratio) {
-    Float nodes = ratio * static_cast<Float>(RgbTableResolution - 1);
-    size_t node = std::min(static_cast<size_t>(nodes), RgbTableResolution - 2);
-    return {node, nodes - static_cast<Float>(node)};
+    Float nodes = ratio * Float(RgbTableResolution - 1);
+    size_t node = std::min(size_t(nodes), RgbTableResolution - 2);
+    return {node, nodes - Float(node)};
 }
 
 /// `scale` in [0, 1], on the nodes of RgbTableScales. Branchless binary search in six steps, because varying scales
@@ -130,8 +129,8 @@ ColorSpace::ColorSpace(std::string name, Point2 r, Point2 g, Point2 b, SpectrumP
 SigmoidPolynomial ColorSpace::ToPolynomial(const Rgb &rgb) const {
     const Rgb color = Bounded(rgb, 1);
     const size_t slab = LargestComponent(color);
-    const Float largest = color[static_cast<int>(slab)];
-    const Float next = color[static_cast<int>((slab + 1) % 3)], afterNext = color[static_cast<int>((slab + 2) % 3)];
+    const Float largest = color[int(slab)];
+    const Float next = color[int((slab + 1) % 3)], afterNext = color[int((slab + 2) % 3)];
     // A grey g has the flat spectrum s(0, 0, c2) = g; c2 is infinite for black and white.
     if ((next == largest && afterNext == largest) || largest < kTiny)
         return {0, 0, (largest - Float(0.5)) / std::sqrt(largest * (1 - largest))};
@@ -208,8 +207,8 @@ DenseSpectrum DaylightSpectrum(Float kelvin) {
                                : ((-2.0064e9 * i + 1.9018e6) * i + 0.24748e3) * i + 0.23704;
         double y = (-3 * x + 2.87) * x - 0.275;
         double m = 0.0241 + 0.2562 * x - 0.7341 * y;
-        auto m1 = static_cast<Float>((-1.3515 - 1.7703 * x + 5.9114 * y) / m);
-        auto m2 = static_cast<Float>((0.0300 - 31.4424 * x + 30.0717 * y) / m);
+        auto m1 = Float((-1.3515 - 1.7703 * x + 5.9114 * y) / m);
+        auto m2 = Float((0.0300 - 31.4424 * x + 30.0717 * y) / m);
         const ThreeColumnTable &s = EmbeddedDaylight();
         std::vector<Float> sum(s.lambdas.size());
         for (size_t k = 0; k < sum.size(); ++k) sum[k] = s.columns[0][k] + m1 * s.columns[1][k] + m2 * s.columns[2][k];

@@ -39,7 +39,7 @@ constexpr std::array<Float, RgbTableResolution> RgbTableScales() {
     auto smoothStep = [](double t) { return t * t * (3 - 2 * t); };
     std::array<Float, RgbTableResolution> nodes{};
     for (size_t k = 0; k < RgbTableResolution; ++k)
-        nodes[k] = static_cast<Float>(smoothStep(smoothStep(double(k) / double(RgbTableResolution - 1))));
+        nodes[k] = Float(smoothStep(smoothStep(double(k) / double(RgbTableResolution - 1))));
     return nodes;
 }
 

@@ -17,7 +17,6 @@ extern const char pbrt_csv_scattering[], pbrt_csv_scattering_end[];
 }
 
 namespace pbrt {
-
 namespace {
 
 std::string_view CutField(std::string_view &text, char separator) {

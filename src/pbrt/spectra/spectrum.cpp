@@ -5,7 +5,6 @@
 #include "pbrt/core/error.h"
 
 namespace pbrt {
-
 namespace {
 
 constexpr int kFirstNm = 360, kLastNm = 830;
@@ -20,7 +19,7 @@ constexpr Float kTanhAtMin = 0.85691062f, kTanhSpan = 1.82750197f;
 SampledWavelengths SampledWavelengths::SampleVisible(Float u) {
     SampledWavelengths s;
     for (size_t i = 0; i < SpectrumSamples; ++i) {
-        Float ui = u + static_cast<Float>(i) / SpectrumSamples;
+        Float ui = u + Float(i) / SpectrumSamples;
         if (ui > 1) ui -= 1;
         Float t = kTanhAtMin - kTanhSpan * ui;
         // Clamped, because the rounded constants reach 830.04 nm for u near 1.
@@ -34,7 +33,7 @@ SampledWavelengths SampledWavelengths::SampleUniform(Float u, Float low, Float h
     const Float range = high - low;
     SampledWavelengths s;
     for (size_t i = 0; i < SpectrumSamples; ++i) {
-        Float ui = u + static_cast<Float>(i) / SpectrumSamples;
+        Float ui = u + Float(i) / SpectrumSamples;
         if (ui > 1) ui -= 1;
         s.lambda_[i] = low + ui * range;
         s.pdf_[i] = 1 / range;
@@ -68,7 +67,7 @@ SampledSpectrum Spectrum::Sample(const SampledWavelengths &lambda) const {
 }
 
 DenseSpectrum::DenseSpectrum(const Spectrum &s) : values_(kNmCount) {
-    for (size_t i = 0; i < kNmCount; ++i) values_[i] = s(static_cast<Float>(kFirstNm + static_cast<int>(i)));
+    for (size_t i = 0; i < kNmCount; ++i) values_[i] = s(Float(kFirstNm + int(i)));
     Summarise();
 }
 
@@ -82,7 +81,7 @@ void DenseSpectrum::Summarise() {
         std::vector<double> weight(kNmCount);
         double sum = 0;
         for (size_t i = 0; i < kNmCount; ++i) {
-            const double x = (kFirstNm + static_cast<int>(i) - double(kMid)) / double(kWidth);
+            const double x = (kFirstNm + int(i) - double(kMid)) / double(kWidth);
             sum += weight[i] = 1 / (std::cosh(x) * std::cosh(x));
         }
         for (double &w : weight) w /= sum;
@@ -91,13 +90,13 @@ void DenseSpectrum::Summarise() {
     max_ = *std::max_element(values_.begin(), values_.end());
     double square = 0;
     for (size_t i = 0; i < kNmCount; ++i) square += weights[i] * double(values_[i]) * double(values_[i]);
-    rootMeanSquare_ = static_cast<Float>(std::sqrt(square));
+    rootMeanSquare_ = Float(std::sqrt(square));
 }
 
 namespace {
 /// Values are at whole nanometres; 0 outside 360-830 nm.
 inline Float Nearest(const Float *values, Float lambda) {
-    auto i = static_cast<unsigned>(static_cast<int>(lambda + Float(0.5)) - kFirstNm);
+    auto i = unsigned(int(lambda + Float(0.5)) - kFirstNm);
     return i < kNmCount ? values[i] : 0;
 }
 }  // namespace
@@ -120,7 +119,7 @@ PiecewiseLinearSpectrum::PiecewiseLinearSpectrum(std::vector<Float> lambdas, std
         PBRT_CHECK_MSG(lambdas_[i - 1] < lambdas_[i], "{} nm is followed by {} nm", lambdas_[i - 1], lambdas_[i]);
     uint32_t start = 0;
     for (size_t nm = 0; nm < kNmCount; ++nm) {
-        auto lambda = static_cast<Float>(kFirstNm + static_cast<int>(nm));
+        auto lambda = Float(kFirstNm + int(nm));
         while (start + 1 < lambdas_.size() && lambdas_[start + 1] <= lambda) ++start;
         startOfNm_[nm] = start;
     }
@@ -128,11 +127,10 @@ PiecewiseLinearSpectrum::PiecewiseLinearSpectrum(std::vector<Float> lambdas, std
 
 Float PiecewiseLinearSpectrum::operator()(Float lambda) const {
     if (!(lambda >= lambdas_.front() && lambda <= lambdas_.back())) return 0;
-    auto nm = static_cast<unsigned>(static_cast<int>(lambda) - kFirstNm);
-    size_t i =
-        nm < kNmCount
-            ? startOfNm_[nm]
-            : static_cast<size_t>(std::upper_bound(lambdas_.begin(), lambdas_.end(), lambda) - lambdas_.begin()) - 1;
+    auto nm = unsigned(int(lambda) - kFirstNm);
+    size_t i = nm < kNmCount
+                   ? startOfNm_[nm]
+                   : size_t(std::upper_bound(lambdas_.begin(), lambdas_.end(), lambda) - lambdas_.begin()) - 1;
     while (i + 1 < lambdas_.size() && lambdas_[i + 1] <= lambda) ++i;
     if (i + 1 == lambdas_.size()) return values_.back();
     Float t = (lambda - lambdas_[i]) / (lambdas_[i + 1] - lambdas_[i]);
@@ -144,7 +142,7 @@ Float PiecewiseLinearSpectrum::MaxValue() const { return *std::max_element(value
 Float Blackbody(Float lambda, Float kelvin) {
     if (!(kelvin > 0)) return 0;
     constexpr double c = 299792458, h = 6.62606957e-34, kB = 1.3806488e-23;
-    constexpr auto kFirst = static_cast<Float>(2 * h * c * c), kSecond = static_cast<Float>(h * c / kB);
+    constexpr auto kFirst = Float(2 * h * c * c), kSecond = Float(h * c / kB);
     Float l = lambda * 1e-9f, l2 = l * l;
     return kFirst / (l2 * l2 * l * std::expm1(kSecond / (l * kelvin)));
 }
@@ -160,10 +158,10 @@ Float BlackbodySpectrum::operator()(Float lambda) const { return Blackbody(lambd
 Float InnerProduct(const Spectrum &a, const Spectrum &b) {
     double sum = 0;
     for (int nm = kFirstNm; nm <= kLastNm; ++nm) {
-        auto lambda = static_cast<Float>(nm);
+        auto lambda = Float(nm);
         sum += double(a(lambda)) * double(b(lambda));
     }
-    return static_cast<Float>(sum);
+    return Float(sum);
 }
 
 Vector3 SpectrumToXyz(const Spectrum &s) {

@@ -1,24 +1,22 @@
 #include "pbrt/spectra/spectrum_params.h"
 
-#include "pbrt/core/limits.h"
 #include "pbrt/core/log.h"
+#include "pbrt/core/params.h"
 
 namespace pbrt {
-
 namespace {
 
 void RequireCount(const Param &p, size_t found, size_t wanted) {
     if (found != wanted)
-        throw UserError(fmt::format("\"{} {}\" takes {} value{}, found {}.", Name(p.type), p.name, wanted,
-                                    wanted == 1 ? "" : "s", found),
-                        p.loc);
+        throw UserError(p.loc, "\"{} {}\" takes {} value{}, found {}.", Name(p.type), p.name, wanted,
+                        wanted == 1 ? "" : "s", found);
 }
 
 SpectrumPtr FromRgb(const Param &p, SpectrumUse use) {
     RequireCount(p, p.floats.size(), 3);
     Rgb rgb(p.floats[0], p.floats[1], p.floats[2]);
     auto complain = [&](const char *what) {
-        throw UserError(fmt::format("\"rgb {}\" [ {} {} {} ]: {}.", p.name, rgb.x, rgb.y, rgb.z, what), p.loc);
+        throw UserError(p.loc, "\"rgb {}\" [ {} {} {} ]: {}.", p.name, rgb.x, rgb.y, rgb.z, what);
     };
     if (rgb.x < 0 || rgb.y < 0 || rgb.z < 0) complain("a component is negative");
     if (!std::isfinite(rgb.x) || !std::isfinite(rgb.y) || !std::isfinite(rgb.z))
@@ -41,14 +39,13 @@ SpectrumPtr FromBlackbody(const Param &p) {
     RequireCount(p, p.floats.size(), 1);
     constexpr Range<Float> kTemperatures = Positive(1e9f);
     if (!kTemperatures.Contains(p.floats[0]))
-        throw UserError(fmt::format("\"blackbody {}\": {} K; the temperature must be {}.", p.name, p.floats[0],
-                                    Text(kTemperatures)),
-                        p.loc);
+        throw UserError(p.loc, "\"blackbody {}\": {} K; the temperature must be {}.", p.name, p.floats[0],
+                        Text(kTemperatures));
     return std::make_shared<BlackbodySpectrum>(p.floats[0]);
 }
 
 SpectrumPtr FromSamples(std::span<const Float> samples, SpectrumUse use, const std::string &where, const FileLoc &loc) {
-    auto fail = [&](const std::string &what) { throw UserError(fmt::format("{}: {}.", where, what), loc); };
+    auto fail = [&](const std::string &what) { throw UserError(loc, "{}: {}.", where, what); };
     if (samples.empty()) fail("no samples; wavelength and value pairs are wanted");
     if (samples.size() % 2 != 0)
         fail(fmt::format("odd number of values ({}); wavelength and value pairs are wanted", samples.size()));
@@ -87,9 +84,8 @@ SpectrumPtr FromSpectrum(const Param &p, SpectrumUse use, const FileResolver &fi
     std::string path = files.Resolve(name);
     std::error_code ignored;
     if (!std::filesystem::exists(path, ignored))
-        throw UserError(fmt::format("\"spectrum {}\": \"{}\" is neither a file nor a built-in spectrum; {}.", p.name,
-                                    name, ListChoices(name, NamedSpectrumNames())),
-                        p.loc);
+        throw UserError(p.loc, "\"spectrum {}\": \"{}\" is neither a file nor a built-in spectrum; {}.", p.name, name,
+                        ListChoices(name, NamedSpectrumNames()));
     return FromFile(path, use, p.loc);
 }
 
@@ -123,9 +119,8 @@ void ReadParam(ParamReader &reader, const std::string &name, SpectrumParam &valu
         const Param *p = reader.Take(name, type);
         if (!p) continue;
         if (chosen && !chosen->fromAttribute && !p->fromAttribute)
-            throw UserError(fmt::format("{}: \"{}\" is given both as \"{}\" and as \"{}\".", value.set->What(), name,
-                                        Name(chosen->type), Name(p->type)),
-                            p->loc);
+            throw UserError(p->loc, "{}: \"{}\" is given both as \"{}\" and as \"{}\".", value.set->What(), name,
+                            Name(chosen->type), Name(p->type));
         // Parameters of one list are contiguous, in scene order.
         const bool isLater = chosen && chosen->fromAttribute == p->fromAttribute && p > chosen;
         if (!chosen || (chosen->fromAttribute && !p->fromAttribute) || isLater) chosen = p;

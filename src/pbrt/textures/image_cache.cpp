@@ -6,7 +6,6 @@
 #include "pbrt/core/parallel.h"
 
 namespace pbrt {
-
 namespace {
 
 const std::vector<std::string> kRgb = {"R", "G", "B"};
@@ -14,7 +13,7 @@ const std::vector<std::string> kRgb = {"R", "G", "B"};
 void RequireRgb(const Image &image, const std::string &path) {
     for (const std::string &channel : kRgb)
         if (image.FindChannel(channel) < 0)
-            throw UserError(fmt::format("{}: the image has no channel {}; R, G and B are needed.", path, channel));
+            throw UserError("{}: the image has no channel {}; R, G and B are needed.", path, channel);
 }
 
 std::shared_ptr<const MipMap> ReadMipMap(const MipMapKey &key, TileCache *tiles) {
@@ -79,7 +78,7 @@ void ImageCache::Preload(const std::vector<MipMapKey> &keys) {
         auto [it, isNew] = mipMaps_.try_emplace(key);
         missing.emplace_back(&it->first, &it->second);
     }
-    ParallelForEach(static_cast<int64_t>(missing.size()), [&](int64_t i) {
+    ParallelForEach(int64_t(missing.size()), [&](int64_t i) {
         auto [key, entry] = missing[i];
         Fill(*entry, [&, key = key] { return ReadMipMap(*key, tiles_.get()); });
     });

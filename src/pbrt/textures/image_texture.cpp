@@ -1,7 +1,6 @@
 #include "pbrt/textures/image_texture.h"
 
 namespace pbrt {
-
 namespace {
 
 struct Footprint {

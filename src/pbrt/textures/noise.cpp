@@ -5,7 +5,6 @@
 #include <cstdint>
 
 namespace pbrt {
-
 namespace {
 
 /// Permutation of 0-255 of the reference implementation (Perlin, Improving Noise, SIGGRAPH 2002).
@@ -62,7 +61,7 @@ struct LatticePlace {
 
     explicit LatticePlace(const Point3 &p) {
         const Point3 low = glm::floor(p);
-        auto whole = [](Float v) { return std::abs(v) < Float(1 << 30) ? static_cast<int>(v) : 0; };
+        auto whole = [](Float v) { return std::abs(v) < Float(1 << 30) ? int(v) : 0; };
         cell = {whole(low.x), whole(low.y), whole(low.z)};
         d = p - low;
     }
@@ -76,8 +75,8 @@ struct VisibleOctaves {
     VisibleOctaves(int count, const Vector3 &dpdx, const Vector3 &dpdy) {
         // The finest octave kept has features about two footprints apart.
         const Float squared = std::max(LengthSquared(dpdx), LengthSquared(dpdy));
-        const Float n = std::clamp(-1 - std::log2(squared) / 2, Float(0), static_cast<Float>(count));
-        whole = static_cast<int>(n);
+        const Float n = std::clamp(-1 - std::log2(squared) / 2, Float(0), Float(count));
+        whole = int(n);
         part = glm::smoothstep(Float(0.3), Float(0.7), n - std::floor(n));
     }
 };

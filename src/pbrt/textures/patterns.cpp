@@ -3,7 +3,6 @@
 #include "pbrt/textures/noise.h"
 
 namespace pbrt {
-
 namespace {
 
 Float Phase(Float x) { return x - 2 * std::floor(x / 2); }
@@ -72,8 +71,8 @@ Rgb MarbleColor(Float t) {
     // Four successive colours are the control points of a cubic Bezier curve.
     constexpr int kRuns = kMarbleColors - 3;
     const Float x = t * kRuns;
-    const int run = std::clamp(static_cast<int>(x), 0, kRuns - 1);
-    const Float b = x - static_cast<Float>(run), a = 1 - b;
+    const int run = std::clamp(int(x), 0, kRuns - 1);
+    const Float b = x - Float(run), a = 1 - b;
     const Rgb *c = kMarble + run;
     return kBrightening * (a * a * a * c[0] + 3 * a * a * b * c[1] + 3 * a * b * b * c[2] + b * b * b * c[3]);
 }

@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <array>
 
-#include "pbrt/core/limits.h"
-#include "pbrt/textures/basic_textures.h"
+#include "pbrt/core/params.h"
+#include "pbrt/textures/texture.h"
 #include "pbrt/textures/texture_makers.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Parameter that names a texture; nullptr, and `*isValue` true, if a value (one of `types`) applies or nothing is
@@ -168,15 +167,13 @@ struct TextureLibrary::Impl {
         if (!user) return made.texture;
         user->AddOperand(made.cost);
         if (user->depth > kMaxNesting)
-            throw UserError(
-                fmt::format("\"texture {}\": textures are nested more than {} deep here.", reference.name, kMaxNesting),
-                reference.loc);
+            throw UserError(reference.loc, "\"texture {}\": textures are nested more than {} deep here.",
+                            reference.name, kMaxNesting);
         if (user->evaluations > kMaxEvaluations)
-            throw UserError(
-                fmt::format("\"texture {}\": with this operand one look-up evaluates {:.2g} textures; at most {} are "
+            throw UserError(reference.loc,
+                            "\"texture {}\": with this operand one look-up evaluates {:.2g} textures; at most {} are "
                             "allowed. The number doubles with every texture whose two operands use the same ones.",
-                            reference.name, user->evaluations, kMaxEvaluations),
-                reference.loc);
+                            reference.name, user->evaluations, kMaxEvaluations);
         return made.texture;
     }
 
@@ -215,9 +212,8 @@ struct TextureLibrary::Impl {
     auto Try(Definition &d, const FileLoc &user, auto &&make) -> decltype(make()) {
         // Operands are created first, so creation nests as deep as lookups; tested here before the stack overflows.
         if (nesting >= kMaxNesting)
-            throw UserError(fmt::format("texture \"{}\": textures are nested more than {} deep here.",
-                                        Abbreviate(d.name), kMaxNesting),
-                            user);
+            throw UserError(user, "texture \"{}\": textures are nested more than {} deep here.", Abbreviate(d.name),
+                            kMaxNesting);
         struct Level {
             int &depth;
             explicit Level(int &n) : depth(++n) {}
@@ -245,7 +241,7 @@ struct TextureLibrary::Impl {
     }
 
     const Made<SpectrumTexturePtr> &MakeSpectrum(Definition &d, SpectrumUse use, const FileLoc &user = {}) {
-        Made<SpectrumTexturePtr> &made = d.asSpectrum[static_cast<size_t>(use)];
+        Made<SpectrumTexturePtr> &made = d.asSpectrum[size_t(use)];
         if (!made.texture && !d.broken)
             made.texture = Try(d, user, [&] { return MakeOf(SpectrumTextures(), d, use, &made.cost); });
         if (!made.texture)
@@ -263,7 +259,7 @@ void TextureLibrary::Define(const std::string &name, bool isSpectrum, const std:
                             const Transform &renderFromTexture) {
     FileLoc loc = params.Loc();
     if (impl_->indexOf[isSpectrum].contains(name))
-        throw UserError(fmt::format("{} texture \"{}\" is defined twice.", FamilyName(isSpectrum), name), loc);
+        throw UserError(loc, "{} texture \"{}\" is defined twice.", FamilyName(isSpectrum), name);
     auto d = std::make_unique<Impl::Definition>();
     d->name = name;
     d->textureClass = textureClass;
@@ -277,7 +273,7 @@ void TextureLibrary::Define(const std::string &name, bool isSpectrum, const std:
     if (isKnown) return;
     const std::string what = fmt::format("texture \"{}\"", Abbreviate(name));
     if (textureClass == kUnsupportedTexture)
-        throw UserError(fmt::format("{}: class \"{}\" is not supported: {}", what, textureClass, kWhyNoPtex), loc);
+        throw UserError(loc, "{}: class \"{}\" is not supported: {}", what, textureClass, kWhyNoPtex);
     std::vector<std::string> classes = isSpectrum ? SpectrumTextures().Names() : FloatTextures().Names();
     classes.push_back(kUnsupportedTexture);
     ThrowUnknown(fmt::format("{}: {} texture class", what, FamilyName(isSpectrum)), textureClass, classes, loc);
@@ -290,7 +286,7 @@ void TextureLibrary::CheckAll() {
         else impl_->MakeFloat(*d);
     }
     if (missingImages_ > 0)
-        impl_->sink.Error({}, fmt::format("{} missing texture{}.", missingImages_, missingImages_ == 1 ? "" : "s"));
+        impl_->sink.Error({}, "{} missing texture{}.", missingImages_, missingImages_ == 1 ? "" : "s");
 }
 
 FloatTexturePtr TextureLibrary::Get(const FloatTextureParam &p) { return impl_->Find(p, impl_->definitions.size()); }
@@ -300,7 +296,7 @@ SpectrumTexturePtr TextureLibrary::Get(const SpectrumTextureParam &p) {
 
 std::shared_ptr<const Image> TextureLibrary::GetLinearRgbImage(const std::string &file) {
     const std::string path = impl_->files.Resolve(file);
-    if (!FileExists(path)) throw UserError(fmt::format("{}: file not found.", file));
+    if (!FileExists(path)) throw UserError("{}: file not found.", file);
     return impl_->images.GetLinearRgb(path);
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "pbrt/core/files.h"
 #include "pbrt/images/image.h"

@@ -1,12 +1,11 @@
 #include "pbrt/textures/texture_makers.h"
 
-#include "pbrt/textures/basic_textures.h"
 #include "pbrt/textures/image_texture.h"
 #include "pbrt/textures/noise.h"
 #include "pbrt/textures/patterns.h"
+#include "pbrt/textures/texture.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Makers are templates over FloatKind or SpectrumKind, which define parameter types and the conversion of operands,
@@ -193,8 +192,7 @@ typename Kind::Ptr MakeBilerp(const BilerpParams<Kind> &p, const ParamSet &set, 
 }
 
 PointMapping MakePointMapping(const ParamSet &set, const TextureRequest &r, const char *what) {
-    if (r.renderFromTexture.IsSingular())
-        throw set.Error("", fmt::format("{} needs a transformation that can be inverted.", what));
+    if (r.renderFromTexture.IsSingular()) throw set.Error("", "{} needs a transformation that can be inverted.", what);
     return PointMapping(r.renderFromTexture);
 }
 
@@ -289,9 +287,8 @@ struct ImagemapParams : MappingParams {
         k.path = files.Resolve(filename);
         k.encoding = ColorEncoding::Parse(encoding);
         if (!k.encoding && !encoding.empty())
-            throw set.Error("encoding", fmt::format("\"{}\" is no encoding; valid: sRGB, linear, \"gamma X\" with X "
-                                                    "above 0.",
-                                                    encoding));
+            throw set.Error("encoding", "\"{}\" is no encoding; valid: sRGB, linear, \"gamma X\" with X above 0.",
+                            encoding);
         return k;
     }
 };
@@ -346,37 +343,31 @@ SpectrumTexturePtr MakeMarble(const MarbleParams &p, const ParamSet &set, const 
 }  // namespace
 
 const FloatTextureTable &FloatTextures() {
-    static const FloatTextureTable table = [] {
-        using Request = const TextureRequest;
-        FloatTextureTable t("float texture class");
+    static const FloatTextureTable table("float texture class", [](FloatTextureTable &t) {
         AddOfBothFamilies<FloatKind>(t);
         t.Add<ImagemapParams>("imagemap", "`wrap \"black\"` **differs**, see below",
-                              [](const auto &p, const ParamSet &set, Request &r) {
+                              [](const auto &p, const ParamSet &set, auto &r) {
                                   return std::make_shared<ImageFloatTexture>(MakeImageOverlay(p, set, r));
                               });
         t.Add<NoiseParams>("fbm", "", MakeNoise<&NoiseOctaves::Signed>);
         t.Add<NoiseParams>("wrinkled", "", MakeNoise<&NoiseOctaves::Creased>);
-        t.Add<NoParams>("windy", "", [](const auto &, const ParamSet &set, Request &r) {
+        t.Add<NoParams>("windy", "", [](const auto &, const ParamSet &set, auto &r) {
             return FloatKind::Compute(true, [mapping = MakePointMapping(set, r, "noise")](const TextureContext &ctx) {
                 return WindyNoise(mapping.Map(ctx));
             });
         });
-        return t;
-    }();
+    });
     return table;
 }
 
 const SpectrumTextureTable &SpectrumTextures() {
-    static const SpectrumTextureTable table = [] {
-        using Request = const TextureRequest;
-        SpectrumTextureTable t("spectrum texture class");
+    static const SpectrumTextureTable table("spectrum texture class", [](SpectrumTextureTable &t) {
         AddOfBothFamilies<SpectrumKind>(t);
-        t.Add<ImagemapParams>("imagemap", "as the float texture", [](const auto &p, const ParamSet &set, Request &r) {
+        t.Add<ImagemapParams>("imagemap", "as the float texture", [](const auto &p, const ParamSet &set, auto &r) {
             return std::make_shared<ImageSpectrumTexture>(MakeImageOverlay(p, set, r), r.use);
         });
         t.Add<MarbleParams>("marble", "", MakeMarble);
-        return t;
-    }();
+    });
     return table;
 }
 

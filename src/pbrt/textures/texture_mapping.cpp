@@ -1,7 +1,6 @@
 #include "pbrt/textures/texture_mapping.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Gradient of azimuth / 2 pi; 0 on the axis, where it is undefined.
@@ -46,7 +45,7 @@ TexCoord2 PlanarMapping::Map(const TextureContext &ctx) const {
 TextureMapping2D MappingParams::Make(const ParamSet &set, const Transform &renderFromTexture,
                                      DiagnosticSink &sink) const {
     if (mapping != "uv" && renderFromTexture.IsSingular())
-        throw set.Error("", fmt::format("mapping \"{}\" needs a transformation that can be inverted.", mapping));
+        throw set.Error("", "mapping \"{}\" needs a transformation that can be inverted.", mapping);
     if (mapping == "spherical") return SphericalMapping{PointMapping(renderFromTexture)};
     if (mapping == "cylindrical") return CylindricalMapping{PointMapping(renderFromTexture)};
     if (mapping == "planar") return PlanarMapping{PointMapping(renderFromTexture), v1, v2, uv.du, uv.dv};

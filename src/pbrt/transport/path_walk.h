@@ -1,5 +1,5 @@
 #pragma once
-#include "pbrt/films/visible_surface.h"
+#include "pbrt/films/film.h"
 #include "pbrt/scene/shading.h"
 #include "pbrt/transport/medium_track.h"
 #include "pbrt/transport/vertex.h"

@@ -21,7 +21,7 @@ std::vector<double> NeeppLightSampler::Weights(uint32_t voxel) const {
     const std::span<const uint8_t> row = map_.Row(voxel);
     std::vector<double> weights(groups_.Size());
     for (uint32_t g = 0; g < weights.size(); ++g)
-        weights[g] = static_cast<double>(std::max(map_.GroupVisibility(row, g), params_.floor));
+        weights[g] = double(std::max(map_.GroupVisibility(row, g), params_.floor));
     return weights;
 }
 
@@ -39,13 +39,13 @@ void NeeppLightSampler::Inspect(const LightQuery &query, std::vector<InspectedVa
         std::span<const uint8_t> row = map_.Row(voxel);
         for (uint32_t g = 0; g < groups_.Size(); ++g) {
             Float v = map_.GroupVisibility(row, g);
-            mean += v / static_cast<Float>(groups_.Size());
+            mean += v / Float(groups_.Size());
             seen += v > 0;
         }
     }
-    values.push_back({"voxel", static_cast<double>(voxel), true});
-    values.push_back({"groups with any visibility", static_cast<double>(seen), false});
-    values.push_back({"mean visibility of the groups", static_cast<double>(mean), false});
+    values.push_back({"voxel", double(voxel), true});
+    values.push_back({"groups with any visibility", double(seen), false});
+    values.push_back({"mean visibility of the groups", double(mean), false});
 }
 
 std::string NeeppLightSampler::DescribeStructure() const { return IsPrepared() ? map_.Describe() : std::string(); }

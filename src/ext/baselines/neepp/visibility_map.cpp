@@ -11,7 +11,6 @@
 #include "pbrt/math/warps.h"
 
 namespace ext {
-
 namespace {
 /// Decorrelates the segments from other uses of the seed.
 constexpr uint64_t kStream = 0x6e65657070ull;
@@ -25,8 +24,7 @@ constexpr int kSkySamples = 4096;
 
 /// Calls visit(point, weight) for points uniform over a primitive's area, enough to make missing a crossed voxel
 /// unlikely. Weights sum to 1.
-template <class Visit>
-void ForPointsOn(const Shape &shape, uint32_t primitive, const VoxelGrid &grid, const Visit &visit) {
+void ForPointsOn(const Shape &shape, uint32_t primitive, const VoxelGrid &grid, const auto &visit) {
     Bounds3 box = shape.PrimitiveBounds(primitive);
     if (grid.Index(box.low) == grid.Index(box.high)) {
         visit(box.Center(), Float(1));
@@ -38,23 +36,23 @@ void ForPointsOn(const Shape &shape, uint32_t primitive, const VoxelGrid &grid, 
         span[i] = size > 0 ? std::ceil((box.high[i] - box.low[i]) / size) + 1 : 1;
     }
     std::sort(span, span + 3);
-    int n = static_cast<int>(std::clamp(8 * span[1] * span[2], Float(32), Float(4096)));
+    int n = int(std::clamp(8 * span[1] * span[2], Float(32), Float(4096)));
     for (int i = 0; i < n; ++i) {
-        auto k = static_cast<uint64_t>(i);
+        auto k = uint64_t(i);
         std::optional<ShapeSample> s = shape.SampleArea(primitive, {RadicalInverse(2, k), RadicalInverse(3, k)});
-        visit(s ? s->p : box.Center(), 1 / static_cast<Float>(n));
+        visit(s ? s->p : box.Center(), 1 / Float(n));
     }
 }
 }  // namespace
 
 uint32_t LightTargets::SkyPartOf(const Vector3 &w) {
     const Point2i cell = glm::clamp(Point2i(EqualAreaSphereToSquare(w) * Float(SkySide)), 0, SkySide - 1);
-    return static_cast<uint32_t>(cell.x + SkySide * cell.y);
+    return uint32_t(cell.x + SkySide * cell.y);
 }
 
 Vector3 LightTargets::DirectionIn(uint32_t skyPart, const Point2 &u) {
     Point2 corner(skyPart % SkySide, skyPart / SkySide);
-    return EqualAreaSquareToSphere((corner + u) / static_cast<Float>(SkySide));
+    return EqualAreaSquareToSphere((corner + u) / Float(SkySide));
 }
 
 LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const LightGroups &groups) {
@@ -67,7 +65,7 @@ LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const Ligh
     std::vector<uint32_t> ofVoxel(grid.Size(), kNone), ofSkyPart(SkySide * SkySide, kNone);
     const auto addTarget = [&](const Target &target) {
         targets_.push_back(target);
-        return static_cast<uint32_t>(targets_.size() - 1);
+        return uint32_t(targets_.size() - 1);
     };
     const auto sharedTarget = [&](Kind kind, uint32_t index) {
         uint32_t &target = (kind == Kind::Voxel ? ofVoxel : ofSkyPart)[index];
@@ -79,15 +77,15 @@ LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const Ligh
         double sum = 0;
         for (const auto &[target, weight] : weights) sum += weight;
         for (const auto &[target, weight] : weights)
-            if (weight > 0) shares_.push_back({target, static_cast<Float>(weight / sum)});
-        first_.push_back(static_cast<uint32_t>(shares_.size()));
+            if (weight > 0) shares_.push_back({target, Float(weight / sum)});
+        first_.push_back(uint32_t(shares_.size()));
         weights.clear();
     };
     for (uint32_t i = 0; i < lights.Size(); ++i) {
         LightId id(i);
         if (i > 0 && groups.GroupOf(id) != groups.GroupOf(LightId(i - 1))) finishGroup();
         const LightCandidate candidate = lights.Candidate(id);
-        auto share = static_cast<double>(groups.ShareOf(id));
+        auto share = double(groups.ShareOf(id));
         if (!(candidate.power > 0)) continue;
         const LightKind kind = lights[id].Kind();
         if (kind == LightKind::DeltaDirection) {
@@ -107,7 +105,7 @@ LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const Ligh
             }
         } else if (const ShapePrimitive at = lights[id].Surface(); at.shape) {
             ForPointsOn(*at.shape, at.primitive, grid, [&](const Point3 &p, Float part) {
-                weights[sharedTarget(Kind::Voxel, grid.Index(p))] += share * static_cast<double>(part);
+                weights[sharedTarget(Kind::Voxel, grid.Index(p))] += share * double(part);
             });
         } else if (candidate.bounds) {
             weights[sharedTarget(Kind::Voxel, grid.Index(candidate.bounds->Centroid()))] += share;
@@ -128,12 +126,12 @@ void VisibilityMap::Prepare(PrepareContext &context, const LightGroups &groups) 
     grid_ = VoxelGrid(context.scene.Bounds(), voxels_);
     targets_ = LightTargets(context.scene, grid_, groups);
     rows_.Reset(grid_.Size(), targets_.Size());
-    auto work = static_cast<double>(grid_.BorderSize()) * static_cast<double>(targets_.Size()) * samples_;
+    auto work = double(grid_.BorderSize()) * double(targets_.Size()) * samples_;
     if (work > 3e8)
         LogWarning(
-            fmt::format("neepp: visibility to {} voxels and directions with lights takes about {:.1e} rays, {} for "
-                        "every voxel that a path enters for the first time.",
-                        targets_.Size(), work, targets_.Size() * static_cast<size_t>(samples_)));
+            "neepp: visibility to {} voxels and directions with lights takes about {:.1e} rays, {} for "
+            "every voxel that a path enters for the first time.",
+            targets_.Size(), work, targets_.Size() * samples_);
     prepareSeconds_ = SecondsSince(start);
 }
 
@@ -159,14 +157,14 @@ void VisibilityMap::TestSegments(uint32_t voxel, std::span<uint8_t> row) const {
             }
             freeSegments += ray.d == Vector3(0) || !accel.Occluded(ray);
         }
-        row[t] = static_cast<uint8_t>(freeSegments);
+        row[t] = uint8_t(freeSegments);
     }
 }
 
 Float VisibilityMap::GroupVisibility(std::span<const uint8_t> row, uint32_t group) const {
     Float sum = 0;
-    for (const LightTargets::Share &s : targets_.SharesOf(group)) sum += s.weight * static_cast<Float>(row[s.target]);
-    return std::min(Float(1), sum / static_cast<Float>(samples_));
+    for (const LightTargets::Share &s : targets_.SharesOf(group)) sum += s.weight * Float(row[s.target]);
+    return std::min(Float(1), sum / Float(samples_));
 }
 
 void VisibilityMap::Report(nlohmann::ordered_json &report) const {
@@ -178,7 +176,7 @@ void VisibilityMap::Report(nlohmann::ordered_json &report) const {
     report["voxelsFilled"] = rows_.Filled();
     report["voxelsFilledTwice"] = rows_.Discarded();
     report["targets"] = targets_.Size();
-    report["visibilityRays"] = (rows_.Filled() + rows_.Discarded()) * targets_.Size() * static_cast<size_t>(samples_);
+    report["visibilityRays"] = (rows_.Filled() + rows_.Discarded()) * targets_.Size() * samples_;
     report["bytes"] = rows_.Bytes() + targets_.Bytes();
 }
 

@@ -5,12 +5,11 @@
 #include <limits>
 
 namespace ext {
-
 namespace {
 constexpr int kMaxSteps = 30;
 constexpr double kTolerance = 1e-3;
 
-double Square(Float v) { return static_cast<double>(v) * static_cast<double>(v); }
+double Square(Float v) { return double(v) * double(v); }
 
 /// -dS/dp times p^2 for one point of value 1, computed relative to max(p, r) to avoid under- and overflow: 1 for r = 0.
 /// Never negative: x^3 - 3x + 4 > 0 for x = p/r >= 0.
@@ -43,7 +42,7 @@ bool LeastVariancePmf(std::span<const LightPoint> points, std::span<double> pmf)
         for (size_t l = 0; l < lights; ++l) {
             double p = pmf[l], gain = 0;
             if (!(p > 0)) continue;
-            for (const LightPoint &y : of(l)) gain += Square(y.value) * Gain(p, static_cast<double>(y.ratio));
+            for (const LightPoint &y : of(l)) gain += Square(y.value) * Gain(p, double(y.ratio));
             double target = std::sqrt(gain);  // unnormalized
             if (p > kTolerance) {
                 least = std::min(least, target / p);

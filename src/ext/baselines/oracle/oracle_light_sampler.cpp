@@ -11,7 +11,6 @@
 #include "pbrt/scene/scene.h"
 
 namespace ext {
-
 namespace {
 
 /// Decorrelates this sampler from other uses of the seed.
@@ -35,7 +34,7 @@ Scattered ScatteredTo(const LightQuery &q, const Vector3 &wi, bool needsPdf) {
     return {SampledSpectrum(std::abs(cosine) / Pi), std::abs(cosine) / Pi};
 }
 
-Float Fraction(double v) { return std::min(static_cast<Float>(v - std::floor(v)), OneMinusEpsilon); }
+Float Fraction(double v) { return std::min(Float(v - std::floor(v)), OneMinusEpsilon); }
 
 }  // namespace
 
@@ -47,17 +46,17 @@ void OracleLightSampler::Prepare(PrepareContext &context) {
     if (groups_.Size() <= 1) return;
     scene_ = &context.scene;
     seed_ = context.seed;
-    LogWarning(fmt::format(
+    LogWarning(
         "oracle: this measuring instrument is slow: {} lights x {} samples = up to {} shadow rays at every path "
         "vertex.",
-        groups_.Size(), params_.samples, groups_.Size() * static_cast<size_t>(params_.samples)));
+        groups_.Size(), params_.samples, groups_.Size() * params_.samples);
 }
 
 const Float *OracleLightSampler::Measure(const LightQuery &query, LightMemory &memory) const {
     const SampledWavelengths &lambda = query.bsdf && query.lambda ? *query.lambda : SampledWavelengths::WholeRange();
     const LightSampleContext from{query.p, query.pError, query.n, query.ns, query.time};
     const size_t groupCount = groups_.Size();
-    const auto k = static_cast<size_t>(params_.samples);
+    const size_t k = params_.samples;
 
     thread_local std::vector<LightPoint> points;
     thread_local std::vector<double> pmf;
@@ -68,12 +67,11 @@ const Float *OracleLightSampler::Measure(const LightQuery &query, LightMemory &m
     const RenderCounters before = counters;  // not counted as rays of the render
     Rng rng(Hash(kStream, seed_, query.p, query.wo));
     for (uint32_t g = 0; g < groupCount; ++g) {
-        const double shift[3] = {static_cast<double>(rng.Uniform()), static_cast<double>(rng.Uniform()),
-                                 static_cast<double>(rng.Uniform())};
+        const double shift[3] = {double(rng.Uniform()), double(rng.Uniform()), double(rng.Uniform())};
         for (size_t i = 0; i < k; ++i) {
             // Additive recurrence with reciprocal powers of the root of x^4 = x + 1: evenly distributed for any number
             // of points.
-            const auto at = static_cast<double>(i);
+            const auto at = double(i);
             std::optional<SampledLight> chosen =
                 interior_.Sample(g, query, Fraction(shift[0] + at * 0.5497004779019703));
             if (!chosen) continue;
@@ -87,7 +85,7 @@ const Float *OracleLightSampler::Measure(const LightQuery &query, LightMemory &m
             // RMS over the wavelengths, because errors are squared per wavelength.
             const double value = RootMeanSquare(sample->L * scattered.fCos) / double(pLight) / scene_->Lights().Unit();
             if (!(value > 0) || !std::isfinite(value) || scene_->Occluded(from, *sample)) continue;
-            points[g * k + i] = {static_cast<Float>(value), findable ? scattered.pdf / pLight : 0};
+            points[g * k + i] = {Float(value), findable ? scattered.pdf / pLight : 0};
         }
     }
     rays_.fetch_add(counters.shadowRays - before.shadowRays, std::memory_order_relaxed);
@@ -101,7 +99,7 @@ const Float *OracleLightSampler::Measure(const LightQuery &query, LightMemory &m
     for (size_t g = 0; g < groupCount; ++g) {
         running += pmf[g];
         if (pmf[g] > 0) last = g;
-        cdf[g] = static_cast<Float>(std::min(running, 1.0));
+        cdf[g] = Float(std::min(running, 1.0));
     }
     std::fill(cdf + last, cdf + groupCount, Float(1));
     return cdf;
@@ -139,7 +137,7 @@ void OracleLightSampler::Inspect(const LightQuery &query, std::vector<InspectedV
     LightMemory memory;
     const Float *cdf = scene_ && groups_.Size() > 1 ? Measure(query, memory) : nullptr;
     for (uint32_t g = 0; cdf && g < groups_.Size(); ++g) seen += CdfPMF({cdf, groups_.Size()}, g) > 0;
-    values.push_back({"lights seen", static_cast<double>(seen), false});
+    values.push_back({"lights seen", double(seen), false});
 }
 
 void OracleLightSampler::Report(nlohmann::ordered_json &report) const {
@@ -148,9 +146,9 @@ void OracleLightSampler::Report(nlohmann::ordered_json &report) const {
     report["note"] =
         "The oracle is a measuring instrument; its render time is not comparable with that of other light samplers.";
     GroupLightSampler::Report(report);
-    report["mostShadowRaysPerVertex"] = scene_ ? groups_.Size() * static_cast<size_t>(params_.samples) : 0;
+    report["mostShadowRaysPerVertex"] = scene_ ? groups_.Size() * params_.samples : 0;
     report["ownShadowRays"] = rays;
-    report["ownShadowRaysPerVertex"] = measured ? static_cast<double>(rays) / static_cast<double>(measured) : 0.0;
+    report["ownShadowRaysPerVertex"] = measured ? double(rays) / double(measured) : 0.0;
 }
 
 }  // namespace ext

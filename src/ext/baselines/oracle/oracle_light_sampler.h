@@ -14,8 +14,7 @@ struct OracleParams {
     bool meshlights = true;
     bool interior = true;
 
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("samples", samples, Range<int>{1, 4096}, "shadow rays to every light, each time a light is chosen");
         v("floor", floor, Range<Float>{1e-4f, 1.f},
           "share of the probability handed out by unoccluded importance, whatever the shadow rays saw");

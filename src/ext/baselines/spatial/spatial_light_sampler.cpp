@@ -13,7 +13,6 @@
 #include "pbrt/scene/scene.h"
 
 namespace ext {
-
 namespace {
 /// Decorrelates the shifts from other uses of the seed.
 constexpr uint64_t kStream = 0x7370617469616cull;
@@ -39,12 +38,12 @@ void SpatialLightSampler::Prepare(PrepareContext &context) {
     const auto start = std::chrono::steady_clock::now();
     PrepareVoxels(VoxelGrid(context.scene.Bounds(), params_.voxels));
     seed_ = context.seed;
-    auto work = static_cast<double>(grid_.BorderSize()) * static_cast<double>(groups_.Size()) * params_.samples;
+    auto work = double(grid_.BorderSize()) * double(groups_.Size()) * params_.samples;
     if (work > 3e8)
         LogWarning(
-            fmt::format("spatial: the distributions over {} lights take about {:.1e} light samples, {} for every "
-                        "voxel that a path enters for the first time.",
-                        groups_.Size(), work, groups_.Size() * points_.size()));
+            "spatial: the distributions over {} lights take about {:.1e} light samples, {} for every "
+            "voxel that a path enters for the first time.",
+            groups_.Size(), work, groups_.Size() * points_.size());
     prepareSeconds_ = SecondsSince(start);
 }
 
@@ -71,14 +70,13 @@ std::vector<double> SpatialLightSampler::UnshadowedContributions(uint32_t voxel)
             if (std::isfinite(value)) mean[g] += value;
         }
     }
-    for (double &m : mean) m /= static_cast<double>(points_.size());
+    for (double &m : mean) m /= double(points_.size());
     return mean;
 }
 
 std::vector<double> SpatialLightSampler::Weights(uint32_t voxel) const {
     std::vector<double> f = UnshadowedContributions(voxel);
-    double least =
-        std::accumulate(f.begin(), f.end(), 0.0) / static_cast<double>(f.size()) * static_cast<double>(params_.floor);
+    double least = std::accumulate(f.begin(), f.end(), 0.0) / double(f.size()) * double(params_.floor);
     for (double &v : f) v = std::max(v, least);
     return f;
 }
@@ -98,16 +96,16 @@ void SpatialLightSampler::Report(nlohmann::ordered_json &report) const {
 
 void SpatialLightSampler::Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const {
     uint32_t strongest = 0;
-    Float share = groups_.Size() > 0 ? 1 / static_cast<Float>(groups_.Size()) : 0;
+    Float share = groups_.Size() > 0 ? 1 / Float(groups_.Size()) : 0;
     if (IsPrepared()) {
         std::span<const uint32_t> cdf = Cdf(query.p);
         for (uint32_t g = 1; g < cdf.size(); ++g)
             if (FixedCdfPMF(cdf, g) > FixedCdfPMF(cdf, strongest)) strongest = g;
         share = FixedCdfPMF(cdf, strongest);
     }
-    values.push_back({"voxel", static_cast<double>(grid_.Index(query.p)), true});
-    values.push_back({"strongest group", static_cast<double>(strongest), true});
-    values.push_back({"share of the strongest group", static_cast<double>(share), false});
+    values.push_back({"voxel", double(grid_.Index(query.p)), true});
+    values.push_back({"strongest group", double(strongest), true});
+    values.push_back({"share of the strongest group", double(share), false});
 }
 
 std::string SpatialLightSampler::DescribeStructure() const {

@@ -10,8 +10,7 @@ struct SpatialParams {
     Float floor = 0.001f;
     bool meshlights = true;
 
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("voxels", voxels, Range<int>{1, 256}, "voxels along the longest axis of the scene");
         v("samples", samples, Range<int>{1, 1 << 16}, "points in a voxel, each with one light sample of every light");
         v("floor", floor, Range<Float>{1e-6f, 1.f},

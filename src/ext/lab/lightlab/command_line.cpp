@@ -11,7 +11,6 @@
 #include "pbrt/cmd/flags.h"
 
 namespace ext::lab {
-
 namespace {
 
 const char *const kAbout =
@@ -190,7 +189,7 @@ std::vector<Bounds2i> ParseCrops(const std::string &text) {
         std::istringstream in(piece);
         in >> v[0] >> comma[0] >> v[1] >> comma[1] >> v[2] >> comma[2] >> v[3];
         if (!in || std::string(comma, 3) != ",,," || in >> rest || v[2] <= v[0] || v[3] <= v[1])
-            throw UserError(fmt::format("--crops: \"{}\" is not x0,y0,x1,y1 with x0 < x1 and y0 < y1.", piece));
+            throw UserError("--crops: \"{}\" is not x0,y0,x1,y1 with x0 < x1 and y0 < y1.", piece);
         crops.push_back({{v[0], v[1]}, {v[2], v[3]}});
     }
     return crops;

@@ -17,7 +17,6 @@
 #include "plugins.h"
 
 namespace ext::lab {
-
 namespace {
 
 /// Seconds from a signal to process exit. Records and images on disk are always complete, so waiting is optional; but
@@ -43,7 +42,7 @@ std::optional<ExperimentOutcome> CompareOn(const ExperimentSettings &settings, c
     if (options.report)
         if (std::string problem = RunReportScripts(settings.outFolder, options.quiet); !problem.empty())
             LogWarning(problem);
-    LogInfo(fmt::format("Wrote {}.", settings.outFolder));
+    LogInfo("Wrote {}.", settings.outFolder);
     return outcome;
 }
 
@@ -59,7 +58,7 @@ int Compare(const LightlabOptions &options, const PluginRegistry &registry) {
     }
     DiagnosticSink missing;
     for (const std::string &scene : options.scenes)
-        if (!FileExists(scene)) missing.Error({}, fmt::format("{}: No such file or directory.", scene));
+        if (!FileExists(scene)) missing.Error({}, "{}: No such file or directory.", scene);
     missing.ThrowIfErrors();
     const std::vector<std::string> folders = SceneFolders(options.scenes);
     std::vector<SceneOutcome> outcomes;
@@ -81,7 +80,7 @@ int Compare(const LightlabOptions &options, const PluginRegistry &registry) {
     }
     WriteScenes(options.experiment.outFolder, outcomes);
     std::printf("\nAll scenes\n\n%s", ScenesText(outcomes).c_str());
-    LogInfo(fmt::format("Wrote {}/index.html.", options.experiment.outFolder));
+    LogInfo("Wrote {}/index.html.", options.experiment.outFolder);
     return hasFailed ? 1 : signals.Status();
 }
 
@@ -100,7 +99,6 @@ int RunSubcommand(const LightlabOptions &options, const PluginRegistry &registry
 }
 
 }  // namespace
-
 }  // namespace ext::lab
 
 int main(int argc, char **argv) {

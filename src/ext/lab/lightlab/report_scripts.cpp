@@ -13,7 +13,6 @@
 #include <filesystem>
 
 namespace ext::lab {
-
 namespace {
 
 std::string Environment(const char *name, const char *otherwise) {

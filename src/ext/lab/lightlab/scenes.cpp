@@ -13,7 +13,6 @@
 #include "pbrt/core/files.h"
 
 namespace ext::lab {
-
 namespace {
 
 constexpr const char *kHead = R"(<title>lightlab: all scenes</title>

@@ -6,7 +6,6 @@
 #include "pbrt/spectra/rgb_primaries.h"
 
 namespace pbrt::imgtool {
-
 namespace {
 
 struct BloomOptions {
@@ -22,15 +21,14 @@ std::vector<Float> Gaussian(int width) {
     std::vector<Float> weights;
     double sum = 0;
     for (int i = -radius; i <= radius; ++i) sum += std::exp(-i * i / (2 * sigma * sigma));
-    for (int i = -radius; i <= radius; ++i)
-        weights.push_back(static_cast<Float>(std::exp(-i * i / (2 * sigma * sigma)) / sum));
+    for (int i = -radius; i <= radius; ++i) weights.push_back(Float(std::exp(-i * i / (2 * sigma * sigma)) / sum));
     return weights;
 }
 
 /// Blurs along one axis. Light blurred over the edge is lost.
 Image Blur(const Image &image, const std::vector<Float> &weights, Point2i axis) {
     Image result(PixelFormat::Float, image.Resolution(), image.Channels());
-    const int radius = static_cast<int>(weights.size()) / 2;
+    const int radius = int(weights.size()) / 2;
     const int last = axis.x ? image.Resolution().x - 1 : image.Resolution().y - 1;
     ForEachPixel(image, [&](Point2i p) {
         const int at = axis.x ? p.x : p.y;
@@ -46,7 +44,7 @@ Image Blur(const Image &image, const std::vector<Float> &weights, Point2i axis) 
 
 int Bloom(const BloomOptions &o) {
     if (o.width % 2 == 0)
-        throw UserError(fmt::format("--width {}: an odd number is needed, so that the light stays in place.", o.width));
+        throw UserError("--width {}: an odd number is needed, so that the light stays in place.", o.width);
     ImageFile file = ReadAsFloat(o.path);
     const std::array<int, 3> rgb = RgbChannels(file.image, o.path);
 
@@ -59,13 +57,12 @@ int Bloom(const BloomOptions &o) {
         ++count;
         SetRgb(bright, p, {0, 1, 2}, color);
     });
-    if (count == 0)
-        LogWarning(fmt::format("{}: no pixel is brighter than --level {}; nothing blooms.", o.path, o.level));
+    if (count == 0) LogWarning("{}: no pixel is brighter than --level {}; nothing blooms.", o.path, o.level);
 
     const std::vector<Float> weights = Gaussian(o.width);
     for (int i = 0; i < o.iterations && count > 0; ++i) {
         bright = Blur(Blur(bright, weights, {1, 0}), weights, {0, 1});
-        const Float share = o.scale / static_cast<Float>(o.iterations);
+        const Float share = o.scale / Float(o.iterations);
         ForEachPixel(bright, [&](Point2i p) {
             SetRgb(file.image, p, rgb, GetRgb(file.image, p, rgb) + share * GetRgb(bright, p, {0, 1, 2}));
         });
@@ -90,7 +87,7 @@ Point2 WhiteOfIlluminant(const std::string &name) {
             if (name == known || name == known.substr(known.find('-') + 1))
                 return Chromaticity(SpectrumToXyz(*NamedSpectrum(known)));
         }
-    throw UserError(fmt::format("--illuminant {}: unknown; {}", name, ListChoices(name, choices)));
+    throw UserError("--illuminant {}: unknown; {}", name, ListChoices(name, choices));
 }
 
 Point2 White(const WhitebalanceOptions &o) {
@@ -99,10 +96,8 @@ Point2 White(const WhitebalanceOptions &o) {
     if (o.primaries.empty()) throw UserError("One of --illuminant, --primaries and --temperature is needed.");
     const Point2 white(o.primaries[0], o.primaries[1]);
     if (!(white.x > 0 && white.y > 0 && white.x + white.y < 1))
-        throw UserError(
-            fmt::format("--primaries {},{}: not the chromaticity of a white; x and y are above 0 and x + y "
-                        "below 1.",
-                        white.x, white.y));
+        throw UserError("--primaries {},{}: not the chromaticity of a white; x and y are above 0 and x + y below 1.",
+                        white.x, white.y);
     return white;
 }
 
@@ -128,7 +123,7 @@ void WriteLinearPng(const std::string &path, const Image &image) {
     auto *out = static_cast<uint8_t *>(bytes.Data());
     const auto *values = static_cast<const float *>(image.Data());
     for (size_t i = 0; i < image.ValueCount(); ++i)
-        out[i] = static_cast<uint8_t>(std::lround(std::clamp(values[i], 0.f, 1.f) * 255));
+        out[i] = uint8_t(std::lround(std::clamp(values[i], 0.f, 1.f) * 255));
     WriteImage(path, bytes);
 }
 

@@ -8,7 +8,6 @@
 #include "pbrt/films/render_file.h"
 
 namespace pbrt::imgtool {
-
 namespace {
 
 struct AverageOptions {
@@ -24,11 +23,10 @@ int Average(const AverageOptions &o) {
         const ImageFile file = path == paths[0] ? first : ReadAsFloat(path);
         CheckComparable(first, paths[0], file, path);
         const float *values = static_cast<const float *>(file.image.Data());
-        for (size_t i = 0; i < sums.size(); ++i) sums[i] += static_cast<double>(values[i]);
+        for (size_t i = 0; i < sums.size(); ++i) sums[i] += double(values[i]);
     }
     float *values = static_cast<float *>(first.image.Data());
-    for (size_t i = 0; i < sums.size(); ++i)
-        values[i] = static_cast<float>(sums[i] / static_cast<double>(paths.size()));
+    for (size_t i = 0; i < sums.size(); ++i) values[i] = float(sums[i] / double(paths.size()));
     WriteImage(o.outfile, first.image, first.metadata);
     fmt::print("{}: mean of {}: {}\n", o.outfile, CountText(paths.size(), "image"), fmt::join(paths, ", "));
     return 0;
@@ -46,36 +44,34 @@ int Assemble(const AssembleOptions &o) {
         const ImageFile part = ReadImage(path);
         const ImageMetadata &m = part.metadata;
         if (!m.pixelBounds || !m.fullResolution)
-            throw UserError(fmt::format("{}: has no data window; only .exr files have one.", path));
+            throw UserError("{}: has no data window; only .exr files have one.", path);
         const Point2i resolution = *m.fullResolution;
         if (path == o.paths[0]) {
             whole.metadata = m;
             whole.metadata.pixelBounds = Bounds2i{{0, 0}, resolution};
             whole.image = Image(part.image.Format(), resolution, part.image.Channels());
-            counts.assign(static_cast<size_t>(resolution.x) * resolution.y, 0);
+            counts.assign(size_t(resolution.x) * resolution.y, 0);
         }
         if (resolution != whole.image.Resolution())
-            throw UserError(
-                fmt::format("Parts of different pictures: {} belongs to a picture of {}, {} to one of {} x {}.",
-                            o.paths[0], SizeText(whole.image), path, resolution.x, resolution.y));
+            throw UserError("Parts of different pictures: {} belongs to a picture of {}, {} to one of {} x {}.",
+                            o.paths[0], SizeText(whole.image), path, resolution.x, resolution.y);
         if (part.image.Channels() != whole.image.Channels() || &SpaceOf(part) != &SpaceOf(whole))
-            throw UserError(fmt::format("{} and {} have different channels or colour spaces.", o.paths[0], path));
+            throw UserError("{} and {} have different channels or colour spaces.", o.paths[0], path);
         const Bounds2i &window = *m.pixelBounds;
         if (window.low.x < 0 || window.low.y < 0 || window.high.x > resolution.x || window.high.y > resolution.y)
-            throw UserError(fmt::format("{}: its pixels (x {} to {}, y {} to {}) reach beyond the picture of {} x {}.",
-                                        path, window.low.x, window.high.x, window.low.y, window.high.y, resolution.x,
-                                        resolution.y));
+            throw UserError("{}: its pixels (x {} to {}, y {} to {}) reach beyond the picture of {} x {}.", path,
+                            window.low.x, window.high.x, window.low.y, window.high.y, resolution.x, resolution.y);
         ForEachPixel(part.image, [&](Point2i p) {
             const Point2i at = p + window.low;
             for (int c = 0; c < part.image.ChannelCount(); ++c) whole.image.Set(at, c, part.image.Get(p, c));
-            uint8_t &count = counts[static_cast<size_t>(at.y) * resolution.x + at.x];
-            count = static_cast<uint8_t>(std::min(count + 1, 2));
+            uint8_t &count = counts[size_t(at.y) * resolution.x + at.x];
+            count = uint8_t(std::min(count + 1, 2));
         });
     }
     const auto missing = std::count(counts.begin(), counts.end(), 0);
     const auto twice = std::count(counts.begin(), counts.end(), 2);
-    if (twice) LogWarning(fmt::format("{} in more than one file; the last file counts.", CountText(twice, "pixel")));
-    if (missing) LogWarning(fmt::format("{} of {} pixels are in no file and stay 0.", missing, counts.size()));
+    if (twice) LogWarning("{} in more than one file; the last file counts.", CountText(twice, "pixel"));
+    if (missing) LogWarning("{} of {} pixels are in no file and stay 0.", missing, counts.size());
     WriteImage(o.outfile, whole.image, whole.metadata);
     return 0;
 }
@@ -99,10 +95,10 @@ Part ReadPart(const std::string &path, bool incomplete) {
     Part part{path, RenderFile(path).Head()};
     const RenderFileHead &head = part.head;
     if (head.passCount > 0 || (!head.IsComplete() && !incomplete))
-        throw UserError(fmt::format(
+        throw UserError(
             "{}: is unfinished: of the samples {}:{} it has {}; the same command with --resume completes it{}.", path,
             head.first, head.end, part.Range() + (head.passCount > 0 ? " and some more of some pixels" : ""),
-            head.passCount > 0 ? "" : kIncomplete));
+            head.passCount > 0 ? "" : kIncomplete);
     return part;
 }
 
@@ -113,7 +109,7 @@ void CheckSameRender(const Part &one, const Part &other) {
         differences += fmt::format("{}the render has {} per pixel, but {} in {}", differences.empty() ? "" : "; ",
                                    CountText(a.samplesPerBatch, "sample"), b.samplesPerBatch, one.path);
     if (!differences.empty())
-        throw UserError(fmt::format("{} and {} are not parts of one render: {}.", other.path, one.path, differences));
+        throw UserError("{} and {} are not parts of one render: {}.", other.path, one.path, differences);
 }
 
 /// `parts` are sorted. Returns their total number of samples.
@@ -123,7 +119,7 @@ int CheckCover(const std::vector<Part> &parts, bool incomplete) {
     const Part *before = nullptr;
     bool isMissing = false;
     const auto missing = [&](int first, int end) {
-        if (incomplete) LogWarning(fmt::format("the samples {}:{} are missing.", first, end));
+        if (incomplete) LogWarning("the samples {}:{} are missing.", first, end);
         else problems += fmt::format("The samples {}:{} are in no file. ", first, end);
         isMissing = true;
     };
@@ -166,8 +162,8 @@ int Merge(const MergeOptions &o) {
     ImageMetadata metadata = film->Metadata();
     metadata.attributes = parts[0].head.metadata.attributes;
     metadata.attributes["samplesPerPixel"] = samples;
-    metadata.attributes["renderTimeSeconds"] = static_cast<float>(seconds);
-    metadata.attributes["pbrt.parts"] = static_cast<int>(parts.size());
+    metadata.attributes["renderTimeSeconds"] = float(seconds);
+    metadata.attributes["pbrt.parts"] = int(parts.size());
     WriteImage(o.outfile, film->ToImage(), metadata);
     fmt::print("{}: {} per pixel from {}\n", o.outfile, CountText(samples, "sample"), CountText(parts.size(), "file"));
     return 0;

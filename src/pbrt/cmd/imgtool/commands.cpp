@@ -14,7 +14,7 @@ std::vector<std::string> SplitChannels(const std::string &list) {
     std::vector<std::string> names;
     auto digit = [](char c) { return c >= '0' && c <= '9'; };
     for (const std::string &part : CLI::detail::split(list, ',')) {
-        if (part.empty()) throw UserError(fmt::format("--channels {}: a channel name is empty.", list));
+        if (part.empty()) throw UserError("--channels {}: a channel name is empty.", list);
         // A comma between digits belongs to a wavelength of the spectral film.
         if (!names.empty() && digit(names.back().back()) && digit(part[0])) names.back() += ',' + part;
         else names.push_back(part);
@@ -28,8 +28,8 @@ std::array<int, 3> RgbChannels(const Image &image, const std::string &path) {
         const std::string name(1, "RGB"[c]);
         channels[c] = image.FindChannel(name);
         if (channels[c] < 0)
-            throw UserError(fmt::format("{}: has no channel {}; its channels are {}.", path, name,
-                                        fmt::join(image.Channels(), ", ")));
+            throw UserError("{}: has no channel {}; its channels are {}.", path, name,
+                            fmt::join(image.Channels(), ", "));
     }
     return channels;
 }
@@ -54,12 +54,11 @@ void ApplyCrop(ImageFile &file, const std::vector<int> &n, const std::string &pa
     PBRT_CHECK(n.size() == 4);
     const Bounds2i window = WindowOf(file), bounds{{n[0], n[2]}, {n[1], n[3]}};
     if (bounds.IsEmpty())
-        throw UserError(
-            fmt::format("--crop {},{},{},{}: nothing is left; the order is x0,x1,y0,y1.", n[0], n[1], n[2], n[3]));
+        throw UserError("--crop {},{},{},{}: nothing is left; the order is x0,x1,y0,y1.", n[0], n[1], n[2], n[3]);
     if (bounds.low.x < window.low.x || bounds.low.y < window.low.y || bounds.high.x > window.high.x ||
         bounds.high.y > window.high.y)
-        throw UserError(fmt::format("--crop {},{},{},{}: {} has only {} x {} pixels: {} (ends excluded).", n[0], n[1],
-                                    n[2], n[3], path, window.Width(), window.Height(), WindowText(file)));
+        throw UserError("--crop {},{},{},{}: {} has only {} x {} pixels: {} (ends excluded).", n[0], n[1], n[2], n[3],
+                        path, window.Width(), window.Height(), WindowText(file));
     file.image = file.image.Crop({bounds.low - window.low, bounds.high - window.low});
     file.metadata.pixelBounds = bounds;
 }
@@ -80,25 +79,24 @@ Flag OutfileFlag(std::string &path, bool isPositional) {
 
 Metric ChosenMetric(const std::string &name) {
     if (auto metric = ParseMetric(name)) return *metric;
-    throw UserError(fmt::format("--metric {}: unknown; {}", name, ListChoices(name, MetricNames())));
+    throw UserError("--metric {}: unknown; {}", name, ListChoices(name, MetricNames()));
 }
 
 void CheckComparable(const ImageFile &a, const std::string &pathA, const ImageFile &b, const std::string &pathB,
                      const std::string &hint) {
     if (a.image.Resolution() != b.image.Resolution())
-        throw UserError(fmt::format("Different resolutions: {} has {}, {} has {}.", pathA, SizeText(a.image), pathB,
-                                    SizeText(b.image)));
+        throw UserError("Different resolutions: {} has {}, {} has {}.", pathA, SizeText(a.image), pathB,
+                        SizeText(b.image));
     // Formats other than EXR store no window.
     if (a.metadata.pixelBounds && b.metadata.pixelBounds && WindowOf(a).low != WindowOf(b).low)
-        throw UserError(fmt::format("Different parts of a picture: {} has {}, {} has {} (ends excluded).", pathA,
-                                    WindowText(a), pathB, WindowText(b)));
+        throw UserError("Different parts of a picture: {} has {}, {} has {} (ends excluded).", pathA, WindowText(a),
+                        pathB, WindowText(b));
     if (&SpaceOf(a) != &SpaceOf(b))
-        throw UserError(fmt::format("Different colour spaces: {} has {}, {} has {}.", pathA, SpaceOf(a).Name(), pathB,
-                                    SpaceOf(b).Name()));
+        throw UserError("Different colour spaces: {} has {}, {} has {}.", pathA, SpaceOf(a).Name(), pathB,
+                        SpaceOf(b).Name());
     if (a.image.Channels() != b.image.Channels())
-        throw UserError(fmt::format("Different channels: {} has {}, {} has {}{}.", pathA,
-                                    fmt::join(a.image.Channels(), ","), pathB, fmt::join(b.image.Channels(), ","),
-                                    hint));
+        throw UserError("Different channels: {} has {}, {} has {}{}.", pathA, fmt::join(a.image.Channels(), ","), pathB,
+                        fmt::join(b.image.Channels(), ","), hint);
 }
 
 double ShortNumber(Float v) { return std::stod(fmt::format("{}", v)); }

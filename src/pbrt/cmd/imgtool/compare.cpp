@@ -4,7 +4,6 @@
 #include "pbrt/cmd/imgtool/commands.h"
 
 namespace pbrt::imgtool {
-
 namespace {
 
 struct DiffOptions {
@@ -18,13 +17,13 @@ double Mean(const Image &image) {
     size_t count = 0;
     ForEachPixel(image, [&](Point2i p) {
         for (int c = 0; c < image.ChannelCount(); ++c) {
-            const double v = static_cast<double>(image.Get(p, c));
+            const double v = double(image.Get(p, c));
             if (!std::isfinite(v)) continue;
             sum += v;
             ++count;
         }
     });
-    return count ? sum / static_cast<double>(count) : 0;
+    return count ? sum / double(count) : 0;
 }
 
 int Diff(const DiffOptions &o) {
@@ -92,12 +91,12 @@ int Error(const ErrorOptions &o) {
         skipped += skippedHere;
         termSums.resize(terms.ValueCount(), 0);
         const auto *values = static_cast<const float *>(terms.Data());
-        for (size_t i = 0; i < termSums.size(); ++i) termSums[i] += static_cast<double>(values[i]);
+        for (size_t i = 0; i < termSums.size(); ++i) termSums[i] += double(values[i]);
     }
-    const auto n = static_cast<double>(paths.size());
+    const auto n = double(paths.size());
     if (!o.errorfile.empty()) {
         auto *values = static_cast<float *>(terms.Data());
-        for (size_t i = 0; i < termSums.size(); ++i) values[i] = static_cast<float>(termSums[i] / n);
+        for (size_t i = 0; i < termSums.size(); ++i) values[i] = float(termSums[i] / n);
         WriteImage(o.errorfile, terms, reference.metadata);
     }
     fmt::print("{}: mean {:.6g}", o.metric, sum / n);

@@ -1,10 +1,8 @@
 #include <cmath>
-#include <limits>
 
 #include "pbrt/cmd/imgtool/commands.h"
 
 namespace pbrt::imgtool {
-
 namespace {
 
 struct ConvertOptions {
@@ -24,8 +22,7 @@ std::vector<int> ColorChannels(const Image &image) {
     return indices;
 }
 
-template <class F>
-void MapColors(Image &image, F &&f) {
+void MapColors(Image &image, auto &&f) {
     const std::vector<int> colors = ColorChannels(image);
     ForEachPixel(image, [&](Point2i p) {
         for (int c : colors) image.Set(p, c, f(image.Get(p, c)));
@@ -75,13 +72,12 @@ Image AverageChannels(const Image &image) {
     ForEachPixel(image, [&](Point2i p) {
         Float sum = 0;
         for (int c : colors) sum += image.Get(p, c);
-        result.Set(p, 0, sum / static_cast<Float>(colors.size()));
+        result.Set(p, 0, sum / Float(colors.size()));
     });
     return result;
 }
 
-template <class F>
-Image Rearrange(const Image &image, Point2i resolution, F &&source) {
+Image Rearrange(const Image &image, Point2i resolution, auto &&source) {
     Image result(image.Format(), resolution, image.Channels());
     ForEachPixel(result, [&](Point2i p) {
         for (int c = 0; c < image.ChannelCount(); ++c) result.Set(p, c, image.Get(source(p), c));
@@ -114,8 +110,7 @@ int Convert(const ConvertOptions &o) {
     }
     if (o.repeat > 1) {
         const int64_t widest = std::max(image.Resolution().x, image.Resolution().y);
-        if (widest * o.repeat > (1 << 20))
-            throw UserError(fmt::format("--repeatpix {}: the image becomes too large.", o.repeat));
+        if (widest * o.repeat > (1 << 20)) throw UserError("--repeatpix {}: the image becomes too large.", o.repeat);
         image = Rearrange(image, image.Resolution() * o.repeat, [&](Point2i p) { return p / o.repeat; });
         if (std::optional<Bounds2i> &window = file.metadata.pixelBounds)
             window = {window->low * o.repeat, window->high * o.repeat};

@@ -7,7 +7,6 @@
 #include "pbrt/math/warps.h"
 
 namespace pbrt::imgtool {
-
 namespace {
 
 struct MakeequiareaOptions {
@@ -24,11 +23,11 @@ class LatLong {
     void Interpolate(const Vector3 &w, std::vector<Float> &values) const {
         Float phi = std::atan2(w.y, w.x);
         if (phi < 0) phi += 2 * Pi;
-        const Float x = phi / (2 * Pi) * static_cast<Float>(size_.x) - Float(0.5);
-        const Float y = std::acos(std::clamp(w.z, Float(-1), Float(1))) / Pi * static_cast<Float>(size_.y) - Float(0.5);
+        const Float x = phi / (2 * Pi) * Float(size_.x) - Float(0.5);
+        const Float y = std::acos(std::clamp(w.z, Float(-1), Float(1))) / Pi * Float(size_.y) - Float(0.5);
         const Float fx = std::floor(x), fy = std::floor(y);
-        const int x0 = Column(static_cast<int>(fx)), x1 = Column(static_cast<int>(fx) + 1);
-        const int y0 = Row(static_cast<int>(fy)), y1 = Row(static_cast<int>(fy) + 1);
+        const int x0 = Column(int(fx)), x1 = Column(int(fx) + 1);
+        const int y0 = Row(int(fy)), y1 = Row(int(fy) + 1);
         for (int c = 0; c < image_.ChannelCount(); ++c)
             values[c] += Lerp(y - fy, Lerp(x - fx, image_.Get({x0, y0}, c), image_.Get({x1, y0}, c)),
                               Lerp(x - fx, image_.Get({x0, y1}, c), image_.Get({x1, y1}, c)));
@@ -45,11 +44,11 @@ int Makeequiarea(const MakeequiareaOptions &o) {
     const ImageFile file = ReadAsFloat(o.path);
     const Point2i size = file.image.Resolution();
     if (file.metadata.fullResolution && *file.metadata.fullResolution != size)
-        throw UserError(fmt::format("{}: has a part of a picture of {} x {} pixels; the whole sphere is needed.",
-                                    o.path, file.metadata.fullResolution->x, file.metadata.fullResolution->y));
+        throw UserError("{}: has a part of a picture of {} x {} pixels; the whole sphere is needed.", o.path,
+                        file.metadata.fullResolution->x, file.metadata.fullResolution->y);
     if (size.x != 2 * size.y)
-        LogWarning(fmt::format("{}: a latitude-longitude image is twice as wide as high; this one has {}.", o.path,
-                               SizeText(file.image)));
+        LogWarning("{}: a latitude-longitude image is twice as wide as high; this one has {}.", o.path,
+                   SizeText(file.image));
     const int resolution = o.resolution > 0 ? o.resolution : size.x;
     // If the result is smaller than the input's width, a pixel averages several look-ups, so that no light is lost.
     const int perSide = (size.x + resolution - 1) / resolution;
@@ -60,13 +59,10 @@ int Makeequiarea(const MakeequiareaOptions &o) {
         std::fill(values.begin(), values.end(), Float(0));
         for (int j = 0; j < perSide; ++j)
             for (int i = 0; i < perSide; ++i) {
-                const Point2 part((static_cast<Float>(i) + Float(0.5)) / static_cast<Float>(perSide),
-                                  (static_cast<Float>(j) + Float(0.5)) / static_cast<Float>(perSide));
-                source.Interpolate(EqualAreaSquareToSphere((Point2(p) + part) / static_cast<Float>(resolution)),
-                                   values);
+                const Point2 part((Float(i) + Float(0.5)) / Float(perSide), (Float(j) + Float(0.5)) / Float(perSide));
+                source.Interpolate(EqualAreaSquareToSphere((Point2(p) + part) / Float(resolution)), values);
             }
-        for (int c = 0; c < result.ChannelCount(); ++c)
-            result.Set(p, c, values[c] / static_cast<Float>(perSide * perSide));
+        for (int c = 0; c < result.ChannelCount(); ++c) result.Set(p, c, values[c] / Float(perSide * perSide));
     });
     ImageMetadata metadata;
     metadata.colorSpace = file.metadata.colorSpace;
@@ -87,7 +83,7 @@ void AddSun(Image &image, const PreethamSky &sky, const ColorSpace &space) {
     const double pixel = 4 * double(Pi) / (double(image.Resolution().x) * image.Resolution().y);
     const double cosRadius = std::cos(PreethamSky::SunRadius);
     const double share = 2 * double(Pi) * (1 - cosRadius) / pixel / kPoints;
-    const Rgb light = space.ToRgb(sky.SunRadiance()) * static_cast<Float>(share);
+    const Rgb light = space.ToRgb(sky.SunRadiance()) * Float(share);
     const Frame frame = Frame::FromZ(sky.SunDirection());
     constexpr double kTurn = 2.399963229728653;  // golden angle: sunflower spiral
     for (int i = 0; i < kPoints; ++i) {
@@ -107,7 +103,7 @@ int Makesky(const MakeskyOptions &o) {
     const ColorSpace &space = *ColorSpace::Find("aces2065-1");
     Image image(PixelFormat::Float, {o.resolution, o.resolution}, {"R", "G", "B"});
     ForEachPixel(image, [&](Point2i p) {
-        const Vector3 w = EqualAreaSquareToSphere((Point2(p) + Point2(0.5f)) / static_cast<Float>(o.resolution));
+        const Vector3 w = EqualAreaSquareToSphere((Point2(p) + Point2(0.5f)) / Float(o.resolution));
         SetRgb(image, p, {0, 1, 2}, space.ToRgb(sky.Radiance(w)));
     });
     AddSun(image, sky, space);

@@ -5,7 +5,6 @@
 #include "pbrt/images/false_color.h"
 
 namespace pbrt::imgtool {
-
 namespace {
 
 struct FalsecolorOptions {
@@ -24,7 +23,7 @@ Float ColorMean(const Image &image, Point2i p) {
         sum += image.Get(p, c);
         ++count;
     }
-    return count ? sum / static_cast<Float>(count) : 0;
+    return count ? sum / Float(count) : 0;
 }
 
 constexpr int kShown = 99;  // percentile of the default range

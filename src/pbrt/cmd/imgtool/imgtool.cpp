@@ -67,8 +67,7 @@ void AddHelp(CLI::App &app, Action &action) {
                 return 0;
             }
             const CLI::App *chosen = FindCommand(app, *name);
-            if (!chosen)
-                throw UserError(fmt::format("No such command: {}; {}", *name, ListChoices(*name, CommandNames(app))));
+            if (!chosen) throw UserError("No such command: {}; {}", *name, ListChoices(*name, CommandNames(app)));
             fmt::print("{}", chosen->help(app.get_name()));
             return 0;
         };
@@ -91,7 +90,7 @@ int Run(int argc, char **argv) {
     const std::string first = argc > 1 ? argv[1] : "";
     const CLI::App *const command = FindCommand(app, first);
     if (!command && !first.empty() && first[0] != '-')
-        throw UserError(fmt::format("No such command: {}; {}", first, ListChoices(first, CommandNames(app))));
+        throw UserError("No such command: {}; {}", first, ListChoices(first, CommandNames(app)));
     std::vector<std::string> arguments;
     for (int i = 1; i < argc; ++i) arguments.push_back(NormalizeFlag(argv[i]));
     try {

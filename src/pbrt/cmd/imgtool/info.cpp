@@ -1,11 +1,9 @@
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "pbrt/cmd/imgtool/commands.h"
 
 namespace pbrt::imgtool {
-
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -27,7 +25,7 @@ ChannelStatistics Statistics(const Image &image, int channel) {
         } else {
             s.low = std::min(s.low, v);
             s.high = std::max(s.high, v);
-            s.sum += static_cast<double>(v);
+            s.sum += double(v);
             ++s.count;
         }
     });
@@ -94,7 +92,7 @@ Json InfoJson(const std::string &path) {
         const ChannelStatistics s = Statistics(file.image, c);
         Json channel = {{"name", file.image.Channels()[c]}};
         channel["min"] = s.count ? Json(ShortNumber(s.low)) : Json();
-        channel["mean"] = s.count ? Json(s.sum / static_cast<double>(s.count)) : Json();
+        channel["mean"] = s.count ? Json(s.sum / double(s.count)) : Json();
         channel["max"] = s.count ? Json(ShortNumber(s.high)) : Json();
         channel["nan"] = s.nan;
         channel["infinite"] = s.infinite;
@@ -122,8 +120,8 @@ void PrintInfo(const std::string &path) {
         const ChannelStatistics s = Statistics(image, c);
         const std::string &name = image.Channels()[c];
         if (s.count)
-            fmt::print("  {:<16} {:>13.6g} {:>13.6g} {:>13.6g} {:>8} {:>8}\n", name, s.low,
-                       s.sum / static_cast<double>(s.count), s.high, s.nan, s.infinite);
+            fmt::print("  {:<16} {:>13.6g} {:>13.6g} {:>13.6g} {:>8} {:>8}\n", name, s.low, s.sum / double(s.count),
+                       s.high, s.nan, s.infinite);
         else fmt::print("  {:<16} {:>13} {:>13} {:>13} {:>8} {:>8}\n", name, "-", "-", "-", s.nan, s.infinite);
     }
 }

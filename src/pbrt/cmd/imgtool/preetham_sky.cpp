@@ -5,7 +5,6 @@
 #include <vector>
 
 namespace pbrt::imgtool {
-
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -30,8 +29,8 @@ constexpr double kSunKelvin = 5778;
 
 double Ozone(double lambda) {
     const double x = (lambda - 450) / 10;
-    if (!(x > 0 && x < static_cast<double>(kOzone.size() - 1))) return 0;
-    const auto i = static_cast<size_t>(x);
+    if (!(x > 0 && x < double(kOzone.size() - 1))) return 0;
+    const auto i = size_t(x);
     return std::lerp(kOzone[i], kOzone[i + 1], x - std::floor(x));
 }
 
@@ -45,11 +44,10 @@ Xyz SunThroughAir(double theta, double turbidity) {
     const double airMass = 1 / (std::cos(theta) + 0.15 * std::pow(93.885 - degrees, -1.253));
     std::vector<Float> radiance;
     for (Float lambda = LambdaMin; lambda <= LambdaMax; ++lambda) {
-        const double um = static_cast<double>(lambda) * 1e-3;
+        const double um = double(lambda) * 1e-3;
         const double depth =
             0.008735 * std::pow(um, -4.08) + AerosolDepth(turbidity, um) + kOzoneColumn * Ozone(um * 1e3);
-        radiance.push_back(static_cast<Float>(static_cast<double>(Blackbody(lambda, Float(kSunKelvin))) * 1e-9 *
-                                              std::exp(-depth * airMass)));
+        radiance.push_back(Float(double(Blackbody(lambda, Float(kSunKelvin))) * 1e-9 * std::exp(-depth * airMass)));
     }
     return SpectrumToXyz(DenseSpectrum(radiance));
 }
@@ -63,7 +61,7 @@ double PreethamSky::Perez::operator()(double cosTheta, double gamma) const {
 
 PreethamSky::PreethamSky(double elevation, double turbidity, double albedo) {
     const double t = turbidity, theta = (90 - elevation) * kPi / 180;
-    sun_ = Vector3(0, static_cast<Float>(std::sin(theta)), static_cast<Float>(std::cos(theta)));
+    sun_ = Vector3(0, Float(std::sin(theta)), Float(std::cos(theta)));
     const double chi = (4.0 / 9 - t / 120) * (kPi - 2 * theta);
     const double luminance = 1000 * ((4.0453 * t - 4.9710) * std::tan(chi) - 0.2155 * t + 2.4192);
     perez_ = {Perez{0.1787 * t - 1.4630, -0.3554 * t + 0.4275, -0.0227 * t + 5.3251, 0.1206 * t - 2.5771,
@@ -79,13 +77,13 @@ PreethamSky::PreethamSky(double elevation, double turbidity, double albedo) {
     const double share = albedo * (0.0685 + 0.16 * (1 - std::exp(-1.66 * AerosolDepth(t, 0.55))));
     const Xyz sky = SkyIrradiance();
     const double solidAngle = 2 * kPi * (1 - std::cos(SunRadius));
-    const double all = static_cast<double>(sky.y) + static_cast<double>(sunRadiance_.y) * solidAngle * std::cos(theta);
-    returned_ = sky / sky.y * static_cast<Float>(all * share / (1 - share) / kPi);
+    const double all = double(sky.y) + double(sunRadiance_.y) * solidAngle * std::cos(theta);
+    returned_ = sky / sky.y * Float(all * share / (1 - share) / kPi);
 }
 
 Xyz PreethamSky::Radiance(const Vector3 &w) const {
     if (!(w.z > 0)) return Xyz(0);
-    const double gamma = static_cast<double>(AngleBetween(w, sun_)), cosTheta = static_cast<double>(w.z);
+    const double gamma = double(AngleBetween(w, sun_)), cosTheta = double(w.z);
     const double luminance = std::max(0.0, perez_[0](cosTheta, gamma)) / CandelasPerY;
     const double x = perez_[1](cosTheta, gamma), y = perez_[2](cosTheta, gamma);
     return returned_ + Xyz(x / y * luminance, luminance, (1 - x - y) / y * luminance);

@@ -3,7 +3,6 @@
 #include "pbrt/cmd/imgtool/commands.h"
 
 namespace pbrt::imgtool {
-
 namespace {
 
 struct SplitnOptions {
@@ -22,7 +21,7 @@ Point2i ParseCorner(const std::string &text) {
         auto [rest, codeY] = std::from_chars(comma + 1, end, p.y);
         if (codeY == std::errc() && rest == end) return p;
     }
-    throw UserError(fmt::format("--crop {}: two whole numbers x,y were expected.", text));
+    throw UserError("--crop {}: two whole numbers x,y were expected.", text);
 }
 
 /// Layout: vertical strips of the images side by side, together as large as one image. Below, one row per crop with the
@@ -36,7 +35,7 @@ struct Layout {
         step = cropSize * zoom + kGap;
     }
     Point2i Size(int rows) const { return {std::max(picture.x, images * step - kGap), picture.y + rows * step}; }
-    int StripOf(int x) const { return static_cast<int>(static_cast<int64_t>(x) * images / picture.x); }
+    int StripOf(int x) const { return int(int64_t(x) * images / picture.x); }
     Point2i CropAt(int image, int row) const { return {image * step, picture.y + kGap + row * step}; }
 };
 
@@ -54,11 +53,11 @@ int Splitn(const SplitnOptions &o) {
     for (size_t i = 0; i < corners.size(); ++i)
         if (corners[i].x < 0 || corners[i].y < 0 || corners[i].x + o.cropSize > resolution.x ||
             corners[i].y + o.cropSize > resolution.y)
-            throw UserError(fmt::format("--crop {}: a square of {} pixels there reaches beyond the {} of the images.",
-                                        o.crops[i], o.cropSize, SizeText(files[0].image)));
+            throw UserError("--crop {}: a square of {} pixels there reaches beyond the {} of the images.", o.crops[i],
+                            o.cropSize, SizeText(files[0].image));
 
-    const Layout layout(resolution, static_cast<int>(files.size()), o.cropSize);
-    Image result(PixelFormat::Float, layout.Size(static_cast<int>(corners.size())), files[0].image.Channels());
+    const Layout layout(resolution, int(files.size()), o.cropSize);
+    Image result(PixelFormat::Float, layout.Size(int(corners.size())), files[0].image.Channels());
     auto copy = [&](Point2i to, const Image &image, Point2i from) {
         for (int c = 0; c < image.ChannelCount(); ++c) result.Set(to, c, image.Get(from, c));
     };
@@ -70,7 +69,7 @@ int Splitn(const SplitnOptions &o) {
     });
     for (size_t row = 0; row < corners.size(); ++row)
         for (int i = 0; i < layout.images; ++i) {
-            const Point2i at = layout.CropAt(i, static_cast<int>(row));
+            const Point2i at = layout.CropAt(i, int(row));
             for (int y = 0; y < layout.step - kGap; ++y)
                 for (int x = 0; x < layout.step - kGap; ++x)
                     copy(at + Point2i(x, y), files[i].image, corners[row] + Point2i(x, y) / layout.zoom);

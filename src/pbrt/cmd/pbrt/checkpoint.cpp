@@ -10,7 +10,6 @@
 #include "pbrt/core/progress.h"
 
 namespace pbrt {
-
 namespace {
 
 std::string RangeText(int first, int end) { return fmt::format("{}:{}", first, end); }
@@ -24,7 +23,7 @@ Checkpoint Checkpoint::Open(const CommandLine &options, const SceneDescription &
     c.isTimed_ = options.timeBudget > 0;
     const bool exists = FileExists(c.path_);
     if (exists && !options.resume)
-        throw UserError(fmt::format("{}: exists already; use --resume, or remove it to begin anew.", c.path_));
+        throw UserError("{}: exists already; use --resume, or remove it to begin anew.", c.path_);
     CheckWritable(c.path_);
     c.head_.identity = IdentityOf(*build, SceneFilesOf(options), d);
     if (!lightsHash.empty()) c.head_.identity["--load-lights"] = fmt::format("a file with the hash {}", lightsHash);
@@ -32,7 +31,7 @@ Checkpoint Checkpoint::Open(const CommandLine &options, const SceneDescription &
         c.Resume(options, build);
         return c;
     }
-    if (options.resume) LogInfo(fmt::format("{} does not exist: starting a new render.", c.path_));
+    if (options.resume) LogInfo("{} does not exist: starting a new render.", c.path_);
     c.head_.samplesFlag = build->samplesPerPixel;
     c.head_.isPart = options.samples.has_value();
     if (options.samples) std::tie(c.head_.first, c.head_.end) = *options.samples;
@@ -44,7 +43,7 @@ Checkpoint Checkpoint::Open(const CommandLine &options, const SceneDescription &
 void Checkpoint::Resume(const CommandLine &options, BuildOptions *build) {
     file_ = std::make_unique<RenderFile>(path_);
     const RenderFileHead &old = file_->Head();
-    auto refuse = [&](const std::string &why) { throw UserError(fmt::format("{}: {}.", path_, why)); };
+    auto refuse = [&](const std::string &why) { throw UserError("{}: {}.", path_, why); };
     if (const std::string differences = DifferencesOf(head_.identity, old.identity, path_); !differences.empty())
         refuse("belongs to another render: " + differences);
     if (old.isPart != options.samples.has_value())
@@ -76,8 +75,8 @@ void Checkpoint::Begin(const BuiltScene &built, RenderSettings *settings) {
         if (isTimed_) head_.samplesFlag = built.integratorRequest.options.samplesPerPixel;  // as --time planned
         if (!head_.isPart) head_.end = built.samplesPerPixel;
         if (head_.end > built.samplesPerPixel)
-            throw UserError(fmt::format("--samples {}: the render has only {} per pixel; see --spp.",
-                                        RangeText(head_.first, head_.end), CountText(built.samplesPerPixel, "sample")));
+            throw UserError("--samples {}: the render has only {} per pixel; see --spp.",
+                            RangeText(head_.first, head_.end), CountText(built.samplesPerPixel, "sample"));
         settings->firstSample = head_.done = head_.first;
         settings->endSample = head_.end;
         return;
@@ -98,7 +97,7 @@ void Checkpoint::Begin(const BuiltScene &built, RenderSettings *settings) {
         std::chrono::duration_cast<std::chrono::steady_clock::duration>(std::chrono::duration<double>(secondsBefore_));
     settings->firstSample = head_.first;
     settings->endSample = head_.end;
-    LogInfo(fmt::format("Resuming from {}, after {} per pixel.", path_, CountText(head_.done - head_.first, "sample")));
+    LogInfo("Resuming from {}, after {} per pixel.", path_, CountText(head_.done - head_.first, "sample"));
     file_.reset();  // frees its memory
 }
 
@@ -117,8 +116,8 @@ void Checkpoint::Write(const BuiltScene &built, const RenderPosition &position, 
         WriteRenderFile(path_, written, position.passDone, *built.film, learned);
     } catch (const UserError &e) {
         failure_ = e.Diagnostics()[0].message;
-        LogWarning(fmt::format("the checkpoint after {} per pixel was not written. {}",
-                               CountText(position.done, "sample"), failure_));
+        LogWarning("the checkpoint after {} per pixel was not written. {}", CountText(position.done, "sample"),
+                   failure_);
     }
 }
 

@@ -11,7 +11,6 @@
 #include "pbrt/films/aov_film.h"
 
 namespace pbrt {
-
 namespace {
 
 bool IsNumber(std::string_view text) {
@@ -141,8 +140,7 @@ void AddAllFlags(CLI::App &app, CommandLine &o, RawFlags &raw) {
     const char *watching = "Watching";
     AddFlags(app, watching,
              {{"--display-server", o.displayServer,
-               "HOST:PORT of a viewer with tev's protocol (tev uses localhost:14158): shows the picture "
-               "as it grows"}});
+               "HOST:PORT of a viewer with tev's protocol (tev uses localhost:14158): shows the picture as it grows"}});
     app.add_flag("--serve", raw.port,
                  "page for a browser on this machine: the picture as it grows, its error so far, time left; --serve "
                  "PORT or --serve=PORT, 0: any free port")
@@ -158,8 +156,7 @@ void AddAllFlags(CLI::App &app, CommandLine &o, RawFlags &raw) {
          {"--seed", build.seed, "seed of the pixel sampler (0)"},
          {"--nthreads", o.threads, "threads (0: all cores)", NonNegativeNumber},
          {"--memory-limit", raw.memoryLimitMb,
-          "megabytes of memory that may be used; a scene with a larger estimate ends with an error before it is "
-          "built",
+          "megabytes of memory that may be used; a scene with a larger estimate ends with an error before it is built",
           PositiveNumber},
          {"--quick", build.quick, "a quarter of the resolution, one sample per pixel unless --spp is given"},
          {"--texture-cache-mb", build.textureCacheMb,

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "pbrt/build/build_options.h"
+#include "pbrt/build/built_scene.h"
 
 namespace pbrt {
 

@@ -7,7 +7,6 @@
 #include "pbrt/scenefile/content_hash.h"
 
 namespace pbrt {
-
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -43,11 +42,10 @@ void LearnedLights::Check(const BuiltScene &built) const {
     if (!AreUsed()) return;
     const char *flag = loaded_ ? "--load-lights" : "--save-lights";
     const LightSampler *lights = built.integrator->Lights();
-    if (!lights)
-        throw UserError(fmt::format("{}: the integrator \"{}\" uses no light sampler.", flag, built.integratorName));
+    if (!lights) throw UserError("{}: the integrator \"{}\" uses no light sampler.", flag, built.integratorName);
     if (!lights->SavesLearned() && !built.integrator->Directions())
-        throw UserError(fmt::format("{}: the light sampler \"{}\" learns nothing that could be saved.", flag,
-                                    built.lightSamplerName));
+        throw UserError("{}: the light sampler \"{}\" learns nothing that could be saved.", flag,
+                        built.lightSamplerName);
     if (!loaded_) return;
     RenderIdentity saved;
     try {
@@ -58,10 +56,10 @@ void LearnedLights::Check(const BuiltScene &built) const {
         in.RequireEnd();
         saved = Json::parse(text).get<RenderIdentity>();
     } catch (const Json::exception &) {
-        throw UserError(fmt::format("{}: its content is damaged: its head is not readable.", loaded_->Path()));
+        throw UserError("{}: its content is damaged: its head is not readable.", loaded_->Path());
     }
     if (const std::string differences = DifferencesOf(IdentityOf(built), saved, loaded_->Path()); !differences.empty())
-        throw UserError(fmt::format("{}: was learned for other lights: {}.", loaded_->Path(), differences));
+        throw UserError("{}: was learned for other lights: {}.", loaded_->Path(), differences);
 }
 
 void LearnedLights::Save(const BuiltScene &built) const {

@@ -1,6 +1,5 @@
 #include "pbrt/cmd/pbrt/live_board.h"
 
-#include <chrono>
 #include <cmath>
 #include <ctime>
 
@@ -43,7 +42,7 @@ void LiveBoard::ChargeThread() {
     thread_local double charged = 0;
     timespec t = {};
     if (clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t) != 0) return;
-    const double now = static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+    const double now = double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
     const std::lock_guard lock(mutex_);
     charged_ += now - std::exchange(charged, now);
 }

@@ -11,7 +11,6 @@
 #include "pbrt/core/error.h"
 
 namespace pbrt {
-
 namespace {
 
 namespace asio = boost::asio;
@@ -165,9 +164,8 @@ LivePage::LivePage(std::shared_ptr<LiveBoard> board, int port) : impl_(std::make
     impl_->shared.board = std::move(board);
     const bool isOpen = port >= 0 ? impl_->Open(port) : impl_->Open(kDefaultPort) || impl_->Open(0);
     if (!isOpen)
-        throw UserError(
-            fmt::format("--serve: port {} of this machine is in use, or not allowed; --serve=0 takes a free one.",
-                        port >= 0 ? port : kDefaultPort));
+        throw UserError("--serve: port {} of this machine is in use, or not allowed; --serve=0 takes a free one.",
+                        port >= 0 ? port : kDefaultPort);
 }
 
 LivePage::~LivePage() = default;

@@ -2,11 +2,9 @@
 
 #include <algorithm>
 
-#include "pbrt/core/log.h"
 #include "pbrt/core/parallel.h"
 
 namespace pbrt {
-
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -25,7 +23,7 @@ void LiveView::SendTo(const std::string &server) {
 
 void LiveView::Serve(int port) {
     auto page = std::make_shared<LivePage>(board_, port);
-    LogInfo(fmt::format("Live page: {}", page->Address()));
+    LogInfo("Live page: {}", page->Address());
     viewers_.emplace_back([page] { page->Run(); });
 }
 
@@ -33,7 +31,7 @@ void LiveView::Begin(const LiveRender &render) {
     board_->Describe(render);
     begin_ = Clock::now();
     spent_ = 0;
-    lastCost_ = static_cast<double>(render.pixelBounds.Area()) * kSecondsPerPixel;
+    lastCost_ = double(render.pixelBounds.Area()) * kSecondsPerPixel;
 }
 
 double LiveView::AfterWave(const Film &film, int samples) {

@@ -20,8 +20,7 @@ namespace pbrt {
 /// everything it uses.
 class LiveViewer {
   public:
-    template <class Body>
-    explicit LiveViewer(Body body) {
+    explicit LiveViewer(auto body) {
         std::promise<void> ended;
         hasEnded_ = ended.get_future();
         thread_ = std::thread([body = std::move(body), ended = std::move(ended)]() mutable {
@@ -29,7 +28,7 @@ class LiveViewer {
             try {
                 body();
             } catch (const std::exception &e) {
-                LogWarning(fmt::format("a viewer of the render has ended: {}", e.what()));
+                LogWarning("a viewer of the render has ended: {}", e.what());
             }
             ended.set_value();
         });

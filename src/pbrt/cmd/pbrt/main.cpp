@@ -24,9 +24,9 @@ namespace {
 /// Threads of this process; 0: all cores. Processes on one machine share its cores.
 int ThreadsOf(const pbrt::CommandLine &options, const pbrt::AnnouncedTeam &announced) {
     if (options.threads > 0 || announced.onThisMachine <= 1) return options.threads;
-    const auto share = static_cast<int>(sysconf(_SC_NPROCESSORS_ONLN)) / announced.onThisMachine;
+    const auto share = int(sysconf(_SC_NPROCESSORS_ONLN)) / announced.onThisMachine;
     // mpirun may have bound this process to fewer.
-    return std::clamp(share, 1, std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
+    return std::clamp(share, 1, std::max(1, int(std::thread::hardware_concurrency())));
 }
 
 }  // namespace

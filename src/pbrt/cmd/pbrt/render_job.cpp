@@ -13,7 +13,6 @@
 #include "pbrt/cmd/pbrt/run_report.h"
 #include "pbrt/core/counters.h"
 #include "pbrt/core/error.h"
-#include "pbrt/core/files.h"
 #include "pbrt/core/log.h"
 #include "pbrt/core/memory.h"
 #include "pbrt/core/parallel.h"
@@ -22,7 +21,6 @@
 #include "pbrt/scenefile/parser.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Maximum seconds for writing an image after a signal: above any disk's needs, below the delay before schedulers kill
@@ -73,8 +71,8 @@ class PictureWriter {
             SetWriting(output_.Filename());
             output_.WriteUnfinished(built_.film->ToImage(), Describe(result));
         } catch (const UserError &e) {
-            LogWarning(fmt::format("the image after {} per pixel was not written; rendering continues. {}",
-                                   CountText(result.samplesTaken, "sample"), e.Diagnostics()[0].message));
+            LogWarning("the image after {} per pixel was not written; rendering continues. {}",
+                       CountText(result.samplesTaken, "sample"), e.Diagnostics()[0].message);
         }
         SetRendering();
     }
@@ -96,8 +94,7 @@ class PictureWriter {
         }
         if (result.cancelled) LogInfo("Interrupted: the image holds what was rendered.");
         if (name != output_.Filename())
-            LogInfo(fmt::format("{} is kept: it has more samples of this scene, or an unknown number.",
-                                output_.Filename()));
+            LogInfo("{} is kept: it has more samples of this scene, or an unknown number.", output_.Filename());
         written_ = name;
         return true;
     }
@@ -166,14 +163,13 @@ void PlanSamples(double budget, std::chrono::steady_clock::time_point start, Tea
         const std::unique_ptr<Film> scratch = built.film->MakeRgbFilm();
         double perSample = MeasureSecondsPerSample(
             {*plain, *built.camera, *built.filter, *scratch, *built.sampler, silent}, built.Settings(), left());
-        perSample *= static_cast<double>(ThreadCount()) / team.TotalThreads();
+        perSample *= double(ThreadCount()) / team.TotalThreads();
         samples = FittingSamples(left(), perSample);
     }
     team.Meet();
     samples = team.BroadcastValue(samples);
     built.SetSamples(samples);
-    LogInfo(fmt::format("--time {}: prepared for {} per pixel, as by --spp {}.", budget, CountText(samples, "sample"),
-                        samples));
+    LogInfo("--time {}: prepared for {} per pixel, as by --spp {}.", budget, CountText(samples, "sample"), samples);
 }
 
 /// Sums the counters of all ranks on rank 0; returns the sum of sent bytes there.
@@ -252,10 +248,10 @@ class RenderJob {
     void PrepareLights() {
         BuiltScene &built = *built_;
         if (options_.build.quick)
-            LogInfo(fmt::format(
-                "--quick: {} x {} pixels{}.", built.film->FullResolution().x, built.film->FullResolution().y,
-                options_.timeBudget > 0 ? ""
-                                        : fmt::format(", {} per pixel", CountText(built.samplesPerPixel, "sample"))));
+            LogInfo("--quick: {} x {} pixels{}.", built.film->FullResolution().x, built.film->FullResolution().y,
+                    options_.timeBudget > 0
+                        ? ""
+                        : fmt::format(", {} per pixel", CountText(built.samplesPerPixel, "sample")));
         progress_.BeginPhase("preparing lights", 0);
         // A resumed render has its number of samples from the checkpoint. Only light samplers and guides learn.
         if (options_.timeBudget > 0 && !learned_ && built.integrator->Lights())
@@ -333,12 +329,12 @@ class RenderJob {
         const bool hasFailed = checkpoint_ && !checkpoint_->Failure().empty();
         if (settings_->checkpoint && !hasFailed) LogCheckpoint(result);
         if (isWritten)
-            LogInfo(fmt::format("Wrote {} ({} per pixel, {:.2f} s; {:.2f} s since the start).", writer.Written(),
-                                CountText(result.samplesTaken, "sample"), result.seconds, timings_.Total()));
+            LogInfo("Wrote {} ({} per pixel, {:.2f} s; {:.2f} s since the start).", writer.Written(),
+                    CountText(result.samplesTaken, "sample"), result.seconds, timings_.Total());
         if (options_.stats == "text") PrintStatistics(built, result, timings_);
         if (options_.stats == "text" && team_.Size() > 1)
             std::printf("  %-34s %d, %d; %.3f MB sent\n", "processes, threads", team_.Size(), team_.TotalThreads(),
-                        static_cast<double>(sent) / 1e6);
+                        double(sent) / 1e6);
         if (options_.stats == "json") PrintStatisticsJson(options_, built, result, timings_, writer.Written());
         std::fflush(stdout);
         live_.SayFarewell();
@@ -352,11 +348,10 @@ class RenderJob {
     void LogCheckpoint(const RenderResult &result) const {
         const RenderFileHead &head = checkpoint_->Head();
         if (result.cancelled)
-            LogInfo(fmt::format("{} holds what was rendered; rerun the command with --resume to resume.",
-                                checkpoint_->Path()));
+            LogInfo("{} holds what was rendered; rerun the command with --resume to resume.", checkpoint_->Path());
         else if (head.isPart)
-            LogInfo(fmt::format("Wrote {} (samples {}:{} of {}, {:.2f} s); imgtool merge makes the picture.",
-                                checkpoint_->Path(), head.first, head.end, head.samplesPerBatch, result.seconds));
+            LogInfo("Wrote {} (samples {}:{} of {}, {:.2f} s); imgtool merge makes the picture.", checkpoint_->Path(),
+                    head.first, head.end, head.samplesPerBatch, result.seconds);
     }
 
     const CommandLine &options_;

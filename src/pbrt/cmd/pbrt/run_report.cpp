@@ -16,7 +16,6 @@
 #include "pbrt/integrators/direction_sampling.h"
 
 namespace pbrt {
-
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -54,29 +53,29 @@ double SecondsSinceProcessStart() {
     for (int i = 0; i < 20; ++i) words >> word;
     timespec now = {};
     if (word.empty() || !words || clock_gettime(CLOCK_BOOTTIME, &now) != 0) return 0;
-    const double started = std::strtod(word.c_str(), nullptr) / static_cast<double>(sysconf(_SC_CLK_TCK));
-    return std::max(0.0, static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec) * 1e-9 - started);
+    const double started = std::strtod(word.c_str(), nullptr) / double(sysconf(_SC_CLK_TCK));
+    return std::max(0.0, double(now.tv_sec) + double(now.tv_nsec) * 1e-9 - started);
 }
 
 ImageMetadata DescribeImage(const CommandLine &options, const BuiltScene &built, const RenderResult &result,
                             const Timings &timings) {
     ImageMetadata m = built.film->Metadata();
-    m.attributes["renderTimeSeconds"] = static_cast<float>(result.seconds);
+    m.attributes["renderTimeSeconds"] = float(result.seconds);
     m.attributes["samplesPerPixel"] = result.samplesTaken;
     if (options.timeBudget > 0) m.attributes["pbrt.plannedSamplesPerPixel"] = built.samplesPerPixel;
     m.attributes["worldToCamera"] = built.cameraFromWorld.Matrix();
     if (std::optional<Transform> ndc = built.camera->NdcFromCamera())
         m.attributes["worldToNDC"] = (*ndc * built.cameraFromWorld).Matrix();
-    if (result.mse) m.attributes["MSE"] = static_cast<float>(*result.mse);
+    if (result.mse) m.attributes["MSE"] = float(*result.mse);
     m.attributes["pbrt.commandLine"] = options.text;
     m.attributes["pbrt.scene"] = fmt::format("{}", fmt::join(SceneFilesOf(options), " "));
     m.attributes["pbrt.version"] = std::string(VersionText());
     m.attributes["pbrt.seed"] = built.seed;
     m.attributes["pbrt.integrator"] = built.integratorName;
     m.attributes["pbrt.maxDepth"] = built.maxDepth;
-    m.attributes["pbrt.readSeconds"] = static_cast<float>(timings.read);
-    m.attributes["pbrt.buildSeconds"] = static_cast<float>(timings.build);
-    m.attributes["pbrt.prepareSeconds"] = static_cast<float>(timings.prepare);
+    m.attributes["pbrt.readSeconds"] = float(timings.read);
+    m.attributes["pbrt.buildSeconds"] = float(timings.build);
+    m.attributes["pbrt.prepareSeconds"] = float(timings.prepare);
     if (!built.leftOut.empty()) m.attributes["pbrt.ignored"] = fmt::format("{}", fmt::join(built.leftOut, "\n"));
     if (result.cancelled) m.attributes["pbrt.interrupted"] = 1;
     for (const ComponentReport &r : ReportsOf(built)) {
@@ -93,18 +92,14 @@ ImageMetadata DescribeImage(const CommandLine &options, const BuiltScene &built,
 
 void PrintStatistics(const BuiltScene &built, const RenderResult &result, const Timings &timings) {
     const RenderCounters c = SumCounters();
-    const auto ratio = [](uint64_t part, uint64_t whole) {
-        return whole ? static_cast<double>(part) / static_cast<double>(whole) : 0.0;
-    };
-    const auto perSecond = [&](uint64_t count) {
-        return static_cast<double>(count) / std::max(1e-9, result.seconds) / 1e6;
-    };
+    const auto ratio = [](uint64_t part, uint64_t whole) { return whole ? double(part) / double(whole) : 0.0; };
+    const auto perSecond = [&](uint64_t count) { return double(count) / std::max(1e-9, result.seconds) / 1e6; };
     std::printf("Statistics\n");
     for (const Timings::Phase &p : timings.Phases()) PrintLine(fmt::format("{} (s)", p.name), "{:.3f}", p.seconds);
     PrintLine("total (s)", "{:.3f}", timings.Total());
     PrintLine("samples per pixel", "{}", result.samplesTaken);
     PrintLine("shapes, lights", "{}, {}", built.scene->ShapeCount(), built.scene->Lights().Size());
-    PrintLine("acceleration structure (MB)", "{:.1f}", static_cast<double>(built.scene->Acceleration().Bytes()) / 1e6);
+    PrintLine("acceleration structure (MB)", "{:.1f}", double(built.scene->Acceleration().Bytes()) / 1e6);
     PrintLine("memory expected before building", "{}", built.memory.Text());
     PrintLine("camera paths", "{}", c.cameraPaths);
     PrintLine("path vertices", "{} ({:.2f} a path)", c.pathVertices, ratio(c.pathVertices, c.cameraPaths));
@@ -126,7 +121,7 @@ void PrintStatistics(const BuiltScene &built, const RenderResult &result, const 
 void PrintStatisticsJson(const CommandLine &options, const BuiltScene &built, const RenderResult &result,
                          const Timings &timings, const std::string &picture) {
     const auto milliseconds = [](double s) { return std::round(1000 * s) / 1000; };
-    const auto bytes = [](double v) { return static_cast<int64_t>(v); };
+    const auto bytes = [](double v) { return int64_t(v); };
     Json seconds;
     for (const Timings::Phase &p : timings.Phases()) seconds[p.key] = milliseconds(p.seconds);
     seconds["total"] = milliseconds(timings.Total());

@@ -12,7 +12,6 @@
 #include "pbrt/core/log.h"
 
 namespace pbrt {
-
 namespace {
 
 namespace beast = boost::beast;
@@ -31,9 +30,9 @@ constexpr int kMaxValues = 1 << 16;
 class Packet {
   public:
     enum Type : char { CloseImage = 2, UpdateImage = 3, CreateImage = 4 };
-    explicit Packet(Type type) : bytes_(sizeof(uint32_t), 0) { bytes_ += static_cast<char>(type); }
+    explicit Packet(Type type) : bytes_(sizeof(uint32_t), 0) { bytes_ += char(type); }
     Packet &Flag(bool v) {
-        bytes_ += static_cast<char>(v);
+        bytes_ += char(v);
         return *this;
     }
     Packet &Text(const std::string &text) {
@@ -43,7 +42,7 @@ class Packet {
     Packet &Numbers(std::initializer_list<int32_t> numbers) { return Append(numbers.begin(), numbers.size()); }
     Packet &Values(const std::vector<float> &values) { return Append(values.data(), values.size()); }
     const std::string &Bytes() {
-        const auto size = static_cast<uint32_t>(bytes_.size());
+        const auto size = uint32_t(bytes_.size());
         std::memcpy(bytes_.data(), &size, sizeof(size));
         return bytes_;
     }
@@ -150,8 +149,7 @@ std::pair<std::string, std::string> SplitServer(const std::string &server) {
 void ShowInTev(LiveBoard &board, const std::string &server) {
     Connection viewer(board, server);
     const auto complain = [&](const char *what) {
-        LogWarning(fmt::format("--display-server {}: {} ({}); the render continues without it.", server, what,
-                               viewer.Failure()));
+        LogWarning("--display-server {}: {} ({}); the render continues without it.", server, what, viewer.Failure());
     };
     if (!viewer.IsOpen()) return complain("no viewer answers");
     int version = 0;

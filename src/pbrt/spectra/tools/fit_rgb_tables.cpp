@@ -43,7 +43,7 @@ const RgbPrimaries &FindSpace(const std::string &name) {
         if (space.name == name) return space;
         names.push_back(space.name);
     }
-    throw UserError(fmt::format("no colour space \"{}\"; {}.", name, ListChoices(name, names)));
+    throw UserError("no colour space \"{}\"; {}.", name, ListChoices(name, names));
 }
 
 }  // namespace
@@ -53,7 +53,7 @@ int main(int argc, char **argv) try {
     SigmoidFit fit(FindSpace(argv[1]));
     std::vector<float> table(RgbTableFloats);
     ParallelForEach(3 * kRes, [&](int64_t row) {
-        auto slab = static_cast<size_t>(row) / kRes, y = static_cast<size_t>(row) % kRes;
+        auto slab = size_t(row) / kRes, y = size_t(row) % kRes;
         for (size_t x = 0; x < kRes; ++x) FitColumn(fit, slab, y, x, table);
     });
     WriteFile(argv[2], {reinterpret_cast<const char *>(table.data()), table.size() * sizeof(float)});

@@ -5,7 +5,6 @@
 #include "pbrt/spectra/spectrum.h"
 
 namespace pbrt {
-
 namespace {
 
 constexpr double kMaxCoefficient = 200;
@@ -33,9 +32,9 @@ bool Solve3(const double a[3][3], const double b[3], double x[3]) {
 
 double AtTableStep(const Spectrum &s, double position) {
     double x = position * kSteps;
-    int i = std::min(static_cast<int>(x), kSteps - 1);
+    int i = std::min(int(x), kSteps - 1);
     double t = x - i;
-    auto at = [&](int k) { return double(s(LambdaMin + static_cast<Float>(k * kStep))); };
+    auto at = [&](int k) { return double(s(LambdaMin + Float(k * kStep))); };
     return at(i) * (1 - t) + at(i + 1) * t;
 }
 
@@ -122,9 +121,9 @@ double SigmoidFit::Fit(const double rgb[3], double c[3]) const {
 
 void SigmoidFit::ToNanometres(const double c[3], float out[3]) {
     constexpr double low = double(LambdaMin), s = 1 / (double(LambdaMax) - double(LambdaMin));
-    out[0] = static_cast<float>(c[0] * s * s);
-    out[1] = static_cast<float>(c[1] * s - 2 * c[0] * low * s * s);
-    out[2] = static_cast<float>(c[2] - c[1] * low * s + c[0] * low * low * s * s);
+    out[0] = float(c[0] * s * s);
+    out[1] = float(c[1] * s - 2 * c[0] * low * s * s);
+    out[2] = float(c[2] - c[1] * low * s + c[0] * low * low * s * s);
 }
 
 }  // namespace pbrt

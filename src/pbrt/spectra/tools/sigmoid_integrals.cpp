@@ -11,7 +11,7 @@ void IntegrateSigmoid(const ReflectanceWeights &w, const double c[3], SigmoidInt
     const double c0 = c[0], c1 = c[1], c2 = c[2];
     double x = 0, y = 0, z = 0;
     double x0 = 0, x1 = 0, x2 = 0, y0 = 0, y1 = 0, y2 = 0, z0 = 0, z1 = 0, z2 = 0;
-    const auto n = static_cast<long>(w.position.size());
+    const auto n = long(w.position.size());
     for (long i = 0; i < n; ++i) {
         double p = (c0 * t[i] + c1) * t[i] + c2;
         double q = 1 / std::sqrt(1 + p * p);

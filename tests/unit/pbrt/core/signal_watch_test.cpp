@@ -8,7 +8,7 @@
 #include <fstream>
 #include <thread>
 
-#include "pbrt/core/temporaries.h"
+#include "pbrt/core/files.h"
 
 namespace pbrt {
 namespace {

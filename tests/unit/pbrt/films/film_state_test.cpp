@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "pbrt/core/parallel.h"
-#include "pbrt/films/film_recipe.h"
 #include "pbrt/films/fixed_sum.h"
+#include "pbrt/films/render_file.h"
 #include "pbrt/math/rng.h"
 #include "support/param.h"
 

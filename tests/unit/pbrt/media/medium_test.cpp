@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "media_test_support.h"
-#include "pbrt/media/cloud_medium.h"
+#include "pbrt/media/medium_kinds.h"
 #include "pbrt/textures/noise.h"
 
 namespace pbrt::test {

@@ -45,7 +45,7 @@ struct CellCut::Merger {
             w.push_back(w.back() + s.w);
             w2.push_back(w2.back() + s.w2);
             wm.push_back(wm.back() + s.wm);
-            expected.push_back(expected.back() + s.w * (above ? static_cast<double>(above->known_[known].moment) : 1));
+            expected.push_back(expected.back() + s.w * (above ? double(above->known_[known].moment) : 1));
         }
     }
 
@@ -66,33 +66,30 @@ struct CellCut::Merger {
         item.moment = ratio * momentAbove;
         item.share = (sw + k * shareBefore) / std::max(weight + k, 1e-9);
         item.cost = CostOf(item);
-        const auto index = static_cast<uint32_t>(items.size());
+        const auto index = uint32_t(items.size());
         items.push_back(item);
         const bool toldApart = knownAbove && above->IsInner(*knownAbove);
         if (lights.HasChildren(node) && (begin < end || toldApart)) {
             const uint32_t first = lights.First(node), second = lights.Second(node), border = lights.At(second).begin;
-            const auto middle =
-                static_cast<size_t>(std::partition_point(sums.begin() + static_cast<std::ptrdiff_t>(begin),
-                                                         sums.begin() + static_cast<std::ptrdiff_t>(end),
-                                                         [&](const ShadowRaySums &s) { return s.light < border; }) -
-                                    sums.begin());
+            const auto middle = size_t(std::partition_point(sums.begin() + begin, sums.begin() + end,
+                                                            [&](const ShadowRaySums &s) { return s.light < border; }) -
+                                       sums.begin());
             std::optional<size_t> a, b;
-            double shareA = static_cast<double>(lights.Intensity(first)),
-                   shareB = static_cast<double>(lights.Intensity(second));
+            double shareA = double(lights.Intensity(first)), shareB = double(lights.Intensity(second));
             double momentA = momentAbove, momentB = momentAbove;
             if (toldApart) {
                 a = *knownAbove + 1;
                 b = above->known_[*a].next;
                 const Known &one = above->known_[*a], &other = above->known_[*b];
-                momentA = static_cast<double>(one.moment);
-                momentB = static_cast<double>(other.moment);
-                shareA = static_cast<double>(one.share);
-                shareB = static_cast<double>(other.share);
+                momentA = double(one.moment);
+                momentB = double(other.moment);
+                shareA = double(one.share);
+                shareB = double(other.share);
             }
             const double total = shareA + shareB;
             shareA = total > 0 ? item.share * shareA / total : item.share / 2;
             Add(first, begin, middle, a, momentA, ratio, shareA);
-            items[index].second = static_cast<uint32_t>(items.size());
+            items[index].second = uint32_t(items.size());
             Add(second, middle, end, b, momentB, ratio, item.share - shareA);
             const Item &one = items[index + 1], &other = items[items[index].second];
             items[index].key = std::max({item.cost - one.cost - other.cost, IsInner(index + 1) ? one.key : kNever,
@@ -101,7 +98,7 @@ struct CellCut::Merger {
             ++nodes;
             total += item.cost;
         }
-        items[index].next = static_cast<uint32_t>(items.size());
+        items[index].next = uint32_t(items.size());
     }
 
     double Factor(const Item &item) const { return settings.secondMoment ? std::sqrt(item.moment) : item.moment; }
@@ -125,8 +122,7 @@ struct CellCut::Merger {
             free += items[i].key < kNoCost * total;
         }
         const size_t count = std::min(joins.size(), std::max(free, nodes > most ? nodes - most : 0));
-        if (count < joins.size())
-            std::nth_element(joins.begin(), joins.begin() + static_cast<std::ptrdiff_t>(count), joins.end());
+        if (count < joins.size()) std::nth_element(joins.begin(), joins.begin() + count, joins.end());
         for (size_t k = 0; k < count; ++k) items[~joins[k].second].second = 0;
         nodes -= count;
     }
@@ -145,28 +141,27 @@ CellCut::CellCut(const LightTree &lights, std::span<const ShadowRaySums> sums, d
     size_t begin = 0, knownAbove = 0;
     const std::span<const uint32_t> roots = lights.Roots();
     for (uint32_t root : roots) {
-        const size_t end = static_cast<size_t>(
-            std::partition_point(sums.begin() + static_cast<std::ptrdiff_t>(begin), sums.end(),
-                                 [&](const ShadowRaySums &s) { return s.light < lights.At(root).end; }) -
-            sums.begin());
+        const size_t end =
+            size_t(std::partition_point(sums.begin() + begin, sums.end(),
+                                        [&](const ShadowRaySums &s) { return s.light < lights.At(root).end; }) -
+                   sums.begin());
         if (above) {
             const Known &known = above->known_[knownAbove];
-            merger.Add(root, begin, end, knownAbove, static_cast<double>(known.moment), 1,
-                       static_cast<double>(known.share));
+            merger.Add(root, begin, end, knownAbove, double(known.moment), 1, double(known.share));
             knownAbove = known.next;
         } else {
-            merger.Add(root, begin, end, {}, 1, prior, 1 / static_cast<double>(roots.size()));
+            merger.Add(root, begin, end, {}, 1, prior, 1 / double(roots.size()));
         }
         begin = end;
     }
     const size_t far = lights.FarNodeCount();
     merger.JoinDownTo(kInherited * settings.nodes + far);
     merger.ForEach([&](const Merger::Item &item, bool) {
-        known_.push_back({item.node, 0, static_cast<float>(item.moment), static_cast<float>(item.share)});
+        known_.push_back({item.node, 0, float(item.moment), float(item.share)});
     });
     // Backwards: a node ends where its second child does.
     for (size_t i = known_.size(); i-- > 0;) {
-        known_[i].next = static_cast<uint32_t>(i + 1);
+        known_[i].next = uint32_t(i + 1);
         const bool inner = i + 1 < known_.size() && lights.HasChildren(known_[i].node) &&
                            known_[i + 1].node == lights.First(known_[i].node);
         if (inner) known_[i].next = known_[known_[i + 1].next].next;
@@ -175,7 +170,7 @@ CellCut::CellCut(const LightTree &lights, std::span<const ShadowRaySums> sums, d
     merger.ForEach([&](const Merger::Item &item, bool inner) {
         if (inner) return;
         nodes_.push_back(item.node);
-        factors_.push_back(static_cast<float>(merger.Factor(item)));
+        factors_.push_back(float(merger.Factor(item)));
     });
 }
 

@@ -8,7 +8,7 @@ CellOctree::CellOctree(const Bounds3 &bounds) {
     if (bounds.IsEmpty()) return;
     low_ = bounds.low;
     for (int i = 0; i < 3; ++i) {
-        const Float scale = static_cast<Float>(1 << MaxDepth) / (bounds.high[i] - bounds.low[i]);
+        const Float scale = Float(1 << MaxDepth) / (bounds.high[i] - bounds.low[i]);
         // Infinite if the extent is zero or too small to divide.
         scale_[i] = std::isfinite(scale) ? scale : 0;
     }
@@ -23,7 +23,7 @@ CellOctree::Cell CellOctree::CellAt(const Point3 &p) const {
     cell.row = nodes_[cell.node] & ~LeafBit;
     cell.depth = MaxDepth - bit;
     Vector3 from((q >> uint32_t(bit)) << uint32_t(bit));
-    Float size = static_cast<Float>(1u << bit);
+    Float size = Float(1u << bit);
     auto position = [&](const Vector3 &v) {
         Point3 r = low_;
         for (int i = 0; i < 3; ++i)

@@ -65,7 +65,7 @@ class CellOctree {
     void SetLeaf(uint32_t node, uint32_t row) { nodes_[node] = LeafBit | row; }
     /// Makes `node` an inner node and returns the index of its first child.
     uint32_t Split(uint32_t node) {
-        auto first = static_cast<uint32_t>(nodes_.size());
+        auto first = uint32_t(nodes_.size());
         nodes_[node] = first;
         nodes_.resize(first + 8, LeafBit);
         return first;

@@ -23,14 +23,12 @@ std::string DescribeLeaves(const std::vector<LeafSize> &leaves) {
     }
     if (perLeaf.empty()) return "";
     std::sort(perLeaf.begin(), perLeaf.end());
-    auto quantile = [&](double q) {
-        return perLeaf[static_cast<size_t>(q * static_cast<double>(perLeaf.size() - 1) + 0.5)];
-    };
+    auto quantile = [&](double q) { return perLeaf[size_t(q * double(perLeaf.size() - 1) + 0.5)]; };
 
     std::string text = "depth     leaves    without records    records    records per leaf\n";
     for (const auto &[depth, level] : levels)
         text += fmt::format("{:5} {:10} {:18} {:10} {:19.1f}\n", depth, level.leaves, level.empty, level.records,
-                            static_cast<double>(level.records) / static_cast<double>(level.leaves));
+                            double(level.records) / double(level.leaves));
     text += "records per leaf, all leaves: ";
     for (double q : {0.0, 0.05, 0.25, 0.5, 0.75, 0.95, 1.0}) text += fmt::format(" {:g} %: {} ", 100 * q, quantile(q));
     auto firstFilled = std::upper_bound(perLeaf.begin(), perLeaf.end(), 0u);

@@ -31,7 +31,7 @@ std::optional<std::string> CellOctree::ValidateFor(size_t rows) const {
         if (node <= i || node < TopCount || (node - TopCount) % 8 != 0 || block >= depth.size() || depth[block] != 0)
             return "a node of an octree has no children of its own";
         if (here == MaxDepth) return "an octree is too deep";
-        depth[block] = static_cast<uint8_t>(here + 1);
+        depth[block] = uint8_t(here + 1);
     }
     return {};
 }

@@ -5,7 +5,7 @@ namespace ext {
 const std::array<Float, 256> &VisibilityTree::Table() {
     static const std::array<Float, 256> table = [] {
         std::array<Float, 256> t;
-        for (int i = 0; i < 256; ++i) t[static_cast<size_t>(i)] = std::exp2((static_cast<Float>(i) - 192) / 8);
+        for (int i = 0; i < 256; ++i) t[size_t(i)] = std::exp2((Float(i) - 192) / 8);
         return t;
     }();
     return table;

@@ -27,7 +27,7 @@ class VisibilityTree {
     /// Factor of a code: 2^((code - 192) / 8), steps of 9 %, from 6e-8 to 235.
     static Float Decode(uint8_t code) { return Table()[code]; }
     static uint8_t Encode(double factor) {
-        return static_cast<uint8_t>(std::clamp(std::lround(192 + 8 * std::log2(std::max(factor, 1e-12))), 0l, 255l));
+        return uint8_t(std::clamp(std::lround(192 + 8 * std::log2(std::max(factor, 1e-12))), 0l, 255l));
     }
 
     const CellOctree &Cells() const { return cells_; }

@@ -12,7 +12,7 @@ namespace ext {
 namespace {
 constexpr int kAllRecords = -1;
 /// Cross-validation half of a record: 0 provides estimates, 1 evaluates them (Prune).
-int HalfOf(uint32_t record) { return static_cast<int>(MixBits(record) & 1); }
+int HalfOf(uint32_t record) { return int(MixBits(record) & 1); }
 }  // namespace
 
 VisibilityTreeBuilder::VisibilityTreeBuilder(const Bounds3 &bounds, std::span<const VisibilityRecord> records,
@@ -33,9 +33,8 @@ void VisibilityTreeBuilder::Divide() {
     order_.resize(records_.size());
     std::iota(order_.begin(), order_.end(), 0u);
     nodes_.resize(1);
-    nodes_[0].end = static_cast<uint32_t>(order_.size());
-    const auto splitAbove =
-        static_cast<size_t>(settings_.records) * static_cast<size_t>(settings_.lights ? settings_.raysPerRecord : 4);
+    nodes_[0].end = uint32_t(order_.size());
+    const auto splitAbove = size_t(settings_.records) * size_t(settings_.lights ? settings_.raysPerRecord : 4);
     auto sizeOf = [&](uint32_t begin, uint32_t end) {
         if (!settings_.lights) return size_t(end - begin);
         size_t rays = 0;
@@ -51,7 +50,7 @@ void VisibilityTreeBuilder::Divide() {
         }
         uint32_t start[9];
         SortIntoChildren(quantized_, order_, begin, end, bit, start);
-        const auto first = static_cast<uint32_t>(nodes_.size());
+        const auto first = uint32_t(nodes_.size());
         nodes_[n].firstChild = first;
         nodes_.resize(first + 8);
         for (uint32_t c = 0; c < 8; ++c) {
@@ -80,19 +79,19 @@ void VisibilityTreeBuilder::SumUp(int half) {
         sums.shrink_to_fit();
     };
     const bool all = settings_.lights == nullptr;
-    ParallelFor(static_cast<int64_t>(nodes_.size()), 16, [&](int64_t first, int64_t last) {
-        for (auto n = static_cast<size_t>(first); n < static_cast<size_t>(last); ++n) {
+    ParallelFor(int64_t(nodes_.size()), 16, [&](int64_t first, int64_t last) {
+        for (auto n = size_t(first); n < size_t(last); ++n) {
             if (Stopped()) return;
             Node &node = nodes_[n];
             node.sums.clear();
             if (node.firstChild != 0) continue;
-            if (all) node.sums.resize(static_cast<size_t>(settings_.lightCount));
+            if (all) node.sums.resize(size_t(settings_.lightCount));
             for (uint32_t i = node.begin; i < node.end; ++i) {
                 if (half != kAllRecords && HalfOf(order_[i]) != half) continue;
                 const VisibilityRecord &record = records_[order_[i]];
                 for (uint32_t t = record.firstRay; t < record.firstRay + record.rayCount; ++t) {
                     const ShadowRay &v = rays_[t];
-                    const auto w = static_cast<double>(v.weight), r = static_cast<double>(v.ratio);
+                    const auto w = double(v.weight), r = double(v.ratio);
                     const ShadowRaySums s{NameOf(v.light), w * (settings_.secondMoment ? r * r : r), w, w * w};
                     if (all) {
                         node.sums[v.light].light = v.light;
@@ -119,24 +118,24 @@ void VisibilityTreeBuilder::SumUp(int half) {
 
 void VisibilityTreeBuilder::EstimateNode(Node &node, const Node *above) const {
     node.factors.clear();
-    const auto k = static_cast<double>(settings_.shrinkage);
+    const auto k = double(settings_.shrinkage);
     if (settings_.lights) {
         double weight = 0;
         for (const ShadowRaySums &s : node.sums) weight += s.w;
         // Four times the pseudo-rays, as the shrinkage targets (parent cell, neighbouring lights) are better estimates.
         node.cut = CellCut(*settings_.lights, node.sums, weight, above ? &above->cut : nullptr,
-                           {4 * k, settings_.secondMoment, static_cast<size_t>(settings_.cut)});
+                           {4 * k, settings_.secondMoment, size_t(settings_.cut)});
         return;
     }
-    std::vector<const ShadowRaySums *> of(static_cast<size_t>(settings_.lightCount), nullptr);
+    std::vector<const ShadowRaySums *> of(size_t(settings_.lightCount), nullptr);
     for (const ShadowRaySums &s : node.sums) of[s.light] = &s;
     for (uint32_t l = 0; l < of.size(); ++l) {
         const ShadowRaySums *s = of[l];
-        const double before = above ? static_cast<double>(above->factors[l]) : prior_;
+        const double before = above ? double(above->factors[l]) : prior_;
         const double target = settings_.secondMoment ? before * before : before;
         const double n = s ? s->w * s->w / s->w2 : 0, mean = s ? s->wm / s->w : 0;
         const double value = n + k > 0 ? (n * mean + k * target) / (n + k) : target;
-        node.factors.push_back(static_cast<float>(settings_.secondMoment ? std::sqrt(value) : value));
+        node.factors.push_back(float(settings_.secondMoment ? std::sqrt(value) : value));
     }
 }
 
@@ -151,9 +150,9 @@ void VisibilityTreeBuilder::Estimate() {
     // Parents precede children, and nodes of equal depth are consecutive (breadth-first).
     for (size_t begin = 0, end = 0; begin < nodes_.size(); begin = end) {
         while (end < nodes_.size() && nodes_[end].depth == nodes_[begin].depth) ++end;
-        ParallelFor(static_cast<int64_t>(end - begin), 8, [&](int64_t first, int64_t last) {
-            const size_t stop = begin + static_cast<size_t>(last);
-            for (size_t n = begin + static_cast<size_t>(first); n < stop && !Stopped(); ++n)
+        ParallelFor(int64_t(end - begin), 8, [&](int64_t first, int64_t last) {
+            const size_t stop = begin + size_t(last);
+            for (size_t n = begin + size_t(first); n < stop && !Stopped(); ++n)
                 EstimateNode(nodes_[n], n == 0 ? nullptr : &nodes_[nodes_[n].parent]);
         });
     }
@@ -162,18 +161,16 @@ void VisibilityTreeBuilder::Estimate() {
 double VisibilityTreeBuilder::Loss(const VisibilityRecord &record, const std::vector<float> &factors) const {
     double sum = 0;
     for (uint32_t t = record.firstRay; t < record.firstRay + record.rayCount; ++t)
-        sum += static_cast<double>(rays_[t].weight) * static_cast<double>(factors[rays_[t].light]);
+        sum += double(rays_[t].weight) * double(factors[rays_[t].light]);
     double loss = 0;
-    const auto e = static_cast<double>(settings_.floor);
+    const auto e = double(settings_.floor);
     for (uint32_t t = record.firstRay; t < record.firstRay + record.rayCount; ++t) {
         const ShadowRay &v = rays_[t];
         if (!(v.ratio > 0)) continue;
-        const double share = static_cast<double>(v.share);
+        const double share = double(v.share);
         double p = e * share;
-        if (sum > 0) p += (1 - e) * static_cast<double>(factors[v.light]) * share / sum;
-        if (p > 0)
-            loss +=
-                static_cast<double>(v.weight) * share * static_cast<double>(v.ratio) * static_cast<double>(v.ratio) / p;
+        if (sum > 0) p += (1 - e) * double(factors[v.light]) * share / sum;
+        if (p > 0) loss += double(v.weight) * share * double(v.ratio) * double(v.ratio) / p;
     }
     return loss;
 }
@@ -182,12 +179,12 @@ void VisibilityTreeBuilder::Prune() {
     std::vector<double> best(order_.size(), 0);
     int deepest = 0;
     for (const Node &n : nodes_) deepest = std::max(deepest, n.depth);
-    std::vector<std::vector<uint32_t>> levels(static_cast<size_t>(deepest) + 1);
-    for (uint32_t n = 0; n < nodes_.size(); ++n) levels[static_cast<size_t>(nodes_[n].depth)].push_back(n);
+    std::vector<std::vector<uint32_t>> levels(size_t(deepest) + 1);
+    for (uint32_t n = 0; n < nodes_.size(); ++n) levels[size_t(nodes_[n].depth)].push_back(n);
     for (size_t level = levels.size(); level-- > 0;)
-        ParallelForEach(static_cast<int64_t>(levels[level].size()), [&](int64_t index) {
+        ParallelForEach(int64_t(levels[level].size()), [&](int64_t index) {
             if (Stopped()) return;
-            Node &node = nodes_[levels[level][static_cast<size_t>(index)]];
+            Node &node = nodes_[levels[level][size_t(index)]];
             double here = 0, below = 0, squares = 0;
             std::vector<double> loss(node.end - node.begin, 0);
             for (uint32_t i = node.begin; i < node.end; ++i) {
@@ -199,8 +196,7 @@ void VisibilityTreeBuilder::Prune() {
             }
             // A split is kept if its gain exceeds both pruneGain of the loss and the noise.
             const double gain = here - below;
-            bool keep = node.firstChild != 0 && gain > static_cast<double>(settings_.pruneGain) * here &&
-                        gain > std::sqrt(squares);
+            bool keep = node.firstChild != 0 && gain > double(settings_.pruneGain) * here && gain > std::sqrt(squares);
             if (keep) return;
             node.pruned = true;
             std::copy(loss.begin(), loss.end(), best.begin() + node.begin);
@@ -220,14 +216,12 @@ VisibilityTree VisibilityTreeBuilder::Freeze() {
         Row row;
         auto &[names, codes] = row;
         if (settings_.lights) names.assign(node.cut.Nodes().begin(), node.cut.Nodes().end());
-        for (float f : factors)
-            codes.push_back(
-                VisibilityTree::Encode(most > 0 ? static_cast<double>(f) / static_cast<double>(most) : 1.0));
-        auto [it, isNew] = known.emplace(row, static_cast<uint32_t>(tree.RowCount()));
+        for (float f : factors) codes.push_back(VisibilityTree::Encode(most > 0 ? double(f) / double(most) : 1.0));
+        auto [it, isNew] = known.emplace(row, uint32_t(tree.RowCount()));
         if (isNew) {
             tree.nodes_.insert(tree.nodes_.end(), names.begin(), names.end());
             tree.codes_.insert(tree.codes_.end(), codes.begin(), codes.end());
-            tree.offset_.push_back(static_cast<uint32_t>(tree.codes_.size()));
+            tree.offset_.push_back(uint32_t(tree.codes_.size()));
         }
         return it->second;
     };

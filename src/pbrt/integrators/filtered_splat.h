@@ -11,8 +11,8 @@ inline void AddFilteredSplat(Film &film, const Filter &filter, const Point2 &pFi
     const Bounds2i &bounds = film.PixelBounds();
     const Point2 first = pFilm - filter.Radius() - Float(0.5), last = pFilm + filter.Radius() - Float(0.5);
     // Compared as floats first: distant positions do not fit into integers.
-    if (!(last.x >= static_cast<Float>(bounds.low.x) && last.y >= static_cast<Float>(bounds.low.y) &&
-          first.x < static_cast<Float>(bounds.high.x) && first.y < static_cast<Float>(bounds.high.y)))
+    if (!(last.x >= Float(bounds.low.x) && last.y >= Float(bounds.low.y) && first.x < Float(bounds.high.x) &&
+          first.y < Float(bounds.high.y)))
         return;
     const Point2i low = glm::max(Point2i(glm::ceil(first)), bounds.low),
                   high = glm::min(Point2i(glm::floor(last)), bounds.high - 1);

@@ -34,7 +34,7 @@ struct MltIntegrator::Unit {
     Float first = 0;                 ///< start of the first chain in the sums, in [0, 1)
     size_t PairAt(double u) const {  ///< u in [0, 1)
         const auto at = std::upper_bound(sums.begin(), sums.end(), u * sums.back());
-        size_t i = std::min(static_cast<size_t>(at - sums.begin()), sums.size() - 1);
+        size_t i = std::min(size_t(at - sums.begin()), sums.size() - 1);
         while (i > 0 && !(importance[i] > 0)) --i;  // rounding may lead past the last one
         return i;
     }
@@ -49,7 +49,7 @@ class MltIntegrator::Renderer {
           bootstrap_(std::max<int64_t>({settings_.bootstrapSamples, pixels_ / kPixelsPerBootstrapPair, 1})),
           low_(Point2(bounds_.low) + Float(0.5) - pass.filter.Radius()),
           size_(Point2(bounds_.high) - Float(0.5) + pass.filter.Radius() - low_), area_(size_.x * size_.y),
-          differentialScale_(std::max(Float(0.125), 1 / std::sqrt(static_cast<Float>(pass.samplesPerPixel)))) {
+          differentialScale_(std::max(Float(0.125), 1 / std::sqrt(Float(pass.samplesPerPixel)))) {
         Sampler &sampler = *pass.samplers[0];
         sampler.StartPixelSample({0, 0}, 0);
         const Float u[] = {sampler.Get1D(), sampler.Get1D(), sampler.Get1D(), sampler.Get1D()};
@@ -59,14 +59,14 @@ class MltIntegrator::Renderer {
     int64_t Chains() const { return pixels_ > 0 ? pass_.count * chains_ : 0; }
     uint32_t MutationsOf(int64_t number) const {
         const int64_t chain = number % chains_;
-        return static_cast<uint32_t>(pixels_ * (chain + 1) / chains_ - pixels_ * chain / chains_);
+        return uint32_t(pixels_ * (chain + 1) / chains_ - pixels_ * chain / chains_);
     }
 
     void Bootstrap() {
         units_.resize(Chains() / chains_);
         for (Unit &unit : units_) unit.importance.resize(bootstrap_);
         const int64_t groups = (bootstrap_ + kGroup - 1) / kGroup;
-        ParallelForEach(groups * static_cast<int64_t>(units_.size()), [&](int64_t task) {
+        ParallelForEach(groups * int64_t(units_.size()), [&](int64_t task) {
             Unit &unit = units_[task / groups];
             const int64_t begin = task % groups * kGroup, end = std::min(bootstrap_, begin + kGroup);
             Pair pair;
@@ -79,8 +79,8 @@ class MltIntegrator::Renderer {
             Unit &unit = units_[i];
             double sum = 0;
             for (Float importance : unit.importance) unit.sums.push_back(sum += double(importance));
-            unit.mean = sum / static_cast<double>(bootstrap_);
-            unit.first = HashFloat(seed_, SampleOf(static_cast<int64_t>(i)), uint64_t{1});
+            unit.mean = sum / double(bootstrap_);
+            unit.first = HashFloat(seed_, SampleOf(int64_t(i)), uint64_t{1});
         }
     }
 
@@ -92,12 +92,12 @@ class MltIntegrator::Renderer {
         if (pass_.progress.Cancelled()) return done;
         if (!(unit.mean > 0)) return all;  // no light
         // Each start is uniform, and all of them are stratified.
-        double u = double(unit.first) + static_cast<double>(chain) / static_cast<double>(chains_);
+        double u = double(unit.first) + double(chain) / double(chains_);
         u -= std::floor(u);
         Pair current, proposed;
-        MakePair(unitIndex, static_cast<int64_t>(unit.PairAt(u)), current);
+        MakePair(unitIndex, int64_t(unit.PairAt(u)), current);
         Rng rng(Hash(seed_, SampleOf(unitIndex), chain, uint64_t{2}));
-        const auto mean = static_cast<Float>(unit.mean);
+        const auto mean = Float(unit.mean);
         for (uint32_t i = 0; i < all; ++i) {
             if (pass_.progress.Cancelled()) return std::max(i, done);
             Mutate(current, rng, proposed);

@@ -30,7 +30,7 @@ bool ReducePass(const RenderPass &pass, int64_t chunks, int64_t whole, int64_t u
     };
     std::vector<Done> changed;
     for (size_t i = 0; i < before.size(); ++i)
-        if ((*pass.done)[i] != before[i]) changed.push_back({static_cast<uint32_t>(i), (*pass.done)[i]});
+        if ((*pass.done)[i] != before[i]) changed.push_back({uint32_t(i), (*pass.done)[i]});
     pass.team.Reduce([&](StateWriter &out) { out.Vector(changed); },
                      [&](StateReader &in) {
                          std::vector<Done> also;
@@ -44,10 +44,10 @@ bool ReducePass(const RenderPass &pass, int64_t chunks, int64_t whole, int64_t u
 }  // namespace
 
 bool RenderChunks(const RenderPass &pass, const PassChunks &chunks) {
-    if (pass.done && pass.done->empty()) pass.done->assign(static_cast<size_t>(chunks.count), 0);
+    if (pass.done && pass.done->empty()) pass.done->assign(size_t(chunks.count), 0);
     const auto doneBefore = [&](int64_t i) { return pass.done ? (*pass.done)[i] : 0; };
     for (int64_t i = 0; pass.done && i < chunks.count; ++i)
-        if (pass.done->size() != static_cast<size_t>(chunks.count) || doneBefore(i) > chunks.samplesOf(i))
+        if (pass.done->size() != size_t(chunks.count) || doneBefore(i) > chunks.samplesOf(i))
             throw UserError(fmt::format("{}: what is left of a pass does not fit the picture.", pass.doneFile));
     if (chunks.splat) pass.film.ExpectSplats();
     std::atomic<int64_t> whole = 0;

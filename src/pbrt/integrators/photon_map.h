@@ -21,7 +21,7 @@ struct Photon {
         if (!isOneColour || pathIsOneColour) return power;
         // The density of the first wavelength was divided by their number; here it was not.
         SampledSpectrum first(0);
-        first[0] = power[0] * static_cast<Float>(SpectrumSamples);
+        first[0] = power[0] * Float(SpectrumSamples);
         return first;
     }
 };
@@ -46,8 +46,8 @@ class PhotonMap {
     };
     /// Cells are as wide as the query sphere, which overlaps at most eight of them.
     Cell CellOf(double x, double y, double z) const {
-        return {static_cast<int64_t>(std::floor(x * perWidth_)), static_cast<int64_t>(std::floor(y * perWidth_)),
-                static_cast<int64_t>(std::floor(z * perWidth_))};
+        return {int64_t(std::floor(x * perWidth_)), int64_t(std::floor(y * perWidth_)),
+                int64_t(std::floor(z * perWidth_))};
     }
     Cell CellOf(const Point3 &p) const { return CellOf(double(p.x), double(p.y), double(p.z)); }
     size_t BucketOf(const Cell &cell) const;

@@ -17,9 +17,8 @@ class PassRenderer {
     PassRenderer(const PixelIntegrator &integrator, const RenderPass &pass, std::optional<Float> uWavelengths)
         : integrator_(integrator), pass_(pass), uWavelengths_(uWavelengths),
           wantsVisible_(pass.film.WantsVisibleSurface()),
-          differentialScale_(pass.jittersPixels
-                                 ? std::max(Float(0.125), 1 / std::sqrt(static_cast<Float>(pass.samplesPerPixel)))
-                                 : Float(1)) {}
+          differentialScale_(pass.jittersPixels ? std::max(Float(0.125), 1 / std::sqrt(Float(pass.samplesPerPixel)))
+                                                : Float(1)) {}
 
     /// Consecutive pixels of a tile in row order.
     struct Strip {
@@ -29,18 +28,18 @@ class PassRenderer {
     /// Traces the samples of a strip, pixel by pixel, starting at number `done`. Returns the number done:
     /// SamplesOf(strip), unless cancelled.
     uint32_t RenderStrip(const Strip &strip, uint32_t done, Sampler &sampler) const {
-        const uint32_t all = SamplesOf(strip), count = static_cast<uint32_t>(pass_.count);
-        const auto width = static_cast<uint32_t>(strip.tile.Width());
+        const uint32_t all = SamplesOf(strip), count = uint32_t(pass_.count);
+        const auto width = uint32_t(strip.tile.Width());
         for (; done < all; ++done) {
             // Tested per sample, because a single one may take a tenth of a second.
             if (pass_.progress.Cancelled()) break;
             const uint32_t pixel = strip.firstPixel + done / count;
-            TraceSample(strip.tile.low + Vector2i(pixel % width, pixel / width),
-                        pass_.first + static_cast<int>(done % count), sampler);
+            TraceSample(strip.tile.low + Vector2i(pixel % width, pixel / width), pass_.first + int(done % count),
+                        sampler);
         }
         return done;
     }
-    uint32_t SamplesOf(const Strip &strip) const { return strip.pixels * static_cast<uint32_t>(pass_.count); }
+    uint32_t SamplesOf(const Strip &strip) const { return strip.pixels * uint32_t(pass_.count); }
 
   private:
     void TraceSample(Point2i pixel, int index, Sampler &sampler) const {
@@ -90,7 +89,7 @@ class PassStrips {
         const int64_t count = bounds_.IsEmpty() ? 0 : int64_t{tiles.x} * tiles.y;
         // A resumed pass keeps its strips; RenderChunks validates their number.
         if (pass.done && !pass.done->empty()) {
-            perTile_ = static_cast<int64_t>(pass.done->size()) / std::max(count, int64_t{1});
+            perTile_ = int64_t(pass.done->size()) / std::max(count, int64_t{1});
         } else if (pass.team.Size() > 1 && count > 0) {
             const int64_t wanted = kStripsPerThread * pass.team.TotalThreads();
             perTile_ = std::clamp((wanted + count - 1) / count, int64_t{1}, int64_t{kTileSize} * kTileSize);
@@ -100,12 +99,12 @@ class PassStrips {
     int64_t Count() const { return count_; }
     PassRenderer::Strip operator[](int64_t i) const {
         const int64_t tile = i / perTile_, strip = i % perTile_;
-        const Point2i at(static_cast<int>(tile % tilesPerRow_), static_cast<int>(tile / tilesPerRow_));
+        const Point2i at(int(tile % tilesPerRow_), int(tile / tilesPerRow_));
         const Point2i low = bounds_.low + kTileSize * at;
         PassRenderer::Strip p{{low, glm::min(low + kTileSize, bounds_.high)}};
         const int64_t pixels = p.tile.Area();
-        p.firstPixel = static_cast<uint32_t>(pixels * strip / perTile_);
-        p.pixels = static_cast<uint32_t>(pixels * (strip + 1) / perTile_) - p.firstPixel;
+        p.firstPixel = uint32_t(pixels * strip / perTile_);
+        p.pixels = uint32_t(pixels * (strip + 1) / perTile_) - p.firstPixel;
         return p;
     }
 

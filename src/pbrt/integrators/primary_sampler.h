@@ -20,7 +20,7 @@ class PrimarySampler final : public Sampler {
   protected:
     int StartSample(Point2i, int, int dimension) override { return dimension; }
     Run Prepare(int dimension, Numbers &numbers) override {
-        used_ = std::max(used_, static_cast<size_t>(dimension) + kPrepared);
+        used_ = std::max(used_, size_t(dimension) + kPrepared);
         while (numbers_.size() < used_) numbers_.push_back(rng_.Uniform());
         const Float *from = numbers_.data() + dimension;
         for (int i = 0; i < kPrepared; ++i) numbers.one[i] = from[i];

@@ -206,12 +206,12 @@ class WaveLoop {
         if (!(secondsPerSample_ > 0)) return size;
         if (IsTimed()) {
             const double left = settings_.timeBudget - SecondsSince(settings_.start);
-            const int fits = static_cast<int>(std::min(left / secondsPerSample_, 1e6) + 0.5);
+            const int fits = int(std::min(left / secondsPerSample_, 1e6) + 0.5);
             if (fits < 1) return 0;
             size = std::min(size, fits);
         }
         const auto limit = [&](double seconds) {
-            size = static_cast<int>(std::clamp(seconds / secondsPerSample_, 1.0, double(size)));
+            size = int(std::clamp(seconds / secondsPerSample_, 1.0, double(size)));
         };
         if (settings_.checkpoint) limit(settings_.checkpointInterval);
         if (settings_.maxWaveSeconds > 0) limit(settings_.maxWaveSeconds);

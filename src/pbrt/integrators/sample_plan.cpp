@@ -35,7 +35,7 @@ class Deadline : public ProgressSink {
 
 int FittingSamples(double seconds, double secondsPerSample) {
     const double fitting = std::clamp(seconds / std::max(secondsPerSample, 1e-9), 1.0, 1e6);
-    return static_cast<int>(std::lround(std::exp2(std::round(4 * std::log2(fitting)) / 4)));
+    return int(std::lround(std::exp2(std::round(4 * std::log2(fitting)) / 4)));
 }
 
 double MeasureSecondsPerSample(const RenderContext &context, RenderSettings settings, double seconds) {

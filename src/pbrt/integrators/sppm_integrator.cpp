@@ -38,7 +38,7 @@ SppmIntegrator::SppmIntegrator(const PathContext &context, const SppmSettings &s
 
 Float SppmIntegrator::RelativeRadius(int iteration) {
     const double i = iteration;
-    return static_cast<Float>(std::exp(0.5 * (std::lgamma(i + kKept) - std::lgamma(i + 1) - std::lgamma(kKept))));
+    return Float(std::exp(0.5 * (std::lgamma(i + kKept) - std::lgamma(i + 1) - std::lgamma(kKept))));
 }
 
 void SppmIntegrator::TraceLightPath(const SampledWavelengths &shared, uint64_t index,
@@ -93,23 +93,22 @@ bool SppmIntegrator::Render(const RenderPass &pass) {
     const Float u[] = {sampler.Get1D(), sampler.Get1D(), sampler.Get1D(), sampler.Get1D()};
     seed_ = Hash(u[0], u[1], u[2], u[3], settings_.seed);
     // All pixels share the error of few wavelength sets; even spacing minimizes it.
-    uWavelengths_ = RadicalInverse(2, static_cast<uint64_t>(pass.first)) + HashToFloat(seed_);
+    uWavelengths_ = RadicalInverse(2, uint64_t(pass.first)) + HashToFloat(seed_);
     uWavelengths_ -= std::floor(uWavelengths_);
     const SampledWavelengths lambda = pass.film.SampleWavelengths(pass.jittersWavelengths ? uWavelengths_ : Float(0.5));
 
     const Float radius = settings_.radius * RelativeRadius(pass.batchFirst + pass.first);
     const int64_t paths =
         settings_.photonsPerIteration > 0 ? settings_.photonsPerIteration : pass.film.PixelBounds().Area();
-    RequireMemory(static_cast<double>(paths) * sizeof(Photon),
-                  fmt::format("Integrator \"sppm\": a map of {} photons", paths), {});
-    perArea_ = 1 / (Pi * radius * radius * static_cast<Float>(paths));
+    RequireMemory(double(paths) * sizeof(Photon), fmt::format("Integrator \"sppm\": a map of {} photons", paths), {});
+    perArea_ = 1 / (Pi * radius * radius * Float(paths));
     const int64_t groupCount = settings_.maxDepth < 2 ? 0 : (paths + kGroup - 1) / kGroup;
-    std::vector<std::vector<Photon>> groups(static_cast<size_t>(groupCount));
+    std::vector<std::vector<Photon>> groups(size_t(groupCount));
     ParallelForEach(groupCount, [&](int64_t group) {
         if (pass.progress.Cancelled()) return;
         const int64_t end = std::min(paths, (group + 1) * kGroup);
         for (int64_t i = group * kGroup; i < end; ++i)
-            TraceLightPath(lambda, static_cast<uint64_t>(pass.first * paths + i), groups[group]);
+            TraceLightPath(lambda, uint64_t(pass.first * paths + i), groups[group]);
     });
     map_.Build(groups, radius);
     const bool isWhole = PixelIntegrator::Render(pass);

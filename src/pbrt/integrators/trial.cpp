@@ -27,7 +27,7 @@ double TraceSample(const PrepareContext &context, const FollowPath &follow, Poin
     if (!ray) return 0;
     const SampledSpectrum L =
         ray->weight * follow({*ray, pixel, std::numeric_limits<int>::max() - index}, lambda, sampler);
-    const double value = static_cast<double>(L.Average() * offset.weight);
+    const double value = double(L.Average() * offset.weight);
     return std::isfinite(value) ? value : 0;
 }
 
@@ -44,8 +44,8 @@ TrialPixel TracePixel(const PrepareContext &context, const FollowPath &follow, P
     result.mean = sum / kSamples;
     result.variance = std::max(sumOfSquares - sum * result.mean, 0.0) / (kSamples - 1);
     result.paths = kSamples;
-    result.vertices = static_cast<double>(counters.pathVertices - before.pathVertices);
-    result.shadowRays = static_cast<double>(counters.shadowRays - before.shadowRays);
+    result.vertices = double(counters.pathVertices - before.pathVertices);
+    result.shadowRays = double(counters.shadowRays - before.shadowRays);
     counters = before;
     return result;
 }
@@ -54,23 +54,20 @@ TrialPixel TracePixel(const PrepareContext &context, const FollowPath &follow, P
 
 std::vector<TrialPixel> TraceTrial(const PrepareContext &context, const FollowPath &follow) {
     const Bounds2i &bounds = context.pixelBounds;
-    const double pixels = static_cast<double>(bounds.Area()), samples = pixels * context.samplesPerPixel;
+    const double pixels = double(bounds.Area()), samples = pixels * context.samplesPerPixel;
     if (kMinPixels * kSamples > kMaxShare * samples) return {};
     const double wanted = std::clamp(kShare * samples / kSamples, kMinPixels, kMaxPixels);
     // Pixels at equal steps, in blocks of two by two.
-    const int step = std::max(1, static_cast<int>(std::sqrt(pixels / wanted)));
+    const int step = std::max(1, int(std::sqrt(pixels / wanted)));
     const Vector2i blocks = (bounds.high - bounds.low) / (2 * step);
-    std::vector<TrialPixel> result(static_cast<size_t>(blocks.x) * static_cast<size_t>(blocks.y) *
-                                   TrialPixel::kPerBlock);
-    context.progress.BeginPhase("trial", static_cast<int64_t>(result.size()));
-    ParallelForEach(static_cast<int64_t>(result.size()) / TrialPixel::kPerBlock, [&](int64_t b) {
-        IndependentSampler sampler(
-            {.samplesPerPixel = kSamples, .seed = static_cast<int>(Hash(kStream, context.seed))});
-        const Point2i block(static_cast<int>(b % blocks.x), static_cast<int>(b / blocks.x));
+    std::vector<TrialPixel> result(size_t(blocks.x) * size_t(blocks.y) * TrialPixel::kPerBlock);
+    context.progress.BeginPhase("trial", int64_t(result.size()));
+    ParallelForEach(int64_t(result.size()) / TrialPixel::kPerBlock, [&](int64_t b) {
+        IndependentSampler sampler({.samplesPerPixel = kSamples, .seed = int(Hash(kStream, context.seed))});
+        const Point2i block(int(b % blocks.x), int(b / blocks.x));
         for (int i = 0; i < TrialPixel::kPerBlock && !context.progress.Cancelled(); ++i) {
             const Point2i pixel = bounds.low + (2 * block + Point2i(i % 2, i / 2)) * step + step / 2;
-            result[static_cast<size_t>(b) * TrialPixel::kPerBlock + static_cast<size_t>(i)] =
-                TracePixel(context, follow, pixel, sampler);
+            result[size_t(b) * TrialPixel::kPerBlock + size_t(i)] = TracePixel(context, follow, pixel, sampler);
             context.progress.Advance();
         }
     });

@@ -20,12 +20,12 @@ void AreaEmission::Summarise() {
     for (int y = 0; y < n.y; ++y)
         for (int x = 0; x < n.x; ++x) {
             Rgb rgb = LightPixel(image, {x, y});
-            values += static_cast<double>((rgb.x + rgb.y + rgb.z) / 3);
-            luminances += static_cast<double>(glm::dot(rgb, weights));
+            values += double((rgb.x + rgb.y + rgb.z) / 3);
+            luminances += double(glm::dot(rgb, weights));
         }
-    double pixels = static_cast<double>(n.x) * static_cast<double>(n.y);
-    peak = static_cast<Float>(values / pixels);
-    luminance = static_cast<Float>(luminances / pixels);
+    double pixels = double(n.x) * double(n.y);
+    peak = Float(values / pixels);
+    luminance = Float(luminances / pixels);
 }
 
 SampledSpectrum AreaEmission::Average(const SampledWavelengths &lambda) const {
@@ -61,7 +61,7 @@ Float DiffuseAreaLight::ScaleForPower(const ShapePrimitive &at) const {
     const Float area = at.shape->Area(at.primitive);
     const double emitted =
         double(emission_->luminance) * double(area) * std::numbers::pi * (emission_->twoSided ? 2 : 1);
-    return emitted > 0 ? static_cast<Float>(double(emission_->scale) * double(emission_->power) / emitted) : 0;
+    return emitted > 0 ? Float(double(emission_->scale) * double(emission_->power) / emitted) : 0;
 }
 
 double DiffuseAreaLight::PowerPerRadiance(const ShapePrimitive &at) const {

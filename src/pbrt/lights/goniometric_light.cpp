@@ -19,8 +19,8 @@ Float GoniometricLight::Mean(const Image &image) {
     Point2i n = image.Resolution();
     double sum = 0;
     for (int y = 0; y < n.y; ++y)
-        for (int x = 0; x < n.x; ++x) sum += static_cast<double>(std::max(image.Get({x, y}, 0), Float(0)));
-    return static_cast<Float>(sum / (static_cast<double>(n.x) * static_cast<double>(n.y)));
+        for (int x = 0; x < n.x; ++x) sum += double(std::max(image.Get({x, y}, 0), Float(0)));
+    return Float(sum / (double(n.x) * double(n.y)));
 }
 
 Point2 GoniometricLight::SquareTowards(const Vector3 &w) const {

@@ -45,16 +45,16 @@ ImageInfiniteLight::ImageInfiniteLight(const Transform &renderFromLight, Image i
     Point2i n = image_.Resolution();
     PBRT_CHECK(n.x == n.y && n.x > 0 && image_.ChannelCount() == 3);
     std::vector<Float> weights;
-    weights.reserve(static_cast<size_t>(n.x) * static_cast<size_t>(n.y));
+    weights.reserve(size_t(n.x) * size_t(n.y));
     double sum = 0;
     for (int y = 0; y < n.y; ++y)
         for (int x = 0; x < n.x; ++x) {
             weights.push_back(MeanOf(LightPixel(image_, {x, y})));
-            sum += static_cast<double>(weights.back());
+            sum += double(weights.back());
         }
     distribution_ = PiecewiseConstant2D(weights, n.x, n.y);
 
-    auto average = static_cast<Float>(sum / static_cast<double>(weights.size()));
+    auto average = Float(sum / double(weights.size()));
     bool anyLeft = false;
     for (Float &w : weights) {
         w = std::max(w - average, Float(0));

@@ -229,9 +229,9 @@ Float MeasureIlluminance(const LightImage &light, const Rgb &weights) {
     for (int y = 0; y < n.y; ++y)
         for (int x = 0; x < n.x; ++x) {
             Float cosTheta = EqualAreaSquareToSphere(PixelCenter(x, y, n)).z;
-            if (cosTheta > 0) sum += static_cast<double>(glm::dot(LightPixel(light.image, {x, y}), weights) * cosTheta);
+            if (cosTheta > 0) sum += double(glm::dot(LightPixel(light.image, {x, y}), weights) * cosTheta);
         }
-    return static_cast<Float>(sum * 2 * std::numbers::pi / (static_cast<double>(n.x) * static_cast<double>(n.y)));
+    return Float(sum * 2 * std::numbers::pi / (double(n.x) * double(n.y)));
 }
 
 /// Stock pbrt-v4's RGB weights for illuminance. Behind a portal, stock takes the channels in file order, which is B, G,

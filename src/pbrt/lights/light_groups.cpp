@@ -6,7 +6,7 @@ namespace pbrt {
 
 LightGroups::LightGroups(const LightTable &lights, bool byLight) : lights_(lights), lightCount_(lights.Size()) {
     if (!byLight || lights.LightCount() == lights.Size()) return;
-    const auto n = static_cast<uint32_t>(lights.Size());
+    const auto n = uint32_t(lights.Size());
     share_.resize(n);
     cdf_.resize(n);
     std::vector<double> powers;  // of the group's components
@@ -16,19 +16,19 @@ LightGroups::LightGroups(const LightTable &lights, bool byLight) : lights_(light
         powers.clear();
         for (end = i; end < n && lights.LightOf(LightId(end)) == lights.LightOf(LightId(i)); ++end) {
             const LightCandidate component = lights.Candidate(LightId(end));
-            powers.push_back(static_cast<double>(component.power));
+            powers.push_back(double(component.power));
             power += powers.back();
             group.infinite = component.infinite;
             if (component.bounds)
                 group.bounds = group.bounds ? Union(*group.bounds, *component.bounds) : *component.bounds;
         }
-        group.power = static_cast<Float>(power);
+        group.power = Float(power);
         double running = 0;
         for (uint32_t k = i; k < end; ++k) {
-            const double share = power > 0 ? powers[k - i] / power : 1.0 / static_cast<double>(end - i);
+            const double share = power > 0 ? powers[k - i] / power : 1.0 / double(end - i);
             running += share;
-            share_[k] = static_cast<Float>(share);
-            cdf_[k] = static_cast<Float>(running);
+            share_[k] = Float(share);
+            cdf_[k] = Float(running);
         }
         first_.push_back(i);
         candidates_.push_back(group);
@@ -53,7 +53,7 @@ LightId LightGroups::SampleWithin(uint32_t group, Float u) const {
     const uint32_t begin = FirstOf(group), end = begin + CountOf(group);
     if (end - begin == 1) return LightId(begin);
     auto it = std::upper_bound(cdf_.begin() + begin, cdf_.begin() + end, u);
-    auto index = static_cast<uint32_t>(it - cdf_.begin());
+    auto index = uint32_t(it - cdf_.begin());
     if (index == end) {  // rounding left the last sum below 1: use the last light with a share
         index = end - 1;
         while (index > begin && share_[index] == 0) --index;

@@ -56,20 +56,20 @@ LightImage ReadIntensityImage(const std::string &path) {
 SampledSpectrum AverageIlluminant(const Image &image, const ColorSpace &colorSpace, const SampledWavelengths &lambda,
                                   const std::function<Float(int, int)> &weight) {
     Point2i n = image.Resolution();
-    std::vector<SampledSpectrum> rows(static_cast<size_t>(n.y));
+    std::vector<SampledSpectrum> rows(size_t(n.y));
     ParallelFor(n.y, 8, [&](int64_t begin, int64_t end) {
         for (int64_t y = begin; y < end; ++y) {
             SampledSpectrum sum;
             for (int x = 0; x < n.x; ++x) {
-                SampledSpectrum L = PixelIlluminant(image, {x, static_cast<int>(y)}, colorSpace, lambda);
-                sum += weight ? weight(x, static_cast<int>(y)) * L : L;
+                SampledSpectrum L = PixelIlluminant(image, {x, int(y)}, colorSpace, lambda);
+                sum += weight ? weight(x, int(y)) * L : L;
             }
-            rows[static_cast<size_t>(y)] = sum / static_cast<Float>(n.x);
+            rows[size_t(y)] = sum / Float(n.x);
         }
     });
     SampledSpectrum sum;
     for (const SampledSpectrum &row : rows) sum += row;
-    return sum / static_cast<Float>(n.y);
+    return sum / Float(n.y);
 }
 
 }  // namespace pbrt

@@ -19,13 +19,11 @@ LightImage ReadIntensityImage(const std::string &path);
 
 /// Pixel at st in [0, 1]^2.
 inline Point2i PixelAt(const Point2 &st, const Point2i &n) {
-    return {std::clamp(static_cast<int>(st.x * static_cast<Float>(n.x)), 0, n.x - 1),
-            std::clamp(static_cast<int>(st.y * static_cast<Float>(n.y)), 0, n.y - 1)};
+    return {std::clamp(int(st.x * Float(n.x)), 0, n.x - 1), std::clamp(int(st.y * Float(n.y)), 0, n.y - 1)};
 }
 
 inline Point2 PixelCenter(int x, int y, const Point2i &n) {
-    return {(static_cast<Float>(x) + Float(0.5)) / static_cast<Float>(n.x),
-            (static_cast<Float>(y) + Float(0.5)) / static_cast<Float>(n.y)};
+    return {(Float(x) + Float(0.5)) / Float(n.x), (Float(y) + Float(0.5)) / Float(n.y)};
 }
 
 /// Pixel of an image with channels R, G, B; negative values are clamped to 0.
@@ -38,7 +36,7 @@ inline Rgb LightPixel(const Image &image, const Point2i &p) {
 inline SampledSpectrum RgbIlluminant(const ColorSpace &colorSpace, const Rgb &rgb, const SampledWavelengths &lambda) {
     if (lambda.IsWholeRange()) [[unlikely]] {
         const glm::dvec3 wide(rgb);
-        return static_cast<Float>(std::sqrt(glm::dot(wide, wide) / 3)) * colorSpace.Illuminant().Sample(lambda);
+        return Float(std::sqrt(glm::dot(wide, wide) / 3)) * colorSpace.Illuminant().Sample(lambda);
     }
     return RgbIlluminantSpectrum(colorSpace, rgb).Sample(lambda);
 }

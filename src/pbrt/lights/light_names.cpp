@@ -8,9 +8,9 @@ namespace pbrt {
 uint32_t LightNames::IndexOf(const std::string &text) {
     // Backwards: consecutive directives mostly have the same type and file.
     const auto found = std::find(texts_.rbegin(), texts_.rend(), text);
-    if (found != texts_.rend()) return static_cast<uint32_t>(texts_.rend() - found - 1);
+    if (found != texts_.rend()) return uint32_t(texts_.rend() - found - 1);
     texts_.push_back(text);
-    return static_cast<uint32_t>(texts_.size() - 1);
+    return uint32_t(texts_.size() - 1);
 }
 
 LightNames::Place LightNames::PlaceOf(const FileLoc &loc) {
@@ -20,8 +20,7 @@ LightNames::Place LightNames::PlaceOf(const FileLoc &loc) {
 void LightNames::Add(size_t count, const std::string &what, const FileLoc &light, const FileLoc &shape,
                      const std::string &primitive) {
     if (count == 0) return;
-    entries_.push_back(
-        {static_cast<uint32_t>(end_), IndexOf(what), IndexOf(primitive), PlaceOf(light), PlaceOf(shape)});
+    entries_.push_back({uint32_t(end_), IndexOf(what), IndexOf(primitive), PlaceOf(light), PlaceOf(shape)});
     end_ += count;
 }
 

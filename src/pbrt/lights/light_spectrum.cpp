@@ -14,8 +14,8 @@ std::shared_ptr<const DenseSpectrum> InternSpectrum(const Spectrum &s) {
     auto dense = std::make_shared<const DenseSpectrum>(s);
     uint64_t hash = 0;
     auto forEachNanometre = [](auto f) {
-        for (int nm = static_cast<int>(LambdaMin); nm <= static_cast<int>(LambdaMax); ++nm)
-            if (!f(static_cast<Float>(nm))) return false;
+        for (int nm = int(LambdaMin); nm <= int(LambdaMax); ++nm)
+            if (!f(Float(nm))) return false;
         return true;
     };
     forEachNanometre([&](Float nm) {

@@ -16,7 +16,7 @@ LightId LightTable::Add(std::unique_ptr<Light> light) {
     PBRT_CHECK(light && !byComponent_);
     const LightId first(lightOf_.size());
     if (light->Kind() == LightKind::Infinite) infinite_.push_back(first);
-    lightOf_.insert(lightOf_.end(), light->ComponentCount(), static_cast<uint32_t>(lights_.size()));
+    lightOf_.insert(lightOf_.end(), light->ComponentCount(), uint32_t(lights_.size()));
     lights_.push_back({std::move(light), first.value});
     return first;
 }
@@ -34,13 +34,13 @@ void LightTable::Finish(const Point3 &sceneCenter, Float sceneRadius) {
         most = std::max(most, power[i]);
     }
     if (most > 0) {
-        const double radius = sceneRadius > 0 ? static_cast<double>(sceneRadius) : 1;
+        const double radius = sceneRadius > 0 ? double(sceneRadius) : 1;
         unit_ = std::exp2(
             std::round(std::log2(std::max(least, kMinShare * most)) / 2 + std::log2(most) / 2 - std::log2(radius)));
     }
     power_.resize(Size());
     for (uint32_t i = 0; i < Size(); ++i)
-        power_[i] = static_cast<Float>(power[i] > 0 ? std::max(power[i], kMinShare * most) / unit_ : 0);
+        power_[i] = Float(power[i] > 0 ? std::max(power[i], kMinShare * most) / unit_ : 0);
     for (LightId id : infinite_)
         if (const EnvironmentLight *light = (*this)[id].Parent().AsEnvironment(); light && !light->Opening())
             environments_.push_back(id);

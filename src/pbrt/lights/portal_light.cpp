@@ -59,7 +59,7 @@ PortalLight::PortalLight(const Transform &renderFromLight, const Image &image, c
     frame_ = rectangle.frame;
     map_ = Image(PixelFormat::Float, n, {"R", "G", "B"});
     ParallelFor(n.y, 8, [&](int64_t begin, int64_t end) {
-        for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y)
+        for (int y = int(begin); y < int(end); ++y)
             for (int x = 0; x < n.x; ++x) {
                 const Vector3 d = frame_.FromLocal(LocalFromMap(PixelCenter(x, y, n)));
                 Point2 st = EqualAreaSphereToSquare(Normalize(renderFromLight.InverseVector(d)));

@@ -35,7 +35,7 @@ class PortalMap {
     }
 
     /// Integral over a window of mean radiance (EnvironmentLight::MeanRadiance) and solid angle.
-    Float Integral(const Bounds2 &window) const { return static_cast<Float>(pixels_.Integral(window)); }
+    Float Integral(const Bounds2 &window) const { return Float(pixels_.Integral(window)); }
     /// The same over a slightly larger window; a fraction of the cost.
     Float IntegralAround(const Bounds2 &window) const { return pixels_.IntegralAround(window); }
     /// Samples a direction (unit, in the frame) within the window; density by solid angle. Empty where the window has
@@ -61,11 +61,10 @@ class PortalMap {
         const Detail *detail;
         Bounds2 window;  ///< in subpixel units
         Float Overlap(int part, int axis) const {
-            return std::min(window.high[axis], static_cast<Float>(part + 1)) -
-                   std::max(window.low[axis], static_cast<Float>(part));
+            return std::min(window.high[axis], Float(part + 1)) - std::max(window.low[axis], Float(part));
         }
-        int First(int axis) const { return std::clamp(static_cast<int>(window.low[axis]), 0, kDetail - 1); }
-        int Last(int axis) const { return std::clamp(static_cast<int>(window.high[axis]), 0, kDetail - 1); }
+        int First(int axis) const { return std::clamp(int(window.low[axis]), 0, kDetail - 1); }
+        int Last(int axis) const { return std::clamp(int(window.high[axis]), 0, kDetail - 1); }
         Float OfColumn(int x) const;
         Float Sum() const;
     };

@@ -9,15 +9,14 @@ namespace pbrt {
 namespace {
 
 Vector2 HalfSize(const Point2i &n, Float fov) {
-    auto aspect = static_cast<Float>(n.x) / static_cast<Float>(n.y);
+    auto aspect = Float(n.x) / Float(n.y);
     return std::tan(Radians(fov) / 2) * (aspect > 1 ? Vector2(aspect, 1) : Vector2(1, 1 / aspect));
 }
 
 /// Solid angle of a pixel: its area on the plane at distance 1 times cos^3.
 Float PixelSolidAngle(int x, int y, const Point2i &n, const Vector2 &half) {
-    Vector2 size(2 * half.x / static_cast<Float>(n.x), 2 * half.y / static_cast<Float>(n.y));
-    Float px = (static_cast<Float>(x) + Float(0.5)) * size.x - half.x,
-          py = (static_cast<Float>(y) + Float(0.5)) * size.y - half.y;
+    Vector2 size(2 * half.x / Float(n.x), 2 * half.y / Float(n.y));
+    Float px = (Float(x) + Float(0.5)) * size.x - half.x, py = (Float(y) + Float(0.5)) * size.y - half.y;
     Float d2 = 1 + px * px + py * py;
     return size.x * size.y / (d2 * std::sqrt(d2));
 }
@@ -38,8 +37,8 @@ Float ProjectionLight::LuminancePower(const Image &image, const ColorSpace &colo
     double sum = 0;
     for (int y = 0; y < n.y; ++y)
         for (int x = 0; x < n.x; ++x)
-            sum += static_cast<double>(glm::dot(LightPixel(image, {x, y}), weights) * PixelSolidAngle(x, y, n, half));
-    return static_cast<Float>(sum);
+            sum += double(glm::dot(LightPixel(image, {x, y}), weights) * PixelSolidAngle(x, y, n, half));
+    return Float(sum);
 }
 
 std::optional<Point2> ProjectionLight::PlaceOf(const Vector3 &w) const {
@@ -96,10 +95,10 @@ std::optional<LightBounds> ProjectionLight::Bounds(uint32_t) const {
     for (int y = 0; y < n.y; ++y)
         for (int x = 0; x < n.x; ++x) {
             Rgb rgb = LightPixel(image_, {x, y});
-            sum += static_cast<double>(std::max(std::max(rgb.x, rgb.y), rgb.z));
+            sum += double(std::max(std::max(rgb.x, rgb.y), rgb.z));
         }
     // Excludes the solid angle, as stock pbrt-v4, to match its probabilities.
-    const double phi = double(scale_) * sum / (static_cast<double>(n.x) * static_cast<double>(n.y));
+    const double phi = double(scale_) * sum / (double(n.x) * double(n.y));
     if (!(phi > 0)) return {};
     Vector3 axis = Normalize(renderFromLight_.Vector({0, 0, 1}));
     if (!IsSimilarity(renderFromLight_)) return LightBounds{Bounds3(position_), axis, phi, -1, 0, false};

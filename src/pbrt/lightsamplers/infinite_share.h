@@ -15,8 +15,8 @@ class InfiniteShare {
     InfiniteShare(std::vector<uint32_t> infinite, bool anyBounded)
         : infinite_(std::move(infinite)), anyBounded_(anyBounded) {
         size_t shares = infinite_.size() + (anyBounded ? 1 : 0);
-        share_ = shares > 0 ? 1 / static_cast<Float>(shares) : 0;
-        boundedFrom_ = static_cast<double>(infinite_.size()) / static_cast<double>(std::max<size_t>(shares, 1));
+        share_ = shares > 0 ? 1 / Float(shares) : 0;
+        boundedFrom_ = double(infinite_.size()) / double(std::max<size_t>(shares, 1));
     }
     /// Probability of each infinite light, and of all bounded ones together.
     Float Pmf() const { return share_; }
@@ -27,8 +27,8 @@ class InfiniteShare {
             u = (u - boundedFrom_) / (1 - boundedFrom_);
             return true;
         }
-        double scaled = u / boundedFrom_ * static_cast<double>(infinite_.size());
-        *chosen = infinite_[std::min(static_cast<size_t>(scaled), infinite_.size() - 1)];
+        double scaled = u / boundedFrom_ * double(infinite_.size());
+        *chosen = infinite_[std::min(size_t(scaled), infinite_.size() - 1)];
         return false;
     }
     size_t Bytes() const { return infinite_.capacity() * sizeof(uint32_t); }

@@ -5,14 +5,14 @@
 namespace pbrt {
 
 UniformLightSampler::UniformLightSampler(const LightGroups &groups)
-    : GroupLightSampler(groups, true), pmf_(groups.Size() > 0 ? 1 / static_cast<Float>(groups.Size()) : 0) {}
+    : GroupLightSampler(groups, true), pmf_(groups.Size() > 0 ? 1 / Float(groups.Size()) : 0) {}
 
 std::optional<GroupLightSampler::ChosenGroup> UniformLightSampler::ChooseGroup(const LightQuery &query, const void *,
                                                                                Float u) const {
     // In double: a float times a large count could round up to the next group.
     const size_t count = groups_.Size();
-    const auto i = static_cast<size_t>(static_cast<double>(u) * static_cast<double>(count));
-    return ChosenGroup{static_cast<uint32_t>(std::min(i, count - 1)), pmf_, InnerNumber(query, u)};
+    const auto i = size_t(double(u) * double(count));
+    return ChosenGroup{uint32_t(std::min(i, count - 1)), pmf_, InnerNumber(query, u)};
 }
 
 Float UniformLightSampler::GroupProbability(const LightQuery &, const void *, uint32_t) const { return pmf_; }
@@ -27,11 +27,11 @@ PowerLightSampler::PowerLightSampler(const LightGroups &groups) : GroupLightSamp
 std::optional<GroupLightSampler::ChosenGroup> PowerLightSampler::ChooseGroup(const LightQuery &query, const void *,
                                                                              Float u) const {
     const AliasTable::Sampled s = table_.Sample(u);
-    return ChosenGroup{static_cast<uint32_t>(s.index), s.pmf, InnerNumber(query, u)};
+    return ChosenGroup{uint32_t(s.index), s.pmf, InnerNumber(query, u)};
 }
 
 Float PowerLightSampler::GroupProbability(const LightQuery &, const void *, uint32_t group) const {
-    return table_.PMF(static_cast<int>(group));
+    return table_.PMF(int(group));
 }
 
 std::unique_ptr<LightSampler> ByPowerUnless(std::unique_ptr<LightSampler> chosen, const LightTable &lights) {

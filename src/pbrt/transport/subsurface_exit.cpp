@@ -18,7 +18,7 @@ std::optional<SubsurfaceExit> SampleSubsurfaceExit(const Scene &scene, const Sur
     point.wo = point.shading.n;
     // The probe ray carried no medium, so surfaces without interface have none set.
     if (point.insideMedium == point.outsideMedium) point.insideMedium = point.outsideMedium = entry.outsideMedium;
-    const Float pdf = bssrdf.Pdf(point.p, point.n) / static_cast<Float>(crossing->count);  // area
+    const Float pdf = bssrdf.Pdf(point.p, point.n) / Float(crossing->count);  // area
     if (!(pdf > 0)) return {};
     exit.weight = bssrdf.Profile(Distance(entry.p, point.p)) / pdf;
     if (!exit.weight) return {};

@@ -6,8 +6,8 @@ namespace ext {
 namespace {
 
 std::vector<TrialPixel> Pixels(double mean, double variance, size_t count = 400) {
-    return std::vector<TrialPixel>(
-        count, {.mean = mean, .variance = variance, .paths = 4, .vertices = 10, .shadowRays = 8});
+    return std::vector<TrialPixel>(count,
+                                   {.mean = mean, .variance = variance, .paths = 4, .vertices = 10, .shadowRays = 8});
 }
 
 TEST(CompareTrials, IsTheRatioOfErrorsAndOfCosts) {
@@ -27,8 +27,7 @@ TEST(CompareTrials, IsRelativeToTheRadianceOfBothTrials) {
     for (size_t i = 0; i < 200; ++i) option[i] = {.mean = 0.9, .variance = 1, .paths = 4, .vertices = 10};
     for (size_t i = 0; i < 200; ++i) alternative[i] = {.mean = 1.1, .variance = 2, .paths = 4, .vertices = 10};
     const double mean = (10 + 1) / 2.0, dark = 1 + 0.01 * mean * mean, bright = 100 + 0.01 * mean * mean;
-    EXPECT_NEAR(CompareTrials(option, alternative, 0).error,
-                (1 / dark + 1 / bright) / (2 / dark + 1 / bright), 0.02);
+    EXPECT_NEAR(CompareTrials(option, alternative, 0).error, (1 / dark + 1 / bright) / (2 / dark + 1 / bright), 0.02);
 }
 
 TEST(CompareTrials, LeavesOutAFewOutliers) {

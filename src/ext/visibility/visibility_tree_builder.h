@@ -1,12 +1,13 @@
 #pragma once
 #include <atomic>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "ext/visibility/cell_cut.h"
-#include "ext/visibility/structure_text.h"
 #include "ext/visibility/visibility_tree.h"
 
 namespace ext {
@@ -101,5 +102,13 @@ class VisibilityTreeBuilder {
     std::vector<LeafSize> leaves_;
     std::vector<uint32_t> recordsPerNode_;
 };
+
+struct LeafSize {
+    int depth = 0;
+    uint32_t records = 0;
+};
+
+/// Leaves and records by depth, and quantiles of records per leaf, as text.
+std::string DescribeLeaves(const std::vector<LeafSize> &leaves);
 
 }  // namespace ext

@@ -2,7 +2,7 @@
 
 #include "pbrt/core/counters.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/integrators/filtered_splat.h"
+#include "pbrt/integrators/integrator.h"
 #include "pbrt/lightsamplers/simple_light_samplers.h"
 #include "pbrt/transport/direct_light.h"
 

@@ -2,7 +2,7 @@
 #include "pbrt/integrators/bdpt_path.h"
 #include "pbrt/integrators/pixel_integrator.h"
 #include "pbrt/integrators/strategy_pictures.h"
-#include "pbrt/lightsamplers/path_observer.h"
+#include "pbrt/lightsamplers/light_sampler.h"
 #include "pbrt/transport/shadow_transmittance.h"
 
 namespace pbrt {

@@ -1,7 +1,7 @@
 #include "pbrt/integrators/light_path_integrator.h"
 
 #include "pbrt/core/counters.h"
-#include "pbrt/integrators/filtered_splat.h"
+#include "pbrt/integrators/integrator.h"
 #include "pbrt/lightsamplers/simple_light_samplers.h"
 #include "pbrt/transport/shadow_transmittance.h"
 #include "pbrt/transport/vertex.h"

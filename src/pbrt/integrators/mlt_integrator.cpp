@@ -3,9 +3,7 @@
 #include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/progress.h"
-#include "pbrt/integrators/filtered_splat.h"
 #include "pbrt/integrators/integrator.h"
-#include "pbrt/integrators/primary_sampler.h"
 #include "pbrt/math/rng.h"
 
 namespace pbrt {

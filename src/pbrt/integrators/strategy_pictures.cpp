@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "pbrt/integrators/filtered_splat.h"
+#include "pbrt/integrators/integrator.h"
 
 namespace pbrt {
 

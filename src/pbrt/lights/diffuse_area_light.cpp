@@ -1,7 +1,7 @@
 #include "pbrt/lights/diffuse_area_light.h"
 
+#include "pbrt/lights/light_factory.h"
 #include "pbrt/lights/light_image.h"
-#include "pbrt/lights/light_spectrum.h"
 #include "pbrt/math/frame.h"
 #include "pbrt/math/warps.h"
 

@@ -3,23 +3,41 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
+#include <ranges>
+#include <unordered_map>
 
 #include "pbrt/core/limits.h"
 #include "pbrt/lights/diffuse_area_light.h"
-#include "pbrt/lights/distant_light.h"
-#include "pbrt/lights/goniometric_light.h"
 #include "pbrt/lights/infinite_light.h"
 #include "pbrt/lights/light_image.h"
-#include "pbrt/lights/light_spectrum.h"
-#include "pbrt/lights/point_light.h"
+#include "pbrt/lights/point_lights.h"
 #include "pbrt/lights/portal_light.h"
-#include "pbrt/lights/projection_light.h"
-#include "pbrt/lights/spot_light.h"
+#include "pbrt/math/rng.h"
 #include "pbrt/math/warps.h"
 #include "pbrt/shapes/extent.h"
 #include "pbrt/spectra/spectrum_params.h"
 
 namespace pbrt {
+
+std::shared_ptr<const DenseSpectrum> InternSpectrum(const Spectrum &s) {
+    static std::mutex mutex;
+    static std::unordered_map<uint64_t, std::weak_ptr<const DenseSpectrum>> known;
+
+    auto dense = std::make_shared<const DenseSpectrum>(s);
+    uint64_t hash = 0;
+    const auto nanometres = std::views::iota(int(LambdaMin), int(LambdaMax) + 1);
+    for (const int nm : nanometres) hash = Hash(hash, (*dense)(Float(nm)));
+
+    std::lock_guard lock(mutex);
+    std::weak_ptr<const DenseSpectrum> &slot = known[hash];
+    if (std::shared_ptr<const DenseSpectrum> old = slot.lock()) {
+        const auto isEqualAt = [&](int nm) { return (*old)(Float(nm)) == (*dense)(Float(nm)); };
+        return std::ranges::all_of(nanometres, isEqualAt) ? old : dense;
+    }
+    slot = dense;
+    return dense;
+}
 
 namespace {
 
@@ -368,7 +386,9 @@ AreaLightMaker MakeDiffuseArea(const DiffuseAreaParams &p, const ParamSet &set, 
         emission->colorSpace = light.colorSpace;
     }
     emission->Summarise();
-    return AreaLightMaker(std::move(emission));
+    return [emission](std::span<const Shape *const> shapes, const FloatTexture *alpha) {
+        return std::make_unique<DiffuseAreaLight>(emission, shapes, alpha);
+    };
 }
 
 /// Registers a directional light, for which a singular transformation is an error.
@@ -404,10 +424,6 @@ const AreaLightFactories &AreaLights() {
         return t;
     }();
     return table;
-}
-
-std::unique_ptr<Light> AreaLightMaker::Make(std::span<const Shape *const> shapes, const FloatTexture *alpha) const {
-    return std::make_unique<DiffuseAreaLight>(emission_, shapes, alpha);
 }
 
 }  // namespace pbrt

@@ -36,15 +36,12 @@ class GroupLightSampler : public LightSampler {
 
     /// Samples a light of a group, with its probability within the group; empty if no light there can contribute.
     /// `weights`: result of WeighGroups; `uPoint`: see LightDistribution::Sample.
-    virtual std::optional<SampledLight> ChooseInside(const LightQuery &, const void *weights, uint32_t group, Float u,
-                                                     Point2 *uPoint) const {
-        (void)weights;
-        (void)uPoint;
+    virtual std::optional<SampledLight> ChooseInside(const LightQuery &, const void * /*weights*/, uint32_t group,
+                                                     Float u, Point2 * /*uPoint*/) const {
         const LightId light = groups_.SampleLight(group, u);
         return SampledLight{light, groups_.ShareOf(light)};
     }
-    virtual Float ProbabilityInside(const LightQuery &, const void *weights, LightId light) const {
-        (void)weights;
+    virtual Float ProbabilityInside(const LightQuery &, const void * /*weights*/, LightId light) const {
         return groups_.ShareOf(light);
     }
 

@@ -31,6 +31,8 @@ inline Rgb LightPixel(const Image &image, const Point2i &p) {
     return glm::max(Rgb(image.Get(p, 0), image.Get(p, 1), image.Get(p, 2)), Rgb(0));
 }
 
+inline Float MeanOf(const Rgb &rgb) { return (rgb.x + rgb.y + rgb.z) / 3; }
+
 /// Illuminant spectrum of a colour. Its root mean square over the whole range is taken as that of R, G and B times that
 /// of the colour space's illuminant.
 inline SampledSpectrum RgbIlluminant(const ColorSpace &colorSpace, const Rgb &rgb, const SampledWavelengths &lambda) {

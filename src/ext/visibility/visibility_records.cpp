@@ -92,6 +92,24 @@ void Exchange(Team &team, std::vector<VisibilityRecords> &chunks) {
 
 }  // namespace
 
+std::optional<std::string> VisibilityRecords::ValidateFor(size_t groups, const LightTree *lights) const {
+    size_t next = 0;
+    for (const VisibilityRecord &r : records) {
+        if (r.firstRay != next || r.rayCount == 0 || r.rayCount > rays.size() - next)
+            return "the shadow rays of records do not follow each other";
+        if (!IsFinite(r.p)) return "a record lies at no finite place";
+        next += r.rayCount;
+    }
+    if (next != rays.size()) return "shadow rays belong to no record";
+    for (const ShadowRay &t : rays) {
+        if (t.light >= groups || (lights && lights->PositionOf(t.light) == LightTree::kNowhere))
+            return "a shadow ray goes to a light that does not exist";
+        if (!IsPositive(t.share) || !IsPositive(t.weight) || !IsPositive(t.ratio))
+            return "the contribution of a shadow ray is not finite";
+    }
+    return {};
+}
+
 size_t RaysPerRecord(size_t groups, int wanted) {
     if (wanted > 0) return std::min(groups, size_t(wanted));
     return groups <= kMaxScanned ? groups : 8;

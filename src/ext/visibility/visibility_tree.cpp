@@ -1,10 +1,9 @@
-// Validates the content of learned structures read from files; loading has validated the lengths.
 #include "ext/visibility/visibility_tree.h"
 
-#include <algorithm>
-#include <cmath>
+#include <fmt/format.h>
 
-#include "ext/visibility/visibility_records.h"
+#include <algorithm>
+#include <map>
 
 namespace ext {
 
@@ -51,13 +50,6 @@ void SortIntoChildren(const std::vector<glm::uvec3> &quantized, std::vector<uint
         sorted[next[CellOctree::Child(quantized[order[i]], bit)]++ - begin] = order[i];
     std::copy(sorted.begin(), sorted.end(), order.begin() + begin);
 }
-
-namespace {
-
-bool IsFinite(const Vector3 &v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-bool IsPositive(Float v) { return v >= 0 && std::isfinite(v); }
-
-}  // namespace
 
 std::optional<std::string> CellOctree::ValidateFor(size_t rows) const {
     if (!IsFinite(low_) || !IsPositive(scale_.x) || !IsPositive(scale_.y) || !IsPositive(scale_.z))
@@ -110,24 +102,6 @@ std::optional<std::string> VisibilityTree::Validate() const {
     return cells_.ValidateLeaves(RowCount(), leaves_, depth_);
 }
 
-std::optional<std::string> VisibilityRecords::ValidateFor(size_t groups, const LightTree *lights) const {
-    size_t next = 0;
-    for (const VisibilityRecord &r : records) {
-        if (r.firstRay != next || r.rayCount == 0 || r.rayCount > rays.size() - next)
-            return "the shadow rays of records do not follow each other";
-        if (!IsFinite(r.p)) return "a record lies at no finite place";
-        next += r.rayCount;
-    }
-    if (next != rays.size()) return "shadow rays belong to no record";
-    for (const ShadowRay &t : rays) {
-        if (t.light >= groups || (lights && lights->PositionOf(t.light) == LightTree::kNowhere))
-            return "a shadow ray goes to a light that does not exist";
-        if (!IsPositive(t.share) || !IsPositive(t.weight) || !IsPositive(t.ratio))
-            return "the contribution of a shadow ray is not finite";
-    }
-    return {};
-}
-
 const std::array<Float, 256> &VisibilityTree::Table() {
     static const std::array<Float, 256> table = [] {
         std::array<Float, 256> t;
@@ -135,6 +109,36 @@ const std::array<Float, 256> &VisibilityTree::Table() {
         return t;
     }();
     return table;
+}
+
+std::string DescribeLeaves(const std::vector<LeafSize> &leaves) {
+    struct Level {
+        size_t leaves = 0, empty = 0;
+        uint64_t records = 0;
+    };
+    std::map<int, Level> levels;
+    std::vector<uint32_t> perLeaf;
+    for (const LeafSize &leaf : leaves) {
+        Level &level = levels[leaf.depth];
+        ++level.leaves;
+        level.empty += leaf.records == 0;
+        level.records += leaf.records;
+        perLeaf.push_back(leaf.records);
+    }
+    if (perLeaf.empty()) return "";
+    std::sort(perLeaf.begin(), perLeaf.end());
+    auto quantile = [&](double q) { return perLeaf[size_t(q * double(perLeaf.size() - 1) + 0.5)]; };
+
+    std::string text = "depth     leaves    without records    records    records per leaf\n";
+    for (const auto &[depth, level] : levels)
+        text += fmt::format("{:5} {:10} {:18} {:10} {:19.1f}\n", depth, level.leaves, level.empty, level.records,
+                            double(level.records) / double(level.leaves));
+    text += "records per leaf, all leaves: ";
+    for (double q : {0.0, 0.05, 0.25, 0.5, 0.75, 0.95, 1.0}) text += fmt::format(" {:g} %: {} ", 100 * q, quantile(q));
+    auto firstFilled = std::upper_bound(perLeaf.begin(), perLeaf.end(), 0u);
+    if (auto filled = perLeaf.end() - firstFilled; filled > 0)
+        text += fmt::format("\nmedian of the {} leaves with records: {}", filled, firstFilled[filled / 2]);
+    return text + "\n";
 }
 
 }  // namespace ext

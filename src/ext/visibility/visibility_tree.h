@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "pbrt/core/state_archive.h"
@@ -10,6 +11,10 @@
 
 namespace ext {
 using namespace pbrt;
+
+// For the validation of learned structures read from files; loading has validated the lengths.
+inline bool IsFinite(const Vector3 &v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+inline bool IsPositive(Float v) { return v >= 0 && std::isfinite(v); }
 
 /// Octree over a box that maps a point to the row of its leaf. A single array of 4-byte nodes; look-up is index
 /// arithmetic without pointers. The row's content is defined by the caller.
@@ -155,5 +160,13 @@ class VisibilityTree {
     size_t leaves_ = 0;
     int depth_ = 0;
 };
+
+struct LeafSize {
+    int depth = 0;
+    uint32_t records = 0;
+};
+
+/// Leaves and records by depth, and quantiles of records per leaf, as text.
+std::string DescribeLeaves(const std::vector<LeafSize> &leaves);
 
 }  // namespace ext

@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <mutex>
-#include <ranges>
-#include <unordered_map>
 
 #include "pbrt/core/limits.h"
 #include "pbrt/lights/diffuse_area_light.h"
@@ -13,31 +10,11 @@
 #include "pbrt/lights/light_image.h"
 #include "pbrt/lights/point_lights.h"
 #include "pbrt/lights/portal_light.h"
-#include "pbrt/math/rng.h"
 #include "pbrt/math/warps.h"
 #include "pbrt/shapes/extent.h"
 #include "pbrt/spectra/spectrum_params.h"
 
 namespace pbrt {
-
-std::shared_ptr<const DenseSpectrum> InternSpectrum(const Spectrum &s) {
-    static std::mutex mutex;
-    static std::unordered_map<uint64_t, std::weak_ptr<const DenseSpectrum>> known;
-
-    auto dense = std::make_shared<const DenseSpectrum>(s);
-    uint64_t hash = 0;
-    const auto nanometres = std::views::iota(int(LambdaMin), int(LambdaMax) + 1);
-    for (const int nm : nanometres) hash = Hash(hash, (*dense)(Float(nm)));
-
-    std::lock_guard lock(mutex);
-    std::weak_ptr<const DenseSpectrum> &slot = known[hash];
-    if (std::shared_ptr<const DenseSpectrum> old = slot.lock()) {
-        const auto isEqualAt = [&](int nm) { return (*old)(Float(nm)) == (*dense)(Float(nm)); };
-        return std::ranges::all_of(nanometres, isEqualAt) ? old : dense;
-    }
-    slot = dense;
-    return dense;
-}
 
 namespace {
 

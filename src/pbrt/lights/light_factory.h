@@ -7,13 +7,9 @@
 #include "pbrt/core/files.h"
 #include "pbrt/lights/light.h"
 #include "pbrt/spectra/color_space.h"
-#include "pbrt/spectra/spectrum.h"
 #include "pbrt/textures/texture.h"
 
 namespace pbrt {
-
-/// Emission as one value per nm, shared by all lights of equal emission. Thread-safe.
-std::shared_ptr<const DenseSpectrum> InternSpectrum(const Spectrum &s);
 
 struct LightContext {
     const Transform &renderFromLight;

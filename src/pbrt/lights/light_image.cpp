@@ -1,7 +1,12 @@
 #include "pbrt/lights/light_image.h"
 
+#include <mutex>
+#include <ranges>
+#include <unordered_map>
+
 #include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/math/rng.h"
 
 namespace pbrt {
 
@@ -51,6 +56,25 @@ LightImage ReadIntensityImage(const std::string &path) {
                 mean.Set({x, y}, 0, (rgb.Get({x, y}, 0) + rgb.Get({x, y}, 1) + rgb.Get({x, y}, 2)) / 3);
         return mean;
     });
+}
+
+std::shared_ptr<const DenseSpectrum> InternSpectrum(const Spectrum &s) {
+    static std::mutex mutex;
+    static std::unordered_map<uint64_t, std::weak_ptr<const DenseSpectrum>> known;
+
+    auto dense = std::make_shared<const DenseSpectrum>(s);
+    uint64_t hash = 0;
+    const auto nanometres = std::views::iota(int(LambdaMin), int(LambdaMax) + 1);
+    for (const int nm : nanometres) hash = Hash(hash, (*dense)(Float(nm)));
+
+    std::lock_guard lock(mutex);
+    std::weak_ptr<const DenseSpectrum> &slot = known[hash];
+    if (std::shared_ptr<const DenseSpectrum> old = slot.lock()) {
+        const auto isEqualAt = [&](int nm) { return (*old)(Float(nm)) == (*dense)(Float(nm)); };
+        return std::ranges::all_of(nanometres, isEqualAt) ? old : dense;
+    }
+    slot = dense;
+    return dense;
 }
 
 SampledSpectrum AverageIlluminant(const Image &image, const ColorSpace &colorSpace, const SampledWavelengths &lambda,

@@ -1,5 +1,6 @@
 #pragma once
 #include <functional>
+#include <memory>
 
 #include "pbrt/images/image.h"
 
@@ -47,6 +48,9 @@ inline SampledSpectrum PixelIlluminant(const Image &image, const Point2i &p, con
                                        const SampledWavelengths &lambda) {
     return RgbIlluminant(colorSpace, LightPixel(image, p), lambda);
 }
+
+/// Emission as one value per nm, shared by all lights of equal emission. Thread-safe.
+std::shared_ptr<const DenseSpectrum> InternSpectrum(const Spectrum &s);
 
 /// Mean of PixelIlluminant over the pixels (x, y), weighted by weight(x, y) if given. Runs in parallel.
 SampledSpectrum AverageIlluminant(const Image &image, const ColorSpace &colorSpace, const SampledWavelengths &lambda,

@@ -144,10 +144,6 @@ class PassRenderer {
     const Float differentialScale_;
 };
 
-}  // namespace
-
-namespace {
-
 /// Chunks of a pass: its tiles, or several strips per tile.
 class PassStrips {
   public:

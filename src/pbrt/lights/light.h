@@ -159,9 +159,6 @@ class LightComponent {
                       const SampledWavelengths &lambda) const {
         return light_->L(p, n, uv, w, lambda, component_);
     }
-    SampledSpectrum Le(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda) const {
-        return light_->Le(o, d, lambda);
-    }
     std::optional<LightBounds> Bounds() const { return light_->Bounds(component_); }
     ShapePrimitive Surface() const { return light_->Surface(component_); }
     const Light &Parent() const { return *light_; }

@@ -107,7 +107,6 @@ class LightTable {
             if (SampledSpectrum Le = (*this)[first].Parent().Le(o, d, lambda)) visit(Le, first);
         }
     }
-    bool HasInfinite() const { return !infinite_.empty(); }
     /// Power and bounds of a component, for light samplers. Only after Finish.
     LightCandidate Candidate(LightId id) const;
     /// Unit of candidate powers (as Light::Phi): the geometric mean of minimum and maximum component power over the

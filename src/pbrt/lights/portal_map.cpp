@@ -1,4 +1,4 @@
-#include "pbrt/lights/portal_map.h"
+#include "pbrt/lights/environment_portals.h"
 
 #include <algorithm>
 

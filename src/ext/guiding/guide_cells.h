@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <span>
 #include <vector>
@@ -103,7 +104,13 @@ struct GuideRecord {
                 unused);
     }
     /// Empty if valid, else the error.
-    std::optional<std::string> Validate() const;
+    std::optional<std::string> Validate() const {
+        const auto isFinite = [](const Vector3 &v) { return std::isfinite(v.x + v.y + v.z); };
+        const bool isValid = isFinite(p) && isFinite(target) && isFinite(normal) && isFinite(wi) && pdf > 0 &&
+                             std::isfinite(pdf) && bsdfPdf >= 0 && std::isfinite(bsdfPdf) && beta >= 0 &&
+                             std::isfinite(beta) && std::isfinite(radiance) && std::isfinite(contribution);
+        return isValid ? std::nullopt : std::optional("a record is not finite");
+    }
 };
 
 /// Source clusters of a scene and a spatial tree whose cells store the clusters' radiance and the guiding probability.
@@ -133,7 +140,14 @@ class GuideCells {
     /// False if At returns null everywhere.
     bool MayGuide(Float importance) const { return importance * largestGain_ > kGuidedCost; }
     /// Radiance of the brightest cluster that contains p, relative to the maximum over clusters; 0: none contains p.
-    Float ShinesAt(const Point3 &p) const;
+    Float ShinesAt(const Point3 &p) const {
+        Float radiance = 0, brightest = 0;
+        for (const SourceCluster &target : clusters_) {
+            brightest = std::max(brightest, target.radiance);
+            if (target.Contains(p)) radiance = std::max(radiance, target.radiance);
+        }
+        return radiance > 0 ? radiance / brightest : 0;
+    }
     void Clear() { *this = {}; }
     /// After loading, LeavesChanged completes the members that are not saved.
     template <class Archive>
@@ -141,12 +155,36 @@ class GuideCells {
         archive(leaves_, clusters_, tree_);
     }
     /// Empty if valid, else the error.
-    std::optional<std::string> Validate() const;
-    void LeavesChanged();
+    std::optional<std::string> Validate() const {
+        if (clusters_.size() > kMaxSourceClusters) return "it has too many clusters";
+        if (std::optional<std::string> fault = tree_.ValidateFor(1, leaves_.size())) return fault;
+        const auto isNumber = [](Float v) { return v >= 0 && std::isfinite(v); };
+        for (const Leaf &leaf : leaves_) {
+            for (const size_t kind : {0, 1})
+                if (!(leaf.probability[kind] >= 0 && leaf.probability[kind] < 1) || !isNumber(leaf.gain[kind]))
+                    return "a cell of the guide has a wrong probability";
+            if (!std::all_of(leaf.radiances.begin(), leaf.radiances.end(), isNumber))
+                return "a cell of the guide has a radiance that is not a finite number";
+        }
+        for (const SourceCluster &t : clusters_)
+            if (!std::isfinite(t.p.x + t.p.y + t.p.z) || !isNumber(t.r2) || !isNumber(t.radiance))
+                return "a cluster is not finite";
+        return tree_.IsEmpty() != leaves_.empty() ? std::optional("cells of the guide belong to no tree")
+                                                  : std::nullopt;
+    }
+    void LeavesChanged() {
+        sideBySide_ = SourceClusters(clusters_);
+        largestGain_ = 0;
+        for (const Leaf &leaf : leaves_) largestGain_ = std::max({largestGain_, leaf.gain[0], leaf.gain[1]});
+    }
 
     size_t Cells() const { return leaves_.size(); }
-    size_t GuidingCells() const;
-    double MeanProbability() const;
+    size_t GuidingCells() const { return std::ranges::count_if(leaves_, &Leaf::Guides); }
+    double MeanProbability() const {
+        double sum = 0;
+        for (const Leaf &leaf : leaves_) sum += double(std::max(leaf.probability[0], leaf.probability[1]));
+        return leaves_.empty() ? 0 : sum / double(leaves_.size());
+    }
     size_t Bytes() const {
         return tree_.Bytes() + leaves_.size() * sizeof(Leaf) + clusters_.size() * sizeof(SourceCluster);
     }

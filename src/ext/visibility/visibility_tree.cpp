@@ -7,36 +7,6 @@
 
 namespace ext {
 
-CellOctree::CellOctree(const Bounds3 &bounds) {
-    if (bounds.IsEmpty()) return;
-    low_ = bounds.low;
-    for (int i = 0; i < 3; ++i) {
-        const Float scale = Float(1 << MaxDepth) / (bounds.high[i] - bounds.low[i]);
-        // Infinite if the extent is zero or too small to divide.
-        scale_[i] = std::isfinite(scale) ? scale : 0;
-    }
-}
-
-CellOctree::Cell CellOctree::CellAt(const Point3 &p) const {
-    glm::uvec3 q = Quantize(p);
-    int bit = MaxDepth - 2;
-    Cell cell;
-    cell.node = TopCell(q);
-    while (!(nodes_[cell.node] & LeafBit)) cell.node = nodes_[cell.node] + Child(q, --bit);
-    cell.row = nodes_[cell.node] & ~LeafBit;
-    cell.depth = MaxDepth - bit;
-    Vector3 from((q >> uint32_t(bit)) << uint32_t(bit));
-    Float size = Float(1u << bit);
-    auto position = [&](const Vector3 &v) {
-        Point3 r = low_;
-        for (int i = 0; i < 3; ++i)
-            if (scale_[i] > 0) r[i] += v[i] / scale_[i];
-        return r;
-    };
-    cell.bounds = Bounds3(position(from), position(from + size));
-    return cell;
-}
-
 void SortIntoChildren(const std::vector<glm::uvec3> &quantized, std::vector<uint32_t> &order, uint32_t begin,
                       uint32_t end, int bit, uint32_t start[9]) {
     std::fill(start, start + 9, 0u);
@@ -74,43 +44,6 @@ std::optional<std::string> CellOctree::ValidateFor(size_t rows) const {
     return {};
 }
 
-std::optional<std::string> CellOctree::ValidateLeaves(size_t rows, size_t leaves, int depth) const {
-    if (std::optional<std::string> fault = ValidateFor(rows)) return fault;
-    std::vector<bool> used(rows, false);
-    size_t count = 0;
-    int deepest = 0;
-    ForEachLeaf([&](uint32_t, uint32_t row, int at) {
-        ++count;
-        used[row] = true;
-        deepest = std::max(deepest, at);
-    });
-    if (std::find(used.begin(), used.end(), false) != used.end()) return "a row belongs to no leaf";
-    // Leaves above the top grid cover several of its cells.
-    if (leaves < rows || leaves > count || (deepest > 2 ? depth != deepest : depth < 0 || depth > 2))
-        return "the numbers of leaves and levels do not fit the octree";
-    return {};
-}
-
-std::optional<std::string> VisibilityTree::Validate() const {
-    if (RowCount() == 0) {
-        const bool isEmpty = offset_.empty() && nodes_.empty() && codes_.empty() && leaves_ == 0 && depth_ == 0;
-        return isEmpty ? std::nullopt : std::optional("an octree has leaves and no rows");
-    }
-    if (offset_[0] != 0 || offset_.back() != codes_.size() || (!nodes_.empty() && nodes_.size() != codes_.size()) ||
-        std::adjacent_find(offset_.begin(), offset_.end(), std::greater_equal<>()) != offset_.end())
-        return "the rows of an octree do not follow each other";
-    return cells_.ValidateLeaves(RowCount(), leaves_, depth_);
-}
-
-const std::array<Float, 256> &VisibilityTree::Table() {
-    static const std::array<Float, 256> table = [] {
-        std::array<Float, 256> t;
-        for (int i = 0; i < 256; ++i) t[size_t(i)] = std::exp2((Float(i) - 192) / 8);
-        return t;
-    }();
-    return table;
-}
-
 std::string DescribeLeaves(const std::vector<LeafSize> &leaves) {
     struct Level {
         size_t leaves = 0, empty = 0;
@@ -139,6 +72,25 @@ std::string DescribeLeaves(const std::vector<LeafSize> &leaves) {
     if (auto filled = perLeaf.end() - firstFilled; filled > 0)
         text += fmt::format("\nmedian of the {} leaves with records: {}", filled, firstFilled[filled / 2]);
     return text + "\n";
+}
+
+CellOctree::CellOctree(const Bounds3 &bounds) {
+    if (bounds.IsEmpty()) return;
+    low_ = bounds.low;
+    for (int i = 0; i < 3; ++i) {
+        const Float scale = Float(1 << MaxDepth) / (bounds.high[i] - bounds.low[i]);
+        // Infinite if the extent is zero or too small to divide.
+        scale_[i] = std::isfinite(scale) ? scale : 0;
+    }
+}
+
+const std::array<Float, 256> &VisibilityTree::Table() {
+    static const std::array<Float, 256> table = [] {
+        std::array<Float, 256> t;
+        for (int i = 0; i < 256; ++i) t[size_t(i)] = std::exp2((Float(i) - 192) / 8);
+        return t;
+    }();
+    return table;
 }
 
 }  // namespace ext

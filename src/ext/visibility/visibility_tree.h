@@ -1,7 +1,9 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -44,7 +46,25 @@ class CellOctree {
         uint32_t row = 0;
         int depth = 0;
     };
-    Cell CellAt(const Point3 &p) const;
+    Cell CellAt(const Point3 &p) const {
+        glm::uvec3 q = Quantize(p);
+        int bit = MaxDepth - 2;
+        Cell cell;
+        cell.node = TopCell(q);
+        while (!(nodes_[cell.node] & LeafBit)) cell.node = nodes_[cell.node] + Child(q, --bit);
+        cell.row = nodes_[cell.node] & ~LeafBit;
+        cell.depth = MaxDepth - bit;
+        Vector3 from((q >> uint32_t(bit)) << uint32_t(bit));
+        Float size = Float(1u << bit);
+        auto position = [&](const Vector3 &v) {
+            Point3 r = low_;
+            for (int i = 0; i < 3; ++i)
+                if (scale_[i] > 0) r[i] += v[i] / scale_[i];
+            return r;
+        };
+        cell.bounds = Bounds3(position(from), position(from + size));
+        return cell;
+    }
     size_t NodeCount() const { return nodes_.size(); }
     /// Calls act(node, row, depth) for every leaf.
     template <class Act>
@@ -87,7 +107,22 @@ class CellOctree {
     /// Empty if valid, else why look-ups would not terminate or reach a row beyond `rows`.
     std::optional<std::string> ValidateFor(size_t rows) const;
     /// ValidateFor; also tests that every row has a leaf, and the number of leaves and levels.
-    std::optional<std::string> ValidateLeaves(size_t rows, size_t leaves, int depth) const;
+    std::optional<std::string> ValidateLeaves(size_t rows, size_t leaves, int depth) const {
+        if (std::optional<std::string> fault = ValidateFor(rows)) return fault;
+        std::vector<bool> used(rows, false);
+        size_t count = 0;
+        int deepest = 0;
+        ForEachLeaf([&](uint32_t, uint32_t row, int at) {
+            ++count;
+            used[row] = true;
+            deepest = std::max(deepest, at);
+        });
+        if (std::find(used.begin(), used.end(), false) != used.end()) return "a row belongs to no leaf";
+        // Leaves above the top grid cover several of its cells.
+        if (leaves < rows || leaves > count || (deepest > 2 ? depth != deepest : depth < 0 || depth > 2))
+            return "the numbers of leaves and levels do not fit the octree";
+        return {};
+    }
 
   private:
     template <class Act>
@@ -147,7 +182,16 @@ class VisibilityTree {
         archive(codes_, leaves_, depth_);
     }
     /// Empty if valid, else the error. A tree without rows is valid.
-    std::optional<std::string> Validate() const;
+    std::optional<std::string> Validate() const {
+        if (RowCount() == 0) {
+            const bool isEmpty = offset_.empty() && nodes_.empty() && codes_.empty() && leaves_ == 0 && depth_ == 0;
+            return isEmpty ? std::nullopt : std::optional("an octree has leaves and no rows");
+        }
+        if (offset_[0] != 0 || offset_.back() != codes_.size() || (!nodes_.empty() && nodes_.size() != codes_.size()) ||
+            std::adjacent_find(offset_.begin(), offset_.end(), std::greater_equal<>()) != offset_.end())
+            return "the rows of an octree do not follow each other";
+        return cells_.ValidateLeaves(RowCount(), leaves_, depth_);
+    }
 
     static const std::array<Float, 256> &Table();  ///< Decode of every code
 

@@ -33,19 +33,6 @@ BdptIntegrator::BdptIntegrator(const PathContext &context, int maxDepth, bool re
     }
 }
 
-void BdptIntegrator::Prepare(PrepareContext &prepare) {
-    if (connecting_) connecting_->Prepare(prepare);
-    shooting_->Prepare(prepare);
-}
-
-bool BdptIntegrator::Render(const RenderPass &pass) {
-    if (strategies_) strategies_->Begin(pass.film);
-    const bool isWhole = PixelIntegrator::Render(pass);
-    if (strategies_)
-        for (Subpaths &s : subpaths_) strategies_->AddSplatPaths(std::exchange(s.pairs, 0));
-    return isWhole;
-}
-
 struct BdptIntegrator::Subpath {
     std::span<BdptVertex> vertices;
     int &count;

@@ -112,14 +112,4 @@ void PathIntegrator::Prepare(PrepareContext &prepare) {
     if (directions_) directions_->Prepare(prepare, settings_.maxDepth);
 }
 
-void PathIntegrator::SaveLearned(StateWriter &writer) const {
-    lights_->SaveLearned(writer, true);
-    if (directions_) directions_->Save(writer);
-}
-
-void PathIntegrator::SaveForOthers(StateWriter &writer) const {
-    lights_->SaveLearned(writer, false);
-    if (directions_) directions_->SaveForOthers(writer);
-}
-
 }  // namespace pbrt

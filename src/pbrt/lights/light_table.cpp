@@ -12,15 +12,6 @@ constexpr double kMinShare = 1e-30;
 constexpr double kMaxPower = 1e100;
 }  // namespace
 
-LightId LightTable::Add(std::unique_ptr<Light> light) {
-    PBRT_CHECK(light && !byComponent_);
-    const LightId first(lightOf_.size());
-    if (light->Kind() == LightKind::Infinite) infinite_.push_back(first);
-    lightOf_.insert(lightOf_.end(), light->ComponentCount(), uint32_t(lights_.size()));
-    lights_.push_back({std::move(light), first.value});
-    return first;
-}
-
 void LightTable::Finish(const Point3 &sceneCenter, Float sceneRadius) {
     PBRT_CHECK(!byComponent_);
     for (const Entry &entry : lights_) entry.light->Preprocess(sceneCenter, sceneRadius);
@@ -46,16 +37,6 @@ void LightTable::Finish(const Point3 &sceneCenter, Float sceneRadius) {
             environments_.push_back(id);
     byComponent_ = std::make_unique<LightGroups>(*this, false);
     byLight_ = std::make_unique<LightGroups>(*this, true);
-}
-
-LightCandidate LightTable::Candidate(LightId id) const {
-    const LightComponent light = (*this)[id];
-    LightCandidate c;
-    c.power = power_[id.value];
-    c.infinite = light.Kind() == LightKind::Infinite || light.Kind() == LightKind::DeltaDirection;
-    c.bounds = light.Bounds();
-    if (c.bounds) c.bounds->phi /= unit_;
-    return c;
 }
 
 LightGroups::LightGroups(const LightTable &lights, bool byLight) : lights_(lights), lightCount_(lights.Size()) {
@@ -94,13 +75,6 @@ LightCandidate LightGroups::Candidate(uint32_t group) const {
     return candidates_.empty() ? lights_.Candidate(LightId(group)) : candidates_[group];
 }
 
-std::vector<LightCandidate> LightGroups::Candidates() const {
-    std::vector<LightCandidate> all;
-    all.reserve(Size());
-    for (uint32_t g = 0; g < Size(); ++g) all.push_back(Candidate(g));
-    return all;
-}
-
 uint32_t LightGroups::LightOf(LightId light) const { return lights_.LightOf(light); }
 
 LightId LightGroups::SampleWithin(uint32_t group, Float u) const {
@@ -113,11 +87,6 @@ LightId LightGroups::SampleWithin(uint32_t group, Float u) const {
         while (index > begin && share_[index] == 0) --index;
     }
     return LightId(index);
-}
-
-size_t LightGroups::Bytes() const {
-    return candidates_.capacity() * sizeof(LightCandidate) + first_.capacity() * sizeof(uint32_t) +
-           (share_.capacity() + cdf_.capacity()) * sizeof(Float);
 }
 
 }  // namespace pbrt

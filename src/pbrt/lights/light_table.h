@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "pbrt/core/error.h"
 #include "pbrt/core/ids.h"
 #include "pbrt/lights/light.h"
 #include "pbrt/lights/light_bounds.h"
@@ -33,7 +34,12 @@ class LightGroups {
     const LightTable &Lights() const { return lights_; }
     /// Power (sum) and bounds (union) of a group.
     LightCandidate Candidate(uint32_t group) const;
-    std::vector<LightCandidate> Candidates() const;
+    std::vector<LightCandidate> Candidates() const {
+        std::vector<LightCandidate> all;
+        all.reserve(Size());
+        for (uint32_t g = 0; g < Size(); ++g) all.push_back(Candidate(g));
+        return all;
+    }
     uint32_t GroupOf(LightId light) const { return first_.empty() ? light.value : LightOf(light); }
     /// First component of a group and its component count; ids are consecutive.
     uint32_t FirstOf(uint32_t group) const { return first_.empty() ? group : first_[group]; }
@@ -56,7 +62,10 @@ class LightGroups {
         return std::clamp((u - begin + kStep * HashFloat(u, p)) / share, Float(0), OneMinusEpsilon);
     }
 
-    size_t Bytes() const;
+    size_t Bytes() const {
+        return candidates_.capacity() * sizeof(LightCandidate) + first_.capacity() * sizeof(uint32_t) +
+               (share_.capacity() + cdf_.capacity()) * sizeof(Float);
+    }
 
   private:
     uint32_t LightOf(LightId light) const;
@@ -80,7 +89,14 @@ class LightTable {
     LightTable &operator=(const LightTable &) = delete;
 
     /// Appends a light and returns the id of its first component. Not after Finish.
-    LightId Add(std::unique_ptr<Light> light);
+    LightId Add(std::unique_ptr<Light> light) {
+        PBRT_CHECK(light && !byComponent_);
+        const LightId first(lightOf_.size());
+        if (light->Kind() == LightKind::Infinite) infinite_.push_back(first);
+        lightOf_.insert(lightOf_.end(), light->ComponentCount(), uint32_t(lights_.size()));
+        lights_.push_back({std::move(light), first.value});
+        return first;
+    }
     /// Sets every light's scene bounding sphere and builds the groups. Call once, after the last Add.
     void Finish(const Point3 &sceneCenter, Float sceneRadius);
 
@@ -108,7 +124,15 @@ class LightTable {
         }
     }
     /// Power and bounds of a component, for light samplers. Only after Finish.
-    LightCandidate Candidate(LightId id) const;
+    LightCandidate Candidate(LightId id) const {
+        const LightComponent light = (*this)[id];
+        LightCandidate c;
+        c.power = power_[id.value];
+        c.infinite = light.Kind() == LightKind::Infinite || light.Kind() == LightKind::DeltaDirection;
+        c.bounds = light.Bounds();
+        if (c.bounds) c.bounds->phi /= unit_;
+        return c;
+    }
     /// Unit of candidate powers (as Light::Phi): the geometric mean of minimum and maximum component power over the
     /// scene radius. So powers, and powers over squared distances, neither overflow nor underflow in single precision.
     /// A power of two: division by it is exact.

@@ -107,7 +107,7 @@ class Builder {
         set.Add(BoolParam("twosided", twoSided));
         const AreaLightMaker maker = AreaLights().Make("diffuse", set, Context());
         const Shape *const shapes[] = {shape.get()};
-        fixture_->owned->Add(maker.Make(shapes, nullptr));
+        fixture_->owned->Add(maker(shapes, nullptr));
         fixture_->shapes.push_back(std::move(shape));
     }
 

@@ -8,7 +8,7 @@
 #include "pbrt/build/light_sampler_spec.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/math/warps.h"
-#include "pbrt/transport/light_query.h"
+#include "pbrt/transport/vertex.h"
 #include "support/scene_text.h"
 
 namespace pbrt::test {

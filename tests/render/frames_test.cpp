@@ -5,7 +5,7 @@
 
 #include "pbrt/core/state_io.h"
 #include "pbrt/integrators/render_loop.h"
-#include "pbrt/transport/light_query.h"
+#include "pbrt/transport/vertex.h"
 #include "support/build_text.h"
 #include "support/statistics.h"
 #include "two_rooms.h"

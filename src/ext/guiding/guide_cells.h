@@ -1,11 +1,85 @@
 #pragma once
+#include <algorithm>
+#include <array>
 #include <span>
 #include <vector>
 
 #include "ext/guiding/point_tree.h"
-#include "ext/guiding/source_clusters.h"
+#include "pbrt/math/bounds.h"
+#include "pbrt/math/warps.h"
 
 namespace ext {
+using namespace pbrt;
+
+/// Bounding sphere of positions that radiance comes from. It subtends a cone from any point, so estimates made at one
+/// point hold for its neighbours.
+struct SourceCluster {
+    Point3 p{};
+    Float r2 = 0;        ///< squared radius
+    Float radiance = 0;  ///< mean over recorded vertices, including those from which it is occluded
+
+    bool Contains(const Point3 &q) const { return LengthSquared(p - q) <= r2; }
+};
+
+struct RadianceSample {
+    static constexpr uint32_t kNone = ~uint32_t{0};
+    Point3 target{};
+    double radiance = 0;
+    double perPdf = 0;  ///< 1 / density of its direction (solid angle)
+    /// Set by MakeSourceClusters: mean over samples near the target, including zeros.
+    double meanRadiance = 0;
+    uint32_t number = 0;       ///< caller's index
+    uint32_t cluster = kNone;  ///< set by MakeSourceClusters: index of the cluster that contains the target
+};
+
+/// Clusters that minimize the second moment of the mean radiance when directions are drawn from all of them, by greedy
+/// merging of small ones; at most kMaxSourceClusters. `samples`: of `bounces` scattering events, reordered; most may be
+/// 0. `from`: vertices of some of these events.
+///
+/// The variance of samples about the mean is excluded: most of it stems from poor light sampling at later events, and
+/// vanishes when those are guided too.
+inline constexpr size_t kMaxSourceClusters = 64;
+std::vector<SourceCluster> MakeSourceClusters(std::span<RadianceSample> samples, std::span<const Point3> from,
+                                              size_t bounces);
+
+/// One value per cluster; 0 past the last.
+using PerSourceCluster = std::array<Float, kMaxSourceClusters>;
+
+struct SourceClusters {
+    SourceClusters() = default;
+    explicit SourceClusters(std::span<const SourceCluster> clusters);
+
+    size_t count = 0;
+    PerSourceCluster x{}, y{}, z{}, r{};  ///< centre and radius
+};
+
+/// Solid angle of the cluster's cone times a bound of its cosine with the shading normal: its weight in
+/// GuideDirections.
+Float SolidAngleOf(const SourceCluster &cluster, const Point3 &p, const Vector3 &n, bool bothSides);
+
+/// Direction distribution at a vertex: a mixture of uniform cones, one per cluster, weighted by radiance times a bound
+/// of the cosine with the shading normal. Clusters that contain the vertex or lie below its surface are excluded.
+class GuideDirections {
+  public:
+    /// `radiances`: of the clusters from p, 0 if occluded; only ratios matter. `n`: shading normal (unit) on the side
+    /// that scatters light; `bothSides`: both sides do.
+    void Prepare(const SourceClusters &clusters, const PerSourceCluster &radiances, const Point3 &p, const Vector3 &n,
+                 bool bothSides);
+    /// False if all densities are 0.
+    bool IsUsable() const { return isUsable_; }
+    /// Samples a direction, possibly below the surface.
+    Vector3 Sample(const Point2 &u) const;
+    /// Density (solid angle); 0 if not usable.
+    Float Pdf(const Vector3 &w) const;
+
+  private:
+    bool isUsable_ = false;
+    size_t end_ = 0;                          ///< past the last cone, a multiple of the SIMD width
+    alignas(64) PerSourceCluster x_, y_, z_;  ///< cone axes (unit)
+    PerSourceCluster cosine_;                 ///< of the cones' half angles
+    PerSourceCluster density_;                ///< within the cone (solid angle); 0: excluded
+    PerSourceCluster probability_;            ///< of the cone (discrete)
+};
 
 /// Record of one scattering event.
 struct GuideRecord {
@@ -30,7 +104,13 @@ struct GuideRecord {
                 unused);
     }
     /// Empty if valid, else the error.
-    std::optional<std::string> Validate() const;
+    std::optional<std::string> Validate() const {
+        const auto isFinite = [](const Vector3 &v) { return std::isfinite(v.x + v.y + v.z); };
+        const bool isValid = isFinite(p) && isFinite(target) && isFinite(normal) && isFinite(wi) && pdf > 0 &&
+                             std::isfinite(pdf) && bsdfPdf >= 0 && std::isfinite(bsdfPdf) && beta >= 0 &&
+                             std::isfinite(beta) && std::isfinite(radiance) && std::isfinite(contribution);
+        return isValid ? std::nullopt : std::optional("a record is not finite");
+    }
 };
 
 /// Source clusters of a scene and a spatial tree whose cells store the clusters' radiance and the guiding probability.
@@ -60,7 +140,14 @@ class GuideCells {
     /// False if At returns null everywhere.
     bool MayGuide(Float importance) const { return importance * largestGain_ > kGuidedCost; }
     /// Radiance of the brightest cluster that contains p, relative to the maximum over clusters; 0: none contains p.
-    Float ShinesAt(const Point3 &p) const;
+    Float ShinesAt(const Point3 &p) const {
+        Float radiance = 0, brightest = 0;
+        for (const SourceCluster &target : clusters_) {
+            brightest = std::max(brightest, target.radiance);
+            if (target.Contains(p)) radiance = std::max(radiance, target.radiance);
+        }
+        return radiance > 0 ? radiance / brightest : 0;
+    }
     void Clear() { *this = {}; }
     /// After loading, LeavesChanged completes the members that are not saved.
     template <class Archive>
@@ -68,12 +155,36 @@ class GuideCells {
         archive(leaves_, clusters_, tree_);
     }
     /// Empty if valid, else the error.
-    std::optional<std::string> Validate() const;
-    void LeavesChanged();
+    std::optional<std::string> Validate() const {
+        if (clusters_.size() > kMaxSourceClusters) return "it has too many clusters";
+        if (std::optional<std::string> fault = tree_.ValidateFor(1, leaves_.size())) return fault;
+        const auto isNumber = [](Float v) { return v >= 0 && std::isfinite(v); };
+        for (const Leaf &leaf : leaves_) {
+            for (const size_t kind : {0, 1})
+                if (!(leaf.probability[kind] >= 0 && leaf.probability[kind] < 1) || !isNumber(leaf.gain[kind]))
+                    return "a cell of the guide has a wrong probability";
+            if (!std::all_of(leaf.radiances.begin(), leaf.radiances.end(), isNumber))
+                return "a cell of the guide has a radiance that is not a finite number";
+        }
+        for (const SourceCluster &t : clusters_)
+            if (!std::isfinite(t.p.x + t.p.y + t.p.z) || !isNumber(t.r2) || !isNumber(t.radiance))
+                return "a cluster is not finite";
+        return tree_.IsEmpty() != leaves_.empty() ? std::optional("cells of the guide belong to no tree")
+                                                  : std::nullopt;
+    }
+    void LeavesChanged() {
+        sideBySide_ = SourceClusters(clusters_);
+        largestGain_ = 0;
+        for (const Leaf &leaf : leaves_) largestGain_ = std::max({largestGain_, leaf.gain[0], leaf.gain[1]});
+    }
 
     size_t Cells() const { return leaves_.size(); }
-    size_t GuidingCells() const;
-    double MeanProbability() const;
+    size_t GuidingCells() const { return std::ranges::count_if(leaves_, &Leaf::Guides); }
+    double MeanProbability() const {
+        double sum = 0;
+        for (const Leaf &leaf : leaves_) sum += double(std::max(leaf.probability[0], leaf.probability[1]));
+        return leaves_.empty() ? 0 : sum / double(leaves_.size());
+    }
     size_t Bytes() const {
         return tree_.Bytes() + leaves_.size() * sizeof(Leaf) + clusters_.size() * sizeof(SourceCluster);
     }

@@ -117,17 +117,6 @@ void PathGuide::SaveForOthers(StateWriter &out) const {
     save(kVersion, EffectiveParamsText(params_), view_, *this);
 }
 
-void PathGuide::LoadEstimates(StateReader &in) {
-    StateLoader load(in);
-    load(*this);
-    cells_.LeavesChanged();
-}
-
-std::optional<std::string> PathGuide::Validate() const {
-    return params_.directions || !estimatesDirections_ ? std::nullopt
-                                                       : std::optional("it has directions, which are off");
-}
-
 void PathGuide::LoadOfOther(StateReader &in) {
     const std::string saved = in.Text(), here = EffectiveParamsText(params_);
     if (saved != here)
@@ -224,16 +213,6 @@ double PathGuide::SavedShare(size_t stride) const {
             saved += double(cells_.SavedAt(r.p, r.isGlossy, Sqr(r.beta * PixelImportance(paths_.PixelOf(path)))));
     }
     return double(stride) * saved / roulette_.RecordedCost();
-}
-
-void PathGuide::ExtractRecords(StateWriter &out) {
-    records_.Extract(out);
-    roulette_.ExtractRecords(out);
-}
-
-void PathGuide::MergeRecords(StateReader &in) {
-    records_.Merge(in);
-    roulette_.MergeRecords(in);
 }
 
 void PathGuide::Report(nlohmann::ordered_json &json) const {

@@ -69,8 +69,14 @@ class PathGuide final : public DirectionSampling {
 
     int NextUpdate() const override { return next_; }
     void Update(const Progress &progress) override;
-    void ExtractRecords(StateWriter &out) override;
-    void MergeRecords(StateReader &in) override;
+    void ExtractRecords(StateWriter &out) override {
+        records_.Extract(out);
+        roulette_.ExtractRecords(out);
+    }
+    void MergeRecords(StateReader &in) override {
+        records_.Merge(in);
+        roulette_.MergeRecords(in);
+    }
 
     /// The estimates, without records.
     template <class Archive>
@@ -78,7 +84,10 @@ class PathGuide final : public DirectionSampling {
         archive(estimatesDirections_, cells_, roulette_);
     }
     /// Empty if the estimates fit the parameters, else the error.
-    std::optional<std::string> Validate() const;
+    std::optional<std::string> Validate() const {
+        return params_.directions || !estimatesDirections_ ? std::nullopt
+                                                           : std::optional("it has directions, which are off");
+    }
     /// Saves estimates and records for a checkpoint, excluding the light sampler's.
     void Save(StateWriter &out) const override;
     /// Saves estimates for other renders, whose camera or resolution may differ; those do not learn further.
@@ -97,7 +106,11 @@ class PathGuide final : public DirectionSampling {
     /// True if both are the same view, at any resolution.
     bool IsSame(const View &a, const View &b) const;
     void LoadOfOther(StateReader &in);
-    void LoadEstimates(StateReader &in);
+    void LoadEstimates(StateReader &in) {
+        StateLoader load(in);
+        load(*this);
+        cells_.LeavesChanged();
+    }
 
     Vector2i Size() const { return pixels_.IsEmpty() ? Vector2i(0) : pixels_.high - pixels_.low; }
     size_t Pixels() const { return size_t(Size().x) * Size().y; }

@@ -1,5 +1,7 @@
 #pragma once
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <vector>
 
@@ -37,7 +39,9 @@ struct PathTotal {
     Float cost = 0;      ///< see PathCost; 0: empty slot
 
     bool IsEmpty() const { return !(cost > 0); }
-    std::optional<std::string> Validate() const;
+    std::optional<std::string> Validate() const {
+        return !IsEmpty() && std::isfinite(cost) ? std::nullopt : std::optional("a record is not finite");
+    }
 };
 
 /// Learned Russian roulette without splitting: Rath et al., "EARS: Efficiency-Aware Russian Roulette and Splitting"
@@ -68,8 +72,14 @@ class PathRoulette {
 
     /// Kinds share no estimates: the six dominant directions of the normal, each with and without glossy BSDF, and
     /// media.
-    static uint32_t KindOf(const Vector3 &n, bool isGlossy);
-    static uint32_t KindOf(const PathVertex &vertex);
+    static uint32_t KindOf(const Vector3 &n, bool isGlossy) {
+        const Vector3 a = Abs(n);
+        const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
+        return axis * 4 + (n[axis] < 0 ? 2 : 0) + (isGlossy ? 1 : 0);
+    }
+    static uint32_t KindOf(const PathVertex &vertex) {
+        return KindOf(FaceForward(vertex.point.n, vertex.point.wo), Has(vertex.bsdf.Flags(), BxdfFlags::Glossy));
+    }
     static constexpr uint32_t kInMedium = 12, kKinds = 13;
 
     /// True after Learn with enough records.
@@ -94,7 +104,27 @@ class PathRoulette {
 
     /// Adapts the estimates to another image size. `isSameView` false: the view differs, and every pixel uses the mean
     /// PixelImportance.
-    void UseFor(Vector2i size, bool isSameView);
+    void UseFor(Vector2i size, bool isSameView) {
+        if (!HasEstimates() || size.x < 1 || size.y < 1 || (isSameView && size == size_)) return;
+        if (!isSameView) {
+            double radiance = 0;
+            for (const Float importance : tiles_) radiance += 1 / double(importance);
+            tiles_ = {Float(double(tiles_.size()) / radiance)};
+            size_ = size;
+            tile_ = std::max(size.x, size.y);
+            return;
+        }
+        const auto scaled = [](int at, int from, int to) { return int(int64_t{at} * to / from); };
+        const int tile = std::max(1, scaled(tile_, size_.x, size.x));
+        std::vector<Float> tiles;
+        for (int y = 0; y < size.y; y += tile)
+            for (int x = 0; x < size.x; x += tile)
+                tiles.push_back(PixelImportance({scaled(std::min(x + tile / 2, size.x - 1), size.x, size_.x),
+                                                 scaled(std::min(y + tile / 2, size.y - 1), size.y, size_.y)}));
+        tiles_ = std::move(tiles);
+        size_ = size;
+        tile_ = tile;
+    }
 
     /// Rebuilds all estimates from all records. `pixelOf(i)`: pixel of path i relative to the image corner; the paths
     /// of a pixel are consecutive.
@@ -107,7 +137,11 @@ class PathRoulette {
         EstimateCells();
     }
     /// In vertices.
-    double RecordedCost() const;
+    double RecordedCost() const {
+        double cost = 0;
+        for (const PathTotal &total : totals_.Places()) cost += double(total.cost);
+        return cost;
+    }
     size_t Cells() const { return cells_.size(); }
     size_t Bytes() const { return tree_.Bytes() + cells_.size() * sizeof(Cell) + tiles_.size() * sizeof(Float); }
     size_t RecordBytes() const { return records_.Bytes() + totals_.Bytes(); }
@@ -117,7 +151,22 @@ class PathRoulette {
         archive(cells_, tree_, size_, tile_, tiles_);
     }
     /// Empty if valid, else the error.
-    std::optional<std::string> Validate() const;
+    std::optional<std::string> Validate() const {
+        if (std::optional<std::string> fault = tree_.ValidateFor(kKinds, cells_.size())) return fault;
+        if (!HasEstimates())
+            return cells_.empty() && tiles_.empty() ? std::nullopt
+                                                    : std::optional("cells of roulette belong to no tree");
+        constexpr int kMaxSide = 1 << 24;
+        if (tile_ < 1 || tile_ > kMaxSide || size_.x < 1 || size_.y < 1 || size_.x > kMaxSide || size_.y > kMaxSide)
+            return "roulette was learned for no picture";
+        const auto along = [&](int pixels) { return size_t((pixels + tile_ - 1) / tile_); };
+        if (tiles_.size() != along(size_.x) * along(size_.y)) return "the tiles of roulette do not cover the picture";
+        for (const Float tile : tiles_)
+            if (!(tile > 0)) return "a tile of roulette has no importance";
+        for (const Cell &cell : cells_)
+            if (!std::isfinite(cell.here) || !std::isfinite(cell.onwards)) return "a cell of roulette is not finite";
+        return {};
+    }
     Vector2i Size() const { return size_; }
     void SaveRecords(StateWriter &out) const {
         records_.Save(out);
@@ -133,10 +182,143 @@ class PathRoulette {
     }
 
   private:
-    struct Estimate;
-    void EstimatePixels(Vector2i size, const std::vector<Point2i> &pixels);
-    void EstimateCells();
-    void Divide(size_t node, const RouletteRecord **begin, const RouletteRecord **end, const Estimate &prior);
+    /// Cells with more records are split.
+    static constexpr std::ptrdiff_t kCellRecords = 1024;
+    /// Weight of the parent cell's estimate, in records.
+    static constexpr double kPriorRecords = 128;
+    /// Outlier limit: maximum share of one record in its cell's second moment.
+    static constexpr double kLargestPart = 0.1;
+    /// Outlier limit: maximum share of one pixel in the image variance.
+    static constexpr double kLargestPixel = 0.01;
+    /// Fraction of the image mean below which errors have less weight.
+    static constexpr double kDark = 0.2;
+    /// Minimum recorded paths per image tile, if the image has as many.
+    static constexpr double kTilePaths = 64;
+
+    struct Moments {
+        double squares = 0, cost = 0;
+        Float Root() const { return cost > 0 ? kVarianceCorrection * Float(std::sqrt(squares / cost)) : -1; }
+    };
+
+    /// `prior`: of the parent cell.
+    static Moments MeanOf(const RouletteRecord *const *begin, const RouletteRecord *const *end,
+                          RouletteRecord::Segment RouletteRecord::*segment, const Moments &prior) {
+        const auto square = [&](const RouletteRecord *r) { return Sqr(double((r->*segment).radiance)); };
+        double squares = 0;
+        for (const auto *r = begin; r != end; ++r) squares += square(*r);
+        double n = prior.cost > 0 ? kPriorRecords : 0;
+        Moments mean{n * prior.squares, n * prior.cost};
+        for (const auto *r = begin; r != end; ++r) {
+            const auto cost = double(((*r)->*segment).cost);
+            if (!(cost > 0)) continue;
+            ++n;
+            mean.squares += std::min(square(*r), kLargestPart * squares);
+            mean.cost += cost;
+        }
+        return n > 0 ? Moments{mean.squares / n, mean.cost / n} : Moments{};
+    }
+
+    struct Estimate {
+        Moments here, onwards;
+    };
+
+    void EstimatePixels(Vector2i size, const std::vector<Point2i> &pixels) {
+        const std::span<const PathTotal> totals = totals_.Places();
+        double known = 0, sum = 0;
+        for (const PathTotal &t : totals) {
+            if (!(t.cost > 0)) continue;
+            ++known;
+            sum += double(t.radiance);
+        }
+        tree_.Begin(0);
+        cells_.clear();
+        if (!(sum > 0)) return;
+        const double mean = sum / known;
+        const double perPixel = known / (double(size.x) * size.y);
+        size_ = size;
+        tile_ = std::max(4, int(std::ceil(std::sqrt(kTilePaths / perPixel))));
+        const Vector2i count = (size + (tile_ - 1)) / tile_;
+        const auto tileOf = [&](const Point2i &p) { return p.y / tile_ * count.x + p.x / tile_; };
+        std::vector<std::array<double, 2>> sums(size_t(count.x) * count.y);
+        for (size_t i = 0; i < totals.size(); ++i) {
+            if (!(totals[i].cost > 0)) continue;
+            auto &tile = sums[tileOf(pixels[i])];
+            tile[0] += double(totals[i].radiance);
+            ++tile[1];
+        }
+        // 3x3 tile filter, weighted 4 : 2 : 1.
+        std::vector<double> radiance(sums.size());
+        for (int y = 0; y < count.y; ++y)
+            for (int x = 0; x < count.x; ++x) {
+                double found = 0, paths = 0;
+                for (int dy = -1; dy <= 1; ++dy)
+                    for (int dx = -1; dx <= 1; ++dx) {
+                        if (x + dx < 0 || x + dx >= count.x || y + dy < 0 || y + dy >= count.y) continue;
+                        const auto &tile = sums[(y + dy) * count.x + x + dx];
+                        const double weight = (dx == 0 ? 2 : 1) * (dy == 0 ? 2 : 1);
+                        found += weight * tile[0];
+                        paths += weight * tile[1];
+                    }
+                radiance[y * count.x + x] = std::hypot(paths > 0 ? found / paths : mean, kDark * mean);
+            }
+        // Variance within pixels, of blocks of successive samples.
+        std::vector<double> variances;
+        double all = 0;
+        for (size_t i = 0, end = 0; i < totals.size(); i = end) {
+            while (end < totals.size() && pixels[end] == pixels[i]) ++end;
+            const size_t block = std::bit_floor(std::max<size_t>(1, (end - i) / 2));
+            double n = 0, found = 0, squares = 0;
+            for (size_t k = i; k + block <= end; k += block) {
+                if (!std::all_of(&totals[k], &totals[k] + block, [](const PathTotal &t) { return t.cost > 0; }))
+                    continue;
+                double x = 0;
+                for (size_t m = k; m < k + block; ++m) x += double(totals[m].radiance);
+                ++n;
+                found += x;
+                squares += x * x;
+            }
+            if (n < 2) continue;
+            const double I = radiance[tileOf(pixels[i])];
+            variances.push_back(std::max(0.0, (squares - found * found / n) / (n - 1)) / (double(block) * I * I));
+            all += variances.back();
+        }
+        double limited = 0;
+        for (const double v : variances) limited += std::min(v, kLargestPixel * all);
+        if (!(limited > 0)) return;
+        const double scale = std::sqrt(RecordedCost() / known * double(variances.size()) / limited);
+        tiles_.resize(radiance.size());
+        for (size_t i = 0; i < radiance.size(); ++i) tiles_[i] = Float(scale / radiance[i]);
+        tree_.Begin(kKinds);
+    }
+    void EstimateCells() {
+        if (!HasEstimates()) return;
+        std::vector<const RouletteRecord *> records;
+        for (const RouletteRecord &r : records_.Places())
+            if (!r.IsEmpty()) records.push_back(&r);
+        std::stable_sort(records.begin(), records.end(),
+                         [](const auto *a, const auto *b) { return a->kind < b->kind; });
+        const RouletteRecord **begin = records.data(), **end = begin + records.size();
+        for (uint32_t kind = 0; kind < kKinds; ++kind) {
+            const RouletteRecord **const last = std::find_if(begin, end, [&](const auto *r) { return r->kind > kind; });
+            Divide(kind, begin, last, {});
+            begin = last;
+        }
+    }
+    void Divide(size_t node, const RouletteRecord **begin, const RouletteRecord **end, const Estimate &prior) {
+        const std::ptrdiff_t count = end - begin;
+        const Estimate mean{MeanOf(begin, end, &RouletteRecord::here, prior.here),
+                            MeanOf(begin, end, &RouletteRecord::onwards, prior.onwards)};
+        const RouletteRecord **second = begin;
+        if (count > kCellRecords) second = tree_.Divide(node, begin, end, [](const RouletteRecord *r) { return r->p; });
+        if (second == begin) {
+            tree_.MakeLeaf(node, cells_.size());
+            cells_.push_back({mean.here.Root(), mean.onwards.Root()});
+            return;
+        }
+        const size_t below = tree_.Nodes()[node].below;
+        Divide(below, begin, second, mean);
+        Divide(below + 1, second, end, mean);
+    }
 
     PointTree tree_;  ///< with kKinds roots
     std::vector<Cell> cells_;
@@ -146,5 +328,11 @@ class PathRoulette {
     PathRecordStore<RouletteRecord> records_;
     PathRecordStore<PathTotal> totals_;
 };
+
+inline std::optional<std::string> RouletteRecord::Validate() const {
+    if (IsEmpty() || !std::isfinite(p.x + p.y + p.z) || !std::isfinite(here.cost) || !std::isfinite(onwards.cost))
+        return "a record is not finite";
+    return kind < PathRoulette::kKinds ? std::nullopt : std::optional("a record is of no kind");
+}
 
 }  // namespace ext

@@ -1,4 +1,4 @@
-#include "ext/guiding/source_clusters.h"
+#include "ext/guiding/guide_cells.h"
 
 #include <algorithm>
 #include <limits>

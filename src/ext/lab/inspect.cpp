@@ -10,8 +10,8 @@
 #include "pbrt/integrators/direction_sampling.h"
 #include "pbrt/integrators/pixel_integrator.h"
 #include "pbrt/math/rng.h"
-#include "pbrt/transport/light_query.h"
 #include "pbrt/transport/path_walk.h"
+#include "pbrt/transport/vertex.h"
 
 namespace ext::lab {
 namespace {

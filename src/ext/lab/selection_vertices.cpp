@@ -6,9 +6,9 @@
 #include "pbrt/core/parallel.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/math/warps.h"
-#include "pbrt/transport/light_query.h"
 #include "pbrt/transport/path_walk.h"
 #include "pbrt/transport/shadow_transmittance.h"
+#include "pbrt/transport/vertex.h"
 
 namespace ext::lab {
 namespace {

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "ext/lightgroups/emitter.h"
-#include "pbrt/lights/light_groups.h"
+#include "pbrt/lights/light_table.h"
 
 namespace ext {
 

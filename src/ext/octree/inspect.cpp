@@ -3,7 +3,7 @@
 
 #include "ext/octree/paper_octree_light_sampler.h"
 #include "ext/octree/visibility_octree_light_sampler.h"
-#include "ext/visibility/structure_text.h"
+#include "ext/visibility/visibility_tree_builder.h"
 #include "pbrt/core/effective_params_text.h"
 #include "pbrt/math/rng.h"
 

@@ -2,7 +2,7 @@
 #include <span>
 #include <vector>
 
-#include "ext/visibility/cell_octree.h"
+#include "ext/visibility/visibility_tree.h"
 
 namespace ext {
 

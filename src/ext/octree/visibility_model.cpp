@@ -5,7 +5,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "ext/visibility/structure_text.h"
 #include "ext/visibility/visibility_tree_builder.h"
 #include "pbrt/core/progress.h"
 #include "pbrt/scene/scene.h"

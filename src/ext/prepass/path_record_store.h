@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "pbrt/core/state_archive.h"
-#include "pbrt/lightsamplers/path_observer.h"
+#include "pbrt/lightsamplers/light_sampler.h"
 
 namespace ext {
 using namespace pbrt;

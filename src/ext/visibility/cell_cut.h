@@ -1,4 +1,8 @@
 #pragma once
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -37,17 +41,179 @@ class CellCut {
     CellCut() = default;
     /// `sums`: sorted by position; `weight`: sum of all their w; `above`: the parent cell's cut, or null.
     CellCut(const LightTree &lights, std::span<const ShadowRaySums> sums, double weight, const CellCut *above,
-            const Settings &settings);
+            const Settings &settings) {
+        Merger merger{lights, sums, weight, above, settings};
+        merger.SumUp();
+        const double all = merger.w.back() > 0 ? merger.wm.back() / merger.w.back() : 0, prior = all > 0 ? all : 1;
+        size_t begin = 0, knownAbove = 0;
+        const std::span<const uint32_t> roots = lights.Roots();
+        for (uint32_t root : roots) {
+            const size_t end =
+                size_t(std::partition_point(sums.begin() + begin, sums.end(),
+                                            [&](const ShadowRaySums &s) { return s.light < lights.At(root).end; }) -
+                       sums.begin());
+            if (above) {
+                const Known &known = above->known_[knownAbove];
+                merger.Add(root, begin, end, knownAbove, double(known.moment), 1, double(known.share));
+                knownAbove = known.next;
+            } else {
+                merger.Add(root, begin, end, {}, 1, prior, 1 / double(roots.size()));
+            }
+            begin = end;
+        }
+        const size_t far = lights.FarNodeCount();
+        merger.JoinDownTo(kInherited * settings.nodes + far);
+        merger.ForEach([&](const Merger::Item &item, bool) {
+            known_.push_back({item.node, 0, float(item.moment), float(item.share)});
+        });
+        // Backwards: a node ends where its second child does.
+        for (size_t i = known_.size(); i-- > 0;) {
+            known_[i].next = uint32_t(i + 1);
+            const bool inner = i + 1 < known_.size() && lights.HasChildren(known_[i].node) &&
+                               known_[i + 1].node == lights.First(known_[i].node);
+            if (inner) known_[i].next = known_[known_[i + 1].next].next;
+        }
+        merger.JoinDownTo(settings.nodes + far);
+        merger.ForEach([&](const Merger::Item &item, bool inner) {
+            if (inner) return;
+            nodes_.push_back(item.node);
+            factors_.push_back(float(merger.Factor(item)));
+        });
+    }
 
     std::span<const uint32_t> Nodes() const { return nodes_; }   ///< of the cut, ascending
     std::span<const float> Factors() const { return factors_; }  ///< one per node of the cut
 
   private:
+    /// Children of a cell inherit up to this many times the nodes of a cut.
+    static constexpr size_t kInherited = 2;
+    /// Cost factor of a node of several lights, as selection below it is imperfect.
+    static constexpr double kInnerCost = 1.1;
+    /// Siblings are always merged below this fraction of the finest cut's cost.
+    static constexpr double kNoCost = 1e-4;
+    static constexpr double kNever = -std::numeric_limits<double>::infinity();
+    /// Bounds of the ratio of a node's moment to the parent cell's.
+    static constexpr double kMinRatio = 1e-4, kMaxRatio = 1e4;
+
     struct Known {
         uint32_t node = 0, next = 0;  ///< `next`: index in known_ past the node's subtree
         float moment = 0, share = 0;
     };
-    struct Merger;
+    /// Estimates all nodes that the shadow rays or the parent cell distinguish, then merges.
+    struct Merger {
+        const LightTree &lights;
+        std::span<const ShadowRaySums> sums;
+        double weight;
+        const CellCut *above;
+        const Settings &settings;
+        struct Item {
+            uint32_t node = 0, next = 0, second = 0;  ///< `second`: item of the second child; 0: node of the cut
+            double moment = 0, share = 0;
+            double cost = 0;  ///< contribution of the node to the cost of a cut
+            double key = 0;   ///< maximum merge cost at or below the node
+        };
+        std::vector<Item> items = {};
+        std::vector<double> w = {}, w2 = {}, wm = {},
+                            expected = {};  ///< running sums, one more entry; `expected`: of wm, from the parent cell
+
+        void SumUp() {
+            for (std::vector<double> *v : {&w, &w2, &wm, &expected}) v->assign(1, 0);
+            size_t known = 0;  // index of the light in the parent cell
+            for (const ShadowRaySums &s : sums) {
+                if (above)
+                    while (above->IsInner(known) || lights.At(above->known_[known].node).end <= s.light) ++known;
+                w.push_back(w.back() + s.w);
+                w2.push_back(w2.back() + s.w2);
+                wm.push_back(wm.back() + s.wm);
+                expected.push_back(expected.back() + s.w * (above ? double(above->known_[known].moment) : 1));
+            }
+        }
+
+        /// Adds a node and its subtree. `knownAbove`: the node's index in the parent cell's known_; empty if that cell
+        /// does not distinguish it, then `momentAbove` is the moment of its ancestor there. `ratioBefore`: the ratio of
+        /// this cell's moment to the parent cell's, for the node's parent in the light tree. `shareBefore`: the
+        /// expected share of the node.
+        void Add(uint32_t node, size_t begin, size_t end, std::optional<size_t> knownAbove, double momentAbove,
+                 double ratioBefore, double shareBefore) {
+            const double sw = w[end] - w[begin], sw2 = w2[end] - w2[begin], se = expected[end] - expected[begin],
+                         k = settings.shrinkage;
+            const double tries = begin < end && sw2 > 0 && se > 0 ? sw * sw / sw2 : 0,
+                         found = tries > 0 ? (wm[end] - wm[begin]) / se : 0;
+            const double ratio = tries + k > 0
+                                     ? std::clamp((tries * found + k * ratioBefore) / (tries + k), kMinRatio, kMaxRatio)
+                                     : ratioBefore;
+            Item item{.node = node};
+            item.moment = ratio * momentAbove;
+            item.share = (sw + k * shareBefore) / std::max(weight + k, 1e-9);
+            item.cost = CostOf(item);
+            const auto index = uint32_t(items.size());
+            items.push_back(item);
+            const bool toldApart = knownAbove && above->IsInner(*knownAbove);
+            if (lights.HasChildren(node) && (begin < end || toldApart)) {
+                const uint32_t first = lights.First(node), second = lights.Second(node),
+                               border = lights.At(second).begin;
+                const auto middle =
+                    size_t(std::partition_point(sums.begin() + begin, sums.begin() + end,
+                                                [&](const ShadowRaySums &s) { return s.light < border; }) -
+                           sums.begin());
+                std::optional<size_t> a, b;
+                double shareA = double(lights.Intensity(first)), shareB = double(lights.Intensity(second));
+                double momentA = momentAbove, momentB = momentAbove;
+                if (toldApart) {
+                    a = *knownAbove + 1;
+                    b = above->known_[*a].next;
+                    const Known &one = above->known_[*a], &other = above->known_[*b];
+                    momentA = double(one.moment);
+                    momentB = double(other.moment);
+                    shareA = double(one.share);
+                    shareB = double(other.share);
+                }
+                const double total = shareA + shareB;
+                shareA = total > 0 ? item.share * shareA / total : item.share / 2;
+                Add(first, begin, middle, a, momentA, ratio, shareA);
+                items[index].second = uint32_t(items.size());
+                Add(second, middle, end, b, momentB, ratio, item.share - shareA);
+                const Item &one = items[index + 1], &other = items[items[index].second];
+                items[index].key = std::max({item.cost - one.cost - other.cost, IsInner(index + 1) ? one.key : kNever,
+                                             other.second != 0 ? other.key : kNever});
+            } else {
+                ++nodes;
+                total += item.cost;
+            }
+            items[index].next = uint32_t(items.size());
+        }
+
+        double Factor(const Item &item) const { return settings.secondMoment ? std::sqrt(item.moment) : item.moment; }
+        double CostOf(const Item &item) const {
+            return item.share * Factor(item) * (lights.IsLight(item.node) ? 1 : kInnerCost);
+        }
+        bool IsInner(size_t i) const { return items[i].second != 0; }
+
+        size_t nodes = 0;                                     ///< of the cut
+        double total = 0;                                     ///< cost of the finest cut
+        std::vector<std::pair<double, uint32_t>> joins = {};  ///< keys and items
+        /// Merges siblings in order of cost: all that are almost free, and more until the cut has at most `most` nodes.
+        /// A node's key is at least the maximum key below it, so descendants are merged first.
+        void JoinDownTo(size_t most) {
+            joins.clear();
+            size_t free = 0;
+            for (uint32_t i = 0; i < items.size(); i = IsInner(i) ? i + 1 : items[i].next) {
+                if (!IsInner(i)) continue;
+                // For equal keys, deeper nodes come first.
+                joins.push_back({items[i].key, ~i});
+                free += items[i].key < kNoCost * total;
+            }
+            const size_t count = std::min(joins.size(), std::max(free, nodes > most ? nodes - most : 0));
+            if (count < joins.size()) std::nth_element(joins.begin(), joins.begin() + count, joins.end());
+            for (size_t k = 0; k < count; ++k) items[~joins[k].second].second = 0;
+            nodes -= count;
+        }
+        /// Visits the remaining nodes in preorder.
+        template <class Visit>
+        void ForEach(Visit &&visit) const {
+            for (uint32_t i = 0; i < items.size(); i = IsInner(i) ? i + 1 : items[i].next) visit(items[i], IsInner(i));
+        }
+    };
     bool IsInner(size_t i) const { return known_[i].next != i + 1; }
     std::vector<Known> known_;  ///< inherited by child cells, in preorder
     std::vector<uint32_t> nodes_;

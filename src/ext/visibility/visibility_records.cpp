@@ -25,13 +25,11 @@ double SampleGroup(const Scene &scene, const PrepassVertex &vertex, const LightQ
 }
 
 Float RatioOf(double found, Float g) {
-    const auto ratio = static_cast<Float>(found / static_cast<double>(g));
+    const auto ratio = Float(found / double(g));
     return std::isfinite(ratio) ? ratio : 0;
 }
 
-bool IsMine(const Team &team, size_t chunk) {
-    return chunk % static_cast<size_t>(team.Size()) == static_cast<size_t>(team.Rank());
-}
+bool IsMine(const Team &team, size_t chunk) { return chunk % size_t(team.Size()) == size_t(team.Rank()); }
 
 /// Draws lights at one point in proportion to G.
 class Draws {
@@ -94,22 +92,40 @@ void Exchange(Team &team, std::vector<VisibilityRecords> &chunks) {
 
 }  // namespace
 
+std::optional<std::string> VisibilityRecords::ValidateFor(size_t groups, const LightTree *lights) const {
+    size_t next = 0;
+    for (const VisibilityRecord &r : records) {
+        if (r.firstRay != next || r.rayCount == 0 || r.rayCount > rays.size() - next)
+            return "the shadow rays of records do not follow each other";
+        if (!IsFinite(r.p)) return "a record lies at no finite place";
+        next += r.rayCount;
+    }
+    if (next != rays.size()) return "shadow rays belong to no record";
+    for (const ShadowRay &t : rays) {
+        if (t.light >= groups || (lights && lights->PositionOf(t.light) == LightTree::kNowhere))
+            return "a shadow ray goes to a light that does not exist";
+        if (!IsPositive(t.share) || !IsPositive(t.weight) || !IsPositive(t.ratio))
+            return "the contribution of a shadow ray is not finite";
+    }
+    return {};
+}
+
 size_t RaysPerRecord(size_t groups, int wanted) {
-    if (wanted > 0) return std::min(groups, static_cast<size_t>(wanted));
+    if (wanted > 0) return std::min(groups, size_t(wanted));
     return groups <= kMaxScanned ? groups : 8;
 }
 
 VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const PrepassVertex> vertices,
                                   const LightGroups &groups, const GroupImportance &importance,
                                   const MeshInterior &interior, const LightTree *tree, size_t perRecord) {
-    const auto count = static_cast<int64_t>(vertices.size());
+    const auto count = int64_t(vertices.size());
     if (vertices.size() > std::numeric_limits<uint32_t>::max() / std::max<size_t>(perRecord, 1))
         throw UserError(
             fmt::format("octree: the prepass has {} vertices, each with {} shadow rays; more than {} shadow "
                         "rays cannot be stored. Lower \"prepassspp\" or \"tries\".",
                         vertices.size(), perRecord, std::numeric_limits<uint32_t>::max()));
-    std::vector<VisibilityRecords> chunks(static_cast<size_t>((count + kChunk - 1) / kChunk));
-    context.progress.BeginPhase("shadow rays", static_cast<int64_t>(chunks.size()));
+    std::vector<VisibilityRecords> chunks(size_t((count + kChunk - 1) / kChunk));
+    context.progress.BeginPhase("shadow rays", int64_t(chunks.size()));
     const bool all = perRecord >= groups.Size();
 
     auto traceToAll = [&](const PrepassVertex &vertex, const LightQuery &query, std::vector<Float> &g, Rng &rng,
@@ -129,36 +145,35 @@ VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const Prepa
         double total = 0;
         for (size_t k = 0; k < perRecord; ++k) {
             // Stratified in `perRecord` equal strata.
-            const Float u = (static_cast<Float>(k) + rng.Uniform()) / static_cast<Float>(perRecord);
+            const Float u = (Float(k) + rng.Uniform()) / Float(perRecord);
             std::optional<SampledLight> drawn = draws.Draw(std::min(u, OneMinusEpsilon));
             if (!drawn) continue;
             const Float g = importance.Of(query, drawn->light.value);
             if (!(g > 0)) continue;
             const double found = SampleGroup(context.scene, vertex, query, interior, drawn->light.value, rng);
-            total += static_cast<double>(g / drawn->pmf);
+            total += double(g / drawn->pmf);
             out.rays.push_back({drawn->light.value, g, g / drawn->pmf, RatioOf(found, g)});
         }
-        const double unoccluded = total / static_cast<double>(perRecord);
+        const double unoccluded = total / double(perRecord);
         for (size_t t = first; t < out.rays.size(); ++t) {
-            out.rays[t].share = static_cast<Float>(static_cast<double>(out.rays[t].share) / unoccluded);
-            out.rays[t].weight = static_cast<Float>(static_cast<double>(out.rays[t].weight) / total);
+            out.rays[t].share = Float(double(out.rays[t].share) / unoccluded);
+            out.rays[t].weight = Float(double(out.rays[t].weight) / total);
         }
     };
 
-    ParallelForEach(static_cast<int64_t>(chunks.size()), [&](int64_t chunk) {
-        if (context.progress.Cancelled() || !IsMine(context.team, static_cast<size_t>(chunk))) return;
-        VisibilityRecords &out = chunks[static_cast<size_t>(chunk)];
+    ParallelForEach(int64_t(chunks.size()), [&](int64_t chunk) {
+        if (context.progress.Cancelled() || !IsMine(context.team, size_t(chunk))) return;
+        VisibilityRecords &out = chunks[size_t(chunk)];
         std::vector<Float> g(all ? importance.Padded() : 0);
         for (int64_t i = chunk * kChunk; i < std::min((chunk + 1) * kChunk, count); ++i) {
-            const PrepassVertex &vertex = vertices[static_cast<size_t>(i)];
+            const PrepassVertex &vertex = vertices[size_t(i)];
             const LightQuery query = QueryAt(vertex);
             Rng rng(Hash(uint64_t(0x7669736962), context.seed, i));
             const size_t first = out.rays.size();
             if (all) traceToAll(vertex, query, g, rng, out);
             else traceToDrawn(vertex, query, rng, out);
             if (out.rays.size() > first)
-                out.records.push_back(
-                    {vertex.at.p, static_cast<uint32_t>(first), static_cast<uint32_t>(out.rays.size() - first)});
+                out.records.push_back({vertex.at.p, uint32_t(first), uint32_t(out.rays.size() - first)});
         }
         context.progress.Advance();
     });
@@ -166,7 +181,7 @@ VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const Prepa
     if (context.team.Size() > 1) Exchange(context.team, chunks);
     VisibilityRecords result;
     for (VisibilityRecords &chunk : chunks) {
-        const auto offset = static_cast<uint32_t>(result.rays.size());
+        const auto offset = uint32_t(result.rays.size());
         for (VisibilityRecord &r : chunk.records) {
             r.firstRay += offset;
             result.records.push_back(r);

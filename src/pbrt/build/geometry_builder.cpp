@@ -263,7 +263,7 @@ void GeometryBuilder::Register(Work &w, Definition *definition) {
         for (const std::unique_ptr<Shape> &shape : w.shapes)
             if (shape->PrimitiveCount() > 0) shapes.push_back(shape.get());
         if (!shapes.empty()) {
-            firstLight = contents_.lights->Add(maker->Make(shapes, w.alpha.get()));
+            firstLight = contents_.lights->Add((*maker)(shapes, w.alpha.get()));
             contents_.lightMedia.push_back({media_.Find(e.outsideMedium), media_.Find(e.insideMedium)});
         }
     }

@@ -2,7 +2,7 @@
 
 #include "pbrt/core/counters.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/integrators/filtered_splat.h"
+#include "pbrt/integrators/integrator.h"
 #include "pbrt/lightsamplers/simple_light_samplers.h"
 #include "pbrt/transport/direct_light.h"
 
@@ -24,26 +24,13 @@ BdptIntegrator::BdptIntegrator(const PathContext &context, int maxDepth, bool re
       shooting_(ByPowerUnless(std::move(shooting), context.scene.Lights())), connecting_(std::move(connecting)),
       hasMedia_(context.scene.HasMedia()), observer_(connecting_ ? connecting_->Observer() : nullptr),
       weights_(context.scene.Lights(), *shooting_, connecting_ ? *connecting_ : *shooting_),
-      strategies_(std::move(strategies)), subpaths_(static_cast<size_t>(ThreadCount())) {
+      strategies_(std::move(strategies)), subpaths_(size_t(ThreadCount())) {
     for (Subpaths &s : subpaths_) {
-        const auto surfaces = static_cast<size_t>(std::min(maxDepth, kMaxSubpath));
+        const auto surfaces = size_t(std::min(maxDepth, kMaxSubpath));
         s.light.resize(surfaces + 1);
         s.camera.resize(surfaces + 1);
         s.path.resize(2 * surfaces + 4);
     }
-}
-
-void BdptIntegrator::Prepare(PrepareContext &prepare) {
-    if (connecting_) connecting_->Prepare(prepare);
-    shooting_->Prepare(prepare);
-}
-
-bool BdptIntegrator::Render(const RenderPass &pass) {
-    if (strategies_) strategies_->Begin(pass.film);
-    const bool isWhole = PixelIntegrator::Render(pass);
-    if (strategies_)
-        for (Subpaths &s : subpaths_) strategies_->AddSplatPaths(std::exchange(s.pairs, 0));
-    return isWhole;
 }
 
 struct BdptIntegrator::Subpath {
@@ -87,7 +74,7 @@ bool BdptIntegrator::PassMedium(PathWalk &walk, Subpath &path, const Sample &sam
         });
     if (event.kind == MediumEvent::Kind::Absorbed || !path.weights.beta) return false;
     if (event.kind == MediumEvent::Kind::Passed) return true;
-    if (path.count == static_cast<int>(path.vertices.size())) return false;
+    if (path.count == int(path.vertices.size())) return false;
     BdptVertex &before = path.Last(), &vertex = path.Append(BdptVertex::Kind::Medium);
     vertex.p = ray(event.t);
     vertex.n = Normal3(0);
@@ -148,7 +135,7 @@ void BdptIntegrator::Follow(PathWalk &walk, Subpath &path, Sample &sample) const
         if (path.mode == TransportMode::Radiance) AddEmission(walk, path, sample);
         if (met == PathWalk::Met::Nothing) return;
         // A ray from the last vertex continues through non-scattering surfaces, as there may be light behind them.
-        const bool isFull = path.count == static_cast<int>(path.vertices.size());
+        const bool isFull = path.count == int(path.vertices.size());
         if (isFull && (path.mode == TransportMode::Importance || ScattersSurely(context_.scene, walk.Vertex().point)))
             return;
         if (walk.FindScattering(sample.lambda) && (isFull || !ScatterAtSurface(walk, path))) return;
@@ -386,9 +373,8 @@ SampledSpectrum BdptIntegrator::Li(const PathStart &start, SampledWavelengths &l
     std::vector<CameraSplat> &splats = paths.splats;
     splats.clear();
     paths.contributions.clear();
-    const SampledSpectrum L =
-        TracePair(start, lambda, {sampler, sampler, sampler}, static_cast<Float>(pass.film.PixelBounds().Area()),
-                  pass.film.SplatUnit(), splats);
+    const SampledSpectrum L = TracePair(start, lambda, {sampler, sampler, sampler},
+                                        Float(pass.film.PixelBounds().Area()), pass.film.SplatUnit(), splats);
     if (!pass.keepsSamples) return L;
     for (const CameraSplat &s : splats) AddFilteredSplat(pass.film, pass.filter, s.pFilm, s.L, lambda);
     if (strategies_) {

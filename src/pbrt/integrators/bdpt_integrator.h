@@ -1,8 +1,9 @@
 #pragma once
+#include <utility>
 #include "pbrt/integrators/bdpt_path.h"
 #include "pbrt/integrators/pixel_integrator.h"
 #include "pbrt/integrators/strategy_pictures.h"
-#include "pbrt/lightsamplers/path_observer.h"
+#include "pbrt/lightsamplers/light_sampler.h"
 #include "pbrt/transport/shadow_transmittance.h"
 
 namespace pbrt {
@@ -20,8 +21,17 @@ class BdptIntegrator final : public PixelIntegrator {
     BdptIntegrator(const PathContext &context, int maxDepth, bool regularize,
                    std::unique_ptr<LightSampler> connecting = nullptr, std::unique_ptr<LightSampler> shooting = nullptr,
                    std::unique_ptr<StrategyPictures> strategies = nullptr);
-    bool Render(const RenderPass &pass) override;
-    void Prepare(PrepareContext &prepare) override;
+    bool Render(const RenderPass &pass) override {
+        if (strategies_) strategies_->Begin(pass.film);
+        const bool isWhole = PixelIntegrator::Render(pass);
+        if (strategies_)
+            for (Subpaths &s : subpaths_) strategies_->AddSplatPaths(std::exchange(s.pairs, 0));
+        return isWhole;
+    }
+    void Prepare(PrepareContext &prepare) override {
+        if (connecting_) connecting_->Prepare(prepare);
+        shooting_->Prepare(prepare);
+    }
     OnlineModel *Model() override { return observer_ ? connecting_->Model() : nullptr; }
     /// Stops training of `connecting`, which keeps its probabilities fixed.
     void StopLearning() { observer_ = nullptr; }

@@ -44,7 +44,7 @@ Float BdptWeights::ConnectedLightPdf(const BdptVertex &light, const BdptVertex &
 
 Float BdptWeights::Weight(std::span<const BdptVertex *const> path, int fromLight, Float cameraPdf,
                           const SampledWavelengths &lambda) const {
-    const int n = static_cast<int>(path.size()), s = fromLight;
+    const int n = int(path.size()), s = fromLight;
     if (n == 2) return 1;  // directly visible light is sampled by the camera only
     const auto at = [&](int k) -> const BdptVertex & { return *path[k]; };
     const auto scatterPdf = [&](int k, int from, int to, TransportMode mode) {

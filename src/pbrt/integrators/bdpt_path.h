@@ -1,10 +1,89 @@
 #pragma once
 #include <span>
 
-#include "pbrt/integrators/bdpt_vertex.h"
 #include "pbrt/scene/scene.h"
+#include "pbrt/transport/vertex.h"
 
 namespace pbrt {
+
+/// Vertex of a bidirectional path: camera, light, surface, or medium.
+struct BdptVertex {
+    enum class Kind { Camera, Light, Surface, Medium };
+    Kind kind = Kind::Surface;
+    /// Radiance or importance along the subpath, divided by the subpath's density.
+    SampledSpectrum beta{1};
+    /// SpectralWeights::ru of the subpath; 1 without media.
+    SampledSpectrum ru{1};
+    /// Density in its own subpath and in one from the other end, without free-flight factors (BdptWeights): by area, in
+    /// media by area across the ray; lights outside the scene: by solid angle.
+    Float pdfForward = 0, pdfReverse = 0;
+    /// Specular surface vertex: no connections.
+    bool isSpecular = false;
+    PathVertex surface;  ///< Kind::Surface
+    // Other kinds.
+    LightId light{};  ///< Kind::Light
+    Point3 p{};
+    Vector3 pError{};
+    Normal3 n{};                 ///< zero without surface
+    Vector3 direction{0, 0, 1};  ///< of light from outside the scene; in a medium: unit, towards the previous vertex
+    bool isBeyondScene = false;
+    // Kind::Medium
+    MediumId medium{};
+    const HenyeyGreenstein *phase = nullptr;
+    Float time = 0;
+
+    bool IsSurface() const { return kind == Kind::Surface; }
+    bool IsInMedium() const { return kind == Kind::Medium; }
+    Point3 Position() const { return IsSurface() ? surface.point.p : p; }
+    Normal3 Normal() const { return IsSurface() ? surface.point.n : n; }
+    Vector3 Towards(const BdptVertex &to) const {
+        if (to.isBeyondScene) return -to.direction;
+        return isBeyondScene ? direction : Normalize(to.Position() - Position());
+    }
+    /// Converts a density by solid angle, from `from` towards this vertex, into one by area here.
+    Float AreaPdf(const BdptVertex &from, Float solidAnglePdf) const {
+        if (isBeyondScene) return solidAnglePdf;
+        const Vector3 d = Position() - from.Position();
+        const Float l2 = LengthSquared(d);
+        if (!(l2 > 0)) return 0;
+        const Normal3 normal = Normal();
+        return solidAnglePdf / l2 * (normal == Normal3(0) ? Float(1) : AbsDot(normal, d) / std::sqrt(l2));
+    }
+    /// Converts a density by area across parallel rays of this direction (unit) into one by area here.
+    Float AreaPdfOfParallel(Float pdf, const Vector3 &w) const {
+        const Normal3 normal = Normal();
+        return normal == Normal3(0) ? pdf : pdf * AbsDot(normal, w);
+    }
+
+    // For surface and medium vertices. `wo` and `wi` are unit and point away.
+
+    /// True if directions not sampled by scattering have nonzero scattering.
+    bool CanConnect() const { return IsInMedium() || IsNonSpecular(surface.bsdf.Flags()); }
+    /// BSDF or phase function between the direction of the previous vertex and `wi`.
+    SampledSpectrum F(const Vector3 &wi, TransportMode mode = TransportMode::Radiance) const {
+        return IsInMedium() ? SampledSpectrum(phase->P(direction, wi)) : surface.bsdf.F(surface.point.wo, wi, mode);
+    }
+    /// Cosine factor of F; 1 in media.
+    Float Cosine(const Vector3 &wi) const { return IsInMedium() ? 1 : AbsDot(wi, surface.point.shading.n); }
+    Float CosineOfLight(const Vector3 &wi) const {
+        return IsInMedium() ? 1 : AdjointCosine(surface.point, surface.point.wo, wi);
+    }
+    /// Density (solid angle) of scattering from `wo` towards `wi`.
+    Float ScatterPdf(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const {
+        return IsInMedium() ? phase->P(wo, wi) : surface.bsdf.Pdf(wo, wi, mode);
+    }
+    LightSampleContext Context() const {
+        return IsInMedium() ? LightSampleContext{p, {}, {}, {}, time} : LightContextAt(surface.point);
+    }
+    MediumId MediumTowards(const Vector3 &wi) const { return IsInMedium() ? medium : surface.point.MediumTowards(wi); }
+    /// Light sampler query, with outgoing direction `wo`, at this depth from the camera.
+    LightQuery Query(const Vector3 &wo, const SampledWavelengths &lambda, int depth) const {
+        if (IsInMedium()) return LightQueryInMedium(p, wo, medium, *phase, time, lambda, depth);
+        LightQuery query = LightQueryAt(surface, lambda, depth);
+        query.wo = wo;
+        return query;
+    }
+};
 
 /// MIS weights of bidirectional paths.
 ///

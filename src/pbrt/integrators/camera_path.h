@@ -2,7 +2,7 @@
 #include "pbrt/integrators/pixel_integrator.h"
 #include "pbrt/transport/direct_light.h"
 #include "pbrt/transport/medium_track.h"
-#include "pbrt/transport/subsurface_exit.h"
+#include "pbrt/transport/path_walk.h"
 #include "pbrt/transport/vertex.h"
 
 namespace pbrt {

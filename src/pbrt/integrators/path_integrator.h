@@ -21,8 +21,14 @@ class PathIntegrator final : public PixelIntegrator {
     SampledSpectrum FollowBsdf(const CameraPathStart &start, SampledWavelengths &lambda, Sampler &sampler) const;
     void Prepare(PrepareContext &prepare) override;
     OnlineModel *Model() override { return models_.IsEmpty() ? nullptr : &models_; }
-    void SaveLearned(StateWriter &writer) const override;
-    void SaveForOthers(StateWriter &writer) const override;
+    void SaveLearned(StateWriter &writer) const override {
+        lights_->SaveLearned(writer, true);
+        if (directions_) directions_->Save(writer);
+    }
+    void SaveForOthers(StateWriter &writer) const override {
+        lights_->SaveLearned(writer, false);
+        if (directions_) directions_->SaveForOthers(writer);
+    }
     const LightSampler *Lights() const override { return lights_.get(); }
     const DirectionSampling *Directions() const override { return directions_.get(); }
 

@@ -1,7 +1,9 @@
 #pragma once
+#include <bit>
 #include <functional>
 #include <vector>
 
+#include "pbrt/math/rng.h"
 #include "pbrt/spectra/spectrum.h"
 
 namespace pbrt {
@@ -21,7 +23,7 @@ struct Photon {
         if (!isOneColour || pathIsOneColour) return power;
         // The density of the first wavelength was divided by their number; here it was not.
         SampledSpectrum first(0);
-        first[0] = power[0] * static_cast<Float>(SpectrumSamples);
+        first[0] = power[0] * Float(SpectrumSamples);
         return first;
     }
 };
@@ -30,7 +32,25 @@ struct Photon {
 class PhotonMap {
   public:
     /// Takes groups of photons, numbered group after group. Queries use this radius.
-    void Build(std::vector<std::vector<Photon>> &groups, Float radius);
+    void Build(std::vector<std::vector<Photon>> &groups, Float radius) {
+        Clear();
+        size_t count = 0;
+        for (const std::vector<Photon> &group : groups) count += group.size();
+        radius_ = radius;
+        perWidth_ = 1 / (2 * double(radius));
+        if (count == 0) return;
+        begins_.assign(std::bit_ceil(count) + 1, 0);
+        // Stable counting sort.
+        for (const std::vector<Photon> &group : groups)
+            for (const Photon &photon : group) ++begins_[BucketOf(CellOf(photon.p)) + 1];
+        for (size_t i = 1; i < begins_.size(); ++i) begins_[i] += begins_[i - 1];
+        photons_.resize(count);
+        std::vector<uint32_t> next(begins_.begin(), begins_.end() - 1);
+        for (std::vector<Photon> &group : groups) {
+            for (const Photon &photon : group) photons_[next[BucketOf(CellOf(photon.p))]++] = photon;
+            group = {};
+        }
+    }
     void Clear() { *this = {}; }
 
     Float Radius() const { return radius_; }
@@ -46,11 +66,11 @@ class PhotonMap {
     };
     /// Cells are as wide as the query sphere, which overlaps at most eight of them.
     Cell CellOf(double x, double y, double z) const {
-        return {static_cast<int64_t>(std::floor(x * perWidth_)), static_cast<int64_t>(std::floor(y * perWidth_)),
-                static_cast<int64_t>(std::floor(z * perWidth_))};
+        return {int64_t(std::floor(x * perWidth_)), int64_t(std::floor(y * perWidth_)),
+                int64_t(std::floor(z * perWidth_))};
     }
     Cell CellOf(const Point3 &p) const { return CellOf(double(p.x), double(p.y), double(p.z)); }
-    size_t BucketOf(const Cell &cell) const;
+    size_t BucketOf(const Cell &cell) const { return Hash(cell.x, cell.y, cell.z) & (begins_.size() - 2); }
 
     std::vector<Photon> photons_;   ///< sorted by bucket, then by number
     std::vector<uint32_t> begins_;  ///< of each bucket; one more entry at the end; empty without photons

@@ -2,9 +2,77 @@
 
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/progress.h"
+#include "pbrt/core/work_distributor.h"
 #include "pbrt/integrators/integrator.h"
 
 namespace pbrt {
+
+namespace {
+
+/// Gathers the progress of all processes on rank 0. `whole`: number of chunks this process finished. `before`:
+/// RenderPass::done at the start. Returns, everywhere, whether all chunks are complete; if not, cancels `progress`
+/// everywhere.
+bool ReducePass(const RenderPass &pass, int64_t chunks, int64_t whole, int64_t unreported,
+                const std::vector<uint32_t> &before) {
+    struct Sums {
+        int64_t whole, unreported;
+    } sums{whole, unreported};
+    pass.team.Reduce([&](StateWriter &out) { out.Value(sums); },
+                     [&](StateReader &in) {
+                         const auto theirs = in.Value<Sums>();
+                         sums.whole += theirs.whole;
+                         sums.unreported += theirs.unreported;
+                     });
+    if (pass.isCounted && pass.team.IsRank0()) pass.progress.Advance(sums.unreported);
+    if (pass.team.BroadcastValue(sums.whole == chunks)) return true;
+    // A process cancelled after its last request could not report it.
+    pass.progress.Cancel();
+    if (!pass.done) return false;
+    struct Done {
+        uint32_t chunk, samples;
+    };
+    std::vector<Done> changed;
+    for (size_t i = 0; i < before.size(); ++i)
+        if ((*pass.done)[i] != before[i]) changed.push_back({uint32_t(i), (*pass.done)[i]});
+    pass.team.Reduce([&](StateWriter &out) { out.Vector(changed); },
+                     [&](StateReader &in) {
+                         std::vector<Done> also;
+                         in.Vector(&also);
+                         changed.insert(changed.end(), also.begin(), also.end());
+                     });
+    for (const Done &d : changed) (*pass.done)[d.chunk] = d.samples;
+    return false;
+}
+
+}  // namespace
+
+bool RenderChunks(const RenderPass &pass, const PassChunks &chunks) {
+    if (pass.done && pass.done->empty()) pass.done->assign(size_t(chunks.count), 0);
+    const auto doneBefore = [&](int64_t i) { return pass.done ? (*pass.done)[i] : 0; };
+    for (int64_t i = 0; pass.done && i < chunks.count; ++i)
+        if (pass.done->size() != size_t(chunks.count) || doneBefore(i) > chunks.samplesOf(i))
+            throw UserError(fmt::format("{}: what is left of a pass does not fit the picture.", pass.doneFile));
+    if (chunks.splat) pass.film.ExpectSplats();
+    std::atomic<int64_t> whole = 0;
+    std::atomic<uint64_t> paths = 0;
+    // Returns the samples added to a chunk that is now complete.
+    const auto render = [&](int64_t i) {
+        const uint32_t before = doneBefore(i);
+        const uint32_t done = chunks.render(i, before);
+        if (pass.done) (*pass.done)[i] = done;
+        paths.fetch_add(done - before, std::memory_order_relaxed);
+        if (done < chunks.samplesOf(i)) return int64_t{0};
+        whole.fetch_add(1, std::memory_order_relaxed);
+        return int64_t{done} - int64_t{before};
+    };
+    const std::vector<uint32_t> before = pass.done ? *pass.done : std::vector<uint32_t>();
+    const int64_t unreported = DistributeWork(pass.team, chunks.count, pass.progress, [&](int64_t i) {
+        const int64_t added = render(i);
+        return pass.isCounted ? added : 0;
+    });
+    if (chunks.splat && pass.keepsSamples) pass.film.AddSplatPaths(paths);
+    return ReducePass(pass, chunks.count, whole, unreported, before);
+}
 
 namespace {
 
@@ -17,9 +85,8 @@ class PassRenderer {
     PassRenderer(const PixelIntegrator &integrator, const RenderPass &pass, std::optional<Float> uWavelengths)
         : integrator_(integrator), pass_(pass), uWavelengths_(uWavelengths),
           wantsVisible_(pass.film.WantsVisibleSurface()),
-          differentialScale_(pass.jittersPixels
-                                 ? std::max(Float(0.125), 1 / std::sqrt(static_cast<Float>(pass.samplesPerPixel)))
-                                 : Float(1)) {}
+          differentialScale_(pass.jittersPixels ? std::max(Float(0.125), 1 / std::sqrt(Float(pass.samplesPerPixel)))
+                                                : Float(1)) {}
 
     /// Consecutive pixels of a tile in row order.
     struct Strip {
@@ -29,18 +96,18 @@ class PassRenderer {
     /// Traces the samples of a strip, pixel by pixel, starting at number `done`. Returns the number done:
     /// SamplesOf(strip), unless cancelled.
     uint32_t RenderStrip(const Strip &strip, uint32_t done, Sampler &sampler) const {
-        const uint32_t all = SamplesOf(strip), count = static_cast<uint32_t>(pass_.count);
-        const auto width = static_cast<uint32_t>(strip.tile.Width());
+        const uint32_t all = SamplesOf(strip), count = uint32_t(pass_.count);
+        const auto width = uint32_t(strip.tile.Width());
         for (; done < all; ++done) {
             // Tested per sample, because a single one may take a tenth of a second.
             if (pass_.progress.Cancelled()) break;
             const uint32_t pixel = strip.firstPixel + done / count;
-            TraceSample(strip.tile.low + Vector2i(pixel % width, pixel / width),
-                        pass_.first + static_cast<int>(done % count), sampler);
+            TraceSample(strip.tile.low + Vector2i(pixel % width, pixel / width), pass_.first + int(done % count),
+                        sampler);
         }
         return done;
     }
-    uint32_t SamplesOf(const Strip &strip) const { return strip.pixels * static_cast<uint32_t>(pass_.count); }
+    uint32_t SamplesOf(const Strip &strip) const { return strip.pixels * uint32_t(pass_.count); }
 
   private:
     void TraceSample(Point2i pixel, int index, Sampler &sampler) const {
@@ -77,10 +144,6 @@ class PassRenderer {
     const Float differentialScale_;
 };
 
-}  // namespace
-
-namespace {
-
 /// Chunks of a pass: its tiles, or several strips per tile.
 class PassStrips {
   public:
@@ -90,7 +153,7 @@ class PassStrips {
         const int64_t count = bounds_.IsEmpty() ? 0 : int64_t{tiles.x} * tiles.y;
         // A resumed pass keeps its strips; RenderChunks validates their number.
         if (pass.done && !pass.done->empty()) {
-            perTile_ = static_cast<int64_t>(pass.done->size()) / std::max(count, int64_t{1});
+            perTile_ = int64_t(pass.done->size()) / std::max(count, int64_t{1});
         } else if (pass.team.Size() > 1 && count > 0) {
             const int64_t wanted = kStripsPerThread * pass.team.TotalThreads();
             perTile_ = std::clamp((wanted + count - 1) / count, int64_t{1}, int64_t{kTileSize} * kTileSize);
@@ -100,12 +163,12 @@ class PassStrips {
     int64_t Count() const { return count_; }
     PassRenderer::Strip operator[](int64_t i) const {
         const int64_t tile = i / perTile_, strip = i % perTile_;
-        const Point2i at(static_cast<int>(tile % tilesPerRow_), static_cast<int>(tile / tilesPerRow_));
+        const Point2i at(int(tile % tilesPerRow_), int(tile / tilesPerRow_));
         const Point2i low = bounds_.low + kTileSize * at;
         PassRenderer::Strip p{{low, glm::min(low + kTileSize, bounds_.high)}};
         const int64_t pixels = p.tile.Area();
-        p.firstPixel = static_cast<uint32_t>(pixels * strip / perTile_);
-        p.pixels = static_cast<uint32_t>(pixels * (strip + 1) / perTile_) - p.firstPixel;
+        p.firstPixel = uint32_t(pixels * strip / perTile_);
+        p.pixels = uint32_t(pixels * (strip + 1) / perTile_) - p.firstPixel;
         return p;
     }
 

@@ -1,11 +1,79 @@
 #include "pbrt/integrators/render_loop.h"
 
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <limits>
+
 #include "pbrt/core/online_model.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/progress.h"
-#include "pbrt/integrators/reference_log.h"
+#include "pbrt/images/metrics.h"
 
 namespace pbrt {
+
+namespace {
+
+/// Logs one line "samples, mean squared error" per wave against a reference image.
+class ReferenceLog {
+  public:
+    /// Does nothing with empty names. Throws UserError if the reference does not cover the film or a file cannot be
+    /// opened.
+    ReferenceLog(const std::string &referenceImage, const std::string &outFile, const Film &film) {
+        if (referenceImage.empty()) return;
+        ImageFile file = ReadImage(referenceImage);
+        const Bounds2i &wanted = film.PixelBounds();
+        Bounds2i have = file.metadata.pixelBounds.value_or(Bounds2i{{0, 0}, file.image.Resolution()});
+        if (wanted.low.x < have.low.x || wanted.low.y < have.low.y || wanted.high.x > have.high.x ||
+            wanted.high.y > have.high.y)
+            throw UserError(
+                fmt::format("{}: the reference image covers x {}-{}, y {}-{}; the film needs x {}-{}, y {}-{}.",
+                            referenceImage, have.low.x, have.high.x, have.low.y, have.high.y, wanted.low.x,
+                            wanted.high.x, wanted.low.y, wanted.high.y));
+        reference_ = file.image.Select({"R", "G", "B"}).Crop({wanted.low - have.low, wanted.high - have.low});
+        name_ = outFile;
+        out_.reset(std::fopen(name_.c_str(), "w"));
+        if (!out_) throw UserError(fmt::format("{}: cannot be written: {}.", name_, std::strerror(errno)));
+    }
+
+    bool IsKept() const { return bool(reference_); }
+
+    std::optional<double> Log(int samples, const Film &film) {
+        if (!reference_) return {};
+        Image image = film.ToImage();
+        if (image.ChannelCount() > 3) image = image.Select({"R", "G", "B"});
+        double mse = ImageError(image, reference_, Metric::MSE);
+        // If the log cannot be written, the render continues without it.
+        if (out_ && (std::fprintf(out_.get(), "%d, %.9g\n", samples, mse) < 0 || std::fflush(out_.get()) != 0)) {
+            Fail();
+            out_.reset();
+        }
+        return mse;
+    }
+
+    /// Closes the file. Returns why it is incomplete; empty if complete.
+    const std::string &Finish() {
+        // Some file systems report failed writes only on close.
+        if (out_ && std::fclose(out_.release()) != 0) Fail();
+        return failure_;
+    }
+
+  private:
+    struct Close {
+        void operator()(std::FILE *f) const { std::fclose(f); }
+    };
+    void Fail() { failure_ = fmt::format("{}: cannot be written: {}.", name_, std::strerror(errno)); }
+
+    Image reference_;
+    std::string name_, failure_;
+    std::unique_ptr<std::FILE, Close> out_;
+};
+
+using Clock = std::chrono::steady_clock;
+
+}  // namespace
 
 WaveRenderer::WaveRenderer(const RenderContext &context, const RenderSettings &settings)
     : context_(context), model_(context.integrator.Model()), settings_(settings), samplers_(ThreadCount()) {}
@@ -140,8 +208,6 @@ void FollowWaves(const RenderContext &context, const RenderSettings &settings) {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 class WaveLoop {
   public:
     WaveLoop(const RenderContext &context, const RenderSettings &settings)
@@ -206,12 +272,12 @@ class WaveLoop {
         if (!(secondsPerSample_ > 0)) return size;
         if (IsTimed()) {
             const double left = settings_.timeBudget - SecondsSince(settings_.start);
-            const int fits = static_cast<int>(std::min(left / secondsPerSample_, 1e6) + 0.5);
+            const int fits = int(std::min(left / secondsPerSample_, 1e6) + 0.5);
             if (fits < 1) return 0;
             size = std::min(size, fits);
         }
         const auto limit = [&](double seconds) {
-            size = static_cast<int>(std::clamp(seconds / secondsPerSample_, 1.0, double(size)));
+            size = int(std::clamp(seconds / secondsPerSample_, 1.0, double(size)));
         };
         if (settings_.checkpoint) limit(settings_.checkpointInterval);
         if (settings_.maxWaveSeconds > 0) limit(settings_.maxWaveSeconds);
@@ -248,6 +314,57 @@ class WaveLoop {
 
 RenderResult RenderWaves(const RenderContext &context, const RenderSettings &settings) {
     return WaveLoop(context, settings).Run();
+}
+
+namespace {
+
+/// Cancels work at a deadline, through its progress.
+class Deadline : public ProgressSink {
+  public:
+    explicit Deadline(double seconds) : end_(Clock::now() + std::chrono::duration<double>(seconds)) {}
+    void Show(const std::string &, double fraction, double, double) override {
+        fraction_ = fraction;
+        if (Clock::now() > end_) progress.Cancel();
+    }
+    void PhaseDone(const std::string &, double) override {}
+    /// Of the phase, at cancellation.
+    double Fraction() const { return fraction_; }
+
+    Progress progress{this};
+
+  private:
+    const std::chrono::time_point<Clock, std::chrono::duration<double>> end_;
+    double fraction_ = 0;
+};
+
+}  // namespace
+
+int FittingSamples(double seconds, double secondsPerSample) {
+    const double fitting = std::clamp(seconds / std::max(secondsPerSample, 1e-9), 1.0, 1e6);
+    return int(std::lround(std::exp2(std::round(4 * std::log2(fitting)) / 4)));
+}
+
+double MeasureSecondsPerSample(const RenderContext &context, RenderSettings settings, double seconds) {
+    Deadline deadline(seconds / 20);
+    settings.timeBudget = 0;                                                  // progress by samples
+    settings.samplesPerPixel = std::max(settings.samplesPerPixel, kMaxWave);  // no wave ends at a batch boundary
+    WaveRenderer renderer(
+        {context.integrator, context.camera, context.filter, context.film, context.sampler, deadline.progress},
+        settings);
+    const Clock::time_point start = Clock::now();
+    const auto since = [](Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); };
+    double fastest = std::numeric_limits<double>::infinity();  // the others were disturbed, or warmed up
+    for (int wave = 0;; ++wave) {
+        const int size = std::min(std::max(1, 1 << std::min(wave, 30) >> 1), kMaxWave);
+        deadline.progress.BeginPhase("measuring", size * context.film.PixelBounds().Area());
+        const Clock::time_point waveStart = Clock::now();
+        const int taken = renderer.Render(size);
+        const double spent = since(waveStart);
+        deadline.progress.EndPhase();
+        if (taken > 0) fastest = std::min(fastest, spent / taken);
+        if (taken == 0 && std::isinf(fastest)) return spent / (size * std::max(deadline.Fraction(), 1e-3));
+        if (taken == 0 || (wave > 0 && since(start) > seconds / 50)) return fastest;
+    }
 }
 
 }  // namespace pbrt

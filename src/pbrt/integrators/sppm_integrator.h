@@ -1,8 +1,17 @@
 #pragma once
 #include <memory>
 
+#include "pbrt/core/counters.h"
+#include "pbrt/core/memory.h"
+#include "pbrt/core/parallel.h"
+#include "pbrt/core/progress.h"
 #include "pbrt/integrators/camera_path.h"
 #include "pbrt/integrators/photon_map.h"
+#include "pbrt/lightsamplers/simple_light_samplers.h"
+#include "pbrt/math/rng.h"
+#include "pbrt/math/sobol.h"
+#include "pbrt/math/warps.h"
+#include "pbrt/transport/vertex.h"
 
 namespace pbrt {
 
@@ -22,33 +31,157 @@ struct SppmSettings {
 class SppmIntegrator final : public PixelIntegrator {
   public:
     SppmIntegrator(const PathContext &context, const SppmSettings &settings, std::unique_ptr<LightSampler> lights,
-                   std::unique_ptr<LightSampler> shooting = nullptr);
+                   std::unique_ptr<LightSampler> shooting = nullptr)
+        : context_(context), settings_(settings), lights_(std::move(lights)),
+          shooting_(ByPowerUnless(std::move(shooting), context.scene.Lights())) {
+        path_.maxDepth = settings.maxDepth;
+        path_.sampledLightOnly = settings.sampledLightOnly;
+    }
     void Prepare(PrepareContext &prepare) override {
         lights_->Prepare(prepare);
         shooting_->Prepare(prepare);
     }
     /// One iteration (MaxPassSamples).
-    bool Render(const RenderPass &pass) override;
+    bool Render(const RenderPass &pass) override {
+        // All randomness of an iteration derives from the samplers, so it depends on their seed.
+        Sampler &sampler = *pass.samplers[0];
+        sampler.StartPixelSample({0, 0}, 0);
+        const Float u[] = {sampler.Get1D(), sampler.Get1D(), sampler.Get1D(), sampler.Get1D()};
+        seed_ = Hash(u[0], u[1], u[2], u[3], settings_.seed);
+        // All pixels share the error of few wavelength sets; even spacing minimizes it.
+        uWavelengths_ = RadicalInverse(2, uint64_t(pass.first)) + HashToFloat(seed_);
+        uWavelengths_ -= std::floor(uWavelengths_);
+        const SampledWavelengths lambda =
+            pass.film.SampleWavelengths(pass.jittersWavelengths ? uWavelengths_ : Float(0.5));
+
+        const Float radius = settings_.radius * RelativeRadius(pass.batchFirst + pass.first);
+        const int64_t paths =
+            settings_.photonsPerIteration > 0 ? settings_.photonsPerIteration : pass.film.PixelBounds().Area();
+        RequireMemory(double(paths) * sizeof(Photon), fmt::format("Integrator \"sppm\": a map of {} photons", paths),
+                      {});
+        perArea_ = 1 / (Pi * radius * radius * Float(paths));
+        const int64_t groupCount = settings_.maxDepth < 2 ? 0 : (paths + kGroup - 1) / kGroup;
+        std::vector<std::vector<Photon>> groups(groupCount);
+        ParallelForEach(groupCount, [&](int64_t group) {
+            if (pass.progress.Cancelled()) return;
+            const int64_t end = std::min(paths, (group + 1) * kGroup);
+            for (int64_t i = group * kGroup; i < end; ++i)
+                TraceLightPath(lambda, uint64_t(pass.first * paths + i), groups[group]);
+        });
+        map_.Build(groups, radius);
+        const bool isWhole = PixelIntegrator::Render(pass);
+        map_.Clear();
+        return isWhole;
+    }
     int MaxPassSamples() const override { return 1; }
-    SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
+    SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override {
+        const CameraPathSetup setup{context_, path_, *lights_, lights_->Observer()};
+        BsdfDirections bsdf;
+        return CameraPath<SurfaceThroughput, BsdfDirections, PhotonGathering>(setup, start, lambda, sampler, bsdf,
+                                                                              PhotonGathering(*this))
+            .Follow();
+    }
     OnlineModel *Model() override { return lights_->Model(); }
     const LightSampler *Lights() const override { return lights_.get(); }
     const LightSampler *EmissionSampler() const override { return shooting_.get(); }
 
     /// Radius of an iteration (from 0) relative to the first. Its square shrinks by (i + 2/3)/(i + 1) per step, as
     /// stock's does for a constant number of photons per area and iteration.
-    static Float RelativeRadius(int iteration);
+    static Float RelativeRadius(int iteration) {
+        const double i = iteration;
+        return Float(std::exp(0.5 * (std::lgamma(i + kKept) - std::lgamma(i + 1) - std::lgamma(kKept))));
+    }
 
   protected:
     /// Photons and camera paths of an iteration share wavelengths.
     std::optional<Float> CommonWavelengths() const override { return uWavelengths_; }
 
   private:
-    void TraceLightPath(const SampledWavelengths &lambda, uint64_t index, std::vector<Photon> &photons) const;
-    SampledSpectrum IndirectFromPhotons(const PathVertex &vertex, const SampledWavelengths &lambda,
-                                        int scatterings) const;
+    /// Fraction of photons kept as the radius shrinks (Hachisuka and Jensen 2009, alpha).
+    static constexpr double kKept = 2.0 / 3;
+    /// Light paths per task.
+    static constexpr int64_t kGroup = 4096;
 
-    class PhotonGathering;
+    /// Coordinate of a light path: a scrambled Sobol' sequence over all light paths of a batch of iterations.
+    static Float SobolNumber(int dimension, uint64_t index, uint64_t seed) {
+        const uint32_t v = SobolBits(SobolMatrices() + dimension * SobolIndexBits, index);
+        return SobolToFloat(OwenScramble(v, Hash(seed, dimension)));
+    }
+
+    void TraceLightPath(const SampledWavelengths &shared, uint64_t index, std::vector<Photon> &photons) const {
+        const Scene &scene = context_.scene;
+        SampledWavelengths lambda = shared;
+        const auto number = [&](int dimension) { return SobolNumber(dimension, index, seed_); };
+        Rng rng(Hash(seed_, index));
+        LightQuery anywhere;
+        anywhere.time = glm::mix(context_.camera.ShutterOpen(), context_.camera.ShutterClose(), rng.Uniform());
+        const std::optional<SampledLight> chosen = shooting_->Sample(anywhere, number(0));
+        if (!chosen || !(chosen->pmf > 0)) return;
+        const LightComponent light = scene.Lights()[chosen->light];
+        const std::optional<LightLeSample> left =
+            light.SampleLe({number(1), number(2)}, {number(3), number(4)}, lambda);
+        if (!left) return;
+        SampledSpectrum beta = left->L / (chosen->pmf * left->pdfPosition * left->pdfDirection);
+        if (left->n != Normal3(0)) beta *= AbsDot(left->n, left->ray.d);
+        Ray ray = left->ray;
+        ray.time = anywhere.time;
+        ray.medium = scene.MediumOfLight(chosen->light, left->n, left->ray.d);
+        PathWalk walk(context_, ray);
+        for (int scatterings = 0; beta && walk.Next() == PathWalk::Met::Surface;) {
+            if (!walk.FindScattering(lambda)) continue;
+            const auto &[point, bsdf] = walk.Vertex();
+            // Light at its first surface is covered by the camera paths' direct lighting.
+            const Float cosine = AbsDot(point.wo, point.n);
+            if (scatterings > 0 && cosine > 0) {
+                const Float ratio = AbsDot(point.wo, point.shading.n) / cosine;
+                photons.push_back({point.p, point.wo, beta * ratio, scatterings, lambda.SecondaryTerminated()});
+            }
+            if (++scatterings == settings_.maxDepth) break;
+            const Float uComponent = rng.Uniform();
+            const std::optional<BsdfSample> sample =
+                bsdf.Sample(point.wo, uComponent, rng.Uniform2(), TransportMode::Importance);
+            if (!sample) break;
+            SampledSpectrum next = beta * sample->f * (AdjointCosine(point, point.wo, sample->wi) / sample->pdf);
+            // Russian roulette that keeps the power of all photons about equal.
+            const Float continuation = next.MaxComponent() / beta.MaxComponent();
+            if (continuation < 1) {
+                if (rng.Uniform() >= continuation) break;
+                next /= continuation;
+            }
+            beta = next;
+            walk.Scatter(*sample);
+        }
+    }
+    SampledSpectrum IndirectFromPhotons(const PathVertex &vertex, const SampledWavelengths &lambda,
+                                        int scatterings) const {
+        const auto &[point, bsdf] = vertex;
+        const bool isOneColour = lambda.SecondaryTerminated();
+        SampledSpectrum sum(0);
+        map_.ForEachAround(point.p, [&](const Photon &photon) {
+            if (photon.scatterings + scatterings <= settings_.maxDepth)
+                sum += bsdf.F(point.wo, photon.wi) * photon.PowerFor(isOneColour);
+        });
+        return sum * perArea_;
+    }
+
+    /// Policy of camera paths: at surfaces with a diffuse lobe, photons provide all scattered light except the emission
+    /// hit by the next ray.
+    class PhotonGathering {
+      public:
+        explicit PhotonGathering(const SppmIntegrator &integrator) : integrator_(integrator) {}
+        bool IsLastRay() const { return isLastRay_; }
+        bool GathersAt(const PathVertex &vertex) const { return Has(vertex.bsdf.Flags(), BxdfFlags::Diffuse); }
+        SampledSpectrum At(const PathVertex &vertex, const SampledWavelengths &lambda, int depth) const {
+            return integrator_.IndirectFromPhotons(vertex, lambda, depth);
+        }
+        void Leave(const PathVertex &vertex, const BsdfSample &sample) {
+            if (!IsSpecular(sample.flags)) isLastRay_ = GathersAt(vertex);
+        }
+
+      private:
+        const SppmIntegrator &integrator_;
+        bool isLastRay_ = false;
+    };
 
     PathContext context_;
     SppmSettings settings_;

@@ -31,7 +31,7 @@ EnvironmentPortals::EnvironmentPortals(const EnvironmentLight &light, std::span<
     for (const Portal &portal : portals_) {
         const auto known =
             std::find_if(frames.begin(), frames.end(), [&](const Frame &f) { return AreEqual(f, portal.frame); });
-        mapOf_.push_back(static_cast<uint32_t>(known - frames.begin()));
+        mapOf_.push_back(uint32_t(known - frames.begin()));
         if (known != frames.end()) continue;
         frames.push_back(portal.frame);
         maps_.emplace_back(light, portal.frame);

@@ -98,42 +98,24 @@ class Light {
     virtual LightLePdf PdfLe(const Point3 &p, const Normal3 &n, const Vector3 &w, uint32_t component = 0) const = 0;
 
     /// Area lights: radiance leaving p in direction w (unit). Others: 0.
-    virtual SampledSpectrum L(const Point3 &p, const Normal3 &n, const Point2 &uv, const Vector3 &w,
-                              const SampledWavelengths &lambda, uint32_t component = 0) const {
-        (void)p;
-        (void)n;
-        (void)uv;
-        (void)w;
-        (void)lambda;
-        (void)component;
+    virtual SampledSpectrum L(const Point3 & /*p*/, const Normal3 & /*n*/, const Point2 & /*uv*/, const Vector3 & /*w*/,
+                              const SampledWavelengths &, uint32_t /*component*/ = 0) const {
         return SampledSpectrum(0);
     }
     /// Infinite lights: radiance along a ray that leaves the scene from o in direction d. Others: 0.
-    virtual SampledSpectrum Le(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda) const {
-        (void)o;
-        (void)d;
-        (void)lambda;
+    virtual SampledSpectrum Le(const Point3 & /*o*/, const Vector3 & /*d*/, const SampledWavelengths &) const {
         return SampledSpectrum(0);
     }
 
     /// Bounds for spatial light samplers, by the maximum of the spectrum; empty for infinite lights and lights without
     /// power.
-    virtual std::optional<LightBounds> Bounds(uint32_t component = 0) const {
-        (void)component;
-        return {};
-    }
+    virtual std::optional<LightBounds> Bounds(uint32_t /*component*/ = 0) const { return {}; }
     /// Emitting surface of a component; without shape if there is none.
-    virtual ShapePrimitive Surface(uint32_t component = 0) const {
-        (void)component;
-        return {};
-    }
+    virtual ShapePrimitive Surface(uint32_t /*component*/ = 0) const { return {}; }
     virtual const EnvironmentLight *AsEnvironment() const { return nullptr; }
 
     /// Sets the scene's bounding sphere. Called once, before use.
-    virtual void Preprocess(const Point3 &sceneCenter, Float sceneRadius) {
-        (void)sceneCenter;
-        (void)sceneRadius;
-    }
+    virtual void Preprocess(const Point3 & /*sceneCenter*/, Float /*sceneRadius*/) {}
 
   private:
     LightKind kind_;
@@ -176,9 +158,6 @@ class LightComponent {
     SampledSpectrum L(const Point3 &p, const Normal3 &n, const Point2 &uv, const Vector3 &w,
                       const SampledWavelengths &lambda) const {
         return light_->L(p, n, uv, w, lambda, component_);
-    }
-    SampledSpectrum Le(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda) const {
-        return light_->Le(o, d, lambda);
     }
     std::optional<LightBounds> Bounds() const { return light_->Bounds(component_); }
     ShapePrimitive Surface() const { return light_->Surface(component_); }

@@ -30,8 +30,7 @@ struct LightBounds {
     LightSphere Sphere() const {
         // Positive powers stay positive, and sums of a few stay finite.
         const double inRange = phi > 0 ? std::clamp(phi, 1e-36, 1e36) : 0;
-        return {Centroid(), Length(bounds.Diagonal()) / 2, w, static_cast<Float>(inRange), cosTheta_o, cosTheta_e,
-                twoSided};
+        return {Centroid(), Length(bounds.Diagonal()) / 2, w, Float(inRange), cosTheta_o, cosTheta_e, twoSided};
     }
     /// Upper-bound-like contribution estimate at p; n may be zero (medium). The receiver cosine is |cos| (transmissive
     /// surfaces may face away), as in stock pbrt-v4. Not inlined: bit-identical for equal arguments.

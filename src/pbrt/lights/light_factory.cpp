@@ -6,15 +6,10 @@
 
 #include "pbrt/core/params.h"
 #include "pbrt/lights/diffuse_area_light.h"
-#include "pbrt/lights/distant_light.h"
-#include "pbrt/lights/goniometric_light.h"
 #include "pbrt/lights/infinite_light.h"
 #include "pbrt/lights/light_image.h"
-#include "pbrt/lights/light_spectrum.h"
-#include "pbrt/lights/point_light.h"
+#include "pbrt/lights/point_lights.h"
 #include "pbrt/lights/portal_light.h"
-#include "pbrt/lights/projection_light.h"
-#include "pbrt/lights/spot_light.h"
 #include "pbrt/math/warps.h"
 #include "pbrt/shapes/extent.h"
 #include "pbrt/spectra/spectrum_params.h"
@@ -229,9 +224,9 @@ Float MeasureIlluminance(const LightImage &light, const Rgb &weights) {
     for (int y = 0; y < n.y; ++y)
         for (int x = 0; x < n.x; ++x) {
             Float cosTheta = EqualAreaSquareToSphere(PixelCenter(x, y, n)).z;
-            if (cosTheta > 0) sum += static_cast<double>(glm::dot(LightPixel(light.image, {x, y}), weights) * cosTheta);
+            if (cosTheta > 0) sum += double(glm::dot(LightPixel(light.image, {x, y}), weights) * cosTheta);
         }
-    return static_cast<Float>(sum * 2 * std::numbers::pi / (static_cast<double>(n.x) * static_cast<double>(n.y)));
+    return Float(sum * 2 * std::numbers::pi / (double(n.x) * double(n.y)));
 }
 
 /// Stock pbrt-v4's RGB weights for illuminance. Behind a portal, stock takes the channels in file order, which is B, G,
@@ -368,7 +363,9 @@ AreaLightMaker MakeDiffuseArea(const DiffuseAreaParams &p, const ParamSet &set, 
         emission->colorSpace = light.colorSpace;
     }
     emission->Summarise();
-    return AreaLightMaker(std::move(emission));
+    return [emission](std::span<const Shape *const> shapes, const FloatTexture *alpha) {
+        return std::make_unique<DiffuseAreaLight>(emission, shapes, alpha);
+    };
 }
 
 /// Registers a directional light, for which a singular transformation is an error.
@@ -404,10 +401,6 @@ const AreaLightFactories &AreaLights() {
         return t;
     }();
     return table;
-}
-
-std::unique_ptr<Light> AreaLightMaker::Make(std::span<const Shape *const> shapes, const FloatTexture *alpha) const {
-    return std::make_unique<DiffuseAreaLight>(emission_, shapes, alpha);
 }
 
 }  // namespace pbrt

@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <memory>
 #include <span>
 
@@ -21,19 +22,11 @@ struct LightContext {
 using LightFactories = FactoryTable<std::unique_ptr<Light>, const LightContext>;
 const LightFactories &Lights();
 
-struct AreaEmission;
-
-/// A parsed AreaLightSource directive: makes one light per Shape directive.
-class AreaLightMaker {
-  public:
-    explicit AreaLightMaker(std::shared_ptr<const AreaEmission> emission) : emission_(std::move(emission)) {}
-    /// `alpha` may be null; a constant alpha of 0 makes a light that only light sampling reaches. The shapes, whose
-    /// primitives are its components, must outlive the light.
-    std::unique_ptr<Light> Make(std::span<const Shape *const> shapes, const FloatTexture *alpha) const;
-
-  private:
-    std::shared_ptr<const AreaEmission> emission_;
-};
+/// A parsed AreaLightSource directive: makes one light per Shape directive. `alpha` may be null; a constant alpha of 0
+/// makes a light that only light sampling reaches. The shapes, whose primitives are its components, must outlive the
+/// light.
+using AreaLightMaker =
+    std::function<std::unique_ptr<Light>(std::span<const Shape *const> shapes, const FloatTexture *alpha)>;
 
 /// Factories of AreaLightSource directives. They ignore the context's transformations.
 using AreaLightFactories = FactoryTable<AreaLightMaker, const LightContext>;

@@ -1,7 +1,12 @@
 #include "pbrt/lights/light_image.h"
 
+#include <mutex>
+#include <ranges>
+#include <unordered_map>
+
 #include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/math/rng.h"
 
 namespace pbrt {
 
@@ -53,23 +58,42 @@ LightImage ReadIntensityImage(const std::string &path) {
     });
 }
 
+std::shared_ptr<const DenseSpectrum> InternSpectrum(const Spectrum &s) {
+    static std::mutex mutex;
+    static std::unordered_map<uint64_t, std::weak_ptr<const DenseSpectrum>> known;
+
+    auto dense = std::make_shared<const DenseSpectrum>(s);
+    uint64_t hash = 0;
+    const auto nanometres = std::views::iota(int(LambdaMin), int(LambdaMax) + 1);
+    for (const int nm : nanometres) hash = Hash(hash, (*dense)(Float(nm)));
+
+    std::lock_guard lock(mutex);
+    std::weak_ptr<const DenseSpectrum> &slot = known[hash];
+    if (std::shared_ptr<const DenseSpectrum> old = slot.lock()) {
+        const auto isEqualAt = [&](int nm) { return (*old)(Float(nm)) == (*dense)(Float(nm)); };
+        return std::ranges::all_of(nanometres, isEqualAt) ? old : dense;
+    }
+    slot = dense;
+    return dense;
+}
+
 SampledSpectrum AverageIlluminant(const Image &image, const ColorSpace &colorSpace, const SampledWavelengths &lambda,
                                   const std::function<Float(int, int)> &weight) {
     Point2i n = image.Resolution();
-    std::vector<SampledSpectrum> rows(static_cast<size_t>(n.y));
+    std::vector<SampledSpectrum> rows(size_t(n.y));
     ParallelFor(n.y, 8, [&](int64_t begin, int64_t end) {
         for (int64_t y = begin; y < end; ++y) {
             SampledSpectrum sum;
             for (int x = 0; x < n.x; ++x) {
-                SampledSpectrum L = PixelIlluminant(image, {x, static_cast<int>(y)}, colorSpace, lambda);
-                sum += weight ? weight(x, static_cast<int>(y)) * L : L;
+                SampledSpectrum L = PixelIlluminant(image, {x, int(y)}, colorSpace, lambda);
+                sum += weight ? weight(x, int(y)) * L : L;
             }
-            rows[static_cast<size_t>(y)] = sum / static_cast<Float>(n.x);
+            rows[size_t(y)] = sum / Float(n.x);
         }
     });
     SampledSpectrum sum;
     for (const SampledSpectrum &row : rows) sum += row;
-    return sum / static_cast<Float>(n.y);
+    return sum / Float(n.y);
 }
 
 }  // namespace pbrt

@@ -12,15 +12,6 @@ constexpr double kMinShare = 1e-30;
 constexpr double kMaxPower = 1e100;
 }  // namespace
 
-LightId LightTable::Add(std::unique_ptr<Light> light) {
-    PBRT_CHECK(light && !byComponent_);
-    const LightId first(lightOf_.size());
-    if (light->Kind() == LightKind::Infinite) infinite_.push_back(first);
-    lightOf_.insert(lightOf_.end(), light->ComponentCount(), static_cast<uint32_t>(lights_.size()));
-    lights_.push_back({std::move(light), first.value});
-    return first;
-}
-
 void LightTable::Finish(const Point3 &sceneCenter, Float sceneRadius) {
     PBRT_CHECK(!byComponent_);
     for (const Entry &entry : lights_) entry.light->Preprocess(sceneCenter, sceneRadius);
@@ -34,13 +25,13 @@ void LightTable::Finish(const Point3 &sceneCenter, Float sceneRadius) {
         most = std::max(most, power[i]);
     }
     if (most > 0) {
-        const double radius = sceneRadius > 0 ? static_cast<double>(sceneRadius) : 1;
+        const double radius = sceneRadius > 0 ? double(sceneRadius) : 1;
         unit_ = std::exp2(
             std::round(std::log2(std::max(least, kMinShare * most)) / 2 + std::log2(most) / 2 - std::log2(radius)));
     }
     power_.resize(Size());
     for (uint32_t i = 0; i < Size(); ++i)
-        power_[i] = static_cast<Float>(power[i] > 0 ? std::max(power[i], kMinShare * most) / unit_ : 0);
+        power_[i] = Float(power[i] > 0 ? std::max(power[i], kMinShare * most) / unit_ : 0);
     for (LightId id : infinite_)
         if (const EnvironmentLight *light = (*this)[id].Parent().AsEnvironment(); light && !light->Opening())
             environments_.push_back(id);
@@ -48,14 +39,54 @@ void LightTable::Finish(const Point3 &sceneCenter, Float sceneRadius) {
     byLight_ = std::make_unique<LightGroups>(*this, true);
 }
 
-LightCandidate LightTable::Candidate(LightId id) const {
-    const LightComponent light = (*this)[id];
-    LightCandidate c;
-    c.power = power_[id.value];
-    c.infinite = light.Kind() == LightKind::Infinite || light.Kind() == LightKind::DeltaDirection;
-    c.bounds = light.Bounds();
-    if (c.bounds) c.bounds->phi /= unit_;
-    return c;
+LightGroups::LightGroups(const LightTable &lights, bool byLight) : lights_(lights), lightCount_(lights.Size()) {
+    if (!byLight || lights.LightCount() == lights.Size()) return;
+    const auto n = uint32_t(lights.Size());
+    share_.resize(n);
+    cdf_.resize(n);
+    std::vector<double> powers;  // of the group's components
+    for (uint32_t i = 0, end = 0; i < n; i = end) {
+        LightCandidate group;
+        double power = 0;
+        powers.clear();
+        for (end = i; end < n && lights.LightOf(LightId(end)) == lights.LightOf(LightId(i)); ++end) {
+            const LightCandidate component = lights.Candidate(LightId(end));
+            powers.push_back(double(component.power));
+            power += powers.back();
+            group.infinite = component.infinite;
+            if (component.bounds)
+                group.bounds = group.bounds ? Union(*group.bounds, *component.bounds) : *component.bounds;
+        }
+        group.power = Float(power);
+        double running = 0;
+        for (uint32_t k = i; k < end; ++k) {
+            const double share = power > 0 ? powers[k - i] / power : 1.0 / double(end - i);
+            running += share;
+            share_[k] = Float(share);
+            cdf_[k] = Float(running);
+        }
+        first_.push_back(i);
+        candidates_.push_back(group);
+    }
+    first_.push_back(n);
+}
+
+LightCandidate LightGroups::Candidate(uint32_t group) const {
+    return candidates_.empty() ? lights_.Candidate(LightId(group)) : candidates_[group];
+}
+
+uint32_t LightGroups::LightOf(LightId light) const { return lights_.LightOf(light); }
+
+LightId LightGroups::SampleWithin(uint32_t group, Float u) const {
+    const uint32_t begin = FirstOf(group), end = begin + CountOf(group);
+    if (end - begin == 1) return LightId(begin);
+    auto it = std::upper_bound(cdf_.begin() + begin, cdf_.begin() + end, u);
+    auto index = uint32_t(it - cdf_.begin());
+    if (index == end) {  // rounding left the last sum below 1: use the last light with a share
+        index = end - 1;
+        while (index > begin && share_[index] == 0) --index;
+    }
+    return LightId(index);
 }
 
 }  // namespace pbrt

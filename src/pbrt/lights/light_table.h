@@ -1,13 +1,84 @@
 #pragma once
+#include <algorithm>
 #include <memory>
 #include <span>
 #include <vector>
 
+#include "pbrt/core/error.h"
 #include "pbrt/core/ids.h"
 #include "pbrt/lights/light.h"
-#include "pbrt/lights/light_groups.h"
+#include "pbrt/lights/light_bounds.h"
+#include "pbrt/math/rng.h"
 
 namespace pbrt {
+
+class LightTable;
+
+/// A selectable unit of a light sampler: one or several light components.
+struct LightCandidate {
+    Float power = 0;                    ///< Phi at SampledWavelengths::WholeRange() over LightTable::Unit(), >= 0
+    std::optional<LightBounds> bounds;  ///< phi in the same unit; empty: infinite, or no power
+    bool infinite = false;
+};
+
+/// Partition of a scene's lights into groups for light samplers: each light with all its components, or each component.
+/// P(component | query) = P(group | query) * P(component | group). The second factor, the component's share of the
+/// group's power, is defined here for all samplers.
+class LightGroups {
+  public:
+    /// `byLight` false: every component is a group. The table must outlive the groups.
+    LightGroups(const LightTable &lights, bool byLight);
+
+    size_t Size() const { return first_.empty() ? LightCount() : first_.size() - 1; }
+    size_t LightCount() const { return lightCount_; }
+    const LightTable &Lights() const { return lights_; }
+    /// Power (sum) and bounds (union) of a group.
+    LightCandidate Candidate(uint32_t group) const;
+    std::vector<LightCandidate> Candidates() const {
+        std::vector<LightCandidate> all;
+        all.reserve(Size());
+        for (uint32_t g = 0; g < Size(); ++g) all.push_back(Candidate(g));
+        return all;
+    }
+    uint32_t GroupOf(LightId light) const { return first_.empty() ? light.value : LightOf(light); }
+    /// First component of a group and its component count; ids are consecutive.
+    uint32_t FirstOf(uint32_t group) const { return first_.empty() ? group : first_[group]; }
+    uint32_t CountOf(uint32_t group) const { return first_.empty() ? 1 : first_[group + 1] - first_[group]; }
+
+    /// P(light | its group). Discrete.
+    Float ShareOf(LightId light) const { return share_.empty() ? Float(1) : share_[light.value]; }
+    /// Selects a component with probability ShareOf; u in [0, 1).
+    LightId SampleLight(uint32_t group, Float u) const {
+        return first_.empty() ? LightId(group) : SampleWithin(group, u);
+    }
+    /// Uniform number for SampleLight from the number u that selected the group: independent of the group, and with
+    /// enough bits for any number of components.
+    static Float InnerNumber(Float u, const Point3 &p) { return HashFloat(u, p); }
+    /// The same for a group selected because u is in [begin, begin + share): u's relative position in the interval,
+    /// which preserves stratification within the group. Bits that u lacks come from a hash, for small shares all bits.
+    static Float InnerNumber(Float u, const Point3 &p, Float begin, Float share) {
+        constexpr Float kStep = 0x1p-24f, kSmall = 1e-3f;
+        if (share < kSmall) return InnerNumber(u, p);
+        return std::clamp((u - begin + kStep * HashFloat(u, p)) / share, Float(0), OneMinusEpsilon);
+    }
+
+    size_t Bytes() const {
+        return candidates_.capacity() * sizeof(LightCandidate) + first_.capacity() * sizeof(uint32_t) +
+               (share_.capacity() + cdf_.capacity()) * sizeof(Float);
+    }
+
+  private:
+    uint32_t LightOf(LightId light) const;
+    LightId SampleWithin(uint32_t group, Float u) const;
+
+    const LightTable &lights_;
+    size_t lightCount_;
+    // All four are empty if every component is a group.
+    std::vector<LightCandidate> candidates_;
+    std::vector<uint32_t> first_;  ///< per group, its first light; one more entry at the end
+    std::vector<Float> share_;     ///< per light; empty if all groups are single lights
+    std::vector<Float> cdf_;       ///< per light: inclusive running sum of shares in its group
+};
 
 /// All lights of a scene in file order. A LightId identifies one component; the components of a light have consecutive
 /// ids.
@@ -18,7 +89,14 @@ class LightTable {
     LightTable &operator=(const LightTable &) = delete;
 
     /// Appends a light and returns the id of its first component. Not after Finish.
-    LightId Add(std::unique_ptr<Light> light);
+    LightId Add(std::unique_ptr<Light> light) {
+        PBRT_CHECK(light && !byComponent_);
+        const LightId first(lightOf_.size());
+        if (light->Kind() == LightKind::Infinite) infinite_.push_back(first);
+        lightOf_.insert(lightOf_.end(), light->ComponentCount(), uint32_t(lights_.size()));
+        lights_.push_back({std::move(light), first.value});
+        return first;
+    }
     /// Sets every light's scene bounding sphere and builds the groups. Call once, after the last Add.
     void Finish(const Point3 &sceneCenter, Float sceneRadius);
 
@@ -45,9 +123,16 @@ class LightTable {
             if (SampledSpectrum Le = (*this)[first].Parent().Le(o, d, lambda)) visit(Le, first);
         }
     }
-    bool HasInfinite() const { return !infinite_.empty(); }
     /// Power and bounds of a component, for light samplers. Only after Finish.
-    LightCandidate Candidate(LightId id) const;
+    LightCandidate Candidate(LightId id) const {
+        const LightComponent light = (*this)[id];
+        LightCandidate c;
+        c.power = power_[id.value];
+        c.infinite = light.Kind() == LightKind::Infinite || light.Kind() == LightKind::DeltaDirection;
+        c.bounds = light.Bounds();
+        if (c.bounds) c.bounds->phi /= unit_;
+        return c;
+    }
     /// Unit of candidate powers (as Light::Phi): the geometric mean of minimum and maximum component power over the
     /// scene radius. So powers, and powers over squared distances, neither overflow nor underflow in single precision.
     /// A power of two: division by it is exact.

@@ -1,4 +1,4 @@
-#include "pbrt/lights/portal_map.h"
+#include "pbrt/lights/environment_portals.h"
 
 #include <algorithm>
 
@@ -31,7 +31,7 @@ PortalMap::PortalMap(const EnvironmentLight &light, const Frame &frame)
         Value value;
         for (int y = -beside; y < across + beside; ++y)
             for (int x = -beside; x < across + beside; ++x) {
-                const Point2 st = low + Point2(x, y) * (width / static_cast<Float>(across - 1));
+                const Point2 st = low + Point2(x, y) * (width / Float(across - 1));
                 const Vector2 slopes = ToSlopes(st);
                 const Float density = SolidAngleDensity(slopes);
                 if (!(density > 0) || !std::isfinite(density)) continue;  // at the map's border
@@ -40,22 +40,21 @@ PortalMap::PortalMap(const EnvironmentLight &light, const Frame &frame)
                 if (x >= 0 && y >= 0 && x < across && y < across) value.mean += here;
                 value.greatest = std::max(value.greatest, here);
             }
-        value.mean /= static_cast<Float>(across * across);
+        value.mean /= Float(across * across);
         return value;
     };
-    const auto n = static_cast<size_t>(n_);
-    const Float width = 1 / static_cast<Float>(n_);
+    const auto n = size_t(n_);
+    const Float width = 1 / Float(n_);
     const auto corner = [&](size_t i) { return Point2(i % n, i / n) * width; };
     // In the centre, map pixels are about half as wide as image pixels at equal resolution.
     const int across = 2 * ((light.Resolution() + n_ - 1) / n_) + 1;
     std::vector<Value> values(n * n);
     ParallelFor(n_, 8, [&](int64_t begin, int64_t end) {
-        for (size_t i = static_cast<size_t>(begin) * n; i < static_cast<size_t>(end) * n; ++i)
-            values[i] = look(corner(i), width, across, 0);
+        for (size_t i = size_t(begin) * n; i < size_t(end) * n; ++i) values[i] = look(corner(i), width, across, 0);
     });
 
     double sum = 0;
-    for (const Value &value : values) sum += static_cast<double>(value.mean);
+    for (const Value &value : values) sum += double(value.mean);
     std::vector<Float> weights(n * n);
     detailOf_.assign(n * n, 0);
     std::vector<size_t> divided;
@@ -66,23 +65,23 @@ PortalMap::PortalMap(const EnvironmentLight &light, const Frame &frame)
                 greatest = std::max(greatest, values[y * n + x].greatest);
         const Float mean = values[i].mean;
         weights[i] = std::max(mean, kBesidePixel * greatest);
-        if (greatest > kContrast * mean && static_cast<double>(weights[i]) > kMinShare * sum) {
+        if (greatest > kContrast * mean && double(weights[i]) > kMinShare * sum) {
             divided.push_back(i);
-            detailOf_[i] = static_cast<uint32_t>(divided.size());
+            detailOf_[i] = uint32_t(divided.size());
         }
     }
     details_.resize(divided.size());
-    ParallelFor(static_cast<int64_t>(divided.size()), 16, [&](int64_t begin, int64_t end) {
-        for (auto d = static_cast<size_t>(begin); d < static_cast<size_t>(end); ++d) {
+    ParallelFor(int64_t(divided.size()), 16, [&](int64_t begin, int64_t end) {
+        for (auto d = size_t(begin); d < size_t(end); ++d) {
             const Float part = width / kDetail;
             double total = 0;
             for (int k = 0; k < kDetail * kDetail; ++k) {
-                Float &value = details_[d][static_cast<size_t>(k)];
+                Float &value = details_[d][size_t(k)];
                 const Value seen = look(corner(divided[d]) + Point2(k % kDetail, k / kDetail) * part, part, 3, 1);
                 value = std::max(seen.mean, kBesidePart * seen.greatest);
-                total += static_cast<double>(value);
+                total += double(value);
             }
-            weights[divided[d]] = static_cast<Float>(total / (kDetail * kDetail));
+            weights[divided[d]] = Float(total / (kDetail * kDetail));
         }
     });
     pixels_ = WindowedPiecewiseConstant2D(weights, n_, n_);
@@ -91,7 +90,7 @@ PortalMap::PortalMap(const EnvironmentLight &light, const Frame &frame)
 Float PortalMap::Part::OfColumn(int x) const {
     Float sum = 0;
     for (int y = First(1); y <= Last(1); ++y)
-        sum += std::max(Overlap(y, 1), Float(0)) * (*detail)[static_cast<size_t>(y * kDetail + x)];
+        sum += std::max(Overlap(y, 1), Float(0)) * (*detail)[size_t(y * kDetail + x)];
     return sum * std::max(Overlap(x, 0), Float(0));
 }
 
@@ -102,9 +101,9 @@ Float PortalMap::Part::Sum() const {
 }
 
 std::optional<PortalMap::Part> PortalMap::PartAt(const Point2 &st, const Bounds2 &window, Point2 *pixel) const {
-    const auto n = static_cast<Float>(n_);
+    const auto n = Float(n_);
     const Point2i at = glm::clamp(Point2i(st * n), Point2i(0), Point2i(n_ - 1));
-    const uint32_t detail = detailOf_[static_cast<size_t>(at.y) * static_cast<size_t>(n_) + static_cast<size_t>(at.x)];
+    const uint32_t detail = detailOf_[size_t(at.y) * size_t(n_) + size_t(at.x)];
     if (detail == 0) return {};
     *pixel = Point2(at);
     const auto inParts = [&](const Point2 &p) {
@@ -123,7 +122,7 @@ std::optional<PortalMap::Sample> PortalMap::Draw(const Point2 &u, const Bounds2 
     if (!part) return s;
     // The position within the pixel is uniform and selects the subpixel.
     const Vector2 extent = part->window.high - part->window.low;
-    const Point2 in = (*st * static_cast<Float>(n_) - pixel) * Float(kDetail);
+    const Point2 in = (*st * Float(n_) - pixel) * Float(kDetail);
     const Point2 v = glm::clamp((in - part->window.low) / extent, Point2(0), Point2(OneMinusEpsilon));
     const auto choose = [&](Float target, int axis, auto &&weightOf, Float *place) {
         int chosen = -1;
@@ -136,8 +135,7 @@ std::optional<PortalMap::Sample> PortalMap::Draw(const Point2 &u, const Bounds2 
             before += weight;
             if (target < before) break;
         }
-        if (chosen >= 0)
-            *place = std::max(part->window.low[axis], static_cast<Float>(chosen)) + rest * part->Overlap(chosen, axis);
+        if (chosen >= 0) *place = std::max(part->window.low[axis], Float(chosen)) + rest * part->Overlap(chosen, axis);
         return chosen;
     };
     const Float sum = part->Sum();
@@ -145,13 +143,11 @@ std::optional<PortalMap::Sample> PortalMap::Draw(const Point2 &u, const Bounds2 
     const int x = choose(
         v.x * sum, 0, [&](int i) { return part->OfColumn(i); }, &at.x);
     if (x < 0) return {};
-    const auto inColumn = [&](int y) {
-        return part->Overlap(y, 1) * (*part->detail)[static_cast<size_t>(y * kDetail + x)];
-    };
+    const auto inColumn = [&](int y) { return part->Overlap(y, 1) * (*part->detail)[size_t(y * kDetail + x)]; };
     const int y = choose(v.y * part->OfColumn(x) / part->Overlap(x, 0), 1, inColumn, &at.y);
     if (y < 0) return {};
-    s.pdf *= extent.x * extent.y * (*part->detail)[static_cast<size_t>(y * kDetail + x)] / sum;
-    s.st = glm::clamp((pixel + at / Float(kDetail)) / static_cast<Float>(n_), window.low, window.high);
+    s.pdf *= extent.x * extent.y * (*part->detail)[size_t(y * kDetail + x)] / sum;
+    s.st = glm::clamp((pixel + at / Float(kDetail)) / Float(n_), window.low, window.high);
     return s.pdf > 0 ? std::optional(s) : std::nullopt;
 }
 
@@ -160,11 +156,11 @@ Float PortalMap::Pdf(const Point2 &st, const Bounds2 &window) const {
     Point2 pixel;
     const std::optional<Part> part = pdf > 0 ? PartAt(st, window, &pixel) : std::nullopt;
     if (!part) return pdf;
-    const Point2 in = (st * static_cast<Float>(n_) - pixel) * Float(kDetail);
+    const Point2 in = (st * Float(n_) - pixel) * Float(kDetail);
     const Point2i at = glm::clamp(Point2i(in), Point2i(0), Point2i(kDetail - 1));
     const Vector2 extent = part->window.high - part->window.low;
     const Float sum = part->Sum();
-    return sum > 0 ? pdf * extent.x * extent.y * (*part->detail)[static_cast<size_t>(at.y * kDetail + at.x)] / sum : 0;
+    return sum > 0 ? pdf * extent.x * extent.y * (*part->detail)[size_t(at.y * kDetail + at.x)] / sum : 0;
 }
 
 std::optional<Vector3> PortalMap::SampleDirection(const Point2 &u, const Bounds2 &window, Float *pdf) const {

@@ -20,7 +20,7 @@ BVHLightSampler::BVHLightSampler(const LightGroups &groups)
 
 std::optional<GroupLightSampler::ChosenGroup> BVHLightSampler::ChooseGroup(const LightQuery &query, const void *,
                                                                            Float u) const {
-    auto rest = static_cast<double>(u);
+    auto rest = double(u);
     if (!(infinite_.Pmf() > 0)) return {};
     uint32_t infinite;
     if (!infinite_.ChooseBounded(rest, &infinite)) return ChosenGroup{infinite, infinite_.Pmf(), InnerNumber(query, u)};
@@ -43,7 +43,7 @@ Float BVHLightSampler::GroupProbability(const LightQuery &query, const void *, u
     if (!Reaches(query)) return 0;
     LightBvh::Node node = tree_.Root().LinkAndKind();
     const Float pmf = WalkProbability(tree_, &node, query, [&](LightBvh::Node, const LightBvh::Level &) {
-        const auto i = static_cast<uint32_t>(trail & 1);
+        const auto i = uint32_t(trail & 1);
         trail >>= 1;
         return i;
     });

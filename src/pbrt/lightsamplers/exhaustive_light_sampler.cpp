@@ -16,9 +16,9 @@ ExhaustiveLightSampler::ExhaustiveLightSampler(const LightGroups &groups)
             infinite.emplace_back(i);
         } else if (c.bounds && c.bounds->phi > 0) {
             size_t lane = lights_.size();
-            position_[i] = static_cast<uint32_t>(lane);
+            position_[i] = uint32_t(lane);
             if (lane % kLanes == 0) packets_.emplace_back();
-            packets_.back().Set(static_cast<int>(lane % kLanes), c.bounds->Sphere());
+            packets_.back().Set(int(lane % kLanes), c.bounds->Sphere());
             lights_.push_back(i);
         }
     }
@@ -38,7 +38,7 @@ void ExhaustiveLightSampler::AddUp(const LightQuery &query, Sums *sums) const {
         for (size_t end = std::min(i + blockSize_, packets_.size()); i < end; ++i) {
             Float *w = sums->lane[block];
             Importances(i, query, w);
-            for (size_t lane = 0; lane < kLanes; ++lane) sum += static_cast<double>(w[lane]);
+            for (size_t lane = 0; lane < kLanes; ++lane) sum += double(w[lane]);
         }
         sums->block[block] = sum;
         sums->total += sum;
@@ -54,7 +54,7 @@ const void *ExhaustiveLightSampler::WeighGroups(const LightQuery &query, LightMe
 std::optional<GroupLightSampler::ChosenGroup> ExhaustiveLightSampler::ChooseGroup(const LightQuery &query,
                                                                                   const void *weights, Float u) const {
     const Sums &sums = *static_cast<const Sums *>(weights);
-    auto rest = static_cast<double>(u);
+    auto rest = double(u);
     if (!(infinite_.Pmf() > 0)) return {};
     uint32_t infinite;
     if (!infinite_.ChooseBounded(rest, &infinite)) return ChosenGroup{infinite, infinite_.Pmf(), InnerNumber(query, u)};
@@ -76,7 +76,7 @@ std::optional<GroupLightSampler::ChosenGroup> ExhaustiveLightSampler::ChooseGrou
                                                block.before);
     if (!chosen) return {};
     const Float weight = chosen.weight;
-    Float pmf = infinite_.Pmf() * static_cast<Float>(static_cast<double>(weight) / sums.total);
+    Float pmf = infinite_.Pmf() * Float(double(weight) / sums.total);
     if (!(pmf > 0)) return {};
     return ChosenGroup{lights_[first * kLanes + chosen.index], pmf, InnerNumber(query, u)};
 }
@@ -89,7 +89,7 @@ Float ExhaustiveLightSampler::GroupProbability(const LightQuery &query, const vo
     Float scratch[kLanes];
     Float weight = Lanes(position / kLanes, query, sums, scratch)[position % kLanes];
     if (!(weight > 0)) return 0;
-    return infinite_.Pmf() * static_cast<Float>(static_cast<double>(weight) / sums.total);
+    return infinite_.Pmf() * Float(double(weight) / sums.total);
 }
 
 void ExhaustiveLightSampler::Report(nlohmann::ordered_json &json) const {

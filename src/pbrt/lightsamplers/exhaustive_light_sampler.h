@@ -1,6 +1,5 @@
 #pragma once
 #include "pbrt/lightsamplers/group_light_sampler.h"
-#include "pbrt/lightsamplers/infinite_share.h"
 #include "pbrt/lightsamplers/light_packet.h"
 
 namespace pbrt {

@@ -34,16 +34,16 @@ void GroupLightSampler::Report(nlohmann::ordered_json &report) const {
 
 GroupLightSampler::ChosenGroup GroupLightSampler::SampleUniformly(const LightQuery &query, Float u) const {
     const size_t count = groups_.Size();
-    const Float pmf = 1 / static_cast<Float>(count);
+    const Float pmf = 1 / Float(count);
     // In double: a float times a large count could round up to the next group.
-    const auto i = static_cast<size_t>(static_cast<double>(u) * static_cast<double>(count));
-    const auto group = static_cast<uint32_t>(std::min(i, count - 1));
-    return {group, pmf, LightGroups::InnerNumber(u, query.p, static_cast<Float>(group) * pmf, pmf)};
+    const auto i = size_t(double(u) * double(count));
+    const auto group = uint32_t(std::min(i, count - 1));
+    return {group, pmf, LightGroups::InnerNumber(u, query.p, Float(group) * pmf, pmf)};
 }
 
 GroupLightSampler::ChosenGroup GroupLightSampler::SampleCdf(std::span<const Float> cdf, const LightQuery &query,
                                                             Float u) {
-    const auto group = static_cast<uint32_t>(std::upper_bound(cdf.begin(), cdf.end(), u) - cdf.begin());
+    const auto group = uint32_t(std::upper_bound(cdf.begin(), cdf.end(), u) - cdf.begin());
     const Float share = CdfPMF(cdf, group);
     return {group, share, LightGroups::InnerNumber(u, query.p, cdf[group] - share, share)};
 }

@@ -1,6 +1,10 @@
 #pragma once
+#include <algorithm>
+#include <cstdint>
 #include <span>
+#include <vector>
 
+#include "pbrt/core/float.h"
 #include "pbrt/lights/light_table.h"
 #include "pbrt/lightsamplers/light_sampler.h"
 
@@ -36,15 +40,12 @@ class GroupLightSampler : public LightSampler {
 
     /// Samples a light of a group, with its probability within the group; empty if no light there can contribute.
     /// `weights`: result of WeighGroups; `uPoint`: see LightDistribution::Sample.
-    virtual std::optional<SampledLight> ChooseInside(const LightQuery &, const void *weights, uint32_t group, Float u,
-                                                     Point2 *uPoint) const {
-        (void)weights;
-        (void)uPoint;
+    virtual std::optional<SampledLight> ChooseInside(const LightQuery &, const void * /*weights*/, uint32_t group,
+                                                     Float u, Point2 * /*uPoint*/) const {
         const LightId light = groups_.SampleLight(group, u);
         return SampledLight{light, groups_.ShareOf(light)};
     }
-    virtual Float ProbabilityInside(const LightQuery &, const void *weights, LightId light) const {
-        (void)weights;
+    virtual Float ProbabilityInside(const LightQuery &, const void * /*weights*/, LightId light) const {
         return groups_.ShareOf(light);
     }
 
@@ -70,6 +71,39 @@ class GroupLightSampler : public LightSampler {
                                        Point2 *uPoint) const final;
     Float Probability(const LightQuery &query, const void *weights, LightId light) const final;
     bool isAsked_;
+};
+
+/// First selection of samplers with light bounds, as in stock pbrt-v4: every infinite light, and all bounded lights
+/// together, have equal probability.
+class InfiniteShare {
+  public:
+    InfiniteShare() = default;
+    InfiniteShare(std::vector<uint32_t> infinite, bool anyBounded)
+        : infinite_(std::move(infinite)), anyBounded_(anyBounded) {
+        size_t shares = infinite_.size() + (anyBounded ? 1 : 0);
+        share_ = shares > 0 ? 1 / Float(shares) : 0;
+        boundedFrom_ = double(infinite_.size()) / double(std::max<size_t>(shares, 1));
+    }
+    /// Probability of each infinite light, and of all bounded ones together.
+    Float Pmf() const { return share_; }
+    /// Returns true for the bounded lights, remapping `u` to a fresh number; else sets `chosen`. There must be a light
+    /// of either kind.
+    bool ChooseBounded(double &u, uint32_t *chosen) const {
+        if (anyBounded_ && u >= boundedFrom_) {
+            u = (u - boundedFrom_) / (1 - boundedFrom_);
+            return true;
+        }
+        double scaled = u / boundedFrom_ * double(infinite_.size());
+        *chosen = infinite_[std::min(size_t(scaled), infinite_.size() - 1)];
+        return false;
+    }
+    size_t Bytes() const { return infinite_.capacity() * sizeof(uint32_t); }
+
+  private:
+    std::vector<uint32_t> infinite_;
+    bool anyBounded_ = false;
+    Float share_ = 0;
+    double boundedFrom_ = 0;
 };
 
 }  // namespace pbrt

@@ -16,14 +16,14 @@ namespace {
 
 constexpr Float kSteps = 65535;
 
-Float DecodeCosine(uint16_t q) { return static_cast<Float>(q) * (2 / kSteps) - 1; }
+Float DecodeCosine(uint16_t q) { return Float(q) * (2 / kSteps) - 1; }
 
 /// Largest code whose cosine is at most c.
 uint16_t EncodeCosineDown(Float c) {
-    auto q = static_cast<int>(std::floor((std::clamp(c, Float(-1), Float(1)) + 1) / 2 * kSteps));
+    auto q = int(std::floor((std::clamp(c, Float(-1), Float(1)) + 1) / 2 * kSteps));
     q = std::clamp(q, 0, 65535);
-    while (q > 0 && DecodeCosine(static_cast<uint16_t>(q)) > c) --q;
-    return static_cast<uint16_t>(q);
+    while (q > 0 && DecodeCosine(uint16_t(q)) > c) --q;
+    return uint16_t(q);
 }
 
 Float SignOf(Float v) { return std::copysign(Float(1), v); }
@@ -31,8 +31,7 @@ Float SignOf(Float v) { return std::copysign(Float(1), v); }
 void EncodeAxis(const Vector3 &w, uint16_t q[2]) {
     Vector3 v = w / (std::abs(w.x) + std::abs(w.y) + std::abs(w.z));
     if (v.z < 0) v = {(1 - std::abs(v.y)) * SignOf(v.x), (1 - std::abs(v.x)) * SignOf(v.y), v.z};
-    for (int i = 0; i < 2; ++i)
-        q[i] = static_cast<uint16_t>(std::lround(std::clamp((v[i] + 1) / 2, Float(0), Float(1)) * kSteps));
+    for (int i = 0; i < 2; ++i) q[i] = uint16_t(std::lround(std::clamp((v[i] + 1) / 2, Float(0), Float(1)) * kSteps));
 }
 
 Vector3 DecodeAxis(const uint16_t q[2]) {
@@ -56,7 +55,7 @@ double SplitCost(const LightBounds &b, Float stretch) {
 constexpr int kBuckets = 12;
 
 int BucketOf(Float position, Float low, Float high) {
-    return std::clamp(static_cast<int>(kBuckets * ((position - low) / (high - low))), 0, kBuckets - 1);
+    return std::clamp(int(kBuckets * ((position - low) / (high - low))), 0, kBuckets - 1);
 }
 
 struct Split {
@@ -236,7 +235,7 @@ LightBvh::LightBvh(std::span<const LightCandidate> candidates) : trails_(candida
     for (size_t i = 0; i < candidates.size(); ++i) {
         const LightCandidate &c = candidates[i];
         if (c.infinite || !c.bounds || !(c.bounds->phi > 0)) continue;
-        items.push_back({*c.bounds, c.bounds->Centroid(), static_cast<uint32_t>(i)});
+        items.push_back({*c.bounds, c.bounds->Centroid(), uint32_t(i)});
     }
     if (items.empty()) return;
     std::vector<Pair> pairs;
@@ -275,7 +274,7 @@ LightBvhNode LightBvh::Build(std::span<Item> items, uint64_t trail, int depth, L
         if (!(high > low)) continue;
         std::array<LightBounds, kBuckets> buckets, above;
         for (const Item &item : items) {
-            LightBounds &bucket = buckets[static_cast<size_t>(BucketOf(item.centroid[axis], low, high))];
+            LightBounds &bucket = buckets[size_t(BucketOf(item.centroid[axis], low, high))];
             bucket = Union(bucket, item.bounds);
         }
         above[kBuckets - 1] = buckets[kBuckets - 1];
@@ -285,7 +284,7 @@ LightBvhNode LightBvh::Build(std::span<Item> items, uint64_t trail, int depth, L
         for (size_t i = 0; i + 1 < kBuckets; ++i) {
             below = Union(below, buckets[i]);
             const double cost = SplitCost(below, stretch) + SplitCost(above[i + 1], stretch);
-            if (cost > 0 && cost < best.cost) best = {axis, static_cast<int>(i), cost};
+            if (cost > 0 && cost < best.cost) best = {axis, int(i), cost};
         }
     }
 
@@ -295,19 +294,17 @@ LightBvhNode LightBvh::Build(std::span<Item> items, uint64_t trail, int depth, L
         auto end = std::partition(items.begin(), items.end(), [&](const Item &item) {
             return BucketOf(item.centroid[best.axis], low, high) <= best.bucket;
         });
-        middle = static_cast<size_t>(end - items.begin());
+        middle = size_t(end - items.begin());
     }
     if (middle == 0 || middle == items.size()) {
         int axis = centroids.LongestAxis();
         middle = items.size() / 2;
-        std::nth_element(items.begin(), items.begin() + static_cast<ptrdiff_t>(middle), items.end(),
-                         [axis](const Item &a, const Item &b) {
-                             return a.centroid[axis] != b.centroid[axis] ? a.centroid[axis] < b.centroid[axis]
-                                                                         : a.light < b.light;
-                         });
+        std::nth_element(items.begin(), items.begin() + middle, items.end(), [axis](const Item &a, const Item &b) {
+            return a.centroid[axis] != b.centroid[axis] ? a.centroid[axis] < b.centroid[axis] : a.light < b.light;
+        });
     }
 
-    auto pair = static_cast<uint32_t>(pairs->size());
+    auto pair = uint32_t(pairs->size());
     pairs->emplace_back();
     LightBounds left, right;
     LightBvhNode first = Build(items.first(middle), trail, depth + 1, &left, pairs);

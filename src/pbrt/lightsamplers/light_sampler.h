@@ -1,20 +1,61 @@
 #pragma once
+#include <cstddef>
 #include <functional>
+#include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "pbrt/core/ids.h"
 #include "pbrt/core/progress.h"
 #include "pbrt/core/team.h"
 #include "pbrt/lights/light.h"
-#include "pbrt/lightsamplers/light_memory.h"
 #include "pbrt/math/bounds.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/math/vec.h"
 
 namespace pbrt {
+
+/// Scratch memory for a light sampler's weights at one vertex, owned by the caller, e.g. on the stack. 4096 bytes are
+/// inline; only the excess is allocated on the heap.
+class LightMemory {
+  public:
+    LightMemory() = default;
+    LightMemory(const LightMemory &) = delete;
+    LightMemory &operator=(const LightMemory &) = delete;
+
+    /// Invalidates all allocations.
+    void Clear() {
+        used_ = 0;
+        if (!larger_.empty()) larger_.clear();
+    }
+    /// Allocates a T or `count` of them, cache-line aligned and uninitialized.
+    template <class T>
+    T *Make(size_t count = 1) {
+        static_assert(std::is_trivially_destructible_v<T> && alignof(T) <= kAlignment);
+        const size_t bytes = (count * sizeof(T) + kAlignment - 1) / kAlignment * kAlignment;
+        if (bytes > sizeof(inside_) - used_) return new (Larger(bytes)) T[count];
+        std::byte *place = inside_ + used_;
+        used_ += bytes;
+        return new (place) T[count];
+    }
+
+  private:
+    static constexpr size_t kAlignment = 64;
+    struct alignas(kAlignment) Line {
+        std::byte bytes[kAlignment];
+    };
+    [[gnu::cold]] void *Larger(size_t bytes) {
+        larger_.push_back(std::make_unique_for_overwrite<Line[]>(bytes / kAlignment));
+        return larger_.back().get();
+    }
+
+    size_t used_ = 0;
+    std::vector<std::unique_ptr<Line[]>> larger_;
+    alignas(kAlignment) std::byte inside_[4096];
+};
 
 class Scene;
 class Bsdf;
@@ -151,10 +192,7 @@ class LightSampler {
     virtual bool SavesLearned() const { return false; }
     /// Writes the state of Prepare and the learner, for PrepareContext::learned; the writer may refer to memory of this
     /// object. `goesOn` false: only the state for selection, not for learning. Not while rays are traced.
-    virtual void SaveLearned(StateWriter &writer, bool goesOn) const {
-        (void)writer;
-        (void)goesOn;
-    }
+    virtual void SaveLearned(StateWriter &, bool /*goesOn*/) const {}
     /// Sizes, seconds, counts: for --stats and image metadata.
     virtual void Report(nlohmann::ordered_json &) const {}
     /// Sampler state at a point (cell, records, ...): same names in the same order for every query. For visualization
@@ -189,5 +227,22 @@ inline Float LightDistribution::PMF(LightId light) const { return sampler_->Prob
 inline SampledLight LightDistribution::Towards(LightId infinite, const Point3 &p, const Vector3 &d) const {
     return sampler_->ChoiceTowards(*query_, weights_, infinite, p, d);
 }
+
+class SampledSpectrum;
+
+/// Extension point: records the light samples of camera paths. Called concurrently for different paths.
+class PathObserver {
+  public:
+    virtual ~PathObserver() = default;
+    /// Range of record slots for a path, one per light sample; stored by the path.
+    struct PathPlaces {
+        size_t next = 0, end = 0;
+    };
+    virtual PathPlaces BeginPath(Point2i pixel, int sample) const = 0;
+    /// Records the light sample of a path vertex: radiance times cosine over the density of the point on the light
+    /// (solid angle), without BSDF and `light.pmf`; 0 if occluded or dark.
+    virtual void RecordLightSample(PathPlaces &path, const LightQuery &query, const SampledLight &light,
+                                   const SampledSpectrum &irradiance) = 0;
+};
 
 }  // namespace pbrt

@@ -38,7 +38,7 @@ template <class Sum, class WeightAt>
 template <class Sum, class Weight>
 [[gnu::always_inline]] inline WeightedChoice<Sum, Weight> ChooseOfTwo(Sum target, const Weight *weights) {
     const Sum before[2] = {0, static_cast<Sum>(weights[0])};
-    const uint32_t index = static_cast<uint32_t>(weights[1] > 0) & static_cast<uint32_t>(!(target < before[1]));
+    const uint32_t index = uint32_t(weights[1] > 0) & uint32_t(!(target < before[1]));
     return {index, weights[index], before[index]};
 }
 
@@ -68,12 +68,12 @@ std::optional<WalkEnd<typename Tree::Node>> WalkDown(const Tree &tree, typename 
     typename Tree::Level level;
     while (!tree.IsLeaf(end.node)) {
         tree.WeighBelow(end.node, query, &level);
-        const double target = end.rest * static_cast<double>(level.sum);
+        const double target = end.rest * double(level.sum);
         const WeightedChoice<double, Float> chosen = level.Choose(target);
         if (!(chosen.weight > 0)) return {};
         end.weight = chosen.weight;
         end.pmf *= chosen.weight / level.sum;
-        end.rest = std::clamp((target - chosen.before) / static_cast<double>(chosen.weight), 0.0, 0x1.fffffffffffffp-1);
+        end.rest = std::clamp((target - chosen.before) / double(chosen.weight), 0.0, 0x1.fffffffffffffp-1);
         end.node = level.At(chosen.index);
     }
     return end;

@@ -1,9 +1,9 @@
 #pragma once
 #include "pbrt/core/counters.h"
-#include "pbrt/lightsamplers/path_observer.h"
+#include "pbrt/lightsamplers/light_sampler.h"
 #include "pbrt/math/warps.h"
-#include "pbrt/transport/light_query.h"
 #include "pbrt/transport/shadow_transmittance.h"
+#include "pbrt/transport/vertex.h"
 
 namespace pbrt {
 

@@ -1,5 +1,7 @@
 #pragma once
 #include "pbrt/films/film.h"
+#include "pbrt/films/visible_surface.h"
+#include "pbrt/samplers/sampler.h"
 #include "pbrt/scene/shading.h"
 #include "pbrt/transport/medium_track.h"
 #include "pbrt/transport/vertex.h"
@@ -104,5 +106,15 @@ void PathWalk::ForEachEmission(const SampledWavelengths &lambda, Visit &&visit) 
         visit(Le, point.light, point.p, point.n);
     }
 }
+
+struct SubsurfaceExit {
+    PathVertex vertex;       ///< wo: shading normal on the exit side; the BSDF is the exit lobe
+    SampledSpectrum weight;  ///< profile over density
+};
+
+/// Samples the exit of light that crosses the surface at `entry`. Empty if there is none. Always uses the same number
+/// of random numbers.
+std::optional<SubsurfaceExit> SampleSubsurfaceExit(const Scene &scene, const SurfacePoint &entry, const Bssrdf &bssrdf,
+                                                   Sampler &sampler);
 
 }  // namespace pbrt

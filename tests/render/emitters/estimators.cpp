@@ -4,7 +4,7 @@
 #include "pbrt/integrators/path_integrator.h"
 #include "pbrt/integrators/render_loop.h"
 #include "pbrt/integrators/simple_integrators.h"
-#include "pbrt/transport/light_query.h"
+#include "pbrt/transport/vertex.h"
 #include "support/build_text.h"
 #include "support/wrapped_sampler.h"
 

@@ -3,7 +3,7 @@
 
 #include "ext/voxels/lazy_rows.h"
 #include "ext/voxels/voxel_grid.h"
-#include "pbrt/lights/light_groups.h"
+#include "pbrt/lights/light_table.h"
 #include "pbrt/lightsamplers/light_sampler.h"
 #include "pbrt/scene/scene.h"
 

@@ -1,4 +1,4 @@
-#include "ext/visibility/cell_octree.h"
+#include "ext/visibility/visibility_tree.h"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "pbrt/core/parallel.h"
-#include "pbrt/integrators/primary_sampler.h"
+#include "pbrt/integrators/mlt_integrator.h"
 #include "support/errors.h"
 #include "support/light_views.h"
 #include "support/statistics.h"

@@ -44,7 +44,7 @@ std::unique_ptr<Shape> Triangle(const Transform &ctm = {}) {
 
 std::unique_ptr<Light> Make(const AreaLightMaker &maker, const Shape &shape, const FloatTexture *alpha = nullptr) {
     const Shape *const shapes[] = {&shape};
-    return maker.Make(shapes, alpha);
+    return maker(shapes, alpha);
 }
 
 struct Case {

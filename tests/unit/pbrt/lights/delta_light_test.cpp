@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
 #include "light_test_support.h"
-#include "pbrt/lights/distant_light.h"
-#include "pbrt/lights/spot_light.h"
+#include "pbrt/lights/infinite_light.h"
+#include "pbrt/lights/point_lights.h"
 
 namespace pbrt::test {
 namespace {

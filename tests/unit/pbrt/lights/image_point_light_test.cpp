@@ -2,8 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "light_test_support.h"
-#include "pbrt/lights/goniometric_light.h"
-#include "pbrt/lights/projection_light.h"
+#include "pbrt/lights/point_lights.h"
 
 namespace pbrt::test {
 namespace {

@@ -1,7 +1,8 @@
 #include <gtest/gtest.h>
 
 #include "light_test_support.h"
-#include "pbrt/lights/light_spectrum.h"
+#include "pbrt/lights/light_factory.h"
+#include "pbrt/lights/light_image.h"
 #include "support/errors.h"
 
 namespace pbrt::test {

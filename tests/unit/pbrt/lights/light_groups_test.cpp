@@ -1,4 +1,4 @@
-#include "pbrt/lights/light_groups.h"
+#include "pbrt/lights/light_table.h"
 
 #include <gtest/gtest.h>
 

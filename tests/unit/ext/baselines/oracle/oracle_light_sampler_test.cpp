@@ -5,7 +5,7 @@
 
 #include "pbrt/core/counters.h"
 #include "pbrt/core/log.h"
-#include "pbrt/transport/light_query.h"
+#include "pbrt/transport/vertex.h"
 #include "plugins.h"
 #include "second_moment.h"
 #include "support/build_text.h"

@@ -1,13 +1,10 @@
 #include "ext/guiding/guide_cells.h"
 
-#include <algorithm>
-#include <array>
 #include <utility>
 
 #include "pbrt/core/parallel.h"
 
 namespace ext {
-
 namespace {
 
 /// Cells with more records of positive contribution are split.

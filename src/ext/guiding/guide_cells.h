@@ -98,8 +98,7 @@ struct GuideRecord {
     bool unused = false;         ///< explicit padding: saved records are byte-identical
 
     bool IsEmpty() const { return !(pdf > 0); }
-    template <class Archive>
-    void Visit(Archive &archive) {
+    void Visit(auto &archive) {
         archive(p, target, normal, wi, radiance, contribution, pdf, bsdfPdf, beta, bothSides, isGlossy, isOfFirstHalf,
                 unused);
     }
@@ -150,10 +149,7 @@ class GuideCells {
     }
     void Clear() { *this = {}; }
     /// After loading, LeavesChanged completes the members that are not saved.
-    template <class Archive>
-    void Visit(Archive &archive) {
-        archive(leaves_, clusters_, tree_);
-    }
+    void Visit(auto &archive) { archive(leaves_, clusters_, tree_); }
     /// Empty if valid, else the error.
     std::optional<std::string> Validate() const {
         if (clusters_.size() > kMaxSourceClusters) return "it has too many clusters";

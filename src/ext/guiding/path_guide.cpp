@@ -9,7 +9,6 @@
 #include "pbrt/scene/scene.h"
 
 namespace ext {
-
 namespace {
 
 /// Sample counts per pixel after which the guide is updated from the samples since the last update, if at least as many
@@ -120,8 +119,8 @@ void PathGuide::SaveForOthers(StateWriter &out) const {
 void PathGuide::LoadOfOther(StateReader &in) {
     const std::string saved = in.Text(), here = EffectiveParamsText(params_);
     if (saved != here)
-        throw UserError(fmt::format("{}: was learned by a guide with other parameters: {}; here they are {}.",
-                                    in.What(), saved, here));
+        throw UserError("{}: was learned by a guide with other parameters: {}; here they are {}.", in.What(), saved,
+                        here);
     const auto view = in.Value<View>();
     LoadEstimates(in);
     in.RequireEnd();

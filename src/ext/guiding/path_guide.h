@@ -1,6 +1,5 @@
 #pragma once
 #include <array>
-#include <memory>
 #include <vector>
 
 #include "ext/guiding/guide_cells.h"
@@ -20,8 +19,7 @@ struct GuideParams {
     /// includes outliers and is far too high.
     Float minSaved = 0.5f;
     int records = 1 << 19;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("roulette", roulette, "learned Russian roulette");
         v("directions", directions, "directional guiding, where it pays");
         v("share", share, Range<Float>{0, 0.95f}, "maximum probability of guided directions");
@@ -79,10 +77,7 @@ class PathGuide final : public DirectionSampling {
     }
 
     /// The estimates, without records.
-    template <class Archive>
-    void Visit(Archive &archive) {
-        archive(estimatesDirections_, cells_, roulette_);
-    }
+    void Visit(auto &archive) { archive(estimatesDirections_, cells_, roulette_); }
     /// Empty if the estimates fit the parameters, else the error.
     std::optional<std::string> Validate() const {
         return params_.directions || !estimatesDirections_ ? std::nullopt

@@ -128,8 +128,7 @@ class PathRoulette {
 
     /// Rebuilds all estimates from all records. `pixelOf(i)`: pixel of path i relative to the image corner; the paths
     /// of a pixel are consecutive.
-    template <class PixelOf>
-    void Learn(Vector2i size, PixelOf &&pixelOf) {
+    void Learn(Vector2i size, auto &&pixelOf) {
         std::vector<Point2i> pixels;
         pixels.reserve(totals_.Places().size());
         for (size_t i = 0; i < totals_.Places().size(); ++i) pixels.push_back(pixelOf(i));
@@ -146,10 +145,7 @@ class PathRoulette {
     size_t Bytes() const { return tree_.Bytes() + cells_.size() * sizeof(Cell) + tiles_.size() * sizeof(Float); }
     size_t RecordBytes() const { return records_.Bytes() + totals_.Bytes(); }
 
-    template <class Archive>
-    void Visit(Archive &archive) {
-        archive(cells_, tree_, size_, tile_, tiles_);
-    }
+    void Visit(auto &archive) { archive(cells_, tree_, size_, tile_, tiles_); }
     /// Empty if valid, else the error.
     std::optional<std::string> Validate() const {
         if (std::optional<std::string> fault = tree_.ValidateFor(kKinds, cells_.size())) return fault;

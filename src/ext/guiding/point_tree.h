@@ -61,10 +61,7 @@ class PointTree {
         return second;
     }
 
-    template <class Archive>
-    void Visit(Archive &archive) {
-        archive.Structure(nodes_);
-    }
+    void Visit(auto &archive) { archive.Structure(nodes_); }
     /// Empty, or why LeafOf would not terminate or return a number of `leaves` or more. Unreachable nodes are allowed.
     std::optional<std::string> ValidateFor(size_t roots, size_t leaves) const {
         if (nodes_.empty()) return {};

@@ -7,7 +7,6 @@
 #include "pbrt/math/frame.h"
 
 namespace ext {
-
 namespace {
 
 /// Sine of the minimum cone half angle, 1.8 degrees: in narrower cones, rounding would decide whether a direction is

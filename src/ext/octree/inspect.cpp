@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "ext/octree/paper_octree_light_sampler.h"
@@ -8,7 +7,6 @@
 #include "pbrt/math/rng.h"
 
 namespace ext {
-
 namespace {
 
 /// Incremented whenever the output of SaveLearned changes.
@@ -86,9 +84,9 @@ void PaperOctreeLightSampler::Inspect(const LightQuery &query, std::vector<Inspe
         cell = tree_.Cells().CellAt(query.p);
         records = recordsPerNode_[cell.node];
     }
-    values.push_back({"leaf", static_cast<double>(cell.node), true});
+    values.push_back({"leaf", double(cell.node), true});
     values.push_back({"leaf records", records, false});
-    values.push_back({"leaf depth", static_cast<double>(cell.depth), false});
+    values.push_back({"leaf depth", double(cell.depth), false});
 }
 
 std::string PaperOctreeLightSampler::DescribeStructure() const {

@@ -20,10 +20,7 @@ class LightOctree {
     size_t Bytes() const { return cells_.Bytes() + cdf_.capacity() * sizeof(Float); }
     /// Bitwise equality of cells and distributions.
     bool operator==(const LightOctree &o) const { return cells_ == o.cells_ && cdf_ == o.cdf_; }
-    template <class Archive>
-    void Visit(Archive &archive) {
-        archive(cells_, cdf_, groups_, leaves_, depth_);
-    }
+    void Visit(auto &archive) { archive(cells_, cdf_, groups_, leaves_, depth_); }
     /// Empty if valid, else the error. An octree without rows is valid.
     std::optional<std::string> Validate() const;
     size_t GroupCount() const { return groups_; }

@@ -6,7 +6,6 @@
 #include "pbrt/core/parallel.h"
 
 namespace ext {
-
 namespace {
 constexpr uint32_t kNoParent = 0xffffffffu;
 constexpr int kTopBit = CellOctree::MaxDepth - 2;
@@ -16,7 +15,7 @@ LightOctreeBuilder::LightOctreeBuilder(const Bounds3 &bounds, std::vector<Point3
     tree_.cells_ = CellOctree(bounds);
     quantized_.resize(points.size());
     for (size_t i = 0; i < points.size(); ++i) quantized_[i] = tree_.cells_.Quantize(points[i]);
-    splitAbove_ = std::max<size_t>(1, 4 * points.size() / static_cast<size_t>(leafTarget));
+    splitAbove_ = std::max<size_t>(1, 4 * points.size() / size_t(leafTarget));
 
     constexpr uint32_t kTop = CellOctree::TopCount;
     std::vector<uint32_t> start(kTop + 1, 0);
@@ -56,8 +55,8 @@ LightOctree LightOctreeBuilder::Build(size_t groups, const AddValues &addValues)
     auto sumOf = [&](size_t node) { return std::span<double>(sums.data() + node * groups, groups); };
     auto isLeaf = [&](size_t node) { return isLeaf_[node] != 0; };
 
-    ParallelFor(static_cast<int64_t>(nodeCount), 64, [&](int64_t begin, int64_t end) {
-        for (auto node = static_cast<size_t>(begin); node < static_cast<size_t>(end); ++node)
+    ParallelFor(int64_t(nodeCount), 64, [&](int64_t begin, int64_t end) {
+        for (auto node = size_t(begin); node < size_t(end); ++node)
             if (isLeaf(node))
                 for (uint32_t i = rangeOf_[node].begin; i < rangeOf_[node].end; ++i) addValues(order_[i], sumOf(node));
     });
@@ -74,10 +73,10 @@ LightOctree LightOctreeBuilder::Build(size_t groups, const AddValues &addValues)
     auto addRow = [&](std::span<const double> s) {
         double whole = total(s), running = 0;
         for (size_t g = 0; g < groups; ++g) {
-            running += whole > 0 ? s[g] / whole : 1.0 / static_cast<double>(groups);
-            tree_.cdf_.push_back(g + 1 == groups ? Float(1) : static_cast<Float>(std::min(running, 1.0)));
+            running += whole > 0 ? s[g] / whole : 1.0 / double(groups);
+            tree_.cdf_.push_back(g + 1 == groups ? Float(1) : Float(std::min(running, 1.0)));
         }
-        return static_cast<uint32_t>(tree_.RowCount() - 1);
+        return uint32_t(tree_.RowCount() - 1);
     };
     constexpr uint32_t kNone = 0xffffffffu;
     std::vector<uint32_t> rowOf(nodeCount, kNone);

@@ -28,8 +28,7 @@ struct OctreeParams {
     bool learn = true;
     std::string portals = "auto";
 
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("model", model, Choices{"visibility", "paper"},
           "visibility: geometry at the point, visibility from the tree; paper: Noh, Choi, Moon 2023 as published");
         v("prepassspp", prepassspp, Range<int>{0, 1024},

@@ -12,7 +12,6 @@
 #include "pbrt/lightsamplers/exhaustive_light_sampler.h"
 
 namespace ext {
-
 namespace {
 /// Above this many groups, the floor uses the light BVH instead of exhaustive evaluation.
 constexpr size_t kMaxScan = 64;
@@ -36,14 +35,14 @@ void PaperOctreeLightSampler::Prepare(PrepareContext &context) {
     prepassSeconds_ = SecondsSince(start);
     if (context.progress.Cancelled()) return;
 
-    if (double rays = static_cast<double>(vertices.size()) * static_cast<double>(groups_.Size()); rays > 3e8)
-        LogWarning(fmt::format("octree: visibility of {} lights takes {:.1e} shadow rays before the first sample.",
-                               groups_.Size(), rays));
+    if (double rays = double(vertices.size()) * double(groups_.Size()); rays > 3e8)
+        LogWarning("octree: visibility of {} lights takes {:.1e} shadow rays before the first sample.", groups_.Size(),
+                   rays);
 
     start = std::chrono::steady_clock::now();
     std::vector<Point3> points(vertices.size());
     for (size_t i = 0; i < vertices.size(); ++i) points[i] = vertices[i].at.p;
-    context.progress.BeginPhase("octree", static_cast<int64_t>(vertices.size()));
+    context.progress.BeginPhase("octree", int64_t(vertices.size()));
     LightOctreeBuilder builder(context.scene.Bounds(), std::move(points), params_.leaves);
     const size_t groupCount = groups_.Size();
     const LightTable &lights = groups_.Lights();

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 namespace ext {
-
 namespace {
 constexpr double kMinVertices = 2000, kMaxFactor = 1.25, kMaxShadowRays = 4e6;
 /// Tree build cost of a drawn shadow ray, in units of the cost of a ray.
@@ -12,7 +11,7 @@ constexpr double kBuildPerShadowRay = 0.3;
 
 double PrepassBudget::Share() const {
     const double renderRays = 2 * pixels * depth * samplesPerPixel;
-    const auto rays = static_cast<double>(raysPerVertex);
+    const auto rays = double(raysPerVertex);
     const double raysPerVertex = RaysPerVertex();
     double share = budget;
     if (!IsDrawn()) share = std::max(budget, std::min(kMinVertices * raysPerVertex / renderRays, kMaxFactor * budget));
@@ -20,8 +19,7 @@ double PrepassBudget::Share() const {
 }
 
 double PrepassBudget::RaysPerVertex() const {
-    return 1 + static_cast<double>(environmentRays) +
-           static_cast<double>(raysPerVertex) * (IsDrawn() ? 1 + kBuildPerShadowRay : 1);
+    return 1 + double(environmentRays) + double(raysPerVertex) * (IsDrawn() ? 1 + kBuildPerShadowRay : 1);
 }
 
 double PrepassBudget::PathsPerPixel() const { return Share() * 2 * samplesPerPixel / RaysPerVertex(); }

@@ -10,7 +10,6 @@
 #include "pbrt/scene/scene.h"
 
 namespace ext {
-
 namespace {
 
 /// Sample counts per pixel after which the trees are rebuilt, if at least three times as many samples follow.
@@ -51,11 +50,11 @@ std::optional<VisibilityModel::Estimate> VisibilityModel::Built(const Visibility
     Estimate made;
     if (from.records.empty()) return made;
     VisibilityBuildSettings settings;
-    settings.lightCount = static_cast<int>(groups_.Size());
+    settings.lightCount = int(groups_.Size());
     settings.lights = lights_;
     settings.cut = params_.cut;
     settings.records = records;
-    settings.raysPerRecord = static_cast<int>(RaysPerVertex());
+    settings.raysPerRecord = int(RaysPerVertex());
     settings.shrinkage = params_.shrinkage;
     settings.pruneGain = params_.prunegain;
     settings.secondMoment = params_.secondmoment;
@@ -89,7 +88,7 @@ void VisibilityModel::BeginRecording(int first) {
         onSurfaces_.records = inMedia_.records = {};
         return;
     }
-    const auto vertices = static_cast<size_t>(render_.depth);
+    const auto vertices = size_t(render_.depth);
     paths_ = RecordedPaths(render_.pixels, first, nextUpdate_, kMaxRecorded / vertices);
     rendered_.Begin(paths_.Count(), vertices);
 }
@@ -97,9 +96,8 @@ void VisibilityModel::BeginRecording(int first) {
 void VisibilityModel::RecordLightSample(PathPlaces &path, const LightQuery &query, const SampledLight &light,
                                         const SampledSpectrum &irradiance) {
     if (path.next >= path.end || !(light.unoccluded > 0)) return;
-    const auto ratio =
-        static_cast<Float>(RootMeanSquare(irradiance) / groups_.Lights().Unit() / double(light.unoccluded));
-    const Float weight = light.weight / static_cast<Float>(RaysPerVertex());
+    const auto ratio = Float(RootMeanSquare(irradiance) / groups_.Lights().Unit() / double(light.unoccluded));
+    const Float weight = light.weight / Float(RaysPerVertex());
     if (!std::isfinite(ratio) || !std::isfinite(weight)) return;
     rendered_.Add(path, {query.p, query.ns == Normal3(0), {groups_.GroupOf(light.light), weight, weight, ratio}});
 }
@@ -107,7 +105,7 @@ void VisibilityModel::RecordLightSample(PathPlaces &path, const LightQuery &quer
 void VisibilityModel::AppendRendered(VisibilityRecords *records, bool inMedium) const {
     for (const RenderShadowRay &r : rendered_.Places()) {
         if (r.IsEmpty() || (r.inMedium == 1) != inMedium) continue;
-        records->records.push_back({r.p, static_cast<uint32_t>(records->rays.size()), 1});
+        records->records.push_back({r.p, uint32_t(records->rays.size()), 1});
         records->rays.push_back(r.ray);
     }
 }
@@ -208,14 +206,13 @@ void VisibilityModel::Inspect(const LightQuery &query, std::vector<InspectedValu
     CellOctree::Cell cell;
     if (tree) cell = tree->Cells().CellAt(query.p);
     const double records = tree ? estimate.recordsPerNode[cell.node] : 0;
-    values.push_back({"leaf", static_cast<double>(cell.row), true});
+    values.push_back({"leaf", double(cell.row), true});
     values.push_back({"leaf records", records, false});
-    values.push_back({"leaf depth", static_cast<double>(cell.depth), false});
+    values.push_back({"leaf depth", double(cell.depth), false});
     if (lights_) return;
     for (size_t i = 0; i < std::min<size_t>(groups_.Size(), 16); ++i)
         values.push_back({fmt::format("factor {}", i),
-                          tree ? static_cast<double>(VisibilityTree::Decode(tree->GetRow(cell.row).codes[i])) : 1.0,
-                          false});
+                          tree ? double(VisibilityTree::Decode(tree->GetRow(cell.row).codes[i])) : 1.0, false});
 }
 
 std::string VisibilityModel::Describe() const {

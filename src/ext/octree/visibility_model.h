@@ -72,10 +72,7 @@ class VisibilityModel final : public OnlineModel, public PathObserver {
         std::vector<uint32_t> recordsPerNode{};
         size_t leavesBefore = 0;
 
-        template <class Archive>
-        void Visit(Archive &archive) {
-            archive(tree, leaves, recordsPerNode, leavesBefore);
-        }
+        void Visit(auto &archive) { archive(tree, leaves, recordsPerNode, leavesBefore); }
         /// Empty if valid for this many light groups and this light tree (or null), else the error.
         std::optional<std::string> ValidateFor(size_t groups, const LightTree *lights) const;
     };

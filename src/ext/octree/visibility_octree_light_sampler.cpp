@@ -11,7 +11,6 @@
 #include "pbrt/lightsamplers/weighted_choice.h"
 
 namespace ext {
-
 namespace {
 
 /// Mean cosine above which light selection in media includes the phase function. Below it, the cost equals the error
@@ -87,9 +86,9 @@ double VisibilityOctreeLightSampler::PathsPerPixel(const PrepareContext &context
     budget.raysPerVertex = model_.RaysPerVertex();
     budget.environmentRays = portals_.RaysPerVertex();
     budget.depth = std::min(params_.depth, std::max(1, context.maxDepth));
-    budget.pixels = static_cast<double>(std::max<int64_t>(1, context.pixelBounds.Area()));
+    budget.pixels = double(std::max<int64_t>(1, context.pixelBounds.Area()));
     budget.samplesPerPixel = context.samplesPerPixel;
-    budget.budget = static_cast<double>(params_.budget);
+    budget.budget = double(params_.budget);
     return budget.PathsPerPixel();
 }
 
@@ -143,7 +142,7 @@ void VisibilityOctreeLightSampler::WeighScattering(const LightQuery &query, Cand
     constexpr Float kAlike = 0.1f;
     // Lights below this weight skip the lobe evaluation, which costs as much as the rest of the selection. They
     // contribute little noise, and BSDF samples cover the brightest.
-    const Float least = c->SumW() * std::min(Float(0.01), Float(0.15) / static_cast<Float>(c->count));
+    const Float least = c->SumW() * std::min(Float(0.01), Float(0.15) / Float(c->count));
     Vector3 wi[kMaxCandidates];
     uint8_t evaluated[kMaxCandidates];
     size_t count = 0;
@@ -152,8 +151,8 @@ void VisibilityOctreeLightSampler::WeighScattering(const LightQuery &query, Cand
         // A node of several lights spans directions far from its centre.
         if (lightTree_ && !lightTree_->IsLight(c->nodes[i])) continue;
         wi[count] = importance_.DirectionTo(
-            query.p, lightTree_ ? lightTree_->LightAt(lightTree_->At(c->nodes[i]).begin) : static_cast<uint32_t>(i));
-        if (wi[count] != Vector3(0)) evaluated[count++] = static_cast<uint8_t>(i);
+            query.p, lightTree_ ? lightTree_->LightAt(lightTree_->At(c->nodes[i]).begin) : uint32_t(i));
+        if (wi[count] != Vector3(0)) evaluated[count++] = uint8_t(i);
     }
     Float f[kMaxCandidates];
     if (query.phase)

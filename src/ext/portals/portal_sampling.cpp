@@ -5,7 +5,6 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
-#include "ext/visibility/visibility_records.h"
 #include "ext/visibility/visibility_tree_builder.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/progress.h"
@@ -13,7 +12,6 @@
 #include "pbrt/math/rng.h"
 
 namespace ext {
-
 namespace {
 
 constexpr uint64_t kStream = 0x77696e646f77;
@@ -28,15 +26,14 @@ Float PerMeanRadiance(const EnvironmentLight &light, double unit) {
     double sum = 0;
     int count = 0;
     for (int i = 0; i < kSide * kSide; ++i) {
-        const Point2 u((static_cast<Float>(i % kSide) + Float(0.5)) / kSide,
-                       (static_cast<Float>(i / kSide) + Float(0.5)) / kSide);
+        const Point2 u((Float(i % kSide) + Float(0.5)) / kSide, (Float(i / kSide) + Float(0.5)) / kSide);
         const std::optional<LightLiSample> s = light.SampleLi({}, u, SampledWavelengths::WholeRange(), false, 0);
         const Float mean = s ? light.MeanRadiance(s->wi) : 0;
         if (!(mean > 0)) continue;
-        sum += RootMeanSquare(s->L) / static_cast<double>(mean);
+        sum += RootMeanSquare(s->L) / double(mean);
         ++count;
     }
-    return count > 0 ? static_cast<Float>(sum / count / unit) : 0;
+    return count > 0 ? Float(sum / count / unit) : 0;
 }
 
 /// Mean clamped cosine over the portal's bounding sphere, as for local lights (EmitterPacket): 0 only where the sphere
@@ -97,7 +94,7 @@ std::vector<Portal> Kept(std::span<const Portal> portals, std::span<const Enviro
     for (const EnvironmentRay &ray : rays) {
         if (!ray.left) continue;
         const auto first = std::ranges::find_if(portals, [&](const Portal &p) { return p.IsPassed(ray.p, ray.d); });
-        if (first != portals.end()) ++passed[static_cast<size_t>(first - portals.begin())];
+        if (first != portals.end()) ++passed[size_t(first - portals.begin())];
         else if (std::ranges::none_of(portals, [&](const Portal &p) { return p.IsBefore(ray.p); })) continue;
         ++left;
     }
@@ -142,7 +139,7 @@ void PortalSampling::Find(PrepareContext &context, std::span<const PrepassVertex
     const auto isSeenMoreThan = [&](double share, size_t count) {
         rays = TraceEnvironmentRays(context, ids_, vertices, count);
         const auto left = std::ranges::count_if(rays, [](const EnvironmentRay &ray) { return ray.left; });
-        seenShare_ = static_cast<double>(left) / static_cast<double>(std::max<size_t>(rays.size(), 1));
+        seenShare_ = double(left) / double(std::max<size_t>(rays.size(), 1));
         return context.progress.Cancelled() || seenShare_ > share;
     };
     // Outdoors, a few vertices suffice.
@@ -170,7 +167,7 @@ void PortalSampling::Evaluate(const LightQuery &query, const Environment &e, Flo
 
 double PortalSampling::CostPerVertex() const {
     // Measured on sunny-room and the dining room, in the unit of CompareTrials.
-    return 0.15 + 0.25 * static_cast<double>(count_ * environments_.size());
+    return 0.15 + 0.25 * double(count_ * environments_.size());
 }
 
 bool PortalSampling::EndTrial(const TrialRatio &result) {
@@ -182,20 +179,19 @@ bool PortalSampling::EndTrial(const TrialRatio &result) {
 
 bool PortalSampling::Learn(PrepareContext &context, std::span<const PrepassVertex> vertices) {
     std::vector<std::vector<ShadowRay>> traced(vertices.size());
-    ParallelFor(static_cast<int64_t>(vertices.size()), 64, [&](int64_t begin, int64_t end) {
-        for (auto v = static_cast<size_t>(begin); v < static_cast<size_t>(end); ++v)
+    ParallelFor(int64_t(vertices.size()), 64, [&](int64_t begin, int64_t end) {
+        for (auto v = size_t(begin); v < size_t(end); ++v)
             traced[v] = TraceRegions(context, vertices[v], Hash(kStream, context.seed, v));
     });
     VisibilityRecords records;
     for (size_t v = 0; v < vertices.size(); ++v) {
         if (traced[v].empty()) continue;
-        records.records.push_back(
-            {vertices[v].at.p, static_cast<uint32_t>(records.rays.size()), static_cast<uint32_t>(traced[v].size())});
+        records.records.push_back({vertices[v].at.p, uint32_t(records.rays.size()), uint32_t(traced[v].size())});
         records.rays.insert(records.rays.end(), traced[v].begin(), traced[v].end());
     }
     if (records.records.empty() || context.progress.Cancelled()) return false;
     VisibilityBuildSettings settings;
-    settings.lightCount = static_cast<int>(RegionCount() * Count());
+    settings.lightCount = int(RegionCount() * Count());
     settings.floor = floor_;
     VisibilityTreeBuilder builder(context.scene.Bounds(), records.records, records.rays, settings);
     std::optional<VisibilityTree> tree = builder.Build([&] { return context.progress.Cancelled(); });
@@ -218,9 +214,8 @@ std::vector<ShadowRay> PortalSampling::TraceRegions(PrepareContext &context, con
             if (!(g[i] > 0)) continue;
             sum += g[i];
             const double found = VisibleContribution(context.scene, vertex, lights_.Region(e.id, RegionOf(e, i)), u);
-            const auto ratio = static_cast<Float>(found / double(g[i]));
-            rays.push_back(
-                {static_cast<uint32_t>(k * RegionCount() + i), g[i], g[i], std::isfinite(ratio) ? ratio : 0});
+            const auto ratio = Float(found / double(g[i]));
+            rays.push_back({uint32_t(k * RegionCount() + i), g[i], g[i], std::isfinite(ratio) ? ratio : 0});
         }
     }
     for (ShadowRay &ray : rays) ray.share = ray.weight = ray.share / sum;
@@ -304,10 +299,10 @@ void PortalSampling::Inspect(const Point3 &p, std::vector<InspectedValue> &value
     if (!IsActive()) return;
     const uint32_t cell = tree_.Cells().CellAt(p).row;
     const VisibilityTree::Row row = tree_.GetRow(cell);
-    values.push_back({"portal cell", static_cast<double>(cell), true});
+    values.push_back({"portal cell", double(cell), true});
     for (size_t i = 0; i < RegionCount(); ++i)
         values.push_back({i < count_ ? fmt::format("portal {} seen", i) : std::string("rest of the environment seen"),
-                          static_cast<double>(VisibilityTree::Decode(row.codes[i])), false});
+                          double(VisibilityTree::Decode(row.codes[i])), false});
 }
 
 std::string PortalSampling::Describe() const {

@@ -91,9 +91,7 @@ class PortalSampling {
         std::optional<EnvironmentPortals> portals{};
     };
     size_t RegionCount() const { return count_ + 1; }
-    static EnvironmentRegion RegionOf(const Environment &e, size_t region) {
-        return {&*e.portals, static_cast<uint32_t>(region)};
-    }
+    static EnvironmentRegion RegionOf(const Environment &e, size_t region) { return {&*e.portals, uint32_t(region)}; }
     void Use(std::span<const Portal> portals);
     void Evaluate(const LightQuery &query, const Environment &e, Float *g) const;
     bool Learn(PrepareContext &context, std::span<const PrepassVertex> vertices);

@@ -9,7 +9,6 @@
 #include "pbrt/math/rng.h"
 
 namespace ext {
-
 namespace {
 
 constexpr uint64_t kRayStream = 0x736b79;
@@ -46,7 +45,7 @@ std::vector<Vector3> Facings(std::span<const Normal3> normals) {
         const bool turned =
             n.x < -1e-3f || (std::abs(n.x) <= 1e-3f && (n.y < -1e-3f || (std::abs(n.y) <= 1e-3f && n.z < 0)));
         const Vector3 v = turned ? Vector3(-n) : Vector3(n);
-        const auto place = [](Float x) { return static_cast<int>(std::lround(x * 40)); };
+        const auto place = [](Float x) { return int(std::lround(x * 40)); };
         auto &[count, sum] = bins[{place(v.x), place(v.y), place(v.z)}];
         ++count;
         sum += v;
@@ -84,7 +83,7 @@ std::pair<Float, Float> Range(std::vector<Float> v) {
 
 /// Slightly widened range of nearly all values.
 std::pair<Float, Float> Around(std::vector<Float> v) {
-    const auto n = static_cast<Float>(v.size());
+    const auto n = Float(v.size());
     const auto [low, high] = Range(std::move(v));
     const Float more = (high - low) * (1 / n + Float(0.01));
     return {low - more, high + more};
@@ -115,8 +114,8 @@ class Planes {
   public:
     Planes(const Frame &frame, std::span<const Line> lines) : frame_(frame) {
         // Cell size: cells of a portal must be connected by the rays through them.
-        const auto left = static_cast<double>(std::ranges::count_if(lines, [](const Line &line) { return line.left; }));
-        cells_ = std::clamp(static_cast<int>(1.5 * std::sqrt(left)), kMinCells, kMaxCells);
+        const auto left = double(std::ranges::count_if(lines, [](const Line &line) { return line.left; }));
+        cells_ = std::clamp(int(1.5 * std::sqrt(left)), kMinCells, kMaxCells);
         std::vector<Float> x, y, z;
         for (const Line &line : lines) {
             const Vector3 p = frame.ToLocal(line.p);
@@ -148,9 +147,9 @@ class Planes {
             if (gain > best.gain) best = {gain, height};
         };
         const Float step = (high_.z - low_.z) / kSteps;
-        for (int i = 0; i < kSteps; ++i) test(low_.z + (static_cast<Float>(i) + Float(0.5)) * step);
+        for (int i = 0; i < kSteps; ++i) test(low_.z + (Float(i) + Float(0.5)) * step);
         const Float coarse = best.height;
-        for (int i = -kFineSteps; i <= kFineSteps; ++i) test(coarse + static_cast<Float>(i) * step / kFineSteps);
+        for (int i = -kFineSteps; i <= kFineSteps; ++i) test(coarse + Float(i) * step / kFineSteps);
         return best;
     }
 
@@ -164,12 +163,12 @@ class Planes {
             std::vector<size_t> open{i};
             component[i] = components;
             while (!open.empty()) {
-                const auto at = static_cast<int>(open.back());
+                const auto at = int(open.back());
                 open.pop_back();
                 for (int n = 0; n < 9; ++n) {
                     const int x = at % cells_ + n % 3 - 1, y = at / cells_ + n / 3 - 1;
                     if (x < 0 || y < 0 || x >= cells_ || y >= cells_) continue;
-                    const auto to = static_cast<size_t>(y * cells_ + x);
+                    const auto to = size_t(y * cells_ + x);
                     if (component[to] >= 0 || !(grid[to].Gain() > 0)) continue;
                     component[to] = components;
                     open.push_back(to);
@@ -186,7 +185,7 @@ class Planes {
             const std::optional<Point2> at = c.At(height);
             const std::optional<size_t> cell = at && c.left ? CellAt(*at) : std::nullopt;
             if (!cell || component[*cell] < 0) continue;
-            Found &f = found[static_cast<size_t>(component[*cell])];
+            Found &f = found[size_t(component[*cell])];
             f.x.push_back(at->x), f.y.push_back(at->y);
             f.count += c.count;
         }
@@ -206,13 +205,13 @@ class Planes {
 
   private:
     std::optional<size_t> CellAt(const Point2 &at) const {
-        const auto n = static_cast<Float>(cells_);
+        const auto n = Float(cells_);
         const Float x = (at.x - low_.x) / (high_.x - low_.x) * n, y = (at.y - low_.y) / (high_.y - low_.y) * n;
         if (!(x >= 0 && y >= 0 && x < n && y < n)) return {};
-        return static_cast<size_t>(y) * static_cast<size_t>(cells_) + static_cast<size_t>(x);
+        return size_t(y) * size_t(cells_) + size_t(x);
     }
     Grid Count(Float height) const {
-        Grid grid(static_cast<size_t>(cells_) * static_cast<size_t>(cells_));
+        Grid grid(static_cast<size_t>(cells_) * size_t(cells_));
         for (const Crossing &c : crossing_)
             if (const std::optional<Point2> at = c.At(height))
                 if (const std::optional<size_t> cell = CellAt(*at))
@@ -257,7 +256,7 @@ Portal AtNarrowest(const Portal &portal, std::span<const Line> lines) {
     const Float reach = std::max(size.x, size.y) / 2;
     constexpr int kTried = 24;
     for (int i = -kTried; i <= kTried; ++i) {
-        const std::optional<Portal> there = at(portal.low.z + reach * static_cast<Float>(i) / kTried);
+        const std::optional<Portal> there = at(portal.low.z + reach * Float(i) / kTried);
         if (there && area(*there) < least) least = area(*there), narrowest = *there;
     }
     return narrowest;
@@ -270,8 +269,7 @@ std::vector<Line> SomeOf(std::span<const EnvironmentRay> rays) {
     std::vector<Line> lines;
     for (const EnvironmentRay &ray : rays) {
         const size_t n = count[ray.left], taken = std::min(n, kMaxRays), i = seen[ray.left]++;
-        if (i * taken / n != (i + 1) * taken / n)
-            lines.push_back({ray.p, ray.d, ray.left, static_cast<double>(n) / static_cast<double>(taken)});
+        if (i * taken / n != (i + 1) * taken / n) lines.push_back({ray.p, ray.d, ray.left, double(n) / double(taken)});
     }
     return lines;
 }
@@ -284,10 +282,10 @@ std::vector<EnvironmentRay> TraceEnvironmentRays(PrepareContext &context, std::s
     const size_t perVertex =
         std::clamp(kFewRays / std::max<size_t>(count, 1), kEnvironmentRaysPerVertex, kMaxPerVertex);
     std::vector<std::vector<EnvironmentRay>> raysFrom(count);
-    context.progress.BeginPhase("rays to environment lights", static_cast<int64_t>(count));
-    ParallelForEach(static_cast<int64_t>(count), [&](int64_t i) {
+    context.progress.BeginPhase("rays to environment lights", int64_t(count));
+    ParallelForEach(int64_t(count), [&](int64_t i) {
         if (context.progress.Cancelled()) return;
-        const PrepassVertex &vertex = vertices[static_cast<size_t>(i) * vertices.size() / count];
+        const PrepassVertex &vertex = vertices[size_t(i) * vertices.size() / count];
         const LightSampleContext &at = vertex.at;
         Rng rng(Hash(kRayStream, context.seed, i));
         for (const LightId light : lights) {
@@ -305,7 +303,7 @@ std::vector<EnvironmentRay> TraceEnvironmentRays(PrepareContext &context, std::s
                 if (vertex.transmits) cosine = std::abs(cosine);
                 if (at.ns == Normal3(0)) cosine = Float(0.25);
                 if (!(chance < cosine)) continue;
-                raysFrom[static_cast<size_t>(i)].push_back({at.p, s->wi, !context.scene.Occluded(at, *s)});
+                raysFrom[size_t(i)].push_back({at.p, s->wi, !context.scene.Occluded(at, *s)});
                 ++traced;
             }
         }
@@ -325,14 +323,14 @@ std::vector<Portal> FindPortals(std::span<const EnvironmentRay> rays, std::span<
     std::vector<Portal> portals;
     while (portals.size() < kMaxPortals && !lines.empty()) {
         std::vector<Planes::Plane> best(facings.size());
-        ParallelFor(static_cast<int64_t>(facings.size()), 1, [&](int64_t begin, int64_t end) {
-            for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i)
+        ParallelFor(int64_t(facings.size()), 1, [&](int64_t begin, int64_t end) {
+            for (auto i = size_t(begin); i < size_t(end); ++i)
                 best[i] = Planes(FrameOf(facings[i], facings), lines).Best();
         });
         const auto most =
             std::max_element(best.begin(), best.end(), [](const auto &a, const auto &b) { return a.gain < b.gain; });
         if (!(most->gain > kSmallestShare * left)) break;
-        const Planes planes(FrameOf(facings[static_cast<size_t>(most - best.begin())], facings), lines);
+        const Planes planes(FrameOf(facings[size_t(most - best.begin())], facings), lines);
         std::vector<Portal> found = planes.Portals(most->height, kSmallestShare * left);
         if (found.empty()) break;
         if (portals.size() + found.size() > kMaxPortals) found.resize(kMaxPortals - portals.size());
@@ -361,9 +359,9 @@ Portal Refined(const Scene &scene, const Portal &portal, std::span<const Prepass
     std::vector<Point2> passed(kRefiningRays);
     std::vector<char> left(kRefiningRays, 0);
     ParallelFor(kRefiningRays, 256, [&](int64_t begin, int64_t end) {
-        for (auto i = static_cast<size_t>(begin); i < static_cast<size_t>(end); ++i) {
+        for (auto i = size_t(begin); i < size_t(end); ++i) {
             Rng rng(Hash(seed, uint64_t{i}));
-            const auto v = static_cast<size_t>(rng.Uniform() * static_cast<Float>(vertices.size()));
+            const auto v = size_t(rng.Uniform() * Float(vertices.size()));
             const PrepassVertex &vertex = vertices[std::min(v, vertices.size() - 1)];
             const Point2 at = low + rng.Uniform2() * (high - low);
             const Vector3 to = frame.FromLocal({at.x, at.y, portal.low.z}) - vertex.at.p;
@@ -383,11 +381,11 @@ Portal Refined(const Scene &scene, const Portal &portal, std::span<const Prepass
     constexpr auto n = kRefiningCells;
     const auto cellOf = [&](const Point2 &at) {
         const Point2 f = (at - low) / (high - low) * Float(n);
-        return Point2i(std::clamp(static_cast<int>(f.x), 0, n - 1), std::clamp(static_cast<int>(f.y), 0, n - 1));
+        return Point2i(std::clamp(int(f.x), 0, n - 1), std::clamp(int(f.y), 0, n - 1));
     };
     std::vector<char> isLit(static_cast<size_t>(n) * n, 0), isConnected(isLit.size(), 0);
     std::vector<Point2i> open;
-    const auto index = [](const Point2i &c) { return static_cast<size_t>(c.y) * n + static_cast<size_t>(c.x); };
+    const auto index = [](const Point2i &c) { return size_t(c.y) * n + size_t(c.x); };
     for (size_t i = 0; i < left.size(); ++i) {
         if (!left[i]) continue;
         const Point2i cell = cellOf(passed[i]);

@@ -6,7 +6,6 @@
 #include "pbrt/transport/shadow_transmittance.h"
 
 namespace ext {
-
 namespace {
 
 /// Decorrelates the prepass from other uses of the seed.

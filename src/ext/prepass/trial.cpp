@@ -5,7 +5,6 @@
 #include <numeric>
 
 namespace ext {
-
 namespace {
 
 /// Costs in path vertices, each with the ray that leads to it: measured on sunny-room and the dining room.
@@ -36,8 +35,7 @@ TrialRatio CompareTrials(std::span<const TrialPixel> option, std::span<const Tri
                          double extraPerVertex) {
     const size_t blocks = std::min(option.size(), alternative.size()) / kBlock;
     if (blocks == 0) return {};
-    const double mean =
-        (SumOfMeans(option) + SumOfMeans(alternative)) / static_cast<double>(option.size() + alternative.size());
+    const double mean = (SumOfMeans(option) + SumOfMeans(alternative)) / double(option.size() + alternative.size());
     const auto errorOf = [&](std::span<const TrialPixel> trial) {
         std::vector<double> errors;
         for (size_t b = 0; b < blocks; ++b) {
@@ -50,7 +48,7 @@ TrialRatio CompareTrials(std::span<const TrialPixel> option, std::span<const Tri
             errors.push_back(unit > 0 ? variance / unit : 0);
         }
         std::ranges::sort(errors);
-        errors.resize(errors.size() - static_cast<size_t>(kTrimmed * static_cast<double>(errors.size())));
+        errors.resize(errors.size() - size_t(kTrimmed * double(errors.size())));
         return std::accumulate(errors.begin(), errors.end(), 0.0);
     };
     const double alternativeError = errorOf(alternative), alternativeCost = CostOf(alternative, 1);

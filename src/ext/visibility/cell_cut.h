@@ -209,8 +209,7 @@ class CellCut {
             nodes -= count;
         }
         /// Visits the remaining nodes in preorder.
-        template <class Visit>
-        void ForEach(Visit &&visit) const {
+        void ForEach(auto &&visit) const {
             for (uint32_t i = 0; i < items.size(); i = IsInner(i) ? i + 1 : items[i].next) visit(items[i], IsInner(i));
         }
     };

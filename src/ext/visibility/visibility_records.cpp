@@ -7,7 +7,6 @@
 #include "pbrt/math/rng.h"
 
 namespace ext {
-
 namespace {
 
 constexpr size_t kMaxScanned = 64;
@@ -121,9 +120,9 @@ VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const Prepa
     const auto count = int64_t(vertices.size());
     if (vertices.size() > std::numeric_limits<uint32_t>::max() / std::max<size_t>(perRecord, 1))
         throw UserError(
-            fmt::format("octree: the prepass has {} vertices, each with {} shadow rays; more than {} shadow "
-                        "rays cannot be stored. Lower \"prepassspp\" or \"tries\".",
-                        vertices.size(), perRecord, std::numeric_limits<uint32_t>::max()));
+            "octree: the prepass has {} vertices, each with {} shadow rays; more than {} shadow "
+            "rays cannot be stored. Lower \"prepassspp\" or \"tries\".",
+            vertices.size(), perRecord, std::numeric_limits<uint32_t>::max());
     std::vector<VisibilityRecords> chunks(size_t((count + kChunk - 1) / kChunk));
     context.progress.BeginPhase("shadow rays", int64_t(chunks.size()));
     const bool all = perRecord >= groups.Size();

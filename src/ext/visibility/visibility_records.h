@@ -11,10 +11,7 @@ struct VisibilityRecords {
     std::vector<VisibilityRecord> records;
     std::vector<ShadowRay> rays;
 
-    template <class Archive>
-    void Visit(Archive &archive) {
-        archive(records, rays);
-    }
+    void Visit(auto &archive) { archive(records, rays); }
     /// Empty if the loaded records are valid, else the error. `groups`: of lights; `lights`: light tree or null.
     std::optional<std::string> ValidateFor(size_t groups, const LightTree *lights) const;
 };

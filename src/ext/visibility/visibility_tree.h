@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -67,8 +66,7 @@ class CellOctree {
     }
     size_t NodeCount() const { return nodes_.size(); }
     /// Calls act(node, row, depth) for every leaf.
-    template <class Act>
-    void ForEachLeaf(Act &&act) const {
+    void ForEachLeaf(auto &&act) const {
         for (uint32_t top = 0; top < TopCount; ++top) VisitLeaves(top, 2, act);
     }
     size_t Bytes() const { return nodes_.capacity() * sizeof(uint32_t); }
@@ -99,8 +97,7 @@ class CellOctree {
         return first;
     }
     void ShrinkToFit() { nodes_.shrink_to_fit(); }
-    template <class Archive>
-    void Visit(Archive &archive) {
+    void Visit(auto &archive) {
         archive(low_, scale_);
         archive.Structure(nodes_);
     }
@@ -125,8 +122,7 @@ class CellOctree {
     }
 
   private:
-    template <class Act>
-    void VisitLeaves(uint32_t node, int depth, Act &&act) const {
+    void VisitLeaves(uint32_t node, int depth, auto &&act) const {
         if (nodes_[node] & LeafBit) act(node, nodes_[node] & ~LeafBit, depth);
         else
             for (uint32_t c = 0; c < 8; ++c) VisitLeaves(nodes_[node] + c, depth + 1, act);
@@ -174,8 +170,7 @@ class VisibilityTree {
                codes_.capacity();
     }
     bool operator==(const VisibilityTree &o) const = default;
-    template <class Archive>
-    void Visit(Archive &archive) {
+    void Visit(auto &archive) {
         archive(cells_);
         archive.Structure(offset_);
         archive.Structure(nodes_);

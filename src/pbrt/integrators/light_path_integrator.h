@@ -90,8 +90,7 @@ class LightPathIntegrator final : public PixelIntegrator {
       private:
         /// Splats radiance `leaving`(wi) from `from`, in the medium `mediumTowards`(wi) on that side, if visible to the
         /// camera.
-        template <class M, class L>
-        void Splat(const LightSampleContext &from, const Point2 &uLens, M &&mediumTowards, L &&leaving) {
+        void Splat(const LightSampleContext &from, const Point2 &uLens, auto &&mediumTowards, auto &&leaving) {
             const std::optional<CameraConnection> seen = context_.camera.Connect(from.p, uLens, time_);
             if (!seen) return;
             SampledSpectrum radiance = leaving(seen->wi) * (seen->weight * splatUnit_);

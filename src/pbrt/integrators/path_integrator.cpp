@@ -6,7 +6,6 @@
 #include "pbrt/samplers/random_samplers.h"
 
 namespace pbrt {
-
 namespace {
 
 constexpr int kSamples = 4;  ///< per pixel

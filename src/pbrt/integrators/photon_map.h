@@ -1,6 +1,5 @@
 #pragma once
 #include <bit>
-#include <functional>
 #include <vector>
 
 #include "pbrt/math/rng.h"
@@ -56,8 +55,7 @@ class PhotonMap {
     Float Radius() const { return radius_; }
     size_t Size() const { return photons_.size(); }
     /// Calls visit(photon) for every photon within the radius of `p`.
-    template <class Visit>
-    void ForEachAround(const Point3 &p, Visit &&visit) const;
+    void ForEachAround(const Point3 &p, auto &&visit) const;
 
   private:
     struct Cell {
@@ -78,8 +76,7 @@ class PhotonMap {
     double perWidth_ = 0;
 };
 
-template <class Visit>
-void PhotonMap::ForEachAround(const Point3 &p, Visit &&visit) const {
+void PhotonMap::ForEachAround(const Point3 &p, auto &&visit) const {
     if (photons_.empty()) return;
     const double r = double(radius_);
     const Cell low = CellOf(double(p.x) - r, double(p.y) - r, double(p.z) - r),

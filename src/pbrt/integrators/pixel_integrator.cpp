@@ -3,10 +3,8 @@
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/progress.h"
 #include "pbrt/core/work_distributor.h"
-#include "pbrt/integrators/integrator.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Gathers the progress of all processes on rank 0. `whole`: number of chunks this process finished. `before`:
@@ -51,7 +49,7 @@ bool RenderChunks(const RenderPass &pass, const PassChunks &chunks) {
     const auto doneBefore = [&](int64_t i) { return pass.done ? (*pass.done)[i] : 0; };
     for (int64_t i = 0; pass.done && i < chunks.count; ++i)
         if (pass.done->size() != size_t(chunks.count) || doneBefore(i) > chunks.samplesOf(i))
-            throw UserError(fmt::format("{}: what is left of a pass does not fit the picture.", pass.doneFile));
+            throw UserError("{}: what is left of a pass does not fit the picture.", pass.doneFile);
     if (chunks.splat) pass.film.ExpectSplats();
     std::atomic<int64_t> whole = 0;
     std::atomic<uint64_t> paths = 0;

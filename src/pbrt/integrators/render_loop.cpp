@@ -13,7 +13,6 @@
 #include "pbrt/images/metrics.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Logs one line "samples, mean squared error" per wave against a reference image.
@@ -28,14 +27,13 @@ class ReferenceLog {
         Bounds2i have = file.metadata.pixelBounds.value_or(Bounds2i{{0, 0}, file.image.Resolution()});
         if (wanted.low.x < have.low.x || wanted.low.y < have.low.y || wanted.high.x > have.high.x ||
             wanted.high.y > have.high.y)
-            throw UserError(
-                fmt::format("{}: the reference image covers x {}-{}, y {}-{}; the film needs x {}-{}, y {}-{}.",
+            throw UserError("{}: the reference image covers x {}-{}, y {}-{}; the film needs x {}-{}, y {}-{}.",
                             referenceImage, have.low.x, have.high.x, have.low.y, have.high.y, wanted.low.x,
-                            wanted.high.x, wanted.low.y, wanted.high.y));
+                            wanted.high.x, wanted.low.y, wanted.high.y);
         reference_ = file.image.Select({"R", "G", "B"}).Crop({wanted.low - have.low, wanted.high - have.low});
         name_ = outFile;
         out_.reset(std::fopen(name_.c_str(), "w"));
-        if (!out_) throw UserError(fmt::format("{}: cannot be written: {}.", name_, std::strerror(errno)));
+        if (!out_) throw UserError("{}: cannot be written: {}.", name_, std::strerror(errno));
     }
 
     bool IsKept() const { return bool(reference_); }

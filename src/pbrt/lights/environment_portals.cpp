@@ -5,7 +5,6 @@
 #include "pbrt/core/error.h"
 
 namespace pbrt {
-
 namespace {
 
 bool AreEqual(const Frame &a, const Frame &b) { return a.x == b.x && a.y == b.y && a.z == b.z; }

@@ -15,7 +15,6 @@
 #include "pbrt/spectra/spectrum_params.h"
 
 namespace pbrt {
-
 namespace {
 
 void RequirePosition(const ParamSet &set, const LightContext &context, const Point3 &p) {
@@ -26,8 +25,8 @@ void RequirePosition(const ParamSet &set, const LightContext &context, const Poi
 Float RequireFinite(const ParamSet &set, Float scale, const Spectrum &emission, const char *name) {
     if (!std::isfinite(scale) || !std::isfinite(scale * emission.MaxValue()))
         throw set.Error(set.Has("scale") ? "scale" : name,
-                        fmt::format("\"{}\" times all that scales it is larger than the largest number, {:.4g}.", name,
-                                    std::numeric_limits<Float>::max()));
+                        "\"{}\" times all that scales it is larger than the largest number, {:.4g}.", name,
+                        std::numeric_limits<Float>::max());
     return scale;
 }
 
@@ -37,19 +36,17 @@ Float PhotometricScale(const ParamSet &set, Float scale, const Spectrum &emissio
     if (photometric > 0) return scale / photometric;
     // Black lights are legal; other emission without luminance cannot be photometrically normalized.
     if (!(emission.MaxValue() > 0)) return 0;
-    throw set.Error(name, fmt::format("\"{}\" emits nothing that the eye can see, so it cannot be scaled to "
-                                      "photometric units.",
-                                      name));
+    throw set.Error(name, "\"{}\" emits nothing that the eye can see, so it cannot be scaled to photometric units.",
+                    name);
 }
 
 void RequireSquare(const ParamSet &set, const LightImage &light) {
     Point2i n = light.image.Resolution();
     if (n.x != n.y)
         throw set.Error("filename",
-                        fmt::format("\"{}\" has {} x {} pixels; an image of directions must be square, in the "
-                                    "equal-area octahedral layout (imgtool makeequiarea converts latitude-longitude "
-                                    "images).",
-                                    light.name, n.x, n.y));
+                        "\"{}\" has {} x {} pixels; an image of directions must be square, in the equal-area "
+                        "octahedral layout (imgtool makeequiarea converts latitude-longitude images).",
+                        light.name, n.x, n.y);
 }
 
 SpectrumPtr OrIlluminant(const SpectrumParam &given, const LightContext &context) {
@@ -64,8 +61,7 @@ constexpr const char *kIlluminanceHelp = "if above 0: total illuminance, in lux"
 struct IntensityParams {
     SpectrumParam intensity = kEmission;
     Float scale = 1, power = -1;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("I", intensity, "intensity; default: illuminant of the colour space");
         v("scale", scale, kBrightnessRange, kScaleHelp);
         v("power", power, kPowerRange, kPowerHelp);
@@ -74,8 +70,7 @@ struct IntensityParams {
 
 struct DirectionParams {
     Point3 from{0, 0, 0}, to{0, 0, 1};
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("from", from, kPosition, "where light comes from");
         v("to", to, kPosition, "point that it shines to");
     }
@@ -90,8 +85,7 @@ struct DirectionParams {
 
 struct PointParams : IntensityParams {
     Point3 from{0, 0, 0};
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         IntensityParams::Describe(v);
         v("from", from, kPosition, "position");
     }
@@ -109,8 +103,7 @@ std::unique_ptr<Light> MakePoint(const PointParams &p, const ParamSet &set, cons
 struct SpotParams : IntensityParams {
     DirectionParams direction;
     Float coneAngle = 30, delta = 5;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         IntensityParams::Describe(v);
         direction.Describe(v);
         v("coneangle", coneAngle, Positive(180, "degrees"), "angle between axis and border");
@@ -122,9 +115,8 @@ std::unique_ptr<Light> MakeSpot(const SpotParams &p, const ParamSet &set, const 
     SpectrumPtr intensity = OrIlluminant(p.intensity, context);
     Float scale = PhotometricScale(set, p.scale, *intensity, "I");
     if (!(p.delta >= 0 && p.delta <= 2 * p.coneAngle))
-        throw set.Error("conedeltaangle",
-                        fmt::format("\"conedeltaangle\" is {}; it must be from 0 to twice the cone angle ({}).",
-                                    p.delta, 2 * p.coneAngle));
+        throw set.Error("conedeltaangle", "\"conedeltaangle\" is {}; it must be from 0 to twice the cone angle ({}).",
+                        p.delta, 2 * p.coneAngle);
     RequirePosition(set, context, p.direction.from);
     // A falloff wider than the cone starts on the other side of the axis; only its cosine matters.
     Float falloffStart = std::abs(p.coneAngle - p.delta);
@@ -138,8 +130,7 @@ struct DistantParams {
     SpectrumParam radiance = kEmission;
     Float scale = 1, illuminance = -1;
     DirectionParams direction;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("L", radiance, "radiance; default: illuminant of the colour space");
         v("scale", scale, kBrightnessRange, kScaleHelp);
         v("illuminance", illuminance, kPowerRange, kIlluminanceHelp);
@@ -158,15 +149,13 @@ std::unique_ptr<Light> MakeDistant(const DistantParams &p, const ParamSet &set, 
 
 /// Factor to reach `power`, from the power emitted at scale 1.
 Float PowerFactor(const ParamSet &set, Float power, Float emitted, const std::string &image) {
-    if (!(emitted > 0))
-        throw set.Error("power", fmt::format("\"{}\" is black, so \"power\" cannot be reached.", image));
+    if (!(emitted > 0)) throw set.Error("power", "\"{}\" is black, so \"power\" cannot be reached.", image);
     return power / emitted;
 }
 
 struct GoniometricParams : IntensityParams {
     std::string filename;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         IntensityParams::Describe(v);
         v("filename", filename, "square image of factors by direction");
     }
@@ -194,8 +183,7 @@ std::unique_ptr<Light> MakeGoniometric(const GoniometricParams &p, const ParamSe
 struct ProjectionParams {
     std::string filename;
     Float fov = 90, scale = 1, power = -1;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("filename", filename, Required(), "projected image");
         v("fov", fov, Range<Float>{0, 180, true, true, "degrees"}, "field of view along the shorter side");
         v("scale", scale, kBrightnessRange, kScaleHelp);
@@ -242,8 +230,7 @@ struct InfiniteParams {
     std::string filename;
     Float scale = 1, illuminance = -1;
     std::vector<Point3> portal;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("L", radiance, "radiance; default without image: illuminant of the colour space");
         v("filename", filename, "square image, equal-area octahedral");
         v("scale", scale, kBrightnessRange, kScaleHelp);
@@ -256,8 +243,7 @@ std::optional<std::array<Point3, 4>> GetPortal(const std::vector<Point3> &given,
                                                const LightContext &context) {
     if (given.empty()) return {};
     if (given.size() != 4)
-        throw set.Error("portal",
-                        fmt::format("\"portal\" takes the 4 corners of a rectangle, found {} points.", given.size()));
+        throw set.Error("portal", "\"portal\" takes the 4 corners of a rectangle, found {} points.", given.size());
     std::array<Point3, 4> p;
     std::copy(given.begin(), given.end(), p.begin());
     Vector3 x = p[3] - p[0], y = p[1] - p[0];
@@ -320,9 +306,8 @@ std::unique_ptr<Light> MakeInfinite(const InfiniteParams &p, const ParamSet &set
     if (p.illuminance > 0) {
         Float measured = MeasureIlluminance(light, IlluminanceWeights(light, portal.has_value()));
         if (!(measured > 0))
-            throw set.Error("illuminance", fmt::format("\"{}\" is black above the horizon, so \"illuminance\" cannot "
-                                                       "be reached.",
-                                                       light.name));
+            throw set.Error("illuminance", "\"{}\" is black above the horizon, so \"illuminance\" cannot be reached.",
+                            light.name);
         scale *= p.illuminance / measured;
     }
     RequireFinite(set, scale, illuminant, "filename");
@@ -338,8 +323,7 @@ struct DiffuseAreaParams {
     std::string filename;
     Float scale = 1, power = -1;
     bool twoSided = false;
-    template <class V>
-    void Describe(V &&v) {
+    void Describe(auto &&v) {
         v("L", radiance, "radiance; default without image: illuminant of the colour space");
         v("filename", filename, "image over (u, v), v upwards");
         v("scale", scale, kBrightnessRange, kScaleHelp);

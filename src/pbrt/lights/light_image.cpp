@@ -9,7 +9,6 @@
 #include "pbrt/math/rng.h"
 
 namespace pbrt {
-
 namespace {
 
 bool HasRgb(const Image &image) {
@@ -27,9 +26,8 @@ LightImage Read(const std::string &path, Select select) {
             for (int c = 0; c < result.image.ChannelCount(); ++c)
                 if (!std::isfinite(result.image.Get({x, y}, c)))
                     throw UserError(
-                        fmt::format("\"{}\": pixel ({}, {}) is infinite or not a number; such an image "
-                                    "cannot emit light.",
-                                    path, x, y));
+                        "\"{}\": pixel ({}, {}) is infinite or not a number; such an image cannot emit light.", path, x,
+                        y);
     return result;
 }
 
@@ -37,8 +35,7 @@ LightImage Read(const std::string &path, Select select) {
 
 LightImage ReadLightImage(const std::string &path) {
     return Read(path, [&](const Image &image) {
-        if (!HasRgb(image))
-            throw UserError(fmt::format("\"{}\": an image that emits light must have channels R, G and B.", path));
+        if (!HasRgb(image)) throw UserError("\"{}\": an image that emits light must have channels R, G and B.", path);
         return image.Select({"R", "G", "B"});
     });
 }
@@ -47,8 +44,8 @@ LightImage ReadIntensityImage(const std::string &path) {
     return Read(path, [&](const Image &image) {
         bool hasY = image.FindChannel("Y") >= 0;
         if (HasRgb(image) == hasY)
-            throw UserError(fmt::format(
-                "\"{}\": an image of intensities must have either a channel Y or channels R, G and B.", path));
+            throw UserError("\"{}\": an image of intensities must have either a channel Y or channels R, G and B.",
+                            path);
         if (hasY) return image.Select({"Y"});
         Image rgb = image.Select({"R", "G", "B"}), mean(PixelFormat::Float, rgb.Resolution(), {"Y"});
         for (int y = 0; y < rgb.Resolution().y; ++y)

@@ -1,10 +1,8 @@
 #include "pbrt/lights/light_table.h"
 
-#include "pbrt/core/error.h"
 #include "pbrt/lights/environment_light.h"
 
 namespace pbrt {
-
 namespace {
 /// Minimum power of an emitting light, relative to the maximum.
 constexpr double kMinShare = 1e-30;

@@ -6,7 +6,6 @@
 #include "pbrt/lights/environment_light.h"
 
 namespace pbrt {
-
 namespace {
 
 constexpr int kMinSide = 128, kMaxSide = 512;

@@ -1,6 +1,5 @@
 #include "pbrt/lightsamplers/group_light_sampler.h"
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 
 namespace pbrt {

@@ -5,13 +5,11 @@
 #include <array>
 #include <bit>
 #include <cstring>
-#include <optional>
 
 #include "pbrt/core/error.h"
 #include "pbrt/lightsamplers/light_packet.h"
 
 namespace pbrt {
-
 namespace {
 
 constexpr Float kSteps = 65535;

@@ -16,8 +16,7 @@ std::string LightSamplerRegistry::Listing() const {
     return ListingOf(samplers.Document("lightsamplers")) +
            "\n    Every sampler that has no parameter \"meshlights\" takes \"bool meshlights\" of the integrator\n"
            "    (\"+mesh\" in flags): an emissive mesh is one light; inside it a triangle is chosen by its share of "
-           "the "
-           "power.\n";
+           "the power.\n";
 }
 
 namespace {

@@ -70,11 +70,10 @@ struct DirectLight {
 ///
 /// `from`: receiver of light sampling (ScatteringContextAt). The observer receives irradiance over the density of the
 /// point, also where it is 0.
-template <class Scatter, class Trace>
 std::optional<DirectLight> SampleDirectLight(const LightTable &table, const LightDistribution &lights,
                                              const LightSampleContext &from, const SampledWavelengths &lambda,
                                              bool allowIncompletePdfs, Float uLight, Point2 uPoint,
-                                             ObservedPath &observed, Scatter &&scatter, Trace &&trace) {
+                                             ObservedPath &observed, auto &&scatter, auto &&trace) {
     const std::optional<SampledLight> chosen = lights.Sample(uLight, &uPoint);
     if (!chosen) {
         ++ThreadCounters().zeroLightSamples;
@@ -100,11 +99,10 @@ std::optional<DirectLight> SampleDirectLight(const LightTable &table, const Ligh
 }
 
 /// SampleDirectLight at a surface, with the same `trace`.
-template <class Trace>
 std::optional<DirectLight> SampleDirectLight(const Scene &scene, const PathVertex &vertex,
                                              const LightDistribution &lights, const SampledWavelengths &lambda,
                                              bool allowIncompletePdfs, Float uLight, Point2 uPoint,
-                                             ObservedPath &observed, Trace &&trace) {
+                                             ObservedPath &observed, auto &&trace) {
     const auto &[point, bsdf] = vertex;
     return SampleDirectLight(
         scene.Lights(), lights, ScatteringContextAt(scene, point, bsdf), lambda, allowIncompletePdfs, uLight, uPoint,

@@ -39,8 +39,7 @@ inline Rng NumbersAlong(const Ray &ray, Float u) { return Rng(Hash(ray.o, ray.d,
 /// Delta tracking along a ray through a medium; updates the path's weights. `emits`: calls emit(radiance, mean) for
 /// emission on the way, divided by `mean`, the mean of its densities. `u`: uniform, for the first distance; `rng` for
 /// the rest.
-template <class Emit>
-MediumEvent TrackMedium(MediumOnRay on, Float u, Rng &rng, bool emits, SpectralWeights &weights, Emit &&emit) {
+MediumEvent TrackMedium(MediumOnRay on, Float u, Rng &rng, bool emits, SpectralWeights &weights, auto &&emit) {
     MediumEvent event;
     const SampledSpectrum rest = ForEachCollision(
         on, u, rng,

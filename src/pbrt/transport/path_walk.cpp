@@ -1,6 +1,5 @@
 #include "pbrt/transport/path_walk.h"
 
-#include <new>
 #include <type_traits>
 
 #include "pbrt/bxdfs/bsdf.h"

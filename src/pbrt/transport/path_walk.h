@@ -1,6 +1,5 @@
 #pragma once
 #include "pbrt/films/film.h"
-#include "pbrt/films/visible_surface.h"
 #include "pbrt/samplers/sampler.h"
 #include "pbrt/scene/shading.h"
 #include "pbrt/transport/medium_track.h"
@@ -47,8 +46,7 @@ class PathWalk {
     Met Next();
     /// Calls visit(radiance, light, p, n) for the light of the surface hit, or for every infinite light if nothing was
     /// hit (p and n are zero). Radiance arrives along the ray and is nonzero.
-    template <class Visit>
-    void ForEachEmission(const SampledWavelengths &lambda, Visit &&visit) const;
+    void ForEachEmission(const SampledWavelengths &lambda, auto &&visit) const;
     /// Completes Vertex() with filter footprint and BSDF. Returns false for a non-scattering surface; the ray then
     /// continues behind it. May terminate secondary wavelengths.
     bool FindScattering(SampledWavelengths &lambda);
@@ -59,9 +57,8 @@ class PathWalk {
     void Leave(const Vector3 &wi);
     /// Medium between the previous vertex and the hit of Next; null: vacuum.
     const Medium *MediumAhead() const { return context_.scene.MediumAt(ray_.medium); }
-    template <class Emit>
     MediumEvent ThroughMedium(const SampledWavelengths &lambda, Float u, Rng &rng, bool emits, SpectralWeights &weights,
-                              Emit &&emit) const {
+                              auto &&emit) const {
         return TrackMedium(MediumAhead()->On(ray_, left_ ? Infinity : vertex_.point.t, lambda), u, rng, emits, weights,
                            emit);
     }
@@ -94,8 +91,7 @@ class PathWalk {
     const bool startsWithDifferential_;
 };
 
-template <class Visit>
-void PathWalk::ForEachEmission(const SampledWavelengths &lambda, Visit &&visit) const {
+void PathWalk::ForEachEmission(const SampledWavelengths &lambda, auto &&visit) const {
     const Scene &scene = context_.scene;
     const SurfacePoint &point = vertex_.point;
     if (left_) {

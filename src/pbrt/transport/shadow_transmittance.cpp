@@ -3,7 +3,6 @@
 #include "pbrt/media/tracking.h"
 
 namespace pbrt {
-
 namespace {
 
 /// Transmittance below which Russian roulette applies.
@@ -26,7 +25,7 @@ bool PassMedium(MediumOnRay on, Rng &rng, ShadowTransmittance *through) {
                 if (rng.Uniform() >= kSurvive) value = SampledSpectrum(0);
                 else value /= kSurvive;
             }
-            return static_cast<bool>(value);
+            return bool(value);
         });
     if (!value || !(rest[0] > 0)) {
         value = SampledSpectrum(0);
@@ -36,7 +35,7 @@ bool PassMedium(MediumOnRay on, Rng &rng, ShadowTransmittance *through) {
     value *= f;
     ru *= f;
     rl *= f;
-    return static_cast<bool>(value);
+    return bool(value);
 }
 
 }  // namespace

@@ -96,7 +96,7 @@ double VarianceAgainstOthers(const std::vector<Pilot> &pilots, size_t which, int
     return 2 * samples * sum / area - noise;
 }
 
-Json ToJson(const std::vector<PilotEntry> &entries) {
+Json EntriesJson(const std::vector<PilotEntry> &entries) {
     Json json = Json::array();
     for (const PilotEntry &e : entries)
         json.push_back(
@@ -175,7 +175,7 @@ std::optional<std::vector<PilotEntry>> RunPilot(const ExperimentContext &context
     for (size_t i = 0; i < pilots.size(); ++i)
         entries[i].variance = std::max(between[i], VarianceAgainstOthers(pilots, i, samples, between, epsilon));
     std::ranges::stable_sort(entries, {}, &PilotEntry::variance);
-    records.SaveNote("pilot.json", ToJson(entries));
+    records.SaveNote("pilot.json", EntriesJson(entries));
     return entries;
 }
 

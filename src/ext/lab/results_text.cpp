@@ -120,7 +120,7 @@ Json SummaryJson(const SamplerResult &s) {
     return json;
 }
 
-std::string Percent(double share) { return fmt::format("{:.1f} %", 100 * share); }
+std::string PercentWithTenths(double share) { return fmt::format("{:.1f} %", 100 * share); }
 
 }  // namespace
 
@@ -220,8 +220,9 @@ std::string TableText(const ExperimentResults &results, const References &refere
              fmt::format("{:.4g}{}", Get(s.measures, Measure::RelL2Trimmed).mean, s.firefliesDecide ? " !" : ""),
              fmt::format("{:.4g}", s.efficiency), optional(s.speedUp, "x"), optional(s.ratioToOracle, ""),
              fmt::format("{:.3f}", o.prepass), fmt::format("{:.3f}", o.build),
-             Percent(s.cpuSeconds > 0 ? s.prepareCpuSeconds / s.cpuSeconds : 0), fmt::format("{:.3f}", s.relativeCost),
-             Percent(s.blockedShare), BiasVerdictName(s.bias.verdict)});
+             PercentWithTenths(s.cpuSeconds > 0 ? s.prepareCpuSeconds / s.cpuSeconds : 0),
+             fmt::format("{:.3f}", s.relativeCost), PercentWithTenths(s.blockedShare),
+             BiasVerdictName(s.bias.verdict)});
     }
     std::string text = Align(rows);
     text +=

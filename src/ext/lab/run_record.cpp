@@ -12,7 +12,7 @@
 namespace ext::lab {
 namespace {
 
-Json ToJson(const TimeSpent &t) { return {{"wall", t.wall}, {"cpu", t.cpu}}; }
+Json TimesJson(const TimeSpent &t) { return {{"wall", t.wall}, {"cpu", t.cpu}}; }
 TimeSpent TimeFromJson(const Json &json) { return {json.at("wall").get<double>(), json.at("cpu").get<double>()}; }
 
 bool IsPossible(const RunRecord &run) {
@@ -78,12 +78,12 @@ void RecordFolder::SaveLastRound(const std::string &sampler, const RunRecord &ru
     json["seed"] = run.seed;
     json["checkpoint"] = round.checkpoint;
     json["samples"] = round.samples;
-    json["spent"] = ToJson(round.spent);
+    json["spent"] = TimesJson(round.spent);
     json["metrics"] = ToJson(round.measures);
     json["shadowRays"] = round.shadowRays;
     json["shadowRaysBlocked"] = round.shadowRaysBlocked;
     json["expectedSamples"] = run.expectedSamples;
-    json["prepare"] = ToJson(run.prepare);
+    json["prepare"] = TimesJson(run.prepare);
     json["prepareShadowRays"] = run.prepareShadowRays;
     json["report"] = run.report;
     json["structure"] = run.structure;

@@ -189,7 +189,7 @@ void ForEachNumber(auto &r, auto &&f) {
     f("worstDifference", r.worstDifference);
 }
 
-std::string Percent(double share) {
+std::string RoundedPercent(double share) {
     return std::abs(share) < 0.995 ? fmt::format("{:.2g} %", 100 * share) : fmt::format("{:.0f} %", 100 * share);
 }
 
@@ -278,7 +278,7 @@ SelectionReport JudgeSelection(std::span<const std::vector<VertexFinding>> regio
                                    report.worstRegion % kSelectionSide + 1, kSelectionSide, kSelectionSide);
     if (std::isfinite(report.visibleSixteenth))
         report.text += fmt::format("; detectable: {} in the whole image, {} in a sixteenth",
-                                   Percent(report.visibleImage), Percent(report.visibleSixteenth));
+                                   RoundedPercent(report.visibleImage), RoundedPercent(report.visibleSixteenth));
     else report.text += "; too few of them receive light for a detection limit";
     return report;
 }
@@ -306,7 +306,7 @@ void AddSelection(const SelectionReport &selection, BiasReport *report) {
     if (selection.verdict == BiasVerdict::Clean && report->verdict == BiasVerdict::Unknown && !report->worst.biased) {
         // This text replaces "Too few data": the vertices are sufficient.
         report->verdict = BiasVerdict::Clean;
-        auto size = [](double v) { return std::isfinite(v) ? Percent(v) : std::string("none"); };
+        auto size = [](double v) { return std::isfinite(v) ? RoundedPercent(v) : std::string("none"); };
         report->text = fmt::format(
             "No bias detected, and the check at path vertices would have detected one; smallest detectable by the "
             "pictures alone: {} in the whole image, {} in regions of 1/{} of it.",

@@ -187,6 +187,7 @@ PrepareContext BuiltScene::Preparation(Progress &progress, Team &team) const {
     return {.scene = *scene,
             .camera = *camera,
             .filter = *filter,
+            .sampler = *sampler,
             .pixelBounds = film->PixelBounds(),
             .seed = seed,
             .samplesPerPixel = samplesPerPixel,

@@ -1,16 +1,17 @@
 #include "pbrt/integrators/path_integrator.h"
 
+#include <array>
+
 #include "pbrt/core/counters.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/integrators/camera_path.h"
-#include "pbrt/samplers/random_samplers.h"
 
 namespace pbrt {
 namespace {
 
-constexpr int kSamples = 4;  ///< per pixel
+constexpr int kGroup = 8;  ///< samples of a pixel, twice
 constexpr double kShare = 0.015, kMaxShare = 0.03;
-constexpr double kMinPixels = 1024, kMaxPixels = 16384;
+constexpr double kMinPixels = 256, kMaxPixels = 4096;
 constexpr uint64_t kStream = 0x747269616c;
 
 using FollowPath = std::function<SampledSpectrum(const CameraPathStart &, SampledWavelengths &, Sampler &)>;
@@ -33,45 +34,46 @@ double TraceSample(const PrepareContext &context, const FollowPath &follow, Poin
     return std::isfinite(value) ? value : 0;
 }
 
-TrialPixel TracePixel(const PrepareContext &context, const FollowPath &follow, Point2i pixel, Sampler &sampler) {
+/// `samplers`: two of the render's kind, with seeds of their own. Their means over kGroup samples, which are as well
+/// distributed as the render's, give the variance.
+TrialPixel TracePixel(const PrepareContext &context, const FollowPath &follow, Point2i pixel,
+                      std::span<const std::unique_ptr<Sampler>, 2> samplers) {
     RenderCounters &counters = ThreadCounters();
     const RenderCounters before = counters;
-    double sum = 0, sumOfSquares = 0;
-    for (int i = 0; i < kSamples; ++i) {
-        const double value = TraceSample(context, follow, pixel, i, sampler);
-        sum += value;
-        sumOfSquares += value * value;
-    }
+    double mean[2] = {};
+    for (size_t k = 0; k < 2; ++k)
+        for (int i = 0; i < kGroup; ++i) mean[k] += TraceSample(context, follow, pixel, i, *samplers[k]) / kGroup;
     TrialPixel result;
-    result.mean = sum / kSamples;
-    result.variance = std::max(sumOfSquares - sum * result.mean, 0.0) / (kSamples - 1);
-    result.paths = kSamples;
+    result.mean = (mean[0] + mean[1]) / 2;
+    result.variance = kGroup * (mean[0] - mean[1]) * (mean[0] - mean[1]) / 2;
+    result.paths = 2 * kGroup;
     result.vertices = double(counters.pathVertices - before.pathVertices);
     result.shadowRays = double(counters.shadowRays - before.shadowRays);
     counters = before;
     return result;
 }
 
-/// PrepareContext::trial: four independent samples of pixels in a regular pattern, about 1.5 % of the render's samples,
-/// by `follow`. Their numbers are no pixel sample's, the film does not get them, and the statistics do not count them.
+/// PrepareContext::trial: two groups of samples of pixels in a regular pattern, about 1.5 % of the render's samples, by
+/// `follow`. Their numbers are no pixel sample's, the film does not get them, and the statistics do not count them.
 /// Empty if cancelled, or if the render has so few samples that a trial would take more than 3 % of them. The result
 /// depends on neither threads nor processes.
 std::vector<TrialPixel> TraceTrial(const PrepareContext &context, const FollowPath &follow) {
     const Bounds2i &bounds = context.pixelBounds;
     const double pixels = double(bounds.Area()), samples = pixels * context.samplesPerPixel;
-    if (kMinPixels * kSamples > kMaxShare * samples) return {};
-    const double wanted = std::clamp(kShare * samples / kSamples, kMinPixels, kMaxPixels);
+    if (kMinPixels * 2 * kGroup > kMaxShare * samples) return {};
+    const double wanted = std::clamp(kShare * samples / (2 * kGroup), kMinPixels, kMaxPixels);
     // Pixels at equal steps, in blocks of two by two.
     const int step = std::max(1, int(std::sqrt(pixels / wanted)));
     const Vector2i blocks = (bounds.high - bounds.low) / (2 * step);
     std::vector<TrialPixel> result(size_t(blocks.x) * blocks.y * TrialPixel::kPerBlock);
     context.progress.BeginPhase("trial", int64_t(result.size()));
     ParallelForEach(int64_t(result.size()) / TrialPixel::kPerBlock, [&](int64_t b) {
-        IndependentSampler sampler({.samplesPerPixel = kSamples, .seed = int(Hash(kStream, context.seed))});
+        std::array<std::unique_ptr<Sampler>, 2> samplers;
+        for (size_t k = 0; k < 2; ++k) samplers[k] = context.sampler.WithSeed(int(Hash(kStream, context.seed, k)));
         const Point2i block(int(b % blocks.x), int(b / blocks.x));
         for (int i = 0; i < TrialPixel::kPerBlock && !context.progress.Cancelled(); ++i) {
             const Point2i pixel = bounds.low + (2 * block + Point2i(i % 2, i / 2)) * step + step / 2;
-            result[b * TrialPixel::kPerBlock + i] = TracePixel(context, follow, pixel, sampler);
+            result[b * TrialPixel::kPerBlock + i] = TracePixel(context, follow, pixel, samplers);
             context.progress.Advance();
         }
     });

@@ -11,7 +11,7 @@ namespace {
 constexpr int kMinSide = 128, kMaxSide = 512;
 /// A pixel is subdivided if it may hold this share of the whole map, and the brightest point in or beside it exceeds
 /// its mean by this contrast.
-constexpr double kMinShare = 1e-4;
+constexpr double kDividedShare = 1e-4;
 constexpr Float kContrast = 1.5f;
 /// Minimum value of pixels and subpixels, relative to the brightest point beside them: the corner of a sun between
 /// evaluated points must not be sampled with the probability of its surroundings.
@@ -64,7 +64,7 @@ PortalMap::PortalMap(const EnvironmentLight &light, const Frame &frame)
                 greatest = std::max(greatest, values[y * n + x].greatest);
         const Float mean = values[i].mean;
         weights[i] = std::max(mean, kBesidePixel * greatest);
-        if (greatest > kContrast * mean && double(weights[i]) > kMinShare * sum) {
+        if (greatest > kContrast * mean && double(weights[i]) > kDividedShare * sum) {
             divided.push_back(i);
             detailOf_[i] = uint32_t(divided.size());
         }

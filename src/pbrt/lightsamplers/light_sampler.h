@@ -62,6 +62,7 @@ class Bsdf;
 class HenyeyGreenstein;
 class Camera;
 class Filter;
+class Sampler;
 class SampledWavelengths;
 class OnlineModel;
 class PathObserver;
@@ -111,7 +112,8 @@ struct PrepareContext {
     const Scene &scene;
     const Camera &camera;
     const Filter &filter;
-    Bounds2i pixelBounds;  ///< pixels to be rendered
+    const Sampler &sampler;  ///< of the render's pixels
+    Bounds2i pixelBounds;    ///< pixels to be rendered
     int seed = 0;
     int samplesPerPixel = 1;  ///< to be rendered (an estimate with --time)
     int maxDepth = 5;         ///< of the integrator

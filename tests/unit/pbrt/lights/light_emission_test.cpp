@@ -51,7 +51,7 @@ Image Grey() {
 void Area(Shooter &s, std::shared_ptr<const Shape> shape, const Params &params, bool cut = false) {
     s.shape = std::move(shape);
     const Shape *const shapes[] = {s.shape.get()};
-    s.light = MakeAreaMaker(params).Make(shapes, cut ? &s.alpha : nullptr);
+    s.light = MakeAreaMaker(params)(shapes, cut ? &s.alpha : nullptr);
 }
 std::shared_ptr<const Shape> Quadric(const std::string &type, const Params &params, const Transform &ctm) {
     DiagnosticSink sink;

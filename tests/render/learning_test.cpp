@@ -122,7 +122,9 @@ TEST(OpenSky, StaysWholeAndGivesThePictureOfBvh) {
         nlohmann::ordered_json report;
         octree.integrator->Lights()->Report(report);
         EXPECT_EQ(report.contains("portals"), !staysWhole);
-        const auto seen = report["environmentSeenShare"].get<double>();
+        // These renders are too short for a trial, without which nothing is searched.
+        EXPECT_EQ(report.contains("environmentSeenShare"), !parameters.empty());
+        const double seen = report.value("environmentSeenShare", least);
         EXPECT_GE(seen, least);
         EXPECT_LE(seen, most);
     }

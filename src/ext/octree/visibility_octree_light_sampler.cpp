@@ -49,11 +49,11 @@ void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
         PortalsChanged();
     }
     if (context.learned) return LoadLearned(context, *context.learned);
-    if (groups_.Size() <= 1 && !portals_.IsWanted()) return;
+    if (groups_.Size() <= 1 && !portals_.IsWanted(context)) return;
     const auto start = std::chrono::steady_clock::now();
     std::vector<PrepassVertex> vertices =
         TracePrepassPaths(context, PathsPerPixel(context), std::min(params_.depth, std::max(1, context.maxDepth)));
-    if (portals_.IsWanted() && !context.progress.Cancelled()) {
+    if (portals_.IsWanted(context) && !context.progress.Cancelled()) {
         portals_.Find(context, vertices);
         if (portals_.IsActive()) PortalsChanged();
     }
@@ -73,9 +73,8 @@ void VisibilityOctreeLightSampler::TryPortals(PrepareContext &context, std::span
         PortalsChanged();
         Learn(context, vertices);
     };
-    const std::vector<TrialPixel> with = context.trial ? context.trial() : std::vector<TrialPixel>();
+    const std::vector<TrialPixel> with = context.trial();
     use(false);
-    if (with.empty() || context.progress.Cancelled()) return portals_.Clear();
     if (portals_.EndTrial(CompareTrials(with, context.trial(), portals_.CostPerVertex()))) use(true);
 }
 
@@ -84,7 +83,7 @@ double VisibilityOctreeLightSampler::PathsPerPixel(const PrepareContext &context
     PrepassBudget budget;
     budget.lights = groups_.Size();
     budget.raysPerVertex = model_.RaysPerVertex();
-    budget.environmentRays = portals_.RaysPerVertex();
+    budget.environmentRays = portals_.IsWanted(context) ? portals_.RaysPerVertex() : 0;
     budget.depth = std::min(params_.depth, std::max(1, context.maxDepth));
     budget.pixels = double(std::max<int64_t>(1, context.pixelBounds.Area()));
     budget.samplesPerPixel = context.samplesPerPixel;

@@ -30,8 +30,10 @@ class PortalSampling {
     /// `mode`: "auto" (IsOnTrial), "always" or "never". `groups`: the caller's light groups.
     PortalSampling(const LightGroups &groups, const std::string &mode, Float floor);
 
-    /// False if portal detection is off.
-    bool IsWanted() const { return !environments_.empty(); }
+    /// False if portals are off, or a trial should decide and there can be none.
+    bool IsWanted(const PrepareContext &context) const {
+        return !environments_.empty() && (!isOnTrial_ || context.trial);
+    }
     /// Rays per vertex traced by Find.
     size_t RaysPerVertex() const { return environments_.size() * kEnvironmentRaysPerVertex; }
     /// Detects portals, if few enough environment rays leave the scene, and learns their visibility. Several progress

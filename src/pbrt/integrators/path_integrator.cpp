@@ -21,16 +21,12 @@ double TraceSample(const PrepareContext &context, const FollowPath &follow, Poin
                    Sampler &sampler) {
     sampler.StartPixelSample(pixel, index);
     SampledWavelengths lambda = SampledWavelengths::SampleVisible(sampler.Get1D());
-    const FilterSample offset = context.filter.Sample(sampler.GetPixel2D());
-    const CameraSample cs{.pFilm = Point2(pixel) + Point2(0.5f, 0.5f) + offset.offset,
-                          .pLens = sampler.Get2D(),
-                          .time = sampler.Get1D(),
-                          .filterWeight = offset.weight};
+    const CameraSample cs = SampleCamera(context.filter, pixel, sampler);
     const std::optional<CameraRay> ray = context.camera.GenerateRay(cs, lambda);
     if (!ray) return 0;
     const SampledSpectrum L =
         ray->weight * follow({*ray, pixel, std::numeric_limits<int>::max() - index}, lambda, sampler);
-    const double value = double(L.Average() * offset.weight);
+    const double value = double(L.Average() * cs.filterWeight);
     return std::isfinite(value) ? value : 0;
 }
 
@@ -53,17 +49,19 @@ TrialPixel TracePixel(const PrepareContext &context, const FollowPath &follow, P
     return result;
 }
 
-/// PrepareContext::trial: two groups of samples of pixels in a regular pattern, about 1.5 % of the render's samples, by
-/// `follow`. Their numbers are no pixel sample's, the film does not get them, and the statistics do not count them.
-/// Empty if cancelled, or if the render has so few samples that a trial would take more than 3 % of them. The result
-/// depends on neither threads nor processes.
+double SamplesOf(const PrepareContext &context) { return double(context.pixelBounds.Area()) * context.samplesPerPixel; }
+
+/// False if a trial would take more than kMaxShare of the render's samples.
+bool IsLongEnough(const PrepareContext &context) { return kMinPixels * 2 * kGroup <= kMaxShare * SamplesOf(context); }
+
+/// PrepareContext::trial: two groups of samples of pixels in a regular pattern, about kShare of the render's samples,
+/// by `follow`. Their numbers are no pixel sample's, the film does not get them, and the statistics do not count them.
+/// The result depends on neither threads nor processes.
 std::vector<TrialPixel> TraceTrial(const PrepareContext &context, const FollowPath &follow) {
     const Bounds2i &bounds = context.pixelBounds;
-    const double pixels = double(bounds.Area()), samples = pixels * context.samplesPerPixel;
-    if (kMinPixels * 2 * kGroup > kMaxShare * samples) return {};
-    const double wanted = std::clamp(kShare * samples / (2 * kGroup), kMinPixels, kMaxPixels);
+    const double wanted = std::clamp(kShare * SamplesOf(context) / (2 * kGroup), kMinPixels, kMaxPixels);
     // Pixels at equal steps, in blocks of two by two.
-    const int step = std::max(1, int(std::sqrt(pixels / wanted)));
+    const int step = std::max(1, int(std::sqrt(double(bounds.Area()) / wanted)));
     const Vector2i blocks = (bounds.high - bounds.low) / (2 * step);
     std::vector<TrialPixel> result(size_t(blocks.x) * blocks.y * TrialPixel::kPerBlock);
     context.progress.BeginPhase("trial", int64_t(result.size()));
@@ -103,11 +101,10 @@ SampledSpectrum PathIntegrator::FollowBsdf(const CameraPathStart &start, Sampled
 }
 
 void PathIntegrator::Prepare(PrepareContext &prepare) {
-    prepare.trial = [&] {
-        return TraceTrial(prepare, [this](const CameraPathStart &start, SampledWavelengths &lambda, Sampler &sampler) {
-            return FollowBsdf(start, lambda, sampler);
-        });
+    const FollowPath follow = [this](const CameraPathStart &start, SampledWavelengths &lambda, Sampler &sampler) {
+        return FollowBsdf(start, lambda, sampler);
     };
+    if (IsLongEnough(prepare)) prepare.trial = [&] { return TraceTrial(prepare, follow); };
     lights_->Prepare(prepare);
     prepare.trial = {};
     if (directions_) directions_->Prepare(prepare, settings_.maxDepth);

@@ -17,8 +17,6 @@ class PathIntegrator final : public PixelIntegrator {
     PathIntegrator &operator=(const PathIntegrator &) = delete;
 
     SampledSpectrum Li(const PathStart &start, SampledWavelengths &lambda, Sampler &sampler) const override;
-    /// As Li, for CameraPathStart, with BSDF directions.
-    SampledSpectrum FollowBsdf(const CameraPathStart &start, SampledWavelengths &lambda, Sampler &sampler) const;
     void Prepare(PrepareContext &prepare) override;
     OnlineModel *Model() override { return models_.IsEmpty() ? nullptr : &models_; }
     void SaveLearned(StateWriter &writer) const override {
@@ -33,6 +31,8 @@ class PathIntegrator final : public PixelIntegrator {
     const DirectionSampling *Directions() const override { return directions_.get(); }
 
   private:
+    SampledSpectrum FollowBsdf(const CameraPathStart &start, SampledWavelengths &lambda, Sampler &sampler) const;
+
     PathContext context_;
     PathSettings settings_;
     std::unique_ptr<LightSampler> lights_;

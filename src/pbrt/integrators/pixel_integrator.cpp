@@ -114,12 +114,7 @@ class PassRenderer {
         sampler.StartPixelSample(pixel, index);
         const Float uOwn = sampler.Get1D(), uLambda = uWavelengths_.value_or(uOwn);
         sample.lambda = pass_.film.SampleWavelengths(pass_.jittersWavelengths ? uLambda : Float(0.5));
-        const FilterSample offset = pass_.filter.Sample(sampler.GetPixel2D());
-        CameraSample cs;
-        cs.pFilm = Point2(pixel) + Point2(0.5f, 0.5f) + offset.offset;
-        cs.time = sampler.Get1D();
-        cs.pLens = sampler.Get2D();
-        cs.filterWeight = offset.weight;
+        CameraSample cs = SampleCamera(pass_.filter, pixel, sampler);
         if (!pass_.jittersPixels) cs = {Point2(pixel) + Point2(0.5f, 0.5f), {0.5f, 0.5f}, 0.5f, 1};
         sample.weight = cs.filterWeight;
         if (std::optional<CameraRay> ray = pass_.camera.GenerateRay(cs, sample.lambda)) {

@@ -16,6 +16,17 @@ struct PathStart : CameraPathStart {
     Float filterWeight = 1;  ///< FilmSample::weight of the sample
 };
 
+/// Position, lens point and time of a sample of the pixel, in the order of the sampler's dimensions.
+inline CameraSample SampleCamera(const Filter &filter, Point2i pixel, Sampler &sampler) {
+    const FilterSample offset = filter.Sample(sampler.GetPixel2D());
+    CameraSample sample;
+    sample.pFilm = Point2(pixel) + Point2(0.5f, 0.5f) + offset.offset;
+    sample.time = sampler.Get1D();
+    sample.pLens = sampler.Get2D();
+    sample.filterWeight = offset.weight;
+    return sample;
+}
+
 /// Base of integrators that compute the radiance of one camera ray for its pixel.
 class PixelIntegrator : public Integrator {
   public:

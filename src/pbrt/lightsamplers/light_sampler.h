@@ -123,8 +123,8 @@ struct PrepareContext {
     bool learnsOn = true;        ///< false: with `learned`, the render does not update the model
     Team &team = Team::Alone();  ///< processes that prepare the same sampler concurrently
     /// Extension point: traces a few paths of the render with the sampler as it is, to choose its state by measurement.
-    /// Null if the integrator has no such paths; the result is empty if the render is too short. Same numbers at every
-    /// call.
+    /// Null if the integrator has no such paths, or the render is too short. The result is empty if cancelled. Same
+    /// numbers at every call.
     std::function<std::vector<TrialPixel>()> trial{};
 };
 

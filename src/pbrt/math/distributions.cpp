@@ -110,7 +110,7 @@ Float PiecewiseConstant1D::Pdf(Float x) const {
 }
 
 PiecewiseConstant2D::PiecewiseConstant2D(std::span<const Float> f, int nx, int ny) {
-    PBRT_CHECK(f.size() == size_t(1) * nx * ny);
+    PBRT_CHECK(f.size() == size_t(nx) * ny);
     rows_.reserve(ny);
     std::vector<Float> integrals;
     for (; !f.empty(); f = f.subspan(nx)) integrals.push_back(rows_.emplace_back(f.first(nx)).Integral());
@@ -196,7 +196,8 @@ Float WindowedPiecewiseConstant2D::Density(const Point2 &p, double integral) con
 Float WindowedPiecewiseConstant2D::IntegralAround(const Bounds2 &window) const {
     const Cells w = InCells(window);
     const int x0 = int(w.x0), x1 = int(std::ceil(w.x1)), y0 = int(w.y0), y1 = int(std::ceil(w.y1));
-    return Float((Corner(x1, y1) - Corner(x0, y1)) - (Corner(x1, y0) - Corner(x0, y0))) / Float(nx_ * ny_);
+    const double sum = (Corner(x1, y1) - Corner(x0, y1)) - (Corner(x1, y0) - Corner(x0, y0));
+    return Float(std::max(sum, 0.0) / (double(nx_) * double(ny_)));
 }
 
 Float WindowedPiecewiseConstant2D::Pdf(const Point2 &p, const Bounds2 &window) const {

@@ -99,19 +99,13 @@ run_sanitized() { # run_sanitized KIND: runs the "NAME COMMAND" lines of standar
   done
 }
 
-# Addresses and undefined behaviour: samplers and their densities, which is where indices and roundings are. `.ci/run asan`
-# has all unit and contract tests; tests/stress/programs_once.sh runs the programs of such a build.
+# Addresses and undefined behaviour: the programs with every integrator and light sampler, every kind of file that they write
+# and read again, and all conformance scenes. `.ci/run asan` has all unit and contract tests.
 echo "Building with address and undefined-behaviour sanitizers (build/asan.log)"
-if bash .ci/build "$top/build/asan" -DPBRT_SANITIZE=address,undefined -DPBRT_BENCH=OFF -DPBRT_UNITY=ON -- \
-  unit_{math,shapes,bxdfs,materials,lights,media}; then
-  units=build/asan/tests/unit
+if bash .ci/build "$top/build/asan" -DPBRT_SANITIZE=address,undefined -DPBRT_BENCH=OFF -DPBRT_UNITY=ON -- pbrt imgtool lightlab; then
   run_sanitized asan <<COMMANDS
-unit_math $units/pbrt/math/unit_math
-unit_shapes $units/pbrt/shapes/unit_shapes
-unit_bxdfs $units/pbrt/bxdfs/unit_bxdfs
-unit_materials $units/pbrt/materials/unit_materials --gtest_filter=Measured.*
-unit_lights $units/pbrt/lights/unit_lights
-unit_media $units/pbrt/media/unit_media
+programs bash tests/stress/programs_once.sh build/asan
+conformance_scenes bash tests/stress/scenes_once.sh build/asan
 COMMANDS
 else
   count "build with address and undefined-behaviour sanitizers" 1

@@ -45,8 +45,8 @@ PortalMap::PortalMap(const EnvironmentLight &light, const Frame &frame)
     const auto n = size_t(n_);
     const Float width = 1 / Float(n_);
     const auto corner = [&](size_t i) { return Point2(i % n, i / n) * width; };
-    // In the centre, map pixels are about half as wide as image pixels at equal resolution.
-    const int across = 2 * ((light.Resolution() + n_ - 1) / n_) + 1;
+    // At equal resolution, map pixels are at most about as wide as image pixels.
+    const int across = std::max(2, (light.Resolution() + n_ - 1) / n_) + 1;
     std::vector<Value> values(n * n);
     ParallelFor(n_, 8, [&](int64_t begin, int64_t end) {
         for (size_t i = size_t(begin) * n; i < size_t(end) * n; ++i) values[i] = look(corner(i), width, across, 0);

@@ -2,6 +2,7 @@
 // together have the same mean. Prints a table, also to <build>/tables/emitters.txt.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -34,6 +35,12 @@ const std::vector<std::string> &SamplerLabels() {
         return labels;
     }();
     return kLabels;
+}
+/// Every other sampler, in turn: kinds and samplers do not know one another.
+bool IsTried(const EmitterKind &kind, size_t sampler) {
+    const std::vector<EmitterKind> kinds = EmitterKinds();
+    const auto sameName = [&](const EmitterKind &k) { return k.name == kind.name; };
+    return (std::ranges::find_if(kinds, sameName) - kinds.begin() + sampler) % 2 == 0;
 }
 /// Of the oracle: it sends shadow rays to all lights for each choice.
 bool IsSlow(const std::string &label) { return label.starts_with("oracle"); }
@@ -139,15 +146,22 @@ TEST_P(EmittersKeepTheLaw, WithEveryLightSampler) {
     Row row(kind.name);
     row.Add("simple", WithReference(Render(Estimator::Lights, "", kSamples)));
     std::vector<PixelStatistics> alone, both;
-    for (const std::string &s : SamplerLabels()) {
+    for (size_t i = 0; i < SamplerLabels().size(); ++i) {
+        if (!IsTried(kind, i)) continue;
+        const std::string &s = SamplerLabels()[i];
         alone.push_back(Render(Estimator::Chosen, s, IsSlow(s) ? kSlowSamples : kSamples));
         both.push_back(Render(Estimator::Both, s, IsSlow(s) ? kSlowSamples : kSamples));
     }
     row.Add("l all", PoolOverReference(alone, reference_, PoolComparisons()));
     row.Add("b all", PoolOverReference(both, reference_, PoolComparisons()));
-    for (size_t i = 0; i < alone.size(); ++i) {
-        row.Add("l " + SamplerLabels()[i], WithReference(alone[i]));
-        row.Add("b " + SamplerLabels()[i], WithReference(both[i]));
+    for (size_t i = 0, tried = 0; i < SamplerLabels().size(); ++i) {
+        if (!IsTried(kind, i)) {
+            row.Skip();
+            row.Skip();
+            continue;
+        }
+        row.Add("l " + SamplerLabels()[i], WithReference(alone[tried]));
+        row.Add("b " + SamplerLabels()[i], WithReference(both[tried++]));
     }
     Finish(row);
     if (!kind.isMesh) return;

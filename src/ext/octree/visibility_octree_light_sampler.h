@@ -29,6 +29,7 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler {
     void Prepare(PrepareContext &context) override;
     OnlineModel *Model() override { return model_.IsUpdated() ? &model_ : nullptr; }
     PathObserver *Observer() override { return model_.IsUpdated() ? &model_ : nullptr; }
+    bool LearnsRoulette() const override { return true; }
     bool SavesLearned() const override { return true; }
     void SaveLearned(StateWriter &writer, bool goesOn) const override;
     void Report(nlohmann::ordered_json &report) const override;

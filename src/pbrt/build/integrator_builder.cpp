@@ -38,6 +38,19 @@ struct PathParams : DepthParams {
     }
 };
 
+/// Learned roulette without guided directions; null if the scene switches it off.
+std::unique_ptr<DirectionSampling> MakeRoulette(const DirectionSpec &guide, const Scene &scene) {
+    ParamSet params = guide.params;
+    const Param *chosen = params.Find("guide.roulette", ParamType::Bool);
+    if (chosen && !chosen->bools[0]) return nullptr;
+    Param off;
+    off.name = "guide.directions";
+    off.type = ParamType::Bool;
+    off.bools = {false};
+    params.Add(std::move(off));
+    return guide.entry->make(params, scene);
+}
+
 /// Without media, volpath is path with subsurface scattering and shadow rays through interfaces.
 IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const IntegratorReading &r, bool isVolume) {
     IntegratorSettings settings;
@@ -54,17 +67,20 @@ IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const Inte
     // Parameters are validated even without guiding.
     if (isGuided || !r.registry.directionSamplings.Names().empty())
         directions = ReadDirections(set, settings.lights->guide, r.registry, r.sink);
-    if (!isGuided) directions.entry = nullptr;
+    // Roulette acts from the third vertex on.
+    if (!isGuided && (path.maxDepth <= 2 || path.minContinuation > 0)) directions.entry = nullptr;
     path.sampledLightOnly = r.options.sampledLightOnly;
-    settings.make = [path, isVolume, directions, &registry = r.registry, lights = settings.lights->sampler](
+    settings.make = [path, isVolume, isGuided, directions, &registry = r.registry, lights = settings.lights->sampler](
                         const PathContext &context, const ColorSpace &) -> std::unique_ptr<Integrator> {
         const Scene &scene = context.scene;
         PathSettings mine = path;
         mine.subsurface = isVolume && scene.HasSubsurface();
         mine.tracksMedia = isVolume && scene.HasMedia();
-        return std::make_unique<PathIntegrator>(
-            context, mine, MakeLights(lights, registry, scene.Lights()),
-            directions.entry ? directions.entry->make(directions.params, scene) : nullptr);
+        std::unique_ptr<LightSampler> sampler = MakeLights(lights, registry, scene.Lights());
+        std::unique_ptr<DirectionSampling> learned;
+        if (directions.entry && isGuided) learned = directions.entry->make(directions.params, scene);
+        else if (directions.entry && sampler->LearnsRoulette()) learned = MakeRoulette(directions, scene);
+        return std::make_unique<PathIntegrator>(context, mine, std::move(sampler), std::move(learned));
     };
     return settings;
 }

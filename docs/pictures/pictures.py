@@ -94,13 +94,13 @@ def error(tools, picture, reference):
         sys.exit(f"{picture}: cannot be compared with {reference}: {text}")
 
 
-def panels(images, crop=(0.5, 0.5), zoom=3):
-    """Labelled images of one size side by side at the exposure of the last one, below each the part around the point
+def panels(images, crop=(0.5, 0.5), zoom=3, brightness=1.0):
+    """Labelled images of one size side by side at the exposure of the last one times `brightness`, below each the part around the point
     `crop` (fractions), enlarged. `images`: of label and pixels."""
     from PIL import Image
     sys.path.insert(0, str(TOP / "docs/method"))
     import sheet
-    factor = exposure(images[-1][1])
+    factor = brightness * exposure(images[-1][1])
     panes = [shown(values, factor) for _, values in images]
     labels = [label for label, _ in images]
     if zoom > 1:

@@ -30,9 +30,9 @@ def call(*command, text=None, cwd=None, statuses=(0,)):
     return done.stdout
 
 
-def resized(scene, width, most=None):
+def resized(scene, width, most=None, portal=None):
     """The text of a scene with another resolution; to be rendered from the scene's folder. No sample is brighter than
-    most, if that is given."""
+    most, and the infinite light has this portal, if they are given."""
     text = scene.read_text()
     sizes = {axis: re.search(rf'("integer {axis}resolution" *\[? *)(\d+)', text) for axis in "xy"}
     if not all(sizes.values()):
@@ -42,12 +42,16 @@ def resized(scene, width, most=None):
         text = re.sub(rf'("integer {axis}resolution" *\[? *)\d+', rf"\g<1>{pixels}", text, count=1)
     if most is not None:
         text = re.sub(r'("integer xresolution")', rf'"float maxcomponentvalue" {most:.6g} \g<1>', text, count=1)
+    if portal:
+        text, found = re.subn(r'(LightSource "infinite")', rf'\g<1> "point3 portal" [ {portal} ]', text, count=1)
+        if not found:
+            sys.exit(f"{scene}: no infinite light for a portal")
     return text
 
 
-def render(tools, scene, width, out, *flags, most=None):
+def render(tools, scene, width, out, *flags, most=None, portal=None):
     """Renders a scene at this width into an EXR."""
-    call(tools["pbrt"], "--quiet", "--outfile", out, *flags, "-", text=resized(scene, width, most), cwd=scene.parent)
+    call(tools["pbrt"], "--quiet", "--outfile", out, *flags, "-", text=resized(scene, width, most, portal), cwd=scene.parent)
 
 
 def pixels(tools, exr):

@@ -66,8 +66,8 @@ def result(name):
 bvh = result("bvh")
 for name in ("bvh", "octree", "octree+guide"):
     error, seconds = result(name)
-    print(f"  {name:13} relL2 {error:.3g}, {bvh[0] / error:.1f} times less than bvh, in {seconds:.1f} s; "
-          f"error x time: {error * seconds / (bvh[0] * bvh[1]):.2f} of bvh's")
+    than = f"; {bvh[0] / error:.1f} times less error than bvh, {bvh[0] * bvh[1] / (error * seconds):.1f} times at equal time"
+    print(f"  {name:13} relL2 {error:.3g} in {seconds:.1f} s{than if name != 'bvh' else ''}")
 END
 /usr/bin/python3 "$top/docs/pictures/panels" --build "$build" --reference "$reference" --brightness 0.5 --out "$out/compare.png" "${panels[@]}"
 echo "All three beside the reference, with enlarged crops: $out/compare.png"

@@ -3,6 +3,7 @@ or not applicable. What the columns mean: docs/results/summary.md."""
 import csv
 import datetime
 import io
+import math
 import os
 import pathlib
 import shlex
@@ -67,3 +68,11 @@ def number(row, column):
     """The number of a cell; None where it is empty."""
     text = row.get(column, "")
     return float(text) if text else None
+
+
+def student_tail(t, dof, steps=2000):
+    """Probability that Student's t exceeds this."""
+    def integral(low):  # of the density with t = sqrt(dof) tan(angle), midpoint rule
+        width = (math.pi / 2 - low) / steps
+        return width * sum(math.cos(low + (i + .5) * width) ** (dof - 1) for i in range(steps))
+    return integral(math.atan(t / math.sqrt(dof))) / integral(-math.pi / 2)

@@ -42,11 +42,13 @@ class Picture:
     times: float = 1            # of the samples per pixel
     show: tuple = ()            # arguments of imgtool convert
     after: tuple = ()           # imgtool commands before that
+    sampler: str = 'Sampler "zsobol" "integer pixelsamples" {}'
+    of: tuple = ()              # family and name of what has this picture beside its parameters (pbrt --list FAMILY)
 
     def text(self, spp):
         samples = max(1, round(spp * self.times))
         return "\n".join([f"# {self.title}", self.camera, self.film,
-                          f'Sampler "zsobol" "integer pixelsamples" {samples}', self.integrator, "WorldBegin",
+                          self.sampler.format(samples), self.integrator, "WorldBegin",
                           self.light, self.floor, "AttributeBegin", self.stage, "AttributeEnd", ""])
 
 
@@ -245,17 +247,19 @@ def light(name, title, text, stage=f"{GREY}\n{KNOT}", **more):
 
 
 LIGHTS = [
-    light("point", "point", 'LightSource "point" "point3 from" [ -1.6 -1.6 2.6 ] "rgb I" [ 9 8 6 ]'),
+    light("point", "point", 'LightSource "point" "point3 from" [ -1.6 -1.6 2.6 ] "rgb I" [ 9 8 6 ]',
+          of=("lights", "point")),
     light("spot", "spot", 'LightSource "spot" "point3 from" [ -2.5 -3 4 ] "point3 to" [ 0 0 .8 ] "float coneangle" 18 '
-          '"float conedeltaangle" 6 "rgb I" [ 60 55 45 ]'),
-    light("distant", "distant", 'LightSource "distant" "point3 from" [ -2 -2 3 ] "rgb L" [ 3 2.8 2.4 ]'),
+          '"float conedeltaangle" 6 "rgb I" [ 60 55 45 ]', of=("lights", "spot")),
+    light("distant", "distant", 'LightSource "distant" "point3 from" [ -2 -2 3 ] "rgb L" [ 3 2.8 2.4 ]',
+          of=("lights", "distant")),
     light("goniometric", "goniometric", 'Translate 0 .9 1.2 Rotate 90 1 0 0\n'
-          'LightSource "goniometric" "string filename" "lobes.png" "float scale" 4', stage=""),
+          'LightSource "goniometric" "string filename" "lobes.png" "float scale" 4', stage="", of=("lights", "goniometric")),
     light("projection", "projection", 'Translate 0 -4 1.8 Rotate -90 1 0 0\n'
           'LightSource "projection" "string filename" "slide.png" "float fov" 34 "float scale" 60',
-          stage=f"{GREY}\nScale .6 .6 .6 {KNOT}"),
+          stage=f"{GREY}\nScale .6 .6 .6 {KNOT}", of=("lights", "projection")),
     light("area", "diffuse area light", 'Translate -1.6 -.8 2.2 AreaLightSource "diffuse" "rgb L" [ 8 7 5 ]\n'
-          'Shape "sphere" "float radius" .3'),
+          'Shape "sphere" "float radius" .3', of=("arealights", "diffuse")),
     light("area-image", "area light with an image",
           'AreaLightSource "diffuse" "string filename" "slide.png" "float scale" 3\n'
           'Shape "bilinearmesh" "string emissionfilename" "slide.png" '
@@ -266,7 +270,7 @@ LIGHTS = [
     Picture("infinite", "infinite, imgtool makesky", f'Material "conductor" "float roughness" .01\n{KNOT}',
             camera='LookAt 0 -6.2 1  0 0 1.3  0 0 1\nCamera "perspective" "float fov" 32',
             light='AttributeBegin Rotate 120 0 0 1\nLightSource "infinite" "string filename" "sky.exr" '
-                  '"float scale" 4\nAttributeEnd'),
+                  '"float scale" 4\nAttributeEnd', of=("lights", "infinite")),
     Picture("portal", "infinite with a portal", f"{CLOSED}{GREY}\n{KNOT}", times=4,
             camera='LookAt .6 -6.2 1.7  0 0 1.1  0 0 1\nCamera "perspective" "float fov" 34',
             light='AttributeBegin LightSource "infinite" "rgb L" [ .7 .85 1 ] "float scale" 9 '
@@ -383,16 +387,44 @@ GREY_FLOOR = 'AttributeBegin Material "diffuse" "rgb reflectance" [ .45 .45 .45 
 def integrator(name, title, parameters="", times=1):
     """A ball of glass and a golden ring under a small lamp."""
     return Picture(f"integrator-{name}", title, CAUSTICS, light=LAMP, floor=GREY_FLOOR, times=times,
-                   integrator=f'Integrator "{name}" "integer maxdepth" 8 {parameters}')
+                   integrator=f'Integrator "{name}" "integer maxdepth" 8 {parameters}', of=("integrators", name))
 
 
+def simple(name, title, parameters='"integer maxdepth" 5'):
+    """A knot under a large lamp, which is found without light sampling too."""
+    return Picture(f"integrator-{name}", title, f"{CLAY}\n{KNOT}", times=2, integrator=f'Integrator "{name}" {parameters}',
+                   of=("integrators", name))
+
+
+FOG = ('MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_s" [ 1.6 1.9 2.4 ] '
+       '"rgb sigma_a" [ .3 .1 0 ]')
+FOG_BALL = f'Material "interface" MediumInterface "fog" "" {BALL}'
 INTEGRATORS = [
     integrator("path", "path: caustics by BSDF sampling only"),
+    Picture("integrator-volpath", "volpath: media and surfaces", FOG_BALL, light=f"{LIGHT}\n{FOG}", times=2,
+            integrator='Integrator "volpath" "integer maxdepth" 30', of=("integrators", "volpath")),
     integrator("lightpath", "lightpath: no camera path through glass", times=4),
     integrator("bdpt", "bdpt"),
     integrator("sppm", "sppm", '"float radius" .08 "integer photonsperiteration" 60000'),
     integrator("mlt", "mlt", '"integer mutationsperpixel" 96'),
+    simple("simplepath", "simplepath: no MIS"),
+    Picture("integrator-simplevolpath", "simplevolpath: media without surfaces", FOG_BALL, floor="", times=2,
+            light='LightSource "infinite" "rgb L" [ .75 .8 .85 ]\n' + FOG,
+            integrator='Integrator "simplevolpath" "integer maxdepth" 30', of=("integrators", "simplevolpath")),
+    simple("randomwalk", "randomwalk: uniform directions"),
+    simple("ambientocclusion", "ambientocclusion", ""),
 ]
 
+
+def sampler(name, parameters='"integer pixelsamples" 4'):
+    """Four samples per pixel, one bounce of light."""
+    return Picture(f"sampler-{name}", name, f"{CLAY}\n{KNOT}", sampler=f'Sampler "{name}" {parameters}',
+                   integrator='Integrator "path" "integer maxdepth" 2', of=("samplers", name))
+
+
+SAMPLERS = [*(sampler(name) for name in ("independent", "halton", "paddedsobol", "pmj02bn", "sobol")),
+            sampler("stratified", '"integer xsamples" 2 "integer ysamples" 2'), sampler("zsobol")]
+
 GROUPS = [("Shapes", SHAPES), ("Materials", MATERIALS), ("Textures", TEXTURES), ("Lights", LIGHTS),
-          ("Media", MEDIA), ("Cameras", CAMERAS), ("Integrators", INTEGRATORS), ("Film and tools", FILMS)]
+          ("Media", MEDIA), ("Cameras", CAMERAS), ("Integrators", INTEGRATORS), ("Samplers", SAMPLERS),
+          ("Film and tools", FILMS)]

@@ -215,6 +215,19 @@ class Check(unittest.TestCase):
         self.replace("docs/budgets.txt", "40 docs/guide.md", "90 docs/guide.md")
         self.assertEqual(self.faults(), [])
 
+    def test_changelog_over_its_budget(self):
+        self.replace("docs/changelog.md", "went", "went. " + "Short words. " * 6)
+        self.expect("docs/changelog.md:1", "words, budget 20")
+
+    def test_versions_that_differ(self):
+        self.write("CMakeLists.txt", "project(renderer VERSION 1.2.3 LANGUAGES CXX)\n")
+        self.write("CITATION.cff", "version: 1.2.3\n")
+        self.replace("README.md", "See [the", "Version 1.2.3. See [the")
+        self.replace("docs/changelog.md", "- docs", "## Unreleased\n\n## 1.2.3\n\n- docs")
+        self.assertEqual(self.faults(), [])
+        self.replace("CITATION.cff", "1.2.3", "1.2.2")
+        self.expect("CITATION.cff:1", "names version 1.2.2, CMakeLists.txt 1.2.3")
+
     def test_missing_programs_are_said(self):
         shutil.rmtree(self.programs / "pbrt")
         self.assertIn("not checked: flags of pbrt", self.run_check().stdout)

@@ -20,7 +20,7 @@ struct GuideParams {
     Float minSaved = 0.5f;
     int records = 1 << 19;
     void Describe(auto &&v) {
-        v("roulette", roulette, "learned Russian roulette");
+        v("roulette", roulette, "learned Russian roulette; with octree also without guide");
         v("directions", directions, "directional guiding, where it pays");
         v("share", share, Range<Float>{0, 0.95f}, "maximum probability of guided directions");
         v("leastsaved", minSaved, Range<Float>{0, 1000}, "guiding stops below this saving per path cost; 0: never");

@@ -1,4 +1,4 @@
-#include "pbrt/images/flip.h"
+#include "pbrt/images/metrics.h"
 
 #include <algorithm>
 #include <cmath>

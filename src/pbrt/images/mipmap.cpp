@@ -230,8 +230,7 @@ constexpr size_t kMinStoredBytes = 1 << 16;
 
 Image KeepColor(Image image) {
     if (image.ChannelCount() == 1) return image;
-    if (image.FindChannel("R") < 0 || image.FindChannel("G") < 0 || image.FindChannel("B") < 0)
-        throw UserError("The image has several channels but not R, G and B.");
+    if (!image.HasRgb()) throw UserError("The image has several channels but not R, G and B.");
     const int alpha = image.FindChannel("A");
     bool opaque = true;
     if (alpha >= 0)

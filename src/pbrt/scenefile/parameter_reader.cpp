@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "pbrt/scenefile/numbers.h"
-#include "pbrt/scenefile/unicode.h"
-
 namespace pbrt {
 namespace {
 

@@ -1,5 +1,7 @@
 #pragma once
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pbrt/core/params.h"
@@ -48,5 +50,13 @@ class ParameterReader {
     std::vector<Float> floats_;  // reused between parameters
     std::vector<int> ints_;
 };
+
+/// Offset of the first byte of invalid UTF-8 (including overlong forms, surrogates and values beyond U+10FFFF); nullopt
+/// if valid.
+std::optional<size_t> FindInvalidUtf8(std::string_view text);
+
+/// Unicode normalisation form C, so that names with combining marks equal precomposed ones. Returns invalid UTF-8
+/// unchanged.
+std::string ComposeUtf8(std::string_view text);
 
 }  // namespace pbrt

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "pbrt/scenefile/numbers.h"
-
 namespace pbrt {
 
 void Tokenizer::Push(std::shared_ptr<const SourceFile> file, std::string key) {

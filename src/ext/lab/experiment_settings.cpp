@@ -21,14 +21,11 @@ std::string Trim(const std::string &text) {
 }
 
 SamplerChoice ParseOne(const std::string &text, const PluginRegistry &registry, DiagnosticSink &sink) {
-    const LightChoiceText parts = SplitLightChoice(text, kSamplersFlag);
     LightFlags flags;
     flags.choice = text;
     flags.choiceFlag = kSamplersFlag;
     ReadLightSelection(ParamSet(), flags, registry, sink);
-    const std::string guide = !parts.guide ? "" : parts.guide->empty() ? "+guide" : "+guide:" + *parts.guide;
-    return {text, SafeFileName(text), parts.sampler.substr(0, parts.sampler.find(':')), parts.sampler + guide,
-            parts.mesh};
+    return {text, SafeFileName(text), text.substr(0, text.find_first_of(":+")), text.find("+mesh") != text.npos};
 }
 
 }  // namespace
@@ -178,7 +175,7 @@ ImageMetadata LabScene::Metadata(const Film &film, const std::string &sampler, i
 }
 
 std::unique_ptr<Integrator> LabScene::MakeIntegrator(const SamplerChoice &choice, std::optional<int> maxDepth) const {
-    return pbrt::MakeIntegrator(built, {choice.lightSampler, choice.meshLights, maxDepth}).integrator;
+    return pbrt::MakeIntegrator(built, {choice.label, false, maxDepth}).integrator;
 }
 
 void CheckSamplesLights(const BuiltScene &built, const std::string &scene) {

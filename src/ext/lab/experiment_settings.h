@@ -15,10 +15,9 @@ inline constexpr const char *kSamplersFlag = "--samplers";
 
 /// A compared sampler: kLightChoiceSyntax.
 struct SamplerChoice {
-    std::string label;         ///< as typed
-    std::string folder;        ///< the label as a safe file name
-    std::string name;          ///< of the light sampler
-    std::string lightSampler;  ///< name[:key=value,...][+guide[:key=value,...]]
+    std::string label;   ///< as typed
+    std::string folder;  ///< the label as a safe file name
+    std::string name;    ///< of the light sampler
     bool meshLights = false;
     bool IsOracle() const { return name == "oracle"; }
 };

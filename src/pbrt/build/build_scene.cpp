@@ -4,7 +4,6 @@
 #include <tuple>
 
 #include "pbrt/accel/accel.h"
-#include "pbrt/build/accelerators.h"
 #include "pbrt/build/built_scene.h"
 #include "pbrt/build/collect.h"
 #include "pbrt/build/geometry_builder.h"

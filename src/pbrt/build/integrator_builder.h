@@ -58,6 +58,13 @@ const std::string &IntegratorType(const Entity &entity, const BuildOptions &opti
 /// Traits of that integrator; defaults if the name is unknown.
 IntegratorTraits TraitsOf(const std::string &integrator);
 
+struct AcceleratorContext {
+    DiagnosticSink &sink;
+};
+/// The accelerator is always Embree; the parameters of stock's accelerators are validated only.
+using AcceleratorTable = FactoryTable<std::monostate, const AcceleratorContext>;
+const AcceleratorTable &Accelerators();
+
 // For the makers of integrators.
 
 inline constexpr Range<int> kCounts{1, std::numeric_limits<int>::max()};

@@ -23,15 +23,6 @@ struct LightFlags {
     const char *choiceFlag = "--lightsampler";  ///< for messages
 };
 
-/// Parts of a choice, without the words "mesh" and "guide".
-struct LightChoiceText {
-    std::string sampler;
-    bool mesh = false;
-    std::optional<std::string> guide;
-};
-/// Throws UserError, at the flag, for other suffixes after "+". Names and parameters are not validated.
-LightChoiceText SplitLightChoice(const std::string &choice, const char *flag);
-
 struct LightSelectionParams {
     std::string lightSampler = "bvh";
     bool meshLights = false;

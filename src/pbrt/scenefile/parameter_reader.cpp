@@ -71,29 +71,24 @@ void ParameterReader::ReportOverflow(const Token &token, ParamType type) const {
     sink_.Error(tokens_.Loc(token), "{} is too large: {}.", Abbreviate(token.text), rule);
 }
 
-Float ParameterReader::ReadFloat(const char *what) {
-    Token token = Require(what);
-    Float value = 0;
+template <class T, class Scan>
+T ParameterReader::ReadNumber(const char *what, Scan scan, ParamType type, const std::string &expected) {
+    const Token token = Require(what);
+    T value = 0;
     bool overflow = false;
     const char *end = token.text.data() + token.text.size();
-    if (token.kind != TokenKind::Word || ScanFloat(token.text.data(), end, &value, &overflow) != end)
-        Fail(token, "Expected a number, found {}.", Quote(token));
-    if (overflow) ReportOverflow(token, ParamType::Float);
+    if (token.kind != TokenKind::Word || scan(token.text.data(), end, &value, &overflow) != end)
+        Fail(token, "Expected {}, found {}.", expected, Quote(token));
+    if (overflow) ReportOverflow(token, type);
     return value;
 }
 
+Float ParameterReader::ReadFloat(const char *what) {
+    return ReadNumber<Float>(what, ScanFloat, ParamType::Float, "a number");
+}
+
 int ParameterReader::ReadInt(const char *what) {
-    Token token = Require(what);
-    int value = 0;
-    bool overflow = false;
-    const char *end = token.text.data() + token.text.size();
-    if (token.kind != TokenKind::Word || ScanInt(token.text.data(), end, &value, &overflow) != end)
-        Fail(token, "Expected {} (an integer), found {}.", what, Quote(token));
-    if (overflow) {
-        ReportOverflow(token, ParamType::Integer);
-        return 0;
-    }
-    return value;
+    return ReadNumber<int>(what, ScanInt, ParamType::Integer, fmt::format("{} (an integer)", what));
 }
 
 bool ParameterReader::ReadBool(const char *what) {

@@ -43,6 +43,9 @@ class ParameterReader {
     void ReadValues(const Param &param, bool known, Values &values);
     Kind ReadValue(const Token &token, const Param &param, bool known, bool bracketed, Values &values);
     void CheckKind(const Param &param, const Values &values);
+    /// `scan`: ScanFloat or ScanInt.
+    template <class T, class Scan>
+    T ReadNumber(const char *what, Scan scan, ParamType type, const std::string &expected);
     void ReportOverflow(const Token &token, ParamType type) const;
 
     Tokenizer &tokens_;

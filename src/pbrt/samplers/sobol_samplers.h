@@ -58,15 +58,11 @@ class SobolSampler final : public SamplerBySettings<SobolSampler> {
     Run Prepare(int dimension, Numbers &numbers) override;
 
   private:
-    /// Seeds of the dimensions, in halves; SobolTableRow of each.
-    struct Seeds {
-        std::vector<uint32_t> low, high;
-    };
     FloatLanes SixteenDimensions(int first) const;
     uint64_t seed_;
     int log2Resolution_;
     std::shared_ptr<const SobolPixelIndex> pixelIndex_;
-    std::shared_ptr<const Seeds> seeds_;
+    std::shared_ptr<const std::vector<uint64_t>> seeds_;  ///< of SobolTableRow dimensions
     const uint32_t *tables_;
     uint64_t index_ = 0;
 };

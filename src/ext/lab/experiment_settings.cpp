@@ -178,20 +178,27 @@ std::unique_ptr<Integrator> LabScene::MakeIntegrator(const SamplerChoice &choice
     return pbrt::MakeIntegrator(built, {choice.label, false, maxDepth}).integrator;
 }
 
-void CheckSamplesLights(const BuiltScene &built, const std::string &scene) {
+BuiltScene BuildLitScene(SceneDescription &description, const std::string &file, const BuildOptions &options,
+                         const PluginRegistry &registry, DiagnosticSink &sink, Progress &progress) {
+    sink.ThrowIfErrors();
+    progress.BeginPhase("building", 0);
+    BuiltScene built = BuildScene(description, options, registry, sink, progress);
+    progress.EndPhase();
     if (built.lightSamplerName.empty())
         throw UserError(
             "{}: the integrator \"{}\" uses no light sampler; \"path\", \"volpath\", \"bdpt\", "
             "\"mlt\" and \"sppm\" do.",
-            scene, built.integratorName);
-    if (built.scene->Lights().Size() == 0) throw UserError("{}: has no lights.", scene);
+            file, built.integratorName);
+    if (built.scene->Lights().Size() == 0) throw UserError("{}: has no lights.", file);
+    for (const Diagnostic &d : sink.All())
+        if (d.severity == Severity::Warning) LogInfo(Format(d));
+    return built;
 }
 
 LabScene LoadLabScene(const ExperimentSettings &settings, const PluginRegistry &registry, Progress &progress) {
     LabScene scene;
     DiagnosticSink sink;
     SceneDescription description = ParseSceneFiles({settings.scene}, sink);
-    sink.ThrowIfErrors();
     BuildOptions options;
     options.film.resolutionDivisor = settings.resolutionDivisor;
     options.film.filename = "lightlab.exr";  // never written; the scene's own format may be unsupported
@@ -200,12 +207,7 @@ LabScene LoadLabScene(const ExperimentSettings &settings, const PluginRegistry &
     options.sampledLightOnly = settings.sampledLightOnly;
     options.lightSamplerFlag = kSamplersFlag;
     options.lightSampler = "uniform";  // for the unused default integrator: nothing to build
-    progress.BeginPhase("building", 0);
-    scene.built = BuildScene(description, options, registry, sink, progress);
-    progress.EndPhase();
-    CheckSamplesLights(scene.built, settings.scene);
-    for (const Diagnostic &d : sink.All())
-        if (d.severity == Severity::Warning) LogInfo(Format(d));
+    scene.built = BuildLitScene(description, settings.scene, options, registry, sink, progress);
     scene.hash = SceneHash(settings.scene);
     return scene;
 }

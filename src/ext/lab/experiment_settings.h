@@ -104,10 +104,12 @@ struct LabScene {
     std::unique_ptr<Integrator> MakeIntegrator(const SamplerChoice &choice, std::optional<int> maxDepth = {}) const;
 };
 
-/// Throws UserError if the scene's integrator has no light sampler, or the scene has no lights.
-void CheckSamplesLights(const BuiltScene &built, const std::string &scene);
+/// Builds a parsed scene and logs the warnings of the sink. Throws UserError, also if the integrator has no light
+/// sampler or the scene no lights. `file`: for messages.
+BuiltScene BuildLitScene(SceneDescription &description, const std::string &file, const BuildOptions &options,
+                         const PluginRegistry &registry, DiagnosticSink &sink, Progress &progress);
 
-/// Throws UserError; includes CheckSamplesLights.
+/// Throws UserError, as BuildLitScene.
 LabScene LoadLabScene(const ExperimentSettings &settings, const PluginRegistry &registry, Progress &progress);
 
 }  // namespace ext::lab

@@ -147,12 +147,6 @@ std::unique_ptr<Scene> MakeScene(SceneContents contents, const SceneDescription 
     return std::make_unique<Scene>(std::move(contents));
 }
 
-BuiltIntegrator MakeIntegrator(const BuiltScene &built, const IntegratorSettings &settings, DiagnosticSink &sink) {
-    const IntegratorRequest &request = built.integratorRequest;
-    const PathContext context{*built.scene, *built.camera, built.samplesPerPixel, request.needsFootprints};
-    return MakeIntegrator(settings, context, built.film->OutputSpace(), sink);
-}
-
 BuiltIntegrator MakeIntegrator(const BuiltScene &built, const Entity &entity, const BuildOptions &options) {
     DiagnosticSink sink;  // its warnings were reported when the scene was built
     const IntegratorSettings settings = ReadIntegrator(entity, options, *built.integratorRequest.registry, sink);

@@ -29,24 +29,10 @@ namespace {
 constexpr Float LargestHalf = 65504;
 
 // Attributes that are mandatory, or represented by the pixels or other fields of ImageMetadata.
-const std::set<std::string> StructuralAttributes = {"channels",
-                                                    "compression",
-                                                    "dataWindow",
-                                                    "displayWindow",
-                                                    "lineOrder",
-                                                    "pixelAspectRatio",
-                                                    "screenWindowCenter",
-                                                    "screenWindowWidth",
-                                                    "chromaticities",
-                                                    "whiteLuminance",
-                                                    "tiles",
-                                                    "type",
-                                                    "name",
-                                                    "view",
-                                                    "version",
-                                                    "chunkCount",
-                                                    "preview",
-                                                    "multiView"};
+const std::set<std::string> StructuralAttributes = {
+    "channels",          "chromaticities", "chunkCount", "compression",      "dataWindow", "displayWindow",
+    "lineOrder",         "multiView",      "name",       "pixelAspectRatio", "preview",    "screenWindowCenter",
+    "screenWindowWidth", "tiles",          "type",       "version",          "view",       "whiteLuminance"};
 
 // Channels in Image order: the unnamed layer first; within a layer R, G, B, A, then the rest by name.
 std::vector<std::string> OrderedNames(const Imf::ChannelList &channels) {

@@ -1,5 +1,6 @@
 #include "support/build_text.h"
 
+#include "pbrt/build/light_sampler_spec.h"
 #include "pbrt/scenefile/parser.h"
 #include "plugins.h"
 
@@ -20,6 +21,16 @@ const PluginRegistry &AllSamplers() {
         return r;
     }();
     return registry;
+}
+
+std::unique_ptr<LightSampler> MakeLightSampler(const std::string &choice, const LightTable &lights) {
+    DiagnosticSink sink;
+    LightFlags flags;
+    flags.choice = choice;
+    const std::optional<LightSelection> selection = ReadLightSelection(ParamSet(), flags, AllSamplers(), sink);
+    sink.ThrowIfErrors();
+    const LightSamplerSpec &spec = selection->sampler;
+    return AllSamplers().Make(*spec.entry, lights, spec.params, spec.meshLights);
 }
 
 BuiltScene BuildText(const std::string &text, const BuildOptions &options) {

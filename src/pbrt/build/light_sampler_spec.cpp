@@ -269,13 +269,4 @@ std::optional<LightSamplerSpec> ReadShootingSampler(const ParamSet &integrator, 
     return spec;
 }
 
-LightSelection ReadLightSelection(const std::string &choice, const PluginRegistry &registry) {
-    DiagnosticSink sink;
-    LightFlags flags;
-    flags.choice = choice;
-    std::optional<LightSelection> selection = ReadLightSelection(ParamSet(), flags, registry, sink);
-    sink.ThrowIfErrors();
-    return *std::move(selection);
-}
-
 }  // namespace pbrt

@@ -65,7 +65,4 @@ std::optional<LightSamplerSpec> ReadShootingSampler(const ParamSet &integrator, 
                                                     const std::string &flag, const PluginRegistry &registry,
                                                     DiagnosticSink &sink);
 
-/// ReadLightSelection without a scene. Throws UserError.
-LightSelection ReadLightSelection(const std::string &choice, const PluginRegistry &registry);
-
 }  // namespace pbrt

@@ -67,17 +67,14 @@ std::vector<SamplerChoice> ParseSamplerChoices(const std::vector<std::string> &t
     std::vector<SamplerChoice> choices;
     std::set<std::string> labels, folders;
     if (texts.empty()) sink.Error({}, "no light sampler is named.");
-    for (const std::string &text : texts) {
-        try {
+    for (const std::string &text : texts)
+        Collect(sink, [&] {
             if (text.empty()) throw UserError("the list of samplers has an empty entry.");
             SamplerChoice choice = ParseOne(text, registry, sink);
             if (!labels.insert(choice.label).second) throw UserError("sampler \"{}\" is listed twice.", text);
             while (!folders.insert(choice.folder).second) choice.folder += "_";
             choices.push_back(choice);
-        } catch (const UserError &e) {
-            sink.Add(e);
-        }
-    }
+        });
     sink.ThrowIfErrors();
     for (const Diagnostic &warning : sink.All()) LogInfo(Format(warning));
     return choices;

@@ -16,14 +16,11 @@ SceneDescription ParseSceneFiles(const std::vector<std::string> &paths, Diagnost
     for (size_t i = 0; i < paths.size() && complete; ++i) {
         const std::string &path = paths[i];
         files = path == "-" ? FileResolver() : FileResolver(std::filesystem::path(path).parent_path());
-        try {
-            auto file = OpenSceneFile(path, ReadFrom::FilesAndPipes);
-            where = {file, 0, 0};
-            complete = ReadDirectives(std::move(file), SceneFileKey(path), files, builder);
-        } catch (const UserError &e) {
-            sink.Add(e);
-            complete = false;
-        }
+        std::shared_ptr<const SourceFile> file;
+        complete = Collect(sink, [&] { file = OpenSceneFile(path, ReadFrom::FilesAndPipes); });
+        if (!complete) break;
+        where = {file, 0, 0};
+        complete = ReadDirectives(std::move(file), SceneFileKey(path), files, builder);
     }
     return builder.Finish(complete, where, std::move(files));
 }

@@ -23,15 +23,10 @@ bool Tokenizer::IsOpen(const std::string &key) const {
 }
 
 Token Tokenizer::Next() {
-    if (hasPending_) {
-        hasPending_ = false;
-        last_ = pending_;
-    } else {
-        Token token = Scan();
-        if (token.kind == TokenKind::End) return token;
-        last_ = token;
-    }
-    return last_;
+    const Token token = hasPending_ ? pending_ : Scan();
+    hasPending_ = false;
+    if (token.kind != TokenKind::End) last_ = token;
+    return token;
 }
 
 const Token &Tokenizer::Peek() {

@@ -84,9 +84,7 @@ double ImageError(const Image &image, const Image &reference, Metric metric, Ima
     RequireSameShape(image, reference);
     if (metric == Metric::FLIP || metric == Metric::HdrFLIP) {
         if (skipped) *skipped = CountNotFinite(image) + CountNotFinite(reference);
-        FlipSettings settings;
-        settings.hdr = metric == Metric::HdrFLIP;
-        return FlipReference(reference, settings).Compare(image, errorImage);
+        return FlipReference(reference, metric == Metric::HdrFLIP).Compare(image, errorImage);
     }
     const double epsilon = EpsilonOf(metric, reference);
     if (errorImage) *errorImage = Image(PixelFormat::Float, image.Resolution(), image.Channels());

@@ -40,7 +40,7 @@ struct FiniteMean {
 /// MAE: mean |x-r|. MSE: mean (x-r)^2. MRSE: mean (x-r)^2/(r+0.01)^2, as in pbrt-v4. RelL2: mean (x-r)^2/(r^2+epsilon),
 /// see RelL2Epsilon. RelL2Abs (the paper's tables, depends on exposure): mean (x-r)^2/(r^2+0.01). SMAPE: mean
 /// |x-r|/((|x|+|r|)/2 + 0.01), between 0 and 2. FLIP: values clamped to [0, 1], as in stock pbrt-v4. HdrFLIP: maximum
-/// over exposures (see FlipSettings). Non-finite terms are skipped and counted in `skipped` (may be null); for FLIP
+/// over exposures (see FlipReference). Non-finite terms are skipped and counted in `skipped` (may be null); for FLIP
 /// non-finite values count as 0. `errorImage` (may be null) gets the terms: the images' channels, or Y for FLIP.
 double ImageError(const Image &image, const Image &reference, Metric metric, Image *errorImage = nullptr,
                   size_t *skipped = nullptr);
@@ -54,22 +54,17 @@ double TrimmedRelL2(const Image &image, const Image &reference, double fraction 
 /// "Visualizing Errors in Rendered High Dynamic Range Images" (HDR). HDR is the largest LDR value over exposures that
 /// map the maximum to those that map the median. R, G, B are linear sRGB; non-finite values count as 0; images extend
 /// with the nearest pixel.
-struct FlipSettings {
-    /// 67: a 0.69 m wide screen of 3840 pixels viewed from 0.70 m.
-    double pixelsPerDegree = 67;
-    /// false: values clamped to [0, 1]. true: exposures from the reference, ACES tone curve.
-    bool hdr = false;
-};
-
+///
 /// Preprocessed reference for any number of comparisons. Thread-safe; results are independent of the thread count.
 class FlipReference {
   public:
-    /// Throws UserError if channel R, G or B is missing.
-    explicit FlipReference(const Image &reference, const FlipSettings &settings = {});
+    /// `isHdr` false: values clamped to [0, 1]. true: exposures from the reference, ACES tone curve. Throws UserError
+    /// if channel R, G or B is missing.
+    explicit FlipReference(const Image &reference, bool isHdr = false);
     /// Mean over all pixels. `errorImage` (may be null) gets channel Y. Throws UserError if the resolution differs or a
     /// channel is missing.
     double Compare(const Image &image, Image *errorImage = nullptr) const;
-    /// log2 of the exposure factors, at most 16; empty unless `hdr`.
+    /// log2 of the exposure factors, at most 16; empty unless HDR.
     const std::vector<double> &Exposures() const { return exposures_; }
 
   private:
@@ -83,10 +78,9 @@ class FlipReference {
     Percept See(const std::vector<float> &planes, size_t exposure) const;
     float Difference(const Percept &reference, const Percept &test, size_t pixel) const;
 
-    FlipSettings settings_;
     Point2i resolution_{0, 0};
     std::vector<double> exposures_;
-    std::vector<Percept> percepts_;  ///< of the reference; one per exposure if `hdr`, else one
+    std::vector<Percept> percepts_;  ///< of the reference; one per exposure, or one
     double largestColorDifference_ = 0;
 };
 

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <filesystem>
 #include <set>
 #include <tuple>
 
@@ -83,8 +82,7 @@ std::string OutputName(const BuiltScene &built, const BuildOptions &options) {
 /// Checks that output files are writable and that the reference image exists.
 void CheckOutput(const BuiltScene &built, DiagnosticSink &sink) {
     if (!built.filename.empty()) Collect(sink, [&] { CheckWritable(built.filename); });
-    std::error_code none;
-    if (!built.mseReferenceImage.empty() && !std::filesystem::exists(built.mseReferenceImage, none))
+    if (!built.mseReferenceImage.empty() && !FileExists(built.mseReferenceImage))
         sink.Error({}, "{}: the reference image does not exist.", built.mseReferenceImage);
     if (!built.mseReferenceOut.empty()) Collect(sink, [&] { CheckWritable(built.mseReferenceOut); });
 }

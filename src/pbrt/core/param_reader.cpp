@@ -32,8 +32,8 @@ namespace detail {
 
 void RequireCount(const ParamSet &set, const Param &p, size_t found, size_t wanted) {
     if (found == wanted) return;
-    throw UserError(p.loc, "{}: \"{} {}\" takes {} value{}, found {}.", set.What(), Name(p.type), p.name, wanted,
-                    wanted == 1 ? "" : "s", found);
+    throw UserError(p.loc, "{}: \"{} {}\" takes {}, found {}.", set.What(), Name(p.type), p.name,
+                    CountText(wanted, "value"), found);
 }
 
 void RequireItems(const ParamSet &set, const Param &p) {

@@ -1,7 +1,6 @@
 #include <charconv>
 #include <cmath>
 #include <map>
-#include <memory>
 #include <mutex>
 
 #include "pbrt/images/image.h"
@@ -66,14 +65,10 @@ uint8_t ByteCode::Encode(Float linear) const {
 }
 
 const ByteCode &ByteCode::Of(const ColorEncoding &encoding) {
-    using Key = std::pair<int, Float>;
     static std::mutex mutex;
-    static std::map<Key, std::unique_ptr<ByteCode>> codes;
-    bool hasGamma = encoding.kind == ColorEncoding::Kind::Gamma;
+    static std::map<ColorEncoding, ByteCode> codes;
     std::lock_guard lock(mutex);
-    auto &code = codes[Key(int(encoding.kind), hasGamma ? encoding.gamma : 1)];
-    if (!code) code = std::make_unique<ByteCode>(encoding);
-    return *code;
+    return codes.try_emplace(encoding, encoding).first->second;
 }
 
 }  // namespace pbrt

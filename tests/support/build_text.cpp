@@ -3,6 +3,7 @@
 #include "pbrt/build/light_sampler_spec.h"
 #include "pbrt/scenefile/parser.h"
 #include "plugins.h"
+#include "support/parse_text.h"
 
 namespace pbrt::test {
 

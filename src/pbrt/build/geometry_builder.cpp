@@ -31,17 +31,8 @@ struct ShapeTextureParams {
     }
 };
 
-const char *PrimitiveName(ShapeKind kind) {
-    switch (kind) {
-        case ShapeKind::TriangleMesh: return "triangle";
-        case ShapeKind::BilinearMesh: return "patch";
-        case ShapeKind::Sphere: return "sphere";
-        case ShapeKind::Disk: return "disk";
-        case ShapeKind::Cylinder: return "cylinder";
-        case ShapeKind::Curves: return "curve";
-    }
-    return "primitive";
-}
+/// Primitives of the kinds of shapes, in the order of ShapeKind.
+constexpr const char *kPrimitiveNames[] = {"triangle", "patch", "sphere", "disk", "cylinder", "curve"};
 
 }  // namespace
 
@@ -264,7 +255,7 @@ void GeometryBuilder::Register(Work &w, Definition *definition) {
         }
     }
     uint32_t emitters = 0;
-    const char *primitive = w.shapes.empty() ? "" : PrimitiveName(w.shapes.front()->Kind());
+    const char *primitive = w.shapes.empty() ? "" : kPrimitiveNames[size_t(w.shapes.front()->Kind())];
     if (w.shapes.size() > 1) primitive = "face";
     for (std::unique_ptr<Shape> &shape : w.shapes) {
         const ShapeId id(contents_.shapes.size());

@@ -25,13 +25,4 @@ SceneDescription ParseSceneFiles(const std::vector<std::string> &paths, Diagnost
     return builder.Finish(complete, where, std::move(files));
 }
 
-SceneDescription ParseSceneText(const std::string &text, DiagnosticSink &sink, const std::string &name,
-                                const std::string &directory) {
-    DescriptionBuilder builder(sink);
-    FileResolver files{std::filesystem::path(directory)};
-    auto file = std::make_shared<const SourceFile>(SourceFile{name, text});
-    bool complete = ReadDirectives(file, name, files, builder);
-    return builder.Finish(complete, FileLoc{file, 0, 0}, std::move(files));
-}
-
 }  // namespace pbrt

@@ -405,10 +405,8 @@ void SceneFixture::Prepare(LightSampler &sampler) const {
 
 std::unique_ptr<LightSampler> MakePreparedSampler(const std::string &label, const SceneFixture &fixture) {
     size_t plus = label.find('+');
-    const LightSamplerSpec spec =
-        ReadLightSelection(label.substr(0, plus) + (plus != std::string::npos ? "+mesh" : ""), AllSamplers()).sampler;
     std::unique_ptr<LightSampler> sampler =
-        AllSamplers().Make(*spec.entry, fixture.Lights(), spec.params, spec.meshLights);
+        MakeLightSampler(label.substr(0, plus) + (plus != std::string::npos ? "+mesh" : ""), fixture.Lights());
     fixture.Prepare(*sampler);
     return sampler;
 }

@@ -90,13 +90,10 @@ class View {
 
     PixelStatistics Render(const std::string &label, uint32_t firstSeed, const Wrap &wrap = {}) const {
         size_t plus = label.find('+');
-        const LightSamplerSpec spec =
-            ReadLightSelection(label.substr(0, plus) + (plus != std::string::npos ? "+mesh" : ""), AllSamplers())
-                .sampler;
+        const std::string choice = label.substr(0, plus) + (plus != std::string::npos ? "+mesh" : "");
         PixelStatistics statistics;
         for (int run = 0; run < runs_; ++run) {
-            std::unique_ptr<LightSampler> lights =
-                AllSamplers().Make(*spec.entry, GetScene().Lights(), spec.params, spec.meshLights);
+            std::unique_ptr<LightSampler> lights = MakeLightSampler(choice, GetScene().Lights());
             if (wrap) lights = wrap(std::move(lights), GetScene());
             statistics.Add(RenderOnce(std::move(lights), static_cast<int>(firstSeed) + run));
         }

@@ -1,7 +1,9 @@
 #include "support/build_text.h"
 
+#include "pbrt/build/light_sampler_spec.h"
 #include "pbrt/scenefile/parser.h"
 #include "plugins.h"
+#include "support/parse_text.h"
 
 namespace pbrt::test {
 
@@ -20,6 +22,16 @@ const PluginRegistry &AllSamplers() {
         return r;
     }();
     return registry;
+}
+
+std::unique_ptr<LightSampler> MakeLightSampler(const std::string &choice, const LightTable &lights) {
+    DiagnosticSink sink;
+    LightFlags flags;
+    flags.choice = choice;
+    const std::optional<LightSelection> selection = ReadLightSelection(ParamSet(), flags, AllSamplers(), sink);
+    sink.ThrowIfErrors();
+    const LightSamplerSpec &spec = selection->sampler;
+    return AllSamplers().Make(*spec.entry, lights, spec.params, spec.meshLights);
 }
 
 BuiltScene BuildText(const std::string &text, const BuildOptions &options) {

@@ -1,4 +1,5 @@
 #include "support/render_scene.h"
+#include "support/parse_text.h"
 
 #include <cstdio>
 #include <cstdlib>

@@ -81,8 +81,7 @@ SampledSpectrum PathGuide::Li(const CameraPathSetup &setup, const CameraPathStar
 }
 
 void PathGuide::Save(StateWriter &out) const {
-    StateSaver save(out);
-    save(kVersion, first_, next_, *this);
+    out(kVersion, first_, next_, *this);
     records_.Save(out);
     roulette_.SaveRecords(out);
 }
@@ -111,10 +110,7 @@ bool PathGuide::IsSame(const View &a, const View &b) const {
     return true;
 }
 
-void PathGuide::SaveForOthers(StateWriter &out) const {
-    StateSaver save(out);
-    save(kVersion, EffectiveParamsText(params_), view_, *this);
-}
+void PathGuide::SaveForOthers(StateWriter &out) const { out(kVersion, EffectiveParamsText(params_), view_, *this); }
 
 void PathGuide::LoadOfOther(StateReader &in) {
     const std::string saved = in.Text(), here = EffectiveParamsText(params_);

@@ -102,8 +102,7 @@ class PathGuide final : public DirectionSampling {
     bool IsSame(const View &a, const View &b) const;
     void LoadOfOther(StateReader &in);
     void LoadEstimates(StateReader &in) {
-        StateLoader load(in);
-        load(*this);
+        in(*this);
         cells_.LeavesChanged();
     }
 

@@ -4,7 +4,7 @@
 #include <limits>
 #include <vector>
 
-#include "pbrt/core/state_archive.h"
+#include "pbrt/core/state_io.h"
 #include "pbrt/math/bounds.h"
 
 namespace ext {

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <map>
 
-#include "ext/lab/pictures.h"
 #include "ext/lab/results.h"
 #include "ext/lab/sampler_run.h"
 #include "pbrt/core/files.h"
@@ -302,13 +301,7 @@ void CheckCrops(const ExperimentSettings &settings, const LabScene &scene) {
 /// Creates an integrator per sampler, so that invalid parameters are reported before rendering.
 void CheckSamplers(const ExperimentSettings &settings, const LabScene &scene) {
     DiagnosticSink sink;
-    for (const SamplerChoice &choice : settings.samplers) {
-        try {
-            scene.MakeIntegrator(choice);
-        } catch (const UserError &e) {
-            sink.Add(e);
-        }
-    }
+    for (const SamplerChoice &choice : settings.samplers) Collect(sink, [&] { scene.MakeIntegrator(choice); });
     sink.ThrowIfErrors();
 }
 

@@ -21,14 +21,11 @@ std::string Trim(const std::string &text) {
 }
 
 SamplerChoice ParseOne(const std::string &text, const PluginRegistry &registry, DiagnosticSink &sink) {
-    const LightChoiceText parts = SplitLightChoice(text, kSamplersFlag);
     LightFlags flags;
     flags.choice = text;
     flags.choiceFlag = kSamplersFlag;
     ReadLightSelection(ParamSet(), flags, registry, sink);
-    const std::string guide = !parts.guide ? "" : parts.guide->empty() ? "+guide" : "+guide:" + *parts.guide;
-    return {text, SafeFileName(text), parts.sampler.substr(0, parts.sampler.find(':')), parts.sampler + guide,
-            parts.mesh};
+    return {text, SafeFileName(text), text.substr(0, text.find_first_of(":+")), text.find("+mesh") != text.npos};
 }
 
 }  // namespace
@@ -70,17 +67,14 @@ std::vector<SamplerChoice> ParseSamplerChoices(const std::vector<std::string> &t
     std::vector<SamplerChoice> choices;
     std::set<std::string> labels, folders;
     if (texts.empty()) sink.Error({}, "no light sampler is named.");
-    for (const std::string &text : texts) {
-        try {
+    for (const std::string &text : texts)
+        Collect(sink, [&] {
             if (text.empty()) throw UserError("the list of samplers has an empty entry.");
             SamplerChoice choice = ParseOne(text, registry, sink);
             if (!labels.insert(choice.label).second) throw UserError("sampler \"{}\" is listed twice.", text);
             while (!folders.insert(choice.folder).second) choice.folder += "_";
             choices.push_back(choice);
-        } catch (const UserError &e) {
-            sink.Add(e);
-        }
-    }
+        });
     sink.ThrowIfErrors();
     for (const Diagnostic &warning : sink.All()) LogInfo(Format(warning));
     return choices;
@@ -178,23 +172,30 @@ ImageMetadata LabScene::Metadata(const Film &film, const std::string &sampler, i
 }
 
 std::unique_ptr<Integrator> LabScene::MakeIntegrator(const SamplerChoice &choice, std::optional<int> maxDepth) const {
-    return pbrt::MakeIntegrator(built, {choice.lightSampler, choice.meshLights, maxDepth}).integrator;
+    return pbrt::MakeIntegrator(built, {choice.label, false, maxDepth}).integrator;
 }
 
-void CheckSamplesLights(const BuiltScene &built, const std::string &scene) {
+BuiltScene BuildLitScene(SceneDescription &description, const std::string &file, const BuildOptions &options,
+                         const PluginRegistry &registry, DiagnosticSink &sink, Progress &progress) {
+    sink.ThrowIfErrors();
+    progress.BeginPhase("building", 0);
+    BuiltScene built = BuildScene(description, options, registry, sink, progress);
+    progress.EndPhase();
     if (built.lightSamplerName.empty())
         throw UserError(
             "{}: the integrator \"{}\" uses no light sampler; \"path\", \"volpath\", \"bdpt\", "
             "\"mlt\" and \"sppm\" do.",
-            scene, built.integratorName);
-    if (built.scene->Lights().Size() == 0) throw UserError("{}: has no lights.", scene);
+            file, built.integratorName);
+    if (built.scene->Lights().Size() == 0) throw UserError("{}: has no lights.", file);
+    for (const Diagnostic &d : sink.All())
+        if (d.severity == Severity::Warning) LogInfo(Format(d));
+    return built;
 }
 
 LabScene LoadLabScene(const ExperimentSettings &settings, const PluginRegistry &registry, Progress &progress) {
     LabScene scene;
     DiagnosticSink sink;
     SceneDescription description = ParseSceneFiles({settings.scene}, sink);
-    sink.ThrowIfErrors();
     BuildOptions options;
     options.film.resolutionDivisor = settings.resolutionDivisor;
     options.film.filename = "lightlab.exr";  // never written; the scene's own format may be unsupported
@@ -203,12 +204,7 @@ LabScene LoadLabScene(const ExperimentSettings &settings, const PluginRegistry &
     options.sampledLightOnly = settings.sampledLightOnly;
     options.lightSamplerFlag = kSamplersFlag;
     options.lightSampler = "uniform";  // for the unused default integrator: nothing to build
-    progress.BeginPhase("building", 0);
-    scene.built = BuildScene(description, options, registry, sink, progress);
-    progress.EndPhase();
-    CheckSamplesLights(scene.built, settings.scene);
-    for (const Diagnostic &d : sink.All())
-        if (d.severity == Severity::Warning) LogInfo(Format(d));
+    scene.built = BuildLitScene(description, settings.scene, options, registry, sink, progress);
     scene.hash = SceneHash(settings.scene);
     return scene;
 }

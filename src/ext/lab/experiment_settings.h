@@ -15,10 +15,9 @@ inline constexpr const char *kSamplersFlag = "--samplers";
 
 /// A compared sampler: kLightChoiceSyntax.
 struct SamplerChoice {
-    std::string label;         ///< as typed
-    std::string folder;        ///< the label as a safe file name
-    std::string name;          ///< of the light sampler
-    std::string lightSampler;  ///< name[:key=value,...][+guide[:key=value,...]]
+    std::string label;   ///< as typed
+    std::string folder;  ///< the label as a safe file name
+    std::string name;    ///< of the light sampler
     bool meshLights = false;
     bool IsOracle() const { return name == "oracle"; }
 };
@@ -105,10 +104,12 @@ struct LabScene {
     std::unique_ptr<Integrator> MakeIntegrator(const SamplerChoice &choice, std::optional<int> maxDepth = {}) const;
 };
 
-/// Throws UserError if the scene's integrator has no light sampler, or the scene has no lights.
-void CheckSamplesLights(const BuiltScene &built, const std::string &scene);
+/// Builds a parsed scene and logs the warnings of the sink. Throws UserError, also if the integrator has no light
+/// sampler or the scene no lights. `file`: for messages.
+BuiltScene BuildLitScene(SceneDescription &description, const std::string &file, const BuildOptions &options,
+                         const PluginRegistry &registry, DiagnosticSink &sink, Progress &progress);
 
-/// Throws UserError; includes CheckSamplesLights.
+/// Throws UserError, as BuildLitScene.
 LabScene LoadLabScene(const ExperimentSettings &settings, const PluginRegistry &registry, Progress &progress);
 
 }  // namespace ext::lab

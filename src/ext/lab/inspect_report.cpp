@@ -10,7 +10,6 @@
 #include "ext/lab/experiment_settings.h"
 #include "ext/lab/results.h"
 #include "pbrt/core/files.h"
-#include "pbrt/core/log.h"
 #include "pbrt/core/version.h"
 #include "pbrt/images/false_color.h"
 #include "pbrt/integrators/direction_sampling.h"
@@ -176,12 +175,7 @@ int RunInspect(const InspectOptions &options, const PluginRegistry &registry, Pr
     SceneDescription description = ParseSceneFiles(options.sceneFiles, sink);
     sink.ThrowIfErrors();
     progress.EndPhase();
-    progress.BeginPhase("building", 0);
-    BuiltScene built = BuildScene(description, options.build, registry, sink, progress);
-    progress.EndPhase();
-    CheckSamplesLights(built, options.sceneFiles.front());
-    for (const Diagnostic &d : sink.All())
-        if (d.severity == Severity::Warning) LogInfo(Format(d, false));
+    BuiltScene built = BuildLitScene(description, options.sceneFiles.front(), options.build, registry, sink, progress);
 
     built.Prepare(progress);
     if (progress.Cancelled()) return 130;

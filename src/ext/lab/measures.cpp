@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "pbrt/images/metrics.h"
 #include "pbrt/math/statistics.h"
 
 namespace ext::lab {
@@ -26,7 +25,7 @@ Measures MeasuresFromJson(const Json &json) {
 
 Measures MeasuringReference::Compare(const Image &image) const {
     auto error = [&](Metric metric) { return ImageError(image, reference_, metric); };
-    auto trimmed = [&](Metric metric) { return TrimmedRelL2(image, reference_, 0.001, nullptr, metric); };
+    auto trimmed = [&](Metric metric) { return TrimmedRelL2(image, reference_, 0.001, metric); };
     return {error(Metric::RelL2),   error(Metric::MSE),      error(Metric::MRSE),
             error(Metric::MAE),     error(Metric::SMAPE),    flip_.Compare(image),
             trimmed(Metric::RelL2), error(Metric::RelL2Abs), trimmed(Metric::RelL2Abs)};

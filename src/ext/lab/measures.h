@@ -5,8 +5,7 @@
 #include <vector>
 
 #include "ext/lab/text_output.h"
-#include "pbrt/images/flip.h"
-#include "pbrt/images/image.h"
+#include "pbrt/images/metrics.h"
 
 namespace ext::lab {
 using namespace pbrt;

@@ -1,4 +1,4 @@
-#include "ext/lab/pictures.h"
+#include "ext/lab/experiment.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,6 @@
 #include <cmath>
 #include <filesystem>
 
-#include "ext/lab/experiment.h"
 #include "ext/lab/inspect.h"
 #include "ext/lab/tile_statistics.h"
 #include "pbrt/core/files.h"

@@ -1,6 +1,7 @@
 #include "ext/lab/results.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "pbrt/math/statistics.h"
 
@@ -55,21 +56,79 @@ std::vector<double> ErrorsOf(const std::vector<RunRecord> &runs, Measure measure
     return errors;
 }
 
+/// Number in a LightSampler::Report.
+std::optional<double> ReportNumber(const Json &report, const char *name) {
+    if (!report.contains(name) || !report[name].is_number()) return {};
+    return report[name].get<double>();
+}
+
+/// Null unless all runs report it.
+Json ReportMean(const SamplerResult &s, const char *name) {
+    double sum = 0;
+    for (const RunRecord &run : s.runs) {
+        const std::optional<double> value = ReportNumber(run.report, name);
+        if (!value) return {};
+        sum += *value;
+    }
+    return sum / double(s.runs.size());
+}
+
+double PrepassSeconds(const RunRecord &run) { return ReportNumber(run.report, "prepassSeconds").value_or(0); }
+
 void SummarizeOne(SamplerResult *s) {
     const auto last = [](const RunRecord &run) -> const RoundRecord & { return run.rounds.back(); };
-    s->samples = MeanOver(s->runs, [&](const RunRecord &r) { return double(last(r).samples); });
-    s->seconds = MeanOver(s->runs, [&](const RunRecord &r) { return last(r).spent.wall; });
-    s->cpuSeconds = MeanOver(s->runs, [&](const RunRecord &r) { return last(r).spent.cpu; });
-    s->prepareSeconds = MeanOver(s->runs, [](const RunRecord &r) { return r.prepare.wall; });
-    s->prepareCpuSeconds = MeanOver(s->runs, [](const RunRecord &r) { return r.prepare.cpu; });
+    const auto mean = [&](auto &&value) { return MeanOver(s->runs, value); };
+    s->samples = mean([&](const RunRecord &r) { return double(last(r).samples); });
+    s->prepareSeconds = mean([](const RunRecord &r) { return r.prepare.wall; });
+    s->cpuPerSample = CpuPerSample(s->runs);
     for (size_t m = 0; m < MeasureCount; ++m) s->measures[m] = Summarize(ErrorsOf(s->runs, static_cast<Measure>(m)));
     const double error = Get(s->measures, Measure::RelL2).mean;
     s->firefliesDecide = FirefliesDecide(error, Get(s->measures, Measure::RelL2Trimmed).mean);
-    s->efficiency = Efficiency(error, s->seconds);
-    s->cpuPerSample = CpuPerSample(s->runs);
-    s->shadowRays = MeanOver(s->runs, [&](const RunRecord &r) { return double(last(r).shadowRays); });
-    const double blocked = MeanOver(s->runs, [&](const RunRecord &r) { return double(last(r).shadowRaysBlocked); });
-    s->blockedShare = s->shadowRays > 0 ? blocked / s->shadowRays : 0;
+
+    const double seconds = mean([&](const RunRecord &r) { return last(r).spent.wall; });
+    const double cpuSeconds = mean([&](const RunRecord &r) { return last(r).spent.cpu; });
+    const double prepareCpuSeconds = mean([](const RunRecord &r) { return r.prepare.cpu; });
+    const double shadowRays = mean([&](const RunRecord &r) { return double(last(r).shadowRays); });
+    const double blocked = mean([&](const RunRecord &r) { return double(last(r).shadowRaysBlocked); });
+    Json &json = s->summary;
+    json["samples"] = s->samples;
+    json["seconds"] = seconds;
+    json["cpuSeconds"] = cpuSeconds;
+    for (size_t m = 0; m < MeasureCount; ++m)
+        json["metrics"][MeasureNames[m]] = {{"mean", s->measures[m].mean},
+                                            {"stdDev", s->measures[m].stdDev},
+                                            {"standardError", s->measures[m].standardError}};
+    json["firefliesDecide"] = s->firefliesDecide;
+    json["efficiency"] = Efficiency(error, seconds);
+    // Set by CompareSamplers.
+    for (const char *key : {"speedUp", "speedUpAgainst", "speedUps", "ratioToOracle"}) json[key] = Json();
+    // Preparation not reported as prepass counts as building.
+    json["overhead"] = {
+        {"prepassSeconds", mean(PrepassSeconds)},
+        {"buildSeconds", mean([](const RunRecord &r) { return std::max(0.0, r.prepare.wall - PrepassSeconds(r)); })},
+        {"renderSeconds", mean([&](const RunRecord &r) { return last(r).spent.wall - r.prepare.wall; })}};
+    json["cpuSecondsPerSample"] = s->cpuPerSample;
+    json["relativeCost"] = Json();  // set by CompareSamplers
+    json["preparationShare"] = cpuSeconds > 0 ? prepareCpuSeconds / cpuSeconds : 0;
+    json["leaves"] = ReportMean(*s, "leaves");
+    json["bytes"] = ReportMean(*s, "bytes");
+    json["shadowRays"] = shadowRays;
+    json["blockedShare"] = shadowRays > 0 ? blocked / shadowRays : 0;
+}
+
+Json BiasJson(const BiasReport &b) {
+    auto finite = [](double v) { return std::isfinite(v) ? Json(v) : Json(); };
+    return {{"verdict", BiasVerdictName(b.verdict)},
+            {"tiles", b.tiles},
+            {"tests", b.tests},
+            {"worstZ", finite(b.worstZ)},
+            {"pValue", b.pValue},
+            {"meanDifference", finite(b.meanDifference)},
+            {"visibleImage", finite(b.visibleImage)},
+            {"visibleSixteenth", finite(b.visibleSixteenth)},
+            {"visibleSmallest", finite(b.visibleSmallest)},
+            {"smallestSide", b.smallestSide},
+            {"text", b.text}};
 }
 
 /// Label without "+mesh": runs with and without mesh lights are auxiliary to each other.
@@ -124,6 +183,8 @@ class BiasJudge {
     std::vector<std::optional<double>> noise_;
 };
 
+Json OrNull(const std::optional<double> &value) { return value ? Json(*value) : Json(); }
+
 void CompareSamplers(std::vector<SamplerResult> *samplers) {
     std::vector<ErrorCurve> bySeconds, bySamples;
     for (const SamplerResult &s : *samplers) {
@@ -133,22 +194,28 @@ void CompareSamplers(std::vector<SamplerResult> *samplers) {
     for (size_t i = 0; i < samplers->size(); ++i) {
         SamplerResult &mine = (*samplers)[i];
         const double first = samplers->front().cpuPerSample;
-        mine.relativeCost = first > 0 ? mine.cpuPerSample / first : 0;
+        std::optional<double> ratioToOracle;
+        Json speedUps = Json::object();
         for (size_t k = 0; k < samplers->size(); ++k) {
             const SamplerResult &other = (*samplers)[k];
             if (k == i) continue;
-            if (other.choice.IsOracle() && !mine.ratioToOracle)
-                mine.ratioToOracle = ErrorRatioAtEqualCost(bySamples[i], bySamples[k]);
+            if (other.choice.IsOracle() && !ratioToOracle)
+                ratioToOracle = ErrorRatioAtEqualCost(bySamples[i], bySamples[k]);
             const std::optional<double> speedUp = SpeedUpToEqualError(bySeconds[i], bySeconds[k]);
             if (!speedUp) continue;
-            mine.speedUps.emplace_back(other.choice.label, *speedUp);
+            speedUps[other.choice.label] = *speedUp;
             const bool counts = !other.choice.IsOracle() && other.bias.verdict != BiasVerdict::Biased;
             if (counts && (!mine.speedUp || *speedUp < *mine.speedUp)) {
                 mine.speedUp = *speedUp;
                 mine.speedUpAgainst = other.choice.label;
             }
         }
-        if (mine.choice.IsOracle()) mine.ratioToOracle = 1;
+        if (mine.choice.IsOracle()) ratioToOracle = 1;
+        mine.summary["speedUp"] = OrNull(mine.speedUp);
+        mine.summary["speedUpAgainst"] = mine.speedUp ? Json(mine.speedUpAgainst) : Json();
+        mine.summary["speedUps"] = speedUps;
+        mine.summary["ratioToOracle"] = OrNull(ratioToOracle);
+        mine.summary["relativeCost"] = first > 0 ? mine.cpuPerSample / first : 0;
     }
 }
 
@@ -191,6 +258,8 @@ ExperimentResults Summarize(const ExperimentSettings &settings, const References
             s.bias.text += " The references contradict each other, so bias is unknown.";
         }
         if (s.selection) AddSelection(*s.selection, &s.bias);
+        s.summary["bias"] = BiasJson(s.bias);
+        if (s.selection) s.summary["bias"]["selection"] = ToJson(*s.selection);
     }
     CompareSamplers(&results.samplers);
     for (const SamplerResult &s : results.samplers)

@@ -11,20 +11,15 @@ struct SamplerResult {
     size_t reference = 0;
     std::vector<RunRecord> runs;  ///< excluding rounds without samples
     /// Set by Summarize.
-    double samples = 0, seconds = 0, cpuSeconds = 0;  ///< means over the runs
-    double prepareSeconds = 0, prepareCpuSeconds = 0;
+    double samples = 0, prepareSeconds = 0;  ///< means over the runs
+    double cpuPerSample = 0;                 ///< render CPU seconds; excluding the first sample if there are more
     std::array<Summary, MeasureCount> measures;
     bool firefliesDecide = false;
-    double efficiency = 0;
     std::optional<double> speedUp;  ///< over the other sampler with the least time for this sampler's error
     std::string speedUpAgainst;
-    std::vector<std::pair<std::string, double>> speedUps;  ///< over every other sampler, by label
-    std::optional<double> ratioToOracle;
-    double cpuPerSample = 0;                  ///< render CPU seconds; excluding the first sample if there are more
-    double relativeCost = 0;                  ///< cpuPerSample over that of the first sampler
-    double shadowRays = 0, blockedShare = 0;  ///< per run
-    BiasReport bias;                          ///< of both checks together
+    BiasReport bias;  ///< of both checks together
     std::optional<SelectionReport> selection;
+    Json summary;  ///< as in results.json
 };
 
 struct ExperimentResults {

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "ext/lab/measures.h"
@@ -11,42 +10,6 @@
 
 namespace ext::lab {
 namespace {
-
-/// Number in a LightSampler::Report.
-std::optional<double> ReportNumber(const Json &report, const char *name) {
-    if (!report.contains(name) || !report[name].is_number()) return {};
-    return report[name].get<double>();
-}
-
-struct Overhead {
-    double prepass = 0, build = 0, render = 0;  ///< seconds, means over the runs
-};
-
-Overhead OverheadOf(const SamplerResult &s) {
-    Overhead o;
-    for (const RunRecord &run : s.runs) {
-        const double prepass = ReportNumber(run.report, "prepassSeconds").value_or(0);
-        o.prepass += prepass;
-        // Preparation not reported as prepass counts as building.
-        o.build += std::max(0.0, run.prepare.wall - prepass);
-        o.render += run.rounds.back().spent.wall - run.prepare.wall;
-    }
-    const double n = double(std::max<size_t>(1, s.runs.size()));
-    return {o.prepass / n, o.build / n, o.render / n};
-}
-
-/// Null unless all runs report it.
-Json ReportMean(const SamplerResult &s, const char *name) {
-    double sum = 0;
-    for (const RunRecord &run : s.runs) {
-        const std::optional<double> value = ReportNumber(run.report, name);
-        if (!value) return {};
-        sum += *value;
-    }
-    return sum / double(s.runs.size());
-}
-
-Json OrNull(const std::optional<double> &value) { return value ? Json(*value) : Json(); }
 
 Json ParametersOf(const RunRecord &run) {
     if (!run.report.contains("parameters")) return Json::object();
@@ -72,51 +35,6 @@ Json RunJson(const SamplerResult &s, const RunRecord &run) {
                                   {"seconds", r.spent.wall},
                                   {"cpuSeconds", r.spent.cpu},
                                   {"metrics", ToJson(r.measures)}});
-    return json;
-}
-
-Json BiasJson(const BiasReport &b) {
-    auto finite = [](double v) { return std::isfinite(v) ? Json(v) : Json(); };
-    return {{"verdict", BiasVerdictName(b.verdict)},
-            {"tiles", b.tiles},
-            {"tests", b.tests},
-            {"worstZ", finite(b.worstZ)},
-            {"pValue", b.pValue},
-            {"meanDifference", finite(b.meanDifference)},
-            {"visibleImage", finite(b.visibleImage)},
-            {"visibleSixteenth", finite(b.visibleSixteenth)},
-            {"visibleSmallest", finite(b.visibleSmallest)},
-            {"smallestSide", b.smallestSide},
-            {"text", b.text}};
-}
-
-Json SummaryJson(const SamplerResult &s) {
-    Json json;
-    json["samples"] = s.samples;
-    json["seconds"] = s.seconds;
-    json["cpuSeconds"] = s.cpuSeconds;
-    for (size_t m = 0; m < MeasureCount; ++m)
-        json["metrics"][MeasureNames[m]] = {{"mean", s.measures[m].mean},
-                                            {"stdDev", s.measures[m].stdDev},
-                                            {"standardError", s.measures[m].standardError}};
-    json["firefliesDecide"] = s.firefliesDecide;
-    json["efficiency"] = s.efficiency;
-    json["speedUp"] = OrNull(s.speedUp);
-    json["speedUpAgainst"] = s.speedUp ? Json(s.speedUpAgainst) : Json();
-    json["speedUps"] = Json::object();
-    for (const auto &[label, value] : s.speedUps) json["speedUps"][label] = value;
-    json["ratioToOracle"] = OrNull(s.ratioToOracle);
-    const Overhead o = OverheadOf(s);
-    json["overhead"] = {{"prepassSeconds", o.prepass}, {"buildSeconds", o.build}, {"renderSeconds", o.render}};
-    json["cpuSecondsPerSample"] = s.cpuPerSample;
-    json["relativeCost"] = s.relativeCost;
-    json["preparationShare"] = s.cpuSeconds > 0 ? s.prepareCpuSeconds / s.cpuSeconds : 0;
-    json["leaves"] = ReportMean(s, "leaves");
-    json["bytes"] = ReportMean(s, "bytes");
-    json["shadowRays"] = s.shadowRays;
-    json["blockedShare"] = s.blockedShare;
-    json["bias"] = BiasJson(s.bias);
-    if (s.selection) json["bias"]["selection"] = ToJson(*s.selection);
     return json;
 }
 
@@ -154,7 +72,7 @@ void AddToJson(const ExperimentResults &results, Json *json) {
         entry["errorPicture"] = s.choice.folder + "/error.png";
         entry["runs"] = Json::array();
         for (const RunRecord &run : s.runs) entry["runs"].push_back(RunJson(s, run));
-        entry["summary"] = SummaryJson(s);
+        entry["summary"] = s.summary;
         (*json)["samplers"].push_back(std::move(entry));
     }
     (*json)["conclusion"] = ToJson(results.conclusion, results.contenders);
@@ -166,11 +84,10 @@ std::string SummaryCsv(const ExperimentResults &results) {
     text +=
         ",efficiency,speedUp,speedUpAgainst,ratioToOracle,prepassSeconds,buildSeconds,renderSeconds,preparationShare,cpuSecondsPerSample,relativeCost,leaves,bytes,shadowRays,blockedShare,biasVerdict,biasPValue\n";
     for (const SamplerResult &s : results.samplers) {
-        const Json summary = SummaryJson(s);
         std::vector<std::string> fields = {Quoted(s.choice.label)};
         const auto add = [&](std::initializer_list<const char *> pointers) {
             for (const char *pointer : pointers) {
-                const Json &value = summary.at(Json::json_pointer(pointer));
+                const Json &value = s.summary.at(Json::json_pointer(pointer));
                 fields.push_back(value.is_number()   ? fmt::format("{:.9g}", value.get<double>())
                                  : value.is_string() ? Quoted(value.get<std::string>())
                                                      : std::string());
@@ -205,23 +122,24 @@ std::string RoundsCsv(const ExperimentResults &results) {
 }
 
 std::string TableText(const ExperimentResults &results, const References &references) {
-    auto optional = [](const std::optional<double> &v, const char *unit) {
-        return v ? fmt::format("{:.2f}{}", *v, unit) : std::string("-");
+    auto optional = [](const Json &v, const char *unit) {
+        return v.is_number() ? fmt::format("{:.2f}{}", v.get<double>(), unit) : std::string("-");
     };
     std::vector<std::vector<std::string>> rows = {{"sampler", "samples", "seconds", "relL2", "+-", "trimmed",
                                                    "efficiency", "speed-up", "x oracle", "prepass s", "build s",
                                                    "prep.", "cost", "blocked", "bias"}};
     for (const SamplerResult &s : results.samplers) {
-        const Overhead o = OverheadOf(s);
+        const Json &summary = s.summary, &overhead = summary.at("overhead");
+        auto thousandths = [](const Json &v) { return fmt::format("{:.3f}", v.get<double>()); };
         rows.push_back(
-            {s.choice.label, fmt::format("{:.1f}", s.samples), fmt::format("{:.2f}", s.seconds),
+            {s.choice.label, fmt::format("{:.1f}", s.samples), optional(summary.at("seconds"), ""),
              fmt::format("{:.4g}", Get(s.measures, Measure::RelL2).mean),
              fmt::format("{:.2g}", Get(s.measures, Measure::RelL2).standardError),
              fmt::format("{:.4g}{}", Get(s.measures, Measure::RelL2Trimmed).mean, s.firefliesDecide ? " !" : ""),
-             fmt::format("{:.4g}", s.efficiency), optional(s.speedUp, "x"), optional(s.ratioToOracle, ""),
-             fmt::format("{:.3f}", o.prepass), fmt::format("{:.3f}", o.build),
-             PercentWithTenths(s.cpuSeconds > 0 ? s.prepareCpuSeconds / s.cpuSeconds : 0),
-             fmt::format("{:.3f}", s.relativeCost), PercentWithTenths(s.blockedShare),
+             fmt::format("{:.4g}", summary.at("efficiency").get<double>()), optional(summary.at("speedUp"), "x"),
+             optional(summary.at("ratioToOracle"), ""), thousandths(overhead.at("prepassSeconds")),
+             thousandths(overhead.at("buildSeconds")), PercentWithTenths(summary.at("preparationShare")),
+             thousandths(summary.at("relativeCost")), PercentWithTenths(summary.at("blockedShare")),
              BiasVerdictName(s.bias.verdict)});
     }
     std::string text = Align(rows);

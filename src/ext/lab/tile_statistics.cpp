@@ -14,13 +14,7 @@ Bounds2i TileGrid::Pixels(int x, int y) const {
 }
 
 TileMeans ComputeTileMeans(const Image &image) {
-    std::vector<int> channels;
-    for (const char *name : {"R", "G", "B"})
-        if (int c = image.FindChannel(name); c >= 0) channels.push_back(c);
-    if (channels.size() < 3) {
-        channels.clear();
-        for (int c = 0; c < image.ChannelCount(); ++c) channels.push_back(c);
-    }
+    const std::vector<int> channels = RgbOrAllChannels(image);
     TileMeans means;
     means.grid = TileGrid(image.Resolution());
     means.channels = int(channels.size());
@@ -28,15 +22,9 @@ TileMeans ComputeTileMeans(const Image &image) {
     means.grid.ForEachTile([&](int tx, int ty) {
         const Bounds2i pixels = means.grid.Pixels(tx, ty);
         for (int c : channels) {
-            double sum = 0;
-            size_t counted = 0;
-            ForEachPixel(pixels, [&](int x, int y) {
-                const auto v = double(image.Get({x, y}, c));
-                if (!std::isfinite(v)) return;
-                sum += v;
-                ++counted;
-            });
-            means.values.push_back(counted ? sum / double(counted) : 0);
+            FiniteMean mean;
+            ForEachPixel(pixels, [&](int x, int y) { mean.Add(double(image.Get({x, y}, c))); });
+            means.values.push_back(mean.Mean());
         }
     });
     return means;
@@ -57,28 +45,20 @@ MeanImage AverageImages(std::span<const Image> images) {
     MeanImage out{Image(PixelFormat::Float, first.Resolution(), first.Channels())};
     const auto n = double(images.size());
     std::vector<double> variances;
-    ForEachPixel(first.Resolution(), [&](int x, int y) {
-        for (int c = 0; c < first.ChannelCount(); ++c) {
-            double sum = 0, squares = 0;
-            for (const Image &image : images) sum += double(image.Get({x, y}, c));
-            const double mean = sum / n;
-            for (const Image &image : images) squares += Sqr(double(image.Get({x, y}, c)) - mean);
-            out.image.Set({x, y}, c, Float(mean));
-            variances.push_back(n > 1 ? squares / (n - 1) / n : 0);
-        }
+    ForEachValue(first, [&](Point2i p, int c) {
+        double sum = 0, squares = 0;
+        for (const Image &image : images) sum += double(image.Get(p, c));
+        const double mean = sum / n;
+        for (const Image &image : images) squares += Sqr(double(image.Get(p, c)) - mean);
+        out.image.Set(p, c, Float(mean));
+        variances.push_back(n > 1 ? squares / (n - 1) / n : 0);
     });
     const double epsilon = RelL2Epsilon(out.image);
-    double noise = 0;
-    size_t counted = 0, i = 0;
-    ForEachPixel(first.Resolution(), [&](int x, int y) {
-        for (int c = 0; c < first.ChannelCount(); ++c) {
-            const double term = variances[i++] / (Sqr(double(out.image.Get({x, y}, c))) + epsilon);
-            if (!std::isfinite(term)) continue;
-            noise += term;
-            ++counted;
-        }
-    });
-    out.noise = counted ? noise / double(counted) : 0;
+    FiniteMean noise;
+    size_t i = 0;
+    ForEachValue(out.image,
+                 [&](Point2i p, int c) { noise.Add(variances[i++] / (Sqr(double(out.image.Get(p, c))) + epsilon)); });
+    out.noise = noise.Mean();
     return out;
 }
 

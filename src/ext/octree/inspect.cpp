@@ -16,18 +16,16 @@ constexpr std::string_view kOtherVersion = "another version of this light sample
 }  // namespace
 
 void VisibilityOctreeLightSampler::SaveLearned(StateWriter &writer, bool goesOn) const {
-    StateSaver save(writer);
-    save(kVersion, goesOn, prepassSeconds_);
+    writer(kVersion, goesOn, prepassSeconds_);
     portals_.Save(writer);
-    save(LightTreeHash());
+    writer(LightTreeHash());
     model_.Save(writer, goesOn);
 }
 
 void VisibilityOctreeLightSampler::LoadLearned(const PrepareContext &context, StateReader &reader) {
-    StateLoader load(reader);
     reader.Require(reader.Value<uint32_t>() == kVersion, kOtherVersion);
     reader.Require(reader.Value<bool>() == context.learnsOn, "it is of another use");
-    load(prepassSeconds_);
+    reader(prepassSeconds_);
     portals_.Load(reader);
     PortalsChanged();
     reader.Require(reader.Value<uint64_t>() == LightTreeHash(), "it belongs to other lights");
@@ -64,14 +62,12 @@ std::string VisibilityOctreeLightSampler::DescribeStructure() const {
 }
 
 void PaperOctreeLightSampler::SaveLearned(StateWriter &writer, bool) const {
-    StateSaver save(writer);
-    save(kVersion, learned_, vertices_, prepassSeconds_, buildSeconds_, tree_, recordsPerNode_);
+    writer(kVersion, learned_, vertices_, prepassSeconds_, buildSeconds_, tree_, recordsPerNode_);
 }
 
 void PaperOctreeLightSampler::LoadLearned(StateReader &reader) {
     reader.Require(reader.Value<uint32_t>() == kVersion, kOtherVersion);
-    StateLoader load(reader);
-    load(learned_, vertices_, prepassSeconds_, buildSeconds_, tree_, recordsPerNode_);
+    reader(learned_, vertices_, prepassSeconds_, buildSeconds_, tree_, recordsPerNode_);
     reader.Require(!learned_ || tree_.GroupCount() == groups_.Size(), "it has another number of lights");
     reader.Require(!learned_ || (tree_.RowCount() > 0 && recordsPerNode_.size() == tree_.Cells().NodeCount()),
                    "counts of records do not fit the octree");

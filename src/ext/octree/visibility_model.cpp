@@ -150,20 +150,18 @@ std::optional<std::string> VisibilityModel::Estimate::ValidateFor(size_t groups,
 }
 
 void VisibilityModel::Save(StateWriter &out, bool goesOn) const {
-    StateSaver save(out);
-    save(counts_, bounds_, render_, goesOn ? nextUpdate_ : 0);
+    out(counts_, bounds_, render_, goesOn ? nextUpdate_ : 0);
     for (const Estimate *estimate : {&onSurfaces_, &inMedia_}) {
         static const VisibilityRecords none;
-        save(*estimate, goesOn ? estimate->records : none);
+        out(*estimate, goesOn ? estimate->records : none);
     }
     if (goesOn && nextUpdate_ > 0) rendered_.Save(out);
 }
 
 void VisibilityModel::Load(const PrepareContext &context, StateReader &in) {
-    StateLoader load(in);
-    load(counts_, bounds_, render_, nextUpdate_);
+    in(counts_, bounds_, render_, nextUpdate_);
     for (Estimate *estimate : {&onSurfaces_, &inMedia_}) {
-        load(*estimate, estimate->records);
+        in(*estimate, estimate->records);
         in.RequireValid(estimate->ValidateFor(groups_.Size(), lights_));
     }
     in.RequireValid(ResumeRecording(context));

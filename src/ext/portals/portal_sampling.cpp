@@ -264,8 +264,7 @@ void PortalSampling::Save(StateWriter &out) const {
     std::vector<Portal> portals;
     for (size_t i = 0; i < count_; ++i) portals.push_back((*environments_[0].portals)[i]);
     out.CopyOfVector(portals);
-    StateSaver save(out);
-    save(seconds_, seenShare_, trial_, tree_);
+    out(seconds_, seenShare_, trial_, tree_);
 }
 
 void PortalSampling::Load(StateReader &in) {
@@ -275,8 +274,7 @@ void PortalSampling::Load(StateReader &in) {
     in.Require(portals.empty() || !environments_.empty(), "it has portals of an environment light that has none here");
     for (const Portal &portal : portals) in.RequireValid(portal.Validate());
     Clear();
-    StateLoader load(in);
-    load(seconds_, seenShare_, trial_, tree_);
+    in(seconds_, seenShare_, trial_, tree_);
     if (portals.empty()) return;
     Use(portals);
     in.Require(tree_.RowCount() > 0, "its portals have no visibility");

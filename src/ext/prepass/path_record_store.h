@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "pbrt/core/state_archive.h"
+#include "pbrt/core/state_io.h"
 #include "pbrt/lightsamplers/light_sampler.h"
 
 namespace ext {
@@ -50,7 +50,7 @@ class RecordedPaths {
 
 /// Records of paths, each in its own slot, so that the result is independent of thread order. A Record has IsEmpty(),
 /// true by default, and `std::optional<std::string> Validate() const`, the error of an invalid one. It has Visit
-/// (core/state_archive.h) or is trivially copyable without padding.
+/// (core/state_io.h) or is trivially copyable without padding.
 template <class Record>
 class PathRecordStore {
   public:
@@ -82,10 +82,9 @@ class PathRecordStore {
     /// Writes the non-empty records with their slots.
     void Save(StateWriter &out) const {
         const auto isFilled = [](const Record &record) { return !record.IsEmpty(); };
-        StateSaver save(out);
-        save(uint64_t{places_.size()}, uint64_t(std::ranges::count_if(places_, isFilled)));
+        out(uint64_t{places_.size()}, uint64_t(std::ranges::count_if(places_, isFilled)));
         for (size_t i = 0; i < places_.size(); ++i)
-            if (isFilled(places_[i])) save(uint64_t{i}, places_[i]);
+            if (isFilled(places_[i])) out(uint64_t{i}, places_[i]);
     }
     void Extract(StateWriter &out) {
         Save(out);
@@ -94,11 +93,10 @@ class PathRecordStore {
     /// Merges the output of Save. Throws UserError if its slots do not match.
     void Merge(StateReader &in) {
         in.Require(in.Value<uint64_t>() == places_.size(), "it has other records than the render makes");
-        StateLoader load(in);
         for (auto filled = in.Value<uint64_t>(); filled > 0; --filled) {
             const auto place = in.Value<uint64_t>();
             in.Require(place < places_.size(), "a record has no place");
-            load(places_[place]);
+            in(places_[place]);
         }
     }
 

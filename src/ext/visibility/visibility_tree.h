@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "pbrt/core/state_archive.h"
+#include "pbrt/core/state_io.h"
 #include "pbrt/math/bounds.h"
 
 namespace ext {

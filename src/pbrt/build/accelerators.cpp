@@ -1,4 +1,4 @@
-#include "pbrt/build/accelerators.h"
+#include "pbrt/build/integrator_builder.h"
 
 namespace pbrt {
 namespace {

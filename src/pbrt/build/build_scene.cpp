@@ -1,10 +1,8 @@
 #include <algorithm>
-#include <filesystem>
 #include <set>
 #include <tuple>
 
 #include "pbrt/accel/accel.h"
-#include "pbrt/build/accelerators.h"
 #include "pbrt/build/built_scene.h"
 #include "pbrt/build/collect.h"
 #include "pbrt/build/geometry_builder.h"
@@ -84,8 +82,7 @@ std::string OutputName(const BuiltScene &built, const BuildOptions &options) {
 /// Checks that output files are writable and that the reference image exists.
 void CheckOutput(const BuiltScene &built, DiagnosticSink &sink) {
     if (!built.filename.empty()) Collect(sink, [&] { CheckWritable(built.filename); });
-    std::error_code none;
-    if (!built.mseReferenceImage.empty() && !std::filesystem::exists(built.mseReferenceImage, none))
+    if (!built.mseReferenceImage.empty() && !FileExists(built.mseReferenceImage))
         sink.Error({}, "{}: the reference image does not exist.", built.mseReferenceImage);
     if (!built.mseReferenceOut.empty()) Collect(sink, [&] { CheckWritable(built.mseReferenceOut); });
 }
@@ -146,12 +143,6 @@ std::unique_ptr<Scene> MakeScene(SceneContents contents, const SceneDescription 
     contents.accel->Bounds().BoundingSphere(&center, &radius);
     contents.lights->Finish(center, radius);
     return std::make_unique<Scene>(std::move(contents));
-}
-
-BuiltIntegrator MakeIntegrator(const BuiltScene &built, const IntegratorSettings &settings, DiagnosticSink &sink) {
-    const IntegratorRequest &request = built.integratorRequest;
-    const PathContext context{*built.scene, *built.camera, built.samplesPerPixel, request.needsFootprints};
-    return MakeIntegrator(settings, context, built.film->OutputSpace(), sink);
 }
 
 BuiltIntegrator MakeIntegrator(const BuiltScene &built, const Entity &entity, const BuildOptions &options) {

@@ -2,7 +2,6 @@
 
 #include <fmt/ranges.h>
 
-#include "pbrt/build/accelerators.h"
 #include "pbrt/build/geometry_builder.h"
 #include "pbrt/build/integrator_builder.h"
 #include "pbrt/cameras/camera.h"
@@ -73,8 +72,8 @@ std::string ParameterPage(std::vector<FamilyDoc> families) {
     return text;
 }
 
-}  // namespace
-
+/// All scene entities with their parameters, in scene file order. Excludes light samplers, listed by their registry.
+/// Guided integrators include the parameters of direction sampling.
 std::vector<FamilyDoc> AllFamilies(const PluginRegistry &registry) {
     std::vector<FamilyDoc> all = {Cameras().Document("cameras"),
                                   Films().Document("films"),
@@ -95,6 +94,8 @@ std::vector<FamilyDoc> AllFamilies(const PluginRegistry &registry) {
     }
     return all;
 }
+
+}  // namespace
 
 std::string ListWhat(const std::string &what, const PluginRegistry &registry) {
     const std::vector<FamilyDoc> families = AllFamilies(registry);

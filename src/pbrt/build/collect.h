@@ -6,17 +6,6 @@
 
 namespace pbrt {
 
-/// Runs `make`, converting its UserError into diagnostics. Returns true on success.
-bool Collect(DiagnosticSink &sink, auto &&make) {
-    try {
-        make();
-        return true;
-    } catch (const UserError &e) {
-        sink.Add(e);
-        return false;
-    }
-}
-
 inline const ColorSpace &SpaceOf(const Entity &e) {
     const ColorSpace *space = ColorSpace::Find(e.colorSpace);
     PBRT_CHECK_MSG(space != nullptr, "colour space {}", e.colorSpace);

@@ -31,17 +31,8 @@ struct ShapeTextureParams {
     }
 };
 
-const char *PrimitiveName(ShapeKind kind) {
-    switch (kind) {
-        case ShapeKind::TriangleMesh: return "triangle";
-        case ShapeKind::BilinearMesh: return "patch";
-        case ShapeKind::Sphere: return "sphere";
-        case ShapeKind::Disk: return "disk";
-        case ShapeKind::Cylinder: return "cylinder";
-        case ShapeKind::Curves: return "curve";
-    }
-    return "primitive";
-}
+/// Primitives of the kinds of shapes, in the order of ShapeKind.
+constexpr const char *kPrimitiveNames[] = {"triangle", "patch", "sphere", "disk", "cylinder", "curve"};
 
 }  // namespace
 
@@ -109,16 +100,12 @@ void GeometryBuilder::BuildMaterials() {
     defaultMaterial_ = add(MakeMaterial("diffuse", ParamSet("Material \"diffuse\"", {}), context));
 }
 
-MaterialId GeometryBuilder::ResolveMaterial(const ShapeEntity &entity) {
+MaterialId GeometryBuilder::ResolveMaterial(const ShapeEntity &entity) const {
     const MaterialRef &ref = entity.material;
     if (ref.index >= 0) return byIndex_[ref.index];
     if (ref.name.empty()) return defaultMaterial_;
-    auto it = named_.find(ref.name);
-    if (it != named_.end()) return it->second;
-    std::vector<std::string> names;
-    for (const auto &[name, id] : named_) names.push_back(name);
-    sink_.Error(entity.loc, "named material \"{}\" is not defined; {}.", ref.name, ListChoices(ref.name, names));
-    return {};
+    const auto it = named_.find(ref.name);
+    return it == named_.end() ? MaterialId() : it->second;
 }
 
 void GeometryBuilder::BuildShapes(Progress &progress) {
@@ -268,7 +255,7 @@ void GeometryBuilder::Register(Work &w, Definition *definition) {
         }
     }
     uint32_t emitters = 0;
-    const char *primitive = w.shapes.empty() ? "" : PrimitiveName(w.shapes.front()->Kind());
+    const char *primitive = w.shapes.empty() ? "" : kPrimitiveNames[size_t(w.shapes.front()->Kind())];
     if (w.shapes.size() > 1) primitive = "face";
     for (std::unique_ptr<Shape> &shape : w.shapes) {
         const ShapeId id(contents_.shapes.size());
@@ -334,10 +321,7 @@ void GeometryBuilder::BuildInstances(const std::vector<Definition> &definitions)
     const Transform worldFromRender = renderFromWorld_.Inverse();
     for (const InstanceEntity &i : description_.instances) {
         auto it = byName.find(i.name);
-        if (it == byName.end()) {
-            sink_.Error(i.loc, "object \"{}\" is not defined.", i.name);
-            continue;
-        }
+        if (it == byName.end()) continue;
         Collect(sink_, [&] {
             const AnimatedTransform motion =
                 MotionOf("the instance", i, Product({renderFromWorld_, i.ctm.start, worldFromRender}),

@@ -72,7 +72,8 @@ class GeometryBuilder {
     /// Rebuilds shapes of object definitions whose vertices are far from their space's origin, where rays lose
     /// precision.
     void CenterDefinitions();
-    MaterialId ResolveMaterial(const ShapeEntity &entity);
+    /// None if the name is not defined, which the parser reports.
+    MaterialId ResolveMaterial(const ShapeEntity &entity) const;
     /// Merges consecutive curves that differ only in geometry: scenes have one Shape directive per hair.
     void MergeCurves();
     /// Maker of the shape's area light; null if it does not emit.

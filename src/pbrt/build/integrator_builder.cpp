@@ -244,8 +244,9 @@ IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &opti
     return settings;
 }
 
-BuiltIntegrator MakeIntegrator(const IntegratorSettings &settings, const PathContext &context,
-                               const ColorSpace &filmSpace, DiagnosticSink &sink) {
+BuiltIntegrator MakeIntegrator(const BuiltScene &scene, const IntegratorSettings &settings, DiagnosticSink &sink) {
+    const PathContext context{*scene.scene, *scene.camera, scene.samplesPerPixel,
+                              scene.integratorRequest.needsFootprints};
     const IntegratorTraits traits = TraitsOf(settings.type);
     if (traits.connectsToCamera && !context.camera.CanConnect())
         sink.Error({},
@@ -261,7 +262,7 @@ BuiltIntegrator MakeIntegrator(const IntegratorSettings &settings, const PathCon
     BuiltIntegrator built;
     built.integratorName = settings.type;
     built.maxDepth = settings.maxDepth;
-    built.integrator = settings.make(context, filmSpace);
+    built.integrator = settings.make(context, scene.film->OutputSpace());
     if (settings.lights) built.lightSamplerName = settings.lights->sampler.Label();
     if (settings.shooting) built.shootingSamplerName = settings.shooting->Label();
     if (!traits.scattersSubsurface && context.scene.HasSubsurface())

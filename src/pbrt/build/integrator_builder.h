@@ -49,14 +49,20 @@ inline constexpr const char *kUnsupportedIntegrator = "function";
 IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &options, const PluginRegistry &registry,
                                   DiagnosticSink &sink);
 
-/// Creates the integrator from settings that parsed without errors.
-BuiltIntegrator MakeIntegrator(const IntegratorSettings &settings, const PathContext &context,
-                               const ColorSpace &filmSpace, DiagnosticSink &sink);
+/// Creates the integrator of a scene from settings that parsed without errors.
+BuiltIntegrator MakeIntegrator(const BuiltScene &built, const IntegratorSettings &settings, DiagnosticSink &sink);
 
 /// Integrator type: the scene's, or that of --integrator.
 const std::string &IntegratorType(const Entity &entity, const BuildOptions &options);
 /// Traits of that integrator; defaults if the name is unknown.
 IntegratorTraits TraitsOf(const std::string &integrator);
+
+struct AcceleratorContext {
+    DiagnosticSink &sink;
+};
+/// The accelerator is always Embree; the parameters of stock's accelerators are validated only.
+using AcceleratorTable = FactoryTable<std::monostate, const AcceleratorContext>;
+const AcceleratorTable &Accelerators();
 
 // For the makers of integrators.
 

@@ -132,6 +132,12 @@ auto ReadPiece(const FlagText &flag, std::string_view piece, const auto &find, P
 
 constexpr const char *kGuideName = "guide";
 
+/// Throws UserError in a build without path guiding.
+const DirectionSamplings::Entry &FindGuide(const PluginRegistry &registry, const FileLoc &loc) {
+    if (registry.directionSamplings.Has(kGuideName)) return registry.directionSamplings.Find(kGuideName);
+    throw UserError("path guiding is an extension, which this program was built without (-DPBRT_EXT=OFF).", loc);
+}
+
 /// Parameters of the selected entry: the integrator's, overridden by the flag's. Values out of range are errors.
 ParamSet ChosenParams(const std::string &owner, const auto &entry, const ParamSet &integrator, const FileLoc &loc,
                       const ParamSet &added, DiagnosticSink &sink) {
@@ -165,16 +171,6 @@ void WarnOfParamsWithoutEffect(const LightSamplerRegistry::Entry &entry, const P
 
 }  // namespace
 
-LightChoiceText SplitLightChoice(const std::string &choice, const char *flag) {
-    DiagnosticSink sink;
-    const FlagText text(flag, choice);
-    const Pieces pieces = Split(text, sink);
-    sink.ThrowIfErrors();
-    LightChoiceText parts{std::string(pieces.sampler), pieces.mesh, {}};
-    if (pieces.guide) parts.guide = *pieces.guide;
-    return parts;
-}
-
 void DeclareLightParams(ParamReader &reader, const PluginRegistry &registry, bool isGuided) {
     const auto declare = [&](const auto &table) {
         for (const std::string &name : table.Names())
@@ -184,14 +180,6 @@ void DeclareLightParams(ParamReader &reader, const PluginRegistry &registry, boo
     declare(registry.samplers);
     if (isGuided) declare(registry.directionSamplings);
 }
-
-namespace {
-/// Throws UserError in a build without path guiding.
-const DirectionSamplings::Entry &FindGuide(const PluginRegistry &registry, const FileLoc &loc) {
-    if (registry.directionSamplings.Has(kGuideName)) return registry.directionSamplings.Find(kGuideName);
-    throw UserError("path guiding is an extension, which this program was built without (-DPBRT_EXT=OFF).", loc);
-}
-}  // namespace
 
 DirectionSpec ReadDirections(const ParamSet &integrator, const std::optional<ParamSet> &added,
                              const PluginRegistry &registry, DiagnosticSink &sink) {
@@ -279,15 +267,6 @@ std::optional<LightSamplerSpec> ReadShootingSampler(const ParamSet &integrator, 
     if (spec.entry) spec.params = LightParams(*spec.entry, integrator, loc, keys, sink);
     if (sink.ErrorCount() > errorsBefore) return {};
     return spec;
-}
-
-LightSelection ReadLightSelection(const std::string &choice, const PluginRegistry &registry) {
-    DiagnosticSink sink;
-    LightFlags flags;
-    flags.choice = choice;
-    std::optional<LightSelection> selection = ReadLightSelection(ParamSet(), flags, registry, sink);
-    sink.ThrowIfErrors();
-    return *std::move(selection);
 }
 
 }  // namespace pbrt

@@ -23,15 +23,6 @@ struct LightFlags {
     const char *choiceFlag = "--lightsampler";  ///< for messages
 };
 
-/// Parts of a choice, without the words "mesh" and "guide".
-struct LightChoiceText {
-    std::string sampler;
-    bool mesh = false;
-    std::optional<std::string> guide;
-};
-/// Throws UserError, at the flag, for other suffixes after "+". Names and parameters are not validated.
-LightChoiceText SplitLightChoice(const std::string &choice, const char *flag);
-
 struct LightSelectionParams {
     std::string lightSampler = "bvh";
     bool meshLights = false;
@@ -73,8 +64,5 @@ std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, con
 std::optional<LightSamplerSpec> ReadShootingSampler(const ParamSet &integrator, const std::string &named,
                                                     const std::string &flag, const PluginRegistry &registry,
                                                     DiagnosticSink &sink);
-
-/// ReadLightSelection without a scene. Throws UserError.
-LightSelection ReadLightSelection(const std::string &choice, const PluginRegistry &registry);
 
 }  // namespace pbrt

@@ -8,8 +8,6 @@
 
 #include <fmt/ranges.h>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "pbrt/core/params.h"
 
 /// A parameter struct declares each parameter once, with scene-file name, valid values and help; the member's initial
@@ -20,9 +18,9 @@
 ///       void Describe(auto &&v) { v("leaves", leaves, Range{1, 1 << 20}, "what it does"); }
 ///   };
 ///
-/// Visitors read it (ParamReader), document it (DocumentParams) and print it (EffectiveParams). Parameters are visited
-/// in order. One that depends on values of others stands in `if (v.When(condition))` and counts as unused where the
-/// condition is false. Between `v.OnlyWith("model", "paper")` and `v.OnlyWith("", "")`, parameters apply only where
+/// Visitors read it (ParamReader), document it (DocumentParams) and print it (EffectiveParamsText). Parameters are
+/// visited in order. One that depends on values of others stands in `if (v.When(condition))` and counts as unused where
+/// the condition is false. Between `v.OnlyWith("model", "paper")` and `v.OnlyWith("", "")`, parameters apply only where
 /// text parameter "model" is "paper"; giving them otherwise is a warning.
 ///
 /// Supported members: int, Float, bool, std::string, std::optional of these, named enumerations, items of several
@@ -197,33 +195,6 @@ std::vector<ParamDoc> DocumentParams(P p = P()) {
     ParamDocumenter documenter;
     p.Describe(documenter);
     return std::move(documenter.docs);
-}
-
-/// Visitor that writes the values as JSON, see EffectiveParams.
-template <class Json>
-class ParamPrinter {
-  public:
-    Json json = Json::object();
-    bool When(bool applies) const { return applies; }
-    void OnlyWith(const char *, const char *) const {}
-    template <class T, class... AskedAndHelp>
-    void operator()(const std::string &name, T &value, const AskedAndHelp &...asked) {
-        if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string>) {
-            json[name] = value;
-        } else {  // same text as for a documented default
-            ParamDocumenter documenter;
-            documenter(name, value, asked...);
-            json[name] = documenter.docs.front().defaultValue;
-        }
-    }
-};
-
-/// Effective values as a JSON object with a member per parameter, for metadata and statistics.
-template <class P, class Json = nlohmann::ordered_json>
-Json EffectiveParams(P p) {
-    ParamPrinter<Json> printer;
-    p.Describe(printer);
-    return std::move(printer.json);
 }
 
 /// For makers without parameters.

@@ -105,6 +105,17 @@ class DiagnosticSink {
     size_t errorCount_ = 0, warningCount_ = 0;
 };
 
+/// Runs `make`, converting its UserError into diagnostics. Returns true on success.
+bool Collect(DiagnosticSink &sink, auto &&make) {
+    try {
+        make();
+        return true;
+    } catch (const UserError &e) {
+        sink.Add(e);
+        return false;
+    }
+}
+
 /// Valid choices for messages: `did you mean "x"? valid: x, y`. The suggestion requires a choice similar to `given`; at
 /// most 100 choices are listed.
 std::string ListChoices(std::string_view given, const std::vector<std::string> &choices);

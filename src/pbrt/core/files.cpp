@@ -21,8 +21,7 @@ std::string FileResolver::Resolve(const std::string &name) const {
     std::filesystem::path path(name);
     if (path.is_absolute() || directory_.empty()) return name;
     std::filesystem::path beside = directory_ / path;
-    std::error_code ignored;
-    return std::filesystem::exists(beside, ignored) ? beside.string() : name;
+    return FileExists(beside.string()) ? beside.string() : name;
 }
 
 bool FileExists(const std::string &path) {

@@ -1,8 +1,48 @@
 #include "pbrt/core/param_reader.h"
 
+#include <algorithm>
 #include <set>
 
 namespace pbrt {
+
+size_t ItemSize(ParamType type) {
+    switch (type) {
+        case ParamType::Point2:
+        case ParamType::Vector2: return 2;
+        case ParamType::Point3:
+        case ParamType::Vector3:
+        case ParamType::Normal:
+        case ParamType::Rgb: return 3;
+        default: return 1;
+    }
+}
+
+const Param *ParamSet::Find(std::string_view name, ParamType type) const {
+    for (const std::vector<Param> *list : {&params_, &defaults_})
+        for (auto p = list->rbegin(); p != list->rend(); ++p)
+            if (p->type == type && p->name == name) return &*p;
+    return nullptr;
+}
+
+bool ParamSet::Has(std::string_view name) const {
+    auto matches = [&](const Param &p) { return p.name == name; };
+    return std::ranges::any_of(params_, matches) || std::ranges::any_of(defaults_, matches);
+}
+
+UserError ParamSet::Error(std::string_view name, std::string_view message) const {
+    return UserError(LocOf(name), "{}: {}", what_, message);
+}
+
+void ParamSet::Warn(DiagnosticSink &sink, std::string_view name, std::string_view message) const {
+    sink.Warning(LocOf(name), "{}: {}", what_, message);
+}
+
+FileLoc ParamSet::LocOf(std::string_view name) const {
+    for (const std::vector<Param> *list : {&params_, &defaults_})
+        for (auto p = list->rbegin(); p != list->rend(); ++p)
+            if (p->name == name) return p->loc;
+    return loc_;
+}
 
 void ParamReader::ReportUnused(DiagnosticSink &sink) const {
     for (const Param &p : set_.Own()) {
@@ -32,8 +72,8 @@ namespace detail {
 
 void RequireCount(const ParamSet &set, const Param &p, size_t found, size_t wanted) {
     if (found == wanted) return;
-    throw UserError(p.loc, "{}: \"{} {}\" takes {} value{}, found {}.", set.What(), Name(p.type), p.name, wanted,
-                    wanted == 1 ? "" : "s", found);
+    throw UserError(p.loc, "{}: \"{} {}\" takes {}, found {}.", set.What(), Name(p.type), p.name,
+                    CountText(wanted, "value"), found);
 }
 
 void RequireItems(const ParamSet &set, const Param &p) {

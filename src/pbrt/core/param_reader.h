@@ -20,11 +20,11 @@ class ParamReader {
     void OnlyWith(const char *, const char *) const {}
     template <class T>
     void operator()(const std::string &name, T &value, const char *) {
-        Collect([&] { ReadParam(*this, prefix_ + name, value); });
+        Collect(errors_, [&] { ReadParam(*this, prefix_ + name, value); });
     }
     template <class T, class Asked>
     void operator()(const std::string &name, T &value, const Asked &asked, const char *) {
-        Collect([&] { ReadParam(*this, prefix_ + name, value, asked); });
+        Collect(errors_, [&] { ReadParam(*this, prefix_ + name, value, asked); });
     }
 
     /// Reports undeclared parameters, or those declared with another type, to the sink. Throws one UserError with all
@@ -33,9 +33,7 @@ class ParamReader {
         ReportUnused(sink);
         ThrowIfErrors();
     }
-    void ThrowIfErrors() const {
-        if (!errors_.empty()) throw UserError(errors_);
-    }
+    void ThrowIfErrors() const { errors_.ThrowIfErrors(); }
 
     const ParamSet &Set() const { return set_; }
     const Param *Take(const std::string &name, ParamType type) {
@@ -49,19 +47,12 @@ class ParamReader {
         std::string name;
         ParamType type;
     };
-    void Collect(auto &&read) {
-        try {
-            read();
-        } catch (const UserError &e) {
-            errors_.insert(errors_.end(), e.Diagnostics().begin(), e.Diagnostics().end());
-        }
-    }
     void ReportUnused(DiagnosticSink &sink) const;
 
     const ParamSet &set_;
     std::string prefix_;
     std::vector<Declared> declared_;
-    std::vector<Diagnostic> errors_;
+    DiagnosticSink errors_;
 };
 
 namespace detail {

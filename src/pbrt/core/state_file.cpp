@@ -69,16 +69,11 @@ std::string_view StateFile::Section(const std::string &name) const {
 void WriteStateFile(const std::string &path, const std::string &kind,
                     const std::map<std::string, const StateWriter *> &sections) {
     StateWriter all;
-    all.Value(kMagic);
-    all.Value(kVersion);
     uint64_t length = kHeadBytes + sizeof(uint64_t) + kind.size() + sizeof(uint32_t) + kSumBytes;
     for (const auto &[name, content] : sections) length += 2 * sizeof(uint64_t) + name.size() + content->Bytes();
-    all.Value(length);
-    all.Text(kind);
-    all.Value(uint32_t(sections.size()));
+    all(kMagic, kVersion, length, kind, uint32_t(sections.size()));
     for (const auto &[name, content] : sections) {
-        all.Text(name);
-        all.Value(content->Bytes());
+        all(name, content->Bytes());
         for (const std::string_view piece : content->Pieces()) all.Refer(piece.data(), piece.size());
     }
     uint64_t sum = 0;

@@ -25,8 +25,16 @@ inline uint64_t StructureHash(std::string_view bytes) {
 
 /// Serialises values bitwise in native byte order. Numbers, texts and copies are stored here. Data given to Refer or
 /// Vector are only referenced, to avoid duplicating big arrays, and must not change until the last use of Pieces.
+///
+/// Learned structures declare their members once, in `void Visit(auto &archive)`, for StateWriter and StateReader. It
+/// calls archive(member, ...) for trivially copyable values, vectors of them, texts and structures with Visit. Indices
+/// and offsets use archive.Structure(vector).
 class StateWriter {
   public:
+    template <class... T>
+    void operator()(const T &...values) {
+        (Save(values), ...);
+    }
     template <class T>
     void Value(const T &value) {
         static_assert(std::is_trivially_copyable_v<T>);
@@ -86,6 +94,18 @@ class StateWriter {
     }
 
   private:
+    template <class T>
+    void Save(const T &value) {
+        // Visit serves reading and writing, hence is not const; this archive changes nothing.
+        if constexpr (requires(T & v, StateWriter & archive) { v.Visit(archive); }) const_cast<T &>(value).Visit(*this);
+        else Value(value);
+    }
+    template <class T>
+    void Save(const std::vector<T> &values) {
+        Vector(values);
+    }
+    void Save(const std::string &text) { Text(text); }
+
     struct Piece {
         const char *data = nullptr;  ///< null: the bytes are in copied_
         size_t at = 0, bytes = 0;
@@ -100,6 +120,12 @@ class StateReader {
     /// `what`: name for messages. `bytes` must outlive this object.
     StateReader(std::string_view bytes, std::string what) : rest_(bytes), what_(std::move(what)) {}
 
+    /// Reads what StateWriter's operator() wrote. Structures with `std::optional<std::string> Validate() const` (an
+    /// error or none) are validated once read.
+    template <class... T>
+    void operator()(T &...values) {
+        (Load(values), ...);
+    }
     template <class T>
     T Value() {
         static_assert(std::is_trivially_copyable_v<T>);
@@ -128,10 +154,9 @@ class StateReader {
         if (count > 0) std::memcpy(values->data(), bytes.data(), bytes.size());
     }
     template <class T>
-    void Structure(std::vector<T> *values) {
-        Vector(values);
-        const uint64_t hash =
-            StructureHash({reinterpret_cast<const char *>(values->data()), values->size() * sizeof(T)});
+    void Structure(std::vector<T> &values) {
+        Vector(&values);
+        const uint64_t hash = StructureHash({reinterpret_cast<const char *>(values.data()), values.size() * sizeof(T)});
         Require(Value<uint64_t>() == hash, "the hash of a structure does not fit");
     }
     std::string_view Take(uint64_t bytes) {
@@ -155,6 +180,18 @@ class StateReader {
     void RequireEnd() const { Require(rest_.empty(), "it is longer than what it holds"); }
 
   private:
+    template <class T>
+    void Load(T &value) {
+        if constexpr (requires { value.Visit(*this); }) value.Visit(*this);
+        else Value(&value);
+        if constexpr (requires { value.Validate(); }) RequireValid(value.Validate());
+    }
+    template <class T>
+    void Load(std::vector<T> &values) {
+        Vector(&values);
+    }
+    void Load(std::string &text) { text = Text(); }
+
     static constexpr std::string_view kTooShort = "it is shorter than what it announces";
     std::string_view rest_;
     std::string what_;

@@ -25,15 +25,11 @@ std::string HostName() {
 Team::Team(std::unique_ptr<MessagePort> port, int threads) : port_(std::move(port)), totalThreads_(threads) {
     const std::string mine = BuildId();
     std::string other;
-    Reduce(
-        [&](StateWriter &out) {
-            out.Value(totalThreads_);
-            out.Text(other.empty() ? mine : other);
-        },
-        [&](StateReader &in) {
-            totalThreads_ += in.Value<int>();
-            if (const std::string theirs = in.Text(); theirs != mine) other = theirs;
-        });
+    Reduce([&](StateWriter &out) { out(totalThreads_, other.empty() ? mine : other); },
+           [&](StateReader &in) {
+               totalThreads_ += in.Value<int>();
+               if (const std::string theirs = in.Text(); theirs != mine) other = theirs;
+           });
     totalThreads_ = BroadcastValue(totalThreads_);
     if (!BroadcastValue(!other.empty())) return;
     port_.reset();
@@ -117,11 +113,10 @@ std::string Team::Failures(const std::string &mine, bool *isAny) {
     if (!mine.empty()) failures[mine].push_back(fmt::format("{} on {}", Rank(), HostName()));
     Reduce(
         [&](StateWriter &out) {
-            out.Value(uint64_t{failures.size()});
+            out(uint64_t{failures.size()});
             for (const auto &[text, where] : failures) {
-                out.Text(text);
-                out.Value(uint64_t{where.size()});
-                for (const std::string &w : where) out.Text(w);
+                out(text, uint64_t{where.size()});
+                for (const std::string &w : where) out(w);
             }
         },
         [&](StateReader &in) {

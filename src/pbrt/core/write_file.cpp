@@ -70,19 +70,16 @@ Target FindTarget(const std::string &name) {
     return target;
 }
 
-void WriteAll(int file, std::string_view content, const std::string &shown) {
-    while (!content.empty()) {
-        const ssize_t written = write(file, content.data(), content.size());
-        if (written < 0 && errno == EINTR) continue;
-        if (written < 0) Fail(shown, errno);
-        content.remove_prefix(written);
-    }
-}
-
 using Pieces = std::vector<std::string_view>;
 
 void WriteAll(int file, const Pieces &pieces, const std::string &shown) {
-    for (const std::string_view piece : pieces) WriteAll(file, piece, shown);
+    for (std::string_view rest : pieces)
+        while (!rest.empty()) {
+            const ssize_t written = write(file, rest.data(), rest.size());
+            if (written < 0 && errno == EINTR) continue;
+            if (written < 0) Fail(shown, errno);
+            rest.remove_prefix(written);
+        }
 }
 
 void WriteInPlace(const Target &target, const Pieces &content) {

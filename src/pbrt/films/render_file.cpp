@@ -58,7 +58,7 @@ RenderFileHead HeadOf(const StateFile &file) {
     try {
         StateReader in(file.Section("head"), file.Path());
         std::vector<char> text;
-        in.Structure(&text);
+        in.Structure(text);
         in.RequireEnd();
         const Json json = Json::parse(text);
         h.identity = json.at("identity").get<RenderIdentity>();
@@ -206,7 +206,7 @@ RenderFile::RenderFile(const std::string &path) : file_(path, kKind), head_(Head
 std::vector<uint32_t> RenderFile::PassDone() const {
     std::vector<uint32_t> done;
     StateReader in(file_.Section("pass"), Path());
-    in.Structure(&done);
+    in.Structure(done);
     in.RequireEnd();
     return done;
 }

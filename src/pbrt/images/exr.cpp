@@ -4,13 +4,13 @@
 #include <OpenEXR/ImfFloatAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
-#include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfIntAttribute.h>
 #include <OpenEXR/ImfMatrixAttribute.h>
 #include <OpenEXR/ImfMultiPartInputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfStandardAttributes.h>
+#include <OpenEXR/ImfStdIO.h>
 #include <OpenEXR/ImfStringAttribute.h>
 #include <OpenEXR/ImfVersion.h>
 
@@ -29,24 +29,10 @@ namespace {
 constexpr Float LargestHalf = 65504;
 
 // Attributes that are mandatory, or represented by the pixels or other fields of ImageMetadata.
-const std::set<std::string> StructuralAttributes = {"channels",
-                                                    "compression",
-                                                    "dataWindow",
-                                                    "displayWindow",
-                                                    "lineOrder",
-                                                    "pixelAspectRatio",
-                                                    "screenWindowCenter",
-                                                    "screenWindowWidth",
-                                                    "chromaticities",
-                                                    "whiteLuminance",
-                                                    "tiles",
-                                                    "type",
-                                                    "name",
-                                                    "view",
-                                                    "version",
-                                                    "chunkCount",
-                                                    "preview",
-                                                    "multiView"};
+const std::set<std::string> StructuralAttributes = {
+    "channels",          "chromaticities", "chunkCount", "compression",      "dataWindow", "displayWindow",
+    "lineOrder",         "multiView",      "name",       "pixelAspectRatio", "preview",    "screenWindowCenter",
+    "screenWindowWidth", "tiles",          "type",       "version",          "view",       "whiteLuminance"};
 
 // Channels in Image order: the unnamed layer first; within a layer R, G, B, A, then the rest by name.
 std::vector<std::string> OrderedNames(const Imf::ChannelList &channels) {
@@ -83,13 +69,13 @@ void ReadAttributes(const Imf::Header &header, ImageMetadata &metadata) {
     for (auto it = header.begin(); it != header.end(); ++it) {
         if (StructuralAttributes.contains(it.name())) continue;
         const Imf::Attribute &a = it.attribute();
-        if (auto *i = dynamic_cast<const Imf::IntAttribute *>(&a)) {
-            metadata.attributes[it.name()] = i->value();
-        } else if (auto *f = dynamic_cast<const Imf::FloatAttribute *>(&a)) {
-            metadata.attributes[it.name()] = f->value();
-        } else if (auto *s = dynamic_cast<const Imf::StringAttribute *>(&a)) {
-            metadata.attributes[it.name()] = s->value();
-        } else if (auto *m = dynamic_cast<const Imf::M44fAttribute *>(&a)) {
+        auto take = [&](const auto *typed) {
+            if (typed) metadata.attributes[it.name()] = typed->value();
+        };
+        take(dynamic_cast<const Imf::IntAttribute *>(&a));
+        take(dynamic_cast<const Imf::FloatAttribute *>(&a));
+        take(dynamic_cast<const Imf::StringAttribute *>(&a));
+        if (auto *m = dynamic_cast<const Imf::M44fAttribute *>(&a)) {
             glm::mat4 matrix;
             for (int row = 0; row < 4; ++row)
                 for (int column = 0; column < 4; ++column) matrix[column][row] = m->value()[row][column];
@@ -140,25 +126,6 @@ double MaxExpansion(Imf::Compression compression) {
         default: return Infinity;
     }
 }
-
-/// In-memory output, because OpenEXR does not report errors on closing a file.
-class MemoryStream final : public Imf::OStream {
-  public:
-    explicit MemoryStream(const std::string &name) : OStream(name.c_str()) {}
-    void write(const char bytes[], int count) override {
-        const auto size = size_t(count);
-        if (at_ + size > content_.size()) content_.resize(at_ + size);
-        std::copy_n(bytes, size, content_.begin() + at_);
-        at_ += size;
-    }
-    uint64_t tellp() override { return at_; }
-    void seekp(uint64_t position) override { at_ = position; }
-    std::string Take() { return std::move(content_); }
-
-  private:
-    std::string content_;
-    size_t at_ = 0;
-};
 
 size_t CountAtHalfLimit(const Image &image) {
     size_t count = 0;
@@ -252,7 +219,8 @@ std::string EncodeExr(const std::string &path, const Image &image, const ImageMe
         LogWarning("{}: {} values are at or beyond {}, the largest in half precision.", path, clamped, LargestHalf);
     Imf::PixelType type = asFloat ? Imf::FLOAT : Imf::HALF;
     for (const std::string &name : image.Channels()) header.channels().insert(name, Imf::Channel(type));
-    MemoryStream stream(path);
+    // In memory, because OpenEXR does not report errors on closing a file.
+    Imf::StdOSStream stream;
     {
         // The destructor writes the remaining content.
         Imf::OutputFile file(stream, header);
@@ -260,7 +228,7 @@ std::string EncodeExr(const std::string &path, const Image &image, const ImageMe
         file.setFrameBuffer(Bind(image.Channels(), type, static_cast<char *>(const_cast<void *>(pixels.Data())), data));
         file.writePixels(data.max.y - data.min.y + 1);
     }
-    return stream.Take();
+    return stream.str();
 }
 
 }  // namespace pbrt::formats

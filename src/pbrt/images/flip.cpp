@@ -1,4 +1,4 @@
-#include "pbrt/images/flip.h"
+#include "pbrt/images/metrics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +13,7 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kRowsPerTask = 16;
 constexpr size_t kMaxExposures = 16;
+constexpr double kPixelsPerDegree = 67;  // a 0.69 m wide screen of 3840 pixels viewed from 0.70 m
 
 // 2020, section 4: exponent of the colour difference, knee of its remapping (fraction of the largest difference, and
 // the value there), detector width in degrees, exponent of the feature difference.
@@ -80,10 +81,10 @@ double Sum(const std::vector<float> &values) { return std::accumulate(values.beg
 
 // One Gaussian of a contrast sensitivity filter as a normalised 1D kernel; `mass` gets the sum of its weights over both
 // axes before normalisation.
-Kernel SensitivityKernel(const Sensitivity &s, double pixelsPerDegree, double *mass) {
-    const int radius = int(std::ceil(3 * std::sqrt(kWidestSensitivity / (2 * kPi * kPi)) * pixelsPerDegree));
+Kernel SensitivityKernel(const Sensitivity &s, double *mass) {
+    const int radius = int(std::ceil(3 * std::sqrt(kWidestSensitivity / (2 * kPi * kPi)) * kPixelsPerDegree));
     Kernel kernel = Tabulate(radius, [&](int x) {
-        const double d = x / pixelsPerDegree;
+        const double d = x / kPixelsPerDegree;
         return std::exp(-kPi * kPi * d * d / s.b);
     });
     const double sum = Sum(kernel);
@@ -96,16 +97,16 @@ Kernel SensitivityKernel(const Sensitivity &s, double pixelsPerDegree, double *m
     return kernel;
 }
 
-Plane SensitivityFilter(const Plane &in, Point2i size, const Sensitivity &s, double pixelsPerDegree) {
+Plane SensitivityFilter(const Plane &in, Point2i size, const Sensitivity &s) {
     double mass = 0;
-    const Kernel kernel = SensitivityKernel(s, pixelsPerDegree, &mass);
+    const Kernel kernel = SensitivityKernel(s, &mass);
     return Filter(in, size, kernel, kernel);
 }
 
-Plane BlueYellowFilter(const Plane &in, Point2i size, double pixelsPerDegree) {
+Plane BlueYellowFilter(const Plane &in, Point2i size) {
     double mass[2];
-    const Kernel wide = SensitivityKernel(kBlueYellow[0], pixelsPerDegree, &mass[0]);
-    const Kernel narrow = SensitivityKernel(kBlueYellow[1], pixelsPerDegree, &mass[1]);
+    const Kernel wide = SensitivityKernel(kBlueYellow[0], &mass[0]);
+    const Kernel narrow = SensitivityKernel(kBlueYellow[1], &mass[1]);
     Plane out = Filter(in, size, wide, wide);
     const Plane other = Filter(in, size, narrow, narrow);
     const auto weight = float(mass[0] / (mass[0] + mass[1]));
@@ -221,10 +222,9 @@ std::vector<float> FlipReference::Planes(const Image &image) {
     return planes;
 }
 
-FlipReference::FlipReference(const Image &reference, const FlipSettings &settings)
-    : settings_(settings), resolution_(reference.Resolution()) {
+FlipReference::FlipReference(const Image &reference, bool isHdr) : resolution_(reference.Resolution()) {
     const std::vector<float> planes = Planes(reference);
-    if (settings_.hdr) exposures_ = ChooseExposures(planes);
+    if (isHdr) exposures_ = ChooseExposures(planes);
     for (size_t i = 0; i < std::max(exposures_.size(), size_t(1)); ++i) percepts_.push_back(See(planes, i));
     // Green and blue have the largest distance in sRGB.
     const Colors colors;
@@ -237,14 +237,15 @@ FlipReference::FlipReference(const Image &reference, const FlipSettings &setting
 FlipReference::Percept FlipReference::See(const std::vector<float> &planes, size_t exposure) const {
     const size_t n = planes.size() / 3;
     const Colors colors;
-    const float factor = settings_.hdr ? float(std::exp2(exposures_[exposure])) : 1;
+    const bool isHdr = !exposures_.empty();
+    const float factor = isHdr ? float(std::exp2(exposures_[exposure])) : 1;
     Plane yy(n), cx(n), cz(n), lightness(n);
     ParallelFor(n, 4096, [&](int64_t begin, int64_t end) {
         for (int64_t i = begin; i < end; ++i) {
             Rgb rgb;
             for (int c = 0; c < 3; ++c) {
                 const float v = planes[c * n + i];
-                rgb[c] = settings_.hdr ? ToneMap(v * factor) : std::clamp(v, 0.f, 1.f);
+                rgb[c] = isHdr ? ToneMap(v * factor) : std::clamp(v, 0.f, 1.f);
             }
             ToOpponent(colors.FromRgb(rgb), &yy[i], &cx[i], &cz[i]);
             lightness[i] = (yy[i] + 16) / 116;
@@ -252,8 +253,7 @@ FlipReference::Percept FlipReference::See(const std::vector<float> &planes, size
     });
 
     Percept out;
-    const double ppd = settings_.pixelsPerDegree;
-    const double sigma = 0.5 * kFeatureWidth * ppd;
+    const double sigma = 0.5 * kFeatureWidth * kPixelsPerDegree;
     const int radius = int(std::ceil(3 * sigma));
     auto gaussian = [sigma](int x) { return std::exp(-x * x / (2 * sigma * sigma)); };
     Kernel smooth = Tabulate(radius, gaussian);
@@ -265,9 +265,9 @@ FlipReference::Percept FlipReference::See(const std::vector<float> &planes, size
     out.edge = FeatureLength(lightness, resolution_, first, smooth);
     out.point = FeatureLength(lightness, resolution_, second, smooth);
 
-    out.l = SensitivityFilter(yy, resolution_, kAchromatic, ppd);
-    out.a = SensitivityFilter(cx, resolution_, kRedGreen, ppd);
-    out.b = BlueYellowFilter(cz, resolution_, ppd);
+    out.l = SensitivityFilter(yy, resolution_, kAchromatic);
+    out.a = SensitivityFilter(cx, resolution_, kRedGreen);
+    out.b = BlueYellowFilter(cz, resolution_);
     ParallelFor(n, 4096, [&](int64_t begin, int64_t end) {
         for (int64_t i = begin; i < end; ++i) {
             const Rgb rgb = colors.ToRgb(FromOpponent(out.l[i], out.a[i], out.b[i]));

@@ -2,7 +2,10 @@
 
 #include <Imath/half.h>
 
-#include <cstring>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <mutex>
 
 namespace pbrt {
 namespace {
@@ -21,7 +24,75 @@ void FoldOctahedral(int &along, int &across, int size, int acrossSize) {
     across = acrossSize - 1 - across;
 }
 
+size_t ValueBytes(PixelFormat format) {
+    return format == PixelFormat::U8 ? 1 : format == PixelFormat::Half ? sizeof(uint16_t) : sizeof(float);
+}
+
 }  // namespace
+
+std::optional<ColorEncoding> ColorEncoding::Parse(const std::string &name) {
+    if (name == "linear") return ColorEncoding{Kind::Linear, 1};
+    if (name == "sRGB") return ColorEncoding{Kind::SRGB, 1};
+    const std::string prefix = "gamma ";
+    if (!name.starts_with(prefix)) return {};
+    size_t begin = name.find_first_not_of(' ', prefix.size());
+    if (begin == std::string::npos) return {};
+    Float gamma = 0;
+    const char *end = name.data() + name.size();
+    auto [stop, error] = std::from_chars(name.data() + begin, end, gamma);
+    if (error != std::errc() || stop != end || !(gamma > 0) || !std::isfinite(gamma)) return {};
+    return ColorEncoding{Kind::Gamma, gamma};
+}
+
+Float ColorEncoding::ToLinear(Float encoded) const {
+    switch (kind) {
+        case Kind::Linear: return encoded;
+        case Kind::SRGB:
+            return encoded <= Float(0.04045) ? encoded / Float(12.92)
+                                             : std::pow((encoded + Float(0.055)) / Float(1.055), Float(2.4));
+        case Kind::Gamma: return std::pow(std::max(encoded, Float(0)), gamma);
+    }
+    return 0;
+}
+
+Float ColorEncoding::FromLinear(Float linear) const {
+    switch (kind) {
+        case Kind::Linear: return linear;
+        case Kind::SRGB:
+            return linear <= Float(0.0031308) ? linear * Float(12.92)
+                                              : Float(1.055) * std::pow(linear, 1 / Float(2.4)) - Float(0.055);
+        case Kind::Gamma: return std::pow(std::max(linear, Float(0)), 1 / gamma);
+    }
+    return 0;
+}
+
+ByteCode::ByteCode(const ColorEncoding &encoding) {
+    for (size_t i = 0; i < 256; ++i) {
+        decode_[i] = encoding.ToLinear(Float(i) / 255);
+        limits_[i] = i == 0 ? 0 : encoding.ToLinear((Float(i) - Float(0.5)) / 255);
+    }
+    limits_[256] = Infinity;
+    size_t byte = 0;
+    for (size_t i = 0; i < Cells; ++i) {
+        while (limits_[byte + 1] <= Float(i) / Cells) ++byte;
+        guess_[i] = uint8_t(byte);
+    }
+}
+
+uint8_t ByteCode::Encode(Float linear) const {
+    if (!(linear > 0)) return 0;
+    if (linear >= 1) return 255;
+    size_t byte = guess_[size_t(linear * Cells)];
+    while (linear >= limits_[byte + 1]) ++byte;
+    return uint8_t(byte);
+}
+
+const ByteCode &ByteCode::Of(const ColorEncoding &encoding) {
+    static std::mutex mutex;
+    static std::map<ColorEncoding, ByteCode> codes;
+    std::lock_guard lock(mutex);
+    return codes.try_emplace(encoding, encoding).first->second;
+}
 
 bool RemapPixel(Point2i &p, Point2i resolution, WrapMode wrap) {
     if (p.x >= 0 && p.y >= 0 && p.x < resolution.x && p.y < resolution.y) return true;
@@ -42,14 +113,8 @@ Image::Image(PixelFormat format, Point2i resolution, std::vector<std::string> ch
     : format_(format), resolution_(resolution), channels_(std::move(channels)), encoding_(encoding) {
     PBRT_CHECK_MSG(resolution.x > 0 && resolution.y > 0 && !channels_.empty(), "{} x {}, {} channels", resolution.x,
                    resolution.y, channels_.size());
-    switch (format_) {
-        case PixelFormat::U8:
-            u8_.resize(ValueCount());
-            code_ = &ByteCode::Of(encoding_);
-            break;
-        case PixelFormat::Half: half_.resize(ValueCount()); break;
-        case PixelFormat::Float: float_.resize(ValueCount()); break;
-    }
+    data_.resize(ValueCount() * ValueBytes(format_));
+    if (format_ == PixelFormat::U8) code_ = &ByteCode::Of(encoding_);
 }
 
 int Image::FindChannel(const std::string &name) const {
@@ -61,9 +126,9 @@ int Image::FindChannel(const std::string &name) const {
 Float Image::Get(Point2i p, int channel) const {
     size_t i = Index(p, channel);
     switch (format_) {
-        case PixelFormat::U8: return code_->Decode(u8_[i]);
-        case PixelFormat::Half: return imath_half_to_float(half_[i]);
-        case PixelFormat::Float: return float_[i];
+        case PixelFormat::U8: return code_->Decode(As<uint8_t>()[i]);
+        case PixelFormat::Half: return imath_half_to_float(As<uint16_t>()[i]);
+        case PixelFormat::Float: return As<float>()[i];
     }
     return 0;
 }
@@ -75,13 +140,13 @@ Float Image::Get(Point2i p, int channel, WrapMode wrap) const {
 void Image::Set(Point2i p, int channel, Float linear) {
     size_t i = Index(p, channel);
     switch (format_) {
-        case PixelFormat::U8: u8_[i] = code_->Encode(linear); break;
+        case PixelFormat::U8: static_cast<uint8_t *>(Data())[i] = code_->Encode(linear); break;
         case PixelFormat::Half: {
             constexpr Float largest = 65504;
-            half_[i] = imath_float_to_half(std::clamp(linear, -largest, largest));
+            static_cast<uint16_t *>(Data())[i] = imath_float_to_half(std::clamp(linear, -largest, largest));
             break;
         }
-        case PixelFormat::Float: float_[i] = linear; break;
+        case PixelFormat::Float: static_cast<float *>(Data())[i] = linear; break;
     }
 }
 
@@ -104,14 +169,14 @@ Image Image::Extract(const std::vector<std::string> &channels) const {
         from.push_back(index);
     }
     Image result(format_, resolution_, channels, encoding_);
-    auto copy = [&](const auto &source, auto &target) {
-        size_t pixels = source.size() / channels_.size(), out = 0;
-        for (size_t i = 0; i < pixels; ++i)
-            for (size_t c : from) target[out++] = source[i * channels_.size() + c];
+    auto copy = [&]<class T>(const T *source) {
+        T *target = static_cast<T *>(result.Data());
+        for (size_t i = 0; i < ValueCount(); i += channels_.size())
+            for (size_t c : from) *target++ = source[i + c];
     };
-    copy(u8_, result.u8_);
-    copy(half_, result.half_);
-    copy(float_, result.float_);
+    if (format_ == PixelFormat::U8) copy(As<uint8_t>());
+    else if (format_ == PixelFormat::Half) copy(As<uint16_t>());
+    else copy(As<float>());
     return result;
 }
 
@@ -132,25 +197,11 @@ Image Image::Crop(const Bounds2i &bounds) const {
                    "[{}, {}) x [{}, {}) of {} x {}", bounds.low.x, bounds.high.x, bounds.low.y, bounds.high.y,
                    resolution_.x, resolution_.y);
     Image result(format_, {bounds.Width(), bounds.Height()}, channels_, encoding_);
-    size_t valueBytes = Bytes() / ValueCount(), rowBytes = result.Bytes() / bounds.Height();
-    const std::byte *source = static_cast<const std::byte *>(Data());
-    std::byte *target = static_cast<std::byte *>(result.Data());
-    for (int y = bounds.low.y; y < bounds.high.y; ++y, target += rowBytes)
-        std::memcpy(target, source + Index({bounds.low.x, y}, 0) * valueBytes, rowBytes);
+    const size_t rowBytes = result.Bytes() / bounds.Height();
+    auto target = result.data_.begin();
+    for (int y = bounds.low.y; y < bounds.high.y; ++y)
+        target = std::copy_n(&data_[Index({bounds.low.x, y}, 0) * ValueBytes(format_)], rowBytes, target);
     return result;
 }
-
-size_t Image::Bytes() const { return u8_.size() + half_.size() * sizeof(uint16_t) + float_.size() * sizeof(float); }
-
-const void *Image::Data() const {
-    switch (format_) {
-        case PixelFormat::U8: return u8_.data();
-        case PixelFormat::Half: return half_.data();
-        case PixelFormat::Float: return float_.data();
-    }
-    return nullptr;
-}
-
-void *Image::Data() { return const_cast<void *>(static_cast<const Image &>(*this).Data()); }
 
 }  // namespace pbrt

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -64,6 +65,7 @@ class Image {
     const ColorEncoding &Encoding() const { return encoding_; }
     size_t ValueCount() const { return Index({0, resolution_.y}, 0); }
     int FindChannel(const std::string &name) const;
+    bool HasRgb() const { return FindChannel("R") >= 0 && FindChannel("G") >= 0 && FindChannel("B") >= 0; }
 
     Float Get(Point2i p, int channel) const;  ///< p inside the image
     Float Get(Point2i p, int channel, WrapMode wrap) const;
@@ -78,22 +80,24 @@ class Image {
     Image ConvertTo(PixelFormat format) const;
     /// `bounds` must lie inside the image.
     Image Crop(const Bounds2i &bounds) const;
-    size_t Bytes() const;
-    const void *Data() const;
-    void *Data();
+    size_t Bytes() const { return data_.size(); }
+    const void *Data() const { return data_.data(); }
+    void *Data() { return data_.data(); }
 
   private:
     size_t Index(Point2i p, int channel) const {
         return (size_t(p.y) * resolution_.x + p.x) * channels_.size() + channel;
+    }
+    template <class T>
+    const T *As() const {
+        return static_cast<const T *>(Data());
     }
     PixelFormat format_ = PixelFormat::Float;
     Point2i resolution_{0, 0};
     std::vector<std::string> channels_;
     ColorEncoding encoding_;
     const ByteCode *code_ = nullptr;  ///< null unless the format is U8
-    std::vector<uint8_t> u8_;
-    std::vector<uint16_t> half_;
-    std::vector<float> float_;
+    std::vector<std::byte> data_;     ///< values: bytes, bits of halves, or floats
 };
 
 /// Calls f(p) for the pixels row by row, or f(p, channel) for their values.

@@ -31,7 +31,7 @@ auto NamingFile(const std::string &path, const char *use, auto &&f) {
 
 // Restricts an image to formats of at most four channels: R, G, B and, if it fits, A, as sRGB.
 Image ForPlainFormat(const std::string &path, const Image &image, const ImageMetadata &metadata, bool alphaFits) {
-    const bool hasRgb = image.FindChannel("R") >= 0 && image.FindChannel("G") >= 0 && image.FindChannel("B") >= 0;
+    const bool hasRgb = image.HasRgb();
     Image result = image;
     if (image.ChannelCount() == 4 && alphaFits && hasRgb && image.FindChannel("A") >= 0) {
         result = image.Extract({"R", "G", "B", "A"});

@@ -7,7 +7,6 @@
 #include <numeric>
 
 #include "pbrt/core/error.h"
-#include "pbrt/images/flip.h"
 
 namespace pbrt {
 namespace {
@@ -65,79 +64,55 @@ std::optional<Metric> ParseMetric(const std::string &name) {
 
 double RelL2Epsilon(double mean) { return mean != 0 ? 0.01 * mean * mean : kAbsoluteEpsilon; }
 
+std::vector<int> RgbOrAllChannels(const Image &image) {
+    if (image.HasRgb()) return {image.FindChannel("R"), image.FindChannel("G"), image.FindChannel("B")};
+    std::vector<int> channels(image.ChannelCount());
+    std::iota(channels.begin(), channels.end(), 0);
+    return channels;
+}
+
 double RelL2Epsilon(const Image &reference) {
-    std::vector<int> channels;
-    for (const char *name : {"R", "G", "B"})
-        if (const int c = reference.FindChannel(name); c >= 0) channels.push_back(c);
-    if (channels.size() < 3) {
-        channels.resize(reference.ChannelCount());
-        std::iota(channels.begin(), channels.end(), 0);
-    }
-    double sum = 0;
-    size_t counted = 0;
+    const std::vector<int> channels = RgbOrAllChannels(reference);
+    FiniteMean mean;
     ForEachPixel(reference, [&](Point2i p) {
-        for (const int c : channels) {
-            const auto v = double(reference.Get(p, c));
-            if (!std::isfinite(v)) continue;
-            sum += std::abs(v);
-            ++counted;
-        }
+        for (const int c : channels) mean.Add(std::abs(double(reference.Get(p, c))));
     });
-    return RelL2Epsilon(counted ? sum / double(counted) : 0);
+    return RelL2Epsilon(mean.Mean());
 }
 
 double ImageError(const Image &image, const Image &reference, Metric metric, Image *errorImage, size_t *skipped) {
     RequireSameShape(image, reference);
     if (metric == Metric::FLIP || metric == Metric::HdrFLIP) {
         if (skipped) *skipped = CountNotFinite(image) + CountNotFinite(reference);
-        FlipSettings settings;
-        settings.hdr = metric == Metric::HdrFLIP;
-        return FlipReference(reference, settings).Compare(image, errorImage);
+        return FlipReference(reference, metric == Metric::HdrFLIP).Compare(image, errorImage);
     }
     const double epsilon = EpsilonOf(metric, reference);
     if (errorImage) *errorImage = Image(PixelFormat::Float, image.Resolution(), image.Channels());
-    double sum = 0;
-    size_t counted = 0, dropped = 0;
+    FiniteMean all;
     for (int y = 0; y < image.Resolution().y; ++y) {
         // Row sums keep precision for large images.
-        double row = 0;
+        FiniteMean row;
         for (int x = 0; x < image.Resolution().x; ++x)
             for (int c = 0; c < image.ChannelCount(); ++c) {
-                double term = Term(metric, image, reference, {x, y}, c, epsilon);
+                const double term = Term(metric, image, reference, {x, y}, c, epsilon);
                 if (errorImage) errorImage->Set({x, y}, c, Float(term));
-                if (std::isfinite(term)) {
-                    row += term;
-                    ++counted;
-                } else {
-                    ++dropped;
-                }
+                row.Add(term);
             }
-        sum += row;
+        all += row;
     }
-    if (skipped) *skipped = dropped;
-    return counted ? sum / double(counted) : 0;
+    if (skipped) *skipped = all.skipped;
+    return all.Mean();
 }
 
-double TrimmedRelL2(const Image &image, const Image &reference, double fraction, size_t *skipped, Metric metric) {
+double TrimmedRelL2(const Image &image, const Image &reference, double fraction, Metric metric) {
     RequireSameShape(image, reference);
     const double epsilon = EpsilonOf(metric, reference);
     std::vector<double> terms;
-    size_t dropped = 0;
     ForEachPixel(image, [&](Point2i p) {
-        double sum = 0;
-        int counted = 0;
-        for (int c = 0; c < image.ChannelCount(); ++c) {
-            const double term = Term(metric, image, reference, p, c, epsilon);
-            if (std::isfinite(term)) {
-                sum += term;
-                ++counted;
-            } else {
-                ++dropped;
-            }
-        }
-        if (counted) terms.push_back(sum / counted);
+        FiniteMean mean;
+        for (int c = 0; c < image.ChannelCount(); ++c) mean.Add(Term(metric, image, reference, p, c, epsilon));
+        if (mean.count) terms.push_back(mean.Mean());
     });
-    if (skipped) *skipped = dropped;
     const auto worst = std::min(size_t(std::ceil(fraction * double(terms.size()))), terms.size());
     const size_t kept = terms.size() - worst;
     if (kept == 0) return 0;

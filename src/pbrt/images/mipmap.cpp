@@ -50,8 +50,8 @@ int FloorLog2(Float v) { return int(std::bit_cast<uint32_t>(v) >> 23) - 127; }
 
 int ToPixel(Float v) { return int(std::clamp(v, Float(-1e9), Float(1e9))); }
 
-// Lookups of N successive channels from `first` on, in one storage format.
-template <PixelFormat Format, int N, bool Tiled>
+// Lookups of N successive channels from `first` on. Stored: uint8_t, uint16_t for halves, or float.
+template <class Stored, int N, bool Tiled>
 class Reader {
   public:
     Reader(const MipMap::View &view, size_t first) : view_(view), first_(first) {}
@@ -73,18 +73,13 @@ class Reader {
     }
 
   private:
+    Float Linear(uint8_t byte) const { return view_.decode[byte]; }
+    static Float Linear(uint16_t half) { return imath_half_to_float(half); }
+    static Float Linear(float value) { return value; }
     Texel<N> Decode(const void *texels, size_t i) const {
+        const Stored *data = static_cast<const Stored *>(texels) + i;
         Texel<N> t;
-        if constexpr (Format == PixelFormat::U8) {
-            const auto *data = static_cast<const uint8_t *>(texels) + i;
-            for (size_t c = 0; c < N; ++c) t.v[c] = view_.decode[data[c]];
-        } else if constexpr (Format == PixelFormat::Half) {
-            const auto *data = static_cast<const uint16_t *>(texels) + i;
-            for (size_t c = 0; c < N; ++c) t.v[c] = imath_half_to_float(data[c]);
-        } else {
-            const auto *data = static_cast<const float *>(texels) + i;
-            for (size_t c = 0; c < N; ++c) t.v[c] = data[c];
-        }
+        for (size_t c = 0; c < N; ++c) t.v[c] = Linear(data[c]);
         return t;
     }
 
@@ -212,9 +207,9 @@ class Reader {
 template <int N, bool Tiled>
 Texel<N> ReadFrom(const MipMap::View &view, size_t first, Point2 st, Vector2 dst0, Vector2 dst1) {
     switch (view.format) {
-        case PixelFormat::U8: return Reader<PixelFormat::U8, N, Tiled>(view, first).Filter(st, dst0, dst1);
-        case PixelFormat::Half: return Reader<PixelFormat::Half, N, Tiled>(view, first).Filter(st, dst0, dst1);
-        case PixelFormat::Float: return Reader<PixelFormat::Float, N, Tiled>(view, first).Filter(st, dst0, dst1);
+        case PixelFormat::U8: return Reader<uint8_t, N, Tiled>(view, first).Filter(st, dst0, dst1);
+        case PixelFormat::Half: return Reader<uint16_t, N, Tiled>(view, first).Filter(st, dst0, dst1);
+        case PixelFormat::Float: return Reader<float, N, Tiled>(view, first).Filter(st, dst0, dst1);
     }
     return {};
 }
@@ -230,8 +225,7 @@ constexpr size_t kMinStoredBytes = 1 << 16;
 
 Image KeepColor(Image image) {
     if (image.ChannelCount() == 1) return image;
-    if (image.FindChannel("R") < 0 || image.FindChannel("G") < 0 || image.FindChannel("B") < 0)
-        throw UserError("The image has several channels but not R, G and B.");
+    if (!image.HasRgb()) throw UserError("The image has several channels but not R, G and B.");
     const int alpha = image.FindChannel("A");
     bool opaque = true;
     if (alpha >= 0)

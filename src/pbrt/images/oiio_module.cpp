@@ -44,42 +44,37 @@ int PngChannels(const std::string &path) {
 /// Idle caches, reused after emptying and never destroyed. In OpenImageIO 2.4, a thread that used a destroyed cache
 /// corrupts later ones: wrong texels or a failed assertion about tile memory (test
 /// TileCache.ThreadsForgetTheCacheBefore).
-class IdleCaches {
-  public:
-    static OIIO::ImageCache *Take() {
-        IdleCaches &idle = All();
-        const std::scoped_lock lock(idle.mutex_);
-        if (idle.caches_.empty()) return OIIO::ImageCache::create(false);
-        OIIO::ImageCache *cache = idle.caches_.back();
-        idle.caches_.pop_back();
+struct IdleCaches {
+    std::mutex mutex;
+    std::vector<OIIO::ImageCache *> caches;
+
+    OIIO::ImageCache *Take() {
+        const std::scoped_lock lock(mutex);
+        if (caches.empty()) return OIIO::ImageCache::create(false);
+        OIIO::ImageCache *cache = caches.back();
+        caches.pop_back();
         return cache;
     }
-    static void Return(OIIO::ImageCache *cache) {
+    void Return(OIIO::ImageCache *cache) {
         cache->invalidate_all(true);
-        IdleCaches &idle = All();
-        const std::scoped_lock lock(idle.mutex_);
-        idle.caches_.push_back(cache);
+        const std::scoped_lock lock(mutex);
+        caches.push_back(cache);
     }
-
-  private:
-    static IdleCaches &All() {
-        static IdleCaches &idle = *new IdleCaches;  // outlives all threads
-        return idle;
-    }
-
-    std::mutex mutex_;
-    std::vector<OIIO::ImageCache *> caches_;
 };
+IdleCaches &Idle() {
+    static IdleCaches &idle = *new IdleCaches;  // outlives all threads
+    return idle;
+}
 
 class CachedTiles final : public TileStore {
   public:
-    CachedTiles(int megabytes, int tileSize) : cache_(IdleCaches::Take()), tileSize_(tileSize) {
+    CachedTiles(int megabytes, int tileSize) : cache_(Idle().Take()), tileSize_(tileSize) {
         OIIO::attribute("tiff:half", 1);
         cache_->attribute("max_memory_MB", float(megabytes));
         cache_->attribute("max_open_files", 100);
         cache_->attribute("unassociatedalpha", 1);
     }
-    ~CachedTiles() override { IdleCaches::Return(cache_); }
+    ~CachedTiles() override { Idle().Return(cache_); }
 
     void *Add(const std::string &path, std::span<const Pixels> images) override {
         std::vector<OIIO::ImageSpec> specs;

@@ -2,7 +2,9 @@
 #include <bit>
 #include <cctype>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
+#include <string_view>
 
 #include "pbrt/core/error.h"
 #include "pbrt/core/files.h"
@@ -20,41 +22,21 @@ float ReadFloat(const char *bytes, bool swap) {
     return std::bit_cast<float>(bits);
 }
 
-// Next header word; consumes the single white space after it.
-std::string NextWord(const std::string &content, size_t &at) {
-    while (at < content.size() && std::isspace(static_cast<unsigned char>(content[at]))) ++at;
-    size_t begin = at;
-    while (at < content.size() && !std::isspace(static_cast<unsigned char>(content[at]))) ++at;
-    std::string word = content.substr(begin, at - begin);
-    if (at < content.size()) ++at;
-    return word;
-}
-
-// Throws std::invalid_argument or std::out_of_range, as std::stod, also for trailing characters.
-double ToNumber(const std::string &word) {
-    size_t used = 0;
-    double value = std::stod(word, &used);
-    if (used != word.size()) throw std::invalid_argument(word);
-    return value;
-}
-
 }  // namespace
 
 ImageFile ReadPfm(const std::string &path) {
     std::string content = ReadFileContents(path);
-    size_t at = 0;
-    std::string magic = NextWord(content, at);
-    if (magic != "PF" && magic != "Pf")
-        throw UserError("{}: not a PFM file: it does not start with \"PF\" or \"Pf\".", path);
-    const bool color = magic == "PF";
+    char magic[8] = "";
     double width = 0, height = 0, scale = 0;
-    try {
-        width = ToNumber(NextWord(content, at));
-        height = ToNumber(NextWord(content, at));
-        scale = ToNumber(NextWord(content, at));
-    } catch (const std::exception &) {
+    int headBytes = 0;
+    const int words = std::sscanf(content.c_str(), "%7s %lf %lf %lf%n", magic, &width, &height, &scale, &headBytes);
+    const bool color = std::string_view(magic) == "PF";
+    if (!color && std::string_view(magic) != "Pf")
+        throw UserError("{}: not a PFM file: it does not start with \"PF\" or \"Pf\".", path);
+    size_t at = headBytes;
+    if (words != 4 || (at < content.size() && !std::isspace(static_cast<unsigned char>(content[at]))))
         throw UserError("{}: the PFM header is malformed.", path);
-    }
+    at = std::min(at + 1, content.size());  // a single white space
     auto isSize = [](double v) { return v >= 1 && v <= 1e9 && v == std::floor(v); };
     if (!isSize(width) || !isSize(height) || scale == 0 || !std::isfinite(scale))
         throw UserError("{}: impossible PFM header: {} x {}, scale {}.", path, width, height, scale);
@@ -62,7 +44,7 @@ ImageFile ReadPfm(const std::string &path) {
     Point2i resolution(static_cast<int>(width), static_cast<int>(height));
     size_t rowValues = size_t(resolution.x) * (color ? 3 : 1);
     size_t expected = rowValues * resolution.y * sizeof(float);
-    if (content.size() - std::min(at, content.size()) < expected)
+    if (content.size() - at < expected)
         throw UserError("{}: the pixels end too early ({} of {} bytes).", path, content.size() - at, expected);
 
     ImageFile result;

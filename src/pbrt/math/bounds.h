@@ -41,12 +41,7 @@ inline Bounds3 Union(const Bounds3 &a, const Bounds3 &b) {
     r.high = Max(a.high, b.high);
     return r;
 }
-inline Bounds3 Union(const Bounds3 &a, const Point3 &p) {
-    Bounds3 r;
-    r.low = Min(a.low, p);
-    r.high = Max(a.high, p);
-    return r;
-}
+inline Bounds3 Union(const Bounds3 &a, const Point3 &p) { return Union(a, Bounds3(p)); }
 
 /// Half-open pixel rectangle [low, high).
 struct Bounds2i {

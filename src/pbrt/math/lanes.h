@@ -25,6 +25,13 @@ inline void StoreLanes(const auto &v, auto *to) { std::memcpy(to, &v, sizeof(v))
 
 inline Lanes64 CountingLanes(uint64_t first) { return Lanes64{0, 1, 2, 3, 4, 5, 6, 7} + first; }
 
+constexpr bool HasAnyBit(uint64_t v) { return v != 0; }
+inline bool HasAnyBit(const Lanes64 &v) {
+    uint64_t any = 0;
+    for (int lane = 0; lane < Lanes64Count; ++lane) any |= v[lane];
+    return any != 0;
+}
+
 /// T: uint32_t or lanes of it.
 template <class T>
 constexpr T ReverseBits(T v) {

@@ -27,30 +27,15 @@ constexpr uint64_t EncodeMorton2(uint32_t x, uint32_t y) {
 /// Element i of the permutation of [0, n) selected by `seed`, without tables: cycle-walking with keyed bijections of
 /// [0, m), m the next power of two (after Kensler 2013). Five rounds, because four leave correlations between elements
 /// for small n (see the test).
-inline uint32_t PermutationElement(uint32_t i, uint32_t n, uint64_t seed) {
-    uint32_t mask = std::bit_ceil(n) - 1;
-    int bits = std::bit_width(mask), wide = (bits + 1) / 2, narrow = std::max(1, wide - 1);
-    uint64_t a = MixBits(seed ^ 0xa0761d6478bd642full), b = MixBits(seed + 0xe7037ed1a0b428dbull);
-    do {
-        uint64_t add = a, multiply = b;
-        for (int round = 0; round < 5; ++round) {
-            i = ((i + uint32_t(add >> 40)) * (uint32_t(multiply >> 40) | 1)) & mask;
-            i ^= i >> (round & 1 ? wide : narrow);
-            add *= 0x9e3779b97f4a7c15ull;
-            multiply *= 0xd1342543de82ef95ull;
-        }
-        i = (i + uint32_t(add >> 40)) & mask;
-    } while (i >= n);
-    return i;
-}
-
-inline Lanes64 PermutationElement(uint32_t i, uint32_t n, const Lanes64 &seed) {
+/// T: uint64_t or lanes of it.
+template <class T>
+T PermutationElementOf(uint32_t i, uint32_t n, const T &seed) {
     const uint32_t mask = std::bit_ceil(n) - 1;
     const int bits = std::bit_width(mask), wide = (bits + 1) / 2, narrow = std::max(1, wide - 1);
-    const Lanes64 a = MixBits(seed ^ 0xa0761d6478bd642full), b = MixBits(seed + 0xe7037ed1a0b428dbull);
-    Lanes64 element = Lanes64{} + i, pending = ~Lanes64{};
+    const T a = MixBits(seed ^ 0xa0761d6478bd642full), b = MixBits(seed + 0xe7037ed1a0b428dbull);
+    T element = T{} + i, pending = ~T{};
     for (;;) {
-        Lanes64 next = element, add = a, multiply = b;
+        T next = element, add = a, multiply = b;
         for (int round = 0; round < 5; ++round) {
             next = ((next + (add >> 40)) * ((multiply >> 40) | 1)) & mask;
             next ^= next >> (round & 1 ? wide : narrow);
@@ -62,10 +47,14 @@ inline Lanes64 PermutationElement(uint32_t i, uint32_t n, const Lanes64 &seed) {
         if (mask == n - 1) return element;
         // negative in finished lanes
         pending = ((element - n) >> 63) - 1;
-        uint64_t any = 0;
-        for (int lane = 0; lane < Lanes64Count; ++lane) any |= pending[lane];
-        if (!any) return element;
+        if (!HasAnyBit(pending)) return element;
     }
+}
+inline uint32_t PermutationElement(uint32_t i, uint32_t n, uint64_t seed) {
+    return uint32_t(PermutationElementOf(i, n, seed));
+}
+inline Lanes64 PermutationElement(uint32_t i, uint32_t n, const Lanes64 &seed) {
+    return PermutationElementOf(i, n, seed);
 }
 
 /// For each element of a quad, its positions in all 24 orders, two bits per order.

@@ -1,6 +1,6 @@
 #include "pbrt/samplers/pmj02bn_sampler.h"
 
-#include "pbrt/samplers/randomization.h"
+#include "pbrt/samplers/sobol_samplers.h"
 
 namespace pbrt {
 namespace {

@@ -19,15 +19,9 @@ SobolSampler::SobolSampler(const SamplerSettings &settings)
     : SamplerBySettings(settings), seed_(Hash(settings.seed)),
       log2Resolution_(Log2RoundedUp(std::max(settings.resolution.x, settings.resolution.y))),
       pixelIndex_(std::make_shared<const SobolPixelIndex>(log2Resolution_)), tables_(SobolTables()) {
-    Seeds seeds;
-    for (int d = 0; d < SobolTableRow; d += Lanes64Count) {
-        const Lanes64 eight = AddDimensions(seed_, d);
-        for (int lane = 0; lane < Lanes64Count; ++lane) {
-            seeds.low.push_back(uint32_t(eight[lane]));
-            seeds.high.push_back(uint32_t(eight[lane] >> 32));
-        }
-    }
-    seeds_ = std::make_shared<const Seeds>(std::move(seeds));
+    auto seeds = std::make_shared<std::vector<uint64_t>>(SobolTableRow);
+    for (int d = 0; d < SobolTableRow; d += Lanes64Count) StoreLanes(AddDimensions(seed_, d), &(*seeds)[d]);
+    seeds_ = std::move(seeds);
 }
 
 int SobolSampler::StartSample(Point2i pixel, int sampleIndex, int dimension) {
@@ -47,25 +41,10 @@ FloatLanes SobolSampler::SixteenDimensions(int first) const {
     const uint32_t *rows = tables_ + first;
     for (uint64_t bits = index_; bits; bits >>= 4, rows += 16 * SobolTableRow)
         v ^= LoadLanes<Lanes32>(rows + (bits & 15) * SobolTableRow);
-    const auto low = LoadLanes<Lanes32>(seeds_->low.data() + first),
-               high = LoadLanes<Lanes32>(seeds_->high.data() + first);
-    switch (settings_.randomization) {
-        case Randomization::FastOwen: v = ReverseBits(FastOwenScrambleReversed(ReverseBits(v), low, high)); break;
-        case Randomization::Owen:
-            for (int half = 0; half < 2; ++half) {
-                Lanes64 bits, seed;
-                for (int i = 0; i < Lanes64Count; ++i) {
-                    bits[i] = v[half * Lanes64Count + i];
-                    seed[i] = uint64_t(high[half * Lanes64Count + i]) << 32 | low[half * Lanes64Count + i];
-                }
-                bits = OwenScramble(bits, seed);
-                for (int i = 0; i < Lanes64Count; ++i) v[half * Lanes64Count + i] = uint32_t(bits[i]);
-            }
-            break;
-        case Randomization::PermuteDigits: v ^= low; break;
-        default: break;
-    }
-    return FractionsToFloat(v);
+    const uint64_t *seeds = seeds_->data() + first;
+    const SixteenLanes seed{LoadLanes<Lanes64>(seeds), LoadLanes<Lanes64>(seeds + Lanes64Count)};
+    if (settings_.randomization == Randomization::PermuteDigits) return FractionsToFloat(v ^ seed.Low());
+    return RandomizedReversed(ReverseBits(v), settings_.randomization, seed);
 }
 
 Sampler::Run SobolSampler::Prepare(int dimension, Numbers &numbers) {

@@ -284,13 +284,7 @@ void DescriptionBuilder::AddShape(const std::string &type, Params params, const 
     const GraphicsState &s = unit.state;
     ShapeEntity shape;
     Fill(shape, type, "Shape", std::move(params), loc, AttributeTarget::Shape);
-    shape.ctm = s.ctm;
-    shape.startTime = s.startTime;
-    shape.endTime = s.endTime;
-    shape.reverseOrientation = s.reverseOrientation;
-    shape.material = s.material;
-    shape.insideMedium = s.insideMedium;
-    shape.outsideMedium = s.outsideMedium;
+    static_cast<ShapeState &>(shape) = s;
     if (s.areaLight && unit.object != kNoObject) {
         if (!std::exchange(s.areaLight->warnedInObject, true))
             sink_.Warning(loc, "Area lights are not supported inside object definitions: shapes here do not emit.");

@@ -33,14 +33,9 @@ struct PendingAreaLight {
 };
 
 /// State saved by AttributeBegin and restored by AttributeEnd (pbrt-v4-format §2.1).
-struct GraphicsState {
-    TransformPair ctm;
+struct GraphicsState : ShapeState {
     bool startActive = true, endActive = true;
-    Float startTime = 0, endTime = 1;
-    bool reverseOrientation = false;
-    MaterialRef material;
     std::shared_ptr<PendingAreaLight> areaLight;
-    std::string insideMedium, outsideMedium;
     std::string colorSpace = "srgb";
     /// Parameters of Attribute directives, one list per target. Copy-on-write: scopes may share a list, and only its
     /// sole owner may append (files are read by one thread).

@@ -350,15 +350,11 @@ class DirectiveReader {
 
 bool ReadDirectives(std::shared_ptr<const SourceFile> file, std::string key, const FileResolver &files,
                     DescriptionBuilder &builder, const Tokenizer *outer) {
-    try {
+    return Collect(builder.Sink(), [&] {
         Tokenizer tokens(outer);
         tokens.Push(std::move(file), std::move(key));
         DirectiveReader(tokens, builder, files).Run();
-        return true;
-    } catch (const UserError &e) {
-        builder.Sink().Add(e);
-        return false;
-    }
+    });
 }
 
 std::string SceneFileKey(const std::string &path) {

@@ -1,13 +1,18 @@
 #include "pbrt/scenefile/parameter_reader.h"
 
-#include <algorithm>
-#include <utility>
+#include <utf8proc.h>
 
-#include "pbrt/scenefile/numbers.h"
-#include "pbrt/scenefile/unicode.h"
+#include <algorithm>
+#include <cstdlib>
+#include <memory>
+#include <utility>
 
 namespace pbrt {
 namespace {
+
+const utf8proc_uint8_t *BytesOf(std::string_view text) {
+    return reinterpret_cast<const utf8proc_uint8_t *>(text.data());
+}
 
 std::string_view TakeWord(std::string_view &text) {
     size_t begin = std::min(text.find_first_not_of(" \t"), text.size());
@@ -74,29 +79,24 @@ void ParameterReader::ReportOverflow(const Token &token, ParamType type) const {
     sink_.Error(tokens_.Loc(token), "{} is too large: {}.", Abbreviate(token.text), rule);
 }
 
-Float ParameterReader::ReadFloat(const char *what) {
-    Token token = Require(what);
-    Float value = 0;
+template <class T, class Scan>
+T ParameterReader::ReadNumber(const char *what, Scan scan, ParamType type, const std::string &expected) {
+    const Token token = Require(what);
+    T value = 0;
     bool overflow = false;
     const char *end = token.text.data() + token.text.size();
-    if (token.kind != TokenKind::Word || ScanFloat(token.text.data(), end, &value, &overflow) != end)
-        Fail(token, "Expected a number, found {}.", Quote(token));
-    if (overflow) ReportOverflow(token, ParamType::Float);
+    if (token.kind != TokenKind::Word || scan(token.text.data(), end, &value, &overflow) != end)
+        Fail(token, "Expected {}, found {}.", expected, Quote(token));
+    if (overflow) ReportOverflow(token, type);
     return value;
 }
 
+Float ParameterReader::ReadFloat(const char *what) {
+    return ReadNumber<Float>(what, ScanFloat, ParamType::Float, "a number");
+}
+
 int ParameterReader::ReadInt(const char *what) {
-    Token token = Require(what);
-    int value = 0;
-    bool overflow = false;
-    const char *end = token.text.data() + token.text.size();
-    if (token.kind != TokenKind::Word || ScanInt(token.text.data(), end, &value, &overflow) != end)
-        Fail(token, "Expected {} (an integer), found {}.", what, Quote(token));
-    if (overflow) {
-        ReportOverflow(token, ParamType::Integer);
-        return 0;
-    }
-    return value;
+    return ReadNumber<int>(what, ScanInt, ParamType::Integer, fmt::format("{} (an integer)", what));
 }
 
 bool ParameterReader::ReadBool(const char *what) {
@@ -224,6 +224,28 @@ void ParameterReader::CheckKind(const Param &param, const Values &values) {
     if (!fits)
         sink_.Error(tokens_.Loc(values.first), "\"{} {}\" takes {}, found {}.", Name(param.type),
                     Abbreviate(param.name), ExpectedValues(param.type), Quote(values.first));
+}
+
+std::optional<size_t> FindInvalidUtf8(std::string_view text) {
+    for (size_t i = 0; i < text.size();) {
+        const std::string_view rest = text.substr(i);
+        utf8proc_int32_t value = 0;
+        const utf8proc_ssize_t length = utf8proc_iterate(BytesOf(rest), std::ssize(rest), &value);
+        if (length <= 0) return i;
+        i += length;
+    }
+    return {};
+}
+
+std::string ComposeUtf8(std::string_view text) {
+    if (std::all_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x80; }))
+        return std::string(text);
+    utf8proc_uint8_t *bytes = nullptr;
+    const utf8proc_ssize_t length =
+        utf8proc_map(BytesOf(text), std::ssize(text), &bytes, utf8proc_option_t(UTF8PROC_STABLE | UTF8PROC_COMPOSE));
+    const std::unique_ptr<utf8proc_uint8_t, decltype(&std::free)> owner(bytes, &std::free);
+    if (length < 0) return std::string(text);
+    return std::string(reinterpret_cast<const char *>(bytes), length);
 }
 
 }  // namespace pbrt

@@ -1,5 +1,7 @@
 #pragma once
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pbrt/core/params.h"
@@ -41,6 +43,9 @@ class ParameterReader {
     void ReadValues(const Param &param, bool known, Values &values);
     Kind ReadValue(const Token &token, const Param &param, bool known, bool bracketed, Values &values);
     void CheckKind(const Param &param, const Values &values);
+    /// `scan`: ScanFloat or ScanInt.
+    template <class T, class Scan>
+    T ReadNumber(const char *what, Scan scan, ParamType type, const std::string &expected);
     void ReportOverflow(const Token &token, ParamType type) const;
 
     Tokenizer &tokens_;
@@ -48,5 +53,13 @@ class ParameterReader {
     std::vector<Float> floats_;  // reused between parameters
     std::vector<int> ints_;
 };
+
+/// Offset of the first byte of invalid UTF-8 (including overlong forms, surrogates and values beyond U+10FFFF); nullopt
+/// if valid.
+std::optional<size_t> FindInvalidUtf8(std::string_view text);
+
+/// Unicode normalisation form C, so that names with combining marks equal precomposed ones. Returns invalid UTF-8
+/// unchanged.
+std::string ComposeUtf8(std::string_view text);
 
 }  // namespace pbrt

@@ -10,8 +10,4 @@ namespace pbrt {
 /// following ones. Errors and warnings are collected in `sink`; the caller decides with sink.ThrowIfErrors().
 SceneDescription ParseSceneFiles(const std::vector<std::string> &paths, DiagnosticSink &sink);
 
-/// Parses text as file `name` in directory `directory`, for tests.
-SceneDescription ParseSceneText(const std::string &text, DiagnosticSink &sink, const std::string &name = "<text>",
-                                const std::string &directory = "");
-
 }  // namespace pbrt

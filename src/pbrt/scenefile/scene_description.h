@@ -22,6 +22,15 @@ struct MaterialRef {
     std::string name;
 };
 
+/// State at a directive that applies to shapes.
+struct ShapeState {
+    TransformPair ctm;
+    Float startTime = 0, endTime = 1;
+    bool reverseOrientation = false;
+    MaterialRef material;
+    std::string insideMedium, outsideMedium;
+};
+
 struct Entity {
     std::string type;
     ParamSet params;
@@ -55,13 +64,8 @@ struct LightEntity : Entity {
     std::string medium;
 };
 
-struct ShapeEntity : Entity {
-    TransformPair ctm;
-    Float startTime = 0, endTime = 1;
-    bool reverseOrientation = false;
-    MaterialRef material;
+struct ShapeEntity : Entity, ShapeState {
     int areaLight = -1;  ///< index into areaLights, -1: none
-    std::string insideMedium, outsideMedium;
 };
 
 /// An object definition; its shapes are in world space under the CTM of the definition.

@@ -1,11 +1,55 @@
 #include "pbrt/scenefile/tokenizer.h"
 
 #include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <string>
 #include <utility>
 
-#include "pbrt/scenefile/numbers.h"
-
 namespace pbrt {
+namespace {
+
+bool IsDigit(char c) { return c >= '0' && c <= '9'; }
+
+bool IsHexDigit(char c) { return IsDigit(c) || ((c | 0x20) >= 'a' && (c | 0x20) <= 'f'); }
+
+}  // namespace
+
+const char *ScanFloat(const char *begin, const char *end, Float *value, bool *overflow) {
+    const char *p = begin;
+    bool negative = false;
+    if (p != end && (*p == '-' || *p == '+')) negative = *p++ == '-';
+    if (p == end) return begin;
+    // from_chars would also accept a second sign, "inf" and "nan".
+    if (!IsDigit(*p) && !(*p == '.' && p + 1 != end && IsDigit(p[1]))) return begin;
+    auto format = std::chars_format::general;
+    const char *digits = p;
+    if (*p == '0' && end - p >= 3 && (p[1] | 0x20) == 'x' && (IsHexDigit(p[2]) || p[2] == '.')) {
+        format = std::chars_format::hex;
+        digits = p + 2;
+    }
+    Float magnitude = 0;
+    auto [after, error] = std::from_chars(digits, end, magnitude, format);
+    if (error == std::errc::invalid_argument) return begin;
+    if (error == std::errc::result_out_of_range) {
+        magnitude = std::strtof(std::string(p, after).c_str(), nullptr);
+        if (magnitude > 1) {
+            *overflow = true;
+            return after;
+        }
+    }
+    *value = negative ? -magnitude : magnitude;
+    return after;
+}
+
+const char *ScanInt(const char *begin, const char *end, int *value, bool *overflow) {
+    const char *p = begin;
+    if (p != end && (*p == '+' || *p == '-')) ++p;
+    if (p == end || !IsDigit(*p)) return begin;
+    auto [after, error] = std::from_chars(*begin == '+' ? p : begin, end, *value);
+    if (error == std::errc::result_out_of_range) *overflow = true;
+    return after;
+}
 
 void Tokenizer::Push(std::shared_ptr<const SourceFile> file, std::string key) {
     PBRT_CHECK(!hasPending_);
@@ -25,15 +69,10 @@ bool Tokenizer::IsOpen(const std::string &key) const {
 }
 
 Token Tokenizer::Next() {
-    if (hasPending_) {
-        hasPending_ = false;
-        last_ = pending_;
-    } else {
-        Token token = Scan();
-        if (token.kind == TokenKind::End) return token;
-        last_ = token;
-    }
-    return last_;
+    const Token token = hasPending_ ? pending_ : Scan();
+    hasPending_ = false;
+    if (token.kind != TokenKind::End) last_ = token;
+    return token;
 }
 
 const Token &Tokenizer::Peek() {

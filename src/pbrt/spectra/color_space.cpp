@@ -1,11 +1,11 @@
 #include "pbrt/spectra/color_space.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cstring>
 #include <limits>
 
 #include "pbrt/core/error.h"
+#include "pbrt/core/files.h"
 #include "pbrt/spectra/rgb_primaries.h"
 #include "pbrt/spectra/spectral_data.h"
 
@@ -79,6 +79,19 @@ size_t LargestComponent(const Rgb &rgb) {
 /// Smallest divisor: below it quotients overflow, or are 0 / 0 where denormals count as 0.
 constexpr Float kTiny = std::numeric_limits<Float>::min();
 
+/// Bound of RGB components: products with an illuminant do not overflow.
+constexpr Float kBrightest = 1e37f;
+
+/// Factor between a colour and its scaled copy with largest component 1/2, which is looked up: sigmoids are at most 1,
+/// and the tables are smooth around 1/2.
+Float ScaleOf(const Rgb &rgb) {
+    const Rgb bounded = Bounded(rgb, kBrightest);
+    const Float largest = std::max({bounded.x, bounded.y, bounded.z});
+    return largest < kTiny ? 0 : 2 * largest;
+}
+
+Rgb RelativeTo(Float scale, const Rgb &rgb) { return scale > 0 ? Bounded(rgb, kBrightest) / scale : Rgb(0); }
+
 bool NearlyEqual(const Point2 &a, const Point2 &b) {
     auto near = [](Float x, Float y) { return x == y || std::abs(x - y) < Float(1e-3) * std::abs(y); };
     return near(a.x, b.x) && near(a.y, b.y);
@@ -93,11 +106,8 @@ Float SigmoidPolynomial::MaxValue() const {
 }
 
 const ColorSpace *ColorSpace::Find(const std::string &name) {
-    auto sameLetter = [](char a, char b) {
-        return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
-    };
     for (const ColorSpace &space : AllSpaces())
-        if (std::equal(name.begin(), name.end(), space.Name().begin(), space.Name().end(), sameLetter)) return &space;
+        if (space.Name() == Lower(name)) return &space;
     return nullptr;
 }
 
@@ -156,28 +166,8 @@ glm::mat3 ConvertRgbMatrix(const ColorSpace &from, const ColorSpace &to) {
     return to.RgbFromXyz() * from.XyzFromRgb();
 }
 
-namespace {
-
-/// Bound of RGB components: products with an illuminant do not overflow.
-constexpr Float kBrightest = 1e37f;
-
-/// Factor between a colour and its scaled copy with largest component 1/2, which is looked up: sigmoids are at most 1,
-/// and the tables are smooth around 1/2.
-Float ScaleOf(const Rgb &rgb) {
-    const Rgb bounded = Bounded(rgb, kBrightest);
-    const Float largest = std::max({bounded.x, bounded.y, bounded.z});
-    return largest < kTiny ? 0 : 2 * largest;
-}
-
-Rgb RelativeTo(Float scale, const Rgb &rgb) { return scale > 0 ? Bounded(rgb, kBrightest) / scale : Rgb(0); }
-
-}  // namespace
-
 RgbUnboundedSpectrum::RgbUnboundedSpectrum(const ColorSpace &cs, const Rgb &rgb)
     : scale_(ScaleOf(rgb)), poly_(cs.ToPolynomial(RelativeTo(scale_, rgb))) {}
-
-RgbIlluminantSpectrum::RgbIlluminantSpectrum(const ColorSpace &cs, const Rgb &rgb)
-    : scale_(ScaleOf(rgb)), poly_(cs.ToPolynomial(RelativeTo(scale_, rgb))), illuminant_(&cs.Illuminant()) {}
 
 Float SpectrumToPhotometric(const Spectrum &s) {
     if (auto *rgb = dynamic_cast<const RgbIlluminantSpectrum *>(&s)) return InnerProduct(CieY(), rgb->Illuminant());

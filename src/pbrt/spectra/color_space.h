@@ -93,17 +93,16 @@ class RgbUnboundedSpectrum final : public Spectrum {
 
 class RgbIlluminantSpectrum final : public Spectrum {
   public:
-    RgbIlluminantSpectrum(const ColorSpace &cs, const Rgb &rgb);
-    Float operator()(Float lambda) const override { return scale_ * poly_(lambda) * (*illuminant_)(lambda); }
+    RgbIlluminantSpectrum(const ColorSpace &cs, const Rgb &rgb) : rgb_(cs, rgb), illuminant_(&cs.Illuminant()) {}
+    Float operator()(Float lambda) const override { return rgb_(lambda) * (*illuminant_)(lambda); }
     SampledSpectrum Sample(const SampledWavelengths &lambda) const override {
-        return scale_ * poly_.Sample(lambda) * illuminant_->Sample(lambda);
+        return rgb_.Sample(lambda) * illuminant_->Sample(lambda);
     }
-    Float MaxValue() const override { return scale_ * poly_.MaxValue() * illuminant_->MaxValue(); }
+    Float MaxValue() const override { return rgb_.MaxValue() * illuminant_->MaxValue(); }
     const Spectrum &Illuminant() const { return *illuminant_; }
 
   private:
-    Float scale_;
-    SigmoidPolynomial poly_;
+    RgbUnboundedSpectrum rgb_;
     const Spectrum *illuminant_;  ///< of the colour space, static lifetime
 };
 

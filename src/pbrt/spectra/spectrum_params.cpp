@@ -8,8 +8,8 @@ namespace {
 
 void RequireCount(const Param &p, size_t found, size_t wanted) {
     if (found != wanted)
-        throw UserError(p.loc, "\"{} {}\" takes {} value{}, found {}.", Name(p.type), p.name, wanted,
-                        wanted == 1 ? "" : "s", found);
+        throw UserError(p.loc, "\"{} {}\" takes {}, found {}.", Name(p.type), p.name, CountText(wanted, "value"),
+                        found);
 }
 
 SpectrumPtr FromRgb(const Param &p, SpectrumUse use) {
@@ -82,8 +82,7 @@ SpectrumPtr FromSpectrum(const Param &p, SpectrumUse use, const FileResolver &fi
     const std::string &name = p.strings[0];
     if (SpectrumPtr named = NamedSpectrum(name)) return named;
     std::string path = files.Resolve(name);
-    std::error_code ignored;
-    if (!std::filesystem::exists(path, ignored))
+    if (!FileExists(path))
         throw UserError(p.loc, "\"spectrum {}\": \"{}\" is neither a file nor a built-in spectrum; {}.", p.name, name,
                         ListChoices(name, NamedSpectrumNames()));
     return FromFile(path, use, p.loc);

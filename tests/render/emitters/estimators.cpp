@@ -82,9 +82,7 @@ class WithoutSeenLamps final : public PixelIntegrator {
 };
 
 std::unique_ptr<LightSampler> MakeLights(const Scene &scene, const std::string &label, const Spoilt &spoilt) {
-    const LightSamplerSpec spec = ReadLightSelection(label, AllSamplers()).sampler;
-    std::unique_ptr<LightSampler> lights =
-        AllSamplers().Make(*spec.entry, scene.Lights(), spec.params, spec.meshLights);
+    std::unique_ptr<LightSampler> lights = MakeLightSampler(label, scene.Lights());
     if (spoilt.ofSamples == 1 && spoilt.ofRays == 1) return lights;
     return std::make_unique<SpoiltSampler>(std::move(lights), spoilt);
 }

@@ -39,7 +39,8 @@ img { display: block; width: 150px; border-radius: 3px; }
 
 struct Cell {
     double error = 0, standardError = 0;
-    bool wins = false, isBiased = false;
+    bool wins = false;
+    std::string biasVerdict, speedUp;  ///< as in results.json; no speed-up: empty
 };
 
 class Grid {
@@ -53,8 +54,9 @@ class Grid {
                 const std::string label = s.at("label");
                 if (std::ranges::count(labels_, label) == 0) labels_.push_back(label);
                 const Json &summary = s.at("summary"), &error = summary.at("metrics").at("relL2");
-                row[label] = {error.at("mean").get<double>(), error.at("standardError").get<double>(), winner == label,
-                              summary.at("bias").at("verdict") == "biased"};
+                const Json &speedUp = summary.at("speedUp");
+                row[label] = {error.at("mean"), error.at("standardError"), winner == label,
+                              summary.at("bias").at("verdict"), speedUp.is_number() ? speedUp.dump() : ""};
             }
         }
     }
@@ -82,20 +84,14 @@ class Grid {
 };
 
 std::string Csv(const std::vector<SceneOutcome> &outcomes) {
+    const Grid grid(outcomes);
     std::string text = "scene,sampler,relL2,relL2StandardError,wins,biasVerdict,speedUp,results\n";
-    for (const SceneOutcome &o : outcomes) {
-        if (o.results.is_null()) continue;
-        const Json &winner = o.results.at("conclusion").at("winner");
-        for (const Json &s : o.results.at("samplers")) {
-            const Json &summary = s.at("summary"), &error = summary.at("metrics").at("relL2");
-            const std::string label = s.at("label");
-            text += fmt::format("{},{},{:.9g},{:.9g},{},{},{},{}\n", Quoted(o.folder), Quoted(label),
-                                error.at("mean").get<double>(), error.at("standardError").get<double>(),
-                                winner == label ? 1 : 0, summary.at("bias").at("verdict").get<std::string>(),
-                                summary.at("speedUp").is_number() ? summary.at("speedUp").dump() : std::string(),
-                                Quoted(o.folder + "/results.json"));
-        }
-    }
+    for (size_t i = 0; i < outcomes.size(); ++i)
+        for (const std::string &label : grid.Labels())
+            if (const Cell *c = grid.At(i, label))
+                text += fmt::format("{},{},{:.9g},{:.9g},{},{},{},{}\n", Quoted(outcomes[i].folder), Quoted(label),
+                                    c->error, c->standardError, int(c->wins), c->biasVerdict, c->speedUp,
+                                    Quoted(outcomes[i].folder + "/results.json"));
     return text;
 }
 
@@ -136,8 +132,8 @@ std::string PageRow(const std::string &folder, const SceneOutcome &o, size_t ind
         const Cell *cell = grid.At(index, label);
         row += !cell ? std::string("<td class=\"number\">–</td>")
                      : fmt::format("<td class=\"number{}{}\">{:.3g}{}<small>± {:.2g}</small></td>",
-                                   cell->wins ? " winner" : "", cell->isBiased ? " biased" : "", cell->error,
-                                   cell->wins ? " ★" : "", cell->standardError);
+                                   cell->wins ? " winner" : "", cell->biasVerdict == "biased" ? " biased" : "",
+                                   cell->error, cell->wins ? " ★" : "", cell->standardError);
     }
     return row + fmt::format("<td>{}</td></tr>\n", EscapeHtml(o.results.at("conclusion").at("headline")));
 }
@@ -192,7 +188,7 @@ std::string ScenesText(const std::vector<SceneOutcome> &outcomes) {
             const Cell *c = grid.At(i, label);
             row.push_back(!c ? "-"
                              : fmt::format("{:.3g} +- {:.2g}{}{}", c->error, c->standardError, c->wins ? " *" : "",
-                                           c->isBiased ? " biased" : ""));
+                                           c->biasVerdict == "biased" ? " biased" : ""));
         }
     }
     if (!grid.Labels().empty()) {

@@ -34,6 +34,24 @@ std::array<int, 3> RgbChannels(const Image &image, const std::string &path) {
     return channels;
 }
 
+std::vector<int> ColorChannels(const Image &image) {
+    std::vector<int> indices;
+    for (int c = 0; c < image.ChannelCount(); ++c)
+        if (image.Channels()[c] != "A") indices.push_back(c);
+    return indices;
+}
+
+Image AverageChannels(const Image &image) {
+    Image result(PixelFormat::Float, image.Resolution(), {"Y"});
+    const std::vector<int> colors = ColorChannels(image);
+    ForEachPixel(image, [&](Point2i p) {
+        Float sum = 0;
+        for (int c : colors) sum += image.Get(p, c);
+        result.Set(p, 0, colors.empty() ? 0 : sum / Float(colors.size()));
+    });
+    return result;
+}
+
 std::string SizeText(const Image &image) { return fmt::format("{} x {}", image.Resolution().x, image.Resolution().y); }
 
 const ColorSpace &SpaceOf(const ImageFile &file) {

@@ -37,6 +37,11 @@ inline void SetRgb(Image &image, Point2i p, const std::array<int, 3> &channels, 
     for (int c = 0; c < 3; ++c) image.Set(p, channels[c], rgb[c]);
 }
 
+/// Colour channels: all but alpha.
+std::vector<int> ColorChannels(const Image &image);
+/// Their mean, as channel Y.
+Image AverageChannels(const Image &image);
+
 std::string SizeText(const Image &image);
 /// Colour space of the file; default sRGB.
 const ColorSpace &SpaceOf(const ImageFile &file);

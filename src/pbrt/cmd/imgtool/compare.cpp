@@ -13,17 +13,9 @@ struct DiffOptions {
 };
 
 double Mean(const Image &image) {
-    double sum = 0;
-    size_t count = 0;
-    ForEachPixel(image, [&](Point2i p) {
-        for (int c = 0; c < image.ChannelCount(); ++c) {
-            const double v = double(image.Get(p, c));
-            if (!std::isfinite(v)) continue;
-            sum += v;
-            ++count;
-        }
-    });
-    return count ? sum / double(count) : 0;
+    FiniteMean mean;
+    ForEachValue(image, [&](Point2i p, int c) { mean.Add(double(image.Get(p, c))); });
+    return mean.Mean();
 }
 
 int Diff(const DiffOptions &o) {

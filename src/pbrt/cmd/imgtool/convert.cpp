@@ -14,14 +14,6 @@ struct ConvertOptions {
     int repeat = 1;
 };
 
-// Colour channels: all but alpha.
-std::vector<int> ColorChannels(const Image &image) {
-    std::vector<int> indices;
-    for (int c = 0; c < image.ChannelCount(); ++c)
-        if (image.Channels()[c] != "A") indices.push_back(c);
-    return indices;
-}
-
 void MapColors(Image &image, auto &&f) {
     const std::vector<int> colors = ColorChannels(image);
     ForEachPixel(image, [&](Point2i p) {
@@ -64,17 +56,6 @@ void Tonemap(Image &image, std::optional<Float> maxLuminance, const ColorSpace &
         const Float factor = (1 + luminance / Sqr(white)) / (1 + luminance);
         for (int c : scaled) image.Set(p, c, image.Get(p, c) * factor);
     });
-}
-
-Image AverageChannels(const Image &image) {
-    Image result(PixelFormat::Float, image.Resolution(), {"Y"});
-    const std::vector<int> colors = ColorChannels(image);
-    ForEachPixel(image, [&](Point2i p) {
-        Float sum = 0;
-        for (int c : colors) sum += image.Get(p, c);
-        result.Set(p, 0, sum / Float(colors.size()));
-    });
-    return result;
 }
 
 Image Rearrange(const Image &image, Point2i resolution, auto &&source) {

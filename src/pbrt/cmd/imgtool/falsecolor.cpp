@@ -15,17 +15,6 @@ struct FalsecolorOptions {
 
 constexpr int LegendRows = 16;
 
-Float ColorMean(const Image &image, Point2i p) {
-    Float sum = 0;
-    int count = 0;
-    for (int c = 0; c < image.ChannelCount(); ++c) {
-        if (image.Channels()[c] == "A") continue;
-        sum += image.Get(p, c);
-        ++count;
-    }
-    return count ? sum / Float(count) : 0;
-}
-
 constexpr int kShown = 99;  // percentile of the default range
 
 struct Range {
@@ -45,12 +34,10 @@ Range ChooseRange(std::vector<Float> values) {
 
 int Falsecolor(const FalsecolorOptions &o) {
     const ImageFile file = ReadAsFloat(o.path);
-    const Image &image = file.image;
-    Image mean(PixelFormat::Float, image.Resolution(), {"Y"});
+    const Image mean = AverageChannels(file.image);
     std::vector<Float> sizes;
-    ForEachPixel(image, [&](Point2i p) {
-        const Float v = ColorMean(image, p);
-        mean.Set(p, 0, v);
+    ForEachPixel(mean, [&](Point2i p) {
+        const Float v = mean.Get(p, 0);
         if (std::isfinite(v)) sizes.push_back(o.plusMinus ? std::abs(v) : v);
     });
     FalseColorStyle style;

@@ -33,12 +33,8 @@ ChannelStatistics Statistics(const Image &image, int channel) {
 }
 
 const char *FormatName(PixelFormat format) {
-    switch (format) {
-        case PixelFormat::U8: return "8 bit";
-        case PixelFormat::Half: return "half";
-        case PixelFormat::Float: return "float";
-    }
-    return "";
+    constexpr const char *kNames[] = {"8 bit", "half", "float"};
+    return kNames[size_t(format)];
 }
 
 struct AttributeJson {

@@ -51,7 +51,7 @@ void LearnedLights::Check(const BuiltScene &built) const {
     try {
         StateReader in(loaded_->Section("identity"), loaded_->Path());
         std::vector<char> text;
-        in.Structure(&text);
+        in.Structure(text);
         in.Require(in.Value<uint64_t>() == loaded_->Section("learned").size(), "it has another length");
         in.RequireEnd();
         saved = Json::parse(text).get<RenderIdentity>();

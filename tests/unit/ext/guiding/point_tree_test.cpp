@@ -73,16 +73,14 @@ TEST(PointTree, RefusesADamagedOne) {
     built.Divide(0, places.data(), places.data() + places.size(), 100);
     const auto bytesOf = [](const PointTree &tree) {
         StateWriter writer;
-        StateSaver save(writer);
-        save(tree);
+        writer(tree);
         return writer.Joined();
     };
     const std::string saved = bytesOf(built.tree);
     const auto load = [&](const std::string &bytes, size_t roots, size_t leaves) {
         StateReader in(bytes, "tree");
         PointTree tree;
-        StateLoader archive(in);
-        archive(tree);
+        in(tree);
         in.RequireValid(tree.ValidateFor(roots, leaves));
         EXPECT_EQ(bytesOf(tree), bytes);
     };

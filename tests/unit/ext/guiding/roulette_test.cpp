@@ -131,15 +131,13 @@ TEST(PathRoulette, ASavedStateIsLoadedBitByBitAndADamagedOneRefused) {
     const PathRoulette roulette = Learned([](const Point3 &p, Float u) { return p.x > 0 ? u : 0.1f; }, Even);
     const auto bytesOf = [](const PathRoulette &saved) {
         StateWriter writer;
-        StateSaver save(writer);
-        save(saved);
+        writer(saved);
         return writer.Joined();
     };
     const auto load = [](const std::string &bytes) {
         PathRoulette loaded;
         StateReader reader(bytes, "state");
-        StateLoader archive(reader);
-        archive(loaded);
+        reader(loaded);
         return loaded;
     };
     const std::string state = bytesOf(roulette);

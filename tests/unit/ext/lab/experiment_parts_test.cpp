@@ -6,7 +6,6 @@
 #include <thread>
 
 #include "ext/lab/experiment.h"
-#include "ext/lab/experiment_context.h"
 #include "pbrt/scenefile/content_hash.h"
 
 namespace ext::lab {

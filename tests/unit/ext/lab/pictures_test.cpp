@@ -1,4 +1,4 @@
-#include "ext/lab/pictures.h"
+#include "ext/lab/experiment.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -38,8 +38,7 @@ VisibilityTree Tree() {
 template <class T>
 std::string Saved(const T &structure) {
     StateWriter writer;
-    StateSaver save(writer);
-    save(structure);
+    writer(structure);
     return writer.Joined();
 }
 
@@ -49,8 +48,7 @@ std::string Fault(const std::string &bytes) {
     return test::MessageOf([&] {
         StateReader reader(bytes, "state");
         T structure;
-        StateLoader load(reader);
-        load(structure);
+        reader(structure);
         reader.RequireEnd();
         EXPECT_EQ(Saved(structure), bytes);
     });
@@ -59,7 +57,7 @@ std::string Fault(const std::string &bytes) {
 std::vector<uint32_t> NodesOf(const std::string &bytes) {
     StateReader reader(std::string_view(bytes).substr(kNodesAt), "nodes");
     std::vector<uint32_t> nodes;
-    reader.Structure(&nodes);
+    reader.Structure(nodes);
     return nodes;
 }
 
@@ -112,7 +110,7 @@ TEST(Validate, AnOctreeIsRefusedWithEveryWrongRow) {
     const size_t offsetsAt = kNodesAt + 2 * sizeof(uint64_t) + NodesOf(saved).size() * sizeof(uint32_t);
     StateReader reader(std::string_view(saved).substr(offsetsAt), "offsets");
     std::vector<uint32_t> offsets;
-    reader.Structure(&offsets);
+    reader.Structure(offsets);
     ASSERT_GT(offsets.size(), 3u);
     for (size_t i = 0; i < offsets.size(); ++i)
         for (const uint32_t wrong : {0u, offsets[i] + 1000000, 0xffffffffu, offsets[(i + 1) % offsets.size()]})

@@ -3,9 +3,9 @@
 
 #include "pbrt/build/integrator_builder.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/scenefile/parser.h"
 #include "support/build_text.h"
 #include "support/errors.h"
+#include "support/parse_text.h"
 #include "support/scene_text.h"
 
 namespace pbrt::test {

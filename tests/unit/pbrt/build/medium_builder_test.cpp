@@ -2,8 +2,8 @@
 
 #include "pbrt/build/built_scene.h"
 #include "pbrt/build/geometry_builder.h"
-#include "pbrt/scenefile/parser.h"
 #include "support/build_text.h"
+#include "support/parse_text.h"
 
 namespace pbrt::test {
 namespace {

@@ -7,8 +7,8 @@
 #include <fstream>
 
 #include "pbrt/images/image.h"
-#include "pbrt/scenefile/parser.h"
 #include "support/build_text.h"
+#include "support/parse_text.h"
 
 namespace pbrt::test {
 namespace {

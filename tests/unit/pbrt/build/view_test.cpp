@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "pbrt/scenefile/parser.h"
 #include "support/errors.h"
+#include "support/parse_text.h"
 
 namespace pbrt {
 namespace {

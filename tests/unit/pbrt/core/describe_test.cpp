@@ -3,7 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <nlohmann/json.hpp>
+
+#include "pbrt/core/effective_params_text.h"
 
 namespace pbrt {
 namespace {
@@ -132,7 +133,7 @@ TEST(Describe, OneListingDocumentsAndPrints) {
               "p3[] point3[] points =  (-5 to 5)\n"
               "i[] integer[] indices =  ()\n"
               "f float only = 0 ()\n");
-    EXPECT_EQ(EffectiveParams(Few()).dump(), "{\"leaves\":7,\"floor\":0.25,\"wrap\":\"repeat\"}");
+    EXPECT_EQ(EffectiveParamsText(Few()), "{\"leaves\":7,\"floor\":0.25,\"wrap\":\"repeat\"}");
 }
 
 TEST(Describe, RangesAreWrittenShort) {

@@ -1,4 +1,4 @@
-#include "pbrt/images/flip.h"
+#include "pbrt/images/metrics.h"
 
 #include <cmath>
 
@@ -29,7 +29,7 @@ Image Flat(Rgb color, Point2i size = {24, 24}) {
 }
 
 double Flip(const Image &image, const Image &reference, bool hdr = false, Image *errors = nullptr) {
-    return FlipReference(reference, {67, hdr}).Compare(image, errors);
+    return FlipReference(reference, hdr).Compare(image, errors);
 }
 
 // The reference, in double precision: every filter is a square of weights that is applied at every pixel, and the
@@ -309,13 +309,13 @@ TEST(HdrFlip, ExposuresReachFromTheBrightestValueToTheMedian) {
     const Image image = Paint({10, 10}, [](int x, int y) { return Rgb(x == 3 && y == 4 ? 16.f : 1.f); });
     const double x = 2.1189;
     ASSERT_NEAR((0.9036 - 0.85 * 0.8748) * x * x + (0.018 - 0.85 * 0.354) * x - 0.85 * 0.14, 0, 1e-4);
-    const std::vector<double> exposures = FlipReference(image, {67, true}).Exposures();
+    const std::vector<double> exposures = FlipReference(image, true).Exposures();
     ASSERT_GE(exposures.size(), 4u);
     ASSERT_LE(exposures.size(), 5u);
     EXPECT_NEAR(exposures.front(), std::log2(x / 16), 1e-3);
     EXPECT_NEAR(exposures.back(), std::log2(x), 1e-3);
-    EXPECT_EQ(FlipReference(Flat({0, 0, 0}), {67, true}).Exposures().size(), 1u);
-    EXPECT_EQ(FlipReference(Flat({3, 3, 3}), {67, true}).Exposures().size(), 1u);
+    EXPECT_EQ(FlipReference(Flat({0, 0, 0}), true).Exposures().size(), 1u);
+    EXPECT_EQ(FlipReference(Flat({3, 3, 3}), true).Exposures().size(), 1u);
     EXPECT_TRUE(FlipReference(image).Exposures().empty());
 }
 

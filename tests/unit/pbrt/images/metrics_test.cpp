@@ -81,7 +81,7 @@ TEST(ImageError, EpsilonOfRelL2IsRelativeToTheMeanOfTheReference) {
     const Image image = Values({11, 20}), reference = Values({10, -30});  // mean magnitude 20: epsilon 4
     EXPECT_NEAR(ImageError(image, reference, Metric::RelL2), (1 / 104. + 2500 / 904.) / 2, 1e-12);
     EXPECT_NEAR(ImageError(image, reference, Metric::RelL2Abs), (1 / 100.01 + 2500 / 900.01) / 2, 1e-12);
-    EXPECT_NEAR(TrimmedRelL2(image, reference, 0.1, nullptr, Metric::RelL2Abs), 1 / 100.01, 1e-12);
+    EXPECT_NEAR(TrimmedRelL2(image, reference, 0.1, Metric::RelL2Abs), 1 / 100.01, 1e-12);
     // A black reference has no scale.
     EXPECT_NEAR(ImageError(Values({0.5f, 0}), Values({0, 0}), Metric::RelL2), 0.25 / 0.01 / 2, 1e-12);
     EXPECT_EQ(ImageError(Values({0, 0}), Values({0, 0}), Metric::RelL2), 0);

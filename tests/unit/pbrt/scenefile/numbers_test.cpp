@@ -1,4 +1,4 @@
-#include "pbrt/scenefile/numbers.h"
+#include "pbrt/scenefile/tokenizer.h"
 
 #include <gtest/gtest.h>
 

@@ -8,6 +8,7 @@
 
 #include "pbrt/core/param_reader.h"
 #include "pbrt/scenefile/parser.h"
+#include "support/parse_text.h"
 
 namespace pbrt::test {
 

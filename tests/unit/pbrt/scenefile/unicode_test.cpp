@@ -1,4 +1,4 @@
-#include "pbrt/scenefile/unicode.h"
+#include "pbrt/scenefile/parameter_reader.h"
 
 #include <gtest/gtest.h>
 

@@ -176,8 +176,7 @@ DielectricBxdf::Transmission DielectricBxdf::EvaluateTransmission(const Vector3 
     return {f, common * facets_.G1(wo)};
 }
 
-std::optional<BsdfSample> ThinDielectricBxdf::Sample(const Vector3 &wo, Float uc, const Point2 &, TransportMode,
-                                                     ReflTransFlags which) const {
+std::optional<BsdfSample> ThinDielectricBxdf::Sample(const Vector3 &wo, Float uc, const Point2 &, TransportMode) const {
     Float cosine = AbsCosTheta(wo);
     if (cosine == 0) return {};
     Float r = FresnelDielectric(cosine, eta_), t = 1 - r;
@@ -185,12 +184,10 @@ std::optional<BsdfSample> ThinDielectricBxdf::Sample(const Vector3 &wo, Float uc
         r += t * t * r / (1 - r * r);
         t = 1 - r;
     }
-    Float pReflect = ReflectionProbability(r, t, which);
-    if (pReflect < 0) return {};
-    if (uc < pReflect) {
+    const Float pReflect = r / (r + t);
+    if (uc < pReflect)
         return BsdfSample{SampledSpectrum(r / cosine), Vector3(-wo.x, -wo.y, wo.z), pReflect,
                           BxdfFlags::Reflection | BxdfFlags::Specular};
-    }
     return BsdfSample{SampledSpectrum(t / cosine), -wo, 1 - pReflect, BxdfFlags::Transmission | BxdfFlags::Specular};
 }
 

@@ -140,10 +140,6 @@ std::array<Float, HairBxdf::Lobes> Chances(const std::array<SampledSpectrum, Hai
     return chances;
 }
 
-bool Wanted(const Vector3 &wo, const Vector3 &wi, ReflTransFlags which) {
-    return Has(which, SameHemisphere(wo, wi) ? ReflTransFlags::Reflection : ReflTransFlags::Transmission);
-}
-
 }  // namespace
 
 SampledSpectrum HairBxdf::F(const Vector3 &wo, const Vector3 &wi, TransportMode) const {
@@ -159,14 +155,12 @@ Float HairBxdf::Approximation::operator()(const Vector3 &wi) const {
     return WeightedSum(averages_, hair_.Densities(view_, wi)) / std::abs(wi.z);
 }
 
-Float HairBxdf::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode, ReflTransFlags which) const {
-    if (!Wanted(wo, wi, which)) return 0;
+Float HairBxdf::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode) const {
     const View view = ViewFrom(wo);
     return WeightedSum(Chances(view.attenuation), Densities(view, wi));
 }
 
-std::optional<BsdfSample> HairBxdf::Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode,
-                                           ReflTransFlags which) const {
+std::optional<BsdfSample> HairBxdf::Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode) const {
     const View view = ViewFrom(wo);
     const std::array<Float, Lobes> chances = Chances(view.attenuation);
     size_t p = 0;
@@ -186,7 +180,7 @@ std::optional<BsdfSample> HairBxdf::Sample(const Vector3 &wo, Float uc, const Po
         p < Lobes - 1 ? view.turn[p] + SampleTrimmedLogistic(within, scale_, scaleMass_) : 2 * Pi * within;
     const Float phi = view.phi + turn;
     const Vector3 wi(sinI, cosI * std::cos(phi), cosI * std::sin(phi));
-    if (wi.z == 0 || !Wanted(wo, wi, which)) return {};
+    if (wi.z == 0) return {};
     const std::array<Float, Lobes> densities = Densities(view, wi);
     return BsdfSample{WeightedSum(view.attenuation, densities) / std::abs(wi.z), wi, WeightedSum(chances, densities),
                       BxdfFlags::Glossy | (SameHemisphere(wo, wi) ? BxdfFlags::Reflection : BxdfFlags::Transmission)};

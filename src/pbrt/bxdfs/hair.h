@@ -18,10 +18,8 @@ class HairBxdf {
 
     BxdfFlags Flags() const { return BxdfFlags::Glossy | BxdfFlags::Reflection | BxdfFlags::Transmission; }
     SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode) const;
-    /// With one side requested, samples of the other are rejected: Pdf then integrates to less than 1.
-    std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode,
-                                     ReflTransFlags which) const;
-    Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode, ReflTransFlags which) const;
+    std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode) const;
+    Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode) const;
     void Regularize() {}
 
     /// Absorption for which a mass of fibres of roughness `betaN` has reflectance `c` (Chiang et al. 2016).

@@ -48,9 +48,8 @@ class CoatedBxdf {
     /// F with MIS weights that sum to 1: unbiased.
     SampledSpectrum FConsistent(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const;
     bool IsDirectional() const { return !top_.IsSmooth() || (!scatters_ && Has(bottom_.Flags(), BxdfFlags::Glossy)); }
-    std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode,
-                                     ReflTransFlags which) const;
-    Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode mode, ReflTransFlags which) const;
+    std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode) const;
+    Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const;
     void Regularize() {
         top_.Regularize();
         bottom_.Regularize();

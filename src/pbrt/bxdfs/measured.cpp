@@ -106,17 +106,15 @@ SampledSpectrum MeasuredBxdf::F(const Vector3 &wo, const Vector3 &wi, TransportM
     return wo.z < 0 ? Brdf().F(-wo, -wi, lambda_) : Brdf().F(wo, wi, lambda_);
 }
 
-std::optional<BsdfSample> MeasuredBxdf::Sample(const Vector3 &wo, Float, const Point2 &u, TransportMode,
-                                               ReflTransFlags which) const {
-    if (!Has(which, ReflTransFlags::Reflection)) return {};
+std::optional<BsdfSample> MeasuredBxdf::Sample(const Vector3 &wo, Float, const Point2 &u, TransportMode) const {
     const Float side = wo.z < 0 ? Float(-1) : Float(1);
     auto sample = Brdf().Sample(wo * side, u, lambda_);
     if (sample) sample->wi *= side;
     return sample;
 }
 
-Float MeasuredBxdf::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode, ReflTransFlags which) const {
-    if (!Has(which, ReflTransFlags::Reflection) || !SameHemisphere(wo, wi)) return 0;
+Float MeasuredBxdf::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode) const {
+    if (!SameHemisphere(wo, wi)) return 0;
     return wo.z < 0 ? Brdf().Pdf(-wo, -wi) : Brdf().Pdf(wo, wi);
 }
 

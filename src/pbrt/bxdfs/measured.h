@@ -46,9 +46,8 @@ class MeasuredBxdf {
 
     BxdfFlags Flags() const { return BxdfFlags::Glossy | BxdfFlags::Reflection; }
     SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode) const;
-    std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode,
-                                     ReflTransFlags which) const;
-    Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode, ReflTransFlags which) const;
+    std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode) const;
+    Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode) const;
     void Regularize() {}
 
   private:

@@ -347,7 +347,7 @@ Float BilinearMesh::PdfArea(uint32_t primitive, const Point3 &p, const Normal3 &
 
 std::optional<ShapeSample> BilinearMesh::Sample(uint32_t primitive, const ShapeSampleContext &from,
                                                 const Point2 &u) const {
-    if (!IsRectangle(primitive) || emission_) return WithSolidAngleDensity(SampleArea(primitive, u), from.p);
+    if (!IsRectangle(primitive) || emission_) return Shape::Sample(primitive, from, u);
     Corners c = CornersOf(primitive);
     const RectangleSampling::Point at = RectangleSampling(from, c.p00, c.p10 - c.p00, c.p01 - c.p00).Sample(u);
     if (!(at.pdf > 0 && std::isfinite(at.pdf))) return {};
@@ -358,8 +358,7 @@ std::optional<ShapeSample> BilinearMesh::Sample(uint32_t primitive, const ShapeS
 
 Float BilinearMesh::PdfSolidAngle(uint32_t primitive, const ShapeSampleContext &from, const Vector3 &wi,
                                   const Point3 &pHit, const Normal3 &nHit) const {
-    if (!IsRectangle(primitive) || emission_)
-        return SolidAngleDensity(PdfArea(primitive, pHit, nHit), from.p, wi, pHit, nHit);
+    if (!IsRectangle(primitive) || emission_) return Shape::PdfSolidAngle(primitive, from, wi, pHit, nHit);
     const Corners c = CornersOf(primitive);
     const Float pdf = RectangleSampling(from, c.p00, c.p10 - c.p00, c.p01 - c.p00).Pdf(pHit);
     return std::isfinite(pdf) ? pdf : 0;

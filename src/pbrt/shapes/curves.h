@@ -80,15 +80,6 @@ class Curves final : public Shape {
                               const Vector3 &d) const override;
     /// For a view direction perpendicular to the curve.
     SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const override;
-    std::optional<ShapeSample> SampleArea(uint32_t, const Point2 &) const override { return {}; }
-    Float PdfArea(uint32_t, const Point3 &, const Normal3 &) const override { return 0; }
-    std::optional<ShapeSample> Sample(uint32_t, const ShapeSampleContext &, const Point2 &) const override {
-        return {};
-    }
-    Float PdfSolidAngle(uint32_t, const ShapeSampleContext &, const Vector3 &, const Point3 &,
-                        const Normal3 &) const override {
-        return 0;
-    }
 
     size_t SegmentCount() const { return segments_.size(); }
     const Segment &SegmentOfPrimitive(uint32_t primitive) const { return segments_[pieces_[primitive].segment]; }

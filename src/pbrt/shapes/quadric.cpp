@@ -99,17 +99,8 @@ std::optional<ShapeSample> Quadric::SampleArea(uint32_t, const Point2 &u) const 
     return s;
 }
 
-std::optional<ShapeSample> Quadric::Sample(uint32_t primitive, const ShapeSampleContext &from, const Point2 &u) const {
-    return WithSolidAngleDensity(SampleArea(primitive, u), from.p);
-}
-
 Float Quadric::PdfArea(uint32_t, const Point3 &p, const Normal3 &) const {
     return PdfAreaAt(isSimilarity_ ? Normal3(0, 0, 1) : Normalize(NormalAt(renderFromObject_.InversePoint(p))));
-}
-
-Float Quadric::PdfSolidAngle(uint32_t primitive, const ShapeSampleContext &from, const Vector3 &wi, const Point3 &pHit,
-                             const Normal3 &nHit) const {
-    return SolidAngleDensity(PdfArea(primitive, pHit, nHit), from.p, wi, pHit, nHit);
 }
 
 }  // namespace pbrt

@@ -22,10 +22,6 @@ class Quadric : public Shape {
                               const Vector3 &d) const final;
     std::optional<ShapeSample> SampleArea(uint32_t primitive, const Point2 &u) const final;
     Float PdfArea(uint32_t primitive, const Point3 &p, const Normal3 &n) const final;
-    std::optional<ShapeSample> Sample(uint32_t primitive, const ShapeSampleContext &from,
-                                      const Point2 &u) const override;
-    Float PdfSolidAngle(uint32_t primitive, const ShapeSampleContext &from, const Vector3 &wi, const Point3 &pHit,
-                        const Normal3 &nHit) const override;
 
   protected:
     struct ObjectPoint {

@@ -60,41 +60,40 @@ class Shape {
     bool FacesRay() const { return kind_ == ShapeKind::Curves; }
     virtual Point2 Uv(uint32_t, const PrimitiveHit &hit) const { return {hit.u, hit.v}; }
 
-    /// Samples a point, uniform by area where that is simple. pdf by area.
-    virtual std::optional<ShapeSample> SampleArea(uint32_t primitive, const Point2 &u) const = 0;
+    /// Samples a point, uniform by area where that is simple. pdf by area. Empty for shapes that are not sampled.
+    virtual std::optional<ShapeSample> SampleArea(uint32_t, const Point2 &) const { return {}; }
     /// Density of SampleArea, by area, at point p of the primitive with normal n.
-    virtual Float PdfArea(uint32_t primitive, const Point3 &p, const Normal3 &n) const = 0;
-    /// Samples a point as seen from `from`. pdf by solid angle. Empty if sampling fails.
+    virtual Float PdfArea(uint32_t, const Point3 & /*p*/, const Normal3 & /*n*/) const { return 0; }
+    /// Samples a point as seen from `from`, by default with SampleArea. pdf by solid angle. Empty if sampling fails.
     virtual std::optional<ShapeSample> Sample(uint32_t primitive, const ShapeSampleContext &from,
-                                              const Point2 &u) const = 0;
+                                              const Point2 &u) const {
+        std::optional<ShapeSample> s = SampleArea(primitive, u);
+        if (!s) return {};
+        const Vector3 d = s->p - from.p;
+        const Float distance = Length(d);
+        if (!(distance > 0)) return {};
+        s->pdf = SolidAngleDensity(s->pdf, from.p, d / distance, s->p, s->n);
+        return s->pdf > 0 ? s : std::nullopt;
+    }
     /// Density of Sample(from), by solid angle, in direction wi; the ray along wi must hit this primitive at pHit with
     /// normal nHit.
     virtual Float PdfSolidAngle(uint32_t primitive, const ShapeSampleContext &from, const Vector3 &wi,
-                                const Point3 &pHit, const Normal3 &nHit) const = 0;
+                                const Point3 &pHit, const Normal3 &nHit) const {
+        return SolidAngleDensity(PdfArea(primitive, pHit, nHit), from.p, wi, pHit, nHit);
+    }
 
   protected:
     explicit Shape(ShapeKind kind) : kind_(kind) {}
 
   private:
+    /// Converts a density by area to solid angle at `from`; wi is the unit direction to the point. 0 if edge-on.
+    static Float SolidAngleDensity(Float pdfArea, const Point3 &from, const Vector3 &wi, const Point3 &p,
+                                   const Normal3 &n) {
+        Float pdf = pdfArea * DistanceSquared(from, p) / AbsDot(n, wi);
+        return std::isfinite(pdf) ? pdf : 0;
+    }
+
     ShapeKind kind_;
 };
-
-/// Converts a density by area to solid angle at `from`; wi is the unit direction to the point. 0 if edge-on.
-inline Float SolidAngleDensity(Float pdfArea, const Point3 &from, const Vector3 &wi, const Point3 &p,
-                               const Normal3 &n) {
-    Float pdf = pdfArea * DistanceSquared(from, p) / AbsDot(n, wi);
-    return std::isfinite(pdf) ? pdf : 0;
-}
-
-/// Converts a sample's density from area to solid angle at `from`; empty if that is 0 or infinite.
-inline std::optional<ShapeSample> WithSolidAngleDensity(std::optional<ShapeSample> s, const Point3 &from) {
-    if (!s) return {};
-    Vector3 wi = s->p - from;
-    Float distance = Length(wi);
-    if (!(distance > 0)) return {};
-    s->pdf = SolidAngleDensity(s->pdf, from, wi / distance, s->p, s->n);
-    if (!(s->pdf > 0)) return {};
-    return s;
-}
 
 }  // namespace pbrt

@@ -119,7 +119,7 @@ bool Sphere::IsMetFirst(const ShapeSampleContext &from, const Vector3 &wi, const
 
 std::optional<ShapeSample> Sphere::Sample(uint32_t primitive, const ShapeSampleContext &from, const Point2 &u) const {
     std::optional<Cone> cone = ConeFrom(from);
-    if (!cone) return Quadric::Sample(primitive, from, u);
+    if (!cone) return Shape::Sample(primitive, from, u);
     if (coneShare_ == 1) return SampleNearSide(*cone, from, u);
 
     const bool byCone = u.x < coneShare_;
@@ -130,7 +130,7 @@ std::optional<ShapeSample> Sphere::Sample(uint32_t primitive, const ShapeSampleC
     Vector3 wi = Normalize(s->p - from.p);
     const bool metFirst = byCone || IsMetFirst(from, wi, s->p);
     if (opaque_ && !metFirst) return {};  // hidden by a nearer part of the sphere
-    s->pdf = (1 - coneShare_) * Quadric::PdfSolidAngle(primitive, from, wi, s->p, s->n);
+    s->pdf = (1 - coneShare_) * Shape::PdfSolidAngle(primitive, from, wi, s->p, s->n);
     if (metFirst) s->pdf += coneShare_ * cone->Pdf();
     return s;
 }
@@ -138,9 +138,9 @@ std::optional<ShapeSample> Sphere::Sample(uint32_t primitive, const ShapeSampleC
 Float Sphere::PdfSolidAngle(uint32_t primitive, const ShapeSampleContext &from, const Vector3 &wi, const Point3 &pHit,
                             const Normal3 &nHit) const {
     std::optional<Cone> cone = ConeFrom(from);
-    if (!cone) return Quadric::PdfSolidAngle(primitive, from, wi, pHit, nHit);
+    if (!cone) return Shape::PdfSolidAngle(primitive, from, wi, pHit, nHit);
     if (coneShare_ == 1) return cone->Pdf();
-    Float pdf = (1 - coneShare_) * Quadric::PdfSolidAngle(primitive, from, wi, pHit, nHit);
+    Float pdf = (1 - coneShare_) * Shape::PdfSolidAngle(primitive, from, wi, pHit, nHit);
     if (opaque_ || IsMetFirst(from, wi, pHit)) pdf += coneShare_ * cone->Pdf();
     return pdf;
 }

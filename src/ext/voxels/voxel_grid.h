@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <string>
 
 #include "pbrt/math/bounds.h"
 
@@ -28,6 +29,7 @@ class VoxelGrid {
     Point3 PointIn(uint32_t index, const Vector3 &u) const { return low_ + (Corner(index) + u) * size_; }
     /// Voxels with a face on the grid's border: an estimate of the number of voxels with surfaces.
     size_t BorderSize() const;
+    std::string Describe() const;  ///< a line with resolution and voxel size
 
   private:
     static uint32_t Clamped(Float q, int resolution) {

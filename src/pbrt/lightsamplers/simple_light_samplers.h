@@ -21,7 +21,7 @@ class UniformLightSampler final : public GroupLightSampler {
 };
 
 /// Selects in proportion to LightCandidate::power; uniformly if no group has power.
-class PowerLightSampler final : public GroupLightSampler {
+class PowerLightSampler : public GroupLightSampler {
   public:
     explicit PowerLightSampler(const LightGroups &groups) : GroupLightSampler(groups, true) {
         std::vector<Float> power;
@@ -29,16 +29,16 @@ class PowerLightSampler final : public GroupLightSampler {
         for (uint32_t g = 0; g < groups.Size(); ++g) power.push_back(groups.Candidate(g).power);
         if (!power.empty()) table_ = AliasTable(power);
     }
-    std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *, Float u) const override {
+    std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *, Float u) const final {
         const AliasTable::Sampled s = table_.Sample(u);
         return ChosenGroup{uint32_t(s.index), s.pmf, InnerNumber(query, u)};
     }
-    Float GroupProbability(const LightQuery &, const void *, uint32_t group) const override {
+    Float GroupProbability(const LightQuery &, const void *, uint32_t group) const final {
         return table_.PMF(int(group));
     }
     void Report(nlohmann::ordered_json &json) const override;
 
-  private:
+  protected:
     AliasTable table_;
 };
 

@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "pbrt/core/log.h"
-#include "pbrt/core/parallel.h"
 #include "pbrt/core/progress.h"
 #include "pbrt/math/low_discrepancy.h"
 #include "pbrt/math/warps.h"
@@ -168,29 +167,20 @@ Float VisibilityMap::GroupVisibility(std::span<const uint8_t> row, uint32_t grou
 }
 
 void VisibilityMap::Report(nlohmann::ordered_json &report) const {
-    report["prepassSeconds"] = 0.0;
-    // Voxels are filled during rendering; a thread that fills does not render.
-    report["buildSeconds"] = prepareSeconds_ + rows_.FillThreadSeconds() / std::max(1, ThreadCount());
-    report["fillThreadSeconds"] = rows_.FillThreadSeconds();
-    report["voxels"] = rows_.Size();
-    report["voxelsFilled"] = rows_.Filled();
-    report["voxelsFilledTwice"] = rows_.Discarded();
+    rows_.Report(report, prepareSeconds_);
     report["targets"] = targets_.Size();
     report["visibilityRays"] = (rows_.Filled() + rows_.Discarded()) * targets_.Size() * samples_;
     report["bytes"] = rows_.Bytes() + targets_.Bytes();
 }
 
 std::string VisibilityMap::Describe() const {
-    const glm::ivec3 &r = grid_.Resolution();
-    const Vector3 &s = grid_.VoxelSize();
     size_t voxels = 0, directions = 0;
     for (size_t i = 0; i < targets_.Size(); ++i)
         ++(targets_[i].kind == LightTargets::Kind::Voxel ? voxels : directions);
     return fmt::format(
-        "grid of {} x {} x {} voxels, {:.4g} x {:.4g} x {:.4g} each\n"
-        "lights in {} voxels and {} directions out of the scene, {} segments to each\n"
+        "{}lights in {} voxels and {} directions out of the scene, {} segments to each\n"
         "{} of {} voxels filled, {} KB, {:.3f} s of thread time to fill them\n",
-        r.x, r.y, r.z, s.x, s.y, s.z, voxels, directions, samples_, rows_.Filled(), rows_.Size(),
+        grid_.Describe(), voxels, directions, samples_, rows_.Filled(), rows_.Size(),
         (rows_.Bytes() + targets_.Bytes()) / 1000, rows_.FillThreadSeconds());
 }
 

@@ -155,10 +155,7 @@ void OracleLightSampler::Report(nlohmann::ordered_json &report) const {
 
 void register_oracle(pbrt::PluginRegistry &registry) {
     using namespace ext;
-    registry.samplers.Add<OracleParams>(
+    registry.Add<OracleLightSampler, OracleParams>(
         "oracle",
-        "measuring instrument, slow: traces shadow rays to every light at every point for the choice of least variance",
-        [](const OracleParams &p, const ParamSet &, const LightGroups &groups) {
-            return std::make_unique<OracleLightSampler>(groups.Lights(), p);
-        });
+        "measuring instrument, slow: traces shadow rays to every light at every point for the choice of least variance");
 }

@@ -6,10 +6,9 @@
 
 #include "pbrt/core/params.h"
 #include "pbrt/lights/diffuse_area_light.h"
-#include "pbrt/lights/infinite_light.h"
+#include "pbrt/lights/infinite_lights.h"
 #include "pbrt/lights/light_image.h"
 #include "pbrt/lights/point_lights.h"
-#include "pbrt/lights/portal_light.h"
 #include "pbrt/math/warps.h"
 #include "pbrt/shapes/extent.h"
 #include "pbrt/spectra/spectrum_params.h"

@@ -8,7 +8,6 @@
 #include "pbrt/shapes/extent.h"
 #include "pbrt/shapes/mesh_sources.h"
 #include "pbrt/shapes/quadric.h"
-#include "pbrt/shapes/sphere.h"
 #include "pbrt/shapes/triangle_mesh.h"
 
 namespace pbrt {

@@ -35,13 +35,12 @@ struct AreaEmission {
         }
         Rgb weights = colorSpace->Luminance();
         double values = 0, luminances = 0;
-        Point2i n = image.Resolution();
-        for (int y = 0; y < n.y; ++y)
-            for (int x = 0; x < n.x; ++x) {
-                Rgb rgb = LightPixel(image, {x, y});
-                values += double(MeanOf(rgb));
-                luminances += double(glm::dot(rgb, weights));
-            }
+        const Point2i n = image.Resolution();
+        ForEachPixel(image, [&](Point2i p) {
+            const Rgb rgb = LightPixel(image, p);
+            values += double(MeanOf(rgb));
+            luminances += double(glm::dot(rgb, weights));
+        });
         double pixels = double(n.x) * double(n.y);
         peak = Float(values / pixels);
         luminance = Float(luminances / pixels);

@@ -95,11 +95,10 @@ class ImageInfiniteLight final : public EnvironmentLight {
         std::vector<Float> weights;
         weights.reserve(size_t(n.x) * size_t(n.y));
         double sum = 0;
-        for (int y = 0; y < n.y; ++y)
-            for (int x = 0; x < n.x; ++x) {
-                weights.push_back(MeanOf(LightPixel(image_, {x, y})));
-                sum += double(weights.back());
-            }
+        ForEachPixel(image_, [&](Point2i p) {
+            weights.push_back(MeanOf(LightPixel(image_, p)));
+            sum += double(weights.back());
+        });
         distribution_ = PiecewiseConstant2D(weights, n.x, n.y);
 
         auto average = Float(sum / double(weights.size()));

@@ -203,10 +203,9 @@ class GoniometricLight final : public LightAtPoint<GoniometricLight> {
     }
 
     static Float Mean(const Image &image) {
-        Point2i n = image.Resolution();
+        const Point2i n = image.Resolution();
         double sum = 0;
-        for (int y = 0; y < n.y; ++y)
-            for (int x = 0; x < n.x; ++x) sum += double(std::max(image.Get({x, y}, 0), Float(0)));
+        ForEachPixel(image, [&](Point2i p) { sum += double(std::max(image.Get(p, 0), Float(0))); });
         return Float(sum / (double(n.x) * double(n.y)));
     }
 
@@ -222,11 +221,9 @@ class GoniometricLight final : public LightAtPoint<GoniometricLight> {
     /// The image as a distribution, created on first use.
     const PiecewiseConstant2D &Distribution() const {
         std::call_once(distributionReady_, [&] {
-            const Point2i n = image_.Resolution();
             std::vector<Float> weights;
-            for (int y = 0; y < n.y; ++y)
-                for (int x = 0; x < n.x; ++x) weights.push_back(std::max(image_.Get({x, y}, 0), Float(0)));
-            distribution_ = PiecewiseConstant2D(weights, n.x, n.y);
+            ForEachPixel(image_, [&](Point2i p) { weights.push_back(std::max(image_.Get(p, 0), Float(0))); });
+            distribution_ = PiecewiseConstant2D(weights, image_.Resolution().x, image_.Resolution().y);
         });
         return distribution_;
     }
@@ -275,11 +272,7 @@ class ProjectionLight final : public LightAtPoint<ProjectionLight> {
     std::optional<LightBounds> Bounds(uint32_t) const override {
         Point2i n = image_.Resolution();
         double sum = 0;
-        for (int y = 0; y < n.y; ++y)
-            for (int x = 0; x < n.x; ++x) {
-                Rgb rgb = LightPixel(image_, {x, y});
-                sum += double(std::max(std::max(rgb.x, rgb.y), rgb.z));
-            }
+        ForEachPixel(image_, [&](Point2i p) { sum += double(MaxComponent(LightPixel(image_, p))); });
         // Excludes the solid angle, as stock pbrt-v4, to match its probabilities.
         const double phi = double(scale_) * sum / (double(n.x) * double(n.y));
         if (!(phi > 0)) return {};
@@ -295,9 +288,9 @@ class ProjectionLight final : public LightAtPoint<ProjectionLight> {
         Vector2 half = HalfSize(n, fov);
         Rgb weights = colorSpace.Luminance();
         double sum = 0;
-        for (int y = 0; y < n.y; ++y)
-            for (int x = 0; x < n.x; ++x)
-                sum += double(glm::dot(LightPixel(image, {x, y}), weights) * PixelSolidAngle(x, y, n, half));
+        ForEachPixel(image, [&](Point2i p) {
+            sum += double(glm::dot(LightPixel(image, p), weights) * PixelSolidAngle(p.x, p.y, n, half));
+        });
         return Float(sum);
     }
 
@@ -329,10 +322,10 @@ class ProjectionLight final : public LightAtPoint<ProjectionLight> {
             const Point2i n = image_.Resolution();
             const Rgb luminance = colorSpace_->Luminance();
             std::vector<Float> weights;
-            for (int y = 0; y < n.y; ++y)
-                for (int x = 0; x < n.x; ++x)
-                    weights.push_back(std::max(glm::dot(LightPixel(image_, {x, y}), luminance), Float(0)) *
-                                      PixelSolidAngle(x, y, n, half_));
+            ForEachPixel(image_, [&](Point2i p) {
+                weights.push_back(std::max(glm::dot(LightPixel(image_, p), luminance), Float(0)) *
+                                  PixelSolidAngle(p.x, p.y, n, half_));
+            });
             distribution_ = PiecewiseConstant2D(weights, n.x, n.y);
         });
         return distribution_;

@@ -6,18 +6,15 @@ namespace pbrt {
 
 class UniformLightSampler final : public GroupLightSampler {
   public:
-    explicit UniformLightSampler(const LightGroups &groups)
-        : GroupLightSampler(groups, true), pmf_(groups.Size() > 0 ? 1 / Float(groups.Size()) : 0) {}
+    explicit UniformLightSampler(const LightGroups &groups) : GroupLightSampler(groups, true) {}
     std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *, Float u) const override {
-        // In double: a float times a large count could round up to the next group.
-        const size_t count = groups_.Size();
-        const auto i = size_t(double(u) * double(count));
-        return ChosenGroup{uint32_t(std::min(i, count - 1)), pmf_, InnerNumber(query, u)};
+        ChosenGroup chosen = SampleUniformly(query, u);
+        chosen.inner = InnerNumber(query, u);
+        return chosen;
     }
-    Float GroupProbability(const LightQuery &, const void *, uint32_t) const override { return pmf_; }
-
-  private:
-    Float pmf_;
+    Float GroupProbability(const LightQuery &, const void *, uint32_t) const override {
+        return 1 / Float(groups_.Size());
+    }
 };
 
 /// Selects in proportion to LightCandidate::power; uniformly if no group has power.

@@ -300,18 +300,4 @@ SurfacePoint Curves::SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, c
     return s;
 }
 
-SurfacePoint Curves::Surface(uint32_t primitive, const PrimitiveHit &hit) const {
-    const Piece &piece = pieces_[primitive];
-    const Segment &segment = segments_[piece.segment];
-    Vector3 tangent = Tangent(segment.curve, hit.u), d = SomePerpendicular(tangent);
-    if (kind_ == CurveKind::Ribbon) d = RibbonNormal(piece.segment, hit.u);
-    Vector3 across = side_ * (hit.v - Float(0.5)) * WidthAt(segment, hit.u) * UnitCross(d, tangent);
-    Point3 p = segment.curve.At(hit.u) + across, o = p - d;
-    if (!isPlaced_) {
-        o = renderFromSegments_.Point(o);
-        d = renderFromSegments_.Vector(d);
-    }
-    return SurfaceOnRay(primitive, {1, hit.u, hit.v}, o, d);
-}
-
 }  // namespace pbrt

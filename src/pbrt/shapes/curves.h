@@ -78,8 +78,6 @@ class Curves final : public Shape {
                                           Float tMax) const override;
     SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Point3 &o,
                               const Vector3 &d) const override;
-    /// For a view direction perpendicular to the curve.
-    SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const override;
 
     size_t SegmentCount() const { return segments_.size(); }
     const Segment &SegmentOfPrimitive(uint32_t primitive) const { return segments_[pieces_[primitive].segment]; }

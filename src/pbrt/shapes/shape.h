@@ -50,8 +50,8 @@ class Shape {
     virtual std::optional<PrimitiveHit> Intersect(uint32_t primitive, const Point3 &o, const Vector3 &d, Float tMin,
                                                   Float tMax) const = 0;
 
-    /// Fills all but ids, wo, time, t and footprints.
-    virtual SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const = 0;
+    /// Fills all but ids, wo, time, t and footprints. Empty for curves, which face the ray.
+    virtual SurfacePoint Surface(uint32_t, const PrimitiveHit &) const { return {}; }
     /// Surface for a ray hit in the shape's space, accurate on large primitives where float hit parameters are too
     /// coarse.
     virtual SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Point3 &o,

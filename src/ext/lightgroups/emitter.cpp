@@ -78,14 +78,9 @@ Emitter MakeEmitter(const LightTable &lights, LightId firstId, const LightCandid
         FindMoments(first, lights.Unit(), &e);
         return e;
     }
-    if (opening) {
-        // Radiance through the opening counts as emitted by it: power / pi is radiance times area, as for a flat area
-        // light.
-        e.bounds = opening;
-        e.isArea = true;
-        e.intensity = candidate.power * InvPi;
-        return e;
-    }
+    // Radiance through the opening counts as emitted by it: power / pi is radiance times area, as for a flat area
+    // light.
+    if (opening) return {.bounds = opening, .isArea = true, .intensity = candidate.power * InvPi};
     if (!candidate.bounds || !(candidate.bounds->phi > 0)) return e;
     e.bounds = candidate.bounds;
     e.isArea = first.Kind() == LightKind::Area;
@@ -104,11 +99,8 @@ Emitter MakeEmitter(const LightTable &lights, LightId firstId, const LightCandid
 Emitter Union(const Emitter &a, const Emitter &b) {
     if (!a.bounds) return b;
     if (!b.bounds) return a;
-    Emitter e;
-    e.bounds = Union(*a.bounds, *b.bounds);
-    e.isArea = a.isArea || b.isArea;
-    e.intensity = a.intensity + b.intensity;
-    return e;
+    return {
+        .bounds = Union(*a.bounds, *b.bounds), .isArea = a.isArea || b.isArea, .intensity = a.intensity + b.intensity};
 }
 
 EmitterRow::EmitterRow(const Emitter &e) {

@@ -24,13 +24,9 @@ class DistantLight final : public LightBeyondScene {
     }
     std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &,
                                           const SampledWavelengths &lambda, bool, uint32_t) const override {
-        LightLiSample s;
-        s.L = scale_ * irradiance_->Sample(lambda);
-        if (!s.L) return {};
-        s.wi = wi_;
-        s.pdf = 1;
-        s.pLight = Beyond(from.p, wi_);
-        return s;
+        const SampledSpectrum L = scale_ * irradiance_->Sample(lambda);
+        if (!L) return {};
+        return LightLiSample{.L = L, .wi = wi_, .pdf = 1, .pLight = Beyond(from.p, wi_)};
     }
     Float PdfLi(const LightSampleContext &, const Vector3 &, const Point3 &, const Normal3 &, bool,
                 uint32_t) const override {
@@ -69,12 +65,9 @@ class UniformInfiniteLight final : public EnvironmentLight {
     std::optional<LightLiSample> SampleDirection(const Point3 &, const Point2 &u, const SampledWavelengths &lambda,
                                                  bool allowIncompletePdfs) const override {
         if (allowIncompletePdfs) return {};
-        LightLiSample s;
-        s.L = scale_ * radiance_->Sample(lambda);
-        if (!s.L) return {};
-        s.wi = SampleUniformSphere(u);
-        s.pdf = UniformSpherePdf();
-        return s;
+        const SampledSpectrum L = scale_ * radiance_->Sample(lambda);
+        if (!L) return {};
+        return LightLiSample{.L = L, .wi = SampleUniformSphere(u), .pdf = UniformSpherePdf()};
     }
     Float DirectionPdf(const Point3 &, const Vector3 &, bool allowIncompletePdfs) const override {
         return allowIncompletePdfs ? 0 : UniformSpherePdf();
@@ -132,12 +125,9 @@ class ImageInfiniteLight final : public EnvironmentLight {
         Float pdfSquare = 0;
         const Point2 st = (allowIncompletePdfs ? compensated_ : distribution_).Sample(u, &pdfSquare);
         if (!(pdfSquare > 0)) return {};
-        LightLiSample s;
-        s.L = Radiance(st, lambda);
-        if (!s.L) return {};
-        s.wi = DirectionAt(st);
-        s.pdf = pdfSquare * Inv4Pi;
-        return s;
+        const SampledSpectrum L = Radiance(st, lambda);
+        if (!L) return {};
+        return LightLiSample{.L = L, .wi = DirectionAt(st), .pdf = pdfSquare * Inv4Pi};
     }
     Float DirectionPdf(const Point3 &, const Vector3 &wi, bool allowIncompletePdfs) const override {
         return (allowIncompletePdfs ? compensated_ : distribution_).Pdf(SquareTowards(wi)) * Inv4Pi;
@@ -206,17 +196,17 @@ class PortalLight final : public EnvironmentLight {
     /// Directions in proportion to the radiance, through uniform points on the rectangle.
     std::optional<LightLeSample> SampleLe(const Point2 &uPosition, const Point2 &uDirection,
                                           const SampledWavelengths &lambda, uint32_t) const override {
-        LightLeSample s;
-        const std::optional<Vector3> local = portal_->Map(0).SampleDirection(uDirection, kHalfSpace, &s.pdfDirection);
+        Float pdfDirection = 0;
+        const std::optional<Vector3> local = portal_->Map(0).SampleDirection(uDirection, kHalfSpace, &pdfDirection);
         if (!local || !(local->z > 0) || !(Area() > 0)) return {};
-        s.L = Radiance(*local, lambda);
-        if (!s.L) return {};
+        const SampledSpectrum L = Radiance(*local, lambda);
+        if (!L) return {};
         const Vector3 wi = frame_.FromLocal(*local), sides = Rectangle().high - Rectangle().low;
         const Point3 p = frame_.FromLocal(Rectangle().low + sides * Vector3(uPosition, 0));
-        s.ray.o = Beyond(p, wi);
-        s.ray.d = -wi;
-        s.pdfPosition = 1 / (Area() * local->z);
-        return s;
+        return LightLeSample{.L = L,
+                             .ray = {.o = Beyond(p, wi), .d = -wi},
+                             .pdfPosition = 1 / (Area() * local->z),
+                             .pdfDirection = pdfDirection};
     }
     LightLePdf PdfLe(const Point3 &p, const Normal3 &, const Vector3 &w, uint32_t) const override {
         const Vector3 wi = frame_.ToLocal(-w);
@@ -283,12 +273,9 @@ class PortalLight final : public EnvironmentLight {
                                                  bool) const override {
         const std::optional<EnvironmentPortals::Direction> through = portal_->Sample(0, p, u);
         if (!through || !(through->pdf > 0)) return {};
-        LightLiSample s;
-        s.L = Radiance(frame_.ToLocal(through->wi), lambda);
-        if (!s.L) return {};
-        s.wi = through->wi;
-        s.pdf = through->pdf;
-        return s;
+        const SampledSpectrum L = Radiance(frame_.ToLocal(through->wi), lambda);
+        if (!L) return {};
+        return LightLiSample{.L = L, .wi = through->wi, .pdf = through->pdf};
     }
     Float DirectionPdf(const Point3 &p, const Vector3 &wi, bool) const override { return portal_->Pdf(0, p, wi); }
     /// Map pixel of a frame direction with z > 0.

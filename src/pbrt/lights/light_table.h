@@ -125,10 +125,8 @@ class LightTable {
     /// Power and bounds of a component, for light samplers. Only after Finish.
     LightCandidate Candidate(LightId id) const {
         const LightComponent light = (*this)[id];
-        LightCandidate c;
-        c.power = power_[id.value];
-        c.infinite = light.Kind() == LightKind::Infinite || light.Kind() == LightKind::DeltaDirection;
-        c.bounds = light.Bounds();
+        const bool infinite = light.Kind() == LightKind::Infinite || light.Kind() == LightKind::DeltaDirection;
+        LightCandidate c{power_[id.value], light.Bounds(), infinite};
         if (c.bounds) c.bounds->phi /= unit_;
         return c;
     }

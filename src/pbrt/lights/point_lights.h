@@ -26,13 +26,9 @@ class LightAtPoint : public Light {
         Vector3 d = position_ - from.p;
         Float d2 = LengthSquared(d);
         if (!(d2 > 0)) return {};
-        LightLiSample s;
-        s.L = static_cast<const Self &>(*this).Intensity(-d, lambda) / d2;
-        if (!s.L) return {};
-        s.wi = d / std::sqrt(d2);
-        s.pdf = 1;
-        s.pLight = position_;
-        return s;
+        const SampledSpectrum L = static_cast<const Self &>(*this).Intensity(-d, lambda) / d2;
+        if (!L) return {};
+        return LightLiSample{.L = L, .wi = d / std::sqrt(d2), .pdf = 1, .pLight = position_};
     }
     Float PdfLi(const LightSampleContext &, const Vector3 &, const Point3 &, const Normal3 &, bool,
                 uint32_t) const final {
@@ -41,15 +37,12 @@ class LightAtPoint : public Light {
     std::optional<LightLeSample> SampleLe(const Point2 &, const Point2 &uDirection, const SampledWavelengths &lambda,
                                           uint32_t) const final {
         const Self &self = static_cast<const Self &>(*this);
-        LightLeSample s;
-        s.ray.o = position_;
-        s.ray.d = self.SampleDirection(uDirection);
-        s.pdfPosition = 1;
-        s.pdfDirection = self.PdfDirection(s.ray.d);
-        if (!(s.pdfDirection > 0)) return {};
-        s.L = self.Intensity(s.ray.d, lambda);
-        if (!s.L) return {};
-        return s;
+        const Vector3 d = self.SampleDirection(uDirection);
+        const Float pdf = self.PdfDirection(d);
+        if (!(pdf > 0)) return {};
+        const SampledSpectrum L = self.Intensity(d, lambda);
+        if (!L) return {};
+        return LightLeSample{.L = L, .ray = {.o = position_, .d = d}, .pdfPosition = 1, .pdfDirection = pdf};
     }
     LightLePdf PdfLe(const Point3 &, const Normal3 &, const Vector3 &w, uint32_t) const final {
         return {0, static_cast<const Self &>(*this).PdfDirection(w)};

@@ -41,11 +41,7 @@ bool Scene::Intersect(const Ray &ray, SurfacePoint *point) const {
 
 std::optional<Scene::Crossing> Scene::SampleCrossing(const Point3 &from, const Point3 &to, Float time,
                                                      MaterialId material, Float u) const {
-    Ray segment;
-    segment.o = from;
-    segment.d = to - from;
-    segment.tMax = 1;
-    segment.time = time;
+    const Ray segment{.o = from, .d = to - from, .tMax = 1, .time = time};
     AccelHit chosen;
     int count = 0;
     for (Float tMin = 0;;) {
@@ -96,11 +92,8 @@ Ray Scene::ShadowRay(const LightSampleContext &from, const LightLiSample &to) {
     // Rounding of direction and intersection moves the light's own surface by a few ulps of the segment's longest
     // component, besides the sample's position error.
     constexpr Float kRounding = Gamma(8);
-    Ray ray;
-    ray.o = from.OffsetOrigin(to.wi);
+    Ray ray{.o = from.OffsetOrigin(to.wi), .tMax = 1, .time = from.time};
     ray.d = to.pLight - ray.o;
-    ray.time = from.time;
-    ray.tMax = 1;
     if (to.nLight == Normal3(0)) {
         ray.tMax -= kRounding;  // point lights and cameras may lie in the plane of a surface
         return ray;

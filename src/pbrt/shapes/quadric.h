@@ -128,12 +128,10 @@ class Disk final : public Quadric {
     ObjectPoint PointAt(const Point2 &uv) const override {
         Float phi = uv.x * phiMax_, cosPhi = std::cos(phi), sinPhi = std::sin(phi);
         Float r = radius_ - uv.y * (radius_ - innerRadius_);
-        ObjectPoint at;
-        at.p = {r * cosPhi, r * sinPhi, height_};
-        at.n = {0, 0, 1};
-        at.dpdu = Vector3(-sinPhi, cosPhi, 0) * (phiMax_ * std::max(r, Float(1e-5) * radius_));
-        at.dpdv = Vector3(cosPhi, sinPhi, 0) * (innerRadius_ - radius_);
-        return at;
+        return {.p = {r * cosPhi, r * sinPhi, height_},
+                .n = {0, 0, 1},
+                .dpdu = Vector3(-sinPhi, cosPhi, 0) * (phiMax_ * std::max(r, Float(1e-5) * radius_)),
+                .dpdv = Vector3(cosPhi, sinPhi, 0) * (innerRadius_ - radius_)};
     }
     ShapeSample SampleObject(const Point2 &u) const override {
         ShapeSample at;

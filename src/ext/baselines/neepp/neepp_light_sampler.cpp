@@ -60,8 +60,7 @@ LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const Ligh
     const LightTable &lights = scene.Lights();
     const SampledWavelengths &lambda = SampledWavelengths::WholeRange();
     const Bounds3 bounds = scene.Bounds().IsEmpty() ? Bounds3(Point3(0)) : scene.Bounds();
-    LightSampleContext center;
-    center.p = bounds.Center();
+    const LightSampleContext center{.p = bounds.Center()};
     constexpr uint32_t kNone = 0xffffffffu;
     std::vector<uint32_t> ofVoxel(grid.Size(), kNone), ofSkyPart(SkySide * SkySide, kNone);
     const auto addTarget = [&](const Target &target) {

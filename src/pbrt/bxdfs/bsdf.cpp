@@ -104,7 +104,7 @@ void Bsdf::UseWalks() {
 
 void Bsdf::Regularize() {
     flags_ = Dispatch(lobe_, [](auto &lobe) {
-        lobe.Regularize();
+        if constexpr (requires { lobe.Regularize(); }) lobe.Regularize();
         return lobe.Flags();
     });
 }

@@ -72,10 +72,9 @@ std::optional<BsdfSample> DielectricBxdf::SampleSmooth(const Vector3 &wo, Float 
     Float fresnel = FresnelDielectric(CosTheta(wo), eta_);
     Float pReflect = ReflectionProbability(fresnel, 1 - fresnel, which);
     if (pReflect < 0) return {};
-    if (uc < pReflect) {
+    if (uc < pReflect)
         return BsdfSample{SampledSpectrum(fresnel / AbsCosTheta(wo)), Vector3(-wo.x, -wo.y, wo.z), pReflect,
                           BxdfFlags::Reflection | BxdfFlags::Specular};
-    }
     Vector3 wi;
     Float etaRelative;
     if (!Refract(wo, Normal3(0, 0, 1), eta_, &etaRelative, &wi)) return {};

@@ -73,7 +73,6 @@ class ThinDielectricBxdf {
     SampledSpectrum F(const Vector3 &, const Vector3 &, TransportMode) const { return SampledSpectrum(0); }
     std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode) const;
     Float Pdf(const Vector3 &, const Vector3 &, TransportMode) const { return 0; }
-    void Regularize() {}
 
   private:
     Float eta_;

@@ -32,7 +32,6 @@ class DiffuseBxdf {
     Float Approximate(const Vector3 &wo, const Vector3 &wi) const {
         return SameHemisphere(wo, wi) ? reflectance_.Average() * InvPi : 0;
     }
-    void Regularize() {}
     const SampledSpectrum &Reflectance() const { return reflectance_; }
 
   private:
@@ -70,7 +69,6 @@ class DiffuseTransmissionBxdf {
         if (pr + pt == 0) return 0;
         return (SameHemisphere(wo, wi) ? pr : pt) / (pr + pt) * CosineHemispherePdf(AbsCosTheta(wi));
     }
-    void Regularize() {}
 
   private:
     SampledSpectrum reflectance_, transmittance_;
@@ -97,7 +95,6 @@ class NormalizedFresnelBxdf {
     Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const {
         return DiffuseBxdf(SampledSpectrum(1)).Pdf(wo, wi, mode);
     }
-    void Regularize() {}
 
   private:
     Float eta_, scale_;

@@ -20,7 +20,6 @@ class HairBxdf {
     SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode) const;
     std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode) const;
     Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode) const;
-    void Regularize() {}
 
     /// Absorption for which a mass of fibres of roughness `betaN` has reflectance `c` (Chiang et al. 2016).
     static SampledSpectrum AbsorptionOfReflectance(const SampledSpectrum &c, Float betaN);

@@ -139,18 +139,16 @@ class CoatedBxdf {
     Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const;
     void Regularize() {
         top_.Regularize();
-        bottom_.Regularize();
+        if constexpr (requires { bottom_.Regularize(); }) bottom_.Regularize();
         UseWalks();  // the coat has changed
     }
 
-  private:
     /// Straight refracted path through coat and medium, for a direction above the coat.
     struct Passage {
         Vector3 inside;         ///< refracted direction below the coat
         Float transmitted = 0;  ///< fraction of light; 0 if none
     };
 
-  public:
     /// Cheap approximation of F(wo, .) without random walks: coat reflection, plus straight paths through the coat to
     /// the base and back (a metal's reflectance is taken as 1). Terms of wo are computed once.
     class Approximation {

@@ -111,7 +111,6 @@ class MeasuredBxdf {
     SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode) const;
     std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode) const;
     Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode) const;
-    void Regularize() {}
 
   private:
     const MeasuredBrdf &Brdf() const { return *std::bit_cast<const MeasuredBrdf *>(brdf_); }

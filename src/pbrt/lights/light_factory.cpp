@@ -361,25 +361,20 @@ void AddDirected(LightFactories &table, const char *name, F make) {
 }  // namespace
 
 const LightFactories &Lights() {
-    static const LightFactories table = [] {
-        LightFactories t("LightSource");
+    static const LightFactories table("LightSource", [](LightFactories &t) {
         t.Add<PointParams>("point", "", MakePoint);
         AddDirected<SpotParams>(t, "spot", MakeSpot);
         AddDirected<DistantParams>(t, "distant", MakeDistant);
         AddDirected<GoniometricParams>(t, "goniometric", MakeGoniometric);
         AddDirected<ProjectionParams>(t, "projection", MakeProjection);
         AddDirected<InfiniteParams>(t, "infinite", MakeInfinite);
-        return t;
-    }();
+    });
     return table;
 }
 
 const AreaLightFactories &AreaLights() {
-    static const AreaLightFactories table = [] {
-        AreaLightFactories t("AreaLightSource");
-        t.Add<DiffuseAreaParams>("diffuse", "", MakeDiffuseArea);
-        return t;
-    }();
+    static const AreaLightFactories table(
+        "AreaLightSource", [](AreaLightFactories &t) { t.Add<DiffuseAreaParams>("diffuse", "", MakeDiffuseArea); });
     return table;
 }
 

@@ -124,8 +124,7 @@ class LightBvh {
     bool hasRoot_ = false;
     int depth_ = 0;
     size_t pairCount_ = 0;
-    std::vector<LightBvhBlock>
-        blocks_;  ///< interior nodes link to pair i, stored as pair i % kPairs of block i / kPairs
+    std::vector<LightBvhBlock> blocks_;  ///< a node's link i: pair i % kPairs of block i / kPairs
     std::vector<uint64_t> trails_;
 };
 

@@ -66,7 +66,7 @@ std::optional<Scene::Crossing> Scene::SampleCrossing(const Point3 &from, const P
 
 SurfacePoint Scene::SurfaceAt(const AccelHit &hit, const Ray &ray) const {
     const ShapeRecord &record = contents_.shapes[hit.shape.value];
-    SurfacePoint point = hit.instance < 0 ? record.shape->SurfaceOnRay(hit.primitive, hit.hit, ray.o, ray.d)
+    SurfacePoint point = hit.instance < 0 ? record.shape->SurfaceOnRay(hit.primitive, hit.hit, ray)
                                           : InstancedSurface(*record.shape, hit, ray);
     point.wo = -Normalize(ray.d);
     point.time = ray.time;
@@ -84,8 +84,8 @@ SurfacePoint Scene::SurfaceAt(const AccelHit &hit, const Ray &ray) const {
 
 SurfacePoint Scene::InstancedSurface(const Shape &shape, const AccelHit &hit, const Ray &ray) const {
     const Transform t = contents_.accel->InstanceTransform(hit.instance, ray.time);
-    return TransformSurface(t,
-                            shape.SurfaceOnRay(hit.primitive, hit.hit, t.InversePoint(ray.o), t.InverseVector(ray.d)));
+    const Ray local{t.InversePoint(ray.o), t.InverseVector(ray.d)};
+    return TransformSurface(t, shape.SurfaceOnRay(hit.primitive, hit.hit, local));
 }
 
 Ray Scene::ShadowRay(const LightSampleContext &from, const LightLiSample &to) {

@@ -191,21 +191,19 @@ struct BilinearMesh::PatchHit {
     }
 };
 
-std::optional<PrimitiveHit> BilinearMesh::Intersect(uint32_t primitive, const Point3 &o, const Vector3 &d, Float tMin,
-                                                    Float tMax) const {
+std::optional<PrimitiveHit> BilinearMesh::Intersect(uint32_t primitive, const Ray &ray, Float tMin) const {
     const std::optional<PatchHit> hit =
-        PatchHit::Nearest(CornersOf(primitive), o, d, double(tMin), double(tMax), double(tMin), 1e-9);
+        PatchHit::Nearest(CornersOf(primitive), ray.o, ray.d, double(tMin), double(ray.tMax), double(tMin), 1e-9);
     if (!hit) return {};
     return PrimitiveHit{Float(hit->t), Float(std::clamp(hit->u, 0.0, 1.0)), Float(std::clamp(hit->v, 0.0, 1.0))};
 }
 
-SurfacePoint BilinearMesh::SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Point3 &o,
-                                        const Vector3 &d) const {
+SurfacePoint BilinearMesh::SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const {
     SurfacePoint s = Surface(primitive, hit);
     const Corners c = CornersOf(primitive);
     const Vector3 span = Abs(c.p10 - c.p00) + Abs(c.p01 - c.p00) + Abs(c.p11 - c.p00);
-    if (!(MaxComponent(span) > kLargePrimitive * hit.t * MaxComponent(Abs(d)))) return s;
-    if (const auto at = PatchHit::Nearest(c, o, d, 0, double(Infinity), double(hit.t), kLargePrimitiveSlack)) {
+    if (!(MaxComponent(span) > kLargePrimitive * hit.t * MaxComponent(Abs(ray.d)))) return s;
+    if (const auto at = PatchHit::Nearest(c, ray.o, ray.d, 0, double(Infinity), double(hit.t), kLargePrimitiveSlack)) {
         using D = glm::dvec3;
         s.p = Point3(glm::mix(glm::mix(D(c.p00), D(c.p10), at->u), glm::mix(D(c.p01), D(c.p11), at->u), at->v));
     }

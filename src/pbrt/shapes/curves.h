@@ -74,10 +74,8 @@ class Curves final : public Shape {
     Bounds3 PrimitiveBounds(uint32_t primitive) const override;
     /// Approximately length times width.
     Float Area(uint32_t primitive) const override;
-    std::optional<PrimitiveHit> Intersect(uint32_t primitive, const Point3 &o, const Vector3 &d, Float tMin,
-                                          Float tMax) const override;
-    SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Point3 &o,
-                              const Vector3 &d) const override;
+    std::optional<PrimitiveHit> Intersect(uint32_t primitive, const Ray &ray, Float tMin) const override;
+    SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const override;
 
     size_t SegmentCount() const { return segments_.size(); }
     const Segment &SegmentOfPrimitive(uint32_t primitive) const { return segments_[pieces_[primitive].segment]; }
@@ -96,7 +94,7 @@ class Curves final : public Shape {
     static void AddPieces(const Segment &segment, size_t index, std::vector<Piece> *pieces);
     static Bounds3 PieceBounds(const Segment &segment, Float u0, Float u1);
     Normal3 RibbonNormal(uint32_t segment, Float u) const;
-    std::pair<Point3, Vector3> RayToSegments(const Point3 &o, const Vector3 &d) const;
+    std::pair<Point3, Vector3> RayToSegments(const Ray &ray) const;
 
     CurveKind kind_;
     std::vector<Segment> segments_;

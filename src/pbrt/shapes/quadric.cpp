@@ -44,28 +44,26 @@ Float Quadric::AreaStretch(const Normal3 &n) const {
 
 Bounds3 Quadric::PrimitiveBounds(uint32_t) const { return PlacedBounds(renderFromObject_, ObjectBounds()); }
 
-std::optional<PrimitiveHit> Quadric::Intersect(uint32_t, const Point3 &o, const Vector3 &d, Float tMin,
-                                               Float tMax) const {
-    glm::dvec3 origin = toObject_ * (glm::dvec3(o) - origin_), direction = toObject_ * glm::dvec3(d);
+std::optional<PrimitiveHit> Quadric::Intersect(uint32_t, const Ray &ray, Float tMin) const {
+    glm::dvec3 origin = toObject_ * (glm::dvec3(ray.o) - origin_), direction = toObject_ * glm::dvec3(ray.d);
     Roots roots = ObjectIntersect(origin, direction);
     for (int i = 0; i < roots.count; ++i) {
         double t = roots.t[i];
-        if (!(t > double(tMin) && t < double(tMax))) continue;
+        if (!(t > double(tMin) && t < double(ray.tMax))) continue;
         if (std::optional<Point2> uv = Clip(origin + t * direction)) return PrimitiveHit{Float(t), uv->x, uv->y};
     }
     return {};
 }
 
-SurfacePoint Quadric::SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Point3 &o,
-                                   const Vector3 &d) const {
+SurfacePoint Quadric::SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const {
     SurfacePoint s = Surface(primitive, hit);
-    const glm::dvec3 origin(o), direction(d);
+    const glm::dvec3 origin(ray.o), direction(ray.d);
     const Roots roots = ObjectIntersect(toObject_ * (origin - origin_), toObject_ * direction);
     if (roots.count == 0) return s;  // a grazing ray moved off the surface by rounding
     const double t = double(hit.t), first = roots.t[0], last = roots.t[roots.count - 1];
     s.p = Point3(origin + (std::abs(last - t) < std::abs(first - t) ? last : first) * direction);
     // One rounding of the point; Intersect and the line above lose some of a double's 53 bits.
-    s.pError = Gamma(2) * Abs(s.p) + 0x1p-40f * (reach_ + Abs(o));
+    s.pError = Gamma(2) * Abs(s.p) + 0x1p-40f * (reach_ + Abs(ray.o));
     return s;
 }
 
@@ -205,7 +203,7 @@ std::optional<ShapeSample> Sphere::SampleFirstHit(const Cone &cone, const ShapeS
     Float h = u.x * cone.oneMinusCosThetaMax;  // 1 - cos(theta)
     Frame frame = Frame::FromZ((center_ - from.p) / cone.distance);
     Vector3 wi = frame.FromLocal(SphericalDirectionOfTurn(SafeSqrt(h * (2 - h)), 1 - h, u.y));
-    std::optional<PrimitiveHit> hit = Intersect(0, from.p, wi, 0, Infinity);
+    std::optional<PrimitiveHit> hit = Intersect(0, {from.p, wi}, 0);
     if (!hit) return {};
     SurfacePoint at = Surface(0, *hit);
     return ShapeSample{at.p, at.pError, at.n, at.uv, 0};
@@ -214,7 +212,7 @@ std::optional<ShapeSample> Sphere::SampleFirstHit(const Cone &cone, const ShapeS
 bool Sphere::IsMetFirst(const ShapeSampleContext &from, const Vector3 &wi, const Point3 &p) const {
     Float middle = Dot(center_ - from.p, wi);  // of the chord
     if (Dot(p - from.p, wi) <= middle) return true;
-    std::optional<PrimitiveHit> hit = Intersect(0, from.p, wi, 0, Infinity);
+    std::optional<PrimitiveHit> hit = Intersect(0, {from.p, wi}, 0);
     return hit && hit->t > middle;
 }
 

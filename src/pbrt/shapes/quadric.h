@@ -15,11 +15,9 @@ class Quadric : public Shape {
     uint32_t PrimitiveCount() const final { return 1; }
     Bounds3 PrimitiveBounds(uint32_t primitive) const final;
     Float Area(uint32_t) const final { return area_; }
-    std::optional<PrimitiveHit> Intersect(uint32_t primitive, const Point3 &o, const Vector3 &d, Float tMin,
-                                          Float tMax) const final;
+    std::optional<PrimitiveHit> Intersect(uint32_t primitive, const Ray &ray, Float tMin) const final;
     SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const final;
-    SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Point3 &o,
-                              const Vector3 &d) const final;
+    SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const final;
     std::optional<ShapeSample> SampleArea(uint32_t primitive, const Point2 &u) const final;
     Float PdfArea(uint32_t primitive, const Point3 &p, const Normal3 &n) const final;
 

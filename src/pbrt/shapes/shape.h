@@ -45,17 +45,15 @@ class Shape {
     /// Cone that contains all (oriented) normals of the primitive.
     virtual DirectionCone NormalBounds(uint32_t) const { return DirectionCone::EntireSphere(); }
 
-    /// Nearest hit with one primitive, t in (tMin, tMax). Used for kinds that Embree does not trace natively, and as a
-    /// reference in tests. The direction need not be unit.
-    virtual std::optional<PrimitiveHit> Intersect(uint32_t primitive, const Point3 &o, const Vector3 &d, Float tMin,
-                                                  Float tMax) const = 0;
+    /// Nearest hit with one primitive, t in (tMin, ray.tMax). Used for kinds that Embree does not trace natively, and
+    /// as a reference in tests. The direction need not be unit.
+    virtual std::optional<PrimitiveHit> Intersect(uint32_t primitive, const Ray &ray, Float tMin) const = 0;
 
     /// Fills all but ids, wo, time, t and footprints. Empty for curves, which face the ray.
     virtual SurfacePoint Surface(uint32_t, const PrimitiveHit &) const { return {}; }
     /// Surface for a ray hit in the shape's space, accurate on large primitives where float hit parameters are too
     /// coarse.
-    virtual SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Point3 &o,
-                                      const Vector3 &d) const = 0;
+    virtual SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const = 0;
     /// True for curves, which face the ray.
     bool FacesRay() const { return kind_ == ShapeKind::Curves; }
     virtual Point2 Uv(uint32_t, const PrimitiveHit &hit) const { return {hit.u, hit.v}; }

@@ -36,14 +36,9 @@ struct Displacement {
 };
 
 /// Displacement failure (no location) with the responsible parameter of the shape.
-class DisplacementError : public UserError {
-  public:
-    DisplacementError(const char *parameter, std::string message)
-        : UserError(std::move(message)), parameter_(parameter) {}
-    const char *Parameter() const { return parameter_; }
-
-  private:
-    const char *parameter_;  ///< "displacement" or "edgelength"
+struct DisplacementError : UserError {
+    DisplacementError(const char *name, std::string message) : UserError(std::move(message)), parameter(name) {}
+    const char *parameter;  ///< "displacement" or "edgelength"
 };
 
 /// Bisects the longest edges of triangles and quads until all are shorter than `maxEdge` in rendering space. Then

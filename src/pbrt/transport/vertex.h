@@ -2,7 +2,7 @@
 #include "pbrt/bxdfs/bsdf.h"
 #include "pbrt/lightsamplers/light_sampler.h"
 #include "pbrt/scene/shading.h"
-#include "pbrt/shapes/surface_point.h"
+#include "pbrt/shapes/shape.h"
 
 namespace pbrt {
 

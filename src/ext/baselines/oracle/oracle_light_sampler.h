@@ -54,23 +54,10 @@ struct OracleParams {
 
 /// A reference for measurements, not for rendering: errors of other samplers are compared with its error. At every
 /// shading point it traces shadow rays to every light and selects with the probabilities that minimize the variance of
-/// direct lighting (least_variance.h).
-///
-/// Minimized quantity, given shading point, outgoing direction, BSDF and wavelengths: the summed second moments of one
-/// light sample and one BSDF sample, combined by the power heuristic (`mis` true). The value is the root mean square
-/// over the wavelengths. With `mis` false: the second moment of the light sample alone, p_l ~ sqrt(E[(f Le cos V /
-/// p(y))^2]).
-///
-/// Given: the sampling of points on a light, of primitives in a mesh (MeshInterior, as the octree), and of paths. No
-/// light selection has a lower error; better sampling inside meshes or on a light could. With `meshlights` false every
-/// primitive is measured, which also bounds selection inside meshes.
-///
-/// An image rendered with the oracle may have slightly more error than the minimum:
-/// - expectations are means over `samples` light points;
-/// - the fraction `floor` goes to the unoccluded estimate (EmitterTree), so that unreached lights can be selected and
-///   the image is unbiased;
-/// - image error is measured in colours, the oracle minimizes it over wavelengths;
-/// - pixel noise also comes from the rest of the path.
+/// direct lighting (LeastVariancePmf; values are root mean squares over the wavelengths). Points on a light, primitives
+/// in a mesh (MeshInterior, as in the octree) and paths are sampled as by others; docs/method/baselines.md tells how an
+/// image can have less error. The fraction `floor` goes to the unoccluded estimate (EmitterTree), so that unreached
+/// lights can be selected and the image is unbiased.
 ///
 /// Without a BSDF in the query the surface is white and diffuse, on both sides if it transmits; in a medium scattering
 /// is isotropic. Random numbers depend on the seed and the query's position and direction only.

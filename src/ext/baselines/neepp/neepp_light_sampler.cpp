@@ -119,30 +119,34 @@ size_t LightTargets::Bytes() const {
            first_.capacity() * sizeof(uint32_t);
 }
 
-void VisibilityMap::Prepare(PrepareContext &context, const LightGroups &groups) {
+NeeppLightSampler::NeeppLightSampler(const LightTable &lights, const NeeppParams &params)
+    : VoxelLightSampler(params.meshlights ? lights.ByLight() : lights.ByComponent()), params_(params) {}
+
+void NeeppLightSampler::Prepare(PrepareContext &context) {
+    if (groups_.Size() <= 1) return;
     const auto start = std::chrono::steady_clock::now();
     scene_ = &context.scene;
     seed_ = context.seed;
-    grid_ = VoxelGrid(context.scene.Bounds(), voxels_);
-    targets_ = LightTargets(context.scene, grid_, groups);
+    PrepareVoxels(VoxelGrid(context.scene.Bounds(), params_.voxels));
+    targets_ = LightTargets(context.scene, grid_, groups_);
     rows_.Reset(grid_.Size(), targets_.Size());
-    auto work = double(grid_.BorderSize()) * double(targets_.Size()) * samples_;
+    auto work = double(grid_.BorderSize()) * double(targets_.Size()) * params_.samples;
     if (work > 3e8)
         LogWarning(
             "neepp: visibility to {} voxels and directions with lights takes about {:.1e} rays, {} for "
             "every voxel that a path enters for the first time.",
-            targets_.Size(), work, targets_.Size() * samples_);
+            targets_.Size(), work, targets_.Size() * params_.samples);
     prepareSeconds_ = SecondsSince(start);
 }
 
-void VisibilityMap::TestSegments(uint32_t voxel, std::span<uint8_t> row) const {
+void NeeppLightSampler::TestSegments(uint32_t voxel, std::span<uint8_t> row) const {
     // Scene::Occluded would count these as shadow rays of the render.
     const Accel &accel = scene_->Acceleration();
     for (uint32_t t = 0; t < row.size(); ++t) {
         const LightTargets::Target &target = targets_[t];
         Rng rng(Hash(kStream, seed_, voxel, t));
         int freeSegments = 0;
-        for (int i = 0; i < samples_; ++i) {
+        for (int i = 0; i < params_.samples; ++i) {
             Ray ray;
             ray.o = grid_.PointIn(voxel, Uniform3(rng));
             switch (target.kind) {
@@ -161,62 +165,47 @@ void VisibilityMap::TestSegments(uint32_t voxel, std::span<uint8_t> row) const {
     }
 }
 
-Float VisibilityMap::GroupVisibility(std::span<const uint8_t> row, uint32_t group) const {
+Float NeeppLightSampler::GroupVisibility(std::span<const uint8_t> row, uint32_t group) const {
     Float sum = 0;
     for (const LightTargets::Share &s : targets_.SharesOf(group)) sum += s.weight * Float(row[s.target]);
-    return std::min(Float(1), sum / Float(samples_));
+    return std::min(Float(1), sum / Float(params_.samples));
 }
 
-void VisibilityMap::Report(nlohmann::ordered_json &report) const {
-    rows_.Report(report, prepareSeconds_);
-    report["targets"] = targets_.Size();
-    report["visibilityRays"] = (rows_.Filled() + rows_.Discarded()) * targets_.Size() * samples_;
-    report["bytes"] = rows_.Bytes() + targets_.Bytes();
-}
-
-std::string VisibilityMap::Describe() const {
+std::string NeeppLightSampler::DescribeStructure() const {
+    if (!IsPrepared()) return {};
     size_t voxels = 0, directions = 0;
     for (size_t i = 0; i < targets_.Size(); ++i)
         ++(targets_[i].kind == LightTargets::Kind::Voxel ? voxels : directions);
     return fmt::format(
         "{}lights in {} voxels and {} directions out of the scene, {} segments to each\n"
         "{} of {} voxels filled, {} KB, {:.3f} s of thread time to fill them\n",
-        grid_.Describe(), voxels, directions, samples_, rows_.Filled(), rows_.Size(),
+        grid_.Describe(), voxels, directions, params_.samples, rows_.Filled(), rows_.Size(),
         (rows_.Bytes() + targets_.Bytes()) / 1000, rows_.FillThreadSeconds());
 }
 
-NeeppLightSampler::NeeppLightSampler(const LightTable &lights, const NeeppParams &params)
-    : VoxelLightSampler(params.meshlights ? lights.ByLight() : lights.ByComponent()), params_(params),
-      map_(params.voxels, params.samples) {}
-
-void NeeppLightSampler::Prepare(PrepareContext &context) {
-    if (groups_.Size() <= 1) return;
-    map_.Prepare(context, groups_);
-    PrepareVoxels(map_.Grid());
-}
-
 std::vector<double> NeeppLightSampler::Weights(uint32_t voxel) const {
-    const std::span<const uint8_t> row = map_.Row(voxel);
+    const std::span<const uint8_t> row = Row(voxel);
     std::vector<double> weights(groups_.Size());
-    for (uint32_t g = 0; g < weights.size(); ++g)
-        weights[g] = double(std::max(map_.GroupVisibility(row, g), params_.floor));
+    for (uint32_t g = 0; g < weights.size(); ++g) weights[g] = double(std::max(GroupVisibility(row, g), params_.floor));
     return weights;
 }
 
 void NeeppLightSampler::Report(nlohmann::ordered_json &report) const {
     report["parameters"] = EffectiveParamsText(params_);
     GroupLightSampler::Report(report);
-    map_.Report(report);
-    report["bytes"] = report["bytes"].get<size_t>() + cdfs_.Bytes();
+    rows_.Report(report, prepareSeconds_);
+    report["targets"] = targets_.Size();
+    report["visibilityRays"] = (rows_.Filled() + rows_.Discarded()) * targets_.Size() * params_.samples;
+    report["bytes"] = rows_.Bytes() + targets_.Bytes() + cdfs_.Bytes();
 }
 
 void NeeppLightSampler::Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const {
     Float mean = 0;
-    uint32_t voxel = map_.Grid().Index(query.p), seen = 0;
+    uint32_t voxel = grid_.Index(query.p), seen = 0;
     if (IsPrepared()) {
-        std::span<const uint8_t> row = map_.Row(voxel);
+        std::span<const uint8_t> row = Row(voxel);
         for (uint32_t g = 0; g < groups_.Size(); ++g) {
-            Float v = map_.GroupVisibility(row, g);
+            Float v = GroupVisibility(row, g);
             mean += v / Float(groups_.Size());
             seen += v > 0;
         }
@@ -225,8 +214,6 @@ void NeeppLightSampler::Inspect(const LightQuery &query, std::vector<InspectedVa
     values.push_back({"groups with any visibility", double(seen), false});
     values.push_back({"mean visibility of the groups", double(mean), false});
 }
-
-std::string NeeppLightSampler::DescribeStructure() const { return IsPrepared() ? map_.Describe() : std::string(); }
 
 }  // namespace ext
 

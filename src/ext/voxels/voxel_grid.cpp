@@ -18,11 +18,6 @@ VoxelGrid::VoxelGrid(const Bounds3 &bounds, int voxels) {
     }
 }
 
-Bounds3 VoxelGrid::Voxel(uint32_t index) const {
-    Vector3 corner = Corner(index);
-    return {low_ + corner * size_, low_ + (corner + Float(1)) * size_};
-}
-
 size_t VoxelGrid::BorderSize() const {
     glm::ivec3 inner = glm::max(resolution_ - 2, glm::ivec3(0));
     return Size() - size_t(inner.x) * size_t(inner.y) * size_t(inner.z);

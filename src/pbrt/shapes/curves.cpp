@@ -141,20 +141,6 @@ Bounds3 Curves::PrimitiveBounds(uint32_t primitive) const {
     return isPlaced_ ? own : PlacedBounds(renderFromSegments_, own);
 }
 
-Float Curves::Area(uint32_t primitive) const {
-    const Piece &piece = pieces_[primitive];
-    const Segment &s = segments_[piece.segment];
-    constexpr int kSteps = 8;
-    Float area = 0;
-    for (int i = 0; i < kSteps; ++i) {
-        auto at = [&](int k) { return Lerp(Float(k) / kSteps, piece.U0(), piece.U1()); };
-        Vector3 step = s.curve.At(at(i + 1)) - s.curve.At(at(i));
-        area += Length(renderFromSegments_.Vector(step)) * (WidthAt(s, at(i)) + WidthAt(s, at(i + 1))) / 2;
-    }
-    if (!isPlaced_) area *= std::cbrt(std::abs(glm::determinant(glm::mat3(renderFromSegments_.Matrix()))));
-    return area;
-}
-
 Normal3 Curves::RibbonNormal(uint32_t segment, Float u) const {
     const Normal3 &a = normals_[2 * size_t(segment)], &b = normals_[2 * size_t(segment) + 1];
     Float angle = SafeACos(Dot(a, b)), sine = std::sin(angle);

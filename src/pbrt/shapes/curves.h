@@ -72,8 +72,6 @@ class Curves final : public Shape {
 
     uint32_t PrimitiveCount() const override { return uint32_t(pieces_.size()); }
     Bounds3 PrimitiveBounds(uint32_t primitive) const override;
-    /// Approximately length times width.
-    Float Area(uint32_t primitive) const override;
     std::optional<PrimitiveHit> Intersect(uint32_t primitive, const Ray &ray, Float tMin) const override;
     SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const override;
 

@@ -92,7 +92,7 @@ class Shape {
     ShapeKind Kind() const { return kind_; }
     virtual uint32_t PrimitiveCount() const = 0;
     virtual Bounds3 PrimitiveBounds(uint32_t primitive) const = 0;
-    virtual Float Area(uint32_t primitive) const = 0;
+    virtual Float Area(uint32_t) const { return 0; }  ///< only of shapes that are sampled
     /// Cone that contains all (oriented) normals of the primitive.
     virtual DirectionCone NormalBounds(uint32_t) const { return DirectionCone::EntireSphere(); }
 

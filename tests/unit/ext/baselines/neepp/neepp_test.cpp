@@ -68,8 +68,8 @@ TEST(Neepp, VisibilityIsTheShareOfFreeSegmentsBetweenTheVoxels) {
                 Ray ray;
                 ray.o = map.Grid().PointIn(voxel, Vector3{rng.Uniform(), rng.Uniform(), rng.Uniform()});
                 if (target.kind == LightTargets::Kind::Voxel) {
-                    Bounds3 far = map.Grid().Voxel(target.index);
-                    ray.d = far.low + far.Diagonal() * Vector3{rng.Uniform(), rng.Uniform(), rng.Uniform()} - ray.o;
+                    const Vector3 u{rng.Uniform(), rng.Uniform(), rng.Uniform()};
+                    ray.d = map.Grid().PointIn(target.index, u) - ray.o;
                     ray.tMax = 1;
                 } else {
                     ray.d = target.kind == LightTargets::Kind::Direction

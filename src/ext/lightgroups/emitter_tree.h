@@ -9,8 +9,7 @@ namespace ext {
 
 /// Wide tree over emitters: every node has up to 32 children, selected in proportion to G (EmitterPacket). Selecting
 /// among n emitters evaluates G about 32 log_32 n times. Children result from repeatedly splitting the cluster with
-/// maximum spread in position and direction, weighted by intensity. Near a curved emitter, the first level already
-/// separates back-facing sides; a binary tree of bounds does so only near its leaves.
+/// maximum spread in position and direction, weighted by intensity.
 class EmitterTree {
   public:
     EmitterTree() = default;

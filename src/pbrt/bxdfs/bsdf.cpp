@@ -22,8 +22,10 @@ auto Dispatch(Variant &lobes, Function f) {
 
 template <class L>
 auto ApproximationOf(const L &lobe, const Vector3 &wo) {
-    if constexpr (requires { typename L::Approximation; }) {
-        return typename L::Approximation(lobe, wo);
+    if constexpr (requires { lobe.ApproximationTerms(wo); }) {
+        return [&lobe, wo, terms = lobe.ApproximationTerms(wo)](const Vector3 &wi) {
+            return lobe.Approximate(wo, wi, terms);
+        };
     } else {
         return [&lobe, wo](const Vector3 &wi) -> Float {
             if constexpr (requires { lobe.Approximate(wo, wi); }) return lobe.Approximate(wo, wi);

@@ -148,11 +148,13 @@ SampledSpectrum HairBxdf::F(const Vector3 &wo, const Vector3 &wi, TransportMode)
     return WeightedSum(view.attenuation, Densities(view, wi)) / std::abs(wi.z);
 }
 
-HairBxdf::Approximation::Approximation(const HairBxdf &hair, const Vector3 &wo)
-    : hair_(hair), view_(hair.ViewFrom(wo)), averages_(Averages(view_.attenuation)) {}
+HairBxdf::Terms HairBxdf::ApproximationTerms(const Vector3 &wo) const {
+    const View view = ViewFrom(wo);
+    return {view, Averages(view.attenuation)};
+}
 
-Float HairBxdf::Approximation::operator()(const Vector3 &wi) const {
-    return WeightedSum(averages_, hair_.Densities(view_, wi)) / std::abs(wi.z);
+Float HairBxdf::Approximate(const Vector3 &, const Vector3 &wi, const Terms &terms) const {
+    return WeightedSum(terms.averages, Densities(terms.view, wi)) / std::abs(wi.z);
 }
 
 Float HairBxdf::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode) const {

@@ -43,17 +43,14 @@ class HairBxdf {
     SampledSpectrum sigmaA_;
 
   public:
-    /// Wavelength-averaged F(wo, .) for many directions; terms of wo are computed once.
-    class Approximation {
-      public:
-        Approximation(const HairBxdf &hair, const Vector3 &wo);
-        Float operator()(const Vector3 &wi) const;
-
-      private:
-        const HairBxdf &hair_;
-        View view_;
-        std::array<Float, Lobes> averages_;
+    /// Terms of wo for Approximate.
+    struct Terms {
+        View view;
+        std::array<Float, Lobes> averages;  ///< attenuations, averaged over the wavelengths
     };
+    Terms ApproximationTerms(const Vector3 &wo) const;
+    /// Wavelength-averaged F.
+    Float Approximate(const Vector3 &wo, const Vector3 &wi, const Terms &terms) const;
 };
 
 /// Density, with respect to cos(theta) d theta, of the scattered elevation about the cone opposite to `o`; integrates

@@ -81,18 +81,15 @@ typename CoatedBxdf<Base>::Passage CoatedBxdf<Base>::Through(const Vector3 &w) c
 }
 
 template <class Base>
-CoatedBxdf<Base>::Approximation::Approximation(const CoatedBxdf &coated, const Vector3 &wo)
-    : coated_(coated), side_(wo.z < 0 ? Float(-1) : Float(1)), wo_(wo * side_), in_(coated.Through(wo_)) {}
-
-template <class Base>
-Float CoatedBxdf<Base>::Approximation::operator()(const Vector3 &wi) const {
-    const Vector3 i = wi * side_;
-    if (!SameHemisphere(wo_, i)) return 0;
-    const Float mirrored = coated_.top_.F(wo_, i, TransportMode::Radiance)[0];
-    const Passage out = coated_.Through(i);
-    const Float transmitted = in_.transmitted * out.transmitted / Sqr(coated_.top_.Eta());
+Float CoatedBxdf<Base>::Approximate(const Vector3 &wo, const Vector3 &wi, const Passage &in) const {
+    if (!SameHemisphere(wo, wi)) return 0;
+    const Float side = wo.z < 0 ? Float(-1) : Float(1);
+    const Vector3 i = wi * side;
+    const Float mirrored = top_.F(wo * side, i, TransportMode::Radiance)[0];
+    const Passage out = Through(i);
+    const Float transmitted = in.transmitted * out.transmitted / Sqr(top_.Eta());
     if (!(transmitted > 0)) return mirrored;
-    return mirrored + coated_.bottom_.Approximate(-in_.inside, -out.inside) * transmitted;
+    return mirrored + bottom_.Approximate(-in.inside, -out.inside) * transmitted;
 }
 
 template <class Base>

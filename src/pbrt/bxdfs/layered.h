@@ -149,19 +149,11 @@ class CoatedBxdf {
         Float transmitted = 0;  ///< fraction of light; 0 if none
     };
 
-    /// Cheap approximation of F(wo, .) without random walks: coat reflection, plus straight paths through the coat to
-    /// the base and back (a metal's reflectance is taken as 1). Terms of wo are computed once.
-    class Approximation {
-      public:
-        Approximation(const CoatedBxdf &coated, const Vector3 &wo);
-        Float operator()(const Vector3 &wi) const;
-
-      private:
-        const CoatedBxdf &coated_;
-        Float side_;
-        Vector3 wo_;  ///< above the coat
-        Passage in_;
-    };
+    /// Terms of wo for Approximate.
+    Passage ApproximationTerms(const Vector3 &wo) const { return Through(wo.z < 0 ? -wo : wo); }
+    /// Cheap approximation of F without random walks: coat reflection, plus straight paths through the coat to the base
+    /// and back (a metal's reflectance is taken as 1).
+    Float Approximate(const Vector3 &wo, const Vector3 &wi, const Passage &in) const;
 
   private:
     enum class ExitWeights { Stock, Consistent };

@@ -104,8 +104,8 @@ struct Portal {
 
 /// Partitions the directions of an environment light, from a point, into regions: visible through the first portal,
 /// through the second but not the first, and so on; the last region is the remainder. Portal regions are sampled in
-/// proportion to the radiance within the portal, by a PortalMap (Bitterli, Wyman and Pharr 2015, Portal-Masked
-/// Environment Map Sampling); the remainder like the whole light. Refers to the light. Immutable.
+/// proportion to the radiance within the portal, by a PortalMap; the remainder like the whole light. Refers to the
+/// light. Immutable.
 class EnvironmentPortals {
   public:
     static constexpr size_t kMax = 15;

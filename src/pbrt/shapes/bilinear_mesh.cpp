@@ -108,9 +108,7 @@ bool BilinearMesh::IsParallelogram(uint32_t primitive) const {
     Corners c = CornersOf(primitive);
     Vector3 gap = Abs((c.p11 - c.p10) - (c.p01 - c.p00));
     Vector3 size = Max(Max(Abs(c.p00), Abs(c.p10)), Max(Abs(c.p01), Abs(c.p11)));
-    for (int i = 0; i < 3; ++i)
-        if (!(gap[i] <= 2 * MachineEpsilon * size[i])) return false;
-    return true;
+    return glm::all(glm::lessThanEqual(gap, 2 * MachineEpsilon * size));
 }
 
 Bounds3 BilinearMesh::PrimitiveBounds(uint32_t primitive) const {

@@ -223,8 +223,7 @@ std::vector<int> VertexSlots(const Element &e) {
     static constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kPairs = {
         {{"u", "v"}, {"s", "t"}, {"texture_u", "texture_v"}, {"texture_s", "texture_t"}}};
     auto has = [&](std::string_view name) {
-        return std::any_of(e.properties.begin(), e.properties.end(),
-                           [&](const Property &p) { return !p.isList && p.name == name; });
+        return std::ranges::any_of(e.properties, [&](const Property &p) { return !p.isList && p.name == name; });
     };
     for (const auto &[u, v] : kPairs)
         if (has(u) && has(v)) {

@@ -5,7 +5,6 @@
 #include "ext/lightgroups/emitter_tree.h"
 #include "ext/lightgroups/mesh_interior.h"
 #include "pbrt/core/describe.h"
-#include "pbrt/math/vec.h"
 
 namespace ext {
 using namespace pbrt;

@@ -23,6 +23,8 @@ constexpr int kMaxDepth = 8;
 constexpr double kLargest = 100;
 /// Added to a tile's relative mean before weighting by its inverse square.
 constexpr double kPlain = 0.1;
+/// Limits of the number of paths.
+constexpr double kMinPaths = 8192, kMaxPaths = 1 << 20;
 
 struct Sample {
     uint32_t group;
@@ -185,10 +187,6 @@ std::vector<ImageContribution> EstimateImageContributions(PrepareContext &contex
             }
         }
     return result;
-}
-
-namespace {
-constexpr double kMinPaths = 8192, kMaxPaths = 1 << 20;
 }
 
 ImageContributionLightSampler::ImageContributionLightSampler(const LightTable &lights,

@@ -65,6 +65,29 @@ constexpr Float kMaxArriving = 1e36f;
     return Ops::Select(cosE == F(0), mean, cut);
 }
 
+using Eight = Float __attribute__((vector_size(32)));
+using EightInts = int __attribute__((vector_size(32)));
+
+[[gnu::always_inline]] inline void Transpose(Eight v[8]) {
+    constexpr EightInts kPairLow = {0, 8, 1, 9, 4, 12, 5, 13}, kPairHigh = {2, 10, 3, 11, 6, 14, 7, 15};
+    constexpr EightInts kTwoLow = {0, 1, 8, 9, 4, 5, 12, 13}, kTwoHigh = {2, 3, 10, 11, 6, 7, 14, 15};
+    constexpr EightInts kFourLow = {0, 1, 2, 3, 8, 9, 10, 11}, kFourHigh = {4, 5, 6, 7, 12, 13, 14, 15};
+    Eight a[8], b[8];
+    for (int i = 0; i < 4; ++i) {
+        a[2 * i] = __builtin_shuffle(v[2 * i], v[2 * i + 1], kPairLow);
+        a[2 * i + 1] = __builtin_shuffle(v[2 * i], v[2 * i + 1], kPairHigh);
+    }
+    for (int i = 0; i < 8; i += 4)
+        for (int k = 0; k < 2; ++k) {
+            b[i + 2 * k] = __builtin_shuffle(a[i + k], a[i + k + 2], kTwoLow);
+            b[i + 2 * k + 1] = __builtin_shuffle(a[i + k], a[i + k + 2], kTwoHigh);
+        }
+    for (int i = 0; i < 4; ++i) {
+        v[i] = __builtin_shuffle(b[i], b[i + 4], kFourLow);
+        v[i + 4] = __builtin_shuffle(b[i], b[i + 4], kFourHigh);
+    }
+}
+
 }  // namespace
 
 Emitter MakeEmitter(const LightTable &lights, LightId firstId, const LightCandidate &candidate) {
@@ -167,33 +190,6 @@ void EmitterPacket::Set(size_t lane, const Emitter &emitter) {
 }
 
 Float EmitterPacket::Sum(const Float *g) { return std::experimental::reduce(Load(g)); }
-
-namespace {
-
-using Eight = Float __attribute__((vector_size(32)));
-using EightInts = int __attribute__((vector_size(32)));
-
-[[gnu::always_inline]] inline void Transpose(Eight v[8]) {
-    constexpr EightInts kPairLow = {0, 8, 1, 9, 4, 12, 5, 13}, kPairHigh = {2, 10, 3, 11, 6, 14, 7, 15};
-    constexpr EightInts kTwoLow = {0, 1, 8, 9, 4, 5, 12, 13}, kTwoHigh = {2, 3, 10, 11, 6, 7, 14, 15};
-    constexpr EightInts kFourLow = {0, 1, 2, 3, 8, 9, 10, 11}, kFourHigh = {4, 5, 6, 7, 12, 13, 14, 15};
-    Eight a[8], b[8];
-    for (int i = 0; i < 4; ++i) {
-        a[2 * i] = __builtin_shuffle(v[2 * i], v[2 * i + 1], kPairLow);
-        a[2 * i + 1] = __builtin_shuffle(v[2 * i], v[2 * i + 1], kPairHigh);
-    }
-    for (int i = 0; i < 8; i += 4)
-        for (int k = 0; k < 2; ++k) {
-            b[i + 2 * k] = __builtin_shuffle(a[i + k], a[i + k + 2], kTwoLow);
-            b[i + 2 * k + 1] = __builtin_shuffle(a[i + k], a[i + k + 2], kTwoHigh);
-        }
-    for (int i = 0; i < 4; ++i) {
-        v[i] = __builtin_shuffle(b[i], b[i + 4], kFourLow);
-        v[i + 4] = __builtin_shuffle(b[i], b[i + 4], kFourHigh);
-    }
-}
-
-}  // namespace
 
 void Gather(const EmitterRow *rows, const uint32_t *names, size_t count, EmitterPacket *packet) {
     static const EmitterRow nothing;

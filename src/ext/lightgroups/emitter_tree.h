@@ -45,7 +45,6 @@ class EmitterTree {
     void WeighBelow(Node node, const LightQuery &query, Level *level) const;
 
     int Depth() const { return depth_; }
-    size_t NodeCount() const { return nodes_.size(); }
     size_t Bytes() const;
 
   private:

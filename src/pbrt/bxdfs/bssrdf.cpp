@@ -72,6 +72,10 @@ double IntegrateCosines(double split, auto f) {
 
 double CriticalCosine(double etaThere) { return etaThere < 1 ? std::sqrt(1 - etaThere * etaThere) : 0; }
 
+// Probes along the normal (third axis) find exits on flat surroundings, the others on steep ones.
+constexpr Float kAxisShare[3] = {Float(0.25), Float(0.25), Float(0.5)};
+constexpr Float kKeptShare = Float(0.999);
+
 }  // namespace
 
 Float InnerFresnelMoment(Float eta, int power) {
@@ -135,14 +139,6 @@ Float SubsurfaceTable::SampleRadius(const Row &row, Float u) const {
 Float SubsurfaceTable::AlbedoOf(Float reflectance) const {
     return InvertCatmullRom(albedos_, reflectances_, reflectance);
 }
-
-namespace {
-
-// Probes along the normal (third axis) find exits on flat surroundings, the others on steep ones.
-constexpr Float kAxisShare[3] = {Float(0.25), Float(0.25), Float(0.5)};
-constexpr Float kKeptShare = Float(0.999);
-
-}  // namespace
 
 Bssrdf::Bssrdf(const Point3 &p, const Normal3 &ns, const SampledSpectrum &sigmaA, const SampledSpectrum &sigmaS,
                const SampledWavelengths &lambda, const SubsurfaceTable &table)

@@ -43,6 +43,27 @@ Float Logistic(Float x, Float scale) {
     return e / (scale * Sqr(1 + e));
 }
 
+template <class T>
+T WeightedSum(const std::array<T, HairBxdf::Lobes> &weights, const std::array<Float, HairBxdf::Lobes> &values) {
+    T sum(Float(0));
+    for (size_t i = 0; i < weights.size(); ++i) sum += weights[i] * values[i];
+    return sum;
+}
+
+std::array<Float, HairBxdf::Lobes> Averages(const std::array<SampledSpectrum, HairBxdf::Lobes> &shares) {
+    std::array<Float, HairBxdf::Lobes> averages;
+    for (size_t i = 0; i < averages.size(); ++i) averages[i] = shares[i].Average();
+    return averages;
+}
+
+std::array<Float, HairBxdf::Lobes> Chances(const std::array<SampledSpectrum, HairBxdf::Lobes> &shares) {
+    std::array<Float, HairBxdf::Lobes> chances = Averages(shares);
+    const Float sum = std::accumulate(chances.begin(), chances.end(), Float(0));
+    if (!(sum > 0)) return {1, 0, 0, 0};
+    for (Float &c : chances) c /= sum;
+    return chances;
+}
+
 }  // namespace
 
 // With a = cosI cosO / v and b = sinI sinO / v: I0(a) exp(-b) / (2 v sinh(1/v)). Exponentials are combined so that no
@@ -116,31 +137,6 @@ std::array<Float, HairBxdf::Lobes> HairBxdf::Densities(const View &view, const V
     }
     return densities;
 }
-
-namespace {
-
-template <class T>
-T WeightedSum(const std::array<T, HairBxdf::Lobes> &weights, const std::array<Float, HairBxdf::Lobes> &values) {
-    T sum(Float(0));
-    for (size_t i = 0; i < weights.size(); ++i) sum += weights[i] * values[i];
-    return sum;
-}
-
-std::array<Float, HairBxdf::Lobes> Averages(const std::array<SampledSpectrum, HairBxdf::Lobes> &shares) {
-    std::array<Float, HairBxdf::Lobes> averages;
-    for (size_t i = 0; i < averages.size(); ++i) averages[i] = shares[i].Average();
-    return averages;
-}
-
-std::array<Float, HairBxdf::Lobes> Chances(const std::array<SampledSpectrum, HairBxdf::Lobes> &shares) {
-    std::array<Float, HairBxdf::Lobes> chances = Averages(shares);
-    const Float sum = std::accumulate(chances.begin(), chances.end(), Float(0));
-    if (!(sum > 0)) return {1, 0, 0, 0};
-    for (Float &c : chances) c /= sum;
-    return chances;
-}
-
-}  // namespace
 
 SampledSpectrum HairBxdf::F(const Vector3 &wo, const Vector3 &wi, TransportMode) const {
     if (wi.z == 0) return SampledSpectrum(0);

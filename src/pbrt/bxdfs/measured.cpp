@@ -37,6 +37,27 @@ Float WhereMassIs(Float mass, Float a, Float b) {
     return total > 0 ? SampleLinear(std::clamp(mass / total, Float(0), OneMinusEpsilon), a, b) : 0;
 }
 
+struct Knot {
+    size_t index, next;
+    Float t;
+};
+
+/// Interval of increasing numbers that contains x, clamped to their range.
+Knot Locate(const std::vector<Float> &axis, Float x) {
+    if (axis.size() < 2 || !(x > axis.front())) return {0, 0, 0};
+    if (x >= axis.back()) return {axis.size() - 1, axis.size() - 1, 0};
+    size_t i = size_t(std::upper_bound(axis.begin(), axis.end(), x) - axis.begin()) - 1;
+    return {i, i + 1, (x - axis[i]) / (axis[i + 1] - axis[i])};
+}
+
+Float Theta(const Vector3 &w) { return 2 * std::asin(std::min(Length(w - Vector3(0, 0, 1)) / 2, Float(1))); }
+Float Phi(const Vector3 &w) { return std::atan2(w.y, w.x); }
+Float SquareOfTheta(Float theta) { return std::sqrt(theta * (2 / Pi)); }
+Float SquareOfPhi(Float phi) { return phi * Inv2Pi + Float(0.5); }
+
+/// Half-vector solid angle per unit-square area.
+Float SolidAngleByArea(Float x, Float sinTheta) { return std::max(2 * Sqr(Pi) * x * sinTheta, Float(1e-6)); }
+
 }  // namespace
 
 Float GridSlices::Evaluate(const Point2 &p, size_t slice) const {
@@ -96,31 +117,6 @@ BilinearWarp::Mapped BilinearWarp::Invert(const Point2 &p, const SliceBlend &ble
              std::clamp(MassBelowRow(blend, y.index) + MassBelow(y.t, row0, row1), Float(0), Float(1))},
             Lerp(x.t, d0, d1) / CellArea()};
 }
-
-namespace {
-
-struct Knot {
-    size_t index, next;
-    Float t;
-};
-
-/// Interval of increasing numbers that contains x, clamped to their range.
-Knot Locate(const std::vector<Float> &axis, Float x) {
-    if (axis.size() < 2 || !(x > axis.front())) return {0, 0, 0};
-    if (x >= axis.back()) return {axis.size() - 1, axis.size() - 1, 0};
-    size_t i = size_t(std::upper_bound(axis.begin(), axis.end(), x) - axis.begin()) - 1;
-    return {i, i + 1, (x - axis[i]) / (axis[i + 1] - axis[i])};
-}
-
-Float Theta(const Vector3 &w) { return 2 * std::asin(std::min(Length(w - Vector3(0, 0, 1)) / 2, Float(1))); }
-Float Phi(const Vector3 &w) { return std::atan2(w.y, w.x); }
-Float SquareOfTheta(Float theta) { return std::sqrt(theta * (2 / Pi)); }
-Float SquareOfPhi(Float phi) { return phi * Inv2Pi + Float(0.5); }
-
-/// Half-vector solid angle per unit-square area.
-Float SolidAngleByArea(Float x, Float sinTheta) { return std::max(2 * Sqr(Pi) * x * sinTheta, Float(1e-6)); }
-
-}  // namespace
 
 struct MeasuredBrdf::View {
     Float phi;

@@ -112,6 +112,28 @@ std::vector<LensElement> ReadLens(const RealisticParams &p, const ParamSet &set,
     return elements;
 }
 
+class RotationToZ {
+  public:
+    explicit RotationToZ(const Vector3 &from) : flip_(from.z < -0.99f) {
+        Vector3 f = Flip(from);
+        axis_ = {f.y, -f.x, 0};  // f x z: sine of the angle times the axis
+        cosine_ = f.z;
+    }
+    Vector3 operator()(const Vector3 &v) const { return Turn(Flip(v), axis_); }
+    Vector3 Inverse(const Vector3 &v) const { return Flip(Turn(v, -axis_)); }
+
+  private:
+    /// Half turn about x, to avoid -z, where the smallest rotation is not unique.
+    Vector3 Flip(const Vector3 &v) const { return flip_ ? Vector3(v.x, -v.y, -v.z) : v; }
+    Vector3 Turn(const Vector3 &v, const Vector3 &axis) const {
+        Vector3 c = Cross(axis, v);
+        return v + c + Cross(axis, c) / (1 + cosine_);
+    }
+    bool flip_;
+    Vector3 axis_;
+    Float cosine_;
+};
+
 }  // namespace
 
 std::optional<CameraRay> Camera::GenerateRay(const CameraSample &sample, const SampledWavelengths &) const {
@@ -183,32 +205,6 @@ const CameraTable &Cameras() {
     });
     return table;
 }
-
-namespace {
-
-class RotationToZ {
-  public:
-    explicit RotationToZ(const Vector3 &from) : flip_(from.z < -0.99f) {
-        Vector3 f = Flip(from);
-        axis_ = {f.y, -f.x, 0};  // f x z: sine of the angle times the axis
-        cosine_ = f.z;
-    }
-    Vector3 operator()(const Vector3 &v) const { return Turn(Flip(v), axis_); }
-    Vector3 Inverse(const Vector3 &v) const { return Flip(Turn(v, -axis_)); }
-
-  private:
-    /// Half turn about x, to avoid -z, where the smallest rotation is not unique.
-    Vector3 Flip(const Vector3 &v) const { return flip_ ? Vector3(v.x, -v.y, -v.z) : v; }
-    Vector3 Turn(const Vector3 &v, const Vector3 &axis) const {
-        Vector3 c = Cross(axis, v);
-        return v + c + Cross(axis, c) / (1 + cosine_);
-    }
-    bool flip_;
-    Vector3 axis_;
-    Float cosine_;
-};
-
-}  // namespace
 
 void Camera::FindFootprint() {
     constexpr int kSteps = 512;  // along the film's diagonal

@@ -73,6 +73,30 @@ Image Mono(const Image &image, const std::string &name) {
     return mono;
 }
 
+/// Paraxial ray entering parallel to the axis at height 1: height and slope behind the lens.
+struct Traced {
+    double height, slope;
+};
+
+Traced TraceParallelRay(std::span<const LensElement> elements, bool isFromScene) {
+    double y = 1, u = 0;
+    for (size_t k = 0; k < elements.size(); ++k) {
+        const size_t i = isFromScene ? k : elements.size() - 1 - k;
+        const LensElement &e = elements[i];
+        // Along the light; radius above 0: convex towards it.
+        double radius = double(e.curvatureRadius), before = i > 0 ? double(elements[i - 1].index) : 1,
+               after = double(e.index), thickness = double(e.thickness);
+        if (!isFromScene) {
+            radius = -radius;
+            std::swap(before, after);
+            thickness = i > 0 ? double(elements[i - 1].thickness) : 0;
+        }
+        if (radius != 0) u = (before * u - y * (after - before) / radius) / after;
+        if (k + 1 < elements.size()) y += thickness * u;
+    }
+    return {y, u};
+}
+
 }  // namespace
 
 ApertureImage::ApertureImage(Image image) : image_(std::move(image)) {
@@ -127,34 +151,6 @@ std::vector<LensElement> ReadLensFile(const std::string &path) {
     }
     return elements;
 }
-
-namespace {
-
-/// Paraxial ray entering parallel to the axis at height 1: height and slope behind the lens.
-struct Traced {
-    double height, slope;
-};
-
-Traced TraceParallelRay(std::span<const LensElement> elements, bool isFromScene) {
-    double y = 1, u = 0;
-    for (size_t k = 0; k < elements.size(); ++k) {
-        const size_t i = isFromScene ? k : elements.size() - 1 - k;
-        const LensElement &e = elements[i];
-        // Along the light; radius above 0: convex towards it.
-        double radius = double(e.curvatureRadius), before = i > 0 ? double(elements[i - 1].index) : 1,
-               after = double(e.index), thickness = double(e.thickness);
-        if (!isFromScene) {
-            radius = -radius;
-            std::swap(before, after);
-            thickness = i > 0 ? double(elements[i - 1].thickness) : 0;
-        }
-        if (radius != 0) u = (before * u - y * (after - before) / radius) / after;
-        if (k + 1 < elements.size()) y += thickness * u;
-    }
-    return {y, u};
-}
-
-}  // namespace
 
 CardinalPoints ComputeCardinalPoints(std::span<const LensElement> elements) {
     const Traced behind = TraceParallelRay(elements, true), before = TraceParallelRay(elements, false);

@@ -114,7 +114,6 @@ class EnvironmentPortals {
     EnvironmentPortals(const EnvironmentLight &light, std::span<const Portal> portals);
 
     size_t Count() const { return portals_.size(); }
-    size_t RegionCount() const { return portals_.size() + 1; }
     const Portal &operator[](size_t k) const { return portals_[k]; }
     /// Region of direction d from p: index of the first portal passed, or Count() for the remainder.
     size_t RegionTowards(const Point3 &p, const Vector3 &d) const {

@@ -38,6 +38,17 @@ void Fill(auto &entry, auto &&read) {
     }
 }
 
+struct Footprint {
+    Point2 st;
+    Vector2 dst0, dst1;
+};
+
+/// Rows are stored from the top, so t is flipped. The footprint is not flipped, as in stock pbrt-v4.
+Footprint ImageFootprint(const TextureMapping2D &mapping, const TextureContext &ctx) {
+    TexCoord2 c = Map(mapping, ctx);
+    return {{c.st.x, 1 - c.st.y}, {c.dsdx, c.dtdx}, {c.dsdy, c.dtdy}};
+}
+
 }  // namespace
 
 const ImageCache::Entry<MipMap> *ImageCache::SamePixels(const MipMapKey &key) const {
@@ -83,21 +94,6 @@ void ImageCache::Preload(const std::vector<MipMapKey> &keys) {
         Fill(*entry, [&, key = key] { return ReadMipMap(*key, tiles_.get()); });
     });
 }
-
-namespace {
-
-struct Footprint {
-    Point2 st;
-    Vector2 dst0, dst1;
-};
-
-/// Rows are stored from the top, so t is flipped. The footprint is not flipped, as in stock pbrt-v4.
-Footprint ImageFootprint(const TextureMapping2D &mapping, const TextureContext &ctx) {
-    TexCoord2 c = Map(mapping, ctx);
-    return {{c.st.x, 1 - c.st.y}, {c.dsdx, c.dtdx}, {c.dsdy, c.dtdy}};
-}
-
-}  // namespace
 
 Float ImageFloatTexture::Evaluate(const TextureContext &ctx) const {
     Footprint f = ImageFootprint(overlay.mapping, ctx);

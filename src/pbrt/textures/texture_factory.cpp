@@ -22,6 +22,30 @@ const Param *TakeReference(ParamReader &reader, const std::string &name, std::in
     return reference;
 }
 
+constexpr const char *kWhyNoPtex =
+    "no library of Debian reads Ptex files (its OpenImageIO is built without Ptex support). Bake the texture into an "
+    "image and use class \"imagemap\".";
+
+const char *FamilyName(bool isSpectrum) { return isSpectrum ? "spectrum" : "float"; }
+
+/// Maximum cost of a lookup: nesting depth, and number of texture evaluations (which doubles per level where both
+/// operands are the same).
+struct LookupCost {
+    int depth = 1;
+    double evaluations = 1;
+    void AddOperand(const LookupCost &operand) {
+        depth = std::max(depth, operand.depth + 1);
+        evaluations += operand.evaluations;
+    }
+};
+constexpr double kMaxEvaluations = 1 << 16;
+
+template <class Ptr>
+struct Made {
+    Ptr texture;
+    LookupCost cost;
+};
+
 }  // namespace
 
 void ReadParam(ParamReader &reader, const std::string &name, FloatTextureParam &value) {
@@ -52,34 +76,6 @@ void DocumentParam(ParamDoc &doc, const SpectrumTextureParam &value) {
     DocumentParam(doc, static_cast<const SpectrumParam &>(value));
     doc.types.push_back(ParamType::Texture);
 }
-
-namespace {
-
-constexpr const char *kWhyNoPtex =
-    "no library of Debian reads Ptex files (its OpenImageIO is built without Ptex support). Bake the texture into an "
-    "image and use class \"imagemap\".";
-
-const char *FamilyName(bool isSpectrum) { return isSpectrum ? "spectrum" : "float"; }
-
-/// Maximum cost of a lookup: nesting depth, and number of texture evaluations (which doubles per level where both
-/// operands are the same).
-struct LookupCost {
-    int depth = 1;
-    double evaluations = 1;
-    void AddOperand(const LookupCost &operand) {
-        depth = std::max(depth, operand.depth + 1);
-        evaluations += operand.evaluations;
-    }
-};
-constexpr double kMaxEvaluations = 1 << 16;
-
-template <class Ptr>
-struct Made {
-    Ptr texture;
-    LookupCost cost;
-};
-
-}  // namespace
 
 struct TextureLibrary::Impl {
     struct Definition {

@@ -19,6 +19,28 @@ Vector3 PolarGradient(const Point3 &p) {
     return Vector3(p.x * p.z / r, p.y * p.z / r, -r) * (InvPi / (r2 + Sqr(p.z)));
 }
 
+Float Phase(Float x) { return x - 2 * std::floor(x / 2); }
+
+/// Zero-mean second integral of the square wave, of period 2: one parabola up, one down.
+Float TwiceIntegratedWave(Float x) {
+    Float m = Phase(x);
+    return m < 1 ? m * (m - 1) / 2 : (m - 1) * (2 - m) / 2;
+}
+
+Float FilterRadius(Float dx, Float dy) { return Float(1.5) * std::max(std::abs(dx), std::abs(dy)); }
+
+constexpr Float kDotRadius = Float(0.35);
+
+/// Noise on a plane halfway between lattice planes, where its amplitude is largest.
+Float PlaneNoise(const Point2 &p) { return GradientNoise({p.x, p.y, Float(0.5)}); }
+
+// Marble colours (sRGB, pbrt-v4's) over one period of the pattern, before brightening.
+constexpr int kMarbleColors = 9;
+constexpr Float kBrightening = Float(1.5);
+const Rgb kMarble[kMarbleColors] = {{.58f, .58f, .6f}, {.58f, .58f, .6f}, {.58f, .58f, .6f},
+                                    {.5f, .5f, .5f},   {.6f, .59f, .58f}, {.58f, .58f, .6f},
+                                    {.58f, .58f, .6f}, {.2f, .2f, .33f},  {.58f, .58f, .6f}};
+
 }  // namespace
 
 TexCoord2 SphericalMapping::Map(const TextureContext &ctx) const {
@@ -57,32 +79,6 @@ TextureMapping2D MappingParams::Make(const ParamSet &set, const Transform &rende
                              ListChoices(mapping, {"uv", "spherical", "cylindrical", "planar"})));
     return uv;
 }
-
-namespace {
-
-Float Phase(Float x) { return x - 2 * std::floor(x / 2); }
-
-/// Zero-mean second integral of the square wave, of period 2: one parabola up, one down.
-Float TwiceIntegratedWave(Float x) {
-    Float m = Phase(x);
-    return m < 1 ? m * (m - 1) / 2 : (m - 1) * (2 - m) / 2;
-}
-
-Float FilterRadius(Float dx, Float dy) { return Float(1.5) * std::max(std::abs(dx), std::abs(dy)); }
-
-constexpr Float kDotRadius = Float(0.35);
-
-/// Noise on a plane halfway between lattice planes, where its amplitude is largest.
-Float PlaneNoise(const Point2 &p) { return GradientNoise({p.x, p.y, Float(0.5)}); }
-
-// Marble colours (sRGB, pbrt-v4's) over one period of the pattern, before brightening.
-constexpr int kMarbleColors = 9;
-constexpr Float kBrightening = Float(1.5);
-const Rgb kMarble[kMarbleColors] = {{.58f, .58f, .6f}, {.58f, .58f, .6f}, {.58f, .58f, .6f},
-                                    {.5f, .5f, .5f},   {.6f, .59f, .58f}, {.58f, .58f, .6f},
-                                    {.58f, .58f, .6f}, {.2f, .2f, .33f},  {.58f, .58f, .6f}};
-
-}  // namespace
 
 Float FilteredSquareWave(Float x, Float radius) {
     if (std::floor(x - radius) == std::floor(x + radius)) return Phase(x) < 1 ? 1 : -1;

@@ -27,6 +27,30 @@ double Gain(double p, double r) {
     const double d = p * p + r * r;
     return p * p * p * (p * p * p - 3 * p * r * r + 4 * r * r * r) / (d * d * d);
 }
+
+/// Decorrelates this sampler from other uses of the seed.
+constexpr uint64_t kStream = 0x6f7261636c65ull;
+
+/// f cos towards wi, and the BSDF sampling density there.
+struct Scattered {
+    SampledSpectrum fCos;
+    Float pdf = 0;  ///< solid angle
+};
+
+Scattered ScatteredTo(const LightQuery &q, const Vector3 &wi, bool needsPdf) {
+    if (q.ns == Normal3(0)) return {SampledSpectrum(1 / (4 * Pi)), 1 / (4 * Pi)};
+    Float cosine = Dot(wi, q.ns);
+    if (q.bsdf && q.lambda) {
+        SampledSpectrum f = q.bsdf->F(q.wo, wi) * std::abs(cosine);
+        return {f, f && needsPdf ? q.bsdf->Pdf(q.wo, wi) : 0};
+    }
+    if (q.transmits) return {SampledSpectrum(std::abs(cosine) / (2 * Pi)), std::abs(cosine) / (2 * Pi)};
+    if (cosine * Dot(q.wo, q.ns) <= 0) return {};
+    return {SampledSpectrum(std::abs(cosine) / Pi), std::abs(cosine) / Pi};
+}
+
+Float Fraction(double v) { return std::min(Float(v - std::floor(v)), OneMinusEpsilon); }
+
 }  // namespace
 
 bool LeastVariancePmf(std::span<const LightPoint> points, std::span<double> pmf) {
@@ -63,33 +87,6 @@ bool LeastVariancePmf(std::span<const LightPoint> points, std::span<double> pmf)
     }
     return true;
 }
-
-namespace {
-
-/// Decorrelates this sampler from other uses of the seed.
-constexpr uint64_t kStream = 0x6f7261636c65ull;
-
-/// f cos towards wi, and the BSDF sampling density there.
-struct Scattered {
-    SampledSpectrum fCos;
-    Float pdf = 0;  ///< solid angle
-};
-
-Scattered ScatteredTo(const LightQuery &q, const Vector3 &wi, bool needsPdf) {
-    if (q.ns == Normal3(0)) return {SampledSpectrum(1 / (4 * Pi)), 1 / (4 * Pi)};
-    Float cosine = Dot(wi, q.ns);
-    if (q.bsdf && q.lambda) {
-        SampledSpectrum f = q.bsdf->F(q.wo, wi) * std::abs(cosine);
-        return {f, f && needsPdf ? q.bsdf->Pdf(q.wo, wi) : 0};
-    }
-    if (q.transmits) return {SampledSpectrum(std::abs(cosine) / (2 * Pi)), std::abs(cosine) / (2 * Pi)};
-    if (cosine * Dot(q.wo, q.ns) <= 0) return {};
-    return {SampledSpectrum(std::abs(cosine) / Pi), std::abs(cosine) / Pi};
-}
-
-Float Fraction(double v) { return std::min(Float(v - std::floor(v)), OneMinusEpsilon); }
-
-}  // namespace
 
 OracleLightSampler::OracleLightSampler(const LightTable &lights, const OracleParams &params)
     : InteriorLightSampler(lights, params.meshlights, params.interior), params_(params),

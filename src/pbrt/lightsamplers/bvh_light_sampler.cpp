@@ -346,8 +346,7 @@ bool BVHLightSampler::Reaches(const LightQuery &query) const {
 Float BVHLightSampler::GroupProbability(const LightQuery &query, const void *, uint32_t group) const {
     if (isInfinite_[group]) return infinite_.Pmf();
     uint64_t trail = tree_.Trail(group);
-    if (trail == LightBvh::NotInTree) return 0;
-    if (!Reaches(query)) return 0;
+    if (trail == LightBvh::NotInTree || !Reaches(query)) return 0;
     LightBvh::Node node = tree_.Root().LinkAndKind();
     const Float pmf = WalkProbability(tree_, &node, query, [&](LightBvh::Node, const LightBvh::Level &) {
         const auto i = uint32_t(trail & 1);

@@ -52,7 +52,6 @@ class Reader {
 
     std::vector<Element> ReadHeader() {
         std::string_view line;
-        bool hasFormat = false;
         // The first line decides the line ending, so that a binary body may begin with any byte.
         const std::string_view content(at_, end_),
             rest = content.substr(std::min(content.find_first_of("\r\n"), content.size()));
@@ -63,20 +62,14 @@ class Reader {
             const WordList w = Words(line);
             if (w.empty() || w[0] == "comment" || w[0] == "obj_info") continue;
             if (w[0] == "end_header") {
-                if (!hasFormat) Fail("the header has no \"format\" line");
+                if (!hasFormat_) Fail("the header has no \"format\" line");
                 ++line_;
                 return std::move(elements_);
             }
-            if (w[0] == "format") {
-                hasFormat = true;
-                ReadFormat(w);
-            } else if (w[0] == "element") {
-                ReadElement(w);
-            } else if (w[0] == "property") {
-                ReadProperty(w);
-            } else {
-                Fail("unknown header keyword \"{}\"", w[0]);
-            }
+            if (w[0] == "format") ReadFormat(w);
+            else if (w[0] == "element") ReadElement(w);
+            else if (w[0] == "property") ReadProperty(w);
+            else Fail("unknown header keyword \"{}\"", w[0]);
         }
         Fail("the header has no \"end_header\" line");
     }
@@ -139,6 +132,7 @@ class Reader {
         return true;
     }
     void ReadFormat(const WordList &w) {
+        hasFormat_ = true;
         static const WordList kFormats = {"ascii", "binary_little_endian", "binary_big_endian"};
         const std::string given(w.size() > 1 ? w[1] : "");
         const auto format = std::ranges::find(kFormats, given);
@@ -211,6 +205,7 @@ class Reader {
     Encoding encoding_ = Encoding::Ascii;
     char lineEnd_ = '\n';
     int line_ = 0;
+    bool hasFormat_ = false;
     std::vector<Element> elements_;
     const std::string *element_ = nullptr;  ///< null in the header
     uint64_t index_ = 0;

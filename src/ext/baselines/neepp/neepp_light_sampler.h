@@ -10,7 +10,6 @@
 #include "pbrt/scene/scene.h"
 
 namespace ext {
-using namespace pbrt;
 
 /// Targets of visibility tests: voxels with lights (one target per voxel), directions of distant lights, and an 8 x 8
 /// equal-area division of the sphere for environment lights. Also stores each light group's targets and their shares.

@@ -7,7 +7,6 @@
 #include "pbrt/core/describe.h"
 
 namespace ext {
-using namespace pbrt;
 
 /// Point on a light, sampled with density p(y) (solid angle; discrete for delta lights) from the shading point.
 struct LightPoint {

@@ -339,10 +339,6 @@ std::optional<GroupLightSampler::ChosenGroup> BVHLightSampler::ChooseGroup(const
     return ChosenGroup{LightBvh::Light(end->node), pmf, InnerNumber(query, u)};
 }
 
-bool BVHLightSampler::Reaches(const LightQuery &query) const {
-    return !tree_.Root().IsLeaf() || tree_.Root().Sphere().Importance(query.p, query.ns) > 0;
-}
-
 Float BVHLightSampler::GroupProbability(const LightQuery &query, const void *, uint32_t group) const {
     if (isInfinite_[group]) return infinite_.Pmf();
     uint64_t trail = tree_.Trail(group);

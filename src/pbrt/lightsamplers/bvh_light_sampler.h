@@ -141,7 +141,9 @@ class BVHLightSampler final : public GroupLightSampler {
 
   private:
     /// False if the tree holds a single light whose importance at the query point is 0.
-    bool Reaches(const LightQuery &query) const;
+    bool Reaches(const LightQuery &query) const {
+        return !tree_.Root().IsLeaf() || tree_.Root().Sphere().Importance(query.p, query.ns) > 0;
+    }
 
     LightBvh tree_;
     InfiniteShare infinite_;

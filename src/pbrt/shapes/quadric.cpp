@@ -42,8 +42,6 @@ Float Quadric::AreaStretch(const Normal3 &n) const {
     return determinant_ * Length(renderFromObject_.Normal(n));
 }
 
-Bounds3 Quadric::PrimitiveBounds(uint32_t) const { return PlacedBounds(renderFromObject_, ObjectBounds()); }
-
 std::optional<PrimitiveHit> Quadric::Intersect(uint32_t, const Ray &ray, Float tMin) const {
     glm::dvec3 origin = toObject_ * (glm::dvec3(ray.o) - origin_), direction = toObject_ * glm::dvec3(ray.d);
     Roots roots = ObjectIntersect(origin, direction);
@@ -117,8 +115,6 @@ Sphere::Sphere(Float radius, Float zMin, Float zMax, Float phiMax, const Transfo
     Float part = whole ? 1 : (zMax_ - zMin_) / (2 * radius_) * (phiMax_ / (2 * Pi));
     coneShare_ = opaque ? part : part / 2;
 }
-
-Bounds3 Sphere::ObjectBounds() const { return {Point3(-radius_, -radius_, zMin_), Point3(radius_, radius_, zMax_)}; }
 
 Point2 Sphere::UvOf(const glm::dvec3 &p) const {
     double phi = Azimuth(p.x, p.y), theta = std::atan2(std::sqrt(p.x * p.x + p.y * p.y), p.z);

@@ -13,7 +13,7 @@ namespace pbrt {
 class Quadric : public Shape {
   public:
     uint32_t PrimitiveCount() const final { return 1; }
-    Bounds3 PrimitiveBounds(uint32_t primitive) const final;
+    Bounds3 PrimitiveBounds(uint32_t) const final { return PlacedBounds(renderFromObject_, ObjectBounds()); }
     Float Area(uint32_t) const final { return area_; }
     std::optional<PrimitiveHit> Intersect(uint32_t primitive, const Ray &ray, Float tMin) const final;
     SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const final;
@@ -222,7 +222,9 @@ class Sphere final : public Quadric {
                         const Normal3 &nHit) const override;
 
   protected:
-    Bounds3 ObjectBounds() const override;
+    Bounds3 ObjectBounds() const override {
+        return {Point3(-radius_, -radius_, zMin_), Point3(radius_, radius_, zMax_)};
+    }
     Roots ObjectIntersect(const glm::dvec3 &o, const glm::dvec3 &d) const override { return RoundRoots(o, d); }
     std::optional<Point2> Clip(const glm::dvec3 &p) const override;
     ObjectPoint PointAt(const Point2 &uv) const override;

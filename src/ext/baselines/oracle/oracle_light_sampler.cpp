@@ -155,10 +155,6 @@ const Float *OracleLightSampler::Measure(const LightQuery &query, LightMemory &m
     return cdf;
 }
 
-const void *OracleLightSampler::WeighGroups(const LightQuery &query, LightMemory &memory) const {
-    return scene_ ? Measure(query, memory) : nullptr;
-}
-
 std::optional<GroupLightSampler::ChosenGroup> OracleLightSampler::ChooseGroup(const LightQuery &query,
                                                                               const void *weights, Float u) const {
     const auto *cdf = static_cast<const Float *>(weights);

@@ -69,7 +69,9 @@ class OracleLightSampler final : public InteriorLightSampler {
     void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override;
 
   private:
-    const void *WeighGroups(const LightQuery &query, LightMemory &memory) const override;
+    const void *WeighGroups(const LightQuery &query, LightMemory &memory) const override {
+        return scene_ ? Measure(query, memory) : nullptr;
+    }
     std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *weights, Float u) const override;
     Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const override;
     /// CDF over the groups, in `memory`; null if no shadow ray reached a light.

@@ -17,7 +17,7 @@ namespace {
 std::optional<PrimitiveHit> OurHit(const Curves &c, const Point3 &o, const Vector3 &d) {
     std::optional<PrimitiveHit> best;
     for (uint32_t i = 0; i < c.PrimitiveCount(); ++i)
-        if (auto hit = c.Intersect(i, o, d, 0, best ? best->t : Infinity)) best = hit;
+        if (auto hit = c.Intersect(i, {o, d, best ? best->t : Infinity}, 0)) best = hit;
     return best;
 }
 

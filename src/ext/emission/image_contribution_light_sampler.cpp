@@ -23,6 +23,8 @@ constexpr int kMaxDepth = 8;
 constexpr double kLargest = 100;
 /// Added to a tile's relative mean before weighting by its inverse square.
 constexpr double kPlain = 0.1;
+/// Limits of the number of paths.
+constexpr double kMinPaths = 8192, kMaxPaths = 1 << 20;
 
 struct Sample {
     uint32_t group;
@@ -187,18 +189,9 @@ std::vector<ImageContribution> EstimateImageContributions(PrepareContext &contex
     return result;
 }
 
-namespace {
-constexpr double kMinPaths = 8192, kMaxPaths = 1 << 20;
-}
-
 ImageContributionLightSampler::ImageContributionLightSampler(const LightTable &lights,
                                                              const ImageContributionParams &params)
-    : GroupLightSampler(params.meshlights ? lights.ByLight() : lights.ByComponent(), true), params_(params) {
-    std::vector<Float> power;
-    power.reserve(groups_.Size());
-    for (uint32_t g = 0; g < groups_.Size(); ++g) power.push_back(groups_.Candidate(g).power);
-    if (!power.empty()) table_ = AliasTable(power);
-}
+    : PowerLightSampler(params.meshlights ? lights.ByLight() : lights.ByComponent()), params_(params) {}
 
 void ImageContributionLightSampler::Prepare(PrepareContext &context) {
     if (groups_.Size() <= 1) return;
@@ -231,16 +224,6 @@ void ImageContributionLightSampler::Prepare(PrepareContext &context) {
     prepassSeconds_ = SecondsSince(start);
 }
 
-std::optional<GroupLightSampler::ChosenGroup> ImageContributionLightSampler::ChooseGroup(const LightQuery &query,
-                                                                                         const void *, Float u) const {
-    const AliasTable::Sampled s = table_.Sample(u);
-    return ChosenGroup{uint32_t(s.index), s.pmf, InnerNumber(query, u)};
-}
-
-Float ImageContributionLightSampler::GroupProbability(const LightQuery &, const void *, uint32_t group) const {
-    return table_.PMF(int(group));
-}
-
 void ImageContributionLightSampler::Report(nlohmann::ordered_json &json) const {
     json["parameters"] = EffectiveParamsText(params_);
     json["prepassSeconds"] = prepassSeconds_;
@@ -261,11 +244,8 @@ void ImageContributionLightSampler::Inspect(const LightQuery &, std::vector<Insp
 
 void register_seen(pbrt::PluginRegistry &registry) {
     using namespace ext;
-    registry.samplers.Add<ImageContributionParams>(
+    registry.Add<ImageContributionLightSampler, ImageContributionParams>(
         "seen",
         "Chooses lights by power and by their contribution to the image, from a prepass; for `shootingsampler`.",
-        [](const ImageContributionParams &p, const ParamSet &, const LightGroups &groups) {
-            return std::make_unique<ImageContributionLightSampler>(groups.Lights(), p);
-        },
         {.isSameEverywhere = true});
 }

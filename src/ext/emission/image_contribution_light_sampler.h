@@ -2,8 +2,7 @@
 #include <vector>
 
 #include "pbrt/core/describe.h"
-#include "pbrt/lightsamplers/group_light_sampler.h"
-#include "pbrt/math/distributions.h"
+#include "pbrt/lightsamplers/simple_light_samplers.h"
 
 namespace ext {
 using namespace pbrt;
@@ -48,12 +47,10 @@ struct ImageContributionParams {
 /// 1953); it is distributed by power. A group without power has probability 0, as with "power".
 ///
 /// Before Prepare, and without prepass samples, selection is by power.
-class ImageContributionLightSampler final : public GroupLightSampler {
+class ImageContributionLightSampler final : public PowerLightSampler {
   public:
     ImageContributionLightSampler(const LightTable &lights, const ImageContributionParams &params);
     void Prepare(PrepareContext &context) override;
-    std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *weights, Float u) const override;
-    Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const override;
     void Report(nlohmann::ordered_json &json) const override;
     void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override;
 
@@ -63,7 +60,6 @@ class ImageContributionLightSampler final : public GroupLightSampler {
   private:
     ImageContributionParams params_;
     std::vector<ImageContribution> contributions_;
-    AliasTable table_;
     double missed_ = 1, prepassSeconds_ = 0;
     size_t groupsSeen_ = 0;
 };

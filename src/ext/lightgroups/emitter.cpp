@@ -65,6 +65,29 @@ constexpr Float kMaxArriving = 1e36f;
     return Ops::Select(cosE == F(0), mean, cut);
 }
 
+using Eight = Float __attribute__((vector_size(32)));
+using EightInts = int __attribute__((vector_size(32)));
+
+[[gnu::always_inline]] inline void Transpose(Eight v[8]) {
+    constexpr EightInts kPairLow = {0, 8, 1, 9, 4, 12, 5, 13}, kPairHigh = {2, 10, 3, 11, 6, 14, 7, 15};
+    constexpr EightInts kTwoLow = {0, 1, 8, 9, 4, 5, 12, 13}, kTwoHigh = {2, 3, 10, 11, 6, 7, 14, 15};
+    constexpr EightInts kFourLow = {0, 1, 2, 3, 8, 9, 10, 11}, kFourHigh = {4, 5, 6, 7, 12, 13, 14, 15};
+    Eight a[8], b[8];
+    for (int i = 0; i < 4; ++i) {
+        a[2 * i] = __builtin_shuffle(v[2 * i], v[2 * i + 1], kPairLow);
+        a[2 * i + 1] = __builtin_shuffle(v[2 * i], v[2 * i + 1], kPairHigh);
+    }
+    for (int i = 0; i < 8; i += 4)
+        for (int k = 0; k < 2; ++k) {
+            b[i + 2 * k] = __builtin_shuffle(a[i + k], a[i + k + 2], kTwoLow);
+            b[i + 2 * k + 1] = __builtin_shuffle(a[i + k], a[i + k + 2], kTwoHigh);
+        }
+    for (int i = 0; i < 4; ++i) {
+        v[i] = __builtin_shuffle(b[i], b[i + 4], kFourLow);
+        v[i + 4] = __builtin_shuffle(b[i], b[i + 4], kFourHigh);
+    }
+}
+
 }  // namespace
 
 Emitter MakeEmitter(const LightTable &lights, LightId firstId, const LightCandidate &candidate) {
@@ -78,14 +101,9 @@ Emitter MakeEmitter(const LightTable &lights, LightId firstId, const LightCandid
         FindMoments(first, lights.Unit(), &e);
         return e;
     }
-    if (opening) {
-        // Radiance through the opening counts as emitted by it: power / pi is radiance times area, as for a flat area
-        // light.
-        e.bounds = opening;
-        e.isArea = true;
-        e.intensity = candidate.power * InvPi;
-        return e;
-    }
+    // Radiance through the opening counts as emitted by it: power / pi is radiance times area, as for a flat area
+    // light.
+    if (opening) return {.bounds = opening, .isArea = true, .intensity = candidate.power * InvPi};
     if (!candidate.bounds || !(candidate.bounds->phi > 0)) return e;
     e.bounds = candidate.bounds;
     e.isArea = first.Kind() == LightKind::Area;
@@ -104,11 +122,8 @@ Emitter MakeEmitter(const LightTable &lights, LightId firstId, const LightCandid
 Emitter Union(const Emitter &a, const Emitter &b) {
     if (!a.bounds) return b;
     if (!b.bounds) return a;
-    Emitter e;
-    e.bounds = Union(*a.bounds, *b.bounds);
-    e.isArea = a.isArea || b.isArea;
-    e.intensity = a.intensity + b.intensity;
-    return e;
+    return {
+        .bounds = Union(*a.bounds, *b.bounds), .isArea = a.isArea || b.isArea, .intensity = a.intensity + b.intensity};
 }
 
 EmitterRow::EmitterRow(const Emitter &e) {
@@ -176,33 +191,6 @@ void EmitterPacket::Set(size_t lane, const Emitter &emitter) {
 
 Float EmitterPacket::Sum(const Float *g) { return std::experimental::reduce(Load(g)); }
 
-namespace {
-
-using Eight = Float __attribute__((vector_size(32)));
-using EightInts = int __attribute__((vector_size(32)));
-
-[[gnu::always_inline]] inline void Transpose(Eight v[8]) {
-    constexpr EightInts kPairLow = {0, 8, 1, 9, 4, 12, 5, 13}, kPairHigh = {2, 10, 3, 11, 6, 14, 7, 15};
-    constexpr EightInts kTwoLow = {0, 1, 8, 9, 4, 5, 12, 13}, kTwoHigh = {2, 3, 10, 11, 6, 7, 14, 15};
-    constexpr EightInts kFourLow = {0, 1, 2, 3, 8, 9, 10, 11}, kFourHigh = {4, 5, 6, 7, 12, 13, 14, 15};
-    Eight a[8], b[8];
-    for (int i = 0; i < 4; ++i) {
-        a[2 * i] = __builtin_shuffle(v[2 * i], v[2 * i + 1], kPairLow);
-        a[2 * i + 1] = __builtin_shuffle(v[2 * i], v[2 * i + 1], kPairHigh);
-    }
-    for (int i = 0; i < 8; i += 4)
-        for (int k = 0; k < 2; ++k) {
-            b[i + 2 * k] = __builtin_shuffle(a[i + k], a[i + k + 2], kTwoLow);
-            b[i + 2 * k + 1] = __builtin_shuffle(a[i + k], a[i + k + 2], kTwoHigh);
-        }
-    for (int i = 0; i < 4; ++i) {
-        v[i] = __builtin_shuffle(b[i], b[i + 4], kFourLow);
-        v[i + 4] = __builtin_shuffle(b[i], b[i + 4], kFourHigh);
-    }
-}
-
-}  // namespace
-
 void Gather(const EmitterRow *rows, const uint32_t *names, size_t count, EmitterPacket *packet) {
     static const EmitterRow nothing;
     Eight low[8], high[8];
@@ -224,13 +212,64 @@ void Gather(const EmitterRow *rows, const uint32_t *names, size_t count, Emitter
     packet->someCut = any(high[Row::kIsCut - 8]);
 }
 
-Float EvaluateFar(const Emitter &far, const LightQuery &query) {
+// noinline as above.
+[[gnu::noinline]] Float EvaluateFar(const Emitter &far, const LightQuery &query) {
     const Normal3 n = FaceForward(query.ns, query.wo);  // 0 in media
     if (n == Normal3(0)) return far.isDelta ? far.m0 : far.m0 / 4;
     Float along = Dot(far.m1, n);
     if (query.transmits) along = std::abs(along);
     if (far.isDelta) return far.m0 * std::max(along, Float(0));
     return std::max(far.m0 / 4 + along / 2, far.m0 / 40);
+}
+
+GroupImportance::GroupImportance(std::span<const Emitter> emitters)
+    : packets_((emitters.size() + kLanes - 1) / kLanes), size_(emitters.size()) {
+    for (uint32_t i = 0; i < size_; ++i) {
+        if (emitters[i].isFar) far_.push_back({i, emitters[i]});
+        else packets_[i / kLanes].Set(i % kLanes, emitters[i]);
+    }
+}
+
+std::vector<Emitter> GroupImportance::EmittersOf(const LightGroups &groups) {
+    std::vector<Emitter> emitters;
+    emitters.reserve(groups.Size());
+    for (uint32_t g = 0; g < groups.Size(); ++g)
+        emitters.push_back(MakeEmitter(groups.Lights(), LightId(groups.FirstOf(g)), groups.Candidate(g)));
+    return emitters;
+}
+
+std::vector<Emitter> GroupImportance::EmittersIn(const LightGroups &groups, uint32_t group) {
+    const LightTable &lights = groups.Lights();
+    std::vector<Emitter> emitters;
+    for (uint32_t i = groups.FirstOf(group), end = i + groups.CountOf(group); i < end; ++i)
+        emitters.push_back(MakeEmitter(lights, LightId(i), lights.Candidate(LightId(i))));
+    return emitters;
+}
+
+const FarEmitter *GroupImportance::FindFar(uint32_t emitter) const {
+    for (const FarEmitter &far : far_)
+        if (far.index == emitter) return &far;
+    return nullptr;
+}
+
+Float GroupImportance::Evaluate(const LightQuery &query, std::span<Float> out) const {
+    Float sum = EmitterPacket::EvaluateAll(packets_.data(), packets_.size(), query, out.data());
+    for (const FarEmitter &far : far_) sum += out[far.index] = EvaluateFar(far.emitter, query);
+    return sum;
+}
+
+Float GroupImportance::Of(const LightQuery &query, uint32_t emitter) const {
+    if (const FarEmitter *far = FindFar(emitter)) return EvaluateFar(far->emitter, query);
+    Float out[kLanes];
+    packets_[emitter / kLanes].Evaluate(query, out);
+    return out[emitter % kLanes];
+}
+
+Vector3 GroupImportance::DirectionTo(const Point3 &p, uint32_t emitter) const {
+    if (const FarEmitter *far = FindFar(emitter)) return far->emitter.isDelta ? far->emitter.m1 : Vector3(0);
+    Vector3 v = packets_[emitter / kLanes].Center(emitter % kLanes) - p;
+    Float length = Length(v);
+    return length > 0 ? v / length : Vector3(0);
 }
 
 }  // namespace ext

@@ -9,8 +9,7 @@ namespace ext {
 
 /// Wide tree over emitters: every node has up to 32 children, selected in proportion to G (EmitterPacket). Selecting
 /// among n emitters evaluates G about 32 log_32 n times. Children result from repeatedly splitting the cluster with
-/// maximum spread in position and direction, weighted by intensity. Near a curved emitter, the first level already
-/// separates back-facing sides; a binary tree of bounds does so only near its leaves.
+/// maximum spread in position and direction, weighted by intensity.
 class EmitterTree {
   public:
     EmitterTree() = default;
@@ -46,7 +45,6 @@ class EmitterTree {
     void WeighBelow(Node node, const LightQuery &query, Level *level) const;
 
     int Depth() const { return depth_; }
-    size_t NodeCount() const { return nodes_.size(); }
     size_t Bytes() const;
 
   private:

@@ -2,8 +2,8 @@
 #include <memory>
 #include <vector>
 
+#include "ext/lightgroups/emitter.h"
 #include "ext/lightgroups/emitter_tree.h"
-#include "ext/lightgroups/group_importance.h"
 #include "pbrt/lightsamplers/group_light_sampler.h"
 
 namespace ext {

@@ -1,7 +1,7 @@
 #pragma once
 #include <memory>
 
-#include "ext/lightgroups/group_importance.h"
+#include "ext/lightgroups/emitter.h"
 #include "ext/lightgroups/light_tree.h"
 #include "ext/lightgroups/mesh_interior.h"
 #include "ext/octree/visibility_model.h"

@@ -1,5 +1,5 @@
 #pragma once
-#include "ext/lightgroups/group_importance.h"
+#include "ext/lightgroups/emitter.h"
 #include "ext/lightgroups/light_tree.h"
 #include "ext/lightgroups/mesh_interior.h"
 #include "ext/prepass/prepass.h"

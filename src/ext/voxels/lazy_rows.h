@@ -5,6 +5,8 @@
 #include <memory>
 #include <span>
 
+#include "pbrt/core/parallel.h"
+
 namespace ext {
 
 /// Arrays of equal length, created lazily by any thread. A row must depend on its index only: threads that race for a
@@ -43,6 +45,16 @@ class LazyRows {
     /// CPU time in `fill`, summed over threads.
     double FillThreadSeconds() const { return double(nanoseconds_.load()) * 1e-9; }
     size_t Bytes() const { return count_ * sizeof(T *) + Filled() * length_ * sizeof(T); }
+    /// Adds times and numbers of rows that are voxels to a light sampler's report.
+    void Report(auto &report, double prepareSeconds) const {
+        report["prepassSeconds"] = 0.0;
+        // Voxels are filled during rendering; a thread that fills does not render.
+        report["buildSeconds"] = prepareSeconds + FillThreadSeconds() / std::max(1, pbrt::ThreadCount());
+        report["fillThreadSeconds"] = FillThreadSeconds();
+        report["voxels"] = Size();
+        report["voxelsFilled"] = Filled();
+        report["voxelsFilledTwice"] = Discarded();
+    }
 
   private:
     static int64_t ThreadNanoseconds() {

@@ -1,5 +1,7 @@
 #include "ext/voxels/voxel_grid.h"
 
+#include <fmt/format.h>
+
 namespace ext {
 
 VoxelGrid::VoxelGrid(const Bounds3 &bounds, int voxels) {
@@ -16,14 +18,14 @@ VoxelGrid::VoxelGrid(const Bounds3 &bounds, int voxels) {
     }
 }
 
-Bounds3 VoxelGrid::Voxel(uint32_t index) const {
-    Vector3 corner = Corner(index);
-    return {low_ + corner * size_, low_ + (corner + Float(1)) * size_};
-}
-
 size_t VoxelGrid::BorderSize() const {
     glm::ivec3 inner = glm::max(resolution_ - 2, glm::ivec3(0));
     return Size() - size_t(inner.x) * size_t(inner.y) * size_t(inner.z);
+}
+
+std::string VoxelGrid::Describe() const {
+    return fmt::format("grid of {} x {} x {} voxels, {:.4g} x {:.4g} x {:.4g} each\n", resolution_.x, resolution_.y,
+                       resolution_.z, size_.x, size_.y, size_.z);
 }
 
 }  // namespace ext

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <string>
 
 #include "pbrt/math/bounds.h"
 
@@ -23,11 +24,11 @@ class VoxelGrid {
     size_t Size() const { return size_t(resolution_.x) * size_t(resolution_.y) * size_t(resolution_.z); }
     const glm::ivec3 &Resolution() const { return resolution_; }
     const Vector3 &VoxelSize() const { return size_; }
-    Bounds3 Voxel(uint32_t index) const;
-    /// Point of a voxel; u in [0, 1)^3.
+    /// Point of a voxel; u in [0, 1]^3.
     Point3 PointIn(uint32_t index, const Vector3 &u) const { return low_ + (Corner(index) + u) * size_; }
     /// Voxels with a face on the grid's border: an estimate of the number of voxels with surfaces.
     size_t BorderSize() const;
+    std::string Describe() const;  ///< a line with resolution and voxel size
 
   private:
     static uint32_t Clamped(Float q, int resolution) {

@@ -61,8 +61,7 @@ class PassedHits {
 /// alpha texture are hit with probability alpha, by a hash of the ray that is independent of thread and query order.
 class Accel {
   public:
-    /// `robust`: Embree's robust traversal, watertight at shared edges. (High build quality is not offered, because
-    /// Embree builds robust scenes the same either way.)
+    /// `robust`: Embree's robust traversal, watertight at shared edges.
     explicit Accel(bool robust = true);
     ~Accel();
     Accel(const Accel &) = delete;

@@ -53,9 +53,8 @@ void CollectHit(const RTCFilterFunctionNArguments *args) {
 /// Nearest hit beyond tMin that stops the ray, through Shape::Intersect.
 std::optional<PrimitiveHit> NearestHit(const Geometry &g, const RTCIntersectContext *context, const RTCRay &ray,
                                        uint32_t primitive, Float tMin) {
-    Point3 o(ray.org_x, ray.org_y, ray.org_z);
-    Vector3 d(ray.dir_x, ray.dir_y, ray.dir_z);
-    while (std::optional<PrimitiveHit> hit = g.shape->Intersect(primitive, o, d, tMin, ray.tfar)) {
+    const Ray local{{ray.org_x, ray.org_y, ray.org_z}, {ray.dir_x, ray.dir_y, ray.dir_z}, ray.tfar};
+    while (std::optional<PrimitiveHit> hit = g.shape->Intersect(primitive, local, tMin)) {
         if (!g.alpha || StopsRay(g, context, ray, primitive, *hit)) return hit;
         tMin = std::nextafter(hit->t, Infinity);
     }

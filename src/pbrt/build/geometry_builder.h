@@ -8,7 +8,7 @@
 #include "pbrt/materials/material_factory.h"
 #include "pbrt/scene/scene.h"
 #include "pbrt/scenefile/scene_description.h"
-#include "pbrt/shapes/displacement.h"
+#include "pbrt/shapes/mesh_sources.h"
 
 namespace pbrt {
 

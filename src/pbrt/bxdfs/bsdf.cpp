@@ -7,11 +7,6 @@
 namespace pbrt {
 namespace {
 
-bool Offers(BxdfFlags flags, ReflTransFlags which) {
-    return (IsReflective(flags) && Has(which, ReflTransFlags::Reflection)) ||
-           (IsTransmissive(flags) && Has(which, ReflTransFlags::Transmission));
-}
-
 /// Calls f with the active lobe; returns a default-constructed result if there is none. (A chain of comparisons: unlike
 /// std::visit it neither throws nor uses a jump table.)
 template <size_t I = 1, class Variant, class Function>
@@ -27,8 +22,10 @@ auto Dispatch(Variant &lobes, Function f) {
 
 template <class L>
 auto ApproximationOf(const L &lobe, const Vector3 &wo) {
-    if constexpr (requires { typename L::Approximation; }) {
-        return typename L::Approximation(lobe, wo);
+    if constexpr (requires { lobe.ApproximationTerms(wo); }) {
+        return [&lobe, wo, terms = lobe.ApproximationTerms(wo)](const Vector3 &wi) {
+            return lobe.Approximate(wo, wi, terms);
+        };
     } else {
         return [&lobe, wo](const Vector3 &wi) -> Float {
             if constexpr (requires { lobe.Approximate(wo, wi); }) return lobe.Approximate(wo, wi);
@@ -83,22 +80,21 @@ SampledSpectrum Bsdf::FOfSamples(const Vector3 &wo, const Vector3 &wi) const {
     });
 }
 
-std::optional<BsdfSample> Bsdf::Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode,
-                                       ReflTransFlags which) const {
+std::optional<BsdfSample> Bsdf::Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode) const {
     Vector3 o = frame_.ToLocal(wo);
-    if (o.z == 0 || !Offers(flags_, which)) return {};
-    auto sample = Dispatch(lobe_, [&](const auto &lobe) { return lobe.Sample(o, uc, u, mode, which); });
+    if (o.z == 0 || flags_ == BxdfFlags::None) return {};
+    auto sample = Dispatch(lobe_, [&](const auto &lobe) { return lobe.Sample(o, uc, u, mode); });
     if (!sample) return sample;
     if (!(sample->pdf > 0) || sample->wi.z == 0 || !sample->f) return {};
     sample->wi = frame_.FromLocal(sample->wi);
     return sample;
 }
 
-Float Bsdf::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode mode, ReflTransFlags which) const {
+Float Bsdf::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const {
     Vector3 o = frame_.ToLocal(wo);
-    if (o.z == 0 || !Offers(flags_, which)) return 0;
+    if (o.z == 0 || flags_ == BxdfFlags::None) return 0;
     Vector3 i = frame_.ToLocal(wi);
-    return Dispatch(lobe_, [&](const auto &lobe) { return lobe.Pdf(o, i, mode, which); });
+    return Dispatch(lobe_, [&](const auto &lobe) { return lobe.Pdf(o, i, mode); });
 }
 
 void Bsdf::UseWalks() {
@@ -110,7 +106,7 @@ void Bsdf::UseWalks() {
 
 void Bsdf::Regularize() {
     flags_ = Dispatch(lobe_, [](auto &lobe) {
-        lobe.Regularize();
+        if constexpr (requires { lobe.Regularize(); }) lobe.Regularize();
         return lobe.Flags();
     });
 }

@@ -43,10 +43,8 @@ class Bsdf {
     /// directions that replace Sample's.
     SampledSpectrum FOfSamples(const Vector3 &wo, const Vector3 &wi) const;
     std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u,
-                                     TransportMode mode = TransportMode::Radiance,
-                                     ReflTransFlags which = ReflTransFlags::All) const;
-    Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode mode = TransportMode::Radiance,
-              ReflTransFlags which = ReflTransFlags::All) const;
+                                     TransportMode mode = TransportMode::Radiance) const;
+    Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode mode = TransportMode::Radiance) const;
     /// Roughens nearly specular lobes (pbrt-v4-format §5.5).
     void Regularize();
     /// Makes coats use random walks only (CoatedBxdf), as in stock pbrt-v4.

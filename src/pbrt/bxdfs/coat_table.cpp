@@ -1,4 +1,4 @@
-#include "pbrt/bxdfs/coat_table.h"
+#include "pbrt/bxdfs/layered.h"
 
 #include "pbrt/bxdfs/fresnel.h"
 #include "pbrt/bxdfs/shared_table.h"

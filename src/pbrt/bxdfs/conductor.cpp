@@ -11,9 +11,8 @@ SampledSpectrum ConductorBxdf::F(const Vector3 &wo, const Vector3 &wi, Transport
     return FresnelConductor(AbsDot(wo, wm), eta_, k_) * facets;
 }
 
-std::optional<BsdfSample> ConductorBxdf::Sample(const Vector3 &wo, Float, const Point2 &u, TransportMode,
-                                                ReflTransFlags which) const {
-    if (!Has(which, ReflTransFlags::Reflection) || wo.z == 0) return {};
+std::optional<BsdfSample> ConductorBxdf::Sample(const Vector3 &wo, Float, const Point2 &u, TransportMode) const {
+    if (wo.z == 0) return {};
     if (facets_.EffectivelySmooth()) {
         Float cosine = AbsCosTheta(wo);
         return BsdfSample{FresnelConductor(cosine, eta_, k_) / cosine, Vector3(-wo.x, -wo.y, wo.z), 1,
@@ -29,8 +28,8 @@ std::optional<BsdfSample> ConductorBxdf::Sample(const Vector3 &wo, Float, const 
                       BxdfFlags::Reflection | BxdfFlags::Glossy};
 }
 
-Float ConductorBxdf::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode, ReflTransFlags which) const {
-    if (!Has(which, ReflTransFlags::Reflection) || !SameHemisphere(wo, wi) || facets_.EffectivelySmooth()) return 0;
+Float ConductorBxdf::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode) const {
+    if (!SameHemisphere(wo, wi) || facets_.EffectivelySmooth()) return 0;
     // Half-vector density times Jacobian 1 / (4 |wo . wm|).
     return facets_.G1(wo) * facets_.D(Normalize(wo + wi)) / (4 * AbsCosTheta(wo));
 }

@@ -16,9 +16,8 @@ class ConductorBxdf {
         return BxdfFlags::Reflection | (facets_.EffectivelySmooth() ? BxdfFlags::Specular : BxdfFlags::Glossy);
     }
     SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const;
-    std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode,
-                                     ReflTransFlags which) const;
-    Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode mode, ReflTransFlags which) const;
+    std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode) const;
+    Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const;
     /// F without Fresnel reflectance: the lobe's shape at a fraction of the cost.
     Float Approximate(const Vector3 &wo, const Vector3 &wi) const {
         if (!SameHemisphere(wo, wi) || facets_.EffectivelySmooth()) return 0;

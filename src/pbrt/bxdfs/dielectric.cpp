@@ -72,10 +72,9 @@ std::optional<BsdfSample> DielectricBxdf::SampleSmooth(const Vector3 &wo, Float 
     Float fresnel = FresnelDielectric(CosTheta(wo), eta_);
     Float pReflect = ReflectionProbability(fresnel, 1 - fresnel, which);
     if (pReflect < 0) return {};
-    if (uc < pReflect) {
+    if (uc < pReflect)
         return BsdfSample{SampledSpectrum(fresnel / AbsCosTheta(wo)), Vector3(-wo.x, -wo.y, wo.z), pReflect,
                           BxdfFlags::Reflection | BxdfFlags::Specular};
-    }
     Vector3 wi;
     Float etaRelative;
     if (!Refract(wo, Normal3(0, 0, 1), eta_, &etaRelative, &wi)) return {};
@@ -176,8 +175,7 @@ DielectricBxdf::Transmission DielectricBxdf::EvaluateTransmission(const Vector3 
     return {f, common * facets_.G1(wo)};
 }
 
-std::optional<BsdfSample> ThinDielectricBxdf::Sample(const Vector3 &wo, Float uc, const Point2 &, TransportMode,
-                                                     ReflTransFlags which) const {
+std::optional<BsdfSample> ThinDielectricBxdf::Sample(const Vector3 &wo, Float uc, const Point2 &, TransportMode) const {
     Float cosine = AbsCosTheta(wo);
     if (cosine == 0) return {};
     Float r = FresnelDielectric(cosine, eta_), t = 1 - r;
@@ -185,12 +183,10 @@ std::optional<BsdfSample> ThinDielectricBxdf::Sample(const Vector3 &wo, Float uc
         r += t * t * r / (1 - r * r);
         t = 1 - r;
     }
-    Float pReflect = ReflectionProbability(r, t, which);
-    if (pReflect < 0) return {};
-    if (uc < pReflect) {
+    const Float pReflect = r / (r + t);
+    if (uc < pReflect)
         return BsdfSample{SampledSpectrum(r / cosine), Vector3(-wo.x, -wo.y, wo.z), pReflect,
                           BxdfFlags::Reflection | BxdfFlags::Specular};
-    }
     return BsdfSample{SampledSpectrum(t / cosine), -wo, 1 - pReflect, BxdfFlags::Transmission | BxdfFlags::Specular};
 }
 

@@ -18,8 +18,9 @@ class DielectricBxdf {
     }
     SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const;
     std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode,
-                                     ReflTransFlags which) const;
-    Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode mode, ReflTransFlags which) const;
+                                     ReflTransFlags which = ReflTransFlags::All) const;
+    Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode mode,
+              ReflTransFlags which = ReflTransFlags::All) const;
     void Regularize() { facets_.Regularize(); }
 
     // For random walks. With visible-normal sampling, f |cos| / pdf is the Fresnel term times G / G1: the normal
@@ -70,10 +71,8 @@ class ThinDielectricBxdf {
 
     BxdfFlags Flags() const { return BxdfFlags::Reflection | BxdfFlags::Transmission | BxdfFlags::Specular; }
     SampledSpectrum F(const Vector3 &, const Vector3 &, TransportMode) const { return SampledSpectrum(0); }
-    std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode,
-                                     ReflTransFlags which) const;
-    Float Pdf(const Vector3 &, const Vector3 &, TransportMode, ReflTransFlags) const { return 0; }
-    void Regularize() {}
+    std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode) const;
+    Float Pdf(const Vector3 &, const Vector3 &, TransportMode) const { return 0; }
 
   private:
     Float eta_;

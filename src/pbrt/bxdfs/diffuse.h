@@ -20,22 +20,18 @@ class DiffuseBxdf {
     SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode) const {
         return SameHemisphere(wo, wi) ? reflectance_ * InvPi : SampledSpectrum(0);
     }
-    std::optional<BsdfSample> Sample(const Vector3 &wo, Float, const Point2 &u, TransportMode,
-                                     ReflTransFlags which) const {
-        if (!Has(which, ReflTransFlags::Reflection)) return {};
+    std::optional<BsdfSample> Sample(const Vector3 &wo, Float, const Point2 &u, TransportMode) const {
         Vector3 wi = SampleCosineHemisphere(u);
         Float pdf = CosineHemispherePdf(wi.z);
         if (wo.z < 0) wi.z = -wi.z;
         return BsdfSample{reflectance_ * InvPi, wi, pdf, BxdfFlags::Diffuse | BxdfFlags::Reflection};
     }
-    Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode, ReflTransFlags which) const {
-        if (!Has(which, ReflTransFlags::Reflection) || !SameHemisphere(wo, wi)) return 0;
-        return CosineHemispherePdf(AbsCosTheta(wi));
+    Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode) const {
+        return SameHemisphere(wo, wi) ? CosineHemispherePdf(AbsCosTheta(wi)) : 0;
     }
     Float Approximate(const Vector3 &wo, const Vector3 &wi) const {
         return SameHemisphere(wo, wi) ? reflectance_.Average() * InvPi : 0;
     }
-    void Regularize() {}
     const SampledSpectrum &Reflectance() const { return reflectance_; }
 
   private:
@@ -55,36 +51,26 @@ class DiffuseTransmissionBxdf {
     SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode) const {
         return (SameHemisphere(wo, wi) ? reflectance_ : transmittance_) * InvPi;
     }
-    std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode,
-                                     ReflTransFlags which) const {
-        Float pr = ReflectionWeight(which), pt = TransmissionWeight(which);
+    std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode) const {
+        Float pr = reflectance_.MaxComponent(), pt = transmittance_.MaxComponent();
         if (pr + pt == 0) return {};
         Float reflection = pr / (pr + pt);
         Vector3 wi = SampleCosineHemisphere(u);
         Float pdf = CosineHemispherePdf(wi.z);
         bool reflect = uc < reflection;
         if ((wo.z < 0) == reflect) wi.z = -wi.z;
-        if (reflect) {
+        if (reflect)
             return BsdfSample{reflectance_ * InvPi, wi, pdf * reflection, BxdfFlags::Diffuse | BxdfFlags::Reflection};
-        }
         return BsdfSample{transmittance_ * InvPi, wi, pdf * (pt / (pr + pt)),
                           BxdfFlags::Diffuse | BxdfFlags::Transmission};
     }
-    Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode, ReflTransFlags which) const {
-        Float pr = ReflectionWeight(which), pt = TransmissionWeight(which);
+    Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode) const {
+        Float pr = reflectance_.MaxComponent(), pt = transmittance_.MaxComponent();
         if (pr + pt == 0) return 0;
         return (SameHemisphere(wo, wi) ? pr : pt) / (pr + pt) * CosineHemispherePdf(AbsCosTheta(wi));
     }
-    void Regularize() {}
 
   private:
-    Float ReflectionWeight(ReflTransFlags which) const {
-        return Has(which, ReflTransFlags::Reflection) ? reflectance_.MaxComponent() : 0;
-    }
-    Float TransmissionWeight(ReflTransFlags which) const {
-        return Has(which, ReflTransFlags::Transmission) ? transmittance_.MaxComponent() : 0;
-    }
-
     SampledSpectrum reflectance_, transmittance_;
 };
 
@@ -101,16 +87,14 @@ class NormalizedFresnelBxdf {
         const Float f = scale_ * (1 - FresnelDielectric(AbsCosTheta(wi), eta_));
         return SampledSpectrum(mode == TransportMode::Radiance ? f * Sqr(eta_) : f);
     }
-    std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode,
-                                     ReflTransFlags which) const {
-        std::optional<BsdfSample> sample = DiffuseBxdf(SampledSpectrum(1)).Sample(wo, uc, u, mode, which);
+    std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode) const {
+        std::optional<BsdfSample> sample = DiffuseBxdf(SampledSpectrum(1)).Sample(wo, uc, u, mode);
         if (sample) sample->f = F(wo, sample->wi, mode);
         return sample;
     }
-    Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode mode, ReflTransFlags which) const {
-        return DiffuseBxdf(SampledSpectrum(1)).Pdf(wo, wi, mode, which);
+    Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const {
+        return DiffuseBxdf(SampledSpectrum(1)).Pdf(wo, wi, mode);
     }
-    void Regularize() {}
 
   private:
     Float eta_, scale_;

@@ -43,6 +43,27 @@ Float Logistic(Float x, Float scale) {
     return e / (scale * Sqr(1 + e));
 }
 
+template <class T>
+T WeightedSum(const std::array<T, HairBxdf::Lobes> &weights, const std::array<Float, HairBxdf::Lobes> &values) {
+    T sum(Float(0));
+    for (size_t i = 0; i < weights.size(); ++i) sum += weights[i] * values[i];
+    return sum;
+}
+
+std::array<Float, HairBxdf::Lobes> Averages(const std::array<SampledSpectrum, HairBxdf::Lobes> &shares) {
+    std::array<Float, HairBxdf::Lobes> averages;
+    for (size_t i = 0; i < averages.size(); ++i) averages[i] = shares[i].Average();
+    return averages;
+}
+
+std::array<Float, HairBxdf::Lobes> Chances(const std::array<SampledSpectrum, HairBxdf::Lobes> &shares) {
+    std::array<Float, HairBxdf::Lobes> chances = Averages(shares);
+    const Float sum = std::accumulate(chances.begin(), chances.end(), Float(0));
+    if (!(sum > 0)) return {1, 0, 0, 0};
+    for (Float &c : chances) c /= sum;
+    return chances;
+}
+
 }  // namespace
 
 // With a = cosI cosO / v and b = sinI sinO / v: I0(a) exp(-b) / (2 v sinh(1/v)). Exponentials are combined so that no
@@ -117,56 +138,27 @@ std::array<Float, HairBxdf::Lobes> HairBxdf::Densities(const View &view, const V
     return densities;
 }
 
-namespace {
-
-template <class T>
-T WeightedSum(const std::array<T, HairBxdf::Lobes> &weights, const std::array<Float, HairBxdf::Lobes> &values) {
-    T sum(Float(0));
-    for (size_t i = 0; i < weights.size(); ++i) sum += weights[i] * values[i];
-    return sum;
-}
-
-std::array<Float, HairBxdf::Lobes> Averages(const std::array<SampledSpectrum, HairBxdf::Lobes> &shares) {
-    std::array<Float, HairBxdf::Lobes> averages;
-    for (size_t i = 0; i < averages.size(); ++i) averages[i] = shares[i].Average();
-    return averages;
-}
-
-std::array<Float, HairBxdf::Lobes> Chances(const std::array<SampledSpectrum, HairBxdf::Lobes> &shares) {
-    std::array<Float, HairBxdf::Lobes> chances = Averages(shares);
-    const Float sum = std::accumulate(chances.begin(), chances.end(), Float(0));
-    if (!(sum > 0)) return {1, 0, 0, 0};
-    for (Float &c : chances) c /= sum;
-    return chances;
-}
-
-bool Wanted(const Vector3 &wo, const Vector3 &wi, ReflTransFlags which) {
-    return Has(which, SameHemisphere(wo, wi) ? ReflTransFlags::Reflection : ReflTransFlags::Transmission);
-}
-
-}  // namespace
-
 SampledSpectrum HairBxdf::F(const Vector3 &wo, const Vector3 &wi, TransportMode) const {
     if (wi.z == 0) return SampledSpectrum(0);
     const View view = ViewFrom(wo);
     return WeightedSum(view.attenuation, Densities(view, wi)) / std::abs(wi.z);
 }
 
-HairBxdf::Approximation::Approximation(const HairBxdf &hair, const Vector3 &wo)
-    : hair_(hair), view_(hair.ViewFrom(wo)), averages_(Averages(view_.attenuation)) {}
-
-Float HairBxdf::Approximation::operator()(const Vector3 &wi) const {
-    return WeightedSum(averages_, hair_.Densities(view_, wi)) / std::abs(wi.z);
+HairBxdf::Terms HairBxdf::ApproximationTerms(const Vector3 &wo) const {
+    const View view = ViewFrom(wo);
+    return {view, Averages(view.attenuation)};
 }
 
-Float HairBxdf::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode, ReflTransFlags which) const {
-    if (!Wanted(wo, wi, which)) return 0;
+Float HairBxdf::Approximate(const Vector3 &, const Vector3 &wi, const Terms &terms) const {
+    return WeightedSum(terms.averages, Densities(terms.view, wi)) / std::abs(wi.z);
+}
+
+Float HairBxdf::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode) const {
     const View view = ViewFrom(wo);
     return WeightedSum(Chances(view.attenuation), Densities(view, wi));
 }
 
-std::optional<BsdfSample> HairBxdf::Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode,
-                                           ReflTransFlags which) const {
+std::optional<BsdfSample> HairBxdf::Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode) const {
     const View view = ViewFrom(wo);
     const std::array<Float, Lobes> chances = Chances(view.attenuation);
     size_t p = 0;
@@ -186,7 +178,7 @@ std::optional<BsdfSample> HairBxdf::Sample(const Vector3 &wo, Float uc, const Po
         p < Lobes - 1 ? view.turn[p] + SampleTrimmedLogistic(within, scale_, scaleMass_) : 2 * Pi * within;
     const Float phi = view.phi + turn;
     const Vector3 wi(sinI, cosI * std::cos(phi), cosI * std::sin(phi));
-    if (wi.z == 0 || !Wanted(wo, wi, which)) return {};
+    if (wi.z == 0) return {};
     const std::array<Float, Lobes> densities = Densities(view, wi);
     return BsdfSample{WeightedSum(view.attenuation, densities) / std::abs(wi.z), wi, WeightedSum(chances, densities),
                       BxdfFlags::Glossy | (SameHemisphere(wo, wi) ? BxdfFlags::Reflection : BxdfFlags::Transmission)};

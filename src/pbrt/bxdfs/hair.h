@@ -18,11 +18,8 @@ class HairBxdf {
 
     BxdfFlags Flags() const { return BxdfFlags::Glossy | BxdfFlags::Reflection | BxdfFlags::Transmission; }
     SampledSpectrum F(const Vector3 &wo, const Vector3 &wi, TransportMode) const;
-    /// With one side requested, samples of the other are rejected: Pdf then integrates to less than 1.
-    std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode,
-                                     ReflTransFlags which) const;
-    Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode, ReflTransFlags which) const;
-    void Regularize() {}
+    std::optional<BsdfSample> Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode) const;
+    Float Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode) const;
 
     /// Absorption for which a mass of fibres of roughness `betaN` has reflectance `c` (Chiang et al. 2016).
     static SampledSpectrum AbsorptionOfReflectance(const SampledSpectrum &c, Float betaN);
@@ -46,17 +43,14 @@ class HairBxdf {
     SampledSpectrum sigmaA_;
 
   public:
-    /// Wavelength-averaged F(wo, .) for many directions; terms of wo are computed once.
-    class Approximation {
-      public:
-        Approximation(const HairBxdf &hair, const Vector3 &wo);
-        Float operator()(const Vector3 &wi) const;
-
-      private:
-        const HairBxdf &hair_;
-        View view_;
-        std::array<Float, Lobes> averages_;
+    /// Terms of wo for Approximate.
+    struct Terms {
+        View view;
+        std::array<Float, Lobes> averages;  ///< attenuations, averaged over the wavelengths
     };
+    Terms ApproximationTerms(const Vector3 &wo) const;
+    /// Wavelength-averaged F.
+    Float Approximate(const Vector3 &wo, const Vector3 &wi, const Terms &terms) const;
 };
 
 /// Density, with respect to cos(theta) d theta, of the scattered elevation about the cone opposite to `o`; integrates

@@ -46,11 +46,10 @@ Rng NumbersFor(Stream stream, const Vector3 &a, const Vector3 &b) {
                        std::rotl(words[2] * 0x165667b19e3779f9ull, 41) ^ (uint64_t(stream) << 32)));
 }
 
-std::optional<BsdfSample> Draw(const auto &lobe, const Vector3 &wo, Rng &rng, TransportMode mode,
-                               ReflTransFlags which = ReflTransFlags::All) {
+std::optional<BsdfSample> Draw(const auto &lobe, const Vector3 &wo, Rng &rng, TransportMode mode) {
     Float uc = rng.Uniform();
     Point2 u = rng.Uniform2();
-    return lobe.Sample(wo, uc, u, mode, which);
+    return lobe.Sample(wo, uc, u, mode);
 }
 
 }  // namespace
@@ -82,18 +81,15 @@ typename CoatedBxdf<Base>::Passage CoatedBxdf<Base>::Through(const Vector3 &w) c
 }
 
 template <class Base>
-CoatedBxdf<Base>::Approximation::Approximation(const CoatedBxdf &coated, const Vector3 &wo)
-    : coated_(coated), side_(wo.z < 0 ? Float(-1) : Float(1)), wo_(wo * side_), in_(coated.Through(wo_)) {}
-
-template <class Base>
-Float CoatedBxdf<Base>::Approximation::operator()(const Vector3 &wi) const {
-    const Vector3 i = wi * side_;
-    if (!SameHemisphere(wo_, i)) return 0;
-    const Float mirrored = coated_.top_.F(wo_, i, TransportMode::Radiance)[0];
-    const Passage out = coated_.Through(i);
-    const Float transmitted = in_.transmitted * out.transmitted / Sqr(coated_.top_.Eta());
+Float CoatedBxdf<Base>::Approximate(const Vector3 &wo, const Vector3 &wi, const Passage &in) const {
+    if (!SameHemisphere(wo, wi)) return 0;
+    const Float side = wo.z < 0 ? Float(-1) : Float(1);
+    const Vector3 i = wi * side;
+    const Float mirrored = top_.F(wo * side, i, TransportMode::Radiance)[0];
+    const Passage out = Through(i);
+    const Float transmitted = in.transmitted * out.transmitted / Sqr(top_.Eta());
     if (!(transmitted > 0)) return mirrored;
-    return mirrored + coated_.bottom_.Approximate(-in_.inside, -out.inside) * transmitted;
+    return mirrored + bottom_.Approximate(-in.inside, -out.inside) * transmitted;
 }
 
 template <class Base>
@@ -178,12 +174,12 @@ SampledSpectrum CoatedBxdf<Base>::EstimateInside(const Vector3 &wo, const Vector
         }
         if (!smoothBase) {
             Float weight = exitTransmittance * AbsCosTheta(exit);
-            if (!smoothTop) weight *= PowerHeuristic(out.pdf, bottom_.Pdf(-w, exit, mode, ReflTransFlags::All));
+            if (!smoothTop) weight *= PowerHeuristic(out.pdf, bottom_.Pdf(-w, exit, mode));
             f += beta * bottom_.F(-w, exit, mode) * (exitWeight * weight);
         }
         const bool isLast = depth + 2 >= maxDepth_ && !scatters_;
         if (smoothTop && isLast) break;
-        auto bounce = Draw(bottom_, -w, rng, mode, ReflTransFlags::Reflection);
+        auto bounce = Draw(bottom_, -w, rng, mode);
         if (!Usable(bounce)) break;
         beta *= bounce->f * (AbsCosTheta(bounce->wi) / bounce->pdf);
         w = bounce->wi;
@@ -194,9 +190,8 @@ SampledSpectrum CoatedBxdf<Base>::EstimateInside(const Vector3 &wo, const Vector
 }
 
 template <class Base>
-std::optional<BsdfSample> CoatedBxdf<Base>::Sample(const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode,
-                                                   ReflTransFlags which) const {
-    if (!Has(which, ReflTransFlags::Reflection)) return {};
+std::optional<BsdfSample> CoatedBxdf<Base>::Sample(const Vector3 &wo, Float uc, const Point2 &u,
+                                                   TransportMode mode) const {
     Float side = wo.z < 0 ? Float(-1) : Float(1);
     Vector3 o = wo * side;
     if (way_ != Way::Walk) {
@@ -204,7 +199,7 @@ std::optional<BsdfSample> CoatedBxdf<Base>::Sample(const Vector3 &wo, Float uc, 
         if (sample) sample->wi *= side;
         return sample;
     }
-    auto entry = top_.Sample(o, uc, u, mode, ReflTransFlags::All);
+    auto entry = top_.Sample(o, uc, u, mode);
     if (!Usable(entry)) return {};
     if (IsReflective(entry->flags)) {
         entry->wi *= side;
@@ -261,8 +256,7 @@ std::optional<BsdfSample> CoatedBxdf<Base>::Sample(const Vector3 &wo, Float uc, 
 }
 
 template <class Base>
-Float CoatedBxdf<Base>::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode mode, ReflTransFlags which) const {
-    if (!Has(which, ReflTransFlags::Reflection)) return 0;
+Float CoatedBxdf<Base>::Pdf(const Vector3 &wo, const Vector3 &wi, TransportMode mode) const {
     Float side = wo.z < 0 ? Float(-1) : Float(1);
     const Vector3 o = wo * side, i = wi * side;
     const bool isAbove = SameHemisphere(wo, wi);
@@ -288,12 +282,12 @@ Float CoatedBxdf<Base>::EstimateDensity(const Vector3 &wo, const Vector3 &wi, Tr
     if (!(in.weight > 0)) return mirrored;
     const DielectricBxdf::Drawn out = top_.DrawTransmission(wi, draw2(), Reverse(mode));
     if (!(out.weight > 0)) return mirrored;
-    Float base = bottom_.Pdf(-in.wi, -out.wi, mode, ReflTransFlags::All);
+    Float base = bottom_.Pdf(-in.wi, -out.wi, mode);
     if (smoothTop) return mirrored + base;
 
     auto bounce = Draw(bottom_, -in.wi, rng, mode);
     if (!Usable(bounce)) return mirrored;
-    Float through = top_.Pdf(-bounce->wi, wi, mode, ReflTransFlags::All);
+    Float through = top_.Pdf(-bounce->wi, wi, mode);
     if (IsSpecular(bounce->flags)) return mirrored + through;
     return mirrored + PowerHeuristic(out.pdf, base) * base + PowerHeuristic(bounce->pdf, through) * through;
 }
@@ -385,7 +379,7 @@ Float CoatedBxdf<Base>::ClearDensity(const Vector3 &wo, const Vector3 &wi, Trans
         const Vector3 up = SampleCosineHemisphere(rng.Uniform2());
         if (up.z == 0) continue;
         const Float bounced = CosineHemispherePdf(up.z);
-        const Float through = top_.Pdf(-up, wi, mode, ReflTransFlags::All);
+        const Float through = top_.Pdf(-up, wi, mode);
         sum += PowerHeuristic(out.pdf, base) * base + PowerHeuristic(bounced, through) * through;
     }
     return mirrored + sum / Float(nSamples_);

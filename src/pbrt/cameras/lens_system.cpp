@@ -15,9 +15,9 @@ constexpr int kResolution = 256;  // stock pbrt-v4's
 /// Rasterises `value` over [-1, 1]^2, y up; row 0 is the bottom.
 Image Draw(const std::function<Float(const Point2 &p)> &value) {
     Image image(PixelFormat::Float, {kResolution, kResolution}, {"Y"});
-    for (int y = 0; y < kResolution; ++y)
-        for (int x = 0; x < kResolution; ++x)
-            image.Set({x, y}, 0, value((Point2(x, y) + Point2(0.5f)) * (Float(2) / kResolution) - Point2(1)));
+    ForEachPixel(image, [&](Point2i p) {
+        image.Set(p, 0, value((Point2(p) + Point2(0.5f)) * (Float(2) / kResolution) - Point2(1)));
+    });
     return image;
 }
 
@@ -61,17 +61,40 @@ Image Mono(const Image &image, const std::string &name) {
     const Point2i n = source.Resolution();
     Image mono(PixelFormat::Float, n, {"Y"});
     Float largest = 0;
-    for (int y = 0; y < n.y; ++y)
-        for (int x = 0; x < n.x; ++x) {
-            Float sum = 0;
-            for (int c = 0; c < source.ChannelCount(); ++c) sum += source.Get({x, y}, c);
-            if (!(sum >= 0 && std::isfinite(sum)))
-                throw UserError("\"{}\": pixel ({}, {}) is negative, infinite or not a number.", name, x, y);
-            largest = std::max(largest, sum);
-            mono.Set({x, n.y - 1 - y}, 0, sum / Float(source.ChannelCount()));
-        }
+    ForEachPixel(source, [&](Point2i p) {
+        Float sum = 0;
+        for (int c = 0; c < source.ChannelCount(); ++c) sum += source.Get(p, c);
+        if (!(sum >= 0 && std::isfinite(sum)))
+            throw UserError("\"{}\": pixel ({}, {}) is negative, infinite or not a number.", name, p.x, p.y);
+        largest = std::max(largest, sum);
+        mono.Set({p.x, n.y - 1 - p.y}, 0, sum / Float(source.ChannelCount()));
+    });
     if (!(largest > 0)) throw UserError("\"{}\" is black: no light passes this aperture.", name);
     return mono;
+}
+
+/// Paraxial ray entering parallel to the axis at height 1: height and slope behind the lens.
+struct Traced {
+    double height, slope;
+};
+
+Traced TraceParallelRay(std::span<const LensElement> elements, bool isFromScene) {
+    double y = 1, u = 0;
+    for (size_t k = 0; k < elements.size(); ++k) {
+        const size_t i = isFromScene ? k : elements.size() - 1 - k;
+        const LensElement &e = elements[i];
+        // Along the light; radius above 0: convex towards it.
+        double radius = double(e.curvatureRadius), before = i > 0 ? double(elements[i - 1].index) : 1,
+               after = double(e.index), thickness = double(e.thickness);
+        if (!isFromScene) {
+            radius = -radius;
+            std::swap(before, after);
+            thickness = i > 0 ? double(elements[i - 1].thickness) : 0;
+        }
+        if (radius != 0) u = (before * u - y * (after - before) / radius) / after;
+        if (k + 1 < elements.size()) y += thickness * u;
+    }
+    return {y, u};
 }
 
 }  // namespace
@@ -80,22 +103,19 @@ ApertureImage::ApertureImage(Image image) : image_(std::move(image)) {
     const Point2i n = image_.Resolution();
     double sum = 0;
     Float reach2 = 0;
-    for (int y = 0; y < n.y; ++y)
-        for (int x = 0; x < n.x; ++x) {
-            const Float value = image_.Get({x, y}, 0);
-            if (value == 0) continue;
-            sum += double(value);
-            // A pixel's support is one pixel from its centre in each direction.
-            const Vector2 pixel = Float(2) / Vector2(n);
-            const Vector2 corner =
-                glm::min(glm::abs((Vector2(x, y) + Vector2(0.5f)) * pixel - Vector2(1)) + pixel, Vector2(1));
-            reach2 = std::max(reach2, Sqr(corner.x) + Sqr(corner.y));
-        }
+    ForEachPixel(image_, [&](Point2i p) {
+        const Float value = image_.Get(p, 0);
+        if (value == 0) return;
+        sum += double(value);
+        // A pixel's support is one pixel from its centre in each direction.
+        const Vector2 pixel = Float(2) / Vector2(n);
+        const Vector2 corner =
+            glm::min(glm::abs((Vector2(p) + Vector2(0.5f)) * pixel - Vector2(1)) + pixel, Vector2(1));
+        reach2 = std::max(reach2, Sqr(corner.x) + Sqr(corner.y));
+    });
     reach_ = std::sqrt(reach2);
     const double mean = sum / (double(n.x) * double(n.y));
-    for (int y = 0; y < n.y; ++y)
-        for (int x = 0; x < n.x; ++x)
-            image_.Set({x, y}, 0, Float(double(image_.Get({x, y}, 0)) / mean * double(Pi / 4)));
+    ForEachPixel(image_, [&](Point2i p) { image_.Set(p, 0, Float(double(image_.Get(p, 0)) / mean * double(Pi / 4))); });
 }
 
 ApertureImage ApertureImage::Read(const std::string &name, const FileResolver &files) {
@@ -131,34 +151,6 @@ std::vector<LensElement> ReadLensFile(const std::string &path) {
     }
     return elements;
 }
-
-namespace {
-
-/// Paraxial ray entering parallel to the axis at height 1: height and slope behind the lens.
-struct Traced {
-    double height, slope;
-};
-
-Traced TraceParallelRay(std::span<const LensElement> elements, bool isFromScene) {
-    double y = 1, u = 0;
-    for (size_t k = 0; k < elements.size(); ++k) {
-        const size_t i = isFromScene ? k : elements.size() - 1 - k;
-        const LensElement &e = elements[i];
-        // Along the light; radius above 0: convex towards it.
-        double radius = double(e.curvatureRadius), before = i > 0 ? double(elements[i - 1].index) : 1,
-               after = double(e.index), thickness = double(e.thickness);
-        if (!isFromScene) {
-            radius = -radius;
-            std::swap(before, after);
-            thickness = i > 0 ? double(elements[i - 1].thickness) : 0;
-        }
-        if (radius != 0) u = (before * u - y * (after - before) / radius) / after;
-        if (k + 1 < elements.size()) y += thickness * u;
-    }
-    return {y, u};
-}
-
-}  // namespace
 
 CardinalPoints ComputeCardinalPoints(std::span<const LensElement> elements) {
     const Traced behind = TraceParallelRay(elements, true), before = TraceParallelRay(elements, false);

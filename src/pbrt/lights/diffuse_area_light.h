@@ -35,13 +35,12 @@ struct AreaEmission {
         }
         Rgb weights = colorSpace->Luminance();
         double values = 0, luminances = 0;
-        Point2i n = image.Resolution();
-        for (int y = 0; y < n.y; ++y)
-            for (int x = 0; x < n.x; ++x) {
-                Rgb rgb = LightPixel(image, {x, y});
-                values += double(MeanOf(rgb));
-                luminances += double(glm::dot(rgb, weights));
-            }
+        const Point2i n = image.Resolution();
+        ForEachPixel(image, [&](Point2i p) {
+            const Rgb rgb = LightPixel(image, p);
+            values += double(MeanOf(rgb));
+            luminances += double(glm::dot(rgb, weights));
+        });
         double pixels = double(n.x) * double(n.y);
         peak = Float(values / pixels);
         luminance = Float(luminances / pixels);
@@ -96,15 +95,9 @@ class DiffuseAreaLight final : public Light {
         if (!EmitsTowards(point->n, -wi)) return {};
         Float coverage = Coverage(point->p, point->uv);
         if (!(coverage > 0)) return {};
-        LightLiSample s;
-        s.L = (Scale(at) * coverage) * emission_->Radiance(point->uv, lambda);
-        if (!s.L) return {};
-        s.wi = wi;
-        s.pdf = point->pdf;
-        s.pLight = point->p;
-        s.pLightError = point->pError;
-        s.nLight = point->n;
-        return s;
+        const SampledSpectrum L = (Scale(at) * coverage) * emission_->Radiance(point->uv, lambda);
+        if (!L) return {};
+        return LightLiSample{L, wi, point->pdf, point->p, point->pError, point->n};
     }
     Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit, bool,
                 uint32_t component) const override {
@@ -128,19 +121,13 @@ class DiffuseAreaLight final : public Light {
             u.x = std::min(2 * u.x - (front ? 0 : 1), OneMinusEpsilon);
         }
         const Vector3 local = SampleCosineHemisphere(u);
-        LightLeSample s;
-        s.pdfDirection = CosineHemispherePdf(local.z) / (emission_->twoSided ? 2 : 1);
-        if (!(s.pdfDirection > 0)) return {};
-        s.L = (Scale(at) * coverage) * emission_->Radiance(point->uv, lambda);
-        if (!s.L) return {};
-        s.ray.d = Frame::FromZ(side).FromLocal(local);
-        s.ray.o = OffsetRayOrigin(point->p, point->pError, point->n, s.ray.d);
-        s.p = point->p;
-        s.pError = point->pError;
-        s.n = point->n;
-        s.uv = point->uv;
-        s.pdfPosition = point->pdf;
-        return s;
+        const Float pdfDirection = CosineHemispherePdf(local.z) / (emission_->twoSided ? 2 : 1);
+        if (!(pdfDirection > 0)) return {};
+        const SampledSpectrum L = (Scale(at) * coverage) * emission_->Radiance(point->uv, lambda);
+        if (!L) return {};
+        const Vector3 d = Frame::FromZ(side).FromLocal(local);
+        const Ray ray{.o = OffsetRayOrigin(point->p, point->pError, point->n, d), .d = d};
+        return LightLeSample{L, ray, point->p, point->pError, point->n, point->uv, point->pdf, pdfDirection};
     }
     LightLePdf PdfLe(const Point3 &p, const Normal3 &n, const Vector3 &w, uint32_t component) const override {
         const ShapePrimitive at = Surface(component);

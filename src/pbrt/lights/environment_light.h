@@ -20,21 +20,14 @@ class LightBeyondScene : public Light {
     /// Ray into the scene against wi (unit, towards the light), uniform over the disk of the bounding sphere.
     Ray RayAgainst(const Vector3 &wi, const Point2 &u) const {
         const Point2 disk = SampleUniformDiskConcentric(u) * sceneRadius_;
-        Ray ray;
-        ray.o = sceneCenter_ + wi * sceneRadius_ + Frame::FromZ(wi).FromLocal({disk.x, disk.y, 0});
-        ray.d = -wi;
-        return ray;
+        return {.o = sceneCenter_ + wi * sceneRadius_ + Frame::FromZ(wi).FromLocal({disk.x, disk.y, 0}), .d = -wi};
     }
     Float PdfOfDisk() const { return 1 / (Pi * Sqr(sceneRadius_)); }
     /// Emission sample along RayAgainst, from a SampleLi sample.
     std::optional<LightLeSample> EvenlyAgainst(const std::optional<LightLiSample> &li, const Point2 &u) const {
         if (!li) return {};
-        LightLeSample s;
-        s.L = li->L;
-        s.ray = RayAgainst(li->wi, u);
-        s.pdfPosition = PdfOfDisk();
-        s.pdfDirection = li->pdf;
-        return s;
+        return LightLeSample{
+            .L = li->L, .ray = RayAgainst(li->wi, u), .pdfPosition = PdfOfDisk(), .pdfDirection = li->pdf};
     }
 
     Point3 sceneCenter_{};

@@ -82,13 +82,9 @@ std::optional<LightLiSample> EnvironmentPortals::SampleLi(size_t region, const L
     }
     const std::optional<Direction> through = Sample(region, from.p, u);
     if (!through || !(through->pdf > 0)) return {};
-    LightLiSample s;
-    s.L = light_->Le(from.p, through->wi, lambda);
-    if (!s.L) return {};
-    s.wi = through->wi;
-    s.pdf = through->pdf;
-    s.pLight = light_->Beyond(from.p, s.wi);
-    return s;
+    const SampledSpectrum L = light_->Le(from.p, through->wi, lambda);
+    if (!L) return {};
+    return LightLiSample{.L = L, .wi = through->wi, .pdf = through->pdf, .pLight = light_->Beyond(from.p, through->wi)};
 }
 
 Float EnvironmentPortals::PdfLi(size_t region, const LightSampleContext &from, const Vector3 &wi,

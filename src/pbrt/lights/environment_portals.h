@@ -104,8 +104,8 @@ struct Portal {
 
 /// Partitions the directions of an environment light, from a point, into regions: visible through the first portal,
 /// through the second but not the first, and so on; the last region is the remainder. Portal regions are sampled in
-/// proportion to the radiance within the portal, by a PortalMap (Bitterli, Wyman and Pharr 2015, Portal-Masked
-/// Environment Map Sampling); the remainder like the whole light. Refers to the light. Immutable.
+/// proportion to the radiance within the portal, by a PortalMap; the remainder like the whole light. Refers to the
+/// light. Immutable.
 class EnvironmentPortals {
   public:
     static constexpr size_t kMax = 15;
@@ -114,7 +114,6 @@ class EnvironmentPortals {
     EnvironmentPortals(const EnvironmentLight &light, std::span<const Portal> portals);
 
     size_t Count() const { return portals_.size(); }
-    size_t RegionCount() const { return portals_.size() + 1; }
     const Portal &operator[](size_t k) const { return portals_[k]; }
     /// Region of direction d from p: index of the first portal passed, or Count() for the remainder.
     size_t RegionTowards(const Point3 &p, const Vector3 &d) const {

@@ -6,10 +6,9 @@
 
 #include "pbrt/core/params.h"
 #include "pbrt/lights/diffuse_area_light.h"
-#include "pbrt/lights/infinite_light.h"
+#include "pbrt/lights/infinite_lights.h"
 #include "pbrt/lights/light_image.h"
 #include "pbrt/lights/point_lights.h"
-#include "pbrt/lights/portal_light.h"
 #include "pbrt/math/warps.h"
 #include "pbrt/shapes/extent.h"
 #include "pbrt/spectra/spectrum_params.h"
@@ -209,11 +208,10 @@ std::unique_ptr<Light> MakeProjection(const ProjectionParams &p, const ParamSet 
 Float MeasureIlluminance(const LightImage &light, const Rgb &weights) {
     Point2i n = light.image.Resolution();
     double sum = 0;
-    for (int y = 0; y < n.y; ++y)
-        for (int x = 0; x < n.x; ++x) {
-            Float cosTheta = EqualAreaSquareToSphere(PixelCenter(x, y, n)).z;
-            if (cosTheta > 0) sum += double(glm::dot(LightPixel(light.image, {x, y}), weights) * cosTheta);
-        }
+    ForEachPixel(light.image, [&](Point2i p) {
+        Float cosTheta = EqualAreaSquareToSphere(PixelCenter(p.x, p.y, n)).z;
+        if (cosTheta > 0) sum += double(glm::dot(LightPixel(light.image, p), weights) * cosTheta);
+    });
     return Float(sum * 2 * std::numbers::pi / (double(n.x) * double(n.y)));
 }
 
@@ -275,9 +273,7 @@ LightImage ConstantImage(const SpectrumParam &L, const ParamSet &set, const Ligh
     }
     // High resolution, so that sampling resolves the light visible through each part of the portal.
     light.image = Image(PixelFormat::Float, {32, 32}, {"R", "G", "B"});
-    for (int y = 0; y < 32; ++y)
-        for (int x = 0; x < 32; ++x)
-            for (int c = 0; c < 3; ++c) light.image.Set({x, y}, c, rgb[c]);
+    ForEachValue(light.image, [&](Point2i p, int c) { light.image.Set(p, c, rgb[c]); });
     return light;
 }
 
@@ -365,25 +361,20 @@ void AddDirected(LightFactories &table, const char *name, F make) {
 }  // namespace
 
 const LightFactories &Lights() {
-    static const LightFactories table = [] {
-        LightFactories t("LightSource");
+    static const LightFactories table("LightSource", [](LightFactories &t) {
         t.Add<PointParams>("point", "", MakePoint);
         AddDirected<SpotParams>(t, "spot", MakeSpot);
         AddDirected<DistantParams>(t, "distant", MakeDistant);
         AddDirected<GoniometricParams>(t, "goniometric", MakeGoniometric);
         AddDirected<ProjectionParams>(t, "projection", MakeProjection);
         AddDirected<InfiniteParams>(t, "infinite", MakeInfinite);
-        return t;
-    }();
+    });
     return table;
 }
 
 const AreaLightFactories &AreaLights() {
-    static const AreaLightFactories table = [] {
-        AreaLightFactories t("AreaLightSource");
-        t.Add<DiffuseAreaParams>("diffuse", "", MakeDiffuseArea);
-        return t;
-    }();
+    static const AreaLightFactories table(
+        "AreaLightSource", [](AreaLightFactories &t) { t.Add<DiffuseAreaParams>("diffuse", "", MakeDiffuseArea); });
     return table;
 }
 

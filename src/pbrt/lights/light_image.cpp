@@ -20,14 +20,11 @@ LightImage Read(const std::string &path, Select select) {
     ImageFile file = ReadImage(path);
     LightImage result{select(file.image), file.metadata.colorSpace ? file.metadata.colorSpace : &ColorSpace::SRGB(),
                       path};
-    Point2i n = result.image.Resolution();
-    for (int y = 0; y < n.y; ++y)
-        for (int x = 0; x < n.x; ++x)
-            for (int c = 0; c < result.image.ChannelCount(); ++c)
-                if (!std::isfinite(result.image.Get({x, y}, c)))
-                    throw UserError(
-                        "\"{}\": pixel ({}, {}) is infinite or not a number; such an image cannot emit light.", path, x,
-                        y);
+    ForEachValue(result.image, [&](Point2i p, int c) {
+        if (!std::isfinite(result.image.Get(p, c)))
+            throw UserError("\"{}\": pixel ({}, {}) is infinite or not a number; such an image cannot emit light.",
+                            path, p.x, p.y);
+    });
     return result;
 }
 
@@ -48,9 +45,7 @@ LightImage ReadIntensityImage(const std::string &path) {
                             path);
         if (hasY) return image.Select({"Y"});
         Image rgb = image.Select({"R", "G", "B"}), mean(PixelFormat::Float, rgb.Resolution(), {"Y"});
-        for (int y = 0; y < rgb.Resolution().y; ++y)
-            for (int x = 0; x < rgb.Resolution().x; ++x)
-                mean.Set({x, y}, 0, (rgb.Get({x, y}, 0) + rgb.Get({x, y}, 1) + rgb.Get({x, y}, 2)) / 3);
+        ForEachPixel(rgb, [&](Point2i p) { mean.Set(p, 0, (rgb.Get(p, 0) + rgb.Get(p, 1) + rgb.Get(p, 2)) / 3); });
         return mean;
     });
 }

@@ -118,17 +118,14 @@ class LightTable {
     /// For a ray from o in direction d that leaves the scene: calls visit(radiance, id) for every infinite light with
     /// nonzero radiance, with the id of the whole light.
     void ForEachBeyond(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda, auto &&visit) const {
-        for (LightId first : infinite_) {
+        for (LightId first : infinite_)
             if (SampledSpectrum Le = (*this)[first].Parent().Le(o, d, lambda)) visit(Le, first);
-        }
     }
     /// Power and bounds of a component, for light samplers. Only after Finish.
     LightCandidate Candidate(LightId id) const {
         const LightComponent light = (*this)[id];
-        LightCandidate c;
-        c.power = power_[id.value];
-        c.infinite = light.Kind() == LightKind::Infinite || light.Kind() == LightKind::DeltaDirection;
-        c.bounds = light.Bounds();
+        const bool infinite = light.Kind() == LightKind::Infinite || light.Kind() == LightKind::DeltaDirection;
+        LightCandidate c{power_[id.value], light.Bounds(), infinite};
         if (c.bounds) c.bounds->phi /= unit_;
         return c;
     }

@@ -26,13 +26,9 @@ class LightAtPoint : public Light {
         Vector3 d = position_ - from.p;
         Float d2 = LengthSquared(d);
         if (!(d2 > 0)) return {};
-        LightLiSample s;
-        s.L = static_cast<const Self &>(*this).Intensity(-d, lambda) / d2;
-        if (!s.L) return {};
-        s.wi = d / std::sqrt(d2);
-        s.pdf = 1;
-        s.pLight = position_;
-        return s;
+        const SampledSpectrum L = static_cast<const Self &>(*this).Intensity(-d, lambda) / d2;
+        if (!L) return {};
+        return LightLiSample{.L = L, .wi = d / std::sqrt(d2), .pdf = 1, .pLight = position_};
     }
     Float PdfLi(const LightSampleContext &, const Vector3 &, const Point3 &, const Normal3 &, bool,
                 uint32_t) const final {
@@ -41,15 +37,12 @@ class LightAtPoint : public Light {
     std::optional<LightLeSample> SampleLe(const Point2 &, const Point2 &uDirection, const SampledWavelengths &lambda,
                                           uint32_t) const final {
         const Self &self = static_cast<const Self &>(*this);
-        LightLeSample s;
-        s.ray.o = position_;
-        s.ray.d = self.SampleDirection(uDirection);
-        s.pdfPosition = 1;
-        s.pdfDirection = self.PdfDirection(s.ray.d);
-        if (!(s.pdfDirection > 0)) return {};
-        s.L = self.Intensity(s.ray.d, lambda);
-        if (!s.L) return {};
-        return s;
+        const Vector3 d = self.SampleDirection(uDirection);
+        const Float pdf = self.PdfDirection(d);
+        if (!(pdf > 0)) return {};
+        const SampledSpectrum L = self.Intensity(d, lambda);
+        if (!L) return {};
+        return LightLeSample{.L = L, .ray = {.o = position_, .d = d}, .pdfPosition = 1, .pdfDirection = pdf};
     }
     LightLePdf PdfLe(const Point3 &, const Normal3 &, const Vector3 &w, uint32_t) const final {
         return {0, static_cast<const Self &>(*this).PdfDirection(w)};
@@ -203,10 +196,9 @@ class GoniometricLight final : public LightAtPoint<GoniometricLight> {
     }
 
     static Float Mean(const Image &image) {
-        Point2i n = image.Resolution();
+        const Point2i n = image.Resolution();
         double sum = 0;
-        for (int y = 0; y < n.y; ++y)
-            for (int x = 0; x < n.x; ++x) sum += double(std::max(image.Get({x, y}, 0), Float(0)));
+        ForEachPixel(image, [&](Point2i p) { sum += double(std::max(image.Get(p, 0), Float(0))); });
         return Float(sum / (double(n.x) * double(n.y)));
     }
 
@@ -222,11 +214,9 @@ class GoniometricLight final : public LightAtPoint<GoniometricLight> {
     /// The image as a distribution, created on first use.
     const PiecewiseConstant2D &Distribution() const {
         std::call_once(distributionReady_, [&] {
-            const Point2i n = image_.Resolution();
             std::vector<Float> weights;
-            for (int y = 0; y < n.y; ++y)
-                for (int x = 0; x < n.x; ++x) weights.push_back(std::max(image_.Get({x, y}, 0), Float(0)));
-            distribution_ = PiecewiseConstant2D(weights, n.x, n.y);
+            ForEachPixel(image_, [&](Point2i p) { weights.push_back(std::max(image_.Get(p, 0), Float(0))); });
+            distribution_ = PiecewiseConstant2D(weights, image_.Resolution().x, image_.Resolution().y);
         });
         return distribution_;
     }
@@ -275,11 +265,7 @@ class ProjectionLight final : public LightAtPoint<ProjectionLight> {
     std::optional<LightBounds> Bounds(uint32_t) const override {
         Point2i n = image_.Resolution();
         double sum = 0;
-        for (int y = 0; y < n.y; ++y)
-            for (int x = 0; x < n.x; ++x) {
-                Rgb rgb = LightPixel(image_, {x, y});
-                sum += double(std::max(std::max(rgb.x, rgb.y), rgb.z));
-            }
+        ForEachPixel(image_, [&](Point2i p) { sum += double(MaxComponent(LightPixel(image_, p))); });
         // Excludes the solid angle, as stock pbrt-v4, to match its probabilities.
         const double phi = double(scale_) * sum / (double(n.x) * double(n.y));
         if (!(phi > 0)) return {};
@@ -295,9 +281,9 @@ class ProjectionLight final : public LightAtPoint<ProjectionLight> {
         Vector2 half = HalfSize(n, fov);
         Rgb weights = colorSpace.Luminance();
         double sum = 0;
-        for (int y = 0; y < n.y; ++y)
-            for (int x = 0; x < n.x; ++x)
-                sum += double(glm::dot(LightPixel(image, {x, y}), weights) * PixelSolidAngle(x, y, n, half));
+        ForEachPixel(image, [&](Point2i p) {
+            sum += double(glm::dot(LightPixel(image, p), weights) * PixelSolidAngle(p.x, p.y, n, half));
+        });
         return Float(sum);
     }
 
@@ -329,10 +315,10 @@ class ProjectionLight final : public LightAtPoint<ProjectionLight> {
             const Point2i n = image_.Resolution();
             const Rgb luminance = colorSpace_->Luminance();
             std::vector<Float> weights;
-            for (int y = 0; y < n.y; ++y)
-                for (int x = 0; x < n.x; ++x)
-                    weights.push_back(std::max(glm::dot(LightPixel(image_, {x, y}), luminance), Float(0)) *
-                                      PixelSolidAngle(x, y, n, half_));
+            ForEachPixel(image_, [&](Point2i p) {
+                weights.push_back(std::max(glm::dot(LightPixel(image_, p), luminance), Float(0)) *
+                                  PixelSolidAngle(p.x, p.y, n, half_));
+            });
             distribution_ = PiecewiseConstant2D(weights, n.x, n.y);
         });
         return distribution_;

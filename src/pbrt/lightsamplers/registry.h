@@ -24,6 +24,14 @@ class LightSamplerRegistry {
 
     Samplers samplers{"light sampler"};
 
+    /// Adds a sampler that is constructed from the scene's lights and its parameters P.
+    template <class Sampler, class P>
+    void Add(const char *name, const char *summary, LightSamplerTraits traits = {}) {
+        const auto make = [](const P &p, const ParamSet &, const LightGroups &groups) {
+            return std::make_unique<Sampler>(groups.Lights(), p);
+        };
+        samplers.Add<P>(name, summary, make, traits);
+    }
     /// `meshLights`: an emissive mesh is one light for selection; only for entries that take groups.
     std::unique_ptr<LightSampler> Make(const Entry &entry, const LightTable &lights, const ParamSet &params,
                                        bool meshLights) const;

@@ -6,22 +6,19 @@ namespace pbrt {
 
 class UniformLightSampler final : public GroupLightSampler {
   public:
-    explicit UniformLightSampler(const LightGroups &groups)
-        : GroupLightSampler(groups, true), pmf_(groups.Size() > 0 ? 1 / Float(groups.Size()) : 0) {}
+    explicit UniformLightSampler(const LightGroups &groups) : GroupLightSampler(groups, true) {}
     std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *, Float u) const override {
-        // In double: a float times a large count could round up to the next group.
-        const size_t count = groups_.Size();
-        const auto i = size_t(double(u) * double(count));
-        return ChosenGroup{uint32_t(std::min(i, count - 1)), pmf_, InnerNumber(query, u)};
+        ChosenGroup chosen = SampleUniformly(query, u);
+        chosen.inner = InnerNumber(query, u);
+        return chosen;
     }
-    Float GroupProbability(const LightQuery &, const void *, uint32_t) const override { return pmf_; }
-
-  private:
-    Float pmf_;
+    Float GroupProbability(const LightQuery &, const void *, uint32_t) const override {
+        return 1 / Float(groups_.Size());
+    }
 };
 
 /// Selects in proportion to LightCandidate::power; uniformly if no group has power.
-class PowerLightSampler final : public GroupLightSampler {
+class PowerLightSampler : public GroupLightSampler {
   public:
     explicit PowerLightSampler(const LightGroups &groups) : GroupLightSampler(groups, true) {
         std::vector<Float> power;
@@ -29,16 +26,16 @@ class PowerLightSampler final : public GroupLightSampler {
         for (uint32_t g = 0; g < groups.Size(); ++g) power.push_back(groups.Candidate(g).power);
         if (!power.empty()) table_ = AliasTable(power);
     }
-    std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *, Float u) const override {
+    std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *, Float u) const final {
         const AliasTable::Sampled s = table_.Sample(u);
         return ChosenGroup{uint32_t(s.index), s.pmf, InnerNumber(query, u)};
     }
-    Float GroupProbability(const LightQuery &, const void *, uint32_t group) const override {
+    Float GroupProbability(const LightQuery &, const void *, uint32_t group) const final {
         return table_.PMF(int(group));
     }
     void Report(nlohmann::ordered_json &json) const override;
 
-  private:
+  protected:
     AliasTable table_;
 };
 

@@ -3,7 +3,7 @@
 
 #include "pbrt/bxdfs/bsdf.h"
 #include "pbrt/bxdfs/bssrdf.h"
-#include "pbrt/shapes/surface_point.h"
+#include "pbrt/shapes/shape.h"
 #include "pbrt/spectra/spectrum.h"
 
 namespace pbrt {

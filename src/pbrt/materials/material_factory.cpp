@@ -24,29 +24,6 @@ class ForcedDiffuseMaterial final : public Material {
     MaterialPtr original_;
 };
 
-}  // namespace
-
-void CheckIndex(const ParamSet &set, const std::string &name, const Spectrum &eta, bool isMetal) {
-    Float low = Infinity, high = -Infinity;
-    for (Float nm = LambdaMin; nm <= LambdaMax; ++nm) {
-        low = std::min(low, eta(nm));
-        high = std::max(high, eta(nm));
-    }
-    const bool isTable = !dynamic_cast<const ConstantSpectrum *>(&eta);
-    constexpr Float kMaxIndex = 1e6f;
-    if (high > kMaxIndex) throw set.Error(name, "\"{}\" is {}; it must be at most {}.", name, high, kMaxIndex);
-    if (low >= 0 && (isMetal || isTable || high > 0)) return;
-    throw set.Error(name, "\"{}\" {} {}; it must {}.", name, low == high ? "is" : "goes down to", low,
-                    isMetal ? "not be negative" : "be positive");
-}
-
-SpectrumInput ConstantSrgb(const Rgb &rgb) {
-    return SpectrumInput(
-        std::make_shared<ConstantSpectrumTexture>(std::make_shared<RgbUnboundedSpectrum>(ColorSpace::SRGB(), rgb)));
-}
-
-namespace {
-
 struct IndexParams {
     SpectrumParam eta{SpectrumUse::Unbounded, Float(1.5), nullptr, true};
     std::string name = "eta";
@@ -225,6 +202,25 @@ class InterfaceMaterial final : public Material {
 };
 
 }  // namespace
+
+void CheckIndex(const ParamSet &set, const std::string &name, const Spectrum &eta, bool isMetal) {
+    Float low = Infinity, high = -Infinity;
+    for (Float nm = LambdaMin; nm <= LambdaMax; ++nm) {
+        low = std::min(low, eta(nm));
+        high = std::max(high, eta(nm));
+    }
+    const bool isTable = !dynamic_cast<const ConstantSpectrum *>(&eta);
+    constexpr Float kMaxIndex = 1e6f;
+    if (high > kMaxIndex) throw set.Error(name, "\"{}\" is {}; it must be at most {}.", name, high, kMaxIndex);
+    if (low >= 0 && (isMetal || isTable || high > 0)) return;
+    throw set.Error(name, "\"{}\" {} {}; it must {}.", name, low == high ? "is" : "goes down to", low,
+                    isMetal ? "not be negative" : "be positive");
+}
+
+SpectrumInput ConstantSrgb(const Rgb &rgb) {
+    return SpectrumInput(
+        std::make_shared<ConstantSpectrumTexture>(std::make_shared<RgbUnboundedSpectrum>(ColorSpace::SRGB(), rgb)));
+}
 
 const MaterialTable &Materials() {
     static const MaterialTable table("Material", [](MaterialTable &t) {

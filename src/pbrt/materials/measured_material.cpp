@@ -134,6 +134,14 @@ class Reader {
     std::vector<Field> fields_;
 };
 
+struct MeasuredParams : ReliefParams {
+    std::string filename;
+    void Describe(auto &&v) {
+        v("filename", filename, Required(), "file of the RGL database");
+        ReliefParams::Describe(v);
+    }
+};
+
 }  // namespace
 
 std::shared_ptr<const MeasuredBrdf> ReadMeasuredBrdf(const std::string &path) {
@@ -151,18 +159,6 @@ std::shared_ptr<const MeasuredBrdf> ReadMeasuredBrdf(const std::string &path) {
     t.spectra = read.Grid("spectra", {t.phi.size(), t.theta.size(), t.wavelengths.size()});
     return std::make_shared<const MeasuredBrdf>(std::move(t));
 }
-
-namespace {
-
-struct MeasuredParams : ReliefParams {
-    std::string filename;
-    void Describe(auto &&v) {
-        v("filename", filename, Required(), "file of the RGL database");
-        ReliefParams::Describe(v);
-    }
-};
-
-}  // namespace
 
 void AddMeasured(MaterialTable &table) {
     AddSurface<MeasuredParams>(

@@ -1,4 +1,4 @@
-#include "pbrt/materials/surface_material.h"
+#include "pbrt/materials/material_params.h"
 
 #include "pbrt/math/frame.h"
 

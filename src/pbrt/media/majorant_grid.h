@@ -69,8 +69,7 @@ class GridWalk {
         const bool isHere = t >= hereBegin_ && t <= hereEnd_;
         return isHere ? Min(Max(p, Point3(here_)), Point3(here_ + 1)) : Min(Max(p, Point3(0)), Point3(size_));
     }
-    /// The ray in grid coordinates: its origin + Direction() * (t - Anchor()).
-    const Vector3 &Direction() const { return direction_; }
+    /// Distance at which the ray enters the grid; infinite if it misses.
     Float Anchor() const { return anchor_; }
 
   private:

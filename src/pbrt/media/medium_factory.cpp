@@ -307,15 +307,13 @@ std::unique_ptr<Medium> MakeNanoVdb(const NanoVdbParams &p, const ParamSet &set,
 }  // namespace
 
 const MediumFactories &Media() {
-    static const MediumFactories table = [] {
-        MediumFactories t("Medium");
+    static const MediumFactories table("Medium", [](MediumFactories &t) {
         t.Add<HomogeneousParams>("homogeneous", "a medium that is the same everywhere", MakeHomogeneous);
         t.Add<UniformGridParams>("uniformgrid", "a box of voxels with densities", MakeUniformGrid);
         t.Add<RgbGridParams>("rgbgrid", "a box of voxels with colours", MakeRgbGrid);
         t.Add<CloudParams>("cloud", "a box with a cloud made of noise", MakeCloud);
         t.Add<NanoVdbParams>("nanovdb", "voxels from a NanoVDB file", MakeNanoVdb);
-        return t;
-    }();
+    });
     return table;
 }
 

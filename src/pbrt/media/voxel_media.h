@@ -95,9 +95,7 @@ class UniformGridMedium final : public Medium {
     }
 
   private:
-    /// Measured by ratio tracking through cubes of 1 to 128^3 voxels, noise and a ball, at optical depths 1 and 8. Of 1
-    /// to 32 cells per axis, 1 is fastest in small grids and 4 to 8 in larger ones; stock's 16 take up to twice as
-    /// long.
+    /// Measured: of 1 to 32 cells per axis, 1 is fastest in small grids and 4 to 8 in larger ones.
     static glm::ivec3 CellsOfUniformGrid(const glm::ivec3 &voxels) { return MajorantCells(voxels, 4, 8); }
     MediumCoefficients Evaluate(MediumOnRay &onRay, Float t) const override {
         const Point3 p = onRay.Walk().At(t);
@@ -157,8 +155,7 @@ class RgbGridMedium final : public Medium {
     }
 
   private:
-    /// Measured as for uniformgrid. Lookups are slower here, so tighter majorants pay: 16 cells from 8 voxels on,
-    /// otherwise at most one cell per voxel.
+    /// Lookups are slower than in uniformgrid, so tighter majorants pay.
     static glm::ivec3 CellsOfRgbGrid(const glm::ivec3 &voxels) { return MajorantCells(voxels, 1, 16); }
     static Float HighestIn(const std::vector<RgbUnboundedSpectrum> &spectra, const Voxels &voxels,
                            const glm::ivec3 &cell) {

@@ -41,11 +41,7 @@ bool Scene::Intersect(const Ray &ray, SurfacePoint *point) const {
 
 std::optional<Scene::Crossing> Scene::SampleCrossing(const Point3 &from, const Point3 &to, Float time,
                                                      MaterialId material, Float u) const {
-    Ray segment;
-    segment.o = from;
-    segment.d = to - from;
-    segment.tMax = 1;
-    segment.time = time;
+    const Ray segment{.o = from, .d = to - from, .tMax = 1, .time = time};
     AccelHit chosen;
     int count = 0;
     for (Float tMin = 0;;) {
@@ -70,7 +66,7 @@ std::optional<Scene::Crossing> Scene::SampleCrossing(const Point3 &from, const P
 
 SurfacePoint Scene::SurfaceAt(const AccelHit &hit, const Ray &ray) const {
     const ShapeRecord &record = contents_.shapes[hit.shape.value];
-    SurfacePoint point = hit.instance < 0 ? record.shape->SurfaceOnRay(hit.primitive, hit.hit, ray.o, ray.d)
+    SurfacePoint point = hit.instance < 0 ? record.shape->SurfaceOnRay(hit.primitive, hit.hit, ray)
                                           : InstancedSurface(*record.shape, hit, ray);
     point.wo = -Normalize(ray.d);
     point.time = ray.time;
@@ -88,19 +84,16 @@ SurfacePoint Scene::SurfaceAt(const AccelHit &hit, const Ray &ray) const {
 
 SurfacePoint Scene::InstancedSurface(const Shape &shape, const AccelHit &hit, const Ray &ray) const {
     const Transform t = contents_.accel->InstanceTransform(hit.instance, ray.time);
-    return TransformSurface(t,
-                            shape.SurfaceOnRay(hit.primitive, hit.hit, t.InversePoint(ray.o), t.InverseVector(ray.d)));
+    const Ray local{t.InversePoint(ray.o), t.InverseVector(ray.d)};
+    return TransformSurface(t, shape.SurfaceOnRay(hit.primitive, hit.hit, local));
 }
 
 Ray Scene::ShadowRay(const LightSampleContext &from, const LightLiSample &to) {
     // Rounding of direction and intersection moves the light's own surface by a few ulps of the segment's longest
     // component, besides the sample's position error.
     constexpr Float kRounding = Gamma(8);
-    Ray ray;
-    ray.o = from.OffsetOrigin(to.wi);
+    Ray ray{.o = from.OffsetOrigin(to.wi), .tMax = 1, .time = from.time};
     ray.d = to.pLight - ray.o;
-    ray.time = from.time;
-    ray.tMax = 1;
     if (to.nLight == Normal3(0)) {
         ray.tMax -= kRounding;  // point lights and cameras may lie in the plane of a surface
         return ray;

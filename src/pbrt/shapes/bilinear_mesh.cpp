@@ -108,9 +108,7 @@ bool BilinearMesh::IsParallelogram(uint32_t primitive) const {
     Corners c = CornersOf(primitive);
     Vector3 gap = Abs((c.p11 - c.p10) - (c.p01 - c.p00));
     Vector3 size = Max(Max(Abs(c.p00), Abs(c.p10)), Max(Abs(c.p01), Abs(c.p11)));
-    for (int i = 0; i < 3; ++i)
-        if (!(gap[i] <= 2 * MachineEpsilon * size[i])) return false;
-    return true;
+    return glm::all(glm::lessThanEqual(gap, 2 * MachineEpsilon * size));
 }
 
 Bounds3 BilinearMesh::PrimitiveBounds(uint32_t primitive) const {
@@ -191,21 +189,19 @@ struct BilinearMesh::PatchHit {
     }
 };
 
-std::optional<PrimitiveHit> BilinearMesh::Intersect(uint32_t primitive, const Point3 &o, const Vector3 &d, Float tMin,
-                                                    Float tMax) const {
+std::optional<PrimitiveHit> BilinearMesh::Intersect(uint32_t primitive, const Ray &ray, Float tMin) const {
     const std::optional<PatchHit> hit =
-        PatchHit::Nearest(CornersOf(primitive), o, d, double(tMin), double(tMax), double(tMin), 1e-9);
+        PatchHit::Nearest(CornersOf(primitive), ray.o, ray.d, double(tMin), double(ray.tMax), double(tMin), 1e-9);
     if (!hit) return {};
     return PrimitiveHit{Float(hit->t), Float(std::clamp(hit->u, 0.0, 1.0)), Float(std::clamp(hit->v, 0.0, 1.0))};
 }
 
-SurfacePoint BilinearMesh::SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Point3 &o,
-                                        const Vector3 &d) const {
+SurfacePoint BilinearMesh::SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const {
     SurfacePoint s = Surface(primitive, hit);
     const Corners c = CornersOf(primitive);
     const Vector3 span = Abs(c.p10 - c.p00) + Abs(c.p01 - c.p00) + Abs(c.p11 - c.p00);
-    if (!(MaxComponent(span) > kLargePrimitive * hit.t * MaxComponent(Abs(d)))) return s;
-    if (const auto at = PatchHit::Nearest(c, o, d, 0, double(Infinity), double(hit.t), kLargePrimitiveSlack)) {
+    if (!(MaxComponent(span) > kLargePrimitive * hit.t * MaxComponent(Abs(ray.d)))) return s;
+    if (const auto at = PatchHit::Nearest(c, ray.o, ray.d, 0, double(Infinity), double(hit.t), kLargePrimitiveSlack)) {
         using D = glm::dvec3;
         s.p = Point3(glm::mix(glm::mix(D(c.p00), D(c.p10), at->u), glm::mix(D(c.p01), D(c.p11), at->u), at->v));
     }
@@ -347,7 +343,7 @@ Float BilinearMesh::PdfArea(uint32_t primitive, const Point3 &p, const Normal3 &
 
 std::optional<ShapeSample> BilinearMesh::Sample(uint32_t primitive, const ShapeSampleContext &from,
                                                 const Point2 &u) const {
-    if (!IsRectangle(primitive) || emission_) return WithSolidAngleDensity(SampleArea(primitive, u), from.p);
+    if (!IsRectangle(primitive) || emission_) return Shape::Sample(primitive, from, u);
     Corners c = CornersOf(primitive);
     const RectangleSampling::Point at = RectangleSampling(from, c.p00, c.p10 - c.p00, c.p01 - c.p00).Sample(u);
     if (!(at.pdf > 0 && std::isfinite(at.pdf))) return {};
@@ -358,8 +354,7 @@ std::optional<ShapeSample> BilinearMesh::Sample(uint32_t primitive, const ShapeS
 
 Float BilinearMesh::PdfSolidAngle(uint32_t primitive, const ShapeSampleContext &from, const Vector3 &wi,
                                   const Point3 &pHit, const Normal3 &nHit) const {
-    if (!IsRectangle(primitive) || emission_)
-        return SolidAngleDensity(PdfArea(primitive, pHit, nHit), from.p, wi, pHit, nHit);
+    if (!IsRectangle(primitive) || emission_) return Shape::PdfSolidAngle(primitive, from, wi, pHit, nHit);
     const Corners c = CornersOf(primitive);
     const Float pdf = RectangleSampling(from, c.p00, c.p10 - c.p00, c.p01 - c.p00).Pdf(pHit);
     return std::isfinite(pdf) ? pdf : 0;

@@ -141,20 +141,6 @@ Bounds3 Curves::PrimitiveBounds(uint32_t primitive) const {
     return isPlaced_ ? own : PlacedBounds(renderFromSegments_, own);
 }
 
-Float Curves::Area(uint32_t primitive) const {
-    const Piece &piece = pieces_[primitive];
-    const Segment &s = segments_[piece.segment];
-    constexpr int kSteps = 8;
-    Float area = 0;
-    for (int i = 0; i < kSteps; ++i) {
-        auto at = [&](int k) { return Lerp(Float(k) / kSteps, piece.U0(), piece.U1()); };
-        Vector3 step = s.curve.At(at(i + 1)) - s.curve.At(at(i));
-        area += Length(renderFromSegments_.Vector(step)) * (WidthAt(s, at(i)) + WidthAt(s, at(i + 1))) / 2;
-    }
-    if (!isPlaced_) area *= std::cbrt(std::abs(glm::determinant(glm::mat3(renderFromSegments_.Matrix()))));
-    return area;
-}
-
 Normal3 Curves::RibbonNormal(uint32_t segment, Float u) const {
     const Normal3 &a = normals_[2 * size_t(segment)], &b = normals_[2 * size_t(segment) + 1];
     Float angle = SafeACos(Dot(a, b)), sine = std::sin(angle);
@@ -229,16 +215,15 @@ struct Curves::Search {
     }
 };
 
-std::pair<Point3, Vector3> Curves::RayToSegments(const Point3 &o, const Vector3 &d) const {
-    if (isPlaced_) return {o, d};
-    return {renderFromSegments_.InversePoint(o), renderFromSegments_.InverseVector(d)};
+std::pair<Point3, Vector3> Curves::RayToSegments(const Ray &ray) const {
+    if (isPlaced_) return {ray.o, ray.d};
+    return {renderFromSegments_.InversePoint(ray.o), renderFromSegments_.InverseVector(ray.d)};
 }
 
-std::optional<PrimitiveHit> Curves::Intersect(uint32_t primitive, const Point3 &oRender, const Vector3 &dRender,
-                                              Float tMin, Float tMax) const {
+std::optional<PrimitiveHit> Curves::Intersect(uint32_t primitive, const Ray &ray, Float tMin) const {
     const Piece &piece = pieces_[primitive];
     const Segment &segment = segments_[piece.segment];
-    const auto [o, d] = RayToSegments(oRender, dRender);
+    const auto [o, d] = RayToSegments(ray);
     Float u0 = piece.U0(), u1 = piece.U1(), length = Length(d);
     CubicBezier c = piece.log2Count == 0 ? segment.curve : segment.curve.Part(u0, u1);
 
@@ -250,22 +235,21 @@ std::optional<PrimitiveHit> Curves::Intersect(uint32_t primitive, const Point3 &
         Vector3 r = p - o;
         p = {Dot(r, x), Dot(r, y), Dot(r, z)};
     }
-    Search search{*this, segment, piece.segment, z, tMin * length, tMax * length};
+    Search search{*this, segment, piece.segment, z, tMin * length, ray.tMax * length};
     if (search.Misses(c, u0, u1)) return {};
 
     int cuts = std::clamp(segment.splitDepth, 0, 10) - int(piece.log2Count);
     search.Visit(c, u0, u1, cuts, false);
     if (!search.found) return {};
     Float t = search.zMax / length;
-    if (!(t > tMin && t < tMax)) return {};
+    if (!(t > tMin && t < ray.tMax)) return {};
     return PrimitiveHit{t, search.u, search.v};
 }
 
-SurfacePoint Curves::SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Point3 &oRender,
-                                  const Vector3 &dRender) const {
+SurfacePoint Curves::SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const {
     const Piece &piece = pieces_[primitive];
     const Segment &segment = segments_[piece.segment];
-    const auto [o, d] = RayToSegments(oRender, dRender);
+    const auto [o, d] = RayToSegments(ray);
     Vector3 dpdu = Tangent(segment.curve, hit.u), dpdv;
     Float width = WidthAt(segment, hit.u);
     if (kind_ == CurveKind::Ribbon) {
@@ -289,29 +273,15 @@ SurfacePoint Curves::SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, c
     s.dpdv = dpdv;
     if (!isPlaced_) {
         s.pError = renderFromSegments_.PointError(s.p, s.pError);
-        s.p = oRender + dRender * hit.t;
+        s.p = ray(hit.t);
         s.dpdu = renderFromSegments_.Vector(dpdu);
         s.dpdv = renderFromSegments_.Vector(dpdv);
     }
     s.n = Cross(s.dpdu, s.dpdv);
     Float length = Length(s.n);
-    s.n = length > 0 ? s.n * (normalSide_ / length) : Normal3(-Normalize(dRender));
+    s.n = length > 0 ? s.n * (normalSide_ / length) : Normal3(-Normalize(ray.d));
     s.shading = {s.n, s.dpdu, s.dpdv, s.dndu, s.dndv};
     return s;
-}
-
-SurfacePoint Curves::Surface(uint32_t primitive, const PrimitiveHit &hit) const {
-    const Piece &piece = pieces_[primitive];
-    const Segment &segment = segments_[piece.segment];
-    Vector3 tangent = Tangent(segment.curve, hit.u), d = SomePerpendicular(tangent);
-    if (kind_ == CurveKind::Ribbon) d = RibbonNormal(piece.segment, hit.u);
-    Vector3 across = side_ * (hit.v - Float(0.5)) * WidthAt(segment, hit.u) * UnitCross(d, tangent);
-    Point3 p = segment.curve.At(hit.u) + across, o = p - d;
-    if (!isPlaced_) {
-        o = renderFromSegments_.Point(o);
-        d = renderFromSegments_.Vector(d);
-    }
-    return SurfaceOnRay(primitive, {1, hit.u, hit.v}, o, d);
 }
 
 }  // namespace pbrt

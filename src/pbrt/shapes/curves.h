@@ -72,23 +72,8 @@ class Curves final : public Shape {
 
     uint32_t PrimitiveCount() const override { return uint32_t(pieces_.size()); }
     Bounds3 PrimitiveBounds(uint32_t primitive) const override;
-    /// Approximately length times width.
-    Float Area(uint32_t primitive) const override;
-    std::optional<PrimitiveHit> Intersect(uint32_t primitive, const Point3 &o, const Vector3 &d, Float tMin,
-                                          Float tMax) const override;
-    SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Point3 &o,
-                              const Vector3 &d) const override;
-    /// For a view direction perpendicular to the curve.
-    SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const override;
-    std::optional<ShapeSample> SampleArea(uint32_t, const Point2 &) const override { return {}; }
-    Float PdfArea(uint32_t, const Point3 &, const Normal3 &) const override { return 0; }
-    std::optional<ShapeSample> Sample(uint32_t, const ShapeSampleContext &, const Point2 &) const override {
-        return {};
-    }
-    Float PdfSolidAngle(uint32_t, const ShapeSampleContext &, const Vector3 &, const Point3 &,
-                        const Normal3 &) const override {
-        return 0;
-    }
+    std::optional<PrimitiveHit> Intersect(uint32_t primitive, const Ray &ray, Float tMin) const override;
+    SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const override;
 
     size_t SegmentCount() const { return segments_.size(); }
     const Segment &SegmentOfPrimitive(uint32_t primitive) const { return segments_[pieces_[primitive].segment]; }
@@ -107,7 +92,7 @@ class Curves final : public Shape {
     static void AddPieces(const Segment &segment, size_t index, std::vector<Piece> *pieces);
     static Bounds3 PieceBounds(const Segment &segment, Float u0, Float u1);
     Normal3 RibbonNormal(uint32_t segment, Float u) const;
-    std::pair<Point3, Vector3> RayToSegments(const Point3 &o, const Vector3 &d) const;
+    std::pair<Point3, Vector3> RayToSegments(const Ray &ray) const;
 
     CurveKind kind_;
     std::vector<Segment> segments_;

@@ -1,4 +1,4 @@
-#include "pbrt/shapes/displacement.h"
+#include "pbrt/shapes/mesh_sources.h"
 
 #include <algorithm>
 #include <array>

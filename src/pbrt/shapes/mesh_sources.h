@@ -1,7 +1,9 @@
 #pragma once
+#include <functional>
 #include <span>
 #include <string>
 
+#include "pbrt/core/error.h"
 #include "pbrt/shapes/triangle_mesh.h"
 
 namespace pbrt {
@@ -26,5 +28,34 @@ PlyMesh ParsePly(const std::string &content, const std::string &name);
 /// Throws UserError, without location, unless the faces are an oriented two-manifold, possibly with boundary. Unused
 /// points are dropped. Indices must be in range.
 MeshData LoopSubdivide(std::span<const uint32_t> indices, std::span<const Point3> points, int levels);
+
+struct Displacement {
+    /// Displacement along the normal in object units; position and (unit) normal are in rendering space.
+    std::function<Float(const Point3 &p, const Normal3 &n, const Point2 &uv)> height;
+    Float edgeScale = 1;  ///< multiplies "edgelength"
+};
+
+/// Displacement failure (no location) with the responsible parameter of the shape.
+struct DisplacementError : UserError {
+    DisplacementError(const char *name, std::string message) : UserError(std::move(message)), parameter(name) {}
+    const char *parameter;  ///< "displacement" or "edgelength"
+};
+
+/// Bisects the longest edges of triangles and quads until all are shorter than `maxEdge` in rendering space. Then
+/// displaces vertices along their normals and recomputes normals, on the side of the old ones. Shared vertices stay
+/// shared: no cracks. The result is in object space. Throws DisplacementError if texture coordinates or normals are
+/// missing or kMaxDisplacedTriangles is exceeded; nearly always before the work is done.
+MeshData DisplaceMesh(const PlyMesh &mesh, const Transform &renderFromObject, Float maxEdge,
+                      const Displacement &displacement);
+
+inline constexpr size_t kMaxDisplacedTriangles = size_t(1) << 25;
+
+/// Size of the input surface, in rendering space.
+struct SplitSize {
+    double faces = 0, area = 0, edges = 0;  ///< number of triangles; sums of their areas and of their longest edges
+    /// Estimated number of triangles after splitting.
+    double Triangles(double maxEdge) const;
+};
+SplitSize MeasureSplit(const PlyMesh &mesh, const Transform &renderFromObject);
 
 }  // namespace pbrt

@@ -29,13 +29,6 @@ struct Element {
     uint64_t count = 0;
     std::vector<Property> properties;
 };
-struct Header {
-    Encoding encoding = Encoding::Ascii;
-    std::vector<Element> elements;
-    size_t bodyOffset = 0;
-    int lines = 0;
-    char lineEnd = '\n';
-};
 
 size_t SizeOf(Scalar t) {
     static constexpr std::array<size_t, 8> kSizes = {1, 1, 2, 2, 4, 4, 4, 8};
@@ -51,112 +44,35 @@ WordList Words(std::string_view line) {
 
 bool IsSpace(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 
-class HeaderReader {
+/// Reads the header, then numbers of the body.
+class Reader {
   public:
-    HeaderReader(std::string_view content, const std::string &name) : content_(content), name_(name) {}
+    Reader(std::string_view content, const std::string &name)
+        : at_(content.data()), end_(content.data() + content.size()), name_(name) {}
 
-    Header Read() {
+    std::vector<Element> ReadHeader() {
         std::string_view line;
-        bool hasFormat = false;
         // The first line decides the line ending, so that a binary body may begin with any byte.
-        const size_t end = std::min(content_.find_first_of("\r\n"), content_.size());
-        if (content_.substr(end, 1) == "\r" && content_.substr(end, 2) != "\r\n") header_.lineEnd = '\r';
+        const std::string_view content(at_, end_),
+            rest = content.substr(std::min(content.find_first_of("\r\n"), content.size()));
+        if (rest.starts_with('\r') && !rest.starts_with("\r\n")) lineEnd_ = '\r';
         if (!NextLine(&line) || Words(line) != WordList{"ply"})
             throw UserError("{}: is not a PLY file: the first line must be \"ply\".", name_);
         while (NextLine(&line)) {
             const WordList w = Words(line);
             if (w.empty() || w[0] == "comment" || w[0] == "obj_info") continue;
             if (w[0] == "end_header") {
-                if (!hasFormat) Fail("the header has no \"format\" line");
-                header_.bodyOffset = position_;
-                return header_;
+                if (!hasFormat_) Fail("the header has no \"format\" line");
+                ++line_;
+                return std::move(elements_);
             }
-            if (w[0] == "format") {
-                hasFormat = true;
-                ReadFormat(w);
-            } else if (w[0] == "element") {
-                ReadElement(w);
-            } else if (w[0] == "property") {
-                ReadProperty(w);
-            } else {
-                Fail("unknown header keyword \"{}\"", w[0]);
-            }
+            if (w[0] == "format") ReadFormat(w);
+            else if (w[0] == "element") ReadElement(w);
+            else if (w[0] == "property") ReadProperty(w);
+            else Fail("unknown header keyword \"{}\"", w[0]);
         }
         Fail("the header has no \"end_header\" line");
     }
-
-  private:
-    template <class... T>
-    [[noreturn]] void Fail(fmt::format_string<T...> format, T &&...values) const {
-        const std::string message = fmt::format(format, std::forward<T>(values)...);
-        throw UserError("{}: line {}: {}.", name_, header_.lines, message);
-    }
-    bool NextLine(std::string_view *line) {
-        if (position_ >= content_.size()) return false;
-        size_t end = content_.find(header_.lineEnd, position_);
-        if (end == std::string_view::npos) end = content_.size();
-        *line = content_.substr(position_, end - position_);
-        position_ = std::min(end + 1, content_.size());
-        ++header_.lines;
-        return true;
-    }
-    void ReadFormat(const WordList &w) {
-        static const WordList kFormats = {"ascii", "binary_little_endian", "binary_big_endian"};
-        const std::string given(w.size() > 1 ? w[1] : "");
-        const auto format = std::ranges::find(kFormats, given);
-        if (w.size() != 3 || format == kFormats.end())
-            Fail("format \"{}\" is not known; {}", given, ListChoices(given, kFormats));
-        header_.encoding = static_cast<Encoding>(format - kFormats.begin());
-    }
-    void ReadElement(const WordList &w) {
-        Element e;
-        if (w.size() != 3) Fail("an element line must read \"element <name> <count>\"");
-        e.name = w[1];
-        auto [end, code] = std::from_chars(w[2].data(), w[2].data() + w[2].size(), e.count);
-        if (code != std::errc() || end != w[2].data() + w[2].size()) Fail("\"{}\" is not a count", w[2]);
-        for (const Element &other : header_.elements)
-            if (other.name == e.name) Fail("element \"{}\" is declared twice", e.name);
-        header_.elements.push_back(std::move(e));
-    }
-    void ReadProperty(const WordList &w) {
-        if (header_.elements.empty()) Fail("a property stands before any element");
-        Property p;
-        if (w.size() == 5 && w[1] == "list") {
-            p.isList = true;
-            p.countType = TypeOf(w[2]);
-            if (p.countType >= Scalar::Float32) Fail("the length of a list must be an integer type");
-            p.type = TypeOf(w[3]);
-            p.name = w[4];
-        } else if (w.size() == 3) {
-            p.type = TypeOf(w[1]);
-            p.name = w[2];
-        } else {
-            Fail("a property line must read \"property <type> <name>\" or \"property list <type> <type> <name>\"");
-        }
-        Element &e = header_.elements.back();
-        for (const Property &other : e.properties)
-            if (other.name == p.name) Fail("property \"{}\" is declared twice in element \"{}\"", p.name, e.name);
-        e.properties.push_back(std::move(p));
-    }
-    Scalar TypeOf(const std::string &word) const {
-        static const WordList kOld = {"char", "uchar", "short", "ushort", "int", "uint", "float", "double"};
-        static const WordList kNew = {"int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "float64"};
-        for (size_t i = 0; i < kOld.size(); ++i)
-            if (word == kOld[i] || word == kNew[i]) return Scalar(i);
-        Fail("unknown type \"{}\"; {}", word, ListChoices(word, kOld));
-    }
-
-    std::string_view content_;
-    const std::string &name_;
-    size_t position_ = 0;
-    Header header_;
-};
-
-class BodyReader {
-  public:
-    BodyReader(std::string_view content, const Header &header, const std::string &name)
-        : at_(content.data() + header.bodyOffset), end_(content.data() + content.size()), name_(name),
-          encoding_(header.encoding), lineEnd_(header.lineEnd), line_(header.lines + 1) {}
 
     void SetItem(const std::string *element, uint64_t index) {
         element_ = element;
@@ -200,12 +116,68 @@ class BodyReader {
     template <class... T>
     [[noreturn]] void Fail(fmt::format_string<T...> format, T &&...values) const {
         const std::string message = fmt::format(format, std::forward<T>(values)...);
-        std::string place = element_ ? fmt::format("{} {}", *element_, index_) : std::string("body");
+        if (!element_) throw UserError("{}: line {}: {}.", name_, line_, message);
+        const std::string place = fmt::format("{} {}", *element_, index_);
         if (encoding_ == Encoding::Ascii) throw UserError("{}: line {} ({}): {}.", name_, line_, place, message);
         throw UserError("{}: {}: {}.", name_, place, message);
     }
 
   private:
+    bool NextLine(std::string_view *line) {
+        if (at_ == end_) return false;
+        const char *stop = std::find(at_, end_, lineEnd_);
+        *line = std::string_view(at_, stop);
+        at_ = stop == end_ ? end_ : stop + 1;
+        ++line_;
+        return true;
+    }
+    void ReadFormat(const WordList &w) {
+        hasFormat_ = true;
+        static const WordList kFormats = {"ascii", "binary_little_endian", "binary_big_endian"};
+        const std::string given(w.size() > 1 ? w[1] : "");
+        const auto format = std::ranges::find(kFormats, given);
+        if (w.size() != 3 || format == kFormats.end())
+            Fail("format \"{}\" is not known; {}", given, ListChoices(given, kFormats));
+        encoding_ = static_cast<Encoding>(format - kFormats.begin());
+    }
+    void ReadElement(const WordList &w) {
+        Element e;
+        if (w.size() != 3) Fail("an element line must read \"element <name> <count>\"");
+        e.name = w[1];
+        auto [end, code] = std::from_chars(w[2].data(), w[2].data() + w[2].size(), e.count);
+        if (code != std::errc() || end != w[2].data() + w[2].size()) Fail("\"{}\" is not a count", w[2]);
+        for (const Element &other : elements_)
+            if (other.name == e.name) Fail("element \"{}\" is declared twice", e.name);
+        elements_.push_back(std::move(e));
+    }
+    void ReadProperty(const WordList &w) {
+        if (elements_.empty()) Fail("a property stands before any element");
+        Property p;
+        if (w.size() == 5 && w[1] == "list") {
+            p.isList = true;
+            p.countType = TypeOf(w[2]);
+            if (p.countType >= Scalar::Float32) Fail("the length of a list must be an integer type");
+            p.type = TypeOf(w[3]);
+            p.name = w[4];
+        } else if (w.size() == 3) {
+            p.type = TypeOf(w[1]);
+            p.name = w[2];
+        } else {
+            Fail("a property line must read \"property <type> <name>\" or \"property list <type> <type> <name>\"");
+        }
+        Element &e = elements_.back();
+        for (const Property &other : e.properties)
+            if (other.name == p.name) Fail("property \"{}\" is declared twice in element \"{}\"", p.name, e.name);
+        e.properties.push_back(std::move(p));
+    }
+    Scalar TypeOf(const std::string &word) const {
+        static const WordList kOld = {"char", "uchar", "short", "ushort", "int", "uint", "float", "double"};
+        static const WordList kNew = {"int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "float64"};
+        for (size_t i = 0; i < kOld.size(); ++i)
+            if (word == kOld[i] || word == kNew[i]) return Scalar(i);
+        Fail("unknown type \"{}\"; {}", word, ListChoices(word, kOld));
+    }
+
     template <class T>
     T AsciiNumber(const char *kind) {
         while (at_ != end_ && IsSpace(*at_)) line_ += *at_++ == lineEnd_;
@@ -230,10 +202,12 @@ class BodyReader {
 
     const char *at_, *end_;
     const std::string &name_;
-    Encoding encoding_;
-    char lineEnd_;
-    int line_;
-    const std::string *element_ = nullptr;
+    Encoding encoding_ = Encoding::Ascii;
+    char lineEnd_ = '\n';
+    int line_ = 0;
+    bool hasFormat_ = false;
+    std::vector<Element> elements_;
+    const std::string *element_ = nullptr;  ///< null in the header
     uint64_t index_ = 0;
 };
 
@@ -244,8 +218,7 @@ std::vector<int> VertexSlots(const Element &e) {
     static constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kPairs = {
         {{"u", "v"}, {"s", "t"}, {"texture_u", "texture_v"}, {"texture_s", "texture_t"}}};
     auto has = [&](std::string_view name) {
-        return std::any_of(e.properties.begin(), e.properties.end(),
-                           [&](const Property &p) { return !p.isList && p.name == name; });
+        return std::ranges::any_of(e.properties, [&](const Property &p) { return !p.isList && p.name == name; });
     };
     for (const auto &[u, v] : kPairs)
         if (has(u) && has(v)) {
@@ -261,13 +234,13 @@ std::vector<int> VertexSlots(const Element &e) {
     return slots;
 }
 
-void SkipProperty(BodyReader &body, const Property &p) {
+void SkipProperty(Reader &body, const Property &p) {
     int64_t n = p.isList ? body.Integer(p.countType) : 1;
     for (int64_t i = 0; i < n; ++i) body.Number(p.type);
 }
 
 /// Rejects counts that the file cannot hold, before memory is reserved.
-void CheckCount(const BodyReader &body, const Element &e) {
+void CheckCount(const Reader &body, const Element &e) {
     size_t least = 0;
     for (const Property &p : e.properties)
         least += body.Format() == Encoding::Ascii ? 2 : SizeOf(p.isList ? p.countType : p.type);
@@ -287,7 +260,7 @@ T Sanitized(T v, size_t *broken) {
 }
 
 /// Requires finite positions; returns the number of non-finite normals and uv.
-size_t ReadVertices(BodyReader &body, const Element &e, MeshData &mesh) {
+size_t ReadVertices(Reader &body, const Element &e, MeshData &mesh) {
     size_t broken = 0;
     const std::vector<int> slots = VertexSlots(e);
     std::array<bool, 8> has{};
@@ -316,7 +289,7 @@ size_t ReadVertices(BodyReader &body, const Element &e, MeshData &mesh) {
     return broken;
 }
 
-void ReadFaces(BodyReader &body, const Element &e, uint64_t vertexCount, PlyMesh &mesh) {
+void ReadFaces(Reader &body, const Element &e, uint64_t vertexCount, PlyMesh &mesh) {
     const Property *indices = nullptr;
     std::string names;
     for (const Property &p : e.properties) {
@@ -355,16 +328,16 @@ void ReadFaces(BodyReader &body, const Element &e, uint64_t vertexCount, PlyMesh
 }  // namespace
 
 PlyMesh ParsePly(const std::string &content, const std::string &name) {
-    Header header = HeaderReader(content, name).Read();
-    BodyReader body(content, header, name);
+    Reader body(content, name);
+    const std::vector<Element> elements = body.ReadHeader();
     uint64_t vertexCount = 0;
-    for (const Element &e : header.elements)
+    for (const Element &e : elements)
         if (e.name == "vertex") vertexCount = e.count;
     if (vertexCount == 0) throw UserError("{}: has no vertices.", name);
 
     PlyMesh mesh;
     MeshData vertices;
-    for (const Element &e : header.elements) {
+    for (const Element &e : elements) {
         body.SetItem(&e.name, 0);
         CheckCount(body, e);
         if (e.name == "vertex") {

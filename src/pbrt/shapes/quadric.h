@@ -13,19 +13,13 @@ namespace pbrt {
 class Quadric : public Shape {
   public:
     uint32_t PrimitiveCount() const final { return 1; }
-    Bounds3 PrimitiveBounds(uint32_t primitive) const final;
+    Bounds3 PrimitiveBounds(uint32_t) const final { return PlacedBounds(renderFromObject_, ObjectBounds()); }
     Float Area(uint32_t) const final { return area_; }
-    std::optional<PrimitiveHit> Intersect(uint32_t primitive, const Point3 &o, const Vector3 &d, Float tMin,
-                                          Float tMax) const final;
+    std::optional<PrimitiveHit> Intersect(uint32_t primitive, const Ray &ray, Float tMin) const final;
     SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const final;
-    SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Point3 &o,
-                              const Vector3 &d) const final;
+    SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const final;
     std::optional<ShapeSample> SampleArea(uint32_t primitive, const Point2 &u) const final;
     Float PdfArea(uint32_t primitive, const Point3 &p, const Normal3 &n) const final;
-    std::optional<ShapeSample> Sample(uint32_t primitive, const ShapeSampleContext &from,
-                                      const Point2 &u) const override;
-    Float PdfSolidAngle(uint32_t primitive, const ShapeSampleContext &from, const Vector3 &wi, const Point3 &pHit,
-                        const Normal3 &nHit) const override;
 
   protected:
     struct ObjectPoint {
@@ -132,12 +126,10 @@ class Disk final : public Quadric {
     ObjectPoint PointAt(const Point2 &uv) const override {
         Float phi = uv.x * phiMax_, cosPhi = std::cos(phi), sinPhi = std::sin(phi);
         Float r = radius_ - uv.y * (radius_ - innerRadius_);
-        ObjectPoint at;
-        at.p = {r * cosPhi, r * sinPhi, height_};
-        at.n = {0, 0, 1};
-        at.dpdu = Vector3(-sinPhi, cosPhi, 0) * (phiMax_ * std::max(r, Float(1e-5) * radius_));
-        at.dpdv = Vector3(cosPhi, sinPhi, 0) * (innerRadius_ - radius_);
-        return at;
+        return {.p = {r * cosPhi, r * sinPhi, height_},
+                .n = {0, 0, 1},
+                .dpdu = Vector3(-sinPhi, cosPhi, 0) * (phiMax_ * std::max(r, Float(1e-5) * radius_)),
+                .dpdv = Vector3(cosPhi, sinPhi, 0) * (innerRadius_ - radius_)};
     }
     ShapeSample SampleObject(const Point2 &u) const override {
         ShapeSample at;
@@ -209,6 +201,58 @@ class Cylinder final : public Quadric {
 
   private:
     Float zMin_, zMax_;
+};
+
+/// Sphere about the object-space origin, cut at zMin, zMax and phiMax.
+///
+/// From outside, a full opaque sphere is sampled uniformly in the cone of directions towards it. Partial or non-opaque
+/// spheres combine two techniques with fixed probability: the first hit along a cone direction, if any, and a point
+/// uniform by area. Densities of points the cone can reach are the weighted sum, which handles both close and small
+/// parts. From inside, or for transforms that are not similarities, sampling is by area only.
+class Sphere final : public Quadric {
+  public:
+    /// Bounds as in the scene file: any order, clamped to the sphere; phiMax in degrees. `opaque` false: some rays pass
+    /// the surface (alpha), so that the farther of two points in one direction is visible as well.
+    Sphere(Float radius, Float zMin, Float zMax, Float phiMax, const Transform &renderFromObject,
+           bool reverseOrientation, bool opaque = true);
+
+    std::optional<ShapeSample> Sample(uint32_t primitive, const ShapeSampleContext &from,
+                                      const Point2 &u) const override;
+    Float PdfSolidAngle(uint32_t primitive, const ShapeSampleContext &from, const Vector3 &wi, const Point3 &pHit,
+                        const Normal3 &nHit) const override;
+
+  protected:
+    Bounds3 ObjectBounds() const override {
+        return {Point3(-radius_, -radius_, zMin_), Point3(radius_, radius_, zMax_)};
+    }
+    Roots ObjectIntersect(const glm::dvec3 &o, const glm::dvec3 &d) const override { return RoundRoots(o, d); }
+    std::optional<Point2> Clip(const glm::dvec3 &p) const override;
+    ObjectPoint PointAt(const Point2 &uv) const override;
+    ShapeSample SampleObject(const Point2 &u) const override;
+    Normal3 NormalAt(const Point3 &p) const override { return p; }
+
+  private:
+    Point2 UvOf(const glm::dvec3 &p) const;
+    /// Cone of directions that hit the full sphere; none from inside.
+    struct Cone {
+        Float distance;
+        Float sinThetaMax;
+        Float oneMinusCosThetaMax;
+        Float Pdf() const { return 1 / (2 * Pi * oneMinusCosThetaMax); }  ///< solid angle
+    };
+    std::optional<Cone> ConeFrom(const ShapeSampleContext &from) const;
+    /// Near side of a full sphere, uniform in the cone.
+    ShapeSample SampleNearSide(const Cone &cone, const ShapeSampleContext &from, const Point2 &u) const;
+    /// First hit along a cone direction; pdf is not set.
+    std::optional<ShapeSample> SampleFirstHit(const Cone &cone, const ShapeSampleContext &from, const Point2 &u) const;
+    /// True if the ray from `from` to surface point p has no earlier hit on this sphere.
+    bool IsMetFirst(const ShapeSampleContext &from, const Vector3 &wi, const Point3 &p) const;
+
+    Float zMin_, zMax_, thetaZMin_, thetaZMax_;
+    bool opaque_;
+    Float coneShare_;     ///< probability of cone sampling from outside; 1 for a full opaque sphere
+    Point3 center_;       ///< rendering space
+    Float renderRadius_;  ///< rendering space, if a similarity
 };
 
 }  // namespace pbrt

@@ -8,7 +8,6 @@
 #include "pbrt/shapes/extent.h"
 #include "pbrt/shapes/mesh_sources.h"
 #include "pbrt/shapes/quadric.h"
-#include "pbrt/shapes/sphere.h"
 #include "pbrt/shapes/triangle_mesh.h"
 
 namespace pbrt {
@@ -243,7 +242,7 @@ ShapeList MakePlyMesh(const PlyMeshParams &p, const ParamSet &set, const ShapeCo
             const Transform place = Product({context.renderFromPlaced, context.renderFromObject});
             return One<TriangleMesh>(context, DisplaceMesh(ply, place, p.edgeLength, *context.displacement));
         } catch (const DisplacementError &e) {
-            throw set.Error(e.Parameter(), "{}: {}", p.filename, e.Diagnostics().front().message);
+            throw set.Error(e.parameter, "{}: {}", p.filename, e.Diagnostics().front().message);
         }
     }
     ShapeList shapes;

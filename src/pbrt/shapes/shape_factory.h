@@ -4,7 +4,7 @@
 
 #include "pbrt/core/factory_table.h"
 #include "pbrt/core/files.h"
-#include "pbrt/shapes/displacement.h"
+#include "pbrt/shapes/mesh_sources.h"
 
 namespace pbrt {
 

@@ -1,4 +1,4 @@
-#include "pbrt/shapes/surface_point.h"
+#include "pbrt/shapes/shape.h"
 
 namespace pbrt {
 namespace {

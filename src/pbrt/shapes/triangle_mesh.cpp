@@ -88,23 +88,22 @@ struct TriangleMesh::PlaneHit {
     }
 };
 
-std::optional<PrimitiveHit> TriangleMesh::Intersect(uint32_t primitive, const Point3 &o, const Vector3 &d, Float tMin,
-                                                    Float tMax) const {
-    const std::optional<PlaneHit> at = PlaneHit::Of(CornersOf(primitive), o, d);
-    if (!at || !(at->b1 >= 0 && at->b2 >= 0 && at->b1 + at->b2 <= 1 && at->t > double(tMin) && at->t < double(tMax)))
+std::optional<PrimitiveHit> TriangleMesh::Intersect(uint32_t primitive, const Ray &ray, Float tMin) const {
+    const std::optional<PlaneHit> at = PlaneHit::Of(CornersOf(primitive), ray.o, ray.d);
+    if (!at || !(at->b1 >= 0 && at->b2 >= 0 && at->b1 + at->b2 <= 1) ||
+        !(at->t > double(tMin) && at->t < double(ray.tMax)))
         return {};
     return PrimitiveHit{Float(at->t), Float(at->b1), Float(at->b2)};
 }
 
-SurfacePoint TriangleMesh::SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Point3 &o,
-                                        const Vector3 &d) const {
+SurfacePoint TriangleMesh::SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const {
     SurfacePoint s = Surface(primitive, hit);
-    const Float large = kLargePrimitive * hit.t * MaxComponent(Abs(d));
+    const Float large = kLargePrimitive * hit.t * MaxComponent(Abs(ray.d));
     if (!(largestSpan_ > large)) [[likely]]
         return s;
     const Corners c = CornersOf(primitive);
     if (!(SpanOf(c) > large)) return s;
-    if (const std::optional<PlaneHit> at = PlaneHit::Of(c, o, d)) {
+    if (const std::optional<PlaneHit> at = PlaneHit::Of(c, ray.o, ray.d)) {
         const double slack = kLargePrimitiveSlack;
         const double b1 = std::clamp(at->b1, -slack, 1 + slack), b2 = std::clamp(at->b2, -slack, 1 + slack - b1);
         const glm::dvec3 p0(c.p0);

@@ -78,11 +78,9 @@ class TriangleMesh final : public Mesh {
     Bounds3 PrimitiveBounds(uint32_t primitive) const override;
     Float Area(uint32_t primitive) const override;
     DirectionCone NormalBounds(uint32_t primitive) const override;
-    std::optional<PrimitiveHit> Intersect(uint32_t primitive, const Point3 &o, const Vector3 &d, Float tMin,
-                                          Float tMax) const override;
+    std::optional<PrimitiveHit> Intersect(uint32_t primitive, const Ray &ray, Float tMin) const override;
     SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const override;
-    SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Point3 &o,
-                              const Vector3 &d) const override;
+    SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const override;
     Point2 Uv(uint32_t primitive, const PrimitiveHit &hit) const override;
     std::optional<ShapeSample> SampleArea(uint32_t primitive, const Point2 &u) const override;
     Float PdfArea(uint32_t primitive, const Point3 &, const Normal3 &) const override {

@@ -2,7 +2,7 @@
 #include <memory>
 #include <optional>
 
-#include "pbrt/shapes/surface_point.h"
+#include "pbrt/shapes/shape.h"
 #include "pbrt/spectra/spectrum.h"
 
 namespace pbrt {

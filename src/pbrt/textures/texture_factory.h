@@ -27,7 +27,6 @@ void ReadParam(ParamReader &reader, const std::string &name, FloatTextureParam &
 void ReadParam(ParamReader &reader, const std::string &name, FloatTextureParam &value, const Range<Float> &range);
 void ReadParam(ParamReader &reader, const std::string &name, SpectrumTextureParam &value);
 void DocumentParam(ParamDoc &doc, const FloatTextureParam &value);
-void DocumentParam(ParamDoc &doc, const FloatTextureParam &value, const Range<Float> &range);
 void DocumentParam(ParamDoc &doc, const SpectrumTextureParam &value);
 
 /// Named textures of a scene, created on first use (spectrum textures once per use), and the reader of texture

@@ -2,8 +2,8 @@
 
 #include "pbrt/textures/image_texture.h"
 #include "pbrt/textures/noise.h"
-#include "pbrt/textures/patterns.h"
 #include "pbrt/textures/texture.h"
+#include "pbrt/textures/texture_mapping.h"
 
 namespace pbrt {
 namespace {

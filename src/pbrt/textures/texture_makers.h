@@ -2,7 +2,7 @@
 #include <functional>
 
 #include "pbrt/core/factory_table.h"
-#include "pbrt/textures/image_cache.h"
+#include "pbrt/textures/image_texture.h"
 #include "pbrt/textures/texture_factory.h"
 
 namespace pbrt {

@@ -38,16 +38,9 @@ void PathWalk::RecordVisible(const SampledWavelengths &lambda) const {
     RayDifferential differential = differential_;
     differential.valid = startsWithDifferential_;
     ComputeFootprint(point, differential, context_.camera, context_.samplesPerPixel);
-    VisibleSurface &visible = visible_->emplace();
-    visible.p = point.p;
-    visible.n = FaceForward(point.n, point.wo);
-    visible.ns = FaceForward(point.shading.n, point.wo);
-    visible.uv = point.uv;
-    visible.dpdx = point.dpdx;
-    visible.dpdy = point.dpdy;
-    visible.time = point.time;
-    visible.albedo = EstimateAlbedo(vertex_.bsdf, point.wo);
-    visible.lambda = lambda;
+    const Normal3 n = FaceForward(point.n, point.wo), ns = FaceForward(point.shading.n, point.wo);
+    const SampledSpectrum albedo = EstimateAlbedo(vertex_.bsdf, point.wo);
+    *visible_ = VisibleSurface{point.p, n, ns, point.uv, point.dpdx, point.dpdy, point.time, albedo, lambda};
 }
 
 void PathWalk::Scatter(const BsdfSample &sample) {

@@ -55,9 +55,7 @@ ShadowTransmittance TraceShadow(const Scene &scene, const LightSampleContext &fr
         else if (passed.HasDropped()) interface = scene.NextInterface(ray, begin);
         const Float end = interface ? interface->t : ray.tMax;
         if (const Medium *m = scene.MediumAt(medium)) {
-            Ray part;
-            part.o = ray(begin);
-            part.d = ray.d / length;
+            const Ray part{.o = ray(begin), .d = ray.d / length};
             if (!PassMedium(m->On(part, (end - begin) * length, lambda), rng, &through)) break;
         }
         if (!interface) break;

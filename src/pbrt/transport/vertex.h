@@ -2,7 +2,7 @@
 #include "pbrt/bxdfs/bsdf.h"
 #include "pbrt/lightsamplers/light_sampler.h"
 #include "pbrt/scene/shading.h"
-#include "pbrt/shapes/surface_point.h"
+#include "pbrt/shapes/shape.h"
 
 namespace pbrt {
 
@@ -45,16 +45,14 @@ inline LightQuery LightQueryAt(const PathVertex &vertex, const SampledWavelength
 /// Query at a medium point with outgoing direction wo. Refers to the phase function and `lambda`.
 inline LightQuery LightQueryInMedium(const Point3 &p, const Vector3 &wo, MediumId medium, const HenyeyGreenstein &phase,
                                      Float time, const SampledWavelengths &lambda, int depth) {
-    LightQuery query;
-    query.p = p;
-    query.wo = wo;
-    query.transmits = true;
-    query.medium = medium;
-    query.time = time;
-    query.depth = depth;
-    query.phase = &phase;
-    query.lambda = &lambda;
-    return query;
+    return {.p = p,
+            .wo = wo,
+            .transmits = true,
+            .medium = medium,
+            .time = time,
+            .depth = depth,
+            .lambda = &lambda,
+            .phase = &phase};
 }
 
 }  // namespace pbrt

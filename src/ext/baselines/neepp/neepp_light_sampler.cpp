@@ -1,44 +1,211 @@
 #include "ext/baselines/neepp/neepp_light_sampler.h"
 
+#include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "pbrt/core/effective_params_text.h"
+#include "pbrt/core/log.h"
+#include "pbrt/core/progress.h"
 #include "pbrt/integrators/registry.h"
+#include "pbrt/math/low_discrepancy.h"
+#include "pbrt/math/warps.h"
 
 namespace ext {
+namespace {
+/// Decorrelates the segments from other uses of the seed.
+constexpr uint64_t kStream = 0x6e65657070ull;
+
+Vector3 Uniform3(Rng &rng) {
+    Float x = rng.Uniform(), y = rng.Uniform();
+    return {x, y, rng.Uniform()};
+}
+
+constexpr int kSkySamples = 4096;
+
+/// Calls visit(point, weight) for points uniform over a primitive's area, enough to make missing a crossed voxel
+/// unlikely. Weights sum to 1.
+void ForPointsOn(const Shape &shape, uint32_t primitive, const VoxelGrid &grid, const auto &visit) {
+    Bounds3 box = shape.PrimitiveBounds(primitive);
+    if (grid.Index(box.low) == grid.Index(box.high)) {
+        visit(box.Center(), Float(1));
+        return;
+    }
+    Float span[3];
+    for (int i = 0; i < 3; ++i) {
+        Float size = grid.VoxelSize()[i];
+        span[i] = size > 0 ? std::ceil((box.high[i] - box.low[i]) / size) + 1 : 1;
+    }
+    std::sort(span, span + 3);
+    int n = int(std::clamp(8 * span[1] * span[2], Float(32), Float(4096)));
+    for (int i = 0; i < n; ++i) {
+        auto k = uint64_t(i);
+        std::optional<ShapeSample> s = shape.SampleArea(primitive, {RadicalInverse(2, k), RadicalInverse(3, k)});
+        visit(s ? s->p : box.Center(), 1 / Float(n));
+    }
+}
+}  // namespace
+
+uint32_t LightTargets::SkyPartOf(const Vector3 &w) {
+    const Point2i cell = glm::clamp(Point2i(EqualAreaSphereToSquare(w) * Float(SkySide)), 0, SkySide - 1);
+    return uint32_t(cell.x + SkySide * cell.y);
+}
+
+Vector3 LightTargets::DirectionIn(uint32_t skyPart, const Point2 &u) {
+    Point2 corner(skyPart % SkySide, skyPart / SkySide);
+    return EqualAreaSquareToSphere((corner + u) / Float(SkySide));
+}
+
+LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const LightGroups &groups) {
+    const LightTable &lights = scene.Lights();
+    const SampledWavelengths &lambda = SampledWavelengths::WholeRange();
+    const Bounds3 bounds = scene.Bounds().IsEmpty() ? Bounds3(Point3(0)) : scene.Bounds();
+    const LightSampleContext center{.p = bounds.Center()};
+    constexpr uint32_t kNone = 0xffffffffu;
+    std::vector<uint32_t> ofVoxel(grid.Size(), kNone), ofSkyPart(SkySide * SkySide, kNone);
+    const auto addTarget = [&](const Target &target) {
+        targets_.push_back(target);
+        return uint32_t(targets_.size() - 1);
+    };
+    const auto sharedTarget = [&](Kind kind, uint32_t index) {
+        uint32_t &target = (kind == Kind::Voxel ? ofVoxel : ofSkyPart)[index];
+        return target != kNone ? target : target = addTarget({kind, index, {}});
+    };
+
+    std::map<uint32_t, double> weights;
+    auto finishGroup = [&] {
+        double sum = 0;
+        for (const auto &[target, weight] : weights) sum += weight;
+        for (const auto &[target, weight] : weights)
+            if (weight > 0) shares_.push_back({target, Float(weight / sum)});
+        first_.push_back(uint32_t(shares_.size()));
+        weights.clear();
+    };
+    for (uint32_t i = 0; i < lights.Size(); ++i) {
+        LightId id(i);
+        if (i > 0 && groups.GroupOf(id) != groups.GroupOf(LightId(i - 1))) finishGroup();
+        const LightCandidate candidate = lights.Candidate(id);
+        auto share = double(groups.ShareOf(id));
+        if (!(candidate.power > 0)) continue;
+        const LightKind kind = lights[id].Kind();
+        if (kind == LightKind::DeltaDirection) {
+            std::optional<LightLiSample> s = lights[id].SampleLi(center, {0.5f, 0.5f}, lambda, true);
+            if (!s) continue;
+            weights[addTarget({Kind::Direction, 0, s->wi})] += share;
+        } else if (kind == LightKind::Infinite) {
+            for (uint64_t k = 0; k < kSkySamples; ++k) {
+                // From points all over the scene, because the directions that a portal light samples depend on the
+                // point.
+                LightSampleContext from;
+                from.p = bounds.low +
+                         bounds.Diagonal() * Vector3(RadicalInverse(5, k), RadicalInverse(7, k), RadicalInverse(11, k));
+                Point2 u(RadicalInverse(2, k), RadicalInverse(3, k));
+                std::optional<LightLiSample> s = lights[id].SampleLi(from, u, lambda, true);
+                if (s && s->L && s->pdf > 0) weights[sharedTarget(Kind::SkyPart, SkyPartOf(s->wi))] += 1;
+            }
+        } else if (const ShapePrimitive at = lights[id].Surface(); at.shape) {
+            ForPointsOn(*at.shape, at.primitive, grid, [&](const Point3 &p, Float part) {
+                weights[sharedTarget(Kind::Voxel, grid.Index(p))] += share * double(part);
+            });
+        } else if (candidate.bounds) {
+            weights[sharedTarget(Kind::Voxel, grid.Index(candidate.bounds->Centroid()))] += share;
+        }
+    }
+    if (lights.Size() > 0) finishGroup();
+}
+
+size_t LightTargets::Bytes() const {
+    return targets_.capacity() * sizeof(Target) + shares_.capacity() * sizeof(Share) +
+           first_.capacity() * sizeof(uint32_t);
+}
 
 NeeppLightSampler::NeeppLightSampler(const LightTable &lights, const NeeppParams &params)
-    : VoxelLightSampler(params.meshlights ? lights.ByLight() : lights.ByComponent()), params_(params),
-      map_(params.voxels, params.samples) {}
+    : VoxelLightSampler(params.meshlights ? lights.ByLight() : lights.ByComponent()), params_(params) {}
 
 void NeeppLightSampler::Prepare(PrepareContext &context) {
     if (groups_.Size() <= 1) return;
-    map_.Prepare(context, groups_);
-    PrepareVoxels(map_.Grid());
+    const auto start = std::chrono::steady_clock::now();
+    scene_ = &context.scene;
+    seed_ = context.seed;
+    PrepareVoxels(VoxelGrid(context.scene.Bounds(), params_.voxels));
+    targets_ = LightTargets(context.scene, grid_, groups_);
+    rows_.Reset(grid_.Size(), targets_.Size());
+    auto work = double(grid_.BorderSize()) * double(targets_.Size()) * params_.samples;
+    if (work > 3e8)
+        LogWarning(
+            "neepp: visibility to {} voxels and directions with lights takes about {:.1e} rays, {} for "
+            "every voxel that a path enters for the first time.",
+            targets_.Size(), work, targets_.Size() * params_.samples);
+    prepareSeconds_ = SecondsSince(start);
+}
+
+void NeeppLightSampler::TestSegments(uint32_t voxel, std::span<uint8_t> row) const {
+    // Scene::Occluded would count these as shadow rays of the render.
+    const Accel &accel = scene_->Acceleration();
+    for (uint32_t t = 0; t < row.size(); ++t) {
+        const LightTargets::Target &target = targets_[t];
+        Rng rng(Hash(kStream, seed_, voxel, t));
+        int freeSegments = 0;
+        for (int i = 0; i < params_.samples; ++i) {
+            Ray ray;
+            ray.o = grid_.PointIn(voxel, Uniform3(rng));
+            switch (target.kind) {
+                case LightTargets::Kind::Voxel:
+                    ray.d = grid_.PointIn(target.index, Uniform3(rng)) - ray.o;
+                    ray.tMax = 1;
+                    break;
+                case LightTargets::Kind::Direction: ray.d = target.direction; break;
+                case LightTargets::Kind::SkyPart:
+                    ray.d = LightTargets::DirectionIn(target.index, rng.Uniform2());
+                    break;
+            }
+            freeSegments += ray.d == Vector3(0) || !accel.Occluded(ray);
+        }
+        row[t] = uint8_t(freeSegments);
+    }
+}
+
+Float NeeppLightSampler::GroupVisibility(std::span<const uint8_t> row, uint32_t group) const {
+    Float sum = 0;
+    for (const LightTargets::Share &s : targets_.SharesOf(group)) sum += s.weight * Float(row[s.target]);
+    return std::min(Float(1), sum / Float(params_.samples));
+}
+
+std::string NeeppLightSampler::DescribeStructure() const {
+    if (!IsPrepared()) return {};
+    size_t voxels = 0, directions = 0;
+    for (size_t i = 0; i < targets_.Size(); ++i)
+        ++(targets_[i].kind == LightTargets::Kind::Voxel ? voxels : directions);
+    return fmt::format(
+        "{}lights in {} voxels and {} directions out of the scene, {} segments to each\n"
+        "{} of {} voxels filled, {} KB, {:.3f} s of thread time to fill them\n",
+        grid_.Describe(), voxels, directions, params_.samples, rows_.Filled(), rows_.Size(),
+        (rows_.Bytes() + targets_.Bytes()) / 1000, rows_.FillThreadSeconds());
 }
 
 std::vector<double> NeeppLightSampler::Weights(uint32_t voxel) const {
-    const std::span<const uint8_t> row = map_.Row(voxel);
+    const std::span<const uint8_t> row = Row(voxel);
     std::vector<double> weights(groups_.Size());
-    for (uint32_t g = 0; g < weights.size(); ++g)
-        weights[g] = double(std::max(map_.GroupVisibility(row, g), params_.floor));
+    for (uint32_t g = 0; g < weights.size(); ++g) weights[g] = double(std::max(GroupVisibility(row, g), params_.floor));
     return weights;
 }
 
 void NeeppLightSampler::Report(nlohmann::ordered_json &report) const {
     report["parameters"] = EffectiveParamsText(params_);
     GroupLightSampler::Report(report);
-    map_.Report(report);
-    report["bytes"] = report["bytes"].get<size_t>() + cdfs_.Bytes();
+    rows_.Report(report, prepareSeconds_);
+    report["targets"] = targets_.Size();
+    report["visibilityRays"] = (rows_.Filled() + rows_.Discarded()) * targets_.Size() * params_.samples;
+    report["bytes"] = rows_.Bytes() + targets_.Bytes() + cdfs_.Bytes();
 }
 
 void NeeppLightSampler::Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const {
     Float mean = 0;
-    uint32_t voxel = map_.Grid().Index(query.p), seen = 0;
+    uint32_t voxel = grid_.Index(query.p), seen = 0;
     if (IsPrepared()) {
-        std::span<const uint8_t> row = map_.Row(voxel);
+        std::span<const uint8_t> row = Row(voxel);
         for (uint32_t g = 0; g < groups_.Size(); ++g) {
-            Float v = map_.GroupVisibility(row, g);
+            Float v = GroupVisibility(row, g);
             mean += v / Float(groups_.Size());
             seen += v > 0;
         }
@@ -48,15 +215,10 @@ void NeeppLightSampler::Inspect(const LightQuery &query, std::vector<InspectedVa
     values.push_back({"mean visibility of the groups", double(mean), false});
 }
 
-std::string NeeppLightSampler::DescribeStructure() const { return IsPrepared() ? map_.Describe() : std::string(); }
-
 }  // namespace ext
 
 void register_neepp(pbrt::PluginRegistry &registry) {
     using namespace ext;
-    registry.samplers.Add<NeeppParams>(
-        "neepp", "visibility between voxels (NEE++, Guo et al. 2020); neither power nor distance counts",
-        [](const NeeppParams &p, const ParamSet &, const LightGroups &groups) {
-            return std::make_unique<NeeppLightSampler>(groups.Lights(), p);
-        });
+    registry.Add<NeeppLightSampler, NeeppParams>(
+        "neepp", "visibility between voxels (NEE++, Guo et al. 2020); neither power nor distance counts");
 }

@@ -1,9 +1,57 @@
 #pragma once
-#include "ext/baselines/neepp/visibility_map.h"
+#include <vector>
+
+#include "ext/voxels/lazy_rows.h"
+#include "ext/voxels/voxel_grid.h"
 #include "ext/voxels/voxel_light_sampler.h"
 #include "pbrt/core/describe.h"
+#include "pbrt/lights/light_table.h"
+#include "pbrt/lightsamplers/light_sampler.h"
+#include "pbrt/scene/scene.h"
 
 namespace ext {
+
+/// Targets of visibility tests: voxels with lights (one target per voxel), directions of distant lights, and an 8 x 8
+/// equal-area division of the sphere for environment lights. Also stores each light group's targets and their shares.
+class LightTargets {
+  public:
+    /// Cells per side of the sphere's equal-area square.
+    static constexpr int SkySide = 8;
+
+    enum class Kind : uint8_t { Voxel, Direction, SkyPart };
+    struct Target {
+        Kind kind = Kind::Voxel;
+        uint32_t index = 0;   ///< voxel or cell of the sphere
+        Vector3 direction{};  ///< unit; for Direction
+    };
+    /// Share of a group in a target: by power, equal to area for uniformly emitting meshes.
+    struct Share {
+        uint32_t target = 0;
+        Float weight = 0;
+    };
+
+    LightTargets() = default;
+    LightTargets(const Scene &scene, const VoxelGrid &grid, const LightGroups &groups);
+
+    size_t Size() const { return targets_.size(); }
+    const Target &operator[](size_t i) const { return targets_[i]; }
+    /// Targets of a group; weights sum to 1. Empty for groups without power and for uniform environment lights, which
+    /// paths do not sample.
+    std::span<const Share> SharesOf(uint32_t group) const {
+        return {shares_.data() + first_[group], shares_.data() + first_[group + 1]};
+    }
+
+    /// Cell of the sphere that contains the unit vector w.
+    static uint32_t SkyPartOf(const Vector3 &w);
+    /// Unit vector in a cell of the sphere; u in [0, 1)^2.
+    static Vector3 DirectionIn(uint32_t skyPart, const Point2 &u);
+    size_t Bytes() const;
+
+  private:
+    std::vector<Target> targets_;
+    std::vector<uint32_t> first_{0};  ///< per group, index into shares_; one more entry at the end
+    std::vector<Share> shares_;
+};
 
 struct NeeppParams {
     int voxels = 16;
@@ -22,6 +70,10 @@ struct NeeppParams {
 /// NEE++ (Guo et al. 2020, as described by Noh, Choi and Moon 2023): selects lights in proportion to the stored
 /// visibility between the voxels of point and light, ignoring power and distance. Visibility is clamped to the floor,
 /// so every light can be selected. Before Prepare, selection is uniform.
+///
+/// Stored is how many of `samples` segments between random points of two voxels are unoccluded. One byte per pair, only
+/// for pairs whose far end holds a light; towards distant and environment lights the segment leaves the scene. Pairs
+/// are tested on first use of a voxel; the result depends on pair and seed only.
 class NeeppLightSampler final : public VoxelLightSampler {
   public:
     NeeppLightSampler(const LightTable &lights, const NeeppParams &params);
@@ -31,13 +83,25 @@ class NeeppLightSampler final : public VoxelLightSampler {
     void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override;
     std::string DescribeStructure() const override;
 
-    const VisibilityMap &Map() const { return map_; }
+    const VoxelGrid &Grid() const { return grid_; }
+    const LightTargets &Targets() const { return targets_; }
+    /// Unoccluded segments to each target, 0 to `samples`. Tested on first use.
+    std::span<const uint8_t> Row(uint32_t voxel) const {
+        return rows_.Get(voxel, [&](std::span<uint8_t> row) { TestSegments(voxel, row); });
+    }
+    /// Mean visibility of a group's targets, weighted by share, in [0, 1]; 0 without targets.
+    Float GroupVisibility(std::span<const uint8_t> row, uint32_t group) const;
 
   private:
     std::vector<double> Weights(uint32_t voxel) const override;
+    void TestSegments(uint32_t voxel, std::span<uint8_t> row) const;
 
     NeeppParams params_;
-    VisibilityMap map_;
+    const Scene *scene_ = nullptr;
+    int seed_ = 0;
+    LightTargets targets_;
+    LazyRows<uint8_t> rows_;  ///< per voxel, one value per target
+    double prepareSeconds_ = 0;
 };
 
 }  // namespace ext

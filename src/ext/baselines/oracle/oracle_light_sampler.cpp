@@ -1,9 +1,10 @@
 #include "ext/baselines/oracle/oracle_light_sampler.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
-#include "ext/baselines/oracle/least_variance.h"
 #include "pbrt/core/counters.h"
 #include "pbrt/core/effective_params_text.h"
 #include "pbrt/core/log.h"
@@ -12,6 +13,20 @@
 
 namespace ext {
 namespace {
+constexpr int kMaxSteps = 30;
+constexpr double kTolerance = 1e-3;
+
+double Square(Float v) { return double(v) * double(v); }
+
+/// -dS/dp times p^2 for one point of value 1, computed relative to max(p, r) to avoid under- and overflow: 1 for r = 0.
+/// Never negative: x^3 - 3x + 4 > 0 for x = p/r >= 0.
+double Gain(double p, double r) {
+    const double s = std::max(p, r);
+    p /= s;
+    r /= s;
+    const double d = p * p + r * r;
+    return p * p * p * (p * p * p - 3 * p * r * r + 4 * r * r * r) / (d * d * d);
+}
 
 /// Decorrelates this sampler from other uses of the seed.
 constexpr uint64_t kStream = 0x6f7261636c65ull;
@@ -37,6 +52,41 @@ Scattered ScatteredTo(const LightQuery &q, const Vector3 &wi, bool needsPdf) {
 Float Fraction(double v) { return std::min(Float(v - std::floor(v)), OneMinusEpsilon); }
 
 }  // namespace
+
+bool LeastVariancePmf(std::span<const LightPoint> points, std::span<double> pmf) {
+    const size_t lights = pmf.size(), perLight = lights ? points.size() / lights : 0;
+    auto of = [&](size_t light) { return points.subspan(light * perLight, perLight); };
+    auto root = [&](size_t light) {
+        double m = 0;
+        for (const LightPoint &y : of(light)) m += Square(y.value);
+        return std::sqrt(m);
+    };
+    double total = 0;
+    for (size_t l = 0; l < lights; ++l) total += root(l);
+    if (!(total > 0) || !std::isfinite(total)) return false;
+    for (size_t l = 0; l < lights; ++l) pmf[l] = root(l) / total;
+    const bool anyRatio = std::ranges::any_of(points, [](const LightPoint &y) { return y.value > 0 && y.ratio > 0; });
+    if (!anyRatio || lights == 1) return true;
+
+    for (int step = 0; step < kMaxSteps; ++step) {
+        double sum = 0, least = std::numeric_limits<double>::infinity(), most = 0;
+        for (size_t l = 0; l < lights; ++l) {
+            double p = pmf[l], gain = 0;
+            if (!(p > 0)) continue;
+            for (const LightPoint &y : of(l)) gain += Square(y.value) * Gain(p, double(y.ratio));
+            double target = std::sqrt(gain);  // unnormalized
+            if (p > kTolerance) {
+                least = std::min(least, target / p);
+                most = std::max(most, target / p);
+            }
+            // Half a step in the logarithm: a full step can oscillate around the minimum.
+            sum += pmf[l] = std::sqrt(p * target);
+        }
+        for (size_t l = 0; l < lights; ++l) pmf[l] /= sum;
+        if (most <= least * (1 + kTolerance)) break;
+    }
+    return true;
+}
 
 OracleLightSampler::OracleLightSampler(const LightTable &lights, const OracleParams &params)
     : InteriorLightSampler(lights, params.meshlights, params.interior), params_(params),
@@ -105,10 +155,6 @@ const Float *OracleLightSampler::Measure(const LightQuery &query, LightMemory &m
     return cdf;
 }
 
-const void *OracleLightSampler::WeighGroups(const LightQuery &query, LightMemory &memory) const {
-    return scene_ ? Measure(query, memory) : nullptr;
-}
-
 std::optional<GroupLightSampler::ChosenGroup> OracleLightSampler::ChooseGroup(const LightQuery &query,
                                                                               const void *weights, Float u) const {
     const auto *cdf = static_cast<const Float *>(weights);
@@ -155,10 +201,7 @@ void OracleLightSampler::Report(nlohmann::ordered_json &report) const {
 
 void register_oracle(pbrt::PluginRegistry &registry) {
     using namespace ext;
-    registry.samplers.Add<OracleParams>(
+    registry.Add<OracleLightSampler, OracleParams>(
         "oracle",
-        "measuring instrument, slow: traces shadow rays to every light at every point for the choice of least variance",
-        [](const OracleParams &p, const ParamSet &, const LightGroups &groups) {
-            return std::make_unique<OracleLightSampler>(groups.Lights(), p);
-        });
+        "measuring instrument, slow: traces shadow rays to every light at every point for the choice of least variance");
 }

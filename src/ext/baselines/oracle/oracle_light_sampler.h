@@ -1,11 +1,34 @@
 #pragma once
 #include <atomic>
+#include <span>
 
 #include "ext/lightgroups/emitter_tree.h"
 #include "ext/lightgroups/mesh_interior.h"
 #include "pbrt/core/describe.h"
 
 namespace ext {
+
+/// Point on a light, sampled with density p(y) (solid angle; discrete for delta lights) from the shading point.
+struct LightPoint {
+    Float value = 0;  ///< |f Le cos V / p(y)|: the contribution estimate from this point alone
+    Float ratio = 0;  ///< BSDF sampling density of this direction over p(y); 0 if BSDF sampling cannot reach the point
+};
+
+/// Light selection probabilities that minimize the variance of the direct lighting estimate. Expectations over a light
+/// are means over its points: `points` holds the same number of points for each light, light by light.
+///
+/// Without MIS (all ratios 0), the second moment of "select light l, sample y" is S(p) = sum_l m_l / p_l with m_l =
+/// mean of value^2; its minimum is at p_l ~ sqrt(m_l).
+///
+/// With ratios r: one light sample and one BSDF sample, combined by the power heuristic with weights p_l^2/(p_l^2 +
+/// r^2) and r^2/(p_l^2 + r^2). The summed second moment is S(p) = sum_l mean of value^2 (p_l^3 + r^3) / (p_l^2 +
+/// r^2)^2, decreasing in every p_l. At the minimum all -dS/dp_l are equal, so p_l <- p_l sqrt(-dS/dp_l), normalized, is
+/// iterated. One step is exact where r is 0. S can have several minima; the result was the lowest or within 2 % of it
+/// in 200 random pairs of lights (tests/unit/ext/baselines/oracle).
+///
+/// Writes probabilities that sum to 1 to `pmf` (one per light). Returns false and leaves `pmf` unchanged if all values
+/// are 0 or their sum overflows.
+bool LeastVariancePmf(std::span<const LightPoint> points, std::span<double> pmf);
 
 struct OracleParams {
     int samples = 32;
@@ -29,23 +52,10 @@ struct OracleParams {
 
 /// A reference for measurements, not for rendering: errors of other samplers are compared with its error. At every
 /// shading point it traces shadow rays to every light and selects with the probabilities that minimize the variance of
-/// direct lighting (least_variance.h).
-///
-/// Minimized quantity, given shading point, outgoing direction, BSDF and wavelengths: the summed second moments of one
-/// light sample and one BSDF sample, combined by the power heuristic (`mis` true). The value is the root mean square
-/// over the wavelengths. With `mis` false: the second moment of the light sample alone, p_l ~ sqrt(E[(f Le cos V /
-/// p(y))^2]).
-///
-/// Given: the sampling of points on a light, of primitives in a mesh (MeshInterior, as the octree), and of paths. No
-/// light selection has a lower error; better sampling inside meshes or on a light could. With `meshlights` false every
-/// primitive is measured, which also bounds selection inside meshes.
-///
-/// An image rendered with the oracle may have slightly more error than the minimum:
-/// - expectations are means over `samples` light points;
-/// - the fraction `floor` goes to the unoccluded estimate (EmitterTree), so that unreached lights can be selected and
-///   the image is unbiased;
-/// - image error is measured in colours, the oracle minimizes it over wavelengths;
-/// - pixel noise also comes from the rest of the path.
+/// direct lighting (LeastVariancePmf; values are root mean squares over the wavelengths). Points on a light, primitives
+/// in a mesh (MeshInterior, as in the octree) and paths are sampled as by others; docs/method/baselines.md tells how an
+/// image can have less error. The fraction `floor` goes to the unoccluded estimate (EmitterTree), so that unreached
+/// lights can be selected and the image is unbiased.
 ///
 /// Without a BSDF in the query the surface is white and diffuse, on both sides if it transmits; in a medium scattering
 /// is isotropic. Random numbers depend on the seed and the query's position and direction only.
@@ -59,7 +69,9 @@ class OracleLightSampler final : public InteriorLightSampler {
     void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override;
 
   private:
-    const void *WeighGroups(const LightQuery &query, LightMemory &memory) const override;
+    const void *WeighGroups(const LightQuery &query, LightMemory &memory) const override {
+        return scene_ ? Measure(query, memory) : nullptr;
+    }
     std::optional<ChosenGroup> ChooseGroup(const LightQuery &query, const void *weights, Float u) const override;
     Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const override;
     /// CDF over the groups, in `memory`; null if no shadow ray reached a light.

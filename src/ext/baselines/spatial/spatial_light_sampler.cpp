@@ -6,7 +6,6 @@
 
 #include "pbrt/core/effective_params_text.h"
 #include "pbrt/core/log.h"
-#include "pbrt/core/parallel.h"
 #include "pbrt/core/progress.h"
 #include "pbrt/integrators/registry.h"
 #include "pbrt/math/low_discrepancy.h"
@@ -84,13 +83,7 @@ std::vector<double> SpatialLightSampler::Weights(uint32_t voxel) const {
 void SpatialLightSampler::Report(nlohmann::ordered_json &report) const {
     report["parameters"] = EffectiveParamsText(params_);
     GroupLightSampler::Report(report);
-    report["prepassSeconds"] = 0.0;
-    // Voxels are filled during rendering; a thread that fills does not render.
-    report["buildSeconds"] = prepareSeconds_ + cdfs_.FillThreadSeconds() / std::max(1, ThreadCount());
-    report["fillThreadSeconds"] = cdfs_.FillThreadSeconds();
-    report["voxels"] = cdfs_.Size();
-    report["voxelsFilled"] = cdfs_.Filled();
-    report["voxelsFilledTwice"] = cdfs_.Discarded();
+    cdfs_.Report(report, prepareSeconds_);
     report["bytes"] = cdfs_.Bytes() + points_.capacity() * sizeof(VoxelPoint);
 }
 
@@ -110,23 +103,17 @@ void SpatialLightSampler::Inspect(const LightQuery &query, std::vector<Inspected
 
 std::string SpatialLightSampler::DescribeStructure() const {
     if (!IsPrepared()) return {};
-    const glm::ivec3 &r = grid_.Resolution();
-    const Vector3 &s = grid_.VoxelSize();
     return fmt::format(
-        "grid of {} x {} x {} voxels, {:.4g} x {:.4g} x {:.4g} each\n"
-        "{} of {} voxels filled, {} groups of lights in each, {} KB\n"
+        "{}{} of {} voxels filled, {} groups of lights in each, {} KB\n"
         "{} points and {} light samples a voxel, {:.3f} s of thread time to fill them\n",
-        r.x, r.y, r.z, s.x, s.y, s.z, cdfs_.Filled(), cdfs_.Size(), groups_.Size(), cdfs_.Bytes() / 1000,
-        points_.size(), points_.size() * groups_.Size(), cdfs_.FillThreadSeconds());
+        grid_.Describe(), cdfs_.Filled(), cdfs_.Size(), groups_.Size(), cdfs_.Bytes() / 1000, points_.size(),
+        points_.size() * groups_.Size(), cdfs_.FillThreadSeconds());
 }
 
 }  // namespace ext
 
 void register_spatial(pbrt::PluginRegistry &registry) {
     using namespace ext;
-    registry.samplers.Add<SpatialParams>("spatial",
-                                         "unshadowed contribution per voxel, as pbrt-v3 (Noh, Choi, Moon 2023, Eq. 3)",
-                                         [](const SpatialParams &p, const ParamSet &, const LightGroups &groups) {
-                                             return std::make_unique<SpatialLightSampler>(groups.Lights(), p);
-                                         });
+    registry.Add<SpatialLightSampler, SpatialParams>(
+        "spatial", "unshadowed contribution per voxel, as pbrt-v3 (Noh, Choi, Moon 2023, Eq. 3)");
 }

@@ -1,4 +1,4 @@
-#include "ext/lightgroups/group_importance.h"
+#include "ext/lightgroups/emitter.h"
 
 #include <gtest/gtest.h>
 

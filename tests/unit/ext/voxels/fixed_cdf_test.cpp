@@ -3,7 +3,7 @@
 #include <numeric>
 #include <vector>
 
-#include "ext/voxels/fixed_cdf.h"
+#include "ext/voxels/voxel_light_sampler.h"
 #include "support/statistics.h"
 
 namespace {

@@ -16,12 +16,12 @@ TEST(VoxelGrid, VoxelsAreNearlyCubesAndFillTheBounds) {
     EXPECT_EQ(grid.VoxelSize(), Vector3(0.5f));
     double volume = 0;
     for (uint32_t i = 0; i < grid.Size(); ++i) {
-        Vector3 d = grid.Voxel(i).Diagonal();
+        Vector3 d = grid.PointIn(i, Vector3(1)) - grid.PointIn(i, Vector3(0));
         volume += static_cast<double>(d.x * d.y * d.z);
     }
     EXPECT_NEAR(volume, 8 * 2 * 3, 1e-4);
-    EXPECT_EQ(grid.Voxel(0).low, kBounds.low);
-    EXPECT_EQ(grid.Voxel(16 * 4 * 6 - 1).high, kBounds.high);
+    EXPECT_EQ(grid.PointIn(0, Vector3(0)), kBounds.low);
+    EXPECT_EQ(grid.PointIn(16 * 4 * 6 - 1, Vector3(1)), kBounds.high);
     // All but the 14 x 2 x 4 in the middle.
     EXPECT_EQ(grid.BorderSize(), grid.Size() - 14u * 2u * 4u);
 }
@@ -33,10 +33,10 @@ TEST(VoxelGrid, APointIsInTheVoxelOfItsIndex) {
         Point3 p = kBounds.low + kBounds.Diagonal() * Vector3{rng.Uniform(), rng.Uniform(), rng.Uniform()};
         uint32_t voxel = grid.Index(p);
         ASSERT_LT(voxel, grid.Size());
-        Bounds3 box = grid.Voxel(voxel);
+        const Point3 low = grid.PointIn(voxel, Vector3(0)), high = grid.PointIn(voxel, Vector3(1));
         for (int k = 0; k < 3; ++k) {
-            EXPECT_GE(p[k], box.low[k] - 1e-5f);
-            EXPECT_LE(p[k], box.high[k] + 1e-5f);
+            EXPECT_GE(p[k], low[k] - 1e-5f);
+            EXPECT_LE(p[k], high[k] + 1e-5f);
         }
         Vector3 inside{0.01f + 0.98f * rng.Uniform(), 0.01f + 0.98f * rng.Uniform(), 0.01f + 0.98f * rng.Uniform()};
         EXPECT_EQ(grid.Index(grid.PointIn(voxel, inside)), voxel);

@@ -6,7 +6,6 @@
 #include "pbrt/math/rng.h"
 #include "pbrt/shapes/bilinear_mesh.h"
 #include "pbrt/shapes/quadric.h"
-#include "pbrt/shapes/sphere.h"
 #include "pbrt/shapes/triangle_mesh.h"
 
 namespace pbrt::test {
@@ -92,7 +91,7 @@ inline std::optional<AccelHit> SlowIntersect(const Shapes &shapes, const std::ve
         Vector3 d = p.transform.InverseVector(ray.d);
         for (size_t s = 0; s < shapes.size(); ++s)
             for (uint32_t i = 0; i < shapes[s]->PrimitiveCount(); ++i)
-                if (auto hit = shapes[s]->Intersect(i, o, d, 0, tMax)) {
+                if (auto hit = shapes[s]->Intersect(i, {o, d, tMax}, 0)) {
                     best = AccelHit{ShapeId(s), i, *hit, p.instance};
                     tMax = hit->t;
                 }

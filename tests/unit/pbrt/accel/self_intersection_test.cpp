@@ -209,9 +209,10 @@ FloorRays LeaveFloor(const Shape &shape, const Transform &toFloor, bool instance
         if (!hit) continue;
         SurfacePoint s;
         if (instanced)
-            s = TransformSurface(toFloor, shape.SurfaceOnRay(hit->primitive, hit->hit, toFloor.InversePoint(ray.o),
-                                                             toFloor.InverseVector(ray.d)));
-        else s = shape.SurfaceOnRay(hit->primitive, hit->hit, ray.o, ray.d);
+            s = TransformSurface(toFloor,
+                                 shape.SurfaceOnRay(hit->primitive, hit->hit,
+                                                    {toFloor.InversePoint(ray.o), toFloor.InverseVector(ray.d)}));
+        else s = shape.SurfaceOnRay(hit->primitive, hit->hit, ray);
         for (int k = 0; k < 3; ++k) {
             ++result.hits;
             Vector3 d = FaceForward(test::RandomDirection(rng), -down);

@@ -1,4 +1,4 @@
-#include "pbrt/bxdfs/bilinear_warp.h"
+#include "pbrt/bxdfs/measured.h"
 
 #include <gtest/gtest.h>
 

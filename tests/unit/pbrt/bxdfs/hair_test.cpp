@@ -110,33 +110,15 @@ TEST(Hair, SamplesFollowTheirDensity) {
             double p = test::DirectionTest(
                 [&](Rng &rng) -> std::optional<Vector3> {
                     Float uc = rng.Uniform();
-                    auto s = hair.Sample(wo, uc, rng.Uniform2(), kRadiance, ReflTransFlags::All);
+                    auto s = hair.Sample(wo, uc, rng.Uniform2(), kRadiance);
                     if (!s) return {};
                     return s->wi;
                 },
-                [&](const Vector3 &wi) { return hair.Pdf(wo, wi, kRadiance, ReflTransFlags::All); }, 10000, 8, &mass);
+                [&](const Vector3 &wi) { return hair.Pdf(wo, wi, kRadiance); }, 10000, 8, &mass);
             EXPECT_GT(p, level) << betaM << " " << betaN << " " << offset;
             EXPECT_NEAR(mass, 1, 0.01) << betaM << " " << betaN << " " << offset;
         }
     });
-}
-
-TEST(Hair, OneSideOnlyIsAPartOfTheDensity) {
-    HairBxdf hair(0.4f, 1.55f, SampledSpectrum(0.3f), 0.4f, 0.5f, 2);
-    const Vector3 wo = DirectionAt(50, 70);
-    for (ReflTransFlags which : {ReflTransFlags::Reflection, ReflTransFlags::Transmission}) {
-        double p = test::DirectionTest(
-            [&](Rng &rng) -> std::optional<Vector3> {
-                Float uc = rng.Uniform();
-                auto s = hair.Sample(wo, uc, rng.Uniform2(), kRadiance, which);
-                if (!s) return {};
-                EXPECT_TRUE(SameHemisphere(wo, s->wi) == (which == ReflTransFlags::Reflection));
-                EXPECT_EQ(IsReflective(s->flags), which == ReflTransFlags::Reflection);
-                return s->wi;
-            },
-            [&](const Vector3 &wi) { return hair.Pdf(wo, wi, kRadiance, which); }, 20000, 16, nullptr);
-        EXPECT_GT(p, 1e-5);
-    }
 }
 
 TEST(Hair, SampleAgreesWithFAndPdf) {
@@ -146,10 +128,11 @@ TEST(Hair, SampleAgreesWithFAndPdf) {
         for (int i = 0; i < 100; ++i) {
             Vector3 wo = SampleUniformSphere(rng.Uniform2());
             Float uc = rng.Uniform();
-            auto s = hair.Sample(wo, uc, rng.Uniform2(), kRadiance, ReflTransFlags::All);
+            auto s = hair.Sample(wo, uc, rng.Uniform2(), kRadiance);
             ASSERT_TRUE(s);
             EXPECT_NEAR(Length(s->wi), 1, 1e-5f);
-            EXPECT_FLOAT_EQ(hair.Pdf(wo, s->wi, kRadiance, ReflTransFlags::All), s->pdf);
+            EXPECT_FLOAT_EQ(hair.Pdf(wo, s->wi, kRadiance), s->pdf);
+            EXPECT_EQ(IsReflective(s->flags), SameHemisphere(wo, s->wi));
             SampledSpectrum f = hair.F(wo, s->wi, kRadiance);
             for (int k = 0; k < SpectrumSamples; ++k) EXPECT_FLOAT_EQ(f[k], s->f[k]);
             EXPECT_TRUE(std::isfinite(s->pdf) && s->pdf > 0 && !std::isnan(s->f.Average()));
@@ -166,7 +149,7 @@ TEST(Hair, WhiteFurnace) {
         for (const Vector3 &wo : Views()) {
             for (int i = 0; i < 20; ++i) {
                 Float uc = rng.Uniform();
-                auto s = hair.Sample(wo, uc, rng.Uniform2(), kRadiance, ReflTransFlags::All);
+                auto s = hair.Sample(wo, uc, rng.Uniform2(), kRadiance);
                 ASSERT_TRUE(s);
                 EXPECT_NEAR(s->f[0] * AbsCosTheta(s->wi) / s->pdf, 1, 1e-3f);
             }
@@ -259,14 +242,14 @@ TEST(Hair, ReflectanceBecomesAbsorptionAndExtremesStayFinite) {
                 for (const Vector3 &wo :
                      {Vector3(1, 0, 0), Vector3(0, 0, 1), Vector3(-0.8f, 0, 0.6f), Vector3(0, 1, 0)}) {
                     HairBxdf hair(offset, eta, s, 0.01f, 0.01f, 2);
-                    auto sample = hair.Sample(wo, rng.Uniform(), rng.Uniform2(), kRadiance, ReflTransFlags::All);
+                    auto sample = hair.Sample(wo, rng.Uniform(), rng.Uniform2(), kRadiance);
                     if (sample) {
                         EXPECT_FALSE(std::isnan(sample->f.Average()) || std::isnan(sample->pdf) ||
                                      std::isnan(sample->wi.x));
                     }
                     Vector3 wi = SampleUniformSphere(rng.Uniform2());
                     EXPECT_FALSE(std::isnan(hair.F(wo, wi, kRadiance).Average()));
-                    EXPECT_FALSE(std::isnan(hair.Pdf(wo, wi, kRadiance, ReflTransFlags::All)));
+                    EXPECT_FALSE(std::isnan(hair.Pdf(wo, wi, kRadiance)));
                 }
 }
 

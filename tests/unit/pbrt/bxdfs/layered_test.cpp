@@ -70,7 +70,7 @@ double AnalogWalk(const Stack<Base> &stack, Vector3 wo, Rng &rng, Vector3 *leavi
     auto draw = [&](const auto &lobe, const Vector3 &w) {
         Float uc = rng.Uniform();
         Point2 u = rng.Uniform2();
-        return lobe.Sample(w, uc, u, kMode, ReflTransFlags::All);
+        return lobe.Sample(w, uc, u, kMode);
     };
     auto s = draw(stack.top, wo);
     if (!s) return 0;
@@ -181,7 +181,7 @@ TEST(Layered, SampleSendsWhatAnalogWalksSend) {
             Rng rng(13);
             for (int i = 0; i < 40000; ++i) {
                 Float uc = rng.Uniform();
-                auto s = lobe.Sample(wo, uc, rng.Uniform2(), kMode, ReflTransFlags::All);
+                auto s = lobe.Sample(wo, uc, rng.Uniform2(), kMode);
                 size_t hit = s ? static_cast<size_t>(Cell(s->wi)) : cells.size();
                 if (s) {
                     EXPECT_TRUE(s->pdfIsProportional);
@@ -202,10 +202,10 @@ TEST(Layered, SampleSendsWhatAnalogWalksSend) {
 /// inside it adds the light that leaves along wi, times (stock's weight - the consistent one).
 template <class Base>
 double ExcessWalk(const Stack<Base> &stack, const Vector3 &wo, const Vector3 &wi, Rng &rng) {
-    auto draw = [&](const auto &lobe, const Vector3 &w, ReflTransFlags which) {
+    auto draw = [&](const auto &lobe, const Vector3 &w, auto... which) {
         Float uc = rng.Uniform();
         Point2 u = rng.Uniform2();
-        return lobe.Sample(w, uc, u, kMode, which);
+        return lobe.Sample(w, uc, u, kMode, which...);
     };
     auto in = draw(stack.top, wo, ReflTransFlags::Transmission);
     if (!in) return 0;
@@ -225,8 +225,7 @@ double ExcessWalk(const Stack<Base> &stack, const Vector3 &wo, const Vector3 &wi
             if (stack.albedo == 0) weight *= std::exp(-toBoundary);
             bool atBase = w.z < 0;
             height = atBase ? 0 : double(stack.thickness);
-            auto bounce = atBase ? draw(stack.bottom, -w, ReflTransFlags::Reflection)
-                                 : draw(stack.top, -w, ReflTransFlags::Reflection);
+            auto bounce = atBase ? draw(stack.bottom, -w) : draw(stack.top, -w, ReflTransFlags::Reflection);
             if (!bounce) break;
             weight *= double(bounce->f[0] * AbsCosTheta(bounce->wi) / bounce->pdf);
             w = bounce->wi;
@@ -345,10 +344,9 @@ TEST(Layered, DensityUnderASmoothCoatIsTheBasesForTheRefractedDirections) {
     Vector3 wo = DirectionAt(35, 20), in, out;
     for (Vector3 wi : {DirectionAt(20, 190), DirectionAt(60, 50), DirectionAt(85, 230)}) {
         ASSERT_TRUE(Refract(wo, {0, 0, 1}, 1.5f, nullptr, &in) && Refract(wi, {0, 0, 1}, 1.5f, nullptr, &out));
-        Float base = stack.bottom.Pdf(-in, -out, kMode, ReflTransFlags::All);
-        EXPECT_NEAR(lobe.Pdf(wo, wi, kMode, ReflTransFlags::All), 0.9f * base + 0.1f * Inv4Pi, 1e-3f * (base + 0.01f));
-        EXPECT_FLOAT_EQ(lobe.Pdf(wo, -wi, kMode, ReflTransFlags::All), 0.1f * Inv4Pi);
-        EXPECT_EQ(lobe.Pdf(wo, wi, kMode, ReflTransFlags::Transmission), 0);
+        Float base = stack.bottom.Pdf(-in, -out, kMode);
+        EXPECT_NEAR(lobe.Pdf(wo, wi, kMode), 0.9f * base + 0.1f * Inv4Pi, 1e-3f * (base + 0.01f));
+        EXPECT_FLOAT_EQ(lobe.Pdf(wo, -wi, kMode), 0.1f * Inv4Pi);
     }
 }
 
@@ -361,17 +359,17 @@ TEST(Layered, MeanDensityUnderARoughCoatIsTheSumOfTheWeightedIntegrals) {
         Rng rng(21);
         for (int i = 0; i < 40000; ++i) {
             Vector3 wo = DirectionAt(30 + rng.Uniform() * 0.01f, 0), wi = DirectionAt(50, 140 + rng.Uniform() * 0.01f);
-            density.Add(double(lobe.Pdf(wo, wi, kMode, ReflTransFlags::All)));
+            density.Add(double(lobe.Pdf(wo, wi, kMode)));
             Float uc = rng.Uniform();
             auto in = stack.top.Sample(wo, uc, rng.Uniform2(), kMode, ReflTransFlags::Transmission);
             Vector3 up = SampleUniformHemisphere(rng.Uniform2());
             double sum = double(stack.top.Pdf(wo, wi, kMode, ReflTransFlags::Reflection));
             if (in) {
-                double base = double(stack.bottom.Pdf(-in->wi, up, kMode, ReflTransFlags::All));
+                double base = double(stack.bottom.Pdf(-in->wi, up, kMode));
                 double out = double(stack.top.Pdf(wi, -up, kMode, ReflTransFlags::Transmission));
-                double through = double(stack.top.Pdf(-up, wi, kMode, ReflTransFlags::All));
+                double through = double(stack.top.Pdf(-up, wi, kMode));
                 uc = rng.Uniform();  // a metal may sample a direction into itself; then nothing inside is counted
-                bool counted = stack.bottom.Sample(-in->wi, uc, rng.Uniform2(), kMode, ReflTransFlags::All).has_value();
+                bool counted = stack.bottom.Sample(-in->wi, uc, rng.Uniform2(), kMode).has_value();
                 if (out > 0 && counted) sum += 2 * M_PI * out * base * out * out / (out * out + base * base);
                 if (base > 0) sum += 2 * M_PI * base * through * base * base / (base * base + through * through);
             }
@@ -389,7 +387,7 @@ test::RunningStatistics Albedo(const Lobe &lobe, const Vector3 &wo, int n) {
     Rng rng(16);
     for (int i = 0; i < n; ++i) {
         Float uc = rng.Uniform();
-        auto s = lobe.Sample(wo, uc, rng.Uniform2(), kMode, ReflTransFlags::All);
+        auto s = lobe.Sample(wo, uc, rng.Uniform2(), kMode);
         albedo.Add(s ? double(s->f[0] * AbsCosTheta(s->wi) / s->pdf) : 0);
     }
     return albedo;
@@ -456,16 +454,15 @@ TEST(Layered, TwoSidedAndRepeatable) {
         Vector3 wo = DirectionAt(30, 50), wi = DirectionAt(40, 200);
         EXPECT_EQ(lobe.F(wo, wi, kMode)[2], lobe.F(wo, wi, kMode)[2]);
         EXPECT_EQ(lobe.F(wo, wi, kMode)[2], lobe.F(-wo, -wi, kMode)[2]);
-        EXPECT_EQ(lobe.Pdf(wo, wi, kMode, ReflTransFlags::All), lobe.Pdf(-wo, -wi, kMode, ReflTransFlags::All));
+        EXPECT_EQ(lobe.Pdf(wo, wi, kMode), lobe.Pdf(-wo, -wi, kMode));
         EXPECT_FALSE(lobe.F(wo, -wi, kMode));
-        EXPECT_FALSE(lobe.Sample(wo, 0.5f, {0.3f, 0.2f}, kMode, ReflTransFlags::Transmission));
         Rng rng(19);
         int drawn = 0;
         for (int i = 0; i < 100; ++i) {
             Float uc = rng.Uniform();
             Point2 u = rng.Uniform2();
-            auto front = lobe.Sample(wo, uc, u, kMode, ReflTransFlags::All);
-            auto behind = lobe.Sample(-wo, uc, u, kMode, ReflTransFlags::All);
+            auto front = lobe.Sample(wo, uc, u, kMode);
+            auto behind = lobe.Sample(-wo, uc, u, kMode);
             ASSERT_EQ(front.has_value(), behind.has_value());
             if (!front) continue;
             ++drawn;

@@ -276,10 +276,9 @@ TEST(ExitLobe, SendsOutWhatComesInAndFollowsItsDensity) {
         for (const Vector3 &wo : {up, -up, test::DirectionAt(70, 30)}) {
             const double p = test::DirectionTest(
                 [&](Rng &rng) -> std::optional<Vector3> {
-                    return lobe.Sample(wo, 0, rng.Uniform2(), TransportMode::Radiance, ReflTransFlags::All)->wi;
+                    return lobe.Sample(wo, 0, rng.Uniform2(), TransportMode::Radiance)->wi;
                 },
-                [&](const Vector3 &wi) { return lobe.Pdf(wo, wi, TransportMode::Radiance, ReflTransFlags::All); },
-                20000, 16, nullptr);
+                [&](const Vector3 &wi) { return lobe.Pdf(wo, wi, TransportMode::Radiance); }, 20000, 16, nullptr);
             EXPECT_GT(p, 1e-5);
         }
     }

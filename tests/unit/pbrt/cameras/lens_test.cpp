@@ -6,7 +6,7 @@
 
 #include "camera_cases.h"
 #include "lens_cases.h"
-#include "pbrt/cameras/exit_pupil.h"
+#include "pbrt/cameras/camera_kinds.h"
 #include "pbrt/math/rng.h"
 #include "support/errors.h"
 

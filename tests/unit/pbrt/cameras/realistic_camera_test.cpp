@@ -2,7 +2,7 @@
 
 #include "camera_cases.h"
 #include "lens_cases.h"
-#include "pbrt/cameras/realistic_camera.h"
+#include "pbrt/cameras/camera_kinds.h"
 #include "pbrt/math/rng.h"
 #include "support/errors.h"
 #include "support/statistics.h"

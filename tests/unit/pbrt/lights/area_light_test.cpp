@@ -69,7 +69,7 @@ RunningStatistics ByUniformDirections(const Shape &shape, const Light &light, co
     for (int i = 0; i < n; ++i) {
         Vector3 w = frame.FromLocal(SampleUniformCone(rng.Uniform2(), cosine));
         double value = 0;
-        if (auto hit = shape.Intersect(0, p, w, 1e-4f, Infinity)) {
+        if (auto hit = shape.Intersect(0, {p, w}, 1e-4f)) {
             SurfacePoint s = shape.Surface(0, *hit);
             value = integrand(light.L(s.p, s.n, s.uv, -w, kLambda), w) / static_cast<double>(UniformConePdf(cosine));
         }
@@ -92,7 +92,7 @@ TEST_P(AreaLightShapes, SamplingFindsTheLightThatRaysFind) {
             for (int i = 0; i < 20000; ++i) {
                 auto s = light->SampleLi(At(p), rng.Uniform2(), kLambda, false);
                 // The shape may hide a part of itself.
-                if (s && shape->Intersect(0, p, s->wi, 1e-4f, Distance(p, s->pLight) * 0.999f)) s.reset();
+                if (s && shape->Intersect(0, {p, s->wi, Distance(p, s->pLight) * 0.999f}, 1e-4f)) s.reset();
                 fast.Add(s ? irradiance(s->L, s->wi) / static_cast<double>(s->pdf) : 0);
             }
             double error = std::hypot(slow.StandardError(), fast.StandardError()) + 1e-4 * slow.mean + 1e-12;
@@ -110,7 +110,7 @@ TEST_P(AreaLightShapes, PdfOfASampleIsThePdfOfItsRay) {
         LightSampleContext from = At(SampleUniformSphere(rng.Uniform2()) * (2 + 3 * rng.Uniform()));
         auto s = light->SampleLi(from, rng.Uniform2(), kLambda, false);
         if (!s) continue;
-        auto hit = shape->Intersect(0, from.p, s->wi, 1e-4f, Infinity);
+        auto hit = shape->Intersect(0, {from.p, s->wi}, 1e-4f);
         if (!hit) continue;  // missed by rounding at the border
         SurfacePoint point = shape->Surface(0, *hit);
         if (Distance(point.p, s->pLight) > 1e-2f) continue;  // another part of the shape is in front

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "light_test_support.h"
-#include "pbrt/lights/infinite_light.h"
+#include "pbrt/lights/infinite_lights.h"
 #include "pbrt/lights/point_lights.h"
 
 namespace pbrt::test {

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "light_test_support.h"
-#include "pbrt/lights/portal_light.h"
+#include "pbrt/lights/infinite_lights.h"
 #include "support/errors.h"
 
 namespace pbrt::test {

@@ -1,4 +1,3 @@
-#include "pbrt/lightsamplers/light_bvh.h"
 
 #include <gtest/gtest.h>
 

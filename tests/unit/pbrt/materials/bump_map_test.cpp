@@ -3,7 +3,7 @@
 #include <functional>
 
 #include "material_test_support.h"
-#include "pbrt/materials/surface_material.h"
+#include "pbrt/materials/material_params.h"
 
 namespace pbrt {
 namespace {

@@ -189,21 +189,19 @@ TEST_F(Measured, SamplesFollowTheirDensity) {
             double p = test::DirectionTest(
                 [&](Rng &rng) -> std::optional<Vector3> {
                     Float uc = rng.Uniform();
-                    auto s = lobe.Sample(wo, uc, rng.Uniform2(), TransportMode::Radiance, ReflTransFlags::All);
+                    auto s = lobe.Sample(wo, uc, rng.Uniform2(), TransportMode::Radiance);
                     if (!s) return {};
                     return s->wi;
                 },
-                [&](const Vector3 &wi) { return lobe.Pdf(wo, wi, TransportMode::Radiance, ReflTransFlags::All); },
-                10000, 10, &mass);
+                [&](const Vector3 &wi) { return lobe.Pdf(wo, wi, TransportMode::Radiance); }, 10000, 10, &mass);
             EXPECT_GT(p, test::SidakAlpha(1e-4, 8)) << isotropic << " " << wo.z;
             EXPECT_LT(mass, 1.01);
             EXPECT_GT(mass, 0.7);
             Rng rng(2);
             for (int i = 0; i < 300; ++i) {
-                auto s = lobe.Sample(wo, 0, rng.Uniform2(), TransportMode::Radiance, ReflTransFlags::All);
+                auto s = lobe.Sample(wo, 0, rng.Uniform2(), TransportMode::Radiance);
                 if (!s || std::abs(s->wi.z) < 0.05f) continue;
-                EXPECT_NEAR(lobe.Pdf(wo, s->wi, TransportMode::Radiance, ReflTransFlags::All), s->pdf,
-                            0.02f * s->pdf + 1e-3f);
+                EXPECT_NEAR(lobe.Pdf(wo, s->wi, TransportMode::Radiance), s->pdf, 0.02f * s->pdf + 1e-3f);
                 EXPECT_NEAR(lobe.F(wo, s->wi, TransportMode::Radiance)[1], s->f[1], 0.02f * s->f[1] + 1e-3f);
             }
         }

@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "material_test_support.h"
-#include "pbrt/materials/surface_material.h"
+#include "pbrt/materials/material_params.h"
 #include "pbrt/math/frame.h"
 
 namespace pbrt {

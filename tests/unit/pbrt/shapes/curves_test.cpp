@@ -74,7 +74,7 @@ std::optional<PrimitiveHit> SlowHit(const Curves::Segment &s, Float factor, cons
 std::optional<PrimitiveHit> AnyHit(const Curves &c, const Point3 &o, const Vector3 &d, uint32_t *primitive = nullptr) {
     std::optional<PrimitiveHit> best;
     for (uint32_t i = 0; i < c.PrimitiveCount(); ++i)
-        if (auto hit = c.Intersect(i, o, d, 0, best ? best->t : Infinity)) {
+        if (auto hit = c.Intersect(i, {o, d, best ? best->t : Infinity}, 0)) {
             best = hit;
             if (primitive) *primitive = i;
         }
@@ -127,13 +127,13 @@ TEST(Curves, PiecesTogetherAreTheSegmentAndBoundsHoldThem) {
             for (int n = 0; n < 100; ++n) {
                 Point3 o = b.Center() + 3.0f * RandomDirection(rng);
                 Vector3 d = b.Center() + 0.3f * RandomDirection(rng) - o;
-                auto hit = curves.Intersect(i, o, d, 0, Infinity);
+                auto hit = curves.Intersect(i, {o, d}, 0);
                 if (!hit) continue;
                 Point3 p = o + d * hit->t;
                 for (int a = 0; a < 3; ++a) EXPECT_TRUE(p[a] > b.low[a] - 1e-4f && p[a] < b.high[a] + 1e-4f);
-                EXPECT_FALSE(curves.Intersect(i, o, d, 0, hit->t * 0.999f) &&
-                             curves.Intersect(i, o, d, 0, hit->t * 0.999f)->t >= hit->t);
-                EXPECT_FALSE(curves.Intersect(i, o, d, hit->t, hit->t * 1.0001f));
+                EXPECT_FALSE(curves.Intersect(i, {o, d, hit->t * 0.999f}, 0) &&
+                             curves.Intersect(i, {o, d, hit->t * 0.999f}, 0)->t >= hit->t);
+                EXPECT_FALSE(curves.Intersect(i, {o, d, hit->t * 1.0001f}, hit->t));
             }
         }
     }
@@ -158,14 +158,14 @@ TEST(Curves, SurfacesKnowTheirDerivativesAndTurnAsTheirKindSays) {
                 auto hit = AnyHit(curves, o, d, &primitive);
                 if (!hit) continue;
                 ++hits;
-                SurfacePoint p = curves.SurfaceOnRay(primitive, *hit, o, d);
+                SurfacePoint p = curves.SurfaceOnRay(primitive, *hit, {o, d});
                 Float width = Lerp(hit->u, s.width0, s.width1);
                 EXPECT_LT(Distance(p.dpdu, s.curve.Derivative(hit->u)), 1e-5f);
                 EXPECT_NEAR(Dot(p.n, Normalize(p.dpdu)), 0, 1e-5f);
                 EXPECT_NEAR(Dot(p.n, Normalize(p.dpdv)), 0, 1e-4f);
                 EXPECT_LT(Distance(p.p, o + d * hit->t), 1e-5f);
                 EXPECT_LE(Distance(p.p, s.curve.At(hit->u)), width * 0.6f);
-                EXPECT_EQ(reversed.SurfaceOnRay(primitive, *hit, o, d).n, -p.n);
+                EXPECT_EQ(reversed.SurfaceOnRay(primitive, *hit, {o, d}).n, -p.n);
                 Vector3 across = Cross(d, p.dpdu);
                 if (kind == CurveKind::Ribbon) {
                     EXPECT_LE(Length(p.dpdv), width * 1.001f);
@@ -224,8 +224,8 @@ TEST(Curves, TransformedCurvesAreHitLikeTransformedRays) {
                         ++different;
                         continue;
                     }
-                    SurfacePoint x = object.SurfaceOnRay(pa, *a, o, d),
-                                 y = placed.SurfaceOnRay(pb, *b, t.Point(o), t.Vector(d));
+                    SurfacePoint x = object.SurfaceOnRay(pa, *a, {o, d}),
+                                 y = placed.SurfaceOnRay(pb, *b, {t.Point(o), t.Vector(d)});
                     EXPECT_LT(Distance(t.Vector(x.dpdu), y.dpdu), 0.05f);
                     EXPECT_LT(Distance(t.Vector(x.dpdv), y.dpdv), 0.02f);
                     // A mirroring transform flips the normals of its shape; the transform of the normal undoes that.

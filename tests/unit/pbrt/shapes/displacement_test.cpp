@@ -1,4 +1,4 @@
-#include "pbrt/shapes/displacement.h"
+#include "pbrt/shapes/mesh_sources.h"
 
 #include <gtest/gtest.h>
 
@@ -114,7 +114,7 @@ TEST(Displacement, NeedsTextureCoordinatesAndNormals) {
             DisplaceMesh(ply, Transform(), 1, none);
             FAIL();
         } catch (const DisplacementError &e) {
-            EXPECT_STREQ(e.Parameter(), "displacement");
+            EXPECT_STREQ(e.parameter, "displacement");
         }
     }
 }
@@ -138,7 +138,7 @@ TEST(Displacement, TooManyTrianglesAreRefusedBeforeTheyAreMade) {
         DisplaceMesh(QuadAndTriangle(), Transform(), 2e-6f, half);
         FAIL();
     } catch (const DisplacementError &e) {
-        EXPECT_STREQ(e.Parameter(), "edgelength");
+        EXPECT_STREQ(e.parameter, "edgelength");
         const std::string message = e.what();
         for (const char *part : {"\"edgelength\" 2e-06", "scale 0.5", "million", "would fit"})
             test::ExpectWords(message, {part});

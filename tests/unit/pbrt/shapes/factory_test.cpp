@@ -11,7 +11,7 @@
 #include "pbrt/math/rng.h"
 #include "pbrt/shapes/bilinear_mesh.h"
 #include "pbrt/shapes/curves.h"
-#include "pbrt/shapes/displacement.h"
+#include "pbrt/shapes/mesh_sources.h"
 #include "support/errors.h"
 #include "support/param.h"
 

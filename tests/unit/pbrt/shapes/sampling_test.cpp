@@ -106,7 +106,7 @@ void ForEachPiece(const Shape &shape, Visit visit) {
 bool HidesItself(const Shape &shape, const ShapeSampleContext &from, const Point3 &p) {
     constexpr Float kMargin = 1e-3f;
     Float distance = Distance(from.p, p);
-    return shape.Intersect(0, from.p, (p - from.p) / distance, 0, distance - kMargin).has_value();
+    return shape.Intersect(0, {from.p, (p - from.p) / distance, distance - kMargin}, 0).has_value();
 }
 
 /// The probability of each cell of the direction square, found by integrating PdfSolidAngle over the surface itself.
@@ -274,7 +274,7 @@ TEST_P(ShapeArea, AreaSamplesLieOnTheSurface) {
     Rng rng(9);
     for (int i = 0; i < 500; ++i) {
         auto s = shape.SampleArea(0, rng.Uniform2());
-        auto hit = shape.Intersect(0, s->p + s->n * 0.01f, -s->n, 0, 0.02f);
+        auto hit = shape.Intersect(0, {s->p + s->n * 0.01f, -s->n, 0.02f}, 0);
         ASSERT_TRUE(hit) << i;
         EXPECT_NEAR(hit->t, 0.01f, 3e-6);
         SurfacePoint p = shape.Surface(0, *hit);

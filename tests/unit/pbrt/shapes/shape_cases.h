@@ -6,7 +6,6 @@
 #include "pbrt/math/rng.h"
 #include "pbrt/shapes/bilinear_mesh.h"
 #include "pbrt/shapes/quadric.h"
-#include "pbrt/shapes/sphere.h"
 #include "pbrt/shapes/triangle_mesh.h"
 
 namespace pbrt::test {

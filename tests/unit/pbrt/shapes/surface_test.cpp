@@ -19,7 +19,7 @@ void ForHits(const Shape &shape, int rays, F &&f) {
         Point3 o = Float(3) * test::RandomDirection(rng);
         auto target = shape.SampleArea(0, rng.Uniform2());
         Vector3 d = (target->p - o) * (0.2f + 3 * rng.Uniform());
-        if (auto hit = shape.Intersect(0, o, d, 0, Infinity)) f(o, d, *hit);
+        if (auto hit = shape.Intersect(0, {o, d}, 0)) f(o, d, *hit);
     }
 }
 
@@ -79,7 +79,7 @@ TEST_P(ShapeSurface, RaysThatLeaveDoNotHitTheSurfaceAgain) {
         bool outwards = Dot(w, s.n) > 0;
         bool closed = shape.Kind() == ShapeKind::Sphere || shape.Kind() == ShapeKind::Cylinder;
         Ray ray = s.SpawnRay(w);
-        auto again = shape.Intersect(0, ray.o, ray.d, 0, Infinity);
+        auto again = shape.Intersect(0, {ray.o, ray.d}, 0);
         if (convex && (outwards || !closed)) {
             EXPECT_FALSE(again) << again->t;
             ++checked;
@@ -101,7 +101,7 @@ Sides SidesOf(Make &&make, const Vector3 &reference) {
     for (int i = 0; i < 4; ++i) {
         Transform t = i & 2 ? Transform::Scale({-1, 1, 1}) : Transform();
         std::unique_ptr<Shape> shape = make(t, (i & 1) != 0);
-        auto hit = shape->Intersect(0, reference * Float(5), -reference, 0, Infinity);
+        auto hit = shape->Intersect(0, {reference * Float(5), -reference}, 0);
         EXPECT_TRUE(hit);
         sides.hit[i] = Dot(shape->Surface(0, *hit).n, reference) > 0;
         Rng rng(1);
@@ -226,9 +226,9 @@ TEST(BilinearSurface, BothHitsOfASaddleAreFound) {
     BilinearMesh saddle(test::OnePrimitive({{0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1}}), Transform(), false);
     // This ray along the diagonal at height 0.8 meets the surface 1 - x - y + 2xy twice.
     Vector3 d = Normalize(Vector3(1, 1, 0));
-    auto first = saddle.Intersect(0, {-1, -1, 0.8f}, d, 0, Infinity);
+    auto first = saddle.Intersect(0, {{-1, -1, 0.8f}, d}, 0);
     ASSERT_TRUE(first);
-    auto second = saddle.Intersect(0, {-1, -1, 0.8f}, d, std::nextafter(first->t, Infinity), Infinity);
+    auto second = saddle.Intersect(0, {{-1, -1, 0.8f}, d}, std::nextafter(first->t, Infinity));
     ASSERT_TRUE(second);
     EXPECT_NEAR(first->u + second->u, 1, 1e-6);
     EXPECT_LT(first->t, second->t);
@@ -236,29 +236,29 @@ TEST(BilinearSurface, BothHitsOfASaddleAreFound) {
 
 TEST(QuadricSurface, UvConventions) {
     Sphere sphere(2, -1, 1.5f, 180, Transform(), false);
-    auto hit = sphere.Intersect(0, {0, 5, 0}, {0, -1, 0}, 0, Infinity);
+    auto hit = sphere.Intersect(0, {{0, 5, 0}, {0, -1, 0}}, 0);
     ASSERT_TRUE(hit);
     EXPECT_NEAR(hit->u, 0.5f, 1e-6);
     Float t0 = std::acos(-0.5f), t1 = std::acos(0.75f);
     EXPECT_NEAR(hit->v, (Pi / 2 - t0) / (t1 - t0), 1e-6);
     // The ray passes through the removed half, and the next one through the removed cap.
-    EXPECT_NEAR(sphere.Intersect(0, {0, -5, 0}, {0, 1, 0}, 0, Infinity)->t, 7, 1e-5);
-    EXPECT_FALSE(sphere.Intersect(0, {0.1f, 0.1f, 9}, {0, 0, -1}, 0, Infinity));
+    EXPECT_NEAR(sphere.Intersect(0, {{0, -5, 0}, {0, 1, 0}}, 0)->t, 7, 1e-5);
+    EXPECT_FALSE(sphere.Intersect(0, {{0.1f, 0.1f, 9}, {0, 0, -1}}, 0));
 
     Disk disk(1, 2, 0.5f, 270, Transform(), false);
-    hit = disk.Intersect(0, {-1.25f, 0, 3}, {0, 0, -1}, 0, Infinity);
+    hit = disk.Intersect(0, {{-1.25f, 0, 3}, {0, 0, -1}}, 0);
     ASSERT_TRUE(hit);
     EXPECT_NEAR(hit->u, 180 / 270.0f, 1e-6);
     EXPECT_NEAR(hit->v, 0.5f, 1e-6);
-    EXPECT_FALSE(disk.Intersect(0, {0.4f, 0, 3}, {0, 0, -1}, 0, Infinity));
-    EXPECT_FALSE(disk.Intersect(0, {1, -1, 3}, {0, 0, -1}, 0, Infinity));
+    EXPECT_FALSE(disk.Intersect(0, {{0.4f, 0, 3}, {0, 0, -1}}, 0));
+    EXPECT_FALSE(disk.Intersect(0, {{1, -1, 3}, {0, 0, -1}}, 0));
 
     Cylinder cylinder(1, 3, -1, 360, Transform(), false);
-    hit = cylinder.Intersect(0, {-5, 0, 2}, {1, 0, 0}, 0, Infinity);
+    hit = cylinder.Intersect(0, {{-5, 0, 2}, {1, 0, 0}}, 0);
     ASSERT_TRUE(hit);
     EXPECT_NEAR(hit->u, 0.5f, 1e-6);
     EXPECT_NEAR(hit->v, 0.75f, 1e-6);
-    EXPECT_FALSE(cylinder.Intersect(0, {-5, 0, 3.1f}, {1, 0, 0}, 0, Infinity));
+    EXPECT_FALSE(cylinder.Intersect(0, {{-5, 0, 3.1f}, {1, 0, 0}}, 0));
 }
 
 TEST(TransformSurface, KeepsSidesAndBoundsTheError) {

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "pbrt/math/rng.h"
-#include "pbrt/textures/patterns.h"
+#include "pbrt/textures/texture_mapping.h"
 #include "texture_test_support.h"
 
 namespace pbrt {

@@ -1,4 +1,4 @@
-#include "pbrt/textures/image_cache.h"
+#include "pbrt/textures/image_texture.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-#include "ext/baselines/neepp/visibility_map.h"
+#include "ext/baselines/neepp/neepp_light_sampler.h"
 #include "support/build_text.h"
 #include "support/scene_text.h"
 

@@ -47,14 +47,10 @@ NeeppParams Params(int voxels, int samples) {
     return p;
 }
 
-TEST(VisibilityMap, IsTheShareOfFreeSegmentsBetweenTheVoxels) {
+TEST(Neepp, VisibilityIsTheShareOfFreeSegmentsBetweenTheVoxels) {
     BuiltScene built = BuildText(Halves(kLights + kSkyImage));
-    const LightGroups &groups = built.scene->Lights().ByLight();
-    VisibilityMap map(8, 255);
-    Progress progress;
-    PrepareContext context = built.Preparation(progress);
-    context.samplesPerPixel = 1;
-    map.Prepare(context, groups);
+    NeeppLightSampler map(built.scene->Lights(), Params(8, 255));
+    PrepareIn(built, map);
     ASSERT_GT(map.Targets().Size(), 4u + 8u);
     Rng rng(5);
     double worst = 0;
@@ -72,8 +68,8 @@ TEST(VisibilityMap, IsTheShareOfFreeSegmentsBetweenTheVoxels) {
                 Ray ray;
                 ray.o = map.Grid().PointIn(voxel, Vector3{rng.Uniform(), rng.Uniform(), rng.Uniform()});
                 if (target.kind == LightTargets::Kind::Voxel) {
-                    Bounds3 far = map.Grid().Voxel(target.index);
-                    ray.d = far.low + far.Diagonal() * Vector3{rng.Uniform(), rng.Uniform(), rng.Uniform()} - ray.o;
+                    const Vector3 u{rng.Uniform(), rng.Uniform(), rng.Uniform()};
+                    ray.d = map.Grid().PointIn(target.index, u) - ray.o;
                     ray.tMax = 1;
                 } else {
                     ray.d = target.kind == LightTargets::Kind::Direction
@@ -100,10 +96,10 @@ TEST(Neepp, ProbabilityIsTheVisibilityWithAFloorWhateverThePower) {
     // At a point high up on the left, the left light is seen; the right one and the low one behind the wall's edge are
     // not.
     LightQuery left = At({-3.5f, 3.5f, 0.5f});
-    std::span<const uint8_t> row = sampler.Map().Row(sampler.Map().Grid().Index(left.p));
+    std::span<const uint8_t> row = sampler.Row(sampler.Grid().Index(left.p));
     Float v[4], sum = 0;
     for (uint32_t g = 0; g < 4; ++g) {
-        v[g] = sampler.Map().GroupVisibility(row, g);
+        v[g] = sampler.GroupVisibility(row, g);
         sum += std::max(v[g], 0.02f);
     }
     EXPECT_EQ(v[0], 1.f);
@@ -129,8 +125,8 @@ TEST(Neepp, AnAreaLightCountsByTheShareOfItThatIsSeen) {
                                             .Triangles("-3.9 3.5 0.1  -3.1 3.5 0.1  -3.1 3.5 0.9  -3.9 3.5 0.9")));
     NeeppLightSampler sampler(built.scene->Lights(), Params(8, 255));
     PrepareIn(built, sampler);
-    std::span<const uint8_t> row = sampler.Map().Row(sampler.Map().Grid().Index({-3.5f, -0.5f, 0.5f}));
-    EXPECT_NEAR(sampler.Map().GroupVisibility(row, 0) / sampler.Map().GroupVisibility(row, 1), 2.f / 3, 0.1f);
+    std::span<const uint8_t> row = sampler.Row(sampler.Grid().Index({-3.5f, -0.5f, 0.5f}));
+    EXPECT_NEAR(sampler.GroupVisibility(row, 0) / sampler.GroupVisibility(row, 1), 2.f / 3, 0.1f);
 }
 
 TEST(Neepp, ALightSeenThroughNothingKeepsTheFloor) {
@@ -150,8 +146,8 @@ TEST(Neepp, OtherSeedsTestOtherSegments) {
     PrepareIn(built, b);
     PrepareIn(built, c, 1);
     int different = 0;
-    for (uint32_t v = 0; v < a.Map().Grid().Size(); v += 7) {
-        LightQuery q = At(a.Map().Grid().PointIn(v, Vector3(0.5f)));
+    for (uint32_t v = 0; v < a.Grid().Size(); v += 7) {
+        LightQuery q = At(a.Grid().PointIn(v, Vector3(0.5f)));
         EXPECT_EQ(a.PMF(q, LightId(0u)), b.PMF(q, LightId(0u)));
         different += a.PMF(q, LightId(0u)) != c.PMF(q, LightId(0u));
     }

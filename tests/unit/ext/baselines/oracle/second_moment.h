@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "ext/baselines/oracle/least_variance.h"
+#include "ext/baselines/oracle/oracle_light_sampler.h"
 
 namespace ext {
 

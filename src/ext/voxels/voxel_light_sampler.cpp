@@ -1,4 +1,4 @@
-#include "ext/voxels/fixed_cdf.h"
+#include "ext/voxels/voxel_light_sampler.h"
 
 #include <algorithm>
 

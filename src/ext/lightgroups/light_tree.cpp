@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <queue>
 
-#include "ext/lightgroups/emitter_feature.h"
+#include "ext/lightgroups/emitter.h"
 #include "pbrt/core/parallel.h"
 
 namespace ext {

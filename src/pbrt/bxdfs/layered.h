@@ -5,8 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "pbrt/bxdfs/conductor.h"
-#include "pbrt/bxdfs/dielectric.h"
+#include "pbrt/bxdfs/boundaries.h"
 #include "pbrt/bxdfs/diffuse.h"
 
 namespace pbrt {

@@ -232,7 +232,6 @@ GroupImportance::GroupImportance(std::span<const Emitter> emitters)
 
 std::vector<Emitter> GroupImportance::EmittersOf(const LightGroups &groups) {
     std::vector<Emitter> emitters;
-    emitters.reserve(groups.Size());
     for (uint32_t g = 0; g < groups.Size(); ++g)
         emitters.push_back(MakeEmitter(groups.Lights(), LightId(groups.FirstOf(g)), groups.Candidate(g)));
     return emitters;

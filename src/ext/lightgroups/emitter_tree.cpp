@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "ext/lightgroups/emitter_feature.h"
 #include "pbrt/core/parallel.h"
 
 namespace ext {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <queue>
 
-#include "ext/lightgroups/emitter_feature.h"
 #include "pbrt/core/parallel.h"
 
 namespace ext {

@@ -1,14 +1,134 @@
 #pragma once
+#include <atomic>
 #include <cstdint>
+#include <ctime>
+#include <memory>
 #include <span>
+#include <string>
 
-#include "ext/voxels/lazy_rows.h"
-#include "ext/voxels/voxel_grid.h"
+#include "pbrt/core/parallel.h"
 #include "pbrt/lightsamplers/group_light_sampler.h"
+#include "pbrt/math/bounds.h"
 #include "pbrt/math/rng.h"
 
 namespace ext {
 using namespace pbrt;
+
+/// Arrays of equal length, created lazily by any thread. A row must depend on its index only: threads that race for a
+/// row each create it, one publishes, the others discard theirs, and none waits. The result is independent of timing.
+/// Access to an existing row costs one load.
+template <class T>
+class LazyRows {
+  public:
+    LazyRows() = default;
+    ~LazyRows() { Clear(); }
+    LazyRows(const LazyRows &) = delete;
+    LazyRows &operator=(const LazyRows &) = delete;
+
+    /// Deletes all rows and sets their number and length. Not thread-safe.
+    void Reset(size_t rows, size_t length) {
+        Clear();
+        rows_ = std::make_unique<std::atomic<T *>[]>(rows);
+        count_ = rows;
+        length_ = length;
+        filled_ = discarded_ = nanoseconds_ = 0;
+    }
+
+    /// Returns the row, creating it with `fill` if missing, which must set every element of an uninitialized span of T.
+    std::span<const T> Get(size_t row, const auto &fill) const {
+        const T *values = rows_[row].load(std::memory_order_acquire);
+        if (!values) [[unlikely]]
+            values = Make(row, fill);
+        return {values, length_};
+    }
+    bool IsFilled(size_t row) const { return rows_[row].load(std::memory_order_acquire) != nullptr; }
+
+    size_t Size() const { return count_; }
+    size_t Filled() const { return filled_.load(); }
+    /// Rows discarded because another thread published first.
+    size_t Discarded() const { return discarded_.load(); }
+    /// CPU time in `fill`, summed over threads.
+    double FillThreadSeconds() const { return double(nanoseconds_.load()) * 1e-9; }
+    size_t Bytes() const { return count_ * sizeof(T *) + Filled() * length_ * sizeof(T); }
+    /// Adds times and numbers of rows that are voxels to a light sampler's report.
+    void Report(auto &report, double prepareSeconds) const {
+        report["prepassSeconds"] = 0.0;
+        // Voxels are filled during rendering; a thread that fills does not render.
+        report["buildSeconds"] = prepareSeconds + FillThreadSeconds() / std::max(1, pbrt::ThreadCount());
+        report["fillThreadSeconds"] = FillThreadSeconds();
+        report["voxels"] = Size();
+        report["voxelsFilled"] = Filled();
+        report["voxelsFilledTwice"] = Discarded();
+    }
+
+  private:
+    static int64_t ThreadNanoseconds() {
+        timespec t{};
+        clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+        return int64_t(t.tv_sec) * 1000000000 + t.tv_nsec;
+    }
+    template <class Fill>
+    [[gnu::noinline]] const T *Make(size_t row, const Fill &fill) const {
+        int64_t start = ThreadNanoseconds();
+        std::unique_ptr<T[]> made(new T[length_]);
+        fill(std::span<T>(made.get(), length_));
+        nanoseconds_ += ThreadNanoseconds() - start;
+        T *expected = nullptr;
+        if (!rows_[row].compare_exchange_strong(expected, made.get(), std::memory_order_acq_rel,
+                                                std::memory_order_acquire)) {
+            ++discarded_;
+            return expected;
+        }
+        ++filled_;
+        return made.release();
+    }
+    void Clear() {
+        for (size_t i = 0; i < count_; ++i) delete[] rows_[i].load();
+        count_ = 0;
+    }
+
+    std::unique_ptr<std::atomic<T *>[]> rows_;
+    size_t count_ = 0, length_ = 0;
+    mutable std::atomic<int64_t> filled_{0}, discarded_{0}, nanoseconds_{0};
+};
+
+/// Regular grid over a box with nearly cubic voxels. Look-up is index arithmetic.
+class VoxelGrid {
+  public:
+    VoxelGrid() = default;
+    /// `voxels` along the longest axis, in proportion along the others. An empty box gives one voxel of zero extent at
+    /// the origin.
+    VoxelGrid(const Bounds3 &bounds, int voxels);
+
+    /// Points outside are clamped to the grid; NaN maps to the first voxel.
+    uint32_t Index(const Point3 &p) const {
+        Vector3 q = (p - low_) * scale_;
+        auto x = Clamped(q.x, resolution_.x), y = Clamped(q.y, resolution_.y), z = Clamped(q.z, resolution_.z);
+        return x + uint32_t(resolution_.x) * (y + uint32_t(resolution_.y) * z);
+    }
+    size_t Size() const { return size_t(resolution_.x) * size_t(resolution_.y) * size_t(resolution_.z); }
+    const glm::ivec3 &Resolution() const { return resolution_; }
+    const Vector3 &VoxelSize() const { return size_; }
+    /// Point of a voxel; u in [0, 1]^3.
+    Point3 PointIn(uint32_t index, const Vector3 &u) const { return low_ + (Corner(index) + u) * size_; }
+    /// Voxels with a face on the grid's border: an estimate of the number of voxels with surfaces.
+    size_t BorderSize() const;
+    std::string Describe() const;  ///< a line with resolution and voxel size
+
+  private:
+    static uint32_t Clamped(Float q, int resolution) {
+        return uint32_t(std::max(Float(0), std::min(q, Float(resolution - 1))));
+    }
+    Vector3 Corner(uint32_t index) const {
+        auto x = uint32_t(resolution_.x), y = uint32_t(resolution_.y);
+        return Vector3(glm::uvec3(index % x, index / x % y, index / x / y));
+    }
+
+    Point3 low_{0, 0, 0};
+    Vector3 scale_{0, 0, 0};  ///< voxels per unit length; 0 along an axis without extent
+    Vector3 size_{0, 0, 0};
+    glm::ivec3 resolution_{1, 1, 1};
+};
 
 // Discrete distribution with 4 bytes per entry: its start in the CDF, in units of 2^-32, from 0; the last entry ends at
 // 1. Differences are exact: probabilities sum to 1, and small ones survive beside large ones, unlike with float running

@@ -3,9 +3,8 @@
 #include <span>
 #include <variant>
 
+#include "pbrt/bxdfs/boundaries.h"
 #include "pbrt/bxdfs/bxdf.h"
-#include "pbrt/bxdfs/conductor.h"
-#include "pbrt/bxdfs/dielectric.h"
 #include "pbrt/bxdfs/diffuse.h"
 #include "pbrt/bxdfs/hair.h"
 #include "pbrt/bxdfs/layered.h"

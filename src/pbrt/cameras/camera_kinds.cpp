@@ -92,8 +92,7 @@ std::optional<Transform> PerspectiveCamera::NdcFromCamera() const {
 }
 
 bool PerspectiveCamera::GenerateInCameraSpace(const CameraSample &sample, CameraRay *c) const {
-    Ray *ray = &c->ray;
-    RayDifferential *d = &c->differential;
+    auto &[ray, d, weight] = *c;
     Point2 screen = screen_(sample.pFilm);
     Vector3 center(screen.x * tanHalfFov_, screen.y * tanHalfFov_, 1);
     Vector3 right = center + Vector3(screen_.StepX() * tanHalfFov_, 0, 0);
@@ -106,10 +105,10 @@ bool PerspectiveCamera::GenerateInCameraSpace(const CameraSample &sample, Camera
         right = right * lens_.focalDistance - origin;
         below = below * lens_.focalDistance - origin;
     }
-    ray->o = d->rxOrigin = d->ryOrigin = origin;
-    ray->d = Normalize(center);
-    d->rxDirection = Normalize(right);
-    d->ryDirection = Normalize(below);
+    ray.o = d.rxOrigin = d.ryOrigin = origin;
+    ray.d = Normalize(center);
+    d.rxDirection = Normalize(right);
+    d.ryDirection = Normalize(below);
     return true;
 }
 
@@ -142,23 +141,22 @@ std::optional<Transform> OrthographicCamera::NdcFromCamera() const {
 }
 
 bool OrthographicCamera::GenerateInCameraSpace(const CameraSample &sample, CameraRay *c) const {
-    Ray *ray = &c->ray;
-    RayDifferential *d = &c->differential;
+    auto &[ray, d, weight] = *c;
     Point3 center(screen_(sample.pFilm), 0);
     Vector3 right(screen_.StepX(), 0, 0), below(0, screen_.StepY(), 0);
     if (lens_.radius > 0) {
         Point3 origin = PointOnLens(lens_, sample.pLens);
         Vector3 toFocus = center + Vector3(0, 0, lens_.focalDistance) - origin;
-        ray->o = d->rxOrigin = d->ryOrigin = origin;
-        ray->d = Normalize(toFocus);
-        d->rxDirection = Normalize(toFocus + right);
-        d->ryDirection = Normalize(toFocus + below);
+        ray.o = d.rxOrigin = d.ryOrigin = origin;
+        ray.d = Normalize(toFocus);
+        d.rxDirection = Normalize(toFocus + right);
+        d.ryDirection = Normalize(toFocus + below);
         return true;
     }
-    ray->o = center;
-    d->rxOrigin = center + right;
-    d->ryOrigin = center + below;
-    ray->d = d->rxDirection = d->ryDirection = {0, 0, 1};
+    ray.o = center;
+    d.rxOrigin = center + right;
+    d.ryOrigin = center + below;
+    ray.d = d.rxDirection = d.ryDirection = {0, 0, 1};
     return true;
 }
 
@@ -199,18 +197,17 @@ Vector3 SphericalCamera::Direction(const Point2 &film) const {
 }
 
 bool SphericalCamera::GenerateInCameraSpace(const CameraSample &sample, CameraRay *c) const {
-    Ray *ray = &c->ray;
-    RayDifferential *d = &c->differential;
+    auto &[ray, d, weight] = *c;
     // The mappings are not linear, so one-pixel differentials are extrapolated from a small step.
     constexpr Float kStep = 0.05f;
     auto differential = [&](const Vector2 &step) {
-        Vector3 delta = Direction(sample.pFilm + step * kStep) - ray->d;
-        return Normalize(ray->d + delta / kStep);
+        Vector3 delta = Direction(sample.pFilm + step * kStep) - ray.d;
+        return Normalize(ray.d + delta / kStep);
     };
-    ray->o = d->rxOrigin = d->ryOrigin = Point3(0);
-    ray->d = Direction(sample.pFilm);
-    d->rxDirection = differential({1, 0});
-    d->ryDirection = differential({0, 1});
+    ray.o = d.rxOrigin = d.ryOrigin = Point3(0);
+    ray.d = Direction(sample.pFilm);
+    d.rxDirection = differential({1, 0});
+    d.ryDirection = differential({0, 1});
     return true;
 }
 

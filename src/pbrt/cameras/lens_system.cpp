@@ -1,4 +1,4 @@
-#include "pbrt/cameras/lens_system.h"
+#include "pbrt/cameras/camera_kinds.h"
 
 #include <cmath>
 #include <functional>

@@ -3,13 +3,188 @@
 #include <algorithm>
 
 #include "pbrt/core/error.h"
+#include "pbrt/core/parallel.h"
+#include "pbrt/lights/environment_light.h"
 
 namespace pbrt {
 namespace {
 
+constexpr int kMinSide = 128, kMaxSide = 512;
+/// A pixel is subdivided if it may hold this share of the whole map, and the brightest point in or beside it exceeds
+/// its mean by this contrast.
+constexpr double kDividedShare = 1e-4;
+constexpr Float kContrast = 1.5f;
+/// Minimum value of pixels and subpixels, relative to the brightest point beside them: the corner of a sun between
+/// evaluated points must not be sampled with the probability of its surroundings.
+constexpr Float kBesidePixel = 1 / Float(32), kBesidePart = 1 / Float(8);
+
 bool AreEqual(const Frame &a, const Frame &b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 
 }  // namespace
+
+PortalMap::PortalMap(const EnvironmentLight &light, const Frame &frame)
+    : n_(std::clamp(light.Resolution(), kMinSide, kMaxSide)) {
+    struct Value {
+        Float mean = 0, greatest = 0;
+    };
+    // Over the square of this width at `low`, in map units; the maximum also `beside` steps past it. Includes the
+    // borders, so that no image pixel, which may be a sun, is missed.
+    const auto look = [&](const Point2 &low, Float width, int across, int beside) {
+        Value value;
+        for (int y = -beside; y < across + beside; ++y)
+            for (int x = -beside; x < across + beside; ++x) {
+                const Point2 st = low + Point2(x, y) * (width / Float(across - 1));
+                const Vector2 slopes = ToSlopes(st);
+                const Float density = SolidAngleDensity(slopes);
+                if (!(density > 0) || !std::isfinite(density)) continue;  // at the map's border
+                const Vector3 d = frame.FromLocal(Normalize(Vector3(slopes, 1)));
+                const Float here = density * light.MeanRadiance(d);
+                if (x >= 0 && y >= 0 && x < across && y < across) value.mean += here;
+                value.greatest = std::max(value.greatest, here);
+            }
+        value.mean /= Float(across * across);
+        return value;
+    };
+    const auto n = size_t(n_);
+    const Float width = 1 / Float(n_);
+    const auto corner = [&](size_t i) { return Point2(i % n, i / n) * width; };
+    // At equal resolution, map pixels are at most about as wide as image pixels.
+    const int across = std::max(2, (light.Resolution() + n_ - 1) / n_) + 1;
+    std::vector<Value> values(n * n);
+    ParallelFor(n_, 8, [&](int64_t begin, int64_t end) {
+        for (size_t i = size_t(begin) * n; i < size_t(end) * n; ++i) values[i] = look(corner(i), width, across, 0);
+    });
+
+    double sum = 0;
+    for (const Value &value : values) sum += double(value.mean);
+    std::vector<Float> weights(n * n);
+    detailOf_.assign(n * n, 0);
+    std::vector<size_t> divided;
+    for (size_t i = 0; i < weights.size(); ++i) {
+        Float greatest = 0;
+        for (size_t y = std::max(i / n, size_t{1}) - 1; y < std::min(i / n + 2, n); ++y)
+            for (size_t x = std::max(i % n, size_t{1}) - 1; x < std::min(i % n + 2, n); ++x)
+                greatest = std::max(greatest, values[y * n + x].greatest);
+        const Float mean = values[i].mean;
+        weights[i] = std::max(mean, kBesidePixel * greatest);
+        if (greatest > kContrast * mean && double(weights[i]) > kDividedShare * sum) {
+            divided.push_back(i);
+            detailOf_[i] = uint32_t(divided.size());
+        }
+    }
+    details_.resize(divided.size());
+    ParallelFor(int64_t(divided.size()), 16, [&](int64_t begin, int64_t end) {
+        for (auto d = size_t(begin); d < size_t(end); ++d) {
+            const Float part = width / kDetail;
+            double total = 0;
+            for (int k = 0; k < kDetail * kDetail; ++k) {
+                Float &value = details_[d][size_t(k)];
+                const Value seen = look(corner(divided[d]) + Point2(k % kDetail, k / kDetail) * part, part, 3, 1);
+                value = std::max(seen.mean, kBesidePart * seen.greatest);
+                total += double(value);
+            }
+            weights[divided[d]] = Float(total / (kDetail * kDetail));
+        }
+    });
+    pixels_ = WindowedPiecewiseConstant2D(weights, n_, n_);
+}
+
+Float PortalMap::Part::OfColumn(int x) const {
+    Float sum = 0;
+    for (int y = First(1); y <= Last(1); ++y)
+        sum += std::max(Overlap(y, 1), Float(0)) * (*detail)[size_t(y * kDetail + x)];
+    return sum * std::max(Overlap(x, 0), Float(0));
+}
+
+Float PortalMap::Part::Sum() const {
+    Float sum = 0;
+    for (int x = First(0); x <= Last(0); ++x) sum += OfColumn(x);
+    return sum;
+}
+
+std::optional<PortalMap::Part> PortalMap::PartAt(const Point2 &st, const Bounds2 &window, Point2 *pixel) const {
+    const auto n = Float(n_);
+    const Point2i at = glm::clamp(Point2i(st * n), Point2i(0), Point2i(n_ - 1));
+    const uint32_t detail = detailOf_[size_t(at.y) * size_t(n_) + size_t(at.x)];
+    if (detail == 0) return {};
+    *pixel = Point2(at);
+    const auto inParts = [&](const Point2 &p) {
+        return glm::clamp((p * n - *pixel) * Float(kDetail), Point2(0), Point2(kDetail));
+    };
+    return Part{&details_[detail - 1], {inParts(window.low), inParts(window.high)}};
+}
+
+std::optional<PortalMap::Sample> PortalMap::Draw(const Point2 &u, const Bounds2 &window) const {
+    Sample s{};
+    const std::optional<Point2> st = pixels_.Sample(u, window, &s.pdf);
+    if (!st) return {};
+    s.st = *st;
+    Point2 pixel;
+    const std::optional<Part> part = PartAt(*st, window, &pixel);
+    if (!part) return s;
+    // The position within the pixel is uniform and selects the subpixel.
+    const Vector2 extent = part->window.high - part->window.low;
+    const Point2 in = (*st * Float(n_) - pixel) * Float(kDetail);
+    const Point2 v = glm::clamp((in - part->window.low) / extent, Point2(0), Point2(OneMinusEpsilon));
+    const auto choose = [&](Float target, int axis, auto &&weightOf, Float *place) {
+        int chosen = -1;
+        Float before = 0, rest = 0;
+        for (int i = part->First(axis); i <= part->Last(axis); ++i) {
+            const Float weight = weightOf(i);
+            if (!(weight > 0)) continue;
+            chosen = i;
+            rest = std::clamp((target - before) / weight, Float(0), OneMinusEpsilon);
+            before += weight;
+            if (target < before) break;
+        }
+        if (chosen >= 0) *place = std::max(part->window.low[axis], Float(chosen)) + rest * part->Overlap(chosen, axis);
+        return chosen;
+    };
+    const Float sum = part->Sum();
+    Point2 at;
+    const int x = choose(
+        v.x * sum, 0, [&](int i) { return part->OfColumn(i); }, &at.x);
+    if (x < 0) return {};
+    const auto inColumn = [&](int y) { return part->Overlap(y, 1) * (*part->detail)[size_t(y * kDetail + x)]; };
+    const int y = choose(v.y * part->OfColumn(x) / part->Overlap(x, 0), 1, inColumn, &at.y);
+    if (y < 0) return {};
+    s.pdf *= extent.x * extent.y * (*part->detail)[size_t(y * kDetail + x)] / sum;
+    s.st = glm::clamp((pixel + at / Float(kDetail)) / Float(n_), window.low, window.high);
+    return s.pdf > 0 ? std::optional(s) : std::nullopt;
+}
+
+Float PortalMap::Pdf(const Point2 &st, const Bounds2 &window) const {
+    const Float pdf = pixels_.Pdf(st, window);
+    Point2 pixel;
+    const std::optional<Part> part = pdf > 0 ? PartAt(st, window, &pixel) : std::nullopt;
+    if (!part) return pdf;
+    const Point2 in = (st * Float(n_) - pixel) * Float(kDetail);
+    const Point2i at = glm::clamp(Point2i(in), Point2i(0), Point2i(kDetail - 1));
+    const Vector2 extent = part->window.high - part->window.low;
+    const Float sum = part->Sum();
+    return sum > 0 ? pdf * extent.x * extent.y * (*part->detail)[size_t(at.y * kDetail + at.x)] / sum : 0;
+}
+
+std::optional<Vector3> PortalMap::SampleDirection(const Point2 &u, const Bounds2 &window, Float *pdf) const {
+    const std::optional<Sample> drawn = Draw(u, window);
+    if (!drawn) return {};
+    const Vector2 slopes = ToSlopes(drawn->st);
+    const Float density = SolidAngleDensity(slopes);
+    if (!std::isfinite(density)) return {};
+    *pdf = drawn->pdf / density;
+    return Normalize(Vector3(slopes, 1));
+}
+
+Float PortalMap::DirectionPdf(const Vector3 &local, const Bounds2 &window) const {
+    if (!(local.z > 0)) return 0;
+    const Vector2 slopes = Vector2(local) / local.z;
+    const Float density = SolidAngleDensity(slopes);
+    return std::isfinite(density) ? Pdf(FromSlopes(slopes), window) / density : 0;
+}
+
+size_t PortalMap::Bytes() const {
+    return pixels_.Bytes() + detailOf_.capacity() * sizeof(uint32_t) + details_.capacity() * sizeof(Detail);
+}
 
 std::optional<std::string> Portal::Validate() const {
     const auto isOne = [](Float v) { return std::abs(v - 1) < Float(1e-3f); };

@@ -86,7 +86,6 @@ class ImageInfiniteLight final : public EnvironmentLight {
         Point2i n = image_.Resolution();
         PBRT_CHECK(n.x == n.y && n.x > 0 && image_.ChannelCount() == 3);
         std::vector<Float> weights;
-        weights.reserve(size_t(n.x) * size_t(n.y));
         double sum = 0;
         ForEachPixel(image_, [&](Point2i p) {
             weights.push_back(MeanOf(LightPixel(image_, p)));

@@ -36,7 +36,6 @@ class LightGroups {
     LightCandidate Candidate(uint32_t group) const;
     std::vector<LightCandidate> Candidates() const {
         std::vector<LightCandidate> all;
-        all.reserve(Size());
         for (uint32_t g = 0; g < Size(); ++g) all.push_back(Candidate(g));
         return all;
     }

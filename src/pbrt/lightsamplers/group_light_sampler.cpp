@@ -1,4 +1,4 @@
-#include "pbrt/lightsamplers/group_light_sampler.h"
+#include "pbrt/lightsamplers/simple_light_samplers.h"
 
 #include <nlohmann/json.hpp>
 
@@ -45,6 +45,15 @@ GroupLightSampler::ChosenGroup GroupLightSampler::SampleCdf(std::span<const Floa
     const auto group = uint32_t(std::upper_bound(cdf.begin(), cdf.end(), u) - cdf.begin());
     const Float share = CdfPMF(cdf, group);
     return {group, share, LightGroups::InnerNumber(u, query.p, cdf[group] - share, share)};
+}
+
+std::unique_ptr<LightSampler> ByPowerUnless(std::unique_ptr<LightSampler> chosen, const LightTable &lights) {
+    return chosen ? std::move(chosen) : std::make_unique<PowerLightSampler>(lights.ByComponent());
+}
+
+void PowerLightSampler::Report(nlohmann::ordered_json &json) const {
+    json["bytes"] = table_.Bytes();
+    GroupLightSampler::Report(json);
 }
 
 }  // namespace pbrt

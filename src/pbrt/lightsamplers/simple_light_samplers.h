@@ -22,7 +22,6 @@ class PowerLightSampler : public GroupLightSampler {
   public:
     explicit PowerLightSampler(const LightGroups &groups) : GroupLightSampler(groups, true) {
         std::vector<Float> power;
-        power.reserve(groups.Size());
         for (uint32_t g = 0; g < groups.Size(); ++g) power.push_back(groups.Candidate(g).power);
         if (!power.empty()) table_ = AliasTable(power);
     }

@@ -1,4 +1,4 @@
-#include "pbrt/media/majorant_grid.h"
+#include "pbrt/media/medium.h"
 
 #include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"

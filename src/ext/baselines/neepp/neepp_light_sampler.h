@@ -1,8 +1,6 @@
 #pragma once
 #include <vector>
 
-#include "ext/voxels/lazy_rows.h"
-#include "ext/voxels/voxel_grid.h"
 #include "ext/voxels/voxel_light_sampler.h"
 #include "pbrt/core/describe.h"
 #include "pbrt/lights/light_table.h"

@@ -4,7 +4,7 @@
 #include <thread>
 #include <vector>
 
-#include "ext/voxels/lazy_rows.h"
+#include "ext/voxels/voxel_light_sampler.h"
 
 namespace {
 

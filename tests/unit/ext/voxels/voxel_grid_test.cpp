@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "ext/voxels/voxel_grid.h"
+#include "ext/voxels/voxel_light_sampler.h"
 #include "pbrt/math/rng.h"
 
 namespace {

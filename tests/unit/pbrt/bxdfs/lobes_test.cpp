@@ -3,8 +3,7 @@
 
 #include <span>
 
-#include "pbrt/bxdfs/conductor.h"
-#include "pbrt/bxdfs/dielectric.h"
+#include "pbrt/bxdfs/boundaries.h"
 #include "pbrt/bxdfs/diffuse.h"
 #include "pbrt/bxdfs/fresnel.h"
 #include "sphere_histogram.h"

@@ -1,4 +1,4 @@
-#include "pbrt/bxdfs/microfacet.h"
+#include "pbrt/bxdfs/boundaries.h"
 
 #include <gtest/gtest.h>
 

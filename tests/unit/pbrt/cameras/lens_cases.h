@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "pbrt/cameras/lens_system.h"
+#include "pbrt/cameras/camera_kinds.h"
 
 namespace pbrt::test {
 

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "media_test_support.h"
-#include "pbrt/media/majorant_grid.h"
+#include "pbrt/media/medium.h"
 
 namespace pbrt::test {
 namespace {

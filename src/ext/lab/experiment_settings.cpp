@@ -202,6 +202,7 @@ LabScene LoadLabScene(const ExperimentSettings &settings, const PluginRegistry &
     options.maxDepth = settings.maxDepth;
     options.sampledLightOnly = settings.sampledLightOnly;
     options.lightSamplerFlag = kSamplersFlag;
+    options.uniform = true;            // relL2 at equal samples compares samplers
     options.lightSampler = "uniform";  // for the unused default integrator: nothing to build
     progress.BeginPhase("building", 0);
     scene.built = BuildScene(description, options, registry, sink, progress);

@@ -44,6 +44,8 @@ struct SamplePlan {
 
     int begin = 0, end = 0;
     std::vector<int> before{}, after{};  ///< by cell, at `begin` and at `end`; empty: all pixels have the average
+    /// Cost of all samples of a cell since the start: rays, and look-ups in media.
+    std::vector<uint64_t> cost{};
 
     /// Samples of the cell's pixels when all pixels have `average`, in [begin, end].
     int CountAt(size_t cell, int average) const {
@@ -51,11 +53,11 @@ struct SamplePlan {
         const int64_t added = after[cell] - before[cell];
         return before[cell] + (end > begin ? int(added * (average - begin) / (end - begin)) : 0);
     }
-    void Visit(auto &archive) { archive(begin, end, before, after); }
+    void Visit(auto &archive) { archive(begin, end, before, after, cost); }
     /// Returns the error of a plan that does not fit `average` and the film; empty if it does.
     std::optional<std::string> Validate(const PixelCells &cells, int average) const {
         bool isValid = begin >= 0 && begin <= average && average <= end && before.size() == after.size() &&
-                       (before.empty() || before.size() == cells.Count());
+                       cost.size() == cells.Count() && (before.empty() || before.size() == cells.Count());
         for (size_t i = 0; isValid && i < before.size(); ++i)
             isValid = before[i] >= 0 && before[i] <= after[i] && after[i] <= kMaxCount;
         return isValid ? std::nullopt : std::optional("its numbers of samples per cell do not fit");

@@ -9,7 +9,6 @@ namespace pbrt {
 namespace {
 
 constexpr int kPilot = 16;
-constexpr int kWindow = 2;             ///< radius in pixels of the mean that errors are relative to
 constexpr double kMaxOutlier = 16;     ///< a pixel's variance over the mean of its neighbourhood
 constexpr double kUniformShare = 0.1;  ///< added to the square root of the variance, over its mean
 constexpr int kMaxGrowth = 4;
@@ -22,11 +21,11 @@ struct Halves {
     Point2i low;
 
     int CountAt(Point2i p) const { return counts[cells.IndexOf(low + p)]; }
-    /// Product of the means of both halves: in expectation the square of the pixel's value.
-    double Product(Point2i p, int c) const {
+    /// Square of the pixel's value without its outliers, which are in one half.
+    double Square(Point2i p, int c) const {
         const int n = CountAt(p), n1 = n / 2;
         const double a = double(all.Get(p, c)), b = double(odd.Get(p, c));
-        return b * (n * a - n1 * b) / (n - n1);
+        return Sqr(std::max(0.0, std::min(b, (n * a - n1 * b) / (n - n1))));
     }
     /// Estimate of the variance of the pixel's value.
     double Variance(Point2i p, int c) const {
@@ -36,7 +35,8 @@ struct Halves {
     }
 };
 
-/// Relative squared error of each pixel. Its denominator is a local mean, so that a pixel's noise does not hide in it.
+/// Relative squared error of each pixel. Its denominator excludes outliers, which would hide their own error, and is at
+/// least the mean of the neighbours, as the square of a noisy dark pixel is too small.
 std::vector<double> RelativeErrors(const Halves &halves) {
     const Point2i size = halves.all.Resolution();
     std::vector<glm::dvec3> squares(size_t(size.x) * size.y);
@@ -47,18 +47,18 @@ std::vector<double> RelativeErrors(const Halves &halves) {
         });
     };
     forRows([&](Point2i p, size_t i) {
-        for (int c = 0; c < 3; ++c) squares[i][c] = halves.Product(p, c);
+        for (int c = 0; c < 3; ++c) squares[i][c] = halves.Square(p, c);
     });
     const double epsilon = RelL2Epsilon(halves.all);
     std::vector<double> errors(squares.size());
     forRows([&](Point2i p, size_t i) {
-        const Point2i low = glm::max(p - kWindow, Point2i(0)), high = glm::min(p + kWindow, size - 1);
-        glm::dvec3 sum(0);
+        const Point2i low = glm::max(p - 1, Point2i(0)), high = glm::min(p + 1, size - 1);
+        glm::dvec3 sum = -squares[i];
         for (int y = low.y; y <= high.y; ++y)
             for (int x = low.x; x <= high.x; ++x) sum += squares[size_t(y) * size.x + x];
-        const double count = (high.x - low.x + 1) * (high.y - low.y + 1);
+        const double count = std::max(1, (high.x - low.x + 1) * (high.y - low.y + 1) - 1);
         for (int c = 0; c < 3; ++c) {
-            const double term = halves.Variance(p, c) / (std::max(0.0, sum[c] / count) + epsilon) / 3;
+            const double term = halves.Variance(p, c) / (std::max(squares[i][c], sum[c] / count) + epsilon) / 3;
             if (std::isfinite(term)) errors[i] += term;
         }
     });
@@ -130,7 +130,8 @@ SamplePlan AllocateSamples(const PixelCells &cells, const SamplePlan &last, cons
     double area = 0, sum = 0, largest = 0;
     for (size_t i = 0; i < pixels.size(); ++i) {
         pixels[i] = double(cells.PixelsOf(i).Area());
-        wanted[i] = std::sqrt(variance[i]);
+        // The camera's and the film's work is about that of a ray.
+        wanted[i] = std::sqrt(variance[i] / (1 + double(last.cost[i]) / (pixels[i] * std::max(1, before[i]))));
         area += pixels[i];
         sum += pixels[i] * wanted[i];
     }
@@ -150,7 +151,7 @@ SamplePlan AllocateSamples(const PixelCells &cells, const SamplePlan &last, cons
         for (size_t i = 0; i < pixels.size(); ++i) cost += pixels[i] * addedTo(i, middle);
         (cost < (end - begin) * area ? low : high) = middle;
     }
-    SamplePlan plan{begin, end, before, {}};
+    SamplePlan plan{begin, end, before, {}, last.cost};
     double owed = 0;  // samples that rounding left over
     for (size_t i = 0; i < pixels.size(); ++i) {
         owed += pixels[i] * addedTo(i, high);

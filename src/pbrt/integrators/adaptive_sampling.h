@@ -27,8 +27,9 @@ int NextDecision(int done, int planned);
 double SamplesForNoise(int done, double estimated, double wanted);
 
 /// Distributes the samples from `begin` to `end` per pixel on average: a cell gets samples in proportion to the square
-/// root of its variance, counting those it has, which minimises relL2. All cells keep a small share, and none gets more
-/// than four times the samples it has. `last`: plan up to `begin`. Adds even numbers, as both sample sets grow alike.
+/// root of its variance over its cost, counting those it has, which minimises relL2 times cost. All cells keep a small
+/// share, and none gets more than four times the samples it has. `last`: plan up to `begin`. Adds even numbers, as both
+/// sample sets grow alike.
 SamplePlan AllocateSamples(const PixelCells &cells, const SamplePlan &last, const std::vector<double> &variance,
                            int begin, int end);
 

@@ -22,6 +22,7 @@ struct AdaptivePass {
     const SamplePlan &plan;                              ///< RenderPass::first and count are averages
     Film &half;                                          ///< also receives the odd samples
     std::span<const std::unique_ptr<Sampler>> samplers;  ///< of the odd samples, as RenderPass::samplers
+    std::span<uint64_t> cost;                            ///< SamplePlan::cost; thread-safe by atomics
 };
 
 /// Part of a render: some samples of every film pixel.

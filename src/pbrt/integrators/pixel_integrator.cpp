@@ -1,5 +1,6 @@
 #include "pbrt/integrators/pixel_integrator.h"
 
+#include "pbrt/core/counters.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/progress.h"
 #include "pbrt/core/work_distributor.h"
@@ -104,12 +105,15 @@ class PassRenderer {
         for (uint32_t i = 0; i < strip.pixels; ++i) {
             const Point2i pixel = strip.PixelAt(i);
             const SampleRange range = RangeOf(pixel);
-            for (; done < before + range.count; ++done) {
-                // Tested per sample, because a single one may take a tenth of a second.
-                if (pass_.progress.Cancelled()) return done;
+            const uint64_t cost = Cost();
+            // Cancellation is tested per sample, because a single one may take a tenth of a second.
+            for (; done < before + range.count && !pass_.progress.Cancelled(); ++done)
                 TraceSample(pixel, range.first + int(done - before), thread);
-            }
             before += range.count;
+            if (pass_.adaptive && pass_.keepsSamples)
+                std::atomic_ref(pass_.adaptive->cost[cells_.IndexOf(pixel)])
+                    .fetch_add(Cost() - cost, std::memory_order_relaxed);
+            if (done < before) break;
         }
         return done;
     }
@@ -132,6 +136,11 @@ class PassRenderer {
         const size_t cell = cells_.IndexOf(pixel);
         const int first = pass_.adaptive->plan.CountAt(cell, pass_.first);
         return {first, uint32_t(pass_.adaptive->plan.CountAt(cell, pass_.first + pass_.count) - first)};
+    }
+    /// Of this thread so far.
+    static uint64_t Cost() {
+        const RenderCounters &c = ThreadCounters();
+        return c.closestHitRays + c.shadowRays + c.mediumLookups;
     }
     void TraceSample(Point2i pixel, int index, int thread) {
         const AdaptivePass *const odd = index % 2 != 0 ? pass_.adaptive : nullptr;

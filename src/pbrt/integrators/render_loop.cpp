@@ -19,7 +19,9 @@ using Clock = std::chrono::steady_clock;
 
 WaveRenderer::WaveRenderer(const RenderContext &context, const RenderSettings &settings)
     : context_(context), model_(context.integrator.Model()), settings_(settings), samplers_(ThreadCount()),
-      oddSamplers_(context.half ? ThreadCount() : 0) {}
+      oddSamplers_(context.half ? ThreadCount() : 0) {
+    if (context.half) position_.plan.cost.resize(PixelCells(context.film.PixelBounds()).Count());
+}
 
 void WaveRenderer::UpdateIfDue() {
     if (!model_ || model_->NextUpdate() == 0 || Done() != model_->NextUpdate() || context_.progress.Cancelled()) return;
@@ -37,7 +39,8 @@ void WaveRenderer::DecideIfDue() {
     isDecided_ = true;
     const int uniform = std::max(PilotSamples(settings_.samplesPerPixel), model_ ? model_->NextUpdate() : 0);
     if (Done() < uniform) {
-        plan = {.begin = Done(), .end = uniform};
+        plan.begin = Done();
+        plan.end = uniform;
     } else {
         Gather();
         const NoiseEstimate estimate = EstimateNoise(context_.film, *context_.half, plan, Done()).value();
@@ -79,7 +82,8 @@ bool WaveRenderer::RenderPassOf(int size) {
         fill(oddSamplers_, 1);
     }
     std::optional<AdaptivePass> adaptive;
-    if (context_.half) adaptive.emplace(AdaptivePass{position_.plan, *context_.half, oddSamplers_});
+    if (context_.half)
+        adaptive.emplace(AdaptivePass{position_.plan, *context_.half, oddSamplers_, position_.plan.cost});
     const RenderPass pass{.camera = context_.camera,
                           .filter = context_.filter,
                           .film = context_.film,
@@ -119,9 +123,21 @@ void WaveRenderer::Send(Command command) {
         out.Value(isRepeating_);
         out.CopyOfVector(position_.passDone);
     }
-    StateSaver save(out);
-    if (command == Command::Plan) save(position_.plan);
+    if (command == Command::Plan) StateSaver{out}(position_.plan);
     context_.team.Broadcast(out);
+}
+
+void WaveRenderer::TakeAdaptive(StateWriter &out) {
+    context_.half->TakeSums(out);
+    out.CopyOfVector(position_.plan.cost);
+    std::ranges::fill(position_.plan.cost, 0);
+}
+
+void WaveRenderer::AddAdaptive(StateReader &in) {
+    context_.half->AddSums(in);
+    std::vector<uint64_t> cost;
+    in.Vector(&cost);
+    for (size_t i = 0; i < position_.plan.cost.size(); ++i) position_.plan.cost[i] += cost.at(i);
 }
 
 void WaveRenderer::GatherHere() {
@@ -129,12 +145,12 @@ void WaveRenderer::GatherHere() {
     context_.team.Reduce(
         [&](StateWriter &out) {
             context_.film.TakeSums(out);
-            if (context_.half) context_.half->TakeSums(out);
+            if (context_.half) TakeAdaptive(out);
             if (learns) model_->ExtractRecords(out);
         },
         [&](StateReader &in) {
             context_.film.AddSums(in);
-            if (context_.half) context_.half->AddSums(in);
+            if (context_.half) AddAdaptive(in);
             if (learns) model_->MergeRecords(in);
         });
 }
@@ -176,7 +192,10 @@ void WaveRenderer::Follow() {
                 RenderPassOf(position_.passCount);
                 break;
             case Command::Update: UpdateTogether(); break;
-            case Command::Plan: load(position_.plan); break;
+            case Command::Plan:
+                load(position_.plan);
+                std::ranges::fill(position_.plan.cost, 0);  // rank 0 has all
+                break;
             case Command::Gather: GatherHere(); break;
             case Command::End: return;
         }

@@ -107,6 +107,8 @@ class WaveRenderer {
     bool RenderPassOf(int size);
     void UpdateTogether();
     void GatherHere();
+    void TakeAdaptive(StateWriter &out);
+    void AddAdaptive(StateReader &in);
     const RenderContext context_;
     OnlineModel *const model_;
     const RenderSettings &settings_;

@@ -40,7 +40,8 @@ class PixelCells {
 
 /// Samples per pixel of each cell while an adaptive render goes from `begin` to `end` samples per pixel on average.
 struct SamplePlan {
-    static constexpr int kMaxCount = 1 << 24;  ///< of a pixel
+    static constexpr int kMaxCount = 1 << 23;  ///< of a pixel
+    static constexpr int kMaxGrowth = 4;       ///< `after` over `before`, but for rounding
 
     int begin = 0, end = 0;
     std::vector<int> before{}, after{};  ///< by cell, at `begin` and at `end`; empty: all pixels have the average
@@ -56,11 +57,16 @@ struct SamplePlan {
     void Visit(auto &archive) { archive(begin, end, before, after, cost); }
     /// Returns the error of a plan that does not fit `average` and the film; empty if it does.
     std::optional<std::string> Validate(const PixelCells &cells, int average) const {
-        bool isValid = begin >= 0 && begin <= average && average <= end && before.size() == after.size() &&
-                       cost.size() == cells.Count() && (before.empty() || before.size() == cells.Count());
-        for (size_t i = 0; isValid && i < before.size(); ++i)
-            isValid = before[i] >= 0 && before[i] <= after[i] && after[i] <= kMaxCount;
-        return isValid ? std::nullopt : std::optional("its numbers of samples per cell do not fit");
+        bool isValid = begin >= 0 && begin <= average && average <= end && end <= kMaxCount &&
+                       before.size() == after.size() && cost.size() == cells.Count() &&
+                       (before.empty() || before.size() == cells.Count());
+        double excess = 0;  // of samples over the average
+        for (size_t i = 0; isValid && i < before.size(); ++i) {
+            isValid = before[i] >= 0 && before[i] <= after[i] && after[i] <= kMaxCount &&
+                      after[i] <= kMaxGrowth * before[i] + 2;
+            excess += double(cells.PixelsOf(i).Area()) * (after[i] - end - 1.0);
+        }
+        return isValid && excess <= 0 ? std::nullopt : std::optional("its numbers of samples per cell do not fit");
     }
 };
 

@@ -11,7 +11,6 @@ namespace {
 constexpr int kPilot = 16;
 constexpr double kMaxOutlier = 16;     ///< a pixel's variance over the mean of its neighbourhood
 constexpr double kUniformShare = 0.1;  ///< added to the square root of the variance, over its mean
-constexpr int kMaxGrowth = 4;
 
 /// Mean and odd samples of a film, and their numbers per pixel.
 struct Halves {
@@ -21,11 +20,11 @@ struct Halves {
     Point2i low;
 
     int CountAt(Point2i p) const { return counts[cells.IndexOf(low + p)]; }
-    /// Square of the pixel's value without its outliers, which are in one half.
-    double Square(Point2i p, int c) const {
+    /// The smaller mean of both halves: outliers are in one of them.
+    double Smaller(Point2i p, int c) const {
         const int n = CountAt(p), n1 = n / 2;
         const double a = double(all.Get(p, c)), b = double(odd.Get(p, c));
-        return Sqr(std::max(0.0, std::min(b, (n * a - n1 * b) / (n - n1))));
+        return std::max(0.0, std::min(b, (n * a - n1 * b) / (n - n1)));
     }
     /// Estimate of the variance of the pixel's value.
     double Variance(Point2i p, int c) const {
@@ -35,11 +34,12 @@ struct Halves {
     }
 };
 
-/// Relative squared error of each pixel. Its denominator excludes outliers, which would hide their own error, and is at
-/// least the mean of the neighbours, as the square of a noisy dark pixel is too small.
+/// Relative squared error of each pixel. Its denominator excludes the pixel's outliers, which would hide their own
+/// error. It is at least the mean square of the neighbours, as the square of a noisy dark pixel is too small; there,
+/// the mean times the smaller half is nearly unbiased.
 std::vector<double> RelativeErrors(const Halves &halves) {
     const Point2i size = halves.all.Resolution();
-    std::vector<glm::dvec3> squares(size_t(size.x) * size.y);
+    std::vector<glm::dvec3> squares(size_t(size.x) * size.y), smaller(squares.size());
     const auto forRows = [&](auto &&f) {
         ParallelFor(size.y, 8, [&](int64_t begin, int64_t end) {
             for (int y = int(begin); y < int(end); ++y)
@@ -47,7 +47,10 @@ std::vector<double> RelativeErrors(const Halves &halves) {
         });
     };
     forRows([&](Point2i p, size_t i) {
-        for (int c = 0; c < 3; ++c) squares[i][c] = halves.Square(p, c);
+        for (int c = 0; c < 3; ++c) {
+            smaller[i][c] = halves.Smaller(p, c);
+            squares[i][c] = smaller[i][c] * double(halves.all.Get(p, c));
+        }
     });
     const double epsilon = RelL2Epsilon(halves.all);
     std::vector<double> errors(squares.size());
@@ -58,7 +61,7 @@ std::vector<double> RelativeErrors(const Halves &halves) {
             for (int x = low.x; x <= high.x; ++x) sum += squares[size_t(y) * size.x + x];
         const double count = std::max(1, (high.x - low.x + 1) * (high.y - low.y + 1) - 1);
         for (int c = 0; c < 3; ++c) {
-            const double term = halves.Variance(p, c) / (std::max(squares[i][c], sum[c] / count) + epsilon) / 3;
+            const double term = halves.Variance(p, c) / (std::max(Sqr(smaller[i][c]), sum[c] / count) + epsilon) / 3;
             if (std::isfinite(term)) errors[i] += term;
         }
     });
@@ -127,20 +130,21 @@ SamplePlan AllocateSamples(const PixelCells &cells, const SamplePlan &last, cons
                            int begin, int end) {
     const std::vector<int> before = CountsOf(cells, last, begin);
     std::vector<double> pixels(cells.Count()), wanted(cells.Count());
-    double area = 0, sum = 0, largest = 0;
+    double area = 0, sum = 0, largest = 0, budget = 0;
     for (size_t i = 0; i < pixels.size(); ++i) {
         pixels[i] = double(cells.PixelsOf(i).Area());
         // The camera's and the film's work is about that of a ray.
         wanted[i] = std::sqrt(variance[i] / (1 + double(last.cost[i]) / (pixels[i] * std::max(1, before[i]))));
         area += pixels[i];
+        budget += pixels[i] * (end - before[i]);
         sum += pixels[i] * wanted[i];
     }
     for (size_t i = 0; i < pixels.size(); ++i) {
         wanted[i] = sum > 0 ? wanted[i] + kUniformShare * sum / area : 1;
-        largest = std::max(largest, kMaxGrowth * before[i] / wanted[i]);
+        largest = std::max(largest, SamplePlan::kMaxGrowth * before[i] / wanted[i]);
     }
     const auto addedTo = [&](size_t i, double scale) {
-        const int most = std::min((kMaxGrowth - 1) * before[i], SamplePlan::kMaxCount - before[i]);
+        const int most = std::min((SamplePlan::kMaxGrowth - 1) * before[i], SamplePlan::kMaxCount - before[i]);
         return std::clamp(scale * wanted[i] - before[i], 0.0, double(most));
     };
     // Bisection: the cost grows with the scale.
@@ -149,13 +153,15 @@ SamplePlan AllocateSamples(const PixelCells &cells, const SamplePlan &last, cons
         const double middle = (low + high) / 2;
         double cost = 0;
         for (size_t i = 0; i < pixels.size(); ++i) cost += pixels[i] * addedTo(i, middle);
-        (cost < (end - begin) * area ? low : high) = middle;
+        (cost < budget ? low : high) = middle;
     }
     SamplePlan plan{begin, end, before, {}, last.cost};
     double owed = 0;  // samples that rounding left over
     for (size_t i = 0; i < pixels.size(); ++i) {
-        owed += pixels[i] * addedTo(i, high);
-        const int pairs = std::max(0, int(std::lround(owed / pixels[i] / 2)));
+        const double exact = addedTo(i, high);
+        owed += pixels[i] * exact;
+        const int pairs =
+            int(std::clamp(std::round(owed / pixels[i] / 2), std::floor(exact / 2), std::ceil(exact / 2)));
         plan.after.push_back(std::min(plan.before[i] + 2 * pairs, SamplePlan::kMaxCount));
         owed -= pixels[i] * (plan.after[i] - plan.before[i]);
     }

@@ -19,8 +19,10 @@ std::string NoisyBall(int samples, const std::string &integrator = "") {
     Objects world;
     for (int i = 0; i < 40; ++i)
         world.PointLight(fmt::format("{} {} -3", i % 8 - 4, i / 8 - 2), i == 9 ? "20 20 20" : "0.5 0.4 0.3");
-    world.Attribute("", Objects().Diffuse("0 0 0").AreaLight("0.5 0.6 0.7", "'bool twosided' true").Quad(
-                            "-9 -9 2  9 -9 2  -9 9 2  9 9 2"));
+    world.Attribute("", Objects()
+                            .Diffuse("0 0 0")
+                            .AreaLight("0.5 0.6 0.7", "'bool twosided' true")
+                            .Quad("-9 -9 2  9 -9 2  -9 9 2  9 9 2"));
     world.Diffuse("0.7 0.6 0.5").Attribute("Translate 0.8 0.3 0", Objects().Sphere(0.5));
     return SceneText()
         .LookAt("0 0 -5  0 0 0  0 1 0")

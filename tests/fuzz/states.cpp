@@ -200,6 +200,7 @@ struct Recipe {
     std::string scene;
     std::vector<std::string> arguments;
     bool isCheckpoint;
+    const char *samples = "--samples=0:3";  ///< of the checkpoint
 };
 
 std::vector<Recipe> Recipes() {
@@ -209,6 +210,7 @@ std::vector<Recipe> Recipes() {
             {"windows", Room("path", kSky), {"--lightsampler=octree:portals=always"}, true},
             {"fog", Room("volpath", kFog + many), {"--lightsampler=octree+guide"}, true},
             {"bdpt", Room("bdpt", few), {"--lightsampler=octree"}, true},
+            {"adaptive", Room("path", few), {"--lightsampler=bvh", "--adaptive"}, true, "--spp=12"},
             {"lights", Room("path", many), {"--lightsampler=octree+guide:leastsaved=0"}, false},
             {"lights-windows", Room("path", kSky), {"--lightsampler=octree:portals=always"}, false},
             {"lights-paper", Room("path", many), {"--lightsampler=octree:model=paper"}, false}};
@@ -240,7 +242,7 @@ std::vector<StateSeed> MakeStateSeeds(const std::string &folder) {
         seed.file.name = recipe.isCheckpoint ? "state.chk" : "state.lights";
         FuzzCase making{"state", seed.name, {{"scene.pbrt", seed.scene}}, seed.arguments};
         making.arguments.push_back((recipe.isCheckpoint ? "--checkpoint=" : "--save-lights=") + seed.file.name);
-        if (recipe.isCheckpoint) making.arguments.push_back("--samples=0:3");
+        if (recipe.isCheckpoint) making.arguments.push_back(recipe.samples);
         std::ofstream(work / "scene.pbrt") << seed.scene;
         const ChildResult made = RunChild(work.string(),
                                           [&](PictureReport &report) {

@@ -203,6 +203,7 @@ LabScene LoadLabScene(const ExperimentSettings &settings, const PluginRegistry &
     options.maxDepth = settings.maxDepth;
     options.sampledLightOnly = settings.sampledLightOnly;
     options.lightSamplerFlag = kSamplersFlag;
+    options.uniform = true;            // relL2 at equal samples compares samplers
     options.lightSampler = "uniform";  // for the unused default integrator: nothing to build
     scene.built = BuildLitScene(description, settings.scene, options, registry, sink, progress);
     scene.hash = SceneHash(settings.scene);

@@ -28,6 +28,8 @@ struct BuildOptions {
     std::optional<int> maxDepth;                      ///< --maxdepth
     bool sampledLightOnly = false;                    ///< PathSettings::sampledLightOnly (path, volpath)
     bool guide = false;                               ///< --guide
+    bool adaptive = false;                            ///< --adaptive
+    bool uniform = false;                             ///< ignore --adaptive and the scene's "adaptive"
     std::string lightSampler;                         ///< --lightsampler, see LightFlags; empty: the scene's
     bool meshLights = false;                          ///< --mesh-lights
     std::string shootingSampler;                      ///< --shooting-sampler name[:key=value,...]; empty: the scene's
@@ -56,6 +58,7 @@ struct RenderView {
     std::unique_ptr<Film> film;
     std::unique_ptr<Camera> camera;
     std::unique_ptr<Sampler> sampler;
+    std::unique_ptr<Film> half;  ///< RenderContext::half; the sampler is then for half of the samples
 };
 
 FilmOverrides FilmOverridesOf(const BuildOptions &options);
@@ -108,7 +111,7 @@ struct BuiltScene : RenderView, BuiltIntegrator {
     /// Context for Integrator::Prepare. The caller may change seed and samples.
     PrepareContext Preparation(Progress &progress, Team &team = Team::Alone()) const;
     RenderContext Rendering(Progress &progress, Team &team = Team::Alone()) const {
-        return {*integrator, *camera, *filter, *film, *sampler, progress, team};
+        return {*integrator, *camera, *filter, *film, *sampler, progress, team, half.get()};
     }
     void Prepare(Progress &progress) {
         PrepareContext context = Preparation(progress);

@@ -52,8 +52,10 @@ std::unique_ptr<DirectionSampling> MakeRoulette(const DirectionSpec &guide, cons
 }
 
 /// Without media, volpath is path with subsurface scattering and shadow rays through interfaces.
-IntegratorSettings MakePath(const PathParams &p, const ParamSet &set, const IntegratorReading &r, bool isVolume) {
+IntegratorSettings MakePath(const WithAdaptive<PathParams> &p, const ParamSet &set, const IntegratorReading &r,
+                            bool isVolume) {
     IntegratorSettings settings;
+    settings.adaptive = p.adaptive;
     settings.maxDepth = p.MaxDepth(r);
     settings.lights = ReadLights(set, r);
     if (!settings.lights) return settings;
@@ -106,15 +108,17 @@ struct AmbientOcclusionParams {
 /// Integrator without light sampler; `make(p, maxDepth, context, film's colour space)`.
 template <class P, class F>
 void AddSimple(IntegratorTable &table, const char *name, F make, IntegratorTraits traits = {}) {
-    const auto read = [make](const P &p, const ParamSet &, const IntegratorReading &r) {
+    const auto read = [make](const WithAdaptive<P> &p, const ParamSet &, const IntegratorReading &r) {
         IntegratorSettings settings;
+        settings.adaptive = p.adaptive;
         if constexpr (std::is_base_of_v<DepthParams, P>) settings.maxDepth = p.MaxDepth(r);
         settings.make = [p, make, depth = settings.maxDepth](const PathContext &context, const ColorSpace &space) {
             return make(p, depth, context, space);
         };
         return settings;
     };
-    table.Add<P>(name, "", read, traits);
+    traits.isAdaptive = true;
+    table.Add<WithAdaptive<P>>(name, "", read, traits);
 }
 
 /// Integrators with a trait: `"path" and "volpath"`.
@@ -160,21 +164,22 @@ bool HasLightsBeyondScene(const LightTable &lights) {
 
 const IntegratorTable &Integrators() {
     static const IntegratorTable table("Integrator", [](IntegratorTable &t) {
-        t.Add<PathParams>(
+        t.Add<WithAdaptive<PathParams>>(
             "path",
             "only here: `guide` ([guided-paths.md](../method/guided-paths.md)), `meshlights` and the light samplers' "
             "own parameters ([lightsamplers.md](lightsamplers.md)); **differs**: an unknown light sampler is an error "
             "(stock uses bvh)",
             [](const auto &p, const ParamSet &set, auto &r) { return MakePath(p, set, r, false); },
-            {.hasLightSampler = true, .isGuided = true});
-        t.Add<PathParams>("volpath",
-                          "as path, with media and subsurface scattering, and shadow rays pass \"interface\"",
-                          [](const auto &p, const ParamSet &set, auto &r) { return MakePath(p, set, r, true); },
-                          {.hasLightSampler = true,
-                           .isGuided = true,
-                           .rendersMedia = true,
-                           .passesInterfaces = true,
-                           .scattersSubsurface = true});
+            {.hasLightSampler = true, .isGuided = true, .isAdaptive = true});
+        t.Add<WithAdaptive<PathParams>>(
+            "volpath", "as path, with media and subsurface scattering, and shadow rays pass \"interface\"",
+            [](const auto &p, const ParamSet &set, auto &r) { return MakePath(p, set, r, true); },
+            {.hasLightSampler = true,
+             .isGuided = true,
+             .rendersMedia = true,
+             .passesInterfaces = true,
+             .scattersSubsurface = true,
+             .isAdaptive = true});
         AddSimple<SimplePathParams>(
             t, "simplepath", [](const auto &p, int depth, const PathContext &c, const ColorSpace &) {
                 return std::make_unique<SimplePathIntegrator>(c, depth, p.sampleLights, p.sampleBsdf);
@@ -229,6 +234,9 @@ IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &opti
                        NamesWith(&IntegratorTraits::hasEmissionSampler), type);
         if (options.guide && !traits.isGuided)
             sink.Error({}, "--guide: {}; this one is \"{}\".", OnlyTheseAreGuided(), type);
+        if (options.adaptive && !options.uniform && !traits.isAdaptive)
+            sink.Error({}, "--adaptive, --noise: the integrators {} sample adaptively; this one is \"{}\".",
+                       NamesWith(&IntegratorTraits::isAdaptive), type);
         ParamReader before(params);
         if (traits.hasLightSampler || traits.hasEmissionSampler) DeclareLightParams(before, registry, traits.isGuided);
         Collect(sink, [&] {
@@ -240,7 +248,10 @@ IntegratorSettings ReadIntegrator(const Entity &entity, const BuildOptions &opti
             sink.Error(settings.lights->guide->Loc(), "\"+guide\": {}; this one is \"{}\".", OnlyTheseAreGuided(),
                        type);
     }
+    if (settings.adaptive && options.uniform)
+        sink.Warning({}, "\"bool adaptive\" has no effect here: all pixels get the same number of samples.");
     settings.type = type;
+    settings.adaptive = (settings.adaptive || options.adaptive) && !options.uniform;
     return settings;
 }
 

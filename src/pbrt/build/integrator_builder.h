@@ -14,6 +14,7 @@ namespace pbrt {
 struct IntegratorSettings {
     std::string type;
     int maxDepth = 5;
+    bool adaptive = false;
     int samplesPerPixel = 0;               ///< positive: replaces the sampler's, unless --spp or --quick overrides it
     std::optional<LightSelection> lights;  ///< for integrators with a light sampler
     std::optional<LightSamplerSpec> shooting;  ///< for integrators with light paths
@@ -37,6 +38,7 @@ struct IntegratorTraits {
     bool rendersMedia = false;        ///< traces media
     bool passesInterfaces = false;    ///< shadow rays pass interface surfaces; geometry is built for it
     bool scattersSubsurface = false;  ///< others render subsurface materials as dielectrics
+    bool isAdaptive = false;          ///< supports different numbers of samples per pixel
     bool samplesPixels = true;        ///< false: samples do not belong to pixels, as --disable-pixel-jitter requires
 };
 using IntegratorTable = FactoryTable<IntegratorSettings, const IntegratorReading, IntegratorTraits>;
@@ -65,6 +67,16 @@ using AcceleratorTable = FactoryTable<std::monostate, const AcceleratorContext>;
 const AcceleratorTable &Accelerators();
 
 // For the makers of integrators.
+
+/// Adds "adaptive" to the parameters of a pixel integrator.
+template <class P>
+struct WithAdaptive : P {
+    bool adaptive = false;
+    void Describe(auto &&v) {
+        P::Describe(v);
+        v("adaptive", adaptive, "more samples where the image is noisier; as --adaptive (only here)");
+    }
+};
 
 inline constexpr Range<int> kCounts{1, std::numeric_limits<int>::max()};
 inline constexpr Range<Float> kPositive = Positive(std::numeric_limits<Float>::max());

@@ -88,6 +88,7 @@ void AddShooting(IntegratorTable &table, const char *name, const char *summary, 
     auto readAll = [read](const P &p, const ParamSet &set, const IntegratorReading &r) {
         IntegratorSettings settings;
         settings.maxDepth = p.MaxDepth(r);
+        if constexpr (requires { p.adaptive; }) settings.adaptive = p.adaptive;
         constexpr bool kHasLights = requires { p.lights; };
         if constexpr (requires { p.mutationsPerPixel; }) settings.samplesPerPixel = p.mutationsPerPixel;
         if constexpr (kHasLights) settings.lights = ReadLights(set, r, P().lights);
@@ -156,12 +157,17 @@ void AddLightPathIntegrators(IntegratorTable &t) {
         "keep all light (stock: #347), and emitters of all shapes that the camera sees have their own brightness",
         {.connectsToCamera = true, .rendersMedia = true, .passesInterfaces = true, .samplesPixels = false},
         ReadLightPath);
-    AddShooting<BdptParams>(
+    AddShooting<WithAdaptive<BdptParams>>(
         t, "bdpt",
         "with media, at most 1,000 scattering events from either side; cameras and shading normals as lightpath; "
         "only here: any light sampler for the light that a vertex of the camera's path is connected to; "
         "pictures of strategies are written at the end, not with checkpoints, parts or mpirun",
-        {.hasLightSampler = true, .connectsToCamera = true, .rendersMedia = true, .passesInterfaces = true}, ReadBdpt);
+        {.hasLightSampler = true,
+         .connectsToCamera = true,
+         .rendersMedia = true,
+         .passesInterfaces = true,
+         .isAdaptive = true},
+        ReadBdpt);
     AddShooting<MltParams>(
         t, "mlt",
         "as bdpt, with the films rgb and spectral; light samplers learn in their preparation only; **differs**: every "

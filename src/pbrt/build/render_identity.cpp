@@ -71,6 +71,7 @@ RenderIdentity IdentityOf(const BuildOptions &o, const std::vector<std::string> 
     flag("--integrator", o.integrator);
     if (o.maxDepth) flag("--maxdepth", std::to_string(*o.maxDepth));
     whether("--guide", o.guide);
+    whether("--adaptive", o.adaptive);
     flag("--lightsampler", o.lightSampler);
     whether("--mesh-lights", o.meshLights);
     flag("--shooting-sampler", o.shootingSampler);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::array<char, 8> kMagic = {'p', 'b', 'r', 't', 's', 't', 'a', 't'};
 /// Incremented with every change of the layout of the file or its content.
-constexpr uint32_t kVersion = 2;
+constexpr uint32_t kVersion = 3;
 constexpr size_t kLengthAt = sizeof(kMagic) + sizeof(kVersion);
 constexpr size_t kHeadBytes = kLengthAt + sizeof(uint64_t), kSumBytes = sizeof(uint64_t);
 

@@ -8,7 +8,7 @@
 namespace pbrt {
 namespace {
 
-enum : size_t { kAlbedo, kNormal, kGeonormal, kPosition, kDepth, kUv };
+enum : size_t { kAlbedo, kNormal, kGeonormal, kPosition, kDepth, kUv, kSamples };
 constexpr size_t kFirstChannel = 2;  // in a pixel's sums
 
 std::vector<size_t> IndicesOf(const std::vector<std::string> &names) {
@@ -48,6 +48,7 @@ const std::vector<Aov> &Aovs() {
         {"position", {"P.X", "P.Y", "P.Z"}, "position"},
         {"depth", {"Z"}, "distance along the viewing direction"},
         {"uv", {"u", "v"}, "surface coordinates"},
+        {"samples", {"samples"}, "number of samples of the pixel"},
     };
     return all;
 }
@@ -76,6 +77,7 @@ void AovFilm::AddSample(const FilmSample &sample) {
     const auto w = double(sample.weight);
     if (!std::isfinite(w)) return;
     PreciseSum *sums = sums_.data() + Frame().IndexOf(sample.pixel) * stride_;
+    if (chosen_.back() == kSamples) sums[stride_ - 1].Add(1);
     if (sample.hasRay) sums[0].Add(w);
     if (!sample.visible) return;
     sums[1].Add(w);
@@ -123,7 +125,7 @@ Image AovFilm::ToImage() const {
                 const std::vector<const char *> &names = Aovs()[i].channels;
                 glm::dvec3 mean(0);
                 // Albedo counts rays without a hit as black; geometry excludes them.
-                const double weight = i == kAlbedo ? all : seen;
+                const double weight = i == kSamples ? 1 : i == kAlbedo ? all : seen;
                 for (size_t c = 0; c < names.size(); ++c, ++next)
                     mean[int(c)] = weight != 0 ? next->Value() / weight : 0;
                 if (i == kNormal || i == kGeonormal) mean = UnitOrZero(mean);

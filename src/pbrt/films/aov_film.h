@@ -7,7 +7,7 @@
 
 namespace pbrt {
 
-/// Auxiliary output of the first visible surface, available for any film.
+/// Auxiliary output, mostly of the first visible surface, available for any film.
 struct Aov {
     const char *name;                    ///< in --aov
     std::vector<const char *> channels;  ///< as in the gbuffer film, where it has them
@@ -17,8 +17,8 @@ struct Aov {
 const std::vector<Aov> &Aovs();
 std::vector<std::string> AovNames();
 
-/// Film with additional channels: means over a pixel's samples of visible-surface data, in camera space. All else is
-/// the wrapped film's, bit for bit. Existing channels are not added.
+/// Film with additional channels: means over a pixel's samples of visible-surface data, in camera space, and the number
+/// of samples. All else is the wrapped film's, bit for bit. Existing channels are not added.
 class AovFilm final : public Film {
   public:
     /// `context.overrides.aovs` names the quantities. Throws UserError if the file format cannot hold them.

@@ -7,6 +7,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "pbrt/core/state_archive.h"
+
 namespace pbrt {
 namespace {
 
@@ -211,8 +213,17 @@ std::vector<uint32_t> RenderFile::PassDone() const {
     return done;
 }
 
-void RenderFile::ReadFilm(Film &film, void (Film::*read)(StateReader &)) const {
-    StateReader in(file_.Section("film"), Path());
+SamplePlan RenderFile::Plan(const PixelCells &cells) const {
+    SamplePlan plan;
+    StateReader in(file_.Section("plan"), Path());
+    in(plan);
+    in.RequireEnd();
+    in.RequireValid(plan.Validate(cells, head_.done));
+    return plan;
+}
+
+void RenderFile::ReadFilm(const char *section, Film &film, void (Film::*read)(StateReader &)) const {
+    StateReader in(file_.Section(section), Path());
     try {
         (film.*read)(in);
     } catch (const UserError &e) {
@@ -227,14 +238,21 @@ void RenderFile::ReadFilm(Film &film, void (Film::*read)(StateReader &)) const {
 }
 
 void WriteRenderFile(const std::string &path, const RenderFileHead &head, const std::vector<uint32_t> &passDone,
-                     const Film &film, const StateWriter &learned) {
-    StateWriter headBytes, pass, sums;
+                     const Film &film, const StateWriter &learned, const AdaptiveState *adaptive) {
+    StateWriter headBytes, pass, sums, plan, half;
     const std::string text = ToJson(head).dump(-1, ' ', false, Json::error_handler_t::replace);
     const std::vector<char> headText(text.begin(), text.end());
     headBytes.Structure(headText);
     pass.Structure(passDone);
     film.Save(sums);
-    WriteStateFile(path, kKind, {{"head", &headBytes}, {"pass", &pass}, {"film", &sums}, {"learned", &learned}});
+    std::map<std::string, const StateWriter *> sections = {
+        {"head", &headBytes}, {"pass", &pass}, {"film", &sums}, {"learned", &learned}};
+    if (adaptive) {
+        plan(adaptive->plan);
+        adaptive->half.Save(half);
+        sections.insert({{"plan", &plan}, {"half film", &half}});
+    }
+    WriteStateFile(path, kKind, sections);
 }
 
 }  // namespace pbrt

@@ -8,6 +8,7 @@
 
 #include "pbrt/core/state_file.h"
 #include "pbrt/films/film.h"
+#include "pbrt/films/sample_plan.h"
 
 namespace pbrt {
 
@@ -66,19 +67,29 @@ class RenderFile {
     const RenderFileHead &Head() const { return head_; }
     std::vector<uint32_t> PassDone() const;
     /// Film::Load and Film::Merge of the sums. Throw UserError.
-    void LoadFilm(Film &film) const { ReadFilm(film, &Film::Load); }
-    void MergeFilm(Film &film) const { ReadFilm(film, &Film::Merge); }
+    void LoadFilm(Film &film) const { ReadFilm("film", film, &Film::Load); }
+    void MergeFilm(Film &film) const { ReadFilm("film", film, &Film::Merge); }
+    /// Of an adaptive render: its plan, and the half film. Throw UserError.
+    SamplePlan Plan(const PixelCells &cells) const;
+    void LoadHalf(Film &half) const { ReadFilm("half film", half, &Film::Load); }
     /// Learned state of the light sampler.
     StateReader Learned() const { return {file_.Section("learned"), Path()}; }
 
   private:
     /// Adds the file name to errors. Throws UserError if `read` leaves data, or a pixel becomes non-finite.
-    void ReadFilm(Film &film, void (Film::*read)(StateReader &)) const;
+    void ReadFilm(const char *section, Film &film, void (Film::*read)(StateReader &)) const;
     StateFile file_;
     RenderFileHead head_;
 };
 
+/// State of an adaptive render besides its film.
+struct AdaptiveState {
+    const SamplePlan &plan;
+    const Film &half;
+};
+
+/// `adaptive`: null for other renders.
 void WriteRenderFile(const std::string &path, const RenderFileHead &head, const std::vector<uint32_t> &passDone,
-                     const Film &film, const StateWriter &learned);
+                     const Film &film, const StateWriter &learned, const AdaptiveState *adaptive = nullptr);
 
 }  // namespace pbrt

@@ -376,7 +376,10 @@ SampledSpectrum BdptIntegrator::Li(const PathStart &start, SampledWavelengths &l
     const SampledSpectrum L = TracePair(start, lambda, {sampler, sampler, sampler},
                                         Float(pass.film.PixelBounds().Area()), pass.film.SplatUnit(), splats);
     if (!pass.keepsSamples) return L;
-    for (const CameraSplat &s : splats) AddFilteredSplat(pass.film, pass.filter, s.pFilm, s.L, lambda);
+    for (const CameraSplat &s : splats) {
+        AddFilteredSplat(pass.film, pass.filter, s.pFilm, s.L, lambda);
+        if (start.half) AddFilteredSplat(*start.half, pass.filter, s.pFilm, s.L, lambda);
+    }
     if (strategies_) {
         ++paths.pairs;
         strategies_->Add(paths.contributions, start.pixel, start.filterWeight, lambda, pass.filter);

@@ -9,12 +9,21 @@
 #include "pbrt/core/team.h"
 #include "pbrt/films/film.h"
 #include "pbrt/films/filter.h"
+#include "pbrt/films/sample_plan.h"
 #include "pbrt/lightsamplers/light_sampler.h"
 #include "pbrt/samplers/sampler.h"
 
 namespace pbrt {
 
 class DirectionSampling;
+
+/// Addition to a pass of an adaptive render. Samples with odd numbers are of an independent sample set.
+struct AdaptivePass {
+    const SamplePlan &plan;                              ///< RenderPass::first and count are averages
+    Film &half;                                          ///< also receives the odd samples
+    std::span<const std::unique_ptr<Sampler>> samplers;  ///< of the odd samples, as RenderPass::samplers
+    std::span<uint64_t> cost;                            ///< SamplePlan::cost; thread-safe by atomics
+};
 
 /// Part of a render: some samples of every film pixel.
 struct RenderPass {
@@ -34,6 +43,7 @@ struct RenderPass {
     std::vector<uint32_t> *done = nullptr;
     std::string_view doneFile{};  ///< source file of `done`, for messages
     Progress &progress;
+    const AdaptivePass *adaptive = nullptr;  ///< null: all pixels have the same number of samples
     /// Processes that render the pass together, each with its own film; samples are distributed among them. Afterwards
     /// rank 0's `done` covers all processes.
     Team &team = Team::Alone();

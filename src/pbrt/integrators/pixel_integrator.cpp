@@ -1,5 +1,6 @@
 #include "pbrt/integrators/pixel_integrator.h"
 
+#include "pbrt/core/counters.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/progress.h"
 #include "pbrt/core/work_distributor.h"
@@ -81,8 +82,8 @@ constexpr int64_t kStripsPerThread = 64;
 class PassRenderer {
   public:
     PassRenderer(const PixelIntegrator &integrator, const RenderPass &pass, std::optional<Float> uWavelengths)
-        : integrator_(integrator), pass_(pass), uWavelengths_(uWavelengths),
-          wantsVisible_(pass.film.WantsVisibleSurface()),
+        : integrator_(integrator), pass_(pass), cells_(pass.film.PixelBounds()), uWavelengths_(uWavelengths),
+          splats_(integrator.Splats()), wantsVisible_(pass.film.WantsVisibleSurface()),
           differentialScale_(pass.jittersPixels ? std::max(Float(0.125), 1 / std::sqrt(Float(pass.samplesPerPixel)))
                                                 : Float(1)) {}
 
@@ -90,28 +91,63 @@ class PassRenderer {
     struct Strip {
         Bounds2i tile;
         uint32_t firstPixel = 0, pixels = 0;
+
+        Point2i PixelAt(uint32_t i) const {
+            const auto width = uint32_t(tile.Width());
+            return tile.low + Vector2i((firstPixel + i) % width, (firstPixel + i) / width);
+        }
     };
     /// Traces the samples of a strip, pixel by pixel, starting at number `done`. Returns the number done:
     /// SamplesOf(strip), unless cancelled.
-    uint32_t RenderStrip(const Strip &strip, uint32_t done, Sampler &sampler) const {
-        const uint32_t all = SamplesOf(strip), count = uint32_t(pass_.count);
-        const auto width = uint32_t(strip.tile.Width());
-        for (; done < all; ++done) {
-            // Tested per sample, because a single one may take a tenth of a second.
-            if (pass_.progress.Cancelled()) break;
-            const uint32_t pixel = strip.firstPixel + done / count;
-            TraceSample(strip.tile.low + Vector2i(pixel % width, pixel / width), pass_.first + int(done % count),
-                        sampler);
+    uint32_t RenderStrip(const Strip &strip, uint32_t done) {
+        const int thread = ThreadIndex();
+        uint32_t before = 0;  // samples of the pixels before
+        for (uint32_t i = 0; i < strip.pixels; ++i) {
+            const Point2i pixel = strip.PixelAt(i);
+            const SampleRange range = RangeOf(pixel);
+            const uint64_t cost = Cost();
+            // Cancellation is tested per sample, because a single one may take a tenth of a second.
+            for (; done < before + range.count && !pass_.progress.Cancelled(); ++done)
+                TraceSample(pixel, range.first + int(done - before), thread);
+            before += range.count;
+            if (pass_.adaptive && pass_.keepsSamples)
+                std::atomic_ref(pass_.adaptive->cost[cells_.IndexOf(pixel)])
+                    .fetch_add(Cost() - cost, std::memory_order_relaxed);
+            if (done < before) break;
         }
         return done;
     }
-    uint32_t SamplesOf(const Strip &strip) const { return strip.pixels * uint32_t(pass_.count); }
+    uint32_t SamplesOf(const Strip &strip) const {
+        if (!pass_.adaptive) return strip.pixels * uint32_t(pass_.count);
+        uint32_t samples = 0;
+        for (uint32_t i = 0; i < strip.pixels; ++i) samples += RangeOf(strip.PixelAt(i)).count;
+        return samples;
+    }
+    /// Number of light paths behind the splats of odd samples.
+    uint64_t OddPaths() const { return oddPaths_; }
 
   private:
-    void TraceSample(Point2i pixel, int index, Sampler &sampler) const {
+    struct SampleRange {
+        int first;
+        uint32_t count;
+    };
+    SampleRange RangeOf(Point2i pixel) const {
+        if (!pass_.adaptive) return {pass_.first, uint32_t(pass_.count)};
+        const size_t cell = cells_.IndexOf(pixel);
+        const int first = pass_.adaptive->plan.CountAt(cell, pass_.first);
+        return {first, uint32_t(pass_.adaptive->plan.CountAt(cell, pass_.first + pass_.count) - first)};
+    }
+    /// Of this thread so far.
+    static uint64_t Cost() {
+        const RenderCounters &c = ThreadCounters();
+        return c.closestHitRays + c.shadowRays + c.mediumLookups;
+    }
+    void TraceSample(Point2i pixel, int index, int thread) {
+        const AdaptivePass *const odd = index % 2 != 0 ? pass_.adaptive : nullptr;
+        Sampler &sampler = *(odd ? odd->samplers : pass_.samplers)[thread];
         FilmSample sample;
         sample.pixel = pixel;
-        sampler.StartPixelSample(pixel, index);
+        sampler.StartPixelSample(pixel, pass_.adaptive ? AdaptiveSampleIndex(index, sampler.SamplesPerPixel()) : index);
         const Float uOwn = sampler.Get1D(), uLambda = uWavelengths_.value_or(uOwn);
         sample.lambda = pass_.film.SampleWavelengths(pass_.jittersWavelengths ? uLambda : Float(0.5));
         CameraSample cs = SampleCamera(pass_.filter, pixel, sampler);
@@ -122,19 +158,25 @@ class PassRenderer {
             ray->differential.Scale(ray->ray, differentialScale_);
             const PathStart start{{*ray, pixel, pass_.batchFirst + index, wantsVisible_ ? &sample.visible : nullptr},
                                   pass_,
-                                  sample.weight};
+                                  sample.weight,
+                                  odd ? &odd->half : nullptr};
             sample.L = weight * integrator_.Li(start, sample.lambda, sampler);
         } else {
             sample.hasRay = false;
         }
-        if (pass_.keepsSamples) pass_.film.AddSample(sample);
+        if (!pass_.keepsSamples) return;
+        pass_.film.AddSample(sample);
+        if (odd) odd->half.AddSample(sample);
+        if (odd && splats_) oddPaths_.fetch_add(1, std::memory_order_relaxed);
     }
 
     const PixelIntegrator &integrator_;
     const RenderPass &pass_;
+    const PixelCells cells_;
     const std::optional<Float> uWavelengths_;
-    const bool wantsVisible_;
+    const bool splats_, wantsVisible_;
     const Float differentialScale_;
+    std::atomic<uint64_t> oddPaths_ = 0;
 };
 
 /// Chunks of a pass: its tiles, or several strips per tile.
@@ -173,15 +215,16 @@ class PassStrips {
 }  // namespace
 
 bool PixelIntegrator::Render(const RenderPass &pass) {
-    const PassRenderer renderer(*this, pass, CommonWavelengths());
+    PassRenderer renderer(*this, pass, CommonWavelengths());
     const PassStrips strips(pass);
-    return RenderChunks(pass, {.count = strips.Count(),
-                               .splat = Splats(),
-                               .samplesOf = [&](int64_t i) { return renderer.SamplesOf(strips[i]); },
-                               .render =
-                                   [&](int64_t i, uint32_t done) {
-                                       return renderer.RenderStrip(strips[i], done, *pass.samplers[ThreadIndex()]);
-                                   }});
+    if (pass.adaptive && Splats()) pass.adaptive->half.ExpectSplats();
+    const bool isComplete =
+        RenderChunks(pass, {.count = strips.Count(),
+                            .splat = Splats(),
+                            .samplesOf = [&](int64_t i) { return renderer.SamplesOf(strips[i]); },
+                            .render = [&](int64_t i, uint32_t done) { return renderer.RenderStrip(strips[i], done); }});
+    if (pass.adaptive) pass.adaptive->half.AddSplatPaths(renderer.OddPaths());
+    return isComplete;
 }
 
 }  // namespace pbrt

@@ -14,6 +14,7 @@ struct CameraPathStart {
 struct PathStart : CameraPathStart {
     const RenderPass &pass;  ///< splatting integrators add to its film
     Float filterWeight = 1;  ///< FilmSample::weight of the sample
+    Film *half = nullptr;    ///< null, or AdaptivePass::half, which also gets the splats
 };
 
 /// Position, lens point and time of a sample of the pixel, in the order of the sampler's dimensions.
@@ -25,6 +26,13 @@ inline CameraSample SampleCamera(const Filter &filter, Point2i pixel, Sampler &s
     sample.pLens = sampler.Get2D();
     sample.filterWeight = offset.weight;
     return sample;
+}
+
+/// Number in its sampler of a pixel's sample in adaptive renders. Samples alternate between two samplers, which use
+/// different sets of `setSize` samples, also where samplers with different seeds share pixel positions.
+inline int AdaptiveSampleIndex(int sample, int setSize) {
+    const int i = sample / 2;
+    return i / setSize * 2 * setSize + sample % 2 * setSize + i % setSize;
 }
 
 /// Base of integrators that compute the radiance of one camera ray for its pixel.

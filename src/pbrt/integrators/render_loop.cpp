@@ -1,80 +1,27 @@
 #include "pbrt/integrators/render_loop.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
 #include <limits>
 
 #include "pbrt/core/online_model.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/progress.h"
-#include "pbrt/images/metrics.h"
+#include "pbrt/core/state_archive.h"
+#include "pbrt/integrators/reference_log.h"
 
 namespace pbrt {
 namespace {
-
-/// Logs one line "samples, mean squared error" per wave against a reference image.
-class ReferenceLog {
-  public:
-    /// Does nothing with empty names. Throws UserError if the reference does not cover the film or a file cannot be
-    /// opened.
-    ReferenceLog(const std::string &referenceImage, const std::string &outFile, const Film &film) {
-        if (referenceImage.empty()) return;
-        ImageFile file = ReadImage(referenceImage);
-        const Bounds2i &wanted = film.PixelBounds();
-        Bounds2i have = file.metadata.pixelBounds.value_or(Bounds2i{{0, 0}, file.image.Resolution()});
-        if (wanted.low.x < have.low.x || wanted.low.y < have.low.y || wanted.high.x > have.high.x ||
-            wanted.high.y > have.high.y)
-            throw UserError("{}: the reference image covers x {}-{}, y {}-{}; the film needs x {}-{}, y {}-{}.",
-                            referenceImage, have.low.x, have.high.x, have.low.y, have.high.y, wanted.low.x,
-                            wanted.high.x, wanted.low.y, wanted.high.y);
-        reference_ = file.image.Select({"R", "G", "B"}).Crop({wanted.low - have.low, wanted.high - have.low});
-        name_ = outFile;
-        out_.reset(std::fopen(name_.c_str(), "w"));
-        if (!out_) throw UserError("{}: cannot be written: {}.", name_, std::strerror(errno));
-    }
-
-    bool IsKept() const { return bool(reference_); }
-
-    std::optional<double> Log(int samples, const Film &film) {
-        if (!reference_) return {};
-        Image image = film.ToImage();
-        if (image.ChannelCount() > 3) image = image.Select({"R", "G", "B"});
-        double mse = ImageError(image, reference_, Metric::MSE);
-        // If the log cannot be written, the render continues without it.
-        if (out_ && (std::fprintf(out_.get(), "%d, %.9g\n", samples, mse) < 0 || std::fflush(out_.get()) != 0)) {
-            Fail();
-            out_.reset();
-        }
-        return mse;
-    }
-
-    /// Closes the file. Returns why it is incomplete; empty if complete.
-    const std::string &Finish() {
-        // Some file systems report failed writes only on close.
-        if (out_ && std::fclose(out_.release()) != 0) Fail();
-        return failure_;
-    }
-
-  private:
-    struct Close {
-        void operator()(std::FILE *f) const { std::fclose(f); }
-    };
-    void Fail() { failure_ = fmt::format("{}: cannot be written: {}.", name_, std::strerror(errno)); }
-
-    Image reference_;
-    std::string name_, failure_;
-    std::unique_ptr<std::FILE, Close> out_;
-};
 
 using Clock = std::chrono::steady_clock;
 
 }  // namespace
 
 WaveRenderer::WaveRenderer(const RenderContext &context, const RenderSettings &settings)
-    : context_(context), model_(context.integrator.Model()), settings_(settings), samplers_(ThreadCount()) {}
+    : context_(context), model_(context.integrator.Model()), settings_(settings), samplers_(ThreadCount()),
+      oddSamplers_(context.half ? ThreadCount() : 0) {
+    if (context.half) position_.plan.cost.resize(PixelCells(context.film.PixelBounds()).Count());
+}
 
 void WaveRenderer::UpdateIfDue() {
     if (!model_ || model_->NextUpdate() == 0 || Done() != model_->NextUpdate() || context_.progress.Cancelled()) return;
@@ -82,9 +29,37 @@ void WaveRenderer::UpdateIfDue() {
     UpdateTogether();
 }
 
+void WaveRenderer::DecideIfDue() {
+    SamplePlan &plan = position_.plan;
+    // A resumed render estimates the noise anew, and plans the same from the same sums.
+    const bool isDue = Done() == plan.end || (!isDecided_ && Done() == plan.begin);
+    if (!context_.half || position_.passCount > 0 || !isDue) return;
+    UpdateIfDue();
+    if (context_.progress.Cancelled()) return;
+    isDecided_ = true;
+    const int uniform = std::max(PilotSamples(settings_.samplesPerPixel), model_ ? model_->NextUpdate() : 0);
+    if (Done() < uniform) {
+        plan.begin = Done();
+        plan.end = uniform;
+    } else {
+        Gather();
+        const NoiseEstimate estimate = EstimateNoise(context_.film, *context_.half, plan, Done()).value();
+        noise_ = std::sqrt(estimate.relL2);
+        int end = NextDecision(Done(), settings_.samplesPerPixel);
+        if (settings_.noise > 0) {
+            const double enough = std::ceil(SamplesForNoise(Done(), *noise_, settings_.noise));
+            end = int(std::clamp(enough, std::min(Done() + 2.0, double(end)), double(end)));
+        }
+        plan = AllocateSamples(PixelCells(context_.film.PixelBounds()), plan, estimate.variance, Done(), end);
+    }
+    Send(Command::Plan);
+}
+
 int WaveRenderer::Render(int count) {
     const int batch = settings_.samplesPerPixel;
-    int size = std::min({count, batch - Done() % batch, context_.integrator.MaxPassSamples()});
+    DecideIfDue();
+    const int left = context_.half ? position_.plan.end - Done() : batch - Done() % batch;
+    int size = std::min({count, left, context_.integrator.MaxPassSamples()});
     UpdateIfDue();
     if (model_ && model_->NextUpdate() > 0) size = std::min(size, model_->NextUpdate() - Done());
     if (context_.progress.Cancelled()) return 0;
@@ -97,11 +72,18 @@ int WaveRenderer::Render(int count) {
 
 bool WaveRenderer::RenderPassOf(int size) {
     const int batch = settings_.samplesPerPixel;
-    if (int round = Done() / batch; round != round_) {
+    if (int round = context_.half ? 0 : Done() / batch; round != round_) {
         round_ = round;
-        std::unique_ptr<Sampler> prototype = context_.sampler.ForBatch(round);
-        for (std::unique_ptr<Sampler> &s : samplers_) s = prototype->Clone();
+        const auto fill = [&](std::vector<std::unique_ptr<Sampler>> &samplers, int index) {
+            const std::unique_ptr<Sampler> prototype = context_.sampler.ForBatch(index);
+            for (std::unique_ptr<Sampler> &s : samplers) s = prototype->Clone();
+        };
+        fill(samplers_, round);
+        fill(oddSamplers_, 1);
     }
+    std::optional<AdaptivePass> adaptive;
+    if (context_.half)
+        adaptive.emplace(AdaptivePass{position_.plan, *context_.half, oddSamplers_, position_.plan.cost});
     const RenderPass pass{.camera = context_.camera,
                           .filter = context_.filter,
                           .film = context_.film,
@@ -113,13 +95,14 @@ bool WaveRenderer::RenderPassOf(int size) {
                           .jittersPixels = !settings_.disablePixelJitter,
                           .jittersWavelengths = !settings_.disableWavelengthJitter,
                           .keepsSamples = !isRepeating_,
-                          .isCounted = settings_.timeBudget <= 0 && !isRepeating_,
+                          .isCounted = settings_.HasKnownEnd() && !isRepeating_,
                           .done = &position_.passDone,
                           .doneFile = position_.file,
                           .progress = context_.progress,
+                          .adaptive = adaptive ? &*adaptive : nullptr,
                           .team = context_.team};
     if (!context_.integrator.Render(pass)) return false;
-    position_ = {.done = Done() + size};
+    position_ = {.done = Done() + size, .plan = std::move(position_.plan)};
     return true;
 }
 
@@ -140,7 +123,21 @@ void WaveRenderer::Send(Command command) {
         out.Value(isRepeating_);
         out.CopyOfVector(position_.passDone);
     }
+    if (command == Command::Plan) out(position_.plan);
     context_.team.Broadcast(out);
+}
+
+void WaveRenderer::TakeAdaptive(StateWriter &out) {
+    context_.half->TakeSums(out);
+    out.CopyOfVector(position_.plan.cost);
+    std::ranges::fill(position_.plan.cost, 0);
+}
+
+void WaveRenderer::AddAdaptive(StateReader &in) {
+    context_.half->AddSums(in);
+    std::vector<uint64_t> cost;
+    in.Vector(&cost);
+    for (size_t i = 0; i < position_.plan.cost.size(); ++i) position_.plan.cost[i] += cost.at(i);
 }
 
 void WaveRenderer::GatherHere() {
@@ -148,10 +145,12 @@ void WaveRenderer::GatherHere() {
     context_.team.Reduce(
         [&](StateWriter &out) {
             context_.film.TakeSums(out);
+            if (context_.half) TakeAdaptive(out);
             if (learns) model_->ExtractRecords(out);
         },
         [&](StateReader &in) {
             context_.film.AddSums(in);
+            if (context_.half) AddAdaptive(in);
             if (learns) model_->MergeRecords(in);
         });
 }
@@ -192,6 +191,10 @@ void WaveRenderer::Follow() {
                 RenderPassOf(position_.passCount);
                 break;
             case Command::Update: UpdateTogether(); break;
+            case Command::Plan:
+                in(position_.plan);
+                std::ranges::fill(position_.plan.cost, 0);  // rank 0 has all
+                break;
             case Command::Gather: GatherHere(); break;
             case Command::End: return;
         }
@@ -216,6 +219,7 @@ class WaveLoop {
     RenderResult Run() {
         Progress &progress = context_.progress;
         Begin();
+        renderer_.DecideIfDue();
         const bool isPrepared = !progress.Cancelled();
         if (isPrepared) SaveIfDue();
         const int largest = kMaxWave * context_.team.Size();
@@ -227,9 +231,9 @@ class WaveLoop {
         }
         renderer_.Gather();
         result_.mseFailure = reference_.Finish();
-        result_.samplesTaken = renderer_.Done();
         result_.cancelled = progress.Cancelled() && !IsDone();
-        if (settings_.checkpoint && isPrepared) settings_.checkpoint(renderer_.Position());
+        Describe();
+        if (settings_.checkpoint && isPrepared) settings_.checkpoint(renderer_.Position(), result_);
         renderer_.EndTogether();
         result_.seconds = SecondsSince(start_);
         progress.EndPhase();
@@ -238,18 +242,29 @@ class WaveLoop {
 
   private:
     bool IsTimed() const { return settings_.timeBudget > 0; }
-    bool IsDone() const { return !IsTimed() && renderer_.Done() >= settings_.EndSample(); }
+    bool IsDone() const {
+        if (settings_.noise > 0 && renderer_.Noise() && *renderer_.Noise() <= settings_.noise) return true;
+        return !IsTimed() && renderer_.Done() >= settings_.EndSample();
+    }
+    /// Updates the result. The films are gathered.
+    void Describe() {
+        result_.samplesTaken = renderer_.Done();
+        if (context_.half)
+            result_.adaptive =
+                DescribeAdaptive(context_.film, *context_.half, renderer_.Position().plan, renderer_.Done());
+    }
 
     void Begin() {
         Progress &progress = context_.progress;
         const int64_t pixels = context_.film.PixelBounds().Area();
-        progress.BeginPhase("rendering", IsTimed() ? 0 : pixels * (settings_.EndSample() - settings_.firstSample));
+        progress.BeginPhase("rendering",
+                            settings_.HasKnownEnd() ? pixels * (settings_.EndSample() - settings_.firstSample) : 0);
         start_ = Clock::now();
         // Light preparation may have taken long; a resumed render has just loaded its checkpoint.
         saved_ = settings_.from ? start_ : settings_.start;
         if (settings_.from) {
             renderer_.GoOnFrom(*settings_.from);
-            if (IsTimed()) return;
+            if (!settings_.HasKnownEnd()) return;
             progress.Advance(pixels * (renderer_.Done() - settings_.firstSample));
             for (uint32_t done : settings_.from->passDone) progress.Advance(done);
         } else if (settings_.firstSample > 0) {
@@ -260,7 +275,8 @@ class WaveLoop {
     void SaveIfDue() {
         if (!settings_.checkpoint || SecondsSince(saved_) < settings_.checkpointInterval) return;
         renderer_.Gather();
-        settings_.checkpoint(renderer_.Position());
+        Describe();
+        settings_.checkpoint(renderer_.Position(), result_);
         saved_ = Clock::now();
     }
 
@@ -291,12 +307,27 @@ class WaveLoop {
         secondsPerSample_ = SecondsSince(start) / taken;
         if (settings_.afterWave || reference_.IsKept()) renderer_.Gather();
         result_.mse = reference_.Log(renderer_.Done(), context_.film);
-        if (IsTimed()) {
-            const double spent = SecondsSince(settings_.start);
-            context_.progress.SetFraction(spent / settings_.timeBudget, settings_.timeBudget - spent);
+        if (!IsDone()) renderer_.DecideIfDue();
+        ShowProgress();
+        if (settings_.afterWave) {
+            Describe();
+            settings_.afterWave(result_);
         }
-        if (settings_.afterWave) settings_.afterWave(renderer_.Done());
         return true;
+    }
+
+    /// Of renders whose end is not a number of samples.
+    void ShowProgress() {
+        if (settings_.HasKnownEnd()) return;
+        const double spent = SecondsSince(settings_.start);
+        double left =
+            IsTimed() ? settings_.timeBudget - spent : secondsPerSample_ * (settings_.EndSample() - renderer_.Done());
+        if (settings_.noise > 0 && renderer_.Noise())
+            left = std::min(left, secondsPerSample_ * (SamplesForNoise(renderer_.Position().plan.begin,
+                                                                       *renderer_.Noise(), settings_.noise) -
+                                                       renderer_.Done()));
+        left = std::max(left, 0.0);
+        context_.progress.SetFraction(spent / std::max(spent + left, 1e-9), left);
     }
 
     const RenderContext &context_;

@@ -6,42 +6,20 @@
 #include <vector>
 
 #include "pbrt/films/film.h"
+#include "pbrt/integrators/adaptive_sampling.h"
 #include "pbrt/integrators/integrator.h"
 
 namespace pbrt {
 
 /// Position in a render. With the film's sums and the light sampler's model it determines everything that follows.
 struct RenderPosition {
-    int done = 0;  ///< samples completed for all pixels
+    int done = 0;  ///< samples completed for all pixels; on average in adaptive renders
     /// Positive: a pass of this many further samples was cancelled; `passDone` lists its samples in the film
     /// (RenderPass::done).
     int passCount = 0;
     std::vector<uint32_t> passDone{};
     std::string file{};  ///< source file
-};
-
-struct RenderSettings {
-    int samplesPerPixel = 16;  ///< per batch of the pixel sampler
-    int firstSample = 0;       ///< per pixel; earlier ones are not rendered
-    int endSample = 0;         ///< exclusive; 0: samplesPerPixel
-    /// Positive: render waves until this many seconds have passed since `start`, ignoring endSample.
-    double timeBudget = 0;
-    std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
-    bool disablePixelJitter = false;  ///< sample pixel centres, lens centre, mid-shutter; full texture footprints
-    bool disableWavelengthJitter = false;
-    std::string mseReferenceImage, mseReferenceOut;  ///< both set or both empty
-    /// Called after every wave if set, to write partial images.
-    std::function<void(int samplesTaken)> afterWave;
-
-    /// If set, film and integrator are in this state, and the render resumes there.
-    std::optional<RenderPosition> from;
-    double secondsPerSample = 0;  ///< for one sample of every pixel, if known; sets the size of the first wave
-    /// Called between waves, at most every `checkpointInterval` seconds, and at the end, including cancellation.
-    std::function<void(const RenderPosition &)> checkpoint;
-    double checkpointInterval = 60;
-    /// Positive: maximum wave length, but at least one sample. afterWave may change it.
-    double maxWaveSeconds = 0;
-    int EndSample() const { return endSample > 0 ? endSample : samplesPerPixel; }
+    SamplePlan plan{};   ///< of adaptive renders
 };
 
 struct RenderResult {
@@ -50,6 +28,33 @@ struct RenderResult {
     bool cancelled = false;     ///< before all samples were taken
     std::optional<double> mse;  ///< against the reference, after the last wave
     std::string mseFailure;     ///< why RenderSettings::mseReferenceOut is incomplete; empty if complete
+    std::optional<AdaptiveResult> adaptive;
+};
+
+struct RenderSettings {
+    int samplesPerPixel = 16;  ///< per batch of the pixel sampler
+    int firstSample = 0;       ///< per pixel; earlier ones are not rendered
+    int endSample = 0;         ///< exclusive; 0: samplesPerPixel
+    /// Positive: render waves until this many seconds have passed since `start`, ignoring endSample.
+    double timeBudget = 0;
+    double noise = 0;  ///< positive: an adaptive render ends at the first decision that estimates at most this
+    std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+    bool disablePixelJitter = false;  ///< sample pixel centres, lens centre, mid-shutter; full texture footprints
+    bool disableWavelengthJitter = false;
+    std::string mseReferenceImage, mseReferenceOut;  ///< both set or both empty
+    /// Called after every wave if set, to write partial images.
+    std::function<void(const RenderResult &)> afterWave;
+
+    /// If set, film and integrator are in this state, and the render resumes there.
+    std::optional<RenderPosition> from;
+    double secondsPerSample = 0;  ///< for one sample of every pixel, if known; sets the size of the first wave
+    /// Called between waves, at most every `checkpointInterval` seconds, and at the end, including cancellation.
+    std::function<void(const RenderPosition &, const RenderResult &)> checkpoint;
+    double checkpointInterval = 60;
+    /// Positive: maximum wave length, but at least one sample. afterWave may change it.
+    double maxWaveSeconds = 0;
+    bool HasKnownEnd() const { return timeBudget <= 0 && noise <= 0; }
+    int EndSample() const { return endSample > 0 ? endSample : samplesPerPixel; }
 };
 
 struct RenderContext {
@@ -61,6 +66,7 @@ struct RenderContext {
     Progress &progress;
     /// Processes that render together: rank 0 by RenderWaves, the others by FollowWaves.
     Team &team = Team::Alone();
+    Film *half = nullptr;  ///< AdaptivePass::half; null: the render is not adaptive
 };
 
 /// Maximum samples per pixel of a wave, per process.
@@ -76,6 +82,10 @@ class WaveRenderer {
     int Render(int count);
     /// Updates the model if due before the next sample. Also done by Render; for callers that time them separately.
     void UpdateIfDue();
+    /// In adaptive renders, plans the samples up to the next decision if the last plan is done. Also done by Render.
+    void DecideIfDue();
+    /// Noise estimated by the last decision of this object.
+    const std::optional<double> &Noise() const { return noise_; }
     int Done() const { return position_.done; }
     const RenderPosition &Position() const { return position_; }
     /// Resumes from this position, which film and integrator are in.
@@ -92,16 +102,20 @@ class WaveRenderer {
     void Follow();
 
   private:
-    enum class Command { Pass, Update, Gather, End };
+    enum class Command { Pass, Update, Plan, Gather, End };
     void Send(Command command);
     bool RenderPassOf(int size);
     void UpdateTogether();
     void GatherHere();
+    void TakeAdaptive(StateWriter &out);
+    void AddAdaptive(StateReader &in);
     const RenderContext context_;
     OnlineModel *const model_;
     const RenderSettings &settings_;
-    std::vector<std::unique_ptr<Sampler>> samplers_;  ///< one per thread
+    std::vector<std::unique_ptr<Sampler>> samplers_, oddSamplers_;  ///< one per thread
     int round_ = -1;
+    bool isDecided_ = false;
+    std::optional<double> noise_;
     RenderPosition position_;
     bool isBrokenOff_ = false;  ///< some process lacks a model update; rank 0 has all records
     bool isRepeating_ = false;  ///< the film already has the samples being rendered

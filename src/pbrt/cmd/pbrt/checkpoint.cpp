@@ -21,6 +21,7 @@ Checkpoint Checkpoint::Open(const CommandLine &options, const SceneDescription &
     Checkpoint c;
     c.path_ = options.checkpoint;
     c.isTimed_ = options.timeBudget > 0;
+    c.isEndOpen_ = c.isTimed_ || options.noise > 0;
     const bool exists = FileExists(c.path_);
     if (exists && !options.resume)
         throw UserError("{}: exists already; use --resume, or remove it to begin anew.", c.path_);
@@ -82,11 +83,16 @@ void Checkpoint::Begin(const BuiltScene &built, RenderSettings *settings) {
         return;
     }
     file_->LoadFilm(*built.film);
-    settings->from = RenderPosition{head_.done, head_.passCount, file_->PassDone(), path_};
+    settings->from = RenderPosition{head_.done, head_.passCount, file_->PassDone(), path_, {}};
+    int batchLeft = head_.samplesPerBatch - head_.done % head_.samplesPerBatch;
+    if (built.half) {
+        settings->from->plan = file_->Plan(PixelCells(built.film->PixelBounds()));
+        file_->LoadHalf(*built.half);
+        batchLeft = settings->from->plan.end - head_.done;
+    }
     const OnlineModel *learner = built.integrator->Model();
     const int next = learner ? learner->NextUpdate() : 0, ahead = head_.done + head_.passCount;
-    StateReader({}, path_).Require(head_.samplesPerBatch == built.samplesPerPixel &&
-                                       head_.passCount <= head_.samplesPerBatch - head_.done % head_.samplesPerBatch &&
+    StateReader({}, path_).Require(head_.samplesPerBatch == built.samplesPerPixel && head_.passCount <= batchLeft &&
                                        head_.passCount <= built.integrator->MaxPassSamples() &&
                                        (head_.passCount > 0) == !settings->from->passDone.empty() &&
                                        (next == 0 || next >= ahead),
@@ -108,12 +114,14 @@ void Checkpoint::Write(const BuiltScene &built, const RenderPosition &position, 
     head_.renderSeconds = renderSecondsBefore_ + SecondsSince(renderStart_);
     head_.metadata = metadata;
     RenderFileHead written = head_;
-    if (isTimed_) written.end = 0;
+    if (isEndOpen_) written.end = 0;
     StateWriter learned;
     built.integrator->SaveLearned(learned);
     failure_.clear();
     try {
-        WriteRenderFile(path_, written, position.passDone, *built.film, learned);
+        std::optional<AdaptiveState> adaptive;
+        if (built.half) adaptive.emplace(AdaptiveState{position.plan, *built.half});
+        WriteRenderFile(path_, written, position.passDone, *built.film, learned, adaptive ? &*adaptive : nullptr);
     } catch (const UserError &e) {
         failure_ = e.Diagnostics()[0].message;
         LogWarning("the checkpoint after {} per pixel was not written. {}", CountText(position.done, "sample"),

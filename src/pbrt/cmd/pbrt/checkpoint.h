@@ -38,7 +38,7 @@ class Checkpoint {
     std::unique_ptr<RenderFile> file_;
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), renderStart_;
     double secondsBefore_ = 0, renderSecondsBefore_ = 0;
-    bool isTimed_ = false;
+    bool isTimed_ = false, isEndOpen_ = false;
 };
 
 }  // namespace pbrt

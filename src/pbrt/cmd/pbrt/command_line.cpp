@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "pbrt/cmd/flags.h"
@@ -86,6 +87,8 @@ void CheckKeeping(const CommandLine &o) {
     if (!o.samples) return;
     if (o.checkpoint.empty()) refuse("--samples needs --checkpoint, the file for the samples");
     if (o.timeBudget > 0) refuse("--samples and --time exclude each other");
+    if (o.build.adaptive || o.noise > 0)
+        refuse("--samples excludes --adaptive and --noise: parts of a render take the same samples of all pixels");
     if (o.writePartialImages)
         refuse("--samples and --write-partial-images exclude each other: a part makes no picture");
     if (!o.saveLights.empty()) refuse("--samples and --save-lights exclude each other: a part lacks samples");
@@ -127,12 +130,13 @@ void AddAllFlags(CLI::App &app, CommandLine &o, RawFlags &raw) {
          Flag("--pixelbounds", raw.bounds, "render only x0,x1,y0,y1, in pixels").Count(4).Type("x0,x1,y0,y1"),
          Flag("--pixel", raw.pixel, "render only the pixel x,y").Count(2).Type("x,y"),
          {"--outfile", build.film.filename, "image to write (.exr, .png, .pfm); overrides the scene's film filename"},
-         Flag("--aov", build.film.aovs,
-              fmt::format(
-                  "auxiliary channels of the first visible surface, added to the picture of any film, separated by "
-                  "commas: {}; denoisers read these names",
-                  fmt::join(AovNames(), ", ")),
-              CLI::IsMember(AovNames()))
+         Flag(
+             "--aov", build.film.aovs,
+             fmt::format(
+                 "auxiliary channels, mostly of the first visible surface, added to the picture of any film, separated "
+                 "by commas: {}; denoisers read these names",
+                 fmt::join(AovNames(), ", ")),
+             CLI::IsMember(AovNames()))
              .Type("NAME,..."),
          {"--write-partial-images", o.writePartialImages, "write the image after every wave of samples"},
          {"--mse-reference-image", build.mseReferenceImage, "compare with this image after every wave"},
@@ -152,6 +156,13 @@ void AddAllFlags(CLI::App &app, CommandLine &o, RawFlags &raw) {
          {"--time", o.timeBudget,
           "render for this many seconds, preprocessing included; overrides --spp. A short measurement estimates the "
           "number of samples, for which everything is prepared",
+          PositiveNumber},
+         {"--adaptive", build.adaptive,
+          "more samples where the image is noisier; --spp samples per pixel on average (all integrators but lightpath, "
+          "mlt and sppm)"},
+         {"--noise", o.noise,
+          "--adaptive until the estimated noise of the image is at most this: 0.05 is fine grain, 0.01 is clean. It is "
+          "the square root of relL2 (imgtool diff). --spp or --time is the limit",
           PositiveNumber},
          {"--seed", build.seed, "seed of the pixel sampler (0)"},
          {"--nthreads", o.threads, "threads (0: all cores)", NonNegativeNumber},
@@ -252,12 +263,14 @@ std::optional<int> ParseCommandLine(int argc, const char *const *argv, CommandLi
         if (o.build.mseReferenceImage.empty() != o.build.mseReferenceOut.empty())
             throw CLI::ValidationError("--mse-reference-image and --mse-reference-out go together");
         if (!raw.samples.empty()) o.samples = ParseSamples(raw.samples);
+        if (!std::isfinite(o.noise)) throw CLI::ValidationError("--noise", "is not finite; valid: numbers above 0");
         CheckKeeping(o);
         CheckViewers(o);
         if (app.count("--serve")) o.servePort = ParsePort(raw.port);
         if (app.count("--stats")) o.stats = ParseStats(o.stats);
     });
     if (status) return status;
+    o.build.adaptive = o.build.adaptive || o.noise > 0;
     o.memoryLimit = 1e6 * raw.memoryLimitMb;
     // A part writes no image.
     o.build.checksOutput = !o.samples;

@@ -16,6 +16,7 @@ struct CommandLine {
     std::string stats;  ///< "text" or "json": statistics to standard output; empty: none
     std::string list;   ///< topic to list instead of rendering
     double timeBudget = 0;
+    double noise = 0;        ///< --noise; 0: none
     std::string checkpoint;  ///< file for checkpoints; empty: none
     double checkpointInterval = 60;
     bool resume = false;

@@ -17,11 +17,11 @@ void LiveBoard::PhaseDone(const std::string &phase, double elapsed) {
     if (next_) next_->PhaseDone(phase, elapsed);
 }
 
-void LiveBoard::Put(Image colors, LivePicture::State state, int samples) {
+void LiveBoard::Put(Image colors, LivePicture::State state, int samples, std::optional<double> relL2) {
     {
         const std::lock_guard lock(mutex_);
         const int version = latest_ ? latest_->version + 1 : 1;
-        latest_ = std::make_shared<const LivePicture>(LivePicture{std::move(colors), state, samples, version});
+        latest_ = std::make_shared<const LivePicture>(LivePicture{std::move(colors), state, samples, version, relL2});
     }
     changed_.notify_all();
 }
@@ -52,7 +52,9 @@ void ErrorEstimate::Add(std::shared_ptr<const LivePicture> picture) {
     const double n2 = picture->samples;
     // With few additional samples the estimate is rough; the previous base is better then.
     if (last_ && (!base_ || 4 * last_->samples <= 3 * picture->samples)) base_ = last_;
-    if (base_) {
+    if (picture->relL2) {
+        relL2_ = picture->relL2;
+    } else if (base_) {
         const double n1 = base_->samples;
         relL2_ = ImageError(base_->colors, picture->colors, Metric::RelL2) * n1 / (n2 - n1);
     }
@@ -61,7 +63,7 @@ void ErrorEstimate::Add(std::shared_ptr<const LivePicture> picture) {
 
 std::string ErrorEstimate::WhyNone(bool isFinal) const {
     if (!last_) return isFinal ? "no picture was made" : "no samples yet";
-    if (!base_)
+    if (!relL2_)
         return isFinal ? "an estimate needs two pictures; the render had only one"
                        : "an estimate needs two pictures; this is the first";
     return std::isfinite(*relL2_) ? "" : "some pixels are not finite";

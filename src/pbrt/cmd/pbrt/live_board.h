@@ -16,7 +16,8 @@ struct LivePicture {
     enum class State { Growing, Finished, Interrupted };
     State state = State::Growing;
     int samples = 0;
-    int version = 0;  ///< 1, 2, ...
+    int version = 0;                ///< 1, 2, ...
+    std::optional<double> relL2{};  ///< as estimated by an adaptive render
     bool IsFinal() const { return state != State::Growing; }
 };
 
@@ -43,7 +44,7 @@ class LiveBoard final : public ProgressSink {
     void PhaseDone(const std::string &phase, double elapsed) override;
 
     void Describe(const LiveRender &render) { Assign(render_, render); }
-    void Put(Image colors, LivePicture::State state, int samples);
+    void Put(Image colors, LivePicture::State state, int samples, std::optional<double> relL2 = {});
     /// Terminates the viewers.
     void Close();
 
@@ -86,7 +87,8 @@ class LiveBoard final : public ProgressSink {
 /// M1 is the mean of a pixel's first n1 samples, M2 that of n2 > n1. For independent samples of variance v, M2 - M1 has
 /// variance v (1/n1 - 1/n2) and M2 variance v/n2, which is (M2 - M1)^2 n1 / (n2 - n1) on average. Its mean over pixels
 /// and channels, each divided by M2^2 + RelL2Epsilon, estimates the relL2 of imgtool diff. Low-discrepancy samples
-/// change the image less than independent ones, but their remaining error is smaller, too.
+/// change the image less than independent ones, but their remaining error is smaller, too. An adaptive render's own
+/// estimate is used instead.
 class ErrorEstimate {
   public:
     /// Call for the images in order; images may be skipped.

@@ -34,26 +34,28 @@ void LiveView::Begin(const LiveRender &render) {
     lastCost_ = double(render.pixelBounds.Area()) * kSecondsPerPixel;
 }
 
-double LiveView::AfterWave(const Film &film, int samples) {
+double LiveView::AfterWave(const Film &film, const RenderResult &result) {
     // Viewer threads take time from all render threads together.
     const double spent = spent_ + board_->Charged() / ThreadCount();
     const double due = (spent + lastCost_ - kFirstSeconds) / kMaxShare;
     const double elapsed = SecondsSince(begin_);
     if (elapsed < due) return due - elapsed;
-    Take(film, LivePicture::State::Growing, samples);
+    Take(film, LivePicture::State::Growing, result);
     lastCost_ = std::max(lastCost_ / 2, spent_ + board_->Charged() / ThreadCount() - spent);
     return std::max(0.0, (spent + 2 * lastCost_ - kFirstSeconds) / kMaxShare - elapsed);
 }
 
-void LiveView::Take(const Film &film, LivePicture::State state, int samples) {
+void LiveView::Take(const Film &film, LivePicture::State state, const RenderResult &result) {
     const Clock::time_point start = Clock::now();
-    board_->Put(film.Colors(), state, samples);
+    std::optional<double> relL2;
+    if (result.adaptive && result.adaptive->noise) relL2 = Sqr(*result.adaptive->noise);
+    board_->Put(film.Colors(), state, result.samplesTaken, relL2);
     spent_ += SecondsSince(start);
 }
 
-void LiveView::Finish(const Film &film, int samples, bool isInterrupted) {
-    if (HasViewers() && samples > 0)
-        Take(film, isInterrupted ? LivePicture::State::Interrupted : LivePicture::State::Finished, samples);
+void LiveView::Finish(const Film &film, const RenderResult &result) {
+    if (HasViewers() && result.samplesTaken > 0)
+        Take(film, result.cancelled ? LivePicture::State::Interrupted : LivePicture::State::Finished, result);
 }
 
 void LiveView::WaitForViewers(double seconds) {

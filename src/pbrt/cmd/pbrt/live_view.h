@@ -12,7 +12,7 @@
 
 #include "pbrt/cmd/pbrt/live_board.h"
 #include "pbrt/core/log.h"
-#include "pbrt/films/film.h"
+#include "pbrt/integrators/render_loop.h"
 
 namespace pbrt {
 
@@ -100,14 +100,14 @@ class LiveView {
 
     void Begin(const LiveRender &render);
     /// Call between waves: publishes an image if due. Returns the seconds until the next is due.
-    double AfterWave(const Film &film, int samples);
+    double AfterWave(const Film &film, const RenderResult &result);
     /// Publishes the last image; viewers receive it while the file is written.
-    void Finish(const Film &film, int samples, bool isInterrupted);
+    void Finish(const Film &film, const RenderResult &result);
     /// Waits at most kFarewellSeconds for viewers to show it.
     void SayFarewell();
 
   private:
-    void Take(const Film &film, LivePicture::State state, int samples);
+    void Take(const Film &film, LivePicture::State state, const RenderResult &result);
     void WaitForViewers(double seconds);
     std::shared_ptr<LiveBoard> board_;
     std::vector<LiveViewer> viewers_;

@@ -36,7 +36,7 @@ LiveRender LiveRenderOf(const CommandLine &options, const BuiltScene &built, con
             .filename = built.filename,
             .fullResolution = built.film->FullResolution(),
             .pixelBounds = built.film->PixelBounds(),
-            .samples = options.timeBudget > 0 ? 0 : settings.EndSample(),
+            .samples = settings.HasKnownEnd() ? settings.EndSample() : 0,
             .timeBudget = options.timeBudget};
 }
 
@@ -47,8 +47,12 @@ void PrintWarnings(const DiagnosticSink &sink, size_t *printed) {
         if (all[*printed].severity == Severity::Warning) LogInfo(Format(all[*printed], color));
 }
 
-/// Throws UserError if side images, which stay in one process's memory, are combined with checkpoints or several ranks.
-void CheckSidePictures(const CommandLine &options, const BuiltScene &built, const Team &team) {
+/// Throws UserError if parts are to be rendered adaptively, or if side images, which stay in one process's memory, are
+/// combined with checkpoints or several ranks.
+void CheckCombination(const CommandLine &options, const BuiltScene &built, const Team &team) {
+    if (options.samples && built.half)
+        throw UserError(
+            "--samples: the scene's \"bool adaptive\" gives pixels different numbers of samples; parts need \"false\".");
     if (!built.integrator->MakesSidePictures()) return;
     if (!options.checkpoint.empty() || team.Size() > 1)
         throw UserError(
@@ -239,7 +243,7 @@ class RenderJob {
         description.shapes.clear();
         PrintWarnings(sink_, &printed_);
         learnedLights_->Check(built);
-        CheckSidePictures(options_, built, team_);
+        CheckCombination(options_, built, team_);
         team_.Meet();
         return built;
     }
@@ -258,6 +262,7 @@ class RenderJob {
             PlanSamples(options_.timeBudget, start_, team_, built);
         settings_.emplace(built.Settings());
         settings_->timeBudget = options_.timeBudget;
+        settings_->noise = options_.noise;
         settings_->start = start_;
         PrepareContext context = built.Preparation(progress_, team_);
         if (!learned_ && learnedLights_->AreLoaded()) {
@@ -287,15 +292,12 @@ class RenderJob {
     void SetCallbacks(PictureWriter &writer) {
         RenderSettings &settings = *settings_;
         if (options_.writePartialImages || live_.HasViewers())
-            settings.afterWave = [this, &settings, &writer](int samples) {
+            settings.afterWave = [this, &settings, &writer](const RenderResult &until) {
                 // The last image follows at the end of the render.
-                if (options_.timeBudget <= 0 && samples == settings.EndSample()) return;
+                if (options_.timeBudget <= 0 && until.samplesTaken == settings.EndSample()) return;
                 if (live_.HasViewers())
-                    settings.maxWaveSeconds = std::max(kLiveWaveSeconds, live_.AfterWave(*built_->film, samples));
-                if (!options_.writePartialImages) return;
-                RenderResult until;
-                until.samplesTaken = samples;
-                writer.WritePartial(until);
+                    settings.maxWaveSeconds = std::max(kLiveWaveSeconds, live_.AfterWave(*built_->film, until));
+                if (options_.writePartialImages) writer.WritePartial(until);
             };
         if (live_.HasViewers()) {
             settings.maxWaveSeconds = kLiveWaveSeconds;
@@ -304,9 +306,7 @@ class RenderJob {
         // Checkpoints require a completed preparation.
         if (checkpoint_ && !progress_.Cancelled()) {
             settings.checkpointInterval = options_.checkpointInterval;
-            settings.checkpoint = [this](const RenderPosition &position) {
-                RenderResult until;
-                until.samplesTaken = position.done;
+            settings.checkpoint = [this](const RenderPosition &position, const RenderResult &until) {
                 checkpoint_->Write(*built_, position, DescribeImage(options_, *built_, until, timings_));
             };
         }
@@ -321,7 +321,7 @@ class RenderJob {
         const uint64_t sent = ReduceCounters(team_);
         timings_.render = result.seconds;
         if (checkpoint_) result.seconds += checkpoint_->RenderSecondsBefore();
-        live_.Finish(*built.film, result.samplesTaken, result.cancelled);
+        live_.Finish(*built.film, result);
         progress_.BeginPhase("writing", 0);
         const bool isPart = options_.samples.has_value(), isWritten = !isPart && writer.Write(result);
         if (!learnedLights_->SavePath().empty() && !result.cancelled) learnedLights_->Save(built);
@@ -331,6 +331,7 @@ class RenderJob {
         if (isWritten)
             LogInfo("Wrote {} ({} per pixel, {:.2f} s; {:.2f} s since the start).", writer.Written(),
                     CountText(result.samplesTaken, "sample"), result.seconds, timings_.Total());
+        if (isWritten && !result.cancelled) LogNoise(result);
         if (options_.stats == "text") PrintStatistics(built, result, timings_);
         if (options_.stats == "text" && team_.Size() > 1)
             std::printf("  %-34s %d, %d; %.3f MB sent\n", "processes, threads", team_.Size(), team_.TotalThreads(),
@@ -343,6 +344,15 @@ class RenderJob {
         if (hasFailed) throw UserError(checkpoint_->Failure());
         signals_.EndAtOnce("");
         return signals_.Status();
+    }
+
+    void LogNoise(const RenderResult &result) const {
+        if (!result.adaptive || !result.adaptive->noise) return;
+        const double noise = *result.adaptive->noise;
+        LogInfo("Estimated noise: {:.4f}.", noise);
+        if (options_.noise > 0 && noise > options_.noise)
+            LogWarning("--noise {} was not reached: it takes about {:.0f} samples per pixel; raise --spp or --time.",
+                       options_.noise, SamplesForNoise(result.samplesTaken, noise, options_.noise));
     }
 
     void LogCheckpoint(const RenderResult &result) const {

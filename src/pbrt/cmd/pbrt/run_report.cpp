@@ -42,6 +42,16 @@ void PrintLine(const std::string &what, fmt::format_string<T...> value, T &&...a
     std::printf("  %-34s %s\n", what.c_str(), fmt::format(value, std::forward<T>(arguments)...).c_str());
 }
 
+Json AdaptiveJson(const CommandLine &options, const RenderResult &result) {
+    if (!result.adaptive) return nullptr;
+    const AdaptiveResult &a = *result.adaptive;
+    return {{"meanSamples", a.meanSamples},
+            {"minSamples", a.minSamples},
+            {"maxSamples", a.maxSamples},
+            {"noise", a.noise ? Json(*a.noise) : Json()},
+            {"noiseRequested", options.noise > 0 ? Json(options.noise) : Json()}};
+}
+
 }  // namespace
 
 double SecondsSinceProcessStart() {
@@ -62,6 +72,13 @@ ImageMetadata DescribeImage(const CommandLine &options, const BuiltScene &built,
     ImageMetadata m = built.film->Metadata();
     m.attributes["renderTimeSeconds"] = float(result.seconds);
     m.attributes["samplesPerPixel"] = result.samplesTaken;
+    if (const auto &a = result.adaptive) {
+        m.attributes["pbrt.meanSamples"] = float(a->meanSamples);
+        m.attributes["pbrt.minSamples"] = a->minSamples;
+        m.attributes["pbrt.maxSamples"] = a->maxSamples;
+        if (a->noise) m.attributes["pbrt.noise"] = float(*a->noise);
+        if (options.noise > 0) m.attributes["pbrt.noiseRequested"] = float(options.noise);
+    }
     if (options.timeBudget > 0) m.attributes["pbrt.plannedSamplesPerPixel"] = built.samplesPerPixel;
     m.attributes["worldToCamera"] = built.cameraFromWorld.Matrix();
     if (std::optional<Transform> ndc = built.camera->NdcFromCamera())
@@ -98,6 +115,10 @@ void PrintStatistics(const BuiltScene &built, const RenderResult &result, const 
     for (const Timings::Phase &p : timings.Phases()) PrintLine(fmt::format("{} (s)", p.name), "{:.3f}", p.seconds);
     PrintLine("total (s)", "{:.3f}", timings.Total());
     PrintLine("samples per pixel", "{}", result.samplesTaken);
+    if (const auto &a = result.adaptive) {
+        PrintLine("  mean, smallest, largest", "{:.2f}, {}, {}", a->meanSamples, a->minSamples, a->maxSamples);
+        if (a->noise) PrintLine("noise", "{:.4f}", *a->noise);
+    }
     PrintLine("shapes, lights", "{}, {}", built.scene->ShapeCount(), built.scene->Lights().Size());
     PrintLine("acceleration structure (MB)", "{:.1f}", double(built.scene->Acceleration().Bytes()) / 1e6);
     PrintLine("memory expected before building", "{}", built.memory.Text());
@@ -140,6 +161,7 @@ void PrintStatisticsJson(const CommandLine &options, const BuiltScene &built, co
                  {"threads", ThreadCount()},
                  {"samplesPerPixel", result.samplesTaken},
                  {"plannedSamplesPerPixel", options.timeBudget > 0 ? Json(built.samplesPerPixel) : Json()},
+                 {"adaptive", AdaptiveJson(options, result)},
                  {"isInterrupted", result.cancelled},
                  {"mse", result.mse ? Json(*result.mse) : Json()},
                  {"seconds", seconds},

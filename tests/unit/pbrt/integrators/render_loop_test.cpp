@@ -201,7 +201,7 @@ TEST_F(RenderLoop, TheMeasurementStopsInTheMiddleOfALongSample) {
 TEST_F(RenderLoop, WavesDoubleUpToTheLargest) {
     settings_.samplesPerPixel = 300;
     std::vector<int> seen;
-    settings_.afterWave = [&](int samples) { seen.push_back(samples); };
+    settings_.afterWave = [&](const RenderResult &until) { seen.push_back(until.samplesTaken); };
     const RenderResult result = Run();
     EXPECT_EQ(integrator_.Counts(), (std::vector<int>{1, 1, 2, 4, 8, 16, 32, 64, 64, 64, 44}));
     EXPECT_EQ(seen, (std::vector<int>{1, 2, 4, 8, 16, 32, 64, 128, 192, 256, 300}));
@@ -267,7 +267,7 @@ TEST_F(RenderLoop, GoingOnRepeatsOnlyWhatIsLearnedFrom) {
 TEST_F(RenderLoop, ACancelledPassIsNotCounted) {
     settings_.samplesPerPixel = 16;
     int waves = 0;
-    settings_.afterWave = [&](int) { ++waves; };
+    settings_.afterWave = [&](const RenderResult &) { ++waves; };
     integrator_.cancelsIn = 3;
     const RenderResult result = Run();
     EXPECT_TRUE(result.cancelled);

@@ -1,0 +1,73 @@
+#pragma once
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pbrt/math/bounds.h"
+
+namespace pbrt {
+
+/// The film's pixels in squares of kSize; the pixels of a cell have the same number of samples in adaptive renders.
+class PixelCells {
+  public:
+    static constexpr int kSize = 8;
+    explicit PixelCells(const Bounds2i &pixels)
+        : pixels_(pixels), columns_((pixels.Width() + kSize - 1) / kSize),
+          rows_((pixels.Height() + kSize - 1) / kSize) {}
+
+    size_t Count() const { return size_t(columns_) * rows_; }
+    size_t IndexOf(Point2i pixel) const {
+        const Point2i p = (pixel - pixels_.low) / kSize;
+        return size_t(p.y) * columns_ + p.x;
+    }
+    Bounds2i PixelsOf(size_t cell) const {
+        const Point2i low = pixels_.low + kSize * Point2i(int(cell % columns_), int(cell / columns_));
+        return {low, glm::min(low + kSize, pixels_.high)};
+    }
+    /// Calls f(index) for the cell and its up to 8 neighbours.
+    void ForNeighbours(size_t cell, auto &&f) const {
+        const int x = int(cell % columns_), y = int(cell / columns_);
+        for (int j = std::max(0, y - 1); j <= std::min(rows_ - 1, y + 1); ++j)
+            for (int i = std::max(0, x - 1); i <= std::min(columns_ - 1, x + 1); ++i) f(size_t(j) * columns_ + i);
+    }
+
+  private:
+    Bounds2i pixels_;
+    int columns_, rows_;
+};
+
+/// Samples per pixel of each cell while an adaptive render goes from `begin` to `end` samples per pixel on average.
+struct SamplePlan {
+    static constexpr int kMaxCount = 1 << 23;  ///< of a pixel
+    static constexpr int kMaxGrowth = 4;       ///< `after` over `before`, but for rounding
+
+    int begin = 0, end = 0;
+    std::vector<int> before{}, after{};  ///< by cell, at `begin` and at `end`; empty: all pixels have the average
+    /// Cost of all samples of a cell since the start: rays, and look-ups in media.
+    std::vector<uint64_t> cost{};
+
+    /// Samples of the cell's pixels when all pixels have `average`, in [begin, end].
+    int CountAt(size_t cell, int average) const {
+        if (before.empty()) return average;
+        const int64_t added = after[cell] - before[cell];
+        return before[cell] + (end > begin ? int(added * (average - begin) / (end - begin)) : 0);
+    }
+    void Visit(auto &archive) { archive(begin, end, before, after, cost); }
+    /// Returns the error of a plan that does not fit `average` and the film; empty if it does.
+    std::optional<std::string> Validate(const PixelCells &cells, int average) const {
+        bool isValid = begin >= 0 && begin <= average && average <= end && end <= kMaxCount &&
+                       before.size() == after.size() && cost.size() == cells.Count() &&
+                       (before.empty() || before.size() == cells.Count());
+        double excess = 0;  // of samples over the average
+        for (size_t i = 0; isValid && i < before.size(); ++i) {
+            isValid = before[i] >= 0 && before[i] <= after[i] && after[i] <= kMaxCount &&
+                      after[i] <= kMaxGrowth * before[i] + 2;
+            excess += double(cells.PixelsOf(i).Area()) * (after[i] - end - 1.0);
+        }
+        return isValid && excess <= 0 ? std::nullopt : std::optional("its numbers of samples per cell do not fit");
+    }
+};
+
+}  // namespace pbrt

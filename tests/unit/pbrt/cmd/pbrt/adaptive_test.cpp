@@ -1,0 +1,169 @@
+// --adaptive and --noise as a user runs them.
+#include <signal.h>
+#include <stdlib.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "pbrt/images/metrics.h"
+#include "program.h"
+#include "support/scene_text.h"
+
+namespace pbrt::test {
+
+namespace {
+
+/// A ball under lights of very different power, one of which is chosen, before a wall that shines: noise is in a small
+/// part of the image.
+std::string NoisyBall(int samples, const std::string &integrator = "") {
+    Objects world;
+    for (int i = 0; i < 40; ++i)
+        world.PointLight(fmt::format("{} {} -3", i % 8 - 4, i / 8 - 2), i == 9 ? "20 20 20" : "0.5 0.4 0.3");
+    world.Attribute("", Objects()
+                            .Diffuse("0 0 0")
+                            .AreaLight("0.5 0.6 0.7", "'bool twosided' true")
+                            .Quad("-9 -9 2  9 -9 2  -9 9 2  9 9 2"));
+    world.Diffuse("0.7 0.6 0.5").Attribute("Translate 0.8 0.3 0", Objects().Sphere(0.5));
+    return SceneText()
+        .LookAt("0 0 -5  0 0 0  0 1 0")
+        .Camera(40)
+        .Film(64, 48, "'string filename' 'x.exr' 'bool savefp16' false")
+        .Head(fmt::format("Sampler 'zsobol' 'integer pixelsamples' {}", samples))
+        .Integrator("path", 1, "'string lightsampler' 'uniform' " + integrator)
+        .World(world);
+}
+
+double Noise(const ImageFile &image, const ImageFile &reference) {
+    const std::vector<std::string> colors = {"R", "G", "B"};
+    return std::sqrt(ImageError(image.image.Select(colors), reference.image.Select(colors), Metric::RelL2));
+}
+
+}  // namespace
+
+class Adaptive : public Program {
+  protected:
+    void SetUp() override {
+        Program::SetUp();
+        lights_ = Has(LightSamplerListing(), "\noctree\n") ? " --lightsampler octree --adaptive "
+                                                           : " --lightsampler bvh --adaptive ";
+    }
+    std::string lights_;
+};
+
+TEST_F(Adaptive, ImagesDoNotDependOnThreadsOrSplits) {
+    Write("scene.pbrt", LearningScene("gbuffer", 48));
+    const ImageFile one = Render(lights_ + "scene.pbrt --nthreads 1 --aov samples");
+    EXPECT_GT(IntOf(one, "pbrt.maxSamples"), IntOf(one, "pbrt.minSamples"));
+    for (const char *other : {"--nthreads 2", "--nthreads 3 --checkpoint c.chk --checkpoint-interval 0.001"})
+        EXPECT_TRUE(SamePixels(one, Render(lights_ + "scene.pbrt --aov samples " + other))) << other;
+    EXPECT_FALSE(SamePixels(one, Render("--lightsampler bvh scene.pbrt --aov samples")));
+}
+
+TEST_F(Adaptive, KilledAndInterruptedRendersGoOnToTheSameBits) {
+    Write("scene.pbrt", LearningScene("rgb", 1024));
+    for (const std::string integrator : {"path", "bdpt"}) {
+        const std::string arguments = (integrator == "path" ? lights_ : " --adaptive ") + "--integrator " + integrator +
+                                      (integrator == "path" ? " " : " --spp 256 ") + "scene.pbrt --aov samples ";
+        const ImageFile whole = Render(arguments, "whole.exr");
+        const std::string resumed = arguments + "--outfile out.exr --nthreads 2 --checkpoint c.chk --resume";
+        int stopped = 0;
+        for (const int signal : {SIGKILL, SIGINT, SIGKILL}) {
+            const pid_t pid = StartUntilWritten(resumed + " --checkpoint-interval 0.01", "c.chk");
+            kill(pid, signal);
+            stopped += Wait(pid).status != 0;
+        }
+        EXPECT_GT(stopped, 0);
+        EXPECT_TRUE(Has(RunWell(resumed), "Resuming"));
+        EXPECT_TRUE(SamePixels(whole, ReadImage(Path("out.exr")))) << integrator;
+        EXPECT_TRUE(SamePixels(whole, Render(resumed)));  // finished
+        std::filesystem::remove(Path("c.chk"));
+    }
+}
+
+TEST_F(Adaptive, AnyNumberOfProcessesGivesTheSameBits) {
+#ifdef PBRT_MPIRUN
+    setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
+    setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
+    Write("scene.pbrt", LearningScene("spectral", 32));
+    for (const std::string more : {"", "--integrator bdpt --spp 16 "}) {
+        const std::string arguments = (more.empty() ? lights_ : " --adaptive ") + more + "scene.pbrt --nthreads 1";
+        launcher_ = "";
+        const ImageFile one = Render(arguments);
+        for (const int ranks : {2, 3}) {
+            launcher_ = fmt::format("'{}' --oversubscribe --bind-to none -n {} ", PBRT_MPIRUN, ranks);
+            const ImageFile many = Render(arguments);
+            EXPECT_TRUE(SamePixels(one, many)) << ranks << more;
+            EXPECT_EQ(NumberOf(one, "pbrt.noise"), NumberOf(many, "pbrt.noise"));
+        }
+    }
+#else
+    GTEST_SKIP() << "NOT TESTED: this build has no MPI (PBRT_MPI=OFF)";
+#endif
+}
+
+TEST_F(Adaptive, TheNoiseRequestedIsTheNoiseFound) {
+    Write("ball.pbrt", NoisyBall(16));
+    Write("room.pbrt", GuidedScene(16));
+    for (const auto &[scene, noise] : {std::pair("ball.pbrt", 0.05), {"room.pbrt", 0.15}}) {
+        const std::string file = std::string(scene) + " --lightsampler uniform ";
+        const ImageFile reference = Render(file + "--spp 2048 --seed 9", "reference.exr");
+        const ImageFile image = Render(file + fmt::format("--spp 4096 --noise {}", noise));
+        EXPECT_LT(IntOf(image, "samplesPerPixel"), 1000) << scene;
+        EXPECT_LE(NumberOf(image, "pbrt.noise"), noise) << scene;
+        EXPECT_NEAR(Noise(image, reference) / noise, 1, 0.2) << scene;
+    }
+    // A lower level continues the render; the same one does nothing.
+    const std::string level = "ball.pbrt --spp 512 --checkpoint c.chk --resume --noise ";
+    const ImageFile first = Render(level + "0.2");
+    EXPECT_TRUE(SamePixels(first, Render(level + "0.2")));
+    EXPECT_GT(IntOf(Render(level + "0.1"), "samplesPerPixel"), IntOf(first, "samplesPerPixel"));
+    EXPECT_TRUE(Has(RunWell("ball.pbrt --spp 8 --noise 0.001 --outfile x.exr"), "not reached"));
+}
+
+TEST_F(Adaptive, LessNoiseWithTheSameSamples) {
+    Write("ball.pbrt", NoisyBall(32, "'bool adaptive' true"));
+    Write("plain.pbrt", NoisyBall(32));
+    const ImageFile reference = Render("plain.pbrt --spp 4096 --seed 9", "reference.exr");
+    const ImageFile adaptive = Render("ball.pbrt --aov samples"), uniform = Render("plain.pbrt");
+    EXPECT_LT(Noise(adaptive, reference), 0.75 * Noise(uniform, reference));
+    EXPECT_TRUE(SamePixels(adaptive, Render("plain.pbrt --adaptive --aov samples")));
+    // The samples are at the ball, and their number is the mean.
+    const int channel = adaptive.image.FindChannel("samples");
+    ASSERT_GE(channel, 0);
+    double sum = 0;
+    ForEachPixel(adaptive.image, [&](Point2i p) { sum += double(adaptive.image.Get(p, channel)); });
+    EXPECT_NEAR(sum / (64 * 48), 32, 0.1);
+    EXPECT_NEAR(NumberOf(adaptive, "pbrt.meanSamples"), sum / (64 * 48), 1e-4);
+    EXPECT_GT(adaptive.image.Get({40, 22}, channel), 4 * adaptive.image.Get({4, 4}, channel));
+}
+
+TEST_F(Adaptive, StatisticsAreReported) {
+    Write("ball.pbrt", NoisyBall(16));
+    const Outcome text = Run("ball.pbrt --noise 0.1 --spp 256 --stats --outfile x.exr");
+    EXPECT_TRUE(Has(text.out, "mean, smallest, largest")) << text.out;
+    const auto json = nlohmann::json::parse(Run("ball.pbrt --noise 0.1 --spp 256 --stats=json --outfile x.exr").out);
+    EXPECT_EQ(json["adaptive"]["noiseRequested"], 0.1);
+    EXPECT_LE(json["adaptive"]["noise"], 0.1);
+    EXPECT_GE(json["adaptive"]["maxSamples"], json["adaptive"]["minSamples"]);
+    const ImageFile timed = Render("ball.pbrt --time 0.5 --noise 0.2");
+    EXPECT_LE(NumberOf(timed, "pbrt.noise"), 0.2);
+}
+
+TEST_F(Adaptive, WhatIsNotPossibleIsRefused) {
+    Write("ball.pbrt", NoisyBall(4));
+    Write("adaptive.pbrt", NoisyBall(4, "'bool adaptive' true"));
+    ExpectErrors({{"--adaptive --integrator mlt ball.pbrt", {"--adaptive", "mlt", "path"}},
+                  {"--adaptive --integrator sppm ball.pbrt", {"--adaptive", "sppm", "bdpt"}},
+                  {"--noise 0.1 --integrator lightpath ball.pbrt", {"--noise", "lightpath", "path"}},
+                  {"--noise 0 ball.pbrt", {"--noise", "0 is not more than 0"}},
+                  {"--noise -1 ball.pbrt", {"--noise", "-1"}},
+                  {"--noise much ball.pbrt", {"--noise", "much"}},
+                  {"--adaptive --samples 0:2 --checkpoint c.chk ball.pbrt", {"--samples", "--adaptive"}},
+                  {"--samples 0:2 --checkpoint c.chk adaptive.pbrt", {"--samples", "adaptive"}}});
+    RunWell("ball.pbrt --checkpoint c.chk --outfile x.exr");
+    const Outcome other = Run("ball.pbrt --adaptive --checkpoint c.chk --resume --outfile x.exr");
+    EXPECT_EQ(other.status, 1);
+    EXPECT_TRUE(Has(other.err, "--adaptive")) << other.err;
+}
+
+}  // namespace pbrt::test

@@ -144,7 +144,7 @@ class CoatedBxdf {
 
     /// Straight refracted path through coat and medium, for a direction above the coat.
     struct Passage {
-        Vector3 inside{};        ///< refracted direction below the coat
+        Vector3 inside{};       ///< refracted direction below the coat
         Float transmitted = 0;  ///< fraction of light; 0 if none
     };
 

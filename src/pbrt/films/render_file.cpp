@@ -7,7 +7,6 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "pbrt/core/state_archive.h"
 
 namespace pbrt {
 namespace {

@@ -7,7 +7,6 @@
 #include "pbrt/core/online_model.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/progress.h"
-#include "pbrt/core/state_archive.h"
 #include "pbrt/integrators/reference_log.h"
 
 namespace pbrt {

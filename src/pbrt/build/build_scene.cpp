@@ -145,12 +145,6 @@ std::unique_ptr<Scene> MakeScene(SceneContents contents, const SceneDescription 
     return std::make_unique<Scene>(std::move(contents));
 }
 
-void MakeSampler(BuiltScene &built, const Entity &entity, int samples) {
-    DiagnosticSink sink;  // its warnings were reported when the scene was built
-    const SamplerContext context{built.film->FullResolution(), samples, built.seed, sink};
-    built.sampler = Samplers().Make(entity.type, entity.params, context);
-}
-
 BuiltIntegrator MakeIntegrator(const BuiltScene &built, const Entity &entity, const BuildOptions &options) {
     DiagnosticSink sink;  // its warnings were reported when the scene was built
     const IntegratorSettings settings = ReadIntegrator(entity, options, *built.integratorRequest.registry, sink);
@@ -161,11 +155,12 @@ BuiltIntegrator MakeIntegrator(const BuiltScene &built, const Entity &entity, co
 }  // namespace
 
 void BuiltScene::SetSamples(int samples) {
+    DiagnosticSink sink;
     IntegratorRequest &request = integratorRequest;
     request.options.samplesPerPixel = samples;
-    MakeSampler(*this, request.sampler, samples);
+    const SamplerContext context{film->FullResolution(), samples, seed, sink};
+    sampler = Samplers().Make(request.sampler.type, request.sampler.params, context);
     samplesPerPixel = sampler->SamplesPerPixel();
-    if (half) MakeSampler(*this, request.sampler, (samplesPerPixel + 1) / 2);
     integrator = MakeIntegrator(*this, request.entity, request.options).integrator;
 }
 
@@ -211,10 +206,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Plug
         options.samplesPerPixel = integrator.samplesPerPixel;
     static_cast<RenderView &>(built) = MakeView(d, options, placement, built.seed, sink);
     if (built.sampler) built.samplesPerPixel = built.sampler->SamplesPerPixel();
-    if (integrator.adaptive && built.film && built.sampler) {
-        built.half = built.film->MakeRgbFilm();
-        MakeSampler(built, d.sampler, (built.samplesPerPixel + 1) / 2);
-    }
+    if (integrator.adaptive && built.film) built.half = built.film->MakeRgbFilm();
     if (built.camera) built.cameraFromWorld = placement.worldFromCamera.At(built.camera->ShutterOpen()).Inverse();
     built.filename = OutputName(built, options);
     if (options.checksOutput) CheckOutput(built, sink);

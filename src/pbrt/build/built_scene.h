@@ -58,7 +58,7 @@ struct RenderView {
     std::unique_ptr<Film> film;
     std::unique_ptr<Camera> camera;
     std::unique_ptr<Sampler> sampler;
-    std::unique_ptr<Film> half;  ///< RenderContext::half; the sampler is then for half of the samples
+    std::unique_ptr<Film> half;  ///< RenderContext::half
 };
 
 FilmOverrides FilmOverridesOf(const BuildOptions &options);

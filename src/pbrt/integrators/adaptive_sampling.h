@@ -7,8 +7,10 @@
 
 namespace pbrt {
 
-// Adaptive sampling. The samples of a pixel alternate between two independent sample sets; a half film holds every
-// second sample. So the difference of the films gives an honest estimate of the noise also of low-discrepancy samples.
+// Adaptive sampling. A half film holds every second sample of a pixel; the difference of the films estimates the noise.
+// With RenderSettings::noise, the samples alternate between two independent sample sets. So the estimate is honest also
+// for low-discrepancy samples, which lose some of their quality. Otherwise the halves are of one sequence, and the
+// estimate is too large where low-discrepancy samples gain much.
 // All functions depend on the films' sums only: any threads, processes and splits of a render decide alike.
 
 struct NoiseEstimate {

@@ -17,12 +17,13 @@ namespace pbrt {
 
 class DirectionSampling;
 
-/// Addition to a pass of an adaptive render. Samples with odd numbers are of an independent sample set.
+/// Addition to a pass of an adaptive render.
 struct AdaptivePass {
-    const SamplePlan &plan;                              ///< RenderPass::first and count are averages
-    Film &half;                                          ///< also receives the odd samples
-    std::span<const std::unique_ptr<Sampler>> samplers;  ///< of the odd samples, as RenderPass::samplers
-    std::span<uint64_t> cost;                            ///< SamplePlan::cost; thread-safe by atomics
+    const SamplePlan &plan;  ///< RenderPass::first and count are averages
+    Film &half;              ///< also receives the odd samples
+    /// Of the odd samples, independent of the others; or RenderPass::samplers, which then continue their sequence.
+    std::span<const std::unique_ptr<Sampler>> samplers;
+    std::span<uint64_t> cost;  ///< SamplePlan::cost; thread-safe by atomics
 };
 
 /// Part of a render: some samples of every film pixel.

@@ -83,7 +83,9 @@ class PassRenderer {
   public:
     PassRenderer(const PixelIntegrator &integrator, const RenderPass &pass, std::optional<Float> uWavelengths)
         : integrator_(integrator), pass_(pass), cells_(pass.film.PixelBounds()), uWavelengths_(uWavelengths),
-          splats_(integrator.Splats()), wantsVisible_(pass.film.WantsVisibleSurface()),
+          splats_(integrator.Splats()),
+          alternates_(pass.adaptive && pass.adaptive->samplers.data() != pass.samplers.data()),
+          wantsVisible_(pass.film.WantsVisibleSurface()),
           differentialScale_(pass.jittersPixels ? std::max(Float(0.125), 1 / std::sqrt(Float(pass.samplesPerPixel)))
                                                 : Float(1)) {}
 
@@ -147,7 +149,7 @@ class PassRenderer {
         Sampler &sampler = *(odd ? odd->samplers : pass_.samplers)[thread];
         FilmSample sample;
         sample.pixel = pixel;
-        sampler.StartPixelSample(pixel, pass_.adaptive ? AdaptiveSampleIndex(index, sampler.SamplesPerPixel()) : index);
+        sampler.StartPixelSample(pixel, alternates_ ? AdaptiveSampleIndex(index, sampler.SamplesPerPixel()) : index);
         const Float uOwn = sampler.Get1D(), uLambda = uWavelengths_.value_or(uOwn);
         sample.lambda = pass_.film.SampleWavelengths(pass_.jittersWavelengths ? uLambda : Float(0.5));
         CameraSample cs = SampleCamera(pass_.filter, pixel, sampler);
@@ -174,7 +176,7 @@ class PassRenderer {
     const RenderPass &pass_;
     const PixelCells cells_;
     const std::optional<Float> uWavelengths_;
-    const bool splats_, wantsVisible_;
+    const bool splats_, alternates_, wantsVisible_;
     const Float differentialScale_;
     std::atomic<uint64_t> oddPaths_ = 0;
 };

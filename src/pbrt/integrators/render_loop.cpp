@@ -82,7 +82,8 @@ bool WaveRenderer::RenderPassOf(int size) {
     }
     std::optional<AdaptivePass> adaptive;
     if (context_.half)
-        adaptive.emplace(AdaptivePass{position_.plan, *context_.half, oddSamplers_, position_.plan.cost});
+        adaptive.emplace(AdaptivePass{position_.plan, *context_.half, settings_.noise > 0 ? oddSamplers_ : samplers_,
+                                      position_.plan.cost});
     const RenderPass pass{.camera = context_.camera,
                           .filter = context_.filter,
                           .film = context_.film,
@@ -128,15 +129,12 @@ void WaveRenderer::Send(Command command) {
 
 void WaveRenderer::TakeAdaptive(StateWriter &out) {
     context_.half->TakeSums(out);
-    out.CopyOfVector(position_.plan.cost);
-    std::ranges::fill(position_.plan.cost, 0);
+    for (uint64_t &cost : position_.plan.cost) out.Value(std::exchange(cost, 0));
 }
 
 void WaveRenderer::AddAdaptive(StateReader &in) {
     context_.half->AddSums(in);
-    std::vector<uint64_t> cost;
-    in.Vector(&cost);
-    for (size_t i = 0; i < position_.plan.cost.size(); ++i) position_.plan.cost[i] += cost.at(i);
+    for (uint64_t &cost : position_.plan.cost) cost += in.Value<uint64_t>();
 }
 
 void WaveRenderer::GatherHere() {

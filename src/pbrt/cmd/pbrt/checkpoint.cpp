@@ -28,6 +28,7 @@ Checkpoint Checkpoint::Open(const CommandLine &options, const SceneDescription &
     CheckWritable(c.path_);
     c.head_.identity = IdentityOf(*build, SceneFilesOf(options), d);
     if (!lightsHash.empty()) c.head_.identity["--load-lights"] = fmt::format("a file with the hash {}", lightsHash);
+    if (options.noise > 0) c.head_.identity["--noise"] = "";  // its level may change
     if (exists) {
         c.Resume(options, build);
         return c;

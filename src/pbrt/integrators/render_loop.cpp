@@ -78,7 +78,7 @@ bool WaveRenderer::RenderPassOf(int size) {
             for (std::unique_ptr<Sampler> &s : samplers) s = prototype->Clone();
         };
         fill(samplers_, round);
-        fill(oddSamplers_, 1);
+        if (context_.half) fill(oddSamplers_, 1);
     }
     std::optional<AdaptivePass> adaptive;
     if (context_.half)

@@ -13,10 +13,11 @@ namespace {
 constexpr int kRuns = 8;
 
 /// `guidedRuns` is counted up if the guide chose directions in the end.
-Image Render(const GuideRoom &room, int seed, bool guide, int *guidedRuns) {
+Image Render(GuideRoom room, int seed, bool guide, int *guidedRuns) {
     BuildOptions options;
     options.seed = seed;
     options.guide = guide;
+    if (!guide) room.parameters += " \"bool guide.roulette\" false";
     BuiltScene built = BuildText(GuideRoomText(room), options);
     const ext::PathGuide *learned = GuideOf(built);
     EXPECT_EQ(learned != nullptr, guide);

@@ -116,7 +116,8 @@ TEST(OpenSky, StaysWholeAndGivesThePictureOfBvh) {
           {OpenField(), always, 1.0, 1.0, true},
           {RoomWithWindow(), "", 0.005, 0.3, true},
           {RoomWithWindow(), always, 0.005, 0.3, false}}) {
-        BuiltScene octree = BuildUnderSky("'string lightsampler' 'octree' " + parameters, world),
+        BuiltScene octree =
+                       BuildUnderSky("'string lightsampler' 'octree' 'bool guide.roulette' false " + parameters, world),
                    bvh = BuildUnderSky("'string lightsampler' 'bvh'", world);
         EXPECT_EQ(SameBits(Render(octree, {kSamples}), Render(bvh, {kSamples})), staysWhole);
         nlohmann::ordered_json report;

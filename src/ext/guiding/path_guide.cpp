@@ -113,8 +113,10 @@ bool PathGuide::IsSame(const View &a, const View &b) const {
 void PathGuide::SaveForOthers(StateWriter &out) const { out(kVersion, EffectiveParamsText(params_), view_, *this); }
 
 void PathGuide::LoadOfOther(StateReader &in) {
+    GuideParams withDirections = params_;
+    withDirections.directions = true;
     const std::string saved = in.Text(), here = EffectiveParamsText(params_);
-    if (saved != here)
+    if (saved != here && saved != EffectiveParamsText(withDirections))
         throw UserError("{}: was learned by a guide with other parameters: {}; here they are {}.", in.What(), saved,
                         here);
     const auto view = in.Value<View>();

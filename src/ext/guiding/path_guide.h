@@ -78,9 +78,9 @@ class PathGuide final : public DirectionSampling {
 
     /// The estimates, without records.
     void Visit(auto &archive) { archive(estimatesDirections_, cells_, roulette_); }
-    /// Empty if the estimates fit the parameters, else the error.
+    /// Empty if valid, else the error.
     std::optional<std::string> Validate() const {
-        return params_.directions || !estimatesDirections_ ? std::nullopt
+        return estimatesDirections_ || cells_.Cells() == 0 ? std::nullopt
                                                            : std::optional("it has directions, which are off");
     }
     /// Saves estimates and records for a checkpoint, excluding the light sampler's.
@@ -103,6 +103,10 @@ class PathGuide final : public DirectionSampling {
     void LoadOfOther(StateReader &in);
     void LoadEstimates(StateReader &in) {
         in(*this);
+        if (!params_.directions) {  // of a render with them
+            cells_.Clear();
+            estimatesDirections_ = false;
+        }
         cells_.LeavesChanged();
     }
 

@@ -188,10 +188,13 @@ void WaveRenderer::Follow() {
                 RenderPassOf(position_.passCount);
                 break;
             case Command::Update: UpdateTogether(); break;
-            case Command::Plan:
+            case Command::Plan: {
+                // Rank 0 has the cost up to the last Gather, this process its own since then.
+                std::vector<uint64_t> cost = std::move(position_.plan.cost);
                 in(position_.plan);
-                std::ranges::fill(position_.plan.cost, 0);  // rank 0 has all
+                position_.plan.cost = std::move(cost);
                 break;
+            }
             case Command::Gather: GatherHere(); break;
             case Command::End: return;
         }

@@ -50,6 +50,9 @@ learning=(--lightsampler octree+guide --nthreads 2)
 run "$pbrt" "${learning[@]}" --aov albedo,normal --stats=json --outfile whole.exr scene.pbrt
 run "$pbrt" "${learning[@]}" --spp 4 --checkpoint half.chk --outfile half.exr scene.pbrt
 run "$pbrt" "${learning[@]}" --spp 4 --save-lights lights --outfile saved.exr scene.pbrt
+run "$pbrt" "${learning[@]}" --adaptive --aov samples --checkpoint adaptive.chk --outfile adaptive.exr scene.pbrt
+run "$pbrt" "${learning[@]}" --noise 0.3 --spp 32 --checkpoint noise.chk --outfile noise.exr scene.pbrt
+run "$pbrt" "${learning[@]}" --noise 0.1 --spp 32 --checkpoint noise.chk --resume --outfile noise.exr scene.pbrt
 for samples in 0:4 4:8; do
   run "$pbrt" "${learning[@]}" --load-lights lights --samples $samples --checkpoint part-$samples.chk --outfile part.exr scene.pbrt
 done

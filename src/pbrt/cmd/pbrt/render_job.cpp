@@ -47,12 +47,17 @@ void PrintWarnings(const DiagnosticSink &sink, size_t *printed) {
         if (all[*printed].severity == Severity::Warning) LogInfo(Format(all[*printed], color));
 }
 
-/// Throws UserError if parts are to be rendered adaptively, or if side images, which stay in one process's memory, are
-/// combined with checkpoints or several ranks.
+/// Throws UserError if parts are to be rendered adaptively, if noise cannot be estimated, or if side images, which stay
+/// in one process's memory, are combined with checkpoints or several ranks.
 void CheckCombination(const CommandLine &options, const BuiltScene &built, const Team &team) {
     if (options.samples && built.half)
         throw UserError(
             "--samples: the scene's \"bool adaptive\" gives pixels different numbers of samples; parts need \"false\".");
+    const Param *how = built.integratorRequest.sampler.params.Find("randomization", ParamType::String);
+    if (options.noise > 0 && how && how->strings[0] == "none")
+        throw UserError(how->loc,
+                        "--noise compares two independent halves of the samples; \"none\" makes them depend on each "
+                        "other. Valid here: the other values of \"randomization\".");
     if (!built.integrator->MakesSidePictures()) return;
     if (!options.checkpoint.empty() || team.Size() > 1)
         throw UserError(

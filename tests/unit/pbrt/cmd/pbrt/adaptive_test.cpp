@@ -158,7 +158,9 @@ TEST_F(Adaptive, StatisticsAreReported) {
 TEST_F(Adaptive, WhatIsNotPossibleIsRefused) {
     Write("ball.pbrt", NoisyBall(4));
     Write("adaptive.pbrt", NoisyBall(4, "'bool adaptive' true"));
-    ExpectErrors({{"--adaptive --integrator mlt ball.pbrt", {"--adaptive", "mlt", "path"}},
+    Write("fixed.pbrt", NoisyBall(4, "", "halton' 'string randomization' 'none"));
+    ExpectErrors({{"--noise 0.1 fixed.pbrt", {"fixed.pbrt:", "--noise", "randomization"}},
+                  {"--adaptive --integrator mlt ball.pbrt", {"--adaptive", "mlt", "path"}},
                   {"--adaptive --integrator sppm ball.pbrt", {"--adaptive", "sppm", "bdpt"}},
                   {"--noise 0.1 --integrator lightpath ball.pbrt", {"--noise", "lightpath", "path"}},
                   {"--noise 0 ball.pbrt", {"--noise", "0 is not more than 0"}},

@@ -52,7 +52,8 @@ void PrintWarnings(const DiagnosticSink &sink, size_t *printed) {
 void CheckCombination(const CommandLine &options, const BuiltScene &built, const Team &team) {
     if (options.samples && built.half)
         throw UserError(
-            "--samples: the scene's \"bool adaptive\" gives pixels different numbers of samples; parts need \"false\".");
+            "--samples: the scene's \"bool adaptive\" gives pixels different numbers of samples; parts need "
+            "\"false\".");
     const Param *how = built.integratorRequest.sampler.params.Find("randomization", ParamType::String);
     if (options.noise > 0 && how && how->strings[0] == "none")
         throw UserError(how->loc,

@@ -6,7 +6,7 @@
 
 #include "pbrt/build/memory_estimate.h"
 #include "pbrt/cameras/camera.h"
-#include "pbrt/films/film_frame.h"
+#include "pbrt/films/film.h"
 #include "pbrt/films/filter.h"
 #include "pbrt/integrators/registry.h"
 #include "pbrt/integrators/render_loop.h"

@@ -115,24 +115,23 @@ Image AovFilm::ToImage() const {
             if (colors.FindChannel(name) < 0) channels.emplace_back(name);
     Image image(colors.Format(), colors.Resolution(), channels, colors.Encoding());
     const PreciseSum *sums = sums_.data();
-    for (int y = 0; y < image.Resolution().y; ++y)
-        for (int x = 0; x < image.Resolution().x; ++x, sums += stride_) {
-            for (int c = 0; c < colors.ChannelCount(); ++c) image.Set({x, y}, c, colors.Get({x, y}, c));
-            const double all = sums[0].Value(), seen = sums[1].Value();
-            int channel = colors.ChannelCount();
-            const PreciseSum *next = sums + kFirstChannel;
-            for (const size_t i : chosen_) {
-                const std::vector<const char *> &names = Aovs()[i].channels;
-                glm::dvec3 mean(0);
-                // Albedo counts rays without a hit as black; geometry excludes them.
-                const double weight = i == kSamples ? 1 : i == kAlbedo ? all : seen;
-                for (size_t c = 0; c < names.size(); ++c, ++next)
-                    mean[int(c)] = weight != 0 ? next->Value() / weight : 0;
-                if (i == kNormal || i == kGeonormal) mean = UnitOrZero(mean);
-                if (colors.FindChannel(names[0]) >= 0) continue;
-                for (size_t c = 0; c < names.size(); ++c) image.Set({x, y}, channel++, Float(mean[int(c)]));
-            }
+    ForEachPixel(image, [&](Point2i p) {
+        for (int c = 0; c < colors.ChannelCount(); ++c) image.Set(p, c, colors.Get(p, c));
+        const double all = sums[0].Value(), seen = sums[1].Value();
+        int channel = colors.ChannelCount();
+        const PreciseSum *next = sums + kFirstChannel;
+        for (const size_t i : chosen_) {
+            const std::vector<const char *> &names = Aovs()[i].channels;
+            glm::dvec3 mean(0);
+            // Albedo counts rays without a hit as black; geometry excludes them.
+            const double weight = i == kSamples ? 1 : i == kAlbedo ? all : seen;
+            for (size_t c = 0; c < names.size(); ++c, ++next) mean[int(c)] = weight != 0 ? next->Value() / weight : 0;
+            if (i == kNormal || i == kGeonormal) mean = UnitOrZero(mean);
+            if (colors.FindChannel(names[0]) >= 0) continue;
+            for (size_t c = 0; c < names.size(); ++c) image.Set(p, channel++, Float(mean[int(c)]));
         }
+        sums += stride_;
+    });
     return image;
 }
 

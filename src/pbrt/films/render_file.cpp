@@ -229,10 +229,9 @@ void RenderFile::ReadFilm(const char *section, Film &film, void (Film::*read)(St
     }
     in.Require(in.BytesLeft() == 0, "its film is too long");
     const Image colors = film.Colors();
-    for (int y = 0; y < colors.Resolution().y; ++y)
-        for (int x = 0; x < colors.Resolution().x; ++x)
-            for (int c = 0; c < 3; ++c)
-                in.Require(std::isfinite(colors.Get({x, y}, c)), "a pixel of its film is not finite");
+    ForEachValue(colors, [&](Point2i p, int c) {
+        in.Require(std::isfinite(colors.Get(p, c)), "a pixel of its film is not finite");
+    });
 }
 
 void WriteRenderFile(const std::string &path, const RenderFileHead &head, const std::vector<uint32_t> &passDone,

@@ -79,17 +79,16 @@ Image RgbFilm::MakeImage(const std::vector<std::string> &furtherChannels) const 
                 ColorEncoding{ColorEncoding::Kind::Linear});
     uint64_t clamped = 0;
     size_t i = 0;
-    for (int y = 0; y < image.Resolution().y; ++y)
-        for (int x = 0; x < image.Resolution().x; ++x) {
-            Rgb rgb = ColorOf(i++);
-            for (int c = 0; c < 3; ++c) {
-                if (half && rgb[c] > kMaxHalf) {
-                    rgb[c] = kMaxHalf;
-                    ++clamped;
-                }
-                image.Set({x, y}, c, rgb[c]);
+    ForEachPixel(image, [&](Point2i p) {
+        Rgb rgb = ColorOf(i++);
+        for (int c = 0; c < 3; ++c) {
+            if (half && rgb[c] > kMaxHalf) {
+                rgb[c] = kMaxHalf;
+                ++clamped;
             }
+            image.Set(p, c, rgb[c]);
         }
+    });
     if (clamped > 0)
         LogWarning(
             "{} pixel values are above {}, the largest of half precision, and are cut to it; "

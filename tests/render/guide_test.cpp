@@ -8,7 +8,7 @@
 #include "guide_rooms.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/state_io.h"
-#include "pbrt/integrators/render_loop.h"
+#include "pbrt/integrators/wave_renderer.h"
 #include "support/render_waves.h"
 #include "support/scene_text.h"
 

@@ -11,7 +11,7 @@
 #include "pbrt/core/online_model.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/core/state_io.h"
-#include "pbrt/integrators/render_loop.h"
+#include "pbrt/integrators/wave_renderer.h"
 #include "support/render_waves.h"
 #include "two_rooms.h"
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "pbrt/integrators/render_loop.h"
+#include "pbrt/integrators/wave_renderer.h"
 #include "support/build_text.h"
 #include "support/render_scene.h"
 

@@ -1,7 +1,7 @@
 #pragma once
 #include "ext/lab/experiment_settings.h"
 #include "ext/lab/run_record.h"
-#include "pbrt/integrators/render_loop.h"
+#include "pbrt/integrators/wave_renderer.h"
 
 namespace ext::lab {
 

@@ -72,55 +72,6 @@ struct RenderContext {
 /// Maximum samples per pixel of a wave, per process.
 constexpr int kMaxWave = 64;
 
-/// Renders pass after pass; samples are in batches with their own samplers. The integrator's OnlineModel is updated
-/// between passes, at its sample counts. Any split into calls gives the same image.
-class WaveRenderer {
-  public:
-    WaveRenderer(const RenderContext &context, const RenderSettings &settings);
-
-    /// Renders up to `count` more samples per pixel, within the batch. Returns the number rendered; 0 if cancelled.
-    int Render(int count);
-    /// Updates the model if due before the next sample. Also done by Render; for callers that time them separately.
-    void UpdateIfDue();
-    /// In adaptive renders, plans the samples up to the next decision if the last plan is done. Also done by Render.
-    void DecideIfDue();
-    /// Noise estimated by the last decision of this object.
-    const std::optional<double> &Noise() const { return noise_; }
-    int Done() const { return position_.done; }
-    const RenderPosition &Position() const { return position_; }
-    /// Resumes from this position, which film and integrator are in.
-    void GoOnFrom(RenderPosition position) { position_ = std::move(position); }
-    /// Continues at this sample, as the film already holds (Film::Load) or skips those before. Samples that the
-    /// integrator learns from are traced again.
-    void ContinueFrom(int samples);
-
-    /// On rank 0: gathers the films' sums and the models' records; required before either is read.
-    void Gather();
-    /// On rank 0, after the last call of the above.
-    void EndTogether();
-    /// On other ranks: executes the commands of rank 0 until it ends.
-    void Follow();
-
-  private:
-    enum class Command { Pass, Update, Plan, Gather, End };
-    void Send(Command command);
-    bool RenderPassOf(int size);
-    void UpdateTogether();
-    void GatherHere();
-    void TakeAdaptive(StateWriter &out);
-    void AddAdaptive(StateReader &in);
-    const RenderContext context_;
-    OnlineModel *const model_;
-    const RenderSettings &settings_;
-    std::vector<std::unique_ptr<Sampler>> samplers_, oddSamplers_;  ///< one per thread
-    int round_ = -1;
-    bool isDecided_ = false;
-    std::optional<double> noise_;
-    RenderPosition position_;
-    bool isBrokenOff_ = false;  ///< some process lacks a model update; rank 0 has all records
-    bool isRepeating_ = false;  ///< the film already has the samples being rendered
-};
-
 /// Counterpart of RenderWaves on ranks above 0.
 void FollowWaves(const RenderContext &context, const RenderSettings &settings);
 

@@ -1,5 +1,5 @@
 // Tests the wave loop with an integrator that only records what it is asked for.
-#include "pbrt/integrators/render_loop.h"
+#include "pbrt/integrators/wave_renderer.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -30,6 +30,16 @@ FamilyDoc DocumentIntegrators(const DirectionSamplings &directions) {
     return doc;
 }
 
+/// With the texture parameters, which shapes do not read themselves.
+FamilyDoc DocumentShapes() {
+    FamilyDoc doc = Shapes().Document("shapes");
+    for (FactoryDoc &shape : doc.makers) {
+        std::vector<ParamDoc> textures = DocumentParams(ShapeTextureParams{shape.name == "plymesh"});
+        shape.params.insert(shape.params.end(), textures.begin(), textures.end());
+    }
+    return doc;
+}
+
 /// Markdown table with a row for each parameter and the entities that share it.
 std::string ParameterTable(const FamilyDoc &family) {
     std::vector<std::string> rows, without;

@@ -4,10 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "pbrt/build/memory_estimate.h"
 #include "pbrt/cameras/camera.h"
-#include "pbrt/films/film.h"
 #include "pbrt/films/filter.h"
+#include "pbrt/films/render_file.h"
 #include "pbrt/integrators/registry.h"
 #include "pbrt/integrators/render_loop.h"
 #include "pbrt/lights/light_names.h"
@@ -89,6 +88,32 @@ struct IntegratorRequest {
     bool needsFootprints = true;
 };
 
+/// Lower bound of a scene's memory before building: film sums; meshes, by parameters or file headers, with their
+/// acceleration structure; images, by PNG headers and other files' sizes. Excludes curves, quadrics, displaced meshes,
+/// volumes, lights and learned structures.
+struct MemoryEstimate {
+    double film = 0, meshes = 0, images = 0;  ///< bytes
+    double triangles = 0;
+    int imageCount = 0;
+    FileLoc largestAt{};  ///< directive of the largest mesh or image
+    double largest = 0;   ///< its bytes
+
+    double Total() const { return film + meshes + images; }
+    void See(double bytes, const FileLoc &at) {
+        if (!(bytes > largest)) return;
+        largest = bytes;
+        largestAt = at;
+    }
+    /// "2.1 GB: meshes 1.9 GB (20 million triangles), 3 images 180 MB, film 59 MB".
+    std::string Text() const;
+};
+
+/// `imagesInMemory` false: images are in the tile cache and excluded.
+MemoryEstimate EstimateMemory(const SceneDescription &description, double filmBytes, bool imagesInMemory);
+
+/// Throws UserError, at the largest directive, if the estimate exceeds this process's memory.
+void RequireMemory(const MemoryEstimate &estimate);
+
 /// Everything a render needs, from one description. The sampler is for the first batch of samplesPerPixel samples.
 /// Members are destroyed in reverse order.
 struct BuiltScene : RenderView, BuiltIntegrator {
@@ -134,5 +159,18 @@ BuiltScene BuildScene(SceneDescription &description, const BuildOptions &options
 /// Reports all unsupported features of the format: as errors, or as warnings if the options leave them out. Returns
 /// those left out, one line each, and replaces them in `description` and `options`.
 std::vector<std::string> CheckSupported(SceneDescription &description, BuildOptions &options, DiagnosticSink &sink);
+
+/// Everything that a render's samples depend on, except their number: program, scene files, and flags. Throws UserError
+/// for standard input, which cannot be read twice.
+RenderIdentity IdentityOf(const BuildOptions &options, const std::vector<std::string> &sceneFiles,
+                          const SceneDescription &description);
+
+/// Requirements for two renders to share learned light selection: program, light sampler, scene bounds and lights by
+/// name. Cameras, films and materials may differ.
+RenderIdentity LightIdentity(const Scene &scene, const std::string &lightSampler, const std::string &parameters);
+
+/// Text of `pbrt --list WHAT`: a family; "all": docs/reference/parameters.md; "table": the table of
+/// docs/reference/compatibility.md. Throws UserError with the choices for anything else.
+std::string ListWhat(const std::string &what, const PluginRegistry &registry);
 
 }  // namespace pbrt

@@ -1,5 +1,3 @@
-#include "pbrt/build/catalogue.h"
-
 #include <fmt/ranges.h>
 
 #include "pbrt/build/geometry_builder.h"

@@ -1,4 +1,4 @@
-#include "pbrt/build/memory_estimate.h"
+#include "pbrt/build/built_scene.h"
 
 #include <zlib.h>
 

@@ -1,4 +1,4 @@
-#include "pbrt/build/render_identity.h"
+#include "pbrt/build/built_scene.h"
 
 #include <fmt/ranges.h>
 

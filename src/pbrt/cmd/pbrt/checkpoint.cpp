@@ -2,7 +2,6 @@
 
 #include <tuple>
 
-#include "pbrt/build/render_identity.h"
 #include "pbrt/core/error.h"
 #include "pbrt/core/files.h"
 #include "pbrt/core/log.h"

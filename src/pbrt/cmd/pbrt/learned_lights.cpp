@@ -2,7 +2,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pbrt/build/render_identity.h"
 #include "pbrt/core/files.h"
 #include "pbrt/scenefile/content_hash.h"
 

@@ -9,7 +9,7 @@
 
 #include <unistd.h>
 
-#include "pbrt/build/catalogue.h"
+#include "pbrt/build/built_scene.h"
 #include "pbrt/cmd/pbrt/command_line.h"
 #include "pbrt/cmd/pbrt/live_view.h"
 #include "pbrt/cmd/pbrt/render_job.h"

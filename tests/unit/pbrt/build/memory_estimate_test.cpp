@@ -1,5 +1,5 @@
 // What a scene needs is estimated from below, before anything is built.
-#include "pbrt/build/memory_estimate.h"
+#include "pbrt/build/built_scene.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "pbrt/core/files.h"
 #include "pbrt/core/memory.h"
@@ -12,6 +13,53 @@
 
 namespace pbrt {
 namespace {
+
+[[noreturn]] void ThrowOtherFilm() { throw UserError("the saved state of a film does not belong to this film."); }
+
+/// A loaded state: kind and pixels of the film, and its sums by name.
+struct SavedState {
+    std::string kind;
+    Bounds2i pixelBounds{};
+    std::map<std::string, std::string_view> sums;  ///< the reader's bytes
+};
+
+constexpr std::array<char, 8> kMagic = {'p', 'b', 'r', 't', 'f', 'l', 'm', '3'};  // the last byte is the version
+constexpr uint64_t kMaxNameLength = 64, kMaxBlocks = 64;
+
+std::string_view Take(StateReader &in, uint64_t bytes) {
+    if (bytes > in.BytesLeft()) throw UserError("the saved state of a film ends too early.");
+    return in.Take(bytes);
+}
+
+template <class T>
+T ReadValue(StateReader &in) {
+    T value;
+    std::memcpy(&value, Take(in, sizeof(value)).data(), sizeof(value));
+    return value;
+}
+
+std::string ReadName(StateReader &in) {
+    const auto length = ReadValue<uint64_t>(in);
+    if (length > kMaxNameLength) ThrowOtherFilm();
+    return std::string(Take(in, length));
+}
+
+/// Throws UserError for truncated or other data.
+SavedState ReadState(StateReader &in) {
+    SavedState state;
+    const auto magic = ReadValue<std::array<char, 8>>(in);
+    if (!std::equal(kMagic.begin(), kMagic.end() - 1, magic.begin())) ThrowOtherFilm();
+    if (magic != kMagic) throw UserError("the saved state of a film is of another version of the program.");
+    state.kind = ReadName(in);
+    state.pixelBounds = ReadValue<Bounds2i>(in);
+    const auto count = ReadValue<uint64_t>(in);
+    if (count > kMaxBlocks) ThrowOtherFilm();
+    for (uint64_t i = 0; i < count; ++i) {
+        const std::string name = ReadName(in);
+        state.sums[name] = Take(in, ReadValue<uint64_t>(in));
+    }
+    return state;
+}
 
 bool HasSplats(const std::vector<StateBlock> &blocks) {
     return std::ranges::any_of(blocks, [](const StateBlock &b) { return b.isOfSplats && b.bytes > 0; });
@@ -147,16 +195,61 @@ size_t Film::Bytes() const {
     return bytes;
 }
 
+void Film::Save(StateWriter &out) const {
+    const std::vector<StateBlock> blocks = Blocks();
+    out.Value(kMagic);
+    out.Text(kind_);
+    out.Value(PixelBounds());
+    out.Value(uint64_t{blocks.size()});
+    for (const StateBlock &block : blocks) {
+        out.Text(block.name);
+        out.Value(uint64_t{block.bytes});
+        out.Refer(block.data, block.bytes);
+    }
+}
+
 void Film::TakeSums(StateWriter &out) {
     // The receiving film must allocate splats before it reads the sums.
     const std::vector<StateBlock> blocks = Blocks();
     out.Value(HasSplats(blocks));
-    pbrt::TakeSums(out, blocks);
+    for (const StateBlock &block : blocks) {
+        // Compared in pieces of several sums; adjacent pieces form one run.
+        const size_t piece = std::max<size_t>(1, 256 / block.sumBytes) * block.sumBytes;
+        std::vector<std::byte> empty(std::min(piece, block.bytes));
+        block.clear(empty.data(), empty.size());
+        const auto isEmpty = [&](size_t at) {
+            return std::memcmp(block.data + at, empty.data(), std::min(piece, block.bytes - at)) == 0;
+        };
+        out.Value(uint64_t{block.bytes});
+        for (size_t at = 0; at < block.bytes;) {
+            if (isEmpty(at)) {
+                at += piece;
+                continue;
+            }
+            const size_t begin = at;
+            while (at < block.bytes && !isEmpty(at)) at += piece;
+            const size_t bytes = std::min(at, block.bytes) - begin;
+            out.Value(uint64_t{begin});
+            out.Value(uint64_t{bytes});
+            out.Copy(block.data + begin, bytes);
+        }
+        out.Value(uint64_t{block.bytes});
+        block.clear(block.Memory(), block.bytes);
+    }
 }
 
 void Film::AddSums(StateReader &in) {
     if (in.Value<bool>() && !HasSplats(Blocks())) ExpectSplats();
-    pbrt::AddSums(in, Blocks());
+    for (const StateBlock &block : Blocks()) {
+        const auto all = in.Value<uint64_t>();
+        in.Require(all == block.bytes || (block.isOfSplats && all == 0), "its sums are of another film");
+        for (auto begin = in.Value<uint64_t>(); begin < all; begin = in.Value<uint64_t>()) {
+            const auto bytes = in.Value<uint64_t>();
+            in.Require(bytes <= all - begin && begin % block.sumBytes == 0 && bytes % block.sumBytes == 0,
+                       "its sums are of another film");
+            block.add(block.Memory() + begin, reinterpret_cast<const std::byte *>(in.Take(bytes).data()), bytes);
+        }
+    }
 }
 
 void Film::Add(StateReader &in, bool forgetsFirst) {

@@ -1,13 +1,17 @@
 #pragma once
 #include <array>
+#include <cstddef>
+#include <cstring>
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "pbrt/core/factory_table.h"
-#include "pbrt/films/film_state.h"
+#include "pbrt/core/state_io.h"
 #include "pbrt/films/sensor.h"
 #include "pbrt/images/image.h"
 #include "pbrt/math/animated_transform.h"
@@ -67,6 +71,44 @@ struct FilmFrame {
         return size_t(p.y) * pixelBounds.Width() + p.x;
     }
 };
+
+/// Sums of one type as plain memory, with functions to add and clear them.
+struct StateBlock {
+    std::string name;
+    const std::byte *data = nullptr;
+    size_t bytes = 0;
+    size_t sumBytes = 1;      ///< of one sum
+    bool isOfSplats = false;  ///< has no bytes in a film without splats
+    void (*add)(std::byte *to, const std::byte *from, size_t bytes) = nullptr;
+    void (*clear)(std::byte *data, size_t bytes) = nullptr;
+
+    std::byte *Memory() const { return const_cast<std::byte *>(data); }
+};
+
+/// T is plain memory, T() an empty sum, and T += T adds. An empty sum plus another is bit-identical to the other.
+template <class T>
+StateBlock MakeStateBlock(const char *name, std::span<const T> sums) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    StateBlock block;
+    block.name = name;
+    block.data = reinterpret_cast<const std::byte *>(sums.data());
+    block.bytes = sums.size_bytes();
+    block.sumBytes = sizeof(T);
+    block.add = [](std::byte *to, const std::byte *from, size_t bytes) {
+        for (size_t at = 0; at < bytes; at += sizeof(T)) {
+            T sum, other;
+            std::memcpy(&sum, to + at, sizeof(T));
+            std::memcpy(&other, from + at, sizeof(T));
+            sum += other;
+            std::memcpy(to + at, &sum, sizeof(T));
+        }
+    };
+    block.clear = [](std::byte *data, size_t bytes) {
+        const T empty{};
+        for (size_t at = 0; at < bytes; at += sizeof(T)) std::memcpy(data + at, &empty, sizeof(T));
+    };
+    return block;
+}
 
 /// First scattering surface along a camera ray, in rendering space.
 struct VisibleSurface {
@@ -140,7 +182,7 @@ class Film {
     /// identically. Merge adds them as if both films' samples had been added to one, bit-identical in any order as far
     /// as PreciseSum is exact. Load and Merge throw UserError, without a change, if the state is incomplete or of
     /// another kind of film or other pixels.
-    void Save(StateWriter &out) const { WriteState(out, kind_, PixelBounds(), Blocks()); }
+    void Save(StateWriter &out) const;
     void Load(StateReader &in) { Add(in, true); }
     void Merge(StateReader &in) { Add(in, false); }
     /// Transfer of sums between processes for films of the same kind and pixels: Take writes and clears the non-empty

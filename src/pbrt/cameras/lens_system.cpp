@@ -55,7 +55,7 @@ Image DrawShape(const std::string &shape) {
 /// Mean of R, G, B, or the only channel; flipped, so that row 0 is the bottom.
 Image Mono(const Image &image, const std::string &name) {
     const int count = image.ChannelCount();
-    if (count > 1 && (image.FindChannel("R") < 0 || image.FindChannel("G") < 0 || image.FindChannel("B") < 0))
+    if (count > 1 && !image.HasRgb())
         throw UserError("\"{}\": an image of an aperture has one channel or R, G and B.", name);
     const Image source = count > 1 ? image.Select({"R", "G", "B"}) : image;
     const Point2i n = source.Resolution();

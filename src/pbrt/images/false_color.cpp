@@ -43,23 +43,22 @@ Image FalseColor(const Image &image, int channel, const FalseColorStyle &style, 
     const int legend = style.scale == Scale::Id ? 0 : style.legendRows;
     Image result(PixelFormat::Float, {resolution.x, resolution.y + legend}, {"R", "G", "B"});
     const ColorEncoding shown{};
-    auto put = [&](int x, int y, const Rgb &color) {
-        for (int c = 0; c < 3; ++c) result.Set({x, y}, c, shown.ToLinear(color[c]));
+    auto put = [&](Point2i p, const Rgb &color) {
+        for (int c = 0; c < 3; ++c) result.Set(p, c, shown.ToLinear(color[c]));
     };
     const Float range = style.most > style.least ? style.most - style.least : 1;
-    for (int y = 0; y < resolution.y; ++y)
-        for (int x = 0; x < resolution.x; ++x) {
-            const Float v = image.Get({x, y}, channel);
-            if (mask && mask->Get({x, y}, 0) == 0) put(x, y, Rgb(0.13f));
-            else if (!std::isfinite(v)) put(x, y, false_color::Invalid);
-            else if (style.scale == Scale::Id) put(x, y, false_color::OfId(uint64_t(std::llround(v))));
-            else if (style.scale == Scale::Signed) put(x, y, false_color::Signed(style.most > 0 ? v / style.most : v));
-            else put(x, y, false_color::Ramp((v - style.least) / range));
-        }
+    ForEachPixel(image, [&](Point2i p) {
+        const Float v = image.Get(p, channel);
+        if (mask && mask->Get(p, 0) == 0) put(p, Rgb(0.13f));
+        else if (!std::isfinite(v)) put(p, false_color::Invalid);
+        else if (style.scale == Scale::Id) put(p, false_color::OfId(uint64_t(std::llround(v))));
+        else if (style.scale == Scale::Signed) put(p, false_color::Signed(style.most > 0 ? v / style.most : v));
+        else put(p, false_color::Ramp((v - style.least) / range));
+    });
     for (int y = resolution.y; y < resolution.y + legend; ++y)
         for (int x = 0; x < resolution.x; ++x) {
             const Float t = (Float(x) + Float(0.5)) / Float(resolution.x);
-            put(x, y, style.scale == Scale::Signed ? false_color::Signed(2 * t - 1) : false_color::Ramp(t));
+            put({x, y}, style.scale == Scale::Signed ? false_color::Signed(2 * t - 1) : false_color::Ramp(t));
         }
     return result;
 }

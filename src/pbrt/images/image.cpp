@@ -118,9 +118,8 @@ Image::Image(PixelFormat format, Point2i resolution, std::vector<std::string> ch
 }
 
 int Image::FindChannel(const std::string &name) const {
-    for (size_t i = 0; i < channels_.size(); ++i)
-        if (channels_[i] == name) return int(i);
-    return -1;
+    const auto found = std::ranges::find(channels_, name);
+    return found == channels_.end() ? -1 : int(found - channels_.begin());
 }
 
 Float Image::Get(Point2i p, int channel) const {

@@ -11,10 +11,6 @@
 namespace pbrt {
 namespace {
 
-bool HasRgb(const Image &image) {
-    return image.FindChannel("R") >= 0 && image.FindChannel("G") >= 0 && image.FindChannel("B") >= 0;
-}
-
 template <class Select>
 LightImage Read(const std::string &path, Select select) {
     ImageFile file = ReadImage(path);
@@ -32,7 +28,7 @@ LightImage Read(const std::string &path, Select select) {
 
 LightImage ReadLightImage(const std::string &path) {
     return Read(path, [&](const Image &image) {
-        if (!HasRgb(image)) throw UserError("\"{}\": an image that emits light must have channels R, G and B.", path);
+        if (!image.HasRgb()) throw UserError("\"{}\": an image that emits light must have channels R, G and B.", path);
         return image.Select({"R", "G", "B"});
     });
 }
@@ -40,7 +36,7 @@ LightImage ReadLightImage(const std::string &path) {
 LightImage ReadIntensityImage(const std::string &path) {
     return Read(path, [&](const Image &image) {
         bool hasY = image.FindChannel("Y") >= 0;
-        if (HasRgb(image) == hasY)
+        if (image.HasRgb() == hasY)
             throw UserError("\"{}\": an image of intensities must have either a channel Y or channels R, G and B.",
                             path);
         if (hasY) return image.Select({"Y"});

@@ -109,29 +109,31 @@ void Team::AllReduce(const std::function<void(StateWriter &)> &take, const std::
 }
 
 std::string Team::Failures(const std::string &mine, bool *isAny) {
-    std::map<std::string, std::vector<std::string>> failures;
-    if (!mine.empty()) failures[mine].push_back(fmt::format("{} on {}", Rank(), HostName()));
+    struct Processes {
+        uint64_t count = 0;
+        std::string first;
+    };
+    std::map<std::string, Processes> failures;
+    if (!mine.empty()) failures[mine] = {1, fmt::format("{} on {}", Rank(), HostName())};
     Reduce(
         [&](StateWriter &out) {
             out(uint64_t{failures.size()});
-            for (const auto &[text, where] : failures) {
-                out(text, uint64_t{where.size()});
-                for (const std::string &w : where) out(w);
-            }
+            for (const auto &[text, processes] : failures) out(text, processes.count, processes.first);
         },
         [&](StateReader &in) {
-            for (auto count = in.Value<uint64_t>(); count > 0; --count) {
-                std::vector<std::string> &where = failures[in.Text()];
-                for (auto n = in.Value<uint64_t>(); n > 0; --n) where.push_back(in.Text());
+            for (auto texts = in.Value<uint64_t>(); texts > 0; --texts) {
+                auto &[count, first] = failures[in.Text()];
+                count += in.Value<uint64_t>();
+                if (const std::string theirs = in.Text(); first.empty()) first = theirs;
             }
         });
     *isAny = BroadcastValue(!failures.empty());
     std::string text;
     if (IsRank0())
-        for (const auto &[what, where] : failures)
+        for (const auto &[what, processes] : failures)
             if (what != mine)
-                text += fmt::format("{} of {} processes (the first is {}) failed: {}", where.size(), Size(),
-                                    where.front(), what);
+                text += fmt::format("{} of {} processes (the first is {}) failed: {}", processes.count, Size(),
+                                    processes.first, what);
     return text;
 }
 

@@ -145,8 +145,7 @@ void ShareCheckpoint(Team &team, BuildOptions *build, std::optional<StateReader>
     team.Meet();
     StateWriter out;
     if (team.IsRank0()) {
-        out.Value(build->samplesPerPixel);
-        out.Value(learned->has_value());
+        out(build->samplesPerPixel, learned->has_value());
         if (*learned) {
             StateReader all = **learned;
             const std::string_view bytes = all.Take(all.BytesLeft());
@@ -185,15 +184,11 @@ void PlanSamples(double budget, std::chrono::steady_clock::time_point start, Tea
 /// Sums the counters of all ranks on rank 0; returns the sum of sent bytes there.
 uint64_t ReduceCounters(Team &team) {
     uint64_t sent = team.BytesSent();
-    team.Reduce(
-        [&](StateWriter &out) {
-            out.Value(SumCounters());
-            out.Value(sent);
-        },
-        [&](StateReader &in) {
-            AddCounters(in.Value<RenderCounters>());
-            sent += in.Value<uint64_t>();
-        });
+    team.Reduce([&](StateWriter &out) { out(SumCounters(), sent); },
+                [&](StateReader &in) {
+                    ThreadCounters() += in.Value<RenderCounters>();
+                    sent += in.Value<uint64_t>();
+                });
     return sent;
 }
 

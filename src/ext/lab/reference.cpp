@@ -281,6 +281,7 @@ std::optional<References> MakeReferences(const ExperimentContext &context) {
     };
     ReferenceMaker maker(context);
     References references;
+    references.pilot = *pilot;
     std::vector<PilotEntry> makers = *pilot;
     bool areStocks = false;
     for (bool stockOnly : {false, true}) {

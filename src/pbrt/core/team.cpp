@@ -108,7 +108,7 @@ void Team::AllReduce(const std::function<void(StateWriter &)> &take, const std::
     add(in);
 }
 
-std::string Team::Failures(const std::string &mine, bool *isAny) {
+std::optional<std::string> Team::Failures(const std::string &mine) {
     struct Processes {
         uint64_t count = 0;
         std::string first;
@@ -127,7 +127,7 @@ std::string Team::Failures(const std::string &mine, bool *isAny) {
                 if (const std::string theirs = in.Text(); first.empty()) first = theirs;
             }
         });
-    *isAny = BroadcastValue(!failures.empty());
+    if (!BroadcastValue(!failures.empty())) return {};
     std::string text;
     if (IsRank0())
         for (const auto &[what, processes] : failures)
@@ -138,11 +138,10 @@ std::string Team::Failures(const std::string &mine, bool *isAny) {
 }
 
 void Team::Meet() {
-    bool isAny = false;
-    const std::string failures = Failures("", &isAny);
-    if (!isAny) return;
+    const std::optional<std::string> failures = Failures("");
+    if (!failures) return;
     isEnding_ = true;
-    if (IsRank0()) throw UserError(failures);
+    if (IsRank0()) throw UserError(*failures);
     throw AnotherRankFailed{};
 }
 
@@ -153,8 +152,7 @@ void Team::Fail(const UserError &error) {
         std::fputs(text.c_str(), stderr);
         Abort(1);
     }
-    bool isAny = false;
-    std::fputs(Failures(text, &isAny).c_str(), stderr);
+    std::fputs(Failures(text)->c_str(), stderr);
 }
 
 }  // namespace pbrt

@@ -30,7 +30,7 @@ class Checkpoint {
         if (exists && !options.resume)
             throw UserError("{}: exists already; use --resume, or remove it to begin anew.", c.path_);
         CheckWritable(c.path_);
-        c.head_.identity = IdentityOf(*build, SceneFilesOf(options), d);
+        c.head_.identity = IdentityOf(*build, options.sceneFiles, d);
         if (!lightsHash.empty()) c.head_.identity["--load-lights"] = fmt::format("a file with the hash {}", lightsHash);
         if (options.noise > 0) c.head_.identity["--noise"] = "";  // its level may change
         if (exists) {

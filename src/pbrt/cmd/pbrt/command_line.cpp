@@ -264,6 +264,7 @@ std::optional<int> ParseCommandLine(int argc, const char *const *argv, CommandLi
         if (app.count("--stats")) o.stats = ParseStats(o.stats);
     });
     if (status) return status;
+    if (o.sceneFiles.empty()) o.sceneFiles = {"-"};
     o.build.adaptive = o.build.adaptive || o.noise > 0;
     o.memoryLimit = 1e6 * raw.memoryLimitMb;
     // A part writes no image.

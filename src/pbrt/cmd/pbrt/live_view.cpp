@@ -66,6 +66,4 @@ void LiveView::WaitForViewers(double seconds) {
     viewers_.clear();
 }
 
-void LiveView::SayFarewell() { WaitForViewers(kFarewellSeconds); }
-
 }  // namespace pbrt

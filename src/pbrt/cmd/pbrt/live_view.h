@@ -103,12 +103,11 @@ class LiveView {
     double AfterWave(const Film &film, const RenderResult &result);
     /// Publishes the last image; viewers receive it while the file is written.
     void Finish(const Film &film, const RenderResult &result);
-    /// Waits at most kFarewellSeconds for viewers to show it.
-    void SayFarewell();
+    /// Waits at most this long for viewers to show it.
+    void WaitForViewers(double seconds);
 
   private:
     void Take(const Film &film, LivePicture::State state, const RenderResult &result);
-    void WaitForViewers(double seconds);
     std::shared_ptr<LiveBoard> board_;
     std::vector<LiveViewer> viewers_;
     std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();

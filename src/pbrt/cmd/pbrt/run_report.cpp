@@ -85,7 +85,7 @@ ImageMetadata DescribeImage(const CommandLine &options, const BuiltScene &built,
         m.attributes["worldToNDC"] = (*ndc * built.cameraFromWorld).Matrix();
     if (result.mse) m.attributes["MSE"] = float(*result.mse);
     m.attributes["pbrt.commandLine"] = options.text;
-    m.attributes["pbrt.scene"] = fmt::format("{}", fmt::join(SceneFilesOf(options), " "));
+    m.attributes["pbrt.scene"] = fmt::format("{}", fmt::join(options.sceneFiles, " "));
     m.attributes["pbrt.version"] = std::string(VersionText());
     m.attributes["pbrt.seed"] = built.seed;
     m.attributes["pbrt.integrator"] = built.integratorName;
@@ -151,7 +151,7 @@ void PrintStatisticsJson(const CommandLine &options, const BuiltScene &built, co
     Json json = {{"schema", 1},
                  {"program", VersionText()},
                  {"commandLine", options.text},
-                 {"scene", SceneFilesOf(options)},
+                 {"scene", options.sceneFiles},
                  {"picture", picture.empty() ? Json() : Json(picture)},
                  {"resolution", {built.film->FullResolution().x, built.film->FullResolution().y}},
                  {"window", {{"x0", window.low.x}, {"x1", window.high.x}, {"y0", window.low.y}, {"y1", window.high.y}}},

@@ -1,11 +1,10 @@
 #pragma once
-#include <chrono>
-#include <ctime>
 #include <limits>
 #include <string>
 #include <vector>
 
 #include "ext/lab/measures.h"
+#include "pbrt/core/progress.h"
 
 namespace ext::lab {
 
@@ -21,18 +20,11 @@ struct TimeSpent {
 
 class Stopwatch {
   public:
-    TimeSpent Elapsed() const {
-        return {std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_).count(), CpuSeconds() - cpu_};
-    }
+    TimeSpent Elapsed() const { return {SecondsSince(wall_), ClockSeconds(CLOCK_PROCESS_CPUTIME_ID) - cpu_}; }
 
   private:
-    static double CpuSeconds() {
-        timespec t{};
-        clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-        return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
-    }
     std::chrono::steady_clock::time_point wall_ = std::chrono::steady_clock::now();
-    double cpu_ = CpuSeconds();
+    double cpu_ = ClockSeconds(CLOCK_PROCESS_CPUTIME_ID);
 };
 
 /// Stop condition of a run: a time of its own clock or, if `seconds` is 0, samples per pixel.

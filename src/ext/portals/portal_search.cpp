@@ -75,9 +75,9 @@ Frame FrameOf(const Vector3 &z, std::span<const Vector3> facings) {
 /// Range from the 1st to the 99th percentile.
 std::pair<Float, Float> Range(std::vector<Float> v) {
     const size_t skipped = v.size() / 100;
-    std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(skipped), v.end());
+    std::nth_element(v.begin(), v.begin() + skipped, v.end());
     const Float low = v[skipped];
-    std::nth_element(v.begin(), v.end() - 1 - static_cast<std::ptrdiff_t>(skipped), v.end());
+    std::nth_element(v.begin(), v.end() - 1 - skipped, v.end());
     return {low, v[v.size() - 1 - skipped]};
 }
 
@@ -180,7 +180,7 @@ class Planes {
             std::vector<Float> x, y;
             double count = 0;
         };
-        std::vector<Found> found(static_cast<size_t>(components));
+        std::vector<Found> found(components);
         for (const Crossing &c : crossing_) {
             const std::optional<Point2> at = c.At(height);
             const std::optional<size_t> cell = at && c.left ? CellAt(*at) : std::nullopt;
@@ -211,7 +211,7 @@ class Planes {
         return size_t(y) * size_t(cells_) + size_t(x);
     }
     Grid Count(Float height) const {
-        Grid grid(static_cast<size_t>(cells_) * size_t(cells_));
+        Grid grid(size_t(cells_) * cells_);
         for (const Crossing &c : crossing_)
             if (const std::optional<Point2> at = c.At(height))
                 if (const std::optional<size_t> cell = CellAt(*at))
@@ -383,7 +383,7 @@ Portal Refined(const Scene &scene, const Portal &portal, std::span<const Prepass
         const Point2 f = (at - low) / (high - low) * Float(n);
         return Point2i(std::clamp(int(f.x), 0, n - 1), std::clamp(int(f.y), 0, n - 1));
     };
-    std::vector<char> isLit(static_cast<size_t>(n) * n, 0), isConnected(isLit.size(), 0);
+    std::vector<char> isLit(n * n, 0), isConnected(isLit.size(), 0);
     std::vector<Point2i> open;
     const auto index = [](const Point2i &c) { return size_t(c.y) * n + size_t(c.x); };
     for (size_t i = 0; i < left.size(); ++i) {

@@ -1,7 +1,6 @@
 #pragma once
 #include <cmath>
 #include <condition_variable>
-#include <ctime>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -83,9 +82,7 @@ class LiveBoard final : public ProgressSink {
     /// Adds the CPU time of the calling viewer's thread since its last call.
     void ChargeThread() {
         thread_local double charged = 0;
-        timespec t = {};
-        if (clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t) != 0) return;
-        const double now = double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
+        const double now = ClockSeconds(CLOCK_THREAD_CPUTIME_ID);
         const std::lock_guard lock(mutex_);
         charged_ += now - std::exchange(charged, now);
     }

@@ -1,6 +1,5 @@
 #include "ext/lab/reference.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>

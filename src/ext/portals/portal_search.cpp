@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "pbrt/core/parallel.h"
 #include "pbrt/math/rng.h"
@@ -109,6 +110,18 @@ std::optional<Crossing> CrossingOf(const Frame &frame, const Line &line) {
     return Crossing{frame.ToLocal(line.p), Vector2(d.x, d.y) / d.z, line.left, line.count};
 }
 
+/// From the cells `open` of an n x n grid, visits cells at most `reach` columns and rows away, and on from those for
+/// which take(cell) returns true.
+void Flood(int n, int reach, std::vector<size_t> open, auto &&take) {
+    while (!open.empty()) {
+        const int at = int(open.back()), row = at / n, column = at % n;
+        open.pop_back();
+        for (int y = std::max(row - reach, 0); y <= std::min(row + reach, n - 1); ++y)
+            for (int x = std::max(column - reach, 0); x <= std::min(column + reach, n - 1); ++x)
+                if (const size_t to = y * n + x; take(to)) open.push_back(to);
+    }
+}
+
 /// Lines relative to a family of parallel planes.
 class Planes {
   public:
@@ -159,21 +172,13 @@ class Planes {
         std::vector<int> component(grid.size(), -1);
         int components = 0;
         for (size_t i = 0; i < grid.size(); ++i) {
-            if (component[i] >= 0 || !(grid[i].Gain() > 0)) continue;
-            std::vector<size_t> open{i};
-            component[i] = components;
-            while (!open.empty()) {
-                const auto at = int(open.back());
-                open.pop_back();
-                for (int n = 0; n < 9; ++n) {
-                    const int x = at % cells_ + n % 3 - 1, y = at / cells_ + n / 3 - 1;
-                    if (x < 0 || y < 0 || x >= cells_ || y >= cells_) continue;
-                    const auto to = size_t(y * cells_ + x);
-                    if (component[to] >= 0 || !(grid[to].Gain() > 0)) continue;
-                    component[to] = components;
-                    open.push_back(to);
-                }
-            }
+            const auto take = [&](size_t cell) {
+                if (component[cell] >= 0 || !(grid[cell].Gain() > 0)) return false;
+                component[cell] = components;
+                return true;
+            };
+            if (!take(i)) continue;
+            Flood(cells_, 1, {i}, take);
             ++components;
         }
         struct Found {
@@ -381,38 +386,24 @@ Portal Refined(const Scene &scene, const Portal &portal, std::span<const Prepass
     constexpr auto n = kRefiningCells;
     const auto cellOf = [&](const Point2 &at) {
         const Point2 f = (at - low) / (high - low) * Float(n);
-        return Point2i(std::clamp(int(f.x), 0, n - 1), std::clamp(int(f.y), 0, n - 1));
+        return size_t(std::clamp(int(f.y), 0, n - 1) * n + std::clamp(int(f.x), 0, n - 1));
     };
     std::vector<char> isLit(n * n, 0), isConnected(isLit.size(), 0);
-    std::vector<Point2i> open;
-    const auto index = [](const Point2i &c) { return size_t(c.y) * n + size_t(c.x); };
+    std::vector<size_t> open;
+    const auto take = [&](size_t cell) { return isLit[cell] && !std::exchange(isConnected[cell], true); };
     for (size_t i = 0; i < left.size(); ++i) {
         if (!left[i]) continue;
-        const Point2i cell = cellOf(passed[i]);
-        isLit[index(cell)] = 1;
+        const size_t cell = cellOf(passed[i]);
+        isLit[cell] = 1;
         const bool isInside = passed[i].x >= portal.low.x && passed[i].y >= portal.low.y &&
                               passed[i].x <= portal.high.x && passed[i].y <= portal.high.y;
-        if (isInside && !isConnected[index(cell)]) {
-            isConnected[index(cell)] = 1;
-            open.push_back(cell);
-        }
+        if (isInside && take(cell)) open.push_back(cell);
     }
     // A frame between two panes may be one or two cells wide.
-    constexpr int kReach = 2;
-    while (!open.empty()) {
-        const Point2i c = open.back();
-        open.pop_back();
-        for (int y = std::max(c.y - kReach, 0); y <= std::min(c.y + kReach, n - 1); ++y)
-            for (int x = std::max(c.x - kReach, 0); x <= std::min(c.x + kReach, n - 1); ++x) {
-                const size_t to = index({x, y});
-                if (!isLit[to] || isConnected[to]) continue;
-                isConnected[to] = 1;
-                open.push_back({x, y});
-            }
-    }
+    Flood(n, 2, std::move(open), take);
     Portal found{frame, {high, portal.low.z}, {low, portal.low.z}};
     for (size_t i = 0; i < left.size(); ++i) {
-        if (!left[i] || !isConnected[index(cellOf(passed[i]))]) continue;
+        if (!left[i] || !isConnected[cellOf(passed[i])]) continue;
         found.low = glm::min(found.low, Point3(passed[i], found.low.z));
         found.high = glm::max(found.high, Point3(passed[i], found.low.z));
     }

@@ -1,6 +1,5 @@
 #include "pbrt/core/param_reader.h"
 
-#include <algorithm>
 #include <set>
 
 namespace pbrt {

@@ -152,7 +152,7 @@ void ShareCheckpoint(Team &team, BuildOptions *build, std::optional<StateReader>
     *memory = team.Broadcast(out);
     if (team.IsRank0()) return;
     StateReader in(*memory, "the checkpoint");
-    in.Value(&build->samplesPerPixel);
+    in(build->samplesPerPixel);
     if (in.Value<bool>()) *learned = StateReader(in.Take(in.BytesLeft()), "the checkpoint");
 }
 

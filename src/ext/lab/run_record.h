@@ -64,7 +64,9 @@ class RecordFolder {
     /// Loads the rounds of a run up to the first gap, at most `most`.
     RunRecord LoadRun(const std::string &sampler, int seed, int most = std::numeric_limits<int>::max()) const;
     void SaveLastRound(const std::string &sampler, const RunRecord &run) const;
-    std::string FilmFile(const std::string &sampler, int seed, int checkpoint) const;
+    std::string FilmFile(const std::string &sampler, int seed, int checkpoint) const {
+        return RoundFile(sampler, seed, checkpoint, "film");
+    }
     /// One more than the last round with a file, regardless of its content.
     size_t CountRounds(const std::string &sampler, int seed, size_t checkpoints) const;
     /// Removes the files of rounds from `kept` on, and all films but that of round `kept` - 1.
@@ -79,7 +81,9 @@ class RecordFolder {
     std::string File(const std::string &name) const { return folder_ + "/" + name; }
 
   private:
-    std::string RoundFile(const std::string &sampler, int seed, int checkpoint) const;
+    std::string RoundFile(const std::string &sampler, int seed, int checkpoint, const char *kind = "json") const {
+        return fmt::format("{}/{}/seed{}-round{:02}.{}", folder_, sampler, seed, checkpoint, kind);
+    }
     Json LoadOwn(const std::string &path) const;
     std::string folder_, experiment_;
 };

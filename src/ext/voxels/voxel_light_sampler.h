@@ -10,6 +10,7 @@
 #include "pbrt/lightsamplers/group_light_sampler.h"
 #include "pbrt/math/bounds.h"
 #include "pbrt/math/rng.h"
+#include "pbrt/scene/scene.h"
 
 namespace ext {
 using namespace pbrt;
@@ -164,10 +165,11 @@ class VoxelLightSampler : public GroupLightSampler {
 
   protected:
     using GroupLightSampler::GroupLightSampler;
-    /// For Prepare.
-    void PrepareVoxels(const VoxelGrid &grid) {
-        grid_ = grid;
-        cdfs_.Reset(grid.Size(), groups_.Size());
+    /// For Prepare. `voxels`: along the longest axis of the scene.
+    void PrepareVoxels(const PrepareContext &context, int voxels) {
+        seed_ = context.seed;
+        grid_ = VoxelGrid(context.scene.Bounds(), voxels);
+        cdfs_.Reset(grid_.Size(), groups_.Size());
     }
     bool IsPrepared() const { return cdfs_.Size() > 0; }
     /// Weights of the groups in a voxel (>= 0, finite), in proportion to which they are selected.
@@ -180,8 +182,10 @@ class VoxelLightSampler : public GroupLightSampler {
         return cdfs_.Get(voxel, [&](std::span<uint32_t> begins) { BuildFixedCdf(Weights(voxel), begins); });
     }
 
+    int seed_ = 0;
     VoxelGrid grid_;
     LazyRows<uint32_t> cdfs_;  ///< per voxel
+    double prepareSeconds_ = 0;
 
   private:
     std::span<const uint32_t> Weighed(const void *weights) const {

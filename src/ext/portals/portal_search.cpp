@@ -199,11 +199,7 @@ class Planes {
             if (f.x.size() < kMinRays || f.count < fewest) continue;
             const auto [x0, x1] = Around(std::move(f.x));
             const auto [y0, y1] = Around(std::move(f.y));
-            Portal portal;
-            portal.frame = frame_;
-            portal.low = {x0, y0, height};
-            portal.high = {x1, y1, height};
-            portals.push_back(portal);
+            portals.push_back({frame_, {x0, y0, height}, {x1, y1, height}});
         }
         return portals;
     }

@@ -37,8 +37,6 @@ Team::Team(std::unique_ptr<MessagePort> port, int threads) : port_(std::move(por
     throw AnotherRankFailed{};
 }
 
-Team::~Team() = default;
-
 Team &Team::Alone() {
     static Team alone;
     return alone;

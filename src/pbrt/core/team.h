@@ -20,7 +20,6 @@ class Team {
     Team() = default;
     /// `threads`: of this process.
     Team(std::unique_ptr<MessagePort> port, int threads);
-    ~Team();
     /// A shared team of one.
     static Team &Alone();
 

@@ -153,8 +153,10 @@ class ContributionPath {
     Float pdf_ = 0;
 };
 
-}  // namespace
-
+/// Traces about `paths` camera paths, spread over the rendered pixels, and sums the contributions of every group of
+/// `chooser`. Light sampling (with `chooser`) and BSDF sampling are combined by the power heuristic. Contributions are
+/// clamped to a hundred times their mean. Directly visible or purely specular light is excluded, as no light path
+/// carries it. Depends on the seed only, not on threads. One Progress phase.
 std::vector<ImageContribution> EstimateImageContributions(PrepareContext &context, const GroupLightSampler &chooser,
                                                           double paths) {
     struct Tile {
@@ -188,6 +190,8 @@ std::vector<ImageContribution> EstimateImageContributions(PrepareContext &contex
         }
     return result;
 }
+
+}  // namespace
 
 ImageContributionLightSampler::ImageContributionLightSampler(const LightTable &lights,
                                                              const ImageContributionParams &params)

@@ -14,13 +14,6 @@ struct ImageContribution {
     int count = 0;  ///< number of non-zero contributions
 };
 
-/// Traces about `paths` camera paths, spread over the rendered pixels, and sums the contributions of every group of
-/// `chooser`. Light sampling (with `chooser`) and BSDF sampling are combined by the power heuristic. Contributions are
-/// clamped to a hundred times their mean. Directly visible or purely specular light is excluded, as no light path
-/// carries it. Depends on the seed only, not on threads. One Progress phase.
-std::vector<ImageContribution> EstimateImageContributions(PrepareContext &context, const GroupLightSampler &chooser,
-                                                          double paths);
-
 /// Parameters of the light sampler "seen".
 struct ImageContributionParams {
     Float floor = 0.25f;

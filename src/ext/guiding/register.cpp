@@ -5,5 +5,9 @@ void register_guide(pbrt::PluginRegistry &registry) {
     using namespace ext;
     registry.directionSamplings.Add<GuideParams>(
         "guide", "path guiding and learned Russian roulette, from records of the render; written octree+guide",
-        [](const GuideParams &p, const ParamSet &, const Scene &) { return std::make_unique<PathGuide>(p); });
+        [](GuideParams p, const ParamSet &, const DirectionRequest &request) -> std::unique_ptr<DirectionSampling> {
+            if (!request.isGuided && !p.roulette) return nullptr;
+            p.directions &= request.isGuided;
+            return std::make_unique<PathGuide>(p);
+        });
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <map>
 
 #include "ext/lab/results.h"
 #include "ext/lab/sampler_run.h"
@@ -53,11 +52,12 @@ class Rounds {
   public:
     Rounds(const ExperimentContext &context, const References &references)
         : context_(context), settings_(context.settings), ofSampler_(references.ofSampler),
-          checkpoints_(Checkpoints(settings_)) {
+          checkpoints_(Checkpoints(settings_)), hasPilot_(!references.pilot.empty()) {
         for (const Reference &r : references.all) measuring_.emplace_back(r.image);
         if (!settings_.samplesFrom.empty()) replay_.emplace(settings_.samplesFrom, settings_);
         if (replay_) checkpoints_.resize(replay_->Checkpoints());
-        LoadCosts();
+        for (const SamplerChoice &s : settings_.samplers)
+            cost_.push_back(hasPilot_ ? SecondsPerSample(references.pilot, s) : 1);
     }
 
     /// Returns false if cancelled.
@@ -163,7 +163,7 @@ class Rounds {
         const std::string &folder = settings_.samplers[i].folder;
         auto afterWave = [&] {
             // A run's first samples fill caches and cells; the pilot's estimate is better.
-            if (run.SecondsPerSample() > 0 && (run.Samples() >= kReliableSamples || !wasInPilot_[i]))
+            if (run.SecondsPerSample() > 0 && (run.Samples() >= kReliableSamples || !WasInPilot(i)))
                 cost_[i] = run.SecondsPerSample();
             const double sinceRecord = SecondsOf(i, run.Samples(), run.Spent()) - SecondsDone(i, seed);
             context_.display.Show(std::max(0.0, SecondsLeft() - sinceRecord));
@@ -234,24 +234,10 @@ class Rounds {
     void LearnCost(size_t i, const RunRecord &record) {
         if (record.rounds.empty()) return;
         const RoundRecord &last = record.rounds.back();
-        if (last.samples < kReliableSamples && wasInPilot_[i]) return;
+        if (last.samples < kReliableSamples && WasInPilot(i)) return;
         cost_[i] = (last.spent.wall - record.prepare.wall) / std::max(1, last.samples);
     }
-    /// Sets the seconds per sample from the pilot; missing samplers get the mean, or 1 without pilot.
-    void LoadCosts() {
-        std::map<std::string, double> known;
-        const Json pilot = context_.records.LoadNote("pilot.json");
-        double mean = 0;
-        for (const Json &entry : pilot.is_array() ? pilot : Json::array()) {
-            known[entry.value("sampler", "")] = entry.value("secondsPerSample", 0.0);
-            mean += entry.value("secondsPerSample", 0.0) / double(pilot.size());
-        }
-        hasPilot_ = mean > 0;
-        for (const SamplerChoice &s : settings_.samplers) {
-            wasInPilot_.push_back(known.contains(s.label));
-            cost_.push_back(known.contains(s.label) ? known[s.label] : mean > 0 ? mean : 1);
-        }
-    }
+    bool WasInPilot(size_t i) const { return hasPilot_ && !settings_.samplers[i].IsOracle(); }
 
     const ExperimentContext &context_;
     const ExperimentSettings &settings_;
@@ -259,10 +245,9 @@ class Rounds {
     std::vector<RenderTarget> checkpoints_;
     std::optional<SampleCounts> replay_;
     std::vector<MeasuringReference> measuring_;
+    const bool hasPilot_;
     std::vector<double> cost_;  ///< seconds per sample
-    std::vector<bool> wasInPilot_;
     std::vector<int> expected_;
-    bool hasPilot_ = false;
     std::vector<std::vector<RunRecord>> recordsOf_;
     std::optional<SelectionVertices> vertices_;  ///< for light selection checks; created on first use
 };

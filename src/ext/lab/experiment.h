@@ -1,6 +1,5 @@
 #pragma once
 #include <optional>
-#include <span>
 #include <string>
 
 #include "ext/lab/experiment_settings.h"
@@ -44,22 +43,9 @@ void AddViews(const ExperimentSettings &settings, const RecordFolder &records, J
 /// the non-black pixels to mid grey, 0.18, so that interiors are visible, but keeps three quarters of these pixels
 /// below 0.9. Never below the factor that maps the 98th percentile to 0.9. Shared by all images of an experiment.
 double ChooseExposure(const Image &reference);
-void WritePicture(const std::string &path, const Image &image, double exposure);
 /// Writes R, G, B with full range as a Radiance file: shared exponent, 8 bits per colour, no run-length coding. The
 /// page shows it at any exposure.
 void WriteRangePicture(const std::string &path, const Image &image);
-
-/// Per-pixel relative error as weighted by relL2, |x - r| / sqrt(r^2 + RelL2Epsilon), root mean square over R, G, B.
-std::vector<float> ErrorMap(const Image &image, const Image &reference);
-/// Colour scale limit for several maps: the maximum of their 99th percentiles.
-double ChooseErrorScale(std::span<const std::vector<float>> maps);
-/// Writes the map in false colours from 0 to `most`.
-void WriteErrorPicture(const std::string &path, const std::vector<float> &map, Point2i resolution, double most);
-
-/// Up to three disjoint square crops that maximize the difference between the samplers' largest and smallest RMS error.
-/// Side: 64 pixels (a quarter of the shorter side in small images, at least 8). `maps`: one per sampler. Candidates lie
-/// on a grid of half their width; ties go to the upper left.
-std::vector<Bounds2i> ChooseCrops(std::span<const std::vector<float>> maps, Point2i resolution);
 
 /// Writes references, results and errors as images, and adds them and the crops to `json`.
 void WritePictures(const ExperimentSettings &settings, const LabScene &scene, const References &references,

@@ -45,10 +45,7 @@ struct FirstHit {
 
 std::optional<FirstHit> FindFirstHit(const BuiltScene &built, Point2i pixel) {
     FirstHit hit;
-    CameraSample cs;
-    cs.pFilm = Point2(pixel) + Point2(0.5f, 0.5f);
-    cs.pLens = {0.5f, 0.5f};
-    cs.time = 0.5f;
+    const CameraSample cs{.pFilm = Point2(pixel) + Point2(0.5f, 0.5f), .pLens = {0.5f, 0.5f}, .time = 0.5f};
     std::optional<CameraRay> start = built.camera->GenerateRay(cs, hit.lambda);
     if (!start) return {};
     const PathContext context{*built.scene, *built.camera, built.samplesPerPixel, true};

@@ -26,22 +26,6 @@ double Percentile(std::vector<T> values, double share) {
     return double(*at);
 }
 
-}  // namespace
-
-double ChooseExposure(const Image &reference) {
-    const Rgb weights = ColorSpace::SRGB().Luminance();
-    std::vector<float> luminances;
-    ForEachPixel(reference.Resolution(), [&](int x, int y) {
-        Float l = 0;
-        for (int c = 0; c < 3; ++c) l += weights[c] * reference.Get({x, y}, c);
-        if (std::isfinite(l) && l > 0) luminances.push_back(l);
-    });
-    if (luminances.empty()) return 1;
-    const double middle = Percentile(luminances, 0.5), high = Percentile(luminances, 0.75),
-                 bright = Percentile(luminances, 0.98);
-    return std::max(0.9 / bright, std::min(0.18 / middle, 0.9 / high));
-}
-
 void WritePicture(const std::string &path, const Image &image, double exposure) {
     Image shown(PixelFormat::Float, image.Resolution(), {"R", "G", "B"});
     ForEachPixel(image.Resolution(), [&](int x, int y) {
@@ -51,29 +35,7 @@ void WritePicture(const std::string &path, const Image &image, double exposure) 
     WriteImage(path, shown);
 }
 
-void WriteRangePicture(const std::string &path, const Image &image) {
-    const Point2i resolution = image.Resolution();
-    std::string text = fmt::format("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {} +X {}\n", resolution.y, resolution.x);
-    ForEachPixel(resolution, [&](int x, int y) {
-        double color[3], brightest = 0;
-        for (int c = 0; c < 3; ++c) {
-            const auto v = double(image.Get({x, y}, c));
-            color[c] = std::isfinite(v) ? std::max(v, 0.0) : 0;
-            brightest = std::max(brightest, color[c]);
-        }
-        int exponent = 0;
-        std::frexp(brightest, &exponent);
-        const bool isBlack = !(brightest > 0) || exponent < -127;
-        const int stored = std::min(exponent, 127) + 128;
-        for (double v : color) {
-            const double byte = isBlack ? 0 : std::min(std::floor(std::ldexp(v, 8 - (stored - 128))), 255.0);
-            text += char(uint8_t(byte));
-        }
-        text += char(uint8_t(isBlack ? 0 : stored));
-    });
-    WriteFile(path, text);
-}
-
+/// Per-pixel relative error as weighted by relL2, |x - r| / sqrt(r^2 + RelL2Epsilon), root mean square over R, G, B.
 std::vector<float> ErrorMap(const Image &image, const Image &reference) {
     std::vector<float> map;
     const Point2i resolution = image.Resolution();
@@ -90,12 +52,14 @@ std::vector<float> ErrorMap(const Image &image, const Image &reference) {
     return map;
 }
 
+/// Colour scale limit for several maps: the maximum of their 99th percentiles.
 double ChooseErrorScale(std::span<const std::vector<float>> maps) {
     double most = 0;
     for (const std::vector<float> &map : maps) most = std::max(most, Percentile(map, 0.99));
     return most > 0 ? most : 1;
 }
 
+/// Writes the map in false colours from 0 to `most`.
 void WriteErrorPicture(const std::string &path, const std::vector<float> &map, Point2i resolution, double most) {
     Image values(PixelFormat::Float, resolution, {"Y"});
     size_t i = 0;
@@ -105,6 +69,9 @@ void WriteErrorPicture(const std::string &path, const std::vector<float> &map, P
     WriteImage(path, FalseColor(values, 0, style));
 }
 
+/// Up to three disjoint square crops that maximize the difference between the samplers' largest and smallest RMS error.
+/// Side: 64 pixels (a quarter of the shorter side in small images, at least 8). `maps`: one per sampler. Candidates lie
+/// on a grid of half their width; ties go to the upper left.
 std::vector<Bounds2i> ChooseCrops(std::span<const std::vector<float>> maps, Point2i resolution) {
     const int shorter = std::min(resolution.x, resolution.y);
     const int side = std::min(shorter, std::min(64, std::max(8, shorter / 4)));
@@ -134,6 +101,45 @@ std::vector<Bounds2i> ChooseCrops(std::span<const std::vector<float>> maps, Poin
         if (crops.size() == 3) break;
     }
     return crops;
+}
+
+}  // namespace
+
+double ChooseExposure(const Image &reference) {
+    const Rgb weights = ColorSpace::SRGB().Luminance();
+    std::vector<float> luminances;
+    ForEachPixel(reference.Resolution(), [&](int x, int y) {
+        Float l = 0;
+        for (int c = 0; c < 3; ++c) l += weights[c] * reference.Get({x, y}, c);
+        if (std::isfinite(l) && l > 0) luminances.push_back(l);
+    });
+    if (luminances.empty()) return 1;
+    const double middle = Percentile(luminances, 0.5), high = Percentile(luminances, 0.75),
+                 bright = Percentile(luminances, 0.98);
+    return std::max(0.9 / bright, std::min(0.18 / middle, 0.9 / high));
+}
+
+void WriteRangePicture(const std::string &path, const Image &image) {
+    const Point2i resolution = image.Resolution();
+    std::string text = fmt::format("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {} +X {}\n", resolution.y, resolution.x);
+    ForEachPixel(resolution, [&](int x, int y) {
+        double color[3], brightest = 0;
+        for (int c = 0; c < 3; ++c) {
+            const auto v = double(image.Get({x, y}, c));
+            color[c] = std::isfinite(v) ? std::max(v, 0.0) : 0;
+            brightest = std::max(brightest, color[c]);
+        }
+        int exponent = 0;
+        std::frexp(brightest, &exponent);
+        const bool isBlack = !(brightest > 0) || exponent < -127;
+        const int stored = std::min(exponent, 127) + 128;
+        for (double v : color) {
+            const double byte = isBlack ? 0 : std::min(std::floor(std::ldexp(v, 8 - (stored - 128))), 255.0);
+            text += char(uint8_t(byte));
+        }
+        text += char(uint8_t(isBlack ? 0 : stored));
+    });
+    WriteFile(path, text);
 }
 
 std::string ViewsNote(const SamplerChoice &choice) { return choice.folder + "/views.json"; }

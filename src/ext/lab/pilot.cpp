@@ -123,14 +123,16 @@ double MeanSecondsPerSample(const std::vector<PilotEntry> &entries) {
 
 }  // namespace
 
+double SecondsPerSample(const std::vector<PilotEntry> &entries, const SamplerChoice &choice) {
+    for (const PilotEntry &e : entries)
+        if (e.choice.label == choice.label) return e.secondsPerSample;
+    return MeanSecondsPerSample(entries);
+}
+
 double EstimateRuns(const ExperimentSettings &settings, const std::vector<PilotEntry> &entries) {
     double seconds = 0;
-    for (const SamplerChoice &s : settings.samplers) {
-        const auto known = std::ranges::find(
-            entries, s.label, [](const PilotEntry &e) -> auto & { return e.choice.label; });
-        const double cost = known == entries.end() ? MeanSecondsPerSample(entries) : known->secondsPerSample;
-        seconds += settings.Timed() ? settings.timeBudget : settings.samplesPerPixel * cost;
-    }
+    for (const SamplerChoice &s : settings.samplers)
+        seconds += settings.Timed() ? settings.timeBudget : settings.samplesPerPixel * SecondsPerSample(entries, s);
     return seconds * settings.seeds;
 }
 

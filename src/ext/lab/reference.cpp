@@ -1,6 +1,5 @@
 #include "ext/lab/reference.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -281,6 +280,7 @@ std::optional<References> MakeReferences(const ExperimentContext &context) {
     };
     ReferenceMaker maker(context);
     References references;
+    references.pilot = *pilot;
     std::vector<PilotEntry> makers = *pilot;
     bool areStocks = false;
     for (bool stockOnly : {false, true}) {

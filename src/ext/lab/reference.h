@@ -62,7 +62,9 @@ struct PilotEntry {
 /// sample. Stores the result in the records. Returns nothing if cancelled.
 std::optional<std::vector<PilotEntry>> RunPilot(const ExperimentContext &context);
 
-/// Estimates the seconds of all runs of the experiment; samplers without entry have average cost.
+/// Cost of a sampler; the mean of all for one without entry.
+double SecondsPerSample(const std::vector<PilotEntry> &entries, const SamplerChoice &choice);
+/// Estimates the seconds of all runs of the experiment.
 double EstimateRuns(const ExperimentSettings &settings, const std::vector<PilotEntry> &entries);
 
 /// True for samplers of stock pbrt, whose images are considered unbiased.
@@ -90,6 +92,7 @@ struct ReferenceRule {
 
 struct References {
     std::vector<Reference> all;
+    std::vector<PilotEntry> pilot;  ///< empty: none was made
     std::vector<size_t> ofSampler;  ///< index into `all` per sampler of the experiment
     std::vector<Doubt> doubts;
     std::vector<std::string> remarks;  ///< additional notes

@@ -32,14 +32,6 @@ Json ReadJson(const std::string &path) {
 
 }  // namespace
 
-std::string RecordFolder::RoundFile(const std::string &sampler, int seed, int checkpoint) const {
-    return fmt::format("{}/{}/seed{}-round{:02}.json", folder_, sampler, seed, checkpoint);
-}
-
-std::string RecordFolder::FilmFile(const std::string &sampler, int seed, int checkpoint) const {
-    return fmt::format("{}/{}/seed{}-round{:02}.film", folder_, sampler, seed, checkpoint);
-}
-
 RunRecord RecordFolder::LoadRun(const std::string &sampler, int seed, int most) const {
     RunRecord run;
     run.seed = seed;

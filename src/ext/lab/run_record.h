@@ -1,11 +1,10 @@
 #pragma once
-#include <chrono>
-#include <ctime>
 #include <limits>
 #include <string>
 #include <vector>
 
 #include "ext/lab/measures.h"
+#include "pbrt/core/progress.h"
 
 namespace ext::lab {
 
@@ -21,18 +20,11 @@ struct TimeSpent {
 
 class Stopwatch {
   public:
-    TimeSpent Elapsed() const {
-        return {std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_).count(), CpuSeconds() - cpu_};
-    }
+    TimeSpent Elapsed() const { return {SecondsSince(wall_), ClockSeconds(CLOCK_PROCESS_CPUTIME_ID) - cpu_}; }
 
   private:
-    static double CpuSeconds() {
-        timespec t{};
-        clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-        return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
-    }
     std::chrono::steady_clock::time_point wall_ = std::chrono::steady_clock::now();
-    double cpu_ = CpuSeconds();
+    double cpu_ = ClockSeconds(CLOCK_PROCESS_CPUTIME_ID);
 };
 
 /// Stop condition of a run: a time of its own clock or, if `seconds` is 0, samples per pixel.
@@ -72,7 +64,9 @@ class RecordFolder {
     /// Loads the rounds of a run up to the first gap, at most `most`.
     RunRecord LoadRun(const std::string &sampler, int seed, int most = std::numeric_limits<int>::max()) const;
     void SaveLastRound(const std::string &sampler, const RunRecord &run) const;
-    std::string FilmFile(const std::string &sampler, int seed, int checkpoint) const;
+    std::string FilmFile(const std::string &sampler, int seed, int checkpoint) const {
+        return RoundFile(sampler, seed, checkpoint, "film");
+    }
     /// One more than the last round with a file, regardless of its content.
     size_t CountRounds(const std::string &sampler, int seed, size_t checkpoints) const;
     /// Removes the files of rounds from `kept` on, and all films but that of round `kept` - 1.
@@ -87,7 +81,9 @@ class RecordFolder {
     std::string File(const std::string &name) const { return folder_ + "/" + name; }
 
   private:
-    std::string RoundFile(const std::string &sampler, int seed, int checkpoint) const;
+    std::string RoundFile(const std::string &sampler, int seed, int checkpoint, const char *kind = "json") const {
+        return fmt::format("{}/{}/seed{}-round{:02}.{}", folder_, sampler, seed, checkpoint, kind);
+    }
     Json LoadOwn(const std::string &path) const;
     std::string folder_, experiment_;
 };

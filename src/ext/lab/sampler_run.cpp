@@ -21,12 +21,8 @@ void LoadFilm(const std::string &file, Film &film) {
 }
 
 bool IsWholeFilm(const std::string &file, const LabScene &scene) {
-    try {
-        LoadFilm(file, *scene.built.film->MakeRgbFilm());
-        return true;
-    } catch (const UserError &) {
-        return false;
-    }
+    DiagnosticSink ignored;
+    return Collect(ignored, [&] { LoadFilm(file, *scene.built.film->MakeRgbFilm()); });
 }
 
 }  // namespace

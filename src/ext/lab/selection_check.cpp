@@ -53,8 +53,6 @@ class VertexChecker {
         : lights_(lights), draws_(draws), table_(table), places_(table.Size()) {}
 
     VertexFinding Check(const SelectionVertices::Vertex &vertex, Rng rng) {
-        VertexFinding finding;
-        finding.endsPath = vertex.endsPath;
         const LightQuery query = vertex.FullQuery();
         const LightDistribution lights = lights_.At(query, memory_);
         FindChoices(vertex, lights);
@@ -73,10 +71,7 @@ class VertexChecker {
             excess += counts * c * (got - due);
             unjudged += (1 - counts) * c * due;
         }
-        finding.light = float(light);
-        finding.excess = float(excess);
-        finding.unjudged = float(unjudged);
-        return finding;
+        return {float(light), float(excess), float(unjudged), vertex.endsPath};
     }
 
   private:

@@ -15,9 +15,7 @@ Bounds2i TileGrid::Pixels(int x, int y) const {
 
 TileMeans ComputeTileMeans(const Image &image) {
     const std::vector<int> channels = RgbOrAllChannels(image);
-    TileMeans means;
-    means.grid = TileGrid(image.Resolution());
-    means.channels = int(channels.size());
+    TileMeans means{TileGrid(image.Resolution()), int(channels.size()), {}};
     means.values.reserve(means.grid.Count() * channels.size());
     means.grid.ForEachTile([&](int tx, int ty) {
         const Bounds2i pixels = means.grid.Pixels(tx, ty);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "ext/octree/light_octree_builder.h"
 #include "ext/prepass/prepass.h"
 #include "pbrt/core/effective_params_text.h"
 #include "pbrt/core/log.h"
@@ -23,8 +22,6 @@ PaperOctreeLightSampler::PaperOctreeLightSampler(const LightTable &lights, const
     if (groups_.Size() <= kMaxScan) unoccluded_ = std::make_unique<ExhaustiveLightSampler>(groups_);
     else unoccluded_ = std::make_unique<BVHLightSampler>(groups_);
 }
-
-PaperOctreeLightSampler::~PaperOctreeLightSampler() = default;
 
 void PaperOctreeLightSampler::Prepare(PrepareContext &context) {
     if (context.learned) return LoadLearned(*context.learned);

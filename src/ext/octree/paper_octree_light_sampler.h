@@ -19,7 +19,6 @@ namespace ext {
 class PaperOctreeLightSampler final : public GroupLightSampler {
   public:
     PaperOctreeLightSampler(const LightTable &lights, const OctreeParams &params);
-    ~PaperOctreeLightSampler() override;
 
     void Prepare(PrepareContext &context) override;
     bool SavesLearned() const override { return true; }

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstddef>
 
 namespace ext {
@@ -18,12 +19,22 @@ struct PrepassBudget {
     /// Ratio of prepass rays to render rays. A vertex costs two rays in the render, and one plus its shadow rays in the
     /// prepass. If all lights are tested (cheaper per shadow ray), short renders spend up to 1.25 times the budget to
     /// reach 2,000 vertices. The prepass is limited to four million shadow rays.
-    double Share() const;
-    double PathsPerPixel() const;
+    double Share() const {
+        constexpr double kMinVertices = 2000, kMaxFactor = 1.25, kMaxShadowRays = 4e6;
+        const double renderRays = 2 * pixels * depth * samplesPerPixel, perVertex = RaysPerVertex();
+        double share = budget;
+        if (!IsDrawn()) share = std::max(budget, std::min(kMinVertices * perVertex / renderRays, kMaxFactor * budget));
+        return std::min(share, kMaxShadowRays / double(raysPerVertex) * perVertex / renderRays);
+    }
+    double PathsPerPixel() const { return Share() * 2 * samplesPerPixel / RaysPerVertex(); }
 
   private:
+    /// Tree build cost of a drawn shadow ray, in units of the cost of a ray.
+    static constexpr double kBuildPerShadowRay = 0.3;
     bool IsDrawn() const { return raysPerVertex < lights; }
-    double RaysPerVertex() const;
+    double RaysPerVertex() const {
+        return 1 + double(environmentRays) + double(raysPerVertex) * (IsDrawn() ? 1 + kBuildPerShadowRay : 1);
+    }
 };
 
 }  // namespace ext

@@ -80,14 +80,13 @@ void VisibilityOctreeLightSampler::TryPortals(PrepareContext &context, std::span
 
 double VisibilityOctreeLightSampler::PathsPerPixel(const PrepareContext &context) const {
     if (params_.prepassspp > 0) return params_.prepassspp;
-    PrepassBudget budget;
-    budget.lights = groups_.Size();
-    budget.raysPerVertex = model_.RaysPerVertex();
-    budget.environmentRays = portals_.IsWanted(context) ? portals_.RaysPerVertex() : 0;
-    budget.depth = std::min(params_.depth, std::max(1, context.maxDepth));
-    budget.pixels = double(std::max<int64_t>(1, context.pixelBounds.Area()));
-    budget.samplesPerPixel = context.samplesPerPixel;
-    budget.budget = double(params_.budget);
+    const PrepassBudget budget{.lights = groups_.Size(),
+                               .raysPerVertex = model_.RaysPerVertex(),
+                               .environmentRays = portals_.IsWanted(context) ? portals_.RaysPerVertex() : 0,
+                               .depth = std::min(params_.depth, std::max(1, context.maxDepth)),
+                               .pixels = double(std::max<int64_t>(1, context.pixelBounds.Area())),
+                               .samplesPerPixel = context.samplesPerPixel,
+                               .budget = double(params_.budget)};
     return budget.PathsPerPixel();
 }
 

@@ -261,15 +261,14 @@ SampledLight PortalSampling::Towards(const Weights &weights, size_t k, const Poi
 }
 
 void PortalSampling::Save(StateWriter &out) const {
-    std::vector<Portal> portals;
-    for (size_t i = 0; i < count_; ++i) portals.push_back((*environments_[0].portals)[i]);
-    out.CopyOfVector(portals);
+    out(uint64_t{count_});
+    for (size_t i = 0; i < count_; ++i) out((*environments_[0].portals)[i]);
     out(seconds_, seenShare_, trial_, tree_);
 }
 
 void PortalSampling::Load(StateReader &in) {
     std::vector<Portal> portals;
-    in.Vector(&portals);
+    in(portals);
     in.Require(portals.size() <= EnvironmentPortals::kMax, "it has too many portals");
     in.Require(portals.empty() || !environments_.empty(), "it has portals of an environment light that has none here");
     for (const Portal &portal : portals) in.RequireValid(portal.Validate());

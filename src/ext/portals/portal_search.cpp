@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "pbrt/core/parallel.h"
 #include "pbrt/math/rng.h"
@@ -75,9 +76,9 @@ Frame FrameOf(const Vector3 &z, std::span<const Vector3> facings) {
 /// Range from the 1st to the 99th percentile.
 std::pair<Float, Float> Range(std::vector<Float> v) {
     const size_t skipped = v.size() / 100;
-    std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(skipped), v.end());
+    std::nth_element(v.begin(), v.begin() + skipped, v.end());
     const Float low = v[skipped];
-    std::nth_element(v.begin(), v.end() - 1 - static_cast<std::ptrdiff_t>(skipped), v.end());
+    std::nth_element(v.begin(), v.end() - 1 - skipped, v.end());
     return {low, v[v.size() - 1 - skipped]};
 }
 
@@ -107,6 +108,18 @@ std::optional<Crossing> CrossingOf(const Frame &frame, const Line &line) {
     const Vector3 d = frame.ToLocal(line.d);
     if (!(d.z > kMinCosine)) return {};
     return Crossing{frame.ToLocal(line.p), Vector2(d.x, d.y) / d.z, line.left, line.count};
+}
+
+/// From the cells `open` of an n x n grid, visits cells at most `reach` columns and rows away, and on from those for
+/// which take(cell) returns true.
+void Flood(int n, int reach, std::vector<size_t> open, auto &&take) {
+    while (!open.empty()) {
+        const int at = int(open.back()), row = at / n, column = at % n;
+        open.pop_back();
+        for (int y = std::max(row - reach, 0); y <= std::min(row + reach, n - 1); ++y)
+            for (int x = std::max(column - reach, 0); x <= std::min(column + reach, n - 1); ++x)
+                if (const size_t to = y * n + x; take(to)) open.push_back(to);
+    }
 }
 
 /// Lines relative to a family of parallel planes.
@@ -159,28 +172,20 @@ class Planes {
         std::vector<int> component(grid.size(), -1);
         int components = 0;
         for (size_t i = 0; i < grid.size(); ++i) {
-            if (component[i] >= 0 || !(grid[i].Gain() > 0)) continue;
-            std::vector<size_t> open{i};
-            component[i] = components;
-            while (!open.empty()) {
-                const auto at = int(open.back());
-                open.pop_back();
-                for (int n = 0; n < 9; ++n) {
-                    const int x = at % cells_ + n % 3 - 1, y = at / cells_ + n / 3 - 1;
-                    if (x < 0 || y < 0 || x >= cells_ || y >= cells_) continue;
-                    const auto to = size_t(y * cells_ + x);
-                    if (component[to] >= 0 || !(grid[to].Gain() > 0)) continue;
-                    component[to] = components;
-                    open.push_back(to);
-                }
-            }
+            const auto take = [&](size_t cell) {
+                if (component[cell] >= 0 || !(grid[cell].Gain() > 0)) return false;
+                component[cell] = components;
+                return true;
+            };
+            if (!take(i)) continue;
+            Flood(cells_, 1, {i}, take);
             ++components;
         }
         struct Found {
             std::vector<Float> x, y;
             double count = 0;
         };
-        std::vector<Found> found(static_cast<size_t>(components));
+        std::vector<Found> found(components);
         for (const Crossing &c : crossing_) {
             const std::optional<Point2> at = c.At(height);
             const std::optional<size_t> cell = at && c.left ? CellAt(*at) : std::nullopt;
@@ -194,11 +199,7 @@ class Planes {
             if (f.x.size() < kMinRays || f.count < fewest) continue;
             const auto [x0, x1] = Around(std::move(f.x));
             const auto [y0, y1] = Around(std::move(f.y));
-            Portal portal;
-            portal.frame = frame_;
-            portal.low = {x0, y0, height};
-            portal.high = {x1, y1, height};
-            portals.push_back(portal);
+            portals.push_back({frame_, {x0, y0, height}, {x1, y1, height}});
         }
         return portals;
     }
@@ -211,7 +212,7 @@ class Planes {
         return size_t(y) * size_t(cells_) + size_t(x);
     }
     Grid Count(Float height) const {
-        Grid grid(static_cast<size_t>(cells_) * size_t(cells_));
+        Grid grid(size_t(cells_) * cells_);
         for (const Crossing &c : crossing_)
             if (const std::optional<Point2> at = c.At(height))
                 if (const std::optional<size_t> cell = CellAt(*at))
@@ -381,38 +382,24 @@ Portal Refined(const Scene &scene, const Portal &portal, std::span<const Prepass
     constexpr auto n = kRefiningCells;
     const auto cellOf = [&](const Point2 &at) {
         const Point2 f = (at - low) / (high - low) * Float(n);
-        return Point2i(std::clamp(int(f.x), 0, n - 1), std::clamp(int(f.y), 0, n - 1));
+        return size_t(std::clamp(int(f.y), 0, n - 1) * n + std::clamp(int(f.x), 0, n - 1));
     };
-    std::vector<char> isLit(static_cast<size_t>(n) * n, 0), isConnected(isLit.size(), 0);
-    std::vector<Point2i> open;
-    const auto index = [](const Point2i &c) { return size_t(c.y) * n + size_t(c.x); };
+    std::vector<char> isLit(n * n, 0), isConnected(isLit.size(), 0);
+    std::vector<size_t> open;
+    const auto take = [&](size_t cell) { return isLit[cell] && !std::exchange(isConnected[cell], true); };
     for (size_t i = 0; i < left.size(); ++i) {
         if (!left[i]) continue;
-        const Point2i cell = cellOf(passed[i]);
-        isLit[index(cell)] = 1;
+        const size_t cell = cellOf(passed[i]);
+        isLit[cell] = 1;
         const bool isInside = passed[i].x >= portal.low.x && passed[i].y >= portal.low.y &&
                               passed[i].x <= portal.high.x && passed[i].y <= portal.high.y;
-        if (isInside && !isConnected[index(cell)]) {
-            isConnected[index(cell)] = 1;
-            open.push_back(cell);
-        }
+        if (isInside && take(cell)) open.push_back(cell);
     }
     // A frame between two panes may be one or two cells wide.
-    constexpr int kReach = 2;
-    while (!open.empty()) {
-        const Point2i c = open.back();
-        open.pop_back();
-        for (int y = std::max(c.y - kReach, 0); y <= std::min(c.y + kReach, n - 1); ++y)
-            for (int x = std::max(c.x - kReach, 0); x <= std::min(c.x + kReach, n - 1); ++x) {
-                const size_t to = index({x, y});
-                if (!isLit[to] || isConnected[to]) continue;
-                isConnected[to] = 1;
-                open.push_back({x, y});
-            }
-    }
+    Flood(n, 2, std::move(open), take);
     Portal found{frame, {high, portal.low.z}, {low, portal.low.z}};
     for (size_t i = 0; i < left.size(); ++i) {
-        if (!left[i] || !isConnected[index(cellOf(passed[i]))]) continue;
+        if (!left[i] || !isConnected[cellOf(passed[i])]) continue;
         found.low = glm::min(found.low, Point3(passed[i], found.low.z));
         found.high = glm::max(found.high, Point3(passed[i], found.low.z));
     }

@@ -63,30 +63,20 @@ static_assert(LightTree::kBaseNodes + LightTree::kFarNodes <= kMaxScanned);
 void Exchange(Team &team, std::vector<VisibilityRecords> &chunks) {
     std::vector<bool> isHere(chunks.size());
     for (size_t i = 0; i < chunks.size(); ++i) isHere[i] = IsMine(team, i);
-    const auto write = [&](StateWriter &out) {
-        out.Value(uint64_t(std::count(isHere.begin(), isHere.end(), true)));
-        for (size_t i = 0; i < chunks.size(); ++i) {
-            if (!isHere[i]) continue;
-            out.Value(uint64_t{i});
-            out.Vector(chunks[i].records);
-            out.Vector(chunks[i].rays);
-        }
-    };
-    const auto read = [&](StateReader &in) {
-        for (auto count = in.Value<uint64_t>(); count > 0; --count) {
-            const auto i = in.Value<uint64_t>();
-            in.Require(i < chunks.size(), "a chunk of the records has a wrong number");
-            in.Vector(&chunks[i].records);
-            in.Vector(&chunks[i].rays);
-            isHere[i] = true;
-        }
-    };
-    team.Reduce(write, read);
-    StateWriter all;
-    if (team.IsRank0()) write(all);
-    const std::string bytes = team.Broadcast(all);
-    StateReader in(bytes, "records of the prepass");
-    if (!team.IsRank0()) read(in);
+    team.AllReduce(
+        [&](StateWriter &out) {
+            out(uint64_t(std::count(isHere.begin(), isHere.end(), true)));
+            for (uint64_t i = 0; i < chunks.size(); ++i)
+                if (isHere[i]) out(i, chunks[i]);
+        },
+        [&](StateReader &in) {
+            for (auto count = in.Value<uint64_t>(); count > 0; --count) {
+                const auto i = in.Value<uint64_t>();
+                in.Require(i < chunks.size(), "a chunk of the records has a wrong number");
+                in(chunks[i]);
+                isHere[i] = true;
+            }
+        });
 }
 
 }  // namespace
@@ -177,7 +167,7 @@ VisibilityRecords TraceVisibility(PrepareContext &context, std::span<const Prepa
         context.progress.Advance();
     });
 
-    if (context.team.Size() > 1) Exchange(context.team, chunks);
+    Exchange(context.team, chunks);
     VisibilityRecords result;
     for (VisibilityRecords &chunk : chunks) {
         const auto offset = uint32_t(result.rays.size());

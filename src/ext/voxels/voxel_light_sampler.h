@@ -1,15 +1,16 @@
 #pragma once
 #include <atomic>
 #include <cstdint>
-#include <ctime>
 #include <memory>
 #include <span>
 #include <string>
 
 #include "pbrt/core/parallel.h"
+#include "pbrt/core/progress.h"
 #include "pbrt/lightsamplers/group_light_sampler.h"
 #include "pbrt/math/bounds.h"
 #include "pbrt/math/rng.h"
+#include "pbrt/scene/scene.h"
 
 namespace ext {
 using namespace pbrt;
@@ -31,7 +32,8 @@ class LazyRows {
         rows_ = std::make_unique<std::atomic<T *>[]>(rows);
         count_ = rows;
         length_ = length;
-        filled_ = discarded_ = nanoseconds_ = 0;
+        filled_ = discarded_ = 0;
+        seconds_ = 0;
     }
 
     /// Returns the row, creating it with `fill` if missing, which must set every element of an uninitialized span of T.
@@ -48,7 +50,7 @@ class LazyRows {
     /// Rows discarded because another thread published first.
     size_t Discarded() const { return discarded_.load(); }
     /// CPU time in `fill`, summed over threads.
-    double FillThreadSeconds() const { return double(nanoseconds_.load()) * 1e-9; }
+    double FillThreadSeconds() const { return seconds_.load(); }
     size_t Bytes() const { return count_ * sizeof(T *) + Filled() * length_ * sizeof(T); }
     /// Adds times and numbers of rows that are voxels to a light sampler's report.
     void Report(auto &report, double prepareSeconds) const {
@@ -62,17 +64,12 @@ class LazyRows {
     }
 
   private:
-    static int64_t ThreadNanoseconds() {
-        timespec t{};
-        clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-        return int64_t(t.tv_sec) * 1000000000 + t.tv_nsec;
-    }
     template <class Fill>
     [[gnu::noinline]] const T *Make(size_t row, const Fill &fill) const {
-        int64_t start = ThreadNanoseconds();
+        const double start = ClockSeconds(CLOCK_THREAD_CPUTIME_ID);
         std::unique_ptr<T[]> made(new T[length_]);
         fill(std::span<T>(made.get(), length_));
-        nanoseconds_ += ThreadNanoseconds() - start;
+        seconds_ += ClockSeconds(CLOCK_THREAD_CPUTIME_ID) - start;
         T *expected = nullptr;
         if (!rows_[row].compare_exchange_strong(expected, made.get(), std::memory_order_acq_rel,
                                                 std::memory_order_acquire)) {
@@ -89,7 +86,8 @@ class LazyRows {
 
     std::unique_ptr<std::atomic<T *>[]> rows_;
     size_t count_ = 0, length_ = 0;
-    mutable std::atomic<int64_t> filled_{0}, discarded_{0}, nanoseconds_{0};
+    mutable std::atomic<int64_t> filled_{0}, discarded_{0};
+    mutable std::atomic<double> seconds_{0};  ///< CPU time in `fill`
 };
 
 /// Regular grid over a box with nearly cubic voxels. Look-up is index arithmetic.
@@ -167,10 +165,11 @@ class VoxelLightSampler : public GroupLightSampler {
 
   protected:
     using GroupLightSampler::GroupLightSampler;
-    /// For Prepare.
-    void PrepareVoxels(const VoxelGrid &grid) {
-        grid_ = grid;
-        cdfs_.Reset(grid.Size(), groups_.Size());
+    /// For Prepare. `voxels`: along the longest axis of the scene.
+    void PrepareVoxels(const PrepareContext &context, int voxels) {
+        seed_ = context.seed;
+        grid_ = VoxelGrid(context.scene.Bounds(), voxels);
+        cdfs_.Reset(grid_.Size(), groups_.Size());
     }
     bool IsPrepared() const { return cdfs_.Size() > 0; }
     /// Weights of the groups in a voxel (>= 0, finite), in proportion to which they are selected.
@@ -183,8 +182,10 @@ class VoxelLightSampler : public GroupLightSampler {
         return cdfs_.Get(voxel, [&](std::span<uint32_t> begins) { BuildFixedCdf(Weights(voxel), begins); });
     }
 
+    int seed_ = 0;
     VoxelGrid grid_;
     LazyRows<uint32_t> cdfs_;  ///< per voxel
+    double prepareSeconds_ = 0;
 
   private:
     std::span<const uint32_t> Weighed(const void *weights) const {

@@ -38,19 +38,6 @@ struct PathParams : DepthParams {
     }
 };
 
-/// Learned roulette without guided directions; null if the scene switches it off.
-std::unique_ptr<DirectionSampling> MakeRoulette(const DirectionSpec &guide, const Scene &scene) {
-    ParamSet params = guide.params;
-    const Param *chosen = params.Find("guide.roulette", ParamType::Bool);
-    if (chosen && !chosen->bools[0]) return nullptr;
-    Param off;
-    off.name = "guide.directions";
-    off.type = ParamType::Bool;
-    off.bools = {false};
-    params.Add(std::move(off));
-    return guide.entry->make(params, scene);
-}
-
 /// Without media, volpath is path with subsurface scattering and shadow rays through interfaces.
 IntegratorSettings MakePath(const WithAdaptive<PathParams> &p, const ParamSet &set, const IntegratorReading &r,
                             bool isVolume) {
@@ -80,8 +67,8 @@ IntegratorSettings MakePath(const WithAdaptive<PathParams> &p, const ParamSet &s
         mine.tracksMedia = isVolume && scene.HasMedia();
         std::unique_ptr<LightSampler> sampler = MakeLights(lights, registry, scene.Lights());
         std::unique_ptr<DirectionSampling> learned;
-        if (directions.entry && isGuided) learned = directions.entry->make(directions.params, scene);
-        else if (directions.entry && sampler->LearnsRoulette()) learned = MakeRoulette(directions, scene);
+        if (directions.entry && (isGuided || sampler->LearnsRoulette()))
+            learned = directions.entry->make(directions.params, DirectionRequest{isGuided});
         return std::make_unique<PathIntegrator>(context, mine, std::move(sampler), std::move(learned));
     };
     return settings;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <functional>
@@ -176,9 +176,7 @@ std::optional<int> ParseFlags(CLI::App &app, std::vector<std::string> arguments,
 
 /// The command line as typed, joined by blanks.
 inline std::string JoinArguments(int argc, const char *const *argv) {
-    std::string text;
-    for (int i = 0; i < argc; ++i) text += (i ? " " : "") + std::string(argv[i]);
-    return text;
+    return fmt::format("{}", fmt::join(argv, argv + argc, " "));
 }
 
 }  // namespace pbrt

@@ -41,6 +41,4 @@ void ResetCounters() {
     for (auto &c : r.all) *c = RenderCounters{};
 }
 
-void AddCounters(const RenderCounters &counters) { ThreadCounters() += counters; }
-
 }  // namespace pbrt

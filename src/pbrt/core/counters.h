@@ -28,6 +28,5 @@ RenderCounters &ThreadCounters();
 /// Sum over all threads since the last reset. This and ResetCounters must not run concurrently with parallel work.
 RenderCounters SumCounters();
 void ResetCounters();
-void AddCounters(const RenderCounters &counters);
 
 }  // namespace pbrt

@@ -1,6 +1,5 @@
 #include "pbrt/core/param_reader.h"
 
-#include <algorithm>
 #include <set>
 
 namespace pbrt {
@@ -17,16 +16,11 @@ size_t ItemSize(ParamType type) {
     }
 }
 
-const Param *ParamSet::Find(std::string_view name, ParamType type) const {
+const Param *ParamSet::Find(std::string_view name, std::optional<ParamType> type) const {
     for (const std::vector<Param> *list : {&params_, &defaults_})
         for (auto p = list->rbegin(); p != list->rend(); ++p)
-            if (p->type == type && p->name == name) return &*p;
+            if (p->name == name && (!type || p->type == *type)) return &*p;
     return nullptr;
-}
-
-bool ParamSet::Has(std::string_view name) const {
-    auto matches = [&](const Param &p) { return p.name == name; };
-    return std::ranges::any_of(params_, matches) || std::ranges::any_of(defaults_, matches);
 }
 
 UserError ParamSet::Error(std::string_view name, std::string_view message) const {
@@ -38,10 +32,8 @@ void ParamSet::Warn(DiagnosticSink &sink, std::string_view name, std::string_vie
 }
 
 FileLoc ParamSet::LocOf(std::string_view name) const {
-    for (const std::vector<Param> *list : {&params_, &defaults_})
-        for (auto p = list->rbegin(); p != list->rend(); ++p)
-            if (p->name == name) return p->loc;
-    return loc_;
+    const Param *p = Find(name);
+    return p ? p->loc : loc_;
 }
 
 void ParamReader::ReportUnused(DiagnosticSink &sink) const {

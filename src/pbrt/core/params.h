@@ -2,6 +2,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -110,9 +111,9 @@ class ParamSet {
     const FileLoc &Loc() const { return loc_; }
     const std::vector<Param> &Own() const { return params_; }
 
-    /// The applicable parameter of that name and type; nullptr if there is none.
-    const Param *Find(std::string_view name, ParamType type) const;
-    bool Has(std::string_view name) const;
+    /// The applicable parameter of that name and type, or of any type; nullptr if there is none.
+    const Param *Find(std::string_view name, std::optional<ParamType> type = {}) const;
+    bool Has(std::string_view name) const { return Find(name) != nullptr; }
 
     /// Throws UserError at parameter `name` if the value is outside the range.
     template <class T>

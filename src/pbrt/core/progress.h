@@ -2,6 +2,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <ctime>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -13,6 +14,13 @@ namespace pbrt {
 /// Seconds from `start` until now.
 inline double SecondsSince(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Seconds of a clock of the system, such as the CPU time of this thread; 0 if there is none.
+inline double ClockSeconds(clockid_t clock) {
+    timespec t = {};
+    clock_gettime(clock, &t);
+    return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
 }
 
 /// Display of progress. Reports contain only phase, amount done and total.

@@ -138,8 +138,6 @@ SignalWatch::~SignalWatch() {
     close(impl_->pipe[1]);
 }
 
-void SignalWatch::EndAtOnce(std::string message) { Cancel("", std::move(message), 0); }
-
 void SignalWatch::Cancel(std::string notice, std::string message, double seconds) {
     {
         std::lock_guard lock(impl_->mutex);

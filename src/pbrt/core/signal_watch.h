@@ -28,7 +28,7 @@ class SignalWatch {
 
     /// For a phase without results to save: the first signal ends the process at once. An earlier signal ends it in
     /// this call.
-    void EndAtOnce(std::string message);
+    void EndAtOnce(std::string message) { Cancel("", std::move(message), 0); }
     /// The first signal cancels `progress` and prints `notice`. The process is ended with `message` `seconds` after the
     /// signal or this call, whichever is later. kForever: no deadline.
     void Cancel(std::string notice, std::string message, double seconds);

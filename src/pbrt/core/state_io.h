@@ -58,13 +58,6 @@ class StateWriter {
         Vector(values);
         Value(StructureHash({reinterpret_cast<const char *>(values.data()), values.size() * sizeof(T)}));
     }
-    /// As Vector, for a temporary.
-    template <class T>
-    void CopyOfVector(const std::vector<T> &values) {
-        static_assert(std::is_trivially_copyable_v<T>);
-        Value(uint64_t{values.size()});
-        Copy(values.data(), values.size() * sizeof(T));
-    }
     void Copy(const void *data, size_t bytes) {
         if (bytes == 0) return;
         if (!pieces_.empty() && !pieces_.back().data) pieces_.back().bytes += bytes;
@@ -139,23 +132,10 @@ class StateReader {
             return value;
         }
     }
-    template <class T>
-    void Value(T *value) {
-        *value = Value<T>();
-    }
     std::string Text() { return std::string(Take(Value<uint64_t>())); }
     template <class T>
-    void Vector(std::vector<T> *values) {
-        static_assert(std::is_trivially_copyable_v<T>);
-        const auto count = Value<uint64_t>();
-        Require(count <= rest_.size() / sizeof(T), kTooShort);
-        const std::string_view bytes = Take(count * sizeof(T));
-        values->resize(count);
-        if (count > 0) std::memcpy(values->data(), bytes.data(), bytes.size());
-    }
-    template <class T>
     void Structure(std::vector<T> &values) {
-        Vector(&values);
+        Load(values);
         const uint64_t hash = StructureHash({reinterpret_cast<const char *>(values.data()), values.size() * sizeof(T)});
         Require(Value<uint64_t>() == hash, "the hash of a structure does not fit");
     }
@@ -183,12 +163,17 @@ class StateReader {
     template <class T>
     void Load(T &value) {
         if constexpr (requires { value.Visit(*this); }) value.Visit(*this);
-        else Value(&value);
+        else value = Value<T>();
         if constexpr (requires { value.Validate(); }) RequireValid(value.Validate());
     }
     template <class T>
     void Load(std::vector<T> &values) {
-        Vector(&values);
+        static_assert(std::is_trivially_copyable_v<T>);
+        const auto count = Value<uint64_t>();
+        Require(count <= rest_.size() / sizeof(T), kTooShort);
+        const std::string_view bytes = Take(count * sizeof(T));
+        values.resize(count);
+        if (count > 0) std::memcpy(values.data(), bytes.data(), bytes.size());
     }
     void Load(std::string &text) { text = Text(); }
 

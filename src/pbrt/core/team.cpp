@@ -37,8 +37,6 @@ Team::Team(std::unique_ptr<MessagePort> port, int threads) : port_(std::move(por
     throw AnotherRankFailed{};
 }
 
-Team::~Team() = default;
-
 Team &Team::Alone() {
     static Team alone;
     return alone;
@@ -108,39 +106,40 @@ void Team::AllReduce(const std::function<void(StateWriter &)> &take, const std::
     add(in);
 }
 
-std::string Team::Failures(const std::string &mine, bool *isAny) {
-    std::map<std::string, std::vector<std::string>> failures;
-    if (!mine.empty()) failures[mine].push_back(fmt::format("{} on {}", Rank(), HostName()));
+std::optional<std::string> Team::Failures(const std::string &mine) {
+    struct Processes {
+        uint64_t count = 0;
+        std::string first;
+    };
+    std::map<std::string, Processes> failures;
+    if (!mine.empty()) failures[mine] = {1, fmt::format("{} on {}", Rank(), HostName())};
     Reduce(
         [&](StateWriter &out) {
             out(uint64_t{failures.size()});
-            for (const auto &[text, where] : failures) {
-                out(text, uint64_t{where.size()});
-                for (const std::string &w : where) out(w);
-            }
+            for (const auto &[text, processes] : failures) out(text, processes.count, processes.first);
         },
         [&](StateReader &in) {
-            for (auto count = in.Value<uint64_t>(); count > 0; --count) {
-                std::vector<std::string> &where = failures[in.Text()];
-                for (auto n = in.Value<uint64_t>(); n > 0; --n) where.push_back(in.Text());
+            for (auto texts = in.Value<uint64_t>(); texts > 0; --texts) {
+                auto &[count, first] = failures[in.Text()];
+                count += in.Value<uint64_t>();
+                if (const std::string theirs = in.Text(); first.empty()) first = theirs;
             }
         });
-    *isAny = BroadcastValue(!failures.empty());
+    if (!BroadcastValue(!failures.empty())) return {};
     std::string text;
     if (IsRank0())
-        for (const auto &[what, where] : failures)
+        for (const auto &[what, processes] : failures)
             if (what != mine)
-                text += fmt::format("{} of {} processes (the first is {}) failed: {}", where.size(), Size(),
-                                    where.front(), what);
+                text += fmt::format("{} of {} processes (the first is {}) failed: {}", processes.count, Size(),
+                                    processes.first, what);
     return text;
 }
 
 void Team::Meet() {
-    bool isAny = false;
-    const std::string failures = Failures("", &isAny);
-    if (!isAny) return;
+    const std::optional<std::string> failures = Failures("");
+    if (!failures) return;
     isEnding_ = true;
-    if (IsRank0()) throw UserError(failures);
+    if (IsRank0()) throw UserError(*failures);
     throw AnotherRankFailed{};
 }
 
@@ -151,8 +150,7 @@ void Team::Fail(const UserError &error) {
         std::fputs(text.c_str(), stderr);
         Abort(1);
     }
-    bool isAny = false;
-    std::fputs(Failures(text, &isAny).c_str(), stderr);
+    std::fputs(Failures(text)->c_str(), stderr);
 }
 
 }  // namespace pbrt

@@ -20,7 +20,6 @@ class Team {
     Team() = default;
     /// `threads`: of this process.
     Team(std::unique_ptr<MessagePort> port, int threads);
-    ~Team();
     /// A shared team of one.
     static Team &Alone();
 
@@ -62,8 +61,8 @@ class Team {
     using Channel = MessagePort::Channel;
     void Send(int to, Channel channel, const StateWriter &bytes);
     std::string Receive(int from);
-    /// Failures with their ranks; empty except on rank 0.
-    std::string Failures(const std::string &mine, bool *isAny);
+    /// Failures of the other ranks, as text on rank 0; nothing if no rank failed. `mine`: empty if this one did not.
+    std::optional<std::string> Failures(const std::string &mine);
 
     std::unique_ptr<MessagePort> port_;  ///< null: team of one
     int totalThreads_ = 0;

@@ -26,7 +26,13 @@ class DirectionSampling : public OnlineModel {
     virtual void Inspect(const PathVertex &vertex, Point2i pixel, std::vector<InspectedValue> &values) const = 0;
 };
 
+struct DirectionRequest {
+    /// False: neither scene nor command line asks for it, but the light sampler does (LightSampler::LearnsRoulette).
+    /// Then makers return roulette with BSDF directions, or null if the parameters switch that off.
+    bool isGuided;
+};
+
 /// DirectionSampling implementations by name. Their parameters are "name.key" of the integrator.
-using DirectionSamplings = FactoryTable<std::unique_ptr<DirectionSampling>, const Scene>;
+using DirectionSamplings = FactoryTable<std::unique_ptr<DirectionSampling>, const DirectionRequest>;
 
 }  // namespace pbrt

@@ -36,7 +36,7 @@ bool ReducePass(const RenderPass &pass, int64_t chunks, int64_t whole, int64_t u
     pass.team.Reduce([&](StateWriter &out) { out.Vector(changed); },
                      [&](StateReader &in) {
                          std::vector<Done> also;
-                         in.Vector(&also);
+                         in(also);
                          changed.insert(changed.end(), also.begin(), also.end());
                      });
     for (const Done &d : changed) (*pass.done)[d.chunk] = d.samples;

@@ -97,10 +97,7 @@ class WaveRenderer {
             StateReader in(command, "command");
             switch (in.Value<Command>()) {
                 case Command::Pass:
-                    in.Value(&position_.done);
-                    in.Value(&position_.passCount);
-                    in.Value(&isRepeating_);
-                    in.Vector(&position_.passDone);
+                    in(position_.done, position_.passCount, isRepeating_, position_.passDone);
                     RenderPassOf(position_.passCount);
                     break;
                 case Command::Update: UpdateTogether(); break;
@@ -122,12 +119,7 @@ class WaveRenderer {
     void Send(Command command) {
         StateWriter out;
         out.Value(command);
-        if (command == Command::Pass) {
-            out.Value(position_.done);
-            out.Value(position_.passCount);
-            out.Value(isRepeating_);
-            out.CopyOfVector(position_.passDone);
-        }
+        if (command == Command::Pass) out(position_.done, position_.passCount, isRepeating_, position_.passDone);
         if (command == Command::Plan) out(position_.plan);
         context_.team.Broadcast(out);
     }

@@ -17,8 +17,7 @@ namespace {
 constexpr uint64_t kStream = 0x6e65657070ull;
 
 Vector3 Uniform3(Rng &rng) {
-    Float x = rng.Uniform(), y = rng.Uniform();
-    return {x, y, rng.Uniform()};
+    return {rng.Uniform(), rng.Uniform(), rng.Uniform()};  // in this order
 }
 
 constexpr int kSkySamples = 4096;
@@ -126,8 +125,7 @@ void NeeppLightSampler::Prepare(PrepareContext &context) {
     if (groups_.Size() <= 1) return;
     const auto start = std::chrono::steady_clock::now();
     scene_ = &context.scene;
-    seed_ = context.seed;
-    PrepareVoxels(VoxelGrid(context.scene.Bounds(), params_.voxels));
+    PrepareVoxels(context, params_.voxels);
     targets_ = LightTargets(context.scene, grid_, groups_);
     rows_.Reset(grid_.Size(), targets_.Size());
     auto work = double(grid_.BorderSize()) * double(targets_.Size()) * params_.samples;

@@ -5,7 +5,6 @@
 #include "pbrt/core/describe.h"
 #include "pbrt/lights/light_table.h"
 #include "pbrt/lightsamplers/light_sampler.h"
-#include "pbrt/scene/scene.h"
 
 namespace ext {
 
@@ -96,10 +95,8 @@ class NeeppLightSampler final : public VoxelLightSampler {
 
     NeeppParams params_;
     const Scene *scene_ = nullptr;
-    int seed_ = 0;
     LightTargets targets_;
     LazyRows<uint8_t> rows_;  ///< per voxel, one value per target
-    double prepareSeconds_ = 0;
 };
 
 }  // namespace ext

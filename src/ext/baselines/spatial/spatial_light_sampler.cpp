@@ -9,7 +9,6 @@
 #include "pbrt/core/progress.h"
 #include "pbrt/integrators/registry.h"
 #include "pbrt/math/low_discrepancy.h"
-#include "pbrt/scene/scene.h"
 
 namespace ext {
 namespace {
@@ -35,8 +34,7 @@ SpatialLightSampler::SpatialLightSampler(const LightTable &lights, const Spatial
 void SpatialLightSampler::Prepare(PrepareContext &context) {
     if (groups_.Size() <= 1) return;
     const auto start = std::chrono::steady_clock::now();
-    PrepareVoxels(VoxelGrid(context.scene.Bounds(), params_.voxels));
-    seed_ = context.seed;
+    PrepareVoxels(context, params_.voxels);
     auto work = double(grid_.BorderSize()) * double(groups_.Size()) * params_.samples;
     if (work > 3e8)
         LogWarning(

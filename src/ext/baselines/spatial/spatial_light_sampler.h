@@ -49,8 +49,6 @@ class SpatialLightSampler final : public VoxelLightSampler {
     const LightTable &lights_;
     SpatialParams params_;
     std::vector<VoxelPoint> points_;
-    int seed_ = 0;
-    double prepareSeconds_ = 0;
 };
 
 }  // namespace ext

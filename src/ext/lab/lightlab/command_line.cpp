@@ -178,8 +178,7 @@ void TakeFromResults(const CLI::App &app, LightlabOptions *o) {
     }
 }
 
-}  // namespace
-
+/// "x0,y0,x1,y1;..." in image pixels, half-open. Throws UserError.
 std::vector<Bounds2i> ParseCrops(const std::string &text) {
     std::vector<Bounds2i> crops;
     std::istringstream list(text);
@@ -194,6 +193,8 @@ std::vector<Bounds2i> ParseCrops(const std::string &text) {
     }
     return crops;
 }
+
+}  // namespace
 
 std::optional<int> ParseLightlabCommandLine(int argc, const char *const *argv,
                                             const std::vector<std::string> &registered, LightlabOptions &o) {

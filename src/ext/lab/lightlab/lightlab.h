@@ -22,9 +22,6 @@ struct LightlabOptions {
 std::optional<int> ParseLightlabCommandLine(int argc, const char *const *argv,
                                             const std::vector<std::string> &registered, LightlabOptions &options);
 
-/// "x0,y0,x1,y1;..." in image pixels, half-open. Throws UserError.
-std::vector<Bounds2i> ParseCrops(const std::string &text);
-
 /// Runs charts.py and report.py on a finished experiment without changing its results. Returns an error message, empty
 /// on success.
 std::string RunReportScripts(const std::string &outFolder, bool quiet);

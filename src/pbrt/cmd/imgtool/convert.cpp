@@ -23,14 +23,12 @@ void MapColors(Image &image, auto &&f) {
 
 // Clamps magnitudes: R, G and B of a pixel by a common factor, which preserves hue; other channels separately.
 void Clamp(Image &image, Float limit) {
-    const std::array<int, 3> rgb = {image.FindChannel("R"), image.FindChannel("G"), image.FindChannel("B")};
-    const bool isColor = std::all_of(rgb.begin(), rgb.end(), [](int c) { return c >= 0; });
-    ForEachPixel(image, [&](Point2i p) {
-        if (!isColor) return;
-        const Rgb color = GetRgb(image, p, rgb);
-        const Float largest = MaxComponent(glm::abs(color));
-        if (largest > limit && std::isfinite(largest)) SetRgb(image, p, rgb, color / largest * limit);
-    });
+    if (image.HasRgb())
+        ForEachPixel(image, [&, rgb = RgbChannels(image, "")](Point2i p) {
+            const Rgb color = GetRgb(image, p, rgb);
+            const Float largest = MaxComponent(glm::abs(color));
+            if (largest > limit && std::isfinite(largest)) SetRgb(image, p, rgb, color / largest * limit);
+        });
     MapColors(image, [&](Float v) { return std::clamp(v, -limit, limit); });
 }
 

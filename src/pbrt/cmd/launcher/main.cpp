@@ -6,7 +6,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <string>
-#include <vector>
 
 namespace {
 
@@ -14,14 +13,6 @@ struct InstructionSet {
     const char *name;
     bool isSupported;
 };
-
-/// Best first. The names are those of the x86-64 psABI.
-std::vector<InstructionSet> InstructionSets() {
-    __builtin_cpu_init();
-    return {{"x86-64-v4", __builtin_cpu_supports("x86-64-v4") != 0},
-            {"x86-64-v3", __builtin_cpu_supports("x86-64-v3") != 0},
-            {"x86-64", true}};
-}
 
 }  // namespace
 
@@ -34,7 +25,12 @@ int main(int, char **argv) {
     const std::string name = self.filename().string();
     const char *wish = std::getenv("PBRT_INSTRUCTION_SET");
     std::string choices;
-    for (const InstructionSet &set : InstructionSets()) {
+    __builtin_cpu_init();
+    // Best first. The names are those of the x86-64 psABI.
+    const InstructionSet sets[] = {{"x86-64-v4", __builtin_cpu_supports("x86-64-v4") != 0},
+                                   {"x86-64-v3", __builtin_cpu_supports("x86-64-v3") != 0},
+                                   {"x86-64", true}};
+    for (const InstructionSet &set : sets) {
         const std::string program = (folder / set.name / "bin" / name).string();
         if (!set.isSupported || access(program.c_str(), X_OK) != 0) continue;
         choices += (choices.empty() ? "" : ", ") + std::string(set.name);

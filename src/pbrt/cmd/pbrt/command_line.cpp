@@ -72,15 +72,6 @@ int ParsePort(const std::string &text) {
     return std::stoi(text);
 }
 
-/// Validates the flags of viewers.
-void CheckViewers(const CommandLine &o) {
-    if (!o.displayServer.empty() && SplitServer(o.displayServer).first.empty())
-        throw CLI::ValidationError(
-            "--display-server",
-            "\"" + o.displayServer + "\" is no HOST:PORT, such as localhost:14158, where tev listens");
-}
-
-/// Validates the flags of checkpoints and parts.
 void CheckKeeping(const CommandLine &o) {
     const auto refuse = [](const char *message) { throw CLI::ValidationError(message); };
     if (o.resume && o.checkpoint.empty()) refuse("--resume needs --checkpoint, the file to resume from");
@@ -265,11 +256,15 @@ std::optional<int> ParseCommandLine(int argc, const char *const *argv, CommandLi
         if (!raw.samples.empty()) o.samples = ParseSamples(raw.samples);
         if (!std::isfinite(o.noise)) throw CLI::ValidationError("--noise", "is not finite; valid: numbers above 0");
         CheckKeeping(o);
-        CheckViewers(o);
+        if (!o.displayServer.empty() && SplitServer(o.displayServer).first.empty())
+            throw CLI::ValidationError(
+                "--display-server",
+                "\"" + o.displayServer + "\" is no HOST:PORT, such as localhost:14158, where tev listens");
         if (app.count("--serve")) o.servePort = ParsePort(raw.port);
         if (app.count("--stats")) o.stats = ParseStats(o.stats);
     });
     if (status) return status;
+    if (o.sceneFiles.empty()) o.sceneFiles = {"-"};
     o.build.adaptive = o.build.adaptive || o.noise > 0;
     o.memoryLimit = 1e6 * raw.memoryLimitMb;
     // A part writes no image.

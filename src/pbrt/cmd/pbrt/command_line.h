@@ -10,7 +10,7 @@ namespace pbrt {
 
 struct CommandLine {
     BuildOptions build;
-    std::vector<std::string> sceneFiles;
+    std::vector<std::string> sceneFiles;  ///< "-": standard input
     int threads = 0;
     bool quiet = false, writePartialImages = false;
     std::string stats;  ///< "text" or "json": statistics to standard output; empty: none
@@ -27,11 +27,6 @@ struct CommandLine {
     std::optional<int> servePort;                ///< of the live page; -1: the default
     std::string text;                            ///< as typed, for image metadata
 };
-
-/// Scene files of the command line, or standard input.
-inline std::vector<std::string> SceneFilesOf(const CommandLine &options) {
-    return options.sceneFiles.empty() ? std::vector<std::string>{"-"} : options.sceneFiles;
-}
 
 /// Parses flags as stock pbrt-v4: one or two dashes; `-`, `_` and case in names ignored; `--name value` or
 /// `--name=value` (pbrt-v4-format §13). Adds our own. After printing help, version or an error, returns the exit

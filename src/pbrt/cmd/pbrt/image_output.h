@@ -1,7 +1,9 @@
 #pragma once
+#include <filesystem>
 #include <optional>
 #include <string>
 
+#include "pbrt/core/error.h"
 #include "pbrt/images/image.h"
 
 namespace pbrt {
@@ -13,15 +15,58 @@ class ImageOutput {
     explicit ImageOutput(std::string filename) : filename_(std::move(filename)) {}
 
     const std::string &Filename() const { return filename_; }
-    /// "out-unfinished.exr" for "out.exr".
-    std::string BesideName() const { return WithSuffix(filename_, "-unfinished"); }
-    void WriteFinished(const Image &image, const ImageMetadata &metadata);
+    void WriteFinished(const Image &image, const ImageMetadata &metadata) {
+        WriteImage(filename_, image, metadata);
+        RemoveBeside();
+    }
     /// Returns the name of the file written. `metadata` provides samples, scene and integrator.
-    std::string WriteUnfinished(const Image &image, const ImageMetadata &metadata);
+    std::string WriteUnfinished(const Image &image, const ImageMetadata &metadata) {
+        if (KeepsOld(metadata)) {
+            WriteImage(beside_, image, metadata);
+            wroteBeside_ = true;
+            return beside_;
+        }
+        WriteImage(filename_, image, metadata);
+        isOurs_ = true;
+        RemoveBeside();
+        return filename_;
+    }
 
   private:
-    bool KeepsOld(const ImageMetadata &metadata);
+    template <class T>
+    static std::optional<T> Attribute(const ImageMetadata &m, const std::string &name) {
+        const auto it = m.attributes.find(name);
+        const T *value = it == m.attributes.end() ? nullptr : std::get_if<T>(&it->second);
+        return value ? std::optional<T>(*value) : std::nullopt;
+    }
+    /// True if two images may show the same scene, so that their samples are comparable. Missing attributes count as
+    /// equal.
+    static bool MayShowTheSame(const ImageMetadata &a, const ImageMetadata &b) {
+        for (const char *name : {"pbrt.scene", "pbrt.integrator"}) {
+            const auto one = Attribute<std::string>(a, name), other = Attribute<std::string>(b, name);
+            if (one && other && *one != *other) return false;
+        }
+        return !a.fullResolution || !b.fullResolution || *a.fullResolution == *b.fullResolution;
+    }
+    bool KeepsOld(const ImageMetadata &metadata) {
+        std::error_code none;
+        if (isOurs_ || !std::filesystem::is_regular_file(filename_, none)) return false;
+        if (!old_) try {
+                old_ = ReadImage(filename_).metadata;
+            } catch (const UserError &) {
+                old_.emplace();  // its contents are unknown
+            }
+        if (!MayShowTheSame(*old_, metadata)) return false;
+        const auto had = Attribute<int>(*old_, "samplesPerPixel"), has = Attribute<int>(metadata, "samplesPerPixel");
+        return !had || !has || *had > *has;
+    }
+    void RemoveBeside() {
+        std::error_code ignored;
+        if (std::exchange(wroteBeside_, false)) std::filesystem::remove(beside_, ignored);
+    }
+
     std::string filename_;
+    std::string beside_ = WithSuffix(filename_, "-unfinished");  ///< "out-unfinished.exr" for "out.exr"
     bool isOurs_ = false, wroteBeside_ = false;
     /// Metadata of the file before this render, read on first use; without attributes if unreadable.
     std::optional<ImageMetadata> old_;

@@ -1,4 +1,5 @@
 #pragma once
+#include <cmath>
 #include <condition_variable>
 #include <memory>
 #include <mutex>
@@ -7,7 +8,7 @@
 #include <utility>
 
 #include "pbrt/core/progress.h"
-#include "pbrt/images/image.h"
+#include "pbrt/images/metrics.h"
 
 namespace pbrt {
 
@@ -40,24 +41,51 @@ class LiveBoard final : public ProgressSink {
     };
     explicit LiveBoard(ProgressSink *next) : next_(next) {}
 
-    void Show(const std::string &phase, double fraction, double elapsed, double remaining) override;
-    void PhaseDone(const std::string &phase, double elapsed) override;
+    void Show(const std::string &phase, double fraction, double elapsed, double remaining) override {
+        Assign(status_, Status{phase, fraction, elapsed, remaining});
+        if (next_) next_->Show(phase, fraction, elapsed, remaining);
+    }
+    void PhaseDone(const std::string &phase, double elapsed) override {
+        Assign(status_, Status{phase, 1, elapsed, 0});
+        if (next_) next_->PhaseDone(phase, elapsed);
+    }
 
     void Describe(const LiveRender &render) { Assign(render_, render); }
-    void Put(Image colors, LivePicture::State state, int samples, std::optional<double> relL2 = {});
+    void Put(Image colors, LivePicture::State state, int samples, std::optional<double> relL2 = {}) {
+        {
+            const std::lock_guard lock(mutex_);
+            const int version = latest_ ? latest_->version + 1 : 1;
+            latest_ =
+                std::make_shared<const LivePicture>(LivePicture{std::move(colors), state, samples, version, relL2});
+        }
+        changed_.notify_all();
+    }
     /// Terminates the viewers.
-    void Close();
+    void Close() {
+        Assign(isClosed_, true);
+        changed_.notify_all();
+    }
 
     Status Progress() const { return Copy(status_); }
     std::optional<LiveRender> Render() const { return Copy(render_); }
     /// Null before the first image.
     std::shared_ptr<const LivePicture> Latest() const { return Copy(latest_); }
     /// Waits for an image of a later version, Close, or a time-out in seconds.
-    std::shared_ptr<const LivePicture> WaitBeyond(int version, double seconds) const;
+    std::shared_ptr<const LivePicture> WaitBeyond(int version, double seconds) const {
+        std::unique_lock lock(mutex_);
+        changed_.wait_for(lock, std::chrono::duration<double>(seconds),
+                          [&] { return isClosed_ || (latest_ && latest_->version > version); });
+        return latest_;
+    }
     bool IsClosed() const { return Copy(isClosed_); }
 
     /// Adds the CPU time of the calling viewer's thread since its last call.
-    void ChargeThread();
+    void ChargeThread() {
+        thread_local double charged = 0;
+        const double now = ClockSeconds(CLOCK_THREAD_CPUTIME_ID);
+        const std::lock_guard lock(mutex_);
+        charged_ += now - std::exchange(charged, now);
+    }
     /// CPU seconds of all viewers.
     double Charged() const { return Copy(charged_); }
 
@@ -92,11 +120,29 @@ class LiveBoard final : public ProgressSink {
 class ErrorEstimate {
   public:
     /// Call for the images in order; images may be skipped.
-    void Add(std::shared_ptr<const LivePicture> picture);
+    void Add(std::shared_ptr<const LivePicture> picture) {
+        if (!picture || picture->samples < 1 || (last_ && picture->samples <= last_->samples)) return;
+        const double n2 = picture->samples;
+        // With few additional samples the estimate is rough; the previous base is better then.
+        if (last_ && (!base_ || 4 * last_->samples <= 3 * picture->samples)) base_ = last_;
+        if (picture->relL2) {
+            relL2_ = picture->relL2;
+        } else if (base_) {
+            const double n1 = base_->samples;
+            relL2_ = ImageError(base_->colors, picture->colors, Metric::RelL2) * n1 / (n2 - n1);
+        }
+        last_ = std::move(picture);
+    }
     /// relL2 of the last image; empty without an earlier one to compare.
     std::optional<double> RelL2() const { return relL2_; }
     /// Why there is no estimate, for the user; empty if there is one. `isFinal`: no image follows.
-    std::string WhyNone(bool isFinal) const;
+    std::string WhyNone(bool isFinal) const {
+        if (!last_) return isFinal ? "no picture was made" : "no samples yet";
+        if (!relL2_)
+            return isFinal ? "an estimate needs two pictures; the render had only one"
+                           : "an estimate needs two pictures; this is the first";
+        return std::isfinite(*relL2_) ? "" : "some pixels are not finite";
+    }
 
   private:
     std::shared_ptr<const LivePicture> base_, last_;

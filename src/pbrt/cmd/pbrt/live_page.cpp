@@ -30,33 +30,31 @@ struct Shared {
     Clock::time_point lastRequest = Clock::now() - std::chrono::hours(1);  ///< of any browser
     bool lastIsFetched = false;                                            ///< of the final image
 
-    std::string StatusText();
-};
-
-std::string Shared::StatusText() {
-    const LiveBoard::Status s = board->Progress();
-    const std::shared_ptr<const LivePicture> picture = board->Latest();
-    error.Add(picture);
-    Json json = {{"phase", s.phase},
-                 {"fraction", s.fraction},
-                 {"elapsed", s.elapsed},
-                 {"remaining", s.remaining >= 0 ? Json(s.remaining) : Json()},
-                 {"version", picture ? picture->version : 0},
-                 {"isFinal", picture && picture->IsFinal()},
-                 {"isInterrupted", picture && picture->state == LivePicture::State::Interrupted},
-                 {"samples", picture ? picture->samples : 0},
-                 {"relL2", error.RelL2() ? Json(*error.RelL2()) : Json()},
-                 {"whyNoError", error.WhyNone(picture && picture->IsFinal())}};
-    if (const std::optional<LiveRender> render = board->Render()) {
-        json["scene"] = render->scene;
-        json["file"] = render->filename;
-        json["width"] = render->pixelBounds.Width();
-        json["height"] = render->pixelBounds.Height();
-        json["samplesWanted"] = render->samples > 0 ? Json(render->samples) : Json();
-        json["timeBudget"] = render->timeBudget > 0 ? Json(render->timeBudget) : Json();
+    std::string StatusText() {
+        const LiveBoard::Status s = board->Progress();
+        const std::shared_ptr<const LivePicture> picture = board->Latest();
+        error.Add(picture);
+        Json json = {{"phase", s.phase},
+                     {"fraction", s.fraction},
+                     {"elapsed", s.elapsed},
+                     {"remaining", s.remaining >= 0 ? Json(s.remaining) : Json()},
+                     {"version", picture ? picture->version : 0},
+                     {"isFinal", picture && picture->IsFinal()},
+                     {"isInterrupted", picture && picture->state == LivePicture::State::Interrupted},
+                     {"samples", picture ? picture->samples : 0},
+                     {"relL2", error.RelL2() ? Json(*error.RelL2()) : Json()},
+                     {"whyNoError", error.WhyNone(picture && picture->IsFinal())}};
+        if (const std::optional<LiveRender> render = board->Render()) {
+            json["scene"] = render->scene;
+            json["file"] = render->filename;
+            json["width"] = render->pixelBounds.Width();
+            json["height"] = render->pixelBounds.Height();
+            json["samplesWanted"] = render->samples > 0 ? Json(render->samples) : Json();
+            json["timeBudget"] = render->timeBudget > 0 ? Json(render->timeBudget) : Json();
+        }
+        return json.dump(-1, ' ', false, Json::error_handler_t::replace);
     }
-    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
+};
 
 class Session : public std::enable_shared_from_this<Session> {
   public:

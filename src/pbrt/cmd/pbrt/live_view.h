@@ -1,6 +1,5 @@
 #pragma once
-#include <fmt/format.h>
-
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <future>
@@ -12,6 +11,7 @@
 
 #include "pbrt/cmd/pbrt/live_board.h"
 #include "pbrt/core/log.h"
+#include "pbrt/core/parallel.h"
 #include "pbrt/integrators/render_loop.h"
 
 namespace pbrt {
@@ -89,29 +89,68 @@ class LiveView {
 
     /// `progress`: sink to forward progress to, or null.
     explicit LiveView(ProgressSink *progress) : board_(std::make_shared<LiveBoard>(progress)) {}
-    ~LiveView();
+    /// Remaining viewers end with the process.
+    ~LiveView() { WaitForViewers(0.3); }
 
     ProgressSink *Sink() { return board_.get(); }
     /// `server`: "host:port" of a tev-compatible viewer.
-    void SendTo(const std::string &server);
+    void SendTo(const std::string &server) {
+        viewers_.emplace_back([board = board_, server] { ShowInTev(*board, server); });
+    }
     /// Opens the page. `port` -1: a free one. Throws UserError if the port is in use.
-    void Serve(int port);
+    void Serve(int port) {
+        auto page = std::make_shared<LivePage>(board_, port);
+        LogInfo("Live page: {}", page->Address());
+        viewers_.emplace_back([page] { page->Run(); });
+    }
     bool HasViewers() const { return !viewers_.empty(); }
 
-    void Begin(const LiveRender &render);
+    void Begin(const LiveRender &render) {
+        board_->Describe(render);
+        begin_ = Clock::now();
+        spent_ = 0;
+        lastCost_ = double(render.pixelBounds.Area()) * kSecondsPerPixel;
+    }
     /// Call between waves: publishes an image if due. Returns the seconds until the next is due.
-    double AfterWave(const Film &film, const RenderResult &result);
+    double AfterWave(const Film &film, const RenderResult &result) {
+        // Viewer threads take time from all render threads together.
+        const double spent = spent_ + board_->Charged() / ThreadCount();
+        const double due = (spent + lastCost_ - kFirstSeconds) / kMaxShare;
+        const double elapsed = SecondsSince(begin_);
+        if (elapsed < due) return due - elapsed;
+        Take(film, LivePicture::State::Growing, result);
+        lastCost_ = std::max(lastCost_ / 2, spent_ + board_->Charged() / ThreadCount() - spent);
+        return std::max(0.0, (spent + 2 * lastCost_ - kFirstSeconds) / kMaxShare - elapsed);
+    }
     /// Publishes the last image; viewers receive it while the file is written.
-    void Finish(const Film &film, const RenderResult &result);
-    /// Waits at most kFarewellSeconds for viewers to show it.
-    void SayFarewell();
+    void Finish(const Film &film, const RenderResult &result) {
+        if (HasViewers() && result.samplesTaken > 0)
+            Take(film, result.cancelled ? LivePicture::State::Interrupted : LivePicture::State::Finished, result);
+    }
+    /// Waits at most this long for viewers to show it.
+    void WaitForViewers(double seconds) {
+        board_->Close();
+        const auto deadline =
+            Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+        for (LiveViewer &viewer : viewers_) viewer.WaitUntil(deadline);
+        viewers_.clear();
+    }
 
   private:
-    void Take(const Film &film, LivePicture::State state, const RenderResult &result);
-    void WaitForViewers(double seconds);
+    using Clock = std::chrono::steady_clock;
+    /// Estimated cost of an image before the first measurement.
+    static constexpr double kSecondsPerPixel = 5e-8;
+
+    void Take(const Film &film, LivePicture::State state, const RenderResult &result) {
+        const Clock::time_point start = Clock::now();
+        std::optional<double> relL2;
+        if (result.adaptive && result.adaptive->noise) relL2 = Sqr(*result.adaptive->noise);
+        board_->Put(film.Colors(), state, result.samplesTaken, relL2);
+        spent_ += SecondsSince(start);
+    }
     std::shared_ptr<LiveBoard> board_;
     std::vector<LiveViewer> viewers_;
-    std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+    Clock::time_point begin_ = Clock::now();
     double spent_ = 0, lastCost_ = 0;  ///< seconds of the render
 };
 

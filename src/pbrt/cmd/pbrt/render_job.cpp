@@ -32,7 +32,7 @@ constexpr double kWritingSeconds = 10;
 constexpr double kLiveWaveSeconds = 3;
 
 LiveRender LiveRenderOf(const CommandLine &options, const BuiltScene &built, const RenderSettings &settings) {
-    return {.scene = fmt::format("{}", fmt::join(SceneFilesOf(options), " ")),
+    return {.scene = fmt::format("{}", fmt::join(options.sceneFiles, " ")),
             .filename = built.filename,
             .fullResolution = built.film->FullResolution(),
             .pixelBounds = built.film->PixelBounds(),
@@ -87,11 +87,11 @@ class PictureWriter {
         SetRendering();
     }
 
-    /// Writes the final image. Returns false if there is nothing to write.
-    bool Write(const RenderResult &result) {
+    /// Writes the final image. Returns the file's name; empty if there is nothing to write.
+    std::string Write(const RenderResult &result) {
         if (result.cancelled && result.samplesTaken == 0) {
             LogInfo("Interrupted before every pixel had a sample: no image was written.");
-            return false;
+            return {};
         }
         SetWriting(output_.Filename());
         std::string name = output_.Filename();
@@ -105,10 +105,8 @@ class PictureWriter {
         if (result.cancelled) LogInfo("Interrupted: the image holds what was rendered.");
         if (name != output_.Filename())
             LogInfo("{} is kept: it has more samples of this scene, or an unknown number.", output_.Filename());
-        written_ = name;
-        return true;
+        return name;
     }
-    const std::string &Written() const { return written_; }
 
     void SetRendering() const {
         signals_.Cancel("Interrupted; saving what was rendered. A second signal ends at once.",
@@ -129,12 +127,11 @@ class PictureWriter {
     const Timings &timings_;
     SignalWatch &signals_;
     ImageOutput output_;
-    std::string written_;
 };
 
 /// Throws UserError for standard input under mpirun, which forwards it to rank 0 only.
 void RefusePipes(const CommandLine &options) {
-    for (const std::string &file : SceneFilesOf(options))
+    for (const std::string &file : options.sceneFiles)
         if (file == "-")
             throw UserError("under mpirun the scene must be in files: only one process gets the standard input.");
 }
@@ -145,8 +142,7 @@ void ShareCheckpoint(Team &team, BuildOptions *build, std::optional<StateReader>
     team.Meet();
     StateWriter out;
     if (team.IsRank0()) {
-        out.Value(build->samplesPerPixel);
-        out.Value(learned->has_value());
+        out(build->samplesPerPixel, learned->has_value());
         if (*learned) {
             StateReader all = **learned;
             const std::string_view bytes = all.Take(all.BytesLeft());
@@ -156,7 +152,7 @@ void ShareCheckpoint(Team &team, BuildOptions *build, std::optional<StateReader>
     *memory = team.Broadcast(out);
     if (team.IsRank0()) return;
     StateReader in(*memory, "the checkpoint");
-    in.Value(&build->samplesPerPixel);
+    in(build->samplesPerPixel);
     if (in.Value<bool>()) *learned = StateReader(in.Take(in.BytesLeft()), "the checkpoint");
 }
 
@@ -185,15 +181,11 @@ void PlanSamples(double budget, std::chrono::steady_clock::time_point start, Tea
 /// Sums the counters of all ranks on rank 0; returns the sum of sent bytes there.
 uint64_t ReduceCounters(Team &team) {
     uint64_t sent = team.BytesSent();
-    team.Reduce(
-        [&](StateWriter &out) {
-            out.Value(SumCounters());
-            out.Value(sent);
-        },
-        [&](StateReader &in) {
-            AddCounters(in.Value<RenderCounters>());
-            sent += in.Value<uint64_t>();
-        });
+    team.Reduce([&](StateWriter &out) { out(SumCounters(), sent); },
+                [&](StateReader &in) {
+                    ThreadCounters() += in.Value<RenderCounters>();
+                    sent += in.Value<uint64_t>();
+                });
     return sent;
 }
 
@@ -221,7 +213,7 @@ class RenderJob {
     SceneDescription Read() {
         if (team_.Size() > 1) RefusePipes(options_);
         progress_.BeginPhase("reading", 0);
-        SceneDescription description = ParseSceneFiles(SceneFilesOf(options_), sink_);
+        SceneDescription description = ParseSceneFiles(options_.sceneFiles, sink_);
         PrintWarnings(sink_, &printed_);
         sink_.ThrowIfErrors();
         build_.checksOutput = build_.checksOutput && team_.IsRank0();
@@ -329,22 +321,22 @@ class RenderJob {
         if (checkpoint_) result.seconds += checkpoint_->RenderSecondsBefore();
         live_.Finish(*built.film, result);
         progress_.BeginPhase("writing", 0);
-        const bool isPart = options_.samples.has_value(), isWritten = !isPart && writer.Write(result);
+        const std::string written = options_.samples ? "" : writer.Write(result);
         if (!learnedLights_->SavePath().empty() && !result.cancelled) learnedLights_->Save(built);
         timings_.write = progress_.EndPhase();
         const bool hasFailed = checkpoint_ && !checkpoint_->Failure().empty();
         if (settings_->checkpoint && !hasFailed) LogCheckpoint(result);
-        if (isWritten)
-            LogInfo("Wrote {} ({} per pixel, {:.2f} s; {:.2f} s since the start).", writer.Written(),
+        if (!written.empty())
+            LogInfo("Wrote {} ({} per pixel, {:.2f} s; {:.2f} s since the start).", written,
                     CountText(result.samplesTaken, "sample"), result.seconds, timings_.Total());
-        if (isWritten && !result.cancelled) LogNoise(result);
+        if (!written.empty() && !result.cancelled) LogNoise(result);
         if (options_.stats == "text") PrintStatistics(built, result, timings_);
         if (options_.stats == "text" && team_.Size() > 1)
             std::printf("  %-34s %d, %d; %.3f MB sent\n", "processes, threads", team_.Size(), team_.TotalThreads(),
                         double(sent) / 1e6);
-        if (options_.stats == "json") PrintStatisticsJson(options_, built, result, timings_, writer.Written());
+        if (options_.stats == "json") PrintStatisticsJson(options_, built, result, timings_, written);
         std::fflush(stdout);
-        live_.SayFarewell();
+        live_.WaitForViewers(LiveView::kFarewellSeconds);
         // The image is written even if one of these failed.
         if (!result.mseFailure.empty()) throw UserError(result.mseFailure);
         if (hasFailed) throw UserError(checkpoint_->Failure());

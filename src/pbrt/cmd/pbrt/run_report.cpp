@@ -5,13 +5,13 @@
 
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "pbrt/core/counters.h"
 #include "pbrt/core/parallel.h"
+#include "pbrt/core/progress.h"
 #include "pbrt/core/version.h"
 #include "pbrt/integrators/direction_sampling.h"
 
@@ -61,10 +61,9 @@ double SecondsSinceProcessStart() {
     std::istringstream words(text.substr(text.rfind(')') + 1));
     std::string word;
     for (int i = 0; i < 20; ++i) words >> word;
-    timespec now = {};
-    if (word.empty() || !words || clock_gettime(CLOCK_BOOTTIME, &now) != 0) return 0;
+    if (word.empty() || !words) return 0;
     const double started = std::strtod(word.c_str(), nullptr) / double(sysconf(_SC_CLK_TCK));
-    return std::max(0.0, double(now.tv_sec) + double(now.tv_nsec) * 1e-9 - started);
+    return std::max(0.0, ClockSeconds(CLOCK_BOOTTIME) - started);
 }
 
 ImageMetadata DescribeImage(const CommandLine &options, const BuiltScene &built, const RenderResult &result,
@@ -85,7 +84,7 @@ ImageMetadata DescribeImage(const CommandLine &options, const BuiltScene &built,
         m.attributes["worldToNDC"] = (*ndc * built.cameraFromWorld).Matrix();
     if (result.mse) m.attributes["MSE"] = float(*result.mse);
     m.attributes["pbrt.commandLine"] = options.text;
-    m.attributes["pbrt.scene"] = fmt::format("{}", fmt::join(SceneFilesOf(options), " "));
+    m.attributes["pbrt.scene"] = fmt::format("{}", fmt::join(options.sceneFiles, " "));
     m.attributes["pbrt.version"] = std::string(VersionText());
     m.attributes["pbrt.seed"] = built.seed;
     m.attributes["pbrt.integrator"] = built.integratorName;
@@ -151,7 +150,7 @@ void PrintStatisticsJson(const CommandLine &options, const BuiltScene &built, co
     Json json = {{"schema", 1},
                  {"program", VersionText()},
                  {"commandLine", options.text},
-                 {"scene", SceneFilesOf(options)},
+                 {"scene", options.sceneFiles},
                  {"picture", picture.empty() ? Json() : Json(picture)},
                  {"resolution", {built.film->FullResolution().x, built.film->FullResolution().y}},
                  {"window", {{"x0", window.low.x}, {"x1", window.high.x}, {"y0", window.low.y}, {"y1", window.high.y}}},

@@ -1,7 +1,5 @@
 #include "pbrt/cmd/pbrt/live_view.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <bit>
 #include <boost/asio/ip/tcp.hpp>

@@ -2,7 +2,7 @@
 
 #include <map>
 
-#include "ext/octree/light_octree_builder.h"
+#include "ext/octree/light_octree.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/math/rng.h"
 

@@ -29,7 +29,7 @@ TEST_F(StateFiles, GiveBackWhatWasWritten) {
     EXPECT_TRUE(file.Has("words"));
     EXPECT_FALSE(file.Has("numbers "));
     std::vector<double> numbers;
-    StateReader(file.Section("numbers"), "a").Vector(&numbers);
+    StateReader(file.Section("numbers"), "a")(numbers);
     EXPECT_EQ(numbers, numbers_);
     StateReader words(file.Section("words"), "a");
     EXPECT_EQ(words.Text(), "one");
@@ -86,7 +86,7 @@ TEST(StateWriters, AVectorThatAnnouncesMoreThanThereIsIsRefused) {
     const std::string bytes = writer.Joined();
     StateReader reader(bytes, "a");
     std::vector<double> values;
-    EXPECT_THROW(reader.Vector(&values), UserError);
+    EXPECT_THROW(reader(values), UserError);
 }
 
 }  // namespace

@@ -19,12 +19,16 @@ TEST(Team, BroadcastsFromRank0AndReducesToIt) {
             const std::string bytes = team.Broadcast(out);
             EXPECT_EQ(StateReader(bytes, "test").Text(), "to all");
             std::multiset<int> seen = {team.Rank()};
-            team.Reduce([&](StateWriter &w) { w.CopyOfVector(std::vector<int>(seen.begin(), seen.end())); },
-                        [&](StateReader &in) {
-                            std::vector<int> theirs;
-                            in.Vector(&theirs);
-                            seen.insert(theirs.begin(), theirs.end());
-                        });
+            team.Reduce(
+                [&](StateWriter &w) {
+                    w.Value(uint64_t{seen.size()});
+                    for (const int rank : seen) w.Value(rank);
+                },
+                [&](StateReader &in) {
+                    std::vector<int> theirs;
+                    in(theirs);
+                    seen.insert(theirs.begin(), theirs.end());
+                });
             if (!team.IsRank0()) return;
             EXPECT_EQ(seen.size(), static_cast<size_t>(size));
             for (int r = 0; r < size; ++r) EXPECT_EQ(seen.count(r), 1u);

@@ -10,7 +10,8 @@ struct CaseFile {
     std::string bytes;
 };
 
-/// Everything that one run of pbrt is given. The scene is the first file; files that are not mutated lie in ../assets.
+/// Everything that one run of pbrt or lightlab is given. The scene is the first file; files that are not mutated lie in
+/// ../assets.
 struct FuzzCase {
     std::string kind;  ///< the kind of mutation
     std::string seed;  ///< the name of the scene that the case was made from
@@ -18,6 +19,7 @@ struct FuzzCase {
     std::vector<std::string> arguments;  ///< without the program, the scene and --outfile
     std::string output = "out.exr";
     bool mustBeRefused = false;  ///< a render is a failure
+    bool isLightlab = false;     ///< the second file is a stored reference, refused if it is rendered again
 };
 
 /// Uniform numbers from a seed, the same on every machine.

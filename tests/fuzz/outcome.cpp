@@ -136,6 +136,10 @@ std::vector<std::string> OurFunctions(const std::vector<void *> &frames) {
     return names;
 }
 
+bool RendersReferenceAgain(const ChildResult &result) {
+    return result.messages.find("rendered again") != std::string::npos;
+}
+
 Verdict Judge(const ChildResult &r, const FuzzCase &fuzzCase, const std::vector<std::string> &left) {
     const std::string sanitizer = SanitizersFinding(r.messages);
     if (!sanitizer.empty()) return {Outcome::Sanitizer, sanitizer};
@@ -163,7 +167,8 @@ Verdict Judge(const ChildResult &r, const FuzzCase &fuzzCase, const std::vector<
             case PictureReport::State::WrongSize:
                 return {Outcome::Picture, std::string("size: ") + r.picture.text.data()};
         }
-        if (fuzzCase.mustBeRefused) return {Outcome::Accepted, "changed state of " + fuzzCase.seed};
+        if (fuzzCase.mustBeRefused && !(fuzzCase.isLightlab && RendersReferenceAgain(r)))
+            return {Outcome::Accepted, "changed state of " + fuzzCase.seed};
         return {r.messages.find("Warning: ") == std::string::npos ? Outcome::Rendered : Outcome::Warned, ""};
     }
     if (r.status != 1) return {Outcome::Silent, fmt::format("exit status {}", r.status)};

@@ -31,6 +31,9 @@ struct Verdict {
     std::string cause;  ///< equal for failures with the same reason; empty if the run did not fail
 };
 
+/// True if lightlab warned of a stored reference that it does not use.
+bool RendersReferenceAgain(const ChildResult &result);
+
 /// Judges a run. `left` are the names of the files that the run left in its folder beside those of the case.
 Verdict Judge(const ChildResult &result, const FuzzCase &fuzzCase, const std::vector<std::string> &left);
 

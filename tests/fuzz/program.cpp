@@ -8,8 +8,12 @@
 #include "pbrt/core/error.h"
 #include "pbrt/images/image.h"
 
-/// main of cmd/pbrt, renamed by tests/fuzz/CMakeLists.txt: what the user runs, flags and error printing included.
+/// main of pbrt and of lightlab, renamed by tests/fuzz/CMakeLists.txt: what the user runs, flags and error printing
+/// included.
 int PbrtMain(int argc, char **argv);
+#ifdef PBRT_FUZZ_LIGHTLAB
+int LightlabMain(int argc, char **argv);
+#endif
 
 namespace pbrt::fuzz {
 
@@ -18,6 +22,25 @@ namespace {
 void Say(PictureReport &report, PictureReport::State state, const std::string &text = "") {
     report.state = state;
     std::snprintf(report.text.data(), report.text.size(), "%s", text.c_str());
+}
+
+int Call(int (*program)(int, char **), std::vector<std::string> arguments) {
+    std::vector<char *> argv;
+    for (std::string &a : arguments) argv.push_back(a.data());
+    argv.push_back(nullptr);
+    return program(static_cast<int>(arguments.size()), argv.data());
+}
+
+int RunLightlab([[maybe_unused]] const FuzzCase &fuzzCase) {
+#ifdef PBRT_FUZZ_LIGHTLAB
+    std::vector<std::string> arguments = {"lightlab"};
+    arguments.insert(arguments.end(), fuzzCase.arguments.begin(), fuzzCase.arguments.end());
+    arguments.insert(arguments.end(),
+                     {"--out", kLabFolder, "--cache", kLabFolder, "--no-report", fuzzCase.files.front().name});
+    return Call(LightlabMain, arguments);
+#else
+    return 2;
+#endif
 }
 
 }  // namespace
@@ -41,13 +64,21 @@ void LookAtPicture(const std::string &path, PictureReport &report) {
 }
 
 int RunProgram(const FuzzCase &fuzzCase, PictureReport &report) {
+    namespace fs = std::filesystem;
+    if (fuzzCase.isLightlab) {
+        // Its folder holds the reference before the run, and is no output of the case.
+        const bool hasReference = fuzzCase.files.size() > 1;
+        fs::create_directory(kLabFolder);
+        if (hasReference) fs::copy_file(fuzzCase.files[1].name, fs::path(kLabFolder) / fuzzCase.files[1].name);
+        const int status = RunLightlab(fuzzCase);
+        if (status == 0) LookAtPicture(fuzzCase.output, report);
+        if (hasReference) fs::remove_all(kLabFolder);
+        return status;
+    }
     std::vector<std::string> arguments = {"pbrt"};
     arguments.insert(arguments.end(), fuzzCase.arguments.begin(), fuzzCase.arguments.end());
     arguments.insert(arguments.end(), {"--outfile", fuzzCase.output, fuzzCase.files.front().name});
-    std::vector<char *> argv;
-    for (std::string &a : arguments) argv.push_back(a.data());
-    argv.push_back(nullptr);
-    const int status = PbrtMain(static_cast<int>(arguments.size()), argv.data());
+    const int status = Call(PbrtMain, arguments);
     if (status == 0) LookAtPicture(fuzzCase.output, report);
     return status;
 }

@@ -92,6 +92,7 @@ void SaveCase(const std::string &folder, const FuzzCase &fuzzCase, const Verdict
     j["arguments"] = fuzzCase.arguments;
     j["output"] = fuzzCase.output;
     j["mustBeRefused"] = fuzzCase.mustBeRefused;
+    j["isLightlab"] = fuzzCase.isLightlab;
     std::ofstream(fs::path(folder) / "case.json") << j.dump(2, ' ', true, Record::error_handler_t::replace) << '\n';
     std::ofstream(fs::path(folder) / "messages.txt") << messages;
 }
@@ -104,6 +105,7 @@ FuzzCase ReadCase(const std::string &caseJson) {
     fuzzCase.seed = j.at("scene");
     fuzzCase.output = j.at("output");
     fuzzCase.mustBeRefused = j.at("mustBeRefused");
+    fuzzCase.isLightlab = j.at("isLightlab");
     for (const std::string argument : j.at("arguments")) fuzzCase.arguments.push_back(argument);
     for (const std::string name : j.at("files")) {
         std::ostringstream bytes;

@@ -1,8 +1,10 @@
 #include "fuzz/states.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -10,6 +12,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "fuzz/asset_mutators.h"
 #include "fuzz/byte_mutators.h"
 #include "fuzz/program.h"
 #include "pbrt/core/state_io.h"
@@ -161,12 +164,12 @@ bool ChangeSection(std::string &bytes, const std::vector<Structure> &structures,
     return false;
 }
 
-/// A room with a window, of 12 x 8 pixels.
-std::string Room(const std::string &integrator, const std::string &lights) {
+/// A room with a window.
+std::string Room(const std::string &integrator, const std::string &lights, int width = 12, int height = 8) {
     return test::SceneText()
         .LookAt("0 1.2 -2.8  0 .8 0  0 1 0")
         .Camera(60)
-        .Film(12, 8)
+        .Film(width, height)
         .Samples(16)
         .Integrator(integrator, 3)
         .World(test::Objects()
@@ -230,31 +233,109 @@ std::string OfWholeRender(const std::string &file) {
     return state.Bytes();
 }
 
+/// The bytes of a file, which is removed.
+std::string TakeFile(const fs::path &path) {
+    std::ostringstream bytes;
+    bytes << std::ifstream(path, std::ios::binary).rdbuf();
+    fs::remove(path);
+    return bytes.str();
+}
+
+ChildResult RunHere(const FuzzCase &fuzzCase, const fs::path &folder) {
+    std::ofstream(folder / "scene.pbrt") << fuzzCase.files.front().bytes;
+    return RunChild(folder.string(),
+                    [&](PictureReport &report) {
+                        RunProgram(fuzzCase, report);
+                        return 0;
+                    },
+                    {});
+}
+
+#ifdef PBRT_FUZZ_LIGHTLAB
+StateSeed MakeReferenceSeed(const fs::path &work) {
+    StateSeed seed{
+        "reference",
+        Room("path", Lamps(3), 32, 24),
+        {},
+        {"--nthreads=1", "--samplers=power", "--spp=2", "--seeds=2", "--reference-spp=16", "--selection-work=0"}};
+    seed.isLightlab = true;
+    FuzzCase making = UnchangedCase(seed);
+    making.files.pop_back();
+    const ChildResult made = RunHere(making, work);
+    std::vector<fs::path> references;
+    std::error_code isMissing;
+    for (const auto &entry : fs::directory_iterator(work / kLabFolder, isMissing))
+        if (entry.path().filename().string().starts_with("scene.reference-")) references.push_back(entry.path());
+    if (references.empty()) throw std::runtime_error("no reference of lightlab: " + made.messages);
+    const fs::path path = *std::min_element(references.begin(), references.end());
+    seed.picture = ReadImage(path.string());
+    seed.file = {path.filename().string(), TakeFile(path)};
+    return seed;
+}
+#endif
+
+/// The reference with other bytes, or another valid image.
+FuzzCase MakeReferenceCase(const StateSeed &seed, Dice &dice) {
+    FuzzCase made = UnchangedCase(seed);
+    if (dice.OneIn(3)) {
+        MutateAsset(made.files[1], dice);
+        return made;
+    }
+    made.mustBeRefused = true;
+    auto [image, metadata] = seed.picture;
+    const Point2i size = image.Resolution();
+    static constexpr const char *kTexts[] = {"lightlab.sampler", "lightlab.hash"},
+                                *kCounts[] = {"lightlab.parts", "samplesPerPixel"};
+    switch (dice.Below(5)) {
+        case 0: {
+            std::vector<std::string> channels = image.Channels();
+            channels.erase(channels.begin() + static_cast<std::ptrdiff_t>(dice.Below(channels.size())));
+            image = image.Select(channels);
+            break;
+        }
+        case 1:
+            image = image.Crop({{0, 0}, {size.x, size.y - 1}});
+            metadata.pixelBounds.reset();
+            metadata.fullResolution.reset();
+            break;
+        case 2: metadata.attributes[dice.Pick(kTexts)] = std::string("bvh of others"); break;
+        case 3: metadata.attributes[dice.Pick(kCounts)] = static_cast<int>(dice.Below(8)); break;
+        default: {
+            const Point2i p(static_cast<int>(dice.Below(static_cast<size_t>(size.x))),
+                            static_cast<int>(dice.Below(static_cast<size_t>(size.y))));
+            const auto channel = static_cast<int>(dice.Below(image.Channels().size()));
+            image.Set(p, channel, -1 - image.Get(p, channel));
+        }
+    }
+    const fs::path path = fs::temp_directory_path() / fmt::format("pbrt-fuzz-{}.exr", getpid());
+    WriteImage(path.string(), image, metadata);
+    made.files[1].bytes = TakeFile(path);
+    return made;
+}
+
 }  // namespace
+
+FuzzCase UnchangedCase(const StateSeed &seed) {
+    FuzzCase made{"state", seed.name, {{"scene.pbrt", seed.scene}, seed.file}, seed.arguments};
+    made.isLightlab = seed.isLightlab;
+    if (seed.isLightlab) made.output = std::string(kLabFolder) + "/reference-0.exr";
+    return made;
+}
 
 std::vector<StateSeed> MakeStateSeeds(const std::string &folder) {
     std::vector<StateSeed> seeds;
     const fs::path work = fs::path(folder) / "states";
     fs::create_directories(work);
     for (const Recipe &recipe : Recipes()) {
-        StateSeed seed{recipe.name, recipe.scene, {}, {"--nthreads=1"}, {}};
+        StateSeed seed{recipe.name, recipe.scene, {}, {"--nthreads=1"}};
         seed.arguments.insert(seed.arguments.end(), recipe.arguments.begin(), recipe.arguments.end());
         seed.file.name = recipe.isCheckpoint ? "state.chk" : "state.lights";
         FuzzCase making{"state", seed.name, {{"scene.pbrt", seed.scene}}, seed.arguments};
         making.arguments.push_back((recipe.isCheckpoint ? "--checkpoint=" : "--save-lights=") + seed.file.name);
         if (recipe.isCheckpoint) making.arguments.push_back(recipe.samples);
-        std::ofstream(work / "scene.pbrt") << seed.scene;
-        const ChildResult made = RunChild(work.string(),
-                                          [&](PictureReport &report) {
-                                              RunProgram(making, report);
-                                              return 0;
-                                          },
-                                          {});
-        std::ostringstream bytes;
-        bytes << std::ifstream(work / seed.file.name, std::ios::binary).rdbuf();
-        seed.file.bytes = bytes.str();
+        const ChildResult made = RunHere(making, work);
+        seed.file.bytes = TakeFile(work / seed.file.name);
         if (seed.file.bytes.empty()) throw std::runtime_error("no state of " + seed.name + ": " + made.messages);
-        fs::remove(work / seed.file.name);
         if (recipe.isCheckpoint) {
             seed.file.bytes = OfWholeRender(seed.file.bytes);
             seed.arguments.insert(seed.arguments.end(), {"--checkpoint=" + seed.file.name, "--resume"});
@@ -265,12 +346,16 @@ std::vector<StateSeed> MakeStateSeeds(const std::string &folder) {
             seed.structures[section.name] = StructuresIn(section.bytes);
         seeds.push_back(std::move(seed));
     }
+#ifdef PBRT_FUZZ_LIGHTLAB
+    seeds.push_back(MakeReferenceSeed(work));
+#endif
     fs::remove_all(work);
     return seeds;
 }
 
 FuzzCase MakeStateCase(const StateSeed &seed, Dice &dice) {
-    FuzzCase made{"state", seed.name, {{"scene.pbrt", seed.scene}, seed.file}, seed.arguments};
+    if (seed.isLightlab) return MakeReferenceCase(seed, dice);
+    FuzzCase made = UnchangedCase(seed);
     State state(seed.file.bytes);
     CaseFile *section = &state.sections[dice.Below(state.sections.size())];
     if (dice.OneIn(30)) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "fuzz/fuzz_case.h"
+#include "pbrt/images/image.h"
 
 namespace pbrt::fuzz {
 
@@ -15,18 +16,24 @@ struct Structure {
     size_t End() const { return HashAt() + sizeof(uint64_t); }
 };
 
-/// A file in which pbrt saved what a render had learned and summed up, and the run that reads it.
+/// A file in which pbrt saved what a render had learned and summed up, or lightlab a reference, and the run that reads
+/// it.
 struct StateSeed {
     std::string name;
     std::string scene;  ///< text
     CaseFile file;
     std::vector<std::string> arguments;
-    std::map<std::string, std::vector<Structure>> structures;  ///< of the file, by section
+    std::map<std::string, std::vector<Structure>> structures{};  ///< of the file, by section
+    bool isLightlab = false;
+    ImageFile picture{};  ///< the file of lightlab, read
 };
 
 /// Renders small scenes in child processes whose working folder is `folder`/states: checkpoints of renders that go on
-/// learning, and files of learned lights.
+/// learning, files of learned lights, and a reference of lightlab.
 std::vector<StateSeed> MakeStateSeeds(const std::string &folder);
+
+/// The run that reads the file as it is.
+FuzzCase UnchangedCase(const StateSeed &seed);
 
 /// A case of this seed, with a file that is changed and has a checksum that fits.
 FuzzCase MakeStateCase(const StateSeed &seed, Dice &dice);

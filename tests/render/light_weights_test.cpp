@@ -1,5 +1,6 @@
-// Every integrator finds lamps of a few nanometres beside one of all wavelengths, and lamps of any radiance, with
-// every light sampler. Pictures are small; means over seeds are compared with their standard errors.
+// Every integrator finds lamps of a few nanometres beside one of all wavelengths, also at the end of the visible range
+// for a film of that range only, and lamps of any radiance, with every light sampler. Pictures are small; means over
+// seeds are compared with their standard errors.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,24 +18,30 @@ constexpr int kSeeds = 12;
 /// Standard errors that a mean may be away; some 300 means of 12 seeds are compared.
 constexpr double kLimit = 6;
 
+/// Lights as text, and the film that measures them.
+struct Lamps {
+    const char *text;
+    const char *film = "rgb", *range = "";
+};
+
 /// A floor and a wall; radiances of the lights in units of `scale`.
-std::string Scene(const std::string &integrator, const std::string &lights, double scale) {
+std::string Scene(const std::string &integrator, const Lamps &lamps, double scale) {
     const std::string parameters = integrator.starts_with("simple") ? "" : "'integer maxdepth' 3";
     return SceneText()
         .LookAt("0 1 4  0 1 0  0 1 0")
         .Camera(50)
-        .Film(8, 8, "'bool savefp16' false")
+        .Film(8, 8, std::string("'bool savefp16' false ") + lamps.range, lamps.film)
         .Samples(1)
         .Integrator(integrator, parameters)
         .World(Objects()
-                   .Add(fmt::format(fmt::runtime(lights), fmt::arg("s", scale)))
+                   .Add(fmt::format(fmt::runtime(lamps.text), fmt::arg("s", scale)))
                    .Diffuse(".6 .5 .4")
                    .Quad("-2 0 -2  2 0 -2  -2 0 2  2 0 2")
                    .Quad("-2 0 -2  2 0 -2  -2 3 -2  2 3 -2"));
 }
 
 /// White light, and lines between the wavelengths 360, 479, 546 and 617 nm: SampleVisible(0.5) meets none of them.
-const char *const kLines = R"(LightSource "point" "point3 from" [ -1 2 1 ] "float scale" {s}
+const Lamps kLines = {R"(LightSource "point" "point3 from" [ -1 2 1 ] "float scale" {s}
 LightSource "point" "point3 from" [ 1 2 1 ] "spectrum I" [ 574 0 588 1 602 0 ] "float scale" {s}
 LightSource "point" "point3 from" [ 0 1 1 ] "spectrum I" [ 500 0 512 1 524 0 ] "float scale" {s}
 AttributeBegin
@@ -42,37 +49,47 @@ AreaLightSource "diffuse" "spectrum L" [ 420 0 440 1 460 0 ] "float scale" {s}
 Shape "bilinearmesh" "point3 P" [ -.5 3 -.5  .5 3 -.5  -.5 3 .5  .5 3 .5 ]
 AttributeEnd
 LightSource "distant" "point3 from" [ 1 2 3 ] "spectrum L" [ 630 0 650 1 670 0 ] "float scale" {s}
-)";
-const char *const kColours = R"(LightSource "point" "point3 from" [ -1 2 1 ] "float scale" {s}
+)"};
+const Lamps kColours = {R"(LightSource "point" "point3 from" [ -1 2 1 ] "float scale" {s}
 LightSource "point" "point3 from" [ 1 2 1 ] "rgb I" [ .2 .5 2 ] "float scale" {s}
 AttributeBegin
 AreaLightSource "diffuse" "rgb L" [ 2 1 1 ] "float scale" {s}
 Shape "bilinearmesh" "point3 P" [ -.5 3 -.5  .5 3 -.5  -.5 3 .5  .5 3 .5 ]
 AttributeEnd
 LightSource "distant" "point3 from" [ 1 2 3 ] "float scale" {s}
-)";
+)"};
+/// Lines in the film's range, and a light that emits nothing there.
+const Lamps kInfrared = {R"(LightSource "point" "point3 from" [ -1 2 1 ] "spectrum I" [ 400 1 700 1 ] "float scale" {s}
+LightSource "point" "point3 from" [ 1 2 1 ] "spectrum I" [ 788 0 800 1 812 0 ] "float scale" {s}
+AttributeBegin
+AreaLightSource "diffuse" "spectrum L" [ 782 0 790 1 798 0 ] "float scale" {s}
+Shape "bilinearmesh" "point3 P" [ -.5 3 -.5  .5 3 -.5  -.5 3 .5  .5 3 .5 ]
+AttributeEnd
+LightSource "distant" "point3 from" [ 1 2 3 ] "spectrum L" [ 800 0 815 1 830 0 ] "float scale" {s}
+)",
+                         "spectral", "'float lambdamin' 780 'integer nbuckets' 2"};
 /// A sun of real size in metres, and lamps that are about as bright here.
-const char *const kSun = R"(LightSource "point" "point3 from" [ -1 2 1 ] "rgb I" [ 3 1 1 ]
+const Lamps kSun = {R"(LightSource "point" "point3 from" [ -1 2 1 ] "rgb I" [ 3 1 1 ]
 AttributeBegin
 AreaLightSource "diffuse" "rgb L" [ 3e4 3e4 6e4 ]
 Translate 5e10 1e11 1e11
 Shape "sphere" "float radius" 7e8
 AttributeEnd
-)";
+)"};
 
 struct Estimate {
     std::array<double, 3> mean{}, error{};
 };
 
 /// Mean of the picture and its standard error over the seeds; divided by `scale`.
-Estimate Measure(const std::string &integrator, const std::string &sampler, const char *lights, double scale, int spp) {
+Estimate Measure(const std::string &integrator, const std::string &sampler, const Lamps &lamps, double scale, int spp) {
     std::array<RunningStatistics, 3> channels;
     for (int seed = 0; seed < kSeeds; ++seed) {
         BuildOptions options;
         options.seed = seed;
         options.samplesPerPixel = spp;
         options.lightSampler = sampler;
-        const Image image = RenderText(Scene(integrator, lights, scale), options).image;
+        const Image image = RenderText(Scene(integrator, lamps, scale), options).image;
         const std::vector<double> means = TileMeans(image, 8);
         for (size_t c = 0; c < 3; ++c) channels[c].Add(means[c] / scale);
     }
@@ -124,22 +141,23 @@ std::vector<Case> Cases() {
 }
 
 /// The picture of the lights with uniform choices, which need no weights.
-const Estimate &Reference(const char *lights) {
+const Estimate &Reference(const Lamps &lamps) {
     static std::map<std::string, Estimate> references;
-    auto [it, isNew] = references.try_emplace(lights);
-    if (isNew) it->second = Measure("path", "uniform", lights, 1, 512);
+    auto [it, isNew] = references.try_emplace(lamps.text);
+    if (isNew) it->second = Measure("path", "uniform", lamps, 1, 512);
     return it->second;
 }
 
 class LightWeights : public testing::TestWithParam<Case> {
   protected:
     double Bias() const { return GetParam().integrator == "sppm" ? 0.02 : 0; }
-    Estimate Here(const char *lights, double scale = 1) const {
-        return Measure(GetParam().integrator, GetParam().sampler, lights, scale, GetParam().spp);
+    Estimate Here(const Lamps &lamps, double scale = 1) const {
+        return Measure(GetParam().integrator, GetParam().sampler, lamps, scale, GetParam().spp);
     }
 };
 
 TEST_P(LightWeights, LinesAreFoundBesideWhiteLight) { ExpectSame(Here(kLines), Reference(kLines), Bias()); }
+TEST_P(LightWeights, LinesAreFoundByAFilmOfTheirRange) { ExpectSame(Here(kInfrared), Reference(kInfrared), Bias()); }
 TEST_P(LightWeights, StrongRadianceIsTheSamePicture) { ExpectSame(Here(kColours, 1e25), Reference(kColours), Bias()); }
 TEST_P(LightWeights, WeakRadianceIsTheSamePicture) { ExpectSame(Here(kColours, 1e-25), Reference(kColours), Bias()); }
 TEST_P(LightWeights, ASunOfRealSizeLeavesLampsTheirLight) {

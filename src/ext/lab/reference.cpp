@@ -51,13 +51,25 @@ void AverageParts(Reference *reference) {
     if (reference->parts.size() > 1) reference->noise = mean.noise;
 }
 
-/// Empty if the file is not a whole reference.
-std::optional<Reference> ReadCached(const std::string &path, Point2i resolution) {
+/// Hash of all that ReadCached reads. `about`: as in ReferenceCache.
+std::string HashOf(const Reference &r, const std::string &about) {
+    ContentHash hash;
+    hash.Add(fmt::format("{}; {}; {}; {}", about, r.sampler, r.samples, float(r.seconds)));
+    const auto add = [&](const Image &image) {
+        hash.Add(std::string(static_cast<const char *>(image.Data()), image.Bytes()));
+    };
+    add(r.image);
+    for (const Image &part : r.parts) add(part);
+    return hash.Hex();
+}
+
+/// Empty if the file is not this reference as it was stored.
+std::optional<Reference> ReadCached(const std::string &path, Point2i resolution, const std::string &about) {
     const ImageFile file = ReadImage(path);
     Reference reference = Described(path, file.metadata);
-    const int parts = Attribute(file.metadata, "lightlab.parts", 0);
-    if (parts < 1 || file.image.Resolution() != resolution) return {};
-    for (int part = 0; part < parts; ++part) {
+    if (Attribute(file.metadata, "lightlab.parts", 0) != kParts || file.image.Resolution() != resolution) return {};
+    reference.image = file.image.Select({"R", "G", "B"});
+    for (int part = 0; part < kParts; ++part) {
         Image colors = file.image.Select({PartChannel(part, 0), PartChannel(part, 1), PartChannel(part, 2)});
         Image &image =
             reference.parts.emplace_back(PixelFormat::Float, resolution, std::vector<std::string>{"R", "G", "B"});
@@ -65,6 +77,7 @@ std::optional<Reference> ReadCached(const std::string &path, Point2i resolution)
             for (int c = 0; c < 3; ++c) image.Set({x, y}, c, colors.Get({x, y}, c));
         });
     }
+    if (Attribute<std::string>(file.metadata, "lightlab.hash", "") != HashOf(reference, about)) return {};
     AverageParts(&reference);
     if (!IsFinite(reference.image)) return {};
     return reference;
@@ -78,7 +91,7 @@ class ReferenceCache {
         : scene_(scene), about_(about) {
         const Bounds2i &pixels = scene.Pixels();
         ContentHash hash;
-        hash.Add(fmt::format("reference 1; scene {}; {}x{}, pixels {} {} {} {}; depth {}; batch {}; jitter {} {}; {}",
+        hash.Add(fmt::format("reference 2; scene {}; {}x{}, pixels {} {} {} {}; depth {}; batch {}; jitter {} {}; {}",
                              scene.hash, scene.FullResolution().x, scene.FullResolution().y, pixels.low.x, pixels.low.y,
                              pixels.high.x, pixels.high.y, scene.built.maxDepth, scene.Batch(),
                              scene.built.disablePixelJitter, scene.built.disableWavelengthJitter, about));
@@ -90,12 +103,12 @@ class ReferenceCache {
     }
     const std::string &Key() const { return key_; }
 
-    /// Files that are unreadable or lack parts give a warning and count as absent.
+    /// Files that are unreadable or changed give a warning and count as absent.
     std::optional<Reference> Find() const {
         for (const std::string &path : files_) {
             if (!FileExists(path)) continue;
             try {
-                if (std::optional<Reference> found = ReadCached(path, scene_.Resolution())) return found;
+                if (std::optional<Reference> found = ReadCached(path, scene_.Resolution(), about_)) return found;
                 LogWarning("{}: is not the reference that belongs there; it is rendered again.", path);
             } catch (const UserError &e) {
                 LogWarning("{} The reference is rendered again.", e.what());
@@ -119,6 +132,7 @@ class ReferenceCache {
             scene_.Metadata(*scene_.built.film, reference->sampler, reference->samples, reference->seconds);
         m.attributes["lightlab.parts"] = int(parts.size());
         m.attributes["lightlab.reference"] = about_;
+        m.attributes["lightlab.hash"] = HashOf(*reference, about_);
         m.attributes["lightlab.noiseRelL2"] = float(reference->noise.value_or(0));
         m.attributes["lightlab.date"] = DateText();
         for (const std::string &path : files_) {

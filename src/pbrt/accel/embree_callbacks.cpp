@@ -17,10 +17,11 @@ bool StopsRay(const Geometry &g, const RTCIntersectContext *context, const RTCRa
     if (g.constantAlpha) {
         alpha = *g.constantAlpha;
     } else {
+        const Ray local{{localRay.org_x, localRay.org_y, localRay.org_z},
+                        {localRay.dir_x, localRay.dir_y, localRay.dir_z}};
         TextureContext at;
-        at.p = g.renderFromShape.Point(Point3(localRay.org_x, localRay.org_y, localRay.org_z) +
-                                       Vector3(localRay.dir_x, localRay.dir_y, localRay.dir_z) * hit.t);
-        at.uv = g.shape->Uv(primitive, hit);
+        at.p = g.renderFromShape.Point(local(hit.t));
+        at.uv = g.shape->Uv(primitive, g.shape->Completed(primitive, hit, local));
         alpha = g.alpha->Evaluate(at);
     }
     if (alpha >= 1) return true;

@@ -196,8 +196,18 @@ std::optional<PrimitiveHit> BilinearMesh::Intersect(uint32_t primitive, const Ra
     return PrimitiveHit{Float(hit->t), Float(std::clamp(hit->u, 0.0, 1.0)), Float(std::clamp(hit->v, 0.0, 1.0))};
 }
 
+PrimitiveHit BilinearMesh::Completed(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const {
+    if (!IsAtCorner(hit)) [[likely]]
+        return hit;
+    constexpr double kSlack = 1e-3;  ///< beyond the edges, for the rounding of rays in an instance's space
+    const std::optional<PatchHit> at =
+        PatchHit::Nearest(CornersOf(primitive), ray.o, ray.d, 0, double(Infinity), double(hit.t), kSlack);
+    if (!at) return hit;
+    return {hit.t, Float(std::clamp(at->u, 0.0, 1.0)), Float(std::clamp(at->v, 0.0, 1.0))};
+}
+
 SurfacePoint BilinearMesh::SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const {
-    SurfacePoint s = Surface(primitive, hit);
+    SurfacePoint s = Surface(primitive, Completed(primitive, hit, ray));
     const Corners c = CornersOf(primitive);
     const Vector3 span = Abs(c.p10 - c.p00) + Abs(c.p01 - c.p00) + Abs(c.p11 - c.p00);
     if (!(MaxComponent(span) > kLargePrimitive * hit.t * MaxComponent(Abs(ray.d)))) return s;

@@ -18,6 +18,7 @@ class BilinearMesh final : public Mesh {
     Float Area(uint32_t primitive) const override;
     DirectionCone NormalBounds(uint32_t primitive) const override;
     std::optional<PrimitiveHit> Intersect(uint32_t primitive, const Ray &ray, Float tMin) const override;
+    PrimitiveHit Completed(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const override;
     SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const override;
     SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const override;
     Point2 Uv(uint32_t primitive, const PrimitiveHit &hit) const override;

@@ -96,8 +96,17 @@ std::optional<PrimitiveHit> TriangleMesh::Intersect(uint32_t primitive, const Ra
     return PrimitiveHit{Float(at->t), Float(at->b1), Float(at->b2)};
 }
 
+PrimitiveHit TriangleMesh::Completed(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const {
+    if (!IsAtCorner(hit)) [[likely]]
+        return hit;
+    const std::optional<PlaneHit> at = PlaneHit::Of(CornersOf(primitive), ray.o, ray.d);
+    if (!at) return hit;
+    const double b1 = std::clamp(at->b1, 0.0, 1.0), b2 = std::clamp(at->b2, 0.0, 1 - b1);
+    return {hit.t, Float(b1), Float(b2)};
+}
+
 SurfacePoint TriangleMesh::SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const {
-    SurfacePoint s = Surface(primitive, hit);
+    SurfacePoint s = Surface(primitive, Completed(primitive, hit, ray));
     const Float large = kLargePrimitive * hit.t * MaxComponent(Abs(ray.d));
     if (!(largestSpan_ > large)) [[likely]]
         return s;

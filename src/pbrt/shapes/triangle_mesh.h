@@ -63,6 +63,7 @@ class Mesh : public Shape {
     const MeshData &Data() const { return mesh_; }
 
   protected:
+    static bool IsAtCorner(const PrimitiveHit &hit) { return hit.u == hit.v && (hit.u == 0 || hit.u == 1); }
     Mesh(ShapeKind kind, size_t cornerCount, MeshData data, const Transform &renderFromObject, bool reverseOrientation);
 
     MeshData mesh_;
@@ -79,6 +80,7 @@ class TriangleMesh final : public Mesh {
     Float Area(uint32_t primitive) const override;
     DirectionCone NormalBounds(uint32_t primitive) const override;
     std::optional<PrimitiveHit> Intersect(uint32_t primitive, const Ray &ray, Float tMin) const override;
+    PrimitiveHit Completed(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const override;
     SurfacePoint Surface(uint32_t primitive, const PrimitiveHit &hit) const override;
     SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const override;
     Point2 Uv(uint32_t primitive, const PrimitiveHit &hit) const override;

@@ -8,18 +8,31 @@ namespace {
 
 constexpr int kRuns = 6;
 
-/// A room that is open in front, a ball in it, and lights of one kind.
-std::string RoomText(const Placement &at, const ScaleIntegrator &integrator, const std::string &lights,
-                     const std::string &camera = "Camera \"perspective\" \"float fov\" 60") {
+/// The walls of a room that is open in front, one of them of triangles, and a ball.
+std::string WallsText(const Placement &at) {
     const auto wall = [&](std::initializer_list<double> corners) {
         return "Shape \"bilinearmesh\" \"point3 P\" [" + at.Points(corners) + " ]\n";
     };
-    return ViewText(at, integrator, {0, 1, 3.5, 0, .9, 0, 0, 1, 0}, camera, 3) + lights +
-           "Material \"diffuse\" \"rgb reflectance\" [ .7 .7 .7 ]\n" + wall({-1, 0, -1, 1, 0, -1, -1, 0, 1, 1, 0, 1}) +
+    return "Material \"diffuse\" \"rgb reflectance\" [ .7 .7 .7 ]\n" + wall({-1, 0, -1, 1, 0, -1, -1, 0, 1, 1, 0, 1}) +
            wall({-1, 0, -1, 1, 0, -1, -1, 2, -1, 1, 2, -1}) + wall({-1, 0, -1, -1, 0, 1, -1, 2, -1, -1, 2, 1}) +
-           wall({1, 0, -1, 1, 0, 1, 1, 2, -1, 1, 2, 1}) +
+           "Shape \"trianglemesh\" \"integer indices\" [ 0 1 2 1 3 2 ] \"point3 P\" [" +
+           at.Points({1, 0, -1, 1, 0, 1, 1, 2, -1, 1, 2, 1}) + " ]\n" +
            fmt::format("AttributeBegin Translate {} Shape \"sphere\" \"float radius\" {} AttributeEnd\n",
                        at.Points({-.3, .4, .2}), at.Length(.4));
+}
+
+/// The room, and lights of one kind.
+std::string RoomText(const Placement &at, const ScaleIntegrator &integrator, const std::string &lights) {
+    return ViewText(at, integrator, {0, 1, 3.5, 0, .9, 0, 0, 1, 0}, "Camera \"perspective\" \"float fov\" 60", 3) +
+           lights + WallsText(at);
+}
+
+/// The room of scale 1 as an instance of one of scale `object`.
+std::string EnlargedRoomText(double object, const ScaleIntegrator &integrator, const std::string &lights) {
+    const std::string factor = fmt::format(" {:.9g}", 1 / object);
+    return ViewText({}, integrator, {0, 1, 3.5, 0, .9, 0, 0, 1, 0}, "Camera \"perspective\" \"float fov\" 60", 3) +
+           lights + "ObjectBegin \"room\"\n" + WallsText({.scale = object}) + "ObjectEnd\nScale" + factor + factor +
+           factor + "\nObjectInstance \"room\"\n";
 }
 
 std::string Bulb(const Placement &at) {
@@ -78,6 +91,16 @@ TEST(RoomsFarAway, AreAlike) {
     expectAlike(1000, "camera");
     expectAlike(100, "world");
     expectAlike(1000, "world");
+}
+
+TEST(RoomsAsInstances, OfTinyObjectsAreAlike) {
+    for (const Kind &kind : kKinds)
+        for (const ScaleIntegrator &integrator : AllIntegrators({})) {
+            const std::string lights = kind.lights({});
+            const ScaleDifference d = CompareRuns(RenderSeeds(EnlargedRoomText(1e-8, integrator, lights), {}, kRuns),
+                                                  RenderSeeds(RoomText({}, integrator, lights), {}, kRuns), 0.002);
+            EXPECT_TRUE(d.Agrees()) << kind.name << ", " << integrator.name << ": " << d.Text();
+        }
 }
 
 }  // namespace

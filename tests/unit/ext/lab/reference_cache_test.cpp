@@ -1,5 +1,6 @@
 #include "ext/lab/reference.h"
 
+#include <cstring>
 #include <fstream>
 
 #include "experiment_fixture.h"
@@ -26,6 +27,30 @@ TEST_F(Experiment, ReferenceIsKeptInTheCacheAndFoundAgain) {
     std::ofstream(folder_ / "scene.pbrt", std::ios::app) << "Shape \"sphere\" \"float radius\" 0.2\n";
     ASSERT_TRUE(Run(Settings("four", {"uniform"})));
     EXPECT_GT(ReferencesIn("cache").size(), kept.size());
+}
+
+TEST_F(Experiment, ReferencesThatWereChangedAreRenderedAgain) {
+    ASSERT_TRUE(Run(Settings("first", {"uniform"})));
+    const std::string path = ReferencesIn("cache").at(0).string();
+    const ImageFile good = ReadImage(path);
+    const auto expectAgain = [&](const std::string &what, auto &&change) {
+        ImageFile changed = good;
+        change(changed);
+        WriteImage(path, changed.image, changed.metadata);
+        ASSERT_TRUE(Run(Settings(what, {"uniform"})));
+        const ImageFile again = ReadImage(path);
+        ASSERT_EQ(again.image.Channels(), good.image.Channels()) << what;
+        EXPECT_EQ(std::memcmp(again.image.Data(), good.image.Data(), good.image.Bytes()), 0) << what;
+        for (const char *name : {"lightlab.parts", "lightlab.sampler", "samplesPerPixel"})
+            EXPECT_EQ(again.metadata.attributes.at(name), good.metadata.attributes.at(name)) << what;
+        EXPECT_TRUE(again.metadata.attributes.contains("lightlab.hash")) << what;
+    };
+    for (const std::string channel : {"G", "part3.B"})
+        expectAgain(channel, [&](ImageFile &file) { file.image.Set({4, 5}, file.image.FindChannel(channel), 0.125f); });
+    expectAgain("parts", [](ImageFile &file) { file.metadata.attributes["lightlab.parts"] = 7; });
+    expectAgain("samples", [](ImageFile &file) { file.metadata.attributes["samplesPerPixel"] = 7; });
+    expectAgain("sampler", [](ImageFile &file) { file.metadata.attributes["lightlab.sampler"] = std::string("x"); });
+    expectAgain("no-hash", [](ImageFile &file) { file.metadata.attributes.erase("lightlab.hash"); });
 }
 
 TEST_F(Experiment, CacheThatCannotBeWrittenCostsTheCacheOnly) {

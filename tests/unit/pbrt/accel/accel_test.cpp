@@ -224,18 +224,44 @@ TEST(Accel, RaysStayRaysInSmallInstances) {
 }
 
 /// Flat shapes in the plane z = 0, which Embree traces and which it does not.
-Shapes FlatShapes() {
+Shapes FlatShapes(const Transform &place = {}) {
     MeshData square;
     square.p = {{-1, -1, 0}, {1, -1, 0}, {-1, 1, 0}, {1, 1, 0}};
     square.indices = {0, 1, 2, 1, 3, 2};
     Shapes s;
-    s.push_back(std::make_unique<TriangleMesh>(square, Transform(), false));
+    s.push_back(std::make_unique<TriangleMesh>(square, place, false));
     square.indices = {0, 1, 2, 3};
-    s.push_back(std::make_unique<BilinearMesh>(square, Transform(), false));
+    s.push_back(std::make_unique<BilinearMesh>(square, place, false));
     square.p[3].x = 1.5f;  // no parallelogram
-    s.push_back(std::make_unique<BilinearMesh>(square, Transform(), false));
-    s.push_back(std::make_unique<Disk>(0.f, 1.f, 0.f, 360.f, Transform(), false));
+    s.push_back(std::make_unique<BilinearMesh>(square, place, false));
+    s.push_back(std::make_unique<Disk>(0.f, 1.f, 0.f, 360.f, place, false));
     return s;
+}
+
+TEST(Accel, HitsOfTinyPrimitivesLieOnTheRay) {
+    for (const Float size : {1e-4f, 1e-8f, 1e-10f})
+        for (const auto &shape : FlatShapes(Transform::Scale(Vector3(size))))
+            for (const bool enlarged : {false, true}) {
+                const Transform place = enlarged ? Transform::Scale(Vector3(1 / size)) : Transform();
+                const Float reach = enlarged ? 1 : size;
+                Accel accel;
+                if (enlarged) accel.AddInstance(accel.AddObject({ShapeId(0u)}, {shape.get()}, {nullptr}), place);
+                else accel.AddShape(ShapeId(0u), *shape, nullptr);
+                accel.Commit();
+                Rng rng(8);
+                for (int i = 0; i < 200; ++i) {
+                    const Point3 target = Float(0.6) * reach * Vector3(2 * rng.Uniform() - 1, 2 * rng.Uniform() - 1, 0);
+                    Ray ray;
+                    ray.o = target + reach * Vector3(rng.Uniform() - 0.5f, rng.Uniform() - 0.5f, 1.5f);
+                    ray.d = Normalize(target - ray.o);
+                    const auto hit = accel.Intersect(ray);
+                    ASSERT_TRUE(hit) << size << ' ' << static_cast<int>(shape->Kind()) << ' ' << enlarged;
+                    const Ray local{place.InversePoint(ray.o), place.InverseVector(ray.d)};
+                    const Point3 p = place.Point(shape->SurfaceOnRay(hit->primitive, hit->hit, local).p);
+                    EXPECT_LT(Distance(p, target), 1e-5f * reach)
+                        << size << ' ' << static_cast<int>(shape->Kind()) << ' ' << enlarged;
+                }
+            }
 }
 
 TEST(Accel, HitsLieBehindTheOriginAndBehindTMin) {

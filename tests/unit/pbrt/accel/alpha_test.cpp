@@ -103,20 +103,24 @@ TEST(Alpha, LayersAlongOneRayAreIndependent) {
 
 TEST(Alpha, TextureIsReadAtTheHit) {
     HalfAlpha texture;
-    for (bool patch : {false, true}) {
-        std::unique_ptr<Shape> shape;
-        if (patch) shape = std::make_unique<BilinearMesh>(UnitSquare(0, true), Transform(), false);
-        else shape = std::make_unique<TriangleMesh>(UnitSquare(0, false), Transform(), false);
-        Accel accel;
-        accel.AddShape(ShapeId(0u), *shape, &texture);
-        accel.Commit();
-        Rng rng(6);
-        for (int i = 0; i < 2000; ++i) {
-            Ray ray = Down(rng);
-            if (std::abs(ray.o.x - 0.5f) < 1e-4f) continue;
-            EXPECT_EQ(accel.Occluded(ray), ray.o.x < 0.5f);
+    for (const Float size : {1.f, 1e-10f})
+        for (bool patch : {false, true}) {
+            const Transform place = Transform::Scale(Vector3(size));
+            std::unique_ptr<Shape> shape;
+            if (patch) shape = std::make_unique<BilinearMesh>(UnitSquare(0, true), place, false);
+            else shape = std::make_unique<TriangleMesh>(UnitSquare(0, false), place, false);
+            Accel accel;
+            accel.AddShape(ShapeId(0u), *shape, &texture);
+            accel.Commit();
+            Rng rng(6);
+            for (int i = 0; i < 2000; ++i) {
+                Ray ray = Down(rng);
+                const Float x = ray.o.x;
+                if (std::abs(x - 0.5f) < 1e-4f) continue;
+                ray.o *= size;
+                EXPECT_EQ(accel.Occluded(ray), x < 0.5f);
+            }
         }
-    }
 }
 
 TEST(Alpha, FartherSurfaceIsFoundThroughAHole) {

@@ -77,6 +77,23 @@ TEST(LightTable, EveryLineOfTheVisibleRangeHasPower) {
         EXPECT_GT(PowerOf(table, i), 1e-3 * PowerOf(table, 0)) << 379 + i << " nm";
 }
 
+TEST(LightTable, AnyLineThatAFilmOfAnyRangeMeetsHasPower) {
+    LightTable table;
+    for (int nm = 360; nm <= 830; ++nm) table.Add(Make("point", Line(static_cast<Float>(nm), 1)));
+    table.Finish({0, 0, 0}, 1);
+    // "film" "spectral" accepts ranges within that of the spectra only, and samples them uniformly.
+    constexpr std::array<Float, 2> kRanges[] = {{LambdaMin, 361}, {360, 400},           {600, 600.5f},
+                                                {780, LambdaMax}, {829.75f, LambdaMax}, {LambdaMin, LambdaMax}};
+    for (const auto &[low, high] : kRanges)
+        for (int i = 0; i < 1000; ++i) {
+            const auto lambda = SampledWavelengths::SampleUniform((static_cast<Float>(i) + 0.5f) / 1000, low, high);
+            for (uint32_t light = 0; light < table.Size(); ++light) {
+                const bool emits(table[LightId(light)].Phi(lambda).spectrum);
+                ASSERT_TRUE(!emits || table.Candidate(LightId(light)).power > 0) << 360 + light << " nm";
+            }
+        }
+}
+
 TEST(LightTable, SharesOfPowerDoNotDependOnTheUnitOfRadiance) {
     const auto shares = [](Float scale, Float radius) {
         LightTable table;

@@ -21,7 +21,7 @@ struct Findings {
 };
 
 /// The number of light points for all zero pairs of a sampler together, and its limits for a single pair.
-constexpr size_t kSearch = 3200000, kMaxPoints = 512, kMinPoints = 6;
+constexpr size_t kSearch = 1200000, kMaxPoints = 512, kMinPoints = 6;
 constexpr int kDraws = 32;
 
 /// Whether the light is chosen by regions at the place.

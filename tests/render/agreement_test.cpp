@@ -242,7 +242,7 @@ TEST(LightSamplersAgree, TwelveLights) {
 
 /// Lights in a chamber behind a folded passage. A prepass of one vertex sees none of them.
 TEST(LightSamplersAgree, Deep) {
-    View view(BuildText(WithoutCoats("scenes/deep/deep.pbrt"), Reduced(2)), 24, 8);
+    View view(BuildText(WithoutCoats("scenes/deep/deep.pbrt"), Reduced(2)), 16, 8);
     std::vector<std::string> labels = Labels();
     if (HasOctree()) labels.push_back("octree:depth=1");
     auto good = ExpectAgreement("deep", view, labels);
@@ -252,14 +252,14 @@ TEST(LightSamplersAgree, Deep) {
 }
 
 TEST(LightSamplersAgree, Slit) {
-    View view(BuildText(WithoutCoats("tests/render/scenes/slit.pbrt"), Reduced(2)), 16, 8);
+    View view(BuildText(WithoutCoats("tests/render/scenes/slit.pbrt"), Reduced(2)), 10, 8);
     auto good = ExpectAgreement("slit", view);
     if (HasOctree())
         ExpectNoticed("slit", "octree without floor", view, good, std::string(kMinFloor) + ",leaves=65536", kNoFloor);
 }
 
 TEST(LightSamplersAgree, RoomsFullOfFog) {
-    View view(BuildFile(std::string(PBRT_SOURCE_DIR) + "/tests/render/scenes/fog.pbrt", Reduced(2)), 40, 8);
+    View view(BuildFile(std::string(PBRT_SOURCE_DIR) + "/tests/render/scenes/fog.pbrt", Reduced(2)), 24, 8);
     auto good = ExpectAgreement("fog", view);
     ExpectNoticed("fog", "bvh, a fifth off inside the fog", view, good, "bvh",
                   Tamper([](const LightQuery &q, const SampledLight &s) {
@@ -268,7 +268,7 @@ TEST(LightSamplersAgree, RoomsFullOfFog) {
 }
 
 TEST(LightSamplersAgree, Dollhouse) {
-    View view(BuildText(WithoutCoats("scenes/dollhouse/dollhouse.pbrt"), Reduced(5)), 24, 8);
+    View view(BuildText(WithoutCoats("scenes/dollhouse/dollhouse.pbrt"), Reduced(5)), 16, 8);
     std::vector<std::string> labels = Labels();
     if (HasOctree()) labels.push_back("octree:portals=always");
     auto good = ExpectAgreement("dollhouse", view, labels);
@@ -281,7 +281,7 @@ TEST(LightSamplersAgree, Dollhouse) {
 TEST(LightSamplersAgree, EnvironmentThroughPortals) {
     if (!HasOctree()) GTEST_SKIP() << "Only the octree finds portals.";
     for (const char *name : {"sunny-room", "blinds"}) {
-        View view(BuildFile(fmt::format("{0}/scenes/{1}/{1}.pbrt", PBRT_SOURCE_DIR, name), Reduced(6)), 32, 8);
+        View view(BuildFile(fmt::format("{0}/scenes/{1}/{1}.pbrt", PBRT_SOURCE_DIR, name), Reduced(6)), 20, 8);
         const std::vector<std::string> labels = {"bvh", "octree:portals=always", "octree:portals=never", "octree"};
         auto good = ExpectAgreement(name, view, labels);
         ExpectNoticed(name, "octree, half of the portals 15 % off", view, good, "octree:portals=always",

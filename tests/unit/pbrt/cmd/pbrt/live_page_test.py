@@ -88,7 +88,7 @@ class LivePage(unittest.TestCase):
             return json.load(answer)
 
     def test_the_picture_grows_and_stays(self):
-        process, address = self.start("--serve=0", "--time", "15", size=(240, 160))
+        process, address = self.start("--serve=0", "--time", "8", size=(240, 160))
         self.driver.get(address)
         self.until(lambda: self.version() > 0)
         first = self.version()
@@ -126,7 +126,7 @@ class LivePage(unittest.TestCase):
         self.assertEqual(bad, [], "console errors")
 
     def test_the_error_is_estimated(self):
-        most = 2048
+        most = 1024
         process, address = self.start("--serve=0", "--spp", str(most), size=(96, 72))
         seen = {}
         while process.poll() is None:

@@ -57,8 +57,8 @@ if bash .ci/build "$top/build/release" -DPBRT_EXT=OFF -DPBRT_WERROR=ON -DPBRT_UN
   # Programs that no extension can change run below.
   same=$(extension_free_units build/release | paste -sd "|")
   stage "Testing without extensions"
-  # So do pages in a browser, scripts, documents and views of integrators, which no extension changes.
-  run_ctest core build/release -L "unit|contract" -E "^(program|docs|develop|${same:-none})\\.|^integrators\\.(Mlt|Sppm|.*/)"
+  # So do pages in a browser, scripts, documents, scenes of the contract and most integrators, which no extension changes.
+  run_ctest core build/release -L "unit|contract" -E "^(program|docs|develop|${same:-none})\\.|^contract\\.scenes\\.|^integrators\\.(Mlt|Sppm|Bdpt|VolPath|.*/)"
 else
   count "build without extensions" 1
 fi

@@ -6,7 +6,7 @@
 namespace pbrt::test {
 namespace {
 
-constexpr int kRuns = 6;
+constexpr int kRoomRuns = 6;
 
 /// The walls of a room that is open in front, one of them of triangles, and a ball.
 std::string WallsText(const Placement &at) {
@@ -65,9 +65,9 @@ void ExpectSameRooms(const Placement &at, double allowed) {
     for (const Kind &kind : kKinds) {
         const std::vector<ScaleIntegrator> here = AllIntegrators(at), there = AllIntegrators({});
         for (size_t i = 0; i < here.size(); ++i) {
-            const std::vector<Image> one = RenderSeeds(RoomText({}, there[i], kind.lights({})), {}, kRuns);
+            const std::vector<Image> one = RenderSeeds(RoomText({}, there[i], kind.lights({})), {}, kRoomRuns);
             const ScaleDifference d =
-                CompareRuns(RenderSeeds(RoomText(at, here[i], kind.lights(at)), at, kRuns), one, allowed);
+                CompareRuns(RenderSeeds(RoomText(at, here[i], kind.lights(at)), at, kRoomRuns), one, allowed);
             std::printf("%s, %s, %s: %s\n", at.Name().c_str(), kind.name, here[i].name.c_str(), d.Text().c_str());
             EXPECT_TRUE(d.Agrees()) << at.Name() << ", " << kind.name << ", " << here[i].name << ": " << d.Text();
         }
@@ -97,8 +97,9 @@ TEST(RoomsAsInstances, OfTinyObjectsAreAlike) {
     for (const Kind &kind : kKinds)
         for (const ScaleIntegrator &integrator : AllIntegrators({})) {
             const std::string lights = kind.lights({});
-            const ScaleDifference d = CompareRuns(RenderSeeds(EnlargedRoomText(1e-8, integrator, lights), {}, kRuns),
-                                                  RenderSeeds(RoomText({}, integrator, lights), {}, kRuns), 0.002);
+            const ScaleDifference d =
+                CompareRuns(RenderSeeds(EnlargedRoomText(1e-8, integrator, lights), {}, kRoomRuns),
+                            RenderSeeds(RoomText({}, integrator, lights), {}, kRoomRuns), 0.002);
             EXPECT_TRUE(d.Agrees()) << kind.name << ", " << integrator.name << ": " << d.Text();
         }
 }

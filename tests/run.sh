@@ -10,6 +10,7 @@ failures=()
 count() { # count NAME STATUS: one result
   if [ "$2" -eq 0 ]; then passed=$((passed + 1)); echo "ok    $1"; else failed=$((failed + 1)); failures+=("$1"); echo "FAIL  $1"; fi
 }
+stage() { echo "[$((SECONDS / 60)) min] $*"; }
 run_ctest() { # run_ctest NAME FOLDER [ctest options]: adds ctest's own counts
   local name=$1 folder=$2 log line
   shift 2
@@ -51,17 +52,19 @@ bash .ci/check_format
 count "format (.clang-format)" $?
 
 # One build folder serves both: switching PBRT_EXT recompiles only what depends on it.
-echo "Building without extensions (build/release.log)"
+stage "Building without extensions (build/release.log)"
 if bash .ci/build "$top/build/release" -DPBRT_EXT=OFF -DPBRT_WERROR=ON -DPBRT_UNITY=ON; then
   # Programs that no extension can change run below.
   same=$(extension_free_units build/release | paste -sd "|")
+  stage "Testing without extensions"
   # So do pages in a browser, scripts, documents and views of integrators, which no extension changes.
   run_ctest core build/release -L "unit|contract" -E "^(program|docs|develop|${same:-none})\\.|^integrators\\.(Mlt|Sppm|.*/)"
 else
   count "build without extensions" 1
 fi
-echo "Building everything (build/release.log)"
+stage "Building everything (build/release.log)"
 if bash .ci/build "$top/build/release" -DPBRT_EXT=ON -DPBRT_WERROR=ON -DPBRT_UNITY=ON; then
+  stage "Testing everything"
   run_ctest all build/release
   for table in build/release/tables/*.txt; do
     [ -f "$table" ] && { echo; cat "$table"; }
@@ -101,8 +104,9 @@ run_sanitized() { # run_sanitized KIND: runs the "NAME COMMAND" lines of standar
 
 # Addresses and undefined behaviour: the programs with every integrator and light sampler, every kind of file that they write
 # and read again, and all conformance scenes. `.ci/run asan` has all unit and contract tests.
-echo "Building with address and undefined-behaviour sanitizers (build/asan.log)"
+stage "Building with address and undefined-behaviour sanitizers (build/asan.log)"
 if bash .ci/build "$top/build/asan" -DPBRT_SANITIZE=address,undefined -DPBRT_BENCH=OFF -DPBRT_UNITY=ON -- pbrt imgtool lightlab; then
+  stage "Running with address and undefined-behaviour sanitizers"
   run_sanitized asan <<COMMANDS
 programs bash tests/stress/programs_once.sh build/asan
 conformance_scenes bash tests/stress/scenes_once.sh build/asan
@@ -111,15 +115,17 @@ else
   count "build with address and undefined-behaviour sanitizers" 1
 fi
 
-# Threads: rendering while the light sampler learns.
-echo "Building with the thread sanitizer (build/tsan.log)"
-if bash .ci/build "$top/build/tsan" -DPBRT_SANITIZE=thread -DPBRT_BENCH=OFF -DPBRT_UNITY=ON -- render_learning; then
+# Threads: rendering while the light sampler learns. Only what works on several threads is compiled for it.
+stage "Building with the thread sanitizer (build/release.log)"
+mkdir -p build/tsan
+if bash .ci/build "$top/build/release" -- render_learning_threads; then
   run_sanitized tsan <<COMMANDS
-render_learning build/tsan/tests/render/render_learning --gtest_filter=*Threads*
+render_learning build/release/tests/render/render_learning_threads --gtest_filter=*Threads*
 COMMANDS
 else
   count "build with the thread sanitizer" 1
 fi
+stage "Done"
 echo
 for f in "${failures[@]+"${failures[@]}"}"; do echo "failed: $f"; done
 echo "$passed passed, $failed failed"

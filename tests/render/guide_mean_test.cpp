@@ -10,7 +10,7 @@
 namespace pbrt::test {
 namespace {
 
-constexpr int kRuns = 8;
+constexpr int kRuns = 6;
 
 /// `guidedRuns` is counted up if the guide chose directions in the end.
 Image Render(GuideRoom room, int seed, bool guide, int *guidedRuns) {

@@ -5,14 +5,12 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "pbrt/cmd/pbrt/render_job.h"
 #include "pbrt/core/error.h"
 #include "pbrt/images/image.h"
 
-/// main of pbrt and of lightlab, renamed by tests/fuzz/CMakeLists.txt: what the user runs, flags and error printing
-/// included.
-int PbrtMain(int argc, char **argv);
 #ifdef PBRT_FUZZ_LIGHTLAB
-int LightlabMain(int argc, char **argv);
+#include "ext/lab/lightlab/lightlab.h"
 #endif
 
 namespace pbrt::fuzz {
@@ -37,7 +35,7 @@ int RunLightlab([[maybe_unused]] const FuzzCase &fuzzCase) {
     arguments.insert(arguments.end(), fuzzCase.arguments.begin(), fuzzCase.arguments.end());
     arguments.insert(arguments.end(),
                      {"--out", kLabFolder, "--cache", kLabFolder, "--no-report", fuzzCase.files.front().name});
-    return Call(LightlabMain, arguments);
+    return Call(ext::lab::RunLightlab, arguments);
 #else
     return 2;
 #endif
@@ -78,7 +76,7 @@ int RunProgram(const FuzzCase &fuzzCase, PictureReport &report) {
     std::vector<std::string> arguments = {"pbrt"};
     arguments.insert(arguments.end(), fuzzCase.arguments.begin(), fuzzCase.arguments.end());
     arguments.insert(arguments.end(), {"--outfile", fuzzCase.output, fuzzCase.files.front().name});
-    const int status = Call(PbrtMain, arguments);
+    const int status = Call(RunPbrt, arguments);
     if (status == 0) LookAtPicture(fuzzCase.output, report);
     return status;
 }

@@ -13,7 +13,7 @@
 namespace pbrt::test {
 namespace {
 
-constexpr int kSamples = 8, kFrames = 4;
+constexpr int kFrameSamples = 8, kFrames = 4;
 
 /// The camera looks down on the floor of the left one and moves to the
 /// right by half a metre a frame.
@@ -24,25 +24,25 @@ BuiltScene Frame(int frame) {
                          .LookAt(fmt::format("{0} 6 0  {0} 0 0  0 0 1", x))
                          .Camera(30)
                          .Film(32, 32, "'bool savefp16' false")
-                         .Samples(kSamples)
+                         .Samples(kFrameSamples)
                          .Integrator("path", 1, "'string lightsampler' 'octree' 'float octree.budget' 0.02")
                          .World(TwoRooms().Quad("-2.4 0 -1  -1.2 0 -1  -2.4 .8 -.6  -1.2 .8 -.6")));
 }
 
-void Prepare(BuiltScene &built, StateReader *learned) {
+void PrepareFrame(BuiltScene &built, StateReader *learned) {
     Progress progress;
     PrepareContext context = built.Preparation(progress);
-    context.samplesPerPixel = kSamples;
+    context.samplesPerPixel = kFrameSamples;
     context.learned = learned;
     context.learnsOn = learned == nullptr;
     built.integrator->Prepare(context);
 }
 
 /// Renders a frame to its end, so that its light sampler learns all that it learns from the frame.
-void Render(BuiltScene &built) {
+void RenderFrame(BuiltScene &built) {
     Progress progress;
     RenderSettings settings;
-    settings.samplesPerPixel = kSamples;
+    settings.samplesPerPixel = kFrameSamples;
     RenderWaves(built.Rendering(progress), settings);
 }
 
@@ -85,8 +85,8 @@ TEST(FramesOfAnAnimation, ShareTheirNoiseIfTheyShareWhatWasLearned) {
     std::string learned;
     {
         BuiltScene training = Frame(0);
-        Prepare(training, nullptr);
-        Render(training);
+        PrepareFrame(training, nullptr);
+        RenderFrame(training);
         StateWriter writer;
         training.integrator->Lights()->SaveLearned(writer, false);
         learned = writer.Joined();
@@ -95,11 +95,11 @@ TEST(FramesOfAnAnimation, ShareTheirNoiseIfTheyShareWhatWasLearned) {
     for (int i = 0; i < kFrames; ++i) {
         StateReader reader(learned, "learned lights");
         shared.push_back(Frame(i));
-        Prepare(shared.back(), &reader);
-        Render(shared.back());
+        PrepareFrame(shared.back(), &reader);
+        RenderFrame(shared.back());
         alone.push_back(Frame(i));
-        Prepare(alone.back(), nullptr);
-        Render(alone.back());
+        PrepareFrame(alone.back(), nullptr);
+        RenderFrame(alone.back());
     }
     EXPECT_EQ(Flicker(shared), 0);
     // Frames that learn for themselves, each from its own view, are what would flicker.

@@ -22,4 +22,10 @@ inline Vector3 SampleUniformCone(const Point2 &u, Float cosThetaMax) {
 }
 inline Float UniformConePdf(Float cosThetaMax) { return 1 / (2 * Pi * (1 - cosThetaMax)); }  ///< solid angle
 
+/// Uniform in the cube [-1, 1)^3.
+inline Vector3 RandomVector(Rng &rng) {
+    Float x = rng.Uniform(), y = rng.Uniform(), z = rng.Uniform();
+    return {2 * x - 1, 2 * y - 1, 2 * z - 1};
+}
+
 }  // namespace pbrt::test

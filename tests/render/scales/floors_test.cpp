@@ -7,7 +7,7 @@
 namespace pbrt::test {
 namespace {
 
-constexpr int kRuns = 5;
+constexpr int kFloorRuns = 5;
 
 std::string Triangles(const std::string &points) {
     return "Shape \"trianglemesh\" \"point3 P\" [" + points + " ] \"integer indices\" [ 0 1 2 1 3 2 ]\n";
@@ -66,33 +66,33 @@ void ExpectSame(const std::string &name, const std::vector<Image> &ours, const s
 
 TEST(Floors, AreAllAlike) {
     for (const Floor &floor : kFloors) {
-        const std::vector<Image> small = RenderSeeds(FloorText(floor, 1e3, {"path"}), {}, kRuns);
+        const std::vector<Image> small = RenderSeeds(FloorText(floor, 1e3, {"path"}), {}, kFloorRuns);
         EXPECT_GT(MeanOf(small[0]), 0.01);
         for (const double r : {1e5, 1e6, 1e7, 1e8})
-            ExpectSame(fmt::format("{} of {:g}", floor.name, r), RenderSeeds(FloorText(floor, r, {"path"}), {}, kRuns),
-                       small, 0.0005);
+            ExpectSame(fmt::format("{} of {:g}", floor.name, r),
+                       RenderSeeds(FloorText(floor, r, {"path"}), {}, kFloorRuns), small, 0.0005);
     }
 }
 
 TEST(Floors, AreAlikeInEveryIntegrator) {
     for (const ScaleIntegrator &integrator : AllIntegrators({})) {
-        const std::vector<Image> small = RenderSeeds(FloorText(kFloors[0], 1e3, integrator), {}, kRuns);
+        const std::vector<Image> small = RenderSeeds(FloorText(kFloors[0], 1e3, integrator), {}, kFloorRuns);
         for (const double r : {1e6, 1e8})
             ExpectSame(fmt::format("{} with a floor of {:g}", integrator.name, r),
-                       RenderSeeds(FloorText(kFloors[0], r, integrator), {}, kRuns), small, 0.001);
+                       RenderSeeds(FloorText(kFloors[0], r, integrator), {}, kFloorRuns), small, 0.001);
     }
 }
 
 /// The ground is a sphere of the size of the Earth.
 TEST(Floors, MayBeAPlanet) {
-    const std::vector<Image> flat = RenderSeeds(FloorText(kFloors[0], 1e3, {"path"}), {}, kRuns);
+    const std::vector<Image> flat = RenderSeeds(FloorText(kFloors[0], 1e3, {"path"}), {}, kFloorRuns);
     const Floor planet{"planet", [](double r) {
                            return fmt::format(
                                "AttributeBegin Translate 0 {:.9g} 0 Shape \"sphere\" \"float radius\" "
                                "{:.9g} AttributeEnd\n",
                                -r - 1, r);
                        }};
-    ExpectSame("planet", RenderSeeds(FloorText(planet, 6371000, {"path"}), {}, kRuns), flat, 0.0005);
+    ExpectSame("planet", RenderSeeds(FloorText(planet, 6371000, {"path"}), {}, kFloorRuns), flat, 0.0005);
 }
 
 /// A lamp in the plane z = 5 + behind, seen from z = 5.
@@ -111,8 +111,8 @@ TEST(CameraInThePlaneOfALamp, DoesNotSeeIt) {
     for (const ScaleIntegrator &integrator : AllIntegrators({}))
         for (const std::string &lamp : {Triangles(square), Patch(square)})
             ExpectSame(integrator.name + ", " + lamp.substr(7, 14),
-                       RenderSeeds(FlashText(lamp, 0, integrator), {}, kRuns),
-                       RenderSeeds(FlashText(lamp, 1e-4, integrator), {}, kRuns), 0.002);
+                       RenderSeeds(FlashText(lamp, 0, integrator), {}, kFloorRuns),
+                       RenderSeeds(FlashText(lamp, 1e-4, integrator), {}, kFloorRuns), 0.002);
 }
 
 /// A ball on a floor: as it is, or as an instance. `size`: of both in the units of their object.
@@ -145,7 +145,7 @@ TEST(Instances, AreAsExactAsCopies) {
         const std::string place = "ObjectInstance \"o\"\n";
         auto in = [](const std::string &text) { return "AttributeBegin " + text + "AttributeEnd\n"; };
         const Placement how{.renderCoordSys = o.renderCoordSys};
-        auto render = [&](const std::string &object) { return RenderSeeds(ObjectView(o, object), how, kRuns); };
+        auto render = [&](const std::string &object) { return RenderSeeds(ObjectView(o, object), how, kFloorRuns); };
         const std::string shapes = BallAndFloor(o.size);
         const std::vector<Image> copy = render(in(move + enlarge + shapes));
         const std::string name =

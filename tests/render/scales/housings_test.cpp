@@ -8,7 +8,7 @@ namespace pbrt::test {
 namespace {
 
 /// Floor 150 units below the origin.
-std::string FloorText(const Placement &at, const ScaleIntegrator &integrator, const std::string &objects) {
+std::string DistantFloorText(const Placement &at, const ScaleIntegrator &integrator, const std::string &objects) {
     return ViewText(at, integrator, {0, -149, 5, 0, -150, 0, 0, 1, 0}, "Camera \"perspective\" \"float fov\" 60", 3) +
            "Material \"diffuse\" \"rgb reflectance\" [ .5 .5 .5 ]\n" + objects +
            "Shape \"bilinearmesh\" \"point3 P\" [" +
@@ -62,7 +62,7 @@ void ExpectDarkHousings(const Placement &at) {
     for (const Part &light : kLights)
         for (const ScaleIntegrator &integrator : AllIntegrators(at)) {
             const auto mean = [&](const std::string &housing) {
-                return MeanOf(RenderSeeds(FloorText(at, integrator, light.text(at) + housing), at, 1)[0]);
+                return MeanOf(RenderSeeds(DistantFloorText(at, integrator, light.text(at) + housing), at, 1)[0]);
             };
             const bool connectsInside = integrator.name == "bdpt" || integrator.name == "mlt";
             for (const Part &housing : kHousings)

@@ -7,6 +7,9 @@
 
 namespace ext::lab {
 
+/// The program lightlab: parses the command line, runs its experiments, prints errors. Returns the exit status.
+int RunLightlab(int argc, char **argv);
+
 struct LightlabOptions {
     ExperimentSettings experiment;    ///< excluding the samplers
     std::vector<std::string> scenes;  ///< several: one experiment each, in separate folders

@@ -453,7 +453,7 @@ TEST(PathGuide, WhatItLearnedIsOfUseToOtherRenders) {
 
 /// The mean of f cos L / density over guided bounces, where L is the light that was learned, is that over the BSDF's
 /// own bounces; it is not if the density leaves the guide out, or has it with a share that is less by `wrong`.
-void CheckMean(const Bsdf &bsdf, bool isGlossy, bool bothSides, Float wrong = 0.05f) {
+void CheckGuideMean(const Bsdf &bsdf, bool isGlossy, bool bothSides, Float wrong = 0.05f) {
     Learned lobe(Lobe, isGlossy, bothSides);
     PathVertex vertex;
     vertex.point.p = {0.2f, 0.1f, 0};
@@ -494,15 +494,15 @@ void CheckMean(const Bsdf &bsdf, bool isGlossy, bool bothSides, Float wrong = 0.
 
 TEST(GuidedDirections, HaveTheMeanOfTheBsdfsOwnBounces) {
     const auto bsdf = [](const auto &lobe) { return Bsdf({0, 0, 1}, {1, 0, 0}, lobe); };
-    CheckMean(bsdf(DiffuseBxdf(SampledSpectrum(0.7f))), false, false);
-    CheckMean(bsdf(DiffuseTransmissionBxdf(SampledSpectrum(0.4f), SampledSpectrum(0.3f))), false, true);
+    CheckGuideMean(bsdf(DiffuseBxdf(SampledSpectrum(0.7f))), false, false);
+    CheckGuideMean(bsdf(DiffuseTransmissionBxdf(SampledSpectrum(0.4f), SampledSpectrum(0.3f))), false, true);
     // Its F is biased, as stock pbrt-v4's is, and its samples are not.
     const auto table = CoatTable::Shared(1.5f, 0.01f, 0.3f);
     CoatedDiffuseBxdf coated(DielectricBxdf(1.5f, TrowbridgeReitz(0.3f, 0.3f)), DiffuseBxdf(SampledSpectrum(0.8f)),
                              0.01f, SampledSpectrum(0), 0, 10, 1);
     coated.UseTable(*table);
     ASSERT_TRUE(coated.UsesTable());
-    CheckMean(bsdf(coated), false, false, 0.2f);
+    CheckGuideMean(bsdf(coated), false, false, 0.2f);
 }
 
 TEST(GuidedDirections, LeaveSpecularSurfacesAlone) {

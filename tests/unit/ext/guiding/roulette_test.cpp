@@ -21,7 +21,7 @@ const uint32_t kUp = PathRoulette::KindOf({0, 0, 1}, false), kDown = PathRoulett
 /// `found(p, u)`: what a path finds from p on, which is in [-1, 1]^2 on the plane z = 0, for a cost of 2; without light
 /// sampling there half of that, for a cost of 1. The two paths of a pixel find 0 and 2 `radiance(pixel)`.
 template <class Found, class Radiance>
-PathRoulette Learned(Found &&found, Radiance &&radiance) {
+PathRoulette LearnedRoulette(Found &&found, Radiance &&radiance) {
     PathRoulette roulette;
     roulette.BeginRecords(kPaths, kVertices);
     Rng rng(5);
@@ -36,7 +36,7 @@ PathRoulette Learned(Found &&found, Radiance &&radiance) {
     roulette.Learn({kSide, kSide}, PixelOf);
     return roulette;
 }
-Float Even(Point2i) { return 1; }
+Float EvenImage(Point2i) { return 1; }
 
 /// The probability to go on at a place, before light is sampled there.
 Float SurvivalAt(const PathRoulette &roulette, const Point3 &p, uint32_t kind, Float worth) {
@@ -44,7 +44,7 @@ Float SurvivalAt(const PathRoulette &roulette, const Point3 &p, uint32_t kind, F
 }
 
 TEST(PathRoulette, FollowsTheFormula) {
-    const PathRoulette roulette = Learned([](const Point3 &, Float) { return 0.75f; }, Even);
+    const PathRoulette roulette = LearnedRoulette([](const Point3 &, Float) { return 0.75f; }, EvenImage);
     ASSERT_TRUE(roulette.HasEstimates());
     // I^2 = 1 + 0.2^2, V0 = 2 / I^2, C0 = 5, M = 0.75^2, C = 2, V = 0.
     const Float expected = PathRoulette::kVarianceCorrection * std::sqrt(0.75f * 0.75f / 2) * std::sqrt(5.f / 2);
@@ -63,7 +63,7 @@ TEST(PathRoulette, FollowsTheFormula) {
 
 TEST(PathRoulette, PathsGoOnWhereLightIsFoundRarely) {
     const PathRoulette roulette =
-        Learned([](const Point3 &p, Float u) { return p.x > 0 ? (u < 0.1f ? 10.f : 0) : 0.1f; }, Even);
+        LearnedRoulette([](const Point3 &p, Float u) { return p.x > 0 ? (u < 0.1f ? 10.f : 0) : 0.1f; }, EvenImage);
     // The means are 1 and 0.1, the roots of the second moments 3.2 and 0.1.
     EXPECT_GT(SurvivalAt(roulette, {0.5f, 0, 0}, kUp, 0.25f * roulette.PixelImportance({5, 5})), 0.7f);
     EXPECT_EQ(SurvivalAt(roulette, {0.5f, 0, 0}, kUp, roulette.PixelImportance({5, 5})), 1);
@@ -72,8 +72,8 @@ TEST(PathRoulette, PathsGoOnWhereLightIsFoundRarely) {
 }
 
 TEST(PathRoulette, PathsOfDarkPixelsGoOnLonger) {
-    const PathRoulette roulette = Learned([](const Point3 &, Float) { return 0.75f; },
-                                          [](Point2i pixel) { return pixel.x < kSide / 2 ? 0.5f : 1.5f; });
+    const PathRoulette roulette = LearnedRoulette([](const Point3 &, Float) { return 0.75f; },
+                                                  [](Point2i pixel) { return pixel.x < kSide / 2 ? 0.5f : 1.5f; });
     EXPECT_GT(SurvivalAt(roulette, {0, 0, 0}, kUp, 0.7f * roulette.PixelImportance({2, 30})),
               1.3f * SurvivalAt(roulette, {0, 0, 0}, kUp, 0.7f * roulette.PixelImportance({60, 30})));
 }
@@ -114,7 +114,8 @@ TEST(PathRoulette, NoiseThatAPixelSamplerEvensOutMakesNoPathEnd) {
 }
 
 TEST(PathRoulette, KnowsNothingIfNothingWasFound) {
-    EXPECT_FALSE(Learned([](const Point3 &, Float) { return 0.f; }, [](Point2i) { return 0.f; }).HasEstimates());
+    EXPECT_FALSE(
+        LearnedRoulette([](const Point3 &, Float) { return 0.f; }, [](Point2i) { return 0.f; }).HasEstimates());
 }
 
 TEST(PathRoulette, SidesAndGlossyPlacesAreApart) {
@@ -128,7 +129,8 @@ TEST(PathRoulette, SidesAndGlossyPlacesAreApart) {
 }
 
 TEST(PathRoulette, ASavedStateIsLoadedBitByBitAndADamagedOneRefused) {
-    const PathRoulette roulette = Learned([](const Point3 &p, Float u) { return p.x > 0 ? u : 0.1f; }, Even);
+    const PathRoulette roulette =
+        LearnedRoulette([](const Point3 &p, Float u) { return p.x > 0 ? u : 0.1f; }, EvenImage);
     const auto bytesOf = [](const PathRoulette &saved) {
         StateWriter writer;
         writer(saved);
@@ -149,7 +151,7 @@ TEST(PathRoulette, ASavedStateIsLoadedBitByBitAndADamagedOneRefused) {
 
 TEST(PathRoulette, IsOfUseToOtherPictures) {
     const auto left = [](Point2i pixel) { return pixel.x < kSide / 2 ? 0.5f : 1.5f; };
-    const PathRoulette learned = Learned([](const Point3 &, Float) { return 0.75f; }, left);
+    const PathRoulette learned = LearnedRoulette([](const Point3 &, Float) { return 0.75f; }, left);
     for (const int side : {kSide / 4, kSide, 3 * kSide}) {
         PathRoulette other = learned;
         other.UseFor({side, side}, true);

@@ -17,7 +17,7 @@ namespace {
 /// An orthographic view of 4 x 4 units, straight down on a floor of 2 x 2. Lights 0 and 1 are a mesh that faces away
 /// from everything. Light 2 is a point above the middle, seen from everywhere. Light 3 is a point far to the left,
 /// hidden from the right half by a wall in the middle.
-const char *kScene = R"(LookAt 0 0 10  0 0 0  0 1 0
+const char *kInspectedScene = R"(LookAt 0 0 10  0 0 0  0 1 0
 Camera "orthographic" "float screenwindow" [ -2 2 -2 2 ]
 Film "rgb" "integer xresolution" 32 "integer yresolution" 32
 Sampler "independent" "integer pixelsamples" 4
@@ -60,7 +60,7 @@ class Inspect : public testing::Test {
     Inspect() {
         BuildOptions options;
         options.renderCoordSys = "world";
-        built_ = test::BuildText(kScene, options);
+        built_ = test::BuildText(kInspectedScene, options);
         sampler_ = std::make_unique<Telltale>(built_.scene->Lights());
     }
     Inspection MakeInspection(InspectSettings settings = {}) {

@@ -17,7 +17,7 @@ namespace {
 using test::RunningStatistics;
 
 /// A floor with a wall, a mirror ball and a glossy ball, under three point lights and a lamp of two triangles.
-const char *kScene = R"(LookAt 0 -6 4  0 0 0.5  0 0 1
+const char *kSelectionScene = R"(LookAt 0 -6 4  0 0 0.5  0 0 1
 Camera "perspective" "float fov" 45
 Film "rgb" "integer xresolution" 32 "integer yresolution" 32
 Integrator "path" "integer maxdepth" 3
@@ -70,7 +70,7 @@ class Spoilt final : public LightSampler {
 
 class SelectionCheck : public testing::Test {
   protected:
-    explicit SelectionCheck(const std::string &text = kScene)
+    explicit SelectionCheck(const std::string &text = kSelectionScene)
         : built_(test::BuildText(text)), spoilt_(built_.scene->Lights().Size()) {}
     SelectionReport Check(const LightSampler &lights) {
         Progress progress;
@@ -167,7 +167,7 @@ TEST_F(SelectionCheck, BothChecksTogether) {
 
 /// The same scene full of fog, in which most of the first vertices lie.
 std::string InFog() {
-    std::string text = kScene;
+    std::string text = kSelectionScene;
     auto replace = [&text](const std::string &what, const std::string &by) {
         text.replace(text.find(what), what.size(), by);
     };

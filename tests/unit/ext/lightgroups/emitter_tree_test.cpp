@@ -9,13 +9,11 @@ namespace {
 
 using namespace ext;
 
+using test::PatchCounts;
 using test::Patches;
 using test::QueryIn;
 
-struct Size {
-    int count, far;
-};
-class EmitterTreeOfSize : public testing::TestWithParam<Size> {};
+class EmitterTreeOfSize : public testing::TestWithParam<PatchCounts> {};
 
 TEST_P(EmitterTreeOfSize, EveryEmitterIsInItOnceAndSampledAsItsPmfSays) {
     const auto [count, far] = GetParam();
@@ -46,7 +44,8 @@ TEST_P(EmitterTreeOfSize, EveryEmitterIsInItOnceAndSampledAsItsPmfSays) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Sizes, EmitterTreeOfSize,
-                         testing::Values(Size{1, 0}, Size{7, 2}, Size{33, 0}, Size{100, 1}, Size{1100, 3}),
+                         testing::Values(PatchCounts{1, 0}, PatchCounts{7, 2}, PatchCounts{33, 0}, PatchCounts{100, 1},
+                                         PatchCounts{1100, 3}),
                          [](const auto &p) {
                              return std::to_string(p.param.count) + "And" + std::to_string(p.param.far) + "Far";
                          });

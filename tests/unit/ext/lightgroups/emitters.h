@@ -5,7 +5,7 @@
 #include "pbrt/math/rng.h"
 #include "pbrt/math/warps.h"
 
-namespace test {
+namespace pbrt::test {
 
 using namespace ext;
 
@@ -22,6 +22,11 @@ inline Emitter Patch(const Point3 &p, const Vector3 &normal, Float intensity) {
     e.intensity = intensity;
     return e;
 }
+
+/// Sizes of a test's set of emitters.
+struct PatchCounts {
+    int count, far;
+};
 
 /// `count` flat patches at random places in a cube, with `far` infinite lights among them.
 inline std::vector<Emitter> Patches(int count, int far) {
@@ -59,4 +64,4 @@ inline Float GOf(const Emitter &e, const LightQuery &query) {
     return g[0];
 }
 
-}  // namespace test
+}  // namespace pbrt::test

@@ -8,13 +8,11 @@
 namespace {
 
 using namespace ext;
+using test::PatchCounts;
 using test::Patches;
 using test::QueryIn;
 
-struct Size {
-    int count, far;
-};
-class LightTreeOfSize : public testing::TestWithParam<Size> {
+class LightTreeOfSize : public testing::TestWithParam<PatchCounts> {
   protected:
     /// A cut somewhere between the roots and the single lights.
     static std::vector<uint32_t> SomeCut(const LightTree &tree, Rng &rng) {
@@ -112,7 +110,8 @@ TEST_P(LightTreeOfSize, LightsBelowANodeAreSampledAsTheirPmfSays) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Sizes, LightTreeOfSize,
-                         testing::Values(Size{1, 0}, Size{0, 3}, Size{7, 2}, Size{65, 0}, Size{300, 40}),
+                         testing::Values(PatchCounts{1, 0}, PatchCounts{0, 3}, PatchCounts{7, 2}, PatchCounts{65, 0},
+                                         PatchCounts{300, 40}),
                          [](const auto &p) {
                              return std::to_string(p.param.count) + "And" + std::to_string(p.param.far) + "Far";
                          });

@@ -11,7 +11,7 @@ namespace {
 using namespace ext;
 using test::WithElement;
 
-const Bounds3 kBounds(Point3(0), Point3(1));
+const Bounds3 kUnitBox(Point3(0), Point3(1));
 /// Of CellOctree's nodes in the saved bytes, behind the box.
 constexpr size_t kNodesAt = sizeof(Point3) + sizeof(Vector3);
 constexpr uint32_t kLeaf = 0x80000000u;
@@ -32,7 +32,7 @@ VisibilityTree Tree() {
     const VisibilityRecords made = Records();
     VisibilityBuildSettings settings;
     settings.lightCount = 2;
-    return VisibilityTreeBuilder(kBounds, made.records, made.rays, settings).Build().value();
+    return VisibilityTreeBuilder(kUnitBox, made.records, made.rays, settings).Build().value();
 }
 
 template <class T>
@@ -97,12 +97,12 @@ TEST(Validate, AChangedLeafIsRefusedByTheHash) {
 TEST(Validate, LookUpsLeaveTheDeepestOctreeOnly) {
     // A chain of first children, one level deeper than positions have bits.
     for (const bool isTooDeep : {false, true}) {
-        CellOctree cells(kBounds);
+        CellOctree cells(kUnitBox);
         uint32_t node = 0;
         for (int depth = 2; depth < CellOctree::MaxDepth + (isTooDeep ? 1 : 0); ++depth) node = cells.Split(node);
         EXPECT_EQ(cells.ValidateFor(1).has_value(), isTooDeep);
     }
-    EXPECT_TRUE(CellOctree(kBounds).ValidateFor(0)) << "no row for the leaves";
+    EXPECT_TRUE(CellOctree(kUnitBox).ValidateFor(0)) << "no row for the leaves";
 }
 
 TEST(Validate, AnOctreeIsRefusedWithEveryWrongRow) {

@@ -14,7 +14,7 @@ namespace pbrt::test {
 namespace {
 
 /// A mesh of 2 n^2 triangles.
-std::string Grid(int n) {
+std::string GridMesh(int n) {
     std::string points, indices;
     for (int y = 0; y <= n; ++y)
         for (int x = 0; x <= n; ++x) points += fmt::format("{} {} {} ", x, y, (x * y) % 7);
@@ -35,7 +35,7 @@ MemoryEstimate Estimate(const std::string &world) {
 
 TEST(MemoryEstimate, OfMeshesIsBelowWhatTheyTakeButNotFar) {
     constexpr int kSide = 300;
-    const std::string grid = Grid(kSide);
+    const std::string grid = GridMesh(kSide);
     const MemoryEstimate estimate = Estimate(grid);
     EXPECT_EQ(estimate.triangles, 2 * kSide * kSide);
     const BuiltScene built = BuildText("WorldBegin\nLightSource \"point\"\n" + grid);
@@ -46,10 +46,10 @@ TEST(MemoryEstimate, OfMeshesIsBelowWhatTheyTakeButNotFar) {
 }
 
 TEST(MemoryEstimate, CountsObjectsOnceAndOnlyIfUsed) {
-    const std::string object = "ObjectBegin \"o\"\n" + Grid(10) + "ObjectEnd\n", use = "ObjectInstance \"o\"\n";
+    const std::string object = "ObjectBegin \"o\"\n" + GridMesh(10) + "ObjectEnd\n", use = "ObjectInstance \"o\"\n";
     EXPECT_EQ(Estimate(object).triangles, 0);
     EXPECT_EQ(Estimate(object + use + use).triangles, 200);
-    EXPECT_EQ(Estimate(object + use + Grid(10)).triangles, 400);
+    EXPECT_EQ(Estimate(object + use + GridMesh(10)).triangles, 400);
 }
 
 TEST(MemoryEstimate, CountsImagesByTheirHeads) {

@@ -10,16 +10,10 @@ namespace pbrt {
 namespace {
 
 using test::DirectionAt;
+using test::kRadiance;
+using test::Values;
 
-constexpr TransportMode kRadiance = TransportMode::Radiance;
-
-SampledSpectrum Values(Float a, Float b, Float c, Float d) {
-    SampledSpectrum s;
-    s[0] = a, s[1] = b, s[2] = c, s[3] = d;
-    return s;
-}
-
-const std::vector<Vector3> &Views() {
+const std::vector<Vector3> &HairViews() {
     static const std::vector<Vector3> views = {DirectionAt(0, 0), DirectionAt(40, 25), DirectionAt(80, 10),
                                                DirectionAt(120, 100), DirectionAt(70, 178)};
     return views;
@@ -105,7 +99,7 @@ TEST(Hair, SamplesFollowTheirDensity) {
     const double level = test::SidakAlpha(1e-4, kCases);
     ForEachHair({0.3f, 0.8f}, [&](Float betaM, Float betaN, Float offset) {
         HairBxdf hair(offset, 1.55f, Values(0.1f, 0.3f, 0.6f, 1.5f), betaM, betaN, 3);
-        for (const Vector3 &wo : Views()) {
+        for (const Vector3 &wo : HairViews()) {
             double mass;
             double p = test::DirectionTest(
                 [&](Rng &rng) -> std::optional<Vector3> {
@@ -146,7 +140,7 @@ TEST(Hair, WhiteFurnace) {
     Rng rng(4);
     ForEachHair({0.02f, 0.1f, 0.3f, 1.f}, [&](Float betaM, Float betaN, Float offset) {
         HairBxdf hair(offset, 1.55f, SampledSpectrum(0), betaM, betaN, 2);
-        for (const Vector3 &wo : Views()) {
+        for (const Vector3 &wo : HairViews()) {
             for (int i = 0; i < 20; ++i) {
                 Float uc = rng.Uniform();
                 auto s = hair.Sample(wo, uc, rng.Uniform2(), kRadiance);
@@ -168,7 +162,7 @@ TEST(Hair, AbsorptionTakesWhatTheCrossingsTake) {
     const Float offset = 0.35f, eta = 1.55f;
     const SampledSpectrum sigma = Values(0.05f, 0.3f, 1, 3);
     HairBxdf hair(offset, eta, sigma, 0.5f, 0.5f, 0);
-    for (const Vector3 &wo : Views()) {
+    for (const Vector3 &wo : HairViews()) {
         double sinO = double(wo.x), cosO = std::sqrt(1 - sinO * sinO);
         double cosT = std::sqrt(1 - sinO * sinO / double(eta * eta));
         double index = std::sqrt(double(eta * eta) - sinO * sinO) / cosO;

@@ -382,7 +382,7 @@ TEST(Layered, MeanDensityUnderARoughCoatIsTheSumOfTheWeightedIntegrals) {
 
 /// The mean of f cos / pdf, with its standard error.
 template <class Lobe>
-test::RunningStatistics Albedo(const Lobe &lobe, const Vector3 &wo, int n) {
+test::RunningStatistics AlbedoStatistics(const Lobe &lobe, const Vector3 &wo, int n) {
     test::RunningStatistics albedo;
     Rng rng(16);
     for (int i = 0; i < n; ++i) {
@@ -397,24 +397,24 @@ TEST(Layered, WhiteBaseUnderClearCoatReflectsEverything) {
     Vector3 wo = DirectionAt(50, 20);
     // Nothing absorbs here: a smooth coat, a white base, and a medium that is too thin to matter or only scatters.
     CoatedDiffuseBxdf clear(Coat(1.5f, 0, 0), Paint(1), 1e-6f, SampledSpectrum(0), 0, 2000, 1);
-    auto a = Albedo(clear, wo, 20000);
+    auto a = AlbedoStatistics(clear, wo, 20000);
     EXPECT_LT(std::abs(a.mean - 1), 4 * a.StandardError() + 1e-3);
     CoatedDiffuseBxdf milky(Coat(1.5f, 0, 0), Paint(1), 0.5f, SampledSpectrum(1), 0.3f, 4000, 1);
-    auto b = Albedo(milky, wo, 20000);
+    auto b = AlbedoStatistics(milky, wo, 20000);
     EXPECT_LT(std::abs(b.mean - 1), 4 * b.StandardError() + 1e-3);
     // The model loses the light that bounces between facets, but never gains any.
     CoatedDiffuseBxdf rough(Coat(1.5f, 0.1f, 0.1f), Paint(1), 1e-6f, SampledSpectrum(0), 0, 2000, 1);
-    auto c = Albedo(rough, wo, 20000);
+    auto c = AlbedoStatistics(rough, wo, 20000);
     EXPECT_LT(c.mean, 1 + 4 * c.StandardError());
     EXPECT_GT(c.mean, 0.9);
     clear.UseTable(CoatTable(1.5f, 1e-6f, 0));
-    auto exact = Albedo(clear, wo, 20000);
+    auto exact = AlbedoStatistics(clear, wo, 20000);
     EXPECT_LT(std::abs(exact.mean - 1), 4 * exact.StandardError() + 1e-3);
     // The limit of a metal: a mirror that absorbs nothing, under smooth coats of any index.
     for (Float eta : {1.2f, 1.5f, 2.f}) {
         ConductorBxdf mirror(TrowbridgeReitz(0, 0), SampledSpectrum(1), SampledSpectrum(1e6f));
         CoatedConductorBxdf coated(Coat(eta, 0, 0), mirror, 1e-6f, SampledSpectrum(0), 0, 2000, 1);
-        auto d = Albedo(coated, wo, 20000);
+        auto d = AlbedoStatistics(coated, wo, 20000);
         EXPECT_LT(std::abs(d.mean - 1), 4 * d.StandardError() + 1e-3) << eta;
     }
 }

@@ -12,8 +12,9 @@ namespace pbrt {
 namespace {
 
 using test::DirectionAt;
+using test::kRadiance;
+using test::Values;
 
-constexpr TransportMode kRadiance = TransportMode::Radiance;
 constexpr TransportMode kImportance = TransportMode::Importance;
 constexpr ReflTransFlags kSides[] = {ReflTransFlags::Reflection, ReflTransFlags::Transmission, ReflTransFlags::All};
 
@@ -33,12 +34,6 @@ Float PdfOfSides(const Lobe &lobe, const Vector3 &wo, const Vector3 &wi, Transpo
                  [[maybe_unused]] ReflTransFlags which) {
     if constexpr (std::is_same_v<Lobe, DielectricBxdf>) return lobe.Pdf(wo, wi, mode, which);
     else return lobe.Pdf(wo, wi, mode);
-}
-
-SampledSpectrum Values(Float a, Float b, Float c, Float d) {
-    SampledSpectrum s;
-    s[0] = a, s[1] = b, s[2] = c, s[3] = d;
-    return s;
 }
 
 ConductorBxdf Gold(Float ax, Float ay) {

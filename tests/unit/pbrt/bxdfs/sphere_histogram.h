@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "pbrt/bxdfs/bxdf.h"
 #include "pbrt/math/frame.h"
 #include "pbrt/math/rng.h"
 #include "support/statistics.h"
@@ -96,6 +97,14 @@ double DirectionTest(Draw draw, Pdf pdf, int samples, int quadrature, double *ma
         observed[i] = expected[i] = 0;
     }
     return ChiSquareTest(observed, expected);
+}
+
+constexpr TransportMode kRadiance = TransportMode::Radiance;
+
+inline SampledSpectrum Values(Float a, Float b, Float c, Float d) {
+    SampledSpectrum s;
+    s[0] = a, s[1] = b, s[2] = c, s[3] = d;
+    return s;
 }
 
 inline Vector3 DirectionAt(Float thetaDegrees, Float phiDegrees) {

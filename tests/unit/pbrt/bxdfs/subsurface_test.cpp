@@ -11,12 +11,7 @@ namespace pbrt {
 namespace {
 
 using test::RunningStatistics;
-
-SampledSpectrum Values(Float a, Float b, Float c, Float d) {
-    SampledSpectrum s;
-    s[0] = a, s[1] = b, s[2] = c, s[3] = d;
-    return s;
-}
+using test::Values;
 
 TEST(FresnelMoments, ObeyReciprocity) {
     // The mean transmittance from inside is that from outside divided by eta^2, the ratio of solid angles (Duderstadt;

@@ -162,18 +162,18 @@ TEST(RealisticCamera, DifferentialsAreTheRaysOfTheNextPixels) {
     EXPECT_NEAR(Length(dpdx) / pixel, 1, 0.25f);
 }
 
-std::string ErrorOf(const std::vector<Param> &params) {
+std::string RealisticErrorOf(const std::vector<Param> &params) {
     return test::MessageOf([&] { MakeTestCamera("realistic", params); });
 }
 
 TEST(RealisticCamera, BadInputIsAnError) {
-    test::ExpectWords(ErrorOf({}), {"lensfile"});
-    test::ExpectWords(ErrorOf({StringParam("lensfile", "/nowhere/lens.dat")}), {"/nowhere/lens.dat"});
-    test::ExpectWords(ErrorOf(Parameters(test::DoubleGauss(), 0.1f)), {"focus"});
-    test::ExpectWords(ErrorOf(Parameters(test::DoubleGauss(), 6, 0)), {"aperturediameter"});
+    test::ExpectWords(RealisticErrorOf({}), {"lensfile"});
+    test::ExpectWords(RealisticErrorOf({StringParam("lensfile", "/nowhere/lens.dat")}), {"/nowhere/lens.dat"});
+    test::ExpectWords(RealisticErrorOf(Parameters(test::DoubleGauss(), 0.1f)), {"focus"});
+    test::ExpectWords(RealisticErrorOf(Parameters(test::DoubleGauss(), 6, 0)), {"aperturediameter"});
     std::vector<Param> params = Parameters(test::DoubleGauss(), 6);
     params.push_back(StringParam("aperture", "hexagon"));
-    test::ExpectWords(ErrorOf(params), {"pentagon"});
+    test::ExpectWords(RealisticErrorOf(params), {"pentagon"});
 }
 
 TEST(RealisticCamera, StopsOpenNoFartherThanTheyCan) {

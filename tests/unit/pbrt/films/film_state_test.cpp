@@ -13,7 +13,7 @@
 namespace pbrt {
 namespace {
 
-ParamSet Params(int width = 5, int height = 3, Float maxComponentValue = 0) {
+ParamSet FilmParamSet(int width = 5, int height = 3, Float maxComponentValue = 0) {
     ParamSet params("Film", {});
     params.Add(test::IntParam("xresolution", width));
     params.Add(test::IntParam("yresolution", height));
@@ -21,7 +21,7 @@ ParamSet Params(int width = 5, int height = 3, Float maxComponentValue = 0) {
     return params;
 }
 
-std::unique_ptr<Film> Make(const std::string &type, const ParamSet &params = Params()) {
+std::unique_ptr<Film> MakeFullFloat(const std::string &type, const ParamSet &params = FilmParamSet()) {
     DiagnosticSink sink;
     FilmContext context{.outputSpace = ColorSpace::SRGB()};
     context.overrides.fullFloat = true;
@@ -29,18 +29,18 @@ std::unique_ptr<Film> Make(const std::string &type, const ParamSet &params = Par
 }
 
 /// A pseudo-random number in [0, 1) that depends on `key`.
-Float Hash(uint64_t key) { return static_cast<Float>(MixBits(key) >> 40) / static_cast<Float>(1 << 24); }
+Float HashedUniform(uint64_t key) { return static_cast<Float>(MixBits(key) >> 40) / static_cast<Float>(1 << 24); }
 
 /// Adds the samples [first, last) of every pixel.
 void AddSamples(Film &film, uint64_t first, uint64_t last) {
     for (uint64_t i = first; i < last; ++i)
         for (int y = 0; y < 3; ++y)
             for (int x = 0; x < 5; ++x) {
-                const Float u = Hash(100 * i + static_cast<uint64_t>(10 * y + x));
+                const Float u = HashedUniform(100 * i + static_cast<uint64_t>(10 * y + x));
                 FilmSample sample;
                 sample.pixel = {x, y};
                 sample.L = SampledSpectrum(u);
-                sample.lambda = film.SampleWavelengths(Hash(7 + i));
+                sample.lambda = film.SampleWavelengths(HashedUniform(7 + i));
                 sample.weight = u - Float(0.1);
                 if (film.WantsVisibleSurface() && u < Float(0.8)) {
                     VisibleSurface &visible = sample.visible.emplace();
@@ -62,7 +62,7 @@ void AddSplats(Film &film, int64_t first, int64_t last, int threads) {
         for (int64_t i = first + begin; i < first + end; ++i) {
             const auto key = static_cast<uint64_t>(i);
             const Point2i pixel(static_cast<int>(key % 6), static_cast<int>(key % 3));  // x = 5 is outside
-            const Float u = Hash(key);
+            const Float u = HashedUniform(key);
             film.AddSplat(pixel, SampledSpectrum(std::exp(20 * u - 10)), film.SampleWavelengths(u), Float(0.3) - u);
         }
     });
@@ -96,7 +96,7 @@ class EveryFilm : public ::testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Films, EveryFilm, ::testing::ValuesIn(Films().Names()), [](const auto &i) { return i.param; });
 
 TEST_P(EveryFilm, SavedSumsGoOnBitByBit) {
-    auto whole = Make(GetParam()), first = Make(GetParam()), second = Make(GetParam());
+    auto whole = MakeFullFloat(GetParam()), first = MakeFullFloat(GetParam()), second = MakeFullFloat(GetParam());
     AddSamples(*whole, 0, 20);
     AddSamples(*first, 0, 7);
     FilmSample bad;
@@ -113,7 +113,7 @@ TEST_P(EveryFilm, SavedSumsGoOnBitByBit) {
 }
 
 TEST_P(EveryFilm, MergedFilmsHaveTheSamplesOfBoth) {
-    auto whole = Make(GetParam()), first = Make(GetParam()), second = Make(GetParam());
+    auto whole = MakeFullFloat(GetParam()), first = MakeFullFloat(GetParam()), second = MakeFullFloat(GetParam());
     AddSamples(*whole, 0, 20);
     AddSamples(*first, 0, 7);
     AddSamples(*second, 7, 20);
@@ -121,37 +121,37 @@ TEST_P(EveryFilm, MergedFilmsHaveTheSamplesOfBoth) {
     EXPECT_EQ(Saved(*first), Saved(*whole));
     EXPECT_EQ(Values(*first), Values(*whole));
     // An empty film becomes exactly equal to the film that is merged into it.
-    auto empty = Make(GetParam());
+    auto empty = MakeFullFloat(GetParam());
     Merge(*empty, Saved(*whole));
     EXPECT_EQ(Saved(*empty), Saved(*whole));
-    Merge(*whole, Saved(*Make(GetParam())));
+    Merge(*whole, Saved(*MakeFullFloat(GetParam())));
     EXPECT_EQ(Saved(*empty), Saved(*whole));
 }
 
 TEST_P(EveryFilm, PartsMergedInAnyOrderHaveTheBitsOfOneFilm) {
-    auto whole = Make(GetParam());
+    auto whole = MakeFullFloat(GetParam());
     AddSamples(*whole, 0, 300);
     const std::vector<uint64_t> ends = {0, 1, 17, 130, 131, 300};
     std::vector<std::string> parts;
     for (size_t i = 0; i + 1 < ends.size(); ++i) {
-        auto part = Make(GetParam());
+        auto part = MakeFullFloat(GetParam());
         AddSamples(*part, ends[i], ends[i + 1]);
         parts.push_back(Saved(*part));
     }
     std::sort(parts.begin(), parts.end());
     for (int order = 0; order < 20; ++order) {
-        auto merged = Make(GetParam());
+        auto merged = MakeFullFloat(GetParam());
         for (const std::string &part : parts) Merge(*merged, part);
         ASSERT_EQ(Saved(*merged), Saved(*whole)) << order;
         std::next_permutation(parts.begin(), parts.end());
     }
-    auto lacking = Make(GetParam());
+    auto lacking = MakeFullFloat(GetParam());
     for (size_t i = 1; i < parts.size(); ++i) Merge(*lacking, parts[i]);
     EXPECT_NE(Values(*lacking), Values(*whole));
 }
 
 TEST_P(EveryFilm, SumsThatAreMovedAreThereOnce) {
-    auto whole = Make(GetParam()), first = Make(GetParam()), second = Make(GetParam());
+    auto whole = MakeFullFloat(GetParam()), first = MakeFullFloat(GetParam()), second = MakeFullFloat(GetParam());
     AddSamples(*whole, 0, 40);
     const auto move = [](Film &from, Film &to) {
         StateWriter writer;
@@ -165,7 +165,7 @@ TEST_P(EveryFilm, SumsThatAreMovedAreThereOnce) {
     AddSamples(*first, 0, 7);
     AddSamples(*second, 7, 20);
     move(*second, *first);
-    EXPECT_EQ(Saved(*second), Saved(*Make(GetParam())));
+    EXPECT_EQ(Saved(*second), Saved(*MakeFullFloat(GetParam())));
     AddSamples(*second, 20, 40);
     const std::string bytes = move(*second, *first);
     EXPECT_EQ(Saved(*first), Saved(*whole));
@@ -174,11 +174,11 @@ TEST_P(EveryFilm, SumsThatAreMovedAreThereOnce) {
     second->ExpectSplats();
     AddSplats(*second, 0, 100, 1);
     const std::string splats = Saved(*second);
-    auto third = Make(GetParam());
+    auto third = MakeFullFloat(GetParam());
     move(*second, *third);
     EXPECT_EQ(Saved(*third), splats);
     move(*first, *third);
-    EXPECT_EQ(Saved(*first), Saved(*Make(GetParam())));
+    EXPECT_EQ(Saved(*first), Saved(*MakeFullFloat(GetParam())));
     EXPECT_NE(Saved(*third), splats);
 
     for (size_t size = 0; size < bytes.size(); size += 5) {
@@ -186,13 +186,13 @@ TEST_P(EveryFilm, SumsThatAreMovedAreThereOnce) {
         EXPECT_THROW(first->AddSums(cut), UserError) << size;
     }
     StateReader reader(bytes, "sums");
-    EXPECT_THROW(Make(GetParam(), Params(7, 3))->AddSums(reader), UserError);
+    EXPECT_THROW(MakeFullFloat(GetParam(), FilmParamSet(7, 3))->AddSums(reader), UserError);
 }
 
 TEST_P(EveryFilm, AFilmMadeFromItsRecipeMakesTheSamePicture) {
     FilmRecipe recipe;
     recipe.type = GetParam();
-    recipe.params = Params();
+    recipe.params = FilmParamSet();
     recipe.params.Add(test::StringParam("sensor", "canon_eos_5d"));
     recipe.colorSpace = "rec2020";
     recipe.exposureTime = Float(0.1);
@@ -212,7 +212,7 @@ TEST_P(EveryFilm, AFilmMadeFromItsRecipeMakesTheSamePicture) {
 }
 
 TEST_P(EveryFilm, StateOfAnotherFilmIsRefusedAndChangesNothing) {
-    auto film = Make(GetParam());
+    auto film = MakeFullFloat(GetParam());
     AddSamples(*film, 0, 3);
     const std::string state = Saved(*film);
     auto refuses = [&](const std::string &bad) {
@@ -227,16 +227,16 @@ TEST_P(EveryFilm, StateOfAnotherFilmIsRefusedAndChangesNothing) {
     refuses(older);
     refuses(state.substr(0, state.size() - 1));
     refuses(state.substr(0, state.size() / 2));
-    refuses(Saved(*Make(GetParam(), Params(3, 5))));
+    refuses(Saved(*MakeFullFloat(GetParam(), FilmParamSet(3, 5))));
     for (const std::string &other : Films().Names())
-        if (other != GetParam()) refuses(Saved(*Make(other)));
+        if (other != GetParam()) refuses(Saved(*MakeFullFloat(other)));
     EXPECT_NO_THROW(Load(*film, state));
 }
 
 TEST_P(EveryFilm, SplatsAreTheSameForAnyNumberOfThreads) {
     std::string expected;
     for (int threads : {1, 2, 7}) {
-        auto film = Make(GetParam());
+        auto film = MakeFullFloat(GetParam());
         film->ExpectSplats();
         AddSplats(*film, 0, 6000, threads);
         film->AddSplatPaths(16);
@@ -244,7 +244,8 @@ TEST_P(EveryFilm, SplatsAreTheSameForAnyNumberOfThreads) {
         EXPECT_EQ(Saved(*film), expected) << threads;
     }
     // The splats are rendered in parts, which are saved and merged in any order, together with samples.
-    auto whole = Make(GetParam()), first = Make(GetParam()), second = Make(GetParam()), onlySamples = Make(GetParam());
+    auto whole = MakeFullFloat(GetParam()), first = MakeFullFloat(GetParam()), second = MakeFullFloat(GetParam()),
+         onlySamples = MakeFullFloat(GetParam());
     AddSamples(*whole, 0, 4);
     AddSamples(*onlySamples, 0, 4);
     Load(*whole, expected);
@@ -258,7 +259,7 @@ TEST_P(EveryFilm, SplatsAreTheSameForAnyNumberOfThreads) {
     EXPECT_EQ(Saved(*first), expected);
     Merge(*onlySamples, expected);
     Merge(*second, Saved(*onlySamples));
-    EXPECT_GT(Saved(*onlySamples).size(), Saved(*Make(GetParam())).size());
+    EXPECT_GT(Saved(*onlySamples).size(), Saved(*MakeFullFloat(GetParam())).size());
 }
 
 /// The channels of light of a film.
@@ -272,7 +273,7 @@ std::vector<int> LightChannels(const Image &image) {
 }
 
 TEST_P(EveryFilm, ThePictureHasTheMeanOfSplatsBesideThatOfSamples) {
-    auto film = Make(GetParam()), twice = Make(GetParam());
+    auto film = MakeFullFloat(GetParam()), twice = MakeFullFloat(GetParam());
     film->ExpectSplats();
     twice->ExpectSplats();
     constexpr int kSamples = 400, kPixels = 15;
@@ -321,9 +322,9 @@ Image SampleBesideSplat(const std::string &type, const ParamSet &params, Float L
 }
 
 TEST_P(EveryFilm, SplatsAreCutAsSamplesAre) {
-    const Image whole = SampleBesideSplat(GetParam(), Params(), 100),
-                cut = SampleBesideSplat(GetParam(), Params(5, 3, 2), 100),
-                below = SampleBesideSplat(GetParam(), Params(5, 3, 1e4f), 100);
+    const Image whole = SampleBesideSplat(GetParam(), FilmParamSet(), 100),
+                cut = SampleBesideSplat(GetParam(), FilmParamSet(5, 3, 2), 100),
+                below = SampleBesideSplat(GetParam(), FilmParamSet(5, 3, 1e4f), 100);
     for (const int c : LightChannels(whole)) {
         EXPECT_EQ(below.Get({1, 0}, c), whole.Get({1, 0}, c)) << c;
         EXPECT_LE(std::abs(cut.Get({1, 0}, c)), std::abs(whole.Get({1, 0}, c))) << c;
@@ -336,9 +337,9 @@ TEST_P(EveryFilm, SplatsAreCutAsSamplesAre) {
 }
 
 TEST_P(EveryFilm, SplatsKeepTheRangeOfSamples) {
-    const Image unit = SampleBesideSplat(GetParam(), Params(), 1);
+    const Image unit = SampleBesideSplat(GetParam(), FilmParamSet(), 1);
     for (const int exponent : {-110, -100, 100, 110}) {
-        const Image scaled = SampleBesideSplat(GetParam(), Params(), std::ldexp(Float(1), exponent));
+        const Image scaled = SampleBesideSplat(GetParam(), FilmParamSet(), std::ldexp(Float(1), exponent));
         for (const int c : LightChannels(unit)) {
             const double back = std::ldexp(double(scaled.Get({1, 0}, c)), -exponent);
             EXPECT_NEAR(back, double(unit.Get({1, 0}, c)), 1e-6 * std::abs(double(unit.Get({1, 0}, c))))
@@ -348,7 +349,7 @@ TEST_P(EveryFilm, SplatsKeepTheRangeOfSamples) {
 }
 
 TEST_P(EveryFilm, SplatsThatCannotBeAddedAreDroppedAndCounted) {
-    auto film = Make(GetParam());
+    auto film = MakeFullFloat(GetParam());
     film->ExpectSplats();
     const std::string before = Saved(*film);
     const SampledWavelengths lambda = film->SampleWavelengths(0.4f);
@@ -393,7 +394,8 @@ TEST(FixedSum, HasTheSameBitsInAnyOrder) {
     constexpr int64_t kCount = 20000;
     const auto number = [](int64_t i) {
         const auto key = static_cast<uint64_t>(i);
-        return std::ldexp(double(Hash(3 * key) - Float(0.5)), static_cast<int>(280 * Hash(3 * key + 1)) - 140);
+        return std::ldexp(double(HashedUniform(3 * key) - Float(0.5)),
+                          static_cast<int>(280 * HashedUniform(3 * key + 1)) - 140);
     };
     FixedSum forward, backward, threads, parts;
     for (int64_t i = 0; i < kCount; ++i) forward.Add(number(i));

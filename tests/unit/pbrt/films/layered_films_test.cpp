@@ -6,8 +6,8 @@
 namespace pbrt {
 namespace {
 
-ParamSet Params(std::vector<std::pair<std::string, Float>> floats = {}, int buckets = 0,
-                std::pair<std::string, std::string> text = {}) {
+ParamSet LayeredParamSet(std::vector<std::pair<std::string, Float>> floats = {}, int buckets = 0,
+                         std::pair<std::string, std::string> text = {}) {
     ParamSet params("Film", {});
     params.Add(test::IntParam("xresolution", 2));
     params.Add(test::IntParam("yresolution", 1));
@@ -23,8 +23,8 @@ FilmOverrides Precise() {
     return overrides;
 }
 
-std::unique_ptr<Film> Make(const std::string &type, const ParamSet &params, const AnimatedTransform &camera = {},
-                           const Transform &world = {}) {
+std::unique_ptr<Film> MakeLayered(const std::string &type, const ParamSet &params, const AnimatedTransform &camera = {},
+                                  const Transform &world = {}) {
     DiagnosticSink sink;
     return MakeFilm(type, params, {ColorSpace::SRGB(), 1, Precise(), camera, world}, sink);
 }
@@ -33,7 +33,7 @@ constexpr int kSamples = 4000;
 Float Step(int i) { return (static_cast<Float>(i) + Float(0.5)) / kSamples; }
 
 TEST(SpectralFilm, BucketsHoldTheMeanRadianceWithinThem) {
-    auto film = Make("spectral", Params({{"lambdamin", 400}, {"lambdamax", 700}}, 10));
+    auto film = MakeLayered("spectral", LayeredParamSet({{"lambdamin", 400}, {"lambdamax", 700}}, 10));
     // The mean of a linear spectrum over a bucket is its value at the centre.
     const PiecewiseLinearSpectrum line({300, 900}, {1, 7});
     for (int i = 0; i < kSamples; ++i) {
@@ -51,7 +51,7 @@ TEST(SpectralFilm, BucketsHoldTheMeanRadianceWithinThem) {
 }
 
 TEST(SpectralFilm, OverTheWholeRangeRgbIsThatOfTheRgbFilm) {
-    auto film = Make("spectral", Params()), plain = Make("rgb", Params());
+    auto film = MakeLayered("spectral", LayeredParamSet()), plain = MakeLayered("rgb", LayeredParamSet());
     EXPECT_EQ(film->ToImage().ChannelCount(), 3 + 16);
     const RgbIlluminantSpectrum color(ColorSpace::SRGB(), {0.8f, 0.4f, 0.2f});
     for (int i = 0; i < kSamples; ++i) {
@@ -64,7 +64,7 @@ TEST(SpectralFilm, OverTheWholeRangeRgbIsThatOfTheRgbFilm) {
 }
 
 TEST(SpectralFilm, WavelengthsThatEndedDoNotCount) {
-    auto film = Make("spectral", Params({}, 4));
+    auto film = MakeLayered("spectral", LayeredParamSet({}, 4));
     // Half of the paths terminate three of their wavelengths, whose radiance is then meaningless.
     for (int i = 0; i < kSamples; ++i) {
         SampledWavelengths lambda = film->SampleWavelengths(Step(i));
@@ -79,28 +79,28 @@ TEST(SpectralFilm, WavelengthsThatEndedDoNotCount) {
 }
 
 TEST(SpectralFilm, MetadataNamesTheLayout) {
-    const ImageMetadata m = Make("spectral", Params())->Metadata();
+    const ImageMetadata m = MakeLayered("spectral", LayeredParamSet())->Metadata();
     EXPECT_EQ(std::get<std::string>(m.attributes.at("spectralLayoutVersion")), "1.0");
     EXPECT_EQ(std::get<std::string>(m.attributes.at("emissiveUnits")), "W.m^-2.sr^-1");
 }
 
 TEST(SpectralFilm, BadRangesAreErrors) {
-    EXPECT_THROW(Make("spectral", Params({{"lambdamin", 300}})), UserError);
-    EXPECT_THROW(Make("spectral", Params({{"lambdamax", 900}})), UserError);
-    EXPECT_THROW(Make("spectral", Params({{"lambdamin", 600}, {"lambdamax", 600}})), UserError);
-    EXPECT_THROW(Make("spectral", Params({}, -1)), UserError);
+    EXPECT_THROW(MakeLayered("spectral", LayeredParamSet({{"lambdamin", 300}})), UserError);
+    EXPECT_THROW(MakeLayered("spectral", LayeredParamSet({{"lambdamax", 900}})), UserError);
+    EXPECT_THROW(MakeLayered("spectral", LayeredParamSet({{"lambdamin", 600}, {"lambdamax", 600}})), UserError);
+    EXPECT_THROW(MakeLayered("spectral", LayeredParamSet({}, -1)), UserError);
 }
 
 TEST(LayeredFilms, OnlyFitIntoExr) {
     for (const char *type : {"gbuffer", "spectral"}) {
-        EXPECT_THROW(Make(type, Params({}, 0, {"filename", "a.png"})), UserError) << type;
-        EXPECT_NO_THROW(Make(type, Params({}, 0, {"filename", "a.exr"}))) << type;
+        EXPECT_THROW(MakeLayered(type, LayeredParamSet({}, 0, {"filename", "a.png"})), UserError) << type;
+        EXPECT_NO_THROW(MakeLayered(type, LayeredParamSet({}, 0, {"filename", "a.exr"}))) << type;
     }
-    EXPECT_THROW(Make("gbufer", Params()), UserError);
+    EXPECT_THROW(MakeLayered("gbufer", LayeredParamSet()), UserError);
 }
 
 TEST(GBufferFilm, HoldsMeansOverTheSamplesThatSeeASurface) {
-    auto film = Make("gbuffer", Params());
+    auto film = MakeLayered("gbuffer", LayeredParamSet());
     VisibleSurface a, b;
     a.p = {1, 2, 3};
     b.p = {3, 0, 7};
@@ -145,7 +145,7 @@ TEST(GBufferFilm, HoldsMeansOverTheSamplesThatSeeASurface) {
 }
 
 TEST(GBufferFilm, VarianceIsThatOfTheSamplesThatSeeASurface) {
-    auto film = Make("gbuffer", Params());
+    auto film = MakeLayered("gbuffer", LayeredParamSet());
     const SampledWavelengths lambda = film->SampleWavelengths(0.3f);
     const Vector3 unit((CieX().Sample(lambda) / lambda.Pdf()).Average(),
                        (CieY().Sample(lambda) / lambda.Pdf()).Average(),
@@ -178,7 +178,7 @@ TEST(GBufferFilm, PlacesAreInTheChosenCoordinates) {
     surface.time = 0.25f;
     surface.lambda = SampledWavelengths::SampleVisible(0.5f);
     auto pixel = [&](const char *system, const std::vector<const char *> &channels) {
-        auto film = Make("gbuffer", Params({}, 0, {"coordinatesystem", system}), camera, world);
+        auto film = MakeLayered("gbuffer", LayeredParamSet({}, 0, {"coordinatesystem", system}), camera, world);
         film->AddSample({{0, 0}, SampledSpectrum(1), surface.lambda, 1, surface});
         const Image image = film->ToImage();
         std::vector<Float> values;
@@ -189,7 +189,7 @@ TEST(GBufferFilm, PlacesAreInTheChosenCoordinates) {
     const std::vector<const char *> channels = {"P.X", "P.Y", "P.Z", "N.X", "N.Y", "N.Z", "dzdx", "dzdy"};
     EXPECT_EQ(pixel("camera", channels), (std::vector<Float>{0, 0, 3, 0, 0, -1, 3, 0}));
     EXPECT_EQ(pixel("world", channels), (std::vector<Float>{5, -100, 0, -1, 0, 0, 0, 2}));
-    EXPECT_THROW(Make("gbuffer", Params({}, 0, {"coordinatesystem", "render"})), UserError);
+    EXPECT_THROW(MakeLayered("gbuffer", LayeredParamSet({}, 0, {"coordinatesystem", "render"})), UserError);
 }
 
 }  // namespace

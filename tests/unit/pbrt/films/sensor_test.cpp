@@ -8,7 +8,7 @@
 namespace pbrt {
 namespace {
 
-ParamSet Params(const std::string &sensor, Float whiteBalance = 0, Float iso = 100) {
+ParamSet SensorParamSet(const std::string &sensor, Float whiteBalance = 0, Float iso = 100) {
     ParamSet params("Film \"rgb\"", {});
     params.Add(test::StringParam("sensor", sensor));
     params.Add(test::FloatParam("whitebalance", {whiteBalance}));
@@ -32,9 +32,9 @@ Xyz Measured(const PixelSensor &sensor, const Spectrum &radiance) {
     return sensor.XyzFromSensor() * Vector3(sum / double(kSteps));
 }
 
-class Product final : public Spectrum {
+class ProductSpectrum final : public Spectrum {
   public:
-    Product(const Spectrum &a, const Spectrum &b) : a_(a), b_(b) {}
+    ProductSpectrum(const Spectrum &a, const Spectrum &b) : a_(a), b_(b) {}
     Float operator()(Float lambda) const override { return a_(lambda) * b_(lambda); }
     Float MaxValue() const override { return a_.MaxValue() * b_.MaxValue(); }
 
@@ -50,11 +50,11 @@ TEST(PixelSensor, CamerasSeeTheColorCheckerAsTheStandardObserverDoes) {
         if (name == "cie1931") continue;
         for (Float kelvin : {4500.0f, 6500.0f}) {
             const DenseSpectrum light = DaylightSpectrum(kelvin);
-            const PixelSensor sensor = MakeSensor(Params(name, kelvin), space, 1);
+            const PixelSensor sensor = MakeSensor(SensorParamSet(name, kelvin), space, 1);
             double squares = 0;
             for (const SpectrumPtr &patch : ColorCheckerReflectances()) {
-                const Rgb seen = space.ToRgb(Measured(sensor, Product(*patch, light)) / CieYIntegral);
-                const Rgb wanted = space.ToRgb(SpectrumToXyz(Product(*patch, space.Illuminant())));
+                const Rgb seen = space.ToRgb(Measured(sensor, ProductSpectrum(*patch, light)) / CieYIntegral);
+                const Rgb wanted = space.ToRgb(SpectrumToXyz(ProductSpectrum(*patch, space.Illuminant())));
                 squares += double(glm::dot(seen - wanted, seen - wanted)) / 72;
             }
             EXPECT_LT(std::sqrt(squares), 0.05) << name << " " << kelvin;
@@ -64,19 +64,19 @@ TEST(PixelSensor, CamerasSeeTheColorCheckerAsTheStandardObserverDoes) {
 
 TEST(PixelSensor, DefaultWhiteBalanceOfCamerasIs6500) {
     const ColorSpace &space = ColorSpace::SRGB();
-    const PixelSensor given = MakeSensor(Params("nikon_d850", 6500), space, 1),
-                      none = MakeSensor(Params("nikon_d850"), space, 1),
-                      warm = MakeSensor(Params("nikon_d850", 4000), space, 1);
+    const PixelSensor given = MakeSensor(SensorParamSet("nikon_d850", 6500), space, 1),
+                      none = MakeSensor(SensorParamSet("nikon_d850"), space, 1),
+                      warm = MakeSensor(SensorParamSet("nikon_d850", 4000), space, 1);
     EXPECT_EQ(given.XyzFromSensor(), none.XyzFromSensor());
     EXPECT_NE(given.XyzFromSensor(), warm.XyzFromSensor());
-    EXPECT_EQ(MakeSensor(Params("cie1931"), space, 1).XyzFromSensor(), glm::mat3(1));
+    EXPECT_EQ(MakeSensor(SensorParamSet("cie1931"), space, 1).XyzFromSensor(), glm::mat3(1));
 }
 
 TEST(PixelSensor, IsoAndExposureScaleCamerasToo) {
     const ColorSpace &space = ColorSpace::SRGB();
     const DenseSpectrum light = DaylightSpectrum(6500);
-    const Xyz one = Measured(MakeSensor(Params("sony_ilce_9"), space, 1), light);
-    const Xyz more = Measured(MakeSensor(Params("sony_ilce_9", 0, 320), space, 0.25f), light);
+    const Xyz one = Measured(MakeSensor(SensorParamSet("sony_ilce_9"), space, 1), light);
+    const Xyz more = Measured(MakeSensor(SensorParamSet("sony_ilce_9", 0, 320), space, 0.25f), light);
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(more[c] / one[c], 0.8f, 1e-4f);
 }
 

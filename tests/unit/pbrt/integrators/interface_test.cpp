@@ -25,8 +25,8 @@ const std::vector<std::string> kShells = {
 };
 
 /// A floor and a ball under a lamp; a shape of the material "interface" is around the lamp or around the ball.
-std::string Scene(const std::string &integrator, const std::string &lamp, const std::string &aroundLamp,
-                  const std::string &aroundBall, int samples) {
+std::string ShellScene(const std::string &integrator, const std::string &lamp, const std::string &aroundLamp,
+                       const std::string &aroundBall, int samples) {
     const auto shell = [](const std::string &shape) {
         return shape.empty() ? "" : "AttributeBegin Material 'interface'\n" + shape + "AttributeEnd\n";
     };
@@ -43,13 +43,13 @@ std::string Scene(const std::string &integrator, const std::string &lamp, const 
                    .Add(shell(aroundBall) + "Translate 0 0 1.8\n" + shell(aroundLamp) + lamp));
 }
 
-double Mean(const std::string &text) { return ChannelStatistics(RenderText(text).image).mean; }
+double RenderedMean(const std::string &text) { return ChannelStatistics(RenderText(text).image).mean; }
 
 TEST(Interface, VolpathSeesAsIfTheShellWereNotThere) {
     for (const char *lamp : {kPointLamp, kBallLamp}) {
         // The random numbers are the same, so the pictures differ by rounding only.
         auto mean = [&](const std::string &aroundLamp, const std::string &aroundBall) {
-            return Mean(Scene("volpath", lamp, aroundLamp, aroundBall, 16));
+            return RenderedMean(ShellScene("volpath", lamp, aroundLamp, aroundBall, 16));
         };
         const double bare = mean("", "");
         EXPECT_GT(bare, .01);
@@ -63,12 +63,12 @@ TEST(Interface, VolpathSeesAsIfTheShellWereNotThere) {
 TEST(Interface, BlocksShadowRaysOfPath) {
     for (const std::string &shell : kShells) {
         const bool holes = shell.find("alpha") != std::string::npos;
-        const double mean = Mean(Scene("path", kPointLamp, shell, "", 16));
+        const double mean = RenderedMean(ShellScene("path", kPointLamp, shell, "", 16));
         EXPECT_EQ(mean > 0, holes) << shell << mean;
     }
     // A lamp that rays can meet is still found by BSDF samples, with all of its light.
-    const RunningStatistics inside = MeansOverSeeds(Scene("path", kBallLamp, kShells[0], "", 256)),
-                            bare = MeansOverSeeds(Scene("path", kBallLamp, "", "", 64));
+    const RunningStatistics inside = MeansOverSeeds(ShellScene("path", kBallLamp, kShells[0], "", 256)),
+                            bare = MeansOverSeeds(ShellScene("path", kBallLamp, "", "", 64));
     const double error = std::hypot(inside.StandardError(), bare.StandardError());
     EXPECT_LT(std::abs(inside.mean - bare.mean), 5 * error) << inside.mean << " for " << bare.mean;
     EXPECT_LT(error, .02 * bare.mean);
@@ -79,7 +79,7 @@ TEST(Interface, TheIntegratorOfTheCommandLineDecides) {
     path.integrator = "path";
     volpath.integrator = "volpath";
     auto render = [&](const char *integrator, const BuildOptions &options) {
-        return RenderText(Scene(integrator, kPointLamp, "", kShells[0], 2), options).image;
+        return RenderText(ShellScene(integrator, kPointLamp, "", kShells[0], 2), options).image;
     };
     const Image dark = render("path", {}), bright = render("volpath", {});
     EXPECT_FALSE(SameBits(dark, bright));

@@ -11,7 +11,7 @@ namespace pbrt::test {
 namespace {
 
 /// A view of 16 x 16 pixels from (0, 0, 3) towards the origin.
-std::string View(const std::string &world, const std::string &integrator, int maxDepth, int samples) {
+std::string ViewText(const std::string &world, const std::string &integrator, int maxDepth, int samples) {
     return SceneText()
         .LookAt("0 0 3  0 0 0  0 1 0")
         .Camera("orthographic", "'float screenwindow' [-.5 .5 -.5 .5] 'float shutteropen' 0 'float shutterclose' 1")
@@ -24,13 +24,13 @@ std::string View(const std::string &world, const std::string &integrator, int ma
 
 RunningStatistics Green(const std::string &text) { return ChannelStatistics(RenderText(text).image); }
 
-std::string Homogeneous(const std::string &parameters) {
+std::string HomogeneousMedium(const std::string &parameters) {
     return "MakeNamedMedium 'm' 'string type' 'homogeneous' " + parameters + "\n";
 }
 
-const std::string kSky = Objects().Sky("1 1 1");
-const std::string kFog = Homogeneous("'rgb sigma_a' [0 0 0] 'rgb sigma_s' [2 2 2] 'float g' .4"),
-                  kAbsorbing = Homogeneous("'rgb sigma_a' [.6 .6 .6] 'rgb sigma_s' [0 0 0]");
+const std::string kWhiteSky = Objects().Sky("1 1 1");
+const std::string kFog = HomogeneousMedium("'rgb sigma_a' [0 0 0] 'rgb sigma_s' [2 2 2] 'float g' .4"),
+                  kAbsorbing = HomogeneousMedium("'rgb sigma_a' [.6 .6 .6] 'rgb sigma_s' [0 0 0]");
 const std::string kOfMedium = "MediumInterface 'm' ''\nMaterial 'interface'\n",
                   kFilled = kOfMedium + "Shape 'sphere'\n";
 
@@ -42,7 +42,7 @@ std::string Slab(const std::string &top, const std::string &bottom) {
 /// Expects a mean of `expected` times that of a sky of radiance 1, and little noise.
 void ExpectOfSky(const RunningStatistics &s, double expected, int maxDepth, const std::string &what = "",
                  double allowed = 1e-4) {
-    const double sky = Green(View(kSky, "volpath", maxDepth, 4)).mean;
+    const double sky = Green(ViewText(kWhiteSky, "volpath", maxDepth, 4)).mean;
     EXPECT_LT(std::abs(s.mean / sky - expected), 4 * s.StandardError() / sky + allowed) << what;
     EXPECT_LT(s.StandardError(), .01 * sky) << what;
 }
@@ -50,16 +50,16 @@ void ExpectOfSky(const RunningStatistics &s, double expected, int maxDepth, cons
 TEST(MediaInPlaces, AFurnaceInAnInstanceIsInvisible) {
     const std::string instances =
         Objects()
-            .Add(kSky + kFog + "ObjectBegin 'ball'\n" + kFilled + "ObjectEnd")
+            .Add(kWhiteSky + kFog + "ObjectBegin 'ball'\n" + kFilled + "ObjectEnd")
             .Attribute("Translate .3 0 0 Scale .5 .7 .9", Objects().Add("ObjectInstance 'ball'"))
             .Attribute("Translate -.3 .1 -3 Scale -.8 1 1", Objects().Add("ObjectInstance 'ball'"));
-    ExpectOfSky(Green(View(instances, "volpath", 1000, 128)), 1, 1000);
+    ExpectOfSky(Green(ViewText(instances, "volpath", 1000, 128)), 1, 1000);
 }
 
 TEST(MediaInPlaces, AMovingFurnaceIsInvisible) {
     const std::string moving =
-        kSky + kFog + "ActiveTransform EndTime\nTranslate .7 .2 0\nActiveTransform All\n" + kFilled;
-    ExpectOfSky(Green(View(moving, "volpath", 1000, 128)), 1, 1000);
+        kWhiteSky + kFog + "ActiveTransform EndTime\nTranslate .7 .2 0\nActiveTransform All\n" + kFilled;
+    ExpectOfSky(Green(ViewText(moving, "volpath", 1000, 128)), 1, 1000);
 }
 
 TEST(MediaInPlaces, AnInstanceThatIsStretchedHoldsMoreOfTheMedium) {
@@ -69,8 +69,9 @@ TEST(MediaInPlaces, AnInstanceThatIsStretchedHoldsMoreOfTheMedium) {
                              Slab("-4 -4 .5  4 -4 .5  -4 4 .5  4 4 .5", "-4 -4 -.5  4 -4 -.5  -4 4 -.5  4 4 -.5") +
                              "ObjectEnd\n";
     for (const char *integrator : {"volpath", "simplevolpath"})
-        ExpectOfSky(Green(View(kSky + kAbsorbing + slab + "Scale 1 1 2\nObjectInstance 'slab'\n", integrator, 5, 256)),
-                    std::exp(-1.2), 5, integrator);
+        ExpectOfSky(
+            Green(ViewText(kWhiteSky + kAbsorbing + slab + "Scale 1 1 2\nObjectInstance 'slab'\n", integrator, 5, 256)),
+            std::exp(-1.2), 5, integrator);
 }
 
 TEST(MediaInPlaces, AMovingSlabShadesOnlyWhereItIs) {
@@ -78,7 +79,8 @@ TEST(MediaInPlaces, AMovingSlabShadesOnlyWhereItIs) {
     const std::string slab =
         "ActiveTransform EndTime\nTranslate 0 100 0\nActiveTransform All\n" +
         Slab("-50 -50 .5  50 -50 .5  -50 50 .5  50 50 .5", "-50 -50 -.5  50 -50 -.5  -50 50 -.5  50 50 -.5");
-    ExpectOfSky(Green(View(kSky + kAbsorbing + slab, "volpath", 5, 1024)), (1 + std::exp(-.6)) / 2, 5, "", 1e-3);
+    ExpectOfSky(Green(ViewText(kWhiteSky + kAbsorbing + slab, "volpath", 5, 1024)), (1 + std::exp(-.6)) / 2, 5, "",
+                1e-3);
 }
 
 TEST(MediaInPlaces, AGridOfTemperaturesGlowsAsQuadratureSays) {
@@ -90,7 +92,7 @@ TEST(MediaInPlaces, AGridOfTemperaturesGlowsAsQuadratureSays) {
             temperatures += fmt::format(" {}", kelvins[size_t(i / 4)]);
             densities += i < 4 || i >= 20 ? " 0" : " 1";
         }
-        return View(
+        return ViewText(
             "MakeNamedMedium 'm' 'string type' 'uniformgrid' 'integer nx' 2 'integer ny' 2 'integer nz' "
             "6 'float density' [" +
                 densities + " ] 'float temperature' [" + temperatures +
@@ -155,7 +157,7 @@ Image InFog(const std::string &integrator, const std::string &light, bool isCurr
                           .Film(12, 12)
                           .Samples(16)
                           .Integrator(integrator, maxDepth, parameters)
-                          .Head(Homogeneous("'rgb sigma_s' [1 1 1] 'rgb sigma_a' [0 0 0] 'float g' -.6"))
+                          .Head(HomogeneousMedium("'rgb sigma_s' [1 1 1] 'rgb sigma_a' [0 0 0] 'float g' -.6"))
                           .Head("MediumInterface '' 'm'")
                           .LookAt("0 0 .5  0 0 0  0 1 0")
                           .Camera(60)
@@ -181,7 +183,7 @@ TEST(MediaInPlaces, LightFromBeyondTheSceneArrivesThroughVacuum) {
 TEST(MediaInPlaces, AFurnaceAroundTheCameraIsInvisibleToLightPaths) {
     RunningStatistics expected;
     for (const char *integrator : {"volpath", "bdpt", "mlt"}) {
-        const RunningStatistics s = ChannelStatistics(InFog(integrator, kSky, true, 300));
+        const RunningStatistics s = ChannelStatistics(InFog(integrator, kWhiteSky, true, 300));
         if (expected.n == 0) expected = s;
         EXPECT_LT(std::abs(s.mean / expected.mean - 1), .05) << integrator;
     }

@@ -17,7 +17,7 @@ namespace pbrt::test {
 namespace {
 
 /// A textured floor behind a surface that does not scatter, seen from above.
-std::string Scene(const std::string &film, const std::string &integrator, int maxDepth) {
+std::string TexturedScene(const std::string &film, const std::string &integrator, int maxDepth) {
     SceneText text;
     text.Head("Option 'rendercoordsys' 'world'").LookAt("0 0 4  0.3 0.1 0  0 1 0").Camera(40);
     text.Film(24, 20, "'bool savefp16' false", film).Samples(2);
@@ -40,7 +40,7 @@ struct Seen {
 Seen Render(const std::string &film, const std::string &integrator, int maxDepth = 3) {
     ResetCounters();
     Seen seen;
-    seen.image = RenderText(Scene(film, integrator, maxDepth)).image;
+    seen.image = RenderText(TexturedScene(film, integrator, maxDepth)).image;
     seen.rays = SumCounters().closestHitRays;
     return seen;
 }
@@ -131,7 +131,7 @@ class Census final : public PixelIntegrator {
 class PixelPass : public ::testing::Test {
   protected:
     bool Render(const std::string &film, int first, int count, bool jitters = true, bool keepsSamples = true) {
-        if (!built_.film || film != kind_) built_ = BuildText(Scene(film, "path", 1));
+        if (!built_.film || film != kind_) built_ = BuildText(TexturedScene(film, "path", 1));
         kind_ = film;
         std::vector<std::unique_ptr<Sampler>> samplers;
         for (int i = 0; i < ThreadCount(); ++i) samplers.push_back(built_.sampler->Clone());

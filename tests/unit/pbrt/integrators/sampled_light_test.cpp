@@ -7,7 +7,7 @@ namespace pbrt::test {
 namespace {
 
 /// A floor under a lamp that the camera sees, directly and in a mirror.
-std::string Scene(const std::string &integrator) {
+std::string MirrorScene(const std::string &integrator) {
     return SceneText()
         .LookAt("0 -6 1.5  0 0 1.2  0 0 1")
         .Camera(40)
@@ -22,15 +22,15 @@ std::string Scene(const std::string &integrator) {
                    .Attribute("Translate .8 -2 2.4", Objects().AreaLight("9 9 9", "'bool twosided' true").Disk(.3)));
 }
 
-class SampledLight : public testing::TestWithParam<const char *> {};
-INSTANTIATE_TEST_SUITE_P(Integrators, SampledLight, testing::Values("path", "volpath"));
+class SampledLightOnly : public testing::TestWithParam<const char *> {};
+INSTANTIATE_TEST_SUITE_P(Integrators, SampledLightOnly, testing::Values("path", "volpath"));
 
-TEST_P(SampledLight, LeavesOutWhatNoChoiceOfLightsChanges) {
+TEST_P(SampledLightOnly, LeavesOutWhatNoChoiceOfLightsChanges) {
     auto render = [&](int depth, bool sampledLightOnly) {
         BuildOptions options;
         options.maxDepth = depth;
         options.sampledLightOnly = sampledLightOnly;
-        return RenderText(Scene(GetParam()), options).image;
+        return RenderText(MirrorScene(GetParam()), options).image;
     };
     // Depth 0 shows emission alone: the light of the lamp that the camera sees.
     const Image lamps = render(0, false), nothing = render(0, true);

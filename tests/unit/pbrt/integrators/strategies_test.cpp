@@ -24,8 +24,8 @@ struct Place {
 
 void PrintTo(const Place &place, std::ostream *out) { *out << place.name; }
 
-std::string Scene(const Place &place, const std::string &integrator, int depth, int samples, int seed,
-                  const std::string &parameters = "") {
+std::string StrategyScene(const Place &place, const std::string &integrator, int depth, int samples, int seed,
+                          const std::string &parameters = "") {
     return SceneText()
         .Head(place.camera)
         .Filter("gaussian")
@@ -35,7 +35,8 @@ std::string Scene(const Place &place, const std::string &integrator, int depth, 
         .World(place.world);
 }
 std::string Bdpt(const Place &place, int depth, int samples, int seed = 1) {
-    return Scene(place, "bdpt", depth, samples, seed, "'bool visualizestrategies' true 'bool visualizeweights' true");
+    return StrategyScene(place, "bdpt", depth, samples, seed,
+                         "'bool visualizestrategies' true 'bool visualizeweights' true");
 }
 
 /// A sphere that shines on its inside, all about the camera.
@@ -122,7 +123,7 @@ TEST_P(Strategies, EachAloneFindsAllLightOfItsDepth) {
         Image before;  // the same paths, one scattering event shorter
         for (int depth = 0; depth <= kDepth; ++depth) {
             const Image image =
-                RenderText(Scene(place, isSmoke ? "volpath" : "path", depth, 4 * kSamples, 100 + seed)).image;
+                RenderText(StrategyScene(place, isSmoke ? "volpath" : "path", depth, 4 * kSamples, 100 + seed)).image;
             Add(expected[size_t(depth)], image, 1, depth > 0 ? &before : nullptr);
             before = image;
         }
@@ -164,11 +165,11 @@ TEST(StrategyPictures, AreTheSameForAnyNumberOfThreads) {
 
 TEST(StrategyPictures, DoNotChangeThePictureAndLimitTheDepth) {
     const Rendered shown = RenderText(Bdpt(kAjar, 9, 4));
-    EXPECT_TRUE(SameBits(shown.image, RenderText(Scene(kAjar, "bdpt", 5, 4, 1)).image));
+    EXPECT_TRUE(SameBits(shown.image, RenderText(StrategyScene(kAjar, "bdpt", 5, 4, 1)).image));
     bool warned = false;
     for (const Diagnostic &d : shown.diagnostics) warned |= d.message.find("\"maxdepth\" 5") != std::string::npos;
     EXPECT_TRUE(warned);
-    EXPECT_TRUE(RenderText(Scene(kAjar, "bdpt", 5, 1, 1)).sidePictures.empty());
+    EXPECT_TRUE(RenderText(StrategyScene(kAjar, "bdpt", 5, 1, 1)).sidePictures.empty());
 }
 
 }  // namespace

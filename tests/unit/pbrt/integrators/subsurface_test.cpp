@@ -15,7 +15,7 @@ namespace pbrt::test {
 namespace {
 
 /// A view of `world` under an even sky of radiance 1.
-std::string Scene(const std::string &world, const std::string &integrator = "volpath", int samples = 64) {
+std::string SceneUnderSky(const std::string &world, const std::string &integrator = "volpath", int samples = 64) {
     return SceneText()
         .LookAt("0 0 3  0 0 0  0 1 0")
         .Camera("orthographic", "'float screenwindow' [-.5 .5 -.5 .5]")
@@ -36,7 +36,7 @@ TEST(Subsurface, ALargePlaneReflectsWhatItsMatterDoes) {
                 " 'float eta' {1}\n",
                 reflectance, eta);
             const RunningStatistics s =
-                ChannelStatistics(RenderText(Scene(matter + "Shape 'disk' 'float radius' 20\n")).image);
+                ChannelStatistics(RenderText(SceneUnderSky(matter + "Shape 'disk' 'float radius' 20\n")).image);
             const double fresnel = double(FresnelDielectric(1, static_cast<Float>(eta)));
             const double expected = fresnel + (1 - fresnel) * reflectance;
             EXPECT_LT(std::abs(s.mean - expected), 4 * s.StandardError() + .003 * expected)
@@ -50,7 +50,8 @@ TEST(Subsurface, NothingReflectsMoreThanComesIn) {
          {R"([300 .1 900 .1] "float eta" 1.05)", R"([300 .1 900 .1] "float eta" 1.8 "float roughness" .3)",
           R"([300 .05 900 .05] "float g" .8)", R"([300 .3 900 .3] "float g" -.7)"}) {
         const std::string material = "Material 'subsurface' 'spectrum reflectance' [300 1 900 1] 'spectrum mfp' ";
-        const RunningStatistics s = ChannelStatistics(RenderText(Scene(material + matter + "\nShape 'sphere'")).image);
+        const RunningStatistics s =
+            ChannelStatistics(RenderText(SceneUnderSky(material + matter + "\nShape 'sphere'")).image);
         EXPECT_LT(s.mean, 1 + 4 * s.StandardError() + .001) << matter;
         EXPECT_GT(s.mean, .6) << matter;  // the profile is that of a plane and loses some light on a ball
     }
@@ -59,7 +60,8 @@ TEST(Subsurface, NothingReflectsMoreThanComesIn) {
 TEST(Subsurface, OtherIntegratorsSeeADielectricAndSaySo) {
     const std::string light = "Translate 0 1.5 0 AreaLightSource 'diffuse' Shape 'sphere' 'float radius' .3";
     auto render = [&](const char *material, const char *integrator) {
-        return RenderText(Scene(std::string("Material ") + material + " Shape 'sphere'\n" + light, integrator, 2));
+        return RenderText(
+            SceneUnderSky(std::string("Material ") + material + " Shape 'sphere'\n" + light, integrator, 2));
     };
     const Rendered a = render(R"("subsurface" "float eta" 1.5 "float roughness" .1)", "path");
     const Rendered b = render(R"("dielectric" "float eta" 1.5 "float roughness" .1)", "path");
@@ -71,13 +73,13 @@ TEST(Subsurface, OtherIntegratorsSeeADielectricAndSaySo) {
 }
 
 TEST(Subsurface, OneThreadAndTwoGiveTheSameBits) {
-    const std::string text = Scene(Objects()
-                                       .Material("subsurface", "'float scale' 5 'float roughness' .2")
-                                       .Sphere(.4)
-                                       .AreaLight("9 5 1")
-                                       .Add("Translate 0 1 0")
-                                       .Sphere(.2),
-                                   "volpath", 8);
+    const std::string text = SceneUnderSky(Objects()
+                                               .Material("subsurface", "'float scale' 5 'float roughness' .2")
+                                               .Sphere(.4)
+                                               .AreaLight("9 5 1")
+                                               .Add("Translate 0 1 0")
+                                               .Sphere(.2),
+                                           "volpath", 8);
     auto render = [&](int threads) {
         ThreadLimit limit(threads);
         return RenderText(text).image;
@@ -87,18 +89,18 @@ TEST(Subsurface, OneThreadAndTwoGiveTheSameBits) {
 
 TEST(SampleCrossing, AllSurfacesOfTheMaterialAreEquallyLikely) {
     // Surfaces along x: a ball of material a, two panes of material b between, and an instance of a pane of material a.
-    const BuiltScene built = BuildText(Scene(Objects()
-                                                 .Add("MakeNamedMaterial 'a' 'string type' 'subsurface'")
-                                                 .Add("MakeNamedMaterial 'b' 'string type' 'diffuse'")
-                                                 .Add("NamedMaterial 'a'")
-                                                 .Sphere(1)
-                                                 .Add("NamedMaterial 'b'")
-                                                 .Attribute("Rotate 90 0 1 0", Objects().Disk(1))
-                                                 .Triangles("1.5 -3 -3  1.5 3 -3  1.5 3 3  1.5 -3 3")
-                                                 .Add("NamedMaterial 'a' ObjectBegin 'o'")
-                                                 .Triangles("0 -3 -3  0 3 -3  0 3 3  0 -3 3")
-                                                 .Add("ObjectEnd Translate 2 0 0 ObjectInstance 'o'")));
-    const pbrt::Scene &scene = *built.scene;
+    const BuiltScene built = BuildText(SceneUnderSky(Objects()
+                                                         .Add("MakeNamedMaterial 'a' 'string type' 'subsurface'")
+                                                         .Add("MakeNamedMaterial 'b' 'string type' 'diffuse'")
+                                                         .Add("NamedMaterial 'a'")
+                                                         .Sphere(1)
+                                                         .Add("NamedMaterial 'b'")
+                                                         .Attribute("Rotate 90 0 1 0", Objects().Disk(1))
+                                                         .Triangles("1.5 -3 -3  1.5 3 -3  1.5 3 3  1.5 -3 3")
+                                                         .Add("NamedMaterial 'a' ObjectBegin 'o'")
+                                                         .Triangles("0 -3 -3  0 3 -3  0 3 3  0 -3 3")
+                                                         .Add("ObjectEnd Translate 2 0 0 ObjectInstance 'o'")));
+    const Scene &scene = *built.scene;
     // The origin of rendering space is the camera, which is at (0, 0, 3).
     auto at = [](Float x) { return Point3(x, .1f, .2f - 3); };
     Ray ray;
@@ -109,7 +111,7 @@ TEST(SampleCrossing, AllSurfacesOfTheMaterialAreEquallyLikely) {
     constexpr int n = 30000;
     Rng rng(1);
     for (int i = 0; i < n; ++i) {
-        std::optional<pbrt::Scene::Crossing> c = scene.SampleCrossing(at(-3), at(4), 0, a, rng.Uniform());
+        std::optional<Scene::Crossing> c = scene.SampleCrossing(at(-3), at(4), 0, a, rng.Uniform());
         ASSERT_TRUE(c);
         ASSERT_EQ(c->count, 3);
         EXPECT_EQ(c->point.material, a);

@@ -38,16 +38,16 @@ std::string VolumeScene(const std::string &world, const Setting &s = {}) {
 const std::string kSky = Objects().Sky("1 1 1");
 const std::string kAbsorbs = "'rgb sigma_s' [0 0 0] ";
 
-std::string Medium(const std::string &name, const std::string &parameters) {
+std::string NamedMedium(const std::string &name, const std::string &parameters) {
     return "MakeNamedMedium '" + name + "' " + parameters + "\n";
 }
 std::string Homogeneous(const std::string &name, const std::string &parameters) {
-    return Medium(name, "'string type' 'homogeneous' " + parameters);
+    return NamedMedium(name, "'string type' 'homogeneous' " + parameters);
 }
 
 /// A ball of radius 1 that is filled with a medium.
 std::string Ball(const std::string &medium) {
-    return Medium("m", medium) + "MediumInterface 'm' ''\nMaterial 'interface'\nShape 'sphere'\n";
+    return NamedMedium("m", medium) + "MediumInterface 'm' ''\nMaterial 'interface'\nShape 'sphere'\n";
 }
 
 /// A black wall of radiance 1 before the camera.
@@ -78,7 +78,7 @@ std::string NoAbsorption() {
 }
 
 /// Media that only scatter.
-std::vector<std::pair<std::string, std::string>> Scattering() {
+std::vector<std::pair<std::string, std::string>> ScatteringMedia() {
     const std::string only = " 'rgb sigma_a' [0 0 0] 'rgb sigma_s' [2 2 2]";
     return {
         {"even", "'string type' 'homogeneous' 'float g' .7" + only},
@@ -93,7 +93,7 @@ std::vector<std::pair<std::string, std::string>> Scattering() {
 /// Expects that media that only scatter are invisible under an even sky, in every colour.
 void ExpectInvisible(const std::string &integrator, int samples) {
     const double sky = Channel(kSky).mean;
-    for (const auto &[name, medium] : Scattering()) {
+    for (const auto &[name, medium] : ScatteringMedia()) {
         Setting setting;
         setting.integrator = integrator;
         setting.maxDepth = 1000;
@@ -129,7 +129,7 @@ TEST(Bdpt, AMediumThatOnlyScattersIsInvisibleUnderAnEvenSky) { ExpectInvisible("
 /// Pixels of a chain depend on each other, so pictures of several seeds tell the error.
 TEST(Mlt, AMediumThatOnlyScattersIsInvisibleUnderAnEvenSky) {
     const double sky = Channel(kSky).mean;
-    for (const auto &[name, medium] : Scattering()) {
+    for (const auto &[name, medium] : ScatteringMedia()) {
         Setting setting;
         setting.integrator = "mlt";
         setting.maxDepth = 1000;
@@ -227,7 +227,7 @@ void ExpectEqualMeans(const RunningStatistics &a, const RunningStatistics &b, co
 
 TEST(VolPath, LightSamplersAgree) {
     const std::string lamps = Objects().PointLight("1 2 2", "9 9 9").PointLight("-2 0 -.5", "2 4 9");
-    for (const auto &[name, medium] : Scattering()) {
+    for (const auto &[name, medium] : ScatteringMedia()) {
         auto means = [&, &medium = medium](const std::string &sampler) {
             Setting setting;
             setting.lightSampler = sampler;
@@ -245,7 +245,7 @@ TEST(VolPath, LightSamplersAgree) {
 TEST(VolPath, FindsWhatThePlainWalkFinds) {
     const std::string lamp =
         Objects().Attribute("Translate -1.5 1.5 .5", Objects().AreaLight("9 8 6").Diffuse("0 0 0").Sphere(1));
-    for (const auto &[name, medium] : Scattering()) {
+    for (const auto &[name, medium] : ScatteringMedia()) {
         auto means = [&, &medium = medium](const char *integrator, int samples) {
             Setting setting;
             setting.integrator = integrator;
@@ -263,7 +263,7 @@ TEST(VolPath, AnyNumberOfThreadsGivesTheSameBits) {
         ThreadLimit limit(threads);
         Setting setting;
         setting.samples = 8;
-        return RenderText(VolumeScene(Foggy(Scattering()[3].second), setting)).image;
+        return RenderText(VolumeScene(Foggy(ScatteringMedia()[3].second), setting)).image;
     };
     EXPECT_TRUE(SameBits(render(1), render(3)));
 }
@@ -271,7 +271,7 @@ TEST(VolPath, AnyNumberOfThreadsGivesTheSameBits) {
 TEST(VolPath, PathSeesNoMediaAndSaysSo) {
     Setting setting;
     setting.integrator = "path";
-    const Rendered fog = RenderText(VolumeScene(kSky + Ball(Scattering()[0].second), setting));
+    const Rendered fog = RenderText(VolumeScene(kSky + Ball(ScatteringMedia()[0].second), setting));
     int warnings = 0;
     for (const Diagnostic &d : fog.diagnostics) warnings += d.message.find("renders no media") != std::string::npos;
     EXPECT_EQ(warnings, 1);

@@ -10,8 +10,6 @@
 namespace pbrt::test {
 namespace {
 
-const SampledWavelengths kLambda = SampledWavelengths::SampleVisible(0.3f);
-
 class ConstantTexture final : public FloatTexture {
   public:
     explicit ConstantTexture(Float v) : v_(v) {}
@@ -28,7 +26,7 @@ class HalfTexture final : public FloatTexture {
     Float Evaluate(const TextureContext &c) const override { return c.uv.x < Float(0.5) ? Float(0) : Float(1); }
 };
 
-std::unique_ptr<Shape> Quadric(const std::string &type, const Transform &ctm = {}) {
+std::unique_ptr<Shape> DefaultQuadric(const std::string &type, const Transform &ctm = {}) {
     DiagnosticSink sink;
     const ParamSet set = Params("Shape").Set();
     return std::move(Shapes().Make(type, set, ShapeContext{ctm, false, FileResolver(), sink, ParamReader(set)}).at(0));
@@ -42,19 +40,20 @@ std::unique_ptr<Shape> Triangle(const Transform &ctm = {}) {
     return std::make_unique<TriangleMesh>(data, ctm, false);
 }
 
-std::unique_ptr<Light> Make(const AreaLightMaker &maker, const Shape &shape, const FloatTexture *alpha = nullptr) {
+std::unique_ptr<Light> MakeAreaLight(const AreaLightMaker &maker, const Shape &shape,
+                                     const FloatTexture *alpha = nullptr) {
     const Shape *const shapes[] = {&shape};
     return maker(shapes, alpha);
 }
 
-struct Case {
+struct AreaLightCase {
     std::string name;
     std::function<std::shared_ptr<Shape>()> make;
 };
 
-void PrintTo(const Case &c, std::ostream *out) { *out << c.name; }
+void PrintTo(const AreaLightCase &c, std::ostream *out) { *out << c.name; }
 
-class AreaLightShapes : public testing::TestWithParam<Case> {};
+class AreaLightShapes : public testing::TestWithParam<AreaLightCase> {};
 
 /// The light arriving from the primitive, measured by rays in all directions that can meet it: slow, but simple.
 template <class F>
@@ -81,7 +80,7 @@ RunningStatistics ByUniformDirections(const Shape &shape, const Light &light, co
 TEST_P(AreaLightShapes, SamplingFindsTheLightThatRaysFind) {
     auto shape = GetParam().make();
     for (bool twoSided : {false, true}) {
-        auto light = Make(MakeAreaMaker(Params().Bool("twosided", twoSided)), *shape);
+        auto light = MakeAreaLight(MakeAreaMaker(Params().Bool("twosided", twoSided)), *shape);
         for (Point3 p :
              {Point3(0.5f, 0.3f, 2.5f), Point3(-2, 1, -1.5f), Point3(4, -3, 6), Point3(0.25f, -0.05f, 0.32f)}) {
             auto irradiance = [](const SampledSpectrum &L, const Vector3 &w) {
@@ -103,7 +102,7 @@ TEST_P(AreaLightShapes, SamplingFindsTheLightThatRaysFind) {
 
 TEST_P(AreaLightShapes, PdfOfASampleIsThePdfOfItsRay) {
     auto shape = GetParam().make();
-    auto light = Make(MakeAreaMaker(Params().Bool("twosided", true)), *shape);
+    auto light = MakeAreaLight(MakeAreaMaker(Params().Bool("twosided", true)), *shape);
     Rng rng(5);
     int compared = 0;
     for (int i = 0; i < 2000; ++i) {
@@ -125,7 +124,7 @@ TEST_P(AreaLightShapes, PdfOfASampleIsThePdfOfItsRay) {
 TEST_P(AreaLightShapes, PhiIsTheIntegralOfEmittedRadiance) {
     auto shape = GetParam().make();
     for (bool twoSided : {false, true}) {
-        auto light = Make(MakeAreaMaker(Params().Bool("twosided", twoSided).Number("scale", 3)), *shape);
+        auto light = MakeAreaLight(MakeAreaMaker(Params().Bool("twosided", twoSided).Number("scale", 3)), *shape);
         Rng rng(9);
         RunningStatistics stats;
         for (int i = 0; i < 20000; ++i) {
@@ -149,7 +148,7 @@ TEST_P(AreaLightShapes, ImportanceIsPositiveWhereLightArrives) {
     auto shape = GetParam().make();
     int lit = 0;
     for (bool twoSided : {false, true}) {
-        auto light = Make(MakeAreaMaker(Params().Bool("twosided", twoSided)), *shape);
+        auto light = MakeAreaLight(MakeAreaMaker(Params().Bool("twosided", twoSided)), *shape);
         LightBounds bounds = *light->Bounds();
         Rng rng(11);
         for (int i = 0; i < 20000; ++i) {
@@ -168,8 +167,8 @@ TEST_P(AreaLightShapes, ImportanceIsPositiveWhereLightArrives) {
 }
 
 /// Patches, parts of shapes, and shapes that a transform mirrors or stretches.
-std::vector<Case> OtherShapes() {
-    std::vector<Case> cases;
+std::vector<AreaLightCase> OtherShapes() {
+    std::vector<AreaLightCase> cases;
     for (const ShapeCase &c : WholeAndPartCases())
         if (c.name != "Triangle" && c.name != "Sphere") cases.push_back({c.name, [shape = c.shape] { return shape; }});
     return cases;
@@ -178,19 +177,19 @@ std::vector<Case> OtherShapes() {
 INSTANTIATE_TEST_SUITE_P(Others, AreaLightShapes, testing::ValuesIn(OtherShapes()),
                          [](const auto &c) { return c.param.name; });
 INSTANTIATE_TEST_SUITE_P(Shapes, AreaLightShapes,
-                         testing::Values(Case{"triangle", [] { return Triangle(); }},
-                                         Case{"turnedTriangle",
-                                              [] {
-                                                  return Triangle(Transform::Rotate(70, {1, 1, 0}));
-                                              }},
-                                         Case{"sphere", [] { return Quadric("sphere"); }},
-                                         Case{"disk", [] { return Quadric("disk"); }},
-                                         Case{"cylinder", [] { return Quadric("cylinder"); }}),
+                         testing::Values(AreaLightCase{"triangle", [] { return Triangle(); }},
+                                         AreaLightCase{"turnedTriangle",
+                                                       [] {
+                                                           return Triangle(Transform::Rotate(70, {1, 1, 0}));
+                                                       }},
+                                         AreaLightCase{"sphere", [] { return DefaultQuadric("sphere"); }},
+                                         AreaLightCase{"disk", [] { return DefaultQuadric("disk"); }},
+                                         AreaLightCase{"cylinder", [] { return DefaultQuadric("cylinder"); }}),
                          [](const auto &c) { return c.param.name; });
 
 TEST(DiffuseAreaLight, ScaleOneIsOneNit) {
     auto shape = Triangle();
-    auto light = Make(MakeAreaMaker(Params()), *shape);
+    auto light = MakeAreaLight(MakeAreaMaker(Params()), *shape);
     EXPECT_NEAR(Photometric([&](const SampledWavelengths &l) {
                     return light->L({}, {0, 0, 1}, {}, {0, 0, 1}, l);
                 }),
@@ -199,8 +198,8 @@ TEST(DiffuseAreaLight, ScaleOneIsOneNit) {
 
 TEST(DiffuseAreaLight, EmitsFromTheSideOfTheNormal) {
     auto shape = Triangle();
-    auto one = Make(MakeAreaMaker(Params()), *shape);
-    auto two = Make(MakeAreaMaker(Params().Bool("twosided", true)), *shape);
+    auto one = MakeAreaLight(MakeAreaMaker(Params()), *shape);
+    auto two = MakeAreaLight(MakeAreaMaker(Params().Bool("twosided", true)), *shape);
     Normal3 n(0, 0, 1);
     EXPECT_TRUE(one->L({}, n, {}, {0, 0, 1}, kLambda));
     EXPECT_FALSE(one->L({}, n, {}, {0, 0, -1}, kLambda));
@@ -214,7 +213,7 @@ TEST(DiffuseAreaLight, PowerIsPerPrimitive) {
     TriangleMesh mesh(data, Transform(), false);
     for (bool twoSided : {false, true}) {
         AreaLightMaker maker = MakeAreaMaker(Params().Number("power", 20).Bool("twosided", twoSided));
-        auto light = Make(maker, mesh);
+        auto light = MakeAreaLight(maker, mesh);
         ASSERT_EQ(light->ComponentCount(), 2u);
         for (uint32_t i = 0; i < 2; ++i)
             EXPECT_NEAR(Photometric([&](const SampledWavelengths &l) { return Value(light->Phi(l, i)); }), 20, 0.05);
@@ -227,7 +226,7 @@ TEST(DiffuseAreaLight, ImageIsMappedWithVUpwardsAndItsPowerIsKept) {
     });
     TemporaryImage file("panel.exr", image);
     auto shape = Triangle();
-    auto light = Make(MakeAreaMaker(Params().String("filename", file.Path())), *shape);
+    auto light = MakeAreaLight(MakeAreaMaker(Params().String("filename", file.Path())), *shape);
     auto xyzAt = [&](Point2 uv) {
         Vector3 sum(0);
         for (int i = 0; i < 500; ++i) {
@@ -244,7 +243,7 @@ TEST(DiffuseAreaLight, ImageIsMappedWithVUpwardsAndItsPowerIsKept) {
     EXPECT_NEAR(left.y, 2, 0.1);
     EXPECT_NEAR(right.z, 2, 0.1);
 
-    auto powered = Make(MakeAreaMaker(Params().String("filename", file.Path()).Number("power", 5)), *shape);
+    auto powered = MakeAreaLight(MakeAreaMaker(Params().String("filename", file.Path()).Number("power", 5)), *shape);
     EXPECT_NEAR(Photometric([&](const SampledWavelengths &l) { return Value(powered->Phi(l)); }, 300), 5, 0.1);
     // The mean that is kept for light selection is the mean of the emission.
     SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
@@ -262,15 +261,15 @@ TEST(DiffuseAreaLight, ConstantAlphaOfZeroLeavesLightSamplingOnly) {
     auto shape = Triangle();
     ConstantTexture zero(0), half(0.5f);
     AreaLightMaker maker = MakeAreaMaker(Params());
-    auto invisible = Make(maker, *shape, &zero);
+    auto invisible = MakeAreaLight(maker, *shape, &zero);
     EXPECT_EQ(invisible->Kind(), LightKind::DeltaPosition);
     auto s = invisible->SampleLi(At({0, 0, 2}), {0.4f, 0.3f}, kLambda, false);
     ASSERT_TRUE(s);
     EXPECT_GT(s->pdf, 0);
     EXPECT_NE(s->pdf, 1);
     EXPECT_EQ(invisible->PdfLi(At({0, 0, 2}), s->wi, s->pLight, s->nLight, false), 0);
-    EXPECT_EQ(Make(maker, *shape, &half)->Kind(), LightKind::Area);
-    EXPECT_EQ(Make(maker, *shape)->Kind(), LightKind::Area);
+    EXPECT_EQ(MakeAreaLight(maker, *shape, &half)->Kind(), LightKind::Area);
+    EXPECT_EQ(MakeAreaLight(maker, *shape)->Kind(), LightKind::Area);
 }
 
 TEST(DiffuseAreaLight, AlphaWeighsSamplesAndLeavesTheRadianceOfHits) {
@@ -278,7 +277,8 @@ TEST(DiffuseAreaLight, AlphaWeighsSamplesAndLeavesTheRadianceOfHits) {
     ConstantTexture third(0.3f);
     HalfTexture cut;
     AreaLightMaker maker = MakeAreaMaker(Params());
-    auto grey = Make(maker, *shape, &third), holed = Make(maker, *shape, &cut), plain = Make(maker, *shape);
+    auto grey = MakeAreaLight(maker, *shape, &third), holed = MakeAreaLight(maker, *shape, &cut),
+         plain = MakeAreaLight(maker, *shape);
     Rng rng(2);
     for (int i = 0; i < 2000; ++i) {
         Point2 u = rng.Uniform2();

@@ -7,8 +7,6 @@
 namespace pbrt::test {
 namespace {
 
-const SampledWavelengths kLambda = SampledWavelengths::SampleVisible(0.3f);
-
 TEST(PointLight, ScaleOneOfTheIlluminantIsOneCandela) {
     auto light = Make("point", Params().Point("from", {1, 2, 3}));
     double lux = Photometric([&](const SampledWavelengths &lambda) {

@@ -10,8 +10,6 @@
 namespace pbrt::test {
 namespace {
 
-const SampledWavelengths kLambda = SampledWavelengths::SampleVisible(0.3f);
-
 /// Two portals in a wall, one before the first of them that hides a part of it, and one in a slanted wall.
 std::vector<Portal> Portals() {
     const Frame wall{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}};

@@ -7,8 +7,6 @@
 namespace pbrt::test {
 namespace {
 
-const SampledWavelengths kLambda = SampledWavelengths::SampleVisible(0.3f);
-
 Image GreyImage(int n, const std::function<Float(int, int)> &value) {
     Image image(PixelFormat::Float, {n, n}, {"Y"});
     for (int y = 0; y < n; ++y)

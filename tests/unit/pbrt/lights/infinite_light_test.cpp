@@ -6,9 +6,7 @@
 namespace pbrt::test {
 namespace {
 
-const SampledWavelengths kLambda = SampledWavelengths::SampleVisible(0.3f);
-
-Rgb Sky(int x, int y) {
+Rgb SkyWithSun(int x, int y) {
     if (x == 3 && y == 5) return {80, 60, 30};
     return {0.1f * static_cast<Float>(x), 0.4f, 0.05f * static_cast<Float>(y)};
 }
@@ -77,7 +75,7 @@ TEST(InfiniteLight, DirectionsFollowTheDensity) {
 
 class ImageInfinite : public testing::TestWithParam<bool> {
   protected:
-    ImageInfinite() : file_("sky.exr", RgbImage({8, 8}, Sky)) {}
+    ImageInfinite() : file_("sky.exr", RgbImage({8, 8}, SkyWithSun)) {}
     std::unique_ptr<Light> MakeIt(const Transform &ctm = Transform::Rotate(40, {1, 2, 3})) {
         auto light = Make("infinite", Params().String("filename", file_.Path()).Number("scale", 0.8f), ctm);
         light->Preprocess({0, 0, 0}, 2);

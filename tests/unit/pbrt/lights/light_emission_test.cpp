@@ -9,7 +9,6 @@
 namespace pbrt::test {
 namespace {
 
-const SampledWavelengths kWaves = SampledWavelengths::SampleVisible(0.3f);
 const Transform kTurned = Transform::Translate({0.3f, -0.2f, 0.1f}) * Transform::Rotate(33, {1, 3, 2});
 const Transform kStretched = kTurned * Transform::Scale({1.6f, 0.7f, 1});
 
@@ -27,12 +26,12 @@ struct Shooter {
     std::unique_ptr<Light> light;
     uint32_t part = 0;
 };
-struct Case {
+struct EmissionCase {
     std::string name;
     std::function<void(Shooter &)> make;
     bool powerIsExact = true;  ///< Phi is the power itself, not an estimate as in stock pbrt-v4
 };
-void PrintTo(const Case &c, std::ostream *out) { *out << c.name; }
+void PrintTo(const EmissionCase &c, std::ostream *out) { *out << c.name; }
 
 Rgb Picture(int x, int y) {
     if (x == 5 && y == 2) return {9, 7, 2};
@@ -58,7 +57,7 @@ std::shared_ptr<const Shape> Quadric(const std::string &type, const Params &para
     const ParamSet &set = params;
     return std::move(Shapes().Make(type, set, ShapeContext{ctm, false, FileResolver(), sink, ParamReader(set)}).at(0));
 }
-std::shared_ptr<const Shape> Triangle() {
+std::shared_ptr<const Shape> TurnedTriangle() {
     MeshData data;
     data.p = {{-1, -1, 0}, {1, -1, 0.2f}, {0.3f, 1, 0}};
     data.uv = {{0, 0}, {1, 0}, {0, 1}};
@@ -66,7 +65,7 @@ std::shared_ptr<const Shape> Triangle() {
     return std::make_shared<TriangleMesh>(data, kTurned, false);
 }
 
-const Case kCases[] = {
+const EmissionCase kEmissionCases[] = {
     {"point",
      [](Shooter &s) {
          s.light = Make("point", Params().Point("from", {0.2f, 0.1f, 0.3f}), kTurned);
@@ -114,7 +113,7 @@ const Case kCases[] = {
          s.light = Make("infinite", params, Transform::Rotate(40, {1, 2, 3}));
      },
      false},
-    {"triangle", [](Shooter &s) { Area(s, Triangle(), Params().Number("scale", 2)); }},
+    {"triangle", [](Shooter &s) { Area(s, TurnedTriangle(), Params().Number("scale", 2)); }},
     {"triangleOfAMesh",
      [](Shooter &s) {
          MeshData data;
@@ -123,7 +122,7 @@ const Case kCases[] = {
          Area(s, std::make_shared<TriangleMesh>(data, kTurned, false), Params());
          s.part = 1;
      }},
-    {"triangleOfTwoSides", [](Shooter &s) { Area(s, Triangle(), Params().Bool("twosided", true)); }},
+    {"triangleOfTwoSides", [](Shooter &s) { Area(s, TurnedTriangle(), Params().Bool("twosided", true)); }},
     {"sphere", [](Shooter &s) { Area(s, Quadric("sphere", Params().Number("radius", 0.7f), kTurned), Params()); }},
     {"egg", [](Shooter &s) { Area(s, Quadric("sphere", Params().Number("radius", 0.7f), kStretched), Params()); }},
     {"patch",
@@ -133,10 +132,10 @@ const Case kCases[] = {
          Area(s, Quadric("bilinearmesh", patch, kTurned), Params());
      },
      false},
-    {"triangleWithHoles", [](Shooter &s) { Area(s, Triangle(), Params(), true); }, false},
+    {"triangleWithHoles", [](Shooter &s) { Area(s, TurnedTriangle(), Params(), true); }, false},
 };
 
-class Emission : public testing::TestWithParam<Case> {
+class Emission : public testing::TestWithParam<EmissionCase> {
   protected:
     Emission() {
         GetParam().make(shooter_);
@@ -156,10 +155,10 @@ TEST_P(Emission, SamplesCarryThePower) {
     Rng rng(5);
     RunningStatistics flux;
     for (int i = 0; i < 60000; ++i) {
-        const auto s = TheLight().SampleLe(rng.Uniform2(), rng.Uniform2(), kWaves);
+        const auto s = TheLight().SampleLe(rng.Uniform2(), rng.Uniform2(), kLambda);
         flux.Add(s ? static_cast<double>(Flux(*s)) : 0);
     }
-    const double power = TheLight().Phi(kWaves).Average();
+    const double power = TheLight().Phi(kLambda).Average();
     ASSERT_GT(power, 0);
     if (GetParam().powerIsExact) {
         EXPECT_NEAR(flux.mean, power, 4.5 * flux.StandardError() + 1e-4 * power);
@@ -172,7 +171,7 @@ TEST_P(Emission, DensitiesAreThoseOfTheSamples) {
     Rng rng(6);
     int drawn = 0, wrong = 0;
     for (int i = 0; i < 2000; ++i) {
-        const auto s = TheLight().SampleLe(rng.Uniform2(), rng.Uniform2(), kWaves);
+        const auto s = TheLight().SampleLe(rng.Uniform2(), rng.Uniform2(), kLambda);
         if (!s) continue;
         ++drawn;
         EXPECT_NEAR(Length(s->ray.d), 1, 1e-5f);
@@ -206,7 +205,7 @@ TEST_P(Emission, LightReachesAReceiverAsItDoesBySamplingTheLight) {
     Rng rng(7);
     RunningStatistics shot, gathered;
     for (int i = 0; i < 150000; ++i) {
-        const auto s = TheLight().SampleLe(rng.Uniform2(), rng.Uniform2(), kWaves);
+        const auto s = TheLight().SampleLe(rng.Uniform2(), rng.Uniform2(), kLambda);
         double flux = 0;
         if (s) {
             const Float along = Dot(s->ray.d, frame.z), t = Dot(middle - s->ray.o, frame.z) / along;
@@ -217,7 +216,7 @@ TEST_P(Emission, LightReachesAReceiverAsItDoesBySamplingTheLight) {
         const Point2 u = rng.Uniform2();
         const Point3 p = middle + frame.x * ((2 * u.x - 1) * kHalf) + frame.y * ((2 * u.y - 1) * kHalf);
         LightSampleContext from = At(p);
-        const auto li = TheLight().SampleLi(from, rng.Uniform2(), kWaves, false);
+        const auto li = TheLight().SampleLi(from, rng.Uniform2(), kLambda, false);
         double irradiance = 0;
         if (li && li->pdf > 0)
             irradiance = static_cast<double>(li->L.Average() * AbsDot(li->wi, frame.z) / li->pdf * Sqr(2 * kHalf));
@@ -248,7 +247,7 @@ TEST_P(Emission, DirectionsFollowTheirDensity) {
     const EnvironmentLight *environment = TheLight().Parent().AsEnvironment();
     const bool isPortal = environment && environment->Opening();
     for (int i = 0; i < kSamples; ++i) {
-        const auto s = TheLight().SampleLe(rng.Uniform2(), rng.Uniform2(), kWaves);
+        const auto s = TheLight().SampleLe(rng.Uniform2(), rng.Uniform2(), kLambda);
         if (!s) continue;
         any = s;
         ++drawn;
@@ -277,7 +276,8 @@ TEST_P(Emission, DirectionsFollowTheirDensity) {
     EXPECT_LT(distance / drawn, 0.06);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Emission, testing::ValuesIn(kCases), [](const auto &test) { return test.param.name; });
+INSTANTIATE_TEST_SUITE_P(All, Emission, testing::ValuesIn(kEmissionCases),
+                         [](const auto &test) { return test.param.name; });
 
 }  // namespace
 }  // namespace pbrt::test

@@ -12,6 +12,8 @@
 
 namespace pbrt::test {
 
+inline const SampledWavelengths kLambda = SampledWavelengths::SampleVisible(0.3f);
+
 inline std::unique_ptr<Light> Make(const std::string &type, const ParamSet &params, const Transform &ctm,
                                    const Transform &renderFromWorld, DiagnosticSink &sink) {
     return Lights().Make(type, params, LightContext{ctm, renderFromWorld, ColorSpace::SRGB(), FileResolver(), sink});

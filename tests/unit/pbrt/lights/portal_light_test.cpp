@@ -7,9 +7,7 @@
 namespace pbrt::test {
 namespace {
 
-const SampledWavelengths kLambda = SampledWavelengths::SampleVisible(0.3f);
-
-Rgb Sky(int x, int y) {
+Rgb SkyBehindPortal(int x, int y) {
     if (x == 9 && y == 5) return {12, 9, 4};
     return {0.1f * static_cast<Float>(x), 0.4f, 0.05f * static_cast<Float>(y)};
 }
@@ -25,9 +23,9 @@ std::vector<Float> Corners(const Transform &turn = kTurn) {
     return v;
 }
 
-class Portal : public testing::Test {
+class SkyThroughPortal : public testing::Test {
   protected:
-    Portal() : file_("portal.exr", RgbImage({16, 16}, Sky)) {}
+    SkyThroughPortal() : file_("portal.exr", RgbImage({16, 16}, SkyBehindPortal)) {}
     Params File() const {
         return Params().String("filename", file_.Path()).Floats(ParamType::Point3, "portal", Corners());
     }
@@ -47,11 +45,11 @@ class Portal : public testing::Test {
     TemporaryImage file_;
 };
 
-const Point3 kPlaces[] = {Point3(0, 0, 0), Point3(0.2f, 0.1f, 0.9f), Point3(-2, 0.3f, -0.5f), Point3(3, 4, -12)};
+const Point3 kViewpoints[] = {Point3(0, 0, 0), Point3(0.2f, 0.1f, 0.9f), Point3(-2, 0.3f, -0.5f), Point3(3, 4, -12)};
 
-TEST_F(Portal, DirectionsFollowTheDensityOfThePointTheyAreSeenFrom) {
+TEST_F(SkyThroughPortal, DirectionsFollowTheDensityOfThePointTheyAreSeenFrom) {
     auto light = MakeIt();
-    for (const Point3 &place : kPlaces) {
+    for (const Point3 &place : kViewpoints) {
         Point3 p = kTurn.Point(place);
         // The cells are those of the window itself, so that from every place equally many can be sampled. The expected
         // counts are the density per solid angle times the solid angle of small pieces of the window.
@@ -90,7 +88,7 @@ TEST_F(Portal, DirectionsFollowTheDensityOfThePointTheyAreSeenFrom) {
     }
 }
 
-TEST_F(Portal, DensityAndRadianceOfASampleAreThoseOfItsDirection) {
+TEST_F(SkyThroughPortal, DensityAndRadianceOfASampleAreThoseOfItsDirection) {
     auto light = MakeIt();
     Rng rng(5);
     int same = 0, all = 0;
@@ -109,7 +107,7 @@ TEST_F(Portal, DensityAndRadianceOfASampleAreThoseOfItsDirection) {
     EXPECT_GT(same, 0.99 * all);
 }
 
-TEST_F(Portal, LightComesOnlyThroughTheWindowAndOnlyInwards) {
+TEST_F(SkyThroughPortal, LightComesOnlyThroughTheWindowAndOnlyInwards) {
     auto light = MakeIt();
     Rng rng(6);
     int through = 0;
@@ -129,7 +127,7 @@ TEST_F(Portal, LightComesOnlyThroughTheWindowAndOnlyInwards) {
         << "the point is in the plane of the portal";
 }
 
-TEST_F(Portal, WhatIsSeenThroughItIsTheSkyBeyond) {
+TEST_F(SkyThroughPortal, WhatIsSeenThroughItIsTheSkyBeyond) {
     // A smooth sky, which resampling changes little.
     TemporaryImage smooth("smooth.exr", RgbImage({64, 64}, [](int x, int y) {
                               Vector3 w = EqualAreaSquareToSphere(
@@ -152,7 +150,7 @@ TEST_F(Portal, WhatIsSeenThroughItIsTheSkyBeyond) {
     EXPECT_GT(seen, 3000);
 }
 
-TEST_F(Portal, PhiIsWhatComesThroughTheWindow) {
+TEST_F(SkyThroughPortal, PhiIsWhatComesThroughTheWindow) {
     auto light = MakeIt();
     // The power through the window: radiance times cosine over the half-space, seen from just inside, times the area.
     Rng rng(8);
@@ -167,7 +165,7 @@ TEST_F(Portal, PhiIsWhatComesThroughTheWindow) {
     EXPECT_NEAR(stats.mean, phi, 4.5 * stats.StandardError() + 2e-2 * phi);
 }
 
-TEST_F(Portal, IsGivenInWorldSpaceAndStaysThereInAnyRenderingSpace) {
+TEST_F(SkyThroughPortal, IsGivenInWorldSpaceAndStaysThereInAnyRenderingSpace) {
     auto light = MakeIt();
     DiagnosticSink sink;
     for (Transform renderFromWorld :
@@ -189,7 +187,7 @@ TEST_F(Portal, IsGivenInWorldSpaceAndStaysThereInAnyRenderingSpace) {
     }
 }
 
-TEST_F(Portal, OpeningHoldsTheWindowAndPointsInwards) {
+TEST_F(SkyThroughPortal, OpeningHoldsTheWindowAndPointsInwards) {
     auto light = MakeIt();
     EXPECT_FALSE(light->Bounds()) << "for stock samplers a portal light is an infinite light without bounds";
     auto opening = light->AsEnvironment()->Opening();

@@ -7,10 +7,9 @@ namespace pbrt {
 namespace {
 
 using test::ExpectSameScattering;
+using test::kLambda;
 using test::Params;
 using test::TestPoint;
-
-const SampledWavelengths kLambda = SampledWavelengths::SampleVisible(0.4f);
 
 class Hair : public testing::Test {
   protected:

@@ -9,12 +9,11 @@ namespace {
 
 using test::Catch;
 using test::ExpectSameScattering;
+using test::kLambda;
 using test::Params;
 using test::TestPoint;
 using test::Thrown;
 using test::Workshop;
-
-const SampledWavelengths kLambda = SampledWavelengths::SampleVisible(0.4f);
 
 class Lobes : public testing::Test {
   protected:

@@ -6,6 +6,8 @@
 
 namespace pbrt::test {
 
+inline const SampledWavelengths kLambda = SampledWavelengths::SampleVisible(0.4f);
+
 /// Makes materials over a texture library and remembers the named ones.
 struct Workshop : Bench {
     std::map<std::string, MaterialPtr> named;

@@ -19,7 +19,7 @@ std::shared_ptr<const Image> Picture(const std::vector<Vector3> &normals) {
     return std::make_shared<const Image>(std::move(image));
 }
 
-SurfacePoint FlatPoint() {
+SurfacePoint PointAtOrigin() {
     SurfacePoint s;
     s.n = s.shading.n = {0, 0, 1};
     s.dpdu = s.shading.dpdu = {2, 0, 0};
@@ -27,32 +27,32 @@ SurfacePoint FlatPoint() {
     return s;
 }
 
-void ExpectNear(const Vector3 &a, const Vector3 &b) {
+void ExpectSameVector(const Vector3 &a, const Vector3 &b) {
     EXPECT_LT(Distance(a, b), 1e-5f) << a.x << " " << a.y << " " << a.z;
 }
 
 TEST(NormalMap, FrameTurnsToTheMappedNormal) {
-    SurfacePoint s = FlatPoint();
+    SurfacePoint s = PointAtOrigin();
     ApplyNormalMap(*Picture({{.6f, 0, .8f}}), s);
-    ExpectNear(s.shading.n, {.6f, 0, .8f});
-    ExpectNear(s.shading.dpdu, Vector3(.8f, 0, -.6f) * 2.f);
-    ExpectNear(s.shading.dpdv, {0, 3, 0});
-    ExpectNear(s.n, {0, 0, 1});
-    ExpectNear(s.dpdu, {2, 0, 0});
+    ExpectSameVector(s.shading.n, {.6f, 0, .8f});
+    ExpectSameVector(s.shading.dpdu, Vector3(.8f, 0, -.6f) * 2.f);
+    ExpectSameVector(s.shading.dpdv, {0, 3, 0});
+    ExpectSameVector(s.n, {0, 0, 1});
+    ExpectSameVector(s.dpdu, {2, 0, 0});
 }
 
 TEST(NormalMap, PixelsNeedNotBeUnit) {
-    SurfacePoint s = FlatPoint();
+    SurfacePoint s = PointAtOrigin();
     ApplyNormalMap(*Picture({{.3f, 0, .4f}}), s);
-    ExpectNear(s.shading.n, {.6f, 0, .8f});
+    ExpectSameVector(s.shading.n, {.6f, 0, .8f});
 }
 
 TEST(NormalMap, StraightUpChangesNothing) {
     SurfacePoint s = test::TestPoint(), t = s;
     ApplyNormalMap(*Picture({{0, 0, 1}}), t);
-    ExpectNear(s.shading.n, t.shading.n);
-    ExpectNear(s.shading.dpdu, t.shading.dpdu);
-    ExpectNear(s.shading.dpdv, t.shading.dpdv);
+    ExpectSameVector(s.shading.n, t.shading.n);
+    ExpectSameVector(s.shading.dpdu, t.shading.dpdu);
+    ExpectSameVector(s.shading.dpdv, t.shading.dpdv);
 }
 
 TEST(NormalMap, FrameStaysOrthogonalWithItsLengths) {
@@ -60,7 +60,7 @@ TEST(NormalMap, FrameStaysOrthogonalWithItsLengths) {
     Vector3 u = s.shading.dpdu, v = s.shading.dpdv, n = s.shading.n;
     Vector3 mapped = Normalize(Vector3(.3f, -.5f, .7f));
     ApplyNormalMap(*Picture({mapped}), s);
-    ExpectNear(s.shading.n, Frame::FromXZ(Normalize(u), n).FromLocal(mapped));
+    ExpectSameVector(s.shading.n, Frame::FromXZ(Normalize(u), n).FromLocal(mapped));
     EXPECT_NEAR(Dot(s.shading.n, s.shading.dpdu), 0, 1e-5f);
     EXPECT_NEAR(Dot(s.shading.n, s.shading.dpdv), 0, 1e-5f);
     EXPECT_NEAR(Dot(s.shading.dpdu, s.shading.dpdv), 0, 1e-5f);
@@ -69,30 +69,30 @@ TEST(NormalMap, FrameStaysOrthogonalWithItsLengths) {
 }
 
 TEST(NormalMap, NormalStaysOnTheGeometricSide) {
-    SurfacePoint s = FlatPoint();
+    SurfacePoint s = PointAtOrigin();
     s.n = {0, 0, -1};
     ApplyNormalMap(*Picture({{.6f, 0, .8f}}), s);
-    ExpectNear(s.shading.n, {-.6f, 0, -.8f});
+    ExpectSameVector(s.shading.n, {-.6f, 0, -.8f});
 }
 
 TEST(NormalMap, ZeroVIsTheBottomRowAndItRepeats) {
     const auto map = Picture({{.6f, 0, .8f}, {0, .6f, .8f}});
     for (Float v : {.25f, 1.25f, -.75f}) {
-        SurfacePoint s = FlatPoint();
+        SurfacePoint s = PointAtOrigin();
         s.uv = {.5f, v};
         ApplyNormalMap(*map, s);
-        ExpectNear(s.shading.n, {0, .6f, .8f});
+        ExpectSameVector(s.shading.n, {0, .6f, .8f});
     }
-    SurfacePoint s = FlatPoint();
+    SurfacePoint s = PointAtOrigin();
     s.uv = {.5f, .75f};
     ApplyNormalMap(*map, s);
-    ExpectNear(s.shading.n, {.6f, 0, .8f});
+    ExpectSameVector(s.shading.n, {.6f, 0, .8f});
 }
 
 TEST(NormalMap, NoDirectionChangesNothing) {
-    SurfacePoint s = FlatPoint();
+    SurfacePoint s = PointAtOrigin();
     ApplyNormalMap(*Picture({{0, 0, 0}}), s);
-    ExpectNear(s.shading.n, {0, 0, 1});
+    ExpectSameVector(s.shading.n, {0, 0, 1});
 }
 
 /// Reads a file: the bytes of a PNG are plain numbers here, not sRGB.
@@ -109,13 +109,13 @@ TEST(NormalMap, MaterialReadsItsFile) {
     MaterialPtr plain = shop.Make("diffuse"),
                 mapped = shop.Make("coateddiffuse", test::Params("m").S("normalmap", {path}));
     std::filesystem::remove(path);
-    SurfacePoint s = FlatPoint();
+    SurfacePoint s = PointAtOrigin();
     plain->PerturbShading(s);
-    ExpectNear(s.shading.n, {0, 0, 1});
+    ExpectSameVector(s.shading.n, {0, 0, 1});
     mapped->PerturbShading(s);
     EXPECT_LT(Distance(s.shading.n, {.6f, 0, .8f}), 0.01f);
     SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
-    ExpectNear(mapped->GetBsdf(s, lambda).ShadingFrame().z, s.shading.n);
+    ExpectSameVector(mapped->GetBsdf(s, lambda).ShadingFrame().z, s.shading.n);
     EXPECT_EQ(shop.Errors(), 0u);
 }
 

@@ -8,11 +8,10 @@ namespace {
 
 using test::Catch;
 using test::ExpectSameScattering;
+using test::kLambda;
 using test::Params;
 using test::TestPoint;
 using test::Thrown;
-
-const SampledWavelengths kLambda = SampledWavelengths::SampleVisible(0.4f);
 
 class Subsurface : public testing::Test {
   protected:

@@ -3,14 +3,12 @@
 #include <gtest/gtest.h>
 
 #include "pbrt/math/rng.h"
+#include "support/sampling.h"
 
 namespace pbrt {
 namespace {
 
-Vector3 RandomVector(Rng &rng) {
-    Float x = rng.Uniform(), y = rng.Uniform(), z = rng.Uniform();
-    return {2 * x - 1, 2 * y - 1, 2 * z - 1};
-}
+using test::RandomVector;
 
 /// Q diag(d) transpose(Q) with d > 0: a stretch along three orthogonal axes.
 glm::mat4 RandomStretch(Rng &rng) {
@@ -19,7 +17,7 @@ glm::mat4 RandomStretch(Rng &rng) {
     return q * Transform::Scale(d).Matrix() * glm::transpose(q);
 }
 
-void ExpectNear(const glm::mat4 &a, const glm::mat4 &b, Float tolerance) {
+void ExpectSameMatrix(const glm::mat4 &a, const glm::mat4 &b, Float tolerance) {
     for (int c = 0; c < 4; ++c)
         for (int r = 0; r < 4; ++r) EXPECT_NEAR(a[c][r], b[c][r], tolerance) << "column " << c << " row " << r;
 }
@@ -40,8 +38,8 @@ TEST(AnimatedTransform, MovesByItsParts) {
                    first * stretch;
         };
         const AnimatedTransform motion(Transform(twin(0)), 2, Transform(twin(1)), 4);
-        for (Float t : {0.0f, 0.1f, 0.5f, 0.77f, 1.0f}) ExpectNear(motion.At(2 + 2 * t).Matrix(), twin(t), 2e-5f);
-        ExpectNear(motion.At(2.5f).InverseMatrix() * twin(0.25f), glm::mat4(1), 2e-4f);
+        for (Float t : {0.0f, 0.1f, 0.5f, 0.77f, 1.0f}) ExpectSameMatrix(motion.At(2 + 2 * t).Matrix(), twin(t), 2e-5f);
+        ExpectSameMatrix(motion.At(2.5f).InverseMatrix() * twin(0.25f), glm::mat4(1), 2e-4f);
     }
 }
 
@@ -62,7 +60,7 @@ TEST(AnimatedTransform, StandsStillOutsideItsTimes) {
 
 TEST(AnimatedTransform, TurnsTheShortWay) {
     const AnimatedTransform motion({}, 0, Transform::Rotate(270, {0, 0, 1}), 1);
-    ExpectNear(motion.At(0.5f).Matrix(), Transform::Rotate(-45, {0, 0, 1}).Matrix(), 1e-6f);
+    ExpectSameMatrix(motion.At(0.5f).Matrix(), Transform::Rotate(-45, {0, 0, 1}).Matrix(), 1e-6f);
 }
 
 /// The interpolation must not depend on how rendering space is turned and moved against world space.
@@ -76,7 +74,7 @@ TEST(AnimatedTransform, LooksTheSameFromEverywhere) {
         const Transform a = random(), b = random();
         const Transform place = Transform::Translate(RandomVector(rng)) * Transform::Rotate(80, RandomVector(rng));
         const AnimatedTransform motion(a, 0, b, 1), placed(place * a, 0, place * b, 1);
-        ExpectNear(placed.At(0.4f).Matrix(), (place * motion.At(0.4f)).Matrix(), 1e-4f);
+        ExpectSameMatrix(placed.At(0.4f).Matrix(), (place * motion.At(0.4f)).Matrix(), 1e-4f);
     }
 }
 

@@ -3,11 +3,12 @@
 #include <gtest/gtest.h>
 
 #include "pbrt/math/rng.h"
+#include "support/sampling.h"
 
 namespace pbrt {
 namespace {
 
-Vector3 RandomVector(Rng &rng) { return {2 * rng.Uniform() - 1, 2 * rng.Uniform() - 1, 2 * rng.Uniform() - 1}; }
+using test::RandomVector;
 
 Transform RandomAffine(Rng &rng) {
     return Transform::Translate(10.f * RandomVector(rng)) * Transform::Rotate(360 * rng.Uniform(), RandomVector(rng)) *

@@ -56,7 +56,7 @@ nanovdb::GridHandle<> RandomGrid(const std::string &name, uint64_t seed, Float f
     return builder.getHandle<>(voxel, origin, name);
 }
 
-void ExpectComplaint(const ParamSet &params, int line, const std::string &part) {
+void ExpectNanoVdbComplaint(const ParamSet &params, int line, const std::string &part) {
     DiagnosticSink sink;
     const Diagnostic error = ErrorOf([&] { MakeMedium("nanovdb", params, {}, sink); });
     EXPECT_EQ(error.loc.line, line) << error.message;
@@ -158,12 +158,14 @@ TEST(NanoVdbMedium, DensityAndTemperatureWithTransformationsOfTheirOwn) {
 }
 
 TEST(NanoVdbMedium, GridsThatAreNotThereAreErrors) {
-    ExpectComplaint(Params().String("filename", kBlob).String("gridname", "densitty"), 1, "did you mean \"density\"");
-    ExpectComplaint(Params(), 100, "filename");
-    ExpectComplaint(Params().String("filename", "/nowhere/smoke.nvdb"), 1, "cannot be opened");
-    ExpectComplaint(Params().String("filename", "/tmp"), 1, "cannot be opened");
-    ExpectComplaint(Params().String("filename", kBlob).Number("temperatureoffset", 1).Number("temperaturecutoff", 1), 3,
-                    "the same parameter");
+    ExpectNanoVdbComplaint(Params().String("filename", kBlob).String("gridname", "densitty"), 1,
+                           "did you mean \"density\"");
+    ExpectNanoVdbComplaint(Params(), 100, "filename");
+    ExpectNanoVdbComplaint(Params().String("filename", "/nowhere/smoke.nvdb"), 1, "cannot be opened");
+    ExpectNanoVdbComplaint(Params().String("filename", "/tmp"), 1, "cannot be opened");
+    ExpectNanoVdbComplaint(
+        Params().String("filename", kBlob).Number("temperatureoffset", 1).Number("temperaturecutoff", 1), 3,
+        "the same parameter");
 }
 
 TEST(NanoVdbMedium, BrokenFilesAreErrors) {
@@ -171,7 +173,7 @@ TEST(NanoVdbMedium, BrokenFilesAreErrors) {
     ASSERT_GT(blob.size(), 100000u);
     auto expect = [](const std::string &content, const std::string &part) {
         TemporaryFile file("broken.nvdb", content);
-        ExpectComplaint(Params().String("filename", file.Path()), 1, part);
+        ExpectNanoVdbComplaint(Params().String("filename", file.Path()), 1, part);
     };
     std::string newer = blob;
     newer[7] = '2';
@@ -224,7 +226,7 @@ TEST(NanoVdbMedium, DensitiesThatAreNoNumbersAreErrors) {
     builder.getAccessor().setValue({4, 2, 3}, 1);
     TemporaryFile file("infinite.nvdb");
     nanovdb::io::writeGrid(file.Path(), builder.getHandle<>(1.0, nanovdb::Vec3d(0), "density"));
-    ExpectComplaint(Params().String("filename", file.Path()), 1, "not a number or infinite");
+    ExpectNanoVdbComplaint(Params().String("filename", file.Path()), 1, "not a number or infinite");
 }
 
 }  // namespace

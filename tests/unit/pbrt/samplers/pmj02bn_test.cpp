@@ -101,7 +101,7 @@ TEST(BlueNoiseMask, HoldsEveryRankOnceAndNearRanksApart) {
     EXPECT_LT(blocks.Variance(), 0.3 * pixels.Variance() / 16);
 }
 
-std::unique_ptr<Sampler> Make(int samples, int seed = 0) {
+std::unique_ptr<Sampler> MakePmj02bnSampler(int samples, int seed = 0) {
     return test::SamplerCase{"pmj02bn", ""}.Make(samples, seed);
 }
 
@@ -124,7 +124,7 @@ TEST(Pmj02bnSampler, EveryRequestIsANetAndSoAreItsBeginnings) {
     for (int samples : {1, 2, 16, 32, 64})
         for (Point2i pixel : {Point2i(0, 0), Point2i(13, 40), Point2i(700, 300)})
             for (int dimension : {2, 4, 7, 30}) {
-                std::unique_ptr<Sampler> s = Make(samples, 2);
+                std::unique_ptr<Sampler> s = MakePmj02bnSampler(samples, 2);
                 for (int first : {0, samples, 5 * samples})
                     EXPECT_TRUE(IsNet(Request(*s, pixel, first, samples, dimension))) << samples << " " << dimension;
                 for (int n = 1; n < samples; n *= 4) EXPECT_TRUE(IsNet(Request(*s, pixel, 0, n, dimension))) << n;
@@ -132,7 +132,7 @@ TEST(Pmj02bnSampler, EveryRequestIsANetAndSoAreItsBeginnings) {
 }
 
 TEST(Pmj02bnSampler, FlipsAndOrdersDifferFromPixelToPixel) {
-    std::unique_ptr<Sampler> s = Make(16);
+    std::unique_ptr<Sampler> s = MakePmj02bnSampler(16);
     std::set<uint32_t> firsts;
     std::set<std::vector<int>> orders;
     for (int x = 0; x < 20; ++x) {
@@ -150,7 +150,7 @@ TEST(Pmj02bnSampler, FlipsAndOrdersDifferFromPixelToPixel) {
 
 TEST(Pmj02bnSampler, PositionsInThePixelAreNetsInEveryRound) {
     for (int samples : {1, 4, 16, 256}) {
-        std::unique_ptr<Sampler> s = Make(samples, 3);
+        std::unique_ptr<Sampler> s = MakePmj02bnSampler(samples, 3);
         for (Point2i pixel : {Point2i(0, 0), Point2i(63, 47), Point2i(900, 11)})
             for (int round : {0, 1}) {
                 std::vector<BinaryPoint> points;
@@ -167,7 +167,7 @@ TEST(Pmj02bnSampler, PositionsInThePixelAreNetsInEveryRound) {
 
 TEST(Pmj02bnSampler, PositionsOfATileAreOneNet) {
     // 16 samples in each of 8 x 8 pixels are 1024 points in 1024 cells, and in as many columns and rows.
-    std::unique_ptr<Sampler> s = Make(16);
+    std::unique_ptr<Sampler> s = MakePmj02bnSampler(16);
     std::vector<uint32_t> taken(32 * 32, 0);
     for (int y = 0; y < 8; ++y)
         for (int x = 0; x < 8; ++x)

@@ -11,7 +11,7 @@ namespace {
 
 const SampledWavelengths kLambda = SampledWavelengths::SampleVisible(0.3f);
 
-BuiltScene Build(const std::string &world) {
+BuiltScene BuildView(const std::string &world) {
     return BuildText(SceneText()
                          .Head("Option 'rendercoordsys' 'world'")
                          .LookAt("0 0 4  0 0 0  0 1 0")
@@ -30,12 +30,12 @@ SurfacePoint PointAt(const BuiltScene &built, Float x = 0.2f, Float y = 0.1f, Fl
     return *point;
 }
 
-constexpr const char *kQuad = "Shape 'bilinearmesh' 'point3 P' [ -1 -1 0  1 -1 0  -1 1 0  1 1 0 ]\n";
+constexpr const char *kFacingQuad = "Shape 'bilinearmesh' 'point3 P' [ -1 -1 0  1 -1 0  -1 1 0  1 1 0 ]\n";
 
 Float Mean(const SampledSpectrum &s) { return s.Average(); }
 
 TEST(Shading, SurfacesScatterByTheirMaterial) {
-    const BuiltScene built = Build("Material 'diffuse' 'rgb reflectance' [.6 .6 .6]\n" + std::string(kQuad));
+    const BuiltScene built = BuildView("Material 'diffuse' 'rgb reflectance' [.6 .6 .6]\n" + std::string(kFacingQuad));
     SurfacePoint point = PointAt(built);
     SampledWavelengths lambda = kLambda;
     const Bsdf bsdf = ComputeBsdf(*built.scene, point, lambda);
@@ -46,7 +46,7 @@ TEST(Shading, SurfacesScatterByTheirMaterial) {
 
 TEST(Shading, InterfacesDoNotScatter) {
     for (const char *material : {"Material 'interface'\n", "Material ''\n"}) {
-        const BuiltScene built = Build(material + std::string(kQuad));
+        const BuiltScene built = BuildView(material + std::string(kFacingQuad));
         SurfacePoint point = PointAt(built);
         SampledWavelengths lambda = kLambda;
         EXPECT_FALSE(ComputeBsdf(*built.scene, point, lambda)) << material;
@@ -54,7 +54,7 @@ TEST(Shading, InterfacesDoNotScatter) {
 }
 
 TEST(Shading, DispersionEndsTheOtherWavelengths) {
-    const BuiltScene built = Build("Material 'dielectric' 'spectrum eta' 'glass-F11'\n" + std::string(kQuad));
+    const BuiltScene built = BuildView("Material 'dielectric' 'spectrum eta' 'glass-F11'\n" + std::string(kFacingQuad));
     SurfacePoint point = PointAt(built);
     SampledWavelengths lambda = kLambda;
     EXPECT_TRUE(ComputeBsdf(*built.scene, point, lambda));
@@ -62,11 +62,11 @@ TEST(Shading, DispersionEndsTheOtherWavelengths) {
 }
 
 TEST(Shading, MixturesTakeOneOfTheirMaterialsPerPoint) {
-    const BuiltScene built = Build(
+    const BuiltScene built = BuildView(
         "MakeNamedMaterial 'a' 'string type' 'diffuse' 'rgb reflectance' [.2 .2 .2]\n"
         "MakeNamedMaterial 'b' 'string type' 'diffuse' 'rgb reflectance' [.8 .8 .8]\n"
         "Material 'mix' 'string materials' ['a' 'b'] 'float amount' 0.25\n" +
-        std::string(kQuad));
+        std::string(kFacingQuad));
     int light = 0;
     constexpr int kPoints = 2000;
     for (int i = 0; i < kPoints; ++i) {
@@ -83,7 +83,7 @@ TEST(Shading, MixturesTakeOneOfTheirMaterialsPerPoint) {
 TEST(Shading, LampsEmitFromTheirFrontUnlessTwosided) {
     for (const char *sides : {"", "'bool twosided' true"}) {
         const BuiltScene built =
-            Build("AreaLightSource 'diffuse' 'rgb L' [3 3 3] " + std::string(sides) + "\n" + kQuad);
+            BuildView("AreaLightSource 'diffuse' 'rgb L' [3 3 3] " + std::string(sides) + "\n" + kFacingQuad);
         const SurfacePoint above = PointAt(built), below = PointAt(built, 0.2f, 0.1f, -4, 1);
         const Float up = Mean(EmittedRadiance(*built.scene, above, kLambda)),
                     down = Mean(EmittedRadiance(*built.scene, below, kLambda));
@@ -91,19 +91,19 @@ TEST(Shading, LampsEmitFromTheirFrontUnlessTwosided) {
         if (*sides) EXPECT_EQ(up, down);
         else EXPECT_EQ(std::min(up, down), 0);
     }
-    const BuiltScene dark = Build(kQuad);
+    const BuiltScene dark = BuildView(kFacingQuad);
     EXPECT_EQ(Mean(EmittedRadiance(*dark.scene, PointAt(dark), kLambda)), 0);
 }
 
 TEST(Shading, OnlySubsurfaceMaterialsLetLightComeOutElsewhere) {
-    const BuiltScene wax = Build("Material 'subsurface'\n" + std::string(kQuad)),
-                     glass = Build("Material 'dielectric'\n" + std::string(kQuad));
+    const BuiltScene wax = BuildView("Material 'subsurface'\n" + std::string(kFacingQuad)),
+                     glass = BuildView("Material 'dielectric'\n" + std::string(kFacingQuad));
     EXPECT_TRUE(ComputeBssrdf(*wax.scene, PointAt(wax), kLambda));
     EXPECT_FALSE(ComputeBssrdf(*glass.scene, PointAt(glass), kLambda));
 }
 
 TEST(Footprint, IsThePixelsSizeWhereTheCameraLooks) {
-    const BuiltScene built = Build(kQuad);
+    const BuiltScene built = BuildView(kFacingQuad);
     CameraSample sample;
     sample.pFilm = {50, 50};
     const CameraRay ray = *built.camera->GenerateRay(sample, kLambda);
@@ -129,7 +129,7 @@ TEST(Footprint, IsThePixelsSizeWhereTheCameraLooks) {
 }
 
 TEST(Footprint, AFlatMirrorKeepsTheSpreadOfRays) {
-    const BuiltScene built = Build(kQuad);
+    const BuiltScene built = BuildView(kFacingQuad);
     CameraSample sample;
     sample.pFilm = {60, 45};
     const CameraRay ray = *built.camera->GenerateRay(sample, kLambda);

@@ -8,9 +8,10 @@ namespace pbrt {
 namespace {
 
 using test::Bench;
+using test::ExpectNear;
 using test::Params;
 
-TextureContext At(Float u, Float v) {
+TextureContext PatchPoint(Float u, Float v) {
     TextureContext ctx;
     ctx.uv = {u, v};
     ctx.p = {u, v, 0};
@@ -19,10 +20,6 @@ TextureContext At(Float u, Float v) {
 }
 
 const SampledWavelengths kLambda = SampledWavelengths::SampleVisible(0.3f);
-
-void ExpectNear(const SampledSpectrum &a, const SampledSpectrum &b, Float tolerance = 1e-5f) {
-    for (int i = 0; i < SpectrumSamples; ++i) EXPECT_NEAR(a[i], b[i], tolerance);
-}
 
 SampledSpectrum Albedo(Float r, Float g, Float b) {
     return RgbAlbedoSpectrum(ColorSpace::SRGB(), Rgb(r, g, b)).Sample(kLambda);
@@ -63,10 +60,10 @@ TEST(ScaleTexture, Multiplies) {
     b.Define("k", true, "scale", Params().Rgb("tex", .2f, .4f, .6f).F("scale", 0.5f));
     b.Define("f", false, "scale", Params().Tex("tex", "u").F("scale", 4));
     b.Define("ff", false, "scale", Params().F("tex", 3).F("scale", 4));
-    ExpectNear(b.SpectrumTex("s")->Evaluate(At(0.25f, 0.9f), kLambda), Albedo(.7f, .3f, .25f) * 0.25f);
-    ExpectNear(b.SpectrumTex("s")->Evaluate(At(0, 0), kLambda), SampledSpectrum(0), 0);
+    ExpectNear(b.SpectrumTex("s")->Evaluate(PatchPoint(0.25f, 0.9f), kLambda), Albedo(.7f, .3f, .25f) * 0.25f);
+    ExpectNear(b.SpectrumTex("s")->Evaluate(PatchPoint(0, 0), kLambda), SampledSpectrum(0), 0);
     ExpectNear(b.SpectrumTex("k")->Evaluate({}, kLambda), Albedo(.2f, .4f, .6f) * 0.5f);
-    EXPECT_FLOAT_EQ(b.FloatTex("f")->Evaluate(At(0.25f, 0.5f)), 1);
+    EXPECT_FLOAT_EQ(b.FloatTex("f")->Evaluate(PatchPoint(0.25f, 0.5f)), 1);
     EXPECT_EQ(b.FloatTex("ff")->Constant(), 12);
 }
 
@@ -77,9 +74,9 @@ TEST(MixTexture, BlendsFromFirstToSecond) {
     b.Define("d", false, "mix", Params());
     b.Define("first", false, "mix", Params().F("tex1", 7).F("amount", 0));
     SampledSpectrum a = Albedo(.1f, .6f, .5f), c = Albedo(.8f, .3f, .3f);
-    ExpectNear(b.SpectrumTex("m")->Evaluate(At(0, 0), kLambda), a, 0);
-    ExpectNear(b.SpectrumTex("m")->Evaluate(At(1, 0), kLambda), c, 0);
-    ExpectNear(b.SpectrumTex("m")->Evaluate(At(.25f, 0), kLambda), a * .75f + c * .25f);
+    ExpectNear(b.SpectrumTex("m")->Evaluate(PatchPoint(0, 0), kLambda), a, 0);
+    ExpectNear(b.SpectrumTex("m")->Evaluate(PatchPoint(1, 0), kLambda), c, 0);
+    ExpectNear(b.SpectrumTex("m")->Evaluate(PatchPoint(.25f, 0), kLambda), a * .75f + c * .25f);
     EXPECT_FLOAT_EQ(b.FloatTex("d")->Evaluate({}), 0.5f);
     EXPECT_EQ(b.FloatTex("first")->Constant(), 7);
 }
@@ -103,12 +100,12 @@ TEST(BilerpTexture, CornersAreNamedBySThenT) {
     b.Define("f", false, "bilerp", Params().F("v00", 1).F("v01", 2).F("v10", 3).F("v11", 4));
     b.Define("s", true, "bilerp", Params().Rgb("v00", .8f, .1f, .1f).Rgb("v10", .1f, .1f, .8f));
     auto f = b.FloatTex("f");
-    EXPECT_FLOAT_EQ(f->Evaluate(At(0, 0)), 1);
-    EXPECT_FLOAT_EQ(f->Evaluate(At(0, 1)), 2);
-    EXPECT_FLOAT_EQ(f->Evaluate(At(1, 0)), 3);
-    EXPECT_FLOAT_EQ(f->Evaluate(At(1, 1)), 4);
-    EXPECT_FLOAT_EQ(f->Evaluate(At(.5f, .25f)), .375f * 1 + .125f * 2 + .375f * 3 + .125f * 4);
-    ExpectNear(b.SpectrumTex("s")->Evaluate(At(.5f, 0), kLambda),
+    EXPECT_FLOAT_EQ(f->Evaluate(PatchPoint(0, 0)), 1);
+    EXPECT_FLOAT_EQ(f->Evaluate(PatchPoint(0, 1)), 2);
+    EXPECT_FLOAT_EQ(f->Evaluate(PatchPoint(1, 0)), 3);
+    EXPECT_FLOAT_EQ(f->Evaluate(PatchPoint(1, 1)), 4);
+    EXPECT_FLOAT_EQ(f->Evaluate(PatchPoint(.5f, .25f)), .375f * 1 + .125f * 2 + .375f * 3 + .125f * 4);
+    ExpectNear(b.SpectrumTex("s")->Evaluate(PatchPoint(.5f, 0), kLambda),
                (Albedo(.8f, .1f, .1f) + Albedo(.1f, .1f, .8f)) * .5f);
 }
 
@@ -118,12 +115,12 @@ TEST(CheckerboardTexture, CellsAlternateFromTheFirstTexture) {
     Bench b;
     b.Define("c", false, "checkerboard", Params().F("tex1", 5).F("tex2", 9).F("uscale", 2).F("vscale", 2));
     auto c = b.FloatTex("c");
-    EXPECT_EQ(c->Evaluate(At(.1f, .1f)), 5);
-    EXPECT_EQ(c->Evaluate(At(.6f, .1f)), 9);
-    EXPECT_EQ(c->Evaluate(At(.1f, .6f)), 9);
-    EXPECT_EQ(c->Evaluate(At(.6f, .6f)), 5);
-    EXPECT_EQ(c->Evaluate(At(-.1f, .1f)), 9);
-    EXPECT_EQ(c->Evaluate(At(-.1f, -.1f)), 5);
+    EXPECT_EQ(c->Evaluate(PatchPoint(.1f, .1f)), 5);
+    EXPECT_EQ(c->Evaluate(PatchPoint(.6f, .1f)), 9);
+    EXPECT_EQ(c->Evaluate(PatchPoint(.1f, .6f)), 9);
+    EXPECT_EQ(c->Evaluate(PatchPoint(.6f, .6f)), 5);
+    EXPECT_EQ(c->Evaluate(PatchPoint(-.1f, .1f)), 9);
+    EXPECT_EQ(c->Evaluate(PatchPoint(-.1f, -.1f)), 5);
 }
 
 TEST(CheckerboardTexture, ThreeDimensionsUseTextureSpace) {
@@ -175,7 +172,7 @@ TEST(CheckerboardTexture, FilteredWaveEqualsSupersampledWave) {
 TEST(CheckerboardTexture, FilterCoversOneAndAHalfSteps) {
     Bench b;
     b.Define("c", false, "checkerboard", Params().F("tex1", 0).F("tex2", 1).F("uscale", 3));
-    TextureContext ctx = At(0.29f, 1.95f);
+    TextureContext ctx = PatchPoint(0.29f, 1.95f);
     ctx.dudx = 0.02f;
     ctx.dudy = -0.1f;
     ctx.dvdx = 0.3f;
@@ -187,7 +184,7 @@ TEST(CheckerboardTexture, FilterCoversOneAndAHalfSteps) {
 TEST(CheckerboardTexture, WideFootprintsGiveTheMean) {
     Bench b;
     b.Define("c", false, "checkerboard", Params());
-    TextureContext ctx = At(0.3f, 0.3f);
+    TextureContext ctx = PatchPoint(0.3f, 0.3f);
     ctx.dudx = ctx.dvdy = 100;
     EXPECT_NEAR(b.FloatTex("c")->Evaluate(ctx), 0.5f, 1e-3);
 }

@@ -12,11 +12,12 @@ namespace pbrt {
 namespace {
 
 using test::Bench;
+using test::ExpectNear;
 using test::Params;
 
-const SampledWavelengths kLambda = SampledWavelengths::SampleVisible(0.7f);
+const SampledWavelengths kImageLambda = SampledWavelengths::SampleVisible(0.7f);
 
-TextureContext At(Float u, Float v) {
+TextureContext AtUv(Float u, Float v) {
     TextureContext ctx;
     ctx.uv = {u, v};
     return ctx;
@@ -47,18 +48,14 @@ class ImageTexture : public testing::Test {
     std::filesystem::path directory_;
 };
 
-void ExpectNear(const SampledSpectrum &a, const SampledSpectrum &b) {
-    for (int i = 0; i < SpectrumSamples; ++i) EXPECT_NEAR(a[i], b[i], 1e-5f);
-}
-
 TEST_F(ImageTexture, ZeroVIsTheBottomRow) {
     Bench b;
     b.Define("t", false, "imagemap", Params().S("filename", {File("grey.pfm")}));
     auto t = b.FloatTex("t");
-    EXPECT_FLOAT_EQ(t->Evaluate(At(.25f, .25f)), .3f);
-    EXPECT_FLOAT_EQ(t->Evaluate(At(.75f, .25f)), .4f);
-    EXPECT_FLOAT_EQ(t->Evaluate(At(.25f, .75f)), .1f);
-    EXPECT_FLOAT_EQ(t->Evaluate(At(1.75f, .75f)), .2f);
+    EXPECT_FLOAT_EQ(t->Evaluate(AtUv(.25f, .25f)), .3f);
+    EXPECT_FLOAT_EQ(t->Evaluate(AtUv(.75f, .25f)), .4f);
+    EXPECT_FLOAT_EQ(t->Evaluate(AtUv(.25f, .75f)), .1f);
+    EXPECT_FLOAT_EQ(t->Evaluate(AtUv(1.75f, .75f)), .2f);
 }
 
 TEST_F(ImageTexture, ScaleComesBeforeInversion) {
@@ -67,11 +64,11 @@ TEST_F(ImageTexture, ScaleComesBeforeInversion) {
     b.Define("scaled", false, "imagemap", file().F("scale", 2));
     b.Define("inverted", false, "imagemap", file().F("scale", 3).B("invert", true));
     b.Define("again", false, "scale", Params().Tex("tex", "inverted").F("scale", 0.5f));
-    EXPECT_FLOAT_EQ(b.FloatTex("scaled")->Evaluate(At(.25f, .25f)), .6f);
-    EXPECT_FLOAT_EQ(b.FloatTex("inverted")->Evaluate(At(.25f, .75f)), .7f);
-    EXPECT_EQ(b.FloatTex("inverted")->Evaluate(At(.75f, .25f)), 0);
+    EXPECT_FLOAT_EQ(b.FloatTex("scaled")->Evaluate(AtUv(.25f, .25f)), .6f);
+    EXPECT_FLOAT_EQ(b.FloatTex("inverted")->Evaluate(AtUv(.25f, .75f)), .7f);
+    EXPECT_EQ(b.FloatTex("inverted")->Evaluate(AtUv(.75f, .25f)), 0);
     // As in stock pbrt-v4, the factor of a scale texture is multiplied into that of the image.
-    EXPECT_FLOAT_EQ(b.FloatTex("again")->Evaluate(At(.25f, .75f)), 1 - 1.5f * .1f);
+    EXPECT_FLOAT_EQ(b.FloatTex("again")->Evaluate(AtUv(.25f, .75f)), 1 - 1.5f * .1f);
 }
 
 TEST_F(ImageTexture, ColorsAreUpliftedForTheirUse) {
@@ -79,12 +76,12 @@ TEST_F(ImageTexture, ColorsAreUpliftedForTheirUse) {
     b.Define("t", true, "imagemap", Params().S("filename", {File("bright.pfm")}).F("scale", 0.5f));
     const ColorSpace &cs = ColorSpace::SRGB();
     Rgb rgb(1.5f, .125f, .25f);
-    ExpectNear(b.SpectrumTex("t")->Evaluate(At(.5f, .5f), kLambda),
-               RgbAlbedoSpectrum(cs, glm::min(rgb, Rgb(1))).Sample(kLambda));
-    ExpectNear(b.SpectrumTex("t", SpectrumUse::Unbounded)->Evaluate(At(.5f, .5f), kLambda),
-               RgbUnboundedSpectrum(cs, rgb).Sample(kLambda));
-    ExpectNear(b.SpectrumTex("t", SpectrumUse::Illuminant)->Evaluate(At(.5f, .5f), kLambda),
-               RgbIlluminantSpectrum(cs, rgb).Sample(kLambda));
+    ExpectNear(b.SpectrumTex("t")->Evaluate(AtUv(.5f, .5f), kImageLambda),
+               RgbAlbedoSpectrum(cs, glm::min(rgb, Rgb(1))).Sample(kImageLambda));
+    ExpectNear(b.SpectrumTex("t", SpectrumUse::Unbounded)->Evaluate(AtUv(.5f, .5f), kImageLambda),
+               RgbUnboundedSpectrum(cs, rgb).Sample(kImageLambda));
+    ExpectNear(b.SpectrumTex("t", SpectrumUse::Illuminant)->Evaluate(AtUv(.5f, .5f), kImageLambda),
+               RgbIlluminantSpectrum(cs, rgb).Sample(kImageLambda));
 }
 
 TEST_F(ImageTexture, ColorFollowsTheTexel) {
@@ -92,25 +89,25 @@ TEST_F(ImageTexture, ColorFollowsTheTexel) {
     b.Define("t", true, "imagemap", Params().S("filename", {File("color.pfm")}).S("filter", {"point"}));
     b.Define("i", true, "imagemap", Params().S("filename", {File("color.pfm")}).B("invert", true));
     const ColorSpace &cs = ColorSpace::SRGB();
-    auto albedo = [&](Float r, Float g, Float bl) { return RgbAlbedoSpectrum(cs, Rgb(r, g, bl)).Sample(kLambda); };
-    ExpectNear(b.SpectrumTex("t")->Evaluate(At(.25f, .75f), kLambda), albedo(1, 0, 0));
-    ExpectNear(b.SpectrumTex("t")->Evaluate(At(.75f, .75f), kLambda), albedo(0, 1, 0));
-    ExpectNear(b.SpectrumTex("t")->Evaluate(At(.25f, .25f), kLambda), albedo(0, 0, 1));
-    ExpectNear(b.SpectrumTex("i")->Evaluate(At(.25f, .75f), kLambda), albedo(0, 1, 1));
+    auto albedo = [&](Float r, Float g, Float bl) { return RgbAlbedoSpectrum(cs, Rgb(r, g, bl)).Sample(kImageLambda); };
+    ExpectNear(b.SpectrumTex("t")->Evaluate(AtUv(.25f, .75f), kImageLambda), albedo(1, 0, 0));
+    ExpectNear(b.SpectrumTex("t")->Evaluate(AtUv(.75f, .75f), kImageLambda), albedo(0, 1, 0));
+    ExpectNear(b.SpectrumTex("t")->Evaluate(AtUv(.25f, .25f), kImageLambda), albedo(0, 0, 1));
+    ExpectNear(b.SpectrumTex("i")->Evaluate(AtUv(.25f, .75f), kImageLambda), albedo(0, 1, 1));
 }
 
 TEST_F(ImageTexture, WrapBlackAndClampReachBeyondTheImage) {
     Bench b;
     b.Define("black", false, "imagemap", Params().S("filename", {File("grey.pfm")}).S("wrap", {"black"}));
     b.Define("clamp", false, "imagemap", Params().S("filename", {File("grey.pfm")}).S("wrap", {"clamp"}));
-    EXPECT_EQ(b.FloatTex("black")->Evaluate(At(1.75f, .75f)), 0);
-    EXPECT_FLOAT_EQ(b.FloatTex("clamp")->Evaluate(At(1.75f, 1.75f)), .2f);
+    EXPECT_EQ(b.FloatTex("black")->Evaluate(AtUv(1.75f, .75f)), 0);
+    EXPECT_FLOAT_EQ(b.FloatTex("clamp")->Evaluate(AtUv(1.75f, 1.75f)), .2f);
 }
 
 TEST_F(ImageTexture, FootprintReachesTheFilter) {
     Bench b;
     b.Define("t", false, "imagemap", Params().S("filename", {File("grey.pfm")}).S("filter", {"trilinear"}));
-    TextureContext ctx = At(.25f, .25f);
+    TextureContext ctx = AtUv(.25f, .25f);
     ctx.dudx = ctx.dvdy = 10;
     EXPECT_NEAR(b.FloatTex("t")->Evaluate(ctx), .25f, 1e-4f);
 }
@@ -168,11 +165,11 @@ TEST_F(ImageTexture, ManyImagesKeepTheirOwnContentAndErrors) {
     for (const char *name : {"grey.pfm", "color.pfm", "none.pfm", "broken.pfm", "bright.pfm"})
         b.Define(name, false, "imagemap", Params(name).S("filename", {File(name)}).S("filter", {"point"}));
     b.Define("later", false, "constant", Params());
-    EXPECT_FLOAT_EQ(b.FloatTex("grey.pfm")->Evaluate(At(.25f, .25f)), .3f);
+    EXPECT_FLOAT_EQ(b.FloatTex("grey.pfm")->Evaluate(AtUv(.25f, .25f)), .3f);
     EXPECT_EQ(b.Errors(), 0u);
     b.Define("late.pfm", false, "imagemap", Params().S("filename", {File("grey.pfm")}).S("wrap", {"clamp"}));
-    EXPECT_FLOAT_EQ(b.FloatTex("late.pfm")->Evaluate(At(.75f, .75f)), .2f);
-    EXPECT_FLOAT_EQ(b.FloatTex("bright.pfm")->Evaluate(At(.75f, .75f)), 3);
+    EXPECT_FLOAT_EQ(b.FloatTex("late.pfm")->Evaluate(AtUv(.75f, .75f)), .2f);
+    EXPECT_FLOAT_EQ(b.FloatTex("bright.pfm")->Evaluate(AtUv(.75f, .75f)), 3);
     b.textures.CheckAll();
     EXPECT_EQ(b.Errors(), 3u);  // missing, broken, and the count of the missing
 }
@@ -185,7 +182,7 @@ TEST_F(ImageTexture, BytesAreDecodedAsTheParameterSays) {
     auto value = [&](Params params) {
         Bench b;
         b.Define("t", false, "imagemap", params.S("filename", {File("grey.png")}));
-        return b.FloatTex("t")->Evaluate(At(.5f, .5f));
+        return b.FloatTex("t")->Evaluate(AtUv(.5f, .5f));
     };
     EXPECT_NEAR(value(Params()), ColorEncoding{}.ToLinear(stored), 1e-3f);
     EXPECT_NEAR(value(Params().S("encoding", {"sRGB"})), ColorEncoding{}.ToLinear(stored), 1e-3f);

@@ -1,4 +1,6 @@
 #pragma once
+#include <gtest/gtest.h>
+
 #include <string>
 #include <vector>
 
@@ -124,5 +126,9 @@ struct Bench {
     size_t Errors() const { return sink.ErrorCount(); }
     const Diagnostic &Last() const { return sink.All().back(); }
 };
+
+inline void ExpectNear(const SampledSpectrum &a, const SampledSpectrum &b, Float tolerance = 1e-5f) {
+    for (int i = 0; i < SpectrumSamples; ++i) EXPECT_NEAR(a[i], b[i], tolerance);
+}
 
 }  // namespace pbrt::test

@@ -6,7 +6,8 @@ For changes of structure that must not change pictures:
     tests/render/same_pixels/same_pixels.py OLD_BUILD NEW_BUILD [--only TEXT] [--jobs N]
 
 OLD_BUILD and NEW_BUILD are build folders of two versions for the same processor (bits may differ from one processor to
-another, so none are stored). Every line is rendered with one thread by the old build and with three by the new one.
+another, so none are stored). Configure both with -DCMAKE_CXX_FLAGS=-ffp-contract=off: otherwise the compiler chooses anew,
+wherever code has moved, which products and sums it rounds once. Every line is rendered with one thread by the old build and with three by the new one.
 Films keep single precision. Lines that begin with "exr: " are written as EXR, all others as PFM.
 Scenes are those of this checkout. Exit status 1 if any picture differs or was not rendered by both; what differs is
 printed with the number of pixels and the largest difference relative to the mean.

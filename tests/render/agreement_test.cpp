@@ -259,7 +259,7 @@ TEST(LightSamplersAgree, Slit) {
 }
 
 TEST(LightSamplersAgree, RoomsFullOfFog) {
-    View view(BuildFile(std::string(PBRT_SOURCE_DIR) + "/tests/render/scenes/fog.pbrt", Reduced(2)), 24, 8);
+    View view(BuildFile(std::string(PBRT_SOURCE_DIR) + "/tests/render/scenes/fog.pbrt", Reduced(2)), 40, 8);
     auto good = ExpectAgreement("fog", view);
     ExpectNoticed("fog", "bvh, a fifth off inside the fog", view, good, "bvh",
                   Tamper([](const LightQuery &q, const SampledLight &s) {

@@ -313,7 +313,7 @@ TEST(LightSamplersAgree, FurnaceHasTheAnalyticRadiance) {
                                             .Triangles(corners, "0 1 2 0 2 3  4 6 5 4 7 6")
                                             .Triangles(corners, "0 5 1 0 4 5  1 6 2 1 5 6")
                                             .Triangles(corners, "2 7 3 2 6 7  3 4 0 3 7 4"));
-    View view(BuildText(text), 32, 6);
+    View view(BuildText(text), 12, 6);
     constexpr double kExpected = 1 + 0.5 + 0.25 + 0.125 + 0.0625;
     for (const std::string &label : Labels()) {
         PixelStatistics s = view.Render(label, 7);

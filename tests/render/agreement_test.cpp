@@ -26,12 +26,11 @@ namespace {
 
 constexpr double kAlpha = 1e-3;  ///< false alarm anywhere in one scene, if the seeds were not fixed
 
-/// All but the oracle, which would take most of the time (the contract suite has its one-light estimator). What the
-/// baselines with voxels do before rendering is cut down.
+/// All but the oracle, which would take most of the time (the contract suite has its one-light estimator). What
+/// "spatial" does before rendering is cut down.
 std::vector<std::string> Labels() {
     std::vector<std::string> labels = AllSamplers().samplers.Names();
     std::erase(labels, "oracle");
-    std::ranges::replace(labels, std::string("neepp"), std::string("neepp:voxels=8,samples=16"));
     std::ranges::replace(labels, std::string("spatial"), std::string("spatial:voxels=8,samples=64"));
     bool octree = std::count(labels.begin(), labels.end(), "octree") > 0;
     if (octree)

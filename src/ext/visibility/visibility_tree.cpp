@@ -35,7 +35,8 @@ std::optional<std::string> CellOctree::ValidateFor(size_t rows) const {
             continue;
         }
         const size_t block = (size_t(node) - TopCount) / 8;
-        if (node <= i || node < TopCount || (node - TopCount) % 8 != 0 || block >= depth.size() || depth[block] != 0)
+        // A block before this one has a depth: those not reached by then were refused.
+        if (node < TopCount || (node - TopCount) % 8 != 0 || block >= depth.size() || depth[block] != 0)
             return "a node of an octree has no children of its own";
         if (here == MaxDepth) return "an octree is too deep";
         depth[block] = uint8_t(here + 1);

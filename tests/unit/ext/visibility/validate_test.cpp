@@ -103,6 +103,8 @@ TEST(Validate, LookUpsLeaveTheDeepestOctreeOnly) {
         EXPECT_EQ(cells.ValidateFor(1).has_value(), isTooDeep);
     }
     EXPECT_TRUE(CellOctree(kUnitBox).ValidateFor(0)) << "no row for the leaves";
+    EXPECT_FALSE(CellOctree(kUnitBox).ValidateLeaves(1, 1, 0));
+    EXPECT_TRUE(CellOctree(kUnitBox).ValidateLeaves(2, 2, 0)) << "a row without a leaf";
 }
 
 TEST(Validate, AnOctreeIsRefusedWithEveryWrongRow) {

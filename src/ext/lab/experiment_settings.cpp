@@ -21,7 +21,10 @@ std::string Trim(const std::string &text) {
 }
 
 SamplerChoice ParseOne(const std::string &text, const PluginRegistry &registry, DiagnosticSink &sink) {
-    ReadLightSelection(ParamSet(), {text, false, kSamplersFlag}, registry, sink);
+    LightFlags flags;
+    flags.choice = text;
+    flags.choiceFlag = kSamplersFlag;
+    ReadLightSelection(ParamSet(), flags, registry, sink);
     return {text, SafeFileName(text), text.substr(0, text.find_first_of(":+")), text.find("+mesh") != text.npos};
 }
 

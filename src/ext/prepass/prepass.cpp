@@ -98,9 +98,17 @@ void ForEachPrepassPath(PrepareContext &context, const char *phase, uint64_t str
 }
 
 LightQuery QueryAt(const PrepassVertex &vertex) {
-    const LightSampleContext &at = vertex.at;
-    const MediumId medium = vertex.phase ? vertex.inside : MediumId();
-    return {at.p, vertex.wo, at.n, at.ns, vertex.transmits, medium, at.time, 0, {}, {}, at.pError, vertex.phase};
+    LightQuery query;
+    query.p = vertex.at.p;
+    query.wo = vertex.wo;
+    query.n = vertex.at.n;
+    query.ns = vertex.at.ns;
+    query.transmits = vertex.transmits;
+    query.time = vertex.at.time;
+    query.pError = vertex.at.pError;
+    if (vertex.phase) query.medium = vertex.inside;
+    query.phase = vertex.phase;
+    return query;
 }
 
 std::vector<PrepassVertex> TracePrepassPaths(PrepareContext &context, double samplesPerPixel, int depth) {

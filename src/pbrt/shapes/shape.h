@@ -99,8 +99,8 @@ class Shape {
     /// Nearest hit with one primitive, t in (tMin, ray.tMax). Used for kinds that Embree does not trace natively, and
     /// as a reference in tests. The direction need not be unit.
     virtual std::optional<PrimitiveHit> Intersect(uint32_t primitive, const Ray &ray, Float tMin) const = 0;
-    /// The hit of Embree's with its (u, v), which Embree sets to those of a corner where twice the cross product of two
-    /// edges times the ray's direction is below 1e-18: at small primitives and in instances that enlarge them.
+    /// A hit from Embree with the correct (u, v). Embree returns those of a corner if twice the cross product of two
+    /// edges, times the ray direction, is below 1e-18: for small primitives, and in instances that enlarge them.
     virtual PrimitiveHit Completed(uint32_t, const PrimitiveHit &hit, const Ray &) const { return hit; }
 
     /// Fills all but ids, wo, time, t and footprints. Empty for curves, which face the ray.

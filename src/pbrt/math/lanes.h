@@ -9,11 +9,12 @@ namespace pbrt {
 // SIMD integers and floats by the vector extensions of GCC and Clang. Lanes are independent, so results are the same on
 // every machine.
 
-using Lanes64 = uint64_t __attribute__((vector_size(64)));    ///< 8 lanes
-using Lanes32 = uint32_t __attribute__((vector_size(64)));    ///< 16 lanes
-using FloatLanes = float __attribute__((vector_size(64)));    ///< 16 lanes
-using DoubleLanes = double __attribute__((vector_size(64)));  ///< 8 lanes
-inline constexpr int Lanes64Count = 8, Lanes32Count = 16;
+// 32 bytes, as AVX2 has: g++ shuffles vectors that are longer than the machine's lane by lane, in memory.
+using Lanes64 = uint64_t __attribute__((vector_size(32)));    ///< 4 lanes
+using Lanes32 = uint32_t __attribute__((vector_size(32)));    ///< 8 lanes
+using FloatLanes = float __attribute__((vector_size(32)));    ///< 8 lanes
+using DoubleLanes = double __attribute__((vector_size(32)));  ///< 4 lanes
+inline constexpr int Lanes64Count = 4, Lanes32Count = 8;
 
 template <class Lanes, class T>
 inline Lanes LoadLanes(const T *from) {
@@ -23,7 +24,7 @@ inline Lanes LoadLanes(const T *from) {
 }
 inline void StoreLanes(const auto &v, auto *to) { std::memcpy(to, &v, sizeof(v)); }
 
-inline Lanes64 CountingLanes(uint64_t first) { return Lanes64{0, 1, 2, 3, 4, 5, 6, 7} + first; }
+inline Lanes64 CountingLanes(uint64_t first) { return Lanes64{0, 1, 2, 3} + first; }
 
 constexpr bool HasAnyBit(uint64_t v) { return v != 0; }
 inline bool HasAnyBit(const Lanes64 &v) {
@@ -50,7 +51,7 @@ inline FloatLanes FractionsToFloat(Lanes32 v) {
 
 inline Lanes32 LowHalves(const Lanes64 &a, const Lanes64 &b) {
     return __builtin_shufflevector(reinterpret_cast<Lanes32>(a), reinterpret_cast<Lanes32>(b), 0, 2, 4, 6, 8, 10, 12,
-                                   14, 16, 18, 20, 22, 24, 26, 28, 30);
+                                   14);
 }
 
 }  // namespace pbrt

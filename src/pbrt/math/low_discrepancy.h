@@ -101,7 +101,7 @@ class DigitPermutations {
     /// Dimension d uses base Primes[d], multipliers[d] in [1, base) and seed SeedOf(seed, d).
     DigitPermutations(std::span<const uint32_t> multipliers, uint64_t seed);
     static uint64_t SeedOf(uint64_t seed, int dimension) { return Hash(seed, dimension); }
-    /// Values of eight dimensions from firstDimension on; those beyond the last dimension are undefined. a < 2^50.
+    /// Values of four dimensions from firstDimension on; those beyond the last dimension are undefined. a < 2^50.
     void RadicalInverses(int firstDimension, uint64_t a, Float values[Lanes64Count]) const;
 
   private:

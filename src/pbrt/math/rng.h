@@ -81,15 +81,13 @@ class Rng {
         }
     }
 
-    /// The next sixteen values of Uniform(), without advancing the state.
+    /// The next eight values of Uniform(), without advancing the state.
     FloatLanes NextUniforms() const {
-        Lanes64 multipliers[2], steps[2], drawn[2];
-        for (int lane = 0; lane < Lanes32Count; ++lane) {
-            multipliers[lane / 8][lane % 8] = kRuns[lane].multiplier;
-            steps[lane / 8][lane % 8] = kRuns[lane].steps;
-        }
+        Lanes64 drawn[2];
         for (int half = 0; half < 2; ++half) {
-            const Lanes64 old = multipliers[half] * state_ + steps[half] * increment_;
+            const auto multipliers = LoadLanes<Lanes64>(&kRuns.multipliers[half * Lanes64Count]);
+            const auto steps = LoadLanes<Lanes64>(&kRuns.steps[half * Lanes64Count]);
+            const Lanes64 old = multipliers * state_ + steps * increment_;
             const Lanes64 xorshifted = (((old >> 18) ^ old) >> 27) & 0xffffffffull, turn = old >> 59;
             drawn[half] = (xorshifted >> turn) | (xorshifted << (32 - turn));
         }
@@ -110,19 +108,23 @@ class Rng {
         }
         return jumps;
     }
-    /// 0, 1, ... 15 steps.
-    static constexpr std::array<Jump, Lanes32Count> Runs() {
-        std::array<Jump, Lanes32Count> runs{};
-        runs[0] = {1, 0};
-        for (size_t n = 1; n < runs.size(); ++n)
-            runs[n] = {runs[n - 1].multiplier * kMultiplier, runs[n - 1].steps * kMultiplier + 1};
+    /// Jumps of 0, 1, ... 7 steps.
+    struct RunJumps {
+        std::array<uint64_t, Lanes32Count> multipliers{1}, steps{0};
+    };
+    static constexpr RunJumps Runs() {
+        RunJumps runs;
+        for (size_t n = 1; n < Lanes32Count; ++n) {
+            runs.multipliers[n] = runs.multipliers[n - 1] * kMultiplier;
+            runs.steps[n] = runs.steps[n - 1] * kMultiplier + 1;
+        }
         return runs;
     }
     static const std::array<Jump, 64> kJumps;
-    static const std::array<Jump, Lanes32Count> kRuns;
+    static const RunJumps kRuns;
     uint64_t state_ = 0, increment_ = 1;
 };
 inline constexpr std::array<Rng::Jump, 64> Rng::kJumps = Rng::Jumps();
-inline constexpr std::array<Rng::Jump, Lanes32Count> Rng::kRuns = Rng::Runs();
+inline constexpr Rng::RunJumps Rng::kRuns = Rng::Runs();
 
 }  // namespace pbrt

@@ -121,7 +121,7 @@ class Pmj02bnSampler final : public SamplerBySettings<Pmj02bnSampler> {
         }
         return shuffled;
     }
-    /// Indices into the sets for eight dimensions from the given one.
+    /// Indices into the sets for four dimensions from the given one.
     Lanes64 PlacesFor(int dimension) const {
         // Each batch of 2^log2Samples_ samples takes the next run of as many points.
         const int bits = std::min(log2Samples_, SetLog2Count);

@@ -54,26 +54,24 @@ class Sampler {
     std::unique_ptr<Sampler> ForBatch(int index) const;
 
   protected:
-    static constexpr int kPrepared = 16;
+    static constexpr int kPrepared = 8;
     /// Entry i holds the results of Get1D and Get2D in dimension first + i.
     struct Numbers {
-        alignas(64) Float one[kPrepared];
-        alignas(64) Point2 two[kPrepared];
+        alignas(32) Float one[kPrepared];
+        alignas(32) Point2 two[kPrepared];
 
         /// For samplers with a point per dimension; Get1D returns its x.
         void SetPoints(const FloatLanes &x, const FloatLanes &y) {
             static_assert(kPrepared == Lanes32Count);
             StoreLanes(x, one);
-            StoreLanes(__builtin_shufflevector(x, y, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23), two);
-            StoreLanes(__builtin_shufflevector(x, y, 8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31),
-                       two + kPrepared / 2);
+            StoreLanes(__builtin_shufflevector(x, y, 0, 8, 1, 9, 2, 10, 3, 11), two);
+            StoreLanes(__builtin_shufflevector(x, y, 4, 12, 5, 13, 6, 14, 7, 15), two + kPrepared / 2);
         }
         /// For samplers with one number per dimension; the last entry is invalid, because its y is missing.
         void SetSequence(const FloatLanes &v) {
             StoreLanes(v, one);
-            StoreLanes(__builtin_shufflevector(v, v, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7, 8), two);
-            StoreLanes(__builtin_shufflevector(v, v, 8, 9, 9, 10, 10, 11, 11, 12, 12, 13, 13, 14, 14, 15, 15, 15),
-                       two + kPrepared / 2);
+            StoreLanes(__builtin_shufflevector(v, v, 0, 1, 1, 2, 2, 3, 3, 4), two);
+            StoreLanes(__builtin_shufflevector(v, v, 4, 5, 5, 6, 6, 7, 7, 7), two + kPrepared / 2);
         }
     };
     /// A run of prepared dimensions; entries 0 ... count - 1 are valid.

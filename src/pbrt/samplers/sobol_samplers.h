@@ -7,31 +7,29 @@
 
 namespace pbrt {
 
-/// Seeds of eight dimensions from `first` on for a hashed state.
+/// Seeds of four dimensions from `first` on for a hashed state.
 inline Lanes64 AddDimensions(uint64_t hash, int first) {
     return MixBits(hash + 0x9e3779b97f4a7c15ull * (CountingLanes(uint64_t(first)) + 1));
 }
 
-struct SixteenLanes {
+/// 64 bits for each lane of a Lanes32.
+struct WideLanes {
     Lanes64 a, b;
     Lanes32 Low() const { return LowHalves(a, b); }
     Lanes32 High() const { return LowHalves(a >> 32, b >> 32); }
 };
 
-/// One coordinate of sixteen points, from bit-reversed values.
-inline FloatLanes RandomizedReversed(const Lanes32 &reversed, Randomization randomization, const SixteenLanes &seeds) {
+/// One coordinate of eight points, from bit-reversed values.
+inline FloatLanes RandomizedReversed(const Lanes32 &reversed, Randomization randomization, const WideLanes &seeds) {
     switch (randomization) {
         case Randomization::FastOwen:
             return FractionsToFloat(ReverseBits(FastOwenScrambleReversed(reversed, seeds.Low(), seeds.High())));
         case Randomization::Owen: {
             const auto pairs = reinterpret_cast<Lanes64>(ReverseBits(reversed));  // in even and odd places
-            const auto low = reinterpret_cast<Lanes32>(seeds.a), high = reinterpret_cast<Lanes32>(seeds.b);
-            const Lanes32 even =
-                __builtin_shufflevector(low, high, 0, 1, 4, 5, 8, 9, 12, 13, 16, 17, 20, 21, 24, 25, 28, 29);
-            const Lanes32 odd =
-                __builtin_shufflevector(low, high, 2, 3, 6, 7, 10, 11, 14, 15, 18, 19, 22, 23, 26, 27, 30, 31);
-            const Lanes64 scrambledEven = OwenScramble(pairs & 0xffffffffull, reinterpret_cast<Lanes64>(even));
-            const Lanes64 scrambledOdd = OwenScramble(pairs >> 32, reinterpret_cast<Lanes64>(odd));
+            const Lanes64 even = __builtin_shufflevector(seeds.a, seeds.b, 0, 2, 4, 6);
+            const Lanes64 odd = __builtin_shufflevector(seeds.a, seeds.b, 1, 3, 5, 7);
+            const Lanes64 scrambledEven = OwenScramble(pairs & 0xffffffffull, even);
+            const Lanes64 scrambledOdd = OwenScramble(pairs >> 32, odd);
             return FractionsToFloat(reinterpret_cast<Lanes32>(scrambledEven | scrambledOdd << 32));
         }
         case Randomization::PermuteDigits: return FractionsToFloat(ReverseBits(reversed ^ seeds.Low()));
@@ -41,18 +39,18 @@ inline FloatLanes RandomizedReversed(const Lanes32 &reversed, Randomization rand
 
 /// Seed of the second coordinate. A full hash, because the low bits of a product would depend on those of the first
 /// seed.
-inline SixteenLanes SecondSeed(const SixteenLanes &seed) {
+inline WideLanes SecondSeed(const WideLanes &seed) {
     return {MixBits(seed.a ^ 0x632be59bd9b4e019ull), MixBits(seed.b ^ 0x632be59bd9b4e019ull)};
 }
 
 inline int Log2RoundedUp(int v) { return std::bit_width(unsigned(std::max(1, v)) - 1); }
 
-inline void SetSobolPoints(const SixteenLanes &index, Randomization randomization, const SixteenLanes &seedX,
-                           FloatLanes *x, FloatLanes *y) {
+inline void SetSobolPoints(const WideLanes &index, Randomization randomization, const WideLanes &seedX,
+                           const WideLanes &seedY, FloatLanes *x, FloatLanes *y) {
     const Lanes32 low = index.Low();
     *x = RandomizedReversed(low, randomization, seedX);
     const Lanes32 second = SobolReversed1OfHalf(low) ^ SobolReversed1OfHalf(index.High());
-    *y = RandomizedReversed(second, randomization, SecondSeed(seedX));
+    *y = RandomizedReversed(second, randomization, seedY);
 }
 
 /// Global Sobol' sequence: its first two dimensions cover the film (up to a power of two), so that pixels share one
@@ -82,7 +80,7 @@ class SobolSampler final : public SamplerBySettings<SobolSampler> {
     }
     Run Prepare(int dimension, Numbers &numbers) override {
         FloatLanes values{};
-        if (dimension < SobolDimensions) values = SixteenDimensions(dimension);
+        if (dimension < SobolDimensions) values = EightDimensions(dimension);
         for (int d = std::max(dimension, SobolDimensions); d < dimension + kPrepared; ++d) {
             const uint64_t seed = MixBits(seed_ + 0x9e3779b97f4a7c15ull * uint64_t(d + 1));
             values[d - dimension] = HashToFloat(MixBits(seed ^ MixBits(index_)));
@@ -92,13 +90,13 @@ class SobolSampler final : public SamplerBySettings<SobolSampler> {
     }
 
   private:
-    FloatLanes SixteenDimensions(int first) const {
+    FloatLanes EightDimensions(int first) const {
         Lanes32 v{};
         const uint32_t *rows = tables_ + first;
         for (uint64_t bits = index_; bits; bits >>= 4, rows += 16 * SobolTableRow)
             v ^= LoadLanes<Lanes32>(rows + (bits & 15) * SobolTableRow);
         const uint64_t *seeds = seeds_->data() + first;
-        const SixteenLanes seed{LoadLanes<Lanes64>(seeds), LoadLanes<Lanes64>(seeds + Lanes64Count)};
+        const WideLanes seed{LoadLanes<Lanes64>(seeds), LoadLanes<Lanes64>(seeds + Lanes64Count)};
         if (settings_.randomization == Randomization::PermuteDigits) return FractionsToFloat(v ^ seed.Low());
         return RandomizedReversed(ReverseBits(v), settings_.randomization, seed);
     }
@@ -124,12 +122,11 @@ class PaddedSobolSampler final : public SamplerBySettings<PaddedSobolSampler> {
         return dimension;
     }
     Run Prepare(int dimension, Numbers &numbers) override {
-        const SixteenLanes seed{AddDimensions(pixelHash_, dimension),
-                                AddDimensions(pixelHash_, dimension + Lanes64Count)};
+        const WideLanes seed{AddDimensions(pixelHash_, dimension), AddDimensions(pixelHash_, dimension + Lanes64Count)};
         const auto count = uint32_t(SamplesPerPixel());
         FloatLanes x, y;
         SetSobolPoints({PermutationElement(index_, count, seed.a), PermutationElement(index_, count, seed.b)},
-                       settings_.randomization, seed, &x, &y);
+                       settings_.randomization, seed, SecondSeed(seed), &x, &y);
         numbers.SetPoints(x, y);
         return {dimension, kPrepared};
     }
@@ -151,11 +148,14 @@ class ZSobolSampler final : public SamplerBySettings<ZSobolSampler> {
   protected:
     int StartSample(Point2i pixel, int sampleIndex, int dimension) override {
         int round = sampleIndex / SamplesPerPixel();
-        if (pixel != pixel_ || round != round_) {
-            pixel_ = pixel;
+        if (round != round_) {
             round_ = round;
+            pixel_ = {-1, -1};
+            for (int i = 0; i < kRemembered / kPrepared; ++i) roundSeeds_[i] = SeedsOf(i * kPrepared);
+        }
+        if (pixel != pixel_) {
+            pixel_ = pixel;
             pixelPartKnown_ = 0;
-            roundSeed_ = seed_ + uint64_t(round) * 0xbf58476d1ce4e5b9ull;
             pixelMorton_ = EncodeMorton2(uint32_t(pixel.x), uint32_t(pixel.y)) << log2Samples_;
         }
         morton_ = pixelMorton_ | uint64_t(sampleIndex - round * SamplesPerPixel());
@@ -164,16 +164,26 @@ class ZSobolSampler final : public SamplerBySettings<ZSobolSampler> {
     Run Prepare(int dimension, Numbers &numbers) override {
         // Runs are aligned to their length, so that pixelPart_ is filled by whole vectors.
         const int first = dimension - dimension % kPrepared;
-        const SixteenLanes hash{AddDimensions(roundSeed_, first), AddDimensions(roundSeed_, first + Lanes64Count)};
+        const Seeds seeds = first < kRemembered ? roundSeeds_[first / kPrepared] : SeedsOf(first);
         FloatLanes x, y;
-        SetSobolPoints({SobolIndices(first, hash.a), SobolIndices(first + Lanes64Count, hash.b)},
-                       settings_.randomization, SecondSeed(hash), &x, &y);
+        SetSobolPoints({SobolIndices(first, seeds.order.a), SobolIndices(first + Lanes64Count, seeds.order.b)},
+                       settings_.randomization, seeds.x, seeds.y, &x, &y);
         numbers.SetPoints(x, y);
         return {first, kPrepared};
     }
 
   private:
-    /// Sobol' indices for eight dimensions from firstDimension on, given their hashes.
+    /// Of kPrepared dimensions, the same in all pixels.
+    struct Seeds {
+        WideLanes order, x, y;
+    };
+    Seeds SeedsOf(int first) const {
+        const uint64_t hash = seed_ + uint64_t(round_) * 0xbf58476d1ce4e5b9ull;
+        const WideLanes order{AddDimensions(hash, first), AddDimensions(hash, first + Lanes64Count)};
+        const WideLanes x = SecondSeed(order);
+        return {order, x, SecondSeed(x)};
+    }
+    /// Sobol' indices for four dimensions from firstDimension on, given their hashes.
     Lanes64 SobolIndices(int firstDimension, const Lanes64 &hash) {
         // Quads down to the pixel are common to all its samples.
         Lanes64 index;
@@ -211,12 +221,12 @@ class ZSobolSampler final : public SamplerBySettings<ZSobolSampler> {
     int indexBits_;    ///< of morton_
     Point2i pixel_{-1, -1};
     int round_ = -1;
-    uint64_t roundSeed_ = 0;
     uint64_t pixelMorton_ = 0;  ///< Morton index of the pixel, above the bits of the sample index
     uint64_t morton_ = 0;       ///< pixelMorton_ with the sample index
-    /// High bits of SobolIndices, by dimension, and which are cached: one bit per eight dimensions.
+    /// High bits of SobolIndices, by dimension, and which are cached: one bit per four dimensions.
     uint32_t pixelPartKnown_ = 0;
     std::array<uint64_t, kRemembered> pixelPart_{};
+    std::array<Seeds, kRemembered / kPrepared> roundSeeds_{};  ///< of the first dimensions
 };
 
 }  // namespace pbrt

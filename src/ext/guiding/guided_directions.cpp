@@ -1,6 +1,16 @@
 #include "ext/guiding/guided_directions.h"
 
 namespace ext {
+namespace {
+
+/// Requests the cache lines of a cell's radiances. The line of the first may be skipped: GuideCells::At
+/// has read the probability in it.
+void Prefetch(const PerSourceCluster &values) {
+    constexpr size_t kPerLine = 64 / sizeof(Float);
+    for (size_t k = kPerLine - 1; k < values.size(); k += kPerLine) __builtin_prefetch(&values[k]);
+}
+
+}  // namespace
 
 void GuidedDirections::SetSource(Float distance) {
     GuideRecord &record = bounces_[pendingBounces_ - 1].record;
@@ -24,6 +34,7 @@ void GuidedDirections::RecordHitInMedium(const Point3 &p) {
 void GuidedDirections::PrepareDirections(const PathVertex &vertex, const SampledSpectrum &beta) {
     const auto &[point, bsdf] = vertex;
     guidingProbability_ = 0;
+    unprepared_ = nullptr;
     isGuided_ = false;
     if (!guide_.EstimatesDirections()) return;
     const bool isRecorded = places_.next + pendingBounces_ < places_.end;
@@ -36,26 +47,36 @@ void GuidedDirections::PrepareDirections(const PathVertex &vertex, const Sampled
     bothSides_ = IsTransmissive(bsdf.Flags());
     normal_ = FaceForward(point.shading.n, point.wo);
     Float probability = 0;
-    const PerSourceCluster *const radiances = guide_.Cells().At(point.p, isGlossy_, importance, &probability);
-    if (!radiances) return;
-    directions_.Prepare(guide_.Cells().Clusters(), *radiances, point.p, normal_, bothSides_);
-    if (directions_.IsUsable()) guidingProbability_ = probability;
+    unprepared_ = guide_.Cells().At(point.p, isGlossy_, importance, &probability);
+    if (!unprepared_) return;
+    guidingProbability_ = probability;
+    Prefetch(*unprepared_);
 }
 
-Float GuidedDirections::Pdf(const PathVertex &vertex, const Vector3 &wi) const {
+void GuidedDirections::PrepareOnce(const PathVertex &vertex) {
+    if (!unprepared_) return;
+    directions_.Prepare(guide_.Cells().Clusters(), *unprepared_, vertex.point.p, normal_, bothSides_);
+    unprepared_ = nullptr;
+    if (!directions_.IsUsable()) guidingProbability_ = 0;
+}
+
+Float GuidedDirections::Pdf(const PathVertex &vertex, const Vector3 &wi) {
+    PrepareOnce(vertex);
     const Float pdf = vertex.bsdf.Pdf(vertex.point.wo, wi);
     return guidingProbability_ > 0 ? (1 - guidingProbability_) * pdf + guidingProbability_ * directions_.Pdf(wi) : pdf;
 }
 
-std::optional<BsdfSample> GuidedDirections::Sample(const PathVertex &vertex, Float uc, const Point2 &u) const {
+std::optional<BsdfSample> GuidedDirections::Sample(const PathVertex &vertex, Float uc, const Point2 &u) {
+    PrepareOnce(vertex);
     const auto &[point, bsdf] = vertex;
     if (!(guidingProbability_ > 0)) return bsdf.Sample(point.wo, uc, u);
     std::optional<BsdfSample> sample;
     if (uc < guidingProbability_) {
         const Vector3 wi = directions_.Sample(u);
-        const Float guidePdf = directions_.Pdf(wi);
         const SampledSpectrum f = bsdf.FOfSamples(point.wo, wi);
-        if (!f || !(guidePdf > 0)) return sample;
+        if (!f) return sample;
+        const Float guidePdf = directions_.Pdf(wi);
+        if (!(guidePdf > 0)) return sample;
         const bool transmits = (Dot(wi, point.shading.n) < 0) != (Dot(point.wo, point.shading.n) < 0);
         const BxdfFlags side = transmits ? BxdfFlags::Transmission : BxdfFlags::Reflection;
         sample = {.f = f,

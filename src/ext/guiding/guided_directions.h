@@ -28,15 +28,16 @@ class GuidedDirections {
     /// Called when a path ray reaches a scattering surface or medium point.
     void RecordHit(const PathVertex &vertex);
     void RecordHitInMedium(const Point3 &p);
+    /// Selects the guide's cell. Its directions are prepared by the first Sample or Pdf at the vertex.
     void PrepareDirections(const PathVertex &vertex, const SampledSpectrum &beta);
     /// Records throughput and radiance before next-event estimation at a vertex.
     void BeginVertex(const PathVertex &vertex, const SampledSpectrum &beta, const SampledSpectrum &L);
     void BeginVertexInMedium(const Point3 &p, const SampledSpectrum &beta, const SampledSpectrum &L);
     /// Records throughput and radiance after next-event estimation at the current vertex.
     void BeginScattering(const SampledSpectrum &beta, const SampledSpectrum &L);
-    std::optional<BsdfSample> Sample(const PathVertex &vertex, Float uc, const Point2 &u) const;
+    std::optional<BsdfSample> Sample(const PathVertex &vertex, Float uc, const Point2 &u);
     /// Mixture density (solid angle), excluding specular lobes.
-    Float Pdf(const PathVertex &vertex, const Vector3 &wi) const;
+    Float Pdf(const PathVertex &vertex, const Vector3 &wi);
     /// Records a non-specular direction. `pdf`: its density (solid angle); `beta`: throughput after the vertex.
     void RecordScatter(const PathVertex &vertex, const BsdfSample &sample, Float pdf, const SampledSpectrum &L,
                        const SampledSpectrum &beta);
@@ -50,6 +51,9 @@ class GuidedDirections {
         SampledSpectrum L, beta;
     };
     static constexpr size_t kMaxPendingBounces = 5;
+    /// Prepares directions_ and completes guidingProbability_, at the first call at a vertex. Paths that end first save
+    /// the work, and light sampling overlaps the cache misses of the cell.
+    void PrepareOnce(const PathVertex &vertex);
     Float ContinuationProbabilityIn(const PathRoulette::Cell &cell, Float beta);
     void BeginVertexAt(const Point3 &p, uint32_t kind, const SampledSpectrum &beta, const SampledSpectrum &L);
     /// Sets the source position of the last pending bounce, at this distance.
@@ -76,8 +80,9 @@ class GuidedDirections {
     PathObserver::PathPlaces places_;
     bool isGuided_ = false;  ///< BSDF at the vertex can be guided
     bool isGlossy_ = false, bothSides_ = false;
-    Float guidingProbability_ = 0;  ///< positive: directions_ is prepared
-    Float beta_ = 0;                ///< throughput at the vertex, mean over wavelengths
+    Float guidingProbability_ = 0;                  ///< positive: directions_ is prepared, or unprepared_ is not null
+    const PerSourceCluster *unprepared_ = nullptr;  ///< cluster radiances for directions_; null: prepared or unused
+    Float beta_ = 0;                                ///< throughput at the vertex, mean over wavelengths
     Vector3 normal_{};
     GuideDirections directions_;
     size_t pendingBounces_ = 0;

@@ -42,12 +42,13 @@ class GuideCellsBuilder {
         cells_.tree_.Begin(1);
         Divide(0, 0, records_.size());
         cells_.leaves_.resize(tasks_.size());
+        cells_.radiances_.resize(tasks_.size());
         SortBounces();
         ParallelForEach(kParts, [&](int64_t part) { EstimateRadiances(part); });
         tested_.resize(records_.size());
         ParallelForEach(tasks_.size(), [&](int64_t i) {
             const Task &task = tasks_[i];
-            cells_.leaves_[i].radiances = task.radiances[kAll];
+            cells_.radiances_[i].perCluster = task.radiances[kAll];
             Test(task);
         });
         for (const size_t kind : {0, 1}) EstimateProbabilities(kind, 0, {});

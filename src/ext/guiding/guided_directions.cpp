@@ -3,11 +3,10 @@
 namespace ext {
 namespace {
 
-/// Requests the cache lines of a cell's radiances. The line of the first may be skipped: GuideCells::At
-/// has read the probability in it.
+/// Requests the cache lines of a cell's radiances.
 void Prefetch(const PerSourceCluster &values) {
     constexpr size_t kPerLine = 64 / sizeof(Float);
-    for (size_t k = kPerLine - 1; k < values.size(); k += kPerLine) __builtin_prefetch(&values[k]);
+    for (size_t k = 0; k < values.size(); k += kPerLine) __builtin_prefetch(&values[k]);
 }
 
 }  // namespace

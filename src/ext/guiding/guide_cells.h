@@ -50,7 +50,7 @@ struct SourceClusters {
     explicit SourceClusters(std::span<const SourceCluster> clusters);
 
     size_t count = 0;
-    PerSourceCluster x{}, y{}, z{}, r{};  ///< centre and radius
+    alignas(64) PerSourceCluster x{}, y{}, z{}, r{};  ///< centre and radius
 };
 
 /// Solid angle of the cluster's cone times a bound of its cosine with the shading normal: its weight in
@@ -74,11 +74,12 @@ class GuideDirections {
 
   private:
     bool isUsable_ = false;
-    size_t end_ = 0;                          ///< past the last cone, a multiple of the SIMD width
+    size_t end_ = 0;                          ///< past the last cone, a multiple of the SIMD width; 0 if not usable
+    Float total_ = 0, perTotal_ = 0;          ///< sum of weightOfCone_; its reciprocal, or 0 if not usable
     alignas(64) PerSourceCluster x_, y_, z_;  ///< cone axes (unit)
     PerSourceCluster cosine_;                 ///< of the cones' half angles
-    PerSourceCluster density_;                ///< within the cone (solid angle); 0: excluded
-    PerSourceCluster probability_;            ///< of the cone (discrete)
+    PerSourceCluster weight_;                 ///< `total_` times the density in the cone (solid angle); 0: excluded
+    PerSourceCluster weightOfCone_;           ///< `total_` times the probability of the cone (discrete)
 };
 
 /// Record of one scattering event.

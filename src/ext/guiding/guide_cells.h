@@ -61,6 +61,7 @@ Float SolidAngleOf(const SourceCluster &cluster, const Point3 &p, const Vector3 
 /// of the cosine with the shading normal. Clusters that contain the vertex or lie below its surface are excluded.
 class GuideDirections {
   public:
+    static constexpr int kLanes = 8;  ///< cones evaluated together
     /// `radiances`: of the clusters from p, 0 if occluded; only ratios matter. `n`: shading normal (unit) on the side
     /// that scatters light; `bothSides`: both sides do.
     void Prepare(const SourceClusters &clusters, const PerSourceCluster &radiances, const Point3 &p, const Vector3 &n,
@@ -80,6 +81,7 @@ class GuideDirections {
     PerSourceCluster cosine_;                 ///< of the cones' half angles
     PerSourceCluster weight_;                 ///< `total_` times the density in the cone (solid angle); 0: excluded
     PerSourceCluster weightOfCone_;           ///< `total_` times the probability of the cone (discrete)
+    alignas(32) std::array<Float, kLanes> laneSums_;  ///< of weightOfCone_ over cones of equal index modulo kLanes
 };
 
 /// Record of one scattering event.

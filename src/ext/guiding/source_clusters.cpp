@@ -14,17 +14,29 @@ namespace {
 /// inside.
 constexpr Float kMinSine = 0.0316f;
 constexpr Float kMinSine2 = kMinSine * kMinSine;
-constexpr int kLanes = 8;
 constexpr size_t kMinSamples = 8;
 /// Approximate number of small clusters before merging.
 constexpr size_t kSmallClusters = 256;
 /// Positions over which cluster solid angles are averaged.
 constexpr size_t kPlaces = 128;
 
-using Ops = SimdOps<kLanes>;
+using Ops = SimdOps<GuideDirections::kLanes>;
 using F = Ops::F;
 F Load(const Float *v) { return F(v, std::experimental::vector_aligned); }
 void Store(const F &v, Float *to) { v.copy_to(to, std::experimental::vector_aligned); }
+
+/// Offset below `end`, a multiple of `stride`, of the weight that contains *left, in [0, sum of the weights). Makes
+/// *left relative to its start. If rounding puts *left past the sum: the last positive weight.
+size_t FindWeight(const Float *weights, size_t end, size_t stride, Float *left) {
+    size_t found = 0;
+    for (size_t k = 0; k < end; k += stride) {
+        if (!(weights[k] > 0)) continue;
+        found = k;
+        if (*left < weights[k]) break;
+        *left -= weights[k];
+    }
+    return found;
+}
 
 /// 1 - cos of a cone's half angle, from its squared sine.
 Float OneMinusCosine(Float sine2) { return sine2 / (1 + std::sqrt(std::max(Float(0), 1 - sine2))); }
@@ -226,6 +238,7 @@ void GuideDirections::Prepare(const SourceClusters &made, const PerSourceCluster
         Store(weightOfCone, &weightOfCone_[k]);
         sum += weightOfCone;
     }
+    Store(sum, laneSums_.data());
     total_ = std::experimental::reduce(sum);
     isUsable_ = total_ > 0 && std::isfinite(total_);
     end_ = isUsable_ ? k : 0;
@@ -234,17 +247,11 @@ void GuideDirections::Prepare(const SourceClusters &made, const PerSourceCluster
 
 Vector3 GuideDirections::Sample(const Point2 &u) const {
     Float left = u.x * total_;
-    size_t k = 0, last = 0;
-    for (; k < end_; ++k) {
-        if (!(weightOfCone_[k] > 0)) continue;
-        last = k;
-        if (left < weightOfCone_[k]) break;
-        left -= weightOfCone_[k];
-    }
-    k = last;
+    const size_t lane = FindWeight(laneSums_.data(), kLanes, 1, &left);
+    const size_t k = lane + FindWeight(&weightOfCone_[lane], end_ - lane, kLanes, &left);
     const Float along = std::clamp(left / weightOfCone_[k], Float(0), OneMinusEpsilon);
-    const Float z = 1 - along * (1 - cosine_[k]), r = std::sqrt(std::max(Float(0), 1 - z * z)), phi = 2 * Pi * u.y;
-    return Frame::FromZ({x_[k], y_[k], z_[k]}).FromLocal({r * std::cos(phi), r * std::sin(phi), z});
+    const Float z = 1 - along * (1 - cosine_[k]);
+    return Frame::FromZ({x_[k], y_[k], z_[k]}).FromLocal(SphericalDirectionOfTurn(SafeSqrt(1 - z * z), z, u.y));
 }
 
 Float GuideDirections::Pdf(const Vector3 &w) const {

@@ -162,6 +162,21 @@ void MergeClusters(std::vector<Cluster> *clusters) {
     }
 }
 
+/// Reorders the clusters by median splits, so that each run of GuideDirections::kLanes lies close together.
+void SortByPlace(std::span<Cluster> clusters) {
+    constexpr size_t kRun = GuideDirections::kLanes;
+    if (clusters.size() <= kRun) return;
+    Bounds3 bounds;
+    for (const Cluster &cluster : clusters) bounds = Union(bounds, cluster.Middle());
+    const Vector3 size = bounds.high - bounds.low;
+    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    const size_t half = (clusters.size() / kRun + 1) / 2 * kRun;
+    std::ranges::nth_element(clusters, clusters.begin() + half, {},
+                             [axis](const Cluster &cluster) { return cluster.Middle()[axis]; });
+    SortByPlace(clusters.first(half));
+    SortByPlace(clusters.subspan(half));
+}
+
 }  // namespace
 
 std::vector<SourceCluster> MakeSourceClusters(std::span<RadianceSample> samples, std::span<const Point3> from,
@@ -180,6 +195,7 @@ std::vector<SourceCluster> MakeSourceClusters(std::span<RadianceSample> samples,
     AddSmallClusters(positive, 2 * kMinSamples, flux, positive.size(), places, &clusters);
     std::vector<uint32_t> mergedInto(clusters.size());
     MergeClusters(&clusters);
+    SortByPlace(clusters);
     std::vector<SourceCluster> made;
     for (const Cluster &cluster : clusters) {
         for (const uint32_t part : cluster.parts) mergedInto[part] = uint32_t(made.size());
@@ -218,17 +234,24 @@ void GuideDirections::Prepare(const SourceClusters &made, const PerSourceCluster
                               const Vector3 &n, bool bothSides) {
     static_assert(kMaxSourceClusters % kLanes == 0);
     const F px(p.x), py(p.y), pz(p.z), nx(n.x), ny(n.y), nz(n.z), minFacing(bothSides ? Float(1) : Float(0));
+    const auto radianceOf = [&](size_t from) { return F(&radiances[from], std::experimental::element_aligned); };
+    // The groups of kLanes clusters that are not all dark.
+    std::array<size_t, kMaxSourceClusters / kLanes> groups{};
+    size_t used = 0;
+    for (size_t from = 0; from < made.count; from += kLanes) {
+        groups[used] = from;
+        used += std::experimental::any_of(radianceOf(from) > F(0)) ? 1 : 0;
+    }
     F sum(0);
-    size_t k = 0;
-    for (; k < made.count; k += kLanes) {
-        const F dx = Load(&made.x[k]) - px, dy = Load(&made.y[k]) - py, dz = Load(&made.z[k]) - pz;
+    for (size_t i = 0; i < used; ++i) {
+        const size_t from = groups[i], k = i * kLanes;
+        const F dx = Load(&made.x[from]) - px, dy = Load(&made.y[from]) - py, dz = Load(&made.z[from]) - pz;
         const F l2 = Ops::Max(dx * dx + dy * dy + dz * dz, F(std::numeric_limits<Float>::min()));
         const F perLength = F(1) / Ops::Sqrt(l2);
-        const F sine = Ops::Max(Load(&made.r[k]) * perLength, F(kMinSine));
+        const F sine = Ops::Max(Load(&made.r[from]) * perLength, F(kMinSine));
         const F facing = Ops::Max(minFacing, Ops::Min((dx * nx + dy * ny + dz * nz) * perLength + sine, F(1)));
         const F cosine = Ops::Sqrt(Ops::Max(F(1) - sine * sine, F(0)));
-        const F radiance(&radiances[k], std::experimental::element_aligned);
-        const F weight = Ops::Select(sine < F(1), radiance * facing, F(0));
+        const F weight = Ops::Select(sine < F(1), radianceOf(from) * facing, F(0));
         const F weightOfCone = weight * F(2 * Pi) * (F(1) - cosine);
         Store(dx * perLength, &x_[k]);
         Store(dy * perLength, &y_[k]);
@@ -241,7 +264,7 @@ void GuideDirections::Prepare(const SourceClusters &made, const PerSourceCluster
     Store(sum, laneSums_.data());
     total_ = std::experimental::reduce(sum);
     isUsable_ = total_ > 0 && std::isfinite(total_);
-    end_ = isUsable_ ? k : 0;
+    end_ = isUsable_ ? used * kLanes : 0;
     perTotal_ = isUsable_ ? 1 / total_ : 0;
 }
 

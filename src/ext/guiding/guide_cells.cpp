@@ -1,5 +1,6 @@
 #include "ext/guiding/guide_cells.h"
 
+#include <numbers>
 #include <utility>
 
 #include "pbrt/core/parallel.h"
@@ -13,6 +14,9 @@ constexpr size_t kCellRecords = 256;
 constexpr double kLargestPart = 0.1;
 /// Weight of the parent cell's radiance estimate for a cluster, in samples.
 constexpr double kPriorSamples = 3;
+/// Groups of GuideDirections::kLanes clusters are left out of a cell if BSDF sampling suffices for them: with density
+/// 1/Pi (solid angle), their second moment is at most this part of the squared flux, the smallest moment of all.
+constexpr double kMaxOmitted = 0.02;
 /// Vertices per cell over which cluster solid angles are averaged.
 constexpr size_t kCellPlaces = 32;
 /// Approximate number of vertices passed to MakeSourceClusters.
@@ -42,12 +46,13 @@ class GuideCellsBuilder {
         cells_.tree_.Begin(1);
         Divide(0, 0, records_.size());
         cells_.leaves_.resize(tasks_.size());
+        cells_.radiances_.resize(tasks_.size());
         SortBounces();
         ParallelForEach(kParts, [&](int64_t part) { EstimateRadiances(part); });
         tested_.resize(records_.size());
         ParallelForEach(tasks_.size(), [&](int64_t i) {
             const Task &task = tasks_[i];
-            cells_.leaves_[i].radiances = task.radiances[kAll];
+            cells_.radiances_[i].perCluster = task.radiances[kAll];
             Test(task);
         });
         for (const size_t kind : {0, 1}) EstimateProbabilities(kind, 0, {});
@@ -180,6 +185,7 @@ class GuideCellsBuilder {
     /// Sampled and expected flux per tree node and cluster of a part (node-major).
     struct Sums {
         std::vector<double> found, expected;
+        std::vector<double> events;      ///< of the part; per node, of leaves only
         std::vector<double> meanSample;  ///< per cluster
     };
 
@@ -201,12 +207,39 @@ class GuideCellsBuilder {
                 a = f > 0 && a > 0 ? f / (sums.expected[node * count + k] + prior / a) : 0;
             }
             const size_t below = nodes[node].below;
-            if (nodes[node].IsLeaf())
-                for (size_t k = 0; k < count; ++k)
-                    tasks_[below].radiances[part][k] = Float(factor[node * count + k] * double(targets[k].radiance));
-            else
+            if (nodes[node].IsLeaf()) {
+                PerSourceCluster &radiances = tasks_[below].radiances[part];
+                std::vector<double> flux(count);
+                for (size_t k = 0; k < count; ++k) {
+                    const double a = factor[node * count + k];
+                    radiances[k] = Float(a * double(targets[k].radiance));
+                    flux[k] = a * sums.expected[node * count + k] / sums.events[node];
+                }
+                if (sums.events[node] > 0) OmitWeakGroups(flux, &radiances);
+            } else {
                 for (size_t child = below; child < below + 2; ++child)
                     std::copy_n(&factor[node * count], count, &factor[child * count]);
+            }
+        }
+    }
+
+    /// Sets the radiances of the weakest groups (kMaxOmitted) to 0. `flux`: expected per event, of each cluster.
+    static void OmitWeakGroups(std::span<const double> flux, PerSourceCluster *radiances) {
+        constexpr size_t kSize = GuideDirections::kLanes;
+        std::array<std::pair<double, size_t>, kMaxSourceClusters / kSize> groups{};  // moment, first cluster
+        for (size_t k = 0; k < radiances->size(); k += kSize) groups[k / kSize].second = k;
+        double sum = 0;
+        for (size_t k = 0; k < flux.size(); ++k) {
+            groups[k / kSize].first += std::numbers::pi * flux[k] * double((*radiances)[k]);
+            sum += flux[k];
+        }
+        if (!(sum > 0)) return;
+        std::ranges::sort(groups);
+        double omitted = 0;
+        for (const auto &[moment, first] : groups) {
+            omitted += moment;
+            if (!(omitted <= kMaxOmitted * sum * sum)) return;
+            std::fill_n(radiances->begin() + first, kSize, Float(0));
         }
     }
 
@@ -217,6 +250,7 @@ class GuideCellsBuilder {
         Sums sums;
         sums.found.resize(nodes.size() * count);
         sums.expected.resize(nodes.size() * count);
+        sums.events.resize(nodes.size());
         sums.meanSample.resize(count);
         std::vector<double> samples(count);
         for (size_t node = nodes.size(); node-- > 0;) {
@@ -242,7 +276,7 @@ class GuideCellsBuilder {
             }
             std::vector<double> angles(count);
             FindSolidAngles(task, targets, angles);
-            double ofPart = 0;
+            double &ofPart = sums.events[node];
             for (size_t i = 0; i < task.bounces; ++i) ofPart += IsOf(places_[bounces_[task.firstBounce + i]], part);
             for (size_t k = 0; k < count; ++k) e[k] = ofPart * double(targets[k].radiance) * angles[k];
         }

@@ -50,7 +50,7 @@ struct SourceClusters {
     explicit SourceClusters(std::span<const SourceCluster> clusters);
 
     size_t count = 0;
-    PerSourceCluster x{}, y{}, z{}, r{};  ///< centre and radius
+    alignas(64) PerSourceCluster x{}, y{}, z{}, r{};  ///< centre and radius
 };
 
 /// Solid angle of the cluster's cone times a bound of its cosine with the shading normal: its weight in
@@ -61,6 +61,7 @@ Float SolidAngleOf(const SourceCluster &cluster, const Point3 &p, const Vector3 
 /// of the cosine with the shading normal. Clusters that contain the vertex or lie below its surface are excluded.
 class GuideDirections {
   public:
+    static constexpr int kLanes = 8;  ///< cones evaluated together
     /// `radiances`: of the clusters from p, 0 if occluded; only ratios matter. `n`: shading normal (unit) on the side
     /// that scatters light; `bothSides`: both sides do.
     void Prepare(const SourceClusters &clusters, const PerSourceCluster &radiances, const Point3 &p, const Vector3 &n,
@@ -74,11 +75,13 @@ class GuideDirections {
 
   private:
     bool isUsable_ = false;
-    size_t end_ = 0;                          ///< past the last cone, a multiple of the SIMD width
+    size_t end_ = 0;                          ///< past the last cone, a multiple of the SIMD width; 0 if not usable
+    Float total_ = 0, perTotal_ = 0;          ///< sum of weightOfCone_; its reciprocal, or 0 if not usable
     alignas(64) PerSourceCluster x_, y_, z_;  ///< cone axes (unit)
     PerSourceCluster cosine_;                 ///< of the cones' half angles
-    PerSourceCluster density_;                ///< within the cone (solid angle); 0: excluded
-    PerSourceCluster probability_;            ///< of the cone (discrete)
+    PerSourceCluster weight_;                 ///< `total_` times the density in the cone (solid angle); 0: excluded
+    PerSourceCluster weightOfCone_;           ///< `total_` times the probability of the cone (discrete)
+    alignas(32) std::array<Float, kLanes> laneSums_;  ///< of weightOfCone_ over cones of equal index modulo kLanes
 };
 
 /// Record of one scattering event.
@@ -124,10 +127,11 @@ class GuideCells {
     /// it saves more than it costs.
     const PerSourceCluster *At(const Point3 &p, bool isGlossy, Float importance, Float *probability) const {
         if (!MayGuide(importance)) return nullptr;
-        const Leaf &leaf = leaves_[tree_.LeafOf(p)];
+        const uint32_t number = tree_.LeafOf(p);
+        const Leaf &leaf = leaves_[number];
         const size_t kind = isGlossy ? 1 : 0;
         *probability = leaf.probability[kind];
-        return importance * leaf.gain[kind] > kGuidedCost ? &leaf.radiances : nullptr;
+        return importance * leaf.gain[kind] > kGuidedCost ? &radiances_[number].perCluster : nullptr;
     }
     const SourceClusters &Clusters() const { return sideBySide_; }
     /// Path cost, in vertices, that guiding saves at p, net of its own; 0 where At returns null.
@@ -149,19 +153,20 @@ class GuideCells {
     }
     void Clear() { *this = {}; }
     /// After loading, LeavesChanged completes the members that are not saved.
-    void Visit(auto &archive) { archive(leaves_, clusters_, tree_); }
+    void Visit(auto &archive) { archive(leaves_, radiances_, clusters_, tree_); }
     /// Empty if valid, else the error.
     std::optional<std::string> Validate() const {
         if (clusters_.size() > kMaxSourceClusters) return "it has too many clusters";
         if (std::optional<std::string> fault = tree_.ValidateFor(1, leaves_.size())) return fault;
         const auto isNumber = [](Float v) { return v >= 0 && std::isfinite(v); };
-        for (const Leaf &leaf : leaves_) {
+        for (const Leaf &leaf : leaves_)
             for (const size_t kind : {0, 1})
                 if (!(leaf.probability[kind] >= 0 && leaf.probability[kind] < 1) || !isNumber(leaf.gain[kind]))
                     return "a cell of the guide has a wrong probability";
-            if (!std::all_of(leaf.radiances.begin(), leaf.radiances.end(), isNumber))
+        if (radiances_.size() != leaves_.size()) return "a cell of the guide has no radiances";
+        for (const LeafRadiances &radiances : radiances_)
+            if (!std::ranges::all_of(radiances.perCluster, isNumber))
                 return "a cell of the guide has a radiance that is not a finite number";
-        }
         for (const SourceCluster &t : clusters_)
             if (!std::isfinite(t.p.x + t.p.y + t.p.z) || !isNumber(t.r2) || !isNumber(t.radiance))
                 return "a cluster is not finite";
@@ -182,24 +187,29 @@ class GuideCells {
         return leaves_.empty() ? 0 : sum / double(leaves_.size());
     }
     size_t Bytes() const {
-        return tree_.Bytes() + leaves_.size() * sizeof(Leaf) + clusters_.size() * sizeof(SourceCluster);
+        return tree_.Bytes() + leaves_.size() * (sizeof(Leaf) + sizeof(LeafRadiances)) +
+               clusters_.size() * sizeof(SourceCluster);
     }
 
   private:
     /// Additional cost of a guided direction, in vertices.
     static constexpr Float kGuidedCost = 0.15f;
+    /// Apart from LeafRadiances, as lookups that guide nothing read no radiances.
     struct Leaf {
         // Index 0: BSDFs without a glossy lobe; 1: with one.
-        Float probability[2] = {};     ///< guiding probability
-        Float gain[2] = {};            ///< reduction of the contribution's second moment by guiding
-        PerSourceCluster radiances{};  ///< per cluster; only ratios matter
+        Float probability[2] = {};  ///< guiding probability
+        Float gain[2] = {};         ///< reduction of the contribution's second moment by guiding
 
         bool Guides() const { return gain[0] > 0 || gain[1] > 0; }
+    };
+    struct alignas(64) LeafRadiances {
+        PerSourceCluster perCluster{};  ///< only ratios matter
     };
     friend class GuideCellsBuilder;
 
     PointTree tree_;
     std::vector<Leaf> leaves_;
+    std::vector<LeafRadiances> radiances_;  ///< one per leaf
     std::vector<SourceCluster> clusters_;
     SourceClusters sideBySide_;  ///< clusters_ as structure of arrays
     Float largestGain_ = 0;      ///< maximum over leaves; 0: nothing is guided

@@ -35,7 +35,7 @@ constexpr Float kInspectedWeight = 0.5f;
 constexpr Float kSameDistance = 1e-4f, kSameDirection = 0.02f;
 
 /// Incremented whenever the output of PathGuide::Save or SaveForOthers changes.
-constexpr uint32_t kVersion = 11;
+constexpr uint32_t kVersion = 13;
 
 }  // namespace
 

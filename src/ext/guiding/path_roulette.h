@@ -74,8 +74,10 @@ class PathRoulette {
     /// media.
     static uint32_t KindOf(const Vector3 &n, bool isGlossy) {
         const Vector3 a = Abs(n);
-        const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
-        return axis * 4 + (n[axis] < 0 ? 2 : 0) + (isGlossy ? 1 : 0);
+        const Float component[] = {n.x, n.y, n.z};
+        // & instead of &&: normals vary too much for branch prediction.
+        const uint32_t axis = (a.x >= a.y) & (a.x >= a.z) ? 0u : a.y >= a.z ? 1u : 2u;
+        return axis * 4 + (component[axis] < 0 ? 2u : 0u) + (isGlossy ? 1u : 0u);
     }
     static uint32_t KindOf(const PathVertex &vertex) {
         return KindOf(FaceForward(vertex.point.n, vertex.point.wo), Has(vertex.bsdf.Flags(), BxdfFlags::Glossy));

@@ -4,6 +4,7 @@
 #include <limits>
 #include <numbers>
 
+#include "pbrt/lightsamplers/light_packet.h"
 #include "pbrt/math/frame.h"
 
 namespace ext {
@@ -13,17 +14,29 @@ namespace {
 /// inside.
 constexpr Float kMinSine = 0.0316f;
 constexpr Float kMinSine2 = kMinSine * kMinSine;
-/// Independent partial sums, for vectorization.
-constexpr size_t kLanes = 8;
 constexpr size_t kMinSamples = 8;
 /// Approximate number of small clusters before merging.
 constexpr size_t kSmallClusters = 256;
 /// Positions over which cluster solid angles are averaged.
 constexpr size_t kPlaces = 128;
 
-using Lanes = std::array<Float, kLanes>;
+using Ops = SimdOps<GuideDirections::kLanes>;
+using F = Ops::F;
+F Load(const Float *v) { return F(v, std::experimental::vector_aligned); }
+void Store(const F &v, Float *to) { v.copy_to(to, std::experimental::vector_aligned); }
 
-Float SumOf(const Lanes &s) { return ((s[0] + s[1]) + (s[2] + s[3])) + ((s[4] + s[5]) + (s[6] + s[7])); }
+/// Offset below `end`, a multiple of `stride`, of the weight that contains *left, in [0, sum of the weights). Makes
+/// *left relative to its start. If rounding puts *left past the sum: the last positive weight.
+size_t FindWeight(const Float *weights, size_t end, size_t stride, Float *left) {
+    size_t found = 0;
+    for (size_t k = 0; k < end; k += stride) {
+        if (!(weights[k] > 0)) continue;
+        found = k;
+        if (*left < weights[k]) break;
+        *left -= weights[k];
+    }
+    return found;
+}
 
 /// 1 - cos of a cone's half angle, from its squared sine.
 Float OneMinusCosine(Float sine2) { return sine2 / (1 + std::sqrt(std::max(Float(0), 1 - sine2))); }
@@ -149,6 +162,21 @@ void MergeClusters(std::vector<Cluster> *clusters) {
     }
 }
 
+/// Reorders the clusters by median splits, so that each run of GuideDirections::kLanes lies close together.
+void SortByPlace(std::span<Cluster> clusters) {
+    constexpr size_t kRun = GuideDirections::kLanes;
+    if (clusters.size() <= kRun) return;
+    Bounds3 bounds;
+    for (const Cluster &cluster : clusters) bounds = Union(bounds, cluster.Middle());
+    const Vector3 size = bounds.high - bounds.low;
+    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    const size_t half = (clusters.size() / kRun + 1) / 2 * kRun;
+    std::ranges::nth_element(clusters, clusters.begin() + half, {},
+                             [axis](const Cluster &cluster) { return cluster.Middle()[axis]; });
+    SortByPlace(clusters.first(half));
+    SortByPlace(clusters.subspan(half));
+}
+
 }  // namespace
 
 std::vector<SourceCluster> MakeSourceClusters(std::span<RadianceSample> samples, std::span<const Point3> from,
@@ -167,6 +195,7 @@ std::vector<SourceCluster> MakeSourceClusters(std::span<RadianceSample> samples,
     AddSmallClusters(positive, 2 * kMinSamples, flux, positive.size(), places, &clusters);
     std::vector<uint32_t> mergedInto(clusters.size());
     MergeClusters(&clusters);
+    SortByPlace(clusters);
     std::vector<SourceCluster> made;
     for (const Cluster &cluster : clusters) {
         for (const uint32_t part : cluster.parts) mergedInto[part] = uint32_t(made.size());
@@ -201,67 +230,61 @@ SourceClusters::SourceClusters(std::span<const SourceCluster> made) : count(made
     }
 }
 
-void GuideDirections::Prepare(const SourceClusters &__restrict made, const PerSourceCluster &__restrict radiances,
-                              const Point3 &at, const Vector3 &normal, bool bothSides) {
+void GuideDirections::Prepare(const SourceClusters &made, const PerSourceCluster &radiances, const Point3 &p,
+                              const Vector3 &n, bool bothSides) {
     static_assert(kMaxSourceClusters % kLanes == 0);
-    // Copies exclude aliasing with the output, which would prevent vectorization.
-    const Point3 p = at;
-    const Vector3 n = normal;
-    const Float always = bothSides ? 1 : 0;
-    const size_t end = (made.count + kLanes - 1) / kLanes * kLanes;
-    Lanes sums{};
-    for (size_t first = 0; first < end; first += kLanes)
-        for (size_t i = 0; i < kLanes; ++i) {
-            const size_t k = first + i;
-            const Float dx = made.x[k] - p.x, dy = made.y[k] - p.y, dz = made.z[k] - p.z;
-            const Float l2 = std::max(dx * dx + dy * dy + dz * dz, std::numeric_limits<Float>::min());
-            const Float perLength = 1 / std::sqrt(l2);
-            const Float sine = std::max(made.r[k] * perLength, kMinSine);
-            const Float facing =
-                std::max(always, std::min((dx * n.x + dy * n.y + dz * n.z) * perLength + sine, Float(1)));
-            const Float cosine = std::sqrt(std::max(1 - sine * sine, Float(0)));
-            x_[k] = dx * perLength;
-            y_[k] = dy * perLength;
-            z_[k] = dz * perLength;
-            cosine_[k] = cosine;
-            density_[k] = sine < 1 ? radiances[k] * std::max(facing, Float(0)) : Float(0);
-            probability_[k] = density_[k] * (2 * Pi) * (1 - cosine);
-            sums[i] += probability_[k];
-        }
-    end_ = end;
-    const Float total = SumOf(sums);
-    isUsable_ = total > 0 && std::isfinite(total);
-    const Float perTotal = isUsable_ ? 1 / total : 0;
-    for (size_t first = 0; first < end; first += kLanes)
-        for (size_t i = 0; i < kLanes; ++i) {
-            density_[first + i] *= perTotal;
-            probability_[first + i] *= perTotal;
-        }
+    const F px(p.x), py(p.y), pz(p.z), nx(n.x), ny(n.y), nz(n.z), minFacing(bothSides ? Float(1) : Float(0));
+    const auto radianceOf = [&](size_t from) { return F(&radiances[from], std::experimental::element_aligned); };
+    // The groups of kLanes clusters that are not all dark.
+    std::array<size_t, kMaxSourceClusters / kLanes> groups{};
+    size_t used = 0;
+    for (size_t from = 0; from < made.count; from += kLanes) {
+        groups[used] = from;
+        used += std::experimental::any_of(radianceOf(from) > F(0)) ? 1 : 0;
+    }
+    F sum(0);
+    for (size_t i = 0; i < used; ++i) {
+        const size_t from = groups[i], k = i * kLanes;
+        const F dx = Load(&made.x[from]) - px, dy = Load(&made.y[from]) - py, dz = Load(&made.z[from]) - pz;
+        const F l2 = Ops::Max(dx * dx + dy * dy + dz * dz, F(std::numeric_limits<Float>::min()));
+        const F perLength = F(1) / Ops::Sqrt(l2);
+        const F sine = Ops::Max(Load(&made.r[from]) * perLength, F(kMinSine));
+        const F facing = Ops::Max(minFacing, Ops::Min((dx * nx + dy * ny + dz * nz) * perLength + sine, F(1)));
+        const F cosine = Ops::Sqrt(Ops::Max(F(1) - sine * sine, F(0)));
+        const F weight = Ops::Select(sine < F(1), radianceOf(from) * facing, F(0));
+        const F weightOfCone = weight * F(2 * Pi) * (F(1) - cosine);
+        Store(dx * perLength, &x_[k]);
+        Store(dy * perLength, &y_[k]);
+        Store(dz * perLength, &z_[k]);
+        Store(cosine, &cosine_[k]);
+        Store(weight, &weight_[k]);
+        Store(weightOfCone, &weightOfCone_[k]);
+        sum += weightOfCone;
+    }
+    Store(sum, laneSums_.data());
+    total_ = std::experimental::reduce(sum);
+    isUsable_ = total_ > 0 && std::isfinite(total_);
+    end_ = isUsable_ ? used * kLanes : 0;
+    perTotal_ = isUsable_ ? 1 / total_ : 0;
 }
 
 Vector3 GuideDirections::Sample(const Point2 &u) const {
-    Float left = u.x;
-    size_t k = 0, last = 0;
-    for (; k < end_; ++k) {
-        if (!(probability_[k] > 0)) continue;
-        last = k;
-        if (left < probability_[k]) break;
-        left -= probability_[k];
-    }
-    k = last;
-    const Float along = std::clamp(left / probability_[k], Float(0), OneMinusEpsilon);
-    const Float z = 1 - along * (1 - cosine_[k]), r = std::sqrt(std::max(Float(0), 1 - z * z)), phi = 2 * Pi * u.y;
-    return Frame::FromZ({x_[k], y_[k], z_[k]}).FromLocal({r * std::cos(phi), r * std::sin(phi), z});
+    Float left = u.x * total_;
+    const size_t lane = FindWeight(laneSums_.data(), kLanes, 1, &left);
+    const size_t k = lane + FindWeight(&weightOfCone_[lane], end_ - lane, kLanes, &left);
+    const Float along = std::clamp(left / weightOfCone_[k], Float(0), OneMinusEpsilon);
+    const Float z = 1 - along * (1 - cosine_[k]);
+    return Frame::FromZ({x_[k], y_[k], z_[k]}).FromLocal(SphericalDirectionOfTurn(SafeSqrt(1 - z * z), z, u.y));
 }
 
 Float GuideDirections::Pdf(const Vector3 &w) const {
-    Lanes sums{};
-    for (size_t k = 0; k < end_; k += kLanes)
-        for (size_t i = 0; i < kLanes; ++i) {
-            const Float cosine = w.x * x_[k + i] + w.y * y_[k + i] + w.z * z_[k + i];
-            sums[i] += cosine >= cosine_[k + i] ? density_[k + i] : Float(0);
-        }
-    return SumOf(sums);
+    const F x(w.x), y(w.y), z(w.z);
+    F sum(0);
+    for (size_t k = 0; k < end_; k += kLanes) {
+        const F cosine = x * Load(&x_[k]) + y * Load(&y_[k]) + z * Load(&z_[k]);
+        sum += Ops::Select(cosine >= Load(&cosine_[k]), Load(&weight_[k]), F(0));
+    }
+    return std::experimental::reduce(sum) * perTotal_;
 }
 
 }  // namespace ext

@@ -238,13 +238,13 @@ class SampledSpectrum;
 class PathObserver {
   public:
     virtual ~PathObserver() = default;
-    /// Range of record slots for a path, one per light sample; stored by the path.
+    /// Range of record slots for a path, one per light sample; stored by the path. Empty: the path is not recorded.
     struct PathPlaces {
         size_t next = 0, end = 0;
     };
     virtual PathPlaces BeginPath(Point2i pixel, int sample) const = 0;
     /// Records the light sample of a path vertex: radiance times cosine over the density of the point on the light
-    /// (solid angle), without BSDF and `light.pmf`; 0 if occluded or dark.
+    /// (solid angle), without BSDF and `light.pmf`; 0 if occluded or dark. Not called when `path` has no slot left.
     virtual void RecordLightSample(PathPlaces &path, const LightQuery &query, const SampledLight &light,
                                    const SampledSpectrum &irradiance) = 0;
 };

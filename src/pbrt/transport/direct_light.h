@@ -42,6 +42,8 @@ struct ObservedPath {
     ObservedPath(PathObserver *o, Point2i pixel, int sample) : observer(o) {
         if (observer) places = observer->BeginPath(pixel, sample);
     }
+    /// False if the observer records no (further) light sample of the path, or if there is none.
+    bool HasPlace() const { return places.next < places.end; }
 };
 
 /// BSDF or phase function for a direction, and the cosine (1 in media).
@@ -69,7 +71,7 @@ struct DirectLight {
 ///   trace(const LightLiSample &, const Point2 &u) -> ShadowTransmittance; u: the numbers that sampled the point
 ///
 /// `from`: receiver of light sampling (ScatteringContextAt). The observer receives irradiance over the density of the
-/// point, also where it is 0.
+/// point, also where it is 0, while its path has places.
 std::optional<DirectLight> SampleDirectLight(const LightTable &table, const LightDistribution &lights,
                                              const LightSampleContext &from, const SampledWavelengths &lambda,
                                              bool allowIncompletePdfs, Float uLight, Point2 uPoint,
@@ -79,9 +81,9 @@ std::optional<DirectLight> SampleDirectLight(const LightTable &table, const Ligh
         ++ThreadCounters().zeroLightSamples;
         return {};
     }
-    const auto record = [&](const SampledSpectrum &irradiance) {
-        if (observed.observer)
-            observed.observer->RecordLightSample(observed.places, lights.Query(), *chosen, irradiance);
+    const auto record = [&](auto &&irradiance) {
+        if (observed.HasPlace())
+            observed.observer->RecordLightSample(observed.places, lights.Query(), *chosen, irradiance());
     };
     const auto light = table.Region(chosen->light, chosen->region);
     const std::optional<LightLiSample> sample = light.SampleLi(from, uPoint, lambda, allowIncompletePdfs);
@@ -90,11 +92,13 @@ std::optional<DirectLight> SampleDirectLight(const LightTable &table, const Ligh
     ShadowTransmittance through;
     if (to.f * to.cosine) through = trace(*sample, uPoint);
     if (!through.value) {
-        record(SampledSpectrum(0));
+        record([] { return SampledSpectrum(0); });
         return {};
     }
-    const Float mean = lambda.SecondaryTerminated() ? through.rl[0] : through.rl.Average();
-    record(sample->L * through.value * (to.cosine / (sample->pdf * mean)));
+    record([&] {
+        const Float mean = lambda.SecondaryTerminated() ? through.rl[0] : through.rl.Average();
+        return sample->L * through.value * (to.cosine / (sample->pdf * mean));
+    });
     return DirectLight{*chosen, *sample, to, through, IsDelta(light.Kind())};
 }
 

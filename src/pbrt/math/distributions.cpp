@@ -59,75 +59,89 @@ bool Invert(double u, double from, double to, int n, auto atWhole, double *x, in
 
 }  // namespace
 
-PiecewiseConstant1D::PiecewiseConstant1D(std::span<const Float> f, Float low, Float high)
-    : f_(f.begin(), f.end()), cdf_(f.size() + 1), low_(low), high_(high), last_(std::nextafter(high, low)) {
-    PBRT_CHECK(!f.empty() && high > low);
-    for (Float &v : f_) v = std::abs(v);
-    double width = (double(high) - double(low)) / double(f.size()), sum = 0;
-    std::vector<double> running(f.size() + 1, 0);
-    for (size_t i = 0; i < f_.size(); ++i) running[i + 1] = sum += double(f_[i]) * width;
-    integral_ = Float(sum);
-    for (size_t i = 1; i < cdf_.size(); ++i)
-        cdf_[i] = Float(sum > 0 ? running[i] / sum : double(i) / double(f_.size()));
-    cdf_.back() = 1;
-
+PiecewiseConstantRows::PiecewiseConstantRows(size_t rows, size_t n) : rows_(rows), n_(n) {
     constexpr size_t kPiecesPerCut = 8;
-    const size_t cuts = std::bit_floor(std::max<size_t>(1, f_.size() / kPiecesPerCut));
-    cuts_.resize(cuts + 1);
-    size_t i = 0;
-    for (size_t k = 0; k <= cuts; ++k) {
-        const Float u = Float(k) / Float(cuts);
-        while (i + 1 < f_.size() && cdf_[i + 1] <= u) ++i;
-        cuts_[k] = uint32_t(i);
+    cutCount_ = std::bit_floor(std::max<size_t>(1, n / kPiecesPerCut));
+    pieces_.resize(rows * (n + 1));
+    cuts_.resize(rows * (cutCount_ + 1));
+}
+
+Float PiecewiseConstantRows::Set(size_t row, std::span<const Float> f, double length) {
+    PBRT_CHECK(f.size() == n_);
+    Piece *const pieces = &pieces_[row * (n_ + 1)];
+    const double width = length / double(n_);
+    double sum = 0;
+    for (Float v : f) sum += double(std::abs(v)) * width;
+    const auto integral = Float(sum);
+    double running = 0;
+    for (size_t i = 0; i < n_; ++i) {
+        pieces[i].pdf = integral > 0 ? std::abs(f[i]) / integral : Float(1 / length);
+        running += double(std::abs(f[i])) * width;
+        pieces[i + 1].below = Float(sum > 0 ? running / sum : double(i + 1) / double(n_));
     }
+    pieces[n_].below = 1;
+
+    uint32_t *const cuts = &cuts_[row * (cutCount_ + 1)];
+    size_t i = 0;
+    for (size_t k = 0; k <= cutCount_; ++k) {
+        const Float u = Float(k) / Float(cutCount_);
+        while (i + 1 < n_ && pieces[i + 1].below <= u) ++i;
+        cuts[k] = uint32_t(i);
+    }
+    return integral;
+}
+
+PiecewiseConstantRows::Sampled PiecewiseConstantRows::Sample(size_t row, Float u) const {
+    // Last piece whose lower end is <= u; pieces of zero width are never chosen. Branchless: random u mispredicts every
+    // second branch.
+    const Piece *const pieces = &pieces_[row * (n_ + 1)];
+    const uint32_t *const cut = &cuts_[row * (cutCount_ + 1)] + std::min(size_t(u * Float(cutCount_)), cutCount_ - 1);
+    size_t i = cut[0];
+    for (size_t left = cut[1] - i + 1; left > 1;) {
+        const size_t half = left / 2;
+        i = pieces[i + half].below <= u ? i + half : i;
+        left -= half;
+    }
+    const Float width = pieces[i + 1].below - pieces[i].below;
+    const Float t = width > 0 ? std::min((u - pieces[i].below) / width, OneMinusEpsilon) : 0;
+    return {(Float(i) + t) / Float(n_), pieces[i].pdf, i};
+}
+
+PiecewiseConstant1D::PiecewiseConstant1D(std::span<const Float> f, Float low, Float high)
+    : row_(1, f.size()), low_(low), high_(high), last_(std::nextafter(high, low)) {
+    PBRT_CHECK(!f.empty() && high > low);
+    integral_ = row_.Set(0, f, double(high) - double(low));
 }
 
 PiecewiseConstant1D::Sampled PiecewiseConstant1D::Sample(Float u) const {
-    // Last piece whose lower end is <= u; pieces of zero width are never chosen. Branchless: random u mispredicts every
-    // second branch.
-    const size_t cuts = cuts_.size() - 1;
-    const size_t cut = std::min(size_t(u * Float(cuts)), cuts - 1);
-    size_t i = cuts_[cut];
-    for (size_t left = cuts_[cut + 1] - i + 1; left > 1;) {
-        const size_t half = left / 2;
-        i = cdf_[i + half] <= u ? i + half : i;
-        left -= half;
-    }
-    Float width = cdf_[i + 1] - cdf_[i];
-    Float t = width > 0 ? std::min((u - cdf_[i]) / width, OneMinusEpsilon) : 0;
-    auto n = Float(f_.size());
-    Float x = std::min(Lerp((Float(i) + t) / n, low_, high_), last_);
-    Float pdf = integral_ > 0 ? f_[i] / integral_ : 1 / (high_ - low_);
-    return {x, pdf, int(i)};
+    const auto [place, pdf, piece] = row_.Sample(0, u);
+    return {std::min(Lerp(place, low_, high_), last_), pdf, int(piece)};
 }
 
 Float PiecewiseConstant1D::Pdf(Float x) const {
     if (x < low_ || x > high_) return 0;
-    if (!(integral_ > 0)) return 1 / (high_ - low_);
-    auto n = Float(f_.size());
-    auto i = std::min(size_t((x - low_) / (high_ - low_) * n), f_.size() - 1);
-    return f_[i] / integral_;
+    const size_t n = row_.PieceCount();
+    return row_.Pdf(0, std::min(size_t((x - low_) / (high_ - low_) * Float(n)), n - 1));
 }
 
-PiecewiseConstant2D::PiecewiseConstant2D(std::span<const Float> f, int nx, int ny) {
+PiecewiseConstant2D::PiecewiseConstant2D(std::span<const Float> f, int nx, int ny) : rows_(size_t(ny), size_t(nx)) {
     PBRT_CHECK(f.size() == size_t(nx) * ny);
-    rows_.reserve(ny);
     std::vector<Float> integrals;
-    for (; !f.empty(); f = f.subspan(nx)) integrals.push_back(rows_.emplace_back(f.first(nx)).Integral());
+    for (size_t y = 0; y < rows_.Rows(); ++y) integrals.push_back(rows_.Set(y, f.subspan(y * nx, nx), 1));
     marginal_ = PiecewiseConstant1D(integrals);
 }
 
 Point2 PiecewiseConstant2D::Sample(const Point2 &u, Float *pdf) const {
-    PiecewiseConstant1D::Sampled y = marginal_.Sample(u.y);
-    PiecewiseConstant1D::Sampled x = rows_[y.index].Sample(u.x);
+    const PiecewiseConstant1D::Sampled y = marginal_.Sample(u.y);
+    const PiecewiseConstantRows::Sampled x = rows_.Sample(size_t(y.index), u.x);
     *pdf = x.pdf * y.pdf;
-    return {x.x, y.x};
+    return {std::min(x.place, OneMinusEpsilon), y.x};
 }
 
 Float PiecewiseConstant2D::Pdf(const Point2 &p) const {
-    if (p.y < 0 || p.y > 1) return 0;
-    auto row = std::min(size_t(p.y * Float(rows_.size())), rows_.size() - 1);
-    return marginal_.Pdf(p.y) * rows_[row].Pdf(p.x);
+    if (p.x < 0 || p.x > 1 || p.y < 0 || p.y > 1) return 0;
+    const auto piece = [](Float v, size_t n) { return std::min(size_t(v * Float(n)), n - 1); };
+    return marginal_.Pdf(p.y) * rows_.Pdf(piece(p.y, rows_.Rows()), piece(p.x, rows_.PieceCount()));
 }
 
 WindowedPiecewiseConstant2D::WindowedPiecewiseConstant2D(std::span<const Float> f, int nx, int ny) : nx_(nx), ny_(ny) {

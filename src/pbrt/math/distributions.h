@@ -8,6 +8,37 @@
 
 namespace pbrt {
 
+/// Densities that are constant on n equal pieces of a segment, one per row. What a search reads lies side by side, as
+/// the tables of an environment map are larger than the caches.
+class PiecewiseConstantRows {
+  public:
+    PiecewiseConstantRows() = default;
+    PiecewiseConstantRows(size_t rows, size_t n);
+
+    size_t Rows() const { return rows_; }
+    size_t PieceCount() const { return n_; }
+    /// Density of a row in proportion to |f|, n values; uniform if f is 0. Returns the integral of |f| over `length`.
+    Float Set(size_t row, std::span<const Float> f, double length);
+    struct Sampled {
+        Float place;  ///< in [0, 1) of the length
+        Float pdf;    ///< with respect to the length
+        size_t piece;
+    };
+    Sampled Sample(size_t row, Float u) const;
+    Float Pdf(size_t row, size_t piece) const { return pieces_[row * (n_ + 1) + piece].pdf; }
+
+  private:
+    struct Piece {
+        Float below = 0;  ///< probability of the pieces before this one
+        Float pdf = 0;
+    };
+    size_t rows_ = 0, n_ = 0, cutCount_ = 0;
+    std::vector<Piece> pieces_;  ///< n and an end per row
+    /// Lookup table of a row: entry k is the piece that contains k / cutCount_, so the piece of u lies between
+    /// neighbouring entries. cutCount_ is a power of two, so that u cutCount_ is exact.
+    std::vector<uint32_t> cuts_;
+};
+
 /// Density on [low, high), constant on n equal pieces, proportional to |f|; uniform if f is 0.
 class PiecewiseConstant1D {
   public:
@@ -24,10 +55,7 @@ class PiecewiseConstant1D {
     Float Integral() const { return integral_; }  ///< of |f| over [low, high)
 
   private:
-    std::vector<Float> f_, cdf_;
-    /// Lookup table: cuts_[k] is the piece that contains k / n, n = cuts_.size() - 1, so the piece of u lies between
-    /// neighbouring entries. n is a power of two, so that u n is exact.
-    std::vector<uint32_t> cuts_;
+    PiecewiseConstantRows row_;
     Float low_ = 0, high_ = 1, last_ = OneMinusEpsilon, integral_ = 0;  ///< last_: largest number below high_
 };
 
@@ -41,7 +69,7 @@ class PiecewiseConstant2D {
     Float Pdf(const Point2 &p) const;
 
   private:
-    std::vector<PiecewiseConstant1D> rows_;
+    PiecewiseConstantRows rows_;
     PiecewiseConstant1D marginal_;
 };
 

@@ -100,7 +100,12 @@ class ImageInfiniteLight final : public EnvironmentLight {
             anyLeft |= w > 0;
         }
         if (!anyLeft) std::fill(weights.begin(), weights.end(), Float(1));
-        compensated_ = PiecewiseConstant2D(weights, n.x, n.y);
+        compensated_ = PiecewiseConstantGrid<ScaledPolynomial>(weights, n.x, n.y);
+        ParallelFor(n.y, 8, [&](int64_t begin, int64_t end) {
+            for (int y = int(begin); y < int(end); ++y)
+                for (int x = 0; x < n.x; ++x)
+                    compensated_.ValueOf(x, y) = ScaledPolynomial::Of(colorSpace, LightPixel(image_, {x, y}));
+        });
     }
 
     LightPower Phi(const SampledWavelengths &lambda, uint32_t) const override {
@@ -109,7 +114,8 @@ class ImageInfiniteLight final : public EnvironmentLight {
                 AverageIlluminant(image_, *colorSpace_, lambda)};
     }
     SampledSpectrum Le(const Point3 &, const Vector3 &d, const SampledWavelengths &lambda) const override {
-        return Radiance(SquareTowards(d), lambda);
+        const Point2 st = SquareTowards(d);
+        return Radiance(compensated_.ValueAt(st), st, lambda);
     }
     Float MeanRadiance(const Vector3 &d) const override {
         return MeanOf(LightPixel(image_, PixelAt(SquareTowards(d), image_.Resolution())));
@@ -121,15 +127,21 @@ class ImageInfiniteLight final : public EnvironmentLight {
     /// average (Karlik et al. 2019).
     std::optional<LightLiSample> SampleDirection(const Point3 &, const Point2 &u, const SampledWavelengths &lambda,
                                                  bool allowIncompletePdfs) const override {
-        Float pdfSquare = 0;
-        const Point2 st = (allowIncompletePdfs ? compensated_ : distribution_).Sample(u, &pdfSquare);
-        if (!(pdfSquare > 0)) return {};
-        const SampledSpectrum L = Radiance(st, lambda);
-        if (!L) return {};
-        return LightLiSample{.L = L, .wi = DirectionAt(st), .pdf = pdfSquare * Inv4Pi};
+        const auto sample = [&](const Point2 &st, Float pdfSquare, const ScaledPolynomial &rgb) {
+            const SampledSpectrum L = pdfSquare > 0 ? Radiance(rgb, st, lambda) : SampledSpectrum(0);
+            if (!L) return std::optional<LightLiSample>();
+            return std::optional(LightLiSample{.L = L, .wi = DirectionAt(st), .pdf = pdfSquare * Inv4Pi});
+        };
+        if (allowIncompletePdfs) {
+            const auto s = compensated_.Sample(u);
+            return sample(s.p, s.pdf, s.value);
+        }
+        const auto s = distribution_.Sample(u);
+        return sample(s.p, s.pdf, compensated_.ValueAt(s.p));
     }
     Float DirectionPdf(const Point3 &, const Vector3 &wi, bool allowIncompletePdfs) const override {
-        return (allowIncompletePdfs ? compensated_ : distribution_).Pdf(SquareTowards(wi)) * Inv4Pi;
+        const Point2 st = SquareTowards(wi);
+        return (allowIncompletePdfs ? compensated_.Pdf(st) : distribution_.Pdf(st)) * Inv4Pi;
     }
     /// Position of direction d (unit) on the image's square, and the inverse.
     Point2 SquareTowards(const Vector3 &d) const {
@@ -138,15 +150,19 @@ class ImageInfiniteLight final : public EnvironmentLight {
     Vector3 DirectionAt(const Point2 &st) const {
         return Normalize(renderFromLight_.Vector(EqualAreaSquareToSphere(st)));
     }
-    SampledSpectrum Radiance(const Point2 &st, const SampledWavelengths &lambda) const {
-        return scale_ * PixelIlluminant(image_, PixelAt(st, image_.Resolution()), *colorSpace_, lambda);
+    /// Of the pixel at st, given its colour.
+    SampledSpectrum Radiance(const ScaledPolynomial &rgb, const Point2 &st, const SampledWavelengths &lambda) const {
+        if (lambda.IsWholeRange()) [[unlikely]]
+            return scale_ * PixelIlluminant(image_, PixelAt(st, image_.Resolution()), *colorSpace_, lambda);
+        return scale_ * (rgb.Sample(lambda) * colorSpace_->Illuminant().Sample(lambda));
     }
 
     Transform renderFromLight_;
     Image image_;
     const ColorSpace *colorSpace_;
     Float scale_;
-    PiecewiseConstant2D distribution_, compensated_;
+    PiecewiseConstant2D distribution_;
+    PiecewiseConstantGrid<ScaledPolynomial> compensated_;  ///< with the pixels' colours
 };
 
 /// Environment light visible only through a rectangle, from one side (Bitterli, Wyman and Pharr 2015). As in stock

@@ -183,8 +183,7 @@ class GoniometricLight final : public LightAtPoint<GoniometricLight> {
         return scale_ * Share(w) * intensity_->Sample(lambda);
     }
     Vector3 SampleDirection(const Point2 &u) const {
-        Float pdf;
-        const Vector3 l = EqualAreaSquareToSphere(Distribution().Sample(u, &pdf));
+        const Vector3 l = EqualAreaSquareToSphere(Distribution().Sample(u).p);
         return Normalize(renderFromLight_.Vector({l.x, l.z, l.y}));
     }
     Float PdfDirection(const Vector3 &w) const {
@@ -251,8 +250,7 @@ class ProjectionLight final : public LightAtPoint<ProjectionLight> {
         return scale_ * PixelIlluminant(image_, PixelAt(*st, image_.Resolution()), *colorSpace_, lambda);
     }
     Vector3 SampleDirection(const Point2 &u) const {
-        Float pdf;
-        const Point2 st = Distribution().Sample(u, &pdf);
+        const Point2 st = Distribution().Sample(u).p;
         return Normalize(renderFromLight_.Vector({(2 * st.x - 1) * half_.x, (1 - 2 * st.y) * half_.y, 1}));
     }
     Float PdfDirection(const Vector3 &w) const {

@@ -59,54 +59,6 @@ bool Invert(double u, double from, double to, int n, auto atWhole, double *x, in
 
 }  // namespace
 
-PiecewiseConstantRows::PiecewiseConstantRows(size_t rows, size_t n) : rows_(rows), n_(n) {
-    constexpr size_t kPiecesPerCut = 8;
-    cutCount_ = std::bit_floor(std::max<size_t>(1, n / kPiecesPerCut));
-    pieces_.resize(rows * (n + 1));
-    cuts_.resize(rows * (cutCount_ + 1));
-}
-
-Float PiecewiseConstantRows::Set(size_t row, std::span<const Float> f, double length) {
-    PBRT_CHECK(f.size() == n_);
-    Piece *const pieces = &pieces_[row * (n_ + 1)];
-    const double width = length / double(n_);
-    double sum = 0;
-    for (Float v : f) sum += double(std::abs(v)) * width;
-    const auto integral = Float(sum);
-    double running = 0;
-    for (size_t i = 0; i < n_; ++i) {
-        pieces[i].pdf = integral > 0 ? std::abs(f[i]) / integral : Float(1 / length);
-        running += double(std::abs(f[i])) * width;
-        pieces[i + 1].below = Float(sum > 0 ? running / sum : double(i + 1) / double(n_));
-    }
-    pieces[n_].below = 1;
-
-    uint32_t *const cuts = &cuts_[row * (cutCount_ + 1)];
-    size_t i = 0;
-    for (size_t k = 0; k <= cutCount_; ++k) {
-        const Float u = Float(k) / Float(cutCount_);
-        while (i + 1 < n_ && pieces[i + 1].below <= u) ++i;
-        cuts[k] = uint32_t(i);
-    }
-    return integral;
-}
-
-PiecewiseConstantRows::Sampled PiecewiseConstantRows::Sample(size_t row, Float u) const {
-    // Last piece whose lower end is <= u; pieces of zero width are never chosen. Branchless: random u mispredicts every
-    // second branch.
-    const Piece *const pieces = &pieces_[row * (n_ + 1)];
-    const uint32_t *const cut = &cuts_[row * (cutCount_ + 1)] + std::min(size_t(u * Float(cutCount_)), cutCount_ - 1);
-    size_t i = cut[0];
-    for (size_t left = cut[1] - i + 1; left > 1;) {
-        const size_t half = left / 2;
-        i = pieces[i + half].below <= u ? i + half : i;
-        left -= half;
-    }
-    const Float width = pieces[i + 1].below - pieces[i].below;
-    const Float t = width > 0 ? std::min((u - pieces[i].below) / width, OneMinusEpsilon) : 0;
-    return {(Float(i) + t) / Float(n_), pieces[i].pdf, i};
-}
-
 PiecewiseConstant1D::PiecewiseConstant1D(std::span<const Float> f, Float low, Float high)
     : row_(1, f.size()), low_(low), high_(high), last_(std::nextafter(high, low)) {
     PBRT_CHECK(!f.empty() && high > low);
@@ -114,34 +66,14 @@ PiecewiseConstant1D::PiecewiseConstant1D(std::span<const Float> f, Float low, Fl
 }
 
 PiecewiseConstant1D::Sampled PiecewiseConstant1D::Sample(Float u) const {
-    const auto [place, pdf, piece] = row_.Sample(0, u);
-    return {std::min(Lerp(place, low_, high_), last_), pdf, int(piece)};
+    const auto s = row_.Sample(0, u);
+    return {std::min(Lerp(s.place, low_, high_), last_), s.piece.pdf, int(s.index)};
 }
 
 Float PiecewiseConstant1D::Pdf(Float x) const {
     if (x < low_ || x > high_) return 0;
     const size_t n = row_.PieceCount();
-    return row_.Pdf(0, std::min(size_t((x - low_) / (high_ - low_) * Float(n)), n - 1));
-}
-
-PiecewiseConstant2D::PiecewiseConstant2D(std::span<const Float> f, int nx, int ny) : rows_(size_t(ny), size_t(nx)) {
-    PBRT_CHECK(f.size() == size_t(nx) * ny);
-    std::vector<Float> integrals;
-    for (size_t y = 0; y < rows_.Rows(); ++y) integrals.push_back(rows_.Set(y, f.subspan(y * nx, nx), 1));
-    marginal_ = PiecewiseConstant1D(integrals);
-}
-
-Point2 PiecewiseConstant2D::Sample(const Point2 &u, Float *pdf) const {
-    const PiecewiseConstant1D::Sampled y = marginal_.Sample(u.y);
-    const PiecewiseConstantRows::Sampled x = rows_.Sample(size_t(y.index), u.x);
-    *pdf = x.pdf * y.pdf;
-    return {std::min(x.place, OneMinusEpsilon), y.x};
-}
-
-Float PiecewiseConstant2D::Pdf(const Point2 &p) const {
-    if (p.x < 0 || p.x > 1 || p.y < 0 || p.y > 1) return 0;
-    const auto piece = [](Float v, size_t n) { return std::min(size_t(v * Float(n)), n - 1); };
-    return marginal_.Pdf(p.y) * rows_.Pdf(piece(p.y, rows_.Rows()), piece(p.x, rows_.PieceCount()));
+    return row_.At(0, std::min(size_t((x - low_) / (high_ - low_) * Float(n)), n - 1)).pdf;
 }
 
 WindowedPiecewiseConstant2D::WindowedPiecewiseConstant2D(std::span<const Float> f, int nx, int ny) : nx_(nx), ny_(ny) {

@@ -4,40 +4,11 @@
 #include <span>
 #include <vector>
 
+#include "pbrt/core/error.h"
 #include "pbrt/math/bounds.h"
+#include "pbrt/math/piecewise_constant_rows.h"
 
 namespace pbrt {
-
-/// Densities that are constant on n equal pieces of a segment, one per row. What a search reads lies side by side, as
-/// the tables of an environment map are larger than the caches.
-class PiecewiseConstantRows {
-  public:
-    PiecewiseConstantRows() = default;
-    PiecewiseConstantRows(size_t rows, size_t n);
-
-    size_t Rows() const { return rows_; }
-    size_t PieceCount() const { return n_; }
-    /// Density of a row in proportion to |f|, n values; uniform if f is 0. Returns the integral of |f| over `length`.
-    Float Set(size_t row, std::span<const Float> f, double length);
-    struct Sampled {
-        Float place;  ///< in [0, 1) of the length
-        Float pdf;    ///< with respect to the length
-        size_t piece;
-    };
-    Sampled Sample(size_t row, Float u) const;
-    Float Pdf(size_t row, size_t piece) const { return pieces_[row * (n_ + 1) + piece].pdf; }
-
-  private:
-    struct Piece {
-        Float below = 0;  ///< probability of the pieces before this one
-        Float pdf = 0;
-    };
-    size_t rows_ = 0, n_ = 0, cutCount_ = 0;
-    std::vector<Piece> pieces_;  ///< n and an end per row
-    /// Lookup table of a row: entry k is the piece that contains k / cutCount_, so the piece of u lies between
-    /// neighbouring entries. cutCount_ is a power of two, so that u cutCount_ is exact.
-    std::vector<uint32_t> cuts_;
-};
 
 /// Density on [low, high), constant on n equal pieces, proportional to |f|; uniform if f is 0.
 class PiecewiseConstant1D {
@@ -55,23 +26,48 @@ class PiecewiseConstant1D {
     Float Integral() const { return integral_; }  ///< of |f| over [low, high)
 
   private:
-    PiecewiseConstantRows row_;
+    PiecewiseConstantRows<> row_;
     Float low_ = 0, high_ = 1, last_ = OneMinusEpsilon, integral_ = 0;  ///< last_: largest number below high_
 };
 
-/// Density on the unit square, constant on nx * ny cells (row-major, x fastest), proportional to |f|.
-class PiecewiseConstant2D {
+/// Density on the unit square, constant on nx * ny cells (row-major, x fastest), proportional to |f|. Cells can carry
+/// values, which lie beside their densities.
+template <class Value = NoValue>
+class PiecewiseConstantGrid {
   public:
-    PiecewiseConstant2D() = default;
-    PiecewiseConstant2D(std::span<const Float> f, int nx, int ny);
+    PiecewiseConstantGrid() = default;
+    PiecewiseConstantGrid(std::span<const Float> f, int nx, int ny) : rows_(size_t(ny), size_t(nx)) {
+        PBRT_CHECK(f.size() == size_t(nx) * size_t(ny));
+        std::vector<Float> integrals;
+        for (size_t y = 0; y < rows_.Rows(); ++y) integrals.push_back(rows_.Set(y, f.subspan(y * nx, nx), 1));
+        marginal_ = PiecewiseConstant1D(integrals);
+    }
 
-    Point2 Sample(const Point2 &u, Float *pdf) const;
-    Float Pdf(const Point2 &p) const;
+    struct Sampled {
+        Point2 p;
+        Float pdf;
+        const Value &value;
+    };
+    Sampled Sample(const Point2 &u) const {
+        const PiecewiseConstant1D::Sampled y = marginal_.Sample(u.y);
+        const auto x = rows_.Sample(size_t(y.index), u.x);
+        return {{std::min(x.place, OneMinusEpsilon), y.x}, x.piece.pdf * y.pdf, x.piece.value};
+    }
+    Float Pdf(const Point2 &p) const {
+        if (p.x < 0 || p.x > 1 || p.y < 0 || p.y > 1) return 0;
+        return marginal_.Pdf(p.y) * rows_.At(Index(p.y, rows_.Rows()), Index(p.x, rows_.PieceCount())).pdf;
+    }
+    Value &ValueOf(int x, int y) { return rows_.At(size_t(y), size_t(x)).value; }
+    const Value &ValueAt(const Point2 &p) const {
+        return rows_.At(Index(p.y, rows_.Rows()), Index(p.x, rows_.PieceCount())).value;
+    }
 
   private:
-    PiecewiseConstantRows rows_;
+    static size_t Index(Float v, size_t n) { return std::min(size_t(std::max(v, Float(0)) * Float(n)), n - 1); }
+    PiecewiseConstantRows<Value> rows_;
     PiecewiseConstant1D marginal_;
 };
+using PiecewiseConstant2D = PiecewiseConstantGrid<>;
 
 /// Density on any axis-aligned window of the unit square, proportional to a function on nx * ny equal cells (row-major,
 /// x fastest, >= 0). A summed-area table allows another window per call: sampling takes two searches, a density

@@ -331,8 +331,7 @@ std::optional<ShapeSample> BilinearMesh::SampleArea(uint32_t primitive, const Po
     Corners c = CornersOf(primitive);
     Point2 uv = u;
     if (emission_) {
-        Float ofSquare;
-        uv = emission_->Sample(u, &ofSquare);
+        uv = emission_->Sample(u).p;
     } else if (!IsRectangle(primitive)) {
         Float w[4];
         c.AreaWeights(w);

@@ -166,8 +166,10 @@ glm::mat3 ConvertRgbMatrix(const ColorSpace &from, const ColorSpace &to) {
     return to.RgbFromXyz() * from.XyzFromRgb();
 }
 
-RgbUnboundedSpectrum::RgbUnboundedSpectrum(const ColorSpace &cs, const Rgb &rgb)
-    : scale_(ScaleOf(rgb)), poly_(cs.ToPolynomial(RelativeTo(scale_, rgb))) {}
+ScaledPolynomial ScaledPolynomial::Of(const ColorSpace &cs, const Rgb &rgb) {
+    const Float scale = ScaleOf(rgb);
+    return {scale, cs.ToPolynomial(RelativeTo(scale, rgb))};
+}
 
 Float SpectrumToPhotometric(const Spectrum &s) {
     if (auto *rgb = dynamic_cast<const RgbIlluminantSpectrum *>(&s)) return InnerProduct(CieY(), rgb->Illuminant());

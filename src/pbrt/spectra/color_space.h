@@ -79,16 +79,23 @@ class RgbAlbedoSpectrum final : public Spectrum {
     SigmoidPolynomial poly_;
 };
 
+/// An RGB colour of any brightness as a multiple of a sigmoid polynomial.
+struct ScaledPolynomial {
+    Float scale = 0;
+    SigmoidPolynomial poly;
+    static ScaledPolynomial Of(const ColorSpace &cs, const Rgb &rgb);
+    SampledSpectrum Sample(const SampledWavelengths &lambda) const { return scale * poly.Sample(lambda); }
+};
+
 class RgbUnboundedSpectrum final : public Spectrum {
   public:
-    RgbUnboundedSpectrum(const ColorSpace &cs, const Rgb &rgb);
-    Float operator()(Float lambda) const override { return scale_ * poly_(lambda); }
-    SampledSpectrum Sample(const SampledWavelengths &lambda) const override { return scale_ * poly_.Sample(lambda); }
-    Float MaxValue() const override { return scale_ * poly_.MaxValue(); }
+    RgbUnboundedSpectrum(const ColorSpace &cs, const Rgb &rgb) : rgb_(ScaledPolynomial::Of(cs, rgb)) {}
+    Float operator()(Float lambda) const override { return rgb_.scale * rgb_.poly(lambda); }
+    SampledSpectrum Sample(const SampledWavelengths &lambda) const override { return rgb_.Sample(lambda); }
+    Float MaxValue() const override { return rgb_.scale * rgb_.poly.MaxValue(); }
 
   private:
-    Float scale_;
-    SigmoidPolynomial poly_;
+    ScaledPolynomial rgb_;
 };
 
 class RgbIlluminantSpectrum final : public Spectrum {

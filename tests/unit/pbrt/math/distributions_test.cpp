@@ -121,8 +121,7 @@ TEST(PiecewiseConstant2D, SharesOfSamplesAreTheIntegralsOfTheDensity) {
     constexpr int kN = 1024;
     for (int j = 0; j < kN; ++j)
         for (int i = 0; i < kN; ++i) {
-            Float pdf;
-            Point2 p = d.Sample({(static_cast<Float>(i) + 0.5f) / kN, (static_cast<Float>(j) + 0.5f) / kN}, &pdf);
+            const auto [p, pdf, value] = d.Sample({(Float(i) + 0.5f) / kN, (Float(j) + 0.5f) / kN});
             auto cell = static_cast<size_t>(std::floor(p.y * 4) * 3 + std::floor(p.x * 3));
             ASSERT_LT(cell, f.size());
             ASSERT_NEAR(pdf, f[cell] / mean, 4e-6f);
@@ -133,6 +132,19 @@ TEST(PiecewiseConstant2D, SharesOfSamplesAreTheIntegralsOfTheDensity) {
     EXPECT_EQ(d.Pdf({0, 1.1f}), 0);
     EXPECT_EQ(d.Pdf({1.1f, 0.5f}), 0);
     EXPECT_EQ(d.Pdf({-1.1f, 4}), 0);
+}
+
+TEST(PiecewiseConstantGrid, ValuesBelongToTheSampledCells) {
+    const std::vector<Float> f = {3, 1, 0, 2, 5, 1, 0, 4};  // 4 x 2
+    PiecewiseConstantGrid<int> d(f, 4, 2);
+    for (int y = 0; y < 2; ++y)
+        for (int x = 0; x < 4; ++x) d.ValueOf(x, y) = 10 * y + x;
+    Rng rng(3);
+    for (int i = 0; i < 1000; ++i) {
+        const auto [p, pdf, value] = d.Sample(rng.Uniform2());
+        EXPECT_EQ(value, 10 * int(2 * p.y) + int(4 * p.x));
+        EXPECT_EQ(value, d.ValueAt(p));
+    }
 }
 
 TEST(AliasTable, SharesOfUAreThePmf) {

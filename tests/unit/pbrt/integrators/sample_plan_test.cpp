@@ -169,7 +169,8 @@ TEST(PredictedGain, IsNotTheNoiseOfTheEstimate) {
         std::vector<double> estimates[2];
         for (std::vector<double> &e : estimates)
             for (size_t i = 0; i < cells.Count(); ++i) e.push_back(-std::log(1 - double(rng.Uniform())));
-        const NoiseEstimate both{.variance = estimates[0],
+        const NoiseEstimate both{
+            .variance = estimates[0],
             .colors = {CheckerVariance{estimates[0], estimates[0]}, CheckerVariance{estimates[1], estimates[1]}}};
         independent.Add(PredictGain(cells, UniformPlan(cells, 2), both, 2, 256));
         same.Add(PredictGain(cells, UniformPlan(cells, 2), EstimateOf(estimates[0]), 2, 256));

@@ -100,7 +100,7 @@ std::vector<int> CountsOf(const PixelCells &cells, const SamplePlan &plan, int a
     return counts;
 }
 
-/// Cells of a plan at an average number of samples per pixel.
+/// Samples, and their cost, of the cells of a plan at an average number of samples per pixel.
 class CellWork {
   public:
     CellWork(const PixelCells &cells, const SamplePlan &plan, int average)

@@ -127,10 +127,20 @@ def add_arguments(parser, out, samples=None, scenes=None, seeds=3, divisor=2):
     parser.add_argument("--csv", help="write the table to this CSV file as well; docs/results/make draws its chart")
 
 
+def scene_folders():
+    """Our scenes, and the real ones."""
+    return ROOT / "scenes", pathlib.Path(os.environ.get("PBRT_REAL_SCENES") or ROOT.parent / "shared/scenes")
+
+
 def scene_file(name):
-    own = ROOT / "scenes" / name / f"{name}.pbrt"
-    real = pathlib.Path(os.environ.get("PBRT_REAL_SCENES") or ROOT.parent / "shared/scenes")
-    return own if own.exists() else real / name / f"{name}.pbrt"
+    own, real = (folder / name / f"{name}.pbrt" for folder in scene_folders())
+    return own if own.exists() else real
+
+
+def all_scenes():
+    """Names of all scenes present, ours first."""
+    files = [f for folder in scene_folders() for f in sorted(folder.glob("*/*.pbrt"))]
+    return list(dict.fromkeys(f.stem for f in files if f.stem == f.parent.name))
 
 
 def run_lightlab(a, scene, out, samplers, more):

@@ -54,19 +54,20 @@ def render(tools, scene, width, out, *flags, most=None, portal=None):
     call(tools["pbrt"], "--quiet", "--outfile", out, *flags, "-", text=resized(scene, width, most, portal), cwd=scene.parent)
 
 
-def pixels(tools, exr):
-    """Height x width x 3 values of a picture."""
+def pixels(tools, exr, channel=None):
+    """Height x width x 3 values of a picture, or height x width x 1 of one of its channels."""
     import numpy
+    magic, depth = (b"Pf", 1) if channel else (b"PF", 3)
     with tempfile.TemporaryDirectory() as folder:
         pfm = pathlib.Path(folder) / "out.pfm"
-        call(tools["imgtool"], "convert", exr, pfm)
+        call(tools["imgtool"], "convert", exr, pfm, *(["--channels", channel] if channel else []))
         with open(pfm, "rb") as file:
-            if file.readline().strip() != b"PF":
+            if file.readline().strip() != magic:
                 sys.exit(f"{exr}: not a colour picture")
             width, height = (int(n) for n in file.readline().split())
             order = "<" if float(file.readline()) < 0 else ">"
-            values = numpy.frombuffer(file.read(), order + "f4", width * height * 3)
-    return values.reshape(height, width, 3)[::-1]
+            values = numpy.frombuffer(file.read(), order + "f4", width * height * depth)
+    return values.reshape(height, width, depth)[::-1]
 
 
 def exposure(values):

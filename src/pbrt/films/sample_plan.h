@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -42,24 +43,42 @@ class PixelCells {
 struct SamplePlan {
     static constexpr int kMaxCount = 1 << 23;  ///< of a pixel
     static constexpr int kMaxGrowth = 4;       ///< `after` over `before`, but for rounding
+    static constexpr int kHalfBlock = 4;       ///< of one sequence: consecutive samples are stratified in fours
+    /// Minimum predicted efficiency of unequal over equal numbers of samples, as long as these are equal. The margin
+    /// covers what the prediction leaves out: low-discrepancy sequences are best at the number of samples that they are
+    /// made for. Once the numbers differ, kMinFurtherGain is enough.
+    static constexpr double kMinGain = 1.25, kMinFurtherGain = 1.01;
 
     int begin = 0, end = 0;
     std::vector<int> before{}, after{};  ///< by cell, at `begin` and at `end`; empty: all pixels have the average
     /// Cost of all samples of a cell since the start: rays, and look-ups in media.
     std::vector<uint64_t> cost{};
+    int halfBlock = 1;  ///< the half film receives every second block of this many samples; not stored
+    int decisions = 0, uniformDecisions = 0;  ///< after the pilot, including the one that made this plan
+    double gain = 0;                          ///< predicted by that one, see PredictGain
+    bool isUniform = false;                   ///< that one plans towards equal numbers
 
+    bool IsInHalf(int sample) const { return sample / halfBlock % 2 != 0; }
+    /// Number of the first `samples` that the half film receives.
+    int CountInHalf(int samples) const {
+        const int pair = 2 * halfBlock;
+        return samples / pair * halfBlock + std::max(0, samples % pair - halfBlock);
+    }
     /// Samples of the cell's pixels when all pixels have `average`, in [begin, end].
     int CountAt(size_t cell, int average) const {
         if (before.empty()) return average;
         const int64_t added = after[cell] - before[cell];
         return before[cell] + (end > begin ? int(added * (average - begin) / (end - begin)) : 0);
     }
-    void Visit(auto &archive) { archive(begin, end, before, after, cost); }
+    void Visit(auto &archive) {
+        archive(begin, end, before, after, cost, decisions, uniformDecisions, gain, isUniform);
+    }
     /// Returns the error of a plan that does not fit `average` and the film; empty if it does.
     std::optional<std::string> Validate(const PixelCells &cells, int average) const {
         bool isValid = begin >= 0 && begin <= average && average <= end && end <= kMaxCount &&
                        before.size() == after.size() && cost.size() == cells.Count() &&
-                       (before.empty() || before.size() == cells.Count());
+                       (before.empty() || before.size() == cells.Count()) && uniformDecisions >= int(isUniform) &&
+                       uniformDecisions <= decisions && gain >= 0 && std::isfinite(gain);
         double excess = 0;  // of samples over the average
         for (size_t i = 0; isValid && i < before.size(); ++i) {
             isValid = before[i] >= 0 && before[i] <= after[i] && after[i] <= kMaxCount &&

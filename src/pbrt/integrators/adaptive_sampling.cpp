@@ -1,6 +1,8 @@
 #include "pbrt/integrators/adaptive_sampling.h"
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "pbrt/core/parallel.h"
 #include "pbrt/images/metrics.h"
@@ -12,9 +14,10 @@ constexpr int kPilot = 16;
 constexpr double kMaxOutlier = 16;     ///< a pixel's variance over the mean of its neighbourhood
 constexpr double kUniformShare = 0.1;  ///< added to the square root of the variance, over its mean
 
-/// Mean and odd samples of a film, and their numbers per pixel.
+/// Means of all samples and of those in the half film, and their numbers per pixel.
 struct Halves {
-    Image all, odd;
+    Image all, half;
+    const SamplePlan &plan;
     std::vector<int> counts;  ///< by cell
     PixelCells cells;
     Point2i low;
@@ -22,14 +25,14 @@ struct Halves {
     int CountAt(Point2i p) const { return counts[cells.IndexOf(low + p)]; }
     /// The smaller mean of both halves: outliers are in one of them.
     double Smaller(Point2i p, int c) const {
-        const int n = CountAt(p), n1 = n / 2;
-        const double a = double(all.Get(p, c)), b = double(odd.Get(p, c));
+        const int n = CountAt(p), n1 = plan.CountInHalf(n);
+        const double a = double(all.Get(p, c)), b = double(half.Get(p, c));
         return std::max(0.0, std::min(b, (n * a - n1 * b) / (n - n1)));
     }
     /// Estimate of the variance of the pixel's value.
     double Variance(Point2i p, int c) const {
-        const int n = CountAt(p), n1 = n / 2;
-        const double d = double(all.Get(p, c)) - double(odd.Get(p, c));
+        const int n = CountAt(p), n1 = plan.CountInHalf(n);
+        const double d = double(all.Get(p, c)) - double(half.Get(p, c));
         return d * d * n1 / (n - n1);
     }
 };
@@ -68,18 +71,27 @@ std::vector<double> RelativeErrors(const Halves &halves) {
     return errors;
 }
 
-/// Means over the cells and their neighbours of `sums` over pixels.
-std::vector<double> Smoothed(const PixelCells &cells, const std::vector<double> &sums) {
-    std::vector<double> means(sums.size());
-    for (size_t cell = 0; cell < sums.size(); ++cell) {
-        double sum = 0, pixels = 0;
-        cells.ForNeighbours(cell, [&](size_t i) {
-            sum += sums[i];
-            pixels += double(cells.PixelsOf(i).Area());
-        });
-        means[cell] = sum / pixels;
+/// Sums over the pixels of each cell, by colour of a checkerboard that begins at the film's first pixel.
+using SumsByColor = std::vector<glm::dvec2>;
+
+double Total(const glm::dvec2 &sum) { return sum.x + sum.y; }
+double RatioOrZero(double a, double b) { return b > 0 ? a / b : 0; }
+
+SumsByColor PixelsByColor(const PixelCells &cells) {
+    SumsByColor pixels(cells.Count());
+    for (size_t i = 0; i < pixels.size(); ++i) {
+        const int64_t area = cells.PixelsOf(i).Area();
+        pixels[i] = {double((area + 1) / 2), double(area / 2)};
     }
-    return means;
+    return pixels;
+}
+
+/// Sums over the cells and their neighbours.
+SumsByColor WithNeighbours(const PixelCells &cells, const SumsByColor &sums) {
+    SumsByColor all(sums.size());
+    for (size_t cell = 0; cell < sums.size(); ++cell)
+        cells.ForNeighbours(cell, [&](size_t i) { all[cell] += sums[i]; });
+    return all;
 }
 
 std::vector<int> CountsOf(const PixelCells &cells, const SamplePlan &plan, int average) {
@@ -88,36 +100,127 @@ std::vector<int> CountsOf(const PixelCells &cells, const SamplePlan &plan, int a
     return counts;
 }
 
+/// Samples, and their cost, of the cells of a plan at an average number of samples per pixel.
+class CellWork {
+  public:
+    CellWork(const PixelCells &cells, const SamplePlan &plan, int average)
+        : before_(CountsOf(cells, plan, average)), pixels_(before_.size()), cost_(before_.size()) {
+        for (size_t i = 0; i < before_.size(); ++i) {
+            pixels_[i] = double(cells.PixelsOf(i).Area());
+            // The camera's and the film's work is about that of a ray.
+            cost_[i] = 1 + double(plan.cost[i]) / (pixels_[i] * std::max(1, before_[i]));
+        }
+    }
+    const std::vector<int> &Before() const { return before_; }
+    double Pixels(size_t cell) const { return pixels_[cell]; }
+    bool AreEqual() const { return std::ranges::adjacent_find(before_, std::not_equal_to<>()) == before_.end(); }
+
+    /// Samples per pixel to add to each cell for `end` on average: towards a distribution in proportion to the square
+    /// root of variance over cost, with at most `maxGrowth` times the samples of a cell. Zero variances: towards equal
+    /// numbers.
+    std::vector<double> Added(const std::vector<double> &variance, int end, int maxGrowth) const {
+        const std::vector<double> wanted = Wanted(variance);
+        const auto most = [&](size_t i) {
+            return std::min(double(maxGrowth) * before_[i], double(SamplePlan::kMaxCount)) - before_[i];
+        };
+        double largest = 0, budget = 0;
+        for (size_t i = 0; i < wanted.size(); ++i) {
+            budget += pixels_[i] * (end - before_[i]);
+            largest = std::max(largest, (most(i) + before_[i]) / wanted[i]);
+        }
+        std::vector<double> added(wanted.size());
+        // Bisection: the number of samples grows with the scale.
+        double low = 0, high = largest;
+        for (int step = 0; step <= kBisections; ++step) {
+            const double scale = step < kBisections ? (low + high) / 2 : high;
+            double samples = 0;
+            for (size_t i = 0; i < wanted.size(); ++i) {
+                added[i] = std::clamp(scale * wanted[i] - before_[i], 0.0, most(i));
+                samples += pixels_[i] * added[i];
+            }
+            (samples < budget ? low : high) = scale;
+        }
+        return added;
+    }
+
+    /// Sums over all pixels of error and cost, for a variance of one sample by cell.
+    struct Outcome {
+        double error = 0, cost = 0;
+    };
+    Outcome Evaluate(const std::vector<double> &added, const std::vector<double> &variance) const {
+        Outcome outcome;
+        for (size_t i = 0; i < added.size(); ++i) {
+            const double samples = before_[i] + added[i];
+            outcome.error += pixels_[i] * variance[i] / samples;
+            outcome.cost += pixels_[i] * cost_[i] * samples;
+        }
+        return outcome;
+    }
+
+  private:
+    static constexpr int kBisections = 60;
+
+    std::vector<double> Wanted(const std::vector<double> &variance) const {
+        std::vector<double> wanted(variance.size());
+        double area = 0, sum = 0;
+        for (size_t i = 0; i < wanted.size(); ++i) {
+            wanted[i] = std::sqrt(variance[i] / cost_[i]);
+            area += pixels_[i];
+            sum += pixels_[i] * wanted[i];
+        }
+        for (double &w : wanted) w = sum > 0 ? w + kUniformShare * sum / area : 1;
+        return wanted;
+    }
+
+    std::vector<int> before_;            ///< samples per pixel
+    std::vector<double> pixels_, cost_;  ///< cost of one sample, in rays
+};
+
 }  // namespace
 
 std::optional<NoiseEstimate> EstimateNoise(const Film &film, const Film &half, const SamplePlan &plan, int average) {
     const PixelCells cells(film.PixelBounds());
-    const Halves halves{film.Colors(), half.Colors(), CountsOf(cells, plan, average), cells, film.PixelBounds().low};
-    if (halves.counts.empty() || std::ranges::min(halves.counts) < 2) return {};
+    const Halves halves{film.Colors(), half.Colors(),         plan, CountsOf(cells, plan, average),
+                        cells,         film.PixelBounds().low};
+    if (halves.counts.empty() || plan.CountInHalf(std::ranges::min(halves.counts)) < 1) return {};
     const std::vector<double> errors = RelativeErrors(halves);
     const int width = halves.all.Resolution().x;
     // Sums over a cell of the variance of one sample, of at most `limit` a pixel.
     const auto sumOf = [&](size_t cell, double limit) {
-        double sum = 0;
+        glm::dvec2 sum(0);
         const Bounds2i pixels = cells.PixelsOf(cell);
         for (int y = pixels.low.y - halves.low.y; y < pixels.high.y - halves.low.y; ++y)
             for (int x = pixels.low.x - halves.low.x; x < pixels.high.x - halves.low.x; ++x)
-                sum += std::min(limit, halves.counts[cell] * errors[size_t(y) * width + x]);
+                sum[(x + y) % 2] += std::min(limit, halves.counts[cell] * errors[size_t(y) * width + x]);
         return sum;
     };
     NoiseEstimate estimate;
-    std::vector<double> sums(cells.Count()), limited(cells.Count());
+    SumsByColor sums(cells.Count()), limited(cells.Count());
     for (size_t i = 0; i < sums.size(); ++i) {
         sums[i] = sumOf(i, Infinity);
-        estimate.relL2 += sums[i] / halves.counts[i] / double(errors.size());
+        estimate.relL2 += Total(sums[i]) / halves.counts[i] / double(errors.size());
     }
-    const std::vector<double> means = Smoothed(cells, sums);
-    for (size_t i = 0; i < sums.size(); ++i) limited[i] = sumOf(i, kMaxOutlier * means[i]);
-    estimate.variance = Smoothed(cells, limited);
+    const SumsByColor pixels = PixelsByColor(cells), pixelsAround = WithNeighbours(cells, pixels),
+                      sumsAround = WithNeighbours(cells, sums);
+    for (size_t i = 0; i < sums.size(); ++i)
+        limited[i] = sumOf(i, kMaxOutlier * Total(sumsAround[i]) / Total(pixelsAround[i]));
+    const SumsByColor limitedAround = WithNeighbours(cells, limited);
+    for (size_t i = 0; i < sums.size(); ++i) {
+        estimate.variance.push_back(Total(limitedAround[i]) / Total(pixelsAround[i]));
+        for (int color = 0; color < 2; ++color) {
+            estimate.colors[color].smoothed.push_back(RatioOrZero(limitedAround[i][color], pixelsAround[i][color]));
+            estimate.colors[color].own.push_back(RatioOrZero(limited[i][color], pixels[i][color]));
+        }
+    }
     return estimate;
 }
 
 int PilotSamples(int planned) { return std::clamp((planned / 4 + 1) / 2 * 2, 2, kPilot); }
+
+int HalfBlock(int planned, bool hasIndependentHalves) {
+    constexpr int block = SamplePlan::kHalfBlock;
+    return !hasIndependentHalves && PilotSamples(planned) >= 2 * block ? block : 1;
+}
 
 int NextDecision(int done, int planned) {
     const int next = std::min(done + std::max(2, done / 4 * 2), SamplePlan::kMaxCount);
@@ -128,43 +231,59 @@ double SamplesForNoise(int done, double estimated, double wanted) { return done 
 
 SamplePlan AllocateSamples(const PixelCells &cells, const SamplePlan &last, const std::vector<double> &variance,
                            int begin, int end) {
-    const std::vector<int> before = CountsOf(cells, last, begin);
-    std::vector<double> pixels(cells.Count()), wanted(cells.Count());
-    double area = 0, sum = 0, largest = 0, budget = 0;
-    for (size_t i = 0; i < pixels.size(); ++i) {
-        pixels[i] = double(cells.PixelsOf(i).Area());
-        // The camera's and the film's work is about that of a ray.
-        wanted[i] = std::sqrt(variance[i] / (1 + double(last.cost[i]) / (pixels[i] * std::max(1, before[i]))));
-        area += pixels[i];
-        budget += pixels[i] * (end - before[i]);
-        sum += pixels[i] * wanted[i];
-    }
-    for (size_t i = 0; i < pixels.size(); ++i) {
-        wanted[i] = sum > 0 ? wanted[i] + kUniformShare * sum / area : 1;
-        largest = std::max(largest, SamplePlan::kMaxGrowth * before[i] / wanted[i]);
-    }
-    const auto addedTo = [&](size_t i, double scale) {
-        const int most = std::min((SamplePlan::kMaxGrowth - 1) * before[i], SamplePlan::kMaxCount - before[i]);
-        return std::clamp(scale * wanted[i] - before[i], 0.0, double(most));
-    };
-    // Bisection: the cost grows with the scale.
-    double low = 0, high = largest;
-    for (int step = 0; step < 60; ++step) {
-        const double middle = (low + high) / 2;
-        double cost = 0;
-        for (size_t i = 0; i < pixels.size(); ++i) cost += pixels[i] * addedTo(i, middle);
-        (cost < budget ? low : high) = middle;
-    }
-    SamplePlan plan{begin, end, before, {}, last.cost};
+    const CellWork work(cells, last, begin);
+    const std::vector<double> added = work.Added(variance, end, SamplePlan::kMaxGrowth);
+    SamplePlan plan = last;
+    plan.begin = begin;
+    plan.end = end;
+    plan.before = work.Before();
+    plan.after.clear();
     double owed = 0;  // samples that rounding left over
-    for (size_t i = 0; i < pixels.size(); ++i) {
-        const double exact = addedTo(i, high);
-        owed += pixels[i] * exact;
-        const int pairs =
-            int(std::clamp(std::round(owed / pixels[i] / 2), std::floor(exact / 2), std::ceil(exact / 2)));
+    for (size_t i = 0; i < added.size(); ++i) {
+        const double exact = added[i], pixels = work.Pixels(i);
+        owed += pixels * exact;
+        const int pairs = int(std::clamp(std::round(owed / pixels / 2), std::floor(exact / 2), std::ceil(exact / 2)));
         plan.after.push_back(std::min(plan.before[i] + 2 * pairs, SamplePlan::kMaxCount));
-        owed -= pixels[i] * (plan.after[i] - plan.before[i]);
+        owed -= pixels * (plan.after[i] - plan.before[i]);
     }
+    return plan;
+}
+
+double PredictGain(const PixelCells &cells, const SamplePlan &last, const NoiseEstimate &estimate, int begin, int end) {
+    const CellWork work(cells, last, begin);
+    const auto added = [&](const std::vector<double> &variance) {
+        return work.Added(variance, end, SamplePlan::kMaxCount);
+    };
+    const std::vector<double> equal = added(std::vector<double>(cells.Count()));
+    CellWork::Outcome uniform, adaptive;
+    const auto add = [](CellWork::Outcome &sum, const CellWork::Outcome &o) {
+        sum.error += o.error;
+        sum.cost += o.cost;
+    };
+    for (int color = 0; color < 2; ++color) {
+        const std::vector<double> &variance = estimate.colors[1 - color].own;
+        add(uniform, work.Evaluate(equal, variance));
+        add(adaptive, work.Evaluate(added(estimate.colors[color].smoothed), variance));
+    }
+    return adaptive.error > 0 ? uniform.error / adaptive.error * (uniform.cost / adaptive.cost) : 1;
+}
+
+SamplePlan PlanSamples(const PixelCells &cells, const SamplePlan &last, const NoiseEstimate &estimate, int begin,
+                       int end, int horizon) {
+    SamplePlan plan = last;
+    // A decision that is made again, of a resumed render, counts once.
+    const bool isAgain = last.decisions > 0 && last.begin == begin;
+    const bool areEqual = CellWork(cells, last, begin).AreEqual();
+    plan.gain = PredictGain(cells, last, estimate, begin, horizon);
+    plan.isUniform = !(plan.gain > (areEqual ? SamplePlan::kMinGain : SamplePlan::kMinFurtherGain));
+    plan.decisions += isAgain ? 0 : 1;
+    plan.uniformDecisions += int(plan.isUniform) - int(isAgain && last.isUniform);
+    if (!plan.isUniform) return AllocateSamples(cells, plan, estimate.variance, begin, end);
+    if (!areEqual) return AllocateSamples(cells, plan, std::vector<double>(cells.Count()), begin, end);
+    plan.begin = begin;
+    plan.end = end;
+    plan.before.clear();
+    plan.after.clear();
     return plan;
 }
 
@@ -180,6 +299,10 @@ AdaptiveResult DescribeAdaptive(const Film &film, const Film &half, const Sample
         result.minSamples = least;
         result.maxSamples = most;
     }
+    const bool isBegun = average > plan.begin || plan.decisions == 0;  // else the last decision is not followed
+    result.decisions = plan.decisions - int(!isBegun);
+    result.uniformDecisions = plan.uniformDecisions - int(!isBegun && plan.isUniform);
+    result.predictedGain = plan.gain;
     if (const std::optional<NoiseEstimate> estimate = EstimateNoise(film, half, plan, average))
         result.noise = std::sqrt(estimate->relL2);
     return result;

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -7,22 +8,33 @@
 
 namespace pbrt {
 
-// Adaptive sampling. A half film holds every second sample of a pixel; the difference of the films estimates the noise.
-// With RenderSettings::noise, the samples alternate between two independent sample sets. So the estimate is honest also
-// for low-discrepancy samples, which lose some of their quality. Otherwise the halves are of one sequence, and the
-// estimate is too large where low-discrepancy samples gain much.
-// All functions depend on the films' sums only: any threads, processes and splits of a render decide alike.
+// Adaptive sampling. A half film holds every second block of a pixel's samples (SamplePlan::halfBlock); the difference
+// of the films estimates the noise. With RenderSettings::noise, blocks are single samples, which alternate between two
+// independent sample sets. So the estimate is honest also for low-discrepancy samples, which lose some of their
+// quality. Otherwise both halves are of one sequence, in blocks that are stratified, and the estimate is too large
+// where more samples gain from stratification. All functions depend on the films' sums only: any threads, processes and
+// splits of a render decide alike.
+
+/// Variance of one sample by cell, in relL2, estimated from the pixels of one colour of a checkerboard. The estimates
+/// of both colours have independent noise.
+struct CheckerVariance {
+    std::vector<double> smoothed;  ///< as NoiseEstimate::variance
+    std::vector<double> own;       ///< of the cell alone, outliers limited; 0 if it has no pixel of the colour
+};
 
 struct NoiseEstimate {
     double relL2 = 0;              ///< expected error of the image (Metric::RelL2) against a noise-free reference
     std::vector<double> variance;  ///< of one sample, in relL2, by cell: smoothed over neighbours, outliers limited
+    std::array<CheckerVariance, 2> colors;
 };
 
-/// `average`: samples per pixel of the films, see SamplePlan. Empty if a pixel has fewer than two.
+/// `average`: samples per pixel of the films, see SamplePlan. Empty if a pixel lacks samples in one of the halves.
 std::optional<NoiseEstimate> EstimateNoise(const Film &film, const Film &half, const SamplePlan &plan, int average);
 
 /// Number of samples per pixel of all pixels before the first decision, in a render planned for `planned`.
 int PilotSamples(int planned);
+/// SamplePlan::halfBlock of a render planned for `planned`: the pilot has samples in both halves.
+int HalfBlock(int planned, bool hasIndependentHalves);
 /// Average samples per pixel at the decision after the one at `done`: 3/2 of them, but `planned` is not skipped.
 int NextDecision(int done, int planned);
 /// Average samples per pixel for this noise, extrapolated by the inverse square root.
@@ -35,11 +47,24 @@ double SamplesForNoise(int done, double estimated, double wanted);
 SamplePlan AllocateSamples(const PixelCells &cells, const SamplePlan &last, const std::vector<double> &variance,
                            int begin, int end);
 
+/// Predicted efficiency (the inverse of relL2 times cost) at `end` samples per pixel on average of the distribution
+/// that AllocateSamples approaches over equal numbers, both as far as the samples taken permit. The distribution of one
+/// checkerboard colour is evaluated with the variance of the other: noise of the estimate does not look like gain.
+double PredictGain(const PixelCells &cells, const SamplePlan &last, const NoiseEstimate &estimate, int begin, int end);
+
+/// Plan from `begin` to `end`: by AllocateSamples if PredictGain at `horizon`, the presumed end of the render, exceeds
+/// SamplePlan::kMinGain or kMinFurtherGain; otherwise towards equal numbers. As long as these are equal, the samples
+/// are those of a render that is not adaptive, unless the halves have independent sample sets.
+SamplePlan PlanSamples(const PixelCells &cells, const SamplePlan &last, const NoiseEstimate &estimate, int begin,
+                       int end, int horizon);
+
 /// State of an adaptive render, for reports.
 struct AdaptiveResult {
     double meanSamples = 0;  ///< per pixel
     int minSamples = 0, maxSamples = 0;
-    std::optional<double> noise;  ///< estimated: the square root of relL2
+    int decisions = 0, uniformDecisions = 0;  ///< whose samples are taken, see SamplePlan
+    double predictedGain = 0;                 ///< by the last decision, see PredictGain; 0: there is none
+    std::optional<double> noise;              ///< estimated: the square root of relL2
 };
 AdaptiveResult DescribeAdaptive(const Film &film, const Film &half, const SamplePlan &plan, int average);
 

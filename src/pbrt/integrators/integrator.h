@@ -20,8 +20,8 @@ class DirectionSampling;
 /// Addition to a pass of an adaptive render.
 struct AdaptivePass {
     const SamplePlan &plan;  ///< RenderPass::first and count are averages
-    Film &half;              ///< also receives the odd samples
-    /// Of the odd samples, independent of the others; or RenderPass::samplers, which then continue their sequence.
+    Film &half;              ///< also receives the samples of SamplePlan::IsInHalf
+    /// Of these samples, independent of the others; or RenderPass::samplers, which then continue their sequence.
     std::span<const std::unique_ptr<Sampler>> samplers;
     std::span<uint64_t> cost;  ///< SamplePlan::cost; thread-safe by atomics
 };

@@ -125,8 +125,8 @@ class PassRenderer {
         for (uint32_t i = 0; i < strip.pixels; ++i) samples += RangeOf(strip.PixelAt(i)).count;
         return samples;
     }
-    /// Number of light paths behind the splats of odd samples.
-    uint64_t OddPaths() const { return oddPaths_; }
+    /// Number of light paths behind the splats of the half film.
+    uint64_t HalfPaths() const { return halfPaths_; }
 
   private:
     struct SampleRange {
@@ -145,8 +145,9 @@ class PassRenderer {
         return c.closestHitRays + c.shadowRays + c.mediumLookups;
     }
     void TraceSample(Point2i pixel, int index, int thread) {
-        const AdaptivePass *const odd = index % 2 != 0 ? pass_.adaptive : nullptr;
-        Sampler &sampler = *(odd ? odd->samplers : pass_.samplers)[thread];
+        const AdaptivePass *const adaptive = pass_.adaptive;
+        Film *const half = adaptive && adaptive->plan.IsInHalf(index) ? &adaptive->half : nullptr;
+        Sampler &sampler = *(half ? adaptive->samplers : pass_.samplers)[thread];
         FilmSample sample;
         sample.pixel = pixel;
         sampler.StartPixelSample(pixel, alternates_ ? AdaptiveSampleIndex(index, sampler.SamplesPerPixel()) : index);
@@ -161,15 +162,15 @@ class PassRenderer {
             const PathStart start{{*ray, pixel, pass_.batchFirst + index, wantsVisible_ ? &sample.visible : nullptr},
                                   pass_,
                                   sample.weight,
-                                  odd ? &odd->half : nullptr};
+                                  half};
             sample.L = weight * integrator_.Li(start, sample.lambda, sampler);
         } else {
             sample.hasRay = false;
         }
         if (!pass_.keepsSamples) return;
         pass_.film.AddSample(sample);
-        if (odd) odd->half.AddSample(sample);
-        if (odd && splats_) oddPaths_.fetch_add(1, std::memory_order_relaxed);
+        if (half) half->AddSample(sample);
+        if (half && splats_) halfPaths_.fetch_add(1, std::memory_order_relaxed);
     }
 
     const PixelIntegrator &integrator_;
@@ -178,7 +179,7 @@ class PassRenderer {
     const std::optional<Float> uWavelengths_;
     const bool splats_, alternates_, wantsVisible_;
     const Float differentialScale_;
-    std::atomic<uint64_t> oddPaths_ = 0;
+    std::atomic<uint64_t> halfPaths_ = 0;
 };
 
 /// Chunks of a pass: its tiles, or several strips per tile.
@@ -225,7 +226,7 @@ bool PixelIntegrator::Render(const RenderPass &pass) {
                             .splat = Splats(),
                             .samplesOf = [&](int64_t i) { return renderer.SamplesOf(strips[i]); },
                             .render = [&](int64_t i, uint32_t done) { return renderer.RenderStrip(strips[i], done); }});
-    if (pass.adaptive) pass.adaptive->half.AddSplatPaths(renderer.OddPaths());
+    if (pass.adaptive) pass.adaptive->half.AddSplatPaths(renderer.HalfPaths());
     return isComplete;
 }
 

@@ -16,7 +16,9 @@ class WaveRenderer {
     WaveRenderer(const RenderContext &context, const RenderSettings &settings)
         : context_(context), model_(context.integrator.Model()), settings_(settings), samplers_(ThreadCount()),
           oddSamplers_(context.half ? ThreadCount() : 0) {
-        if (context.half) position_.plan.cost.resize(PixelCells(context.film.PixelBounds()).Count());
+        if (!context.half) return;
+        position_.plan.cost.resize(PixelCells(context.film.PixelBounds()).Count());
+        position_.plan.halfBlock = HalfBlock(settings.samplesPerPixel, settings.noise > 0);
     }
 
     /// Renders up to `count` more samples per pixel, within the batch. Returns the number rendered; 0 if cancelled.
@@ -56,14 +58,7 @@ class WaveRenderer {
             plan.end = uniform;
         } else {
             Gather();
-            const NoiseEstimate estimate = EstimateNoise(context_.film, *context_.half, plan, Done()).value();
-            noise_ = std::sqrt(estimate.relL2);
-            int end = NextDecision(Done(), settings_.samplesPerPixel);
-            if (settings_.noise > 0) {
-                const double enough = std::ceil(SamplesForNoise(Done(), *noise_, settings_.noise));
-                end = int(std::clamp(enough, std::min(Done() + 2.0, double(end)), double(end)));
-            }
-            plan = AllocateSamples(PixelCells(context_.film.PixelBounds()), plan, estimate.variance, Done(), end);
+            Decide();
         }
         Send(Command::Plan);
     }
@@ -72,7 +67,10 @@ class WaveRenderer {
     int Done() const { return position_.done; }
     const RenderPosition &Position() const { return position_; }
     /// Resumes from this position, which film and integrator are in.
-    void GoOnFrom(RenderPosition position) { position_ = std::move(position); }
+    void GoOnFrom(RenderPosition position) {
+        position.plan.halfBlock = position_.plan.halfBlock;
+        position_ = std::move(position);
+    }
     /// Continues at this sample, as the film already holds (Film::Load) or skips those before. Samples that the
     /// integrator learns from are traced again.
     void ContinueFrom(int samples) {
@@ -122,6 +120,20 @@ class WaveRenderer {
         if (command == Command::Pass) out(position_.done, position_.passCount, isRepeating_, position_.passDone);
         if (command == Command::Plan) out(position_.plan);
         context_.team.Broadcast(out);
+    }
+    /// Of the gathered films.
+    void Decide() {
+        SamplePlan &plan = position_.plan;
+        const NoiseEstimate estimate = EstimateNoise(context_.film, *context_.half, plan, Done()).value();
+        noise_ = std::sqrt(estimate.relL2);
+        int end = NextDecision(Done(), settings_.samplesPerPixel);
+        int horizon = std::max(end, settings_.samplesPerPixel);
+        if (settings_.noise > 0) {
+            const double enough = std::ceil(SamplesForNoise(Done(), *noise_, settings_.noise));
+            end = int(std::clamp(enough, std::min(Done() + 2.0, double(end)), double(end)));
+            horizon = int(std::clamp(enough, double(end), double(horizon)));
+        }
+        plan = PlanSamples(PixelCells(context_.film.PixelBounds()), plan, estimate, Done(), end, horizon);
     }
     bool RenderPassOf(int size) {
         const int batch = settings_.samplesPerPixel;

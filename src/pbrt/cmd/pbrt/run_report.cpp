@@ -48,6 +48,9 @@ Json AdaptiveJson(const CommandLine &options, const RenderResult &result) {
     return {{"meanSamples", a.meanSamples},
             {"minSamples", a.minSamples},
             {"maxSamples", a.maxSamples},
+            {"decisions", a.decisions},
+            {"uniformDecisions", a.uniformDecisions},
+            {"predictedGain", a.predictedGain},
             {"noise", a.noise ? Json(*a.noise) : Json()},
             {"noiseRequested", options.noise > 0 ? Json(options.noise) : Json()}};
 }
@@ -75,6 +78,9 @@ ImageMetadata DescribeImage(const CommandLine &options, const BuiltScene &built,
         m.attributes["pbrt.meanSamples"] = float(a->meanSamples);
         m.attributes["pbrt.minSamples"] = a->minSamples;
         m.attributes["pbrt.maxSamples"] = a->maxSamples;
+        m.attributes["pbrt.decisions"] = a->decisions;
+        m.attributes["pbrt.uniformDecisions"] = a->uniformDecisions;
+        m.attributes["pbrt.predictedGain"] = float(a->predictedGain);
         if (a->noise) m.attributes["pbrt.noise"] = float(*a->noise);
         if (options.noise > 0) m.attributes["pbrt.noiseRequested"] = float(options.noise);
     }
@@ -116,6 +122,8 @@ void PrintStatistics(const BuiltScene &built, const RenderResult &result, const 
     PrintLine("samples per pixel", "{}", result.samplesTaken);
     if (const auto &a = result.adaptive) {
         PrintLine("  mean, smallest, largest", "{:.2f}, {}, {}", a->meanSamples, a->minSamples, a->maxSamples);
+        PrintLine("  waves planned, uniform, gain", "{}, {}, {:.2f}", a->decisions, a->uniformDecisions,
+                  a->predictedGain);
         if (a->noise) PrintLine("noise", "{:.4f}", *a->noise);
     }
     PrintLine("shapes, lights", "{}, {}", built.scene->ShapeCount(), built.scene->Lights().Size());

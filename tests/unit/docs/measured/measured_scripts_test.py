@@ -28,6 +28,7 @@ def load(name):
 
 
 measured = load("run")
+adaptive = load("adaptive")
 
 
 class Folder(unittest.TestCase):
@@ -73,6 +74,24 @@ class Statistics(Folder):
         self.assertAlmostEqual(c.ratio("octree", "bvh").error, 0)
         few = self.experiment({"bvh": common[:4], "octree": [0.5 * v for v in common[:4]]})
         self.assertGreater(few.ratio("octree", "bvh").error, 0.2)
+
+    def test_ratios_of_adaptive_sampling_are_of_pairs(self):
+        same = adaptive.ratio([1, 2, 4], [1, 2, 4], 0.5)
+        self.assertEqual((same.mean, same.error), (1, 0))
+        twice = adaptive.ratio([2.5, 3.5], [1, 2], 0.5)
+        self.assertAlmostEqual(twice.mean, 2.5)
+        self.assertAlmostEqual(twice.error, 0.75)
+
+    def test_maps_of_samples_share_one_scale(self):
+        import numpy
+        from PIL import Image
+        images = [Image.new("RGB", (adaptive.PANEL_WIDTH, h)) for h in (40, 60)]
+        counts = [numpy.full((i.height, i.width), n) for i, n in zip(images, (16., 128.))]
+        picture = adaptive.panels(images, counts, ["a", "b"])
+        first, line = adaptive.sheet.LINE, adaptive.sheet.LINE + adaptive.sheet.GAP
+        y = 60 + line + first + 20
+        colors = [picture.getpixel((x, y)) for x in (10, adaptive.PANEL_WIDTH + adaptive.sheet.GAP + 10)]
+        self.assertEqual(colors, [(68, 1, 84), (253, 231, 36)])  # the ends of viridis
 
     def test_verdicts(self):
         def verdict(own, other):

@@ -1,4 +1,4 @@
-// Estimates of noise, allocation of samples, and the images of adaptive renders.
+// Estimates of noise, and the images of adaptive renders.
 #include "pbrt/integrators/adaptive_sampling.h"
 
 #include <gtest/gtest.h>
@@ -9,112 +9,11 @@
 #include "pbrt/images/metrics.h"
 #include "pbrt/integrators/pixel_integrator.h"
 #include "pbrt/integrators/render_loop.h"
-#include "pbrt/math/rng.h"
 #include "pbrt/math/statistics.h"
 #include "support/param.h"
 
 namespace pbrt {
 namespace {
-
-const Bounds2i kPixels{{3, 5}, {53, 42}};  // the last cells are smaller
-
-SamplePlan UniformPlan(const PixelCells &cells, int samples) {
-    SamplePlan plan{0, samples, {}, {}, {}};
-    for (size_t i = 0; i < cells.Count(); ++i) plan.cost.push_back(uint64_t(3 * samples) * cells.PixelsOf(i).Area());
-    return plan;
-}
-
-double Added(const PixelCells &cells, const SamplePlan &plan) {
-    double added = 0;
-    for (size_t i = 0; i < cells.Count(); ++i)
-        added += double(cells.PixelsOf(i).Area()) * (plan.after[i] - plan.before[i]);
-    return added;
-}
-
-TEST(SampleAllocation, SpendsWhatAUniformWaveWould) {
-    const PixelCells cells(kPixels);
-    EXPECT_EQ(cells.Count(), 35u);
-    Rng rng(7);
-    std::vector<double> variance;
-    for (size_t i = 0; i < cells.Count(); ++i) variance.push_back(std::exp(6.0 * double(rng.Uniform())));
-    SamplePlan plan = UniformPlan(cells, 16);
-    for (const int end : {24, 36, 64}) {
-        const SamplePlan next = AllocateSamples(cells, plan, variance, plan.end, end);
-        EXPECT_EQ(next.Validate(cells, plan.end), std::nullopt);
-        EXPECT_NEAR(Added(cells, next), double(kPixels.Area()) * (end - plan.end), 128);
-        for (size_t i = 0; i < cells.Count(); ++i) {
-            EXPECT_EQ(next.before[i], plan.CountAt(i, plan.end));
-            EXPECT_EQ((next.after[i] - next.before[i]) % 2, 0);
-            EXPECT_LE(next.after[i], SamplePlan::kMaxGrowth * next.before[i] + 2);
-        }
-        EXPECT_EQ(next.after, AllocateSamples(cells, plan, variance, plan.end, end).after);
-        plan = next;
-    }
-    // Proportional to the standard deviation, with a share for all.
-    const auto [least, most] = std::ranges::minmax_element(variance);
-    const int few = plan.after[least - variance.begin()], many = plan.after[most - variance.begin()];
-    EXPECT_GT(many, 4 * few);
-    EXPECT_LT(many, int(std::sqrt(*most / *least)) * few);
-}
-
-TEST(SampleAllocation, WithoutNoiseIsUniform) {
-    const PixelCells cells(kPixels);
-    const SamplePlan plan = AllocateSamples(cells, UniformPlan(cells, 16), std::vector<double>(cells.Count()), 16, 24);
-    for (const int count : plan.after) EXPECT_EQ(count, 24);
-}
-
-TEST(SampleAllocation, AnUnluckyZeroDoesNotStarve) {
-    const PixelCells cells(kPixels);
-    std::vector<double> variance(cells.Count(), 1);
-    variance[3] = 0;
-    SamplePlan plan = UniformPlan(cells, 16);
-    while (plan.end < 1024) plan = AllocateSamples(cells, plan, variance, plan.end, NextDecision(plan.end, 1024));
-    EXPECT_GE(plan.after[3], 1024 / 16);
-    EXPECT_LE(plan.after[3], 1024 / 8);
-}
-
-TEST(SampleAllocation, ExpensiveCellsGetFewer) {
-    const PixelCells cells(kPixels);
-    SamplePlan plan = UniformPlan(cells, 16);
-    plan.cost[0] = 15 * plan.cost[0] / 3;  // 16 with the camera's share, over 4
-    plan = AllocateSamples(cells, plan, std::vector<double>(cells.Count(), 1), 16, 48);
-    EXPECT_NEAR(plan.after[0], plan.after[8] / 2, 4);
-}
-
-TEST(SampleAllocation, DecisionsIncludeThePlannedNumber) {
-    EXPECT_EQ(PilotSamples(1), 2);
-    EXPECT_EQ(PilotSamples(16), 4);
-    EXPECT_EQ(PilotSamples(30), 8);
-    EXPECT_EQ(PilotSamples(4096), 16);
-    for (const int planned : {5, 64, 100}) {
-        bool isIncluded = false;
-        for (int done = PilotSamples(planned); done < 200; done = NextDecision(done, planned)) {
-            isIncluded |= done == planned;
-            EXPECT_GT(NextDecision(done, planned), done);
-        }
-        EXPECT_TRUE(isIncluded) << planned;
-    }
-}
-
-TEST(SamplePlans, OfOtherFilmsAreInvalid) {
-    const PixelCells cells(kPixels);
-    const SamplePlan good = AllocateSamples(cells, UniformPlan(cells, 4), std::vector<double>(cells.Count(), 1), 4, 8);
-    EXPECT_EQ(good.Validate(cells, 6), std::nullopt);
-    EXPECT_EQ(good.CountAt(0, 4), 4);
-    EXPECT_EQ(good.CountAt(0, 6), 6);
-    EXPECT_TRUE(good.Validate(cells, 9));
-    EXPECT_TRUE(good.Validate(PixelCells({{0, 0}, {8, 8}}), 6));
-    for (int fault = 0; fault < 5; ++fault) {
-        SamplePlan bad = good;
-        if (fault == 0) bad.after[2] = bad.before[2] - 1;
-        if (fault == 1) bad.after[2] = SamplePlan::kMaxCount + 1;
-        if (fault == 2) bad.before[2] = -1;
-        if (fault == 3) bad.cost.pop_back();
-        if (fault == 4)
-            for (int &count : bad.after) count += 2;
-        EXPECT_TRUE(bad.Validate(cells, 6)) << fault;
-    }
-}
 
 TEST(AdaptiveSampleIndices, AreDistinctSetsOfBothStreams) {
     std::vector<int> even, odd;
@@ -123,18 +22,28 @@ TEST(AdaptiveSampleIndices, AreDistinctSetsOfBothStreams) {
     EXPECT_EQ(odd, (std::vector<int>{4, 5, 6, 7, 12, 13}));
 }
 
-/// Radiance 1 in the mean: 1 / p with a probability that is small on the right; 1 without noise.
+enum class Noise { None, Everywhere, Right, Corner };
+
+/// Radiance 1 in the mean: 1 / p with a probability that is small where the noise is.
 class Spikes final : public PixelIntegrator {
   public:
-    explicit Spikes(int width, bool isNoisy) : width_(width), isNoisy_(isNoisy) {}
+    explicit Spikes(int width, Noise noise) : width_(width), noise_(noise) {}
     SampledSpectrum Li(const PathStart &start, SampledWavelengths &, Sampler &sampler) const override {
-        const Float p = !isNoisy_ ? Float(1) : 4 * start.pixel.x < 3 * width_ ? Float(0.9) : Float(0.05);
+        const Float p = Probability(start.pixel);
         return SampledSpectrum(sampler.Get1D() < p ? 1 / p : Float(0));
     }
 
   private:
+    Float Probability(Point2i pixel) const {
+        switch (noise_) {
+            case Noise::Everywhere: return Float(0.3);
+            case Noise::Right: return 4 * pixel.x < 3 * width_ ? Float(0.9) : Float(0.05);
+            case Noise::Corner: return std::max(pixel.x, pixel.y) < width_ / 4 ? Float(0.05) : Float(1);
+            default: return 1;
+        }
+    }
     int width_;
-    bool isNoisy_;
+    Noise noise_;
 };
 
 class AdaptiveRender : public ::testing::Test {
@@ -145,7 +54,8 @@ class AdaptiveRender : public ::testing::Test {
         Image image;
         RenderResult render;
     };
-    static Result Render(bool isAdaptive, int samples, int seed, bool isNoisy = true, double noise = 0) {
+    static Result Render(bool isAdaptive, int samples, int seed, Noise place = Noise::Right, double noise = 0,
+                         const char *samplerName = "independent") {
         DiagnosticSink sink;
         FilmContext context{.outputSpace = ColorSpace::SRGB()};
         context.overrides.fullFloat = true;
@@ -156,9 +66,10 @@ class AdaptiveRender : public ::testing::Test {
         const auto filter = Filters().Make("box", ParamSet(), FilterContext{sink});
         const auto camera = Cameras().Make("orthographic", ParamSet(),
                                            CameraContext{AnimatedTransform(), {kWidth, kHeight}, 35, {}, sink});
-        const auto sampler = Samplers().Make("independent", ParamSet(),
-                                             SamplerContext{{kWidth, kHeight}, (samples + 1) / 2, seed, sink});
-        Spikes integrator(kWidth, isNoisy);
+        const int setSize = noise > 0 ? (samples + 1) / 2 : samples;
+        const auto sampler =
+            Samplers().Make(samplerName, ParamSet(), SamplerContext{{kWidth, kHeight}, setSize, seed, sink});
+        Spikes integrator(kWidth, place);
         Progress progress;
         RenderSettings settings;
         settings.samplesPerPixel = samples;
@@ -170,7 +81,7 @@ class AdaptiveRender : public ::testing::Test {
         return {film->ToImage(), result};
     }
     static const Image &Truth() {
-        static const Image image = Render(false, 1, 0, false).image;
+        static const Image image = Render(false, 1, 0, Noise::None).image;
         return image;
     }
 };
@@ -188,6 +99,34 @@ TEST_F(AdaptiveRender, SpendsItsSamplesWhereTheNoiseIs) {
     EXPECT_GT(errors[0] / errors[1], 2);
 }
 
+TEST_F(AdaptiveRender, OfEqualNoiseIsTheUniformImage) {
+    for (const char *sampler : {"zsobol", "independent"})
+        for (const int samples : {37, 64})
+            for (const Noise place : {Noise::Everywhere, Noise::None}) {
+                const Result adaptive = Render(true, samples, 2, place, 0, sampler);
+                const Image uniform = Render(false, samples, 2, place, 0, sampler).image;
+                EXPECT_GT(adaptive.render.adaptive->decisions, 2);
+                EXPECT_EQ(adaptive.render.adaptive->uniformDecisions, adaptive.render.adaptive->decisions);
+                EXPECT_EQ(adaptive.render.adaptive->minSamples, samples);
+                EXPECT_EQ(adaptive.render.adaptive->maxSamples, samples);
+                EXPECT_NEAR(adaptive.render.adaptive->predictedGain, 1, 0.15);
+                int different = 0;
+                ForEachValue(uniform,
+                             [&](Point2i p, int c) { different += uniform.Get(p, c) != adaptive.image.Get(p, c); });
+                EXPECT_EQ(different, 0) << sampler << samples;
+            }
+}
+
+TEST_F(AdaptiveRender, OfNoiseInACornerIsNotUniform) {
+    for (const char *sampler : {"zsobol", "independent"}) {
+        const AdaptiveResult result = Render(true, 64, 2, Noise::Corner, 0, sampler).render.adaptive.value();
+        EXPECT_EQ(result.decisions, 4) << sampler;
+        EXPECT_EQ(result.uniformDecisions, 0) << sampler;
+        EXPECT_GT(result.predictedGain, SamplePlan::kMinGain) << sampler;
+        EXPECT_GT(result.maxSamples, 4 * result.minSamples) << sampler;
+    }
+}
+
 TEST_F(AdaptiveRender, EstimatesItsNoise) {
     double found = 0, estimated = 0;
     for (int seed = 1; seed <= 8; ++seed) {
@@ -200,11 +139,11 @@ TEST_F(AdaptiveRender, EstimatesItsNoise) {
 
 TEST_F(AdaptiveRender, StopsAtTheNoiseRequested) {
     for (const double noise : {0.3, 0.1}) {
-        const Result r = Render(true, 4096, 1, true, noise);
+        const Result r = Render(true, 4096, 1, Noise::Right, noise);
         EXPECT_LE(r.render.adaptive->noise.value(), noise);
         EXPECT_NEAR(std::sqrt(ImageError(r.image, Truth(), Metric::RelL2)) / noise, 1, 0.2);
     }
-    EXPECT_EQ(Render(true, 64, 1, true, 1e-6).render.samplesTaken, 64);
+    EXPECT_EQ(Render(true, 64, 1, Noise::Right, 1e-6).render.samplesTaken, 64);
 }
 
 /// Samples that decide are part of the image. A bias would show in pixels whose first samples were all dark.

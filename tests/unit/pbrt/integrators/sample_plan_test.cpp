@@ -1,0 +1,255 @@
+// Allocation of samples, predicted gain, and plans of adaptive renders.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pbrt/integrators/adaptive_sampling.h"
+#include "pbrt/math/rng.h"
+#include "pbrt/math/statistics.h"
+
+namespace pbrt {
+namespace {
+
+const Bounds2i kPixels{{3, 5}, {53, 42}};  // the last cells are smaller
+
+SamplePlan UniformPlan(const PixelCells &cells, int samples) {
+    SamplePlan plan{0, samples, {}, {}, {}};
+    for (size_t i = 0; i < cells.Count(); ++i) plan.cost.push_back(uint64_t(3 * samples) * cells.PixelsOf(i).Area());
+    return plan;
+}
+
+double Added(const PixelCells &cells, const SamplePlan &plan) {
+    double added = 0;
+    for (size_t i = 0; i < cells.Count(); ++i)
+        added += double(cells.PixelsOf(i).Area()) * (plan.after[i] - plan.before[i]);
+    return added;
+}
+
+TEST(SampleAllocation, SpendsWhatAUniformWaveWould) {
+    const PixelCells cells(kPixels);
+    EXPECT_EQ(cells.Count(), 35u);
+    Rng rng(7);
+    std::vector<double> variance;
+    for (size_t i = 0; i < cells.Count(); ++i) variance.push_back(std::exp(6.0 * double(rng.Uniform())));
+    SamplePlan plan = UniformPlan(cells, 16);
+    for (const int end : {24, 36, 64}) {
+        const SamplePlan next = AllocateSamples(cells, plan, variance, plan.end, end);
+        EXPECT_EQ(next.Validate(cells, plan.end), std::nullopt);
+        EXPECT_NEAR(Added(cells, next), double(kPixels.Area()) * (end - plan.end), 128);
+        for (size_t i = 0; i < cells.Count(); ++i) {
+            EXPECT_EQ(next.before[i], plan.CountAt(i, plan.end));
+            EXPECT_EQ((next.after[i] - next.before[i]) % 2, 0);
+            EXPECT_LE(next.after[i], SamplePlan::kMaxGrowth * next.before[i] + 2);
+        }
+        EXPECT_EQ(next.after, AllocateSamples(cells, plan, variance, plan.end, end).after);
+        plan = next;
+    }
+    // Proportional to the standard deviation, with a share for all.
+    const auto [least, most] = std::ranges::minmax_element(variance);
+    const int few = plan.after[least - variance.begin()], many = plan.after[most - variance.begin()];
+    EXPECT_GT(many, 4 * few);
+    EXPECT_LT(many, int(std::sqrt(*most / *least)) * few);
+}
+
+TEST(SampleAllocation, WithoutNoiseIsUniform) {
+    const PixelCells cells(kPixels);
+    const SamplePlan plan = AllocateSamples(cells, UniformPlan(cells, 16), std::vector<double>(cells.Count()), 16, 24);
+    for (const int count : plan.after) EXPECT_EQ(count, 24);
+}
+
+TEST(SampleAllocation, AnUnluckyZeroDoesNotStarve) {
+    const PixelCells cells(kPixels);
+    std::vector<double> variance(cells.Count(), 1);
+    variance[3] = 0;
+    SamplePlan plan = UniformPlan(cells, 16);
+    while (plan.end < 1024) plan = AllocateSamples(cells, plan, variance, plan.end, NextDecision(plan.end, 1024));
+    EXPECT_GE(plan.after[3], 1024 / 16);
+    EXPECT_LE(plan.after[3], 1024 / 8);
+}
+
+TEST(SampleAllocation, ExpensiveCellsGetFewer) {
+    const PixelCells cells(kPixels);
+    SamplePlan plan = UniformPlan(cells, 16);
+    plan.cost[0] = 15 * plan.cost[0] / 3;  // 16 with the camera's share, over 4
+    plan = AllocateSamples(cells, plan, std::vector<double>(cells.Count(), 1), 16, 48);
+    EXPECT_NEAR(plan.after[0], plan.after[8] / 2, 4);
+}
+
+TEST(SampleAllocation, DecisionsIncludeThePlannedNumber) {
+    EXPECT_EQ(PilotSamples(1), 2);
+    EXPECT_EQ(PilotSamples(16), 4);
+    EXPECT_EQ(PilotSamples(30), 8);
+    EXPECT_EQ(PilotSamples(4096), 16);
+    for (const int planned : {5, 64, 100}) {
+        bool isIncluded = false;
+        for (int done = PilotSamples(planned); done < 200; done = NextDecision(done, planned)) {
+            isIncluded |= done == planned;
+            EXPECT_GT(NextDecision(done, planned), done);
+        }
+        EXPECT_TRUE(isIncluded) << planned;
+    }
+}
+
+/// An estimate of the same variances by both colours.
+NoiseEstimate EstimateOf(const std::vector<double> &variance) {
+    return {.variance = variance, .colors = {CheckerVariance{variance, variance}, CheckerVariance{variance, variance}}};
+}
+
+std::vector<double> RandomVariances(const PixelCells &cells, Rng &rng) {
+    std::vector<double> variance;
+    for (size_t i = 0; i < cells.Count(); ++i) variance.push_back(std::exp(4.0 * double(rng.Uniform())));
+    return variance;
+}
+
+/// Where all cells get samples: mean v / (mean (v / w) mean w) for a distribution w.
+TEST(PredictedGain, IsThatOfTheDistribution) {
+    const PixelCells cells(kPixels);
+    Rng rng(3);
+    const std::vector<double> variance = RandomVariances(cells, rng);
+    const auto mean = [&](auto &&f) {
+        double sum = 0;
+        for (size_t i = 0; i < cells.Count(); ++i) sum += double(cells.PixelsOf(i).Area()) * f(variance[i]);
+        return sum / double(kPixels.Area());
+    };
+    const double share = 0.1 * mean([](double v) { return std::sqrt(v); });
+    const auto wanted = [&](double v) { return std::sqrt(v) + share; };
+    const double expected = mean([](double v) { return v; }) / mean([&](double v) { return v / wanted(v); }) /
+                            mean([&](double v) { return wanted(v); });
+    EXPECT_GT(expected, 1.1);
+    const double gain = PredictGain(cells, UniformPlan(cells, 2), EstimateOf(variance), 2, 1024);
+    EXPECT_NEAR(gain / expected, 1, 1e-6);
+    const std::vector<double> equal(cells.Count(), 3);
+    EXPECT_NEAR(PredictGain(cells, UniformPlan(cells, 2), EstimateOf(equal), 2, 64), 1, 1e-6);
+    const std::vector<double> none(cells.Count());
+    EXPECT_EQ(PredictGain(cells, UniformPlan(cells, 2), EstimateOf(none), 2, 64), 1);
+}
+
+/// Slow twin: small amounts go to the cell that lacks most, from the samples that cells have.
+TEST(PredictedGain, CountsTheSamplesTaken) {
+    constexpr int kBegin = 16, kEnd = 28;
+    constexpr double kStep = 1 / 128.0;
+    const PixelCells cells(kPixels);
+    Rng rng(5);
+    const std::vector<double> variance = RandomVariances(cells, rng);
+    SamplePlan plan = UniformPlan(cells, kBegin);
+    for (uint64_t &cost : plan.cost) cost = uint64_t(double(cost) * 3 * double(rng.Uniform()));
+    std::vector<double> cost, wanted, samples(cells.Count(), kBegin);
+    double mean = 0;
+    for (size_t i = 0; i < cells.Count(); ++i) {
+        const double pixels = double(cells.PixelsOf(i).Area());
+        cost.push_back(1 + double(plan.cost[i]) / (pixels * kBegin));
+        wanted.push_back(std::sqrt(variance[i] / cost[i]));
+        mean += pixels * wanted[i] / double(kPixels.Area());
+    }
+    for (double &w : wanted) w += 0.1 * mean;
+    for (double left = double(kPixels.Area()) * (kEnd - kBegin); left > 0;) {
+        size_t next = 0;
+        for (size_t i = 1; i < cells.Count(); ++i)
+            if (samples[i] / wanted[i] < samples[next] / wanted[next]) next = i;
+        samples[next] += kStep;
+        left -= kStep * double(cells.PixelsOf(next).Area());
+    }
+    double error[2] = {}, work[2] = {};
+    for (size_t i = 0; i < cells.Count(); ++i)
+        for (const bool isPlanned : {false, true}) {
+            const double pixels = double(cells.PixelsOf(i).Area()), n = isPlanned ? samples[i] : kEnd;
+            error[isPlanned] += pixels * variance[i] / n;
+            work[isPlanned] += pixels * cost[i] * n;
+        }
+    const double expected = error[0] * work[0] / (error[1] * work[1]);
+    EXPECT_GT(expected, 1.02);
+    EXPECT_NEAR(PredictGain(cells, plan, EstimateOf(variance), kBegin, kEnd), expected, 0.002);
+}
+
+TEST(PredictedGain, IsNotTheNoiseOfTheEstimate) {
+    const PixelCells cells(kPixels);
+    Rng rng(11);
+    RunningMoments independent, same;
+    for (int repeat = 0; repeat < 50; ++repeat) {
+        std::vector<double> estimates[2];
+        for (std::vector<double> &e : estimates)
+            for (size_t i = 0; i < cells.Count(); ++i) e.push_back(-std::log(1 - double(rng.Uniform())));
+        const NoiseEstimate both{
+            .variance = estimates[0],
+            .colors = {CheckerVariance{estimates[0], estimates[0]}, CheckerVariance{estimates[1], estimates[1]}}};
+        independent.Add(PredictGain(cells, UniformPlan(cells, 2), both, 2, 256));
+        same.Add(PredictGain(cells, UniformPlan(cells, 2), EstimateOf(estimates[0]), 2, 256));
+    }
+    EXPECT_LT(independent.Mean(), 1);
+    EXPECT_GT(same.Mean(), 1.1);
+}
+
+TEST(PlannedSamples, AreEqualWithoutGain) {
+    const PixelCells cells(kPixels);
+    const NoiseEstimate equal = EstimateOf(std::vector<double>(cells.Count(), 1));
+    SamplePlan plan = PlanSamples(cells, UniformPlan(cells, 16), equal, 16, 25, 64);
+    EXPECT_TRUE(plan.before.empty());
+    EXPECT_EQ(plan.CountAt(0, 21), 21);
+    EXPECT_EQ(plan.uniformDecisions, 1);
+    // The same decision of a resumed render.
+    plan = PlanSamples(cells, plan, equal, 16, 25, 64);
+    EXPECT_EQ(plan.decisions, 1);
+    EXPECT_EQ(plan.uniformDecisions, 1);
+    EXPECT_EQ(plan.Validate(cells, 20), std::nullopt);
+}
+
+TEST(PlannedSamples, BecomeEqualAgain) {
+    const PixelCells cells(kPixels);
+    std::vector<double> variance(cells.Count(), 1);
+    variance[8] = variance[17] = 1000;
+    SamplePlan plan = PlanSamples(cells, UniformPlan(cells, 16), EstimateOf(variance), 16, 24, 64);
+    EXPECT_GT(plan.gain, SamplePlan::kMinGain);
+    EXPECT_GT(plan.after[8], plan.after[0]);
+    EXPECT_EQ(plan.uniformDecisions, 0);
+    const NoiseEstimate equal = EstimateOf(std::vector<double>(cells.Count(), 1));
+    for (const int end : {36, 64, 96}) plan = PlanSamples(cells, plan, equal, plan.end, end, 128);
+    EXPECT_EQ(plan.decisions, 4);
+    EXPECT_EQ(plan.uniformDecisions, 3);
+    for (size_t i = 0; i < cells.Count(); ++i) EXPECT_EQ(plan.CountAt(i, plan.end), 96);
+}
+
+TEST(SamplePlans, CountTheSamplesOfTheHalf) {
+    for (const int block : {1, SamplePlan::kHalfBlock}) {
+        SamplePlan plan;
+        plan.halfBlock = block;
+        int count = 0;
+        for (int sample = 0; sample < 40; ++sample) {
+            EXPECT_EQ(plan.CountInHalf(sample), count);
+            count += plan.IsInHalf(sample);
+        }
+        EXPECT_EQ(count, 20);
+    }
+    for (const int planned : {1, 16, 28, 64, 4096}) {
+        SamplePlan plan;
+        plan.halfBlock = HalfBlock(planned, false);
+        EXPECT_GT(plan.CountInHalf(PilotSamples(planned)), 0) << planned;
+        EXPECT_EQ(HalfBlock(planned, true), 1);
+    }
+    EXPECT_EQ(HalfBlock(64, false), SamplePlan::kHalfBlock);
+}
+
+TEST(SamplePlans, OfOtherFilmsAreInvalid) {
+    const PixelCells cells(kPixels);
+    const SamplePlan good = AllocateSamples(cells, UniformPlan(cells, 4), std::vector<double>(cells.Count(), 1), 4, 8);
+    EXPECT_EQ(good.Validate(cells, 6), std::nullopt);
+    EXPECT_EQ(good.CountAt(0, 4), 4);
+    EXPECT_EQ(good.CountAt(0, 6), 6);
+    EXPECT_TRUE(good.Validate(cells, 9));
+    EXPECT_TRUE(good.Validate(PixelCells({{0, 0}, {8, 8}}), 6));
+    for (int fault = 0; fault < 8; ++fault) {
+        SamplePlan bad = good;
+        if (fault == 0) bad.after[2] = bad.before[2] - 1;
+        if (fault == 1) bad.after[2] = SamplePlan::kMaxCount + 1;
+        if (fault == 2) bad.before[2] = -1;
+        if (fault == 3) bad.cost.pop_back();
+        if (fault == 4)
+            for (int &count : bad.after) count += 2;
+        if (fault == 5) bad.isUniform = true;
+        if (fault == 6) bad.uniformDecisions = bad.decisions + 1;
+        if (fault == 7) bad.gain = std::nan("");
+        EXPECT_TRUE(bad.Validate(cells, 6)) << fault;
+    }
+}
+
+}  // namespace
+}  // namespace pbrt

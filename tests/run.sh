@@ -51,14 +51,23 @@ count "include directions" $?
 bash .ci/check_format
 count "format (.clang-format)" $?
 
-# One build folder serves both: switching PBRT_EXT recompiles only what depends on it.
+# Long tests of what no extension changes run once, with extensions: pages in a browser, scripts, documents, scenes of the
+# contract, most integrators, programs that are killed, divided or adapt. Each kind has shorter ones that run twice.
+once="^(program|docs|develop)\\.|^contract\\.scenes\\."
+once+="|^integrators\\.(together|Mlt|Sppm|Bdpt|VolPath|AdaptiveRender|MediaInPlaces|.*/)"
+once+="|^pbrt_program\\.Checkpoints\\.(PhotonMaps|Timed|Interrupted)"
+once+="|^pbrt_program\\.Mpi\\.(Where|ASignal|Time|Errors|Without)"
+once+="|^pbrt_program\\.(Adaptive\\.(Killed|AnyNumber|TheNoise|Less)|Budget\\.Every)"
+
+# One build folder serves both: switching PBRT_EXT recompiles only what depends on it. Programs that do not run without
+# extensions are built with them only (`.ci/run stock` builds all of them without).
 stage "Building without extensions (build/release.log)"
-if bash .ci/build "$top/build/release" -DPBRT_EXT=OFF -DPBRT_WERROR=ON -DPBRT_UNITY=ON; then
+core_programs=(unit_tests contract_light_samplers contract_scene_samplers)
+if bash .ci/build "$top/build/release" -DPBRT_EXT=OFF -DPBRT_WERROR=ON -DPBRT_UNITY=ON -- "${core_programs[@]}"; then
   # Programs that no extension can change run below.
   same=$(extension_free_units build/release | paste -sd "|")
   stage "Testing without extensions"
-  # So do pages in a browser, scripts, documents, scenes of the contract and most integrators, which no extension changes.
-  run_ctest core build/release -L "unit|contract" -E "^(program|docs|develop|${same:-none})\\.|^contract\\.scenes\\.|^integrators\\.(Mlt|Sppm|Bdpt|VolPath|.*/)"
+  run_ctest core build/release -L "unit|contract" -E "$once|^(${same:-none})\\."
 else
   count "build without extensions" 1
 fi

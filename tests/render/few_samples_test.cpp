@@ -11,7 +11,7 @@ namespace pbrt::test {
 namespace {
 
 const std::string kSuite = std::string(PBRT_SOURCE_DIR) + "/tests/conformance/suite/";
-constexpr int kSeeds = 12, kReferenceSamples = 1024;
+constexpr int kSeeds = 12, kReferenceSamples = 512;
 
 Image RenderFile(const std::string &sampler, int samples, int seed) {
     RenderRequest request;

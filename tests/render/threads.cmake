@@ -1,5 +1,8 @@
 # render_learning_threads: render_learning with the thread sanitizer over the folders whose code runs on several threads or
 # learns. The others are linked as they are, which hides their own races and saves two thirds of a build.
+set(options -O1 -g1 -fsanitize=thread -fno-omit-frame-pointer -Wno-tsan)  # fences, in Boost only
+pbrt_add_headers(thread_headers OPTIONS ${options})
+set_target_properties(thread_headers PROPERTIES EXCLUDE_FROM_ALL ON)
 set(objects)
 foreach(library pbrt_core_folder pbrt_films_folder pbrt_lightsamplers_folder pbrt_transport_folder pbrt_integrators_folder
     ext_lightgroups ext_prepass ext_visibility ext_portals ext_octree ext_guiding)
@@ -12,7 +15,7 @@ foreach(library pbrt_core_folder pbrt_films_folder pbrt_lightsamplers_folder pbr
 endforeach()
 # As in src/pbrt/core/CMakeLists.txt, whose properties of files hold in that folder only.
 set(core ${PROJECT_SOURCE_DIR}/src/pbrt/core)
-set_source_files_properties(${core}/parallel.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON
+set_source_files_properties(${core}/parallel.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON
   COMPILE_OPTIONS -fno-sanitize=thread COMPILE_DEFINITIONS PBRT_THREAD_SANITIZER)
 if(TARGET pbrt_mpi)
   set_source_files_properties(${core}/connect_team.cpp PROPERTIES COMPILE_DEFINITIONS PBRT_MPI_MODULE="$<TARGET_FILE_NAME:pbrt_mpi>")
@@ -21,7 +24,8 @@ endif()
 add_executable(render_learning_threads EXCLUDE_FROM_ALL frames_test.cpp learning_test.cpp agreement_statistics.cpp)
 foreach(target ${objects} render_learning_threads)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${PBRT_UNITY})
-  target_compile_options(${target} PRIVATE -O1 -g1 -fsanitize=thread -fno-omit-frame-pointer -Wno-tsan)  # fences, in Boost only
+  target_compile_options(${target} PRIVATE ${options})
+  target_precompile_headers(${target} REUSE_FROM thread_headers)
 endforeach()
 target_link_libraries(render_learning_threads PRIVATE ${objects} test_support GTest::gtest GTest::gtest_main)
 target_link_options(render_learning_threads PRIVATE -fsanitize=thread)

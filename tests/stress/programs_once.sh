@@ -40,7 +40,7 @@ Shape "bilinearmesh" "point3 P" [ 0 0 -6  0 0 6  0 2 -6  0 2 6 ]'
 } > scene.pbrt
 
 for integrator in path volpath bdpt mlt sppm lightpath simplepath randomwalk ambientocclusion; do
-  run "$pbrt" --integrator $integrator --nthreads 2 --outfile $integrator.exr scene.pbrt
+  run "$pbrt" --integrator $integrator --spp 8 --nthreads 2 --outfile $integrator.exr scene.pbrt
 done
 for sampler in uniform power bvh exhaustive spatial neepp oracle:samples=2 octree:model=paper octree:portals=always; do
   run "$pbrt" --lightsampler $sampler --nthreads 2 --spp 2 --outfile sampler.exr scene.pbrt

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 
 #include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
@@ -15,6 +16,7 @@ namespace pbrt::test {
 namespace {
 
 constexpr int kTile = 4;
+constexpr int kSeeds = 8, kReferenceSamples = 256;
 
 }  // namespace
 
@@ -51,19 +53,35 @@ Image RenderView(const View &v, const std::string &integrator, int seed, int sam
     return RenderText(Scene(v, integrator, seed, samples)).image;
 }
 
-void CheckMean(const View &v, const std::string &integrator, double maxNoise, double allowed) {
-    constexpr int kSeeds = 8;
-    std::vector<RunningStatistics> ours, path;
-    for (int seed = 1; seed <= kSeeds; ++seed) {
-        const auto a = TileMeans(RenderView(v, integrator, seed, v.samples), kTile),
-                   b = TileMeans(RenderView(v, v.reference, 100 + seed, v.samples), kTile);
-        ours.resize(a.size());
-        path.resize(b.size());
-        for (size_t i = 0; i < a.size(); ++i) {
-            ours[i].Add(a[i]);
-            path[i].Add(b[i]);
-        }
+namespace {
+
+/// Statistics of the tiles' means over kSeeds renders.
+std::vector<RunningStatistics> TileStatistics(const View &v, const std::string &integrator, int firstSeed,
+                                              int samples) {
+    std::vector<RunningStatistics> tiles;
+    for (int seed = firstSeed; seed < firstSeed + kSeeds; ++seed) {
+        const std::vector<double> means = TileMeans(RenderView(v, integrator, seed, samples), kTile);
+        tiles.resize(means.size());
+        for (size_t i = 0; i < means.size(); ++i) tiles[i].Add(means[i]);
     }
+    return tiles;
+}
+
+/// Those of the reference, rendered once in this process for all integrators.
+const std::vector<RunningStatistics> &ReferenceStatistics(const View &v) {
+    constexpr int kFirstSeed = 101;
+    static std::map<std::string, std::vector<RunningStatistics>> references;
+    auto [it, isNew] = references.try_emplace(Scene(v, v.reference, kFirstSeed, kReferenceSamples));
+    if (isNew) it->second = TileStatistics(v, v.reference, kFirstSeed, kReferenceSamples);
+    return it->second;
+}
+
+}  // namespace
+
+void CheckMean(const View &v, const std::string &integrator, double maxNoise, double allowed) {
+    const std::vector<RunningStatistics> ours = TileStatistics(v, integrator, 1, v.samples),
+                                         &path = ReferenceStatistics(v);
+    ASSERT_EQ(ours.size(), path.size());
     double largest = 0, all = 0, error = 0;
     for (const RunningStatistics &p : path) all += p.mean;
     const double without = allowed * all / static_cast<double>(path.size());

@@ -16,7 +16,7 @@ struct View {
     std::string film{};        ///< further parameters
     std::string objects{};     ///< in the room
     std::string parameters{};  ///< of the integrator that is compared, further ones
-    int samples = 256;
+    int samples = 256;         ///< of the integrator that is compared
     int depth = 3;
     /// False: light that only camera paths see, or fog about a camera, where a light path's vertices come as near to
     /// the lens as they like, and so the variance is without bounds.
@@ -39,8 +39,9 @@ extern const std::string kRealisticCamera;
 constexpr int kViewSize = 16;
 Image RenderView(const View &v, const std::string &integrator, int seed, int samples);
 
-/// Expects the mean of the reference: of eight renders each, no tile and colour is 5.5 standard errors away, after
-/// `allowed` of the mean of the picture. The mean standard error must be below `maxNoise`, or nothing could be told.
+/// Expects the mean of the reference, which has 256 samples per pixel: of eight renders each, no tile and colour is 5.5
+/// standard errors away, after `allowed` of the mean of the picture. The mean standard error must be below `maxNoise`,
+/// or nothing could be told.
 void CheckMean(const View &v, const std::string &integrator, double maxNoise, double allowed = 0);
 
 /// Expects the same bits for any number of threads.

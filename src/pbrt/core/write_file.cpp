@@ -16,14 +16,14 @@
 namespace pbrt {
 namespace {
 
-struct Registry {
+struct TemporaryPaths {
     std::mutex mutex;
     std::multiset<std::string> paths;
 };
 
 /// Leaked: a signal may come during process exit.
-Registry &Registered() {
-    static auto *registry = new Registry;
+TemporaryPaths &Registered() {
+    static auto *registry = new TemporaryPaths;
     return *registry;
 }
 
@@ -166,19 +166,19 @@ class TemporaryFile {
 }  // namespace
 
 Temporary::Temporary(std::string path) : path_(std::move(path)) {
-    Registry &r = Registered();
+    TemporaryPaths &r = Registered();
     std::lock_guard lock(r.mutex);
     r.paths.insert(path_);
 }
 
 Temporary::~Temporary() {
-    Registry &r = Registered();
+    TemporaryPaths &r = Registered();
     std::lock_guard lock(r.mutex);
     r.paths.erase(r.paths.find(path_));
 }
 
 void RemoveTemporaries() {
-    Registry &r = Registered();
+    TemporaryPaths &r = Registered();
     r.mutex.lock();
     std::error_code ignored;
     for (const std::string &path : r.paths) std::filesystem::remove_all(path, ignored);

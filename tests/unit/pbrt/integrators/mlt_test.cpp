@@ -99,13 +99,17 @@ TEST(Mlt, ParametersDoNotChangeTheMean) {
 }
 
 TEST(Mlt, IsTheSameForAnyNumberOfThreads) {
-    for (const View &view : {AllViews()[0], FoggyViews()[2]}) CheckThreads(view, "mlt", 12);
+    for (View view : {AllViews()[0], FoggyViews()[2]}) {
+        view.parameters = "'integer bootstrapsamples' 10000";
+        CheckThreads(view, "mlt", 12);
+    }
 }
 
 /// Vertices are connected to the lights that any sampler chooses, which is as before its first sample for all chains.
 TEST(Mlt, LightSamplersDoNotChangeTheMean) {
     View view = AllViews()[0];
     view.samples = 160;
+    view.parameters = "'integer bootstrapsamples' 20000";
     CheckLightSamplers(
         view, "mlt",
         {"'string lightsampler' 'uniform'", "'string lightsampler' 'bvh'", "'string lightsampler' 'octree'",

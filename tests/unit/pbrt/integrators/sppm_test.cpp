@@ -85,7 +85,7 @@ class SppmViews : public testing::TestWithParam<View> {};
 TEST_P(SppmViews, AgreeWithPath) {
     View view = GetParam();
     view.samples = 192;
-    view.parameters = "'float radius' .15 'integer photonsperiteration' 3000";
+    view.parameters = "'float radius' .15 'integer photonsperiteration' 1500";
     CheckMean(view, "sppm", 0.08, kBlur);
 }
 

@@ -123,7 +123,7 @@ TEST_P(Strategies, EachAloneFindsAllLightOfItsDepth) {
         Image before;  // the same paths, one scattering event shorter
         for (int depth = 0; depth <= kDepth; ++depth) {
             const Image image =
-                RenderText(StrategyScene(place, isSmoke ? "volpath" : "path", depth, 4 * kSamples, 100 + seed)).image;
+                RenderText(StrategyScene(place, isSmoke ? "volpath" : "path", depth, 2 * kSamples, 100 + seed)).image;
             Add(expected[size_t(depth)], image, 1, depth > 0 ? &before : nullptr);
             before = image;
         }

@@ -57,9 +57,10 @@ class LivePage(unittest.TestCase):
         self.driver.get_log("browser")
 
     def start(self, *arguments, size=(480, 320), samples=100000):
-        """Starts a render; returns its process and the address of its page."""
+        """Starts a render with one thread, beside the browser; returns its process and the address of its page."""
         (self.folder / "scene.pbrt").write_text(SCENE % (*size, samples))
-        process = subprocess.Popen([PBRT, *arguments, "scene.pbrt"], cwd=self.folder, stderr=subprocess.PIPE, text=True)
+        process = subprocess.Popen([PBRT, "--nthreads", "1", *arguments, "scene.pbrt"], cwd=self.folder,
+                                   stderr=subprocess.PIPE, text=True)
         self.addCleanup(self.end, process)
         for line in process.stderr:
             if found := re.match(r"Live page: (http://127\.0\.0\.1:\d+/)", line):

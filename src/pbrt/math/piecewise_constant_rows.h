@@ -13,8 +13,8 @@ namespace pbrt {
 
 struct NoValue {};
 
-/// Densities that are constant on n equal pieces of a segment, one per row, and a value of each piece. What a sample reads
-/// lies side by side, as the tables of an environment map are larger than the caches.
+/// Densities that are constant on n equal pieces of a segment, one per row, and a value of each piece. What a sample
+/// reads lies side by side, as the tables of an environment map are larger than the caches.
 template <class Value = NoValue>
 class PiecewiseConstantRows {
   public:

@@ -28,10 +28,8 @@ class PointTree {
     size_t Bytes() const { return nodes_.size() * sizeof(Node); }
     /// Number of the leaf that contains p, below a root. The tree must not be empty.
     uint32_t LeafOf(const Point3 &p, uint32_t root = 0) const {
-        // Indexing an array compiles to a load; GLM's operator[] to branches, which are mispredicted here.
-        const Float at[] = {p.x, p.y, p.z};
         const Node *const nodes = nodes_.data(), *node = nodes + root;
-        while (!node->IsLeaf()) node = nodes + (node->below + (at[node->axis] < node->split ? 0u : 1u));
+        while (!node->IsLeaf()) node = nodes + (node->below + (Component(p, node->axis) < node->split ? 0u : 1u));
         return node->below;
     }
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
+#include <glm/gtc/type_ptr.hpp>
 #include <limits>
 #include <numbers>
 
@@ -46,6 +47,12 @@ inline Float SafeACos(Float v) { return std::acos(std::clamp(v, Float(-1), Float
 template <class T>
 constexpr T Lerp(Float t, const T &a, const T &b) {
     return a * (1 - t) + b * t;
+}
+
+/// Of a GLM vector, without the branches of its operator[], for an axis that is not a constant.
+template <class V>
+auto &Component(V &v, int axis) {
+    return glm::value_ptr(v)[axis];
 }
 
 /// a*b - c*d without catastrophic cancellation (Kahan).

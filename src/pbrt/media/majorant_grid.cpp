@@ -63,11 +63,13 @@ bool GridWalk::Next(Float *begin, Float *end, Float *value) {
         const int axis = exit_.x < exit_.y ? (exit_.x < exit_.z ? 0 : 2) : (exit_.y < exit_.z ? 1 : 2);
         // Rounding must not reverse: a border behind gives an empty segment.
         const Float from = anchor_ + now_;
-        now_ = std::max(now_, exit_[axis]);
+        Float &exit = Component(exit_, axis);
+        int &here = Component(cell_, axis);
+        now_ = std::max(now_, exit);
         Float to = anchor_ + now_;
-        cell_[axis] += step_[axis];
-        if (to < end_ && cell_[axis] >= 0 && cell_[axis] < size_[axis]) {
-            exit_[axis] = ExitOf(axis);
+        here += Component(step_, axis);
+        if (to < end_ && here >= 0 && here < Component(size_, axis)) {
+            exit = ExitOf(axis);
         } else {  // outside the box; a rest by rounding belongs to the last cell
             to = end_;
             isDone_ = true;

@@ -81,9 +81,10 @@ class GridWalk {
   private:
     /// Distance from the anchor to the cell's next border along an axis.
     Float ExitOf(int axis) const {
-        if (step_[axis] == 0) return Infinity;
-        const int border = cell_[axis] + (step_[axis] > 0 ? 1 : 0);
-        return (Float(border) - origin_[axis]) / direction_[axis];
+        const int step = Component(step_, axis);
+        if (step == 0) return Infinity;
+        const int border = Component(cell_, axis) + (step > 0 ? 1 : 0);
+        return (Float(border) - Component(origin_, axis)) / Component(direction_, axis);
     }
 
     const MajorantGrid *grid_ = nullptr;

@@ -54,7 +54,7 @@ class Rounds {
         : context_(context), settings_(context.settings), ofSampler_(references.ofSampler),
           checkpoints_(Checkpoints(settings_)), hasPilot_(!references.pilot.empty()) {
         for (const Reference &r : references.all) measuring_.emplace_back(r.image);
-        if (!settings_.samplesFrom.empty()) replay_.emplace(settings_.samplesFrom, settings_);
+        if (!settings_.samplesFrom.empty()) replay_ = SampleCounts::Read(settings_.samplesFrom, settings_);
         if (replay_) checkpoints_.resize(replay_->Checkpoints());
         for (const SamplerChoice &s : settings_.samplers)
             cost_.push_back(hasPilot_ ? SecondsPerSample(references.pilot, s) : 1);
@@ -134,7 +134,7 @@ class Rounds {
         SelectionSettings how;
         how.mostWork = settings_.selectionWork;
         how.bias.level = SidakLevel(how.bias.level, settings_.samplers.size());
-        if (!vertices_) vertices_.emplace(context_.scene.built, how.seed, context_.cancel);
+        if (!vertices_) vertices_.emplace(SelectionVertices::Measure(context_.scene.built, how.seed, context_.cancel));
         if (context_.cancel.Cancelled()) return false;
         const std::optional<SelectionReport> report =
             CheckSelection(*vertices_, *run->GetIntegrator().Lights(), how, context_.cancel);

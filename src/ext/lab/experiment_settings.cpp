@@ -99,7 +99,7 @@ Json IdentityOf(const ExperimentSettings &settings, const std::string &sceneHash
         id["reference-content"] = content.Hex();
     }
     id["reference-spp"] = settings.referenceSamples;
-    id["samples-from"] = settings.samplesFrom.empty() ? "" : SampleCounts(settings.samplesFrom, settings).Hash();
+    id["samples-from"] = settings.samplesFrom.empty() ? "" : SampleCounts::Read(settings.samplesFrom, settings).Hash();
     id["threads"] = threads;
     return id;
 }
@@ -133,19 +133,21 @@ Json ReadResults(const std::string &path) {
     return json;
 }
 
-SampleCounts::SampleCounts(const std::string &path, const ExperimentSettings &settings) {
+SampleCounts SampleCounts::Read(const std::string &path, const ExperimentSettings &settings) {
     const Json results = ReadResults(path);
+    SampleCounts read;
     ContentHash hash;
     try {
-        checkpoints_ = results.at("settings").at("checkpoints").get<int>();
+        read.checkpoints_ = results.at("settings").at("checkpoints").get<int>();
         for (const Json &sampler : results.at("samplers"))
             for (const Json &run : sampler.at("runs")) {
-                std::vector<int> &counts = counts_[{sampler.at("label").get<std::string>(), run.at("seed").get<int>()}];
-                counts.assign(checkpoints_, 0);
+                std::vector<int> &counts =
+                    read.counts_[{sampler.at("label").get<std::string>(), run.at("seed").get<int>()}];
+                counts.assign(read.checkpoints_, 0);
                 for (const Json &round : run.at("rounds"))
                     counts.at(round.at("checkpoint").get<size_t>()) = round.at("samples").get<int>();
                 for (size_t i = 1; i < counts.size(); ++i) counts[i] = std::max(counts[i], counts[i - 1]);
-                int &expected = expected_[sampler.at("label").get<std::string>()];
+                int &expected = read.expected_[sampler.at("label").get<std::string>()];
                 expected = run.at("expectedSamples").get<int>();
                 hash.Add(fmt::format("{} {}", expected, Json(counts).dump()));
             }
@@ -154,9 +156,10 @@ SampleCounts::SampleCounts(const std::string &path, const ExperimentSettings &se
     }
     for (const SamplerChoice &s : settings.samplers)
         for (int seed = 0; seed < settings.seeds; ++seed)
-            if (!counts_.contains({s.label, seed}))
+            if (!read.counts_.contains({s.label, seed}))
                 throw UserError("{}: has no run of sampler \"{}\" with seed {}.", path, s.label, seed);
-    hash_ = hash.Hex();
+    read.hash_ = hash.Hex();
+    return read;
 }
 
 ImageMetadata LabScene::Metadata(const Film &film, const std::string &sampler, int samples, double seconds) const {

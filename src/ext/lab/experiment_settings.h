@@ -69,7 +69,7 @@ std::vector<std::string> Differences(const Json &old, const Json &now);
 class SampleCounts {
   public:
     /// Throws UserError if the file is not lightlab's results.json, or lacks a sampler or seed of `settings`.
-    SampleCounts(const std::string &path, const ExperimentSettings &settings);
+    static SampleCounts Read(const std::string &path, const ExperimentSettings &settings);
     int Checkpoints() const { return checkpoints_; }
     int At(const std::string &label, int seed, int checkpoint) const {
         return counts_.at({label, seed}).at(checkpoint);
@@ -79,6 +79,7 @@ class SampleCounts {
     const std::string &Hash() const { return hash_; }
 
   private:
+    SampleCounts() = default;
     std::map<std::pair<std::string, int>, std::vector<int>> counts_;
     std::map<std::string, int> expected_;
     int checkpoints_ = 0;

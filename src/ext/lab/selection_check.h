@@ -77,8 +77,8 @@ class SelectionVertices {
             return full;
         }
     };
-    /// Incomplete if cancelled.
-    SelectionVertices(const BuiltScene &built, int seed, Progress &progress);
+    /// Traces the paths and shadow rays. Incomplete if cancelled.
+    static SelectionVertices Measure(const BuiltScene &built, int seed, Progress &progress);
     const std::vector<Vertex> &OfRegion(size_t region) const { return regions_[region]; }
     size_t RegionCount() const { return regions_.size(); }
     int PathsPerRegion() const { return paths_; }
@@ -86,6 +86,8 @@ class SelectionVertices {
     size_t VertexCount() const;
 
   private:
+    explicit SelectionVertices(const LightTable &lights) : lights_(lights) {}
+
     std::vector<std::vector<Vertex>> regions_;
     int paths_ = 0;
     const LightTable &lights_;

@@ -190,14 +190,14 @@ bool HaveEnough(std::span<const std::vector<SelectionVertices::Vertex>> regions)
 
 }  // namespace
 
-SelectionVertices::SelectionVertices(const BuiltScene &built, int seed, Progress &progress)
-    : lights_(built.scene->Lights()) {
+SelectionVertices SelectionVertices::Measure(const BuiltScene &built, int seed, Progress &progress) {
+    SelectionVertices measured(built.scene->Lights());
     const Bounds2i pixels = built.film->PixelBounds();
     const Vector2i size = pixels.high - pixels.low;
     auto corner = [&](int x, int y) {
         return pixels.low + Point2i(x * size.x / kSelectionSide, y * size.y / kSelectionSide);
     };
-    regions_.resize(kRegions);
+    measured.regions_.resize(kRegions);
     progress.BeginPhase("measuring lights", 0);
     for (int done = 0, target = kMinPaths; target <= kMaxPaths && !progress.Cancelled(); done = target, target *= 2) {
         const int blocks = (target - done) / kBlock;
@@ -211,11 +211,12 @@ SelectionVertices::SelectionVertices(const BuiltScene &built, int seed, Progress
                 measurer.Follow(corner(x, y), corner(x + 1, y + 1), Hash(kVertexStream, seed, region, i), found[task]);
         });
         for (size_t t = 0; t < found.size(); ++t)
-            std::move(found[t].begin(), found[t].end(), std::back_inserter(regions_[t / blocks]));
-        paths_ = target;
-        if (HaveEnough(regions_)) break;
+            std::move(found[t].begin(), found[t].end(), std::back_inserter(measured.regions_[t / blocks]));
+        measured.paths_ = target;
+        if (HaveEnough(measured.regions_)) break;
     }
     progress.EndPhase();
+    return measured;
 }
 
 size_t SelectionVertices::VertexCount() const {

@@ -26,6 +26,8 @@ class PortalSampling {
     /// Maximum number of environment lights with portals.
     static constexpr size_t kMaxLights = 4;
     static constexpr size_t kMaxRegions = EnvironmentPortals::kMax + 1;
+    /// Environment rays per prepass vertex and light, with many vertices.
+    static constexpr size_t kRaysPerLight = 16;
 
     /// `mode`: "auto" (IsOnTrial), "always" or "never". `groups`: the caller's light groups.
     PortalSampling(const LightGroups &groups, const std::string &mode, Float floor);
@@ -35,7 +37,7 @@ class PortalSampling {
         return !environments_.empty() && (!isOnTrial_ || context.trial);
     }
     /// Rays per vertex traced by Find.
-    size_t RaysPerVertex() const { return environments_.size() * kEnvironmentRaysPerVertex; }
+    size_t RaysPerVertex() const { return environments_.size() * kRaysPerLight; }
     /// Detects portals, if few enough environment rays leave the scene, and learns their visibility. Several progress
     /// phases.
     void Find(PrepareContext &context, std::span<const PrepassVertex> vertices);

@@ -12,12 +12,6 @@
 namespace ext {
 namespace {
 
-constexpr uint64_t kRayStream = 0x736b79;
-/// With few vertices, up to kMaxPerVertex rays per vertex and light are traced to reach kFewRays.
-constexpr size_t kFewRays = 16384, kMaxPerVertex = 4 * kEnvironmentRaysPerVertex;
-/// Maximum draws per ray; accepted with probability equal to the cosine.
-constexpr size_t kMaxDraws = 16;
-
 constexpr size_t kMaxPortals = 8;
 /// Maximum rays of either kind.
 constexpr size_t kMaxRays = 2048;
@@ -276,45 +270,6 @@ std::vector<Line> SomeOf(std::span<const EnvironmentRay> rays) {
 }
 
 }  // namespace
-
-std::vector<EnvironmentRay> TraceEnvironmentRays(PrepareContext &context, std::span<const LightId> lights,
-                                                 std::span<const PrepassVertex> vertices, size_t count) {
-    count = std::min(count, vertices.size());
-    const size_t perVertex =
-        std::clamp(kFewRays / std::max<size_t>(count, 1), kEnvironmentRaysPerVertex, kMaxPerVertex);
-    std::vector<std::vector<EnvironmentRay>> raysFrom(count);
-    context.progress.BeginPhase("rays to environment lights", int64_t(count));
-    ParallelForEach(int64_t(count), [&](int64_t i) {
-        if (context.progress.Cancelled()) return;
-        const PrepassVertex &vertex = vertices[size_t(i) * vertices.size() / count];
-        const LightSampleContext &at = vertex.at;
-        Rng rng(Hash(kRayStream, context.seed, i));
-        for (const LightId light : lights) {
-            // Additive recurrence: well distributed for any number of points.
-            glm::dvec2 point = rng.Uniform2();
-            size_t traced = 0;
-            for (size_t k = 0; k < kMaxDraws * perVertex && traced < perVertex; ++k) {
-                point = glm::fract(point + glm::dvec2(0.7548776662466927, 0.5698402909980532));
-                const Point2 u = glm::min(Point2(point), Point2(OneMinusEpsilon));
-                const Float chance = rng.Uniform();
-                const std::optional<LightLiSample> s =
-                    context.scene.Lights()[light].SampleLi(at, u, SampledWavelengths::WholeRange(), false);
-                if (!s) continue;
-                Float cosine = Dot(s->wi, at.ns) * (Dot(vertex.wo, at.ns) < 0 ? Float(-1) : Float(1));
-                if (vertex.transmits) cosine = std::abs(cosine);
-                if (at.ns == Normal3(0)) cosine = Float(0.25);
-                if (!(chance < cosine)) continue;
-                raysFrom[size_t(i)].push_back({at.p, s->wi, !context.scene.Occluded(at, *s)});
-                ++traced;
-            }
-        }
-        context.progress.Advance();
-    });
-    context.progress.EndPhase();
-    std::vector<EnvironmentRay> rays;
-    for (const std::vector<EnvironmentRay> &some : raysFrom) rays.insert(rays.end(), some.begin(), some.end());
-    return rays;
-}
 
 std::vector<Portal> FindPortals(std::span<const EnvironmentRay> rays, std::span<const Normal3> normals) {
     std::vector<Line> lines = SomeOf(rays);

@@ -14,13 +14,6 @@ struct EnvironmentRay {
     bool left;
 };
 
-/// Rays of TraceEnvironmentRays per vertex and light, with many vertices.
-inline constexpr size_t kEnvironmentRaysPerVertex = 16;
-/// Traces rays towards the environment lights from `count` of the vertices (at most all), spread over the image.
-/// Directions are proportional to radiance times cosine. Depends on the seed only.
-std::vector<EnvironmentRay> TraceEnvironmentRays(PrepareContext &context, std::span<const LightId> lights,
-                                                 std::span<const PrepassVertex> vertices, size_t count);
-
 /// Detects a few rectangles (windows, doors, porch openings) that nearly all rays pass which leave the scene. `rays`:
 /// all, also those that did not leave; `normals`: of surfaces all over the scene.
 ///

@@ -84,26 +84,32 @@ Float InnerFresnelMoment(Float eta, int power) {
     }));
 }
 
-SubsurfaceTable::SubsurfaceTable(Float g, Float eta)
+SubsurfaceTable::SubsurfaceTable(Float eta)
     : eta_(eta), exitScale_(1 / (Pi * (1 - 2 * InnerFresnelMoment(1 / eta, 1)))), profile_(kAlbedos * kRadii),
       cdf_(kAlbedos * kRadii), reflectances_(kAlbedos) {
     radii_ = {0, Float(2.5e-3)};
     while (radii_.size() < kRadii) radii_.push_back(radii_.back() * Float(1.2));
     for (int i = 0; i < kAlbedos; ++i)
         albedos_.push_back(Float((1 - std::exp(-8.0 * i / (kAlbedos - 1))) / (1 - std::exp(-8.0))));
+}
+
+SubsurfaceTable SubsurfaceTable::Compute(Float g, Float eta) {
+    SubsurfaceTable table(eta);
     const double moment1 = double(InnerFresnelMoment(eta, 1)), moment2 = double(InnerFresnelMoment(eta, 2));
     ParallelForEach(kAlbedos, [&](int64_t index) {
         const auto i = size_t(index);
-        const double albedo = double(albedos_[i]);
+        const double albedo = double(table.albedos_[i]);
         const MultipleScattering multiple{albedo, double(g), moment1, moment2};
         auto single = [&](double r) { return SingleScattering(albedo, double(g), eta, r); };
-        const std::span<Float> profile = std::span(profile_).subspan(i * kRadii, kRadii);
+        const std::span<Float> profile = std::span(table.profile_).subspan(i * kRadii, kRadii);
         for (size_t j = 0; j < kRadii; ++j) {
-            const double r = double(radii_[j]);
+            const double r = double(table.radii_[j]);
             if (r > 0) profile[j] = Float(2 * std::numbers::pi * r * (single(r) + multiple(r)));
         }
-        reflectances_[i] = IntegrateCatmullRom(radii_, profile, std::span(cdf_).subspan(i * kRadii, kRadii));
+        table.reflectances_[i] =
+            IntegrateCatmullRom(table.radii_, profile, std::span(table.cdf_).subspan(i * kRadii, kRadii));
     });
+    return table;
 }
 
 std::shared_ptr<const SubsurfaceTable> SubsurfaceTable::Shared(Float g, Float eta) {

@@ -18,8 +18,8 @@ Float InnerFresnelMoment(Float eta, int power);
 /// (Habel, Christensen, Jarosz 2013), tabulated as splines over single-scattering albedo and radius in mean free paths.
 class SubsurfaceTable {
   public:
-    /// -1 < g < 1: mean cosine; eta > 0: index of refraction.
-    SubsurfaceTable(Float g, Float eta);
+    /// Integrates the profiles. -1 < g < 1: mean cosine; eta > 0: index of refraction.
+    static SubsurfaceTable Compute(Float g, Float eta);
     /// Shared table of these arguments, freed with its last owner.
     static std::shared_ptr<const SubsurfaceTable> Shared(Float g, Float eta);
 
@@ -42,6 +42,7 @@ class SubsurfaceTable {
     Float ExitScale() const { return exitScale_; }
 
   private:
+    explicit SubsurfaceTable(Float eta);
     Float Interpolate(const std::vector<Float> &table, const SplineWeights &albedo, int radius) const;
 
     Float eta_, exitScale_;

@@ -31,31 +31,33 @@ Float SmoothInner(Float eta, Float thickness) {
 
 }  // namespace
 
-CoatTable::CoatTable(Float eta, Float thickness, std::optional<Float> alpha)
-    : eta_(eta), thickness_(thickness), smoothInner_(SmoothInner(eta, thickness)) {
+CoatTable CoatTable::Compute(Float eta, Float thickness, std::optional<Float> alpha) {
+    CoatTable table(eta, thickness);
+    table.smoothInner_ = SmoothInner(eta, thickness);
     const Float minAlpha = Float(1e-3);  // TrowbridgeReitz::EffectivelySmooth
     if (!alpha) {
         const Float first = std::sqrt(minAlpha);
         for (int k = 0; k < kAlphas; ++k)
-            alphas_.push_back(Sqr(first + (std::sqrt(kMaxAlpha) - first) * Float(k) / (kAlphas - 1)));
+            table.alphas_.push_back(Sqr(first + (std::sqrt(kMaxAlpha) - first) * Float(k) / (kAlphas - 1)));
     } else if (*alpha >= minAlpha && *alpha <= kMaxAlpha) {
-        alphas_ = {*alpha};
+        table.alphas_ = {*alpha};
     }
-    if (!alpha) alphas_.front() = minAlpha;  // before rounding
+    if (!alpha) table.alphas_.front() = minAlpha;  // before rounding
     // Index 1 has no boundary; below 1, interpolation would blur the edge of total reflection.
-    if (!(eta > 1)) alphas_.clear();
-    rows_.resize(alphas_.size());
-    inner_.resize(alphas_.size());
+    if (!(eta > 1)) table.alphas_.clear();
+    table.rows_.resize(table.alphas_.size());
+    table.inner_.resize(table.alphas_.size());
     // One more than the knots: the last task of a row computes inner_.
     constexpr size_t kTasks = ClearCoat::kCosines + 1;
-    ParallelFor(int64_t(alphas_.size() * kTasks), 16, [&](int64_t begin, int64_t end) {
+    ParallelFor(int64_t(table.alphas_.size() * kTasks), 16, [&](int64_t begin, int64_t end) {
         for (auto i = size_t(begin); i < size_t(end); ++i) {
             const size_t row = i / kTasks, knot = i % kTasks;
-            const DielectricBxdf top(eta_, TrowbridgeReitz(alphas_[row], alphas_[row]));
-            if (knot < ClearCoat::kCosines) rows_[row][knot] = SharesAt(top, ClearCoat::CosineOf(knot));
-            else inner_[row] = InnerReflectance(top);
+            const DielectricBxdf top(eta, TrowbridgeReitz(table.alphas_[row], table.alphas_[row]));
+            if (knot < ClearCoat::kCosines) table.rows_[row][knot] = table.SharesAt(top, ClearCoat::CosineOf(knot));
+            else table.inner_[row] = table.InnerReflectance(top);
         }
     });
+    return table;
 }
 
 std::shared_ptr<const CoatTable> CoatTable::Shared(Float eta, Float thickness, std::optional<Float> alpha) {

@@ -63,12 +63,14 @@ class CoatTable {
     /// Shared table of these arguments, freed with its last owner. `alpha`: the only roughness; without it the table
     /// covers all up to kMaxAlpha. `thickness` as in CoatedBxdf.
     static std::shared_ptr<const CoatTable> Shared(Float eta, Float thickness, std::optional<Float> alpha);
-    CoatTable(Float eta, Float thickness, std::optional<Float> alpha);
+    /// Integrates the table: some thousand directions per roughness.
+    static CoatTable Compute(Float eta, Float thickness, std::optional<Float> alpha);
 
     /// Coat with facets `facets`; empty if not covered.
     std::optional<ClearCoat> At(const TrowbridgeReitz &facets) const;
 
   private:
+    CoatTable(Float eta, Float thickness) : eta_(eta), thickness_(thickness) {}
     CoatShares SharesAt(const DielectricBxdf &top, Float cosine) const;
     Float InnerReflectance(const DielectricBxdf &top) const;
 

@@ -6,7 +6,7 @@
 
 namespace pbrt {
 
-/// Table T(arguments...) shared by all callers with equal arguments, freed with its last owner.
+/// Table T::Compute(arguments...) shared by all callers with equal arguments, freed with its last owner.
 template <class T, class... Args>
 std::shared_ptr<const T> SharedTable(const Args &...arguments) {
     static std::mutex mutex;
@@ -17,7 +17,7 @@ std::shared_ptr<const T> SharedTable(const Args &...arguments) {
         if (std::shared_ptr<const T> table = tables[key].lock()) return table;
     }
     // Without the lock, because a thread waiting for its loop may run another caller's task.
-    auto table = std::make_shared<const T>(arguments...);
+    auto table = std::make_shared<const T>(T::Compute(arguments...));
     std::lock_guard lock(mutex);
     if (std::shared_ptr<const T> other = tables[key].lock()) return other;
     tables[key] = table;

@@ -14,10 +14,11 @@ namespace pbrt {
 /// Logs one line "samples, mean squared error" per wave against a reference image.
 class ReferenceLog {
   public:
-    /// Does nothing with empty names. Throws UserError if the reference does not cover the film or a file cannot be
-    /// opened.
-    ReferenceLog(const std::string &referenceImage, const std::string &outFile, const Film &film) {
-        if (referenceImage.empty()) return;
+    /// Reads the reference and creates `outFile`; with empty names a log that does nothing. Throws UserError if the
+    /// reference does not cover the film or a file cannot be opened.
+    static ReferenceLog Open(const std::string &referenceImage, const std::string &outFile, const Film &film) {
+        ReferenceLog log;
+        if (referenceImage.empty()) return log;
         ImageFile file = ReadImage(referenceImage);
         const Bounds2i &wanted = film.PixelBounds();
         Bounds2i have = file.metadata.pixelBounds.value_or(Bounds2i{{0, 0}, file.image.Resolution()});
@@ -26,14 +27,16 @@ class ReferenceLog {
             throw UserError("{}: the reference image covers x {}-{}, y {}-{}; the film needs x {}-{}, y {}-{}.",
                             referenceImage, have.low.x, have.high.x, have.low.y, have.high.y, wanted.low.x,
                             wanted.high.x, wanted.low.y, wanted.high.y);
-        reference_ = file.image.Select({"R", "G", "B"}).Crop({wanted.low - have.low, wanted.high - have.low});
-        name_ = outFile;
-        out_.reset(std::fopen(name_.c_str(), "w"));
-        if (!out_) throw UserError("{}: cannot be written: {}.", name_, std::strerror(errno));
+        log.reference_ = file.image.Select({"R", "G", "B"}).Crop({wanted.low - have.low, wanted.high - have.low});
+        log.name_ = outFile;
+        log.out_.reset(std::fopen(outFile.c_str(), "w"));
+        if (!log.out_) throw UserError("{}: cannot be written: {}.", outFile, std::strerror(errno));
+        return log;
     }
 
     bool IsKept() const { return bool(reference_); }
 
+    /// Writes and returns the mean squared error of the film over R, G and B; empty without a reference.
     std::optional<double> Log(int samples, const Film &film) {
         if (!reference_) return {};
         Image image = film.ToImage();
@@ -55,6 +58,7 @@ class ReferenceLog {
     }
 
   private:
+    ReferenceLog() = default;
     struct Close {
         void operator()(std::FILE *f) const { std::fclose(f); }
     };

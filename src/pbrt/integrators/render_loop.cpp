@@ -12,8 +12,8 @@ class WaveLoop {
   public:
     WaveLoop(const RenderContext &context, const RenderSettings &settings)
         : context_(context), settings_(settings),
-          reference_(settings.mseReferenceImage, settings.mseReferenceOut, context.film), renderer_(context, settings),
-          secondsPerSample_(settings.secondsPerSample) {}
+          reference_(ReferenceLog::Open(settings.mseReferenceImage, settings.mseReferenceOut, context.film)),
+          renderer_(context, settings), secondsPerSample_(settings.secondsPerSample) {}
 
     RenderResult Run() {
         Progress &progress = context_.progress;

@@ -20,73 +20,81 @@ constexpr Float kBesidePixel = 1 / Float(32), kBesidePart = 1 / Float(8);
 
 bool AreEqual(const Frame &a, const Frame &b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 
+/// Mean radiance times solid angle per map area.
+struct CellRadiance {
+    Float mean = 0, max = 0;
+};
+
+/// Over the square of this width at `low`, in map units, at `across` points a side; the maximum also `beside` steps
+/// past it. Includes the borders, so that no image pixel, which may be a sun, is missed.
+CellRadiance EvaluateMapCell(const EnvironmentLight &light, const Frame &frame, const Point2 &low, Float width,
+                             int across, int beside) {
+    CellRadiance cell;
+    for (int y = -beside; y < across + beside; ++y)
+        for (int x = -beside; x < across + beside; ++x) {
+            const Point2 st = low + Point2(x, y) * (width / Float(across - 1));
+            const Vector2 slopes = PortalMap::ToSlopes(st);
+            const Float density = PortalMap::SolidAngleDensity(slopes);
+            if (!(density > 0) || !std::isfinite(density)) continue;  // at the map's border
+            const Vector3 d = frame.FromLocal(Normalize(Vector3(slopes, 1)));
+            const Float here = density * light.MeanRadiance(d);
+            if (x >= 0 && y >= 0 && x < across && y < across) cell.mean += here;
+            cell.max = std::max(cell.max, here);
+        }
+    cell.mean /= Float(across * across);
+    return cell;
+}
+
 }  // namespace
 
-PortalMap::PortalMap(const EnvironmentLight &light, const Frame &frame)
-    : n_(std::clamp(light.Resolution(), kMinSide, kMaxSide)) {
-    struct Value {
-        Float mean = 0, greatest = 0;
-    };
-    // Over the square of this width at `low`, in map units; the maximum also `beside` steps past it. Includes the
-    // borders, so that no image pixel, which may be a sun, is missed.
-    const auto look = [&](const Point2 &low, Float width, int across, int beside) {
-        Value value;
-        for (int y = -beside; y < across + beside; ++y)
-            for (int x = -beside; x < across + beside; ++x) {
-                const Point2 st = low + Point2(x, y) * (width / Float(across - 1));
-                const Vector2 slopes = ToSlopes(st);
-                const Float density = SolidAngleDensity(slopes);
-                if (!(density > 0) || !std::isfinite(density)) continue;  // at the map's border
-                const Vector3 d = frame.FromLocal(Normalize(Vector3(slopes, 1)));
-                const Float here = density * light.MeanRadiance(d);
-                if (x >= 0 && y >= 0 && x < across && y < across) value.mean += here;
-                value.greatest = std::max(value.greatest, here);
-            }
-        value.mean /= Float(across * across);
-        return value;
-    };
-    const auto n = size_t(n_);
-    const Float width = 1 / Float(n_);
+PortalMap PortalMap::Integrate(const EnvironmentLight &light, const Frame &frame) {
+    PortalMap map;
+    map.n_ = std::clamp(light.Resolution(), kMinSide, kMaxSide);
+    const auto n = size_t(map.n_);
+    const Float width = 1 / Float(n);
     const auto corner = [&](size_t i) { return Point2(i % n, i / n) * width; };
     // At equal resolution, map pixels are at most about as wide as image pixels.
-    const int across = std::max(2, (light.Resolution() + n_ - 1) / n_) + 1;
-    std::vector<Value> values(n * n);
-    ParallelFor(n_, 8, [&](int64_t begin, int64_t end) {
-        for (size_t i = size_t(begin) * n; i < size_t(end) * n; ++i) values[i] = look(corner(i), width, across, 0);
+    const int across = std::max(2, (light.Resolution() + map.n_ - 1) / map.n_) + 1;
+    std::vector<CellRadiance> cells(n * n);
+    ParallelFor(map.n_, 8, [&](int64_t begin, int64_t end) {
+        for (size_t i = size_t(begin) * n; i < size_t(end) * n; ++i)
+            cells[i] = EvaluateMapCell(light, frame, corner(i), width, across, 0);
     });
 
     double sum = 0;
-    for (const Value &value : values) sum += double(value.mean);
+    for (const CellRadiance &cell : cells) sum += double(cell.mean);
     std::vector<Float> weights(n * n);
-    detailOf_.assign(n * n, 0);
+    map.detailOf_.assign(n * n, 0);
     std::vector<size_t> divided;
     for (size_t i = 0; i < weights.size(); ++i) {
-        Float greatest = 0;
+        Float max = 0;
         for (size_t y = std::max(i / n, size_t{1}) - 1; y < std::min(i / n + 2, n); ++y)
             for (size_t x = std::max(i % n, size_t{1}) - 1; x < std::min(i % n + 2, n); ++x)
-                greatest = std::max(greatest, values[y * n + x].greatest);
-        const Float mean = values[i].mean;
-        weights[i] = std::max(mean, kBesidePixel * greatest);
-        if (greatest > kContrast * mean && double(weights[i]) > kDividedShare * sum) {
+                max = std::max(max, cells[y * n + x].max);
+        const Float mean = cells[i].mean;
+        weights[i] = std::max(mean, kBesidePixel * max);
+        if (max > kContrast * mean && double(weights[i]) > kDividedShare * sum) {
             divided.push_back(i);
-            detailOf_[i] = uint32_t(divided.size());
+            map.detailOf_[i] = uint32_t(divided.size());
         }
     }
-    details_.resize(divided.size());
+    map.details_.resize(divided.size());
     ParallelFor(int64_t(divided.size()), 16, [&](int64_t begin, int64_t end) {
         for (auto d = size_t(begin); d < size_t(end); ++d) {
             const Float part = width / kDetail;
             double total = 0;
             for (int k = 0; k < kDetail * kDetail; ++k) {
-                Float &value = details_[d][size_t(k)];
-                const Value seen = look(corner(divided[d]) + Point2(k % kDetail, k / kDetail) * part, part, 3, 1);
-                value = std::max(seen.mean, kBesidePart * seen.greatest);
+                const Point2 low = corner(divided[d]) + Point2(k % kDetail, k / kDetail) * part;
+                const CellRadiance cell = EvaluateMapCell(light, frame, low, part, 3, 1);
+                Float &value = map.details_[d][size_t(k)];
+                value = std::max(cell.mean, kBesidePart * cell.max);
                 total += double(value);
             }
             weights[divided[d]] = Float(total / (kDetail * kDetail));
         }
     });
-    pixels_ = WindowedPiecewiseConstant2D(weights, n_, n_);
+    map.pixels_ = WindowedPiecewiseConstant2D(weights, map.n_, map.n_);
+    return map;
 }
 
 Float PortalMap::Part::OfColumn(int x) const {
@@ -208,7 +216,7 @@ EnvironmentPortals::EnvironmentPortals(const EnvironmentLight &light, std::span<
         mapOf_.push_back(uint32_t(known - frames.begin()));
         if (known != frames.end()) continue;
         frames.push_back(portal.frame);
-        maps_.emplace_back(light, portal.frame);
+        maps_.push_back(PortalMap::Integrate(light, portal.frame));
     }
 }
 

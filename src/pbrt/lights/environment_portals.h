@@ -20,7 +20,8 @@ namespace pbrt {
 /// pixels are subdivided once: the rim of a sun would be noisy otherwise.
 class PortalMap {
   public:
-    PortalMap(const EnvironmentLight &light, const Frame &frame);
+    /// Integrates the light's mean radiance over the map's pixels, at 128 to 512 a side. Takes milliseconds.
+    static PortalMap Integrate(const EnvironmentLight &light, const Frame &frame);
 
     static Float FromSlope(Float a) { return Float(0.5) + Float(0.5) * a / (1 + std::abs(a)); }
     static Float ToSlope(Float s) {
@@ -47,6 +48,7 @@ class PortalMap {
     size_t Bytes() const;
 
   private:
+    PortalMap() = default;
     struct Sample {
         Point2 st;
         Float pdf;  ///< by map area

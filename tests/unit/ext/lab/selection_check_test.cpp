@@ -74,7 +74,7 @@ class SelectionCheck : public testing::Test {
         : built_(test::BuildText(text)), spoilt_(built_.scene->Lights().Size()) {}
     SelectionReport Check(const LightSampler &lights) {
         Progress progress;
-        return *CheckSelection(SelectionVertices(built_, 0, progress), lights, settings_, progress);
+        return *CheckSelection(SelectionVertices::Measure(built_, 0, progress), lights, settings_, progress);
     }
     /// The indices of all delta lights, or of all others.
     std::vector<size_t> LightsOf(bool delta) const {
@@ -188,7 +188,7 @@ class SelectionCheckInFog : public SelectionCheck {
 
 TEST_F(SelectionCheckInFog, VerticesInMediaAreChecked) {
     Progress progress;
-    const SelectionVertices vertices(built_, 0, progress);
+    const SelectionVertices vertices = SelectionVertices::Measure(built_, 0, progress);
     size_t inFog = 0, onSurfaces = 0;
     for (size_t r = 0; r < vertices.RegionCount(); ++r)
         for (const SelectionVertices::Vertex &v : vertices.OfRegion(r)) {
@@ -252,7 +252,7 @@ RunningStatistics Measured(const std::string &text) {
     Progress progress;
     RunningStatistics s;
     for (int seed = 0; seed < 24; ++seed) {
-        const SelectionVertices vertices(built, seed, progress);
+        const SelectionVertices vertices = SelectionVertices::Measure(built, seed, progress);
         double light = 0;
         for (size_t r = 0; r < vertices.RegionCount(); ++r)
             for (const auto &v : vertices.OfRegion(r))

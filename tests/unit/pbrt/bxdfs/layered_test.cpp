@@ -407,7 +407,7 @@ TEST(Layered, WhiteBaseUnderClearCoatReflectsEverything) {
     auto c = AlbedoStatistics(rough, wo, 20000);
     EXPECT_LT(c.mean, 1 + 4 * c.StandardError());
     EXPECT_GT(c.mean, 0.9);
-    clear.UseTable(CoatTable(1.5f, 1e-6f, 0));
+    clear.UseTable(CoatTable::Compute(1.5f, 1e-6f, 0));
     auto exact = AlbedoStatistics(clear, wo, 20000);
     EXPECT_LT(std::abs(exact.mean - 1), 4 * exact.StandardError() + 1e-3);
     // The limit of a metal: a mirror that absorbs nothing, under smooth coats of any index.

@@ -183,8 +183,8 @@ class Inspector {
         for (const InspectedValue &v : values)
             add(Plain("sampler." + v.name), "reported by the sampler: " + v.name, 0, 0, v.isId);
         const double bits = std::log2(double(std::max<size_t>(groups_.Size(), 2)));
-        add("entropy", "entropy of the probabilities of the lights, in bits; a mesh or a sky counts as one light", 0,
-            bits);
+        add("entropy", "entropy of the probabilities of the lights, in bits; a mesh or environment light counts as one",
+            0, bits);
         add("brightest", "the light that contributes most, by its first id; magenta: no light contributes", 0, 0, true,
             true);
         add("brightest_probability", "probability of the light that contributes most; magenta: no light contributes", 0,

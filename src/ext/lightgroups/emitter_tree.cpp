@@ -24,7 +24,7 @@ struct EmitterTree::Cluster {
 /// A tree or subtree, without its packets.
 struct EmitterTree::Part {
     std::vector<Branch> nodes;    ///< [0] is the root
-    std::vector<Emitter> wholes;  ///< per node, the union of its emitters (not set for the root)
+    std::vector<Emitter> unions;  ///< per node, the union of its emitters (not set for the root)
     std::vector<uint32_t> children;
     int depth = 0;
 
@@ -34,7 +34,7 @@ struct EmitterTree::Part {
         depth = std::max(depth, level + 1);
         const std::vector<Cluster> clusters = Divide(items, emitters);
         nodes.push_back({.firstChild = firstChild, .count = uint8_t(clusters.size())});
-        wholes.push_back(whole);
+        unions.push_back(whole);
         children.resize(firstChild + clusters.size());
 
         const bool asTasks = items.size() >= kManyEmitters;
@@ -67,7 +67,7 @@ struct EmitterTree::Part {
             nodes.push_back(node);
         }
         for (uint32_t child : part.children) children.push_back(child & kLeaf ? child : child + firstNode);
-        wholes.insert(wholes.end(), part.wholes.begin(), part.wholes.end());
+        unions.insert(unions.end(), part.unions.begin(), part.unions.end());
         depth = std::max(depth, part.depth);
         return firstNode;
     }
@@ -110,7 +110,7 @@ EmitterTree::EmitterTree(std::span<const Emitter> emitters) : places_(emitters.s
     nodes_.shrink_to_fit();
     children_.shrink_to_fit();
     far_.shrink_to_fit();
-    MakePackets(emitters, tree.wholes);
+    MakePackets(emitters, tree.unions);
     for (uint32_t n = 0; n < nodes_.size(); ++n)
         for (uint32_t c = 0; c < nodes_[n].count; ++c) {
             const uint32_t child = children_[nodes_[n].firstChild + c];
@@ -119,7 +119,7 @@ EmitterTree::EmitterTree(std::span<const Emitter> emitters) : places_(emitters.s
     for (uint32_t i = 0; i < far_.size(); ++i) places_[far_[i].index] = {0, nodes_[0].count + i};
 }
 
-void EmitterTree::MakePackets(std::span<const Emitter> emitters, std::span<const Emitter> wholes) {
+void EmitterTree::MakePackets(std::span<const Emitter> emitters, std::span<const Emitter> unions) {
     constexpr size_t kLanes = EmitterPacket::kLanes;
     size_t begin = 0;  // first free lane
     for (Branch &node : nodes_) {
@@ -134,7 +134,7 @@ void EmitterTree::MakePackets(std::span<const Emitter> emitters, std::span<const
             const uint32_t child = children_[node.firstChild + c];
             const size_t lane = node.firstLane + c;
             packets_[node.firstPacket + lane / kLanes].Set(lane % kLanes,
-                                                           child & kLeaf ? emitters[child & ~kLeaf] : wholes[child]);
+                                                           child & kLeaf ? emitters[child & ~kLeaf] : unions[child]);
         }
 }
 

@@ -59,7 +59,7 @@ class EmitterTree {
     };
     struct Cluster;
     struct Part;
-    void MakePackets(std::span<const Emitter> emitters, std::span<const Emitter> wholes);
+    void MakePackets(std::span<const Emitter> emitters, std::span<const Emitter> unions);
 
     std::vector<Branch> nodes_;
     std::vector<EmitterPacket> packets_;

@@ -15,11 +15,11 @@ constexpr std::string_view kOtherVersion = "another version of this light sample
 
 }  // namespace
 
-void VisibilityOctreeLightSampler::SaveLearned(StateWriter &writer, bool goesOn) const {
-    writer(kVersion, goesOn, prepassSeconds_);
+void VisibilityOctreeLightSampler::SaveLearned(StateWriter &writer, bool withLearning) const {
+    writer(kVersion, withLearning, prepassSeconds_);
     portals_.Save(writer);
     writer(LightTreeHash());
-    model_.Save(writer, goesOn);
+    model_.Save(writer, withLearning);
 }
 
 void VisibilityOctreeLightSampler::LoadLearned(const PrepareContext &context, StateReader &reader) {

@@ -22,7 +22,7 @@ class PaperOctreeLightSampler final : public GroupLightSampler {
 
     void Prepare(PrepareContext &context) override;
     bool SavesLearned() const override { return true; }
-    void SaveLearned(StateWriter &writer, bool goesOn) const override;
+    void SaveLearned(StateWriter &writer, bool withLearning) const override;
     void Report(nlohmann::ordered_json &report) const override;
     /// Leaf, its number of records and its depth.
     void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override;

@@ -149,13 +149,13 @@ std::optional<std::string> VisibilityModel::Estimate::ValidateFor(size_t groups,
     return {};
 }
 
-void VisibilityModel::Save(StateWriter &out, bool goesOn) const {
-    out(counts_, bounds_, render_, goesOn ? nextUpdate_ : 0);
+void VisibilityModel::Save(StateWriter &out, bool withLearning) const {
+    out(counts_, bounds_, render_, withLearning ? nextUpdate_ : 0);
     for (const Estimate *estimate : {&onSurfaces_, &inMedia_}) {
         static const VisibilityRecords none;
-        out(*estimate, goesOn ? estimate->records : none);
+        out(*estimate, withLearning ? estimate->records : none);
     }
-    if (goesOn && nextUpdate_ > 0) rendered_.Save(out);
+    if (withLearning && nextUpdate_ > 0) rendered_.Save(out);
 }
 
 void VisibilityModel::Load(const PrepareContext &context, StateReader &in) {

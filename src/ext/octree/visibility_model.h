@@ -51,8 +51,8 @@ class VisibilityModel final : public OnlineModel, public PathObserver {
     void RecordLightSample(PathPlaces &path, const LightQuery &query, const SampledLight &light,
                            const SampledSpectrum &irradiance) override;
 
-    /// `goesOn`: include the state that later updates need.
-    void Save(StateWriter &out, bool goesOn) const;
+    /// `withLearning`: include the state that later updates need.
+    void Save(StateWriter &out, bool withLearning) const;
     /// Throws UserError if the saved model does not match the lights or the context.
     void Load(const PrepareContext &context, StateReader &in);
 

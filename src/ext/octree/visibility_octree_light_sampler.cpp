@@ -40,7 +40,7 @@ void VisibilityOctreeLightSampler::PortalsChanged() {
     importance_ = GroupImportance(emitters);
     if (groups_.Size() > kMaxCandidates) lightTree_ = std::make_unique<LightTree>(emitters);
     model_.SetLightTree(lightTree_.get());
-    SetAlwaysAsked(portals_.IsActive());
+    SetAlwaysChooses(portals_.IsActive());
 }
 
 void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {

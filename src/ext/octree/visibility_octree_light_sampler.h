@@ -31,7 +31,7 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler {
     PathObserver *Observer() override { return model_.IsUpdated() ? &model_ : nullptr; }
     bool LearnsRoulette() const override { return true; }
     bool SavesLearned() const override { return true; }
-    void SaveLearned(StateWriter &writer, bool goesOn) const override;
+    void SaveLearned(StateWriter &writer, bool withLearning) const override;
     void Report(nlohmann::ordered_json &report) const override;
     void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override;
     std::string DescribeStructure() const override;

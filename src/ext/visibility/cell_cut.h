@@ -45,7 +45,7 @@ class CellCut {
         Merger merger{lights, sums, weight, above, settings};
         merger.SumUp();
         const double all = merger.w.back() > 0 ? merger.wm.back() / merger.w.back() : 0, prior = all > 0 ? all : 1;
-        size_t begin = 0, knownAbove = 0;
+        size_t begin = 0, indexAbove = 0;
         const std::span<const uint32_t> roots = lights.Roots();
         for (uint32_t root : roots) {
             const size_t end =
@@ -53,9 +53,9 @@ class CellCut {
                                             [&](const ShadowRaySums &s) { return s.light < lights.At(root).end; }) -
                        sums.begin());
             if (above) {
-                const Known &known = above->known_[knownAbove];
-                merger.Add(root, begin, end, knownAbove, double(known.moment), 1, double(known.share));
-                knownAbove = known.next;
+                const NodeEstimate &estimate = above->estimates_[indexAbove];
+                merger.Add(root, begin, end, indexAbove, double(estimate.moment), 1, double(estimate.share));
+                indexAbove = estimate.next;
             } else {
                 merger.Add(root, begin, end, {}, 1, prior, 1 / double(roots.size()));
             }
@@ -64,14 +64,14 @@ class CellCut {
         const size_t far = lights.FarNodeCount();
         merger.JoinDownTo(kInherited * settings.nodes + far);
         merger.ForEach([&](const Merger::Item &item, bool) {
-            known_.push_back({item.node, 0, float(item.moment), float(item.share)});
+            estimates_.push_back({item.node, 0, float(item.moment), float(item.share)});
         });
         // Backwards: a node ends where its second child does.
-        for (size_t i = known_.size(); i-- > 0;) {
-            known_[i].next = uint32_t(i + 1);
-            const bool inner = i + 1 < known_.size() && lights.HasChildren(known_[i].node) &&
-                               known_[i + 1].node == lights.First(known_[i].node);
-            if (inner) known_[i].next = known_[known_[i + 1].next].next;
+        for (size_t i = estimates_.size(); i-- > 0;) {
+            estimates_[i].next = uint32_t(i + 1);
+            const bool inner = i + 1 < estimates_.size() && lights.HasChildren(estimates_[i].node) &&
+                               estimates_[i + 1].node == lights.First(estimates_[i].node);
+            if (inner) estimates_[i].next = estimates_[estimates_[i + 1].next].next;
         }
         merger.JoinDownTo(settings.nodes + far);
         merger.ForEach([&](const Merger::Item &item, bool inner) {
@@ -95,8 +95,8 @@ class CellCut {
     /// Bounds of the ratio of a node's moment to the parent cell's.
     static constexpr double kMinRatio = 1e-4, kMaxRatio = 1e4;
 
-    struct Known {
-        uint32_t node = 0, next = 0;  ///< `next`: index in known_ past the node's subtree
+    struct NodeEstimate {
+        uint32_t node = 0, next = 0;  ///< `next`: index in estimates_ past the node's subtree
         float moment = 0, share = 0;
     };
     /// Estimates all nodes that the shadow rays or the parent cell distinguish, then merges.
@@ -118,38 +118,38 @@ class CellCut {
 
         void SumUp() {
             for (std::vector<double> *v : {&w, &w2, &wm, &expected}) v->assign(1, 0);
-            size_t known = 0;  // index of the light in the parent cell
+            size_t at = 0;  // index of the light in the parent cell
             for (const ShadowRaySums &s : sums) {
                 if (above)
-                    while (above->IsInner(known) || lights.At(above->known_[known].node).end <= s.light) ++known;
+                    while (above->IsInner(at) || lights.At(above->estimates_[at].node).end <= s.light) ++at;
                 w.push_back(w.back() + s.w);
                 w2.push_back(w2.back() + s.w2);
                 wm.push_back(wm.back() + s.wm);
-                expected.push_back(expected.back() + s.w * (above ? double(above->known_[known].moment) : 1));
+                expected.push_back(expected.back() + s.w * (above ? double(above->estimates_[at].moment) : 1));
             }
         }
 
-        /// Adds a node and its subtree. `knownAbove`: the node's index in the parent cell's known_; empty if that cell
-        /// does not distinguish it, then `momentAbove` is the moment of its ancestor there. `ratioBefore`: the ratio of
-        /// this cell's moment to the parent cell's, for the node's parent in the light tree. `shareBefore`: the
-        /// expected share of the node.
-        void Add(uint32_t node, size_t begin, size_t end, std::optional<size_t> knownAbove, double momentAbove,
+        /// Adds a node and its subtree. `indexAbove`: the node's index in the parent cell's estimates_; empty if that
+        /// cell does not distinguish it, then `momentAbove` is the moment of its ancestor there. `ratioBefore`: the
+        /// ratio of this cell's moment to the parent cell's, for the node's parent in the light tree. `shareBefore`:
+        /// the expected share of the node.
+        void Add(uint32_t node, size_t begin, size_t end, std::optional<size_t> indexAbove, double momentAbove,
                  double ratioBefore, double shareBefore) {
             const double sw = w[end] - w[begin], sw2 = w2[end] - w2[begin], se = expected[end] - expected[begin],
                          k = settings.shrinkage;
-            const double tries = begin < end && sw2 > 0 && se > 0 ? sw * sw / sw2 : 0,
-                         found = tries > 0 ? (wm[end] - wm[begin]) / se : 0;
-            const double ratio = tries + k > 0
-                                     ? std::clamp((tries * found + k * ratioBefore) / (tries + k), kMinRatio, kMaxRatio)
-                                     : ratioBefore;
+            const double rays = begin < end && sw2 > 0 && se > 0 ? sw * sw / sw2 : 0,
+                         measured = rays > 0 ? (wm[end] - wm[begin]) / se : 0;
+            const double ratio =
+                rays + k > 0 ? std::clamp((rays * measured + k * ratioBefore) / (rays + k), kMinRatio, kMaxRatio)
+                             : ratioBefore;
             Item item{.node = node};
             item.moment = ratio * momentAbove;
             item.share = (sw + k * shareBefore) / std::max(weight + k, 1e-9);
             item.cost = CostOf(item);
             const auto index = uint32_t(items.size());
             items.push_back(item);
-            const bool toldApart = knownAbove && above->IsInner(*knownAbove);
-            if (lights.HasChildren(node) && (begin < end || toldApart)) {
+            const bool isSplitAbove = indexAbove && above->IsInner(*indexAbove);
+            if (lights.HasChildren(node) && (begin < end || isSplitAbove)) {
                 const uint32_t first = lights.First(node), second = lights.Second(node),
                                border = lights.At(second).begin;
                 const auto middle =
@@ -159,10 +159,10 @@ class CellCut {
                 std::optional<size_t> a, b;
                 double shareA = double(lights.Intensity(first)), shareB = double(lights.Intensity(second));
                 double momentA = momentAbove, momentB = momentAbove;
-                if (toldApart) {
-                    a = *knownAbove + 1;
-                    b = above->known_[*a].next;
-                    const Known &one = above->known_[*a], &other = above->known_[*b];
+                if (isSplitAbove) {
+                    a = *indexAbove + 1;
+                    b = above->estimates_[*a].next;
+                    const NodeEstimate &one = above->estimates_[*a], &other = above->estimates_[*b];
                     momentA = double(one.moment);
                     momentB = double(other.moment);
                     shareA = double(one.share);
@@ -213,8 +213,8 @@ class CellCut {
             for (uint32_t i = 0; i < items.size(); i = IsInner(i) ? i + 1 : items[i].next) visit(items[i], IsInner(i));
         }
     };
-    bool IsInner(size_t i) const { return known_[i].next != i + 1; }
-    std::vector<Known> known_;  ///< inherited by child cells, in preorder
+    bool IsInner(size_t i) const { return estimates_[i].next != i + 1; }
+    std::vector<NodeEstimate> estimates_;  ///< inherited by child cells, in preorder
     std::vector<uint32_t> nodes_;
     std::vector<float> factors_;
 };

@@ -33,22 +33,22 @@ Transform RenderFromWorld(const SceneDescription &d, const AnimatedTransform &wo
 /// Location of the instance or moving shape whose inverse transformation has the largest scale.
 FileLoc SmallestPlaced(const SceneDescription &d) {
     FileLoc smallest;
-    double mostGrowth = -1;
-    auto look = [&](const TransformPair &ctm, const FileLoc &loc) {
+    double maxGrowth = -1;
+    auto compare = [&](const TransformPair &ctm, const FileLoc &loc) {
         for (const Transform *t : {&ctm.start, &ctm.end}) {
             if (t->IsSingular()) continue;  // hidden
             for (int row = 0; row < 3; ++row) {
                 double growth = 0;
                 for (int c = 0; c < 3; ++c) growth += std::abs(double(t->InverseMatrix()[c][row]));
-                if (!(growth > mostGrowth)) continue;
-                mostGrowth = growth;
+                if (!(growth > maxGrowth)) continue;
+                maxGrowth = growth;
                 smallest = loc;
             }
         }
     };
-    for (const InstanceEntity &i : d.instances) look(i.ctm, i.loc);
+    for (const InstanceEntity &i : d.instances) compare(i.ctm, i.loc);
     for (const ShapeEntity &s : d.shapes)
-        if (s.ctm.start.Matrix() != s.ctm.end.Matrix()) look(s.ctm, s.loc);
+        if (s.ctm.start.Matrix() != s.ctm.end.Matrix()) compare(s.ctm, s.loc);
     return smallest;
 }
 

@@ -185,9 +185,9 @@ class GeometryBuilder {
             Work &w = work_[i];
             if (w.object < 0) return;
             if (isFar(bounds[w.object]) && !w.motion && !w.shapes.empty()) {
-                DiagnosticSink said = std::move(w.sink);
+                DiagnosticSink reported = std::move(w.sink);
                 MakeShapes(w);
-                w.sink = std::move(said);
+                w.sink = std::move(reported);
             }
             w.entity->params = {};
         });

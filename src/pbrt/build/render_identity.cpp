@@ -29,16 +29,18 @@ uint64_t HashOf(const LightCandidate &c) {
 }
 
 /// Hash of the radiance from outside the scene in many directions.
-uint64_t HashOfSkies(const Scene &scene) {
+uint64_t HashOfEnvironments(const Scene &scene) {
     constexpr int kSide = 32;
     uint64_t hash = 0;
     SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
     for (int i = 0; i < kSide * kSide; ++i) {
         const Point2 u((Float(i % kSide) + 0.5f) / kSide, (Float(i / kSide) + 0.5f) / kSide);
         const Vector3 d = SampleUniformSphere(u);
-        scene.Lights().ForEachBeyond(scene.Bounds().Center(), d, lambda, [&](const SampledSpectrum &L, LightId id) {
-            for (int k = 0; k < SpectrumSamples; ++k) hash = Hash(hash, id.value, L[k]);
-        });
+        scene.Lights().ForEachInfiniteEmission(scene.Bounds().Center(), d, lambda,
+                                               [&](const SampledSpectrum &L, LightId id) {
+                                                   for (int k = 0; k < SpectrumSamples; ++k)
+                                                       hash = Hash(hash, id.value, L[k]);
+                                               });
     }
     return hash;
 }
@@ -99,7 +101,7 @@ RenderIdentity LightIdentity(const Scene &scene, const std::string &lightSampler
     for (uint32_t g = 0; g < lights.ByComponent().Size(); ++g)
         power = Hash(power, HashOf(lights.ByComponent().Candidate(g)));
     identity["the hash of the lights' power and places"] = fmt::format("{:016x}", power);
-    identity["the hash of the sky's light"] = fmt::format("{:016x}", HashOfSkies(scene));
+    identity["the hash of the environment lights"] = fmt::format("{:016x}", HashOfEnvironments(scene));
     return identity;
 }
 

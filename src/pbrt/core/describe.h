@@ -172,10 +172,10 @@ class ParamDocumenter {
         Add(name, help);
         DocumentParam(docs.back(), value);
     }
-    template <class T, class Asked>
-    void operator()(const std::string &name, T &value, const Asked &asked, const char *help) {
+    template <class T, class Constraint>
+    void operator()(const std::string &name, T &value, const Constraint &constraint, const char *help) {
         Add(name, help);
-        DocumentParam(docs.back(), value, asked);
+        DocumentParam(docs.back(), value, constraint);
     }
 
   private:

@@ -12,13 +12,13 @@ class ParamPrinter {
     Json json = Json::object();
     bool When(bool applies) const { return applies; }
     void OnlyWith(const char *, const char *) const {}
-    template <class T, class... AskedAndHelp>
-    void operator()(const std::string &name, T &value, const AskedAndHelp &...asked) {
+    template <class T, class... ConstraintAndHelp>
+    void operator()(const std::string &name, T &value, const ConstraintAndHelp &...arguments) {
         if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string>) {
             json[name] = value;
         } else {  // same text as for a documented default
             ParamDocumenter documenter;
-            documenter(name, value, asked...);
+            documenter(name, value, arguments...);
             json[name] = documenter.docs.front().defaultValue;
         }
     }

@@ -22,9 +22,9 @@ class ParamReader {
     void operator()(const std::string &name, T &value, const char *) {
         Collect(errors_, [&] { ReadParam(*this, prefix_ + name, value); });
     }
-    template <class T, class Asked>
-    void operator()(const std::string &name, T &value, const Asked &asked, const char *) {
-        Collect(errors_, [&] { ReadParam(*this, prefix_ + name, value, asked); });
+    template <class T, class Constraint>
+    void operator()(const std::string &name, T &value, const Constraint &constraint, const char *) {
+        Collect(errors_, [&] { ReadParam(*this, prefix_ + name, value, constraint); });
     }
 
     /// Reports undeclared parameters, or those declared with another type, to the sink. Throws one UserError with all

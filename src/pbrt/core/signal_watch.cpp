@@ -24,7 +24,7 @@ constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
 /// Write end of the pipe from signal handler to watcher thread.
 int toWatcher = -1;
 
-void Tell(int signal) {
+void Notify(int signal) {
     const int kept = errno;
     const auto byte = static_cast<unsigned char>(signal);
     [[maybe_unused]] const ssize_t ignored = write(toWatcher, &byte, 1);
@@ -115,7 +115,7 @@ SignalWatch::SignalWatch(Progress &progress, std::string message) : impl_(std::m
     toWatcher = impl_->pipe[1];
     impl_->thread = std::thread([this] { impl_->Watch(); });
     struct sigaction action = {};
-    action.sa_handler = Tell;
+    action.sa_handler = Notify;
     action.sa_flags = SA_RESTART;
     for (size_t i = 0; i < std::size(kSignals); ++i) {
         sigaction(kSignals[i], nullptr, &impl_->old[i]);
@@ -146,7 +146,7 @@ void SignalWatch::Cancel(std::string notice, std::string message, double seconds
         impl_->grace = seconds;
         impl_->phaseStart = Clock::now();
     }
-    Tell(Impl::kWake);
+    Notify(Impl::kWake);
 }
 
 int SignalWatch::Status() const {

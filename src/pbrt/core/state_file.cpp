@@ -34,24 +34,24 @@ std::string ReadBytes(const std::string &path, const std::string &kind) {
 }  // namespace
 
 StateFile::StateFile(const std::string &path, const std::string &kind) : path_(path), content_(ReadBytes(path, kind)) {
-    auto refuse = [&](const std::string &why) { throw UserError("{}: {}.", path, why); };
+    auto fail = [&](const std::string &why) { throw UserError("{}: {}.", path, why); };
     const size_t size = content_.size();
     const std::string_view all(content_);
     if (all.substr(0, sizeof(kMagic)) != std::string_view(kMagic.data(), kMagic.size()))
-        refuse(size == 0 ? fmt::format("is empty, not a {}", kind) : fmt::format("is not a {}", kind));
-    if (size < kHeadBytes + kSumBytes) refuse(fmt::format("this {} is cut off", kind));
+        fail(size == 0 ? fmt::format("is empty, not a {}", kind) : fmt::format("is not a {}", kind));
+    if (size < kHeadBytes + kSumBytes) fail(fmt::format("this {} is cut off", kind));
     uint32_t version = 0;
     uint64_t length = 0, sum = 0;
     std::memcpy(&version, content_.data() + sizeof(kMagic), sizeof(version));
     std::memcpy(&length, content_.data() + kLengthAt, sizeof(length));
     std::memcpy(&sum, content_.data() + size - kSumBytes, sizeof(sum));
     if (version != kVersion)
-        refuse(fmt::format("this {} has layout {}; this program reads layout {}", kind, version, kVersion));
-    if (length > size) refuse(fmt::format("this {} is cut off: it has {} of {} bytes", kind, size, length));
+        fail(fmt::format("this {} has layout {}; this program reads layout {}", kind, version, kVersion));
+    if (length > size) fail(fmt::format("this {} is cut off: it has {} of {} bytes", kind, size, length));
     if (length != size || sum != Checksum(all.substr(0, size - kSumBytes)))
-        refuse(fmt::format("this {} is damaged: its checksum does not fit", kind));
+        fail(fmt::format("this {} is damaged: its checksum does not fit", kind));
     StateReader reader(all.substr(kHeadBytes, size - kHeadBytes - kSumBytes), path);
-    if (const std::string is = reader.Text(); is != kind) refuse(fmt::format("is a {}, not a {}", is, kind));
+    if (const std::string is = reader.Text(); is != kind) fail(fmt::format("is a {}, not a {}", is, kind));
     for (auto count = reader.Value<uint32_t>(); count > 0; --count) {
         const std::string name = reader.Text();
         reader.Require(!Has(name), "it has a section twice");

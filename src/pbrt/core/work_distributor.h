@@ -45,7 +45,7 @@ class WorkDistributor {
                 if (isOver_) return {};
                 if (!isWaiting_) SendRequest();
                 if (const auto message = team_.port_->TryReceive(0, Team::Channel::Replies)) {
-                    const auto reply = StateReader(message->bytes, "reply").Value<Answer>();
+                    const auto reply = StateReader(message->bytes, "reply").Value<Grant>();
                     isWaiting_ = false;
                     left_ = reply.numbers;
                     isOver_ = left_.begin == left_.end;
@@ -78,7 +78,7 @@ class WorkDistributor {
         bool isCancelled = false;
         int64_t done = 0;
     };
-    struct Answer {
+    struct Grant {
         bool isCancelled = false;
         Numbers numbers;  ///< empty: no numbers are left
     };
@@ -111,7 +111,7 @@ class WorkDistributor {
                 TakeFromCounter(std::clamp(fraction, int64_t{1}, kMaxPerThread * int64_t{request.threads}));
             if (given.begin == given.end) --waiting;
             StateWriter out;
-            out(Answer{progress_.Cancelled(), given});
+            out(Grant{progress_.Cancelled(), given});
             team_.Send(message->from, Team::Channel::Replies, out);
         }
     }

@@ -56,7 +56,7 @@ class AovFilm final : public Film {
     }
 
     SampledWavelengths SampleWavelengths(Float u) const override { return film_->SampleWavelengths(u); }
-    bool WantsVisibleSurface() const override { return true; }
+    bool NeedsVisibleSurface() const override { return true; }
     void AddSample(const FilmSample &sample) override {
         film_->AddSample(sample);
         const auto w = double(sample.weight);

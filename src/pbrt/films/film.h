@@ -132,7 +132,7 @@ struct FilmSample {
     SampledSpectrum L;  ///< radiance at `lambda`
     SampledWavelengths lambda;
     Float weight = 1;                       ///< filter weight
-    std::optional<VisibleSurface> visible;  ///< only if the film wants it; empty: no surface is hit
+    std::optional<VisibleSurface> visible;  ///< only if the film needs it; empty: no surface is hit
     bool hasRay = true;                     ///< false: the camera has no ray for the sample (stopped by the lens)
 };
 
@@ -151,7 +151,7 @@ class Film {
     const ColorSpace &OutputSpace() const { return *frame_.outputSpace; }
 
     virtual SampledWavelengths SampleWavelengths(Float u) const { return SampledWavelengths::SampleVisible(u); }
-    virtual bool WantsVisibleSurface() const { return false; }
+    virtual bool NeedsVisibleSurface() const { return false; }
     /// One thread at a time per pixel, in an order independent of the threads. Non-finite radiance is counted, reported
     /// and dropped.
     virtual void AddSample(const FilmSample &sample) = 0;

@@ -26,7 +26,7 @@ class GBufferFilm final : public RgbFilm {
                                 : AnimatedTransform(request.context.renderFromWorld)),
           surfaces_(Frame().PixelCount()) {}
 
-    bool WantsVisibleSurface() const override { return true; }
+    bool NeedsVisibleSurface() const override { return true; }
     void AddSample(const FilmSample &sample) override {
         const std::optional<Vector3> sensor = Measure(sample.L, sample.lambda, sample.weight);
         if (!sensor) return;

@@ -101,7 +101,9 @@ std::string DifferenceOf(const std::string &key, const std::string *mine, const 
 
 std::unique_ptr<Film> FilmRecipe::Make() const {
     const ColorSpace *space = ColorSpace::Find(colorSpace);
-    if (!space) throw UserError("colour space \"{}\" is unknown.", colorSpace);
+    if (!space)
+        throw UserError("colour space \"{}\" is unknown; {}.", colorSpace,
+                        ListChoices(colorSpace, ColorSpace::Names()));
     DiagnosticSink sink;  // warnings were reported when the scene was built
     return MakeFilm(type, params,
                     FilmContext{.outputSpace = *space, .exposureTime = exposureTime, .overrides = overrides}, sink);

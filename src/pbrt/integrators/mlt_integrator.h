@@ -18,7 +18,7 @@ class PrimarySampler final : public Sampler {
     std::unique_ptr<Sampler> Clone() const override { return std::make_unique<PrimarySampler>(numbers_, rng_); }
     std::unique_ptr<Sampler> WithSeed(int) const override { return Clone(); }
     /// Truncates the list to the numbers prepared for use; those beyond are unused.
-    void ForgetUnused() {
+    void DropUnused() {
         if (used_ < numbers_.size()) numbers_.resize(used_);
     }
 
@@ -81,7 +81,7 @@ class MltIntegrator final : public Integrator {
     const LightSampler *EmissionSampler() const override { return pairs_.EmissionSampler(); }
     /// Throws UserError if the film needs visible surfaces.
     bool Render(const RenderPass &pass) override {
-        if (pass.film.WantsVisibleSurface())
+        if (pass.film.NeedsVisibleSurface())
             throw UserError(
                 "Integrator \"mlt\" has no camera rays of single pixels, so it finds no visible surface for the film: "
                 "use Film \"rgb\" or \"spectral\" without further channels.");
@@ -240,7 +240,7 @@ class MltIntegrator final : public Integrator {
                 const Float sum = pair.importance + (pair.lambda.SecondaryTerminated() ? s.L[0] : s.L.Average());
                 if (std::isfinite(sum)) pair.importance = sum;
             }
-            for (PrimarySampler *sampler : {&light, &camera, &connections}) sampler->ForgetUnused();
+            for (PrimarySampler *sampler : {&light, &camera, &connections}) sampler->DropUnused();
         }
         /// True if the filtered film receives light from the splat.
         bool Reaches(const BdptIntegrator::CameraSplat &s) const {

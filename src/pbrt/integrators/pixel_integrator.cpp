@@ -85,7 +85,7 @@ class PassRenderer {
         : integrator_(integrator), pass_(pass), cells_(pass.film.PixelBounds()), uWavelengths_(uWavelengths),
           splats_(integrator.Splats()),
           alternates_(pass.adaptive && pass.adaptive->samplers.data() != pass.samplers.data()),
-          wantsVisible_(pass.film.WantsVisibleSurface()),
+          needsVisible_(pass.film.NeedsVisibleSurface()),
           differentialScale_(pass.jittersPixels ? std::max(Float(0.125), 1 / std::sqrt(Float(pass.samplesPerPixel)))
                                                 : Float(1)) {}
 
@@ -159,7 +159,7 @@ class PassRenderer {
         if (std::optional<CameraRay> ray = pass_.camera.GenerateRay(cs, sample.lambda)) {
             const SampledSpectrum weight = ray->weight;
             ray->differential.Scale(ray->ray, differentialScale_);
-            const PathStart start{{*ray, pixel, pass_.batchFirst + index, wantsVisible_ ? &sample.visible : nullptr},
+            const PathStart start{{*ray, pixel, pass_.batchFirst + index, needsVisible_ ? &sample.visible : nullptr},
                                   pass_,
                                   sample.weight,
                                   half};
@@ -177,7 +177,7 @@ class PassRenderer {
     const RenderPass &pass_;
     const PixelCells cells_;
     const std::optional<Float> uWavelengths_;
-    const bool splats_, alternates_, wantsVisible_;
+    const bool splats_, alternates_, needsVisible_;
     const Float differentialScale_;
     std::atomic<uint64_t> halfPaths_ = 0;
 };

@@ -12,7 +12,7 @@ class LightBeyondScene : public Light {
         sceneRadius_ = sceneRadius;
     }
     /// End of a shadow segment that leaves the scene from p along wi (unit).
-    Point3 Beyond(const Point3 &p, const Vector3 &wi) const { return p + wi * (2 * sceneRadius_); }
+    Point3 PointOutside(const Point3 &p, const Vector3 &wi) const { return p + wi * (2 * sceneRadius_); }
 
   protected:
     using Light::Light;
@@ -52,7 +52,7 @@ class EnvironmentLight : public LightBeyondScene {
                                           const SampledWavelengths &lambda, bool allowIncompletePdfs,
                                           uint32_t) const final {
         std::optional<LightLiSample> s = SampleDirection(from.p, u, lambda, allowIncompletePdfs);
-        if (s) s->pLight = Beyond(from.p, s->wi);
+        if (s) s->pLight = PointOutside(from.p, s->wi);
         return s;
     }
     Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &, const Normal3 &,

@@ -267,7 +267,8 @@ std::optional<LightLiSample> EnvironmentPortals::SampleLi(size_t region, const L
     if (!through || !(through->pdf > 0)) return {};
     const SampledSpectrum L = light_->Le(from.p, through->wi, lambda);
     if (!L) return {};
-    return LightLiSample{.L = L, .wi = through->wi, .pdf = through->pdf, .pLight = light_->Beyond(from.p, through->wi)};
+    return LightLiSample{
+        .L = L, .wi = through->wi, .pdf = through->pdf, .pLight = light_->PointOutside(from.p, through->wi)};
 }
 
 Float EnvironmentPortals::PdfLi(size_t region, const LightSampleContext &from, const Vector3 &wi,

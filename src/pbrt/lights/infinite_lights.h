@@ -26,7 +26,7 @@ class DistantLight final : public LightBeyondScene {
                                           const SampledWavelengths &lambda, bool, uint32_t) const override {
         const SampledSpectrum L = scale_ * irradiance_->Sample(lambda);
         if (!L) return {};
-        return LightLiSample{.L = L, .wi = wi_, .pdf = 1, .pLight = Beyond(from.p, wi_)};
+        return LightLiSample{.L = L, .wi = wi_, .pdf = 1, .pLight = PointOutside(from.p, wi_)};
     }
     Float PdfLi(const LightSampleContext &, const Vector3 &, const Point3 &, const Normal3 &, bool,
                 uint32_t) const override {
@@ -219,7 +219,7 @@ class PortalLight final : public EnvironmentLight {
         const Vector3 wi = frame_.FromLocal(*local), sides = Rectangle().high - Rectangle().low;
         const Point3 p = frame_.FromLocal(Rectangle().low + sides * Vector3(uPosition, 0));
         return LightLeSample{.L = L,
-                             .ray = {.o = Beyond(p, wi), .d = -wi},
+                             .ray = {.o = PointOutside(p, wi), .d = -wi},
                              .pdfPosition = 1 / (Area() * local->z),
                              .pdfDirection = pdfDirection};
     }

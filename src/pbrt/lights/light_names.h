@@ -62,9 +62,9 @@ class LightNames {
     Place PlaceOf(const FileLoc &loc) {
         return loc ? Place{IndexOf(std::filesystem::path(loc.file->name).filename().string()), loc.line} : Place{};
     }
-    std::string Text(const Place &place, uint32_t fileSaidBefore) const {
+    std::string Text(const Place &place, uint32_t fileBefore) const {
         if (place.line <= 0) return {};
-        return fmt::format("{}:{}", place.file == fileSaidBefore ? "" : texts_[place.file], place.line);
+        return fmt::format("{}:{}", place.file == fileBefore ? "" : texts_[place.file], place.line);
     }
 
     std::vector<Entry> entries_;

@@ -116,7 +116,8 @@ class LightTable {
 
     /// For a ray from o in direction d that leaves the scene: calls visit(radiance, id) for every infinite light with
     /// nonzero radiance, with the id of the whole light.
-    void ForEachBeyond(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda, auto &&visit) const {
+    void ForEachInfiniteEmission(const Point3 &o, const Vector3 &d, const SampledWavelengths &lambda,
+                                 auto &&visit) const {
         for (LightId first : infinite_)
             if (SampledSpectrum Le = (*this)[first].Parent().Le(o, d, lambda)) visit(Le, first);
     }

@@ -8,7 +8,7 @@ std::optional<SampledLight> GroupLightSampler::Choose(const LightQuery &query, c
                                                       Point2 *uPoint) const {
     if (groups_.Size() == 0) return {};
     ChosenGroup chosen{.inner = u};
-    if (isAsked_) {
+    if (choosesGroup_) {
         std::optional<ChosenGroup> group = ChooseGroup(query, weights, u);
         if (!group) return {};
         chosen = *group;
@@ -22,7 +22,7 @@ std::optional<SampledLight> GroupLightSampler::Choose(const LightQuery &query, c
 Float GroupLightSampler::Probability(const LightQuery &query, const void *weights, LightId light) const {
     if (light.value >= groups_.LightCount()) return 0;
     const Float inside = ProbabilityInside(query, weights, light);
-    if (!isAsked_ || !(inside > 0)) return inside;
+    if (!choosesGroup_ || !(inside > 0)) return inside;
     return inside * GroupProbability(query, weights, groups_.GroupOf(light));
 }
 

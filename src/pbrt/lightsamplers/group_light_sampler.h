@@ -31,12 +31,12 @@ class GroupLightSampler : public LightSampler {
     virtual Float GroupProbability(const LightQuery &query, const void *weights, uint32_t group) const = 0;
 
   protected:
-    /// `alwaysAsked`: call ChooseGroup even for a single group; false: a single group has probability 1.
-    explicit GroupLightSampler(const LightGroups &groups, bool alwaysAsked = false) : groups_(groups) {
-        SetAlwaysAsked(alwaysAsked);
+    /// `alwaysChooses`: call ChooseGroup even for a single group; false: a single group has probability 1.
+    explicit GroupLightSampler(const LightGroups &groups, bool alwaysChooses = false) : groups_(groups) {
+        SetAlwaysChooses(alwaysChooses);
     }
 
-    void SetAlwaysAsked(bool alwaysAsked) { isAsked_ = groups_.Size() > (alwaysAsked ? 0 : 1); }
+    void SetAlwaysChooses(bool alwaysChooses) { choosesGroup_ = groups_.Size() > (alwaysChooses ? 0 : 1); }
 
     /// Samples a light of a group, with its probability within the group; empty if no light there can contribute.
     /// `weights`: result of WeighGroups; `uPoint`: see LightDistribution::Sample.
@@ -65,12 +65,12 @@ class GroupLightSampler : public LightSampler {
 
   private:
     const void *Weigh(const LightQuery &query, LightMemory &memory) const final {
-        return isAsked_ ? WeighGroups(query, memory) : nullptr;
+        return choosesGroup_ ? WeighGroups(query, memory) : nullptr;
     }
     std::optional<SampledLight> Choose(const LightQuery &query, const void *weights, Float u,
                                        Point2 *uPoint) const final;
     Float Probability(const LightQuery &query, const void *weights, LightId light) const final;
-    bool isAsked_;
+    bool choosesGroup_;
 };
 
 /// First selection of samplers with light bounds, as in stock pbrt-v4: every infinite light, and all bounded lights

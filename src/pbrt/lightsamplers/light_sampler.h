@@ -195,8 +195,8 @@ class LightSampler {
     /// camera, seed and PrepareContext numbers.
     virtual bool SavesLearned() const { return false; }
     /// Writes the state of Prepare and the learner, for PrepareContext::learned; the writer may refer to memory of this
-    /// object. `goesOn` false: only the state for selection, not for learning. Not while rays are traced.
-    virtual void SaveLearned(StateWriter &, bool /*goesOn*/) const {}
+    /// object. `withLearning` false: only the state for selection, not for learning. Not while rays are traced.
+    virtual void SaveLearned(StateWriter &, bool /*withLearning*/) const {}
     /// Sizes, seconds, counts: for --stats and image metadata.
     virtual void Report(nlohmann::ordered_json &) const {}
     /// Sampler state at a point (cell, records, ...): same names in the same order for every query. For visualization

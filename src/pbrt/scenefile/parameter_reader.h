@@ -120,12 +120,12 @@ class ParameterReader {
         floats_.clear();
         ints_.clear();
         bool asInteger = known && param.type == ParamType::Integer;
-        bool wantsNumbers = !known || (!TakesStrings(param.type) && param.type != ParamType::Bool);
+        bool takesNumbers = !known || (!TakesStrings(param.type) && param.type != ParamType::Bool);
         Token token = Require("a value");
         bool bracketed = token.kind == TokenKind::Open;
         do {
             if (bracketed) {
-                if (wantsNumbers && (values.kind == Kind::None || values.kind == Kind::Number)) {
+                if (takesNumbers && (values.kind == Kind::None || values.kind == Kind::Number)) {
                     if (asInteger) tokens_.ReadInts(ints_);
                     else tokens_.ReadFloats(floats_);
                     if (values.kind == Kind::None && !(ints_.empty() && floats_.empty())) {

@@ -57,7 +57,7 @@ Vector3 RotateFromTo(const Vector3 &from, const Vector3 &to, const Vector3 &v) {
     return c * v + Cross(axis, v) + axis * (Dot(axis, v) * (1 - c) / s2);
 }
 
-bool LooksRectangular(const Point3 &p00, const Point3 &p10, const Point3 &p01, const Point3 &p11) {
+bool IsNearlyRectangle(const Point3 &p00, const Point3 &p10, const Point3 &p01, const Point3 &p11) {
     if (p00 == p10 || p10 == p11 || p11 == p01 || p01 == p00) return false;
     Vector3 n = Normalize(Cross(p10 - p00, p01 - p00));
     if (!(AbsDot(Normalize(p11 - p00), n) <= Float(1e-5))) return false;
@@ -89,7 +89,7 @@ BilinearMesh::BilinearMesh(MeshData data, const Transform &renderFromObject, boo
     PBRT_CHECK(!emission_ || mesh_.uv.empty());
     for (uint32_t i = 0; i < PrimitiveCount(); ++i) {
         Corners c = CornersOf(i);
-        isRectangle_[i] = LooksRectangular(c.p00, c.p10, c.p01, c.p11);
+        isRectangle_[i] = IsNearlyRectangle(c.p00, c.p10, c.p01, c.p11);
     }
 }
 

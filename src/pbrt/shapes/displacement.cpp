@@ -28,7 +28,7 @@ namespace {
 class Splitter {
   public:
     Splitter(const MeshData &vertices, const Transform &renderFromObject, Float maxEdge, std::function<void()> fail)
-        : renderFromObject_(renderFromObject), maxEdge_(maxEdge), refuse_(std::move(fail)) {
+        : renderFromObject_(renderFromObject), maxEdge_(maxEdge), fail_(std::move(fail)) {
         mesh_.p = vertices.p;
         mesh_.n = vertices.n;
         mesh_.uv = vertices.uv;
@@ -72,7 +72,7 @@ class Splitter {
             return {};
         }
         // Each new vertex adds two triangles, or one at a border.
-        if (mesh_.p.size() >= kMaxDisplacedTriangles / 2) refuse_();
+        if (mesh_.p.size() >= kMaxDisplacedTriangles / 2) fail_();
         const Normal3 n = mesh_.n[a] + mesh_.n[b];
         mesh_.p.push_back(p);
         mesh_.n.push_back(LengthSquared(n) > 0 ? Normalize(n) : mesh_.n[a]);
@@ -83,7 +83,7 @@ class Splitter {
 
     const Transform &renderFromObject_;
     Float maxEdge_;
-    std::function<void()> refuse_;  ///< throws
+    std::function<void()> fail_;  ///< throws
     MeshData mesh_;
     std::vector<Point3> placed_;  ///< vertices in rendering space
     std::unordered_map<uint64_t, uint32_t> middles_;

@@ -95,7 +95,7 @@ void PathWalk::ForEachEmission(const SampledWavelengths &lambda, auto &&visit) c
     const Scene &scene = context_.scene;
     const SurfacePoint &point = vertex_.point;
     if (left_) {
-        scene.Lights().ForEachBeyond(ray_.o, ray_.d, lambda, [&](const SampledSpectrum &Le, LightId id) {
+        scene.Lights().ForEachInfiniteEmission(ray_.o, ray_.d, lambda, [&](const SampledSpectrum &Le, LightId id) {
             visit(Le, id, Point3(0), Normal3(0));
         });
     } else if (SampledSpectrum Le = EmittedRadiance(scene, point, lambda)) {

@@ -20,7 +20,7 @@ Vector3 Uniform3(Rng &rng) {
     return {rng.Uniform(), rng.Uniform(), rng.Uniform()};  // in this order
 }
 
-constexpr int kSkySamples = 4096;
+constexpr int kEnvironmentSamples = 4096;
 
 /// Calls visit(point, weight) for points uniform over a primitive's area, enough to make missing a crossed voxel
 /// unlikely. Weights sum to 1.
@@ -45,14 +45,15 @@ void ForPointsOn(const Shape &shape, uint32_t primitive, const VoxelGrid &grid, 
 }
 }  // namespace
 
-uint32_t LightTargets::SkyPartOf(const Vector3 &w) {
-    const Point2i cell = glm::clamp(Point2i(EqualAreaSphereToSquare(w) * Float(SkySide)), 0, SkySide - 1);
-    return uint32_t(cell.x + SkySide * cell.y);
+uint32_t LightTargets::EnvironmentPartOf(const Vector3 &w) {
+    const Point2i cell =
+        glm::clamp(Point2i(EqualAreaSphereToSquare(w) * Float(kEnvironmentSide)), 0, kEnvironmentSide - 1);
+    return uint32_t(cell.x + kEnvironmentSide * cell.y);
 }
 
-Vector3 LightTargets::DirectionIn(uint32_t skyPart, const Point2 &u) {
-    Point2 corner(skyPart % SkySide, skyPart / SkySide);
-    return EqualAreaSquareToSphere((corner + u) / Float(SkySide));
+Vector3 LightTargets::DirectionIn(uint32_t part, const Point2 &u) {
+    Point2 corner(part % kEnvironmentSide, part / kEnvironmentSide);
+    return EqualAreaSquareToSphere((corner + u) / Float(kEnvironmentSide));
 }
 
 LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const LightGroups &groups) {
@@ -61,13 +62,13 @@ LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const Ligh
     const Bounds3 bounds = scene.Bounds().IsEmpty() ? Bounds3(Point3(0)) : scene.Bounds();
     const LightSampleContext center{.p = bounds.Center()};
     constexpr uint32_t kNone = 0xffffffffu;
-    std::vector<uint32_t> ofVoxel(grid.Size(), kNone), ofSkyPart(SkySide * SkySide, kNone);
+    std::vector<uint32_t> ofVoxel(grid.Size(), kNone), ofEnvironmentPart(kEnvironmentSide * kEnvironmentSide, kNone);
     const auto addTarget = [&](const Target &target) {
         targets_.push_back(target);
         return uint32_t(targets_.size() - 1);
     };
     const auto sharedTarget = [&](Kind kind, uint32_t index) {
-        uint32_t &target = (kind == Kind::Voxel ? ofVoxel : ofSkyPart)[index];
+        uint32_t &target = (kind == Kind::Voxel ? ofVoxel : ofEnvironmentPart)[index];
         return target != kNone ? target : target = addTarget({kind, index, {}});
     };
 
@@ -92,7 +93,7 @@ LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const Ligh
             if (!s) continue;
             weights[addTarget({Kind::Direction, 0, s->wi})] += share;
         } else if (kind == LightKind::Infinite) {
-            for (uint64_t k = 0; k < kSkySamples; ++k) {
+            for (uint64_t k = 0; k < kEnvironmentSamples; ++k) {
                 // From points all over the scene, because the directions that a portal light samples depend on the
                 // point.
                 LightSampleContext from;
@@ -100,7 +101,8 @@ LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const Ligh
                          bounds.Diagonal() * Vector3(RadicalInverse(5, k), RadicalInverse(7, k), RadicalInverse(11, k));
                 Point2 u(RadicalInverse(2, k), RadicalInverse(3, k));
                 std::optional<LightLiSample> s = lights[id].SampleLi(from, u, lambda, true);
-                if (s && s->L && s->pdf > 0) weights[sharedTarget(Kind::SkyPart, SkyPartOf(s->wi))] += 1;
+                if (s && s->L && s->pdf > 0)
+                    weights[sharedTarget(Kind::EnvironmentPart, EnvironmentPartOf(s->wi))] += 1;
             }
         } else if (const ShapePrimitive at = lights[id].Surface(); at.shape) {
             ForPointsOn(*at.shape, at.primitive, grid, [&](const Point3 &p, Float part) {
@@ -153,7 +155,7 @@ void NeeppLightSampler::TestSegments(uint32_t voxel, std::span<uint8_t> row) con
                     ray.tMax = 1;
                     break;
                 case LightTargets::Kind::Direction: ray.d = target.direction; break;
-                case LightTargets::Kind::SkyPart:
+                case LightTargets::Kind::EnvironmentPart:
                     ray.d = LightTargets::DirectionIn(target.index, rng.Uniform2());
                     break;
             }

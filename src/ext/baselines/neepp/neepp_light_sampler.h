@@ -13,9 +13,9 @@ namespace ext {
 class LightTargets {
   public:
     /// Cells per side of the sphere's equal-area square.
-    static constexpr int SkySide = 8;
+    static constexpr int kEnvironmentSide = 8;
 
-    enum class Kind : uint8_t { Voxel, Direction, SkyPart };
+    enum class Kind : uint8_t { Voxel, Direction, EnvironmentPart };
     struct Target {
         Kind kind = Kind::Voxel;
         uint32_t index = 0;   ///< voxel or cell of the sphere
@@ -39,9 +39,9 @@ class LightTargets {
     }
 
     /// Cell of the sphere that contains the unit vector w.
-    static uint32_t SkyPartOf(const Vector3 &w);
+    static uint32_t EnvironmentPartOf(const Vector3 &w);
     /// Unit vector in a cell of the sphere; u in [0, 1)^2.
-    static Vector3 DirectionIn(uint32_t skyPart, const Point2 &u);
+    static Vector3 DirectionIn(uint32_t part, const Point2 &u);
     size_t Bytes() const;
 
   private:

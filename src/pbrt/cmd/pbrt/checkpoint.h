@@ -119,26 +119,26 @@ class Checkpoint {
     void Resume(const CommandLine &options, BuildOptions *build) {
         file_ = std::make_unique<RenderFile>(path_);
         const RenderFileHead &old = file_->Head();
-        auto refuse = [&](const std::string &why) { throw UserError("{}: {}.", path_, why); };
+        auto fail = [&](const std::string &why) { throw UserError("{}: {}.", path_, why); };
         if (const std::string differences = DifferencesOf(head_.identity, old.identity, path_); !differences.empty())
-            refuse("belongs to another render: " + differences);
+            fail("belongs to another render: " + differences);
         if (old.isPart != options.samples.has_value())
-            refuse(old.isPart ? fmt::format("is a part of a render; use --samples {}", RangeText(old.first, old.end))
-                              : "is the checkpoint of a whole render, without --samples");
+            fail(old.isPart ? fmt::format("is a part of a render; use --samples {}", RangeText(old.first, old.end))
+                            : "is the checkpoint of a whole render, without --samples");
         if (options.samples && *options.samples != std::pair(old.first, old.end))
-            refuse(fmt::format("has the samples {}, not {}", RangeText(old.first, old.end),
-                               RangeText(options.samples->first, options.samples->second)));
+            fail(fmt::format("has the samples {}, not {}", RangeText(old.first, old.end),
+                             RangeText(options.samples->first, options.samples->second)));
         const int spp = build->samplesPerPixel;
         if (old.isPart && spp > 0 && spp != old.samplesFlag)
-            refuse(fmt::format(
+            fail(fmt::format(
                 "is a part of a render with {}, not --spp {}",
                 old.samplesFlag > 0 ? fmt::format("--spp {}", old.samplesFlag) : "the scene's number of samples", spp));
         head_ = old;
         if (!old.isPart && spp > 0) head_.end = spp;
         if (head_.end == 0) head_.end = old.samplesPerBatch;
         if (!isTimed_ && head_.end < old.done + old.passCount)
-            refuse(fmt::format("has {} per pixel already{}; --spp can only be larger", CountText(old.done, "sample"),
-                               old.passCount > 0 ? fmt::format(", and some up to {}", old.done + old.passCount) : ""));
+            fail(fmt::format("has {} per pixel already{}; --spp can only be larger", CountText(old.done, "sample"),
+                             old.passCount > 0 ? fmt::format(", and some up to {}", old.done + old.passCount) : ""));
         secondsBefore_ = old.seconds;
         renderSecondsBefore_ = old.renderSeconds;
         build->samplesPerPixel = old.samplesFlag;

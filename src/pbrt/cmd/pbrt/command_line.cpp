@@ -73,16 +73,15 @@ int ParsePort(const std::string &text) {
 }
 
 void CheckKeeping(const CommandLine &o) {
-    const auto refuse = [](const char *message) { throw CLI::ValidationError(message); };
-    if (o.resume && o.checkpoint.empty()) refuse("--resume needs --checkpoint, the file to resume from");
+    const auto fail = [](const char *message) { throw CLI::ValidationError(message); };
+    if (o.resume && o.checkpoint.empty()) fail("--resume needs --checkpoint, the file to resume from");
     if (!o.samples) return;
-    if (o.checkpoint.empty()) refuse("--samples needs --checkpoint, the file for the samples");
-    if (o.timeBudget > 0) refuse("--samples and --time exclude each other");
+    if (o.checkpoint.empty()) fail("--samples needs --checkpoint, the file for the samples");
+    if (o.timeBudget > 0) fail("--samples and --time exclude each other");
     if (o.build.adaptive || o.noise > 0)
-        refuse("--samples excludes --adaptive and --noise: parts of a render take the same samples of all pixels");
-    if (o.writePartialImages)
-        refuse("--samples and --write-partial-images exclude each other: a part makes no picture");
-    if (!o.saveLights.empty()) refuse("--samples and --save-lights exclude each other: a part lacks samples");
+        fail("--samples excludes --adaptive and --noise: parts of a render take the same samples of all pixels");
+    if (o.writePartialImages) fail("--samples and --write-partial-images exclude each other: a part makes no picture");
+    if (!o.saveLights.empty()) fail("--samples and --save-lights exclude each other: a part lacks samples");
 }
 
 FlagHints StockFlags() {

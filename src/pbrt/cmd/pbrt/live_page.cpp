@@ -64,7 +64,7 @@ class Session : public std::enable_shared_from_this<Session> {
         request_ = {};
         stream_.expires_after(std::chrono::seconds(30));
         http::async_read(stream_, buffer_, request_, [self = shared_from_this()](beast::error_code failed, size_t) {
-            if (!failed) self->Answer();
+            if (!failed) self->Respond();
         });
     }
 
@@ -76,7 +76,7 @@ class Session : public std::enable_shared_from_this<Session> {
         return host == "127.0.0.1" || host == "localhost";
     }
 
-    void Answer() {
+    void Respond() {
         shared_.lastRequest = Clock::now();
         const std::string path(request_.target());
         if (!HasLocalHost()) return SendText(http::status::forbidden, "text/plain", "This page is for localhost.\n");

@@ -130,7 +130,7 @@ class PictureWriter {
 };
 
 /// Throws UserError for standard input under mpirun, which forwards it to rank 0 only.
-void RefusePipes(const CommandLine &options) {
+void RejectPipes(const CommandLine &options) {
     for (const std::string &file : options.sceneFiles)
         if (file == "-")
             throw UserError("under mpirun the scene must be in files: only one process gets the standard input.");
@@ -211,7 +211,7 @@ class RenderJob {
 
   private:
     SceneDescription Read() {
-        if (team_.Size() > 1) RefusePipes(options_);
+        if (team_.Size() > 1) RejectPipes(options_);
         progress_.BeginPhase("reading", 0);
         SceneDescription description = ParseSceneFiles(options_.sceneFiles, sink_);
         PrintWarnings(sink_, &printed_);

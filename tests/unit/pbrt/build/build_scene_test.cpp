@@ -122,7 +122,7 @@ TEST(BuildScene, MoreRgbFilmsLikeTheScenes) {
     const std::unique_ptr<Film> film = built.film->MakeRgbFilm();
     EXPECT_EQ(film->PixelBounds().high, Point2i(4, 6));
     EXPECT_EQ(film->FullResolution(), Point2i(8, 6));
-    EXPECT_FALSE(film->WantsVisibleSurface());
+    EXPECT_FALSE(film->NeedsVisibleSurface());
     FilmSample sample;
     sample.lambda = film->SampleWavelengths(0.5f);
     sample.L = SampledSpectrum(0.01f);

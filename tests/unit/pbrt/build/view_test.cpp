@@ -94,7 +94,7 @@ TEST(MakeView, TakesWhatTheSceneSays) {
     EXPECT_FALSE(sink.HasErrors());
     EXPECT_EQ(view.film->FullResolution(), Point2i(40, 30));
     EXPECT_EQ(view.film->DiagonalMm(), 20);
-    EXPECT_TRUE(view.film->WantsVisibleSurface());
+    EXPECT_TRUE(view.film->NeedsVisibleSurface());
     EXPECT_EQ(view.sampler->SamplesPerPixel(), 7);
     EXPECT_EQ(view.filter->Radius().x, 3);
     EXPECT_EQ(view.camera->ShutterClose(), 3);

@@ -42,7 +42,7 @@ void AddSamples(Film &film, uint64_t first, uint64_t last) {
                 sample.L = SampledSpectrum(u);
                 sample.lambda = film.SampleWavelengths(HashedUniform(7 + i));
                 sample.weight = u - Float(0.1);
-                if (film.WantsVisibleSurface() && u < Float(0.8)) {
+                if (film.NeedsVisibleSurface() && u < Float(0.8)) {
                     VisibleSurface &visible = sample.visible.emplace();
                     visible.p = {u, 1 - u, 3 * u};
                     visible.n = visible.ns = Normalize(Normal3(u, 1, 1));

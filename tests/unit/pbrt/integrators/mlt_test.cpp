@@ -33,7 +33,7 @@ TEST(PrimarySampler, HandsOutTheListAndDrawsWhatIsMissing) {
     PrimarySampler again(numbers, rng);
     again.StartPixelSample({0, 0}, 0);
     for (int i = 0; i < 20; ++i) EXPECT_EQ(again.Get1D(), got[static_cast<size_t>(i)]);
-    again.ForgetUnused();
+    again.DropUnused();
     EXPECT_GE(numbers.size(), 20u);
     EXPECT_LT(numbers.size(), 40u);
 }

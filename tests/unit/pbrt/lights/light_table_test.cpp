@@ -25,11 +25,11 @@ TEST(LightTable, KeepsOrderAndKnowsWhoIsInfinite) {
     EXPECT_EQ(&table[LightId(5u)].Parent(), &table[mesh].Parent());
     // Only the sky emits along rays that leave the scene; light selection treats the sun as infinite, too.
     std::vector<LightId> met;
-    table.ForEachBeyond(Point3(0), Vector3(0, 0, 1), SampledWavelengths::SampleVisible(0.5f),
-                        [&](const SampledSpectrum &Le, LightId id) {
-                            EXPECT_GT(Le.Average(), 0);
-                            met.push_back(id);
-                        });
+    table.ForEachInfiniteEmission(Point3(0), Vector3(0, 0, 1), SampledWavelengths::SampleVisible(0.5f),
+                                  [&](const SampledSpectrum &Le, LightId id) {
+                                      EXPECT_GT(Le.Average(), 0);
+                                      met.push_back(id);
+                                  });
     EXPECT_EQ(met, std::vector<LightId>{sky});
     EXPECT_TRUE(table.Candidate(sky).infinite);
     EXPECT_TRUE(table.Candidate(sun).infinite);

@@ -114,7 +114,7 @@ TEST(LightTargets, TheSkyIsInEqualPartsThatCoverWhatIsDrawnFromIt) {
     for (int i = 0; i < 64 * 50; ++i) {
         auto part = static_cast<uint32_t>(i % 64);
         Point2 u(0.01f + 0.98f * rng.Uniform(), 0.01f + 0.98f * rng.Uniform());
-        EXPECT_EQ(LightTargets::SkyPartOf(LightTargets::DirectionIn(part, u)), part);
+        EXPECT_EQ(LightTargets::EnvironmentPartOf(LightTargets::DirectionIn(part, u)), part);
     }
     // The weight of a part is the share of the light's samples that go there.
     Made m = Make(kSky);
@@ -128,7 +128,7 @@ TEST(LightTargets, TheSkyIsInEqualPartsThatCoverWhatIsDrawnFromIt) {
         from.p = {1, 0, 1};
         auto s = m.built.scene->Lights()[LightId(0u)].SampleLi(from, rng.Uniform2(), lambda, true);
         ASSERT_TRUE(s);
-        const uint32_t part = LightTargets::SkyPartOf(s->wi);
+        const uint32_t part = LightTargets::EnvironmentPartOf(s->wi);
         value[part] += 1;
         all += 1;
         if (!Covers(m, LightId(0u), part)) unexpected += 1;
@@ -136,7 +136,7 @@ TEST(LightTargets, TheSkyIsInEqualPartsThatCoverWhatIsDrawnFromIt) {
     EXPECT_LT(unexpected, 0.01 * all);
     double sum = 0;
     for (const LightTargets::Share &s : m.targets.SharesOf(0)) {
-        EXPECT_EQ(m.targets[s.target].kind, Kind::SkyPart);
+        EXPECT_EQ(m.targets[s.target].kind, Kind::EnvironmentPart);
         EXPECT_NEAR(static_cast<double>(s.weight), value[m.targets[s.target].index] / all, 0.01);
         sum += static_cast<double>(s.weight);
     }

@@ -122,6 +122,12 @@ class Check(unittest.TestCase):
         self.write("src/a.cpp", "// As docs/method.md says.\n")
         self.expect("src/a.cpp:1", "docs/method.md")
 
+    def test_source_that_a_page_mentions(self):
+        self.replace("docs/guide.md", "See docs", "It is in `src/a.cpp`. See docs")
+        self.assertEqual(self.faults(), [])
+        self.replace("docs/guide.md", "src/a.cpp", "src/b.cpp")
+        self.expect("docs/guide.md:10", "src/b.cpp")
+
     def test_page_that_nobody_links_to(self):
         self.write("docs/lost.md", "# Lost\n")
         self.replace("docs/budgets.txt", "40 README.md", "40 README.md\n9 docs/lost.md")
@@ -156,6 +162,14 @@ class Check(unittest.TestCase):
         self.expect("docs/figures.txt:1", "docs/chart.svg is older than its data")
         self.run_check("--stamp", "docs/chart.svg")
         self.assertEqual(self.faults(), [])
+
+    def test_figure_older_than_the_program(self):
+        self.replace("docs/figures.txt", "| docs/guide.md#how-to-render-it", "| VERSION docs/guide.md#how-to-render-it")
+        for version in ("1.2.3", "1.3.0"):
+            self.write("CMakeLists.txt", f"project(renderer VERSION {version} LANGUAGES CXX)\n")
+            self.assertTrue(any("docs/chart.svg is older" in f for f in self.faults()))
+            self.run_check("--stamp", "docs/chart.svg")
+            self.assertFalse(any("docs/chart.svg" in f for f in self.faults()))
 
     def test_text_around_the_table_makes_no_figure_old(self):
         self.replace("docs/guide.md", "is none.", "is not one.")

@@ -22,7 +22,7 @@ struct EmitterTree::Cluster {
 };
 
 /// A tree or subtree, without its packets.
-struct EmitterTree::Part {
+struct EmitterTree::Subtree {
     std::vector<Branch> nodes;    ///< [0] is the root
     std::vector<Emitter> unions;  ///< per node, the union of its emitters (not set for the root)
     std::vector<uint32_t> children;
@@ -38,7 +38,7 @@ struct EmitterTree::Part {
         children.resize(firstChild + clusters.size());
 
         const bool asTasks = items.size() >= kManyEmitters;
-        std::vector<Part> parts(asTasks ? clusters.size() : 0);
+        std::vector<Subtree> parts(asTasks ? clusters.size() : 0);
         auto build = [&](size_t c) {
             std::span<EmitterItem> below = items.subspan(clusters[c].begin, clusters[c].end - clusters[c].begin);
             if (below.size() == 1) return kLeaf | below[0].emitter;
@@ -59,7 +59,7 @@ struct EmitterTree::Part {
         return index;
     }
 
-    uint32_t Append(const Part &part) {
+    uint32_t Append(const Subtree &part) {
         const auto firstNode = uint32_t(nodes.size()), firstChild = uint32_t(children.size());
         for (Branch node : part.nodes) {
             node.parent += firstNode;
@@ -102,7 +102,7 @@ EmitterTree::EmitterTree(std::span<const Emitter> emitters) : places_(emitters.s
         else if (emitters[i].bounds) items.push_back({i, emitters[i].intensity, {}});
     }
     if (items.empty() && far_.empty()) return;
-    Part tree;
+    Subtree tree;
     tree.Add(items, emitters, {}, 0);
     nodes_ = std::move(tree.nodes);
     children_ = std::move(tree.children);

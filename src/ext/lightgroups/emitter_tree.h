@@ -58,7 +58,7 @@ class EmitterTree {
         uint32_t node = 0, slot = kLeaf;
     };
     struct Cluster;
-    struct Part;
+    struct Subtree;
     void MakePackets(std::span<const Emitter> emitters, std::span<const Emitter> unions);
 
     std::vector<Branch> nodes_;

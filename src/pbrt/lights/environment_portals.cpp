@@ -97,20 +97,21 @@ PortalMap PortalMap::Integrate(const EnvironmentLight &light, const Frame &frame
     return map;
 }
 
-Float PortalMap::Part::OfColumn(int x) const {
+Float PortalMap::DividedPixel::OfColumn(int x) const {
     Float sum = 0;
     for (int y = First(1); y <= Last(1); ++y)
         sum += std::max(Overlap(y, 1), Float(0)) * (*detail)[size_t(y * kDetail + x)];
     return sum * std::max(Overlap(x, 0), Float(0));
 }
 
-Float PortalMap::Part::Sum() const {
+Float PortalMap::DividedPixel::Sum() const {
     Float sum = 0;
     for (int x = First(0); x <= Last(0); ++x) sum += OfColumn(x);
     return sum;
 }
 
-std::optional<PortalMap::Part> PortalMap::PartAt(const Point2 &st, const Bounds2 &window, Point2 *pixel) const {
+std::optional<PortalMap::DividedPixel> PortalMap::DividedPixelAt(const Point2 &st, const Bounds2 &window,
+                                                                 Point2 *pixel) const {
     const auto n = Float(n_);
     const Point2i at = glm::clamp(Point2i(st * n), Point2i(0), Point2i(n_ - 1));
     const uint32_t detail = detailOf_[size_t(at.y) * size_t(n_) + size_t(at.x)];
@@ -119,7 +120,7 @@ std::optional<PortalMap::Part> PortalMap::PartAt(const Point2 &st, const Bounds2
     const auto inParts = [&](const Point2 &p) {
         return glm::clamp((p * n - *pixel) * Float(kDetail), Point2(0), Point2(kDetail));
     };
-    return Part{&details_[detail - 1], {inParts(window.low), inParts(window.high)}};
+    return DividedPixel{&details_[detail - 1], {inParts(window.low), inParts(window.high)}};
 }
 
 std::optional<PortalMap::Sample> PortalMap::Draw(const Point2 &u, const Bounds2 &window) const {
@@ -128,7 +129,7 @@ std::optional<PortalMap::Sample> PortalMap::Draw(const Point2 &u, const Bounds2 
     if (!st) return {};
     s.st = *st;
     Point2 pixel;
-    const std::optional<Part> part = PartAt(*st, window, &pixel);
+    const std::optional<DividedPixel> part = DividedPixelAt(*st, window, &pixel);
     if (!part) return s;
     // The position within the pixel is uniform and selects the subpixel.
     const Vector2 extent = part->window.high - part->window.low;
@@ -164,7 +165,7 @@ std::optional<PortalMap::Sample> PortalMap::Draw(const Point2 &u, const Bounds2 
 Float PortalMap::Pdf(const Point2 &st, const Bounds2 &window) const {
     const Float pdf = pixels_.Pdf(st, window);
     Point2 pixel;
-    const std::optional<Part> part = pdf > 0 ? PartAt(st, window, &pixel) : std::nullopt;
+    const std::optional<DividedPixel> part = pdf > 0 ? DividedPixelAt(st, window, &pixel) : std::nullopt;
     if (!part) return pdf;
     const Point2 in = (st * Float(n_) - pixel) * Float(kDetail);
     const Point2i at = glm::clamp(Point2i(in), Point2i(0), Point2i(kDetail - 1));

@@ -60,7 +60,7 @@ class PortalMap {
     /// Subpixel values; their mean is the pixel's value.
     using Detail = std::array<Float, kDetail * kDetail>;
     /// A subdivided pixel, clipped to a window.
-    struct Part {
+    struct DividedPixel {
         const Detail *detail;
         Bounds2 window;  ///< in subpixel units
         Float Overlap(int part, int axis) const {
@@ -72,7 +72,7 @@ class PortalMap {
         Float Sum() const;
     };
     /// Empty if the pixel is not subdivided. *pixel: its position.
-    std::optional<Part> PartAt(const Point2 &st, const Bounds2 &window, Point2 *pixel) const;
+    std::optional<DividedPixel> DividedPixelAt(const Point2 &st, const Bounds2 &window, Point2 *pixel) const;
 
     int n_ = 0;
     WindowedPiecewiseConstant2D pixels_;

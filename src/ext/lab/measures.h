@@ -22,6 +22,7 @@ const T &Get(const std::array<T, MeasureCount> &values, Measure which) {
     return values[size_t(which)];
 }
 
+/// By the names of the measures. Reading throws Json::exception if one is missing; what is no number becomes NaN.
 Json ToJson(const Measures &measures);
 Measures MeasuresFromJson(const Json &json);
 

@@ -86,9 +86,10 @@ struct alignas(32) EmitterPacket {
 /// Fills `packet` with `count` <= 8 rows; clears the other lanes.
 void Gather(const EmitterRow *rows, const uint32_t *names, size_t count, EmitterPacket *packet);
 
+/// G of an emitter at infinity.
 Float EvaluateFar(const Emitter &far, const LightQuery &query);
 struct FarEmitter {
-    uint32_t index;
+    uint32_t index;  ///< in the list of emitters
     Emitter emitter;
 };
 

@@ -42,6 +42,7 @@ struct PrepassPath {
 
 /// Side of a prepass tile in pixels.
 constexpr int kPrepassTileSize = 16;
+/// Number of tiles that cover the pixels.
 int64_t PrepassTileCount(const Bounds2i &pixels);
 
 /// Calls follow(tile, path) for `pathsPerPixel` camera paths per rendered pixel (fractional: in a hashed subset of

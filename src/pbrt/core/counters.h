@@ -24,6 +24,7 @@ struct RenderCounters {
     }
 };
 
+/// Counters of the calling thread.
 RenderCounters &ThreadCounters();
 /// Sum over all threads since the last reset. This and ResetCounters must not run concurrently with parallel work.
 RenderCounters SumCounters();

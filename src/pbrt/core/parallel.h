@@ -18,6 +18,7 @@ class ThreadLimit {
     std::unique_ptr<Impl> impl_;
 };
 
+/// Maximum number of threads of the loops below.
 int ThreadCount();
 
 /// Index of the calling thread inside a parallel loop, in [0, ThreadCount()); 0 outside. For per-thread scratch only:

@@ -9,6 +9,7 @@ namespace pbrt {
 
 /// Image error measures over all pixels and channels; both FLIPs are per pixel and need R, G and B.
 enum class Metric { MAE, MSE, MRSE, RelL2, RelL2Abs, SMAPE, FLIP, HdrFLIP };
+/// Metric of this name, one of MetricNames (in the order of Metric); empty for another.
 std::optional<Metric> ParseMetric(const std::string &name);
 const std::vector<std::string> &MetricNames();
 

@@ -43,6 +43,7 @@ uint64_t Hash(const Args &...args) {
     return h;
 }
 
+/// Uniform in [0, 1).
 inline Float HashToFloat(uint64_t h) { return std::min(OneMinusEpsilon, Float(h >> 32) * 0x1p-32f); }
 template <class... Args>
 Float HashFloat(const Args &...args) {

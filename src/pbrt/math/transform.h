@@ -66,6 +66,7 @@ class Transform {
 // Change of measure under an affine map M. A unit vector d maps to M d / |M d|; solid angle around d scales by |det M|
 // / |M d|^3, area across d by |det M| / |M d|.
 
+/// |det M|: volume after the map over volume before.
 inline Float VolumeScale(const Transform &m) { return std::abs(glm::determinant(glm::mat3(m.Matrix()))); }
 
 /// Solid-angle density, in the target space of m, of unit direction w whose preimage has density `pdf`.

@@ -21,6 +21,7 @@ inline bool ScattersSurely(const Scene &scene, const SurfacePoint &point) {
     return point.material && scene.MaterialOf(point.material).IsPlain();
 }
 
+/// Subsurface scattering at a point with a BSDF; empty if its material has none.
 inline std::optional<Bssrdf> ComputeBssrdf(const Scene &scene, const SurfacePoint &point,
                                            const SampledWavelengths &lambda) {
     const Material *material = scene.MaterialOf(point.material).Resolve(point);

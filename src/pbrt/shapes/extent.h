@@ -7,13 +7,14 @@
 
 namespace pbrt {
 
+/// True if all coordinates lie in kCoordinateRange.
 inline bool IsWithinReach(const Point3 &p) {
     return kCoordinateRange.Contains(p.x) && kCoordinateRange.Contains(p.y) && kCoordinateRange.Contains(p.z);
 }
 inline bool IsWithinReach(const Bounds3 &b) { return b.IsEmpty() || (IsWithinReach(b.low) && IsWithinReach(b.high)); }
 
-Bounds3 TransformBounds(const Transform &t, const Bounds3 &b);
-Bounds3 BoundsOf(const Shape &shape);
+Bounds3 TransformBounds(const Transform &t, const Bounds3 &b);  ///< of the transformed box
+Bounds3 BoundsOf(const Shape &shape);                           ///< of all vertices or primitives
 
 /// Throws UserError "`what` reaches to ...; coordinates must be ..." unless the box, placed at the start and end of its
 /// motion, lies within kMaxCoordinate.

@@ -5,7 +5,7 @@ namespace pbrt {
 
 /// Gradient noise (Perlin 2002): 0 at integer coordinates, in [-1, 1], period 256.
 Float GradientNoise(const Point3 &p);
-Vector3 GradientNoiseSlope(const Point3 &p);
+Vector3 GradientNoiseSlope(const Point3 &p);  ///< its derivatives by x, y and z
 
 /// Fractal sum of noise: each octave has 1.99 times the frequency and `roughness` times the amplitude of the previous.
 /// Octaves finer than the footprint (dpdx, dpdy per pixel step) fade out; a zero footprint keeps all.

@@ -12,6 +12,7 @@
 
 namespace pbrt {
 
+/// Hash against damage and changes by hand; not cryptographic.
 inline uint64_t StructureHash(std::string_view bytes) {
     uint64_t hash = 0xcbf29ce484222325ull ^ bytes.size();
     for (size_t at = 0; at < bytes.size(); at += sizeof(uint64_t)) {

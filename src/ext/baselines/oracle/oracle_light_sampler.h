@@ -40,7 +40,7 @@ struct OracleParams {
     void Describe(auto &&v) {
         v("samples", samples, Range<int>{1, 4096}, "shadow rays to every light, each time a light is chosen");
         v("floor", floor, Range<Float>{1e-4f, 1.f},
-          "share of the probability handed out by unoccluded importance, whatever the shadow rays saw");
+          "share of the probability that follows unoccluded importance alone");
         v("mis", mis, "least variance of light and BSDF sampling combined; false: of light sampling alone");
         v("meshlights", meshlights,
           "an emissive mesh is one light for selection; false: every primitive is a light, with shadow rays of its "
@@ -53,8 +53,8 @@ struct OracleParams {
 /// A reference for measurements, not for rendering: errors of other samplers are compared with its error. At every
 /// shading point it traces shadow rays to every light and selects with the probabilities that minimize the variance of
 /// direct lighting (LeastVariancePmf; values are root mean squares over the wavelengths). Points on a light, primitives
-/// in a mesh (MeshInterior, as in the octree) and paths are sampled as by others; docs/method/baselines.md tells how an
-/// image can have less error. The fraction `floor` goes to the unoccluded estimate (EmitterTree), so that unreached
+/// in a mesh (MeshInterior, as in the octree) and paths are sampled as by others, so an image can have less error
+/// (docs/method/baselines.md). The fraction `floor` goes to the unoccluded estimate (EmitterTree), so that unreached
 /// lights can be selected and the image is unbiased.
 ///
 /// Without a BSDF in the query the surface is white and diffuse, on both sides if it transmits; in a medium scattering

@@ -1,5 +1,5 @@
-"""Reads OUT/results.json of lightlab (schema 2) and answers what charts, page and table all need: the colour of a
-sampler, its curves, who may win. Standard library only."""
+"""Reads OUT/results.json of lightlab (schema 2). Shared by charts, page and table: the colour of a sampler, its curves,
+which samplers may win. Standard library only."""
 import json
 import math
 import pathlib

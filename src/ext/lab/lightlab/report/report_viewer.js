@@ -181,7 +181,7 @@ const viewer = (() => {
     for (const name of onlyLeft ? ["left"] : ["left", "right"]) show(name, sides[name].item, kind);
   }
 
-  // Goes on to the next view that a shown item has, and after the last one back to the result.
+  // Shows the next view that a shown item has; after the last one, the result.
   function nextView(onlyLeft) {
     const names = onlyLeft ? ["left"] : ["left", "right"];
     const has = (kind) => names.some((name) => viewOf(items[sides[name].item], kind));

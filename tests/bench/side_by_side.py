@@ -6,7 +6,7 @@
 Both are build folders (with pbrt, rays_bench, bench_scene_select and bench_big_scene; those that --only leaves out need
 not be there) for the same machine. Every measurement is made in turns, old and new, `rounds` times. The smallest value of
 each build, which the machine's noise disturbed least, and their ratio are printed. Times are CPU seconds of one thread.
-Scenes are those of this checkout, and Lamp and Veach's door of ../shared/scenes where these are present. Renderings end
+Scenes are those of this checkout, and those of ../shared/scenes where these are present. Renderings end
 with the geometric mean of how many times as many samples a CPU second of the new build makes.
 
 `--only render --crop 0.5` renders the middle of every picture, half as wide and half as high, with 16 samples a pixel.
@@ -22,7 +22,9 @@ import tempfile
 
 TOP = os.path.realpath(os.path.join(os.path.dirname(__file__), "..", ".."))
 SHARED = {name: os.path.join(TOP, "../shared/scenes", path)
-          for name, path in (("Lamp", "lamp/lamp.pbrt"), ("Veach-Ajar", "veach-ajar/scene-v4.pbrt"))}
+          for name, path in (("Lamp", "lamp/lamp.pbrt"), ("Veach-Ajar", "veach-ajar/scene-v4.pbrt"),
+                             ("dining-room", "dining-room/dining-room.pbrt"),
+                             ("classroom", "classroom/classroom.pbrt"), ("spaceship", "spaceship/spaceship.pbrt"))}
 RENDERED = ["hotel", "white-room", "many-rooms", "glossy", "env-interior", "dollhouse", "coated-room", "outdoor",
             "fog-hotel"]
 SELECTION = ["ajar", "white-room", "glossy", "many-rooms", "hotel"]

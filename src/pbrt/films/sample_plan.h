@@ -47,7 +47,7 @@ struct SamplePlan {
     /// Minimum predicted efficiency of unequal over equal numbers of samples, as long as these are equal. The margin
     /// covers what the prediction leaves out: low-discrepancy sequences are best at the number of samples that they are
     /// made for. Once the numbers differ, kMinFurtherGain is enough.
-    static constexpr double kMinGain = 1.25, kMinFurtherGain = 1.01;
+    static constexpr double kMinGain = 1.1, kMinFurtherGain = 1.01;
 
     int begin = 0, end = 0;
     std::vector<int> before{}, after{};  ///< by cell, at `begin` and at `end`; empty: all pixels have the average

@@ -19,7 +19,7 @@ class LightPathViews : public testing::TestWithParam<View> {};
 
 TEST_P(LightPathViews, AgreeWithPath) {
     if (!GetParam().isForLightPath) GTEST_SKIP() << "not for light paths";
-    // 48 numbers a view, 19 views: chance goes beyond 5.5 with 14 degrees of freedom in one of some 15 runs of all.
+    // 48 numbers a view, 19 views: chance fails one of some 15 runs of all.
     CheckMean(GetParam(), "lightpath", 0.06);
 }
 

@@ -32,8 +32,8 @@ std::vector<std::string> ReadSamplerFile(const std::string &path);
 /// Throws one UserError with all unknown names and parameters, invalid values and duplicates.
 std::vector<SamplerChoice> ParseSamplerChoices(const std::vector<std::string> &texts, const PluginRegistry &registry);
 
-/// Replaces all characters except letters, digits and -+=., by _.
-std::string SafeFileName(const std::string &text);
+/// Replaces all characters except letters, digits and `kept` by _.
+std::string SafeFileName(std::string text, std::string_view kept = "-+=.,");
 
 struct ExperimentSettings {
     std::string scene;

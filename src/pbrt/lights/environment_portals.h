@@ -123,9 +123,7 @@ class EnvironmentPortals {
         while (k < portals_.size() && !portals_[k].IsPassed(p, d)) ++k;
         return k;
     }
-    /// Integral of EnvironmentLight::MeanRadiance over portal k from p.
-    Float Integral(size_t k, const Point3 &p) const;
-    /// An estimate of it, at least as large; a fraction of the cost.
+    /// PortalMap::IntegralAround portal k as seen from p; 0 behind it.
     Float IntegralAround(size_t k, const Point3 &p) const;
 
     struct Direction {

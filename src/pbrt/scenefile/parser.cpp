@@ -104,11 +104,7 @@ class DirectiveReader {
             {"MakeNamedMedium", {Where::Anywhere, [](D &d) { d.ReadNamed("A medium name", &B::AddMedium); }}},
             {"Material", {Where::World, [](D &d) { d.ReadEntity(&B::AddMaterial); }}},
             {"MediumInterface", {Where::Anywhere, [](D &d) { d.ReadMediumInterface(); }}},
-            {"NamedMaterial",
-             {Where::World,
-              [](D &d) {
-                  d.State().material = {-1, d.ReadName("A material name").text};
-              }}},
+            {"NamedMaterial", {Where::World, [](D &d) { d.ReadNamedMaterial(); }}},
             {"ObjectBegin",
              {Where::World, [](D &d) { d.builder_.BeginObject(d.ReadName("An object name"), d.here_); }}},
             {"ObjectEnd", {Where::World, [](D &d) { d.builder_.EndObject(d.here_); }}},
@@ -200,6 +196,7 @@ class DirectiveReader {
         const GivenName name = ReadName(what);
         (builder_.*add)(name, ReadParams(), here_);
     }
+    void ReadNamedMaterial() { State().material = {-1, ReadName("A material name").text}; }
     void ReadTransformBlock(void (B::*block)(const FileLoc &loc)) {
         builder_.WarnTransformBlock(here_);
         (builder_.*block)(here_);

@@ -6,7 +6,6 @@
 #include "pbrt/shapes/bilinear_mesh.h"
 #include "pbrt/shapes/curves.h"
 #include "pbrt/shapes/extent.h"
-#include "pbrt/shapes/mesh_sources.h"
 #include "pbrt/shapes/quadric.h"
 #include "pbrt/shapes/triangle_mesh.h"
 

@@ -4,7 +4,6 @@
 #include <array>
 
 #include "pbrt/core/params.h"
-#include "pbrt/textures/texture.h"
 #include "pbrt/textures/texture_makers.h"
 
 namespace pbrt {

@@ -1,6 +1,5 @@
 #include "pbrt/textures/texture_makers.h"
 
-#include "pbrt/textures/image_texture.h"
 #include "pbrt/textures/noise.h"
 #include "pbrt/textures/texture.h"
 #include "pbrt/textures/texture_mapping.h"

@@ -17,9 +17,8 @@ struct ExperimentOutcome {
 
 /// Compares light samplers on one scene. Builds it once, creates the reference, and renders every (sampler, seed) in
 /// rounds A B C A B C ..., measuring after each. Writes results, images and tables into the output folder. Resumes an
-/// interrupted experiment of equal settings from the records in the folder. Returns nothing if cancelled; records of
-/// finished rounds remain. Throws UserError; errors in the settings are reported before rendering. `display` may be
-/// null.
+/// interrupted experiment of equal settings from the records in the folder. Returns nothing if cancelled; finished
+/// rounds remain. Throws UserError, for errors in the settings before rendering. `display` may be null.
 std::optional<ExperimentOutcome> RunExperiment(const ExperimentSettings &settings, const PluginRegistry &registry,
                                                Progress &cancel, ProgressSink *display);
 
@@ -44,8 +43,7 @@ void AddViews(const ExperimentSettings &settings, const RecordFolder &records, J
 /// the non-black pixels to mid grey, 0.18, so that interiors are visible, but keeps three quarters of these pixels
 /// below 0.9. Never below the factor that maps the 98th percentile to 0.9. Shared by all images of an experiment.
 double ChooseExposure(const Image &reference);
-/// Writes R, G, B with full range as a Radiance file: shared exponent, 8 bits per colour, no run-length coding. The
-/// page shows it at any exposure.
+/// Writes R, G, B with full range as a Radiance file: shared exponent, 8 bits per colour, no run-length coding.
 void WriteRangePicture(const std::string &path, const Image &image);
 
 /// Writes references, results and errors as images, and adds them and the crops to `json`.

@@ -36,8 +36,7 @@ std::vector<InspectedLight> NamedGroups(const LightGroups &groups, const LightNa
     return lights;
 }
 
-/// First hit of the camera ray through a pixel centre that is not purely specular. At smooth glass the ray takes the
-/// more probable branch.
+/// First hit of a pixel centre's camera ray that is not purely specular; at smooth glass, by the more probable branch.
 struct FirstHit {
     PathVertex vertex;
     SampledWavelengths lambda = SampledWavelengths::WholeRange();
@@ -286,8 +285,7 @@ class Inspector {
             Measured m = Measure(hit, from, uint32_t(g), rng, pmf);
             visible[g] = m.visible;
             second += m.second;
-            // If the group were always selected, with the sampler's probabilities inside it, its second moment would be
-            // second * p.
+            // If the group were always selected, its second moment would be second * p.
             root += std::sqrt(m.second * p);
             if (m.mean > greatest) {
                 greatest = m.mean;

@@ -225,8 +225,7 @@ class Planes {
     Vector3 low_{0}, high_{0};
 };
 
-/// Moves a portal to the height at which its leaving rays pass the smallest rectangle; they converge in the opening
-/// itself.
+/// Moves a portal to the height at which its leaving rays pass the smallest rectangle: in the opening itself.
 Portal AtNarrowest(const Portal &portal, std::span<const Line> lines) {
     std::vector<Crossing> rays;
     for (const Line &line : lines) {

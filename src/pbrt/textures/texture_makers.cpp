@@ -7,8 +7,7 @@
 namespace pbrt {
 namespace {
 
-/// Makers are templates over FloatKind or SpectrumKind, which define parameter types and the conversion of operands,
-/// values and functions to textures.
+/// Makers are templates over FloatKind or SpectrumKind, which define parameter types and conversions to textures.
 struct FloatKind {
     using Ptr = FloatTexturePtr;
     using Operand = FloatTextureParam;

@@ -33,8 +33,7 @@ class ImageOutput {
     }
 
   private:
-    /// True if two images may show the same scene, so that their samples are comparable. Missing attributes count as
-    /// equal.
+    /// True if two images may show the same scene: missing attributes count as equal.
     static bool MayShowTheSame(const ImageMetadata &a, const ImageMetadata &b) {
         for (const char *name : {"pbrt.scene", "pbrt.integrator"}) {
             const auto one = a.Attribute<std::string>(name), other = b.Attribute<std::string>(name);

@@ -10,8 +10,7 @@ struct ReflectanceWeights {
     std::array<std::vector<double>, 3> weights;  ///< X, Y, Z
 };
 
-/// XYZ of the sigmoid of (c[0] t + c[1]) t + c[2], t = position, and its derivatives jacobian[k][j] = d xyz[k] / d
-/// c[j].
+/// XYZ of the sigmoid of (c[0] t + c[1]) t + c[2], t = position, and jacobian[k][j] = d xyz[k] / d c[j].
 struct SigmoidIntegrals {
     double xyz[3];
     double jacobian[3][3];

@@ -1,5 +1,5 @@
 #pragma once
-#include "pbrt/scenefile/directive_reader.h"
+#include "pbrt/scenefile/parser.h"
 
 namespace pbrt {
 

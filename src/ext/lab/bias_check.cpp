@@ -102,8 +102,7 @@ class StrongSamples {
     }
     bool Known() const { return !groups_.empty(); }
 
-    /// Strength of the strongest sample in the tiles `r`, at least the typical one, as its effect on one tile's mean of
-    /// one run.
+    /// Strength of the strongest sample in the tiles `r`, at least the typical one: effect on a tile's mean of one run.
     double Around(const Bounds2i &r) const {
         double strongest = usual_;
         for (const auto &[pictures, ratio] : groups_) strongest = std::max(strongest, ratio * pictures.Strongest(r));
@@ -171,8 +170,7 @@ class Channel {
         if (runs > 1) {
             const TileNoise::Estimate noise = runs_.Of(r);
             add(noise);
-            // If few runs agree by chance, all noise seems to come from the reference, whose parts suggest too many
-            // degrees of freedom.
+            // If few runs agree by chance, all noise seems to be the reference's, with too many degrees of freedom.
             if (runs_.Pictures() < TileNoise::kFew && noise.dof > 0) mostDof = noise.dof;
         }
         if (parts > 1) {

@@ -36,8 +36,7 @@ struct Conclusion {
     std::vector<std::string> Sentences() const;
 };
 
-/// Probability of naming a winner if the best two are equally good. Each lead is tested one-sided at half of it, as
-/// either may seem to lead.
+/// Probability of naming a winner if the best two are equally good. Each lead is tested one-sided at half of it.
 inline constexpr double kWinnerLevel = 0.05;
 
 /// Eligible samplers are neither biased nor the oracle. The winner has the lowest mean error of them and leads all

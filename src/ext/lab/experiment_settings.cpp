@@ -30,11 +30,10 @@ SamplerChoice ParseOne(const std::string &text, const PluginRegistry &registry, 
 
 }  // namespace
 
-std::string SafeFileName(const std::string &text) {
-    std::string safe = text;
-    for (char &c : safe)
-        if (!std::isalnum(static_cast<unsigned char>(c)) && std::string("-+=.,").find(c) == std::string::npos) c = '_';
-    return safe;
+std::string SafeFileName(std::string text, std::string_view kept) {
+    for (char &c : text)
+        if (!std::isalnum(static_cast<unsigned char>(c)) && kept.find(c) == kept.npos) c = '_';
+    return text;
 }
 
 std::vector<std::string> SplitSamplerList(const std::string &text) {
@@ -93,11 +92,8 @@ Json IdentityOf(const ExperimentSettings &settings, const std::string &sceneHash
     if (settings.sampledLightOnly) id["sampled-light"] = true;
     id["divisor"] = settings.resolutionDivisor;
     id["reference"] = settings.referenceFile;
-    if (!settings.referenceFile.empty()) {
-        ContentHash content;
-        content.Add(ReadFileContents(settings.referenceFile));
-        id["reference-content"] = content.Hex();
-    }
+    if (!settings.referenceFile.empty())
+        id["reference-content"] = ContentHash(ReadFileContents(settings.referenceFile)).Hex();
     id["reference-spp"] = settings.referenceSamples;
     id["samples-from"] = settings.samplesFrom.empty() ? "" : SampleCounts::Read(settings.samplesFrom, settings).Hash();
     id["threads"] = threads;
@@ -106,9 +102,7 @@ Json IdentityOf(const ExperimentSettings &settings, const std::string &sceneHash
 
 std::string ExperimentKey(Json identity) {
     identity.erase("seeds");
-    ContentHash hash;
-    hash.Add("records 2 " + identity.dump());
-    return hash.Hex();
+    return ContentHash("records 2 " + identity.dump()).Hex();
 }
 
 std::vector<std::string> Differences(const Json &old, const Json &now) {

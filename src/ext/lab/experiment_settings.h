@@ -25,15 +25,15 @@ struct SamplerChoice {
 /// Splits a list of samplers. A semicolon ends a sampler, and so does a comma unless a "key=value" follows, which
 /// belongs to the preceding sampler: "octree:budget=0.02,floor=0.2,bvh" is two samplers.
 std::vector<std::string> SplitSamplerList(const std::string &text);
-/// Reads a file with one sampler per line, ignoring blank lines and text after #. Throws UserError if it is unreadable
-/// or names no sampler.
+/// Reads one sampler per line, ignoring blank lines and text after #. Throws UserError if unreadable or without
+/// sampler.
 std::vector<std::string> ReadSamplerFile(const std::string &path);
 
 /// Throws one UserError with all unknown names and parameters, invalid values and duplicates.
 std::vector<SamplerChoice> ParseSamplerChoices(const std::vector<std::string> &texts, const PluginRegistry &registry);
 
-/// Replaces all characters except letters, digits and -+=., by _.
-std::string SafeFileName(const std::string &text);
+/// Replaces all characters except letters, digits and `kept` by _.
+std::string SafeFileName(std::string text, std::string_view kept = "-+=.,");
 
 struct ExperimentSettings {
     std::string scene;
@@ -57,8 +57,7 @@ struct ExperimentSettings {
     bool Timed() const { return timeBudget > 0; }
 };
 
-/// All settings that images and times of an experiment depend on. Experiments that share a folder must agree in all but
-/// the number of seeds.
+/// All settings that images and times of an experiment depend on. In one folder, only the number of seeds may differ.
 Json IdentityOf(const ExperimentSettings &settings, const std::string &sceneHash, int threads);
 /// Hash of an identity without the number of seeds, by which records identify their experiment.
 std::string ExperimentKey(Json identity);

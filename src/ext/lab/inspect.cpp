@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ext/lab/experiment_settings.h"
 #include "ext/lab/tile_statistics.h"
 #include "pbrt/core/counters.h"
 #include "pbrt/core/error.h"
@@ -35,8 +36,7 @@ std::vector<InspectedLight> NamedGroups(const LightGroups &groups, const LightNa
     return lights;
 }
 
-/// First hit of the camera ray through a pixel centre that is not purely specular. At smooth glass the ray takes the
-/// more probable branch.
+/// First hit of a pixel centre's camera ray that is not purely specular; at smooth glass, by the more probable branch.
 struct FirstHit {
     PathVertex vertex;
     SampledWavelengths lambda = SampledWavelengths::WholeRange();
@@ -68,13 +68,6 @@ struct Measured {
     double second = 0;   ///< its part of the one-light estimator's second moment, under the sampler's probabilities
     double visible = 0;  ///< fraction of unoccluded shadow rays; back-facing primitives get none
 };
-
-/// Replaces every character except letters, digits and dots by _, for EXR channels and files.
-std::string Plain(std::string name) {
-    std::replace_if(
-        name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)) && c != '.'; }, '_');
-    return name;
-}
 
 struct GuideLayer {
     const char *name, *meaning;
@@ -181,7 +174,7 @@ class Inspector {
         sampler_.Inspect(LightQuery(), values);
         samplerLayers_ = values.size();
         for (const InspectedValue &v : values)
-            add(Plain("sampler." + v.name), "reported by the sampler: " + v.name, 0, 0, v.isId);
+            add(SafeFileName("sampler." + v.name, "."), "reported by the sampler: " + v.name, 0, 0, v.isId);
         const double bits = std::log2(double(std::max<size_t>(groups_.Size(), 2)));
         add("entropy", "entropy of the probabilities of the lights, in bits; a mesh or environment light counts as one",
             0, bits);
@@ -292,8 +285,7 @@ class Inspector {
             Measured m = Measure(hit, from, uint32_t(g), rng, pmf);
             visible[g] = m.visible;
             second += m.second;
-            // If the group were always selected, with the sampler's probabilities inside it, its second moment would be
-            // second * p.
+            // If the group were always selected, its second moment would be second * p.
             root += std::sqrt(m.second * p);
             if (m.mean > greatest) {
                 greatest = m.mean;

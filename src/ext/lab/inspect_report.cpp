@@ -83,8 +83,7 @@ std::string LightRows(const Json &lights) {
     return rows;
 }
 
-/// HTML page for the images in the same folder, from inspect.json: captioned images, sentences for flat layers, lights,
-/// structure.
+/// HTML page for the images in the same folder: captioned images, sentences for flat layers, lights, structure.
 std::string InspectPage(const Json &inspection, const std::string &structure) {
     const Json &layers = inspection.at("layers"), &lights = inspection.at("lights");
     const std::string sampler = EscapeHtml(inspection.value("sampler", "")),

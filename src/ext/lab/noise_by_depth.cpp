@@ -1,4 +1,4 @@
-#include "ext/lab/noise_by_depth.h"
+#include "ext/lab/experiment.h"
 
 #include <algorithm>
 #include <bit>
@@ -11,7 +11,6 @@
 #include "ext/lab/tile_statistics.h"
 #include "pbrt/core/error.h"
 #include "pbrt/core/files.h"
-#include "pbrt/core/log.h"
 #include "pbrt/images/metrics.h"
 
 namespace ext::lab {

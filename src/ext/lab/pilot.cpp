@@ -71,8 +71,7 @@ double VarianceBetweenPictures(const std::vector<Pilot> &pilots, size_t which, i
 /// Detects light so rare that neither of its images contains it. `between`: VarianceBetweenPictures of all.
 double VarianceAgainstOthers(const std::vector<Pilot> &pilots, size_t which, int samples,
                              const std::vector<double> &between, double epsilon) {
-    // Noisy candidates count less. None counts more than the median one, because a candidate that misses a light seems
-    // quiet.
+    // Noisy candidates count less. None counts more than the median one, as one that misses a light seems quiet.
     std::vector<double> sorted = between, weights(between.size(), 0);
     std::sort(sorted.begin(), sorted.end());
     double total = 0, noise = 0;

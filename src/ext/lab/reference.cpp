@@ -27,19 +27,12 @@ constexpr double kDisagree = 2;     // factor on the relL2 explained by the nois
 
 std::string PartChannel(size_t part, int color) { return fmt::format("part{}.{}", part + 1, "RGB"[color]); }
 
-template <class T>
-T Attribute(const ImageMetadata &m, const std::string &name, T otherwise) {
-    const auto it = m.attributes.find(name);
-    const T *value = it == m.attributes.end() ? nullptr : std::get_if<T>(&it->second);
-    return value ? *value : otherwise;
-}
-
 /// A reference without images, from the metadata of its file.
 Reference Described(const std::string &path, const ImageMetadata &m) {
     Reference reference;
-    reference.sampler = Attribute<std::string>(m, "lightlab.sampler", "");
-    reference.samples = Attribute(m, "samplesPerPixel", 0);
-    reference.seconds = double(Attribute(m, "renderTimeSeconds", 0.f));
+    reference.sampler = m.Attribute<std::string>("lightlab.sampler").value_or("");
+    reference.samples = m.Attribute<int>("samplesPerPixel").value_or(0);
+    reference.seconds = double(m.Attribute<float>("renderTimeSeconds").value_or(0));
     reference.source = path;
     return reference;
 }
@@ -53,8 +46,7 @@ void AverageParts(Reference *reference) {
 
 /// Hash of all that ReadCached reads. `about`: as in ReferenceCache.
 std::string HashOf(const Reference &r, const std::string &about) {
-    ContentHash hash;
-    hash.Add(fmt::format("{}; {}; {}; {}", about, r.sampler, r.samples, float(r.seconds)));
+    ContentHash hash(fmt::format("{}; {}; {}; {}", about, r.sampler, r.samples, float(r.seconds)));
     const auto add = [&](const Image &image) {
         hash.Add(std::string(static_cast<const char *>(image.Data()), image.Bytes()));
     };
@@ -67,17 +59,14 @@ std::string HashOf(const Reference &r, const std::string &about) {
 std::optional<Reference> ReadCached(const std::string &path, Point2i resolution, const std::string &about) {
     const ImageFile file = ReadImage(path);
     Reference reference = Described(path, file.metadata);
-    if (Attribute(file.metadata, "lightlab.parts", 0) != kParts || file.image.Resolution() != resolution) return {};
+    if (file.metadata.Attribute<int>("lightlab.parts") != kParts || file.image.Resolution() != resolution) return {};
     reference.image = file.image.Select({"R", "G", "B"});
     for (int part = 0; part < kParts; ++part) {
-        Image colors = file.image.Select({PartChannel(part, 0), PartChannel(part, 1), PartChannel(part, 2)});
-        Image &image =
-            reference.parts.emplace_back(PixelFormat::Float, resolution, std::vector<std::string>{"R", "G", "B"});
-        ForEachPixel(resolution, [&](int x, int y) {
-            for (int c = 0; c < 3; ++c) image.Set({x, y}, c, colors.Get({x, y}, c));
-        });
+        reference.parts.push_back(
+            file.image.Select({PartChannel(part, 0), PartChannel(part, 1), PartChannel(part, 2)}));
+        reference.parts.back().RenameChannels({"R", "G", "B"});
     }
-    if (Attribute<std::string>(file.metadata, "lightlab.hash", "") != HashOf(reference, about)) return {};
+    if (file.metadata.Attribute<std::string>("lightlab.hash") != HashOf(reference, about)) return {};
     AverageParts(&reference);
     if (!IsFinite(reference.image)) return {};
     return reference;
@@ -90,11 +79,11 @@ class ReferenceCache {
     ReferenceCache(const ExperimentSettings &settings, const LabScene &scene, const std::string &about)
         : scene_(scene), about_(about) {
         const Bounds2i &pixels = scene.Pixels();
-        ContentHash hash;
-        hash.Add(fmt::format("reference 2; scene {}; {}x{}, pixels {} {} {} {}; depth {}; batch {}; jitter {} {}; {}",
-                             scene.hash, scene.FullResolution().x, scene.FullResolution().y, pixels.low.x, pixels.low.y,
-                             pixels.high.x, pixels.high.y, scene.built.maxDepth, scene.Batch(),
-                             scene.built.disablePixelJitter, scene.built.disableWavelengthJitter, about));
+        ContentHash hash(
+            fmt::format("reference 2; scene {}; {}x{}, pixels {} {} {} {}; depth {}; batch {}; jitter {} {}; {}",
+                        scene.hash, scene.FullResolution().x, scene.FullResolution().y, pixels.low.x, pixels.low.y,
+                        pixels.high.x, pixels.high.y, scene.built.maxDepth, scene.Batch(),
+                        scene.built.disablePixelJitter, scene.built.disableWavelengthJitter, about));
         if (settings.sampledLightOnly) hash.Add("sampled light");
         key_ = hash.Hex();
         const std::string name = fmt::format("{}.reference-{}.exr", fs::path(settings.scene).stem().string(), key_);
@@ -211,7 +200,7 @@ class ReferenceMaker {
                     Reference *reference) {
         if (IsWholePicture(file, context_.scene.Resolution())) {
             const ImageFile known = ReadImage(file);
-            reference->seconds += double(Attribute(known.metadata, "renderTimeSeconds", 0.f));
+            reference->seconds += double(known.metadata.Attribute<float>("renderTimeSeconds").value_or(0));
             reference->parts.push_back(known.image.Select({"R", "G", "B"}));
             return true;
         }

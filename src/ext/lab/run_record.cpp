@@ -1,7 +1,5 @@
 #include "ext/lab/run_record.h"
 
-#include <fmt/format.h>
-
 #include <cmath>
 #include <filesystem>
 #include <fstream>

@@ -53,8 +53,7 @@ struct RunRecord {
 };
 
 /// Records of an experiment on disk: a JSON file per sampler, seed and checkpoint, and the film sums of unfinished
-/// runs. Every JSON file but the settings names its experiment; files of other experiments or program versions, or
-/// unreadable ones, count as absent.
+/// runs. Every JSON file but the settings names its experiment; others, and unreadable ones, count as absent.
 class RecordFolder {
   public:
     /// `experiment`: ExperimentKey of the settings.

@@ -31,8 +31,7 @@
 // depend on measurements, not on draws, so the mean stays 0. A light that is never selected keeps its whole weight.
 //
 // Rounds: each has four times the draws of the previous one, at the same vertices, until a bias of interest would be
-// detected. Only the last round counts. The stopping rule depends on the noise, not on the differences, so there is a
-// single test.
+// detected. Only the last round counts. Stopping depends on the noise, not on the differences: there is a single test.
 
 // Statistic of a region: sum of the excess over the sum of the light of its paths, with noise estimated from the
 // variation between paths. Vertices are scaled down to kMaxVertex times the mean light of the region's lit paths. The

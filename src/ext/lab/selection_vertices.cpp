@@ -149,8 +149,7 @@ class Measurer {
         for (auto l = size_t(path.rng.Uniform() * Float(stride_)); l < table.Size(); l += stride_) {
             const LightComponent light = table[LightId(l)];
             const Point2 u = path.rng.Uniform2();
-            // All directions of an environment light, including those that the render leaves to BSDF sampling, as
-            // regions may contain them.
+            // All directions of an environment light, also those that the render leaves to BSDF sampling.
             std::optional<LightLiSample> sample = light.SampleLi(from, u, path.lambda, false);
             if (!sample || !sample->L || !(sample->pdf > 0)) continue;
             const Scattering to = scatter(sample->wi);

@@ -56,8 +56,7 @@ MeanImage AverageImages(std::span<const Image> images);
 /// Median of unsorted values; infinity if empty.
 double Median(std::vector<double> values);
 
-/// Excess of the largest of `values`, scattered about 0, over ordinary noise (three robust standard deviations); at
-/// least 0.
+/// Excess of the largest of `values`, scattered about 0, over three robust standard deviations; at least 0.
 double Excess(const std::vector<double> &values);
 
 /// Mean and noise of weighted tile means of equally weighted images, one channel.

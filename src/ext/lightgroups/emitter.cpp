@@ -101,8 +101,7 @@ Emitter MakeEmitter(const LightTable &lights, LightId firstId, const LightCandid
         FindMoments(first, lights.Unit(), &e);
         return e;
     }
-    // Radiance through the opening counts as emitted by it: power / pi is radiance times area, as for a flat area
-    // light.
+    // Radiance through the opening counts as emitted by it: power / pi is radiance times area.
     if (opening) return {.bounds = opening, .isArea = true, .intensity = candidate.power * InvPi};
     if (!candidate.bounds || !(candidate.bounds->phi > 0)) return e;
     e.bounds = candidate.bounds;

@@ -77,8 +77,7 @@ class LightOctreeBuilder {
     /// Adds the values of point `index` (constructor order) to `sum`. Called in parallel for different leaves, in a
     /// fixed order within a leaf.
     using AddValues = std::function<void(uint32_t index, std::span<double> sum)>;
-    /// Leaves without points or without positive values use the nearest ancestor's distribution; uniform if no ancestor
-    /// has one.
+    /// Leaves without points or positive values use the nearest ancestor's distribution; uniform without one.
     LightOctree Build(size_t groups, const AddValues &addValues) {
         PBRT_CHECK(groups > 0);
         constexpr uint32_t kNone = 0xffffffffu;

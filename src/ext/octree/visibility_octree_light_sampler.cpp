@@ -13,8 +13,7 @@
 namespace ext {
 namespace {
 
-/// Mean cosine above which light selection in media includes the phase function. Below it, the cost equals the error
-/// reduction.
+/// Mean cosine above which light selection in media includes the phase function; below, it costs what it gains.
 constexpr Float kPeaked = 0.6f;
 
 Float FloorOf(const OctreeParams &params) { return params.floor > 0 ? params.floor : kVisibilityFloor; }

@@ -97,8 +97,7 @@ std::vector<EnvironmentRay> TraceEnvironmentRays(PrepareContext &context, std::s
     return rays;
 }
 
-/// Leaves out the rays of points from which at least half leave the scene: outdoors, no portal is needed, and their
-/// rays pass none.
+/// Leaves out the rays of points from which at least half leave the scene: outdoors, no portal is needed.
 std::vector<EnvironmentRay> FromIndoors(std::span<const EnvironmentRay> rays) {
     std::vector<EnvironmentRay> indoors;
     for (size_t begin = 0, end = 0; begin < rays.size(); begin = end) {

@@ -91,7 +91,7 @@ class PortalSampling {
         uint32_t group = 0;
         const EnvironmentLight *light = nullptr;
         Emitter whole;      ///< dark if the whole light is never sampled
-        Float perMean = 0;  ///< unit of G over that of EnvironmentPortals::Integral
+        Float perMean = 0;  ///< unit of G over that of EnvironmentPortals::IntegralAround
         std::optional<EnvironmentPortals> portals{};
     };
     size_t RegionCount() const { return count_ + 1; }

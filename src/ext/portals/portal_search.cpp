@@ -225,8 +225,7 @@ class Planes {
     Vector3 low_{0}, high_{0};
 };
 
-/// Moves a portal to the height at which its leaving rays pass the smallest rectangle; they converge in the opening
-/// itself.
+/// Moves a portal to the height at which its leaving rays pass the smallest rectangle: in the opening itself.
 Portal AtNarrowest(const Portal &portal, std::span<const Line> lines) {
     std::vector<Crossing> rays;
     for (const Line &line : lines) {
@@ -283,8 +282,7 @@ std::vector<Portal> FindPortals(std::span<const EnvironmentRay> rays, std::span<
             for (auto i = size_t(begin); i < size_t(end); ++i)
                 best[i] = Planes(FrameOf(facings[i], facings), lines).Best();
         });
-        const auto most =
-            std::max_element(best.begin(), best.end(), [](const auto &a, const auto &b) { return a.gain < b.gain; });
+        const auto most = std::ranges::max_element(best, {}, &Planes::Plane::gain);
         if (!(most->gain > kSmallestShare * left)) break;
         const Planes planes(FrameOf(facings[size_t(most - best.begin())], facings), lines);
         std::vector<Portal> found = planes.Portals(most->height, kSmallestShare * left);

@@ -12,8 +12,7 @@ namespace {
 constexpr size_t kMaxScanned = 64;
 constexpr int64_t kChunk = 256;
 
-/// Contribution of a group from one light sample, drawn as in the render: incident light over the probability of the
-/// light within the group.
+/// Contribution of a group from one light sample, as in the render: incident light over the light's share of the group.
 double SampleGroup(const Scene &scene, const PrepassVertex &vertex, const LightQuery &query,
                    const MeshInterior &interior, uint32_t group, Rng &rng) {
     Float uLight = rng.Uniform();

@@ -94,8 +94,7 @@ class LazyRows {
 class VoxelGrid {
   public:
     VoxelGrid() = default;
-    /// `voxels` along the longest axis, in proportion along the others. An empty box gives one voxel of zero extent at
-    /// the origin.
+    /// `voxels` along the longest axis, others in proportion. An empty box gives one voxel of no extent at the origin.
     VoxelGrid(const Bounds3 &bounds, int voxels);
 
     /// Points outside are clamped to the grid; NaN maps to the first voxel.
@@ -132,8 +131,7 @@ class VoxelGrid {
 // 1. Differences are exact: probabilities sum to 1, and small ones survive beside large ones, unlike with float running
 // sums.
 
-/// Builds a distribution proportional to the weights (>= 0, finite; uniform if all are 0). Every entry gets at least
-/// 2^-32.
+/// Builds a distribution proportional to the weights (>= 0, finite; uniform if all are 0), at least 2^-32 each.
 void BuildFixedCdf(std::span<const double> weights, std::span<uint32_t> begins);
 
 inline Float FixedCdfPMF(std::span<const uint32_t> begins, uint32_t index) {
@@ -147,8 +145,7 @@ inline Float FixedCdfBegin(std::span<const uint32_t> begins, uint32_t index) { r
 /// of u and the query point `p`.
 uint32_t SampleFixedCdf(std::span<const uint32_t> begins, Float u, const Point3 &p);
 
-/// Group light samplers with a distribution over the groups per voxel, created on first use. Before Prepare, selection
-/// is uniform.
+/// Group light samplers with a distribution over the groups per voxel, created on first use. Uniform before Prepare.
 class VoxelLightSampler : public GroupLightSampler {
   public:
     const void *WeighGroups(const LightQuery &query, LightMemory &) const final { return Cdf(query.p).data(); }

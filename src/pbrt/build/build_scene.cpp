@@ -15,8 +15,7 @@
 namespace pbrt {
 namespace {
 
-/// Rendering space is world space translated to the camera at the middle of the transform times, unless
-/// --render-coord-sys overrides it.
+/// Rendering space: by default world space translated to the camera at the middle of the transform times.
 Transform RenderFromWorld(const SceneDescription &d, const AnimatedTransform &worldFromCamera,
                           const BuildOptions &options) {
     std::string which =
@@ -275,8 +274,7 @@ BuiltScene BuildScene(SceneDescription &d, const BuildOptions &given, const Plug
     if (built.camera) built.cameraFromWorld = placement.worldFromCamera.At(built.camera->ShutterOpen()).Inverse();
     built.filename = OutputName(built, options);
     if (options.checksOutput) CheckOutput(built, sink);
-    // Shapes are checked even after errors, to report all of them. Command line errors are reported at once, before
-    // large shapes are read.
+    // Shapes are checked even after errors, to report all; those of the command line come before large shapes are read.
     if (std::any_of(sink.All().begin(), sink.All().end(), IsOfCommandLine)) ThrowIfErrors(sink, checked);
 
     const double filmBytes =

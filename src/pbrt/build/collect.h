@@ -38,14 +38,12 @@ struct BuiltMedia {
     }
 };
 
-/// Builds all media of the scene, including unused ones, so that all errors are reported to the sink. Frees value lists
-/// of the description.
+/// Builds all media of the scene, also unused ones; errors go to the sink. Frees value lists of the description.
 inline BuiltMedia MakeMedia(SceneDescription &description, const Transform &renderFromWorld, DiagnosticSink &sink) {
     BuiltMedia built;
     for (MediumEntity &m : description.media)
         Collect(sink, [&] {
-            // Rendering space is available here regardless of file order. Stock pbrt-v4 misplaces grids defined before
-            // Camera.
+            // In any file order; stock pbrt-v4 misplaces grids defined before Camera.
             const Transform renderFromMedium = renderFromWorld * m.ctm.start;
             auto medium =
                 Media().Make(m.type, m.params, MediumContext{renderFromMedium, SpaceOf(m), description.files, sink});

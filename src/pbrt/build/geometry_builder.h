@@ -167,8 +167,7 @@ class GeometryBuilder {
                 for (const auto &shape : w.shapes) RequireReach(e.params.What(), *w.motion, BoundsOf(*shape), e.loc);
         });
     }
-    /// Rebuilds shapes of object definitions whose vertices are far from their space's origin, where rays lose
-    /// precision.
+    /// Rebuilds shapes of object definitions with vertices far from their space's origin, for the precision of rays.
     void CenterDefinitions() {
         constexpr Float kFar = 64;  ///< relative to the size, from the origin
         std::vector<Bounds3> bounds(spaces_.size());

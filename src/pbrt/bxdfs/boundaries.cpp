@@ -5,8 +5,7 @@
 namespace pbrt {
 namespace {
 
-/// Probability of sampling reflection, from both fractions of light and the requested sides. Negative if neither can be
-/// sampled.
+/// Probability of sampling reflection, from both fractions of light and the requested sides. Negative: neither.
 Float ReflectionProbability(Float reflectance, Float transmittance, ReflTransFlags which) {
     if (!Has(which, ReflTransFlags::Reflection)) return transmittance > 0 ? 0 : -1;
     if (!Has(which, ReflTransFlags::Transmission)) return reflectance > 0 ? 1 : -1;

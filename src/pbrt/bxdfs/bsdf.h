@@ -29,8 +29,7 @@ class Bsdf {
     BxdfFlags Flags() const { return flags_; }
     /// True if F has a glossy lobe, alone or as part of a coat, so that sampling should include F.
     bool IsDirectional() const;
-    /// False if F is a stochastic estimate, as for layers without a table. Its mean then depends on the sampling of
-    /// directions.
+    /// False if F is a stochastic estimate (layers without a table), whose mean depends on the sampling of directions.
     bool HasExactF() const;
     /// Writes to f[k] an approximation of F(wo, wi[k]), averaged over wavelengths, up to a factor nearly independent of
     /// wi. Cheap and deterministic (no random walks in layers, no Fresnel term of metals): for importance, not for

@@ -10,8 +10,7 @@
 
 namespace pbrt {
 
-/// Integral of Fresnel reflectance times cos^power over cosines in [0, 1], for light from inside (`eta` as in
-/// FresnelDielectric).
+/// Integral of Fresnel reflectance times cos^power over cosines in [0, 1], from inside (`eta`: see FresnelDielectric).
 Float InnerFresnelMoment(Float eta, int power);
 
 /// Radial diffusion profile of a half space for a perpendicular beam: photon beam diffusion with single scattering
@@ -29,8 +28,7 @@ class SubsurfaceTable {
     };
     Row AtAlbedo(Float albedo) const;
 
-    /// Exiting fraction per area, in squared mean free paths, at a radius in mean free paths; 0 beyond the table (about
-    /// 200).
+    /// Exiting fraction per area, in squared mean free paths, at a radius in mean free paths; 0 beyond some 200.
     Float Profile(const Row &row, Float radius) const;
     /// Samples a radius with density 2 pi r Profile(r) / reflectance.
     Float SampleRadius(const Row &row, Float u) const;

@@ -119,8 +119,7 @@ class CoatedBxdf {
         : top_(top), bottom_(bottom), albedo_(albedo), g_(g), thickness_(std::max(thickness, kMinThickness)),
           maxDepth_(maxDepth), nSamples_(std::max(1, nSamples)), scatters_(bool(albedo)) {}
 
-    /// Makes F and Sample use the table, built for this coat's index and thickness, if it covers the coat; otherwise
-    /// random walks.
+    /// Makes F and Sample use the table, of this coat's index and thickness, if it covers the coat; else random walks.
     void UseTable(const CoatTable &table) requires std::is_same_v<Base, DiffuseBxdf> {
         if (scatters_) return;
         if (std::optional<ClearCoat> coat = table.At(top_.Facets())) {

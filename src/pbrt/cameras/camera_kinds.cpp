@@ -9,8 +9,7 @@
 namespace pbrt {
 namespace {
 
-/// pbrt's screen space to [0, 1]^3 as in stock pbrt-v4's image headers: x and y from [-1, 1] to [0, 1]; z from [0, 1]
-/// to [0.5, 1].
+/// Screen space to [0, 1]^3 as in stock's image headers: x and y from [-1, 1] to [0, 1]; z from [0, 1] to [0.5, 1].
 Transform NdcFromScreen() { return Transform::Translate(Vector3(0.5f)) * Transform::Scale(Vector3(0.5f)); }
 
 Point3 PointOnLens(const Lens &lens, const Point2 &u) {

@@ -61,8 +61,7 @@ class UserError : public std::runtime_error {
     size_t omitted_ = 0;
 };
 
-/// All diagnostics in order, then the number of omitted errors; ends with a newline. Linear in the size of the quoted
-/// files.
+/// All diagnostics in order, then the number of omitted errors; ends with a newline. Takes linear time.
 std::string FormatAll(const UserError &e, bool color = false);
 
 /// User text quoted in a message: one line, cut to `maxBytes` and then followed by "...".
@@ -132,8 +131,7 @@ std::string V3Hint(std::string_view what, std::string_view name);
 
 }  // namespace pbrt
 
-/// Aborts with condition and source location if the condition is false, in every build type. For program errors, not
-/// user input.
+/// Aborts with condition and source location if the condition is false, in every build type. For program errors.
 #define PBRT_CHECK(condition)                                                   \
     do {                                                                        \
         if (!(condition)) [[unlikely]]                                          \

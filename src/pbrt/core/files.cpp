@@ -39,8 +39,7 @@ std::string LowerExtension(const std::string &path) { return Lower(std::filesyst
 
 namespace {
 
-// Opens a file for reading; throws UserError for kinds whose content may be endless. *size: bytes of a regular file,
-// else 0.
+// Opens a file for reading; throws UserError for kinds that may be endless. *size: bytes of a regular file, or 0.
 int OpenForReading(const std::string &path, ReadFrom from, size_t *size) {
     // Without O_NONBLOCK, opening a pipe blocks until a writer connects.
     const int flags = from == ReadFrom::Files ? O_RDONLY | O_CLOEXEC | O_NONBLOCK : O_RDONLY | O_CLOEXEC;
@@ -62,8 +61,7 @@ int OpenForReading(const std::string &path, ReadFrom from, size_t *size) {
     return file;
 }
 
-// Reserves `bytes` for `content`. They must fit into the available memory beside the old buffer, which is freed after
-// the move.
+// Reserves `bytes` for `content`. They must fit into the available memory beside the old buffer.
 void Grow(std::string &content, size_t bytes, const std::string &path, double (*available)()) {
     // Smaller sizes skip the check, which is a system call.
     constexpr size_t kSmall = 1 << 24;

@@ -9,8 +9,7 @@
 // Used by Team only.
 namespace pbrt {
 
-/// Byte transport between the processes of one job. One thread at a time may call. Errors abort the whole job with
-/// MPI's message.
+/// Byte transport between the processes of one job. For one thread at a time. Errors abort the job with MPI's message.
 class MessagePort {
   public:
     /// Messages of different channels are independent.

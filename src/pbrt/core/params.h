@@ -52,8 +52,7 @@ constexpr Range<Float> AnyFloat(const char *unit = "") {
     return {std::numeric_limits<Float>::lowest(), std::numeric_limits<Float>::max(), false, false, unit};
 }
 
-// Ranges shared by several parameters. docs/reference/parameters.md lists all ranges, docs/reference/compatibility.md
-// all other limits.
+// Ranges shared by several parameters. docs/reference: parameters.md lists all ranges, compatibility.md other limits.
 
 /// Embree drops vertices beyond sqrt(largest float) / 10 = 1.844e18 and rejects rays that start there. This bound on
 /// coordinates keeps arbitrarily rotated instances below Embree's, and squared distances finite.
@@ -100,8 +99,7 @@ class ParamSet {
     ParamSet(std::string what, FileLoc loc) : what_(std::move(what)), loc_(std::move(loc)) {}
 
     void Add(Param p) { params_.push_back(std::move(p)); }
-    /// Adds a default from an Attribute directive, used where the entity does not give the parameter; the last one
-    /// added applies.
+    /// Adds a default from an Attribute directive, used where the entity gives none; the last one applies.
     void AddDefault(Param p) {
         p.fromAttribute = true;
         defaults_.push_back(std::move(p));

@@ -26,8 +26,7 @@ class SignalWatch {
     SignalWatch(const SignalWatch &) = delete;
     SignalWatch &operator=(const SignalWatch &) = delete;
 
-    /// For a phase without results to save: the first signal ends the process at once. An earlier signal ends it in
-    /// this call.
+    /// For a phase without results to save: a signal ends the process at once, an earlier one in this call.
     void EndAtOnce(std::string message) { Cancel("", std::move(message), 0); }
     /// The first signal cancels `progress` and prints `notice`. The process is ended with `message` `seconds` after the
     /// signal or this call, whichever is later. kForever: no deadline.

@@ -52,8 +52,7 @@ class StateWriter {
         Value(uint64_t{values.size()});
         Refer(values.data(), values.size() * sizeof(T));
     }
-    /// Vector plus a hash of the elements, for indices, offsets and names: a changed structure is detected even if it
-    /// is valid.
+    /// Vector plus a hash of the elements, for indices, offsets and names: also detects valid changes.
     template <class T>
     void Structure(const std::vector<T> &values) {
         Vector(values);

@@ -62,8 +62,7 @@ class WorkDistributor {
         std::lock_guard lock(mutex_);
         done_ += amount;
     }
-    /// Called after the last Take; on rank 0, waits until all others have been served. Returns the reported amount that
-    /// did not reach rank 0.
+    /// Called after the last Take; rank 0 waits for all others. Returns the reported amount that did not reach rank 0.
     int64_t Finish() {
         if (replies_.joinable()) replies_.join();
         return std::exchange(done_, 0);

@@ -65,8 +65,7 @@ bool HasSplats(const std::vector<StateBlock> &blocks) {
     return std::ranges::any_of(blocks, [](const StateBlock &b) { return b.isOfSplats && b.bytes > 0; });
 }
 
-/// True if all doubles among the sums are finite. Counts never have such bits; splat sums, which may have any bits, are
-/// excluded.
+/// True if all doubles among the sums are finite. Counts never have such bits; splat sums may, and are excluded.
 bool AreFinite(std::string_view sums) {
     bool areFinite = true;
     for (size_t at = 0; at + sizeof(double) <= sums.size(); at += sizeof(double)) {

@@ -152,8 +152,7 @@ class Film {
 
     virtual SampledWavelengths SampleWavelengths(Float u) const { return SampledWavelengths::SampleVisible(u); }
     virtual bool NeedsVisibleSurface() const { return false; }
-    /// One thread at a time per pixel, in an order independent of the threads. Non-finite radiance is counted, reported
-    /// and dropped.
+    /// One thread at a time per pixel, in the same order for any threads. Reports and drops non-finite radiance.
     virtual void AddSample(const FilmSample &sample) = 0;
 
     /// Allocates the splat buffer. To be called on one thread before the first splat.

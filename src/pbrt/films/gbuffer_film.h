@@ -15,8 +15,7 @@ struct GBufferParams : FilmParams {
     }
 };
 
-/// The `gbuffer` film: RGB, mean visible-surface data per pixel, and the variance of samples with a hit. Splats change
-/// RGB only.
+/// The `gbuffer` film: RGB (with splats), mean visible-surface data per pixel, and the variance of samples with a hit.
 class GBufferFilm final : public RgbFilm {
   public:
     GBufferFilm(const GBufferParams &params, const ParamSet &set, const FilmRequest &request)

@@ -32,8 +32,7 @@ nlohmann::ordered_json ToJson(const ImageMetadata &metadata);
 /// Attributes only.
 ImageMetadata MetadataFromJson(const nlohmann::ordered_json &json);
 
-/// Everything that determines a render's samples, by name: "program", "file NAME" with the hash of its content, and
-/// flags such as "--maxdepth".
+/// Everything that determines a render's samples: "program", "file NAME" with a hash, and flags such as "--maxdepth".
 using RenderIdentity = std::map<std::string, std::string>;
 
 /// Differences as clauses separated by semicolons, calling `other` `otherName`; empty if equal.

@@ -5,8 +5,7 @@
 namespace pbrt {
 namespace {
 
-/// Response of three sensitivities to a reflectance under an illuminant, relative to the second's to the bare
-/// illuminant.
+/// Response of three sensitivities to a reflectance under an illuminant, over the second's to the bare illuminant.
 Vector3 Project(const Spectrum &reflectance, const Spectrum &illuminant, const Spectrum &a, const Spectrum &b,
                 const Spectrum &c) {
     glm::dvec3 sum(0);

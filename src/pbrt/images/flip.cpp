@@ -79,8 +79,7 @@ void Balance(Kernel &kernel) {
 
 double Sum(const std::vector<float> &values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
-// One Gaussian of a contrast sensitivity filter as a normalised 1D kernel; `mass` gets the sum of its weights over both
-// axes before normalisation.
+// One Gaussian of a contrast sensitivity filter as a normalised 1D kernel; `mass`: its sum over both axes before.
 Kernel SensitivityKernel(const Sensitivity &s, double *mass) {
     const int radius = int(std::ceil(3 * std::sqrt(kWidestSensitivity / (2 * kPi * kPi)) * kPixelsPerDegree));
     Kernel kernel = Tabulate(radius, [&](int x) {

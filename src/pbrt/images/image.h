@@ -75,6 +75,8 @@ class Image {
     Float Bilinear(Point2 st, int channel, WrapMode wrap) const;
     /// Returns the named channels as float; throws UserError if one is missing.
     Image Select(const std::vector<std::string> &channels) const;
+    /// As many names as there are channels.
+    void RenameChannels(std::vector<std::string> names) { channels_ = std::move(names); }
     /// As Select, but keeps format and encoding.
     Image Extract(const std::vector<std::string> &channels) const;
     Image ConvertTo(PixelFormat format) const;
@@ -118,6 +120,13 @@ struct ImageMetadata {
     using Value = std::variant<int, float, std::string, glm::mat4>;
     /// EXR header attributes by name. Matrices use column vectors; files get the layout of format §14.
     std::map<std::string, Value> attributes;
+    /// Empty if there is no attribute of this name and type.
+    template <class T>
+    std::optional<T> Attribute(const std::string &name) const {
+        const auto it = attributes.find(name);
+        const T *value = it == attributes.end() ? nullptr : std::get_if<T>(&it->second);
+        return value ? std::optional<T>(*value) : std::nullopt;
+    }
 };
 
 struct ImageFile {

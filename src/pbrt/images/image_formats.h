@@ -15,8 +15,7 @@ ImageFile ReadOther(const std::string &path, std::optional<ColorEncoding> encodi
 std::string EncodeExr(const std::string &path, const Image &image, const ImageMetadata &metadata);
 /// 1 or 3 channels.
 std::string EncodePfm(const Image &image);
-/// `format` is "png" (1, 3 or 4 channels) or "jpeg" (1 or 3). Values become 8-bit sRGB (alpha too, as in stock
-/// pbrt-v4).
+/// `format` is "png" (1, 3 or 4 channels) or "jpeg" (1 or 3). Values become 8-bit sRGB (alpha too, as in stock).
 std::string EncodeBytes(const std::string &format, const std::string &path, const Image &image);
 
 /// Validates header sizes before pixels are allocated. Throws UserError if they exceed the memory, or the size of this

@@ -93,8 +93,7 @@ class CachedTiles final : public TileStore {
         }
         Check(out->close(), out.get());
         out.reset();
-        // OpenImageIO does not report a full disk at the end of a file. Tiles are uncompressed, so the size of a
-        // complete file is fixed.
+        // OpenImageIO does not report a full disk at the end of a file. The size of uncompressed tiles is known.
         uintmax_t expected = 0;
         for (const OIIO::ImageSpec &spec : specs) expected += spec.image_bytes();
         OIIO::ImageSpec last;
@@ -127,8 +126,7 @@ class CachedTiles final : public TileStore {
     int tileSize_;
 };
 
-/// Lower bound of the pixel bytes of an uncompressed TIFF file. A palette has one sample per pixel, whatever its
-/// colours.
+/// Lower bound of the pixel bytes of an uncompressed TIFF file. A palette has one sample per pixel.
 uintmax_t StoredBytes(const OIIO::ImageSpec &spec) {
     constexpr int kPalette = 3, kYCbCr = 6;
     const int kind = spec.get_int_attribute("tiff:PhotometricInterpretation", -1);

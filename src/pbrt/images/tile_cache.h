@@ -14,8 +14,7 @@ namespace oiio {
 class TileStore;
 }
 
-/// Images in tiled files of a temporary folder, which the destructor removes. OpenImageIO's cache keeps up to
-/// `megabytes` of tiles in memory.
+/// Images in tiled files of a temporary folder, removed by the destructor, with up to `megabytes` of tiles in memory.
 class TileCache {
   public:
     static constexpr int kSize = 64;  ///< width and height of a tile, in texels

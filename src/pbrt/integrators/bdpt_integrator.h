@@ -84,8 +84,7 @@ class BdptIntegrator final : public PixelIntegrator {
     bool ScatterAtSurface(PathWalk &walk, Subpath &subpath) const;
     /// Transmittance to `from` from a point on a light, the lens or another vertex.
     ShadowTransmittance Passing(const Sample &sample, const BdptVertex &from, const LightLiSample &to) const;
-    /// Transmitted light of a connection between subpaths with these spectral densities, divided by the densities'
-    /// mean.
+    /// Transmitted light of a connection between subpaths with these spectral densities, divided by their mean.
     SampledSpectrum Passed(const Sample &sample, const SampledSpectrum &L, const ShadowTransmittance &through,
                            const SampledSpectrum &densities) const;
     SampledSpectrum ConnectToLight(Sample &sample, int cameraVertices) const;

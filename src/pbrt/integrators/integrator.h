@@ -81,8 +81,7 @@ class Integrator {
     virtual const LightSampler *Lights() const { return nullptr; }
     /// Light sampler of light path emission; null if none.
     virtual const LightSampler *EmissionSampler() const { return nullptr; }
-    /// True if there are side images. They hold only samples of this process since its start: checkpoints and other
-    /// processes do not share them.
+    /// True if there are side images. They hold only samples of this process since its start.
     virtual bool MakesSidePictures() const { return false; }
     /// Valid after the first pass.
     virtual std::vector<SidePicture> SidePictures() const { return {}; }
@@ -99,8 +98,7 @@ struct PassChunks {
     std::function<uint32_t(int64_t chunk, uint32_t done)> render;
 };
 
-/// Renders the chunks not completed in RenderPass::done, and updates it. Returns true if the pass is complete in all
-/// processes.
+/// Renders the chunks not completed in RenderPass::done, and updates it. True if all processes have completed the pass.
 bool RenderChunks(const RenderPass &pass, const PassChunks &chunks);
 
 /// Adds a splat at a film position (raster space) to all pixels in the filter's support, with the expected value of

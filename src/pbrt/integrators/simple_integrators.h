@@ -26,8 +26,7 @@ struct Direction {
     Float pdf = 0;  ///< solid angle
 };
 
-/// Samples uniformly the directions into which a vertex can scatter: the half-space on the viewer's side, the one
-/// behind the surface, or both.
+/// Samples uniformly where a vertex can scatter: the half-space on the viewer's side, the one behind, or both.
 inline Direction SampleEvenly(const PathVertex &vertex, const Point2 &u) {
     const auto &[point, bsdf] = vertex;
     const BxdfFlags flags = bsdf.Flags();

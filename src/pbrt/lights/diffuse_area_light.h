@@ -12,8 +12,7 @@
 
 namespace pbrt {
 
-/// Emission of one AreaLightSource directive, shared by the lights of all its shapes: a spectrum, or an image over (u,
-/// v), v upwards.
+/// Emission of one AreaLightSource directive, shared by all its lights: a spectrum, or an image over (u, v), v upwards.
 struct AreaEmission {
     std::shared_ptr<const DenseSpectrum> spectrum;  ///< null if there is an image
     Image image;                                    ///< R, G, B
@@ -62,8 +61,7 @@ struct AreaEmission {
 /// directions of the emitting side(s).
 class DiffuseAreaLight final : public Light {
   public:
-    /// A constant alpha of 0 makes a light that rays cannot hit: its kind is DeltaPosition, so only light sampling
-    /// reaches it.
+    /// With a constant alpha of 0, rays cannot hit the light: its kind is DeltaPosition, for light sampling only.
     DiffuseAreaLight(std::shared_ptr<const AreaEmission> emission, std::span<const Shape *const> shapes,
                      const FloatTexture *alpha)
         : Light(IsInvisible(alpha) ? LightKind::DeltaPosition : LightKind::Area), emission_(std::move(emission)),

@@ -4,7 +4,6 @@
 
 #include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/lights/environment_light.h"
 
 namespace pbrt {
 namespace {
@@ -228,11 +227,6 @@ std::optional<Bounds2> Portal::WindowFrom(const Point3 &p) const {
     const Point2 from(at.x, at.y);
     return Bounds2{PortalMap::FromSlopes((Point2(low) - from) / height),
                    PortalMap::FromSlopes((Point2(high) - from) / height)};
-}
-
-Float EnvironmentPortals::Integral(size_t k, const Point3 &p) const {
-    const std::optional<Bounds2> window = portals_[k].WindowFrom(p);
-    return window ? Map(k).Integral(*window) : Float(0);
 }
 
 Float EnvironmentPortals::IntegralAround(size_t k, const Point3 &p) const {

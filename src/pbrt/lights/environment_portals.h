@@ -40,8 +40,7 @@ class PortalMap {
     Float Integral(const Bounds2 &window) const { return Float(pixels_.Integral(window)); }
     /// The same over a slightly larger window; a fraction of the cost.
     Float IntegralAround(const Bounds2 &window) const { return pixels_.IntegralAround(window); }
-    /// Samples a direction (unit, in the frame) within the window; density by solid angle. Empty where the window has
-    /// no radiance.
+    /// Samples a direction (unit, in the frame) in the window; density by solid angle. Empty if it has no radiance.
     std::optional<Vector3> SampleDirection(const Point2 &u, const Bounds2 &window, Float *pdf) const;
     /// Density of SampleDirection; 0 outside the window. `local`: in the frame.
     Float DirectionPdf(const Vector3 &local, const Bounds2 &window) const;
@@ -123,9 +122,7 @@ class EnvironmentPortals {
         while (k < portals_.size() && !portals_[k].IsPassed(p, d)) ++k;
         return k;
     }
-    /// Integral of EnvironmentLight::MeanRadiance over portal k from p.
-    Float Integral(size_t k, const Point3 &p) const;
-    /// An estimate of it, at least as large; a fraction of the cost.
+    /// PortalMap::IntegralAround portal k as seen from p; 0 behind it.
     Float IntegralAround(size_t k, const Point3 &p) const;
 
     struct Direction {

@@ -11,8 +11,7 @@ namespace pbrt {
 class EnvironmentLight;
 class EnvironmentPortals;
 
-/// Delta lights are reached only by SampleLi, the others also by rays that hit them (area) or leave the scene
-/// (infinite).
+/// Delta lights are reached only by SampleLi, others also by rays that hit them (area) or leave the scene (infinite).
 enum class LightKind { DeltaPosition, DeltaDirection, Area, Infinite };
 constexpr bool IsDelta(LightKind k) { return k == LightKind::DeltaPosition || k == LightKind::DeltaDirection; }
 
@@ -77,23 +76,24 @@ class Light {
     /// scene's bounding sphere; requires Preprocess.
     virtual LightPower Phi(const SampledWavelengths &lambda, uint32_t component = 0) const = 0;
 
-    /// `allowIncompletePdfs`: infinite lights may omit directions of little light; only for callers that combine this
-    /// with BSDF sampling by MIS.
+    /// `allowIncompletePdfs`: infinite lights may omit directions of little light; only with MIS and BSDF sampling.
     virtual std::optional<LightLiSample> SampleLi(const LightSampleContext &from, const Point2 &u,
                                                   const SampledWavelengths &lambda, bool allowIncompletePdfs,
                                                   uint32_t component = 0) const = 0;
 
     /// Solid-angle density of SampleLi(from) for direction wi; 0 for delta lights. Area lights: the ray hits this
     /// component at pHit with normal nHit; infinite lights ignore these.
-    virtual Float PdfLi(const LightSampleContext &from, const Vector3 &wi, const Point3 &pHit, const Normal3 &nHit,
-                        bool allowIncompletePdfs, uint32_t component = 0) const = 0;
+    virtual Float PdfLi(const LightSampleContext & /*from*/, const Vector3 & /*wi*/, const Point3 & /*pHit*/,
+                        const Normal3 & /*nHit*/, bool /*allowIncompletePdfs*/, uint32_t /*component*/ = 0) const {
+        return 0;
+    }
 
     /// Samples an emitted ray, nearly in proportion to flux, from two independent points of the unit square. Lights
     /// outside the scene require Preprocess. Empty where no light leaves.
     virtual std::optional<LightLeSample> SampleLe(const Point2 &uPosition, const Point2 &uDirection,
                                                   const SampledWavelengths &lambda, uint32_t component = 0) const = 0;
-    /// Densities of SampleLe for a ray through p along w (unit). Area lights: p is on this component, with normal n;
-    /// others ignore n.
+    /// Densities of SampleLe for a ray through p along w (unit). Area lights: p is on it, with normal n; others ignore
+    /// n.
     virtual LightLePdf PdfLe(const Point3 &p, const Normal3 &n, const Vector3 &w, uint32_t component = 0) const = 0;
 
     /// Area lights: radiance leaving p in direction w (unit). Others: 0.
@@ -106,8 +106,7 @@ class Light {
         return SampledSpectrum(0);
     }
 
-    /// Bounds for spatial light samplers, by the maximum of the spectrum; empty for infinite lights and lights without
-    /// power.
+    /// Bounds for spatial light samplers, by the maximum of the spectrum; empty for infinite and black lights.
     virtual std::optional<LightBounds> Bounds(uint32_t /*component*/ = 0) const { return {}; }
     /// Emitting surface of a component; without shape if there is none.
     virtual ShapePrimitive Surface(uint32_t /*component*/ = 0) const { return {}; }
@@ -120,8 +119,7 @@ class Light {
     LightKind kind_;
 };
 
-/// Subset of an environment light's directions that a light sampler samples separately: a region of its portals.
-/// Default: all directions.
+/// Directions of an environment light that a light sampler samples separately: a region of portals. Default: all.
 struct EnvironmentRegion {
     const EnvironmentPortals *portals = nullptr;
     uint32_t index = 0;

@@ -23,10 +23,9 @@ class LightNames {
         end_ += count;
     }
 
-    /// For example: AreaLightSource "diffuse" at room.pbrt:123, shape at :125, triangle 3 of 12.
-    std::string NameOf(LightId light) const { return NameOf(light, 1); }
-    /// The same for `count` lights of one directive from `first`; more than one end in, e.g., "12 triangles".
-    std::string NameOf(LightId first, size_t count) const {
+    /// For example: AreaLightSource "diffuse" at room.pbrt:123, shape at :125, triangle 3 of 12. Several lights of one
+    /// directive end in, e.g., "12 triangles".
+    std::string NameOf(LightId first, size_t count = 1) const {
         if (!first || first.value >= end_) return {};
         const auto after = std::upper_bound(entries_.begin(), entries_.end(), first.value,
                                             [](uint32_t id, const Entry &e) { return id < e.first; });

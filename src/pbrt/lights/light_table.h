@@ -79,8 +79,7 @@ class LightGroups {
     std::vector<Float> cdf_;       ///< per light: inclusive running sum of shares in its group
 };
 
-/// All lights of a scene in file order. A LightId identifies one component; the components of a light have consecutive
-/// ids.
+/// All lights of a scene in file order. A LightId is that of a component; those of a light are consecutive.
 class LightTable {
   public:
     LightTable() = default;

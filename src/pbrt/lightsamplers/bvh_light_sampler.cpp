@@ -40,8 +40,7 @@ Vector3 DecodeAxis(const uint16_t q[2]) {
     return Normalize(v);
 }
 
-/// Cost of a cluster of emitters (Conty and Kulla 2018, Eq. 1 with the measure of section 4.2; `stretch` penalizes thin
-/// boxes).
+/// Cost of a cluster of emitters (Conty and Kulla 2018, Eq. 1, measure of 4.2; `stretch` penalizes thin boxes).
 double SplitCost(const LightBounds &b, Float stretch) {
     if (!(b.phi > 0)) return 0;
     Float o = SafeACos(b.cosTheta_o), e = SafeACos(b.cosTheta_e);

@@ -9,8 +9,7 @@
 
 namespace pbrt {
 
-/// Tree node in 32 bytes: a LightSphere and a link. Directions and cosines are rounded so that the cone only grows, up
-/// to the margin of Importance.
+/// Tree node in 32 bytes: a LightSphere and a link. Rounded so that the cone only grows, up to Importance's margin.
 class alignas(32) LightBvhNode {
   public:
     LightBvhNode() = default;

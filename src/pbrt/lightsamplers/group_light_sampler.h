@@ -86,8 +86,7 @@ class InfiniteShare {
     }
     /// Probability of each infinite light, and of all bounded ones together.
     Float Pmf() const { return share_; }
-    /// Returns true for the bounded lights, remapping `u` to a fresh number; else sets `chosen`. There must be a light
-    /// of either kind.
+    /// Returns true for the bounded lights, remapping `u` to a fresh number; else sets `chosen`. There must be a light.
     bool ChooseBounded(double &u, uint32_t *chosen) const {
         if (anyBounded_ && u >= boundedFrom_) {
             u = (u - boundedFrom_) / (1 - boundedFrom_);

@@ -5,8 +5,7 @@
 
 namespace pbrt {
 
-/// detail::ScalarOps for N lights in SIMD registers. Always inlined: each is one or two instructions, and a call would
-/// spill all registers.
+/// detail::ScalarOps for N lights in SIMD registers. Always inlined, as a call would spill all registers.
 template <int N>
 struct SimdOps {
     using F = std::experimental::simd<Float, std::experimental::simd_abi::deduce_t<Float, N>>;

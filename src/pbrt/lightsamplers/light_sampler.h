@@ -199,8 +199,7 @@ class LightSampler {
     virtual void SaveLearned(StateWriter &, bool /*withLearning*/) const {}
     /// Sizes, seconds, counts: for --stats and image metadata.
     virtual void Report(nlohmann::ordered_json &) const {}
-    /// Sampler state at a point (cell, records, ...): same names in the same order for every query. For visualization
-    /// only; may be slow.
+    /// Sampler state at a point (cell, records, ...): same names and order for every query. For visualization; slow.
     virtual void Inspect(const LightQuery &, std::vector<InspectedValue> &) const {}
     /// Multi-line description of the learned structure; empty if there is none.
     virtual std::string DescribeStructure() const { return {}; }

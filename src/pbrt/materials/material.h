@@ -17,8 +17,7 @@ class Material {
 
     virtual void PerturbShading(SurfacePoint &) const {}
 
-    /// For mix: the material chosen by a hash of p, wo and the two operands. Others return themselves; nullptr means
-    /// interface.
+    /// For mix: the material chosen by a hash of p, wo and the two operands. Others: themselves; null: interface.
     virtual const Material *Resolve(const SurfacePoint &) const { return this; }
 
     virtual bool HasBssrdf() const { return false; }

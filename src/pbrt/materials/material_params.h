@@ -13,8 +13,7 @@
 
 namespace pbrt {
 
-/// Perturbs the shading frame as by a displacement along the shading normal (world units), without moving the surface
-/// (Blinn 1978).
+/// Perturbs the shading frame as by a displacement along the shading normal (world units; Blinn 1978).
 void ApplyBumpMap(const FloatTexture &height, SurfacePoint &point);
 
 /// Rotates the shading frame to the normal of an image with channels R, G, B = (n + 1) / 2, x along dpdu and z along
@@ -84,8 +83,7 @@ class FloatInput {
     Float value_ = 0;
 };
 
-/// Spectrum parameter of a material. Constant spectra are sampled without texture evaluation, uplifted reflectances
-/// without a virtual call.
+/// Spectrum parameter of a material. Constant spectra need no texture, uplifted reflectances no virtual call.
 class SpectrumInput {
   public:
     explicit SpectrumInput(SpectrumTexturePtr texture)
@@ -285,8 +283,7 @@ void AddMeasured(MaterialTable &table);
 void AddMix(MaterialTable &table);
 void AddSubsurface(MaterialTable &table);
 
-/// Reads a BRDF of the RGL material database (isotropic, or anisotropic over the whole circle). Throws UserError (no
-/// location).
+/// Reads a BRDF of the RGL database (isotropic, or anisotropic over the whole circle). Throws UserError (no location).
 std::shared_ptr<const MeasuredBrdf> ReadMeasuredBrdf(const std::string &path);
 
 }  // namespace pbrt

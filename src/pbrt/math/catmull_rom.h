@@ -42,8 +42,7 @@ SplinePiece CatmullRomPiece(std::span<const Float> nodes, int i, auto value) {
     return SplinePiece(nodes[i], width, f0, f1, slope0, slope1);
 }
 
-/// Solves f(t) = y for t in [0, 1], f increasing from f(0) <= y to f(1) >= y: Newton steps, with bisection where they
-/// leave the bracket.
+/// Solves f(t) = y for t in [0, 1], f increasing from f(0) <= y to f(1) >= y: Newton steps, else bisection.
 Float SolveIncreasing(auto f, auto slope, Float y, Float tolerance) {
     Float low = 0, high = 1, t = Float(0.5);
     for (int i = 0; i < 64; ++i) {

@@ -1,9 +1,6 @@
 #include "pbrt/math/distributions.h"
 
 #include <algorithm>
-#include <bit>
-
-#include "pbrt/core/error.h"
 
 namespace pbrt {
 namespace {

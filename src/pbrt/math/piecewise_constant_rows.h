@@ -80,8 +80,7 @@ Float PiecewiseConstantRows<Value>::Set(size_t row, std::span<const Float> f, do
 
 template <class Value>
 auto PiecewiseConstantRows<Value>::Sample(size_t row, Float u) const -> Sampled {
-    // Last piece whose lower end is <= u; pieces of zero width are never chosen. Branchless: random u mispredicts every
-    // second branch.
+    // Last piece whose lower end is <= u; pieces of no width are never chosen. Branchless, as u is random.
     const Piece *const pieces = &At(row, 0);
     const uint32_t *const cut = &cuts_[row * (cutCount_ + 1)] + std::min(size_t(u * Float(cutCount_)), cutCount_ - 1);
     size_t i = cut[0];

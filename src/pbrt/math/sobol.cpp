@@ -45,8 +45,7 @@ SobolPixelIndex::SobolPixelIndex(int log2Resolution) : log2Resolution_(log2Resol
         return uint64_t(first[column] >> (32 - m)) | uint64_t(second[column] >> (32 - m)) << m;
     };
 
-    // Gauss-Jordan over GF(2) on columns: `image` becomes the identity while `source` records the low index bits that
-    // were combined.
+    // Gauss-Jordan over GF(2) on columns: `image` becomes the identity, `source` the combined low index bits.
     std::vector<uint64_t> image(n), source(n);
     for (int c = 0; c < n; ++c) {
         image[c] = pixelOf(c);

@@ -83,8 +83,7 @@ class PreciseSum {
     double high_ = 0, low_ = 0;
 };
 
-/// Sample variance (divided by n - 1) from sum and sum of squares; 0 for n < 2. Subtracts with 113 bits, more than both
-/// sums have.
+/// Sample variance (divided by n - 1) from sum and sum of squares; 0 for n < 2. Subtracts with 113 bits.
 inline double VarianceOf(const PreciseSum &sum, const PreciseSum &squares, double n) {
     if (!(n > 1)) return 0;
     const auto whole = [](const PreciseSum &s) { return __float128(s.Value()) + __float128(s.Rest()); };

@@ -36,8 +36,7 @@ Point2 EqualAreaSphereToSquare(const Vector3 &w) {
     return {(std::copysign(absX, w.x) + 1) / 2, (std::copysign(absY, w.y) + 1) / 2};
 }
 
-// The halves of each edge of the square show the same directions in reverse order. Crossing an edge is thus a half turn
-// about its midpoint.
+// The halves of each edge show the same directions in reverse: crossing it is a half turn about its midpoint.
 Point2 WrapEqualAreaSquare(Point2 p) {
     auto cross = [](Float &across, Float &along) {
         const Float edge = across < 0 ? Float(0) : Float(1);

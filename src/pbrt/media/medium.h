@@ -143,8 +143,7 @@ class Medium {
 /// not thread-safe.
 class MediumOnRay {
   public:
-    /// Next segment within [0, tMax]; segments are in order and never empty, with vacuum between them. False if there
-    /// are no more.
+    /// Next segment within [0, tMax]; in order, never empty, with vacuum between them. False: no more.
     bool Next(MajorantSegment *segment) {
         Float value = 0;
         if (!majorant_ || !walk_.Next(&segment->begin, &segment->end, &value)) return false;
@@ -157,8 +156,7 @@ class MediumOnRay {
         return medium_->Evaluate(*this, t);
     }
 
-    /// `unit`: coefficients at density 1, as far as they are constant. `majorant` is multiplied by the values of the
-    /// walk.
+    /// `unit`: coefficients at density 1, if constant. The walk's values multiply `majorant`.
     MediumOnRay(const Medium &medium, const GridWalk &walk, const SampledWavelengths &lambda,
                 const MediumCoefficients &unit, const SampledSpectrum &majorant)
         : medium_(&medium), walk_(walk), lambda_(lambda), unit_(unit), majorant_(majorant) {}

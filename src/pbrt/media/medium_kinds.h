@@ -79,8 +79,7 @@ struct NanoVdbRequest {
 std::unique_ptr<Medium> MakeNanoVdbMedium(const NanoVdbRequest &request, MediumSpectra spectra, Float g,
                                           const Transform &renderFromMedium);
 
-/// Box with a procedural cloud of density at most 1. The density is a function of medium space, where the cloud lies
-/// between y = 0 and y = 1.
+/// Box with a procedural cloud of density at most 1. It is a function of medium space and lies in 0 < y < 1.
 class CloudMedium final : public Medium {
   public:
     struct Shape {

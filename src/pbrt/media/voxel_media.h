@@ -8,8 +8,7 @@ namespace pbrt {
 /// Regular voxels in a box, x fastest. Values are at voxel centres, interpolated trilinearly. As in stock pbrt-v4,
 /// voxels outside the box are 0, so values fade in the outer half of the outermost voxels.
 ///
-/// Points are in the coordinates of a MajorantGrid over the same box. Callers pass a function from voxel index to
-/// value.
+/// Points are in the coordinates of a MajorantGrid over the same box. Callers pass a function of the voxel index.
 class Voxels {
   public:
     Voxels(const glm::ivec3 &count, const glm::ivec3 &gridResolution)
@@ -58,8 +57,7 @@ class Voxels {
     Vector3 perCell_;
 };
 
-/// Box of voxels with a density that multiplies absorption and scattering, and optionally an emission factor and a
-/// temperature.
+/// Voxels with a density that multiplies absorption and scattering, optionally an emission factor and a temperature.
 class UniformGridMedium final : public Medium {
   public:
     struct Grids {

@@ -135,8 +135,7 @@ std::optional<Scene::Crossing> Scene::SampleCrossing(const Point3 &from, const P
         if (!hit) break;
         tMin = hit->hit.t;
         if (contents_.shapes[hit->shape.value].material != material) continue;
-        // Reservoir sampling: the n-th crossing replaces the kept one with probability 1/n; u is rescaled to be uniform
-        // again.
+        // Reservoir sampling: the n-th crossing replaces the kept one with probability 1/n; u is rescaled.
         const Float keep = 1 - 1 / Float(++count);
         if (u >= keep) {
             chosen = *hit;

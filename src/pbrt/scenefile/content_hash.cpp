@@ -78,11 +78,9 @@ std::map<std::string, std::string> FileHashes(const std::string &scenePath, cons
     VisitFiles(
         scenePath,
         [&](const std::string &path, const std::string &content) {
-            ContentHash hash;
-            hash.Add(content);
             const std::string name =
                 folder.empty() ? path : std::filesystem::path(path).lexically_proximate(folder).string();
-            hashes[name] = hash.Hex();
+            hashes[name] = ContentHash(content).Hex();
         },
         outputs);
     return hashes;

@@ -8,8 +8,9 @@ namespace pbrt {
 
 class ContentHash {
   public:
+    ContentHash() = default;
+    explicit ContentHash(const std::string &bytes) { Add(bytes); }
     void Add(const std::string &bytes);
-    uint64_t Value() const { return hash_; }
     std::string Hex() const;  ///< 16 digits
 
   private:

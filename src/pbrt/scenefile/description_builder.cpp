@@ -316,8 +316,7 @@ void DescriptionBuilder::FillDefaults(const FileLoc &where) {
     fill(scene_.accelerator, "bvh", "Accelerator");
 }
 
-/// ListChoices, or `none` if there are no names or the message will be dropped: lists are slow, and there may be as
-/// many messages as names.
+/// ListChoices, or `none` if there are no names or the message will be dropped: lists are slow, and there may be many.
 std::string DescriptionBuilder::ListNames(const std::string &given, const std::vector<std::string> &names,
                                           const char *none) const {
     return names.empty() || sink_.IsFull() ? none : ListChoices(given, names);

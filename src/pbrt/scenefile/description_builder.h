@@ -94,8 +94,7 @@ class DescriptionBuilder {
     void AddLight(const std::string &type, Params params, const FileLoc &loc);
     void AddShape(const std::string &type, Params params, const FileLoc &loc);
 
-    /// Returns the scene, after whole-scene checks if `complete`. `where`: file location of errors that belong to no
-    /// directive.
+    /// Returns the scene, after whole-scene checks if `complete`. `where`: of errors that belong to no directive.
     SceneDescription Finish(bool complete, const FileLoc &where, FileResolver files);
 
   private:

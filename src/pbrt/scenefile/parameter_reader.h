@@ -10,12 +10,10 @@
 
 namespace pbrt {
 
-/// Offset of the first byte of invalid UTF-8 (including overlong forms, surrogates and values beyond U+10FFFF); nullopt
-/// if valid.
+/// Offset of the first byte of invalid UTF-8 (also overlong forms, surrogates, beyond U+10FFFF); nullopt if valid.
 std::optional<size_t> FindInvalidUtf8(std::string_view text);
 
-/// Unicode normalisation form C, so that names with combining marks equal precomposed ones. Returns invalid UTF-8
-/// unchanged.
+/// Unicode normalisation form C, for names with combining marks. Returns invalid UTF-8 unchanged.
 std::string ComposeUtf8(std::string_view text);
 
 /// Reads arguments and parameter lists. Recoverable errors (an unknown type, values of the wrong kind) go to the sink;

@@ -278,8 +278,7 @@ SurfacePoint BilinearMesh::Surface(uint32_t primitive, const PrimitiveHit &hit) 
 }
 
 Point2 BilinearMesh::Parameters(const Corners &c, const Point3 &p, const Normal3 &n) const {
-    // Solved in the coordinate plane that the patch faces most. p = p00 + u E + v F + uv G; eliminating u leaves a
-    // quadratic.
+    // Solved in the coordinate plane that the patch faces most: p = p00 + u E + v F + uv G without u is quadratic.
     using D2 = glm::dvec2;
     Vector3 an = Abs(n);
     int drop = an.x > an.y && an.x > an.z ? 0 : an.y > an.z ? 1 : 2;

@@ -6,8 +6,7 @@
 
 namespace pbrt {
 
-/// Bilinear patches in rendering space. Rectangles are sampled by solid angle, unless an image defines the density of
-/// emission per patch.
+/// Bilinear patches in rendering space. Rectangles are sampled by solid angle, unless emission has an image.
 class BilinearMesh final : public Mesh {
   public:
     /// `emission`: density over (u, v), or null; only for meshes without texture coordinates.

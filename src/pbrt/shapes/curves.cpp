@@ -101,8 +101,7 @@ bool Curves::Append(const Curves &other) {
     return true;
 }
 
-/// Splits while that reduces the bounding boxes' surface area by at least 30 %: at most 8 pieces, and no more than
-/// stock pbrt-v4.
+/// Splits while that reduces the boxes' surface area by at least 30 %: at most 8 pieces, and no more than stock.
 void Curves::AddPieces(const Segment &segment, size_t index, std::vector<Piece> *pieces) {
     auto surface = [&](uint32_t log2Count) {
         Float sum = 0, n = Float(1u << log2Count);
@@ -176,8 +175,7 @@ struct Curves::Search {
         Visit(second, middle, u1, depth - 1, partsAreStraight);
     }
 
-    /// Number of halvings: n parts are within 6 s / (8 n^2) of their chords (s: second difference). The factor sqrt(2)
-    /// and the rounding are stock's.
+    /// Number of halvings: n parts are within 6 s / (8 n^2) of their chords (s: second difference); sqrt(2) is stock's.
     int StraightDepth(const CubicBezier &c) const {
         Float tolerance = Float(0.05) * std::max(segment.width0, segment.width1);
         Float squaredParts = std::numbers::sqrt2_v<Float> * 6 * c.LargestSecondDifference() / (8 * tolerance);

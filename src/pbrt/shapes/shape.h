@@ -76,8 +76,7 @@ struct ShapeSampleContext {
     Point3 OffsetOrigin(const Vector3 &w) const { return OffsetRayOrigin(p, pError, n, w); }
 };
 
-/// Hit in the primitive's parameters: barycentric (b1, b2) for triangles, (u, v) for patches, (u, v) of pbrt-v4-format
-/// §6 for quadrics.
+/// Hit in the primitive's parameters: barycentric (b1, b2) for triangles, (u, v) for patches and quadrics (§6).
 struct PrimitiveHit {
     Float t = 0;
     Float u = 0, v = 0;
@@ -105,8 +104,7 @@ class Shape {
 
     /// Fills all but ids, wo, time, t and footprints. Empty for curves, which face the ray.
     virtual SurfacePoint Surface(uint32_t, const PrimitiveHit &) const { return {}; }
-    /// Surface for a ray hit in the shape's space, accurate on large primitives where float hit parameters are too
-    /// coarse.
+    /// Surface for a ray hit in the shape's space, also accurate where float hit parameters are too coarse.
     virtual SurfacePoint SurfaceOnRay(uint32_t primitive, const PrimitiveHit &hit, const Ray &ray) const = 0;
     /// True for curves, which face the ray.
     bool FacesRay() const { return kind_ == ShapeKind::Curves; }

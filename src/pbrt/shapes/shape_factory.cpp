@@ -6,7 +6,6 @@
 #include "pbrt/shapes/bilinear_mesh.h"
 #include "pbrt/shapes/curves.h"
 #include "pbrt/shapes/extent.h"
-#include "pbrt/shapes/mesh_sources.h"
 #include "pbrt/shapes/quadric.h"
 #include "pbrt/shapes/triangle_mesh.h"
 
@@ -287,8 +286,7 @@ struct CylinderParams : QuadricParams {
     }
 };
 
-/// Requires shapes within kCoordinateRange. Quadrics and curves need a non-singular transform, because they are traced
-/// in object space.
+/// Requires shapes within kCoordinateRange. Quadrics and curves (traced in object space): non-singular.
 template <class P, class F>
 void AddShape(ShapeTable &table, const char *name, const char *summary, bool isTracedInObjectSpace, F make) {
     table.Add<P>(name, summary, [make, isTracedInObjectSpace](P p, const ParamSet &set, const ShapeContext &context) {

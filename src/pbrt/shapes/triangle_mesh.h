@@ -58,8 +58,7 @@ struct MeshData {
 class Mesh : public Shape {
   public:
     uint32_t PrimitiveCount() const final { return uint32_t(mesh_.indices.size() / cornerCount_); }
-    /// In rendering space, with normals flipped if `reverseOrientation`. There is space after the last vertex, because
-    /// Embree reads 16 bytes per vertex.
+    /// In rendering space, with normals flipped if `reverseOrientation`. Padded: Embree reads 16 bytes per vertex.
     const MeshData &Data() const { return mesh_; }
 
   protected:

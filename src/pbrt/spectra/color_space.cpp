@@ -45,8 +45,7 @@ AxisPlace PlaceOfRatio(Float ratio) {
     return {node, nodes - Float(node)};
 }
 
-/// `scale` in [0, 1], on the nodes of RgbTableScales. Branchless binary search in six steps, because varying scales
-/// mispredict branches.
+/// `scale` in [0, 1], on the nodes of RgbTableScales. Branchless binary search in six steps.
 AxisPlace PlaceOfScale(Float scale) {
     static_assert(RgbTableResolution == 64);
     size_t node = 0;

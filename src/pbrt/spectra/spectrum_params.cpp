@@ -107,8 +107,7 @@ SpectrumPtr SpectrumParam::Make(const FileResolver &files) const {
     return constant ? std::make_shared<ConstantSpectrum>(*constant) : nullptr;
 }
 
-/// The entity's own parameter overrides Attribute defaults, of which the last applies. Two own ones of this name with
-/// different types are an error.
+/// The entity's own parameter overrides Attribute defaults, whose last applies. Own ones of two types are an error.
 void ReadParam(ParamReader &reader, const std::string &name, SpectrumParam &value) {
     value.set = &reader.Set();
     value.given = nullptr;

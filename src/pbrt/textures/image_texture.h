@@ -24,8 +24,7 @@ struct MipMapKey {
     bool HasPixelsOf(const MipMapKey &o) const { return path == o.path && wrap == o.wrap && encoding == o.encoding; }
 };
 
-/// Images of one scene, each read once regardless of filtering. Reading errors are UserErrors without location,
-/// rethrown on every lookup.
+/// Images of one scene, each read once for all filters. Errors are UserErrors without location, at every lookup.
 class ImageCache {
   public:
     /// `megabytes` > 0: big images are stored on disk, with at most this much of them in memory.

@@ -7,8 +7,7 @@
 
 namespace pbrt {
 
-/// Arguments of texture evaluation. The filter footprint is given as derivatives per pixel step; 0 means point
-/// sampling.
+/// Arguments of texture evaluation. Filter footprint: derivatives per pixel step; 0: point sampling.
 struct TextureContext {
     Point3 p{};
     Vector3 dpdx{}, dpdy{};
@@ -63,8 +62,7 @@ class ConstantSpectrumTexture final : public SpectrumTexture {
     SpectrumPtr value_;
 };
 
-/// Texture whose Evaluate is `f`. Base is FloatTexture or SpectrumTexture, V its value type, Lambda the further
-/// argument of Evaluate, if any.
+/// Texture whose Evaluate is `f`. Base: FloatTexture or SpectrumTexture; V: value type; Lambda: further arguments.
 template <class F, class Base, class V, class... Lambda>
 class FunctionTexture final : public Base {
   public:

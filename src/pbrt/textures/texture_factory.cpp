@@ -4,7 +4,6 @@
 #include <array>
 
 #include "pbrt/core/params.h"
-#include "pbrt/textures/texture.h"
 #include "pbrt/textures/texture_makers.h"
 
 namespace pbrt {
@@ -28,8 +27,7 @@ constexpr const char *kWhyNoPtex =
 
 const char *FamilyName(bool isSpectrum) { return isSpectrum ? "spectrum" : "float"; }
 
-/// Maximum cost of a lookup: nesting depth, and number of texture evaluations (which doubles per level where both
-/// operands are the same).
+/// Maximum cost of a lookup: nesting depth, and number of texture evaluations (doubled per level by equal operands).
 struct LookupCost {
     int depth = 1;
     double evaluations = 1;
@@ -163,8 +161,7 @@ struct TextureLibrary::Impl {
         return made.texture;
     }
 
-    /// Creates the texture from a table. Parameters may be read again for another use; warnings and unused parameters
-    /// are reported once.
+    /// Creates the texture from a table. Parameters may be read again; warnings and unused ones are reported once.
     auto MakeOf(const auto &table, Definition &d, SpectrumUse use, LookupCost *cost) {
         DiagnosticSink ignored;
         const size_t limit = indexOf[d.isSpectrum].at(d.name);

@@ -38,16 +38,14 @@ class TextureLibrary {
     TextureLibrary(const FileResolver &files, DiagnosticSink &sink, int cacheMegabytes = 0);
     ~TextureLibrary();
 
-    /// Executes a Texture directive. Throws UserError on an unknown class; parameter errors come from CheckAll or first
-    /// use.
+    /// Executes a Texture directive. Throws UserError on an unknown class; others come from CheckAll or use.
     void Define(const std::string &name, bool isSpectrum, const std::string &textureClass, ParamSet params,
                 const Transform &renderFromTexture);
     /// Creates all unused textures to find their errors, then reports unused parameters and the number of missing
     /// images. Errors in a texture are reported once; its users get the constant 0.5 instead.
     void CheckAll();
 
-    /// The texture named by a parameter, or a constant of the given or default value; nullptr if there is neither.
-    /// Throws UserError.
+    /// The texture named by a parameter, or a constant of the given or default value; or null. Throws UserError.
     FloatTexturePtr Get(const FloatTextureParam &param);
     SpectrumTexturePtr Get(const SpectrumTextureParam &param);
 

@@ -1,6 +1,5 @@
 #include "pbrt/textures/texture_makers.h"
 
-#include "pbrt/textures/image_texture.h"
 #include "pbrt/textures/noise.h"
 #include "pbrt/textures/texture.h"
 #include "pbrt/textures/texture_mapping.h"
@@ -8,8 +7,7 @@
 namespace pbrt {
 namespace {
 
-/// Makers are templates over FloatKind or SpectrumKind, which define parameter types and the conversion of operands,
-/// values and functions to textures.
+/// Makers are templates over FloatKind or SpectrumKind, which define parameter types and conversions to textures.
 struct FloatKind {
     using Ptr = FloatTexturePtr;
     using Operand = FloatTextureParam;

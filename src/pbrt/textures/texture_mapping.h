@@ -89,8 +89,7 @@ struct MappingParams {
 /// Square wave (+1 on [0, 1), -1 on [1, 2), ...) filtered by a tent of half-width `radius` around x.
 Float FilteredSquareWave(Float x, Float radius);
 
-/// Weight of a checkerboard's second texture, in [0, 1]: 0 in the cell at the origin, alternating, filtered over the
-/// footprint.
+/// Weight of a checkerboard's second texture, in [0, 1]: 0 in the cell at the origin; filtered over the footprint.
 Float CheckerWeight(const TextureMapping2D &mapping, const TextureContext &ctx);
 Float CheckerWeight(const PointMapping &mapping, const TextureContext &ctx);
 

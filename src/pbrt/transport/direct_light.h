@@ -7,8 +7,7 @@
 
 namespace pbrt {
 
-/// Light sampling state at a vertex. Kept until the next vertex, because the MIS weight of emission there depends on
-/// the light probabilities here.
+/// Light sampling state at a vertex. Kept until the next vertex, for the MIS weight of emission there.
 struct VertexSelection {
     LightQuery query;
     LightSampleContext from;

@@ -108,8 +108,7 @@ struct SubsurfaceExit {
     SampledSpectrum weight;  ///< profile over density
 };
 
-/// Samples the exit of light that crosses the surface at `entry`. Empty if there is none. Always uses the same number
-/// of random numbers.
+/// Samples the exit of light that crosses the surface at `entry`. Empty: none. Uses a fixed number of random numbers.
 std::optional<SubsurfaceExit> SampleSubsurfaceExit(const Scene &scene, const SurfacePoint &entry, const Bssrdf &bssrdf,
                                                    Sampler &sampler);
 

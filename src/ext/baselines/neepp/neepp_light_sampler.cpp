@@ -22,8 +22,7 @@ Vector3 Uniform3(Rng &rng) {
 
 constexpr int kEnvironmentSamples = 4096;
 
-/// Calls visit(point, weight) for points uniform over a primitive's area, enough to make missing a crossed voxel
-/// unlikely. Weights sum to 1.
+/// Calls visit(point, weight) for points uniform over a primitive's area, hardly missing a voxel. Weights sum to 1.
 void ForPointsOn(const Shape &shape, uint32_t primitive, const VoxelGrid &grid, const auto &visit) {
     Bounds3 box = shape.PrimitiveBounds(primitive);
     if (grid.Index(box.low) == grid.Index(box.high)) {
@@ -94,8 +93,7 @@ LightTargets::LightTargets(const Scene &scene, const VoxelGrid &grid, const Ligh
             weights[addTarget({Kind::Direction, 0, s->wi})] += share;
         } else if (kind == LightKind::Infinite) {
             for (uint64_t k = 0; k < kEnvironmentSamples; ++k) {
-                // From points all over the scene, because the directions that a portal light samples depend on the
-                // point.
+                // From points all over the scene, as the directions that a portal light samples depend on the point.
                 LightSampleContext from;
                 from.p = bounds.low +
                          bounds.Diagonal() * Vector3(RadicalInverse(5, k), RadicalInverse(7, k), RadicalInverse(11, k));

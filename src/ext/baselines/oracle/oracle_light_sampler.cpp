@@ -119,8 +119,7 @@ const Float *OracleLightSampler::Measure(const LightQuery &query, LightMemory &m
     for (uint32_t g = 0; g < groupCount; ++g) {
         const double shift[3] = {double(rng.Uniform()), double(rng.Uniform()), double(rng.Uniform())};
         for (size_t i = 0; i < k; ++i) {
-            // Additive recurrence with reciprocal powers of the root of x^4 = x + 1: evenly distributed for any number
-            // of points.
+            // Additive recurrence with reciprocal powers of the root of x^4 = x + 1: evenly distributed for any number.
             const auto at = double(i);
             std::optional<SampledLight> chosen =
                 interior_.Sample(g, query, Fraction(shift[0] + at * 0.5497004779019703));

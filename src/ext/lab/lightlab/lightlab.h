@@ -20,13 +20,11 @@ struct LightlabOptions {
     bool quiet = false, report = true;
 };
 
-/// Sets `options`. After printing help or an error, returns the exit status. `registered`: light samplers of this
-/// build, for the default list.
+/// Sets `options`. Returns the exit status after printing help or an error. `registered`: light samplers of this build.
 std::optional<int> ParseLightlabCommandLine(int argc, const char *const *argv,
                                             const std::vector<std::string> &registered, LightlabOptions &options);
 
-/// Runs charts.py and report.py on a finished experiment without changing its results. Returns an error message, empty
-/// on success.
+/// Runs charts.py and report.py on a finished experiment. Returns an error message, empty on success.
 std::string RunReportScripts(const std::string &outFolder, bool quiet);
 
 struct SceneOutcome {

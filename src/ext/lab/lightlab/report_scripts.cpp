@@ -20,8 +20,7 @@ std::string Environment(const char *name, const char *otherwise) {
     return value && *value ? value : otherwise;
 }
 
-/// Script folder: beside the program in the build tree, in share/ if installed. Relative to the program, so that an
-/// installation is relocatable.
+/// Script folder, relative to the program so that installations are relocatable: beside it, or in share/ if installed.
 std::string ScriptFolder() {
     std::error_code failed;
     const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", failed).parent_path();

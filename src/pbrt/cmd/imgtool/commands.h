@@ -58,8 +58,7 @@ Flag OutfileFlag(std::string &path, bool isPositional = false);
 
 /// Metric by name. Throws UserError with the choices.
 Metric ChosenMetric(const std::string &name);
-/// Throws UserError unless resolution, data window, colour space and channels match; `hint` ends the sentence about
-/// channels.
+/// Throws UserError unless resolution, data window, colour space and channels match; `hint`: for channels.
 void CheckComparable(const ImageFile &a, const std::string &pathA, const ImageFile &b, const std::string &pathB,
                      const std::string &hint = "");
 

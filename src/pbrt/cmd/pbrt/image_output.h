@@ -33,17 +33,10 @@ class ImageOutput {
     }
 
   private:
-    template <class T>
-    static std::optional<T> Attribute(const ImageMetadata &m, const std::string &name) {
-        const auto it = m.attributes.find(name);
-        const T *value = it == m.attributes.end() ? nullptr : std::get_if<T>(&it->second);
-        return value ? std::optional<T>(*value) : std::nullopt;
-    }
-    /// True if two images may show the same scene, so that their samples are comparable. Missing attributes count as
-    /// equal.
+    /// True if two images may show the same scene: missing attributes count as equal.
     static bool MayShowTheSame(const ImageMetadata &a, const ImageMetadata &b) {
         for (const char *name : {"pbrt.scene", "pbrt.integrator"}) {
-            const auto one = Attribute<std::string>(a, name), other = Attribute<std::string>(b, name);
+            const auto one = a.Attribute<std::string>(name), other = b.Attribute<std::string>(name);
             if (one && other && *one != *other) return false;
         }
         return !a.fullResolution || !b.fullResolution || *a.fullResolution == *b.fullResolution;
@@ -57,7 +50,7 @@ class ImageOutput {
                 old_.emplace();  // its contents are unknown
             }
         if (!MayShowTheSame(*old_, metadata)) return false;
-        const auto had = Attribute<int>(*old_, "samplesPerPixel"), has = Attribute<int>(metadata, "samplesPerPixel");
+        const auto had = old_->Attribute<int>("samplesPerPixel"), has = metadata.Attribute<int>("samplesPerPixel");
         return !had || !has || *had > *has;
     }
     void RemoveBeside() {

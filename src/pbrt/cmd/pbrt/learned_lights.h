@@ -27,8 +27,7 @@ class LearnedLights {
     /// Content hash of the loaded file; empty if none.
     std::string Hash() const {
         if (!loaded_) return {};
-        ContentHash hash;
-        hash.Add(std::string(loaded_->Section("identity")));
+        ContentHash hash(std::string(loaded_->Section("identity")));
         hash.Add(std::string(loaded_->Section("learned")));
         return hash.Hex();
     }

@@ -16,8 +16,7 @@
 
 namespace pbrt {
 
-/// Viewer thread of a LiveBoard. May outlive this object (host name look-ups cannot be cancelled), so it owns
-/// everything it uses.
+/// Viewer thread of a LiveBoard. Owns all it uses, as it may outlive this object (in a host name look-up).
 class LiveViewer {
   public:
     explicit LiveViewer(auto body) {

@@ -42,8 +42,7 @@ int RunPbrt(int argc, char **argv) {
     }
     CommandLine options;
     const std::optional<int> status = ParseCommandLine(argc, argv, &options);
-    // All processes have the same command line. If another one exited with an error, mpirun could kill rank 0 before it
-    // reports the error.
+    // All processes have the same command line. An error of another could make mpirun kill rank 0 before its report.
     if (status) return isSilent ? 0 : *status;
     if (options.quiet && !isSilent) SetLogLevel(LogLevel::Error);
     std::unique_ptr<ProgressSink> sink = MakeTerminalProgress(options.quiet || isSilent);

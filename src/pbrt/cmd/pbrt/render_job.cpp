@@ -23,12 +23,10 @@
 namespace pbrt {
 namespace {
 
-/// Maximum seconds for writing an image after a signal: above any disk's needs, below the delay before schedulers kill
-/// a process.
+/// Maximum seconds for writing an image after a signal: more than disks need, less than schedulers wait.
 constexpr double kWritingSeconds = 10;
 
-/// Maximum wave length in seconds while a viewer is connected. Shorter waves cost more: consecutive samples of a pixel
-/// share work.
+/// Maximum wave length in seconds while a viewer is connected. Shorter waves cost more.
 constexpr double kLiveWaveSeconds = 3;
 
 LiveRender LiveRenderOf(const CommandLine &options, const BuiltScene &built, const RenderSettings &settings) {

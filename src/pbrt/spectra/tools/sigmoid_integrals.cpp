@@ -1,4 +1,4 @@
-#include "pbrt/spectra/tools/sigmoid_integrals.h"
+#include "pbrt/spectra/tools/sigmoid_fit.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "ext/lab/noise_by_depth.h"
+#include "ext/lab/experiment.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

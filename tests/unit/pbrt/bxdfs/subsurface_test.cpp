@@ -31,7 +31,9 @@ class Table : public testing::TestWithParam<std::pair<Float, Float>> {
   protected:
     static const SubsurfaceTable &Made(std::pair<Float, Float> matter) {
         static std::map<std::pair<Float, Float>, SubsurfaceTable> tables;
-        return tables.try_emplace(matter, matter.first, matter.second).first->second;
+        const auto it = tables.find(matter);
+        if (it != tables.end()) return it->second;
+        return tables.emplace(matter, SubsurfaceTable::Compute(matter.first, matter.second)).first->second;
     }
     const SubsurfaceTable &table_ = Made(GetParam());
 };
@@ -147,7 +149,7 @@ double WalkedReflectance(Float albedo, Float g, Float eta, int photons) {
 
 TEST(SubsurfaceTable, IsNearARandomWalk) {
     for (Float g : {0.f, .5f}) {
-        const SubsurfaceTable table(g, 1.33f);
+        const SubsurfaceTable table = SubsurfaceTable::Compute(g, 1.33f);
         for (Float albedo : {.6f, .9f, .99f}) {
             const double walked = WalkedReflectance(albedo, g, 1.33f, 20000);
             EXPECT_NEAR(double(table.AtAlbedo(albedo).reflectance) / walked, 1, .12) << albedo << " g " << g;
@@ -180,7 +182,7 @@ class BssrdfOnBall : public testing::Test {
         return points;
     }
 
-    const SubsurfaceTable table_{0, 1.33f};
+    const SubsurfaceTable table_ = SubsurfaceTable::Compute(0, 1.33f);
     const Normal3 n_ = test::DirectionAt(40, 70);
     const Point3 p_ = n_;
     const Normal3 ns_ = Normalize(n_ + Vector3(.1f, .2f, -.1f));
@@ -245,7 +247,7 @@ TEST_F(BssrdfOnBall, DrawnExitsGiveTheIntegralOfTheProfile) {
 }
 
 TEST(Bssrdf, NothingComesOutOfMatterThatOnlyAbsorbs) {
-    const SubsurfaceTable table(0, 1.33f);
+    const SubsurfaceTable table = SubsurfaceTable::Compute(0, 1.33f);
     const Bssrdf black(Point3(0), Normal3(0, 0, 1), SampledSpectrum(2), SampledSpectrum(0),
                        SampledWavelengths::SampleVisible(.5f), table);
     EXPECT_FALSE(black.SampleProbe(.6f, {.3f, .4f}));

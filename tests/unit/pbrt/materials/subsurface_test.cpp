@@ -36,7 +36,7 @@ class Subsurface : public testing::Test {
     test::Workshop shop_;
     std::vector<MaterialPtr> made_;
     SurfacePoint point_ = TestPoint();
-    const SubsurfaceTable plain_{0, 1.33f};
+    const SubsurfaceTable plain_ = SubsurfaceTable::Compute(0, 1.33f);
 };
 
 TEST_F(Subsurface, FourWaysToSayIt) {
@@ -44,7 +44,7 @@ TEST_F(Subsurface, FourWaysToSayIt) {
     ExpectSame(Of(Params("m")), milk);
     ExpectSame(Of(Params("m").S("name", {"Wholemilk"})), milk);
     ExpectSame(Of(Params("m").Rgb("sigma_a", .0011f, .0024f, .014f).Rgb("sigma_s", 2.55f, 3.21f, 3.77f)), milk);
-    const SubsurfaceTable other(.3f, 1.5f);
+    const SubsurfaceTable other = SubsurfaceTable::Compute(.3f, 1.5f);
     ExpectSame(Of(Params("m").Rgb("sigma_a", .1f, .2f, .3f).Rgb("sigma_s", 1, 2, 3).F("g", .3f).F("eta", 1.5f)),
                By(Unbounded(.1f, .2f, .3f), Unbounded(1, 2, 3), other));
     EXPECT_TRUE(shop_.sink.All().empty());

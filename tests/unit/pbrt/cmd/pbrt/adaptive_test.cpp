@@ -15,7 +15,8 @@ namespace {
 
 /// A ball under lights of very different power, one of which is chosen, before a wall that shines: noise is in a small
 /// part of the image.
-std::string NoisyBall(int samples, const std::string &integrator = "", const std::string &sampler = "zsobol") {
+std::string NoisyBall(int samples, const std::string &integrator = "", const std::string &sampler = "zsobol",
+                      const std::string &film = "rgb") {
     Objects world;
     for (int i = 0; i < 40; ++i)
         world.PointLight(fmt::format("{} {} -3", i % 8 - 4, i / 8 - 2), i == 9 ? "20 20 20" : "0.5 0.4 0.3");
@@ -27,10 +28,15 @@ std::string NoisyBall(int samples, const std::string &integrator = "", const std
     return SceneText()
         .LookAt("0 0 -5  0 0 0  0 1 0")
         .Camera(40)
-        .Film(64, 48, "'string filename' 'x.exr' 'bool savefp16' false")
+        .Film(64, 48, "'string filename' 'x.exr' 'bool savefp16' false", film)
         .Head(fmt::format("Sampler '{}' 'integer pixelsamples' {}", sampler, samples))
         .Integrator("path", 1, "'string lightsampler' 'uniform' " + integrator)
         .World(world);
+}
+
+/// Expects that pixels have different numbers of samples.
+void ExpectAdaptive(const ImageFile &image) {
+    EXPECT_GT(IntOf(image, "pbrt.maxSamples"), IntOf(image, "pbrt.minSamples"));
 }
 
 double Noise(const ImageFile &image, const ImageFile &reference) {
@@ -44,27 +50,31 @@ class Adaptive : public Program {
   protected:
     void SetUp() override {
         Program::SetUp();
-        lights_ = Has(LightSamplerListing(), "\noctree\n") ? " --lightsampler octree --adaptive "
-                                                           : " --lightsampler bvh --adaptive ";
+        // Random wavelengths would be noise of the wall.
+        adaptive_ = " --disable-wavelength-jitter --adaptive ";
+        lights_ =
+            std::string(Has(LightSamplerListing(), "\noctree\n") ? " --lightsampler octree" : " --lightsampler bvh") +
+            adaptive_;
     }
-    std::string lights_;
+    std::string adaptive_, lights_;  ///< flags; lights_: with a light sampler, which learns if it can
 };
 
 TEST_F(Adaptive, ImagesDoNotDependOnThreadsOrSplits) {
-    Write("scene.pbrt", LearningScene("gbuffer", 48));
+    Write("scene.pbrt", NoisyBall(48, "", "independent", "gbuffer"));
     const ImageFile one = Render(lights_ + "scene.pbrt --nthreads 1 --aov samples");
-    EXPECT_GT(IntOf(one, "pbrt.maxSamples"), IntOf(one, "pbrt.minSamples"));
+    ExpectAdaptive(one);
     for (const char *other : {"--nthreads 2", "--nthreads 3 --checkpoint c.chk --checkpoint-interval 0.001"})
         EXPECT_TRUE(SamePixels(one, Render(lights_ + "scene.pbrt --aov samples " + other))) << other;
-    EXPECT_FALSE(SamePixels(one, Render("--lightsampler bvh scene.pbrt --aov samples")));
+    EXPECT_FALSE(SamePixels(one, Render("--lightsampler bvh --disable-wavelength-jitter scene.pbrt --aov samples")));
 }
 
 TEST_F(Adaptive, KilledAndInterruptedRendersGoOnToTheSameBits) {
-    Write("scene.pbrt", LearningScene("rgb", 1024));
+    Write("scene.pbrt", NoisyBall(1024, "", "independent"));
     for (const std::string integrator : {"path", "bdpt"}) {
-        const std::string arguments = (integrator == "path" ? lights_ : " --adaptive ") + "--integrator " + integrator +
+        const std::string arguments = (integrator == "path" ? lights_ : adaptive_) + "--integrator " + integrator +
                                       (integrator == "path" ? " " : " --spp 256 ") + "scene.pbrt --aov samples ";
         const ImageFile whole = Render(arguments, "whole.exr");
+        ExpectAdaptive(whole);
         const std::string resumed = arguments + "--outfile out.exr --nthreads 2 --checkpoint c.chk --resume";
         int stopped = 0;
         for (const int signal : {SIGKILL, SIGINT, SIGKILL}) {
@@ -85,11 +95,12 @@ TEST_F(Adaptive, AnyNumberOfProcessesGivesTheSameBits) {
 #ifdef PBRT_MPIRUN
     setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
     setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
-    Write("scene.pbrt", LearningScene("spectral", 32));
-    for (const std::string more : {"", "--integrator bdpt --spp 16 "}) {
-        const std::string arguments = (more.empty() ? lights_ : " --adaptive ") + more + "scene.pbrt --nthreads 1";
+    Write("scene.pbrt", NoisyBall(64, "", "independent", "spectral"));
+    for (const std::string more : {"", "--integrator bdpt --spp 32 "}) {
+        const std::string arguments = (more.empty() ? lights_ : adaptive_) + more + "scene.pbrt --nthreads 1";
         launcher_ = "";
         const ImageFile one = Render(arguments);
+        ExpectAdaptive(one);
         for (const int ranks : {2, 3}) {
             launcher_ = fmt::format("'{}' --oversubscribe --bind-to none -n {} ", PBRT_MPIRUN, ranks);
             const ImageFile many = Render(arguments);

@@ -17,7 +17,7 @@ namespace pbrt::test {
 namespace {
 
 constexpr int kTile = 4;
-constexpr int kSeeds = 8, kMinReferenceSamples = 256;
+constexpr int kSeeds = 8;
 /// Of the difference of a tile; 5.5 standard errors with two equal variances.
 constexpr double kMinChance = 7e-5;
 
@@ -74,9 +74,8 @@ std::vector<RunningStatistics> TileStatistics(const View &v, const std::string &
 const std::vector<RunningStatistics> &ReferenceStatistics(const View &v) {
     constexpr int kFirstSeed = 101;
     static std::map<std::string, std::vector<RunningStatistics>> references;
-    const int samples = std::max(v.samples, kMinReferenceSamples);
-    auto [it, isNew] = references.try_emplace(Scene(v, v.reference, kFirstSeed, samples));
-    if (isNew) it->second = TileStatistics(v, v.reference, kFirstSeed, samples);
+    auto [it, isNew] = references.try_emplace(Scene(v, v.reference, kFirstSeed, v.samples));
+    if (isNew) it->second = TileStatistics(v, v.reference, kFirstSeed, v.samples);
     return it->second;
 }
 
@@ -90,7 +89,7 @@ void CheckMean(const View &v, const std::string &integrator, double maxNoise, do
     for (const RunningStatistics &p : path) all += p.mean;
     const double without = allowed * all / static_cast<double>(path.size());
     for (size_t i = 0; i < ours.size(); ++i) {
-        // Welch's test: the numbers of samples differ, and so the variances.
+        // Welch's test, as the variances differ.
         const double a = Sqr(ours[i].StandardError()), b = Sqr(path[i].StandardError()), e = std::sqrt(a + b);
         const double t = (std::abs(ours[i].mean - path[i].mean) - without) / e;
         if (t > 0) least = std::min(least, StudentTwoSidedP(t, Sqr(a + b) * (kSeeds - 1) / (Sqr(a) + Sqr(b))));

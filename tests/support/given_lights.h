@@ -20,6 +20,10 @@ class GivenLight final : public Light {
                                           uint32_t) const override {
         return {};
     }
+    Float PdfLi(const LightSampleContext &, const Vector3 &, const Point3 &, const Normal3 &, bool,
+                uint32_t) const override {
+        return 0;
+    }
     std::optional<LightLeSample> SampleLe(const Point2 &, const Point2 &, const SampledWavelengths &,
                                           uint32_t) const override {
         return {};

@@ -61,7 +61,7 @@ class UserError : public std::runtime_error {
     size_t omitted_ = 0;
 };
 
-/// All diagnostics in order, then the number of omitted errors; ends with a newline. Takes linear time.
+/// All diagnostics in order, then the number of omitted errors; ends with a newline. Linear in the quoted files.
 std::string FormatAll(const UserError &e, bool color = false);
 
 /// User text quoted in a message: one line, cut to `maxBytes` and then followed by "...".

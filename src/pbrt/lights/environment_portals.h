@@ -20,7 +20,7 @@ namespace pbrt {
 /// pixels are subdivided once: the rim of a sun would be noisy otherwise.
 class PortalMap {
   public:
-    /// Integrates the light's mean radiance over the map's pixels, at 128 to 512 a side. Takes milliseconds.
+    /// Integrates the light's mean radiance over the map's pixels, at 128 to 512 a side, on all threads.
     static PortalMap Integrate(const EnvironmentLight &light, const Frame &frame);
 
     static Float FromSlope(Float a) { return Float(0.5) + Float(0.5) * a / (1 + std::abs(a)); }

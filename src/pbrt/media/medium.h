@@ -143,7 +143,7 @@ class Medium {
 /// not thread-safe.
 class MediumOnRay {
   public:
-    /// Next segment within [0, tMax]; in order, never empty, with vacuum between them. False: no more.
+    /// Next segment within [0, tMax], in order and not empty; vacuum lies between segments. False: there are no more.
     bool Next(MajorantSegment *segment) {
         Float value = 0;
         if (!majorant_ || !walk_.Next(&segment->begin, &segment->end, &value)) return false;

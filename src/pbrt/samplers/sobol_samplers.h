@@ -148,12 +148,8 @@ class ZSobolSampler final : public SamplerBySettings<ZSobolSampler> {
   protected:
     int StartSample(Point2i pixel, int sampleIndex, int dimension) override {
         int round = sampleIndex / SamplesPerPixel();
-        if (round != round_) {
-            round_ = round;
-            pixel_ = {-1, -1};
-            for (int i = 0; i < kRemembered / kPrepared; ++i) roundSeeds_[i] = SeedsOf(i * kPrepared);
-        }
-        if (pixel != pixel_) {
+        if (pixel != pixel_ || round != round_) {
+            if (round != round_) BeginRound(round);
             pixel_ = pixel;
             pixelPartKnown_ = 0;
             pixelMorton_ = EncodeMorton2(uint32_t(pixel.x), uint32_t(pixel.y)) << log2Samples_;
@@ -177,6 +173,10 @@ class ZSobolSampler final : public SamplerBySettings<ZSobolSampler> {
     struct Seeds {
         WideLanes order, x, y;
     };
+    void BeginRound(int round) {
+        round_ = round;
+        for (int i = 0; i < kRemembered / kPrepared; ++i) roundSeeds_[i] = SeedsOf(i * kPrepared);
+    }
     Seeds SeedsOf(int first) const {
         const uint64_t hash = seed_ + uint64_t(round_) * 0xbf58476d1ce4e5b9ull;
         const WideLanes order{AddDimensions(hash, first), AddDimensions(hash, first + Lanes64Count)};

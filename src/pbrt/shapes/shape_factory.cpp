@@ -286,7 +286,7 @@ struct CylinderParams : QuadricParams {
     }
 };
 
-/// Requires shapes within kCoordinateRange. Quadrics and curves (traced in object space): non-singular.
+/// Requires shapes within kCoordinateRange and, where traced in object space, a non-singular transform.
 template <class P, class F>
 void AddShape(ShapeTable &table, const char *name, const char *summary, bool isTracedInObjectSpace, F make) {
     table.Add<P>(name, summary, [make, isTracedInObjectSpace](P p, const ParamSet &set, const ShapeContext &context) {

@@ -27,5 +27,6 @@ foreach(target ${objects} render_learning_threads)
   target_compile_options(${target} PRIVATE ${options})
   target_precompile_headers(${target} REUSE_FROM thread_headers)
 endforeach()
-target_link_libraries(render_learning_threads PRIVATE ${objects} test_support GTest::gtest GTest::gtest_main)
+# The standard library precedes the folders' archives: of those, objects are drawn in for a template that gtest misses too.
+target_link_libraries(render_learning_threads PRIVATE ${objects} GTest::gtest GTest::gtest_main stdc++ test_support)
 target_link_options(render_learning_threads PRIVATE -fsanitize=thread)

@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+
 #include "pbrt/core/describe.h"
 
 namespace ext {
@@ -8,6 +10,9 @@ using namespace pbrt;
 inline constexpr Float kVisibilityFloor = 0.05f, kPaperFloor = 0.1f;
 /// Maximum candidates of VisibilityOctreeLightSampler; with more light groups, candidates are light tree nodes.
 inline constexpr size_t kMaxCandidates = 64;
+/// Version of the saved state of both samplers; incremented whenever the output of SaveLearned changes.
+inline constexpr uint32_t kSavedVersion = 6;
+inline constexpr std::string_view kOtherVersion = "another version of this light sampler wrote it";
 
 struct OctreeParams {
     std::string model = "visibility";
@@ -27,6 +32,9 @@ struct OctreeParams {
     int cut = 48;
     bool learn = true;
     std::string portals = "auto";
+
+    /// Vertices of a prepass path, at most `maxDepth` of the integrator.
+    int PrepassDepth(int maxDepth) const { return std::min(depth, std::max(1, maxDepth)); }
 
     void Describe(auto &&v) {
         v("model", model, Choices{"visibility", "paper"},

@@ -102,4 +102,41 @@ void PaperOctreeLightSampler::Report(nlohmann::ordered_json &report) const {
     report["bytes"] = tree_.Bytes();
 }
 
+void PaperOctreeLightSampler::SaveLearned(StateWriter &writer, bool) const {
+    writer(kSavedVersion, learned_, vertices_, prepassSeconds_, buildSeconds_, tree_, recordsPerNode_);
+}
+
+void PaperOctreeLightSampler::LoadLearned(StateReader &reader) {
+    reader.Require(reader.Value<uint32_t>() == kSavedVersion, kOtherVersion);
+    reader(learned_, vertices_, prepassSeconds_, buildSeconds_, tree_, recordsPerNode_);
+    reader.Require(!learned_ || tree_.GroupCount() == groups_.Size(), "it has another number of lights");
+    reader.Require(!learned_ || (tree_.RowCount() > 0 && recordsPerNode_.size() == tree_.Cells().NodeCount()),
+                   "counts of records do not fit the octree");
+}
+
+void PaperOctreeLightSampler::Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const {
+    CellOctree::Cell cell;
+    double records = 0;
+    if (learned_) {
+        cell = tree_.Cells().CellAt(query.p);
+        records = recordsPerNode_[cell.node];
+    }
+    values.push_back({"leaf", double(cell.node), true});
+    values.push_back({"leaf records", records, false});
+    values.push_back({"leaf depth", double(cell.depth), false});
+}
+
+std::string PaperOctreeLightSampler::DescribeStructure() const {
+    if (!learned_) return fmt::format("octree: none, there is nothing to choose ({} lights)\n", groups_.Size());
+    std::vector<LeafSize> leaves;
+    tree_.Cells().ForEachLeaf([&](uint32_t node, uint32_t, int depth) {
+        leaves.push_back({depth, recordsPerNode_[node]});
+    });
+    return fmt::format(
+               "octree: {} leaves, {} distributions over {} lights, {} records\nbytes: {} (and {} for this view)\n",
+               leaves.size(), tree_.RowCount(), groups_.Size(), vertices_, tree_.Bytes(),
+               recordsPerNode_.capacity() * sizeof(uint32_t)) +
+           DescribeLeaves(leaves);
+}
+
 }  // namespace ext

@@ -20,7 +20,7 @@ constexpr size_t kMaxRecorded = 400000;
 }  // namespace
 
 VisibilityModel::Render VisibilityModel::RenderOf(const PrepareContext &context) const {
-    return {context.pixelBounds, context.samplesPerPixel, std::min(params_.depth, std::max(1, context.maxDepth))};
+    return {context.pixelBounds, context.samplesPerPixel, params_.PrepassDepth(context.maxDepth)};
 }
 
 void VisibilityModel::Learn(PrepareContext &context, std::span<PrepassVertex> vertices,
@@ -47,26 +47,20 @@ void VisibilityModel::Learn(PrepareContext &context, std::span<PrepassVertex> ve
 
 std::optional<VisibilityModel::Estimate> VisibilityModel::Built(const VisibilityRecords &from, int records,
                                                                 const Progress &progress) const {
-    Estimate made;
-    if (from.records.empty()) return made;
-    VisibilityBuildSettings settings;
-    settings.lightCount = int(groups_.Size());
-    settings.lights = lights_;
-    settings.cut = params_.cut;
-    settings.records = records;
-    settings.raysPerRecord = int(RaysPerVertex());
-    settings.shrinkage = params_.shrinkage;
-    settings.pruneGain = params_.prunegain;
-    settings.secondMoment = params_.secondmoment;
-    settings.floor = floor_;
+    if (from.records.empty()) return Estimate();
+    const VisibilityBuildSettings settings{.lightCount = int(groups_.Size()),
+                                           .lights = lights_,
+                                           .cut = params_.cut,
+                                           .records = records,
+                                           .raysPerRecord = int(RaysPerVertex()),
+                                           .shrinkage = params_.shrinkage,
+                                           .pruneGain = params_.prunegain,
+                                           .secondMoment = params_.secondmoment,
+                                           .floor = floor_};
     VisibilityTreeBuilder builder(bounds_, from.records, from.rays, settings);
     std::optional<VisibilityTree> tree = builder.Build([&] { return progress.Cancelled(); });
     if (!tree) return {};
-    made.tree = std::move(*tree);
-    made.leaves = builder.Leaves();
-    made.recordsPerNode = builder.RecordsPerNode();
-    made.leavesBefore = builder.LeavesBeforePruning();
-    return made;
+    return Estimate{{}, std::move(*tree), builder.Leaves(), builder.RecordsPerNode(), builder.LeavesBeforePruning()};
 }
 
 bool VisibilityModel::Build(int records, const Progress &progress) {

@@ -79,10 +79,7 @@ class VisibilityModel final : public OnlineModel, public PathObserver {
     struct Render {
         Bounds2i pixels{};
         int samplesPerPixel = 0, depth = 0;
-        bool operator==(const Render &o) const {
-            return pixels.low == o.pixels.low && pixels.high == o.pixels.high && samplesPerPixel == o.samplesPerPixel &&
-                   depth == o.depth;
-        }
+        bool operator==(const Render &) const = default;
     };
     struct Counts {
         size_t prepassRecords = 0, prepassRays = 0, renderRays = 0;

@@ -1,13 +1,10 @@
 #include "ext/octree/visibility_octree_light_sampler.h"
 
 #include <algorithm>
-#include <chrono>
 #include <numeric>
 
-#include "ext/octree/prepass_budget.h"
 #include "pbrt/bxdfs/bsdf.h"
 #include "pbrt/bxdfs/henyey_greenstein.h"
-#include "pbrt/core/progress.h"
 #include "pbrt/lightsamplers/weighted_choice.h"
 
 namespace ext {
@@ -16,78 +13,7 @@ namespace {
 /// Mean cosine above which light selection in media includes the phase function; below, it costs what it gains.
 constexpr Float kPeaked = 0.6f;
 
-Float FloorOf(const OctreeParams &params) { return params.floor > 0 ? params.floor : kVisibilityFloor; }
-
-/// True if emissive meshes are single lights. If all emissive primitives fit into one packet, evaluating all of them is
-/// faster than selecting a mesh and then a primitive.
-bool MeshesAreLights(const LightTable &lights, const OctreeParams &params) {
-    return params.meshlights && (lights.ByLight().Size() <= 1 || lights.ByComponent().Size() > EmitterPacket::kLanes);
-}
-
 }  // namespace
-
-VisibilityOctreeLightSampler::VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params)
-    : InteriorLightSampler(lights, MeshesAreLights(lights, params), params.interior), params_(params),
-      floor_(FloorOf(params)), portals_(groups_, params.portals, floor_), importance_(groups_),
-      model_(groups_, params_, floor_) {
-    PortalsChanged();
-}
-
-void VisibilityOctreeLightSampler::PortalsChanged() {
-    std::vector<Emitter> emitters = GroupImportance::EmittersOf(groups_);
-    for (size_t k = 0; k < portals_.Count(); ++k) emitters[portals_.GroupOf(k)] = {};
-    importance_ = GroupImportance(emitters);
-    if (groups_.Size() > kMaxCandidates) lightTree_ = std::make_unique<LightTree>(emitters);
-    model_.SetLightTree(lightTree_.get());
-    SetAlwaysChooses(portals_.IsActive());
-}
-
-void VisibilityOctreeLightSampler::Prepare(PrepareContext &context) {
-    if (portals_.IsActive()) {  // Prepare was called before.
-        portals_.Clear();
-        PortalsChanged();
-    }
-    if (context.learned) return LoadLearned(context, *context.learned);
-    if (groups_.Size() <= 1 && !portals_.IsWanted(context)) return;
-    const auto start = std::chrono::steady_clock::now();
-    std::vector<PrepassVertex> vertices =
-        TracePrepassPaths(context, PathsPerPixel(context), std::min(params_.depth, std::max(1, context.maxDepth)));
-    if (portals_.IsWanted(context) && !context.progress.Cancelled()) {
-        portals_.Find(context, vertices);
-        if (portals_.IsActive()) PortalsChanged();
-    }
-    Learn(context, vertices);
-    if (portals_.IsActive() && portals_.IsOnTrial()) TryPortals(context, vertices);
-    prepassSeconds_ = SecondsSince(start);
-}
-
-void VisibilityOctreeLightSampler::Learn(PrepareContext &context, std::span<PrepassVertex> vertices) {
-    if (context.progress.Cancelled() || groups_.Size() <= std::max<size_t>(portals_.Count(), 1)) return;
-    model_.Learn(context, vertices, importance_, interior_);
-}
-
-void VisibilityOctreeLightSampler::TryPortals(PrepareContext &context, std::span<PrepassVertex> vertices) {
-    const auto use = [&](bool active) {
-        portals_.SetActive(active);
-        PortalsChanged();
-        Learn(context, vertices);
-    };
-    const std::vector<TrialPixel> with = context.trial();
-    use(false);
-    if (portals_.EndTrial(CompareTrials(with, context.trial(), portals_.CostPerVertex()))) use(true);
-}
-
-double VisibilityOctreeLightSampler::PathsPerPixel(const PrepareContext &context) const {
-    if (params_.prepassspp > 0) return params_.prepassspp;
-    const PrepassBudget budget{.lights = groups_.Size(),
-                               .raysPerVertex = model_.RaysPerVertex(),
-                               .environmentRays = portals_.IsWanted(context) ? portals_.RaysPerVertex() : 0,
-                               .depth = std::min(params_.depth, std::max(1, context.maxDepth)),
-                               .pixels = double(std::max<int64_t>(1, context.pixelBounds.Area())),
-                               .samplesPerPixel = context.samplesPerPixel,
-                               .budget = double(params_.budget)};
-    return budget.PathsPerPixel();
-}
 
 Float VisibilityOctreeLightSampler::Candidates::SumW() const { return std::accumulate(w, w + all, Float(0)); }
 

@@ -1,11 +1,5 @@
 #pragma once
-#include <memory>
-
-#include "ext/lightgroups/emitter.h"
-#include "ext/lightgroups/light_tree.h"
-#include "ext/lightgroups/mesh_interior.h"
-#include "ext/octree/visibility_model.h"
-#include "ext/portals/portal_sampling.h"
+#include "ext/octree/learned_visibility_light_sampler.h"
 
 namespace ext {
 
@@ -22,19 +16,9 @@ namespace ext {
 /// LightTree, fine where the leaf's light comes from. Below a node, lights are selected level by level by G. Inside a
 /// mesh, MeshInterior selects the primitive. Environment lights with portals (PortalSampling) are candidates with the G
 /// and a of their regions.
-class VisibilityOctreeLightSampler final : public InteriorLightSampler {
+class VisibilityOctreeLightSampler final : public LearnedVisibilityLightSampler {
   public:
-    VisibilityOctreeLightSampler(const LightTable &lights, const OctreeParams &params);
-
-    void Prepare(PrepareContext &context) override;
-    OnlineModel *Model() override { return model_.IsUpdated() ? &model_ : nullptr; }
-    PathObserver *Observer() override { return model_.IsUpdated() ? &model_ : nullptr; }
-    bool LearnsRoulette() const override { return true; }
-    bool SavesLearned() const override { return true; }
-    void SaveLearned(StateWriter &writer, bool withLearning) const override;
-    void Report(nlohmann::ordered_json &report) const override;
-    void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override;
-    std::string DescribeStructure() const override;
+    using LearnedVisibilityLightSampler::LearnedVisibilityLightSampler;
 
   private:
     /// Weights at a point. Environment lights with portals follow the first `count` candidates.
@@ -60,23 +44,6 @@ class VisibilityOctreeLightSampler final : public InteriorLightSampler {
                                              Point2 *uPoint) const override;
     SampledLight ChoiceTowards(const LightQuery &query, const void *weights, LightId infinite, const Point3 &p,
                                const Vector3 &d) const override;
-
-    double PathsPerPixel(const PrepareContext &context) const;
-    void PortalsChanged();
-    void Learn(PrepareContext &context, std::span<PrepassVertex> vertices);
-    /// Keeps the portals if a trial finds that they reduce the error at equal cost.
-    void TryPortals(PrepareContext &context, std::span<PrepassVertex> vertices);
-    void LoadLearned(const PrepareContext &context, StateReader &reader);
-    /// Hash of the lights and light tree nodes that a saved model refers to.
-    uint64_t LightTreeHash() const;
-
-    OctreeParams params_;
-    Float floor_;
-    PortalSampling portals_;
-    GroupImportance importance_;            ///< zero for environment lights with portals
-    std::unique_ptr<LightTree> lightTree_;  ///< null: at most kMaxCandidates groups, all evaluated
-    VisibilityModel model_;
-    double prepassSeconds_ = 0;
 };
 
 }  // namespace ext

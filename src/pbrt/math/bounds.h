@@ -46,6 +46,7 @@ inline Bounds3 Union(const Bounds3 &a, const Point3 &p) { return Union(a, Bounds
 /// Half-open pixel rectangle [low, high).
 struct Bounds2i {
     Point2i low{0, 0}, high{0, 0};
+    bool operator==(const Bounds2i &) const = default;
     int Width() const { return high.x - low.x; }
     int Height() const { return high.y - low.y; }
     bool IsEmpty() const { return Width() <= 0 || Height() <= 0; }

@@ -6,7 +6,7 @@ namespace ext {
 
 /// Length of the visibility model's prepass. `budget` is the ratio of prepass rays to render rays, and about the ratio
 /// of their times. With shadow rays to all lights, 1 % is within the flat minimum of error times time. With drawn
-/// lights, short renders would benefit from a larger budget (docs/results/budget.csv).
+/// lights, short renders would benefit from a larger budget.
 struct PrepassBudget {
     size_t lights = 0;           ///< light groups
     size_t raysPerVertex = 0;    ///< shadow rays; if fewer than `lights`, lights are drawn at random

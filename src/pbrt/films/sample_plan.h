@@ -43,24 +43,31 @@ class PixelCells {
 struct SamplePlan {
     static constexpr int kMaxCount = 1 << 23;  ///< of a pixel
     static constexpr int kMaxGrowth = 4;       ///< `after` over `before`, but for rounding
-    static constexpr int kHalfBlock = 4;       ///< of one sequence: consecutive samples are stratified in fours
-    /// Minimum predicted efficiency of unequal over equal numbers of samples, as long as these are equal. The margin
-    /// covers what the prediction leaves out: low-discrepancy sequences are best at the number of samples that they are
-    /// made for. Once the numbers differ, kMinFurtherGain is enough.
+    /// Minimum predicted efficiency of unequal over equal numbers of samples, as long as these are equal. Once the
+    /// numbers differ, kMinFurtherGain is enough.
     static constexpr double kMinGain = 1.1, kMinFurtherGain = 1.01;
 
     int begin = 0, end = 0;
     std::vector<int> before{}, after{};  ///< by cell, at `begin` and at `end`; empty: all pixels have the average
     /// Cost of all samples of a cell since the start: rays, and look-ups in media.
     std::vector<uint64_t> cost{};
-    int halfBlock = 1;  ///< the half film receives every second block of this many samples; not stored
+    /// The half film receives every second block of this many samples, which are stratified among themselves. If these
+    /// are several, it holds the second half of the first block until that is complete, and is cleared then. Not
+    /// stored.
+    int halfBlock = 1;
+    double blockVariance = 0;   ///< of one sample, in relL2, by the two halves of the first block
+    double stratification = 0;  ///< blockVariance over that by the first two blocks, at least 1; 0: not yet known
     int decisions = 0, uniformDecisions = 0;  ///< after the pilot, including the one that made this plan
     double gain = 0;                          ///< predicted by that one, see PredictGain
     bool isUniform = false;                   ///< that one plans towards equal numbers
 
-    bool IsInHalf(int sample) const { return sample / halfBlock % 2 != 0; }
+    bool IsInHalf(int sample) const {
+        if (halfBlock > 1 && sample < halfBlock) return sample >= halfBlock / 2;
+        return sample / halfBlock % 2 != 0;
+    }
     /// Number of the first `samples` that the half film receives.
     int CountInHalf(int samples) const {
+        if (halfBlock > 1 && samples <= halfBlock) return std::max(0, samples - halfBlock / 2);
         const int pair = 2 * halfBlock;
         return samples / pair * halfBlock + std::max(0, samples % pair - halfBlock);
     }
@@ -71,14 +78,16 @@ struct SamplePlan {
         return before[cell] + (end > begin ? int(added * (average - begin) / (end - begin)) : 0);
     }
     void Visit(auto &archive) {
-        archive(begin, end, before, after, cost, decisions, uniformDecisions, gain, isUniform);
+        archive(begin, end, before, after, cost, decisions, uniformDecisions, gain, isUniform, blockVariance,
+                stratification);
     }
     /// Returns the error of a plan that does not fit `average` and the film; empty if it does.
     std::optional<std::string> Validate(const PixelCells &cells, int average) const {
         bool isValid = begin >= 0 && begin <= average && average <= end && end <= kMaxCount &&
                        before.size() == after.size() && cost.size() == cells.Count() &&
                        (before.empty() || before.size() == cells.Count()) && uniformDecisions >= int(isUniform) &&
-                       uniformDecisions <= decisions && gain >= 0 && std::isfinite(gain);
+                       uniformDecisions <= decisions && gain >= 0 && std::isfinite(gain) && blockVariance >= 0 &&
+                       std::isfinite(blockVariance) && stratification >= 0 && std::isfinite(stratification);
         double excess = 0;  // of samples over the average
         for (size_t i = 0; isValid && i < before.size(); ++i) {
             isValid = before[i] >= 0 && before[i] <= after[i] && after[i] <= kMaxCount &&

@@ -1,6 +1,7 @@
 #include "pbrt/integrators/adaptive_sampling.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <functional>
 
@@ -217,9 +218,19 @@ std::optional<NoiseEstimate> EstimateNoise(const Film &film, const Film &half, c
 
 int PilotSamples(int planned) { return std::clamp((planned / 4 + 1) / 2 * 2, 2, kPilot); }
 
+double MeanVariance(const PixelCells &cells, const NoiseEstimate &estimate) {
+    double sum = 0, pixels = 0;
+    for (size_t i = 0; i < estimate.variance.size(); ++i) {
+        sum += double(cells.PixelsOf(i).Area()) * estimate.variance[i];
+        pixels += double(cells.PixelsOf(i).Area());
+    }
+    return RatioOrZero(sum, pixels);
+}
+
 int HalfBlock(int planned, bool hasIndependentHalves) {
-    constexpr int block = SamplePlan::kHalfBlock;
-    return !hasIndependentHalves && PilotSamples(planned) >= 2 * block ? block : 1;
+    // Powers of two, at which low-discrepancy sequences are stratified.
+    const int pilot = PilotSamples(planned);
+    return hasIndependentHalves || pilot < 8 ? 1 : int(std::bit_floor(unsigned(pilot / 2)));
 }
 
 int NextDecision(int done, int planned) {
@@ -268,13 +279,18 @@ double PredictGain(const PixelCells &cells, const SamplePlan &last, const NoiseE
     return adaptive.error > 0 ? uniform.error / adaptive.error * (uniform.cost / adaptive.cost) : 1;
 }
 
+double StratificationLoss(const SamplePlan &plan, int end) {
+    const double doublings = std::max(0.0, std::log2(double(end) / plan.halfBlock));
+    return std::pow(std::max(1.0, plan.stratification), doublings / 2);
+}
+
 SamplePlan PlanSamples(const PixelCells &cells, const SamplePlan &last, const NoiseEstimate &estimate, int begin,
                        int end, int horizon) {
     SamplePlan plan = last;
     // A decision that is made again, of a resumed render, counts once.
     const bool isAgain = last.decisions > 0 && last.begin == begin;
     const bool areEqual = CellWork(cells, last, begin).AreEqual();
-    plan.gain = PredictGain(cells, last, estimate, begin, horizon);
+    plan.gain = PredictGain(cells, last, estimate, begin, horizon) / (areEqual ? StratificationLoss(last, horizon) : 1);
     plan.isUniform = !(plan.gain > (areEqual ? SamplePlan::kMinGain : SamplePlan::kMinFurtherGain));
     plan.decisions += isAgain ? 0 : 1;
     plan.uniformDecisions += int(plan.isUniform) - int(isAgain && last.isUniform);
@@ -303,7 +319,10 @@ AdaptiveResult DescribeAdaptive(const Film &film, const Film &half, const Sample
     result.decisions = plan.decisions - int(!isBegun);
     result.uniformDecisions = plan.uniformDecisions - int(!isBegun && plan.isUniform);
     result.predictedGain = plan.gain;
-    if (const std::optional<NoiseEstimate> estimate = EstimateNoise(film, half, plan, average))
+    // When the first block is complete, its halves are gone.
+    const bool hasHalves = average != plan.halfBlock || plan.begin < average;
+    if (const std::optional<NoiseEstimate> estimate =
+            hasHalves ? EstimateNoise(film, half, plan, average) : std::nullopt)
         result.noise = std::sqrt(estimate->relL2);
     return result;
 }

@@ -12,8 +12,8 @@ namespace pbrt {
 // of the films estimates the noise. With RenderSettings::noise, blocks are single samples, which alternate between two
 // independent sample sets. So the estimate is honest also for low-discrepancy samples, which lose some of their
 // quality. Otherwise both halves are of one sequence, in blocks that are stratified, and the estimate is too large
-// where more samples gain from stratification. All functions depend on the films' sums only: any threads, processes and
-// splits of a render decide alike.
+// where more samples gain from stratification. That gain, which unequal numbers lose in part, is measured in the pilot.
+// All functions depend on the films' sums only: any threads, processes and splits of a render decide alike.
 
 /// Variance of one sample by cell, in relL2, estimated from the pixels of one colour of a checkerboard. The estimates
 /// of both colours have independent noise.
@@ -33,7 +33,9 @@ std::optional<NoiseEstimate> EstimateNoise(const Film &film, const Film &half, c
 
 /// Number of samples per pixel of all pixels before the first decision, in a render planned for `planned`.
 int PilotSamples(int planned);
-/// SamplePlan::halfBlock of a render planned for `planned`: the pilot has samples in both halves.
+/// Mean over the pixels of NoiseEstimate::variance.
+double MeanVariance(const PixelCells &cells, const NoiseEstimate &estimate);
+/// SamplePlan::halfBlock of a render planned for `planned`, at most half of the pilot.
 int HalfBlock(int planned, bool hasIndependentHalves);
 /// Average samples per pixel at the decision after the one at `done`: 3/2 of them, but `planned` is not skipped.
 int NextDecision(int done, int planned);
@@ -52,9 +54,14 @@ SamplePlan AllocateSamples(const PixelCells &cells, const SamplePlan &last, cons
 /// checkerboard colour is evaluated with the variance of the other: noise of the estimate does not look like gain.
 double PredictGain(const PixelCells &cells, const SamplePlan &last, const NoiseEstimate &estimate, int begin, int end);
 
+/// Factor by which relL2 exceeds that of equal numbers of samples once these are given up at `end` samples per pixel,
+/// as the measured SamplePlan::stratification goes on with every doubling, of which unequal numbers keep half.
+double StratificationLoss(const SamplePlan &plan, int end);
+
 /// Plan from `begin` to `end`: by AllocateSamples if PredictGain at `horizon`, the presumed end of the render, exceeds
 /// SamplePlan::kMinGain or kMinFurtherGain; otherwise towards equal numbers. As long as these are equal, the samples
-/// are those of a render that is not adaptive, unless the halves have independent sample sets.
+/// are those of a render that is not adaptive, unless the halves have independent sample sets, and the gain is
+/// divided by StratificationLoss.
 SamplePlan PlanSamples(const PixelCells &cells, const SamplePlan &last, const NoiseEstimate &estimate, int begin,
                        int end, int horizon);
 

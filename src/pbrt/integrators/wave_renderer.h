@@ -53,9 +53,11 @@ class WaveRenderer {
         if (context_.progress.Cancelled()) return;
         isDecided_ = true;
         const int uniform = std::max(PilotSamples(settings_.samplesPerPixel), model_ ? model_->NextUpdate() : 0);
+        const int block = plan.halfBlock;
+        if (block > 1 && (Done() == block || Done() == 2 * block)) MeasureStratification();
         if (Done() < uniform) {
             plan.begin = Done();
-            plan.end = uniform;
+            plan.end = block == 1 || Done() >= 2 * block ? uniform : Done() < block ? block : 2 * block;
         } else {
             Gather();
             Decide();
@@ -120,6 +122,21 @@ class WaveRenderer {
         if (command == Command::Pass) out(position_.done, position_.passCount, isRepeating_, position_.passDone);
         if (command == Command::Plan) out(position_.plan);
         context_.team.Broadcast(out);
+    }
+    /// At the end of the first block and of the second.
+    void MeasureStratification() {
+        SamplePlan &plan = position_.plan;
+        if (plan.begin == Done()) return;  // A resumed render has measured it.
+        Gather();
+        const PixelCells cells(context_.film.PixelBounds());
+        const double variance = MeanVariance(cells, EstimateNoise(context_.film, *context_.half, plan, Done()).value());
+        if (Done() > plan.halfBlock) {
+            plan.stratification = variance > 0 ? std::max(1.0, plan.blockVariance / variance) : 1;
+            return;
+        }
+        plan.blockVariance = variance;
+        StateWriter halfOfBlock;
+        context_.half->TakeSums(halfOfBlock);
     }
     /// Of the gathered films.
     void Decide() {

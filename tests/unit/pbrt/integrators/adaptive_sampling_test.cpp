@@ -127,6 +127,18 @@ TEST_F(AdaptiveRender, OfNoiseInACornerIsNotUniform) {
     }
 }
 
+TEST_F(AdaptiveRender, IsNoWorseThanUniformWithAnySampler) {
+    for (const char *sampler : {"zsobol", "halton", "sobol", "paddedsobol", "pmj02bn", "stratified"})
+        for (const Noise place : {Noise::Right, Noise::Corner}) {
+            double errors[2] = {};
+            for (int seed = 1; seed <= 4; ++seed)
+                for (const bool isAdaptive : {false, true})
+                    errors[isAdaptive] +=
+                        ImageError(Render(isAdaptive, 64, seed, place, 0, sampler).image, Truth(), Metric::RelL2);
+            EXPECT_GT(errors[0] / errors[1], 0.95) << sampler;
+        }
+}
+
 TEST_F(AdaptiveRender, EstimatesItsNoise) {
     double found = 0, estimated = 0;
     for (int seed = 1; seed <= 8; ++seed) {

@@ -208,16 +208,35 @@ TEST(PlannedSamples, BecomeEqualAgain) {
     for (size_t i = 0; i < cells.Count(); ++i) EXPECT_EQ(plan.CountAt(i, plan.end), 96);
 }
 
+TEST(PlannedSamples, StayEqualWhereStratificationGainsMore) {
+    const PixelCells cells(kPixels);
+    std::vector<double> variance(cells.Count(), 1);
+    variance[8] = variance[17] = 1000;
+    SamplePlan plan = UniformPlan(cells, 16);
+    plan.halfBlock = 8;
+    const double gain = PlanSamples(cells, plan, EstimateOf(variance), 16, 24, 64).gain;
+    plan.stratification = 1.5;
+    // Three doublings after the first block, of which half is lost.
+    EXPECT_NEAR(PlanSamples(cells, plan, EstimateOf(variance), 16, 24, 64).gain, gain / std::pow(1.5, 1.5),
+                1e-9 * gain);
+    plan.stratification = gain;
+    EXPECT_TRUE(PlanSamples(cells, plan, EstimateOf(variance), 16, 24, 64).isUniform);
+    // Unequal numbers have lost it already.
+    plan = AllocateSamples(cells, plan, variance, 16, 24);
+    EXPECT_FALSE(PlanSamples(cells, plan, EstimateOf(variance), 24, 36, 64).isUniform);
+}
+
 TEST(SamplePlans, CountTheSamplesOfTheHalf) {
-    for (const int block : {1, SamplePlan::kHalfBlock}) {
+    for (const int block : {1, 4, 8}) {
         SamplePlan plan;
         plan.halfBlock = block;
         int count = 0;
-        for (int sample = 0; sample < 40; ++sample) {
+        for (int sample = 0; sample < 48; ++sample) {
             EXPECT_EQ(plan.CountInHalf(sample), count);
+            if (block > 1 && sample == block) count = 0;  // The film is cleared.
             count += plan.IsInHalf(sample);
         }
-        EXPECT_EQ(count, 20);
+        EXPECT_EQ(count, 24);
     }
     for (const int planned : {1, 16, 28, 64, 4096}) {
         SamplePlan plan;
@@ -225,7 +244,8 @@ TEST(SamplePlans, CountTheSamplesOfTheHalf) {
         EXPECT_GT(plan.CountInHalf(PilotSamples(planned)), 0) << planned;
         EXPECT_EQ(HalfBlock(planned, true), 1);
     }
-    EXPECT_EQ(HalfBlock(64, false), SamplePlan::kHalfBlock);
+    EXPECT_EQ(HalfBlock(37, false), 4);
+    EXPECT_EQ(HalfBlock(64, false), 8);
 }
 
 TEST(SamplePlans, OfOtherFilmsAreInvalid) {

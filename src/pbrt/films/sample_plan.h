@@ -10,7 +10,8 @@
 
 namespace pbrt {
 
-/// The film's pixels in squares of kSize; the pixels of a cell have the same number of samples in adaptive renders.
+/// The film's pixels in cells: squares of kSize, of which one cell has the pixels of one colour of a checkerboard, and
+/// one the others. The pixels of a cell have the same number of samples in adaptive renders.
 class PixelCells {
   public:
     static constexpr int kSize = 8;
@@ -18,23 +19,35 @@ class PixelCells {
         : pixels_(pixels), columns_((pixels.Width() + kSize - 1) / kSize),
           rows_((pixels.Height() + kSize - 1) / kSize) {}
 
-    size_t Count() const { return size_t(columns_) * rows_; }
+    size_t Count() const { return 2 * size_t(columns_) * rows_; }
     size_t IndexOf(Point2i pixel) const {
-        const Point2i p = (pixel - pixels_.low) / kSize;
-        return size_t(p.y) * columns_ + p.x;
+        const Point2i p = pixel - pixels_.low;
+        return Index(p.x / kSize, p.y / kSize, (p.x + p.y) % 2);
     }
-    Bounds2i PixelsOf(size_t cell) const {
-        const Point2i low = pixels_.low + kSize * Point2i(int(cell % columns_), int(cell / columns_));
-        return {low, glm::min(low + kSize, pixels_.high)};
+    /// The cell of the other colour in the same square.
+    static size_t Other(size_t cell) { return cell ^ 1; }
+    /// May be zero.
+    int PixelsIn(size_t cell) const { return int((SquareOf(cell).Area() + 1 - int64_t(cell % 2)) / 2); }
+    void ForPixels(size_t cell, auto &&f) const {
+        const Bounds2i square = SquareOf(cell);
+        for (int y = square.low.y; y < square.high.y; ++y)
+            for (int x = square.low.x; x < square.high.x; ++x)
+                if (IndexOf({x, y}) == cell) f(Point2i(x, y));
     }
-    /// Calls f(index) for the cell and its up to 8 neighbours.
+    /// Calls f(index) for the cell and its up to 8 neighbours of the same colour.
     void ForNeighbours(size_t cell, auto &&f) const {
-        const int x = int(cell % columns_), y = int(cell / columns_);
+        const int x = int(cell / 2 % columns_), y = int(cell / 2 / columns_);
         for (int j = std::max(0, y - 1); j <= std::min(rows_ - 1, y + 1); ++j)
-            for (int i = std::max(0, x - 1); i <= std::min(columns_ - 1, x + 1); ++i) f(size_t(j) * columns_ + i);
+            for (int i = std::max(0, x - 1); i <= std::min(columns_ - 1, x + 1); ++i) f(Index(i, j, int(cell % 2)));
     }
 
   private:
+    size_t Index(int column, int row, int color) const { return 2 * (size_t(row) * columns_ + column) + color; }
+    Bounds2i SquareOf(size_t cell) const {
+        const Point2i low = pixels_.low + kSize * Point2i(int(cell / 2 % columns_), int(cell / 2 / columns_));
+        return {low, glm::min(low + kSize, pixels_.high)};
+    }
+
     Bounds2i pixels_;
     int columns_, rows_;
 };
@@ -92,7 +105,7 @@ struct SamplePlan {
         for (size_t i = 0; isValid && i < before.size(); ++i) {
             isValid = before[i] >= 0 && before[i] <= after[i] && after[i] <= kMaxCount &&
                       after[i] <= kMaxGrowth * before[i] + 2;
-            excess += double(cells.PixelsOf(i).Area()) * (after[i] - end - 1.0);
+            excess += cells.PixelsIn(i) * (after[i] - end - 1.0);
         }
         return isValid && excess <= 0 ? std::nullopt : std::optional("its numbers of samples per cell do not fit");
     }

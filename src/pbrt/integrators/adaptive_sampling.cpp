@@ -39,8 +39,8 @@ struct Halves {
 };
 
 /// Relative squared error of each pixel. Its denominator excludes the pixel's outliers, which would hide their own
-/// error. It is at least the mean square of the neighbours, as the square of a noisy dark pixel is too small; there,
-/// the mean times the smaller half is nearly unbiased.
+/// error. It is at least the mean square of the neighbours of the same colour, as the square of a noisy dark pixel is
+/// too small; there, the mean times the smaller half is nearly unbiased.
 std::vector<double> RelativeErrors(const Halves &halves) {
     const Point2i size = halves.all.Resolution();
     std::vector<glm::dvec3> squares(size_t(size.x) * size.y), smaller(squares.size());
@@ -59,40 +59,31 @@ std::vector<double> RelativeErrors(const Halves &halves) {
     const double epsilon = RelL2Epsilon(halves.all);
     std::vector<double> errors(squares.size());
     forRows([&](Point2i p, size_t i) {
-        const Point2i low = glm::max(p - 1, Point2i(0)), high = glm::min(p + 1, size - 1);
-        glm::dvec3 sum = -squares[i];
-        for (int y = low.y; y <= high.y; ++y)
-            for (int x = low.x; x <= high.x; ++x) sum += squares[size_t(y) * size.x + x];
-        const double count = std::max(1, (high.x - low.x + 1) * (high.y - low.y + 1) - 1);
+        glm::dvec3 sum(0);
+        int count = 0;
+        for (const int y : {p.y - 1, p.y + 1})
+            for (const int x : {p.x - 1, p.x + 1})
+                if (x >= 0 && y >= 0 && x < size.x && y < size.y) {
+                    sum += squares[size_t(y) * size.x + x];
+                    ++count;
+                }
         for (int c = 0; c < 3; ++c) {
-            const double term = halves.Variance(p, c) / (std::max(Sqr(smaller[i][c]), sum[c] / count) + epsilon) / 3;
+            const double around = sum[c] / std::max(1, count);
+            const double term = halves.Variance(p, c) / (std::max(Sqr(smaller[i][c]), around) + epsilon) / 3;
             if (std::isfinite(term)) errors[i] += term;
         }
     });
     return errors;
 }
 
-/// Sums over the pixels of each cell, by colour of a checkerboard that begins at the film's first pixel.
-using SumsByColor = std::vector<glm::dvec2>;
-
-double Total(const glm::dvec2 &sum) { return sum.x + sum.y; }
 double RatioOrZero(double a, double b) { return b > 0 ? a / b : 0; }
 
-SumsByColor PixelsByColor(const PixelCells &cells) {
-    SumsByColor pixels(cells.Count());
-    for (size_t i = 0; i < pixels.size(); ++i) {
-        const int64_t area = cells.PixelsOf(i).Area();
-        pixels[i] = {double((area + 1) / 2), double(area / 2)};
-    }
-    return pixels;
-}
-
 /// Sums over the cells and their neighbours.
-SumsByColor WithNeighbours(const PixelCells &cells, const SumsByColor &sums) {
-    SumsByColor all(sums.size());
+std::vector<double> WithNeighbours(const PixelCells &cells, const std::vector<double> &values) {
+    std::vector<double> sums(values.size());
     for (size_t cell = 0; cell < sums.size(); ++cell)
-        cells.ForNeighbours(cell, [&](size_t i) { all[cell] += sums[i]; });
-    return all;
+        cells.ForNeighbours(cell, [&](size_t i) { sums[cell] += values[i]; });
+    return sums;
 }
 
 std::vector<int> CountsOf(const PixelCells &cells, const SamplePlan &plan, int average) {
@@ -107,9 +98,10 @@ class CellWork {
     CellWork(const PixelCells &cells, const SamplePlan &plan, int average)
         : before_(CountsOf(cells, plan, average)), pixels_(before_.size()), cost_(before_.size()) {
         for (size_t i = 0; i < before_.size(); ++i) {
-            pixels_[i] = double(cells.PixelsOf(i).Area());
-            // The camera's and the film's work is about that of a ray.
-            cost_[i] = 1 + double(plan.cost[i]) / (pixels_[i] * std::max(1, before_[i]));
+            pixels_[i] = cells.PixelsIn(i);
+            // The camera's and the film's work is about that of a ray. As the variance, of the other pixels.
+            const size_t other = PixelCells::Other(i);
+            cost_[i] = 1 + RatioOrZero(double(plan.cost[other]), double(cells.PixelsIn(other)) * before_[other]);
         }
     }
     const std::vector<int> &Before() const { return before_; }
@@ -186,32 +178,30 @@ std::optional<NoiseEstimate> EstimateNoise(const Film &film, const Film &half, c
     if (halves.counts.empty() || plan.CountInHalf(std::ranges::min(halves.counts)) < 1) return {};
     const std::vector<double> errors = RelativeErrors(halves);
     const int width = halves.all.Resolution().x;
-    // Sums over a cell of the variance of one sample, of at most `limit` a pixel.
+    // Sum over a cell of the variance of one sample, of at most `limit` a pixel.
     const auto sumOf = [&](size_t cell, double limit) {
-        glm::dvec2 sum(0);
-        const Bounds2i pixels = cells.PixelsOf(cell);
-        for (int y = pixels.low.y - halves.low.y; y < pixels.high.y - halves.low.y; ++y)
-            for (int x = pixels.low.x - halves.low.x; x < pixels.high.x - halves.low.x; ++x)
-                sum[(x + y) % 2] += std::min(limit, halves.counts[cell] * errors[size_t(y) * width + x]);
+        double sum = 0;
+        cells.ForPixels(cell, [&](Point2i pixel) {
+            const Point2i p = pixel - halves.low;
+            sum += std::min(limit, halves.counts[cell] * errors[size_t(p.y) * width + p.x]);
+        });
         return sum;
     };
     NoiseEstimate estimate;
-    SumsByColor sums(cells.Count()), limited(cells.Count());
-    for (size_t i = 0; i < sums.size(); ++i) {
-        sums[i] = sumOf(i, Infinity);
-        estimate.relL2 += Total(sums[i]) / halves.counts[i] / double(errors.size());
+    std::vector<double> pixels, sums, limited;
+    for (size_t i = 0; i < cells.Count(); ++i) {
+        pixels.push_back(cells.PixelsIn(i));
+        sums.push_back(sumOf(i, Infinity));
+        estimate.relL2 += sums[i] / halves.counts[i] / double(errors.size());
     }
-    const SumsByColor pixels = PixelsByColor(cells), pixelsAround = WithNeighbours(cells, pixels),
-                      sumsAround = WithNeighbours(cells, sums);
-    for (size_t i = 0; i < sums.size(); ++i)
-        limited[i] = sumOf(i, kMaxOutlier * Total(sumsAround[i]) / Total(pixelsAround[i]));
-    const SumsByColor limitedAround = WithNeighbours(cells, limited);
-    for (size_t i = 0; i < sums.size(); ++i) {
-        estimate.variance.push_back(Total(limitedAround[i]) / Total(pixelsAround[i]));
-        for (int color = 0; color < 2; ++color) {
-            estimate.colors[color].smoothed.push_back(RatioOrZero(limitedAround[i][color], pixelsAround[i][color]));
-            estimate.colors[color].own.push_back(RatioOrZero(limited[i][color], pixels[i][color]));
-        }
+    const std::vector<double> pixelsAround = WithNeighbours(cells, pixels), sumsAround = WithNeighbours(cells, sums);
+    for (size_t i = 0; i < cells.Count(); ++i)
+        limited.push_back(sumOf(i, kMaxOutlier * RatioOrZero(sumsAround[i], pixelsAround[i])));
+    const std::vector<double> limitedAround = WithNeighbours(cells, limited);
+    for (size_t i = 0; i < cells.Count(); ++i) {
+        const size_t other = PixelCells::Other(i);
+        estimate.own.push_back(RatioOrZero(limited[i], pixels[i]));
+        estimate.others.push_back(RatioOrZero(limitedAround[other], pixelsAround[other]));
     }
     return estimate;
 }
@@ -220,9 +210,9 @@ int PilotSamples(int planned) { return std::clamp((planned / 4 + 1) / 2 * 2, 2, 
 
 double MeanVariance(const PixelCells &cells, const NoiseEstimate &estimate) {
     double sum = 0, pixels = 0;
-    for (size_t i = 0; i < estimate.variance.size(); ++i) {
-        sum += double(cells.PixelsOf(i).Area()) * estimate.variance[i];
-        pixels += double(cells.PixelsOf(i).Area());
+    for (size_t i = 0; i < estimate.own.size(); ++i) {
+        sum += cells.PixelsIn(i) * estimate.own[i];
+        pixels += cells.PixelsIn(i);
     }
     return RatioOrZero(sum, pixels);
 }
@@ -253,7 +243,8 @@ SamplePlan AllocateSamples(const PixelCells &cells, const SamplePlan &last, cons
     for (size_t i = 0; i < added.size(); ++i) {
         const double exact = added[i], pixels = work.Pixels(i);
         owed += pixels * exact;
-        const int pairs = int(std::clamp(std::round(owed / pixels / 2), std::floor(exact / 2), std::ceil(exact / 2)));
+        const double due = pixels > 0 ? owed / pixels : exact;
+        const int pairs = int(std::clamp(std::round(due / 2), std::floor(exact / 2), std::ceil(exact / 2)));
         plan.after.push_back(std::min(plan.before[i] + 2 * pairs, SamplePlan::kMaxCount));
         owed -= pixels * (plan.after[i] - plan.before[i]);
     }
@@ -262,20 +253,10 @@ SamplePlan AllocateSamples(const PixelCells &cells, const SamplePlan &last, cons
 
 double PredictGain(const PixelCells &cells, const SamplePlan &last, const NoiseEstimate &estimate, int begin, int end) {
     const CellWork work(cells, last, begin);
-    const auto added = [&](const std::vector<double> &variance) {
-        return work.Added(variance, end, SamplePlan::kMaxCount);
+    const auto outcome = [&](const std::vector<double> &variance) {
+        return work.Evaluate(work.Added(variance, end, SamplePlan::kMaxCount), estimate.own);
     };
-    const std::vector<double> equal = added(std::vector<double>(cells.Count()));
-    CellWork::Outcome uniform, adaptive;
-    const auto add = [](CellWork::Outcome &sum, const CellWork::Outcome &o) {
-        sum.error += o.error;
-        sum.cost += o.cost;
-    };
-    for (int color = 0; color < 2; ++color) {
-        const std::vector<double> &variance = estimate.colors[1 - color].own;
-        add(uniform, work.Evaluate(equal, variance));
-        add(adaptive, work.Evaluate(added(estimate.colors[color].smoothed), variance));
-    }
+    const CellWork::Outcome uniform = outcome(std::vector<double>(cells.Count())), adaptive = outcome(estimate.others);
     return adaptive.error > 0 ? uniform.error / adaptive.error * (uniform.cost / adaptive.cost) : 1;
 }
 
@@ -294,7 +275,7 @@ SamplePlan PlanSamples(const PixelCells &cells, const SamplePlan &last, const No
     plan.isUniform = !(plan.gain > (areEqual ? SamplePlan::kMinGain : SamplePlan::kMinFurtherGain));
     plan.decisions += isAgain ? 0 : 1;
     plan.uniformDecisions += int(plan.isUniform) - int(isAgain && last.isUniform);
-    if (!plan.isUniform) return AllocateSamples(cells, plan, estimate.variance, begin, end);
+    if (!plan.isUniform) return AllocateSamples(cells, plan, estimate.others, begin, end);
     if (!areEqual) return AllocateSamples(cells, plan, std::vector<double>(cells.Count()), begin, end);
     plan.begin = begin;
     plan.end = end;
@@ -307,13 +288,12 @@ AdaptiveResult DescribeAdaptive(const Film &film, const Film &half, const Sample
     const PixelCells cells(film.PixelBounds());
     const std::vector<int> counts = CountsOf(cells, plan, average);
     AdaptiveResult result;
-    for (size_t i = 0; i < counts.size(); ++i)
-        result.meanSamples +=
-            double(cells.PixelsOf(i).Area()) * counts[i] / double(std::max<int64_t>(1, film.PixelBounds().Area()));
-    if (!counts.empty()) {
-        const auto [least, most] = std::ranges::minmax(counts);
-        result.minSamples = least;
-        result.maxSamples = most;
+    for (size_t i = 0; i < counts.size(); ++i) {
+        const int pixels = cells.PixelsIn(i);
+        if (pixels == 0) continue;
+        result.minSamples = result.maxSamples == 0 ? counts[i] : std::min(result.minSamples, counts[i]);
+        result.maxSamples = std::max(result.maxSamples, counts[i]);
+        result.meanSamples += double(pixels) * counts[i] / double(film.PixelBounds().Area());
     }
     const bool isBegun = average > plan.begin || plan.decisions == 0;  // else the last decision is not followed
     result.decisions = plan.decisions - int(!isBegun);

@@ -1,5 +1,4 @@
 #pragma once
-#include <array>
 #include <optional>
 #include <vector>
 
@@ -15,17 +14,12 @@ namespace pbrt {
 // where more samples gain from stratification. That gain, which unequal numbers lose in part, is measured in the pilot.
 // All functions depend on the films' sums only: any threads, processes and splits of a render decide alike.
 
-/// Variance of one sample by cell, in relL2, estimated from the pixels of one colour of a checkerboard. The estimates
-/// of both colours have independent noise.
-struct CheckerVariance {
-    std::vector<double> smoothed;  ///< as NoiseEstimate::variance
-    std::vector<double> own;       ///< of the cell alone, outliers limited; 0 if it has no pixel of the colour
-};
-
 struct NoiseEstimate {
-    double relL2 = 0;              ///< expected error of the image (Metric::RelL2) against a noise-free reference
-    std::vector<double> variance;  ///< of one sample, in relL2, by cell: smoothed over neighbours, outliers limited
-    std::array<CheckerVariance, 2> colors;
+    double relL2 = 0;  ///< expected error of the image (Metric::RelL2) against a noise-free reference
+    /// Variance of one sample by cell, in relL2, outliers limited: `own` of the cell's pixels, 0 without pixels;
+    /// `others` of the other colour, smoothed over neighbours. A cell's numbers of samples follow `others`, which are
+    /// independent of its pixels: numbers that follow a pixel's own samples would bias it.
+    std::vector<double> own, others;
 };
 
 /// `average`: samples per pixel of the films, see SamplePlan. Empty if a pixel lacks samples in one of the halves.
@@ -33,7 +27,7 @@ std::optional<NoiseEstimate> EstimateNoise(const Film &film, const Film &half, c
 
 /// Number of samples per pixel of all pixels before the first decision, in a render planned for `planned`.
 int PilotSamples(int planned);
-/// Mean over the pixels of NoiseEstimate::variance.
+/// Mean over the pixels of NoiseEstimate::own.
 double MeanVariance(const PixelCells &cells, const NoiseEstimate &estimate);
 /// SamplePlan::halfBlock of a render planned for `planned`, at most half of the pilot.
 int HalfBlock(int planned, bool hasIndependentHalves);
@@ -50,8 +44,8 @@ SamplePlan AllocateSamples(const PixelCells &cells, const SamplePlan &last, cons
                            int begin, int end);
 
 /// Predicted efficiency (the inverse of relL2 times cost) at `end` samples per pixel on average of the distribution
-/// that AllocateSamples approaches over equal numbers, both as far as the samples taken permit. The distribution of one
-/// checkerboard colour is evaluated with the variance of the other: noise of the estimate does not look like gain.
+/// that AllocateSamples approaches over equal numbers, both as far as the samples taken permit. Planned by
+/// NoiseEstimate::others, evaluated with NoiseEstimate::own: noise of the estimate does not look like gain.
 double PredictGain(const PixelCells &cells, const SamplePlan &last, const NoiseEstimate &estimate, int begin, int end);
 
 /// Factor by which relL2 exceeds that of equal numbers of samples once these are given up at `end` samples per pixel,

@@ -22,7 +22,7 @@ TEST(AdaptiveSampleIndices, AreDistinctSetsOfBothStreams) {
     EXPECT_EQ(odd, (std::vector<int>{4, 5, 6, 7, 12, 13}));
 }
 
-enum class Noise { None, Everywhere, Right, Corner };
+enum class Noise { None, Everywhere, Right, Corner, RareRight };
 
 /// Radiance 1 in the mean: 1 / p with a probability that is small where the noise is.
 class Spikes final : public PixelIntegrator {
@@ -38,6 +38,7 @@ class Spikes final : public PixelIntegrator {
         switch (noise_) {
             case Noise::Everywhere: return Float(0.3);
             case Noise::Right: return 4 * pixel.x < 3 * width_ ? Float(0.9) : Float(0.05);
+            case Noise::RareRight: return 2 * pixel.x < width_ ? Float(1) : Float(0.001);
             case Noise::Corner: return std::max(pixel.x, pixel.y) < width_ / 4 ? Float(0.05) : Float(1);
             default: return 1;
         }
@@ -161,16 +162,21 @@ TEST_F(AdaptiveRender, StopsAtTheNoiseRequested) {
 /// Samples that decide are part of the image. A bias would show in pixels whose first samples were all dark.
 TEST_F(AdaptiveRender, IsUnbiased) {
     const double truth = double(Truth().Get({0, 0}, 1));
-    RunningMoments means;
-    for (int seed = 0; seed < 160; ++seed) {
-        const Image image = Render(true, 32, seed).image;
-        double sum = 0;
-        ForEachPixel(image, [&](Point2i p) { sum += double(image.Get(p, 1)); });
-        means.Add(sum / (kWidth * kHeight) / truth);
-    }
-    const double error = std::sqrt(means.Variance() / double(means.Count()));
-    EXPECT_LT(error, 0.001);
-    EXPECT_NEAR(means.Mean(), 1, 3 * error);
+    const auto expectMean = [&](Noise place, int samples, int seeds, double limit) {
+        RunningMoments means;
+        for (int seed = 0; seed < seeds; ++seed) {
+            const Result r = Render(true, samples, seed, place);
+            EXPECT_GT(r.render.adaptive->maxSamples, r.render.adaptive->minSamples);
+            double sum = 0;
+            ForEachPixel(r.image, [&](Point2i p) { sum += double(r.image.Get(p, 1)); });
+            means.Add(sum / (kWidth * kHeight) / truth);
+        }
+        const double error = std::sqrt(means.Variance() / double(means.Count()));
+        EXPECT_LT(error, limit);
+        EXPECT_NEAR(means.Mean(), 1, 3 * error);
+    };
+    expectMean(Noise::Right, 32, 160, 0.001);
+    expectMean(Noise::RareRight, 64, 400, 0.004);
 }
 
 }  // namespace

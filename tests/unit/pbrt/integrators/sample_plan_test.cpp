@@ -14,20 +14,38 @@ const Bounds2i kPixels{{3, 5}, {53, 42}};  // the last cells are smaller
 
 SamplePlan UniformPlan(const PixelCells &cells, int samples) {
     SamplePlan plan{0, samples, {}, {}, {}};
-    for (size_t i = 0; i < cells.Count(); ++i) plan.cost.push_back(uint64_t(3 * samples) * cells.PixelsOf(i).Area());
+    for (size_t i = 0; i < cells.Count(); ++i) plan.cost.push_back(uint64_t(3 * samples) * cells.PixelsIn(i));
     return plan;
 }
 
 double Added(const PixelCells &cells, const SamplePlan &plan) {
     double added = 0;
-    for (size_t i = 0; i < cells.Count(); ++i)
-        added += double(cells.PixelsOf(i).Area()) * (plan.after[i] - plan.before[i]);
+    for (size_t i = 0; i < cells.Count(); ++i) added += double(cells.PixelsIn(i)) * (plan.after[i] - plan.before[i]);
     return added;
+}
+
+TEST(PixelCells, ContainEachPixelOnce) {
+    for (const Bounds2i &bounds : {kPixels, Bounds2i({-2, -3}, {-1, 6})}) {
+        const PixelCells cells(bounds);
+        int64_t pixels = 0;
+        for (size_t i = 0; i < cells.Count(); ++i) {
+            int count = 0;
+            cells.ForPixels(i, [&](Point2i p) {
+                ++count;
+                EXPECT_EQ(cells.IndexOf(p), i);
+                if (p.x + 1 < bounds.high.x && (p.x + 1 - bounds.low.x) % PixelCells::kSize != 0)
+                    EXPECT_EQ(cells.IndexOf(p + Vector2i(1, 0)), PixelCells::Other(i));
+            });
+            EXPECT_EQ(count, cells.PixelsIn(i));
+            pixels += count;
+        }
+        EXPECT_EQ(pixels, bounds.Area());
+    }
 }
 
 TEST(SampleAllocation, SpendsWhatAUniformWaveWould) {
     const PixelCells cells(kPixels);
-    EXPECT_EQ(cells.Count(), 35u);
+    EXPECT_EQ(cells.Count(), 70u);
     Rng rng(7);
     std::vector<double> variance;
     for (size_t i = 0; i < cells.Count(); ++i) variance.push_back(std::exp(6.0 * double(rng.Uniform())));
@@ -70,7 +88,7 @@ TEST(SampleAllocation, AnUnluckyZeroDoesNotStarve) {
 TEST(SampleAllocation, ExpensiveCellsGetFewer) {
     const PixelCells cells(kPixels);
     SamplePlan plan = UniformPlan(cells, 16);
-    plan.cost[0] = 15 * plan.cost[0] / 3;  // 16 with the camera's share, over 4
+    for (const size_t i : {0, 1}) plan.cost[i] = 15 * plan.cost[i] / 3;  // 16 with the camera's share, over 4
     plan = AllocateSamples(cells, plan, std::vector<double>(cells.Count(), 1), 16, 48);
     EXPECT_NEAR(plan.after[0], plan.after[8] / 2, 4);
 }
@@ -90,10 +108,8 @@ TEST(SampleAllocation, DecisionsIncludeThePlannedNumber) {
     }
 }
 
-/// An estimate of the same variances by both colours.
-NoiseEstimate EstimateOf(const std::vector<double> &variance) {
-    return {.variance = variance, .colors = {CheckerVariance{variance, variance}, CheckerVariance{variance, variance}}};
-}
+/// An estimate of these variances by the pixels of both colours.
+NoiseEstimate EstimateOf(const std::vector<double> &variance) { return {.own = variance, .others = variance}; }
 
 std::vector<double> RandomVariances(const PixelCells &cells, Rng &rng) {
     std::vector<double> variance;
@@ -108,7 +124,7 @@ TEST(PredictedGain, IsThatOfTheDistribution) {
     const std::vector<double> variance = RandomVariances(cells, rng);
     const auto mean = [&](auto &&f) {
         double sum = 0;
-        for (size_t i = 0; i < cells.Count(); ++i) sum += double(cells.PixelsOf(i).Area()) * f(variance[i]);
+        for (size_t i = 0; i < cells.Count(); ++i) sum += double(cells.PixelsIn(i)) * f(variance[i]);
         return sum / double(kPixels.Area());
     };
     const double share = 0.1 * mean([](double v) { return std::sqrt(v); });
@@ -136,8 +152,9 @@ TEST(PredictedGain, CountsTheSamplesTaken) {
     std::vector<double> cost, wanted, samples(cells.Count(), kBegin);
     double mean = 0;
     for (size_t i = 0; i < cells.Count(); ++i) {
-        const double pixels = double(cells.PixelsOf(i).Area());
-        cost.push_back(1 + double(plan.cost[i]) / (pixels * kBegin));
+        const double pixels = double(cells.PixelsIn(i));
+        const size_t other = PixelCells::Other(i);
+        cost.push_back(1 + double(plan.cost[other]) / (double(cells.PixelsIn(other)) * kBegin));
         wanted.push_back(std::sqrt(variance[i] / cost[i]));
         mean += pixels * wanted[i] / double(kPixels.Area());
     }
@@ -147,12 +164,12 @@ TEST(PredictedGain, CountsTheSamplesTaken) {
         for (size_t i = 1; i < cells.Count(); ++i)
             if (samples[i] / wanted[i] < samples[next] / wanted[next]) next = i;
         samples[next] += kStep;
-        left -= kStep * double(cells.PixelsOf(next).Area());
+        left -= kStep * double(cells.PixelsIn(next));
     }
     double error[2] = {}, work[2] = {};
     for (size_t i = 0; i < cells.Count(); ++i)
         for (const bool isPlanned : {false, true}) {
-            const double pixels = double(cells.PixelsOf(i).Area()), n = isPlanned ? samples[i] : kEnd;
+            const double pixels = double(cells.PixelsIn(i)), n = isPlanned ? samples[i] : kEnd;
             error[isPlanned] += pixels * variance[i] / n;
             work[isPlanned] += pixels * cost[i] * n;
         }
@@ -169,9 +186,7 @@ TEST(PredictedGain, IsNotTheNoiseOfTheEstimate) {
         std::vector<double> estimates[2];
         for (std::vector<double> &e : estimates)
             for (size_t i = 0; i < cells.Count(); ++i) e.push_back(-std::log(1 - double(rng.Uniform())));
-        const NoiseEstimate both{
-            .variance = estimates[0],
-            .colors = {CheckerVariance{estimates[0], estimates[0]}, CheckerVariance{estimates[1], estimates[1]}}};
+        const NoiseEstimate both{.own = estimates[0], .others = estimates[1]};
         independent.Add(PredictGain(cells, UniformPlan(cells, 2), both, 2, 256));
         same.Add(PredictGain(cells, UniformPlan(cells, 2), EstimateOf(estimates[0]), 2, 256));
     }

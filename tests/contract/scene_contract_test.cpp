@@ -1,5 +1,5 @@
-// The contract of light samplers on real scenes with Prepare called, over every registered sampler, and over the
-// stock samplers on mesh groups too.
+// The contract of light samplers on scenes with Prepare called, over every registered sampler, and over the stock
+// samplers on mesh groups too.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,16 +8,32 @@
 #include "pbrt/core/parallel.h"
 #include "scene_fixtures.h"
 #include "support/sampler_laws.h"
+#ifdef PBRT_CONTRACT_HEADER  // the header of one sampler that is tested alone
+#include PBRT_CONTRACT_HEADER
+#endif
 
 namespace pbrt::test {
 namespace {
+
+const PluginRegistry &Registry() {
+#ifdef PBRT_CONTRACT_HEADER
+    static const PluginRegistry registry = [] {
+        PluginRegistry r;
+        PBRT_CONTRACT_REGISTER(r);
+        return r;
+    }();
+    return registry;
+#else
+    return AllSamplers();
+#endif
+}
 
 /// Every registered sampler; "name+meshlights" as well if the sampler can work on mesh groups; also with other
 /// parameters where these change how the sampler works.
 std::vector<std::string> SamplerLabels() {
     std::vector<std::string> labels;
-    for (const std::string &name : AllSamplers().samplers.Names()) {
-        const LightSamplerRegistry::Entry &entry = AllSamplers().samplers.Find(name);
+    for (const std::string &name : Registry().samplers.Names()) {
+        const LightSamplerRegistry::Entry &entry = Registry().samplers.Find(name);
         labels.push_back(name);
         if (entry.traits.takesGroups) labels.push_back(name + "+meshlights");
         if (name == "octree")
@@ -42,7 +58,7 @@ const Contest &ContestOf(const std::string &fixtureName, const std::string &labe
     Contest &c = contests[{fixtureName, label}];
     if (c.subject.sampler) return c;
     const SceneFixture &fixture = SceneFixtureOf(fixtureName);
-    c.subject = SamplerSubject(MakePreparedSampler(label, fixture), fixture.queries, fixture.Lights());
+    c.subject = SamplerSubject(MakePreparedSampler(label, fixture, Registry()), fixture.queries, fixture.Lights());
     c.contributions = ContributionsOf(c.subject, [&](size_t q, LightId id) { return fixture.ContributionOf(q, id); });
     return c;
 }
@@ -76,27 +92,79 @@ TEST_P(SceneContract, PreparedTheSameByOneThreadAndByThree) {
     std::unique_ptr<LightSampler> one, three;
     {
         ThreadLimit limit(1);
-        one = MakePreparedSampler(std::get<1>(GetParam()), Fixture());
+        one = MakePreparedSampler(std::get<1>(GetParam()), Fixture(), Registry());
     }
     {
         ThreadLimit limit(3);
-        three = MakePreparedSampler(std::get<1>(GetParam()), Fixture());
+        three = MakePreparedSampler(std::get<1>(GetParam()), Fixture(), Registry());
     }
     CheckSame(*one, *three, Fixture().queries, Fixture().Lights());
 }
 
 TEST(SceneContractProgram, EnvironmentLightsBehindPortalsAreChosenByRegions) {
-    const std::vector<std::string> names = AllSamplers().samplers.Names();
+    const std::vector<std::string> names = Registry().samplers.Names();
     if (std::find(names.begin(), names.end(), "octree") == names.end())
         GTEST_SKIP() << "Only the octree finds portals.";
     for (const char *fixture : {"MirroredSkyWindow", "TwoSkies"})
         EXPECT_GT(CheckRegions(ContestOf(fixture, "octree:portals=always").subject), 100u) << fixture;
 }
 
-/// The build runs this program once for each scene of the list PBRT_CONTRACT_SCENES, which must name all fixtures.
+#ifdef PBRT_CONTRACT_SCENES
+/// The build runs this program once for each scene of the list, which must name all fixtures.
 TEST(SceneContractProgram, RunsForEveryFixture) {
     EXPECT_EQ(fmt::format("{}", fmt::join(SceneFixtureNames(), " ")), PBRT_CONTRACT_SCENES);
 }
+#endif
+
+/// Samplers that are not prepared.
+class LightSamplerScales : public testing::TestWithParam<std::string> {
+  protected:
+    static SamplerSubject Unprepared(const BuiltScene &built, std::span<const LightQuery> queries) {
+        const LightTable &lights = built.scene->Lights();
+        return {MakeLightSampler(GetParam(), lights, Registry()), queries, lights};
+    }
+};
+
+TEST_P(LightSamplerScales, ProbabilitiesDoNotDependOnTheUnitOfRadiance) {
+    std::vector<std::vector<Float>> plain;
+    for (const double radiance : {1., 1e29, 1e-29}) {
+        const BuiltScene built = BuildText(NarrowBandsScene(radiance));
+        std::deque<Bsdf> bsdfs;
+        std::vector<LightQuery> queries = Places(built, 14, 2, 1, bsdfs);
+        for (LightQuery &q : queries) {
+            q.bsdf = nullptr;
+            q.lambda = nullptr;
+        }
+        const std::vector<std::vector<Float>> scaled = Unprepared(built, queries).pmf;
+        if (plain.empty()) plain = scaled;
+        ASSERT_EQ(scaled.size(), plain.size());
+        for (size_t q = 0; q < plain.size(); ++q)
+            for (size_t i = 0; i < plain[q].size(); ++i)
+                EXPECT_NEAR(scaled[q][i], plain[q][i], 1e-5f + 1e-3f * plain[q][i])
+                    << radiance << " place " << q << " light " << i;
+    }
+}
+
+TEST_P(LightSamplerScales, ASunOfRealSizeLeavesOthersTheirShare) {
+    if (GetParam() == "power" || GetParam() == "seen") GTEST_SKIP() << "chooses by power, of which the sun has all";
+    if (GetParam() == "nearest") GTEST_SKIP() << "chooses by distance, which leaves the sun nearly nothing";
+    const BuiltScene built = BuildText(SunAndLampScene());
+    std::vector<LightQuery> queries;
+    for (const Point3 &p : {Point3(0), Point3(0.5f, -0.3f, 0.2f), Point3(-0.8f, 0.5f, 0.6f)})
+        for (const Normal3 &n : {Normal3(0), Normal3(0, 1, 0), Normalize(Normal3(0.5f, 1, 0.1f))}) {
+            LightQuery &q = queries.emplace_back();
+            q.p = p;
+            q.n = q.ns = n;
+            q.wo = {0, 1, 0};
+        }
+    const SamplerSubject s = Unprepared(built, queries);
+    ASSERT_EQ(s.ids.size(), 2u);
+    for (size_t q = 0; q < queries.size(); ++q)
+        for (const Float pmf : s.pmf[q]) EXPECT_GT(pmf, 0.02f) << q;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, LightSamplerScales, testing::ValuesIn(Registry().samplers.Names()),
+                         [](const auto &c) { return c.param; });
 
 std::string Identifier(std::string s) {
     std::replace_if(

@@ -153,13 +153,16 @@ std::string Mixed(double scale) {
     return t.Finish();
 }
 
-/// Lamps that emit in a few nanometres beside one of all wavelengths, on all kinds of lights.
-std::string NarrowBands() {
-    const auto line = [](const char *name, int nm, double scale) {
-        return fmt::format("'spectrum {}' [ {} 0 {} 1 {} 0 ] 'float scale' {}", name, nm - 2, nm, nm + 2, scale);
+}  // namespace
+
+std::string NarrowBandsScene(double radiance) {
+    const auto line = [radiance](const char *name, int nm, double scale) {
+        return fmt::format("'spectrum {}' [ {} 0 {} 1 {} 0 ] 'float scale' {}", name, nm - 2, nm, nm + 2,
+                           scale * radiance);
     };
     Text t;
-    t.Rooms().PointLight({-1, 2, 1}, 1);
+    t.Rooms().PointLight({-1, 2, 1}, radiance);
+    t.ImageLight("infinite", "env_sky.exr", {0, 0, 0}, "", 0.1 * radiance);
     t.Add("LightSource 'point' 'point3 from' [ 1 2 1 ] " + line("I", 589, 1));
     t.Add("LightSource 'spot' 'point3 from' [ -2 2 -1 ] 'point3 to' [ -2 0 0 ] " + line("I", 520, 2));
     t.Add("LightSource 'distant' 'point3 from' [ 1 2 -4 ] " + line("L", 650, 0.5));
@@ -168,6 +171,12 @@ std::string NarrowBands() {
     t.Quad({-2.9f, 1, 0}, {0, 0.2f, 0}, {0, 0, 0.2f}, "AreaLightSource 'diffuse' " + line("L", 405, 3));
     return t.Finish();
 }
+
+std::string SunAndLampScene() {
+    return Text().PointLight({0, 2, 0}, 10).Sphere({0, 1.5e11f, 0}, 7e8f, Text::Area(5e4)).Finish();
+}
+
+namespace {
 
 struct Recipe {
     std::string name;
@@ -265,7 +274,7 @@ const std::vector<Recipe> &Recipes() {
              return Text().Rooms().Bulb({-1.5f, 1.5f, 1.5f}, 0.5, 50, 100, 1).PointLight({2, 2, 2}, 1).Finish();
          },
          3},
-        {"NarrowBands", NarrowBands},
+        {"NarrowBands", [] { return NarrowBandsScene(1); }},
         {"SunSphere",
          [] {
              // A sun of real size in metres, and lamps.
@@ -287,6 +296,11 @@ const std::vector<Recipe> &Recipes() {
                  .Quad({1, 2.4f, 0}, {1, 0, 0}, {0, 0, 1}, Text::Area(1))
                  .Finish();
          }},
+        {"AllZeroPower",
+         [] {
+             return Text().Rooms().PointLight({-1, 2, 1}, 0).PointLight({1, 2, 1}, 0).PointLight({2, 1, 1}, 0).Finish();
+         },
+         4, true},
         {"Coincident",
          [] {
              Text t;
@@ -367,6 +381,27 @@ std::vector<LightQuery> Places(const BuiltScene &built, int count, int depth, in
     return out;
 }
 
+namespace {
+
+/// Adds places right at a few of the lights, with and without a surface.
+void AddPlacesAtLights(const BuiltScene &built, std::vector<LightQuery> &queries) {
+    const LightTable &lights = built.scene->Lights();
+    const Bounds3 &bounds = built.scene->Bounds();
+    Rng rng(7);
+    for (int i = 0; i < 4 && lights.Size() > 0; ++i) {
+        const LightCandidate light = lights.Candidate(LightId(rng.UniformInt(static_cast<uint32_t>(lights.Size()))));
+        if (!light.bounds) continue;
+        LightQuery q;
+        q.p = light.bounds->Centroid() +
+              SampleUniformSphere(rng.Uniform2()) * (Float(0.001) * Length(bounds.high - bounds.low));
+        if (i % 2) q.n = q.ns = SampleUniformSphere(rng.Uniform2());
+        q.wo = SampleUniformSphere(rng.Uniform2());
+        queries.push_back(q);
+    }
+}
+
+}  // namespace
+
 double Contribution(const Scene &scene, const LightQuery &q, const LightComponent &light, const Point2 &u, Vector3 *wi,
                     bool allowIncompletePdfs) {
     LightSampleContext from{q.p, q.pError, q.n, q.ns, q.time};
@@ -403,10 +438,11 @@ void SceneFixture::Prepare(LightSampler &sampler) const {
     sampler.Prepare(context);
 }
 
-std::unique_ptr<LightSampler> MakePreparedSampler(const std::string &label, const SceneFixture &fixture) {
+std::unique_ptr<LightSampler> MakePreparedSampler(const std::string &label, const SceneFixture &fixture,
+                                                  const PluginRegistry &registry) {
     size_t plus = label.find('+');
-    std::unique_ptr<LightSampler> sampler =
-        MakeLightSampler(label.substr(0, plus) + (plus != std::string::npos ? "+mesh" : ""), fixture.Lights());
+    std::unique_ptr<LightSampler> sampler = MakeLightSampler(
+        label.substr(0, plus) + (plus != std::string::npos ? "+mesh" : ""), fixture.Lights(), registry);
     fixture.Prepare(*sampler);
     return sampler;
 }
@@ -426,6 +462,7 @@ const SceneFixture &SceneFixtureOf(const std::string &name) {
         if (r.name == name) {
             f.built = BuildText(r.text());
             f.queries = Places(f.built, r.places, 2, 3, f.bsdfs);
+            AddPlacesAtLights(f.built, f.queries);
             f.dark = r.dark;
         }
     const size_t lights = f.Lights().Size();

@@ -24,14 +24,15 @@ const PluginRegistry &AllSamplers() {
     return registry;
 }
 
-std::unique_ptr<LightSampler> MakeLightSampler(const std::string &choice, const LightTable &lights) {
+std::unique_ptr<LightSampler> MakeLightSampler(const std::string &choice, const LightTable &lights,
+                                               const PluginRegistry &registry) {
     DiagnosticSink sink;
     LightFlags flags;
     flags.choice = choice;
-    const std::optional<LightSelection> selection = ReadLightSelection(ParamSet(), flags, AllSamplers(), sink);
+    const std::optional<LightSelection> selection = ReadLightSelection(ParamSet(), flags, registry, sink);
     sink.ThrowIfErrors();
     const LightSamplerSpec &spec = selection->sampler;
-    return AllSamplers().Make(*spec.entry, lights, spec.params, spec.meshLights);
+    return registry.Make(*spec.entry, lights, spec.params, spec.meshLights);
 }
 
 BuiltScene BuildText(const std::string &text, const BuildOptions &options) {

@@ -1,8 +1,5 @@
 // --checkpoint, --resume, --samples, --save-lights and --load-lights as a user runs them.
 #include <signal.h>
-#include <unistd.h>
-
-#include <fstream>
 
 #include "program.h"
 
@@ -15,24 +12,7 @@ class Checkpoints : public Program {
         ext_ = Has(LightSamplerListing(), "\noctree\n");
         lights_ = ext_ ? " --lightsampler octree " : " --lightsampler bvh ";
     }
-    /// Starts a render with a checkpoint, kills it once there is one (in the middle of the render), goes on and so on
-    /// `kills` times; then lets it finish. Returns the messages of the last run.
-    std::string KillAndResume(const std::string &arguments, int kills) const {
-        for (int i = 0; i < kills; ++i) {
-            const pid_t pid =
-                StartUntilWritten(arguments + " --checkpoint c.chk --checkpoint-interval 0.01 --resume", "c.chk");
-            kill(pid, SIGKILL);
-            EXPECT_EQ(Wait(pid).status, -SIGKILL);
-        }
-        return RunWell(arguments + " --checkpoint c.chk --resume");
-    }
-    Outcome Merge(const std::string &arguments) const {
-        const std::string log = Path("merge");
-        const int raw = std::system(
-            ("cd '" + Path("") + "' && '" PBRT_IMGTOOL "' merge " + arguments + " > " + log + ".out 2> " + log + ".err")
-                .c_str());
-        return {WEXITSTATUS(raw), Read("merge.out"), Read("merge.err")};
-    }
+    Outcome Merge(const std::string &arguments) const { return RunImgtool("merge " + arguments); }
     bool ext_ = false;
     std::string lights_;
 };
@@ -40,13 +20,11 @@ class Checkpoints : public Program {
 TEST_F(Checkpoints, ARenderThatWasKilledGivesTheSameBits) {
     for (const char *film : {"rgb", "gbuffer", "spectral"}) {
         Write("scene.pbrt", LearningScene(film, 512));
-        const std::string arguments = lights_ + " scene.pbrt --nthreads 2 --outfile ";
         const ImageFile whole = Render(lights_ + "scene.pbrt --nthreads 1", "whole.exr");
-        const std::string messages = KillAndResume(arguments + "out.exr", 3);
+        const std::string messages = StopAndResume(lights_ + "scene.pbrt --nthreads 2", {SIGKILL, SIGKILL, SIGKILL});
         EXPECT_TRUE(Has(messages, "Resuming from c.chk, after ")) << messages;
-        const ImageFile resumed = ReadImage(Path("out.exr"));
-        EXPECT_EQ(IntOf(resumed, "samplesPerPixel"), 512);
-        EXPECT_TRUE(SamePixels(whole, resumed)) << film;
+        EXPECT_EQ(IntOf(ReadImage(Path("out.exr")), "samplesPerPixel"), 512);
+        EXPECT_TRUE(SamePixels(whole, ReadImage(Path("out.exr")))) << film;
         std::filesystem::remove(Path("c.chk"));
     }
 }
@@ -54,19 +32,11 @@ TEST_F(Checkpoints, ARenderThatWasKilledGivesTheSameBits) {
 /// The pass that was interrupted goes on in the middle of an iteration, or of a chain.
 TEST_F(Checkpoints, PhotonMapsAndChainsGoOnToTheSameBits) {
     Write("scene.pbrt", LearningScene("rgb", 8));
-    for (const char *integrator : {"sppm", "mlt"}) {
-        const std::string lights = std::string(integrator) == "sppm" ? lights_ : "";
-        const std::string arguments = lights + "scene.pbrt --spp 700 --integrator " + integrator;
+    for (const std::string integrator : {"sppm", "mlt"}) {
+        const std::string arguments =
+            (integrator == "sppm" ? lights_ : "") + "scene.pbrt --spp 700 --integrator " + integrator;
         const ImageFile whole = Render(arguments, "whole.exr");
-        const std::string resumed = arguments + " --outfile out.exr --checkpoint c.chk";
-        int interrupted = 0;
-        for (int i = 0; i < 3; ++i) {
-            const pid_t pid = StartUntilWritten(resumed + " --checkpoint-interval 0.01 --resume", "c.chk");
-            kill(pid, SIGINT);
-            interrupted += Wait(pid).status == 128 + SIGINT;
-        }
-        EXPECT_GT(interrupted, 0) << integrator;
-        RunWell(resumed + " --resume");
+        StopAndResume(arguments, {SIGINT, SIGINT, SIGINT});
         EXPECT_TRUE(SamePixels(whole, ReadImage(Path("out.exr")))) << integrator;
         std::filesystem::remove(Path("c.chk"));
     }
@@ -75,11 +45,10 @@ TEST_F(Checkpoints, PhotonMapsAndChainsGoOnToTheSameBits) {
 TEST_F(Checkpoints, AGuidedRenderThatWasKilledGivesTheSameBits) {
     PBRT_SKIP_WITHOUT_EXT();
     Write("scene.pbrt", GuidedScene(256));
-    const std::string arguments = lights_ + "--guide scene.pbrt --nthreads 2 --outfile ";
     const ImageFile whole = Render(lights_ + "--guide scene.pbrt --nthreads 1", "whole.exr");
     EXPECT_GT(IntOf(whole, "guide.guidingCells"), 0);
     EXPECT_GT(IntOf(whole, "guide.rouletteCells"), 0);
-    KillAndResume(arguments + "out.exr", 3);
+    StopAndResume(lights_ + "--guide scene.pbrt --nthreads 2", {SIGKILL, SIGKILL, SIGKILL});
     EXPECT_TRUE(SamePixels(whole, ReadImage(Path("out.exr"))));
     EXPECT_FALSE(SamePixels(whole, Render(lights_ + "scene.pbrt")));
     // More samples, at once and step by step; without the flag it is another render.
@@ -350,8 +319,8 @@ TEST_F(SharedLights, TheGuideGoesWithThem) {
         ASSERT_EQ(Merge("merged.exr part7:16 part0:7").status, 0);
         EXPECT_TRUE(SamePixels(one, ReadImage(Path("merged.exr"))));
         const ImageFile many = Render(load + "a.pbrt --nthreads 1");
-        KillAndResume(load + "a.pbrt --nthreads 2 --outfile resumed.exr", 2);
-        EXPECT_TRUE(SamePixels(many, ReadImage(Path("resumed.exr"))));
+        StopAndResume(load + "a.pbrt --nthreads 2", {SIGKILL, SIGKILL});
+        EXPECT_TRUE(SamePixels(many, ReadImage(Path("out.exr"))));
         for (const char *file : {"part0:7", "part7:16", "c.chk"}) std::filesystem::remove(Path(file));
         ExpectErrors({{lights + "+guide:share=0.5 --load-lights lights b.pbrt --outfile b.exr",
                        {"lights: ", "guide", "\"share\":0.5"}}});

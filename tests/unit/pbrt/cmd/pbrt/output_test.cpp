@@ -76,13 +76,6 @@ TEST_F(Output, NamesMayBeLongAndInCapitals) {
     ExpectErrors({{"--spp 100000000 --outfile " + std::string(252, 'n') + ".exr scene.pbrt", {"File name too long"}}});
 }
 
-TEST_F(Output, LinksStay) {
-    std::filesystem::create_symlink("real.exr", Path("link.exr"));
-    RunWell("--spp 1 --outfile link.exr scene.pbrt");
-    EXPECT_TRUE(std::filesystem::is_symlink(Path("link.exr")));
-    EXPECT_EQ(ReadImage(Path("real.exr")).image.Resolution(), Point2i(32, 24));
-}
-
 TEST_F(Output, GoesIntoPipes) {
     ASSERT_EQ(mkfifo(Path("pipe.pfm").c_str(), 0600), 0);
     const pid_t pid = Start("--quiet --spp 1 --outfile pipe.pfm scene.pbrt");

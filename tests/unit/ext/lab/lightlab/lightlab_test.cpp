@@ -212,6 +212,11 @@ TEST_F(Lightlab, SamplesOfATimedExperimentCanBeReplayed) {
     const nlohmann::json replay = Results("replay");
     for (size_t i = 0; i < 2; ++i)
         EXPECT_EQ(replay["samplers"][i]["summary"]["metrics"], timed["samplers"][i]["summary"]["metrics"]);
+    // More samples than the four of the scene, so later batches are needed, too.
+    EXPECT_GT(timed["samplers"][0]["runs"][0]["rounds"].back()["samples"], 4);
+    const Outcome more = Run("scene.pbrt --samples-from timed/results.json --seeds 3 --no-report --out more");
+    EXPECT_EQ(more.status, 1);
+    EXPECT_TRUE(Has(more.err, "seed 2")) << more.err;
 }
 
 TEST_F(Lightlab, MistakesAreReportedTogetherAndNothingIsRendered) {
@@ -219,7 +224,8 @@ TEST_F(Lightlab, MistakesAreReportedTogetherAndNothingIsRendered) {
     ExpectErrors(
         {{"scene.pbrt --samplers-file sweep.txt", {"nosuch", "uniform", "leaves", "2 errors; nothing was rendered."}},
          {"scene.pbrt --samplers bvh,bvh", {"bvh", "twice"}},
-         {"scene.pbrt --samplers bvh+mush", {"+mush", "+mesh"}},
+         {"scene.pbrt --samplers 'bvh+mush;bvh+gate=neepp;bvh+guide:length=2'",
+          {"+mush", "+mesh", "+gate", "length", "3 errors"}},
          {"scene.pbrt --time 1 --spp 2", {"--time", "--spp"}},
          {"scene.pbrt --spp 0", {"--spp: 0 is not more than 0", "--help"}},
          {"scene.pbrt --seeds two", {"--seeds", "two"}},

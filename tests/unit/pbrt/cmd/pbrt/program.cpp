@@ -51,15 +51,23 @@ std::vector<std::string> Program::Files() const {
     return names;
 }
 
-pid_t Program::StartProgram(const std::string &program, const std::string &arguments, const std::string &before) const {
+pid_t Program::StartCommand(const std::string &command) const {
     const pid_t pid = fork();
     if (pid != 0) return pid;
     alarm(60);  // the alarm survives exec, so a program that hangs is ended, and the test fails
     const std::string log = (logs_ / std::to_string(getpid())).string();
-    const std::string command = "cd '" + directory_.string() + "' && " + before + " '" + program + "' " + arguments +
-                                " > " + log + ".out 2> " + log + ".err";
-    execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+    const std::string whole =
+        "cd '" + directory_.string() + "' && " + command + " > " + log + ".out 2> " + log + ".err";
+    execl("/bin/sh", "sh", "-c", whole.c_str(), nullptr);
     _exit(127);
+}
+
+pid_t Program::Start(const std::string &arguments, const std::string &before) const {
+    return StartCommand(before + " && exec " + launcher_ + " '" PBRT_PROGRAM "' " + arguments);
+}
+
+Outcome Program::RunImgtool(const std::string &arguments) const {
+    return Wait(StartCommand("exec '" PBRT_IMGTOOL "' " + arguments));
 }
 
 bool Program::StartAs([[maybe_unused]] int ranks, [[maybe_unused]] const std::string &wrapper) {

@@ -43,14 +43,12 @@ class Program : public ::testing::Test {
     /// Renders to `name` and reads the picture.
     ImageFile Render(const std::string &arguments, const std::string &name = "out.exr") const;
 
-    Outcome RunImgtool(const std::string &arguments) const { return Wait(StartProgram(PBRT_IMGTOOL, arguments)); }
+    Outcome RunImgtool(const std::string &arguments) const;
     /// From now on mpirun starts the program as so many processes; 1: without mpirun. False if this build has no MPI.
     bool StartAs(int ranks, const std::string &wrapper = "");
 
     /// Starts the program without waiting for its end. `before`: shell commands to run before it, such as limits.
-    pid_t Start(const std::string &arguments, const std::string &before = "true") const {
-        return StartProgram(PBRT_PROGRAM, arguments, before + " && exec " + launcher_);
-    }
+    pid_t Start(const std::string &arguments, const std::string &before = "true") const;
     Outcome Wait(pid_t pid) const;
     /// What a started process has written to standard error so far.
     std::string Messages(pid_t pid) const;
@@ -69,8 +67,7 @@ class Program : public ::testing::Test {
     std::string launcher_;  ///< a command that starts the program in place of the shell, such as mpirun
 
   private:
-    pid_t StartProgram(const std::string &program, const std::string &arguments,
-                       const std::string &before = "exec") const;
+    pid_t StartCommand(const std::string &command) const;
     std::filesystem::path directory_, logs_;
 };
 

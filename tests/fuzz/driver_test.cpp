@@ -13,6 +13,7 @@
 
 #include "fuzz/asset_mutators.h"
 #include "fuzz/assets.h"
+#include "fuzz/byte_mutators.h"
 #include "fuzz/case_maker.h"
 #include "fuzz/report.h"
 #include "fuzz/shrink.h"
@@ -155,12 +156,13 @@ TEST_F(Driver, SeesMemoryThatNobodySpeaksOf) {
 }
 
 TEST_F(Driver, JudgesMessages) {
-    EXPECT_EQ(AfterError("scene.pbrt:12:3: \"float fov\" must be less than 180.").outcome, Outcome::Refused);
-    EXPECT_EQ(AfterError("mutated.ply: line 3: \"x\" is not a count.").outcome, Outcome::Refused);
-    EXPECT_EQ(AfterError("the number is too large.").outcome, Outcome::Message);
-    EXPECT_EQ(AfterError("scene.pbrt:1:2: vector::_M_default_append").outcome, Outcome::Message);
-    EXPECT_EQ(AfterError("Internal error: no device").outcome, Outcome::Message);
-    EXPECT_EQ(AfterError("scene.pbrt:1:2: expected numbers, found \"bad_index\".").outcome, Outcome::Refused);
+    for (const char *message :
+         {"scene.pbrt:12:3: \"float fov\" must be less than 180.", "mutated.ply: line 3: \"x\" is not a count.",
+          "scene.pbrt:1:2: expected numbers, found \"bad_index\"."})
+        EXPECT_EQ(AfterError(message).outcome, Outcome::Refused) << message;
+    for (const char *message :
+         {"the number is too large.", "scene.pbrt:1:2: vector::_M_default_append", "Internal error: no device"})
+        EXPECT_EQ(AfterError(message).outcome, Outcome::Message) << message;
     EXPECT_EQ(Of([](PictureReport &) { return 1; }), Outcome::Silent);
     EXPECT_EQ(Of([](PictureReport &) { return 3; }), Outcome::Silent);
     EXPECT_EQ(Of([](PictureReport &) {
@@ -278,17 +280,9 @@ TEST_F(Driver, CasesFollowFromSeedAndNumberAndDiffer) {
 
 TEST_F(Driver, KindsCoverEveryFormat) {
     const std::vector<std::string> &kinds = Maker().Kinds();
-    for (const char *kind : {"bsdf",          "exr",
-                             "hdr",           "include",
-                             "include-gz",    "lens",
-                             "pfm",           "ply-ascii",
-                             "ply-binary",    "ply-gz",
-                             "png",           "spectrum",
-                             "tga",           "scene-bytes",
-                             "scene-names",   "scene-nesting",
-                             "scene-numbers", "scene-parameters",
-                             "scene-splice",  "scene-statements",
-                             "scene-types"})
+    for (const std::string &kind :
+         WordsOf("bsdf exr hdr include include-gz lens pfm ply-ascii ply-binary ply-gz png spectrum tga scene-bytes "
+                 "scene-names scene-nesting scene-numbers scene-parameters scene-splice scene-statements scene-types"))
         EXPECT_NE(std::find(kinds.begin(), kinds.end(), kind), kinds.end()) << kind;
 }
 

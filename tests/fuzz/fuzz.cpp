@@ -182,7 +182,7 @@ int main(int argc, char **argv) {
     app.add_option("--jobs", s.jobs, "cases at the same time (1)")->check(CLI::Range(1, 256));
     app.add_option("--minutes", s.minutes, "minutes after which no further case starts (0: no limit)");
     app.add_option("--only", s.only, "kinds of mutations, separated by commas (all)")->delimiter(',');
-    app.add_option("--out", s.out, "folder for report.md, report.json and the failures, made smaller");
+    app.add_option("--out", s.out, "folder for report.md and the failures, made smaller");
     app.add_option("--replay", s.replay, "run one saved case (its case.json)");
     app.add_flag("--seeds", s.seedsOnly, "run the scenes as they are, without mutations");
     app.add_flag("--verbose", s.verbose, "print every case with its messages");
@@ -205,7 +205,6 @@ int main(int argc, char **argv) {
         if (!s.out.empty()) {
             SaveFailures(s, maker, scratch, tally);
             std::ofstream(fs::path(s.out) / "report.md") << Markdown(tally);
-            std::ofstream(fs::path(s.out) / "report.json") << Json(tally);
         }
         std::printf("%s", Markdown(tally).c_str());
         return tally.causes.empty() ? 0 : 1;

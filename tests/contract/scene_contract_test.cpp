@@ -116,56 +116,6 @@ TEST(SceneContractProgram, RunsForEveryFixture) {
 }
 #endif
 
-/// Samplers that are not prepared.
-class LightSamplerScales : public testing::TestWithParam<std::string> {
-  protected:
-    static SamplerSubject Unprepared(const BuiltScene &built, std::span<const LightQuery> queries) {
-        const LightTable &lights = built.scene->Lights();
-        return {MakeLightSampler(GetParam(), lights, Registry()), queries, lights};
-    }
-};
-
-TEST_P(LightSamplerScales, ProbabilitiesDoNotDependOnTheUnitOfRadiance) {
-    std::vector<std::vector<Float>> plain;
-    for (const double radiance : {1., 1e29, 1e-29}) {
-        const BuiltScene built = BuildText(NarrowBandsScene(radiance));
-        std::deque<Bsdf> bsdfs;
-        std::vector<LightQuery> queries = Places(built, 14, 2, 1, bsdfs);
-        for (LightQuery &q : queries) {
-            q.bsdf = nullptr;
-            q.lambda = nullptr;
-        }
-        const std::vector<std::vector<Float>> scaled = Unprepared(built, queries).pmf;
-        if (plain.empty()) plain = scaled;
-        ASSERT_EQ(scaled.size(), plain.size());
-        for (size_t q = 0; q < plain.size(); ++q)
-            for (size_t i = 0; i < plain[q].size(); ++i)
-                EXPECT_NEAR(scaled[q][i], plain[q][i], 1e-5f + 1e-3f * plain[q][i])
-                    << radiance << " place " << q << " light " << i;
-    }
-}
-
-TEST_P(LightSamplerScales, ASunOfRealSizeLeavesOthersTheirShare) {
-    if (GetParam() == "power" || GetParam() == "seen") GTEST_SKIP() << "chooses by power, of which the sun has all";
-    if (GetParam() == "nearest") GTEST_SKIP() << "chooses by distance, which leaves the sun nearly nothing";
-    const BuiltScene built = BuildText(SunAndLampScene());
-    std::vector<LightQuery> queries;
-    for (const Point3 &p : {Point3(0), Point3(0.5f, -0.3f, 0.2f), Point3(-0.8f, 0.5f, 0.6f)})
-        for (const Normal3 &n : {Normal3(0), Normal3(0, 1, 0), Normalize(Normal3(0.5f, 1, 0.1f))}) {
-            LightQuery &q = queries.emplace_back();
-            q.p = p;
-            q.n = q.ns = n;
-            q.wo = {0, 1, 0};
-        }
-    const SamplerSubject s = Unprepared(built, queries);
-    ASSERT_EQ(s.ids.size(), 2u);
-    for (size_t q = 0; q < queries.size(); ++q)
-        for (const Float pmf : s.pmf[q]) EXPECT_GT(pmf, 0.02f) << q;
-}
-
-INSTANTIATE_TEST_SUITE_P(All, LightSamplerScales, testing::ValuesIn(Registry().samplers.Names()),
-                         [](const auto &c) { return c.param; });
-
 std::string Identifier(std::string s) {
     std::replace_if(
         s.begin(), s.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');

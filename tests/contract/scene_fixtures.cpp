@@ -152,16 +152,13 @@ std::string Mixed(double scale) {
     return t.Finish();
 }
 
-}  // namespace
-
-std::string NarrowBandsScene(double radiance) {
-    const auto line = [radiance](const char *name, int nm, double scale) {
-        return fmt::format("'spectrum {}' [ {} 0 {} 1 {} 0 ] 'float scale' {}", name, nm - 2, nm, nm + 2,
-                           scale * radiance);
+/// Lamps that emit in a few nanometres beside one of all wavelengths, on all kinds of lights.
+std::string NarrowBands() {
+    const auto line = [](const char *name, int nm, double scale) {
+        return fmt::format("'spectrum {}' [ {} 0 {} 1 {} 0 ] 'float scale' {}", name, nm - 2, nm, nm + 2, scale);
     };
     Text t;
-    t.Rooms().PointLight({-1, 2, 1}, radiance);
-    t.ImageLight("infinite", "env_sky.exr", {0, 0, 0}, "", 0.1 * radiance);
+    t.Rooms().PointLight({-1, 2, 1}, 1).ImageLight("infinite", "env_sky.exr", {0, 0, 0}, "", 0.1);
     t.Add("LightSource 'point' 'point3 from' [ 1 2 1 ] " + line("I", 589, 1));
     t.Add("LightSource 'spot' 'point3 from' [ -2 2 -1 ] 'point3 to' [ -2 0 0 ] " + line("I", 520, 2));
     t.Add("LightSource 'distant' 'point3 from' [ 1 2 -4 ] " + line("L", 650, 0.5));
@@ -170,12 +167,6 @@ std::string NarrowBandsScene(double radiance) {
     t.Quad({-2.9f, 1, 0}, {0, 0.2f, 0}, {0, 0, 0.2f}, "AreaLightSource 'diffuse' " + line("L", 405, 3));
     return t.Finish();
 }
-
-std::string SunAndLampScene() {
-    return Text().PointLight({0, 2, 0}, 10).Sphere({0, 1.5e11f, 0}, 7e8f, Text::Area(5e4)).Finish();
-}
-
-namespace {
 
 /// Emission and alpha that vary over the surface, lights that rays do not see, and every shape that emits.
 std::string AreaLights() {
@@ -273,7 +264,7 @@ const std::vector<Recipe> &Recipes() {
              .Finish()},
         {"AreaLights", AreaLights()},
         {"MeshOf10000", Text().Rooms().Bulb({-1.5f, 1.5f, 1.5f}, 0.5, 50, 100, 1).PointLight({2, 2, 2}, 1).Finish(), 3},
-        {"NarrowBands", NarrowBandsScene(1)},
+        {"NarrowBands", NarrowBands()},
         {"SunSphere",
          // A sun of real size in metres, and lamps.
          Text()

@@ -45,10 +45,4 @@ std::vector<std::string> SceneFixtureNames();
 /// Made once per process.
 const SceneFixture &SceneFixtureOf(const std::string &name);
 
-/// Lamps that emit in a few nanometres beside one of all wavelengths, on all kinds of lights. `radiance`: factor of
-/// all.
-std::string NarrowBandsScene(double radiance);
-/// A sun of real size in metres and a lamp, which bring about as much light to the places around the origin.
-std::string SunAndLampScene();
-
 }  // namespace pbrt::test

@@ -140,23 +140,6 @@ TEST_F(Adaptive, LessNoiseWithTheSameSamples) {
     EXPECT_GT(adaptive.image.Get({40, 22}, channel), 4 * adaptive.image.Get({4, 4}, channel));
 }
 
-TEST_F(Adaptive, EqualNoiseGivesTheUniformImage) {
-    // Random wavelengths are the noise of a wall that shines.
-    Write(
-        "wall.pbrt",
-        SceneText()
-            .LookAt("0 0 -5  0 0 0  0 1 0")
-            .Camera(40)
-            .Film(64, 48, "'string filename' 'x.exr' 'bool savefp16' false")
-            .Head("Sampler 'zsobol' 'integer pixelsamples' 64")
-            .Integrator("path", 1)
-            .World(Objects().AreaLight("0.5 0.6 0.7", "'bool twosided' true").Quad("-9 -9 2  9 -9 2  -9 9 2  9 9 2")));
-    const ImageFile adaptive = Render("wall.pbrt --adaptive");
-    EXPECT_TRUE(SamePixels(adaptive, Render("wall.pbrt")));
-    EXPECT_GT(IntOf(adaptive, "pbrt.decisions"), 0);
-    EXPECT_EQ(IntOf(adaptive, "pbrt.uniformDecisions"), IntOf(adaptive, "pbrt.decisions"));
-}
-
 TEST_F(Adaptive, StatisticsAreReported) {
     Write("ball.pbrt", NoisyBall(16));
     const Outcome text = Run("ball.pbrt --noise 0.1 --spp 256 --stats --outfile x.exr");

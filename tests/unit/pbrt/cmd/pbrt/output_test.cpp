@@ -35,15 +35,6 @@ TEST_F(Output, AFullDiskIsAnErrorAndKeepsTheOldPicture) {
     }
 }
 
-// If the log of errors cannot be written, the picture must still be written.
-TEST_F(Output, ALogOnAFullDiskIsAnErrorAfterThePicture) {
-    RunWell("--spp 1 --outfile ref.exr scene.pbrt");
-    const Outcome o = Run("--quiet --spp 2 --mse-reference-image ref.exr --mse-reference-out /dev/full scene.pbrt");
-    EXPECT_EQ(o.status, 1);
-    EXPECT_TRUE(Has(o.err, "/dev/full: cannot be written: No space left on device")) << o.err;
-    EXPECT_EQ(ReadImage(Path("scene.exr")).image.Resolution(), Point2i(32, 24));
-}
-
 TEST_F(Output, PicturesOfStrategiesStandBesideThePicture) {
     std::string scene = SmallScene();
     const std::string path = "Integrator \"path\"";

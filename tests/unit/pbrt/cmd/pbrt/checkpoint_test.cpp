@@ -13,6 +13,23 @@ class Checkpoints : public Program {
         lights_ = ext_ ? " --lightsampler octree " : " --lightsampler bvh ";
     }
     Outcome Merge(const std::string &arguments) const { return RunImgtool("merge " + arguments); }
+    /// Renders parts of these ranges, named part and the range, merges them in this order, and expects the bits of
+    /// `whole`, a render with the same arguments.
+    void ExpectSameFromParts(const ImageFile &whole, const std::string &arguments,
+                             const std::vector<std::string> &ranges) const {
+        for (const std::string &name : Files())
+            if (name.starts_with("part")) std::filesystem::remove(Path(name));
+        std::string files;
+        for (const std::string &range : ranges) {
+            RunWell(arguments + " --nthreads 2 --samples " + range + " --checkpoint part" + range);
+            files += " part" + range;
+        }
+        const Outcome merged = Merge("merged.exr" + files);
+        ASSERT_EQ(merged.status, 0) << merged.err;
+        const ImageFile file = ReadImage(Path("merged.exr"));
+        EXPECT_TRUE(SamePixels(whole, file)) << arguments;
+        EXPECT_EQ(IntOf(file, "samplesPerPixel"), IntOf(whole, "samplesPerPixel"));
+    }
     bool ext_ = false;
     std::string lights_;
 };
@@ -170,24 +187,16 @@ TEST_F(Parts, MergedInAnyOrderHaveTheBitsOfOneRender) {
             lights = " --lightsampler octree --load-lights lights ";
         }
         const ImageFile whole = Render(lights + "scene.pbrt", "whole.exr");
-        for (const char *range : {"0:1", "1:5", "5:12", "12:16"})
-            RunWell(lights + "scene.pbrt --samples " + range + " --checkpoint " + std::string(film) + range);
-        for (const std::vector<const char *> &order : {std::vector{"0:1", "1:5", "5:12", "12:16"},
-                                                       {"12:16", "5:12", "0:1", "1:5"},
-                                                       {"5:12", "0:1", "12:16", "1:5"}}) {
-            std::string files;
-            for (const char *range : order) files.append(" ").append(film).append(range);
-            const Outcome merged = Merge("out.exr " + files);
-            ASSERT_EQ(merged.status, 0) << merged.err;
+        ExpectSameFromParts(whole, lights + "scene.pbrt", {"0:1", "1:5", "5:12", "12:16"});
+        for (const std::string files : {"part12:16 part5:12 part0:1 part1:5", "part5:12 part0:1 part12:16 part1:5"}) {
+            EXPECT_EQ(Merge("out.exr " + files).status, 0);
             EXPECT_TRUE(SamePixels(whole, ReadImage(Path("out.exr")))) << files;
-            EXPECT_EQ(IntOf(ReadImage(Path("out.exr")), "samplesPerPixel"), 16);
         }
-        const std::string f = film;
-        ExpectRefused("refused.exr " + f + "0:1 " + f + "5:12 " + f + "12:16", "The samples 1:5 are in no file");
-        ExpectRefused("refused.exr " + f + "0:1 " + f + "1:5 " + f + "5:12", "The samples 12:16 are in no file");
-        ExpectRefused("refused.exr " + f + "0:1 " + f + "1:5 " + f + "5:12 " + f + "12:16 " + f + "5:12",
-                      f + "5:12 (5:12) and " + f + "5:12 (5:12) have samples in common.");
-        const Outcome some = Merge("some.exr --incomplete " + f + "0:1 " + f + "5:12");
+        ExpectRefused("refused.exr part0:1 part5:12 part12:16", "The samples 1:5 are in no file");
+        ExpectRefused("refused.exr part0:1 part1:5 part5:12", "The samples 12:16 are in no file");
+        ExpectRefused("refused.exr part0:1 part1:5 part5:12 part12:16 part5:12",
+                      "part5:12 (5:12) and part5:12 (5:12) have samples in common.");
+        const Outcome some = Merge("some.exr --incomplete part0:1 part5:12");
         EXPECT_EQ(some.status, 0) << some.err;
         EXPECT_EQ(IntOf(ReadImage(Path("some.exr")), "samplesPerPixel"), 8);
         EXPECT_FALSE(SamePixels(whole, ReadImage(Path("some.exr"))));
@@ -196,20 +205,10 @@ TEST_F(Parts, MergedInAnyOrderHaveTheBitsOfOneRender) {
 
 /// Integrators that follow light from the lights are divided like all others.
 TEST_F(Parts, LightThatIsFollowedFromTheLights) {
-    for (const char *integrator : {"lightpath", "bdpt", "sppm", "mlt"}) {
-        Write("scene.pbrt", LearningScene("rgb", 8));
-        const std::string arguments = " scene.pbrt --spp 8 --integrator " + std::string(integrator);
-        const ImageFile whole = Render(arguments + " --nthreads 1", "whole.exr");
-        std::string files;
-        for (const char *range : {"3:8", "0:1", "1:3"}) {
-            const std::string file = std::string(integrator) + range;
-            RunWell(arguments + " --nthreads 2 --samples " + range + " --checkpoint " + file);
-            files += " " + file;
-        }
-        const Outcome merged = Merge("out.exr" + files);
-        ASSERT_EQ(merged.status, 0) << merged.err;
-        EXPECT_TRUE(SamePixels(whole, ReadImage(Path("out.exr")))) << integrator;
-        EXPECT_EQ(IntOf(ReadImage(Path("out.exr")), "samplesPerPixel"), 8);
+    Write("scene.pbrt", LearningScene("rgb", 8));
+    for (const std::string integrator : {"lightpath", "bdpt", "sppm", "mlt"}) {
+        const std::string arguments = "scene.pbrt --spp 8 --integrator " + integrator;
+        ExpectSameFromParts(Render(arguments + " --nthreads 1", "whole.exr"), arguments, {"3:8", "0:1", "1:3"});
     }
 }
 
@@ -246,11 +245,7 @@ TEST_F(Parts, PartsOfOtherRendersAndUnfinishedOnesAreRefused) {
 TEST_F(Parts, ThatLearnForThemselvesAgreeAsWell) {
     if (!ext_) GTEST_SKIP() << "NOT TESTED: no light sampler of this build learns while it renders";
     Write("scene.pbrt", LearningScene("rgb", 16));
-    const ImageFile whole = Render(lights_ + "scene.pbrt", "whole.exr");
-    RunWell(lights_ + "scene.pbrt --samples 0:3 --checkpoint a");
-    RunWell(lights_ + "scene.pbrt --samples 3:16 --checkpoint b");
-    ASSERT_EQ(Merge("out.exr b a").status, 0);
-    EXPECT_TRUE(SamePixels(whole, ReadImage(Path("out.exr"))));
+    ExpectSameFromParts(Render(lights_ + "scene.pbrt", "whole.exr"), lights_ + "scene.pbrt", {"3:16", "0:3"});
 }
 
 class SharedLights : public Checkpoints {
@@ -314,14 +309,11 @@ TEST_F(SharedLights, TheGuideGoesWithThem) {
         EXPECT_GT(IntOf(one, "guide.guidingCells"), 0);
         EXPECT_GT(IntOf(one, "guide.rouletteCells"), 0);
         EXPECT_TRUE(SamePixels(one, Render(load + "b.pbrt --nthreads 2")));
-        for (const char *range : {"0:7", "7:16"})
-            RunWell(load + "b.pbrt --samples " + range + " --checkpoint part" + range);
-        ASSERT_EQ(Merge("merged.exr part7:16 part0:7").status, 0);
-        EXPECT_TRUE(SamePixels(one, ReadImage(Path("merged.exr"))));
+        ExpectSameFromParts(one, load + "b.pbrt", {"7:16", "0:7"});
         const ImageFile many = Render(load + "a.pbrt --nthreads 1");
         StopAndResume(load + "a.pbrt --nthreads 2", {SIGKILL, SIGKILL});
         EXPECT_TRUE(SamePixels(many, ReadImage(Path("out.exr"))));
-        for (const char *file : {"part0:7", "part7:16", "c.chk"}) std::filesystem::remove(Path(file));
+        std::filesystem::remove(Path("c.chk"));
         ExpectErrors({{lights + "+guide:share=0.5 --load-lights lights b.pbrt --outfile b.exr",
                        {"lights: ", "guide", "\"share\":0.5"}}});
     }

@@ -4,7 +4,7 @@
 
 #include "bias_simulation.h"
 #include "ext/lab/reference.h"
-#include "pbrt/images/image.h"
+#include "support/temporary_image.h"
 
 namespace ext::lab {
 
@@ -190,10 +190,7 @@ namespace {
 Reference Flat(const std::string &sampler, Float value, double noise) {
     Reference r;
     r.sampler = sampler;
-    r.image = Image(PixelFormat::Float, {64, 64}, {"R", "G", "B"});
-    for (int y = 0; y < 64; ++y)
-        for (int x = 0; x < 64; ++x)
-            for (int c = 0; c < 3; ++c) r.image.Set({x, y}, c, value);
+    r.image = pbrt::test::RgbImage({64, 64}, [value](int, int) { return Rgb(value); });
     r.parts = {r.image, r.image};
     r.noise = noise;
     return r;

@@ -32,9 +32,6 @@ class Lightlab : public Program {
                     names.push_back(entry.path().filename().string());
         return names;
     }
-    bool HasExtensions() const {
-        return !Has(Run("inspect scene.pbrt --sampler octree:leaves=-4").err, "light sampler \"octree\" is unknown");
-    }
     nlohmann::json Results(const std::string &folder) const {
         return nlohmann::json::parse(Read(folder + "/results.json"));
     }
@@ -170,7 +167,6 @@ TEST_F(Lightlab, EverySignalEndsItSoonWithItsStatus) {
 }
 
 TEST_F(Lightlab, SamplersMayBePartedBySemicolons) {
-    if (!HasExtensions()) GTEST_SKIP() << "NOT TESTED: this build has no src/ext (PBRT_EXT=OFF), so no octree";
     RunWell(
         "scene.pbrt --samplers 'bvh+mesh;octree:budget=0.02,floor=0.2;neepp:samples=3,voxels=9,uniform' --spp 1 --seeds 1 "
         "--reference-spp 8 --no-report --selection-work 0 --out out");
@@ -182,7 +178,6 @@ TEST_F(Lightlab, SamplersMayBePartedBySemicolons) {
 }
 
 TEST_F(Lightlab, ExamplesOfTheHelpAreRight) {
-    if (!HasExtensions()) GTEST_SKIP() << "NOT TESTED: this build has no src/ext (PBRT_EXT=OFF), so no octree";
     for (const char *scene : {"a.pbrt", "b.pbrt", "c.pbrt"}) Write(scene, SmallScene());
     int examples = 0;
     for (const char *page : {"--help", "inspect --help", "noise --help"}) {
@@ -241,11 +236,7 @@ TEST_F(Lightlab, MistakesAreReportedTogetherAndNothingIsRendered) {
 }
 
 TEST_F(Lightlab, NumbersOutOfRangeAreShownWhereTheyWereWritten) {
-    const Outcome inspect = Run("inspect scene.pbrt --sampler octree:leaves=-4");
-    if (Has(inspect.err, "light sampler \"octree\" is unknown"))
-        GTEST_SKIP() << "NOT TESTED: this build has no src/ext (PBRT_EXT=OFF); no other sampler takes numbers";
-    EXPECT_EQ(inspect.status, 1);
-    EXPECT_TRUE(Has(inspect.err, "--sampler:1:7")) << inspect.err;
+    EXPECT_TRUE(Has(Run("inspect scene.pbrt --sampler octree:leaves=-4").err, "--sampler:1:7"));
     ExpectErrors({{"scene.pbrt --samplers uniform,octree:leaves=0",
                    {"--samplers:1:7", "octree.leaves", "at least 64 and at most"}},
                   {"scene.pbrt --samplers uniform+guide:share=2", {"--samplers:1:14", "guide.share"}}});

@@ -280,18 +280,14 @@ TEST_F(Flags, OutfileExtensionChoosesTheFormat) {
     }
 }
 
-TEST_F(Flags, SceneComesFromStandardInputWithoutAName) {
-    const ImageFile named = Render("scene.pbrt");
-    EXPECT_TRUE(SamePixels(Render("< scene.pbrt"), named));
-    EXPECT_TRUE(SamePixels(Render("- < scene.pbrt"), named));
-}
-
-TEST_F(Flags, SeveralFilesAreOneScene) {
+TEST_F(Flags, SceneComesFromStandardInputOrSeveralFiles) {
     const std::string text = SmallScene();
     const size_t cut = text.find("Material");
     Write("first.pbrt", text.substr(0, cut));
     Write("second.pbrt", text.substr(cut));
-    EXPECT_TRUE(SamePixels(Render("first.pbrt second.pbrt"), Render("scene.pbrt")));
+    const ImageFile named = Render("scene.pbrt");
+    for (const char *scene : {"< scene.pbrt", "- < scene.pbrt", "first.pbrt second.pbrt"})
+        EXPECT_TRUE(SamePixels(Render(scene), named)) << scene;
 }
 
 TEST_F(Flags, QuietRunsPrintNothing) {

@@ -31,6 +31,12 @@ class Imgtool : public test::Program {
     }
 
     using Program::Write;
+    /// Grey values side by side.
+    void WriteRow(const std::string &name, const std::vector<Float> &values) const {
+        Image image(PixelFormat::Float, {static_cast<int>(values.size()), 1}, {"Y"});
+        std::copy(values.begin(), values.end(), static_cast<float *>(image.Data()));
+        WriteImage(Path(name), image);
+    }
     /// Values 0.1, 0.2, ... in every channel.
     Image Write(const std::string &name, int width, int height, const std::vector<std::string> &channels,
                 Float offset = 0) const {

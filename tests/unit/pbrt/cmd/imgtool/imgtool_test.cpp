@@ -181,9 +181,7 @@ TEST_F(Imgtool, DiffLooksOnlyAtTheChosenPart) {
 }
 
 TEST_F(Imgtool, DiffNeverCallsInvalidPixelsEqual) {
-    Image image(PixelFormat::Float, {1, 1}, {"Y"});
-    image.Set({0, 0}, 0, NAN);
-    WriteImage(Path("nan.exr"), image);
+    WriteRow("nan.exr", {NAN});
     EXPECT_EQ(Run("diff nan.exr --reference nan.exr").status, 1);
 }
 
@@ -329,10 +327,7 @@ TEST_F(Imgtool, ConvertWritesEveryFormatAndNoOther) {
 }
 
 TEST_F(Imgtool, FalsecolorOrdersValuesAndMarksInvalidOnes) {
-    Image image(PixelFormat::Float, {4, 1}, {"Y"});
-    for (int x = 0; x < 3; ++x) image.Set({x, 0}, 0, static_cast<Float>(x));
-    image.Set({3, 0}, 0, NAN);
-    WriteImage(Path("a.exr"), image);
+    WriteRow("a.exr", {0, 1, 2, NAN});
     const Outcome o = Run("falsecolor a.exr --ramp --outfile f.png");
     EXPECT_EQ(o.status, 0) << o.err;
     EXPECT_TRUE(Has(o.out, "0 to 2")) << o.out;
@@ -369,10 +364,7 @@ TEST_F(Imgtool, FalsecolorShowsTheImageAndNotItsBrightestPixels) {
 }
 
 TEST_F(Imgtool, FalsecolorPlusMinusIsBlueBelowAndRedAboveZero) {
-    Image image(PixelFormat::Float, {3, 1}, {"Y"});
-    image.Set({0, 0}, 0, -2);
-    image.Set({2, 0}, 0, 1);
-    WriteImage(Path("a.exr"), image);
+    WriteRow("a.exr", {-2, 0, 1});
     const Outcome o = Run("falsecolor a.exr --plusminus --outfile f.exr");
     EXPECT_TRUE(Has(o.out, "-2 to 2")) << o.out << o.err;
     const Image shown = ReadImage(Path("f.exr")).image;

@@ -85,18 +85,8 @@ TEST_F(Adaptive, KilledAndInterruptedRendersGoOnToTheSameBits) {
 TEST_F(Adaptive, AnyNumberOfProcessesGivesTheSameBits) {
     if (!StartAs(1)) GTEST_SKIP() << "NOT TESTED: this build has no MPI (PBRT_MPI=OFF)";
     Write("scene.pbrt", NoisyBall(64, "", "independent", "spectral"));
-    for (const std::string more : {"", "--integrator bdpt --spp 32 "}) {
-        const std::string arguments = (more.empty() ? lights_ : adaptive_) + more + "scene.pbrt --nthreads 1";
-        StartAs(1);
-        const ImageFile one = Render(arguments);
-        ExpectAdaptive(one);
-        for (const int ranks : {2, 3}) {
-            StartAs(ranks);
-            const ImageFile many = Render(arguments);
-            EXPECT_TRUE(SamePixels(one, many)) << ranks << more;
-            EXPECT_EQ(NumberOf(one, "pbrt.noise"), NumberOf(many, "pbrt.noise"));
-        }
-    }
+    for (const std::string &flags : {lights_, adaptive_ + "--integrator bdpt --spp 32 "})
+        ExpectAdaptive(ExpectSameBits(flags + "scene.pbrt", {2, 3}, "pbrt.noise"));
 }
 
 TEST_F(Adaptive, TheNoiseRequestedIsTheNoiseFound) {

@@ -82,6 +82,20 @@ bool Program::StartAs([[maybe_unused]] int ranks, [[maybe_unused]] const std::st
 #endif
 }
 
+ImageFile Program::ExpectSameBits(const std::string &arguments, const std::vector<int> &numbers,
+                                  const std::string &attribute) {
+    StartAs(1);
+    ImageFile one = Render(arguments + " --nthreads 1");
+    for (const int ranks : numbers) {
+        SCOPED_TRACE(fmt::format("{}, {} processes", arguments, ranks));
+        StartAs(ranks);
+        const ImageFile many = Render(arguments + " --nthreads " + (ranks == 2 ? "3" : "1"));
+        EXPECT_TRUE(SamePixels(one, many));
+        EXPECT_EQ(one.metadata.attributes.at(attribute), many.metadata.attributes.at(attribute));
+    }
+    return one;
+}
+
 Outcome Program::Wait(pid_t pid) const {
     int raw = 0;
     EXPECT_EQ(waitpid(pid, &raw, 0), pid);

@@ -46,6 +46,10 @@ class Program : public ::testing::Test {
     Outcome RunImgtool(const std::string &arguments) const;
     /// From now on mpirun starts the program as so many processes; 1: without mpirun. False if this build has no MPI.
     bool StartAs(int ranks, const std::string &wrapper = "");
+    /// Expects that these numbers of processes give the bits and the attribute of one process, whose picture it
+    /// returns.
+    ImageFile ExpectSameBits(const std::string &arguments, const std::vector<int> &numbers,
+                             const std::string &attribute = "samplesPerPixel");
 
     /// Starts the program without waiting for its end. `before`: shell commands to run before it, such as limits.
     pid_t Start(const std::string &arguments, const std::string &before = "true") const;

@@ -17,21 +17,6 @@ class Mpi : public Program {
         ext_ = Has(LightSamplerListing(), "\noctree\n");
         lights_ = ext_ ? "--lightsampler octree " : "--lightsampler bvh ";
     }
-    /// Expects that these numbers of processes give the bits and the attribute of one process, whose picture it
-    /// returns.
-    ImageFile ExpectSameBits(const std::string &arguments, const std::vector<int> &numbers,
-                             const std::string &attribute = "samplesPerPixel") {
-        StartAs(1);
-        ImageFile one = Render(arguments + " --nthreads 1");
-        for (const int ranks : numbers) {
-            SCOPED_TRACE(fmt::format("{}, {} processes", arguments, ranks));
-            StartAs(ranks);
-            const ImageFile many = Render(arguments + " --nthreads " + (ranks == 2 ? "3" : "1"));
-            EXPECT_TRUE(SamePixels(one, many));
-            EXPECT_EQ(IntOf(one, attribute), IntOf(many, attribute));
-        }
-        return one;
-    }
     /// The process that is number `rank` of those that a started mpirun started; 0 if there is none yet.
     static pid_t ProcessOf(pid_t mpirun, int rank) {
         for (const auto &entry : std::filesystem::directory_iterator("/proc")) {

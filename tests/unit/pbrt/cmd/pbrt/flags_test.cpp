@@ -31,7 +31,6 @@ TEST_F(Flags, SpellingOfNamesIsFree) {
 
 TEST_F(Flags, UnknownFlagsAndBadValuesAreErrors) {
     ExpectErrors({{"--spq 3 scene.pbrt", {"unknown flag --spq; did you mean --spp?", "--help"}},
-                  {"--sppp 4 scene.pbrt", {"unknown flag --sppp; did you mean --spp?"}},
                   {"-sppp=4 scene.pbrt", {"unknown flag -sppp; did you mean --spp?"}},
                   {"scene.pbrt --Light_Samplr bvh", {"did you mean --lightsampler?"}},
                   {"--frobnicate scene.pbrt", {"unknown flag --frobnicate\n"}},

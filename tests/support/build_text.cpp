@@ -29,7 +29,9 @@ std::unique_ptr<LightSampler> MakeLightSampler(const std::string &choice, const 
     DiagnosticSink sink;
     LightFlags flags;
     flags.choice = choice;
-    const std::optional<LightSelection> selection = ReadLightSelection(ParamSet(), flags, registry, sink);
+    LightSelectionParams defaults;  // whose name must be in the registry, although `choice` overrides it
+    defaults.lightSampler = registry.samplers.Names().front();
+    const std::optional<LightSelection> selection = ReadLightSelection(ParamSet(), flags, registry, sink, defaults);
     sink.ThrowIfErrors();
     const LightSamplerSpec &spec = selection->sampler;
     return registry.Make(*spec.entry, lights, spec.params, spec.meshLights);

@@ -62,7 +62,7 @@ once+="|^pbrt_program\\.(Adaptive\\.(Killed|AnyNumber|TheNoise|Less)|Budget\\.Ev
 # One build folder serves both: switching PBRT_EXT recompiles only what depends on it. Programs that do not run without
 # extensions are built with them only (`.ci/run stock` builds all of them without).
 stage "Building without extensions (build/release.log)"
-core_programs=(unit_tests contract_light_samplers contract_scene_samplers)
+core_programs=(unit_tests contract_scene_samplers)
 if bash .ci/build "$top/build/release" -DPBRT_EXT=OFF -DPBRT_WERROR=ON -DPBRT_UNITY=ON -- "${core_programs[@]}"; then
   # Programs that no extension can change run below.
   same=$(extension_free_units build/release | paste -sd "|")

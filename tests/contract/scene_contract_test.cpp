@@ -1,5 +1,5 @@
-// The contract of light samplers on real scenes with Prepare called, over every registered sampler, and over the
-// stock samplers on mesh groups too.
+// The contract of light samplers on scenes with Prepare called, over every registered sampler, and over the stock
+// samplers on mesh groups too.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,16 +8,32 @@
 #include "pbrt/core/parallel.h"
 #include "scene_fixtures.h"
 #include "support/sampler_laws.h"
+#ifdef PBRT_CONTRACT_HEADER  // the header of one sampler that is tested alone
+#include PBRT_CONTRACT_HEADER
+#endif
 
 namespace pbrt::test {
 namespace {
+
+const PluginRegistry &Registry() {
+#ifdef PBRT_CONTRACT_HEADER
+    static const PluginRegistry registry = [] {
+        PluginRegistry r;
+        PBRT_CONTRACT_REGISTER(r);
+        return r;
+    }();
+    return registry;
+#else
+    return AllSamplers();
+#endif
+}
 
 /// Every registered sampler; "name+meshlights" as well if the sampler can work on mesh groups; also with other
 /// parameters where these change how the sampler works.
 std::vector<std::string> SamplerLabels() {
     std::vector<std::string> labels;
-    for (const std::string &name : AllSamplers().samplers.Names()) {
-        const LightSamplerRegistry::Entry &entry = AllSamplers().samplers.Find(name);
+    for (const std::string &name : Registry().samplers.Names()) {
+        const LightSamplerRegistry::Entry &entry = Registry().samplers.Find(name);
         labels.push_back(name);
         if (entry.traits.takesGroups) labels.push_back(name + "+meshlights");
         if (name == "octree")
@@ -42,7 +58,7 @@ const Contest &ContestOf(const std::string &fixtureName, const std::string &labe
     Contest &c = contests[{fixtureName, label}];
     if (c.subject.sampler) return c;
     const SceneFixture &fixture = SceneFixtureOf(fixtureName);
-    c.subject = SamplerSubject(MakePreparedSampler(label, fixture), fixture.queries, fixture.Lights());
+    c.subject = SamplerSubject(MakePreparedSampler(label, fixture, Registry()), fixture.queries, fixture.Lights());
     c.contributions = ContributionsOf(c.subject, [&](size_t q, LightId id) { return fixture.ContributionOf(q, id); });
     return c;
 }
@@ -76,27 +92,29 @@ TEST_P(SceneContract, PreparedTheSameByOneThreadAndByThree) {
     std::unique_ptr<LightSampler> one, three;
     {
         ThreadLimit limit(1);
-        one = MakePreparedSampler(std::get<1>(GetParam()), Fixture());
+        one = MakePreparedSampler(std::get<1>(GetParam()), Fixture(), Registry());
     }
     {
         ThreadLimit limit(3);
-        three = MakePreparedSampler(std::get<1>(GetParam()), Fixture());
+        three = MakePreparedSampler(std::get<1>(GetParam()), Fixture(), Registry());
     }
     CheckSame(*one, *three, Fixture().queries, Fixture().Lights());
 }
 
 TEST(SceneContractProgram, EnvironmentLightsBehindPortalsAreChosenByRegions) {
-    const std::vector<std::string> names = AllSamplers().samplers.Names();
+    const std::vector<std::string> names = Registry().samplers.Names();
     if (std::find(names.begin(), names.end(), "octree") == names.end())
         GTEST_SKIP() << "Only the octree finds portals.";
     for (const char *fixture : {"MirroredSkyWindow", "TwoSkies"})
         EXPECT_GT(CheckRegions(ContestOf(fixture, "octree:portals=always").subject), 100u) << fixture;
 }
 
-/// The build runs this program once for each scene of the list PBRT_CONTRACT_SCENES, which must name all fixtures.
+#ifdef PBRT_CONTRACT_SCENES
+/// The build runs this program once for each scene of the list, which must name all fixtures.
 TEST(SceneContractProgram, RunsForEveryFixture) {
     EXPECT_EQ(fmt::format("{}", fmt::join(SceneFixtureNames(), " ")), PBRT_CONTRACT_SCENES);
 }
+#endif
 
 std::string Identifier(std::string s) {
     std::replace_if(

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <functional>
 #include <map>
 
 #include "pbrt/build/light_sampler_spec.h"
@@ -159,7 +158,7 @@ std::string NarrowBands() {
         return fmt::format("'spectrum {}' [ {} 0 {} 1 {} 0 ] 'float scale' {}", name, nm - 2, nm, nm + 2, scale);
     };
     Text t;
-    t.Rooms().PointLight({-1, 2, 1}, 1);
+    t.Rooms().PointLight({-1, 2, 1}, 1).ImageLight("infinite", "env_sky.exr", {0, 0, 0}, "", 0.1);
     t.Add("LightSource 'point' 'point3 from' [ 1 2 1 ] " + line("I", 589, 1));
     t.Add("LightSource 'spot' 'point3 from' [ -2 2 -1 ] 'point3 to' [ -2 0 0 ] " + line("I", 520, 2));
     t.Add("LightSource 'distant' 'point3 from' [ 1 2 -4 ] " + line("L", 650, 0.5));
@@ -169,147 +168,123 @@ std::string NarrowBands() {
     return t.Finish();
 }
 
+/// Emission and alpha that vary over the surface, lights that rays do not see, and every shape that emits.
+std::string AreaLights() {
+    const std::string file = fmt::format("'{}/panel.png'", kAssets);
+    const std::string image = "AreaLightSource 'diffuse' 'float scale' 3 'string filename' " + file;
+    const Vector3 right(0.8f, 0, 0), back(0, 0, 0.8f);
+    return Text()
+        .Rooms()
+        .Add("Texture 'holes' 'float' 'checkerboard' 'float uscale' 3 'float vscale' 3")
+        .Quad({-2.5f, 2.4f, 1}, right, back, image)
+        .Quad({-2.5f, 2.4f, -1}, right, back, image + "\nAttribute 'shape' 'string emissionfilename' " + file)
+        .Quad({1, 2.4f, 1}, right, back, Text::Area(2) + "\nAttribute 'shape' 'texture alpha' 'holes'")
+        .Quad({1, 2, -1}, right, back, Text::Area(2) + "\nAttribute 'shape' 'float alpha' 0")
+        .Sphere({-0.5f, 1.8f, -1}, 0.2f, Text::Area(3) + "\nAttribute 'shape' 'float alpha' 0")
+        .Sphere({2.5f, 1.8f, 2}, 0.2f, Text::Area(3) + "\nAttribute 'shape' 'float zmax' 0.05")
+        .Add("AttributeBegin\n" + Text::Area(2) +
+             "\nTranslate -2 1 2\nRotate 70 1 1 0\nShape 'cylinder' 'float radius' 0.1\nAttributeEnd")
+        .Add("AttributeBegin\n" + Text::Area(2, true) +
+             "\nTranslate 0.6 1.2 2\nRotate 50 1 1 0\nShape 'disk' 'float radius' 0.3\nAttributeEnd")
+        .Finish();
+}
+
+std::string Coincident() {
+    Text t;
+    t.Rooms();
+    for (int i = 0; i < 8; ++i) {
+        t.PointLight({-1.5f, 2, 1}, 1);
+        t.Quad({1, 2.4f, 1}, {0.5f, 0, 0}, {0, 0, 0.5f}, Text::Area(1));
+    }
+    return t.Finish();
+}
+
+std::string Occluded() {
+    Text t;
+    t.Rooms();
+    for (int i = 0; i < 4; ++i) {
+        Point3 p(static_cast<Float>(i) * 1.3f - 2, 1.5f, 1.5f);
+        t.Sphere(p, 0.3f);
+        if (i % 2) t.PointLight(p, 5);
+        else t.Sphere(p, 0.1f, Text::Area(10));
+    }
+    return t.Finish();
+}
+
 struct Recipe {
     std::string name;
-    std::function<std::string()> text;
+    std::string text;
     int places = 14;
     bool dark = false;
 };
 
 const std::vector<Recipe> &Recipes() {
     static const std::vector<Recipe> recipes = {
-        {"None", [] { return Text().Rooms().Finish(); }, 4, true},
-        {"OnePoint",
-         [] {
-             return Text().Rooms().PointLight({-1.5f, 2, 1}, 3).Finish();
-         }},
-        {"OneArea",
-         [] {
-             return Text().Rooms().Quad({1, 2.4f, 1}, {1, 0, 0}, {0, 0, 1}, Text::Area(3)).Finish();
-         }},
-        {"Mixed", [] { return Mixed(1); }},
-        {"ScaledDown", [] { return Mixed(1e-4); }},
-        {"ScaledUp", [] { return Mixed(1e4); }},
-        {"InfiniteOnly",
-         [] {
-             return Text().Rooms().Sky(1).Sun({1, 2, -4}, 3).Sky(0.01).Finish();
-         }},
+        {"None", Text().Rooms().Finish(), 4, true},
+        {"OnePoint", Text().Rooms().PointLight({-1.5f, 2, 1}, 3).Finish()},
+        {"OneArea", Text().Rooms().Quad({1, 2.4f, 1}, {1, 0, 0}, {0, 0, 1}, Text::Area(3)).Finish()},
+        {"Mixed", Mixed(1)},
+        {"ScaledDown", Mixed(1e-4)},
+        {"ScaledUp", Mixed(1e4)},
+        {"InfiniteOnly", Text().Rooms().Sky(1).Sun({1, 2, -4}, 3).Sky(0.01).Finish()},
         {"SkyWindow",
-         [] {
-             // A closed room with two openings, a sky with a bright spot, glass in one opening, a lamp.
-             return Text()
-                 .ClosedRoom()
-                 .ImageLight("infinite", "env_sky.exr", {0, 0, 0}, "Rotate 50 1 2 0", 1)
-                 .Quad({-1.6f, 0.8f, 3}, {1.2f, 0, 0}, {0, 1.2f, 0}, "Material 'dielectric'")
-                 .PointLight({0, 2, 0}, 0.1)
-                 .Finish();
-         }},
-        {"MirroredSkyWindow",
-         [] {
-             return Text()
-                 .ClosedRoom()
-                 .Quad({0.4f, 0.8f, 3}, {1.2f, 0, 0}, {0, 1.2f, 0},
-                       "Material 'diffusetransmission' 'rgb transmittance' [ .4 .4 .4 ]")
-                 .ImageLight("infinite", "env_sky.exr", {0, 0, 0}, "Scale -1 1 1\nRotate 80 0 1 1", 2)
-                 .PointLight({0, 2, 0}, 0.1)
-                 .Finish();
-         }},
+         // A closed room with two openings, a sky with a bright spot, glass in one opening, a lamp.
+         Text()
+             .ClosedRoom()
+             .ImageLight("infinite", "env_sky.exr", {0, 0, 0}, "Rotate 50 1 2 0", 1)
+             .Quad({-1.6f, 0.8f, 3}, {1.2f, 0, 0}, {0, 1.2f, 0}, "Material 'dielectric'")
+             .PointLight({0, 2, 0}, 0.1)
+             .Finish()},
+        {"MirroredSkyWindow", Text()
+                                  .ClosedRoom()
+                                  .Quad({0.4f, 0.8f, 3}, {1.2f, 0, 0}, {0, 1.2f, 0},
+                                        "Material 'diffusetransmission' 'rgb transmittance' [ .4 .4 .4 ]")
+                                  .ImageLight("infinite", "env_sky.exr", {0, 0, 0}, "Scale -1 1 1\nRotate 80 0 1 1", 2)
+                                  .PointLight({0, 2, 0}, 0.1)
+                                  .Finish()},
         {"TwoSkies",
-         [] {
-             // One of one colour, whose whole is never sampled.
-             return Text()
-                 .ClosedRoom()
-                 .Sky(1)
-                 .ImageLight("infinite", "env_sky.exr", {0, 0, 0}, "Rotate 20 1 0 0", 1)
-                 .PointLight({0, 2, 0}, 0.1)
-                 .Sky(0)
-                 .Finish();
-         }},
+         // One of one colour, whose whole is never sampled.
+         Text()
+             .ClosedRoom()
+             .Sky(1)
+             .ImageLight("infinite", "env_sky.exr", {0, 0, 0}, "Rotate 20 1 0 0", 1)
+             .PointLight({0, 2, 0}, 0.1)
+             .Sky(0)
+             .Finish()},
         {"Images",
-         [] {
-             // The open side of the rooms, towards the camera, is a portal; another one is walled up.
-             return Text()
-                 .Rooms()
-                 .Portal({-3, 0, -3}, {6, 0, 0}, {0, 2.5f, 0}, 0.5)
-                 .Portal({-2.9f, 0.5f, 1}, {0, 1, 0}, {0, 0, 1}, 3)
-                 .ImageLight("goniometric", "gonio_lobes.png", {-1.5f, 2, 1}, "Rotate 30 1 0 1", 3)
-                 .ImageLight("projection", "slide.png", {1.5f, 1.5f, -1}, "Rotate 40 1 1 0", 20)
-                 .PointLight({2, 2, 2}, 1)
-                 .Quad({1, 2.4f, 1}, {1, 0, 0}, {0, 0, 1}, Text::Area(1))
-                 .Finish();
-         }},
-        {"AreaLights",
-         [] {
-             // Emission and alpha that vary over the surface, lights that rays do not see, and every shape that emits.
-             const std::string assets = PBRT_SOURCE_DIR "/tests/conformance/suite/scenes/assets";
-             const std::string file = fmt::format("'{}/panel.png'", assets);
-             const std::string image = "AreaLightSource 'diffuse' 'float scale' 3 'string filename' " + file;
-             const Vector3 right(0.8f, 0, 0), back(0, 0, 0.8f);
-             return Text()
-                 .Rooms()
-                 .Add("Texture 'holes' 'float' 'checkerboard' 'float uscale' 3 'float vscale' 3")
-                 .Quad({-2.5f, 2.4f, 1}, right, back, image)
-                 .Quad({-2.5f, 2.4f, -1}, right, back, image + "\nAttribute 'shape' 'string emissionfilename' " + file)
-                 .Quad({1, 2.4f, 1}, right, back, Text::Area(2) + "\nAttribute 'shape' 'texture alpha' 'holes'")
-                 .Quad({1, 2, -1}, right, back, Text::Area(2) + "\nAttribute 'shape' 'float alpha' 0")
-                 .Sphere({-0.5f, 1.8f, -1}, 0.2f, Text::Area(3) + "\nAttribute 'shape' 'float alpha' 0")
-                 .Sphere({2.5f, 1.8f, 2}, 0.2f, Text::Area(3) + "\nAttribute 'shape' 'float zmax' 0.05")
-                 .Add("AttributeBegin\n" + Text::Area(2) +
-                      "\nTranslate -2 1 2\nRotate 70 1 1 0\nShape 'cylinder' 'float radius' 0.1\nAttributeEnd")
-                 .Add("AttributeBegin\n" + Text::Area(2, true) +
-                      "\nTranslate 0.6 1.2 2\nRotate 50 1 1 0\nShape 'disk' 'float radius' 0.3\nAttributeEnd")
-                 .Finish();
-         }},
-        {"MeshOf10000",
-         [] {
-             return Text().Rooms().Bulb({-1.5f, 1.5f, 1.5f}, 0.5, 50, 100, 1).PointLight({2, 2, 2}, 1).Finish();
-         },
-         3},
-        {"NarrowBands", NarrowBands},
+         // The open side of the rooms, towards the camera, is a portal; another one is walled up.
+         Text()
+             .Rooms()
+             .Portal({-3, 0, -3}, {6, 0, 0}, {0, 2.5f, 0}, 0.5)
+             .Portal({-2.9f, 0.5f, 1}, {0, 1, 0}, {0, 0, 1}, 3)
+             .ImageLight("goniometric", "gonio_lobes.png", {-1.5f, 2, 1}, "Rotate 30 1 0 1", 3)
+             .ImageLight("projection", "slide.png", {1.5f, 1.5f, -1}, "Rotate 40 1 1 0", 20)
+             .PointLight({2, 2, 2}, 1)
+             .Quad({1, 2.4f, 1}, {1, 0, 0}, {0, 0, 1}, Text::Area(1))
+             .Finish()},
+        {"AreaLights", AreaLights()},
+        {"MeshOf10000", Text().Rooms().Bulb({-1.5f, 1.5f, 1.5f}, 0.5, 50, 100, 1).PointLight({2, 2, 2}, 1).Finish(), 3},
+        {"NarrowBands", NarrowBands()},
         {"SunSphere",
-         [] {
-             // A sun of real size in metres, and lamps.
-             return Text()
-                 .Rooms()
-                 .PointLight({-1, 2, 1}, 1)
-                 .Quad({1, 2.4f, 1}, {1, 0, 0}, {0, 0, 1}, Text::Area(3))
-                 .Sphere({3e10f, 6e10f, -1.3e11f}, 7e8f, Text::Area(1e5))
-                 .Finish();
-         }},
-        {"ZeroPower",
-         [] {
-             return Text()
-                 .Rooms()
-                 .PointLight({-1, 2, 1}, 0)
-                 .PointLight({1, 2, 1}, 2)
-                 .Sky(0)
-                 .Quad({-2, 2.4f, 0}, {1, 0, 0}, {0, 0, 1}, Text::Area(0, true))
-                 .Quad({1, 2.4f, 0}, {1, 0, 0}, {0, 0, 1}, Text::Area(1))
-                 .Finish();
-         }},
-        {"Coincident",
-         [] {
-             Text t;
-             t.Rooms();
-             for (int i = 0; i < 8; ++i) {
-                 t.PointLight({-1.5f, 2, 1}, 1);
-                 t.Quad({1, 2.4f, 1}, {0.5f, 0, 0}, {0, 0, 0.5f}, Text::Area(1));
-             }
-             return t.Finish();
-         }},
-        {"Occluded",
-         [] {
-             Text t;
-             t.Rooms();
-             for (int i = 0; i < 4; ++i) {
-                 Point3 p(static_cast<Float>(i) * 1.3f - 2, 1.5f, 1.5f);
-                 t.Sphere(p, 0.3f);
-                 if (i % 2) t.PointLight(p, 5);
-                 else t.Sphere(p, 0.1f, Text::Area(10));
-             }
-             return t.Finish();
-         },
-         14, true},
+         // A sun of real size in metres, and lamps.
+         Text()
+             .Rooms()
+             .PointLight({-1, 2, 1}, 1)
+             .Quad({1, 2.4f, 1}, {1, 0, 0}, {0, 0, 1}, Text::Area(3))
+             .Sphere({3e10f, 6e10f, -1.3e11f}, 7e8f, Text::Area(1e5))
+             .Finish()},
+        {"ZeroPower", Text()
+                          .Rooms()
+                          .PointLight({-1, 2, 1}, 0)
+                          .PointLight({1, 2, 1}, 2)
+                          .Sky(0)
+                          .Quad({-2, 2.4f, 0}, {1, 0, 0}, {0, 0, 1}, Text::Area(0, true))
+                          .Quad({1, 2.4f, 0}, {1, 0, 0}, {0, 0, 1}, Text::Area(1))
+                          .Finish()},
+        {"AllZeroPower",
+         Text().Rooms().PointLight({-1, 2, 1}, 0).PointLight({1, 2, 1}, 0).PointLight({2, 1, 1}, 0).Finish(), 4, true},
+        {"Coincident", Coincident()},
+        {"Occluded", Occluded(), 14, true},
     };
     return recipes;
 }
@@ -367,6 +342,27 @@ std::vector<LightQuery> Places(const BuiltScene &built, int count, int depth, in
     return out;
 }
 
+namespace {
+
+/// Adds places right at a few of the lights, with and without a surface.
+void AddPlacesAtLights(const BuiltScene &built, std::vector<LightQuery> &queries) {
+    const LightTable &lights = built.scene->Lights();
+    const Bounds3 &bounds = built.scene->Bounds();
+    Rng rng(7);
+    for (int i = 0; i < 4 && lights.Size() > 0; ++i) {
+        const LightCandidate light = lights.Candidate(LightId(rng.UniformInt(static_cast<uint32_t>(lights.Size()))));
+        if (!light.bounds) continue;
+        LightQuery q;
+        q.p = light.bounds->Centroid() +
+              SampleUniformSphere(rng.Uniform2()) * (Float(0.001) * Length(bounds.high - bounds.low));
+        if (i % 2) q.n = q.ns = SampleUniformSphere(rng.Uniform2());
+        q.wo = SampleUniformSphere(rng.Uniform2());
+        queries.push_back(q);
+    }
+}
+
+}  // namespace
+
 double Contribution(const Scene &scene, const LightQuery &q, const LightComponent &light, const Point2 &u, Vector3 *wi,
                     bool allowIncompletePdfs) {
     LightSampleContext from{q.p, q.pError, q.n, q.ns, q.time};
@@ -403,10 +399,11 @@ void SceneFixture::Prepare(LightSampler &sampler) const {
     sampler.Prepare(context);
 }
 
-std::unique_ptr<LightSampler> MakePreparedSampler(const std::string &label, const SceneFixture &fixture) {
+std::unique_ptr<LightSampler> MakePreparedSampler(const std::string &label, const SceneFixture &fixture,
+                                                  const PluginRegistry &registry) {
     size_t plus = label.find('+');
-    std::unique_ptr<LightSampler> sampler =
-        MakeLightSampler(label.substr(0, plus) + (plus != std::string::npos ? "+mesh" : ""), fixture.Lights());
+    std::unique_ptr<LightSampler> sampler = MakeLightSampler(
+        label.substr(0, plus) + (plus != std::string::npos ? "+mesh" : ""), fixture.Lights(), registry);
     fixture.Prepare(*sampler);
     return sampler;
 }
@@ -424,8 +421,9 @@ const SceneFixture &SceneFixtureOf(const std::string &name) {
     SceneFixture &f = fixtures[name];
     for (const Recipe &r : Recipes())
         if (r.name == name) {
-            f.built = BuildText(r.text());
+            f.built = BuildText(r.text);
             f.queries = Places(f.built, r.places, 2, 3, f.bsdfs);
+            AddPlacesAtLights(f.built, f.queries);
             f.dark = r.dark;
         }
     const size_t lights = f.Lights().Size();

@@ -30,7 +30,8 @@ struct SceneFixture {
 
 /// The sampler of `label`, after Prepare. A label is name[:key=value,...]; "+meshlights" after it makes every emissive
 /// mesh one light.
-std::unique_ptr<LightSampler> MakePreparedSampler(const std::string &label, const SceneFixture &fixture);
+std::unique_ptr<LightSampler> MakePreparedSampler(const std::string &label, const SceneFixture &fixture,
+                                                  const PluginRegistry &registry = AllSamplers());
 
 /// `count` vertices of camera paths, taken in turn from the first `depth` of a path, and as many points anywhere in the
 /// bounds; half of them also as places in a medium. Every `bsdfEvery`-th vertex has a BSDF, which `bsdfs` owns.

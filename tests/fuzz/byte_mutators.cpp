@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
-#include <cstring>
 #include <iterator>
 #include <limits>
 #include <sstream>
@@ -29,57 +27,33 @@ std::string ExtremeNumber(Dice &dice) {
 }
 
 std::string ExtremeWord(Dice &dice) {
-    std::array<char, 8> raw{};
-    size_t size = size_t(1) << dice.Below(4);
+    constexpr auto kInf = std::numeric_limits<double>::infinity(), kNan = std::numeric_limits<double>::quiet_NaN();
+    static constexpr uint64_t kIntegers[] = {0,
+                                             1,
+                                             2,
+                                             0x7f,
+                                             0x80,
+                                             0xff,
+                                             0x7fff,
+                                             0xffff,
+                                             0x10000,
+                                             0x7fffffff,
+                                             0x80000000,
+                                             0xffffffff,
+                                             0x7fffffffffffffff,
+                                             0xffffffffffffffff};
+    static constexpr double kFloats[] = {0, -0., -1, 1e-40, 1e38, -3e38, kInf, -kInf, kNan},
+                            kDoubles[] = {0, -1, 1e300, 1e-300, kInf, kNan};
+    const auto bytes = [](auto value) { return std::string(reinterpret_cast<const char *>(&value), sizeof(value)); };
+    const size_t size = size_t(1) << dice.Below(4);
+    std::string word;
     switch (dice.Below(5)) {
-        case 0: {
-            static const std::array<uint64_t, 14> kIntegers = {0,
-                                                               1,
-                                                               2,
-                                                               0x7f,
-                                                               0x80,
-                                                               0xff,
-                                                               0x7fff,
-                                                               0xffff,
-                                                               0x10000,
-                                                               0x7fffffff,
-                                                               0x80000000,
-                                                               0xffffffff,
-                                                               0x7fffffffffffffff,
-                                                               0xffffffffffffffff};
-            const uint64_t v = dice.Pick(kIntegers);
-            std::memcpy(raw.data(), &v, 8);
-            break;
-        }
-        case 1: {
-            const uint64_t v = uint64_t(1) << dice.Below(64);
-            std::memcpy(raw.data(), &v, 8);
-            break;
-        }
-        case 2: {
-            constexpr auto kInf = std::numeric_limits<float>::infinity();
-            static const std::array<float, 9> kFloats = {
-                0.f, -0.f, -1.f, 1e-40f, 1e38f, -3e38f, kInf, -kInf, std::numeric_limits<float>::quiet_NaN()};
-            const float v = dice.Pick(kFloats);
-            std::memcpy(raw.data(), &v, 4);
-            size = 4;
-            break;
-        }
-        case 3: {
-            constexpr auto kInf = std::numeric_limits<double>::infinity();
-            static const std::array<double, 6> kDoubles = {0.,     -1.,  1e300,
-                                                           1e-300, kInf, std::numeric_limits<double>::quiet_NaN()};
-            const double v = dice.Pick(kDoubles);
-            std::memcpy(raw.data(), &v, 8);
-            size = 8;
-            break;
-        }
-        default: {
-            const uint64_t v = dice.Next();
-            std::memcpy(raw.data(), &v, 8);
-        }
+        case 0: word = bytes(dice.Pick(kIntegers)).substr(0, size); break;
+        case 1: word = bytes(uint64_t(1) << dice.Below(64)).substr(0, size); break;
+        case 2: word = bytes(static_cast<float>(dice.Pick(kFloats))); break;
+        case 3: word = bytes(dice.Pick(kDoubles)); break;
+        default: word = bytes(dice.Next()).substr(0, size);
     }
-    std::string word(raw.data(), size);
     if (dice.OneIn(3)) std::reverse(word.begin(), word.end());
     return word;
 }

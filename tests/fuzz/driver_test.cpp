@@ -13,6 +13,7 @@
 
 #include "fuzz/asset_mutators.h"
 #include "fuzz/assets.h"
+#include "fuzz/byte_mutators.h"
 #include "fuzz/case_maker.h"
 #include "fuzz/report.h"
 #include "fuzz/shrink.h"
@@ -48,30 +49,31 @@ class Driver : public ::testing::Test {
     }
     static std::string Folder(const char *name) { return (folder_ / name).string(); }
 
-    /// The driver's verdict on a program that does this.
-    static Verdict VerdictOn(const std::function<int(PictureReport &)> &program) {
+    /// The driver's verdict on a program that does this and has this exit status.
+    static Verdict VerdictOn(int status, const std::function<void(PictureReport &)> &act) {
         Limits limits;
         limits.seconds = limits.graceSeconds = 0.3;
         limits.memoryMb = 300;
-        Workplace place(Folder("job"), [&](const FuzzCase &, PictureReport &report) { return program(report); });
+        Workplace place(Folder("job"), [&](const FuzzCase &, PictureReport &report) {
+            act(report);
+            return status;
+        });
         return place.Run({"none", "none", {{"scene.pbrt", "WorldBegin\n"}}, {}}, limits).verdict;
     }
-    static Outcome Of(const std::function<int(PictureReport &)> &program) { return VerdictOn(program).outcome; }
+    static Outcome Of(int status, const std::function<void(PictureReport &)> &act) {
+        return VerdictOn(status, act).outcome;
+    }
     /// As pbrt after an error with this message.
     static Verdict AfterError(const std::string &message) {
-        return VerdictOn([&](PictureReport &) {
-            std::fprintf(stderr, "Error: %s\n", message.c_str());
-            return 1;
-        });
+        return VerdictOn(1, [&](PictureReport &) { std::fprintf(stderr, "Error: %s\n", message.c_str()); });
     }
     /// As pbrt after success.
     static Verdict AfterWriting(Float value) {
-        return VerdictOn([&](PictureReport &report) {
+        return VerdictOn(0, [&](PictureReport &report) {
             Image image(PixelFormat::Float, {4, 3}, {"R", "G", "B"});
             image.Set({1, 2}, 1, value);
             WriteImage("out.exr", image);
             LookAtPicture("out.exr", report);
-            return 0;
         });
     }
     static const CaseMaker &Maker() { return *maker_; }
@@ -94,39 +96,33 @@ void KeepBusy() {
 }
 
 TEST_F(Driver, SeesCrashesAndNamesTheirPlace) {
-    const Verdict fault = VerdictOn([](PictureReport &) {
-        ::fault::WriteToNull();
-        return 0;
-    });
+    const Verdict fault = VerdictOn(0, [](PictureReport &) { ::fault::WriteToNull(); });
     EXPECT_EQ(fault.outcome, Outcome::Signal);
     EXPECT_TRUE(fault.cause.find("Segmentation fault") != std::string::npos) << fault.cause;
-    EXPECT_EQ(Of([](PictureReport &) { return RecurseForEver(0); }), Outcome::Signal);
-    const Verdict aborted = VerdictOn([](PictureReport &) {
-        std::abort();
-        return 0;
-    });
+    EXPECT_EQ(Of(0, [](PictureReport &) { RecurseForEver(0); }), Outcome::Signal);
+    const Verdict aborted = VerdictOn(0, [](PictureReport &) { std::abort(); });
     EXPECT_EQ(aborted.outcome, Outcome::Signal);
     EXPECT_NE(aborted.cause, fault.cause);
 }
 
 TEST_F(Driver, TellsHangsFromThoseThatStopWhenAsked) {
-    EXPECT_EQ(Of([](PictureReport &) {
-                  std::signal(SIGTERM, SIG_IGN);
-                  KeepBusy();
-                  return 0;
-              }),
+    EXPECT_EQ(Of(0,
+                 [](PictureReport &) {
+                     std::signal(SIGTERM, SIG_IGN);
+                     KeepBusy();
+                 }),
               Outcome::Hang);
-    EXPECT_EQ(Of([](PictureReport &) {
-                  std::signal(SIGTERM, SIG_IGN);
-                  for (;;) pause();  // without using the processor
-                  return 0;
-              }),
+    EXPECT_EQ(Of(0,
+                 [](PictureReport &) {
+                     std::signal(SIGTERM, SIG_IGN);
+                     for (;;) pause();  // without using the processor
+                 }),
               Outcome::Hang);
-    EXPECT_EQ(Of([](PictureReport &) {
-                  std::signal(SIGTERM, [](int) { _exit(143); });
-                  KeepBusy();
-                  return 0;
-              }),
+    EXPECT_EQ(Of(0,
+                 [](PictureReport &) {
+                     std::signal(SIGTERM, [](int) { _exit(143); });
+                     KeepBusy();
+                 }),
               Outcome::Stopped);
 }
 
@@ -137,37 +133,34 @@ TEST_F(Driver, SeesMemoryThatNobodySpeaksOf) {
         std::vector<std::unique_ptr<char[]>> all;
         for (;;) all.push_back(std::make_unique_for_overwrite<char[]>(10 << 20));
     };
-    EXPECT_EQ(Of([&](PictureReport &) {
-                  allocate();
-                  return 0;
-              }),
-              Outcome::Memory);
-    EXPECT_EQ(Of([&](PictureReport &) {
-                  try {
-                      allocate();
-                  } catch (const std::exception &e) {
-                      std::fprintf(stderr, "Error: %s\n", e.what());
-                  }
-                  return 1;
-              }),
+    EXPECT_EQ(Of(0, [&](PictureReport &) { allocate(); }), Outcome::Memory);
+    EXPECT_EQ(Of(1,
+                 [&](PictureReport &) {
+                     try {
+                         allocate();
+                     } catch (const std::exception &e) {
+                         std::fprintf(stderr, "Error: %s\n", e.what());
+                     }
+                 }),
               Outcome::Memory);
     EXPECT_EQ(AfterError("scene.pbrt:3:4: std::bad_alloc").outcome, Outcome::Memory);
 }
 
 TEST_F(Driver, JudgesMessages) {
-    EXPECT_EQ(AfterError("scene.pbrt:12:3: \"float fov\" must be less than 180.").outcome, Outcome::Refused);
-    EXPECT_EQ(AfterError("mutated.ply: line 3: \"x\" is not a count.").outcome, Outcome::Refused);
-    EXPECT_EQ(AfterError("the number is too large.").outcome, Outcome::Message);
-    EXPECT_EQ(AfterError("scene.pbrt:1:2: vector::_M_default_append").outcome, Outcome::Message);
-    EXPECT_EQ(AfterError("Internal error: no device").outcome, Outcome::Message);
-    EXPECT_EQ(AfterError("scene.pbrt:1:2: expected numbers, found \"bad_index\".").outcome, Outcome::Refused);
-    EXPECT_EQ(Of([](PictureReport &) { return 1; }), Outcome::Silent);
-    EXPECT_EQ(Of([](PictureReport &) { return 3; }), Outcome::Silent);
-    EXPECT_EQ(Of([](PictureReport &) {
-                  for (int i = 0; i < 30000; ++i)
-                      std::fprintf(stderr, "Error: scene.pbrt:%d:0: the same again, and again, and again\n", i);
-                  return 1;
-              }),
+    for (const char *message :
+         {"scene.pbrt:12:3: \"float fov\" must be less than 180.", "mutated.ply: line 3: \"x\" is not a count.",
+          "scene.pbrt:1:2: expected numbers, found \"bad_index\"."})
+        EXPECT_EQ(AfterError(message).outcome, Outcome::Refused) << message;
+    for (const char *message :
+         {"the number is too large.", "scene.pbrt:1:2: vector::_M_default_append", "Internal error: no device"})
+        EXPECT_EQ(AfterError(message).outcome, Outcome::Message) << message;
+    EXPECT_EQ(Of(1, [](PictureReport &) {}), Outcome::Silent);
+    EXPECT_EQ(Of(3, [](PictureReport &) {}), Outcome::Silent);
+    EXPECT_EQ(Of(1,
+                 [](PictureReport &) {
+                     for (int i = 0; i < 30000; ++i)
+                         std::fprintf(stderr, "Error: scene.pbrt:%d:0: the same again, and again, and again\n", i);
+                 }),
               Outcome::Message);
     // The same mistake at another place and with other values has the same cause.
     EXPECT_EQ(AfterError("value 12.5e3 of \"radius\" is odd").cause, AfterError("value -7 of \"zmin\" is odd").cause);
@@ -175,17 +168,16 @@ TEST_F(Driver, JudgesMessages) {
 }
 
 TEST_F(Driver, SeesFindingsOfSanitizers) {
-    const Verdict address = VerdictOn([](PictureReport &) {
+    const Verdict address = VerdictOn(99, [](PictureReport &) {
         std::fprintf(stderr,
                      "==7==ERROR: AddressSanitizer: heap-buffer-overflow on address 0x60\n"
                      "SUMMARY: AddressSanitizer: heap-buffer-overflow /x/ply.cpp:12 in pbrt::ParsePly\n");
-        return 99;
     });
     EXPECT_EQ(address.outcome, Outcome::Sanitizer);
-    EXPECT_EQ(Of([](PictureReport &) {
-                  std::fprintf(stderr, "/x/film.cpp:12:7: runtime error: signed integer overflow: 2147483647 + 1\n");
-                  return 0;
-              }),
+    EXPECT_EQ(Of(0,
+                 [](PictureReport &) {
+                     std::fprintf(stderr, "/x/film.cpp:12:7: runtime error: signed integer overflow: 2147483647 + 1\n");
+                 }),
               Outcome::Sanitizer);
 }
 
@@ -193,22 +185,17 @@ TEST_F(Driver, LooksAtPictures) {
     EXPECT_EQ(AfterWriting(2).outcome, Outcome::Rendered);
     EXPECT_EQ(AfterWriting(std::numeric_limits<Float>::quiet_NaN()).outcome, Outcome::Picture);
     EXPECT_EQ(AfterWriting(std::numeric_limits<Float>::infinity()).outcome, Outcome::Picture);
-    EXPECT_EQ(Of([](PictureReport &report) {
-                  LookAtPicture("out.exr", report);
-                  return 0;
-              }),
-              Outcome::Silent);
-    EXPECT_EQ(Of([](PictureReport &report) {
-                  std::ofstream("out.exr") << "not a picture";
-                  LookAtPicture("out.exr", report);
-                  return 0;
-              }),
+    EXPECT_EQ(Of(0, [](PictureReport &report) { LookAtPicture("out.exr", report); }), Outcome::Silent);
+    EXPECT_EQ(Of(0,
+                 [](PictureReport &report) {
+                     std::ofstream("out.exr") << "not a picture";
+                     LookAtPicture("out.exr", report);
+                 }),
               Outcome::Picture);
     auto errorAndFile = [](const char *name) {
-        return Of([&](PictureReport &) {
+        return Of(1, [&](PictureReport &) {
             std::ofstream{name} << "half of it";
             std::fprintf(stderr, "Error: scene.pbrt:1:0: something is wrong\n");
-            return 1;
         });
     };
     EXPECT_EQ(errorAndFile("out.exr"), Outcome::Picture);
@@ -278,17 +265,9 @@ TEST_F(Driver, CasesFollowFromSeedAndNumberAndDiffer) {
 
 TEST_F(Driver, KindsCoverEveryFormat) {
     const std::vector<std::string> &kinds = Maker().Kinds();
-    for (const char *kind : {"bsdf",          "exr",
-                             "hdr",           "include",
-                             "include-gz",    "lens",
-                             "pfm",           "ply-ascii",
-                             "ply-binary",    "ply-gz",
-                             "png",           "spectrum",
-                             "tga",           "scene-bytes",
-                             "scene-names",   "scene-nesting",
-                             "scene-numbers", "scene-parameters",
-                             "scene-splice",  "scene-statements",
-                             "scene-types"})
+    for (const std::string &kind :
+         WordsOf("bsdf exr hdr include include-gz lens pfm ply-ascii ply-binary ply-gz png spectrum tga scene-bytes "
+                 "scene-names scene-nesting scene-numbers scene-parameters scene-splice scene-statements scene-types"))
         EXPECT_NE(std::find(kinds.begin(), kinds.end(), kind), kinds.end()) << kind;
 }
 

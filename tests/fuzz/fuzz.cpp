@@ -36,7 +36,7 @@ struct Settings {
     double minutes = 0;
     std::vector<std::string> only;
     std::string out, replay;
-    bool seedsOnly = false, verbose = false;
+    bool verbose = false;
     Limits limits;
 };
 
@@ -81,8 +81,7 @@ Tally RunCases(const Settings &s, const CaseMaker &maker, const Scratch &scratch
     for (size_t i = 0; i < seats.size(); ++i)
         seats[i].place = std::make_unique<Workplace>(scratch.Path("job" + std::to_string(i)));
     const std::vector<std::string> &kinds = s.only.empty() ? maker.Kinds() : s.only;
-    const auto &scenes = maker.Seeds().scenes;
-    const uint64_t end = s.seedsOnly ? scenes.size() : s.from + s.cases;
+    const uint64_t end = s.from + s.cases;
 
     Tally tally;
     tally.seed = s.seed;
@@ -90,7 +89,7 @@ Tally RunCases(const Settings &s, const CaseMaker &maker, const Scratch &scratch
     tally.version = pbrt::VersionText();
     const double start = Now();
     double shown = start;
-    uint64_t next = s.seedsOnly ? 0 : s.from;
+    uint64_t next = s.from;
     for (bool busy = true; busy;) {
         busy = false;
         const bool isTimeOver = s.minutes > 0 && Now() - start > 60 * s.minutes;
@@ -103,8 +102,7 @@ Tally RunCases(const Settings &s, const CaseMaker &maker, const Scratch &scratch
                 }
             if (!seat.place->Running() && next < end && !isTimeOver) {
                 seat.number = next++;
-                seat.fuzzCase =
-                    s.seedsOnly ? maker.Unchanged(scenes[seat.number]) : maker.Make(s.seed, seat.number, kinds);
+                seat.fuzzCase = maker.Make(s.seed, seat.number, kinds);
                 seat.place->Start(seat.fuzzCase, s.limits);
             }
             if (!seat.place->Running()) continue;
@@ -134,8 +132,7 @@ void SaveFailures(const Settings &s, const CaseMaker &maker, const Scratch &scra
     Workplace place(scratch.Path("shrink"));
     int index = 0;
     for (auto &[name, cause] : tally.causes) {
-        const FuzzCase original = s.seedsOnly ? maker.Unchanged(maker.Seeds().scenes[cause.firstNumber])
-                                              : maker.Make(s.seed, cause.firstNumber, kinds);
+        const FuzzCase original = maker.Make(s.seed, cause.firstNumber, kinds);
         const CaseResult first = place.Run(original, s.limits);
         const bool isSlow = first.run.askedToStop;
         // A state with a part left out has another checksum.
@@ -182,9 +179,8 @@ int main(int argc, char **argv) {
     app.add_option("--jobs", s.jobs, "cases at the same time (1)")->check(CLI::Range(1, 256));
     app.add_option("--minutes", s.minutes, "minutes after which no further case starts (0: no limit)");
     app.add_option("--only", s.only, "kinds of mutations, separated by commas (all)")->delimiter(',');
-    app.add_option("--out", s.out, "folder for report.md, report.json and the failures, made smaller");
+    app.add_option("--out", s.out, "folder for report.md and the failures, made smaller");
     app.add_option("--replay", s.replay, "run one saved case (its case.json)");
-    app.add_flag("--seeds", s.seedsOnly, "run the scenes as they are, without mutations");
     app.add_flag("--verbose", s.verbose, "print every case with its messages");
     app.add_option("--seconds", s.limits.seconds, "CPU seconds for a case (4)");
     app.add_option("--memory-mb", s.limits.memoryMb, "megabytes of memory for a case (2048)");
@@ -205,7 +201,6 @@ int main(int argc, char **argv) {
         if (!s.out.empty()) {
             SaveFailures(s, maker, scratch, tally);
             std::ofstream(fs::path(s.out) / "report.md") << Markdown(tally);
-            std::ofstream(fs::path(s.out) / "report.json") << Json(tally);
         }
         std::printf("%s", Markdown(tally).c_str());
         return tally.causes.empty() ? 0 : 1;

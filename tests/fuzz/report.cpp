@@ -61,24 +61,6 @@ std::string Markdown(const Tally &tally) {
     return out;
 }
 
-std::string Json(const Tally &tally) {
-    Record j;
-    j["seed"] = tally.seed;
-    j["from"] = tally.from;
-    j["cases"] = tally.cases;
-    j["seconds"] = tally.seconds;
-    j["version"] = tally.version;
-    j["failures"] = tally.Failures();
-    for (const auto &[kind, counts] : tally.counts)
-        for (int o = 0; o < kOutcomeCount; ++o)
-            j["mutations"][kind][Name(static_cast<Outcome>(o))] = counts[static_cast<size_t>(o)];
-    j["causes"] = Record::array();
-    for (const auto &[name, cause] : tally.causes)
-        j["causes"].push_back(
-            {{"cause", name}, {"count", cause.count}, {"firstCase", cause.firstNumber}, {"folder", cause.folder}});
-    return j.dump(2, ' ', true, Record::error_handler_t::replace) + '\n';
-}
-
 void SaveCase(const std::string &folder, const FuzzCase &fuzzCase, const Verdict &verdict,
               const std::string &messages) {
     fs::create_directories(folder);

@@ -31,7 +31,6 @@ struct Tally {
 
 /// Kinds of mutations as rows, outcomes as columns; then the causes of failures.
 std::string Markdown(const Tally &tally);
-std::string Json(const Tally &tally);
 
 /// Writes the case's files, its messages and case.json, which ReadCase reads.
 void SaveCase(const std::string &folder, const FuzzCase &fuzzCase, const Verdict &verdict, const std::string &messages);

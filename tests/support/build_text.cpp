@@ -24,14 +24,17 @@ const PluginRegistry &AllSamplers() {
     return registry;
 }
 
-std::unique_ptr<LightSampler> MakeLightSampler(const std::string &choice, const LightTable &lights) {
+std::unique_ptr<LightSampler> MakeLightSampler(const std::string &choice, const LightTable &lights,
+                                               const PluginRegistry &registry) {
     DiagnosticSink sink;
     LightFlags flags;
     flags.choice = choice;
-    const std::optional<LightSelection> selection = ReadLightSelection(ParamSet(), flags, AllSamplers(), sink);
+    LightSelectionParams defaults;  // whose name must be in the registry, although `choice` overrides it
+    defaults.lightSampler = registry.samplers.Names().front();
+    const std::optional<LightSelection> selection = ReadLightSelection(ParamSet(), flags, registry, sink, defaults);
     sink.ThrowIfErrors();
     const LightSamplerSpec &spec = selection->sampler;
-    return AllSamplers().Make(*spec.entry, lights, spec.params, spec.meshLights);
+    return registry.Make(*spec.entry, lights, spec.params, spec.meshLights);
 }
 
 BuiltScene BuildText(const std::string &text, const BuildOptions &options) {

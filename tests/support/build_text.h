@@ -9,7 +9,8 @@ namespace pbrt::test {
 /// The registry with all light samplers of this build.
 const PluginRegistry &AllSamplers();
 /// A light sampler as written for --lightsampler, not prepared. Throws UserError.
-std::unique_ptr<LightSampler> MakeLightSampler(const std::string &choice, const LightTable &lights);
+std::unique_ptr<LightSampler> MakeLightSampler(const std::string &choice, const LightTable &lights,
+                                               const PluginRegistry &registry = AllSamplers());
 
 /// A scene from text, ready to render; all light samplers of the build are registered. Throws UserError.
 BuiltScene BuildText(const std::string &text, const BuildOptions &options = {});

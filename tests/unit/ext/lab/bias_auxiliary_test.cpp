@@ -31,7 +31,7 @@ struct Alarms {
 /// `make(probability, share, spread)` gives the samplers of an experiment. Their noise is in one room, in a corner, in
 /// some rooms or everywhere.
 template <class F>
-Alarms CountAlarms(F &&make, bool useAuxiliary, int experiments) {
+Alarms CountAlarms(F &&make, bool useAuxiliary) {
     std::vector<Contest> contests;
     for (auto where : {InRoom, InCorner, InSomeRooms, +[](int, int) { return true; }})
         for (int runs : {3, 12})
@@ -47,13 +47,12 @@ Alarms CountAlarms(F &&make, bool useAuxiliary, int experiments) {
                         contests.push_back(contest);
                     }
     std::atomic<int> alarms = 0;
-    const auto count = static_cast<int64_t>(contests.size()) * experiments;
-    ParallelForEach(count, [&](int64_t i) {
-        const std::vector<BiasVerdict> verdicts =
-            Simulate(contests[static_cast<size_t>(i / experiments)], 7000 + static_cast<uint64_t>(i));
+    ParallelForEach(static_cast<int64_t>(contests.size()), [&](int64_t i) {
+        const auto k = static_cast<size_t>(i);
+        const std::vector<BiasVerdict> verdicts = Simulate(contests[k], 7000 + k);
         alarms += std::count(verdicts.begin(), verdicts.end(), BiasVerdict::Biased) > 0;
     });
-    return {alarms, static_cast<int>(count)};
+    return {alarms, static_cast<int>(contests.size())};
 }
 
 /// The number of experiments of 20 that find the bias of the first sampler, which never chooses a light in a region.
@@ -97,7 +96,7 @@ Contest ThreeOfWhomTwoAreRare(double probability, double share, double spread) {
 // The level of 0.5 % allows one alarm. A check that uses only the runs and their reference, and half as many unseen
 // samples, calls 6 to 7 % of such experiments biased.
 TEST(AuxiliaryRuns, LightThatASamplerMeetsRarelyIsNoBias) {
-    const Alarms two = CountAlarms(TwoOfWhomOneIsRare, true, 1), three = CountAlarms(ThreeOfWhomTwoAreRare, true, 1);
+    const Alarms two = CountAlarms(TwoOfWhomOneIsRare, true), three = CountAlarms(ThreeOfWhomTwoAreRare, true);
     EXPECT_LE(two.alarms + three.alarms, 3) << "of " << two.of + three.of;
 }
 
@@ -109,7 +108,7 @@ TEST(AuxiliaryRuns, WithoutKinSomeFalseAlarmsRemain) {
         contest.second.reset();
         return contest;
     };
-    const Alarms alone = CountAlarms(make, false, 1);
+    const Alarms alone = CountAlarms(make, false);
     EXPECT_LE(alone.alarms, 0.035 * alone.of);
 }
 

@@ -162,23 +162,25 @@ TEST(BiasCheck, FindsThreePercentInARegion) {
     }
 }
 
-TEST(BiasCheck, FindsSevenThousandthsOfTheWholeImage) {
-    Experiment c = With(Lognormal(0.14), 4);
-    c.bias = [](int, int) { return 0.007; };
-    EXPECT_GE(Verdicts(c, 40, 11).biased, 36);
-}
-
-// A light that is never chosen in one corner, under noise with fireflies (relL2 0.3).
-TEST(BiasCheck, FindsALostLightUnderFireflies) {
-    Experiment c = With(Fireflies(1e-3, 0.02, 0.3), 4);
-    c.bias = [](int x, int y) { return x < 32 && y < 32 ? -0.4 : 0.0; };
-    EXPECT_GE(Verdicts(c, 30, 12).biased, 27);
-}
-
-TEST(BiasCheck, FindsABiasWithOnePictureAsReference) {
-    Experiment c = With(Lognormal(0.14), 4);
-    c.bias = [](int x, int y) { return InSquare(x, y, -0.04); };
-    EXPECT_GE(Verdicts(c, 30, 13, {}, true).biased, 27);
+TEST(BiasCheck, FindsWhatItShould) {
+    struct Case {
+        const char *what;
+        test::Noise noise;
+        std::function<double(int, int)> bias;
+        bool onePicture;  ///< as reference
+        int experiments, found;
+        uint64_t seed;
+    };
+    for (const Case &k :
+         {Case{"0.7 % of the whole image", Lognormal(0.14), [](int, int) { return 0.007; }, false, 40, 36, 11},
+          Case{"a light lost in a corner under fireflies of relL2 0.3", Fireflies(1e-3, 0.02, 0.3),
+               [](int x, int y) { return x < 32 && y < 32 ? -0.4 : 0.0; }, false, 30, 27, 12},
+          Case{"4 % in a square", Lognormal(0.14), [](int x, int y) { return InSquare(x, y, -0.04); }, true, 30, 27,
+               13}}) {
+        Experiment c = With(k.noise, 4);
+        c.bias = k.bias;
+        EXPECT_GE(Verdicts(c, k.experiments, k.seed, {}, k.onePicture).biased, k.found) << k.what;
+    }
 }
 
 TEST(BiasCheck, CallsCleanOnlyWhatItCouldHaveSeen) {

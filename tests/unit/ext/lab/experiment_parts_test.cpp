@@ -1,16 +1,10 @@
-#include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <filesystem>
 #include <fstream>
 #include <thread>
 
-#include "ext/lab/experiment.h"
+#include "experiment_fixture.h"
 #include "pbrt/scenefile/content_hash.h"
 
 namespace ext::lab {
-
-namespace fs = std::filesystem;
 
 TEST(SamplerList, KeysBelongToTheSamplerBeforeThem) {
     EXPECT_EQ(SplitSamplerList("a,b:k=1,m=2,c+mesh,d+guide:k=1,m=2, e"),
@@ -70,15 +64,13 @@ TEST(ExperimentDisplay, TimeLeftIsThatOfTheWholeExperiment) {
     EXPECT_EQ(sink.fraction, 1);
 }
 
-TEST(SceneHash, SeesEveryFileThatIsNamed) {
-    const fs::path folder = fs::temp_directory_path() / ("pbrt_scene_hash_" + std::to_string(getpid()));
-    fs::create_directories(folder);
-    auto write = [&](const char *name, const std::string &text) { std::ofstream(folder / name) << text; };
+TEST_F(Experiment, SceneHashSeesEveryFileThatIsNamed) {
+    auto write = [&](const char *name, const std::string &text) { std::ofstream(folder_ / name) << text; };
     write("a.pbrt", "Include \"b.pbrt\"\n# \"c.ply\"\n");
     write("b.pbrt", "Shape \"plymesh\" \"string filename\" \"mesh.ply\"\n");
     write("mesh.ply", "one");
     write("c.ply", "comment");
-    const std::string path = (folder / "a.pbrt").string(), hash = SceneHash(path);
+    const std::string path = (folder_ / "a.pbrt").string(), hash = SceneHash(path);
     EXPECT_EQ(hash.size(), 16u);
     EXPECT_EQ(SceneHash(path), hash);
     write("c.ply", "not read");
@@ -88,7 +80,6 @@ TEST(SceneHash, SeesEveryFileThatIsNamed) {
     EXPECT_NE(second, hash);
     write("b.pbrt", "Shape \"plymesh\" \"string filename\" \"mesh.ply\" \n");
     EXPECT_NE(SceneHash(path), second);
-    fs::remove_all(folder);
 }
 
 }  // namespace ext::lab

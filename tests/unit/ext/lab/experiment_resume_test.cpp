@@ -5,35 +5,6 @@
 
 namespace ext::lab {
 
-TEST_F(Experiment, InterruptedOnesEndAsIfNothingHadHappened) {
-    const std::vector<std::string> samplers = {"uniform", "honest"};
-    switch_->callsLeft = 1 << 30;
-    ASSERT_TRUE(Run(Settings("whole", samplers)));
-    const int64_t calls = (1 << 30) - switch_->callsLeft;
-    ASSERT_GT(calls, 1000);
-    fs::remove_all(folder_ / "cache");
-    // The experiment is interrupted during the pilot, the references and the rounds.
-    int interruptions = 0;
-    for (int attempt = 0; attempt < 40; ++attempt) {
-        switch_->callsLeft = attempt < 12 ? calls / 5 : 1 << 30;
-        if (Run(Settings("parts", samplers))) break;
-        ++interruptions;
-    }
-    EXPECT_GE(interruptions, 3);
-    ExpectSamePictures("whole", "parts", samplers, 2);
-    const Json whole = ReadJson(folder_ / "whole/results.json"), parts = ReadJson(folder_ / "parts/results.json");
-    for (size_t i = 0; i < 2; ++i) {
-        const Json &a = whole.at("samplers").at(i).at("runs").at(1), &b = parts.at("samplers").at(i).at("runs").at(1);
-        EXPECT_EQ(a.at("shadowRays"), b.at("shadowRays"));
-        for (size_t r = 0; r < 3; ++r)
-            EXPECT_EQ(a.at("rounds").at(r).at("metrics"), b.at("rounds").at(r).at("metrics"));
-    }
-    // A finished experiment is not rendered again, only summarised.
-    const auto time = fs::last_write_time(folder_ / "parts/honest/seed1.exr");
-    ASSERT_TRUE(Run(Settings("parts", samplers)));
-    EXPECT_EQ(fs::last_write_time(folder_ / "parts/honest/seed1.exr"), time);
-}
-
 // Cuts or removes every file that an experiment keeps, both of a finished experiment and of one that was stopped while
 // it rendered.
 TEST_F(Experiment, GoesOnWhateverFileWasCutShort) {
@@ -155,29 +126,6 @@ TEST_F(Experiment, OtherSettingsInTheSameFolderAreRefusedUntilRestart) {
     const std::optional<ExperimentOutcome> outcome = Run(settings);
     ASSERT_TRUE(outcome);
     EXPECT_EQ(outcome->results.at("budget"), 2);
-}
-
-TEST_F(Experiment, SampleCountsOfATimedOneGiveTheSamePictures) {
-    const std::vector<std::string> samplers = {"uniform", "power"};
-    ExperimentSettings timed = Settings("timed", samplers);
-    timed.timeBudget = 0.1;
-    const std::optional<ExperimentOutcome> first = Run(timed);
-    ASSERT_TRUE(first);
-    EXPECT_EQ(first->results.at("mode"), "time");
-    for (const Json &s : first->results.at("samplers"))
-        for (const Json &run : s.at("runs")) {
-            EXPECT_GT(run.at("rounds").size(), 1u);
-            // More samples than the four of the scene, so later batches are needed, too.
-            EXPECT_GT(run.at("rounds").back().at("samples").get<int>(), 4);
-        }
-    ExperimentSettings replay = Settings("replay", samplers);
-    replay.timeBudget = 0.1;
-    replay.samplesFrom = (folder_ / "timed/results.json").string();
-    ASSERT_TRUE(Run(replay));
-    ExpectSamePictures("timed", "replay", samplers, 2);
-    replay.seeds = 3;
-    replay.outFolder = (folder_ / "more").string();
-    EXPECT_NE(ErrorOf(replay).find("seed 2"), std::string::npos);
 }
 
 }  // namespace ext::lab

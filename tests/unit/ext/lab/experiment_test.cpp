@@ -8,7 +8,8 @@
 
 namespace ext::lab {
 
-TEST_F(Experiment, LeavesEverythingTheSchemaNames) {
+// Keys and types are those of the schemas (docs.scripting).
+TEST_F(Experiment, LeavesFilesAndResults) {
     const std::optional<ExperimentOutcome> outcome = Run(Settings("out", {"uniform", "power", "honest"}));
     ASSERT_TRUE(outcome);
     for (const char *name :
@@ -17,20 +18,9 @@ TEST_F(Experiment, LeavesEverythingTheSchemaNames) {
         EXPECT_TRUE(fs::exists(folder_ / "out" / name)) << name;
     const Json r = ReadJson(folder_ / "out/results.json");
     EXPECT_EQ(r, outcome->results);
-    EXPECT_EQ(r.at("schema"), 2);
-    EXPECT_EQ(r.at("sceneName"), "scene");
-    EXPECT_EQ(r.at("sceneHash").get<std::string>().size(), 16u);
-    EXPECT_EQ(r.at("mode"), "samples");
-    EXPECT_EQ(r.at("budget"), 4);
-    EXPECT_EQ(r.at("seeds"), 2);
-    EXPECT_EQ(r.at("resolution"), Json({32, 24}));
-    EXPECT_EQ(r.at("maxDepth"), 2);
-    EXPECT_EQ(r.at("direct"), false);
-    for (const char *key : {"commit", "commandLine", "date"}) EXPECT_TRUE(r.contains(key)) << key;
-    for (const char *key : {"cpu", "threads", "memoryGB", "os"}) EXPECT_TRUE(r.at("machine").contains(key)) << key;
-    for (const char *key : {"winner", "lowestError", "level", "headline", "reasons", "doubts", "remarks", "sentences"})
-        EXPECT_TRUE(r.at("conclusion").contains(key)) << key;
-    EXPECT_TRUE(r.at("conclusion").at("lowestError").is_string());
+    const Json expected = {{"schema", 2}, {"sceneName", "scene"}, {"mode", "samples"},      {"budget", 4},
+                           {"seeds", 2},  {"maxDepth", 2},        {"resolution", {32, 24}}, {"direct", false}};
+    for (const auto &[key, value] : expected.items()) EXPECT_EQ(r.at(key), value) << key;
     for (const Json &sentence : r.at("conclusion").at("sentences"))
         EXPECT_NE(outcome->text.find(sentence.get<std::string>()), std::string::npos) << sentence;
     ASSERT_GE(r.at("references").size(), 1u);
@@ -65,24 +55,14 @@ TEST_F(Experiment, LeavesEverythingTheSchemaNames) {
                 EXPECT_GT(round.at("seconds").get<double>(), seconds);
                 seconds = round.at("seconds").get<double>();
                 EXPECT_GT(round.at("cpuSeconds").get<double>(), 0);
-                for (const char *m : {"relL2", "MSE", "MRSE", "MAE", "SMAPE", "FLIP", "relL2Trimmed"})
-                    EXPECT_GT(round.at("metrics").at(m).get<double>(), 0) << m;
+                for (const auto &[name, value] : round.at("metrics").items()) EXPECT_GT(value.get<double>(), 0) << name;
             }
         }
-        const Json &summary = s.at("summary");
-        for (const char *key :
-             {"samples", "seconds", "cpuSeconds", "firefliesDecide", "efficiency", "speedUp", "speedUpAgainst",
-              "ratioToOracle", "leaves", "bytes", "shadowRays", "blockedShare", "relativeCost", "preparationShare"})
-            EXPECT_TRUE(summary.contains(key)) << key;
-        for (const char *key : {"prepassSeconds", "buildSeconds", "renderSeconds"})
-            EXPECT_TRUE(summary.at("overhead").contains(key)) << key;
-        for (const char *key : {"verdict", "tiles", "tests", "worstZ", "pValue", "meanDifference"})
-            EXPECT_TRUE(summary.at("bias").contains(key)) << key;
         // The summary is about the last rounds.
         double mean = 0;
         for (const Json &run : s.at("runs"))
             mean += run.at("rounds").back().at("metrics").at("relL2").get<double>() / 2;
-        EXPECT_NEAR(summary.at("metrics").at("relL2").at("mean").get<double>(), mean, 1e-12);
+        EXPECT_NEAR(s.at("summary").at("metrics").at("relL2").at("mean").get<double>(), mean, 1e-12);
     }
     EXPECT_EQ(r.at("samplers").at(2).at("summary").at("leaves"), 7);
     EXPECT_EQ(r.at("samplers").at(2).at("structure"), "nothing learned");
@@ -121,13 +101,6 @@ TEST_F(Experiment, InspectsEverySampler) {
     EXPECT_NEAR(entropy.at("most").get<double>(), std::log2(3.0), 1e-5);
     EXPECT_EQ(entropy.at("isFlat"), true);
     EXPECT_FALSE(fs::exists(folder_ / "out/uniform/views/entropy.png"));
-    // Lights are named by their position in the scene file.
-    std::vector<std::string> lights;
-    for (const Json &layer : outcome->results.at("views").at("layers"))
-        if (layer.contains("light")) lights.push_back(layer.at("light"));
-    std::sort(lights.begin(), lights.end());
-    EXPECT_EQ(lights, (Names{"LightSource \"point\" at scene.pbrt:7", "LightSource \"point\" at scene.pbrt:8",
-                             "LightSource \"point\" at scene.pbrt:9"}));
     EXPECT_FALSE(fs::exists(folder_ / "out/uniform/views/sampler.side.png"));
 }
 
@@ -152,19 +125,6 @@ TEST_F(Experiment, InspectionIsNoPartOfTheMeasurement) {
     EXPECT_EQ(later->results.at("samplers").at(1).at("views"), with.at("samplers").at(1).at("views"));
     for (const char *file : {"honest/views/sampler.side.png", "views/brightest.png"})
         ExpectSamePixels(folder_ / "with" / file, folder_ / "without" / file);
-}
-
-TEST_F(Experiment, RepeatGivesTheSamePictures) {
-    const std::vector<std::string> samplers = {"uniform", "power"};
-    ASSERT_TRUE(Run(Settings("one", samplers)));
-    // Without the cache, the second experiment renders its reference again.
-    fs::remove_all(folder_ / "cache");
-    ASSERT_TRUE(Run(Settings("two", samplers)));
-    ExpectSamePictures("one", "two", samplers, 2);
-    // Different seeds give different pictures.
-    const Image a = ReadImage((folder_ / "one/uniform/seed0.exr").string()).image;
-    const Image b = ReadImage((folder_ / "one/uniform/seed1.exr").string()).image;
-    EXPECT_NE(std::memcmp(a.Data(), b.Data(), a.Bytes()), 0);
 }
 
 TEST_F(Experiment, ErrorsAndVerdictsDoNotDependOnTheExposure) {
@@ -277,28 +237,11 @@ TEST_F(Experiment, ComparesGuidedPathsWithPlainOnes) {
     EXPECT_NE(std::memcmp(plain.Data(), guided.Data(), plain.Bytes()), 0);
 }
 
-TEST_F(Experiment, MistakesAreFoundBeforeAnythingIsRendered) {
-    EXPECT_THROW(ParseSamplerChoices({"uniform", "uniform"}, registry_), UserError);
-    try {
-        ParseSamplerChoices({"nosuch", "power:leaves=3", "bvh+gate=neepp", "bvh+what", "bvh+guide:length=2", "uniform"},
-                            registry_);
-        FAIL();
-    } catch (const UserError &e) {
-        EXPECT_EQ(e.Diagnostics().size(), 5u);
-        EXPECT_NE(e.Diagnostics()[0].message.find("uniform"), std::string::npos) << e.Diagnostics()[0].message;
-    }
+TEST_F(Experiment, ReferenceOfAnotherResolutionIsAnError) {
     ExperimentSettings settings = Settings("out", {"uniform"});
-    settings.crops = {{{0, 0}, {33, 8}}};
-    EXPECT_NE(ErrorOf(settings).find("--crops"), std::string::npos);
-    settings = Settings("out", {"uniform"});
-    settings.referenceFile = (folder_ / "none.exr").string();
-    EXPECT_NE(ErrorOf(settings), "");
-    Image wrong(PixelFormat::Float, {16, 16}, {"R", "G", "B"});
-    WriteImage((folder_ / "wrong.exr").string(), wrong);
     settings.referenceFile = (folder_ / "wrong.exr").string();
+    WriteImage(settings.referenceFile, Image(PixelFormat::Float, {16, 16}, {"R", "G", "B"}));
     EXPECT_NE(ErrorOf(settings).find("16 x 16"), std::string::npos) << ErrorOf(settings);
-    WriteScene("\"path\"", "\"randomwalk\"");
-    EXPECT_NE(ErrorOf(Settings("other", {"uniform"})).find("randomwalk"), std::string::npos);
 }
 
 }  // namespace ext::lab

@@ -9,6 +9,7 @@
 #include "pbrt/core/parallel.h"
 #include "pbrt/lightsamplers/simple_light_samplers.h"
 #include "support/build_text.h"
+#include "support/render_scene.h"
 #include "support/wrapped_sampler.h"
 
 namespace ext::lab {
@@ -186,8 +187,7 @@ TEST_F(Inspect, SameForAnyNumberOfThreads) {
         ThreadLimit limit(threads);
         inspections.push_back(MakeInspection());
     }
-    ASSERT_EQ(inspections[0].image.Bytes(), inspections[1].image.Bytes());
-    EXPECT_EQ(std::memcmp(inspections[0].image.Data(), inspections[1].image.Data(), inspections[0].image.Bytes()), 0);
+    EXPECT_TRUE(test::SameBits(inspections[0].image, inspections[1].image));
 }
 
 TEST_F(Inspect, LightsAreNamedByTheirPlaceInTheSceneFile) {

@@ -1,17 +1,8 @@
-#include "ext/lab/experiment.h"
-
-#include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <filesystem>
 #include <fstream>
 
-#include "pbrt/core/log.h"
-
-void register_guide(pbrt::PluginRegistry &registry);  // of ext/guiding
+#include "experiment_fixture.h"
 
 namespace ext::lab {
-namespace {
 
 TEST(NoiseByDepth, IsTheVarianceOverTheReferenceSquared) {
     Image reference(PixelFormat::Float, {40, 50}, {"R", "G"});
@@ -38,13 +29,10 @@ TEST(NoiseByDepth, DepthsEndWithTheLargest) {
     EXPECT_EQ(NoiseDepths(24), (std::vector<int>{1, 2, 3, 4, 6, 8, 12, 16, 24}));
 }
 
-TEST(NoiseByDepth, TellsWhichVertexBringsTheNoise) {
-    SetLogLevel(LogLevel::Error);
-    const auto folder = std::filesystem::temp_directory_path() / ("pbrt_noise_" + std::to_string(getpid()));
-    std::filesystem::create_directories(folder);
+TEST_F(Experiment, TellsWhichVertexBringsTheNoise) {
     // A point light lights the floor without noise but that of colours. What a bounce from it finds on the second floor
     // above is noisy.
-    std::ofstream(folder / "scene.pbrt") << R"(LookAt 0 1 -6  0 0 0  0 1 0
+    std::ofstream(folder_ / "scene.pbrt") << R"(LookAt 0 1 -6  0 0 0  0 1 0
 Camera "perspective" "float fov" 40
 Film "rgb" "integer xresolution" 16 "integer yresolution" 16 "string filename" "scene.exr"
 Sampler "independent" "integer pixelsamples" 4
@@ -56,32 +44,23 @@ Material "diffuse" "rgb reflectance" [ 0.8 0.8 0.8 ]
 Shape "bilinearmesh" "point3 P" [ -4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4 ]
 Shape "bilinearmesh" "point3 P" [ -1 2 -1  1 2 -1  -1 2 1  1 2 1 ]
 )";
-    PluginRegistry registry;
-    RegisterStockLightSamplers(registry);
-    register_guide(registry);
-    ExperimentSettings settings;
-    settings.scene = (folder / "scene.pbrt").string();
-    settings.outFolder = (folder / "noise").string();
+    ExperimentSettings settings = Settings("noise", {"uniform", "uniform+guide"});
     settings.samplesPerPixel = 8;
     settings.seeds = 4;
-    settings.samplers = ParseSamplerChoices({"uniform", "uniform+guide"}, registry);
     Progress progress;
     testing::internal::CaptureStdout();
-    EXPECT_EQ(RunNoise(settings, registry, progress), 0);
+    EXPECT_EQ(RunNoise(settings, registry_, progress), 0);
     EXPECT_NE(testing::internal::GetCapturedStdout().find("uniform+guide"), std::string::npos);
-    std::ifstream in(folder / "noise" / "noise.json");
-    const auto json = nlohmann::json::parse(in);
+    const Json json = ReadJson(folder_ / "noise/noise.json");
     for (const auto &sampler : json.at("samplers")) {
         ASSERT_EQ(sampler.at("depths").size(), 2u);
-        const double first = sampler["depths"][0]["plain"], second = sampler["depths"][1]["plain"];
+        const double first = sampler.at("depths").at(0).at("plain"), second = sampler.at("depths").at(1).at("plain");
         EXPECT_LT(first, 0.25 * second) << json.dump();
         EXPECT_GT(second, 1e-4) << json.dump();
     }
-    EXPECT_GT(std::filesystem::file_size(folder / "noise" / "index.html"), 1000u);
+    EXPECT_GT(fs::file_size(folder_ / "noise/index.html"), 1000u);
     settings.seeds = 1;
-    EXPECT_THROW(RunNoise(settings, registry, progress), UserError);
-    std::filesystem::remove_all(folder);
+    EXPECT_THROW(RunNoise(settings, registry_, progress), UserError);
 }
 
-}  // namespace
 }  // namespace ext::lab

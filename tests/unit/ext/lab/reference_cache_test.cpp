@@ -53,27 +53,6 @@ TEST_F(Experiment, ReferencesThatWereChangedAreRenderedAgain) {
     expectAgain("no-hash", [](ImageFile &file) { file.metadata.attributes.erase("lightlab.hash"); });
 }
 
-TEST_F(Experiment, CacheThatCannotBeWrittenCostsTheCacheOnly) {
-    fs::create_directory(folder_ / "protected");
-    fs::rename(folder_ / "scene.pbrt", folder_ / "protected/scene.pbrt");
-    fs::permissions(folder_ / "protected", fs::perms::owner_read | fs::perms::owner_exec);
-    std::ofstream(folder_ / "file") << "in the way";
-    // A file in place of the folder stops root as well, for whom permissions do not count.
-    int run = 0;
-    for (const std::string &cache : {std::string(), (folder_ / "file").string(), (folder_ / "file/below").string()}) {
-        const std::string out = "out" + std::to_string(run++);
-        ExperimentSettings settings = Settings(out, {"uniform"});
-        settings.scene = (folder_ / "protected/scene.pbrt").string();
-        settings.cacheFolder = cache;
-        const std::optional<ExperimentOutcome> outcome = Run(settings);
-        ASSERT_TRUE(outcome) << cache;
-        EXPECT_EQ(ReferencesIn("protected").size(), 0u);
-        EXPECT_GE(ReferencesIn(out).size(), 1u);
-        EXPECT_NE(outcome->text.find((folder_ / out).string()), std::string::npos) << outcome->text;
-    }
-    fs::permissions(folder_ / "protected", fs::perms::owner_all);
-}
-
 TEST(ReferenceCache, DefaultFolderIsTheUsers) {
     const char *const names[] = {"XDG_CACHE_HOME", "HOME"};
     std::vector<std::optional<std::string>> before;

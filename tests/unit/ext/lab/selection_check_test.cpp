@@ -237,13 +237,7 @@ Shape "bilinearmesh" "point3 P" [ -2 1 -2  2 1 -2  -2 1 2  2 1 2 ]
 )";
 }
 
-RunningStatistics Picture(const std::string &text) {
-    const Image image = test::RenderText(text).image;
-    RunningStatistics s;
-    for (int y = 0; y < image.Resolution().y; ++y)
-        for (int x = 0; x < image.Resolution().x; ++x) s.Add(static_cast<double>(image.Get({x, y}, 1)));
-    return s;
-}
+RunningStatistics Picture(const std::string &text) { return test::ChannelStatistics(test::RenderText(text).image); }
 
 /// The light that is measured at all vertices of a path, which is what the path brings to the picture: there are no
 /// lights that scattering could find.

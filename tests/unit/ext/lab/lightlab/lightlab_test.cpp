@@ -32,9 +32,6 @@ class Lightlab : public Program {
                     names.push_back(entry.path().filename().string());
         return names;
     }
-    bool HasExtensions() const {
-        return !Has(Run("inspect scene.pbrt --sampler octree:leaves=-4").err, "light sampler \"octree\" is unknown");
-    }
     nlohmann::json Results(const std::string &folder) const {
         return nlohmann::json::parse(Read(folder + "/results.json"));
     }
@@ -170,7 +167,6 @@ TEST_F(Lightlab, EverySignalEndsItSoonWithItsStatus) {
 }
 
 TEST_F(Lightlab, SamplersMayBePartedBySemicolons) {
-    if (!HasExtensions()) GTEST_SKIP() << "NOT TESTED: this build has no src/ext (PBRT_EXT=OFF), so no octree";
     RunWell(
         "scene.pbrt --samplers 'bvh+mesh;octree:budget=0.02,floor=0.2;neepp:samples=3,voxels=9,uniform' --spp 1 --seeds 1 "
         "--reference-spp 8 --no-report --selection-work 0 --out out");
@@ -182,7 +178,6 @@ TEST_F(Lightlab, SamplersMayBePartedBySemicolons) {
 }
 
 TEST_F(Lightlab, ExamplesOfTheHelpAreRight) {
-    if (!HasExtensions()) GTEST_SKIP() << "NOT TESTED: this build has no src/ext (PBRT_EXT=OFF), so no octree";
     for (const char *scene : {"a.pbrt", "b.pbrt", "c.pbrt"}) Write(scene, SmallScene());
     int examples = 0;
     for (const char *page : {"--help", "inspect --help", "noise --help"}) {
@@ -212,6 +207,11 @@ TEST_F(Lightlab, SamplesOfATimedExperimentCanBeReplayed) {
     const nlohmann::json replay = Results("replay");
     for (size_t i = 0; i < 2; ++i)
         EXPECT_EQ(replay["samplers"][i]["summary"]["metrics"], timed["samplers"][i]["summary"]["metrics"]);
+    // More samples than the four of the scene, so later batches are needed, too.
+    EXPECT_GT(timed["samplers"][0]["runs"][0]["rounds"].back()["samples"], 4);
+    const Outcome more = Run("scene.pbrt --samples-from timed/results.json --seeds 3 --no-report --out more");
+    EXPECT_EQ(more.status, 1);
+    EXPECT_TRUE(Has(more.err, "seed 2")) << more.err;
 }
 
 TEST_F(Lightlab, MistakesAreReportedTogetherAndNothingIsRendered) {
@@ -219,7 +219,8 @@ TEST_F(Lightlab, MistakesAreReportedTogetherAndNothingIsRendered) {
     ExpectErrors(
         {{"scene.pbrt --samplers-file sweep.txt", {"nosuch", "uniform", "leaves", "2 errors; nothing was rendered."}},
          {"scene.pbrt --samplers bvh,bvh", {"bvh", "twice"}},
-         {"scene.pbrt --samplers bvh+mush", {"+mush", "+mesh"}},
+         {"scene.pbrt --samplers 'bvh+mush;bvh+gate=neepp;bvh+guide:length=2'",
+          {"+mush", "+mesh", "+gate", "length", "3 errors"}},
          {"scene.pbrt --time 1 --spp 2", {"--time", "--spp"}},
          {"scene.pbrt --spp 0", {"--spp: 0 is not more than 0", "--help"}},
          {"scene.pbrt --seeds two", {"--seeds", "two"}},
@@ -235,11 +236,7 @@ TEST_F(Lightlab, MistakesAreReportedTogetherAndNothingIsRendered) {
 }
 
 TEST_F(Lightlab, NumbersOutOfRangeAreShownWhereTheyWereWritten) {
-    const Outcome inspect = Run("inspect scene.pbrt --sampler octree:leaves=-4");
-    if (Has(inspect.err, "light sampler \"octree\" is unknown"))
-        GTEST_SKIP() << "NOT TESTED: this build has no src/ext (PBRT_EXT=OFF); no other sampler takes numbers";
-    EXPECT_EQ(inspect.status, 1);
-    EXPECT_TRUE(Has(inspect.err, "--sampler:1:7")) << inspect.err;
+    EXPECT_TRUE(Has(Run("inspect scene.pbrt --sampler octree:leaves=-4").err, "--sampler:1:7"));
     ExpectErrors({{"scene.pbrt --samplers uniform,octree:leaves=0",
                    {"--samplers:1:7", "octree.leaves", "at least 64 and at most"}},
                   {"scene.pbrt --samplers uniform+guide:share=2", {"--samplers:1:14", "guide.share"}}});

@@ -6,16 +6,11 @@
 #include "imgtool_program.h"
 #include "pbrt/math/warps.h"
 #include "support/small_files.h"
+#include "support/temporary_image.h"
 
 namespace pbrt {
 
 namespace {
-
-Image Constant(Point2i size, Float value) {
-    Image image(PixelFormat::Float, size, kRgb);
-    std::fill_n(static_cast<float *>(image.Data()), image.ValueCount(), value);
-    return image;
-}
 
 double Sum(const Image &image, int channel) {
     double sum = 0;
@@ -75,8 +70,8 @@ TEST_F(Imgtool, AFullDiskIsAnErrorAndKeepsTheOldFile) {
           "makesky --resolution 128 --outfile out.exr"}) {
         std::string name = command;
         name = name.substr(name.rfind(' ') + 1);
-        const std::string old = FileText(Path("noise.exr"));
-        std::ofstream(Path(name), std::ios::binary) << old;
+        const std::string old = Read("noise.exr");
+        Write(name, old);
         Outcome o;
         {
             const test::SmallFilesOnly limit(1000);
@@ -84,10 +79,9 @@ TEST_F(Imgtool, AFullDiskIsAnErrorAndKeepsTheOldFile) {
         }
         EXPECT_EQ(o.status, 1) << command;
         EXPECT_TRUE(Has(o.err, name + ": cannot be written: File too large")) << command << "\n" << o.err;
-        EXPECT_EQ(FileText(Path(name)), old) << command;
+        EXPECT_EQ(Read(name), old) << command;
         std::filesystem::remove(Path(name));
-        for (const auto &entry : std::filesystem::directory_iterator(directory_))
-            EXPECT_FALSE(entry.path().extension() == ".tmp") << command << " left " << entry.path();
+        for (const std::string &left : Files()) EXPECT_FALSE(left.ends_with(".tmp")) << command << " left " << left;
     }
 }
 
@@ -99,8 +93,8 @@ TEST_F(Imgtool, OutputGoesThroughLinksAndPipes) {
     EXPECT_TRUE(std::filesystem::is_regular_file(Path("real.png")));
     EXPECT_EQ(Run("convert a.exr b.pfm").status, 0);
     std::filesystem::create_symlink("/dev/stdout", Path("stdout.pfm"));
-    EXPECT_EQ(Run("convert a.exr stdout.pfm").out, FileText(Path("b.pfm")));
-    EXPECT_EQ(Run("convert a.exr stdout.pfm | cat").out, FileText(Path("b.pfm")));
+    EXPECT_EQ(Run("convert a.exr stdout.pfm").out, Read("b.pfm"));
+    EXPECT_EQ(Run("convert a.exr stdout.pfm | cat").out, Read("b.pfm"));
     std::filesystem::create_symlink("/dev/full", Path("full.png"));
     ExpectErrors({{"convert a.exr full.png", "full.png: cannot be written: No space left"}});
 }
@@ -108,10 +102,8 @@ TEST_F(Imgtool, OutputGoesThroughLinksAndPipes) {
 TEST_F(Imgtool, AssembleUndoesCrops) {
     const Image image = Write("a.exr", 6, 5, kRgb);
     for (const char *crop : {"0,2,0,5 --outfile left.exr", "2,6,0,3 --outfile top.exr", "2,6,3,5 --outfile low.exr"})
-        ASSERT_EQ(Run(std::string("convert a.exr --crop ") + crop).status, 0);
-    Outcome o = Run("assemble left.exr low.exr top.exr --outfile b.exr");
-    EXPECT_EQ(o.status, 0) << o.err;
-    EXPECT_EQ(o.err, "");
+        RunWell(std::string("convert a.exr --crop ") + crop);
+    EXPECT_EQ(RunWell("assemble left.exr low.exr top.exr --outfile b.exr"), "");
     EXPECT_EQ(Run("diff a.exr --reference b.exr").status, 0);
     const ImageFile joined = ReadImage(Path("b.exr"));
     EXPECT_EQ(joined.metadata.pixelBounds->low, Point2i(0, 0));
@@ -130,18 +122,10 @@ TEST_F(Imgtool, AssembleUndoesCrops) {
 
 TEST_F(Imgtool, SplitnShowsStripsAndEnlargedCrops) {
     // The red channel gives the number of the image, green and blue the pixel.
-    for (int i = 0; i < 3; ++i) {
-        Image image(PixelFormat::Float, {48, 12}, kRgb);
-        for (int y = 0; y < 12; ++y)
-            for (int x = 0; x < 48; ++x) {
-                image.Set({x, y}, 0, static_cast<Float>(i));
-                image.Set({x, y}, 1, static_cast<Float>(x));
-                image.Set({x, y}, 2, static_cast<Float>(y));
-            }
-        WriteImage(Path(fmt::format("i{}.exr", i)), image);
-    }
-    ASSERT_EQ(Run("splitn i0.exr i1.exr i2.exr --crop 3,5 --crop 7,1 --cropsize 6 --outfile s.exr").status, 0);
-    const Image s = ReadImage(Path("s.exr")).image;
+    for (int i = 0; i < 3; ++i)
+        WriteImage(Path(fmt::format("i{}.exr", i)),
+                   test::RgbImage({48, 12}, [i](int x, int y) { return Rgb(i, x, y); }));
+    const Image s = Written("splitn i0.exr i1.exr i2.exr --crop 3,5 --crop 7,1 --cropsize 6 --outfile s.exr").image;
     // (48 - 2 gaps of 4) / (3 * 6) = 2, so crops are enlarged twice; a row is 12 pixels and a gap of 4 high.
     ASSERT_EQ(s.Resolution(), Point2i(48, 12 + 2 * 16));
     auto is = [&](Point2i p, int image, int x, int y) {
@@ -199,9 +183,7 @@ TEST_F(Imgtool, WhitebalanceMakesTheLightsColourGrey) {
         WriteImage(Path("a.exr"), image, metadata);
     };
     auto balanced = [&](const std::string &how) {
-        const Outcome o = Run("whitebalance a.exr --outfile b.exr " + how);
-        EXPECT_EQ(o.status, 0) << how << o.err;
-        const Image b = ReadImage(Path("b.exr")).image;
+        const Image b = Written("whitebalance a.exr " + how + " --outfile b.exr").image;
         return Rgb(b.Get({1, 0}, 0), b.Get({1, 0}, 1), b.Get({1, 0}, 2));
     };
     auto expectGrey = [&](const std::string &how) {
@@ -232,18 +214,17 @@ TEST_F(Imgtool, ScalenormalmapScalesSlopes) {
         image.Set({1, 0}, c, c == 2 ? 1 : 0.5f);
     }
     WriteImage(Path("a.exr"), image);
-    ASSERT_EQ(Run("scalenormalmap a.exr --scale 3 --outfile b.exr").status, 0);
-    const Image b = ReadImage(Path("b.exr")).image;
+    const Image b = Written("scalenormalmap a.exr --scale 3 --outfile b.exr").image;
     const Vector3 steep = Normalize(Vector3(0.9f, -0.6f, 0.8f));
     for (int c = 0; c < 3; ++c) {
         EXPECT_NEAR(2 * b.Get({0, 0}, c) - 1, steep[c], 1e-5f);
         EXPECT_EQ(b.Get({1, 0}, c), image.Get({1, 0}, c));
     }
-    ASSERT_EQ(Run("scalenormalmap b.exr --scale 0.3333333 --outfile c.exr").status, 0);
-    EXPECT_NEAR(ReadImage(Path("c.exr")).image.Get({0, 0}, 1), image.Get({0, 0}, 1), 1e-5f);
+    EXPECT_NEAR(Written("scalenormalmap b.exr --scale 0.3333333 --outfile c.exr").image.Get({0, 0}, 1),
+                image.Get({0, 0}, 1), 1e-5f);
     // Bytes are values times 255, without the sRGB curve.
-    ASSERT_EQ(Run("scalenormalmap a.exr --outfile d.png").status, 0);
-    ASSERT_EQ(Run("scalenormalmap d.png --outfile e.png").status, 0);
+    RunWell("scalenormalmap a.exr --outfile d.png");
+    RunWell("scalenormalmap d.png --outfile e.png");
     for (const char *file : {"d.png", "e.png"}) {
         const Image png = ReadImage(Path(file), ColorEncoding{ColorEncoding::Kind::Linear}).image;
         for (int c = 0; c < 3; ++c) EXPECT_NEAR(png.Get({0, 0}, c), image.Get({0, 0}, c), 0.6f / 255) << file;
@@ -252,20 +233,15 @@ TEST_F(Imgtool, ScalenormalmapScalesSlopes) {
 
 TEST_F(Imgtool, MakeequiareaShowsEveryDirectionItsColour) {
     constexpr int kWidth = 256;
-    Image map(PixelFormat::Float, {kWidth, kWidth / 2}, kRgb);
     auto color = [](const Vector3 &w, int c) { return 1 + w[c] + 2 * w.x * w.y * w[c]; };
-    for (int y = 0; y < kWidth / 2; ++y)
-        for (int x = 0; x < kWidth; ++x) {
-            const Float theta = (static_cast<Float>(y) + 0.5f) / (kWidth / 2) * Pi;
-            const Float phi = (static_cast<Float>(x) + 0.5f) / kWidth * 2 * Pi;
-            const Vector3 w(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta));
-            for (int c = 0; c < 3; ++c) map.Set({x, y}, c, color(w, c));
-        }
-    WriteImage(Path("a.exr"), map);
-    const Outcome o = Run("makeequiarea a.exr --outfile b.exr");
-    EXPECT_EQ(o.status, 0);
-    EXPECT_EQ(o.err, "");
-    ASSERT_EQ(Run("makeequiarea a.exr --resolution 37 --outfile small.exr").status, 0);
+    WriteImage(Path("a.exr"), test::RgbImage({kWidth, kWidth / 2}, [&](int x, int y) {
+                   const Float theta = (static_cast<Float>(y) + 0.5f) / (kWidth / 2) * Pi;
+                   const Float phi = (static_cast<Float>(x) + 0.5f) / kWidth * 2 * Pi;
+                   const Vector3 w(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta));
+                   return Rgb(color(w, 0), color(w, 1), color(w, 2));
+               }));
+    EXPECT_EQ(RunWell("makeequiarea a.exr --outfile b.exr"), "");
+    RunWell("makeequiarea a.exr --resolution 37 --outfile small.exr");
     for (auto [file, size, tolerance] : {std::tuple("b.exr", kWidth, 0.003f), std::tuple("small.exr", 37, 0.05f)}) {
         const Image b = ReadImage(Path(file)).image;
         ASSERT_EQ(b.Resolution(), Point2i(size));
@@ -286,11 +262,10 @@ TEST_F(Imgtool, MakeequiareaLosesNoLightInSmallMaps) {
     Image map(PixelFormat::Float, {kWidth, kWidth / 2}, kRgb);
     map.Set({101, 21}, 0, 1000);
     WriteImage(Path("a.exr"), map);
-    ASSERT_EQ(Run("makeequiarea a.exr --resolution 8 --outfile b.exr").status, 0);
+    const double light = Sum(Written("makeequiarea a.exr --resolution 8 --outfile b.exr").image, 0);
     const double top = double(Pi) * 21 / (kWidth / 2),
                  solidAngle = 2 * double(Pi) / kWidth * (std::cos(top) - std::cos(top + double(Pi) / (kWidth / 2)));
-    EXPECT_NEAR(Sum(ReadImage(Path("b.exr")).image, 0) * 4 * double(Pi) / 64, 1000 * solidAngle,
-                0.1 * 1000 * solidAngle);
+    EXPECT_NEAR(light * 4 * double(Pi) / 64, 1000 * solidAngle, 0.1 * 1000 * solidAngle);
 }
 
 }  // namespace pbrt

@@ -5,29 +5,11 @@
 #include <set>
 
 #include "imgtool_program.h"
+#include "support/temporary_image.h"
 
 namespace pbrt {
 
-TEST_F(Imgtool, HelpListsCommandsAndExplainsEach) {
-    const std::vector<std::string> commands = {"info",    "convert",  "diff",         "error",          "falsecolor",
-                                               "average", "assemble", "splitn",       "bloom",          "whitebalance",
-                                               "merge",   "makesky",  "makeequiarea", "scalenormalmap", "help"};
-    std::vector<std::string> runs = {"help", "--help", "diff --help"};
-    for (const std::string &command : commands) runs.push_back("help " + command);
-    const std::vector<Outcome> outcomes = RunAll(runs);
-    EXPECT_EQ(outcomes[0].out, outcomes[1].out);
-    EXPECT_EQ(outcomes[2].out, outcomes[5].out);
-    for (const Outcome &o : outcomes) {
-        EXPECT_EQ(o.status, 0);
-        EXPECT_EQ(o.err, "");
-        EXPECT_TRUE(Has(o.out, "Example: imgtool ")) << o.out;
-    }
-    for (const std::string &command : commands) EXPECT_TRUE(Has(outcomes[0].out, command)) << command;
-    for (size_t i = 0; i < commands.size(); ++i)
-        EXPECT_TRUE(Has(outcomes[i + 3].out, "Usage: imgtool " + commands[i] + " ")) << outcomes[i + 3].out;
-}
-
-TEST_F(Imgtool, OptionsAreThoseOfTheDocument) {
+TEST_F(Imgtool, HelpExplainsTheCommandsAndOptionsOfTheDocument) {
     std::ifstream document(PBRT_SOURCE_DIR "/docs/reference/compatibility.md");
     static const std::regex kRow(R"(\| `(\w+)` \| (.*?) ?\|.*)"), kOption("--[a-z0-9]+");
     auto options = [](const std::string &text) {
@@ -44,9 +26,15 @@ TEST_F(Imgtool, OptionsAreThoseOfTheDocument) {
         if (here && std::regex_match(line, cells, kRow)) documented[cells[1]] = options(cells[2]);
     }
     EXPECT_EQ(documented.size(), 15u);
+    const std::string overview = Run("help").out;
+    EXPECT_EQ(Run("--help").out, overview);
+    EXPECT_EQ(Run("diff --help").out, Run("help diff").out);
     for (const auto &[command, known] : documented) {
         const Outcome o = Run("help " + command);
         EXPECT_EQ(o.status, 0) << command;
+        EXPECT_EQ(o.err, "");
+        EXPECT_TRUE(Has(overview, command)) << command;
+        EXPECT_TRUE(Has(o.out, "Usage: imgtool " + command + " ") && Has(o.out, "Example: imgtool ")) << o.out;
         // Options are at the beginnings of lines; the text after them may name other options.
         std::string list;
         static const std::regex kLine("\n  (?:-\\w,)?(--[a-z0-9]+)");
@@ -151,11 +139,8 @@ TEST_F(Imgtool, DiffOfEqualImagesIsSilent) {
 }
 
 TEST_F(Imgtool, DiffReportsBothAveragesDeltaAndMetric) {
-    for (auto [name, value] : {std::pair("a.exr", 3.f), std::pair("b.exr", 2.f)}) {
-        Image image(PixelFormat::Float, {2, 2}, kRgb);
-        for (int i = 0; i < 12; ++i) image.Set({i / 3 % 2, i / 6}, i % 3, value);
-        WriteImage(Path(name), image);
-    }
+    WriteImage(Path("a.exr"), Constant({2, 2}, 3));
+    WriteImage(Path("b.exr"), Constant({2, 2}, 2));
     const Outcome o = Run("diff a.exr --reference b.exr --outfile e.exr");
     EXPECT_EQ(o.status, 1);
     EXPECT_EQ(o.err, "");
@@ -171,11 +156,8 @@ TEST_F(Imgtool, DiffReportsBothAveragesDeltaAndMetric) {
 
 // FLIP of black and white is 0.9674 (see flip_test.cpp).
 TEST_F(Imgtool, DiffByFlipWritesOneValuePerPixel) {
-    for (auto [name, value] : {std::pair("black.exr", 0.f), std::pair("white.exr", 1.f), std::pair("lamp.exr", 8.f)}) {
-        Image image(PixelFormat::Float, {6, 5}, kRgb);
-        std::fill_n(static_cast<float *>(image.Data()), image.ValueCount(), value);
-        WriteImage(Path(name), image);
-    }
+    for (auto [name, value] : {std::pair("black.exr", 0.f), std::pair("white.exr", 1.f), std::pair("lamp.exr", 8.f)})
+        WriteImage(Path(name), Constant({6, 5}, value));
     const Outcome o = Run("diff black.exr --reference white.exr --metric FLIP --outfile e.exr");
     EXPECT_EQ(o.status, 1);
     EXPECT_TRUE(Has(o.out, "FLIP: 0.967")) << o.out;
@@ -199,9 +181,7 @@ TEST_F(Imgtool, DiffLooksOnlyAtTheChosenPart) {
 }
 
 TEST_F(Imgtool, DiffNeverCallsInvalidPixelsEqual) {
-    Image image(PixelFormat::Float, {1, 1}, {"Y"});
-    image.Set({0, 0}, 0, NAN);
-    WriteImage(Path("nan.exr"), image);
+    WriteRow("nan.exr", {NAN});
     EXPECT_EQ(Run("diff nan.exr --reference nan.exr").status, 1);
 }
 
@@ -223,16 +203,6 @@ TEST_F(Imgtool, DiffRefusesWhatCannotBeCompared) {
                   {"diff a.exr --reference a.exr --crop 1,2,3", "crop"}});
 }
 
-TEST_F(Imgtool, ConvertCropsAndMovesTheDataWindow) {
-    const Image image = Write("a.exr", 6, 5, kRgb);
-    ASSERT_EQ(Run("convert a.exr --crop 2,5,1,3 --outfile c.exr").status, 0);
-    const ImageFile file = ReadImage(Path("c.exr"));
-    ASSERT_EQ(file.image.Resolution(), Point2i(3, 2));
-    EXPECT_EQ(file.metadata.pixelBounds->low, Point2i(2, 1));
-    EXPECT_EQ(file.metadata.fullResolution, Point2i(6, 5));
-    EXPECT_EQ(file.image.Get({2, 1}, 1), image.Get({4, 2}, 1));
-}
-
 /// Pixels x 8 to 16, y 1 to 6 of a picture of 16 x 12; the red of a pixel is x + 100 y of the whole picture.
 ImageFile CropRender() {
     ImageFile file{Image(PixelFormat::Float, {8, 5}, kRgb), {}};
@@ -246,8 +216,7 @@ ImageFile CropRender() {
 TEST_F(Imgtool, CropsCountInPixelsOfTheWholePicture) {
     const ImageFile part = CropRender();
     WriteImage(Path("tr.exr"), part.image, part.metadata);
-    ASSERT_EQ(Run("convert tr.exr --crop 9,12,2,4 --outfile c.exr").status, 0);
-    const ImageFile crop = ReadImage(Path("c.exr"));
+    const ImageFile crop = Written("convert tr.exr --crop 9,12,2,4 --outfile c.exr");
     EXPECT_EQ(crop.image.Resolution(), Point2i(3, 2));
     EXPECT_EQ(crop.metadata.pixelBounds->low, Point2i(9, 2));
     EXPECT_EQ(crop.metadata.fullResolution, Point2i(16, 12));
@@ -258,8 +227,7 @@ TEST_F(Imgtool, CropsCountInPixelsOfTheWholePicture) {
     EXPECT_EQ(Run("diff tr.exr --reference other.exr --crop 10,16,1,6").status, 0);
     EXPECT_EQ(Run("diff tr.exr --reference other.exr --crop 9,10,2,3").status, 1);
     EXPECT_TRUE(Has(Run("error other.exr --reference tr.exr --metric MAE --crop 9,10,2,3").out, "MAE: mean 69.6667"));
-    ASSERT_EQ(Run("splitn tr.exr other.exr --crop 9,2 --cropsize 1 --outfile s.exr").status, 0);
-    EXPECT_EQ(ReadImage(Path("s.exr")).image.Get({0, 9}, 0), 209);
+    EXPECT_EQ(Written("splitn tr.exr other.exr --crop 9,2 --cropsize 1 --outfile s.exr").image.Get({0, 9}, 0), 209);
     ImageMetadata elsewhere = part.metadata;
     elsewhere.pixelBounds = Bounds2i{{0, 1}, {8, 6}};
     WriteImage(Path("left.exr"), part.image, elsewhere);
@@ -275,19 +243,16 @@ TEST_F(Imgtool, CropsCountInPixelsOfTheWholePicture) {
 TEST_F(Imgtool, DataWindowsMoveWithThePixels) {
     const ImageFile part = CropRender();
     WriteImage(Path("tr.exr"), part.image, part.metadata);
-    ASSERT_EQ(Run("convert tr.exr --flipy --outfile f.exr").status, 0);
-    const ImageFile flipped = ReadImage(Path("f.exr"));
+    const ImageFile flipped = Written("convert tr.exr --flipy --outfile f.exr");
     EXPECT_EQ(flipped.metadata.pixelBounds->low, Point2i(8, 6));  // rows 1 to 6 of 12 become 6 to 11
     EXPECT_EQ(flipped.metadata.pixelBounds->high, Point2i(16, 11));
     EXPECT_EQ(flipped.image.Get({0, 4}, 0), 108);
-    ASSERT_EQ(Run("convert tr.exr --repeatpix 3 --outfile r.exr").status, 0);
-    const ImageFile repeated = ReadImage(Path("r.exr"));
+    const ImageFile repeated = Written("convert tr.exr --repeatpix 3 --outfile r.exr");
     EXPECT_EQ(repeated.metadata.pixelBounds->low, Point2i(24, 3));
     EXPECT_EQ(repeated.metadata.pixelBounds->high, Point2i(48, 18));
     EXPECT_EQ(repeated.metadata.fullResolution, Point2i(48, 36));
-    ASSERT_EQ(Run("falsecolor tr.exr --outfile v.exr").status, 0);
-    EXPECT_EQ(ReadImage(Path("v.exr")).metadata.pixelBounds->low, Point2i(8, 1));
-    EXPECT_EQ(Run("falsecolor tr.exr --ramp --outfile v.exr").status, 0);
+    EXPECT_EQ(Written("falsecolor tr.exr --outfile v.exr").metadata.pixelBounds->low, Point2i(8, 1));
+    RunWell("falsecolor tr.exr --ramp --outfile v.exr");
 }
 
 TEST_F(Imgtool, ClampKeepsTheHue) {
@@ -296,8 +261,7 @@ TEST_F(Imgtool, ClampKeepsTheHue) {
     for (int x = 0; x < 3; ++x)
         for (int c = 0; c < 5; ++c) image.Set({x, 0}, c, values[x][c]);
     WriteImage(Path("a.exr"), image);
-    ASSERT_EQ(Run("convert a.exr --clamp 0.5 --outfile c.exr").status, 0);
-    const Image clamped = ReadImage(Path("c.exr")).image;
+    const Image clamped = Written("convert a.exr --clamp 0.5 --outfile c.exr").image;
     const Float expected[3][5] = {{0.5f, 0.25f, 0.125f, 1, 0.5f}, {0.25f, 0.5f, 0, 1, 0.1f}, {0.5f, 0.5f, 0.25f, 1, 0}};
     for (int x = 0; x < 3; ++x)
         for (int c = 0; c < 5; ++c)
@@ -306,26 +270,10 @@ TEST_F(Imgtool, ClampKeepsTheHue) {
                 << x << " " << c;
 }
 
-TEST_F(Imgtool, TonemapBringsTheBrightestPixelToOneByDefault) {
-    Image image(PixelFormat::Float, {2, 1}, kRgb);
-    for (int c = 0; c < 3; ++c) {
-        image.Set({0, 0}, c, 8);
-        image.Set({1, 0}, c, 1);
-    }
-    WriteImage(Path("a.exr"), image);
-    ASSERT_EQ(Run("convert a.exr --exposure 1 --tonemap --outfile t.exr").status, 0);
-    const Image mapped = ReadImage(Path("t.exr")).image;
-    EXPECT_NEAR(mapped.Get({0, 0}, 1), 1, 1e-4f);
-    EXPECT_NEAR(mapped.Get({1, 0}, 1), 2 * (1 + 2 / 256.f) / 3, 1e-4f);
-    ExpectErrors({{"convert a.exr --maxluminance 4 --outfile t.exr", "--tonemap"}});
-}
-
 TEST_F(Imgtool, ConvertChangesColours) {
     const Image image = Write("a.exr", 2, 2, {"R", "G", "B", "A"});
     auto converted = [&](const std::string &flags) {
-        const Outcome o = Run("convert a.exr --outfile c.exr " + flags);
-        EXPECT_EQ(o.status, 0) << flags << o.err;
-        return ReadImage(Path("c.exr")).image;
+        return Written("convert a.exr " + flags + " --outfile c.exr").image;
     };
     const Point2i p(1, 1);
     const Image scaled = converted("--scale 2");
@@ -342,8 +290,8 @@ TEST_F(Imgtool, ConvertChangesColours) {
     EXPECT_EQ(blueRed.ChannelCount(), 2);
     EXPECT_EQ(blueRed.Get(p, blueRed.FindChannel("B")), image.Get(p, 2));
     Write("spectral.exr", 2, 2, {"S0.450,000nm", "S0.550,000nm", "S0.650,000nm"});
-    ASSERT_EQ(Run("convert spectral.exr --outfile s.exr --channels S0.650,000nm,S0.450,000nm").status, 0);
-    EXPECT_EQ(ReadImage(Path("s.exr")).image.ChannelCount(), 2);
+    EXPECT_EQ(Written("convert spectral.exr --channels S0.650,000nm,S0.450,000nm --outfile s.exr").image.ChannelCount(),
+              2);
     const Image grey = converted("--bw");
     EXPECT_EQ(grey.ChannelCount(), 1);
     EXPECT_FLOAT_EQ(grey.Get(p, 0), (image.Get(p, 0) + image.Get(p, 1) + image.Get(p, 2)) / 3);
@@ -353,39 +301,33 @@ TEST_F(Imgtool, ConvertChangesColours) {
 }
 
 TEST_F(Imgtool, TonemapMapsTheMaximumLuminanceToOneAndKeepsHue) {
-    Image image(PixelFormat::Float, {2, 1}, kRgb);
-    for (int c = 0; c < 3; ++c) image.Set({0, 0}, c, 4);
-    image.Set({1, 0}, 0, 2);
-    image.Set({1, 0}, 1, 1);
-    WriteImage(Path("a.exr"), image);
-    ASSERT_EQ(Run("convert a.exr --tonemap --maxluminance 4 --outfile t.exr").status, 0);
-    const Image mapped = ReadImage(Path("t.exr")).image;
+    WriteImage(Path("a.exr"), test::RgbImage({2, 1}, [](int x, int) { return x ? Rgb(2, 1, 0) : Rgb(4); }));
+    const Image mapped = Written("convert a.exr --tonemap --maxluminance 4 --outfile t.exr").image;
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(mapped.Get({0, 0}, c), 1, 1e-4f);
     EXPECT_NEAR(mapped.Get({1, 0}, 0) / mapped.Get({1, 0}, 1), 2, 1e-5f);
     // The sRGB luminance is 0.2126 * 2 + 0.7152.
     const Float luminance = 1.1404f;
     EXPECT_NEAR(mapped.Get({1, 0}, 1), (1 + luminance / 16) / (1 + luminance), 1e-3f);
+    // By default that of the brightest pixel.
+    WriteImage(Path("b.exr"), test::RgbImage({2, 1}, [](int x, int) { return Rgb(x ? 1.f : 8.f); }));
+    const Image byDefault = Written("convert b.exr --exposure 1 --tonemap --outfile t.exr").image;
+    EXPECT_NEAR(byDefault.Get({0, 0}, 1), 1, 1e-4f);
+    EXPECT_NEAR(byDefault.Get({1, 0}, 1), 2 * (1 + 2 / 256.f) / 3, 1e-4f);
+    ExpectErrors({{"convert b.exr --maxluminance 4 --outfile t.exr", "--tonemap"}});
 }
 
 TEST_F(Imgtool, ConvertWritesEveryFormatAndNoOther) {
     const Image image = Write("a.exr", 3, 1, kRgb);
-    ASSERT_EQ(Run("convert a.exr --outfile a.pfm").status, 0);
-    EXPECT_EQ(ReadImage(Path("a.pfm")).image.Get({2, 0}, 1), image.Get({2, 0}, 1));
-    ASSERT_EQ(Run("convert a.exr --outfile a.png").status, 0);
-    EXPECT_NEAR(ReadImage(Path("a.png")).image.Get({2, 0}, 1), image.Get({2, 0}, 1), 0.005f);
-    ASSERT_EQ(Run("convert a.png --outfile b.exr").status, 0);
-    EXPECT_EQ(ReadImage(Path("b.exr")).image.Format(), PixelFormat::Half);
-    ASSERT_EQ(Run("convert a.exr a.jpg").status, 0);
-    EXPECT_NEAR(ReadImage(Path("a.jpg")).image.Get({2, 0}, 1), image.Get({2, 0}, 1), 0.03f);
-    ASSERT_EQ(Run("convert a.exr B.EXR").status, 0);
+    for (auto [name, tolerance] :
+         {std::pair("a.pfm", 0.f), std::pair("a.png", 0.005f), std::pair("a.jpg", 0.03f), std::pair("B.EXR", 0.f)})
+        EXPECT_NEAR(Written(std::string("convert a.exr ") + name).image.Get({2, 0}, 1), image.Get({2, 0}, 1),
+                    tolerance);
+    EXPECT_EQ(Written("convert a.png --outfile b.exr").image.Format(), PixelFormat::Half);
     ExpectErrors({{"convert a.exr --outfile a.tiff", ".png"}, {"convert a.exr b.exr c.exr", "c.exr"}});
 }
 
 TEST_F(Imgtool, FalsecolorOrdersValuesAndMarksInvalidOnes) {
-    Image image(PixelFormat::Float, {4, 1}, {"Y"});
-    for (int x = 0; x < 3; ++x) image.Set({x, 0}, 0, static_cast<Float>(x));
-    image.Set({3, 0}, 0, NAN);
-    WriteImage(Path("a.exr"), image);
+    WriteRow("a.exr", {0, 1, 2, NAN});
     const Outcome o = Run("falsecolor a.exr --ramp --outfile f.png");
     EXPECT_EQ(o.status, 0) << o.err;
     EXPECT_TRUE(Has(o.out, "0 to 2")) << o.out;
@@ -399,8 +341,7 @@ TEST_F(Imgtool, FalsecolorOrdersValuesAndMarksInvalidOnes) {
     EXPECT_LT(luminance(1, 0), luminance(2, 0));
     EXPECT_EQ(shown.Get({3, 0}, 1), 0);
     for (int x = 0; x < 3; ++x) EXPECT_LT(luminance(x, 5), luminance(x + 1, 5));
-    EXPECT_EQ(Run("falsecolor a.exr --outfile g.png").status, 0);
-    EXPECT_EQ(ReadImage(Path("g.png")).image.Resolution(), Point2i(4, 1));
+    EXPECT_EQ(Written("falsecolor a.exr --outfile g.png").image.Resolution(), Point2i(4, 1));
     EXPECT_TRUE(Has(Run("falsecolor a.exr --maxvalue 8 --outfile h.png").out, "0 to 8"));
 }
 
@@ -423,10 +364,7 @@ TEST_F(Imgtool, FalsecolorShowsTheImageAndNotItsBrightestPixels) {
 }
 
 TEST_F(Imgtool, FalsecolorPlusMinusIsBlueBelowAndRedAboveZero) {
-    Image image(PixelFormat::Float, {3, 1}, {"Y"});
-    image.Set({0, 0}, 0, -2);
-    image.Set({2, 0}, 0, 1);
-    WriteImage(Path("a.exr"), image);
+    WriteRow("a.exr", {-2, 0, 1});
     const Outcome o = Run("falsecolor a.exr --plusminus --outfile f.exr");
     EXPECT_TRUE(Has(o.out, "-2 to 2")) << o.out << o.err;
     const Image shown = ReadImage(Path("f.exr")).image;
@@ -441,12 +379,10 @@ TEST_F(Imgtool, AverageIsTheMeanOfAllFilesWithThePrefix) {
     Write("runs/seed1.exr", 3, 2, kRgb, 1);
     Write("runs/seed2.exr", 3, 2, kRgb, 5);
     Write("runs/other.exr", 3, 2, kRgb, 100);
-    ASSERT_EQ(Run("average runs/seed --outfile runs/seedmean.exr").status, 0);
-    const Image mean = ReadImage(Path("runs/seedmean.exr")).image;
+    const Image mean = Written("average runs/seed --outfile runs/seedmean.exr").image;
     EXPECT_NEAR(mean.Get({2, 1}, 2), a.Get({2, 1}, 2) + 2, 1e-5f);
     // The result of the first run, whose name has the prefix, is not averaged again.
-    ASSERT_EQ(Run("average runs/seed --outfile runs/seedmean.exr").status, 0);
-    EXPECT_EQ(ReadImage(Path("runs/seedmean.exr")).image.Get({2, 1}, 2), mean.Get({2, 1}, 2));
+    EXPECT_EQ(Written("average runs/seed --outfile runs/seedmean.exr").image.Get({2, 1}, 2), mean.Get({2, 1}, 2));
     Write("runs/seed3.exr", 2, 2, kRgb);
     ExpectErrors({{"average runs/seed --outfile runs/mean.exr", "seed3.exr"}});
 }

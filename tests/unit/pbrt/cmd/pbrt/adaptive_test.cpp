@@ -1,6 +1,5 @@
 // --adaptive and --noise as a user runs them.
 #include <signal.h>
-#include <stdlib.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -75,42 +74,19 @@ TEST_F(Adaptive, KilledAndInterruptedRendersGoOnToTheSameBits) {
                                       (integrator == "path" ? " " : " --spp 256 ") + "scene.pbrt --aov samples ";
         const ImageFile whole = Render(arguments, "whole.exr");
         ExpectAdaptive(whole);
-        const std::string resumed = arguments + "--outfile out.exr --nthreads 2 --checkpoint c.chk --resume";
-        int stopped = 0;
-        for (const int signal : {SIGKILL, SIGINT, SIGKILL}) {
-            const pid_t pid = StartUntilWritten(resumed + " --checkpoint-interval 0.01", "c.chk");
-            kill(pid, signal);
-            stopped += Wait(pid).status != 0;
-        }
-        EXPECT_GT(stopped, 0);
-        EXPECT_TRUE(Has(RunWell(resumed), "Resuming"));
+        EXPECT_TRUE(Has(StopAndResume(arguments + "--nthreads 2", {SIGKILL, SIGINT, SIGKILL}), "Resuming"));
         EXPECT_TRUE(SamePixels(whole, ReadImage(Path("out.exr")))) << integrator;
-        RunWell(resumed);  // finished
+        RunWell(arguments + "--outfile out.exr --checkpoint c.chk --resume");  // finished
         EXPECT_TRUE(SamePixels(whole, ReadImage(Path("out.exr"))));
         std::filesystem::remove(Path("c.chk"));
     }
 }
 
 TEST_F(Adaptive, AnyNumberOfProcessesGivesTheSameBits) {
-#ifdef PBRT_MPIRUN
-    setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
-    setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
+    if (!StartAs(1)) GTEST_SKIP() << "NOT TESTED: this build has no MPI (PBRT_MPI=OFF)";
     Write("scene.pbrt", NoisyBall(64, "", "independent", "spectral"));
-    for (const std::string more : {"", "--integrator bdpt --spp 32 "}) {
-        const std::string arguments = (more.empty() ? lights_ : adaptive_) + more + "scene.pbrt --nthreads 1";
-        launcher_ = "";
-        const ImageFile one = Render(arguments);
-        ExpectAdaptive(one);
-        for (const int ranks : {2, 3}) {
-            launcher_ = fmt::format("'{}' --oversubscribe --bind-to none -n {} ", PBRT_MPIRUN, ranks);
-            const ImageFile many = Render(arguments);
-            EXPECT_TRUE(SamePixels(one, many)) << ranks << more;
-            EXPECT_EQ(NumberOf(one, "pbrt.noise"), NumberOf(many, "pbrt.noise"));
-        }
-    }
-#else
-    GTEST_SKIP() << "NOT TESTED: this build has no MPI (PBRT_MPI=OFF)";
-#endif
+    for (const std::string &flags : {lights_, adaptive_ + "--integrator bdpt --spp 32 "})
+        ExpectAdaptive(ExpectSameBits(flags + "scene.pbrt", {2, 3}, "pbrt.noise"));
 }
 
 TEST_F(Adaptive, TheNoiseRequestedIsTheNoiseFound) {
@@ -152,23 +128,6 @@ TEST_F(Adaptive, LessNoiseWithTheSameSamples) {
     EXPECT_NEAR(sum / (64 * 48), 32, 0.1);
     EXPECT_NEAR(NumberOf(adaptive, "pbrt.meanSamples"), sum / (64 * 48), 1e-4);
     EXPECT_GT(adaptive.image.Get({40, 22}, channel), 4 * adaptive.image.Get({4, 4}, channel));
-}
-
-TEST_F(Adaptive, EqualNoiseGivesTheUniformImage) {
-    // Random wavelengths are the noise of a wall that shines.
-    Write(
-        "wall.pbrt",
-        SceneText()
-            .LookAt("0 0 -5  0 0 0  0 1 0")
-            .Camera(40)
-            .Film(64, 48, "'string filename' 'x.exr' 'bool savefp16' false")
-            .Head("Sampler 'zsobol' 'integer pixelsamples' 64")
-            .Integrator("path", 1)
-            .World(Objects().AreaLight("0.5 0.6 0.7", "'bool twosided' true").Quad("-9 -9 2  9 -9 2  -9 9 2  9 9 2")));
-    const ImageFile adaptive = Render("wall.pbrt --adaptive");
-    EXPECT_TRUE(SamePixels(adaptive, Render("wall.pbrt")));
-    EXPECT_GT(IntOf(adaptive, "pbrt.decisions"), 0);
-    EXPECT_EQ(IntOf(adaptive, "pbrt.uniformDecisions"), IntOf(adaptive, "pbrt.decisions"));
 }
 
 TEST_F(Adaptive, StatisticsAreReported) {

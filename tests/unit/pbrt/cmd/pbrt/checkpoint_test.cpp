@@ -1,8 +1,5 @@
 // --checkpoint, --resume, --samples, --save-lights and --load-lights as a user runs them.
 #include <signal.h>
-#include <unistd.h>
-
-#include <fstream>
 
 #include "program.h"
 
@@ -15,23 +12,23 @@ class Checkpoints : public Program {
         ext_ = Has(LightSamplerListing(), "\noctree\n");
         lights_ = ext_ ? " --lightsampler octree " : " --lightsampler bvh ";
     }
-    /// Starts a render with a checkpoint, kills it once there is one (in the middle of the render), goes on and so on
-    /// `kills` times; then lets it finish. Returns the messages of the last run.
-    std::string KillAndResume(const std::string &arguments, int kills) const {
-        for (int i = 0; i < kills; ++i) {
-            const pid_t pid =
-                StartUntilWritten(arguments + " --checkpoint c.chk --checkpoint-interval 0.01 --resume", "c.chk");
-            kill(pid, SIGKILL);
-            EXPECT_EQ(Wait(pid).status, -SIGKILL);
+    Outcome Merge(const std::string &arguments) const { return RunImgtool("merge " + arguments); }
+    /// Renders parts of these ranges, named part and the range, merges them in this order, and expects the bits of
+    /// `whole`, a render with the same arguments.
+    void ExpectSameFromParts(const ImageFile &whole, const std::string &arguments,
+                             const std::vector<std::string> &ranges) const {
+        for (const std::string &name : Files())
+            if (name.starts_with("part")) std::filesystem::remove(Path(name));
+        std::string files;
+        for (const std::string &range : ranges) {
+            RunWell(arguments + " --nthreads 2 --samples " + range + " --checkpoint part" + range);
+            files += " part" + range;
         }
-        return RunWell(arguments + " --checkpoint c.chk --resume");
-    }
-    Outcome Merge(const std::string &arguments) const {
-        const std::string log = Path("merge");
-        const int raw = std::system(
-            ("cd '" + Path("") + "' && '" PBRT_IMGTOOL "' merge " + arguments + " > " + log + ".out 2> " + log + ".err")
-                .c_str());
-        return {WEXITSTATUS(raw), Read("merge.out"), Read("merge.err")};
+        const Outcome merged = Merge("merged.exr" + files);
+        ASSERT_EQ(merged.status, 0) << merged.err;
+        const ImageFile file = ReadImage(Path("merged.exr"));
+        EXPECT_TRUE(SamePixels(whole, file)) << arguments;
+        EXPECT_EQ(IntOf(file, "samplesPerPixel"), IntOf(whole, "samplesPerPixel"));
     }
     bool ext_ = false;
     std::string lights_;
@@ -40,13 +37,11 @@ class Checkpoints : public Program {
 TEST_F(Checkpoints, ARenderThatWasKilledGivesTheSameBits) {
     for (const char *film : {"rgb", "gbuffer", "spectral"}) {
         Write("scene.pbrt", LearningScene(film, 512));
-        const std::string arguments = lights_ + " scene.pbrt --nthreads 2 --outfile ";
         const ImageFile whole = Render(lights_ + "scene.pbrt --nthreads 1", "whole.exr");
-        const std::string messages = KillAndResume(arguments + "out.exr", 3);
+        const std::string messages = StopAndResume(lights_ + "scene.pbrt --nthreads 2", {SIGKILL, SIGKILL, SIGKILL});
         EXPECT_TRUE(Has(messages, "Resuming from c.chk, after ")) << messages;
-        const ImageFile resumed = ReadImage(Path("out.exr"));
-        EXPECT_EQ(IntOf(resumed, "samplesPerPixel"), 512);
-        EXPECT_TRUE(SamePixels(whole, resumed)) << film;
+        EXPECT_EQ(IntOf(ReadImage(Path("out.exr")), "samplesPerPixel"), 512);
+        EXPECT_TRUE(SamePixels(whole, ReadImage(Path("out.exr")))) << film;
         std::filesystem::remove(Path("c.chk"));
     }
 }
@@ -54,19 +49,11 @@ TEST_F(Checkpoints, ARenderThatWasKilledGivesTheSameBits) {
 /// The pass that was interrupted goes on in the middle of an iteration, or of a chain.
 TEST_F(Checkpoints, PhotonMapsAndChainsGoOnToTheSameBits) {
     Write("scene.pbrt", LearningScene("rgb", 8));
-    for (const char *integrator : {"sppm", "mlt"}) {
-        const std::string lights = std::string(integrator) == "sppm" ? lights_ : "";
-        const std::string arguments = lights + "scene.pbrt --spp 700 --integrator " + integrator;
+    for (const std::string integrator : {"sppm", "mlt"}) {
+        const std::string arguments =
+            (integrator == "sppm" ? lights_ : "") + "scene.pbrt --spp 700 --integrator " + integrator;
         const ImageFile whole = Render(arguments, "whole.exr");
-        const std::string resumed = arguments + " --outfile out.exr --checkpoint c.chk";
-        int interrupted = 0;
-        for (int i = 0; i < 3; ++i) {
-            const pid_t pid = StartUntilWritten(resumed + " --checkpoint-interval 0.01 --resume", "c.chk");
-            kill(pid, SIGINT);
-            interrupted += Wait(pid).status == 128 + SIGINT;
-        }
-        EXPECT_GT(interrupted, 0) << integrator;
-        RunWell(resumed + " --resume");
+        StopAndResume(arguments, {SIGINT, SIGINT, SIGINT});
         EXPECT_TRUE(SamePixels(whole, ReadImage(Path("out.exr")))) << integrator;
         std::filesystem::remove(Path("c.chk"));
     }
@@ -75,11 +62,10 @@ TEST_F(Checkpoints, PhotonMapsAndChainsGoOnToTheSameBits) {
 TEST_F(Checkpoints, AGuidedRenderThatWasKilledGivesTheSameBits) {
     PBRT_SKIP_WITHOUT_EXT();
     Write("scene.pbrt", GuidedScene(256));
-    const std::string arguments = lights_ + "--guide scene.pbrt --nthreads 2 --outfile ";
     const ImageFile whole = Render(lights_ + "--guide scene.pbrt --nthreads 1", "whole.exr");
     EXPECT_GT(IntOf(whole, "guide.guidingCells"), 0);
     EXPECT_GT(IntOf(whole, "guide.rouletteCells"), 0);
-    KillAndResume(arguments + "out.exr", 3);
+    StopAndResume(lights_ + "--guide scene.pbrt --nthreads 2", {SIGKILL, SIGKILL, SIGKILL});
     EXPECT_TRUE(SamePixels(whole, ReadImage(Path("out.exr"))));
     EXPECT_FALSE(SamePixels(whole, Render(lights_ + "scene.pbrt")));
     // More samples, at once and step by step; without the flag it is another render.
@@ -201,24 +187,16 @@ TEST_F(Parts, MergedInAnyOrderHaveTheBitsOfOneRender) {
             lights = " --lightsampler octree --load-lights lights ";
         }
         const ImageFile whole = Render(lights + "scene.pbrt", "whole.exr");
-        for (const char *range : {"0:1", "1:5", "5:12", "12:16"})
-            RunWell(lights + "scene.pbrt --samples " + range + " --checkpoint " + std::string(film) + range);
-        for (const std::vector<const char *> &order : {std::vector{"0:1", "1:5", "5:12", "12:16"},
-                                                       {"12:16", "5:12", "0:1", "1:5"},
-                                                       {"5:12", "0:1", "12:16", "1:5"}}) {
-            std::string files;
-            for (const char *range : order) files.append(" ").append(film).append(range);
-            const Outcome merged = Merge("out.exr " + files);
-            ASSERT_EQ(merged.status, 0) << merged.err;
+        ExpectSameFromParts(whole, lights + "scene.pbrt", {"0:1", "1:5", "5:12", "12:16"});
+        for (const std::string files : {"part12:16 part5:12 part0:1 part1:5", "part5:12 part0:1 part12:16 part1:5"}) {
+            EXPECT_EQ(Merge("out.exr " + files).status, 0);
             EXPECT_TRUE(SamePixels(whole, ReadImage(Path("out.exr")))) << files;
-            EXPECT_EQ(IntOf(ReadImage(Path("out.exr")), "samplesPerPixel"), 16);
         }
-        const std::string f = film;
-        ExpectRefused("refused.exr " + f + "0:1 " + f + "5:12 " + f + "12:16", "The samples 1:5 are in no file");
-        ExpectRefused("refused.exr " + f + "0:1 " + f + "1:5 " + f + "5:12", "The samples 12:16 are in no file");
-        ExpectRefused("refused.exr " + f + "0:1 " + f + "1:5 " + f + "5:12 " + f + "12:16 " + f + "5:12",
-                      f + "5:12 (5:12) and " + f + "5:12 (5:12) have samples in common.");
-        const Outcome some = Merge("some.exr --incomplete " + f + "0:1 " + f + "5:12");
+        ExpectRefused("refused.exr part0:1 part5:12 part12:16", "The samples 1:5 are in no file");
+        ExpectRefused("refused.exr part0:1 part1:5 part5:12", "The samples 12:16 are in no file");
+        ExpectRefused("refused.exr part0:1 part1:5 part5:12 part12:16 part5:12",
+                      "part5:12 (5:12) and part5:12 (5:12) have samples in common.");
+        const Outcome some = Merge("some.exr --incomplete part0:1 part5:12");
         EXPECT_EQ(some.status, 0) << some.err;
         EXPECT_EQ(IntOf(ReadImage(Path("some.exr")), "samplesPerPixel"), 8);
         EXPECT_FALSE(SamePixels(whole, ReadImage(Path("some.exr"))));
@@ -227,20 +205,10 @@ TEST_F(Parts, MergedInAnyOrderHaveTheBitsOfOneRender) {
 
 /// Integrators that follow light from the lights are divided like all others.
 TEST_F(Parts, LightThatIsFollowedFromTheLights) {
-    for (const char *integrator : {"lightpath", "bdpt", "sppm", "mlt"}) {
-        Write("scene.pbrt", LearningScene("rgb", 8));
-        const std::string arguments = " scene.pbrt --spp 8 --integrator " + std::string(integrator);
-        const ImageFile whole = Render(arguments + " --nthreads 1", "whole.exr");
-        std::string files;
-        for (const char *range : {"3:8", "0:1", "1:3"}) {
-            const std::string file = std::string(integrator) + range;
-            RunWell(arguments + " --nthreads 2 --samples " + range + " --checkpoint " + file);
-            files += " " + file;
-        }
-        const Outcome merged = Merge("out.exr" + files);
-        ASSERT_EQ(merged.status, 0) << merged.err;
-        EXPECT_TRUE(SamePixels(whole, ReadImage(Path("out.exr")))) << integrator;
-        EXPECT_EQ(IntOf(ReadImage(Path("out.exr")), "samplesPerPixel"), 8);
+    Write("scene.pbrt", LearningScene("rgb", 8));
+    for (const std::string integrator : {"lightpath", "bdpt", "sppm", "mlt"}) {
+        const std::string arguments = "scene.pbrt --spp 8 --integrator " + integrator;
+        ExpectSameFromParts(Render(arguments + " --nthreads 1", "whole.exr"), arguments, {"3:8", "0:1", "1:3"});
     }
 }
 
@@ -277,11 +245,7 @@ TEST_F(Parts, PartsOfOtherRendersAndUnfinishedOnesAreRefused) {
 TEST_F(Parts, ThatLearnForThemselvesAgreeAsWell) {
     if (!ext_) GTEST_SKIP() << "NOT TESTED: no light sampler of this build learns while it renders";
     Write("scene.pbrt", LearningScene("rgb", 16));
-    const ImageFile whole = Render(lights_ + "scene.pbrt", "whole.exr");
-    RunWell(lights_ + "scene.pbrt --samples 0:3 --checkpoint a");
-    RunWell(lights_ + "scene.pbrt --samples 3:16 --checkpoint b");
-    ASSERT_EQ(Merge("out.exr b a").status, 0);
-    EXPECT_TRUE(SamePixels(whole, ReadImage(Path("out.exr"))));
+    ExpectSameFromParts(Render(lights_ + "scene.pbrt", "whole.exr"), lights_ + "scene.pbrt", {"3:16", "0:3"});
 }
 
 class SharedLights : public Checkpoints {
@@ -345,14 +309,11 @@ TEST_F(SharedLights, TheGuideGoesWithThem) {
         EXPECT_GT(IntOf(one, "guide.guidingCells"), 0);
         EXPECT_GT(IntOf(one, "guide.rouletteCells"), 0);
         EXPECT_TRUE(SamePixels(one, Render(load + "b.pbrt --nthreads 2")));
-        for (const char *range : {"0:7", "7:16"})
-            RunWell(load + "b.pbrt --samples " + range + " --checkpoint part" + range);
-        ASSERT_EQ(Merge("merged.exr part7:16 part0:7").status, 0);
-        EXPECT_TRUE(SamePixels(one, ReadImage(Path("merged.exr"))));
+        ExpectSameFromParts(one, load + "b.pbrt", {"7:16", "0:7"});
         const ImageFile many = Render(load + "a.pbrt --nthreads 1");
-        KillAndResume(load + "a.pbrt --nthreads 2 --outfile resumed.exr", 2);
-        EXPECT_TRUE(SamePixels(many, ReadImage(Path("resumed.exr"))));
-        for (const char *file : {"part0:7", "part7:16", "c.chk"}) std::filesystem::remove(Path(file));
+        StopAndResume(load + "a.pbrt --nthreads 2", {SIGKILL, SIGKILL});
+        EXPECT_TRUE(SamePixels(many, ReadImage(Path("out.exr"))));
+        std::filesystem::remove(Path("c.chk"));
         ExpectErrors({{lights + "+guide:share=0.5 --load-lights lights b.pbrt --outfile b.exr",
                        {"lights: ", "guide", "\"share\":0.5"}}});
     }

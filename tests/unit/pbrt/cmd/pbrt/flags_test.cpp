@@ -31,7 +31,6 @@ TEST_F(Flags, SpellingOfNamesIsFree) {
 
 TEST_F(Flags, UnknownFlagsAndBadValuesAreErrors) {
     ExpectErrors({{"--spq 3 scene.pbrt", {"unknown flag --spq; did you mean --spp?", "--help"}},
-                  {"--sppp 4 scene.pbrt", {"unknown flag --sppp; did you mean --spp?"}},
                   {"-sppp=4 scene.pbrt", {"unknown flag -sppp; did you mean --spp?"}},
                   {"scene.pbrt --Light_Samplr bvh", {"did you mean --lightsampler?"}},
                   {"--frobnicate scene.pbrt", {"unknown flag --frobnicate\n"}},
@@ -73,13 +72,6 @@ TEST_F(Flags, FlagsOfStockHaveAHint) {
     ExpectErrors(cases);
 }
 
-TEST_F(Flags, OneSampleIsSingular) {
-    const std::string messages = RunWell("--quick --outfile out.exr scene.pbrt");
-    EXPECT_TRUE(Has(messages, "--quick: 8 x 6 pixels, 1 sample per pixel.")) << messages;
-    EXPECT_TRUE(Has(messages, "Wrote out.exr (1 sample per pixel,")) << messages;
-    EXPECT_TRUE(Has(RunWell("--spp 2 --outfile out.exr scene.pbrt"), "Wrote out.exr (2 samples per pixel,"));
-}
-
 TEST_F(Flags, FloatsArePrintedAsGiven) {
     PBRT_SKIP_WITHOUT_EXT();
     for (const char *sampler : {"octree", "octree:model=paper", "oracle", "neepp", "spatial"}) {
@@ -96,56 +88,16 @@ TEST_F(Flags, FloatsArePrintedAsGiven) {
     EXPECT_TRUE(Has(TextOf(ReadImage(Path("out.exr")), "lightSampler.parameters"), "\"floor\":0.01,"));
 }
 
-TEST_F(Flags, HelpNamesEveryFlagAndRendersNothing) {
+TEST_F(Flags, HelpRendersNothing) {
     const std::vector<std::string> before = Files();
+    const std::string help = Run("--help scene.pbrt").out;
     for (const char *flag : {"--help", "-h", "-help"}) {
         const Outcome o = Run(std::string(flag) + " scene.pbrt");
         EXPECT_EQ(o.status, 0);
         EXPECT_EQ(o.err, "");
-        for (const char *name : {"--cropwindow",
-                                 "--pixelbounds",
-                                 "--pixel ",
-                                 "--outfile",
-                                 "--aov",
-                                 "--display-server",
-                                 "--serve",
-                                 "--write-partial-images",
-                                 "--mse-reference-image",
-                                 "--mse-reference-out",
-                                 "--spp",
-                                 "--time",
-                                 "--seed",
-                                 "--nthreads",
-                                 "--quick",
-                                 "--memory-limit",
-                                 "--checkpoint ",
-                                 "--checkpoint-interval",
-                                 "--resume",
-                                 "--samples",
-                                 "--save-lights",
-                                 "--load-lights",
-                                 "--lightsampler",
-                                 "--mesh-lights",
-                                 "--list-lightsamplers",
-                                 "--integrator",
-                                 "--maxdepth",
-                                 "--disable-pixel-jitter",
-                                 "--disable-wavelength-jitter",
-                                 "--disable-texture-filtering",
-                                 "--force-diffuse",
-                                 "--render-coord-sys",
-                                 "--quiet",
-                                 "--stats"})
-            EXPECT_TRUE(Has(o.out, name)) << flag << " " << name;
+        EXPECT_EQ(o.out, help);
     }
     EXPECT_EQ(Files(), before);
-}
-
-TEST_F(Flags, ListingOfLightSamplersNeedsNoScene) {
-    const Outcome o = Run("--list-lightsamplers");
-    EXPECT_EQ(o.status, 0);
-    EXPECT_EQ(o.err, "");
-    for (const char *name : {"bvh\n", "exhaustive\n", "power\n", "uniform\n"}) EXPECT_TRUE(Has(o.out, name)) << name;
 }
 
 TEST_F(Flags, SamplesWithoutPixelsCannotBeAtTheirCentres) {
@@ -175,21 +127,20 @@ TEST_F(Flags, WindowsChooseTheDataWindow) {
         EXPECT_EQ(*part.metadata.fullResolution, Point2i(32, 24)) << c.arguments;
         ASSERT_EQ(part.image.Resolution(), c.high - c.low) << c.arguments;
         // The pixels of a part are the same as in the whole picture.
-        for (int y = c.low.y; y < c.high.y; ++y)
-            for (int x = c.low.x; x < c.high.x; ++x)
-                for (int k = 0; k < 3; ++k)
-                    ASSERT_EQ(part.image.Get(Point2i(x, y) - c.low, k), full.image.Get({x, y}, k))
-                        << c.arguments << " at " << x << "," << y;
+        EXPECT_TRUE(SamePixels(part, {full.image.Crop({c.low, c.high}), {}})) << c.arguments;
     }
 }
 
 TEST_F(Flags, QuickIsAQuarterOfTheResolutionAndOneSample) {
-    const ImageFile quick = Render("--quick scene.pbrt");
-    EXPECT_EQ(quick.image.Resolution(), Point2i(8, 6));
-    EXPECT_EQ(IntOf(quick, "samplesPerPixel"), 1);
-    const std::string messages = RunWell("--quick --spp 16 --outfile out.exr scene.pbrt");
-    EXPECT_TRUE(Has(messages, "--quick: 8 x 6 pixels, 16 samples per pixel.")) << messages;
-    EXPECT_EQ(IntOf(ReadImage(Path("out.exr")), "samplesPerPixel"), 16);
+    for (const auto &[more, samples, said] :
+         {std::tuple("", 1, "1 sample per pixel"), {"--spp 16 ", 16, "16 samples per pixel"}}) {
+        const std::string messages = RunWell(std::string("--quick --outfile out.exr scene.pbrt ") + more);
+        EXPECT_TRUE(Has(messages, std::string("--quick: 8 x 6 pixels, ") + said + ".")) << messages;
+        EXPECT_TRUE(Has(messages, std::string("Wrote out.exr (") + said + ",")) << messages;
+        const ImageFile quick = ReadImage(Path("out.exr"));
+        EXPECT_EQ(quick.image.Resolution(), Point2i(8, 6));
+        EXPECT_EQ(IntOf(quick, "samplesPerPixel"), samples);
+    }
 }
 
 TEST_F(Flags, VersionIsOneLine) {
@@ -328,18 +279,14 @@ TEST_F(Flags, OutfileExtensionChoosesTheFormat) {
     }
 }
 
-TEST_F(Flags, SceneComesFromStandardInputWithoutAName) {
-    const ImageFile named = Render("scene.pbrt");
-    EXPECT_TRUE(SamePixels(Render("< scene.pbrt"), named));
-    EXPECT_TRUE(SamePixels(Render("- < scene.pbrt"), named));
-}
-
-TEST_F(Flags, SeveralFilesAreOneScene) {
+TEST_F(Flags, SceneComesFromStandardInputOrSeveralFiles) {
     const std::string text = SmallScene();
     const size_t cut = text.find("Material");
     Write("first.pbrt", text.substr(0, cut));
     Write("second.pbrt", text.substr(cut));
-    EXPECT_TRUE(SamePixels(Render("first.pbrt second.pbrt"), Render("scene.pbrt")));
+    const ImageFile named = Render("scene.pbrt");
+    for (const char *scene : {"< scene.pbrt", "- < scene.pbrt", "first.pbrt second.pbrt"})
+        EXPECT_TRUE(SamePixels(Render(scene), named)) << scene;
 }
 
 TEST_F(Flags, QuietRunsPrintNothing) {

@@ -70,12 +70,6 @@ TEST_F(LightSamplers, SpecOnTheCommandLineReachesTheSamplerAndTheImage) {
     EXPECT_GT(NumberOf(file, "lightSampler.octreeBuildSeconds"), 0);
     EXPECT_EQ(IntOf(file, "lightSampler.lights"), 3);
     EXPECT_EQ(IntOf(file, "lightSampler.groups"), 2) << "the two triangles are one group";
-}
-
-TEST_F(LightSamplers, ValuesOfTheLargeRangeSurvive) {
-    PBRT_SKIP_WITHOUT_EXT();
-    EXPECT_EQ(Parameters(Render("--lightsampler octree:leaves=1000,meshlights=false scene.pbrt")).at("meshlights"),
-              false);
     EXPECT_LT(IntOf(Render("--lightsampler octree:model=paper,leaves=64 scene.pbrt"), "lightSampler.leaves"),
               IntOf(Render("--lightsampler octree:model=paper,leaves=4096 scene.pbrt"), "lightSampler.leaves"));
 }
@@ -90,12 +84,10 @@ TEST_F(LightSamplers, WrongSpecsAreShownWithTheChoices) {
                    {"--lightsampler:1:17", "\"leavs\"", "did you mean \"leaves\"?", "prepassspp",
                     fmt::format("\n    octree:floor=0.1,leavs=3\n    {:>18}", "^")}},
                   {"--lightsampler octree:leaves=many scene.pbrt", {"--lightsampler:1:14", "\"many\"", "integer"}},
-                  {"--lightsampler octree:leaves=1.5 scene.pbrt", {"\"1.5\"", "integer"}},
                   {"--lightsampler octree:meshlights=yes scene.pbrt", {"\"yes\"", "bool"}},
                   {"--lightsampler octree:leaves scene.pbrt", {"\"leaves=value\""}},
                   {"--lightsampler octree: scene.pbrt", {"leaves"}},
                   {"--lightsampler octree:leaves=63 scene.pbrt", {"--lightsampler:1:7", "63", "64", "16777216"}},
-                  {"--lightsampler octree:floor=1.5 scene.pbrt", {"floor", "1.5", "at least 0 and at most 1"}},
                   {"--lightsampler octree:model=papr scene.pbrt", {"papr", "visibility", "paper"}},
                   {"--lightsampler octree:floor=nan scene.pbrt", {"floor"}}});
 }
@@ -157,13 +149,17 @@ TEST_F(LightSamplers, SceneParametersReachTheSampler) {
 
 TEST_F(LightSamplers, WrongSceneParametersAreErrors) {
     PBRT_SKIP_WITHOUT_EXT();
-    const std::string octree = R"("string lightsampler" "octree" )";
-    Write("range.pbrt", SmallScene(octree + R"("integer octree.leaves" 1)"));
-    ExpectErrors({{"range.pbrt", {"Error: range.pbrt:5:", "leaves", "64", "16777216"}}});
-    Write("name.pbrt", SmallScene(octree + R"("integer octree.leafs" 128)"));
-    ExpectErrors({{"name.pbrt", {"Error: name.pbrt:5:", "octree.leafs", "octree.leaves"}}});
-    Write("type.pbrt", SmallScene(octree + R"("float octree.leaves" 128)"));
-    ExpectErrors({{"type.pbrt", {"Error: type.pbrt:5:", "octree.leaves", "integer"}}});
+    std::vector<ErrorCase> cases;
+    for (const auto &[parameter, parts] :
+         {std::pair(R"("integer octree.leaves" 1)", std::vector<std::string>{"leaves", "64", "16777216"}),
+          {R"("integer octree.leafs" 128)", {"octree.leafs", "octree.leaves"}},
+          {R"("float octree.leaves" 128)", {"octree.leaves", "integer"}}}) {
+        const std::string name = std::to_string(cases.size()) + ".pbrt";
+        Write(name, SmallScene(std::string(R"("string lightsampler" "octree" )") + parameter));
+        cases.push_back({name, parts});
+        cases.back().parts.push_back("Error: " + name + ":5:");
+    }
+    ExpectErrors(cases);
 }
 
 TEST_F(LightSamplers, MeshLightsGroupTheTrianglesOfAMesh) {

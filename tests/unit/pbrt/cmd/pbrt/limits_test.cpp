@@ -22,28 +22,6 @@ class Limits : public Program {
     }
 };
 
-TEST_F(Limits, NumbersBeyondFloat) {
-    const std::string triangle = "Shape \"trianglemesh\" \"integer indices\" [ 0 1 2 ] \"point3 P\" ";
-    ExpectAll(
-        {{"rgb",
-          "",
-          "LightSource \"point\" \"rgb I\" [ .5 .5 1e400 ] Shape \"sphere\"",
-          {"Error: rgb.pbrt:4:", "1e400 is too large", "3.4028235e+38", "^"}},
-         {"area", "", "AreaLightSource \"diffuse\" \"rgb L\" [ 1e400 1 1 ] Shape \"sphere\"", {"1e400 is too large"}},
-         {"bright", "", "LightSource \"infinite\" \"rgb L\" [ 3e38 1 1 ]", {"a component is above 1e+30"}},
-         {"vertex", "", triangle + "[ 0 0 0  1e400 0 0  0 1 0 ]", {"Error: vertex.pbrt:4:", "1e400 is too large"}},
-         {"far", "", triangle + "[ 0 0 0  1e19 0 0  0 1 0 ]", {"vertex 1 lies at (1e+19, 0, 0)", "at most 1e+18"}},
-         {"integer", "", "Shape \"loopsubdiv\" \"integer levels\" 99999999999", {"32-bit integer"}},
-         {"matrix", "", "Scale 1e30 1 1 Scale 1e30 1 1 Shape \"sphere\"", {"Error: matrix.pbrt:4:15", "3.4e+38"}}});
-    Write("mesh.ply",
-          "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-          "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n0 1e400 0\n1 0 0\n3 0 1 2\n");
-    ExpectAll({{"ply",
-                "",
-                "Shape \"plymesh\" \"string filename\" \"mesh.ply\"",
-                {"mesh.ply: line 11 (vertex 1): y is inf"}}});
-}
-
 TEST_F(Limits, PowerBeyondFloat) {
     // A radiance of 1e25 over an area of 1e30.
     Write("power.pbrt",
@@ -53,11 +31,8 @@ TEST_F(Limits, PowerBeyondFloat) {
     EXPECT_FALSE(Has(RunWell("--spp 1 --outfile out.exr power.pbrt"), "Warning"));
 }
 
-TEST_F(Limits, RaysOfEmbree) {
-    ExpectAll({{"filter",
-                "PixelFilter \"box\" \"float yradius\" 1e38",
-                "Shape \"sphere\" LightSource \"infinite\"",
-                {"\"yradius\" is 1e+38; it must be above 0 and at most 1000"}},
+TEST_F(Limits, PlacesAndRadiance) {
+    ExpectAll({{"bright", "", "LightSource \"infinite\" \"rgb L\" [ 3e38 1 1 ]", {"a component is above 1e+30"}},
                {"scale",
                 "",
                 "AreaLightSource \"diffuse\" Scale 1 1 1e20 Shape \"cylinder\"",
@@ -77,11 +52,6 @@ TEST_F(Limits, RaysOfEmbree) {
                 "Shape \"sphere\"",
                 {"Camera reaches to"}},
                {"flat", "Scale 0 1 1 Camera \"perspective\"", "Shape \"sphere\"", {"cannot be inverted"}}});
-    Write("lens.dat", "35 5 1.5 20\n-35 2 1 20\n0 20 0 10\n");
-    ExpectAll({{"diagonal",
-                "Film \"rgb\" \"float diagonal\" 1e38 Camera \"realistic\" \"string lensfile\" \"lens.dat\"",
-                "Shape \"sphere\"",
-                {"\"diagonal\" is 1e+38", "at most 1000000"}}});
 }
 
 TEST_F(Limits, WhatDoesNotFitIntoMemory) {
@@ -116,48 +86,6 @@ TEST_F(Limits, MemoryIsEstimatedBeforeBuildingAndLimited) {
                   {"--memory-limit 1 --outfile out.exr scene.pbrt", {"enough memory"}},
                   {"--memory-limit 20 --outfile out.exr scene.pbrt", {"enough memory", "20 MB", "--memory-limit"}}});
     EXPECT_EQ(Run("--memory-limit 2000 --outfile out.exr scene.pbrt").status, 0);
-}
-
-TEST_F(Limits, RecursionOverTheInput) {
-    std::string chain = "Texture \"t0\" \"float\" \"fbm\"\n", mixes = "Texture \"t0\" \"spectrum\" \"marble\"\n",
-                materials;
-    for (int i = 1; i <= 30'000; ++i)
-        chain += "Texture \"t" + std::to_string(i) + "\" \"float\" \"scale\" \"texture tex\" \"t" +
-                 std::to_string(i - 1) + "\" \"texture scale\" \"t0\"\n";
-    for (int i = 1; i <= 60; ++i) {
-        const std::string below = "\"t" + std::to_string(i - 1) + "\"";
-        mixes += "Texture \"t" + std::to_string(i) + "\" \"spectrum\" \"mix\" \"texture tex1\" " + below +
-                 " \"texture tex2\" " + below + "\n";
-    }
-    materials = "MakeNamedMaterial \"m0\" \"string type\" \"diffuse\"\n";
-    for (int i = 1; i <= 30'000; ++i)
-        materials += "MakeNamedMaterial \"m" + std::to_string(i) +
-                     "\" \"string type\" \"mix\" \"string materials\" [ \"m" + std::to_string(i - 1) + "\" \"m0\" ]\n";
-    ExpectAll(
-        {{"chain",
-          "",
-          chain + "Material \"dielectric\" \"texture roughness\" \"t30000\" Shape \"sphere\"",
-          {"nested more than 256 deep"}},
-         {"mixes",
-          "",
-          mixes + "Material \"diffuse\" \"texture reflectance\" \"t60\" Shape \"sphere\"",
-          {"Error: mixes.pbrt:20:", "at most 65536"}},
-         {"materials", "", materials + "NamedMaterial \"m30000\" Shape \"sphere\"", {"nested more than 256 deep"}}});
-}
-
-TEST_F(Limits, ManyErrorsAreShownInPartAndCounted) {
-    std::string same, open;
-    for (int i = 0; i < 40'000; ++i) same += "Shape \"sphere\" \"float radiuss\" 1\n";
-    for (int i = 0; i < 100'000; ++i) open += "AttributeBegin ";
-    ExpectAll(
-        {{"same",
-          "",
-          same,
-          {"Error: same.pbrt:103:", "... and 39900 more errors not shown.", "40000 errors; nothing was rendered."}},
-         {"open", "", open, {"Error: open.pbrt:4:0: AttributeBegin without", "... and 99900 more errors not shown."}},
-         {"monster", "", "Shape \"sphere\" \"" + std::string(20'000'000, 'x') + "\" 1", {"xxx..."}}});
-    for (const char *scene : {"same.pbrt", "open.pbrt", "monster.pbrt"})
-        EXPECT_LT(Run(std::string("--quiet ") + scene).err.size(), 50'000u) << scene;
 }
 
 }  // namespace pbrt::test

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 
@@ -50,15 +51,49 @@ std::vector<std::string> Program::Files() const {
     return names;
 }
 
-pid_t Program::Start(const std::string &arguments, const std::string &before) const {
+pid_t Program::StartCommand(const std::string &command) const {
     const pid_t pid = fork();
     if (pid != 0) return pid;
     alarm(60);  // the alarm survives exec, so a program that hangs is ended, and the test fails
     const std::string log = (logs_ / std::to_string(getpid())).string();
-    const std::string command = "cd '" + directory_.string() + "' && " + before + " && exec " + launcher_ + " '" +
-                                PBRT_PROGRAM + "' " + arguments + " > " + log + ".out 2> " + log + ".err";
-    execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+    const std::string whole =
+        "cd '" + directory_.string() + "' && " + command + " > " + log + ".out 2> " + log + ".err";
+    execl("/bin/sh", "sh", "-c", whole.c_str(), nullptr);
     _exit(127);
+}
+
+pid_t Program::Start(const std::string &arguments, const std::string &before) const {
+    return StartCommand(before + " && exec " + launcher_ + " '" PBRT_PROGRAM "' " + arguments);
+}
+
+Outcome Program::RunImgtool(const std::string &arguments) const {
+    return Wait(StartCommand("exec '" PBRT_IMGTOOL "' " + arguments));
+}
+
+bool Program::StartAs([[maybe_unused]] int ranks, [[maybe_unused]] const std::string &wrapper) {
+#ifdef PBRT_MPIRUN
+    setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
+    setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
+    launcher_ =
+        ranks == 1 ? "" : fmt::format("'{}' --oversubscribe --bind-to none -n {} {}", PBRT_MPIRUN, ranks, wrapper);
+    return true;
+#else
+    return false;
+#endif
+}
+
+ImageFile Program::ExpectSameBits(const std::string &arguments, const std::vector<int> &numbers,
+                                  const std::string &attribute) {
+    StartAs(1);
+    ImageFile one = Render(arguments + " --nthreads 1");
+    for (const int ranks : numbers) {
+        SCOPED_TRACE(fmt::format("{}, {} processes", arguments, ranks));
+        StartAs(ranks);
+        const ImageFile many = Render(arguments + " --nthreads " + (ranks == 2 ? "3" : "1"));
+        EXPECT_TRUE(SamePixels(one, many));
+        EXPECT_EQ(one.metadata.attributes.at(attribute), many.metadata.attributes.at(attribute));
+    }
+    return one;
 }
 
 Outcome Program::Wait(pid_t pid) const {
@@ -78,10 +113,10 @@ std::string Program::RunWell(const std::string &arguments) const {
     return o.err;
 }
 
-void Program::ExpectErrors(const std::vector<ErrorCase> &cases) const {
+void Program::ExpectErrors(const std::vector<ErrorCase> &cases, const std::string &flags) const {
     const std::vector<std::string> before = Files();
     std::vector<pid_t> running;
-    for (const ErrorCase &c : cases) running.push_back(Start("--quiet " + c.arguments));
+    for (const ErrorCase &c : cases) running.push_back(Start(flags + c.arguments));
     for (size_t i = 0; i < cases.size(); ++i) {
         const Outcome o = Wait(running[i]);
         SCOPED_TRACE(cases[i].arguments + "\n" + o.err);
@@ -99,8 +134,8 @@ ImageFile Program::RenderWithoutClock(const std::string &arguments, const ImageF
         arguments + " --spp " + std::to_string(planned) + " --outfile again.exr --checkpoint again";
     if (taken < planned) {
         RunWell(whole + " --samples 0:" + std::to_string(taken));
-        const std::string merge = "cd '" + Path("") + "' && '" PBRT_IMGTOOL "' merge --incomplete again.exr again";
-        EXPECT_EQ(std::system((merge + " > merge.out 2> merge.err").c_str()), 0) << Read("merge.err");
+        const Outcome merged = RunImgtool("merge --incomplete again.exr again");
+        EXPECT_EQ(merged.status, 0) << merged.err;
     } else {
         RunWell(whole);
         RunWell(arguments + " --spp " + std::to_string(taken) + " --outfile again.exr --checkpoint again --resume");
@@ -135,6 +170,21 @@ pid_t Program::StartUntilWritten(const std::string &arguments, const std::string
     const pid_t pid = Start(arguments);
     EXPECT_TRUE(WaitUntil([&] { return WriteTime(name) != before; })) << Messages(pid);
     return pid;
+}
+
+std::string Program::StopAndResume(const std::string &arguments, const std::vector<int> &signals) const {
+    const std::string resumed = arguments + " --outfile out.exr --checkpoint c.chk --resume";
+    int stopped = 0;
+    for (const int signal : signals) {
+        const pid_t pid = StartUntilWritten(resumed + " --checkpoint-interval 0.01", "c.chk");
+        kill(pid, signal);
+        const int status = Wait(pid).status;
+        if (status == 0) continue;
+        ++stopped;
+        EXPECT_EQ(status, signal == SIGKILL ? -SIGKILL : 128 + signal);
+    }
+    EXPECT_GT(stopped, 0) << arguments;
+    return RunWell(resumed);
 }
 
 namespace {
@@ -204,6 +254,12 @@ std::string WindowScene(const std::string &eye, int maxDepth, const std::string 
 }
 
 bool Has(const std::string &text, const std::string &part) { return text.find(part) != std::string::npos; }
+
+size_t CountOf(const std::string &text, const std::string &part) {
+    size_t count = 0;
+    for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size())) ++count;
+    return count;
+}
 
 namespace {
 

@@ -37,11 +37,19 @@ class Program : public ::testing::Test {
         std::vector<std::string> parts;  ///< parts of the message
     };
     /// Expects status 1, an error with all these parts, and no new file. The cases run at the same time.
-    void ExpectErrors(const std::vector<ErrorCase> &cases) const;
+    void ExpectErrors(const std::vector<ErrorCase> &cases, const std::string &flags = "--quiet ") const;
     /// The picture of a finished render with --time, rendered again without --time. `arguments`: of that render.
     ImageFile RenderWithoutClock(const std::string &arguments, const ImageFile &timed) const;
     /// Renders to `name` and reads the picture.
     ImageFile Render(const std::string &arguments, const std::string &name = "out.exr") const;
+
+    Outcome RunImgtool(const std::string &arguments) const;
+    /// From now on mpirun starts the program as so many processes; 1: without mpirun. False if this build has no MPI.
+    bool StartAs(int ranks, const std::string &wrapper = "");
+    /// Expects that these numbers of processes give the bits and the attribute of one process, whose picture it
+    /// returns.
+    ImageFile ExpectSameBits(const std::string &arguments, const std::vector<int> &numbers,
+                             const std::string &attribute = "samplesPerPixel");
 
     /// Starts the program without waiting for its end. `before`: shell commands to run before it, such as limits.
     pid_t Start(const std::string &arguments, const std::string &before = "true") const;
@@ -55,10 +63,15 @@ class Program : public ::testing::Test {
     std::filesystem::file_time_type WriteTime(const std::string &name) const;
     /// Starts the program, and waits until it has written the file, new or anew.
     pid_t StartUntilWritten(const std::string &arguments, const std::string &name) const;
+    /// Starts a render that writes out.exr and the checkpoint c.chk, sends it the first signal once there is a
+    /// checkpoint, and resumes it for each further signal; at least one must end it before it is finished. Then lets it
+    /// finish. Returns the messages of the last run.
+    std::string StopAndResume(const std::string &arguments, const std::vector<int> &signals) const;
 
     std::string launcher_;  ///< a command that starts the program in place of the shell, such as mpirun
 
   private:
+    pid_t StartCommand(const std::string &command) const;
     std::filesystem::path directory_, logs_;
 };
 
@@ -74,6 +87,7 @@ std::string GuidedScene(int samples);
 std::string WindowScene(const std::string &eye, int maxDepth, const std::string &sky);
 
 bool Has(const std::string &text, const std::string &part);
+size_t CountOf(const std::string &text, const std::string &part);
 int IntOf(const ImageFile &file, const std::string &attribute);
 double NumberOf(const ImageFile &file, const std::string &attribute);
 std::string TextOf(const ImageFile &file, const std::string &attribute);

@@ -1,7 +1,5 @@
 // pbrt as several processes that mpirun starts.
 #include <signal.h>
-#include <stdlib.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
@@ -11,40 +9,13 @@
 
 namespace pbrt::test {
 
-namespace {
-
-#ifdef PBRT_MPIRUN
-constexpr const char *kMpirun = PBRT_MPIRUN;
-#else
-constexpr const char *kMpirun = "";
-#endif
-
-/// A room with a window, and a sky outside; nothing else shines.
-std::string SkyScene() { return WindowScene("0 0 -1.8", 2, "1 2 3"); }
-
-size_t CountOf(const std::string &text, const std::string &part) {
-    size_t count = 0;
-    for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
-    return count;
-}
-
-}  // namespace
-
 class Mpi : public Program {
   protected:
     void SetUp() override {
         Program::SetUp();
-        if (!*kMpirun) GTEST_SKIP() << "NOT TESTED: this build has no MPI (PBRT_MPI=OFF)";
-        setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
-        setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
+        if (!StartAs(1)) GTEST_SKIP() << "NOT TESTED: this build has no MPI (PBRT_MPI=OFF)";
         ext_ = Has(LightSamplerListing(), "\noctree\n");
         lights_ = ext_ ? "--lightsampler octree " : "--lightsampler bvh ";
-    }
-    /// From now on the program is started as so many processes; 1: without mpirun.
-    void StartAs(int ranks, const std::string &wrapper = "") {
-        launcher_ = ranks == 1 ? ""
-                               : std::string("'") + kMpirun + "' --oversubscribe --bind-to none -n " +
-                                     std::to_string(ranks) + " " + wrapper;
     }
     /// The process that is number `rank` of those that a started mpirun started; 0 if there is none yet.
     static pid_t ProcessOf(pid_t mpirun, int rank) {
@@ -66,56 +37,34 @@ class Mpi : public Program {
 };
 
 TEST_F(Mpi, AnyNumberOfProcessesGivesTheSameBits) {
-    for (const char *film : {"rgb", "gbuffer", "spectral"}) {
+    // All numbers with the film that holds most, one each with the others.
+    for (const auto &[film, numbers] : {std::pair("rgb", std::vector{3}), {"gbuffer", {2, 3, 4}}, {"spectral", {2}}}) {
         Write("scene.pbrt", LearningScene(film, 24));
-        StartAs(1);
-        const ImageFile one = Render(lights_ + "scene.pbrt --nthreads 1");
-        // All numbers with the film that holds most, one each with the others.
-        for (int ranks = 2; ranks <= 4; ++ranks) {
-            if (std::string(film) == "rgb" ? ranks != 3 : std::string(film) == "spectral" && ranks != 2) continue;
-            StartAs(ranks);
-            const ImageFile many = Render(lights_ + "scene.pbrt --nthreads " + std::to_string(ranks == 2 ? 3 : 1));
-            EXPECT_TRUE(SamePixels(one, many)) << film << ", " << ranks;
-            if (!ext_) continue;
-            EXPECT_EQ(IntOf(one, "lightSampler.learnedFromShadowRays"),
-                      IntOf(many, "lightSampler.learnedFromShadowRays"));
-        }
+        ExpectSameBits(lights_ + "scene.pbrt", numbers,
+                       ext_ ? "lightSampler.learnedFromShadowRays" : "samplesPerPixel");
     }
 }
 
 TEST_F(Mpi, GuidedPaths) {
     PBRT_SKIP_WITHOUT_EXT();
     Write("scene.pbrt", GuidedScene(24));
-    StartAs(1);
-    const ImageFile one = Render(lights_ + "--guide scene.pbrt --nthreads 1");
-    EXPECT_GT(IntOf(one, "guide.guidingCells"), 0);
-    EXPECT_GT(IntOf(one, "guide.rouletteCells"), 0);
-    for (const int ranks : {2, 3}) {
-        StartAs(ranks);
-        const ImageFile many = Render(lights_ + "--guide scene.pbrt --nthreads " + std::to_string(4 - ranks));
-        EXPECT_TRUE(SamePixels(one, many)) << ranks;
-        EXPECT_EQ(IntOf(one, "guide.guidingCells"), IntOf(many, "guide.guidingCells"));
-    }
+    const ImageFile file = ExpectSameBits(lights_ + "--guide scene.pbrt", {2, 3}, "guide.guidingCells");
+    EXPECT_GT(IntOf(file, "guide.guidingCells"), 0);
+    EXPECT_GT(IntOf(file, "guide.rouletteCells"), 0);
 }
 
 TEST_F(Mpi, WithoutLearningAndUnderASky) {
     Write("scene.pbrt", LearningScene("rgb", 5));
-    Write("sky.pbrt", SkyScene());
-    const std::vector<std::string> cases = {
-        "--lightsampler bvh scene.pbrt", lights_ + "--integrator sppm --spp 9 scene.pbrt",
-        "--integrator mlt --spp 9 scene.pbrt",
-        (ext_ ? "--lightsampler octree:portals=always,prepassspp=1" : lights_) + " --spp 33 sky.pbrt",
-        "--lightsampler bvh --pixel 7,7 --spp 200 scene.pbrt"};
-    for (const std::string &arguments : cases) {
-        StartAs(1);
-        const ImageFile one = Render(arguments);
-        StartAs(3);
-        const ImageFile many = Render(arguments + " --nthreads 1");
-        EXPECT_TRUE(SamePixels(one, many)) << arguments;
-        if (!ext_ || !Has(arguments, "sky")) continue;
-        EXPECT_EQ(IntOf(one, "lightSampler.portals"), 1);
-        EXPECT_EQ(IntOf(many, "lightSampler.portals"), 1);
-    }
+    for (const std::string &arguments :
+         {std::string("--lightsampler bvh"), lights_ + "--integrator sppm --spp 9",
+          std::string("--integrator mlt --spp 9"), std::string("--lightsampler bvh --pixel 7,7 --spp 200")})
+        ExpectSameBits(arguments + " scene.pbrt", {3});
+    Write("sky.pbrt", WindowScene("0 0 -1.8", 2, "1 2 3"));
+    if (!ext_) ExpectSameBits(lights_ + "--spp 33 sky.pbrt", {3});
+    PBRT_SKIP_WITHOUT_EXT();
+    const ImageFile file = ExpectSameBits("--lightsampler octree:portals=always,prepassspp=1 --spp 33 sky.pbrt", {3},
+                                          "lightSampler.portals");
+    EXPECT_EQ(IntOf(file, "lightSampler.portals"), 1);
 }
 
 TEST_F(Mpi, WhereAProcessWasKilledAnyNumberOfThemGoesOn) {
@@ -170,9 +119,7 @@ TEST_F(Mpi, TimePartsAndSavedLights) {
     EXPECT_TRUE(SamePixels(ReadImage(Path("partial.exr")), Render(one + (ext_ ? "--save-lights one" : ""))));
     const ImageFile whole = Render(one);
     RunWell(one + "--samples 0:10 --checkpoint a.part");
-    const std::string merge =
-        "cd '" + Path("") + "' && '" PBRT_IMGTOOL "' merge merged.exr a.part b.part > merge.log 2>&1";
-    EXPECT_EQ(system(merge.c_str()), 0);
+    EXPECT_EQ(RunImgtool("merge merged.exr a.part b.part").status, 0);
     EXPECT_TRUE(SamePixels(whole, ReadImage(Path("merged.exr"))));
     EXPECT_GT(IntOf(timed, "samplesPerPixel"), 32);
     EXPECT_TRUE(SamePixels(timed, RenderWithoutClock(one, timed)));
@@ -187,19 +134,15 @@ TEST_F(Mpi, ErrorsAreToldOnce) {
     Write("scene.pbrt", LearningScene("rgb", 4));
     Write("wrong.pbrt", LearningScene("rgb", 4) + "Shape \"spher\"\n");
     StartAs(3);
-    struct Case {
-        std::string arguments, message;
-    };
-    const std::vector<Case> cases = {{"wrong.pbrt", "spher"},
-                                     {"--spp none scene.pbrt", "--spp"},
-                                     {"-", "mpirun"},
-                                     {"scene.pbrt --load-lights missing", "missing: there is no such"}};
-    for (const Case &c : cases) {
-        const Outcome o = Run("--quiet " + c.arguments);
-        SCOPED_TRACE(c.arguments + "\n" + o.err);
+    for (const auto &[arguments, message] : {std::pair("wrong.pbrt", "spher"),
+                                             {"--spp none scene.pbrt", "--spp"},
+                                             {"-", "mpirun"},
+                                             {"scene.pbrt --load-lights missing", "missing: there is no such"}}) {
+        const Outcome o = Run(std::string("--quiet ") + arguments);
+        SCOPED_TRACE(arguments + ("\n" + o.err));
         EXPECT_EQ(o.status, 1);
         EXPECT_EQ(CountOf(o.err, "Error: "), 1u);
-        EXPECT_TRUE(Has(o.err, c.message));
+        EXPECT_TRUE(Has(o.err, message));
     }
     const Outcome help = Run("--help");
     EXPECT_EQ(CountOf(help.out, "Renders pbrt-v4 scene files"), 1u);

@@ -5,38 +5,22 @@
 
 namespace pbrt::test {
 
-namespace {
+class Threads : public Program {};
 
-/// The scene scenes/dollhouse with another pixel sampler.
-std::string DollhouseWith(const std::string &sampler) {
+TEST_F(Threads, NumberDoesNotChangeThePixelsOfTheHaltonSampler) {
     std::ifstream in(PBRT_SOURCE_DIR "/scenes/dollhouse/dollhouse.pbrt");
     std::string text{std::istreambuf_iterator<char>(in), {}};
     const std::string old = "Sampler \"zsobol\"";
-    const size_t at = text.find(old);
-    EXPECT_NE(at, std::string::npos);
-    return text.replace(at, old.size(), "Sampler \"" + sampler + "\"");
+    ASSERT_TRUE(Has(text, old));
+    Write("scene.pbrt", text.replace(text.find(old), old.size(), "Sampler \"halton\""));
+    for (const char *lights : {"bvh", "octree"}) {
+        if (!Has(LightSamplerListing(), std::string("\n") + lights + "\n")) continue;
+        const std::string arguments =
+            std::string("--spp 3 --cropwindow 0.4,0.55,0.4,0.55 scene.pbrt --lightsampler ") + lights + " --nthreads ";
+        const ImageFile one = Render(arguments + "1");
+        for (const char *threads : {"2", "3"}) EXPECT_TRUE(SamePixels(one, Render(arguments + threads))) << arguments;
+    }
 }
-
-}  // namespace
-
-class Threads : public Program, public ::testing::WithParamInterface<std::pair<const char *, const char *>> {};
-
-TEST_P(Threads, NumberOfThreadsDoesNotChangeThePixels) {
-    const auto [lightSampler, pixelSampler] = GetParam();
-    if (std::string(lightSampler) == "octree") PBRT_SKIP_WITHOUT_EXT();
-    Write("scene.pbrt", DollhouseWith(pixelSampler));
-    const std::string arguments = std::string("--spp 3 --cropwindow 0.4,0.55,0.4,0.55 --lightsampler ") + lightSampler +
-                                  " scene.pbrt --nthreads ";
-    const ImageFile one = Render(arguments + "1"), two = Render(arguments + "2"), three = Render(arguments + "3");
-    EXPECT_TRUE(SamePixels(one, two));
-    EXPECT_TRUE(SamePixels(one, three));
-}
-
-INSTANTIATE_TEST_SUITE_P(Samplers, Threads,
-                         ::testing::Values(std::pair("bvh", "zsobol"), std::pair("octree", "zsobol"),
-                                           std::pair("bvh", "halton"), std::pair("octree", "halton"),
-                                           std::pair("bvh", "independent"), std::pair("octree", "independent")),
-                         [](const auto &pair) { return std::string(pair.param.first) + "_" + pair.param.second; });
 
 class Budget : public Program {};
 

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <fstream>
-#include <thread>
 
 #include "program.h"
 #include "support/scene_text.h"
@@ -55,11 +53,18 @@ class Signals : public Program {
         return o;
     }
 
-    /// Starts the program, waits until it prints `message`, and sends the signal.
-    Outcome EndAfter(const std::string &message, const std::string &arguments, int signal) const {
-        const pid_t pid = Start(arguments);
-        EXPECT_TRUE(WaitUntil([&] { return Has(Messages(pid), message); })) << Messages(pid);
-        return End(pid, signal);
+    /// Expects that each signal, sent when the program has printed `message`, ends it with `said` and without a
+    /// picture.
+    void ExpectNothingWritten(const std::string &message, const std::string &arguments, const std::string &said) const {
+        const std::vector<std::string> before = Files();
+        for (int signal : kSignals) {
+            const pid_t pid = Start("--outfile out.exr " + arguments);
+            EXPECT_TRUE(WaitUntil([&] { return Has(Messages(pid), message); })) << Messages(pid);
+            const Outcome o = End(pid, signal);
+            EXPECT_TRUE(Has(o.err, said)) << o.err;
+            EXPECT_FALSE(Has(o.err, "Wrote")) << o.err;
+        }
+        EXPECT_EQ(Files(), before);
     }
 
     /// Starts a render that would go on for ever, and interrupts it after its first wave.
@@ -78,14 +83,13 @@ class Signals : public Program {
     }
 
     /// Writes a picture whose header has these values and whose pixels no render here would give.
-    ImageFile WriteOld(const std::string &name, int samples, const std::string &scene) const {
+    void WriteOld(const std::string &name, int samples, const std::string &scene) const {
         ImageFile old{Image(PixelFormat::Float, {32, 24}, {"R", "G", "B"}), {}};
         old.image.Set({3, 3}, 1, 1234);
         old.metadata.attributes["samplesPerPixel"] = samples;
         old.metadata.attributes["pbrt.scene"] = scene;
         old.metadata.attributes["pbrt.integrator"] = std::string("path");
         WriteImage(Path(name), old.image, old.metadata);
-        return old;
     }
 };
 
@@ -109,37 +113,23 @@ TEST_F(Signals, WhileBuilding) {
         "big.pbrt",
         "Film \"rgb\"\nWorldBegin\nShape \"loopsubdiv\" \"integer levels\" 10 \"integer indices\" [ 0 1 2  0 2 3  0 3 1  1 3 2  "
         "4 5 6  4 6 7 ] \"point3 P\" [ 0 3 0  1 2 0  -1 2 1  -1 2 -1  9 3 0  9 2 0  9 2 1  8 2 -1 ]\n");
-    for (int signal : kSignals) {
-        const Outcome o = EndAfter("reading: done", "--outfile out.exr big.pbrt", signal);
-        EXPECT_TRUE(Has(o.err, "Interrupted while building: no image was written.")) << o.err;
-    }
-    EXPECT_EQ(Files(), (std::vector<std::string>{"big.pbrt", "scene.pbrt"}));
+    ExpectNothingWritten("reading: done", "big.pbrt", "Interrupted while building: no image was written.");
 }
 
 TEST_F(Signals, WhilePreparingLights) {
     PBRT_SKIP_WITHOUT_EXT();
-    for (int signal : kSignals) {
-        const Outcome o =
-            EndAfter("building: done",
-                     "--lightsampler octree:prepassspp=1024,depth=64 --maxdepth 64 --outfile out.exr " PBRT_SOURCE_DIR
-                     "/scenes/dollhouse/dollhouse.pbrt",
-                     signal);
-        EXPECT_TRUE(Has(o.err, "Interrupted while preparing lights: no image was written.")) << o.err;
-    }
-    EXPECT_EQ(Files(), (std::vector<std::string>{"scene.pbrt"}));
+    ExpectNothingWritten("building: done",
+                         "--lightsampler octree:prepassspp=1024,depth=64 --maxdepth 64 " PBRT_SOURCE_DIR
+                         "/scenes/dollhouse/dollhouse.pbrt",
+                         "Interrupted while preparing lights: no image was written.");
 }
 
 TEST_F(Signals, InTheFirstWaveNothingIsWrittenAndTheOldImageStays) {
     Write("slow.pbrt", SlowScene());
     WriteOld("out.exr", 1, "another.pbrt");
     const std::string before = Read("out.exr");
-    for (int signal : kSignals) {
-        const Outcome o = EndAfter("preparing lights: done", "slow.pbrt", signal);
-        EXPECT_TRUE(Has(o.err, "no image was written")) << o.err;
-        EXPECT_FALSE(Has(o.err, "Wrote")) << o.err;
-    }
+    ExpectNothingWritten("preparing lights: done", "slow.pbrt", "no image was written");
     EXPECT_EQ(Read("out.exr"), before);
-    EXPECT_EQ(Files(), (std::vector<std::string>{"out.exr", "scene.pbrt", "slow.pbrt"}));
 }
 
 TEST_F(Signals, WhileRenderingSaveWhatWasRendered) {
@@ -169,12 +159,12 @@ TEST_F(Signals, WhatIsSavedIsAnUnbiasedPictureInEveryFilm) {
         const ImageFile part = ReadImage(Path("out.exr"));
         EXPECT_EQ(part.image.Channels(), whole.image.Channels());
         double sum = 0, expected = 0;
-        for (int y = 0; y < 24; ++y)
-            for (int x = 0; x < 32; ++x)
-                for (int c = 0; c < 3; ++c) {
-                    sum += static_cast<double>(part.image.Get({x, y}, c));
-                    expected += static_cast<double>(whole.image.Get({x, y}, c));
-                }
+        ForEachPixel(whole.image, [&](Point2i p) {
+            for (int c = 0; c < 3; ++c) {
+                sum += double(part.image.Get(p, c));
+                expected += double(whole.image.Get(p, c));
+            }
+        });
         // With one sample per pixel this mean has 2 % of noise; pixels divided by samples that they never got would
         // lose half of the light.
         EXPECT_NEAR(sum / expected, 1, 0.15) << film;
@@ -239,19 +229,6 @@ TEST_F(Signals, APartialPictureThatCannotBeWrittenEndsNothing) {
     std::filesystem::rename(Path("away"), Path("folder"));
     const Outcome o = End(pid, SIGINT);
     EXPECT_TRUE(Has(o.err, "Wrote folder/out.exr")) << o.err;
-}
-
-TEST_F(Signals, ASignalThatComesTwiceAtOnceStillSaves) {
-    // `timeout -s INT` sends the signal twice in this way.
-    std::filesystem::create_directory(Path("logged"));
-    Render("--spp 1 scene.pbrt", "logged/reference.exr");
-    const pid_t pid = Start(
-        "--spp 100000000 --outfile out.exr --mse-reference-image logged/reference.exr --mse-reference-out logged/mse.txt scene.pbrt");
-    EXPECT_TRUE(WaitUntil([&] { return !Read("logged/mse.txt").empty(); })) << Messages(pid);
-    kill(pid, SIGINT);
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    const Outcome o = End(pid, SIGINT);
-    EXPECT_TRUE(Has(o.err, "Wrote out.exr")) << o.err;
 }
 
 TEST_F(Signals, AClosedPipeEndsNoRender) {

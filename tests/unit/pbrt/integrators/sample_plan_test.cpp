@@ -33,8 +33,9 @@ TEST(PixelCells, ContainEachPixelOnce) {
             cells.ForPixels(i, [&](Point2i p) {
                 ++count;
                 EXPECT_EQ(cells.IndexOf(p), i);
-                if (p.x + 1 < bounds.high.x && (p.x + 1 - bounds.low.x) % PixelCells::kSize != 0)
+                if (p.x + 1 < bounds.high.x && (p.x + 1 - bounds.low.x) % PixelCells::kSize != 0) {
                     EXPECT_EQ(cells.IndexOf(p + Vector2i(1, 0)), PixelCells::Other(i));
+                }
             });
             EXPECT_EQ(count, cells.PixelsIn(i));
             pixels += count;

@@ -9,7 +9,9 @@
 #include "pbrt/core/param_reader.h"
 #include "pbrt/scenefile/parser.h"
 #include "support/parse_text.h"
+#include "support/scene_text.h"
 
+// In the texts and messages of these functions ' stands for ".
 namespace pbrt::test {
 
 /// A parsed scene and the messages about it.
@@ -20,7 +22,7 @@ struct Parsed {
 
 inline Parsed Parse(const std::string &text, const std::string &directory = "") {
     Parsed parsed;
-    parsed.scene = ParseSceneText(text, parsed.sink, "test.pbrt", directory);
+    parsed.scene = ParseSceneText(Quoted(text), parsed.sink, "test.pbrt", directory);
     return parsed;
 }
 
@@ -69,7 +71,7 @@ inline void ExpectMessages(const DiagnosticSink &sink, const std::vector<Expecte
         EXPECT_EQ(d.severity, expected[i].severity) << about << "\n" << Format(d);
         EXPECT_EQ(d.loc.line, expected[i].line) << about << "\n" << Format(d);
         EXPECT_EQ(d.loc.column, expected[i].column) << about << "\n" << Format(d);
-        EXPECT_NE(d.message.find(expected[i].part), std::string::npos) << about << "\n" << Format(d);
+        EXPECT_NE(d.message.find(Quoted(expected[i].part)), std::string::npos) << about << "\n" << Format(d);
     }
 }
 
@@ -101,7 +103,7 @@ class TemporaryFolder {
     std::string Path(const std::string &name = "") const { return name.empty() ? path_ : path_ + "/" + name; }
     std::string Write(const std::string &name, const std::string &text) const {
         std::filesystem::create_directories(std::filesystem::path(Path(name)).parent_path());
-        std::ofstream(Path(name), std::ios::binary) << text;
+        std::ofstream(Path(name), std::ios::binary) << Quoted(text);
         return Path(name);
     }
 

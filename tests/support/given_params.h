@@ -11,18 +11,30 @@ namespace pbrt::test {
 /// Parameters as a scene file would give them; line numbers count the parameters.
 class Params {
   public:
-    explicit Params(std::string what = "Entity \"test\"")
-        : file_(std::make_shared<SourceFile>(SourceFile{"test.pbrt", ""})), set_(std::move(what), Loc(100)) {}
+    /// The directive is at line 100, the first parameter at line 1.
+    explicit Params(std::string what = "Entity \"test\"") : Params(std::move(what), 100) { lines_ = 0; }
+    /// The first parameter is at the line behind the directive's.
+    Params(std::string what, int line)
+        : file_(std::make_shared<SourceFile>(SourceFile{"test.pbrt", ""})), lines_(line),
+          set_(std::move(what), Loc(line)) {}
     Params &Floats(ParamType type, const std::string &name, std::vector<Float> v) {
         Param p = Make(type, name);
         p.floats = std::move(v);
         set_.Add(std::move(p));
         return *this;
     }
-    Params &Integer(const std::string &name, int v) {
+    Params &Integers(const std::string &name, std::vector<int> v) {
         Param p = Make(ParamType::Integer, name);
-        p.ints = {v};
+        p.ints = std::move(v);
         set_.Add(std::move(p));
+        return *this;
+    }
+    Params &Integer(const std::string &name, int v) { return Integers(name, {v}); }
+    /// As an Attribute directive gives it.
+    Params &Default(ParamType type, const std::string &name, std::vector<Float> v) {
+        Param p = Make(type, name);
+        p.floats = std::move(v);
+        set_.AddDefault(std::move(p));
         return *this;
     }
     Params &Number(const std::string &name, Float v) { return Floats(ParamType::Float, name, {v}); }
@@ -53,7 +65,7 @@ class Params {
         return p;
     }
     std::shared_ptr<SourceFile> file_;
-    int lines_ = 0;
+    int lines_;
     ParamSet set_;
 };
 

@@ -1,17 +1,15 @@
 #include "pbrt/materials/material_params.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <limits>
 
 #include "../bxdfs/sphere_histogram.h"
 #include "material_test_support.h"
 #include "pbrt/bxdfs/fresnel.h"
 #include "pbrt/math/frame.h"
+#include "support/folder_test.h"
 #include "support/statistics.h"
 
 namespace pbrt {
@@ -132,12 +130,10 @@ std::string AnalyticFile(bool isotropic) {
     return file.Bytes();
 }
 
-class Measured : public testing::Test {
+class Measured : public test::FolderTest {
   protected:
-    ~Measured() override { std::filesystem::remove(path_); }
-    void Write(const std::string &bytes) { std::ofstream(path_, std::ios::binary) << bytes; }
-    std::string path_ =
-        (std::filesystem::temp_directory_path() / ("pbrt_measured_test_" + std::to_string(getpid()))).string();
+    void Write(const std::string &bytes) { FolderTest::Write("measured", bytes); }
+    const std::string path_ = Path("measured");
 };
 
 const std::vector<Vector3> &Views() {

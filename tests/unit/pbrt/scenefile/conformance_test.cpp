@@ -1,3 +1,4 @@
+#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 

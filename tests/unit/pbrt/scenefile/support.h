@@ -1,8 +1,6 @@
 #pragma once
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -88,27 +86,5 @@ inline void ExpectWorldError(const std::string &text, int line, int column, cons
 inline void ExpectWorldWarning(const std::string &text, int line, int column, const std::string &part) {
     ExpectMessages(Parse("WorldBegin\n" + text).sink, {{Severity::Warning, line, column, part}}, text);
 }
-
-/// A temporary folder that is removed with the object.
-class TemporaryFolder {
-  public:
-    TemporaryFolder() {
-        std::string name = (std::filesystem::temp_directory_path() / "pbrt_scenefile_XXXXXX").string();
-        path_ = mkdtemp(name.data());
-    }
-    ~TemporaryFolder() {
-        std::error_code ignored;
-        std::filesystem::remove_all(path_, ignored);
-    }
-    std::string Path(const std::string &name = "") const { return name.empty() ? path_ : path_ + "/" + name; }
-    std::string Write(const std::string &name, const std::string &text) const {
-        std::filesystem::create_directories(std::filesystem::path(Path(name)).parent_path());
-        std::ofstream(Path(name), std::ios::binary) << Quoted(text);
-        return Path(name);
-    }
-
-  private:
-    std::string path_;
-};
 
 }  // namespace pbrt::test

@@ -5,6 +5,7 @@
 #include <boost/random/sobol.hpp>
 #include <set>
 
+#include "support/sampling.h"
 #include "support/statistics.h"
 
 namespace pbrt {
@@ -153,17 +154,6 @@ TEST(Scramble, DeepDigitsFlipHalfTheTimeInDistantBranches) {
             }
 }
 
-/// True if each box of every cut of the square into 2^k equal boxes holds one point.
-bool IsNet(const std::vector<std::pair<uint32_t, uint32_t>> &points) {
-    int k = std::countr_zero(points.size());
-    for (int a = 0; a <= k; ++a) {
-        std::set<std::pair<uint64_t, uint64_t>> boxes;
-        for (auto [x, y] : points) boxes.insert({uint64_t(x) >> (32 - a), uint64_t(y) >> (32 - (k - a))});
-        if (boxes.size() != points.size()) return false;
-    }
-    return true;
-}
-
 TEST(Scramble, NetsStayNets) {
     for (int k : {0, 1, 4, 7, 10})
         for (uint64_t first : {uint64_t(0), uint64_t(5) << k}) {
@@ -174,9 +164,9 @@ TEST(Scramble, NetsStayNets) {
                 owen.push_back({OwenScramble(x, 11), OwenScramble(y, 12)});
                 fast.push_back({FastOwenScramble(x, MixBits(11)), FastOwenScramble(y, MixBits(12))});
             }
-            EXPECT_TRUE(IsNet(plain));
-            EXPECT_TRUE(IsNet(owen));
-            EXPECT_TRUE(IsNet(fast));
+            EXPECT_TRUE(test::IsNet(plain));
+            EXPECT_TRUE(test::IsNet(owen));
+            EXPECT_TRUE(test::IsNet(fast));
         }
 }
 

@@ -1,10 +1,29 @@
 #pragma once
+#include <chrono>
+#include <cstdio>
+
 #include "ext/prepass/prepass.h"
 #include "pbrt/build/built_scene.h"
 #include "pbrt/scenefile/parser.h"
 #include "plugins.h"
 
 namespace pbrt {
+
+/// Seconds.
+inline double Now() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// What main returns that does this.
+template <class Run>
+int ReportingErrors(const Run &run) {
+    try {
+        return run();
+    } catch (const std::exception &e) {
+        std::fprintf(stderr, "%s\n", e.what());
+        return 1;
+    }
+}
 
 /// A scene read from a file for measuring light samplers in it; nothing is rendered.
 class BenchScene {

@@ -4,9 +4,6 @@
 // as white diffuse surfaces, the variance relative to that of M = 1 and the nanoseconds of one estimate.
 //
 //     bench_ris scene.pbrt [candidates ...]      (2 4 8)
-#include <chrono>
-#include <cstdio>
-
 #include "bench_scene.h"
 #include "pbrt/core/error.h"
 #include "pbrt/math/rng.h"
@@ -15,8 +12,6 @@ namespace pbrt {
 namespace {
 
 constexpr int kTrials = 48;
-
-double Now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 struct Candidate {
     LightId light;
@@ -140,10 +135,5 @@ int Run(int argc, char **argv) {
 }  // namespace pbrt
 
 int main(int argc, char **argv) {
-    try {
-        return pbrt::Run(argc, argv);
-    } catch (const std::exception &e) {
-        std::fprintf(stderr, "%s\n", e.what());
-        return 1;
-    }
+    return pbrt::ReportingErrors([&] { return pbrt::Run(argc, argv); });
 }

@@ -6,8 +6,6 @@
 //
 // Prints JSON. Used by docs/measured/scaling.
 #include <algorithm>
-#include <chrono>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "bench_scene.h"
@@ -16,8 +14,6 @@
 
 namespace pbrt {
 namespace {
-
-double Now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 /// The fastest of passes over all queries that together take about a third of a second, at least three.
 template <class Body>
@@ -101,10 +97,5 @@ int Run(int argc, char **argv) {
 }  // namespace pbrt
 
 int main(int argc, char **argv) {
-    try {
-        return pbrt::Run(argc, argv);
-    } catch (const std::exception &e) {
-        std::fprintf(stderr, "%s\n", e.what());
-        return 1;
-    }
+    return pbrt::ReportingErrors([&] { return pbrt::Run(argc, argv); });
 }

@@ -37,9 +37,15 @@ std::vector<LightQuery> Queries() {
     return queries;
 }
 
-void SampleCost(benchmark::State &state, const std::string &name) {
+PluginRegistry Stock() {
     PluginRegistry registry;
     RegisterStockLightSamplers(registry);
+    return registry;
+}
+
+/// The costs are those of a sampler over state.range(0) lights.
+void SampleCost(benchmark::State &state, const std::string &name) {
+    const PluginRegistry registry = Stock();
     const auto table = test::TableOf(Candidates(static_cast<int>(state.range(0))));
     auto sampler = registry.samplers.Find(name).make(ParamSet(), table->ByComponent());
     std::vector<LightQuery> queries = Queries();
@@ -49,8 +55,7 @@ void SampleCost(benchmark::State &state, const std::string &name) {
 }
 
 void PmfCost(benchmark::State &state, const std::string &name) {
-    PluginRegistry registry;
-    RegisterStockLightSamplers(registry);
+    const PluginRegistry registry = Stock();
     const auto table = test::TableOf(Candidates(static_cast<int>(state.range(0))));
     auto sampler = registry.samplers.Find(name).make(ParamSet(), table->ByComponent());
     std::vector<LightQuery> queries = Queries();
@@ -62,15 +67,13 @@ void PmfCost(benchmark::State &state, const std::string &name) {
 }
 
 void BuildCost(benchmark::State &state, const std::string &name) {
-    PluginRegistry registry;
-    RegisterStockLightSamplers(registry);
+    const PluginRegistry registry = Stock();
     const auto table = test::TableOf(Candidates(static_cast<int>(state.range(0))));
     for (auto _ : state) benchmark::DoNotOptimize(registry.samplers.Find(name).make(ParamSet(), table->ByComponent()));
 }
 
 const bool kRegistered = [] {
-    PluginRegistry registry;
-    RegisterStockLightSamplers(registry);
+    const PluginRegistry registry = Stock();
     for (const std::string &name : registry.samplers.Names())
         for (int64_t lights : {1, 10, 100, 10000}) {
             benchmark::RegisterBenchmark(("Sample/" + name).c_str(), SampleCost, name)->Arg(lights);

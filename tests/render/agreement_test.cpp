@@ -355,14 +355,5 @@ TEST(LightSamplersAgree, OneThreadAndThreeGiveTheSameBits) {
     }
 }
 
-TEST(AgreementStatistic, StudentTailIsStudents) {
-    // Values of printed tables.
-    EXPECT_NEAR(StudentTail(2.571, 5), 0.05, 1e-4);
-    EXPECT_NEAR(StudentTail(-3.169, 10), 0.01, 1e-4);
-    EXPECT_NEAR(StudentTail(12.706, 1), 0.05, 1e-4);
-    EXPECT_NEAR(StudentTail(5.0, 1e6), NormalTail(5.0), 1e-9);
-    EXPECT_EQ(StudentTail(0, 3), 1);
-}
-
 }  // namespace
 }  // namespace pbrt::test

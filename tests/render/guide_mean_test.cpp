@@ -18,14 +18,10 @@ Image Render(GuideRoom room, int seed, bool guide, int *guidedRuns) {
     options.seed = seed;
     options.guide = guide;
     if (!guide) room.parameters += " \"bool guide.roulette\" false";
-    BuiltScene built = BuildText(GuideRoomText(room), options);
+    const BuiltScene built = BuildText(GuideRoomText(room), options);
     const ext::PathGuide *learned = GuideOf(built);
     EXPECT_EQ(learned != nullptr, guide);
-    Progress progress;
-    PrepareContext context = built.Preparation(progress);
-    context.samplesPerPixel = kGuideSamples;
-    built.integrator->Prepare(context);
-    Image image = RenderWaves(built, kGuideSamples, {kGuideSamples}, progress);
+    Image image = RenderWaves(built, kGuideSamples, {kGuideSamples});
     *guidedRuns += learned && learned->Cells().Guide();
     return image;
 }

@@ -7,8 +7,6 @@
 #include "ext/guiding/path_guide.h"
 #include "guide_rooms.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/core/state_io.h"
-#include "pbrt/integrators/wave_renderer.h"
 #include "support/render_waves.h"
 #include "support/scene_text.h"
 
@@ -17,23 +15,8 @@ namespace {
 
 constexpr int kSamples = kGuideSamples;
 
-void Prepare(BuiltScene &built, Progress &progress, StateReader *learned = nullptr) {
-    PrepareContext context = built.Preparation(progress);
-    context.samplesPerPixel = kSamples;
-    context.learned = learned;
-    built.integrator->Prepare(context);
-}
-
-RenderSettings Settings() {
-    RenderSettings settings;
-    settings.samplesPerPixel = kSamples;
-    return settings;
-}
-
-Image Render(BuiltScene &built, const std::vector<int> &sizes = {kSamples}) {
-    Progress progress;
-    Prepare(built, progress);
-    return RenderWaves(built, kSamples, sizes, progress);
+Image Render(const BuiltScene &built, const std::vector<int> &sizes = {kSamples}) {
+    return RenderWaves(built, kSamples, sizes);
 }
 
 BuiltScene Spot(bool guide, const std::string &sampler = "bvh", bool fog = false) {
@@ -91,40 +74,22 @@ TEST(GuidedPaths, DirectionsChangeNothingUnderEvenLight) {
 void ExpectToGoOnBitByBit(bool fog, std::initializer_list<int> stops) {
     BuiltScene uninterrupted = Spot(true, "bvh", fog);
     const Image whole = Render(uninterrupted);
-    const RenderSettings settings = Settings();
     for (const int stop : stops) {
-        Progress progress;
-        std::string film, state;
-        {
-            BuiltScene built = Spot(true, "bvh", fog);
-            Prepare(built, progress);
-            WaveRenderer renderer(built.Rendering(progress), settings);
-            while (renderer.Done() < stop) renderer.Render(stop - renderer.Done());
-            StateWriter sums, writer;
-            built.film->Save(sums);
-            film = sums.Joined();
-            built.integrator->SaveLearned(writer);
-            state = writer.Joined();
-        }
+        PartRender first(Spot(true, "bvh", fog), kSamples);
+        first.RenderUntil(stop);
+        StateWriter writer;
+        first.built.integrator->SaveLearned(writer);
+        const std::string state = writer.Joined();
         StateReader reader(state, "state");
-        BuiltScene built = Spot(true, "bvh", fog);
-        Prepare(built, progress, &reader);
+        PartRender second(Spot(true, "bvh", fog), kSamples, &reader), third(Spot(true, "bvh", fog), kSamples);
         EXPECT_EQ(reader.BytesLeft(), 0u);
-        StateReader sums(film, "film");
-        built.film->Load(sums);
-        WaveRenderer renderer(built.Rendering(progress), settings);
-        renderer.GoOnFrom({stop, 0, {}});
-        while (renderer.Done() < kSamples) renderer.Render(kSamples);
-        EXPECT_TRUE(SameBits(whole, built.film->ToImage())) << "stopped after " << stop;
-        // A part of the render that traces again what it learns from.
-        BuiltScene part = Spot(true, "bvh", fog);
-        Prepare(part, progress);
-        StateReader sumsAgain(film, "film");
-        part.film->Load(sumsAgain);
-        WaveRenderer again(part.Rendering(progress), settings);
-        again.ContinueFrom(stop);
-        while (again.Done() < kSamples) again.Render(kSamples);
-        EXPECT_TRUE(SameBits(whole, part.film->ToImage())) << "continued from " << stop;
+        for (PartRender *part : {&second, &third}) part->LoadFilm(first.SavedFilm());
+        second.renderer->GoOnFrom({stop, 0, {}});
+        third.renderer->ContinueFrom(stop);  // traces again what it learns from
+        for (PartRender *part : {&second, &third}) {
+            part->RenderUntil(kSamples);
+            EXPECT_TRUE(SameBits(whole, part->built.film->ToImage())) << "stopped after " << stop;
+        }
     }
 }
 

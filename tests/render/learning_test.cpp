@@ -1,5 +1,5 @@
-// The octree sampler goes on learning while it renders: same picture however the work is divided, valid probabilities,
-// no bias.
+// The octree sampler goes on learning while it renders: same picture however the work is divided, valid
+// probabilities.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -7,11 +7,8 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
-#include "agreement_statistics.h"
 #include "pbrt/core/online_model.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/core/state_io.h"
-#include "pbrt/integrators/wave_renderer.h"
 #include "support/render_waves.h"
 #include "two_rooms.h"
 
@@ -21,8 +18,7 @@ namespace {
 constexpr int kSamples = 16;  ///< learned from after 1 and 4
 
 /// A view from `eyeTargetUp` in world space.
-BuiltScene BuildView(const std::string &eyeTargetUp, double fov, const std::string &parameters, const Objects &world,
-                     const BuildOptions &options = {}) {
+BuiltScene BuildView(const std::string &eyeTargetUp, double fov, const std::string &parameters, const Objects &world) {
     return BuildText(SceneText()
                          .Head("Option 'rendercoordsys' 'world'")
                          .LookAt(eyeTargetUp)
@@ -30,16 +26,12 @@ BuiltScene BuildView(const std::string &eyeTargetUp, double fov, const std::stri
                          .Film(40, 40, "'bool savefp16' false")
                          .Samples(kSamples)
                          .Integrator("path", 2, parameters)
-                         .World(world),
-                     options);
+                         .World(world));
 }
 
 /// Of two rooms the camera looks down on the left one.
-BuiltScene BuildTwoRooms(const std::string &parameters, const BuildOptions &options = {}) {
-    return BuildView("-2 6 0  -2 0 0  0 0 1", 40, parameters, TwoRooms(), options);
-}
 BuiltScene Build(const std::string &parameters = "") {
-    return BuildTwoRooms("'string lightsampler' 'octree' " + parameters);
+    return BuildView("-2 6 0  -2 0 0  0 0 1", 40, "'string lightsampler' 'octree' " + parameters, TwoRooms());
 }
 
 Objects OpenField() { return Objects().Sky("1 2 3").Material("diffuse").Quad(room::kFloor); }
@@ -63,17 +55,9 @@ BuiltScene BuildRoom(const std::string &parameters = "") {
                          RoomWithWindow());
 }
 
-void Prepare(BuiltScene &built, Progress &progress) {
-    PrepareContext context = built.Preparation(progress);
-    context.samplesPerPixel = kSamples;
-    built.integrator->Prepare(context);
-}
-
 /// Renders in calls of these sizes, the last one again and again.
-Image Render(BuiltScene &built, const std::vector<int> &sizes) {
-    Progress progress;
-    Prepare(built, progress);
-    return RenderWaves(built, kSamples, sizes, progress);
+Image Render(const BuiltScene &built, const std::vector<int> &sizes = {kSamples}) {
+    return RenderWaves(built, kSamples, sizes);
 }
 
 /// Makes a scene with these parameters of the sampler.
@@ -103,8 +87,8 @@ TEST(LearningWhileRendering, AnyThreadsAndAnySplitGiveTheSamePictureThroughAWind
     CheckThreadsAndSplits(BuildRoom, {"'string octree.portals' 'never'"});
     // Prepared again, it finds the same.
     BuiltScene built = BuildRoom();
-    const Image first = Render(built, {kSamples});
-    EXPECT_TRUE(SameBits(first, Render(built, {kSamples})));
+    const Image first = Render(built);
+    EXPECT_TRUE(SameBits(first, Render(built)));
 }
 
 /// A sky that is seen well, or where paths bounce not badly, stays whole, and then nothing is chosen: the picture is
@@ -119,7 +103,7 @@ TEST(OpenSky, StaysWholeAndGivesThePictureOfBvh) {
         BuiltScene octree =
                        BuildUnderSky("'string lightsampler' 'octree' 'bool guide.roulette' false " + parameters, world),
                    bvh = BuildUnderSky("'string lightsampler' 'bvh'", world);
-        EXPECT_EQ(SameBits(Render(octree, {kSamples}), Render(bvh, {kSamples})), staysWhole);
+        EXPECT_EQ(SameBits(Render(octree), Render(bvh)), staysWhole);
         nlohmann::ordered_json report;
         octree.integrator->Lights()->Report(report);
         EXPECT_EQ(report.contains("portals"), !staysWhole);
@@ -136,9 +120,7 @@ nlohmann::ordered_json ReportOf(const Objects &world, int samples, int threads) 
     ThreadLimit limit(threads);
     BuiltScene built = BuildUnderSky("'string lightsampler' 'octree'", world);
     Progress progress;
-    PrepareContext context = built.Preparation(progress);
-    context.samplesPerPixel = samples;
-    built.integrator->Prepare(context);
+    PrepareFor(samples, built, progress);
     nlohmann::ordered_json report;
     built.integrator->Lights()->Report(report);
     return report;
@@ -165,29 +147,14 @@ TEST(PortalsOnTrial, AreUsedWhereTheyPay) {
 /// Taking a run up again gives the same picture.
 void CheckTakingUp(const Maker &make) {
     BuiltScene uninterrupted = make("");
-    const Image whole = Render(uninterrupted, {kSamples});
+    const Image whole = Render(uninterrupted);
     for (int stop : {1, 3, 4, 6}) {
-        Progress progress;
-        RenderSettings settings;
-        settings.samplesPerPixel = kSamples;
-        std::string state;
-        {
-            BuiltScene built = make("");
-            Prepare(built, progress);
-            WaveRenderer renderer(built.Rendering(progress), settings);
-            while (renderer.Done() < stop) renderer.Render(stop - renderer.Done());
-            StateWriter film;
-            built.film->Save(film);
-            state = film.Joined();
-        }
-        BuiltScene built = make("");
-        Prepare(built, progress);
-        StateReader film(state, "film");
-        built.film->Load(film);
-        WaveRenderer renderer(built.Rendering(progress), settings);
-        renderer.ContinueFrom(stop);
-        while (renderer.Done() < kSamples) renderer.Render(kSamples);
-        EXPECT_TRUE(SameBits(whole, built.film->ToImage())) << "stopped after " << stop;
+        PartRender first(make(""), kSamples), second(make(""), kSamples);
+        first.RenderUntil(stop);
+        second.LoadFilm(first.SavedFilm());
+        second.renderer->ContinueFrom(stop);
+        second.RenderUntil(kSamples);
+        EXPECT_TRUE(SameBits(whole, second.built.film->ToImage())) << "stopped after " << stop;
     }
 }
 
@@ -200,40 +167,23 @@ struct Stopped {
     RenderPosition position;
 };
 
-Stopped StateOf(const BuiltScene &built, const WaveRenderer &renderer) {
-    Stopped stopped;
-    StateWriter film;
-    built.film->Save(film);
-    stopped.film = film.Joined();
+Stopped StateOf(const PartRender &part, const WaveRenderer &renderer) {
     StateWriter learned;
-    built.integrator->Lights()->SaveLearned(learned, true);
-    stopped.learned = learned.Joined();
-    stopped.position = renderer.Position();
-    return stopped;
+    part.built.integrator->Lights()->SaveLearned(learned, true);
+    return {part.SavedFilm(), learned.Joined(), renderer.Position()};
 }
 
 /// Renders what is left.
 Image GoOn(const Maker &make, const Stopped &from) {
-    BuiltScene built = make("");
-    Progress progress;
     StateReader reader(from.learned, "state");
-    PrepareContext context = built.Preparation(progress);
-    context.samplesPerPixel = kSamples;
-    context.learned = &reader;
-    built.integrator->Prepare(context);
+    PartRender part(make(""), kSamples, &reader);
     EXPECT_EQ(reader.BytesLeft(), 0u);
     // What was loaded is saved again bit by bit.
-    StateWriter again;
-    built.integrator->Lights()->SaveLearned(again, true);
-    EXPECT_EQ(again.Joined(), from.learned);
-    StateReader film(from.film, "film");
-    built.film->Load(film);
-    RenderSettings settings;
-    settings.samplesPerPixel = kSamples;
-    WaveRenderer renderer(built.Rendering(progress), settings);
-    renderer.GoOnFrom(from.position);
-    while (renderer.Done() < kSamples) renderer.Render(kSamples);
-    return built.film->ToImage();
+    EXPECT_EQ(StateOf(part, *part.renderer).learned, from.learned);
+    part.LoadFilm(from.film);
+    part.renderer->GoOnFrom(from.position);
+    part.RenderUntil(kSamples);
+    return part.built.film->ToImage();
 }
 
 /// A filter that cancels the render when it is asked for the n-th time. The renders here ask for it once a sample of a
@@ -260,44 +210,35 @@ class CancellingFilter : public Filter {
 /// that was cancelled: the render that goes on from there gives the same picture.
 void CheckSavedState(const Maker &make) {
     BuiltScene uninterrupted = make("");
-    const Image whole = Render(uninterrupted, {kSamples});
-    RenderSettings settings;
-    settings.samplesPerPixel = kSamples;
+    const Image whole = Render(uninterrupted);
     for (int stop : {0, 1, 3, 4, 6, 15}) {
-        Progress progress;
-        BuiltScene built = make("");
-        Prepare(built, progress);
-        WaveRenderer renderer(built.Rendering(progress), settings);
-        while (renderer.Done() < stop) renderer.Render(stop - renderer.Done());
-        EXPECT_TRUE(SameBits(whole, GoOn(make, StateOf(built, renderer)))) << "stopped after " << stop;
+        PartRender part(make(""), kSamples);
+        part.RenderUntil(stop);
+        EXPECT_TRUE(SameBits(whole, GoOn(make, StateOf(part, *part.renderer)))) << "stopped after " << stop;
     }
     int amidWave = 0;
     for (int draws : {1, 100, 1000, 2500, 5000, 8000, 16000, 24000}) {
-        Progress progress;
-        BuiltScene built = make("");
-        Prepare(built, progress);
-        const CancellingFilter filter(*built.filter, draws, progress);
-        WaveRenderer renderer({*built.integrator, *built.camera, filter, *built.film, *built.sampler, progress},
-                              settings);
+        PartRender part(make(""), kSamples);
+        const BuiltScene &built = part.built;
+        const CancellingFilter filter(*built.filter, draws, part.progress);
+        WaveRenderer renderer({*built.integrator, *built.camera, filter, *built.film, *built.sampler, part.progress},
+                              part.settings);
         while (renderer.Done() < kSamples && renderer.Render(kSamples) > 0) {
         }
         amidWave += renderer.Position().passCount > 0;
-        EXPECT_TRUE(SameBits(whole, GoOn(make, StateOf(built, renderer)))) << draws;
+        EXPECT_TRUE(SameBits(whole, GoOn(make, StateOf(part, renderer)))) << draws;
     }
     EXPECT_EQ(amidWave, 8) << "not tested: a wave that was to be cancelled was finished";
     // The state matters: without what the last sample found the picture is another one.
     if (!make("").integrator->Model()) return;
     int compared = 0;
     for (int stop : {2, 3, 5, 6, 7}) {
-        Progress progress;
-        BuiltScene built = make("");
-        Prepare(built, progress);
-        WaveRenderer renderer(built.Rendering(progress), settings);
-        while (renderer.Done() < stop - 1) renderer.Render(stop - 1 - renderer.Done());
-        const std::string before = StateOf(built, renderer).learned;
-        const int next = built.integrator->Model()->NextUpdate();
-        while (renderer.Done() < stop) renderer.Render(1);
-        Stopped wrong = StateOf(built, renderer);
+        PartRender part(make(""), kSamples);
+        part.RenderUntil(stop - 1);
+        const std::string before = StateOf(part, *part.renderer).learned;
+        const int next = part.built.integrator->Model()->NextUpdate();
+        part.RenderUntil(stop);
+        Stopped wrong = StateOf(part, *part.renderer);
         if (next <= stop || wrong.learned == before) continue;
         wrong.learned = before;
         EXPECT_FALSE(SameBits(whole, GoOn(make, wrong))) << stop;
@@ -316,7 +257,7 @@ TEST(LearningWhileRendering, DamagedStatesAreRefused) {
     for (const Maker &make : {Maker(Build), Maker(BuildRoom)}) {
         BuiltScene built = make("");
         Progress progress;
-        Prepare(built, progress);
+        PrepareFor(kSamples, built, progress);
         StateWriter writer;
         built.integrator->Lights()->SaveLearned(writer, true);
         const std::string whole = writer.Joined();
@@ -357,9 +298,9 @@ TEST(LearningWhileRendering, LampsBehindTheWallAreHardlyChosen) {
     // A prepass that knows next to nothing.
     BuiltScene built = Build("'float octree.budget' 0.0001");
     Progress progress;
-    Prepare(built, progress);
+    PrepareFor(kSamples, built, progress);
     const Float before = hidden(*built.integrator->Lights());
-    Render(built, {kSamples});
+    Render(built);
     const Float after = hidden(*built.integrator->Lights());
     EXPECT_GT(before, 0.1f);
     EXPECT_LT(after, before / 10);
@@ -376,7 +317,7 @@ TEST(LearningWhileRendering, CancelledLearningLeavesEverythingAsItWas) {
     auto takeOneSample = [](BuiltScene &built, Progress &progress, int wanted) {
         RenderSettings settings;
         settings.samplesPerPixel = kSamples;
-        Prepare(built, progress);
+        PrepareFor(kSamples, built, progress);
         WaveRenderer renderer(built.Rendering(progress), settings);
         EXPECT_EQ(renderer.Render(1), 1);
         progress.Cancel();
@@ -390,7 +331,7 @@ TEST(LearningWhileRendering, CancelledLearningLeavesEverythingAsItWas) {
     EXPECT_EQ(learner.NextUpdate(), 1) << "it said that it had learned";
     BuiltScene prepared = Build();
     Progress never;
-    Prepare(prepared, never);
+    PrepareFor(kSamples, prepared, never);
     const std::vector<Float> before = probabilities(prepared);
     EXPECT_EQ(probabilities(stopped), before);
     for (int again = 0; again < 2; ++again) learner.Update(cancelled);
@@ -410,7 +351,7 @@ TEST(LearningWhileRendering, CancelledLearningLeavesEverythingAsItWas) {
 
 TEST(LearningWhileRendering, ProbabilitiesAreValidAfterwards) {
     BuiltScene built = Build();
-    Render(built, {kSamples});
+    Render(built);
     const LightSampler &lights = *built.integrator->Lights();
     for (const LightQuery &q : Floor()) {
         double sum = 0;
@@ -435,25 +376,6 @@ TEST(LearningWhileRendering, ProbabilitiesAreValidAfterwards) {
             EXPECT_EQ(light->pmf, lights.PMF(q, light->light));
         }
     }
-}
-
-TEST(LearningWhileRendering, ThePictureIsTheSameInTheMean) {
-    auto statistics = [](const std::string &sampler, int firstSeed) {
-        PixelStatistics s;
-        for (int run = 0; run < 12; ++run) {
-            BuildOptions options;
-            options.seed = firstSeed + run;
-            BuiltScene built = BuildTwoRooms(sampler, options);
-            s.Add(Render(built, {kSamples}));
-        }
-        return s;
-    };
-    const PixelStatistics uniform = statistics("'string lightsampler' 'uniform'", 1000),
-                          bvh = statistics("'string lightsampler' 'bvh'", 2000);
-    const PixelStatistics octree = statistics("'string lightsampler' 'octree'", 3000);
-    const Agreement a = Compare(octree, {&uniform, &bvh}, 1, 1e-3);
-    EXPECT_TRUE(a.Agrees()) << "p " << a.worstP << " at " << a.worst;
-    EXPECT_LT(a.error, 0.01) << "too noisy to tell";
 }
 
 }  // namespace

@@ -133,14 +133,6 @@ TEST(Motion, MomentsDiffer) {
     }
 }
 
-TEST(Motion, BoundsHoldTheWholeWay) {
-    const Bounds3 b = Build({0, 1}, false).scene->Bounds();
-    // The ball's left side at the start, its right one and the far end of the bar in between.
-    EXPECT_LE(b.low.x, -2.69f);
-    EXPECT_GE(b.high.x, 1.5f + 1.0f);
-    EXPECT_GE(b.high.y, 1.3f);
-}
-
 TEST(Motion, WhatCannotMoveIsAnError) {
     const auto message = [](const std::string &world, const std::string &camera) {
         return MessageOf([&] {

@@ -21,7 +21,7 @@ if(TARGET pbrt_mpi)
   set_source_files_properties(${core}/connect_team.cpp PROPERTIES COMPILE_DEFINITIONS PBRT_MPI_MODULE="$<TARGET_FILE_NAME:pbrt_mpi>")
 endif()
 
-add_executable(render_learning_threads EXCLUDE_FROM_ALL frames_test.cpp learning_test.cpp agreement_statistics.cpp)
+add_executable(render_learning_threads EXCLUDE_FROM_ALL frames_test.cpp learning_test.cpp)
 foreach(target ${objects} render_learning_threads)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${PBRT_UNITY})
   target_compile_options(${target} PRIVATE ${options})

@@ -391,10 +391,5 @@ Transform Accel::InstanceTransform(int instance, Float time) const {
 }
 
 size_t Accel::Bytes() const { return size_t(std::max<int64_t>(0, impl_->bytes.load())); }
-std::vector<Accel::EmbreeScene> Accel::EmbreeScenes() const {
-    std::vector<EmbreeScene> scenes{{impl_->top.scene, uint32_t(impl_->top.geometries.size())}};
-    for (const Impl::Group &g : impl_->objects) scenes.push_back({g.scene, uint32_t(g.geometries.size())});
-    return scenes;
-}
 
 }  // namespace pbrt

@@ -11,8 +11,6 @@
 #include "pbrt/shapes/shape.h"
 #include "pbrt/textures/texture.h"
 
-struct RTCSceneTy;  // Embree
-
 namespace pbrt {
 
 struct AccelHit {
@@ -94,12 +92,6 @@ class Accel {
     bool Occluded(const Ray &ray, PassedHits *passed = nullptr) const;
     Transform InstanceTransform(int instance, Float time) const;
     size_t Bytes() const;  ///< as counted by Embree's memory monitor
-    struct EmbreeScene {
-        RTCSceneTy *scene;       ///< owned by the Accel
-        uint32_t geometryCount;  ///< user data of geometries: Geometry (embree_callbacks.h); of instances: null
-    };
-    /// For measurements: Embree's scenes after Commit, the top level first, then the object definitions.
-    std::vector<EmbreeScene> EmbreeScenes() const;
 
   private:
     struct Impl;

@@ -3,10 +3,10 @@
 #include <vector>
 
 #include "pbrt/accel/accel.h"
-#include "pbrt/math/rng.h"
 #include "pbrt/shapes/bilinear_mesh.h"
 #include "pbrt/shapes/quadric.h"
 #include "pbrt/shapes/triangle_mesh.h"
+#include "support/sampling.h"
 
 namespace pbrt::test {
 
@@ -51,11 +51,6 @@ inline MeshData PatchGrid(uint32_t n, Float bumps) {
             mesh.indices.insert(mesh.indices.end(), {i, i + 1, i + n + 1, i + n + 2});
         }
     return mesh;
-}
-
-inline Vector3 RandomDirection(Rng &rng) {
-    Float z = 2 * rng.Uniform() - 1, phi = 2 * Pi * rng.Uniform();
-    return SphericalDirection(SafeSqrt(1 - z * z), z, phi);
 }
 
 using Shapes = std::vector<std::unique_ptr<Shape>>;

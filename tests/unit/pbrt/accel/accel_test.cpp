@@ -96,18 +96,6 @@ TEST(Accel, AgreesWithTheSlowTwinForEveryKind) {
     EXPECT_GT(accel.Bytes(), 0u);
 }
 
-TEST(Accel, EveryKindIsHitOnItsOwn) {
-    Shapes all = test::EveryKind(Transform());
-    for (auto &shape : all) {
-        Shapes one;
-        one.push_back(std::move(shape));
-        Accel accel;
-        accel.AddShape(ShapeId(0u), *one[0], nullptr);
-        accel.Commit();
-        EXPECT_GT(CompareOnRandomRays(accel, one, {{-1, Transform()}}, 3000), 500);
-    }
-}
-
 TEST(Accel, AgreesWithTheSlowTwinInInstances) {
     Shapes shapes = test::EveryKind(Transform::Rotate(20, {0, 1, 1}));
     Accel accel;

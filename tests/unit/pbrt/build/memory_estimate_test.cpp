@@ -1,13 +1,9 @@
 // What a scene needs is estimated from below, before anything is built.
 #include "pbrt/build/built_scene.h"
 
-#include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <fstream>
-
 #include "pbrt/images/image.h"
 #include "support/build_text.h"
+#include "support/folder_test.h"
 #include "support/parse_text.h"
 
 namespace pbrt::test {
@@ -52,15 +48,13 @@ TEST(MemoryEstimate, CountsObjectsOnceAndOnlyIfUsed) {
     EXPECT_EQ(Estimate(object + use + GridMesh(10)).triangles, 400);
 }
 
-TEST(MemoryEstimate, CountsImagesByTheirHeads) {
-    const std::string folder =
-        (std::filesystem::temp_directory_path() / fmt::format("pbrt_estimate_{}", getpid())).string();
-    std::filesystem::create_directories(folder);
-    WriteImage(folder + "/a.png", Image(PixelFormat::U8, {300, 200}, {"R", "G", "B"}));
-    std::ofstream(folder + "/b.hdr") << std::string(5000, 'x');
+class MemoryEstimateOfFiles : public FolderTest {};
+
+TEST_F(MemoryEstimateOfFiles, CountsImagesByTheirHeads) {
+    WriteImage(Path("a.png"), Image(PixelFormat::U8, {300, 200}, {"R", "G", "B"}));
+    Write("b.hdr", std::string(5000, 'x'));
     const auto texture = [&](const std::string &name, const std::string &file) {
-        return fmt::format("Texture \"{}\" \"spectrum\" \"imagemap\" \"string filename\" \"{}/{}\"\n", name, folder,
-                           file);
+        return fmt::format("Texture \"{}\" \"spectrum\" \"imagemap\" \"string filename\" \"{}\"\n", name, Path(file));
     };
     EXPECT_EQ(Estimate(texture("a", "a.png")).images, 300 * 200 * 3 * 4.0 / 3);
     EXPECT_EQ(Estimate(texture("a", "a.png") + texture("b", "a.png")).images, 300 * 200 * 3 * 4.0 / 3);
@@ -70,7 +64,6 @@ TEST(MemoryEstimate, CountsImagesByTheirHeads) {
     EXPECT_EQ(three.largest, 300 * 200 * 3 * 4.0 / 3);
     EXPECT_EQ(three.largestAt.line, Estimate(texture("a", "a.png")).largestAt.line + 1);
     EXPECT_EQ(Estimate(texture("c", "none.png")).images, 0);
-    std::filesystem::remove_all(folder);
 }
 
 TEST(MemoryEstimate, IsSaidInPartsAndComparedWithTheLimit) {

@@ -56,17 +56,6 @@ TEST(PerspectiveCamera, LensFocusesAtFocalDistanceOnly) {
     EXPECT_NEAR(spread, 0.3f, 0.02f);  // at twice the focal distance the blur is as wide as the lens
 }
 
-TEST(PerspectiveCamera, LensIsUsedEvenly) {
-    auto camera = MakeTestCamera("perspective", {FloatParam("lensradius", {2}), FloatParam("focaldistance", {5})});
-    int inside = 0, n = 0;
-    for (int i = 0; i < 100; ++i)
-        for (int j = 0; j < 100; ++j, ++n) {
-            Point2 u((static_cast<Float>(i) + 0.5f) / 100, (static_cast<Float>(j) + 0.5f) / 100);
-            inside += Length(RayAt(*camera, {5, 5}, u).ray.o) < 1;
-        }
-    EXPECT_NEAR(double(inside) / n, 0.25, 0.01);
-}
-
 std::vector<std::unique_ptr<Camera>> AllCameras(const Transform &t) {
     std::vector<std::unique_ptr<Camera>> all;
     std::vector<Param> lens = {FloatParam("lensradius", {0.2f}), FloatParam("focaldistance", {4})};

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "pbrt/core/effective_params_text.h"
+#include "support/given_params.h"
 
 namespace pbrt {
 namespace {
@@ -12,6 +13,7 @@ namespace {
 enum class Wrap { Repeat, Black };
 constexpr NamedValue<Wrap> kWraps[] = {{"repeat", Wrap::Repeat}, {"black", Wrap::Black}};
 using Vec3 = std::array<Float, 3>;
+using test::Params;
 
 /// Parameters with one member of every type that src/pbrt/core can read.
 struct Sample {
@@ -57,54 +59,13 @@ struct Few {
     }
 };
 
-/// A set of parameters, each on its own line, counted from 1.
-class Set {
-  public:
-    Set &F(const std::string &name, std::vector<Float> v, ParamType type = ParamType::Float) {
-        Param p = Make(type, name);
-        p.floats = std::move(v);
-        return Add(p);
-    }
-    Set &I(const std::string &name, std::vector<int> v) {
-        Param p = Make(ParamType::Integer, name);
-        p.ints = std::move(v);
-        return Add(p);
-    }
-    Set &S(const std::string &name, const std::string &v) {
-        Param p = Make(ParamType::String, name);
-        p.strings = {v};
-        return Add(p);
-    }
-    Set &B(const std::string &name, bool v) {
-        Param p = Make(ParamType::Bool, name);
-        p.bools = {v};
-        return Add(p);
-    }
-    ParamSet set{"Thing \"x\"", {}};
-
-  private:
-    Param Make(ParamType type, const std::string &name) {
-        Param p;
-        p.type = type;
-        p.name = name;
-        p.loc = {file_, ++line_, 3};
-        return p;
-    }
-    Set &Add(const Param &p) {
-        set.Add(p);
-        return *this;
-    }
-    std::shared_ptr<const SourceFile> file_ = std::make_shared<SourceFile>(SourceFile{"f", "text"});
-    int line_ = 0;
-};
-
 /// All errors, first those thrown, then those about unused parameters, as lines "line message".
-std::string Wrong(const Set &given, Sample *sample = nullptr) {
+std::string Wrong(const ParamSet &given, Sample *sample = nullptr) {
     Sample fresh;
     DiagnosticSink sink;
     std::string all;
     auto add = [&](const Diagnostic &d) { all += fmt::format("{} {}\n", d.loc.line, d.message); };
-    ParamReader reader(given.set);
+    ParamReader reader(given);
     (sample ? *sample : fresh).Describe(reader);
     try {
         reader.Finish(sink);
@@ -146,10 +107,11 @@ TEST(Describe, RangesAreWrittenShort) {
 
 TEST(Describe, EveryTypeIsRead) {
     Sample s;
-    Set given;
-    given.I("leaves", {12}).F("angle", {1}).B("prepass", false).S("file", "x").S("mode", "b").S("mesh", "m");
-    given.S("wrap", "repeat").F("width", {2}).I("bounds", {3, 4}).F("from", {4, 5, 6}, ParamType::Point3);
-    given.F("points", {1, 2, 3, 4, 5, -5}, ParamType::Point3).I("indices", {7, 8, 9}).F("only", {1});
+    Params given("Thing");
+    given.Integer("leaves", 12).Number("angle", 1).Bool("prepass", false).String("file", "x").String("mode", "b");
+    given.String("mesh", "m").String("wrap", "repeat").Number("width", 2).Integers("bounds", {3, 4});
+    given.Point("from", {4, 5, 6}).Floats(ParamType::Point3, "points", {1, 2, 3, 4, 5, -5});
+    given.Integers("indices", {7, 8, 9}).Number("only", 1);
     EXPECT_EQ(Wrong(given, &s), "");
     EXPECT_EQ(s.leaves, 12);
     EXPECT_EQ(s.angle, 1);
@@ -166,17 +128,17 @@ TEST(Describe, EveryTypeIsRead) {
 
 TEST(Describe, WhatIsNotGivenKeepsItsDefault) {
     Sample s;
-    EXPECT_EQ(Wrong(Set().S("mesh", "m"), &s), "");
+    EXPECT_EQ(Wrong(Params().String("mesh", "m"), &s), "");
     EXPECT_EQ(s.leaves, 4096);
     EXPECT_EQ(s.from, (Vec3{1, 2, 3}));
     EXPECT_FALSE(s.width || s.bounds);
 }
 
 TEST(Describe, AllThatIsWrongIsToldAtOnceAndInItsPlace) {
-    Set given;
-    given.I("leaves", {0}).F("angle", {180}).S("mode", "c").S("mesh", "").S("wrap", "blak").F("width", {0});
-    given.I("bounds", {1}).F("from", {1, 2}, ParamType::Point3).F("points", {1, 2, 6}, ParamType::Point3);
-    given.B("prepas", true).F("leaves", {3}).F("only", {1});
+    Params given("Thing \"x\"");
+    given.Integer("leaves", 0).Number("angle", 180).String("mode", "c").String("mesh", "").String("wrap", "blak");
+    given.Number("width", 0).Integer("bounds", 1).Floats(ParamType::Point3, "from", {1, 2}).Point("points", {1, 2, 6});
+    given.Bool("prepas", true).Number("leaves", 3).Number("only", 1);
     EXPECT_EQ(
         Wrong(given),
         "1 Thing \"x\": \"leaves\" is 0; it must be at least 1 and at most 10000.\n"
@@ -193,23 +155,19 @@ TEST(Describe, AllThatIsWrongIsToldAtOnceAndInItsPlace) {
         "11 \"float leaves\": unused parameter: Thing \"x\" takes \"integer leaves\".\n"
         "12 \"float only\": unused parameter of Thing \"x\"; valid: angle, bounds, file, from, indices, leaves, "
         "mesh, mode, points, prepass, width, wrap.\n");
-    EXPECT_EQ(Wrong(Set().S("mesh", "m").F("angle", {std::nanf("")})),
+    auto meshed = [] { return Params("Thing \"x\"").String("mesh", "m"); };
+    EXPECT_EQ(Wrong(meshed().Number("angle", std::nanf(""))),
               "2 Thing \"x\": \"angle\" is nan; it must be above 0 and below 180 degrees.\n");
-    EXPECT_EQ(Wrong(Set().S("mesh", "m").F("angle", {1, 2}).F("from", {1, 2, 3, 4, 5, 6}, ParamType::Point3)),
-              "2 Thing \"x\": \"float angle\" takes 1 value, found 2.\n"
-              "3 Thing \"x\": \"point3 from\" takes 3 values, found 6.\n");
+    EXPECT_EQ(
+        Wrong(meshed().Floats(ParamType::Float, "angle", {1, 2}).Floats(ParamType::Point3, "from", {1, 2, 3, 4, 5, 6})),
+        "2 Thing \"x\": \"float angle\" takes 1 value, found 2.\n"
+        "3 Thing \"x\": \"point3 from\" takes 3 values, found 6.\n");
 }
 
 TEST(Describe, TheLastOfEqualOnesWinsAndDefaultsAreNeverReported) {
     Sample s;
-    Set given = Set().S("mesh", "m").I("leaves", {1}).I("leaves", {2});
-    Param other;
-    other.name = "nothing";
-    given.set.AddDefault(other);
-    Param angle;
-    angle.name = "angle";
-    angle.floats = {9};
-    given.set.AddDefault(angle);
+    Params given = Params().String("mesh", "m").Integer("leaves", 1).Integer("leaves", 2);
+    given.Default(ParamType::Float, "nothing", {}).Default(ParamType::Float, "angle", {9});
     EXPECT_EQ(Wrong(given, &s), "");
     EXPECT_EQ(s.leaves, 2);
     EXPECT_EQ(s.angle, 9);
@@ -217,11 +175,11 @@ TEST(Describe, TheLastOfEqualOnesWinsAndDefaultsAreNeverReported) {
 
 TEST(Describe, ReadsPrefixedParametersAndLeavesOthers) {
     Few few;
-    Set given = Set().I("octree.leaves", {5}).I("leaves", {8}).F("other.x", {1});
-    ReadParams(few, given.set, "octree");
+    const Params given = Params().Integer("octree.leaves", 5).Integer("leaves", 8).Number("other.x", 1);
+    ReadParams(few, given.Set(), "octree");
     EXPECT_EQ(few.leaves, 5);
-    Set bad = Set().I("octree.leaves", {11});
-    EXPECT_THROW(ReadParams(few, bad.set, "octree"), UserError);
+    const Params bad = Params().Integer("octree.leaves", 11);
+    EXPECT_THROW(ReadParams(few, bad.Set(), "octree"), UserError);
 }
 
 }  // namespace

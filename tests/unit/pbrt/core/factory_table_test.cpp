@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "support/errors.h"
+#include "support/given_params.h"
 
 namespace pbrt {
 namespace {
@@ -28,17 +29,8 @@ Table MakeTable() {
     return table;
 }
 
-ParamSet Given(const char *name, int value) {
-    ParamSet set("Number \"twice\"", {std::make_shared<SourceFile>(SourceFile{"f", "text"}), 5, 0});
-    Param p;
-    p.type = ParamType::Integer;
-    p.name = name;
-    p.ints = {value};
-    p.loc = set.Loc();
-    p.loc.line = 6;
-    set.Add(p);
-    return set;
-}
+/// The directive is at line 5, the parameter at line 6.
+ParamSet Given(const char *name, int value) { return test::Params("Number \"twice\"", 5).Integer(name, value).Set(); }
 
 TEST(FactoryTable, MakesByNameFromDeclaredParameters) {
     DiagnosticSink sink;

@@ -4,8 +4,8 @@
 
 #include <thread>
 
-#include "folder_test.h"
 #include "support/errors.h"
+#include "support/folder_test.h"
 
 namespace pbrt {
 namespace {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "support/errors.h"
+#include "support/given_params.h"
 #include "support/param.h"
 
 namespace pbrt {
@@ -35,11 +36,7 @@ TEST(ParamSet, TheLastOfEqualOnesWinsAndOwnOnesBeatDefaults) {
 }
 
 TEST(ParamSet, ErrorsNameTheEntityAndThePlace) {
-    auto file = std::make_shared<SourceFile>(SourceFile{"f", "text"});
-    ParamSet set("Shape \"s\"", {file, 1, 0});
-    Param p = FloatParam("a", {1});
-    p.loc = {file, 2, 5};
-    set.Add(p);
+    const ParamSet set = test::Params("Shape \"s\"", 1).Number("a", 1);
     const UserError error = set.Error("a", "is odd.");
     EXPECT_EQ(error.Diagnostics()[0].message, "Shape \"s\": is odd.");
     EXPECT_EQ(error.Diagnostics()[0].loc.line, 2);
@@ -48,6 +45,8 @@ TEST(ParamSet, ErrorsNameTheEntityAndThePlace) {
     EXPECT_EQ(sink.All()[0].message, "Shape \"s\": is missing.");
     EXPECT_EQ(sink.All()[0].loc.line, 1);
     EXPECT_FALSE(sink.HasErrors());
+    EXPECT_EQ(set.LocOf("a").line, 2);
+    EXPECT_EQ(set.LocOf("b").line, 1);
 }
 
 TEST(ParamSet, AtGivesErrorsWithoutAPlaceThatOfTheParameter) {
@@ -63,22 +62,11 @@ TEST(ParamSet, AtGivesErrorsWithoutAPlaceThatOfTheParameter) {
     }
 }
 
-TEST(ParamSet, LocOfPointsAtTheParameterElseTheDirective) {
-    auto file = std::make_shared<SourceFile>(SourceFile{"f", "text"});
-    ParamSet set("x", {file, 1, 0});
-    Param p = FloatParam("a", {1});
-    p.loc = {file, 2, 5};
-    set.Add(p);
-    EXPECT_EQ(set.LocOf("a").line, 2);
-    EXPECT_EQ(set.LocOf("b").line, 1);
-}
-
 TEST(ParamType, NamesAreThoseOfTheFormat) {
-    EXPECT_STREQ(Name(ParamType::Integer), "integer");
-    EXPECT_STREQ(Name(ParamType::Normal), "normal");
-    EXPECT_STREQ(Name(ParamType::Bool), "bool");
-    EXPECT_STREQ(Name(ParamType::Rgb), "rgb");
-    EXPECT_STREQ(Name(ParamType::Texture), "texture");
+    using enum ParamType;
+    for (const auto &[type, name] :
+         {std::pair{Integer, "integer"}, {Normal, "normal"}, {Bool, "bool"}, {Rgb, "rgb"}, {Texture, "texture"}})
+        EXPECT_STREQ(Name(type), name);
 }
 
 TEST(ParamSet, RequireNamesTheRange) {

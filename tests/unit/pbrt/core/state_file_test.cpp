@@ -1,7 +1,7 @@
 #include "pbrt/core/state_file.h"
 
-#include "folder_test.h"
 #include "support/errors.h"
+#include "support/folder_test.h"
 
 namespace pbrt::test {
 namespace {

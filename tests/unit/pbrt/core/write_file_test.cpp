@@ -4,8 +4,8 @@
 #include <thread>
 #include <vector>
 
-#include "folder_test.h"
 #include "support/errors.h"
+#include "support/folder_test.h"
 #include "support/small_files.h"
 
 namespace pbrt {

@@ -29,11 +29,6 @@ class FilmTest : public ::testing::Test {
     std::unique_ptr<Film> Make(Float exposure = 1, const ColorSpace &space = ColorSpace::SRGB()) {
         return MakeFilm("rgb", params_, Context(exposure, space), sink_);
     }
-    void ExpectBounds(int x0, int x1, int y0, int y1) {
-        Bounds2i b = Make()->PixelBounds();
-        EXPECT_EQ(b.low, Point2i(x0, y0));
-        EXPECT_EQ(b.high, Point2i(x1, y1));
-    }
     /// Adds many samples of an emission spectrum, divided by its photometric integral, to one pixel; returns the colour
     /// of the pixel.
     static Rgb Expose(Film &film, const Spectrum &emission, Float scale = 1, int n = 40000) {
@@ -61,56 +56,51 @@ TEST_F(FilmTest, Defaults) {
     EXPECT_FALSE(sink_.HasErrors());
 }
 
-TEST_F(FilmTest, CropWindowRoundsUp) {
-    // The expected windows are those stored in stock pbrt-v4's picture of film/crop_and_maxcomponent.
-    Resolution(128, 96);
-    Floats("cropwindow", {0.125f, 0.8125f, 0.25f, 0.91667f});
-    ExpectBounds(16, 104, 24, 89);
-    ImageMetadata metadata = Make()->Metadata();
-    EXPECT_EQ(metadata.fullResolution, Point2i(128, 96));
-    EXPECT_EQ(metadata.pixelBounds->low, Point2i(16, 24));
-}
-
-TEST_F(FilmTest, PixelBoundsAreHalfOpen) {
-    Resolution(128, 96);
-    Ints("pixelbounds", {24, 104, 24, 88});
-    ExpectBounds(24, 104, 24, 88);
-    EXPECT_TRUE(sink_.All().empty());
-}
-
-TEST_F(FilmTest, CropWindowBeatsPixelBounds) {
-    Resolution(100, 100);
-    Ints("pixelbounds", {24, 30, 24, 30});
-    Floats("cropwindow", {0.5f, 1, 0, 0.25f});
-    ExpectBounds(50, 100, 0, 25);
-    EXPECT_EQ(sink_.All().size(), 1u);
-}
-
-TEST_F(FilmTest, CommandLineBeatsScene) {
-    Resolution(100, 100);
-    Floats("cropwindow", {0.5f, 1, 0, 0.25f});
-    overrides_.pixelBounds = Bounds2i{{1, 2}, {3, 4}};
-    ExpectBounds(1, 3, 2, 4);
-    overrides_.cropWindow = Bounds2{{0, 0}, {0.1f, 0.2f}};
-    ExpectBounds(0, 10, 0, 20);
-    overrides_.filename = "other.exr";
-    EXPECT_EQ(Make()->Filename(), "other.exr");
-}
-
-TEST_F(FilmTest, BoundsOutsideAreCutWithAWarning) {
-    Resolution(10, 10);
-    Ints("pixelbounds", {-5, 5, 5, 50});
-    ExpectBounds(0, 5, 5, 10);
-    ASSERT_EQ(sink_.All().size(), 1u);
-    EXPECT_EQ(sink_.All()[0].severity, Severity::Warning);
-}
-
-TEST_F(FilmTest, QuickDividesResolutionAndBounds) {
-    Resolution(128, 98);
-    Ints("pixelbounds", {24, 104, 24, 90});
-    overrides_.resolutionDivisor = 4;
-    EXPECT_EQ(Make()->FullResolution(), Point2i(32, 24));
-    ExpectBounds(6, 26, 6, 23);
+TEST_F(FilmTest, PixelsAreThoseOfTheSceneUnlessFlagsSayOtherwise) {
+    struct Case {
+        const char *name;
+        Point2i resolution;
+        std::vector<int> pixelBounds;
+        std::vector<Float> cropWindow;
+        FilmOverrides overrides;
+        Bounds2i expected;
+        size_t warnings;
+    };
+    FilmOverrides bounds, quick;
+    bounds.pixelBounds = Bounds2i{{1, 2}, {3, 4}};
+    FilmOverrides crop = bounds;
+    crop.cropWindow = Bounds2{{0, 0}, {0.1f, 0.2f}};
+    quick.resolutionDivisor = 4;
+    // The first window is that stored in stock pbrt-v4's picture of film/crop_and_maxcomponent.
+    for (const Case &c : {Case{"crop window, rounded up",
+                               {128, 96},
+                               {},
+                               {0.125f, 0.8125f, 0.25f, 0.91667f},
+                               {},
+                               {{16, 24}, {104, 89}},
+                               0},
+                          {"half-open bounds", {128, 96}, {24, 104, 24, 88}, {}, {}, {{24, 24}, {104, 88}}, 0},
+                          {"both", {100, 100}, {24, 30, 24, 30}, {0.5f, 1, 0, 0.25f}, {}, {{50, 0}, {100, 25}}, 1},
+                          {"bounds by flag", {100, 100}, {}, {0.5f, 1, 0, 0.25f}, bounds, {{1, 2}, {3, 4}}, 0},
+                          {"crop window by flag", {100, 100}, {}, {0.5f, 1, 0, 0.25f}, crop, {{0, 0}, {10, 20}}, 0},
+                          {"beyond the picture", {10, 10}, {-5, 5, 5, 50}, {}, {}, {{0, 5}, {5, 10}}, 1},
+                          {"quick", {128, 98}, {24, 104, 24, 90}, {}, quick, {{6, 6}, {26, 23}}, 0}}) {
+        SCOPED_TRACE(c.name);
+        params_ = ParamSet("Film \"rgb\"", {});
+        sink_ = {};
+        Resolution(c.resolution.x, c.resolution.y);
+        if (!c.pixelBounds.empty()) Ints("pixelbounds", c.pixelBounds);
+        if (!c.cropWindow.empty()) Floats("cropwindow", c.cropWindow);
+        overrides_ = c.overrides;
+        const std::unique_ptr<Film> film = Make();
+        EXPECT_EQ(film->PixelBounds().low, c.expected.low);
+        EXPECT_EQ(film->PixelBounds().high, c.expected.high);
+        EXPECT_EQ(film->FullResolution(), c.resolution / c.overrides.resolutionDivisor);
+        EXPECT_EQ(film->Metadata().fullResolution, film->FullResolution());
+        EXPECT_EQ(film->Metadata().pixelBounds->low, c.expected.low);
+        EXPECT_EQ(sink_.All().size(), c.warnings);
+        EXPECT_FALSE(sink_.HasErrors());
+    }
 }
 
 TEST_F(FilmTest, BadParametersAreErrors) {

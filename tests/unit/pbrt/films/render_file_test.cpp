@@ -1,12 +1,8 @@
 // Checkpoints as files, and what their messages name.
 #include "pbrt/films/render_file.h"
 
-#include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <filesystem>
-
 #include "support/errors.h"
+#include "support/folder_test.h"
 
 namespace pbrt {
 namespace {
@@ -30,9 +26,10 @@ TEST(RenderIdentities, NameEverythingThatDiffers) {
     test::ExpectWords(DifferencesOf(a, b, "b.chk"), {"build", "1", "b.chk", "2"});
 }
 
-TEST(RenderFiles, GiveBackAllThatWasWritten) {
-    const std::string path =
-        (std::filesystem::temp_directory_path() / fmt::format("pbrt_render_file_{}", getpid())).string();
+class RenderFiles : public test::FolderTest {};
+
+TEST_F(RenderFiles, GiveBackAllThatWasWritten) {
+    const std::string path = Path("render");
     RenderFileHead head;
     head.identity = {{"program", "1"}, {"--spp", "3"}};
     head.samplesFlag = 3;
@@ -76,7 +73,6 @@ TEST(RenderFiles, GiveBackAllThatWasWritten) {
     EXPECT_EQ(file.Learned().Text(), "lights");
     EXPECT_EQ(read.film.Make()->PixelBounds().low, (Point2i{1, 2}));
     EXPECT_NO_THROW(file.LoadFilm(*film));
-    std::filesystem::remove(path);
 }
 
 }  // namespace

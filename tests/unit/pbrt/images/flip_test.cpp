@@ -5,7 +5,6 @@
 #include "image_fixtures.h"
 #include "pbrt/core/error.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/images/metrics.h"
 
 namespace pbrt {
 
@@ -36,39 +35,12 @@ double Flip(const Image &image, const Image &reference, bool hdr = false, Image 
 // matrices are those of textbooks.
 namespace slow {
 
-struct Color {
-    double x = 0, y = 0, z = 0;
-};
+using Color = glm::dvec3;
 constexpr double kPpd = 67, kPi = 3.141592653589793;
-constexpr double kMatrix[3][3] = {
-    {0.4124564, 0.3575761, 0.1804375}, {0.2126729, 0.7151522, 0.0721750}, {0.0193339, 0.1191920, 0.9503041}};
-
-Color WhiteXyz() {
-    double w[3];
-    for (int i = 0; i < 3; ++i) w[i] = kMatrix[i][0] + kMatrix[i][1] + kMatrix[i][2];
-    return {w[0], w[1], w[2]};
-}
-Color Xyz(const Color &rgb) {
-    double v[3];
-    for (int i = 0; i < 3; ++i) v[i] = kMatrix[i][0] * rgb.x + kMatrix[i][1] * rgb.y + kMatrix[i][2] * rgb.z;
-    return {v[0], v[1], v[2]};
-}
-// Inverts the RGB to XYZ matrix by Cramer's rule.
-Color RgbOf(const Color &xyz) {
-    const double in[3] = {xyz.x, xyz.y, xyz.z};
-    auto det = [](const double m[3][3]) {
-        return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
-               m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
-    };
-    double out[3];
-    for (int column = 0; column < 3; ++column) {
-        double m[3][3];
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) m[i][j] = j == column ? in[i] : kMatrix[i][j];
-        out[column] = det(m) / det(kMatrix);
-    }
-    return {out[0], out[1], out[2]};
-}
+const glm::dmat3 kXyzFromRgb = glm::transpose(
+    glm::dmat3(0.4124564, 0.3575761, 0.1804375, 0.2126729, 0.7151522, 0.0721750, 0.0193339, 0.1191920, 0.9503041));
+const glm::dmat3 kRgbFromXyz = glm::inverse(kXyzFromRgb);
+const Color kWhite = kXyzFromRgb * Color(1);
 
 struct Weights {
     int radius = 0;
@@ -121,14 +93,12 @@ Plane Apply(const Plane &in, Point2i size, Weights k) {
 double CubeRoot(double t) { return t > 216.0 / 24389 ? std::cbrt(t) : (24389.0 / 27 * t + 16) / 116; }
 
 Color HuntLab(const Color &rgb) {
-    const Color c = Xyz(rgb), w = WhiteXyz();
-    const double fx = CubeRoot(c.x / w.x), fy = CubeRoot(c.y / w.y), fz = CubeRoot(c.z / w.z), l = 116 * fy - 16;
+    const Color c = kXyzFromRgb * rgb / kWhite;
+    const double fx = CubeRoot(c.x), fy = CubeRoot(c.y), fz = CubeRoot(c.z), l = 116 * fy - 16;
     return {l, 0.01 * l * 500 * (fx - fy), 0.01 * l * 200 * (fy - fz)};
 }
 
-double Distance(const Color &p, const Color &q) {
-    return std::abs(p.x - q.x) + std::sqrt((p.y - q.y) * (p.y - q.y) + (p.z - q.z) * (p.z - q.z));
-}
+double Distance(const Color &p, const Color &q) { return std::abs(p.x - q.x) + std::hypot(p.y - q.y, p.z - q.z); }
 
 struct Seen {
     std::vector<Color> lab;
@@ -138,15 +108,14 @@ struct Seen {
 Seen See(const Image &image) {
     const Point2i size = image.Resolution();
     Plane yy, cx, cz, lightness;
-    const Color white = WhiteXyz();
     for (int y = 0; y < size.y; ++y)
         for (int x = 0; x < size.x; ++x) {
             auto v = [&](int c) { return std::clamp(static_cast<double>(image.Get({x, y}, c)), 0.0, 1.0); };
-            const Color c = Xyz({v(0), v(1), v(2)});
-            yy.push_back(116 * c.y / white.y - 16);
-            cx.push_back(500 * (c.x / white.x - c.y / white.y));
-            cz.push_back(200 * (c.y / white.y - c.z / white.z));
-            lightness.push_back(c.y / white.y);
+            const Color c = kXyzFromRgb * Color(v(0), v(1), v(2)) / kWhite;
+            yy.push_back(116 * c.y - 16);
+            cx.push_back(500 * (c.x - c.y));
+            cz.push_back(200 * (c.y - c.z));
+            lightness.push_back(c.y);
         }
     Seen out;
     yy = Apply(yy, size, Contrast({{1, 0.0047}}));
@@ -154,15 +123,14 @@ Seen See(const Image &image) {
     cz = Apply(cz, size, Contrast({{34.1, 0.04}, {13.5, 0.025}}));
     for (size_t i = 0; i < yy.size(); ++i) {
         const double y = (yy[i] + 16) / 116;
-        Color rgb = RgbOf({white.x * (y + cx[i] / 500), white.y * y, white.z * (y - cz[i] / 200)});
-        for (double *v : {&rgb.x, &rgb.y, &rgb.z}) *v = std::clamp(*v, 0.0, 1.0);
-        out.lab.push_back(HuntLab(rgb));
+        const Color xyz = kWhite * Color(y + cx[i] / 500, y, y - cz[i] / 200);
+        out.lab.push_back(HuntLab(glm::clamp(kRgbFromXyz * xyz, 0.0, 1.0)));
     }
     auto length = [&](bool point) {
         const Plane a = Apply(lightness, size, Detector(point, false)),
                     b = Apply(lightness, size, Detector(point, true));
         Plane l;
-        for (size_t i = 0; i < a.size(); ++i) l.push_back(std::sqrt(a[i] * a[i] + b[i] * b[i]));
+        for (size_t i = 0; i < a.size(); ++i) l.push_back(std::hypot(a[i], b[i]));
         return l;
     };
     out.edge = length(false);
@@ -255,40 +223,6 @@ TEST(Flip, IgnoresWhatTheScreenCannotShowUnlessHdr) {
     const Image a = Flat({4, 4, 4}), b = Flat({2, 2, 2});
     EXPECT_EQ(Flip(a, b), 0);
     EXPECT_GT(Flip(a, b, true), 0.05);
-}
-
-TEST(Flip, SeesAShiftedEdgeLessThanAnAddedOne) {
-    auto edgeAt = [](int position) {
-        return Paint({40, 20}, [=](int x, int) { return Rgb(x < position ? 0.3f : 0.6f); });
-    };
-    const double shifted = Flip(edgeAt(21), edgeAt(20)), shiftedMore = Flip(edgeAt(24), edgeAt(20));
-    const double added = Flip(edgeAt(40), edgeAt(20));
-    EXPECT_GT(shifted, 0);
-    EXPECT_LT(shifted, shiftedMore);
-    EXPECT_LT(shiftedMore, added);
-}
-
-TEST(Flip, SeesFineStructureLessThanCoarse) {
-    auto board = [](int cell, int phase) {
-        return Paint({48, 48}, [=](int x, int y) { return Rgb((x / cell + y / cell + phase) % 2 ? 0.2f : 0.6f); });
-    };
-    const double fine = Flip(board(1, 0), board(1, 1)), coarse = Flip(board(8, 0), board(8, 1));
-    EXPECT_LT(fine, 0.3 * coarse);
-}
-
-// Two pictures have the same difference of filtered colours: the one with a new dot gets the larger error.
-TEST(Flip, FeaturesAmplifyTheColorDifference) {
-    Image reference = Flat({0.2f, 0.2f, 0.2f}, {41, 41}), dot = reference, spread = reference;
-    dot.Set({20, 20}, 1, 1);
-    for (int y = 0; y < 41; ++y)
-        for (int x = 0; x < 41; ++x) {
-            const float d2 = static_cast<float>((x - 20) * (x - 20) + (y - 20) * (y - 20));
-            spread.Set({x, y}, 1, 0.2f + 0.8f * std::exp(-d2 / 200.f) / 628.f);  // the light of the dot, spread widely
-        }
-    Image sharp, soft;
-    Flip(dot, reference, false, &sharp);
-    Flip(spread, reference, false, &soft);
-    EXPECT_GT(sharp.Get({20, 20}, 0), 3 * soft.Get({20, 20}, 0));
 }
 
 TEST(HdrFlip, DoesNotChangeWhenBothPicturesAreScaled) {

@@ -31,7 +31,7 @@ std::string BigEndian(uint32_t v) {
 
 }  // namespace
 
-class BrokenImage : public test::FileTest {
+class BrokenImage : public test::FolderTest {
   protected:
     /// Pixels without any pattern, so that no compression makes the file small.
     std::string WriteNoise(const std::string &name, OIIO::TypeDesc type, const std::string &compression = "") {
@@ -65,7 +65,7 @@ class BrokenImage : public test::FileTest {
         const size_t at = content.find(name);
         EXPECT_NE(at, std::string::npos);
         std::memcpy(content.data() + at + name.size() + 4, box.data(), sizeof box);
-        return WriteBytes("lie.exr", content);
+        return Write("lie.exr", content);
     }
 };
 
@@ -93,15 +93,15 @@ TEST_F(BrokenImage, AnEarlyEndIsAnErrorInEveryFormat) {
         EXPECT_EQ(Message(Path(c.name)), "") << c.name;
         for (double part : {0.02, 0.2, 0.5, 0.8, 0.9}) {
             const std::string path =
-                WriteBytes(std::string("cut_") + c.name,
-                           whole.substr(0, static_cast<size_t>(part * static_cast<double>(whole.size()))));
+                Write(std::string("cut_") + c.name,
+                      whole.substr(0, static_cast<size_t>(part * static_cast<double>(whole.size()))));
             EXPECT_TRUE(Has(Message(path), path)) << c.name << " cut to " << part << ": " << Message(path);
         }
     }
     WriteImage(Path("a.pfm"), test::NoiseImage(PixelFormat::Float, {16, 8}, {"R", "G", "B"}));
     const std::string whole = ReadFileContents(Path("a.pfm"));
     for (size_t size : {size_t(3), size_t(9), whole.size() - 1})
-        EXPECT_TRUE(Has(Message(WriteBytes("cut.pfm", whole.substr(0, size))), "cut.pfm")) << size;
+        EXPECT_TRUE(Has(Message(Write("cut.pfm", whole.substr(0, size))), "cut.pfm")) << size;
 }
 
 TEST_F(BrokenImage, SizesAreCheckedBeforeMemoryIsAllocated) {
@@ -110,14 +110,14 @@ TEST_F(BrokenImage, SizesAreCheckedBeforeMemoryIsAllocated) {
                BigEndian(height) + test::Bytes({8, 2, 0, 0, 0});
     };
     for (const char *size : {"100000 100000", "1048577 1", "1e9 1e9", "2147483648 4", "-1 4", "0 4", "4 0", "nan 1"}) {
-        const std::string path = WriteBytes("lie.pfm", std::string("PF\n") + size + "\n-1\nshort");
+        const std::string path = Write("lie.pfm", std::string("PF\n") + size + "\n-1\nshort");
         EXPECT_TRUE(Has(Message(path), "lie.pfm")) << size << ": " << Message(path);
     }
-    EXPECT_TRUE(Has(Message(WriteBytes("lie.pfm", "PF\n1000000 1000000\n-1\n")), "needs about 12 TB of memory"));
+    EXPECT_TRUE(Has(Message(Write("lie.pfm", "PF\n1000000 1000000\n-1\n")), "needs about 12 TB of memory"));
     // The checksums are missing: either the sizes are checked first, or the header is refused as a whole.
     for (auto [width, height] :
          {std::pair(100000u, 100000u), {0u, 5u}, {5u, 0u}, {1u << 31, 1u}, {0x7fffffffu, 0x7fffffffu}}) {
-        const std::string path = WriteBytes("lie.png", png(width, height));
+        const std::string path = Write("lie.png", png(width, height));
         EXPECT_TRUE(Has(Message(path), "lie.png")) << width << " x " << height << ": " << Message(path);
     }
     for (Imf::Compression compression :
@@ -139,7 +139,7 @@ TEST_F(BrokenImage, SizesAreCheckedBeforeMemoryIsAllocated) {
     EXPECT_TRUE(Has(Message(ExrWith("dataWindow", {0, 0, 59999, 15}, Imf::ZIP_COMPRESSION)), "60000 x 16 pixels"));
     // A Targa file of 20000 x 20000 pixels in 20 bytes.
     const std::string tga =
-        WriteBytes("lie.tga", test::Bytes({0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0x20, 0x4e, 0x20, 0x4e, 24, 0, 1, 2}));
+        Write("lie.tga", test::Bytes({0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0x20, 0x4e, 0x20, 0x4e, 24, 0, 1, 2}));
     EXPECT_TRUE(Has(Message(tga), "cannot hold")) << Message(tga);
 }
 

@@ -1,33 +1,11 @@
 #pragma once
-#include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <filesystem>
-#include <fstream>
 #include <initializer_list>
 #include <string>
 
 #include "pbrt/images/image.h"
+#include "support/folder_test.h"
 
 namespace pbrt::test {
-
-/// Gives every test its own folder, which is removed at the end.
-class FileTest : public ::testing::Test {
-  protected:
-    void SetUp() override {
-        const auto *info = ::testing::UnitTest::GetInstance()->current_test_info();
-        directory_ = std::filesystem::temp_directory_path() / (std::string("pbrt_images_") + info->test_suite_name() +
-                                                               "_" + info->name() + "_" + std::to_string(getpid()));
-        std::filesystem::create_directories(directory_);
-    }
-    void TearDown() override { std::filesystem::remove_all(directory_); }
-    std::string Path(const std::string &name) const { return (directory_ / name).string(); }
-    std::string WriteBytes(const std::string &name, const std::string &bytes) const {
-        std::ofstream(Path(name), std::ios::binary) << bytes;
-        return Path(name);
-    }
-    std::filesystem::path directory_;
-};
 
 inline std::string Bytes(std::initializer_list<int> values) {
     std::string bytes;

@@ -48,7 +48,7 @@ std::vector<uint8_t> Profile(int number, int tags) {
 
 }  // namespace
 
-class ImageThreads : public test::FileTest {
+class ImageThreads : public test::FolderTest {
   protected:
     std::string WritePng(int number, int tags) {
         const std::string path = Path(std::to_string(number) + ".png");
@@ -91,7 +91,7 @@ TEST_F(ImageThreads, ReadPngsWithColorProfilesAtOnce) {
                 }
             });
         threads.clear();
-        std::filesystem::remove_all(directory_);
+        std::filesystem::remove_all(folder_);
         std::exit(0);  // runs the exit handlers of the library, too
     };
     for (int repeat = 0; repeat < 3; ++repeat) EXPECT_EXIT(readAll(), ::testing::ExitedWithCode(0), "");

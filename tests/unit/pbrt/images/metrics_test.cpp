@@ -109,14 +109,8 @@ TEST(TrimmedRelL2, SkipsWhatIsNotFinite) {
 }
 
 TEST(ImageError, KnowsTheNamesOfTheFormat) {
-    EXPECT_EQ(ParseMetric("MAE"), Metric::MAE);
-    EXPECT_EQ(ParseMetric("MSE"), Metric::MSE);
-    EXPECT_EQ(ParseMetric("MRSE"), Metric::MRSE);
-    EXPECT_EQ(ParseMetric("relL2"), Metric::RelL2);
-    EXPECT_EQ(ParseMetric("relL2Abs"), Metric::RelL2Abs);
-    EXPECT_EQ(ParseMetric("SMAPE"), Metric::SMAPE);
-    EXPECT_EQ(ParseMetric("FLIP"), Metric::FLIP);
-    EXPECT_EQ(ParseMetric("HDR-FLIP"), Metric::HdrFLIP);
+    const char *const names[] = {"MAE", "MSE", "MRSE", "relL2", "relL2Abs", "SMAPE", "FLIP", "HDR-FLIP"};
+    for (size_t i = 0; i < std::size(names); ++i) EXPECT_EQ(ParseMetric(names[i]), kMetrics[i]) << names[i];
     EXPECT_FALSE(ParseMetric("mse"));
     EXPECT_EQ(MetricNames().size(), std::size(kMetrics));
     for (Metric metric : kMetrics) EXPECT_EQ(ParseMetric(MetricNames()[static_cast<size_t>(metric)]), metric);

@@ -13,6 +13,8 @@ using test::NoiseImage;
 
 namespace {
 
+constexpr TextureFilter AllFilters[] = {TextureFilter::Point, TextureFilter::Bilinear, TextureFilter::Trilinear,
+                                        TextureFilter::Ewa};
 constexpr WrapMode AllWraps[] = {WrapMode::Repeat, WrapMode::Black, WrapMode::Clamp, WrapMode::OctahedralSphere};
 
 // The reference functions work in double precision on the pixels of a level, through Image::Get with its wrap modes.
@@ -248,8 +250,7 @@ TEST(MipMap, FiltersKeepConstantImages) {
     for (int y = 0; y < 16; ++y)
         for (int x = 0; x < 32; ++x)
             for (int c = 0; c < 3; ++c) flat.Set({x, y}, c, 0.25f * static_cast<Float>(c + 1));
-    for (TextureFilter filter :
-         {TextureFilter::Point, TextureFilter::Bilinear, TextureFilter::Trilinear, TextureFilter::Ewa})
+    for (TextureFilter filter : AllFilters)
         for (WrapMode wrap : {WrapMode::Repeat, WrapMode::Clamp, WrapMode::OctahedralSphere}) {
             const MipMap map(flat, nullptr, filter, wrap, 8);
             for (const Query &q : RandomQueries(100, 1e-4, 10)) {
@@ -305,8 +306,7 @@ TEST(MipMap, KeepsAlphaOnlyIfItIsNotOneEverywhere) {
 
 TEST(MipMap, StrangeFootprintsAndPositionsStayFinite) {
     const Float inf = Infinity, nan = std::numeric_limits<Float>::quiet_NaN();
-    for (TextureFilter filter :
-         {TextureFilter::Point, TextureFilter::Bilinear, TextureFilter::Trilinear, TextureFilter::Ewa})
+    for (TextureFilter filter : AllFilters)
         for (WrapMode wrap : AllWraps) {
             const MipMap map(NoiseImage(PixelFormat::U8, {16, 16}, {"R", "G", "B"}), nullptr, filter, wrap, 8);
             for (Vector2 d :

@@ -1,5 +1,7 @@
 #include "pbrt/images/tile_cache.h"
 
+#include <unistd.h>
+
 #include <cstring>
 #include <random>
 

@@ -5,8 +5,6 @@
 #include <unistd.h>
 
 #include <csignal>
-#include <filesystem>
-#include <fstream>
 #include <set>
 #include <sstream>
 #include <thread>
@@ -16,6 +14,7 @@
 #include "pbrt/integrators/integrator.h"
 #include "pbrt/math/transform.h"
 #include "support/errors.h"
+#include "support/folder_test.h"
 #include "support/param.h"
 #include "support/small_files.h"
 #include "support/team_on_threads.h"
@@ -110,7 +109,7 @@ ParamSet Resolution(int size) {
     return params;
 }
 
-class RenderLoop : public ::testing::Test {
+class RenderLoop : public test::FolderTest {
   protected:
     RenderLoop() {
         DiagnosticSink sink;
@@ -119,8 +118,6 @@ class RenderLoop : public ::testing::Test {
         film_ = MakeFilm("rgb", Resolution(1), context, sink);
         filter_ = Filters().Make("box", ParamSet(), FilterContext{sink});
         camera_ = Cameras().Make("orthographic", ParamSet(), CameraContext{Transform(), {}, 35, {}, sink});
-        folder_ = std::filesystem::path(::testing::TempDir()) / ("render_loop_test_" + std::to_string(getpid()));
-        std::filesystem::create_directories(folder_);
     }
     WaveRenderer Renderer() {
         return WaveRenderer({integrator_, *camera_, *filter_, *film_, sampler_, progress_}, settings_);
@@ -128,18 +125,16 @@ class RenderLoop : public ::testing::Test {
     RenderResult Run() {
         return RenderWaves({integrator_, *camera_, *filter_, *film_, sampler_, progress_}, settings_);
     }
-    std::string File(const char *name) const { return (folder_ / name).string(); }
     std::string WriteReference(int size, Float value) const {
         Image image(PixelFormat::Float, {size, size}, {"R", "G", "B"}, ColorEncoding{ColorEncoding::Kind::Linear});
         for (int i = 0; i < 3 * size * size; ++i) image.Set({i / 3 % size, i / 3 / size}, i % 3, value);
-        WriteImage(File("reference.exr"), image);
-        return File("reference.exr");
+        WriteImage(Path("reference.exr"), image);
+        return Path("reference.exr");
     }
 
     std::unique_ptr<Film> film_;
     std::unique_ptr<Filter> filter_;
     std::unique_ptr<Camera> camera_;
-    std::filesystem::path folder_;
     Recorder integrator_;
     RenderSettings settings_;
     Progress progress_;
@@ -349,7 +344,7 @@ TEST_F(RenderLoop, ATimeBudgetEndsTheRenderAndItsLastWaveFits) {
 TEST_F(RenderLoop, EveryWaveIsComparedWithTheReference) {
     settings_.samplesPerPixel = 4;
     settings_.mseReferenceImage = WriteReference(2, 0.25f);
-    settings_.mseReferenceOut = File("errors.txt");
+    settings_.mseReferenceOut = Path("errors.txt");
     const RenderResult result = Run();
     EXPECT_EQ(result.mseFailure, "");
     const Image image = film_->ToImage();
@@ -374,7 +369,7 @@ TEST_F(RenderLoop, EveryWaveIsComparedWithTheReference) {
 TEST_F(RenderLoop, AFullDiskCostsTheErrorsButNotTheRender) {
     settings_.samplesPerPixel = 4;
     settings_.mseReferenceImage = WriteReference(1, 1);
-    settings_.mseReferenceOut = File("errors.txt");
+    settings_.mseReferenceOut = Path("errors.txt");
     // Without this, writing beyond the limit would end the process.
     const auto before = std::signal(SIGXFSZ, SIG_IGN);
     const RenderResult result = [&] {
@@ -389,13 +384,13 @@ TEST_F(RenderLoop, AFullDiskCostsTheErrorsButNotTheRender) {
 
 TEST_F(RenderLoop, AReferenceMustCoverTheFilm) {
     settings_.mseReferenceImage = WriteReference(1, 1);
-    settings_.mseReferenceOut = File("nowhere/errors.txt");
+    settings_.mseReferenceOut = Path("nowhere/errors.txt");
     EXPECT_THROW(Run(), UserError);
-    settings_.mseReferenceOut = File("errors.txt");
+    settings_.mseReferenceOut = Path("errors.txt");
     EXPECT_NO_THROW(Run());
     ImageMetadata elsewhere;
     elsewhere.pixelBounds = Bounds2i{{1, 0}, {2, 1}};
-    WriteImage(File("reference.exr"), ReadImage(File("reference.exr")).image, elsewhere);
+    WriteImage(Path("reference.exr"), ReadImage(Path("reference.exr")).image, elsewhere);
     EXPECT_THROW(Run(), UserError);
 }
 

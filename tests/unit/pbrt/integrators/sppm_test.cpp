@@ -111,24 +111,17 @@ TEST(Sppm, IsTheSameForAnyNumberOfThreads) {
     CheckThreads(view, "sppm", 5);
 }
 
-TEST(Sppm, SeedChoosesTheLightPaths) {
-    View view = AllViews()[0];
-    const auto pixel = [&](const char *seed) {
-        view.parameters = seed;
-        return RenderView(view, "sppm", 1, 2).Get({8, 12}, 0);
-    };
-    EXPECT_EQ(pixel(""), pixel("'integer seed' 0"));
-    EXPECT_NE(pixel(""), pixel("\"integer seed\" 1"));
-}
-
-TEST(Sppm, ShootsAsManyPhotonsAsPixelsUnlessToldOtherwise) {
+TEST(Sppm, SeedAndNumberOfPhotonsHaveDefaults) {
     View view = AllViews()[0];
     const auto pixel = [&](const std::string &parameters) {
         view.parameters = parameters;
         return RenderView(view, "sppm", 1, 2).Get({8, 12}, 0);
     };
-    EXPECT_EQ(pixel(""), pixel(fmt::format("'integer photonsperiteration' {}", kViewSize * kViewSize)));
-    EXPECT_NE(pixel(""), pixel("\"integer photonsperiteration\" 100"));
+    const Float unset = pixel("");
+    EXPECT_EQ(unset, pixel("'integer seed' 0"));
+    EXPECT_NE(unset, pixel("'integer seed' 1"));
+    EXPECT_EQ(unset, pixel(fmt::format("'integer photonsperiteration' {}", kViewSize * kViewSize)));
+    EXPECT_NE(unset, pixel("'integer photonsperiteration' 100"));
 }
 
 }  // namespace

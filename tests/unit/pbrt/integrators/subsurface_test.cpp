@@ -1,11 +1,7 @@
 #include <gtest/gtest.h>
 
-#include <map>
-
 #include "pbrt/bxdfs/fresnel.h"
 #include "pbrt/core/parallel.h"
-#include "pbrt/math/rng.h"
-#include "support/build_text.h"
 #include "support/errors.h"
 #include "support/render_scene.h"
 #include "support/scene_text.h"
@@ -85,46 +81,6 @@ TEST(Subsurface, OneThreadAndTwoGiveTheSameBits) {
         return RenderText(text).image;
     };
     EXPECT_TRUE(SameBits(render(1), render(2)));
-}
-
-TEST(SampleCrossing, AllSurfacesOfTheMaterialAreEquallyLikely) {
-    // Surfaces along x: a ball of material a, two panes of material b between, and an instance of a pane of material a.
-    const BuiltScene built = BuildText(SceneUnderSky(Objects()
-                                                         .Add("MakeNamedMaterial 'a' 'string type' 'subsurface'")
-                                                         .Add("MakeNamedMaterial 'b' 'string type' 'diffuse'")
-                                                         .Add("NamedMaterial 'a'")
-                                                         .Sphere(1)
-                                                         .Add("NamedMaterial 'b'")
-                                                         .Attribute("Rotate 90 0 1 0", Objects().Disk(1))
-                                                         .Triangles("1.5 -3 -3  1.5 3 -3  1.5 3 3  1.5 -3 3")
-                                                         .Add("NamedMaterial 'a' ObjectBegin 'o'")
-                                                         .Triangles("0 -3 -3  0 3 -3  0 3 3  0 -3 3")
-                                                         .Add("ObjectEnd Translate 2 0 0 ObjectInstance 'o'")));
-    const Scene &scene = *built.scene;
-    // The origin of rendering space is the camera, which is at (0, 0, 3).
-    auto at = [](Float x) { return Point3(x, .1f, .2f - 3); };
-    Ray ray;
-    ray.o = at(-5);
-    ray.d = Vector3(1, 0, 0);
-    const MaterialId a = scene.Intersect(ray)->material;
-    std::map<int, double> counts;
-    constexpr int n = 30000;
-    Rng rng(1);
-    for (int i = 0; i < n; ++i) {
-        std::optional<Scene::Crossing> c = scene.SampleCrossing(at(-3), at(4), 0, a, rng.Uniform());
-        ASSERT_TRUE(c);
-        ASSERT_EQ(c->count, 3);
-        EXPECT_EQ(c->point.material, a);
-        ++counts[static_cast<int>(std::lround(c->point.p.x))];
-    }
-    std::vector<double> observed, expected(3, n / 3.);
-    for (auto [x, count] : counts) observed.push_back(count);
-    ASSERT_EQ(counts.size(), 3u);
-    EXPECT_TRUE(counts.contains(-1) && counts.contains(1) && counts.contains(2));
-    EXPECT_GT(ChiSquareTest(observed, expected), 1e-4);
-    // Surfaces beyond the ends of the segment are not counted.
-    EXPECT_EQ(scene.SampleCrossing(at(0), at(1.7f), 0, a, .3f)->count, 1);
-    EXPECT_FALSE(scene.SampleCrossing(at(1.2f), at(1.7f), 0, a, .3f));
 }
 
 }  // namespace

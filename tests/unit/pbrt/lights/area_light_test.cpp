@@ -2,8 +2,6 @@
 
 #include "light_test_support.h"
 #include "pbrt/lights/diffuse_area_light.h"
-#include "pbrt/shapes/shape_factory.h"
-#include "pbrt/shapes/triangle_mesh.h"
 #include "support/sampling.h"
 #include "unit/pbrt/shapes/shape_cases.h"
 
@@ -25,20 +23,6 @@ class HalfTexture final : public FloatTexture {
   public:
     Float Evaluate(const TextureContext &c) const override { return c.uv.x < Float(0.5) ? Float(0) : Float(1); }
 };
-
-std::unique_ptr<Shape> DefaultQuadric(const std::string &type, const Transform &ctm = {}) {
-    DiagnosticSink sink;
-    const ParamSet set = Params("Shape").Set();
-    return std::move(Shapes().Make(type, set, ShapeContext{ctm, false, FileResolver(), sink, ParamReader(set)}).at(0));
-}
-
-std::unique_ptr<Shape> Triangle(const Transform &ctm = {}) {
-    MeshData data;
-    data.p = {{-1, -1, 0}, {1, -1, 0.2f}, {0.3f, 1, 0}};
-    data.uv = {{0, 0}, {1, 0}, {0, 1}};
-    data.indices = {0, 1, 2};
-    return std::make_unique<TriangleMesh>(data, ctm, false);
-}
 
 std::unique_ptr<Light> MakeAreaLight(const AreaLightMaker &maker, const Shape &shape,
                                      const FloatTexture *alpha = nullptr) {
@@ -153,38 +137,29 @@ TEST_P(AreaLightShapes, ImportanceIsPositiveWhereLightArrives) {
         Rng rng(11);
         for (int i = 0; i < 20000; ++i) {
             Point3 p = SampleUniformSphere(rng.Uniform2()) * (i % 2 ? 10 * rng.Uniform() : rng.Uniform());
-            auto s = light->SampleLi(At(p), rng.Uniform2(), kLambda, false);
-            if (!s) continue;
-            ++lit;
-            ASSERT_GT(bounds.Importance(p, Normal3(0)), 0);
-            Normal3 n = SampleUniformSphere(rng.Uniform2());
-            if (AbsDot(n, s->wi) > 1e-4f) {
-                ASSERT_GT(bounds.Importance(p, n), 0);
-            }
+            lit += ExpectImportantIfLit(*light, bounds, p, rng);
         }
     }
     EXPECT_GT(lit, 5000);
 }
 
-/// Patches, parts of shapes, and shapes that a transform mirrors or stretches.
-std::vector<AreaLightCase> OtherShapes() {
-    std::vector<AreaLightCase> cases;
+/// Triangles, quadrics, patches, parts of shapes, and shapes that a transform mirrors or stretches.
+std::vector<AreaLightCase> AllShapes() {
+    std::vector<AreaLightCase> cases{
+        {"turnedTriangle",
+         [] {
+             return Triangle(Transform::Rotate(70, {1, 1, 0}));
+         }},
+        {"triangle", [] { return Triangle(); }},
+    };
+    for (const char *type : {"sphere", "disk", "cylinder"})
+        cases.push_back({type, [type] { return MakeShape(type, Params(), {}); }});
     for (const ShapeCase &c : WholeAndPartCases())
         if (c.name != "Triangle" && c.name != "Sphere") cases.push_back({c.name, [shape = c.shape] { return shape; }});
     return cases;
 }
 
-INSTANTIATE_TEST_SUITE_P(Others, AreaLightShapes, testing::ValuesIn(OtherShapes()),
-                         [](const auto &c) { return c.param.name; });
-INSTANTIATE_TEST_SUITE_P(Shapes, AreaLightShapes,
-                         testing::Values(AreaLightCase{"triangle", [] { return Triangle(); }},
-                                         AreaLightCase{"turnedTriangle",
-                                                       [] {
-                                                           return Triangle(Transform::Rotate(70, {1, 1, 0}));
-                                                       }},
-                                         AreaLightCase{"sphere", [] { return DefaultQuadric("sphere"); }},
-                                         AreaLightCase{"disk", [] { return DefaultQuadric("disk"); }},
-                                         AreaLightCase{"cylinder", [] { return DefaultQuadric("cylinder"); }}),
+INSTANTIATE_TEST_SUITE_P(All, AreaLightShapes, testing::ValuesIn(AllShapes()),
                          [](const auto &c) { return c.param.name; });
 
 TEST(DiffuseAreaLight, ScaleOneIsOneNit) {

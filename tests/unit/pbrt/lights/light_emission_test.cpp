@@ -3,8 +3,6 @@
 
 #include "light_test_support.h"
 #include "pbrt/lights/environment_light.h"
-#include "pbrt/shapes/shape_factory.h"
-#include "pbrt/shapes/triangle_mesh.h"
 
 namespace pbrt::test {
 namespace {
@@ -52,19 +50,6 @@ void Area(Shooter &s, std::shared_ptr<const Shape> shape, const Params &params, 
     const Shape *const shapes[] = {s.shape.get()};
     s.light = MakeAreaMaker(params)(shapes, cut ? &s.alpha : nullptr);
 }
-std::shared_ptr<const Shape> Quadric(const std::string &type, const Params &params, const Transform &ctm) {
-    DiagnosticSink sink;
-    const ParamSet &set = params;
-    return std::move(Shapes().Make(type, set, ShapeContext{ctm, false, FileResolver(), sink, ParamReader(set)}).at(0));
-}
-std::shared_ptr<const Shape> TurnedTriangle() {
-    MeshData data;
-    data.p = {{-1, -1, 0}, {1, -1, 0.2f}, {0.3f, 1, 0}};
-    data.uv = {{0, 0}, {1, 0}, {0, 1}};
-    data.indices = {0, 1, 2};
-    return std::make_shared<TriangleMesh>(data, kTurned, false);
-}
-
 const EmissionCase kEmissionCases[] = {
     {"point",
      [](Shooter &s) {
@@ -79,6 +64,10 @@ const EmissionCase kEmissionCases[] = {
     {"spotOfEdgeOnly",
      [](Shooter &s) {
          s.light = Make("spot", Params().Number("coneangle", 70).Number("conedeltaangle", 70), kTurned);
+     }},
+    {"spotBeyondAHalfSpace",
+     [](Shooter &s) {
+         s.light = Make("spot", Params().Number("coneangle", 120).Number("conedeltaangle", 30), kTurned);
      }},
     {"spotStretched",
      [](Shooter &s) {
@@ -113,7 +102,7 @@ const EmissionCase kEmissionCases[] = {
          s.light = Make("infinite", params, Transform::Rotate(40, {1, 2, 3}));
      },
      false},
-    {"triangle", [](Shooter &s) { Area(s, TurnedTriangle(), Params().Number("scale", 2)); }},
+    {"triangle", [](Shooter &s) { Area(s, Triangle(kTurned), Params().Number("scale", 2)); }},
     {"triangleOfAMesh",
      [](Shooter &s) {
          MeshData data;
@@ -122,17 +111,17 @@ const EmissionCase kEmissionCases[] = {
          Area(s, std::make_shared<TriangleMesh>(data, kTurned, false), Params());
          s.part = 1;
      }},
-    {"triangleOfTwoSides", [](Shooter &s) { Area(s, TurnedTriangle(), Params().Bool("twosided", true)); }},
-    {"sphere", [](Shooter &s) { Area(s, Quadric("sphere", Params().Number("radius", 0.7f), kTurned), Params()); }},
-    {"egg", [](Shooter &s) { Area(s, Quadric("sphere", Params().Number("radius", 0.7f), kStretched), Params()); }},
+    {"triangleOfTwoSides", [](Shooter &s) { Area(s, Triangle(kTurned), Params().Bool("twosided", true)); }},
+    {"sphere", [](Shooter &s) { Area(s, MakeShape("sphere", Params().Number("radius", 0.7f), kTurned), Params()); }},
+    {"egg", [](Shooter &s) { Area(s, MakeShape("sphere", Params().Number("radius", 0.7f), kStretched), Params()); }},
     {"patch",
      [](Shooter &s) {
          Params patch;
          patch.Floats(ParamType::Point3, "P", {-1, -1, 0, 1, -1, 0.5f, -0.4f, 1, 0.2f, 0.3f, 0.8f, -0.6f});
-         Area(s, Quadric("bilinearmesh", patch, kTurned), Params());
+         Area(s, MakeShape("bilinearmesh", patch, kTurned), Params());
      },
      false},
-    {"triangleWithHoles", [](Shooter &s) { Area(s, TurnedTriangle(), Params(), true); }, false},
+    {"triangleWithHoles", [](Shooter &s) { Area(s, Triangle(kTurned), Params(), true); }, false},
 };
 
 class Emission : public testing::TestWithParam<EmissionCase> {

@@ -1,4 +1,6 @@
 #pragma once
+#include <gtest/gtest.h>
+
 #include <functional>
 #include <string>
 
@@ -6,6 +8,8 @@
 #include "pbrt/math/frame.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/math/warps.h"
+#include "pbrt/shapes/shape_factory.h"
+#include "pbrt/shapes/triangle_mesh.h"
 #include "support/given_params.h"
 #include "support/statistics.h"
 #include "support/temporary_image.h"
@@ -31,6 +35,20 @@ inline AreaLightMaker MakeAreaMaker(const ParamSet &params) {
     return MakeAreaMaker(params, sink);
 }
 
+inline std::unique_ptr<Shape> MakeShape(const std::string &type, const ParamSet &params, const Transform &ctm) {
+    DiagnosticSink sink;
+    const ShapeContext context{ctm, false, FileResolver(), sink, ParamReader(params)};
+    return std::move(Shapes().Make(type, params, context).at(0));
+}
+/// One triangle, with texture coordinates.
+inline std::unique_ptr<Shape> Triangle(const Transform &ctm = {}) {
+    MeshData data;
+    data.p = {{-1, -1, 0}, {1, -1, 0.2f}, {0.3f, 1, 0}};
+    data.uv = {{0, 0}, {1, 0}, {0, 1}};
+    data.indices = {0, 1, 2};
+    return std::make_unique<TriangleMesh>(data, ctm, false);
+}
+
 inline SampledSpectrum Value(const LightPower &power) { return static_cast<Float>(power.factor) * power.spectrum; }
 
 /// The luminous part: the integral of y-bar times the spectrum that `sample` returns for given wavelengths.
@@ -42,12 +60,27 @@ inline double Photometric(const std::function<SampledSpectrum(const SampledWavel
     }
     return sum / n;
 }
+/// Power in lumens.
+inline double Lumens(const Light &light, int n = 4000) {
+    return Photometric([&](const SampledWavelengths &lambda) { return Value(light.Phi(lambda)); }, n);
+}
 
 inline LightSampleContext At(const Point3 &p, const Normal3 &n = Normal3(0)) {
     LightSampleContext c;
     c.p = p;
     c.n = c.ns = n;
     return c;
+}
+
+/// Expects that the importance is positive at p, if the light sends light there: without a normal and with one that is
+/// not perpendicular to the light. Returns whether it sends light.
+inline bool ExpectImportantIfLit(const Light &light, const LightBounds &bounds, const Point3 &p, Rng &rng) {
+    const auto s = light.SampleLi(At(p), rng.Uniform2(), kLambda, false);
+    if (!s) return false;
+    const Normal3 n = SampleUniformSphere(rng.Uniform2());
+    EXPECT_GT(bounds.Importance(p, Normal3(0)), 0);
+    EXPECT_TRUE(AbsDot(n, s->wi) <= 1e-4f || bounds.Importance(p, n) > 0);
+    return true;
 }
 
 }  // namespace pbrt::test

@@ -6,16 +6,14 @@
 namespace pbrt {
 namespace {
 
-using test::Catch;
+using test::ExpectErrorAt;
 using test::Params;
-using test::Thrown;
 using test::Workshop;
 
 TEST(MaterialFactory, UnknownTypeListsTheTypes) {
     Workshop shop;
-    Thrown t = Catch([&] { shop.Make("diffus", Params("m", 7)); });
-    EXPECT_EQ(t.line, 7);
-    EXPECT_TRUE(t.Says("did you mean \"diffuse\"") && t.Says("hair") && t.Says("coatedconductor")) << t.message;
+    ExpectErrorAt([&] { shop.Make("diffus", Params("m", 7)); }, 7,
+                  {"did you mean \"diffuse\"", "hair", "coatedconductor"});
 }
 
 TEST(MaterialFactory, SupportedTypesCanBeMade) {
@@ -49,25 +47,32 @@ TEST(MaterialFactory, CommonRoughnessIsUnusedBesideBothOthers) {
     EXPECT_EQ(shop.Last().loc.line, 6);
 }
 
-TEST(MaterialFactory, ReflectanceExcludesIndex) {
-    Workshop shop;
-    Thrown t = Catch([&] { shop.Make("conductor", Params("m", 3).Rgb("k", 1, 1, 1).Rgb("reflectance", 1, 1, 1)); });
-    EXPECT_EQ(t.line, 5);
-    EXPECT_TRUE(t.Says("\"k\"")) << t.message;
-    t = Catch([&] {
-        shop.Make("coatedconductor",
-                  Params("m", 3).Rgb("reflectance", 1, 1, 1).NamedSpectrum("conductor.eta", "metal-Al-eta"));
-    });
-    EXPECT_EQ(t.line, 4);
-    EXPECT_TRUE(t.Says("conductor.eta")) << t.message;
-}
-
-TEST(MaterialFactory, BadValuesAreLocated) {
-    Workshop shop;
-    EXPECT_EQ(Catch([&] { shop.Make("diffuse", Params("m", 3).Rgb("reflectance", 1.2f, .5f, .5f)); }).line, 4);
-    EXPECT_EQ(Catch([&] { shop.Make("diffuse", Params("m", 3).Tex("reflectance", "none")); }).line, 4);
-    EXPECT_EQ(Catch([&] { shop.Make("coateddiffuse", Params("m", 3).I("nsamples", 0)); }).line, 4);
-    EXPECT_EQ(Catch([&] { shop.Make("diffuse", Params("m", 3).S("normalmap", {"/none.png"})); }).line, 4);
+TEST(MaterialFactory, BadParametersAreLocatedErrors) {
+    struct {
+        const char *type;
+        Params params;
+        int line;
+        const char *word;
+    } const kCases[] = {
+        {"conductor", Params("m", 3).Rgb("k", 1, 1, 1).Rgb("reflectance", 1, 1, 1), 5, "\"k\""},
+        {"coatedconductor", Params("m", 3).Rgb("reflectance", 1, 1, 1).NamedSpectrum("conductor.eta", "metal-Al-eta"),
+         4, "conductor.eta"},
+        {"diffuse", Params("m", 3).Rgb("reflectance", 1.2f, .5f, .5f), 4, ""},
+        {"diffuse", Params("m", 3).Tex("reflectance", "none"), 4, ""},
+        {"diffuse", Params("m", 3).S("normalmap", {"/none.png"}), 4, ""},
+        {"conductor", Params("m", 3).F("roughness", -0.1f), 4, "it must be "},
+        {"dielectric", Params("m", 3).F("vroughness", 1e30f), 4, "it must be "},
+        {"dielectric", Params("m", 3).F("eta", 1e30f), 4, "it must be "},
+        {"coateddiffuse", Params("m", 3).I("nsamples", 0), 4, "it must be "},
+        {"coateddiffuse", Params("m", 3).I("nsamples", 2'000'000'000), 4, "it must be "},
+        {"coatedconductor", Params("m", 3).I("maxdepth", -1), 4, "it must be "},
+        {"subsurface", Params("m", 3).F("g", 1), 4, "it must be "},
+    };
+    for (const auto &c : kCases) {
+        SCOPED_TRACE(c.type);
+        Workshop shop;
+        ExpectErrorAt([&] { shop.Make(c.type, c.params); }, c.line, {c.word});
+    }
 }
 
 TEST(MaterialFactory, IndicesOfRefractionArePositive) {
@@ -79,10 +84,9 @@ TEST(MaterialFactory, IndicesOfRefractionArePositive) {
                                                               {"subsurface", "eta"}};
     for (auto [type, name] : kIndices)
         for (Float eta : {0.f, -1.5f}) {
+            SCOPED_TRACE(type);
             Workshop shop;
-            Thrown t = Catch([&] { shop.Make(type, Params("m", 3).F(name, eta)); });
-            EXPECT_EQ(t.line, 4) << type;
-            EXPECT_TRUE(t.Says(name) && t.Says("positive")) << t.message;
+            ExpectErrorAt([&] { shop.Make(type, Params("m", 3).F(name, eta)); }, 4, {name, "positive"});
         }
 }
 
@@ -108,23 +112,6 @@ TEST(MaterialFactory, OthersResolveToThemselves) {
     MaterialPtr m = shop.Make("diffuse");
     EXPECT_EQ(m->Resolve(test::TestPoint()), m.get());
     EXPECT_FALSE(m->IsInterface());
-}
-
-TEST(MaterialRanges, NumbersOutsideAreLocatedErrors) {
-    test::Workshop shop;
-    const std::vector<std::pair<const char *, test::Params>> bad = {
-        {"conductor", test::Params("m", 4).F("roughness", -0.1f)},
-        {"dielectric", test::Params("m", 4).F("vroughness", 1e30f)},
-        {"dielectric", test::Params("m", 4).F("eta", 1e30f)},
-        {"coateddiffuse", test::Params("m", 4).I("nsamples", 0)},
-        {"coateddiffuse", test::Params("m", 4).I("nsamples", 2'000'000'000)},
-        {"coatedconductor", test::Params("m", 4).I("maxdepth", -1)},
-        {"subsurface", test::Params("m", 4).F("g", 1)}};
-    for (const auto &[type, params] : bad) {
-        const test::Thrown t = test::Catch([&] { shop.Make(type, params); });
-        EXPECT_EQ(t.line, 5) << type;
-        EXPECT_TRUE(t.Says("it must be ")) << t.message;
-    }
 }
 
 }  // namespace

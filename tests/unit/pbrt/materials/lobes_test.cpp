@@ -7,12 +7,10 @@
 namespace pbrt {
 namespace {
 
-using test::Catch;
 using test::ExpectSameScattering;
 using test::kLambda;
 using test::Params;
 using test::TestPoint;
-using test::Thrown;
 using test::Workshop;
 
 class Lobes : public testing::Test {

@@ -1,17 +1,15 @@
 #include "pbrt/materials/material_params.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <limits>
 
 #include "../bxdfs/sphere_histogram.h"
 #include "material_test_support.h"
 #include "pbrt/bxdfs/fresnel.h"
 #include "pbrt/math/frame.h"
+#include "support/folder_test.h"
 #include "support/statistics.h"
 
 namespace pbrt {
@@ -132,12 +130,10 @@ std::string AnalyticFile(bool isotropic) {
     return file.Bytes();
 }
 
-class Measured : public testing::Test {
+class Measured : public test::FolderTest {
   protected:
-    ~Measured() override { std::filesystem::remove(path_); }
-    void Write(const std::string &bytes) { std::ofstream(path_, std::ios::binary) << bytes; }
-    std::string path_ =
-        (std::filesystem::temp_directory_path() / ("pbrt_measured_test_" + std::to_string(getpid()))).string();
+    void Write(const std::string &bytes) { FolderTest::Write("measured", bytes); }
+    const std::string path_ = Path("measured");
 };
 
 const std::vector<Vector3> &Views() {
@@ -220,38 +216,30 @@ TEST_F(Measured, MaterialReadsItsFileAndErrorsNameIt) {
                 0.03f);
     EXPECT_TRUE(shop.sink.All().empty());
 
-    auto error = [&](const test::Params &params) { return test::Catch([&] { shop.Make("measured", params); }); };
-    EXPECT_TRUE(error(test::Params("m", 3)).Says("\"string filename\" is missing"));
-    test::Params there = test::Params("m", 3).S("filename", {path_});
-    Write("tensor_file");
-    EXPECT_TRUE(error(there).Says("header is missing"));
-    EXPECT_EQ(error(there).line, 4);
-    std::string bytes = AnalyticFile(true);
-    Write(bytes.substr(0, bytes.size() - 1));
-    EXPECT_TRUE(error(there).Says("is cut off"));
-    for (size_t length = 0; length < 300; length += 7) {
-        Write(bytes.substr(0, length));
-        EXPECT_TRUE(error(there).Says("tensor file")) << length;
-    }
+    test::ExpectErrorAt([&] { shop.Make("measured", test::Params("m", 3)); }, 3, {"\"string filename\" is missing"});
+    const auto expect = [&](const std::string &bytes, const std::string &words) {
+        Write(bytes);
+        test::ExpectErrorAt([&] { shop.Make("measured", test::Params("m", 3).S("filename", {path_})); }, 4, {words});
+    };
+    expect("tensor_file", "header is missing");
+    const std::string bytes = AnalyticFile(true);
+    expect(bytes.substr(0, bytes.size() - 1), "is cut off");
+    for (size_t length = 0; length < 300; length += 7) expect(bytes.substr(0, length), "tensor file");
     TensorWriter few;
     few.Add("phi_i", {1}, {0});
-    Write(few.Bytes());
-    EXPECT_TRUE(error(there).Says("field \"theta_i\" is missing"));
+    expect(few.Bytes(), "field \"theta_i\" is missing");
     few.Add("theta_i", {2}, {1, 0});
-    Write(few.Bytes());
-    EXPECT_TRUE(error(there).Says("must increase"));
+    expect(few.Bytes(), "must increase");
     TensorWriter infinite;
     infinite.Add("phi_i", {1}, {std::numeric_limits<float>::infinity()});
-    Write(infinite.Bytes());
-    EXPECT_TRUE(error(there).Says("field \"phi_i\": value 0 is inf; all must be finite"));
+    expect(infinite.Bytes(), "field \"phi_i\": value 0 is inf");
     // Two fields share the same bytes: so a small file can ask for much memory.
     std::string shared = few.Bytes();
     const size_t second = shared.find("theta_i") + 7 + 2 + 1, first = shared.find("phi_i") + 5 + 2 + 1;
     uint64_t size = shared.size() / 4;
     for (size_t field : {first, second}) std::memcpy(shared.data() + field, std::string(8, '\0').data(), 8);
     for (size_t field : {first, second}) std::memcpy(shared.data() + field + 8, &size, 8);
-    Write(shared);
-    EXPECT_TRUE(error(there).Says("has fields that overlap"));
+    expect(shared, "has fields that overlap");
 }
 
 }  // namespace

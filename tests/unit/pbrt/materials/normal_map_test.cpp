@@ -1,12 +1,7 @@
-#include <gtest/gtest.h>
-
-#include <unistd.h>
-
-#include <filesystem>
-
 #include "material_test_support.h"
 #include "pbrt/materials/material_params.h"
 #include "pbrt/math/frame.h"
+#include "support/folder_test.h"
 
 namespace pbrt {
 namespace {
@@ -95,20 +90,18 @@ TEST(NormalMap, NoDirectionChangesNothing) {
     ExpectSameVector(s.shading.n, {0, 0, 1});
 }
 
-/// Reads a file: the bytes of a PNG are plain numbers here, not sRGB.
-TEST(NormalMap, MaterialReadsItsFile) {
-    std::string path =
-        (std::filesystem::temp_directory_path() / ("pbrt_normal_map_test_" + std::to_string(getpid()) + ".png"))
-            .string();
+class NormalMapFile : public test::FolderTest {};
+
+/// The bytes of a PNG are plain numbers here, not sRGB.
+TEST_F(NormalMapFile, IsReadByTheMaterial) {
     Image image(PixelFormat::Float, {2, 2}, {"R", "G", "B"});
     ColorEncoding srgb;
     for (int i = 0; i < 4; ++i)
         for (int c = 0; c < 3; ++c) image.Set({i & 1, i >> 1}, c, srgb.ToLinear((Vector3(.6f, 0, .8f)[c] + 1) / 2));
-    WriteImage(path, image);
+    WriteImage(Path("normals.png"), image);
     test::Workshop shop;
     MaterialPtr plain = shop.Make("diffuse"),
-                mapped = shop.Make("coateddiffuse", test::Params("m").S("normalmap", {path}));
-    std::filesystem::remove(path);
+                mapped = shop.Make("coateddiffuse", test::Params("m").S("normalmap", {Path("normals.png")}));
     SurfacePoint s = PointAtOrigin();
     plain->PerturbShading(s);
     ExpectSameVector(s.shading.n, {0, 0, 1});

@@ -4,11 +4,12 @@
 
 #include "pbrt/math/frame.h"
 #include "pbrt/math/rng.h"
+#include "support/sampling.h"
 
 namespace pbrt {
 namespace {
 
-Point3 RandomPoint(Rng &rng) { return {2 * rng.Uniform() - 1, 2 * rng.Uniform() - 1, 2 * rng.Uniform() - 1}; }
+using test::RandomVector;
 
 TEST(Bounds3, EmptyIsNeutralInUnion) {
     Bounds3 empty, box({1, 2, 3}, {4, 0, 5});
@@ -52,7 +53,7 @@ TEST(Bounds3, UnionContainsAllItsPoints) {
     Bounds3 box;
     std::vector<Point3> points;
     for (int i = 0; i < 50; ++i) {
-        points.push_back(RandomPoint(rng));
+        points.push_back(RandomVector(rng));
         box = Union(box, points.back());
     }
     for (const Point3 &p : points) EXPECT_TRUE(box.Contains(p));
@@ -89,8 +90,8 @@ TEST(DirectionCone, UnionContainsBothAndIsNoWiderThanNeeded) {
     for (int i = 0; i < 2000; ++i) {
         Float ta = Pi * rng.Uniform() * (i % 3 ? 0.3f : 1), tb = Pi * rng.Uniform() * (i % 2 ? 0.3f : 1);
         if (i % 5 == 0) ta = 0;
-        DirectionCone a{Normalize(RandomPoint(rng)), std::cos(ta)};
-        DirectionCone b{i % 11 ? Normalize(RandomPoint(rng)) : DirectionAt(a.w, 1e-3f, 1), std::cos(tb)};
+        DirectionCone a{Normalize(RandomVector(rng)), std::cos(ta)};
+        DirectionCone b{i % 11 ? Normalize(RandomVector(rng)) : DirectionAt(a.w, 1e-3f, 1), std::cos(tb)};
         DirectionCone u = Union(a, b);
         Float tu = SafeACos(u.cosTheta);
         for (const DirectionCone &c : {a, b})

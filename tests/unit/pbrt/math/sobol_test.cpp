@@ -5,25 +5,11 @@
 #include <boost/random/sobol.hpp>
 #include <set>
 
+#include "support/sampling.h"
 #include "support/statistics.h"
 
 namespace pbrt {
 namespace {
-
-TEST(Sobol, FirstPointsAreTheKnownOnes) {
-    const uint32_t *m = SobolMatrices();
-    const double expected[8][3] = {{0, 0, 0},
-                                   {0.5, 0.5, 0.5},
-                                   {0.25, 0.75, 0.75},
-                                   {0.75, 0.25, 0.25},
-                                   {0.125, 0.625, 0.375},
-                                   {0.625, 0.125, 0.875},
-                                   {0.375, 0.375, 0.625},
-                                   {0.875, 0.875, 0.125}};
-    for (uint64_t i = 0; i < 8; ++i)
-        for (int d = 0; d < 3; ++d)
-            EXPECT_EQ(double(SobolBits(m + d * SobolIndexBits, i)) * 0x1p-32, expected[i][d]) << i;
-}
 
 TEST(Sobol, AllDimensionsAgreeWithBoost) {
     // Boost walks in Gray-code order and leaves out the origin.
@@ -45,15 +31,6 @@ TEST(Sobol, HighIndicesAgreeWithBoost) {
         for (int d = 0; d < 64; ++d)
             ASSERT_EQ(SobolBits(m + d * SobolIndexBits, start ^ (start >> 1)), static_cast<uint32_t>(engine() >> 32))
                 << bit << " " << d;
-    }
-}
-
-TEST(Sobol, EveryDimensionIsAPermutationOfTheFirstPoints) {
-    const uint32_t *m = SobolMatrices();
-    for (int d = 0; d < SobolDimensions; ++d) {
-        std::vector<bool> hit(256, false);
-        for (uint64_t i = 0; i < 256; ++i) hit[SobolBits(m + d * SobolIndexBits, i) >> 24] = true;
-        EXPECT_EQ(std::count(hit.begin(), hit.end(), true), 256) << d;
     }
 }
 
@@ -177,17 +154,6 @@ TEST(Scramble, DeepDigitsFlipHalfTheTimeInDistantBranches) {
             }
 }
 
-/// True if each box of every cut of the square into 2^k equal boxes holds one point.
-bool IsNet(const std::vector<std::pair<uint32_t, uint32_t>> &points) {
-    int k = std::countr_zero(points.size());
-    for (int a = 0; a <= k; ++a) {
-        std::set<std::pair<uint64_t, uint64_t>> boxes;
-        for (auto [x, y] : points) boxes.insert({uint64_t(x) >> (32 - a), uint64_t(y) >> (32 - (k - a))});
-        if (boxes.size() != points.size()) return false;
-    }
-    return true;
-}
-
 TEST(Scramble, NetsStayNets) {
     for (int k : {0, 1, 4, 7, 10})
         for (uint64_t first : {uint64_t(0), uint64_t(5) << k}) {
@@ -198,9 +164,9 @@ TEST(Scramble, NetsStayNets) {
                 owen.push_back({OwenScramble(x, 11), OwenScramble(y, 12)});
                 fast.push_back({FastOwenScramble(x, MixBits(11)), FastOwenScramble(y, MixBits(12))});
             }
-            EXPECT_TRUE(IsNet(plain));
-            EXPECT_TRUE(IsNet(owen));
-            EXPECT_TRUE(IsNet(fast));
+            EXPECT_TRUE(test::IsNet(plain));
+            EXPECT_TRUE(test::IsNet(owen));
+            EXPECT_TRUE(test::IsNet(fast));
         }
 }
 

@@ -1,14 +1,12 @@
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <filesystem>
-#include <fstream>
 #include <iostream>
 
 #include "media_test_support.h"
 #include "pbrt/core/files.h"
 #include "pbrt/media/medium_kinds.h"
 #include "support/errors.h"
+#include "support/folder_test.h"
 
 // The same as where the renderer includes it, because its functions are inline.
 #define NANOVDB_USE_ZIP
@@ -21,27 +19,7 @@
 namespace pbrt::test {
 namespace {
 
-/// A file that is removed with the object.
-class TemporaryFile {
-  public:
-    explicit TemporaryFile(const std::string &name, const std::string &content = "")
-        : path_((std::filesystem::temp_directory_path() / (std::to_string(::getpid()) + name)).string()) {
-        std::ofstream(path_, std::ios::binary) << content;
-    }
-    ~TemporaryFile() {
-        std::error_code none;
-        std::filesystem::remove(path_, none);
-    }
-    const std::string &Path() const { return path_; }
-
-  private:
-    std::string path_;
-};
-
-std::string Blob() {
-    std::ifstream file(kBlob, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-}
+class NanoVdbMedium : public FolderTest {};
 
 /// A grid of random values in some voxels, of a size that has a tree of several leaves.
 nanovdb::GridHandle<> RandomGrid(const std::string &name, uint64_t seed, Float factor, double voxel,
@@ -64,7 +42,7 @@ void ExpectNanoVdbComplaint(const ParamSet &params, int line, const std::string 
     EXPECT_EQ(error.message.find('\n'), std::string::npos) << error.message;
 }
 
-TEST(NanoVdbMedium, ValuesAreThoseOfTheVoxels) {
+TEST_F(NanoVdbMedium, ValuesAreThoseOfTheVoxels) {
     auto handle = nanovdb::io::readGrid(kBlob, std::string("density"));
     const auto *grid = handle.grid<float>();
     ASSERT_TRUE(grid);
@@ -89,7 +67,7 @@ TEST(NanoVdbMedium, ValuesAreThoseOfTheVoxels) {
     EXPECT_GT(inside, 1000);
 }
 
-TEST(NanoVdbMedium, DensityAndTemperatureWithTransformationsOfTheirOwn) {
+TEST_F(NanoVdbMedium, DensityAndTemperatureWithTransformationsOfTheirOwn) {
     std::vector<nanovdb::GridHandle<>> handles;
     handles.push_back(RandomGrid("fog", 1, 1, 0.1, {1, 2, 3}));
     handles.push_back(RandomGrid("heat", 2, 2000, 0.13, {0.8, 1.9, 3.5}));
@@ -114,10 +92,10 @@ TEST(NanoVdbMedium, DensityAndTemperatureWithTransformationsOfTheirOwn) {
     const Bounds3 bounds(Point3(float(box.min()[0]), float(box.min()[1]), float(box.min()[2])),
                          Point3(float(box.max()[0]), float(box.max()[1]), float(box.max()[2])));
     for (auto codec : {nanovdb::io::Codec::NONE, nanovdb::io::Codec::ZIP, nanovdb::io::Codec::BLOSC}) {
-        TemporaryFile file("grids.nvdb");
-        nanovdb::io::writeGrids(file.Path(), handles, codec);
+        const std::string file = Path("grids.nvdb");
+        nanovdb::io::writeGrids(file, handles, codec);
         Params p;
-        p.String("filename", file.Path()).String("gridname", "fog").String("temperaturename", "heat");
+        p.String("filename", file).String("gridname", "fog").String("temperaturename", "heat");
         p.Number("Lescale", 2).Number("temperaturescale", 3).Number("temperaturecutoff", 50);
         const auto medium = MakeMedium("nanovdb", p);
         EXPECT_TRUE(medium->IsEmissive());
@@ -152,12 +130,11 @@ TEST(NanoVdbMedium, DensityAndTemperatureWithTransformationsOfTheirOwn) {
         }
         EXPECT_GT(tightest, 0.9);
         // A grid of temperatures that is not there makes no light.
-        EXPECT_FALSE(
-            MakeMedium("nanovdb", Params().String("filename", file.Path()).String("gridname", "fog"))->IsEmissive());
+        EXPECT_FALSE(MakeMedium("nanovdb", Params().String("filename", file).String("gridname", "fog"))->IsEmissive());
     }
 }
 
-TEST(NanoVdbMedium, GridsThatAreNotThereAreErrors) {
+TEST_F(NanoVdbMedium, GridsThatAreNotThereAreErrors) {
     ExpectNanoVdbComplaint(Params().String("filename", kBlob).String("gridname", "densitty"), 1,
                            "did you mean \"density\"");
     ExpectNanoVdbComplaint(Params(), 100, "filename");
@@ -168,12 +145,11 @@ TEST(NanoVdbMedium, GridsThatAreNotThereAreErrors) {
         "the same parameter");
 }
 
-TEST(NanoVdbMedium, BrokenFilesAreErrors) {
-    const std::string blob = Blob();
+TEST_F(NanoVdbMedium, BrokenFilesAreErrors) {
+    const std::string blob = ReadFileContents(kBlob);
     ASSERT_GT(blob.size(), 100000u);
-    auto expect = [](const std::string &content, const std::string &part) {
-        TemporaryFile file("broken.nvdb", content);
-        ExpectNanoVdbComplaint(Params().String("filename", file.Path()), 1, part);
+    auto expect = [&](const std::string &content, const std::string &part) {
+        ExpectNanoVdbComplaint(Params().String("filename", Write("broken.nvdb", content)), 1, part);
     };
     std::string newer = blob;
     newer[7] = '2';
@@ -194,10 +170,10 @@ TEST(NanoVdbMedium, BrokenFilesAreErrors) {
         std::string flipped = blob;
         const size_t at = 8 + rng.UniformInt(static_cast<uint32_t>(i % 2 ? flipped.size() - 8 : 2000));
         flipped[at] = static_cast<char>(flipped[at] ^ (1 + rng.UniformInt(255)));
-        TemporaryFile file("flipped.nvdb", flipped);
         DiagnosticSink sink;
         try {
-            const auto medium = MakeMedium("nanovdb", Params().String("filename", file.Path()), {}, sink);
+            const Params params = Params().String("filename", Write("flipped.nvdb", flipped));
+            const auto medium = MakeMedium("nanovdb", params, {}, sink);
             MediumOnRay onRay = medium->On(RayThrough({-2, 0.1f, 0.2f}, {2, 0.2f, 0.1f}), Infinity, kLambda);
             for (MajorantSegment s; onRay.Next(&s);) EXPECT_GE(onRay.At(s.begin).absorption[0], 0);
         } catch (const UserError &) {
@@ -206,13 +182,11 @@ TEST(NanoVdbMedium, BrokenFilesAreErrors) {
     }
     EXPECT_GT(errors, 20);
     // With a checksum every value counts.
-    TemporaryFile file("sum.nvdb");
     auto summed = RandomGrid("density", 1, 1, 1, nanovdb::Vec3d(0));
     nanovdb::updateChecksum(*summed.grid<float>(), nanovdb::ChecksumMode::Full);
-    nanovdb::io::writeGrid(file.Path(), summed);
-    std::ifstream stream(file.Path(), std::ios::binary);
-    const std::string sound{std::istreambuf_iterator<char>(stream), {}};
-    ASSERT_TRUE(MakeMedium("nanovdb", Params().String("filename", file.Path())));
+    nanovdb::io::writeGrid(Path("sum.nvdb"), summed);
+    const std::string sound = ReadFileContents(Path("sum.nvdb"));
+    ASSERT_TRUE(MakeMedium("nanovdb", Params().String("filename", Path("sum.nvdb"))));
     for (size_t at = sound.size() - 900; at < sound.size(); at += 100) {
         std::string flipped = sound;
         flipped[at] = static_cast<char>(flipped[at] ^ 0x55);
@@ -220,13 +194,12 @@ TEST(NanoVdbMedium, BrokenFilesAreErrors) {
     }
 }
 
-TEST(NanoVdbMedium, DensitiesThatAreNoNumbersAreErrors) {
+TEST_F(NanoVdbMedium, DensitiesThatAreNoNumbersAreErrors) {
     nanovdb::GridBuilder<float> builder(0.f);
     builder.getAccessor().setValue({1, 2, 3}, std::numeric_limits<float>::infinity());
     builder.getAccessor().setValue({4, 2, 3}, 1);
-    TemporaryFile file("infinite.nvdb");
-    nanovdb::io::writeGrid(file.Path(), builder.getHandle<>(1.0, nanovdb::Vec3d(0), "density"));
-    ExpectNanoVdbComplaint(Params().String("filename", file.Path()), 1, "not a number or infinite");
+    nanovdb::io::writeGrid(Path("infinite.nvdb"), builder.getHandle<>(1.0, nanovdb::Vec3d(0), "density"));
+    ExpectNanoVdbComplaint(Params().String("filename", Path("infinite.nvdb")), 1, "not a number or infinite");
 }
 
 }  // namespace

@@ -85,23 +85,6 @@ TEST(RatioTransmittance, AgreesWithQuadratureInAllMedia) {
         }
 }
 
-TEST(RatioTransmittance, HomogeneousMediaHaveAClosedForm) {
-    const auto medium = MakeMedium("homogeneous", Params().Rgb("sigma_a", 0, 1, 2).Rgb("sigma_s", 0, 0, 1));
-    const MediumCoefficients c = medium->At({0, 0, 0}, kLambda);
-    std::array<RunningStatistics, SpectrumSamples> mean;
-    Rng rng(1);
-    for (int i = 0; i < 20000; ++i) {
-        MediumOnRay onRay = medium->On(Ray(), 0.7f, kLambda);
-        const SampledSpectrum t = RatioTransmittance(onRay, rng);
-        for (int k = 0; k < SpectrumSamples; ++k) mean[static_cast<size_t>(k)].Add(double(t[k]));
-    }
-    for (int k = 0; k < SpectrumSamples; ++k) {
-        const double expected = std::exp(-0.7 * double(c.absorption[k] + c.scattering[k]));
-        EXPECT_NEAR(mean[static_cast<size_t>(k)].mean, expected,
-                    4.5 * mean[static_cast<size_t>(k)].StandardError() + 1e-6);
-    }
-}
-
 TEST(RatioTransmittance, NothingIsLostOnRaysThatMiss) {
     Rng rng(1);
     for (const NamedMedium &m : AllMedia({})) {

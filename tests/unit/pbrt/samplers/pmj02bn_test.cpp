@@ -5,26 +5,14 @@
 #include <cmath>
 #include <set>
 
-#include "pbrt/math/rng.h"
 #include "sampler_cases.h"
+#include "support/sampling.h"
 #include "support/statistics.h"
 
 namespace pbrt {
 namespace {
 
-/// True if each box holds one point, for every cut of the square into 2^a columns and into rows so that there are as
-/// many boxes as points.
-bool IsNet(std::span<const BinaryPoint> points) {
-    const int m = std::countr_zero(points.size());
-    for (int a = 0; a <= m; ++a) {
-        std::vector<uint8_t> taken(points.size(), 0);
-        for (const BinaryPoint &p : points) {
-            const uint64_t column = uint64_t(p.x) >> (32 - a), row = uint64_t(p.y) >> (32 - (m - a));
-            if (taken[column << (m - a) | row]++) return false;
-        }
-    }
-    return true;
-}
+bool IsNet(std::span<const BinaryPoint> points) { return test::IsNet(points); }
 
 TEST(Pmj02bnSequence, EveryAlignedRunIsANet) {
     for (uint64_t seed : {1, 2}) {

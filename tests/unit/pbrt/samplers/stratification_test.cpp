@@ -27,25 +27,22 @@ bool IsBase2Net(const std::vector<Point2> &points) {
     return true;
 }
 
-/// The points that one 2D request returns for the samples first ... first + n - 1 of a pixel; `before` 1D requests
-/// precede it.
-std::vector<Point2> Points2D(Sampler &s, Point2i pixel, int first, int n, int before) {
+/// The points that `draw` returns for the samples first ... first + n - 1 of a pixel; `before` 1D requests precede it.
+template <class Draw>
+std::vector<Point2> Points(Sampler &s, Point2i pixel, int first, int n, int before, const Draw &draw) {
     std::vector<Point2> points;
     for (int i = first; i < first + n; ++i) {
         s.StartPixelSample(pixel, i);
         for (int k = 0; k < before; ++k) s.Get1D();
-        points.push_back(s.Get2D());
+        points.push_back(draw());
     }
     return points;
 }
+std::vector<Point2> Points2D(Sampler &s, Point2i pixel, int first, int n, int before) {
+    return Points(s, pixel, first, n, before, [&] { return s.Get2D(); });
+}
 std::vector<Point2> Points1D(Sampler &s, Point2i pixel, int first, int n, int before) {
-    std::vector<Point2> points;
-    for (int i = first; i < first + n; ++i) {
-        s.StartPixelSample(pixel, i);
-        for (int k = 0; k < before; ++k) s.Get1D();
-        points.push_back({s.Get1D(), 0});
-    }
-    return points;
+    return Points(s, pixel, first, n, before, [&] { return Point2(s.Get1D(), 0); });
 }
 
 TEST(Stratification, PaddedAndZSobolGiveEveryPixelANetInEveryRequest) {

@@ -145,11 +145,12 @@ TEST(Scene, ShadowRaysPassInterfacesForVolpathOnly) {
 }
 
 TEST(Scene, CrossingsAreThoseOfOneMaterialAndEquallyLikely) {
-    // Surfaces along z: material a at 1, 3, 5, 7, and material b at 2, 4.
+    // Surfaces along z: material a at 1, 3, 5 (an instance), 7, and material b at 2, 4.
     std::string world = "MakeNamedMaterial 'a' 'string type' 'diffuse' MakeNamedMaterial 'b' 'string type' 'diffuse'\n";
-    for (auto [z, material] : {std::pair(1, "a"), {2, "b"}, {3, "a"}, {4, "b"}, {5, "a"}, {7, "a"}})
+    for (auto [z, material] : {std::pair(1, "a"), {2, "b"}, {3, "a"}, {4, "b"}, {7, "a"}})
         world +=
             fmt::format("AttributeBegin NamedMaterial '{}' Translate 0 0 {}\n{}AttributeEnd\n", material, z, kQuad);
+    world += fmt::format("NamedMaterial 'a' ObjectBegin 'o'\n{}ObjectEnd Translate 0 0 5 ObjectInstance 'o'\n", kQuad);
     const BuiltScene built = Build(world);
     const MaterialId a = built.scene->Intersect(MakeRay({0.1f, 0.1f, 0}, {0, 0, 1}))->material;
     std::map<int, int> found;
@@ -165,6 +166,9 @@ TEST(Scene, CrossingsAreThoseOfOneMaterialAndEquallyLikely) {
     ASSERT_EQ(found.size(), 3u);
     for (int z : {1, 3, 5}) EXPECT_NEAR(found[z], kDraws / 3.0, 3) << z;
     EXPECT_FALSE(built.scene->SampleCrossing({5, 5, 0}, {5, 5, 6}, 0, a, 0.5f));
+    // Surfaces beyond the ends of the segment are not counted.
+    EXPECT_EQ(built.scene->SampleCrossing({0.1f, 0.1f, 1.5f}, {0.1f, 0.1f, 4.5f}, 0, a, 0.3f)->count, 1);
+    EXPECT_FALSE(built.scene->SampleCrossing({0.1f, 0.1f, 3.2f}, {0.1f, 0.1f, 4.5f}, 0, a, 0.3f));
 }
 
 TEST(Scene, KnowsWhatItsMaterialsNeed) {

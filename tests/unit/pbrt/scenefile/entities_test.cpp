@@ -12,35 +12,33 @@ TEST(Defaults, OfAbsentDirectives) {
     EXPECT_EQ(scene.accelerator.type, "bvh");
     EXPECT_EQ(scene.film.type, "rgb");
     EXPECT_EQ(scene.film.colorSpace, "srgb");
-    EXPECT_EQ(scene.film.params.What(), "Film \"rgb\"");
+    EXPECT_EQ(scene.film.params.What(), Quoted("Film 'rgb'"));
     EXPECT_TRUE(scene.camera.cameraFromWorld.start.IsIdentity());
     EXPECT_FALSE(scene.options.seed || scene.options.forceDiffuse || scene.options.renderCoordSys);
 }
 
 TEST(OptionsBlock, EveryDirectiveFillsItsEntityAndTheLastWins) {
     SceneDescription scene = ParseClean(
-        "Film \"a\" Sampler \"b\" PixelFilter \"c\" Integrator \"d\" Accelerator \"e\" Camera \"f\"\n"
-        "Accelerator \"kdtree\" \"integer x\" 5 Camera \"orthographic\" \"integer x\" 6 Film \"gbuffer\" \"integer x\" "
-        "1\n"
-        "Sampler \"halton\" \"integer x\" 2 PixelFilter \"box\" \"integer x\" 3 Integrator \"path\" \"integer x\" 4 "
-        "WorldBegin");
+        "Film 'a' Sampler 'b' PixelFilter 'c' Integrator 'd' Accelerator 'e' Camera 'f'\n"
+        "Accelerator 'kdtree' 'integer x' 5 Camera 'orthographic' 'integer x' 6 Film 'gbuffer' 'integer x' 1\n"
+        "Sampler 'halton' 'integer x' 2 PixelFilter 'box' 'integer x' 3 Integrator 'path' 'integer x' 4 WorldBegin");
     auto expect = [](const Entity &e, const char *type, int x, const char *what) {
         EXPECT_EQ(e.type, type);
         EXPECT_EQ(IntOf(e.params, "x", 0), x) << type;
-        EXPECT_EQ(e.params.What(), what);
+        EXPECT_EQ(e.params.What(), Quoted(what));
         EXPECT_GT(e.loc.line, 1);
     };
-    expect(scene.film, "gbuffer", 1, "Film \"gbuffer\"");
-    expect(scene.sampler, "halton", 2, "Sampler \"halton\"");
-    expect(scene.filter, "box", 3, "PixelFilter \"box\"");
-    expect(scene.integrator, "path", 4, "Integrator \"path\"");
-    expect(scene.accelerator, "kdtree", 5, "Accelerator \"kdtree\"");
-    expect(scene.camera, "orthographic", 6, "Camera \"orthographic\"");
+    expect(scene.film, "gbuffer", 1, "Film 'gbuffer'");
+    expect(scene.sampler, "halton", 2, "Sampler 'halton'");
+    expect(scene.filter, "box", 3, "PixelFilter 'box'");
+    expect(scene.integrator, "path", 4, "Integrator 'path'");
+    expect(scene.accelerator, "kdtree", 5, "Accelerator 'kdtree'");
+    expect(scene.camera, "orthographic", 6, "Camera 'orthographic'");
 }
 
 TEST(OptionsBlock, CameraKeepsTheTransformationWhereItStands) {
     SceneDescription scene = ParseClean(
-        "Translate 1 0 0 Camera \"perspective\" Translate 0 5 0\n"
+        "Translate 1 0 0 Camera 'perspective' Translate 0 5 0\n"
         "ActiveTransform EndTime Translate 0 0 1 WorldBegin");
     EXPECT_EQ(scene.camera.cameraFromWorld.start, Transform::Translate({1, 0, 0}));
     EXPECT_FALSE(scene.camera.cameraFromWorld.IsAnimated());
@@ -48,13 +46,11 @@ TEST(OptionsBlock, CameraKeepsTheTransformationWhereItStands) {
 
 TEST(Option, NamesIgnoreCaseDashesAndUnderscores) {
     SceneDescription scene = ParseClean(
-        "Option \"disablepixeljitter\" true Option \"Disable-Texture_Filtering\" false Option "
-        "\"disable_wavelength_jitter\" true\n"
-        "Option \"ForceDiffuse\" true Option \"pixelstats\" false WorldBegin Option \"wavefront\" true Option \"seed\" "
-        "17\n"
-        "Option \"displacement-edge-scale\" .5 Option \"mse-reference-image\" \"a.exr\" Option \"msereferenceout\" "
-        "\"b.txt\"\n"
-        "Option \"render-coord-sys\" \"camera\"");
+        "Option 'disablepixeljitter' true Option 'Disable-Texture_Filtering' false Option "
+        "'disable_wavelength_jitter' true\n"
+        "Option 'ForceDiffuse' true Option 'pixelstats' false WorldBegin Option 'wavefront' true Option 'seed' 17\n"
+        "Option 'displacement-edge-scale' .5 Option 'mse-reference-image' 'a.exr' Option 'msereferenceout' 'b.txt'\n"
+        "Option 'render-coord-sys' 'camera'");
     const SceneOptions &o = scene.options;
     EXPECT_EQ(o.disablePixelJitter, true);
     EXPECT_EQ(o.disableTextureFiltering, false);
@@ -70,21 +66,21 @@ TEST(Option, NamesIgnoreCaseDashesAndUnderscores) {
 }
 
 TEST(Option, Errors) {
-    ExpectError("Option \"forcedifuse\" true\nWorldBegin", 1, 7, "did you mean \"forcediffuse\"");
-    ExpectError("Option \"forcediffuse\" \"true\"", 1, 22, "without quotes");
-    ExpectError("Option \"seed\" 1.5", 1, 14, "integer");
-    ExpectError("Option \"seed\" 99999999999 WorldBegin", 1, 14, "32-bit");
-    ExpectError("Option \"rendercoordsys\" \"eye\"\nWorldBegin", 1, 24, "valid: camera, cameraworld, world");
-    ExpectError("Option \"displacementedgescale\" 0\nWorldBegin", 1, 7, "must be above 0");
-    ExpectError("Option \"msereferenceout\" x", 1, 25, "in quotes");
+    ExpectError("Option 'forcedifuse' true\nWorldBegin", 1, 7, "did you mean 'forcediffuse'");
+    ExpectError("Option 'forcediffuse' 'true'", 1, 22, "without quotes");
+    ExpectError("Option 'seed' 1.5", 1, 14, "integer");
+    ExpectError("Option 'seed' 99999999999 WorldBegin", 1, 14, "32-bit");
+    ExpectError("Option 'rendercoordsys' 'eye'\nWorldBegin", 1, 24, "valid: camera, cameraworld, world");
+    ExpectError("Option 'displacementedgescale' 0\nWorldBegin", 1, 7, "must be above 0");
+    ExpectError("Option 'msereferenceout' x", 1, 25, "in quotes");
     ExpectError("Option seed 1", 1, 7, "in quotes");
 }
 
 TEST(World, TexturesMaterialsLightsMedia) {
     SceneDescription scene = ParseWorld(
-        "Translate 1 0 0\nTexture \"t\" \"float\" \"scale\" \"float x\" 1\n"
-        "Texture \"t\" \"spectrum\" \"imagemap\"\nLightSource \"spot\" \"float x\" 2\n"
-        "MakeNamedMedium \"m\" \"string type\" [ \"cloud\" ] \"float x\" 3");
+        "Translate 1 0 0\nTexture 't' 'float' 'scale' 'float x' 1\n"
+        "Texture 't' 'spectrum' 'imagemap'\nLightSource 'spot' 'float x' 2\n"
+        "MakeNamedMedium 'm' 'string type' [ 'cloud' ] 'float x' 3");
     EXPECT_EQ(scene.textures[0].name, "t");
     EXPECT_FALSE(scene.textures[0].isSpectrum);
     EXPECT_EQ(scene.textures[0].type, "scale");
@@ -102,20 +98,20 @@ TEST(World, TexturesMaterialsLightsMedia) {
 
 TEST(World, OnlyShapesMove) {
     const std::string move = "ActiveTransform EndTime Translate 1 0 0 ActiveTransform All\n";
-    ExpectWorldWarning(move + "LightSource \"point\"", 3, 0, "cannot be animated");
-    ExpectWorldWarning(move + "Texture \"t\" \"float\" \"constant\"", 3, 0, "cannot be animated");
-    ExpectWorldWarning(move + "MakeNamedMedium \"m\" \"string type\" \"cloud\"", 3, 0, "cannot be animated");
-    ExpectWorldError(move + "AreaLightSource \"diffuse\" Shape \"s\"", 3, 26, "emits light cannot move");
-    SceneDescription scene = Parse("WorldBegin " + move + "LightSource \"point\"").scene;
+    ExpectWorldWarning(move + "LightSource 'point'", 3, 0, "cannot be animated");
+    ExpectWorldWarning(move + "Texture 't' 'float' 'constant'", 3, 0, "cannot be animated");
+    ExpectWorldWarning(move + "MakeNamedMedium 'm' 'string type' 'cloud'", 3, 0, "cannot be animated");
+    ExpectWorldError(move + "AreaLightSource 'diffuse' Shape 's'", 3, 26, "emits light cannot move");
+    SceneDescription scene = Parse("WorldBegin " + move + "LightSource 'point'").scene;
     EXPECT_FALSE(scene.lights[0].ctm.IsAnimated());
     EXPECT_TRUE(scene.lights[0].ctm.start.IsIdentity());
 }
 
 TEST(Objects, RecordShapesAndRestoreTheState) {
     SceneDescription scene = ParseWorld(
-        "Translate 1 0 0\nObjectBegin \"o\" Translate 0 1 0 Material \"m\" Shape \"a\"\n"
-        "AttributeBegin Shape \"b\" AttributeEnd ObjectEnd\nShape \"c\"\n"
-        "Translate 0 0 1 ObjectInstance \"o\" ObjectInstance \"o\"");
+        "Translate 1 0 0\nObjectBegin 'o' Translate 0 1 0 Material 'm' Shape 'a'\n"
+        "AttributeBegin Shape 'b' AttributeEnd ObjectEnd\nShape 'c'\n"
+        "Translate 0 0 1 ObjectInstance 'o' ObjectInstance 'o'");
     ASSERT_EQ(scene.objects.size(), 1u);
     EXPECT_EQ(scene.objects[0].name, "o");
     ASSERT_EQ(scene.objects[0].shapes.size(), 2u);
@@ -130,14 +126,14 @@ TEST(Objects, RecordShapesAndRestoreTheState) {
 }
 
 TEST(Objects, MayBeUsedBeforeTheirDefinition) {
-    SceneDescription scene = ParseWorld("ObjectInstance \"o\" ObjectBegin \"o\" Shape \"s\" ObjectEnd");
+    SceneDescription scene = ParseWorld("ObjectInstance 'o' ObjectBegin 'o' Shape 's' ObjectEnd");
     EXPECT_EQ(scene.instances.size(), 1u);
 }
 
 TEST(Objects, EmptyOnesAreSkipped) {
     SceneDescription scene = ParseWorld(
-        "ObjectBegin \"e\" ObjectEnd ObjectBegin \"f\" Shape \"s\" ObjectEnd\n"
-        "ObjectInstance \"e\" ObjectInstance \"f\"");
+        "ObjectBegin 'e' ObjectEnd ObjectBegin 'f' Shape 's' ObjectEnd\n"
+        "ObjectInstance 'e' ObjectInstance 'f'");
     ASSERT_EQ(scene.objects.size(), 1u);
     EXPECT_EQ(scene.objects[0].name, "f");
     ASSERT_EQ(scene.instances.size(), 1u);
@@ -145,10 +141,9 @@ TEST(Objects, EmptyOnesAreSkipped) {
 }
 
 TEST(Objects, LightsInThemWarn) {
-    ExpectWorldWarning("ObjectBegin \"o\" AreaLightSource \"diffuse\"\nShape \"s\" Shape \"t\" ObjectEnd", 3, 0,
-                       "do not emit");
-    ExpectWorldWarning("ObjectBegin \"o\"\nLightSource \"point\" ObjectEnd", 3, 0, "not instanced");
-    Parsed parsed = Parse("WorldBegin ObjectBegin \"o\" AreaLightSource \"diffuse\" Shape \"s\" ObjectEnd");
+    ExpectWorldWarning("ObjectBegin 'o' AreaLightSource 'diffuse'\nShape 's' Shape 't' ObjectEnd", 3, 0, "do not emit");
+    ExpectWorldWarning("ObjectBegin 'o'\nLightSource 'point' ObjectEnd", 3, 0, "not instanced");
+    Parsed parsed = Parse("WorldBegin ObjectBegin 'o' AreaLightSource 'diffuse' Shape 's' ObjectEnd");
     EXPECT_EQ(parsed.scene.objects[0].shapes[0].areaLight, -1);
 }
 

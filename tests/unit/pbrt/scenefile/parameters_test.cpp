@@ -4,7 +4,7 @@ namespace pbrt::test {
 namespace {
 
 Param Only(const std::string &parameters) {
-    SceneDescription scene = ParseWorld("Shape \"s\" " + parameters);
+    SceneDescription scene = ParseWorld("Shape 's' " + parameters);
     EXPECT_EQ(scene.shapes.size(), 1u);
     EXPECT_EQ(scene.shapes.at(0).params.Own().size(), 1u) << parameters;
     return scene.shapes.at(0).params.Own().at(0);
@@ -12,7 +12,7 @@ Param Only(const std::string &parameters) {
 
 TEST(Parameters, EveryTypeFillsItsList) {
     using T = ParamType;
-    EXPECT_EQ(Only("\"integer a\" [ 1 +2 -3 ]").ints, (std::vector<int>{1, 2, -3}));
+    EXPECT_EQ(Only("'integer a' [ 1 +2 -3 ]").ints, (std::vector<int>{1, 2, -3}));
     for (auto [word, type] : {std::pair{"float", T::Float},
                               {"point2", T::Point2},
                               {"vector2", T::Vector2},
@@ -22,28 +22,28 @@ TEST(Parameters, EveryTypeFillsItsList) {
                               {"rgb", T::Rgb},
                               {"blackbody", T::Blackbody},
                               {"spectrum", T::Spectrum}}) {
-        Param p = Only(fmt::format("\"{} a\" [ 1 .5 -2e1 ]", word));
+        Param p = Only(fmt::format("'{} a' [ 1 .5 -2e1 ]", word));
         EXPECT_EQ(p.type, type) << word;
         EXPECT_EQ(p.name, "a");
         EXPECT_EQ(p.floats, (std::vector<Float>{1, .5f, -20})) << word;
         EXPECT_TRUE(p.ints.empty() && p.strings.empty() && p.bools.empty());
     }
-    EXPECT_EQ(Only("\"bool a\" [ true false ]").bools, (std::vector<uint8_t>{1, 0}));
-    EXPECT_EQ(Only("\"string a\" [ \"x\" \"y z\" ]").strings, (std::vector<std::string>{"x", "y z"}));
-    EXPECT_EQ(Only("\"texture a\" \"t\"").strings, std::vector<std::string>{"t"});
-    EXPECT_EQ(Only("\"spectrum a\" \"metal-Au-k\"").strings, std::vector<std::string>{"metal-Au-k"});
+    EXPECT_EQ(Only("'bool a' [ true false ]").bools, (std::vector<uint8_t>{1, 0}));
+    EXPECT_EQ(Only("'string a' [ 'x' 'y z' ]").strings, (std::vector<std::string>{"x", "y z"}));
+    EXPECT_EQ(Only("'texture a' 't'").strings, std::vector<std::string>{"t"});
+    EXPECT_EQ(Only("'spectrum a' 'metal-Au-k'").strings, std::vector<std::string>{"metal-Au-k"});
 }
 
 TEST(Parameters, OneValueNeedsNoBrackets) {
-    EXPECT_EQ(Only("\"float a\".25").floats, std::vector<Float>{.25f});
-    EXPECT_EQ(Only("\"integer a\"+64").ints, std::vector<int>{64});
-    EXPECT_EQ(Only("\"bool a\" true").bools, std::vector<uint8_t>{1});
-    EXPECT_TRUE(Only("\"float a\" []").floats.empty());
-    EXPECT_EQ(Only("\"float a\" 0x10").floats, std::vector<Float>{16});
+    EXPECT_EQ(Only("'float a'.25").floats, std::vector<Float>{.25f});
+    EXPECT_EQ(Only("'integer a'+64").ints, std::vector<int>{64});
+    EXPECT_EQ(Only("'bool a' true").bools, std::vector<uint8_t>{1});
+    EXPECT_TRUE(Only("'float a' []").floats.empty());
+    EXPECT_EQ(Only("'float a' 0x10").floats, std::vector<Float>{16});
 }
 
 TEST(Parameters, DeclarationsMayHaveBlanksAndTrailingWords) {
-    for (const char *declaration : {"\" float a\"", "\"float\ta\"", "\"  float   a  \"", "\"float a b c\""}) {
+    for (const char *declaration : {"' float a'", "'float\ta'", "'  float   a  '", "'float a b c'"}) {
         Param p = Only(std::string(declaration) + " 1");
         EXPECT_EQ(p.name, "a") << declaration;
         EXPECT_EQ(p.type, ParamType::Float);
@@ -51,27 +51,27 @@ TEST(Parameters, DeclarationsMayHaveBlanksAndTrailingWords) {
 }
 
 TEST(Parameters, RepeatedOnesAreKeptAndTheLastWins) {
-    SceneDescription scene = ParseWorld("Shape \"s\" \"float r\" 1 \"float r\" 2");
+    SceneDescription scene = ParseWorld("Shape 's' 'float r' 1 'float r' 2");
     EXPECT_EQ(scene.shapes[0].params.Own().size(), 2u);
     EXPECT_EQ(FloatOf(scene.shapes[0].params, "r", 0), 2);
 }
 
 TEST(Parameters, LocationIsThatOfTheDeclaration) {
-    Param p = Only("\n   \"float a\" 1");
+    Param p = Only("\n   'float a' 1");
     EXPECT_EQ(p.loc.line, 3);
     EXPECT_EQ(p.loc.column, 3);
     EXPECT_EQ(p.loc.file->name, "test.pbrt");
 }
 
 TEST(Parameters, TextureNamesAreComposed) {
-    EXPECT_EQ(Only("\"texture a\" \"me\u0301tal\"").strings[0], "m\u00e9tal");
-    EXPECT_EQ(Only("\"string materials\" [ \"me\u0301tal\" ]").strings[0], "m\u00e9tal");
+    EXPECT_EQ(Only("'texture a' 'me\u0301tal'").strings[0], "m\u00e9tal");
+    EXPECT_EQ(Only("'string materials' [ 'me\u0301tal' ]").strings[0], "m\u00e9tal");
     // File names are kept byte by byte, without Unicode composition.
-    EXPECT_EQ(Only("\"string filename\" \"me\u0301tal\xff\"").strings[0], "me\u0301tal\xff");
+    EXPECT_EQ(Only("'string filename' 'me\u0301tal\xff'").strings[0], "me\u0301tal\xff");
 }
 
 TEST(Parameters, LongListsKeepEveryNumber) {
-    std::string text = "\"float a\" [";
+    std::string text = "'float a' [";
     for (int i = 0; i < 100000; ++i) text += fmt::format(" {}", i) + (i % 1000 == 0 ? " # c\n" : "");
     Param p = Only(text + "]");
     ASSERT_EQ(p.floats.size(), 100000u);
@@ -81,62 +81,61 @@ TEST(Parameters, LongListsKeepEveryNumber) {
 
 TEST(ParameterErrors, UnknownTypeListsTheTypesAndGoesOn) {
     for (const char *type : {"point", "color", "xyz", "Float", "vector"})
-        ExpectWorldError(fmt::format("Shape \"s\" \"{} a\" [ 1 2 3 ] \"float b\" 1\nShape \"t\"", type), 2, 10,
+        ExpectWorldError(fmt::format("Shape 's' '{} a' [ 1 2 3 ] 'float b' 1\nShape 't'", type), 2, 10,
                          "unknown parameter type");
-    Parsed parsed = Parse(
-        "WorldBegin Shape \"s\" \"colour a\" [ 1 ] \"string b\" \"x\" \"xyz c\" \"y\"\nShape \"t\" \"nope d\" true");
+    Parsed parsed = Parse("WorldBegin Shape 's' 'colour a' [ 1 ] 'string b' 'x' 'xyz c' 'y'\nShape 't' 'nope d' true");
     EXPECT_EQ(parsed.sink.ErrorCount(), 3u) << Messages(parsed.sink);
     EXPECT_EQ(parsed.scene.shapes.size(), 2u);
     EXPECT_EQ(parsed.scene.shapes[0].params.Own().size(), 1u);
 }
 
 TEST(ParameterErrors, MalformedDeclaration) {
-    ExpectWorldError("Shape \"s\" \"float\" 1", 2, 10, "type name");
-    ExpectWorldError("Shape \"s\" \"\" 1", 2, 10, "type name");
-    ExpectWorldError("Shape \"s\" \"  \" 1", 2, 10, "type name");
+    ExpectWorldError("Shape 's' 'float' 1", 2, 10, "type name");
+    ExpectWorldError("Shape 's' '' 1", 2, 10, "type name");
+    ExpectWorldError("Shape 's' '  ' 1", 2, 10, "type name");
 }
 
 TEST(ParameterErrors, WrongKindPointsAtTheValue) {
-    ExpectWorldError("Shape \"s\" \"bool a\" \"true\"", 2, 19, "true or false");
-    ExpectWorldError("Shape \"s\" \"bool a\" 1", 2, 19, "true or false");
-    ExpectWorldError("Shape \"s\" \"float a\" [ \"x\" ]", 2, 22, "numbers");
-    ExpectWorldError("Shape \"s\" \"integer a\" true", 2, 22, "numbers");
-    ExpectWorldError("Shape \"s\" \"string a\" [ 1 2 ]", 2, 23, "quoted");
-    ExpectWorldError("Shape \"s\" \"texture a\" false", 2, 22, "quoted");
-    ExpectWorldError("Shape \"s\" \"spectrum a\" true", 2, 23, "numbers or quoted");
+    ExpectWorldError("Shape 's' 'bool a' 'true'", 2, 19, "true or false");
+    ExpectWorldError("Shape 's' 'bool a' 1", 2, 19, "true or false");
+    ExpectWorldError("Shape 's' 'float a' [ 'x' ]", 2, 22, "numbers");
+    ExpectWorldError("Shape 's' 'integer a' true", 2, 22, "numbers");
+    ExpectWorldError("Shape 's' 'string a' [ 1 2 ]", 2, 23, "quoted");
+    ExpectWorldError("Shape 's' 'texture a' false", 2, 22, "quoted");
+    ExpectWorldError("Shape 's' 'spectrum a' true", 2, 23, "numbers or quoted");
 }
 
 TEST(ParameterErrors, MixedKinds) {
-    ExpectWorldError("Shape \"s\" \"float a\" [ 1 \"x\" ]", 2, 24, "all must be");
-    ExpectWorldError("Shape \"s\" \"float a\" [ 1 2 true ]", 2, 26, "all must be");
-    ExpectWorldError("Shape \"s\" \"string a\" [ \"x\" 1 ]", 2, 27, "all must be");
-    ExpectWorldError("Shape \"s\" \"spectrum a\" [ \"x\" 1 ]", 2, 29, "all must be");
-    ExpectWorldError("Shape \"s\" \"bool a\" [ true \"x\" ]", 2, 26, "all must be");
+    ExpectWorldError("Shape 's' 'float a' [ 1 'x' ]", 2, 24, "all must be");
+    ExpectWorldError("Shape 's' 'float a' [ 1 2 true ]", 2, 26, "all must be");
+    ExpectWorldError("Shape 's' 'string a' [ 'x' 1 ]", 2, 27, "all must be");
+    ExpectWorldError("Shape 's' 'spectrum a' [ 'x' 1 ]", 2, 29, "all must be");
+    ExpectWorldError("Shape 's' 'bool a' [ true 'x' ]", 2, 26, "all must be");
 }
 
 TEST(ParameterErrors, BadNumbers) {
     for (const char *word : {"nan", "inf", "1e", "2x", "-", "Translate", "1.2.3"})
-        ExpectWorldError(fmt::format("Shape \"s\" \"float a\" [ 1\n {} ]", word), 3, 1, "Expected numbers");
-    ExpectWorldError("Shape \"s\" \"integer a\" [ 1 1.0 ]", 2, 26, "Expected an integer");
-    ExpectWorldError("Shape \"s\" \"integer a\" 2147483648", 2, 22, "32-bit");
-    ExpectWorldError("Shape \"s\" \"string a\" x", 2, 21, "quoted");
-    ExpectWorldError("Shape \"s\" \"bool a\" True", 2, 19, "true or false");
-    ExpectWorldError("Shape \"s\" \"float a\" [ 1 1e39 ]", 2, 24, "1e39 is too large: a number must lie between");
-    ExpectWorldError("Shape \"s\" \"float a\" -1e400", 2, 20, "-1e400 is too large");
+        ExpectWorldError(fmt::format("Shape 's' 'float a' [ 1\n {} ]", word), 3, 1, "Expected numbers");
+    ExpectWorldError("Shape 's' 'integer a' [ 1 1.0 ]", 2, 26, "Expected an integer");
+    ExpectWorldError("Shape 's' 'integer a' 2147483648", 2, 22, "32-bit");
+    ExpectWorldError("Shape 's' 'string a' x", 2, 21, "quoted");
+    ExpectWorldError("Shape 's' 'bool a' True", 2, 19, "true or false");
+    ExpectWorldError("Shape 's' 'float a' [ 1 1e39 ]", 2, 24, "1e39 is too large: a number must lie between");
+    ExpectWorldError("Shape 's' 'float a' -1e400", 2, 20, "-1e400 is too large");
     ExpectWorldError("Translate 0 1e400 0", 2, 12, "1e400 is too large");
 }
 
 TEST(ParameterErrors, Brackets) {
-    ExpectWorldError("Shape \"s\" \"float a\" [ [ 1 ] ]", 2, 22, "[ inside");
-    ExpectWorldError("Shape \"s\" \"float a\" ]", 2, 20, "] without [");
-    ExpectWorldError("Shape \"s\" \"float a\" [ 1\nTranslate 1 0 0", 3, 0, "is ] missing");
-    ExpectWorldError("Shape \"s\" \"float a\" 1 ]", 2, 22, "Expected a directive");
-    ExpectWorldError("Shape \"s\" \"float a\" 1 2", 2, 22, "several values need");
+    ExpectWorldError("Shape 's' 'float a' [ [ 1 ] ]", 2, 22, "[ inside");
+    ExpectWorldError("Shape 's' 'float a' ]", 2, 20, "] without [");
+    ExpectWorldError("Shape 's' 'float a' [ 1\nTranslate 1 0 0", 3, 0, "is ] missing");
+    ExpectWorldError("Shape 's' 'float a' 1 ]", 2, 22, "Expected a directive");
+    ExpectWorldError("Shape 's' 'float a' 1 2", 2, 22, "several values need");
 }
 
 TEST(ParameterErrors, EndOfFilePointsAtTheLastToken) {
-    ExpectWorldError("Shape \"s\" \"float a\"\n", 2, 10, "Premature end of file");
-    ExpectWorldError("Shape \"s\" \"float a\" [ 1 2", 2, 20, "Premature end of file");
+    ExpectWorldError("Shape 's' 'float a'\n", 2, 10, "Premature end of file");
+    ExpectWorldError("Shape 's' 'float a' [ 1 2", 2, 20, "Premature end of file");
     ExpectWorldError("Shape\n\n", 2, 0, "Premature end of file");
     ExpectWorldError("Translate 1 2", 2, 12, "Premature end of file");
 }

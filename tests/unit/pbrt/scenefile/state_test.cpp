@@ -10,7 +10,7 @@ void ExpectNear(const Point3 &a, const Point3 &b, const std::string &about = "")
 
 /// Where the last shape of the world block `text` puts `p`.
 Point3 Placed(const std::string &text, const Point3 &p) {
-    SceneDescription scene = ParseWorld(text + "\nShape \"s\"");
+    SceneDescription scene = ParseWorld(text + "\nShape 's'");
     EXPECT_FALSE(scene.shapes.back().ctm.IsAnimated());
     return scene.shapes.back().ctm.start.Point(p);
 }
@@ -45,11 +45,11 @@ TEST(Transformations, LookAtIsLeftHandedWorldToCamera) {
 
 TEST(Transformations, NamedSystemsAreGlobalAndPredefined) {
     SceneDescription scene = ParseClean(
-        "Translate 0 0 4\nCamera \"perspective\"\nWorldBegin\n"
-        "AttributeBegin Translate 1 0 0 CoordinateSystem \"a\" AttributeEnd\n"
-        "CoordSysTransform \"a\" Shape \"s\"\n"
-        "CoordSysTransform \"world\" Shape \"s\"\n"
-        "CoordSysTransform \"camera\" Shape \"s\"\n");
+        "Translate 0 0 4\nCamera 'perspective'\nWorldBegin\n"
+        "AttributeBegin Translate 1 0 0 CoordinateSystem 'a' AttributeEnd\n"
+        "CoordSysTransform 'a' Shape 's'\n"
+        "CoordSysTransform 'world' Shape 's'\n"
+        "CoordSysTransform 'camera' Shape 's'\n");
     ExpectNear(scene.shapes[0].ctm.start.Point({0, 0, 0}), {1, 0, 0});
     ExpectNear(scene.shapes[1].ctm.start.Point({0, 0, 0}), {0, 0, 0});
     ExpectNear(scene.shapes[2].ctm.start.Point({0, 0, 0}), {0, 0, -4});
@@ -59,10 +59,10 @@ TEST(Transformations, NamedSystemsAreGlobalAndPredefined) {
 TEST(Transformations, ActiveTransformSelectsTheCtm) {
     SceneDescription scene = ParseWorld(
         "ActiveTransform StartTime Translate 1 0 0\n"
-        "ActiveTransform EndTime Translate 0 1 0 CoordinateSystem \"pair\"\n"
-        "ActiveTransform All Translate 0 0 1 Shape \"s\"\n"
-        "ActiveTransform EndTime Identity Shape \"s\"\n"
-        "CoordSysTransform \"pair\" Shape \"s\"");
+        "ActiveTransform EndTime Translate 0 1 0 CoordinateSystem 'pair'\n"
+        "ActiveTransform All Translate 0 0 1 Shape 's'\n"
+        "ActiveTransform EndTime Identity Shape 's'\n"
+        "CoordSysTransform 'pair' Shape 's'");
     ExpectNear(scene.shapes[0].ctm.start.Point({0, 0, 0}), {1, 0, 1});
     ExpectNear(scene.shapes[0].ctm.end.Point({0, 0, 0}), {0, 1, 1});
     ExpectNear(scene.shapes[1].ctm.start.Point({0, 0, 0}), {1, 0, 1});
@@ -74,8 +74,8 @@ TEST(Transformations, ActiveTransformSelectsTheCtm) {
 
 TEST(Transformations, TimesReachShapesCameraAndInstances) {
     SceneDescription scene = ParseClean(
-        "Camera \"perspective\" TransformTimes .25 .75\nWorldBegin\n"
-        "Shape \"s\" ObjectBegin \"o\" Shape \"s\" ObjectEnd ObjectInstance \"o\"");
+        "Camera 'perspective' TransformTimes .25 .75\nWorldBegin\n"
+        "Shape 's' ObjectBegin 'o' Shape 's' ObjectEnd ObjectInstance 'o'");
     EXPECT_EQ(scene.camera.startTime, 0) << "TransformTimes after Camera do not change its times";
     EXPECT_EQ(scene.camera.endTime, 1);
     EXPECT_EQ(scene.shapes[0].startTime, .25f);
@@ -86,10 +86,10 @@ TEST(Transformations, TimesReachShapesCameraAndInstances) {
 
 TEST(State, WorldBeginResetsOnlyTransformations) {
     SceneDescription scene = ParseClean(
-        "ColorSpace \"rec2020\" MediumInterface \"in\" \"out\"\n"
-        "Attribute \"shape\" \"float radius\" 3\nMakeNamedMedium \"in\" \"string type\" \"homogeneous\"\n"
-        "MakeNamedMedium \"out\" \"string type\" \"homogeneous\"\n"
-        "ActiveTransform EndTime Translate 1 2 3\nWorldBegin\nTranslate 4 0 0 Shape \"s\"");
+        "ColorSpace 'rec2020' MediumInterface 'in' 'out'\n"
+        "Attribute 'shape' 'float radius' 3\nMakeNamedMedium 'in' 'string type' 'homogeneous'\n"
+        "MakeNamedMedium 'out' 'string type' 'homogeneous'\n"
+        "ActiveTransform EndTime Translate 1 2 3\nWorldBegin\nTranslate 4 0 0 Shape 's'");
     const ShapeEntity &s = scene.shapes[0];
     EXPECT_FALSE(s.ctm.IsAnimated());
     ExpectNear(s.ctm.start.Point({0, 0, 0}), {4, 0, 0});
@@ -101,15 +101,15 @@ TEST(State, WorldBeginResetsOnlyTransformations) {
 
 TEST(State, AttributeBlocksSaveAndRestoreAllOfIt) {
     for (const char *block : {"Attribute", "Transform"}) {
-        Parsed parsed = Parse(fmt::format(
-            "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" WorldBegin\n"
-            "{0}Begin Translate 1 0 0 ActiveTransform EndTime ReverseOrientation Material \"conductor\"\n"
-            "AreaLightSource \"diffuse\" MediumInterface \"m\" ColorSpace \"rec2020\"\n"
-            "Attribute \"shape\" \"float a\" 1 Attribute \"light\" \"float a\" 1 Attribute \"texture\" \"float a\" 1\n"
-            "Attribute \"material\" \"float a\" 1 Attribute \"medium\" \"float a\" 1\n"
-            "{0}End\nTranslate 0 1 0 Shape \"s\" Material \"diffuse\" LightSource \"point\"\n"
-            "Texture \"t\" \"float\" \"constant\" MakeNamedMedium \"n\" \"string type\" \"homogeneous\"",
-            block));
+        Parsed parsed = Parse(
+            fmt::format("MakeNamedMedium 'm' 'string type' 'homogeneous' WorldBegin\n"
+                        "{0}Begin Translate 1 0 0 ActiveTransform EndTime ReverseOrientation Material 'conductor'\n"
+                        "AreaLightSource 'diffuse' MediumInterface 'm' ColorSpace 'rec2020'\n"
+                        "Attribute 'shape' 'float a' 1 Attribute 'light' 'float a' 1 Attribute 'texture' 'float a' 1\n"
+                        "Attribute 'material' 'float a' 1 Attribute 'medium' 'float a' 1\n"
+                        "{0}End\nTranslate 0 1 0 Shape 's' Material 'diffuse' LightSource 'point'\n"
+                        "Texture 't' 'float' 'constant' MakeNamedMedium 'n' 'string type' 'homogeneous'",
+                        block));
         EXPECT_EQ(parsed.sink.ErrorCount(), 0u) << Messages(parsed.sink);
         const SceneDescription &scene = parsed.scene;
         const ShapeEntity &s = scene.shapes.at(0);
@@ -128,16 +128,16 @@ TEST(State, AttributeBlocksSaveAndRestoreAllOfIt) {
 }
 
 TEST(State, ReverseOrientationToggles) {
-    SceneDescription scene = ParseWorld("ReverseOrientation Shape \"s\" ReverseOrientation Shape \"s\"");
+    SceneDescription scene = ParseWorld("ReverseOrientation Shape 's' ReverseOrientation Shape 's'");
     EXPECT_TRUE(scene.shapes[0].reverseOrientation);
     EXPECT_FALSE(scene.shapes[1].reverseOrientation);
 }
 
 TEST(State, MaterialsAreReferredToByIndexOrName) {
     SceneDescription scene = ParseWorld(
-        "Shape \"s\" NamedMaterial \"n\" Shape \"s\" Material \"a\" Shape \"s\"\n"
-        "MakeNamedMaterial \"n\" \"string type\" \"conductor\" Shape \"s\"\n"
-        "Material \"b\" Shape \"s\"");
+        "Shape 's' NamedMaterial 'n' Shape 's' Material 'a' Shape 's'\n"
+        "MakeNamedMaterial 'n' 'string type' 'conductor' Shape 's'\n"
+        "Material 'b' Shape 's'");
     EXPECT_EQ(scene.shapes[0].material.index, -1);
     EXPECT_EQ(scene.shapes[0].material.name, "");
     EXPECT_EQ(scene.shapes[1].material.name, "n") << "a material may be used before it is defined";
@@ -151,19 +151,19 @@ TEST(State, MaterialsAreReferredToByIndexOrName) {
 
 TEST(State, NamesAreComparedComposed) {
     SceneDescription scene = ParseWorld(
-        "MakeNamedMaterial \"m\u00e9tal\" \"string type\" \"diffuse\"\n"
-        "NamedMaterial \"me\u0301tal\" Shape \"s\"\n"
-        "CoordinateSystem \"e\u0301\" CoordSysTransform \"\u00e9\"\n"
-        "ObjectBegin \"o\u0308\" Shape \"s\" ObjectEnd ObjectInstance \"\u00f6\"");
+        "MakeNamedMaterial 'm\u00e9tal' 'string type' 'diffuse'\n"
+        "NamedMaterial 'me\u0301tal' Shape 's'\n"
+        "CoordinateSystem 'e\u0301' CoordSysTransform '\u00e9'\n"
+        "ObjectBegin 'o\u0308' Shape 's' ObjectEnd ObjectInstance '\u00f6'");
     EXPECT_EQ(scene.shapes[0].material.name, scene.materials[0].name);
     EXPECT_EQ(scene.instances.size(), 1u);
 }
 
 TEST(State, AreaLightIsSharedByTheShapesThatFollow) {
     SceneDescription scene = ParseWorld(
-        "AttributeBegin AreaLightSource \"diffuse\" \"float scale\" 1 AttributeEnd\n"
-        "AttributeBegin ColorSpace \"dci-p3\" AreaLightSource \"diffuse\" \"float scale\" 2\n"
-        "Shape \"a\" Shape \"b\" AttributeEnd Shape \"c\"\nAreaLightSource \"x\" Shape \"d\"");
+        "AttributeBegin AreaLightSource 'diffuse' 'float scale' 1 AttributeEnd\n"
+        "AttributeBegin ColorSpace 'dci-p3' AreaLightSource 'diffuse' 'float scale' 2\n"
+        "Shape 'a' Shape 'b' AttributeEnd Shape 'c'\nAreaLightSource 'x' Shape 'd'");
     ASSERT_EQ(scene.areaLights.size(), 2u) << "an area light that no shape uses is left out";
     EXPECT_EQ(FloatOf(scene.areaLights[0].params, "scale", 0), 2);
     EXPECT_EQ(scene.areaLights[0].colorSpace, "dci-p3");
@@ -175,10 +175,10 @@ TEST(State, AreaLightIsSharedByTheShapesThatFollow) {
 
 TEST(State, MediumInterface) {
     SceneDescription scene = ParseClean(
-        "MakeNamedMedium \"a\" \"string type\" \"homogeneous\" MakeNamedMedium \"b\" \"string type\" \"cloud\"\n"
-        "MediumInterface \"a\" \"b\" Camera \"perspective\" WorldBegin\n"
-        "MediumInterface \"a\" Shape \"s\" LightSource \"point\"\nMediumInterface \"\" \"b\" Shape \"s\"\n"
-        "MediumInterface \"a\" \"\" Shape \"s\" LightSource \"point\" MediumInterface \"\" Shape \"s\"");
+        "MakeNamedMedium 'a' 'string type' 'homogeneous' MakeNamedMedium 'b' 'string type' 'cloud'\n"
+        "MediumInterface 'a' 'b' Camera 'perspective' WorldBegin\n"
+        "MediumInterface 'a' Shape 's' LightSource 'point'\nMediumInterface '' 'b' Shape 's'\n"
+        "MediumInterface 'a' '' Shape 's' LightSource 'point' MediumInterface '' Shape 's'");
     auto media = [&](size_t i) { return scene.shapes.at(i).insideMedium + "|" + scene.shapes.at(i).outsideMedium; };
     EXPECT_EQ(media(0), "a|a");
     EXPECT_EQ(media(1), "|b");
@@ -192,8 +192,8 @@ TEST(State, MediumInterface) {
 
 TEST(State, ColorSpaceIsNotedPerEntityAndParameter) {
     SceneDescription scene = ParseClean(
-        "ColorSpace \"ACES2065-1\" Film \"rgb\" \"float x\" 1 ColorSpace \"DCI-p3\" WorldBegin\n"
-        "Material \"diffuse\" \"rgb reflectance\" [ 1 1 1 ]\nColorSpace \"sRGB\" Shape \"s\"");
+        "ColorSpace 'ACES2065-1' Film 'rgb' 'float x' 1 ColorSpace 'DCI-p3' WorldBegin\n"
+        "Material 'diffuse' 'rgb reflectance' [ 1 1 1 ]\nColorSpace 'sRGB' Shape 's'");
     EXPECT_EQ(scene.film.colorSpace, "aces2065-1");
     EXPECT_EQ(scene.materials[0].colorSpace, "dci-p3");
     EXPECT_EQ(scene.materials[0].params.Own()[0].colorSpace, "dci-p3");
@@ -202,11 +202,11 @@ TEST(State, ColorSpaceIsNotedPerEntityAndParameter) {
 
 TEST(Attribute, GivesDefaultsToItsKindOnly) {
     SceneDescription scene = ParseWorld(
-        "Attribute \"shape\" \"float x\" 1 Attribute \"light\" \"float x\" 2 Attribute \"material\" \"float x\" 3\n"
-        "Attribute \"texture\" \"float x\" 4 Attribute \"medium\" \"float x\" 5\n"
-        "AreaLightSource \"diffuse\" Shape \"s\" LightSource \"point\" Material \"diffuse\"\n"
-        "MakeNamedMaterial \"n\" \"string type\" \"diffuse\" Texture \"t\" \"float\" \"constant\"\n"
-        "MakeNamedMedium \"m\" \"string type\" \"homogeneous\"");
+        "Attribute 'shape' 'float x' 1 Attribute 'light' 'float x' 2 Attribute 'material' 'float x' 3\n"
+        "Attribute 'texture' 'float x' 4 Attribute 'medium' 'float x' 5\n"
+        "AreaLightSource 'diffuse' Shape 's' LightSource 'point' Material 'diffuse'\n"
+        "MakeNamedMaterial 'n' 'string type' 'diffuse' Texture 't' 'float' 'constant'\n"
+        "MakeNamedMedium 'm' 'string type' 'homogeneous'");
     auto x = [](const Entity &e) { return FloatOf(e.params, "x", 0); };
     EXPECT_EQ(x(scene.shapes[0]), 1);
     EXPECT_EQ(x(scene.lights[0]), 2);
@@ -222,10 +222,10 @@ TEST(Attribute, GivesDefaultsToItsKindOnly) {
 TEST(Attribute, ManyDirectivesTakeTimeByTheirNumber) {
     constexpr int kCount = 100000;
     std::string text, inner;
-    for (int i = 0; i < kCount; ++i) text += fmt::format("Attribute \"shape\" \"float a{}\" {}\n", i % 1000, i);
-    for (int i = 0; i < kCount; ++i) inner += fmt::format("Attribute \"shape\" \"float b{}\" {}\n", i % 1000, i);
+    for (int i = 0; i < kCount; ++i) text += fmt::format("Attribute 'shape' 'float a{}' {}\n", i % 1000, i);
+    for (int i = 0; i < kCount; ++i) inner += fmt::format("Attribute 'shape' 'float b{}' {}\n", i % 1000, i);
     SceneDescription scene =
-        ParseWorld(text + "Shape \"s\"\nAttributeBegin\n" + inner + "Shape \"s\"\nAttributeEnd\nShape \"s\"");
+        ParseWorld(text + "Shape 's'\nAttributeBegin\n" + inner + "Shape 's'\nAttributeEnd\nShape 's'");
     ASSERT_EQ(scene.shapes.size(), 3u);
     for (size_t s = 0; s < 3; ++s) {
         const ParamSet &params = scene.shapes[s].params;
@@ -239,18 +239,18 @@ TEST(Attribute, ManyDirectivesTakeTimeByTheirNumber) {
 // The outer scope shares its list with the inner one until one of them adds to it.
 TEST(Attribute, ScopesAddToListsOfTheirOwn) {
     SceneDescription scene = ParseWorld(
-        "Attribute \"shape\" \"float a\" 1\nAttributeBegin Shape \"s\" Attribute \"shape\" \"float a\" 2 Shape \"s\"\n"
-        "AttributeBegin AttributeBegin Attribute \"shape\" \"float a\" 3 AttributeEnd Shape \"s\" AttributeEnd AttributeEnd\n"
-        "Shape \"s\" Attribute \"shape\" \"float a\" 4 Shape \"s\"");
+        "Attribute 'shape' 'float a' 1\nAttributeBegin Shape 's' Attribute 'shape' 'float a' 2 Shape 's'\n"
+        "AttributeBegin AttributeBegin Attribute 'shape' 'float a' 3 AttributeEnd Shape 's' AttributeEnd AttributeEnd\n"
+        "Shape 's' Attribute 'shape' 'float a' 4 Shape 's'");
     const Float expected[] = {1, 2, 2, 1, 4};
     for (size_t i = 0; i < 5; ++i) EXPECT_EQ(FloatOf(scene.shapes[i].params, "a", 0), expected[i]) << i;
 }
 
 TEST(Attribute, OwnParametersWinThenTheLatestStatement) {
     SceneDescription scene = ParseWorld(
-        "Attribute \"shape\" \"float r\" 1 \"float q\" 1\nAttribute \"shape\" \"float r\" 2\n"
-        "Shape \"s\" Shape \"s\" \"float r\" 3\n"
-        "AttributeBegin Attribute \"shape\" \"float r\" 4 Shape \"s\" AttributeEnd Shape \"s\"");
+        "Attribute 'shape' 'float r' 1 'float q' 1\nAttribute 'shape' 'float r' 2\n"
+        "Shape 's' Shape 's' 'float r' 3\n"
+        "AttributeBegin Attribute 'shape' 'float r' 4 Shape 's' AttributeEnd Shape 's'");
     Float expected[] = {2, 3, 4, 2};
     for (size_t i = 0; i < 4; ++i) {
         EXPECT_EQ(FloatOf(scene.shapes[i].params, "r", 0), expected[i]) << i;
@@ -259,7 +259,7 @@ TEST(Attribute, OwnParametersWinThenTheLatestStatement) {
 }
 
 TEST(Attribute, DefaultsAreNeverUnused) {
-    SceneDescription scene = ParseWorld("Attribute \"material\" \"float roughness\" 1 Material \"diffuse\"");
+    SceneDescription scene = ParseWorld("Attribute 'material' 'float roughness' 1 Material 'diffuse'");
     DiagnosticSink sink;
     ParamReader(scene.materials[0].params).Finish(sink);
     EXPECT_FALSE(sink.HasErrors());
@@ -267,10 +267,10 @@ TEST(Attribute, DefaultsAreNeverUnused) {
 
 TEST(Attribute, DefaultsAreReadInTheColorSpaceOfTheEntity) {
     SceneDescription scene = ParseWorld(
-        "ColorSpace \"rec2020\" Attribute \"material\" \"rgb reflectance\" [ 1 0 0 ]\n"
-        "Attribute \"light\" \"rgb L\" [ 1 0 0 ]\n"
-        "Material \"diffuse\" ColorSpace \"dci-p3\" Material \"diffuse\" LightSource \"infinite\"\n"
-        "AttributeBegin ColorSpace \"srgb\" Material \"diffuse\" AttributeEnd Material \"diffuse\"");
+        "ColorSpace 'rec2020' Attribute 'material' 'rgb reflectance' [ 1 0 0 ]\n"
+        "Attribute 'light' 'rgb L' [ 1 0 0 ]\n"
+        "Material 'diffuse' ColorSpace 'dci-p3' Material 'diffuse' LightSource 'infinite'\n"
+        "AttributeBegin ColorSpace 'srgb' Material 'diffuse' AttributeEnd Material 'diffuse'");
     auto space = [](const Entity &e, const char *name) { return e.params.Find(name, ParamType::Rgb)->colorSpace; };
     const char *expected[] = {"rec2020", "dci-p3", "srgb", "dci-p3"};
     for (size_t i = 0; i < 4; ++i) EXPECT_EQ(space(scene.materials[i], "reflectance"), expected[i]) << i;
@@ -278,8 +278,7 @@ TEST(Attribute, DefaultsAreReadInTheColorSpaceOfTheEntity) {
 }
 
 TEST(Attribute, DoesNotReachWhatIsInForceAlready) {
-    SceneDescription scene =
-        ParseWorld("AreaLightSource \"diffuse\" Attribute \"light\" \"float scale\" 2 Shape \"s\"");
+    SceneDescription scene = ParseWorld("AreaLightSource 'diffuse' Attribute 'light' 'float scale' 2 Shape 's'");
     EXPECT_FALSE(scene.areaLights[0].params.Has("scale"));
 }
 

@@ -1,15 +1,15 @@
 #pragma once
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
 #include "pbrt/core/param_reader.h"
 #include "pbrt/scenefile/parser.h"
 #include "support/parse_text.h"
+#include "support/scene_text.h"
 
+// In the texts and messages of these functions ' stands for ".
 namespace pbrt::test {
 
 /// A parsed scene and the messages about it.
@@ -20,7 +20,7 @@ struct Parsed {
 
 inline Parsed Parse(const std::string &text, const std::string &directory = "") {
     Parsed parsed;
-    parsed.scene = ParseSceneText(text, parsed.sink, "test.pbrt", directory);
+    parsed.scene = ParseSceneText(Quoted(text), parsed.sink, "test.pbrt", directory);
     return parsed;
 }
 
@@ -69,7 +69,7 @@ inline void ExpectMessages(const DiagnosticSink &sink, const std::vector<Expecte
         EXPECT_EQ(d.severity, expected[i].severity) << about << "\n" << Format(d);
         EXPECT_EQ(d.loc.line, expected[i].line) << about << "\n" << Format(d);
         EXPECT_EQ(d.loc.column, expected[i].column) << about << "\n" << Format(d);
-        EXPECT_NE(d.message.find(expected[i].part), std::string::npos) << about << "\n" << Format(d);
+        EXPECT_NE(d.message.find(Quoted(expected[i].part)), std::string::npos) << about << "\n" << Format(d);
     }
 }
 
@@ -86,27 +86,5 @@ inline void ExpectWorldError(const std::string &text, int line, int column, cons
 inline void ExpectWorldWarning(const std::string &text, int line, int column, const std::string &part) {
     ExpectMessages(Parse("WorldBegin\n" + text).sink, {{Severity::Warning, line, column, part}}, text);
 }
-
-/// A temporary folder that is removed with the object.
-class TemporaryFolder {
-  public:
-    TemporaryFolder() {
-        std::string name = (std::filesystem::temp_directory_path() / "pbrt_scenefile_XXXXXX").string();
-        path_ = mkdtemp(name.data());
-    }
-    ~TemporaryFolder() {
-        std::error_code ignored;
-        std::filesystem::remove_all(path_, ignored);
-    }
-    std::string Path(const std::string &name = "") const { return name.empty() ? path_ : path_ + "/" + name; }
-    std::string Write(const std::string &name, const std::string &text) const {
-        std::filesystem::create_directories(std::filesystem::path(Path(name)).parent_path());
-        std::ofstream(Path(name), std::ios::binary) << text;
-        return Path(name);
-    }
-
-  private:
-    std::string path_;
-};
 
 }  // namespace pbrt::test

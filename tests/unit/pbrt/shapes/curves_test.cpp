@@ -2,15 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include "pbrt/math/rng.h"
+#include "support/sampling.h"
 
 namespace pbrt {
 namespace {
 
-Vector3 RandomDirection(Rng &rng) {
-    Float z = 2 * rng.Uniform() - 1, phi = 2 * Pi * rng.Uniform();
-    return SphericalDirection(SafeSqrt(1 - z * z), z, phi);
-}
+using test::RandomDirection;
 
 Curves::Segment SomeSegment(Rng &rng) {
     Curves::Segment s;
@@ -82,10 +79,10 @@ std::optional<PrimitiveHit> AnyHit(const Curves &c, const Point3 &o, const Vecto
 }
 
 /// A ray that passes the segment somewhere near its strip.
-void RayNear(Rng &rng, const Curves::Segment &s, Point3 *o, Vector3 *d) {
-    Point3 target = s.curve.At(rng.Uniform() * 1.1f - 0.05f) + 0.08f * RandomDirection(rng);
-    *o = 3.0f * RandomDirection(rng);
-    *d = (target - *o) * (0.5f + rng.Uniform());
+std::pair<Point3, Vector3> RayNear(Rng &rng, const Curves::Segment &s) {
+    const Point3 target = s.curve.At(rng.Uniform() * 1.1f - 0.05f) + 0.08f * RandomDirection(rng);
+    const Point3 o = 3.0f * RandomDirection(rng);
+    return {o, (target - o) * (0.5f + rng.Uniform())};
 }
 
 TEST(Curves, HitsAreThoseOfTheFineStrip) {
@@ -95,9 +92,7 @@ TEST(Curves, HitsAreThoseOfTheFineStrip) {
         Curves::Segment s = SomeSegment(rng);
         Curves curves(CurveKind::Flat, {s}, {}, Transform(), false);
         for (int i = 0; i < 300; ++i) {
-            Point3 o;
-            Vector3 d;
-            RayNear(rng, s, &o, &d);
+            const auto [o, d] = RayNear(rng, s);
             ++rays;
             auto hit = AnyHit(curves, o, d), inner = SlowHit(s, 0.9f, o, d), outer = SlowHit(s, 1.1f, o, d);
             hits += hit.has_value();
@@ -151,9 +146,7 @@ TEST(Curves, SurfacesKnowTheirDerivativesAndTurnAsTheirKindSays) {
             if (kind == CurveKind::Ribbon) normals = {n0, n1};
             Curves curves(kind, {s}, normals, Transform(), false), reversed(kind, {s}, normals, Transform(), true);
             for (int i = 0; i < 100; ++i) {
-                Point3 o;
-                Vector3 d;
-                RayNear(rng, s, &o, &d);
+                const auto [o, d] = RayNear(rng, s);
                 uint32_t primitive = 0;
                 auto hit = AnyHit(curves, o, d, &primitive);
                 if (!hit) continue;
@@ -209,9 +202,7 @@ TEST(Curves, TransformedCurvesAreHitLikeTransformedRays) {
                 if (kind == CurveKind::Ribbon) normals = {RandomDirection(rng), RandomDirection(rng)};
                 Curves object(kind, {s}, normals, Transform(), false), placed(kind, {s}, normals, t, false);
                 for (int i = 0; i < 100; ++i) {
-                    Point3 o;
-                    Vector3 d;
-                    RayNear(rng, s, &o, &d);
+                    const auto [o, d] = RayNear(rng, s);
                     uint32_t pa = 0, pb = 0;
                     auto a = AnyHit(object, o, d, &pa), b = AnyHit(placed, t.Point(o), t.Vector(d), &pb);
                     if (a.has_value() != b.has_value()) ++different;

@@ -1,10 +1,8 @@
 #include "pbrt/shapes/shape_factory.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 #include <zlib.h>
 
-#include <filesystem>
 #include <fstream>
 
 #include "pbrt/images/image.h"
@@ -13,12 +11,13 @@
 #include "pbrt/shapes/curves.h"
 #include "pbrt/shapes/mesh_sources.h"
 #include "support/errors.h"
+#include "support/folder_test.h"
 #include "support/param.h"
 
 namespace pbrt {
 namespace {
 
-class ShapeFactory : public testing::Test {
+class ShapeFactory : public test::FolderTest {
   protected:
     ShapeFactory() : params("Shape", FileLoc{}) {}
     void Floats(ParamType type, const char *name, std::vector<Float> v) {
@@ -101,8 +100,7 @@ TEST_F(ShapeFactory, PatchesDoNotReadTangents) {
 // An image of 4 x 2 pixels with one bright pixel in the lower row, second column. Bilinear interpolation spreads its
 // light by half a pixel.
 TEST_F(ShapeFactory, EmissionImagesSayWhereOnAPatchToSample) {
-    const std::string file =
-        (std::filesystem::temp_directory_path() / fmt::format("emission{}.exr", getpid())).string();
+    const std::string file = Path("emission.exr");
     Image image(PixelFormat::Float, {4, 2}, {"R", "G", "B"});
     image.Set({1, 1}, 1, 8);
     WriteImage(file, image);
@@ -129,7 +127,6 @@ TEST_F(ShapeFactory, EmissionImagesSayWhereOnAPatchToSample) {
     Make("bilinearmesh");
     ASSERT_EQ(sink.All().size(), 1u);
     test::ExpectWords(sink.All()[0].message, {"black"});
-    std::filesystem::remove(file);
 }
 
 TEST_F(ShapeFactory, EmissionImagesAreIgnoredOnMeshesWithUv) {
@@ -193,13 +190,11 @@ TEST_F(ShapeFactory, PlyFilesPlainAndGzipWithTrianglesAndQuads) {
         "3\n"
         "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n2 2 2\n4 0 1 2 3\n3 1 2 4\n"
         "5 0 1 2 3 4\n";
-    auto folder = std::filesystem::temp_directory_path() / ("pbrt_shape_factory_test_" + std::to_string(getpid()));
-    std::filesystem::create_directories(folder);
-    std::ofstream(folder / "plain.ply") << text;
-    gzFile gz = gzopen((folder / "named_plain.ply").c_str(), "wb");  // compressed, although the name does not say so
-    gzwrite(gz, text.data(), static_cast<unsigned>(text.size()));
+    Write("plain.ply", text);
+    gzFile gz = gzopen(Path("named_plain.ply").c_str(), "wb");  // compressed, although the name does not say so
+    gzputs(gz, text.c_str());
     gzclose(gz);
-    FileResolver files(folder);
+    FileResolver files(folder_);
     for (const char *name : {"plain.ply", "named_plain.ply"}) {
         ParamSet p("Shape \"plymesh\"", FileLoc{});
         p.Add(test::StringParam("filename", name));
@@ -211,7 +206,6 @@ TEST_F(ShapeFactory, PlyFilesPlainAndGzipWithTrianglesAndQuads) {
         EXPECT_TRUE(static_cast<const BilinearMesh &>(*shapes[1]).IsRectangle(0));
         EXPECT_EQ(warnings.All().size(), 1u);
     }
-    std::filesystem::remove_all(folder);
 }
 
 TEST_F(ShapeFactory, PlyMistakes) {
@@ -223,8 +217,7 @@ TEST_F(ShapeFactory, PlyMistakes) {
 }
 
 TEST_F(ShapeFactory, DisplacementErrorsPointAtTheParameterToBlame) {
-    const auto file =
-        std::filesystem::temp_directory_path() / ("pbrt_displacement_place_test_" + std::to_string(getpid()) + ".ply");
+    const std::string file = Path("displaced.ply");
     auto lineOf = [&](bool withUv) {
         std::ofstream(file) << "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
                                "property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
@@ -245,19 +238,6 @@ TEST_F(ShapeFactory, DisplacementErrorsPointAtTheParameterToBlame) {
     };
     EXPECT_EQ(lineOf(true), 2);
     EXPECT_EQ(lineOf(false), 3);
-    std::filesystem::remove(file);
-}
-
-TEST_F(ShapeFactory, ConformanceMeshesAreRead) {
-    std::filesystem::path assets = std::filesystem::path(PBRT_SOURCE_DIR) / "../shared/conformance/scenes/assets";
-    if (!std::filesystem::exists(assets)) GTEST_SKIP() << "the conformance suite is not beside the repository";
-    for (const char *name : {"vase_ascii.ply", "shell_binary.ply", "saddle_quads.ply", "wave_mixed.ply.gz"}) {
-        ParamSet p("Shape \"plymesh\"", FileLoc{});
-        p.Add(test::StringParam("filename", name));
-        auto shapes = Make("plymesh", p, sink, FileResolver(assets));
-        EXPECT_EQ(shapes.size(), std::string(name) == "wave_mixed.ply.gz" ? 2u : 1u) << name;
-    }
-    EXPECT_TRUE(sink.All().empty());
 }
 
 TEST_F(ShapeFactory, WhatEmbreeIsGivenLiesWithinItsReach) {

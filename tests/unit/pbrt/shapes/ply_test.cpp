@@ -75,22 +75,6 @@ TEST(Ply, AsciiAndBothByteOrdersGiveTheSameMesh) {
     CheckMesh(ParsePly(Binary(true), "b.ply"));
 }
 
-TEST(Ply, EveryUvNameIsRead) {
-    for (auto [u, v] : {std::pair("u", "v"), {"s", "t"}, {"texture_u", "texture_v"}, {"texture_s", "texture_t"}}) {
-        std::string s = fmt::format(
-            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty "
-            "float "
-            "{}\nproperty float {}\nelement face 1\nproperty list uchar uint vertex_indices\nend_header\n0 0 0 0.25 "
-            "0.5\n1 0 "
-            "0 0 0\n0 1 0 0 0\n3 0 1 2\n",
-            u, v);
-        PlyMesh m = ParsePly(s, "uv.ply");
-        ASSERT_EQ(m.triangles.uv.size(), 3u);
-        EXPECT_EQ(m.triangles.uv[0], Point2(0.25f, 0.5f));
-        EXPECT_TRUE(m.quads.p.empty());
-    }
-}
-
 /// A triangle whose vertices have these float properties after x, y and z, with the values 1, 2, 3, ... at each.
 std::string WithProperties(const std::vector<std::string> &names) {
     std::string head =
@@ -108,6 +92,8 @@ TEST(Ply, FirstCompletePairOfTextureCoordinatesIsUsed) {
     auto uv = [](const std::vector<std::string> &names) {
         return ParsePly(WithProperties(names), "a.ply").triangles.uv;
     };
+    for (auto [u, v] : {std::pair("u", "v"), {"s", "t"}, {"texture_u", "texture_v"}, {"texture_s", "texture_t"}})
+        EXPECT_EQ(uv({u, v}), std::vector<Point2>(3, Point2(1, 2))) << u;
     EXPECT_EQ(uv({"u", "v", "s", "t"}).at(0), Point2(1, 2));
     EXPECT_EQ(uv({"s", "t", "u", "v"}).at(0), Point2(3, 4));
     EXPECT_EQ(uv({"texture_s", "texture_t", "texture_v", "texture_u"}).at(0), Point2(4, 3));

@@ -3,10 +3,10 @@
 #include <string>
 #include <vector>
 
-#include "pbrt/math/rng.h"
 #include "pbrt/shapes/bilinear_mesh.h"
 #include "pbrt/shapes/quadric.h"
 #include "pbrt/shapes/triangle_mesh.h"
+#include "support/sampling.h"
 
 namespace pbrt::test {
 
@@ -107,11 +107,6 @@ inline std::vector<ShapeCase> WholeAndPartCases() {
     std::vector<ShapeCase> cases = ShapeCases();
     for (ShapeCase &c : PartCases()) cases.push_back(std::move(c));
     return cases;
-}
-
-inline Vector3 RandomDirection(Rng &rng) {
-    Float z = 2 * rng.Uniform() - 1, phi = 2 * Pi * rng.Uniform();
-    return SphericalDirection(SafeSqrt(1 - z * z), z, phi);
 }
 
 }  // namespace pbrt::test

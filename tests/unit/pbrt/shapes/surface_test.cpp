@@ -100,7 +100,7 @@ Sides SidesOf(Make &&make, const Vector3 &reference) {
     Sides sides{};
     for (int i = 0; i < 4; ++i) {
         Transform t = i & 2 ? Transform::Scale({-1, 1, 1}) : Transform();
-        std::unique_ptr<Shape> shape = make(t, (i & 1) != 0);
+        const std::unique_ptr<Shape> shape = make(t, (i & 1) != 0);
         auto hit = shape->Intersect(0, {reference * Float(5), -reference}, 0);
         EXPECT_TRUE(hit);
         sides.hit[i] = Dot(shape->Surface(0, *hit).n, reference) > 0;
@@ -116,37 +116,30 @@ Sides SidesOf(Make &&make, const Vector3 &reference) {
     return sides;
 }
 
-TEST(Orientation, MeshesFlipByFlagXorHandednessInHitsAndSamples) {
-    auto triangle = [](const Transform &t, bool reverse) -> std::unique_ptr<Shape> {
-        return std::make_unique<TriangleMesh>(test::OnePrimitive({{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}}), t, reverse);
-    };
-    auto patch = [](const Transform &t, bool reverse) -> std::unique_ptr<Shape> {
-        return std::make_unique<BilinearMesh>(test::OnePrimitive({{-1, -1, 0}, {1, -1, 0}, {-1, 1, 0}, {1, 1, 0}}), t,
-                                              reverse);
-    };
-    for (const Sides &s : {SidesOf(triangle, {0, 0, 1}), SidesOf(patch, {0, 0, 1})})
-        for (int i = 0; i < 4; ++i) {
-            // The mirrored mesh faces the same way as the mirror image of the original (+z).
-            bool expected = (i & 1) == 0;
-            EXPECT_EQ(s.hit[i], expected) << i;
-            EXPECT_EQ(s.sample[i], expected) << i;
-        }
+template <class S, class... Args>
+Sides SidesOfA(const Vector3 &reference, const Args &...args) {
+    return SidesOf([&](const Transform &t, bool reverse) { return std::make_unique<S>(args..., t, reverse); },
+                   reference);
 }
 
-TEST(Orientation, QuadricsFlipByFlagXorHandednessInHitsAndSamples) {
-    // Hits flip as in stock pbrt-v4 (conformance scene shapes/orientation_and_mirroring). Samples flip by the flag XOR
-    // the handedness, too, while those of stock pbrt-v4 flip by the flag alone.
-    auto disk = [](const Transform &t, bool reverse) -> std::unique_ptr<Shape> {
-        return std::make_unique<Disk>(0.0f, 1.0f, 0.0f, 360.0f, t, reverse);
-    };
-    auto sphere = [](const Transform &t, bool reverse) -> std::unique_ptr<Shape> {
-        return std::make_unique<Sphere>(1.0f, -1.0f, 1.0f, 360.0f, t, reverse);
-    };
-    for (const Sides &s : {SidesOf(disk, {0, 0, 1}), SidesOf(sphere, Normalize(Vector3(1, 2, 1)))})
+/// Hits flip as in stock pbrt-v4 (conformance scene shapes/orientation_and_mirroring). Samples flip by the flag XOR the
+/// handedness, too, while those of stock's quadrics flip by the flag alone.
+TEST(Orientation, FlipsByFlagXorHandednessInHitsAndSamples) {
+    const Vector3 up(0, 0, 1);
+    const struct {
+        Sides sides;
+        bool isMesh;
+    } kCases[] = {
+        {SidesOfA<TriangleMesh>(up, test::OnePrimitive({{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}})), true},
+        {SidesOfA<BilinearMesh>(up, test::OnePrimitive({{-1, -1, 0}, {1, -1, 0}, {-1, 1, 0}, {1, 1, 0}})), true},
+        {SidesOfA<Disk>(up, 0.0f, 1.0f, 0.0f, 360.0f), false},
+        {SidesOfA<Sphere>(Normalize(Vector3(1, 2, 1)), 1.0f, -1.0f, 1.0f, 360.0f), false}};
+    for (const auto &[sides, isMesh] : kCases)
         for (int i = 0; i < 4; ++i) {
-            bool reverse = (i & 1) != 0, mirrored = (i & 2) != 0;
-            EXPECT_EQ(s.hit[i], reverse == mirrored) << i;
-            EXPECT_EQ(s.sample[i], reverse == mirrored) << i;
+            // A mirrored mesh faces the same way as the mirror image of the original (+z).
+            const bool reverse = (i & 1) != 0, mirrored = (i & 2) != 0, expected = reverse == (mirrored && !isMesh);
+            EXPECT_EQ(sides.hit[i], expected) << i;
+            EXPECT_EQ(sides.sample[i], expected) << i;
         }
 }
 

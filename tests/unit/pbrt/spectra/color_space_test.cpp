@@ -58,6 +58,11 @@ TEST(ColorSpace, SrgbMatrixIsTheStandardOne) {
     EXPECT_NEAR(m[2].y, 0.0722, 3e-4);
 }
 
+TEST(ColorSpace, WhiteOfRec2020IsThatOfStocksFiles) {
+    EXPECT_NEAR(ColorSpace::Find("rec2020")->White().x, 0.312727f, 2e-6);
+    EXPECT_NEAR(ColorSpace::Find("rec2020")->White().y, 0.329023f, 2e-6);
+}
+
 TEST(ColorSpace, ChromaticitiesFindTheirSpace) {
     for (const std::string &name : ColorSpace::Names()) {
         const ColorSpace &s = *ColorSpace::Find(name);
@@ -193,30 +198,10 @@ TEST(RgbSpectra, UnboundedAndIlluminantReproduceBrightColors) {
 
 // All kinds of float components: zeros, denormal numbers, the ends of the normal range, the bounds and beyond, infinity
 // and NaN.
-const Float kExtremes[] = {0.0f,
-                           -0.0f,
-                           1e-45f,
-                           1e-40f,
-                           1e-38f,
-                           1.18e-38f,
-                           1e-37f,
-                           1e-36f,
-                           1e-20f,
-                           1e-7f,
-                           0.3f,
-                           0.9999999f,
-                           1.0f,
-                           1.0001f,
-                           250.0f,
-                           1e20f,
-                           9.9e36f,
-                           3.4e38f,
-                           -1e-40f,
-                           -0.5f,
-                           -3e38f,
-                           std::numeric_limits<Float>::infinity(),
-                           -std::numeric_limits<Float>::infinity(),
-                           std::numeric_limits<Float>::quiet_NaN()};
+const Float kExtremes[] = {0.0f,    -0.0f,   1e-45f, 1e-40f,   1e-38f,    1.18e-38f,
+                           1e-37f,  1e-36f,  1e-20f, 1e-7f,    0.3f,      0.9999999f,
+                           1.0f,    1.0001f, 250.0f, 1e20f,    9.9e36f,   3.4e38f,
+                           -1e-40f, -0.5f,   -3e38f, Infinity, -Infinity, std::numeric_limits<Float>::quiet_NaN()};
 
 /// Calls `check` for all triples of kExtremes in every space.
 void ForExtremeColors(const std::function<void(const ColorSpace &, const Rgb &)> &check) {

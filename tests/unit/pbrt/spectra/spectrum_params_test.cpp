@@ -1,25 +1,17 @@
 #include "pbrt/spectra/spectrum_params.h"
 
-#include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <filesystem>
-#include <fstream>
-
 #include "support/errors.h"
+#include "support/folder_test.h"
 
 namespace pbrt {
 namespace {
 
-class SpectrumParams : public ::testing::Test {
+class SpectrumParams : public test::FolderTest {
   protected:
     SpectrumParams() {
         file_ = std::make_shared<SourceFile>(SourceFile{"test.pbrt", "Material\n"});
         params_ = ParamSet("Material \"diffuse\"", Loc(1));
-        folder_ = std::filesystem::temp_directory_path() / ("pbrt_spectra_" + std::to_string(getpid()));
-        std::filesystem::create_directories(folder_);
     }
-    ~SpectrumParams() override { std::filesystem::remove_all(folder_); }
 
     FileLoc Loc(int line) const { return {file_, line, 4}; }
     Param &Make(ParamType type, int line = 7) {
@@ -37,7 +29,6 @@ class SpectrumParams : public ::testing::Test {
         Make(ParamType::Spectrum).strings = {name};
         params_.Add(made_);
     }
-    void WriteFile(const std::string &name, const std::string &text) { std::ofstream(folder_ / name) << text; }
     SpectrumPtr Get(SpectrumUse use = SpectrumUse::Albedo) { return Get(SpectrumParam{use}); }
     SpectrumPtr Get(SpectrumParam param) {
         ParamReader reader(params_);
@@ -55,7 +46,6 @@ class SpectrumParams : public ::testing::Test {
     std::shared_ptr<const SourceFile> file_;
     ParamSet params_;
     Param made_;
-    std::filesystem::path folder_;
 };
 
 TEST_F(SpectrumParams, AbsentGivesTheDefault) {
@@ -80,32 +70,31 @@ TEST_F(SpectrumParams, RgbUsesTheColorSpaceOfItsPlace) {
     EXPECT_EQ((*Get())(610), wanted(610));
 }
 
-TEST_F(SpectrumParams, NegativeRgbIsAnError) {
-    AddFloats(ParamType::Rgb, {1, -1, 1});
-    test::ExpectWords(Failure(SpectrumUse::Illuminant), {"negative"});
-}
-
-TEST_F(SpectrumParams, InfiniteRgbIsAnError) {
-    AddFloats(ParamType::Rgb, {1, 0, Infinity});
-    for (SpectrumUse use : {SpectrumUse::Albedo, SpectrumUse::Unbounded, SpectrumUse::Illuminant})
-        test::ExpectWords(Failure(use), {"infinite or not a number"});
-}
-
-TEST_F(SpectrumParams, NegativeSamplesAreAnErrorForIlluminants) {
-    AddFloats(ParamType::Spectrum, {400, 0, 500, -1, 700, 1});
-    EXPECT_TRUE(Get(SpectrumUse::Unbounded));
-    test::ExpectWords(Failure(SpectrumUse::Illuminant), {"the value at 500 nm is -1"});
-}
-
-TEST_F(SpectrumParams, AlbedoAboveOneIsAnErrorForAlbedosOnly) {
-    AddFloats(ParamType::Rgb, {1.2f, 0.5f, 0.5f});
-    EXPECT_TRUE(Get(SpectrumUse::Unbounded));
-    test::ExpectWords(Failure(), {"above 1"});
-}
-
-TEST_F(SpectrumParams, RgbTakesThreeValues) {
-    AddFloats(ParamType::Rgb, {1, 1});
-    test::ExpectWords(Failure(), {"takes 3 values, found 2"});
+TEST_F(SpectrumParams, WrongValuesAreErrorsOfTheUse) {
+    using enum SpectrumUse;
+    struct Case {
+        ParamType type;
+        std::vector<Float> values;
+        std::vector<SpectrumUse> uses;  ///< that do not accept the values
+        std::string word;
+    };
+    const std::vector<SpectrumUse> all = {Albedo, Unbounded, Illuminant};
+    for (const Case &c : {Case{ParamType::Rgb, {1, -1, 1}, all, "negative"},
+                          {ParamType::Rgb, {1, 0, Infinity}, all, "infinite or not a number"},
+                          {ParamType::Rgb, {1, 1}, all, "takes 3 values, found 2"},
+                          {ParamType::Rgb, {1.2f, 0.5f, 0.5f}, {Albedo}, "above 1"},
+                          {ParamType::Spectrum, {400, 0, 500, -1, 700, 1}, {Illuminant}, "the value at 500 nm is -1"},
+                          {ParamType::Spectrum, {400, 0.5f, 700}, all, "odd number of values"},
+                          {ParamType::Spectrum, {400, 0.5f, 400, 1}, all, "must increase"}}) {
+        SCOPED_TRACE(c.word);
+        const ParamSet none = params_;
+        AddFloats(c.type, c.values);
+        for (SpectrumUse use : c.uses) test::ExpectWords(Failure(use), {c.word});
+        if (c.uses.size() == 1) {
+            EXPECT_TRUE(Get(Unbounded));
+        }
+        params_ = none;
+    }
 }
 
 TEST_F(SpectrumParams, Blackbody) {
@@ -125,31 +114,21 @@ TEST_F(SpectrumParams, SamplesAreLinearAndZeroOutside) {
     EXPECT_EQ((*s)(501), 0.0f);
 }
 
-TEST_F(SpectrumParams, OddSampleCountIsAnError) {
-    AddFloats(ParamType::Spectrum, {400, 0.5f, 700});
-    test::ExpectWords(Failure(), {"odd number of values"});
-}
-
-TEST_F(SpectrumParams, UnsortedWavelengthsAreAnError) {
-    AddFloats(ParamType::Spectrum, {400, 0.5f, 400, 1});
-    test::ExpectWords(Failure(), {"must increase"});
-}
-
 TEST_F(SpectrumParams, NamesAndFiles) {
     AddName("glass-BK7");
     EXPECT_EQ(Get(), NamedSpectrum("glass-BK7"));
-    WriteFile("s.spd", "# heading 1 2\n400 .5 # trailing\n  500\t1e0\n");
+    Write("s.spd", "# heading 1 2\n400 .5 # trailing\n  500\t1e0\n");
     AddName("s.spd");
     EXPECT_NEAR((*Get())(450), 0.75f, 1e-6);
     AddName("glass-BK8");
     test::ExpectWords(Failure(), {"glass-BK7"});
-    WriteFile("odd.spd", "400 1 500\n");
+    Write("odd.spd", "400 1 500\n");
     AddName("odd.spd");
     test::ExpectWords(Failure(), {"odd number of values"});
-    WriteFile("word.spd", "400 1\n500 red\n");
+    Write("word.spd", "400 1\n500 red\n");
     AddName("word.spd");
     test::ExpectWords(Failure(), {"word.spd:2"});
-    WriteFile("empty.spd", "# nothing\n");
+    Write("empty.spd", "# nothing\n");
     AddName("empty.spd");
     test::ExpectWords(Failure(), {"no samples"});
 }

@@ -1,16 +1,11 @@
 #include "pbrt/textures/image_texture.h"
 
-#include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <filesystem>
-
-#include "pbrt/core/error.h"
+#include "support/folder_test.h"
 
 namespace pbrt {
 namespace {
 
-class ImageCacheTest : public testing::Test {
+class ImageCacheTest : public test::FolderTest {
   protected:
     void SetUp() override {
         Image image(PixelFormat::U8, {256, 256}, {"R", "G", "B"});
@@ -20,15 +15,14 @@ class ImageCacheTest : public testing::Test {
                     image.Set({x, y}, c, static_cast<Float>((x * 7 + y * 13 + c * 50) % 256) / 256);
         WriteImage(key_.path, image);
     }
-    void TearDown() override { std::filesystem::remove(key_.path); }
     MipMapKey With(TextureFilter filter, Float maxAnisotropy = 8) const {
         MipMapKey key = key_;
         key.filter = filter;
         key.maxAnisotropy = maxAnisotropy;
         return key;
     }
-    MipMapKey key_{.path = std::filesystem::temp_directory_path() /
-                           ("pbrt_image_cache_" + std::to_string(getpid()) + ".png")};
+    MipMapKey key_{.path = Path("image.png")};
+};
 };
 
 TEST_F(ImageCacheTest, FiltersShareThePixels) {

@@ -1,11 +1,7 @@
 #include <gtest/gtest.h>
 
-#include <unistd.h>
-
-#include <filesystem>
-#include <fstream>
-
 #include "support/errors.h"
+#include "support/folder_test.h"
 #include "texture_test_support.h"
 
 namespace pbrt {
@@ -23,34 +19,28 @@ TextureContext AtUv(Float u, Float v) {
     return ctx;
 }
 
-/// A folder with two images of 2 x 2 pixels, removed after the test.
-class ImageTexture : public testing::Test {
+/// A folder with images of 2 x 2 pixels.
+class ImageTexture : public test::FolderTest {
   protected:
     void SetUp() override {
-        directory_ = std::filesystem::temp_directory_path() / ("pbrt_texture_test_" + std::to_string(getpid()));
-        std::filesystem::create_directories(directory_);
         // Colours: red and green in the top row, blue and grey in the bottom row. Greys: 0.1 and 0.2 in the top row,
         // 0.3 and 0.4 in the bottom row.
         Write("color.pfm", "PF", {0, 0, 1, .5f, .5f, .5f, 1, 0, 0, 0, 1, 0});
         Write("grey.pfm", "Pf", {.3f, .4f, .1f, .2f});
         Write("bright.pfm", "PF", {3, .25f, .5f, 3, .25f, .5f, 3, .25f, .5f, 3, .25f, .5f});
     }
-    void TearDown() override { std::filesystem::remove_all(directory_); }
-    std::string File(const std::string &name) const { return (directory_ / name).string(); }
 
   private:
     /// Writes a PFM file, which stores the bottom row first.
     void Write(const std::string &name, const char *kind, const std::vector<float> &values) {
-        std::ofstream out(directory_ / name, std::ios::binary);
-        out << kind << "\n2 2\n-1.0\n";
-        out.write(reinterpret_cast<const char *>(values.data()), static_cast<long>(values.size() * sizeof(float)));
+        const std::string bytes(reinterpret_cast<const char *>(values.data()), values.size() * sizeof(float));
+        FolderTest::Write(name, std::string(kind) + "\n2 2\n-1.0\n" + bytes);
     }
-    std::filesystem::path directory_;
 };
 
 TEST_F(ImageTexture, ZeroVIsTheBottomRow) {
     Bench b;
-    b.Define("t", false, "imagemap", Params().S("filename", {File("grey.pfm")}));
+    b.Define("t", false, "imagemap", Params().S("filename", {Path("grey.pfm")}));
     auto t = b.FloatTex("t");
     EXPECT_FLOAT_EQ(t->Evaluate(AtUv(.25f, .25f)), .3f);
     EXPECT_FLOAT_EQ(t->Evaluate(AtUv(.75f, .25f)), .4f);
@@ -60,7 +50,7 @@ TEST_F(ImageTexture, ZeroVIsTheBottomRow) {
 
 TEST_F(ImageTexture, ScaleComesBeforeInversion) {
     Bench b;
-    auto file = [&] { return Params().S("filename", {File("grey.pfm")}); };
+    auto file = [&] { return Params().S("filename", {Path("grey.pfm")}); };
     b.Define("scaled", false, "imagemap", file().F("scale", 2));
     b.Define("inverted", false, "imagemap", file().F("scale", 3).B("invert", true));
     b.Define("again", false, "scale", Params().Tex("tex", "inverted").F("scale", 0.5f));
@@ -73,7 +63,7 @@ TEST_F(ImageTexture, ScaleComesBeforeInversion) {
 
 TEST_F(ImageTexture, ColorsAreUpliftedForTheirUse) {
     Bench b;
-    b.Define("t", true, "imagemap", Params().S("filename", {File("bright.pfm")}).F("scale", 0.5f));
+    b.Define("t", true, "imagemap", Params().S("filename", {Path("bright.pfm")}).F("scale", 0.5f));
     const ColorSpace &cs = ColorSpace::SRGB();
     Rgb rgb(1.5f, .125f, .25f);
     ExpectNear(b.SpectrumTex("t")->Evaluate(AtUv(.5f, .5f), kImageLambda),
@@ -86,8 +76,8 @@ TEST_F(ImageTexture, ColorsAreUpliftedForTheirUse) {
 
 TEST_F(ImageTexture, ColorFollowsTheTexel) {
     Bench b;
-    b.Define("t", true, "imagemap", Params().S("filename", {File("color.pfm")}).S("filter", {"point"}));
-    b.Define("i", true, "imagemap", Params().S("filename", {File("color.pfm")}).B("invert", true));
+    b.Define("t", true, "imagemap", Params().S("filename", {Path("color.pfm")}).S("filter", {"point"}));
+    b.Define("i", true, "imagemap", Params().S("filename", {Path("color.pfm")}).B("invert", true));
     const ColorSpace &cs = ColorSpace::SRGB();
     auto albedo = [&](Float r, Float g, Float bl) { return RgbAlbedoSpectrum(cs, Rgb(r, g, bl)).Sample(kImageLambda); };
     ExpectNear(b.SpectrumTex("t")->Evaluate(AtUv(.25f, .75f), kImageLambda), albedo(1, 0, 0));
@@ -98,15 +88,15 @@ TEST_F(ImageTexture, ColorFollowsTheTexel) {
 
 TEST_F(ImageTexture, WrapBlackAndClampReachBeyondTheImage) {
     Bench b;
-    b.Define("black", false, "imagemap", Params().S("filename", {File("grey.pfm")}).S("wrap", {"black"}));
-    b.Define("clamp", false, "imagemap", Params().S("filename", {File("grey.pfm")}).S("wrap", {"clamp"}));
+    b.Define("black", false, "imagemap", Params().S("filename", {Path("grey.pfm")}).S("wrap", {"black"}));
+    b.Define("clamp", false, "imagemap", Params().S("filename", {Path("grey.pfm")}).S("wrap", {"clamp"}));
     EXPECT_EQ(b.FloatTex("black")->Evaluate(AtUv(1.75f, .75f)), 0);
     EXPECT_FLOAT_EQ(b.FloatTex("clamp")->Evaluate(AtUv(1.75f, 1.75f)), .2f);
 }
 
 TEST_F(ImageTexture, FootprintReachesTheFilter) {
     Bench b;
-    b.Define("t", false, "imagemap", Params().S("filename", {File("grey.pfm")}).S("filter", {"trilinear"}));
+    b.Define("t", false, "imagemap", Params().S("filename", {Path("grey.pfm")}).S("filter", {"trilinear"}));
     TextureContext ctx = AtUv(.25f, .25f);
     ctx.dudx = ctx.dvdy = 10;
     EXPECT_NEAR(b.FloatTex("t")->Evaluate(ctx), .25f, 1e-4f);
@@ -114,7 +104,7 @@ TEST_F(ImageTexture, FootprintReachesTheFilter) {
 
 TEST_F(ImageTexture, MissingFileIsReportedOnceAndCounted) {
     Bench b;
-    b.Define("t", true, "imagemap", Params("Texture \"t\"", 5).F("scale", 1).S("filename", {File("none.png")}));
+    b.Define("t", true, "imagemap", Params("Texture \"t\"", 5).F("scale", 1).S("filename", {Path("none.png")}));
     b.SpectrumTex("t");
     b.SpectrumTex("t", SpectrumUse::Unbounded);
     ASSERT_EQ(b.Errors(), 1u);
@@ -135,9 +125,9 @@ TEST_F(ImageTexture, ANameThatNoFileCanHaveIsAMissingFile) {
 }
 
 TEST_F(ImageTexture, UnreadableFileIsLocated) {
-    std::ofstream(File("broken.png")) << "no image";
+    std::ofstream(Path("broken.png")) << "no image";
     Bench b;
-    b.Define("t", false, "imagemap", Params().S("filename", {File("broken.png")}));
+    b.Define("t", false, "imagemap", Params().S("filename", {Path("broken.png")}));
     b.FloatTex("t");
     ASSERT_EQ(b.Errors(), 1u);
     EXPECT_EQ(b.Last().loc.line, 2);
@@ -147,7 +137,7 @@ TEST_F(ImageTexture, UnreadableFileIsLocated) {
 TEST_F(ImageTexture, UnknownChoicesAreErrors) {
     for (const char *name : {"filter", "wrap", "encoding"}) {
         Bench b;
-        b.Define("t", false, "imagemap", Params().S("filename", {File("grey.pfm")}).S(name, {"nonsense"}));
+        b.Define("t", false, "imagemap", Params().S("filename", {Path("grey.pfm")}).S(name, {"nonsense"}));
         b.FloatTex("t");
         ASSERT_EQ(b.Errors(), 1u) << name;
         EXPECT_EQ(b.Last().loc.line, 3) << name;
@@ -161,13 +151,13 @@ TEST_F(ImageTexture, UnknownChoicesAreErrors) {
 
 TEST_F(ImageTexture, ManyImagesKeepTheirOwnContentAndErrors) {
     Bench b;
-    std::ofstream(File("broken.pfm")) << "no image";
+    std::ofstream(Path("broken.pfm")) << "no image";
     for (const char *name : {"grey.pfm", "color.pfm", "none.pfm", "broken.pfm", "bright.pfm"})
-        b.Define(name, false, "imagemap", Params(name).S("filename", {File(name)}).S("filter", {"point"}));
+        b.Define(name, false, "imagemap", Params(name).S("filename", {Path(name)}).S("filter", {"point"}));
     b.Define("later", false, "constant", Params());
     EXPECT_FLOAT_EQ(b.FloatTex("grey.pfm")->Evaluate(AtUv(.25f, .25f)), .3f);
     EXPECT_EQ(b.Errors(), 0u);
-    b.Define("late.pfm", false, "imagemap", Params().S("filename", {File("grey.pfm")}).S("wrap", {"clamp"}));
+    b.Define("late.pfm", false, "imagemap", Params().S("filename", {Path("grey.pfm")}).S("wrap", {"clamp"}));
     EXPECT_FLOAT_EQ(b.FloatTex("late.pfm")->Evaluate(AtUv(.75f, .75f)), .2f);
     EXPECT_FLOAT_EQ(b.FloatTex("bright.pfm")->Evaluate(AtUv(.75f, .75f)), 3);
     b.textures.CheckAll();
@@ -178,10 +168,10 @@ TEST_F(ImageTexture, BytesAreDecodedAsTheParameterSays) {
     const Float stored = 128.f / 255;
     Image grey(PixelFormat::Float, {2, 2}, {"Y"});
     for (int i = 0; i < 4; ++i) grey.Set({i & 1, i >> 1}, 0, ColorEncoding{}.ToLinear(stored));
-    WriteImage(File("grey.png"), grey);
+    WriteImage(Path("grey.png"), grey);
     auto value = [&](Params params) {
         Bench b;
-        b.Define("t", false, "imagemap", params.S("filename", {File("grey.png")}));
+        b.Define("t", false, "imagemap", params.S("filename", {Path("grey.png")}));
         return b.FloatTex("t")->Evaluate(AtUv(.5f, .5f));
     };
     EXPECT_NEAR(value(Params()), ColorEncoding{}.ToLinear(stored), 1e-3f);

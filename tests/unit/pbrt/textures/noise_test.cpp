@@ -9,9 +9,7 @@ namespace pbrt {
 namespace {
 
 using test::Bench;
-using test::Catch;
 using test::Params;
-using test::Thrown;
 
 Point3 RandomPoint(Rng &rng, Float extent) {
     Float x = rng.Uniform(), y = rng.Uniform(), z = rng.Uniform();
@@ -220,9 +218,6 @@ TEST(NoiseTextures, MistakesAreErrors) {
     ASSERT_EQ(b.Errors(), 2u);
     EXPECT_EQ(b.sink.All()[0].loc.line, 11);
     EXPECT_EQ(b.sink.All()[1].loc.line, 20);
-    const Thrown t = Catch([&] { b.Define("p", true, "ptex", Params("Texture \"p\"", 30)); });
-    EXPECT_EQ(t.line, 30);
-    EXPECT_TRUE(t.Says("Ptex") && t.Says("imagemap")) << t.message;
 }
 
 }  // namespace

@@ -82,19 +82,6 @@ class Params {
     int line_;
 };
 
-/// The message and line of the UserError that `f` throws; the line is -1 if it throws none.
-struct Thrown {
-    std::string message;
-    int line = -1;
-    bool Says(const std::string &text) const { return message.find(text) != std::string::npos; }
-};
-template <class F>
-Thrown Catch(F &&f) {
-    const Diagnostic error = ErrorOf(f);
-    if (error.message.empty()) return {};
-    return {error.message, error.loc.line};
-}
-
 /// A texture library with the objects that it needs.
 struct Bench {
     DiagnosticSink sink;

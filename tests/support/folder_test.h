@@ -12,11 +12,11 @@
 
 namespace pbrt::test {
 
-/// Gives every test its own temporary folder.
+/// Gives every test its own temporary folder, which is removed at the end.
 class FolderTest : public ::testing::Test {
   protected:
     FolderTest() {
-        std::string name = (std::filesystem::temp_directory_path() / "pbrt_core_XXXXXX").string();
+        std::string name = (std::filesystem::temp_directory_path() / "pbrt_test_XXXXXX").string();
         folder_ = mkdtemp(name.data());
     }
     ~FolderTest() override {
@@ -25,7 +25,9 @@ class FolderTest : public ::testing::Test {
         std::filesystem::remove_all(folder_, ignored);
     }
     std::string Path(const std::string &name) const { return (folder_ / name).string(); }
+    /// Writes a file, in a folder that need not exist. Returns its path.
     std::string Write(const std::string &name, const std::string &text) const {
+        std::filesystem::create_directories((folder_ / name).parent_path());
         std::ofstream(folder_ / name, std::ios::binary) << text;
         return Path(name);
     }

@@ -68,8 +68,9 @@ struct SamplePlan {
     /// are several, it holds the second half of the first block until that is complete, and is cleared then. Not
     /// stored.
     int halfBlock = 1;
-    double blockVariance = 0;   ///< of one sample, in relL2, by the two halves of the first block
-    double stratification = 0;  ///< blockVariance over that by the first two blocks, at least 1; 0: not yet known
+    double blockDeviation = 0;  ///< NoiseEstimate::deviation by the two halves of the first block
+    double stratification =
+        0;  ///< the square of its ratio to that by the first two blocks, at least 1; 0: not yet known
     int decisions = 0, uniformDecisions = 0;  ///< after the pilot, including the one that made this plan
     double gain = 0;                          ///< predicted by that one, see PredictGain
     bool isUniform = false;                   ///< that one plans towards equal numbers
@@ -91,7 +92,7 @@ struct SamplePlan {
         return before[cell] + (end > begin ? int(added * (average - begin) / (end - begin)) : 0);
     }
     void Visit(auto &archive) {
-        archive(begin, end, before, after, cost, decisions, uniformDecisions, gain, isUniform, blockVariance,
+        archive(begin, end, before, after, cost, decisions, uniformDecisions, gain, isUniform, blockDeviation,
                 stratification);
     }
     /// Returns the error of a plan that does not fit `average` and the film; empty if it does.
@@ -99,8 +100,8 @@ struct SamplePlan {
         bool isValid = begin >= 0 && begin <= average && average <= end && end <= kMaxCount &&
                        before.size() == after.size() && cost.size() == cells.Count() &&
                        (before.empty() || before.size() == cells.Count()) && uniformDecisions >= int(isUniform) &&
-                       uniformDecisions <= decisions && gain >= 0 && std::isfinite(gain) && blockVariance >= 0 &&
-                       std::isfinite(blockVariance) && stratification >= 0 && std::isfinite(stratification);
+                       uniformDecisions <= decisions && gain >= 0 && std::isfinite(gain) && blockDeviation >= 0 &&
+                       std::isfinite(blockDeviation) && stratification >= 0 && std::isfinite(stratification);
         double excess = 0;  // of samples over the average
         for (size_t i = 0; isValid && i < before.size(); ++i) {
             isValid = before[i] >= 0 && before[i] <= after[i] && after[i] <= kMaxCount &&

@@ -36,6 +36,14 @@ struct Halves {
         const double d = double(all.Get(p, c)) - double(half.Get(p, c));
         return d * d * n1 / (n - n1);
     }
+    /// Standard deviation of one sample in a cell, times its pixels.
+    double Deviation(size_t cell) const {
+        double sum = 0;
+        cells.ForPixels(cell, [&](Point2i pixel) {
+            for (int c = 0; c < 3; ++c) sum += Variance(pixel - low, c);
+        });
+        return std::sqrt(counts[cell] * sum * cells.PixelsIn(cell));
+    }
 };
 
 /// Relative squared error of each pixel. Its denominator excludes the pixel's outliers, which would hide their own
@@ -59,14 +67,12 @@ std::vector<double> RelativeErrors(const Halves &halves) {
     const double epsilon = RelL2Epsilon(halves.all);
     std::vector<double> errors(squares.size());
     forRows([&](Point2i p, size_t i) {
-        glm::dvec3 sum(0);
-        int count = 0;
-        for (const int y : {p.y - 1, p.y + 1})
-            for (const int x : {p.x - 1, p.x + 1})
-                if (x >= 0 && y >= 0 && x < size.x && y < size.y) {
-                    sum += squares[size_t(y) * size.x + x];
-                    ++count;
-                }
+        const Point2i low = glm::max(p - 2, Point2i(0)), high = glm::min(p + 2, size - 1);
+        glm::dvec3 sum = -squares[i];
+        int count = -1;
+        for (int y = low.y; y <= high.y; ++y)
+            for (int x = low.x + (low.x + y + p.x + p.y) % 2; x <= high.x; x += 2, ++count)
+                sum += squares[size_t(y) * size.x + x];
         for (int c = 0; c < 3; ++c) {
             const double around = sum[c] / std::max(1, count);
             const double term = halves.Variance(p, c) / (std::max(Sqr(smaller[i][c]), around) + epsilon) / 3;
@@ -193,6 +199,7 @@ std::optional<NoiseEstimate> EstimateNoise(const Film &film, const Film &half, c
         pixels.push_back(cells.PixelsIn(i));
         sums.push_back(sumOf(i, Infinity));
         estimate.relL2 += sums[i] / halves.counts[i] / double(errors.size());
+        estimate.deviation += halves.Deviation(i) / double(errors.size());
     }
     const std::vector<double> pixelsAround = WithNeighbours(cells, pixels), sumsAround = WithNeighbours(cells, sums);
     for (size_t i = 0; i < cells.Count(); ++i)
@@ -207,15 +214,6 @@ std::optional<NoiseEstimate> EstimateNoise(const Film &film, const Film &half, c
 }
 
 int PilotSamples(int planned) { return std::clamp((planned / 4 + 1) / 2 * 2, 2, kPilot); }
-
-double MeanVariance(const PixelCells &cells, const NoiseEstimate &estimate) {
-    double sum = 0, pixels = 0;
-    for (size_t i = 0; i < estimate.own.size(); ++i) {
-        sum += cells.PixelsIn(i) * estimate.own[i];
-        pixels += cells.PixelsIn(i);
-    }
-    return RatioOrZero(sum, pixels);
-}
 
 int HalfBlock(int planned, bool hasIndependentHalves) {
     // Powers of two, at which low-discrepancy sequences are stratified.

@@ -20,6 +20,9 @@ struct NoiseEstimate {
     /// `others` of the other colour, smoothed over neighbours. A cell's numbers of samples follow `others`, which are
     /// independent of its pixels: numbers that follow a pixel's own samples would bias it.
     std::vector<double> own, others;
+    /// Mean over the image of the standard deviation of one sample in a cell, absolute. Unlike `relL2` it does not
+    /// depend on the number of samples if these are independent, and outliers count little.
+    double deviation = 0;
 };
 
 /// `average`: samples per pixel of the films, see SamplePlan. Empty if a pixel lacks samples in one of the halves.
@@ -27,8 +30,6 @@ std::optional<NoiseEstimate> EstimateNoise(const Film &film, const Film &half, c
 
 /// Number of samples per pixel of all pixels before the first decision, in a render planned for `planned`.
 int PilotSamples(int planned);
-/// Mean over the pixels of NoiseEstimate::own.
-double MeanVariance(const PixelCells &cells, const NoiseEstimate &estimate);
 /// SamplePlan::halfBlock of a render planned for `planned`, at most half of the pilot.
 int HalfBlock(int planned, bool hasIndependentHalves);
 /// Average samples per pixel at the decision after the one at `done`: 3/2 of them, but `planned` is not skipped.

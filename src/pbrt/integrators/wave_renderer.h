@@ -128,13 +128,12 @@ class WaveRenderer {
         SamplePlan &plan = position_.plan;
         if (plan.begin == Done()) return;  // A resumed render has measured it.
         Gather();
-        const PixelCells cells(context_.film.PixelBounds());
-        const double variance = MeanVariance(cells, EstimateNoise(context_.film, *context_.half, plan, Done()).value());
+        const double deviation = EstimateNoise(context_.film, *context_.half, plan, Done()).value().deviation;
         if (Done() > plan.halfBlock) {
-            plan.stratification = variance > 0 ? std::max(1.0, plan.blockVariance / variance) : 1;
+            plan.stratification = deviation > 0 ? std::max(1.0, Sqr(plan.blockDeviation / deviation)) : 1;
             return;
         }
-        plan.blockVariance = variance;
+        plan.blockDeviation = deviation;
         StateWriter halfOfBlock;
         context_.half->TakeSums(halfOfBlock);
     }

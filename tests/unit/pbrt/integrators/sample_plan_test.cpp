@@ -272,7 +272,7 @@ TEST(SamplePlans, OfOtherFilmsAreInvalid) {
     EXPECT_EQ(good.CountAt(0, 6), 6);
     EXPECT_TRUE(good.Validate(cells, 9));
     EXPECT_TRUE(good.Validate(PixelCells({{0, 0}, {8, 8}}), 6));
-    for (int fault = 0; fault < 8; ++fault) {
+    for (int fault = 0; fault < 9; ++fault) {
         SamplePlan bad = good;
         if (fault == 0) bad.after[2] = bad.before[2] - 1;
         if (fault == 1) bad.after[2] = SamplePlan::kMaxCount + 1;
@@ -283,6 +283,7 @@ TEST(SamplePlans, OfOtherFilmsAreInvalid) {
         if (fault == 5) bad.isUniform = true;
         if (fault == 6) bad.uniformDecisions = bad.decisions + 1;
         if (fault == 7) bad.gain = std::nan("");
+        if (fault == 8) bad.stratification = -1;
         EXPECT_TRUE(bad.Validate(cells, 6)) << fault;
     }
 }

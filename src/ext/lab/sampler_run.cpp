@@ -77,7 +77,8 @@ bool SamplerRun::RenderTo(const RenderTarget &target, const std::function<void()
         const int taken = renderer_.Render(size);
         if (taken == 0) return false;
         const TimeSpent wave = watch.Elapsed();
-        spent_ += wave;
+        spent_.wall += wave.wall;
+        spent_.cpu += wave.cpu;
         secondsPerSample_ = wave.wall / taken;
         const RenderCounters counters = SumCounters();
         shadowRays_ += counters.shadowRays;

@@ -180,8 +180,7 @@ int RunInspect(const InspectOptions &options, const PluginRegistry &registry, Pr
     if (progress.Cancelled()) return 130;
     if (built.integrator->Directions()) {
         // The guide learns during rendering; the image is discarded.
-        RenderSettings settings = built.Settings();
-        RenderWaves(built.Rendering(progress), settings);
+        RenderWaves(built.Rendering(progress), built.Settings());
         if (progress.Cancelled()) return 130;
     }
     Inspection inspection =
@@ -191,14 +190,9 @@ int RunInspect(const InspectOptions &options, const PluginRegistry &registry, Pr
     Json about;
     about["scene"] = options.sceneFiles;
     about["sampler"] = built.lightSamplerName;
-    Json report = Json::object();
-    built.integrator->Lights()->Report(report);
-    about["samplerReport"] = report;
-    if (const DirectionSampling *guide = built.integrator->Directions()) {
-        report = Json::object();
-        guide->Report(report);
-        about["guideReport"] = report;
-    }
+    built.integrator->Lights()->Report(about["samplerReport"] = Json::object());
+    if (const DirectionSampling *guide = built.integrator->Directions())
+        guide->Report(about["guideReport"] = Json::object());
     about["commandLine"] = options.commandLine;
     about["version"] = VersionText();
     about["seed"] = built.seed;

@@ -36,43 +36,34 @@ void WritePicture(const std::string &path, const Image &image, double exposure) 
 }
 
 /// Per-pixel relative error as weighted by relL2, |x - r| / sqrt(r^2 + RelL2Epsilon), root mean square over R, G, B.
-std::vector<float> ErrorMap(const Image &image, const Image &reference) {
-    std::vector<float> map;
-    const Point2i resolution = image.Resolution();
+Image ErrorMap(const Image &image, const Image &reference) {
+    Image map(PixelFormat::Float, image.Resolution(), {"Y"});
     const double epsilon = RelL2Epsilon(reference);
-    map.reserve(resolution.x * resolution.y);
-    ForEachPixel(resolution, [&](int x, int y) {
+    ForEachPixel(image.Resolution(), [&](int x, int y) {
         double sum = 0;
         for (int c = 0; c < 3; ++c) {
             const double r = double(reference.Get({x, y}, c)), d = double(image.Get({x, y}, c)) - r;
             sum += d * d / (r * r + epsilon);
         }
-        map.push_back(std::isfinite(sum) ? float(std::sqrt(sum / 3)) : 0.f);
+        map.Set({x, y}, 0, std::isfinite(sum) ? Float(std::sqrt(sum / 3)) : 0);
     });
     return map;
 }
 
 /// Colour scale limit for several maps: the maximum of their 99th percentiles.
-double ChooseErrorScale(std::span<const std::vector<float>> maps) {
+double ChooseErrorScale(std::span<const Image> maps) {
     double most = 0;
-    for (const std::vector<float> &map : maps) most = std::max(most, Percentile(map, 0.99));
+    for (const Image &map : maps) {
+        const auto *values = static_cast<const float *>(map.Data());
+        most = std::max(most, Percentile(std::vector<float>(values, values + map.ValueCount()), 0.99));
+    }
     return most > 0 ? most : 1;
-}
-
-/// Writes the map in false colours from 0 to `most`.
-void WriteErrorPicture(const std::string &path, const std::vector<float> &map, Point2i resolution, double most) {
-    Image values(PixelFormat::Float, resolution, {"Y"});
-    size_t i = 0;
-    ForEachPixel(resolution, [&](int x, int y) { values.Set({x, y}, 0, map[i++]); });
-    FalseColorStyle style;
-    style.most = Float(most);
-    WriteImage(path, FalseColor(values, 0, style));
 }
 
 /// Up to three disjoint square crops that maximize the difference between the samplers' largest and smallest RMS error.
 /// Side: 64 pixels (a quarter of the shorter side in small images, at least 8). `maps`: one per sampler. Candidates lie
 /// on a grid of half their width; ties go to the upper left.
-std::vector<Bounds2i> ChooseCrops(std::span<const std::vector<float>> maps, Point2i resolution) {
+std::vector<Bounds2i> ChooseCrops(std::span<const Image> maps, Point2i resolution) {
     const int shorter = std::min(resolution.x, resolution.y);
     const int side = std::min(shorter, std::min(64, std::max(8, shorter / 4)));
     const int step = std::max(1, side / 2);
@@ -85,9 +76,9 @@ std::vector<Bounds2i> ChooseCrops(std::span<const std::vector<float>> maps, Poin
         for (int x = 0; x + side <= resolution.x; x += step) {
             const Bounds2i square{{x, y}, {x + side, y + side}};
             double least = std::numeric_limits<double>::infinity(), most = 0;
-            for (const std::vector<float> &map : maps) {
+            for (const Image &map : maps) {
                 double sum = 0;
-                ForEachPixel(square, [&](int u, int v) { sum += Sqr(double(map[v * resolution.x + u])); });
+                ForEachPixel(square, [&](int u, int v) { sum += Sqr(double(map.Get({u, v}, 0))); });
                 least = std::min(least, sum);
                 most = std::max(most, sum);
             }
@@ -195,7 +186,6 @@ void AddViews(const ExperimentSettings &settings, const RecordFolder &records, J
 void WritePictures(const ExperimentSettings &settings, const LabScene &scene, const References &references,
                    const std::vector<std::vector<Image>> &pictures, Json *json) {
     const double exposure = ChooseExposure(references.all[0].image);
-    const Point2i resolution = references.all[0].image.Resolution();
     (*json)["references"] = Json::array();
     for (size_t i = 0; i < references.all.size(); ++i) {
         const Reference &r = references.all[i];
@@ -217,22 +207,25 @@ void WritePictures(const ExperimentSettings &settings, const LabScene &scene, co
                                          {"noise", r.noise ? Json(*r.noise) : Json()},
                                          {"source", r.source}});
     }
-    std::vector<std::vector<float>> maps, shared;
+    std::vector<Image> maps, shared;
     for (size_t i = 0; i < settings.samplers.size(); ++i) {
         maps.push_back(ErrorMap(pictures[i].front(), references.all[references.ofSampler[i]].image));
         if (!settings.samplers[i].IsOracle()) shared.push_back(maps.back());
     }
     const double scale = ChooseErrorScale(maps);
+    FalseColorStyle style;
+    style.most = Float(scale);
     for (size_t i = 0; i < settings.samplers.size(); ++i) {
         const std::string folder = settings.outFolder + "/" + settings.samplers[i].folder;
         WritePicture(folder + "/result.png", pictures[i].front(), exposure);
         WriteRangePicture(folder + "/result.hdr", pictures[i].front());
-        WriteErrorPicture(folder + "/error.png", maps[i], resolution, scale);
+        WriteImage(folder + "/error.png", FalseColor(maps[i], 0, style));
     }
     (*json)["exposure"] = exposure;
     (*json)["errorScale"] = scale;
     (*json)["crops"] = Json::array();
-    const std::vector<Bounds2i> crops = settings.crops.empty() ? ChooseCrops(shared, resolution) : settings.crops;
+    const std::vector<Bounds2i> crops =
+        settings.crops.empty() ? ChooseCrops(shared, references.all[0].image.Resolution()) : settings.crops;
     for (size_t i = 0; i < crops.size(); ++i)
         (*json)["crops"].push_back({{"name", std::string(1, char('a' + i % 26))},
                                     {"x0", crops[i].low.x},

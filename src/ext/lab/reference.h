@@ -19,16 +19,13 @@ class ExperimentDisplay {
     void SetAfter(double seconds) { after_ = seconds; }
     /// `left`: estimated seconds of the current phase; negative: unknown.
     void Show(double left) {
-        const Clock::time_point now = Clock::now();
-        if (!sink_ || now - shown_ < std::chrono::milliseconds(200)) return;
-        shown_ = now;
-        const double elapsed = std::chrono::duration<double>(now - start_).count();
-        const bool isKnown = left >= 0;
-        const double all = isKnown ? left + after_ : -1;
-        sink_->Show(phase_, isKnown ? elapsed / std::max(elapsed + all, 1e-9) : 0, elapsed, all);
+        if (!sink_ || SecondsSince(shown_) < 0.2) return;
+        shown_ = Clock::now();
+        const double elapsed = SecondsSince(start_), all = left >= 0 ? left + after_ : -1;
+        sink_->Show(phase_, left >= 0 ? elapsed / std::max(elapsed + all, 1e-9) : 0, elapsed, all);
     }
     void Finish() {
-        if (sink_) sink_->PhaseDone("experiment", std::chrono::duration<double>(Clock::now() - start_).count());
+        if (sink_) sink_->PhaseDone("experiment", SecondsSince(start_));
     }
 
   private:

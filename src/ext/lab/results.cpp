@@ -32,12 +32,6 @@ std::vector<CurvePoint> Curve(const SamplerResult &sampler, bool bySamples) {
     return MeanCurve(curves);
 }
 
-double MeanOver(const std::vector<RunRecord> &runs, auto &&value) {
-    double sum = 0;
-    for (const RunRecord &run : runs) sum += value(run);
-    return runs.empty() ? 0 : sum / double(runs.size());
-}
-
 /// CPU seconds per sample per pixel, over all runs. A run's first sample warms up caches and cells filled on demand.
 double CpuPerSample(const std::vector<RunRecord> &runs) {
     double cpu = 0, samples = 0;
@@ -77,7 +71,11 @@ double PrepassSeconds(const RunRecord &run) { return ReportNumber(run.report, "p
 
 void SummarizeOne(SamplerResult *s) {
     const auto last = [](const RunRecord &run) -> const RoundRecord & { return run.rounds.back(); };
-    const auto mean = [&](auto &&value) { return MeanOver(s->runs, value); };
+    const auto mean = [&](auto &&value) {
+        double sum = 0;
+        for (const RunRecord &run : s->runs) sum += value(run);
+        return sum / double(s->runs.size());
+    };
     s->samples = mean([&](const RunRecord &r) { return double(last(r).samples); });
     s->prepareSeconds = mean([](const RunRecord &r) { return r.prepare.wall; });
     s->cpuPerSample = CpuPerSample(s->runs);

@@ -3,9 +3,7 @@
 
 #include <cmath>
 
-#include "ext/lab/measures.h"
 #include "ext/lab/results.h"
-#include "ext/lab/text_output.h"
 #include "pbrt/core/error.h"
 
 namespace ext::lab {

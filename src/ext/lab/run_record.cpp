@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <fstream>
 
-#include "pbrt/core/error.h"
 #include "pbrt/core/files.h"
 
 namespace ext::lab {

@@ -11,11 +11,6 @@ namespace ext::lab {
 /// Monotonic clock seconds, and CPU seconds of all threads of the process.
 struct TimeSpent {
     double wall = 0, cpu = 0;
-    TimeSpent &operator+=(const TimeSpent &o) {
-        wall += o.wall;
-        cpu += o.cpu;
-        return *this;
-    }
 };
 
 class Stopwatch {

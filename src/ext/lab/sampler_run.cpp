@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ext/lab/tile_statistics.h"
 #include "pbrt/core/counters.h"
 #include "pbrt/core/error.h"
 #include "pbrt/core/files.h"
@@ -77,7 +76,8 @@ bool SamplerRun::RenderTo(const RenderTarget &target, const std::function<void()
         const int taken = renderer_.Render(size);
         if (taken == 0) return false;
         const TimeSpent wave = watch.Elapsed();
-        spent_ += wave;
+        spent_.wall += wave.wall;
+        spent_.cpu += wave.cpu;
         secondsPerSample_ = wave.wall / taken;
         const RenderCounters counters = SumCounters();
         shadowRays_ += counters.shadowRays;
@@ -110,9 +110,7 @@ void SamplerRun::SaveFilm(const std::string &path) const {
 
 bool IsFinite(const Image &picture) {
     bool isFinite = true;
-    ForEachPixel(picture.Resolution(), [&](int x, int y) {
-        for (int c = 0; c < 3; ++c) isFinite = isFinite && std::isfinite(picture.Get({x, y}, c));
-    });
+    ForEachValue(picture, [&](Point2i p, int c) { isFinite = isFinite && std::isfinite(picture.Get(p, c)); });
     return isFinite;
 }
 

@@ -53,7 +53,7 @@ class SamplerRun {
 RunRecord TakeUpRun(const RecordFolder &records, const LabScene &scene, const std::string &sampler, int seed,
                     size_t checkpoints, const std::string &picture);
 
-/// True if all pixels of R, G and B are finite.
+/// True if all values are finite.
 bool IsFinite(const Image &picture);
 
 /// True if the image is readable and has finite R, G and B at this resolution.

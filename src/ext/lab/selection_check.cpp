@@ -192,7 +192,8 @@ std::string RoundedPercent(double share) {
 std::optional<SelectionReport> CheckSelection(const SelectionVertices &vertices, const LightSampler &lights,
                                               const SelectionSettings &settings, Progress &progress) {
     SelectionReport report;
-    const double count = double(vertices.VertexCount());
+    double count = 0;
+    for (size_t r = 0; r < vertices.RegionCount(); ++r) count += double(vertices.OfRegion(r).size());
     for (int draws = kMinDraws; draws <= kMaxDraws; draws *= 4) {
         std::vector<std::vector<VertexFinding>> regions(vertices.RegionCount());
         progress.BeginPhase("checking light selection", regions.size());

@@ -83,7 +83,6 @@ class SelectionVertices {
     size_t RegionCount() const { return regions_.size(); }
     int PathsPerRegion() const { return paths_; }
     const LightTable &Lights() const { return lights_; }
-    size_t VertexCount() const;
 
   private:
     explicit SelectionVertices(const LightTable &lights) : lights_(lights) {}

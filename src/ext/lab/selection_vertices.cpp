@@ -218,10 +218,4 @@ SelectionVertices SelectionVertices::Measure(const BuiltScene &built, int seed, 
     return measured;
 }
 
-size_t SelectionVertices::VertexCount() const {
-    size_t count = 0;
-    for (const auto &region : regions_) count += region.size();
-    return count;
-}
-
 }  // namespace ext::lab

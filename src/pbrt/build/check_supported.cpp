@@ -38,14 +38,10 @@ void LeaveOutMedia(SceneDescription &d) {
     d.media.clear();
     d.camera.medium.clear();
     for (LightEntity &light : d.lights) light.medium.clear();
-    auto leaveOut = [](std::vector<ShapeEntity> &shapes) {
-        for (ShapeEntity &s : shapes) {
-            s.insideMedium.clear();
-            s.outsideMedium.clear();
-        }
-    };
-    leaveOut(d.shapes);
-    for (ObjectEntity &o : d.objects) leaveOut(o.shapes);
+    ForEachShape(d, [](ShapeEntity &s) {
+        s.insideMedium.clear();
+        s.outsideMedium.clear();
+    });
 }
 
 }  // namespace
@@ -95,13 +91,10 @@ std::vector<std::string> CheckSupported(SceneDescription &d, BuildOptions &optio
         t.params = ParamSet("Texture \"constant\"", t.loc);
         t.params.Add(std::move(half));
     }
-    auto shape = [&](const ShapeEntity &s) {
+    ForEachShape(d, [&](const ShapeEntity &s) {
         if (s.type == "curve" && s.areaLight >= 0)
             sink.Error(s.loc, "Shape \"curve\" cannot be an area light (nor can it in stock pbrt-v4).");
-    };
-    for (const ShapeEntity &s : d.shapes) shape(s);
-    for (const ObjectEntity &o : d.objects)
-        for (const ShapeEntity &s : o.shapes) shape(s);
+    });
     return leftOut;
 }
 

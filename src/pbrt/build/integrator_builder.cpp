@@ -16,11 +16,6 @@ std::optional<LightSelection> ReadLights(const ParamSet &set, const IntegratorRe
     return ReadLightSelection(set, flags, r.registry, r.sink, defaults);
 }
 
-std::unique_ptr<LightSampler> MakeLights(const LightSamplerSpec &chosen, const PluginRegistry &registry,
-                                         const LightTable &table) {
-    return registry.Make(*chosen.entry, table, chosen.params, chosen.meshLights);
-}
-
 namespace {
 
 struct PathParams : DepthParams {
@@ -65,7 +60,7 @@ IntegratorSettings MakePath(const WithAdaptive<PathParams> &p, const ParamSet &s
         PathSettings mine = path;
         mine.subsurface = isVolume && scene.HasSubsurface();
         mine.tracksMedia = isVolume && scene.HasMedia();
-        std::unique_ptr<LightSampler> sampler = MakeLights(lights, registry, scene.Lights());
+        std::unique_ptr<LightSampler> sampler = lights.Make(registry, scene.Lights());
         std::unique_ptr<DirectionSampling> learned;
         if (directions.entry && (isGuided || sampler->LearnsRoulette()))
             learned = directions.entry->make(directions.params, DirectionRequest{isGuided});

@@ -93,8 +93,6 @@ struct DepthParams {
 /// Parses an integrator's light sampler; empty on errors, which are in the sink.
 std::optional<LightSelection> ReadLights(const ParamSet &set, const IntegratorReading &r,
                                          const LightSelectionParams &defaults = {});
-std::unique_ptr<LightSampler> MakeLights(const LightSamplerSpec &chosen, const PluginRegistry &registry,
-                                         const LightTable &table);
 
 /// lightpath, bdpt, mlt, sppm.
 void AddLightPathIntegrators(IntegratorTable &table);

@@ -99,8 +99,8 @@ void AddShooting(IntegratorTable &table, const char *name, const char *summary, 
                          shooting = *settings.shooting](const PathContext &context,
                                                         const ColorSpace &) -> std::unique_ptr<Integrator> {
             const LightTable &all = context.scene.Lights();
-            OwnedSampler sampler = lights ? MakeLights(lights->sampler, registry, all) : nullptr;
-            return make(context, std::move(sampler), MakeLights(shooting, registry, all));
+            OwnedSampler sampler = lights ? lights->sampler.Make(registry, all) : nullptr;
+            return make(context, std::move(sampler), shooting.Make(registry, all));
         };
         return settings;
     };

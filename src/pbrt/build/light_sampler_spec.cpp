@@ -183,11 +183,9 @@ void DeclareLightParams(ParamReader &reader, const PluginRegistry &registry, boo
 
 DirectionSpec ReadDirections(const ParamSet &integrator, const std::optional<ParamSet> &added,
                              const PluginRegistry &registry, DiagnosticSink &sink) {
-    DirectionSpec spec;
-    spec.entry = &FindGuide(registry, integrator.Loc());
-    spec.params =
-        ChosenParams("the guide", *spec.entry, integrator, integrator.Loc(), added ? *added : ParamSet(), sink);
-    return spec;
+    const FileLoc &loc = integrator.Loc();
+    const DirectionSamplings::Entry &entry = FindGuide(registry, loc);
+    return {&entry, ChosenParams("the guide", entry, integrator, loc, added.value_or(ParamSet()), sink)};
 }
 
 std::optional<LightSelection> ReadLightSelection(const ParamSet &integrator, const LightFlags &flags,

@@ -12,6 +12,9 @@ struct LightSamplerSpec {
     ParamSet params;  ///< "name.key" parameters only
     /// "octree", or "bvh+meshlights".
     std::string Label() const { return meshLights ? entry->name + "+meshlights" : entry->name; }
+    std::unique_ptr<LightSampler> Make(const PluginRegistry &registry, const LightTable &lights) const {
+        return registry.Make(*entry, lights, params, meshLights);
+    }
 };
 
 inline constexpr const char *kLightChoiceSyntax = "name[:key=value,...][+mesh][+guide[:key=value,...]]";

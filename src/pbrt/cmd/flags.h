@@ -97,14 +97,6 @@ inline bool IsFlag(const std::string &argument) {
            argument[name] != '.';
 }
 
-/// Option named by an argument in CLI11's spelling, or null.
-inline const CLI::Option *FindOption(const CLI::App &app, const std::string &argument) {
-    const std::string name = argument.substr(0, argument.find('='));
-    for (const CLI::Option *option : app.get_options())
-        if (IsFlag(name) && option->check_name(name)) return option;
-    return nullptr;
-}
-
 /// Throws if a number list has the wrong length. CLI11 would count any words that follow.
 inline void CheckNumberList(const CLI::Option &option, const std::vector<std::string> &arguments, size_t at) {
     const int wanted = option.get_expected_min() * option.get_type_size_min();
@@ -133,14 +125,13 @@ inline void CheckNumberList(const CLI::Option &option, const std::vector<std::st
 inline void CheckFlags(const CLI::App &app, const std::vector<std::string> &arguments, const FlagHints &hints = {}) {
     for (size_t i = 0; i < arguments.size() && arguments[i] != "--"; ++i) {
         if (!IsFlag(arguments[i])) continue;
-        if (const CLI::Option *option = FindOption(app, arguments[i])) {
+        const std::string flag = arguments[i].substr(0, arguments[i].find('='));
+        if (const CLI::Option *option = app.get_option_no_throw(flag)) {
             if (option->get_expected_min() > 1) CheckNumberList(*option, arguments, i);
-            if (option->get_expected_max() == 1 && option->get_type_size() == 1 &&
-                arguments[i].find('=') == std::string::npos)
+            if (option->get_expected_max() == 1 && option->get_type_size() == 1 && flag == arguments[i])
                 ++i;  // its value
             continue;
         }
-        const std::string flag = arguments[i].substr(0, arguments[i].find('='));
         const std::string name = CLI::detail::to_lower(flag.substr(flag.find_first_not_of('-')));
         if (const auto hint = hints.find(FoldFlag(flag)); hint != hints.end())
             throw CLI::ValidationError(fmt::format("{}: {}", flag, hint->second));

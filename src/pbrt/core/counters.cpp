@@ -1,44 +1,36 @@
 #include "pbrt/core/counters.h"
 
-#include <memory>
+#include <list>
 #include <mutex>
-#include <vector>
 
 namespace pbrt {
 namespace {
-struct Registry {
-    std::mutex mutex;
-    std::vector<std::unique_ptr<RenderCounters>> all;
-};
-Registry &Counters() {
-    static Registry registry;
-    return registry;
+
+std::mutex countersMutex;
+std::list<RenderCounters> allCounters;  ///< one per thread; their addresses do not change
+
+RenderCounters &AddCounters() {
+    const std::lock_guard lock(countersMutex);
+    return allCounters.emplace_back();
 }
-RenderCounters *Register() {
-    Registry &r = Counters();
-    std::lock_guard lock(r.mutex);
-    r.all.push_back(std::make_unique<RenderCounters>());
-    return r.all.back().get();
-}
+
 }  // namespace
 
 RenderCounters &ThreadCounters() {
-    thread_local RenderCounters *mine = Register();
-    return *mine;
+    thread_local RenderCounters &mine = AddCounters();
+    return mine;
 }
 
 RenderCounters SumCounters() {
-    Registry &r = Counters();
-    std::lock_guard lock(r.mutex);
+    const std::lock_guard lock(countersMutex);
     RenderCounters sum;
-    for (const auto &c : r.all) sum += *c;
+    for (const RenderCounters &c : allCounters) sum += c;
     return sum;
 }
 
 void ResetCounters() {
-    Registry &r = Counters();
-    std::lock_guard lock(r.mutex);
-    for (auto &c : r.all) *c = RenderCounters{};
+    const std::lock_guard lock(countersMutex);
+    for (RenderCounters &c : allCounters) c = {};
 }
 
 }  // namespace pbrt

@@ -10,8 +10,7 @@ struct RenderCounters {
     uint64_t shadowRaysBlocked = 0;
     uint64_t pathVertices = 0;
     uint64_t cameraPaths = 0;
-    uint64_t zeroLightSamples = 0;  ///< light sampling returned nothing to trace
-    uint64_t mediumLookups = 0;     ///< evaluations of a medium's coefficients
+    uint64_t mediumLookups = 0;  ///< evaluations of a medium's coefficients
 
     void operator+=(const RenderCounters &o) {
         closestHitRays += o.closestHitRays;
@@ -19,7 +18,6 @@ struct RenderCounters {
         shadowRaysBlocked += o.shadowRaysBlocked;
         pathVertices += o.pathVertices;
         cameraPaths += o.cameraPaths;
-        zeroLightSamples += o.zeroLightSamples;
         mediumLookups += o.mediumLookups;
     }
 };

@@ -8,38 +8,29 @@
 namespace pbrt {
 namespace {
 
-/// Random access to lines of files; the line ends of each file are indexed once.
-class LineFinder {
-  public:
-    std::string_view Line(const FileLoc &loc) {
-        const std::string_view text = loc.file->text;
-        auto [found, isNew] = begins_.try_emplace(loc.file.get());
-        std::vector<size_t> &begins = found->second;
-        if (isNew) {
-            begins.push_back(0);
-            for (size_t at = text.find('\n'); at != text.npos; at = text.find('\n', at + 1)) begins.push_back(at + 1);
-            begins.push_back(text.size() + 1);
-        }
-        const auto line = size_t(loc.line);
-        if (line >= begins.size()) return {};
-        std::string_view line_text = text.substr(begins[line - 1], begins[line] - begins[line - 1] - 1);
-        if (line_text.ends_with('\r')) line_text.remove_suffix(1);
-        return line_text;
+/// Where the lines of files begin; each file is indexed once.
+using LineBegins = std::map<const SourceFile *, std::vector<size_t>>;
+
+std::string_view LineAt(const FileLoc &loc, LineBegins &known) {
+    const std::string_view text = loc.file->text;
+    auto [found, isNew] = known.try_emplace(loc.file.get());
+    std::vector<size_t> &begins = found->second;
+    if (isNew) {
+        begins.push_back(0);
+        for (size_t at = text.find('\n'); at != text.npos; at = text.find('\n', at + 1)) begins.push_back(at + 1);
+        begins.push_back(text.size() + 1);
     }
+    const auto line = size_t(loc.line);
+    if (line >= begins.size()) return {};
+    std::string_view shown = text.substr(begins[line - 1], begins[line] - begins[line - 1] - 1);
+    if (shown.ends_with('\r')) shown.remove_suffix(1);
+    return shown;
+}
 
-  private:
-    std::map<const SourceFile *, std::vector<size_t>> begins_;
-};
-
-struct Excerpt {
-    std::string text;
-    size_t caret = 0;
-};
-
-/// Line at `loc` with tabs replaced by blanks, cut to about 100 characters around the column.
-Excerpt QuoteLine(const FileLoc &loc, LineFinder &lines) {
+/// Line at `loc`, with tabs replaced by blanks and cut to about 100 characters around the column; column in this text.
+std::pair<std::string, size_t> QuoteLine(const FileLoc &loc, LineBegins &lines) {
     constexpr size_t kWidth = 100;
-    const std::string_view line = lines.Line(loc);
+    const std::string_view line = LineAt(loc, lines);
     size_t caret = std::min(size_t(std::max(0, loc.column)), line.size()), from = 0;
     if (line.size() > kWidth && caret > kWidth / 2) from = std::min(caret - kWidth / 2, line.size() - kWidth);
     std::string text(line.substr(from, kWidth));
@@ -65,11 +56,11 @@ std::string Heading(const Diagnostic &d, bool color) {
     return out + d.message;
 }
 
-std::string Format(const Diagnostic &d, bool color, LineFinder &lines) {
+std::string Format(const Diagnostic &d, bool color, LineBegins &lines) {
     std::string out = Heading(d, color);
     if (d.loc) {
-        Excerpt e = QuoteLine(d.loc, lines);
-        if (!e.text.empty()) out += fmt::format("\n    {}\n    {}^", e.text, std::string(e.caret, ' '));
+        const auto [text, caret] = QuoteLine(d.loc, lines);
+        if (!text.empty()) out += fmt::format("\n    {}\n    {}^", text, std::string(caret, ' '));
     }
     return out;
 }
@@ -106,12 +97,12 @@ std::string Summarize(const std::vector<Diagnostic> &diagnostics, size_t omitted
 }  // namespace
 
 std::string Format(const Diagnostic &d, bool color) {
-    LineFinder lines;
+    LineBegins lines;
     return Format(d, color, lines);
 }
 
 std::string FormatAll(const UserError &e, bool color) {
-    LineFinder lines;
+    LineBegins lines;
     std::string out;
     for (const Diagnostic &d : e.Diagnostics()) out += Format(d, color, lines) + '\n';
     if (e.Omitted() > 0) out += fmt::format("... and {} not shown.\n", CountText(e.Omitted(), "more error"));

@@ -10,25 +10,21 @@ void ThrowUnknown(const std::string &what, const std::string &given, const std::
 
 namespace {
 
-bool Has(const std::vector<ParamType> &types, ParamType type) {
-    return std::find(types.begin(), types.end(), type) != types.end();
-}
-
 /// Parameter type in words ("integer") or, if `isShort`, in letters ("i").
 std::string TypeName(const ParamDoc &doc, bool isShort) {
-    const auto &types = doc.types;
-    const bool isTexture = Has(types, ParamType::Texture);
+    const auto has = [&](ParamType type) { return std::ranges::count(doc.types, type) > 0; };
+    const bool isTexture = has(ParamType::Texture);
     auto pick = [&](const char *letters, const char *word) { return std::string(isShort ? letters : word); };
-    if (Has(types, ParamType::Spectrum)) {
+    if (has(ParamType::Spectrum)) {
         if (isTexture) return pick("st", "spectrum texture");
-        return Has(types, ParamType::Float) ? pick("f/sp", "float or spectrum") : pick("sp", "spectrum");
+        return has(ParamType::Float) ? pick("f/sp", "float or spectrum") : pick("sp", "spectrum");
     }
     if (isTexture) return pick("ft", "float texture");
     static const std::map<ParamType, const char *> letters = {
         {ParamType::Integer, "i"}, {ParamType::Float, "f"},   {ParamType::Bool, "b"},     {ParamType::String, "s"},
         {ParamType::Point2, "p2"}, {ParamType::Point3, "p3"}, {ParamType::Vector3, "v3"}, {ParamType::Normal, "n"}};
     std::string name;
-    for (ParamType type : types) {
+    for (ParamType type : doc.types) {
         if (!name.empty()) name += isShort ? "/" : " or ";
         name += isShort && letters.contains(type) ? letters.at(type) : Name(type);
     }

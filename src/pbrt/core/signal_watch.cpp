@@ -139,13 +139,11 @@ SignalWatch::~SignalWatch() {
 }
 
 void SignalWatch::Cancel(std::string notice, std::string message, double seconds) {
-    {
-        std::lock_guard lock(impl_->mutex);
-        impl_->notice = std::move(notice);
-        impl_->message = std::move(message);
-        impl_->grace = seconds;
-        impl_->phaseStart = Clock::now();
-    }
+    std::lock_guard lock(impl_->mutex);
+    impl_->notice = std::move(notice);
+    impl_->message = std::move(message);
+    impl_->grace = seconds;
+    impl_->phaseStart = Clock::now();
     Notify(Impl::kWake);
 }
 

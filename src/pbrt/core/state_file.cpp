@@ -13,8 +13,7 @@ namespace {
 constexpr std::array<char, 8> kMagic = {'p', 'b', 'r', 't', 's', 't', 'a', 't'};
 /// Incremented with every change of the layout of the file or its content.
 constexpr uint32_t kVersion = 3;
-constexpr size_t kLengthAt = sizeof(kMagic) + sizeof(kVersion);
-constexpr size_t kHeadBytes = kLengthAt + sizeof(uint64_t), kSumBytes = sizeof(uint64_t);
+constexpr size_t kSumBytes = sizeof(uint64_t), kHeadBytes = sizeof(kMagic) + sizeof(kVersion) + sizeof(uint64_t);
 
 uint64_t Checksum(std::string_view bytes, uint64_t before = 0) {
     return crc32_z(before, reinterpret_cast<const Bytef *>(bytes.data()), bytes.size());
@@ -40,17 +39,15 @@ StateFile::StateFile(const std::string &path, const std::string &kind) : path_(p
     if (all.substr(0, sizeof(kMagic)) != std::string_view(kMagic.data(), kMagic.size()))
         fail(size == 0 ? fmt::format("is empty, not a {}", kind) : fmt::format("is not a {}", kind));
     if (size < kHeadBytes + kSumBytes) fail(fmt::format("this {} is cut off", kind));
-    uint32_t version = 0;
-    uint64_t length = 0, sum = 0;
-    std::memcpy(&version, content_.data() + sizeof(kMagic), sizeof(version));
-    std::memcpy(&length, content_.data() + kLengthAt, sizeof(length));
-    std::memcpy(&sum, content_.data() + size - kSumBytes, sizeof(sum));
+    const std::string_view summed = all.substr(0, size - kSumBytes);
+    StateReader reader(summed.substr(sizeof(kMagic)), path), end(all.substr(summed.size()), path);
+    const auto version = reader.Value<uint32_t>();
+    const auto length = reader.Value<uint64_t>();
     if (version != kVersion)
         fail(fmt::format("this {} has layout {}; this program reads layout {}", kind, version, kVersion));
     if (length > size) fail(fmt::format("this {} is cut off: it has {} of {} bytes", kind, size, length));
-    if (length != size || sum != Checksum(all.substr(0, size - kSumBytes)))
+    if (length != size || end.Value<uint64_t>() != Checksum(summed))
         fail(fmt::format("this {} is damaged: its checksum does not fit", kind));
-    StateReader reader(all.substr(kHeadBytes, size - kHeadBytes - kSumBytes), path);
     if (const std::string is = reader.Text(); is != kind) fail(fmt::format("is a {}, not a {}", is, kind));
     for (auto count = reader.Value<uint32_t>(); count > 0; --count) {
         const std::string name = reader.Text();

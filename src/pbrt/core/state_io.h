@@ -24,8 +24,8 @@ inline uint64_t StructureHash(std::string_view bytes) {
     return hash;
 }
 
-/// Serialises values bitwise in native byte order. Numbers, texts and copies are stored here. Data given to Refer or
-/// Vector are only referenced, to avoid duplicating big arrays, and must not change until the last use of Pieces.
+/// Serialises values bitwise in native byte order. Numbers, texts and copies are stored here. Vectors and data given to
+/// Refer are only referenced, to avoid duplicating big arrays, and must not change until the last use of Pieces.
 ///
 /// Learned structures declare their members once, in `void Visit(auto &archive)`, for StateWriter and StateReader. It
 /// calls archive(member, ...) for trivially copyable values, vectors of them, texts and structures with Visit. Indices
@@ -41,22 +41,10 @@ class StateWriter {
         static_assert(std::is_trivially_copyable_v<T>);
         Copy(&value, sizeof(value));
     }
-    void Text(std::string_view text) {
-        Value(uint64_t{text.size()});
-        Copy(text.data(), text.size());
-    }
-    /// Number of elements, then the elements, by reference.
-    template <class T>
-    void Vector(const std::vector<T> &values) {
-        static_assert(std::is_trivially_copyable_v<T>);
-        Value(uint64_t{values.size()});
-        Refer(values.data(), values.size() * sizeof(T));
-    }
-    /// Vector plus a hash of the elements, for indices, offsets and names: also detects valid changes.
-    template <class T>
-    void Structure(const std::vector<T> &values) {
-        Vector(values);
-        Value(StructureHash({reinterpret_cast<const char *>(values.data()), values.size() * sizeof(T)}));
+    /// A vector or text plus a hash of it, for indices, offsets and names: also detects valid changes.
+    void Structure(const auto &values) {
+        Save(values);
+        Value(StructureHash({reinterpret_cast<const char *>(values.data()), values.size() * sizeof(values[0])}));
     }
     void Copy(const void *data, size_t bytes) {
         if (bytes == 0) return;
@@ -93,11 +81,17 @@ class StateWriter {
         if constexpr (requires(T & v, StateWriter & archive) { v.Visit(archive); }) const_cast<T &>(value).Visit(*this);
         else Value(value);
     }
+    /// Number of elements, then the elements, by reference.
     template <class T>
     void Save(const std::vector<T> &values) {
-        Vector(values);
+        static_assert(std::is_trivially_copyable_v<T>);
+        Value(uint64_t{values.size()});
+        Refer(values.data(), values.size() * sizeof(T));
     }
-    void Save(const std::string &text) { Text(text); }
+    void Save(const std::string &text) {
+        Value(uint64_t{text.size()});
+        Copy(text.data(), text.size());
+    }
 
     struct Piece {
         const char *data = nullptr;  ///< null: the bytes are in copied_
@@ -133,11 +127,11 @@ class StateReader {
         }
     }
     std::string Text() { return std::string(Take(Value<uint64_t>())); }
-    template <class T>
-    void Structure(std::vector<T> &values) {
+    void Structure(auto &values) {
         Load(values);
-        const uint64_t hash = StructureHash({reinterpret_cast<const char *>(values.data()), values.size() * sizeof(T)});
-        Require(Value<uint64_t>() == hash, "the hash of a structure does not fit");
+        const char *bytes = reinterpret_cast<const char *>(values.data());
+        Require(Value<uint64_t>() == StructureHash({bytes, values.size() * sizeof(values[0])}),
+                "the hash of a structure does not fit");
     }
     std::string_view Take(uint64_t bytes) {
         Require(bytes <= rest_.size(), kTooShort);

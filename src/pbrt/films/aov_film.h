@@ -16,9 +16,8 @@ struct Aov {
     std::vector<const char *> channels;  ///< as in the gbuffer film, where it has them
     const char *help;
 };
-/// All AOVs in channel order.
+/// All AOVs in channel order, that of the film's enumeration.
 inline const std::vector<Aov> &Aovs() {
-    // In enumeration order.
     static const std::vector<Aov> all = {
         {"albedo", {"Albedo.R", "Albedo.G", "Albedo.B"}, "colour of the surface; black where nothing is seen"},
         {"normal", {"Ns.X", "Ns.Y", "Ns.Z"}, "shading normal"},
@@ -69,20 +68,16 @@ class AovFilm final : public Film {
         const VisibleSurface &visible = *sample.visible;
         const Transform cameraFromRender = renderFromCamera_.At(visible.time).Inverse();
         PreciseSum *next = sums + kFirstChannel;
-        const auto add = [&](Float v) { (next++)->Add(w * double(v)); };
-        const auto add3 = [&](const auto &v) {
-            for (int c = 0; c < 3; ++c) add(v[c]);
+        const auto add = [&](const auto &v) {
+            for (int c = 0; c < v.length(); ++c) (next++)->Add(w * double(v[c]));
         };
         for (const size_t i : chosen_) {
-            if (i == kAlbedo) add3(AlbedoColor(visible, OutputSpace()));
-            if (i == kNormal) add3(Normalize(cameraFromRender.Normal(visible.ns)));
-            if (i == kGeonormal) add3(Normalize(cameraFromRender.Normal(visible.n)));
-            if (i == kPosition) add3(cameraFromRender.Point(visible.p));
-            if (i == kDepth) add(cameraFromRender.Point(visible.p).z);
-            if (i == kUv) {
-                add(visible.uv.x);
-                add(visible.uv.y);
-            }
+            if (i == kAlbedo) add(AlbedoColor(visible, OutputSpace()));
+            if (i == kNormal) add(Normalize(cameraFromRender.Normal(visible.ns)));
+            if (i == kGeonormal) add(Normalize(cameraFromRender.Normal(visible.n)));
+            if (i == kPosition) add(cameraFromRender.Point(visible.p));
+            if (i == kDepth) (next++)->Add(w * double(cameraFromRender.Point(visible.p).z));
+            if (i == kUv) add(visible.uv);
         }
     }
     void ExpectSplats() override { film_->ExpectSplats(); }

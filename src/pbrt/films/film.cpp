@@ -76,12 +76,6 @@ bool AreFinite(std::string_view sums) {
     return areFinite;
 }
 
-/// Scales the scene's pixel bounds by 1 / `divisor`, rounded outwards.
-Bounds2i Shrunk(const std::array<int, 4> &v, int divisor) {
-    auto shrink = [&](int i) { return i / divisor; };
-    return Bounds2i{{shrink(v[0]), shrink(v[2])}, {shrink(v[1] + divisor - 1), shrink(v[3] + divisor - 1)}};
-}
-
 Bounds2i FromCropWindow(const Bounds2 &window, Point2i resolution) {
     auto pixel = [](Float fraction, int extent) {
         return int(std::ceil(Float(extent) * std::clamp(fraction, Float(0), Float(1))));
@@ -93,7 +87,7 @@ Bounds2i FromCropWindow(const Bounds2 &window, Point2i resolution) {
 
 /// Rendered pixels. The command line overrides the scene; in both, a crop window overrides pixel bounds. Bounds outside
 /// the image are clipped with a warning; an empty result is an error. Pixel bounds of the scene refer to its
-/// resolution: they shrink with --quick.
+/// resolution: they shrink with --quick, rounded outwards.
 Bounds2i ChoosePixelBounds(const FilmParams &params, const ParamSet &set, Point2i fullResolution,
                            const FilmOverrides &overrides, DiagnosticSink &sink) {
     const Bounds2i full{{0, 0}, fullResolution};
@@ -116,8 +110,9 @@ Bounds2i ChoosePixelBounds(const FilmParams &params, const ParamSet &set, Point2
         if (params.pixelBounds)
             sink.Warning(loc, "Both a crop window and pixel bounds are given; the crop window counts.");
         bounds = FromCropWindow({{(*v)[0], (*v)[2]}, {(*v)[1], (*v)[3]}}, fullResolution);
-    } else if (params.pixelBounds) {
-        take(Shrunk(*params.pixelBounds, overrides.resolutionDivisor));
+    } else if (const auto &b = params.pixelBounds) {
+        const int d = overrides.resolutionDivisor;
+        take({{(*b)[0] / d, (*b)[2] / d}, {((*b)[1] + d - 1) / d, ((*b)[3] + d - 1) / d}});
     }
     if (bounds.IsEmpty())
         throw UserError(loc, "{}No pixel is left to render: pixel bounds x {} to {}, y {} to {} of {} x {} pixels.",
@@ -196,13 +191,9 @@ size_t Film::Bytes() const {
 
 void Film::Save(StateWriter &out) const {
     const std::vector<StateBlock> blocks = Blocks();
-    out.Value(kMagic);
-    out.Text(kind_);
-    out.Value(PixelBounds());
-    out.Value(uint64_t{blocks.size()});
+    out(kMagic, kind_, PixelBounds(), uint64_t{blocks.size()});
     for (const StateBlock &block : blocks) {
-        out.Text(block.name);
-        out.Value(uint64_t{block.bytes});
+        out(block.name, uint64_t{block.bytes});
         out.Refer(block.data, block.bytes);
     }
 }
@@ -228,12 +219,11 @@ void Film::TakeSums(StateWriter &out) {
             const size_t begin = at;
             while (at < block.bytes && !isEmpty(at)) at += piece;
             const size_t bytes = std::min(at, block.bytes) - begin;
-            out.Value(uint64_t{begin});
-            out.Value(uint64_t{bytes});
+            out(uint64_t{begin}, uint64_t{bytes});
             out.Copy(block.data + begin, bytes);
         }
         out.Value(uint64_t{block.bytes});
-        block.clear(block.Memory(), block.bytes);
+        block.clear(block.data, block.bytes);
     }
 }
 
@@ -246,7 +236,7 @@ void Film::AddSums(StateReader &in) {
             const auto bytes = in.Value<uint64_t>();
             in.Require(bytes <= all - begin && begin % block.sumBytes == 0 && bytes % block.sumBytes == 0,
                        "its sums are of another film");
-            block.add(block.Memory() + begin, reinterpret_cast<const std::byte *>(in.Take(bytes).data()), bytes);
+            block.add(block.data + begin, reinterpret_cast<const std::byte *>(in.Take(bytes).data()), bytes);
         }
     }
 }
@@ -273,8 +263,8 @@ void Film::Add(StateReader &in, bool forgetsFirst) {
     }
     for (const StateBlock &block : blocks) {
         const std::string_view saved = state.sums.at(block.name);
-        if (forgetsFirst) block.clear(block.Memory(), block.bytes);
-        block.add(block.Memory(), reinterpret_cast<const std::byte *>(saved.data()), saved.size());
+        if (forgetsFirst) block.clear(block.data, block.bytes);
+        block.add(block.data, reinterpret_cast<const std::byte *>(saved.data()), saved.size());
     }
 }
 

@@ -75,14 +75,12 @@ struct FilmFrame {
 /// Sums of one type as plain memory, with functions to add and clear them.
 struct StateBlock {
     std::string name;
-    const std::byte *data = nullptr;
+    std::byte *data = nullptr;
     size_t bytes = 0;
     size_t sumBytes = 1;      ///< of one sum
     bool isOfSplats = false;  ///< has no bytes in a film without splats
     void (*add)(std::byte *to, const std::byte *from, size_t bytes) = nullptr;
     void (*clear)(std::byte *data, size_t bytes) = nullptr;
-
-    std::byte *Memory() const { return const_cast<std::byte *>(data); }
 };
 
 /// T is plain memory, T() an empty sum, and T += T adds. An empty sum plus another is bit-identical to the other.
@@ -91,7 +89,7 @@ StateBlock MakeStateBlock(const char *name, std::span<const T> sums) {
     static_assert(std::is_trivially_copyable_v<T>);
     StateBlock block;
     block.name = name;
-    block.data = reinterpret_cast<const std::byte *>(sums.data());
+    block.data = const_cast<std::byte *>(reinterpret_cast<const std::byte *>(sums.data()));
     block.bytes = sums.size_bytes();
     block.sumBytes = sizeof(T);
     block.add = [](std::byte *to, const std::byte *from, size_t bytes) {

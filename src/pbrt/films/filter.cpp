@@ -16,7 +16,6 @@ class BoxFilter final : public Filter {
     }
     Float Integral() const override { return 4 * radius_.x * radius_.y; }
     FilterSample Sample(const Point2 &u) const override { return {(u * Float(2) - Point2(1, 1)) * radius_, 1}; }
-    Float Pdf(const Point2 &p) const override { return Evaluate(p) / Integral(); }
 };
 
 class TriangleFilter final : public Filter {
@@ -27,7 +26,6 @@ class TriangleFilter final : public Filter {
     }
     Float Integral() const override { return Sqr(radius_.x * radius_.y); }
     FilterSample Sample(const Point2 &u) const override { return {{Tent(u.x, radius_.x), Tent(u.y, radius_.y)}, 1}; }
-    Float Pdf(const Point2 &p) const override { return Evaluate(p) / Integral(); }
 
   private:
     /// Either half with probability 1/2; each half is linear.

@@ -22,7 +22,7 @@ class Filter {
     virtual Float Integral() const = 0;  ///< of Evaluate over the plane
     virtual FilterSample Sample(const Point2 &u) const = 0;
     /// Density of Sample at p, by area; for tabulated filters (gaussian, mitchell, sinc) that of the table.
-    virtual Float Pdf(const Point2 &p) const = 0;
+    virtual Float Pdf(const Point2 &p) const { return Evaluate(p) / Integral(); }
 
   protected:
     explicit Filter(const Vector2 &radius) : radius_(radius) {}

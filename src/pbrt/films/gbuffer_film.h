@@ -27,11 +27,9 @@ class GBufferFilm final : public RgbFilm {
 
     bool NeedsVisibleSurface() const override { return true; }
     void AddSample(const FilmSample &sample) override {
-        const std::optional<Vector3> sensor = Measure(sample.L, sample.lambda, sample.weight);
+        const std::optional<Vector3> sensor = AddColor(sample);
         if (!sensor) return;
-        const size_t index = Frame().IndexOf(sample.pixel);
-        Add(index, *sensor, sample.weight);
-        Surface &surface = surfaces_[index];
+        Surface &surface = surfaces_[Frame().IndexOf(sample.pixel)];
         const double w = double(sample.weight);
         if (sample.hasRay) surface.sums[Surface::kRayWeight].Add(w);
         if (!sample.visible) return;

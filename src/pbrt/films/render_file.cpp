@@ -38,39 +38,37 @@ constexpr const char *kKind = "checkpoint";
 constexpr const char *kProgram = "program";
 constexpr std::string_view kFile = "file ";
 
+/// Calls f(name, member) for all members but film and metadata.
+void ForEachMember(auto &head, auto &&f) {
+    f("identity", head.identity);
+    f("samplesFlag", head.samplesFlag);
+    f("samplesPerBatch", head.samplesPerBatch);
+    f("first", head.first);
+    f("end", head.end);
+    f("isPart", head.isPart);
+    f("done", head.done);
+    f("passCount", head.passCount);
+    f("seconds", head.seconds);
+    f("renderSeconds", head.renderSeconds);
+}
+
 Json ToJson(const RenderFileHead &h) {
-    return {{"identity", h.identity},
-            {"samplesFlag", h.samplesFlag},
-            {"samplesPerBatch", h.samplesPerBatch},
-            {"first", h.first},
-            {"end", h.end},
-            {"isPart", h.isPart},
-            {"done", h.done},
-            {"passCount", h.passCount},
-            {"seconds", h.seconds},
-            {"renderSeconds", h.renderSeconds},
-            {"film", h.film.ToJson()},
-            {"metadata", pbrt::ToJson(h.metadata)}};
+    Json json;
+    ForEachMember(h, [&](const char *name, const auto &member) { json[name] = member; });
+    json["film"] = h.film.ToJson();
+    json["metadata"] = pbrt::ToJson(h.metadata);
+    return json;
 }
 
 RenderFileHead HeadOf(const StateFile &file) {
     RenderFileHead h;
     try {
         StateReader in(file.Section("head"), file.Path());
-        std::vector<char> text;
+        std::string text;
         in.Structure(text);
         in.RequireEnd();
         const Json json = Json::parse(text);
-        h.identity = json.at("identity").get<RenderIdentity>();
-        h.samplesFlag = json.at("samplesFlag");
-        h.samplesPerBatch = json.at("samplesPerBatch");
-        h.first = json.at("first");
-        h.end = json.at("end");
-        h.isPart = json.at("isPart");
-        h.done = json.at("done");
-        h.passCount = json.at("passCount");
-        h.seconds = json.at("seconds");
-        h.renderSeconds = json.at("renderSeconds");
+        ForEachMember(h, [&](const char *name, auto &member) { json.at(name).get_to(member); });
         h.film = FilmRecipe::FromJson(json.at("film"));
         h.metadata = MetadataFromJson(json.at("metadata"));
     } catch (const Json::exception &) {
@@ -239,9 +237,7 @@ void RenderFile::ReadFilm(const char *section, Film &film, void (Film::*read)(St
 void WriteRenderFile(const std::string &path, const RenderFileHead &head, const std::vector<uint32_t> &passDone,
                      const Film &film, const StateWriter &learned, const AdaptiveState *adaptive) {
     StateWriter headBytes, pass, sums, plan, half;
-    const std::string text = ToJson(head).dump(-1, ' ', false, Json::error_handler_t::replace);
-    const std::vector<char> headText(text.begin(), text.end());
-    headBytes.Structure(headText);
+    headBytes.Structure(ToJson(head).dump(-1, ' ', false, Json::error_handler_t::replace));
     pass.Structure(passDone);
     film.Save(sums);
     std::map<std::string, const StateWriter *> sections = {

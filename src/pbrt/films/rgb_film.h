@@ -40,10 +40,7 @@ class RgbFilm : public Film {
     RgbFilm(const FilmParams &params, const ParamSet &set, const FilmRequest &request)
         : RgbFilm("rgb", params, set, request, 0) {}
 
-    void AddSample(const FilmSample &sample) override {
-        if (std::optional<Vector3> sensor = Measure(sample.L, sample.lambda, sample.weight))
-            Add(Frame().IndexOf(sample.pixel), *sensor, sample.weight);
-    }
+    void AddSample(const FilmSample &sample) override { AddColor(sample); }
     void ExpectSplats() override { splats_.Expect(3 * pixels_.size()); }
     void AddSplat(Point2i pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) override {
         if (PixelBounds().Contains(pixel)) AddSensorSplat(Frame().IndexOf(pixel), L, lambda, weight);
@@ -91,10 +88,14 @@ class RgbFilm : public Film {
         if (largest > maxComponent_) sensor *= maxComponent_ / largest;
         return sensor;
     }
-    void Add(size_t pixel, const Vector3 &sensor, Float weight) {
-        Pixel &sums = pixels_[pixel];
-        for (int c = 0; c < 3; ++c) sums.sensor[c].Add(double(weight) * double(sensor[c]));
-        sums.weight.Add(double(weight));
+    /// Adds the sample to its pixel. Returns its sensor value, as Measure.
+    std::optional<Vector3> AddColor(const FilmSample &sample) {
+        const std::optional<Vector3> sensor = Measure(sample.L, sample.lambda, sample.weight);
+        if (!sensor) return {};
+        Pixel &sums = pixels_[Frame().IndexOf(sample.pixel)];
+        for (int c = 0; c < 3; ++c) sums.sensor[c].Add(double(sample.weight) * double((*sensor)[c]));
+        sums.weight.Add(double(sample.weight));
+        return sensor;
     }
     /// False, and counted as rejected, if not finite or beyond FixedSum's range.
     bool AddSensorSplat(size_t pixel, const SampledSpectrum &L, const SampledWavelengths &lambda, Float weight) {

@@ -38,12 +38,9 @@ class SpectralFilm final : public RgbFilm {
         return SampledWavelengths::SampleUniform(u, buckets_.low, buckets_.high);
     }
     void AddSample(const FilmSample &sample) override {
-        const std::optional<Vector3> sensor = Measure(sample.L, sample.lambda, sample.weight);
-        if (!sensor) return;
-        const size_t index = Frame().IndexOf(sample.pixel);
-        Add(index, *sensor, sample.weight);
+        if (!AddColor(sample)) return;
         const Float scale = ScaleOf(sample.L);
-        Sums *sums = sums_.data() + FirstSumOf(index);
+        Sums *sums = sums_.data() + FirstSumOf(Frame().IndexOf(sample.pixel));
         const Float range = buckets_.high - buckets_.low;
         for (int i = 0; i < SpectrumSamples; ++i) {
             const Float pdf = sample.lambda.PdfAt(i);

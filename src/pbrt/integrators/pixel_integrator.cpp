@@ -33,7 +33,7 @@ bool ReducePass(const RenderPass &pass, int64_t chunks, int64_t whole, int64_t u
     std::vector<Done> changed;
     for (size_t i = 0; i < before.size(); ++i)
         if ((*pass.done)[i] != before[i]) changed.push_back({uint32_t(i), (*pass.done)[i]});
-    pass.team.Reduce([&](StateWriter &out) { out.Vector(changed); },
+    pass.team.Reduce([&](StateWriter &out) { out(changed); },
                      [&](StateReader &in) {
                          std::vector<Done> also;
                          in(also);

@@ -7,7 +7,6 @@
 #include <functional>
 #include <vector>
 
-#include "pbrt/core/error.h"
 #include "pbrt/core/files.h"
 #include "pbrt/math/rng.h"
 

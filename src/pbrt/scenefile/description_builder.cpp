@@ -322,19 +322,13 @@ std::string DescriptionBuilder::ListNames(const std::string &given, const std::v
     return names.empty() || sink_.IsFull() ? none : ListChoices(given, names);
 }
 
-void DescriptionBuilder::ForEachShape(auto &&f) const {
-    for (const ShapeEntity &shape : scene_.shapes) f(shape);
-    for (const ObjectEntity &object : scene_.objects)
-        for (const ShapeEntity &shape : object.shapes) f(shape);
-}
-
 void DescriptionBuilder::CheckMaterials() {
     struct Missing {
         FileLoc firstUse;
         size_t shapes = 0;
     };
     std::map<std::string, Missing> missing;
-    ForEachShape([&](const ShapeEntity &shape) {
+    ForEachShape(scene_, [&](const ShapeEntity &shape) {
         if (shape.material.name.empty() || materialNames_.contains(shape.material.name)) return;
         Missing &m = missing[shape.material.name];
         if (m.shapes++ == 0) m.firstUse = shape.loc;
@@ -358,7 +352,7 @@ void DescriptionBuilder::CheckMedia() {
     };
     check(scene_.camera.medium, scene_.camera.loc);
     for (const LightEntity &light : scene_.lights) check(light.medium, light.loc);
-    ForEachShape([&](const ShapeEntity &shape) {
+    ForEachShape(scene_, [&](const ShapeEntity &shape) {
         check(shape.insideMedium, shape.loc);
         check(shape.outsideMedium, shape.loc);
     });

@@ -133,7 +133,6 @@ class DescriptionBuilder {
     void ReportOpenBlocks();
     void FillDefaults(const FileLoc &where);
     std::string ListNames(const std::string &given, const std::vector<std::string> &names, const char *none) const;
-    void ForEachShape(auto &&f) const;
     void CheckMaterials();
     void CheckMedia();
     void ResolveInstances();

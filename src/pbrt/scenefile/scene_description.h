@@ -107,4 +107,11 @@ struct SceneDescription {
     FileResolver files;
 };
 
+/// Calls f for the shapes of the scene, then for those of its objects.
+void ForEachShape(auto &scene, auto &&f) {
+    for (auto &shape : scene.shapes) f(shape);
+    for (auto &object : scene.objects)
+        for (auto &shape : object.shapes) f(shape);
+}
+
 }  // namespace pbrt

@@ -76,10 +76,7 @@ std::optional<DirectLight> SampleDirectLight(const LightTable &table, const Ligh
                                              bool allowIncompletePdfs, Float uLight, Point2 uPoint,
                                              ObservedPath &observed, auto &&scatter, auto &&trace) {
     const std::optional<SampledLight> chosen = lights.Sample(uLight, &uPoint);
-    if (!chosen) {
-        ++ThreadCounters().zeroLightSamples;
-        return {};
-    }
+    if (!chosen) return {};
     const auto record = [&](auto &&irradiance) {
         if (observed.HasPlace())
             observed.observer->RecordLightSample(observed.places, lights.Query(), *chosen, irradiance());

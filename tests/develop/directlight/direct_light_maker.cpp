@@ -22,8 +22,7 @@ IntegratorSettings MakeDirectLight(const DirectLightParams &p, const ParamSet &s
     if (!settings.lights) return settings;  // the sink has the errors
     settings.make = [rays = p.shadowRays, &registry = r.registry, lights = settings.lights->sampler](
                         const PathContext &context, const ColorSpace &) -> std::unique_ptr<Integrator> {
-        return std::make_unique<DirectLightIntegrator>(context, rays,
-                                                       MakeLights(lights, registry, context.scene.Lights()));
+        return std::make_unique<DirectLightIntegrator>(context, rays, lights.Make(registry, context.scene.Lights()));
     };
     return settings;
 }

@@ -8,7 +8,6 @@
 #include <map>
 #include <optional>
 
-#include "ext/lab/run_record.h"
 #include "ext/lab/text_output.h"
 #include "pbrt/core/files.h"
 

@@ -59,8 +59,8 @@ int Assemble(const AssembleOptions &o) {
             throw UserError("{} and {} have different channels or colour spaces.", o.paths[0], path);
         const Bounds2i &window = *m.pixelBounds;
         if (window.low.x < 0 || window.low.y < 0 || window.high.x > resolution.x || window.high.y > resolution.y)
-            throw UserError("{}: its pixels (x {} to {}, y {} to {}) reach beyond the picture of {} x {}.", path,
-                            window.low.x, window.high.x, window.low.y, window.high.y, resolution.x, resolution.y);
+            throw UserError("{}: its pixels ({}) reach beyond the picture of {} x {}.", path, WindowText(part),
+                            resolution.x, resolution.y);
         ForEachPixel(part.image, [&](Point2i p) {
             const Point2i at = p + window.low;
             for (int c = 0; c < part.image.ChannelCount(); ++c) whole.image.Set(at, c, part.image.Get(p, c));

@@ -117,8 +117,6 @@ void CheckComparable(const ImageFile &a, const std::string &pathA, const ImageFi
                         fmt::join(b.image.Channels(), ","), hint);
 }
 
-double ShortNumber(Float v) { return std::stod(fmt::format("{}", v)); }
-
 ImageFile ReadAsFloat(const std::string &path) {
     ImageFile file = ReadImage(path);
     file.image = file.image.ConvertTo(PixelFormat::Float);

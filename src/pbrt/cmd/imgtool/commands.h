@@ -48,6 +48,8 @@ const ColorSpace &SpaceOf(const ImageFile &file);
 
 /// Data window of the file; default all pixels.
 Bounds2i WindowOf(const ImageFile &file);
+/// "x 0 to 8, y 0 to 4".
+std::string WindowText(const ImageFile &file);
 /// Crops to x0,x1,y0,y1 (half-open, in pixels of the whole image; none: everything) and sets the data window. Throws
 /// UserError if they exceed the window.
 void ApplyCrop(ImageFile &file, const std::vector<int> &numbers, const std::string &path);
@@ -61,9 +63,6 @@ Metric ChosenMetric(const std::string &name);
 /// Throws UserError unless resolution, data window, colour space and channels match; `hint`: for channels.
 void CheckComparable(const ImageFile &a, const std::string &pathA, const ImageFile &b, const std::string &pathB,
                      const std::string &hint = "");
-
-/// Shortest decimal number that identifies the float, for JSON.
-double ShortNumber(Float v);
 
 ImageFile ReadAsFloat(const std::string &path);
 /// Files that match `names`, without duplicates. A name is a file, a pattern with * and ? in the last path component,

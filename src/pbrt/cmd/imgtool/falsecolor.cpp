@@ -13,8 +13,7 @@ struct FalsecolorOptions {
     bool plusMinus = false, ramp = false;
 };
 
-constexpr int LegendRows = 16;
-
+constexpr int kLegendRows = 16;
 constexpr int kShown = 99;  // percentile of the default range
 
 struct Range {
@@ -44,7 +43,7 @@ int Falsecolor(const FalsecolorOptions &o) {
     style.scale = o.plusMinus ? FalseColorStyle::Scale::Signed : FalseColorStyle::Scale::Ramp;
     const Range range = ChooseRange(std::move(sizes));
     style.most = o.maxValue.value_or(range.most);
-    style.legendRows = o.ramp ? LegendRows : 0;
+    style.legendRows = o.ramp ? kLegendRows : 0;
     ImageMetadata metadata;
     if (!o.ramp) {
         metadata.pixelBounds = file.metadata.pixelBounds;

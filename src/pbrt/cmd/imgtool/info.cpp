@@ -37,6 +37,9 @@ const char *FormatName(PixelFormat format) {
     return kNames[size_t(format)];
 }
 
+/// Shortest decimal number that identifies the float.
+double ShortNumber(Float v) { return std::stod(fmt::format("{}", v)); }
+
 struct AttributeJson {
     Json operator()(int v) const { return v; }
     Json operator()(float v) const { return ShortNumber(v); }
@@ -52,18 +55,16 @@ struct AttributeJson {
 
 void PrintAttribute(const std::string &name, const ImageMetadata::Value &value) {
     fmt::print("  {}: ", name);
-    if (auto *m = std::get_if<glm::mat4>(&value)) {
-        fmt::print("\n");
-        for (int row = 0; row < 4; ++row)
-            fmt::print("    {:12.6g} {:12.6g} {:12.6g} {:12.6g}\n", (*m)[0][row], (*m)[1][row], (*m)[2][row],
-                       (*m)[3][row]);
-    } else if (auto *s = std::get_if<std::string>(&value)) {
-        fmt::print("\"{}\"\n", *s);
-    } else if (auto *i = std::get_if<int>(&value)) {
-        fmt::print("{}\n", *i);
-    } else {
-        fmt::print("{}\n", std::get<float>(value));
-    }
+    std::visit(
+        []<class T>(const T &v) {
+            if constexpr (std::is_same_v<T, glm::mat4>)
+                for (int row = 0; row < 4; ++row)
+                    fmt::print("{}    {:12.6g} {:12.6g} {:12.6g} {:12.6g}\n", row == 0 ? "\n" : "", v[0][row],
+                               v[1][row], v[2][row], v[3][row]);
+            else if constexpr (std::is_same_v<T, std::string>) fmt::print("\"{}\"\n", v);
+            else fmt::print("{}\n", v);
+        },
+        value);
 }
 
 /// nlohmann::json writes non-finite numbers as null.
@@ -104,11 +105,9 @@ void PrintInfo(const std::string &path) {
     fmt::print("{}\n", path);
     fmt::print("  resolution: {} x {}, {}, {}\n", image.Resolution().x, image.Resolution().y,
                CountText(image.ChannelCount(), "channel"), FormatName(image.Format()));
-    if (metadata.fullResolution && metadata.pixelBounds) {
-        const Bounds2i &b = *metadata.pixelBounds;
-        fmt::print("  window: x {} to {}, y {} to {} of {} x {}\n", b.low.x, b.high.x, b.low.y, b.high.y,
-                   metadata.fullResolution->x, metadata.fullResolution->y);
-    }
+    if (metadata.fullResolution && metadata.pixelBounds)
+        fmt::print("  window: {} of {} x {}\n", WindowText(file), metadata.fullResolution->x,
+                   metadata.fullResolution->y);
     fmt::print("  colour space: {}\n", metadata.colorSpace ? metadata.colorSpace->Name() : "srgb (not stated)");
     for (const auto &[name, value] : metadata.attributes) PrintAttribute(name, value);
     fmt::print("  {:<16} {:>13} {:>13} {:>13} {:>8} {:>8}\n", "channel", "least", "mean", "largest", "nan", "infinite");

@@ -44,7 +44,7 @@ class LearnedLights {
         RenderIdentity saved;
         try {
             StateReader in(loaded_->Section("identity"), loaded_->Path());
-            std::vector<char> text;
+            std::string text;
             in.Structure(text);
             in.Require(in.Value<uint64_t>() == loaded_->Section("learned").size(), "it has another length");
             in.RequireEnd();
@@ -60,10 +60,8 @@ class LearnedLights {
     /// Writes the records after the render. Throws UserError.
     void Save(const BuiltScene &built) const {
         StateWriter identity, learned;
-        const std::string text = Json(IdentityOf(built)).dump();
-        const std::vector<char> head(text.begin(), text.end());
         built.integrator->SaveForOthers(learned);
-        identity.Structure(head);
+        identity.Structure(Json(IdentityOf(built)).dump());
         identity.Value(learned.Bytes());
         WriteStateFile(savePath_, kKind, {{"identity", &identity}, {"learned", &learned}});
     }

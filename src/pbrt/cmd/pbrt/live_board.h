@@ -52,12 +52,9 @@ class LiveBoard final : public ProgressSink {
 
     void Describe(const LiveRender &render) { Assign(render_, render); }
     void Put(Image colors, LivePicture::State state, int samples, std::optional<double> relL2 = {}) {
-        {
-            const std::lock_guard lock(mutex_);
-            const int version = latest_ ? latest_->version + 1 : 1;
-            latest_ =
-                std::make_shared<const LivePicture>(LivePicture{std::move(colors), state, samples, version, relL2});
-        }
+        const std::lock_guard lock(mutex_);
+        const int version = latest_ ? latest_->version + 1 : 1;
+        latest_ = std::make_shared<const LivePicture>(LivePicture{std::move(colors), state, samples, version, relL2});
         changed_.notify_all();
     }
     /// Terminates the viewers.

@@ -136,17 +136,13 @@ struct LivePage::Impl {
 
     bool Open(int port) {
         const tcp::endpoint here(asio::ip::address_v4::loopback(), static_cast<unsigned short>(port));
-        beast::error_code failed;
-        acceptor.open(here.protocol(), failed);
-        // Allows immediate reuse of an earlier render's port.
-        if (!failed) acceptor.set_option(asio::socket_base::reuse_address(true), failed);
-        if (!failed) acceptor.bind(here, failed);
-        if (!failed) acceptor.listen(asio::socket_base::max_listen_connections, failed);
-        if (failed) {
-            beast::error_code ignored;
-            acceptor.close(ignored);
+        try {
+            constexpr bool kReuseAddress = true;  // of an earlier render, at once
+            acceptor = tcp::acceptor(io, here, kReuseAddress);
+            return true;
+        } catch (const beast::system_error &) {
+            return false;
         }
-        return !failed;
     }
     void Accept() {
         acceptor.async_accept([this](beast::error_code failed, tcp::socket socket) {

@@ -79,12 +79,9 @@ std::pair<std::string, std::string> SplitServer(const std::string &server);
 /// and the viewer threads' CPU time.
 class LiveView {
   public:
-    /// Maximum fraction of render time for viewers. Waiting at wave ends costs about as much.
-    static constexpr double kMaxShare = 0.0025;
-    /// Additional seconds, for an early first image.
-    static constexpr double kFirstSeconds = 0.01;
-    /// Maximum seconds that viewers may delay the program's exit.
-    static constexpr double kFarewellSeconds = 2;
+    static constexpr double kMaxShare = 0.0025;    ///< of render time; waiting at wave ends costs about as much
+    static constexpr double kFirstSeconds = 0.01;  ///< in addition, for an early first image
+    static constexpr double kFarewellSeconds = 2;  ///< by which viewers may delay the program's exit
 
     /// `progress`: sink to forward progress to, or null.
     explicit LiveView(ProgressSink *progress) : board_(std::make_shared<LiveBoard>(progress)) {}
@@ -92,11 +89,10 @@ class LiveView {
     ~LiveView() { WaitForViewers(0.3); }
 
     ProgressSink *Sink() { return board_.get(); }
-    /// `server`: "host:port" of a tev-compatible viewer.
     void SendTo(const std::string &server) {
         viewers_.emplace_back([board = board_, server] { ShowInTev(*board, server); });
     }
-    /// Opens the page. `port` -1: a free one. Throws UserError if the port is in use.
+    /// As LivePage.
     void Serve(int port) {
         auto page = std::make_shared<LivePage>(board_, port);
         LogInfo("Live page: {}", page->Address());
@@ -137,8 +133,7 @@ class LiveView {
 
   private:
     using Clock = std::chrono::steady_clock;
-    /// Estimated cost of an image before the first measurement.
-    static constexpr double kSecondsPerPixel = 5e-8;
+    static constexpr double kSecondsPerPixel = 5e-8;  ///< of an image, before the first measurement
 
     void Take(const Film &film, LivePicture::State state, const RenderResult &result) {
         const Clock::time_point start = Clock::now();

@@ -29,15 +29,6 @@ constexpr double kWritingSeconds = 10;
 /// Maximum wave length in seconds while a viewer is connected. Shorter waves cost more.
 constexpr double kLiveWaveSeconds = 3;
 
-LiveRender LiveRenderOf(const CommandLine &options, const BuiltScene &built, const RenderSettings &settings) {
-    return {.scene = fmt::format("{}", fmt::join(options.sceneFiles, " ")),
-            .filename = built.filename,
-            .fullResolution = built.film->FullResolution(),
-            .pixelBounds = built.film->PixelBounds(),
-            .samples = settings.HasKnownEnd() ? settings.EndSample() : 0,
-            .timeBudget = options.timeBudget};
-}
-
 void PrintWarnings(const DiagnosticSink &sink, size_t *printed) {
     bool color = isatty(STDERR_FILENO) != 0;
     const std::vector<Diagnostic> &all = sink.All();
@@ -127,13 +118,6 @@ class PictureWriter {
     ImageOutput output_;
 };
 
-/// Throws UserError for standard input under mpirun, which forwards it to rank 0 only.
-void RejectPipes(const CommandLine &options) {
-    for (const std::string &file : options.sceneFiles)
-        if (file == "-")
-            throw UserError("under mpirun the scene must be in files: only one process gets the standard input.");
-}
-
 /// Distributes rank 0's checkpoint to all ranks. In other ranks `learned` then refers to `memory`.
 void ShareCheckpoint(Team &team, BuildOptions *build, std::optional<StateReader> *learned, std::string *memory) {
     if (team.Size() == 1) return;
@@ -209,7 +193,8 @@ class RenderJob {
 
   private:
     SceneDescription Read() {
-        if (team_.Size() > 1) RejectPipes(options_);
+        if (team_.Size() > 1 && std::ranges::count(options_.sceneFiles, "-") > 0)
+            throw UserError("under mpirun the scene must be in files: only one process gets the standard input.");
         progress_.BeginPhase("reading", 0);
         SceneDescription description = ParseSceneFiles(options_.sceneFiles, sink_);
         PrintWarnings(sink_, &printed_);
@@ -297,7 +282,12 @@ class RenderJob {
             };
         if (live_.HasViewers()) {
             settings.maxWaveSeconds = kLiveWaveSeconds;
-            live_.Begin(LiveRenderOf(options_, *built_, settings));
+            live_.Begin({.scene = fmt::format("{}", fmt::join(options_.sceneFiles, " ")),
+                         .filename = built_->filename,
+                         .fullResolution = built_->film->FullResolution(),
+                         .pixelBounds = built_->film->PixelBounds(),
+                         .samples = settings.HasKnownEnd() ? settings.EndSample() : 0,
+                         .timeBudget = options_.timeBudget});
         }
         // Checkpoints require a completed preparation.
         if (checkpoint_ && !progress_.Cancelled()) {

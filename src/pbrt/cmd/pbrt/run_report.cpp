@@ -149,7 +149,6 @@ void PrintStatistics(const BuiltScene &built, const RenderResult &result, const 
 void PrintStatisticsJson(const CommandLine &options, const BuiltScene &built, const RenderResult &result,
                          const Timings &timings, const std::string &picture) {
     const auto milliseconds = [](double s) { return std::round(1000 * s) / 1000; };
-    const auto bytes = [](double v) { return int64_t(v); };
     Json seconds;
     for (const Timings::Phase &p : timings.Phases()) seconds[p.key] = milliseconds(p.seconds);
     seconds["total"] = milliseconds(timings.Total());
@@ -175,7 +174,7 @@ void PrintStatisticsJson(const CommandLine &options, const BuiltScene &built, co
                  {"shapes", built.scene->ShapeCount()},
                  {"lights", built.scene->Lights().Size()},
                  {"bytes",
-                  {{"expected", bytes(built.memory.Total())},
+                  {{"expected", int64_t(built.memory.Total())},
                    {"accelerationStructure", built.scene->Acceleration().Bytes()},
                    {"film", built.film->Bytes()}}},
                  {"counts",

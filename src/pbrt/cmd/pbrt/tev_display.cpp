@@ -17,12 +17,9 @@ using boost::asio::ip::tcp;
 
 static_assert(std::endian::native == std::endian::little, "the protocol is little-endian");
 
-/// Connection time-out in seconds.
-constexpr int kConnectSeconds = 5;
-/// Seconds to wait for a stalled viewer after the end of the render; below LiveView::kFarewellSeconds.
-constexpr double kLastSeconds = 1.5;
-/// Values per update: small packets overlap transfer and display.
-constexpr int kMaxValues = 1 << 16;
+constexpr int kConnectSeconds = 5;    ///< time-out
+constexpr double kLastSeconds = 1.5;  ///< for a stalled viewer after the render; below LiveView::kFarewellSeconds
+constexpr int kMaxValues = 1 << 16;   ///< per update: small packets overlap transfer and display
 
 /// A message, prefixed by its size in bytes including the prefix.
 class Packet {

@@ -15,8 +15,8 @@ class StateFiles : public FolderTest {
     /// A file with two sections.
     std::string Example(const std::string &name) const {
         StateWriter numbers, words;
-        numbers.Vector(numbers_);
-        words.Text("one");
+        numbers(numbers_);
+        words(std::string("one"));
         words.Value(7);
         WriteStateFile(Path(name), "test", {{"numbers", &numbers}, {"words", &words}});
         return Path(name);

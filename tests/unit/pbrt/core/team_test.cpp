@@ -15,7 +15,7 @@ TEST(Team, BroadcastsFromRank0AndReducesToIt) {
         WithTeam(size, [&](Team &team) {
             EXPECT_EQ(team.TotalThreads(), size + size / 2);
             StateWriter out;
-            if (team.IsRank0()) out.Text("to all");
+            if (team.IsRank0()) out(std::string("to all"));
             const std::string bytes = team.Broadcast(out);
             EXPECT_EQ(StateReader(bytes, "test").Text(), "to all");
             std::multiset<int> seen = {team.Rank()};

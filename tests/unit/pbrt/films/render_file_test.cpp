@@ -48,7 +48,7 @@ TEST_F(RenderFiles, GiveBackAllThatWasWritten) {
     head.metadata.attributes = {{"a", 1}, {"b", 0.1f}, {"c", std::string("text \xff")}, {"d", matrix}, {"e", Infinity}};
     const std::unique_ptr<Film> film = head.film.Make();
     StateWriter learned;
-    learned.Text("lights");
+    learned(std::string("lights"));
     WriteRenderFile(path, head, {1, 2, 3}, *film, learned);
 
     const RenderFile file(path);

@@ -23,7 +23,6 @@ class ImageCacheTest : public test::FolderTest {
     }
     MipMapKey key_{.path = Path("image.png")};
 };
-};
 
 TEST_F(ImageCacheTest, FiltersShareThePixels) {
     for (bool preload : {false, true}) {

@@ -245,7 +245,7 @@ TEST(LightSamplersAgree, TwelveLights) {
 
 /// Lights in a chamber behind a folded passage. A prepass of one vertex sees none of them.
 TEST(LightSamplersAgree, Deep) {
-    View view(BuildText(WithoutCoats("scenes/deep/deep.pbrt"), Reduced(2)), 10, 8);
+    View view(BuildText(WithoutCoats("scenes/deep/deep.pbrt"), Reduced(2)), 6, 8);
     std::vector<std::string> labels = Labels();
     if (HasOctree()) labels.push_back("octree:depth=1");
     auto good = ExpectAgreement("deep", view, labels);
@@ -271,7 +271,7 @@ TEST(LightSamplersAgree, RoomsFullOfFog) {
 }
 
 TEST(LightSamplersAgree, Dollhouse) {
-    View view(BuildText(WithoutCoats("scenes/dollhouse/dollhouse.pbrt"), Reduced(5)), 16, 8);
+    View view(BuildText(WithoutCoats("scenes/dollhouse/dollhouse.pbrt"), Reduced(5)), 12, 8);
     std::vector<std::string> labels = Labels();
     if (HasOctree()) labels.push_back("octree:portals=always");
     auto good = ExpectAgreement("dollhouse", view, labels);
@@ -284,7 +284,7 @@ TEST(LightSamplersAgree, Dollhouse) {
 TEST(LightSamplersAgree, EnvironmentThroughPortals) {
     if (!HasOctree()) GTEST_SKIP() << "Only the octree finds portals.";
     for (const char *name : {"sunny-room", "blinds"}) {
-        View view(BuildFile(fmt::format("{0}/scenes/{1}/{1}.pbrt", PBRT_SOURCE_DIR, name), Reduced(6)), 12, 8);
+        View view(BuildFile(fmt::format("{0}/scenes/{1}/{1}.pbrt", PBRT_SOURCE_DIR, name), Reduced(6)), 8, 8);
         const std::vector<std::string> labels = {"bvh", "octree:portals=always", "octree:portals=never", "octree"};
         auto good = ExpectAgreement(name, view, labels);
         ExpectNoticed(name, "octree, half of the portals 15 % off", view, good, "octree:portals=always",
@@ -297,7 +297,7 @@ TEST(LightSamplersAgree, EnvironmentThroughPortals) {
 TEST(LightSamplersAgree, VeachAjar) {
     std::string folder = RealScenes();
     if (folder.empty()) GTEST_SKIP() << "*** Veach-Ajar not found: not compared ***";
-    View view(BuildFile(folder + "veach-ajar/veach-ajar.pbrt", Reduced(8)), 16, 8);
+    View view(BuildFile(folder + "veach-ajar/veach-ajar.pbrt", Reduced(12)), 16, 8);
     ExpectAgreement("veach-ajar", view);
 }
 
@@ -316,7 +316,7 @@ TEST(LightSamplersAgree, FurnaceHasTheAnalyticRadiance) {
                                             .Triangles(corners, "0 1 2 0 2 3  4 6 5 4 7 6")
                                             .Triangles(corners, "0 5 1 0 4 5  1 6 2 1 5 6")
                                             .Triangles(corners, "2 7 3 2 6 7  3 4 0 3 7 4"));
-    View view(BuildText(text), 8, 6);
+    View view(BuildText(text), 4, 6);
     constexpr double kExpected = 1 + 0.5 + 0.25 + 0.125 + 0.0625;
     for (const std::string &label : Labels()) {
         PixelStatistics s = view.Render(label, 7);

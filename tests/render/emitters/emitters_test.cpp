@@ -19,7 +19,7 @@ namespace pbrt::test {
 namespace {
 
 constexpr double kAlpha = 1e-3;  ///< false alarm anywhere in the law's table, if the seeds were not fixed
-constexpr int kSamples = 10, kSlowSamples = 6, kReferenceSamples = 192;  ///< per pixel and run
+constexpr int kSamples = 6, kSlowSamples = 4, kReferenceSamples = 128;  ///< per pixel and run
 constexpr int kRuns = 2;
 /// Samplers that can choose among meshes if told to; the others do so anyway, or not at all.
 const std::set<std::string> kGroupable = {"uniform", "power", "bvh", "exhaustive"};

@@ -122,7 +122,7 @@ void Program::ExpectErrors(const std::vector<ErrorCase> &cases, const std::strin
         SCOPED_TRACE(cases[i].arguments + "\n" + o.err);
         EXPECT_EQ(o.status, 1);
         EXPECT_EQ(o.out, "");
-        EXPECT_TRUE(o.err.starts_with("Error: "));
+        EXPECT_TRUE(Has(o.err, "Error: "));
         for (const std::string &part : cases[i].parts) EXPECT_TRUE(Has(o.err, part)) << part;
     }
     EXPECT_EQ(Files(), before);

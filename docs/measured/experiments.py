@@ -101,8 +101,10 @@ class Experiment:
         return self.samplers[label]["isOracle"]
 
     def best_other(self, own="octree", metric="relL2"):
-        """Label of the least error among all but `own`, the oracle and biased samplers; None if there is none."""
-        others = [k for k in self.samplers if k != own and not self.is_oracle(k) and not self.is_biased(k)]
+        """Label of the least error among all but `own`, also with a guide, the oracle and biased samplers; None if there
+        is none."""
+        others = [k for k in self.samplers if k != own and not k.startswith(own + "+") and not self.is_oracle(k) and
+                  not self.is_biased(k)]
         return min(others, key=lambda k: self.error(k, metric).mean, default=None)
 
     def preparation(self, label):

@@ -284,7 +284,7 @@ TEST(LightSamplersAgree, Dollhouse) {
 TEST(LightSamplersAgree, EnvironmentThroughPortals) {
     if (!HasOctree()) GTEST_SKIP() << "Only the octree finds portals.";
     for (const char *name : {"sunny-room", "blinds"}) {
-        View view(BuildFile(fmt::format("{0}/scenes/{1}/{1}.pbrt", PBRT_SOURCE_DIR, name), Reduced(6)), 8, 8);
+        View view(BuildFile(fmt::format("{0}/scenes/{1}/{1}.pbrt", PBRT_SOURCE_DIR, name), Reduced(6)), 10, 8);
         const std::vector<std::string> labels = {"bvh", "octree:portals=always", "octree:portals=never", "octree"};
         auto good = ExpectAgreement(name, view, labels);
         ExpectNoticed(name, "octree, half of the portals 15 % off", view, good, "octree:portals=always",

@@ -69,8 +69,8 @@ struct SamplePlan {
     /// stored.
     int halfBlock = 1;
     double blockDeviation = 0;  ///< NoiseEstimate::deviation by the two halves of the first block
-    double stratification =
-        0;  ///< the square of its ratio to that by the first two blocks, at least 1; 0: not yet known
+    /// Square of blockDeviation over the deviation by the first two blocks, at least 1; 0: not yet known.
+    double stratification = 0;
     int decisions = 0, uniformDecisions = 0;  ///< after the pilot, including the one that made this plan
     double gain = 0;                          ///< predicted by that one, see PredictGain
     bool isUniform = false;                   ///< that one plans towards equal numbers

@@ -49,8 +49,8 @@ SamplePlan AllocateSamples(const PixelCells &cells, const SamplePlan &last, cons
 /// NoiseEstimate::others, evaluated with NoiseEstimate::own: noise of the estimate does not look like gain.
 double PredictGain(const PixelCells &cells, const SamplePlan &last, const NoiseEstimate &estimate, int begin, int end);
 
-/// Factor by which relL2 exceeds that of equal numbers of samples once these are given up at `end` samples per pixel,
-/// as the measured SamplePlan::stratification goes on with every doubling, of which unequal numbers keep half.
+/// Factor by which lost stratification raises relL2 at `end` samples per pixel if their numbers become unequal. Assumes
+/// that every doubling of the samples gains SamplePlan::stratification, and that unequal numbers keep its square root.
 double StratificationLoss(const SamplePlan &plan, int end);
 
 /// Plan from `begin` to `end`: by AllocateSamples if PredictGain at `horizon`, the presumed end of the render, exceeds

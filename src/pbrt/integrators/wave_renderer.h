@@ -57,7 +57,8 @@ class WaveRenderer {
         if (block > 1 && (Done() == block || Done() == 2 * block)) MeasureStratification();
         if (Done() < uniform) {
             plan.begin = Done();
-            plan.end = block == 1 || Done() >= 2 * block ? uniform : Done() < block ? block : 2 * block;
+            plan.end = uniform;
+            if (block > 1 && Done() < 2 * block) plan.end = Done() < block ? block : 2 * block;
         } else {
             Gather();
             Decide();

@@ -124,7 +124,7 @@ TEST(MixMaterial, BadOperandsAreLocated) {
     using Words = std::vector<std::string>;
     for (const auto &[names, words] : {std::pair(Words{"a"}, Words{}),
                                        {{"a", "b", "c"}, {}},
-                                       {{"a", "nobody"}, {"nobody"}},
+                                       {{"a", "absent"}, {"absent"}},
                                        {{"air", "a"}, {"interface"}}})
         ExpectErrorAt([&] { shop.Make("mix", Params("mix", 5).S("materials", names)); }, 6, words);
     ExpectErrorAt([&] { shop.Make("mix", Params("mix", 5)); }, 5, {});

@@ -69,12 +69,12 @@ TEST(Names, RedefinitionPointsAtTheName) {
 }
 
 TEST(Names, UndefinedMaterialIsReportedOnceAtTheFirstShape) {
-    ExpectWorldError("NamedMaterial 'nobody'\n Shape 's'\nShape 's'", 3, 1, "'nobody', which is not defined (so do 1");
+    ExpectWorldError("NamedMaterial 'absent'\n Shape 's'\nShape 's'", 3, 1, "'absent', which is not defined (so do 1");
     ExpectWorldError(
         "MakeNamedMaterial 'gold' 'string type' 'a' NamedMaterial 'golf' ObjectBegin 'o'\n"
         "Shape 's' ObjectEnd",
         3, 0, "did you mean 'gold'");
-    ParseWorld("NamedMaterial 'nobody'");
+    ParseWorld("NamedMaterial 'absent'");
 }
 
 TEST(Names, UndefinedMediumIsReportedWhereItIsUsed) {
@@ -85,7 +85,7 @@ TEST(Names, UndefinedMediumIsReportedWhereItIsUsed) {
 }
 
 TEST(Names, UndefinedObjectAndNesting) {
-    ExpectWorldError("ObjectInstance 'nobody'", 2, 15, "not defined");
+    ExpectWorldError("ObjectInstance 'absent'", 2, 15, "not defined");
     ExpectWorldError("ObjectBegin 'a'\n ObjectBegin 'b' Shape 's' ObjectEnd ObjectEnd", 3, 1, "inside another");
     ExpectWorldError("ObjectBegin 'a' Shape 's'\n ObjectInstance 'a' ObjectEnd", 3, 1, "do not nest");
 }

@@ -56,6 +56,7 @@ class PixelCells {
 struct SamplePlan {
     static constexpr int kMaxCount = 1 << 23;  ///< of a pixel
     static constexpr int kMaxGrowth = 4;       ///< `after` over `before`, but for rounding
+    static constexpr int kMinGroup = 4;        ///< see Group
     /// Minimum predicted efficiency of unequal over equal numbers of samples, as long as these are equal. Once the
     /// numbers differ, kMinFurtherGain is enough.
     static constexpr double kMinGain = 1.1, kMinFurtherGain = 1.01;
@@ -64,27 +65,25 @@ struct SamplePlan {
     std::vector<int> before{}, after{};  ///< by cell, at `begin` and at `end`; empty: all pixels have the average
     /// Cost of all samples of a cell since the start: rays, and look-ups in media.
     std::vector<uint64_t> cost{};
-    /// The half film receives every second block of this many samples, which are stratified among themselves. If these
-    /// are several, it holds the second half of the first block until that is complete, and is cleared then. Not
+    /// The half film receives every second block of this many samples, a power of 4: such blocks of low-discrepancy
+    /// sequences are stratified. In pixels of every second row blocks have a quarter of the samples, so that the halves
+    /// also show what stratification gains. 1: single samples in all pixels, as sample sets are independent. Not
     /// stored.
     int halfBlock = 1;
-    double blockDeviation = 0;  ///< NoiseEstimate::deviation by the two halves of the first block
-    /// Square of blockDeviation over the deviation by the first two blocks, at least 1; 0: not yet known.
-    double stratification = 0;
     int decisions = 0, uniformDecisions = 0;  ///< after the pilot, including the one that made this plan
     double gain = 0;                          ///< predicted by that one, see PredictGain
     bool isUniform = false;                   ///< that one plans towards equal numbers
 
-    bool IsInHalf(int sample) const {
-        if (halfBlock > 1 && sample < halfBlock) return sample >= halfBlock / 2;
-        return sample / halfBlock % 2 != 0;
+    bool HasShortBlocks(Point2i pixel) const { return halfBlock > 1 && pixel.y % 2 != 0; }
+    int BlockOf(Point2i pixel) const { return HasShortBlocks(pixel) ? halfBlock / 4 : halfBlock; }
+    bool IsInHalf(Point2i pixel, int sample) const { return sample / BlockOf(pixel) % 2 != 0; }
+    /// Number of the pixel's first `samples` that the half film receives.
+    int CountInHalf(Point2i pixel, int samples) const {
+        const int block = BlockOf(pixel), pair = 2 * block;
+        return samples / pair * block + std::max(0, samples % pair - block);
     }
-    /// Number of the first `samples` that the half film receives.
-    int CountInHalf(int samples) const {
-        if (halfBlock > 1 && samples <= halfBlock) return std::max(0, samples - halfBlock / 2);
-        const int pair = 2 * halfBlock;
-        return samples / pair * halfBlock + std::max(0, samples % pair - halfBlock);
-    }
+    /// Samples are added to pixels in groups of this many, which are stratified among themselves.
+    int Group() const { return std::max(halfBlock, kMinGroup); }
     /// Samples of the cell's pixels when all pixels have `average`, in [begin, end].
     int CountAt(size_t cell, int average) const {
         if (before.empty()) return average;
@@ -92,21 +91,19 @@ struct SamplePlan {
         return before[cell] + (end > begin ? int(added * (average - begin) / (end - begin)) : 0);
     }
     void Visit(auto &archive) {
-        archive(begin, end, before, after, cost, decisions, uniformDecisions, gain, isUniform, blockDeviation,
-                stratification);
+        archive(begin, end, before, after, cost, decisions, uniformDecisions, gain, isUniform);
     }
     /// Returns the error of a plan that does not fit `average` and the film; empty if it does.
     std::optional<std::string> Validate(const PixelCells &cells, int average) const {
         bool isValid = begin >= 0 && begin <= average && average <= end && end <= kMaxCount &&
                        before.size() == after.size() && cost.size() == cells.Count() &&
                        (before.empty() || before.size() == cells.Count()) && uniformDecisions >= int(isUniform) &&
-                       uniformDecisions <= decisions && gain >= 0 && std::isfinite(gain) && blockDeviation >= 0 &&
-                       std::isfinite(blockDeviation) && stratification >= 0 && std::isfinite(stratification);
+                       uniformDecisions <= decisions && gain >= 0 && std::isfinite(gain);
         double excess = 0;  // of samples over the average
         for (size_t i = 0; isValid && i < before.size(); ++i) {
             isValid = before[i] >= 0 && before[i] <= after[i] && after[i] <= kMaxCount &&
-                      after[i] <= kMaxGrowth * before[i] + 2;
-            excess += cells.PixelsIn(i) * (after[i] - end - 1.0);
+                      after[i] <= kMaxGrowth * before[i] + Group();
+            excess += cells.PixelsIn(i) * double(after[i] - end - Group());
         }
         return isValid && excess <= 0 ? std::nullopt : std::optional("its numbers of samples per cell do not fit");
     }

@@ -1,7 +1,6 @@
 #include "pbrt/integrators/adaptive_sampling.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <functional>
 
@@ -11,9 +10,10 @@
 namespace pbrt {
 namespace {
 
-constexpr int kPilot = 16;
-constexpr double kMaxOutlier = 16;     ///< a pixel's variance over the mean of its neighbourhood
-constexpr double kUniformShare = 0.1;  ///< added to the square root of the variance, over its mean
+constexpr int kIndependentPilot = 16, kBlock = 16;  ///< samples per pixel
+constexpr double kMaxOutlier = 16;                  ///< a pixel's variance over the mean of its neighbourhood
+constexpr double kUniformShare = 0.1;               ///< added to the square root of the variance, over its mean
+constexpr double kMaxStratification = 4;            ///< of a smooth integrand with scrambled nets
 
 /// Means of all samples and of those in the half film, and their numbers per pixel.
 struct Halves {
@@ -24,25 +24,32 @@ struct Halves {
     Point2i low;
 
     int CountAt(Point2i p) const { return counts[cells.IndexOf(low + p)]; }
+    int CountInHalf(Point2i p) const { return plan.CountInHalf(low + p, CountAt(p)); }
+    bool HasShortBlocks(Point2i p) const { return plan.HasShortBlocks(low + p); }
     /// The smaller mean of both halves: outliers are in one of them.
     double Smaller(Point2i p, int c) const {
-        const int n = CountAt(p), n1 = plan.CountInHalf(n);
+        const int n = CountAt(p), n1 = CountInHalf(p);
         const double a = double(all.Get(p, c)), b = double(half.Get(p, c));
         return std::max(0.0, std::min(b, (n * a - n1 * b) / (n - n1)));
     }
     /// Estimate of the variance of the pixel's value.
     double Variance(Point2i p, int c) const {
-        const int n = CountAt(p), n1 = plan.CountInHalf(n);
+        const int n = CountAt(p), n1 = CountInHalf(p);
         const double d = double(all.Get(p, c)) - double(half.Get(p, c));
         return d * d * n1 / (n - n1);
     }
-    /// Standard deviation of one sample in a cell, times its pixels.
-    double Deviation(size_t cell) const {
+    /// Standard deviation of one sample in a cell, from pixels with short blocks or the others, times the number of
+    /// these pixels. Absolute, so that it does not depend on the number of samples if these are independent; outliers
+    /// count little.
+    double Deviation(size_t cell, bool ofShortBlocks) const {
         double sum = 0;
+        int pixels = 0;
         cells.ForPixels(cell, [&](Point2i pixel) {
+            if (plan.HasShortBlocks(pixel) != ofShortBlocks) return;
+            ++pixels;
             for (int c = 0; c < 3; ++c) sum += Variance(pixel - low, c);
         });
-        return std::sqrt(counts[cell] * sum * cells.PixelsIn(cell));
+        return std::sqrt(counts[cell] * sum * pixels);
     }
 };
 
@@ -175,32 +182,54 @@ class CellWork {
     std::vector<double> pixels_, cost_;  ///< cost of one sample, in rays
 };
 
+Halves HalvesOf(const Film &film, const Film &half, const SamplePlan &plan, int average) {
+    const PixelCells cells(film.PixelBounds());
+    return {film.Colors(), half.Colors(), plan, CountsOf(cells, plan, average), cells, film.PixelBounds().low};
+}
+
+/// NoiseEstimate::stratification: long blocks are two doublings of short ones.
+std::vector<double> MeasureStratification(const Halves &halves) {
+    const auto deviations = [&](bool ofShortBlocks) {
+        std::vector<double> sums(halves.cells.Count());
+        for (size_t i = 0; i < sums.size(); ++i) sums[i] = halves.Deviation(i, ofShortBlocks);
+        return WithNeighbours(halves.cells, WithNeighbours(halves.cells, sums));
+    };
+    const std::vector<double> ofShort = deviations(true), ofLong = deviations(false);
+    std::vector<double> result;
+    for (size_t i = 0; i < ofShort.size(); ++i)
+        result.push_back(std::clamp(RatioOrZero(ofShort[i], ofLong[i]), 1.0, kMaxStratification));
+    return result;
+}
+
 }  // namespace
 
 std::optional<NoiseEstimate> EstimateNoise(const Film &film, const Film &half, const SamplePlan &plan, int average) {
-    const PixelCells cells(film.PixelBounds());
-    const Halves halves{film.Colors(), half.Colors(),         plan, CountsOf(cells, plan, average),
-                        cells,         film.PixelBounds().low};
-    if (halves.counts.empty() || plan.CountInHalf(std::ranges::min(halves.counts)) < 1) return {};
+    const Halves halves = HalvesOf(film, half, plan, average);
+    const PixelCells &cells = halves.cells;
+    if (halves.counts.empty() || std::ranges::min(halves.counts) <= plan.halfBlock) return {};
     const std::vector<double> errors = RelativeErrors(halves);
     const int width = halves.all.Resolution().x;
-    // Sum over a cell of the variance of one sample, of at most `limit` a pixel.
+    // Sum over a cell of the variance of one sample, of at most `limit` a pixel; over the pixels with whole blocks.
     const auto sumOf = [&](size_t cell, double limit) {
         double sum = 0;
         cells.ForPixels(cell, [&](Point2i pixel) {
             const Point2i p = pixel - halves.low;
-            sum += std::min(limit, halves.counts[cell] * errors[size_t(p.y) * width + p.x]);
+            if (!halves.HasShortBlocks(p))
+                sum += std::min(limit, halves.counts[cell] * errors[size_t(p.y) * width + p.x]);
         });
         return sum;
     };
     NoiseEstimate estimate;
-    std::vector<double> pixels, sums, limited;
+    std::vector<double> pixels(cells.Count()), sums, limited;
+    double allPixels = 0;
     for (size_t i = 0; i < cells.Count(); ++i) {
-        pixels.push_back(cells.PixelsIn(i));
+        cells.ForPixels(i, [&](Point2i pixel) { pixels[i] += !plan.HasShortBlocks(pixel); });
         sums.push_back(sumOf(i, Infinity));
-        estimate.relL2 += sums[i] / halves.counts[i] / double(errors.size());
-        estimate.deviation += halves.Deviation(i) / double(errors.size());
+        estimate.relL2 += sums[i] / halves.counts[i];
+        allPixels += pixels[i];
     }
+    if (allPixels == 0) return {};
+    estimate.relL2 /= allPixels;
     const std::vector<double> pixelsAround = WithNeighbours(cells, pixels), sumsAround = WithNeighbours(cells, sums);
     for (size_t i = 0; i < cells.Count(); ++i)
         limited.push_back(sumOf(i, kMaxOutlier * RatioOrZero(sumsAround[i], pixelsAround[i])));
@@ -210,15 +239,17 @@ std::optional<NoiseEstimate> EstimateNoise(const Film &film, const Film &half, c
         estimate.own.push_back(RatioOrZero(limited[i], pixels[i]));
         estimate.others.push_back(RatioOrZero(limitedAround[other], pixelsAround[other]));
     }
+    estimate.stratification = MeasureStratification(halves);
     return estimate;
 }
 
-int PilotSamples(int planned) { return std::clamp((planned / 4 + 1) / 2 * 2, 2, kPilot); }
-
 int HalfBlock(int planned, bool hasIndependentHalves) {
-    // Powers of two, at which low-discrepancy sequences are stratified.
-    const int pilot = PilotSamples(planned);
-    return hasIndependentHalves || pilot < 8 ? 1 : int(std::bit_floor(unsigned(pilot / 2)));
+    if (hasIndependentHalves) return 1;
+    return planned >= 4 * kBlock ? kBlock : kBlock / 4;
+}
+
+int PilotSamples(int planned, int halfBlock) {
+    return halfBlock > 1 ? 2 * halfBlock : std::clamp((planned / 4 + 1) / 2 * 2, 2, kIndependentPilot);
 }
 
 int NextDecision(int done, int planned) {
@@ -237,13 +268,15 @@ SamplePlan AllocateSamples(const PixelCells &cells, const SamplePlan &last, cons
     plan.end = end;
     plan.before = work.Before();
     plan.after.clear();
+    const double group = plan.Group();
     double owed = 0;  // samples that rounding left over
     for (size_t i = 0; i < added.size(); ++i) {
         const double exact = added[i], pixels = work.Pixels(i);
         owed += pixels * exact;
         const double due = pixels > 0 ? owed / pixels : exact;
-        const int pairs = int(std::clamp(std::round(due / 2), std::floor(exact / 2), std::ceil(exact / 2)));
-        plan.after.push_back(std::min(plan.before[i] + 2 * pairs, SamplePlan::kMaxCount));
+        const int groups =
+            int(std::clamp(std::round(due / group), std::floor(exact / group), std::ceil(exact / group)));
+        plan.after.push_back(std::min(plan.before[i] + groups * int(group), SamplePlan::kMaxCount));
         owed -= pixels * (plan.after[i] - plan.before[i]);
     }
     return plan;
@@ -251,16 +284,16 @@ SamplePlan AllocateSamples(const PixelCells &cells, const SamplePlan &last, cons
 
 double PredictGain(const PixelCells &cells, const SamplePlan &last, const NoiseEstimate &estimate, int begin, int end) {
     const CellWork work(cells, last, begin);
-    const auto outcome = [&](const std::vector<double> &variance) {
-        return work.Evaluate(work.Added(variance, end, SamplePlan::kMaxCount), estimate.own);
+    const auto outcome = [&](const std::vector<double> &planned, const std::vector<double> &variance) {
+        return work.Evaluate(work.Added(planned, end, SamplePlan::kMaxCount), variance);
     };
-    const CellWork::Outcome uniform = outcome(std::vector<double>(cells.Count())), adaptive = outcome(estimate.others);
+    std::vector<double> stratified = estimate.own;
+    const double doublings = std::max(0.0, std::log2(double(end) / last.halfBlock));
+    for (size_t i = 0; i < stratified.size() && work.AreEqual(); ++i)
+        stratified[i] *= std::pow(estimate.stratification[i], -doublings);
+    const CellWork::Outcome uniform = outcome(std::vector<double>(cells.Count()), stratified),
+                            adaptive = outcome(estimate.others, estimate.own);
     return adaptive.error > 0 ? uniform.error / adaptive.error * (uniform.cost / adaptive.cost) : 1;
-}
-
-double StratificationLoss(const SamplePlan &plan, int end) {
-    const double doublings = std::max(0.0, std::log2(double(end) / plan.halfBlock));
-    return std::pow(std::max(1.0, plan.stratification), doublings / 2);
 }
 
 SamplePlan PlanSamples(const PixelCells &cells, const SamplePlan &last, const NoiseEstimate &estimate, int begin,
@@ -269,7 +302,7 @@ SamplePlan PlanSamples(const PixelCells &cells, const SamplePlan &last, const No
     // A decision that is made again, of a resumed render, counts once.
     const bool isAgain = last.decisions > 0 && last.begin == begin;
     const bool areEqual = CellWork(cells, last, begin).AreEqual();
-    plan.gain = PredictGain(cells, last, estimate, begin, horizon) / (areEqual ? StratificationLoss(last, horizon) : 1);
+    plan.gain = PredictGain(cells, last, estimate, begin, horizon);
     plan.isUniform = !(plan.gain > (areEqual ? SamplePlan::kMinGain : SamplePlan::kMinFurtherGain));
     plan.decisions += isAgain ? 0 : 1;
     plan.uniformDecisions += int(plan.isUniform) - int(isAgain && last.isUniform);
@@ -297,10 +330,7 @@ AdaptiveResult DescribeAdaptive(const Film &film, const Film &half, const Sample
     result.decisions = plan.decisions - int(!isBegun);
     result.uniformDecisions = plan.uniformDecisions - int(!isBegun && plan.isUniform);
     result.predictedGain = plan.gain;
-    // When the first block is complete, its halves are gone.
-    const bool hasHalves = average != plan.halfBlock || plan.begin < average;
-    if (const std::optional<NoiseEstimate> estimate =
-            hasHalves ? EstimateNoise(film, half, plan, average) : std::nullopt)
+    if (const std::optional<NoiseEstimate> estimate = EstimateNoise(film, half, plan, average))
         result.noise = std::sqrt(estimate->relL2);
     return result;
 }

@@ -146,7 +146,7 @@ class PassRenderer {
     }
     void TraceSample(Point2i pixel, int index, int thread) {
         const AdaptivePass *const adaptive = pass_.adaptive;
-        Film *const half = adaptive && adaptive->plan.IsInHalf(index) ? &adaptive->half : nullptr;
+        Film *const half = adaptive && adaptive->plan.IsInHalf(pixel, index) ? &adaptive->half : nullptr;
         Sampler &sampler = *(half ? adaptive->samplers : pass_.samplers)[thread];
         FilmSample sample;
         sample.pixel = pixel;

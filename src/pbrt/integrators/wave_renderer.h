@@ -52,13 +52,11 @@ class WaveRenderer {
         UpdateIfDue();
         if (context_.progress.Cancelled()) return;
         isDecided_ = true;
-        const int uniform = std::max(PilotSamples(settings_.samplesPerPixel), model_ ? model_->NextUpdate() : 0);
-        const int block = plan.halfBlock;
-        if (block > 1 && (Done() == block || Done() == 2 * block)) MeasureStratification();
+        const int uniform =
+            std::max(PilotSamples(settings_.samplesPerPixel, plan.halfBlock), model_ ? model_->NextUpdate() : 0);
         if (Done() < uniform) {
             plan.begin = Done();
             plan.end = uniform;
-            if (block > 1 && Done() < 2 * block) plan.end = Done() < block ? block : 2 * block;
         } else {
             Gather();
             Decide();
@@ -123,20 +121,6 @@ class WaveRenderer {
         if (command == Command::Pass) out(position_.done, position_.passCount, isRepeating_, position_.passDone);
         if (command == Command::Plan) out(position_.plan);
         context_.team.Broadcast(out);
-    }
-    /// At the end of the first block and of the second.
-    void MeasureStratification() {
-        SamplePlan &plan = position_.plan;
-        if (plan.begin == Done()) return;  // A resumed render has measured it.
-        Gather();
-        const double deviation = EstimateNoise(context_.film, *context_.half, plan, Done()).value().deviation;
-        if (Done() > plan.halfBlock) {
-            plan.stratification = deviation > 0 ? std::max(1.0, Sqr(plan.blockDeviation / deviation)) : 1;
-            return;
-        }
-        plan.blockDeviation = deviation;
-        StateWriter halfOfBlock;
-        context_.half->TakeSums(halfOfBlock);
     }
     /// Of the gathered films.
     void Decide() {

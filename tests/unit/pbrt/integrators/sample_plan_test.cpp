@@ -57,8 +57,8 @@ TEST(SampleAllocation, SpendsWhatAUniformWaveWould) {
         EXPECT_NEAR(Added(cells, next), double(kPixels.Area()) * (end - plan.end), 128);
         for (size_t i = 0; i < cells.Count(); ++i) {
             EXPECT_EQ(next.before[i], plan.CountAt(i, plan.end));
-            EXPECT_EQ((next.after[i] - next.before[i]) % 2, 0);
-            EXPECT_LE(next.after[i], SamplePlan::kMaxGrowth * next.before[i] + 2);
+            EXPECT_EQ((next.after[i] - next.before[i]) % plan.Group(), 0);
+            EXPECT_LE(next.after[i], SamplePlan::kMaxGrowth * next.before[i] + plan.Group());
         }
         EXPECT_EQ(next.after, AllocateSamples(cells, plan, variance, plan.end, end).after);
         plan = next;
@@ -95,13 +95,14 @@ TEST(SampleAllocation, ExpensiveCellsGetFewer) {
 }
 
 TEST(SampleAllocation, DecisionsIncludeThePlannedNumber) {
-    EXPECT_EQ(PilotSamples(1), 2);
-    EXPECT_EQ(PilotSamples(16), 4);
-    EXPECT_EQ(PilotSamples(30), 8);
-    EXPECT_EQ(PilotSamples(4096), 16);
+    EXPECT_EQ(PilotSamples(1, 1), 2);
+    EXPECT_EQ(PilotSamples(16, 1), 4);
+    EXPECT_EQ(PilotSamples(30, 1), 8);
+    EXPECT_EQ(PilotSamples(4096, 1), 16);
+    EXPECT_EQ(PilotSamples(64, 16), 32);
     for (const int planned : {5, 64, 100}) {
         bool isIncluded = false;
-        for (int done = PilotSamples(planned); done < 200; done = NextDecision(done, planned)) {
+        for (int done = PilotSamples(planned, 1); done < 200; done = NextDecision(done, planned)) {
             isIncluded |= done == planned;
             EXPECT_GT(NextDecision(done, planned), done);
         }
@@ -110,7 +111,9 @@ TEST(SampleAllocation, DecisionsIncludeThePlannedNumber) {
 }
 
 /// An estimate of these variances by the pixels of both colours.
-NoiseEstimate EstimateOf(const std::vector<double> &variance) { return {.own = variance, .others = variance}; }
+NoiseEstimate EstimateOf(const std::vector<double> &variance, double stratification = 1) {
+    return {.own = variance, .others = variance, .stratification{std::vector(variance.size(), stratification)}};
+}
 
 std::vector<double> RandomVariances(const PixelCells &cells, Rng &rng) {
     std::vector<double> variance;
@@ -187,7 +190,8 @@ TEST(PredictedGain, IsNotTheNoiseOfTheEstimate) {
         std::vector<double> estimates[2];
         for (std::vector<double> &e : estimates)
             for (size_t i = 0; i < cells.Count(); ++i) e.push_back(-std::log(1 - double(rng.Uniform())));
-        const NoiseEstimate both{.own = estimates[0], .others = estimates[1]};
+        NoiseEstimate both = EstimateOf(estimates[0]);
+        both.others = estimates[1];
         independent.Add(PredictGain(cells, UniformPlan(cells, 2), both, 2, 256));
         same.Add(PredictGain(cells, UniformPlan(cells, 2), EstimateOf(estimates[0]), 2, 256));
     }
@@ -229,39 +233,47 @@ TEST(PlannedSamples, StayEqualWhereStratificationGainsMore) {
     std::vector<double> variance(cells.Count(), 1);
     variance[8] = variance[17] = 1000;
     SamplePlan plan = UniformPlan(cells, 16);
-    plan.halfBlock = 8;
+    plan.halfBlock = 4;
     const double gain = PlanSamples(cells, plan, EstimateOf(variance), 16, 24, 64).gain;
-    plan.stratification = 1.5;
-    // Three doublings after the first block, of which half is lost.
-    EXPECT_NEAR(PlanSamples(cells, plan, EstimateOf(variance), 16, 24, 64).gain, gain / std::pow(1.5, 1.5),
+    // Four doublings after the first block.
+    EXPECT_NEAR(PlanSamples(cells, plan, EstimateOf(variance, 1.1), 16, 24, 64).gain, gain / std::pow(1.1, 4),
                 1e-9 * gain);
-    plan.stratification = gain;
-    EXPECT_TRUE(PlanSamples(cells, plan, EstimateOf(variance), 16, 24, 64).isUniform);
+    EXPECT_TRUE(PlanSamples(cells, plan, EstimateOf(variance, gain), 16, 24, 64).isUniform);
     // Unequal numbers have lost it already.
     plan = AllocateSamples(cells, plan, variance, 16, 24);
-    EXPECT_FALSE(PlanSamples(cells, plan, EstimateOf(variance), 24, 36, 64).isUniform);
+    EXPECT_FALSE(PlanSamples(cells, plan, EstimateOf(variance, gain), 24, 36, 64).isUniform);
+}
+
+/// Half of the cells are noisier, but converge faster.
+TEST(PlannedSamples, AreEqualWhereTheNoisyCellsConverge) {
+    const PixelCells cells(kPixels);
+    SamplePlan plan = UniformPlan(cells, 8);
+    plan.halfBlock = 4;
+    std::vector<double> variance(cells.Count(), 16);
+    for (size_t i = 0; i < cells.Count() / 2; ++i) variance[i] = 100;
+    NoiseEstimate estimate = EstimateOf(variance);
+    EXPECT_FALSE(PlanSamples(cells, plan, estimate, 8, 12, 64).isUniform);
+    for (size_t i = 0; i < cells.Count() / 2; ++i) estimate.stratification[i] = 2;
+    EXPECT_TRUE(PlanSamples(cells, plan, estimate, 8, 12, 64).isUniform);
 }
 
 TEST(SamplePlans, CountTheSamplesOfTheHalf) {
-    for (const int block : {1, 4, 8}) {
+    for (const int block : {1, 4, 16}) {
         SamplePlan plan;
         plan.halfBlock = block;
-        int count = 0;
-        for (int sample = 0; sample < 48; ++sample) {
-            EXPECT_EQ(plan.CountInHalf(sample), count);
-            if (block > 1 && sample == block) count = 0;  // The film is cleared.
-            count += plan.IsInHalf(sample);
+        for (const Point2i pixel : {Point2i(3, 6), Point2i(4, 7)}) {
+            EXPECT_EQ(plan.BlockOf(pixel), pixel.y == 7 && block > 1 ? block / 4 : block);
+            int count = 0;
+            for (int sample = 0; sample < 96; ++sample) {
+                EXPECT_EQ(plan.CountInHalf(pixel, sample), count);
+                count += plan.IsInHalf(pixel, sample);
+            }
+            EXPECT_EQ(count, 48);
         }
-        EXPECT_EQ(count, 24);
     }
-    for (const int planned : {1, 16, 28, 64, 4096}) {
-        SamplePlan plan;
-        plan.halfBlock = HalfBlock(planned, false);
-        EXPECT_GT(plan.CountInHalf(PilotSamples(planned)), 0) << planned;
-        EXPECT_EQ(HalfBlock(planned, true), 1);
-    }
-    EXPECT_EQ(HalfBlock(37, false), 4);
-    EXPECT_EQ(HalfBlock(64, false), 8);
+    EXPECT_EQ(HalfBlock(63, false), 4);
+    EXPECT_EQ(HalfBlock(64, false), 16);
+    EXPECT_EQ(HalfBlock(64, true), 1);
 }
 
 TEST(SamplePlans, OfOtherFilmsAreInvalid) {
@@ -272,18 +284,17 @@ TEST(SamplePlans, OfOtherFilmsAreInvalid) {
     EXPECT_EQ(good.CountAt(0, 6), 6);
     EXPECT_TRUE(good.Validate(cells, 9));
     EXPECT_TRUE(good.Validate(PixelCells({{0, 0}, {8, 8}}), 6));
-    for (int fault = 0; fault < 9; ++fault) {
+    for (int fault = 0; fault < 8; ++fault) {
         SamplePlan bad = good;
         if (fault == 0) bad.after[2] = bad.before[2] - 1;
         if (fault == 1) bad.after[2] = SamplePlan::kMaxCount + 1;
         if (fault == 2) bad.before[2] = -1;
         if (fault == 3) bad.cost.pop_back();
         if (fault == 4)
-            for (int &count : bad.after) count += 2;
+            for (int &count : bad.after) count += 5;
         if (fault == 5) bad.isUniform = true;
         if (fault == 6) bad.uniformDecisions = bad.decisions + 1;
         if (fault == 7) bad.gain = std::nan("");
-        if (fault == 8) bad.stratification = -1;
         EXPECT_TRUE(bad.Validate(cells, 6)) << fault;
     }
 }

@@ -38,6 +38,8 @@ struct ChildResult {
 /// What a child does: returns the exit status and fills the report.
 using ChildBody = std::function<int(PictureReport &)>;
 
+struct SharedWithChild;
+
 /// A child process that runs one case under limits: forked from this process, so what this process has loaded and set
 /// up need not be set up again. This process must not have threads.
 class Child {
@@ -58,9 +60,8 @@ class Child {
     ChildResult Take();
 
   private:
-    struct Shared;
     void EnforceTime();
-    Shared *shared_;
+    SharedWithChild *shared_;
     pid_t pid_ = -1;
     int endFd_ = -1, messagesFd_ = -1;
     clockid_t clock_{};

@@ -172,7 +172,9 @@ void Child::EnforceTime() {
     }
 }
 
-bool Child::Poll() {
+bool Child::Poll(int milliseconds) {
+    pollfd end{endFd_, POLLIN, 0};
+    poll(&end, 1, milliseconds);
     siginfo_t info{};
     rusage usage{};
     if (waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) != 0)
@@ -208,10 +210,7 @@ ChildResult Child::Take() { return std::move(result_); }
 ChildResult RunChild(const std::string &folder, const ChildBody &body, const Limits &limits) {
     Child child;
     child.Start(folder, body, limits);
-    while (!child.Poll()) {
-        pollfd end{child.EndDescriptor(), POLLIN, 0};
-        poll(&end, 1, 20);
-    }
+    while (!child.Poll(20)) continue;
     return child.Take();
 }
 

@@ -17,9 +17,9 @@ struct Limits {
 
 /// What the child found when it read its own picture.
 struct PictureReport {
-    enum class State { NotLooked, Good, Missing, Unreadable, NotFinite, WrongSize };
-    State state = State::NotLooked;
-    std::array<char, 200> text{};
+    enum class State { Missing, Good, Bad };
+    State state = State::Missing;
+    std::array<char, 200> text{};  ///< what is bad
 };
 
 /// How a child ended.
@@ -54,9 +54,9 @@ class Child {
     bool Running() const { return pid_ > 0; }
     /// Can be polled for the end of the child.
     int EndDescriptor() const { return endFd_; }
-    /// Asks the child to stop, or forces it, when its time is over. True when the child has ended: then Take returns
-    /// the result.
-    bool Poll();
+    /// Waits for the end, at most so long; asks the child to stop, or forces it, when its time is over. True when the
+    /// child has ended: then Take returns the result.
+    bool Poll(int milliseconds = 0);
     ChildResult Take();
 
   private:

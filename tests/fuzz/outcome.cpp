@@ -161,17 +161,9 @@ Verdict Judge(const ChildResult &r, const FuzzCase &fuzzCase, const std::vector<
     if (r.askedToStop) return {Outcome::Stopped, ""};
 
     if (r.status == 0) {
-        switch (r.picture.state) {
-            case PictureReport::State::Good: break;
-            case PictureReport::State::NotLooked:
-            case PictureReport::State::Missing: return {Outcome::Silent, "no picture in spite of success"};
-            case PictureReport::State::Unreadable:
-                return {Outcome::Picture, "unreadable: " + WithoutDetails(r.picture.text.data())};
-            case PictureReport::State::NotFinite:
-                return {Outcome::Picture, std::string("not finite: ") + r.picture.text.data()};
-            case PictureReport::State::WrongSize:
-                return {Outcome::Picture, std::string("size: ") + r.picture.text.data()};
-        }
+        using State = PictureReport::State;
+        if (r.picture.state == State::Missing) return {Outcome::Silent, "no picture in spite of success"};
+        if (r.picture.state == State::Bad) return {Outcome::Picture, WithoutDetails(r.picture.text.data())};
         if (fuzzCase.mustBeRefused && !(fuzzCase.isLightlab && RendersReferenceAgain(r)))
             return {Outcome::Accepted, "changed state of " + fuzzCase.seed};
         return {r.messages.find("Warning: ") == std::string::npos ? Outcome::Rendered : Outcome::Warned, ""};
@@ -240,16 +232,15 @@ void SaveCase(const std::string &folder, const FuzzCase &fuzzCase, const Verdict
               const std::string &messages) {
     std::filesystem::create_directories(folder);
     WriteFiles(fuzzCase, folder);
-    Record j;
-    j["outcome"] = Name(verdict.outcome);
-    j["cause"] = verdict.cause;
-    j["kind"] = fuzzCase.kind;
-    j["scene"] = fuzzCase.seed;
+    Record j = {{"outcome", Name(verdict.outcome)},
+                {"cause", verdict.cause},
+                {"kind", fuzzCase.kind},
+                {"scene", fuzzCase.seed},
+                {"arguments", fuzzCase.arguments},
+                {"output", fuzzCase.output},
+                {"mustBeRefused", fuzzCase.mustBeRefused},
+                {"isLightlab", fuzzCase.isLightlab}};
     for (const CaseFile &file : fuzzCase.files) j["files"].push_back(file.name);
-    j["arguments"] = fuzzCase.arguments;
-    j["output"] = fuzzCase.output;
-    j["mustBeRefused"] = fuzzCase.mustBeRefused;
-    j["isLightlab"] = fuzzCase.isLightlab;
     std::ofstream(std::filesystem::path(folder) / "case.json")
         << j.dump(2, ' ', true, Record::error_handler_t::replace) << '\n';
     std::ofstream(std::filesystem::path(folder) / "messages.txt") << messages;

@@ -1,7 +1,5 @@
 #include "fuzz/workplace.h"
 
-#include <poll.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -22,8 +20,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-void Say(PictureReport &report, PictureReport::State state, const std::string &text = "") {
-    report.state = state;
+void SayBad(PictureReport &report, const std::string &text) {
+    report.state = PictureReport::State::Bad;
     std::snprintf(report.text.data(), report.text.size(), "%s", text.c_str());
 }
 
@@ -52,19 +50,18 @@ int RunLightlab([[maybe_unused]] const FuzzCase &fuzzCase) {
 }  // namespace
 
 void LookAtPicture(const std::string &path, PictureReport &report) {
+    if (!fs::exists(path)) return;
     using State = PictureReport::State;
-    if (!fs::exists(path)) return Say(report, State::Missing);
+    report.state = State::Good;
     try {
-        const ImageFile file = ReadImage(path);
-        const Point2i size = file.image.Resolution();
-        if (size.x < 1 || size.y < 1) return Say(report, State::WrongSize, fmt::format("{} x {}", size.x, size.y));
-        Say(report, State::Good, fmt::format("{} x {}", size.x, size.y));
-        ForEachValue(file.image, [&](Point2i p, int c) {
-            if (report.state == State::Good && !std::isfinite(file.image.Get(p, c)))
-                Say(report, State::NotFinite, file.image.Channels()[c]);
+        const Image image = ReadImage(path).image;
+        if (image.ValueCount() == 0) SayBad(report, "no pixels");
+        ForEachValue(image, [&](Point2i p, int c) {
+            if (report.state == State::Good && !std::isfinite(image.Get(p, c)))
+                SayBad(report, "not finite: " + image.Channels()[c]);
         });
     } catch (const UserError &e) {
-        Say(report, State::Unreadable, e.what());
+        SayBad(report, std::string("unreadable: ") + e.what());
     }
 }
 
@@ -107,8 +104,8 @@ void Workplace::Start(const FuzzCase &fuzzCase, const Limits &limits) {
         folder_, [this](PictureReport &report) { return program_(case_, report); }, limits);
 }
 
-std::optional<CaseResult> Workplace::Poll() {
-    if (!child_.Poll()) return {};
+std::optional<CaseResult> Workplace::Poll(int milliseconds) {
+    if (!child_.Poll(milliseconds)) return {};
     CaseResult result;
     result.run = child_.Take();
     std::vector<std::string> left;
@@ -123,11 +120,8 @@ std::optional<CaseResult> Workplace::Poll() {
 
 CaseResult Workplace::Run(const FuzzCase &fuzzCase, const Limits &limits) {
     Start(fuzzCase, limits);
-    for (;;) {
-        pollfd end{EndDescriptor(), POLLIN, 0};
-        poll(&end, 1, 20);
-        if (auto result = Poll()) return *std::move(result);
-    }
+    for (;;)
+        if (auto result = Poll(20)) return *std::move(result);
 }
 
 }  // namespace pbrt::fuzz

@@ -38,8 +38,8 @@ class Workplace {
     void Start(const FuzzCase &fuzzCase, const Limits &limits);
     bool Running() const { return child_.Running(); }
     int EndDescriptor() const { return child_.EndDescriptor(); }
-    /// The result, when the case has ended.
-    std::optional<CaseResult> Poll();
+    /// The result, when the case has ended; waits for it at most so long.
+    std::optional<CaseResult> Poll(int milliseconds = 0);
     /// Start and Poll until the end.
     CaseResult Run(const FuzzCase &fuzzCase, const Limits &limits);
 

@@ -172,14 +172,5 @@ TEST(Describe, TheLastOfEqualOnesWinsAndDefaultsAreNeverReported) {
     EXPECT_EQ(s.angle, 9);
 }
 
-TEST(Describe, ReadsPrefixedParametersAndLeavesOthers) {
-    Few few;
-    const Params given = Params().Integer("octree.leaves", 5).Integer("leaves", 8).Number("other.x", 1);
-    ReadParams(few, given.Set(), "octree");
-    EXPECT_EQ(few.leaves, 5);
-    const Params bad = Params().Integer("octree.leaves", 11);
-    EXPECT_THROW(ReadParams(few, bad.Set(), "octree"), UserError);
-}
-
 }  // namespace
 }  // namespace pbrt

@@ -94,7 +94,6 @@ TEST(Names, NamedThingsNeedAType) {
 }
 
 TEST(Words, UnknownOnesAreReportedAndSkipped) {
-    ExpectWorldError("Shape 's'\nWorldEnd", 3, 0, "Unknown directive: WorldEnd");
     ExpectWorldError(" shape 's' 'bool x' true", 2, 1, "did you mean 'Shape'");
     ExpectWorldError("Attribute 'camera' 'float x' 1", 2, 10, "valid: shape, light, material, medium, texture");
     ExpectWorldError("Texture 't' 'color' 'constant'", 2, 12, "valid: float, spectrum");

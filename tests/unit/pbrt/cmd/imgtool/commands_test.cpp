@@ -96,8 +96,7 @@ TEST_F(Imgtool, AssembleUndoesCrops) {
     EXPECT_EQ(RunWell("assemble left.exr low.exr top.exr --outfile b.exr"), "");
     EXPECT_EQ(Run("diff a.exr --reference b.exr").status, 0);
     const ImageFile joined = ReadImage(Path("b.exr"));
-    EXPECT_EQ(joined.metadata.pixelBounds->low, Point2i(0, 0));
-    EXPECT_EQ(joined.metadata.pixelBounds->high, Point2i(6, 5));
+    EXPECT_EQ(joined.metadata.pixelBounds, (Bounds2i{{0, 0}, {6, 5}}));
     EXPECT_TRUE(Has(Run("assemble left.exr top.exr --outfile c.exr").err, "8 of 30 pixels"));
     EXPECT_EQ(ReadImage(Path("c.exr")).image.Get({5, 4}, 0), 0);
     EXPECT_TRUE(Has(Run("assemble a.exr top.exr --outfile c.exr").err, "12 pixels in more than one"));

@@ -272,7 +272,6 @@ TEST_F(SharedLights, WindowsGoWithThem) {
 }
 
 TEST_F(SharedLights, TheGuideGoesWithThem) {
-    PBRT_SKIP_WITHOUT_EXT();
     Write("a.pbrt", GuidedScene(256));
     Write("b.pbrt", Replaced(GuidedScene(16), "LookAt 0 1.2 -2.8", "LookAt .3 1.2 -2.7"));
     for (const std::string lights : {"--lightsampler octree", "--lightsampler bvh"}) {

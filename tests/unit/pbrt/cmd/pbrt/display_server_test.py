@@ -109,9 +109,7 @@ def read_pfm(path):
 
 class DisplayServer(unittest.TestCase):
     def setUp(self):
-        holder = tempfile.TemporaryDirectory()
-        self.addCleanup(holder.cleanup)
-        self.folder = pathlib.Path(holder.name)
+        self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
 
     def listen(self, **how):
         tev = Tev(**how)

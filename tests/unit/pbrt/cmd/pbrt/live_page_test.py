@@ -44,15 +44,12 @@ Shape "bilinearmesh" "point3 P" [ -9 -1 -4  9 -1 -4  -9 -1 9  9 -1 9 ]
 class LivePage(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        holder = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(holder.cleanup)
-        cls.driver = browser.start(f"{holder.name}/profile", "1100,1000", ["browser"])
+        folder = cls.enterClassContext(tempfile.TemporaryDirectory())
+        cls.driver = browser.start(f"{folder}/profile", "1100,1000", ["browser"])
         cls.addClassCleanup(cls.driver.quit)
 
     def setUp(self):
-        holder = tempfile.TemporaryDirectory()
-        self.addCleanup(holder.cleanup)
-        self.folder = pathlib.Path(holder.name)
+        self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
         self.driver.get("about:blank")
         self.driver.get_log("browser")
 

@@ -6,8 +6,7 @@ namespace pbrt::test {
 class Threads : public Program {};
 
 TEST_F(Threads, NumberDoesNotChangeThePixelsOfTheHaltonSampler) {
-    std::ifstream in(PBRT_SOURCE_DIR "/scenes/dollhouse/dollhouse.pbrt");
-    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    const std::string text = Read(PBRT_SOURCE_DIR "/scenes/dollhouse/dollhouse.pbrt");
     Write("scene.pbrt", Replaced(text, "Sampler \"zsobol\"", "Sampler \"halton\""));
     for (const std::string lights : {"bvh", "octree"}) {
         if (lights == "octree" && !HasExt()) continue;

@@ -69,29 +69,31 @@ class Signals : public SmallSceneProgram {
     }
 
     /// Starts a render that would go on for ever, and interrupts it after its first wave.
-    Outcome EndWhileRendering(const std::string &arguments, int signal) const {
+    Outcome EndWhileRendering(int signal, const std::string &name = "out.exr") const {
         if (!Exists("logged/reference.exr")) {
             std::filesystem::create_directory(Path("logged"));
             Render("--spp 1 scene.pbrt", "logged/reference.exr");
         }
         std::filesystem::remove(Path("logged/mse.txt"));
-        const pid_t pid =
-            Start("--spp 100000000 --mse-reference-image logged/reference.exr --mse-reference-out logged/mse.txt " +
-                  arguments);
+        const pid_t pid = Start(
+            "--spp 100000000 --mse-reference-image logged/reference.exr --mse-reference-out logged/mse.txt "
+            "scene.pbrt --outfile " +
+            name);
         // The first line of the log means that a wave is done.
         EXPECT_TRUE(WaitUntil([&] { return !Read("logged/mse.txt").empty(); })) << Messages(pid);
         return End(pid, signal);
     }
     static void ExpectInterrupted(const ImageFile &file) { EXPECT_EQ(IntOf(file, "pbrt.interrupted"), 1); }
 
-    /// Writes a picture whose header has these values and whose pixels no render here would give.
-    void WriteOld(const std::string &name, int samples, const std::string &scene) const {
+    /// Writes out.exr with these values in its header and pixels that no render here would give; returns its bytes.
+    std::string WriteOld(int samples, const std::string &scene) const {
         ImageFile old{Image(PixelFormat::Float, {32, 24}, {"R", "G", "B"}), {}};
         old.image.Set({3, 3}, 1, 1234);
         old.metadata.attributes["samplesPerPixel"] = samples;
         old.metadata.attributes["pbrt.scene"] = scene;
         old.metadata.attributes["pbrt.integrator"] = std::string("path");
-        WriteImage(Path(name), old.image, old.metadata);
+        WriteImage(Path("out.exr"), old.image, old.metadata);
+        return Read("out.exr");
     }
 };
 
@@ -128,15 +130,14 @@ TEST_F(Signals, WhilePreparingLights) {
 
 TEST_F(Signals, InTheFirstWaveNothingIsWrittenAndTheOldImageStays) {
     Write("slow.pbrt", SlowScene());
-    WriteOld("out.exr", 1, "another.pbrt");
-    const std::string before = Read("out.exr");
+    const std::string before = WriteOld(1, "another.pbrt");
     ExpectNothingWritten("preparing lights: done", "slow.pbrt", "no image was written");
     EXPECT_EQ(Read("out.exr"), before);
 }
 
 TEST_F(Signals, WhileRenderingSaveWhatWasRendered) {
     for (int signal : kSignals) {
-        ExpectWords(EndWhileRendering("--outfile out.exr scene.pbrt", signal).err, {"Wrote out.exr"});
+        ExpectWords(EndWhileRendering(signal).err, {"Wrote out.exr"});
         const ImageFile file = ReadImage(Path("out.exr"));
         ExpectInterrupted(file);
         EXPECT_GE(IntOf(file, "samplesPerPixel"), 1);
@@ -151,7 +152,7 @@ TEST_F(Signals, WhatIsSavedIsAnUnbiasedPictureInEveryFilm) {
         Write("scene.pbrt", Replaced(SmallScene(), "rgb", film));
         const ImageFile whole = Render("--spp 256 scene.pbrt", "whole.exr");
         std::filesystem::remove_all(Path("logged"));
-        EndWhileRendering("--outfile out.exr scene.pbrt", SIGINT);
+        EndWhileRendering(SIGINT);
         const ImageFile part = ReadImage(Path("out.exr"));
         EXPECT_EQ(part.image.Channels(), whole.image.Channels());
         // With one sample per pixel this mean has 2 % of noise; pixels divided by samples that they never got would
@@ -162,10 +163,8 @@ TEST_F(Signals, WhatIsSavedIsAnUnbiasedPictureInEveryFilm) {
 }
 
 TEST_F(Signals, ABetterPictureOfTheSceneIsKept) {
-    WriteOld("out.exr", 2000000000, "scene.pbrt");
-    const std::string before = Read("out.exr");
-    ExpectWords(EndWhileRendering("--outfile out.exr scene.pbrt", SIGTERM).err,
-                {"Wrote out-unfinished.exr", "out.exr is kept"});
+    const std::string before = WriteOld(2000000000, "scene.pbrt");
+    ExpectWords(EndWhileRendering(SIGTERM).err, {"Wrote out-unfinished.exr", "out.exr is kept"});
     EXPECT_EQ(Read("out.exr"), before);
     ExpectInterrupted(ReadImage(Path("out-unfinished.exr")));
     EXPECT_EQ(Files(), (std::vector<std::string>{"logged", "out-unfinished.exr", "out.exr", "scene.pbrt"}));
@@ -173,8 +172,8 @@ TEST_F(Signals, ABetterPictureOfTheSceneIsKept) {
 
 TEST_F(Signals, AWorsePictureOrOneOfAnotherSceneIsReplaced) {
     for (auto [samples, scene] : {std::pair(0, "scene.pbrt"), std::pair(2000000000, "another.pbrt")}) {
-        WriteOld("out.exr", samples, scene);
-        EndWhileRendering("--outfile out.exr scene.pbrt", SIGINT);
+        WriteOld(samples, scene);
+        EndWhileRendering(SIGINT);
         ExpectInterrupted(ReadImage(Path("out.exr")));
         EXPECT_EQ(Files(), (std::vector<std::string>{"logged", "out.exr", "scene.pbrt"})) << scene;
     }
@@ -182,24 +181,24 @@ TEST_F(Signals, AWorsePictureOrOneOfAnotherSceneIsReplaced) {
 
 TEST_F(Signals, APictureThatSaysNothingOfItsSamplesIsKept) {
     for (const std::string extension : {".png", ".pfm"}) {
-        Render("--spp 2 scene.pbrt", "out" + extension);
-        const std::string before = Read("out" + extension);
-        EndWhileRendering("--outfile out" + extension + " scene.pbrt", SIGINT);
-        EXPECT_EQ(Read("out" + extension), before);
+        const std::string name = "out" + extension;
+        Render("--spp 2 scene.pbrt", name);
+        const std::string before = Read(name);
+        EndWhileRendering(SIGINT, name);
+        EXPECT_EQ(Read(name), before);
         EXPECT_TRUE(Exists("out-unfinished" + extension));
     }
 }
 
 TEST_F(Signals, AFinishedRenderReplacesWhateverThereWas) {
-    WriteOld("out.exr", 2000000000, "scene.pbrt");
+    WriteOld(2000000000, "scene.pbrt");
     // The partial pictures do not replace out.exr, and they leave no files behind.
     EXPECT_EQ(IntOf(Render("--spp 16 --write-partial-images scene.pbrt"), "samplesPerPixel"), 16);
     EXPECT_EQ(Files(), (std::vector<std::string>{"out.exr", "scene.pbrt"}));
 }
 
 TEST_F(Signals, PartialPicturesLeaveABetterOneAlone) {
-    WriteOld("out.exr", 2000000000, "scene.pbrt");
-    const std::string before = Read("out.exr");
+    const std::string before = WriteOld(2000000000, "scene.pbrt");
     const pid_t pid =
         StartUntilWritten("--spp 100000000 --write-partial-images --outfile out.exr scene.pbrt", "out-unfinished.exr");
     EXPECT_EQ(Read("out.exr"), before);

@@ -97,7 +97,6 @@ TEST(ParameterErrors, MalformedDeclaration) {
 }
 
 TEST(ParameterErrors, WrongKindPointsAtTheValue) {
-    ExpectWorldError("Shape 's' 'bool a' 1", 2, 19, "true or false");
     ExpectWorldError("Shape 's' 'float a' [ 'x' ]", 2, 22, "numbers");
     ExpectWorldError("Shape 's' 'integer a' true", 2, 22, "numbers");
     ExpectWorldError("Shape 's' 'string a' [ 1 2 ]", 2, 23, "quoted");

@@ -1,5 +1,3 @@
-#include <signal.h>
-
 #include <glm/vec4.hpp>
 #include <sstream>
 
@@ -125,21 +123,6 @@ TEST_F(Images, ErrorAgainstAReferenceFallsWaveByWave) {
     EXPECT_GT(mse.back(), 0);
     EXPECT_LT(mse.back(), mse.front() / 8);
     EXPECT_NEAR(NumberOf(file, "MSE"), mse.back(), 1e-5 * mse.back());
-}
-
-TEST_F(Images, PartialImagesShowTheWavesSoFar) {
-    const pid_t pid =
-        StartUntilWritten("--spp 100000000 --write-partial-images --outfile out.exr scene.pbrt", "out.exr");
-    const ImageFile partial = ReadImage(Path("out.exr"));
-    EXPECT_GE(IntOf(partial, "samplesPerPixel"), 1);
-    EXPECT_LT(IntOf(partial, "samplesPerPixel"), 100000000);
-    EXPECT_FALSE(partial.metadata.attributes.contains("pbrt.interrupted"));
-    kill(pid, SIGINT);
-    EXPECT_EQ(Wait(pid).status, 130);
-    const ImageFile final = ReadImage(Path("out.exr"));
-    EXPECT_EQ(IntOf(final, "pbrt.interrupted"), 1);
-    EXPECT_GE(IntOf(final, "samplesPerPixel"), IntOf(partial, "samplesPerPixel"));
-    EXPECT_EQ(Files(), (std::vector<std::string>{"out.exr", "scene.pbrt"})) << "temporary files must be gone";
 }
 
 }  // namespace pbrt::test

@@ -197,13 +197,21 @@ TEST_F(Signals, AFinishedRenderReplacesWhateverThereWas) {
     EXPECT_EQ(Files(), (std::vector<std::string>{"out.exr", "scene.pbrt"}));
 }
 
-TEST_F(Signals, PartialPicturesLeaveABetterOneAlone) {
+TEST_F(Signals, PartialPicturesShowTheWavesSoFarAndLeaveABetterOneAlone) {
     const std::string before = WriteOld(2000000000, "scene.pbrt");
     const pid_t pid =
         StartUntilWritten("--spp 100000000 --write-partial-images --outfile out.exr scene.pbrt", "out-unfinished.exr");
     EXPECT_EQ(Read("out.exr"), before);
+    const ImageFile partial = ReadImage(Path("out-unfinished.exr"));
+    EXPECT_GE(IntOf(partial, "samplesPerPixel"), 1);
+    EXPECT_LT(IntOf(partial, "samplesPerPixel"), 100000000);
+    EXPECT_FALSE(partial.metadata.attributes.contains("pbrt.interrupted"));
     End(pid, SIGINT);
     EXPECT_EQ(Read("out.exr"), before);
+    const ImageFile last = ReadImage(Path("out-unfinished.exr"));
+    ExpectInterrupted(last);
+    EXPECT_GE(IntOf(last, "samplesPerPixel"), IntOf(partial, "samplesPerPixel"));
+    EXPECT_EQ(Files(), (std::vector<std::string>{"out-unfinished.exr", "out.exr", "scene.pbrt"}));
 }
 
 TEST_F(Signals, APartialPictureThatCannotBeWrittenEndsNothing) {

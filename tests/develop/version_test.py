@@ -20,11 +20,10 @@ def run(*command, **options):
 
 class VersionText(unittest.TestCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.checkout = Path(folder.name).resolve() / "checkout"
+        folder = Path(self.enterContext(tempfile.TemporaryDirectory())).resolve()
+        self.checkout = folder / "checkout"
         self.checkout.mkdir()
-        self.output = Path(folder.name) / "version.cpp"
+        self.output = folder / "version.cpp"
         (self.checkout / "file").write_text("1")
 
     def git(self, *arguments):

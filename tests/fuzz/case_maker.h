@@ -1,11 +1,8 @@
 #pragma once
-#include <map>
-#include <string>
-#include <vector>
+#include <functional>
 
 #include "fuzz/corpus.h"
-#include "fuzz/fuzz_case.h"
-#include "fuzz/scene_mutators.h"
+#include "fuzz/mutators.h"
 
 namespace pbrt::fuzz {
 
@@ -34,5 +31,9 @@ class CaseMaker {
     std::map<std::string, std::vector<Use>> uses_;  ///< of assets, by kind
     std::vector<std::string> kinds_;
 };
+
+/// Makes a failing case smaller as long as `stillFails` says that it fails for the same reason: leaves out arguments,
+/// then lines, words and bytes of its files, many at once first. Calls `stillFails` at most `maxTries` times.
+FuzzCase Shrink(FuzzCase failing, const std::function<bool(const FuzzCase &)> &stillFails, int maxTries);
 
 }  // namespace pbrt::fuzz

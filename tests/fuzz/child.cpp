@@ -51,7 +51,7 @@ void Limit(decltype(RLIMIT_AS) which, size_t value) {
 
 }  // namespace
 
-struct Child::Shared {
+struct SharedWithChild {
     int signal = 0, frameCount = 0;
     std::array<void *, kMaxFrames> frames{};
     PictureReport picture;
@@ -59,13 +59,11 @@ struct Child::Shared {
 
 namespace {
 
-// The shared memory of this process, for the signal handler.
-int *sharedSignal = nullptr, *sharedFrameCount = nullptr;
-void **sharedFrames = nullptr;
+SharedWithChild *sharedMemory = nullptr;  ///< of this process, for the signal handler
 
 void RecordAndDie(int signal) {
-    *sharedSignal = signal;
-    *sharedFrameCount = backtrace(sharedFrames, kMaxFrames);
+    sharedMemory->signal = signal;
+    sharedMemory->frameCount = backtrace(sharedMemory->frames.data(), kMaxFrames);
     if (signal == kWhereSignal) _exit(1);
     std::signal(signal, SIG_DFL);
     raise(signal);
@@ -94,9 +92,9 @@ void HandleSignals() {
 }  // namespace
 
 Child::Child() {
-    void *memory = mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    void *memory = mmap(nullptr, sizeof(SharedWithChild), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (memory == MAP_FAILED) throw std::runtime_error("no shared memory");
-    shared_ = new (memory) Shared;
+    shared_ = new (memory) SharedWithChild;
     messagesFd_ = static_cast<int>(memfd_create("messages", MFD_CLOEXEC));
     if (messagesFd_ < 0) throw std::runtime_error("no file in memory for messages");
     // The first call loads a library, which a handler must not.
@@ -111,11 +109,11 @@ Child::~Child() {
         close(endFd_);
     }
     close(messagesFd_);
-    munmap(shared_, sizeof(Shared));
+    munmap(shared_, sizeof(SharedWithChild));
 }
 
 void Child::Start(const std::string &folder, const ChildBody &body, const Limits &limits) {
-    *shared_ = Shared();
+    *shared_ = SharedWithChild();
     result_ = ChildResult();
     limits_ = limits;
     stage_ = Stage::Running;
@@ -135,9 +133,7 @@ void Child::Start(const std::string &folder, const ChildBody &body, const Limits
         if (!kAddressSanitizer) Limit(RLIMIT_AS, addressSpace);
         // Writing beyond the limit is an error that the program should report.
         std::signal(SIGXFSZ, SIG_IGN);
-        sharedSignal = &shared_->signal;
-        sharedFrameCount = &shared_->frameCount;
-        sharedFrames = shared_->frames.data();
+        sharedMemory = shared_;
         HandleSignals();
         if (chdir(folder.c_str()) != 0) _exit(126);
         const int status = RunToTheEnd(body, shared_->picture);
@@ -176,7 +172,9 @@ void Child::EnforceTime() {
     }
 }
 
-bool Child::Poll() {
+bool Child::Poll(int milliseconds) {
+    pollfd end{endFd_, POLLIN, 0};
+    poll(&end, 1, milliseconds);
     siginfo_t info{};
     rusage usage{};
     if (waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) != 0)
@@ -212,10 +210,7 @@ ChildResult Child::Take() { return std::move(result_); }
 ChildResult RunChild(const std::string &folder, const ChildBody &body, const Limits &limits) {
     Child child;
     child.Start(folder, body, limits);
-    while (!child.Poll()) {
-        pollfd end{child.EndDescriptor(), POLLIN, 0};
-        poll(&end, 1, 20);
-    }
+    while (!child.Poll(20)) continue;
     return child.Take();
 }
 

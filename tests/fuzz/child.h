@@ -17,9 +17,9 @@ struct Limits {
 
 /// What the child found when it read its own picture.
 struct PictureReport {
-    enum class State { NotLooked, Good, Missing, Unreadable, NotFinite, WrongSize };
-    State state = State::NotLooked;
-    std::array<char, 200> text{};
+    enum class State { Missing, Good, Bad };
+    State state = State::Missing;
+    std::array<char, 200> text{};  ///< what is bad
 };
 
 /// How a child ended.
@@ -38,6 +38,8 @@ struct ChildResult {
 /// What a child does: returns the exit status and fills the report.
 using ChildBody = std::function<int(PictureReport &)>;
 
+struct SharedWithChild;
+
 /// A child process that runs one case under limits: forked from this process, so what this process has loaded and set
 /// up need not be set up again. This process must not have threads.
 class Child {
@@ -52,15 +54,14 @@ class Child {
     bool Running() const { return pid_ > 0; }
     /// Can be polled for the end of the child.
     int EndDescriptor() const { return endFd_; }
-    /// Asks the child to stop, or forces it, when its time is over. True when the child has ended: then Take returns
-    /// the result.
-    bool Poll();
+    /// Waits for the end, at most so long; asks the child to stop, or forces it, when its time is over. True when the
+    /// child has ended: then Take returns the result.
+    bool Poll(int milliseconds = 0);
     ChildResult Take();
 
   private:
-    struct Shared;
     void EnforceTime();
-    Shared *shared_;
+    SharedWithChild *shared_;
     pid_t pid_ = -1;
     int endFd_ = -1, messagesFd_ = -1;
     clockid_t clock_{};

@@ -6,19 +6,12 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <set>
 
-#include "fuzz/asset_mutators.h"
-#include "fuzz/assets.h"
-#include "fuzz/byte_mutators.h"
 #include "fuzz/case_maker.h"
-#include "fuzz/report.h"
-#include "fuzz/shrink.h"
 #include "fuzz/workplace.h"
-#include "pbrt/images/image.h"
 
 /// A fault three functions deep. Outside the driver's namespace, whose functions no cause names, so that
 /// the cause is the same whoever calls it.
@@ -60,12 +53,16 @@ class Driver : public ::testing::Test {
         });
         return place.Run({"none", "none", {{"scene.pbrt", "WorldBegin\n"}}, {}}, limits).verdict;
     }
-    static Outcome Of(int status, const std::function<void(PictureReport &)> &act) {
-        return VerdictOn(status, act).outcome;
+    /// Expects this outcome of a program that makes no picture; returns the cause.
+    static std::string Expect(Outcome expected, int status, const std::function<void()> &act) {
+        const Verdict verdict = VerdictOn(status, [&](PictureReport &) { act(); });
+        EXPECT_EQ(verdict.outcome, expected) << verdict.cause;
+        return verdict.cause;
     }
     /// As pbrt after an error with this message.
-    static Verdict AfterError(const std::string &message) {
-        return VerdictOn(1, [&](PictureReport &) { std::fprintf(stderr, "Error: %s\n", message.c_str()); });
+    static std::string ExpectAfterError(Outcome expected, const std::string &message) {
+        SCOPED_TRACE(message);
+        return Expect(expected, 1, [&] { std::fprintf(stderr, "Error: %s\n", message.c_str()); });
     }
     /// As pbrt after success.
     static Verdict AfterWriting(Float value) {
@@ -96,34 +93,25 @@ void KeepBusy() {
 }
 
 TEST_F(Driver, SeesCrashesAndNamesTheirPlace) {
-    const Verdict fault = VerdictOn(0, [](PictureReport &) { ::fault::WriteToNull(); });
-    EXPECT_EQ(fault.outcome, Outcome::Signal);
-    EXPECT_TRUE(fault.cause.find("Segmentation fault") != std::string::npos) << fault.cause;
-    EXPECT_EQ(Of(0, [](PictureReport &) { RecurseForEver(0); }), Outcome::Signal);
-    const Verdict aborted = VerdictOn(0, [](PictureReport &) { std::abort(); });
-    EXPECT_EQ(aborted.outcome, Outcome::Signal);
-    EXPECT_NE(aborted.cause, fault.cause);
+    const std::string fault = Expect(Outcome::Signal, 0, [] { ::fault::WriteToNull(); });
+    EXPECT_TRUE(fault.find("Segmentation fault") != std::string::npos) << fault;
+    Expect(Outcome::Signal, 0, [] { RecurseForEver(0); });
+    EXPECT_NE(Expect(Outcome::Signal, 0, [] { std::abort(); }), fault);
 }
 
 TEST_F(Driver, TellsHangsFromThoseThatStopWhenAsked) {
-    EXPECT_EQ(Of(0,
-                 [](PictureReport &) {
-                     std::signal(SIGTERM, SIG_IGN);
-                     KeepBusy();
-                 }),
-              Outcome::Hang);
-    EXPECT_EQ(Of(0,
-                 [](PictureReport &) {
-                     std::signal(SIGTERM, SIG_IGN);
-                     for (;;) pause();  // without using the processor
-                 }),
-              Outcome::Hang);
-    EXPECT_EQ(Of(0,
-                 [](PictureReport &) {
-                     std::signal(SIGTERM, [](int) { _exit(143); });
-                     KeepBusy();
-                 }),
-              Outcome::Stopped);
+    Expect(Outcome::Hang, 0, [] {
+        std::signal(SIGTERM, SIG_IGN);
+        KeepBusy();
+    });
+    Expect(Outcome::Hang, 0, [] {
+        std::signal(SIGTERM, SIG_IGN);
+        for (;;) pause();  // without using the processor
+    });
+    Expect(Outcome::Stopped, 0, [] {
+        std::signal(SIGTERM, [](int) { _exit(143); });
+        KeepBusy();
+    });
 }
 
 TEST_F(Driver, SeesMemoryThatNobodySpeaksOf) {
@@ -133,73 +121,62 @@ TEST_F(Driver, SeesMemoryThatNobodySpeaksOf) {
         std::vector<std::unique_ptr<char[]>> all;
         for (;;) all.push_back(std::make_unique_for_overwrite<char[]>(10 << 20));
     };
-    EXPECT_EQ(Of(0, [&](PictureReport &) { allocate(); }), Outcome::Memory);
-    EXPECT_EQ(Of(1,
-                 [&](PictureReport &) {
-                     try {
-                         allocate();
-                     } catch (const std::exception &e) {
-                         std::fprintf(stderr, "Error: %s\n", e.what());
-                     }
-                 }),
-              Outcome::Memory);
-    EXPECT_EQ(AfterError("scene.pbrt:3:4: std::bad_alloc").outcome, Outcome::Memory);
+    Expect(Outcome::Memory, 0, allocate);
+    Expect(Outcome::Memory, 1, [&] {
+        try {
+            allocate();
+        } catch (const std::exception &e) {
+            std::fprintf(stderr, "Error: %s\n", e.what());
+        }
+    });
+    ExpectAfterError(Outcome::Memory, "scene.pbrt:3:4: std::bad_alloc");
 }
 
 TEST_F(Driver, JudgesMessages) {
     for (const char *message :
          {"scene.pbrt:12:3: \"float fov\" must be less than 180.", "mutated.ply: line 3: \"x\" is not a count.",
           "scene.pbrt:1:2: expected numbers, found \"bad_index\"."})
-        EXPECT_EQ(AfterError(message).outcome, Outcome::Refused) << message;
+        ExpectAfterError(Outcome::Refused, message);
     for (const char *message :
          {"the number is too large.", "scene.pbrt:1:2: vector::_M_default_append", "Internal error: no device"})
-        EXPECT_EQ(AfterError(message).outcome, Outcome::Message) << message;
-    EXPECT_EQ(Of(1, [](PictureReport &) {}), Outcome::Silent);
-    EXPECT_EQ(Of(3, [](PictureReport &) {}), Outcome::Silent);
-    EXPECT_EQ(Of(1,
-                 [](PictureReport &) {
-                     for (int i = 0; i < 30000; ++i)
-                         std::fprintf(stderr, "Error: scene.pbrt:%d:0: the same again, and again, and again\n", i);
-                 }),
-              Outcome::Message);
+        ExpectAfterError(Outcome::Message, message);
+    for (int status : {1, 3}) Expect(Outcome::Silent, status, [] {});
+    Expect(Outcome::Message, 1, [] {
+        for (int i = 0; i < 30000; ++i)
+            std::fprintf(stderr, "Error: scene.pbrt:%d:0: the same again, and again, and again\n", i);
+    });
     // The same mistake at another place and with other values has the same cause.
-    EXPECT_EQ(AfterError("value 12.5e3 of \"radius\" is odd").cause, AfterError("value -7 of \"zmin\" is odd").cause);
-    EXPECT_NE(AfterError("value 12.5e3 of \"radius\" is odd").cause, AfterError("value 3 of \"radius\" is even").cause);
+    const std::string odd = ExpectAfterError(Outcome::Message, "value 12.5e3 of \"radius\" is odd");
+    EXPECT_EQ(ExpectAfterError(Outcome::Message, "value -7 of \"zmin\" is odd"), odd);
+    EXPECT_NE(ExpectAfterError(Outcome::Message, "value 3 of \"radius\" is even"), odd);
 }
 
 TEST_F(Driver, SeesFindingsOfSanitizers) {
-    const Verdict address = VerdictOn(99, [](PictureReport &) {
+    Expect(Outcome::Sanitizer, 99, [] {
         std::fprintf(stderr,
                      "==7==ERROR: AddressSanitizer: heap-buffer-overflow on address 0x60\n"
                      "SUMMARY: AddressSanitizer: heap-buffer-overflow /x/ply.cpp:12 in pbrt::ParsePly\n");
     });
-    EXPECT_EQ(address.outcome, Outcome::Sanitizer);
-    EXPECT_EQ(Of(0,
-                 [](PictureReport &) {
-                     std::fprintf(stderr, "/x/film.cpp:12:7: runtime error: signed integer overflow: 2147483647 + 1\n");
-                 }),
-              Outcome::Sanitizer);
+    Expect(Outcome::Sanitizer, 0,
+           [] { std::fprintf(stderr, "/x/film.cpp:12:7: runtime error: signed integer overflow: 2147483647 + 1\n"); });
 }
 
 TEST_F(Driver, LooksAtPictures) {
     EXPECT_EQ(AfterWriting(2).outcome, Outcome::Rendered);
     EXPECT_EQ(AfterWriting(std::numeric_limits<Float>::quiet_NaN()).outcome, Outcome::Picture);
     EXPECT_EQ(AfterWriting(std::numeric_limits<Float>::infinity()).outcome, Outcome::Picture);
-    EXPECT_EQ(Of(0, [](PictureReport &report) { LookAtPicture("out.exr", report); }), Outcome::Silent);
-    EXPECT_EQ(Of(0,
-                 [](PictureReport &report) {
-                     std::ofstream("out.exr") << "not a picture";
-                     LookAtPicture("out.exr", report);
-                 }),
-              Outcome::Picture);
-    auto errorAndFile = [](const char *name) {
-        return Of(1, [&](PictureReport &) {
+    const auto look = [](PictureReport &report) { LookAtPicture("out.exr", report); };
+    EXPECT_EQ(VerdictOn(0, look).outcome, Outcome::Silent);
+    const auto writeText = [](PictureReport &report) {
+        std::ofstream("out.exr") << "not a picture";
+        LookAtPicture("out.exr", report);
+    };
+    EXPECT_EQ(VerdictOn(0, writeText).outcome, Outcome::Picture);
+    for (const char *name : {"out.exr", "out.tmp123.exr"})
+        Expect(Outcome::Picture, 1, [&] {
             std::ofstream{name} << "half of it";
             std::fprintf(stderr, "Error: scene.pbrt:1:0: something is wrong\n");
         });
-    };
-    EXPECT_EQ(errorAndFile("out.exr"), Outcome::Picture);
-    EXPECT_EQ(errorAndFile("out.tmp123.exr"), Outcome::Picture);
 }
 
 TEST_F(Driver, ShrinksWhatFailsForTheSameReason) {

@@ -1,7 +1,5 @@
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
-#include <chrono>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 
@@ -9,18 +7,15 @@
 #include <unistd.h>
 
 #include "fuzz/case_maker.h"
-#include "fuzz/program.h"
-#include "fuzz/report.h"
-#include "fuzz/shrink.h"
 #include "fuzz/workplace.h"
+#include "pbrt/core/progress.h"
 #include "pbrt/core/version.h"
 
 #ifdef __SANITIZE_ADDRESS__
 // A finding ends the case. The limit is on the memory used, because the address space cannot be limited.
 extern "C" const char *__asan_default_options() {
-    return "abort_on_error=0:detect_leaks=0:allocator_may_return_null=0:hard_rss_limit_mb=3000:max_allocation_size_mb="
-           "3000:"
-           "detect_stack_use_after_return=0:exitcode=99";
+    return "abort_on_error=0:detect_leaks=0:allocator_may_return_null=0:hard_rss_limit_mb=3000:"
+           "max_allocation_size_mb=3000:detect_stack_use_after_return=0:exitcode=99";
 }
 extern "C" const char *__ubsan_default_options() { return "halt_on_error=1:print_stacktrace=1:exitcode=99"; }
 #endif
@@ -62,12 +57,13 @@ class Scratch {
     pid_t owner_ = getpid();
 };
 
-double Now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
-
 void Print(uint64_t number, const FuzzCase &fuzzCase, const CaseResult &result) {
-    std::printf("%llu: %s of %s: %s %s (%.3f s)\n%s", static_cast<unsigned long long>(number), fuzzCase.kind.c_str(),
-                fuzzCase.seed.c_str(), Name(result.verdict.outcome), result.verdict.cause.c_str(), result.run.seconds,
-                result.run.messages.c_str());
+    fmt::print("{}: {} of {}: {} {} ({:.3f} s)\n{}", number, fuzzCase.kind, fuzzCase.seed, Name(result.verdict.outcome),
+               result.verdict.cause, result.run.seconds, result.run.messages);
+}
+
+const std::vector<std::string> &KindsOf(const Settings &s, const CaseMaker &maker) {
+    return s.only.empty() ? maker.Kinds() : s.only;
 }
 
 /// Runs cases, several at the same time with --jobs, until all are done or the time is over.
@@ -80,19 +76,18 @@ Tally RunCases(const Settings &s, const CaseMaker &maker, const Scratch &scratch
     std::vector<Seat> seats(static_cast<size_t>(s.jobs));
     for (size_t i = 0; i < seats.size(); ++i)
         seats[i].place = std::make_unique<Workplace>(scratch.Path("job" + std::to_string(i)));
-    const std::vector<std::string> &kinds = s.only.empty() ? maker.Kinds() : s.only;
     const uint64_t end = s.from + s.cases;
 
     Tally tally;
     tally.seed = s.seed;
     tally.from = s.from;
     tally.version = pbrt::VersionText();
-    const double start = Now();
-    double shown = start;
+    const auto start = std::chrono::steady_clock::now();
+    auto shown = start;
     uint64_t next = s.from;
     for (bool busy = true; busy;) {
         busy = false;
-        const bool isTimeOver = s.minutes > 0 && Now() - start > 60 * s.minutes;
+        const bool isTimeOver = s.minutes > 0 && pbrt::SecondsSince(start) > 60 * s.minutes;
         std::vector<pollfd> ends;
         for (Seat &seat : seats) {
             if (seat.place->Running())
@@ -102,7 +97,7 @@ Tally RunCases(const Settings &s, const CaseMaker &maker, const Scratch &scratch
                 }
             if (!seat.place->Running() && next < end && !isTimeOver) {
                 seat.number = next++;
-                seat.fuzzCase = maker.Make(s.seed, seat.number, kinds);
+                seat.fuzzCase = maker.Make(s.seed, seat.number, KindsOf(s, maker));
                 seat.place->Start(seat.fuzzCase, s.limits);
             }
             if (!seat.place->Running()) continue;
@@ -110,21 +105,19 @@ Tally RunCases(const Settings &s, const CaseMaker &maker, const Scratch &scratch
             ends.push_back({seat.place->EndDescriptor(), POLLIN, 0});
         }
         if (!ends.empty()) poll(ends.data(), ends.size(), 20);
-        if (Now() - shown > 10) {
-            shown = Now();
-            std::fprintf(stderr, "%llu cases, %.1f ms each, %llu failures of %zu causes\n",
-                         static_cast<unsigned long long>(tally.cases),
-                         1000 * (shown - start) / static_cast<double>(tally.cases),
-                         static_cast<unsigned long long>(tally.Failures()), tally.causes.size());
+        if (pbrt::SecondsSince(shown) > 10) {
+            shown = std::chrono::steady_clock::now();
+            fmt::print(stderr, "{} cases, {:.1f} ms each, {} failures of {} causes\n", tally.cases,
+                       1000 * pbrt::SecondsSince(start) / static_cast<double>(tally.cases), tally.Failures(),
+                       tally.causes.size());
         }
     }
-    tally.seconds = Now() - start;
+    tally.seconds = pbrt::SecondsSince(start);
     return tally;
 }
 
 /// Saves one case of every cause, in its original and in its reduced form.
 void SaveFailures(const Settings &s, const CaseMaker &maker, const Scratch &scratch, Tally &tally) {
-    const std::vector<std::string> &kinds = s.only.empty() ? maker.Kinds() : s.only;
     const fs::path failures = fs::path(s.out) / "failures";
     fs::remove_all(failures);
     fs::create_directories(failures);
@@ -132,7 +125,7 @@ void SaveFailures(const Settings &s, const CaseMaker &maker, const Scratch &scra
     Workplace place(scratch.Path("shrink"));
     int index = 0;
     for (auto &[name, cause] : tally.causes) {
-        const FuzzCase original = maker.Make(s.seed, cause.firstNumber, kinds);
+        const FuzzCase original = maker.Make(s.seed, cause.firstNumber, KindsOf(s, maker));
         const CaseResult first = place.Run(original, s.limits);
         const bool isSlow = first.run.askedToStop;
         // A state with a part left out has another checksum.
@@ -147,9 +140,8 @@ void SaveFailures(const Settings &s, const CaseMaker &maker, const Scratch &scra
         cause.folder = (failures / fmt::format("{:03}", index++)).string();
         const CaseResult last = place.Run(small, s.limits);
         SaveCase(cause.folder, small, last.verdict, last.run.messages);
-        std::printf("%s\n    %llu times, first in case %llu of %s; replay: fuzz --replay %s/case.json\n", name.c_str(),
-                    static_cast<unsigned long long>(cause.count), static_cast<unsigned long long>(cause.firstNumber),
-                    original.seed.c_str(), cause.folder.c_str());
+        fmt::print("{}\n    {} times, first in case {} of {}; replay: fuzz --replay {}/case.json\n", name, cause.count,
+                   cause.firstNumber, original.seed, cause.folder);
     }
 }
 
@@ -157,11 +149,10 @@ int Replay(const Settings &s, const Scratch &scratch) {
     const FuzzCase fuzzCase = ReadCase(s.replay);
     Workplace place(scratch.Path("replay"));
     const CaseResult result = place.Run(fuzzCase, s.limits);
-    std::printf("%s%s: %s (exit status %d, signal %d, %.2f s)\n", result.run.messages.c_str(),
-                Name(result.verdict.outcome), result.verdict.cause.c_str(), result.run.status, result.run.signal,
-                result.run.seconds);
+    fmt::print("{}{}: {} (exit status {}, signal {}, {:.2f} s)\n", result.run.messages, Name(result.verdict.outcome),
+               result.verdict.cause, result.run.status, result.run.signal, result.run.seconds);
     for (const std::string &function : OurFunctions(result.run.frames))
-        if (!function.empty()) std::printf("    %s\n", function.c_str());
+        if (!function.empty()) fmt::print("    {}\n", function);
     return IsFailure(result.verdict.outcome) ? 1 : 0;
 }
 
@@ -191,21 +182,19 @@ int main(int argc, char **argv) {
         PrepareProgram(scratch.Path("assets"));
         const CaseMaker maker(Corpus::Load(scratch.Path("assets")));
         for (const std::string &kind : s.only)
-            if (std::find(maker.Kinds().begin(), maker.Kinds().end(), kind) == maker.Kinds().end()) {
-                std::string known;
-                for (const std::string &k : maker.Kinds()) known += ' ' + k;
-                throw std::runtime_error("there is no mutation \"" + kind + "\"; there are:" + known);
-            }
+            if (std::ranges::count(maker.Kinds(), kind) == 0)
+                throw std::runtime_error(
+                    fmt::format("there is no mutation \"{}\"; there are: {}", kind, fmt::join(maker.Kinds(), " ")));
         if (!s.replay.empty()) return Replay(s, scratch);
         Tally tally = RunCases(s, maker, scratch);
         if (!s.out.empty()) {
             SaveFailures(s, maker, scratch, tally);
             std::ofstream(fs::path(s.out) / "report.md") << Markdown(tally);
         }
-        std::printf("%s", Markdown(tally).c_str());
+        fmt::print("{}", Markdown(tally));
         return tally.causes.empty() ? 0 : 1;
     } catch (const std::exception &e) {
-        std::fprintf(stderr, "Error: %s\n", e.what());
+        fmt::print(stderr, "Error: {}\n", e.what());
         return 2;
     }
 }

@@ -4,18 +4,23 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
-#include <map>
+#include <fstream>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <regex>
 #include <sstream>
+
+#include "fuzz/corpus.h"
+#include "fuzz/workplace.h"
 
 namespace pbrt::fuzz {
 
 namespace {
+
+using Record = nlohmann::ordered_json;
 
 std::string FirstLineOf(const std::string &command) {
     std::unique_ptr<FILE, int (*)(FILE *)> pipe(popen(command.c_str(), "r"), pclose);
@@ -156,17 +161,9 @@ Verdict Judge(const ChildResult &r, const FuzzCase &fuzzCase, const std::vector<
     if (r.askedToStop) return {Outcome::Stopped, ""};
 
     if (r.status == 0) {
-        switch (r.picture.state) {
-            case PictureReport::State::Good: break;
-            case PictureReport::State::NotLooked:
-            case PictureReport::State::Missing: return {Outcome::Silent, "no picture in spite of success"};
-            case PictureReport::State::Unreadable:
-                return {Outcome::Picture, "unreadable: " + WithoutDetails(r.picture.text.data())};
-            case PictureReport::State::NotFinite:
-                return {Outcome::Picture, std::string("not finite: ") + r.picture.text.data()};
-            case PictureReport::State::WrongSize:
-                return {Outcome::Picture, std::string("size: ") + r.picture.text.data()};
-        }
+        using State = PictureReport::State;
+        if (r.picture.state == State::Missing) return {Outcome::Silent, "no picture in spite of success"};
+        if (r.picture.state == State::Bad) return {Outcome::Picture, WithoutDetails(r.picture.text.data())};
         if (fuzzCase.mustBeRefused && !(fuzzCase.isLightlab && RendersReferenceAgain(r)))
             return {Outcome::Accepted, "changed state of " + fuzzCase.seed};
         return {r.messages.find("Warning: ") == std::string::npos ? Outcome::Rendered : Outcome::Warned, ""};
@@ -182,6 +179,85 @@ Verdict Judge(const ChildResult &r, const FuzzCase &fuzzCase, const std::vector<
     // Later errors may be summaries.
     if (!HasPlace(errors.front())) return {Outcome::Message, "no place: " + WithoutDetails(errors.front())};
     return {Outcome::Refused, ""};
+}
+
+void Tally::Add(uint64_t number, const FuzzCase &fuzzCase, const Verdict &verdict) {
+    ++cases;
+    ++counts[fuzzCase.kind][static_cast<size_t>(verdict.outcome)];
+    if (!IsFailure(verdict.outcome)) return;
+    const std::string key = fmt::format("{}: {}", Name(verdict.outcome), verdict.cause);
+    auto [it, isNew] = causes.try_emplace(key, Cause{verdict.outcome, 0, number, ""});
+    ++it->second.count;
+    it->second.firstNumber = std::min(it->second.firstNumber, number);
+}
+
+uint64_t Tally::Failures() const {
+    uint64_t failures = 0;
+    for (const auto &[name, cause] : causes) failures += cause.count;
+    return failures;
+}
+
+std::string Markdown(const Tally &tally) {
+    std::string out = fmt::format(
+        "{} cases (seed {}, from case {}) in {:.0f} s by {}: {} failures of {} causes.\n\n| mutation | cases |",
+        tally.cases, tally.seed, tally.from, tally.seconds, tally.version, tally.Failures(), tally.causes.size());
+    std::string line = "\n|---|---|";
+    for (int o = 0; o < kOutcomeCount; ++o) {
+        out += fmt::format(" {} |", Name(static_cast<Outcome>(o)));
+        line += "---|";
+    }
+    out += line + '\n';
+    std::array<uint64_t, kOutcomeCount> all{};
+    auto row = [&](const std::string &name, const std::array<uint64_t, kOutcomeCount> &counts) {
+        uint64_t sum = 0;
+        std::string cells;
+        for (uint64_t n : counts) {
+            sum += n;
+            cells += fmt::format(" {} |", n);
+        }
+        out += fmt::format("| {} | {} |{}\n", name, sum, cells);
+    };
+    for (const auto &[kind, counts] : tally.counts) {
+        row(kind, counts);
+        for (size_t o = 0; o < all.size(); ++o) all[o] += counts[o];
+    }
+    row("all", all);
+    if (!tally.causes.empty()) out += "\n| failures | first case | cause |\n|---|---|---|\n";
+    for (const auto &[name, cause] : tally.causes)
+        out += fmt::format("| {} | {} | {} |\n", cause.count, cause.firstNumber, name);
+    return out;
+}
+
+void SaveCase(const std::string &folder, const FuzzCase &fuzzCase, const Verdict &verdict,
+              const std::string &messages) {
+    std::filesystem::create_directories(folder);
+    WriteFiles(fuzzCase, folder);
+    Record j = {{"outcome", Name(verdict.outcome)},
+                {"cause", verdict.cause},
+                {"kind", fuzzCase.kind},
+                {"scene", fuzzCase.seed},
+                {"arguments", fuzzCase.arguments},
+                {"output", fuzzCase.output},
+                {"mustBeRefused", fuzzCase.mustBeRefused},
+                {"isLightlab", fuzzCase.isLightlab}};
+    for (const CaseFile &file : fuzzCase.files) j["files"].push_back(file.name);
+    std::ofstream(std::filesystem::path(folder) / "case.json")
+        << j.dump(2, ' ', true, Record::error_handler_t::replace) << '\n';
+    std::ofstream(std::filesystem::path(folder) / "messages.txt") << messages;
+}
+
+FuzzCase ReadCase(const std::string &caseJson) {
+    const Record j = Record::parse(BytesOf(caseJson));
+    FuzzCase fuzzCase;
+    fuzzCase.kind = j.at("kind");
+    fuzzCase.seed = j.at("scene");
+    fuzzCase.output = j.at("output");
+    fuzzCase.mustBeRefused = j.at("mustBeRefused");
+    fuzzCase.isLightlab = j.at("isLightlab");
+    fuzzCase.arguments = j.at("arguments").get<std::vector<std::string>>();
+    for (const std::string name : j.at("files"))
+        fuzzCase.files.push_back({name, BytesOf(std::filesystem::path(caseJson).parent_path() / name)});
+    return fuzzCase;
 }
 
 }  // namespace pbrt::fuzz

@@ -1,4 +1,4 @@
-#include "fuzz/scene_mutators.h"
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -8,16 +8,19 @@
 #include <set>
 #include <string_view>
 
-#include "fuzz/byte_mutators.h"
+#include "fuzz/mutators.h"
 
 namespace pbrt::fuzz {
 
 namespace {
 
-enum class TokenKind { String, Number, Word, Bracket };
-struct Token {
-    TokenKind kind;
+/// A stretch of a text: a token, a parameter with its values, or a whole statement.
+struct Span {
     size_t begin, end;
+};
+enum class TokenKind { String, Number, Word, Bracket };
+struct Token : Span {
+    TokenKind kind;
 };
 
 std::vector<Token> Tokens(const std::string &text) {
@@ -25,12 +28,8 @@ std::vector<Token> Tokens(const std::string &text) {
     for (size_t i = 0; i < text.size();) {
         const auto c = static_cast<unsigned char>(text[i]);
         size_t end = i + 1;
-        if (std::isspace(c)) {
-            ++i;
-            continue;
-        }
-        if (c == '#') {
-            i = std::min(text.find('\n', i), text.size());
+        if (std::isspace(c) || c == '#') {
+            i = c == '#' ? std::min(text.find('\n', i), text.size()) : end;
             continue;
         }
         TokenKind kind = TokenKind::Bracket;
@@ -43,16 +42,11 @@ std::vector<Token> Tokens(const std::string &text) {
                 ++end;
             kind = std::isalpha(c) ? TokenKind::Word : TokenKind::Number;
         }
-        tokens.push_back({kind, i, end});
+        tokens.push_back({{i, end}, kind});
         i = end;
     }
     return tokens;
 }
-
-/// A stretch of a text: a parameter with its values, or a whole statement.
-struct Span {
-    size_t begin, end;
-};
 
 bool IsDirective(const std::string &text, const Token &t) {
     return t.kind == TokenKind::Word && std::isupper(static_cast<unsigned char>(text[t.begin]));
@@ -61,7 +55,7 @@ bool IsDirective(const std::string &text, const Token &t) {
 std::vector<Span> Statements(const std::string &text, const std::vector<Token> &tokens) {
     std::vector<Span> spans;
     for (const Token &t : tokens) {
-        if (IsDirective(text, t)) spans.push_back({t.begin, t.end});
+        if (IsDirective(text, t)) spans.push_back(t);
         else if (!spans.empty()) spans.back().end = t.end;
     }
     return spans;
@@ -86,13 +80,20 @@ void Replace(std::string &text, Span s, const std::string &by) { text.replace(s.
 std::vector<Span> Of(const std::vector<Token> &tokens, TokenKind kind) {
     std::vector<Span> spans;
     for (const Token &t : tokens)
-        if (t.kind == kind) spans.push_back({t.begin, t.end});
+        if (t.kind == kind) spans.push_back(t);
     return spans;
+}
+
+/// Exchanges two stretches, of which the first must end before the second begins.
+void Swap(std::string &text, Span a, Span b) {
+    if (a.end > b.begin) return;
+    const std::string one = Cut(text, a), other = Cut(text, b);
+    Replace(text, b, one);
+    Replace(text, a, other);
 }
 
 std::string Repeat(const std::string &what, size_t times) {
     std::string out;
-    out.reserve(what.size() * times);
     for (size_t i = 0; i < times; ++i) out += what;
     return out;
 }
@@ -111,28 +112,21 @@ void MutateNumbers(std::string &text, const SceneWords &, Dice &dice) {
 }
 
 void MutateNames(std::string &text, const SceneWords &words, Dice &dice) {
-    const std::vector<Token> tokens = Tokens(text);
     static const std::vector<std::string> kOdd = {"\"\"",      "\"\\\"",        "\"../assets\"", "\"scene.pbrt\"",
                                                   "\".\"",     "\"/dev/null\"", "\"/dev/zero\"", "\"none\"",
                                                   "\"float\"", "\"\xff\xfe\"",  "\"\xc3\xa4\"",  "true",
                                                   "7"};
-    const std::vector<Span> strings = Of(tokens, TokenKind::String), names = Of(tokens, TokenKind::Word);
-    switch (dice.Below(6)) {
+    const size_t way = dice.Below(6);
+    const std::vector<Span> spans = Of(Tokens(text), way == 0 ? TokenKind::Word : TokenKind::String);
+    if (spans.empty()) return;
+    switch (way) {
         case 0:
-            if (!names.empty()) Replace(text, dice.Pick(names), Cut(text, dice.Pick(names)));
-            break;
-        case 1:
-            if (!strings.empty()) Replace(text, dice.Pick(strings), dice.Pick(kOdd));
-            break;
-        case 2:
-            if (!strings.empty()) Replace(text, dice.Pick(strings), Cut(text, dice.Pick(strings)));
-            break;
+        case 2: Replace(text, dice.Pick(spans), Cut(text, dice.Pick(spans))); break;
+        case 1: Replace(text, dice.Pick(spans), dice.Pick(kOdd)); break;
         case 3:
-            if (!strings.empty() && dice.OneIn(5))
-                Replace(text, dice.Pick(strings), '"' + std::string(1 + dice.Below(20000), 'x') + '"');
+            if (dice.OneIn(5)) Replace(text, dice.Pick(spans), '"' + std::string(1 + dice.Below(20000), 'x') + '"');
             break;
-        default:
-            if (!strings.empty()) Replace(text, dice.Pick(strings), dice.Pick(words.strings));
+        default: Replace(text, dice.Pick(spans), dice.Pick(words.strings));
     }
 }
 
@@ -147,21 +141,14 @@ void MutateTypes(std::string &text, const SceneWords &, Dice &dice) {
 }
 
 void MutateArray(std::string &text, Dice &dice) {
-    const std::vector<Token> tokens = Tokens(text);
-    const std::vector<Span> parameters = Parameters(text, tokens);
+    const std::vector<Span> parameters = Parameters(text, Tokens(text));
     if (parameters.empty()) return;
     const Span s = dice.Pick(parameters);
     const size_t open = text.find('[', s.begin);
-    std::string values;
-    size_t begin = s.end, end = s.end;
-    if (open < s.end) {
-        begin = open + 1;
-        end = s.end - 1;
-    } else {
-        begin = std::min(text.find('"', s.begin + 1) + 1, s.end);
-    }
-    values = text.substr(begin, end - begin);
-    std::vector<Token> inner = Tokens(values);
+    const Span list =
+        open < s.end ? Span{open + 1, s.end - 1} : Span{std::min(text.find('"', s.begin + 1) + 1, s.end), s.end};
+    std::string values = Cut(text, list);
+    const std::vector<Token> inner = Tokens(values);
     switch (dice.Below(7)) {
         case 0: values.clear(); break;
         case 1: values += values; break;
@@ -170,10 +157,7 @@ void MutateArray(std::string &text, Dice &dice) {
             if (!inner.empty()) values.erase(dice.Pick(inner).begin);
             break;
         case 4:
-            if (!inner.empty()) {
-                const Token &t = dice.Pick(inner);
-                values.erase(t.begin, t.end - t.begin);
-            }
+            if (!inner.empty()) Replace(values, dice.Pick(inner), "");
             break;
         case 5:
             if (!inner.empty()) values.insert(dice.Pick(inner).begin, ExtremeNumber(dice) + ' ');
@@ -181,7 +165,7 @@ void MutateArray(std::string &text, Dice &dice) {
         default: values += ' ' + ExtremeNumber(dice);
     }
     if (open >= s.end) values = " [ " + values + " ]";
-    text.replace(begin, end - begin, values);
+    Replace(text, list, values);
 }
 
 void MutateParameters(std::string &text, const SceneWords &words, Dice &dice) {
@@ -189,15 +173,9 @@ void MutateParameters(std::string &text, const SceneWords &words, Dice &dice) {
     if (parameters.empty()) return;
     const Span a = dice.Pick(parameters), b = dice.Pick(parameters);
     switch (dice.Below(8)) {
-        case 0: text.erase(a.begin, a.end - a.begin); break;
+        case 0: Replace(text, a, ""); break;
         case 1: text.insert(a.end, ' ' + Cut(text, a)); break;
-        case 2:
-            if (a.end <= b.begin) {
-                const std::string one = Cut(text, a), other = Cut(text, b);
-                Replace(text, b, one);
-                Replace(text, a, other);
-            }
-            break;
+        case 2: Swap(text, a, b); break;
         case 3: text.insert(a.end, ' ' + Cut(text, b)); break;
         case 4: text.insert(a.end, ' ' + dice.Pick(words.parameters)); break;
         case 5: Replace(text, a, dice.Pick(words.parameters)); break;
@@ -209,16 +187,11 @@ void MutateStatements(std::string &text, const SceneWords &words, Dice &dice) {
     const std::vector<Span> statements = Statements(text, Tokens(text));
     if (statements.empty()) return;
     const Span a = dice.Pick(statements), b = dice.Pick(statements);
-    const std::string one = Cut(text, a), other = Cut(text, b);
+    const std::string one = Cut(text, a);
     switch (dice.Below(7)) {
-        case 0: text.erase(a.begin, a.end - a.begin); break;
+        case 0: Replace(text, a, ""); break;
         case 1: text.insert(b.begin, one + '\n'); break;
-        case 2:
-            if (a.end <= b.begin) {
-                Replace(text, b, one);
-                Replace(text, a, other);
-            }
-            break;
+        case 2: Swap(text, a, b); break;
         case 3: text.insert(b.begin, dice.Pick(words.statements) + '\n'); break;
         case 4: Replace(text, a, dice.Pick(words.statements)); break;
         case 5:
@@ -245,29 +218,31 @@ void MutateNesting(std::string &text, const SceneWords &, Dice &dice) {
         case 5: text.insert(s.end, Repeat(" [", n)); break;
         case 6: text.insert(s.begin, "Include \"scene.pbrt\"\n"); break;
         case 7:
-            for (size_t i = 0; i < n; ++i) {
-                const char *kind = i % 2 ? "scale" : "mix";
-                chain += "Texture \"t" + std::to_string(i) + "\" \"spectrum\" \"" + kind + "\" \"texture tex1\" \"t" +
-                         std::to_string(i - 1) + "\" \"texture tex\" \"t" + std::to_string(i - 1) + "\"\n";
-                if (i == 0) chain = "Texture \"t0\" \"spectrum\" \"constant\" \"rgb value\" [ .5 .5 .5 ]\n";
-            }
-            text.insert(world, '\n' + chain + "Material \"diffuse\" \"texture reflectance\" \"t" +
-                                   std::to_string(n - 1) + "\" Shape \"sphere\" \"float radius\" 50\n");
+            chain = "\nTexture \"t0\" \"spectrum\" \"constant\" \"rgb value\" [ .5 .5 .5 ]\n";
+            for (size_t i = 1; i < n; ++i)
+                chain += fmt::format(
+                    "Texture \"t{}\" \"spectrum\" \"{}\" \"texture tex1\" \"t{}\" \"texture tex\" \"t{}\"\n", i,
+                    i % 2 ? "scale" : "mix", i - 1, i - 1);
+            text.insert(
+                world,
+                fmt::format(
+                    "{}Material \"diffuse\" \"texture reflectance\" \"t{}\" Shape \"sphere\" \"float radius\" 50\n",
+                    chain, n - 1));
             break;
         case 8:
+            chain = fmt::format("\nMakeNamedMaterial \"m{}\" \"string type\" \"diffuse\"\n", n);
             for (size_t i = 0; i < n; ++i)
-                chain += "MakeNamedMaterial \"m" + std::to_string(i) +
-                         "\" \"string type\" \"mix\" \"string materials\" [ \"m" + std::to_string(i ? i - 1 : n) +
-                         "\" \"m" + std::to_string(i ? i / 2 : 0) + "\" ]\n";
-            text.insert(world, "\nMakeNamedMaterial \"m" + std::to_string(n) + "\" \"string type\" \"diffuse\"\n" +
-                                   chain + "NamedMaterial \"m" + std::to_string(n - 1) +
-                                   "\" Shape \"sphere\" \"float radius\" 50\n");
+                chain += fmt::format(
+                    "MakeNamedMaterial \"m{}\" \"string type\" \"mix\" \"string materials\" [ \"m{}\" \"m{}\" ]\n", i,
+                    i ? i - 1 : n, i / 2);
+            text.insert(world,
+                        fmt::format("{}NamedMaterial \"m{}\" Shape \"sphere\" \"float radius\" 50\n", chain, n - 1));
             break;
         case 9:
+            chain = "\n";
             for (size_t i = 0; i < n; ++i)
-                chain += "ObjectBegin \"o" + std::to_string(i) + "\" ObjectInstance \"o" +
-                         std::to_string(i ? i - 1 : n - 1) + "\" ObjectEnd\n";
-            text.insert(world, '\n' + chain + "ObjectInstance \"o" + std::to_string(n - 1) + "\"\n");
+                chain += fmt::format("ObjectBegin \"o{}\" ObjectInstance \"o{}\" ObjectEnd\n", i, i ? i - 1 : n - 1);
+            text.insert(world, fmt::format("{}ObjectInstance \"o{}\"\n", chain, n - 1));
             break;
         case 10:
             Replace(text, s, "ObjectBegin \"x\" " + Cut(text, s) + " ObjectEnd " + Repeat("ObjectInstance \"x\" ", n));
@@ -298,7 +273,7 @@ const std::map<std::string, SceneMutator> kMutators = {
 }  // namespace
 
 const std::vector<std::string> &SceneKinds() {
-    static const std::vector<std::string> kinds = [] {
+    static const auto kinds = [] {
         std::vector<std::string> names;
         for (const auto &[name, mutate] : kMutators) names.push_back(name);
         return names;
@@ -321,14 +296,6 @@ SceneWords::SceneWords(const std::vector<std::string> &scenes) : texts(scenes) {
 
 void MutateScene(std::string &text, const std::string &kind, const SceneWords &words, Dice &dice) {
     kMutators.at(kind)(text, words, dice);
-}
-
-void MutateSceneText(std::string &text, Dice &dice) {
-    switch (dice.Below(3)) {
-        case 0: MutateBytes(text, text.size(), dice); break;
-        case 1: MutateNumberInText(text, 0, text.size(), dice); break;
-        default: MutateLines(text, 0, text.size(), dice);
-    }
 }
 
 }  // namespace pbrt::fuzz

@@ -1,20 +1,16 @@
-#include "fuzz/states.h"
-
 #include <fmt/format.h>
 #include <unistd.h>
 #include <zlib.h>
 
 #include <algorithm>
 #include <cstring>
-#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <stdexcept>
 
-#include "fuzz/asset_mutators.h"
-#include "fuzz/byte_mutators.h"
-#include "fuzz/program.h"
+#include "fuzz/corpus.h"
+#include "fuzz/mutators.h"
+#include "fuzz/workplace.h"
 #include "pbrt/core/state_io.h"
 #include "support/scene_text.h"
 
@@ -35,47 +31,32 @@ template <class T>
 void Put(std::string &bytes, size_t at, T value) {
     std::memcpy(bytes.data() + at, &value, sizeof(T));
 }
-template <class T>
-void Append(std::string &bytes, T value) {
-    bytes.append(reinterpret_cast<const char *>(&value), sizeof(T));
-}
-void AppendText(std::string &bytes, const std::string &text) {
-    Append(bytes, uint64_t{text.size()});
-    bytes += text;
-}
-
 /// The parts of a StateFile.
 struct State {
     std::string magic, kind;
     std::vector<CaseFile> sections;
 
     explicit State(const std::string &file) {
-        size_t at = kMagicBytes + sizeof(uint64_t);
-        const auto text = [&] {
-            const auto length = ValueAt<uint64_t>(file, at);
-            at += sizeof(length) + length;
-            return file.substr(at - length, length);
-        };
-        magic = file.substr(0, kMagicBytes);
-        kind = text();
-        auto count = ValueAt<uint32_t>(file, at);
-        for (at += sizeof(count); count > 0; --count) {
-            const std::string name = text();
-            sections.push_back({name, text()});
+        StateReader in(file, "state");
+        magic = in.Take(kMagicBytes);
+        in.Take(sizeof(uint64_t));  // its length
+        kind = in.Text();
+        for (auto count = in.Value<uint32_t>(); count > 0; --count) {
+            const std::string name = in.Text();
+            sections.push_back({name, in.Text()});
         }
     }
     /// As a file with its length and checksum.
     std::string Bytes() const {
-        std::string bytes = magic;
-        Append(bytes, uint64_t{0});
-        AppendText(bytes, kind);
-        Append(bytes, static_cast<uint32_t>(sections.size()));
-        for (const CaseFile &section : sections) {
-            AppendText(bytes, section.name);
-            AppendText(bytes, section.bytes);
-        }
-        Put(bytes, kMagicBytes, uint64_t{bytes.size() + sizeof(uint64_t)});
-        Append(bytes, uint64_t{crc32_z(0, reinterpret_cast<const Bytef *>(bytes.data()), bytes.size())});
+        StateWriter out;
+        out.Copy(magic.data(), magic.size());
+        out(uint64_t{0}, kind, static_cast<uint32_t>(sections.size()));
+        for (const CaseFile &section : sections) out(section.name, section.bytes);
+        std::string bytes = out.Joined();
+        const size_t summed = bytes.size();
+        bytes.resize(summed + sizeof(uint64_t));
+        Put(bytes, kMagicBytes, uint64_t{bytes.size()});
+        Put(bytes, summed, uint64_t{crc32_z(0, reinterpret_cast<const Bytef *>(bytes.data()), summed)});
         return bytes;
     }
     std::string &Section(const std::string &name) {
@@ -101,10 +82,6 @@ std::vector<Structure> StructuresIn(std::string_view bytes) {
         }
     }
     return found;
-}
-
-void RepairHash(std::string &bytes, const Structure &s) {
-    Put(bytes, s.HashAt(), StructureHash(std::string_view(bytes).substr(s.First(), s.count * s.size)));
 }
 
 /// Changes one word of four bytes to an extreme, a neighbouring or another value of the bytes.
@@ -143,7 +120,7 @@ void ChangeStructure(std::string &bytes, Structure s, Dice &dice) {
             ChangeWord(bytes, s.First() + sizeof(uint32_t) * dice.Below(words),
                        s.First() + sizeof(uint32_t) * dice.Below(words), dice);
     }
-    RepairHash(bytes, s);
+    Put(bytes, s.HashAt(), StructureHash(std::string_view(bytes).substr(s.First(), s.count * s.size)));
 }
 
 /// Changes the content of a section. True: what it is must not be accepted.
@@ -226,19 +203,10 @@ std::string OfWholeRender(const std::string &file) {
     nlohmann::ordered_json json = nlohmann::ordered_json::parse(head.substr(8, head.size() - 16));
     json["isPart"] = false;
     json["end"] = 16;
-    const std::string text = json.dump();
-    head.clear();
-    AppendText(head, text);
-    Append(head, StructureHash(text));
+    StateWriter changed;
+    changed.Structure(json.dump());
+    head = changed.Joined();
     return state.Bytes();
-}
-
-/// The bytes of a file, which is removed.
-std::string TakeFile(const fs::path &path) {
-    std::ostringstream bytes;
-    bytes << std::ifstream(path, std::ios::binary).rdbuf();
-    fs::remove(path);
-    return bytes.str();
 }
 
 ChildResult RunHere(const FuzzCase &fuzzCase, const fs::path &folder) {
@@ -289,7 +257,7 @@ FuzzCase MakeReferenceCase(const StateSeed &seed, Dice &dice) {
     switch (dice.Below(5)) {
         case 0: {
             std::vector<std::string> channels = image.Channels();
-            channels.erase(channels.begin() + static_cast<std::ptrdiff_t>(dice.Below(channels.size())));
+            channels.erase(channels.begin() + dice.Below(channels.size()));
             image = image.Select(channels);
             break;
         }
@@ -301,8 +269,7 @@ FuzzCase MakeReferenceCase(const StateSeed &seed, Dice &dice) {
         case 2: metadata.attributes[dice.Pick(kTexts)] = std::string("bvh of others"); break;
         case 3: metadata.attributes[dice.Pick(kCounts)] = static_cast<int>(dice.Below(8)); break;
         default: {
-            const Point2i p(static_cast<int>(dice.Below(static_cast<size_t>(size.x))),
-                            static_cast<int>(dice.Below(static_cast<size_t>(size.y))));
+            const Point2i p(static_cast<int>(dice.Below(size.x)), static_cast<int>(dice.Below(size.y)));
             const auto channel = static_cast<int>(dice.Below(image.Channels().size()));
             image.Set(p, channel, -1 - image.Get(p, channel));
         }

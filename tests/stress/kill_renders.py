@@ -102,13 +102,12 @@ def main():
         renders += 1
         if last.returncode != 0 or (folder / "out.pfm").read_bytes() != whole:
             problems.append(f"the last render: status {last.returncode}, {last.stderr}")
+    if options.kills >= 5 and not kept:
+        problems.append("nothing was tested: no render went on from a checkpoint")
     for problem in problems:
         print(problem)
     print(f"{kills} kills in {renders} renders of {seconds:.1f} s; {len(kept)} times gone on, from {len(set(kept))} different "
           f"numbers of samples; at most {most_lost:.2f} s of rendering lost; {temporaries} unfinished temporary files; {len(problems)} problems")
-    if options.kills >= 5 and not kept:
-        print("nothing was tested: no render went on from a checkpoint")
-        sys.exit(1)
     sys.exit(1 if problems else 0)
 
 

@@ -21,10 +21,8 @@ std::string Text(const std::string &options, const std::string &world) {
 struct Outcome {
     std::vector<Diagnostic> diagnostics;
     bool isBuilt = false;
-    int Count(const std::string &text) const {
-        int n = 0;
-        for (const Diagnostic &d : diagnostics) n += d.message.find(text) != std::string::npos;
-        return n;
+    int64_t Count(const std::string &text) const {
+        return std::ranges::count_if(diagnostics, [&](const auto &d) { return d.message.find(text) != text.npos; });
     }
 };
 

@@ -4,6 +4,7 @@
 #include "pbrt/build/geometry_builder.h"
 #include "support/build_text.h"
 #include "support/parse_text.h"
+#include "support/scene_text.h"
 
 namespace pbrt::test {
 namespace {
@@ -17,7 +18,7 @@ struct Built {
     DiagnosticSink sink;
 
     explicit Built(const std::string &text) {
-        SceneDescription d = ParseSceneText(text, sink);
+        SceneDescription d = ParseSceneText(Quoted(text), sink);
         renderFromWorld = PlaceCamera(d, {}, sink).renderFromWorld;
         media = MakeMedia(d, renderFromWorld, sink);
     }
@@ -28,15 +29,13 @@ struct Built {
 };
 
 std::string Grid(const std::string &name) {
-    return "MakeNamedMedium \"" + name + "\" \"string type\" \"uniformgrid\" \"float density\" [ 2 ]\n";
+    return "MakeNamedMedium '" + name + "' 'string type' 'uniformgrid' 'float density' [ 2 ]\n";
 }
 
 TEST(MediumBuilder, MediaStandWhereTheSceneSaysWhereverTheyAreDefined) {
-    const Built built("AttributeBegin\n");
-    EXPECT_TRUE(built.sink.HasErrors());  // the helper reports mistakes
     // Before the camera, between camera and world, and in the world. The camera is at (10, 20, 30).
     const Built all("Translate 4 5 6\n" + Grid("early") +
-                    "Identity\nLookAt 10 20 30 0 0 0 0 1 0\nCamera \"perspective\"\n" + "Identity\nTranslate 7 5 6\n" +
+                    "Identity\nLookAt 10 20 30 0 0 0 0 1 0\nCamera 'perspective'\nIdentity\nTranslate 7 5 6\n" +
                     Grid("middle") + "WorldBegin\nTranslate 10 5 6 Scale 2 2 2\n" + Grid("late"));
     ASSERT_FALSE(all.sink.HasErrors());
     EXPECT_NEAR(all.DensityAt("early", {4.5f, 5.5f, 6.5f}), 2, 1e-4f);
@@ -49,9 +48,8 @@ TEST(MediumBuilder, MediaStandWhereTheSceneSaysWhereverTheyAreDefined) {
 
 TEST(MediumBuilder, MistakesOfUnusedMediaAreFound) {
     const Built built(
-        "WorldBegin\nMakeNamedMedium \"a\" \"string type\" \"homogeneous\" \"float g\" 3\n"
-        "MakeNamedMedium \"b\" \"string type\" \"cloudd\"\n"
-        "MakeNamedMedium \"c\" \"string type\" \"homogeneous\"\n");
+        "WorldBegin\nMakeNamedMedium 'a' 'string type' 'homogeneous' 'float g' 3\n"
+        "MakeNamedMedium 'b' 'string type' 'cloudd' MakeNamedMedium 'c' 'string type' 'homogeneous'\n");
     EXPECT_EQ(built.sink.ErrorCount(), 2u);
     EXPECT_EQ(built.media.media.size(), 1u);
     EXPECT_FALSE(built.media.Find("a"));

@@ -5,22 +5,25 @@
 
 #include "support/errors.h"
 #include "support/parse_text.h"
+#include "support/scene_text.h"
 
 namespace pbrt {
 namespace {
 
 SceneDescription Parse(const std::string &text) {
     DiagnosticSink sink;
-    SceneDescription description = ParseSceneText(text + "\nWorldBegin\n", sink);
+    SceneDescription description = ParseSceneText(test::Quoted(text) + "\nWorldBegin\n", sink);
     sink.ThrowIfErrors();
     return description;
 }
 
-std::vector<std::string> Errors(const DiagnosticSink &sink) {
-    std::vector<std::string> errors;
-    for (const Diagnostic &d : sink.All())
-        if (d.severity == Severity::Error) errors.push_back(d.message);
-    return errors;
+/// The view of directives without mistakes.
+RenderView ViewOf(const std::string &text, int seed = 0) {
+    SceneDescription d = Parse(text);
+    DiagnosticSink sink;
+    RenderView view = MakeView(d, {}, {}, seed, sink);
+    EXPECT_FALSE(sink.HasErrors());
+    return view;
 }
 
 void ExpectPoint(const Point3 &p, const Point3 &expected) {
@@ -28,7 +31,7 @@ void ExpectPoint(const Point3 &p, const Point3 &expected) {
 }
 
 TEST(PlaceCamera, RenderingSpaceIsWhereTheCameraIs) {
-    const SceneDescription d = Parse("LookAt 3 2 1  3 2 5  0 1 0 Camera \"perspective\"");
+    const SceneDescription d = Parse("LookAt 3 2 1  3 2 5  0 1 0 Camera 'perspective'");
     const Point3 eye(3, 2, 1), ahead(3, 2, 4);
     auto place = [&](const char *system) {
         DiagnosticSink sink;
@@ -50,8 +53,7 @@ TEST(PlaceCamera, RenderingSpaceIsWhereTheCameraIs) {
 }
 
 TEST(PlaceCamera, TheSceneNamesTheSpaceUnlessAFlagDoes) {
-    const SceneDescription d =
-        Parse("Option \"rendercoordsys\" \"world\"\nLookAt 3 2 1  3 2 5  0 1 0 Camera \"perspective\"");
+    const SceneDescription d = Parse("Option 'rendercoordsys' 'world' LookAt 3 2 1  3 2 5  0 1 0 Camera 'perspective'");
     DiagnosticSink sink;
     BuildOptions options;
     ExpectPoint(PlaceCamera(d, options, sink).renderFromWorld.Point({1, 1, 1}), {1, 1, 1});
@@ -59,13 +61,13 @@ TEST(PlaceCamera, TheSceneNamesTheSpaceUnlessAFlagDoes) {
     ExpectPoint(PlaceCamera(d, options, sink).renderFromWorld.Point({3, 2, 1}), {0, 0, 0});
     options.renderCoordSys = "nowhere";
     PlaceCamera(d, options, sink);
-    ASSERT_EQ(Errors(sink).size(), 1u);
-    test::ExpectWords(Errors(sink)[0], {"\"nowhere\""});
+    ASSERT_EQ(sink.ErrorCount(), 1u);
+    test::ExpectWords(sink.All()[0].message, {"\"nowhere\""});
 }
 
 TEST(PlaceCamera, AMovingCameraIsAtTheOriginHalfway) {
     const SceneDescription d =
-        Parse("ActiveTransform EndTime Translate -4 0 0 ActiveTransform All\nCamera \"perspective\"");
+        Parse("ActiveTransform EndTime Translate -4 0 0 ActiveTransform All\nCamera 'perspective'");
     DiagnosticSink sink;
     const Placement placement = PlaceCamera(d, {}, sink);
     ASSERT_FALSE(sink.HasErrors());
@@ -76,22 +78,19 @@ TEST(PlaceCamera, AMovingCameraIsAtTheOriginHalfway) {
 }
 
 TEST(PlaceCamera, ACameraWithoutAPlaceIsAnErrorAtItsDirective) {
-    const SceneDescription d = Parse("Scale 1 0 1\nCamera \"perspective\"");
+    const SceneDescription d = Parse("Scale 1 0 1\nCamera 'perspective'");
     DiagnosticSink sink;
     const Placement placement = PlaceCamera(d, {}, sink);
-    ASSERT_EQ(Errors(sink).size(), 1u);
+    ASSERT_EQ(sink.ErrorCount(), 1u);
     EXPECT_EQ(sink.All()[0].loc.line, 2);
     ExpectPoint(placement.renderFromWorld.Point({1, 2, 3}), {1, 2, 3});
 }
 
 TEST(MakeView, TakesWhatTheSceneSays) {
-    SceneDescription d = Parse(
-        "Film \"gbuffer\" \"integer xresolution\" 40 \"integer yresolution\" 30 \"float diagonal\" 20\n"
-        "Sampler \"independent\" \"integer pixelsamples\" 7\nPixelFilter \"triangle\" \"float xradius\" 3\n"
-        "Camera \"perspective\" \"float shutteropen\" 1 \"float shutterclose\" 3");
-    DiagnosticSink sink;
-    const RenderView view = MakeView(d, {}, {}, 0, sink);
-    EXPECT_FALSE(sink.HasErrors());
+    const RenderView view = ViewOf(
+        "Film 'gbuffer' 'integer xresolution' 40 'integer yresolution' 30 'float diagonal' 20\n"
+        "Sampler 'independent' 'integer pixelsamples' 7\nPixelFilter 'triangle' 'float xradius' 3\n"
+        "Camera 'perspective' 'float shutteropen' 1 'float shutterclose' 3");
     EXPECT_EQ(view.film->FullResolution(), Point2i(40, 30));
     EXPECT_EQ(view.film->DiagonalMm(), 20);
     EXPECT_TRUE(view.film->NeedsVisibleSurface());
@@ -100,28 +99,10 @@ TEST(MakeView, TakesWhatTheSceneSays) {
     EXPECT_EQ(view.camera->ShutterClose(), 3);
 }
 
-TEST(MakeView, QuickMeansAQuarterOfTheResolutionAndOneSample) {
-    SceneDescription d = Parse(
-        "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 30\n"
-        "Sampler \"independent\" \"integer pixelsamples\" 7");
-    DiagnosticSink sink;
-    BuildOptions options;
-    options.quick = true;
-    RenderView view = MakeView(d, options, {}, 0, sink);
-    EXPECT_EQ(view.film->FullResolution(), Point2i(10, 7));
-    EXPECT_EQ(view.sampler->SamplesPerPixel(), 1);
-    options.samplesPerPixel = 5;
-    EXPECT_EQ(MakeView(d, options, {}, 0, sink).sampler->SamplesPerPixel(), 5);
-}
-
 TEST(MakeView, TheShutterTimeIsTheExposure) {
-    auto brightness = [](const char *shutter) {
-        SceneDescription d = Parse(
-            "Film \"rgb\" \"integer xresolution\" 1 \"integer yresolution\" 1\n"
-            "Camera \"perspective\" " +
-            std::string(shutter));
-        DiagnosticSink sink;
-        const RenderView view = MakeView(d, {}, {}, 0, sink);
+    auto brightness = [](const std::string &shutter) {
+        const RenderView view =
+            ViewOf("Film 'rgb' 'integer xresolution' 1 'integer yresolution' 1\nCamera 'perspective' " + shutter);
         FilmSample sample;
         sample.lambda = view.film->SampleWavelengths(0.5f);
         sample.L = SampledSpectrum(0.01f);
@@ -130,33 +111,28 @@ TEST(MakeView, TheShutterTimeIsTheExposure) {
     };
     const Float one = brightness("");
     EXPECT_GT(one, 0);
-    EXPECT_NEAR(brightness("\"float shutterclose\" 0.5") / one, 0.5f, 1e-2f);
-    EXPECT_NEAR(brightness("\"float shutteropen\" 4 \"float shutterclose\" 2") / one, 2, 1e-2f);
-}
-
-Float FirstNumber(const RenderView &view) {
-    view.sampler->StartPixelSample({3, 4}, 0);
-    return view.sampler->Get1D();
+    EXPECT_NEAR(brightness("'float shutterclose' 0.5") / one, 0.5f, 1e-2f);
+    EXPECT_NEAR(brightness("'float shutteropen' 4 'float shutterclose' 2") / one, 2, 1e-2f);
 }
 
 TEST(MakeView, TheSamplersOwnSeedBeatsTheOthers) {
-    auto number = [](const char *parameter, int seed) {
-        SceneDescription d = Parse("Sampler \"independent\" " + std::string(parameter));
-        DiagnosticSink sink;
-        return FirstNumber(MakeView(d, {}, {}, seed, sink));
+    auto number = [](const std::string &parameter, int seed) {
+        const RenderView view = ViewOf("Sampler 'independent' " + parameter, seed);
+        view.sampler->StartPixelSample({3, 4}, 0);
+        return view.sampler->Get1D();
     };
-    EXPECT_EQ(number("\"integer seed\" 3", 0), number("", 3));
-    EXPECT_EQ(number("\"integer seed\" 3", 8), number("", 3));
+    EXPECT_EQ(number("'integer seed' 3", 0), number("", 3));
+    EXPECT_EQ(number("'integer seed' 3", 8), number("", 3));
     EXPECT_NE(number("", 8), number("", 3));
 }
 
 TEST(MakeView, OneMistakeDoesNotHideAnother) {
     SceneDescription d = Parse(
-        "Film \"rgb\" \"integer xresolution\" -1\nPixelFilter \"boxx\"\n"
-        "Sampler \"independent\" \"integer pixelsamples\" 0\nCamera \"perspective\" \"float fov\" 500");
+        "Film 'rgb' 'integer xresolution' -1\nPixelFilter 'boxx'\n"
+        "Sampler 'independent' 'integer pixelsamples' 0\nCamera 'perspective' 'float fov' 500");
     DiagnosticSink sink;
     const RenderView view = MakeView(d, {}, {}, 0, sink);
-    EXPECT_EQ(Errors(sink).size(), 4u);
+    EXPECT_EQ(sink.ErrorCount(), 4u);
     EXPECT_FALSE(view.film || view.filter || view.sampler || view.camera);
 }
 

@@ -98,7 +98,6 @@ TEST(Describe, OneListingDocumentsAndPrints) {
 }
 
 TEST(Describe, RangesAreWrittenShort) {
-    EXPECT_EQ(ShortText(Range{1, 3}), "1 to 3");
     EXPECT_EQ(ShortText(Range{1, std::numeric_limits<int>::max()}), "at least 1");
     EXPECT_EQ(ShortText(Positive(std::numeric_limits<Float>::max(), "m")), "above 0 m");
     EXPECT_EQ(ShortText(AnyFloat()), "");
@@ -171,15 +170,6 @@ TEST(Describe, TheLastOfEqualOnesWinsAndDefaultsAreNeverReported) {
     EXPECT_EQ(Wrong(given, &s), "");
     EXPECT_EQ(s.leaves, 2);
     EXPECT_EQ(s.angle, 9);
-}
-
-TEST(Describe, ReadsPrefixedParametersAndLeavesOthers) {
-    Few few;
-    const Params given = Params().Integer("octree.leaves", 5).Integer("leaves", 8).Number("other.x", 1);
-    ReadParams(few, given.Set(), "octree");
-    EXPECT_EQ(few.leaves, 5);
-    const Params bad = Params().Integer("octree.leaves", 11);
-    EXPECT_THROW(ReadParams(few, bad.Set(), "octree"), UserError);
 }
 
 }  // namespace

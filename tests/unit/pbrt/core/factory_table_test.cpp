@@ -58,8 +58,8 @@ TEST(FactoryTable, AnUnknownNameListsTheChoices) {
 
 TEST(FactoryTable, ANameUsedTwiceIsOurError) {
     Table table = MakeTable();
-    auto add = [&] { table.Add<NoParams>("one", "", [](NoParams, const ParamSet &, const Context &) { return 2; }); };
-    EXPECT_THROW(add(), std::logic_error);
+    const auto two = [](NoParams, const ParamSet &, const Context &) { return 2; };
+    EXPECT_THROW(table.Add<NoParams>("one", "", two), std::logic_error);
 }
 
 /// The context of a maker whose parameter set has parameters that another reader reads.

@@ -32,33 +32,20 @@ TEST(AvailableMemory, IsLessByWhatThisProcessHas) {
     EXPECT_LT(AvailableMemory(), UsableMemory());
 }
 
-TEST(AvailableMemoryDeathTest, ObeysTheLimitOfTheProcess) {
-    GTEST_FLAG_SET(death_test_style, "threadsafe");
-    EXPECT_EXIT(
-        {
-            // The process has mapped more memory than this limit already, so none is left; under the larger limit below
-            // some is left.
-            rlimit limit{};
-            limit.rlim_cur = 1'000'000;
-            limit.rlim_max = RLIM_INFINITY;
-            setrlimit(RLIMIT_AS, &limit);
-            const bool none = AvailableMemory() == 0;
-            limit.rlim_cur = 20'000'000'000;
-            setrlimit(RLIMIT_AS, &limit);
-            std::_Exit(none && AvailableMemory() > 0 && AvailableMemory() < 20e9 ? 7 : 8);
-        },
-        testing::ExitedWithCode(7), "");
+/// The address space of this process; what is mapped already stays.
+void LimitAddresses(rlim_t bytes) {
+    const rlimit limit{bytes, RLIM_INFINITY};
+    setrlimit(RLIMIT_AS, &limit);
 }
 
-TEST(UsableMemoryDeathTest, ObeysTheLimitOfTheProcess) {
+TEST(MemoryDeathTest, ObeysTheLimitOfTheProcess) {
     GTEST_FLAG_SET(death_test_style, "threadsafe");
     EXPECT_EXIT(
         {
-            rlimit limit{};  // memory that is mapped already stays
-            limit.rlim_cur = 50'000'000;
-            limit.rlim_max = RLIM_INFINITY;
-            setrlimit(RLIMIT_AS, &limit);
-            std::_Exit(UsableMemory() == 50e6 ? 7 : 8);
+            LimitAddresses(1'000'000);  // more is mapped already
+            const bool none = AvailableMemory() == 0 && UsableMemory() == 1e6;
+            LimitAddresses(20'000'000'000);
+            std::_Exit(none && AvailableMemory() > 0 && AvailableMemory() < 20e9 ? 7 : 8);
         },
         testing::ExitedWithCode(7), "");
 }

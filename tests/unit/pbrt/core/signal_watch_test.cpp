@@ -6,6 +6,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <thread>
 
 #include "pbrt/core/files.h"
@@ -21,6 +22,19 @@ using std::chrono::milliseconds;
     _exit(77);
 }
 
+/// Runs `act` under a watch, then waits; for a child process.
+[[noreturn]] void Watched(const std::function<void(SignalWatch &, Progress &)> &act,
+                          const std::string &message = "at once") {
+    Progress progress;
+    SignalWatch watch(progress, message);
+    act(watch, progress);
+    Hang();
+}
+
+void WaitForCancel(const Progress &progress) {
+    while (!progress.Cancelled()) std::this_thread::sleep_for(milliseconds(1));
+}
+
 /// Every test runs its code in a separate process.
 class SignalWatchTest : public ::testing::Test {
   protected:
@@ -31,68 +45,50 @@ using ::testing::ExitedWithCode;
 
 TEST_F(SignalWatchTest, EndsAtOnceWhereNothingIsToBeSaved) {
     for (int signal : {SIGINT, SIGTERM, SIGHUP})
-        EXPECT_EXIT(
-            {
-                Progress progress;
-                SignalWatch watch(progress, "Interrupted while reading");
-                kill(getpid(), signal);
-                Hang();
-            },
-            ExitedWithCode(128 + signal), "Interrupted while reading");
+        EXPECT_EXIT(Watched([&](SignalWatch &, Progress &) { kill(getpid(), signal); }, "Interrupted while reading"),
+                    ExitedWithCode(128 + signal), "Interrupted while reading");
 }
 
 TEST_F(SignalWatchTest, LetsWorkEndThatPollsProgress) {
-    EXPECT_EXIT(
-        {
-            Progress progress;
-            SignalWatch watch(progress, "at once");
-            watch.Cancel("saving", "never said", SignalWatch::kForever);
-            kill(getpid(), SIGTERM);
-            while (!progress.Cancelled()) std::this_thread::sleep_for(milliseconds(1));
-            std::this_thread::sleep_for(milliseconds(500));
-            _exit(watch.Status() == 143 ? 5 : 6);
-        },
-        ExitedWithCode(5), "^saving\n$");
+    EXPECT_EXIT(Watched([](SignalWatch &watch, Progress &progress) {
+                    watch.Cancel("saving", "never said", SignalWatch::kForever);
+                    kill(getpid(), SIGTERM);
+                    WaitForCancel(progress);
+                    std::this_thread::sleep_for(milliseconds(500));
+                    _exit(watch.Status() == 143 ? 5 : 6);
+                }),
+                ExitedWithCode(5), "^saving\n$");
 }
 
 TEST_F(SignalWatchTest, GivesWorkNoMoreThanItsTime) {
-    EXPECT_EXIT(
-        {
-            Progress progress;
-            SignalWatch watch(progress, "at once");
-            watch.Cancel("finishing", "given up", 0.1);
-            kill(getpid(), SIGINT);
-            Hang();
-        },
-        ExitedWithCode(130), "^finishing\ngiven up\n$");
+    EXPECT_EXIT(Watched([](SignalWatch &watch, Progress &) {
+                    watch.Cancel("finishing", "given up", 0.1);
+                    kill(getpid(), SIGINT);
+                }),
+                ExitedWithCode(130), "^finishing\ngiven up\n$");
 }
 
 TEST_F(SignalWatchTest, ASignalHoldsForTheNextPhase) {
-    EXPECT_EXIT(
-        {
-            Progress progress;
-            SignalWatch watch(progress, "at once");
-            watch.Cancel("", "first", SignalWatch::kForever);
-            kill(getpid(), SIGHUP);
-            while (!progress.Cancelled()) std::this_thread::sleep_for(milliseconds(1));
-            watch.EndAtOnce("second");
-            Hang();
-        },
-        ExitedWithCode(129), "^second\n$");
+    EXPECT_EXIT(Watched([](SignalWatch &watch, Progress &progress) {
+                    watch.Cancel("", "first", SignalWatch::kForever);
+                    kill(getpid(), SIGHUP);
+                    WaitForCancel(progress);
+                    watch.EndAtOnce("second");
+                }),
+                ExitedWithCode(129), "^second\n$");
 }
 
 TEST_F(SignalWatchTest, ASecondSignalEndsAtOnceButNotARepeatedOne) {
     auto twice = [](milliseconds between) {
-        Progress progress;
-        SignalWatch watch(progress, "at once");
-        watch.Cancel("saving", "again", SignalWatch::kForever);
-        kill(getpid(), SIGINT);
-        std::this_thread::sleep_for(between);
-        kill(getpid(), SIGTERM);
-        std::this_thread::sleep_for(milliseconds(1500));
-        // Of two signals that wait at the same time, threads may take either first.
-        const bool isEither = watch.Status() == 130 || watch.Status() == 143;
-        _exit(isEither ? 5 : 6);
+        Watched([&](SignalWatch &watch, Progress &) {
+            watch.Cancel("saving", "again", SignalWatch::kForever);
+            kill(getpid(), SIGINT);
+            std::this_thread::sleep_for(between);
+            kill(getpid(), SIGTERM);
+            std::this_thread::sleep_for(milliseconds(1500));
+            // Of two signals that wait at the same time, threads may take either first.
+            _exit(watch.Status() == 130 || watch.Status() == 143 ? 5 : 6);
+        });
     };
     EXPECT_EXIT(twice(milliseconds(0)), ExitedWithCode(5), "^saving\n$");
     EXPECT_EXIT(twice(SignalWatch::kRepeat + milliseconds(200)), ExitedWithCode(130), "^saving\nagain\n$");
@@ -103,17 +99,13 @@ TEST_F(SignalWatchTest, RemovesTemporariesAndNothingElse) {
     std::filesystem::remove_all(top);
     std::filesystem::create_directories(top / "folder/inside");
     for (const char *name : {"half", "whole", "folder/inside/tiles"}) std::ofstream(top / name) << "x";
-    EXPECT_EXIT(
-        {
-            Progress progress;
-            SignalWatch watch(progress, "");
-            const Temporary half((top / "half").string());
-            const Temporary folder((top / "folder").string());
-            { const Temporary done((top / "whole").string()); }
-            kill(getpid(), SIGTERM);
-            Hang();
-        },
-        ExitedWithCode(143), "");
+    EXPECT_EXIT(Watched([&](SignalWatch &, Progress &) {
+                    const Temporary half((top / "half").string()), folder((top / "folder").string());
+                    { const Temporary done((top / "whole").string()); }
+                    kill(getpid(), SIGTERM);
+                    Hang();
+                }),
+                ExitedWithCode(143), "");
     EXPECT_FALSE(std::filesystem::exists(top / "half"));
     EXPECT_FALSE(std::filesystem::exists(top / "folder"));
     EXPECT_TRUE(std::filesystem::exists(top / "whole"));
@@ -134,19 +126,15 @@ TEST_F(SignalWatchTest, HangUpStaysIgnoredUnderNohup) {
 }
 
 TEST_F(SignalWatchTest, NobodyReadingTheMessageHoldsUpNothing) {
-    EXPECT_EXIT(
-        {
-            int ends[2];
-            if (pipe(ends) != 0) _exit(6);
-            close(ends[0]);
-            dup2(ends[1], STDERR_FILENO);
-            Progress progress;
-            SignalWatch watch(progress, "");
-            watch.Cancel("nobody reads this", "nor this", 0.1);
-            kill(getpid(), SIGTERM);
-            Hang();
-        },
-        ExitedWithCode(143), "");
+    EXPECT_EXIT(Watched([](SignalWatch &watch, Progress &) {
+                    int ends[2];
+                    if (pipe(ends) != 0) _exit(6);
+                    close(ends[0]);
+                    dup2(ends[1], STDERR_FILENO);
+                    watch.Cancel("nobody reads this", "nor this", 0.1);
+                    kill(getpid(), SIGTERM);
+                }),
+                ExitedWithCode(143), "");
 }
 
 TEST_F(SignalWatchTest, AfterwardsSignalsDoWhatTheyDidBefore) {

@@ -8,10 +8,6 @@ namespace {
 
 class StateFiles : public FolderTest {
   protected:
-    std::string Text(const std::string &path) const {
-        std::ifstream in(path, std::ios::binary);
-        return {std::istreambuf_iterator<char>(in), {}};
-    }
     /// A file with two sections.
     std::string Example(const std::string &name) const {
         StateWriter numbers, words;
@@ -41,20 +37,18 @@ TEST_F(StateFiles, GiveBackWhatWasWritten) {
 }
 
 TEST_F(StateFiles, CutOffAtAnyByteTheyAreRefused) {
-    const std::string whole = Text(Example("a"));
+    const std::string whole = ReadFileContents(Example("a"));
     for (size_t size = 0; size < whole.size(); ++size) {
         const std::string path = Write("b", whole.substr(0, size));
         const std::string reason = MessageOf([&] { StateFile(path, "test"); });
         ExpectWords(reason, {path});
-        if (size > 40) {
-            ExpectWords(reason, {"cut off"});
-        }
+        EXPECT_TRUE(size <= 40 || reason.find("cut off") != std::string::npos) << reason;
     }
     ExpectError([&] { StateFile(Write("b", whole + "x"), "test"); }, {"damaged"});
 }
 
 TEST_F(StateFiles, WithAnyBitTurnedTheyAreRefused) {
-    std::string content = Text(Example("a"));
+    std::string content = ReadFileContents(Example("a"));
     for (size_t i = 0; i < content.size(); ++i)
         for (int bit = 0; bit < 8; ++bit) {
             content[i] = static_cast<char>(content[i] ^ (1 << bit));
@@ -72,11 +66,11 @@ TEST_F(StateFiles, OtherFilesAreRefusedByName) {
 }
 
 TEST_F(StateFiles, ANewOneThatCannotBeWrittenLeavesTheOldOne) {
-    const std::string path = Example("a"), before = Text(path);
+    const std::string path = Example("a"), before = ReadFileContents(path);
     std::filesystem::permissions(path, std::filesystem::perms::owner_read);
     StateWriter nothing;
     EXPECT_THROW(WriteStateFile(path, "test", {{"nothing", &nothing}}), UserError);
-    EXPECT_EQ(Text(path), before);
+    EXPECT_EQ(ReadFileContents(path), before);
     EXPECT_EQ(FileCount(), 1);
 }
 

@@ -44,7 +44,6 @@ TEST(Team, EveryNumberIsDistributedOnce) {
             WithTeam(size, [&](Team &team) {
                 Progress progress;
                 WorkDistributor distributor(team, count, 2, progress);
-                int64_t reported = 0;
                 const auto work = [&] {
                     while (const auto i = distributor.Take()) {
                         std::this_thread::sleep_for(std::chrono::microseconds(20));
@@ -57,16 +56,13 @@ TEST(Team, EveryNumberIsDistributedOnce) {
                 std::thread other(work);
                 work();
                 other.join();
-                reported = distributor.Finish();
-                EXPECT_GE(reported, 0);
+                EXPECT_GE(distributor.Finish(), 0);
                 EXPECT_FALSE(distributor.Take());
                 EXPECT_FALSE(progress.Cancelled());
             });
             EXPECT_EQ(taken.size(), static_cast<size_t>(count));
             for (int64_t i = 0; i < count; ++i) EXPECT_EQ(taken.count(i), 1u);
-            if (count == 1000) {
-                EXPECT_EQ(takers.size(), static_cast<size_t>(size)) << "a process got nothing";
-            }
+            EXPECT_TRUE(count < 1000 || takers.size() == static_cast<size_t>(size)) << "a process got nothing";
         }
 }
 
@@ -117,8 +113,7 @@ TEST(Team, FailuresAreReportedOnce) {
     test::ExpectWords(two, {"2 of 5 processes (the first is 3 on "});
     EXPECT_EQ(two.find("no such file"), two.rfind("no such file")) << two;
     const std::string both = outcome(3, [](int r) { return r == 1 ? "one" : "another"; });
-    test::ExpectWords(both, {"Error: another\n"});
-    test::ExpectWords(both, {"1 of 3 processes (the first is 1 on "});
+    test::ExpectWords(both, {"Error: another\n", "1 of 3 processes (the first is 1 on "});
 }
 
 TEST(Team, AProcessAloneNeitherSendsNorMeets) {

@@ -37,8 +37,7 @@ TEST_F(WriteFileTest, AFullDiskIsAnErrorAndKeepsTheOldFile) {
     const std::string path = Write("out", "old"), big(100000, 'x');
     {
         const SmallFilesOnly limit(50000);
-        const std::string reason = MessageOf([&] { WriteFile(path, big); });
-        test::ExpectWords(reason, {path + ": ", "File too large"});
+        test::ExpectError([&] { WriteFile(path, big); }, {path + ": ", "File too large"});
     }
     EXPECT_EQ(ReadFileContents(path), "old");
     EXPECT_EQ(FileCount(), 1);
@@ -134,20 +133,18 @@ TEST_F(WriteFileTest, WhatCannotBeWrittenIsKnownBefore) {
     const std::string guarded = Write("guarded", "keep");
     ASSERT_EQ(chmod(guarded.c_str(), 0444), 0);
     fs::create_directory(Path("folder"));
-    const std::vector<std::pair<std::string, std::string>> cases = {
-        {"", "is not the name"},
-        {Path("folder"), "is a folder"},
-        {Path("folder") + "/", "is not the name"},
-        {Path("none/a.exr"), "none does not exist"},
-        {Path("file/a.exr"), "cannot be written"},
-        {guarded, "write-protected"},
-        {"/proc/a.exr", "/proc"},
-    };
-    for (const auto &[path, part] : cases) {
-        const std::string early = MessageOf([&, &name = path] { CheckWritable(name); });
+    const auto expect = [](const std::string &path, const std::string &part) {
+        const std::string early = MessageOf([&] { CheckWritable(path); });
         test::ExpectWords(early, {part});
-        EXPECT_EQ(MessageOf([&, &name = path] { WriteFile(name, "x"); }), early);
-    }
+        EXPECT_EQ(MessageOf([&] { WriteFile(path, "x"); }), early);
+    };
+    expect("", "is not the name");
+    expect(Path("folder"), "is a folder");
+    expect(Path("folder") + "/", "is not the name");
+    expect(Path("none/a.exr"), "none does not exist");
+    expect(Path("file/a.exr"), "cannot be written");
+    expect(guarded, "write-protected");
+    expect("/proc/a.exr", "/proc");
     EXPECT_EQ(ReadFileContents(guarded), "keep");
     if (geteuid() != 0) {  // root may write everywhere
         fs::permissions(folder_, fs::perms::owner_read | fs::perms::owner_exec);

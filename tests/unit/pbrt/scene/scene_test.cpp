@@ -17,24 +17,20 @@ BuiltScene Build(const std::string &world, const std::string &integrator = "path
     return BuildText(SceneText().Head("Option 'rendercoordsys' 'world'").Integrator(integrator).World(world));
 }
 
-Ray MakeRay(const Point3 &o, const Vector3 &d, Float time = 0) {
-    Ray ray;
-    ray.o = o;
-    ray.d = d;
-    ray.time = time;
-    return ray;
+std::optional<SurfacePoint> Hit(const BuiltScene &built, const Point3 &o, const Vector3 &d, Float time = 0) {
+    return built.scene->Intersect({.o = o, .d = d, .time = time});
 }
 
 void ExpectNear(const Vector3 &a, const Vector3 &b, Float error = 1e-5f) {
     EXPECT_LT(Length(a - b), error) << a.x << " " << a.y << " " << a.z;
 }
 
-constexpr const char *kQuad = "Shape 'bilinearmesh' 'point3 P' [ -1 -1 0  1 -1 0  -1 1 0  1 1 0 ]\n";
+const std::string kQuad = "Shape 'bilinearmesh' 'point3 P' [ -1 -1 0  1 -1 0  -1 1 0  1 1 0 ]\n";
 
 TEST(Scene, IntersectCompletesThePoint) {
-    const BuiltScene built = Build("Translate 2 0 5 Material 'conductor'\n" + std::string(kQuad) +
-                                   "Material 'diffuse' Translate 0 0 9\n" + kQuad);
-    const std::optional<SurfacePoint> hit = built.scene->Intersect(MakeRay({2.5f, -0.5f, 1}, {0, 0, 2}, 0.75f));
+    const BuiltScene built =
+        Build("Translate 2 0 5 Material 'conductor'\n" + kQuad + "Material 'diffuse' Translate 0 0 9\n" + kQuad);
+    const auto hit = Hit(built, {2.5f, -0.5f, 1}, {0, 0, 2}, 0.75f);
     ASSERT_TRUE(hit);
     ExpectNear(hit->p, {2.5f, -0.5f, 5});
     ExpectNear(Vector3(std::abs(hit->n.x), std::abs(hit->n.y), std::abs(hit->n.z)), {0, 0, 1});
@@ -47,19 +43,18 @@ TEST(Scene, IntersectCompletesThePoint) {
     EXPECT_FALSE(hit->light);
     EXPECT_GT(hit->pError.x, 0);
     EXPECT_GT(hit->pError.z, hit->pError.x);  // per axis: 5 units along z, at most 3 along x
-    const std::optional<SurfacePoint> second = built.scene->Intersect(hit->SpawnRay({0, 0, 1}));
+    const auto second = built.scene->Intersect(hit->SpawnRay({0, 0, 1}));
     ASSERT_TRUE(second);
     EXPECT_EQ(second->shape, ShapeId(1u));
     EXPECT_NE(second->material, hit->material);
-    EXPECT_FALSE(built.scene->Intersect(MakeRay({0, 0, 1}, {0, 0, -1})));
+    EXPECT_FALSE(Hit(built, {0, 0, 1}, {0, 0, -1}));
 }
 
 TEST(Scene, PrimitivesOfAnEmissiveMeshAreLightsOfTheirOwn) {
     const BuiltScene built = Build(
         "LightSource 'point' AreaLightSource 'diffuse'\n"
         "Shape 'trianglemesh' 'point3 P' [ 0 0 5  2 0 5  2 2 5  0 2 5 ] 'integer indices' [ 0 1 2  0 2 3 ]");
-    const std::optional<SurfacePoint> first = built.scene->Intersect(MakeRay({1.5f, 0.5f, 0}, {0, 0, 1})),
-                                      second = built.scene->Intersect(MakeRay({0.5f, 1.5f, 0}, {0, 0, 1}));
+    const auto first = Hit(built, {1.5f, 0.5f, 0}, {0, 0, 1}), second = Hit(built, {0.5f, 1.5f, 0}, {0, 0, 1});
     ASSERT_TRUE(first && second);
     ASSERT_TRUE(first->light && second->light);
     EXPECT_NE(first->light, second->light);
@@ -67,28 +62,25 @@ TEST(Scene, PrimitivesOfAnEmissiveMeshAreLightsOfTheirOwn) {
 }
 
 TEST(Scene, InstancesAreSeenWhereTheyArePlaced) {
-    const BuiltScene built = Build("ObjectBegin 'o'\n" + std::string(kQuad) +
+    const BuiltScene built = Build("ObjectBegin 'o'\n" + kQuad +
                                    "ObjectEnd\n"
                                    "AttributeBegin Translate 10 0 0 Rotate 90 0 1 0 ObjectInstance 'o' AttributeEnd\n"
                                    "AttributeBegin Translate -10 0 0 Scale 3 3 3 ObjectInstance 'o' AttributeEnd");
-    const std::optional<SurfacePoint> turned = built.scene->Intersect(MakeRay({0, 0, 0.5f}, {1, 0, 0}));
+    const auto turned = Hit(built, {0, 0, 0.5f}, {1, 0, 0});
     ASSERT_TRUE(turned);
     ExpectNear(turned->p, {10, 0, 0.5f});
     EXPECT_NEAR(std::abs(turned->n.x), 1, 1e-5f);
     EXPECT_NEAR(Length(turned->dpdu), 2, 1e-4f);
-    const std::optional<SurfacePoint> large = built.scene->Intersect(MakeRay({-12, 2, 4}, {0, 0, -1}));
+    const auto large = Hit(built, {-12, 2, 4}, {0, 0, -1});
     ASSERT_TRUE(large);
     ExpectNear(large->p, {-12, 2, 0});
     EXPECT_NEAR(Length(large->dpdu), 6, 1e-4f);
-    EXPECT_FALSE(built.scene->Intersect(MakeRay({0, 0, 4}, {0, 0, -1})));
+    EXPECT_FALSE(Hit(built, {0, 0, 4}, {0, 0, -1}));
 }
 
 TEST(Scene, MovingThingsAreSeenWhereTheyAreThen) {
-    const BuiltScene built =
-        Build("ActiveTransform EndTime Translate 8 0 0 ActiveTransform All\n" + std::string(kQuad));
-    auto sees = [&](Float x, Float time) {
-        return built.scene->Intersect(MakeRay({x, 0, 3}, {0, 0, -1}, time)).has_value();
-    };
+    const BuiltScene built = Build("ActiveTransform EndTime Translate 8 0 0 ActiveTransform All\n" + kQuad);
+    auto sees = [&](Float x, Float time) { return Hit(built, {x, 0, 3}, {0, 0, -1}, time).has_value(); };
     EXPECT_TRUE(sees(0, 0) && sees(4, 0.5f) && sees(8, 1));
     EXPECT_FALSE(sees(4, 0) || sees(0, 0.5f) || sees(0, 1));
 }
@@ -112,8 +104,8 @@ LightLiSample To(const Point3 &from, const Point3 &p, const Normal3 &n = Normal3
 
 TEST(Scene, OnlyWhatIsBetweenTwoPointsOccludes) {
     // The ends of the segments lie on two surfaces at z = 0 and z = 4; a small surface is between them at z = 2.
-    const BuiltScene built = Build("Scale 9 9 1\n" + std::string(kQuad) + "Translate 0 0 4\n" + kQuad +
-                                   "Identity Translate 5 0 2\n" + kQuad);
+    const BuiltScene built =
+        Build("Scale 9 9 1\n" + kQuad + "Translate 0 0 4\n" + kQuad + "Identity Translate 5 0 2\n" + kQuad);
     const Scene &scene = *built.scene;
     ResetCounters();
     auto occluded = [&](const Point3 &a, const Point3 &b) {
@@ -125,22 +117,20 @@ TEST(Scene, OnlyWhatIsBetweenTwoPointsOccludes) {
     EXPECT_TRUE(occluded({-7, 0, 0}, {-7, 0, 4.1f}));
     EXPECT_EQ(SumCounters().shadowRays, 7u);
     EXPECT_EQ(SumCounters().shadowRaysBlocked, 3u);
-    Ray ray = MakeRay({5, 0, 1}, {0, 0, 1});
-    EXPECT_TRUE(scene.Occluded(ray));
-    ray.tMax = 0.9f;
-    EXPECT_FALSE(scene.Occluded(ray));
+    EXPECT_TRUE(scene.Occluded(Ray{.o = {5, 0, 1}}));
+    EXPECT_FALSE(scene.Occluded(Ray{.o = {5, 0, 1}, .tMax = 0.9f}));
 }
 
 TEST(Scene, ShadowRaysPassInterfacesForVolpathOnly) {
     const std::string world =
-        "Material 'interface' Translate 0 0 2\n" + std::string(kQuad) + "Material 'diffuse' Translate 5 0 0\n" + kQuad;
+        "Material 'interface' Translate 0 0 2\n" + kQuad + "Material 'diffuse' Translate 5 0 0\n" + kQuad;
     for (const char *integrator : {"path", "volpath"}) {
         const BuiltScene built = Build(world, integrator);
         const LightSampleContext from = From({0, 0, 0}, {0, 0, 1});
         EXPECT_EQ(built.scene->Occluded(from, To(from.p, {0, 0, 4})), std::string(integrator) == "path") << integrator;
         // Rays that are not shadow rays meet interfaces, and surfaces of other materials block shadow rays.
-        EXPECT_TRUE(built.scene->Intersect(MakeRay({0, 0, 0}, {0, 0, 1})));
-        EXPECT_TRUE(built.scene->Occluded(MakeRay({5, 0, 0}, {0, 0, 1})));
+        EXPECT_TRUE(Hit(built, {0, 0, 0}, {0, 0, 1}));
+        EXPECT_TRUE(built.scene->Occluded(Ray{.o = {5, 0, 0}}));
     }
 }
 
@@ -152,7 +142,7 @@ TEST(Scene, CrossingsAreThoseOfOneMaterialAndEquallyLikely) {
             fmt::format("AttributeBegin NamedMaterial '{}' Translate 0 0 {}\n{}AttributeEnd\n", material, z, kQuad);
     world += fmt::format("NamedMaterial 'a' ObjectBegin 'o'\n{}ObjectEnd Translate 0 0 5 ObjectInstance 'o'\n", kQuad);
     const BuiltScene built = Build(world);
-    const MaterialId a = built.scene->Intersect(MakeRay({0.1f, 0.1f, 0}, {0, 0, 1}))->material;
+    const MaterialId a = Hit(built, {0.1f, 0.1f, 0}, {0, 0, 1})->material;
     std::map<int, int> found;
     constexpr int kDraws = 4000;
     for (int i = 0; i < kDraws; ++i) {
@@ -175,11 +165,10 @@ TEST(Scene, KnowsWhatItsMaterialsNeed) {
     const std::string checks = "Texture 't' 'spectrum' 'checkerboard' Material 'diffuse' 'texture reflectance' 't'\n";
     EXPECT_FALSE(Build(kQuad).scene->NeedsFootprints());
     EXPECT_FALSE(Build(kQuad).scene->HasSubsurface());
-    EXPECT_TRUE(Build("Material 'subsurface'\n" + std::string(kQuad)).scene->HasSubsurface());
+    EXPECT_TRUE(Build("Material 'subsurface'\n" + kQuad).scene->HasSubsurface());
     const BuiltScene built = Build(checks + kQuad + "Material 'diffuse' Translate 0 0 -2\n" + kQuad);
     EXPECT_TRUE(built.scene->NeedsFootprints());
-    const std::optional<SurfacePoint> checked = built.scene->Intersect(MakeRay({0, 0, 4}, {0, 0, -1})),
-                                      plain = built.scene->Intersect(MakeRay({0, 0, -1}, {0, 0, -1}));
+    const auto checked = Hit(built, {0, 0, 4}, {0, 0, -1}), plain = Hit(built, {0, 0, -1}, {0, 0, -1});
     ASSERT_TRUE(checked && plain);
     EXPECT_TRUE(built.scene->NeedsFootprintAt(*checked));
     EXPECT_FALSE(built.scene->NeedsFootprintAt(*plain));

@@ -22,31 +22,26 @@ BuiltScene BuildView(const std::string &world) {
 
 /// The surface point that is seen from (x, y, z) along `direction` on the z axis.
 SurfacePoint PointAt(const BuiltScene &built, Float x = 0.2f, Float y = 0.1f, Float z = 4, Float direction = -1) {
-    Ray ray;
-    ray.o = {x, y, z};
-    ray.d = {0, 0, direction};
-    std::optional<SurfacePoint> point = built.scene->Intersect(ray);
+    std::optional<SurfacePoint> point = built.scene->Intersect({.o = {x, y, z}, .d = {0, 0, direction}});
     EXPECT_TRUE(point);
     return *point;
 }
 
-constexpr const char *kFacingQuad = "Shape 'bilinearmesh' 'point3 P' [ -1 -1 0  1 -1 0  -1 1 0  1 1 0 ]\n";
-
-Float Mean(const SampledSpectrum &s) { return s.Average(); }
+const std::string kFacingQuad = "Shape 'bilinearmesh' 'point3 P' [ -1 -1 0  1 -1 0  -1 1 0  1 1 0 ]\n";
 
 TEST(Shading, SurfacesScatterByTheirMaterial) {
-    const BuiltScene built = BuildView("Material 'diffuse' 'rgb reflectance' [.6 .6 .6]\n" + std::string(kFacingQuad));
+    const BuiltScene built = BuildView("Material 'diffuse' 'rgb reflectance' [.6 .6 .6]\n" + kFacingQuad);
     SurfacePoint point = PointAt(built);
     SampledWavelengths lambda = kLambda;
     const Bsdf bsdf = ComputeBsdf(*built.scene, point, lambda);
     ASSERT_TRUE(bsdf);
-    EXPECT_NEAR(Mean(bsdf.F(point.wo, Normalize(Vector3(1, 0, 1)))), 0.6f / Pi, 1e-3f);
+    EXPECT_NEAR(bsdf.F(point.wo, Normalize(Vector3(1, 0, 1))).Average(), 0.6f / Pi, 1e-3f);
     EXPECT_FALSE(lambda.SecondaryTerminated());
 }
 
 TEST(Shading, InterfacesDoNotScatter) {
     for (const char *material : {"Material 'interface'\n", "Material ''\n"}) {
-        const BuiltScene built = BuildView(material + std::string(kFacingQuad));
+        const BuiltScene built = BuildView(material + kFacingQuad);
         SurfacePoint point = PointAt(built);
         SampledWavelengths lambda = kLambda;
         EXPECT_FALSE(ComputeBsdf(*built.scene, point, lambda)) << material;
@@ -54,7 +49,7 @@ TEST(Shading, InterfacesDoNotScatter) {
 }
 
 TEST(Shading, DispersionEndsTheOtherWavelengths) {
-    const BuiltScene built = BuildView("Material 'dielectric' 'spectrum eta' 'glass-F11'\n" + std::string(kFacingQuad));
+    const BuiltScene built = BuildView("Material 'dielectric' 'spectrum eta' 'glass-F11'\n" + kFacingQuad);
     SurfacePoint point = PointAt(built);
     SampledWavelengths lambda = kLambda;
     EXPECT_TRUE(ComputeBsdf(*built.scene, point, lambda));
@@ -66,14 +61,14 @@ TEST(Shading, MixturesTakeOneOfTheirMaterialsPerPoint) {
         "MakeNamedMaterial 'a' 'string type' 'diffuse' 'rgb reflectance' [.2 .2 .2]\n"
         "MakeNamedMaterial 'b' 'string type' 'diffuse' 'rgb reflectance' [.8 .8 .8]\n"
         "Material 'mix' 'string materials' ['a' 'b'] 'float amount' 0.25\n" +
-        std::string(kFacingQuad));
+        kFacingQuad);
     int light = 0;
     constexpr int kPoints = 2000;
     for (int i = 0; i < kPoints; ++i) {
         SurfacePoint point = PointAt(built, -0.9f + 1.8f * static_cast<Float>(i) / kPoints, 0.3f);
         SampledWavelengths lambda = kLambda;
-        const Float albedo =
-            Pi * Mean(ComputeBsdf(*built.scene, point, lambda).F(point.wo, Normalize(Vector3(1, 0, 1))));
+        const Bsdf bsdf = ComputeBsdf(*built.scene, point, lambda);
+        const Float albedo = Pi * bsdf.F(point.wo, Normalize(Vector3(1, 0, 1))).Average();
         EXPECT_TRUE(std::abs(albedo - 0.2f) < 3e-3f || std::abs(albedo - 0.8f) < 3e-3f) << albedo;
         light += albedo > 0.5f;
     }
@@ -83,32 +78,38 @@ TEST(Shading, MixturesTakeOneOfTheirMaterialsPerPoint) {
 TEST(Shading, LampsEmitFromTheirFrontUnlessTwosided) {
     for (const char *sides : {"", "'bool twosided' true"}) {
         const BuiltScene built =
-            BuildView("AreaLightSource 'diffuse' 'rgb L' [3 3 3] " + std::string(sides) + "\n" + kFacingQuad);
+            BuildView(fmt::format("AreaLightSource 'diffuse' 'rgb L' [3 3 3] {}\n{}", sides, kFacingQuad));
         const SurfacePoint above = PointAt(built), below = PointAt(built, 0.2f, 0.1f, -4, 1);
-        const Float up = Mean(EmittedRadiance(*built.scene, above, kLambda)),
-                    down = Mean(EmittedRadiance(*built.scene, below, kLambda));
+        const Float up = EmittedRadiance(*built.scene, above, kLambda).Average(),
+                    down = EmittedRadiance(*built.scene, below, kLambda).Average();
         EXPECT_GT(std::max(up, down), 0);
         if (*sides) EXPECT_EQ(up, down);
         else EXPECT_EQ(std::min(up, down), 0);
     }
     const BuiltScene dark = BuildView(kFacingQuad);
-    EXPECT_EQ(Mean(EmittedRadiance(*dark.scene, PointAt(dark), kLambda)), 0);
+    EXPECT_EQ(EmittedRadiance(*dark.scene, PointAt(dark), kLambda).Average(), 0);
 }
 
 TEST(Shading, OnlySubsurfaceMaterialsLetLightComeOutElsewhere) {
-    const BuiltScene wax = BuildView("Material 'subsurface'\n" + std::string(kFacingQuad)),
-                     glass = BuildView("Material 'dielectric'\n" + std::string(kFacingQuad));
+    const BuiltScene wax = BuildView("Material 'subsurface'\n" + kFacingQuad),
+                     glass = BuildView("Material 'dielectric'\n" + kFacingQuad);
     EXPECT_TRUE(ComputeBssrdf(*wax.scene, PointAt(wax), kLambda));
     EXPECT_FALSE(ComputeBssrdf(*glass.scene, PointAt(glass), kLambda));
 }
 
-TEST(Footprint, IsThePixelsSizeWhereTheCameraLooks) {
-    const BuiltScene built = BuildView(kFacingQuad);
+/// A camera ray, and the surface point that it meets, with its footprint.
+std::pair<CameraRay, SurfacePoint> Seen(const BuiltScene &built, const Point2 &pFilm) {
     CameraSample sample;
-    sample.pFilm = {50, 50};
+    sample.pFilm = pFilm;
     const CameraRay ray = *built.camera->GenerateRay(sample, kLambda);
     SurfacePoint point = *built.scene->Intersect(ray.ray);
     ComputeFootprint(point, ray.differential, *built.camera, 1);
+    return {ray, point};
+}
+
+TEST(Footprint, IsThePixelsSizeWhereTheCameraLooks) {
+    const BuiltScene built = BuildView(kFacingQuad);
+    auto [ray, point] = Seen(built, {50, 50});
     // The size of a pixel at distance 4, with 100 pixels over 60 degrees.
     const Float pixel = 2 * 4 * std::tan(Radians(30)) / 100;
     EXPECT_NEAR(Length(point.dpdx), pixel, 1e-3f * pixel);
@@ -130,13 +131,8 @@ TEST(Footprint, IsThePixelsSizeWhereTheCameraLooks) {
 
 TEST(Footprint, AFlatMirrorKeepsTheSpreadOfRays) {
     const BuiltScene built = BuildView(kFacingQuad);
-    CameraSample sample;
-    sample.pFilm = {60, 45};
-    const CameraRay ray = *built.camera->GenerateRay(sample, kLambda);
-    SurfacePoint point = *built.scene->Intersect(ray.ray);
-    ComputeFootprint(point, ray.differential, *built.camera, 1);
-    const Vector3 d = ray.ray.d;
-    const Vector3 wi(d.x, d.y, -d.z);
+    const auto [ray, point] = Seen(built, {60, 45});
+    const Vector3 d = ray.ray.d, wi(d.x, d.y, -d.z);
     const RayDifferential reflected = ReflectDifferential(point, ray.differential, wi);
     ASSERT_TRUE(reflected.valid);
     const Vector3 rx = ray.differential.rxDirection;

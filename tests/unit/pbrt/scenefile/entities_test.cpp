@@ -4,36 +4,36 @@ namespace pbrt::test {
 namespace {
 
 TEST(Defaults, OfAbsentDirectives) {
-    SceneDescription scene = ParseClean("WorldBegin");
-    EXPECT_EQ(scene.camera.type, "perspective");
-    EXPECT_EQ(scene.sampler.type, "zsobol");
-    EXPECT_EQ(scene.filter.type, "gaussian");
-    EXPECT_EQ(scene.integrator.type, "volpath");
-    EXPECT_EQ(scene.accelerator.type, "bvh");
-    EXPECT_EQ(scene.film.type, "rgb");
-    EXPECT_EQ(scene.film.colorSpace, "srgb");
-    EXPECT_EQ(scene.film.params.What(), Quoted("Film 'rgb'"));
-    EXPECT_TRUE(scene.camera.cameraFromWorld.start.IsIdentity());
-    EXPECT_FALSE(scene.options.seed || scene.options.forceDiffuse || scene.options.renderCoordSys);
+    const SceneDescription s = ParseClean("WorldBegin");
+    std::string names;
+    for (const Entity *e : std::initializer_list<const Entity *>{&s.camera, &s.sampler, &s.filter, &s.integrator,
+                                                                 &s.accelerator, &s.film})
+        names += e->params.What() + ' ' + e->type + '\n';
+    EXPECT_EQ(names,
+              Quoted("Camera 'perspective' perspective\nSampler 'zsobol' zsobol\nPixelFilter 'gaussian' gaussian\n"
+                     "Integrator 'volpath' volpath\nAccelerator 'bvh' bvh\nFilm 'rgb' rgb\n"));
+    EXPECT_EQ(s.film.colorSpace, "srgb");
+    EXPECT_TRUE(s.camera.cameraFromWorld.start.IsIdentity());
+    EXPECT_FALSE(s.options.seed || s.options.forceDiffuse || s.options.renderCoordSys);
 }
 
 TEST(OptionsBlock, EveryDirectiveFillsItsEntityAndTheLastWins) {
     SceneDescription scene = ParseClean(
         "Film 'a' Sampler 'b' PixelFilter 'c' Integrator 'd' Accelerator 'e' Camera 'f'\n"
-        "Accelerator 'kdtree' 'integer x' 5 Camera 'orthographic' 'integer x' 6 Film 'gbuffer' 'integer x' 1\n"
-        "Sampler 'halton' 'integer x' 2 PixelFilter 'box' 'integer x' 3 Integrator 'path' 'integer x' 4 WorldBegin");
-    auto expect = [](const Entity &e, const char *type, int x, const char *what) {
+        "Accelerator 'kdtree' 'float x' 5 Camera 'orthographic' 'float x' 6 Film 'gbuffer' 'float x' 1\n"
+        "Sampler 'halton' 'float x' 2 PixelFilter 'box' 'float x' 3 Integrator 'path' 'float x' 4 WorldBegin");
+    auto expect = [](const Entity &e, const std::string &directive, const std::string &type, Float x) {
         EXPECT_EQ(e.type, type);
-        EXPECT_EQ(IntOf(e.params, "x", 0), x) << type;
-        EXPECT_EQ(e.params.What(), Quoted(what));
+        EXPECT_EQ(FloatOf(e.params, "x", 0), x) << type;
+        EXPECT_EQ(e.params.What(), directive + " \"" + type + '"');
         EXPECT_GT(e.loc.line, 1);
     };
-    expect(scene.film, "gbuffer", 1, "Film 'gbuffer'");
-    expect(scene.sampler, "halton", 2, "Sampler 'halton'");
-    expect(scene.filter, "box", 3, "PixelFilter 'box'");
-    expect(scene.integrator, "path", 4, "Integrator 'path'");
-    expect(scene.accelerator, "kdtree", 5, "Accelerator 'kdtree'");
-    expect(scene.camera, "orthographic", 6, "Camera 'orthographic'");
+    expect(scene.film, "Film", "gbuffer", 1);
+    expect(scene.sampler, "Sampler", "halton", 2);
+    expect(scene.filter, "PixelFilter", "box", 3);
+    expect(scene.integrator, "Integrator", "path", 4);
+    expect(scene.accelerator, "Accelerator", "kdtree", 5);
+    expect(scene.camera, "Camera", "orthographic", 6);
 }
 
 TEST(OptionsBlock, CameraKeepsTheTransformationWhereItStands) {
@@ -98,9 +98,9 @@ TEST(World, TexturesMaterialsLightsMedia) {
 
 TEST(World, OnlyShapesMove) {
     const std::string move = "ActiveTransform EndTime Translate 1 0 0 ActiveTransform All\n";
-    ExpectWorldWarning(move + "LightSource 'point'", 3, 0, "cannot be animated");
-    ExpectWorldWarning(move + "Texture 't' 'float' 'constant'", 3, 0, "cannot be animated");
-    ExpectWorldWarning(move + "MakeNamedMedium 'm' 'string type' 'cloud'", 3, 0, "cannot be animated");
+    for (const char *still :
+         {"LightSource 'point'", "Texture 't' 'float' 'constant'", "MakeNamedMedium 'm' 'string type' 'cloud'"})
+        ExpectWorldWarning(move + still, 3, 0, "cannot be animated");
     ExpectWorldError(move + "AreaLightSource 'diffuse' Shape 's'", 3, 26, "emits light cannot move");
     SceneDescription scene = Parse("WorldBegin " + move + "LightSource 'point'").scene;
     EXPECT_FALSE(scene.lights[0].ctm.IsAnimated());
@@ -125,15 +125,10 @@ TEST(Objects, RecordShapesAndRestoreTheState) {
     EXPECT_EQ(scene.instances[0].ctm.start, Transform::Translate({1, 0, 1}));
 }
 
-TEST(Objects, MayBeUsedBeforeTheirDefinition) {
-    SceneDescription scene = ParseWorld("ObjectInstance 'o' ObjectBegin 'o' Shape 's' ObjectEnd");
-    EXPECT_EQ(scene.instances.size(), 1u);
-}
-
-TEST(Objects, EmptyOnesAreSkipped) {
+TEST(Objects, EmptyOnesAreSkippedAndDefinitionsMayFollow) {
     SceneDescription scene = ParseWorld(
-        "ObjectBegin 'e' ObjectEnd ObjectBegin 'f' Shape 's' ObjectEnd\n"
-        "ObjectInstance 'e' ObjectInstance 'f'");
+        "ObjectInstance 'e' ObjectInstance 'f'\n"
+        "ObjectBegin 'e' ObjectEnd ObjectBegin 'f' Shape 's' ObjectEnd");
     ASSERT_EQ(scene.objects.size(), 1u);
     EXPECT_EQ(scene.objects[0].name, "f");
     ASSERT_EQ(scene.instances.size(), 1u);

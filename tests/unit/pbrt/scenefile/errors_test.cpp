@@ -5,14 +5,6 @@
 namespace pbrt::test {
 namespace {
 
-TEST(Blocks, MissingWorldBegin) {
-    for (const char *text : {"", "# nothing\n", "Camera 'perspective'\n"}) {
-        Parsed parsed = Parse(text);
-        ASSERT_EQ(parsed.sink.All().size(), 1u);
-        EXPECT_EQ(Format(parsed.sink.All()[0]), "Error: test.pbrt: The input ends before WorldBegin.");
-    }
-}
-
 TEST(Blocks, WorldDirectivesBeforeWorldBegin) {
     for (const char *directive :
          {"AreaLightSource 'd' 'float x' [ 1 2 ]", "AttributeBegin", "AttributeEnd", "Import 'x'", "LightSource 'p'",
@@ -44,8 +36,6 @@ TEST(Blocks, AWordInTheWrongBlockIsReportedOnce) {
 }
 
 TEST(Blocks, UnmatchedOnes) {
-    ExpectWorldWarning(" AttributeEnd", 2, 1, "ignored");
-    ExpectWorldError(" AttributeBegin AttributeBegin AttributeEnd", 2, 1, "without AttributeEnd");
     ExpectWorldError("ObjectEnd", 2, 0, "without ObjectBegin");
     ExpectWorldError(" ObjectBegin 'o' Shape 's'", 2, 1, "without ObjectEnd");
     ExpectWorldError("ObjectBegin 'o' Shape 's'\nAttributeEnd ObjectEnd", 3, 0, "AttributeEnd inside the ObjectBegin");
@@ -59,7 +49,6 @@ TEST(Blocks, TransformBlocksWarnOnce) {
 }
 
 TEST(Names, RedefinitionPointsAtTheName) {
-    ExpectWorldError("Texture 't' 'float' 'constant'\nTexture 't' 'float' 'mix'", 3, 8, "defined twice");
     ExpectWorldError("Texture 't' 'spectrum' 'constant'\nTexture 't' 'spectrum' 'mix'", 3, 8, "test.pbrt:2");
     ExpectWorldError("MakeNamedMaterial 'm' 'string type' 'a'\nMakeNamedMaterial 'm' 'string type' 'a'", 3, 18,
                      "defined twice");
@@ -84,8 +73,7 @@ TEST(Names, UndefinedMediumIsReportedWhereItIsUsed) {
     ParseWorld("MediumInterface 'fog'");
 }
 
-TEST(Names, UndefinedObjectAndNesting) {
-    ExpectWorldError("ObjectInstance 'absent'", 2, 15, "not defined");
+TEST(Names, ObjectsDoNotNest) {
     ExpectWorldError("ObjectBegin 'a'\n ObjectBegin 'b' Shape 's' ObjectEnd ObjectEnd", 3, 1, "inside another");
     ExpectWorldError("ObjectBegin 'a' Shape 's'\n ObjectInstance 'a' ObjectEnd", 3, 1, "do not nest");
 }
@@ -106,13 +94,10 @@ TEST(Names, NamedThingsNeedAType) {
 }
 
 TEST(Words, UnknownOnesAreReportedAndSkipped) {
-    ExpectWorldError("Sphere 'float radius' [ 1 ]\nShape 's'", 2, 0, "Unknown directive: Sphere");
-    ExpectWorldError("Shape 's'\nWorldEnd", 3, 0, "Unknown directive: WorldEnd");
     ExpectWorldError(" shape 's' 'bool x' true", 2, 1, "did you mean 'Shape'");
     ExpectWorldError("Attribute 'camera' 'float x' 1", 2, 10, "valid: shape, light, material, medium, texture");
     ExpectWorldError("Texture 't' 'color' 'constant'", 2, 12, "valid: float, spectrum");
     ExpectWorldError("ActiveTransform Start", 2, 16, "StartTime");
-    ExpectWorldWarning("ColorSpace 'cmyk'", 2, 11, "'srgb' stays");
     ExpectWorldWarning("CoordSysTransform 'nowhere'", 2, 18, "valid: world");
 }
 
@@ -122,10 +107,8 @@ TEST(Words, TooManyUnknownOnesEndTheParse) {
 }
 
 TEST(Arguments, NumbersStringsAndWords) {
-    ExpectWorldError("Translate 1 'two' 3", 2, 12, "Expected a number");
     ExpectWorldError("Scale 1 2 Shape", 2, 10, "Expected a number");
     ExpectWorldError("Rotate nan 0 0 1", 2, 7, "Expected a number");
-    ExpectWorldError("LookAt [ 0 0 0 0 0 1 0 1 0 ]", 2, 7, "Expected a number");
     ExpectWorldError("Transform 1 0 0 0", 2, 10, "Expected [");
     ExpectWorldError("Transform [ 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 ]", 2, 42, "Expected a number");
     ExpectWorldError("Transform [ 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1 1 ]", 2, 44, "Expected ]");

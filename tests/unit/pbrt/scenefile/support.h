@@ -18,26 +18,22 @@ struct Parsed {
     DiagnosticSink sink;
 };
 
-inline Parsed Parse(const std::string &text, const std::string &directory = "") {
+inline Parsed Parse(const std::string &text) {
     Parsed parsed;
-    parsed.scene = ParseSceneText(Quoted(text), parsed.sink, "test.pbrt", directory);
+    parsed.scene = ParseSceneText(Quoted(text), parsed.sink, "test.pbrt");
     return parsed;
 }
 
-/// The value of a parameter of one value.
-template <class T>
-T ValueOf(const ParamSet &params, const std::string &name, T defaultValue) {
+/// The value of a parameter of one number.
+inline Float FloatOf(const ParamSet &params, const std::string &name, Float defaultValue) {
     ParamReader reader(params);
     reader(name, defaultValue, "");
     reader.ThrowIfErrors();
     return defaultValue;
 }
-inline Float FloatOf(const ParamSet &params, const std::string &name, Float defaultValue) {
-    return ValueOf(params, name, defaultValue);
-}
-inline int IntOf(const ParamSet &params, const std::string &name, int defaultValue) {
-    return ValueOf(params, name, defaultValue);
-}
+
+/// Where the transformation at the start time puts the origin.
+inline Point3 OriginOf(const TransformPair &ctm) { return ctm.start.Point({0, 0, 0}); }
 
 inline std::string Messages(const DiagnosticSink &sink) {
     std::string all;
@@ -46,8 +42,8 @@ inline std::string Messages(const DiagnosticSink &sink) {
 }
 
 /// Parses `text`, which must give no messages.
-inline SceneDescription ParseClean(const std::string &text, const std::string &directory = "") {
-    Parsed parsed = Parse(text, directory);
+inline SceneDescription ParseClean(const std::string &text) {
+    Parsed parsed = Parse(text);
     EXPECT_EQ("", Messages(parsed.sink)) << text;
     return std::move(parsed.scene);
 }

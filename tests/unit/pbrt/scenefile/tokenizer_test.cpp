@@ -1,6 +1,11 @@
 #include "pbrt/scenefile/tokenizer.h"
 
-#include <gtest/gtest.h>
+#include <bit>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+#include "support/errors.h"
 
 namespace pbrt {
 namespace {
@@ -26,13 +31,9 @@ std::string Dump(const std::string &text) {
 }
 
 void ExpectFails(const std::string &text, int line, int column) {
-    try {
-        Dump(text);
-        ADD_FAILURE() << text;
-    } catch (const UserError &e) {
-        EXPECT_EQ(e.Diagnostics().at(0).loc.line, line) << e.what();
-        EXPECT_EQ(e.Diagnostics().at(0).loc.column, column) << e.what();
-    }
+    const Diagnostic error = test::OnlyErrorOf([&] { Dump(text); });
+    EXPECT_EQ(error.loc.line, line) << error.message;
+    EXPECT_EQ(error.loc.column, column) << error.message;
 }
 
 TEST(Tokenizer, NeedsNoBlanksAroundQuotesAndBrackets) {
@@ -108,6 +109,73 @@ TEST(Tokenizer, BulkReadingStopsAtWhatIsNoNumber) {
     EXPECT_EQ(tokens.Peek().text, "1e99");
     tokens.ReadFloats(floats);
     EXPECT_EQ(floats.size(), 4u);
+}
+
+/// The value of `text` if all of it is a number. `scan`: ScanFloat or ScanInt.
+template <class T>
+std::optional<T> Whole(const std::string &text, const char *(*scan)(const char *, const char *, T *, bool *)) {
+    T v = -77;
+    bool overflow = false;
+    const char *end = text.data() + text.size();
+    if (text.empty() || scan(text.data(), end, &v, &overflow) != end || overflow) return {};
+    return v;
+}
+std::optional<Float> WholeFloat(const std::string &text) { return Whole(text, ScanFloat); }
+std::optional<int> WholeInt(const std::string &text) { return Whole(text, ScanInt); }
+
+TEST(ScanFloat, AcceptsEveryFormOfTheFormat) {
+    for (const auto &[text, value] : {std::pair("5", 5.f),
+                                      {"5.", 5.f},
+                                      {".5", .5f},
+                                      {"+.8", .8f},
+                                      {"-1e-3", -1e-3f},
+                                      {"8.e-1", .8f},
+                                      {"70.0E-1", 7.f},
+                                      {"-7.0e+0", -7.f},
+                                      {"0x10", 16.f},
+                                      {"-0X1.8p1", -3.f},
+                                      {"007", 7.f}})
+        EXPECT_EQ(WholeFloat(text), value) << text;
+    EXPECT_TRUE(std::signbit(*WholeFloat("-0")));
+}
+
+TEST(ScanFloat, RejectsWhatIsNoNumber) {
+    for (const char *text : {"",         "+",    "-",   ".",   "-.", "e5", "1e",  "1e+", "1.2.3", "nan", "inf", "-inf",
+                             "infinity", "+nan", "--1", "+-1", "1x", "0x", "0xg", "1f",  "1,5",   "5#",  "true"})
+        EXPECT_FALSE(WholeFloat(text)) << text;
+}
+
+TEST(ScanFloat, OnlyOverflowIsReported) {
+    Float v = 0;
+    bool overflow = false;
+    const std::string large = "-1e60";
+    EXPECT_EQ(ScanFloat(large.data(), large.data() + large.size(), &v, &overflow), large.data() + large.size());
+    EXPECT_TRUE(overflow);
+    EXPECT_EQ(v, 0) << "an overflow must not set the value to infinity";
+    EXPECT_EQ(WholeFloat("3.4028235e38"), 3.4028235e38f);
+    EXPECT_FALSE(WholeFloat("3.4028236e38"));
+    EXPECT_EQ(WholeFloat("1e-60"), 0.f);
+    EXPECT_EQ(WholeFloat("1e-40"), 1e-40f);
+}
+
+TEST(ScanFloat, AgreesWithStrtofOnRandomNumbers) {
+    uint64_t state = 12345;
+    for (int i = 0; i < 20000; ++i) {
+        state = state * 6364136223846793005u + 1442695040888963407u;
+        const auto f = std::bit_cast<float>(static_cast<uint32_t>(state >> 32));
+        if (!std::isfinite(f)) continue;
+        char text[64];
+        std::snprintf(text, sizeof text, i % 3 == 0 ? "%.9g" : i % 3 == 1 ? "%.4e" : "%.17g", static_cast<double>(f));
+        ASSERT_EQ(WholeFloat(text), std::strtof(text, nullptr)) << text;
+    }
+}
+
+TEST(ScanInt, TakesSignAndDigitsOnly) {
+    for (const auto &[text, value] :
+         {std::pair("12", 12), {"+64", 64}, {"-3", -3}, {"2147483647", 2147483647}, {"-2147483648", -2147483647 - 1}})
+        EXPECT_EQ(WholeInt(text), value) << text;
+    for (const char *text : {"", "+", "-", "+-3", "-+3", "1.0", "1e3", "0x10", "12a", "2147483648", "-2147483649"})
+        EXPECT_FALSE(WholeInt(text)) << text;
 }
 
 }  // namespace

@@ -1,12 +1,9 @@
 // Tests the commands that make images from images.
-#include <fmt/format.h>
-
 #include <cmath>
 
 #include "imgtool_program.h"
 #include "pbrt/math/warps.h"
 #include "support/small_files.h"
-#include "support/temporary_image.h"
 
 namespace pbrt {
 
@@ -14,8 +11,7 @@ namespace {
 
 double Sum(const Image &image, int channel) {
     double sum = 0;
-    for (int y = 0; y < image.Resolution().y; ++y)
-        for (int x = 0; x < image.Resolution().x; ++x) sum += static_cast<double>(image.Get({x, y}, channel));
+    ForEachPixel(image, [&](Point2i p) { sum += double(image.Get(p, channel)); });
     return sum;
 }
 
@@ -35,7 +31,6 @@ TEST_F(Imgtool, ErrorIsTheMeanOverAllFilesWithThePrefix) {
     WriteImage(Path("other.exr"), Constant({3, 3}, 1));
     ExpectErrors({{"error other --reference runref.exr", "3 x 3"},
                   {"error none --reference runref.exr", "\"none\""},
-                  {"error run --reference runref.exr --metric PSNR", "relL2"},
                   {"error run", "--reference"}});
 }
 
@@ -61,27 +56,22 @@ TEST_F(Imgtool, AFullDiskIsAnErrorAndKeepsTheOldFile) {
     Write("big.exr", 64, 64, kRgb, -30);
     Write("big2.exr", 64, 64, kRgb, -31);
     WriteImage(Path("noise.exr"), Constant({64, 64}, 0.3f));
-    for (const char *command :
+    const std::string old = Read("noise.exr");
+    for (const std::string command :
          {"convert big.exr out.exr", "convert big.exr out.pfm", "convert big.exr --repeatpix 9 out.png",
           "convert big.exr --repeatpix 9 out.jpg", "average big.exr big2.exr --outfile out.pfm",
           "diff big.exr --reference noise.exr --outfile out.pfm",
           "error big.exr --reference noise.exr --errorfile out.pfm", "bloom big.exr out.pfm",
           "splitn big.exr big2.exr --outfile out.pfm", "assemble big.exr --outfile out.exr",
           "makesky --resolution 128 --outfile out.exr"}) {
-        std::string name = command;
-        name = name.substr(name.rfind(' ') + 1);
-        const std::string old = Read("noise.exr");
+        const std::string name = command.substr(command.rfind(' ') + 1);
         Write(name, old);
-        Outcome o;
         {
             const test::SmallFilesOnly limit(1000);
-            o = Run(command);
+            ExpectErrors({{command, name + ": cannot be written: File too large"}});
         }
-        EXPECT_EQ(o.status, 1) << command;
-        EXPECT_TRUE(Has(o.err, name + ": cannot be written: File too large")) << command << "\n" << o.err;
         EXPECT_EQ(Read(name), old) << command;
         std::filesystem::remove(Path(name));
-        for (const std::string &left : Files()) EXPECT_FALSE(left.ends_with(".tmp")) << command << " left " << left;
     }
 }
 
@@ -106,8 +96,7 @@ TEST_F(Imgtool, AssembleUndoesCrops) {
     EXPECT_EQ(RunWell("assemble left.exr low.exr top.exr --outfile b.exr"), "");
     EXPECT_EQ(Run("diff a.exr --reference b.exr").status, 0);
     const ImageFile joined = ReadImage(Path("b.exr"));
-    EXPECT_EQ(joined.metadata.pixelBounds->low, Point2i(0, 0));
-    EXPECT_EQ(joined.metadata.pixelBounds->high, Point2i(6, 5));
+    EXPECT_EQ(joined.metadata.pixelBounds, (Bounds2i{{0, 0}, {6, 5}}));
     EXPECT_TRUE(Has(Run("assemble left.exr top.exr --outfile c.exr").err, "8 of 30 pixels"));
     EXPECT_EQ(ReadImage(Path("c.exr")).image.Get({5, 4}, 0), 0);
     EXPECT_TRUE(Has(Run("assemble a.exr top.exr --outfile c.exr").err, "12 pixels in more than one"));
@@ -123,22 +112,17 @@ TEST_F(Imgtool, AssembleUndoesCrops) {
 TEST_F(Imgtool, SplitnShowsStripsAndEnlargedCrops) {
     // The red channel gives the number of the image, green and blue the pixel.
     for (int i = 0; i < 3; ++i)
-        WriteImage(Path(fmt::format("i{}.exr", i)),
-                   test::RgbImage({48, 12}, [i](int x, int y) { return Rgb(i, x, y); }));
+        WriteImage(Path(fmt::format("i{}.exr", i)), RgbImage({48, 12}, [i](int x, int y) { return Rgb(i, x, y); }));
     const Image s = Written("splitn i0.exr i1.exr i2.exr --crop 3,5 --crop 7,1 --cropsize 6 --outfile s.exr").image;
     // (48 - 2 gaps of 4) / (3 * 6) = 2, so crops are enlarged twice; a row is 12 pixels and a gap of 4 high.
     ASSERT_EQ(s.Resolution(), Point2i(48, 12 + 2 * 16));
-    auto is = [&](Point2i p, int image, int x, int y) {
-        return s.Get(p, 0) == static_cast<Float>(image) && s.Get(p, 1) == static_cast<Float>(x) &&
-               s.Get(p, 2) == static_cast<Float>(y);
-    };
-    EXPECT_TRUE(is({0, 0}, 0, 0, 0));
-    EXPECT_TRUE(is({20, 11}, 1, 20, 11));
-    EXPECT_TRUE(is({47, 5}, 2, 47, 5));
-    EXPECT_TRUE(is({15, 3}, 1, 1, 1)) << "there must be a white line between the strips";
-    EXPECT_TRUE(is({0, 16}, 0, 3, 5));
-    EXPECT_TRUE(is({16 + 3, 16 + 11}, 1, 4, 10));
-    EXPECT_TRUE(is({2 * 16 + 2, 2 * 16 + 5}, 2, 8, 3));
+    EXPECT_EQ(RgbAt(s, {0, 0}), Rgb(0, 0, 0));
+    EXPECT_EQ(RgbAt(s, {20, 11}), Rgb(1, 20, 11));
+    EXPECT_EQ(RgbAt(s, {47, 5}), Rgb(2, 47, 5));
+    EXPECT_EQ(RgbAt(s, {15, 3}), Rgb(1)) << "there must be a white line between the strips";
+    EXPECT_EQ(RgbAt(s, {0, 16}), Rgb(0, 3, 5));
+    EXPECT_EQ(RgbAt(s, {16 + 3, 16 + 11}), Rgb(1, 4, 10));
+    EXPECT_EQ(RgbAt(s, {2 * 16 + 2, 2 * 16 + 5}), Rgb(2, 8, 3));
     EXPECT_EQ(s.Get({13, 18}, 0), 1) << "gap";
     ExpectErrors({{"splitn i0.exr --outfile s.exr", "two"},
                   {"splitn i0.exr i1.exr --crop 3 --outfile s.exr", "x,y"},
@@ -154,10 +138,7 @@ TEST_F(Imgtool, BloomSpreadsBrightPixelsAndKeepsTheirLight) {
     EXPECT_EQ(o.status, 0) << o.err;
     EXPECT_TRUE(Has(o.out, "1 pixel in bloom")) << o.out;
     const Image b = ReadImage(Path("b.exr")).image;
-    for (int c = 0; c < 3; ++c) {
-        const auto light = static_cast<double>(image.Get({20, 20}, c));
-        EXPECT_NEAR(Sum(b, c) - Sum(image, c), 0.4 * light, 1e-3);
-    }
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(Sum(b, c) - Sum(image, c), 0.4 * double(image.Get({20, 20}, c)), 1e-3);
     // One and two passes with the weights w[0..3] along both axes, computed by hand.
     double w[4], sum = 0, twice = 0;
     for (int i = 0; i < 4; ++i) sum += (i ? 2 : 1) * (w[i] = std::exp(-i * i / (2 * (7 / 6.) * (7 / 6.))));
@@ -176,15 +157,12 @@ TEST_F(Imgtool, BloomSpreadsBrightPixelsAndKeepsTheirLight) {
 TEST_F(Imgtool, WhitebalanceMakesTheLightsColourGrey) {
     auto white = [&](const Spectrum &s, const ColorSpace &space) {
         const Rgb rgb = space.ToRgb(SpectrumToXyz(s));
-        Image image(PixelFormat::Float, {2, 1}, kRgb);
-        for (int c = 0; c < 3; ++c) image.Set({1, 0}, c, rgb[c]);
         ImageMetadata metadata;
         metadata.colorSpace = &space;
-        WriteImage(Path("a.exr"), image, metadata);
+        WriteImage(Path("a.exr"), RgbImage({2, 1}, [&](int x, int) { return x ? rgb : Rgb(0); }), metadata);
     };
     auto balanced = [&](const std::string &how) {
-        const Image b = Written("whitebalance a.exr " + how + " --outfile b.exr").image;
-        return Rgb(b.Get({1, 0}, 0), b.Get({1, 0}, 1), b.Get({1, 0}, 2));
+        return RgbAt(Written("whitebalance a.exr " + how + " --outfile b.exr").image, {1, 0});
     };
     auto expectGrey = [&](const std::string &how) {
         const Rgb rgb = balanced(how);
@@ -197,8 +175,8 @@ TEST_F(Imgtool, WhitebalanceMakesTheLightsColourGrey) {
     expectGrey("--temperature 9000");
     white(*NamedSpectrum("stdillum-A"), ColorSpace::SRGB());
     expectGrey("--illuminant A");
-    const Rgb same = balanced("--primaries 0.3127,0.329");
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(same[c], ReadImage(Path("a.exr")).image.Get({1, 0}, c), 1e-3f);
+    const Rgb same = balanced("--primaries 0.3127,0.329"), given = RgbAt(ReadImage(Path("a.exr")).image, {1, 0});
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(same[c], given[c], 1e-3f);
     ExpectErrors({{"whitebalance a.exr --outfile b.exr", "One of"},
                   {"whitebalance a.exr --outfile b.exr --illuminant D66", "stdillum-D65"},
                   {"whitebalance a.exr --outfile b.exr --illuminant A --temperature 5000", "excludes"},
@@ -208,11 +186,8 @@ TEST_F(Imgtool, WhitebalanceMakesTheLightsColourGrey) {
 
 TEST_F(Imgtool, ScalenormalmapScalesSlopes) {
     const Vector3 n = Normalize(Vector3(0.3f, -0.2f, 0.8f));
-    Image image(PixelFormat::Float, {2, 1}, kRgb);
-    for (int c = 0; c < 3; ++c) {
-        image.Set({0, 0}, c, (n[c] + 1) / 2);
-        image.Set({1, 0}, c, c == 2 ? 1 : 0.5f);
-    }
+    const Image image =
+        RgbImage({2, 1}, [&](int x, int) { return x ? Rgb(0.5f, 0.5f, 1) : (n + Vector3(1)) / Float(2); });
     WriteImage(Path("a.exr"), image);
     const Image b = Written("scalenormalmap a.exr --scale 3 --outfile b.exr").image;
     const Vector3 steep = Normalize(Vector3(0.9f, -0.6f, 0.8f));
@@ -234,7 +209,7 @@ TEST_F(Imgtool, ScalenormalmapScalesSlopes) {
 TEST_F(Imgtool, MakeequiareaShowsEveryDirectionItsColour) {
     constexpr int kWidth = 256;
     auto color = [](const Vector3 &w, int c) { return 1 + w[c] + 2 * w.x * w.y * w[c]; };
-    WriteImage(Path("a.exr"), test::RgbImage({kWidth, kWidth / 2}, [&](int x, int y) {
+    WriteImage(Path("a.exr"), RgbImage({kWidth, kWidth / 2}, [&](int x, int y) {
                    const Float theta = (static_cast<Float>(y) + 0.5f) / (kWidth / 2) * Pi;
                    const Float phi = (static_cast<Float>(x) + 0.5f) / kWidth * 2 * Pi;
                    const Vector3 w(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta));
@@ -245,11 +220,10 @@ TEST_F(Imgtool, MakeequiareaShowsEveryDirectionItsColour) {
     for (auto [file, size, tolerance] : {std::tuple("b.exr", kWidth, 0.003f), std::tuple("small.exr", 37, 0.05f)}) {
         const Image b = ReadImage(Path(file)).image;
         ASSERT_EQ(b.Resolution(), Point2i(size));
-        for (int y = 0; y < size; ++y)
-            for (int x = 0; x < size; ++x) {
-                const Vector3 w = EqualAreaSquareToSphere((Point2(x, y) + Point2(0.5f)) / static_cast<Float>(size));
-                for (int c = 0; c < 3; ++c) ASSERT_NEAR(b.Get({x, y}, c), color(w, c), tolerance) << x << " " << y;
-            }
+        ForEachValue(b, [&, side = static_cast<Float>(size), most = tolerance](Point2i p, int c) {
+            const Vector3 w = EqualAreaSquareToSphere((Point2(p) + Point2(0.5f)) / side);
+            ASSERT_NEAR(b.Get(p, c), color(w, c), most) << p.x << " " << p.y;
+        });
     }
     Write("square.exr", 4, 4, kRgb);
     EXPECT_TRUE(Has(Run("makeequiarea square.exr --outfile c.exr").err, "twice as wide"));

@@ -1,12 +1,10 @@
 #pragma once
-#include <fstream>
-
+#include "support/temporary_image.h"
 #include "unit/pbrt/cmd/pbrt/program.h"
 
 namespace pbrt {
 
-using test::Has;
-using test::Outcome;
+using test::ExpectWords, test::Has, test::Outcome, test::RgbImage;
 
 inline const std::vector<std::string> kRgb = {"R", "G", "B"};
 
@@ -15,6 +13,8 @@ inline Image Constant(Point2i size, Float value) {
     std::fill_n(static_cast<float *>(image.Data()), image.ValueCount(), value);
     return image;
 }
+
+inline Rgb RgbAt(const Image &image, Point2i p) { return {image.Get(p, 0), image.Get(p, 1), image.Get(p, 2)}; }
 
 class Imgtool : public test::Program {
   protected:
@@ -42,9 +42,7 @@ class Imgtool : public test::Program {
                 Float offset = 0) const {
         Image image(PixelFormat::Float, {width, height}, channels);
         Float value = offset;
-        for (int y = 0; y < height; ++y)
-            for (int x = 0; x < width; ++x)
-                for (int c = 0; c < image.ChannelCount(); ++c) image.Set({x, y}, c, value += 0.1f);
+        ForEachValue(image, [&](Point2i p, int c) { image.Set(p, c, value += 0.1f); });
         WriteImage(Path(name), image);
         return image;
     }

@@ -70,16 +70,14 @@ TEST_F(Imgtool, MakeskyHoldsTheModelAndAllOfTheSun) {
         EXPECT_EQ(file.metadata.colorSpace, &aces);
         ASSERT_EQ(file.image.Resolution(), Point2i(size));
         double light = 0;
-        for (int y = 0; y < size; ++y)
-            for (int x = 0; x < size; ++x) {
-                const Vector3 w = EqualAreaSquareToSphere((Point2(x, y) + Point2(0.5f)) / static_cast<Float>(size));
-                const Rgb rgb(file.image.Get({x, y}, 0), file.image.Get({x, y}, 1), file.image.Get({x, y}, 2));
-                const Rgb expected = aces.ToRgb(sky.Radiance(w));
-                if (AngleBetween(w, sky.SunDirection()) < 0.15f)
-                    light += static_cast<double>((aces.ToXyz(rgb) - sky.Radiance(w)).y);
-                else
-                    for (int c = 0; c < 3; ++c) ASSERT_NEAR(rgb[c], expected[c], 1e-3f * expected[c] + 1e-6f);
-            }
+        ForEachPixel(file.image, [&](Point2i p) {
+            const Vector3 w = EqualAreaSquareToSphere((Point2(p) + Point2(0.5f)) / static_cast<Float>(size));
+            const Rgb rgb = RgbAt(file.image, p), expected = aces.ToRgb(sky.Radiance(w));
+            if (AngleBetween(w, sky.SunDirection()) < 0.15f)
+                light += static_cast<double>((aces.ToXyz(rgb) - sky.Radiance(w)).y);
+            else
+                for (int c = 0; c < 3; ++c) ASSERT_NEAR(rgb[c], expected[c], 1e-3f * expected[c] + 1e-6f);
+        });
         EXPECT_NEAR(light * 4 * double(Pi) / (size * size) / SunSolidAngle() / double(sky.SunRadiance().y), 1, 0.01);
     }
     ExpectErrors({{"makesky", "--outfile"},

@@ -1,4 +1,5 @@
 """--display-server: a stand-in for tev puts the picture together from the packets of pbrt. Arguments: pbrt imgtool."""
+import io
 import pathlib
 import re
 import socket
@@ -25,22 +26,16 @@ Shape "bilinearmesh" "point3 P" [ -4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4 ]
 """
 
 
-class Reader:
+class Reader(io.BytesIO):
     """The values of one packet, in order."""
 
-    def __init__(self, data):
-        self.data, self.at = data, 0
-
     def numbers(self, code):
-        values = struct.unpack_from("<" + code, self.data, self.at)
-        self.at += struct.calcsize("<" + code)
-        return values
+        return struct.unpack("<" + code, self.read(struct.calcsize("<" + code)))
 
     def text(self):
-        end = self.data.index(b"\0", self.at)
-        value = self.data[self.at:end].decode()
-        self.at = end + 1
-        return value
+        begin, end = self.tell(), self.getvalue().index(b"\0", self.tell())
+        self.seek(end + 1)
+        return self.getvalue()[begin:end].decode()
 
 
 class Tev:
@@ -64,26 +59,17 @@ class Tev:
             self.connection = self.listener.accept()[0]
             if not self.reads:
                 return
-            while (head := self.take(4)) is not None:
-                length = struct.unpack("<I", head)[0]
-                body = self.take(length - 4)
-                assert body is not None, "a packet is cut short"
-                self.handle(Reader(body))
-                if self.stops_after and len(self.log) >= self.stops_after:
-                    self.connection.close()
-                    return
+            with self.connection.makefile("rb") as stream:
+                while head := stream.read(4):
+                    length = struct.unpack("<I", head)[0]
+                    body = stream.read(length - 4)
+                    assert len(body) == length - 4, "a packet is cut short"
+                    self.handle(Reader(body))
+                    if self.stops_after and len(self.log) >= self.stops_after:
+                        self.connection.close()
+                        return
         except Exception as e:  # noqa: BLE001, told to the test
             self.failure = e
-
-    def take(self, count):
-        data = bytearray()
-        while len(data) < count:
-            piece = self.connection.recv(count - len(data))
-            if not piece:
-                assert not data, "the connection ends in the middle of a packet"
-                return None
-            data += piece
-        return bytes(data)
 
     def handle(self, packet):
         kind = packet.numbers("b")[0]
@@ -107,7 +93,7 @@ class Tev:
                 values[begin:begin + w] = packet.numbers(f"{w}f")
         else:
             raise AssertionError(f"packet of the unknown type {kind}")
-        assert packet.at == len(packet.data), "a packet is longer than what it holds"
+        assert not packet.read(), "a packet is longer than what it holds"
 
 
 def read_pfm(path):
@@ -123,9 +109,7 @@ def read_pfm(path):
 
 class DisplayServer(unittest.TestCase):
     def setUp(self):
-        holder = tempfile.TemporaryDirectory()
-        self.addCleanup(holder.cleanup)
-        self.folder = pathlib.Path(holder.name)
+        self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
 
     def listen(self, **how):
         tev = Tev(**how)
@@ -192,28 +176,24 @@ class DisplayServer(unittest.TestCase):
         with socket.create_server(("127.0.0.1", 0)) as closed:
             name = f"127.0.0.1:{closed.getsockname()[1]}"
         said = self.render(name, quiet=False)
-        self.assertIn("--display-server", said)
-        self.assertIn("continues without it", said)
+        self.assertRegex(said, "--display-server .*continues without it")
         self.final_picture()
         self.assertLess(self.seconds, 5)
 
     def test_a_viewer_that_goes_away(self):
         tev = self.listen(stops_after=4)
-        said = self.render(tev.name, quiet=False, samples=512)
-        self.assertIn("the viewer is gone", said)
+        self.assertIn("the viewer is gone", self.render(tev.name, quiet=False, samples=512))
         self.final_picture()
 
     def test_a_viewer_that_never_reads(self):
         tev = self.listen(reads=False)
         # More than the buffers of a connection hold.
-        said = self.render(tev.name, quiet=False, size=(1100, 900), samples=1)
-        self.assertIn("reads nothing", said)
+        self.assertIn("reads nothing", self.render(tev.name, quiet=False, size=(1100, 900), samples=1))
         self.final_picture()
 
     def test_a_host_that_is_none(self):
-        said = self.render("no.such.host.invalid:14158", quiet=False)
+        self.assertIn("Wrote picture.exr", self.render("no.such.host.invalid:14158", quiet=False))
         self.final_picture()
-        self.assertIn("Wrote picture.exr", said)
 
     def test_mistakes(self):
         for server in ("localhost", "localhost:tev", ":14158", "localhost:70000"):

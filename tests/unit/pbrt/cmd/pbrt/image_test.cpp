@@ -1,20 +1,11 @@
-#include <signal.h>
-
 #include <glm/vec4.hpp>
 #include <sstream>
 
 #include "program.h"
-#include "support/scene_text.h"
 
 namespace pbrt::test {
 
-class Images : public Program {
-  protected:
-    void SetUp() override {
-        Program::SetUp();
-        Write("scene.pbrt", SmallScene());
-    }
-};
+class Images : public SmallSceneProgram {};
 
 TEST_F(Images, SeedChoosesTheNoise) {
     const ImageFile first = Render("--seed 1 scene.pbrt");
@@ -33,22 +24,18 @@ TEST_F(Images, HeaderTellsHowTheImageCameAbout) {
     EXPECT_EQ(TextOf(file, "pbrt.integrator"), "path");
     EXPECT_EQ(IntOf(file, "pbrt.maxDepth"), 3);
     EXPECT_TRUE(Has(TextOf(file, "pbrt.commandLine"), "--outfile out.exr --spp 3 scene.pbrt"));
-    EXPECT_TRUE(Has(TextOf(file, "pbrt.version"), "pbrt"));
     EXPECT_FALSE(file.metadata.attributes.contains("pbrt.interrupted"));
 }
 
 TEST_F(Images, HeaderMatricesMapTheWorldIntoThePicture) {
     const ImageFile file = Render("--spp 1 scene.pbrt");
     auto map = [&](const char *name, glm::vec4 p) {
-        auto it = file.metadata.attributes.find(name);
-        EXPECT_NE(it, file.metadata.attributes.end()) << name;
-        const glm::vec4 q = std::get<glm::mat4>(it->second) * p;
+        const glm::vec4 q = std::get<glm::mat4>(file.metadata.attributes.at(name)) * p;
         return Point3(q.x / q.w, q.y / q.w, q.z / q.w);
     };
     // LookAt 0 1 -5  0 0 0  0 1 0
-    const Point3 eye = map("worldToCamera", {0, 1, -5, 1}), target = map("worldToCamera", {0, 0, 0, 1});
-    EXPECT_NEAR(Distance(eye, Point3(0)), 0, 1e-5f);
-    EXPECT_NEAR(Distance(target, Point3(0, 0, std::sqrt(Float(26)))), 0, 1e-5f);
+    EXPECT_LT(Distance(map("worldToCamera", {0, 1, -5, 1}), Point3(0)), 1e-5f);
+    EXPECT_LT(Distance(map("worldToCamera", {0, 0, 0, 1}), Point3(0, 0, std::sqrt(Float(26)))), 1e-5f);
     const Point3 middle = map("worldToNDC", {0, 0, 0, 1});
     EXPECT_NEAR(middle.x, 0.5f, 1e-5f);
     EXPECT_NEAR(middle.y, 0.5f, 1e-5f);
@@ -136,21 +123,6 @@ TEST_F(Images, ErrorAgainstAReferenceFallsWaveByWave) {
     EXPECT_GT(mse.back(), 0);
     EXPECT_LT(mse.back(), mse.front() / 8);
     EXPECT_NEAR(NumberOf(file, "MSE"), mse.back(), 1e-5 * mse.back());
-}
-
-TEST_F(Images, PartialImagesShowTheWavesSoFar) {
-    const pid_t pid = Start("--spp 100000000 --write-partial-images --outfile out.exr scene.pbrt");
-    EXPECT_TRUE(WaitUntil([&] { return Exists("out.exr"); }));
-    const ImageFile partial = ReadImage(Path("out.exr"));
-    EXPECT_GE(IntOf(partial, "samplesPerPixel"), 1);
-    EXPECT_LT(IntOf(partial, "samplesPerPixel"), 100000000);
-    EXPECT_FALSE(partial.metadata.attributes.contains("pbrt.interrupted"));
-    kill(pid, SIGINT);
-    EXPECT_EQ(Wait(pid).status, 130);
-    const ImageFile final = ReadImage(Path("out.exr"));
-    EXPECT_EQ(IntOf(final, "pbrt.interrupted"), 1);
-    EXPECT_GE(IntOf(final, "samplesPerPixel"), IntOf(partial, "samplesPerPixel"));
-    EXPECT_EQ(Files(), (std::vector<std::string>{"out.exr", "scene.pbrt"})) << "temporary files must be gone";
 }
 
 }  // namespace pbrt::test

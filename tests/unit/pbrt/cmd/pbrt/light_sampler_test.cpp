@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -7,14 +5,13 @@
 
 namespace pbrt::test {
 
-class LightSamplers : public Program {
+class LightSamplers : public SmallSceneProgram {
   protected:
-    void SetUp() override {
-        Program::SetUp();
-        Write("scene.pbrt", SmallScene());
-    }
-    nlohmann::json Parameters(const ImageFile &file) const {
-        return nlohmann::json::parse(TextOf(file, "lightSampler.parameters"));
+    /// Expects values of parameters in the header, to six digits.
+    static void ExpectParameters(const ImageFile &file, const std::map<std::string, double> &expected,
+                                 const std::string &sampler = "lightSampler") {
+        const auto parameters = nlohmann::json::parse(TextOf(file, sampler + ".parameters"));
+        for (const auto &[name, value] : expected) EXPECT_NEAR(parameters.at(name).get<double>(), value, 1e-6) << name;
     }
 };
 
@@ -41,18 +38,15 @@ TEST_F(LightSamplers, LightPathsBeginByAnyThatIsTheSameEverywhere) {
                   {"--integrator bdpt --shooting-sampler powr scene.pbrt", {"did you mean \"power\"?"}},
                   {"--integrator bdpt --shooting-sampler power:x=1 scene.pbrt", {"\"x\"", "it takes none"}},
                   {"--integrator path --shooting-sampler power scene.pbrt", {"bdpt", "sppm", "\"path\""}}});
-    const auto named = [](const std::string &sampler) {
-        std::string text = SmallScene("\"string shootingsampler\" \"" + sampler + "\"");
-        return text.replace(text.find("\"path\""), 6, "\"bdpt\"");
-    };
-    Write("named.pbrt", named("uniform"));
+    const std::string uniform = SmallScene("'string shootingsampler' 'uniform'");
+    Write("named.pbrt", Replaced(uniform, "\"path\"", "\"bdpt\""));
     EXPECT_EQ(TextOf(Render("--spp 1 named.pbrt"), "shootingSampler"), "uniform");
-    Write("by-place.pbrt", named("exhaustive"));
+    Write("by-place.pbrt", Replaced(Read("named.pbrt"), "uniform", "exhaustive"));
     ExpectErrors({{"by-place.pbrt", {"by-place.pbrt:5:", "\"exhaustive\" chooses by place"}}});
     PBRT_SKIP_WITHOUT_EXT();
     const ImageFile file = Render("--integrator bdpt --shooting-sampler seen:floor=0.5 scene.pbrt");
     EXPECT_EQ(TextOf(file, "shootingSampler"), "seen");
-    EXPECT_NEAR(nlohmann::json::parse(TextOf(file, "shootingSampler.parameters")).at("floor").get<double>(), 0.5, 1e-6);
+    ExpectParameters(file, {{"floor", 0.5}}, "shootingSampler");
     ExpectErrors({{"--integrator mlt --shooting-sampler seen:flor=1 scene.pbrt",
                    {"--shooting-sampler:1:5", "did you mean \"floor\"?"}}});
 }
@@ -61,9 +55,7 @@ TEST_F(LightSamplers, SpecOnTheCommandLineReachesTheSamplerAndTheImage) {
     PBRT_SKIP_WITHOUT_EXT();
     const ImageFile file = Render("--lightsampler octree:model=paper,leaves=512,floor=0.1 scene.pbrt");
     EXPECT_EQ(TextOf(file, "lightSampler"), "octree");
-    EXPECT_EQ(Parameters(file).at("leaves"), 512);
-    EXPECT_NEAR(Parameters(file).at("floor").get<double>(), 0.1, 1e-6);
-    EXPECT_EQ(Parameters(file).at("depth"), 3) << "a parameter that is not given has its default";
+    ExpectParameters(file, {{"leaves", 512}, {"floor", 0.1}, {"depth", 3}});  // the default depth
     EXPECT_GE(IntOf(file, "lightSampler.leaves"), 64);
     EXPECT_GT(IntOf(file, "lightSampler.bytes"), 0);
     EXPECT_GT(NumberOf(file, "lightSampler.prepassSeconds"), 0);
@@ -79,8 +71,7 @@ TEST_F(LightSamplers, WrongSpecsAreShownWithTheChoices) {
         {{"--lightsampler bhv scene.pbrt", {"--lightsampler:1:0", "\"bhv\"", "valid: bvh", "uniform", "power"}},
          {"--lightsampler bvh:x=1 scene.pbrt", {"--lightsampler:1:4", "\"x\"", "it takes none"}}});
     PBRT_SKIP_WITHOUT_EXT();
-    ExpectErrors({{"--lightsampler octre scene.pbrt", {"did you mean \"octree\"?"}},
-                  {"--lightsampler octree:floor=0.1,leavs=3 scene.pbrt",
+    ExpectErrors({{"--lightsampler octree:floor=0.1,leavs=3 scene.pbrt",
                    {"--lightsampler:1:17", "\"leavs\"", "did you mean \"leaves\"?", "prepassspp",
                     fmt::format("\n    octree:floor=0.1,leavs=3\n    {:>18}", "^")}},
                   {"--lightsampler octree:leaves=many scene.pbrt", {"--lightsampler:1:14", "\"many\"", "integer"}},
@@ -106,65 +97,54 @@ TEST_F(LightSamplers, CaretsStandUnderTheMistakeInTheWholeFlag) {
         {{"--lightsampler bvh+mush scene.pbrt", {"\"+mush\"", "+mesh", under("bvh+mush", 3)}},
          {"--lightsampler bvh+gate=neepp scene.pbrt", {"\"+gate=neepp\"", "+mesh", under("bvh+gate=neepp", 3)}}});
     PBRT_SKIP_WITHOUT_EXT();
-    ExpectErrors(
-        {{"--lightsampler bvh+guide:shre=1 scene.pbrt", {"did you mean \"share\"?", under("bvh+guide:shre=1", 10)}}});
     // All mistakes are reported at once.
-    ExpectErrors({{"--lightsampler octree:x=1,floor=7+guide:y=2 scene.pbrt",
-                   {"\"x\"", "\"y\"", "at least 0 and at most 1", "3 errors"}}});
+    ExpectErrors(
+        {{"--lightsampler bvh+guide:shre=1 scene.pbrt", {"did you mean \"share\"?", under("bvh+guide:shre=1", 10)}},
+         {"--lightsampler octree:x=1,floor=7+guide:y=2 scene.pbrt",
+          {"\"x\"", "\"y\"", "at least 0 and at most 1", "3 errors"}}});
 }
 
 TEST_F(LightSamplers, ParametersWithoutEffectAreWarnings) {
     PBRT_SKIP_WITHOUT_EXT();
-    Write("octree.pbrt", SmallScene(R"("string lightsampler" "octree" "integer octree.leaves" 128)"));
-    for (auto [arguments, warning] :
-         {std::pair("--lightsampler octree:leaves=1024 scene.pbrt",
+    Write("octree.pbrt", SmallScene("'string lightsampler' 'octree' 'integer octree.leaves' 128"));
+    const std::string sampler = "--spp 1 --outfile out.exr scene.pbrt --lightsampler octree:";
+    for (const auto &[arguments, warning] :
+         {std::pair(sampler + "leaves=1024",
                     "Warning: --lightsampler:1:7: \"leaves\" has no effect: it belongs to model=paper"),
-          std::pair("--lightsampler octree:model=paper,budget=0.1 scene.pbrt",
-                    "Warning: --lightsampler:1:19: \"budget\" has no effect"),
-          std::pair("octree.pbrt", "Warning: octree.pbrt:5:")})
-        EXPECT_TRUE(Has(RunWell(std::string("--spp 1 --outfile out.exr ") + arguments), warning)) << arguments;
-    for (const char *arguments : {"octree:model=paper,leaves=1024", "octree:budget=0.1", "octree:depth=2,floor=0.3"})
-        EXPECT_FALSE(
-            Has(RunWell(std::string("--spp 1 --outfile out.exr scene.pbrt --lightsampler ") + arguments), "Warning"))
-            << arguments;
+          {sampler + "model=paper,budget=0.1", "Warning: --lightsampler:1:19: \"budget\" has no effect"},
+          {"--spp 1 --outfile out.exr octree.pbrt", "Warning: octree.pbrt:5:"}})
+        EXPECT_TRUE(Has(RunWell(arguments), warning)) << arguments;
+    for (const char *parameters : {"model=paper,leaves=1024", "budget=0.1", "depth=2,floor=0.3"})
+        EXPECT_FALSE(Has(RunWell(sampler + parameters), "Warning")) << parameters;
 }
 
 TEST_F(LightSamplers, SceneParametersReachTheSampler) {
     PBRT_SKIP_WITHOUT_EXT();
     Write("octree.pbrt",
-          SmallScene(R"("string lightsampler" "octree" "integer octree.leaves" 128 "float octree.floor" 0.2)"));
+          SmallScene("'string lightsampler' 'octree' 'integer octree.leaves' 128 'float octree.floor' 0.2"));
     const ImageFile file = Render("octree.pbrt");
     EXPECT_EQ(TextOf(file, "lightSampler"), "octree");
-    EXPECT_EQ(Parameters(file).at("leaves"), 128);
-    EXPECT_NEAR(Parameters(file).at("floor").get<double>(), 0.2, 1e-6);
-
+    ExpectParameters(file, {{"leaves", 128}, {"floor", 0.2}});
     // The command line overrides the scene, key by key.
-    const ImageFile both = Render("--lightsampler octree:leaves=256 octree.pbrt");
-    EXPECT_EQ(Parameters(both).at("leaves"), 256);
-    EXPECT_NEAR(Parameters(both).at("floor").get<double>(), 0.2, 1e-6);
-
+    ExpectParameters(Render("--lightsampler octree:leaves=256 octree.pbrt"), {{"leaves", 256}, {"floor", 0.2}});
     // With another sampler the keys of the scene are not used, and that is no error.
     EXPECT_EQ(TextOf(Render("--lightsampler bvh octree.pbrt"), "lightSampler"), "bvh");
 }
 
 TEST_F(LightSamplers, WrongSceneParametersAreErrors) {
     PBRT_SKIP_WITHOUT_EXT();
-    std::vector<ErrorCase> cases;
-    for (const auto &[parameter, parts] :
-         {std::pair(R"("integer octree.leaves" 1)", std::vector<std::string>{"leaves", "64", "16777216"}),
-          {R"("integer octree.leafs" 128)", {"octree.leafs", "octree.leaves"}},
-          {R"("float octree.leaves" 128)", {"octree.leaves", "integer"}}}) {
-        const std::string name = std::to_string(cases.size()) + ".pbrt";
-        Write(name, SmallScene(std::string(R"("string lightsampler" "octree" )") + parameter));
-        cases.push_back({name, parts});
-        cases.back().parts.push_back("Error: " + name + ":5:");
-    }
-    ExpectErrors(cases);
+    const std::string octree = "'string lightsampler' 'octree' ";
+    Write("range.pbrt", SmallScene(octree + "'integer octree.leaves' 1"));
+    Write("name.pbrt", SmallScene(octree + "'integer octree.leafs' 128"));
+    Write("type.pbrt", SmallScene(octree + "'float octree.leaves' 128"));
+    ExpectErrors({{"range.pbrt", {"Error: range.pbrt:5:", "leaves", "64", "16777216"}},
+                  {"name.pbrt", {"Error: name.pbrt:5:", "octree.leafs", "octree.leaves"}},
+                  {"type.pbrt", {"Error: type.pbrt:5:", "octree.leaves", "integer"}}});
 }
 
 TEST_F(LightSamplers, MeshLightsGroupTheTrianglesOfAMesh) {
     PBRT_SKIP_WITHOUT_EXT();
-    Write("meshlights.pbrt", SmallScene(R"("bool meshlights" true)"));
+    Write("meshlights.pbrt", SmallScene("'bool meshlights' true"));
     for (const char *arguments :
          {"--mesh-lights scene.pbrt", "meshlights.pbrt", "--lightsampler bvh meshlights.pbrt"}) {
         const ImageFile file = Render(arguments);

@@ -44,15 +44,12 @@ Shape "bilinearmesh" "point3 P" [ -9 -1 -4  9 -1 -4  -9 -1 9  9 -1 9 ]
 class LivePage(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        holder = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(holder.cleanup)
-        cls.driver = browser.start(f"{holder.name}/profile", "1100,1000", ["browser"])
+        folder = cls.enterClassContext(tempfile.TemporaryDirectory())
+        cls.driver = browser.start(f"{folder}/profile", "1100,1000", ["browser"])
         cls.addClassCleanup(cls.driver.quit)
 
     def setUp(self):
-        holder = tempfile.TemporaryDirectory()
-        self.addCleanup(holder.cleanup)
-        self.folder = pathlib.Path(holder.name)
+        self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
         self.driver.get("about:blank")
         self.driver.get_log("browser")
 
@@ -74,6 +71,13 @@ class LivePage(unittest.TestCase):
         process.wait()
         process.stderr.close()
 
+    def show(self, *arguments, **options):
+        """Starts a render and shows its page; returns the process when there is a picture."""
+        process, address = self.start("--serve=0", *arguments, **options)
+        self.driver.get(address)
+        self.until(lambda: self.version() > 0)
+        return process
+
     def text(self, name):
         return self.driver.find_element(By.ID, name).text
 
@@ -89,9 +93,7 @@ class LivePage(unittest.TestCase):
             return json.load(answer)
 
     def test_the_picture_grows_and_stays(self):
-        process, address = self.start("--serve=0", "--time", "8", size=(240, 160))
-        self.driver.get(address)
-        self.until(lambda: self.version() > 0)
+        process = self.show("--time", "8", size=(240, 160))
         first = self.version()
         self.until(lambda: self.version() > first)
         self.assertEqual(self.text("title"), "scene.pbrt")
@@ -103,7 +105,7 @@ class LivePage(unittest.TestCase):
             "const c = document.getElementById('picture'), d = c.getContext('2d').getImageData(0, 0, c.width, c.height)"
             ".data; return [c.width, c.height, Array.from(d.slice(4 * (80 * 240 + 120), 4 * (80 * 240 + 120) + 4))];")
         self.assertEqual(colours[:2], [240, 160])
-        red, green, blue, alpha = colours[2]
+        red, _, blue, alpha = colours[2]
         self.assertGreater(red, blue + 10, "the ball in the middle is red")
         self.assertEqual(alpha, 255)
         if shot := os.environ.get("LIVE_PAGE_SCREENSHOT"):
@@ -111,8 +113,7 @@ class LivePage(unittest.TestCase):
             self.driver.save_screenshot(shot)
         self.until(lambda: self.text("phase") == "done")
         self.assertIn("finished", self.text("note"))
-        process.wait(20)
-        self.assertEqual(process.returncode, 0)
+        self.assertEqual(process.wait(20), 0)
         # The page holds the picture of the file.
         subprocess.run([IMGTOOL, "convert", "picture.exr", "p.pfm"], cwd=self.folder, check=True)
         data = (self.folder / "p.pfm").read_bytes()
@@ -153,16 +154,14 @@ class LivePage(unittest.TestCase):
             self.assertLess(abs(seen[samples] / truth - 1), 0.2, f"{samples} samples: {seen[samples]}, in truth {truth}")
 
     def test_a_missing_error_has_a_reason(self):
-        process, address = self.start("--serve=0", "--spp", "1", size=(64, 48))
+        _, address = self.start("--serve=0", "--spp", "1", size=(64, 48))
         self.driver.get(address)
         self.until(lambda: self.text("phase") == "done")
         self.assertEqual(self.text("error"), "–")
         self.assertIn("two pictures; the render had only one", self.text("why"))
 
     def test_exposure_can_be_changed(self):
-        process, address = self.start("--serve=0", "--spp", "100000", size=(64, 48))
-        self.driver.get(address)
-        self.until(lambda: self.version() > 0)
+        process = self.show("--spp", "100000", size=(64, 48))
         mean = ("const c = document.getElementById('picture'); const d = c.getContext('2d').getImageData(0, 0, 64, 48).data;"
                 "let s = 0; for (let i = 0; i < d.length; i += 4) s += d[i]; return s;")
         move = ("const e = document.getElementById('exposure'); e.value = arguments[0];"
@@ -177,7 +176,7 @@ class LivePage(unittest.TestCase):
         self.until(lambda: "does not answer" in self.text("note"))
 
     def test_ports_and_strangers(self):
-        process, address = self.start("--serve", "0")
+        _, address = self.start("--serve", "0")
         port = int(address.rstrip("/").rsplit(":", 1)[1])
         # Other hosts' pages, and other methods, get nothing.
         for request, code in ((urllib.request.Request(address + "nothing"), 404),
@@ -190,19 +189,14 @@ class LivePage(unittest.TestCase):
         # Other addresses of this machine are not listened to.
         with self.assertRaises(OSError):
             socket.create_connection(("127.0.0.2", port), 2)
-        taken = subprocess.run([PBRT, "--serve", str(port), "scene.pbrt"], cwd=self.folder, capture_output=True, text=True,
-                               timeout=20)
-        self.assertEqual(taken.returncode, 1)
-        self.assertIn("--serve: port", taken.stderr)
-        wrong = subprocess.run([PBRT, "--serve=web", "scene.pbrt"], cwd=self.folder, capture_output=True, text=True,
-                               timeout=20)
-        self.assertEqual(wrong.returncode, 1)
-        self.assertIn("no port", wrong.stderr)
+        for flags, message in ((["--serve", str(port)], "--serve: port"), (["--serve=web"], "no port")):
+            wrong = subprocess.run([PBRT, *flags, "scene.pbrt"], cwd=self.folder, capture_output=True, text=True,
+                                   timeout=20)
+            self.assertEqual(wrong.returncode, 1)
+            self.assertIn(message, wrong.stderr)
 
     def test_an_interrupted_render_is_called_so(self):
-        process, address = self.start("--serve=0", "--spp", "100000", size=(64, 48))
-        self.driver.get(address)
-        self.until(lambda: self.version() > 0)
+        process = self.show("--spp", "100000", size=(64, 48))
         process.send_signal(signal.SIGINT)
         self.until(lambda: self.text("phase") == "interrupted")
         self.assertIn("interrupted", self.text("note"))
@@ -211,8 +205,7 @@ class LivePage(unittest.TestCase):
     def test_nobody_watches(self):
         begin = time.monotonic()
         process, _ = self.start("--serve", "--spp", "4", size=(64, 48))
-        process.wait(timeout=20)
-        self.assertEqual(process.returncode, 0)
+        self.assertEqual(process.wait(20), 0)
         self.assertLess(time.monotonic() - begin, 10)
 
 

@@ -9,9 +9,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
-
-#include "support/scene_text.h"
 
 namespace pbrt::test {
 
@@ -22,31 +19,48 @@ std::string FileText(const std::filesystem::path &path) {
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
+/// See SmallScene; `lamps`: further lights.
+std::string BallUnderLamps(const std::string &film, int samples, const std::string &integrator,
+                           const std::string &lamps = "") {
+    return SceneText()
+        .LookAt("0 1 -5  0 0 0  0 1 0")
+        .Camera(40)
+        .Film(32, 24, "'string filename' 'scene.exr' 'bool savefp16' false", film)
+        .Head(fmt::format("Sampler 'zsobol' 'integer pixelsamples' {}", samples))
+        .Integrator("path", 3, integrator)
+        .World(Objects()
+                   .PointLight("-2 2 -2", "2 3 4")
+                   .Diffuse("0.6 0.4 0.3")
+                   .Shape("sphere")
+                   .Quad("-4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4")
+                   .Attribute(
+                       "",
+                       Objects().AreaLight("6 5 4", "'bool twosided' true").Triangles("-1 3 -1  1 3 -1  1 3 1  -1 3 1"))
+                   .Add(lamps));
+}
+
+template <class T>
+T AttributeOf(const ImageFile &file, const std::string &attribute) {
+    const std::optional<T> value = file.metadata.Attribute<T>(attribute);
+    EXPECT_TRUE(value) << "the file has no such attribute " << attribute;
+    return value.value_or(T{});
+}
+
 }  // namespace
 
 void Program::SetUp() {
-    const auto *info = ::testing::UnitTest::GetInstance()->current_test_info();
-    std::string name = std::string(info->test_suite_name()) + "_" + info->name();
-    std::replace(name.begin(), name.end(), '/', '_');
-    const std::filesystem::path top =
-        std::filesystem::temp_directory_path() / ("pbrt_" + name + "_" + std::to_string(getpid()));
-    directory_ = top / "work";
-    logs_ = top / "logs";
-    std::filesystem::create_directories(directory_);
-    std::filesystem::create_directories(logs_);
+    logs_ = folder_ / "logs";
+    folder_ /= "work";
+    for (const std::filesystem::path &folder : {folder_, logs_}) std::filesystem::create_directory(folder);
 }
 
-void Program::TearDown() { std::filesystem::remove_all(directory_.parent_path()); }
+void Program::TearDown() { std::filesystem::remove_all(folder_.parent_path()); }
 
-void Program::Write(const std::string &name, const std::string &text) const {
-    std::ofstream(directory_ / name, std::ios::binary) << text;
-}
-
-std::string Program::Read(const std::string &name) const { return FileText(directory_ / name); }
+std::string Program::Read(const std::string &name) const { return FileText(folder_ / name); }
 
 std::vector<std::string> Program::Files() const {
     std::vector<std::string> names;
-    for (const auto &entry : std::filesystem::directory_iterator(directory_)) names.push_back(entry.path().filename());
+    for (const auto &entry : std::filesystem::directory_iterator(folder_)) names.push_back(entry.path().filename());
     std::sort(names.begin(), names.end());
     return names;
 }
@@ -56,8 +70,7 @@ pid_t Program::StartCommand(const std::string &command) const {
     if (pid != 0) return pid;
     alarm(60);  // the alarm survives exec, so a program that hangs is ended, and the test fails
     const std::string log = (logs_ / std::to_string(getpid())).string();
-    const std::string whole =
-        "cd '" + directory_.string() + "' && " + command + " > " + log + ".out 2> " + log + ".err";
+    const std::string whole = fmt::format("cd '{0}' && {1} > {2}.out 2> {2}.err", folder_.string(), command, log);
     execl("/bin/sh", "sh", "-c", whole.c_str(), nullptr);
     _exit(127);
 }
@@ -123,22 +136,20 @@ void Program::ExpectErrors(const std::vector<ErrorCase> &cases, const std::strin
         EXPECT_EQ(o.status, 1);
         EXPECT_EQ(o.out, "");
         EXPECT_TRUE(Has(o.err, "Error: "));
-        for (const std::string &part : cases[i].parts) EXPECT_TRUE(Has(o.err, part)) << part;
+        ExpectWords(o.err, cases[i].parts);
     }
     EXPECT_EQ(Files(), before);
 }
 
 ImageFile Program::RenderWithoutClock(const std::string &arguments, const ImageFile &timed) const {
     const int planned = IntOf(timed, "pbrt.plannedSamplesPerPixel"), taken = IntOf(timed, "samplesPerPixel");
-    const std::string whole =
-        arguments + " --spp " + std::to_string(planned) + " --outfile again.exr --checkpoint again";
+    const std::string again = arguments + " --outfile again.exr --checkpoint again --spp ";
     if (taken < planned) {
-        RunWell(whole + " --samples 0:" + std::to_string(taken));
-        const Outcome merged = RunImgtool("merge --incomplete again.exr again");
-        EXPECT_EQ(merged.status, 0) << merged.err;
+        RunWell(fmt::format("{}{} --samples 0:{}", again, planned, taken));
+        Merged("again.exr --incomplete again");
     } else {
-        RunWell(whole);
-        RunWell(arguments + " --spp " + std::to_string(taken) + " --outfile again.exr --checkpoint again --resume");
+        RunWell(again + std::to_string(planned));
+        RunWell(again + std::to_string(taken) + " --resume");
     }
     std::filesystem::remove(Path("again"));
     return ReadImage(Path("again.exr"));
@@ -147,6 +158,12 @@ ImageFile Program::RenderWithoutClock(const std::string &arguments, const ImageF
 ImageFile Program::Render(const std::string &arguments, const std::string &name) const {
     RunWell("--outfile " + name + " " + arguments);
     return ReadImage(Path(name));
+}
+
+ImageFile Program::Merged(const std::string &arguments) const {
+    const Outcome merged = RunImgtool("merge " + arguments);
+    EXPECT_EQ(merged.status, 0) << arguments << "\n" << merged.err;
+    return ReadImage(Path(arguments.substr(0, arguments.find(' '))));
 }
 
 bool Program::CatchesInterrupt(pid_t pid) {
@@ -160,15 +177,14 @@ bool Program::CatchesInterrupt(pid_t pid) {
     return false;
 }
 
-std::filesystem::file_time_type Program::WriteTime(const std::string &name) const {
-    std::error_code none;
-    return std::filesystem::last_write_time(Path(name), none);
-}
-
 pid_t Program::StartUntilWritten(const std::string &arguments, const std::string &name) const {
-    const auto before = WriteTime(name);
+    const auto time = [file = Path(name)] {
+        std::error_code none;  // the least time
+        return std::filesystem::last_write_time(file, none);
+    };
+    const auto before = time();
     const pid_t pid = Start(arguments);
-    EXPECT_TRUE(WaitUntil([&] { return WriteTime(name) != before; })) << Messages(pid);
+    EXPECT_TRUE(WaitUntil([&] { return time() != before; })) << Messages(pid);
     return pid;
 }
 
@@ -186,30 +202,6 @@ std::string Program::StopAndResume(const std::string &arguments, const std::vect
     EXPECT_GT(stopped, 0) << arguments;
     return RunWell(resumed);
 }
-
-namespace {
-
-/// See SmallScene; `lamps`: further lights.
-std::string BallUnderLamps(const std::string &film, int samples, const std::string &integrator,
-                           const std::string &lamps = "") {
-    return SceneText()
-        .LookAt("0 1 -5  0 0 0  0 1 0")
-        .Camera(40)
-        .Film(32, 24, "'string filename' 'scene.exr' 'bool savefp16' false", film)
-        .Head(fmt::format("Sampler 'zsobol' 'integer pixelsamples' {}", samples))
-        .Integrator("path", 3, integrator)
-        .World(Objects()
-                   .PointLight("-2 2 -2", "2 3 4")
-                   .Diffuse("0.6 0.4 0.3")
-                   .Shape("sphere")
-                   .Quad("-4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4")
-                   .Attribute(
-                       "",
-                       Objects().AreaLight("6 5 4", "'bool twosided' true").Triangles("-1 3 -1  1 3 -1  1 3 1  -1 3 1"))
-                   .Add(lamps));
-}
-
-}  // namespace
 
 std::string SmallScene(const std::string &integrator) { return BallUnderLamps("rgb", 4, integrator); }
 
@@ -255,27 +247,16 @@ std::string WindowScene(const std::string &eye, int maxDepth, const std::string 
 
 bool Has(const std::string &text, const std::string &part) { return text.find(part) != std::string::npos; }
 
+std::string Replaced(std::string text, const std::string &from, const std::string &to) {
+    EXPECT_TRUE(Has(text, from)) << from;
+    return text.replace(text.find(from), from.size(), to);
+}
+
 size_t CountOf(const std::string &text, const std::string &part) {
     size_t count = 0;
     for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size())) ++count;
     return count;
 }
-
-namespace {
-
-template <class T>
-T AttributeOf(const ImageFile &file, const std::string &attribute) {
-    auto it = file.metadata.attributes.find(attribute);
-    if (it == file.metadata.attributes.end()) {
-        ADD_FAILURE() << "the file has no attribute " << attribute;
-        return T{};
-    }
-    const T *value = std::get_if<T>(&it->second);
-    EXPECT_TRUE(value) << attribute << " has another type";
-    return value ? *value : T{};
-}
-
-}  // namespace
 
 int IntOf(const ImageFile &file, const std::string &attribute) { return AttributeOf<int>(file, attribute); }
 double NumberOf(const ImageFile &file, const std::string &attribute) {

@@ -1,12 +1,12 @@
 #pragma once
-#include <gtest/gtest.h>
 #include <sys/types.h>
 
-#include <filesystem>
-#include <string>
 #include <vector>
 
 #include "pbrt/images/image.h"
+#include "support/errors.h"
+#include "support/folder_test.h"
+#include "support/scene_text.h"
 #include "support/wait.h"
 
 namespace pbrt::test {
@@ -17,15 +17,13 @@ struct Outcome {
 };
 
 /// Runs the pbrt program in a temporary folder, which is removed after the test. A shell splits the arguments.
-class Program : public ::testing::Test {
+class Program : public FolderTest {
   protected:
     void SetUp() override;
     void TearDown() override;
 
-    std::string Path(const std::string &name) const { return (directory_ / name).string(); }
-    void Write(const std::string &name, const std::string &text) const;
     std::string Read(const std::string &name) const;
-    bool Exists(const std::string &name) const { return std::filesystem::exists(directory_ / name); }
+    bool Exists(const std::string &name) const { return std::filesystem::exists(folder_ / name); }
     /// The names of all files that the program left in the folder, sorted.
     std::vector<std::string> Files() const;
 
@@ -43,6 +41,8 @@ class Program : public ::testing::Test {
     /// Renders to `name` and reads the picture.
     ImageFile Render(const std::string &arguments, const std::string &name = "out.exr") const;
 
+    /// The picture that imgtool merge makes. `arguments`: its name, then parts and flags.
+    ImageFile Merged(const std::string &arguments) const;
     Outcome RunImgtool(const std::string &arguments) const;
     /// From now on mpirun starts the program as so many processes; 1: without mpirun. False if this build has no MPI.
     bool StartAs(int ranks, const std::string &wrapper = "");
@@ -59,8 +59,6 @@ class Program : public ::testing::Test {
     /// True if the process runs the program (and not the shell before it) and has set its handler for the interrupt
     /// signal.
     static bool CatchesInterrupt(pid_t pid);
-    /// When a file was written last; the least time if there is none.
-    std::filesystem::file_time_type WriteTime(const std::string &name) const;
     /// Starts the program, and waits until it has written the file, new or anew.
     pid_t StartUntilWritten(const std::string &arguments, const std::string &name) const;
     /// Starts a render that writes out.exr and the checkpoint c.chk, sends it the first signal once there is a
@@ -72,7 +70,7 @@ class Program : public ::testing::Test {
 
   private:
     pid_t StartCommand(const std::string &command) const;
-    std::filesystem::path directory_, logs_;
+    std::filesystem::path logs_;
 };
 
 /// A scene of 32 x 24 pixels and 4 samples: a sphere under a light of two triangles and a point light, written to
@@ -87,6 +85,8 @@ std::string GuidedScene(int samples);
 std::string WindowScene(const std::string &eye, int maxDepth, const std::string &sky);
 
 bool Has(const std::string &text, const std::string &part);
+/// Replaces the first place of `from`, which must be there.
+std::string Replaced(std::string text, const std::string &from, const std::string &to);
 size_t CountOf(const std::string &text, const std::string &part);
 int IntOf(const ImageFile &file, const std::string &attribute);
 double NumberOf(const ImageFile &file, const std::string &attribute);
@@ -95,10 +95,27 @@ std::string TextOf(const ImageFile &file, const std::string &attribute);
 bool SamePixels(const ImageFile &a, const ImageFile &b);
 /// The output of --list-lightsamplers; the program is run only once for it.
 const std::string &LightSamplerListing();
+inline bool HasExt() { return Has(LightSamplerListing(), "\noctree\n"); }
+
+/// With SmallScene in scene.pbrt.
+class SmallSceneProgram : public Program {
+  protected:
+    void SetUp() override {
+        Program::SetUp();
+        Write("scene.pbrt", SmallScene());
+    }
+};
+
+/// With flags for a light sampler, which learns while it renders if this build has such a one.
+class LearningProgram : public Program {
+  protected:
+    const bool ext_ = HasExt();
+    const std::string lights_ = ext_ ? " --lightsampler octree " : " --lightsampler bvh ";
+};
 
 }  // namespace pbrt::test
 
 /// Skips a test of features that only src/ext has. Every summary shows skipped tests.
-#define PBRT_SKIP_WITHOUT_EXT()                                                \
-    if (!::pbrt::test::Has(::pbrt::test::LightSamplerListing(), "\noctree\n")) \
+#define PBRT_SKIP_WITHOUT_EXT()  \
+    if (!::pbrt::test::HasExt()) \
     GTEST_SKIP() << "NOT TESTED: this build has no src/ext (PBRT_EXT=OFF), so no octree and no mesh lights"

@@ -2,20 +2,28 @@
 #include <signal.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 
 #include "program.h"
 
 namespace pbrt::test {
 
-class Mpi : public Program {
+class Mpi : public LearningProgram {
   protected:
     void SetUp() override {
         Program::SetUp();
         if (!StartAs(1)) GTEST_SKIP() << "NOT TESTED: this build has no MPI (PBRT_MPI=OFF)";
-        ext_ = Has(LightSamplerListing(), "\noctree\n");
-        lights_ = ext_ ? "--lightsampler octree " : "--lightsampler bvh ";
+    }
+    /// Starts so many processes of a render with checkpoints, and sends the signal to number `rank` of them once there
+    /// is a checkpoint.
+    Outcome Signal(const std::string &arguments, int ranks, int rank, int signal) {
+        StartAs(ranks);
+        const pid_t mpirun = StartUntilWritten(arguments + " --checkpoint-interval 0.01", "c.chk");
+        const pid_t process = ProcessOf(mpirun, rank);
+        EXPECT_NE(process, 0);
+        if (process > 0) kill(process, signal);
+        Outcome o = Wait(mpirun);
+        EXPECT_NE(o.status, 0);
+        return o;
     }
     /// The process that is number `rank` of those that a started mpirun started; 0 if there is none yet.
     static pid_t ProcessOf(pid_t mpirun, int rank) {
@@ -32,8 +40,8 @@ class Mpi : public Program {
         }
         return 0;
     }
-    bool ext_ = false;
-    std::string lights_;
+    /// Of the renders that are ended.
+    const std::string resumed_ = lights_ + "scene.pbrt --nthreads 1 --checkpoint c.chk --outfile out.exr --resume";
 };
 
 TEST_F(Mpi, AnyNumberOfProcessesGivesTheSameBits) {
@@ -56,8 +64,8 @@ TEST_F(Mpi, GuidedPaths) {
 TEST_F(Mpi, WithoutLearningAndUnderASky) {
     Write("scene.pbrt", LearningScene("rgb", 5));
     for (const std::string &arguments :
-         {std::string("--lightsampler bvh"), lights_ + "--integrator sppm --spp 9",
-          std::string("--integrator mlt --spp 9"), std::string("--lightsampler bvh --pixel 7,7 --spp 200")})
+         std::vector<std::string>{"--lightsampler bvh", lights_ + "--integrator sppm --spp 9",
+                                  "--integrator mlt --spp 9", "--lightsampler bvh --pixel 7,7 --spp 200"})
         ExpectSameBits(arguments + " scene.pbrt", {3});
     Write("sky.pbrt", WindowScene("0 0 -1.8", 2, "1 2 3"));
     if (!ext_) ExpectSameBits(lights_ + "--spp 33 sky.pbrt", {3});
@@ -69,42 +77,28 @@ TEST_F(Mpi, WithoutLearningAndUnderASky) {
 
 TEST_F(Mpi, WhereAProcessWasKilledAnyNumberOfThemGoesOn) {
     Write("scene.pbrt", LearningScene("gbuffer", 1024));
-    const std::string arguments = lights_ + "scene.pbrt --nthreads 1 --checkpoint c.chk --outfile out.exr --resume";
     for (int killed = 0; killed < 2; ++killed) {
-        StartAs(2 + killed);
-        const pid_t mpirun = StartUntilWritten(arguments + " --checkpoint-interval 0.01", "c.chk");
-        const pid_t victim = ProcessOf(mpirun, killed);
-        ASSERT_NE(victim, 0);
-        kill(victim, SIGKILL);
-        const Outcome o = Wait(mpirun);
-        EXPECT_NE(o.status, 0);
+        const Outcome o = Signal(resumed_, 2 + killed, killed, SIGKILL);
         EXPECT_TRUE(Has(o.err + o.out, "signal 9")) << o.err << o.out;
         EXPECT_FALSE(Exists("out.exr"));
     }
     StartAs(3);
-    EXPECT_TRUE(Has(RunWell(arguments), "Resuming from c.chk"));
+    EXPECT_TRUE(Has(RunWell(resumed_), "Resuming from c.chk"));
     StartAs(1);
     EXPECT_TRUE(SamePixels(ReadImage(Path("out.exr")), Render(lights_ + "scene.pbrt", "whole.exr")));
 }
 
 TEST_F(Mpi, ASignalToAnyProcessSavesWhatAllHaveDone) {
     Write("scene.pbrt", LearningScene("rgb", 2048));
-    const std::string arguments = lights_ + "scene.pbrt --nthreads 1 --checkpoint c.chk --outfile out.exr --resume";
     for (int asked = 0; asked < 2; ++asked) {
-        StartAs(2);
-        const pid_t mpirun = StartUntilWritten(arguments + " --checkpoint-interval 0.01", "c.chk");
-        const pid_t process = ProcessOf(mpirun, asked);
-        ASSERT_NE(process, 0);
-        kill(process, SIGTERM);
-        const Outcome o = Wait(mpirun);
-        EXPECT_NE(o.status, 0);
-        EXPECT_TRUE(Has(o.err, "c.chk holds what was rendered")) << o.err;
+        const Outcome o = Signal(resumed_, 2, asked, SIGTERM);
+        ExpectWords(o.err, {"c.chk holds what was rendered"});
         EXPECT_EQ(CountOf(o.err, "holds what was rendered;"), 1u) << o.err;
         // The next one goes on amid a wave that other processes began.
         std::filesystem::remove(Path("out.exr"));
     }
     StartAs(1);
-    RunWell(arguments);
+    RunWell(resumed_);
     EXPECT_TRUE(SamePixels(ReadImage(Path("out.exr")), Render(lights_ + "scene.pbrt", "whole.exr")));
 }
 
@@ -119,8 +113,7 @@ TEST_F(Mpi, TimePartsAndSavedLights) {
     EXPECT_TRUE(SamePixels(ReadImage(Path("partial.exr")), Render(one + (ext_ ? "--save-lights one" : ""))));
     const ImageFile whole = Render(one);
     RunWell(one + "--samples 0:10 --checkpoint a.part");
-    EXPECT_EQ(RunImgtool("merge merged.exr a.part b.part").status, 0);
-    EXPECT_TRUE(SamePixels(whole, ReadImage(Path("merged.exr"))));
+    EXPECT_TRUE(SamePixels(whole, Merged("merged.exr a.part b.part")));
     EXPECT_GT(IntOf(timed, "samplesPerPixel"), 32);
     EXPECT_TRUE(SamePixels(timed, RenderWithoutClock(one, timed)));
     if (!ext_) return;
@@ -144,8 +137,7 @@ TEST_F(Mpi, ErrorsAreToldOnce) {
         EXPECT_EQ(CountOf(o.err, "Error: "), 1u);
         EXPECT_TRUE(Has(o.err, message));
     }
-    const Outcome help = Run("--help");
-    EXPECT_EQ(CountOf(help.out, "Renders pbrt-v4 scene files"), 1u);
+    EXPECT_EQ(CountOf(Run("--help").out, "Renders pbrt-v4 scene files"), 1u);
 
     // Files that one of them does not see.
     std::filesystem::create_directory(Path("elsewhere"));
@@ -153,8 +145,7 @@ TEST_F(Mpi, ErrorsAreToldOnce) {
     StartAs(2, "sh start.sh");
     const Outcome o = Run("--quiet scene.pbrt");
     EXPECT_EQ(o.status, 1);
-    EXPECT_TRUE(Has(o.err, "1 of 2 processes")) << o.err;
-    EXPECT_TRUE(Has(o.err, "scene.pbrt")) << o.err;
+    ExpectWords(o.err, {"1 of 2 processes", "scene.pbrt"});
     EXPECT_FALSE(Exists("scene.exr"));
 
     // What another program than Open MPI's mpirun started does not render several pictures into one file.

@@ -1,6 +1,4 @@
-#include <chrono>
-#include <fstream>
-
+#include "pbrt/core/progress.h"
 #include "program.h"
 
 namespace pbrt::test {
@@ -8,34 +6,30 @@ namespace pbrt::test {
 class Threads : public Program {};
 
 TEST_F(Threads, NumberDoesNotChangeThePixelsOfTheHaltonSampler) {
-    std::ifstream in(PBRT_SOURCE_DIR "/scenes/dollhouse/dollhouse.pbrt");
-    std::string text{std::istreambuf_iterator<char>(in), {}};
-    const std::string old = "Sampler \"zsobol\"";
-    ASSERT_TRUE(Has(text, old));
-    Write("scene.pbrt", text.replace(text.find(old), old.size(), "Sampler \"halton\""));
-    for (const char *lights : {"bvh", "octree"}) {
-        if (!Has(LightSamplerListing(), std::string("\n") + lights + "\n")) continue;
+    const std::string text = Read(PBRT_SOURCE_DIR "/scenes/dollhouse/dollhouse.pbrt");
+    Write("scene.pbrt", Replaced(text, "Sampler \"zsobol\"", "Sampler \"halton\""));
+    for (const std::string lights : {"bvh", "octree"}) {
+        if (lights == "octree" && !HasExt()) continue;
         const std::string arguments =
-            std::string("--spp 3 --cropwindow 0.4,0.55,0.4,0.55 scene.pbrt --lightsampler ") + lights + " --nthreads ";
+            "--spp 3 --cropwindow 0.4,0.55,0.4,0.55 scene.pbrt --lightsampler " + lights + " --nthreads ";
         const ImageFile one = Render(arguments + "1");
         for (const char *threads : {"2", "3"}) EXPECT_TRUE(SamePixels(one, Render(arguments + threads))) << arguments;
     }
 }
 
-class Budget : public Program {};
+class Budget : public LearningProgram {};
 
 TEST_F(Budget, TimedRunsEndAndCountThePrepass) {
     Write("scene.pbrt", SmallScene());
-    const bool ext = Has(LightSamplerListing(), "\noctree\n");
     const auto start = std::chrono::steady_clock::now();
-    const ImageFile file = Render(std::string("--time 1 --lightsampler ") + (ext ? "octree" : "bvh") + " scene.pbrt");
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const ImageFile file = Render("--time 1" + lights_ + "scene.pbrt");
+    const double seconds = SecondsSince(start);
     // One sample per pixel takes about a millisecond, so many more than the 4 of the scene are rendered.
     EXPECT_GT(IntOf(file, "samplesPerPixel"), 4);
     EXPECT_GT(seconds, 0.5);
     EXPECT_LT(seconds, 10);
     double preparing = 0;
-    if (ext) {
+    if (ext_) {
         EXPECT_GT(IntOf(file, "lightSampler.prepassVertices"), 0);
         preparing = NumberOf(file, "lightSampler.prepassSeconds") + NumberOf(file, "lightSampler.octreeBuildSeconds");
         EXPECT_GT(preparing, 0);
@@ -47,7 +41,7 @@ TEST_F(Budget, TimeIsPreparedForAsTheSamplesThatItAllows) {
     PBRT_SKIP_WITHOUT_EXT();
     Write("scene.pbrt", LearningScene("rgb", 4));
     for (const char *quick : {"", "--quick "}) {
-        const std::string arguments = std::string(quick) + "--lightsampler octree scene.pbrt";
+        const std::string arguments = quick + lights_ + "scene.pbrt";
         const ImageFile timed = Render("--time 1.5 " + arguments);
         const int planned = IntOf(timed, "pbrt.plannedSamplesPerPixel"), taken = IntOf(timed, "samplesPerPixel");
         // The machine may do other work meanwhile.

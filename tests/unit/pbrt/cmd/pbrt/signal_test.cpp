@@ -2,11 +2,8 @@
 #include <signal.h>
 #include <sys/stat.h>
 
-#include <algorithm>
-#include <chrono>
-
+#include "pbrt/core/progress.h"
 #include "program.h"
-#include "support/scene_text.h"
 
 namespace pbrt::test {
 
@@ -31,24 +28,28 @@ std::string SlowScene() {
 
 constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
 
+/// Over the first three channels.
+double ChannelSum(const Image &image) {
+    double sum = 0;
+    ForEachPixel(image, [&](Point2i p) {
+        for (int c = 0; c < 3; ++c) sum += double(image.Get(p, c));
+    });
+    return sum;
+}
+
 }  // namespace
 
-class Signals : public Program {
+class Signals : public SmallSceneProgram {
   protected:
-    void SetUp() override {
-        Program::SetUp();
-        Write("scene.pbrt", SmallScene());
-    }
-
     /// Sends the signal and expects the program to end within seconds, although its work would take minutes or for
     /// ever.
     Outcome End(pid_t pid, int signal) const {
         const auto start = std::chrono::steady_clock::now();
         kill(pid, signal);
         const Outcome o = Wait(pid);
-        EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 5);
+        EXPECT_LT(SecondsSince(start), 5);
         EXPECT_EQ(o.status, 128 + signal) << o.err;
-        EXPECT_TRUE(Has(o.err, "Interrupted")) << o.err;
+        ExpectWords(o.err, {"Interrupted"});
         EXPECT_FALSE(Has(o.err, "Error")) << o.err;
         return o;
     }
@@ -61,35 +62,38 @@ class Signals : public Program {
             const pid_t pid = Start("--outfile out.exr " + arguments);
             EXPECT_TRUE(WaitUntil([&] { return Has(Messages(pid), message); })) << Messages(pid);
             const Outcome o = End(pid, signal);
-            EXPECT_TRUE(Has(o.err, said)) << o.err;
+            ExpectWords(o.err, {said});
             EXPECT_FALSE(Has(o.err, "Wrote")) << o.err;
         }
         EXPECT_EQ(Files(), before);
     }
 
     /// Starts a render that would go on for ever, and interrupts it after its first wave.
-    Outcome EndWhileRendering(const std::string &arguments, int signal) const {
+    Outcome EndWhileRendering(int signal, const std::string &name = "out.exr") const {
         if (!Exists("logged/reference.exr")) {
             std::filesystem::create_directory(Path("logged"));
             Render("--spp 1 scene.pbrt", "logged/reference.exr");
         }
         std::filesystem::remove(Path("logged/mse.txt"));
-        const pid_t pid =
-            Start("--spp 100000000 --mse-reference-image logged/reference.exr --mse-reference-out logged/mse.txt " +
-                  arguments);
+        const pid_t pid = Start(
+            "--spp 100000000 --mse-reference-image logged/reference.exr --mse-reference-out logged/mse.txt "
+            "scene.pbrt --outfile " +
+            name);
         // The first line of the log means that a wave is done.
         EXPECT_TRUE(WaitUntil([&] { return !Read("logged/mse.txt").empty(); })) << Messages(pid);
         return End(pid, signal);
     }
+    static void ExpectInterrupted(const ImageFile &file) { EXPECT_EQ(IntOf(file, "pbrt.interrupted"), 1); }
 
-    /// Writes a picture whose header has these values and whose pixels no render here would give.
-    void WriteOld(const std::string &name, int samples, const std::string &scene) const {
+    /// Writes out.exr with these values in its header and pixels that no render here would give; returns its bytes.
+    std::string WriteOld(int samples, const std::string &scene) const {
         ImageFile old{Image(PixelFormat::Float, {32, 24}, {"R", "G", "B"}), {}};
         old.image.Set({3, 3}, 1, 1234);
         old.metadata.attributes["samplesPerPixel"] = samples;
         old.metadata.attributes["pbrt.scene"] = scene;
         old.metadata.attributes["pbrt.integrator"] = std::string("path");
-        WriteImage(Path(name), old.image, old.metadata);
+        WriteImage(Path("out.exr"), old.image, old.metadata);
+        return Read("out.exr");
     }
 };
 
@@ -100,8 +104,7 @@ TEST_F(Signals, WhileASceneIsAwaited) {
         for (const char *arguments : {"--outfile out.exr pipe", "--outfile out.exr - <> pipe"}) {
             const pid_t pid = Start(arguments);
             EXPECT_TRUE(WaitUntil([&] { return CatchesInterrupt(pid); }));
-            const Outcome o = End(pid, signal);
-            EXPECT_TRUE(Has(o.err, "no image was written")) << o.err;
+            ExpectWords(End(pid, signal).err, {"no image was written"});
         }
     }
     EXPECT_EQ(Files(), (std::vector<std::string>{"pipe", "scene.pbrt"}));
@@ -111,8 +114,9 @@ TEST_F(Signals, WhileBuilding) {
     // Subdivision makes some eight million triangles.
     Write(
         "big.pbrt",
-        "Film \"rgb\"\nWorldBegin\nShape \"loopsubdiv\" \"integer levels\" 10 \"integer indices\" [ 0 1 2  0 2 3  0 3 1  1 3 2  "
-        "4 5 6  4 6 7 ] \"point3 P\" [ 0 3 0  1 2 0  -1 2 1  -1 2 -1  9 3 0  9 2 0  9 2 1  8 2 -1 ]\n");
+        Quoted(
+            "Film 'rgb'\nWorldBegin\nShape 'loopsubdiv' 'integer levels' 10 'integer indices' [ 0 1 2  0 2 3  "
+            "0 3 1  1 3 2  4 5 6  4 6 7 ] 'point3 P' [ 0 3 0  1 2 0  -1 2 1  -1 2 -1  9 3 0  9 2 0  9 2 1  8 2 -1 ]\n"));
     ExpectNothingWritten("reading: done", "big.pbrt", "Interrupted while building: no image was written.");
 }
 
@@ -126,23 +130,18 @@ TEST_F(Signals, WhilePreparingLights) {
 
 TEST_F(Signals, InTheFirstWaveNothingIsWrittenAndTheOldImageStays) {
     Write("slow.pbrt", SlowScene());
-    WriteOld("out.exr", 1, "another.pbrt");
-    const std::string before = Read("out.exr");
+    const std::string before = WriteOld(1, "another.pbrt");
     ExpectNothingWritten("preparing lights: done", "slow.pbrt", "no image was written");
     EXPECT_EQ(Read("out.exr"), before);
 }
 
 TEST_F(Signals, WhileRenderingSaveWhatWasRendered) {
     for (int signal : kSignals) {
-        const Outcome o = EndWhileRendering("--outfile out.exr scene.pbrt", signal);
-        EXPECT_TRUE(Has(o.err, "Wrote out.exr")) << o.err;
-        ASSERT_TRUE(Exists("out.exr"));
+        ExpectWords(EndWhileRendering(signal).err, {"Wrote out.exr"});
         const ImageFile file = ReadImage(Path("out.exr"));
-        EXPECT_EQ(IntOf(file, "pbrt.interrupted"), 1);
+        ExpectInterrupted(file);
         EXPECT_GE(IntOf(file, "samplesPerPixel"), 1);
-        Float brightest = 0;
-        for (int x = 0; x < 32; ++x) brightest = std::max(brightest, file.image.Get({x, 20}, 0));
-        EXPECT_GT(brightest, 0);
+        EXPECT_GT(ChannelSum(file.image.Crop({{0, 20}, {32, 21}})), 0);
         std::filesystem::remove(Path("out.exr"));
         EXPECT_EQ(Files(), (std::vector<std::string>{"logged", "scene.pbrt"}));
     }
@@ -150,90 +149,84 @@ TEST_F(Signals, WhileRenderingSaveWhatWasRendered) {
 
 TEST_F(Signals, WhatIsSavedIsAnUnbiasedPictureInEveryFilm) {
     for (const char *film : {"rgb", "gbuffer", "spectral"}) {
-        std::string text = SmallScene();
-        text.replace(text.find("\"rgb\""), 5, '"' + std::string(film) + '"');
-        Write("scene.pbrt", text);
+        Write("scene.pbrt", Replaced(SmallScene(), "rgb", film));
         const ImageFile whole = Render("--spp 256 scene.pbrt", "whole.exr");
         std::filesystem::remove_all(Path("logged"));
-        EndWhileRendering("--outfile out.exr scene.pbrt", SIGINT);
+        EndWhileRendering(SIGINT);
         const ImageFile part = ReadImage(Path("out.exr"));
         EXPECT_EQ(part.image.Channels(), whole.image.Channels());
-        double sum = 0, expected = 0;
-        ForEachPixel(whole.image, [&](Point2i p) {
-            for (int c = 0; c < 3; ++c) {
-                sum += double(part.image.Get(p, c));
-                expected += double(whole.image.Get(p, c));
-            }
-        });
         // With one sample per pixel this mean has 2 % of noise; pixels divided by samples that they never got would
         // lose half of the light.
-        EXPECT_NEAR(sum / expected, 1, 0.15) << film;
+        EXPECT_NEAR(ChannelSum(part.image) / ChannelSum(whole.image), 1, 0.15) << film;
         std::filesystem::remove(Path("out.exr"));
     }
 }
 
 TEST_F(Signals, ABetterPictureOfTheSceneIsKept) {
-    WriteOld("out.exr", 2000000000, "scene.pbrt");
-    const std::string before = Read("out.exr");
-    const Outcome o = EndWhileRendering("--outfile out.exr scene.pbrt", SIGTERM);
-    EXPECT_TRUE(Has(o.err, "Wrote out-unfinished.exr")) << o.err;
-    EXPECT_TRUE(Has(o.err, "out.exr is kept")) << o.err;
+    const std::string before = WriteOld(2000000000, "scene.pbrt");
+    ExpectWords(EndWhileRendering(SIGTERM).err, {"Wrote out-unfinished.exr", "out.exr is kept"});
     EXPECT_EQ(Read("out.exr"), before);
-    EXPECT_EQ(IntOf(ReadImage(Path("out-unfinished.exr")), "pbrt.interrupted"), 1);
+    ExpectInterrupted(ReadImage(Path("out-unfinished.exr")));
     EXPECT_EQ(Files(), (std::vector<std::string>{"logged", "out-unfinished.exr", "out.exr", "scene.pbrt"}));
 }
 
 TEST_F(Signals, AWorsePictureOrOneOfAnotherSceneIsReplaced) {
     for (auto [samples, scene] : {std::pair(0, "scene.pbrt"), std::pair(2000000000, "another.pbrt")}) {
-        WriteOld("out.exr", samples, scene);
-        EndWhileRendering("--outfile out.exr scene.pbrt", SIGINT);
-        EXPECT_EQ(IntOf(ReadImage(Path("out.exr")), "pbrt.interrupted"), 1) << scene;
+        WriteOld(samples, scene);
+        EndWhileRendering(SIGINT);
+        ExpectInterrupted(ReadImage(Path("out.exr")));
         EXPECT_EQ(Files(), (std::vector<std::string>{"logged", "out.exr", "scene.pbrt"})) << scene;
     }
 }
 
 TEST_F(Signals, APictureThatSaysNothingOfItsSamplesIsKept) {
     for (const std::string extension : {".png", ".pfm"}) {
-        Render("--spp 2 scene.pbrt", "out" + extension);
-        const std::string before = Read("out" + extension);
-        EndWhileRendering("--outfile out" + extension + " scene.pbrt", SIGINT);
-        EXPECT_EQ(Read("out" + extension), before);
+        const std::string name = "out" + extension;
+        Render("--spp 2 scene.pbrt", name);
+        const std::string before = Read(name);
+        EndWhileRendering(SIGINT, name);
+        EXPECT_EQ(Read(name), before);
         EXPECT_TRUE(Exists("out-unfinished" + extension));
     }
 }
 
 TEST_F(Signals, AFinishedRenderReplacesWhateverThereWas) {
-    WriteOld("out.exr", 2000000000, "scene.pbrt");
+    WriteOld(2000000000, "scene.pbrt");
     // The partial pictures do not replace out.exr, and they leave no files behind.
     EXPECT_EQ(IntOf(Render("--spp 16 --write-partial-images scene.pbrt"), "samplesPerPixel"), 16);
     EXPECT_EQ(Files(), (std::vector<std::string>{"out.exr", "scene.pbrt"}));
 }
 
-TEST_F(Signals, PartialPicturesLeaveABetterOneAlone) {
-    WriteOld("out.exr", 2000000000, "scene.pbrt");
-    const std::string before = Read("out.exr");
-    const pid_t pid = Start("--spp 100000000 --write-partial-images --outfile out.exr scene.pbrt");
-    EXPECT_TRUE(WaitUntil([&] { return Exists("out-unfinished.exr"); })) << Messages(pid);
+TEST_F(Signals, PartialPicturesShowTheWavesSoFarAndLeaveABetterOneAlone) {
+    const std::string before = WriteOld(2000000000, "scene.pbrt");
+    const pid_t pid =
+        StartUntilWritten("--spp 100000000 --write-partial-images --outfile out.exr scene.pbrt", "out-unfinished.exr");
     EXPECT_EQ(Read("out.exr"), before);
+    const ImageFile partial = ReadImage(Path("out-unfinished.exr"));
+    EXPECT_GE(IntOf(partial, "samplesPerPixel"), 1);
+    EXPECT_LT(IntOf(partial, "samplesPerPixel"), 100000000);
+    EXPECT_FALSE(partial.metadata.attributes.contains("pbrt.interrupted"));
     End(pid, SIGINT);
     EXPECT_EQ(Read("out.exr"), before);
+    const ImageFile last = ReadImage(Path("out-unfinished.exr"));
+    ExpectInterrupted(last);
+    EXPECT_GE(IntOf(last, "samplesPerPixel"), IntOf(partial, "samplesPerPixel"));
+    EXPECT_EQ(Files(), (std::vector<std::string>{"out-unfinished.exr", "out.exr", "scene.pbrt"}));
 }
 
 TEST_F(Signals, APartialPictureThatCannotBeWrittenEndsNothing) {
     std::filesystem::create_directory(Path("folder"));
-    const pid_t pid = Start("--spp 100000000 --write-partial-images --outfile folder/out.exr scene.pbrt");
-    EXPECT_TRUE(WaitUntil([&] { return Exists("folder/out.exr"); })) << Messages(pid);
+    const pid_t pid = StartUntilWritten("--spp 100000000 --write-partial-images --outfile folder/out.exr scene.pbrt",
+                                        "folder/out.exr");
     std::filesystem::rename(Path("folder"), Path("away"));
     EXPECT_TRUE(WaitUntil([&] { return Has(Messages(pid), "was not written; rendering continues."); }))
         << Messages(pid);
     std::filesystem::rename(Path("away"), Path("folder"));
-    const Outcome o = End(pid, SIGINT);
-    EXPECT_TRUE(Has(o.err, "Wrote folder/out.exr")) << o.err;
+    ExpectWords(End(pid, SIGINT).err, {"Wrote folder/out.exr"});
 }
 
 TEST_F(Signals, AClosedPipeEndsNoRender) {
-    const Outcome o = Run("--spp 2 --stats --outfile out.exr scene.pbrt 2>&1 | true");
-    EXPECT_EQ(o.status, 0);
+    EXPECT_EQ(Run("--spp 2 --stats --outfile out.exr scene.pbrt 2>&1 | true").status, 0);
     EXPECT_TRUE(WaitUntil([&] { return Exists("out.exr"); }));
 }
 

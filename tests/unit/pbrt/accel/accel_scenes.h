@@ -18,14 +18,14 @@ inline MeshData BumpyBall(uint32_t n, uint64_t seed = 1) {
     mesh.p.push_back({0, 0, 1});
     for (uint32_t r = 1; r <= rings; ++r)
         for (uint32_t a = 0; a < around; ++a) {
-            Float theta = Pi * static_cast<Float>(r) / static_cast<Float>(n);
-            Float phi = 2 * Pi * static_cast<Float>(a) / static_cast<Float>(around);
-            Float radius = 1 + 0.3f / static_cast<Float>(n) * (rng.Uniform() - 0.5f);
+            Float theta = Pi * Float(r) / Float(n);
+            Float phi = 2 * Pi * Float(a) / Float(around);
+            Float radius = 1 + 0.3f / Float(n) * (rng.Uniform() - 0.5f);
             mesh.p.push_back(radius * SphericalDirection(std::sin(theta), std::cos(theta), phi));
         }
     mesh.p.push_back({0, 0, -1});
     auto at = [&](uint32_t r, uint32_t a) { return 1 + (r - 1) * around + a % around; };
-    auto last = static_cast<uint32_t>(mesh.p.size() - 1);
+    auto last = uint32_t(mesh.p.size() - 1);
     for (uint32_t a = 0; a < around; ++a) {
         mesh.indices.insert(mesh.indices.end(), {0, at(1, a), at(1, a + 1)});
         for (uint32_t r = 1; r < rings; ++r) {
@@ -43,8 +43,7 @@ inline MeshData PatchGrid(uint32_t n, Float bumps) {
     MeshData mesh;
     for (uint32_t y = 0; y <= n; ++y)
         for (uint32_t x = 0; x <= n; ++x)
-            mesh.p.push_back({static_cast<Float>(x) / static_cast<Float>(n),
-                              static_cast<Float>(y) / static_cast<Float>(n), bumps * (rng.Uniform() - 0.5f)});
+            mesh.p.push_back({Float(x) / Float(n), Float(y) / Float(n), bumps * (rng.Uniform() - 0.5f)});
     for (uint32_t y = 0; y < n; ++y)
         for (uint32_t x = 0; x < n; ++x) {
             uint32_t i = y * (n + 1) + x;

@@ -53,7 +53,7 @@ int CompareOnRandomRays(const Accel &accel, const Shapes &shapes, const std::vec
 
 TEST(Accel, ShadowRaysPassWhatTheyAreLetThrough) {
     Shapes shapes = test::EveryKind(Transform());
-    const auto last = static_cast<uint32_t>(shapes.size() - 1);
+    const auto last = uint32_t(shapes.size() - 1);
     Accel direct, instanced;
     std::vector<ShapeId> ids;
     std::vector<const Shape *> pointers;
@@ -243,11 +243,11 @@ TEST(Accel, HitsOfTinyPrimitivesLieOnTheRay) {
                     ray.o = target + reach * Vector3(rng.Uniform() - 0.5f, rng.Uniform() - 0.5f, 1.5f);
                     ray.d = Normalize(target - ray.o);
                     const auto hit = accel.Intersect(ray);
-                    ASSERT_TRUE(hit) << size << ' ' << static_cast<int>(shape->Kind()) << ' ' << enlarged;
+                    ASSERT_TRUE(hit) << size << ' ' << int(shape->Kind()) << ' ' << enlarged;
                     const Ray local{place.InversePoint(ray.o), place.InverseVector(ray.d)};
                     const Point3 p = place.Point(shape->SurfaceOnRay(hit->primitive, hit->hit, local).p);
                     EXPECT_LT(Distance(p, target), 1e-5f * reach)
-                        << size << ' ' << static_cast<int>(shape->Kind()) << ' ' << enlarged;
+                        << size << ' ' << int(shape->Kind()) << ' ' << enlarged;
                 }
             }
 }
@@ -267,12 +267,12 @@ TEST(Accel, HitsLieBehindTheOriginAndBehindTMin) {
                 Ray ray;
                 ray.o = {0.5f * rng.Uniform(), 0.4f * rng.Uniform(), 0};
                 ray.d = test::RandomDirection(rng);
-                EXPECT_FALSE(accel.Intersect(ray)) << static_cast<int>(shape->Kind()) << ' ' << instanced;
-                EXPECT_FALSE(accel.Occluded(ray)) << static_cast<int>(shape->Kind()) << ' ' << instanced;
+                EXPECT_FALSE(accel.Intersect(ray)) << int(shape->Kind()) << ' ' << instanced;
+                EXPECT_FALSE(accel.Occluded(ray)) << int(shape->Kind()) << ' ' << instanced;
                 ray.o -= ray.d * (0.1f * rng.Uniform());
                 const auto hit = accel.Intersect(ray);
                 ASSERT_TRUE(hit && hit->hit.t > 0);
-                EXPECT_FALSE(accel.Intersect(ray, hit->hit.t)) << static_cast<int>(shape->Kind()) << ' ' << instanced;
+                EXPECT_FALSE(accel.Intersect(ray, hit->hit.t)) << int(shape->Kind()) << ' ' << instanced;
                 EXPECT_TRUE(accel.Intersect(ray, std::nextafter(hit->hit.t, 0.f) * 0.999f));
             }
         }

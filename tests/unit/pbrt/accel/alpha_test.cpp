@@ -74,7 +74,7 @@ TEST(Alpha, LayersAlongOneRayAreIndependent) {
     std::vector<std::unique_ptr<TriangleMesh>> layers;
     Accel stack;
     for (uint32_t i = 0; i < 3; ++i) {
-        layers.push_back(std::make_unique<TriangleMesh>(UnitSquare(static_cast<Float>(i), false), Transform(), false));
+        layers.push_back(std::make_unique<TriangleMesh>(UnitSquare(Float(i), false), Transform(), false));
         stack.AddShape(ShapeId(i), *layers[i], &texture);
     }
     stack.Commit();
@@ -85,7 +85,7 @@ TEST(Alpha, LayersAlongOneRayAreIndependent) {
     // The same object in three instances.
     Accel instanced;
     int object = instanced.AddObject({ShapeId(0u)}, {layers[0].get()}, {&texture});
-    for (int i = 0; i < 3; ++i) instanced.AddInstance(object, Transform::Translate({0, 0, static_cast<Float>(i)}));
+    for (int i = 0; i < 3; ++i) instanced.AddInstance(object, Transform::Translate({0, 0, Float(i)}));
     instanced.Commit();
     struct {
         const Accel *accel;

@@ -58,8 +58,7 @@ struct World {
     }
     std::vector<Placement> At(Float time) const {
         std::vector<Placement> placements = {{-1, Transform()}};
-        for (int i = 0; i <= static_cast<int>(motions.size()); ++i)
-            placements.push_back({i, accel.InstanceTransform(i, time)});
+        for (int i = 0; i <= int(motions.size()); ++i) placements.push_back({i, accel.InstanceTransform(i, time)});
         return placements;
     }
 };
@@ -68,13 +67,13 @@ TEST(Motion, EmbreeInterpolatesAsWeDo) {
     const World world;
     for (size_t i = 0; i < world.motions.size(); ++i)
         for (Float time : {0.0f, 0.5f, 0.53f, 1.1f, 1.5f, 1.99f, 2.47f, 2.5f, 7.0f}) {
-            const glm::mat4 a = world.accel.InstanceTransform(static_cast<int>(i), time).Matrix();
+            const glm::mat4 a = world.accel.InstanceTransform(int(i), time).Matrix();
             const glm::mat4 b = world.motions[i].At(time).Matrix();
             for (int c = 0; c < 4; ++c)
                 for (int r = 0; r < 4; ++r)
                     EXPECT_NEAR(a[c][r], b[c][r], world.motions[i].tolerance) << i << " at " << time;
         }
-    EXPECT_EQ(world.accel.InstanceTransform(static_cast<int>(world.motions.size()), 1), world.still);
+    EXPECT_EQ(world.accel.InstanceTransform(int(world.motions.size()), 1), world.still);
 }
 
 /// The reference uses Embree's transforms, which are close to ours by the test above.
@@ -89,7 +88,7 @@ TEST(Motion, AgreesWithTheSlowTwinAtEveryTime) {
         ray.time = 3 * rng.Uniform();
         const std::vector<Placement> placements = world.At(ray.time);
         // The ray is aimed at a point near one of the placements.
-        const Placement &target = placements[static_cast<size_t>(i) % placements.size()];
+        const Placement &target = placements[size_t(i) % placements.size()];
         ray.o = target.transform.Point(6.0f * test::RandomDirection(rng));
         ray.d = target.transform.Point(2.0f * test::RandomDirection(rng)) - ray.o;
         if (i % 4 == 0) ray.tMax = 0.8f;
@@ -102,7 +101,7 @@ TEST(Motion, AgreesWithTheSlowTwinAtEveryTime) {
         }
         if (!fast) continue;
         ++hits;
-        moving += fast->instance >= 0 && fast->instance < static_cast<int>(world.motions.size());
+        moving += fast->instance >= 0 && fast->instance < int(world.motions.size());
         const Shape &shape = *world.shapes[fast->shape.value];
         SurfacePoint s = shape.Surface(fast->primitive, fast->hit);
         if (fast->instance >= 0) s = TransformSurface(world.accel.InstanceTransform(fast->instance, ray.time), s);
@@ -143,7 +142,7 @@ TEST(Motion, BoundsHoldTheWholeWay) {
     const Bounds3 b = accel.Bounds();
     Bounds3 needed;
     for (int i = 0; i <= 100; ++i) {
-        const Float time = Lerp(static_cast<Float>(i) / 100, kStart, kEnd);
+        const Float time = Lerp(Float(i) / 100, kStart, kEnd);
         for (int axis = 0; axis < 3; ++axis)
             for (Float sign : {-1.0f, 1.0f}) {
                 Point3 rim(0);

@@ -32,8 +32,8 @@ struct TellingScene {
         }
         const int object = accel.AddObject(ids, pointers, alphas);
         for (int i = 0; i < 20; ++i)
-            accel.AddInstance(
-                object, Transform::Rotate(static_cast<Float>(18 * i), {1, 2, 3}) * Transform::Scale({1.2f, .9f, 1.1f}));
+            accel.AddInstance(object,
+                              Transform::Rotate(Float(18 * i), {1, 2, 3}) * Transform::Scale({1.2f, .9f, 1.1f}));
         accel.Commit();
     }
 };
@@ -73,16 +73,15 @@ TEST(PassedHits, KeepsTheNearestInAnyOrderAndOneAtADistance) {
         for (int repeat = 0; repeat < 20; ++repeat) {
             std::vector<AccelHit> hits;
             for (int i = 0; i < count; ++i)
-                for (uint32_t copy = 0; copy < 2; ++copy)
-                    hits.push_back({ShapeId(copy), 7, {static_cast<Float>(i + 1), 0, 0}, -1});
+                for (uint32_t copy = 0; copy < 2; ++copy) hits.push_back({ShapeId(copy), 7, {Float(i + 1), 0, 0}, -1});
             for (size_t i = 0; i < hits.size(); ++i)
-                std::swap(hits[i], hits[static_cast<size_t>(rng.Uniform() * static_cast<Float>(hits.size()))]);
+                std::swap(hits[i], hits[size_t(rng.Uniform() * Float(hits.size()))]);
             PassedHits passed;
             for (const AccelHit &hit : hits) passed.Add(hit);
-            ASSERT_EQ(passed.Hits().size(), static_cast<size_t>(std::min(count, PassedHits::kMaxHits)));
+            ASSERT_EQ(passed.Hits().size(), size_t(std::min(count, PassedHits::kMaxHits)));
             EXPECT_EQ(passed.HasDropped(), count > PassedHits::kMaxHits);
             for (size_t i = 0; i < passed.Hits().size(); ++i) {
-                EXPECT_EQ(passed.Hits()[i].hit.t, static_cast<Float>(i + 1));
+                EXPECT_EQ(passed.Hits()[i].hit.t, Float(i + 1));
                 EXPECT_EQ(passed.Hits()[i].shape, ShapeId(0u));
             }
         }

@@ -89,7 +89,7 @@ void ExpectTight(const Ball &ball, Float scale, const Point3 &center, const Add 
     add(accel);
     accel.Commit();
     for (Float time : times) {
-        const int walks = 3000 / static_cast<int>(times.size());
+        const int walks = 3000 / int(times.size());
         const Walk w = RandomWalks(accel, {ball.shape.get()}, center, walks, time);
         EXPECT_EQ(w.escaped, 0) << ball.name << " scale " << scale << " time " << time << " of " << w.rays;
         EXPECT_EQ(w.samePrimitive, 0) << ball.name << " scale " << scale << " time " << time << " of " << w.rays;
@@ -149,8 +149,7 @@ TEST(SelfIntersection, OutwardRaysOfConvexShapesAreFree) {
                     if (i % 2) d = Normalize(d + s.n * (0.001f - Dot(d, s.n)));
                     again += accel.Occluded(s.SpawnRay(d));
                 }
-                EXPECT_EQ(again, 0) << static_cast<int>(shape->Kind()) << " scale " << setting.scale << " instanced "
-                                    << instanced;
+                EXPECT_EQ(again, 0) << int(shape->Kind()) << " scale " << setting.scale << " instanced " << instanced;
             }
         }
 }

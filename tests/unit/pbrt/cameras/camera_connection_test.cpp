@@ -120,7 +120,7 @@ TEST(CameraConnection, ThePictureOfASphericalCameraGoesOnBeyondItsEdges) {
             Camera::OtherPlaces places;
             const int n = camera->SeenAlsoAt(seen->pFilm, places);
             Float nearest = glm::length(film - seen->pFilm);
-            for (const Point2 &place : std::span(places).first(static_cast<size_t>(n))) {
+            for (const Point2 &place : std::span(places).first(size_t(n))) {
                 nearest = std::min(nearest, glm::length(film - place));
                 ExpectClose(RayAt(*camera, place).ray.d, ray.d, 1e-3f, mapping);
                 EXPECT_GT(glm::length(place - seen->pFilm), 0) << mapping;

@@ -115,7 +115,7 @@ TEST(FocusedThickness, ThinLensObeysTheLensEquation) {
 TEST(FocusedThickness, RaysNearTheAxisMeetInThePlaneOfFocus) {
     for (std::vector<LensElement> elements : {DoubleGauss(), test::FishEye()})
         for (Float distance : {0.5f, 6.0f}) {
-            elements.back().thickness = static_cast<Float>(FocusedThickness(elements, double(distance)).value());
+            elements.back().thickness = Float(FocusedThickness(elements, double(distance)).value());
             // The reference traces a ray from a point on the axis to where it crosses the axis again.
             const double rearZ = double(elements.back().thickness);
             const Traced t = TraceSlowly(elements, {0, 0, 0}, glm::normalize(glm::dvec3(1e-5, 0, rearZ)));
@@ -216,7 +216,7 @@ TEST(ApertureImage, ShapesHaveTheirCorners) {
     EXPECT_GT(pentagon.Lookup({0, 0.63f}), 0);
     // The star has points at 36, 108, 180, ... degrees and notches (at 0.382) between them.
     for (int i = 0; i < 10; ++i) {
-        const Float angle = Radians(36 * static_cast<Float>(i));
+        const Float angle = Radians(36 * Float(i));
         const Point2 direction(std::cos(angle), std::sin(angle));
         EXPECT_EQ(star.Lookup(direction * 0.45f) > 0, i % 2 == 1) << i;
         EXPECT_GT(star.Lookup(direction * 0.35f), 0) << i;
@@ -225,8 +225,8 @@ TEST(ApertureImage, ShapesHaveTheirCorners) {
 
 TEST(ApertureImage, FilesAreAveragedAndTurnedUpsideDown) {
     Image rgb(PixelFormat::Float, {2, 2}, {"R", "G", "B"});
-    for (int c = 0; c < 3; ++c) rgb.Set({0, 0}, c, static_cast<Float>(c));  // top left: mean 1
-    rgb.Set({1, 1}, 0, 9);                                                  // bottom right: mean 3
+    for (int c = 0; c < 3; ++c) rgb.Set({0, 0}, c, Float(c));  // top left: mean 1
+    rgb.Set({1, 1}, 0, 9);                                     // bottom right: mean 3
     const std::string path = testing::TempDir() + std::to_string(getpid()) + "_aperture_test.exr";
     WriteImage(path, rgb);
     const ApertureImage aperture = ReadAperture(path);

@@ -134,8 +134,8 @@ TEST(RealisticCamera, DifferentialsAreTheRaysOfTheNextPixels) {
     auto camera = MakeTestCamera("realistic", Parameters(test::DoubleGauss(), 6), {600, 400});
     const LensSystem &lens = Realistic(*camera).Lens();
     const CardinalPoints cardinal = ComputeCardinalPoints(test::DoubleGauss());
-    const auto magnification = static_cast<Float>((6 - double(lens.FrontZ()) + cardinal.frontPrincipal) /
-                                                  (double(lens.RearZ()) + cardinal.rearPrincipal));
+    const auto magnification =
+        Float((6 - double(lens.FrontZ()) + cardinal.frontPrincipal) / (double(lens.RearZ()) + cardinal.rearPrincipal));
     const Float pixel = 0.035f / glm::length(Vector2(600, 400)) * magnification;
     Rng rng(7);
     int valid = 0;

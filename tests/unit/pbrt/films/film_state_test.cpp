@@ -29,14 +29,14 @@ std::unique_ptr<Film> MakeFullFloat(const std::string &type, const ParamSet &par
 }
 
 /// A pseudo-random number in [0, 1) that depends on `key`.
-Float HashedUniform(uint64_t key) { return static_cast<Float>(MixBits(key) >> 40) / static_cast<Float>(1 << 24); }
+Float HashedUniform(uint64_t key) { return Float(MixBits(key) >> 40) / Float(1 << 24); }
 
 /// Adds the samples [first, last) of every pixel.
 void AddSamples(Film &film, uint64_t first, uint64_t last) {
     for (uint64_t i = first; i < last; ++i)
         for (int y = 0; y < 3; ++y)
             for (int x = 0; x < 5; ++x) {
-                const Float u = HashedUniform(100 * i + static_cast<uint64_t>(10 * y + x));
+                const Float u = HashedUniform(100 * i + uint64_t(10 * y + x));
                 FilmSample sample;
                 sample.pixel = {x, y};
                 sample.L = SampledSpectrum(u);
@@ -60,8 +60,8 @@ void AddSplats(Film &film, int64_t first, int64_t last, int threads) {
     const ThreadLimit limit(threads);
     ParallelFor(last - first, 16, [&](int64_t begin, int64_t end) {
         for (int64_t i = first + begin; i < first + end; ++i) {
-            const auto key = static_cast<uint64_t>(i);
-            const Point2i pixel(static_cast<int>(key % 6), static_cast<int>(key % 3));  // x = 5 is outside
+            const auto key = uint64_t(i);
+            const Point2i pixel(int(key % 6), int(key % 3));  // x = 5 is outside
             const Float u = HashedUniform(key);
             film.AddSplat(pixel, SampledSpectrum(std::exp(20 * u - 10)), film.SampleWavelengths(u), Float(0.3) - u);
         }
@@ -256,7 +256,7 @@ TEST_P(EveryFilm, SplatsAreTheSameForAnyNumberOfThreads) {
 std::vector<int> LightChannels(const Image &image) {
     std::vector<int> channels;
     for (int c = 0; c < image.ChannelCount(); ++c)
-        if (const std::string &name = image.Channels()[static_cast<size_t>(c)];
+        if (const std::string &name = image.Channels()[c];
             name == "R" || name == "G" || name == "B" || name.starts_with("S0"))
             channels.push_back(c);
     return channels;
@@ -270,7 +270,7 @@ TEST_P(EveryFilm, ThePictureHasTheMeanOfSplatsBesideThatOfSamples) {
     for (int i = 0; i < kSamples; ++i) {
         FilmSample sample;
         sample.pixel = {1, 1};
-        sample.lambda = film->SampleWavelengths((static_cast<Float>(i) + Float(0.5)) / kSamples);
+        sample.lambda = film->SampleWavelengths((Float(i) + Float(0.5)) / kSamples);
         sample.L = ColorSpace::SRGB().Illuminant().Sample(sample.lambda) / CieYIntegral;
         film->AddSample(sample);
         twice->AddSample(sample);
@@ -283,7 +283,7 @@ TEST_P(EveryFilm, ThePictureHasTheMeanOfSplatsBesideThatOfSamples) {
     film->AddSplatPaths(kPixels * kSamples);
     const Image one = film->ToImage(), three = twice->ToImage();
     for (const int c : LightChannels(one)) {
-        const std::string &name = one.Channels()[static_cast<size_t>(c)];
+        const std::string &name = one.Channels()[c];
         EXPECT_GT(one.Get({1, 1}, c), 0.01f) << name;
         EXPECT_NEAR(three.Get({1, 1}, c) / one.Get({1, 1}, c), 3, 1e-2f) << name;
         EXPECT_NEAR(one.Get({2, 1}, c) / one.Get({1, 1}, c), 1, 1e-2f) << name;
@@ -318,8 +318,7 @@ TEST_P(EveryFilm, SplatsAreCutAsSamplesAre) {
     for (const int c : LightChannels(whole)) {
         EXPECT_EQ(below.Get({1, 0}, c), whole.Get({1, 0}, c)) << c;
         EXPECT_LE(std::abs(cut.Get({1, 0}, c)), std::abs(whole.Get({1, 0}, c))) << c;
-        if (whole.Channels()[static_cast<size_t>(c)].starts_with("S0"))
-            continue;  // samples and splats divide otherwise
+        if (whole.Channels()[c].starts_with("S0")) continue;  // samples and splats divide otherwise
         EXPECT_FLOAT_EQ(cut.Get({1, 0}, c), cut.Get({0, 0}, c)) << c;
         EXPECT_FLOAT_EQ(whole.Get({1, 0}, c), whole.Get({0, 0}, c)) << c;
         EXPECT_LT(std::abs(cut.Get({1, 0}, c)), Float(0.5) * std::abs(whole.Get({1, 0}, c))) << c;
@@ -383,9 +382,8 @@ TEST(FixedSum, HoldsItsRangeToItsPrecision) {
 TEST(FixedSum, HasTheSameBitsInAnyOrder) {
     constexpr int64_t kCount = 20000;
     const auto number = [](int64_t i) {
-        const auto key = static_cast<uint64_t>(i);
-        return std::ldexp(double(HashedUniform(3 * key) - Float(0.5)),
-                          static_cast<int>(280 * HashedUniform(3 * key + 1)) - 140);
+        const auto key = uint64_t(i);
+        return std::ldexp(double(HashedUniform(3 * key) - Float(0.5)), int(280 * HashedUniform(3 * key + 1)) - 140);
     };
     FixedSum forward, backward, threads, parts;
     for (int64_t i = 0; i < kCount; ++i) forward.Add(number(i));

@@ -34,8 +34,7 @@ class FilmTest : public ::testing::Test {
     static Rgb Expose(Film &film, const Spectrum &emission, Float scale = 1, int n = 40000) {
         Float photometric = SpectrumToPhotometric(emission);
         for (int i = 0; i < n; ++i) {
-            SampledWavelengths lambda =
-                film.SampleWavelengths((static_cast<Float>(i) + Float(0.5)) / static_cast<Float>(n));
+            SampledWavelengths lambda = film.SampleWavelengths((Float(i) + Float(0.5)) / Float(n));
             film.AddSample({film.PixelBounds().low, scale / photometric * emission.Sample(lambda), lambda, 1, {}});
         }
         Image image = film.ToImage();

@@ -40,8 +40,7 @@ class FilterTest : public ::testing::TestWithParam<Wrong> {
         Vector2 r = filter_->Radius();
         for (int y = 0; y < n; ++y)
             for (int x = 0; x < n; ++x) {
-                Point2 t((static_cast<Float>(x) + Float(0.5)) / static_cast<Float>(n),
-                         (static_cast<Float>(y) + Float(0.5)) / static_cast<Float>(n));
+                Point2 t((Float(x) + Float(0.5)) / Float(n), (Float(y) + Float(0.5)) / Float(n));
                 f((t * Float(2) - Point2(1, 1)) * r, 4 * double(r.x) * double(r.y) / (double(n) * double(n)));
             }
     }
@@ -75,7 +74,7 @@ TEST_P(FilterTest, FrequenciesMatchPdf) {
     Vector2 r = filter_->Radius();
     auto bin = [&](const Point2 &p) {
         auto index = [](Float v, Float radius) {
-            return static_cast<size_t>(std::clamp(static_cast<int>((v / radius + 1) / 2 * kBins), 0, kBins - 1));
+            return size_t(std::clamp(int((v / radius + 1) / 2 * kBins), 0, kBins - 1));
         };
         return index(p.y, r.y) * kBins + index(p.x, r.x);
     };
@@ -109,7 +108,7 @@ TEST_P(FilterTest, WeightsReproduceTheFilter) {
     double mean = 0, weights = 0;
     for (int y = 0; y < kStrata; ++y)
         for (int x = 0; x < kStrata; ++x) {
-            Point2 u = (Point2(static_cast<Float>(x), static_cast<Float>(y)) + rng.Uniform2()) / Float(kStrata);
+            Point2 u = (Point2(Float(x), Float(y)) + rng.Uniform2()) / Float(kStrata);
             FilterSample s = filter_->Sample(glm::min(u, Point2(OneMinusEpsilon)));
             mean += double(s.weight) * g(s.offset) / (kStrata * kStrata);
             weights += double(s.weight) / (kStrata * kStrata);

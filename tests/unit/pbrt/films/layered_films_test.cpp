@@ -30,7 +30,7 @@ std::unique_ptr<Film> MakeLayered(const std::string &type, const ParamSet &param
 }
 
 constexpr int kSamples = 4000;
-Float Step(int i) { return (static_cast<Float>(i) + Float(0.5)) / kSamples; }
+Float Step(int i) { return (Float(i) + Float(0.5)) / kSamples; }
 
 TEST(SpectralFilm, BucketsHoldTheMeanRadianceWithinThem) {
     auto film = MakeLayered("spectral", LayeredParamSet({{"lambdamin", 400}, {"lambdamax", 700}}, 10));
@@ -45,7 +45,7 @@ TEST(SpectralFilm, BucketsHoldTheMeanRadianceWithinThem) {
     EXPECT_EQ(image.Channels()[3], "S0.415,000nm");
     EXPECT_EQ(image.Channels()[12], "S0.685,000nm");
     for (int b = 0; b < 10; ++b) {
-        EXPECT_NEAR(image.Get({1, 0}, 3 + b), line(415 + 30 * static_cast<Float>(b)), 0.01f);
+        EXPECT_NEAR(image.Get({1, 0}, 3 + b), line(415 + 30 * Float(b)), 0.01f);
         EXPECT_EQ(image.Get({0, 0}, 3 + b), 0.0f);
     }
 }

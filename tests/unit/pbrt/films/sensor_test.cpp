@@ -26,7 +26,7 @@ Xyz Measured(const PixelSensor &sensor, const Spectrum &radiance) {
     constexpr int kSteps = 8000;
     glm::dvec3 sum(0);
     for (int i = 0; i < kSteps; ++i) {
-        const auto lambda = SampledWavelengths::SampleVisible((static_cast<Float>(i) + Float(0.5)) / kSteps);
+        const auto lambda = SampledWavelengths::SampleVisible((Float(i) + Float(0.5)) / kSteps);
         sum += glm::dvec3(sensor.Expose(SafeDivide(radiance.Sample(lambda), lambda.Pdf()), lambda));
     }
     return sensor.XyzFromSensor() * Vector3(sum / double(kSteps));

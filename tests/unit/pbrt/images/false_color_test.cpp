@@ -13,7 +13,7 @@ Rgb Shown(const Image &image, int x, int y) {
 }
 
 Image Row(std::initializer_list<Float> values) {
-    Image image(PixelFormat::Float, {static_cast<int>(values.size()), 1}, {"Y"});
+    Image image(PixelFormat::Float, {int(values.size()), 1}, {"Y"});
     int x = 0;
     for (Float v : values) image.Set({x++, 0}, 0, v);
     return image;
@@ -22,7 +22,7 @@ Image Row(std::initializer_list<Float> values) {
 TEST(FalseColor, RampGetsBrighterAndEndsWhereTheScaleEnds) {
     Float before = -1;
     for (int i = 0; i <= 20; ++i) {
-        Rgb c = false_color::Ramp(static_cast<Float>(i) / 20);
+        Rgb c = false_color::Ramp(Float(i) / 20);
         Float luminance = Dot(c, Rgb(0.2126f, 0.7152f, 0.0722f));
         EXPECT_GT(luminance, before);
         before = luminance;
@@ -71,7 +71,7 @@ TEST(FalseColor, LegendRunsThroughTheScale) {
     ASSERT_EQ(shown.Resolution(), Point2i(10, 5));
     for (int x = 0; x < 10; ++x)
         for (int c = 0; c < 3; ++c)
-            EXPECT_NEAR(Shown(shown, x, 4)[c], false_color::Ramp((static_cast<Float>(x) + 0.5f) / 10)[c], 1e-3f);
+            EXPECT_NEAR(Shown(shown, x, 4)[c], false_color::Ramp((Float(x) + 0.5f) / 10)[c], 1e-3f);
     style.scale = FalseColorStyle::Scale::Id;
     EXPECT_EQ(FalseColor(Row({1, 2}), 0, style).Resolution().y, 1);
 }

@@ -45,12 +45,12 @@ const Color kWhite = kXyzFromRgb * Color(1);
 struct Weights {
     int radius = 0;
     std::vector<double> w;
-    double &At(int x, int y) { return w[static_cast<size_t>((y + radius) * (2 * radius + 1) + x + radius)]; }
-    explicit Weights(int r) : radius(r), w(static_cast<size_t>((2 * r + 1) * (2 * r + 1))) {}
+    double &At(int x, int y) { return w[(y + radius) * (2 * radius + 1) + x + radius]; }
+    explicit Weights(int r) : radius(r), w(size_t((2 * r + 1) * (2 * r + 1))) {}
 };
 
 Weights Contrast(std::vector<std::pair<double, double>> terms) {
-    Weights k(static_cast<int>(std::ceil(3 * std::sqrt(0.04 / (2 * kPi * kPi)) * kPpd)));
+    Weights k(int(std::ceil(3 * std::sqrt(0.04 / (2 * kPi * kPi)) * kPpd)));
     double sum = 0;
     for (int y = -k.radius; y <= k.radius; ++y)
         for (int x = -k.radius; x <= k.radius; ++x) {
@@ -64,7 +64,7 @@ Weights Contrast(std::vector<std::pair<double, double>> terms) {
 
 Weights Detector(bool point, bool alongY) {
     const double sigma = 0.5 * 0.082 * kPpd;
-    Weights k(static_cast<int>(std::ceil(3 * sigma)));
+    Weights k(int(std::ceil(3 * sigma)));
     double positive = 0, negative = 0;
     for (int y = -k.radius; y <= k.radius; ++y)
         for (int x = -k.radius; x <= k.radius; ++x) {
@@ -84,9 +84,8 @@ Plane Apply(const Plane &in, Point2i size, Weights k) {
         for (int x = 0; x < size.x; ++x)
             for (int j = -k.radius; j <= k.radius; ++j)
                 for (int i = -k.radius; i <= k.radius; ++i)
-                    out[static_cast<size_t>(y * size.x + x)] +=
-                        k.At(i, j) * in[static_cast<size_t>(std::clamp(y + j, 0, size.y - 1) * size.x +
-                                                            std::clamp(x + i, 0, size.x - 1))];
+                    out[y * size.x + x] +=
+                        k.At(i, j) * in[std::clamp(y + j, 0, size.y - 1) * size.x + std::clamp(x + i, 0, size.x - 1)];
     return out;
 }
 
@@ -110,7 +109,7 @@ Seen See(const Image &image) {
     Plane yy, cx, cz, lightness;
     for (int y = 0; y < size.y; ++y)
         for (int x = 0; x < size.x; ++x) {
-            auto v = [&](int c) { return std::clamp(static_cast<double>(image.Get({x, y}, c)), 0.0, 1.0); };
+            auto v = [&](int c) { return std::clamp(double(image.Get({x, y}, c)), 0.0, 1.0); };
             const Color c = kXyzFromRgb * Color(v(0), v(1), v(2)) / kWhite;
             yy.push_back(116 * c.y - 16);
             cx.push_back(500 * (c.x - c.y));
@@ -159,8 +158,8 @@ Plane Flip(const Image &image, const Image &reference) {
 Image Picture(float phase, bool dots) {
     const Image noise = test::NoiseImage(PixelFormat::Float, {37, 29}, kRgb, -0.1f, 0.1f);
     return Paint({37, 29}, [&](int x, int y) {
-        Rgb c(0.5f + 0.4f * std::sin(0.3f * static_cast<float>(x) + phase), x > 18 ? 0.8f : 0.2f,
-              0.5f + 0.5f * std::cos(0.2f * static_cast<float>(y) - phase));
+        Rgb c(0.5f + 0.4f * std::sin(0.3f * float(x) + phase), x > 18 ? 0.8f : 0.2f,
+              0.5f + 0.5f * std::cos(0.2f * float(y) - phase));
         for (int i = 0; i < 3; ++i) c[i] = std::max(0.f, c[i] + noise.Get({x, y}, i));
         if (dots && x % 11 == 5 && y % 7 == 3) c = Rgb(1.3f, 1, 0.9f);
         return c;
@@ -177,9 +176,9 @@ TEST(Flip, AgreesWithTheDirectConvolution) {
     double sum = 0, worst = 0;
     for (int y = 0; y < 29; ++y)
         for (int x = 0; x < 37; ++x) {
-            const double e = expected[static_cast<size_t>(y * 37 + x)];
+            const double e = expected[y * 37 + x];
             sum += e;
-            worst = std::max(worst, std::abs(e - static_cast<double>(errors.Get({x, y}, 0))));
+            worst = std::max(worst, std::abs(e - double(errors.Get({x, y}, 0))));
         }
     EXPECT_LT(worst, 2e-3);
     EXPECT_NEAR(mean, sum / (29 * 37), 3e-4);
@@ -215,7 +214,7 @@ TEST(Flip, OfFlatColorsIsTheRemappedColorDistance) {
     EXPECT_NEAR(Flip(Flat({0, 0, 0}), Flat({1, 1, 1})), 0.9674, 2e-4);
     EXPECT_NEAR(Flip(Flat({0, 1, 0}), Flat({0, 0, 1})), 1, 1e-4);
     // Greys of lightness 50 and 60 have Y = ((L + 16) / 116)^3; 10^0.7 / 41.27 = 0.12145 is below the knee.
-    const auto grey = [](double lightness) { return Rgb(static_cast<float>(std::pow((lightness + 16) / 116, 3))); };
+    const auto grey = [](double lightness) { return Rgb(float(std::pow((lightness + 16) / 116, 3))); };
     EXPECT_NEAR(Flip(Flat(grey(50)), Flat(grey(60))), 0.12145 * 0.95 / 0.4, 2e-4);
 }
 

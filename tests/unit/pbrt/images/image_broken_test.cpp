@@ -25,8 +25,7 @@ std::string Message(const std::string &path) {
 bool Has(const std::string &text, const std::string &part) { return text.find(part) != std::string::npos; }
 
 std::string BigEndian(uint32_t v) {
-    return test::Bytes({static_cast<int>(v >> 24), static_cast<int>(v >> 16 & 255), static_cast<int>(v >> 8 & 255),
-                        static_cast<int>(v & 255)});
+    return test::Bytes({int(v >> 24), int(v >> 16 & 255), int(v >> 8 & 255), int(v & 255)});
 }
 
 }  // namespace
@@ -39,7 +38,7 @@ class BrokenImage : public test::FolderTest {
         if (!compression.empty()) spec["compression"] = compression;
         std::vector<float> values(64 * 48 * 3);
         uint32_t state = 1;
-        for (float &v : values) v = static_cast<float>((state = state * 1664525u + 1013904223u) >> 8) * 0x1p-24f;
+        for (float &v : values) v = float((state = state * 1664525u + 1013904223u) >> 8) * 0x1p-24f;
         auto out = OIIO::ImageOutput::create(Path(name));
         EXPECT_TRUE(out && out->open(Path(name), spec) && out->write_image(OIIO::TypeDesc::FLOAT, values.data()) &&
                     out->close())
@@ -93,8 +92,7 @@ TEST_F(BrokenImage, AnEarlyEndIsAnErrorInEveryFormat) {
         EXPECT_EQ(Message(Path(c.name)), "") << c.name;
         for (double part : {0.02, 0.2, 0.5, 0.8, 0.9}) {
             const std::string path =
-                Write(std::string("cut_") + c.name,
-                      whole.substr(0, static_cast<size_t>(part * static_cast<double>(whole.size()))));
+                Write(std::string("cut_") + c.name, whole.substr(0, size_t(part * double(whole.size()))));
             EXPECT_TRUE(Has(Message(path), path)) << c.name << " cut to " << part << ": " << Message(path);
         }
     }

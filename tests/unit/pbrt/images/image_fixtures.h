@@ -9,7 +9,7 @@ namespace pbrt::test {
 
 inline std::string Bytes(std::initializer_list<int> values) {
     std::string bytes;
-    for (int v : values) bytes += static_cast<char>(v);
+    for (int v : values) bytes += char(v);
     return bytes;
 }
 
@@ -22,7 +22,7 @@ inline Image NoiseImage(PixelFormat format, Point2i resolution, std::vector<std:
         for (int x = 0; x < resolution.x; ++x)
             for (int c = 0; c < image.ChannelCount(); ++c) {
                 state = state * 1664525u + 1013904223u;
-                image.Set({x, y}, c, low + (high - low) * static_cast<Float>(state >> 8) * 0x1p-24f);
+                image.Set({x, y}, c, low + (high - low) * Float(state >> 8) * 0x1p-24f);
             }
     return image;
 }

@@ -43,7 +43,7 @@ class ReadImageFile : public test::FolderTest {
 
 namespace {
 const ColorEncoding kSrgb{};
-Float Decoded(int byte) { return kSrgb.ToLinear(static_cast<Float>(byte) / 255); }
+Float Decoded(int byte) { return kSrgb.ToLinear(Float(byte) / 255); }
 }  // namespace
 
 TEST_F(ReadImageFile, PngIsSrgbUnlessTheCallerSaysOtherwise) {
@@ -144,7 +144,7 @@ TEST_F(ReadImageFile, RadianceIsLinearFloatTopRowFirst) {
     const Image image = ReadImage(Write<float>("a.hdr", 2, 2, 3, OIIO::TypeDesc::FLOAT, values)).image;
     EXPECT_EQ(image.Format(), PixelFormat::Float);
     for (int i = 0; i < 12; ++i) {
-        const Float expected = values[static_cast<size_t>(i)];
+        const Float expected = values[i];
         EXPECT_NEAR(image.Get({i / 3 % 2, i / 6}, i % 3), expected, 0.05f * expected) << i;
     }
 }
@@ -164,8 +164,7 @@ TEST_F(ReadImageFile, RadianceRowsComeOutUprightAndColumnsAreRefused) {
         const Image image = ReadImage(write(lines)).image;
         ASSERT_EQ(image.Resolution(), Point2i(3, 2)) << lines;
         for (int i = 0; i < 6; ++i)
-            EXPECT_NEAR(image.Get({i % 3, i / 3}, 0), 0.0625 * (order[static_cast<size_t>(i)] + 1), 0.01)
-                << lines << " " << i;
+            EXPECT_NEAR(image.Get({i % 3, i / 3}, 0), 0.0625 * (order[i] + 1), 0.01) << lines << " " << i;
     }
     for (const char *lines : {"+X 3 -Y 2", "+X 3 +Y 2", "-X 3 -Y 2", "-X 3 +Y 2"}) {
         const std::string message = test::MessageOf([&] { ReadImage(write(lines)); });
@@ -179,33 +178,33 @@ TEST_F(ReadImageFile, UncompressedTiffOfEveryDepthAndPalette) {
         const int colors = 1 << bits, rowBytes = 32 * bits;
         std::string out = Bytes({'I', 'I', 42, 0, 8, 0, 0, 0});
         auto put = [&](uint32_t v, int bytes) {
-            for (int i = 0; i < bytes; ++i) out += static_cast<char>(v >> (8 * i));
+            for (int i = 0; i < bytes; ++i) out += char(v >> (8 * i));
         };
         const int entries = kind == 3 ? 10 : 9;
-        const uint32_t after = 8 + 2 + 12 * static_cast<uint32_t>(entries) + 4;
-        const uint32_t mapBytes = kind == 3 ? 6 * static_cast<uint32_t>(colors) : 0;
+        const uint32_t after = 8 + 2 + 12 * uint32_t(entries) + 4;
+        const uint32_t mapBytes = kind == 3 ? 6 * uint32_t(colors) : 0;
         auto entry = [&](uint32_t tag, uint32_t type, uint32_t count, uint32_t value) {
             put(tag, 2);
             put(type, 2);
             put(count, 4);
             put(value, 4);
         };
-        put(static_cast<uint32_t>(entries), 2);
+        put(uint32_t(entries), 2);
         entry(256, 3, 1, 256);
         entry(257, 3, 1, 64);
-        entry(258, 3, 1, static_cast<uint32_t>(bits));
+        entry(258, 3, 1, uint32_t(bits));
         entry(259, 3, 1, 1);
-        entry(262, 3, 1, static_cast<uint32_t>(kind));
+        entry(262, 3, 1, uint32_t(kind));
         entry(273, 4, 1, after + mapBytes);
         entry(277, 3, 1, 1);
         entry(278, 3, 1, 64);
-        entry(279, 4, 1, static_cast<uint32_t>(64 * rowBytes));
-        if (kind == 3) entry(320, 3, 3 * static_cast<uint32_t>(colors), after);
+        entry(279, 4, 1, uint32_t(64 * rowBytes));
+        if (kind == 3) entry(320, 3, 3 * uint32_t(colors), after);
         put(0, 4);
         for (int c = 0; kind == 3 && c < 3; ++c)
             for (int i = 0; i < colors; ++i)
-                put(static_cast<uint32_t>(c == 0 ? 257 * (255 * i / (colors - 1)) : c == 1 ? 0 : 65535), 2);
-        out += std::string(static_cast<size_t>(rowsLeft * rowBytes), '\xff');  // the last entry, or white
+                put(uint32_t(c == 0 ? 257 * (255 * i / (colors - 1)) : c == 1 ? 0 : 65535), 2);
+        out += std::string(size_t(rowsLeft * rowBytes), '\xff');  // the last entry, or white
         return Write("t.tif", out);
     };
     for (const int kind : {1, 3})
@@ -223,7 +222,7 @@ TEST_F(ReadImageFile, PfmHasItsBottomRowFirstInEitherByteOrder) {
     auto word = [](float v, bool big) {
         uint32_t bits = std::bit_cast<uint32_t>(v);
         std::string s;
-        for (int i = 0; i < 4; ++i) s += static_cast<char>(bits >> (big ? 24 - 8 * i : 8 * i));
+        for (int i = 0; i < 4; ++i) s += char(bits >> (big ? 24 - 8 * i : 8 * i));
         return s;
     };
     for (bool big : {false, true}) {
@@ -304,12 +303,12 @@ TEST_F(ReadImageFile, OfSeveralPartsTheFirstIsReadWithAWarning) {
                 headers.back().setType(Imf::SCANLINEIMAGE);
                 headers.back().channels().insert("Y", Imf::Channel(Imf::FLOAT));
             }
-            Imf::MultiPartOutputFile file(path.c_str(), headers.data(), static_cast<int>(parts));
+            Imf::MultiPartOutputFile file(path.c_str(), headers.data(), int(parts));
             for (size_t i = 0; i < parts; ++i) {
-                const float values[] = {static_cast<float>(i) + 1, 7};
+                const float values[] = {float(i) + 1, 7};
                 Imf::FrameBuffer buffer;
                 buffer.insert("Y", Imf::Slice(Imf::FLOAT, reinterpret_cast<char *>(const_cast<float *>(values)), 4, 8));
-                Imf::OutputPart part(file, static_cast<int>(i));
+                Imf::OutputPart part(file, int(i));
                 part.setFrameBuffer(buffer);
                 part.writePixels(1);
             }

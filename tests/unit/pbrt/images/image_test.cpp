@@ -34,9 +34,8 @@ TEST(ByteCode, DecodesLikeToLinearAndIsKept) {
         const ColorEncoding encoding = *ColorEncoding::Parse(name);
         const ByteCode &code = ByteCode::Of(encoding);
         for (int i = 0; i < 256; ++i) {
-            EXPECT_EQ(code.Decode(static_cast<uint8_t>(i)), encoding.ToLinear(static_cast<Float>(i) / 255))
-                << name << i;
-            EXPECT_EQ(code.DecodeTable()[i], code.Decode(static_cast<uint8_t>(i)));
+            EXPECT_EQ(code.Decode(uint8_t(i)), encoding.ToLinear(Float(i) / 255)) << name << i;
+            EXPECT_EQ(code.DecodeTable()[i], code.Decode(uint8_t(i)));
         }
         EXPECT_EQ(&code, &ByteCode::Of(encoding));
     }
@@ -47,7 +46,7 @@ TEST(ByteCode, EncodesToTheNearestEncodedByte) {
         const ColorEncoding encoding = *ColorEncoding::Parse(name);
         const ByteCode &code = ByteCode::Of(encoding);
         for (int i = -1000; i < 31000; ++i) {
-            const Float v = static_cast<Float>(i) / 30000;
+            const Float v = Float(i) / 30000;
             const Float exact = 255 * encoding.FromLinear(std::clamp(v, Float(0), Float(1)));
             // At most 0.5, up to the rounding of the power functions.
             ASSERT_NEAR(code.Encode(v), exact, 0.5002f) << name << " " << v;
@@ -62,7 +61,7 @@ TEST(ColorEncoding, EveryByteSurvivesDecodingAndEncoding) {
     for (const char *name : {"linear", "sRGB", "gamma 1.8", "gamma 0.5"}) {
         Image image(PixelFormat::U8, {256, 1}, {"Y"}, *ColorEncoding::Parse(name));
         auto *bytes = static_cast<uint8_t *>(image.Data());
-        for (int i = 0; i < 256; ++i) bytes[i] = static_cast<uint8_t>(i);
+        for (int i = 0; i < 256; ++i) bytes[i] = uint8_t(i);
         Image copy = image;
         for (int i = 0; i < 256; ++i) copy.Set({i, 0}, 0, image.Get({i, 0}, 0));
         for (int i = 0; i < 256; ++i) EXPECT_EQ(static_cast<const uint8_t *>(copy.Data())[i], i) << name;

@@ -211,7 +211,7 @@ TEST_F(WriteImageFile, JpegIsSrgbOfHighQuality) {
     Image image(PixelFormat::Float, {32, 32}, {"R", "G", "B", "A"});
     for (int y = 0; y < 32; ++y)
         for (int x = 0; x < 32; ++x)
-            for (int c = 0; c < 4; ++c) image.Set({x, y}, c, static_cast<Float>(c == 0 ? x : c == 1 ? y : 16) / 32);
+            for (int c = 0; c < 4; ++c) image.Set({x, y}, c, Float(c == 0 ? x : c == 1 ? y : 16) / 32);
     const Image read = ReadBack("a.jpg", image);
     ASSERT_EQ(read.ChannelCount(), 3);
     for (int y = 4; y < 32; ++y)

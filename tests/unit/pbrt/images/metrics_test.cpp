@@ -12,7 +12,7 @@ constexpr Metric kMetrics[] = {Metric::MAE,      Metric::MSE,   Metric::MRSE, Me
                                Metric::RelL2Abs, Metric::SMAPE, Metric::FLIP, Metric::HdrFLIP};
 
 Image Values(std::initializer_list<Float> values) {
-    Image image(PixelFormat::Float, {static_cast<int>(values.size()), 1}, {"Y"});
+    Image image(PixelFormat::Float, {int(values.size()), 1}, {"Y"});
     std::copy(values.begin(), values.end(), static_cast<float *>(image.Data()));
     return image;
 }
@@ -113,7 +113,7 @@ TEST(ImageError, KnowsTheNamesOfTheFormat) {
     for (size_t i = 0; i < std::size(names); ++i) EXPECT_EQ(ParseMetric(names[i]), kMetrics[i]) << names[i];
     EXPECT_FALSE(ParseMetric("mse"));
     EXPECT_EQ(MetricNames().size(), std::size(kMetrics));
-    for (Metric metric : kMetrics) EXPECT_EQ(ParseMetric(MetricNames()[static_cast<size_t>(metric)]), metric);
+    for (Metric metric : kMetrics) EXPECT_EQ(ParseMetric(MetricNames()[size_t(metric)]), metric);
 }
 
 }  // namespace pbrt

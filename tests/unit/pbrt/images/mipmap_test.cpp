@@ -23,7 +23,7 @@ double SlowBilinear(const Image &image, Point2 st, int channel, WrapMode wrap) {
     double sum = 0;
     for (int dy = -1; dy <= 2; ++dy)
         for (int dx = -1; dx <= 2; ++dx) {
-            const int px = static_cast<int>(std::floor(x)) + dx, py = static_cast<int>(std::floor(y)) + dy;
+            const int px = int(std::floor(x)) + dx, py = int(std::floor(y)) + dy;
             const double w = std::max(0.0, 1 - std::abs(x - px)) * std::max(0.0, 1 - std::abs(y - py));
             if (w > 0) sum += w * double(image.Get({px, py}, channel, wrap));
         }
@@ -38,10 +38,10 @@ double SlowEllipse(const Image &image, Point2 st, Vector2 axis0, Vector2 axis1, 
     const double ux = double(axis0.x) * w, uy = double(axis0.y) * h, vx = double(axis1.x) * w, vy = double(axis1.y) * h;
     const double xx = ux * ux + vx * vx + 1, xy = ux * uy + vx * vy, yy = uy * uy + vy * vy + 1;
     const double det = xx * yy - xy * xy;
-    const int reach = static_cast<int>(std::sqrt(std::max(xx, yy))) + 2;
+    const int reach = int(std::sqrt(std::max(xx, yy))) + 2;
     double sum = 0, weights = 0;
-    for (int y = static_cast<int>(std::floor(cy)) - reach; y <= cy + reach; ++y)
-        for (int x = static_cast<int>(std::floor(cx)) - reach; x <= cx + reach; ++x) {
+    for (int y = int(std::floor(cy)) - reach; y <= cy + reach; ++y)
+        for (int x = int(std::floor(cx)) - reach; x <= cx + reach; ++x) {
             const double dx = x - cx, dy = y - cy;
             const double q = (yy * dx * dx - 2 * xy * dx * dy + xx * dy * dy) / det;
             if (q >= 1) continue;
@@ -59,7 +59,7 @@ struct Query {
 
 std::vector<Query> RandomQueries(int count, double smallest, double largest) {
     std::mt19937 rng(7);
-    auto uniform = [&](double a, double b) { return a + (b - a) * (static_cast<double>(rng()) / 4294967296.0); };
+    auto uniform = [&](double a, double b) { return a + (b - a) * (double(rng()) / 4294967296.0); };
     std::vector<Query> queries;
     for (int i = 0; i < count; ++i) {
         auto axis = [&] {
@@ -82,7 +82,7 @@ TEST(Pyramid, LevelsAreMeansOfTheirSquares) {
     for (Point2i size : {Point2i(16, 16), Point2i(8, 32), Point2i(64, 1), Point2i(1, 4), Point2i(1, 1)}) {
         const Image image = NoiseImage(PixelFormat::Float, size, {"R", "G", "B"});
         const std::vector<Image> levels = BuildPyramid(image, WrapMode::Repeat);
-        ASSERT_EQ(levels.size(), 1 + static_cast<size_t>(std::log2(std::max(size.x, size.y))));
+        ASSERT_EQ(levels.size(), 1 + size_t(std::log2(std::max(size.x, size.y))));
         ExpectSamePixels(levels[0], image);
         for (size_t level = 1; level < levels.size(); ++level) {
             const Point2i coarse = levels[level].Resolution(), block = size / coarse;
@@ -171,8 +171,8 @@ TEST(MipMap, PointTakesTheNearestTexelOfTheLevel) {
         const double level = map.Levels() - 1 + std::log2(2 * double(Component(q.dst0, q.dst1)));
         if (level >= map.Levels() - 1) continue;
         const Image &image = map.Level(std::max(0, int(std::floor(level))));
-        const Point2i p(static_cast<int>(std::floor(q.st.x * static_cast<Float>(image.Resolution().x))),
-                        static_cast<int>(std::floor(q.st.y * static_cast<Float>(image.Resolution().y))));
+        const Point2i p(int(std::floor(q.st.x * Float(image.Resolution().x))),
+                        int(std::floor(q.st.y * Float(image.Resolution().y))));
         for (int c = 0; c < 3; ++c)
             EXPECT_EQ(map.LookupRgb(q.st, q.dst0, q.dst1)[c], image.Get(p, c, WrapMode::Repeat));
     }
@@ -217,7 +217,7 @@ TEST(MipMap, EwaIsTheGaussianMeanOverTheEllipse) {
             double shorter = double(glm::length(minor));
             const double least = double(glm::length(major)) / double(anisotropy);
             if (shorter < least) {
-                minor *= static_cast<Float>(least / shorter);
+                minor *= Float(least / shorter);
                 shorter = least;
             }
             const double level = std::max(0.0, map.Levels() - 1 + std::log2(shorter));
@@ -249,13 +249,13 @@ TEST(MipMap, FiltersKeepConstantImages) {
     Image flat(PixelFormat::Float, {32, 16}, {"R", "G", "B"});
     for (int y = 0; y < 16; ++y)
         for (int x = 0; x < 32; ++x)
-            for (int c = 0; c < 3; ++c) flat.Set({x, y}, c, 0.25f * static_cast<Float>(c + 1));
+            for (int c = 0; c < 3; ++c) flat.Set({x, y}, c, 0.25f * Float(c + 1));
     for (TextureFilter filter : AllFilters)
         for (WrapMode wrap : {WrapMode::Repeat, WrapMode::Clamp, WrapMode::OctahedralSphere}) {
             const MipMap map(flat, nullptr, filter, wrap, 8);
             for (const Query &q : RandomQueries(100, 1e-4, 10)) {
                 const Rgb got = map.LookupRgb(q.st, q.dst0, q.dst1);
-                for (int c = 0; c < 3; ++c) ASSERT_NEAR(got[c], 0.25f * static_cast<Float>(c + 1), 1e-5f);
+                for (int c = 0; c < 3; ++c) ASSERT_NEAR(got[c], 0.25f * Float(c + 1), 1e-5f);
             }
         }
 }

@@ -36,7 +36,7 @@ TEST(TileCache, TexelsComeBackAsTheyAre) {
                 for (int y = 0; y < images[i].Resolution().y; ++y)
                     for (int x = 0; x < images[i].Resolution().x; ++x) {
                         const char *expected = static_cast<const char *>(images[i].Data()) +
-                                               static_cast<size_t>(y * images[i].Resolution().x + x) * texel;
+                                               size_t(y * images[i].Resolution().x + x) * texel;
                         if (!tile.Holds(i, x, y)) stored->Get(i, x, y, tile);
                         ASSERT_TRUE(tile.Holds(i, x, y));
                         ASSERT_EQ(std::memcmp(tile.Texel(x, y), expected, texel), 0) << i << " " << x << " " << y;
@@ -73,9 +73,9 @@ TEST(TileCache, ThreadsForgetTheCacheBefore) {
         const auto stored = cache.Store({image});
         const auto *texels = static_cast<const float *>(image.Data());
         ParallelForEach(4, [&](int64_t part) {
-            std::mt19937 rng(static_cast<unsigned>(part));
+            std::mt19937 rng(unsigned(part));
             for (int k = 0; k < 300; ++k) {
-                const int x = static_cast<int>(rng() % 300), y = static_cast<int>(rng() % 256);
+                const int x = int(rng() % 300), y = int(rng() % 256);
                 TileCache::Stored::Tile tile;
                 stored->Get(0, x, y, tile);
                 ASSERT_EQ(std::memcmp(tile.Texel(x, y), texels + (y * 300 + x) * 4, 16), 0)
@@ -101,7 +101,7 @@ TEST(TileCache, LookupsAreTheSameBits) {
                      {TextureFilter::Point, TextureFilter::Bilinear, TextureFilter::Trilinear, TextureFilter::Ewa}) {
                     const MipMap a(memory, filter, 4), b(disk, filter, 4);
                     ParallelForEach(2, [&](int64_t part) {
-                        std::mt19937 rng(static_cast<unsigned>(part));
+                        std::mt19937 rng(unsigned(part));
                         std::uniform_real_distribution<Float> uniform(-0.2f, 1.2f), small(-0.05f, 0.05f);
                         for (int i = 0; i < 60; ++i) {
                             const Point2 st(uniform(rng), uniform(rng));

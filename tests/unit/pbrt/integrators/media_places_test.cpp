@@ -50,7 +50,7 @@ TEST(MediaInPlaces, AGridOfTemperaturesGlowsAsQuadratureSays) {
     auto text = [](const std::array<double, 6> &kelvins) {
         std::string temperatures, densities;
         for (int i = 0; i < 24; ++i) {
-            temperatures += fmt::format(" {}", kelvins[size_t(i / 4)]);
+            temperatures += fmt::format(" {}", kelvins[i / 4]);
             densities += i < 4 || i >= 20 ? " 0" : " 1";
         }
         const std::string grid = "'string type' 'uniformgrid' 'integer nx' 2 'integer ny' 2 'integer nz' 6 ";

@@ -11,7 +11,7 @@ namespace {
 TEST(PrimarySampler, HandsOutTheListAndDrawsWhatIsMissing) {
     Rng rng(1), same(1);
     std::vector<Float> numbers(100);
-    for (size_t i = 0; i < numbers.size(); ++i) numbers[i] = static_cast<Float>(i) / 200;
+    for (size_t i = 0; i < numbers.size(); ++i) numbers[i] = Float(i) / 200;
     const std::vector<Float> given = numbers;
     PrimarySampler sampler(numbers, rng);
     sampler.StartPixelSample({0, 0}, 0);
@@ -26,7 +26,7 @@ TEST(PrimarySampler, HandsOutTheListAndDrawsWhatIsMissing) {
 
     PrimarySampler again(numbers, rng);
     again.StartPixelSample({0, 0}, 0);
-    for (int i = 0; i < 20; ++i) EXPECT_EQ(again.Get1D(), got[static_cast<size_t>(i)]);
+    for (int i = 0; i < 20; ++i) EXPECT_EQ(again.Get1D(), got[i]);
     again.DropUnused();
     EXPECT_GE(numbers.size(), 20u);
     EXPECT_LT(numbers.size(), 40u);
@@ -45,7 +45,7 @@ TEST(PrimarySampler, StepsAreNormalAndKeepNumbersEven) {
     for (size_t i = 0; i < to.size(); ++i) {
         ASSERT_GE(to[i], 0);
         ASSERT_LT(to[i], 1);
-        ++cells[static_cast<size_t>(to[i] * 20)];
+        ++cells[size_t(to[i] * 20)];
         double step = double(to[i] - from[i]);
         step = (step - std::round(step)) / double(kSigma);
         first += step / kCount;

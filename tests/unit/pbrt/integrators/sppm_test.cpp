@@ -17,8 +17,7 @@ TEST(PhotonMap, FindsWhatASearchThroughAllFinds) {
         for (std::vector<Photon> &group : groups)
             for (int i = 0; i < 300; ++i) {
                 const Point2 a = rng.Uniform2();
-                group.push_back(
-                    {.p = {2 * a.x - 1, 2 * a.y - 1, rng.Uniform() / 10}, .scatterings = static_cast<int>(all.size())});
+                group.push_back({.p = {2 * a.x - 1, 2 * a.y - 1, rng.Uniform() / 10}, .scatterings = int(all.size())});
                 all.push_back(group.back());
             }
         PhotonMap map;

@@ -77,7 +77,7 @@ TEST_P(Strategies, TheirSharesAddUpToThePicture) {
         ++pictures;
         double all = 0;
         ForEachValue(image, [&](Point2i p, int c) {
-            sum[size_t((p.y * kSize + p.x) * 3 + c)] += double(image.Get(p, c));
+            sum[(p.y * kSize + p.x) * 3 + c] += double(image.Get(p, c));
             all += double(image.Get(p, c));
         });
         black += !(all > 0);
@@ -86,9 +86,9 @@ TEST_P(Strategies, TheirSharesAddUpToThePicture) {
     // Where the lamp is hidden, and hardly any path to it is short.
     EXPECT_LE(black, 3);
     double largest = 0, mean = 0;
-    for (double v : sum) mean += v / static_cast<double>(sum.size());
+    for (double v : sum) mean += v / double(sum.size());
     ForEachValue(rendered.image, [&](Point2i p, int c) {
-        const double difference = sum[size_t((p.y * kSize + p.x) * 3 + c)] - double(rendered.image.Get(p, c));
+        const double difference = sum[(p.y * kSize + p.x) * 3 + c] - double(rendered.image.Get(p, c));
         largest = std::max(largest, std::abs(difference));
     });
     EXPECT_LT(largest, 1e-5 * std::max(mean, 1.)) << "of " << mean;
@@ -98,7 +98,7 @@ TEST_P(Strategies, TheirSharesAddUpToThePicture) {
 using Colors = std::array<RunningStatistics, 3>;
 void Add(Colors &colors, const Image &image, const Image *less = nullptr) {
     for (int c = 0; c < 3; ++c)
-        colors[size_t(c)].Add(ChannelStatistics(image, c).mean - (less ? ChannelStatistics(*less, c).mean : 0));
+        colors[c].Add(ChannelStatistics(image, c).mean - (less ? ChannelStatistics(*less, c).mean : 0));
 }
 
 TEST_P(Strategies, EachAloneFindsAllLightOfItsDepth) {
@@ -116,7 +116,7 @@ TEST_P(Strategies, EachAloneFindsAllLightOfItsDepth) {
         for (int depth = 0; depth <= kDepth; ++depth) {
             const Image image =
                 RenderText(StrategyScene(place, isSmoke ? "volpath" : "path", depth, 2 * kSamples, 100 + seed)).image;
-            Add(expected[size_t(depth)], image, depth > 0 ? &before : nullptr);
+            Add(expected[depth], image, depth > 0 ? &before : nullptr);
             before = image;
         }
     }
@@ -126,7 +126,7 @@ TEST_P(Strategies, EachAloneFindsAllLightOfItsDepth) {
     for (const auto &[name, colors] : alone) {
         const int depth = name[name.find("depth") + 5] - '0';
         for (size_t c = 0; c < 3; ++c) {
-            const RunningStatistics &e = expected[size_t(depth)][c];
+            const RunningStatistics &e = expected[depth][c];
             const double error = std::hypot(e.StandardError(), colors[c].StandardError());
             EXPECT_LT(std::abs(colors[c].mean - e.mean), 5.5 * error + 1e-5 * brightest)
                 << name << ": " << colors[c].mean << " for " << e.mean;

@@ -17,7 +17,7 @@ TEST(Subsurface, ALargePlaneReflectsWhatItsMatterDoes) {
                 " 'float eta' {1}\n",
                 reflectance, eta);
             const RunningStatistics s = Green(kEvenSky + matter + "Shape 'disk' 'float radius' 20\n", kUnderSky);
-            const double fresnel = double(FresnelDielectric(1, static_cast<Float>(eta)));
+            const double fresnel = double(FresnelDielectric(1, Float(eta)));
             const double expected = fresnel + (1 - fresnel) * reflectance;
             EXPECT_LT(std::abs(s.mean - expected), 4 * s.StandardError() + .003 * expected)
                 << "eta " << eta << " reflectance " << reflectance << ": " << s.mean << " for " << expected;

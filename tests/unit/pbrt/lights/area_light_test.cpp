@@ -54,7 +54,7 @@ RunningStatistics ByUniformDirections(const Shape &shape, const Light &light, co
         double value = 0;
         if (auto hit = shape.Intersect(0, {p, w}, 1e-4f)) {
             SurfacePoint s = shape.Surface(0, *hit);
-            value = integrand(light.L(s.p, s.n, s.uv, -w, kLambda), w) / static_cast<double>(UniformConePdf(cosine));
+            value = integrand(light.L(s.p, s.n, s.uv, -w, kLambda), w) / double(UniformConePdf(cosine));
         }
         stats.Add(value);
     }
@@ -68,7 +68,7 @@ TEST_P(AreaLightShapes, SamplingFindsTheLightThatRaysFind) {
         for (Point3 p :
              {Point3(0.5f, 0.3f, 2.5f), Point3(-2, 1, -1.5f), Point3(4, -3, 6), Point3(0.25f, -0.05f, 0.32f)}) {
             auto irradiance = [](const SampledSpectrum &L, const Vector3 &w) {
-                return static_cast<double>(L.Average() * std::abs(w.z));
+                return double(L.Average() * std::abs(w.z));
             };
             RunningStatistics slow = ByUniformDirections(*shape, *light, p, 60000, irradiance), fast;
             Rng rng(3);
@@ -76,7 +76,7 @@ TEST_P(AreaLightShapes, SamplingFindsTheLightThatRaysFind) {
                 auto s = light->SampleLi(At(p), rng.Uniform2(), kLambda, false);
                 // The shape may hide a part of itself.
                 if (s && shape->Intersect(0, {p, s->wi, Distance(p, s->pLight) * 0.999f}, 1e-4f)) s.reset();
-                fast.Add(s ? irradiance(s->L, s->wi) / static_cast<double>(s->pdf) : 0);
+                fast.Add(s ? irradiance(s->L, s->wi) / double(s->pdf) : 0);
             }
             double error = std::hypot(slow.StandardError(), fast.StandardError()) + 1e-4 * slow.mean + 1e-12;
             EXPECT_LT(std::abs(slow.mean - fast.mean) / error, 4.5) << "two-sided " << twoSided << " z " << p.z;
@@ -119,7 +119,7 @@ TEST_P(AreaLightShapes, PhiIsTheIntegralOfEmittedRadiance) {
             Float pdf = CosineHemispherePdf(w.z) / 2;
             if (rng.Uniform() < 0.5f) w.z = -w.z;
             SampledSpectrum L = light->L(point->p, point->n, point->uv, frame.FromLocal(w), kLambda);
-            stats.Add(static_cast<double>(L.Average() * std::abs(w.z) / (pdf * point->pdf)));
+            stats.Add(double(L.Average() * std::abs(w.z) / (pdf * point->pdf)));
         }
         double phi = light->Phi(kLambda).Average();
         // The area of curved patches is an approximation, as in stock pbrt-v4.
@@ -205,7 +205,7 @@ TEST(DiffuseAreaLight, ImageIsMappedWithVUpwardsAndItsPowerIsKept) {
     auto xyzAt = [&](Point2 uv) {
         Vector3 sum(0);
         for (int i = 0; i < 500; ++i) {
-            auto lambda = SampledWavelengths::SampleUniform((static_cast<Float>(i) + 0.5f) / 500);
+            auto lambda = SampledWavelengths::SampleUniform((Float(i) + 0.5f) / 500);
             SampledSpectrum L = SafeDivide(light->L({}, {0, 0, 1}, uv, {0, 0, 1}, lambda), lambda.Pdf());
             sum += Vector3((L * CieX().Sample(lambda)).Average(), (L * CieY().Sample(lambda)).Average(),
                            (L * CieZ().Sample(lambda)).Average());
@@ -224,10 +224,10 @@ TEST(DiffuseAreaLight, ImageIsMappedWithVUpwardsAndItsPowerIsKept) {
     SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
     SampledSpectrum mean;
     for (int i = 0; i < 2500; ++i) {
-        Point2 uv((static_cast<Float>(i % 50) + 0.5f) / 50, (static_cast<Float>(i / 50) + 0.5f) / 50);
+        Point2 uv((Float(i % 50) + 0.5f) / 50, (Float(i / 50) + 0.5f) / 50);
         mean += powered->L({}, {0, 0, 1}, uv, {0, 0, 1}, lambda) / 2500;
     }
-    double expected = static_cast<double>(mean.Average() * Pi * shape->Area(0));
+    double expected = double(mean.Average() * Pi * shape->Area(0));
     // The spectrum of an interpolated colour is not the interpolation of the spectra; they differ by a few per cent.
     EXPECT_NEAR(powered->Phi(lambda).Average(), expected, 0.08 * expected);
 }

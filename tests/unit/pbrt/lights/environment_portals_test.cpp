@@ -73,19 +73,18 @@ TEST_P(PortalsOfEnvironments, DirectionsFollowTheDensity) {
                 elsewhere += std::abs(densityAt(s->wi) / s->pdf - 1) > 1e-2f;
                 const Vector3 w = portal.frame.ToLocal(s->wi), on = (at + w * (height / w.z) - portal.low) / sides;
                 const Point2i cell = glm::clamp(Point2i(Point2(on) * Float(kCells)), Point2i(0), Point2i(kCells - 1));
-                ++observed[static_cast<size_t>(cell.y * kCells + cell.x)];
+                ++observed[cell.y * kCells + cell.x];
             }
             EXPECT_LT(elsewhere, kDraws / 500) << "place " << p.x << ", " << part;
-            const auto area = static_cast<double>(sides.x * sides.y);
+            const auto area = double(sides.x * sides.y);
             constexpr int kSide = kCells * kFine;
             double found = 0;
             for (int i = 0; i < kSide * kSide; ++i) {
-                const Vector3 on((static_cast<Float>(i % kSide) + 0.5f) / kSide,
-                                 (static_cast<Float>(i / kSide) + 0.5f) / kSide, 0);
+                const Vector3 on((Float(i % kSide) + 0.5f) / kSide, (Float(i / kSide) + 0.5f) / kSide, 0);
                 const Vector3 to = portal.frame.FromLocal(portal.low + on * sides - at);
-                const auto solidAngle = area * static_cast<double>(height) / std::pow(Length(to), 3) / (kSide * kSide);
-                const double mass = static_cast<double>(densityAt(Normalize(to))) * solidAngle * kDraws;
-                expected[static_cast<size_t>(i / kSide / kFine * kCells + i % kSide / kFine)] += mass;
+                const auto solidAngle = area * double(height) / std::pow(Length(to), 3) / (kSide * kSide);
+                const double mass = double(densityAt(Normalize(to))) * solidAngle * kDraws;
+                expected[i / kSide / kFine * kCells + i % kSide / kFine] += mass;
                 found += mass;
             }
             expected.back() = std::max(kDraws - found, 0.0);
@@ -106,13 +105,13 @@ TEST_P(PortalsOfEnvironments, PartsAddUpToTheWhole) {
         for (size_t part = 0; part < portals->Count(); ++part)
             for (int i = 0; i < kSamples; ++i) {
                 const auto s = SampleRegion(part, p, rng.Uniform2());
-                bySamples[part].Add(s ? static_cast<double>(s->L.Average() / s->pdf) : 0);
+                bySamples[part].Add(s ? double(s->L.Average() / s->pdf) : 0);
                 if (s && portals->RegionTowards(p, s->wi) != part) FAIL() << "A direction is of another part.";
             }
         for (int i = 0; i < 20 * kSamples; ++i) {
             const Vector3 w = SampleUniformSphere(rng.Uniform2());
             const size_t part = portals->RegionTowards(p, w);
-            const double value = static_cast<double>(light->Le(p, w, kLambda).Average() * 4 * Pi);
+            const double value = double(light->Le(p, w, kLambda).Average() * 4 * Pi);
             for (size_t k = 0; k < portals->Count(); ++k) byDirections[k].Add(k == part ? value : 0);
         }
         for (size_t k = 0; k < portals->Count(); ++k) {
@@ -146,9 +145,7 @@ TEST_P(PortalsOfEnvironments, TheIntegralIsThatOfTheRadianceInTheWindow) {
         RunningStatistics sum;
         for (int i = 0; i < 400000; ++i) {
             const Vector3 w = SampleUniformSphere(rng.Uniform2());
-            sum.Add(portal.IsPassed(kPlaces[0], w)
-                        ? static_cast<double>(light->AsEnvironment()->MeanRadiance(w) * 4 * Pi)
-                        : 0);
+            sum.Add(portal.IsPassed(kPlaces[0], w) ? double(light->AsEnvironment()->MeanRadiance(w) * 4 * Pi) : 0);
         }
         const std::optional<Bounds2> window = portal.WindowFrom(kPlaces[0]);
         const Float integral = window ? portals->Map(k).Integral(*window) : Float(0);
@@ -166,7 +163,7 @@ TEST_P(PortalsOfEnvironments, SamplesAreAlike) {
     for (int i = 0; i < 20000; ++i) {
         const auto s = wide.Sample(0, {0, 0, 0}, rng.Uniform2());
         if (!s) continue;
-        const double v = static_cast<double>(light->AsEnvironment()->MeanRadiance(s->wi) / s->pdf);
+        const double v = double(light->AsEnvironment()->MeanRadiance(s->wi) / s->pdf);
         value.Add(v);
         greatest = std::max(greatest, v);
     }
@@ -196,7 +193,7 @@ TEST_F(SmallSun, TheRimMakesLittleNoise) {
     RunningStatistics value;
     for (int i = 0; i < 20000; ++i) {
         const auto s = portals.Sample(0, {0, 0, 0}, rng.Uniform2());
-        value.Add(s ? static_cast<double>(light->AsEnvironment()->MeanRadiance(s->wi) / s->pdf) : 0);
+        value.Add(s ? double(light->AsEnvironment()->MeanRadiance(s->wi) / s->pdf) : 0);
     }
     // Divided pixels leave 0.17, undivided ones 2.1.
     EXPECT_LT(value.Variance(), 0.5 * value.mean * value.mean);

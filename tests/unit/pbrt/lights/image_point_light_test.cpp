@@ -17,15 +17,14 @@ Image GreyImage(int n, const std::function<Float(int, int)> &value) {
 /// The intensity along w (rendering space, unit length) of a light at p, averaged over the wavelengths.
 double IntensityAlong(const Light &light, const Point3 &p, const Vector3 &w) {
     auto s = light.SampleLi(At(p + w), {}, kLambda, false);
-    return s ? static_cast<double>(s->L.Average()) : 0;
+    return s ? double(s->L.Average()) : 0;
 }
 
 class Goniometric : public testing::Test {
   protected:
     Goniometric()
-        : file_("lobes.exr", GreyImage(8, [](int x, int y) {
-                    return 0.1f * static_cast<Float>(x + 2 * y) + (x == 2 ? 3.f : 0.f);
-                })) {}
+        : file_("lobes.exr",
+                GreyImage(8, [](int x, int y) { return 0.1f * Float(x + 2 * y) + (x == 2 ? 3.f : 0.f); })) {}
     Params File() const { return Params().String("filename", file_.Path()); }
     TemporaryImage file_;
 };
@@ -41,11 +40,10 @@ TEST_F(Goniometric, ImageIsFoundByDirectionWithYAndZSwapped) {
     auto one = Make("point", Params(), ctm);
     Rng rng(1);
     for (int i = 0; i < 200; ++i) {
-        Point2 st((static_cast<Float>(rng.UniformInt(8)) + 0.5f) / 8,
-                  (static_cast<Float>(rng.UniformInt(8)) + 0.5f) / 8);
+        Point2 st((Float(rng.UniformInt(8)) + 0.5f) / 8, (Float(rng.UniformInt(8)) + 0.5f) / 8);
         Vector3 inImage = EqualAreaSquareToSphere(st);
         Vector3 w = Normalize(ctm.Vector({inImage.x, inImage.z, inImage.y}));
-        auto x = static_cast<int>(st.x * 8), y = static_cast<int>(st.y * 8);
+        auto x = int(st.x * 8), y = int(st.y * 8);
         double expected = 0.1 * (x + 2 * y) + (x == 2 ? 3 : 0);
         EXPECT_NEAR(IntensityAlong(*light, {1, 2, 3}, w) / IntensityAlong(*one, {1, 2, 3}, w), expected,
                     2e-3 * expected + 1e-6);
@@ -75,9 +73,7 @@ TEST_F(Goniometric, WithoutAnImageItIsAPointLightAndSaysSo) {
 class Projection : public testing::TestWithParam<Point2i> {
   protected:
     Projection() : file_("slide.exr", RgbImage(GetParam(), Slide)) {}
-    static Rgb Slide(int x, int y) {
-        return {0.2f + 0.05f * static_cast<Float>(x), 0.3f, 0.1f + 0.02f * static_cast<Float>(y)};
-    }
+    static Rgb Slide(int x, int y) { return {0.2f + 0.05f * Float(x), 0.3f, 0.1f + 0.02f * Float(y)}; }
     Params File() const { return Params().String("filename", file_.Path()); }
     TemporaryImage file_;
 };
@@ -88,8 +84,7 @@ TEST_P(Projection, PhiIsTheIntegralOfIntensity) {
         constexpr int kSide = 600;
         double mean = 0;
         for (int i = 0; i < kSide * kSide; ++i) {
-            const Point2 u =
-                (Point2(static_cast<Float>(i % kSide), static_cast<Float>(i / kSide)) + 0.5f) / Float(kSide);
+            const Point2 u = (Point2(Float(i % kSide), Float(i / kSide)) + 0.5f) / Float(kSide);
             mean += IntensityAlong(*light, Point3(0), SampleUniformSphere(u)) / (kSide * kSide);
         }
         EXPECT_NEAR(mean * 4 * std::numbers::pi / light->Phi(kLambda).Average(), 1, 1.5e-2) << fov;
@@ -104,12 +99,11 @@ TEST_P(Projection, PowerParameterIsTheFlux) {
 TEST_P(Projection, TopIsUpRightIsRightAndTheShorterSideHasTheFov) {
     Point2i n = GetParam();
     auto light = Make("projection", File().Number("fov", 60));
-    Float t = std::tan(Radians(30)), aspect = static_cast<Float>(n.x) / static_cast<Float>(n.y);
+    Float t = std::tan(Radians(30)), aspect = Float(n.x) / Float(n.y);
     Float hx = t * std::max(aspect, Float(1)), hy = t * std::max(1 / aspect, Float(1));
     for (int y = 0; y < n.y; ++y)
         for (int x = 0; x < n.x; ++x) {
-            Float u = (static_cast<Float>(x) + 0.5f) / static_cast<Float>(n.x),
-                  v = (static_cast<Float>(y) + 0.5f) / static_cast<Float>(n.y);
+            Float u = (Float(x) + 0.5f) / Float(n.x), v = (Float(y) + 0.5f) / Float(n.y);
             Vector3 w = Normalize(Vector3((2 * u - 1) * hx, (1 - 2 * v) * hy, 1));
             auto s = light->SampleLi(At(w), {}, kLambda, false);
             ASSERT_TRUE(s);

@@ -8,7 +8,7 @@ namespace {
 
 Rgb SkyWithSun(int x, int y) {
     if (x == 3 && y == 5) return {80, 60, 30};
-    return {0.1f * static_cast<Float>(x), 0.4f, 0.05f * static_cast<Float>(y)};
+    return {0.1f * Float(x), 0.4f, 0.05f * Float(y)};
 }
 
 TEST(UniformInfiniteLight, ScaleOneIsOneNitAndIlluminanceIsThatOfAHemisphere) {
@@ -30,7 +30,7 @@ TEST(UniformInfiniteLight, LeavesSamplingToTheBsdfIfPdfsMayBeIncomplete) {
     ASSERT_TRUE(s);
     EXPECT_EQ(s->pdf, light->PdfLi(At({0, 0, 0}), s->wi, {}, {}, false));
     EXPECT_GE(Length(s->pLight), 8 * 0.999f);
-    double L = static_cast<double>(s->L.Average());
+    double L = double(s->L.Average());
     EXPECT_NEAR(light->Phi(kLambda).Average(), L * 4 * std::numbers::pi * std::numbers::pi * 16, 1e-2 * L);
 }
 
@@ -97,8 +97,7 @@ TEST_F(ImageInfinite, CompensatedDensitySkipsWhatIsBelowAverage) {
     int zero = 0, positive = 0;
     for (int y = 0; y < 8; ++y)
         for (int x = 0; x < 8; ++x) {
-            Vector3 w =
-                EqualAreaSquareToSphere({(static_cast<Float>(x) + 0.5f) / 8, (static_cast<Float>(y) + 0.5f) / 8});
+            Vector3 w = EqualAreaSquareToSphere({(Float(x) + 0.5f) / 8, (Float(y) + 0.5f) / 8});
             EXPECT_GT(light->PdfLi(At({0, 0, 0}), w, {}, {}, false), 0);
             (light->PdfLi(At({0, 0, 0}), w, {}, {}, true) > 0 ? positive : zero) += 1;
         }

@@ -33,7 +33,7 @@ void PrintTo(const EmissionCase &c, std::ostream *out) { *out << c.name; }
 
 Rgb Picture(int x, int y) {
     if (x == 5 && y == 2) return {9, 7, 2};
-    return {0.1f * static_cast<Float>(x), 0.3f, 0.05f * static_cast<Float>(y)};
+    return {0.1f * Float(x), 0.3f, 0.05f * Float(y)};
 }
 const std::string &File(Shooter &s, const Image &image) {
     s.files.push_back(std::make_unique<TemporaryImage>("emission.exr", image));
@@ -42,7 +42,7 @@ const std::string &File(Shooter &s, const Image &image) {
 Image Grey() {
     Image image(PixelFormat::Float, {8, 8}, {"Y"});
     for (int y = 0; y < 8; ++y)
-        for (int x = 0; x < 8; ++x) image.Set({x, y}, 0, x == 3 && y == 4 ? 6 : 0.1f * static_cast<Float>(x));
+        for (int x = 0; x < 8; ++x) image.Set({x, y}, 0, x == 3 && y == 4 ? 6 : 0.1f * Float(x));
     return image;
 }
 void Area(Shooter &s, std::shared_ptr<const Shape> shape, const Params &params, bool cut = false) {
@@ -145,7 +145,7 @@ TEST_P(Emission, SamplesCarryThePower) {
     RunningStatistics flux;
     for (int i = 0; i < 60000; ++i) {
         const auto s = TheLight().SampleLe(rng.Uniform2(), rng.Uniform2(), kLambda);
-        flux.Add(s ? static_cast<double>(Flux(*s)) : 0);
+        flux.Add(s ? double(Flux(*s)) : 0);
     }
     const double power = TheLight().Phi(kLambda).Average();
     ASSERT_GT(power, 0);
@@ -199,7 +199,7 @@ TEST_P(Emission, LightReachesAReceiverAsItDoesBySamplingTheLight) {
         if (s) {
             const Float along = Dot(s->ray.d, frame.z), t = Dot(middle - s->ray.o, frame.z) / along;
             const Vector3 at = frame.ToLocal(s->ray(t) - middle);
-            if (t > 0 && std::abs(at.x) < kHalf && std::abs(at.y) < kHalf) flux = static_cast<double>(Flux(*s));
+            if (t > 0 && std::abs(at.x) < kHalf && std::abs(at.y) < kHalf) flux = double(Flux(*s));
         }
         shot.Add(flux);
         const Point2 u = rng.Uniform2();
@@ -208,7 +208,7 @@ TEST_P(Emission, LightReachesAReceiverAsItDoesBySamplingTheLight) {
         const auto li = TheLight().SampleLi(from, rng.Uniform2(), kLambda, false);
         double irradiance = 0;
         if (li && li->pdf > 0)
-            irradiance = static_cast<double>(li->L.Average() * AbsDot(li->wi, frame.z) / li->pdf * Sqr(2 * kHalf));
+            irradiance = double(li->L.Average() * AbsDot(li->wi, frame.z) / li->pdf * Sqr(2 * kHalf));
         gathered.Add(irradiance);
     }
     ASSERT_GT(gathered.mean, 0);
@@ -227,9 +227,8 @@ TEST_P(Emission, DirectionsFollowTheirDensity) {
     int drawn = 0;
     auto cell = [](const Vector3 &w) {
         const Point2 st = EqualAreaSphereToSquare(w);
-        const int x = std::clamp(static_cast<int>(st.x * kN), 0, kN - 1),
-                  y = std::clamp(static_cast<int>(st.y * kN), 0, kN - 1);
-        return static_cast<size_t>(y * kN + x);
+        const int x = std::clamp(int(st.x * kN), 0, kN - 1), y = std::clamp(int(st.y * kN), 0, kN - 1);
+        return size_t(y * kN + x);
     };
     std::optional<LightLeSample> any;
     // A point of the portal, which all its rays cross.
@@ -246,14 +245,13 @@ TEST_P(Emission, DirectionsFollowTheirDensity) {
     double total = 0;
     for (int y = 0; y < kN * kSub; ++y)
         for (int x = 0; x < kN * kSub; ++x) {
-            const Vector3 w = EqualAreaSquareToSphere(
-                {(static_cast<Float>(x) + 0.5f) / (kN * kSub), (static_cast<Float>(y) + 0.5f) / (kN * kSub)});
+            const Vector3 w =
+                EqualAreaSquareToSphere({(Float(x) + 0.5f) / (kN * kSub), (Float(y) + 0.5f) / (kN * kSub)});
             const Vector3 render = isLocal ? Frame::FromZ(any->n).FromLocal(w) : w;
             const double mass =
-                static_cast<double>(
-                    TheLight().PdfLe(isPortal ? Point3(0, 0, 1) : any->ray.o, any->n, render).direction) *
-                4 * std::numbers::pi / (kN * kSub * kN * kSub);
-            expected[static_cast<size_t>(y / kSub * kN + x / kSub)] += mass;
+                double(TheLight().PdfLe(isPortal ? Point3(0, 0, 1) : any->ray.o, any->n, render).direction) * 4 *
+                std::numbers::pi / (kN * kSub * kN * kSub);
+            expected[y / kSub * kN + x / kSub] += mass;
             total += mass;
         }
     // Edges of cones and images do not follow the cells.

@@ -40,7 +40,7 @@ TEST(LightTable, KeepsOrderAndKnowsWhoIsInfinite) {
 
 /// Power in watts.
 double PowerOf(const LightTable &table, uint32_t light) {
-    return static_cast<double>(table.Candidate(LightId(light)).power) * table.Unit();
+    return double(table.Candidate(LightId(light)).power) * table.Unit();
 }
 
 TEST(LightTable, PowerIsTheRootMeanSquareOfPhiOverTheVisibleRange) {
@@ -52,7 +52,7 @@ TEST(LightTable, PowerIsTheRootMeanSquareOfPhiOverTheVisibleRange) {
     double square = 0;
     constexpr int kSets = 1000;
     for (int i = 0; i < kSets; ++i) {
-        const auto lambda = SampledWavelengths::SampleVisible((static_cast<Float>(i) + 0.5f) / kSets);
+        const auto lambda = SampledWavelengths::SampleVisible((Float(i) + 0.5f) / kSets);
         const LightPower phi = table[LightId(0u)].Phi(lambda);
         square += Sqr(phi.factor * RootMeanSquare(phi.spectrum)) / kSets;
     }
@@ -70,7 +70,7 @@ ParamSet Line(Float nm, Float scale) {
 TEST(LightTable, EveryLineOfTheVisibleRangeHasPower) {
     LightTable table;
     table.Add(Make("point", Params()));
-    for (int nm = 380; nm <= 780; ++nm) table.Add(Make("point", Line(static_cast<Float>(nm), 1)));
+    for (int nm = 380; nm <= 780; ++nm) table.Add(Make("point", Line(Float(nm), 1)));
     table.Finish({0, 0, 0}, 1);
     // Photometric scaling makes dim wavelengths strong; none may be a thousand times weaker than white light.
     for (uint32_t i = 1; i < table.Size(); ++i)
@@ -79,14 +79,14 @@ TEST(LightTable, EveryLineOfTheVisibleRangeHasPower) {
 
 TEST(LightTable, AnyLineThatAFilmOfAnyRangeMeetsHasPower) {
     LightTable table;
-    for (int nm = 360; nm <= 830; ++nm) table.Add(Make("point", Line(static_cast<Float>(nm), 1)));
+    for (int nm = 360; nm <= 830; ++nm) table.Add(Make("point", Line(Float(nm), 1)));
     table.Finish({0, 0, 0}, 1);
     // "film" "spectral" accepts ranges within that of the spectra only, and samples them uniformly.
     constexpr std::array<Float, 2> kRanges[] = {{LambdaMin, 361}, {360, 400},           {600, 600.5f},
                                                 {780, LambdaMax}, {829.75f, LambdaMax}, {LambdaMin, LambdaMax}};
     for (const auto &[low, high] : kRanges)
         for (int i = 0; i < 1000; ++i) {
-            const auto lambda = SampledWavelengths::SampleUniform((static_cast<Float>(i) + 0.5f) / 1000, low, high);
+            const auto lambda = SampledWavelengths::SampleUniform((Float(i) + 0.5f) / 1000, low, high);
             for (uint32_t light = 0; light < table.Size(); ++light) {
                 const bool emits(table[LightId(light)].Phi(lambda).spectrum);
                 ASSERT_TRUE(!emits || table.Candidate(LightId(light)).power > 0) << 360 + light << " nm";
@@ -106,7 +106,7 @@ TEST(LightTable, SharesOfPowerDoNotDependOnTheUnitOfRadiance) {
         for (uint32_t i = 0; i < table.Size(); ++i) {
             const LightCandidate c = table.Candidate(LightId(i));
             EXPECT_TRUE(std::isfinite(c.power)) << scale << " " << radius;
-            result.push_back(static_cast<double>(c.power) / static_cast<double>(table.Candidate(LightId(0u)).power));
+            result.push_back(double(c.power) / double(table.Candidate(LightId(0u)).power));
             if (c.bounds) {
                 EXPECT_GT(c.bounds->Sphere().phi, 1e-30f) << scale << " " << radius;
             }

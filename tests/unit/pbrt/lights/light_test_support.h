@@ -49,14 +49,14 @@ inline std::unique_ptr<Shape> Triangle(const Transform &ctm = {}) {
     return std::make_unique<TriangleMesh>(data, ctm, false);
 }
 
-inline SampledSpectrum Value(const LightPower &power) { return static_cast<Float>(power.factor) * power.spectrum; }
+inline SampledSpectrum Value(const LightPower &power) { return Float(power.factor) * power.spectrum; }
 
 /// The luminous part: the integral of y-bar times the spectrum that `sample` returns for given wavelengths.
 inline double Photometric(const std::function<SampledSpectrum(const SampledWavelengths &)> &sample, int n = 4000) {
     double sum = 0;
     for (int i = 0; i < n; ++i) {
-        auto lambda = SampledWavelengths::SampleUniform((static_cast<Float>(i) + Float(0.5)) / static_cast<Float>(n));
-        sum += static_cast<double>(SafeDivide(sample(lambda) * CieY().Sample(lambda), lambda.Pdf()).Average());
+        auto lambda = SampledWavelengths::SampleUniform((Float(i) + Float(0.5)) / Float(n));
+        sum += double(SafeDivide(sample(lambda) * CieY().Sample(lambda), lambda.Pdf()).Average());
     }
     return sum / n;
 }

@@ -9,7 +9,7 @@ namespace {
 
 Rgb SkyBehindPortal(int x, int y) {
     if (x == 9 && y == 5) return {12, 9, 4};
-    return {0.1f * static_cast<Float>(x), 0.4f, 0.05f * static_cast<Float>(y)};
+    return {0.1f * Float(x), 0.4f, 0.05f * Float(y)};
 }
 
 /// A window of 2 x 1 in the plane z = 1, seen from below (cross(p3 - p0, p1 - p0) is +z); the whole is turned by kTurn.
@@ -58,14 +58,13 @@ TEST_F(SkyThroughPortal, DirectionsFollowTheDensityOfThePointTheyAreSeenFrom) {
         double total = 0;
         for (int i = 0; i < kX * kSub; ++i)
             for (int j = 0; j < kY * kSub; ++j) {
-                Point3 onWindow((static_cast<Float>(i) + 0.5f) / (kX * kSub) * 2 - 1,
-                                (static_cast<Float>(j) + 0.5f) / (kY * kSub) - 0.5f, 1);
+                Point3 onWindow((Float(i) + 0.5f) / (kX * kSub) * 2 - 1, (Float(j) + 0.5f) / (kY * kSub) - 0.5f, 1);
                 Vector3 d = onWindow - place;
                 Float d2 = LengthSquared(d);
                 Vector3 w = Normalize(kTurn.Vector(d));
-                double solidAngle = static_cast<double>(d.z / (d2 * std::sqrt(d2))) * 2 / (kX * kSub * kY * kSub);
-                double mass = static_cast<double>(light->PdfLi(At(p), w, {}, {}, true)) * solidAngle;
-                expected[static_cast<size_t>(i / kSub * kY + j / kSub)] += mass;
+                double solidAngle = double(d.z / (d2 * std::sqrt(d2))) * 2 / (kX * kSub * kY * kSub);
+                double mass = double(light->PdfLi(At(p), w, {}, {}, true)) * solidAngle;
+                expected[i / kSub * kY + j / kSub] += mass;
                 total += mass;
             }
         EXPECT_NEAR(total, 1, 1e-2) << "seen from z " << place.z;
@@ -78,9 +77,9 @@ TEST_F(SkyThroughPortal, DirectionsFollowTheDensityOfThePointTheyAreSeenFrom) {
             ASSERT_TRUE(ThroughWindow(p, s->wi, 1e-3f));
             Vector3 d = kTurn.InverseVector(s->wi);
             Point3 hit = place + d * ((1 - place.z) / d.z);
-            auto i = std::clamp(static_cast<int>((hit.x + 1) / 2 * kX), 0, kX - 1),
-                 j = std::clamp(static_cast<int>((hit.y + 0.5f) * kY), 0, kY - 1);
-            observed[static_cast<size_t>(i * kY + j)] += 1;
+            auto i = std::clamp(int((hit.x + 1) / 2 * kX), 0, kX - 1),
+                 j = std::clamp(int((hit.y + 0.5f) * kY), 0, kY - 1);
+            observed[i * kY + j] += 1;
         }
         EXPECT_EQ(drawn, kSamples);
         for (double &e : expected) e *= drawn / total;
@@ -117,7 +116,7 @@ TEST_F(SkyThroughPortal, LightComesOnlyThroughTheWindowAndOnlyInwards) {
         if (ThroughWindow(p, w, 1e-3f) != ThroughWindow(p, w, -1e-3f)) continue;
         bool expected = ThroughWindow(p, w, 0);
         through += expected;
-        ASSERT_EQ(static_cast<bool>(light->Le(p, w, kLambda)), expected);
+        ASSERT_EQ(bool(light->Le(p, w, kLambda)), expected);
         ASSERT_EQ(light->PdfLi(At(p), w, {}, {}, true) > 0, expected);
     }
     EXPECT_GT(through, 500);
@@ -130,8 +129,7 @@ TEST_F(SkyThroughPortal, LightComesOnlyThroughTheWindowAndOnlyInwards) {
 TEST_F(SkyThroughPortal, WhatIsSeenThroughItIsTheSkyBeyond) {
     // A smooth sky, which resampling changes little.
     TemporaryImage smooth("smooth.exr", RgbImage({64, 64}, [](int x, int y) {
-                              Vector3 w = EqualAreaSquareToSphere(
-                                  {(static_cast<Float>(x) + 0.5f) / 64, (static_cast<Float>(y) + 0.5f) / 64});
+                              Vector3 w = EqualAreaSquareToSphere({(Float(x) + 0.5f) / 64, (Float(y) + 0.5f) / 64});
                               return Rgb(1 + 0.5f * w.x, 1 + 0.5f * w.y, 1 + 0.5f * w.z);
                           }));
     Transform ctm = Transform::Rotate(70, {2, 1, 0});
@@ -158,8 +156,7 @@ TEST_F(SkyThroughPortal, PhiIsWhatComesThroughTheWindow) {
     for (int k = 0; k < 200000; ++k) {
         Vector3 w = SampleCosineHemisphere(rng.Uniform2());
         Point3 p = kTurn.Point(Point3(0, 0, 0.9999f));
-        stats.Add(static_cast<double>(light->Le(p, Normalize(kTurn.Vector(w)), kLambda).Average()) * std::numbers::pi *
-                  2);
+        stats.Add(double(light->Le(p, Normalize(kTurn.Vector(w)), kLambda).Average()) * std::numbers::pi * 2);
     }
     double phi = light->Phi(kLambda).Average();
     EXPECT_NEAR(stats.mean, phi, 4.5 * stats.StandardError() + 2e-2 * phi);
@@ -227,7 +224,7 @@ TEST(PortalIlluminance, IsMeasuredInTheOrderOfTheChannelsInTheFile) {
     // As in stock pbrt-v4 without a portal, there is a factor of two: an even sky of luminance 1 counts as pi / 2.
     auto expected = [&](const Rgb &counted) {
         const Float luminance = Dot(weights, sky), measured = Dot(counted, sky) * Pi / 2;
-        return static_cast<double>(luminance * 3 / measured);
+        return double(luminance * 3 / measured);
     };
     EXPECT_NEAR(behindPortal(exr), expected(reversed), 3e-3 * expected(reversed));
     EXPECT_NEAR(behindPortal(pfm), expected(weights), 3e-3 * expected(weights));

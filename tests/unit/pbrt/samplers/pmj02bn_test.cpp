@@ -44,12 +44,12 @@ double MeanNearest(std::span<const BinaryPoint> points) {
         double nearest = 9;
         for (const BinaryPoint &q : points) {
             if (&p == &q) continue;
-            const double u = static_cast<int32_t>(q.x - p.x) * 0x1p-32, v = static_cast<int32_t>(q.y - p.y) * 0x1p-32;
+            const double u = int32_t(q.x - p.x) * 0x1p-32, v = int32_t(q.y - p.y) * 0x1p-32;
             nearest = std::min(nearest, std::hypot(u, v));
         }
         sum += nearest;
     }
-    return sum / std::sqrt(static_cast<double>(points.size()));
+    return sum / std::sqrt(double(points.size()));
 }
 
 TEST(Pmj02bnSequence, PointsKeepFartherApartThanOtherNetsDo) {
@@ -94,7 +94,7 @@ std::unique_ptr<Sampler> MakePmj02bnSampler(int samples, int seed = 0) {
 }
 
 BinaryPoint Fractions(const Point2 &p) {
-    auto fraction = [](Float u) { return static_cast<uint32_t>(double(u) * 0x1p32); };
+    auto fraction = [](Float u) { return uint32_t(double(u) * 0x1p32); };
     return {fraction(p.x), fraction(p.y)};
 }
 
@@ -128,8 +128,7 @@ TEST(Pmj02bnSampler, FlipsAndOrdersDifferFromPixelToPixel) {
         firsts.insert(points[0].x);
         std::vector<int> order(16);
         for (int i = 0; i < 16; ++i)
-            for (int k = 0; k < 16; ++k)
-                order[static_cast<size_t>(i)] += points[static_cast<size_t>(k)].x < points[static_cast<size_t>(i)].x;
+            for (int k = 0; k < 16; ++k) order[i] += points[k].x < points[i].x;
         orders.insert(order);
     }
     EXPECT_EQ(firsts.size(), 20u);
@@ -145,7 +144,7 @@ TEST(Pmj02bnSampler, PositionsInThePixelAreNetsInEveryRound) {
                 for (int i = 0; i < samples; ++i) {
                     s->StartPixelSample(pixel, round * samples + i);
                     points.push_back(Fractions(s->GetPixel2D()));
-                    if (std::has_single_bit(static_cast<unsigned>(i + 1))) {
+                    if (std::has_single_bit(unsigned(i + 1))) {
                         EXPECT_TRUE(IsNet(points)) << samples << " " << i;
                     }
                 }
@@ -162,7 +161,7 @@ TEST(Pmj02bnSampler, PositionsOfATileAreOneNet) {
             for (int i = 0; i < 16; ++i) {
                 s->StartPixelSample({x, y}, i);
                 const Point2 p = Point2(x, y) + s->GetPixel2D();
-                ++taken[static_cast<size_t>(p.x * 4) * 32 + static_cast<size_t>(p.y * 4)];
+                ++taken[size_t(p.x * 4) * 32 + size_t(p.y * 4)];
             }
     for (uint32_t n : taken) EXPECT_EQ(n, 1u);
 }

@@ -57,11 +57,9 @@ std::optional<PrimitiveHit> SlowHit(const Curves::Segment &s, Float factor, cons
             negative += c < 0;
         }
         if ((positive == 0 || negative == 0) && a.z > 0) {
-            auto t = static_cast<Float>(a.z / glm::length(glm::dvec3(d)));
+            auto t = Float(a.z / glm::length(glm::dvec3(d)));
             double left = glm::length((a.left + b.left) / 2.0), right = glm::length((a.right + b.right) / 2.0);
-            if (!best || t < best->t)
-                best = PrimitiveHit{t, (static_cast<Float>(i) + 0.5f) / kSteps,
-                                    static_cast<Float>(right / (left + right))};
+            if (!best || t < best->t) best = PrimitiveHit{t, (Float(i) + 0.5f) / kSteps, Float(right / (left + right))};
         }
         a = b;
     }

@@ -32,7 +32,7 @@ Displacement By(std::function<Float(const Point3 &, const Normal3 &, const Point
 double Area(const MeshData &m) {
     double area = 0;
     for (size_t i = 0; i < m.indices.size(); i += 3)
-        area += static_cast<double>(Length(
+        area += double(Length(
                     Cross(m.p[m.indices[i + 1]] - m.p[m.indices[i]], m.p[m.indices[i + 2]] - m.p[m.indices[i]]))) /
                 2;
     return area;
@@ -126,8 +126,8 @@ TEST(Displacement, TheNumberOfTrianglesIsKnownBefore) {
     EXPECT_NEAR(size.area, 9 * 1.15, 1e-4);
     for (Float edge : {100.f, 1.5f, 0.4f, 0.1f, 0.07f, 0.05f}) {
         const MeshData m = DisplaceMesh(QuadAndTriangle(), place, edge, By([](auto...) { return Float(0); }));
-        const double made = static_cast<double>(m.indices.size()) / 3;
-        EXPECT_NEAR(std::log2(size.Triangles(static_cast<double>(edge)) / made), 0, 0.8) << edge << ' ' << made;
+        const double made = double(m.indices.size()) / 3;
+        EXPECT_NEAR(std::log2(size.Triangles(double(edge)) / made), 0, 0.8) << edge << ' ' << made;
     }
 }
 

@@ -19,7 +19,7 @@ Control Grid(uint32_t n, Float (*height)(Float x, Float y)) {
     Control c;
     for (uint32_t y = 0; y <= n; ++y)
         for (uint32_t x = 0; x <= n; ++x) {
-            auto fx = static_cast<Float>(x), fy = static_cast<Float>(y);
+            auto fx = Float(x), fy = Float(y);
             c.points.push_back({fx, fy, height(fx, fy)});
         }
     for (uint32_t y = 0; y < n; ++y)
@@ -85,7 +85,7 @@ TEST(LoopSubdivision, WarrensWeightsAtExtraordinaryVertices) {
     MeshData m = LoopSubdivide(c.indices, c.points, 0);
     ASSERT_EQ(m.p.size(), 8u);
     auto limit = [&](size_t v, std::vector<size_t> ring) {
-        auto n = static_cast<Float>(ring.size());
+        auto n = Float(ring.size());
         Float beta = 3 / (8 * n), gamma = 1 / (n + 3 / (8 * beta));
         Point3 p = c.points[v] * (1 - n * gamma);
         for (size_t i : ring) p += c.points[i] * gamma;

@@ -46,7 +46,7 @@ std::string Binary(bool big) {
     }
     const std::vector<std::vector<int>> faces = {{0, 1, 2}, {0, 1, 2, 3}, {0, 1, 2, 3, 0}};
     for (size_t f = 0; f < faces.size(); ++f) {
-        s += static_cast<char>(faces[f].size());
+        s += char(faces[f].size());
         for (int i : faces[f]) Put(s, int32_t(i), big);
         Put(s, int32_t(7 + f), big);
     }

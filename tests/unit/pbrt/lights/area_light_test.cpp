@@ -8,28 +8,6 @@
 namespace pbrt::test {
 namespace {
 
-class ConstantTexture final : public FloatTexture {
-  public:
-    explicit ConstantTexture(Float v) : v_(v) {}
-    Float Evaluate(const TextureContext &) const override { return v_; }
-    std::optional<Float> Constant() const override { return v_; }
-
-  private:
-    Float v_;
-};
-
-/// An alpha texture that cuts away half of a shape, u < 1/2.
-class HalfTexture final : public FloatTexture {
-  public:
-    Float Evaluate(const TextureContext &c) const override { return c.uv.x < Float(0.5) ? Float(0) : Float(1); }
-};
-
-std::unique_ptr<Light> MakeAreaLight(const AreaLightMaker &maker, const Shape &shape,
-                                     const FloatTexture *alpha = nullptr) {
-    const Shape *const shapes[] = {&shape};
-    return maker(shapes, alpha);
-}
-
 struct AreaLightCase {
     std::string name;
     std::function<std::shared_ptr<Shape>()> make;
@@ -64,7 +42,7 @@ RunningStatistics ByUniformDirections(const Shape &shape, const Light &light, co
 TEST_P(AreaLightShapes, SamplingFindsTheLightThatRaysFind) {
     auto shape = GetParam().make();
     for (bool twoSided : {false, true}) {
-        auto light = MakeAreaLight(MakeAreaMaker(Params().Bool("twosided", twoSided)), *shape);
+        auto light = MakeAreaLight(Params().Bool("twosided", twoSided), *shape);
         for (Point3 p :
              {Point3(0.5f, 0.3f, 2.5f), Point3(-2, 1, -1.5f), Point3(4, -3, 6), Point3(0.25f, -0.05f, 0.32f)}) {
             auto irradiance = [](const SampledSpectrum &L, const Vector3 &w) {
@@ -86,7 +64,7 @@ TEST_P(AreaLightShapes, SamplingFindsTheLightThatRaysFind) {
 
 TEST_P(AreaLightShapes, PdfOfASampleIsThePdfOfItsRay) {
     auto shape = GetParam().make();
-    auto light = MakeAreaLight(MakeAreaMaker(Params().Bool("twosided", true)), *shape);
+    auto light = MakeAreaLight(Params().Bool("twosided", true), *shape);
     Rng rng(5);
     int compared = 0;
     for (int i = 0; i < 2000; ++i) {
@@ -108,7 +86,7 @@ TEST_P(AreaLightShapes, PdfOfASampleIsThePdfOfItsRay) {
 TEST_P(AreaLightShapes, PhiIsTheIntegralOfEmittedRadiance) {
     auto shape = GetParam().make();
     for (bool twoSided : {false, true}) {
-        auto light = MakeAreaLight(MakeAreaMaker(Params().Bool("twosided", twoSided).Number("scale", 3)), *shape);
+        auto light = MakeAreaLight(Params().Bool("twosided", twoSided).Number("scale", 3), *shape);
         Rng rng(9);
         RunningStatistics stats;
         for (int i = 0; i < 20000; ++i) {
@@ -132,7 +110,7 @@ TEST_P(AreaLightShapes, ImportanceIsPositiveWhereLightArrives) {
     auto shape = GetParam().make();
     int lit = 0;
     for (bool twoSided : {false, true}) {
-        auto light = MakeAreaLight(MakeAreaMaker(Params().Bool("twosided", twoSided)), *shape);
+        auto light = MakeAreaLight(Params().Bool("twosided", twoSided), *shape);
         LightBounds bounds = *light->Bounds();
         Rng rng(11);
         for (int i = 0; i < 20000; ++i) {
@@ -146,10 +124,7 @@ TEST_P(AreaLightShapes, ImportanceIsPositiveWhereLightArrives) {
 /// Triangles, quadrics, patches, parts of shapes, and shapes that a transform mirrors or stretches.
 std::vector<AreaLightCase> AllShapes() {
     std::vector<AreaLightCase> cases{
-        {"turnedTriangle",
-         [] {
-             return Triangle(Transform::Rotate(70, {1, 1, 0}));
-         }},
+        {"turnedTriangle", [] { return Triangle(Transform::Rotate(70, Vector3(1, 1, 0))); }},
         {"triangle", [] { return Triangle(); }},
     };
     for (const char *type : {"sphere", "disk", "cylinder"})
@@ -164,17 +139,15 @@ INSTANTIATE_TEST_SUITE_P(All, AreaLightShapes, testing::ValuesIn(AllShapes()),
 
 TEST(DiffuseAreaLight, ScaleOneIsOneNit) {
     auto shape = Triangle();
-    auto light = MakeAreaLight(MakeAreaMaker(Params()), *shape);
-    EXPECT_NEAR(Photometric([&](const SampledWavelengths &l) {
-                    return light->L({}, {0, 0, 1}, {}, {0, 0, 1}, l);
-                }),
-                1, 2e-3);
+    auto light = MakeAreaLight(Params(), *shape);
+    const Vector3 z(0, 0, 1);
+    EXPECT_NEAR(Photometric([&](const SampledWavelengths &l) { return light->L({}, z, {}, z, l); }), 1, 2e-3);
 }
 
 TEST(DiffuseAreaLight, EmitsFromTheSideOfTheNormal) {
     auto shape = Triangle();
-    auto one = MakeAreaLight(MakeAreaMaker(Params()), *shape);
-    auto two = MakeAreaLight(MakeAreaMaker(Params().Bool("twosided", true)), *shape);
+    auto one = MakeAreaLight(Params(), *shape);
+    auto two = MakeAreaLight(Params().Bool("twosided", true), *shape);
     Normal3 n(0, 0, 1);
     EXPECT_TRUE(one->L({}, n, {}, {0, 0, 1}, kLambda));
     EXPECT_FALSE(one->L({}, n, {}, {0, 0, -1}, kLambda));
@@ -187,8 +160,7 @@ TEST(DiffuseAreaLight, PowerIsPerPrimitive) {
     data.indices = {0, 1, 2, 1, 3, 2};
     TriangleMesh mesh(data, Transform(), false);
     for (bool twoSided : {false, true}) {
-        AreaLightMaker maker = MakeAreaMaker(Params().Number("power", 20).Bool("twosided", twoSided));
-        auto light = MakeAreaLight(maker, mesh);
+        auto light = MakeAreaLight(Params().Number("power", 20).Bool("twosided", twoSided), mesh);
         ASSERT_EQ(light->ComponentCount(), 2u);
         for (uint32_t i = 0; i < 2; ++i)
             EXPECT_NEAR(Photometric([&](const SampledWavelengths &l) { return Value(light->Phi(l, i)); }), 20, 0.05);
@@ -201,7 +173,7 @@ TEST(DiffuseAreaLight, ImageIsMappedWithVUpwardsAndItsPowerIsKept) {
     });
     TemporaryImage file("panel.exr", image);
     auto shape = Triangle();
-    auto light = MakeAreaLight(MakeAreaMaker(Params().String("filename", file.Path())), *shape);
+    auto light = MakeAreaLight(FileParams(file), *shape);
     auto xyzAt = [&](Point2 uv) {
         Vector3 sum(0);
         for (int i = 0; i < 500; ++i) {
@@ -218,14 +190,13 @@ TEST(DiffuseAreaLight, ImageIsMappedWithVUpwardsAndItsPowerIsKept) {
     EXPECT_NEAR(left.y, 2, 0.1);
     EXPECT_NEAR(right.z, 2, 0.1);
 
-    auto powered = MakeAreaLight(MakeAreaMaker(Params().String("filename", file.Path()).Number("power", 5)), *shape);
+    auto powered = MakeAreaLight(FileParams(file).Number("power", 5), *shape);
     EXPECT_NEAR(Photometric([&](const SampledWavelengths &l) { return Value(powered->Phi(l)); }, 300), 5, 0.1);
     // The mean that is kept for light selection is the mean of the emission.
     SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
     SampledSpectrum mean;
     for (int i = 0; i < 2500; ++i) {
-        Point2 uv((Float(i % 50) + 0.5f) / 50, (Float(i / 50) + 0.5f) / 50);
-        mean += powered->L({}, {0, 0, 1}, uv, {0, 0, 1}, lambda) / 2500;
+        mean += powered->L({}, {0, 0, 1}, PixelCenter(i % 50, i / 50, {50, 50}), {0, 0, 1}, lambda) / 2500;
     }
     double expected = double(mean.Average() * Pi * shape->Area(0));
     // The spectrum of an interpolated colour is not the interpolation of the spectra; they differ by a few per cent.
@@ -234,26 +205,23 @@ TEST(DiffuseAreaLight, ImageIsMappedWithVUpwardsAndItsPowerIsKept) {
 
 TEST(DiffuseAreaLight, ConstantAlphaOfZeroLeavesLightSamplingOnly) {
     auto shape = Triangle();
-    ConstantTexture zero(0), half(0.5f);
-    AreaLightMaker maker = MakeAreaMaker(Params());
-    auto invisible = MakeAreaLight(maker, *shape, &zero);
+    const CutTexture zero(0, 0), half(0, 0.5f);
+    auto invisible = MakeAreaLight(Params(), *shape, &zero);
     EXPECT_EQ(invisible->Kind(), LightKind::DeltaPosition);
     auto s = invisible->SampleLi(At({0, 0, 2}), {0.4f, 0.3f}, kLambda, false);
     ASSERT_TRUE(s);
     EXPECT_GT(s->pdf, 0);
     EXPECT_NE(s->pdf, 1);
     EXPECT_EQ(invisible->PdfLi(At({0, 0, 2}), s->wi, s->pLight, s->nLight, false), 0);
-    EXPECT_EQ(MakeAreaLight(maker, *shape, &half)->Kind(), LightKind::Area);
-    EXPECT_EQ(MakeAreaLight(maker, *shape)->Kind(), LightKind::Area);
+    EXPECT_EQ(MakeAreaLight(Params(), *shape, &half)->Kind(), LightKind::Area);
+    EXPECT_EQ(MakeAreaLight(Params(), *shape)->Kind(), LightKind::Area);
 }
 
 TEST(DiffuseAreaLight, AlphaWeighsSamplesAndLeavesTheRadianceOfHits) {
     auto shape = Triangle();
-    ConstantTexture third(0.3f);
-    HalfTexture cut;
-    AreaLightMaker maker = MakeAreaMaker(Params());
-    auto grey = MakeAreaLight(maker, *shape, &third), holed = MakeAreaLight(maker, *shape, &cut),
-         plain = MakeAreaLight(maker, *shape);
+    const CutTexture third(0, 0.3f), cut(0.5f, 1);
+    auto grey = MakeAreaLight(Params(), *shape, &third), holed = MakeAreaLight(Params(), *shape, &cut),
+         plain = MakeAreaLight(Params(), *shape);
     Rng rng(2);
     for (int i = 0; i < 2000; ++i) {
         Point2 u = rng.Uniform2();

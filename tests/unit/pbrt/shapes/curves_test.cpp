@@ -4,10 +4,8 @@
 
 #include "support/sampling.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
-
-using test::RandomDirection;
 
 Curves::Segment SomeSegment(Rng &rng) {
     Curves::Segment s;
@@ -277,4 +275,4 @@ TEST(CubicBezier, SplinesOfEveryBasisGoThroughTheirOwnPoints) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

@@ -5,7 +5,7 @@
 #include "pbrt/math/rng.h"
 #include "support/statistics.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
 
 TEST(SphericalTriangle, OctantIsHalfPi) {
@@ -49,7 +49,7 @@ TEST(SphericalTriangle, ShareOfAreaIsShareOfSamples) {
     int inside = 0;
     for (int i = 0; i < kSamples; ++i) inside += Dot(triangle.Direction(triangle.Sample(rng.Uniform2())), cut) > 0;
     double p = double(part) / double(triangle.Area()), z = (inside - kSamples * p) / std::sqrt(kSamples * p * (1 - p));
-    EXPECT_GT(test::NormalTail(z), 1e-4);
+    EXPECT_GT(NormalTail(z), 1e-4);
 }
 
 TEST(SphericalRectangle, SolidAngleIsThatOfTwoTriangles) {
@@ -79,4 +79,4 @@ TEST(SphericalRectangle, InvertUndoesSample) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

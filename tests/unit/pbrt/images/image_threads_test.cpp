@@ -7,7 +7,7 @@
 
 #include "image_fixtures.h"
 
-namespace pbrt {
+namespace pbrt::test {
 
 namespace {
 
@@ -48,7 +48,7 @@ std::vector<uint8_t> Profile(int number, int tags) {
 
 }  // namespace
 
-class ImageThreads : public test::FolderTest {
+class ImageThreads : public FolderTest {
   protected:
     std::string WritePng(int number, int tags) {
         const std::string path = Path(std::to_string(number) + ".png");
@@ -96,4 +96,4 @@ TEST_F(ImageThreads, ReadPngsWithColorProfilesAtOnce) {
     for (int repeat = 0; repeat < 3; ++repeat) EXPECT_EXIT(readAll(), ::testing::ExitedWithCode(0), "");
 }
 
-}  // namespace pbrt
+}  // namespace pbrt::test

@@ -5,7 +5,7 @@
 
 // Where the steps of the Halton sampler come from, and that it takes them.
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
 
 constexpr Point2i kFilm(150, 100);
@@ -72,7 +72,7 @@ class StepSearch {
     static std::vector<double> KernelOf(int d, uint32_t step) {
         const uint32_t multiplier = MultiplierFor(d, step);
         const auto seed = uint64_t(d);
-        return KernelOf([&](uint64_t a) { return double(test::AffineRadicalInverse(BaseOf(d), a, multiplier, seed)); });
+        return KernelOf([&](uint64_t a) { return double(AffineRadicalInverse(BaseOf(d), a, multiplier, seed)); });
     }
     double CostOf(const std::vector<double> &kernel) const {
         double cost = 0;
@@ -116,14 +116,14 @@ TEST(HaltonSteps, NumbersArePermutedByThem) {
             sampler.StartPixelSample(pixel, i);
             for (int d = 2; d < HaltonSampler::StepCount + 20; ++d) {
                 const uint64_t a = sampler.Index(), seed = DigitPermutations::SeedOf(Hash(4), d);
-                const Float expected = d < HaltonSampler::StepCount
-                                           ? test::AffineRadicalInverse(
-                                                 BaseOf(d), a, MultiplierFor(d, uint32_t(HaltonSampler::Step(d))), seed)
-                                           : PermutedRadicalInverse(BaseOf(d), a, seed);
+                const Float expected =
+                    d < HaltonSampler::StepCount
+                        ? AffineRadicalInverse(BaseOf(d), a, MultiplierFor(d, uint32_t(HaltonSampler::Step(d))), seed)
+                        : PermutedRadicalInverse(BaseOf(d), a, seed);
                 ASSERT_NEAR(sampler.Get1D(), expected, 2e-7f) << i << " " << d;
             }
         }
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

@@ -9,7 +9,7 @@
 #include "support/sampling.h"
 #include "support/statistics.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
 
 bool IsNet(std::span<const BinaryPoint> points) { return test::IsNet(points); }
@@ -54,7 +54,7 @@ double MeanNearest(std::span<const BinaryPoint> points) {
 
 TEST(Pmj02bnSequence, PointsKeepFartherApartThanOtherNetsDo) {
     for (size_t count : {16, 64, 256, 1024}) {
-        test::RunningStatistics blue, plain;
+        RunningStatistics blue, plain;
         for (uint64_t seed = 0; seed < 6; ++seed) {
             const std::vector<BinaryPoint> searched = MakePmj02bn(10, 5, seed), drawn = MakePmj02bn(10, 0, seed);
             blue.Add(MeanNearest({searched.data(), count}));
@@ -78,7 +78,7 @@ TEST(BlueNoiseMask, HoldsEveryRankOnceAndNearRanksApart) {
     EXPECT_EQ(mask.Rank(3, 5), mask.Rank(3 + kSize, 5 + 7 * kSize));
     // The variance of means over 4 x 4 pixels would be a sixteenth of that of a pixel for white noise; here it must be
     // much lower.
-    test::RunningStatistics pixels, blocks;
+    RunningStatistics pixels, blocks;
     for (uint32_t y = 0; y < kSize; ++y)
         for (uint32_t x = 0; x < kSize; ++x) {
             double sum = 0;
@@ -90,7 +90,7 @@ TEST(BlueNoiseMask, HoldsEveryRankOnceAndNearRanksApart) {
 }
 
 std::unique_ptr<Sampler> MakePmj02bnSampler(int samples, int seed = 0) {
-    return test::SamplerCase{"pmj02bn", ""}.Make(samples, seed);
+    return SamplerCase{"pmj02bn", ""}.Make(samples, seed);
 }
 
 BinaryPoint Fractions(const Point2 &p) {
@@ -168,7 +168,7 @@ TEST(Pmj02bnSampler, PositionsOfATileAreOneNet) {
 
 /// Root mean square error of the means of f over the samples of a pixel.
 template <class F>
-double PixelError(const test::SamplerCase &c, int samples, double truth, F f) {
+double PixelError(const SamplerCase &c, int samples, double truth, F f) {
     double sum = 0;
     std::unique_ptr<Sampler> s = c.Make(samples);
     for (int y = 0; y < 16; ++y)
@@ -187,7 +187,7 @@ TEST(Pmj02bnSampler, ErrorsFallAsThoseOfANetNotAsThoseOfIndependentSamples) {
     auto disk = [](const Point2 &p) { return p.x * p.x + p.y * p.y < 0.64f ? 1.0 : 0.0; };
     auto smooth = [](const Point2 &p) { return std::exp(-double(p.x * p.x + p.y * p.y)); };
     const double diskMean = M_PI / 4 * 0.64, e = std::erf(1.0) * std::sqrt(M_PI) / 2, smoothMean = e * e;
-    const test::SamplerCase pmj{"pmj02bn", ""}, independent{"independent", ""};
+    const SamplerCase pmj{"pmj02bn", ""}, independent{"independent", ""};
     // The error of independent samples halves from 64 to 256 samples.
     EXPECT_NEAR(PixelError(independent, 256, diskMean, disk) / PixelError(independent, 64, diskMean, disk), 0.5, 0.1);
     EXPECT_LT(PixelError(pmj, 256, diskMean, disk), 0.4 * PixelError(independent, 256, diskMean, disk));
@@ -198,8 +198,8 @@ TEST(Pmj02bnSampler, ErrorsFallAsThoseOfANetNotAsThoseOfIndependentSamples) {
 
 TEST(Pmj02bnSampler, ErrorsOfNeighbouringPixelsCancel) {
     // At one sample per pixel, means over 4 x 4 pixels have a smaller error with blue noise than with white noise.
-    auto blockError = [](const test::SamplerCase &c) {
-        test::RunningStatistics squares;
+    auto blockError = [](const SamplerCase &c) {
+        RunningStatistics squares;
         std::unique_ptr<Sampler> s = c.Make(1);
         for (int by = 0; by < 12; ++by)
             for (int bx = 0; bx < 16; ++bx) {
@@ -216,4 +216,4 @@ TEST(Pmj02bnSampler, ErrorsOfNeighbouringPixelsCancel) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

@@ -6,13 +6,11 @@
 
 // Tests what must hold for every sampler.
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
 
-using test::SamplerCase;
-
 class EverySampler : public testing::TestWithParam<SamplerCase> {};
-INSTANTIATE_TEST_SUITE_P(All, EverySampler, testing::ValuesIn(test::RandomizedSamplers()),
+INSTANTIATE_TEST_SUITE_P(All, EverySampler, testing::ValuesIn(RandomizedSamplers()),
                          [](const auto &test) { return test.param.Name(); });
 
 /// The numbers that an integrator asks for, in its order.
@@ -42,7 +40,7 @@ TEST_P(EverySampler, ValuesAreBelowOneAndFinite) {
 TEST_P(EverySampler, ManyDimensionsAreThere) {
     std::unique_ptr<Sampler> s = GetParam().Make(4);
     s->StartPixelSample({5, 6}, 2);
-    test::RunningStatistics mean;
+    RunningStatistics mean;
     for (int i = 0; i < 3000; ++i) {
         Point2 p = s->Get2D();
         ASSERT_TRUE(p.x >= 0 && p.x < 1 && p.y >= 0 && p.y < 1) << i;
@@ -149,7 +147,7 @@ TEST_P(EverySampler, EveryDimensionIsUniform) {
     });
     std::vector<double> expected(kCells, double(n) / kCells);
     for (size_t d = 0; d < observed.size(); ++d)
-        EXPECT_GT(test::ChiSquareTest(observed[d], expected), test::SidakAlpha(1e-3, 14 * 11)) << d;
+        EXPECT_GT(ChiSquareTest(observed[d], expected), SidakAlpha(1e-3, 14 * 11)) << d;
 }
 
 TEST_P(EverySampler, PairsOfDimensionsAreJointlyUniform) {
@@ -166,7 +164,7 @@ TEST_P(EverySampler, PairsOfDimensionsAreJointlyUniform) {
     for (size_t a = 0; a < dimensions; ++a)
         for (size_t b = 0; b < a; ++b) {
             std::span<const double> cells(&observed[(a * 14 + b) * kN * kN], kN * kN);
-            EXPECT_GT(test::ChiSquareTest(cells, expected), test::SidakAlpha(1e-3, 91 * 11)) << a << " " << b;
+            EXPECT_GT(ChiSquareTest(cells, expected), SidakAlpha(1e-3, 91 * 11)) << a << " " << b;
         }
 }
 
@@ -183,7 +181,7 @@ double Integrand(Sampler &s, Point2i pixel, int index) {
 
 TEST_P(EverySampler, PixelMeansAreUnbiasedOverSeeds) {
     for (int count : {16, 11}) {
-        test::RunningStatistics error;
+        RunningStatistics error;
         for (int seed = 0; seed < 300; ++seed) {
             std::unique_ptr<Sampler> s = GetParam().Make(count, seed);
             ASSERT_EQ(s->SamplesPerPixel(), count);
@@ -213,4 +211,4 @@ TEST_P(EverySampler, NoneIsWorseThanIndependent) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

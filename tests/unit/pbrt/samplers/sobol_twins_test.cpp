@@ -6,7 +6,7 @@
 
 // The samplers that work on several dimensions at once against slow twins that compute one number at a time.
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
 
 constexpr uint64_t kGolden = 0x9e3779b97f4a7c15ull;
@@ -46,9 +46,9 @@ uint64_t ZIndex(uint64_t morton, int log2Samples, int bits, uint64_t hash) {
 
 TEST(SobolTwins, ZSobolEqualsItsTwin) {
     constexpr Point2i kResolution(200, 90);  // 2^8 pixels in the larger direction
-    for (const char *randomization : {"none", "permutedigits", "owen", "fastowen"})
+    for (const char *randomization : kRandomizations)
         for (int samples : {1, 2, 8, 16, 37}) {
-            std::unique_ptr<Sampler> s = test::SamplerCase{"zsobol", randomization}.Make(samples, 4, kResolution);
+            std::unique_ptr<Sampler> s = SamplerCase{"zsobol", randomization}.Make(samples, 4, kResolution);
             const int log2Samples = std::bit_width(unsigned(samples) - 1);
             for (Point2i pixel : {Point2i(0, 0), Point2i(77, 12), Point2i(199, 89)})
                 for (int i : {0, samples - 1, samples + samples / 2}) {
@@ -72,9 +72,9 @@ TEST(SobolTwins, ZSobolEqualsItsTwin) {
 }
 
 TEST(SobolTwins, PaddedSobolEqualsItsTwin) {
-    for (const char *randomization : {"none", "permutedigits", "owen", "fastowen"})
+    for (const char *randomization : kRandomizations)
         for (int samples : {1, 16, 37}) {
-            std::unique_ptr<Sampler> s = test::SamplerCase{"paddedsobol", randomization}.Make(samples, 4);
+            std::unique_ptr<Sampler> s = SamplerCase{"paddedsobol", randomization}.Make(samples, 4);
             for (int i : {0, samples - 1, samples + samples / 2}) {
                 const int round = i / samples;
                 const auto place = uint32_t(i - round * samples);
@@ -92,11 +92,10 @@ TEST(SobolTwins, PaddedSobolEqualsItsTwin) {
 }
 
 TEST(SobolTwins, SobolEqualsItsTwin) {
-    for (const char *randomization : {"none", "permutedigits", "owen", "fastowen"}) {
-        Randomization r = Randomization::None;
-        if (randomization == std::string("permutedigits")) r = Randomization::PermuteDigits;
-        if (randomization == std::string("owen")) r = Randomization::Owen;
-        if (randomization == std::string("fastowen")) r = Randomization::FastOwen;
+    for (const auto &[randomization, r] : {std::pair("none", Randomization::None),
+                                           {"permutedigits", Randomization::PermuteDigits},
+                                           {"owen", Randomization::Owen},
+                                           {"fastowen", Randomization::FastOwen}}) {
         SobolSampler s({16, {64, 48}, r, 4});
         s.StartPixelSample({30, 7}, 21);
         for (int d = 2; d < 1060; ++d) {
@@ -125,4 +124,4 @@ TEST(IndependentTwin, NumbersAreThoseOfThePixelsStream) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

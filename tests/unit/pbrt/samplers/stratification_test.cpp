@@ -7,10 +7,8 @@
 #include "pbrt/samplers/sobol_samplers.h"
 #include "sampler_cases.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
-
-using test::SamplerCase;
 
 /// True if every box holds one of the n points, for n = points.size() boxes in `columns` columns and n / columns rows.
 bool OneInEachBox(const std::vector<Point2> &points, size_t columns) {
@@ -45,7 +43,7 @@ std::vector<Point2> Points1D(Sampler &s, Point2i pixel, int first, int n, int be
 
 TEST(Stratification, PaddedAndZSobolGiveEveryPixelANetInEveryRequest) {
     for (const char *type : {"paddedsobol", "zsobol"})
-        for (const char *randomization : {"none", "permutedigits", "owen", "fastowen"})
+        for (const char *randomization : kRandomizations)
             for (int samples : {1, 2, 8, 16, 64}) {
                 std::unique_ptr<Sampler> s = SamplerCase{type, randomization}.Make(samples, 3);
                 for (int before : {0, 1, 5})
@@ -53,8 +51,7 @@ TEST(Stratification, PaddedAndZSobolGiveEveryPixelANetInEveryRequest) {
                         for (int first : {0, samples}) {
                             EXPECT_TRUE(IsBase2Net(Points2D(*s, pixel, first, samples, before)))
                                 << type << " " << randomization << " " << samples << " " << before;
-                            auto n = size_t(samples);
-                            EXPECT_TRUE(OneInEachBox(Points1D(*s, pixel, first, samples, before), n))
+                            EXPECT_TRUE(OneInEachBox(Points1D(*s, pixel, first, samples, before), size_t(samples)))
                                 << type << " " << randomization;
                         }
             }
@@ -97,11 +94,9 @@ TEST(Stratification, ZSobolOrdersQuadsDifferentlyInDifferentDimensions) {
 
 TEST(Stratification, StratifiedFillsEveryCellOnce) {
     DiagnosticSink sink;
-    for (auto [nx, ny] : {std::pair{4, 4}, {3, 2}, {1, 7}}) {
+    for (auto [nx, ny] : {std::pair{4, 4}, {3, 2}, {1, 7}})
         for (bool jitter : {true, false}) {
-            ParamSet params = test::Params(
-                "stratified",
-                {test::IntParam("xsamples", nx), test::IntParam("ysamples", ny), test::BoolParam("jitter", jitter)});
+            const Params params = Params().Integer("xsamples", nx).Integer("ysamples", ny).Bool("jitter", jitter);
             std::unique_ptr<Sampler> s = Samplers().Make("stratified", params, SamplerContext{{8, 8}, 0, 1, sink});
             int n = nx * ny;
             ASSERT_EQ(s->SamplesPerPixel(), n);
@@ -111,19 +106,17 @@ TEST(Stratification, StratifiedFillsEveryCellOnce) {
                                         p1 = Points1D(*s, {3, 5}, first, n, before);
                     EXPECT_TRUE(OneInEachBox(p2, size_t(nx)));
                     EXPECT_TRUE(OneInEachBox(p1, size_t(n)));
-                    if (!jitter)
-                        for (int i = 0; i < n; ++i) {
-                            auto centred = [](Float u, int cells) {
-                                Float x = u * Float(cells);
-                                return std::abs(x - std::floor(x) - 0.5f);
-                            };
-                            EXPECT_LT(centred(p2[i].x, nx), 1e-5f);
-                            EXPECT_LT(centred(p2[i].y, ny), 1e-5f);
-                            EXPECT_LT(centred(p1[i].x, n), 1e-5f);
-                        }
+                    for (int i = 0; i < n && !jitter; ++i) {
+                        auto centred = [](Float u, int cells) {
+                            Float x = u * Float(cells);
+                            return std::abs(x - std::floor(x) - 0.5f);
+                        };
+                        EXPECT_LT(centred(p2[i].x, nx), 1e-5f);
+                        EXPECT_LT(centred(p2[i].y, ny), 1e-5f);
+                        EXPECT_LT(centred(p1[i].x, n), 1e-5f);
+                    }
                 }
         }
-    }
     EXPECT_FALSE(sink.HasErrors());
 }
 
@@ -227,4 +220,4 @@ TEST(Stratification, SobolFilmIsStratifiedAcrossPixelsInEveryDimension) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

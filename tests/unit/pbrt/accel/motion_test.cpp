@@ -2,11 +2,8 @@
 
 #include "accel_scenes.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
-
-using test::Placement;
-using test::Shapes;
 
 constexpr Float kStart = 0.5f, kEnd = 2.5f;
 
@@ -37,23 +34,16 @@ std::vector<Product> Motions() {
 /// One object of every kind of shape: six moving instances and one at rest; and the same shapes once more outside of
 /// any object.
 struct World {
-    Shapes shapes = test::EveryKind(Transform());
+    Shapes shapes = EveryKind(Transform());
     std::vector<Product> motions = Motions();
     Transform still = Transform::Translate({-12, 0, 0}) * Transform::Rotate(20, {1, 1, 0});
     Accel accel;
 
     World() {
-        std::vector<ShapeId> ids;
-        std::vector<const Shape *> pointers;
-        for (size_t i = 0; i < shapes.size(); ++i) {
-            ids.emplace_back(i);
-            pointers.push_back(shapes[i].get());
-        }
-        const std::vector<const FloatTexture *> opaque(ids.size(), nullptr);
-        const int object = accel.AddObject(ids, pointers, opaque);
+        const int object = AddObject(accel, shapes);
         for (const Product &m : motions) accel.AddMovingInstance(object, m.outer, m.inner);
         accel.AddInstance(object, still);
-        for (size_t i = 0; i < shapes.size(); ++i) accel.AddShape(ids[i], *shapes[i], nullptr);
+        for (size_t i = 0; i < shapes.size(); ++i) accel.AddShape(ShapeId(i), *shapes[i], nullptr);
         accel.Commit();
     }
     std::vector<Placement> At(Float time) const {
@@ -89,10 +79,10 @@ TEST(Motion, AgreesWithTheSlowTwinAtEveryTime) {
         const std::vector<Placement> placements = world.At(ray.time);
         // The ray is aimed at a point near one of the placements.
         const Placement &target = placements[size_t(i) % placements.size()];
-        ray.o = target.transform.Point(6.0f * test::RandomDirection(rng));
-        ray.d = target.transform.Point(2.0f * test::RandomDirection(rng)) - ray.o;
+        ray.o = target.transform.Point(6.0f * RandomDirection(rng));
+        ray.d = target.transform.Point(2.0f * RandomDirection(rng)) - ray.o;
         if (i % 4 == 0) ray.tMax = 0.8f;
-        auto fast = world.accel.Intersect(ray), slow = test::SlowIntersect(world.shapes, placements, ray);
+        auto fast = world.accel.Intersect(ray), slow = SlowIntersect(world.shapes, placements, ray);
         EXPECT_EQ(fast.has_value(), world.accel.Occluded(ray)) << i;
         if (fast.has_value() != slow.has_value() ||
             (fast && (fast->shape != slow->shape || fast->instance != slow->instance))) {
@@ -121,12 +111,8 @@ TEST(Motion, JumpsIfBothTimesAreTheSame) {
     const int object = accel.AddObject({ShapeId(0u)}, {&ball}, {nullptr});
     accel.AddMovingInstance(object, AnimatedTransform({}, 1, Transform::Translate({9, 0, 0}), 1));
     accel.Commit();
-    for (Float time : {0.0f, 1.0f, 1.1f}) {
-        Ray ray;
-        ray.o = {time > 1 ? 9.0f : 0.0f, 0, -5};
-        ray.time = time;
-        EXPECT_TRUE(accel.Occluded(ray)) << time;
-    }
+    for (Float time : {0.0f, 1.0f, 1.1f})
+        EXPECT_TRUE(accel.Occluded({{time > 1 ? 9.0f : 0.0f, 0, -5}, {0, 0, 1}, Infinity, time})) << time;
 }
 
 TEST(Motion, BoundsHoldTheWholeWay) {
@@ -160,4 +146,4 @@ TEST(Motion, BoundsHoldTheWholeWay) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

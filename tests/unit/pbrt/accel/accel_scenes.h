@@ -1,6 +1,5 @@
 #pragma once
 #include <memory>
-#include <vector>
 
 #include "pbrt/accel/accel.h"
 #include "pbrt/shapes/bilinear_mesh.h"

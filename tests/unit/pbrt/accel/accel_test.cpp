@@ -1,5 +1,3 @@
-#include "pbrt/accel/accel.h"
-
 #include <gtest/gtest.h>
 
 #include "accel_scenes.h"

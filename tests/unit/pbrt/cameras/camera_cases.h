@@ -1,10 +1,6 @@
 #pragma once
 #include <gtest/gtest.h>
 
-#include <memory>
-#include <string>
-#include <vector>
-
 #include "pbrt/cameras/camera.h"
 #include "support/given_params.h"
 

@@ -1,10 +1,6 @@
 // The pieces of the realistic camera: lens files, tracing, focus, apertures, exit pupils.
-#include <cmath>
-
 #include "camera_cases.h"
 #include "lens_cases.h"
-#include "pbrt/cameras/camera_kinds.h"
-#include "pbrt/math/rng.h"
 #include "support/errors.h"
 #include "support/temporary_image.h"
 

@@ -2,8 +2,6 @@
 
 #include "camera_cases.h"
 #include "lens_cases.h"
-#include "pbrt/cameras/camera_kinds.h"
-#include "pbrt/math/rng.h"
 #include "support/errors.h"
 #include "support/statistics.h"
 

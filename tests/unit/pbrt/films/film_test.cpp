@@ -1,7 +1,3 @@
-#include "pbrt/films/film.h"
-
-#include <gtest/gtest.h>
-
 #include "film_fixtures.h"
 #include "pbrt/films/sensor.h"
 #include "support/errors.h"

@@ -1,7 +1,5 @@
 #include "pbrt/films/filter.h"
 
-#include <gtest/gtest.h>
-
 #include "pbrt/math/rng.h"
 #include "support/errors.h"
 #include "support/given_params.h"

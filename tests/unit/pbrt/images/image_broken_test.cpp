@@ -1,12 +1,10 @@
 // Files whose headers are wrong, files that end too early, and names that are no files.
 #include <OpenImageIO/deepdata.h>
 #include <OpenImageIO/imageio.h>
-#include <sys/stat.h>
 
 #include <cstring>
 
 #include "image_fixtures.h"
-#include "pbrt/core/files.h"
 
 namespace pbrt::test {
 

@@ -5,9 +5,7 @@
 #include <OpenEXR/ImfOutputFile.h>
 
 #include <initializer_list>
-#include <string>
 
-#include "pbrt/images/image.h"
 #include "support/errors.h"
 #include "support/folder_test.h"
 #include "support/temporary_image.h"

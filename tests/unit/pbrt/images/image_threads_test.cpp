@@ -1,5 +1,4 @@
 #include <OpenImageIO/imageio.h>
-#include <unistd.h>
 
 #include <barrier>
 #include <cstring>

@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "image_fixtures.h"
-#include "pbrt/core/files.h"
 #include "pbrt/images/tile_cache.h"
 #include "support/small_files.h"
 

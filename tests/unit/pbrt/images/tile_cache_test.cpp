@@ -1,7 +1,5 @@
 #include "pbrt/images/tile_cache.h"
 
-#include <unistd.h>
-
 #include <cstring>
 #include <random>
 

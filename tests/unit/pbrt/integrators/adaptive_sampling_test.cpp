@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "pbrt/core/progress.h"
 #include "pbrt/images/metrics.h"
 #include "pbrt/integrators/pixel_integrator.h"

@@ -1,7 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "support/render_scene.h"
 #include "support/scene_text.h"
 

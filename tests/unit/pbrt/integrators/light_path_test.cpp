@@ -1,6 +1,4 @@
 // Paths from the lights, and paths from both sides, make the picture that paths from the camera make.
-#include <gtest/gtest.h>
-
 #include "support/errors.h"
 #include "support/light_views.h"
 

@@ -1,6 +1,4 @@
 // Metropolis light transport makes the picture that paths from the camera make, whatever its parameters.
-#include <gtest/gtest.h>
-
 #include "pbrt/integrators/mlt_integrator.h"
 #include "support/errors.h"
 #include "support/light_views.h"

@@ -10,7 +10,6 @@
 #include "pbrt/integrators/render_loop.h"
 #include "support/build_text.h"
 #include "support/light_views.h"
-#include "support/render_scene.h"
 
 namespace pbrt::test {
 namespace {

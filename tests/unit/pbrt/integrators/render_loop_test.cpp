@@ -1,11 +1,8 @@
 // Tests the wave loop with an integrator that only records what it is asked for.
 #include "pbrt/integrators/wave_renderer.h"
 
-#include <gtest/gtest.h>
-
 #include <csignal>
 #include <set>
-#include <thread>
 
 #include "pbrt/core/online_model.h"
 #include "support/errors.h"

@@ -2,9 +2,6 @@
 // it.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "support/render_scene.h"
 #include "support/scene_text.h"
 

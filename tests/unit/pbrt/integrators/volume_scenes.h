@@ -1,8 +1,6 @@
 #pragma once
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "pbrt/core/parallel.h"
 #include "support/render_scene.h"
 #include "support/scene_text.h"

@@ -1,8 +1,5 @@
-#include <gtest/gtest.h>
-
 #include "light_test_support.h"
 #include "pbrt/lights/diffuse_area_light.h"
-#include "support/sampling.h"
 #include "unit/pbrt/shapes/shape_cases.h"
 
 namespace pbrt::test {

@@ -1,7 +1,5 @@
 #include "pbrt/lights/environment_portals.h"
 
-#include <gtest/gtest.h>
-
 #include "light_test_support.h"
 #include "test_skies.h"
 

@@ -1,6 +1,4 @@
 // Point lights that project an image: goniometric and projection.
-#include <gtest/gtest.h>
-
 #include "light_test_support.h"
 #include "pbrt/lights/point_lights.h"
 

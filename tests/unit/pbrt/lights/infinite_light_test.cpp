@@ -1,5 +1,3 @@
-#include <gtest/gtest.h>
-
 #include "light_test_support.h"
 #include "unit/pbrt/bxdfs/sphere_histogram.h"
 

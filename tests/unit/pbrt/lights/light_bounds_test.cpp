@@ -3,8 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "pbrt/math/frame.h"
-#include "pbrt/math/rng.h"
-#include "pbrt/math/warps.h"
 #include "support/sampling.h"
 
 namespace pbrt {

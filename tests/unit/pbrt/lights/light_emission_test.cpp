@@ -1,6 +1,4 @@
 // Rays that leave lights (SampleLe) and their densities, for every type of light.
-#include <gtest/gtest.h>
-
 #include "light_test_support.h"
 #include "pbrt/lights/environment_light.h"
 

@@ -1,8 +1,4 @@
-#include <gtest/gtest.h>
-
 #include "light_test_support.h"
-#include "pbrt/lights/light_factory.h"
-#include "pbrt/lights/light_image.h"
 #include "support/errors.h"
 
 namespace pbrt::test {

@@ -1,5 +1,3 @@
-#include "pbrt/lights/light_table.h"
-
 #include <gtest/gtest.h>
 
 #include "support/given_lights.h"

@@ -1,7 +1,3 @@
-#include "pbrt/lights/light_table.h"
-
-#include <gtest/gtest.h>
-
 #include "light_test_support.h"
 #include "support/given_lights.h"
 

@@ -1,9 +1,6 @@
 #pragma once
 #include <gtest/gtest.h>
 
-#include <functional>
-#include <string>
-
 #include "pbrt/lights/light_factory.h"
 #include "pbrt/lights/light_image.h"
 #include "pbrt/math/frame.h"

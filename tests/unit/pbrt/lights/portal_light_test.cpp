@@ -1,5 +1,3 @@
-#include <gtest/gtest.h>
-
 #include "light_test_support.h"
 #include "pbrt/lights/infinite_lights.h"
 #include "support/errors.h"

@@ -1,8 +1,4 @@
 #pragma once
-#include <memory>
-#include <string>
-#include <vector>
-
 #include "pbrt/samplers/sampler.h"
 #include "support/given_params.h"
 

@@ -1,7 +1,5 @@
 #include "pbrt/shapes/mesh_sources.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <map>
 #include "shape_cases.h"

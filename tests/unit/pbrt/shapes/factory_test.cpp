@@ -1,10 +1,8 @@
 #include "pbrt/shapes/shape_factory.h"
 
-#include <gtest/gtest.h>
 #include <zlib.h>
 
 #include "pbrt/images/image.h"
-#include "pbrt/math/rng.h"
 #include "pbrt/shapes/curves.h"
 #include "pbrt/shapes/mesh_sources.h"
 #include "shape_cases.h"

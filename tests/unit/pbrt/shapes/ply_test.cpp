@@ -1,13 +1,9 @@
 #include "pbrt/shapes/mesh_sources.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
-#include <bit>
 #include <cstring>
 #include <limits>
 
-#include "pbrt/core/error.h"
 #include "shape_cases.h"
 #include "support/errors.h"
 

@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
 #include "pbrt/math/frame.h"
-#include "pbrt/math/warps.h"
 #include "shape_cases.h"
 #include "support/statistics.h"
 

@@ -3,7 +3,6 @@
 
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "pbrt/shapes/bilinear_mesh.h"
 #include "pbrt/shapes/quadric.h"

@@ -22,9 +22,6 @@ TEST(MakeCamera, ShutterMustCloseAfterItOpens) {
     for (const char *type : {"perspective", "orthographic", "spherical"})
         ExpectWords(CameraError(type, Params().Number("shutteropen", 3).Number("shutterclose", 2)),
                     {"opens at 3 and closes at 2"});
-    auto camera = MakeTestCamera("perspective", Params().Number("shutteropen", 2).Number("shutterclose", 3), {4, 4});
-    EXPECT_EQ(camera->ShutterOpen(), 2);
-    EXPECT_EQ(camera->ShutterClose(), 3);
 }
 
 TEST(MakeCamera, UnusedParametersAreErrors) {

@@ -27,13 +27,9 @@ std::vector<uint8_t> Profile(int number, int tags) {
     word(textAt + 12, 0);
     word(0, uint32_t(size));
     word(8, 0x02100000);
-    for (auto [at, four] : {std::pair<size_t, const char *>(12, "mntr"),
-                            {16, "RGB "},
-                            {20, "XYZ "},
-                            {36, "acsp"},
-                            {48, "IEC "},
-                            {52, "sRGB"}})
-        text(at, four);
+    const std::pair<size_t, const char *> kTexts[] = {{12, "mntr"}, {16, "RGB "}, {20, "XYZ "},
+                                                      {36, "acsp"}, {48, "IEC "}, {52, "sRGB"}};
+    for (auto [at, four] : kTexts) text(at, four);
     for (auto [at, value] : {std::pair<size_t, uint32_t>(68, 0xf6d6), {72, 0x10000}, {76, 0xd32d}}) word(at, value);
     word(128, uint32_t(tags));
     for (int i = 0; i < tags; ++i) {

@@ -74,6 +74,12 @@ double LevelFor(const MipMap &map, const Query &q) {
     return map.Levels() - 1 + std::log2(2 * double(std::max({a.x, a.y, b.x, b.y})));
 }
 
+/// The tent of the level below a fractional one.
+double SlowLevel(const MipMap &map, double level, Point2 st, int channel, WrapMode wrap) {
+    if (level >= map.Levels() - 1) return double(map.Level(map.Levels() - 1).Get({0, 0}, channel));
+    return SlowBilinear(map.Level(std::max(0, int(std::floor(level)))), st, channel, wrap);
+}
+
 MipMap MapOf(const Image &image, TextureFilter filter, WrapMode wrap = WrapMode::Repeat, Float anisotropy = 8) {
     return {image, nullptr, filter, wrap, anisotropy};
 }
@@ -148,15 +154,8 @@ TEST(MipMap, BilinearIsTheTentOfTheLevelForTheFootprint) {
         for (WrapMode wrap : AllWraps) {
             const MipMap map = MapOf(NoiseImage(format, {32, 16}, kRgb), TextureFilter::Bilinear, wrap);
             for (const Query &q : RandomQueries(300, 0.002, 0.4)) {
-                const double level = LevelFor(map, q);
                 const Rgb got = map.LookupRgb(q.st, q.dst0, q.dst1);
-                for (int c = 0; c < 3; ++c) {
-                    const double expected =
-                        level >= map.Levels() - 1
-                            ? double(map.Level(map.Levels() - 1).Get({0, 0}, c))
-                            : SlowBilinear(map.Level(std::max(0, int(std::floor(level)))), q.st, c, wrap);
-                    ASSERT_NEAR(got[c], expected, 1e-5);
-                }
+                for (int c = 0; c < 3; ++c) ASSERT_NEAR(got[c], SlowLevel(map, LevelFor(map, q), q.st, c, wrap), 1e-5);
             }
         }
 }
@@ -179,20 +178,11 @@ TEST(MipMap, TrilinearBlendsTwoLevelsAboveTheFinest) {
         const MipMap map = MapOf(NoiseImage(format, {64, 64}, kRgb), TextureFilter::Trilinear, WrapMode::Clamp);
         int blended = 0;
         for (const Query &q : RandomQueries(400, 0.001, 0.4)) {
-            const double level = LevelFor(map, q);
-            const int whole = int(std::floor(level));
+            const double level = LevelFor(map, q), t = level < 1 ? 0 : level - std::floor(level);
+            blended += t > 0 && level < map.Levels() - 1;
             for (int c = 0; c < 3; ++c) {
-                double expected;
-                if (level >= map.Levels() - 1) {
-                    expected = double(map.Level(map.Levels() - 1).Get({0, 0}, c));
-                } else if (level < 1) {
-                    expected = SlowBilinear(map.Level(0), q.st, c, WrapMode::Clamp);
-                } else {
-                    const double t = level - whole;
-                    expected = (1 - t) * SlowBilinear(map.Level(whole), q.st, c, WrapMode::Clamp) +
-                               t * SlowBilinear(map.Level(whole + 1), q.st, c, WrapMode::Clamp);
-                    ++blended;
-                }
+                const auto at = [&](double l) { return SlowLevel(map, l, q.st, c, WrapMode::Clamp); };
+                const double expected = level < 1 ? at(0) : (1 - t) * at(level) + t * at(level + 1);
                 ASSERT_NEAR(map.LookupRgb(q.st, q.dst0, q.dst1)[c], expected, 2e-5);
             }
         }

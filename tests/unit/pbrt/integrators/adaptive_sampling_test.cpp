@@ -8,8 +8,8 @@
 #include "pbrt/integrators/pixel_integrator.h"
 #include "pbrt/integrators/render_loop.h"
 #include "pbrt/math/statistics.h"
-#include "support/given_params.h"
 #include "support/render_scene.h"
+#include "unit/pbrt/films/film_fixtures.h"
 
 namespace pbrt::test {
 namespace {
@@ -56,10 +56,7 @@ class AdaptiveRender : public ::testing::Test {
     static Result Render(bool isAdaptive, int samples, int seed, Noise place = Noise::Right, double noise = 0,
                          const char *samplerName = "independent") {
         DiagnosticSink sink;
-        FilmContext context{.outputSpace = ColorSpace::SRGB()};
-        context.overrides.fullFloat = true;
-        const Params size = Params().Integer("xresolution", kWidth).Integer("yresolution", kHeight);
-        const auto film = MakeFilm("rgb", size, context, sink), half = film->MakeRgbFilm();
+        const auto film = MakeFullFloat("rgb", FilmSize(kWidth, kHeight)), half = film->MakeRgbFilm();
         const auto filter = Filters().Make("box", ParamSet(), FilterContext{sink});
         const auto camera = Cameras().Make("orthographic", ParamSet(),
                                            CameraContext{AnimatedTransform(), {kWidth, kHeight}, 35, {}, sink});

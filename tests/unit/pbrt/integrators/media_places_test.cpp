@@ -9,16 +9,13 @@ namespace {
 const std::string kFog = Homogeneous("'rgb sigma_a' [0 0 0] 'rgb sigma_s' [2 2 2] 'float g' .4"),
                   kFoggyBall = FilledWith() + "Shape 'sphere'\n";
 
-TEST(MediaInPlaces, AFurnaceInAnInstanceIsInvisible) {
+TEST(MediaInPlaces, AFurnaceInAnInstanceOrInMotionIsInvisible) {
     const std::string instances =
         Objects()
             .Add(kEvenSky + kFog + "ObjectBegin 'ball'\n" + kFoggyBall + "ObjectEnd")
             .Attribute("Translate .3 0 0 Scale .5 .7 .9", Objects().Add("ObjectInstance 'ball'"))
             .Attribute("Translate -.3 .1 -3 Scale -.8 1 1", Objects().Add("ObjectInstance 'ball'"));
     ExpectOfSky(Green(instances, {"volpath", 1000, 128}), 1);
-}
-
-TEST(MediaInPlaces, AMovingFurnaceIsInvisible) {
     const std::string moving =
         kEvenSky + kFog + "ActiveTransform EndTime\nTranslate .7 .2 0\nActiveTransform All\n" + kFoggyBall;
     ExpectOfSky(Green(moving, {"volpath", 1000, 128}), 1);

@@ -7,11 +7,11 @@
 #include "pbrt/core/online_model.h"
 #include "support/errors.h"
 #include "support/folder_test.h"
-#include "support/given_params.h"
 #include "support/small_files.h"
 #include "support/team_on_threads.h"
 #include "support/temporary_image.h"
 #include "support/wait.h"
+#include "unit/pbrt/films/film_fixtures.h"
 
 namespace pbrt::test {
 namespace {
@@ -94,13 +94,6 @@ class Recorder final : public Integrator {
     double secondsPerSample = 0;
 };
 
-std::unique_ptr<Film> SquareFilm(int size) {
-    DiagnosticSink sink;
-    FilmContext context{.outputSpace = ColorSpace::SRGB()};
-    context.overrides.fullFloat = true;
-    return MakeFilm("rgb", Params().Integer("xresolution", size).Integer("yresolution", size), context, sink);
-}
-
 class RenderLoop : public test::FolderTest {
   protected:
     RenderLoop() {
@@ -118,7 +111,7 @@ class RenderLoop : public test::FolderTest {
         return Path("reference.exr");
     }
 
-    const std::unique_ptr<Film> film_ = SquareFilm(1);
+    const std::unique_ptr<Film> film_ = MakeFullFloat("rgb", FilmSize(1, 1));
     std::unique_ptr<Filter> filter_;
     std::unique_ptr<Camera> camera_;
     Recorder integrator_;
@@ -165,7 +158,7 @@ class Sleeper final : public Integrator {
 };
 
 TEST_F(RenderLoop, TheMeasurementStopsInTheMiddleOfALongSample) {
-    const std::unique_ptr<Film> film = SquareFilm(32);
+    const std::unique_ptr<Film> film = MakeFullFloat("rgb", FilmSize(32, 32));
     Sleeper sleeper;
     const auto start = std::chrono::steady_clock::now();
     const double measured = MeasureSecondsPerSample(ContextOf(sleeper, *film), settings_, 1);

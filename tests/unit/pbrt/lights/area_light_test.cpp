@@ -5,14 +5,7 @@
 namespace pbrt::test {
 namespace {
 
-struct AreaLightCase {
-    std::string name;
-    std::function<std::shared_ptr<Shape>()> make;
-};
-
-void PrintTo(const AreaLightCase &c, std::ostream *out) { *out << c.name; }
-
-class AreaLightShapes : public testing::TestWithParam<AreaLightCase> {};
+class AreaLightShapes : public testing::TestWithParam<ShapeCase> {};
 
 /// The light arriving from the primitive, measured by rays in all directions that can meet it: slow, but simple.
 template <class F>
@@ -37,7 +30,7 @@ RunningStatistics ByUniformDirections(const Shape &shape, const Light &light, co
 }
 
 TEST_P(AreaLightShapes, SamplingFindsTheLightThatRaysFind) {
-    auto shape = GetParam().make();
+    const std::shared_ptr<Shape> &shape = GetParam().shape;
     for (bool twoSided : {false, true}) {
         auto light = MakeAreaLight(Params().Bool("twosided", twoSided), *shape);
         for (Point3 p :
@@ -60,7 +53,7 @@ TEST_P(AreaLightShapes, SamplingFindsTheLightThatRaysFind) {
 }
 
 TEST_P(AreaLightShapes, PdfOfASampleIsThePdfOfItsRay) {
-    auto shape = GetParam().make();
+    const std::shared_ptr<Shape> &shape = GetParam().shape;
     auto light = MakeAreaLight(Params().Bool("twosided", true), *shape);
     Rng rng(5);
     int compared = 0;
@@ -81,7 +74,7 @@ TEST_P(AreaLightShapes, PdfOfASampleIsThePdfOfItsRay) {
 }
 
 TEST_P(AreaLightShapes, PhiIsTheIntegralOfEmittedRadiance) {
-    auto shape = GetParam().make();
+    const std::shared_ptr<Shape> &shape = GetParam().shape;
     for (bool twoSided : {false, true}) {
         auto light = MakeAreaLight(Params().Bool("twosided", twoSided).Number("scale", 3), *shape);
         Rng rng(9);
@@ -104,7 +97,7 @@ TEST_P(AreaLightShapes, PhiIsTheIntegralOfEmittedRadiance) {
 }
 
 TEST_P(AreaLightShapes, ImportanceIsPositiveWhereLightArrives) {
-    auto shape = GetParam().make();
+    const std::shared_ptr<Shape> &shape = GetParam().shape;
     int lit = 0;
     for (bool twoSided : {false, true}) {
         auto light = MakeAreaLight(Params().Bool("twosided", twoSided), *shape);
@@ -119,15 +112,12 @@ TEST_P(AreaLightShapes, ImportanceIsPositiveWhereLightArrives) {
 }
 
 /// Triangles, quadrics, patches, parts of shapes, and shapes that a transform mirrors or stretches.
-std::vector<AreaLightCase> AllShapes() {
-    std::vector<AreaLightCase> cases{
-        {"turnedTriangle", [] { return Triangle(Transform::Rotate(70, Vector3(1, 1, 0))); }},
-        {"triangle", [] { return Triangle(); }},
-    };
-    for (const char *type : {"sphere", "disk", "cylinder"})
-        cases.push_back({type, [type] { return MakeShape(type, Params(), {}); }});
+std::vector<ShapeCase> AllShapes() {
+    std::vector<ShapeCase> cases{{"turnedTriangle", Triangle(Transform::Rotate(70, {1, 1, 0}))},
+                                 {"triangle", Triangle()}};
+    for (const char *type : {"sphere", "disk", "cylinder"}) cases.push_back({type, MakeShape(type, Params(), {})});
     for (const ShapeCase &c : WholeAndPartCases())
-        if (c.name != "Triangle" && c.name != "Sphere") cases.push_back({c.name, [shape = c.shape] { return shape; }});
+        if (c.name != "Triangle" && c.name != "Sphere") cases.push_back(c);
     return cases;
 }
 

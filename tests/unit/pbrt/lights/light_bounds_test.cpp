@@ -86,7 +86,10 @@ TEST(LightBounds, UnionIsImportantWhereverAPartShines) {
     }
 }
 
-TEST(LightBounds, UnionWithNothingChangesNothing) {
+TEST(LightBounds, WithoutPowerAreUnimportantAndChangeNoUnion) {
+    LightBounds none;
+    none.bounds = Bounds3(Point3(0), Point3(1));
+    for (Float at : {0.5f, 3.f}) EXPECT_EQ(none.Importance(Point3(at), Normal3(0)), 0);
     Rng rng(3);
     LightBounds a = RandomBounds(rng), u = Union(LightBounds(), a);
     EXPECT_EQ(u.phi, a.phi);
@@ -108,13 +111,6 @@ TEST(LightBounds, ImportanceIsFiniteAtAnyPointAndScale) {
         EXPECT_GT(point.Importance(Point3(scale), Normal3(0, 0, 1)), 0)
             << "the importance at the light itself must be positive";
     }
-}
-
-TEST(LightBounds, NothingWithoutPower) {
-    LightBounds none;
-    none.bounds = Bounds3(Point3(0), Point3(1));
-    EXPECT_EQ(none.Importance(Point3(0.5f), Normal3(0)), 0);
-    EXPECT_EQ(none.Importance(Point3(3), Normal3(0)), 0);
 }
 
 }  // namespace

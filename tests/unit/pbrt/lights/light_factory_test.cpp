@@ -49,6 +49,9 @@ TEST(LightFactory, ImagesOfLightsAreChecked) {
     TemporaryImage neither("neither.exr", Image(PixelFormat::Float, {2, 2}, {"Z"}));
     ExpectComplaint("goniometric", FileParams(neither), 1, "channel Y");
     ExpectComplaint("projection", FileParams(neither), 1, "R, G and B");
+    const Params both = Params().Rgb("L", 1, 1, 1).String("filename", "x.exr");
+    ExpectComplaint("infinite", both, 2, "exclude");
+    ExpectErrorAt([&] { MakeAreaMaker(both); }, 2, {"exclude"});
 }
 
 TEST(LightFactory, WhatIsTooBrightForSinglePrecisionIsAnError) {
@@ -65,11 +68,6 @@ TEST(LightFactory, WhatIsTooBrightForSinglePrecisionIsAnError) {
     ExpectErrorAt(area, 2, {"largest number"});
 }
 
-TEST(LightFactory, RadianceAndImageExcludeEachOther) {
-    ExpectComplaint("infinite", Params().Rgb("L", 1, 1, 1).String("filename", "x.exr"), 2, "exclude");
-    ExpectErrorAt([] { MakeAreaMaker(Params().Rgb("L", 1, 1, 1).String("filename", "x.exr")); }, 2, {"exclude"});
-}
-
 TEST(LightFactory, EnvironmentMustBeSquareFiniteRgb) {
     ExpectComplaint("infinite", Params().String("filename", "/nowhere/sky.exr"), 1, "sky.exr");
     TemporaryImage wide("wide.exr", RgbImage({4, 2}, [](int, int) { return Rgb(1); }));
@@ -81,23 +79,17 @@ TEST(LightFactory, EnvironmentMustBeSquareFiniteRgb) {
 }
 
 TEST(LightFactory, NothingEmitsLessThanNothing) {
-    for (const char *type : {"point", "infinite"}) {
+    for (const auto &[type, name] : {std::pair("point", "I"), {"infinite", "L"}}) {
         ExpectComplaint(type, Params().Number("scale", -1), 1, "at least 0");
-        ExpectComplaint(
-            type, Params().Floats(ParamType::Spectrum, type == std::string("point") ? "I" : "L", {400, -1, 700, 1}), 1,
-            "400 nm is -1");
+        ExpectComplaint(type, Params().Floats(ParamType::Spectrum, name, {400, -1, 700, 1}), 1, "400 nm is -1");
     }
 }
 
-TEST(LightFactory, DirectionNeedsTwoPoints) {
+TEST(LightFactory, DirectionsAndConesAreChecked) {
     ExpectComplaint("distant", Params().Point("from", {0, 0, 1}), 1, "same point");
     ExpectComplaint("spot", Params().Point("from", {1, 2, 3}).Point("to", {1, 2, 3}), 2, "same point");
-}
-
-TEST(LightFactory, ConeAnglesAreChecked) {
     ExpectComplaint("spot", Params().Number("coneangle", 0), 1, "coneangle");
-    ExpectComplaint("spot", Params().Number("coneangle", 30).Number("conedeltaangle", -1), 2, "conedeltaangle");
-    ExpectComplaint("spot", Params().Number("coneangle", 30).Number("conedeltaangle", 61), 2, "conedeltaangle");
+    for (Float edge : {-1.f, 61.f}) ExpectComplaint("spot", Cone(30, edge), 2, "conedeltaangle");
 }
 
 TEST(LightFactory, EveryParameterOfALightIsAskedFor) {

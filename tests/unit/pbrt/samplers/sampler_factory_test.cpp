@@ -81,26 +81,20 @@ TEST(MakeSampler, OverriddenStratifiedIsAsSquareAsItCanBe) {
     EXPECT_EQ(rows.size(), 3u);
 }
 
-TEST(MakeSampler, WarnsAboutCountsThatAreNoPowersOfTwo) {
-    for (const char *type : {"zsobol", "paddedsobol", "sobol"}) {
-        DiagnosticSink quiet, loud;
-        Make(type, Count(8), 0, &quiet);
-        Make(type, Count(9), 4, &quiet);
-        Make(type, Count(9), 0, &loud);
-        EXPECT_EQ(quiet.All().size(), 0u);
-        ASSERT_EQ(loud.All().size(), 1u);
-        EXPECT_EQ(loud.All()[0].severity, Severity::Warning);
-    }
-}
-
-TEST(MakeSampler, Pmj02bnWarnsAboutCountsThatAreNoPowersOfFour) {
-    for (int n : {1, 2, 4, 8, 12, 16, 64, 100}) {
+TEST(MakeSampler, WarnsAboutCountsThatAreNoPowersOfTwoOrFour) {
+    const auto warnings = [](const char *type, int samples, int sppOverride = 0) {
         DiagnosticSink sink;
-        Make("pmj02bn", Count(n), 0, &sink);
-        const bool fine = n == 1 || n == 4 || n == 16 || n == 64;
-        EXPECT_EQ(sink.All().size(), fine ? 0u : 1u) << n;
+        Make(type, Count(samples), sppOverride, &sink);
         EXPECT_FALSE(sink.HasErrors());
+        return sink.All().size();
+    };
+    for (const char *type : {"zsobol", "paddedsobol", "sobol"}) {
+        EXPECT_EQ(warnings(type, 8), 0u);
+        EXPECT_EQ(warnings(type, 9), 1u);
+        EXPECT_EQ(warnings(type, 9, 4), 0u);
     }
+    for (int n : {1, 4, 16, 64}) EXPECT_EQ(warnings("pmj02bn", n), 0u) << n;
+    for (int n : {2, 8, 12, 100}) EXPECT_EQ(warnings("pmj02bn", n), 1u) << n;
 }
 
 TEST(MakeSampler, RandomizationsAreChecked) {

@@ -247,12 +247,10 @@ TEST(CubicBezier, SplinesOfEveryBasisGoThroughTheirOwnPoints) {
     Rng rng(12);
     std::vector<Point3> p(8);
     for (Point3 &q : p) q = RandomDirection(rng);
-    EXPECT_EQ(SegmentCount(8, 3, CurveBasis::BSpline), 5u);
-    EXPECT_EQ(SegmentCount(8, 2, CurveBasis::BSpline), 6u);
-    EXPECT_EQ(SegmentCount(7, 3, CurveBasis::Bezier), 2u);
-    EXPECT_EQ(SegmentCount(8, 3, CurveBasis::Bezier), 0u);
-    EXPECT_EQ(SegmentCount(7, 2, CurveBasis::Bezier), 3u);
-    EXPECT_EQ(SegmentCount(3, 3, CurveBasis::BSpline), 0u);
+    for (const auto &[points, degree, segments] : {std::array{8, 3, 5}, {8, 2, 6}, {3, 3, 0}})
+        EXPECT_EQ(SegmentCount(size_t(points), degree, CurveBasis::BSpline), size_t(segments));
+    for (const auto &[points, degree, segments] : {std::array{7, 3, 2}, {8, 3, 0}, {7, 2, 3}})
+        EXPECT_EQ(SegmentCount(size_t(points), degree, CurveBasis::Bezier), size_t(segments));
     for (Float u : {0.0f, 0.3f, 0.8f, 1.0f})
         for (size_t i = 0; i < 2; ++i) {
             Float w = 1 - u;

@@ -88,56 +88,33 @@ TEST_P(ShapeSurface, RaysThatLeaveDoNotHitTheSurfaceAgain) {
     EXPECT_GT(checked, convex ? 1000 : -1);
 }
 
-/// Whether the normals of hits and of samples point to the reference side, for four settings: plain,
-/// ReverseOrientation, mirrored, both.
-struct Sides {
-    bool hit[4], sample[4];
-};
-template <class Make>
-Sides SidesOf(Make &&make, const Vector3 &reference) {
-    Sides sides{};
-    for (int i = 0; i < 4; ++i) {
-        Transform t = i & 2 ? Transform::Scale({-1, 1, 1}) : Transform();
-        const std::unique_ptr<Shape> shape = make(t, (i & 1) != 0);
-        auto hit = shape->Intersect(0, {reference * Float(5), -reference}, 0);
-        EXPECT_TRUE(hit);
-        sides.hit[i] = Dot(shape->Surface(0, *hit).n, reference) > 0;
-        Rng rng(1);
-        for (int k = 0; k < 50; ++k) {
-            auto s = shape->SampleArea(0, rng.Uniform2());
-            if (Dot(s->p, reference) >= 0) {  // the part near the reference point
-                sides.sample[i] = Dot(s->n, shape->Kind() == ShapeKind::Sphere ? s->p : reference) > 0;
-                break;
-            }
-        }
-    }
-    return sides;
-}
-
+/// Expects on which side of the shape its normals are, for hits and samples, as it is, reversed, mirrored and both.
 template <class S, class... Args>
-Sides SidesOfA(const Vector3 &reference, const Args &...args) {
-    return SidesOf([&](const Transform &t, bool reverse) { return std::make_unique<S>(args..., t, reverse); },
-                   reference);
+void ExpectSides(bool isMesh, const Vector3 &reference, const Args &...args) {
+    for (const bool mirrored : {false, true})
+        for (const bool reverse : {false, true}) {
+            const S shape(args..., mirrored ? Transform::Scale({-1, 1, 1}) : Transform(), reverse);
+            // A mirrored mesh faces the same way as the mirror image of the original (+z).
+            const bool expected = reverse == (mirrored && !isMesh);
+            const auto hit = shape.Intersect(0, {reference * Float(5), -reference}, 0);
+            ASSERT_TRUE(hit);
+            EXPECT_EQ(Dot(shape.Surface(0, *hit).n, reference) > 0, expected) << mirrored << reverse;
+            Rng rng(1);
+            auto s = shape.SampleArea(0, rng.Uniform2());
+            while (Dot(s->p, reference) < 0) s = shape.SampleArea(0, rng.Uniform2());  // on the side of the reference
+            EXPECT_EQ(Dot(s->n, shape.Kind() == ShapeKind::Sphere ? s->p : reference) > 0, expected)
+                << mirrored << reverse;
+        }
 }
 
 /// Hits flip as in stock pbrt-v4 (conformance scene shapes/orientation_and_mirroring). Samples flip by the flag XOR the
 /// handedness, too, while those of stock's quadrics flip by the flag alone.
 TEST(Orientation, FlipsByFlagXorHandednessInHitsAndSamples) {
     const Vector3 up(0, 0, 1);
-    const struct {
-        Sides sides;
-        bool isMesh;
-    } kCases[] = {{SidesOfA<TriangleMesh>(up, OnePrimitive({{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}})), true},
-                  {SidesOfA<BilinearMesh>(up, OnePrimitive({{-1, -1, 0}, {1, -1, 0}, {-1, 1, 0}, {1, 1, 0}})), true},
-                  {SidesOfA<Disk>(up, 0.0f, 1.0f, 0.0f, 360.0f), false},
-                  {SidesOfA<Sphere>(Normalize(Vector3(1, 2, 1)), 1.0f, -1.0f, 1.0f, 360.0f), false}};
-    for (const auto &[sides, isMesh] : kCases)
-        for (int i = 0; i < 4; ++i) {
-            // A mirrored mesh faces the same way as the mirror image of the original (+z).
-            const bool reverse = (i & 1) != 0, mirrored = (i & 2) != 0, expected = reverse == (mirrored && !isMesh);
-            EXPECT_EQ(sides.hit[i], expected) << i;
-            EXPECT_EQ(sides.sample[i], expected) << i;
-        }
+    ExpectSides<TriangleMesh>(true, up, OnePrimitive({{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}}));
+    ExpectSides<BilinearMesh>(true, up, OnePrimitive({{-1, -1, 0}, {1, -1, 0}, {-1, 1, 0}, {1, 1, 0}}));
+    ExpectSides<Disk>(false, up, 0.0f, 1.0f, 0.0f, 360.0f);
+    ExpectSides<Sphere>(false, Normalize(Vector3(1, 2, 1)), 1.0f, -1.0f, 1.0f, 360.0f);
 }
 
 TEST(Orientation, VertexNormalsDecideTheSide) {

@@ -1,6 +1,5 @@
 #pragma once
 #include <memory>
-#include <vector>
 
 #include "pbrt/accel/accel.h"
 #include "pbrt/shapes/bilinear_mesh.h"
@@ -18,14 +17,14 @@ inline MeshData BumpyBall(uint32_t n, uint64_t seed = 1) {
     mesh.p.push_back({0, 0, 1});
     for (uint32_t r = 1; r <= rings; ++r)
         for (uint32_t a = 0; a < around; ++a) {
-            Float theta = Pi * static_cast<Float>(r) / static_cast<Float>(n);
-            Float phi = 2 * Pi * static_cast<Float>(a) / static_cast<Float>(around);
-            Float radius = 1 + 0.3f / static_cast<Float>(n) * (rng.Uniform() - 0.5f);
+            Float theta = Pi * Float(r) / Float(n);
+            Float phi = 2 * Pi * Float(a) / Float(around);
+            Float radius = 1 + 0.3f / Float(n) * (rng.Uniform() - 0.5f);
             mesh.p.push_back(radius * SphericalDirection(std::sin(theta), std::cos(theta), phi));
         }
     mesh.p.push_back({0, 0, -1});
     auto at = [&](uint32_t r, uint32_t a) { return 1 + (r - 1) * around + a % around; };
-    auto last = static_cast<uint32_t>(mesh.p.size() - 1);
+    auto last = uint32_t(mesh.p.size() - 1);
     for (uint32_t a = 0; a < around; ++a) {
         mesh.indices.insert(mesh.indices.end(), {0, at(1, a), at(1, a + 1)});
         for (uint32_t r = 1; r < rings; ++r) {
@@ -43,8 +42,7 @@ inline MeshData PatchGrid(uint32_t n, Float bumps) {
     MeshData mesh;
     for (uint32_t y = 0; y <= n; ++y)
         for (uint32_t x = 0; x <= n; ++x)
-            mesh.p.push_back({static_cast<Float>(x) / static_cast<Float>(n),
-                              static_cast<Float>(y) / static_cast<Float>(n), bumps * (rng.Uniform() - 0.5f)});
+            mesh.p.push_back({Float(x) / Float(n), Float(y) / Float(n), bumps * (rng.Uniform() - 0.5f)});
     for (uint32_t y = 0; y < n; ++y)
         for (uint32_t x = 0; x < n; ++x) {
             uint32_t i = y * (n + 1) + x;
@@ -68,6 +66,77 @@ inline Shapes EveryKind(const Transform &t) {
     s.push_back(std::make_unique<Disk>(0.1f, 0.9f, 0.2f, 320.0f, at(0, 2), false));
     s.push_back(std::make_unique<Cylinder>(0.5f, -0.6f, 0.8f, 280.0f, at(2, 2), false));
     return s;
+}
+
+/// Floors of the half width r at z = `level`. The triangles and the patches of the grid meet below the origin.
+struct Floor {
+    const char *name;
+    std::unique_ptr<Shape> shape;
+};
+inline std::vector<Floor> Floors(Float r, const Transform &t, Float level) {
+    MeshData square;
+    square.p = {{-r, -r, level}, {r, -r, level}, {-r, r, level}, {r, r, level}};
+    square.indices = {0, 1, 2, 1, 3, 2};
+    std::vector<Floor> floors;
+    floors.push_back({"triangles", std::make_unique<TriangleMesh>(square, t, false)});
+    square.indices = {0, 1, 2, 3};
+    floors.push_back({"patch", std::make_unique<BilinearMesh>(square, t, false)});
+    MeshData grid = PatchGrid(2, 0);
+    for (Point3 &p : grid.p) p = {(2 * p.x - 1) * r, (2 * p.y - 1) * r, level};
+    floors.push_back({"grid", std::make_unique<BilinearMesh>(grid, t, false)});
+    square.p[3].x *= 1.5f;
+    floors.push_back({"trapezoid", std::make_unique<BilinearMesh>(square, t, false)});
+    floors.push_back({"disk", std::make_unique<Disk>(level, r, 0.f, 360.f, t, false)});
+    return floors;
+}
+
+class ConstantAlpha final : public FloatTexture {
+  public:
+    explicit ConstantAlpha(Float v, bool admit = true) : value_(v), admit_(admit) {}
+    Float Evaluate(const TextureContext &) const override { return value_; }
+    std::optional<Float> Constant() const override { return admit_ ? std::optional<Float>(value_) : std::nullopt; }
+
+  private:
+    Float value_;
+    bool admit_;  ///< whether Constant() returns the value
+};
+
+/// Adds an object of all shapes.
+inline int AddObject(Accel &accel, const Shapes &shapes, std::vector<const FloatTexture *> alphas = {}) {
+    std::vector<ShapeId> ids;
+    std::vector<const Shape *> pointers;
+    for (const auto &shape : shapes) {
+        ids.emplace_back(ids.size());
+        pointers.push_back(shape.get());
+    }
+    alphas.resize(shapes.size());
+    return accel.AddObject(ids, pointers, alphas);
+}
+
+/// Ready to trace.
+struct AccelOf : Accel {
+    explicit AccelOf(const Shapes &shapes) {
+        for (size_t i = 0; i < shapes.size(); ++i) AddShape(ShapeId(i), *shapes[i], nullptr);
+        Commit();
+    }
+    explicit AccelOf(const Shape &shape, const FloatTexture *alpha = nullptr) {
+        AddShape(ShapeId(0u), shape, alpha);
+        Commit();
+    }
+    /// An instance of the shape if `place` is not null.
+    AccelOf(const Shape &shape, const Transform *place) {
+        if (place) AddInstance(AddObject({ShapeId(0u)}, {&shape}, {nullptr}), *place);
+        else AddShape(ShapeId(0u), shape, nullptr);
+        Commit();
+    }
+};
+
+/// From around the bounds to a point within them at t = 1.
+inline Ray RandomRay(Rng &rng, const Bounds3 &b) {
+    Ray ray;
+    for (int k = 0; k < 3; ++k) ray.o[k] = Lerp(2 * rng.Uniform() - .5f, b.low[k], b.high[k]);
+    for (int k = 0; k < 3; ++k) ray.d[k] = Lerp(rng.Uniform(), b.low[k], b.high[k]) - ray.o[k];
+    return ray;
 }
 
 struct Placement {

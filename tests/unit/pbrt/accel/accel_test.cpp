@@ -1,16 +1,10 @@
-#include "pbrt/accel/accel.h"
-
 #include <gtest/gtest.h>
 
 #include "accel_scenes.h"
 #include "pbrt/core/error.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
-
-using test::Placement;
-using test::Shapes;
-using test::SlowIntersect;
 
 /// Compares Accel with SlowIntersect on random rays; returns the number of hits.
 int CompareOnRandomRays(const Accel &accel, const Shapes &shapes, const std::vector<Placement> &placements, int rays) {
@@ -52,21 +46,13 @@ int CompareOnRandomRays(const Accel &accel, const Shapes &shapes, const std::vec
 }
 
 TEST(Accel, ShadowRaysPassWhatTheyAreLetThrough) {
-    Shapes shapes = test::EveryKind(Transform());
-    const auto last = static_cast<uint32_t>(shapes.size() - 1);
+    Shapes shapes = EveryKind(Transform());
+    const auto last = uint32_t(shapes.size() - 1);
     Accel direct, instanced;
-    std::vector<ShapeId> ids;
-    std::vector<const Shape *> pointers;
-    for (uint32_t i = 0; i <= last; ++i) {
-        for (Accel *a : {&direct, &instanced})
-            if (i != last) a->LetShadowRaysThrough(ShapeId(i));
-        ids.emplace_back(i);
-        pointers.push_back(shapes[i].get());
-        direct.AddShape(ids[i], *pointers[i], nullptr);
-    }
-    const int object = instanced.AddObject(ids, pointers, std::vector<const FloatTexture *>(ids.size()));
-    instanced.AddInstance(object, Transform());
-    const Accel *accels[] = {&direct, &instanced};
+    for (Accel *accel : {&direct, &instanced})
+        for (uint32_t i = 0; i < last; ++i) accel->LetShadowRaysThrough(ShapeId(i));
+    for (uint32_t i = 0; i <= last; ++i) direct.AddShape(ShapeId(i), *shapes[i], nullptr);
+    instanced.AddInstance(AddObject(instanced, shapes), Transform());
     direct.Commit();
     instanced.Commit();
     Shapes blocking;
@@ -75,11 +61,9 @@ TEST(Accel, ShadowRaysPassWhatTheyAreLetThrough) {
     const Bounds3 b = direct.Bounds();
     std::vector<int> met(last + 1);
     for (int i = 0; i < 4000; ++i) {
-        Ray ray;
-        for (int k = 0; k < 3; ++k) ray.o[k] = Lerp(2 * rng.Uniform() - .5f, b.low[k], b.high[k]);
-        for (int k = 0; k < 3; ++k) ray.d[k] = Lerp(rng.Uniform(), b.low[k], b.high[k]) - ray.o[k];
-        const bool blocked = test::SlowIntersect(blocking, {{-1, Transform()}}, ray).has_value();
-        for (const Accel *accel : accels) {
+        const Ray ray = RandomRay(rng, b);
+        const bool blocked = SlowIntersect(blocking, {{-1, Transform()}}, ray).has_value();
+        for (const Accel *accel : {&direct, &instanced}) {
             EXPECT_EQ(accel->Occluded(ray), blocked) << i;
             if (auto hit = accel->Intersect(ray)) ++met[hit->shape.value];
         }
@@ -88,24 +72,16 @@ TEST(Accel, ShadowRaysPassWhatTheyAreLetThrough) {
 }
 
 TEST(Accel, AgreesWithTheSlowTwinForEveryKind) {
-    Shapes shapes = test::EveryKind(Transform());
-    Accel accel;
-    for (size_t i = 0; i < shapes.size(); ++i) accel.AddShape(ShapeId(i), *shapes[i], nullptr);
-    accel.Commit();
+    Shapes shapes = EveryKind(Transform());
+    const AccelOf accel(shapes);
     EXPECT_GT(CompareOnRandomRays(accel, shapes, {{-1, Transform()}}, 12000), 2000);
     EXPECT_GT(accel.Bytes(), 0u);
 }
 
 TEST(Accel, AgreesWithTheSlowTwinInInstances) {
-    Shapes shapes = test::EveryKind(Transform::Rotate(20, {0, 1, 1}));
+    Shapes shapes = EveryKind(Transform::Rotate(20, {0, 1, 1}));
     Accel accel;
-    std::vector<ShapeId> ids;
-    std::vector<const Shape *> pointers;
-    for (size_t i = 0; i < shapes.size(); ++i) {
-        ids.emplace_back(i);
-        pointers.push_back(shapes[i].get());
-    }
-    int object = accel.AddObject(ids, pointers, std::vector<const FloatTexture *>(ids.size(), nullptr));
+    const int object = AddObject(accel, shapes);
     std::vector<Placement> placements;
     for (const Transform &t :
          {Transform::Translate({0, 0, 5}) * Transform::Scale({0.5f, 2, 1}), Transform::Scale({-1, 1, 1}),
@@ -121,22 +97,17 @@ TEST(Accel, TracesNothingWhenEmpty) {
     accel.AddObject({}, {}, {});
     accel.AddInstance(0, Transform());
     accel.Commit();
-    Ray ray;
-    EXPECT_FALSE(accel.Intersect(ray));
-    EXPECT_FALSE(accel.Occluded(ray));
+    EXPECT_FALSE(accel.Intersect(Ray()));
+    EXPECT_FALSE(accel.Occluded(Ray()));
     EXPECT_TRUE(accel.Bounds().IsEmpty());
 }
 
 TEST(Accel, BoundsHoldEverything) {
-    Shapes shapes = test::EveryKind(Transform());
-    Accel accel;
+    Shapes shapes = EveryKind(Transform());
     Bounds3 expected;
-    for (size_t i = 0; i < shapes.size(); ++i) {
-        accel.AddShape(ShapeId(i), *shapes[i], nullptr);
-        for (uint32_t k = 0; k < shapes[i]->PrimitiveCount(); ++k)
-            expected = Union(expected, shapes[i]->PrimitiveBounds(k));
-    }
-    accel.Commit();
+    for (const auto &shape : shapes)
+        for (uint32_t k = 0; k < shape->PrimitiveCount(); ++k) expected = Union(expected, shape->PrimitiveBounds(k));
+    const AccelOf accel(shapes);
     Bounds3 b = accel.Bounds();
     EXPECT_TRUE(b.Contains(expected.low));
     EXPECT_TRUE(b.Contains(expected.high));
@@ -145,41 +116,27 @@ TEST(Accel, BoundsHoldEverything) {
 
 TEST(Accel, SegmentsEndBeforeTheirTarget) {
     Disk disk(0, 1, 0, 360, Transform(), false);
-    Accel accel;
-    accel.AddShape(ShapeId(0u), disk, nullptr);
-    accel.Commit();
-    Ray ray;
-    ray.o = {0.2f, 0.1f, -2};
-    ray.d = {0, 0, 1};
-    ray.tMax = 1.9999f;
-    EXPECT_FALSE(accel.Occluded(ray));
-    ray.tMax = 2.0001f;
-    EXPECT_TRUE(accel.Occluded(ray));
-    ray.o.z = 0;  // on the surface
-    EXPECT_FALSE(accel.Occluded(ray));
+    const AccelOf accel(disk);
+    const Vector3 up(0, 0, 1);
+    EXPECT_FALSE(accel.Occluded({{0.2f, 0.1f, -2}, up, 1.9999f}));
+    EXPECT_TRUE(accel.Occluded({{0.2f, 0.1f, -2}, up, 2.0001f}));
+    EXPECT_FALSE(accel.Occluded({{0.2f, 0.1f, 0}, up, 2.0001f})) << "on the surface";
 }
 
 TEST(Accel, WhatIsNoRayHitsNothingAndSeesNoLight) {
-    Shapes shapes = test::EveryKind(Transform());
-    Accel accel;
-    for (size_t i = 0; i < shapes.size(); ++i) accel.AddShape(ShapeId(i), *shapes[i], nullptr);
-    accel.Commit();
+    Shapes shapes = EveryKind(Transform());
+    const AccelOf accel(shapes);
     constexpr Float kNan = std::numeric_limits<Float>::quiet_NaN();
-    Ray good;
-    good.o = {0, 0, 5};
-    good.d = Normalize(Vector3(-2, 0, -5));
+    const Ray good{{0, 0, 5}, Normalize(Vector3(-2, 0, -5))};
     ASSERT_TRUE(accel.Intersect(good));
     for (Float bad : {kNan, Infinity, -Infinity, 1e30f, -2e18f})
-        for (int k = 0; k < 3; ++k) {
-            Ray ray = good;
-            ray.o[k] = bad;
-            EXPECT_FALSE(accel.Intersect(ray)) << bad;
-            EXPECT_TRUE(accel.Occluded(ray)) << bad;
-            ray = good;
-            ray.d[k] = bad;
-            EXPECT_FALSE(accel.Intersect(ray)) << bad;
-            EXPECT_TRUE(accel.Occluded(ray)) << bad;
-        }
+        for (int k = 0; k < 3; ++k)
+            for (const bool isOrigin : {true, false}) {
+                Ray ray = good;
+                (isOrigin ? ray.o : ray.d)[k] = bad;
+                EXPECT_FALSE(accel.Intersect(ray)) << bad;
+                EXPECT_TRUE(accel.Occluded(ray)) << bad;
+            }
     for (Float end : {kNan, -1.f}) {
         Ray ray = good;
         ray.tMax = end;
@@ -188,7 +145,7 @@ TEST(Accel, WhatIsNoRayHitsNothingAndSeesNoLight) {
 }
 
 TEST(Accel, RaysStayRaysInSmallInstances) {
-    Shapes shapes = test::EveryKind(Transform());
+    Shapes shapes = EveryKind(Transform());
     auto build = [&](Float scale, Float extent) {
         auto accel = std::make_unique<Accel>();
         const int object = accel->AddObject({ShapeId(0u)}, {shapes[0].get()}, {nullptr});
@@ -201,9 +158,7 @@ TEST(Accel, RaysStayRaysInSmallInstances) {
     auto accel = build(1e-10f, 1e7f);
     int hits = 0;
     for (Float far : {1e3f, 1e7f, 1e9f, 1e16f, 1e18f}) {
-        Ray ray;
-        ray.o = {-2e-10f, 0, far};
-        ray.d = {0, 0, -1};
+        const Ray ray{{-2e-10f, 0, far}, {0, 0, -1}};
         hits += accel->Intersect(ray).has_value();
         accel->Occluded(ray);
     }
@@ -211,72 +166,47 @@ TEST(Accel, RaysStayRaysInSmallInstances) {
     EXPECT_THROW(build(1e-13f, 1e7f), UserError);
 }
 
-/// Flat shapes in the plane z = 0, which Embree traces and which it does not.
-Shapes FlatShapes(const Transform &place = {}) {
-    MeshData square;
-    square.p = {{-1, -1, 0}, {1, -1, 0}, {-1, 1, 0}, {1, 1, 0}};
-    square.indices = {0, 1, 2, 1, 3, 2};
-    Shapes s;
-    s.push_back(std::make_unique<TriangleMesh>(square, place, false));
-    square.indices = {0, 1, 2, 3};
-    s.push_back(std::make_unique<BilinearMesh>(square, place, false));
-    square.p[3].x = 1.5f;  // no parallelogram
-    s.push_back(std::make_unique<BilinearMesh>(square, place, false));
-    s.push_back(std::make_unique<Disk>(0.f, 1.f, 0.f, 360.f, place, false));
-    return s;
-}
-
 TEST(Accel, HitsOfTinyPrimitivesLieOnTheRay) {
     for (const Float size : {1e-4f, 1e-8f, 1e-10f})
-        for (const auto &shape : FlatShapes(Transform::Scale(Vector3(size))))
+        for (const auto &[name, shape] : Floors(1, Transform::Scale(Vector3(size)), 0))
             for (const bool enlarged : {false, true}) {
                 const Transform place = enlarged ? Transform::Scale(Vector3(1 / size)) : Transform();
                 const Float reach = enlarged ? 1 : size;
-                Accel accel;
-                if (enlarged) accel.AddInstance(accel.AddObject({ShapeId(0u)}, {shape.get()}, {nullptr}), place);
-                else accel.AddShape(ShapeId(0u), *shape, nullptr);
-                accel.Commit();
+                const AccelOf accel(*shape, enlarged ? &place : nullptr);
                 Rng rng(8);
                 for (int i = 0; i < 200; ++i) {
                     const Point3 target = Float(0.6) * reach * Vector3(2 * rng.Uniform() - 1, 2 * rng.Uniform() - 1, 0);
-                    Ray ray;
-                    ray.o = target + reach * Vector3(rng.Uniform() - 0.5f, rng.Uniform() - 0.5f, 1.5f);
-                    ray.d = Normalize(target - ray.o);
+                    const Point3 o = target + reach * Vector3(rng.Uniform() - 0.5f, rng.Uniform() - 0.5f, 1.5f);
+                    const Ray ray{o, Normalize(target - o)};
                     const auto hit = accel.Intersect(ray);
-                    ASSERT_TRUE(hit) << size << ' ' << static_cast<int>(shape->Kind()) << ' ' << enlarged;
+                    ASSERT_TRUE(hit) << size << ' ' << name << ' ' << enlarged;
                     const Ray local{place.InversePoint(ray.o), place.InverseVector(ray.d)};
                     const Point3 p = place.Point(shape->SurfaceOnRay(hit->primitive, hit->hit, local).p);
-                    EXPECT_LT(Distance(p, target), 1e-5f * reach)
-                        << size << ' ' << static_cast<int>(shape->Kind()) << ' ' << enlarged;
+                    EXPECT_LT(Distance(p, target), 1e-5f * reach) << size << ' ' << name << ' ' << enlarged;
                 }
             }
 }
 
 TEST(Accel, HitsLieBehindTheOriginAndBehindTMin) {
-    const Shapes shapes = FlatShapes();
-    for (const auto &shape : shapes)
+    const Transform place = Transform::Scale({4, 4, -4});
+    for (const auto &[name, shape] : Floors(1, {}, 0))
         for (const bool instanced : {false, true}) {
-            Accel accel;
-            if (instanced)
-                accel.AddInstance(accel.AddObject({ShapeId(0u)}, {shape.get()}, {nullptr}),
-                                  Transform::Scale({4, 4, -4}));
-            else accel.AddShape(ShapeId(0u), *shape, nullptr);
-            accel.Commit();
+            const AccelOf accel(*shape, instanced ? &place : nullptr);
             Rng rng(7);
             for (int i = 0; i < 200; ++i) {
                 Ray ray;
                 ray.o = {0.5f * rng.Uniform(), 0.4f * rng.Uniform(), 0};
-                ray.d = test::RandomDirection(rng);
-                EXPECT_FALSE(accel.Intersect(ray)) << static_cast<int>(shape->Kind()) << ' ' << instanced;
-                EXPECT_FALSE(accel.Occluded(ray)) << static_cast<int>(shape->Kind()) << ' ' << instanced;
+                ray.d = RandomDirection(rng);
+                EXPECT_FALSE(accel.Intersect(ray)) << name << ' ' << instanced;
+                EXPECT_FALSE(accel.Occluded(ray)) << name << ' ' << instanced;
                 ray.o -= ray.d * (0.1f * rng.Uniform());
                 const auto hit = accel.Intersect(ray);
                 ASSERT_TRUE(hit && hit->hit.t > 0);
-                EXPECT_FALSE(accel.Intersect(ray, hit->hit.t)) << static_cast<int>(shape->Kind()) << ' ' << instanced;
+                EXPECT_FALSE(accel.Intersect(ray, hit->hit.t)) << name << ' ' << instanced;
                 EXPECT_TRUE(accel.Intersect(ray, std::nextafter(hit->hit.t, 0.f) * 0.999f));
             }
         }
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

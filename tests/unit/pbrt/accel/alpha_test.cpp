@@ -3,19 +3,8 @@
 #include "accel_scenes.h"
 #include "support/statistics.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
-
-class ConstantAlpha final : public FloatTexture {
-  public:
-    explicit ConstantAlpha(Float v, bool admit = true) : value_(v), admit_(admit) {}
-    Float Evaluate(const TextureContext &) const override { return value_; }
-    std::optional<Float> Constant() const override { return admit_ ? std::optional<Float>(value_) : std::nullopt; }
-
-  private:
-    Float value_;
-    bool admit_;  ///< whether Constant() returns the value
-};
 
 /// An alpha of 1 where u < 1/2, else 0.
 class HalfAlpha final : public FloatTexture {
@@ -32,15 +21,10 @@ MeshData UnitSquare(Float z, bool patch) {
     return m;
 }
 
-Ray Down(Rng &rng) {
-    Ray r;
-    r.o = {rng.Uniform(), rng.Uniform(), 5};
-    r.d = {0, 0, -1};
-    return r;
-}
+Ray Down(Rng &rng) { return {{rng.Uniform(), rng.Uniform(), 5}, {0, 0, -1}}; }
 
 TEST(Alpha, ShareOfHitsIsAlphaForEveryKind) {
-    std::vector<std::unique_ptr<Shape>> shapes;
+    Shapes shapes;
     shapes.push_back(std::make_unique<TriangleMesh>(UnitSquare(0, false), Transform(), false));
     shapes.push_back(std::make_unique<BilinearMesh>(UnitSquare(0, true), Transform(), false));
     MeshData bent = UnitSquare(0, true);
@@ -51,9 +35,7 @@ TEST(Alpha, ShareOfHitsIsAlphaForEveryKind) {
         for (bool admit : {true, false})
             for (const auto &shape : shapes) {
                 ConstantAlpha texture(alpha, admit);
-                Accel accel;
-                accel.AddShape(ShapeId(3u), *shape, &texture);
-                accel.Commit();
+                const AccelOf accel(*shape, &texture);
                 Rng rng(4);
                 constexpr int kRays = 20000;
                 int hits = 0;
@@ -64,7 +46,7 @@ TEST(Alpha, ShareOfHitsIsAlphaForEveryKind) {
                     ASSERT_EQ(hit, accel.Occluded(ray));
                 }
                 double z = (hits - kRays * double(alpha)) / std::sqrt(kRays * double(alpha * (1 - alpha)));
-                EXPECT_GT(test::NormalTail(z), test::SidakAlpha(1e-3, 24)) << alpha;
+                EXPECT_GT(NormalTail(z), SidakAlpha(1e-3, 24)) << alpha;
             }
 }
 
@@ -74,30 +56,24 @@ TEST(Alpha, LayersAlongOneRayAreIndependent) {
     std::vector<std::unique_ptr<TriangleMesh>> layers;
     Accel stack;
     for (uint32_t i = 0; i < 3; ++i) {
-        layers.push_back(std::make_unique<TriangleMesh>(UnitSquare(static_cast<Float>(i), false), Transform(), false));
+        layers.push_back(std::make_unique<TriangleMesh>(UnitSquare(Float(i), false), Transform(), false));
         stack.AddShape(ShapeId(i), *layers[i], &texture);
     }
     stack.Commit();
     Sphere sphere(3, -3, 3, 360, Transform(), false);
-    Accel ball;
-    ball.AddShape(ShapeId(0u), sphere, &texture);
-    ball.Commit();
+    const AccelOf ball(sphere, &texture);
     // The same object in three instances.
     Accel instanced;
     int object = instanced.AddObject({ShapeId(0u)}, {layers[0].get()}, {&texture});
-    for (int i = 0; i < 3; ++i) instanced.AddInstance(object, Transform::Translate({0, 0, static_cast<Float>(i)}));
+    for (int i = 0; i < 3; ++i) instanced.AddInstance(object, Transform::Translate({0, 0, Float(i)}));
     instanced.Commit();
-    struct {
-        const Accel *accel;
-        int layers;
-    } cases[] = {{&stack, 3}, {&ball, 2}, {&instanced, 3}};
-    for (const auto &c : cases) {
+    for (const auto &[accel, count] : {std::pair<const Accel *, int>(&stack, 3), {&ball, 2}, {&instanced, 3}}) {
         Rng rng(5);
         constexpr int kRays = 40000;
         int hits = 0;
-        for (int i = 0; i < kRays; ++i) hits += c.accel->Occluded(Down(rng));
-        double p = 1 - std::pow(0.7, c.layers), z = (hits - kRays * p) / std::sqrt(kRays * p * (1 - p));
-        EXPECT_GT(test::NormalTail(z), test::SidakAlpha(1e-3, 3));
+        for (int i = 0; i < kRays; ++i) hits += accel->Occluded(Down(rng));
+        double p = 1 - std::pow(0.7, count), z = (hits - kRays * p) / std::sqrt(kRays * p * (1 - p));
+        EXPECT_GT(NormalTail(z), SidakAlpha(1e-3, 3));
     }
 }
 
@@ -109,9 +85,7 @@ TEST(Alpha, TextureIsReadAtTheHit) {
             std::unique_ptr<Shape> shape;
             if (patch) shape = std::make_unique<BilinearMesh>(UnitSquare(0, true), place, false);
             else shape = std::make_unique<TriangleMesh>(UnitSquare(0, false), place, false);
-            Accel accel;
-            accel.AddShape(ShapeId(0u), *shape, &texture);
-            accel.Commit();
+            const AccelOf accel(*shape, &texture);
             Rng rng(6);
             for (int i = 0; i < 2000; ++i) {
                 Ray ray = Down(rng);
@@ -126,12 +100,8 @@ TEST(Alpha, TextureIsReadAtTheHit) {
 TEST(Alpha, FartherSurfaceIsFoundThroughAHole) {
     HalfAlpha texture;
     Sphere sphere(1, -1, 1, 360, Transform(), false);  // the half u < 1/2 is y > 0
-    Accel accel;
-    accel.AddShape(ShapeId(0u), sphere, &texture);
-    accel.Commit();
-    Ray ray;
-    ray.o = {0, -5, 0};
-    ray.d = {0, 1, 0};
+    const AccelOf accel(sphere, &texture);
+    Ray ray{{0, -5, 0}, {0, 1, 0}};
     auto hit = accel.Intersect(ray);
     ASSERT_TRUE(hit);
     EXPECT_NEAR(hit->hit.t, 6, 1e-5);
@@ -142,13 +112,8 @@ TEST(Alpha, FartherSurfaceIsFoundThroughAHole) {
 TEST(Alpha, ConstantZeroIsNotTracedAndOneIsOpaque) {
     ConstantAlpha zero(0), one(1);
     TriangleMesh mesh(UnitSquare(0, false), Transform(), false);
-    Accel none;
-    none.AddShape(ShapeId(0u), mesh, &zero);
-    none.Commit();
+    const AccelOf none(mesh, &zero), all(mesh, &one);
     EXPECT_TRUE(none.Bounds().IsEmpty());
-    Accel all;
-    all.AddShape(ShapeId(0u), mesh, &one);
-    all.Commit();
     Rng rng(7);
     for (int i = 0; i < 200; ++i) {
         Ray ray = Down(rng);
@@ -158,4 +123,4 @@ TEST(Alpha, ConstantZeroIsNotTracedAndOneIsOpaque) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

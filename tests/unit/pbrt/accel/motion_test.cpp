@@ -2,11 +2,8 @@
 
 #include "accel_scenes.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
-
-using test::Placement;
-using test::Shapes;
 
 constexpr Float kStart = 0.5f, kEnd = 2.5f;
 
@@ -37,29 +34,21 @@ std::vector<Product> Motions() {
 /// One object of every kind of shape: six moving instances and one at rest; and the same shapes once more outside of
 /// any object.
 struct World {
-    Shapes shapes = test::EveryKind(Transform());
+    Shapes shapes = EveryKind(Transform());
     std::vector<Product> motions = Motions();
     Transform still = Transform::Translate({-12, 0, 0}) * Transform::Rotate(20, {1, 1, 0});
     Accel accel;
 
     World() {
-        std::vector<ShapeId> ids;
-        std::vector<const Shape *> pointers;
-        for (size_t i = 0; i < shapes.size(); ++i) {
-            ids.emplace_back(i);
-            pointers.push_back(shapes[i].get());
-        }
-        const std::vector<const FloatTexture *> opaque(ids.size(), nullptr);
-        const int object = accel.AddObject(ids, pointers, opaque);
+        const int object = AddObject(accel, shapes);
         for (const Product &m : motions) accel.AddMovingInstance(object, m.outer, m.inner);
         accel.AddInstance(object, still);
-        for (size_t i = 0; i < shapes.size(); ++i) accel.AddShape(ids[i], *shapes[i], nullptr);
+        for (size_t i = 0; i < shapes.size(); ++i) accel.AddShape(ShapeId(i), *shapes[i], nullptr);
         accel.Commit();
     }
     std::vector<Placement> At(Float time) const {
         std::vector<Placement> placements = {{-1, Transform()}};
-        for (int i = 0; i <= static_cast<int>(motions.size()); ++i)
-            placements.push_back({i, accel.InstanceTransform(i, time)});
+        for (int i = 0; i <= int(motions.size()); ++i) placements.push_back({i, accel.InstanceTransform(i, time)});
         return placements;
     }
 };
@@ -68,13 +57,13 @@ TEST(Motion, EmbreeInterpolatesAsWeDo) {
     const World world;
     for (size_t i = 0; i < world.motions.size(); ++i)
         for (Float time : {0.0f, 0.5f, 0.53f, 1.1f, 1.5f, 1.99f, 2.47f, 2.5f, 7.0f}) {
-            const glm::mat4 a = world.accel.InstanceTransform(static_cast<int>(i), time).Matrix();
+            const glm::mat4 a = world.accel.InstanceTransform(int(i), time).Matrix();
             const glm::mat4 b = world.motions[i].At(time).Matrix();
             for (int c = 0; c < 4; ++c)
                 for (int r = 0; r < 4; ++r)
                     EXPECT_NEAR(a[c][r], b[c][r], world.motions[i].tolerance) << i << " at " << time;
         }
-    EXPECT_EQ(world.accel.InstanceTransform(static_cast<int>(world.motions.size()), 1), world.still);
+    EXPECT_EQ(world.accel.InstanceTransform(int(world.motions.size()), 1), world.still);
 }
 
 /// The reference uses Embree's transforms, which are close to ours by the test above.
@@ -89,11 +78,11 @@ TEST(Motion, AgreesWithTheSlowTwinAtEveryTime) {
         ray.time = 3 * rng.Uniform();
         const std::vector<Placement> placements = world.At(ray.time);
         // The ray is aimed at a point near one of the placements.
-        const Placement &target = placements[static_cast<size_t>(i) % placements.size()];
-        ray.o = target.transform.Point(6.0f * test::RandomDirection(rng));
-        ray.d = target.transform.Point(2.0f * test::RandomDirection(rng)) - ray.o;
+        const Placement &target = placements[size_t(i) % placements.size()];
+        ray.o = target.transform.Point(6.0f * RandomDirection(rng));
+        ray.d = target.transform.Point(2.0f * RandomDirection(rng)) - ray.o;
         if (i % 4 == 0) ray.tMax = 0.8f;
-        auto fast = world.accel.Intersect(ray), slow = test::SlowIntersect(world.shapes, placements, ray);
+        auto fast = world.accel.Intersect(ray), slow = SlowIntersect(world.shapes, placements, ray);
         EXPECT_EQ(fast.has_value(), world.accel.Occluded(ray)) << i;
         if (fast.has_value() != slow.has_value() ||
             (fast && (fast->shape != slow->shape || fast->instance != slow->instance))) {
@@ -102,7 +91,7 @@ TEST(Motion, AgreesWithTheSlowTwinAtEveryTime) {
         }
         if (!fast) continue;
         ++hits;
-        moving += fast->instance >= 0 && fast->instance < static_cast<int>(world.motions.size());
+        moving += fast->instance >= 0 && fast->instance < int(world.motions.size());
         const Shape &shape = *world.shapes[fast->shape.value];
         SurfacePoint s = shape.Surface(fast->primitive, fast->hit);
         if (fast->instance >= 0) s = TransformSurface(world.accel.InstanceTransform(fast->instance, ray.time), s);
@@ -122,12 +111,8 @@ TEST(Motion, JumpsIfBothTimesAreTheSame) {
     const int object = accel.AddObject({ShapeId(0u)}, {&ball}, {nullptr});
     accel.AddMovingInstance(object, AnimatedTransform({}, 1, Transform::Translate({9, 0, 0}), 1));
     accel.Commit();
-    for (Float time : {0.0f, 1.0f, 1.1f}) {
-        Ray ray;
-        ray.o = {time > 1 ? 9.0f : 0.0f, 0, -5};
-        ray.time = time;
-        EXPECT_TRUE(accel.Occluded(ray)) << time;
-    }
+    for (Float time : {0.0f, 1.0f, 1.1f})
+        EXPECT_TRUE(accel.Occluded({{time > 1 ? 9.0f : 0.0f, 0, -5}, {0, 0, 1}, Infinity, time})) << time;
 }
 
 TEST(Motion, BoundsHoldTheWholeWay) {
@@ -143,7 +128,7 @@ TEST(Motion, BoundsHoldTheWholeWay) {
     const Bounds3 b = accel.Bounds();
     Bounds3 needed;
     for (int i = 0; i <= 100; ++i) {
-        const Float time = Lerp(static_cast<Float>(i) / 100, kStart, kEnd);
+        const Float time = Lerp(Float(i) / 100, kStart, kEnd);
         for (int axis = 0; axis < 3; ++axis)
             for (Float sign : {-1.0f, 1.0f}) {
                 Point3 rim(0);
@@ -161,4 +146,4 @@ TEST(Motion, BoundsHoldTheWholeWay) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

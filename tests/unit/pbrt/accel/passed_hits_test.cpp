@@ -3,37 +3,25 @@
 
 #include "accel_scenes.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
-
-using test::Shapes;
-
-class Half final : public FloatTexture {
-  public:
-    Float Evaluate(const TextureContext &) const override { return .5f; }
-    std::optional<Float> Constant() const override { return .5f; }
-};
 
 /// Nested shapes of every kind, some of them half transparent, once in the scene and more often in instances.
 struct TellingScene {
-    Shapes shapes = test::EveryKind(Transform());
-    Half half;
+    Shapes shapes = EveryKind(Transform());
+    const ConstantAlpha half{.5f};
     Accel accel;
     TellingScene() {
-        std::vector<ShapeId> ids;
-        std::vector<const Shape *> pointers;
         std::vector<const FloatTexture *> alphas;
         for (uint32_t i = 0; i < shapes.size(); ++i) {
-            ids.emplace_back(i);
-            pointers.push_back(shapes[i].get());
             alphas.push_back(i % 3 == 1 ? &half : nullptr);
-            accel.LetShadowRaysThrough(ids[i], true);
-            accel.AddShape(ids[i], *pointers[i], alphas[i]);
+            accel.LetShadowRaysThrough(ShapeId(i), true);
+            accel.AddShape(ShapeId(i), *shapes[i], alphas[i]);
         }
-        const int object = accel.AddObject(ids, pointers, alphas);
+        const int object = AddObject(accel, shapes, alphas);
         for (int i = 0; i < 20; ++i)
-            accel.AddInstance(
-                object, Transform::Rotate(static_cast<Float>(18 * i), {1, 2, 3}) * Transform::Scale({1.2f, .9f, 1.1f}));
+            accel.AddInstance(object,
+                              Transform::Rotate(Float(18 * i), {1, 2, 3}) * Transform::Scale({1.2f, .9f, 1.1f}));
         accel.Commit();
     }
 };
@@ -44,9 +32,7 @@ TEST(PassedHits, ShadowRaysTellAllThatClosestHitsFindOneByOne) {
     const Bounds3 b = scene.accel.Bounds();
     int told = 0, overflows = 0, different = 0;
     for (int i = 0; i < 8000; ++i) {
-        Ray ray;
-        for (int k = 0; k < 3; ++k) ray.o[k] = Lerp(2 * rng.Uniform() - .5f, b.low[k], b.high[k]);
-        for (int k = 0; k < 3; ++k) ray.d[k] = Lerp(rng.Uniform(), b.low[k], b.high[k]) - ray.o[k];
+        Ray ray = RandomRay(rng, b);
         ray.d *= 2;
         PassedHits passed;
         ASSERT_FALSE(scene.accel.Occluded(ray, &passed));
@@ -73,20 +59,19 @@ TEST(PassedHits, KeepsTheNearestInAnyOrderAndOneAtADistance) {
         for (int repeat = 0; repeat < 20; ++repeat) {
             std::vector<AccelHit> hits;
             for (int i = 0; i < count; ++i)
-                for (uint32_t copy = 0; copy < 2; ++copy)
-                    hits.push_back({ShapeId(copy), 7, {static_cast<Float>(i + 1), 0, 0}, -1});
+                for (uint32_t copy = 0; copy < 2; ++copy) hits.push_back({ShapeId(copy), 7, {Float(i + 1), 0, 0}, -1});
             for (size_t i = 0; i < hits.size(); ++i)
-                std::swap(hits[i], hits[static_cast<size_t>(rng.Uniform() * static_cast<Float>(hits.size()))]);
+                std::swap(hits[i], hits[size_t(rng.Uniform() * Float(hits.size()))]);
             PassedHits passed;
             for (const AccelHit &hit : hits) passed.Add(hit);
-            ASSERT_EQ(passed.Hits().size(), static_cast<size_t>(std::min(count, PassedHits::kMaxHits)));
+            ASSERT_EQ(passed.Hits().size(), size_t(std::min(count, PassedHits::kMaxHits)));
             EXPECT_EQ(passed.HasDropped(), count > PassedHits::kMaxHits);
             for (size_t i = 0; i < passed.Hits().size(); ++i) {
-                EXPECT_EQ(passed.Hits()[i].hit.t, static_cast<Float>(i + 1));
+                EXPECT_EQ(passed.Hits()[i].hit.t, Float(i + 1));
                 EXPECT_EQ(passed.Hits()[i].shape, ShapeId(0u));
             }
         }
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

@@ -4,7 +4,7 @@
 
 #include "accel_scenes.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
 
 /// A closed ball seen from inside: every ray must hit it (no leaks), and not at its own origin.
@@ -16,7 +16,7 @@ struct Ball {
 
 std::vector<Ball> Balls(const Transform &t) {
     std::vector<Ball> balls;
-    balls.push_back({"mesh", std::make_unique<TriangleMesh>(test::BumpyBall(40), t, false), 0});
+    balls.push_back({"mesh", std::make_unique<TriangleMesh>(BumpyBall(40), t, false), 0});
     balls.push_back({"sphere", std::make_unique<Sphere>(1.0f, -1.0f, 1.0f, 360.0f, t, false), 0});
     return balls;
 }
@@ -43,10 +43,7 @@ Walk RandomWalks(const Accel &accel, const std::vector<const Shape *> &shapes, c
     Walk result;
     Rng rng(12);
     for (int w = 0; w < walks; ++w) {
-        Ray ray;
-        ray.time = time;
-        ray.o = center;
-        ray.d = test::RandomDirection(rng);
+        Ray ray{center, RandomDirection(rng), Infinity, time};
         AccelHit previous{};
         previous.primitive = ~0u;
         for (int bounce = 0; bounce < 12; ++bounce) {
@@ -70,7 +67,7 @@ Walk RandomWalks(const Accel &accel, const std::vector<const Shape *> &shapes, c
                 break;
             }
             // Many rays leave close to the tangent plane, where rounding decides.
-            d = test::RandomDirection(rng);
+            d = RandomDirection(rng);
             d = FaceForward(d, in);
             if (bounce % 3 == 1) d = Normalize(d + in * (0.002f - Dot(d, in)));
             if (bounce % 3 == 2) d = Normalize(d + in * (0.05f - Dot(d, in)));
@@ -89,7 +86,7 @@ void ExpectTight(const Ball &ball, Float scale, const Point3 &center, const Add 
     add(accel);
     accel.Commit();
     for (Float time : times) {
-        const int walks = 3000 / static_cast<int>(times.size());
+        const int walks = 3000 / int(times.size());
         const Walk w = RandomWalks(accel, {ball.shape.get()}, center, walks, time);
         EXPECT_EQ(w.escaped, 0) << ball.name << " scale " << scale << " time " << time << " of " << w.rays;
         EXPECT_EQ(w.samePrimitive, 0) << ball.name << " scale " << scale << " time " << time << " of " << w.rays;
@@ -136,45 +133,19 @@ TEST(SelfIntersection, OutwardRaysOfConvexShapesAreFree) {
             flat.indices = {0, 1, 2, 3};
             BilinearMesh parallelogram(flat, instanced ? identity : placement, false);
             for (const Shape *shape : std::vector<const Shape *>{&sphere, &disk, &cylinder, &parallelogram}) {
-                Accel accel;
-                if (instanced) accel.AddInstance(accel.AddObject({ShapeId(0u)}, {shape}, {nullptr}), placement);
-                else accel.AddShape(ShapeId(0u), *shape, nullptr);
-                accel.Commit();
+                const AccelOf accel(*shape, instanced ? &placement : nullptr);
                 Rng rng(9);
                 int again = 0;
                 for (int i = 0; i < 3000; ++i) {
                     SurfacePoint s = shape->Surface(0, {1, rng.Uniform(), rng.Uniform()});
                     if (instanced) s = TransformSurface(placement, s);
-                    Vector3 d = FaceForward(test::RandomDirection(rng), s.n);
+                    Vector3 d = FaceForward(RandomDirection(rng), s.n);
                     if (i % 2) d = Normalize(d + s.n * (0.001f - Dot(d, s.n)));
                     again += accel.Occluded(s.SpawnRay(d));
                 }
-                EXPECT_EQ(again, 0) << static_cast<int>(shape->Kind()) << " scale " << setting.scale << " instanced "
-                                    << instanced;
+                EXPECT_EQ(again, 0) << int(shape->Kind()) << " scale " << setting.scale << " instanced " << instanced;
             }
         }
-}
-
-/// Floors of the half width r at z = `level`. The triangles and the patches of the grid meet below the origin.
-struct Floor {
-    const char *name;
-    std::unique_ptr<Shape> shape;
-};
-std::vector<Floor> Floors(Float r, const Transform &t, Float level = -1) {
-    MeshData square;
-    square.p = {{-r, -r, level}, {r, -r, level}, {-r, r, level}, {r, r, level}};
-    square.indices = {0, 1, 2, 1, 3, 2};
-    std::vector<Floor> floors;
-    floors.push_back({"triangles", std::make_unique<TriangleMesh>(square, t, false)});
-    square.indices = {0, 1, 2, 3};
-    floors.push_back({"patch", std::make_unique<BilinearMesh>(square, t, false)});
-    MeshData grid = test::PatchGrid(2, 0);
-    for (Point3 &p : grid.p) p = {(2 * p.x - 1) * r, (2 * p.y - 1) * r, level};
-    floors.push_back({"grid", std::make_unique<BilinearMesh>(grid, t, false)});
-    square.p[3].x *= 1.5f;
-    floors.push_back({"trapezoid", std::make_unique<BilinearMesh>(square, t, false)});
-    floors.push_back({"disk", std::make_unique<Disk>(level, r, 0.f, 360.f, t, false)});
-    return floors;
 }
 
 /// What becomes of rays that leave a floor where a ray from near the origin meets it.
@@ -185,27 +156,20 @@ struct FloorRays {
 };
 FloorRays LeaveFloor(const Shape &shape, const Transform &toFloor, bool instanced, const Vector3 &down,
                      const Point3 &from = Point3(0)) {
-    Accel accel;
-    if (instanced) accel.AddInstance(accel.AddObject({ShapeId(0u)}, {&shape}, {nullptr}), toFloor);
-    else accel.AddShape(ShapeId(0u), shape, nullptr);
-    accel.Commit();
+    const AccelOf accel(shape, instanced ? &toFloor : nullptr);
     FloorRays result;
     Rng rng(4);
     for (int i = 0; i < 2000; ++i) {
-        Ray ray;
-        ray.o = from + test::RandomDirection(rng) * 0.3f;
-        ray.d = Normalize(FaceForward(test::RandomDirection(rng), down) + down * (i % 2 ? 0.f : 1.f));
+        const Point3 origin = from + RandomDirection(rng) * 0.3f;
+        const Ray ray{origin, Normalize(FaceForward(RandomDirection(rng), down) + down * (i % 2 ? 0.f : 1.f))};
         const auto hit = accel.Intersect(ray);
         if (!hit) continue;
-        SurfacePoint s;
-        if (instanced)
-            s = TransformSurface(toFloor,
-                                 shape.SurfaceOnRay(hit->primitive, hit->hit,
-                                                    {toFloor.InversePoint(ray.o), toFloor.InverseVector(ray.d)}));
-        else s = shape.SurfaceOnRay(hit->primitive, hit->hit, ray);
+        const Ray local = instanced ? Ray{toFloor.InversePoint(ray.o), toFloor.InverseVector(ray.d)} : ray;
+        SurfacePoint s = shape.SurfaceOnRay(hit->primitive, hit->hit, local);
+        if (instanced) s = TransformSurface(toFloor, s);
         for (int k = 0; k < 3; ++k) {
             ++result.hits;
-            Vector3 d = FaceForward(test::RandomDirection(rng), -down);
+            Vector3 d = FaceForward(RandomDirection(rng), -down);
             if (k > 0) d = Normalize(d - down * ((k == 1 ? 0.001f : 1e-5f) + Dot(d, down)));
             const Ray leaving = s.SpawnRay(d);
             result.again += accel.Occluded(leaving);
@@ -242,10 +206,10 @@ TEST(SelfIntersection, TiltedFloorsDoNotHitThemselves) {
     for (int turn = 0; turn < 24; ++turn) {
         // Slight, medium and arbitrary turns.
         const Float degrees = turn % 3 == 0 ? 0.01f : turn % 3 == 1 ? 3.f : 90.f;
-        const Transform t = Transform::Rotate(degrees * (0.1f + rng.Uniform()), test::RandomDirection(rng));
+        const Transform t = Transform::Rotate(degrees * (0.1f + rng.Uniform()), RandomDirection(rng));
         for (const Float r : {1e2f, 1e4f, 1e6f})
             for (const bool instanced : {false, true})
-                for (Floor &floor : Floors(r, instanced ? Transform() : t)) {
+                for (Floor &floor : Floors(r, instanced ? Transform() : t, -1)) {
                     const FloorRays rays = LeaveFloor(*floor.shape, t, instanced, t.Vector({0, 0, -1}));
                     EXPECT_EQ(rays.again, 0)
                         << floor.name << " of " << r << ", instanced " << instanced << " of " << rays.hits;
@@ -259,7 +223,7 @@ TEST(SelfIntersection, TrianglesWithAFarCornerDoNotHitThemselves) {
     Rng rng(12);
     int hits = 0, again = 0;
     for (int turn = 0; turn < 60; ++turn) {
-        const Transform t = Transform::Rotate(180 * rng.Uniform(), test::RandomDirection(rng));
+        const Transform t = Transform::Rotate(180 * rng.Uniform(), RandomDirection(rng));
         for (const Float far : {3.f, 30.f, 300.f, 3000.f}) {
             MeshData narrow;
             narrow.p = {{0.3f * far, far, -1}, {-1, -0.1f, -1}, {1, -0.2f, -1}};
@@ -287,10 +251,8 @@ Aimed AimAtEdges(const Accel &accel, const MeshData &m) {
             for (int k = 0; k < 6; ++k) {
                 Float t = k == 0 ? 0 : rng.Uniform();
                 Point3 target = Lerp(t, m.p[m.indices[i + e]], m.p[m.indices[i + (e + 1) % 3]]);
-                Ray ray;
-                ray.o = 0.3f * test::RandomDirection(rng);
-                ray.d = target - ray.o;
-                bool missed = !accel.Intersect(ray);
+                const Point3 o = 0.3f * RandomDirection(rng);
+                const bool missed = !accel.Intersect({o, target - o});
                 ++(k == 0 ? result.vertexRays : result.edgeRays);
                 (k == 0 ? result.vertexMisses : result.edgeMisses) += missed;
             }
@@ -298,7 +260,7 @@ Aimed AimAtEdges(const Accel &accel, const MeshData &m) {
 }
 
 TEST(SelfIntersection, RobustTrianglesDoNotLeakAtSharedEdges) {
-    TriangleMesh mesh(test::BumpyBall(40), Transform(), false);
+    TriangleMesh mesh(BumpyBall(40), Transform(), false);
     Accel robust, fast(false);
     for (Accel *accel : {&robust, &fast}) {
         accel->AddShape(ShapeId(0u), mesh, nullptr);
@@ -317,10 +279,8 @@ TEST(SelfIntersection, NoLeaksBetweenPatches) {
     constexpr uint32_t kSide = 20;
     Transform turn = Transform::Rotate(30, {1, 1, 1});
     for (Float bumps : {0.0f, 0.01f}) {  // native quads, curved patches
-        BilinearMesh mesh(test::PatchGrid(kSide, bumps), turn, false);
-        Accel accel;
-        accel.AddShape(ShapeId(0u), mesh, nullptr);
-        accel.Commit();
+        BilinearMesh mesh(PatchGrid(kSide, bumps), turn, false);
+        const AccelOf accel(mesh);
         const MeshData &m = mesh.Data();
         Vector3 up = turn.Vector({0, 0, 1});
         Rng rng(3);
@@ -330,13 +290,9 @@ TEST(SelfIntersection, NoLeaksBetweenPatches) {
             const uint32_t *v = &m.indices[4 * patch];
             for (int k = 0; k < 20; ++k) {
                 Point3 target = Lerp(0.02f + 0.96f * rng.Uniform(), m.p[v[0]], m.p[v[k % 2 ? 1 : 2]]);
-                Vector3 w =
-                    FaceForward(test::RandomDirection(rng), up) + 0.5f * up;  // steep enough to have no outlines
-                Ray ray;
-                ray.o = target + w;
-                ray.d = -w;
+                Vector3 w = FaceForward(RandomDirection(rng), up) + 0.5f * up;  // steep enough to have no outlines
                 ++rays;
-                missed += !accel.Occluded(ray);
+                missed += !accel.Occluded({target + w, -w});
             }
         }
         EXPECT_EQ(missed, 0) << "of " << rays;
@@ -344,4 +300,4 @@ TEST(SelfIntersection, NoLeaksBetweenPatches) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

@@ -4,34 +4,13 @@
 #include "pbrt/math/warps.h"
 #include "support/statistics.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
 
-using test::ExpectClose;
-using test::FloatParam;
-using test::MakeTestCamera;
-using test::RayAt;
-using test::StringParam;
-
-struct NamedCamera {
-    std::string name;
-    std::unique_ptr<Camera> camera;
-};
-
-/// All that can connect, placed by a transformation that turns, mirrors and scales unevenly.
+/// Placed by a transformation that turns, mirrors and scales unevenly.
 std::vector<NamedCamera> ConnectingCameras() {
-    const Transform t =
-        Transform::Translate({1, 2, 3}) * Transform::Rotate(50, {1, 1, 0}) * Transform::Scale({-2, 1.5f, 2.5f});
-    const std::vector<Param> lens = {FloatParam("lensradius", {0.2f}), FloatParam("focaldistance", {4})};
-    std::vector<NamedCamera> all;
-    all.push_back({"perspective", MakeTestCamera("perspective", {}, {40, 20}, t)});
-    all.push_back({"perspective, lens", MakeTestCamera("perspective", lens, {40, 20}, t)});
-    all.push_back({"orthographic", MakeTestCamera("orthographic", {}, {40, 20}, t)});
-    all.push_back({"orthographic, lens", MakeTestCamera("orthographic", lens, {40, 20}, t)});
-    all.push_back({"equal-area", MakeTestCamera("spherical", {}, {40, 40}, t)});
-    all.push_back(
-        {"equirectangular", MakeTestCamera("spherical", {StringParam("mapping", "equirectangular")}, {40, 20}, t)});
-    return all;
+    return AllCameras(
+        Transform::Translate({1, 2, 3}) * Transform::Rotate(50, {1, 1, 0}) * Transform::Scale({-2, 1.5f, 2.5f}), 40);
 }
 
 /// The place where the ray of a film position meets the plane through p across w.
@@ -93,9 +72,9 @@ TEST(CameraConnection, HasTheWeightOfTheRaysDirection) {
 /// The importance of all directions together is that of all pixels.
 TEST(CameraConnection, ASphericalCameraSeesAllDirections) {
     for (const char *mapping : {"equalarea", "equirectangular"}) {
-        const auto camera = MakeTestCamera("spherical", {StringParam("mapping", mapping)}, {40, 20});
+        const auto camera = MakeTestCamera("spherical", Params().String("mapping", mapping), {40, 20});
         Rng rng(4);
-        test::RunningStatistics pixels;
+        RunningStatistics pixels;
         for (int i = 0; i < 80000; ++i) {
             const std::optional<CameraConnection> seen =
                 camera->Connect(Float(2) * SampleUniformSphere(rng.Uniform2()), {}, 0);
@@ -110,7 +89,7 @@ TEST(CameraConnection, ASphericalCameraSeesAllDirections) {
 
 TEST(CameraConnection, ThePictureOfASphericalCameraGoesOnBeyondItsEdges) {
     for (const char *mapping : {"equalarea", "equirectangular"}) {
-        const auto camera = MakeTestCamera("spherical", {StringParam("mapping", mapping)}, {40, 40});
+        const auto camera = MakeTestCamera("spherical", Params().String("mapping", mapping), {40, 40});
         Rng rng(5);
         for (int i = 0; i < 300; ++i) {
             const Point2 film = Float(64) * rng.Uniform2() - Float(12);
@@ -120,7 +99,7 @@ TEST(CameraConnection, ThePictureOfASphericalCameraGoesOnBeyondItsEdges) {
             Camera::OtherPlaces places;
             const int n = camera->SeenAlsoAt(seen->pFilm, places);
             Float nearest = glm::length(film - seen->pFilm);
-            for (const Point2 &place : std::span(places).first(static_cast<size_t>(n))) {
+            for (const Point2 &place : std::span(places).first(size_t(n))) {
                 nearest = std::min(nearest, glm::length(film - place));
                 ExpectClose(RayAt(*camera, place).ray.d, ray.d, 1e-3f, mapping);
                 EXPECT_GT(glm::length(place - seen->pFilm), 0) << mapping;
@@ -129,8 +108,8 @@ TEST(CameraConnection, ThePictureOfASphericalCameraGoesOnBeyondItsEdges) {
         }
     }
     Camera::OtherPlaces places;
-    EXPECT_EQ(MakeTestCamera("perspective", {})->SeenAlsoAt({3, 4}, places), 0);
+    EXPECT_EQ(MakeTestCamera("perspective")->SeenAlsoAt({3, 4}, places), 0);
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

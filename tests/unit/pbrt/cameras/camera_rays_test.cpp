@@ -2,48 +2,41 @@
 #include "pbrt/math/rng.h"
 #include "pbrt/math/warps.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
-
-using test::AtDepth;
-using test::ExpectClose;
-using test::FloatParam;
-using test::MakeTestCamera;
-using test::RayAt;
-using test::StringParam;
 
 TEST(PerspectiveCamera, FovSpansTheShorterAxis) {
     Float edge = std::tan(Radians(20));
-    auto wide = MakeTestCamera("perspective", {FloatParam("fov", {40})}, {40, 20});
+    auto wide = MakeTestCamera("perspective", Params().Number("fov", 40), {40, 20});
     ExpectClose(AtDepth(RayAt(*wide, {20, 10}).ray, 1), {0, 0, 1}, 1e-6f, "centre");
     ExpectClose(AtDepth(RayAt(*wide, {20, 0}).ray, 1), {0, edge, 1}, 1e-6f, "top");
     ExpectClose(AtDepth(RayAt(*wide, {0, 20}).ray, 1), {-2 * edge, -edge, 1}, 1e-6f, "bottom left");
     ExpectClose(AtDepth(RayAt(*wide, {40, 10}).ray, 1), {2 * edge, 0, 1}, 1e-6f, "right");
-    auto tall = MakeTestCamera("perspective", {FloatParam("fov", {40})}, {20, 50});
+    auto tall = MakeTestCamera("perspective", Params().Number("fov", 40), {20, 50});
     ExpectClose(AtDepth(RayAt(*tall, {20, 25}).ray, 1), {edge, 0, 1}, 1e-6f, "right");
     ExpectClose(AtDepth(RayAt(*tall, {10, 0}).ray, 1), {0, 2.5f * edge, 1}, 1e-6f, "top");
-    auto square = MakeTestCamera("perspective", {}, {10, 10});  // fov 90
+    auto square = MakeTestCamera("perspective", Params(), {10, 10});  // fov 90
     ExpectClose(AtDepth(RayAt(*square, {10, 0}).ray, 1), {1, 1, 1}, 1e-6f, "corner");
 }
 
 TEST(PerspectiveCamera, FrameAspectRatioAndScreenWindowSetTheWindow) {
-    auto aspect = MakeTestCamera("perspective", {FloatParam("frameaspectratio", {1.25f})}, {64, 80});
+    auto aspect = MakeTestCamera("perspective", Params().Number("frameaspectratio", 1.25f), {64, 80});
     ExpectClose(AtDepth(RayAt(*aspect, {64, 0}).ray, 1), {1.25f, 1, 1}, 1e-6f);
-    auto narrow = MakeTestCamera("perspective", {FloatParam("frameaspectratio", {0.5f})}, {64, 80});
+    auto narrow = MakeTestCamera("perspective", Params().Number("frameaspectratio", 0.5f), {64, 80});
     ExpectClose(AtDepth(RayAt(*narrow, {64, 0}).ray, 1), {1, 2, 1}, 1e-6f);
-    auto window = MakeTestCamera("perspective", {FloatParam("screenwindow", {-1.1f, 0.7f, -0.5f, 0.6f}),
-                                                 FloatParam("frameaspectratio", {1.2f})});
+    auto window = MakeTestCamera(
+        "perspective",
+        Params().Floats(ParamType::Float, "screenwindow", {-1.1f, 0.7f, -0.5f, 0.6f}).Number("frameaspectratio", 1.2f));
     ExpectClose(AtDepth(RayAt(*window, {0, 0}).ray, 1), {-1.1f, 0.6f, 1}, 1e-6f, "top left");
     ExpectClose(AtDepth(RayAt(*window, {40, 20}).ray, 1), {0.7f, -0.5f, 1}, 1e-6f, "bottom right");
 }
 
 TEST(PerspectiveCamera, LensFocusesAtFocalDistanceOnly) {
-    auto pinhole = MakeTestCamera("perspective", {});
-    auto camera = MakeTestCamera("perspective", {FloatParam("lensradius", {0.3f}), FloatParam("focaldistance", {5})});
+    auto pinhole = MakeTestCamera("perspective");
+    auto camera = MakeTestCamera("perspective", Params().Number("lensradius", 0.3f).Number("focaldistance", 5));
     Rng rng(1);
     Float spread = 0, farthest = 0;
-    test::ExpectClose(AtDepth(RayAt(*camera, {7, 8}, {0.5f, 0.5f}).ray, 3), AtDepth(RayAt(*pinhole, {7, 8}).ray, 3),
-                      1e-5f);
+    ExpectClose(AtDepth(RayAt(*camera, {7, 8}, {0.5f, 0.5f}).ray, 3), AtDepth(RayAt(*pinhole, {7, 8}).ray, 3), 1e-5f);
     for (int i = 0; i < 500; ++i) {
         CameraRay r = RayAt(*camera, {33, 2}, rng.Uniform2());
         ExpectClose(AtDepth(r.ray, 5), AtDepth(RayAt(*pinhole, {33, 2}).ray, 5), 1e-5f, "focus");
@@ -56,33 +49,19 @@ TEST(PerspectiveCamera, LensFocusesAtFocalDistanceOnly) {
     EXPECT_NEAR(spread, 0.3f, 0.02f);  // at twice the focal distance the blur is as wide as the lens
 }
 
-std::vector<std::unique_ptr<Camera>> AllCameras(const Transform &t) {
-    std::vector<std::unique_ptr<Camera>> all;
-    std::vector<Param> lens = {FloatParam("lensradius", {0.2f}), FloatParam("focaldistance", {4})};
-    all.push_back(MakeTestCamera("perspective", {}, {40, 20}, t));
-    all.push_back(MakeTestCamera("perspective", lens, {40, 20}, t));
-    all.push_back(MakeTestCamera("orthographic", {}, {40, 20}, t));
-    all.push_back(MakeTestCamera("orthographic", lens, {40, 20}, t));
-    all.push_back(MakeTestCamera("spherical", {}, {400, 400}, t));
-    all.push_back(MakeTestCamera("spherical", {StringParam("mapping", "equirectangular")}, {400, 200}, t));
-    return all;
-}
-
 TEST(EveryCamera, DifferentialsAreTheRaysOfTheNextPixels) {
     Transform t = Transform::Translate({1, 2, 3}) * Transform::Rotate(50, {1, 1, 0}) * Transform::Scale({-2, 2, 2});
     Rng rng(2);
-    auto cameras = AllCameras(t);
-    for (size_t c = 0; c < cameras.size(); ++c) {
-        bool spherical = c >= 4;
+    for (const auto &[name, camera] : AllCameras(t, 400)) {
+        const bool spherical = name.starts_with("equ");
         for (int i = 0; i < 100; ++i) {
             Point2 film = rng.Uniform2() * Point2(36, 16) + Point2(1, 1), lens = rng.Uniform2();
             if (spherical) film = film * 10.f;
             // The equal-area map has creases; stay inside one of its eight facets.
-            if (c == 4) film = Point2(220, 220) + rng.Uniform2() * Point2(40, 70);
-            CameraRay r = RayAt(*cameras[c], film, lens);
+            if (name == "equal-area") film = Point2(220, 220) + rng.Uniform2() * Point2(40, 70);
+            CameraRay r = RayAt(*camera, film, lens);
             ASSERT_TRUE(r.differential.valid);
-            CameraRay x = RayAt(*cameras[c], film + Point2(1, 0), lens),
-                      y = RayAt(*cameras[c], film + Point2(0, 1), lens);
+            CameraRay x = RayAt(*camera, film + Point2(1, 0), lens), y = RayAt(*camera, film + Point2(0, 1), lens);
             // The rays of a spherical camera do not lie on a plane, and its differentials are extrapolated; they may
             // differ by part of a step.
             Float tolerance = spherical ? 0.3f * Distance(x.ray.d, r.ray.d) + 2e-3f : 2e-5f;
@@ -96,14 +75,14 @@ TEST(EveryCamera, DifferentialsAreTheRaysOfTheNextPixels) {
 
 TEST(EveryCamera, RaysAreUnitWeightedByOneAndTimedByTheShutter) {
     Transform t = Transform::Scale({3, 3, 3});
-    for (const auto &camera : AllCameras(t)) {
+    for (const auto &[name, camera] : AllCameras(t, 400)) {
         CameraRay r = RayAt(*camera, {3.3f, 4.4f}, {0.2f, 0.9f}, 0.25f);
         EXPECT_NEAR(Length(r.ray.d), 1, 1e-6f);
         EXPECT_EQ(r.ray.time, 0.25f);
         EXPECT_EQ(r.ray.tMax, Infinity);
-        for (int i = 0; i < SpectrumSamples; ++i) EXPECT_EQ(r.weight[i], 1);
+        for (int i = 0; i < SpectrumSamples; ++i) EXPECT_EQ(r.weight[i], 1) << name;
     }
-    auto camera = MakeTestCamera("perspective", {FloatParam("shutteropen", {2}), FloatParam("shutterclose", {6})});
+    auto camera = MakeTestCamera("perspective", Params().Number("shutteropen", 2).Number("shutterclose", 6));
     EXPECT_EQ(RayAt(*camera, {1, 1}, {0, 0}, 0).ray.time, 2);
     EXPECT_EQ(RayAt(*camera, {1, 1}, {0, 0}, 0.75f).ray.time, 5);
     EXPECT_EQ(camera->ShutterOpen(), 2);
@@ -112,17 +91,18 @@ TEST(EveryCamera, RaysAreUnitWeightedByOneAndTimedByTheShutter) {
 
 TEST(EveryCamera, RaysGoToRenderingSpace) {
     Transform t = Transform::Translate({10, 20, 30}) * Transform::Rotate(70, {1, 2, 3}) * Transform::Scale({-1, 1, 1});
-    auto plain = AllCameras({}), moved = AllCameras(t);
+    const auto plain = AllCameras({}, 400), moved = AllCameras(t, 400);
     for (size_t i = 0; i < plain.size(); ++i) {
-        CameraRay a = RayAt(*plain[i], {3.3f, 14.4f}, {0.2f, 0.9f}), b = RayAt(*moved[i], {3.3f, 14.4f}, {0.2f, 0.9f});
+        CameraRay a = RayAt(*plain[i].camera, {3.3f, 14.4f}, {0.2f, 0.9f}),
+                  b = RayAt(*moved[i].camera, {3.3f, 14.4f}, {0.2f, 0.9f});
         ExpectClose(b.ray.o, t.Point(a.ray.o), 1e-5f);
         ExpectClose(b.ray.d, t.Vector(a.ray.d), 1e-5f);
-        ExpectClose(moved[i]->CameraFromRender(0).Point(b.ray.o), a.ray.o, 1e-5f);
+        ExpectClose(moved[i].camera->CameraFromRender(0).Point(b.ray.o), a.ray.o, 1e-5f);
     }
 }
 
 TEST(OrthographicCamera, RaysAreParallelAndScreenIsInWorldUnits) {
-    auto camera = MakeTestCamera("orthographic", {FloatParam("screenwindow", {-3, 5, -2, 1})});
+    auto camera = MakeTestCamera("orthographic", Params().Floats(ParamType::Float, "screenwindow", {-3, 5, -2, 1}));
     CameraRay a = RayAt(*camera, {0, 0}), b = RayAt(*camera, {40, 20});
     ExpectClose(a.ray.o, {-3, 1, 0}, 1e-6f);
     ExpectClose(b.ray.o, {5, -2, 0}, 1e-6f);
@@ -131,12 +111,12 @@ TEST(OrthographicCamera, RaysAreParallelAndScreenIsInWorldUnits) {
 }
 
 TEST(SphericalCamera, MappingsLookWhereTheyShould) {
-    auto lat = MakeTestCamera("spherical", {StringParam("mapping", "equirectangular")}, {40, 20});
+    auto lat = MakeTestCamera("spherical", Params().String("mapping", "equirectangular"), {40, 20});
     ExpectClose(RayAt(*lat, {0, 10}).ray.d, {1, 0, 0}, 1e-6f, "left edge");
     ExpectClose(RayAt(*lat, {10, 10}).ray.d, {0, 0, 1}, 1e-6f, "quarter");
     ExpectClose(RayAt(*lat, {13, 0}).ray.d, {0, 1, 0}, 1e-6f, "top");
     ExpectClose(RayAt(*lat, {13, 20}).ray.d, {0, -1, 0}, 1e-6f, "bottom");
-    auto area = MakeTestCamera("spherical", {}, {20, 20});
+    auto area = MakeTestCamera("spherical", Params(), {20, 20});
     ExpectClose(RayAt(*area, {10, 10}).ray.d, {0, 1, 0}, 1e-6f, "centre");
     ExpectClose(RayAt(*area, {20, 10}).ray.d, {1, 0, 0}, 1e-6f, "right");
     ExpectClose(RayAt(*area, {10, 20}).ray.d, {0, 0, 1}, 1e-6f, "below");
@@ -146,7 +126,7 @@ TEST(SphericalCamera, MappingsLookWhereTheyShould) {
 TEST(NdcFromCamera, MatchesTheHeadersOfStockPbrt) {
     // The expected numbers are worldToNDC * inverse(worldToCamera) of
     // conformance/reference/cameras/perspective_screenwindow.exr, whose fov is 50.
-    auto camera = MakeTestCamera("perspective", {FloatParam("fov", {50})});
+    auto camera = MakeTestCamera("perspective", Params().Number("fov", 50));
     Transform ndc = camera->NdcFromCamera().value();
     const glm::mat4 &m = ndc.Matrix();
     EXPECT_NEAR(m[0][0], 1.0722535f, 1e-5f);
@@ -156,12 +136,12 @@ TEST(NdcFromCamera, MatchesTheHeadersOfStockPbrt) {
     EXPECT_NEAR(m[3][2], -0.005f, 1e-6f);
     EXPECT_EQ(m[2][3], 1);
     // The transform of the orthographic camera halves and shifts.
-    Transform o = MakeTestCamera("orthographic", {})->NdcFromCamera().value();
+    Transform o = MakeTestCamera("orthographic")->NdcFromCamera().value();
     ExpectClose(o.Point({1, -1, 6.541316f}), {1, 0, 3.770658f}, 1e-6f);
-    EXPECT_FALSE(MakeTestCamera("spherical", {})->NdcFromCamera());
+    EXPECT_FALSE(MakeTestCamera("spherical")->NdcFromCamera());
     // The projected screen fills the unit square, with y up.
     ExpectClose(ndc.Point(RayAt(*camera, {30, 0}).ray(3)), {0.5f + 0.5f, 1, ndc.Point({0, 0, 2}).z}, 1e-2f);
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "pbrt/cameras/camera_kinds.h"
+#include "pbrt/math/rng.h"
 
 namespace pbrt::test {
 
@@ -35,6 +36,12 @@ inline std::vector<LensElement> ThinLens(Float focalLength, Float apertureRadius
     const Float thickness = 1.05f * apertureRadius * apertureRadius / std::abs(radius);
     return {{radius, thickness, 1.5f, apertureRadius}, {-radius, 0.05f, 1, apertureRadius}};
 }
+
+inline Ray FromFilm(const Point2 &film, const Point2 &rear, const LensSystem &lens) {
+    return {Point3(film, 0), Normalize(Point3(rear, lens.RearZ()) - Point3(film, 0))};
+}
+/// In the square [-half, half)^2.
+inline Point2 RandomInSquare(Rng &rng, Float half) { return (rng.Uniform2() - Point2(0.5f)) * (2 * half); }
 
 /// Writes a temporary file of this process; it is removed when the process ends.
 inline std::string WriteFile(const std::string &name, const std::string &text) {

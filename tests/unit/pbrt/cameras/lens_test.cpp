@@ -1,21 +1,11 @@
 // The pieces of the realistic camera: lens files, tracing, focus, apertures, exit pupils.
-#include <unistd.h>
-
-#include <cmath>
-#include <fstream>
-
 #include "camera_cases.h"
 #include "lens_cases.h"
-#include "pbrt/cameras/camera_kinds.h"
-#include "pbrt/math/rng.h"
 #include "support/errors.h"
+#include "support/temporary_image.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
-
-using test::DoubleGauss;
-using test::ThinLens;
-using test::WriteFile;
 
 struct Traced {
     glm::dvec3 o, d;
@@ -57,16 +47,14 @@ Traced TraceSlowly(const std::vector<LensElement> &elements, glm::dvec3 o, glm::
 }
 
 TEST(LensSystem, RaysGoWhereTheSlowTwinSendsThem) {
-    for (std::vector<LensElement> elements : {DoubleGauss(), test::FishEye()}) {
+    for (std::vector<LensElement> elements : {DoubleGauss(), FishEye()}) {
         const LensSystem lens(elements);
         Rng rng(1);
         int passed = 0, differ = 0;
         constexpr int kRays = 20000;
         for (int i = 0; i < kRays; ++i) {
-            Ray ray;
-            ray.o = {0.04f * rng.Uniform() - 0.02f, 0.04f * rng.Uniform() - 0.02f, 0};
-            const Point2 rear = (rng.Uniform2() * Float(2) - Point2(1)) * lens.RearRadius();
-            ray.d = Normalize(Point3(rear, lens.RearZ()) - ray.o);
+            const Point2 film = RandomInSquare(rng, 0.02f);
+            Ray ray = FromFilm(film, RandomInSquare(rng, lens.RearRadius()), lens);
             const Traced slow = TraceSlowly(elements, glm::dvec3(ray.o), glm::dvec3(ray.d));
             const Float weight = lens.Trace(&ray);
             differ += slow.passes != (weight > 0);
@@ -89,13 +77,10 @@ TEST(LensSystem, ThinLensSendsFilmPointsThroughTheirImages) {
     const LensSystem lens(elements);
     Rng rng(2);
     for (int i = 0; i < 300; ++i) {
-        const Point2 film = (rng.Uniform2() - Point2(0.5f)) * Float(0.006),
-                     onLens = (rng.Uniform2() - Point2(0.5f)) * Float(0.004);
-        Ray ray;
-        ray.o = Point3(film, 0);
-        ray.d = Normalize(Point3(onLens, lens.RearZ()) - ray.o);
+        const Point2 film = RandomInSquare(rng, 0.003f);
+        Ray ray = FromFilm(film, RandomInSquare(rng, 0.002f), lens);
         ASSERT_GT(lens.Trace(&ray), 0);
-        test::ExpectClose(test::AtDepth(ray, 0.06f + 0.3f), Point3(film * Float(-5), 0.36f), 3e-4f);
+        ExpectClose(AtDepth(ray, 0.06f + 0.3f), Point3(film * Float(-5), 0.36f), 3e-4f);
     }
 }
 
@@ -105,17 +90,16 @@ TEST(FocusedThickness, ThinLensObeysTheLensEquation) {
         EXPECT_NEAR(1 / s + 1 / (distance - s), 1 / 0.05, 2e-3) << distance;
         EXPECT_LE(s, distance / 2 + 1e-6) << "the film is on the shorter side";
     }
-    EXPECT_FALSE(FocusedThickness(ThinLens(0.05f, 0.001f), 0.19))
-        << "nothing closer than four focal lengths can be focused";
+    EXPECT_FALSE(FocusedThickness(ThinLens(0.05f, 0.001f), 0.19)) << "closer than four focal lengths";
     EXPECT_FALSE(FocusedThickness(ThinLens(-0.05f, 0.001f), 3)) << "a diverging lens has no focus";
     const LensElement window{0, 0.001f, 1, 0.01f};
     EXPECT_FALSE(FocusedThickness(std::vector<LensElement>{window}, 3)) << "a stop alone has no focus";
 }
 
 TEST(FocusedThickness, RaysNearTheAxisMeetInThePlaneOfFocus) {
-    for (std::vector<LensElement> elements : {DoubleGauss(), test::FishEye()})
+    for (std::vector<LensElement> elements : {DoubleGauss(), FishEye()})
         for (Float distance : {0.5f, 6.0f}) {
-            elements.back().thickness = static_cast<Float>(FocusedThickness(elements, double(distance)).value());
+            elements.back().thickness = Float(FocusedThickness(elements, double(distance)).value());
             // The reference traces a ray from a point on the axis to where it crosses the axis again.
             const double rearZ = double(elements.back().thickness);
             const Traced t = TraceSlowly(elements, {0, 0, 0}, glm::normalize(glm::dvec3(1e-5, 0, rearZ)));
@@ -125,7 +109,7 @@ TEST(FocusedThickness, RaysNearTheAxisMeetInThePlaneOfFocus) {
 }
 
 TEST(ExitPupil, HoldsEveryRayThatPassesAndLittleMore) {
-    for (std::vector<LensElement> elements : {DoubleGauss(), test::FishEye()}) {
+    for (std::vector<LensElement> elements : {DoubleGauss(), FishEye()}) {
         const LensSystem lens(elements);
         constexpr Float kFilmRadius = 0.02f;
         const ExitPupil pupil(lens, kFilmRadius);
@@ -137,11 +121,9 @@ TEST(ExitPupil, HoldsEveryRayThatPassesAndLittleMore) {
         constexpr int kRays = 200000;
         for (int i = 0; i < kRays; ++i) {
             const Float distance = kFilmRadius * rng.Uniform();
-            Ray ray;
-            ray.o = {distance, 0, 0};
             const Float side = 3 * lens.RearRadius();
-            const Point2 p = (rng.Uniform2() - Point2(0.5f)) * side;
-            ray.d = Normalize(Point3(p, lens.RearZ()) - ray.o);
+            const Point2 p = RandomInSquare(rng, side / 2);
+            Ray ray = FromFilm({distance, 0}, p, lens);
             const Bounds2 &b = pupil.Bounds(distance);
             area += double(b.Area());
             if (lens.Trace(&ray) == 0) continue;
@@ -216,7 +198,7 @@ TEST(ApertureImage, ShapesHaveTheirCorners) {
     EXPECT_GT(pentagon.Lookup({0, 0.63f}), 0);
     // The star has points at 36, 108, 180, ... degrees and notches (at 0.382) between them.
     for (int i = 0; i < 10; ++i) {
-        const Float angle = Radians(36 * static_cast<Float>(i));
+        const Float angle = Radians(36 * Float(i));
         const Point2 direction(std::cos(angle), std::sin(angle));
         EXPECT_EQ(star.Lookup(direction * 0.45f) > 0, i % 2 == 1) << i;
         EXPECT_GT(star.Lookup(direction * 0.35f), 0) << i;
@@ -225,19 +207,17 @@ TEST(ApertureImage, ShapesHaveTheirCorners) {
 
 TEST(ApertureImage, FilesAreAveragedAndTurnedUpsideDown) {
     Image rgb(PixelFormat::Float, {2, 2}, {"R", "G", "B"});
-    for (int c = 0; c < 3; ++c) rgb.Set({0, 0}, c, static_cast<Float>(c));  // top left: mean 1
-    rgb.Set({1, 1}, 0, 9);                                                  // bottom right: mean 3
-    const std::string path = testing::TempDir() + std::to_string(getpid()) + "_aperture_test.exr";
-    WriteImage(path, rgb);
-    const ApertureImage aperture = ReadAperture(path);
+    for (int c = 0; c < 3; ++c) rgb.Set({0, 0}, c, Float(c));  // top left: mean 1
+    rgb.Set({1, 1}, 0, 9);                                     // bottom right: mean 3
+    const TemporaryImage file("aperture_test.exr", rgb);
+    const ApertureImage aperture = ReadAperture(file.Path());
     EXPECT_NEAR(aperture.Lookup({0.5f, -0.5f}) / aperture.Lookup({-0.5f, 0.5f}), 3, 1e-3f);
     EXPECT_EQ(aperture.Lookup({-0.5f, -0.5f}), 0);
-    std::remove(path.c_str());
 }
 
 std::string LensError(const std::string &text) {
     const std::string path = WriteFile("lens_test.dat", text);
-    return test::MessageOf([&] { ReadLensFile(path); });
+    return MessageOf([&] { ReadLensFile(path); });
 }
 
 TEST(LensFile, IsReadInMillimetresAndChecked) {
@@ -251,13 +231,13 @@ TEST(LensFile, IsReadInMillimetresAndChecked) {
     EXPECT_TRUE(e[1].IsStop());
     EXPECT_EQ(e[1].index, 1);
     EXPECT_FLOAT_EQ(e[2].curvatureRadius, -0.04f);
-    test::ExpectWords(LensError("50 2 1.5"), {"four numbers"});
-    test::ExpectWords(LensError(""), {"four numbers"});
-    test::ExpectWords(LensError("50 2 1.5 20\n50 2 glass 20"), {":2: "});
-    test::ExpectWords(LensError("50 -2 1.5 20"), {"thickness"});
-    test::ExpectWords(LensError("50 2 0 20"), {"index"});
-    test::ExpectWords(LensError("50 2 1 0"), {"diameter"});
+    ExpectWords(LensError("50 2 1.5"), {"four numbers"});
+    ExpectWords(LensError(""), {"four numbers"});
+    ExpectWords(LensError("50 2 1.5 20\n50 2 glass 20"), {":2: "});
+    ExpectWords(LensError("50 -2 1.5 20"), {"thickness"});
+    ExpectWords(LensError("50 2 0 20"), {"index"});
+    ExpectWords(LensError("50 2 1 0"), {"diameter"});
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

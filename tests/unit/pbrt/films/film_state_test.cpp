@@ -1,42 +1,26 @@
 // The sums of films: saved, loaded, merged, and splatted to from many threads.
 #include <gtest/gtest.h>
 
-#include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "film_fixtures.h"
 #include "pbrt/core/parallel.h"
 #include "pbrt/films/fixed_sum.h"
 #include "pbrt/films/render_file.h"
 #include "pbrt/math/rng.h"
-#include "support/param.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
 
-ParamSet FilmParamSet(int width = 5, int height = 3, Float maxComponentValue = 0) {
-    ParamSet params("Film", {});
-    params.Add(test::IntParam("xresolution", width));
-    params.Add(test::IntParam("yresolution", height));
-    if (maxComponentValue > 0) params.Add(test::FloatParam("maxcomponentvalue", {maxComponentValue}));
-    return params;
-}
-
-std::unique_ptr<Film> MakeFullFloat(const std::string &type, const ParamSet &params = FilmParamSet()) {
-    DiagnosticSink sink;
-    FilmContext context{.outputSpace = ColorSpace::SRGB()};
-    context.overrides.fullFloat = true;
-    return MakeFilm(type, params, context, sink);
-}
-
 /// A pseudo-random number in [0, 1) that depends on `key`.
-Float HashedUniform(uint64_t key) { return static_cast<Float>(MixBits(key) >> 40) / static_cast<Float>(1 << 24); }
+Float HashedUniform(uint64_t key) { return Float(MixBits(key) >> 40) / Float(1 << 24); }
 
 /// Adds the samples [first, last) of every pixel.
 void AddSamples(Film &film, uint64_t first, uint64_t last) {
     for (uint64_t i = first; i < last; ++i)
         for (int y = 0; y < 3; ++y)
             for (int x = 0; x < 5; ++x) {
-                const Float u = HashedUniform(100 * i + static_cast<uint64_t>(10 * y + x));
+                const Float u = HashedUniform(100 * i + uint64_t(10 * y + x));
                 FilmSample sample;
                 sample.pixel = {x, y};
                 sample.L = SampledSpectrum(u);
@@ -60,8 +44,8 @@ void AddSplats(Film &film, int64_t first, int64_t last, int threads) {
     const ThreadLimit limit(threads);
     ParallelFor(last - first, 16, [&](int64_t begin, int64_t end) {
         for (int64_t i = first + begin; i < first + end; ++i) {
-            const auto key = static_cast<uint64_t>(i);
-            const Point2i pixel(static_cast<int>(key % 6), static_cast<int>(key % 3));  // x = 5 is outside
+            const auto key = uint64_t(i);
+            const Point2i pixel(int(key % 6), int(key % 3));  // x = 5 is outside
             const Float u = HashedUniform(key);
             film.AddSplat(pixel, SampledSpectrum(std::exp(20 * u - 10)), film.SampleWavelengths(u), Float(0.3) - u);
         }
@@ -84,19 +68,18 @@ void Merge(Film &film, const std::string &state) {
     film.Merge(in);
 }
 
-std::vector<Float> Values(const Film &film) {
-    const Image image = film.ToImage();
-    std::vector<Float> values(image.ValueCount());
-    EXPECT_EQ(image.Bytes(), values.size() * sizeof(Float));
-    std::memcpy(values.data(), image.Data(), image.Bytes());
-    return values;
-}
+std::string Bits(const Image &image) { return {static_cast<const char *>(image.Data()), image.Bytes()}; }
 
-class EveryFilm : public ::testing::TestWithParam<std::string> {};
+class EveryFilm : public ::testing::TestWithParam<std::string> {
+  protected:
+    static std::unique_ptr<Film> Make(const ParamSet &params = FilmSize(5, 3)) {
+        return MakeFullFloat(GetParam(), params);
+    }
+};
 INSTANTIATE_TEST_SUITE_P(Films, EveryFilm, ::testing::ValuesIn(Films().Names()), [](const auto &i) { return i.param; });
 
 TEST_P(EveryFilm, SavedSumsGoOnBitByBit) {
-    auto whole = MakeFullFloat(GetParam()), first = MakeFullFloat(GetParam()), second = MakeFullFloat(GetParam());
+    auto whole = Make(), first = Make(), second = Make();
     AddSamples(*whole, 0, 20);
     AddSamples(*first, 0, 7);
     FilmSample bad;
@@ -108,40 +91,38 @@ TEST_P(EveryFilm, SavedSumsGoOnBitByBit) {
     EXPECT_EQ(second->RejectedSamples(), 1u);
     EXPECT_EQ(Saved(*second), Saved(*first));
     AddSamples(*second, 7, 20);
-    EXPECT_EQ(Values(*whole), Values(*second));
-    EXPECT_NE(Values(*whole), Values(*first));
+    EXPECT_EQ(Bits(whole->ToImage()), Bits(second->ToImage()));
+    EXPECT_NE(Bits(whole->ToImage()), Bits(first->ToImage()));
 }
 
 TEST_P(EveryFilm, PartsMergedInAnyOrderHaveTheBitsOfOneFilm) {
-    auto whole = MakeFullFloat(GetParam());
+    auto whole = Make();
     AddSamples(*whole, 0, 300);
     const std::vector<uint64_t> ends = {0, 1, 17, 130, 131, 300};
     std::vector<std::string> parts;
     for (size_t i = 0; i + 1 < ends.size(); ++i) {
-        auto part = MakeFullFloat(GetParam());
+        auto part = Make();
         AddSamples(*part, ends[i], ends[i + 1]);
         parts.push_back(Saved(*part));
     }
     std::sort(parts.begin(), parts.end());
     for (int order = 0; order < 20; ++order) {
-        auto merged = MakeFullFloat(GetParam());
+        auto merged = Make();
         for (const std::string &part : parts) Merge(*merged, part);
         ASSERT_EQ(Saved(*merged), Saved(*whole)) << order;
-        if (order == 0) {
-            EXPECT_EQ(Values(*merged), Values(*whole));
-        }
+        EXPECT_EQ(Bits(merged->ToImage()), Bits(whole->ToImage()));
         std::next_permutation(parts.begin(), parts.end());
     }
-    auto lacking = MakeFullFloat(GetParam());
+    auto lacking = Make();
     for (size_t i = 1; i < parts.size(); ++i) Merge(*lacking, parts[i]);
-    EXPECT_NE(Values(*lacking), Values(*whole));
+    EXPECT_NE(Bits(lacking->ToImage()), Bits(whole->ToImage()));
     const std::string before = Saved(*whole);
-    Merge(*whole, Saved(*MakeFullFloat(GetParam())));
+    Merge(*whole, Saved(*Make()));
     EXPECT_EQ(Saved(*whole), before) << "an empty film was added";
 }
 
 TEST_P(EveryFilm, SumsThatAreMovedAreThereOnce) {
-    auto whole = MakeFullFloat(GetParam()), first = MakeFullFloat(GetParam()), second = MakeFullFloat(GetParam());
+    auto whole = Make(), first = Make(), second = Make();
     AddSamples(*whole, 0, 40);
     const auto move = [](Film &from, Film &to) {
         StateWriter writer;
@@ -155,7 +136,7 @@ TEST_P(EveryFilm, SumsThatAreMovedAreThereOnce) {
     AddSamples(*first, 0, 7);
     AddSamples(*second, 7, 20);
     move(*second, *first);
-    EXPECT_EQ(Saved(*second), Saved(*MakeFullFloat(GetParam())));
+    EXPECT_EQ(Saved(*second), Saved(*Make()));
     AddSamples(*second, 20, 40);
     const std::string bytes = move(*second, *first);
     EXPECT_EQ(Saved(*first), Saved(*whole));
@@ -164,11 +145,11 @@ TEST_P(EveryFilm, SumsThatAreMovedAreThereOnce) {
     second->ExpectSplats();
     AddSplats(*second, 0, 100, 1);
     const std::string splats = Saved(*second);
-    auto third = MakeFullFloat(GetParam());
+    auto third = Make();
     move(*second, *third);
     EXPECT_EQ(Saved(*third), splats);
     move(*first, *third);
-    EXPECT_EQ(Saved(*first), Saved(*MakeFullFloat(GetParam())));
+    EXPECT_EQ(Saved(*first), Saved(*Make()));
     EXPECT_NE(Saved(*third), splats);
 
     for (size_t size = 0; size < bytes.size(); size += 5) {
@@ -176,14 +157,13 @@ TEST_P(EveryFilm, SumsThatAreMovedAreThereOnce) {
         EXPECT_THROW(first->AddSums(cut), UserError) << size;
     }
     StateReader reader(bytes, "sums");
-    EXPECT_THROW(MakeFullFloat(GetParam(), FilmParamSet(7, 3))->AddSums(reader), UserError);
+    EXPECT_THROW(Make(FilmSize(7, 3))->AddSums(reader), UserError);
 }
 
 TEST_P(EveryFilm, AFilmMadeFromItsRecipeMakesTheSamePicture) {
     FilmRecipe recipe;
     recipe.type = GetParam();
-    recipe.params = FilmParamSet();
-    recipe.params.Add(test::StringParam("sensor", "canon_eos_5d"));
+    recipe.params = FilmSize(5, 3).String("sensor", "canon_eos_5d");
     recipe.colorSpace = "rec2020";
     recipe.exposureTime = Float(0.1);
     recipe.overrides.pixelBounds = Bounds2i{{0, 0}, {5, 3}};
@@ -192,17 +172,15 @@ TEST_P(EveryFilm, AFilmMadeFromItsRecipeMakesTheSamePicture) {
     auto again = FilmRecipe::FromJson(nlohmann::ordered_json::parse(recipe.ToJson().dump())).Make();
     Load(*again, Saved(*film));
     EXPECT_EQ(again->Metadata().colorSpace, film->Metadata().colorSpace);
-    const Image a = film->ToImage(), b = again->ToImage();
-    ASSERT_EQ(a.Bytes(), b.Bytes());
-    EXPECT_EQ(std::memcmp(a.Data(), b.Data(), a.Bytes()), 0);
+    EXPECT_EQ(Bits(film->ToImage()), Bits(again->ToImage()));
     recipe.colorSpace = "srgb";
     auto other = recipe.Make();
     Load(*other, Saved(*film));
-    EXPECT_NE(std::memcmp(a.Data(), other->ToImage().Data(), a.Bytes()), 0);
+    EXPECT_NE(Bits(film->ToImage()), Bits(other->ToImage()));
 }
 
 TEST_P(EveryFilm, StateOfAnotherFilmIsRefusedAndChangesNothing) {
-    auto film = MakeFullFloat(GetParam());
+    auto film = Make();
     AddSamples(*film, 0, 3);
     const std::string state = Saved(*film);
     auto refuses = [&](const std::string &bad) {
@@ -217,16 +195,16 @@ TEST_P(EveryFilm, StateOfAnotherFilmIsRefusedAndChangesNothing) {
     refuses(older);
     refuses(state.substr(0, state.size() - 1));
     refuses(state.substr(0, state.size() / 2));
-    refuses(Saved(*MakeFullFloat(GetParam(), FilmParamSet(3, 5))));
+    refuses(Saved(*Make(FilmSize(3, 5))));
     for (const std::string &other : Films().Names())
-        if (other != GetParam()) refuses(Saved(*MakeFullFloat(other)));
+        if (other != GetParam()) refuses(Saved(*MakeFullFloat(other, FilmSize(5, 3))));
     EXPECT_NO_THROW(Load(*film, state));
 }
 
 TEST_P(EveryFilm, SplatsAreTheSameForAnyNumberOfThreads) {
     std::string expected;
     for (int threads : {1, 2, 7}) {
-        auto film = MakeFullFloat(GetParam());
+        auto film = Make();
         film->ExpectSplats();
         AddSplats(*film, 0, 6000, threads);
         film->AddSplatPaths(16);
@@ -234,8 +212,7 @@ TEST_P(EveryFilm, SplatsAreTheSameForAnyNumberOfThreads) {
         EXPECT_EQ(Saved(*film), expected) << threads;
     }
     // The splats are rendered in parts, which are saved and merged in any order, together with samples.
-    auto whole = MakeFullFloat(GetParam()), first = MakeFullFloat(GetParam()), second = MakeFullFloat(GetParam()),
-         onlySamples = MakeFullFloat(GetParam());
+    auto whole = Make(), first = Make(), second = Make(), onlySamples = Make();
     AddSamples(*whole, 0, 4);
     AddSamples(*onlySamples, 0, 4);
     Load(*whole, expected);
@@ -249,28 +226,28 @@ TEST_P(EveryFilm, SplatsAreTheSameForAnyNumberOfThreads) {
     EXPECT_EQ(Saved(*first), expected);
     Merge(*onlySamples, expected);
     Merge(*second, Saved(*onlySamples));
-    EXPECT_GT(Saved(*onlySamples).size(), Saved(*MakeFullFloat(GetParam())).size());
+    EXPECT_GT(Saved(*onlySamples).size(), Saved(*Make()).size());
 }
 
 /// The channels of light of a film.
 std::vector<int> LightChannels(const Image &image) {
     std::vector<int> channels;
     for (int c = 0; c < image.ChannelCount(); ++c)
-        if (const std::string &name = image.Channels()[static_cast<size_t>(c)];
+        if (const std::string &name = image.Channels()[c];
             name == "R" || name == "G" || name == "B" || name.starts_with("S0"))
             channels.push_back(c);
     return channels;
 }
 
 TEST_P(EveryFilm, ThePictureHasTheMeanOfSplatsBesideThatOfSamples) {
-    auto film = MakeFullFloat(GetParam()), twice = MakeFullFloat(GetParam());
+    auto film = Make(), twice = Make();
     film->ExpectSplats();
     twice->ExpectSplats();
     constexpr int kSamples = 400, kPixels = 15;
     for (int i = 0; i < kSamples; ++i) {
         FilmSample sample;
         sample.pixel = {1, 1};
-        sample.lambda = film->SampleWavelengths((static_cast<Float>(i) + Float(0.5)) / kSamples);
+        sample.lambda = film->SampleWavelengths((Float(i) + Float(0.5)) / kSamples);
         sample.L = ColorSpace::SRGB().Illuminant().Sample(sample.lambda) / CieYIntegral;
         film->AddSample(sample);
         twice->AddSample(sample);
@@ -283,7 +260,7 @@ TEST_P(EveryFilm, ThePictureHasTheMeanOfSplatsBesideThatOfSamples) {
     film->AddSplatPaths(kPixels * kSamples);
     const Image one = film->ToImage(), three = twice->ToImage();
     for (const int c : LightChannels(one)) {
-        const std::string &name = one.Channels()[static_cast<size_t>(c)];
+        const std::string &name = one.Channels()[c];
         EXPECT_GT(one.Get({1, 1}, c), 0.01f) << name;
         EXPECT_NEAR(three.Get({1, 1}, c) / one.Get({1, 1}, c), 3, 1e-2f) << name;
         EXPECT_NEAR(one.Get({2, 1}, c) / one.Get({1, 1}, c), 1, 1e-2f) << name;
@@ -293,11 +270,9 @@ TEST_P(EveryFilm, ThePictureHasTheMeanOfSplatsBesideThatOfSamples) {
 
 /// A sample and a splat of radiance L in neighbouring pixels, as a picture of these pixels only.
 Image SampleBesideSplat(const std::string &type, const ParamSet &params, Float L) {
-    DiagnosticSink sink;
     FilmContext context{.outputSpace = ColorSpace::SRGB()};
-    context.overrides.fullFloat = true;
     context.overrides.pixelBounds = Bounds2i{{1, 1}, {3, 2}};
-    auto film = MakeFilm(type, params, context, sink);
+    auto film = MakeFullFloat(type, params, context);
     film->ExpectSplats();
     const SampledWavelengths lambda = film->SampleWavelengths(Float(0.4));
     FilmSample sample;
@@ -312,14 +287,13 @@ Image SampleBesideSplat(const std::string &type, const ParamSet &params, Float L
 }
 
 TEST_P(EveryFilm, SplatsAreCutAsSamplesAre) {
-    const Image whole = SampleBesideSplat(GetParam(), FilmParamSet(), 100),
-                cut = SampleBesideSplat(GetParam(), FilmParamSet(5, 3, 2), 100),
-                below = SampleBesideSplat(GetParam(), FilmParamSet(5, 3, 1e4f), 100);
+    const Image whole = SampleBesideSplat(GetParam(), FilmSize(5, 3), 100),
+                cut = SampleBesideSplat(GetParam(), FilmSize(5, 3).Number("maxcomponentvalue", 2), 100),
+                below = SampleBesideSplat(GetParam(), FilmSize(5, 3).Number("maxcomponentvalue", 1e4f), 100);
     for (const int c : LightChannels(whole)) {
         EXPECT_EQ(below.Get({1, 0}, c), whole.Get({1, 0}, c)) << c;
         EXPECT_LE(std::abs(cut.Get({1, 0}, c)), std::abs(whole.Get({1, 0}, c))) << c;
-        if (whole.Channels()[static_cast<size_t>(c)].starts_with("S0"))
-            continue;  // samples and splats divide otherwise
+        if (whole.Channels()[c].starts_with("S0")) continue;  // samples and splats divide otherwise
         EXPECT_FLOAT_EQ(cut.Get({1, 0}, c), cut.Get({0, 0}, c)) << c;
         EXPECT_FLOAT_EQ(whole.Get({1, 0}, c), whole.Get({0, 0}, c)) << c;
         EXPECT_LT(std::abs(cut.Get({1, 0}, c)), Float(0.5) * std::abs(whole.Get({1, 0}, c))) << c;
@@ -327,9 +301,9 @@ TEST_P(EveryFilm, SplatsAreCutAsSamplesAre) {
 }
 
 TEST_P(EveryFilm, SplatsKeepTheRangeOfSamples) {
-    const Image unit = SampleBesideSplat(GetParam(), FilmParamSet(), 1);
+    const Image unit = SampleBesideSplat(GetParam(), FilmSize(5, 3), 1);
     for (const int exponent : {-110, -100, 100, 110}) {
-        const Image scaled = SampleBesideSplat(GetParam(), FilmParamSet(), std::ldexp(Float(1), exponent));
+        const Image scaled = SampleBesideSplat(GetParam(), FilmSize(5, 3), std::ldexp(Float(1), exponent));
         for (const int c : LightChannels(unit)) {
             const double back = std::ldexp(double(scaled.Get({1, 0}, c)), -exponent);
             EXPECT_NEAR(back, double(unit.Get({1, 0}, c)), 1e-6 * std::abs(double(unit.Get({1, 0}, c))))
@@ -339,7 +313,7 @@ TEST_P(EveryFilm, SplatsKeepTheRangeOfSamples) {
 }
 
 TEST_P(EveryFilm, SplatsThatCannotBeAddedAreDroppedAndCounted) {
-    auto film = MakeFullFloat(GetParam());
+    auto film = Make();
     film->ExpectSplats();
     const std::string before = Saved(*film);
     const SampledWavelengths lambda = film->SampleWavelengths(0.4f);
@@ -383,9 +357,8 @@ TEST(FixedSum, HoldsItsRangeToItsPrecision) {
 TEST(FixedSum, HasTheSameBitsInAnyOrder) {
     constexpr int64_t kCount = 20000;
     const auto number = [](int64_t i) {
-        const auto key = static_cast<uint64_t>(i);
-        return std::ldexp(double(HashedUniform(3 * key) - Float(0.5)),
-                          static_cast<int>(280 * HashedUniform(3 * key + 1)) - 140);
+        const auto key = uint64_t(i);
+        return std::ldexp(double(HashedUniform(3 * key) - Float(0.5)), int(280 * HashedUniform(3 * key + 1)) - 140);
     };
     FixedSum forward, backward, threads, parts;
     for (int64_t i = 0; i < kCount; ++i) forward.Add(number(i));
@@ -410,4 +383,4 @@ TEST(FixedSum, HasTheSameBitsInAnyOrder) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

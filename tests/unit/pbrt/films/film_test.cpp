@@ -1,28 +1,13 @@
-#include "pbrt/films/film.h"
+#include "film_fixtures.h"
 #include "pbrt/films/sensor.h"
-
-#include <gtest/gtest.h>
-
 #include "support/errors.h"
-#include "support/param.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
 
 class FilmTest : public ::testing::Test {
   protected:
-    FilmTest() : params_("Film \"rgb\"", {}) {}
-    void Ints(const std::string &name, std::vector<int> values) {
-        params_.Add(test::IntParam(name, std::move(values)));
-    }
-    void Floats(const std::string &name, std::vector<Float> values) {
-        params_.Add(test::FloatParam(name, std::move(values)));
-    }
-    void Text(const std::string &name, const std::string &value) { params_.Add(test::StringParam(name, value)); }
-    void Resolution(int x, int y) {
-        Ints("xresolution", {x});
-        Ints("yresolution", {y});
-    }
+    void Resolution(int x, int y) { params_.Integer("xresolution", x).Integer("yresolution", y); }
     FilmContext Context(Float exposure = 1, const ColorSpace &space = ColorSpace::SRGB()) const {
         return {space, exposure, overrides_, {}, {}};
     }
@@ -34,15 +19,13 @@ class FilmTest : public ::testing::Test {
     static Rgb Expose(Film &film, const Spectrum &emission, Float scale = 1, int n = 40000) {
         Float photometric = SpectrumToPhotometric(emission);
         for (int i = 0; i < n; ++i) {
-            SampledWavelengths lambda =
-                film.SampleWavelengths((static_cast<Float>(i) + Float(0.5)) / static_cast<Float>(n));
+            SampledWavelengths lambda = film.SampleWavelengths((Float(i) + Float(0.5)) / Float(n));
             film.AddSample({film.PixelBounds().low, scale / photometric * emission.Sample(lambda), lambda, 1, {}});
         }
-        Image image = film.ToImage();
-        return {image.Get({0, 0}, 0), image.Get({0, 0}, 1), image.Get({0, 0}, 2)};
+        return ColorAt(film);
     }
 
-    ParamSet params_;
+    Params params_{"Film \"rgb\""};
     FilmOverrides overrides_;
     DiagnosticSink sink_;
 };
@@ -72,25 +55,20 @@ TEST_F(FilmTest, PixelsAreThoseOfTheSceneUnlessFlagsSayOtherwise) {
     crop.cropWindow = Bounds2{{0, 0}, {0.1f, 0.2f}};
     quick.resolutionDivisor = 4;
     // The first window is that stored in stock pbrt-v4's picture of film/crop_and_maxcomponent.
-    for (const Case &c : {Case{"crop window, rounded up",
-                               {128, 96},
-                               {},
-                               {0.125f, 0.8125f, 0.25f, 0.91667f},
-                               {},
-                               {{16, 24}, {104, 89}},
-                               0},
-                          {"half-open bounds", {128, 96}, {24, 104, 24, 88}, {}, {}, {{24, 24}, {104, 88}}, 0},
-                          {"both", {100, 100}, {24, 30, 24, 30}, {0.5f, 1, 0, 0.25f}, {}, {{50, 0}, {100, 25}}, 1},
-                          {"bounds by flag", {100, 100}, {}, {0.5f, 1, 0, 0.25f}, bounds, {{1, 2}, {3, 4}}, 0},
-                          {"crop window by flag", {100, 100}, {}, {0.5f, 1, 0, 0.25f}, crop, {{0, 0}, {10, 20}}, 0},
-                          {"beyond the picture", {10, 10}, {-5, 5, 5, 50}, {}, {}, {{0, 5}, {5, 10}}, 1},
-                          {"quick", {128, 98}, {24, 104, 24, 90}, {}, quick, {{6, 6}, {26, 23}}, 0}}) {
+    const Case kCases[] = {
+        {"crop window, rounded up", {128, 96}, {}, {0.125f, 0.8125f, 0.25f, 0.91667f}, {}, {{16, 24}, {104, 89}}, 0},
+        {"half-open bounds", {128, 96}, {24, 104, 24, 88}, {}, {}, {{24, 24}, {104, 88}}, 0},
+        {"both", {100, 100}, {24, 30, 24, 30}, {0.5f, 1, 0, 0.25f}, {}, {{50, 0}, {100, 25}}, 1},
+        {"bounds by flag", {100, 100}, {}, {0.5f, 1, 0, 0.25f}, bounds, {{1, 2}, {3, 4}}, 0},
+        {"crop window by flag", {100, 100}, {}, {0.5f, 1, 0, 0.25f}, crop, {{0, 0}, {10, 20}}, 0},
+        {"beyond the picture", {10, 10}, {-5, 5, 5, 50}, {}, {}, {{0, 5}, {5, 10}}, 1},
+        {"quick", {128, 98}, {24, 104, 24, 90}, {}, quick, {{6, 6}, {26, 23}}, 0}};
+    for (const Case &c : kCases) {
         SCOPED_TRACE(c.name);
-        params_ = ParamSet("Film \"rgb\"", {});
+        params_ = FilmSize(c.resolution.x, c.resolution.y);
         sink_ = {};
-        Resolution(c.resolution.x, c.resolution.y);
-        if (!c.pixelBounds.empty()) Ints("pixelbounds", c.pixelBounds);
-        if (!c.cropWindow.empty()) Floats("cropwindow", c.cropWindow);
+        if (!c.pixelBounds.empty()) params_.Integers("pixelbounds", c.pixelBounds);
+        if (!c.cropWindow.empty()) params_.Floats(ParamType::Float, "cropwindow", c.cropWindow);
         overrides_ = c.overrides;
         const std::unique_ptr<Film> film = Make();
         EXPECT_EQ(film->PixelBounds().low, c.expected.low);
@@ -105,32 +83,34 @@ TEST_F(FilmTest, PixelsAreThoseOfTheSceneUnlessFlagsSayOtherwise) {
 
 TEST_F(FilmTest, BadParametersAreErrors) {
     Resolution(10, 10);
-    struct Case {
-        const char *name;
-        std::vector<Float> values;
-    };
-    for (const Case &c : {Case{"cropwindow", {0, 1, 0}}, Case{"cropwindow", {0.5f, 0.5f, 0, 1}}, Case{"iso", {0}},
-                          Case{"whitebalance", {-1}}, Case{"whitebalance", {1e-37f}}, Case{"whitebalance", {999}},
-                          Case{"maxcomponentvalue", {0}}, Case{"diagonal", {0}}}) {
-        ParamSet good = params_;
-        Floats(c.name, c.values);
-        EXPECT_THROW(Make(), UserError) << c.name;
+    const std::pair<const char *, std::vector<Float>> kBad[] = {{"cropwindow", {0, 1, 0}},
+                                                                {"cropwindow", {0.5f, 0.5f, 0, 1}},
+                                                                {"iso", {0}},
+                                                                {"whitebalance", {-1}},
+                                                                {"whitebalance", {1e-37f}},
+                                                                {"whitebalance", {999}},
+                                                                {"maxcomponentvalue", {0}},
+                                                                {"diagonal", {0}}};
+    for (const auto &[name, values] : kBad) {
+        const Params good = params_;
+        params_.Floats(ParamType::Float, name, values);
+        EXPECT_THROW(Make(), UserError) << name;
         params_ = good;
     }
     EXPECT_NO_THROW(Make());
-    Ints("xresolution", {0});
+    params_.Integer("xresolution", 0);
     EXPECT_THROW(Make(), UserError);
 }
 
 TEST_F(FilmTest, UnknownSensorsListTheChoices) {
     Resolution(1, 1);
     for (const std::string &name : SupportedSensors()) {
-        Text("sensor", name);
+        params_.String("sensor", name);
         EXPECT_NO_THROW(Make()) << name;
     }
     EXPECT_EQ(SupportedSensors().size(), 18u);
-    Text("sensor", "nikon_d851");
-    test::ExpectError([&] { Make(); }, {"nikon_d850"});
+    params_.String("sensor", "nikon_d851");
+    ExpectError([&] { Make(); }, {"nikon_d850"});
 }
 
 TEST_F(FilmTest, UnwritableFileNamesAreErrorsAtOnce) {
@@ -141,14 +121,14 @@ TEST_F(FilmTest, UnwritableFileNamesAreErrorsAtOnce) {
     }
     overrides_.filename.clear();
     for (const char *name : {"a.jpg", "b", ""}) {
-        Text("filename", name);
+        params_.String("filename", name);
         EXPECT_THROW(Make(), UserError) << name;
     }
 }
 
 TEST_F(FilmTest, NormalisedIlluminantGivesWhiteOfLuminanceOne) {
     Resolution(1, 1);
-    Floats("maxcomponentvalue", {1e9f});
+    params_.Number("maxcomponentvalue", 1e9f);
     for (const std::string &name : ColorSpace::Names()) {
         const ColorSpace &space = *ColorSpace::Find(name);
         std::unique_ptr<Film> film = Make(1, space);
@@ -168,14 +148,14 @@ TEST_F(FilmTest, RgbEmissionComesOutAsWritten) {
 
 TEST_F(FilmTest, IsoAndExposureScale) {
     Resolution(1, 1);
-    Floats("iso", {180});
+    params_.Number("iso", 180);
     std::unique_ptr<Film> film = Make(0.5f);
     EXPECT_NEAR(Expose(*film, ColorSpace::SRGB().Illuminant()).y, 0.9f, 2e-3);
 }
 
 TEST_F(FilmTest, WhiteBalanceMakesItsIlluminantWhite) {
     Resolution(1, 1);
-    Floats("whitebalance", {5000});
+    params_.Number("whitebalance", 5000);
     std::unique_ptr<Film> film = Make();
     Rgb rgb = Expose(*film, DaylightSpectrum(5000));
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(rgb[c], 1, 3e-3);
@@ -196,19 +176,14 @@ TEST_F(FilmTest, WeightedMean) {
 
 TEST_F(FilmTest, MaxComponentScalesTheSampleDown) {
     Resolution(1, 1);
-    Floats("maxcomponentvalue", {2});
+    params_.Number("maxcomponentvalue", 2);
     std::unique_ptr<Film> limited = Make();
-    ParamSet plain("Film", {});
-    const std::unique_ptr<Film> unlimited = MakeFilm("rgb", plain, {.outputSpace = ColorSpace::SRGB()}, sink_);
+    const std::unique_ptr<Film> unlimited = MakeFilm("rgb", Params(), {.outputSpace = ColorSpace::SRGB()}, sink_);
     SampledWavelengths lambda = limited->SampleWavelengths(0.4f);
     SampledSpectrum L = lambda.Pdf() * 100.0f;
     limited->AddSample({{0, 0}, L, lambda, 1, {}});
     unlimited->AddSample({{0, 0}, L, lambda, 1, {}});
-    auto xyz = [](const Film &film) {
-        Image image = film.ToImage();
-        return ColorSpace::SRGB().ToXyz({image.Get({0, 0}, 0), image.Get({0, 0}, 1), image.Get({0, 0}, 2)});
-    };
-    Xyz a = xyz(*limited), b = xyz(*unlimited);
+    const Xyz a = ColorSpace::SRGB().ToXyz(ColorAt(*limited)), b = ColorSpace::SRGB().ToXyz(ColorAt(*unlimited));
     EXPECT_NEAR(MaxComponent(a), 2, 5e-3);
     EXPECT_GT(MaxComponent(b), 2.0f);
     EXPECT_NEAR(a.x / a.y, b.x / b.y, 5e-3);
@@ -237,11 +212,7 @@ TEST_F(FilmTest, HalfPrecisionIsCutAndFloatIsNot) {
     film->AddSample({{0, 0}, L, lambda, 1, {}});
     EXPECT_EQ(film->ToImage().Format(), PixelFormat::Half);
     EXPECT_EQ(film->ToImage().Get({0, 0}, 1), 65504.0f);
-    Param p;
-    p.type = ParamType::Bool;
-    p.name = "savefp16";
-    p.bools = {0};
-    params_.Add(p);
+    params_.Bool("savefp16", false);
     film = Make();
     film->AddSample({{0, 0}, L, lambda, 1, {}});
     EXPECT_EQ(film->ToImage().Format(), PixelFormat::Float);
@@ -250,18 +221,18 @@ TEST_F(FilmTest, HalfPrecisionIsCutAndFloatIsNot) {
 
 TEST_F(FilmTest, APictureThatDoesNotFitIsNotAllocated) {
     Resolution(100'000, 1'000'000);
-    test::ExpectError([&] { Make(); }, {"Film \"rgb\"", "100000 x 1000000", "7.6 TB"});
+    ExpectError([&] { Make(); }, {"Film \"rgb\"", "100000 x 1000000", "7.6 TB"});
     for (const char *type : {"gbuffer", "spectral"}) EXPECT_THROW(MakeFilm(type, params_, Context(), sink_), UserError);
-    Ints("pixelbounds", {500, 516, 999'000, 999'016});  // a small part of the picture fits into memory
+    params_.Integers("pixelbounds", {500, 516, 999'000, 999'016});  // a small part of the picture fits into memory
     EXPECT_EQ(Make()->PixelBounds().Area(), 256);
     Resolution(100'000, 2'000'000);
     EXPECT_THROW(Make(), UserError);
 }
 
 TEST_F(FilmTest, RangesAreNamed) {
-    Floats("diagonal", {1e38f});
-    test::ExpectError([&] { Make(); }, {"\"diagonal\"", "1e+38", "above 0", "at most 1000000"});
+    params_.Number("diagonal", 1e38f);
+    ExpectError([&] { Make(); }, {"\"diagonal\"", "1e+38", "above 0", "at most 1000000"});
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

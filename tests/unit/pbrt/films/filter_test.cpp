@@ -1,69 +1,54 @@
 #include "pbrt/films/filter.h"
 
-#include <gtest/gtest.h>
-
 #include "pbrt/math/rng.h"
 #include "support/errors.h"
+#include "support/given_params.h"
 #include "support/statistics.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
 
-struct Wrong {
+using Values = std::vector<std::pair<std::string, Float>>;
+
+struct FilterSetup {
     std::string type;
-    std::vector<std::pair<std::string, Float>> values;
+    Values values;
     std::string name;
 };
 
-ParamSet MakeParams(const std::vector<std::pair<std::string, Float>> &values) {
-    ParamSet params("PixelFilter", {});
-    for (const auto &[name, value] : values) {
-        Param p;
-        p.name = name;
-        p.floats = {value};
-        params.Add(p);
-    }
-    return params;
-}
-
-std::unique_ptr<Filter> MakeFilter(const std::string &type, const ParamSet &params) {
+std::unique_ptr<Filter> MakeFilter(const std::string &type, const Values &values = {}) {
     DiagnosticSink sink;
+    Params params;
+    for (const auto &[name, value] : values) params.Number(name, value);
     return Filters().Make(type, params, FilterContext{sink});
 }
 
-class FilterTest : public ::testing::TestWithParam<Wrong> {
+class FilterTest : public ::testing::TestWithParam<FilterSetup> {
   protected:
-    FilterTest() : filter_(MakeFilter(GetParam().type, MakeParams(GetParam().values))) {}
+    FilterTest() : filter_(MakeFilter(GetParam().type, GetParam().values)) {}
     /// Calls f(position, area) for a fine grid over the support.
     template <class F>
     void ForGrid(int n, F f) const {
         Vector2 r = filter_->Radius();
         for (int y = 0; y < n; ++y)
             for (int x = 0; x < n; ++x) {
-                Point2 t((static_cast<Float>(x) + Float(0.5)) / static_cast<Float>(n),
-                         (static_cast<Float>(y) + Float(0.5)) / static_cast<Float>(n));
+                Point2 t((Float(x) + Float(0.5)) / Float(n), (Float(y) + Float(0.5)) / Float(n));
                 f((t * Float(2) - Point2(1, 1)) * r, 4 * double(r.x) * double(r.y) / (double(n) * double(n)));
             }
     }
     std::unique_ptr<Filter> filter_;
 };
 
-TEST_P(FilterTest, IntegralIsThatOfEvaluate) {
-    double sum = 0;
-    ForGrid(500, [&](Point2 p, double area) { sum += double(filter_->Evaluate(p)) * area; });
-    EXPECT_NEAR(double(filter_->Integral()) / sum, 1, 3e-3);
-}
-
-TEST_P(FilterTest, PdfIntegratesToOne) {
-    double sum = 0;
-    ForGrid(480, [&](Point2 p, double area) { sum += double(filter_->Pdf(p)) * area; });
-    EXPECT_NEAR(sum, 1, 2e-3);
-}
-
-TEST_P(FilterTest, PdfIsProportionalToMagnitude) {
-    double magnitude = 0, difference = 0;
-    ForGrid(500, [&](Point2 p, double area) { magnitude += std::abs(double(filter_->Evaluate(p))) * area; });
-    ForGrid(500, [&](Point2 p, double area) {
+TEST_P(FilterTest, IntegralAndPdfAreThoseOfEvaluate) {
+    double integral = 0, magnitude = 0, mass = 0, difference = 0;
+    ForGrid(480, [&](Point2 p, double area) {
+        integral += double(filter_->Evaluate(p)) * area;
+        magnitude += std::abs(double(filter_->Evaluate(p))) * area;
+        mass += double(filter_->Pdf(p)) * area;
+    });
+    EXPECT_NEAR(double(filter_->Integral()) / integral, 1, 3e-3);
+    EXPECT_NEAR(mass, 1, 2e-3);
+    ForGrid(480, [&](Point2 p, double area) {
         difference += std::abs(std::abs(double(filter_->Evaluate(p))) / magnitude - double(filter_->Pdf(p))) * area;
     });
     EXPECT_LT(difference, 0.06);  // the table has 16 cells per pixel
@@ -74,10 +59,9 @@ TEST_P(FilterTest, FrequenciesMatchPdf) {
     std::vector<double> observed(kBins * kBins, 0), expected(kBins * kBins, 0);
     Vector2 r = filter_->Radius();
     auto bin = [&](const Point2 &p) {
-        auto index = [](Float v, Float radius) {
-            return static_cast<size_t>(std::clamp(static_cast<int>((v / radius + 1) / 2 * kBins), 0, kBins - 1));
-        };
-        return index(p.y, r.y) * kBins + index(p.x, r.x);
+        const Point2i at =
+            glm::clamp(Point2i((p / r + Float(1)) / Float(2) * Float(kBins)), Point2i(0), Point2i(kBins - 1));
+        return at.y * kBins + at.x;
     };
     // Only a grid that both the table's cells and the bins divide would be exact; a fine grid comes close enough.
     ForGrid(1200, [&](Point2 p, double area) { expected[bin(p)] += kDraws * double(filter_->Pdf(p)) * area; });
@@ -91,7 +75,7 @@ TEST_P(FilterTest, FrequenciesMatchPdf) {
     double total = 0;
     for (double e : expected) total += e;
     for (double &e : expected) e *= kDraws / total;
-    EXPECT_GT(test::ChiSquareTest(observed, expected), 1e-4);
+    EXPECT_GT(ChiSquareTest(observed, expected), 1e-4);
 }
 
 TEST_P(FilterTest, WeightsReproduceTheFilter) {
@@ -109,7 +93,7 @@ TEST_P(FilterTest, WeightsReproduceTheFilter) {
     double mean = 0, weights = 0;
     for (int y = 0; y < kStrata; ++y)
         for (int x = 0; x < kStrata; ++x) {
-            Point2 u = (Point2(static_cast<Float>(x), static_cast<Float>(y)) + rng.Uniform2()) / Float(kStrata);
+            Point2 u = (Point2(Float(x), Float(y)) + rng.Uniform2()) / Float(kStrata);
             FilterSample s = filter_->Sample(glm::min(u, Point2(OneMinusEpsilon)));
             mean += double(s.weight) * g(s.offset) / (kStrata * kStrata);
             weights += double(s.weight) / (kStrata * kStrata);
@@ -143,67 +127,68 @@ TEST_P(FilterTest, ZeroOutsideTheRadius) {
 }
 
 // All filters with their defaults, and with the radii of the conformance scenes.
-INSTANTIATE_TEST_SUITE_P(
-    All, FilterTest,
-    ::testing::Values(Wrong{"box", {}, "box"}, Wrong{"box", {{"xradius", 1.3f}, {"yradius", 0.8f}}, "box_wide"},
-                      Wrong{"gaussian", {}, "gaussian"},
-                      Wrong{"gaussian", {{"xradius", 2.2f}, {"yradius", 1.6f}, {"sigma", 0.8f}}, "gaussian_wide"},
-                      Wrong{"mitchell", {}, "mitchell"},
-                      Wrong{"mitchell", {{"xradius", 2.5f}, {"B", 0.2f}, {"C", 0.5f}}, "mitchell_sharp"},
-                      Wrong{"sinc", {}, "sinc"},
-                      Wrong{"sinc", {{"xradius", 3}, {"yradius", 3.5f}, {"tau", 2.5f}}, "sinc_narrow"},
-                      Wrong{"triangle", {}, "triangle"},
-                      Wrong{"triangle", {{"xradius", 1.5f}, {"yradius", 2.4f}}, "triangle_tall"}),
-    [](const auto &setup) { return setup.param.name; });
+INSTANTIATE_TEST_SUITE_P(All, FilterTest,
+                         ::testing::ValuesIn(std::vector<FilterSetup>{
+                             {"box", {}, "box"},
+                             {"box", {{"xradius", 1.3f}, {"yradius", 0.8f}}, "box_wide"},
+                             {"gaussian", {}, "gaussian"},
+                             {"gaussian", {{"xradius", 2.2f}, {"yradius", 1.6f}, {"sigma", 0.8f}}, "gaussian_wide"},
+                             {"mitchell", {}, "mitchell"},
+                             {"mitchell", {{"xradius", 2.5f}, {"B", 0.2f}, {"C", 0.5f}}, "mitchell_sharp"},
+                             {"sinc", {}, "sinc"},
+                             {"sinc", {{"xradius", 3}, {"yradius", 3.5f}, {"tau", 2.5f}}, "sinc_narrow"},
+                             {"triangle", {}, "triangle"},
+                             {"triangle", {{"xradius", 1.5f}, {"yradius", 2.4f}}, "triangle_tall"}}),
+                         [](const auto &setup) { return setup.param.name; });
 
 TEST(Filter, PositiveFiltersHaveUnitWeights) {
     Rng rng(31);
     for (const char *type : {"box", "gaussian", "triangle"}) {
-        std::unique_ptr<Filter> filter = MakeFilter(type, MakeParams({}));
+        std::unique_ptr<Filter> filter = MakeFilter(type);
         for (int i = 0; i < 1000; ++i) EXPECT_NEAR(filter->Sample(rng.Uniform2()).weight, 1, 1e-6) << type;
     }
 }
 
 TEST(Filter, DefaultRadiiAreThoseOfTheFormat) {
-    EXPECT_EQ(MakeFilter("box", MakeParams({}))->Radius(), Vector2(0.5f, 0.5f));
-    EXPECT_EQ(MakeFilter("gaussian", MakeParams({}))->Radius(), Vector2(1.5f, 1.5f));
-    EXPECT_EQ(MakeFilter("mitchell", MakeParams({}))->Radius(), Vector2(2, 2));
-    EXPECT_EQ(MakeFilter("sinc", MakeParams({}))->Radius(), Vector2(4, 4));
-    EXPECT_EQ(MakeFilter("triangle", MakeParams({}))->Radius(), Vector2(2, 2));
+    EXPECT_EQ(MakeFilter("box")->Radius(), Vector2(0.5f, 0.5f));
+    EXPECT_EQ(MakeFilter("gaussian")->Radius(), Vector2(1.5f, 1.5f));
+    EXPECT_EQ(MakeFilter("mitchell")->Radius(), Vector2(2, 2));
+    EXPECT_EQ(MakeFilter("sinc")->Radius(), Vector2(4, 4));
+    EXPECT_EQ(MakeFilter("triangle")->Radius(), Vector2(2, 2));
 }
 
 TEST(Filter, KnownValues) {
     // Mitchell-Netravali with B = C = 1/3: 8/9 at the centre of each axis, 1/18 at half the radius.
-    std::unique_ptr<Filter> mitchell = MakeFilter("mitchell", MakeParams({}));
+    std::unique_ptr<Filter> mitchell = MakeFilter("mitchell");
     EXPECT_NEAR(mitchell->Evaluate({0, 0}), 64.0 / 81, 1e-5);
     EXPECT_NEAR(mitchell->Evaluate({1, 0}), 8.0 / 9 / 18, 1e-5);
     EXPECT_LT(mitchell->Evaluate({1.5f, 0}), 0.0f);
-    std::unique_ptr<Filter> sinc = MakeFilter("sinc", MakeParams({}));
+    std::unique_ptr<Filter> sinc = MakeFilter("sinc");
     EXPECT_NEAR(sinc->Evaluate({0, 0}), 1, 1e-6);
     EXPECT_NEAR(sinc->Evaluate({1, 0}), 0, 1e-6);
     EXPECT_NEAR(sinc->Evaluate({0.5f, 0}), 0.6366198 * 0.9549297, 1e-5);
 }
 
 TEST(Filter, BadParametersAreErrors) {
-    EXPECT_THROW(MakeFilter("gauss", MakeParams({})), UserError);
-    EXPECT_THROW(MakeFilter("box", MakeParams({{"xradius", 0.0f}})), UserError);
-    EXPECT_THROW(MakeFilter("gaussian", MakeParams({{"sigma", -1.0f}})), UserError);
+    EXPECT_THROW(MakeFilter("gauss"), UserError);
+    EXPECT_THROW(MakeFilter("box", {{"xradius", 0.0f}}), UserError);
+    EXPECT_THROW(MakeFilter("gaussian", {{"sigma", -1.0f}}), UserError);
     // So narrow that all nodes of the table are 0.
-    EXPECT_THROW(MakeFilter("gaussian", MakeParams({{"sigma", 1e-3f}})), UserError);
+    EXPECT_THROW(MakeFilter("gaussian", {{"sigma", 1e-3f}}), UserError);
 }
 
 TEST(Filter, NumbersOutsideTheirRangesAreErrors) {
-    const std::vector<Wrong> bad = {{"box", {{"yradius", 1e38f}}, "yradius"},
-                                    {"triangle", {{"xradius", 1001}}, "xradius"},
-                                    {"gaussian", {{"xradius", 1e9f}}, "xradius"},
-                                    {"gaussian", {{"sigma", 1e30f}}, "sigma"},
-                                    {"mitchell", {{"B", 1e30f}}, "B"},
-                                    {"mitchell", {{"C", -1e30f}}, "C"},
-                                    {"sinc", {{"tau", 1e30f}}, "tau"}};
-    for (const Wrong &s : bad)
-        test::ExpectError([&] { MakeFilter(s.type, MakeParams(s.values)); }, {"\"" + s.name + "\"", "at most"});
-    EXPECT_TRUE(MakeFilter("gaussian", MakeParams({{"xradius", 1000}, {"yradius", 1000}, {"sigma", 300}})));
+    const std::vector<FilterSetup> bad = {{"box", {{"yradius", 1e38f}}, "yradius"},
+                                          {"triangle", {{"xradius", 1001}}, "xradius"},
+                                          {"gaussian", {{"xradius", 1e9f}}, "xradius"},
+                                          {"gaussian", {{"sigma", 1e30f}}, "sigma"},
+                                          {"mitchell", {{"B", 1e30f}}, "B"},
+                                          {"mitchell", {{"C", -1e30f}}, "C"},
+                                          {"sinc", {{"tau", 1e30f}}, "tau"}};
+    for (const FilterSetup &s : bad)
+        ExpectError([&] { MakeFilter(s.type, s.values); }, {"\"" + s.name + "\"", "at most"});
+    EXPECT_TRUE(MakeFilter("gaussian", {{"xradius", 1000}, {"yradius", 1000}, {"sigma", 300}}));
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

@@ -1,57 +1,37 @@
 #include <gtest/gtest.h>
 
-#include "pbrt/films/film.h"
-#include "support/param.h"
+#include "film_fixtures.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
 
-ParamSet LayeredParamSet(std::vector<std::pair<std::string, Float>> floats = {}, int buckets = 0,
-                         std::pair<std::string, std::string> text = {}) {
-    ParamSet params("Film", {});
-    params.Add(test::IntParam("xresolution", 2));
-    params.Add(test::IntParam("yresolution", 1));
-    if (buckets) params.Add(test::IntParam("nbuckets", buckets));
-    for (const auto &[name, value] : floats) params.Add(test::FloatParam(name, {value}));
-    if (!text.first.empty()) params.Add(test::StringParam(text.first, text.second));
-    return params;
-}
-
-FilmOverrides Precise() {
-    FilmOverrides overrides;
-    overrides.fullFloat = true;
-    return overrides;
-}
-
-std::unique_ptr<Film> MakeLayered(const std::string &type, const ParamSet &params, const AnimatedTransform &camera = {},
-                                  const Transform &world = {}) {
-    DiagnosticSink sink;
-    return MakeFilm(type, params, {ColorSpace::SRGB(), 1, Precise(), camera, world}, sink);
-}
-
 constexpr int kSamples = 4000;
-Float Step(int i) { return (static_cast<Float>(i) + Float(0.5)) / kSamples; }
+Float Step(int i) { return (Float(i) + Float(0.5)) / kSamples; }
 
 TEST(SpectralFilm, BucketsHoldTheMeanRadianceWithinThem) {
-    auto film = MakeLayered("spectral", LayeredParamSet({{"lambdamin", 400}, {"lambdamax", 700}}, 10));
+    auto film = MakeFullFloat("spectral",
+                              FilmSize(2, 1).Number("lambdamin", 400).Number("lambdamax", 700).Integer("nbuckets", 10));
     // The mean of a linear spectrum over a bucket is its value at the centre.
     const PiecewiseLinearSpectrum line({300, 900}, {1, 7});
     for (int i = 0; i < kSamples; ++i) {
         const SampledWavelengths lambda = film->SampleWavelengths(Step(i));
         film->AddSample({{1, 0}, line.Sample(lambda) / CieYIntegral, lambda, Float(0.5) + Step(i), {}});
     }
+    const ImageMetadata m = film->Metadata();
+    EXPECT_EQ(std::get<std::string>(m.attributes.at("spectralLayoutVersion")), "1.0");
+    EXPECT_EQ(std::get<std::string>(m.attributes.at("emissiveUnits")), "W.m^-2.sr^-1");
     const Image image = film->ToImage();
     ASSERT_EQ(image.ChannelCount(), 13);
     EXPECT_EQ(image.Channels()[3], "S0.415,000nm");
     EXPECT_EQ(image.Channels()[12], "S0.685,000nm");
     for (int b = 0; b < 10; ++b) {
-        EXPECT_NEAR(image.Get({1, 0}, 3 + b), line(415 + 30 * static_cast<Float>(b)), 0.01f);
+        EXPECT_NEAR(image.Get({1, 0}, 3 + b), line(415 + 30 * Float(b)), 0.01f);
         EXPECT_EQ(image.Get({0, 0}, 3 + b), 0.0f);
     }
 }
 
 TEST(SpectralFilm, OverTheWholeRangeRgbIsThatOfTheRgbFilm) {
-    auto film = MakeLayered("spectral", LayeredParamSet()), plain = MakeLayered("rgb", LayeredParamSet());
+    auto film = MakeFullFloat("spectral", FilmSize(2, 1)), plain = MakeFullFloat("rgb", FilmSize(2, 1));
     EXPECT_EQ(film->ToImage().ChannelCount(), 3 + 16);
     const RgbIlluminantSpectrum color(ColorSpace::SRGB(), {0.8f, 0.4f, 0.2f});
     for (int i = 0; i < kSamples; ++i) {
@@ -64,7 +44,7 @@ TEST(SpectralFilm, OverTheWholeRangeRgbIsThatOfTheRgbFilm) {
 }
 
 TEST(SpectralFilm, WavelengthsThatEndedDoNotCount) {
-    auto film = MakeLayered("spectral", LayeredParamSet({}, 4));
+    auto film = MakeFullFloat("spectral", FilmSize(2, 1).Integer("nbuckets", 4));
     // Half of the paths terminate three of their wavelengths, whose radiance is then meaningless.
     for (int i = 0; i < kSamples; ++i) {
         SampledWavelengths lambda = film->SampleWavelengths(Step(i));
@@ -78,29 +58,24 @@ TEST(SpectralFilm, WavelengthsThatEndedDoNotCount) {
     for (int b = 0; b < 4; ++b) EXPECT_NEAR(film->ToImage().Get({0, 0}, 3 + b), 2, 0.02);
 }
 
-TEST(SpectralFilm, MetadataNamesTheLayout) {
-    const ImageMetadata m = MakeLayered("spectral", LayeredParamSet())->Metadata();
-    EXPECT_EQ(std::get<std::string>(m.attributes.at("spectralLayoutVersion")), "1.0");
-    EXPECT_EQ(std::get<std::string>(m.attributes.at("emissiveUnits")), "W.m^-2.sr^-1");
-}
-
 TEST(SpectralFilm, BadRangesAreErrors) {
-    EXPECT_THROW(MakeLayered("spectral", LayeredParamSet({{"lambdamin", 300}})), UserError);
-    EXPECT_THROW(MakeLayered("spectral", LayeredParamSet({{"lambdamax", 900}})), UserError);
-    EXPECT_THROW(MakeLayered("spectral", LayeredParamSet({{"lambdamin", 600}, {"lambdamax", 600}})), UserError);
-    EXPECT_THROW(MakeLayered("spectral", LayeredParamSet({}, -1)), UserError);
+    EXPECT_THROW(MakeFullFloat("spectral", FilmSize(2, 1).Number("lambdamin", 300)), UserError);
+    EXPECT_THROW(MakeFullFloat("spectral", FilmSize(2, 1).Number("lambdamax", 900)), UserError);
+    EXPECT_THROW(MakeFullFloat("spectral", FilmSize(2, 1).Number("lambdamin", 600).Number("lambdamax", 600)),
+                 UserError);
+    EXPECT_THROW(MakeFullFloat("spectral", FilmSize(2, 1).Integer("nbuckets", -1)), UserError);
 }
 
 TEST(LayeredFilms, OnlyFitIntoExr) {
     for (const char *type : {"gbuffer", "spectral"}) {
-        EXPECT_THROW(MakeLayered(type, LayeredParamSet({}, 0, {"filename", "a.png"})), UserError) << type;
-        EXPECT_NO_THROW(MakeLayered(type, LayeredParamSet({}, 0, {"filename", "a.exr"}))) << type;
+        EXPECT_THROW(MakeFullFloat(type, FilmSize(2, 1).String("filename", "a.png")), UserError) << type;
+        EXPECT_NO_THROW(MakeFullFloat(type, FilmSize(2, 1).String("filename", "a.exr"))) << type;
     }
-    EXPECT_THROW(MakeLayered("gbufer", LayeredParamSet()), UserError);
+    EXPECT_THROW(MakeFullFloat("gbufer", FilmSize(2, 1)), UserError);
 }
 
 TEST(GBufferFilm, HoldsMeansOverTheSamplesThatSeeASurface) {
-    auto film = MakeLayered("gbuffer", LayeredParamSet());
+    auto film = MakeFullFloat("gbuffer", FilmSize(2, 1));
     VisibleSurface a, b;
     a.p = {1, 2, 3};
     b.p = {3, 0, 7};
@@ -145,7 +120,7 @@ TEST(GBufferFilm, HoldsMeansOverTheSamplesThatSeeASurface) {
 }
 
 TEST(GBufferFilm, VarianceIsThatOfTheSamplesThatSeeASurface) {
-    auto film = MakeLayered("gbuffer", LayeredParamSet());
+    auto film = MakeFullFloat("gbuffer", FilmSize(2, 1));
     const SampledWavelengths lambda = film->SampleWavelengths(0.3f);
     const Vector3 unit((CieX().Sample(lambda) / lambda.Pdf()).Average(),
                        (CieY().Sample(lambda) / lambda.Pdf()).Average(),
@@ -178,7 +153,9 @@ TEST(GBufferFilm, PlacesAreInTheChosenCoordinates) {
     surface.time = 0.25f;
     surface.lambda = SampledWavelengths::SampleVisible(0.5f);
     auto pixel = [&](const char *system, const std::vector<const char *> &channels) {
-        auto film = MakeLayered("gbuffer", LayeredParamSet({}, 0, {"coordinatesystem", system}), camera, world);
+        auto film =
+            MakeFullFloat("gbuffer", FilmSize(2, 1).String("coordinatesystem", system),
+                          {.outputSpace = ColorSpace::SRGB(), .renderFromCamera = camera, .renderFromWorld = world});
         film->AddSample({{0, 0}, SampledSpectrum(1), surface.lambda, 1, surface});
         const Image image = film->ToImage();
         std::vector<Float> values;
@@ -189,8 +166,8 @@ TEST(GBufferFilm, PlacesAreInTheChosenCoordinates) {
     const std::vector<const char *> channels = {"P.X", "P.Y", "P.Z", "N.X", "N.Y", "N.Z", "dzdx", "dzdy"};
     EXPECT_EQ(pixel("camera", channels), (std::vector<Float>{0, 0, 3, 0, 0, -1, 3, 0}));
     EXPECT_EQ(pixel("world", channels), (std::vector<Float>{5, -100, 0, -1, 0, 0, 0, 2}));
-    EXPECT_THROW(MakeLayered("gbuffer", LayeredParamSet({}, 0, {"coordinatesystem", "render"})), UserError);
+    EXPECT_THROW(MakeFullFloat("gbuffer", FilmSize(2, 1).String("coordinatesystem", "render")), UserError);
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

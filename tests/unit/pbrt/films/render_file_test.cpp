@@ -4,7 +4,7 @@
 #include "support/errors.h"
 #include "support/folder_test.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
 
 TEST(RenderIdentities, NameEverythingThatDiffers) {
@@ -12,21 +12,21 @@ TEST(RenderIdentities, NameEverythingThatDiffers) {
     RenderIdentity b = a;
     EXPECT_EQ(DifferencesOf(a, b, "b.chk"), "");
     b["--maxdepth"] = "5";
-    test::ExpectWords(DifferencesOf(a, b, "b.chk"), {"--maxdepth", "3", "5", "b.chk"});
+    ExpectWords(DifferencesOf(a, b, "b.chk"), {"--maxdepth", "3", "5", "b.chk"});
     b.erase("--maxdepth");
     b.erase("--quick");
-    test::ExpectWords(DifferencesOf(a, b, "b.chk"), {"--maxdepth", "3", "not given in b.chk", "--quick"});
+    ExpectWords(DifferencesOf(a, b, "b.chk"), {"--maxdepth", "3", "not given in b.chk", "--quick"});
     b = a;
     b["file a.pbrt"] = "y";
     b["file b.ply"] = "z";
-    test::ExpectWords(DifferencesOf(a, b, "b.chk"), {"a.pbrt", "only b.chk", "b.ply"});
-    test::ExpectWords(DifferencesOf(b, a, "a.chk"), {"a.pbrt", "b.ply", "a.chk"});
+    ExpectWords(DifferencesOf(a, b, "b.chk"), {"a.pbrt", "only b.chk", "b.ply"});
+    ExpectWords(DifferencesOf(b, a, "a.chk"), {"a.pbrt", "b.ply", "a.chk"});
     b = a;
     b["program"] = "2";
-    test::ExpectWords(DifferencesOf(a, b, "b.chk"), {"build", "1", "b.chk", "2"});
+    ExpectWords(DifferencesOf(a, b, "b.chk"), {"build", "1", "b.chk", "2"});
 }
 
-class RenderFiles : public test::FolderTest {};
+class RenderFiles : public FolderTest {};
 
 TEST_F(RenderFiles, GiveBackAllThatWasWritten) {
     const std::string path = Path("render");
@@ -76,4 +76,4 @@ TEST_F(RenderFiles, GiveBackAllThatWasWritten) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

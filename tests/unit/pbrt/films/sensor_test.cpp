@@ -3,22 +3,15 @@
 #include <gtest/gtest.h>
 
 #include "pbrt/math/rng.h"
-#include "support/param.h"
+#include "support/given_params.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
 
-ParamSet SensorParamSet(const std::string &sensor, Float whiteBalance = 0, Float iso = 100) {
-    ParamSet params("Film \"rgb\"", {});
-    params.Add(test::StringParam("sensor", sensor));
-    params.Add(test::FloatParam("whitebalance", {whiteBalance}));
-    params.Add(test::FloatParam("iso", {iso}));
-    return params;
-}
-
-PixelSensor MakeSensor(const ParamSet &params, const ColorSpace &space, Float exposure) {
+PixelSensor MakeSensor(const std::string &name, Float whiteBalance = 0, Float iso = 100, Float exposure = 1) {
+    const Params params = Params().String("sensor", name).Number("whitebalance", whiteBalance).Number("iso", iso);
     DiagnosticSink sink;
-    return PixelSensor::Make(ReadParams<SensorParams>(params, sink), params, space, exposure);
+    return PixelSensor::Make(ReadParams<SensorParams>(params, sink), params, ColorSpace::SRGB(), exposure);
 }
 
 /// The response of a sensor to a radiance spectrum, by equal steps of the sample that chooses wavelengths.
@@ -26,7 +19,7 @@ Xyz Measured(const PixelSensor &sensor, const Spectrum &radiance) {
     constexpr int kSteps = 8000;
     glm::dvec3 sum(0);
     for (int i = 0; i < kSteps; ++i) {
-        const auto lambda = SampledWavelengths::SampleVisible((static_cast<Float>(i) + Float(0.5)) / kSteps);
+        const auto lambda = SampledWavelengths::SampleVisible((Float(i) + Float(0.5)) / kSteps);
         sum += glm::dvec3(sensor.Expose(SafeDivide(radiance.Sample(lambda), lambda.Pdf()), lambda));
     }
     return sensor.XyzFromSensor() * Vector3(sum / double(kSteps));
@@ -50,7 +43,7 @@ TEST(PixelSensor, CamerasSeeTheColorCheckerAsTheStandardObserverDoes) {
         if (name == "cie1931") continue;
         for (Float kelvin : {4500.0f, 6500.0f}) {
             const DenseSpectrum light = DaylightSpectrum(kelvin);
-            const PixelSensor sensor = MakeSensor(SensorParamSet(name, kelvin), space, 1);
+            const PixelSensor sensor = MakeSensor(name, kelvin);
             double squares = 0;
             for (const SpectrumPtr &patch : ColorCheckerReflectances()) {
                 const Rgb seen = space.ToRgb(Measured(sensor, ProductSpectrum(*patch, light)) / CieYIntegral);
@@ -63,20 +56,17 @@ TEST(PixelSensor, CamerasSeeTheColorCheckerAsTheStandardObserverDoes) {
 }
 
 TEST(PixelSensor, DefaultWhiteBalanceOfCamerasIs6500) {
-    const ColorSpace &space = ColorSpace::SRGB();
-    const PixelSensor given = MakeSensor(SensorParamSet("nikon_d850", 6500), space, 1),
-                      none = MakeSensor(SensorParamSet("nikon_d850"), space, 1),
-                      warm = MakeSensor(SensorParamSet("nikon_d850", 4000), space, 1);
+    const PixelSensor given = MakeSensor("nikon_d850", 6500), none = MakeSensor("nikon_d850"),
+                      warm = MakeSensor("nikon_d850", 4000);
     EXPECT_EQ(given.XyzFromSensor(), none.XyzFromSensor());
     EXPECT_NE(given.XyzFromSensor(), warm.XyzFromSensor());
-    EXPECT_EQ(MakeSensor(SensorParamSet("cie1931"), space, 1).XyzFromSensor(), glm::mat3(1));
+    EXPECT_EQ(MakeSensor("cie1931").XyzFromSensor(), glm::mat3(1));
 }
 
 TEST(PixelSensor, IsoAndExposureScaleCamerasToo) {
-    const ColorSpace &space = ColorSpace::SRGB();
     const DenseSpectrum light = DaylightSpectrum(6500);
-    const Xyz one = Measured(MakeSensor(SensorParamSet("sony_ilce_9"), space, 1), light);
-    const Xyz more = Measured(MakeSensor(SensorParamSet("sony_ilce_9", 0, 320), space, 0.25f), light);
+    const Xyz one = Measured(MakeSensor("sony_ilce_9"), light);
+    const Xyz more = Measured(MakeSensor("sony_ilce_9", 0, 320, 0.25f), light);
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(more[c] / one[c], 0.8f, 1e-4f);
 }
 
@@ -118,4 +108,4 @@ TEST(PixelSensor, ResponsesAreNamedSpectra) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

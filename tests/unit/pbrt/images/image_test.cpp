@@ -1,13 +1,8 @@
 #include <cmath>
 
 #include "image_fixtures.h"
-#include "pbrt/core/error.h"
-#include "support/errors.h"
 
-namespace pbrt {
-
-using test::ExpectSamePixels;
-using test::NoiseImage;
+namespace pbrt::test {
 
 TEST(ColorEncoding, ParsesTheNamesOfTheFormatOnly) {
     EXPECT_EQ(ColorEncoding::Parse("linear")->kind, ColorEncoding::Kind::Linear);
@@ -34,9 +29,8 @@ TEST(ByteCode, DecodesLikeToLinearAndIsKept) {
         const ColorEncoding encoding = *ColorEncoding::Parse(name);
         const ByteCode &code = ByteCode::Of(encoding);
         for (int i = 0; i < 256; ++i) {
-            EXPECT_EQ(code.Decode(static_cast<uint8_t>(i)), encoding.ToLinear(static_cast<Float>(i) / 255))
-                << name << i;
-            EXPECT_EQ(code.DecodeTable()[i], code.Decode(static_cast<uint8_t>(i)));
+            EXPECT_EQ(code.Decode(uint8_t(i)), encoding.ToLinear(Float(i) / 255)) << name << i;
+            EXPECT_EQ(code.DecodeTable()[i], code.Decode(uint8_t(i)));
         }
         EXPECT_EQ(&code, &ByteCode::Of(encoding));
     }
@@ -47,7 +41,7 @@ TEST(ByteCode, EncodesToTheNearestEncodedByte) {
         const ColorEncoding encoding = *ColorEncoding::Parse(name);
         const ByteCode &code = ByteCode::Of(encoding);
         for (int i = -1000; i < 31000; ++i) {
-            const Float v = static_cast<Float>(i) / 30000;
+            const Float v = Float(i) / 30000;
             const Float exact = 255 * encoding.FromLinear(std::clamp(v, Float(0), Float(1)));
             // At most 0.5, up to the rounding of the power functions.
             ASSERT_NEAR(code.Encode(v), exact, 0.5002f) << name << " " << v;
@@ -62,7 +56,7 @@ TEST(ColorEncoding, EveryByteSurvivesDecodingAndEncoding) {
     for (const char *name : {"linear", "sRGB", "gamma 1.8", "gamma 0.5"}) {
         Image image(PixelFormat::U8, {256, 1}, {"Y"}, *ColorEncoding::Parse(name));
         auto *bytes = static_cast<uint8_t *>(image.Data());
-        for (int i = 0; i < 256; ++i) bytes[i] = static_cast<uint8_t>(i);
+        for (int i = 0; i < 256; ++i) bytes[i] = uint8_t(i);
         Image copy = image;
         for (int i = 0; i < 256; ++i) copy.Set({i, 0}, 0, image.Get({i, 0}, 0));
         for (int i = 0; i < 256; ++i) EXPECT_EQ(static_cast<const uint8_t *>(copy.Data())[i], i) << name;
@@ -77,44 +71,39 @@ TEST(Image, StoresWhatItsFormatHolds) {
         EXPECT_NEAR(image->Get({1, 1}, 0), 0.5f, 0.005f);
         EXPECT_EQ(image->Get({0, 1}, 0), 0);
     }
-    bytes.Set({0, 0}, 0, 7);
-    EXPECT_EQ(bytes.Get({0, 0}, 0), 1);
-    bytes.Set({0, 0}, 0, -1);
-    EXPECT_EQ(bytes.Get({0, 0}, 0), 0);
-    bytes.Set({0, 0}, 0, NAN);
-    EXPECT_EQ(bytes.Get({0, 0}, 0), 0);
-    half.Set({0, 0}, 0, 1e9f);
-    EXPECT_EQ(half.Get({0, 0}, 0), 65504);
-    half.Set({0, 0}, 0, NAN);
-    EXPECT_TRUE(std::isnan(half.Get({0, 0}, 0)));
-    real.Set({0, 0}, 0, 1e9f);
-    EXPECT_EQ(real.Get({0, 0}, 0), 1e9f);
+    const auto stored = [](Image &image, Float value) {
+        image.Set({0, 0}, 0, value);
+        return image.Get({0, 0}, 0);
+    };
+    EXPECT_EQ(stored(bytes, 7), 1);
+    EXPECT_EQ(stored(bytes, -1), 0);
+    EXPECT_EQ(stored(bytes, NAN), 0);
+    EXPECT_EQ(stored(half, 1e9f), 65504);
+    EXPECT_TRUE(std::isnan(stored(half, NAN)));
+    EXPECT_EQ(stored(real, 1e9f), 1e9f);
     EXPECT_EQ(bytes.Bytes(), 4u);
     EXPECT_EQ(half.Bytes(), 8u);
     EXPECT_EQ(real.Bytes(), 16u);
 }
 
 TEST(Image, SelectReordersAndNamesMissingChannels) {
-    const Image image = NoiseImage(PixelFormat::U8, {5, 3}, {"R", "G", "B", "A"});
+    const Image image = NoiseImage(PixelFormat::U8, {5, 3}, kRgba);
     const Image selected = image.Select({"A", "G"});
     EXPECT_EQ(selected.Format(), PixelFormat::Float);
     EXPECT_EQ(image.Extract({"A", "G"}).Format(), PixelFormat::U8);
-    for (int y = 0; y < 3; ++y)
-        for (int x = 0; x < 5; ++x) {
-            EXPECT_EQ(selected.Get({x, y}, 0), image.Get({x, y}, 3));
-            EXPECT_EQ(selected.Get({x, y}, 1), image.Get({x, y}, 1));
-        }
-    test::ExpectError([&] { image.Select({"Z"}); }, {"\"Z\"", "A"});
+    ForEachPixel(image, [&](Point2i p) {
+        EXPECT_EQ(selected.Get(p, 0), image.Get(p, 3));
+        EXPECT_EQ(selected.Get(p, 1), image.Get(p, 1));
+    });
+    ExpectError([&] { image.Select({"Z"}); }, {"\"Z\"", "A"});
 }
 
 TEST(Image, CropKeepsThePixelsInside) {
-    for (PixelFormat format : {PixelFormat::U8, PixelFormat::Half, PixelFormat::Float}) {
-        const Image image = NoiseImage(format, {7, 6}, {"R", "G", "B"});
+    for (PixelFormat format : kFormats) {
+        const Image image = NoiseImage(format, {7, 6}, kRgb);
         const Image crop = image.Crop({{2, 1}, {6, 4}});
         ASSERT_EQ(crop.Resolution(), Point2i(4, 3));
-        for (int y = 0; y < 3; ++y)
-            for (int x = 0; x < 4; ++x)
-                for (int c = 0; c < 3; ++c) EXPECT_EQ(crop.Get({x, y}, c), image.Get({x + 2, y + 1}, c));
+        ForEachValue(crop, [&](Point2i p, int c) { EXPECT_EQ(crop.Get(p, c), image.Get(p + Point2i(2, 1), c)); });
     }
 }
 
@@ -166,7 +155,7 @@ TEST(WrapMode, OctahedralEdgesMeetTheirMirrorImages) {
 }
 
 TEST(Image, BilinearIsTheTentWeightedSum) {
-    const Image image = NoiseImage(PixelFormat::Float, {6, 5}, {"R", "G", "B"});
+    const Image image = NoiseImage(PixelFormat::Float, {6, 5}, kRgb);
     for (WrapMode wrap : {WrapMode::Repeat, WrapMode::Black, WrapMode::Clamp})
         for (Point2 st : {Point2(0.31f, 0.77f), Point2(0, 0), Point2(1, 1), Point2(-0.4f, 1.3f), Point2(0.5f, 0.02f)}) {
             double expected = 0;
@@ -180,4 +169,4 @@ TEST(Image, BilinearIsTheTentWeightedSum) {
         }
 }
 
-}  // namespace pbrt
+}  // namespace pbrt::test

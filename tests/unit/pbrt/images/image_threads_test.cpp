@@ -1,5 +1,4 @@
 #include <OpenImageIO/imageio.h>
-#include <unistd.h>
 
 #include <barrier>
 #include <cstring>
@@ -7,7 +6,7 @@
 
 #include "image_fixtures.h"
 
-namespace pbrt {
+namespace pbrt::test {
 
 namespace {
 
@@ -16,31 +15,27 @@ std::vector<uint8_t> Profile(int number, int tags) {
     std::vector<uint8_t> bytes;
     auto word = [&](size_t at, uint32_t value) {
         if (bytes.size() < at + 4) bytes.resize(at + 4);
-        for (size_t i = 0; i < 4; ++i) bytes[at + i] = static_cast<uint8_t>(value >> (24 - 8 * i));
+        for (size_t i = 0; i < 4; ++i) bytes[at + i] = uint8_t(value >> (24 - 8 * i));
     };
     auto text = [&](size_t at, const char *four) {
         word(at, 0);
         std::memcpy(&bytes[at], four, 4);
     };
-    const size_t textAt = 132 + 12 * static_cast<size_t>(tags), size = textAt + 16;
+    const size_t textAt = 132 + 12 * size_t(tags), size = textAt + 16;
     text(textAt, "text");
     text(textAt + 8, "test");
     word(textAt + 12, 0);
-    word(0, static_cast<uint32_t>(size));
+    word(0, uint32_t(size));
     word(8, 0x02100000);
-    for (auto [at, four] : {std::pair<size_t, const char *>(12, "mntr"),
-                            {16, "RGB "},
-                            {20, "XYZ "},
-                            {36, "acsp"},
-                            {48, "IEC "},
-                            {52, "sRGB"}})
-        text(at, four);
+    const std::pair<size_t, const char *> kTexts[] = {{12, "mntr"}, {16, "RGB "}, {20, "XYZ "},
+                                                      {36, "acsp"}, {48, "IEC "}, {52, "sRGB"}};
+    for (auto [at, four] : kTexts) text(at, four);
     for (auto [at, value] : {std::pair<size_t, uint32_t>(68, 0xf6d6), {72, 0x10000}, {76, 0xd32d}}) word(at, value);
-    word(128, static_cast<uint32_t>(tags));
+    word(128, uint32_t(tags));
     for (int i = 0; i < tags; ++i) {
-        const size_t at = 132 + 12 * static_cast<size_t>(i);
-        word(at, 0x61000000u + static_cast<uint32_t>(number * tags + i));
-        word(at + 4, static_cast<uint32_t>(textAt));
+        const size_t at = 132 + 12 * size_t(i);
+        word(at, 0x61000000u + uint32_t(number * tags + i));
+        word(at + 4, uint32_t(textAt));
         word(at + 8, 16);
     }
     return bytes;
@@ -48,14 +43,13 @@ std::vector<uint8_t> Profile(int number, int tags) {
 
 }  // namespace
 
-class ImageThreads : public test::FolderTest {
+class ImageThreads : public FolderTest {
   protected:
     std::string WritePng(int number, int tags) {
         const std::string path = Path(std::to_string(number) + ".png");
         const std::vector<uint8_t> profile = Profile(number, tags);
         OIIO::ImageSpec spec(1 + number % 5, 1 + number % 3, 3, OIIO::TypeDesc::UINT8);
-        spec.attribute("ICCProfile", OIIO::TypeDesc(OIIO::TypeDesc::UINT8, static_cast<int>(profile.size())),
-                       profile.data());
+        spec.attribute("ICCProfile", OIIO::TypeDesc(OIIO::TypeDesc::UINT8, int(profile.size())), profile.data());
         const std::vector<uint8_t> pixels(spec.image_pixels() * 3, 100);
         auto out = OIIO::ImageOutput::create(path);
         EXPECT_TRUE(out && out->open(path, spec) && out->write_image(OIIO::TypeDesc::UINT8, pixels.data()) &&
@@ -86,7 +80,7 @@ TEST_F(ImageThreads, ReadPngsWithColorProfilesAtOnce) {
             threads.emplace_back([&, t] {
                 start.arrive_and_wait();
                 for (int i = 0; i < kFiles; ++i) {
-                    const auto at = static_cast<size_t>((i + t * kFiles / kThreads) % kFiles);
+                    const auto at = size_t((i + t * kFiles / kThreads) % kFiles);
                     if (ReadImage(paths[at]).image.ChannelCount() != 3) _exit(2);
                 }
             });
@@ -97,4 +91,4 @@ TEST_F(ImageThreads, ReadPngsWithColorProfilesAtOnce) {
     for (int repeat = 0; repeat < 3; ++repeat) EXPECT_EXIT(readAll(), ::testing::ExitedWithCode(0), "");
 }
 
-}  // namespace pbrt
+}  // namespace pbrt::test

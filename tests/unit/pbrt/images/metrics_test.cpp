@@ -3,23 +3,16 @@
 #include <cmath>
 
 #include "image_fixtures.h"
-#include "pbrt/core/error.h"
 
-namespace pbrt {
+namespace pbrt::test {
 
 namespace {
 constexpr Metric kMetrics[] = {Metric::MAE,      Metric::MSE,   Metric::MRSE, Metric::RelL2,
                                Metric::RelL2Abs, Metric::SMAPE, Metric::FLIP, Metric::HdrFLIP};
-
-Image Values(std::initializer_list<Float> values) {
-    Image image(PixelFormat::Float, {static_cast<int>(values.size()), 1}, {"Y"});
-    std::copy(values.begin(), values.end(), static_cast<float *>(image.Data()));
-    return image;
-}
 }  // namespace
 
 TEST(ImageError, MatchesHandComputedValues) {
-    const Image image = Values({1, 0, 3}), reference = Values({2, 0, 1});
+    const Image image = Row({1, 0, 3}), reference = Row({2, 0, 1});
     EXPECT_NEAR(ImageError(image, reference, Metric::MAE), (1 + 0 + 2) / 3.0, 1e-12);
     EXPECT_NEAR(ImageError(image, reference, Metric::MSE), (1 + 0 + 4) / 3.0, 1e-12);
     EXPECT_NEAR(ImageError(image, reference, Metric::MRSE), (1 / (2.01 * 2.01) + 4 / (1.01 * 1.01)) / 3, 1e-12);
@@ -28,7 +21,7 @@ TEST(ImageError, MatchesHandComputedValues) {
 }
 
 TEST(ImageError, IsZeroOnlyForEqualImages) {
-    const Image image = test::NoiseImage(PixelFormat::Float, {9, 7}, {"R", "G", "B"});
+    const Image image = NoiseImage(PixelFormat::Float, {9, 7}, kRgb);
     Image other = image;
     for (Metric metric : kMetrics) EXPECT_EQ(ImageError(image, other, metric), 0);
     other.Set({8, 6}, 2, other.Get({8, 6}, 2) + 0.25f);
@@ -38,8 +31,7 @@ TEST(ImageError, IsZeroOnlyForEqualImages) {
 TEST(ImageError, LeavesOutWhatIsNotFiniteAndCountsIt) {
     size_t skipped = 0;
     Image terms;
-    EXPECT_NEAR(ImageError(Values({1, NAN, INFINITY, 2}), Values({0, 0, 0, 0}), Metric::MSE, &terms, &skipped), 2.5,
-                1e-12);
+    EXPECT_NEAR(ImageError(Row({1, NAN, INFINITY, 2}), Row({0, 0, 0, 0}), Metric::MSE, &terms, &skipped), 2.5, 1e-12);
     EXPECT_EQ(skipped, 2u);
     EXPECT_EQ(terms.Get({0, 0}, 0), 1);
     EXPECT_EQ(terms.Get({3, 0}, 0), 4);
@@ -47,29 +39,28 @@ TEST(ImageError, LeavesOutWhatIsNotFiniteAndCountsIt) {
 }
 
 TEST(ImageError, RefusesImagesThatDoNotMatch) {
-    EXPECT_THROW(ImageError(Values({1, 2}), Values({1}), Metric::MSE), UserError);
-    EXPECT_THROW(ImageError(Values({1}), Image(PixelFormat::Float, {1, 1}, {"R"}), Metric::MSE), UserError);
+    EXPECT_THROW(ImageError(Row({1, 2}), Row({1}), Metric::MSE), UserError);
+    EXPECT_THROW(ImageError(Row({1}), Image(PixelFormat::Float, {1, 1}, {"R"}), Metric::MSE), UserError);
 }
 
 TEST(ImageError, SmapeIsSymmetricAndAtMostTwo) {
-    const Image a = Values({1, 5, -2, 0}), b = Values({3, 0, 2, 1e6f});
+    const Image a = Row({1, 5, -2, 0}), b = Row({3, 0, 2, 1e6f});
     EXPECT_DOUBLE_EQ(ImageError(a, b, Metric::SMAPE), ImageError(b, a, Metric::SMAPE));
-    EXPECT_LT(ImageError(Values({1e6f}), Values({0}), Metric::SMAPE), 2);
-    EXPECT_GT(ImageError(Values({1e6f}), Values({0}), Metric::SMAPE), 1.99);
+    EXPECT_LT(ImageError(Row({1e6f}), Row({0}), Metric::SMAPE), 2);
+    EXPECT_GT(ImageError(Row({1e6f}), Row({0}), Metric::SMAPE), 1.99);
 }
 
 TEST(ImageError, RelL2DoesNotDependOnTheExposure) {
-    const Image image = test::NoiseImage(PixelFormat::Float, {40, 30}, {"R", "G", "B", "A"});
+    const Image image = NoiseImage(PixelFormat::Float, {40, 30}, kRgba);
     Image reference = image;
-    for (int y = 0; y < 30; ++y)
-        for (int x = 0; x < 40; ++x) reference.Set({x, y}, x % 3, 0.7f * image.Get({y, x % 30}, y % 3));
+    ForEachPixel(image, [&](Point2i p) { reference.Set(p, p.x % 3, 0.7f * image.Get({p.y, p.x % 30}, p.y % 3)); });
     const double error = ImageError(image, reference, Metric::RelL2), trimmed = TrimmedRelL2(image, reference);
     EXPECT_GT(trimmed, 0.01);
     for (const Float exposure : {1e-12f, 0.01f, 100.f, 1e12f}) {
         auto exposed = [&](Image i) {
-            for (int y = 0; y < 30; ++y)
-                for (int x = 0; x < 40; ++x)
-                    for (int c = 0; c < 3; ++c) i.Set({x, y}, c, i.Get({x, y}, c) * exposure);
+            ForEachPixel(i, [&](Point2i p) {
+                for (int c = 0; c < 3; ++c) i.Set(p, c, i.Get(p, c) * exposure);
+            });
             return i;
         };
         EXPECT_NEAR(ImageError(exposed(image), exposed(reference), Metric::RelL2) / error, 1, 1e-5) << exposure;
@@ -78,20 +69,19 @@ TEST(ImageError, RelL2DoesNotDependOnTheExposure) {
 }
 
 TEST(ImageError, EpsilonOfRelL2IsRelativeToTheMeanOfTheReference) {
-    const Image image = Values({11, 20}), reference = Values({10, -30});  // mean magnitude 20: epsilon 4
+    const Image image = Row({11, 20}), reference = Row({10, -30});  // mean magnitude 20: epsilon 4
     EXPECT_NEAR(ImageError(image, reference, Metric::RelL2), (1 / 104. + 2500 / 904.) / 2, 1e-12);
     EXPECT_NEAR(ImageError(image, reference, Metric::RelL2Abs), (1 / 100.01 + 2500 / 900.01) / 2, 1e-12);
     EXPECT_NEAR(TrimmedRelL2(image, reference, 0.1, Metric::RelL2Abs), 1 / 100.01, 1e-12);
     // A black reference has no scale.
-    EXPECT_NEAR(ImageError(Values({0.5f, 0}), Values({0, 0}), Metric::RelL2), 0.25 / 0.01 / 2, 1e-12);
-    EXPECT_EQ(ImageError(Values({0, 0}), Values({0, 0}), Metric::RelL2), 0);
-    EXPECT_NEAR(ImageError(Values({3, 1}), Values({2, NAN}), Metric::RelL2), 1 / 4.04, 1e-12);
+    EXPECT_NEAR(ImageError(Row({0.5f, 0}), Row({0, 0}), Metric::RelL2), 0.25 / 0.01 / 2, 1e-12);
+    EXPECT_EQ(ImageError(Row({0, 0}), Row({0, 0}), Metric::RelL2), 0);
+    EXPECT_NEAR(ImageError(Row({3, 1}), Row({2, NAN}), Metric::RelL2), 1 / 4.04, 1e-12);
 }
 
 TEST(TrimmedRelL2, LeavesOutTheWorstPixelsAsAWhole) {
-    Image reference(PixelFormat::Float, {50, 50}, {"R", "G", "B"}), image = reference;
-    for (int y = 0; y < 50; ++y)
-        for (int x = 0; x < 50; ++x) image.Set({x, y}, 1, 0.1f);
+    Image reference(PixelFormat::Float, {50, 50}, kRgb), image = reference;
+    Fill(image, 1, 0.1f);
     const double everywhere = ImageError(image, reference, Metric::RelL2);
     EXPECT_NEAR(TrimmedRelL2(image, reference), everywhere, 1e-12);
     // 0.1 % of 2500 pixels is 3 pixels, rounded up.
@@ -104,8 +94,8 @@ TEST(TrimmedRelL2, LeavesOutTheWorstPixelsAsAWhole) {
 }
 
 TEST(TrimmedRelL2, SkipsWhatIsNotFinite) {
-    EXPECT_NEAR(TrimmedRelL2(Values({NAN, 1, 2, 9}), Values({0, 0, 0, 0}), 0.1), (100 + 400) / 2.0, 1e-9);
-    EXPECT_EQ(TrimmedRelL2(Values({1}), Values({0})), 0);
+    EXPECT_NEAR(TrimmedRelL2(Row({NAN, 1, 2, 9}), Row({0, 0, 0, 0}), 0.1), (100 + 400) / 2.0, 1e-9);
+    EXPECT_EQ(TrimmedRelL2(Row({1}), Row({0})), 0);
 }
 
 TEST(ImageError, KnowsTheNamesOfTheFormat) {
@@ -113,7 +103,7 @@ TEST(ImageError, KnowsTheNamesOfTheFormat) {
     for (size_t i = 0; i < std::size(names); ++i) EXPECT_EQ(ParseMetric(names[i]), kMetrics[i]) << names[i];
     EXPECT_FALSE(ParseMetric("mse"));
     EXPECT_EQ(MetricNames().size(), std::size(kMetrics));
-    for (Metric metric : kMetrics) EXPECT_EQ(ParseMetric(MetricNames()[static_cast<size_t>(metric)]), metric);
+    for (Metric metric : kMetrics) EXPECT_EQ(ParseMetric(MetricNames()[size_t(metric)]), metric);
 }
 
-}  // namespace pbrt
+}  // namespace pbrt::test

@@ -4,12 +4,8 @@
 #include <random>
 
 #include "image_fixtures.h"
-#include "pbrt/core/error.h"
 
-namespace pbrt {
-
-using test::ExpectSamePixels;
-using test::NoiseImage;
+namespace pbrt::test {
 
 namespace {
 
@@ -23,7 +19,7 @@ double SlowBilinear(const Image &image, Point2 st, int channel, WrapMode wrap) {
     double sum = 0;
     for (int dy = -1; dy <= 2; ++dy)
         for (int dx = -1; dx <= 2; ++dx) {
-            const int px = static_cast<int>(std::floor(x)) + dx, py = static_cast<int>(std::floor(y)) + dy;
+            const int px = int(std::floor(x)) + dx, py = int(std::floor(y)) + dy;
             const double w = std::max(0.0, 1 - std::abs(x - px)) * std::max(0.0, 1 - std::abs(y - py));
             if (w > 0) sum += w * double(image.Get({px, py}, channel, wrap));
         }
@@ -38,10 +34,10 @@ double SlowEllipse(const Image &image, Point2 st, Vector2 axis0, Vector2 axis1, 
     const double ux = double(axis0.x) * w, uy = double(axis0.y) * h, vx = double(axis1.x) * w, vy = double(axis1.y) * h;
     const double xx = ux * ux + vx * vx + 1, xy = ux * uy + vx * vy, yy = uy * uy + vy * vy + 1;
     const double det = xx * yy - xy * xy;
-    const int reach = static_cast<int>(std::sqrt(std::max(xx, yy))) + 2;
+    const int reach = int(std::sqrt(std::max(xx, yy))) + 2;
     double sum = 0, weights = 0;
-    for (int y = static_cast<int>(std::floor(cy)) - reach; y <= cy + reach; ++y)
-        for (int x = static_cast<int>(std::floor(cx)) - reach; x <= cx + reach; ++x) {
+    for (int y = int(std::floor(cy)) - reach; y <= cy + reach; ++y)
+        for (int x = int(std::floor(cx)) - reach; x <= cx + reach; ++x) {
             const double dx = x - cx, dy = y - cy;
             const double q = (yy * dx * dx - 2 * xy * dx * dy + xx * dy * dy) / det;
             if (q >= 1) continue;
@@ -59,7 +55,7 @@ struct Query {
 
 std::vector<Query> RandomQueries(int count, double smallest, double largest) {
     std::mt19937 rng(7);
-    auto uniform = [&](double a, double b) { return a + (b - a) * (static_cast<double>(rng()) / 4294967296.0); };
+    auto uniform = [&](double a, double b) { return a + (b - a) * (double(rng()) / 4294967296.0); };
     std::vector<Query> queries;
     for (int i = 0; i < count; ++i) {
         auto axis = [&] {
@@ -72,36 +68,46 @@ std::vector<Query> RandomQueries(int count, double smallest, double largest) {
     return queries;
 }
 
-Float Component(const Vector2 &a, const Vector2 &b) {
-    return std::max({std::abs(a.x), std::abs(a.y), std::abs(b.x), std::abs(b.y)});
+/// The level of bilinear and trilinear lookups: 0 is the finest; fractions, and below 0.
+double LevelFor(const MipMap &map, const Query &q) {
+    const Vector2 a = glm::abs(q.dst0), b = glm::abs(q.dst1);
+    return map.Levels() - 1 + std::log2(2 * double(std::max({a.x, a.y, b.x, b.y})));
+}
+
+/// The tent of the level below a fractional one.
+double SlowLevel(const MipMap &map, double level, Point2 st, int channel, WrapMode wrap) {
+    if (level >= map.Levels() - 1) return double(map.Level(map.Levels() - 1).Get({0, 0}, channel));
+    return SlowBilinear(map.Level(std::max(0, int(std::floor(level)))), st, channel, wrap);
+}
+
+MipMap MapOf(const Image &image, TextureFilter filter, WrapMode wrap = WrapMode::Repeat, Float anisotropy = 8) {
+    return {image, nullptr, filter, wrap, anisotropy};
 }
 
 }  // namespace
 
 TEST(Pyramid, LevelsAreMeansOfTheirSquares) {
     for (Point2i size : {Point2i(16, 16), Point2i(8, 32), Point2i(64, 1), Point2i(1, 4), Point2i(1, 1)}) {
-        const Image image = NoiseImage(PixelFormat::Float, size, {"R", "G", "B"});
+        const Image image = NoiseImage(PixelFormat::Float, size, kRgb);
         const std::vector<Image> levels = BuildPyramid(image, WrapMode::Repeat);
-        ASSERT_EQ(levels.size(), 1 + static_cast<size_t>(std::log2(std::max(size.x, size.y))));
+        ASSERT_EQ(levels.size(), 1 + size_t(std::log2(std::max(size.x, size.y))));
         ExpectSamePixels(levels[0], image);
         for (size_t level = 1; level < levels.size(); ++level) {
             const Point2i coarse = levels[level].Resolution(), block = size / coarse;
             EXPECT_EQ(coarse, glm::max(Point2i(1), Point2i(size.x >> level, size.y >> level)));
-            for (int y = 0; y < coarse.y; ++y)
-                for (int x = 0; x < coarse.x; ++x) {
-                    double sum = 0;
-                    for (int v = 0; v < block.y; ++v)
-                        for (int u = 0; u < block.x; ++u)
-                            sum += double(image.Get({x * block.x + u, y * block.y + v}, 1));
-                    ASSERT_NEAR(levels[level].Get({x, y}, 1), sum / (block.x * block.y), 1e-6);
-                }
+            ForEachPixel(levels[level], [&](Point2i p) {
+                double sum = 0;
+                for (int v = 0; v < block.y; ++v)
+                    for (int u = 0; u < block.x; ++u) sum += double(image.Get(p * block + Point2i(u, v), 1));
+                ASSERT_NEAR(levels[level].Get(p, 1), sum / (block.x * block.y), 1e-6);
+            });
         }
         EXPECT_EQ(levels.back().Resolution(), Point2i(1));
     }
 }
 
 TEST(Pyramid, KeepsFormatAndEncodingInEveryLevel) {
-    for (PixelFormat format : {PixelFormat::U8, PixelFormat::Half, PixelFormat::Float})
+    for (PixelFormat format : kFormats)
         for (Point2i size : {Point2i(16, 8), Point2i(11, 5)}) {
             const ColorEncoding encoding = *ColorEncoding::Parse("gamma 1.8");
             for (const Image &level : BuildPyramid(NoiseImage(format, size, {"Y"}, 0, 1, encoding), WrapMode::Clamp)) {
@@ -117,12 +123,10 @@ TEST(Pyramid, EnlargesOtherSizesToPowersOfTwo) {
     EXPECT_EQ(levels.size(), 7u);
     // A constant image stays constant, even at its edges.
     Image flat(PixelFormat::Float, {5, 7}, {"Y"});
-    for (int y = 0; y < 7; ++y)
-        for (int x = 0; x < 5; ++x) flat.Set({x, y}, 0, 0.3f);
+    Fill(flat, 0, 0.3f);
     for (WrapMode wrap : {WrapMode::Repeat, WrapMode::Clamp, WrapMode::OctahedralSphere}) {
         const Image enlarged = BuildPyramid(flat, wrap)[0];
-        for (int y = 0; y < 8; ++y)
-            for (int x = 0; x < 8; ++x) EXPECT_NEAR(enlarged.Get({x, y}, 0), 0.3f, 1e-6f);
+        ForEachPixel(enlarged, [&](Point2i p) { EXPECT_NEAR(enlarged.Get(p, 0), 0.3f, 1e-6f); });
     }
 }
 
@@ -133,46 +137,37 @@ TEST(Pyramid, EnlargingIsTheLanczosSum) {
     for (WrapMode wrap : AllWraps) {
         const Image enlarged = BuildPyramid(image, wrap)[0];
         ASSERT_EQ(enlarged.Resolution(), Point2i(8, 4));
-        for (int y = 0; y < 4; ++y)
-            for (int x = 0; x < 8; ++x) {
-                const double center = (x + 0.5) * 6 / 8;
-                double sum = 0, weights = 0;
-                for (int i = -4; i < 12; ++i) {
-                    sum += lanczos(i + 0.5 - center) * double(image.Get({i, y}, 0, wrap));
-                    weights += lanczos(i + 0.5 - center);
-                }
-                EXPECT_NEAR(enlarged.Get({x, y}, 0), std::max(0.0, sum / weights), 2e-5) << x << " " << y;
+        ForEachPixel(enlarged, [&](Point2i p) {
+            const double center = (p.x + 0.5) * 6 / 8;
+            double sum = 0, weights = 0;
+            for (int i = -4; i < 12; ++i) {
+                sum += lanczos(i + 0.5 - center) * double(image.Get({i, p.y}, 0, wrap));
+                weights += lanczos(i + 0.5 - center);
             }
+            EXPECT_NEAR(enlarged.Get(p, 0), std::max(0.0, sum / weights), 2e-5) << p.x << " " << p.y;
+        });
     }
 }
 
 TEST(MipMap, BilinearIsTheTentOfTheLevelForTheFootprint) {
-    for (PixelFormat format : {PixelFormat::U8, PixelFormat::Half, PixelFormat::Float})
+    for (PixelFormat format : kFormats)
         for (WrapMode wrap : AllWraps) {
-            const MipMap map(NoiseImage(format, {32, 16}, {"R", "G", "B"}), nullptr, TextureFilter::Bilinear, wrap, 8);
+            const MipMap map = MapOf(NoiseImage(format, {32, 16}, kRgb), TextureFilter::Bilinear, wrap);
             for (const Query &q : RandomQueries(300, 0.002, 0.4)) {
-                const double level = map.Levels() - 1 + std::log2(2 * double(Component(q.dst0, q.dst1)));
                 const Rgb got = map.LookupRgb(q.st, q.dst0, q.dst1);
-                for (int c = 0; c < 3; ++c) {
-                    const double expected =
-                        level >= map.Levels() - 1
-                            ? double(map.Level(map.Levels() - 1).Get({0, 0}, c))
-                            : SlowBilinear(map.Level(std::max(0, int(std::floor(level)))), q.st, c, wrap);
-                    ASSERT_NEAR(got[c], expected, 1e-5);
-                }
+                for (int c = 0; c < 3; ++c) ASSERT_NEAR(got[c], SlowLevel(map, LevelFor(map, q), q.st, c, wrap), 1e-5);
             }
         }
 }
 
 TEST(MipMap, PointTakesTheNearestTexelOfTheLevel) {
-    const MipMap map(NoiseImage(PixelFormat::Float, {32, 16}, {"R", "G", "B"}), nullptr, TextureFilter::Point,
-                     WrapMode::Repeat, 8);
+    const MipMap map = MapOf(NoiseImage(PixelFormat::Float, {32, 16}, kRgb), TextureFilter::Point);
     for (const Query &q : RandomQueries(300, 0.002, 0.3)) {
-        const double level = map.Levels() - 1 + std::log2(2 * double(Component(q.dst0, q.dst1)));
+        const double level = LevelFor(map, q);
         if (level >= map.Levels() - 1) continue;
         const Image &image = map.Level(std::max(0, int(std::floor(level))));
-        const Point2i p(static_cast<int>(std::floor(q.st.x * static_cast<Float>(image.Resolution().x))),
-                        static_cast<int>(std::floor(q.st.y * static_cast<Float>(image.Resolution().y))));
+        const Point2i p(int(std::floor(q.st.x * Float(image.Resolution().x))),
+                        int(std::floor(q.st.y * Float(image.Resolution().y))));
         for (int c = 0; c < 3; ++c)
             EXPECT_EQ(map.LookupRgb(q.st, q.dst0, q.dst1)[c], image.Get(p, c, WrapMode::Repeat));
     }
@@ -180,24 +175,14 @@ TEST(MipMap, PointTakesTheNearestTexelOfTheLevel) {
 
 TEST(MipMap, TrilinearBlendsTwoLevelsAboveTheFinest) {
     for (PixelFormat format : {PixelFormat::U8, PixelFormat::Float}) {
-        const MipMap map(NoiseImage(format, {64, 64}, {"R", "G", "B"}), nullptr, TextureFilter::Trilinear,
-                         WrapMode::Clamp, 8);
+        const MipMap map = MapOf(NoiseImage(format, {64, 64}, kRgb), TextureFilter::Trilinear, WrapMode::Clamp);
         int blended = 0;
         for (const Query &q : RandomQueries(400, 0.001, 0.4)) {
-            const double level = map.Levels() - 1 + std::log2(2 * double(Component(q.dst0, q.dst1)));
-            const int whole = int(std::floor(level));
+            const double level = LevelFor(map, q), t = level < 1 ? 0 : level - std::floor(level);
+            blended += t > 0 && level < map.Levels() - 1;
             for (int c = 0; c < 3; ++c) {
-                double expected;
-                if (level >= map.Levels() - 1) {
-                    expected = double(map.Level(map.Levels() - 1).Get({0, 0}, c));
-                } else if (level < 1) {
-                    expected = SlowBilinear(map.Level(0), q.st, c, WrapMode::Clamp);
-                } else {
-                    const double t = level - whole;
-                    expected = (1 - t) * SlowBilinear(map.Level(whole), q.st, c, WrapMode::Clamp) +
-                               t * SlowBilinear(map.Level(whole + 1), q.st, c, WrapMode::Clamp);
-                    ++blended;
-                }
+                const auto at = [&](double l) { return SlowLevel(map, l, q.st, c, WrapMode::Clamp); };
+                const double expected = level < 1 ? at(0) : (1 - t) * at(level) + t * at(level + 1);
                 ASSERT_NEAR(map.LookupRgb(q.st, q.dst0, q.dst1)[c], expected, 2e-5);
             }
         }
@@ -208,8 +193,7 @@ TEST(MipMap, TrilinearBlendsTwoLevelsAboveTheFinest) {
 TEST(MipMap, EwaIsTheGaussianMeanOverTheEllipse) {
     constexpr Float anisotropy = 5;
     for (WrapMode wrap : AllWraps) {
-        const MipMap map(NoiseImage(PixelFormat::Float, {64, 32}, {"R", "G", "B"}), nullptr, TextureFilter::Ewa, wrap,
-                         anisotropy);
+        const MipMap map = MapOf(NoiseImage(PixelFormat::Float, {64, 32}, kRgb), TextureFilter::Ewa, wrap, anisotropy);
         int between = 0;
         for (const Query &q : RandomQueries(200, 0.003, 0.5)) {
             Vector2 major = q.dst0, minor = q.dst1;
@@ -217,7 +201,7 @@ TEST(MipMap, EwaIsTheGaussianMeanOverTheEllipse) {
             double shorter = double(glm::length(minor));
             const double least = double(glm::length(major)) / double(anisotropy);
             if (shorter < least) {
-                minor *= static_cast<Float>(least / shorter);
+                minor *= Float(least / shorter);
                 shorter = least;
             }
             const double level = std::max(0.0, map.Levels() - 1 + std::log2(shorter));
@@ -236,8 +220,7 @@ TEST(MipMap, EwaIsTheGaussianMeanOverTheEllipse) {
 }
 
 TEST(MipMap, EwaWithoutWidthIsBilinear) {
-    const MipMap map(NoiseImage(PixelFormat::Float, {32, 32}, {"R", "G", "B"}), nullptr, TextureFilter::Ewa,
-                     WrapMode::Repeat, 8);
+    const MipMap map = MapOf(NoiseImage(PixelFormat::Float, {32, 32}, kRgb), TextureFilter::Ewa);
     for (const Query &q : RandomQueries(50, 0.01, 0.1)) {
         const double expected = SlowBilinear(map.Level(0), q.st, 0, WrapMode::Repeat);
         EXPECT_NEAR(map.LookupRgb(q.st, q.dst0, {0, 0}).x, expected, 1e-5);
@@ -246,16 +229,14 @@ TEST(MipMap, EwaWithoutWidthIsBilinear) {
 }
 
 TEST(MipMap, FiltersKeepConstantImages) {
-    Image flat(PixelFormat::Float, {32, 16}, {"R", "G", "B"});
-    for (int y = 0; y < 16; ++y)
-        for (int x = 0; x < 32; ++x)
-            for (int c = 0; c < 3; ++c) flat.Set({x, y}, c, 0.25f * static_cast<Float>(c + 1));
+    Image flat(PixelFormat::Float, {32, 16}, kRgb);
+    for (int c = 0; c < 3; ++c) Fill(flat, c, 0.25f * Float(c + 1));
     for (TextureFilter filter : AllFilters)
         for (WrapMode wrap : {WrapMode::Repeat, WrapMode::Clamp, WrapMode::OctahedralSphere}) {
-            const MipMap map(flat, nullptr, filter, wrap, 8);
+            const MipMap map = MapOf(flat, filter, wrap);
             for (const Query &q : RandomQueries(100, 1e-4, 10)) {
                 const Rgb got = map.LookupRgb(q.st, q.dst0, q.dst1);
-                for (int c = 0; c < 3; ++c) ASSERT_NEAR(got[c], 0.25f * static_cast<Float>(c + 1), 1e-5f);
+                for (int c = 0; c < 3; ++c) ASSERT_NEAR(got[c], 0.25f * Float(c + 1), 1e-5f);
             }
         }
 }
@@ -264,11 +245,11 @@ TEST(MipMap, FloatLookupsFollowTheChannelRules) {
     const Point2 st(0.3f, 0.6f);
     const Vector2 a(0.02f, 0), b(0, 0.02f), none(0, 0), wide(2, 0);
     auto lookup = [&](const Image &image, TextureFilter filter, Vector2 d0, Vector2 d1) {
-        return MipMap(image, nullptr, filter, WrapMode::Repeat, 8).LookupFloat(st, d0, d1);
+        return MapOf(image, filter).LookupFloat(st, d0, d1);
     };
     const Image grey = NoiseImage(PixelFormat::Float, {16, 16}, {"Y"});
-    const Image rgb = NoiseImage(PixelFormat::Float, {16, 16}, {"R", "G", "B"});
-    const Image rgba = NoiseImage(PixelFormat::Float, {16, 16}, {"R", "G", "B", "A"});
+    const Image rgb = NoiseImage(PixelFormat::Float, {16, 16}, kRgb);
+    const Image rgba = NoiseImage(PixelFormat::Float, {16, 16}, kRgba);
     for (TextureFilter filter : {TextureFilter::Bilinear, TextureFilter::Trilinear}) {
         EXPECT_EQ(lookup(rgba, filter, a, b), lookup(rgba.Extract({"A"}), filter, a, b));
         EXPECT_NEAR(lookup(rgb, filter, a, b),
@@ -284,31 +265,28 @@ TEST(MipMap, FloatLookupsFollowTheChannelRules) {
         EXPECT_EQ(lookup(rgb, filter, a, b), lookup(rgb.Extract({"R"}), filter, a, b));
     }
     EXPECT_EQ(lookup(rgba, TextureFilter::Ewa, a, none), lookup(rgba.Extract({"A"}), TextureFilter::Ewa, a, none));
-    const MipMap map(grey, nullptr, TextureFilter::Bilinear, WrapMode::Repeat, 8);
+    const MipMap map = MapOf(grey, TextureFilter::Bilinear);
     EXPECT_EQ(map.LookupRgb(st, a, b), Rgb(map.LookupFloat(st, a, b)));
 }
 
 TEST(MipMap, KeepsAlphaOnlyIfItIsNotOneEverywhere) {
-    Image image = NoiseImage(PixelFormat::U8, {8, 8}, {"R", "G", "B", "A"});
-    EXPECT_TRUE(MipMap(image, nullptr, TextureFilter::Bilinear, WrapMode::Repeat, 8).HasAlpha());
-    for (int y = 0; y < 8; ++y)
-        for (int x = 0; x < 8; ++x) image.Set({x, y}, 3, 1);
-    EXPECT_FALSE(MipMap(image, nullptr, TextureFilter::Bilinear, WrapMode::Repeat, 8).HasAlpha());
+    Image image = NoiseImage(PixelFormat::U8, {8, 8}, kRgba);
+    EXPECT_TRUE(MapOf(image, TextureFilter::Bilinear).HasAlpha());
+    Fill(image, 3, 1);
+    EXPECT_FALSE(MapOf(image, TextureFilter::Bilinear).HasAlpha());
     // The channels of an EXR file come in any order, with others between them.
     const Image exr = NoiseImage(PixelFormat::Half, {8, 8}, {"B", "depth", "G", "R"});
     const MipMap map(exr, ColorSpace::Find("rec2020"), TextureFilter::Bilinear, WrapMode::Repeat, 8);
-    EXPECT_EQ(map.Level(0).Channels(), (std::vector<std::string>{"R", "G", "B"}));
+    EXPECT_EQ(map.Level(0).Channels(), kRgb);
     EXPECT_EQ(&map.Space(), ColorSpace::Find("rec2020"));
-    EXPECT_THROW(MipMap(NoiseImage(PixelFormat::Half, {8, 8}, {"u", "v"}), nullptr, TextureFilter::Bilinear,
-                        WrapMode::Repeat, 8),
-                 UserError);
+    EXPECT_THROW(MapOf(NoiseImage(PixelFormat::Half, {8, 8}, {"u", "v"}), TextureFilter::Bilinear), UserError);
 }
 
 TEST(MipMap, StrangeFootprintsAndPositionsStayFinite) {
     const Float inf = Infinity, nan = std::numeric_limits<Float>::quiet_NaN();
     for (TextureFilter filter : AllFilters)
         for (WrapMode wrap : AllWraps) {
-            const MipMap map(NoiseImage(PixelFormat::U8, {16, 16}, {"R", "G", "B"}), nullptr, filter, wrap, 8);
+            const MipMap map = MapOf(NoiseImage(PixelFormat::U8, {16, 16}, kRgb), filter, wrap);
             for (Vector2 d :
                  {Vector2(0), Vector2(inf, 0), Vector2(nan, nan), Vector2(1e30f, 1e-30f), Vector2(1e-30f, 1e-38f)})
                 for (Point2 st : {Point2(0.5f, 0.5f), Point2(1e8f, -1e8f), Point2(-1e30f, 1e30f)}) {
@@ -318,4 +296,4 @@ TEST(MipMap, StrangeFootprintsAndPositionsStayFinite) {
         }
 }
 
-}  // namespace pbrt
+}  // namespace pbrt::test

@@ -1,7 +1,5 @@
 #include "pbrt/images/tile_cache.h"
 
-#include <unistd.h>
-
 #include <cstring>
 #include <random>
 
@@ -9,10 +7,8 @@
 #include "pbrt/core/parallel.h"
 #include "pbrt/images/mipmap.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
-
-using test::NoiseImage;
 
 size_t FoldersOfThisProcess() {
     size_t count = 0;
@@ -24,23 +20,21 @@ size_t FoldersOfThisProcess() {
 
 TEST(TileCache, TexelsComeBackAsTheyAre) {
     TileCache cache(8);
-    for (PixelFormat format : {PixelFormat::U8, PixelFormat::Half, PixelFormat::Float})
-        for (const std::vector<std::string> &channels :
-             {std::vector<std::string>{"Y"}, {"R", "G", "B"}, {"R", "G", "B", "A"}}) {
+    for (PixelFormat format : kFormats)
+        for (const std::vector<std::string> &channels : {kGrey, kRgb, kRgba}) {
             const std::vector<Image> images = {NoiseImage(format, {150, 70}, channels),
                                                NoiseImage(format, {3, 65}, channels)};
             const auto stored = cache.Store(images);
             TileCache::Stored::Tile tile;
             const size_t texel = images[0].Bytes() / (150 * 70);
             for (size_t i = 0; i < images.size(); ++i)
-                for (int y = 0; y < images[i].Resolution().y; ++y)
-                    for (int x = 0; x < images[i].Resolution().x; ++x) {
-                        const char *expected = static_cast<const char *>(images[i].Data()) +
-                                               static_cast<size_t>(y * images[i].Resolution().x + x) * texel;
-                        if (!tile.Holds(i, x, y)) stored->Get(i, x, y, tile);
-                        ASSERT_TRUE(tile.Holds(i, x, y));
-                        ASSERT_EQ(std::memcmp(tile.Texel(x, y), expected, texel), 0) << i << " " << x << " " << y;
-                    }
+                ForEachPixel(images[i], [&](Point2i p) {
+                    const char *expected = static_cast<const char *>(images[i].Data()) +
+                                           size_t(p.y * images[i].Resolution().x + p.x) * texel;
+                    if (!tile.Holds(i, p.x, p.y)) stored->Get(i, p.x, p.y, tile);
+                    ASSERT_TRUE(tile.Holds(i, p.x, p.y));
+                    ASSERT_EQ(std::memcmp(tile.Texel(p.x, p.y), expected, texel), 0) << i << " " << p.x << " " << p.y;
+                });
         }
 }
 
@@ -56,7 +50,7 @@ TEST(TileCache, ItsFolderGoesWithIt) {
 
 TEST(TileCache, MemoryStaysWithinTheLimit) {
     TileCache cache(4);
-    const Image image = NoiseImage(PixelFormat::Float, {2048, 1024}, {"R", "G", "B"});  // 25 MB
+    const Image image = NoiseImage(PixelFormat::Float, {2048, 1024}, kRgb);  // 25 MB
     const auto stored = cache.Store({image});
     TileCache::Stored::Tile tile;
     for (int y = 0; y < 1024; y += 16)
@@ -69,13 +63,13 @@ TEST(TileCache, MemoryStaysWithinTheLimit) {
 TEST(TileCache, ThreadsForgetTheCacheBefore) {
     for (int i = 0; i < 30; ++i) {
         TileCache cache(1);
-        const Image image = NoiseImage(PixelFormat::Float, {300, 256}, {"R", "G", "B", "A"});
+        const Image image = NoiseImage(PixelFormat::Float, {300, 256}, kRgba);
         const auto stored = cache.Store({image});
         const auto *texels = static_cast<const float *>(image.Data());
         ParallelForEach(4, [&](int64_t part) {
-            std::mt19937 rng(static_cast<unsigned>(part));
+            std::mt19937 rng{unsigned(part)};
             for (int k = 0; k < 300; ++k) {
-                const int x = static_cast<int>(rng() % 300), y = static_cast<int>(rng() % 256);
+                const int x = int(rng() % 300), y = int(rng() % 256);
                 TileCache::Stored::Tile tile;
                 stored->Get(0, x, y, tile);
                 ASSERT_EQ(std::memcmp(tile.Texel(x, y), texels + (y * 300 + x) * 4, 16), 0)
@@ -86,9 +80,8 @@ TEST(TileCache, ThreadsForgetTheCacheBefore) {
 }
 
 TEST(TileCache, LookupsAreTheSameBits) {
-    for (PixelFormat format : {PixelFormat::U8, PixelFormat::Half, PixelFormat::Float})
-        for (const std::vector<std::string> &channels :
-             {std::vector<std::string>{"Y"}, {"R", "G", "B"}, {"R", "G", "B", "A"}})
+    for (PixelFormat format : kFormats)
+        for (const std::vector<std::string> &channels : {kGrey, kRgb, kRgba})
             for (WrapMode wrap : {WrapMode::Repeat, WrapMode::Clamp, WrapMode::OctahedralSphere}) {
                 const Image image = NoiseImage(format, {300, 256}, channels);
                 TileCache tiles(1);
@@ -101,7 +94,7 @@ TEST(TileCache, LookupsAreTheSameBits) {
                      {TextureFilter::Point, TextureFilter::Bilinear, TextureFilter::Trilinear, TextureFilter::Ewa}) {
                     const MipMap a(memory, filter, 4), b(disk, filter, 4);
                     ParallelForEach(2, [&](int64_t part) {
-                        std::mt19937 rng(static_cast<unsigned>(part));
+                        std::mt19937 rng{unsigned(part)};
                         std::uniform_real_distribution<Float> uniform(-0.2f, 1.2f), small(-0.05f, 0.05f);
                         for (int i = 0; i < 60; ++i) {
                             const Point2 st(uniform(rng), uniform(rng));
@@ -115,7 +108,7 @@ TEST(TileCache, LookupsAreTheSameBits) {
 }
 
 TEST(MipMap, OfTheSameImageFiltersAnew) {
-    const Image image = NoiseImage(PixelFormat::U8, {40, 30}, {"R", "G", "B"});
+    const Image image = NoiseImage(PixelFormat::U8, {40, 30}, kRgb);
     const MipMap bilinear(image, nullptr, TextureFilter::Bilinear, WrapMode::Clamp, 8);
     const MipMap derived(bilinear, TextureFilter::Ewa, 3);
     const MipMap fresh(image, nullptr, TextureFilter::Ewa, WrapMode::Clamp, 3);
@@ -125,4 +118,4 @@ TEST(MipMap, OfTheSameImageFiltersAnew) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

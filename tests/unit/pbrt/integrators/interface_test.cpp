@@ -1,17 +1,13 @@
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "support/render_scene.h"
 #include "support/scene_text.h"
 
 namespace pbrt::test {
 namespace {
 
-constexpr const char *kPointLamp = "LightSource 'point' 'rgb I' [9 9 9]\n";
-constexpr const char *kBallLamp =
-    "AreaLightSource 'diffuse' 'rgb L' [5 5 5]\n"
-    "Shape 'sphere' 'float radius' .4\n";
+const std::string kPointLamp = Objects().PointLight("0 0 0", "9 9 9"),
+                  kBallLamp = Objects().AreaLight("5 5 5").Sphere(.4);
 
 const std::string kTetrahedron =
     " 'point3 P' [ -1 -1 -.7  1 -1 -.7  0 1 -.7  0 0 1 ] 'integer indices' [ 0 2 1  0 1 3  1 2 3  2 0 3 ]\n";
@@ -46,7 +42,7 @@ std::string ShellScene(const std::string &integrator, const std::string &lamp, c
 double RenderedMean(const std::string &text) { return ChannelStatistics(RenderText(text).image).mean; }
 
 TEST(Interface, VolpathSeesAsIfTheShellWereNotThere) {
-    for (const char *lamp : {kPointLamp, kBallLamp}) {
+    for (const std::string &lamp : {kPointLamp, kBallLamp}) {
         // The random numbers are the same, so the pictures differ by rounding only.
         auto mean = [&](const std::string &aroundLamp, const std::string &aroundBall) {
             return RenderedMean(ShellScene("volpath", lamp, aroundLamp, aroundBall, 16));

@@ -1,10 +1,6 @@
 // Paths from the lights, and paths from both sides, make the picture that paths from the camera make.
-#include <gtest/gtest.h>
-
-#include "pbrt/core/parallel.h"
 #include "support/errors.h"
 #include "support/light_views.h"
-#include "support/statistics.h"
 
 namespace pbrt::test {
 namespace {
@@ -29,8 +25,7 @@ TEST_P(LightPathViews, BidirectionalPathsAgreeWithPath) {
     CheckMean(view, "bdpt", 0.08);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, LightPathViews, testing::ValuesIn(ViewsOfAllKinds()),
-                         [](const auto &test) { return test.param.name; });
+INSTANTIATE_TEST_SUITE_P(All, LightPathViews, testing::ValuesIn(ViewsOfAllKinds()), testing::PrintToStringParamName());
 
 /// The weights know with which probability any light sampler chooses a light, the octree's learning one and its windows
 /// included.

@@ -1,38 +1,30 @@
 // Metropolis light transport makes the picture that paths from the camera make, whatever its parameters.
-#include <gtest/gtest.h>
-
-#include "pbrt/core/parallel.h"
 #include "pbrt/integrators/mlt_integrator.h"
 #include "support/errors.h"
 #include "support/light_views.h"
-#include "support/statistics.h"
 
 namespace pbrt::test {
 namespace {
 
 TEST(PrimarySampler, HandsOutTheListAndDrawsWhatIsMissing) {
     Rng rng(1), same(1);
-    std::vector<Float> numbers(100, 0.25f);
-    for (size_t i = 0; i < numbers.size(); ++i) numbers[i] = static_cast<Float>(i) / 200;
+    std::vector<Float> numbers(100);
+    for (size_t i = 0; i < numbers.size(); ++i) numbers[i] = Float(i) / 200;
     const std::vector<Float> given = numbers;
     PrimarySampler sampler(numbers, rng);
     sampler.StartPixelSample({0, 0}, 0);
     std::vector<Float> got;
-    for (int i = 0; got.size() < 130; ++i) {
-        if (i % 3 == 0) {
-            got.push_back(sampler.Get1D());
-        } else {
-            const Point2 p = sampler.Get2D();
-            got.push_back(p.x);
-            got.push_back(p.y);
-        }
+    while (got.size() < 130) {
+        const Float one = sampler.Get1D();
+        const Point2 two = sampler.Get2D(), next = sampler.Get2D();
+        got.insert(got.end(), {one, two.x, two.y, next.x, next.y});
     }
     ASSERT_GE(numbers.size(), got.size());
     for (size_t i = 0; i < got.size(); ++i) EXPECT_EQ(got[i], i < given.size() ? given[i] : same.Uniform()) << i;
 
     PrimarySampler again(numbers, rng);
     again.StartPixelSample({0, 0}, 0);
-    for (int i = 0; i < 20; ++i) EXPECT_EQ(again.Get1D(), got[static_cast<size_t>(i)]);
+    for (int i = 0; i < 20; ++i) EXPECT_EQ(again.Get1D(), got[i]);
     again.DropUnused();
     EXPECT_GE(numbers.size(), 20u);
     EXPECT_LT(numbers.size(), 40u);
@@ -51,7 +43,7 @@ TEST(PrimarySampler, StepsAreNormalAndKeepNumbersEven) {
     for (size_t i = 0; i < to.size(); ++i) {
         ASSERT_GE(to[i], 0);
         ASSERT_LT(to[i], 1);
-        ++cells[static_cast<size_t>(to[i] * 20)];
+        ++cells[size_t(to[i] * 20)];
         double step = double(to[i] - from[i]);
         step = (step - std::round(step)) / double(kSigma);
         first += step / kCount;
@@ -83,7 +75,7 @@ INSTANTIATE_TEST_SUITE_P(All, MltViews,
                                                        "PointSpotAndDistant", "Coat", "SmoothGlass", "SkyAndGlass",
                                                        "DenseAndColored", "Grid", "CameraInside", "Dispersion",
                                                        "Glow"})),
-                         [](const auto &test) { return test.param.name; });
+                         testing::PrintToStringParamName());
 
 /// Small bootstraps know the brightness badly, one by one; their mean is exact for every choice of parameters.
 TEST(Mlt, ParametersDoNotChangeTheMean) {

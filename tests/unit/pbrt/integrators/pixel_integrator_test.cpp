@@ -7,11 +7,9 @@
 #include <set>
 
 #include "pbrt/core/counters.h"
-#include "pbrt/core/parallel.h"
 #include "pbrt/integrators/render_loop.h"
 #include "support/build_text.h"
 #include "support/light_views.h"
-#include "support/render_scene.h"
 
 namespace pbrt::test {
 namespace {
@@ -34,15 +32,12 @@ std::string TexturedScene(const std::string &film, const std::string &integrator
 
 struct Seen {
     Image image;
-    uint64_t rays = 0;
+    uint64_t rays;
 };
 
 Seen Render(const std::string &film, const std::string &integrator, int maxDepth = 3) {
     ResetCounters();
-    Seen seen;
-    seen.image = RenderText(TexturedScene(film, integrator, maxDepth)).image;
-    seen.rays = SumCounters().closestHitRays;
-    return seen;
+    return {RenderText(TexturedScene(film, integrator, maxDepth)).image, SumCounters().closestHitRays};
 }
 
 const std::vector<std::string> kIntegrators = {"path", "volpath", "simplepath", "randomwalk", "ambientocclusion"};
@@ -63,12 +58,11 @@ double AlbedoBehindLens(const std::string &film, int aperture) {
             .image;
     double sum = 0;
     int count = 0;
-    for (int y = 0; y < 16; ++y)
-        for (int x = 0; x < 16; ++x)
-            if (const Float albedo = image.Get({x, y}, image.FindChannel("Albedo.G")); albedo > 0) {
-                sum += double(albedo);
-                ++count;
-            }
+    ForEachPixel(image, [&](Point2i p) {
+        const Float albedo = image.Get(p, image.FindChannel("Albedo.G"));
+        sum += double(albedo);
+        count += albedo > 0;
+    });
     EXPECT_GT(count, 200);
     return sum / count;
 }
@@ -84,14 +78,12 @@ TEST(VisibleSurface, EveryIntegratorSeesTheSame) {
         for (int maxDepth : {0, 3}) {
             const Image image = Render("gbuffer", integrator, maxDepth).image;
             int seen = 0;
-            for (int y = 0; y < image.Resolution().y; ++y)
-                for (int x = 0; x < image.Resolution().x; ++x)
-                    for (int c = 3; c < image.ChannelCount(); ++c) {
-                        if (image.Channels()[static_cast<size_t>(c)].find("Variance") != std::string::npos) continue;
-                        ASSERT_EQ(image.Get({x, y}, c), expected.Get({x, y}, c))
-                            << integrator << " " << maxDepth << " " << image.Channels()[static_cast<size_t>(c)];
-                        seen += image.Get({x, y}, c) != 0;
-                    }
+            ForEachValue(image, [&](Point2i p, int c) {
+                const std::string &channel = image.Channels()[c];
+                if (c < 3 || channel.find("Variance") != std::string::npos) return;
+                ASSERT_EQ(image.Get(p, c), expected.Get(p, c)) << integrator << " " << maxDepth << " " << channel;
+                seen += image.Get(p, c) != 0;
+            });
             EXPECT_GT(seen, 2000) << integrator;
         }
 }
@@ -100,9 +92,7 @@ TEST(VisibleSurface, AskingForItTracesNothingAndLeavesTheRadianceAlone) {
     for (const std::string &integrator : kIntegrators) {
         const Seen a = Render("gbuffer", integrator), b = Render("rgb", integrator);
         EXPECT_EQ(a.rays, b.rays) << integrator;
-        for (int y = 0; y < b.image.Resolution().y; ++y)
-            for (int x = 0; x < b.image.Resolution().x; ++x)
-                for (int c = 0; c < 3; ++c) ASSERT_EQ(a.image.Get({x, y}, c), b.image.Get({x, y}, c)) << integrator;
+        ForEachValue(b.image, [&](Point2i p, int c) { ASSERT_EQ(a.image.Get(p, c), b.image.Get(p, c)) << integrator; });
     }
 }
 

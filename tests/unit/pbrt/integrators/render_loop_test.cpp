@@ -1,24 +1,17 @@
 // Tests the wave loop with an integrator that only records what it is asked for.
 #include "pbrt/integrators/wave_renderer.h"
 
-#include <gtest/gtest.h>
-#include <unistd.h>
-
 #include <csignal>
 #include <set>
-#include <sstream>
-#include <thread>
 
 #include "pbrt/core/online_model.h"
-#include "pbrt/core/parallel.h"
-#include "pbrt/integrators/integrator.h"
-#include "pbrt/math/transform.h"
 #include "support/errors.h"
 #include "support/folder_test.h"
-#include "support/param.h"
 #include "support/small_files.h"
 #include "support/team_on_threads.h"
+#include "support/temporary_image.h"
 #include "support/wait.h"
+#include "unit/pbrt/films/film_fixtures.h"
 
 namespace pbrt::test {
 namespace {
@@ -101,38 +94,24 @@ class Recorder final : public Integrator {
     double secondsPerSample = 0;
 };
 
-/// Of a film.
-ParamSet Resolution(int size) {
-    ParamSet params("Film", {});
-    params.Add(IntParam("xresolution", size));
-    params.Add(IntParam("yresolution", size));
-    return params;
-}
-
 class RenderLoop : public test::FolderTest {
   protected:
     RenderLoop() {
         DiagnosticSink sink;
-        FilmContext context{.outputSpace = ColorSpace::SRGB()};
-        context.overrides.fullFloat = true;
-        film_ = MakeFilm("rgb", Resolution(1), context, sink);
         filter_ = Filters().Make("box", ParamSet(), FilterContext{sink});
         camera_ = Cameras().Make("orthographic", ParamSet(), CameraContext{Transform(), {}, 35, {}, sink});
     }
-    WaveRenderer Renderer() {
-        return WaveRenderer({integrator_, *camera_, *filter_, *film_, sampler_, progress_}, settings_);
+    RenderContext ContextOf(Integrator &integrator, Film &film, Team &team = Team::Alone()) {
+        return {integrator, *camera_, *filter_, film, sampler_, progress_, team};
     }
-    RenderResult Run() {
-        return RenderWaves({integrator_, *camera_, *filter_, *film_, sampler_, progress_}, settings_);
-    }
+    RenderContext Context() { return ContextOf(integrator_, *film_); }
+    RenderResult Run() { return RenderWaves(Context(), settings_); }
     std::string WriteReference(int size, Float value) const {
-        Image image(PixelFormat::Float, {size, size}, {"R", "G", "B"}, ColorEncoding{ColorEncoding::Kind::Linear});
-        for (int i = 0; i < 3 * size * size; ++i) image.Set({i / 3 % size, i / 3 / size}, i % 3, value);
-        WriteImage(Path("reference.exr"), image);
+        WriteImage(Path("reference.exr"), RgbImage({size, size}, [&](int, int) { return Rgb(value); }));
         return Path("reference.exr");
     }
 
-    std::unique_ptr<Film> film_;
+    const std::unique_ptr<Film> film_ = MakeFullFloat("rgb", FilmSize(1, 1));
     std::unique_ptr<Filter> filter_;
     std::unique_ptr<Camera> camera_;
     Recorder integrator_;
@@ -154,8 +133,7 @@ TEST(SamplePlan, IsRoundedToFourStepsAnOctave) {
 TEST_F(RenderLoop, SecondsPerSampleAreMeasuredOnAScratchFilm) {
     integrator_.secondsPerSample = 0.02;
     settings_.timeBudget = 5;
-    const double measured =
-        MeasureSecondsPerSample({integrator_, *camera_, *filter_, *film_, sampler_, progress_}, settings_, 5);
+    const double measured = MeasureSecondsPerSample(Context(), settings_, 5);
     EXPECT_GE(measured, 0.02);
     EXPECT_LT(measured, 0.1);
     // 1 + 1 + 2 + 4: until 0.1 s are over.
@@ -180,13 +158,10 @@ class Sleeper final : public Integrator {
 };
 
 TEST_F(RenderLoop, TheMeasurementStopsInTheMiddleOfALongSample) {
-    DiagnosticSink sink;
-    const std::unique_ptr<Film> film =
-        MakeFilm("rgb", Resolution(32), FilmContext{.outputSpace = ColorSpace::SRGB()}, sink);
+    const std::unique_ptr<Film> film = MakeFullFloat("rgb", FilmSize(32, 32));
     Sleeper sleeper;
     const auto start = std::chrono::steady_clock::now();
-    const double measured =
-        MeasureSecondsPerSample({sleeper, *camera_, *filter_, *film, sampler_, progress_}, settings_, 1);
+    const double measured = MeasureSecondsPerSample(ContextOf(sleeper, *film), settings_, 1);
     const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     EXPECT_LT(spent, 0.5);
     EXPECT_GT(measured, 1);
@@ -208,7 +183,7 @@ TEST_F(RenderLoop, WavesDoubleUpToTheLargest) {
 
 TEST_F(RenderLoop, NoPassCrossesTheEndOfABatch) {
     settings_.samplesPerPixel = 4;
-    WaveRenderer renderer = Renderer();
+    WaveRenderer renderer(Context(), settings_);
     std::vector<int> taken;
     for (int i = 0; i < 4; ++i) taken.push_back(renderer.Render(3));
     EXPECT_EQ(taken, (std::vector<int>{3, 1, 3, 1}));
@@ -229,7 +204,7 @@ TEST_F(RenderLoop, LearningHappensAfterTheSamplesThatTheLearnerNames) {
 TEST_F(RenderLoop, LearningBeforeAWaveIsDoneOnce) {
     settings_.samplesPerPixel = 20;
     integrator_.learner = std::make_unique<ListedLearner>(std::vector<int>{2, 5});
-    WaveRenderer renderer = Renderer();
+    WaveRenderer renderer(Context(), settings_);
     renderer.UpdateIfDue();
     EXPECT_EQ(integrator_.learner->NextUpdate(), 2);
     EXPECT_EQ(renderer.Render(9), 2);
@@ -243,7 +218,7 @@ TEST_F(RenderLoop, LearningBeforeAWaveIsDoneOnce) {
 TEST_F(RenderLoop, GoingOnRepeatsOnlyWhatIsLearnedFrom) {
     settings_.samplesPerPixel = 32;
     integrator_.learner = std::make_unique<ListedLearner>(std::vector<int>{1, 6});
-    WaveRenderer renderer = Renderer();
+    WaveRenderer renderer(Context(), settings_);
     renderer.ContinueFrom(10);
     EXPECT_EQ(renderer.Done(), 10);
     EXPECT_EQ(renderer.Render(5), 5);
@@ -253,7 +228,7 @@ TEST_F(RenderLoop, GoingOnRepeatsOnlyWhatIsLearnedFrom) {
 
     integrator_.learner = nullptr;
     integrator_.passes.clear();
-    WaveRenderer unlearned = Renderer();
+    WaveRenderer unlearned(Context(), settings_);
     unlearned.ContinueFrom(70);
     unlearned.Render(1);
     EXPECT_EQ(integrator_.passes, (std::vector<Pass>{{2, 70, 1}}));
@@ -277,22 +252,20 @@ TEST_F(RenderLoop, ACancelledPassIsNotCounted) {
 
 /// One of two processes that render two parts: the first begins one, then the second begins the other.
 struct OneOfTwo : RenderLoop, Integrator {
-    OneOfTwo(Team &team, std::atomic<int> &begun, bool isCancelled) {
+    OneOfTwo(Team &team, std::atomic<int> &begun, bool isCancelled)
+        : team_(team), begun_(begun), isCancelled_(isCancelled) {
         settings_.samplesPerPixel = 1;
-        team_ = &team;
-        begun_ = &begun;
-        isCancelled_ = isCancelled;
     }
     void TestBody() override {}
     bool Render(const RenderPass &pass) override {
-        const auto waitUntil = [&](int begun) { EXPECT_TRUE(WaitUntil([&] { return *begun_ >= begun; })); };
+        const auto waitUntil = [&](int begun) { EXPECT_TRUE(WaitUntil([&] { return begun_ >= begun; })); };
         const bool isFirst = pass.team.IsRank0();
         if (!isFirst) waitUntil(1);
         return RenderChunks(pass, {.count = 2,
                                    .samplesOf = [](int64_t) { return 1u; },
                                    .render =
                                        [&](int64_t, uint32_t) {
-                                           begun_->fetch_add(1);
+                                           ++begun_;
                                            waitUntil(2);
                                            if (isFirst || !isCancelled_) return 1u;
                                            // Meanwhile the first answers that there is no other part.
@@ -301,14 +274,12 @@ struct OneOfTwo : RenderLoop, Integrator {
                                            return 0u;
                                        }});
     }
-    RenderResult Run() {
-        return RenderWaves({*this, *camera_, *filter_, *film_, sampler_, progress_, *team_}, settings_);
-    }
-    void Follow() { FollowWaves({*this, *camera_, *filter_, *film_, sampler_, progress_, *team_}, settings_); }
+    RenderResult Run() { return RenderWaves(ContextOf(*this, *film_, team_), settings_); }
+    void Follow() { FollowWaves(ContextOf(*this, *film_, team_), settings_); }
 
-    Team *team_;
-    std::atomic<int> *begun_;
-    bool isCancelled_;
+    Team &team_;
+    std::atomic<int> &begun_;
+    const bool isCancelled_;
 };
 
 TEST(RenderLoopOfProcesses, OneThatIsCancelledInItsLastPartCancelsTheRender) {
@@ -354,15 +325,10 @@ TEST_F(RenderLoop, EveryWaveIsComparedWithTheReference) {
     EXPECT_NEAR(*result.mse, expected, 1e-6 * expected);
     std::ifstream in(settings_.mseReferenceOut);
     std::vector<int> samples;
-    for (std::string line; std::getline(in, line);) {
-        std::istringstream words(line);
-        int n = 0;
-        char comma = 0;
-        double mse = 0;
-        words >> n >> comma >> mse;
-        EXPECT_NEAR(mse, expected, 1e-6 * expected) << line;
-        samples.push_back(n);
-    }
+    int n = 0;
+    char comma = 0;
+    for (double mse = 0; in >> n >> comma >> mse; samples.push_back(n))
+        EXPECT_NEAR(mse, expected, 1e-6 * expected) << n;
     EXPECT_EQ(samples, (std::vector<int>{1, 2, 4}));
 }
 

@@ -37,18 +37,17 @@ TEST_P(SampledLightOnly, LeavesOutWhatNoChoiceOfLightsChanges) {
     const Image direct = render(1, false), sampled = render(1, true), deep = render(3, false),
                 deepSampled = render(3, true);
     double seen = 0, inMirror = 0, caustics = 0;
-    for (int y = 0; y < 24; ++y)
-        for (int x = 0; x < 24; ++x) {
-            const auto at = [&](const Image &image) { return double(image.Get({x, y}, 1)); };
-            EXPECT_EQ(at(nothing), 0);
-            seen += at(lamps);
-            // At depth 1 the random numbers are the same, so the difference is exactly the light that is left out.
-            const double left = at(direct) - at(sampled) - at(lamps);
-            EXPECT_GE(left, -1e-4 * (1 + at(direct)));
-            inMirror += left;
-            EXPECT_GE(at(deep) - at(deepSampled), -1e-3 * (1 + at(deep)));
-            caustics += at(deep) - at(deepSampled) - at(lamps) - left;
-        }
+    ForEachPixel(lamps, [&](Point2i p) {
+        const auto at = [&](const Image &image) { return double(image.Get(p, 1)); };
+        EXPECT_EQ(at(nothing), 0);
+        seen += at(lamps);
+        // At depth 1 the random numbers are the same, so the difference is exactly the light that is left out.
+        const double left = at(direct) - at(sampled) - at(lamps);
+        EXPECT_GE(left, -1e-4 * (1 + at(direct)));
+        inMirror += left;
+        EXPECT_GE(at(deep) - at(deepSampled), -1e-3 * (1 + at(deep)));
+        caustics += at(deep) - at(deepSampled) - at(lamps) - left;
+    });
     EXPECT_GT(seen, 1);
     EXPECT_GT(inMirror, 1);
     EXPECT_GT(caustics, 0.01);  // the light that goes from the lamp by the mirror to the floor

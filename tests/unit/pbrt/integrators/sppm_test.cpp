@@ -1,12 +1,10 @@
 // Photon maps find what is near, and photon mapping makes the picture that paths from the camera make.
 #include <gtest/gtest.h>
 
-#include "pbrt/core/parallel.h"
 #include "pbrt/integrators/photon_map.h"
 #include "pbrt/integrators/sppm_integrator.h"
 #include "pbrt/math/rng.h"
 #include "support/light_views.h"
-#include "support/statistics.h"
 
 namespace pbrt::test {
 namespace {
@@ -19,8 +17,7 @@ TEST(PhotonMap, FindsWhatASearchThroughAllFinds) {
         for (std::vector<Photon> &group : groups)
             for (int i = 0; i < 300; ++i) {
                 const Point2 a = rng.Uniform2();
-                group.push_back(
-                    {.p = {2 * a.x - 1, 2 * a.y - 1, rng.Uniform() / 10}, .scatterings = static_cast<int>(all.size())});
+                group.push_back({.p = {2 * a.x - 1, 2 * a.y - 1, rng.Uniform() / 10}, .scatterings = int(all.size())});
                 all.push_back(group.back());
             }
         PhotonMap map;
@@ -93,7 +90,7 @@ INSTANTIATE_TEST_SUITE_P(All, SppmViews,
                          testing::ValuesIn(ViewsNamed({"DiskAndBall", "Crop", "PointSpotAndDistant", "RoughMetal",
                                                        "Coat", "RoughGlass", "SmoothGlass", "ShadingNormals",
                                                        "DepthOne", "Mirror", "SkyAndGlass", "SkyOnly"})),
-                         [](const auto &test) { return test.param.name; });
+                         testing::PrintToStringParamName());
 
 /// Direct light is found by any light sampler, the octree's learning one included.
 TEST(Sppm, LightSamplersDoNotChangeTheMean) {

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <cmath>
 #include <map>
 
 #include "pbrt/core/parallel.h"
@@ -76,37 +75,29 @@ TEST_P(Strategies, TheirSharesAddUpToThePicture) {
         if (name.starts_with("strategy")) continue;
         ++pictures;
         double all = 0;
-        for (int y = 0; y < kSize; ++y)
-            for (int x = 0; x < kSize; ++x)
-                for (int c = 0; c < 3; ++c) {
-                    sum[size_t((y * kSize + x) * 3 + c)] += double(image.Get({x, y}, c));
-                    all += double(image.Get({x, y}, c));
-                }
+        ForEachValue(image, [&](Point2i p, int c) {
+            sum[(p.y * kSize + p.x) * 3 + c] += double(image.Get(p, c));
+            all += double(image.Get(p, c));
+        });
         black += !(all > 0);
     }
     EXPECT_EQ(pictures, 1 + 3 + 4 + 5 + 6 + 7);
     // Where the lamp is hidden, and hardly any path to it is short.
     EXPECT_LE(black, 3);
     double largest = 0, mean = 0;
-    for (double v : sum) mean += v / static_cast<double>(sum.size());
-    for (int y = 0; y < kSize; ++y)
-        for (int x = 0; x < kSize; ++x)
-            for (int c = 0; c < 3; ++c)
-                largest = std::max(
-                    largest, std::abs(sum[size_t((y * kSize + x) * 3 + c)] - double(rendered.image.Get({x, y}, c))));
+    for (double v : sum) mean += v / double(sum.size());
+    ForEachValue(rendered.image, [&](Point2i p, int c) {
+        const double difference = sum[(p.y * kSize + p.x) * 3 + c] - double(rendered.image.Get(p, c));
+        largest = std::max(largest, std::abs(difference));
+    });
     EXPECT_LT(largest, 1e-5 * std::max(mean, 1.)) << "of " << mean;
 }
 
 /// The mean of every colour of pictures of several seeds.
 using Colors = std::array<RunningStatistics, 3>;
-void Add(Colors &colors, const Image &image, double sign = 1, const Image *less = nullptr) {
-    for (int c = 0; c < 3; ++c) {
-        double sum = 0;
-        for (int y = 0; y < kSize; ++y)
-            for (int x = 0; x < kSize; ++x)
-                sum += double(image.Get({x, y}, c)) - (less ? double(less->Get({x, y}, c)) : 0.);
-        colors[size_t(c)].Add(sign * sum / (kSize * kSize));
-    }
+void Add(Colors &colors, const Image &image, const Image *less = nullptr) {
+    for (int c = 0; c < 3; ++c)
+        colors[c].Add(ChannelStatistics(image, c).mean - (less ? ChannelStatistics(*less, c).mean : 0));
 }
 
 TEST_P(Strategies, EachAloneFindsAllLightOfItsDepth) {
@@ -124,7 +115,7 @@ TEST_P(Strategies, EachAloneFindsAllLightOfItsDepth) {
         for (int depth = 0; depth <= kDepth; ++depth) {
             const Image image =
                 RenderText(StrategyScene(place, isSmoke ? "volpath" : "path", depth, 2 * kSamples, 100 + seed)).image;
-            Add(expected[size_t(depth)], image, 1, depth > 0 ? &before : nullptr);
+            Add(expected[depth], image, depth > 0 ? &before : nullptr);
             before = image;
         }
     }
@@ -134,7 +125,7 @@ TEST_P(Strategies, EachAloneFindsAllLightOfItsDepth) {
     for (const auto &[name, colors] : alone) {
         const int depth = name[name.find("depth") + 5] - '0';
         for (size_t c = 0; c < 3; ++c) {
-            const RunningStatistics &e = expected[size_t(depth)][c];
+            const RunningStatistics &e = expected[depth][c];
             const double error = std::hypot(e.StandardError(), colors[c].StandardError());
             EXPECT_LT(std::abs(colors[c].mean - e.mean), 5.5 * error + 1e-5 * brightest)
                 << name << ": " << colors[c].mean << " for " << e.mean;
@@ -149,7 +140,7 @@ TEST_P(Strategies, EachAloneFindsAllLightOfItsDepth) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Strategies, testing::Values(kFurnace, kAjar, kSmoke, kParallel),
-                         [](const auto &test) { return test.param.name; });
+                         testing::PrintToStringParamName());
 
 TEST(StrategyPictures, AreTheSameForAnyNumberOfThreads) {
     ThreadLimit one(1);

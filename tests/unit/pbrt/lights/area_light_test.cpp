@@ -1,43 +1,11 @@
-#include <gtest/gtest.h>
-
 #include "light_test_support.h"
 #include "pbrt/lights/diffuse_area_light.h"
-#include "support/sampling.h"
 #include "unit/pbrt/shapes/shape_cases.h"
 
 namespace pbrt::test {
 namespace {
 
-class ConstantTexture final : public FloatTexture {
-  public:
-    explicit ConstantTexture(Float v) : v_(v) {}
-    Float Evaluate(const TextureContext &) const override { return v_; }
-    std::optional<Float> Constant() const override { return v_; }
-
-  private:
-    Float v_;
-};
-
-/// An alpha texture that cuts away half of a shape, u < 1/2.
-class HalfTexture final : public FloatTexture {
-  public:
-    Float Evaluate(const TextureContext &c) const override { return c.uv.x < Float(0.5) ? Float(0) : Float(1); }
-};
-
-std::unique_ptr<Light> MakeAreaLight(const AreaLightMaker &maker, const Shape &shape,
-                                     const FloatTexture *alpha = nullptr) {
-    const Shape *const shapes[] = {&shape};
-    return maker(shapes, alpha);
-}
-
-struct AreaLightCase {
-    std::string name;
-    std::function<std::shared_ptr<Shape>()> make;
-};
-
-void PrintTo(const AreaLightCase &c, std::ostream *out) { *out << c.name; }
-
-class AreaLightShapes : public testing::TestWithParam<AreaLightCase> {};
+class AreaLightShapes : public testing::TestWithParam<ShapeCase> {};
 
 /// The light arriving from the primitive, measured by rays in all directions that can meet it: slow, but simple.
 template <class F>
@@ -54,7 +22,7 @@ RunningStatistics ByUniformDirections(const Shape &shape, const Light &light, co
         double value = 0;
         if (auto hit = shape.Intersect(0, {p, w}, 1e-4f)) {
             SurfacePoint s = shape.Surface(0, *hit);
-            value = integrand(light.L(s.p, s.n, s.uv, -w, kLambda), w) / static_cast<double>(UniformConePdf(cosine));
+            value = integrand(light.L(s.p, s.n, s.uv, -w, kLambda), w) / double(UniformConePdf(cosine));
         }
         stats.Add(value);
     }
@@ -62,13 +30,13 @@ RunningStatistics ByUniformDirections(const Shape &shape, const Light &light, co
 }
 
 TEST_P(AreaLightShapes, SamplingFindsTheLightThatRaysFind) {
-    auto shape = GetParam().make();
+    const std::shared_ptr<Shape> &shape = GetParam().shape;
     for (bool twoSided : {false, true}) {
-        auto light = MakeAreaLight(MakeAreaMaker(Params().Bool("twosided", twoSided)), *shape);
+        auto light = MakeAreaLight(Params().Bool("twosided", twoSided), *shape);
         for (Point3 p :
              {Point3(0.5f, 0.3f, 2.5f), Point3(-2, 1, -1.5f), Point3(4, -3, 6), Point3(0.25f, -0.05f, 0.32f)}) {
             auto irradiance = [](const SampledSpectrum &L, const Vector3 &w) {
-                return static_cast<double>(L.Average() * std::abs(w.z));
+                return double(L.Average() * std::abs(w.z));
             };
             RunningStatistics slow = ByUniformDirections(*shape, *light, p, 60000, irradiance), fast;
             Rng rng(3);
@@ -76,7 +44,7 @@ TEST_P(AreaLightShapes, SamplingFindsTheLightThatRaysFind) {
                 auto s = light->SampleLi(At(p), rng.Uniform2(), kLambda, false);
                 // The shape may hide a part of itself.
                 if (s && shape->Intersect(0, {p, s->wi, Distance(p, s->pLight) * 0.999f}, 1e-4f)) s.reset();
-                fast.Add(s ? irradiance(s->L, s->wi) / static_cast<double>(s->pdf) : 0);
+                fast.Add(s ? irradiance(s->L, s->wi) / double(s->pdf) : 0);
             }
             double error = std::hypot(slow.StandardError(), fast.StandardError()) + 1e-4 * slow.mean + 1e-12;
             EXPECT_LT(std::abs(slow.mean - fast.mean) / error, 4.5) << "two-sided " << twoSided << " z " << p.z;
@@ -85,8 +53,8 @@ TEST_P(AreaLightShapes, SamplingFindsTheLightThatRaysFind) {
 }
 
 TEST_P(AreaLightShapes, PdfOfASampleIsThePdfOfItsRay) {
-    auto shape = GetParam().make();
-    auto light = MakeAreaLight(MakeAreaMaker(Params().Bool("twosided", true)), *shape);
+    const std::shared_ptr<Shape> &shape = GetParam().shape;
+    auto light = MakeAreaLight(Params().Bool("twosided", true), *shape);
     Rng rng(5);
     int compared = 0;
     for (int i = 0; i < 2000; ++i) {
@@ -106,9 +74,9 @@ TEST_P(AreaLightShapes, PdfOfASampleIsThePdfOfItsRay) {
 }
 
 TEST_P(AreaLightShapes, PhiIsTheIntegralOfEmittedRadiance) {
-    auto shape = GetParam().make();
+    const std::shared_ptr<Shape> &shape = GetParam().shape;
     for (bool twoSided : {false, true}) {
-        auto light = MakeAreaLight(MakeAreaMaker(Params().Bool("twosided", twoSided).Number("scale", 3)), *shape);
+        auto light = MakeAreaLight(Params().Bool("twosided", twoSided).Number("scale", 3), *shape);
         Rng rng(9);
         RunningStatistics stats;
         for (int i = 0; i < 20000; ++i) {
@@ -119,7 +87,7 @@ TEST_P(AreaLightShapes, PhiIsTheIntegralOfEmittedRadiance) {
             Float pdf = CosineHemispherePdf(w.z) / 2;
             if (rng.Uniform() < 0.5f) w.z = -w.z;
             SampledSpectrum L = light->L(point->p, point->n, point->uv, frame.FromLocal(w), kLambda);
-            stats.Add(static_cast<double>(L.Average() * std::abs(w.z) / (pdf * point->pdf)));
+            stats.Add(double(L.Average() * std::abs(w.z) / (pdf * point->pdf)));
         }
         double phi = light->Phi(kLambda).Average();
         // The area of curved patches is an approximation, as in stock pbrt-v4.
@@ -129,10 +97,10 @@ TEST_P(AreaLightShapes, PhiIsTheIntegralOfEmittedRadiance) {
 }
 
 TEST_P(AreaLightShapes, ImportanceIsPositiveWhereLightArrives) {
-    auto shape = GetParam().make();
+    const std::shared_ptr<Shape> &shape = GetParam().shape;
     int lit = 0;
     for (bool twoSided : {false, true}) {
-        auto light = MakeAreaLight(MakeAreaMaker(Params().Bool("twosided", twoSided)), *shape);
+        auto light = MakeAreaLight(Params().Bool("twosided", twoSided), *shape);
         LightBounds bounds = *light->Bounds();
         Rng rng(11);
         for (int i = 0; i < 20000; ++i) {
@@ -144,18 +112,12 @@ TEST_P(AreaLightShapes, ImportanceIsPositiveWhereLightArrives) {
 }
 
 /// Triangles, quadrics, patches, parts of shapes, and shapes that a transform mirrors or stretches.
-std::vector<AreaLightCase> AllShapes() {
-    std::vector<AreaLightCase> cases{
-        {"turnedTriangle",
-         [] {
-             return Triangle(Transform::Rotate(70, {1, 1, 0}));
-         }},
-        {"triangle", [] { return Triangle(); }},
-    };
-    for (const char *type : {"sphere", "disk", "cylinder"})
-        cases.push_back({type, [type] { return MakeShape(type, Params(), {}); }});
+std::vector<ShapeCase> AllShapes() {
+    std::vector<ShapeCase> cases{{"turnedTriangle", Triangle(Transform::Rotate(70, {1, 1, 0}))},
+                                 {"triangle", Triangle()}};
+    for (const char *type : {"sphere", "disk", "cylinder"}) cases.push_back({type, MakeShape(type, Params(), {})});
     for (const ShapeCase &c : WholeAndPartCases())
-        if (c.name != "Triangle" && c.name != "Sphere") cases.push_back({c.name, [shape = c.shape] { return shape; }});
+        if (c.name != "Triangle" && c.name != "Sphere") cases.push_back(c);
     return cases;
 }
 
@@ -164,17 +126,15 @@ INSTANTIATE_TEST_SUITE_P(All, AreaLightShapes, testing::ValuesIn(AllShapes()),
 
 TEST(DiffuseAreaLight, ScaleOneIsOneNit) {
     auto shape = Triangle();
-    auto light = MakeAreaLight(MakeAreaMaker(Params()), *shape);
-    EXPECT_NEAR(Photometric([&](const SampledWavelengths &l) {
-                    return light->L({}, {0, 0, 1}, {}, {0, 0, 1}, l);
-                }),
-                1, 2e-3);
+    auto light = MakeAreaLight(Params(), *shape);
+    const Vector3 z(0, 0, 1);
+    EXPECT_NEAR(Photometric([&](const SampledWavelengths &l) { return light->L({}, z, {}, z, l); }), 1, 2e-3);
 }
 
 TEST(DiffuseAreaLight, EmitsFromTheSideOfTheNormal) {
     auto shape = Triangle();
-    auto one = MakeAreaLight(MakeAreaMaker(Params()), *shape);
-    auto two = MakeAreaLight(MakeAreaMaker(Params().Bool("twosided", true)), *shape);
+    auto one = MakeAreaLight(Params(), *shape);
+    auto two = MakeAreaLight(Params().Bool("twosided", true), *shape);
     Normal3 n(0, 0, 1);
     EXPECT_TRUE(one->L({}, n, {}, {0, 0, 1}, kLambda));
     EXPECT_FALSE(one->L({}, n, {}, {0, 0, -1}, kLambda));
@@ -187,8 +147,7 @@ TEST(DiffuseAreaLight, PowerIsPerPrimitive) {
     data.indices = {0, 1, 2, 1, 3, 2};
     TriangleMesh mesh(data, Transform(), false);
     for (bool twoSided : {false, true}) {
-        AreaLightMaker maker = MakeAreaMaker(Params().Number("power", 20).Bool("twosided", twoSided));
-        auto light = MakeAreaLight(maker, mesh);
+        auto light = MakeAreaLight(Params().Number("power", 20).Bool("twosided", twoSided), mesh);
         ASSERT_EQ(light->ComponentCount(), 2u);
         for (uint32_t i = 0; i < 2; ++i)
             EXPECT_NEAR(Photometric([&](const SampledWavelengths &l) { return Value(light->Phi(l, i)); }), 20, 0.05);
@@ -201,11 +160,11 @@ TEST(DiffuseAreaLight, ImageIsMappedWithVUpwardsAndItsPowerIsKept) {
     });
     TemporaryImage file("panel.exr", image);
     auto shape = Triangle();
-    auto light = MakeAreaLight(MakeAreaMaker(Params().String("filename", file.Path())), *shape);
+    auto light = MakeAreaLight(FileParams(file), *shape);
     auto xyzAt = [&](Point2 uv) {
         Vector3 sum(0);
         for (int i = 0; i < 500; ++i) {
-            auto lambda = SampledWavelengths::SampleUniform((static_cast<Float>(i) + 0.5f) / 500);
+            auto lambda = SampledWavelengths::SampleUniform((Float(i) + 0.5f) / 500);
             SampledSpectrum L = SafeDivide(light->L({}, {0, 0, 1}, uv, {0, 0, 1}, lambda), lambda.Pdf());
             sum += Vector3((L * CieX().Sample(lambda)).Average(), (L * CieY().Sample(lambda)).Average(),
                            (L * CieZ().Sample(lambda)).Average());
@@ -218,42 +177,38 @@ TEST(DiffuseAreaLight, ImageIsMappedWithVUpwardsAndItsPowerIsKept) {
     EXPECT_NEAR(left.y, 2, 0.1);
     EXPECT_NEAR(right.z, 2, 0.1);
 
-    auto powered = MakeAreaLight(MakeAreaMaker(Params().String("filename", file.Path()).Number("power", 5)), *shape);
+    auto powered = MakeAreaLight(FileParams(file).Number("power", 5), *shape);
     EXPECT_NEAR(Photometric([&](const SampledWavelengths &l) { return Value(powered->Phi(l)); }, 300), 5, 0.1);
     // The mean that is kept for light selection is the mean of the emission.
     SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
     SampledSpectrum mean;
     for (int i = 0; i < 2500; ++i) {
-        Point2 uv((static_cast<Float>(i % 50) + 0.5f) / 50, (static_cast<Float>(i / 50) + 0.5f) / 50);
-        mean += powered->L({}, {0, 0, 1}, uv, {0, 0, 1}, lambda) / 2500;
+        mean += powered->L({}, {0, 0, 1}, PixelCenter(i % 50, i / 50, {50, 50}), {0, 0, 1}, lambda) / 2500;
     }
-    double expected = static_cast<double>(mean.Average() * Pi * shape->Area(0));
+    double expected = double(mean.Average() * Pi * shape->Area(0));
     // The spectrum of an interpolated colour is not the interpolation of the spectra; they differ by a few per cent.
     EXPECT_NEAR(powered->Phi(lambda).Average(), expected, 0.08 * expected);
 }
 
 TEST(DiffuseAreaLight, ConstantAlphaOfZeroLeavesLightSamplingOnly) {
     auto shape = Triangle();
-    ConstantTexture zero(0), half(0.5f);
-    AreaLightMaker maker = MakeAreaMaker(Params());
-    auto invisible = MakeAreaLight(maker, *shape, &zero);
+    const CutTexture zero(0, 0), half(0, 0.5f);
+    auto invisible = MakeAreaLight(Params(), *shape, &zero);
     EXPECT_EQ(invisible->Kind(), LightKind::DeltaPosition);
     auto s = invisible->SampleLi(At({0, 0, 2}), {0.4f, 0.3f}, kLambda, false);
     ASSERT_TRUE(s);
     EXPECT_GT(s->pdf, 0);
     EXPECT_NE(s->pdf, 1);
     EXPECT_EQ(invisible->PdfLi(At({0, 0, 2}), s->wi, s->pLight, s->nLight, false), 0);
-    EXPECT_EQ(MakeAreaLight(maker, *shape, &half)->Kind(), LightKind::Area);
-    EXPECT_EQ(MakeAreaLight(maker, *shape)->Kind(), LightKind::Area);
+    EXPECT_EQ(MakeAreaLight(Params(), *shape, &half)->Kind(), LightKind::Area);
+    EXPECT_EQ(MakeAreaLight(Params(), *shape)->Kind(), LightKind::Area);
 }
 
 TEST(DiffuseAreaLight, AlphaWeighsSamplesAndLeavesTheRadianceOfHits) {
     auto shape = Triangle();
-    ConstantTexture third(0.3f);
-    HalfTexture cut;
-    AreaLightMaker maker = MakeAreaMaker(Params());
-    auto grey = MakeAreaLight(maker, *shape, &third), holed = MakeAreaLight(maker, *shape, &cut),
-         plain = MakeAreaLight(maker, *shape);
+    const CutTexture third(0, 0.3f), cut(0.5f, 1);
+    auto grey = MakeAreaLight(Params(), *shape, &third), holed = MakeAreaLight(Params(), *shape, &cut),
+         plain = MakeAreaLight(Params(), *shape);
     Rng rng(2);
     for (int i = 0; i < 2000; ++i) {
         Point2 u = rng.Uniform2();

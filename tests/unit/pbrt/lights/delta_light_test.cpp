@@ -1,5 +1,3 @@
-#include <gtest/gtest.h>
-
 #include "light_test_support.h"
 #include "pbrt/lights/infinite_lights.h"
 #include "pbrt/lights/point_lights.h"
@@ -7,20 +5,9 @@
 namespace pbrt::test {
 namespace {
 
-TEST(PointLight, ScaleOneOfTheIlluminantIsOneCandela) {
-    auto light = Make("point", Params().Point("from", {1, 2, 3}));
-    double lux = Photometric([&](const SampledWavelengths &lambda) {
-        return light->SampleLi(At({1, 2, 5}), {}, lambda, false)->L;
-    });
-    EXPECT_NEAR(lux, 0.25, 1e-3);
-}
-
-TEST(PointLight, RgbScalesWhatTheIlluminantAloneWouldGive) {
-    auto light = Make("point", Params().Rgb("I", 3, 3, 3).Number("scale", 2));
-    double lux = Photometric([&](const SampledWavelengths &lambda) {
-        return light->SampleLi(At({0, 0, 1}), {}, lambda, false)->L;
-    });
-    EXPECT_NEAR(lux, 6, 0.02);
+TEST(PointLight, ScaleOneOfTheIlluminantIsOneCandelaAndRgbScalesIt) {
+    EXPECT_NEAR(Lux(*Make("point", Params().Point("from", {1, 2, 3})), {1, 2, 5}), 0.25, 1e-3);
+    EXPECT_NEAR(Lux(*Make("point", Params().Rgb("I", 3, 3, 3).Number("scale", 2)), {0, 0, 1}), 6, 0.02);
 }
 
 TEST(PointLight, TransformMovesIt) {
@@ -37,14 +24,11 @@ TEST(PointLight, TransformMovesIt) {
 
 TEST(DeltaLights, PowerParameterIsTheFlux) {
     EXPECT_NEAR(Lumens(*Make("point", Params().Number("power", 30).Number("scale", 1))), 30, 0.05);
-    const Params spot = Params().Number("power", 14).Number("coneangle", 40).Number("conedeltaangle", 20);
-    EXPECT_NEAR(Lumens(*Make("spot", spot)), 14, 0.03);
+    EXPECT_NEAR(Lumens(*Make("spot", Cone(40, 20).Number("power", 14))), 14, 0.03);
 }
 
 TEST(SpotLight, FallsOffSmoothlyInTheCosine) {
-    auto light = Make(
-        "spot",
-        Params().Number("coneangle", 60).Number("conedeltaangle", 30).Point("from", {0, 0, 1}).Point("to", {0, 0, 2}));
+    auto light = Make("spot", Cone(60, 30).Point("from", {0, 0, 1}).Point("to", {0, 0, 2}));
     auto &spot = dynamic_cast<SpotLight &>(*light);
     Float start = std::cos(Radians(30)), end = std::cos(Radians(60));
     auto at = [&](Float c) { return spot.Falloff(SphericalDirection(SafeSqrt(1 - c * c), c, 0.7f)); };
@@ -75,9 +59,7 @@ TEST(DistantLight, IlluminanceFallsOnAFacingSurface) {
     EXPECT_EQ(s->wi, Vector3(0, 1, 0));
     EXPECT_EQ(light->Kind(), LightKind::DeltaDirection);
     EXPECT_GE(Distance(s->pLight, {0, 0, 0}), 10) << "the shadow segment must leave the scene";
-    double lux = Photometric([&](const SampledWavelengths &lambda) {
-        return light->SampleLi(At({0, 0, 0}), {}, lambda, false)->L;
-    });
+    const double lux = Lux(*light, {0, 0, 0});
     EXPECT_NEAR(lux, 0.9, 2e-3);
     const double phi = Lumens(*light);
     EXPECT_NEAR(phi, lux * std::numbers::pi * 100, 1e-2 * phi);
@@ -89,14 +71,9 @@ TEST(LightImportance, PositiveWhereDeltaLightsContribute) {
     Rng rng(1);
     int lit = 0;
     for (int i = 0; i < 300; ++i) {
-        Params params;
-        Float cone = 1 + 150 * rng.Uniform();
-        params.Number("coneangle", cone)
-            .Number("conedeltaangle", i % 3 == 0 ? 0 : (i % 2 ? 2 : 1) * cone * rng.Uniform());
-        Transform ctm =
-            Transform::Translate({5 * rng.Uniform(), 0, 0}) * Transform::Rotate(360 * rng.Uniform(), {1, 2, 3});
-        if (i % 4 == 0) ctm = ctm * Transform::Scale({1, 0.3f + 2 * rng.Uniform(), 1});
-        auto light = Make(i % 5 == 0 ? "point" : "spot", i % 5 == 0 ? Params() : params, ctm);
+        const Float cone = 1 + 150 * rng.Uniform(), edge = i % 3 ? (i % 2 ? 2 : 1) * cone * rng.Uniform() : 0;
+        const Transform ctm = RandomPlace(rng, i);
+        auto light = i % 5 ? Make("spot", Cone(cone, edge), ctm) : Make("point", Params(), ctm);
         LightBounds bounds = *light->Bounds();
         for (int j = 0; j < 1000; ++j) {
             Point3 p = bounds.bounds.low + SampleUniformSphere(rng.Uniform2()) * (10 * rng.Uniform());

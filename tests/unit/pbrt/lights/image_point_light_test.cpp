@@ -1,51 +1,38 @@
 // Point lights that project an image: goniometric and projection.
-#include <gtest/gtest.h>
-
 #include "light_test_support.h"
 #include "pbrt/lights/point_lights.h"
 
 namespace pbrt::test {
 namespace {
 
-Image GreyImage(int n, const std::function<Float(int, int)> &value) {
-    Image image(PixelFormat::Float, {n, n}, {"Y"});
-    for (int y = 0; y < n; ++y)
-        for (int x = 0; x < n; ++x) image.Set({x, y}, 0, value(x, y));
-    return image;
-}
-
 /// The intensity along w (rendering space, unit length) of a light at p, averaged over the wavelengths.
 double IntensityAlong(const Light &light, const Point3 &p, const Vector3 &w) {
     auto s = light.SampleLi(At(p + w), {}, kLambda, false);
-    return s ? static_cast<double>(s->L.Average()) : 0;
+    return s ? double(s->L.Average()) : 0;
 }
 
 class Goniometric : public testing::Test {
   protected:
     Goniometric()
-        : file_("lobes.exr", GreyImage(8, [](int x, int y) {
-                    return 0.1f * static_cast<Float>(x + 2 * y) + (x == 2 ? 3.f : 0.f);
-                })) {}
-    Params File() const { return Params().String("filename", file_.Path()); }
+        : file_("lobes.exr",
+                GreyImage(8, [](int x, int y) { return 0.1f * Float(x + 2 * y) + (x == 2 ? 3.f : 0.f); })) {}
     TemporaryImage file_;
 };
 
 TEST_F(Goniometric, PowerParameterIsTheFlux) {
-    auto light = Make("goniometric", File().Number("power", 12).Floats(ParamType::Blackbody, "I", {3000}));
+    auto light = Make("goniometric", FileParams(file_).Number("power", 12).Floats(ParamType::Blackbody, "I", {3000}));
     EXPECT_NEAR(Lumens(*light), 12, 0.05);
 }
 
 TEST_F(Goniometric, ImageIsFoundByDirectionWithYAndZSwapped) {
     Transform ctm = Transform::Translate({1, 2, 3}) * Transform::Rotate(35, {3, 1, 2}) * Transform::Scale(Vector3(2));
-    auto light = Make("goniometric", File(), ctm);
+    auto light = Make("goniometric", FileParams(file_), ctm);
     auto one = Make("point", Params(), ctm);
     Rng rng(1);
     for (int i = 0; i < 200; ++i) {
-        Point2 st((static_cast<Float>(rng.UniformInt(8)) + 0.5f) / 8,
-                  (static_cast<Float>(rng.UniformInt(8)) + 0.5f) / 8);
-        Vector3 inImage = EqualAreaSquareToSphere(st);
+        const int x = int(rng.UniformInt(8)), y = int(rng.UniformInt(8));
+        Vector3 inImage = EqualAreaSquareToSphere(PixelCenter(x, y, {8, 8}));
         Vector3 w = Normalize(ctm.Vector({inImage.x, inImage.z, inImage.y}));
-        auto x = static_cast<int>(st.x * 8), y = static_cast<int>(st.y * 8);
         double expected = 0.1 * (x + 2 * y) + (x == 2 ? 3 : 0);
         EXPECT_NEAR(IntensityAlong(*light, {1, 2, 3}, w) / IntensityAlong(*one, {1, 2, 3}, w), expected,
                     2e-3 * expected + 1e-6);
@@ -54,12 +41,10 @@ TEST_F(Goniometric, ImageIsFoundByDirectionWithYAndZSwapped) {
 
 TEST_F(Goniometric, RgbImagesCountByTheirMeanAndNegativeValuesAsNothing) {
     TemporaryImage rgb("three.exr", RgbImage({4, 4}, [](int, int) { return Rgb(0.3f, 0.6f, 1.8f); }));
-    auto light = Make("goniometric", Params().String("filename", rgb.Path()));
-    auto one = Make("point", Params());
-    EXPECT_NEAR(IntensityAlong(*light, Point3(0), {0, 0.6f, 0.8f}) / IntensityAlong(*one, Point3(0), {0, 0.6f, 0.8f}),
+    EXPECT_NEAR(Lux(*Make("goniometric", FileParams(rgb)), {0, 0.6f, 0.8f}) / Lux(*Make("point", Params()), {0, 0, 1}),
                 0.9, 1e-3);
     TemporaryImage negative("negative.exr", GreyImage(2, [](int, int) { return -1.f; }));
-    auto dark = Make("goniometric", Params().String("filename", negative.Path()));
+    auto dark = Make("goniometric", FileParams(negative));
     EXPECT_FALSE(dark->SampleLi(At({1, 0, 0}), {}, kLambda, false));
     EXPECT_FALSE(dark->Bounds());
 }
@@ -75,21 +60,18 @@ TEST_F(Goniometric, WithoutAnImageItIsAPointLightAndSaysSo) {
 class Projection : public testing::TestWithParam<Point2i> {
   protected:
     Projection() : file_("slide.exr", RgbImage(GetParam(), Slide)) {}
-    static Rgb Slide(int x, int y) {
-        return {0.2f + 0.05f * static_cast<Float>(x), 0.3f, 0.1f + 0.02f * static_cast<Float>(y)};
-    }
-    Params File() const { return Params().String("filename", file_.Path()); }
+    static Rgb Slide(int x, int y) { return {0.2f + 0.05f * Float(x), 0.3f, 0.1f + 0.02f * Float(y)}; }
     TemporaryImage file_;
 };
 
 TEST_P(Projection, PhiIsTheIntegralOfIntensity) {
     for (Float fov : {20.f, 90.f, 130.f}) {
-        auto light = Make("projection", File().Number("fov", fov).Number("scale", 2), Transform::Rotate(50, {1, 2, 3}));
+        auto light = Make("projection", FileParams(file_).Number("fov", fov).Number("scale", 2),
+                          Transform::Rotate(50, {1, 2, 3}));
         constexpr int kSide = 600;
         double mean = 0;
         for (int i = 0; i < kSide * kSide; ++i) {
-            const Point2 u =
-                (Point2(static_cast<Float>(i % kSide), static_cast<Float>(i / kSide)) + 0.5f) / Float(kSide);
+            const Point2 u = PixelCenter(i % kSide, i / kSide, {kSide, kSide});
             mean += IntensityAlong(*light, Point3(0), SampleUniformSphere(u)) / (kSide * kSide);
         }
         EXPECT_NEAR(mean * 4 * std::numbers::pi / light->Phi(kLambda).Average(), 1, 1.5e-2) << fov;
@@ -97,33 +79,32 @@ TEST_P(Projection, PhiIsTheIntegralOfIntensity) {
 }
 
 TEST_P(Projection, PowerParameterIsTheFlux) {
-    auto light = Make("projection", File().Number("power", 9).Number("fov", 40));
+    auto light = Make("projection", FileParams(file_).Number("power", 9).Number("fov", 40));
     EXPECT_NEAR(Lumens(*light, 500), 9, 0.1);
 }
 
 TEST_P(Projection, TopIsUpRightIsRightAndTheShorterSideHasTheFov) {
     Point2i n = GetParam();
-    auto light = Make("projection", File().Number("fov", 60));
-    Float t = std::tan(Radians(30)), aspect = static_cast<Float>(n.x) / static_cast<Float>(n.y);
+    auto light = Make("projection", FileParams(file_).Number("fov", 60));
+    Float t = std::tan(Radians(30)), aspect = Float(n.x) / Float(n.y);
     Float hx = t * std::max(aspect, Float(1)), hy = t * std::max(1 / aspect, Float(1));
     for (int y = 0; y < n.y; ++y)
         for (int x = 0; x < n.x; ++x) {
-            Float u = (static_cast<Float>(x) + 0.5f) / static_cast<Float>(n.x),
-                  v = (static_cast<Float>(y) + 0.5f) / static_cast<Float>(n.y);
-            Vector3 w = Normalize(Vector3((2 * u - 1) * hx, (1 - 2 * v) * hy, 1));
+            const Point2 u = PixelCenter(x, y, n);
+            Vector3 w = Normalize(Vector3((2 * u.x - 1) * hx, (1 - 2 * u.y) * hy, 1));
             auto s = light->SampleLi(At(w), {}, kLambda, false);
             ASSERT_TRUE(s);
             SampledSpectrum expected = RgbIlluminantSpectrum(ColorSpace::SRGB(), Slide(x, y)).Sample(kLambda) /
                                        SpectrumToPhotometric(ColorSpace::SRGB().Illuminant());
             EXPECT_NEAR(s->L.Average() / expected.Average(), 1, 1e-3) << x << " " << y;
         }
-    for (Float side : {-1.f, 1.f}) {
-        EXPECT_TRUE(light->SampleLi(At({side * hx * 0.999f, 0, 1}), {}, kLambda, false));
-        EXPECT_FALSE(light->SampleLi(At({side * hx * 1.001f, 0, 1}), {}, kLambda, false));
-        EXPECT_TRUE(light->SampleLi(At({0, side * hy * 0.999f, 1}), {}, kLambda, false));
-        EXPECT_FALSE(light->SampleLi(At({0, side * hy * 1.001f, 1}), {}, kLambda, false));
-    }
-    EXPECT_FALSE(light->SampleLi(At({0, 0, -1}), {}, kLambda, false)) << "a projection light sends no light backwards";
+    const auto reaches = [&](const Point3 &at) { return light->SampleLi(At(at), {}, kLambda, false).has_value(); };
+    for (Float side : {-1.f, 1.f})
+        for (Float part : {0.999f, 1.001f}) {
+            EXPECT_EQ(reaches({side * hx * part, 0, 1}), part < 1);
+            EXPECT_EQ(reaches({0, side * hy * part, 1}), part < 1);
+        }
+    EXPECT_FALSE(reaches({0, 0, -1})) << "a projection light sends no light backwards";
 }
 
 INSTANTIATE_TEST_SUITE_P(Formats, Projection, testing::Values(Point2i(48, 32), Point2i(40, 40), Point2i(27, 45)),
@@ -136,12 +117,9 @@ TEST(ImageLightImportance, PositiveWhereTheyContribute) {
     TemporaryImage lobes("dots1.exr", GreyImage(4, [](int x, int y) { return (x + y) % 2 ? 1.f : 0.f; }));
     int lit = 0;
     for (int i = 0; i < 60; ++i) {
-        Transform ctm =
-            Transform::Translate({5 * rng.Uniform(), 0, 0}) * Transform::Rotate(360 * rng.Uniform(), {1, 2, 3});
-        if (i % 4 == 0) ctm = ctm * Transform::Scale({1, 0.3f + 2 * rng.Uniform(), 1});
-        auto light = i % 3 ? Make("projection",
-                                  Params().String("filename", slide.Path()).Number("fov", 1 + 175 * rng.Uniform()), ctm)
-                           : Make("goniometric", Params().String("filename", lobes.Path()), ctm);
+        const Transform ctm = RandomPlace(rng, i);
+        auto light = i % 3 ? Make("projection", FileParams(slide).Number("fov", 1 + 175 * rng.Uniform()), ctm)
+                           : Make("goniometric", FileParams(lobes), ctm);
         LightBounds bounds = *light->Bounds();
         for (int j = 0; j < 4000; ++j) {
             // Half of the points are near the axis.

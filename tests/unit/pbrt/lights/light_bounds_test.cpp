@@ -3,8 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "pbrt/math/frame.h"
-#include "pbrt/math/rng.h"
-#include "pbrt/math/warps.h"
 #include "support/sampling.h"
 
 namespace pbrt {
@@ -13,19 +11,19 @@ namespace {
 /// The importance computed with angles, as the papers write it, without the slack of LightBounds::Importance.
 double SlowImportance(const LightBounds &b, const Point3 &p, const Normal3 &n) {
     Point3 c = b.Centroid();
-    double d2 = static_cast<double>(DistanceSquared(p, c)), r = static_cast<double>(Length(b.bounds.Diagonal())) / 2;
+    double d2 = double(DistanceSquared(p, c)), r = double(Length(b.bounds.Diagonal())) / 2;
     double falloff = b.phi / std::max(d2, r);
     if (d2 <= r * r) return falloff;
     Vector3 wi = Normalize(p - c);
-    double cosAxis = static_cast<double>(Dot(b.w, wi));
+    double cosAxis = double(Dot(b.w, wi));
     if (b.twoSided) cosAxis = std::abs(cosAxis);
     double extent = std::asin(std::min(1.0, r / std::sqrt(d2)));
-    double angle = std::acos(std::clamp(cosAxis, -1.0, 1.0)) - std::acos(static_cast<double>(b.cosTheta_o)) - extent;
+    double angle = std::acos(std::clamp(cosAxis, -1.0, 1.0)) - std::acos(double(b.cosTheta_o)) - extent;
     angle = std::max(0.0, angle);
-    if (angle >= std::acos(static_cast<double>(b.cosTheta_e))) return 0;
+    if (angle >= std::acos(double(b.cosTheta_e))) return 0;
     double result = falloff * std::cos(angle);
     if (n != Normal3(0)) {
-        double receiver = std::acos(std::min(1.0, std::abs(static_cast<double>(Dot(wi, n))))) - extent;
+        double receiver = std::acos(std::min(1.0, std::abs(double(Dot(wi, n))))) - extent;
         result *= std::cos(std::max(0.0, receiver));
     }
     return result;
@@ -50,10 +48,9 @@ TEST(LightBounds, ImportanceEqualsTheSlowTwin) {
         LightBounds b = RandomBounds(rng);
         Point3 p = Point3(1) + SampleUniformSphere(rng.Uniform2()) * (4 * rng.Uniform());
         Normal3 n = rng.UniformInt(3) ? SampleUniformSphere(rng.Uniform2()) : Normal3(0);
-        double slow = SlowImportance(b, p, n), fast = static_cast<double>(b.Importance(p, n));
+        double slow = SlowImportance(b, p, n), fast = double(b.Importance(p, n));
         positive += slow > 0;
-        double peak =
-            b.phi / static_cast<double>(std::max(DistanceSquared(p, b.Centroid()), Length(b.bounds.Diagonal()) / 2));
+        double peak = b.phi / double(std::max(DistanceSquared(p, b.Centroid()), Length(b.bounds.Diagonal()) / 2));
         if (slow > 0) {
             ASSERT_GT(fast, 0);
             ASSERT_NEAR(fast, slow, 4e-3 * peak);
@@ -89,7 +86,10 @@ TEST(LightBounds, UnionIsImportantWhereverAPartShines) {
     }
 }
 
-TEST(LightBounds, UnionWithNothingChangesNothing) {
+TEST(LightBounds, WithoutPowerAreUnimportantAndChangeNoUnion) {
+    LightBounds none;
+    none.bounds = Bounds3(Point3(0), Point3(1));
+    for (Float at : {0.5f, 3.f}) EXPECT_EQ(none.Importance(Point3(at), Normal3(0)), 0);
     Rng rng(3);
     LightBounds a = RandomBounds(rng), u = Union(LightBounds(), a);
     EXPECT_EQ(u.phi, a.phi);
@@ -111,13 +111,6 @@ TEST(LightBounds, ImportanceIsFiniteAtAnyPointAndScale) {
         EXPECT_GT(point.Importance(Point3(scale), Normal3(0, 0, 1)), 0)
             << "the importance at the light itself must be positive";
     }
-}
-
-TEST(LightBounds, NothingWithoutPower) {
-    LightBounds none;
-    none.bounds = Bounds3(Point3(0), Point3(1));
-    EXPECT_EQ(none.Importance(Point3(0.5f), Normal3(0)), 0);
-    EXPECT_EQ(none.Importance(Point3(3), Normal3(0)), 0);
 }
 
 }  // namespace

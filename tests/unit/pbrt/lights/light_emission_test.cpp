@@ -1,6 +1,4 @@
 // Rays that leave lights (SampleLe) and their densities, for every type of light.
-#include <gtest/gtest.h>
-
 #include "light_test_support.h"
 #include "pbrt/lights/environment_light.h"
 
@@ -10,134 +8,77 @@ namespace {
 const Transform kTurned = Transform::Translate({0.3f, -0.2f, 0.1f}) * Transform::Rotate(33, {1, 3, 2});
 const Transform kStretched = kTurned * Transform::Scale({1.6f, 0.7f, 1});
 
-/// Half of every primitive, u < 0.4, is cut away.
-class CutTexture final : public FloatTexture {
-  public:
-    Float Evaluate(const TextureContext &c) const override { return c.uv.x < Float(0.4) ? Float(0) : Float(0.8); }
-};
-
-/// A light with what must outlive it.
-struct Shooter {
-    std::vector<std::unique_ptr<TemporaryImage>> files;
-    std::shared_ptr<const Shape> shape;
-    CutTexture alpha;
-    std::unique_ptr<Light> light;
-    uint32_t part = 0;
-};
 struct EmissionCase {
-    std::string name;
-    std::function<void(Shooter &)> make;
-    bool powerIsExact = true;  ///< Phi is the power itself, not an estimate as in stock pbrt-v4
+    std::string name, type{};
+    Params params{};
+    Transform ctm = kTurned;
+    bool powerIsExact = true;              ///< Phi is the power itself, not an estimate as in stock pbrt-v4
+    Image image{};                         ///< the light's file
+    std::shared_ptr<const Shape> shape{};  ///< of area lights
+    uint32_t part = 0;
+    bool isCut = false;  ///< a part of the shape is cut away
 };
 void PrintTo(const EmissionCase &c, std::ostream *out) { *out << c.name; }
 
 Rgb Picture(int x, int y) {
     if (x == 5 && y == 2) return {9, 7, 2};
-    return {0.1f * static_cast<Float>(x), 0.3f, 0.05f * static_cast<Float>(y)};
+    return {0.1f * Float(x), 0.3f, 0.05f * Float(y)};
 }
-const std::string &File(Shooter &s, const Image &image) {
-    s.files.push_back(std::make_unique<TemporaryImage>("emission.exr", image));
-    return s.files.back()->Path();
+
+std::vector<EmissionCase> EmissionCases() {
+    const Image grey = GreyImage(8, [](int x, int y) { return x == 3 && y == 4 ? 6 : 0.1f * Float(x); });
+    const std::vector<Float> portal = {-1, -0.5f, 1, -1, 0.5f, 1, 1, 0.5f, 1, 1, -0.5f, 1},
+                             patch = {-1, -1, 0, 1, -1, 0.5f, -0.4f, 1, 0.2f, 0.3f, 0.8f, -0.6f};
+    const Params ball = Params().Number("radius", 0.7f);
+    MeshData mesh;
+    mesh.p = {{-1, -1, 0}, {1, -1, 0.2f}, {0.3f, 1, 0}, {-0.9f, 0.8f, 0.4f}};
+    mesh.indices = {0, 1, 2, 0, 2, 3};
+    return {
+        {"point", "point", Params().Point("from", {0.2f, 0.1f, 0.3f})},
+        {"spot", "spot", Cone(50, 20)},
+        {"spotWithoutEdge", "spot", Cone(50, 0)},
+        {"spotOfEdgeOnly", "spot", Cone(70, 70)},
+        {"spotBeyondAHalfSpace", "spot", Cone(120, 30)},
+        {"spotStretched", "spot", Cone(50, 20), kStretched, false},
+        {"goniometric", "goniometric", Params(), kTurned, true, grey},
+        {"goniometricStretched", "goniometric", Params(), kStretched, false, grey},
+        {"projection", "projection", Params().Number("fov", 70), kTurned, false, RgbImage({8, 4}, Picture)},
+        {"distant", "distant", Params().Point("from", {1, 2, 3}).Point("to", {0, 0, 0})},
+        {"skyOfOneColour", "infinite", Params().Rgb("L", 1, 2, 3)},
+        {"sky", "infinite", Params(), kTurned, true, RgbImage({8, 8}, Picture)},
+        {"portal", "infinite", Params().Floats(ParamType::Point3, "portal", portal), Transform::Rotate(40, {1, 2, 3}),
+         false, RgbImage({16, 16}, Picture)},
+        {.name = "triangle", .params = Params().Number("scale", 2), .shape = Triangle(kTurned)},
+        {.name = "triangleOfAMesh", .shape = std::make_shared<TriangleMesh>(mesh, kTurned, false), .part = 1},
+        {.name = "triangleOfTwoSides", .params = Params().Bool("twosided", true), .shape = Triangle(kTurned)},
+        {.name = "sphere", .shape = MakeShape("sphere", ball, kTurned)},
+        {.name = "egg", .shape = MakeShape("sphere", ball, kStretched)},
+        {.name = "patch",
+         .powerIsExact = false,
+         .shape = MakeShape("bilinearmesh", Params().Floats(ParamType::Point3, "P", patch), kTurned)},
+        {.name = "triangleWithHoles", .powerIsExact = false, .shape = Triangle(kTurned), .isCut = true},
+    };
 }
-Image Grey() {
-    Image image(PixelFormat::Float, {8, 8}, {"Y"});
-    for (int y = 0; y < 8; ++y)
-        for (int x = 0; x < 8; ++x) image.Set({x, y}, 0, x == 3 && y == 4 ? 6 : 0.1f * static_cast<Float>(x));
-    return image;
-}
-void Area(Shooter &s, std::shared_ptr<const Shape> shape, const Params &params, bool cut = false) {
-    s.shape = std::move(shape);
-    const Shape *const shapes[] = {s.shape.get()};
-    s.light = MakeAreaMaker(params)(shapes, cut ? &s.alpha : nullptr);
-}
-const EmissionCase kEmissionCases[] = {
-    {"point",
-     [](Shooter &s) {
-         s.light = Make("point", Params().Point("from", {0.2f, 0.1f, 0.3f}), kTurned);
-     }},
-    {"spot",
-     [](Shooter &s) {
-         s.light = Make("spot", Params().Number("coneangle", 50).Number("conedeltaangle", 20), kTurned);
-     }},
-    {"spotWithoutEdge",
-     [](Shooter &s) { s.light = Make("spot", Params().Number("coneangle", 50).Number("conedeltaangle", 0), kTurned); }},
-    {"spotOfEdgeOnly",
-     [](Shooter &s) {
-         s.light = Make("spot", Params().Number("coneangle", 70).Number("conedeltaangle", 70), kTurned);
-     }},
-    {"spotBeyondAHalfSpace",
-     [](Shooter &s) {
-         s.light = Make("spot", Params().Number("coneangle", 120).Number("conedeltaangle", 30), kTurned);
-     }},
-    {"spotStretched",
-     [](Shooter &s) {
-         s.light = Make("spot", Params().Number("coneangle", 50).Number("conedeltaangle", 20), kStretched);
-     },
-     false},
-    {"goniometric",
-     [](Shooter &s) { s.light = Make("goniometric", Params().String("filename", File(s, Grey())), kTurned); }},
-    {"goniometricStretched",
-     [](Shooter &s) { s.light = Make("goniometric", Params().String("filename", File(s, Grey())), kStretched); },
-     false},
-    {"projection",
-     [](Shooter &s) {
-         s.light = Make("projection", Params().String("filename", File(s, RgbImage({8, 4}, Picture))).Number("fov", 70),
-                        kTurned);
-     },
-     false},
-    {"distant",
-     [](Shooter &s) {
-         s.light = Make("distant", Params().Point("from", {1, 2, 3}).Point("to", {0, 0, 0}), kTurned);
-     }},
-    {"skyOfOneColour", [](Shooter &s) { s.light = Make("infinite", Params().Rgb("L", 1, 2, 3), kTurned); }},
-    {"sky",
-     [](Shooter &s) {
-         s.light = Make("infinite", Params().String("filename", File(s, RgbImage({8, 8}, Picture))), kTurned);
-     }},
-    {"portal",
-     [](Shooter &s) {
-         Params params;
-         params.String("filename", File(s, RgbImage({16, 16}, Picture)))
-             .Floats(ParamType::Point3, "portal", {-1, -0.5f, 1, -1, 0.5f, 1, 1, 0.5f, 1, 1, -0.5f, 1});
-         s.light = Make("infinite", params, Transform::Rotate(40, {1, 2, 3}));
-     },
-     false},
-    {"triangle", [](Shooter &s) { Area(s, Triangle(kTurned), Params().Number("scale", 2)); }},
-    {"triangleOfAMesh",
-     [](Shooter &s) {
-         MeshData data;
-         data.p = {{-1, -1, 0}, {1, -1, 0.2f}, {0.3f, 1, 0}, {-0.9f, 0.8f, 0.4f}};
-         data.indices = {0, 1, 2, 0, 2, 3};
-         Area(s, std::make_shared<TriangleMesh>(data, kTurned, false), Params());
-         s.part = 1;
-     }},
-    {"triangleOfTwoSides", [](Shooter &s) { Area(s, Triangle(kTurned), Params().Bool("twosided", true)); }},
-    {"sphere", [](Shooter &s) { Area(s, MakeShape("sphere", Params().Number("radius", 0.7f), kTurned), Params()); }},
-    {"egg", [](Shooter &s) { Area(s, MakeShape("sphere", Params().Number("radius", 0.7f), kStretched), Params()); }},
-    {"patch",
-     [](Shooter &s) {
-         Params patch;
-         patch.Floats(ParamType::Point3, "P", {-1, -1, 0, 1, -1, 0.5f, -0.4f, 1, 0.2f, 0.3f, 0.8f, -0.6f});
-         Area(s, MakeShape("bilinearmesh", patch, kTurned), Params());
-     },
-     false},
-    {"triangleWithHoles", [](Shooter &s) { Area(s, Triangle(kTurned), Params(), true); }, false},
-};
 
 class Emission : public testing::TestWithParam<EmissionCase> {
   protected:
     Emission() {
-        GetParam().make(shooter_);
-        shooter_.light->Preprocess({0.1f, 0.2f, 0.1f}, 4);
+        const EmissionCase &c = GetParam();
+        Params params = c.params;
+        if (c.image) params.String("filename", file_.emplace("emission.exr", c.image).Path());
+        light_ = c.shape ? MakeAreaLight(params, *c.shape, c.isCut ? &cut_ : nullptr) : Make(c.type, params, c.ctm);
+        light_->Preprocess({0.1f, 0.2f, 0.1f}, 4);
     }
-    LightComponent TheLight() const { return {*shooter_.light, shooter_.part}; }
+    LightComponent TheLight() const { return {*light_, GetParam().part}; }
     static Float Flux(const LightLeSample &s) {
         const Float cosine = s.n == Normal3(0) ? 1 : AbsDot(s.n, s.ray.d);
         return s.L.Average() * cosine / (s.pdfPosition * s.pdfDirection);
     }
 
   private:
-    Shooter shooter_;
+    const CutTexture cut_{0.4f, 0.8f};
+    std::optional<TemporaryImage> file_;
+    std::unique_ptr<Light> light_;
 };
 
 TEST_P(Emission, SamplesCarryThePower) {
@@ -145,7 +86,7 @@ TEST_P(Emission, SamplesCarryThePower) {
     RunningStatistics flux;
     for (int i = 0; i < 60000; ++i) {
         const auto s = TheLight().SampleLe(rng.Uniform2(), rng.Uniform2(), kLambda);
-        flux.Add(s ? static_cast<double>(Flux(*s)) : 0);
+        flux.Add(s ? double(Flux(*s)) : 0);
     }
     const double power = TheLight().Phi(kLambda).Average();
     ASSERT_GT(power, 0);
@@ -199,16 +140,15 @@ TEST_P(Emission, LightReachesAReceiverAsItDoesBySamplingTheLight) {
         if (s) {
             const Float along = Dot(s->ray.d, frame.z), t = Dot(middle - s->ray.o, frame.z) / along;
             const Vector3 at = frame.ToLocal(s->ray(t) - middle);
-            if (t > 0 && std::abs(at.x) < kHalf && std::abs(at.y) < kHalf) flux = static_cast<double>(Flux(*s));
+            if (t > 0 && std::abs(at.x) < kHalf && std::abs(at.y) < kHalf) flux = double(Flux(*s));
         }
         shot.Add(flux);
         const Point2 u = rng.Uniform2();
         const Point3 p = middle + frame.x * ((2 * u.x - 1) * kHalf) + frame.y * ((2 * u.y - 1) * kHalf);
-        LightSampleContext from = At(p);
-        const auto li = TheLight().SampleLi(from, rng.Uniform2(), kLambda, false);
+        const auto li = TheLight().SampleLi(At(p), rng.Uniform2(), kLambda, false);
         double irradiance = 0;
         if (li && li->pdf > 0)
-            irradiance = static_cast<double>(li->L.Average() * AbsDot(li->wi, frame.z) / li->pdf * Sqr(2 * kHalf));
+            irradiance = double(li->L.Average() * AbsDot(li->wi, frame.z) / li->pdf * Sqr(2 * kHalf));
         gathered.Add(irradiance);
     }
     ASSERT_GT(gathered.mean, 0);
@@ -226,10 +166,8 @@ TEST_P(Emission, DirectionsFollowTheirDensity) {
     Rng rng(8);
     int drawn = 0;
     auto cell = [](const Vector3 &w) {
-        const Point2 st = EqualAreaSphereToSquare(w);
-        const int x = std::clamp(static_cast<int>(st.x * kN), 0, kN - 1),
-                  y = std::clamp(static_cast<int>(st.y * kN), 0, kN - 1);
-        return static_cast<size_t>(y * kN + x);
+        const Point2i at = PixelAt(EqualAreaSphereToSquare(w), {kN, kN});
+        return at.y * kN + at.x;
     };
     std::optional<LightLeSample> any;
     // A point of the portal, which all its rays cross.
@@ -246,14 +184,11 @@ TEST_P(Emission, DirectionsFollowTheirDensity) {
     double total = 0;
     for (int y = 0; y < kN * kSub; ++y)
         for (int x = 0; x < kN * kSub; ++x) {
-            const Vector3 w = EqualAreaSquareToSphere(
-                {(static_cast<Float>(x) + 0.5f) / (kN * kSub), (static_cast<Float>(y) + 0.5f) / (kN * kSub)});
-            const Vector3 render = isLocal ? Frame::FromZ(any->n).FromLocal(w) : w;
-            const double mass =
-                static_cast<double>(
-                    TheLight().PdfLe(isPortal ? Point3(0, 0, 1) : any->ray.o, any->n, render).direction) *
-                4 * std::numbers::pi / (kN * kSub * kN * kSub);
-            expected[static_cast<size_t>(y / kSub * kN + x / kSub)] += mass;
+            const Vector3 w = EqualAreaSquareToSphere(PixelCenter(x, y, Point2i(kN * kSub)));
+            const LightLePdf pdf = TheLight().PdfLe(isPortal ? Point3(0, 0, 1) : any->ray.o, any->n,
+                                                    isLocal ? Frame::FromZ(any->n).FromLocal(w) : w);
+            const double mass = double(pdf.direction) * 4 * std::numbers::pi / (kN * kSub * kN * kSub);
+            expected[y / kSub * kN + x / kSub] += mass;
             total += mass;
         }
     // Edges of cones and images do not follow the cells.
@@ -265,8 +200,7 @@ TEST_P(Emission, DirectionsFollowTheirDensity) {
     EXPECT_LT(distance / drawn, 0.06);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Emission, testing::ValuesIn(kEmissionCases),
-                         [](const auto &test) { return test.param.name; });
+INSTANTIATE_TEST_SUITE_P(All, Emission, testing::ValuesIn(EmissionCases()), testing::PrintToStringParamName());
 
 }  // namespace
 }  // namespace pbrt::test

@@ -1,5 +1,3 @@
-#include "pbrt/lights/light_table.h"
-
 #include <gtest/gtest.h>
 
 #include "support/given_lights.h"
@@ -37,7 +35,7 @@ TEST(LightGroups, APartBelongsToItsLight) {
     std::vector<uint32_t> expected = {0, 1, 1, 1, 1, 2, 2, 3};
     for (uint32_t i = 0; i < expected.size(); ++i) EXPECT_EQ(groups.GroupOf(LightId(i)), expected[i]);
     const double unit = table->Unit();
-    EXPECT_NEAR(static_cast<double>(groups.Candidate(1).power) * unit, 10, 1e-5);
+    EXPECT_NEAR(double(groups.Candidate(1).power) * unit, 10, 1e-5);
     EXPECT_NEAR(groups.Candidate(1).bounds->phi * unit, 10, 1e-5);
     EXPECT_EQ(groups.Candidate(1).bounds->bounds.high.x, 6);
     EXPECT_EQ(table->ByComponent().Size(), table->Size());
@@ -63,7 +61,7 @@ TEST(LightGroups, SharesFollowPowerAndSumToOne) {
     const LightGroups &groups = table->ByLight();
     std::vector<double> perGroup(groups.Size(), 0.0);
     for (uint32_t i = 0; i < table->Size(); ++i)
-        perGroup[groups.GroupOf(LightId(i))] += static_cast<double>(groups.ShareOf(LightId(i)));
+        perGroup[groups.GroupOf(LightId(i))] += double(groups.ShareOf(LightId(i)));
     for (double sum : perGroup) EXPECT_NEAR(sum, 1, 1e-6);
     EXPECT_NEAR(groups.ShareOf(LightId(4u)), 0.6, 1e-6);
     EXPECT_EQ(groups.ShareOf(LightId(2u)), 0.f);
@@ -77,7 +75,7 @@ TEST(LightGroups, SampleLightMatchesShares) {
     std::vector<double> observed(table->Size(), 0.0), expected(table->Size(), 0.0);
     Rng rng(5);
     for (int i = 0; i < n; ++i) ++observed[groups.SampleLight(1, rng.Uniform()).value];
-    for (uint32_t i = 1; i < 5; ++i) expected[i] = n * static_cast<double>(groups.ShareOf(LightId(i)));
+    for (uint32_t i = 1; i < 5; ++i) expected[i] = n * double(groups.ShareOf(LightId(i)));
     EXPECT_GT(ChiSquareTest(observed, expected), 1e-4);
     EXPECT_EQ(observed[2], 0);
     EXPECT_EQ(groups.SampleLight(1, 0.f).value, 1u);
@@ -90,7 +88,7 @@ TEST(LightGroups, InnerNumberIsUniformWithinAnyPartOfTheOuterOne) {
     Rng rng(9);
     for (int i = 0; i < 1000000; ++i) {
         Float u = 0.7f + 0.001f * rng.Uniform();
-        ++observed[static_cast<size_t>(LightGroups::InnerNumber(u, Point3(rng.Uniform(), 1, 2)) * 64)];
+        ++observed[size_t(LightGroups::InnerNumber(u, Point3(rng.Uniform(), 1, 2)) * 64)];
     }
     EXPECT_GT(ChiSquareTest(observed, expected), 1e-4);
 }

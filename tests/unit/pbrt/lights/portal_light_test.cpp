@@ -1,5 +1,3 @@
-#include <gtest/gtest.h>
-
 #include "light_test_support.h"
 #include "pbrt/lights/infinite_lights.h"
 #include "support/errors.h"
@@ -9,7 +7,7 @@ namespace {
 
 Rgb SkyBehindPortal(int x, int y) {
     if (x == 9 && y == 5) return {12, 9, 4};
-    return {0.1f * static_cast<Float>(x), 0.4f, 0.05f * static_cast<Float>(y)};
+    return {0.1f * Float(x), 0.4f, 0.05f * Float(y)};
 }
 
 /// A window of 2 x 1 in the plane z = 1, seen from below (cross(p3 - p0, p1 - p0) is +z); the whole is turned by kTurn.
@@ -23,12 +21,12 @@ std::vector<Float> Corners(const Transform &turn = kTurn) {
     return v;
 }
 
+Params BehindPortal(Params sky) { return sky.Floats(ParamType::Point3, "portal", Corners()); }
+
 class SkyThroughPortal : public testing::Test {
   protected:
     SkyThroughPortal() : file_("portal.exr", RgbImage({16, 16}, SkyBehindPortal)) {}
-    Params File() const {
-        return Params().String("filename", file_.Path()).Floats(ParamType::Point3, "portal", Corners());
-    }
+    Params File() const { return BehindPortal(FileParams(file_)); }
     std::unique_ptr<Light> MakeIt() const {
         auto light = Make("infinite", File().Number("scale", 0.8f), Transform::Rotate(40, {1, 2, 3}));
         light->Preprocess({0, 0, 0}, 5);
@@ -42,6 +40,11 @@ class SkyThroughPortal : public testing::Test {
         Point3 hit = o + d * ((1 - o.z) / d.z);
         return std::abs(hit.x) < 1 + margin && std::abs(hit.y) < Float(0.5) + margin;
     }
+    /// A point in a box of the portal's coordinates.
+    static Point3 RandomPoint(Rng &rng, const Point3 &low, const Point3 &high) {
+        const Float x = rng.Uniform(), y = rng.Uniform(), z = rng.Uniform();
+        return kTurn.Point(low + (high - low) * Vector3(x, y, z));
+    }
     TemporaryImage file_;
 };
 
@@ -51,40 +54,23 @@ TEST_F(SkyThroughPortal, DirectionsFollowTheDensityOfThePointTheyAreSeenFrom) {
     auto light = MakeIt();
     for (const Point3 &place : kViewpoints) {
         Point3 p = kTurn.Point(place);
-        // The cells are those of the window itself, so that from every place equally many can be sampled. The expected
-        // counts are the density per solid angle times the solid angle of small pieces of the window.
-        constexpr int kX = 12, kY = 8, kSub = 60, kSamples = 40000;
-        std::vector<double> observed(kX * kY), expected(kX * kY);
-        double total = 0;
-        for (int i = 0; i < kX * kSub; ++i)
-            for (int j = 0; j < kY * kSub; ++j) {
-                Point3 onWindow((static_cast<Float>(i) + 0.5f) / (kX * kSub) * 2 - 1,
-                                (static_cast<Float>(j) + 0.5f) / (kY * kSub) - 0.5f, 1);
-                Vector3 d = onWindow - place;
-                Float d2 = LengthSquared(d);
-                Vector3 w = Normalize(kTurn.Vector(d));
-                double solidAngle = static_cast<double>(d.z / (d2 * std::sqrt(d2))) * 2 / (kX * kSub * kY * kSub);
-                double mass = static_cast<double>(light->PdfLi(At(p), w, {}, {}, true)) * solidAngle;
-                expected[static_cast<size_t>(i / kSub * kY + j / kSub)] += mass;
-                total += mass;
-            }
-        EXPECT_NEAR(total, 1, 1e-2) << "seen from z " << place.z;
-        Rng rng(4);
-        int drawn = 0;
-        for (int k = 0; k < kSamples; ++k) {
-            auto s = light->SampleLi(At(p), rng.Uniform2(), kLambda, k % 2 == 0);
-            if (!s) continue;
-            ++drawn;
-            ASSERT_TRUE(ThroughWindow(p, s->wi, 1e-3f));
-            Vector3 d = kTurn.InverseVector(s->wi);
-            Point3 hit = place + d * ((1 - place.z) / d.z);
-            auto i = std::clamp(static_cast<int>((hit.x + 1) / 2 * kX), 0, kX - 1),
-                 j = std::clamp(static_cast<int>((hit.y + 0.5f) * kY), 0, kY - 1);
-            observed[static_cast<size_t>(i * kY + j)] += 1;
-        }
-        EXPECT_EQ(drawn, kSamples);
-        for (double &e : expected) e *= drawn / total;
-        EXPECT_GT(ChiSquareTest(observed, expected, 20), 1e-4) << place.z;
+        constexpr int kSamples = 40000;
+        int k = 0;
+        const auto draw = [&](const Point2 &u) -> std::optional<Vector3> {
+            const auto s = light->SampleLi(At(p), u, kLambda, ++k % 2 == 0);
+            if (!s) return {};
+            EXPECT_TRUE(ThroughWindow(p, s->wi, 1e-3f));
+            return s->wi;
+        };
+        RectangleCounts counts = CountThroughRectangle(
+            {kTurn.Vector({1, 0, 0}), kTurn.Vector({0, 1, 0}), kTurn.Vector({0, 0, 1})}, Vector3(-1, -0.5f, 1) - place,
+            Vector3(1, 0.5f, 1) - place, kSamples, draw,
+            [&](const Vector3 &w) { return light->PdfLi(At(p), w, {}, {}, true); }, 60);
+        EXPECT_NEAR(counts.mass, 1, 1e-2) << "seen from z " << place.z;
+        EXPECT_EQ(counts.observed.back(), 0);
+        counts.expected.back() = 0;
+        for (double &e : counts.expected) e /= counts.mass;
+        EXPECT_GT(ChiSquareTest(counts.observed, counts.expected, 20), 1e-4) << place.z;
     }
 }
 
@@ -93,7 +79,7 @@ TEST_F(SkyThroughPortal, DensityAndRadianceOfASampleAreThoseOfItsDirection) {
     Rng rng(5);
     int same = 0, all = 0;
     for (int k = 0; k < 20000; ++k) {
-        Point3 p = kTurn.Point(Point3(6 * rng.Uniform() - 3, 6 * rng.Uniform() - 3, 0.9f - 3 * rng.Uniform()));
+        const Point3 p = RandomPoint(rng, {-3, -3, 0.9f}, {3, 3, -2.1f});
         auto s = light->SampleLi(At(p), rng.Uniform2(), kLambda, true);
         if (!s) continue;
         ++all;
@@ -112,12 +98,12 @@ TEST_F(SkyThroughPortal, LightComesOnlyThroughTheWindowAndOnlyInwards) {
     Rng rng(6);
     int through = 0;
     for (int k = 0; k < 50000; ++k) {
-        Point3 place(6 * rng.Uniform() - 3, 6 * rng.Uniform() - 3, 4 * rng.Uniform() - 2), p = kTurn.Point(place);
+        const Point3 p = RandomPoint(rng, {-3, -3, -2}, {3, 3, 2});
         Vector3 w = SampleUniformSphere(rng.Uniform2());
         if (ThroughWindow(p, w, 1e-3f) != ThroughWindow(p, w, -1e-3f)) continue;
         bool expected = ThroughWindow(p, w, 0);
         through += expected;
-        ASSERT_EQ(static_cast<bool>(light->Le(p, w, kLambda)), expected);
+        ASSERT_EQ(bool(light->Le(p, w, kLambda)), expected);
         ASSERT_EQ(light->PdfLi(At(p), w, {}, {}, true) > 0, expected);
     }
     EXPECT_GT(through, 500);
@@ -130,18 +116,16 @@ TEST_F(SkyThroughPortal, LightComesOnlyThroughTheWindowAndOnlyInwards) {
 TEST_F(SkyThroughPortal, WhatIsSeenThroughItIsTheSkyBeyond) {
     // A smooth sky, which resampling changes little.
     TemporaryImage smooth("smooth.exr", RgbImage({64, 64}, [](int x, int y) {
-                              Vector3 w = EqualAreaSquareToSphere(
-                                  {(static_cast<Float>(x) + 0.5f) / 64, (static_cast<Float>(y) + 0.5f) / 64});
+                              const Vector3 w = EqualAreaSquareToSphere(PixelCenter(x, y, {64, 64}));
                               return Rgb(1 + 0.5f * w.x, 1 + 0.5f * w.y, 1 + 0.5f * w.z);
                           }));
     Transform ctm = Transform::Rotate(70, {2, 1, 0});
-    auto open = Make("infinite", Params().String("filename", smooth.Path()), ctm);
-    auto portal = Make("infinite",
-                       Params().String("filename", smooth.Path()).Floats(ParamType::Point3, "portal", Corners()), ctm);
+    auto open = Make("infinite", FileParams(smooth), ctm);
+    auto portal = Make("infinite", BehindPortal(FileParams(smooth)), ctm);
     Rng rng(7);
     int seen = 0;
     for (int k = 0; k < 20000; ++k) {
-        Point3 p = kTurn.Point(Point3(2 * rng.Uniform() - 1, rng.Uniform() - 0.5f, 0.95f - rng.Uniform()));
+        const Point3 p = RandomPoint(rng, {-1, -0.5f, 0.95f}, {1, 0.5f, -0.05f});
         Vector3 w = SampleUniformSphere(rng.Uniform2());
         if (!ThroughWindow(p, w, -1e-3f)) continue;
         ++seen;
@@ -158,8 +142,7 @@ TEST_F(SkyThroughPortal, PhiIsWhatComesThroughTheWindow) {
     for (int k = 0; k < 200000; ++k) {
         Vector3 w = SampleCosineHemisphere(rng.Uniform2());
         Point3 p = kTurn.Point(Point3(0, 0, 0.9999f));
-        stats.Add(static_cast<double>(light->Le(p, Normalize(kTurn.Vector(w)), kLambda).Average()) * std::numbers::pi *
-                  2);
+        stats.Add(double(light->Le(p, Normalize(kTurn.Vector(w)), kLambda).Average()) * std::numbers::pi * 2);
     }
     double phi = light->Phi(kLambda).Average();
     EXPECT_NEAR(stats.mean, phi, 4.5 * stats.StandardError() + 2e-2 * phi);
@@ -175,7 +158,7 @@ TEST_F(SkyThroughPortal, IsGivenInWorldSpaceAndStaysThereInAnyRenderingSpace) {
         Rng rng(9);
         int seen = 0, same = 0;
         for (int k = 0; k < 4000; ++k) {
-            Point3 p = kTurn.Point(Point3(2 * rng.Uniform() - 1, rng.Uniform() - 0.5f, 1.5f - 2 * rng.Uniform()));
+            const Point3 p = RandomPoint(rng, {-1, -0.5f, 1.5f}, {1, 0.5f, -0.5f});
             Vector3 w = SampleUniformSphere(rng.Uniform2());
             Float a = light->Le(p, w, kLambda).Average(),
                   b = moved->Le(renderFromWorld.Point(p), renderFromWorld.Vector(w), kLambda).Average();
@@ -215,33 +198,26 @@ TEST(PortalIlluminance, IsMeasuredInTheOrderOfTheChannelsInTheFile) {
     const Rgb reversed(weights.z, weights.y, weights.x);
     const Image image = RgbImage({64, 64}, [&](int, int) { return sky; });
     TemporaryImage exr("sky.exr", image), pfm("sky.pfm", image);
-    auto nits = [](Params params) {
-        auto light = Make("infinite", params.Number("illuminance", 3));
-        const Point3 p = kTurn.Point({0, 0, 0});
-        const Vector3 w = Normalize(kTurn.Vector({0, 0, 1}));
-        return Photometric([&](const SampledWavelengths &l) { return light->Le(p, w, l); });
-    };
-    auto behindPortal = [&](const TemporaryImage &file) {
-        return nits(Params().String("filename", file.Path()).Floats(ParamType::Point3, "portal", Corners()));
+    const auto nits = [](Params params) {
+        return Nits(*Make("infinite", params.Number("illuminance", 3)), kTurn.Vector({0, 0, 1}),
+                    kTurn.Point(Point3(0)));
     };
     // As in stock pbrt-v4 without a portal, there is a factor of two: an even sky of luminance 1 counts as pi / 2.
     auto expected = [&](const Rgb &counted) {
         const Float luminance = Dot(weights, sky), measured = Dot(counted, sky) * Pi / 2;
-        return static_cast<double>(luminance * 3 / measured);
+        return double(luminance * 3 / measured);
     };
-    EXPECT_NEAR(behindPortal(exr), expected(reversed), 3e-3 * expected(reversed));
-    EXPECT_NEAR(behindPortal(pfm), expected(weights), 3e-3 * expected(weights));
-    EXPECT_NEAR(nits(Params().String("filename", exr.Path())), expected(weights), 3e-3 * expected(weights));
+    EXPECT_NEAR(nits(BehindPortal(FileParams(exr))), expected(reversed), 3e-3 * expected(reversed));
+    EXPECT_NEAR(nits(BehindPortal(FileParams(pfm))), expected(weights), 3e-3 * expected(weights));
+    EXPECT_NEAR(nits(FileParams(exr)), expected(weights), 3e-3 * expected(weights));
     EXPECT_GT(expected(weights) / expected(reversed), 1.2);
 }
 
 TEST(PortalOfOneColour, KeepsTheUnitsOfTheLight) {
     DiagnosticSink sink;
-    Vector3 w = Normalize(kTurn.Vector({0, 0, 1}));
-    auto nits = [&](Params params) {
-        params.Floats(ParamType::Point3, "portal", Corners());
-        auto light = Make("infinite", params, {}, {}, sink);
-        return Photometric([&](const SampledWavelengths &l) { return light->Le(kTurn.Point({0, 0, 0}), w, l); });
+    const auto nits = [&](const Params &params) {
+        auto light = Make("infinite", BehindPortal(params), {}, {}, sink);
+        return Nits(*light, kTurn.Vector({0, 0, 1}), kTurn.Point(Point3(0)));
     };
     EXPECT_NEAR(nits(Params().Rgb("L", 3, 3, 3).Number("scale", 2)), 6, 0.02);
     EXPECT_TRUE(sink.All().empty());

@@ -5,13 +5,13 @@
 
 // Where the steps of the Halton sampler come from, and that it takes them.
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
 
 constexpr Point2i kFilm(150, 100);
 constexpr uint64_t kStride = 128 * 243;
 
-uint32_t BaseOf(int dimension) { return Primes[static_cast<size_t>(dimension)]; }
+uint32_t BaseOf(int dimension) { return Primes[dimension]; }
 
 uint32_t MultiplierFor(int dimension, uint32_t step) {
     const uint32_t base = BaseOf(dimension), stride = kStride % base;
@@ -31,21 +31,19 @@ class StepSearch {
     }
     /// The costs of all steps of the next dimension, from step 1 to half of the base; larger steps mirror these.
     std::vector<double> NextCosts() {
-        const int d = static_cast<int>(kernels_.size());
+        const int d = int(kernels_.size());
         others_.assign(kOffsets * kPairs, 1);
         diagonal_ = 1;
         for (int j = 0; j < d; ++j) {
             const double weight = j < 2 ? (d >= 5 && d < 16 ? 0.3 : 0) : (d - j <= 6 ? 0.5 : 0);
             diagonal_ *= 1 + weight;
-            for (size_t i = 0; i < others_.size(); ++i) others_[i] *= 1 + weight * kernels_[static_cast<size_t>(j)][i];
+            for (size_t i = 0; i < others_.size(); ++i) others_[i] *= 1 + weight * kernels_[j][i];
         }
         std::vector<double> costs;
         for (uint32_t step = 1; step <= BaseOf(d) / 2; ++step) costs.push_back(CostOf(KernelOf(d, step)));
         return costs;
     }
-    void Choose(int step) {
-        kernels_.push_back(KernelOf(static_cast<int>(kernels_.size()), static_cast<uint32_t>(step)));
-    }
+    void Choose(int step) { kernels_.push_back(KernelOf(int(kernels_.size()), uint32_t(step))); }
 
   private:
     static constexpr int kSamples = 64;
@@ -73,8 +71,8 @@ class StepSearch {
     }
     static std::vector<double> KernelOf(int d, uint32_t step) {
         const uint32_t multiplier = MultiplierFor(d, step);
-        const auto seed = static_cast<uint64_t>(d);
-        return KernelOf([&](uint64_t a) { return double(test::AffineRadicalInverse(BaseOf(d), a, multiplier, seed)); });
+        const auto seed = uint64_t(d);
+        return KernelOf([&](uint64_t a) { return double(AffineRadicalInverse(BaseOf(d), a, multiplier, seed)); });
     }
     double CostOf(const std::vector<double> &kernel) const {
         double cost = 0;
@@ -101,12 +99,10 @@ TEST(HaltonSteps, AreThoseThatTheSearchFinds) {
     for (int d = 2; d < HaltonSampler::StepCount; ++d) {
         const std::vector<double> costs = search.NextCosts();
         const auto best = std::min_element(costs.begin(), costs.end());
-        const int step = static_cast<int>(best - costs.begin()) + 1;
+        const int step = int(best - costs.begin()) + 1;
         // On another machine rounding may decide a tie differently.
         const int listed = HaltonSampler::Step(d);
-        if (listed < 1 || listed > static_cast<int>(costs.size()) ||
-            costs[static_cast<size_t>(listed - 1)] > *best + 1e-9)
-            same = false;
+        if (listed < 1 || listed > int(costs.size()) || costs[listed - 1] > *best + 1e-9) same = false;
         found += fmt::format(", {}", step);
         search.Choose(same ? listed : step);
     }
@@ -122,8 +118,7 @@ TEST(HaltonSteps, NumbersArePermutedByThem) {
                 const uint64_t a = sampler.Index(), seed = DigitPermutations::SeedOf(Hash(4), d);
                 const Float expected =
                     d < HaltonSampler::StepCount
-                        ? test::AffineRadicalInverse(
-                              BaseOf(d), a, MultiplierFor(d, static_cast<uint32_t>(HaltonSampler::Step(d))), seed)
+                        ? AffineRadicalInverse(BaseOf(d), a, MultiplierFor(d, uint32_t(HaltonSampler::Step(d))), seed)
                         : PermutedRadicalInverse(BaseOf(d), a, seed);
                 ASSERT_NEAR(sampler.Get1D(), expected, 2e-7f) << i << " " << d;
             }
@@ -131,4 +126,4 @@ TEST(HaltonSteps, NumbersArePermutedByThem) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

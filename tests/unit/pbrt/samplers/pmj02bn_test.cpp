@@ -2,14 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <set>
 
 #include "sampler_cases.h"
 #include "support/sampling.h"
 #include "support/statistics.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
 
 bool IsNet(std::span<const BinaryPoint> points) { return test::IsNet(points); }
@@ -44,17 +43,17 @@ double MeanNearest(std::span<const BinaryPoint> points) {
         double nearest = 9;
         for (const BinaryPoint &q : points) {
             if (&p == &q) continue;
-            const double u = static_cast<int32_t>(q.x - p.x) * 0x1p-32, v = static_cast<int32_t>(q.y - p.y) * 0x1p-32;
+            const double u = int32_t(q.x - p.x) * 0x1p-32, v = int32_t(q.y - p.y) * 0x1p-32;
             nearest = std::min(nearest, std::hypot(u, v));
         }
         sum += nearest;
     }
-    return sum / std::sqrt(static_cast<double>(points.size()));
+    return sum / std::sqrt(double(points.size()));
 }
 
 TEST(Pmj02bnSequence, PointsKeepFartherApartThanOtherNetsDo) {
     for (size_t count : {16, 64, 256, 1024}) {
-        test::RunningStatistics blue, plain;
+        RunningStatistics blue, plain;
         for (uint64_t seed = 0; seed < 6; ++seed) {
             const std::vector<BinaryPoint> searched = MakePmj02bn(10, 5, seed), drawn = MakePmj02bn(10, 0, seed);
             blue.Add(MeanNearest({searched.data(), count}));
@@ -78,7 +77,7 @@ TEST(BlueNoiseMask, HoldsEveryRankOnceAndNearRanksApart) {
     EXPECT_EQ(mask.Rank(3, 5), mask.Rank(3 + kSize, 5 + 7 * kSize));
     // The variance of means over 4 x 4 pixels would be a sixteenth of that of a pixel for white noise; here it must be
     // much lower.
-    test::RunningStatistics pixels, blocks;
+    RunningStatistics pixels, blocks;
     for (uint32_t y = 0; y < kSize; ++y)
         for (uint32_t x = 0; x < kSize; ++x) {
             double sum = 0;
@@ -90,11 +89,11 @@ TEST(BlueNoiseMask, HoldsEveryRankOnceAndNearRanksApart) {
 }
 
 std::unique_ptr<Sampler> MakePmj02bnSampler(int samples, int seed = 0) {
-    return test::SamplerCase{"pmj02bn", ""}.Make(samples, seed);
+    return SamplerCase{"pmj02bn", ""}.Make(samples, seed);
 }
 
 BinaryPoint Fractions(const Point2 &p) {
-    auto fraction = [](Float u) { return static_cast<uint32_t>(double(u) * 0x1p32); };
+    auto fraction = [](Float u) { return uint32_t(double(u) * 0x1p32); };
     return {fraction(p.x), fraction(p.y)};
 }
 
@@ -128,8 +127,7 @@ TEST(Pmj02bnSampler, FlipsAndOrdersDifferFromPixelToPixel) {
         firsts.insert(points[0].x);
         std::vector<int> order(16);
         for (int i = 0; i < 16; ++i)
-            for (int k = 0; k < 16; ++k)
-                order[static_cast<size_t>(i)] += points[static_cast<size_t>(k)].x < points[static_cast<size_t>(i)].x;
+            for (int k = 0; k < 16; ++k) order[i] += points[k].x < points[i].x;
         orders.insert(order);
     }
     EXPECT_EQ(firsts.size(), 20u);
@@ -145,7 +143,7 @@ TEST(Pmj02bnSampler, PositionsInThePixelAreNetsInEveryRound) {
                 for (int i = 0; i < samples; ++i) {
                     s->StartPixelSample(pixel, round * samples + i);
                     points.push_back(Fractions(s->GetPixel2D()));
-                    if (std::has_single_bit(static_cast<unsigned>(i + 1))) {
+                    if (std::has_single_bit(unsigned(i + 1))) {
                         EXPECT_TRUE(IsNet(points)) << samples << " " << i;
                     }
                 }
@@ -162,14 +160,14 @@ TEST(Pmj02bnSampler, PositionsOfATileAreOneNet) {
             for (int i = 0; i < 16; ++i) {
                 s->StartPixelSample({x, y}, i);
                 const Point2 p = Point2(x, y) + s->GetPixel2D();
-                ++taken[static_cast<size_t>(p.x * 4) * 32 + static_cast<size_t>(p.y * 4)];
+                ++taken[size_t(p.x * 4) * 32 + size_t(p.y * 4)];
             }
     for (uint32_t n : taken) EXPECT_EQ(n, 1u);
 }
 
 /// Root mean square error of the means of f over the samples of a pixel.
 template <class F>
-double PixelError(const test::SamplerCase &c, int samples, double truth, F f) {
+double PixelError(const SamplerCase &c, int samples, double truth, F f) {
     double sum = 0;
     std::unique_ptr<Sampler> s = c.Make(samples);
     for (int y = 0; y < 16; ++y)
@@ -188,7 +186,7 @@ TEST(Pmj02bnSampler, ErrorsFallAsThoseOfANetNotAsThoseOfIndependentSamples) {
     auto disk = [](const Point2 &p) { return p.x * p.x + p.y * p.y < 0.64f ? 1.0 : 0.0; };
     auto smooth = [](const Point2 &p) { return std::exp(-double(p.x * p.x + p.y * p.y)); };
     const double diskMean = M_PI / 4 * 0.64, e = std::erf(1.0) * std::sqrt(M_PI) / 2, smoothMean = e * e;
-    const test::SamplerCase pmj{"pmj02bn", ""}, independent{"independent", ""};
+    const SamplerCase pmj{"pmj02bn", ""}, independent{"independent", ""};
     // The error of independent samples halves from 64 to 256 samples.
     EXPECT_NEAR(PixelError(independent, 256, diskMean, disk) / PixelError(independent, 64, diskMean, disk), 0.5, 0.1);
     EXPECT_LT(PixelError(pmj, 256, diskMean, disk), 0.4 * PixelError(independent, 256, diskMean, disk));
@@ -199,8 +197,8 @@ TEST(Pmj02bnSampler, ErrorsFallAsThoseOfANetNotAsThoseOfIndependentSamples) {
 
 TEST(Pmj02bnSampler, ErrorsOfNeighbouringPixelsCancel) {
     // At one sample per pixel, means over 4 x 4 pixels have a smaller error with blue noise than with white noise.
-    auto blockError = [](const test::SamplerCase &c) {
-        test::RunningStatistics squares;
+    auto blockError = [](const SamplerCase &c) {
+        RunningStatistics squares;
         std::unique_ptr<Sampler> s = c.Make(1);
         for (int by = 0; by < 12; ++by)
             for (int bx = 0; bx < 16; ++bx) {
@@ -217,4 +215,4 @@ TEST(Pmj02bnSampler, ErrorsOfNeighbouringPixelsCancel) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

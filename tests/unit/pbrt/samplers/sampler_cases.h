@@ -1,18 +1,10 @@
 #pragma once
-#include <memory>
-#include <string>
-#include <vector>
-
 #include "pbrt/samplers/sampler.h"
-#include "support/param.h"
+#include "support/given_params.h"
 
 namespace pbrt::test {
 
-inline ParamSet Params(const std::string &type, const std::vector<Param> &params) {
-    ParamSet set("Sampler \"" + type + "\"", {});
-    for (const Param &p : params) set.Add(p);
-    return set;
-}
+constexpr const char *kRandomizations[] = {"none", "permutedigits", "owen", "fastowen"};  ///< of the Sobol samplers
 
 /// A sampler with one of its randomizations ("": the default).
 struct SamplerCase {
@@ -20,10 +12,10 @@ struct SamplerCase {
     bool pixelOwnsDimensions = true;  ///< dimensions are counted from 0, and GetPixel2D uses two of them
 
     std::unique_ptr<Sampler> Make(int samples, int seed = 0, Point2i resolution = {64, 48}) const {
-        std::vector<Param> params;
-        if (!randomization.empty()) params.push_back(StringParam("randomization", randomization));
+        Params params;
+        if (!randomization.empty()) params.String("randomization", randomization);
         DiagnosticSink sink;
-        return Samplers().Make(type, Params(type, params), SamplerContext{resolution, samples, seed, sink});
+        return Samplers().Make(type, params, SamplerContext{resolution, samples, seed, sink});
     }
     std::string Name() const { return type + (randomization.empty() ? "" : "_" + randomization); }
 };

@@ -6,13 +6,11 @@
 
 // Tests what must hold for every sampler.
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
 
-using test::SamplerCase;
-
 class EverySampler : public testing::TestWithParam<SamplerCase> {};
-INSTANTIATE_TEST_SUITE_P(All, EverySampler, testing::ValuesIn(test::RandomizedSamplers()),
+INSTANTIATE_TEST_SUITE_P(All, EverySampler, testing::ValuesIn(RandomizedSamplers()),
                          [](const auto &test) { return test.param.Name(); });
 
 /// The numbers that an integrator asks for, in its order.
@@ -42,7 +40,7 @@ TEST_P(EverySampler, ValuesAreBelowOneAndFinite) {
 TEST_P(EverySampler, ManyDimensionsAreThere) {
     std::unique_ptr<Sampler> s = GetParam().Make(4);
     s->StartPixelSample({5, 6}, 2);
-    test::RunningStatistics mean;
+    RunningStatistics mean;
     for (int i = 0; i < 3000; ++i) {
         Point2 p = s->Get2D();
         ASSERT_TRUE(p.x >= 0 && p.x < 1 && p.y >= 0 && p.y < 1) << i;
@@ -59,9 +57,9 @@ TEST_P(EverySampler, SamplesDoNotDependOnOrderOrClone) {
     b->StartPixelSample({9, 9}, 3, 40);
     b->Get1D();
     for (int i = 15; i >= 0; --i) {
-        EXPECT_EQ(Draw(*b, {i * 3, i}, i), forward[static_cast<size_t>(i)]);
-        EXPECT_EQ(Draw(*c, {i * 3, i}, i), forward[static_cast<size_t>(i)]);
-        EXPECT_EQ(Draw(*c->Clone(), {i * 3, i}, i), forward[static_cast<size_t>(i)]);
+        EXPECT_EQ(Draw(*b, {i * 3, i}, i), forward[i]);
+        EXPECT_EQ(Draw(*c, {i * 3, i}, i), forward[i]);
+        EXPECT_EQ(Draw(*c->Clone(), {i * 3, i}, i), forward[i]);
     }
 }
 
@@ -96,9 +94,9 @@ TEST_P(EverySampler, NumbersDependOnTheDimensionOnly) {
         }
         Rng rng(4);
         for (int i = 0; i < 100; ++i) {
-            auto d = static_cast<size_t>(rng.UniformInt(20));
+            auto d = size_t(rng.UniformInt(20));
             if (i % 10 == 0) other->StartPixelSample({1, 1}, i % 7);
-            other->StartPixelSample({7, 2}, index, first + static_cast<int>(d));
+            other->StartPixelSample({7, 2}, index, first + int(d));
             while (d + 2 <= kDimensions)
                 if (rng.UniformInt(2) == 0) {
                     ASSERT_EQ(other->Get1D(), one[d]) << d;
@@ -135,7 +133,7 @@ int ForOneSampleOfEachPixel(const SamplerCase &c, const F &f) {
     for (int seed = 0; seed < 5; ++seed) {
         std::unique_ptr<Sampler> s = c.Make(16, seed, {64, 64});
         for (int y = 0; y < 64; ++y)
-            for (int x = 0; x < 64; ++x, ++n) f(Draw(*s, {x, y}, static_cast<int>(Hash(x, y, seed) % 16)));
+            for (int x = 0; x < 64; ++x, ++n) f(Draw(*s, {x, y}, int(Hash(x, y, seed) % 16)));
     }
     return n;
 }
@@ -145,11 +143,11 @@ TEST_P(EverySampler, EveryDimensionIsUniform) {
     std::vector<std::vector<double>> observed(14, std::vector<double>(kCells, 0));
     int n = ForOneSampleOfEachPixel(GetParam(), [&](const std::vector<Float> &u) {
         ASSERT_EQ(u.size(), observed.size());
-        for (size_t d = 0; d < u.size(); ++d) ++observed[d][static_cast<size_t>(u[d] * kCells)];
+        for (size_t d = 0; d < u.size(); ++d) ++observed[d][size_t(u[d] * kCells)];
     });
     std::vector<double> expected(kCells, double(n) / kCells);
     for (size_t d = 0; d < observed.size(); ++d)
-        EXPECT_GT(test::ChiSquareTest(observed[d], expected), test::SidakAlpha(1e-3, 14 * 11)) << d;
+        EXPECT_GT(ChiSquareTest(observed[d], expected), SidakAlpha(1e-3, 14 * 11)) << d;
 }
 
 TEST_P(EverySampler, PairsOfDimensionsAreJointlyUniform) {
@@ -160,14 +158,13 @@ TEST_P(EverySampler, PairsOfDimensionsAreJointlyUniform) {
     int n = ForOneSampleOfEachPixel(GetParam(), [&](const std::vector<Float> &u) {
         for (size_t a = 0; a < dimensions; ++a)
             for (size_t b = 0; b < a; ++b)
-                ++observed[(a * 14 + b) * kN * kN + static_cast<size_t>(u[a] * kN) * kN +
-                           static_cast<size_t>(u[b] * kN)];
+                ++observed[(a * 14 + b) * kN * kN + size_t(u[a] * kN) * kN + size_t(u[b] * kN)];
     });
     std::vector<double> expected(kN * kN, double(n) / (kN * kN));
     for (size_t a = 0; a < dimensions; ++a)
         for (size_t b = 0; b < a; ++b) {
             std::span<const double> cells(&observed[(a * 14 + b) * kN * kN], kN * kN);
-            EXPECT_GT(test::ChiSquareTest(cells, expected), test::SidakAlpha(1e-3, 91 * 11)) << a << " " << b;
+            EXPECT_GT(ChiSquareTest(cells, expected), SidakAlpha(1e-3, 91 * 11)) << a << " " << b;
         }
 }
 
@@ -184,7 +181,7 @@ double Integrand(Sampler &s, Point2i pixel, int index) {
 
 TEST_P(EverySampler, PixelMeansAreUnbiasedOverSeeds) {
     for (int count : {16, 11}) {
-        test::RunningStatistics error;
+        RunningStatistics error;
         for (int seed = 0; seed < 300; ++seed) {
             std::unique_ptr<Sampler> s = GetParam().Make(count, seed);
             ASSERT_EQ(s->SamplesPerPixel(), count);
@@ -214,4 +211,4 @@ TEST_P(EverySampler, NoneIsWorseThanIndependent) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

@@ -7,18 +7,14 @@
 #include "pbrt/samplers/sobol_samplers.h"
 #include "sampler_cases.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
-
-using test::SamplerCase;
 
 /// True if every box holds one of the n points, for n = points.size() boxes in `columns` columns and n / columns rows.
 bool OneInEachBox(const std::vector<Point2> &points, size_t columns) {
     size_t rows = points.size() / columns;
     std::set<std::pair<size_t, size_t>> boxes;
-    for (const Point2 &p : points)
-        boxes.insert({static_cast<size_t>(p.x * static_cast<Float>(columns)),
-                      static_cast<size_t>(p.y * static_cast<Float>(rows))});
+    for (const Point2 &p : points) boxes.insert({size_t(p.x * Float(columns)), size_t(p.y * Float(rows))});
     return boxes.size() == points.size();
 }
 bool IsBase2Net(const std::vector<Point2> &points) {
@@ -47,7 +43,7 @@ std::vector<Point2> Points1D(Sampler &s, Point2i pixel, int first, int n, int be
 
 TEST(Stratification, PaddedAndZSobolGiveEveryPixelANetInEveryRequest) {
     for (const char *type : {"paddedsobol", "zsobol"})
-        for (const char *randomization : {"none", "permutedigits", "owen", "fastowen"})
+        for (const char *randomization : kRandomizations)
             for (int samples : {1, 2, 8, 16, 64}) {
                 std::unique_ptr<Sampler> s = SamplerCase{type, randomization}.Make(samples, 3);
                 for (int before : {0, 1, 5})
@@ -55,8 +51,7 @@ TEST(Stratification, PaddedAndZSobolGiveEveryPixelANetInEveryRequest) {
                         for (int first : {0, samples}) {
                             EXPECT_TRUE(IsBase2Net(Points2D(*s, pixel, first, samples, before)))
                                 << type << " " << randomization << " " << samples << " " << before;
-                            auto n = static_cast<size_t>(samples);
-                            EXPECT_TRUE(OneInEachBox(Points1D(*s, pixel, first, samples, before), n))
+                            EXPECT_TRUE(OneInEachBox(Points1D(*s, pixel, first, samples, before), size_t(samples)))
                                 << type << " " << randomization;
                         }
             }
@@ -89,7 +84,7 @@ TEST(Stratification, ZSobolOrdersQuadsDifferentlyInDifferentDimensions) {
         for (Point2i pixel : {Point2i(0, 0), Point2i(1, 0), Point2i(0, 1), Point2i(1, 1)}) {
             s->StartPixelSample(pixel, 0, dimension);
             Float u = s->Get1D();
-            order.push_back(static_cast<int>(u * 4));
+            order.push_back(int(u * 4));
             low = std::min(low, u);
         }
         orders.insert(order);
@@ -99,11 +94,9 @@ TEST(Stratification, ZSobolOrdersQuadsDifferentlyInDifferentDimensions) {
 
 TEST(Stratification, StratifiedFillsEveryCellOnce) {
     DiagnosticSink sink;
-    for (auto [nx, ny] : {std::pair{4, 4}, {3, 2}, {1, 7}}) {
+    for (auto [nx, ny] : {std::pair{4, 4}, {3, 2}, {1, 7}})
         for (bool jitter : {true, false}) {
-            ParamSet params = test::Params(
-                "stratified",
-                {test::IntParam("xsamples", nx), test::IntParam("ysamples", ny), test::BoolParam("jitter", jitter)});
+            const Params params = Params().Integer("xsamples", nx).Integer("ysamples", ny).Bool("jitter", jitter);
             std::unique_ptr<Sampler> s = Samplers().Make("stratified", params, SamplerContext{{8, 8}, 0, 1, sink});
             int n = nx * ny;
             ASSERT_EQ(s->SamplesPerPixel(), n);
@@ -111,21 +104,19 @@ TEST(Stratification, StratifiedFillsEveryCellOnce) {
                 for (int first : {0, n}) {
                     std::vector<Point2> p2 = Points2D(*s, {3, 5}, first, n, before),
                                         p1 = Points1D(*s, {3, 5}, first, n, before);
-                    EXPECT_TRUE(OneInEachBox(p2, static_cast<size_t>(nx)));
-                    EXPECT_TRUE(OneInEachBox(p1, static_cast<size_t>(n)));
-                    if (!jitter)
-                        for (int i = 0; i < n; ++i) {
-                            auto centred = [](Float u, int cells) {
-                                Float x = u * static_cast<Float>(cells);
-                                return std::abs(x - std::floor(x) - 0.5f);
-                            };
-                            EXPECT_LT(centred(p2[static_cast<size_t>(i)].x, nx), 1e-5f);
-                            EXPECT_LT(centred(p2[static_cast<size_t>(i)].y, ny), 1e-5f);
-                            EXPECT_LT(centred(p1[static_cast<size_t>(i)].x, n), 1e-5f);
-                        }
+                    EXPECT_TRUE(OneInEachBox(p2, size_t(nx)));
+                    EXPECT_TRUE(OneInEachBox(p1, size_t(n)));
+                    for (int i = 0; i < n && !jitter; ++i) {
+                        auto centred = [](Float u, int cells) {
+                            Float x = u * Float(cells);
+                            return std::abs(x - std::floor(x) - 0.5f);
+                        };
+                        EXPECT_LT(centred(p2[i].x, nx), 1e-5f);
+                        EXPECT_LT(centred(p2[i].y, ny), 1e-5f);
+                        EXPECT_LT(centred(p1[i].x, n), 1e-5f);
+                    }
                 }
         }
-    }
     EXPECT_FALSE(sink.HasErrors());
 }
 
@@ -134,8 +125,7 @@ TEST(Stratification, StratifiedTakesTheCellsInAnotherOrderEachTime) {
     std::set<std::vector<int>> orders;
     for (int before = 0; before < 20; ++before) {
         std::vector<int> order;
-        for (const Point2 &p : Points2D(*s, {1, 1}, 0, 16, before))
-            order.push_back(static_cast<int>(p.y * 4) * 4 + static_cast<int>(p.x * 4));
+        for (const Point2 &p : Points2D(*s, {1, 1}, 0, 16, before)) order.push_back(int(p.y * 4) * 4 + int(p.x * 4));
         orders.insert(order);
     }
     EXPECT_EQ(orders.size(), 20u);
@@ -184,7 +174,7 @@ TEST(Stratification, HaltonDimensionsAreStratifiedAlongTheSequence) {
         std::set<int> cells;
         for (int i = 0; i < 125; ++i) {
             s.StartPixelSample({0, 0}, i, 0);
-            cells.insert(static_cast<int>(double(s.Get1D()) * 125 + 1e-4));
+            cells.insert(int(double(s.Get1D()) * 125 + 1e-4));
         }
         EXPECT_EQ(cells.size(), 125u);
     }
@@ -193,7 +183,7 @@ TEST(Stratification, HaltonDimensionsAreStratifiedAlongTheSequence) {
 TEST(Stratification, SobolPixelsAreStratifiedAndPointsAreTheGlobalOnes) {
     for (Point2i resolution : {Point2i(64, 48), Point2i(33, 1), Point2i(1, 1), Point2i(1920, 1080)}) {
         SobolSampler s({16, resolution, Randomization::None, 0});
-        int scale = static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(resolution.x, resolution.y))));
+        int scale = int(std::bit_ceil(unsigned(std::max(resolution.x, resolution.y))));
         const uint32_t *m = SobolMatrices();
         for (Point2i pixel : {Point2i(0, 0), resolution - 1, resolution / 2}) {
             std::vector<Point2> inPixel;
@@ -222,7 +212,7 @@ TEST(Stratification, SobolFilmIsStratifiedAcrossPixelsInEveryDimension) {
             for (int y = 0; y < 32; ++y)
                 for (int x = 0; x < 32; ++x) {
                     s->StartPixelSample({x, y}, 0, dimension);
-                    cells.insert(static_cast<int>(s->Get1D() * 1024));
+                    cells.insert(int(s->Get1D() * 1024));
                 }
             EXPECT_EQ(cells.size(), 1024u) << dimension;
         }
@@ -230,4 +220,4 @@ TEST(Stratification, SobolFilmIsStratifiedAcrossPixelsInEveryDimension) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

@@ -4,10 +4,8 @@
 
 #include "support/sampling.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
-
-using test::RandomDirection;
 
 Curves::Segment SomeSegment(Rng &rng) {
     Curves::Segment s;
@@ -57,11 +55,9 @@ std::optional<PrimitiveHit> SlowHit(const Curves::Segment &s, Float factor, cons
             negative += c < 0;
         }
         if ((positive == 0 || negative == 0) && a.z > 0) {
-            auto t = static_cast<Float>(a.z / glm::length(glm::dvec3(d)));
+            auto t = Float(a.z / glm::length(glm::dvec3(d)));
             double left = glm::length((a.left + b.left) / 2.0), right = glm::length((a.right + b.right) / 2.0);
-            if (!best || t < best->t)
-                best = PrimitiveHit{t, (static_cast<Float>(i) + 0.5f) / kSteps,
-                                    static_cast<Float>(right / (left + right))};
+            if (!best || t < best->t) best = PrimitiveHit{t, (Float(i) + 0.5f) / kSteps, Float(right / (left + right))};
         }
         a = b;
     }
@@ -251,12 +247,10 @@ TEST(CubicBezier, SplinesOfEveryBasisGoThroughTheirOwnPoints) {
     Rng rng(12);
     std::vector<Point3> p(8);
     for (Point3 &q : p) q = RandomDirection(rng);
-    EXPECT_EQ(SegmentCount(8, 3, CurveBasis::BSpline), 5u);
-    EXPECT_EQ(SegmentCount(8, 2, CurveBasis::BSpline), 6u);
-    EXPECT_EQ(SegmentCount(7, 3, CurveBasis::Bezier), 2u);
-    EXPECT_EQ(SegmentCount(8, 3, CurveBasis::Bezier), 0u);
-    EXPECT_EQ(SegmentCount(7, 2, CurveBasis::Bezier), 3u);
-    EXPECT_EQ(SegmentCount(3, 3, CurveBasis::BSpline), 0u);
+    for (const auto &[points, degree, segments] : {std::array{8, 3, 5}, {8, 2, 6}, {3, 3, 0}})
+        EXPECT_EQ(SegmentCount(size_t(points), degree, CurveBasis::BSpline), size_t(segments));
+    for (const auto &[points, degree, segments] : {std::array{7, 3, 2}, {8, 3, 0}, {7, 2, 3}})
+        EXPECT_EQ(SegmentCount(size_t(points), degree, CurveBasis::Bezier), size_t(segments));
     for (Float u : {0.0f, 0.3f, 0.8f, 1.0f})
         for (size_t i = 0; i < 2; ++i) {
             Float w = 1 - u;
@@ -279,4 +273,4 @@ TEST(CubicBezier, SplinesOfEveryBasisGoThroughTheirOwnPoints) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

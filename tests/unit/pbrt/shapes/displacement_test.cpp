@@ -1,15 +1,11 @@
 #include "pbrt/shapes/mesh_sources.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <map>
-#include <string>
-
-#include "pbrt/core/error.h"
+#include "shape_cases.h"
 #include "support/errors.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
 
 /// A unit square at z = 0 as a quad, and a narrow triangle beyond its side x = 1, sharing the vertices there.
@@ -25,48 +21,45 @@ PlyMesh QuadAndTriangle() {
     return ply;
 }
 
-Displacement By(std::function<Float(const Point3 &, const Normal3 &, const Point2 &)> height) {
-    return {std::move(height), 1};
+Displacement By(std::function<Float(const Point3 &, const Normal3 &, const Point2 &)> height, Float edgeScale = 1) {
+    return {std::move(height), edgeScale};
+}
+/// Changes nothing but the triangles.
+Displacement Flat(Float edgeScale = 1) {
+    return By([](auto...) { return Float(0); }, edgeScale);
 }
 
 double Area(const MeshData &m) {
     double area = 0;
-    for (size_t i = 0; i < m.indices.size(); i += 3)
-        area += static_cast<double>(Length(
-                    Cross(m.p[m.indices[i + 1]] - m.p[m.indices[i]], m.p[m.indices[i + 2]] - m.p[m.indices[i]]))) /
-                2;
+    for (size_t i = 0; i < m.indices.size(); i += 3) {
+        const Point3 &p = m.p[m.indices[i]];
+        area += double(Length(Cross(m.p[m.indices[i + 1]] - p, m.p[m.indices[i + 2]] - p))) / 2;
+    }
     return area;
 }
 
 Float LongestEdge(const MeshData &m, const Transform &t) {
     Float longest = 0;
-    for (size_t i = 0; i < m.indices.size(); ++i) {
-        const size_t next = i % 3 == 2 ? i - 2 : i + 1;
-        longest = std::max(longest, Distance(t.Point(m.p[m.indices[i]]), t.Point(m.p[m.indices[next]])));
-    }
+    ForEachEdge(
+        m, [&](uint32_t a, uint32_t b) { longest = std::max(longest, Distance(t.Point(m.p[a]), t.Point(m.p[b]))); });
     return longest;
 }
 
 TEST(Displacement, SplitsUntilEdgesAreShortAfterTheTransformation) {
     const Transform twice = Transform::Scale({2, 2, 2});
     for (Float edge : {5.f, 0.5f, 0.11f}) {
-        const MeshData m = DisplaceMesh(QuadAndTriangle(), twice, edge, By([](auto...) { return Float(0); }));
+        const MeshData m = DisplaceMesh(QuadAndTriangle(), twice, edge, Flat());
         EXPECT_LT(LongestEdge(m, twice), edge);
         EXPECT_GT(LongestEdge(m, twice), edge > 4 ? 1 : edge / 2.1f) << "edges are split more often than necessary";
         EXPECT_NEAR(Area(m), 1.15, 1e-4);
     }
-    Displacement coarse = By([](auto...) { return Float(0); });
-    coarse.edgeScale = 10;
-    EXPECT_EQ(DisplaceMesh(QuadAndTriangle(), twice, 0.5f, coarse).indices.size(), 3u * 3);
+    EXPECT_EQ(DisplaceMesh(QuadAndTriangle(), twice, 0.5f, Flat(10)).indices.size(), 3u * 3);
 }
 
 TEST(Displacement, LeavesNoCracks) {
-    const MeshData m = DisplaceMesh(QuadAndTriangle(), Transform(), 0.07f, By([](auto...) { return Float(0); }));
+    const MeshData m = DisplaceMesh(QuadAndTriangle(), Transform(), 0.07f, Flat());
     std::map<std::pair<uint32_t, uint32_t>, int> uses;
-    for (size_t i = 0; i < m.indices.size(); ++i) {
-        const size_t next = i % 3 == 2 ? i - 2 : i + 1;
-        ++uses[std::minmax(m.indices[i], m.indices[next])];
-    }
+    ForEachEdge(m, [&](uint32_t a, uint32_t b) { ++uses[std::minmax(a, b)]; });
     auto onBorder = [](const Point3 &p) {
         const Float beyond = p.x - 1;
         return p.x == 0 || (p.x <= 1 && (p.y == 0 || p.y == 1)) ||
@@ -105,17 +98,21 @@ TEST(Displacement, MovesAlongTheNormalByObjectUnitsAndRenewsNormals) {
     }
 }
 
+/// The parameter to blame, and the message.
+std::pair<std::string, std::string> ErrorOfDisplacing(const PlyMesh &ply, Float edge, const Displacement &by) {
+    try {
+        DisplaceMesh(ply, Transform(), edge, by);
+    } catch (const DisplacementError &e) {
+        return {e.parameter, e.what()};
+    }
+    return {};
+}
+
 TEST(Displacement, NeedsTextureCoordinatesAndNormals) {
-    const Displacement none = By([](auto...) { return Float(0); });
     for (bool noUv : {true, false}) {
         PlyMesh ply = QuadAndTriangle();
         for (MeshData *data : {&ply.triangles, &ply.quads}) noUv ? data->uv.clear() : data->n.clear();
-        try {
-            DisplaceMesh(ply, Transform(), 1, none);
-            FAIL();
-        } catch (const DisplacementError &e) {
-            EXPECT_STREQ(e.parameter, "displacement");
-        }
+        EXPECT_EQ(ErrorOfDisplacing(ply, 1, Flat()).first, "displacement");
     }
 }
 
@@ -125,36 +122,29 @@ TEST(Displacement, TheNumberOfTrianglesIsKnownBefore) {
     EXPECT_EQ(size.faces, 3);
     EXPECT_NEAR(size.area, 9 * 1.15, 1e-4);
     for (Float edge : {100.f, 1.5f, 0.4f, 0.1f, 0.07f, 0.05f}) {
-        const MeshData m = DisplaceMesh(QuadAndTriangle(), place, edge, By([](auto...) { return Float(0); }));
-        const double made = static_cast<double>(m.indices.size()) / 3;
-        EXPECT_NEAR(std::log2(size.Triangles(static_cast<double>(edge)) / made), 0, 0.8) << edge << ' ' << made;
+        const MeshData m = DisplaceMesh(QuadAndTriangle(), place, edge, Flat());
+        const double made = double(m.indices.size()) / 3;
+        EXPECT_NEAR(std::log2(size.Triangles(double(edge)) / made), 0, 0.8) << edge << ' ' << made;
     }
 }
 
 TEST(Displacement, TooManyTrianglesAreRefusedBeforeTheyAreMade) {
-    try {
-        Displacement half = By([](auto...) { return Float(0); });
-        half.edgeScale = 0.5f;
-        DisplaceMesh(QuadAndTriangle(), Transform(), 2e-6f, half);
-        FAIL();
-    } catch (const DisplacementError &e) {
-        EXPECT_STREQ(e.parameter, "edgelength");
-        const std::string message = e.what();
-        for (const char *part : {"\"edgelength\" 2e-06", "scale 0.5", "million", "would fit"})
-            test::ExpectWords(message, {part});
-        const double fitting = std::stod(message.substr(message.find("shape. ") + 7)) / 2;
-        EXPECT_LT(MeasureSplit(QuadAndTriangle(), Transform()).Triangles(fitting), 0.6 * kMaxDisplacedTriangles);
-        EXPECT_GT(MeasureSplit(QuadAndTriangle(), Transform()).Triangles(fitting), 0.3 * kMaxDisplacedTriangles);
-    }
+    const auto [parameter, message] = ErrorOfDisplacing(QuadAndTriangle(), 2e-6f, Flat(0.5f));
+    EXPECT_EQ(parameter, "edgelength");
+    ExpectWords(message, {"\"edgelength\" 2e-06", "scale 0.5", "million", "would fit"});
+    const double fitting = std::stod(message.substr(message.find("shape. ") + 7)) / 2;
+    const double made = MeasureSplit(QuadAndTriangle(), Transform()).Triangles(fitting) / kMaxDisplacedTriangles;
+    EXPECT_LT(made, 0.6);
+    EXPECT_GT(made, 0.3);
 }
 
 TEST(Displacement, EndsWhereFloatsEnd) {
     PlyMesh ply = QuadAndTriangle();
     for (MeshData *data : {&ply.triangles, &ply.quads})
         for (Point3 &p : data->p) p = Point3(1e6f) + p * Float(0.25);
-    const MeshData m = DisplaceMesh(ply, Transform(), 1e-3f, By([](auto...) { return Float(0); }));
+    const MeshData m = DisplaceMesh(ply, Transform(), 1e-3f, Flat());
     EXPECT_LT(m.indices.size(), 3000u);
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

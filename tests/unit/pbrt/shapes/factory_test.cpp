@@ -1,48 +1,37 @@
 #include "pbrt/shapes/shape_factory.h"
 
-#include <gtest/gtest.h>
 #include <zlib.h>
 
-#include <fstream>
-
 #include "pbrt/images/image.h"
-#include "pbrt/math/rng.h"
-#include "pbrt/shapes/bilinear_mesh.h"
 #include "pbrt/shapes/curves.h"
 #include "pbrt/shapes/mesh_sources.h"
+#include "shape_cases.h"
 #include "support/errors.h"
 #include "support/folder_test.h"
-#include "support/param.h"
+#include "support/given_params.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
 
-class ShapeFactory : public test::FolderTest {
+class ShapeFactory : public FolderTest {
   protected:
-    ShapeFactory() : params("Shape", FileLoc{}) {}
-    void Floats(ParamType type, const char *name, std::vector<Float> v) {
-        params.Add(test::FloatParam(name, std::move(v), type));
-    }
-    void Ints(const char *name, std::vector<int> v) { params.Add(test::IntParam(name, std::move(v))); }
-    void String(const char *name, const std::string &v, ParamType type = ParamType::String) {
-        params.Add(test::StringParam(name, v, type));
-    }
+    Params &Points(std::vector<Float> p) { return params.Floats(ParamType::Point3, "P", std::move(p)); }
     ShapeList Make(const char *type) { return Make(type, params, sink); }
     static ShapeList Make(const char *type, const ParamSet &p, DiagnosticSink &sink, const FileResolver &files = {},
                           const Transform &t = {}, const Displacement *displacement = nullptr) {
         return Shapes().Make(type, p, ShapeContext{t, false, files, sink, ParamReader(p), displacement});
     }
     std::string ErrorOf(const char *type) {
-        return test::MessageOf([&] { Make(type); });
+        return MessageOf([&] { Make(type); });
     }
     size_t Unused() { return sink.ErrorCount(); }
     const std::vector<Float> square = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
-    ParamSet params;
+    Params params{"Shape"};
     DiagnosticSink sink;
 };
 
 TEST_F(ShapeFactory, ThreePointsNeedNoIndices) {
-    Floats(ParamType::Point3, "P", {0, 0, 0, 1, 0, 0, 0, 1, 0});
+    Points({0, 0, 0, 1, 0, 0, 0, 1, 0});
     auto shapes = Make("trianglemesh");
     ASSERT_EQ(shapes.size(), 1u);
     EXPECT_EQ(shapes[0]->PrimitiveCount(), 1u);
@@ -51,26 +40,25 @@ TEST_F(ShapeFactory, ThreePointsNeedNoIndices) {
 }
 
 TEST_F(ShapeFactory, FourPointsWithoutIndicesAreOnePatchButNotTriangles) {
-    Floats(ParamType::Point3, "P", square);
+    Points(square);
     EXPECT_EQ(Make("bilinearmesh")[0]->Kind(), ShapeKind::BilinearMesh);
-    test::ExpectWords(ErrorOf("trianglemesh"), {"indices"});
+    ExpectWords(ErrorOf("trianglemesh"), {"indices"});
 }
 
 TEST_F(ShapeFactory, ExcessIndicesAreDroppedWithAWarning) {
-    Floats(ParamType::Point3, "P", square);
-    Ints("indices", {0, 1, 2, 1, 2, 3, 0, 1});
+    Points(square).Integers("indices", {0, 1, 2, 1, 2, 3, 0, 1});
     EXPECT_EQ(Make("trianglemesh")[0]->PrimitiveCount(), 2u);
     ASSERT_EQ(sink.All().size(), 1u);
     EXPECT_EQ(sink.All()[0].severity, Severity::Warning);
 }
 
 TEST_F(ShapeFactory, ArraysOfTheWrongLengthAreDiscardedWithAWarning) {
-    Floats(ParamType::Point3, "P", square);
-    Ints("indices", {0, 1, 2});
-    Floats(ParamType::Normal, "N", {0, 0, 1});
-    Floats(ParamType::Vector3, "S", {0, 0, 1});
-    Floats(ParamType::Point2, "uv", {0, 0, 1, 0});
-    Ints("faceIndices", {1, 2});
+    Points(square)
+        .Integers("indices", {0, 1, 2})
+        .Floats(ParamType::Normal, "N", {0, 0, 1})
+        .Floats(ParamType::Vector3, "S", {0, 0, 1})
+        .Floats(ParamType::Point2, "uv", {0, 0, 1, 0})
+        .Integers("faceIndices", {1, 2});
     auto shapes = Make("trianglemesh");
     const MeshData &data = static_cast<const TriangleMesh &>(*shapes[0]).Data();
     EXPECT_TRUE(data.n.empty() && data.s.empty() && data.uv.empty());
@@ -80,21 +68,19 @@ TEST_F(ShapeFactory, ArraysOfTheWrongLengthAreDiscardedWithAWarning) {
 }
 
 TEST_F(ShapeFactory, BadMeshesAreErrors) {
-    test::ExpectWords(ErrorOf("trianglemesh"), {"\"point3 P\""});
-    Floats(ParamType::Point3, "P", square);
-    Ints("indices", {0, 1, 7});
-    test::ExpectWords(ErrorOf("trianglemesh"), {"7"});
-    Ints("indices", {0, 1, -1});
-    test::ExpectWords(ErrorOf("trianglemesh"), {"-1"});
+    ExpectWords(ErrorOf("trianglemesh"), {"\"point3 P\""});
+    Points(square).Integers("indices", {0, 1, 7});
+    ExpectWords(ErrorOf("trianglemesh"), {"7"});
+    params.Integers("indices", {0, 1, -1});
+    ExpectWords(ErrorOf("trianglemesh"), {"-1"});
 }
 
 TEST_F(ShapeFactory, PatchesDoNotReadTangents) {
-    Floats(ParamType::Point3, "P", square);
-    Floats(ParamType::Vector3, "S", square);
+    Points(square).Floats(ParamType::Vector3, "S", square);
     Make("bilinearmesh");
     EXPECT_EQ(Unused(), 1u);
-    String("emissionfilename", "/nonexistent/x.exr");
-    test::ExpectWords(ErrorOf("bilinearmesh"), {"/nonexistent/x.exr"});
+    params.String("emissionfilename", "/nonexistent/x.exr");
+    ExpectWords(ErrorOf("bilinearmesh"), {"/nonexistent/x.exr"});
 }
 
 // An image of 4 x 2 pixels with one bright pixel in the lower row, second column. Bilinear interpolation spreads its
@@ -104,8 +90,7 @@ TEST_F(ShapeFactory, EmissionImagesSayWhereOnAPatchToSample) {
     Image image(PixelFormat::Float, {4, 2}, {"R", "G", "B"});
     image.Set({1, 1}, 1, 8);
     WriteImage(file, image);
-    Floats(ParamType::Point3, "P", square);
-    String("emissionfilename", file);
+    Points(square).String("emissionfilename", file);
     auto shapes = Make("bilinearmesh");
     EXPECT_EQ(Unused(), 0u);
     int inside = 0, near = 0;
@@ -126,80 +111,65 @@ TEST_F(ShapeFactory, EmissionImagesSayWhereOnAPatchToSample) {
     WriteImage(file, image);
     Make("bilinearmesh");
     ASSERT_EQ(sink.All().size(), 1u);
-    test::ExpectWords(sink.All()[0].message, {"black"});
+    ExpectWords(sink.All()[0].message, {"black"});
 }
 
 TEST_F(ShapeFactory, EmissionImagesAreIgnoredOnMeshesWithUv) {
-    Floats(ParamType::Point3, "P", square);
-    Floats(ParamType::Point2, "uv", {0, 0, 1, 0, 0, 1, 1, 1});
-    String("emissionfilename", "/nonexistent/x.exr");
+    Points(square)
+        .Floats(ParamType::Point2, "uv", {0, 0, 1, 0, 0, 1, 1, 1})
+        .String("emissionfilename", "/nonexistent/x.exr");
     Make("bilinearmesh");
     ASSERT_EQ(sink.All().size(), 1u);
-    test::ExpectWords(sink.All()[0].message, {"ignored"});
+    ExpectWords(sink.All()[0].message, {"ignored"});
     EXPECT_EQ(Unused(), 0u);
 }
 
 TEST_F(ShapeFactory, QuadricParameters) {
-    Floats(ParamType::Float, "radius", {2});
-    Floats(ParamType::Float, "zmin", {-1});
-    Floats(ParamType::Float, "zmax", {0.5f});
-    Floats(ParamType::Float, "phimax", {90});
+    params.Number("radius", 2).Number("zmin", -1).Number("zmax", 0.5f).Number("phimax", 90);
     EXPECT_NEAR(Make("sphere")[0]->Area(0), Pi / 2 * 2 * 1.5f, 1e-5);
     EXPECT_NEAR(Make("cylinder")[0]->Area(0), Pi / 2 * 2 * 1.5f, 1e-5);
     EXPECT_EQ(Unused(), 0u);
-    Floats(ParamType::Float, "innerradius", {1});
-    Floats(ParamType::Float, "height", {3});
+    params.Number("innerradius", 1).Number("height", 3);
     auto disk = Make("disk");
     EXPECT_NEAR(disk[0]->Area(0), Pi / 4 * 3, 1e-5);
     EXPECT_NEAR(disk[0]->SampleArea(0, {0.3f, 0.3f})->p.z, 3, 1e-6);
-    Floats(ParamType::Float, "radius", {-1});
-    test::ExpectWords(ErrorOf("disk"), {"radius"});
+    params.Number("radius", -1);
+    ExpectWords(ErrorOf("disk"), {"radius"});
 }
 
 TEST_F(ShapeFactory, CurvesAreCheckedAndWidthsRunAlongTheWholeCurve) {
-    test::ExpectWords(ErrorOf("curve"), {"\"point3 P\""});
-    Floats(ParamType::Point3, "P", {0, 0, 0, 1, 0, 0, 2, 1, 0, 3, 1, 0, 4, 0, 0});
-    test::ExpectWords(ErrorOf("curve"), {"5 points"});
-    Ints("degree", {2});
-    Floats(ParamType::Float, "width0", {1});
-    Floats(ParamType::Float, "width1", {3});
+    ExpectWords(ErrorOf("curve"), {"\"point3 P\""});
+    Points({0, 0, 0, 1, 0, 0, 2, 1, 0, 3, 1, 0, 4, 0, 0});
+    ExpectWords(ErrorOf("curve"), {"5 points"});
+    params.Integer("degree", 2).Number("width0", 1).Number("width1", 3);
     auto shapes = Make("curve");
     const auto &curves = static_cast<const Curves &>(*shapes[0]);
     ASSERT_EQ(curves.SegmentCount(), 2u);
     EXPECT_FLOAT_EQ(curves.SegmentOfPrimitive(0).width1, 2);
-    String("type", "ribbon");
-    test::ExpectWords(ErrorOf("curve"), {"3 normals"});
-    Floats(ParamType::Normal, "N", {0, 0, 1, 0, 1, 0, 1, 0, 0});
+    params.String("type", "ribbon");
+    ExpectWords(ErrorOf("curve"), {"3 normals"});
+    params.Floats(ParamType::Normal, "N", {0, 0, 1, 0, 1, 0, 1, 0, 0});
     EXPECT_EQ(static_cast<const Curves &>(*Make("curve")[0]).SegmentCount(), 2u);
-    Ints("splitdepth", {4});
+    params.Integer("splitdepth", 4);
     Make("curve");
     EXPECT_EQ(Unused(), 0u);
-    String("type", "tube");
-    test::ExpectWords(ErrorOf("curve"), {"cylinder"});
+    params.String("type", "tube");
+    ExpectWords(ErrorOf("curve"), {"cylinder"});
 }
 
-TEST_F(ShapeFactory, UnknownTypes) {
-    std::string message = ErrorOf("spher");
-    test::ExpectWords(message, {"did you mean \"sphere\""});
-    test::ExpectWords(message, {"bilinearmesh"});
-}
+TEST_F(ShapeFactory, UnknownTypes) { ExpectWords(ErrorOf("spher"), {"did you mean \"sphere\"", "bilinearmesh"}); }
 
 TEST_F(ShapeFactory, PlyFilesPlainAndGzipWithTrianglesAndQuads) {
-    std::string text =
-        "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\nelement face "
-        "3\n"
-        "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n2 2 2\n4 0 1 2 3\n3 1 2 4\n"
-        "5 0 1 2 3 4\n";
+    const std::string text =
+        PlyText(5, {"x", "y", "z"}, 3, "0 0 0\n1 0 0\n1 1 0\n0 1 0\n2 2 2\n4 0 1 2 3\n3 1 2 4\n5 0 1 2 3 4\n");
     Write("plain.ply", text);
     gzFile gz = gzopen(Path("named_plain.ply").c_str(), "wb");  // compressed, although the name does not say so
     gzputs(gz, text.c_str());
     gzclose(gz);
     FileResolver files(folder_);
     for (const char *name : {"plain.ply", "named_plain.ply"}) {
-        ParamSet p("Shape \"plymesh\"", FileLoc{});
-        p.Add(test::StringParam("filename", name));
         DiagnosticSink warnings;
-        auto shapes = Make("plymesh", p, warnings, files);
+        auto shapes = Make("plymesh", Params().String("filename", name), warnings, files);
         ASSERT_EQ(shapes.size(), 2u);
         EXPECT_EQ(shapes[0]->Kind(), ShapeKind::TriangleMesh);
         EXPECT_EQ(shapes[1]->Kind(), ShapeKind::BilinearMesh);
@@ -209,30 +179,22 @@ TEST_F(ShapeFactory, PlyFilesPlainAndGzipWithTrianglesAndQuads) {
 }
 
 TEST_F(ShapeFactory, PlyMistakes) {
-    test::ExpectWords(ErrorOf("plymesh"), {"filename"});
-    String("filename", "/nonexistent/file.ply");
-    test::ExpectWords(ErrorOf("plymesh"), {"/nonexistent/file.ply"});
-    Floats(ParamType::Float, "edgelength", {0});
-    test::ExpectWords(ErrorOf("plymesh"), {"edgelength"});
+    ExpectWords(ErrorOf("plymesh"), {"filename"});
+    params.String("filename", "/nonexistent/file.ply");
+    ExpectWords(ErrorOf("plymesh"), {"/nonexistent/file.ply"});
+    params.Number("edgelength", 0);
+    ExpectWords(ErrorOf("plymesh"), {"edgelength"});
 }
 
 TEST_F(ShapeFactory, DisplacementErrorsPointAtTheParameterToBlame) {
-    const std::string file = Path("displaced.ply");
     auto lineOf = [&](bool withUv) {
-        std::ofstream(file) << "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
-                               "property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
-                            << (withUv ? "property float u\nproperty float v\n" : "")
-                            << "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
-                            << (withUv ? "0 0 0 0 0 1 0 0\n1 0 0 0 0 1 1 0\n0 1 0 0 0 1 0 1\n"
-                                       : "0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n")
-                            << "3 0 1 2\n";
-        const auto source = std::make_shared<SourceFile>(SourceFile{"scene.pbrt", ""});
-        ParamSet p("Shape \"plymesh\"", FileLoc{source, 1, 0});
-        Param edge = test::FloatParam("edgelength", {1e-6f}),
-              height = test::StringParam("displacement", "bumps", ParamType::Texture);
-        edge.loc = {source, 2, 0};
-        height.loc = {source, 3, 0};
-        for (const Param &param : {test::StringParam("filename", file), edge, height}) p.Add(param);
+        std::vector<std::string> properties = {"x", "y", "z", "nx", "ny", "nz"};
+        if (withUv) properties.insert(properties.end(), {"u", "v"});
+        const std::string corners =
+            withUv ? "0 0 0 0 0 1 0 0\n1 0 0 0 0 1 1 0\n0 1 0 0 0 1 0 1\n" : "0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n";
+        Params p;
+        p.String("filename", Write("displaced.ply", PlyText(3, properties, 1, corners + "3 0 1 2\n")));
+        p.Number("edgelength", 1e-6f).Add(StringParam("displacement", "bumps", ParamType::Texture));
         const Displacement flat{[](auto &...) { return Float(0); }, 1};
         return test::ErrorOf([&] { Make("plymesh", p, sink, {}, {}, &flat); }).loc.line;
     };
@@ -242,32 +204,28 @@ TEST_F(ShapeFactory, DisplacementErrorsPointAtTheParameterToBlame) {
 
 TEST_F(ShapeFactory, WhatEmbreeIsGivenLiesWithinItsReach) {
     const auto errorAt = [&](const char *type, const Transform &t) {
-        return test::MessageOf([&] { Make(type, params, sink, {}, t); });
+        return MessageOf([&] { Make(type, params, sink, {}, t); });
     };
     for (const char *type : {"sphere", "disk", "cylinder"}) {
-        EXPECT_NE(errorAt(type, Transform::Scale({1e20f, 1e20f, 1e20f})).find("coordinates must be"), std::string::npos)
-            << type;
+        ExpectWords(errorAt(type, Transform::Scale({1e20f, 1e20f, 1e20f})), {"coordinates must be"});
         EXPECT_EQ(errorAt(type, Transform::Scale({1e17f, 1e17f, 1e17f})), "") << type;
     }
-    Floats(ParamType::Point3, "P", {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 3, 0});
-    Ints("indices", {0, 1, 2});
+    Points({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 3, 0}).Integers("indices", {0, 1, 2});
     EXPECT_EQ(errorAt("trianglemesh", Transform::Scale({1e17f, 1e17f, 1})), "");
-    const std::string far = errorAt("trianglemesh", Transform::Scale({1, 4e17f, 1}));
-    test::ExpectWords(far, {"vertex 3", "(0, 1.2e+18, 0)", "-1e+18", "at most 1e+18"});
-    test::ExpectWords(errorAt("curve", Transform::Scale({1e18f, 1e18f, 1})), {"coordinates must be"});
-    Floats(ParamType::Float, "radius", {1e38f});
-    test::ExpectWords(ErrorOf("sphere"), {"\"radius\"", "1e+38", "above 0", "at most 1e+18"});
+    ExpectWords(errorAt("trianglemesh", Transform::Scale({1, 4e17f, 1})),
+                {"vertex 3", "(0, 1.2e+18, 0)", "-1e+18", "at most 1e+18"});
+    ExpectWords(errorAt("curve", Transform::Scale({1e18f, 1e18f, 1})), {"coordinates must be"});
+    params.Number("radius", 1e38f);
+    ExpectWords(ErrorOf("sphere"), {"\"radius\"", "1e+38", "above 0", "at most 1e+18"});
 }
 
 TEST_F(ShapeFactory, ASubdivisionThatDoesNotFitIsNotBegun) {
     std::vector<int> indices;
     for (int i = 0; i < 100'000; ++i) indices.insert(indices.end(), {0, 1, 2});
-    Ints("indices", indices);
-    Floats(ParamType::Point3, "P", {0, 0, 0, 1, 0, 0, 0, 1, 0});
-    Ints("levels", {10});
-    const std::string message = ErrorOf("loopsubdiv");
-    test::ExpectWords(message, {"1e+11 triangles", "42 TB"});
+    params.Integers("indices", indices);
+    Points({0, 0, 0, 1, 0, 0, 0, 1, 0}).Integer("levels", 10);
+    ExpectWords(ErrorOf("loopsubdiv"), {"1e+11 triangles", "42 TB"});
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

@@ -1,16 +1,13 @@
 #include "pbrt/shapes/mesh_sources.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
-#include <bit>
 #include <cstring>
 #include <limits>
 
-#include "pbrt/core/error.h"
+#include "shape_cases.h"
 #include "support/errors.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
 
 constexpr const char *kHeader =
@@ -46,7 +43,7 @@ std::string Binary(bool big) {
     }
     const std::vector<std::vector<int>> faces = {{0, 1, 2}, {0, 1, 2, 3}, {0, 1, 2, 3, 0}};
     for (size_t f = 0; f < faces.size(); ++f) {
-        s += static_cast<char>(faces[f].size());
+        s += char(faces[f].size());
         for (int i : faces[f]) Put(s, int32_t(i), big);
         Put(s, int32_t(7 + f), big);
     }
@@ -76,22 +73,19 @@ TEST(Ply, AsciiAndBothByteOrdersGiveTheSameMesh) {
 }
 
 /// A triangle whose vertices have these float properties after x, y and z, with the values 1, 2, 3, ... at each.
-std::string WithProperties(const std::vector<std::string> &names) {
-    std::string head =
-        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+PlyMesh WithProperties(const std::vector<std::string> &names) {
+    std::vector<std::string> all = {"x", "y", "z"};
     std::string values;
-    for (size_t i = 0; i < names.size(); ++i) {
-        head += "property float " + names[i] + "\n";
-        values += fmt::format(" {}", i + 1);
+    for (const std::string &name : names) {
+        all.push_back(name);
+        values += fmt::format(" {}", all.size() - 3);
     }
-    return head + "element face 1\nproperty list uchar uint vertex_indices\nend_header\n0 0 0" + values + "\n1 0 0" +
-           values + "\n0 1 0" + values + "\n3 0 1 2\n";
+    values += '\n';
+    return ParsePly(PlyText(3, all, 1, "0 0 0" + values + "1 0 0" + values + "0 1 0" + values + "3 0 1 2\n"), "a.ply");
 }
 
 TEST(Ply, FirstCompletePairOfTextureCoordinatesIsUsed) {
-    auto uv = [](const std::vector<std::string> &names) {
-        return ParsePly(WithProperties(names), "a.ply").triangles.uv;
-    };
+    auto uv = [](const std::vector<std::string> &names) { return WithProperties(names).triangles.uv; };
     for (auto [u, v] : {std::pair("u", "v"), {"s", "t"}, {"texture_u", "texture_v"}, {"texture_s", "texture_t"}})
         EXPECT_EQ(uv({u, v}), std::vector<Point2>(3, Point2(1, 2))) << u;
     EXPECT_EQ(uv({"u", "v", "s", "t"}).at(0), Point2(1, 2));
@@ -101,25 +95,25 @@ TEST(Ply, FirstCompletePairOfTextureCoordinatesIsUsed) {
     EXPECT_EQ(uv({"v", "texture_u", "texture_v", "s"}).at(0), Point2(2, 3));
     for (const auto &names : {std::vector<std::string>{"u", "t"}, {"s", "v"}, {"texture_u", "texture_t"}, {"u"}})
         EXPECT_TRUE(uv(names).empty()) << names[0];
-    EXPECT_TRUE(ParsePly(WithProperties({"nx", "ny"}), "a.ply").triangles.n.empty());
+    EXPECT_TRUE(WithProperties({"nx", "ny"}).triangles.n.empty());
+}
+
+std::string WithLineEnds(std::string text, const std::string &end) {
+    std::erase(text, '\r');
+    for (size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += end.size()) text.replace(at, 1, end);
+    return text;
 }
 
 TEST(Ply, LinesMayEndLikeOnAnySystem) {
-    auto with = [](std::string text, const std::string &end) {
-        for (size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += end.size()) text.replace(at, 1, end);
-        return text;
-    };
     for (const std::string end : {"\r", "\r\n"}) {
-        std::string ascii = Ascii();
-        std::erase(ascii, '\r');
-        CheckMesh(ParsePly(with(ascii, end), "a.ply"));
+        CheckMesh(ParsePly(WithLineEnds(Ascii(), end), "a.ply"));
         const std::string binary = Binary(false), mark = "end_header\n";
         const size_t body = binary.find(mark) + mark.size();
-        CheckMesh(ParsePly(with(binary.substr(0, body), end) + binary.substr(body), "b.ply"));
+        CheckMesh(ParsePly(WithLineEnds(binary.substr(0, body), end) + binary.substr(body), "b.ply"));
     }
     // The first byte of a body may be that of a line end.
     for (const std::string end : {"\n", "\r", "\r\n"}) {
-        std::string s = with(
+        std::string s = WithLineEnds(
             "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty uchar x\n"
             "property uchar y\nproperty uchar z\nelement face 1\n"
             "property list uchar uchar vertex_indices\nend_header\n",
@@ -130,7 +124,7 @@ TEST(Ply, LinesMayEndLikeOnAnySystem) {
 }
 
 std::string PlyError(const std::string &content) {
-    return test::MessageOf([&] { ParsePly(content, "bad.ply"); });
+    return MessageOf([&] { ParsePly(content, "bad.ply"); });
 }
 
 std::string Replaced(std::string s, const std::string &from, const std::string &to) {
@@ -140,27 +134,25 @@ std::string Replaced(std::string s, const std::string &from, const std::string &
 }
 
 TEST(Ply, MistakesAreNamedWithTheirPlace) {
-    test::ExpectWords(PlyError("solid\n"), {"not a PLY"});
-    test::ExpectWords(PlyError(Replaced(Ascii(), "ascii", "asci")), {"line 2"});
-    test::ExpectWords(PlyError(Replaced(Ascii(), "double s", "quad s")), {"unknown type \"quad\""});
-    test::ExpectWords(PlyError(Replaced(Ascii(), "end_header", "the_end")), {"unknown header keyword"});
-    test::ExpectWords(PlyError(Replaced(Ascii(), "float y", "float why")), {"x, y and z"});
-    test::ExpectWords(PlyError(Replaced(Ascii(), "vertex_indices", "vertex_index")), {"\"vertex_index\""});
-    test::ExpectWords(PlyError(Replaced(Ascii(), "3 0 1 2 7", "3 0 1 4 7")), {"4 is out of range"});
-    test::ExpectWords(PlyError(Replaced(Ascii(), "3 0 1 2 7", "3 0 -1 2 7")), {"-1 is out of range"});
-    std::string word = PlyError(Replaced(Ascii(), "-2.5e-1", "1.0.5"));
-    test::ExpectWords(word, {"1.0.5"});
-    test::ExpectWords(word, {"vertex 3"});
-    test::ExpectWords(word, {"line 23"});
-    test::ExpectWords(PlyError(Replaced(Ascii(), "float y", "float x")), {"line 6", "\"x\"", "twice", "\"vertex\""});
-    test::ExpectWords(PlyError(Replaced(Ascii(), "int face_indices", "int vertex_indices")),
-                      {"\"vertex_indices\"", "twice", "\"face\""});
-    std::string mac = Replaced(Ascii(), "-2.5e-1", "1.0.5");
-    std::erase(mac, '\r');
-    std::replace(mac.begin(), mac.end(), '\n', '\r');
-    test::ExpectWords(PlyError(mac), {"line 23"});
-    test::ExpectWords(PlyError(Replaced(Ascii(), "vertex 4", "vertex 0")), {"no vertices"});
-    test::ExpectWords(PlyError(Replaced(Ascii(), "vertex 4", "vertex 99999999999")), {"too early"});
+    ExpectWords(PlyError("solid\n"), {"not a PLY"});
+    const struct {
+        const char *from, *to;
+        std::vector<std::string> words;
+    } kMistakes[] = {{"ascii", "asci", {"line 2"}},
+                     {"double s", "quad s", {"unknown type \"quad\""}},
+                     {"end_header", "the_end", {"unknown header keyword"}},
+                     {"float y", "float why", {"x, y and z"}},
+                     {"vertex_indices", "vertex_index", {"\"vertex_index\""}},
+                     {"3 0 1 2 7", "3 0 1 4 7", {"4 is out of range"}},
+                     {"3 0 1 2 7", "3 0 -1 2 7", {"-1 is out of range"}},
+                     {"3 0 1 2 7", "3 0 1 99999999999999999999 7", {"too large"}},
+                     {"-2.5e-1", "1.0.5", {"1.0.5", "vertex 3", "line 23"}},
+                     {"float y", "float x", {"line 6", "\"x\"", "twice", "\"vertex\""}},
+                     {"int face_indices", "int vertex_indices", {"\"vertex_indices\"", "twice", "\"face\""}},
+                     {"vertex 4", "vertex 0", {"no vertices"}},
+                     {"vertex 4", "vertex 99999999999", {"too early"}}};
+    for (const auto &[from, to, words] : kMistakes) ExpectWords(PlyError(Replaced(Ascii(), from, to)), words);
+    ExpectWords(PlyError(WithLineEnds(Replaced(Ascii(), "-2.5e-1", "1.0.5"), "\r")), {"line 23"});
 }
 
 TEST(Ply, AnElementThatComesTwiceIsAnError) {
@@ -171,32 +163,25 @@ TEST(Ply, AnElementThatComesTwiceIsAnError) {
         "property float nx\nproperty float ny\nproperty float nz\nelement vertex 4\nproperty float x\n"
         "property float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
         "0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n3 1 2 3\n";
-    test::ExpectWords(PlyError(twice), {"line 10: element \"vertex\" is declared twice"});
+    ExpectWords(PlyError(twice), {"line 10: element \"vertex\" is declared twice"});
 }
 
 TEST(Ply, EveryTruncationIsAnError) {
     for (const std::string &whole : {Ascii(), Binary(false), Binary(true)})
-        for (size_t n = 0; n + 2 < whole.size(); ++n) {
-            std::string cut = whole.substr(0, n);
-            EXPECT_NE(PlyError(cut), "") << n;
-        }
+        for (size_t n = 0; n + 2 < whole.size(); ++n) EXPECT_NE(PlyError(whole.substr(0, n)), "") << n;
 }
 
 TEST(Ply, PositionsMustBeFiniteFloats) {
-    for (const char *bad : {"1e400", "-1e39", "inf", "nan"}) {
-        const std::string message = PlyError(Replaced(Ascii(), "-2.5e-1", bad));
-        EXPECT_NE(message.find("line 23 (vertex 3): z is "), std::string::npos) << bad << ": " << message;
-        test::ExpectWords(message, {"finite"});
-    }
+    for (const char *bad : {"1e400", "-1e39", "inf", "nan"})
+        ExpectWords(PlyError(Replaced(Ascii(), "-2.5e-1", bad)), {"line 23 (vertex 3): z is ", "finite"});
     EXPECT_EQ(PlyError(Replaced(Ascii(), "-2.5e-1", "1e-400")), "") << "numbers too small for a float become 0";
     EXPECT_EQ(ParsePly(Replaced(Ascii(), "-2.5e-1", "1e-400"), "x").triangles.p[3].z, 0);
     for (bool big : {false, true}) {
         std::string infinity, whole = Binary(big), z;
         Put(z, -0.25f, big);
         Put(infinity, std::numeric_limits<float>::infinity(), big);
-        test::ExpectWords(PlyError(Replaced(whole, z, infinity)), {"vertex 3: z is inf"});
+        ExpectWords(PlyError(Replaced(whole, z, infinity)), {"vertex 3: z is inf"});
     }
-    test::ExpectWords(PlyError(Replaced(Ascii(), "3 0 1 2 7", "3 0 1 99999999999999999999 7")), {"too large"});
 }
 
 TEST(Ply, NormalsAndUvThatAreNotFiniteAreZeroAndCounted) {
@@ -217,4 +202,4 @@ TEST(Ply, AnElementOfNothingTakesNoTime) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

@@ -1,17 +1,11 @@
 #include <gtest/gtest.h>
 
-#include <array>
-
 #include "pbrt/math/frame.h"
-#include "pbrt/math/warps.h"
 #include "shape_cases.h"
 #include "support/statistics.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
-
-using test::RunningStatistics;
-using test::ShapeCase;
 
 struct Receiver {
     const char *name;
@@ -19,17 +13,15 @@ struct Receiver {
     Normal3 ns;
 };
 
-const std::vector<Receiver> &Receivers() {
-    static const std::vector<Receiver> kReceivers = {
-        {"Near", {0.3f, 0.2f, 1.1f}, Normalize(Vector3(0.1f, -0.2f, -1))},
-        {"NearNoNormal", {0.3f, 0.2f, 1.1f}, Normal3(0)},
-        {"Grazing", {1.2f, 0.3f, -0.4f}, Normalize(Vector3(-0.1f, 1, 0.2f))},
-        {"Far", {10, 14, 20}, Normalize(Vector3(-1, -1, -1))},
-        {"VeryFar", {200, -140, 300}, Normalize(Vector3(-1, 1, -1))},
-        {"Inside", {0.25f, -0.05f, 0.32f}, Normalize(Vector3(1, 1, 0))},
-        {"InsideNoNormal", {0.25f, -0.05f, 0.32f}, Normal3(0)},
-        {"NearWall", {0.66f, -0.2f, 0.5f}, Normal3(0)}};
-    return kReceivers;
+std::vector<Receiver> Receivers() {
+    return {{"Near", {0.3f, 0.2f, 1.1f}, Normalize(Vector3(0.1f, -0.2f, -1))},
+            {"NearNoNormal", {0.3f, 0.2f, 1.1f}, Normal3(0)},
+            {"Grazing", {1.2f, 0.3f, -0.4f}, Normalize(Vector3(-0.1f, 1, 0.2f))},
+            {"Far", {10, 14, 20}, Normalize(Vector3(-1, -1, -1))},
+            {"VeryFar", {200, -140, 300}, Normalize(Vector3(-1, 1, -1))},
+            {"Inside", {0.25f, -0.05f, 0.32f}, Normalize(Vector3(1, 1, 0))},
+            {"InsideNoNormal", {0.25f, -0.05f, 0.32f}, Normal3(0)},
+            {"NearWall", {0.66f, -0.2f, 0.5f}, Normal3(0)}};
 }
 
 ShapeSampleContext ContextOf(const Receiver &r) {
@@ -46,10 +38,10 @@ struct Case {
 
 std::vector<Case> AllCases() {
     std::vector<Case> cases;
-    for (const ShapeCase &s : test::ShapeCases())
+    for (const ShapeCase &s : ShapeCases())
         for (const Receiver &r : Receivers()) cases.push_back({s, r});
     // The sampling of quadrics does not depend on the normal of the receiver.
-    for (const ShapeCase &s : test::PartCases())
+    for (const ShapeCase &s : PartCases())
         for (const Receiver &r : Receivers())
             if (std::string(r.name).find("NoNormal") == std::string::npos) cases.push_back({s, r});
     return cases;
@@ -69,20 +61,18 @@ class DirectionSquare {
         oneMinusCos_ = s < 1 ? double(s) * double(s) / (1 + std::sqrt(1 - double(s) * double(s))) : 2;
         frame_ = Frame::FromZ(distance > 0 ? (center - from) / distance : Vector3(0, 0, 1));
     }
-    std::array<size_t, 2> Cell(const Vector3 &w) const;
+    size_t Cell(const Vector3 &w) const {
+        double h = double(LengthSquared(w - frame_.z)) / 2;  // 1 - cos
+        double phi = std::atan2(double(Dot(w, frame_.y)), double(Dot(w, frame_.x)));
+        if (phi < 0) phi += 2 * double(Pi);
+        return std::min(size_t(h / oneMinusCos_ * kGridX), size_t(kGridX - 1)) * kGridY +
+               std::min(size_t(phi / (2 * double(Pi)) * kGridY), size_t(kGridY - 1));
+    }
 
   private:
     double oneMinusCos_;
     Frame frame_;
 };
-
-std::array<size_t, 2> DirectionSquare::Cell(const Vector3 &w) const {
-    double h = double(LengthSquared(w - frame_.z)) / 2;  // 1 - cos
-    double phi = std::atan2(double(Dot(w, frame_.y)), double(Dot(w, frame_.x)));
-    if (phi < 0) phi += 2 * double(Pi);
-    return {std::min(size_t(h / oneMinusCos_ * kGridX), size_t(kGridX - 1)),
-            std::min(size_t(phi / (2 * double(Pi)) * kGridY), size_t(kGridY - 1))};
-}
 
 /// Cuts the first primitive into small pieces; calls visit(point, area).
 template <class Visit>
@@ -119,8 +109,7 @@ std::vector<double> CellProbabilities(const Case &c, const DirectionSquare &squa
         Vector3 wi = Normalize(s.p - from.p);
         if (c.shape.drawsVisibleOnly && HidesItself(shape, from, s.p)) return;
         double pdf = double(shape.PdfSolidAngle(0, from, wi, s.p, s.n));
-        std::array<size_t, 2> at = square.Cell(wi);
-        cells[at[0] * kGridY + at[1]] += pdf * double(AbsDot(wi, s.n)) / double(DistanceSquared(s.p, from.p)) * area;
+        cells[square.Cell(wi)] += pdf * double(AbsDot(wi, s.n)) / double(DistanceSquared(s.p, from.p)) * area;
     });
     return cells;
 }
@@ -171,8 +160,7 @@ TEST_P(ShapeSampling, SamplesFollowThePdfAndItIntegratesToOne) {
         auto s = c.shape.shape->Sample(0, from, rng.Uniform2());
         if (!s) continue;
         ++drawn;
-        std::array<size_t, 2> at = square.Cell(Normalize(s->p - from.p));
-        ++observed[at[0] * kGridY + at[1]];
+        ++observed[square.Cell(Normalize(s->p - from.p))];
     }
     if (c.shape.mayDrawNothing) {  // one more cell for the samples that yield no point
         expected.push_back(1 - total);
@@ -181,7 +169,7 @@ TEST_P(ShapeSampling, SamplesFollowThePdfAndItIntegratesToOne) {
     }
     // A cell that the midpoint rule finds empty may still contain a corner of the shape.
     for (double &v : expected) v = std::max(v / total, 1e-7) * kSamples;
-    EXPECT_GT(test::ChiSquareTest(observed, expected, 8), test::SidakAlpha(1e-3, AllCases().size()));
+    EXPECT_GT(ChiSquareTest(observed, expected, 8), SidakAlpha(1e-3, AllCases().size()));
 }
 
 TEST_P(ShapeSampling, IrradianceAgreesWithAreaSampling) {
@@ -203,16 +191,15 @@ TEST_P(ShapeSampling, IrradianceAgreesWithAreaSampling) {
         plain.Add(radiance(*a, wi) * double(AbsDot(wi, a->n)) /
                   (double(DistanceSquared(a->p, from.p)) * double(a->pdf)));
     }
-    double z = (clever.mean - plain.mean) / std::sqrt(clever.StandardError() * clever.StandardError() +
-                                                      plain.StandardError() * plain.StandardError());
+    const double z = (clever.mean - plain.mean) / std::hypot(clever.StandardError(), plain.StandardError());
     // The rounding of angles in float allows a relative error of 1e-3.
     bool close = std::abs(clever.mean - plain.mean) < 1e-3 * plain.mean;
-    EXPECT_TRUE(close || test::NormalTail(z) > test::SidakAlpha(1e-3, AllCases().size()))
+    EXPECT_TRUE(close || NormalTail(z) > SidakAlpha(1e-3, AllCases().size()))
         << clever.mean << " " << plain.mean << " z " << z;
 }
 
 class ShapeArea : public testing::TestWithParam<ShapeCase> {};
-INSTANTIATE_TEST_SUITE_P(All, ShapeArea, testing::ValuesIn(test::WholeAndPartCases()),
+INSTANTIATE_TEST_SUITE_P(All, ShapeArea, testing::ValuesIn(WholeAndPartCases()),
                          [](const auto &c) { return c.param.name; });
 
 TEST_P(ShapeArea, SamplesLieInBoundsAndConeAndAddUpToTheArea) {
@@ -266,7 +253,7 @@ TEST_P(ShapeArea, AreaSamplesFollowTheirDensity) {
         statistic += Sqr(sum[c] - expected[c]) / variance;
     }
     EXPECT_GT(cells, 20);
-    EXPECT_GT(test::ChiSquareTail(statistic, cells), test::SidakAlpha(1e-3, test::WholeAndPartCases().size()));
+    EXPECT_GT(ChiSquareTail(statistic, cells), SidakAlpha(1e-3, WholeAndPartCases().size()));
 }
 
 TEST_P(ShapeArea, AreaSamplesLieOnTheSurface) {
@@ -285,4 +272,4 @@ TEST_P(ShapeArea, AreaSamplesLieOnTheSurface) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

@@ -1,7 +1,8 @@
 #pragma once
+#include <fmt/format.h>
+
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "pbrt/shapes/bilinear_mesh.h"
 #include "pbrt/shapes/quadric.h"
@@ -30,6 +31,20 @@ inline Transform SomeRotation() {
     return Transform::Translate({0.2f, -0.1f, 0.3f}) * Transform::Rotate(40, {1, 2, -1});
 }
 inline Transform Stretch() { return SomeRotation() * Transform::Scale({1.5f, 0.6f, 0.9f}); }
+
+/// Calls f(a, b) with the vertices of every edge of every triangle.
+template <class F>
+void ForEachEdge(const MeshData &mesh, F f) {
+    for (size_t i = 0; i < mesh.indices.size(); ++i) f(mesh.indices[i], mesh.indices[i % 3 == 2 ? i - 2 : i + 1]);
+}
+
+/// A PLY file as text: `lines` are those of the vertices, whose properties are floats, and of the faces.
+inline std::string PlyText(int vertices, const std::vector<std::string> &properties, int faces,
+                           const std::string &lines) {
+    std::string text = fmt::format("ply\nformat ascii 1.0\nelement vertex {}\n", vertices);
+    for (const std::string &name : properties) text += "property float " + name + "\n";
+    return text + fmt::format("element face {}\nproperty list uchar uint vertex_indices\nend_header\n", faces) + lines;
+}
 
 /// At least one whole shape of every kind, about 1 across and near the origin; none is reversed.
 inline std::vector<ShapeCase> ShapeCases() {

@@ -2,13 +2,11 @@
 
 #include "shape_cases.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
 
-using test::ShapeCase;
-
 class ShapeSurface : public testing::TestWithParam<ShapeCase> {};
-INSTANTIATE_TEST_SUITE_P(All, ShapeSurface, testing::ValuesIn(test::ShapeCases()),
+INSTANTIATE_TEST_SUITE_P(All, ShapeSurface, testing::ValuesIn(ShapeCases()),
                          [](const auto &c) { return c.param.name; });
 
 /// Calls f(ray origin, direction, hit) for random rays that hit.
@@ -16,7 +14,7 @@ template <class F>
 void ForHits(const Shape &shape, int rays, F &&f) {
     Rng rng(17);
     for (int i = 0; i < rays; ++i) {
-        Point3 o = Float(3) * test::RandomDirection(rng);
+        Point3 o = Float(3) * RandomDirection(rng);
         auto target = shape.SampleArea(0, rng.Uniform2());
         Vector3 d = (target->p - o) * (0.2f + 3 * rng.Uniform());
         if (auto hit = shape.Intersect(0, {o, d}, 0)) f(o, d, *hit);
@@ -75,7 +73,7 @@ TEST_P(ShapeSurface, RaysThatLeaveDoNotHitTheSurfaceAgain) {
     int checked = 0;
     ForHits(shape, 4000, [&](const Point3 &, const Vector3 &, const PrimitiveHit &hit) {
         SurfacePoint s = shape.Surface(0, hit);
-        Vector3 w = test::RandomDirection(rng);
+        Vector3 w = RandomDirection(rng);
         bool outwards = Dot(w, s.n) > 0;
         bool closed = shape.Kind() == ShapeKind::Sphere || shape.Kind() == ShapeKind::Cylinder;
         Ray ray = s.SpawnRay(w);
@@ -90,63 +88,39 @@ TEST_P(ShapeSurface, RaysThatLeaveDoNotHitTheSurfaceAgain) {
     EXPECT_GT(checked, convex ? 1000 : -1);
 }
 
-/// Whether the normals of hits and of samples point to the reference side, for four settings: plain,
-/// ReverseOrientation, mirrored, both.
-struct Sides {
-    bool hit[4], sample[4];
-};
-template <class Make>
-Sides SidesOf(Make &&make, const Vector3 &reference) {
-    Sides sides{};
-    for (int i = 0; i < 4; ++i) {
-        Transform t = i & 2 ? Transform::Scale({-1, 1, 1}) : Transform();
-        const std::unique_ptr<Shape> shape = make(t, (i & 1) != 0);
-        auto hit = shape->Intersect(0, {reference * Float(5), -reference}, 0);
-        EXPECT_TRUE(hit);
-        sides.hit[i] = Dot(shape->Surface(0, *hit).n, reference) > 0;
-        Rng rng(1);
-        for (int k = 0; k < 50; ++k) {
-            auto s = shape->SampleArea(0, rng.Uniform2());
-            if (Dot(s->p, reference) >= 0) {  // the part near the reference point
-                sides.sample[i] = Dot(s->n, shape->Kind() == ShapeKind::Sphere ? s->p : reference) > 0;
-                break;
-            }
-        }
-    }
-    return sides;
-}
-
+/// Expects on which side of the shape its normals are, for hits and samples, as it is, reversed, mirrored and both.
 template <class S, class... Args>
-Sides SidesOfA(const Vector3 &reference, const Args &...args) {
-    return SidesOf([&](const Transform &t, bool reverse) { return std::make_unique<S>(args..., t, reverse); },
-                   reference);
+void ExpectSides(bool isMesh, const Vector3 &reference, const Args &...args) {
+    for (const bool mirrored : {false, true})
+        for (const bool reverse : {false, true}) {
+            const S shape(args..., mirrored ? Transform::Scale({-1, 1, 1}) : Transform(), reverse);
+            // A mirrored mesh faces the same way as the mirror image of the original (+z).
+            const bool expected = reverse == (mirrored && !isMesh);
+            const auto hit = shape.Intersect(0, {reference * Float(5), -reference}, 0);
+            ASSERT_TRUE(hit);
+            EXPECT_EQ(Dot(shape.Surface(0, *hit).n, reference) > 0, expected) << mirrored << reverse;
+            Rng rng(1);
+            auto s = shape.SampleArea(0, rng.Uniform2());
+            while (Dot(s->p, reference) < 0) s = shape.SampleArea(0, rng.Uniform2());  // on the side of the reference
+            EXPECT_EQ(Dot(s->n, shape.Kind() == ShapeKind::Sphere ? s->p : reference) > 0, expected)
+                << mirrored << reverse;
+        }
 }
 
 /// Hits flip as in stock pbrt-v4 (conformance scene shapes/orientation_and_mirroring). Samples flip by the flag XOR the
 /// handedness, too, while those of stock's quadrics flip by the flag alone.
 TEST(Orientation, FlipsByFlagXorHandednessInHitsAndSamples) {
     const Vector3 up(0, 0, 1);
-    const struct {
-        Sides sides;
-        bool isMesh;
-    } kCases[] = {
-        {SidesOfA<TriangleMesh>(up, test::OnePrimitive({{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}})), true},
-        {SidesOfA<BilinearMesh>(up, test::OnePrimitive({{-1, -1, 0}, {1, -1, 0}, {-1, 1, 0}, {1, 1, 0}})), true},
-        {SidesOfA<Disk>(up, 0.0f, 1.0f, 0.0f, 360.0f), false},
-        {SidesOfA<Sphere>(Normalize(Vector3(1, 2, 1)), 1.0f, -1.0f, 1.0f, 360.0f), false}};
-    for (const auto &[sides, isMesh] : kCases)
-        for (int i = 0; i < 4; ++i) {
-            // A mirrored mesh faces the same way as the mirror image of the original (+z).
-            const bool reverse = (i & 1) != 0, mirrored = (i & 2) != 0, expected = reverse == (mirrored && !isMesh);
-            EXPECT_EQ(sides.hit[i], expected) << i;
-            EXPECT_EQ(sides.sample[i], expected) << i;
-        }
+    ExpectSides<TriangleMesh>(true, up, OnePrimitive({{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}}));
+    ExpectSides<BilinearMesh>(true, up, OnePrimitive({{-1, -1, 0}, {1, -1, 0}, {-1, 1, 0}, {1, 1, 0}}));
+    ExpectSides<Disk>(false, up, 0.0f, 1.0f, 0.0f, 360.0f);
+    ExpectSides<Sphere>(false, Normalize(Vector3(1, 2, 1)), 1.0f, -1.0f, 1.0f, 360.0f);
 }
 
 TEST(Orientation, VertexNormalsDecideTheSide) {
     for (bool reverse : {false, true})
         for (bool mirror : {false, true}) {
-            MeshData data = test::OnePrimitive({{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}});
+            MeshData data = OnePrimitive({{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}});
             data.n = {{0, 0.1f, -1}, {0, 0, -1}, {0.1f, 0, -1}};
             Transform t = mirror ? Transform::Scale({-1, 1, 1}) : Transform();
             TriangleMesh mesh(data, t, reverse);
@@ -161,7 +135,7 @@ TEST(Orientation, VertexNormalsDecideTheSide) {
 }
 
 TEST(TriangleSurface, NormalsGoByTheInverseTranspose) {
-    MeshData data = test::OnePrimitive({{0, 0, 0}, {1, 0, 0}, {0, 1, 1}});
+    MeshData data = OnePrimitive({{0, 0, 0}, {1, 0, 0}, {0, 1, 1}});
     data.n.assign(3, Cross(Vector3(1, 0, 0), Vector3(0, 1, 1)));
     TriangleMesh mesh(data, Transform::Scale({1, 3, 0.5f}) * Transform::Rotate(30, {1, 1, 0}), false);
     SurfacePoint s = mesh.Surface(0, {1, 0.2f, 0.2f});
@@ -169,7 +143,7 @@ TEST(TriangleSurface, NormalsGoByTheInverseTranspose) {
 }
 
 TEST(TriangleSurface, TangentsAreUsedAndMadePerpendicular) {
-    MeshData data = test::OnePrimitive({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
+    MeshData data = OnePrimitive({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
     data.s.assign(3, Vector3(1, 1, 1));
     SurfacePoint s = TriangleMesh(data, Transform(), false).Surface(0, {1, 0.2f, 0.2f});
     Vector3 t = Normalize(s.shading.dpdu);
@@ -180,7 +154,7 @@ TEST(TriangleSurface, TangentsAreUsedAndMadePerpendicular) {
 }
 
 TEST(TriangleSurface, DefaultUvAndDegenerateUv) {
-    MeshData data = test::OnePrimitive({{0, 0, 0}, {2, 0, 0}, {0, 2, 0}});
+    MeshData data = OnePrimitive({{0, 0, 0}, {2, 0, 0}, {0, 2, 0}});
     TriangleMesh plain(data, Transform(), false);
     EXPECT_EQ(plain.Uv(0, {1, 1, 0}), Point2(1, 0));
     EXPECT_EQ(plain.Uv(0, {1, 0, 1}), Point2(1, 1));
@@ -192,7 +166,7 @@ TEST(TriangleSurface, DefaultUvAndDegenerateUv) {
 }
 
 TEST(TriangleSurface, NormalDerivativesFollowUv) {
-    MeshData data = test::OnePrimitive({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
+    MeshData data = OnePrimitive({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
     data.uv = {{0, 0}, {2, 0}, {0, 4}};
     data.n = {{0, 0, 1}, {0.2f, 0, 1}, {0, 0.4f, 1}};
     SurfacePoint s = TriangleMesh(data, Transform(), false).Surface(0, {1, 0.2f, 0.2f});
@@ -203,7 +177,7 @@ TEST(TriangleSurface, NormalDerivativesFollowUv) {
 }
 
 TEST(BilinearSurface, TextureCoordinatesReplaceParameters) {
-    MeshData data = test::OnePrimitive({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}});
+    MeshData data = OnePrimitive({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}});
     data.uv = {{0, 1}, {2, 1}, {0, 4}, {2, 4}};
     BilinearMesh mesh(data, Transform(), false);
     SurfacePoint s = mesh.Surface(0, {1, 0.5f, 0.25f});
@@ -216,7 +190,7 @@ TEST(BilinearSurface, TextureCoordinatesReplaceParameters) {
 }
 
 TEST(BilinearSurface, BothHitsOfASaddleAreFound) {
-    BilinearMesh saddle(test::OnePrimitive({{0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1}}), Transform(), false);
+    BilinearMesh saddle(OnePrimitive({{0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {1, 1, 1}}), Transform(), false);
     // This ray along the diagonal at height 0.8 meets the surface 1 - x - y + 2xy twice.
     Vector3 d = Normalize(Vector3(1, 1, 0));
     auto first = saddle.Intersect(0, {{-1, -1, 0.8f}, d}, 0);
@@ -227,30 +201,28 @@ TEST(BilinearSurface, BothHitsOfASaddleAreFound) {
     EXPECT_LT(first->t, second->t);
 }
 
+void ExpectUv(const Shape &shape, const Point3 &o, const Vector3 &d, Float u, Float v) {
+    const auto hit = shape.Intersect(0, {o, d}, 0);
+    ASSERT_TRUE(hit);
+    EXPECT_NEAR(hit->u, u, 1e-6);
+    EXPECT_NEAR(hit->v, v, 1e-6);
+}
+
 TEST(QuadricSurface, UvConventions) {
     Sphere sphere(2, -1, 1.5f, 180, Transform(), false);
-    auto hit = sphere.Intersect(0, {{0, 5, 0}, {0, -1, 0}}, 0);
-    ASSERT_TRUE(hit);
-    EXPECT_NEAR(hit->u, 0.5f, 1e-6);
-    Float t0 = std::acos(-0.5f), t1 = std::acos(0.75f);
-    EXPECT_NEAR(hit->v, (Pi / 2 - t0) / (t1 - t0), 1e-6);
+    const Float t0 = std::acos(-0.5f), t1 = std::acos(0.75f);
+    ExpectUv(sphere, {0, 5, 0}, {0, -1, 0}, 0.5f, (Pi / 2 - t0) / (t1 - t0));
     // The ray passes through the removed half, and the next one through the removed cap.
     EXPECT_NEAR(sphere.Intersect(0, {{0, -5, 0}, {0, 1, 0}}, 0)->t, 7, 1e-5);
     EXPECT_FALSE(sphere.Intersect(0, {{0.1f, 0.1f, 9}, {0, 0, -1}}, 0));
 
     Disk disk(1, 2, 0.5f, 270, Transform(), false);
-    hit = disk.Intersect(0, {{-1.25f, 0, 3}, {0, 0, -1}}, 0);
-    ASSERT_TRUE(hit);
-    EXPECT_NEAR(hit->u, 180 / 270.0f, 1e-6);
-    EXPECT_NEAR(hit->v, 0.5f, 1e-6);
+    ExpectUv(disk, {-1.25f, 0, 3}, {0, 0, -1}, 180 / 270.0f, 0.5f);
     EXPECT_FALSE(disk.Intersect(0, {{0.4f, 0, 3}, {0, 0, -1}}, 0));
     EXPECT_FALSE(disk.Intersect(0, {{1, -1, 3}, {0, 0, -1}}, 0));
 
     Cylinder cylinder(1, 3, -1, 360, Transform(), false);
-    hit = cylinder.Intersect(0, {{-5, 0, 2}, {1, 0, 0}}, 0);
-    ASSERT_TRUE(hit);
-    EXPECT_NEAR(hit->u, 0.5f, 1e-6);
-    EXPECT_NEAR(hit->v, 0.75f, 1e-6);
+    ExpectUv(cylinder, {-5, 0, 2}, {1, 0, 0}, 0.5f, 0.75f);
     EXPECT_FALSE(cylinder.Intersect(0, {{-5, 0, 3.1f}, {1, 0, 0}}, 0));
 }
 
@@ -260,9 +232,9 @@ TEST(TransformSurface, KeepsSidesAndBoundsTheError) {
     Rng rng(2);
     for (int i = 0; i < 500; ++i) {
         SurfacePoint s;
-        s.p = Float(3) * test::RandomDirection(rng);
+        s.p = Float(3) * RandomDirection(rng);
         s.pError = Vector3(1e-6f);
-        s.n = test::RandomDirection(rng);
+        s.n = RandomDirection(rng);
         CoordinateSystem(s.n, &s.dpdu, &s.dpdv);
         s.shading = {s.n, s.dpdu, s.dpdv, Normal3(0), Normal3(0)};
         s.uv = {0.25f, 0.5f};
@@ -282,4 +254,4 @@ TEST(TransformSurface, KeepsSidesAndBoundsTheError) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

@@ -6,10 +6,8 @@
 #include "pbrt/math/rng.h"
 #include "support/sampling.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
-
-using test::RandomVector;
 
 TEST(Bounds3, EmptyIsNeutralInUnion) {
     Bounds3 empty, box({1, 2, 3}, {4, 0, 5});
@@ -117,4 +115,4 @@ TEST(DirectionCone, SpecialCases) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

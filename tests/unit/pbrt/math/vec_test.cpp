@@ -4,17 +4,10 @@
 
 #include "pbrt/math/frame.h"
 #include "pbrt/math/ray.h"
-#include "pbrt/math/rng.h"
+#include "support/sampling.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
-
-Vector3 RandomDirection(Rng &rng) {
-    for (;;) {
-        Vector3 v(2 * rng.Uniform() - 1, 2 * rng.Uniform() - 1, 2 * rng.Uniform() - 1);
-        if (LengthSquared(v) > 0.01f && LengthSquared(v) < 1) return Normalize(v);
-    }
-}
 
 double AngleInDouble(const Vector3 &a, const Vector3 &b) {
     glm::dvec3 p(a), q(b);
@@ -160,4 +153,4 @@ TEST(Ray, DifferentialScaleShrinksTowardsTheRay) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

@@ -35,6 +35,29 @@ inline SurfacePoint TestPoint() {
     return s;
 }
 
+/// p = (2 u, 3 v, 0).
+inline SurfacePoint FlatPoint() {
+    SurfacePoint s;
+    s.uv = {.3f, .6f};
+    s.p = {.6f, 1.8f, 0};
+    s.n = s.shading.n = {0, 0, 1};
+    s.dpdu = s.shading.dpdu = {2, 0, 0};
+    s.dpdv = s.shading.dpdv = {0, 3, 0};
+    return s;
+}
+
+/// A normal map of one column of pixels, top first.
+inline std::shared_ptr<const Image> NormalMapOf(const std::vector<Vector3> &normals) {
+    Image image(PixelFormat::Float, {1, static_cast<int>(normals.size())}, {"R", "G", "B"});
+    for (size_t y = 0; y < normals.size(); ++y)
+        for (int c = 0; c < 3; ++c) image.Set({0, static_cast<int>(y)}, c, (normals[y][c] + 1) / 2);
+    return std::make_shared<const Image>(std::move(image));
+}
+
+inline void ExpectNear(const Vector3 &a, const Vector3 &b, Float tolerance = 1e-5f) {
+    EXPECT_LT(Distance(a, b), tolerance) << a.x << " " << a.y << " " << a.z;
+}
+
 /// Expects that two BSDFs scatter alike: same flags, and equal values, densities and samples for a set of directions.
 inline void ExpectSameScattering(const Bsdf &a, const Bsdf &b) {
     ASSERT_EQ(static_cast<bool>(a), static_cast<bool>(b));
@@ -55,5 +78,31 @@ inline void ExpectSameScattering(const Bsdf &a, const Bsdf &b) {
         near(Distance(sa->wi, sb->wi), 0);
     }
 }
+
+/// Materials against lobes that are built by hand from the same numbers, at the test point.
+class MaterialTest : public testing::Test {
+  protected:
+    /// The BSDF of a material; fails if there is an error.
+    Bsdf Of(const std::string &type, const Params &params = Params()) {
+        lambda_ = kLambda;
+        MaterialPtr m = shop_.Make(type, params);
+        EXPECT_EQ(shop_.Errors(), 0u);
+        return m->GetBsdf(point_, lambda_);
+    }
+    template <class Lobe>
+    void ExpectLobe(const std::string &type, const Params &params, const Lobe &lobe) {
+        ExpectSameScattering(Of(type, params), Bsdf(point_.shading.n, point_.shading.dpdu, lobe));
+    }
+    static SampledSpectrum Albedo(Float r, Float g, Float b) {
+        return RgbAlbedoSpectrum(ColorSpace::SRGB(), Rgb(r, g, b)).Sample(kLambda);
+    }
+    static SampledSpectrum Unbounded(Float r, Float g, Float b) {
+        return RgbUnboundedSpectrum(ColorSpace::SRGB(), Rgb(r, g, b)).Sample(kLambda);
+    }
+
+    Workshop shop_;
+    SurfacePoint point_ = TestPoint();
+    SampledWavelengths lambda_ = kLambda;
+};
 
 }  // namespace pbrt::test

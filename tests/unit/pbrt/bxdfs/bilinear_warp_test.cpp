@@ -7,7 +7,7 @@
 #include "pbrt/math/rng.h"
 #include "support/statistics.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
 
 /// Two slices of 4 x 3 knots, some of which are 0.
@@ -75,9 +75,9 @@ TEST(BilinearWarp, SamplesFollowTheirDensityAndInvert) {
                 expected[static_cast<size_t>(j / kSub * kCells + i / kSub)] += mass * kSamples;
             }
         EXPECT_NEAR(total, 1, 1e-3);
-        EXPECT_GT(test::ChiSquareTest(observed, expected), 1e-5);
+        EXPECT_GT(ChiSquareTest(observed, expected), 1e-5);
     }
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

@@ -6,12 +6,8 @@
 #include "pbrt/bxdfs/fresnel.h"
 #include "sphere_histogram.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
-
-using test::DirectionAt;
-using test::kRadiance;
-using test::Values;
 
 const std::vector<Vector3> &HairViews() {
     static const std::vector<Vector3> views = {DirectionAt(0, 0), DirectionAt(40, 25), DirectionAt(80, 10),
@@ -90,25 +86,19 @@ TEST(Hair, LogisticSamplesFollowTheirDensity) {
             expected[static_cast<size_t>(i / kSub)] += p * kSamples;
         }
         EXPECT_NEAR(total, 1, 1e-4) << scale;
-        EXPECT_GT(test::ChiSquareTest(observed, expected), 1e-5) << scale;
+        EXPECT_GT(ChiSquareTest(observed, expected), 1e-5) << scale;
     }
 }
 
 TEST(Hair, SamplesFollowTheirDensity) {
     constexpr size_t kCases = 2 * 2 * 3 * 5;
-    const double level = test::SidakAlpha(1e-4, kCases);
+    const double level = SidakAlpha(1e-4, kCases);
     ForEachHair({0.3f, 0.8f}, [&](Float betaM, Float betaN, Float offset) {
         HairBxdf hair(offset, 1.55f, Values(0.1f, 0.3f, 0.6f, 1.5f), betaM, betaN, 3);
         for (const Vector3 &wo : HairViews()) {
             double mass;
-            double p = test::DirectionTest(
-                [&](Rng &rng) -> std::optional<Vector3> {
-                    Float uc = rng.Uniform();
-                    auto s = hair.Sample(wo, uc, rng.Uniform2(), kRadiance);
-                    if (!s) return {};
-                    return s->wi;
-                },
-                [&](const Vector3 &wi) { return hair.Pdf(wo, wi, kRadiance); }, 10000, 8, &mass);
+            double p = DirectionTest([&](Rng &rng) { return DirectionOf(SampleLobe(hair, wo, rng, kRadiance)); },
+                                     [&](const Vector3 &wi) { return hair.Pdf(wo, wi, kRadiance); }, 10000, 8, &mass);
             EXPECT_GT(p, level) << betaM << " " << betaN << " " << offset;
             EXPECT_NEAR(mass, 1, 0.01) << betaM << " " << betaN << " " << offset;
         }
@@ -121,8 +111,7 @@ TEST(Hair, SampleAgreesWithFAndPdf) {
         HairBxdf hair(offset, 1.45f, Values(0.1f, 0, 0.6f, 4), betaM, betaN, 3.5f);
         for (int i = 0; i < 100; ++i) {
             Vector3 wo = SampleUniformSphere(rng.Uniform2());
-            Float uc = rng.Uniform();
-            auto s = hair.Sample(wo, uc, rng.Uniform2(), kRadiance);
+            auto s = SampleLobe(hair, wo, rng, kRadiance);
             ASSERT_TRUE(s);
             EXPECT_NEAR(Length(s->wi), 1, 1e-5f);
             EXPECT_FLOAT_EQ(hair.Pdf(wo, s->wi, kRadiance), s->pdf);
@@ -142,17 +131,13 @@ TEST(Hair, WhiteFurnace) {
         HairBxdf hair(offset, 1.55f, SampledSpectrum(0), betaM, betaN, 2);
         for (const Vector3 &wo : HairViews()) {
             for (int i = 0; i < 20; ++i) {
-                Float uc = rng.Uniform();
-                auto s = hair.Sample(wo, uc, rng.Uniform2(), kRadiance);
+                auto s = SampleLobe(hair, wo, rng, kRadiance);
                 ASSERT_TRUE(s);
-                EXPECT_NEAR(s->f[0] * AbsCosTheta(s->wi) / s->pdf, 1, 1e-3f);
+                EXPECT_NEAR(WeightOf(*s), 1, 1e-3f);
             }
             if (betaM < 0.25f || betaN < 0.25f) continue;
-            double sum = 0;
-            for (double c : test::SphereHistogram(20, 20).Integrate(
-                     [&](const Vector3 &wi) { return hair.F(wo, wi, kRadiance)[0] * AbsCosTheta(wi); }, 8))
-                sum += c;
-            EXPECT_NEAR(sum, 1, 0.01) << betaM << " " << betaN << " " << offset;
+            auto reflected = [&](const Vector3 &wi) { return hair.F(wo, wi, kRadiance)[0] * AbsCosTheta(wi); };
+            EXPECT_NEAR(SphereIntegral(reflected, 8), 1, 0.01) << betaM << " " << betaN << " " << offset;
         }
     });
 }
@@ -176,11 +161,8 @@ TEST(Hair, AbsorptionTakesWhatTheCrossingsTake) {
                 out += inside * (1 - fresnel);
                 inside *= fresnel;
             }
-            double sum = 0;
-            for (double c : test::SphereHistogram(20, 20).Integrate(
-                     [&](const Vector3 &wi) { return hair.F(wo, wi, kRadiance)[k] * AbsCosTheta(wi); }, 8))
-                sum += c;
-            EXPECT_NEAR(sum, out, 0.01 * out) << k;
+            auto reflected = [&](const Vector3 &wi) { return hair.F(wo, wi, kRadiance)[k] * AbsCosTheta(wi); };
+            EXPECT_NEAR(SphereIntegral(reflected, 8), out, 0.01 * out) << k;
         }
     }
 }
@@ -248,4 +230,4 @@ TEST(Hair, ReflectanceBecomesAbsorptionAndExtremesStayFinite) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

@@ -65,6 +65,25 @@ class SphereHistogram {
     std::vector<double> counts_;
 };
 
+/// The integral of f(w) over the sphere, with n x n points in each of 400 cells.
+template <class F>
+double SphereIntegral(F f, int n) {
+    const std::vector<double> cells = SphereHistogram(20, 20).Integrate(f, n);
+    return std::accumulate(cells.begin(), cells.end(), 0.0);
+}
+
+/// A sample by the next numbers of `rng`.
+template <class Lobe, class... Options>
+std::optional<BsdfSample> SampleLobe(const Lobe &lobe, const Vector3 &wo, Rng &rng, Options... options) {
+    const Float uc = rng.Uniform();
+    return lobe.Sample(wo, uc, rng.Uniform2(), options...);
+}
+inline std::optional<Vector3> DirectionOf(const std::optional<BsdfSample> &s) {
+    return s ? std::optional(s->wi) : std::nullopt;
+}
+/// f cos / pdf at the first wavelength.
+inline double WeightOf(const BsdfSample &s) { return double(s.f[0] * AbsCosTheta(s.wi) / s.pdf); }
+
 /// p-value of the hypothesis that `draw(Rng &)`, which returns an optional direction, has the density `pdf(w)`; the
 /// share of calls without a direction must be the mass that pdf lacks. `mass` (may be null) gets the integral of pdf.
 /// `fine`: points per side of a cell with a peak.

@@ -7,11 +7,8 @@
 #include "pbrt/bxdfs/henyey_greenstein.h"
 #include "sphere_histogram.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
-
-using test::RunningStatistics;
-using test::Values;
 
 TEST(FresnelMoments, ObeyReciprocity) {
     // The mean transmittance from inside is that from outside divided by eta^2, the ratio of solid angles (Duderstadt;
@@ -116,7 +113,7 @@ TEST_P(Table, RadiiFollowTheProfile) {
             rest -= expected[static_cast<size_t>(i)];
         }
         expected[cells] = std::max(rest, 0.);
-        EXPECT_GT(test::ChiSquareTest(observed, expected), test::SidakAlpha(1e-4, 8)) << albedo;
+        EXPECT_GT(ChiSquareTest(observed, expected), SidakAlpha(1e-4, 8)) << albedo;
     }
 }
 
@@ -183,7 +180,7 @@ class BssrdfOnBall : public testing::Test {
     }
 
     const SubsurfaceTable table_ = SubsurfaceTable::Compute(0, 1.33f);
-    const Normal3 n_ = test::DirectionAt(40, 70);
+    const Normal3 n_ = DirectionAt(40, 70);
     const Point3 p_ = n_;
     const Normal3 ns_ = Normalize(n_ + Vector3(.1f, .2f, -.1f));
 };
@@ -193,7 +190,7 @@ TEST_F(BssrdfOnBall, CrossingsHaveThePdf) {
         SampledWavelengths lambda = SampledWavelengths::SampleVisible(.3f);
         if (dispersed) lambda.TerminateSecondary();
         const Bssrdf bssrdf = Make(lambda);
-        test::SphereHistogram histogram(12, 12);
+        SphereHistogram histogram(12, 12);
         constexpr int n = 100000;
         Rng rng(5);
         for (int i = 0; i < n; ++i) {
@@ -212,7 +209,7 @@ TEST_F(BssrdfOnBall, CrossingsHaveThePdf) {
             const double z = (histogram.Counts()[i] - mean) / std::sqrt(mean + Sqr(.01 * mean));
             worst = std::max(worst, std::abs(z));
         }
-        EXPECT_GT(test::NormalTail(worst), test::SidakAlpha(1e-4, expected.size())) << "worst z " << worst;
+        EXPECT_GT(NormalTail(worst), SidakAlpha(1e-4, expected.size())) << "worst z " << worst;
     }
 }
 
@@ -234,7 +231,7 @@ TEST_F(BssrdfOnBall, DrawnExitsGiveTheIntegralOfTheProfile) {
         }
         for (int k = 0; k < SpectrumSamples; ++k) estimate[static_cast<size_t>(k)].Add(double(weight[k]));
     }
-    const test::SphereHistogram sphere(50, 50);
+    const SphereHistogram sphere(50, 50);
     for (int k = 0; k < SpectrumSamples; ++k) {
         double expected = 0;
         for (double cell : sphere.Integrate([&](const Vector3 &x) { return bssrdf.Profile(Distance(p_, x))[k]; }, 16))
@@ -262,24 +259,18 @@ TEST(ExitLobe, SendsOutWhatComesInAndFollowsItsDensity) {
         const NormalizedFresnelBxdf lobe(eta, 1 / (Pi * (1 - 2 * InnerFresnelMoment(1 / eta, 1))));
         const Vector3 up(0, 0, 1);
         auto albedo = [&](TransportMode mode) {
-            double sum = 0;
-            for (double c : test::SphereHistogram(20, 20).Integrate(
-                     [&](const Vector3 &wi) { return lobe.F(up, wi, mode)[0] * AbsCosTheta(wi); }, 10))
-                sum += c;
-            return sum;
+            return SphereIntegral([&](const Vector3 &wi) { return lobe.F(up, wi, mode)[0] * AbsCosTheta(wi); }, 10);
         };
         EXPECT_NEAR(albedo(TransportMode::Importance), 1, 2e-3) << eta;
-        EXPECT_NEAR(albedo(TransportMode::Radiance), double(Sqr(eta)), 2e-3 * double(Sqr(eta))) << eta;
-        for (const Vector3 &wo : {up, -up, test::DirectionAt(70, 30)}) {
-            const double p = test::DirectionTest(
-                [&](Rng &rng) -> std::optional<Vector3> {
-                    return lobe.Sample(wo, 0, rng.Uniform2(), TransportMode::Radiance)->wi;
-                },
-                [&](const Vector3 &wi) { return lobe.Pdf(wo, wi, TransportMode::Radiance); }, 20000, 16, nullptr);
+        EXPECT_NEAR(albedo(kRadiance), double(Sqr(eta)), 2e-3 * double(Sqr(eta))) << eta;
+        for (const Vector3 &wo : {up, -up, DirectionAt(70, 30)}) {
+            const double p =
+                DirectionTest([&](Rng &rng) { return DirectionOf(SampleLobe(lobe, wo, rng, kRadiance)); },
+                              [&](const Vector3 &wi) { return lobe.Pdf(wo, wi, kRadiance); }, 20000, 16, nullptr);
             EXPECT_GT(p, 1e-5);
         }
     }
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

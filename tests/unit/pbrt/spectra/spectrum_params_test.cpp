@@ -3,10 +3,10 @@
 #include "support/errors.h"
 #include "support/folder_test.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
 
-class SpectrumParams : public test::FolderTest {
+class SpectrumParams : public FolderTest {
   protected:
     SpectrumParams() {
         file_ = std::make_shared<SourceFile>(SourceFile{"test.pbrt", "Material\n"});
@@ -37,7 +37,7 @@ class SpectrumParams : public test::FolderTest {
     }
     /// The message of the error that Get throws; checks that it points at line 7.
     std::string Failure(SpectrumUse use = SpectrumUse::Albedo) {
-        const Diagnostic error = test::ErrorOf([&] { Get(use); });
+        const Diagnostic error = ErrorOf([&] { Get(use); });
         EXPECT_EQ(error.loc.line, 7);
         EXPECT_NE(error.message, "") << "nothing was thrown";
         return error.message;
@@ -89,7 +89,7 @@ TEST_F(SpectrumParams, WrongValuesAreErrorsOfTheUse) {
         SCOPED_TRACE(c.word);
         const ParamSet none = params_;
         AddFloats(c.type, c.values);
-        for (SpectrumUse use : c.uses) test::ExpectWords(Failure(use), {c.word});
+        for (SpectrumUse use : c.uses) ExpectWords(Failure(use), {c.word});
         if (c.uses.size() == 1) {
             EXPECT_TRUE(Get(Unbounded));
         }
@@ -101,9 +101,9 @@ TEST_F(SpectrumParams, Blackbody) {
     AddFloats(ParamType::Blackbody, {5000});
     EXPECT_NEAR((*Get())(2.8977721e6f / 5000), 1, 1e-5);
     AddFloats(ParamType::Blackbody, {5000, 1});
-    test::ExpectWords(Failure(), {"takes 1 value, found 2"});
+    ExpectWords(Failure(), {"takes 1 value, found 2"});
     AddFloats(ParamType::Blackbody, {0});
-    test::ExpectWords(Failure(), {"above 0"});
+    ExpectWords(Failure(), {"above 0"});
 }
 
 TEST_F(SpectrumParams, SamplesAreLinearAndZeroOutside) {
@@ -121,16 +121,16 @@ TEST_F(SpectrumParams, NamesAndFiles) {
     AddName("s.spd");
     EXPECT_NEAR((*Get())(450), 0.75f, 1e-6);
     AddName("glass-BK8");
-    test::ExpectWords(Failure(), {"glass-BK7"});
+    ExpectWords(Failure(), {"glass-BK7"});
     Write("odd.spd", "400 1 500\n");
     AddName("odd.spd");
-    test::ExpectWords(Failure(), {"odd number of values"});
+    ExpectWords(Failure(), {"odd number of values"});
     Write("word.spd", "400 1\n500 red\n");
     AddName("word.spd");
-    test::ExpectWords(Failure(), {"word.spd:2"});
+    ExpectWords(Failure(), {"word.spd:2"});
     Write("empty.spd", "# nothing\n");
     AddName("empty.spd");
-    test::ExpectWords(Failure(), {"no samples"});
+    ExpectWords(Failure(), {"no samples"});
 }
 
 TEST_F(SpectrumParams, FloatOnlyWhereAllowed) {
@@ -145,7 +145,7 @@ TEST_F(SpectrumParams, FloatOnlyWhereAllowed) {
 TEST_F(SpectrumParams, TwoTypesOfOneNameContradict) {
     AddFloats(ParamType::Rgb, {0.5f, 0.5f, 0.5f}, 6);
     AddFloats(ParamType::Spectrum, {400, 1, 500, 1});
-    test::ExpectWords(Failure(), {"given both"});
+    ExpectWords(Failure(), {"given both"});
 }
 
 TEST_F(SpectrumParams, OwnValueBeatsAttributeDefaultOfAnotherType) {
@@ -168,4 +168,4 @@ TEST_F(SpectrumParams, LaterAttributeDefaultWins) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

@@ -6,7 +6,7 @@
 #include "pbrt/spectra/spectrum.h"
 #include "support/statistics.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
 
 /// The density as the paper and the format reference state it.
@@ -50,7 +50,7 @@ TEST(SampledWavelengths, FrequenciesMatchPdf) {
                 double lambda = 360 + b * 10 + (j + 0.5) * 0.1;
                 expected[static_cast<size_t>(b)] += kDraws * 0.1 * (visible ? VisibleDensity(lambda) : 1 / 470.0);
             }
-        EXPECT_GT(test::ChiSquareTest(observed, expected), 1e-4) << visible;
+        EXPECT_GT(ChiSquareTest(observed, expected), 1e-4) << visible;
     }
 }
 
@@ -68,7 +68,7 @@ TEST(SampledWavelengths, TheFourAreStratified) {
 
 TEST(SampledWavelengths, TerminateSecondaryKeepsTheMean) {
     Rng rng(3);
-    test::RunningStatistics all, first;
+    RunningStatistics all, first;
     for (int i = 0; i < 200000; ++i) {
         SampledWavelengths s = SampledWavelengths::SampleVisible(rng.Uniform());
         EXPECT_FALSE(s.SecondaryTerminated());
@@ -84,4 +84,4 @@ TEST(SampledWavelengths, TerminateSecondaryKeepsTheMean) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <map>
 
-#include "pbrt/core/parallel.h"
 #include "scene_fixtures.h"
 #include "support/sampler_laws.h"
+#include "support/threads.h"
 #ifdef PBRT_CONTRACT_HEADER  // the header of one sampler that is tested alone
 #include PBRT_CONTRACT_HEADER
 #endif
@@ -89,16 +89,8 @@ TEST_P(SceneContract, SameAnswerFromAnyThread) { CheckSameFromAnyThread(S()); }
 TEST_P(SceneContract, DistributionsOfTwoVerticesKeepApart) { CheckDistributionsKeepApart(S()); }
 TEST_P(SceneContract, OneNumberReachesEveryLight) { CheckOneNumberReachesEveryLight(S()); }
 TEST_P(SceneContract, PreparedTheSameByOneThreadAndByThree) {
-    std::unique_ptr<LightSampler> one, three;
-    {
-        ThreadLimit limit(1);
-        one = MakePreparedSampler(std::get<1>(GetParam()), Fixture(), Registry());
-    }
-    {
-        ThreadLimit limit(3);
-        three = MakePreparedSampler(std::get<1>(GetParam()), Fixture(), Registry());
-    }
-    CheckSame(*one, *three, Fixture().queries, Fixture().Lights());
+    const auto make = [&] { return MakePreparedSampler(std::get<1>(GetParam()), Fixture(), Registry()); };
+    CheckSame(*OnThreads(1, make), *OnThreads(3, make), Fixture().queries, Fixture().Lights());
 }
 
 TEST(SceneContractProgram, EnvironmentLightsBehindPortalsAreChosenByRegions) {

@@ -11,7 +11,6 @@
 
 #include "agreement_statistics.h"
 #include "pbrt/build/light_sampler_spec.h"
-#include "pbrt/core/parallel.h"
 #include "pbrt/films/rgb_film.h"
 #include "pbrt/integrators/path_integrator.h"
 #include "pbrt/integrators/render_loop.h"
@@ -19,6 +18,7 @@
 #include "support/render_scene.h"
 #include "support/scene_text.h"
 #include "support/statistics.h"
+#include "support/threads.h"
 #include "support/wrapped_sampler.h"
 
 namespace pbrt::test {
@@ -347,11 +347,8 @@ TEST(LightSamplersAgree, OneThreadAndThreeGiveTheSameBits) {
         request.build.samplesPerPixel = 4;
         request.build.lightSampler = label.substr(0, label.find('+'));
         request.build.meshLights = label.find('+') != std::string::npos;
-        auto render = [&](int threads) {
-            ThreadLimit limit(threads);
-            return RenderScene(request).image;
-        };
-        EXPECT_TRUE(SameBits(render(1), render(3))) << label;
+        const auto render = [&] { return RenderScene(request).image; };
+        EXPECT_TRUE(SameBits(OnThreads(1, render), OnThreads(3, render))) << label;
     }
 }
 

@@ -7,10 +7,10 @@
 #include <map>
 
 #include "pbrt/core/error.h"
-#include "pbrt/core/parallel.h"
 #include "pbrt/math/statistics.h"
 #include "support/render_waves.h"
 #include "support/statistics.h"
+#include "support/threads.h"
 
 namespace pbrt::test {
 
@@ -100,12 +100,10 @@ void CheckMean(const View &v, const std::string &integrator, double maxNoise, do
 }
 
 void CheckThreads(const View &v, const std::string &integrator, int samples) {
-    ThreadLimit one(1);
-    const Image expected = RenderView(v, integrator, 1, samples);
-    for (int threads : {2, 5}) {
-        ThreadLimit limit(threads);
-        EXPECT_TRUE(SameBits(expected, RenderView(v, integrator, 1, samples))) << integrator << ", " << threads;
-    }
+    const auto render = [&] { return RenderView(v, integrator, 1, samples); };
+    const Image expected = OnThreads(1, render);
+    for (int threads : {2, 5})
+        EXPECT_TRUE(SameBits(expected, OnThreads(threads, render))) << integrator << ", " << threads;
 }
 
 void CheckLightSamplers(View v, const std::string &integrator, const std::vector<std::string> &choices,

@@ -4,9 +4,9 @@
 
 #include <numeric>
 
-#include "pbrt/core/parallel.h"
 #include "support/build_text.h"
 #include "support/light_views.h"
+#include "support/threads.h"
 
 namespace {
 
@@ -116,15 +116,14 @@ TEST(ImageContributionLightSampler, ChoosesByTheRootOfSeenLightAndPower) {
 }
 
 TEST(ImageContributionLightSampler, IsTheSameForAnyNumberOfThreads) {
-    std::vector<Float> expected;
-    for (int threads : {1, 2, 5}) {
-        ThreadLimit limit(threads);
+    const auto prepare = [] {
         const Prepared r = Prepare(AllLamps(), {});
         std::vector<Float> pmf;
         for (uint32_t g = 0; g < kCount; ++g) pmf.push_back(r.sampler->PMF({}, LightId(g)));
-        if (expected.empty()) expected = pmf;
-        EXPECT_EQ(pmf, expected) << threads;
-    }
+        return pmf;
+    };
+    const std::vector<Float> expected = pbrt::test::OnThreads(1, prepare);
+    for (int threads : {2, 5}) EXPECT_EQ(pbrt::test::OnThreads(threads, prepare), expected) << threads;
 }
 
 TEST(ImageContributionLightSampler, ChoosesByPowerIfNothingIsSeen) {

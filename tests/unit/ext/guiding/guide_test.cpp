@@ -7,12 +7,13 @@
 #include "support/errors.h"
 #include "support/scene_text.h"
 #include "support/statistics.h"
+#include "support/structure.h"
 
 namespace pbrt::test {
 using namespace ext;
 namespace {
 
-Vector3 Uniform(Rng &rng) { return EqualAreaSquareToSphere({rng.Uniform(), rng.Uniform()}); }
+Vector3 Uniform(Rng &rng) { return EqualAreaSquareToSphere(rng.Uniform2()); }
 
 std::vector<SourceCluster> SomeClusters(Rng &rng) {
     std::vector<SourceCluster> targets(1 + static_cast<size_t>(rng.Uniform() * 12));
@@ -59,7 +60,7 @@ TEST(GuideDirections, SamplesHaveTheirDensityAndItIntegratesToOne) {
             EXPECT_NEAR(sum, 1, 0.02) << "the borders of cones do not follow the cells";
             int outside = 0;
             for (int k = 0; k < kSamples; ++k) {
-                const Vector3 w = directions.Sample({rng.Uniform(), rng.Uniform()});
+                const Vector3 w = directions.Sample(rng.Uniform2());
                 EXPECT_NEAR(Length(w), 1, 1e-5f);
                 outside += !(directions.Pdf(w) > 0);
                 const Point2 p = EqualAreaSphereToSquare(w) * Float(kFine);
@@ -125,12 +126,22 @@ TEST(SourceClusters, AreWhereLightComesFrom) {
     }
 }
 
-GuideParams Directions() {
+GuideParams Directions(bool roulette = false) {
     GuideParams params;
-    params.roulette = false;
+    params.roulette = roulette;
     params.directions = true;
     params.records = 1 << 20;
     return params;
+}
+
+/// A bounce from a horizontal surface, drawn by the cosine.
+GuideRecord CosineBounce(const Point3 &p, Rng &rng) {
+    GuideRecord r;
+    r.p = p;
+    r.normal = {0, 0, 1};
+    r.wi = SampleCosineHemisphere(rng.Uniform2());
+    r.pdf = r.bsdfPdf = r.wi.z / Pi;
+    return r;
 }
 
 const std::string kBall = Objects().Light("infinite").Shape("sphere");
@@ -161,12 +172,9 @@ class Learned {
                 for (int x = 0; x < 200; ++x) {
                     const std::optional<size_t> path = guide.PathNumber({x, y}, sample);
                     PathObserver::PathPlaces places = guide.BeginRecords(path);
-                    GuideRecord r;
+                    const Point3 p{2 * rng.Uniform() - 1, 2 * rng.Uniform() - 1, 0};
+                    GuideRecord r = CosineBounce(p, rng);
                     r.beta = 1;
-                    r.p = {2 * rng.Uniform() - 1, 2 * rng.Uniform() - 1, 0};
-                    r.normal = {0, 0, 1};
-                    r.wi = SampleCosineHemisphere({rng.Uniform(), rng.Uniform()});
-                    r.pdf = r.bsdfPdf = r.wi.z / Pi;
                     if (bothSides && rng.Uniform() < 0.5f) r.wi.z = -r.wi.z;
                     if (bothSides) r.pdf = r.bsdfPdf = r.pdf / 2;
                     r.target = r.p + r.wi * Float(30);
@@ -238,8 +246,7 @@ TEST(PathGuide, LearnsWhenEnoughPathsAreRecorded) {
 }
 
 TEST(PathGuide, LearnsNoDirectionsWhereTheyDoNotPay) {
-    GuideParams params = Directions();
-    params.roulette = true;
+    const GuideParams params = Directions(true);
     const Learned lobe(Lobe, false, false, params), first(Lobe, false, false, params, 7);
     EXPECT_TRUE(lobe.guide.EstimatesDirections());
     EXPECT_TRUE(lobe.guide.Cells().Guide());
@@ -275,11 +282,7 @@ bool Meets(const Point3 &p, const Vector3 &w, const Point3 &lamp, Float radius) 
 /// What a bounce from a floor finds: a lamp, a ball, or else a dim ceiling.
 GuideRecord UnderLamps(const Point3 &p, std::span<const Point3> lamps, Float radius, Float radiance, bool isOfFirstHalf,
                        Rng &rng) {
-    GuideRecord r;
-    r.p = p;
-    r.normal = {0, 0, 1};
-    r.wi = SampleCosineHemisphere(rng.Uniform2());
-    r.pdf = r.bsdfPdf = r.wi.z / Pi;
+    GuideRecord r = CosineBounce(p, rng);
     r.isOfFirstHalf = isOfFirstHalf;
     r.target = r.p + r.wi * (2 / std::max(r.wi.z, Float(0.1)));
     r.radiance = 0.01f;
@@ -391,28 +394,24 @@ TEST(PathGuide, ASavedStateIsLoadedBitByBitAndADamagedOneRefused) {
         guide.Save(writer);
         return writer.Joined();
     };
-    GuideParams withRoulette = Directions();
-    withRoulette.roulette = true;
-    const Learned lobe(Lobe, false), gaveUp(Even, false, false, withRoulette);
+    const Learned lobe(Lobe, false), gaveUp(Even, false, false, Directions(true));
     const auto check = [&](const PathGuide &guide, const GuideParams &params, bool learns) {
         const std::string state = bytesOf(guide);
         PathGuide other(params);
         load(state, other);
         EXPECT_EQ(bytesOf(other), state);
         EXPECT_EQ(other.EstimatesDirections(), learns);
-        for (const std::string &damaged :
-             {state.substr(0, state.size() - 1), state.substr(0, 20), std::string(state.size(), '\x7f')}) {
+        for (const std::string &damaged : Damaged(state)) {
             PathGuide refusing(params);
             EXPECT_THROW(load(damaged, refusing), UserError);
         }
     };
     check(lobe.guide, Directions(), true);
-    check(gaveUp.guide, withRoulette, false);
+    check(gaveUp.guide, Directions(true), false);
 }
 
 TEST(PathGuide, WhatItLearnedIsOfUseToOtherRenders) {
-    GuideParams params = Directions();
-    params.roulette = true;
+    GuideParams params = Directions(true);
     const Learned lobe(Lobe, false, false, params);
     StateWriter writer;
     lobe.guide.SaveForOthers(writer);
@@ -468,10 +467,9 @@ void CheckGuideMean(const Bsdf &bsdf, bool isGlossy, bool bothSides, Float wrong
         return static_cast<double>(s.f.Average() * std::abs(s.wi.z) / pdf * Lobe(vertex.point.p, s.wi));
     };
     for (int i = 0; i < 400000; ++i) {
-        const std::optional<BsdfSample> a =
-            vertex.bsdf.Sample(vertex.point.wo, rng.Uniform(), {rng.Uniform(), rng.Uniform()});
+        const std::optional<BsdfSample> a = vertex.bsdf.Sample(vertex.point.wo, rng.Uniform(), rng.Uniform2());
         own.Add(a ? weightOf(*a, a->pdf) : 0);
-        const std::optional<BsdfSample> b = bounces.Sample(vertex, rng.Uniform(), {rng.Uniform(), rng.Uniform()});
+        const std::optional<BsdfSample> b = bounces.Sample(vertex, rng.Uniform(), rng.Uniform2());
         guided.Add(b ? weightOf(*b, b->pdf) : 0);
         const Float bsdfPdf = b ? vertex.bsdf.Pdf(vertex.point.wo, b->wi) : 0;
         const Float guidePdf = b ? (b->pdf - (1 - share) * bsdfPdf) / share : 0;

@@ -71,18 +71,13 @@ TEST(PointTree, RefusesADamagedOne) {
     std::vector<Point3> places(1000);
     for (Point3 &p : places) p = {rng.Uniform(), rng.Uniform(), rng.Uniform()};
     built.Divide(0, places.data(), places.data() + places.size(), 100);
-    const auto bytesOf = [](const PointTree &tree) {
-        StateWriter writer;
-        writer(tree);
-        return writer.Joined();
-    };
-    const std::string saved = bytesOf(built.tree);
+    const std::string saved = BytesOf(built.tree);
     const auto load = [&](const std::string &bytes, size_t roots, size_t leaves) {
         StateReader in(bytes, "tree");
         PointTree tree;
         in(tree);
         in.RequireValid(tree.ValidateFor(roots, leaves));
-        EXPECT_EQ(bytesOf(tree), bytes);
+        EXPECT_EQ(BytesOf(tree), bytes);
     };
     load(saved, 1, built.leaves.size());
     EXPECT_THROW(load(saved, 1, built.leaves.size() - 1), UserError);

@@ -3,15 +3,12 @@
 #include <gtest/gtest.h>
 
 #include "emitters.h"
-#include "pbrt/core/parallel.h"
+#include "support/threads.h"
 
 namespace {
 
 using namespace ext;
-
-using test::PatchCounts;
-using test::Patches;
-using test::QueryIn;
+using test::OnThreads, test::PatchCounts, test::Patches, test::QueryIn;
 
 class EmitterTreeOfSize : public testing::TestWithParam<PatchCounts> {};
 
@@ -46,29 +43,23 @@ TEST_P(EmitterTreeOfSize, EveryEmitterIsInItOnceAndSampledAsItsPmfSays) {
 INSTANTIATE_TEST_SUITE_P(Sizes, EmitterTreeOfSize,
                          testing::Values(PatchCounts{1, 0}, PatchCounts{7, 2}, PatchCounts{33, 0}, PatchCounts{100, 1},
                                          PatchCounts{1100, 3}),
-                         [](const auto &p) {
-                             return std::to_string(p.param.count) + "And" + std::to_string(p.param.far) + "Far";
-                         });
+                         test::NameOf);
 
 /// The tree is large enough to be built as several tasks.
 TEST(EmitterTree, IsTheSameForAnyNumberOfThreads) {
     const std::vector<Emitter> emitters = Patches(20000, 1);
-    std::vector<std::optional<SampledLight>> found[2];
-    for (int k = 0; k < 2; ++k) {
-        ThreadLimit limit(k + 1);
+    const auto sample = [&] {
         EmitterTree tree(emitters);
         Rng rng(5);
+        std::vector<std::pair<uint32_t, Float>> found;
         for (int i = 0; i < 2000; ++i) {
             const LightQuery q = QueryIn(rng);
-            found[k].push_back(tree.Sample(q, rng.Uniform()));
+            const std::optional<SampledLight> light = tree.Sample(q, rng.Uniform());
+            found.emplace_back(light ? light->light.value : 0, light ? light->pmf : 0);
         }
-    }
-    for (size_t i = 0; i < found[0].size(); ++i) {
-        ASSERT_EQ(found[0][i].has_value(), found[1][i].has_value());
-        if (!found[0][i]) continue;
-        EXPECT_EQ(found[0][i]->light, found[1][i]->light);
-        EXPECT_EQ(found[0][i]->pmf, found[1][i]->pmf);
-    }
+        return found;
+    };
+    EXPECT_EQ(OnThreads(1, sample), OnThreads(2, sample));
 }
 
 TEST(EmitterTree, GrowsWithTheEmittersAndItsDepthWithTheirLogarithm) {

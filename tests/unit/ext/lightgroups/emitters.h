@@ -1,4 +1,6 @@
 #pragma once
+#include <gtest/gtest.h>
+
 #include <vector>
 
 #include "ext/lightgroups/emitter.h"
@@ -27,6 +29,9 @@ inline Emitter Patch(const Point3 &p, const Vector3 &normal, Float intensity) {
 struct PatchCounts {
     int count, far;
 };
+inline std::string NameOf(const testing::TestParamInfo<PatchCounts> &p) {
+    return std::to_string(p.param.count) + "And" + std::to_string(p.param.far) + "Far";
+}
 
 /// `count` flat patches at random places in a cube, with `far` infinite lights among them.
 inline std::vector<Emitter> Patches(int count, int far) {

@@ -3,8 +3,8 @@
 #include <map>
 
 #include "ext/octree/light_octree.h"
-#include "pbrt/core/parallel.h"
 #include "pbrt/math/rng.h"
+#include "support/threads.h"
 
 namespace {
 
@@ -139,16 +139,8 @@ TEST(LightOctree, CoincidentPointsEndTheSplitting) {
 
 TEST(LightOctree, ThreadsDoNotMatter) {
     std::vector<Point3> points = CrowdedPoints(20000);
-    LightOctree one, many;
-    {
-        ThreadLimit limit(1);
-        one = BuildTree(points, 512, 3);
-    }
-    {
-        ThreadLimit limit(4);
-        many = BuildTree(points, 512, 3);
-    }
-    EXPECT_TRUE(one == many);
+    const auto build = [&] { return BuildTree(points, 512, 3); };
+    EXPECT_TRUE(test::OnThreads(1, build) == test::OnThreads(4, build));
 }
 
 TEST(LightOctree, FootprintIsWithinThePapersTable2) {

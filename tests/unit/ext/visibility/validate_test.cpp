@@ -9,7 +9,7 @@
 namespace {
 
 using namespace ext;
-using test::WithElement;
+using test::BytesOf, test::WithElement;
 
 const Bounds3 kUnitBox(Point3(0), Point3(1));
 /// Of CellOctree's nodes in the saved bytes, behind the box.
@@ -35,13 +35,6 @@ VisibilityTree Tree() {
     return VisibilityTreeBuilder(kUnitBox, made.records, made.rays, settings).Build().value();
 }
 
-template <class T>
-std::string Saved(const T &structure) {
-    StateWriter writer;
-    writer(structure);
-    return writer.Joined();
-}
-
 /// The message about the bytes; empty if they are accepted.
 template <class T>
 std::string Fault(const std::string &bytes) {
@@ -50,7 +43,7 @@ std::string Fault(const std::string &bytes) {
         T structure;
         reader(structure);
         reader.RequireEnd();
-        EXPECT_EQ(Saved(structure), bytes);
+        EXPECT_EQ(BytesOf(structure), bytes);
     });
 }
 
@@ -62,7 +55,7 @@ std::vector<uint32_t> NodesOf(const std::string &bytes) {
 }
 
 TEST(Validate, AnOctreeThatLookUpsWouldNotLeaveIsRefused) {
-    const std::string saved = Saved(Tree());
+    const std::string saved = BytesOf(Tree());
     ASSERT_EQ(Fault<VisibilityTree>(saved), "");
     const std::vector<uint32_t> nodes = NodesOf(saved);
     ASSERT_GT(nodes.size(), size_t{CellOctree::TopCount + 16});
@@ -83,7 +76,7 @@ TEST(Validate, AnOctreeThatLookUpsWouldNotLeaveIsRefused) {
 }
 
 TEST(Validate, AChangedLeafIsRefusedByTheHash) {
-    const std::string saved = Saved(Tree());
+    const std::string saved = BytesOf(Tree());
     const std::vector<uint32_t> nodes = NodesOf(saved);
     for (uint32_t i = 0; i < nodes.size(); ++i)
         for (uint32_t other : {nodes[i] ^ 1, kLeaf, uint32_t{0}}) {
@@ -108,7 +101,7 @@ TEST(Validate, LookUpsLeaveTheDeepestOctreeOnly) {
 }
 
 TEST(Validate, AnOctreeIsRefusedWithEveryWrongRow) {
-    const std::string saved = Saved(Tree());
+    const std::string saved = BytesOf(Tree());
     const size_t offsetsAt = kNodesAt + 2 * sizeof(uint64_t) + NodesOf(saved).size() * sizeof(uint32_t);
     StateReader reader(std::string_view(saved).substr(offsetsAt), "offsets");
     std::vector<uint32_t> offsets;
@@ -122,7 +115,7 @@ TEST(Validate, AnOctreeIsRefusedWithEveryWrongRow) {
 }
 
 TEST(Validate, LengthsAreCheckedBeforeMemoryIsTaken) {
-    const std::string saved = Saved(Tree());
+    const std::string saved = BytesOf(Tree());
     for (const uint64_t count : {uint64_t{1} << 60, uint64_t{1} << 32, ~uint64_t{0}}) {
         std::string changed = saved;
         std::memcpy(changed.data() + kNodesAt, &count, sizeof(count));

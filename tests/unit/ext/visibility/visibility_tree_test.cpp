@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "pbrt/core/parallel.h"
 #include "pbrt/math/rng.h"
+#include "support/threads.h"
 
 namespace {
 
@@ -24,7 +24,7 @@ struct Prepass {
             records.push_back({p, static_cast<uint32_t>(rays.size()), lights});
             for (uint32_t l = 0; l < lights; ++l) {
                 Float share = 1 / static_cast<Float>(lights);
-                rays.push_back({l, share, share, found(p, l, rng.Uniform())});
+                rays.push_back({l, share, share, Float(found(p, l, rng.Uniform()))});
             }
         }
     }
@@ -65,7 +65,7 @@ TEST(VisibilityTree, AnOpenSceneEndsWithOneLeaf) {
 TEST(VisibilityTree, AWallIsLearned) {
     // Light 0 is seen left of x = 0.3, light 1 right of it, light 2 everywhere.
     auto seen = [](const Point3 &p, uint32_t l) { return l == 2 || (l == 0) == (p.x < 0.3f); };
-    Prepass prepass(40000, 3, [&](const Point3 &p, uint32_t l, Float) { return seen(p, l) ? Float(1) : Float(0); });
+    Prepass prepass(40000, 3, [&](const Point3 &p, uint32_t l, Float) { return seen(p, l); });
     VisibilityTree tree = prepass.Build(Settings(3));
     EXPECT_GT(tree.LeafCount(), 8u);
     Rng rng(9);
@@ -96,9 +96,7 @@ TEST(VisibilityTree, KeepsAllSplitsWithoutPruningAndHoldsFewRecordsPerLeaf) {
 
 TEST(VisibilityTree, ShrinkageKeepsUnseenLightsAlive) {
     // In a corner light 0 is not seen: without shrinkage, its few records there would be taken for certain.
-    Prepass prepass(4000, 2, [](const Point3 &p, uint32_t l, Float) {
-        return l == 1 || p.x > 0.25f || p.y > 0.25f ? Float(1) : Float(0);
-    });
+    Prepass prepass(4000, 2, [](const Point3 &p, uint32_t l, Float) { return l == 1 || p.x > 0.25f || p.y > 0.25f; });
     VisibilityBuildSettings settings = Settings(2);
     settings.records = 5;
     settings.pruneGain = 0;
@@ -176,30 +174,20 @@ TEST(VisibilityTree, ManyLightsAreToldApartWhereTheyMatter) {
 
 TEST(VisibilityTree, ManyLightsDoNotDependOnThreads) {
     const ManyLights lights;
-    VisibilityTree built[2];
-    for (int k = 0; k < 2; ++k) {
-        ThreadLimit limit(1 + 3 * k);
-        built[k] = lights.Build();
-    }
-    EXPECT_TRUE(built[0] == built[1]);
+    const auto build = [&] { return lights.Build(); };
+    const VisibilityTree one = test::OnThreads(1, build);
+    EXPECT_TRUE(one == test::OnThreads(4, build));
     // A leaf holds at most 50 of the 20,000 records.
-    EXPECT_GT(built[0].LeafCount(), 400u);
+    EXPECT_GT(one.LeafCount(), 400u);
 }
 
 TEST(VisibilityTree, ThreadsDoNotMatter) {
     Prepass prepass(30000, 4, [](const Point3 &p, uint32_t l, Float u) {
-        return u < 0.9f && std::abs(p.x - static_cast<Float>(l) / 4) < 0.3f ? Float(1) : Float(0);
+        return u < 0.9f && std::abs(p.x - static_cast<Float>(l) / 4) < 0.3f;
     });
-    VisibilityTree one, many;
-    {
-        ThreadLimit limit(1);
-        one = prepass.Build(Settings(4));
-    }
-    {
-        ThreadLimit limit(4);
-        many = prepass.Build(Settings(4));
-    }
-    EXPECT_TRUE(one == many);
+    const auto build = [&] { return prepass.Build(Settings(4)); };
+    const VisibilityTree one = test::OnThreads(1, build);
+    EXPECT_TRUE(one == test::OnThreads(4, build));
     EXPECT_GT(one.LeafCount(), 1u);
 }
 
@@ -231,8 +219,7 @@ void ExpectStopsEverywhere(MakeBuilder &&make) {
 
 TEST(VisibilityTree, BuildingStopsAtOnceAtEveryStep) {
     ThreadLimit limit(1);
-    const Prepass prepass(
-        20000, 3, [](const Point3 &p, uint32_t l, Float) { return (l == 0) == (p.x < 0.3f) ? Float(1) : Float(0); });
+    const Prepass prepass(20000, 3, [](const Point3 &p, uint32_t l, Float) { return (l == 0) == (p.x < 0.3f); });
     ExpectStopsEverywhere(
         [&] { return std::make_unique<VisibilityTreeBuilder>(kBounds, prepass.records, prepass.rays, Settings(3)); });
     const ManyLights many;

@@ -6,7 +6,6 @@
 #include "pbrt/core/counters.h"
 #include "pbrt/core/log.h"
 #include "pbrt/transport/vertex.h"
-#include "plugins.h"
 #include "second_moment.h"
 #include "support/build_text.h"
 #include "support/scene_text.h"
@@ -53,9 +52,7 @@ struct World {
         return sampler;
     }
     std::unique_ptr<LightSampler> Named(const std::string &name) const {
-        PluginRegistry registry;
-        RegisterPlugins(registry);
-        std::unique_ptr<LightSampler> sampler = registry.samplers.Find(name).make(ParamSet(), Lights().ByComponent());
+        std::unique_ptr<LightSampler> sampler = test::MakeLightSampler(name, Lights());
         Prepare(*sampler);
         return sampler;
     }

@@ -4,7 +4,6 @@
 
 #include "pbrt/math/statistics.h"
 #include "support/render_scene.h"
-#include "support/scene_text.h"
 
 namespace pbrt::test {
 
@@ -31,22 +30,22 @@ std::vector<ScaleIntegrator> AllIntegrators(const Placement &at) {
             {"simplepath"},
             {"bdpt"},
             {"lightpath", "", 4 * kScaleSamples},
-            {"mlt", "\"integer mutationsperpixel\" 64 \"integer bootstrapsamples\" 4000"},
-            {"sppm", "\"integer photonsperiteration\" 2000 \"float radius\" " + at.Length(0.1)}};
+            {"mlt", "'integer mutationsperpixel' 64 'integer bootstrapsamples' 4000"},
+            {"sppm", "'integer photonsperiteration' 2000 'float radius' " + at.Length(0.1)}};
 }
 
 std::string ViewText(const Placement &at, const ScaleIntegrator &integrator, std::initializer_list<double> fromToUp,
-                     const std::string &camera, int maxDepth) {
+                     double fov, int maxDepth, const std::string &world) {
     const std::vector<double> v(fromToUp);
     return SceneText()
         .LookAt(fmt::format("{} {}  {} {} {}", at.Points({v[0], v[1], v[2]}), at.Points({v[3], v[4], v[5]}), v[6], v[7],
                             v[8]))
-        .Head(camera)
+        .Camera(fov)
         .Filter("box")
         .Film(kScaleResolution, kScaleResolution, "'bool savefp16' false")
         .Samples(integrator.samples)
         .Integrator(integrator.name, maxDepth, integrator.parameters)
-        .World();
+        .World(world);
 }
 
 std::vector<Image> RenderSeeds(const std::string &text, const Placement &at, int runs, int firstSeed) {

@@ -16,16 +16,16 @@ struct ConvexShape {
     const char *text;  ///< about 1 large, around the origin
 };
 constexpr ConvexShape kShapes[] = {
-    {"sphere", "Shape \"sphere\" \"float radius\" 1"},
-    {"ellipsoid", "Scale 1 .2 .5 Shape \"sphere\" \"float radius\" 1"},
-    {"cylinder", "Shape \"cylinder\" \"float radius\" .3"},
-    {"disk", "Shape \"disk\" \"float radius\" .7"},
+    {"sphere", "Shape 'sphere' 'float radius' 1"},
+    {"ellipsoid", "Scale 1 .2 .5 Shape 'sphere' 'float radius' 1"},
+    {"cylinder", "Shape 'cylinder' 'float radius' .3"},
+    {"disk", "Shape 'disk' 'float radius' .7"},
     {"triangles",
-     "Shape \"trianglemesh\" \"point3 P\" [ -1 -1 0  1 -1 0  1 1 0  -1 1 0 ] \"integer indices\" [ 0 1 2 0 2 3 ]"},
-    {"parallelogram", "Shape \"bilinearmesh\" \"point3 P\" [ -1 -.5 0  1 -.5 0  -1 .5 0  1 .5 0 ]"},
-    {"trapezoid", "Shape \"bilinearmesh\" \"point3 P\" [ -1 -.5 0  1 -.5 0  -.5 .5 0  .25 .5 0 ]"},
+     "Shape 'trianglemesh' 'point3 P' [ -1 -1 0  1 -1 0  1 1 0  -1 1 0 ] 'integer indices' [ 0 1 2 0 2 3 ]"},
+    {"parallelogram", "Shape 'bilinearmesh' 'point3 P' [ -1 -.5 0  1 -.5 0  -1 .5 0  1 .5 0 ]"},
+    {"trapezoid", "Shape 'bilinearmesh' 'point3 P' [ -1 -.5 0  1 -.5 0  -.5 .5 0  .25 .5 0 ]"},
     {"octahedron",
-     "Shape \"trianglemesh\" \"point3 P\" [ 1 0 0  -1 0 0  0 1 0  0 -1 0  0 0 1  0 0 -1 ] \"integer indices\" "
+     "Shape 'trianglemesh' 'point3 P' [ 1 0 0  -1 0 0  0 1 0  0 -1 0  0 0 1  0 0 -1 ] 'integer indices' "
      "[ 0 2 4  2 1 4  1 3 4  3 0 4  2 0 5  1 2 5  3 1 5  0 3 5 ]"},
 };
 
@@ -106,18 +106,17 @@ Blocked ConnectToSamples(const Scene &scene, Rng &rng) {
 }
 
 void ExpectNoneBlocked(const Placement &at) {
+    const std::string lamp = "AreaLightSource 'diffuse' 'rgb L' [ 1 1 1 ] 'bool twosided' true";
     for (const ConvexShape &shape : kShapes)
         for (const bool isLight : {true, false}) {
             if (isLight && at.instanced) continue;
-            const std::string place = fmt::format("Translate {} Scale {} {} {} Rotate 35 1 2 3 ",
-                                                  at.Points({.1, .2, .3}), at.Length(1), at.Length(1), at.Length(1));
-            const std::string text =
-                ViewText(at, {"path"}, {0, 0, 9, 0, 0, 0, 0, 1, 0}, "Camera \"perspective\"", 1) +
-                (at.instanced
-                     ? fmt::format("ObjectBegin \"o\" {} ObjectEnd {} ObjectInstance \"o\"", shape.text, place)
-                     : place +
-                           (isLight ? "AreaLightSource \"diffuse\" \"rgb L\" [ 1 1 1 ] \"bool twosided\" true\n" : "") +
-                           shape.text);
+            const std::string place =
+                fmt::format("Translate {0} Scale {1} {1} {1} Rotate 35 1 2 3 ", at.Points({.1, .2, .3}), at.Length(1));
+            const Objects object = at.instanced
+                                       ? Objects().Add(fmt::format("ObjectBegin 'o' {} ObjectEnd {} ObjectInstance 'o'",
+                                                                   shape.text, place))
+                                       : Objects().Add(place).Add(isLight ? lamp : "").Add(shape.text);
+            const std::string text = ViewText(at, {"path"}, {0, 0, 9, 0, 0, 0, 0, 1, 0}, 90, 1, object);
             BuildOptions options;
             options.renderCoordSys = at.renderCoordSys;
             const BuiltScene built = BuildText(text, options);

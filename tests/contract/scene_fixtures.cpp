@@ -393,18 +393,12 @@ double SceneFixture::ContributionOf(size_t query, LightId id) const {
     return id.value < Lights().Size() ? contribution[query][id.value] : Search(query, id);
 }
 
-void SceneFixture::Prepare(LightSampler &sampler) const {
-    Progress progress;
-    PrepareContext context = built.Preparation(progress);
-    sampler.Prepare(context);
-}
-
 std::unique_ptr<LightSampler> MakePreparedSampler(const std::string &label, const SceneFixture &fixture,
                                                   const PluginRegistry &registry) {
     size_t plus = label.find('+');
     std::unique_ptr<LightSampler> sampler = MakeLightSampler(
         label.substr(0, plus) + (plus != std::string::npos ? "+mesh" : ""), fixture.Lights(), registry);
-    fixture.Prepare(*sampler);
+    PrepareIn(fixture.built, *sampler);
     return sampler;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "pbrt/integrators/render_loop.h"
 #include "pbrt/math/statistics.h"
 #include "support/statistics.h"
 
@@ -95,6 +96,22 @@ Agreement Compare(const PixelStatistics &one, const std::vector<const PixelStati
     out.difference = sumOne / sumPool - 1;
     out.error = std::sqrt(sumVariance) / sumPool;
     return out;
+}
+
+Image RenderIndependently(const BuiltScene &built, Integrator &integrator, int samplesPerPixel, int seed) {
+    Progress progress;
+    PrepareContext prepare = built.Preparation(progress);
+    prepare.seed = seed;
+    prepare.samplesPerPixel = samplesPerPixel;
+    integrator.Prepare(prepare);
+    const std::unique_ptr<Film> film = built.film->MakeRgbFilm();
+    RenderSettings settings;
+    settings.samplesPerPixel = samplesPerPixel;
+    DiagnosticSink sink;
+    const std::unique_ptr<Sampler> sampler =
+        Samplers().Make("independent", ParamSet(), SamplerContext{film->FullResolution(), samplesPerPixel, seed, sink});
+    RenderWaves({integrator, *built.camera, *built.filter, *film, *sampler, progress}, settings);
+    return film->ToImage();
 }
 
 }  // namespace pbrt::test

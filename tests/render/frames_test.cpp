@@ -7,6 +7,7 @@
 #include "pbrt/integrators/render_loop.h"
 #include "pbrt/transport/vertex.h"
 #include "support/build_text.h"
+#include "support/light_query.h"
 #include "support/statistics.h"
 #include "two_rooms.h"
 
@@ -20,7 +21,7 @@ constexpr int kFrameSamples = 8, kFrames = 4;
 BuiltScene Frame(int frame) {
     const double x = -2.6 + 0.5 * frame;
     return BuildText(SceneText()
-                         .Head("Option 'rendercoordsys' 'world'")
+                         .InWorldSpace()
                          .LookAt(fmt::format("{0} 6 0  {0} 0 0  0 0 1", x))
                          .Camera(30)
                          .Film(32, 32, "'bool savefp16' false")
@@ -48,9 +49,7 @@ BuiltScene RenderFrame(int frame, StateReader *learned = nullptr) {
 /// The relative variance of one light sample at a place of the floor that all frames see: of f / p for lights chosen
 /// with probability p, whose unoccluded or hidden contributions f are added up exactly. Slow, but simple.
 double NoiseAt(const BuiltScene &built, const Point3 &p) {
-    LightQuery query;
-    query.p = p;
-    query.wo = query.n = query.ns = Normal3(0, 1, 0);
+    const LightQuery query = QueryAt(p, {0, 1, 0});
     LightSampleContext from;
     from.p = p;
     from.n = from.ns = query.n;

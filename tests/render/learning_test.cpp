@@ -9,6 +9,7 @@
 
 #include "pbrt/core/online_model.h"
 #include "pbrt/core/parallel.h"
+#include "support/light_query.h"
 #include "support/render_waves.h"
 #include "two_rooms.h"
 
@@ -20,7 +21,7 @@ constexpr int kSamples = 16;  ///< learned from after 1 and 4
 /// A view from `eyeTargetUp` in world space.
 BuiltScene BuildView(const std::string &eyeTargetUp, double fov, const std::string &parameters, const Objects &world) {
     return BuildText(SceneText()
-                         .Head("Option 'rendercoordsys' 'world'")
+                         .InWorldSpace()
                          .LookAt(eyeTargetUp)
                          .Camera(fov)
                          .Film(40, 40, "'bool savefp16' false")
@@ -279,12 +280,9 @@ TEST(LearningWhileRendering, DamagedStatesAreRefused) {
 /// Points on the floor of the left room.
 std::vector<LightQuery> Floor() {
     std::vector<LightQuery> queries;
-    for (int i = 0; i < 100; ++i) {
-        LightQuery q;
-        q.p = Point3(-3.8f + 0.4f * static_cast<Float>(i % 10), 0, -1.9f + 0.4f * static_cast<Float>(i / 10));
-        q.wo = q.n = q.ns = Normal3(0, 1, 0);
-        queries.push_back(q);
-    }
+    for (int i = 0; i < 100; ++i)
+        queries.push_back(QueryAt(
+            {-3.8f + 0.4f * static_cast<Float>(i % 10), 0, -1.9f + 0.4f * static_cast<Float>(i / 10)}, {0, 1, 0}));
     return queries;
 }
 

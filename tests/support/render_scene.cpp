@@ -1,5 +1,4 @@
 #include "support/render_scene.h"
-#include "support/parse_text.h"
 
 #include <cstdio>
 #include <cstdlib>
@@ -9,6 +8,8 @@
 #include "pbrt/integrators/render_loop.h"
 #include "pbrt/scenefile/parser.h"
 #include "support/build_text.h"
+#include "support/param.h"
+#include "support/parse_text.h"
 
 namespace pbrt::test {
 
@@ -16,13 +17,7 @@ namespace {
 
 Rendered Render(SceneDescription description, const BuildOptions &options, bool floatFilm, DiagnosticSink &sink) {
     sink.ThrowIfErrors();
-    if (floatFilm) {
-        Param p;
-        p.type = ParamType::Bool;
-        p.name = "savefp16";
-        p.bools = {0};
-        description.film.params.Add(p);
-    }
+    if (floatFilm) description.film.params.Add(BoolParam("savefp16", false));
     Progress progress;
     BuiltScene built = BuildScene(description, options, AllSamplers(), sink, progress);
     built.Prepare(progress);

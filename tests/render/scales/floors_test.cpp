@@ -50,32 +50,32 @@ void ExpectSame(const std::string &name, const std::vector<Image> &ours, const s
 
 TEST(Floors, AreAllAlike) {
     for (const Floor &floor : kFloors) {
-        const std::vector<Image> small = RenderSeeds(FloorText(floor, 1e3, {"path"}), {}, kFloorRuns);
+        const std::vector<Image> small = RenderSeeds(FloorText(floor, 1e3, {"path"}), kFloorRuns);
         EXPECT_GT(MeanOf(small[0]), 0.01);
         for (const double r : {1e5, 1e6, 1e7, 1e8})
-            ExpectSame(fmt::format("{} of {:g}", floor.name, r),
-                       RenderSeeds(FloorText(floor, r, {"path"}), {}, kFloorRuns), small, 0.0005);
+            ExpectSame(fmt::format("{} of {:g}", floor.name, r), RenderSeeds(FloorText(floor, r, {"path"}), kFloorRuns),
+                       small, 0.0005);
     }
 }
 
 TEST(Floors, AreAlikeInEveryIntegrator) {
     for (const ScaleIntegrator &integrator : AllIntegrators({})) {
-        const std::vector<Image> small = RenderSeeds(FloorText(kFloors[0], 1e3, integrator), {}, kFloorRuns);
+        const std::vector<Image> small = RenderSeeds(FloorText(kFloors[0], 1e3, integrator), kFloorRuns);
         for (const double r : {1e6, 1e8})
             ExpectSame(fmt::format("{} with a floor of {:g}", integrator.name, r),
-                       RenderSeeds(FloorText(kFloors[0], r, integrator), {}, kFloorRuns), small, 0.001);
+                       RenderSeeds(FloorText(kFloors[0], r, integrator), kFloorRuns), small, 0.001);
     }
 }
 
 /// The ground is a sphere of the size of the Earth.
 TEST(Floors, MayBeAPlanet) {
-    const std::vector<Image> flat = RenderSeeds(FloorText(kFloors[0], 1e3, {"path"}), {}, kFloorRuns);
+    const std::vector<Image> flat = RenderSeeds(FloorText(kFloors[0], 1e3, {"path"}), kFloorRuns);
     const Floor planet{"planet", [](double r) {
                            return Objects().Attribute(
                                fmt::format("Translate 0 {:.9g} 0", -r - 1),
                                Objects().Shape("sphere", fmt::format("'float radius' {:.9g}", r)));
                        }};
-    ExpectSame("planet", RenderSeeds(FloorText(planet, 6371000, {"path"}), {}, kFloorRuns), flat, 0.0005);
+    ExpectSame("planet", RenderSeeds(FloorText(planet, 6371000, {"path"}), kFloorRuns), flat, 0.0005);
 }
 
 /// A lamp in the plane z = 5 + behind, seen from z = 5.
@@ -94,8 +94,8 @@ TEST(CameraInThePlaneOfALamp, DoesNotSeeIt) {
     for (const ScaleIntegrator &integrator : AllIntegrators({}))
         for (const Objects &lamp : {Objects().Triangles(square, kTwoTriangles), Objects().Quad(square)})
             ExpectSame(integrator.name + ", " + std::string(lamp).substr(7, 14),
-                       RenderSeeds(FlashText(lamp, 0, integrator), {}, kFloorRuns),
-                       RenderSeeds(FlashText(lamp, 1e-4, integrator), {}, kFloorRuns), 0.002);
+                       RenderSeeds(FlashText(lamp, 0, integrator), kFloorRuns),
+                       RenderSeeds(FlashText(lamp, 1e-4, integrator), kFloorRuns), 0.002);
 }
 
 /// A ball on a floor: as it is, or as an instance. `size`: of both in the units of their object.
@@ -105,7 +105,7 @@ struct Object {
     std::string renderCoordSys{};
 };
 std::string ObjectView(const Object &o, const std::string &object) {
-    const Placement place{.offset = o.at};
+    const Placement place{.offset = o.at, .renderCoordSys = o.renderCoordSys};
     return ViewText(place, {"path"}, {0, 4, 5, 0, -.5, 0, 0, 1, 0}, 40, 3,
                     Objects().PointLight(place.Points({-2, 3, 3}), "9 9 9").Diffuse(".5 .5 .5").Add(object));
 }
@@ -127,8 +127,7 @@ TEST(Instances, AreAsExactAsCopies) {
         auto define = [](const std::string &shapes) { return "ObjectBegin \"o\" " + shapes + "ObjectEnd\n"; };
         const std::string place = "ObjectInstance \"o\"\n";
         auto in = [](const std::string &text) { return "AttributeBegin " + text + "AttributeEnd\n"; };
-        const Placement how{.renderCoordSys = o.renderCoordSys};
-        auto render = [&](const std::string &object) { return RenderSeeds(ObjectView(o, object), how, kFloorRuns); };
+        auto render = [&](const std::string &object) { return RenderSeeds(ObjectView(o, object), kFloorRuns); };
         const std::string shapes = BallAndFloor(o.size);
         const std::vector<Image> copy = render(in(move + enlarge + shapes));
         const std::string name =

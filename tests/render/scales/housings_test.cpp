@@ -61,7 +61,7 @@ void ExpectDarkHousings(const Placement &at) {
     for (const Part &light : kLights)
         for (const ScaleIntegrator &integrator : AllIntegrators(at)) {
             const auto mean = [&](const Objects &housing) {
-                return MeanOf(RenderSeeds(DistantFloorText(at, integrator, light.objects(at), housing), at, 1)[0]);
+                return MeanOf(RenderSeeds(DistantFloorText(at, integrator, light.objects(at), housing), 1)[0]);
             };
             const bool connectsInside = integrator.name == "bdpt" || integrator.name == "mlt";
             for (const Part &housing : kHousings)
@@ -86,7 +86,7 @@ TEST(Housings, OfCamerasAreDark) {
             world.Quad("-90 -90 100  90 -90 100  -90 90 100  90 90 100");
             if (lid) world.Shape("disk", "'float radius' .01 'float height' .001");
             const std::string text = ViewText({}, integrator, {0, 0, 0, 0, 0, 1, 0, 1, 0}, 60, 3, world);
-            const double mean = MeanOf(RenderSeeds(text, {}, 1)[0]);
+            const double mean = MeanOf(RenderSeeds(text, 1)[0]);
             EXPECT_EQ(mean > 0, !lid) << integrator.name << ", " << mean;
         }
 }

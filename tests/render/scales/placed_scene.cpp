@@ -37,7 +37,9 @@ std::vector<ScaleIntegrator> AllIntegrators(const Placement &at) {
 std::string ViewText(const Placement &at, const ScaleIntegrator &integrator, std::initializer_list<double> fromToUp,
                      double fov, int maxDepth, const std::string &world) {
     const std::vector<double> v(fromToUp);
+    const std::string &space = at.renderCoordSys;
     return SceneText()
+        .Head(space.empty() ? "" : "Option 'rendercoordsys' '" + space + "'")
         .LookAt(fmt::format("{} {}  {} {} {}", at.Points({v[0], v[1], v[2]}), at.Points({v[3], v[4], v[5]}), v[6], v[7],
                             v[8]))
         .Camera(fov)
@@ -48,12 +50,11 @@ std::string ViewText(const Placement &at, const ScaleIntegrator &integrator, std
         .World(world);
 }
 
-std::vector<Image> RenderSeeds(const std::string &text, const Placement &at, int runs, int firstSeed) {
+std::vector<Image> RenderSeeds(const std::string &text, int runs, int firstSeed) {
     std::vector<Image> images;
     for (int run = 0; run < runs; ++run) {
         BuildOptions options;
         options.seed = firstSeed + run;
-        options.renderCoordSys = at.renderCoordSys;
         images.push_back(RenderText(text, options).image);
     }
     return images;

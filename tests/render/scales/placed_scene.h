@@ -13,7 +13,7 @@ namespace pbrt::test {
 struct Placement {
     double scale = 1;
     std::array<double, 3> offset{0, 0, 0};
-    std::string renderCoordSys{};  ///< BuildOptions::renderCoordSys
+    std::string renderCoordSys{};  ///< empty: the default
     bool instanced = false;        ///< for tests that place shapes by an instance
 
     std::string Name() const;
@@ -41,7 +41,7 @@ std::string ViewText(const Placement &at, const ScaleIntegrator &integrator, std
                      double fov, int maxDepth, const std::string &world);
 
 /// Renders a scene text with several seeds.
-std::vector<Image> RenderSeeds(const std::string &text, const Placement &at, int runs, int firstSeed = 1);
+std::vector<Image> RenderSeeds(const std::string &text, int runs, int firstSeed = 1);
 
 /// Differences between two sets of renders, run by run: equal seeds give nearly equal noise, which cancels.
 struct ScaleDifference {

@@ -64,10 +64,9 @@ Blocked ConnectToHits(const Scene &scene, Rng &rng) {
     const Float size = Length(bounds.Diagonal()) / 2;
     Blocked count;
     for (int i = 0; i < 4000; ++i) {
-        Ray ray;
-        ray.o = center + 2 * size * SampleUniformSphere(rng.Uniform2());
-        ray.d = Normalize(center + Float(0.3) * size * SampleUniformSphere(rng.Uniform2()) - ray.o);
-        const std::optional<SurfacePoint> hit = scene.Intersect(ray);
+        const Point3 o = center + 2 * size * SampleUniformSphere(rng.Uniform2());
+        const Point3 target = center + Float(0.3) * size * SampleUniformSphere(rng.Uniform2());
+        const std::optional<SurfacePoint> hit = scene.Intersect({.o = o, .d = Normalize(target - o)});
         if (!hit) continue;
         LightLiSample to;
         to.pLight = hit->p;
@@ -117,9 +116,7 @@ void ExpectNoneBlocked(const Placement &at) {
                                                                    shape.text, place))
                                        : Objects().Add(place).Add(isLight ? lamp : "").Add(shape.text);
             const std::string text = ViewText(at, {"path"}, {0, 0, 9, 0, 0, 0, 0, 1, 0}, 90, 1, object);
-            BuildOptions options;
-            options.renderCoordSys = at.renderCoordSys;
-            const BuiltScene built = BuildText(text, options);
+            const BuiltScene built = BuildText(text);
             Rng rng(7);
             const Blocked count = isLight ? ConnectToSamples(*built.scene, rng) : ConnectToHits(*built.scene, rng);
             EXPECT_EQ(count.blocked, 0) << at.Name() << ", " << shape.name << (isLight ? " as light" : "");

@@ -49,9 +49,7 @@ struct Prepared {
 Prepared Prepare(const std::string &text, const ImageContributionParams &params) {
     Prepared r{BuildText(text), nullptr};
     r.sampler = std::make_unique<ImageContributionLightSampler>(r.built.scene->Lights(), params);
-    Progress progress;
-    PrepareContext context = r.built.Preparation(progress);
-    r.sampler->Prepare(context);
+    test::PrepareIn(r.built, *r.sampler);
     return r;
 }
 

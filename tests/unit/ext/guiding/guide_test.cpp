@@ -126,13 +126,7 @@ TEST(SourceClusters, AreWhereLightComesFrom) {
     }
 }
 
-GuideParams Directions(bool roulette = false) {
-    GuideParams params;
-    params.roulette = roulette;
-    params.directions = true;
-    params.records = 1 << 20;
-    return params;
-}
+GuideParams Directions(bool roulette = false) { return {.roulette = roulette, .records = 1 << 20}; }
 
 /// A bounce from a horizontal surface, drawn by the cosine.
 GuideRecord CosineBounce(const Point3 &p, Rng &rng) {
@@ -225,9 +219,7 @@ TEST(PathGuide, LearnsWhenEnoughPathsAreRecorded) {
     const BuiltScene built = BuildText(SceneText().Film(20, 20).World(kBall));
     Progress progress;
     const auto learnings = [&](int samples) {
-        GuideParams params;
-        params.roulette = params.directions = false;
-        PathGuide guide(params);
+        PathGuide guide(GuideParams{.roulette = false, .directions = false});
         PrepareContext context = built.Preparation(progress);
         context.samplesPerPixel = samples;
         guide.Prepare(context, 5);

@@ -24,6 +24,7 @@ using test::Objects, test::SceneText;
 /// hidden from the right half by a wall in the middle.
 std::string InspectedScene() {
     return SceneText()
+        .InWorldSpace()
         .LookAt("0 0 10  0 0 0  0 1 0")
         .Camera("orthographic", "'float screenwindow' [ -2 2 -2 2 ]")
         .Film(32, 32)
@@ -62,9 +63,7 @@ class Telltale final : public test::WrappedSampler {
 class Inspect : public test::FolderTest {
   protected:
     Inspect() {
-        BuildOptions options;
-        options.renderCoordSys = "world";
-        built_ = test::BuildText(InspectedScene(), options);
+        built_ = test::BuildText(InspectedScene());
         sampler_ = std::make_unique<Telltale>(built_.scene->Lights());
     }
     Inspection MakeInspection(InspectSettings settings = {}) {

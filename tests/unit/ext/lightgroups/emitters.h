@@ -6,6 +6,7 @@
 #include "ext/lightgroups/emitter.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/math/warps.h"
+#include "support/light_query.h"
 
 namespace pbrt::test {
 
@@ -52,11 +53,8 @@ inline std::vector<Emitter> Patches(int count, int far) {
 }
 
 inline LightQuery QueryIn(Rng &rng) {
-    LightQuery q;
-    q.p = {rng.Uniform(), rng.Uniform(), rng.Uniform()};
-    q.n = q.ns = Normal3(SampleUniformSphere(rng.Uniform2()));
-    q.wo = Vector3(q.n);
-    return q;
+    const Point3 p(rng.Uniform(), rng.Uniform(), rng.Uniform());
+    return QueryAt(p, SampleUniformSphere(rng.Uniform2()));
 }
 
 /// The importance G of one emitter.

@@ -7,6 +7,7 @@
 #include "candidates.h"
 #include "pbrt/lightsamplers/bvh_light_sampler.h"
 #include "support/given_lights.h"
+#include "support/light_query.h"
 
 namespace pbrt::test {
 namespace {
@@ -168,8 +169,7 @@ TEST(LightBvh, SplittingGroupsByOrientationAndPlaceBeatsChance) {
     double distance = 0;
     constexpr int kQueries = 200;
     for (int q = 0; q < kQueries; ++q) {
-        LightQuery query;
-        query.p = Point3(rng.Uniform(), rng.Uniform(), rng.Uniform());
+        const LightQuery query = QueryAt({rng.Uniform(), rng.Uniform(), rng.Uniform()});
         double total = 0;
         for (const LightCandidate &light : c)
             total += static_cast<double>(light.bounds->Importance(query.p, Normal3(0)));

@@ -141,11 +141,8 @@ TEST(Ray, NextFloatIsThatOfTheLibrary) {
 }
 
 TEST(Ray, DifferentialScaleShrinksTowardsTheRay) {
-    Ray ray;
-    ray.o = {1, 2, 3};
-    ray.d = {0, 0, 1};
     RayDifferential d{true, {2, 2, 3}, {1, 4, 3}, {0.1f, 0, 1}, {0, 0.2f, 1}};
-    d.Scale(ray, 0.5f);
+    d.Scale({.o = {1, 2, 3}, .d = {0, 0, 1}}, 0.5f);
     EXPECT_EQ(d.rxOrigin, Point3(1.5f, 2, 3));
     EXPECT_EQ(d.ryOrigin, Point3(1, 3, 3));
     EXPECT_EQ(d.rxDirection, Vector3(0.05f, 0, 1));

@@ -113,12 +113,8 @@ TEST(GridWalk, RaysParallelToAxesOnBordersAndThroughCorners) {
 TEST(GridWalk, DirectionsNearlyParallelToAxes) {
     const MajorantGrid grid = NumberedGrid({4, 4, 4});
     for (Float tiny : {1e-45f, 1e-39f, 1e-30f, 1e-12f, 1e-6f, -1e-45f, -1e-20f})
-        for (Float start : {0.f, 1.f, 1.7f, 4.f}) {
-            Ray ray;
-            ray.o = {start, -2, start};
-            ray.d = Vector3(tiny, 1, -tiny);
-            CheckWalk(grid, AffineMap(), ray, Infinity, 1e-4);
-        }
+        for (Float start : {0.f, 1.f, 1.7f, 4.f})
+            CheckWalk(grid, AffineMap(), {.o = {start, -2, start}, .d = {tiny, 1, -tiny}}, Infinity, 1e-4);
 }
 
 TEST(GridWalk, FarRaysKeepTheirCells) {

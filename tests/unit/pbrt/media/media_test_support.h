@@ -87,12 +87,7 @@ inline std::vector<NamedMedium> AllMedia(const Transform &place) {
     return all;
 }
 
-inline Ray RayThrough(const Point3 &from, const Point3 &to) {
-    Ray ray;
-    ray.o = from;
-    ray.d = Normalize(to - from);
-    return ray;
-}
+inline Ray RayThrough(const Point3 &from, const Point3 &to) { return {.o = from, .d = Normalize(to - from)}; }
 /// A point of the box, or of one a little larger.
 inline Point3 PointNear(const Bounds3 &b, Rng &rng, Float larger = 0) {
     const Vector3 u(rng.Uniform(), rng.Uniform(), rng.Uniform());

@@ -11,9 +11,7 @@ namespace {
 
 /// The camera is at the origin and looks along +z.
 BuiltScene World(const std::string &shapes) {
-    BuildOptions options;
-    options.renderCoordSys = "world";
-    return BuildText(SceneText().Camera(40).Film(8, 8).Integrator("path").World(shapes), options);
+    return BuildText(SceneText().InWorldSpace().Camera(40).Film(8, 8).Integrator("path").World(shapes));
 }
 
 std::string Disk(double z, const std::string &before) {

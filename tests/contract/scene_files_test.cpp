@@ -62,9 +62,9 @@ void SearchZeros(const SceneFixture &f, const LightSampler &sampler, uint64_t se
     out->zeros = zeros.size();
     if (zeros.empty()) return;
     const size_t points = std::clamp(kSearch / zeros.size(), kMinPoints, kMaxPoints);
-    const double share = static_cast<double>(kSearch) / static_cast<double>(points * zeros.size());
+    const double share = double(kSearch) / double(points * zeros.size());
     for (auto [q, light] : zeros) {
-        if (static_cast<double>(HashFloat(q, light.value, seed)) >= share) continue;
+        if (double(HashFloat(q, light.value, seed)) >= share) continue;
         ++out->searched;
         if (double c = SearchLight(f, sampler, q, light, points, seed); c > 0)
             out->wrong.push_back(fmt::format("place {}: light {} contributes {} and has PMF 0", q, light.value, c));
@@ -133,7 +133,7 @@ void ExpectALightLeftOutIsNoticed(const SceneFixture &f, std::unique_ptr<LightSa
             if (std::optional<SampledLight> s = sampler->Sample(q, rng.Uniform()))
                 found[s->light.value] +=
                     Contribution(*f.built.scene, q, f.Lights().Region(s->light, s->region), rng.Uniform2()) > 0;
-    const LightId most(static_cast<uint32_t>(std::max_element(found.begin(), found.end()) - found.begin()));
+    const LightId most(uint32_t(std::max_element(found.begin(), found.end()) - found.begin()));
     const TamperedSampler without(
         std::move(sampler), [&](const LightQuery &, const SampledLight &s) { return s.light == most ? 0 : s.pmf; });
     EXPECT_GT(Check(f, without, 0).wrong.size(), 0u) << "light " << most.value;
@@ -156,7 +156,7 @@ TEST_P(SceneFile, OctreeCanChooseEveryLightThatContributes) {
         std::printf(
             "%s: %zu lights, %zu places, PMF 0: %zu, of which searched %zu; draws that find light: %zu of %zu\n",
             label.c_str(), f.Lights().Size(), f.queries.size(), found.zeros, found.searched, found.contributing,
-            f.queries.size() * static_cast<size_t>(kDraws));
+            f.queries.size() * size_t(kDraws));
         if (HardlyLit(GetParam())) continue;
         EXPECT_GT(found.contributing, f.queries.size() / 4) << label << ": these places test nothing.";
         if (label == "octree") ExpectALightLeftOutIsNoticed(f, std::move(sampler));

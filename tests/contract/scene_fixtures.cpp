@@ -103,9 +103,9 @@ class Text {
             for (int j = 0; j < segments; ++j) {
                 double theta = 3.14159265 * (i + 0.5) / (rings + 1), phi = 2 * 3.14159265 * j / segments;
                 double r = radius * (1 + 0.1 * std::sin(5 * phi) * std::sin(7 * theta));
-                points += fmt::format("{} {} {} ", static_cast<double>(center.x) + r * std::sin(theta) * std::cos(phi),
-                                      static_cast<double>(center.y) + r * std::sin(theta) * std::sin(phi),
-                                      static_cast<double>(center.z) + r * std::cos(theta));
+                points += fmt::format("{} {} {} ", double(center.x) + r * std::sin(theta) * std::cos(phi),
+                                      double(center.y) + r * std::sin(theta) * std::sin(phi),
+                                      double(center.z) + r * std::cos(theta));
             }
         for (int i = 0; i < rings; ++i)
             for (int j = 0; j < segments; ++j) {
@@ -145,7 +145,7 @@ std::string Mixed(double scale) {
         Point3 from = place();
         t.SpotLight(from, from + Vector3(rng.Uniform() - 0.5f, -1, rng.Uniform() - 0.5f), 10 + 15 * i, 2);
         t.Quad(place(), {0.3f, 0, 0}, {0, 0.1f, 0.3f}, Text::Area(2 + i, i % 2 == 0));
-        t.Sphere(place(), 0.05f + 0.02f * static_cast<Float>(i), Text::Area(3));
+        t.Sphere(place(), 0.05f + 0.02f * Float(i), Text::Area(3));
     }
     t.Bulb({1.8f, 1.6f, 2}, 0.15, 5, 6, 8);
     t.Bulb({-1.8f, 1.6f, 2}, 0.1, 3, 4, 2);
@@ -203,7 +203,7 @@ std::string Occluded() {
     Text t;
     t.Rooms();
     for (int i = 0; i < 4; ++i) {
-        Point3 p(static_cast<Float>(i) * 1.3f - 2, 1.5f, 1.5f);
+        Point3 p(Float(i) * 1.3f - 2, 1.5f, 1.5f);
         t.Sphere(p, 0.3f);
         if (i % 2) t.PointLight(p, 5);
         else t.Sphere(p, 0.1f, Text::Area(10));
@@ -350,7 +350,7 @@ void AddPlacesAtLights(const BuiltScene &built, std::vector<LightQuery> &queries
     const Bounds3 &bounds = built.scene->Bounds();
     Rng rng(7);
     for (int i = 0; i < 4 && lights.Size() > 0; ++i) {
-        const LightCandidate light = lights.Candidate(LightId(rng.UniformInt(static_cast<uint32_t>(lights.Size()))));
+        const LightCandidate light = lights.Candidate(LightId(rng.UniformInt(uint32_t(lights.Size()))));
         if (!light.bounds) continue;
         LightQuery q;
         q.p = light.bounds->Centroid() +
@@ -378,7 +378,7 @@ double Contribution(const Scene &scene, const LightQuery &q, const LightComponen
         if (q.bsdf && !q.bsdf->F(q.wo, s->wi)) return 0;
     }
     if (scene.Occluded(from, *s)) return 0;
-    return static_cast<double>(s->L.Average()) * static_cast<double>(std::abs(cosine)) / static_cast<double>(s->pdf);
+    return double(s->L.Average()) * double(std::abs(cosine)) / double(s->pdf);
 }
 
 double SceneFixture::Search(size_t query, LightId id) const {

@@ -100,8 +100,7 @@ std::string WithoutCoats(const std::string &file) {
 std::vector<PixelStatistics> ExpectAgreement(const std::string &name, const View &view,
                                              std::vector<std::string> labels = Labels()) {
     std::vector<PixelStatistics> renders;
-    for (size_t i = 0; i < labels.size(); ++i)
-        renders.push_back(view.Render(labels[i], 1000 * (static_cast<int>(i) + 1)));
+    for (size_t i = 0; i < labels.size(); ++i) renders.push_back(view.Render(labels[i], 1000 * (int(i) + 1)));
     for (size_t i = 0; i < labels.size(); ++i) {
         std::vector<const PixelStatistics *> others;
         for (size_t k = 0; k < labels.size(); ++k)

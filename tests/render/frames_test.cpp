@@ -58,18 +58,16 @@ double NoiseAt(const BuiltScene &built, const Point3 &p) {
     for (uint32_t i = 0; i < 2 * kLampsPerRoom; ++i) {
         const auto s = built.scene->Lights()[LightId(i)].SampleLi(from, {}, lambda, false);
         if (!s || built.scene->Occluded(from, *s)) continue;
-        const double f = static_cast<double>(s->L.Average() * AbsDot(s->wi, query.n));
+        const double f = double(s->L.Average() * AbsDot(s->wi, query.n));
         sum += f;
-        squares += f * f / static_cast<double>(built.integrator->Lights()->PMF(query, LightId(i)));
+        squares += f * f / double(built.integrator->Lights()->PMF(query, LightId(i)));
     }
     return squares / (sum * sum) - 1;
 }
 
 constexpr int kPlaces = 100;
 /// On the floor, where all frames see it.
-Point3 PlaceOf(int i) {
-    return Point3(-2.2f + 0.1f * static_cast<Float>(i % 10), 1e-3f, -1.2f + 0.24f * static_cast<Float>(i / 10));
-}
+Point3 PlaceOf(int i) { return Point3(-2.2f + 0.1f * Float(i % 10), 1e-3f, -1.2f + 0.24f * Float(i / 10)); }
 
 /// How much the noise of places differs between frames: the standard deviation of its logarithm, averaged.
 double Flicker(const std::vector<BuiltScene> &frames) {
@@ -100,8 +98,8 @@ TEST(FramesOfAnAnimation, ShareTheirNoiseIfTheyShareWhatWasLearned) {
     for (int i = 0; i < kFrames; ++i) {
         double ours = 0, own = 0;
         for (int k = 0; k < kPlaces; ++k) {
-            ours += NoiseAt(shared[static_cast<size_t>(i)], PlaceOf(k));
-            own += NoiseAt(alone[static_cast<size_t>(i)], PlaceOf(k));
+            ours += NoiseAt(shared[size_t(i)], PlaceOf(k));
+            own += NoiseAt(alone[size_t(i)], PlaceOf(k));
         }
         EXPECT_LT(ours, 1.3 * own) << "frame " << i;
     }

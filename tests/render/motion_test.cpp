@@ -66,7 +66,7 @@ TEST(Motion, EveryMomentIsAStillPicture) {
         double coverage[2] = {}, difference = 0;
         int hits = 0, silhouettes = 0;
         for (int m = 0; m < kMoments; ++m) {
-            const Float u = (static_cast<Float>(m) + 0.5f) / kMoments;
+            const Float u = (Float(m) + 0.5f) / kMoments;
             const BuiltScene still = Build({0.25f + 0.5f * u}, cameraMoves);
             for (int y = 0; y < kResolution.y; ++y)
                 for (int x = 0; x < kResolution.x; ++x) {
@@ -117,8 +117,7 @@ TEST(Motion, MomentsDiffer) {
         for (int i = 0; i < kResolution.x * kResolution.y; ++i) {
             std::optional<SurfacePoint> seen[2];
             for (int k = 0; k < 2; ++k) {
-                const CameraSample sample{.pFilm = Point2(i % kResolution.x, i / kResolution.x),
-                                          .time = static_cast<Float>(k)};
+                const CameraSample sample{.pFilm = Point2(i % kResolution.x, i / kResolution.x), .time = Float(k)};
                 seen[k] = moving.scene->Intersect(moving.camera->GenerateRay(sample, lambda)->ray);
             }
             different += seen[0].has_value() != seen[1].has_value();

@@ -87,7 +87,7 @@ void CheckMean(const View &v, const std::string &integrator, double maxNoise, do
     ASSERT_EQ(ours.size(), path.size());
     double least = 1, all = 0, error = 0;
     for (const RunningStatistics &p : path) all += p.mean;
-    const double without = allowed * all / static_cast<double>(path.size());
+    const double without = allowed * all / double(path.size());
     for (size_t i = 0; i < ours.size(); ++i) {
         // Welch's test, as the variances differ.
         const double a = Sqr(ours[i].StandardError()), b = Sqr(path[i].StandardError()), e = std::sqrt(a + b);

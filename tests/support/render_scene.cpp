@@ -55,8 +55,7 @@ std::vector<double> TileMeans(const Image &image, int size) {
                 double sum = 0;
                 int n = 0;
                 for (int y = ty; y < std::min(ty + size, r.y); ++y)
-                    for (int x = tx; x < std::min(tx + size, r.x); ++x, ++n)
-                        sum += static_cast<double>(image.Get({x, y}, c));
+                    for (int x = tx; x < std::min(tx + size, r.x); ++x, ++n) sum += double(image.Get({x, y}, c));
                 means.push_back(sum / n);
             }
     return means;
@@ -65,7 +64,7 @@ std::vector<double> TileMeans(const Image &image, int size) {
 RunningStatistics ChannelStatistics(const Image &image, int channel) {
     RunningStatistics s;
     for (int y = 0; y < image.Resolution().y; ++y)
-        for (int x = 0; x < image.Resolution().x; ++x) s.Add(static_cast<double>(image.Get({x, y}, channel)));
+        for (int x = 0; x < image.Resolution().x; ++x) s.Add(double(image.Get({x, y}, channel)));
     return s;
 }
 

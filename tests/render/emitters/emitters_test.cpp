@@ -41,7 +41,7 @@ bool IsTried(size_t kind, size_t sampler) { return (kind + sampler) % 2 == 0; }
 bool IsTried(const EmitterKind &kind, size_t sampler) {
     const std::vector<EmitterKind> kinds = EmitterKinds();
     const auto sameName = [&](const EmitterKind &k) { return k.name == kind.name; };
-    return IsTried(static_cast<size_t>(std::ranges::find_if(kinds, sameName) - kinds.begin()), sampler);
+    return IsTried(size_t(std::ranges::find_if(kinds, sameName) - kinds.begin()), sampler);
 }
 /// Of the oracle: it sends shadow rays to all lights for each choice.
 bool IsSlow(const std::string &label) { return label.starts_with("oracle"); }
@@ -113,7 +113,7 @@ class EmittersKeepTheLaw : public testing::TestWithParam<EmitterKind> {
     }
 
     Studio studio_{BuildText(EmitterScene(GetParam()))};
-    int seed_ = static_cast<int>(HashFloat(std::hash<std::string>()(GetParam().name)) * 1e8f);
+    int seed_ = int(HashFloat(std::hash<std::string>()(GetParam().name)) * 1e8f);
     PixelStatistics reference_;
 };
 

@@ -74,7 +74,7 @@ std::vector<double> GreyTiles(const Image &image) {
         grey.push_back((rgb[i] + rgb[i + 1] + rgb[i + 2]) / 3);
         sum += grey.back();
     }
-    grey.push_back(sum / static_cast<double>(grey.size()));
+    grey.push_back(sum / double(grey.size()));
     return grey;
 }
 
@@ -106,7 +106,7 @@ ScaleDifference CompareRuns(const std::vector<Image> &ours, const std::vector<Im
         const double off = std::abs(relative) - allowed * (isImage ? 1 : 4);
         if (std::isnan(off)) out.worstP = 0;
         if (!(off > 0)) continue;
-        const double dof = static_cast<double>(d.n - 1);
+        const double dof = double(d.n - 1);
         out.worstP = std::min(out.worstP, error > 0 ? StudentTwoSidedP(off / error, dof) : 0.0);
     }
     return out;

@@ -87,8 +87,7 @@ Blocked ConnectToSamples(const Scene &scene, Rng &rng) {
     const Float size = Length(bounds.Diagonal()) / 2;
     Blocked count;
     for (int i = 0; i < 4000; ++i) {
-        const LightComponent light =
-            scene.Lights()[LightId(static_cast<uint32_t>(rng.Uniform() * static_cast<Float>(scene.Lights().Size())))];
+        const LightComponent light = scene.Lights()[LightId(uint32_t(rng.Uniform() * Float(scene.Lights().Size())))];
         const ShapePrimitive at = light.Surface();
         const std::optional<ShapeSample> place = at.shape->SampleArea(at.primitive, rng.Uniform2());
         if (!place) continue;

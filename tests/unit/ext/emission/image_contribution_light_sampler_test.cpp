@@ -70,7 +70,7 @@ TEST(ImageContribution, IsWhatPicturesOfSingleLampsHold) {
         for (size_t i = 0; i < kCount; ++i) {
             gray[i][t] = tiles[i][3 * t] + tiles[i][3 * t + 1] + tiles[i][3 * t + 2];
             brightness[t] += gray[i][t];
-            all += gray[i][t] / static_cast<double>(tileCount);
+            all += gray[i][t] / double(tileCount);
         }
     ASSERT_GT(all, 0);
     std::vector<double> expected(kCount), seen;
@@ -94,20 +94,20 @@ TEST(ImageContributionLightSampler, ChoosesByTheRootOfSeenLightAndPower) {
     double power = 0, found = 0, samples = 0, once = 0;
     std::vector<double> roots;
     for (uint32_t g = 0; g < kCount; ++g) {
-        power += static_cast<double>(groups.Candidate(g).power);
+        power += double(groups.Candidate(g).power);
         found += r.sampler->Contributions()[g].sum;
         samples += r.sampler->Contributions()[g].count;
         once += r.sampler->Contributions()[g].count == 1;
     }
     const double missed = once / samples;
     for (uint32_t g = 0; g < kCount; ++g) {
-        const double share = static_cast<double>(groups.Candidate(g).power) / power;
+        const double share = double(groups.Candidate(g).power) / power;
         roots.push_back(std::sqrt(share * ((1 - missed) * r.sampler->Contributions()[g].sum / found + missed * share)));
     }
     const double sum = std::accumulate(roots.begin(), roots.end(), 0.0);
     for (uint32_t g = 0; g < kCount; ++g) {
-        const double share = static_cast<double>(groups.Candidate(g).power) / power;
-        EXPECT_NEAR(static_cast<double>(r.sampler->PMF({}, LightId(g))), 0.8 * roots[g] / sum + 0.2 * share, 1e-5);
+        const double share = double(groups.Candidate(g).power) / power;
+        EXPECT_NEAR(double(r.sampler->PMF({}, LightId(g))), 0.8 * roots[g] / sum + 0.2 * share, 1e-5);
     }
     EXPECT_GT(r.sampler->PMF({}, LightId(1u)), 0.2f) << "a thousandth of the power of the lamp behind the wall";
     EXPECT_LT(r.sampler->PMF({}, LightId(3u)), 0.25f);

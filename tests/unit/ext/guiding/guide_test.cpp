@@ -16,7 +16,7 @@ namespace {
 Vector3 Uniform(Rng &rng) { return EqualAreaSquareToSphere(rng.Uniform2()); }
 
 std::vector<SourceCluster> SomeClusters(Rng &rng) {
-    std::vector<SourceCluster> targets(1 + static_cast<size_t>(rng.Uniform() * 12));
+    std::vector<SourceCluster> targets(1 + size_t(rng.Uniform() * 12));
     for (SourceCluster &target : targets) {
         for (int axis = 0; axis < 3; ++axis) target.p[axis] = 4 * rng.Uniform() - 2;
         target.r2 = Sqr(rng.Uniform() < 0.3f ? Float(0.01) : rng.Uniform());
@@ -50,9 +50,8 @@ TEST(GuideDirections, SamplesHaveTheirDensityAndItIntegratesToOne) {
             double sum = 0;
             for (size_t y = 0; y < kFine * kSub; ++y)
                 for (size_t x = 0; x < kFine * kSub; ++x) {
-                    const Point2 middle((static_cast<Float>(x) + 0.5f) / (kFine * kSub),
-                                        (static_cast<Float>(y) + 0.5f) / (kFine * kSub));
-                    const double share = static_cast<double>(directions.Pdf(EqualAreaSquareToSphere(middle))) * 4 *
+                    const Point2 middle((Float(x) + 0.5f) / (kFine * kSub), (Float(y) + 0.5f) / (kFine * kSub));
+                    const double share = double(directions.Pdf(EqualAreaSquareToSphere(middle))) * 4 *
                                          std::numbers::pi / (kFine * kSub * kFine * kSub);
                     expected[y / kSub * kFine + x / kSub] += share * kSamples;
                     sum += share;
@@ -64,7 +63,7 @@ TEST(GuideDirections, SamplesHaveTheirDensityAndItIntegratesToOne) {
                 EXPECT_NEAR(Length(w), 1, 1e-5f);
                 outside += !(directions.Pdf(w) > 0);
                 const Point2 p = EqualAreaSphereToSquare(w) * Float(kFine);
-                const auto at = [](Float x) { return std::min(static_cast<size_t>(x), kFine - 1); };
+                const auto at = [](Float x) { return std::min(size_t(x), kFine - 1); };
                 ++observed[at(p.y) * kFine + at(p.x)];
             }
             EXPECT_LE(outside, kSamples / 2000) << "only rounding may put a sample outside of its cone";
@@ -117,7 +116,7 @@ TEST(SourceClusters, AreWhereLightComesFrom) {
             for (int i = 0; i < kDirections; ++i) {
                 const Point2 onDisk = SampleUniformDiskConcentric(rng.Uniform2()) * std::sqrt(sine2);
                 const Vector3 w(onDisk.x, onDisk.y, std::sqrt(1 - Sqr(onDisk.x) - Sqr(onDisk.y)));
-                toLamps += static_cast<double>(directions.Pdf(frame.FromLocal(w)) * Pi * sine2 / kDirections);
+                toLamps += double(directions.Pdf(frame.FromLocal(w)) * Pi * sine2 / kDirections);
             }
         }
         // They cover less than a hundredth of what is above p, and are half of the light or more.
@@ -325,7 +324,7 @@ TEST(GuideCells, GuideToManyLamps) {
     constexpr int kSide = 6;
     std::vector<Point3> lamps;
     for (int i = 0; i < kSide * kSide; ++i)
-        lamps.emplace_back(0.4f * static_cast<Float>(i % kSide) - 1, 0.4f * static_cast<Float>(i / kSide) - 1, 1);
+        lamps.emplace_back(0.4f * Float(i % kSide) - 1, 0.4f * Float(i / kSide) - 1, 1);
     Rng rng(8);
     std::vector<GuideRecord> records;
     for (int i = 0; i < 200000; ++i)
@@ -360,7 +359,7 @@ TEST(GuideCells, GuideToWhatIsRarelyFound) {
     }
     GuideCells cells;
     cells.Learn(records, 0.7f);
-    EXPECT_LT(static_cast<size_t>(finds), cells.Cells());
+    EXPECT_LT(size_t(finds), cells.Cells());
     constexpr int kPlaces = 200;
     int guiding = 0;
     for (int i = 0; i < kPlaces; ++i) {
@@ -456,7 +455,7 @@ void CheckGuideMean(const Bsdf &bsdf, bool isGlossy, bool bothSides, Float wrong
     Rng rng(11);
     RunningStatistics own, guided, withoutGuide, wrongShare;
     const auto weightOf = [&](const BsdfSample &s, Float pdf) {
-        return static_cast<double>(s.f.Average() * std::abs(s.wi.z) / pdf * Lobe(vertex.point.p, s.wi));
+        return double(s.f.Average() * std::abs(s.wi.z) / pdf * Lobe(vertex.point.p, s.wi));
     };
     for (int i = 0; i < 400000; ++i) {
         const std::optional<BsdfSample> a = vertex.bsdf.Sample(vertex.point.wo, rng.Uniform(), rng.Uniform2());

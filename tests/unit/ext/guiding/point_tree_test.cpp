@@ -24,7 +24,7 @@ struct Built {
             return;
         }
         const PointTree::Node n = tree.Nodes()[node];
-        const auto isFirst = [&](const Point3 &p) { return p[static_cast<int>(n.axis)] < n.split; };
+        const auto isFirst = [&](const Point3 &p) { return p[int(n.axis)] < n.split; };
         isOrdered = isOrdered && std::all_of(begin, second, isFirst) && std::none_of(second, end, isFirst);
         Divide(n.below, begin, second, most);
         Divide(n.below + 1, second, end, most);
@@ -93,8 +93,8 @@ TEST(PointTree, RefusesADamagedOne) {
         refuses([](PointTree::Node &n) { n.below = 0xffffffffu; });
         if (nodes[i].IsLeaf()) continue;
         // Behind the last node, itself, the children of another one, and neighbours that are not siblings.
-        refuses([&](PointTree::Node &n) { n.below = static_cast<uint32_t>(nodes.size() - 1); });
-        refuses([&](PointTree::Node &n) { n.below = static_cast<uint32_t>(i); });
+        refuses([&](PointTree::Node &n) { n.below = uint32_t(nodes.size() - 1); });
+        refuses([&](PointTree::Node &n) { n.below = uint32_t(i); });
         refuses([&](PointTree::Node &n) { n.below += n.below + 3 < nodes.size() ? 2 : -2; });
         refuses([&](PointTree::Node &n) { ++n.below; });
         refuses([](PointTree::Node &n) { n.split = std::numeric_limits<Float>::quiet_NaN(); });

@@ -14,7 +14,7 @@ namespace {
 constexpr int kSide = 64, kVertices = 4;
 constexpr size_t kPaths = size_t{2} * kSide * kSide;
 Point2i PixelOf(size_t path) {
-    const auto pixel = static_cast<int>(path / 2);
+    const auto pixel = int(path / 2);
     return {pixel % kSide, pixel / kSide};
 }
 const uint32_t kUp = PathRoulette::KindOf({0, 0, 1}, false), kDown = PathRoulette::KindOf({0, 0, -1}, false);
@@ -100,9 +100,7 @@ Float WorthOf(Sample &&sample) {
     Rng rng(7);
     for (size_t path = 0; path < kSamples * 64; ++path)
         roulette.RecordPath(path, {sample(path % kSamples, rng.Uniform()), 5});
-    roulette.Learn({8, 8}, [](size_t path) {
-        return Point2i(static_cast<int>(path / kSamples % 8), static_cast<int>(path / kSamples / 8));
-    });
+    roulette.Learn({8, 8}, [](size_t path) { return Point2i(int(path / kSamples % 8), int(path / kSamples / 8)); });
     return roulette.PixelImportance({3, 3});
 }
 

@@ -45,12 +45,12 @@ Alarms CountAlarms(F &&make, bool useAuxiliary) {
                         contests.push_back(contest);
                     }
     std::atomic<int> alarms = 0;
-    ParallelForEach(static_cast<int64_t>(contests.size()), [&](int64_t i) {
-        const auto k = static_cast<size_t>(i);
+    ParallelForEach(int64_t(contests.size()), [&](int64_t i) {
+        const auto k = size_t(i);
         const std::vector<BiasVerdict> verdicts = Simulate(contests[k], 7000 + k);
         alarms += std::count(verdicts.begin(), verdicts.end(), BiasVerdict::Biased) > 0;
     });
-    return {alarms, static_cast<int>(contests.size())};
+    return {alarms, int(contests.size())};
 }
 
 /// The number of experiments of 20 that find the bias of the first sampler, which never chooses a light in a region.
@@ -59,8 +59,7 @@ int Found(Contest contest, int runs, double bias) {
     contest.common.bias = [bias](int x, int y) { return x >= 16 && x < 64 && y >= 16 ? -bias : 0; };
     contest.common.runs = runs;
     std::atomic<int> found = 0;
-    ParallelForEach(
-        20, [&](int64_t i) { found += Simulate(contest, 99000 + static_cast<uint64_t>(i))[0] == BiasVerdict::Biased; });
+    ParallelForEach(20, [&](int64_t i) { found += Simulate(contest, 99000 + uint64_t(i))[0] == BiasVerdict::Biased; });
     return found;
 }
 

@@ -39,11 +39,11 @@ class TestSampler final : public LightSampler {
         : seen_(lights - blind), interrupt_(std::move(interrupt)) {}
     std::optional<SampledLight> Choose(const LightQuery &, const void *, Float u, Point2 *) const override {
         if (--interrupt_->callsLeft == 0) interrupt_->progress->Cancel();
-        auto i = std::min(static_cast<size_t>(u * static_cast<Float>(seen_)), seen_ - 1);
-        return SampledLight{LightId(i), 1 / static_cast<Float>(seen_)};
+        auto i = std::min(size_t(u * Float(seen_)), seen_ - 1);
+        return SampledLight{LightId(i), 1 / Float(seen_)};
     }
     Float Probability(const LightQuery &, const void *, LightId light) const override {
-        return light.value < seen_ ? 1 / static_cast<Float>(seen_) : 0;
+        return light.value < seen_ ? 1 / Float(seen_) : 0;
     }
     void Report(Json &report) const override { report["leaves"] = 7; }
     void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override {

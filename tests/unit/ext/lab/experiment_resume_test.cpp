@@ -36,7 +36,7 @@ TEST_F(Experiment, GoesOnWhateverFileWasCutShort) {
         for (const std::string &file : files) {
             const bool decides = file.find("records") == 0 || file.find("seed") != std::string::npos;
             films += file.ends_with(".film");
-            const auto size = static_cast<int64_t>(fs::file_size(folder_ / experiment / file));
+            const auto size = int64_t(fs::file_size(folder_ / experiment / file));
             // The length -1 removes the file.
             for (const int64_t length :
                  decides ? std::vector<int64_t>{-1, 0, size / 2, size - 3} : std::vector<int64_t>{size / 2}) {

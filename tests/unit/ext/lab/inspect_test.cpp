@@ -44,7 +44,7 @@ class Telltale final : public test::WrappedSampler {
   public:
     explicit Telltale(const LightTable &lights) : WrappedSampler(uniform_), uniform_(lights.ByComponent()) {}
     void Inspect(const LightQuery &q, std::vector<InspectedValue> &values) const override {
-        values.push_back({"x place", static_cast<double>(q.p.x), false});
+        values.push_back({"x place", double(q.p.x), false});
         values.push_back({"cell", q.p.y > 0 ? 7.0 : 3.0, true});
     }
     std::string DescribeStructure() const override { return "two cells\n"; }
@@ -74,7 +74,7 @@ class Inspect : public test::FolderTest {
     static double At(const Inspection &inspection, int x, int y, const std::string &layer) {
         int channel = inspection.image.FindChannel(layer);
         EXPECT_GE(channel, 0) << layer;
-        return static_cast<double>(inspection.image.Get({x, y}, channel));
+        return double(inspection.image.Get({x, y}, channel));
     }
     BuiltScene built_;
     std::unique_ptr<Telltale> sampler_;
@@ -214,7 +214,7 @@ TEST_F(Inspect, WritesEveryLayerAndSaysWhatItShows) {
     Inspection inspection = MakeInspection();
     WriteInspection(inspection, folder_.string(), {{"sampler", "telltale"}});
     Image layers = ReadImage(Path("inspect.exr")).image;
-    EXPECT_EQ(layers.ChannelCount(), static_cast<int>(inspection.layers.size()));
+    EXPECT_EQ(layers.ChannelCount(), int(inspection.layers.size()));
     nlohmann::json json = nlohmann::json::parse(ReadFileContents(Path("inspect.json")));
     EXPECT_EQ(json["sampler"], "telltale");
     ASSERT_EQ(json["layers"].size(), inspection.layers.size());

@@ -16,7 +16,7 @@ Image Grey(const std::vector<std::pair<double, Float>> &shares) {
     Image image(PixelFormat::Float, {100, 10}, {"R", "G", "B"});
     int x = 0;
     for (const auto &[share, value] : shares)
-        for (int end = x + static_cast<int>(std::lround(100 * share)); x < end; ++x)
+        for (int end = x + int(std::lround(100 * share)); x < end; ++x)
             for (int y = 0; y < 10; ++y)
                 for (int c = 0; c < 3; ++c) image.Set({x, y}, c, value);
     return image;
@@ -62,17 +62,16 @@ TEST(RangePicture, KeepsEveryBrightness) {
     ASSERT_EQ(text.size(), at + size.size() + 10 * 4);
     for (int i = 0; i < 10; ++i) {
         const char *pixel = text.data() + at + size.size() + 4 * i;
-        const int exponent = static_cast<uint8_t>(pixel[3]);
+        const int exponent = uint8_t(pixel[3]);
         for (int c = 0; c < 3; ++c) {
             const double stored =
                 image.Get({i % 5, i / 5}, c) > 0 && std::isfinite(values[i]) ? double(image.Get({i % 5, i / 5}, c)) : 0;
-            const double shown =
-                exponent ? (static_cast<uint8_t>(pixel[c]) + 0.5) * std::ldexp(1.0, exponent - 136) : 0;
+            const double shown = exponent ? (uint8_t(pixel[c]) + 0.5) * std::ldexp(1.0, exponent - 136) : 0;
             // The tolerance is half a step of the brightest colour of the pixel.
             const double step = exponent ? std::ldexp(1.0, exponent - 136) : 0;
             EXPECT_NEAR(shown, stored, 0.5001 * step) << i << " " << c;
         }
-        const double value = static_cast<double>(values[i]);
+        const double value = double(values[i]);
         if (value > 0 && std::isfinite(value)) {
             EXPECT_LE(std::ldexp(1.0, exponent - 136), value / 128 * 1.0001);
         }

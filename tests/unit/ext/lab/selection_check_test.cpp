@@ -43,15 +43,15 @@ class Spoilt final : public LightSampler {
   public:
     explicit Spoilt(size_t lights) : count_(lights) {}
     std::optional<SampledLight> Choose(const LightQuery &q, const void *, Float u, Point2 *) const override {
-        auto i = std::min(static_cast<size_t>(u * static_cast<Float>(count_)), count_ - 1);
+        auto i = std::min(size_t(u * Float(count_)), count_ - 1);
         if (blindTo && i == *blindTo && where(q)) return {};
         // An eighth of the samples of light 0 returns light 1, without any change of the probabilities.
-        if (takesElsewhere && i == 0 && u * static_cast<Float>(count_) < 0.125f) i = 1;
-        return SampledLight{LightId(i), 1 / static_cast<Float>(count_) * (i == 0 ? claims : 1)};
+        if (takesElsewhere && i == 0 && u * Float(count_) < 0.125f) i = 1;
+        return SampledLight{LightId(i), 1 / Float(count_) * (i == 0 ? claims : 1)};
     }
     Float Probability(const LightQuery &q, const void *, LightId light) const override {
         if (blindTo && light.value == *blindTo && where(q)) return 0;
-        return 1 / static_cast<Float>(count_) * pmfSays;
+        return 1 / Float(count_) * pmfSays;
     }
     std::optional<size_t> blindTo;
     std::function<bool(const LightQuery &)> where = [](const LightQuery &) { return true; };
@@ -228,7 +228,7 @@ RunningStatistics Measured(const std::string &text) {
         double light = 0;
         for (size_t r = 0; r < vertices.RegionCount(); ++r)
             for (const auto &v : vertices.OfRegion(r))
-                for (const auto &m : v.lights) light += static_cast<double>(m.c);
+                for (const auto &m : v.lights) light += double(m.c);
         s.Add(light / (16. * vertices.PathsPerRegion()));
     }
     return s;
@@ -257,11 +257,11 @@ std::vector<std::vector<VertexFinding>> Simulate(Rng &rng, int paths, double pro
                 double found = 0;
                 constexpr int kDraws = 64;
                 for (int d = 0; d < kDraws; ++d)
-                    found += static_cast<double>(rng.Uniform()) < probability ? 1 / probability / kDraws : 0;
+                    found += double(rng.Uniform()) < probability ? 1 / probability / kDraws : 0;
                 if (r == lostIn) found *= 1 - lost;
-                f.excess = f.light * static_cast<float>(found - 1);
+                f.excess = f.light * float(found - 1);
                 f.endsPath = v == 1;
-                regions[static_cast<size_t>(r)].push_back(f);
+                regions[size_t(r)].push_back(f);
             }
     return regions;
 }

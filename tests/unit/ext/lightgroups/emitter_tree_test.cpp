@@ -22,7 +22,7 @@ TEST_P(EmitterTreeOfSize, EveryEmitterIsInItOnceAndSampledAsItsPmfSays) {
         double sum = 0;
         for (uint32_t i = 0; i < emitters.size(); ++i) {
             const Float pmf = tree.PMF(q, i);
-            sum += static_cast<double>(pmf);
+            sum += double(pmf);
             // An emitter can be chosen exactly if it can contribute.
             EXPECT_EQ(pmf > 0, test::GOf(emitters[i], q) > 0) << i;
         }
@@ -36,7 +36,7 @@ TEST_P(EmitterTreeOfSize, EveryEmitterIsInItOnceAndSampledAsItsPmfSays) {
                 ++chosenCount;
                 EXPECT_EQ(chosen->pmf, tree.PMF(q, chosen->light.value));
             }
-        EXPECT_NEAR(static_cast<double>(chosenCount) / kSamples, sum, 5 * std::sqrt(0.25 / kSamples));
+        EXPECT_NEAR(double(chosenCount) / kSamples, sum, 5 * std::sqrt(0.25 / kSamples));
     }
 }
 
@@ -65,7 +65,7 @@ TEST(EmitterTree, IsTheSameForAnyNumberOfThreads) {
 TEST(EmitterTree, GrowsWithTheEmittersAndItsDepthWithTheirLogarithm) {
     for (int count : {100, 10000, 100000}) {
         EmitterTree tree(Patches(count, 0));
-        EXPECT_LT(static_cast<double>(tree.Bytes()), 130.0 * count) << count;
+        EXPECT_LT(double(tree.Bytes()), 130.0 * count) << count;
         EXPECT_LE(tree.Depth(), 5) << count;
     }
 }

@@ -82,7 +82,7 @@ Float Unoccluded(const LightTable &lights, LightId light, const LightQuery &q, c
     if (!s || !(s->pdf > 0)) return 0;
     Float cosine = q.ns == Normal3(0) ? Float(1) : AbsDot(s->wi, q.ns);
     if (q.ns != Normal3(0) && !q.transmits && Dot(s->wi, q.ns) * Dot(q.wo, q.ns) <= 0) return 0;
-    return static_cast<Float>(RootMeanSquare(s->L) * double(cosine) / double(s->pdf) / lights.Unit());
+    return Float(RootMeanSquare(s->L) * double(cosine) / double(s->pdf) / lights.Unit());
 }
 
 class GroupImportanceOfEveryLight : public testing::TestWithParam<bool> {};
@@ -148,15 +148,14 @@ TEST_F(GroupImportanceByLight, IsAnEstimateOfTheUnoccludedLight) {
     for (uint32_t l = 0; l < lights_.Size(); ++l) {
         const int n = 4096;
         for (int k = 0; k < n; ++k)
-            truth[groups_.GroupOf(LightId(l))] +=
-                static_cast<double>(Unoccluded(lights_, LightId(l), q, rng.Uniform2())) / n;
+            truth[groups_.GroupOf(LightId(l))] += double(Unoccluded(lights_, LightId(l), q, rng.Uniform2())) / n;
     }
     size_t compared = 0;
     for (uint32_t i = 0; i < groups_.Size(); ++i) {
         if (!(truth[i] > 0)) continue;
         ++compared;
-        EXPECT_LT(static_cast<double>(g[i]), 4 * truth[i]) << i;
-        EXPECT_GT(static_cast<double>(g[i]), truth[i] / 4) << i;
+        EXPECT_LT(double(g[i]), 4 * truth[i]) << i;
+        EXPECT_GT(double(g[i]), truth[i] / 4) << i;
     }
     EXPECT_GE(compared, 5u);
 }

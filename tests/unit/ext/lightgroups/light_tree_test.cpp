@@ -47,7 +47,7 @@ TEST_P(LightTreeOfSize, EveryCutHoldsEveryLightOnce) {
                     EXPECT_EQ(tree.PositionOf(tree.LightAt(position)), position);
                 }
             }
-            EXPECT_EQ(next, static_cast<uint32_t>(count + far));
+            EXPECT_EQ(next, uint32_t(count + far));
         }
     }
     EXPECT_LE(tree.BaseCut().size(), LightTree::kBaseNodes + LightTree::kFarNodes);
@@ -85,7 +85,7 @@ TEST_P(LightTreeOfSize, LightsBelowANodeAreSampledAsTheirPmfSays) {
             std::vector<double> pmf;
             double sum = 0;
             for (uint32_t position = range.begin; position < range.end; ++position) {
-                pmf.push_back(static_cast<double>(tree.PMFWithin(node, q, position)));
+                pmf.push_back(double(tree.PMFWithin(node, q, position)));
                 sum += pmf.back();
             }
             // The sum is less than 1 where a node has importance, but both of its children have none: then no light is
@@ -95,7 +95,7 @@ TEST_P(LightTreeOfSize, LightsBelowANodeAreSampledAsTheirPmfSays) {
             std::vector<int> chosen(pmf.size(), 0);
             for (int s = 0; s < kSamples; ++s)
                 if (std::optional<SampledLight> light =
-                        tree.SampleWithin(node, q, (static_cast<Float>(s) + rng.Uniform()) / kSamples)) {
+                        tree.SampleWithin(node, q, (Float(s) + rng.Uniform()) / kSamples)) {
                     const uint32_t position = tree.PositionOf(light->light.value);
                     ASSERT_TRUE(position >= range.begin && position < range.end);
                     EXPECT_EQ(light->pmf, tree.PMFWithin(node, q, position));
@@ -132,8 +132,7 @@ TEST(LightTree, PutsNeighboursTogetherAndStaysShallow) {
     Rng rng(7);
     std::vector<Emitter> emitters;
     for (int i = 0; i < 400; ++i) {
-        const Point3 p =
-            Point3(static_cast<Float>(i % 4) * 10, 0, 0) + Vector3(rng.Uniform(), rng.Uniform(), rng.Uniform());
+        const Point3 p = Point3(Float(i % 4) * 10, 0, 0) + Vector3(rng.Uniform(), rng.Uniform(), rng.Uniform());
         emitters.push_back(test::Patch(p, Vector3(0, 0, 1), 1));
     }
     const LightTree tree(emitters);

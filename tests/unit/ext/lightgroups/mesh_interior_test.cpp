@@ -47,15 +47,15 @@ TEST_P(MeshInteriorOfSize, SamplesAsItsPmfSays) {
     double sum = 0;
     const int n = 40000;
     for (uint32_t l = 0; l < lights_.Size(); ++l) {
-        sum += static_cast<double>(interior_.PMF(q, LightId(l)));
-        expected[l] = n * static_cast<double>(interior_.PMF(q, LightId(l)));
+        sum += double(interior_.PMF(q, LightId(l)));
+        expected[l] = n * double(interior_.PMF(q, LightId(l)));
     }
     // A cluster of the tree can have importance although none of its members has: then no light is chosen.
     EXPECT_LE(sum, 1.0001);
     EXPECT_GT(sum, 0.95);
     double missed = 0;
     for (int i = 0; i < n; ++i) {
-        std::optional<SampledLight> s = interior_.Sample(0, q, (static_cast<Float>(i) + 0.5f) / n);
+        std::optional<SampledLight> s = interior_.Sample(0, q, (Float(i) + 0.5f) / n);
         if (!s) {
             ++missed;
             continue;
@@ -73,7 +73,7 @@ TEST_P(MeshInteriorOfSize, PrefersWhatFacesThePoint) {
     double facing = 0;
     for (uint32_t l = 0; l < lights_.Size(); ++l)
         if (lights_.Candidate(LightId(l)).bounds->Centroid().y > built_.scene->Bounds().Center().y)
-            facing += static_cast<double>(interior_.PMF(q, LightId(l)));
+            facing += double(interior_.PMF(q, LightId(l)));
     EXPECT_GT(facing, 0.97);
 }
 INSTANTIATE_TEST_SUITE_P(ScanAndTree, MeshInteriorOfSize, testing::Values(4, 10));

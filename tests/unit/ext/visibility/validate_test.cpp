@@ -21,7 +21,7 @@ VisibilityRecords Records() {
     Rng rng(3);
     for (int i = 0; i < 20000; ++i) {
         const Point3 p(rng.Uniform(), rng.Uniform(), rng.Uniform());
-        made.records.push_back({p, static_cast<uint32_t>(made.rays.size()), 2});
+        made.records.push_back({p, uint32_t(made.rays.size()), 2});
         const bool seesFirst = p.x + p.y + p.z < Float(1.5);
         for (uint32_t l = 0; l < 2; ++l) made.rays.push_back({l, 0.5f, 0.5f, seesFirst == (l == 0) ? 1.f : 0.f});
     }
@@ -59,7 +59,7 @@ TEST(Validate, AnOctreeThatLookUpsWouldNotLeaveIsRefused) {
     ASSERT_EQ(Fault<VisibilityTree>(saved), "");
     const std::vector<uint32_t> nodes = NodesOf(saved);
     ASSERT_GT(nodes.size(), size_t{CellOctree::TopCount + 16});
-    const uint32_t last = static_cast<uint32_t>(nodes.size()) - 8;
+    const uint32_t last = uint32_t(nodes.size()) - 8;
     for (uint32_t i = 0; i < nodes.size(); ++i) {
         std::vector<uint32_t> wrong = {0, i, i & ~7u, last + 1, last + 8, 0x7fffffffu};
         if (nodes[i] & kLeaf) {

@@ -21,9 +21,9 @@ struct Prepass {
         Rng rng(seed);
         for (int i = 0; i < count; ++i) {
             Point3 p(rng.Uniform(), rng.Uniform(), rng.Uniform());
-            records.push_back({p, static_cast<uint32_t>(rays.size()), lights});
+            records.push_back({p, uint32_t(rays.size()), lights});
             for (uint32_t l = 0; l < lights; ++l) {
-                Float share = 1 / static_cast<Float>(lights);
+                Float share = 1 / Float(lights);
                 rays.push_back({l, share, share, Float(found(p, l, rng.Uniform()))});
             }
         }
@@ -46,7 +46,7 @@ Float FactorAt(const VisibilityTree &tree, const Point3 &p, uint32_t light) {
 
 TEST(VisibilityTree, CodesKeepFactorsWithinAFewPercent) {
     for (double a = 1e-6; a < 100; a *= 1.37)
-        EXPECT_NEAR(static_cast<double>(VisibilityTree::Decode(VisibilityTree::Encode(a))) / a, 1, 0.05);
+        EXPECT_NEAR(double(VisibilityTree::Decode(VisibilityTree::Encode(a))) / a, 1, 0.05);
     EXPECT_GT(VisibilityTree::Decode(VisibilityTree::Encode(0)), 0);
 }
 
@@ -127,14 +127,14 @@ struct ManyLights {
         Rng rng(3);
         for (int i = 0; i < 20000; ++i) {
             Point3 p(rng.Uniform(), rng.Uniform(), rng.Uniform());
-            records.push_back({p, static_cast<uint32_t>(rays.size()), 16});
+            records.push_back({p, uint32_t(rays.size()), 16});
             for (int k = 0; k < 16; ++k) {
                 const uint32_t l = rng.UniformInt(kLights);
                 rays.push_back({l, 1.f / kLights, 1.f / 16, std::abs(PlaceOf(l) - p.x) < 0.02f ? Float(1) : Float(0)});
             }
         }
     }
-    static Float PlaceOf(uint32_t light) { return static_cast<Float>(light) / kLights; }
+    static Float PlaceOf(uint32_t light) { return Float(light) / kLights; }
     VisibilityTree Build() const {
         VisibilityBuildSettings settings = Settings(kLights);
         settings.lights = &tree;
@@ -164,7 +164,7 @@ TEST(VisibilityTree, ManyLightsAreToldApartWhereTheyMatter) {
         double near = 0, all = 0;
         for (uint32_t l = 0; l < ManyLights::kLights; ++l) {
             const size_t i = lights.tree.FindInCut(row.nodes, lights.tree.PositionOf(l));
-            const auto a = static_cast<double>(VisibilityTree::Decode(row.codes[i]));
+            const auto a = double(VisibilityTree::Decode(row.codes[i]));
             all += a;
             if (std::abs(ManyLights::PlaceOf(l) - x) < 0.25f) near += a;  // cells are an eighth to a quarter wide
         }
@@ -182,9 +182,8 @@ TEST(VisibilityTree, ManyLightsDoNotDependOnThreads) {
 }
 
 TEST(VisibilityTree, ThreadsDoNotMatter) {
-    Prepass prepass(30000, 4, [](const Point3 &p, uint32_t l, Float u) {
-        return u < 0.9f && std::abs(p.x - static_cast<Float>(l) / 4) < 0.3f;
-    });
+    Prepass prepass(
+        30000, 4, [](const Point3 &p, uint32_t l, Float u) { return u < 0.9f && std::abs(p.x - Float(l) / 4) < 0.3f; });
     const auto build = [&] { return prepass.Build(Settings(4)); };
     const VisibilityTree one = test::OnThreads(1, build);
     EXPECT_TRUE(one == test::OnThreads(4, build));

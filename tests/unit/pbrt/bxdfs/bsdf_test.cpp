@@ -102,7 +102,7 @@ TEST(Bsdf, ApproximateFFollowsF) {
                 Float expected = 0;
                 constexpr int kRuns = 100;  // F of layers is a random estimate
                 for (int r = 0; r < kRuns; ++r)
-                    expected += bsdf.F(wo, Normalize(wi[k] + Vector3(1e-6f * static_cast<Float>(r)))).Average() / kRuns;
+                    expected += bsdf.F(wo, Normalize(wi[k] + Vector3(1e-6f * Float(r)))).Average() / kRuns;
                 EXPECT_GE(f[k], 0);
                 if (!(expected > whereAbove) || AbsDot(wi[k], kNormal) < 0.1f || AbsDot(wo, kNormal) < 0.1f) continue;
                 EXPECT_GT(f[k], 0);
@@ -161,7 +161,7 @@ TEST(Bsdf, ApproximationIsFForGlassAndLacksTheReflectanceOfAMetal) {
     const Bsdf metal =
         Upright(ConductorBxdf(TrowbridgeReitz(0.3f, 0.3f), SampledSpectrum(0.2f), SampledSpectrum(3.9f)));
     Float least = 1;
-    for (int i = 0; i <= 1000; ++i) least = std::min(least, FresnelConductor(static_cast<Float>(i) / 1000, 0.2f, 3.9f));
+    for (int i = 0; i <= 1000; ++i) least = std::min(least, FresnelConductor(Float(i) / 1000, 0.2f, 3.9f));
     EXPECT_GT(least, 0.9f);
     for (Float r : ApproximateOverF(metal, false)) {
         EXPECT_GT(r, 0.9999f);

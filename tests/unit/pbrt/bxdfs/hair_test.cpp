@@ -37,8 +37,8 @@ TEST(Hair, LongitudinalDensityIntegratesToOne) {
             constexpr int kSteps = 40000;
             for (int i = 0; i < kSteps; ++i) {
                 double theta = M_PI * ((i + 0.5) / kSteps - 0.5), c = std::cos(theta);
-                sum += double(LongitudinalDensity(static_cast<Float>(std::sin(theta)), static_cast<Float>(c),
-                                                  std::sin(Radians(thetaO)), std::cos(Radians(thetaO)), variance)) *
+                sum += double(LongitudinalDensity(Float(std::sin(theta)), Float(c), std::sin(Radians(thetaO)),
+                                                  std::cos(Radians(thetaO)), variance)) *
                        c * M_PI / kSteps;
             }
             // The tolerance is the rounding of sines and cosines divided by the variance.
@@ -58,9 +58,8 @@ TEST(Hair, LongitudinalDensityIsThatOfThePaper) {
             for (double o : {-0.9, 0.1, 1.4}) {
                 double a = std::cos(i) * std::cos(o) / v, b = std::sin(i) * std::sin(o) / v;
                 double expected = std::exp(-b) * besselI0(a) / (2 * v * std::sinh(1 / v));
-                Float found = LongitudinalDensity(static_cast<Float>(std::sin(i)), static_cast<Float>(std::cos(i)),
-                                                  static_cast<Float>(std::sin(o)), static_cast<Float>(std::cos(o)),
-                                                  static_cast<Float>(v));
+                Float found = LongitudinalDensity(Float(std::sin(i)), Float(std::cos(i)), Float(std::sin(o)),
+                                                  Float(std::cos(o)), Float(v));
                 EXPECT_NEAR(double(found), expected, 3e-5 * expected + 1e-12) << v << " " << i << " " << o;
             }
 }
@@ -75,15 +74,15 @@ TEST(Hair, LogisticSamplesFollowTheirDensity) {
         double half = std::min(M_PI, 15 * double(scale)), total = 0;
         for (int s = 0; s < kSamples; ++s) {
             double x = double(SampleTrimmedLogistic(rng.Uniform(), scale, mass));
-            int cell = static_cast<int>((x + half) / (2 * half) * kCells);
-            ++observed[static_cast<size_t>(std::clamp(cell, 0, kCells - 1))];
+            int cell = int((x + half) / (2 * half) * kCells);
+            ++observed[size_t(std::clamp(cell, 0, kCells - 1))];
         }
         constexpr int kSub = 50;
         for (int i = 0; i < kCells * kSub; ++i) {
             double x = half * (2 * (i + 0.5) / (kCells * kSub) - 1), w = 2 * half / (kCells * kSub);
-            double p = double(TrimmedLogistic(static_cast<Float>(x), scale, mass)) * w;
+            double p = double(TrimmedLogistic(Float(x), scale, mass)) * w;
             total += p;
-            expected[static_cast<size_t>(i / kSub)] += p * kSamples;
+            expected[size_t(i / kSub)] += p * kSamples;
         }
         EXPECT_NEAR(total, 1, 1e-4) << scale;
         EXPECT_GT(ChiSquareTest(observed, expected), 1e-5) << scale;
@@ -152,8 +151,7 @@ TEST(Hair, AbsorptionTakesWhatTheCrossingsTake) {
         double cosT = std::sqrt(1 - sinO * sinO / double(eta * eta));
         double index = std::sqrt(double(eta * eta) - sinO * sinO) / cosO;
         double path = 2 * std::sqrt(1 - Sqr(double(offset) / index)) / cosT;
-        double fresnel =
-            double(FresnelDielectric(static_cast<Float>(cosO * std::sqrt(1 - double(offset * offset))), eta));
+        double fresnel = double(FresnelDielectric(Float(cosO * std::sqrt(1 - double(offset * offset))), eta));
         for (int k = 0; k < SpectrumSamples; ++k) {
             double inside = (1 - fresnel), out = fresnel;
             for (int crossing = 0; crossing < 100; ++crossing) {

@@ -97,9 +97,9 @@ double AnalogWalk(const Stack<Base> &stack, Vector3 wo, Rng &rng, Vector3 *leavi
 /// The cells of the hemisphere: rings of equal projected solid angle, cut into sectors.
 constexpr int kRings = 6, kSectors = 6;
 int Cell(const Vector3 &w) {
-    int ring = std::min(kRings - 1, static_cast<int>((1 - Sqr(w.z)) * kRings));
+    int ring = std::min(kRings - 1, int((1 - Sqr(w.z)) * kRings));
     double phi = std::atan2(double(w.y), double(w.x)) / (2 * M_PI);
-    int sector = static_cast<int>((phi < 0 ? phi + 1 : phi) * kSectors);
+    int sector = int((phi < 0 ? phi + 1 : phi) * kSectors);
     return ring * kSectors + std::min(sector, kSectors - 1);
 }
 
@@ -113,12 +113,12 @@ std::vector<RunningStatistics> TwinCells(const Stack<Base> &stack, const Vector3
         Vector3 w;
         double weight = AnalogWalk(stack, wo, rng, &w);
         if (weight == 0) continue;
-        auto c = static_cast<size_t>(Cell(w));
+        auto c = size_t(Cell(w));
         sum[c] += weight;
         sum2[c] += weight * weight;
     }
     for (size_t c = 0; c < cells.size(); ++c) {
-        cells[c].n = static_cast<size_t>(n);
+        cells[c].n = size_t(n);
         cells[c].mean = sum[c] / n;
         cells[c].m2 = sum2[c] - sum[c] * sum[c] / n;
     }
@@ -153,17 +153,17 @@ TEST(Layered, MeanOfConsistentFIsWhatAnalogWalksSend) {
             // The samples are uniform in projected solid angle within each cell, so the mean of f * (Pi / cells) is the
             // share of the cell.
             for (int i = 0; i < 40000; ++i) {
-                auto c = static_cast<size_t>(i) % cells.size();
+                auto c = size_t(i) % cells.size();
                 Point2 u = rng.Uniform2();
-                Float sin2 = (static_cast<Float>(c / kSectors) + u.x) / kRings;
-                Float phi = 2 * Pi * (static_cast<Float>(c % kSectors) + u.y) / kSectors;
+                Float sin2 = (Float(c / kSectors) + u.x) / kRings;
+                Float phi = 2 * Pi * (Float(c % kSectors) + u.y) / kSectors;
                 Vector3 wi = SphericalDirection(std::sqrt(sin2), std::sqrt(1 - sin2), phi);
-                cells[c].Add(double(lobe.FConsistent(wo, wi, kRadiance)[0]) * M_PI / static_cast<double>(cells.size()));
+                cells[c].Add(double(lobe.FConsistent(wo, wi, kRadiance)[0]) * M_PI / double(cells.size()));
             }
             // Mirror images are delta functions, which F leaves out: for stacks that have them, only non-specular light
             // is compared.
             std::optional<size_t> mirrored;
-            if (stack.top.IsSmooth()) mirrored = static_cast<size_t>(Cell(Vector3(-wo.x, -wo.y, wo.z)));
+            if (stack.top.IsSmooth()) mirrored = size_t(Cell(Vector3(-wo.x, -wo.y, wo.z)));
             ExpectCells(cells, stack, wo, mirrored);
         }
     });
@@ -177,7 +177,7 @@ TEST(Layered, SampleSendsWhatAnalogWalksSend) {
             Rng rng(13);
             for (int i = 0; i < 40000; ++i) {
                 auto s = SampleLobe(lobe, wo, rng, kRadiance);
-                size_t hit = s ? static_cast<size_t>(Cell(s->wi)) : cells.size();
+                size_t hit = s ? size_t(Cell(s->wi)) : cells.size();
                 if (s) {
                     EXPECT_TRUE(s->pdfIsProportional);
                     EXPECT_TRUE(IsReflective(s->flags) && !IsTransmissive(s->flags));
@@ -270,7 +270,7 @@ double ZOfTable(const CoatedDiffuseBxdf &walks, const CoatedDiffuseBxdf &table, 
         difference.Add(f - double(walks.F(wo, wi, kRadiance)[0]));
         sum += f;
     }
-    return difference.mean / std::hypot(difference.StandardError(), 1e-3 * sum / static_cast<double>(difference.n));
+    return difference.mean / std::hypot(difference.StandardError(), 1e-3 * sum / double(difference.n));
 }
 
 TEST(Layered, TablesHoldTheMeanOfTheWalks) {

@@ -16,15 +16,15 @@ namespace pbrt::test {
 /// lobe about the normal spreads over several cells.
 class SphereHistogram {
   public:
-    SphereHistogram(int nTheta, int nPhi) : nTheta_(nTheta), nPhi_(nPhi), counts_(static_cast<size_t>(nTheta * nPhi)) {}
+    SphereHistogram(int nTheta, int nPhi) : nTheta_(nTheta), nPhi_(nPhi), counts_(size_t(nTheta * nPhi)) {}
 
     void Add(const Vector3 &w, double weight = 1) {
         double theta = std::atan2(std::hypot(double(w.x), double(w.y)), double(w.z)) / M_PI;
         double phi = std::atan2(double(w.y), double(w.x)) / (2 * M_PI);
         if (phi < 0) phi += 1;
-        int i = std::min(static_cast<int>(theta * nTheta_), nTheta_ - 1);
-        int j = std::min(static_cast<int>(phi * nPhi_), nPhi_ - 1);
-        counts_[static_cast<size_t>(i * nPhi_ + j)] += weight;
+        int i = std::min(int(theta * nTheta_), nTheta_ - 1);
+        int j = std::min(int(phi * nPhi_), nPhi_ - 1);
+        counts_[size_t(i * nPhi_ + j)] += weight;
     }
     const std::vector<double> &Counts() const { return counts_; }
 
@@ -32,7 +32,7 @@ class SphereHistogram {
     template <class F>
     std::vector<double> Integrate(F f, int n) const {
         std::vector<double> cells(counts_.size());
-        for (size_t cell = 0; cell < cells.size(); ++cell) cells[cell] = IntegrateCell(f, n, static_cast<int>(cell));
+        for (size_t cell = 0; cell < cells.size(); ++cell) cells[cell] = IntegrateCell(f, n, int(cell));
         return cells;
     }
 
@@ -42,7 +42,7 @@ class SphereHistogram {
         std::vector<double> cells = Integrate(f, n);
         const double few = std::accumulate(cells.begin(), cells.end(), 0.0) / 400;
         for (size_t cell = 0; cell < cells.size(); ++cell)
-            if (cells[cell] > few) cells[cell] = IntegrateCell(f, fine, static_cast<int>(cell));
+            if (cells[cell] > few) cells[cell] = IntegrateCell(f, fine, int(cell));
         return cells;
     }
 

@@ -82,7 +82,7 @@ TEST_P(Table, ProfileIntegratesToReflectance) {
         constexpr int n = 20000;
         for (int i = 0; i < n; ++i) {  // r = 200 t^4
             const double t = (i + .5) / n, r = 200 * t * t * t * t;
-            sum += 2 * M_PI * r * double(table_.Profile(row, static_cast<Float>(r))) * 800 * t * t * t / n;
+            sum += 2 * M_PI * r * double(table_.Profile(row, Float(r))) * 800 * t * t * t / n;
         }
         EXPECT_NEAR(sum, double(row.reflectance), 2e-3 * sum) << albedo;
     }
@@ -99,7 +99,7 @@ TEST_P(Table, RadiiFollowTheProfile) {
         for (int i = 0; i < n; ++i) {
             const double r = double(table_.SampleRadius(row, rng.Uniform()));
             const double cell = cells * std::log(1 + 20 * r) / std::log(401.);
-            ++observed[std::min<size_t>(cells, static_cast<size_t>(cell))];
+            ++observed[std::min<size_t>(cells, size_t(cell))];
         }
         double rest = n;
         for (int i = 0; i < cells; ++i) {
@@ -107,10 +107,10 @@ TEST_P(Table, RadiiFollowTheProfile) {
             constexpr int m = 100;
             for (int k = 0; k < m; ++k) {
                 const double r = edge(i) + (edge(i + 1) - edge(i)) * (k + .5) / m;
-                sum += 2 * M_PI * r * double(table_.Profile(row, static_cast<Float>(r))) / m;
+                sum += 2 * M_PI * r * double(table_.Profile(row, Float(r))) / m;
             }
-            expected[static_cast<size_t>(i)] = n * sum * (edge(i + 1) - edge(i)) / double(row.reflectance);
-            rest -= expected[static_cast<size_t>(i)];
+            expected[size_t(i)] = n * sum * (edge(i + 1) - edge(i)) / double(row.reflectance);
+            rest -= expected[size_t(i)];
         }
         expected[cells] = std::max(rest, 0.);
         EXPECT_GT(ChiSquareTest(observed, expected), SidakAlpha(1e-4, 8)) << albedo;
@@ -175,7 +175,7 @@ class BssrdfOnBall : public testing::Test {
         std::vector<Point3> points;
         if (root < 0) return points;
         for (double t : {(-b - std::sqrt(root)) / a, (-b + std::sqrt(root)) / a})
-            if (t > 0 && t < 1) points.push_back(Normalize(probe.from + d * static_cast<Float>(t)));
+            if (t > 0 && t < 1) points.push_back(Normalize(probe.from + d * Float(t)));
         return points;
     }
 
@@ -223,20 +223,20 @@ TEST_F(BssrdfOnBall, DrawnExitsGiveTheIntegralOfTheProfile) {
         if (auto probe = bssrdf.SampleProbe(uc, rng.Uniform2())) {
             const std::vector<Point3> crossings = Crossings(*probe);
             if (!crossings.empty()) {
-                const auto count = static_cast<uint32_t>(crossings.size());
+                const auto count = uint32_t(crossings.size());
                 const Point3 x = crossings[rng.UniformInt(count)];
-                const Float pdf = bssrdf.Pdf(x, x) / static_cast<Float>(count);
+                const Float pdf = bssrdf.Pdf(x, x) / Float(count);
                 if (pdf > 0) weight = bssrdf.Profile(Distance(p_, x)) / pdf;
             }
         }
-        for (int k = 0; k < SpectrumSamples; ++k) estimate[static_cast<size_t>(k)].Add(double(weight[k]));
+        for (int k = 0; k < SpectrumSamples; ++k) estimate[size_t(k)].Add(double(weight[k]));
     }
     const SphereHistogram sphere(50, 50);
     for (int k = 0; k < SpectrumSamples; ++k) {
         double expected = 0;
         for (double cell : sphere.Integrate([&](const Vector3 &x) { return bssrdf.Profile(Distance(p_, x))[k]; }, 16))
             expected += cell;
-        const RunningStatistics &s = estimate[static_cast<size_t>(k)];
+        const RunningStatistics &s = estimate[size_t(k)];
         // The last thousandth of each profile is cut off; the quadrature errs by as much at the peak at p.
         EXPECT_LT(std::abs(s.mean - expected), 4 * s.StandardError() + .004 * expected)
             << k << ": " << s.mean << " for " << expected;

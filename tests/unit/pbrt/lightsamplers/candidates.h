@@ -8,7 +8,7 @@ namespace pbrt::test {
 inline LightCandidate Bounded(const LightBounds &b) {
     LightCandidate c;
     c.bounds = b;
-    c.power = static_cast<Float>(b.phi);
+    c.power = Float(b.phi);
     return c;
 }
 

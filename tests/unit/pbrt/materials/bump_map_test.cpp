@@ -73,16 +73,16 @@ TEST(BumpMap, CurvedSurfaceHasTheNormalOfTheMovedOne) {
         auto height = [&](double t) { return 0.3 - slope * t; };
         SurfacePoint s;  // u = phi, v = theta on the unit sphere
         s.p = place(theta, phi, 1);
-        s.uv = {static_cast<Float>(phi), static_cast<Float>(theta)};
+        s.uv = {Float(phi), Float(theta)};
         s.n = s.shading.n = s.p;
         s.dndu = s.shading.dndu = s.dpdu = s.shading.dpdu = place(M_PI / 2, phi + M_PI / 2, std::sin(theta));
         s.dndv = s.shading.dndv = s.dpdv = s.shading.dpdv = place(theta + M_PI / 2, phi, 1);
-        Bumps([&](const TextureContext &c) { return static_cast<Float>(height(double(c.uv.y))); }).Perturb(s);
+        Bumps([&](const TextureContext &c) { return Float(height(double(c.uv.y))); }).Perturb(s);
         auto moved = [&](double t, double f) { return place(t, f, 1 + height(t)); };
         Vector3 du = moved(theta, phi + e) - moved(theta, phi - e), dv = moved(theta + e, phi) - moved(theta - e, phi);
         ExpectAbout(s.shading.n, FaceForward(Normalize(Cross(du, dv)), s.n), 5e-3f);
-        ExpectAbout(s.shading.dpdu, du / static_cast<Float>(2 * e), 5e-3f);
-        ExpectAbout(s.shading.dpdv, dv / static_cast<Float>(2 * e), 5e-3f);
+        ExpectAbout(s.shading.dpdu, du / Float(2 * e), 5e-3f);
+        ExpectAbout(s.shading.dpdv, dv / Float(2 * e), 5e-3f);
     }
 }
 

@@ -48,9 +48,9 @@ inline SurfacePoint FlatPoint() {
 
 /// A normal map of one column of pixels, top first.
 inline std::shared_ptr<const Image> NormalMapOf(const std::vector<Vector3> &normals) {
-    Image image(PixelFormat::Float, {1, static_cast<int>(normals.size())}, {"R", "G", "B"});
+    Image image(PixelFormat::Float, {1, int(normals.size())}, {"R", "G", "B"});
     for (size_t y = 0; y < normals.size(); ++y)
-        for (int c = 0; c < 3; ++c) image.Set({0, static_cast<int>(y)}, c, (normals[y][c] + 1) / 2);
+        for (int c = 0; c < 3; ++c) image.Set({0, int(y)}, c, (normals[y][c] + 1) / 2);
     return std::make_shared<const Image>(std::move(image));
 }
 
@@ -61,11 +61,11 @@ inline void ExpectNear(const Vector3 &a, const Vector3 &b, Float tolerance = 1e-
 /// Expects that two BSDFs scatter alike: same flags, and equal values, densities and samples for a set of directions.
 inline void ExpectSameScattering(const Bsdf &a, const Bsdf &b) {
     ASSERT_EQ(static_cast<bool>(a), static_cast<bool>(b));
-    EXPECT_EQ(static_cast<int>(a.Flags()), static_cast<int>(b.Flags()));
+    EXPECT_EQ(int(a.Flags()), int(b.Flags()));
     auto near = [](Float x, Float y) { EXPECT_NEAR(x, y, 1e-4f * std::max(Float(1), std::abs(y))); };
     SurfacePoint s = TestPoint();
     for (int i = 0; i < 12; ++i) {
-        Float t = static_cast<Float>(i) / 12;
+        Float t = Float(i) / 12;
         Vector3 wi = Normalize(SphericalDirection(std::sin(t * Pi), std::cos(t * Pi), 9 * t));
         SampledSpectrum fa = a.F(s.wo, wi), fb = b.F(s.wo, wi);
         for (int c = 0; c < SpectrumSamples; ++c) near(fa[c], fb[c]);

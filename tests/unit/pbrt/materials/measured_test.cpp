@@ -26,11 +26,11 @@ class TensorWriter {
         for (const Field &f : fields_) head += 2 + f.name.size() + 2 + 1 + 8 + 8 * f.shape.size();
         std::string out("tensor_file\0", 12), body;
         out += std::string("\1\0", 2);
-        Put<uint32_t>(out, static_cast<uint32_t>(fields_.size()));
+        Put<uint32_t>(out, uint32_t(fields_.size()));
         for (const Field &f : fields_) {
-            Put<uint16_t>(out, static_cast<uint16_t>(f.name.size()));
+            Put<uint16_t>(out, uint16_t(f.name.size()));
             out += f.name;
-            Put<uint16_t>(out, static_cast<uint16_t>(f.shape.size()));
+            Put<uint16_t>(out, uint16_t(f.shape.size()));
             Put<uint8_t>(out, 10);
             Put<uint64_t>(out, head + body.size());
             for (uint64_t n : f.shape) Put<uint64_t>(out, n);
@@ -82,10 +82,9 @@ std::string AnalyticFile(bool isotropic) {
     const int phis = isotropic ? 1 : 5;
     TensorWriter file;
     std::vector<float> theta, phi;
-    for (int i = 0; i < kThetas; ++i) theta.push_back(1.5f * static_cast<float>(i) / (kThetas - 1));
-    for (int i = 0; i < phis; ++i)
-        phi.push_back(isotropic ? 0 : Pi * (2 * static_cast<float>(i) / static_cast<float>(phis - 1) - 1));
-    auto knot = [](int i, int n) { return static_cast<Float>(i) / static_cast<Float>(n - 1); };
+    for (int i = 0; i < kThetas; ++i) theta.push_back(1.5f * float(i) / (kThetas - 1));
+    for (int i = 0; i < phis; ++i) phi.push_back(isotropic ? 0 : Pi * (2 * float(i) / float(phis - 1) - 1));
+    auto knot = [](int i, int n) { return Float(i) / Float(n - 1); };
     std::vector<float> ndf, sigma, normals, luminance, spectra;
     for (int y = 0; y < 2; ++y)
         for (int x = 0; x < kHalf; ++x) {

@@ -49,7 +49,7 @@ TEST_F(Subsurface, ReflectanceIsWhatComesBack) {
     SampledSpectrum sum(0);
     constexpr int n = 10000;
     for (int i = 0; i < n; ++i) {  // r = 100 t^4
-        const Float t = (static_cast<Float>(i) + .5f) / n, r = 100 * t * t * t * t;
+        const Float t = (Float(i) + .5f) / n, r = 100 * t * t * t * t;
         sum += plain.Profile(r) * (2 * Pi * r * 400 * t * t * t / n);
     }
     ExpectNear(sum, wanted, 4e-3f);

@@ -132,8 +132,7 @@ TEST(Ray, NextFloatIsThatOfTheLibrary) {
     Rng rng(5);
     std::vector<Float> values = {
         0.0f, -0.0f, 1, -1, std::numeric_limits<Float>::max(), std::numeric_limits<Float>::denorm_min()};
-    for (int i = 0; i < 10000; ++i)
-        values.push_back(std::ldexp(rng.Uniform() - 0.5f, static_cast<int>(rng.Uniform() * 280) - 150));
+    for (int i = 0; i < 10000; ++i) values.push_back(std::ldexp(rng.Uniform() - 0.5f, int(rng.Uniform() * 280) - 150));
     for (const Float x : values) {
         EXPECT_EQ(NextFloat(x, true), std::nextafter(x, kInfinity)) << x;
         EXPECT_EQ(NextFloat(x, false), std::nextafter(x, -kInfinity)) << x;

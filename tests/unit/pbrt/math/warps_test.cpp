@@ -23,13 +23,12 @@ double SquareTest(const std::function<Point2(const Point2 &)> &sample,
     std::vector<double> observed(kN * kN, 0), expected(kN * kN, 0);
     for (int i = 0; i < kDraws; ++i) {
         Point2 p = sample(rng.Uniform2());
-        auto x = std::clamp(static_cast<int>(p.x * kN), 0, kN - 1),
-             y = std::clamp(static_cast<int>(p.y * kN), 0, kN - 1);
-        ++observed[static_cast<size_t>(y * kN + x)];
+        auto x = std::clamp(int(p.x * kN), 0, kN - 1), y = std::clamp(int(p.y * kN), 0, kN - 1);
+        ++observed[size_t(y * kN + x)];
     }
     for (int y = 0; y < kN * kSub; ++y)
         for (int x = 0; x < kN * kSub; ++x)
-            expected[static_cast<size_t>(y / kSub * kN + x / kSub)] +=
+            expected[size_t(y / kSub * kN + x / kSub)] +=
                 kDraws * density((x + 0.5) / (kN * kSub), (y + 0.5) / (kN * kSub)) / (kN * kSub) / (kN * kSub);
     return test::ChiSquareTest(observed, expected);
 }
@@ -50,7 +49,7 @@ TEST(Warps, DisksAreUniformByArea) {
 TEST(Warps, ConcentricDiskKeepsNeighboursTogether) {
     for (int i = 0; i < 64; ++i)
         for (int j = 0; j < 64; ++j) {
-            Point2 u(static_cast<Float>(i) / 64, static_cast<Float>(j) / 64), du(1.f / 256, 1.f / 256);
+            Point2 u(Float(i) / 64, Float(j) / 64), du(1.f / 256, 1.f / 256);
             EXPECT_LT(glm::length(SampleUniformDiskConcentric(u + du) - SampleUniformDiskConcentric(u)),
                       4 * glm::length(du));
         }
@@ -62,7 +61,7 @@ TEST(Warps, DirectionsFollowTheirDensities) {
     auto upper = [](double z, double) { return z > 0.5 ? 4 * M_PI * double(UniformHemispherePdf()) : 0; };
     EXPECT_GT(SquareTest([](const Point2 &u) { return SphereCell(SampleUniformHemisphere(u)); }, upper), 1e-4);
     auto cosine = [](double z, double) {
-        return z > 0.5 ? 4 * M_PI * double(CosineHemispherePdf(static_cast<Float>(2 * z - 1))) : 0;
+        return z > 0.5 ? 4 * M_PI * double(CosineHemispherePdf(Float(2 * z - 1))) : 0;
     };
     EXPECT_GT(SquareTest([](const Point2 &u) { return SphereCell(SampleCosineHemisphere(u)); }, cosine), 1e-4);
     EXPECT_NEAR(UniformSpherePdf() * 4 * Pi, 1, 1e-6f);
@@ -112,7 +111,7 @@ TEST(Warps, BilinearSamplesFollowTheDensity) {
     for (const auto &w : cases) {
         double p = SquareTest([&](const Point2 &u) { return SampleBilinear(u, w); },
                               [&](double x, double y) {
-                                  return double(BilinearPdf({static_cast<Float>(x), static_cast<Float>(y)}, w));
+                                  return double(BilinearPdf({Float(x), Float(y)}, w));
                               });
         EXPECT_GT(p, 1e-4) << w[0] << w[1] << w[2] << w[3];
         Rng rng(5);

@@ -10,7 +10,7 @@ namespace {
 MajorantGrid NumberedGrid(const glm::ivec3 &n) {
     return MajorantGrid(n, [n](const glm::ivec3 &c) {
         const int i = (c.z * n.y + c.y) * n.x + c.x;
-        return i % 3 == 0 ? Float(0) : static_cast<Float>(i);
+        return i % 3 == 0 ? Float(0) : Float(i);
     });
 }
 
@@ -37,7 +37,7 @@ void CheckWalk(const MajorantGrid &grid, const AffineMap &map, const Ray &ray, F
                 glm::clamp(glm::ivec3(glm::floor(walk.At((begin + end) / 2))), glm::ivec3(0), n - 1);
             for (int a = 0; a < 3; ++a) {
                 EXPECT_GE(p[a], 0);
-                EXPECT_LE(p[a], static_cast<Float>(n[a]));
+                EXPECT_LE(p[a], Float(n[a]));
             }
             if (t != begin && t != end && grid(cell) != value) {  // on a border both cells are right
                 bool isOnBorder = false;

@@ -38,7 +38,7 @@ inline std::vector<Transform> Places() {
 }
 
 inline Params CountOf(const glm::ivec3 &n) { return Params().Integer("nx", n.x).Integer("ny", n.y).Integer("nz", n.z); }
-inline size_t SizeOf(const glm::ivec3 &n) { return static_cast<size_t>(n.x * n.y * n.z); }
+inline size_t SizeOf(const glm::ivec3 &n) { return size_t(n.x * n.y * n.z); }
 inline std::vector<Float> RandomValues(size_t count, Rng &rng, Float emptyShare) {
     std::vector<Float> v(count);
     for (Float &x : v) x = rng.Uniform() < emptyShare ? 0 : 2 * rng.Uniform();

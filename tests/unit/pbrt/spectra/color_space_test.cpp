@@ -80,7 +80,7 @@ TEST(ColorSpace, ConvertMatrixRoundTrips) {
 TEST(SigmoidPolynomial, GreysAreFlatAndExact) {
     const ColorSpace &space = ColorSpace::SRGB();
     for (int i = 0; i <= 100; ++i) {
-        Float g = static_cast<Float>(i) / 100;
+        Float g = Float(i) / 100;
         SigmoidPolynomial p = space.ToPolynomial(Rgb(g));
         for (Float lambda : {Float(360), Float(555.5), Float(830)}) EXPECT_NEAR(p(lambda), g, 2e-6) << g;
         EXPECT_NEAR(p.MaxValue(), g, 2e-6);
@@ -146,7 +146,7 @@ TEST(SigmoidPolynomial, IsContinuousAcrossSlabsAndCells) {
     const ColorSpace &space = ColorSpace::SRGB();
     Float before = -1;
     for (int i = 0; i <= 20000; ++i) {
-        Float t = static_cast<Float>(i) / 20000;
+        Float t = Float(i) / 20000;
         Rgb rgb(Float(0.15) + Float(0.7) * t, Float(0.8) - Float(0.6) * t, Float(0.5) + Float(0.3) * std::sin(7 * t));
         Float value = space.ToPolynomial(rgb)(560);
         if (before >= 0) {

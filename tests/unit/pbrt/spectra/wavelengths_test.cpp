@@ -17,7 +17,7 @@ double VisibleDensity(double lambda) {
 
 TEST(SampledWavelengths, VisiblePdfIsTheStatedDensity) {
     for (int i = 0; i <= 1000; ++i) {
-        SampledWavelengths s = SampledWavelengths::SampleVisible(static_cast<Float>(i) / 1000);
+        SampledWavelengths s = SampledWavelengths::SampleVisible(Float(i) / 1000);
         for (int k = 0; k < SpectrumSamples; ++k) {
             ASSERT_GE(s[k], LambdaMin);
             ASSERT_LE(s[k], LambdaMax);
@@ -43,12 +43,12 @@ TEST(SampledWavelengths, FrequenciesMatchPdf) {
                 visible ? SampledWavelengths::SampleVisible(u) : SampledWavelengths::SampleUniform(u);
             // Only one of the four wavelengths of each draw is used: they are stratified, so not independent.
             Float lambda = s[i % SpectrumSamples];
-            observed[static_cast<size_t>(std::min(kBins - 1, static_cast<int>((lambda - 360) / 10)))] += 1;
+            observed[size_t(std::min(kBins - 1, int((lambda - 360) / 10)))] += 1;
         }
         for (int b = 0; b < kBins; ++b)
             for (int j = 0; j < 100; ++j) {
                 double lambda = 360 + b * 10 + (j + 0.5) * 0.1;
-                expected[static_cast<size_t>(b)] += kDraws * 0.1 * (visible ? VisibleDensity(lambda) : 1 / 470.0);
+                expected[size_t(b)] += kDraws * 0.1 * (visible ? VisibleDensity(lambda) : 1 / 470.0);
             }
         EXPECT_GT(ChiSquareTest(observed, expected), 1e-4) << visible;
     }

@@ -77,7 +77,7 @@ TEST(Noise, SlopeAtALatticePointIsOneOfTheEdgeDirections) {
     constexpr Float h = 1e-2f;
     for (int z = 0; z < 8; ++z)
         for (int x = 0; x < 8; ++x) {
-            const Point3 p(static_cast<Float>(x), 3, static_cast<Float>(z));
+            const Point3 p(Float(x), 3, Float(z));
             int zeros = 0, ones = 0;
             for (int axis = 0; axis < 3; ++axis) {
                 Point3 o(0);
@@ -98,8 +98,7 @@ TEST(Noise, OctavesAddUp) {
         const Point3 p = Float(4) * RandomVector(rng);
         Float expected = 0, creased = 0;
         for (int k = 0; k < 4; ++k) {
-            const Float n = GradientNoise(std::pow(1.99f, static_cast<Float>(k)) * p),
-                        w = std::pow(0.6f, static_cast<Float>(k));
+            const Float n = GradientNoise(std::pow(1.99f, Float(k)) * p), w = std::pow(0.6f, Float(k));
             expected += w * n;
             creased += w * std::abs(n);
         }
@@ -124,7 +123,7 @@ TEST(Noise, FadesContinuouslyWithTheFootprint) {
     const Point3 p(0.37f, 1.81f, -2.63f);
     Float previous = octaves.Signed(p, {0.001f, 0, 0}, Vector3(0));
     for (int i = 1; i < 4000; ++i) {
-        const Float step = 0.001f * std::pow(1000.0f, static_cast<Float>(i) / 4000);
+        const Float step = 0.001f * std::pow(1000.0f, Float(i) / 4000);
         const Float now = octaves.Signed(p, {step, 0, 0}, Vector3(0));
         ASSERT_NEAR(now, previous, 0.02f) << step;
         previous = now;
@@ -155,7 +154,7 @@ TEST(NoiseTextures, MarbleVeinsRunAlongY) {
     auto value = [&](Float x, Float y) { return b.SpectrumTex("m")->Evaluate(At({x, y, 0}), lambda); };
     Float low = 1, high = 0;
     for (int i = 0; i < 100; ++i) {
-        const Float y = static_cast<Float>(i) / 30;
+        const Float y = Float(i) / 30;
         for (int k = 0; k < SpectrumSamples; ++k) {
             EXPECT_EQ(value(0, y)[k], value(7, y)[k]);
             EXPECT_NEAR(value(0, y)[k], value(0, y + 2 * Pi / 3)[k], 2e-3f);
@@ -174,7 +173,7 @@ TEST(DotsTexture, InsideAndOutsideAreSwappedAsInStock) {
     Bench b;
     b.Define("d", false, "dots", Params().Number("inside", 5).Number("outside", 9));
     // There is never a dot in the corners between cells.
-    for (int i = 0; i < 20; ++i) EXPECT_EQ(b.FloatTex("d")->Evaluate(At({static_cast<Float>(i) + 0.5f, 2.5f, 0})), 5);
+    for (int i = 0; i < 20; ++i) EXPECT_EQ(b.FloatTex("d")->Evaluate(At({Float(i) + 0.5f, 2.5f, 0})), 5);
 }
 
 TEST(DotsTexture, SomeCellsHoldOneDotOfRadius035) {
@@ -189,16 +188,16 @@ TEST(DotsTexture, SomeCellsHoldOneDotOfRadius035) {
             int inside = 0;
             for (int i = 0; i < kSide * kSide; ++i) {
                 const Point2 o = (Point2(i % kSide, i / kSide) + Float(0.5)) / Float(kSide) - Float(0.5);
-                inside += dots->Evaluate(At({static_cast<Float>(x) + o.x, static_cast<Float>(y) + o.y, 0})) == 1;
+                inside += dots->Evaluate(At({Float(x) + o.x, Float(y) + o.y, 0})) == 1;
             }
             ++cells;
             full += inside > 0;
             if (inside > 0) {
-                EXPECT_NEAR(static_cast<double>(inside) / (kSide * kSide), 3.14159265 * 0.35 * 0.35, 0.03);
+                EXPECT_NEAR(double(inside) / (kSide * kSide), 3.14159265 * 0.35 * 0.35, 0.03);
             }
         }
     // The noise that decides is 0 in the middle of many cells.
-    EXPECT_NEAR(static_cast<double>(full) / cells, 0.4, 0.1);
+    EXPECT_NEAR(double(full) / cells, 0.4, 0.1);
 }
 
 TEST(NoiseTextures, MistakesAreErrors) {

@@ -112,7 +112,7 @@ const std::string kSky = std::string("LightSource \"infinite\" \"string filename
 TEST(LightTargets, TheSkyIsInEqualPartsThatCoverWhatIsDrawnFromIt) {
     Rng rng(6);
     for (int i = 0; i < 64 * 50; ++i) {
-        auto part = static_cast<uint32_t>(i % 64);
+        auto part = uint32_t(i % 64);
         Point2 u(0.01f + 0.98f * rng.Uniform(), 0.01f + 0.98f * rng.Uniform());
         EXPECT_EQ(LightTargets::EnvironmentPartOf(LightTargets::DirectionIn(part, u)), part);
     }
@@ -137,8 +137,8 @@ TEST(LightTargets, TheSkyIsInEqualPartsThatCoverWhatIsDrawnFromIt) {
     double sum = 0;
     for (const LightTargets::Share &s : m.targets.SharesOf(0)) {
         EXPECT_EQ(m.targets[s.target].kind, Kind::EnvironmentPart);
-        EXPECT_NEAR(static_cast<double>(s.weight), value[m.targets[s.target].index] / all, 0.01);
-        sum += static_cast<double>(s.weight);
+        EXPECT_NEAR(double(s.weight), value[m.targets[s.target].index] / all, 0.01);
+        sum += double(s.weight);
     }
     EXPECT_NEAR(sum, 1, 1e-5);
 }

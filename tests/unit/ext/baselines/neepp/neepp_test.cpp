@@ -61,7 +61,7 @@ TEST(Neepp, VisibilityIsTheShareOfFreeSegmentsBetweenTheVoxels) {
                 }
                 open += !built.scene->Occluded(ray);
             }
-            double expected = static_cast<double>(open) / n, found = row[t] / 255.0;
+            double expected = double(open) / n, found = row[t] / 255.0;
             double sigma = std::sqrt(expected * (1 - expected) * (1 / 255.0 + 1.0 / n));
             double z = std::abs(found - expected) / (sigma + 0.004);
             worst = std::max(worst, z);

@@ -87,9 +87,8 @@ TEST(Oracle, PointLightsAreChosenByWhatTheySend) {
     OracleParams params;
     std::unique_ptr<OracleLightSampler> oracle = world.Oracle(params);
     for (uint32_t l = 0; l < 3; ++l) {
-        double expected = (1 - static_cast<double>(params.floor)) * c[l] / total +
-                          static_cast<double>(FloorOf(world, params, OnFloor(), l));
-        EXPECT_NEAR(static_cast<double>(oracle->PMF(OnFloor(), LightId(l))), expected, 1e-4) << l;
+        double expected = (1 - double(params.floor)) * c[l] / total + double(FloorOf(world, params, OnFloor(), l));
+        EXPECT_NEAR(double(oracle->PMF(OnFloor(), LightId(l))), expected, 1e-4) << l;
     }
 }
 
@@ -177,7 +176,7 @@ std::vector<Place> CameraHits(const World &world, int count) {
     std::vector<Place> places;
     Rng rng(8);
     SampledWavelengths lambda = Wavelengths();
-    while (static_cast<int>(places.size()) < count) {
+    while (int(places.size()) < count) {
         CameraSample cs;
         cs.pFilm = rng.Uniform2() * Vector2(world.built.film->FullResolution());
         std::optional<CameraRay> ray = world.built.camera->GenerateRay(cs, lambda);
@@ -228,8 +227,8 @@ TEST_P(OracleAgainst, NoOtherSamplerHasALowerSecondMoment) {
             LightQuery q = LightQueryAt(place, Wavelengths(), 1);
             std::vector<double> ofOracle, ofOther, least(world.Lights().Size());
             for (uint32_t l = 0; l < world.Lights().Size(); ++l) {
-                ofOracle.push_back(static_cast<double>(oracle->PMF(q, LightId(l))));
-                ofOther.push_back(static_cast<double>(other->PMF(q, LightId(l))));
+                ofOracle.push_back(double(oracle->PMF(q, LightId(l))));
+                ofOther.push_back(double(other->PMF(q, LightId(l))));
             }
             if (!LeastVariancePmf(points, least)) continue;
             ++seen;

@@ -62,11 +62,11 @@ TEST(Spatial, ContributionIsEquation3) {
         for (int i = 0; i < n; ++i) {
             LightSampleContext from;
             from.p = grid.PointIn(voxel, Vector3{rng.Uniform(), rng.Uniform(), rng.Uniform()});
-            mean[1] += 2 / static_cast<double>(DistanceSquared(from.p, {-3, 1, 0})) / n;
-            mean[2] += 7 / static_cast<double>(DistanceSquared(from.p, {3, 1, 0})) / n;
+            mean[1] += 2 / double(DistanceSquared(from.p, {-3, 1, 0})) / n;
+            mean[2] += 7 / double(DistanceSquared(from.p, {3, 1, 0})) / n;
             Point3 onQuad(2 * rng.Uniform() - 1, 1.5f, 2 * rng.Uniform() - 1);
-            double d2 = static_cast<double>(DistanceSquared(from.p, onQuad));
-            double cosine = static_cast<double>(std::abs(onQuad.y - from.p.y)) / std::sqrt(d2);
+            double d2 = double(DistanceSquared(from.p, onQuad));
+            double cosine = double(std::abs(onQuad.y - from.p.y)) / std::sqrt(d2);
             mean[0] += 5 * 4 * cosine / d2 / n;
             mean[3] += 1.0 / n;
         }
@@ -93,7 +93,7 @@ TEST(Spatial, ProbabilityIsTheContributionOverItsSumWithAFloor) {
     double floor = 0.3 * std::accumulate(f.begin(), f.end(), 0.0) / 4, sum = 0;
     EXPECT_LT(*std::min_element(f.begin(), f.end()), floor);
     for (double &v : f) sum += v = std::max(v, floor);
-    auto pmf = [&](uint32_t light) { return static_cast<double>(s.sampler->PMF(QueryAt(p), LightId(light))); };
+    auto pmf = [&](uint32_t light) { return double(s.sampler->PMF(QueryAt(p), LightId(light))); };
     EXPECT_NEAR(pmf(0) + pmf(1), f[0] / sum, 1e-6);
     EXPECT_NEAR(pmf(0), pmf(1), 1e-6);
     for (uint32_t i = 1; i < 4; ++i) EXPECT_NEAR(pmf(i + 1), f[i] / sum, 1e-6);
@@ -126,8 +126,8 @@ TEST(Spatial, AVoxelDependsOnTheVoxelAndTheSeedOnly) {
     Prepared a = Prepare(Room(kLights), kCoarse), b = Prepare(Room(kLights), kCoarse);
     Prepared other = Prepare(Room(kLights), kCoarse, 1);
     const VoxelGrid &grid = a.sampler->Grid();
-    const auto n = static_cast<int64_t>(grid.Size());
-    auto place = [&](int64_t i) { return QueryAt(grid.PointIn(static_cast<uint32_t>(i), Vector3(0.5f))); };
+    const auto n = int64_t(grid.Size());
+    auto place = [&](int64_t i) { return QueryAt(grid.PointIn(uint32_t(i), Vector3(0.5f))); };
     {
         ThreadLimit limit(4);
         ParallelFor(n, 1, [&](int64_t begin, int64_t end) {

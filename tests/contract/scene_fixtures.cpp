@@ -4,7 +4,6 @@
 
 #include <map>
 
-#include "pbrt/build/light_sampler_spec.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/math/warps.h"
 #include "pbrt/transport/vertex.h"

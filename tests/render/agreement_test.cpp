@@ -8,7 +8,6 @@
 #include <sstream>
 
 #include "agreement_statistics.h"
-#include "pbrt/build/light_sampler_spec.h"
 #include "pbrt/integrators/path_integrator.h"
 #include "support/build_text.h"
 #include "support/render_scene.h"

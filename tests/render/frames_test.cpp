@@ -50,9 +50,7 @@ BuiltScene RenderFrame(int frame, StateReader *learned = nullptr) {
 /// with probability p, whose unoccluded or hidden contributions f are added up exactly. Slow, but simple.
 double NoiseAt(const BuiltScene &built, const Point3 &p) {
     const LightQuery query = QueryAt(p, {0, 1, 0});
-    LightSampleContext from;
-    from.p = p;
-    from.n = from.ns = query.n;
+    const LightSampleContext from{.p = p, .n = query.n, .ns = query.n};
     const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
     double sum = 0, squares = 0;
     for (uint32_t i = 0; i < 2 * kLampsPerRoom; ++i) {

@@ -1,7 +1,6 @@
 // Guided paths: the same bits however the work is divided, nothing changes where nothing is to be gained.
 #include <gtest/gtest.h>
 
-#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "ext/guiding/path_guide.h"

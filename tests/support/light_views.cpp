@@ -8,7 +8,6 @@
 
 #include "pbrt/core/error.h"
 #include "pbrt/math/statistics.h"
-#include "support/render_waves.h"
 #include "support/statistics.h"
 #include "support/threads.h"
 

@@ -1,6 +1,5 @@
 #include "estimators.h"
 
-#include "pbrt/build/light_sampler_spec.h"
 #include "pbrt/integrators/path_integrator.h"
 #include "pbrt/integrators/simple_integrators.h"
 #include "pbrt/transport/vertex.h"

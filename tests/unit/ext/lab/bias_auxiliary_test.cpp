@@ -11,9 +11,7 @@
 
 namespace ext::lab {
 
-using test::Contest;
-using test::Fireflies;
-using test::Lognormal;
+using test::Contest, test::Fireflies, test::Lognormal;
 
 namespace {
 

@@ -11,11 +11,7 @@
 
 namespace ext::lab {
 
-using test::Experiment;
-using test::Fireflies;
-using test::Lognormal;
-using test::Pareto;
-using test::Simulate;
+using test::Experiment, test::Fireflies, test::Lognormal, test::Pareto, test::Simulate;
 
 namespace {
 

@@ -13,17 +13,8 @@ namespace pbrt::test {
 using namespace ext;
 
 inline Emitter Patch(const Point3 &p, const Vector3 &normal, Float intensity) {
-    LightBounds b;
-    b.bounds = Bounds3(p, p + Vector3(0.01f));
-    b.w = normal;
-    b.phi = double(intensity);
-    b.cosTheta_o = 1;
-    b.cosTheta_e = 0;
-    Emitter e;
-    e.bounds = b;
-    e.isArea = true;
-    e.intensity = intensity;
-    return e;
+    const LightBounds b{.bounds = Bounds3(p, p + Vector3(0.01f)), .w = normal, .phi = double(intensity)};
+    return {.bounds = b, .isArea = true, .intensity = intensity};
 }
 
 /// Sizes of a test's set of emitters.
@@ -43,11 +34,7 @@ inline std::vector<Emitter> Patches(int count, int far) {
         const Vector3 normal = SampleUniformSphere(rng.Uniform2());
         if (i < count) emitters.push_back(Patch(p, normal, rng.Uniform() + 0.1f));
         if (i >= far) continue;
-        Emitter sky;
-        sky.isFar = true;
-        sky.m0 = 1;
-        sky.m1 = Vector3(0, 0, 0.5f);
-        emitters.push_back(sky);
+        emitters.push_back({.bounds = {}, .isFar = true, .m0 = 1, .m1 = {0, 0, 0.5f}});
     }
     return emitters;
 }

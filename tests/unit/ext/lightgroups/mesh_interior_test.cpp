@@ -5,7 +5,6 @@
 #include "support/build_text.h"
 #include "support/light_query.h"
 #include "support/scene_text.h"
-#include "support/statistics.h"
 
 namespace {
 

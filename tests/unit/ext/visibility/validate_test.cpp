@@ -30,9 +30,7 @@ VisibilityRecords Records() {
 
 VisibilityTree Tree() {
     const VisibilityRecords made = Records();
-    VisibilityBuildSettings settings;
-    settings.lightCount = 2;
-    return VisibilityTreeBuilder(kUnitBox, made.records, made.rays, settings).Build().value();
+    return VisibilityTreeBuilder(kUnitBox, made.records, made.rays, {.lightCount = 2}).Build().value();
 }
 
 /// The message about the bytes; empty if they are accepted.

@@ -33,11 +33,7 @@ struct Prepass {
     }
 };
 
-VisibilityBuildSettings Settings(int lights) {
-    VisibilityBuildSettings s;
-    s.lightCount = lights;
-    return s;
-}
+VisibilityBuildSettings Settings(int lights) { return {.lightCount = lights}; }
 
 Float FactorAt(const VisibilityTree &tree, const Point3 &p, uint32_t light) {
     VisibilityTree::Row row = tree.RowAt(p);

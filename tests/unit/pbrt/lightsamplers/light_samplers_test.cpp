@@ -10,11 +10,7 @@ namespace pbrt::test {
 namespace {
 
 LightQuery Query(const Point3 &p, const Normal3 &n = Normal3(0), const Normal3 &ns = Normal3(0)) {
-    LightQuery q;
-    q.p = p;
-    q.n = n;
-    q.ns = ns;
-    return q;
+    return {.p = p, .n = n, .ns = ns};
 }
 
 TEST(UniformLightSampler, DividesTheUnitIntervalEvenly) {
@@ -68,11 +64,7 @@ TYPED_TEST(ByBounds, EveryInfiniteLightCountsLikeAllBoundedOnesTogether) {
 }
 
 TYPED_TEST(ByBounds, ReturnsNothingWhereNoLightShines) {
-    LightBounds b;
-    b.bounds = Bounds3(Point3(0));
-    b.phi = 1;
-    b.w = {0, 0, 1};
-    std::vector<LightCandidate> c = {Bounded(b)};
+    std::vector<LightCandidate> c = {Bounded({.bounds = Bounds3(Point3(0)), .w = {0, 0, 1}, .phi = 1})};
     const auto table = TableOf(c);
     TypeParam sampler(table->ByComponent());
     EXPECT_FALSE(sampler.Sample(Query({0, 0, -1}), 0.3f));

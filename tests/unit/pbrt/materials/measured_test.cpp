@@ -135,18 +135,10 @@ class Measured : public FolderTest {
     const std::string path_ = Path("measured");
 };
 
-const std::vector<Vector3> &Views() {
-    static const std::vector<Vector3> views = {DirectionAt(2, 30), DirectionAt(35, 200), DirectionAt(60, 80),
-                                               DirectionAt(140, 10)};
-    return views;
-}
-
-/// Directions of view at slices of the anisotropic table; between slices the lobe would be a mixture of two.
-const std::vector<Vector3> &ViewsOfTheTable() {
-    static const std::vector<Vector3> views = {DirectionAt(2, 0), DirectionAt(35, 90), DirectionAt(60, 180),
-                                               DirectionAt(140, 270)};
-    return views;
-}
+const Vector3 kViews[] = {DirectionAt(2, 30), DirectionAt(35, 200), DirectionAt(60, 80), DirectionAt(140, 10)};
+/// At slices of the anisotropic table; between slices the lobe would be a mixture of two.
+const Vector3 kViewsOfTheTable[] = {DirectionAt(2, 0), DirectionAt(35, 90), DirectionAt(60, 180),
+                                    DirectionAt(140, 270)};
 
 TEST_F(Measured, TableOfAnAnalyticSurfaceGivesItBack) {
     const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.4f);
@@ -156,7 +148,7 @@ TEST_F(Measured, TableOfAnAnalyticSurfaceGivesItBack) {
         MeasuredBxdf lobe(*brdf, lambda);
         Rng rng(1);
         int compared = 0;
-        for (const Vector3 &wo : isotropic ? Views() : ViewsOfTheTable())
+        for (const Vector3 &wo : isotropic ? kViews : kViewsOfTheTable)
             for (int i = 0; i < 500; ++i) {
                 Vector3 wi = SampleCosineHemisphere(rng.Uniform2());
                 if (wi.z < 0.2f) continue;
@@ -179,7 +171,7 @@ TEST_F(Measured, SamplesFollowTheirDensity) {
         Write(AnalyticFile(isotropic));
         auto brdf = ReadMeasuredBrdf(path_);
         MeasuredBxdf lobe(*brdf, lambda);
-        for (const Vector3 &wo : Views()) {
+        for (const Vector3 &wo : kViews) {
             double mass;
             double p = DirectionTest([&](Rng &rng) { return DirectionOf(SampleLobe(lobe, wo, rng, kRadiance)); },
                                      [&](const Vector3 &wi) { return lobe.Pdf(wo, wi, kRadiance); }, 10000, 10, &mass);

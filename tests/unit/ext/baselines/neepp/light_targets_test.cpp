@@ -87,8 +87,7 @@ TEST(LightTargets, EveryPointOfALargeLightIsExpected) {
     Rng rng(2);
     int missed = 0, asked = 0;
     for (int i = 0; i < 3000; ++i) {
-        LightSampleContext from;
-        from.p = Vector3{rng.Uniform(), rng.Uniform(), rng.Uniform()} * Float(8) - Float(4);
+        const LightSampleContext from{.p = Vector3{rng.Uniform(), rng.Uniform(), rng.Uniform()} * Float(8) - Float(4)};
         LightId light(rng.UniformInt(3));
         auto s = m.built.scene->Lights()[light].SampleLi(from, rng.Uniform2(), lambda, true);
         if (!s) continue;
@@ -124,9 +123,7 @@ TEST(LightTargets, TheSkyIsInEqualPartsThatCoverWhatIsDrawnFromIt) {
     std::vector<double> value(64);
     double all = 0, unexpected = 0;
     for (int i = 0; i < 20000; ++i) {
-        LightSampleContext from;
-        from.p = {1, 0, 1};
-        auto s = m.built.scene->Lights()[LightId(0u)].SampleLi(from, rng.Uniform2(), lambda, true);
+        auto s = m.built.scene->Lights()[LightId(0u)].SampleLi({.p = {1, 0, 1}}, rng.Uniform2(), lambda, true);
         ASSERT_TRUE(s);
         const uint32_t part = LightTargets::EnvironmentPartOf(s->wi);
         value[part] += 1;

@@ -60,21 +60,19 @@ TEST(Spatial, ContributionIsEquation3) {
         const int n = 40000;
         Rng rng(8);
         for (int i = 0; i < n; ++i) {
-            LightSampleContext from;
-            from.p = grid.PointIn(voxel, Vector3{rng.Uniform(), rng.Uniform(), rng.Uniform()});
-            mean[1] += 2 / double(DistanceSquared(from.p, {-3, 1, 0})) / n;
-            mean[2] += 7 / double(DistanceSquared(from.p, {3, 1, 0})) / n;
+            const Point3 from = grid.PointIn(voxel, Vector3{rng.Uniform(), rng.Uniform(), rng.Uniform()});
+            mean[1] += 2 / double(DistanceSquared(from, {-3, 1, 0})) / n;
+            mean[2] += 7 / double(DistanceSquared(from, {3, 1, 0})) / n;
             Point3 onQuad(2 * rng.Uniform() - 1, 1.5f, 2 * rng.Uniform() - 1);
-            double d2 = double(DistanceSquared(from.p, onQuad));
-            double cosine = double(std::abs(onQuad.y - from.p.y)) / std::sqrt(d2);
+            double d2 = double(DistanceSquared(from, onQuad));
+            double cosine = double(std::abs(onQuad.y - from.y)) / std::sqrt(d2);
             mean[0] += 5 * 4 * cosine / d2 / n;
             mean[3] += 1.0 / n;
         }
         // The lights scale their spectra, so each is compared with its own radiance straight below it.
         auto unit = [&](uint32_t light, const Point3 &seenFrom, double analytic) {
-            LightSampleContext from;
-            from.p = seenFrom;
-            auto li = lights[LightId(light)].SampleLi(from, {0.5f, 0.5f}, SampledWavelengths::WholeRange(), true);
+            auto li =
+                lights[LightId(light)].SampleLi({.p = seenFrom}, {0.5f, 0.5f}, SampledWavelengths::WholeRange(), true);
             return RootMeanSquare(li->L) / analytic;
         };
         double point = unit(2, {-3, 0, 0}, 2), other = unit(3, {3, 0, 0}, 7), area = unit(0, {0, 0, 0}, 5);

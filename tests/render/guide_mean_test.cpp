@@ -36,10 +36,7 @@ Runs RunAll(const GuideRoom &room, int firstSeed, bool guide, int count = kRuns,
     Runs runs;
     for (int run = 0; run < count; ++run) {
         Image image = Render(room, firstSeed + run, guide, &runs.guided);
-        const Point2i size = image.Resolution();
-        for (int y = 0; factor != 1 && y < size.y; ++y)
-            for (int x = 0; x < size.x; ++x)
-                for (int k = 0; k < 3; ++k) image.Set({x, y}, k, image.Get({x, y}, k) * factor);
+        ForEachValue(image, [&](Point2i p, int c) { image.Set(p, c, image.Get(p, c) * factor); });
         runs.pictures.Add(image);
     }
     return runs;

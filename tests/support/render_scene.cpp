@@ -63,8 +63,7 @@ std::vector<double> TileMeans(const Image &image, int size) {
 
 RunningStatistics ChannelStatistics(const Image &image, int channel) {
     RunningStatistics s;
-    for (int y = 0; y < image.Resolution().y; ++y)
-        for (int x = 0; x < image.Resolution().x; ++x) s.Add(double(image.Get({x, y}, channel)));
+    ForEachPixel(image, [&](Point2i p) { s.Add(double(image.Get(p, channel))); });
     return s;
 }
 

@@ -252,9 +252,7 @@ TEST(BiasCheck, TestsEveryChannel) {
     auto render = [&](int length, double blue) {
         Image image(PixelFormat::Float, {96, 64}, {"R", "G", "B", "A"});
         const test::Noise noise = Lognormal(0.1 / std::sqrt(length));
-        for (int y = 0; y < 64; ++y)
-            for (int x = 0; x < 96; ++x)
-                for (int c = 0; c < 4; ++c) image.Set({x, y}, c, Float((c == 2 ? 0.02 * blue : 1) * noise(rng)));
+        ForEachValue(image, [&](Point2i p, int c) { image.Set(p, c, Float((c == 2 ? 0.02 * blue : 1) * noise(rng))); });
         return ComputeTileMeans(image);
     };
     BiasReference reference;

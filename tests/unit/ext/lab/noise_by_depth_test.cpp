@@ -5,13 +5,11 @@ namespace ext::lab {
 TEST(NoiseByDepth, IsTheVarianceOverTheReferenceSquared) {
     Image reference(PixelFormat::Float, {40, 50}, {"R", "G"});
     std::vector<Image> pictures(2, reference);
-    for (int y = 0; y < 50; ++y)
-        for (int x = 0; x < 40; ++x)
-            for (int c = 0; c < 2; ++c) {
-                reference.Set({x, y}, c, 0.3f);
-                pictures[0].Set({x, y}, c, 0.2f);
-                pictures[1].Set({x, y}, c, c == 0 ? 0.4f : 0.2f);
-            }
+    ForEachValue(reference, [&](Point2i p, int c) {
+        reference.Set(p, c, 0.3f);
+        pictures[0].Set(p, c, 0.2f);
+        pictures[1].Set(p, c, c == 0 ? 0.4f : 0.2f);
+    });
     // Of two values 0.2 apart the variance is 0.02, in one of two channels; the epsilon is 0.01 * 0.3^2.
     EXPECT_NEAR(NoiseOf(pictures, reference).plain, 0.01 / 0.0909, 1e-6);
     EXPECT_NEAR(NoiseOf(pictures, reference).trimmed, 0.01 / 0.0909, 1e-6);

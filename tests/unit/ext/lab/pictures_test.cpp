@@ -1,11 +1,10 @@
 #include "ext/lab/experiment.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
-
 #include <cmath>
-#include <filesystem>
-#include <fstream>
+
+#include "pbrt/core/files.h"
+#include "support/folder_test.h"
 
 namespace ext::lab {
 
@@ -40,7 +39,9 @@ TEST(ChooseExposure, PictureWithoutHighlightsIsAsBrightAsItCanBe) {
     EXPECT_EQ(ChooseExposure(Grey({{1, 0}})), 1);
 }
 
-TEST(RangePicture, KeepsEveryBrightness) {
+class RangePicture : public pbrt::test::FolderTest {};
+
+TEST_F(RangePicture, KeepsEveryBrightness) {
     Image image(PixelFormat::Float, {5, 2}, {"R", "G", "B"});
     const Float values[] = {1e-9f, 0.0123f, 0.5f, 1,  255.9f,
                             65504, 3e30f,   0,    -1, std::numeric_limits<Float>::infinity()};
@@ -49,12 +50,8 @@ TEST(RangePicture, KeepsEveryBrightness) {
         image.Set({i % 5, i / 5}, 1, values[i] / 2);
         image.Set({i % 5, i / 5}, 2, 0);
     }
-    const std::filesystem::path path =
-        std::filesystem::temp_directory_path() / ("pbrt_range_" + std::to_string(getpid()) + ".hdr");
-    WriteRangePicture(path.string(), image);
-    std::ifstream in(path, std::ios::binary);
-    const std::string text((std::istreambuf_iterator<char>(in)), {});
-    std::filesystem::remove(path);
+    WriteRangePicture(Path("range.hdr"), image);
+    const std::string text = ReadFileContents(Path("range.hdr"));
     const std::string size = "\n\n-Y 2 +X 5\n";
     const size_t at = text.find(size);
     ASSERT_NE(at, std::string::npos);

@@ -51,13 +51,11 @@ TEST(AverageImages, KnowsItsOwnNoise) {
     const int n = 6;
     Image truth(PixelFormat::Float, {80, 60}, {"R", "G", "B"});
     std::vector<Image> images(n, truth);
-    for (int y = 0; y < 60; ++y)
-        for (int x = 0; x < 80; ++x)
-            for (int c = 0; c < 3; ++c) {
-                const Float value = 1 + 0.02f * Float(x + c);
-                truth.Set({x, y}, c, value);
-                for (Image &image : images) image.Set({x, y}, c, value * (0.5f + rng.Uniform()));
-            }
+    ForEachValue(truth, [&](Point2i p, int c) {
+        const Float value = 1 + 0.02f * Float(p.x + c);
+        truth.Set(p, c, value);
+        for (Image &image : images) image.Set(p, c, value * (0.5f + rng.Uniform()));
+    });
     const MeanImage mean = AverageImages(images);
     const double error = ImageError(mean.image, truth, Metric::RelL2);
     EXPECT_NEAR(mean.noise, error, 0.06 * error);

@@ -14,8 +14,7 @@ LightTree Clouds() {
     std::vector<Emitter> emitters(64);
     for (uint32_t i = 0; i < emitters.size(); ++i) {
         const Point3 p = Point3(Float(i / 16) * 10, 0, 0) + Vector3(rng.Uniform(), rng.Uniform(), rng.Uniform());
-        emitters[i].bounds = LightBounds{.bounds = Bounds3(p, p), .phi = 1, .cosTheta_o = -1};
-        emitters[i].intensity = 1;
+        emitters[i] = {.bounds = LightBounds{.bounds = Bounds3(p, p), .phi = 1, .cosTheta_o = -1}, .intensity = 1};
     }
     return LightTree(emitters);
 }

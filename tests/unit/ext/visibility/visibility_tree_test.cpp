@@ -115,9 +115,7 @@ struct ManyLights {
         std::vector<Emitter> emitters(kLights);
         for (uint32_t l = 0; l < kLights; ++l) {
             const Point3 p(PlaceOf(l), 0.5f, 0.5f);
-            emitters[l].bounds = LightBounds{
-                .bounds = Bounds3(p, p), .w = Vector3(0, 0, 1), .phi = 1, .cosTheta_o = -1, .cosTheta_e = 0};
-            emitters[l].intensity = 1;
+            emitters[l] = {.bounds = LightBounds{.bounds = Bounds3(p, p), .phi = 1, .cosTheta_o = -1}, .intensity = 1};
         }
         tree = LightTree(emitters);
         Rng rng(3);

@@ -1,14 +1,12 @@
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
-#include <fstream>
 #include <map>
 #include <set>
 
 #include "ext/baselines/neepp/neepp_light_sampler.h"
 #include "support/build_text.h"
+#include "support/folder_test.h"
 #include "support/scene_text.h"
 
 namespace {
@@ -161,16 +159,17 @@ TEST(LightTargets, UngroupedLightsStandWhereTheirOwnShapeIs) {
         EXPECT_EQ(m.targets[m.targets.SharesOf(g)[0].target].index, m.grid.Index(places[g]));
 }
 
-TEST(LightTargets, ADirectiveThatMakesTwoShapesHasItsLightsOnBoth) {
+class LightTargetsOfFile : public pbrt::test::FolderTest {};
+
+TEST_F(LightTargetsOfFile, ADirectiveThatMakesTwoShapesHasItsLightsOnBoth) {
     // A PLY file of a triangle and a quad becomes a triangle mesh and a bilinear one, both with primitives from 0.
-    std::string file = testing::TempDir() + std::to_string(getpid()) + "_light_targets_two_shapes.ply";
-    std::ofstream(file)
-        << "ply\nformat ascii 1.0\nelement vertex 7\nproperty float x\nproperty float y\nproperty float z\n"
-           "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
-           "-2.6 0.5 0.5\n-2.5 0.5 0.5\n-2.5 0.6 0.5\n"
-           "2.4 0.5 0.5\n2.5 0.5 0.5\n2.5 0.6 0.5\n2.4 0.6 0.5\n3 0 1 2\n4 3 4 5 6\n";
-    Made m = Make("AreaLightSource \"diffuse\"\nShape \"plymesh\" \"string filename\" \"" + file + "\"\n");
-    std::remove(file.c_str());
+    const std::string file =
+        Write("two.ply",
+              "ply\nformat ascii 1.0\nelement vertex 7\nproperty float x\nproperty float y\nproperty float z\n"
+              "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
+              "-2.6 0.5 0.5\n-2.5 0.5 0.5\n-2.5 0.6 0.5\n"
+              "2.4 0.5 0.5\n2.5 0.5 0.5\n2.5 0.6 0.5\n2.4 0.6 0.5\n3 0 1 2\n4 3 4 5 6\n");
+    Made m = Make("AreaLightSource 'diffuse' Shape 'plymesh' 'string filename' '" + file + "'");
     ASSERT_EQ(m.built.scene->Lights().Size(), 2u);
     ASSERT_EQ(m.built.scene->Lights().LightCount(), 1u);
     ASSERT_EQ(m.built.scene->Lights()[LightId(1u)].Surface().primitive, 0u);

@@ -15,6 +15,11 @@ namespace {
 
 constexpr const char *kAssets = PBRT_SOURCE_DIR "/tests/conformance/suite/scenes/assets";
 
+template <class V>
+std::string At(const V &v) {
+    return fmt::format(" {} {} {} ", v.x, v.y, v.z);
+}
+
 /// Collects a scene's text; all lengths are in units of `scale`.
 class Text {
   public:
@@ -30,9 +35,7 @@ class Text {
         return *this;
     }
     Text &Quad(const Point3 &p, const Vector3 &a, const Vector3 &b, const std::string &before = "") {
-        const Point3 q = p + a, r = p + b, s = p + a + b;
-        return Place(before, Objects().Quad(fmt::format("{} {} {}  {} {} {}  {} {} {}  {} {} {}", p.x, p.y, p.z, q.x,
-                                                        q.y, q.z, r.x, r.y, r.z, s.x, s.y, s.z)));
+        return Place(before, Objects().Quad(At(p) + At(p + a) + At(p + b) + At(p + a + b)));
     }
     /// Two rooms side by side, open to the camera, a door between them.
     Text &Rooms() {
@@ -58,42 +61,37 @@ class Text {
         return Sphere({1.2f, 0.4f, 0.3f}, 0.4f, "Material 'coateddiffuse' 'float roughness' 0.1");
     }
     Text &Sphere(const Point3 &p, Float radius, const std::string &before = "") {
-        return Place(fmt::format("{}\nTranslate {} {} {}", before, p.x, p.y, p.z),
-                     Objects().Shape("sphere", fmt::format("'float radius' {}", radius)));
+        return Place(before + "\nTranslate" + At(p), Objects().Sphere(double(radius)));
     }
     /// Intensities grow with the square of lengths, so that a scaled scene looks the same.
     Text &PointLight(const Point3 &p, double intensity) {
-        return Add(fmt::format("LightSource 'point' 'point3 from' [ {} {} {} ] 'rgb I' [ {} {} {} ]", p.x, p.y, p.z,
-                               intensity * scale_ * scale_, 0.8 * intensity * scale_ * scale_,
-                               0.5 * intensity * scale_ * scale_));
+        return Add("LightSource 'point' 'point3 from' [" + At(p) + "] 'rgb I' [" +
+                   At(intensity * scale_ * scale_ * glm::dvec3(1, 0.8, 0.5)) + "]");
     }
     Text &SpotLight(const Point3 &p, const Point3 &to, double cone, double intensity) {
         return Add(
-            fmt::format("LightSource 'spot' 'point3 from' [ {} {} {} ] 'point3 to' [ {} {} {} ] 'float coneangle' {} "
-                        "'float conedeltaangle' {} 'rgb I' [ {} {} {} ]",
-                        p.x, p.y, p.z, to.x, to.y, to.z, cone, cone / 4, intensity * scale_ * scale_,
-                        intensity * scale_ * scale_, 0.6 * intensity * scale_ * scale_));
+            fmt::format("LightSource 'spot' 'point3 from' [{}] 'point3 to' [{}] 'float coneangle' {} "
+                        "'float conedeltaangle' {} 'rgb I' [{}]",
+                        At(p), At(to), cone, cone / 4, At(intensity * scale_ * scale_ * glm::dvec3(1, 1, 0.6))));
     }
     Text &Sky(double radiance) { return Add(fmt::format("LightSource 'infinite' 'rgb L' [ {0} {0} {0} ]", radiance)); }
     Text &Sun(const Vector3 &from, double irradiance) {
-        return Add(
-            fmt::format("LightSource 'distant' 'point3 from' [ {} {} {} ] 'point3 to' [ 0 0 0 ] 'rgb L' [ {} {} 0 ]",
-                        from.x, from.y, from.z, irradiance, irradiance));
+        return Add(fmt::format("LightSource 'distant' 'point3 from' [{}] 'point3 to' [ 0 0 0 ] 'rgb L' [ {} {} 0 ]",
+                               At(from), irradiance, irradiance));
     }
     /// A light with an image, at a place; the statements `before` rotate it.
     Text &ImageLight(const std::string &type, const std::string &asset, const Point3 &p, const std::string &before,
                      double scale) {
         return Place(
-            fmt::format("Translate {} {} {}\n{}", p.x, p.y, p.z, before),
+            "Translate" + At(p) + "\n" + before,
             Objects().Light(type, fmt::format("'string filename' '{}/{}' 'float scale' {}", kAssets, asset, scale)));
     }
     /// The sky through the rectangle p, p + a, p + a + b, p + b; it shines against cross(b, a). Given in world space.
     Text &Portal(const Point3 &p, const Vector3 &a, const Vector3 &b, double radiance) {
-        Point3 q = p + a, r = q + b, s = p + b;
         return Add(
             fmt::format("LightSource 'infinite' 'string filename' '{}/env_sky.exr' 'float scale' {} "
-                        "'point3 portal' [ {} {} {}  {} {} {}  {} {} {}  {} {} {} ]",
-                        kAssets, radiance, p.x, p.y, p.z, q.x, q.y, q.z, r.x, r.y, r.z, s.x, s.y, s.z));
+                        "'point3 portal' [{}]",
+                        kAssets, radiance, At(p) + At(p + a) + At(p + a + b) + At(p + b)));
     }
     /// A bulb of 2 * rings * segments triangles.
     Text &Bulb(const Point3 &center, double radius, int rings, int segments, double radiance) {
@@ -102,9 +100,8 @@ class Text {
             for (int j = 0; j < segments; ++j) {
                 double theta = 3.14159265 * (i + 0.5) / (rings + 1), phi = 2 * 3.14159265 * j / segments;
                 double r = radius * (1 + 0.1 * std::sin(5 * phi) * std::sin(7 * theta));
-                points += fmt::format("{} {} {} ", double(center.x) + r * std::sin(theta) * std::cos(phi),
-                                      double(center.y) + r * std::sin(theta) * std::sin(phi),
-                                      double(center.z) + r * std::cos(theta));
+                points += At(glm::dvec3(center) + r * glm::dvec3(std::sin(theta) * std::cos(phi),
+                                                                 std::sin(theta) * std::sin(phi), std::cos(theta)));
             }
         for (int i = 0; i < rings; ++i)
             for (int j = 0; j < segments; ++j) {

@@ -2,12 +2,12 @@
 // samplers on mesh groups too.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <map>
 
-#include "pbrt/core/parallel.h"
 #include "scene_fixtures.h"
 #include "support/sampler_laws.h"
+#include "support/test_name.h"
+#include "support/threads.h"
 #ifdef PBRT_CONTRACT_HEADER  // the header of one sampler that is tested alone
 #include PBRT_CONTRACT_HEADER
 #endif
@@ -89,22 +89,12 @@ TEST_P(SceneContract, SameAnswerFromAnyThread) { CheckSameFromAnyThread(S()); }
 TEST_P(SceneContract, DistributionsOfTwoVerticesKeepApart) { CheckDistributionsKeepApart(S()); }
 TEST_P(SceneContract, OneNumberReachesEveryLight) { CheckOneNumberReachesEveryLight(S()); }
 TEST_P(SceneContract, PreparedTheSameByOneThreadAndByThree) {
-    std::unique_ptr<LightSampler> one, three;
-    {
-        ThreadLimit limit(1);
-        one = MakePreparedSampler(std::get<1>(GetParam()), Fixture(), Registry());
-    }
-    {
-        ThreadLimit limit(3);
-        three = MakePreparedSampler(std::get<1>(GetParam()), Fixture(), Registry());
-    }
-    CheckSame(*one, *three, Fixture().queries, Fixture().Lights());
+    const auto make = [&] { return MakePreparedSampler(std::get<1>(GetParam()), Fixture(), Registry()); };
+    CheckSame(*OnThreads(1, make), *OnThreads(3, make), Fixture().queries, Fixture().Lights());
 }
 
 TEST(SceneContractProgram, EnvironmentLightsBehindPortalsAreChosenByRegions) {
-    const std::vector<std::string> names = Registry().samplers.Names();
-    if (std::find(names.begin(), names.end(), "octree") == names.end())
-        GTEST_SKIP() << "Only the octree finds portals.";
+    if (!Registry().samplers.Has("octree")) GTEST_SKIP() << "Only the octree finds portals.";
     for (const char *fixture : {"MirroredSkyWindow", "TwoSkies"})
         EXPECT_GT(CheckRegions(ContestOf(fixture, "octree:portals=always").subject), 100u) << fixture;
 }
@@ -115,12 +105,6 @@ TEST(SceneContractProgram, RunsForEveryFixture) {
     EXPECT_EQ(fmt::format("{}", fmt::join(SceneFixtureNames(), " ")), PBRT_CONTRACT_SCENES);
 }
 #endif
-
-std::string Identifier(std::string s) {
-    std::replace_if(
-        s.begin(), s.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
-    return s;
-}
 
 std::vector<Names> Subjects() {
     std::vector<Names> all;
@@ -137,7 +121,7 @@ std::vector<Names> Subjects() {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, SceneContract, testing::ValuesIn(Subjects()),
-                         [](const auto &c) { return std::get<0>(c.param) + "_" + Identifier(std::get<1>(c.param)); });
+                         [](const auto &c) { return std::get<0>(c.param) + "_" + TestName(std::get<1>(c.param)); });
 
 }  // namespace
 }  // namespace pbrt::test

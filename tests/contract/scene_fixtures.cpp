@@ -4,7 +4,6 @@
 
 #include <map>
 
-#include "pbrt/build/light_sampler_spec.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/math/warps.h"
 #include "pbrt/transport/vertex.h"
@@ -15,6 +14,11 @@ namespace pbrt::test {
 namespace {
 
 constexpr const char *kAssets = PBRT_SOURCE_DIR "/tests/conformance/suite/scenes/assets";
+
+template <class V>
+std::string At(const V &v) {
+    return fmt::format(" {} {} {} ", v.x, v.y, v.z);
+}
 
 /// Collects a scene's text; all lengths are in units of `scale`.
 class Text {
@@ -31,9 +35,7 @@ class Text {
         return *this;
     }
     Text &Quad(const Point3 &p, const Vector3 &a, const Vector3 &b, const std::string &before = "") {
-        const Point3 q = p + a, r = p + b, s = p + a + b;
-        return Place(before, Objects().Quad(fmt::format("{} {} {}  {} {} {}  {} {} {}  {} {} {}", p.x, p.y, p.z, q.x,
-                                                        q.y, q.z, r.x, r.y, r.z, s.x, s.y, s.z)));
+        return Place(before, Objects().Quad(At(p) + At(p + a) + At(p + b) + At(p + a + b)));
     }
     /// Two rooms side by side, open to the camera, a door between them.
     Text &Rooms() {
@@ -59,42 +61,37 @@ class Text {
         return Sphere({1.2f, 0.4f, 0.3f}, 0.4f, "Material 'coateddiffuse' 'float roughness' 0.1");
     }
     Text &Sphere(const Point3 &p, Float radius, const std::string &before = "") {
-        return Place(fmt::format("{}\nTranslate {} {} {}", before, p.x, p.y, p.z),
-                     Objects().Shape("sphere", fmt::format("'float radius' {}", radius)));
+        return Place(before + "\nTranslate" + At(p), Objects().Sphere(double(radius)));
     }
     /// Intensities grow with the square of lengths, so that a scaled scene looks the same.
     Text &PointLight(const Point3 &p, double intensity) {
-        return Add(fmt::format("LightSource 'point' 'point3 from' [ {} {} {} ] 'rgb I' [ {} {} {} ]", p.x, p.y, p.z,
-                               intensity * scale_ * scale_, 0.8 * intensity * scale_ * scale_,
-                               0.5 * intensity * scale_ * scale_));
+        return Add("LightSource 'point' 'point3 from' [" + At(p) + "] 'rgb I' [" +
+                   At(intensity * scale_ * scale_ * glm::dvec3(1, 0.8, 0.5)) + "]");
     }
     Text &SpotLight(const Point3 &p, const Point3 &to, double cone, double intensity) {
         return Add(
-            fmt::format("LightSource 'spot' 'point3 from' [ {} {} {} ] 'point3 to' [ {} {} {} ] 'float coneangle' {} "
-                        "'float conedeltaangle' {} 'rgb I' [ {} {} {} ]",
-                        p.x, p.y, p.z, to.x, to.y, to.z, cone, cone / 4, intensity * scale_ * scale_,
-                        intensity * scale_ * scale_, 0.6 * intensity * scale_ * scale_));
+            fmt::format("LightSource 'spot' 'point3 from' [{}] 'point3 to' [{}] 'float coneangle' {} "
+                        "'float conedeltaangle' {} 'rgb I' [{}]",
+                        At(p), At(to), cone, cone / 4, At(intensity * scale_ * scale_ * glm::dvec3(1, 1, 0.6))));
     }
     Text &Sky(double radiance) { return Add(fmt::format("LightSource 'infinite' 'rgb L' [ {0} {0} {0} ]", radiance)); }
     Text &Sun(const Vector3 &from, double irradiance) {
-        return Add(
-            fmt::format("LightSource 'distant' 'point3 from' [ {} {} {} ] 'point3 to' [ 0 0 0 ] 'rgb L' [ {} {} 0 ]",
-                        from.x, from.y, from.z, irradiance, irradiance));
+        return Add(fmt::format("LightSource 'distant' 'point3 from' [{}] 'point3 to' [ 0 0 0 ] 'rgb L' [ {} {} 0 ]",
+                               At(from), irradiance, irradiance));
     }
     /// A light with an image, at a place; the statements `before` rotate it.
     Text &ImageLight(const std::string &type, const std::string &asset, const Point3 &p, const std::string &before,
                      double scale) {
         return Place(
-            fmt::format("Translate {} {} {}\n{}", p.x, p.y, p.z, before),
+            "Translate" + At(p) + "\n" + before,
             Objects().Light(type, fmt::format("'string filename' '{}/{}' 'float scale' {}", kAssets, asset, scale)));
     }
     /// The sky through the rectangle p, p + a, p + a + b, p + b; it shines against cross(b, a). Given in world space.
     Text &Portal(const Point3 &p, const Vector3 &a, const Vector3 &b, double radiance) {
-        Point3 q = p + a, r = q + b, s = p + b;
         return Add(
             fmt::format("LightSource 'infinite' 'string filename' '{}/env_sky.exr' 'float scale' {} "
-                        "'point3 portal' [ {} {} {}  {} {} {}  {} {} {}  {} {} {} ]",
-                        kAssets, radiance, p.x, p.y, p.z, q.x, q.y, q.z, r.x, r.y, r.z, s.x, s.y, s.z));
+                        "'point3 portal' [{}]",
+                        kAssets, radiance, At(p) + At(p + a) + At(p + a + b) + At(p + b)));
     }
     /// A bulb of 2 * rings * segments triangles.
     Text &Bulb(const Point3 &center, double radius, int rings, int segments, double radiance) {
@@ -103,9 +100,8 @@ class Text {
             for (int j = 0; j < segments; ++j) {
                 double theta = 3.14159265 * (i + 0.5) / (rings + 1), phi = 2 * 3.14159265 * j / segments;
                 double r = radius * (1 + 0.1 * std::sin(5 * phi) * std::sin(7 * theta));
-                points += fmt::format("{} {} {} ", static_cast<double>(center.x) + r * std::sin(theta) * std::cos(phi),
-                                      static_cast<double>(center.y) + r * std::sin(theta) * std::sin(phi),
-                                      static_cast<double>(center.z) + r * std::cos(theta));
+                points += At(glm::dvec3(center) + r * glm::dvec3(std::sin(theta) * std::cos(phi),
+                                                                 std::sin(theta) * std::sin(phi), std::cos(theta)));
             }
         for (int i = 0; i < rings; ++i)
             for (int j = 0; j < segments; ++j) {
@@ -145,7 +141,7 @@ std::string Mixed(double scale) {
         Point3 from = place();
         t.SpotLight(from, from + Vector3(rng.Uniform() - 0.5f, -1, rng.Uniform() - 0.5f), 10 + 15 * i, 2);
         t.Quad(place(), {0.3f, 0, 0}, {0, 0.1f, 0.3f}, Text::Area(2 + i, i % 2 == 0));
-        t.Sphere(place(), 0.05f + 0.02f * static_cast<Float>(i), Text::Area(3));
+        t.Sphere(place(), 0.05f + 0.02f * Float(i), Text::Area(3));
     }
     t.Bulb({1.8f, 1.6f, 2}, 0.15, 5, 6, 8);
     t.Bulb({-1.8f, 1.6f, 2}, 0.1, 3, 4, 2);
@@ -203,7 +199,7 @@ std::string Occluded() {
     Text t;
     t.Rooms();
     for (int i = 0; i < 4; ++i) {
-        Point3 p(static_cast<Float>(i) * 1.3f - 2, 1.5f, 1.5f);
+        Point3 p(Float(i) * 1.3f - 2, 1.5f, 1.5f);
         t.Sphere(p, 0.3f);
         if (i % 2) t.PointLight(p, 5);
         else t.Sphere(p, 0.1f, Text::Area(10));
@@ -350,7 +346,7 @@ void AddPlacesAtLights(const BuiltScene &built, std::vector<LightQuery> &queries
     const Bounds3 &bounds = built.scene->Bounds();
     Rng rng(7);
     for (int i = 0; i < 4 && lights.Size() > 0; ++i) {
-        const LightCandidate light = lights.Candidate(LightId(rng.UniformInt(static_cast<uint32_t>(lights.Size()))));
+        const LightCandidate light = lights.Candidate(LightId(rng.UniformInt(uint32_t(lights.Size()))));
         if (!light.bounds) continue;
         LightQuery q;
         q.p = light.bounds->Centroid() +
@@ -378,7 +374,7 @@ double Contribution(const Scene &scene, const LightQuery &q, const LightComponen
         if (q.bsdf && !q.bsdf->F(q.wo, s->wi)) return 0;
     }
     if (scene.Occluded(from, *s)) return 0;
-    return static_cast<double>(s->L.Average()) * static_cast<double>(std::abs(cosine)) / static_cast<double>(s->pdf);
+    return double(s->L.Average()) * double(std::abs(cosine)) / double(s->pdf);
 }
 
 double SceneFixture::Search(size_t query, LightId id) const {
@@ -393,18 +389,12 @@ double SceneFixture::ContributionOf(size_t query, LightId id) const {
     return id.value < Lights().Size() ? contribution[query][id.value] : Search(query, id);
 }
 
-void SceneFixture::Prepare(LightSampler &sampler) const {
-    Progress progress;
-    PrepareContext context = built.Preparation(progress);
-    sampler.Prepare(context);
-}
-
 std::unique_ptr<LightSampler> MakePreparedSampler(const std::string &label, const SceneFixture &fixture,
                                                   const PluginRegistry &registry) {
     size_t plus = label.find('+');
     std::unique_ptr<LightSampler> sampler = MakeLightSampler(
         label.substr(0, plus) + (plus != std::string::npos ? "+mesh" : ""), fixture.Lights(), registry);
-    fixture.Prepare(*sampler);
+    PrepareIn(fixture.built, *sampler);
     return sampler;
 }
 

@@ -25,7 +25,6 @@ struct SceneFixture {
     double Search(size_t query, LightId id) const;  ///< the same, always searched for
 
     const LightTable &Lights() const { return built.scene->Lights(); }
-    void Prepare(LightSampler &sampler) const;
 };
 
 /// The sampler of `label`, after Prepare. A label is name[:key=value,...]; "+meshlights" after it makes every emissive

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "pbrt/integrators/render_loop.h"
 #include "pbrt/math/statistics.h"
 #include "support/statistics.h"
 
@@ -17,14 +18,14 @@ double StudentTail(double t, double dof) { return std::isfinite(t) ? StudentTwoS
 
 void PixelStatistics::Add(const Image &image) {
     resolution_ = image.Resolution();
-    size_t n = static_cast<size_t>(resolution_.x) * static_cast<size_t>(resolution_.y) * 3;
+    size_t n = size_t(resolution_.x) * size_t(resolution_.y) * 3;
     sum_.resize(n);
     squares_.resize(n);
     size_t i = 0;
     for (int y = 0; y < resolution_.y; ++y)
         for (int x = 0; x < resolution_.x; ++x)
             for (int c = 0; c < 3; ++c, ++i) {
-                auto v = static_cast<double>(image.Get({x, y}, c));
+                auto v = double(image.Get({x, y}, c));
                 sum_[i] += v;
                 squares_[i] += v * v;
             }
@@ -36,8 +37,7 @@ PixelStatistics::Mean PixelStatistics::Of(const Bounds2i &block, int channel) co
     int pixels = 0;
     for (int y = block.low.y; y < block.high.y; ++y)
         for (int x = block.low.x; x < block.high.x; ++x, ++pixels) {
-            size_t i = (static_cast<size_t>(y) * static_cast<size_t>(resolution_.x) + static_cast<size_t>(x)) * 3 +
-                       static_cast<size_t>(channel);
+            size_t i = (size_t(y) * size_t(resolution_.x) + size_t(x)) * 3 + size_t(channel);
             double mean = sum_[i] / n;
             double v = std::max(0.0, (squares_[i] / n - mean * mean) / (n - 1));  // of the pixel's mean
             sum += mean;
@@ -46,7 +46,7 @@ PixelStatistics::Mean PixelStatistics::Of(const Bounds2i &block, int channel) co
         }
     Mean out;
     out.value = sum / pixels;
-    out.variance = variance / (static_cast<double>(pixels) * pixels);
+    out.variance = variance / (double(pixels) * pixels);
     if (squaredVariance > 0) out.dof = (n - 1) * variance * variance / squaredVariance;
     return out;
 }
@@ -62,7 +62,7 @@ Agreement Compare(const PixelStatistics &one, const std::vector<const PixelStati
 
     Agreement out;
     out.level = SidakAlpha(alpha, blocks.size() * 3 * comparisons);
-    auto k = static_cast<double>(others.size());
+    auto k = double(others.size());
     double sumOne = 0, sumPool = 0, sumVariance = 0;
     for (size_t b = 0; b < blocks.size(); ++b)
         for (int c = 0; c < 3; ++c) {
@@ -95,6 +95,22 @@ Agreement Compare(const PixelStatistics &one, const std::vector<const PixelStati
     out.difference = sumOne / sumPool - 1;
     out.error = std::sqrt(sumVariance) / sumPool;
     return out;
+}
+
+Image RenderIndependently(const BuiltScene &built, Integrator &integrator, int samplesPerPixel, int seed) {
+    Progress progress;
+    PrepareContext prepare = built.Preparation(progress);
+    prepare.seed = seed;
+    prepare.samplesPerPixel = samplesPerPixel;
+    integrator.Prepare(prepare);
+    const std::unique_ptr<Film> film = built.film->MakeRgbFilm();
+    RenderSettings settings;
+    settings.samplesPerPixel = samplesPerPixel;
+    DiagnosticSink sink;
+    const std::unique_ptr<Sampler> sampler =
+        Samplers().Make("independent", ParamSet(), SamplerContext{film->FullResolution(), samplesPerPixel, seed, sink});
+    RenderWaves({integrator, *built.camera, *built.filter, *film, *sampler, progress}, settings);
+    return film->ToImage();
 }
 
 }  // namespace pbrt::test

@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include "pbrt/build/built_scene.h"
 #include "pbrt/images/image.h"
 
 namespace pbrt::test {
@@ -43,5 +44,8 @@ struct Agreement {
 /// Blocks of 16 and of 48 pixels, where less than 1 % is let pass, and the whole image.
 Agreement Compare(const PixelStatistics &one, const std::vector<const PixelStatistics *> &others, size_t comparisons,
                   double alpha);
+
+/// Renders with independent samples: then pixels are independent too, and the variances of tiles are known.
+Image RenderIndependently(const BuiltScene &built, Integrator &integrator, int samplesPerPixel, int seed);
 
 }  // namespace pbrt::test

@@ -3,28 +3,26 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
-#include <filesystem>
 #include <fstream>
 #include <regex>
 #include <sstream>
 
 #include "agreement_statistics.h"
-#include "pbrt/build/light_sampler_spec.h"
-#include "pbrt/core/parallel.h"
-#include "pbrt/films/rgb_film.h"
 #include "pbrt/integrators/path_integrator.h"
-#include "pbrt/integrators/render_loop.h"
 #include "support/build_text.h"
 #include "support/render_scene.h"
 #include "support/scene_text.h"
 #include "support/statistics.h"
+#include "support/threads.h"
 #include "support/wrapped_sampler.h"
+#include "table.h"
 
 namespace pbrt::test {
 namespace {
 
 constexpr double kAlpha = 1e-3;  ///< false alarm anywhere in one scene, if the seeds were not fixed
+
+bool HasOctree() { return AllSamplers().samplers.Has("octree"); }
 
 /// All but the oracle, which would take most of the time (the contract suite has its one-light estimator). What
 /// "spatial" does before rendering is cut down.
@@ -32,46 +30,22 @@ std::vector<std::string> Labels() {
     std::vector<std::string> labels = AllSamplers().samplers.Names();
     std::erase(labels, "oracle");
     std::ranges::replace(labels, std::string("spatial"), std::string("spatial:voxels=8,samples=64"));
-    bool octree = std::count(labels.begin(), labels.end(), "octree") > 0;
-    if (octree)
+    if (HasOctree())
         labels.insert(labels.end(), {"octree:model=paper", "octree:model=paper,leaves=64", "octree:floor=0.5,tries=2"});
     labels.push_back("bvh+meshlights");
     return labels;
 }
 
-/// Rows of the table, on standard output at once and in <build>/tables/agreement.txt at the end.
-class Table : public testing::Environment {
-  public:
-    static void Row(const std::string &line) {
-        std::printf("%s\n", line.c_str());
-        std::fflush(stdout);
-        Lines().push_back(line);
-    }
-    static void Row(const std::string &scene, const std::string &sampler, const Agreement &a,
-                    const std::string &verdict) {
-        Row(fmt::format("{:<14} {:<30} {:>+8.3f} {:>7.3f}   {:>9.2e} {:>9.2e}  {:<13} {}", scene, sampler,
-                        100 * a.difference, 100 * a.error, a.worstP, a.level, verdict, a.worst));
-    }
-    void SetUp() override {
-        Row(fmt::format("{:<14} {:<30} {:>8} {:>7}   {:>9} {:>9}  {:<13} {}", "scene", "sampler", "mean %", "+- %",
-                        "worst p", "level", "verdict", "worst tile"));
-    }
-    void TearDown() override {
-        std::filesystem::path folder = std::filesystem::path(PBRT_BINARY_DIR) / "tables";
-        std::filesystem::create_directories(folder);
-        std::ofstream out(folder / "agreement.txt");
-        for (const std::string &line : Lines()) out << line << "\n";
-    }
+Table &kTable =
+    AddTable("agreement", fmt::format("{:<14} {:<30} {:>8} {:>7}   {:>9} {:>9}  {:<13} {}", "scene", "sampler",
+                                      "mean %", "+- %", "worst p", "level", "verdict", "worst tile"));
 
-  private:
-    static std::vector<std::string> &Lines() {
-        static std::vector<std::string> lines;
-        return lines;
-    }
-};
-const auto *const kTable = testing::AddGlobalTestEnvironment(new Table);
+void AddRow(const std::string &scene, const std::string &sampler, const Agreement &a, const std::string &verdict) {
+    kTable.Line(fmt::format("{:<14} {:<30} {:>+8.3f} {:>7.3f}   {:>9.2e} {:>9.2e}  {:<13} {}", scene, sampler,
+                            100 * a.difference, 100 * a.error, a.worstP, a.level, verdict, a.worst));
+}
 
-using Wrap = std::function<std::unique_ptr<LightSampler>(std::unique_ptr<LightSampler>, const Scene &)>;
+using Change = TamperedSampler::Change;
 
 /// A scene built once and rendered with many light samplers and seeds.
 class View {
@@ -91,54 +65,23 @@ class View {
         return weakest;
     }
 
-    PixelStatistics Render(const std::string &label, uint32_t firstSeed, const Wrap &wrap = {}) const {
+    /// With an empty `change` the sampler is as it is.
+    PixelStatistics Render(const std::string &label, int firstSeed, const Change &change = {}) const {
         size_t plus = label.find('+');
         const std::string choice = label.substr(0, plus) + (plus != std::string::npos ? "+mesh" : "");
+        const bool media = GetScene().HasMedia();
+        const PathSettings path{.maxDepth = built_.maxDepth, .seesThroughInterfaces = media, .tracksMedia = media};
         PixelStatistics statistics;
         for (int run = 0; run < runs_; ++run) {
             std::unique_ptr<LightSampler> lights = MakeLightSampler(choice, GetScene().Lights());
-            if (wrap) lights = wrap(std::move(lights), GetScene());
-            statistics.Add(RenderOnce(std::move(lights), static_cast<int>(firstSeed) + run));
+            if (change) lights = std::make_unique<TamperedSampler>(std::move(lights), change);
+            PathIntegrator integrator({GetScene(), *built_.camera, samplesPerPixel_, true}, path, std::move(lights));
+            statistics.Add(RenderIndependently(built_, integrator, samplesPerPixel_, firstSeed + run));
         }
         return statistics;
     }
 
   private:
-    Image RenderOnce(std::unique_ptr<LightSampler> lights, int seed) const {
-        PathContext context{GetScene(), *built_.camera, samplesPerPixel_, true};
-        PathSettings path;
-        path.maxDepth = built_.maxDepth;
-        path.tracksMedia = path.seesThroughInterfaces = GetScene().HasMedia();
-        PathIntegrator integrator(context, path, std::move(lights));
-        Progress progress;
-        PrepareContext prepare = built_.Preparation(progress);
-        prepare.seed = seed;
-        prepare.samplesPerPixel = samplesPerPixel_;
-        integrator.Prepare(prepare);
-
-        DiagnosticSink sink;
-        Point2i resolution = built_.film->FullResolution();
-        ParamSet film("Film \"rgb\"", {});
-        auto add = [&](ParamType type, const char *name, int value) {
-            Param p;
-            p.type = type;
-            p.name = name;
-            if (type == ParamType::Bool) p.bools = {static_cast<uint8_t>(value)};
-            else p.ints = {value};
-            film.Add(p);
-        };
-        add(ParamType::Integer, "xresolution", resolution.x);
-        add(ParamType::Integer, "yresolution", resolution.y);
-        add(ParamType::Bool, "savefp16", 0);
-        const std::unique_ptr<Film> image = MakeFilm("rgb", film, {.outputSpace = built_.film->OutputSpace()}, sink);
-        RenderSettings settings;
-        settings.samplesPerPixel = samplesPerPixel_;
-        const std::unique_ptr<Sampler> sampler =
-            Samplers().Make("independent", ParamSet(), SamplerContext{resolution, samplesPerPixel_, seed, sink});
-        RenderWaves({integrator, *built_.camera, *built_.filter, *image, *sampler, progress}, settings);
-        return image->ToImage();
-    }
-
     BuiltScene built_;
     int samplesPerPixel_, runs_;
 };
@@ -156,14 +99,13 @@ std::string WithoutCoats(const std::string &file) {
 std::vector<PixelStatistics> ExpectAgreement(const std::string &name, const View &view,
                                              std::vector<std::string> labels = Labels()) {
     std::vector<PixelStatistics> renders;
-    for (size_t i = 0; i < labels.size(); ++i)
-        renders.push_back(view.Render(labels[i], static_cast<uint32_t>(1000 * (i + 1))));
+    for (size_t i = 0; i < labels.size(); ++i) renders.push_back(view.Render(labels[i], 1000 * (int(i) + 1)));
     for (size_t i = 0; i < labels.size(); ++i) {
         std::vector<const PixelStatistics *> others;
         for (size_t k = 0; k < labels.size(); ++k)
             if (k != i) others.push_back(&renders[k]);
         Agreement a = Compare(renders[i], others, labels.size(), kAlpha);
-        Table::Row(name, labels[i], a, a.Agrees() ? "agrees" : "DISAGREES");
+        AddRow(name, labels[i], a, a.Agrees() ? "agrees" : "DISAGREES");
         EXPECT_TRUE(a.Agrees()) << labels[i] << ": p " << a.worstP << " at " << a.worst;
     }
     return renders;
@@ -171,58 +113,17 @@ std::vector<PixelStatistics> ExpectAgreement(const std::string &name, const View
 
 /// The statistic sees what a broken sampler does.
 void ExpectNoticed(const std::string &name, const std::string &what, const View &view,
-                   const std::vector<PixelStatistics> &good, const std::string &label, const Wrap &wrap) {
+                   const std::vector<PixelStatistics> &good, const std::string &label, const Change &change) {
     std::vector<const PixelStatistics *> others;
     for (const PixelStatistics &g : good) others.push_back(&g);
-    Agreement a = Compare(view.Render(label, 500000, wrap), others, good.size(), kAlpha);
-    Table::Row(name, what, a, a.Agrees() ? "NOT NOTICED" : "noticed");
+    Agreement a = Compare(view.Render(label, 500000, change), others, good.size(), kAlpha);
+    AddRow(name, what, a, a.Agrees() ? "NOT NOTICED" : "noticed");
     EXPECT_FALSE(a.Agrees()) << what << ": p " << a.worstP;
 }
 
-/// A sampler whose probabilities are tampered with; Sample and PMF stay consistent.
-class Tampered final : public WrappedSampler {
-  public:
-    using Change = std::function<Float(const LightQuery &, const SampledLight &)>;
-    Tampered(std::unique_ptr<LightSampler> inner, Change change)
-        : WrappedSampler(*inner), inner_(std::move(inner)), change_(std::move(change)) {}
-    void Prepare(PrepareContext &context) override { inner_->Prepare(context); }
-
-  private:
-    std::optional<SampledLight> Choose(const LightQuery &q, const void *weights, Float u,
-                                       Point2 *uPoint) const override {
-        std::optional<SampledLight> s = Inner(weights).Sample(u, uPoint);
-        if (s) s->pmf = change_(q, *s);
-        return s && s->pmf > 0 ? s : std::nullopt;
-    }
-    Float Probability(const LightQuery &q, const void *weights, LightId light) const override {
-        return change_(q, {light, Inner(weights).PMF(light)});
-    }
-    SampledLight ChoiceTowards(const LightQuery &q, const void *weights, LightId infinite, const Point3 &p,
-                               const Vector3 &d) const override {
-        SampledLight choice = Inner(weights).Towards(infinite, p, d);
-        choice.pmf = change_(q, choice);
-        return choice;
-    }
-
-    std::unique_ptr<LightSampler> inner_;
-    Change change_;
-};
-
-Wrap Tamper(Tampered::Change change) {
-    return [change](std::unique_ptr<LightSampler> inner, const Scene &) {
-        return std::make_unique<Tampered>(std::move(inner), change);
-    };
-}
-
 /// With "floor=0.0001" of the paper's model: what the octree did not see gets nothing.
-const Wrap kNoFloor =
-    Tamper([](const LightQuery &, const SampledLight &s) { return s.pmf <= Float(1.01e-4) ? 0 : s.pmf; });
+Float NoFloor(const LightQuery &, const SampledLight &s) { return s.pmf <= Float(1.01e-4) ? 0 : s.pmf; }
 constexpr const char *kMinFloor = "octree:model=paper,floor=0.0001";
-
-bool HasOctree() {
-    std::vector<std::string> names = AllSamplers().samplers.Names();
-    return std::count(names.begin(), names.end(), "octree") > 0;
-}
 
 BuildOptions Reduced(int divisor) {
     BuildOptions options;
@@ -234,13 +135,12 @@ TEST(LightSamplersAgree, TwelveLights) {
     std::string file = "tests/conformance/suite/scenes/lightsamplers/twelve_lights_bvh.pbrt";
     View view(BuildFile(std::string(PBRT_SOURCE_DIR) + "/" + file), 16, 8);
     auto good = ExpectAgreement("twelve_lights", view);
-    ExpectNoticed(
-        "twelve_lights", "bvh, 3 % off on one side", view, good, "bvh",
-        Tamper([](const LightQuery &q, const SampledLight &s) { return q.p.x > 0 ? s.pmf * Float(1.03) : s.pmf; }));
+    ExpectNoticed("twelve_lights", "bvh, 3 % off on one side", view, good, "bvh",
+                  [](const LightQuery &q, const SampledLight &s) { return q.p.x > 0 ? s.pmf * Float(1.03) : s.pmf; });
     ExpectNoticed("twelve_lights", "bvh without one lamp", view, good, "bvh",
-                  Tamper([lamp = view.WeakestDelta()](const LightQuery &, const SampledLight &s) {
+                  [lamp = view.WeakestDelta()](const LightQuery &, const SampledLight &s) {
                       return s.light == lamp ? 0 : s.pmf;
-                  }));
+                  });
 }
 
 /// Lights in a chamber behind a folded passage. A prepass of one vertex sees none of them.
@@ -250,24 +150,22 @@ TEST(LightSamplersAgree, Deep) {
     if (HasOctree()) labels.push_back("octree:depth=1");
     auto good = ExpectAgreement("deep", view, labels);
     if (HasOctree())
-        ExpectNoticed("deep", "octree:depth=1 without floor", view, good, std::string(kMinFloor) + ",depth=1",
-                      kNoFloor);
+        ExpectNoticed("deep", "octree:depth=1 without floor", view, good, std::string(kMinFloor) + ",depth=1", NoFloor);
 }
 
 TEST(LightSamplersAgree, Slit) {
     View view(BuildText(WithoutCoats("tests/render/scenes/slit.pbrt"), Reduced(2)), 10, 8);
     auto good = ExpectAgreement("slit", view);
     if (HasOctree())
-        ExpectNoticed("slit", "octree without floor", view, good, std::string(kMinFloor) + ",leaves=65536", kNoFloor);
+        ExpectNoticed("slit", "octree without floor", view, good, std::string(kMinFloor) + ",leaves=65536", NoFloor);
 }
 
 TEST(LightSamplersAgree, RoomsFullOfFog) {
     View view(BuildFile(std::string(PBRT_SOURCE_DIR) + "/tests/render/scenes/fog.pbrt", Reduced(2)), 40, 8);
     auto good = ExpectAgreement("fog", view);
-    ExpectNoticed("fog", "bvh, a fifth off inside the fog", view, good, "bvh",
-                  Tamper([](const LightQuery &q, const SampledLight &s) {
-                      return q.ns == Normal3(0) ? s.pmf * Float(1.2) : s.pmf;
-                  }));
+    ExpectNoticed(
+        "fog", "bvh, a fifth off inside the fog", view, good, "bvh",
+        [](const LightQuery &q, const SampledLight &s) { return q.ns == Normal3(0) ? s.pmf * Float(1.2) : s.pmf; });
 }
 
 TEST(LightSamplersAgree, Dollhouse) {
@@ -277,7 +175,7 @@ TEST(LightSamplersAgree, Dollhouse) {
     auto good = ExpectAgreement("dollhouse", view, labels);
     if (HasOctree())
         ExpectNoticed("dollhouse", "octree:depth=1 without floor", view, good,
-                      std::string(kMinFloor) + ",depth=1,leaves=65536", kNoFloor);
+                      std::string(kMinFloor) + ",depth=1,leaves=65536", NoFloor);
 }
 
 /// An environment light sampled through portals, and through blinds and a curtain.
@@ -288,9 +186,9 @@ TEST(LightSamplersAgree, EnvironmentThroughPortals) {
         const std::vector<std::string> labels = {"bvh", "octree:portals=always", "octree:portals=never", "octree"};
         auto good = ExpectAgreement(name, view, labels);
         ExpectNoticed(name, "octree, half of the portals 15 % off", view, good, "octree:portals=always",
-                      Tamper([](const LightQuery &, const SampledLight &s) {
+                      [](const LightQuery &, const SampledLight &s) {
                           return s.region.portals && s.region.index % 2 == 0 ? s.pmf * Float(1.15) : s.pmf;
-                      }));
+                      });
     }
 }
 
@@ -320,21 +218,20 @@ TEST(LightSamplersAgree, FurnaceHasTheAnalyticRadiance) {
     constexpr double kExpected = 1 + 0.5 + 0.25 + 0.125 + 0.0625;
     for (const std::string &label : Labels()) {
         PixelStatistics s = view.Render(label, 7);
-        double worst = 1;
-        for (int c = 0; c < 3; ++c) {
-            PixelStatistics::Mean m = s.Of(Bounds2i({0, 0}, s.Resolution()), c);
-            // The RGB to spectrum table is exact to a thousandth.
-            double off = std::max(0.0, std::abs(m.value - kExpected) - 1e-3 * kExpected);
-            worst = std::min(worst, StudentTail(off / std::sqrt(m.variance), m.dof));
-            EXPECT_LT(std::sqrt(m.variance), 0.005 * kExpected) << "too noisy to tell";
-        }
-        double level = SidakAlpha(kAlpha, 3 * Labels().size());
         Agreement a;
-        a.difference = s.Of(Bounds2i({0, 0}, s.Resolution()), 1).value / kExpected - 1;
-        a.error = std::sqrt(s.Of(Bounds2i({0, 0}, s.Resolution()), 1).variance) / kExpected;
-        a.worstP = worst;
-        a.level = level;
-        Table::Row("furnace", label, a, a.Agrees() ? "agrees" : "DISAGREES");
+        a.level = SidakAlpha(kAlpha, 3 * Labels().size());
+        for (int c = 0; c < 3; ++c) {
+            const PixelStatistics::Mean m = s.Of(Bounds2i({0, 0}, s.Resolution()), c);
+            const double error = std::sqrt(m.variance);
+            // The RGB to spectrum table is exact to a thousandth.
+            const double off = std::max(0.0, std::abs(m.value - kExpected) - 1e-3 * kExpected);
+            a.worstP = std::min(a.worstP, StudentTail(off / error, m.dof));
+            EXPECT_LT(error, 0.005 * kExpected) << "too noisy to tell";
+            if (c != 1) continue;
+            a.difference = m.value / kExpected - 1;
+            a.error = error / kExpected;
+        }
+        AddRow("furnace", label, a, a.Agrees() ? "agrees" : "DISAGREES");
         EXPECT_TRUE(a.Agrees()) << label;
     }
 }
@@ -347,11 +244,8 @@ TEST(LightSamplersAgree, OneThreadAndThreeGiveTheSameBits) {
         request.build.samplesPerPixel = 4;
         request.build.lightSampler = label.substr(0, label.find('+'));
         request.build.meshLights = label.find('+') != std::string::npos;
-        auto render = [&](int threads) {
-            ThreadLimit limit(threads);
-            return RenderScene(request).image;
-        };
-        EXPECT_TRUE(SameBits(render(1), render(3))) << label;
+        const auto render = [&] { return RenderScene(request).image; };
+        EXPECT_TRUE(SameBits(OnThreads(1, render), OnThreads(3, render))) << label;
     }
 }
 

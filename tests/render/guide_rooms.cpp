@@ -15,7 +15,7 @@ const std::string kPanelBehindCurtain =
 
 std::string GuideRoomText(const GuideRoom &room) {
     SceneText text;
-    text.Head("Option 'rendercoordsys' 'world'").LookAt("0 1.2 -2.8  0 0.8 0  0 1 0");
+    text.InWorldSpace().LookAt("0 1.2 -2.8  0 0.8 0  0 1 0");
     if (room.fog)
         text.Head(
             "MakeNamedMedium 'fog' 'string type' 'homogeneous' 'rgb sigma_s' [ .3 .25 .2 ] "

@@ -11,9 +11,9 @@ constexpr int kGuideSamples = 64;  ///< per pixel; the guide learns after 2, 8 a
 /// What is special about a room of 6 x 2 x 6, grey-brown, with a camera at its front wall.
 struct GuideRoom {
     const char *name = "";
-    std::string light{};                         ///< and what else stands in the room
-    std::string floor = "Material \"diffuse\"";  ///< its material
-    std::string walls = "Material \"diffuse\" \"rgb reflectance\" [ .6 .5 .4 ]";
+    std::string light{};                       ///< and what else stands in the room
+    std::string floor = "Material 'diffuse'";  ///< its material
+    std::string walls = "Material 'diffuse' 'rgb reflectance' [ .6 .5 .4 ]";
     std::string parameters{};  ///< of the integrator
     bool fog = false;          ///< the room is full of it, and the integrator is volpath
     bool window = false;       ///< the back wall has a hole

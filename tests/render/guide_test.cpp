@@ -1,7 +1,6 @@
 // Guided paths: the same bits however the work is divided, nothing changes where nothing is to be gained.
 #include <gtest/gtest.h>
 
-#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "ext/guiding/path_guide.h"
@@ -22,7 +21,7 @@ Image Render(const BuiltScene &built, const std::vector<int> &sizes = {kSamples}
 BuiltScene Spot(bool guide, const std::string &sampler = "bvh", bool fog = false) {
     return BuildText(GuideRoomText(
         {.light = kSpotAtCeiling,
-         .parameters = "\"string lightsampler\" \"" + sampler + "\" \"bool guide\" " + (guide ? "true" : "false"),
+         .parameters = "'string lightsampler' '" + sampler + "' 'bool guide' " + (guide ? "true" : "false"),
          .fog = fog}));
 }
 
@@ -121,7 +120,7 @@ TEST(GuidedPaths, AreChosenWithParametersTogetherWithTheLightSampler) {
     EXPECT_TRUE(GuideOf(plain)->EstimatesDirections());
     EXPECT_FALSE(GuideOf(built("bvh+mesh+guide:directions=false,share=.5"))->EstimatesDirections());
     // Keys are added to those of the scene.
-    EXPECT_FALSE(GuideOf(built("bvh+guide:share=.5", "\"bool guide.directions\" false"))->EstimatesDirections());
+    EXPECT_FALSE(GuideOf(built("bvh+guide:share=.5", "'bool guide.directions' false"))->EstimatesDirections());
     for (const char *wrong :
          {"bvh+guide:length=3", "bvh+guide:share=2", "bvh+guide:directions=1", "bvh+guide:", "bvh+guided"})
         EXPECT_THROW(built(wrong), UserError) << wrong;

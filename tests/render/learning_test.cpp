@@ -3,12 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <cstring>
 #include <functional>
 #include <nlohmann/json.hpp>
 
 #include "pbrt/core/online_model.h"
 #include "pbrt/core/parallel.h"
+#include "support/light_query.h"
 #include "support/render_waves.h"
 #include "two_rooms.h"
 
@@ -20,7 +20,7 @@ constexpr int kSamples = 16;  ///< learned from after 1 and 4
 /// A view from `eyeTargetUp` in world space.
 BuiltScene BuildView(const std::string &eyeTargetUp, double fov, const std::string &parameters, const Objects &world) {
     return BuildText(SceneText()
-                         .Head("Option 'rendercoordsys' 'world'")
+                         .InWorldSpace()
                          .LookAt(eyeTargetUp)
                          .Camera(fov)
                          .Film(40, 40, "'bool savefp16' false")
@@ -279,12 +279,8 @@ TEST(LearningWhileRendering, DamagedStatesAreRefused) {
 /// Points on the floor of the left room.
 std::vector<LightQuery> Floor() {
     std::vector<LightQuery> queries;
-    for (int i = 0; i < 100; ++i) {
-        LightQuery q;
-        q.p = Point3(-3.8f + 0.4f * static_cast<Float>(i % 10), 0, -1.9f + 0.4f * static_cast<Float>(i / 10));
-        q.wo = q.n = q.ns = Normal3(0, 1, 0);
-        queries.push_back(q);
-    }
+    for (int i = 0; i < 100; ++i)
+        queries.push_back(QueryAt({-3.8f + 0.4f * Float(i % 10), 0, -1.9f + 0.4f * Float(i / 10)}, {0, 1, 0}));
     return queries;
 }
 
@@ -358,16 +354,16 @@ TEST(LearningWhileRendering, ProbabilitiesAreValidAfterwards) {
         for (uint32_t l = 0; l < 2 * kLampsPerRoom; ++l) {
             const Float pmf = lights.PMF(q, LightId(l));
             EXPECT_GT(pmf, 0);
-            sum += static_cast<double>(pmf);
+            sum += double(pmf);
         }
         EXPECT_NEAR(sum, 1, 1e-5);
         // Weights stand for all unoccluded light together, estimated by nodes of the light tree.
         double weights = 0;
         for (int i = 0; i < 500; ++i) {
-            const std::optional<SampledLight> light = lights.Sample(q, (static_cast<Float>(i) + 0.5f) / 500);
+            const std::optional<SampledLight> light = lights.Sample(q, (Float(i) + 0.5f) / 500);
             ASSERT_TRUE(light);
             EXPECT_GT(light->unoccluded, 0);
-            weights += static_cast<double>(light->weight) / 500;
+            weights += double(light->weight) / 500;
         }
         EXPECT_NEAR(weights, 1, 0.3);
         for (Float u : {0.f, 0.01f, 0.3f, 0.77f, OneMinusEpsilon}) {

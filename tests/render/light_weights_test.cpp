@@ -10,6 +10,7 @@
 #include "support/build_text.h"
 #include "support/render_scene.h"
 #include "support/scene_text.h"
+#include "support/test_name.h"
 
 namespace pbrt::test {
 namespace {
@@ -116,12 +117,6 @@ void ExpectSame(const Estimate &a, const Estimate &b, double bias = 0) {
     }
 }
 
-std::string Identifier(std::string s) {
-    std::replace_if(
-        s.begin(), s.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
-    return s;
-}
-
 struct Case {
     std::string integrator, sampler;
     int spp;
@@ -134,7 +129,7 @@ std::vector<Case> Cases() {
     // What it does before rendering is cut down.
     std::ranges::replace(samplers, std::string("spatial"), std::string("spatial:voxels=8,samples=64"));
     for (const std::string &name : samplers) cases.push_back({"path", name, 64});
-    const bool ext = AllSamplers().samplers.Names().size() > 4;
+    const bool ext = AllSamplers().samplers.Has("octree");
     // Samplers and integrators do not know one another: each is here once, and twice where light paths start.
     const char *sampler = ext ? "octree" : "bvh";
     for (const char *integrator : {"volpath", "bdpt", "simplepath", "lightpath"})
@@ -173,7 +168,7 @@ TEST_P(LightWeights, ASunOfRealSizeLeavesLampsTheirLight) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, LightWeights, testing::ValuesIn(Cases()),
-                         [](const auto &c) { return Identifier(c.param.integrator + "_" + c.param.sampler); });
+                         [](const auto &c) { return TestName(c.param.integrator + "_" + c.param.sampler); });
 
 }  // namespace
 }  // namespace pbrt::test

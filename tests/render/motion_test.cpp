@@ -41,6 +41,7 @@ std::string Scene(const std::vector<Float> &poses, bool cameraMoves) {
                        Objects().Sphere(0.4));
     return SceneText()
         .Head("TransformTimes 1 3\n" + Place(&Pose::Camera, camera))
+        .InWorldSpace()  // in which instances turn about its origin, as in stock pbrt-v4
         .Camera("perspective", "'float fov' 40 'float shutteropen' 1.5 'float shutterclose' 2.5")
         .Film(kResolution.x, kResolution.y, "", "gbuffer")
         .Samples(1)
@@ -55,11 +56,7 @@ std::string Scene(const std::vector<Float> &poses, bool cameraMoves) {
                    .Attribute(Place(&Pose::Bar, things), Objects().Add("ObjectInstance 'bar'")));
 }
 
-BuiltScene Build(const std::vector<Float> &poses, bool cameraMoves) {
-    BuildOptions options;
-    options.renderCoordSys = "world";  // instances turn about its origin, as in stock pbrt-v4
-    return BuildText(Scene(poses, cameraMoves), options);
-}
+BuiltScene Build(const std::vector<Float> &poses, bool cameraMoves) { return BuildText(Scene(poses, cameraMoves)); }
 
 TEST(Motion, EveryMomentIsAStillPicture) {
     constexpr int kMoments = 9;
@@ -69,13 +66,11 @@ TEST(Motion, EveryMomentIsAStillPicture) {
         double coverage[2] = {}, difference = 0;
         int hits = 0, silhouettes = 0;
         for (int m = 0; m < kMoments; ++m) {
-            const Float u = (static_cast<Float>(m) + 0.5f) / kMoments;
+            const Float u = (Float(m) + 0.5f) / kMoments;
             const BuiltScene still = Build({0.25f + 0.5f * u}, cameraMoves);
             for (int y = 0; y < kResolution.y; ++y)
                 for (int x = 0; x < kResolution.x; ++x) {
-                    CameraSample sample;
-                    sample.pFilm = Point2(x, y) + Point2(0.5f);
-                    sample.time = u;
+                    const CameraSample sample{.pFilm = Point2(x, y) + Point2(0.5f), .time = u};
                     std::optional<VisibleSurface> seen[2];
                     for (int k = 0; k < 2; ++k) {
                         const BuiltScene &built = k == 0 ? moving : still;
@@ -122,9 +117,7 @@ TEST(Motion, MomentsDiffer) {
         for (int i = 0; i < kResolution.x * kResolution.y; ++i) {
             std::optional<SurfacePoint> seen[2];
             for (int k = 0; k < 2; ++k) {
-                CameraSample sample;
-                sample.pFilm = Point2(i % kResolution.x, i / kResolution.x);
-                sample.time = static_cast<Float>(k);
+                const CameraSample sample{.pFilm = Point2(i % kResolution.x, i / kResolution.x), .time = Float(k)};
                 seen[k] = moving.scene->Intersect(moving.camera->GenerateRay(sample, lambda)->ray);
             }
             different += seen[0].has_value() != seen[1].has_value();

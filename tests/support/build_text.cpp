@@ -37,6 +37,12 @@ std::unique_ptr<LightSampler> MakeLightSampler(const std::string &choice, const 
     return registry.Make(*spec.entry, lights, spec.params, spec.meshLights);
 }
 
+void PrepareIn(const BuiltScene &built, LightSampler &sampler) {
+    Progress progress;
+    PrepareContext context = built.Preparation(progress);
+    sampler.Prepare(context);
+}
+
 BuiltScene BuildText(const std::string &text, const BuildOptions &options) {
     DiagnosticSink sink;
     return Build(ParseSceneText(text, sink), sink, options);

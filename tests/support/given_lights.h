@@ -12,7 +12,7 @@ class GivenLight final : public Light {
         : Light(!parts.empty() && parts[0].infinite ? LightKind::DeltaDirection : LightKind::DeltaPosition),
           parts_(std::move(parts)) {}
     explicit GivenLight(const LightCandidate &light) : GivenLight(std::vector{light}) {}
-    uint32_t ComponentCount() const override { return static_cast<uint32_t>(parts_.size()); }
+    uint32_t ComponentCount() const override { return uint32_t(parts_.size()); }
     LightPower Phi(const SampledWavelengths &, uint32_t part) const override {
         return {1, SampledSpectrum(parts_[part].power)};
     }

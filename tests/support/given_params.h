@@ -41,7 +41,24 @@ class Params {
     Params &Number(const std::string &name, Float v) { return Floats(ParamType::Float, name, {v}); }
     Params &Point(const std::string &name, Point3 v) { return Floats(ParamType::Point3, name, {v.x, v.y, v.z}); }
     Params &Rgb(const std::string &name, Float r, Float g, Float b) { return Floats(ParamType::Rgb, name, {r, g, b}); }
+    Params &Vector(const std::string &name, Float x, Float y, Float z) {
+        return Floats(ParamType::Vector3, name, {x, y, z});
+    }
+    Params &Spectrum(const std::string &name, std::vector<Float> v) {
+        return Floats(ParamType::Spectrum, name, std::move(v));
+    }
+    Params &NamedSpectrum(const std::string &name, const std::string &v) {
+        return Add(StringParam(name, v, ParamType::Spectrum));
+    }
+    Params &Texture(const std::string &name, const std::string &v) {
+        return Add(StringParam(name, v, ParamType::Texture));
+    }
     Params &String(const std::string &name, const std::string &v) { return Add(StringParam(name, v)); }
+    Params &Strings(const std::string &name, std::vector<std::string> v) {
+        Param p = StringParam(name, "");
+        p.strings = std::move(v);
+        return Add(std::move(p));
+    }
     Params &Bool(const std::string &name, bool v) { return Add(BoolParam(name, v)); }
     const ParamSet &Set() const { return set_; }
     operator const ParamSet &() const { return set_; }

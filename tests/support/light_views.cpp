@@ -7,10 +7,9 @@
 #include <map>
 
 #include "pbrt/core/error.h"
-#include "pbrt/core/parallel.h"
 #include "pbrt/math/statistics.h"
-#include "support/render_waves.h"
 #include "support/statistics.h"
+#include "support/threads.h"
 
 namespace pbrt::test {
 
@@ -87,7 +86,7 @@ void CheckMean(const View &v, const std::string &integrator, double maxNoise, do
     ASSERT_EQ(ours.size(), path.size());
     double least = 1, all = 0, error = 0;
     for (const RunningStatistics &p : path) all += p.mean;
-    const double without = allowed * all / static_cast<double>(path.size());
+    const double without = allowed * all / double(path.size());
     for (size_t i = 0; i < ours.size(); ++i) {
         // Welch's test, as the variances differ.
         const double a = Sqr(ours[i].StandardError()), b = Sqr(path[i].StandardError()), e = std::sqrt(a + b);
@@ -100,12 +99,10 @@ void CheckMean(const View &v, const std::string &integrator, double maxNoise, do
 }
 
 void CheckThreads(const View &v, const std::string &integrator, int samples) {
-    ThreadLimit one(1);
-    const Image expected = RenderView(v, integrator, 1, samples);
-    for (int threads : {2, 5}) {
-        ThreadLimit limit(threads);
-        EXPECT_TRUE(SameBits(expected, RenderView(v, integrator, 1, samples))) << integrator << ", " << threads;
-    }
+    const auto render = [&] { return RenderView(v, integrator, 1, samples); };
+    const Image expected = OnThreads(1, render);
+    for (int threads : {2, 5})
+        EXPECT_TRUE(SameBits(expected, OnThreads(threads, render))) << integrator << ", " << threads;
 }
 
 void CheckLightSamplers(View v, const std::string &integrator, const std::vector<std::string> &choices,

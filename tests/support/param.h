@@ -33,7 +33,7 @@ inline Param BoolParam(const std::string &name, bool value) {
     Param p;
     p.type = ParamType::Bool;
     p.name = name;
-    p.bools = {static_cast<uint8_t>(value)};
+    p.bools = {uint8_t(value)};
     return p;
 }
 

@@ -1,5 +1,4 @@
 #include "support/render_scene.h"
-#include "support/parse_text.h"
 
 #include <cstdio>
 #include <cstdlib>
@@ -9,6 +8,8 @@
 #include "pbrt/integrators/render_loop.h"
 #include "pbrt/scenefile/parser.h"
 #include "support/build_text.h"
+#include "support/param.h"
+#include "support/parse_text.h"
 
 namespace pbrt::test {
 
@@ -16,13 +17,7 @@ namespace {
 
 Rendered Render(SceneDescription description, const BuildOptions &options, bool floatFilm, DiagnosticSink &sink) {
     sink.ThrowIfErrors();
-    if (floatFilm) {
-        Param p;
-        p.type = ParamType::Bool;
-        p.name = "savefp16";
-        p.bools = {0};
-        description.film.params.Add(p);
-    }
+    if (floatFilm) description.film.params.Add(BoolParam("savefp16", false));
     Progress progress;
     BuiltScene built = BuildScene(description, options, AllSamplers(), sink, progress);
     built.Prepare(progress);
@@ -60,8 +55,7 @@ std::vector<double> TileMeans(const Image &image, int size) {
                 double sum = 0;
                 int n = 0;
                 for (int y = ty; y < std::min(ty + size, r.y); ++y)
-                    for (int x = tx; x < std::min(tx + size, r.x); ++x, ++n)
-                        sum += static_cast<double>(image.Get({x, y}, c));
+                    for (int x = tx; x < std::min(tx + size, r.x); ++x, ++n) sum += double(image.Get({x, y}, c));
                 means.push_back(sum / n);
             }
     return means;
@@ -69,8 +63,7 @@ std::vector<double> TileMeans(const Image &image, int size) {
 
 RunningStatistics ChannelStatistics(const Image &image, int channel) {
     RunningStatistics s;
-    for (int y = 0; y < image.Resolution().y; ++y)
-        for (int x = 0; x < image.Resolution().x; ++x) s.Add(static_cast<double>(image.Get({x, y}, channel)));
+    ForEachPixel(image, [&](Point2i p) { s.Add(double(image.Get(p, channel))); });
     return s;
 }
 

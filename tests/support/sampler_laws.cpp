@@ -32,7 +32,7 @@ double BernsteinTail(double off, double variance, double greatest, int n) {
     return 2 * std::exp(-0.5 * n * off * off / (variance + greatest * std::abs(off) / 3 + 1e-300));
 }
 
-Float Even(int i, int n) { return (static_cast<Float>(i) + Float(0.5)) / static_cast<Float>(n); }
+Float Even(int i, int n) { return (Float(i) + Float(0.5)) / Float(n); }
 
 }  // namespace
 
@@ -47,7 +47,7 @@ SamplerSubject::SamplerSubject(std::unique_ptr<LightSampler> made, std::span<con
         const LightDistribution at = sampler->At(q, memory);
         for (LightId id : ids) {
             row.push_back(at.PMF(id));
-            total += static_cast<double>(row.back());
+            total += double(row.back());
         }
     }
 }
@@ -64,7 +64,7 @@ Contributions ContributionsOf(const SamplerSubject &s,
 
 int SamplerSubject::Calls(int most) const {
     size_t work = std::max<size_t>(ids.size() * queries.size(), 1);
-    return std::clamp(static_cast<int>(30000000 / work), 200, most);
+    return std::clamp(int(30000000 / work), 200, most);
 }
 
 void CheckPmfOfSamples(const SamplerSubject &s) {
@@ -113,7 +113,7 @@ void CheckPmfSums(const SamplerSubject &s) {
         if (missing < kRounding) {
             EXPECT_EQ(empty, 0) << "query " << q;
         } else {
-            EXPECT_GT(BernsteinTail(static_cast<double>(empty) / n - missing, missing * (1 - missing), 1, n), alpha)
+            EXPECT_GT(BernsteinTail(double(empty) / n - missing, missing * (1 - missing), 1, n), alpha)
                 << "query " << q << ": " << empty << " of " << n << " for " << missing;
         }
     }
@@ -135,11 +135,11 @@ void CheckFrequencies(const SamplerSubject &s) {
             std::optional<SampledLight> sample = at.Sample(rng.Uniform(), &uPoint);
             observed[sample ? s.IndexOf(sample->light) / cell : cells] += 1;
             ASSERT_TRUE(uPoint.x >= 0 && uPoint.x < 1 && uPoint.y >= 0 && uPoint.y < 1) << uPoint.x << " " << uPoint.y;
-            points[static_cast<size_t>(uPoint.x * kSide) + kSide * static_cast<size_t>(uPoint.y * kSide)] += 1;
+            points[size_t(uPoint.x * kSide) + kSide * size_t(uPoint.y * kSide)] += 1;
         }
-        const std::vector<double> even(points.size(), static_cast<double>(n) / static_cast<double>(points.size()));
+        const std::vector<double> even(points.size(), double(n) / double(points.size()));
         EXPECT_GT(ChiSquareTest(points, even), alpha) << "points, query " << q;
-        for (size_t i = 0; i < s.ids.size(); ++i) expected[i / cell] += static_cast<double>(s.pmf[q][i]) * n;
+        for (size_t i = 0; i < s.ids.size(); ++i) expected[i / cell] += double(s.pmf[q][i]) * n;
         // The sum of the PMF is rounded: so small a share of empty answers cannot be distinguished from none.
         double missing = 1 - s.sum[q];
         if (missing > 1e-5 || observed[cells] > 2) expected[cells] = std::max(missing, 0.0) * n;
@@ -171,8 +171,8 @@ void CheckOneLightEstimator(const SamplerSubject &s, const Contributions &contri
         for (size_t i = 0; i < s.ids.size(); ++i) {
             total += c[i];
             if (!(c[i] > 0) || !(s.pmf[q][i] > 0)) continue;
-            second += c[i] * c[i] / static_cast<double>(s.pmf[q][i]);
-            greatest = std::max(greatest, c[i] / static_cast<double>(s.pmf[q][i]));
+            second += c[i] * c[i] / double(s.pmf[q][i]);
+            greatest = std::max(greatest, c[i] / double(s.pmf[q][i]));
         }
         if (!(total > 0)) continue;
         Rng rng(31 + q);
@@ -181,7 +181,7 @@ void CheckOneLightEstimator(const SamplerSubject &s, const Contributions &contri
         double sum = 0;
         for (int i = 0; i < n; ++i)
             if (std::optional<SampledLight> sample = at.Sample(rng.Uniform()))
-                sum += c[s.IndexOf(sample->light)] / static_cast<double>(at.PMF(sample->light));
+                sum += c[s.IndexOf(sample->light)] / double(at.PMF(sample->light));
         double off = std::max(0.0, std::abs(sum / n - total) - 1e-5 * total);  // float rounding of the PMF
         double variance = std::max(0.0, second - total * total);
         EXPECT_GT(BernsteinTail(off, variance, std::max(greatest, total), n), alpha)
@@ -225,21 +225,20 @@ void CheckSameFromAnyThread(const SamplerSubject &s) {
     // Several tasks for every query, so that threads meet at one place as well as work at different ones.
     constexpr size_t kTasksPerQuery = 3;
     const size_t tasks = kTasksPerQuery * s.queries.size();
-    const int n = std::max(5, s.Calls(200) * 5 / static_cast<int>(tasks));
+    const int n = std::max(5, s.Calls(200) * 5 / int(tasks));
     auto answers = [&](size_t task) {
         std::vector<Answer> out;
         LightMemory memory;
         const LightDistribution at = s.sampler->At(s.queries[task / kTasksPerQuery], memory);
         for (int i = 0; i < n; ++i) {
-            out.push_back(Ask(at, HashFloat(static_cast<uint64_t>(task), i)));
-            if (!s.ids.empty()) out.push_back({0, 0, at.PMF(s.ids[static_cast<size_t>(i) % s.ids.size()])});
+            out.push_back(Ask(at, HashFloat(uint64_t(task), i)));
+            if (!s.ids.empty()) out.push_back({0, 0, at.PMF(s.ids[size_t(i) % s.ids.size()])});
         }
         return out;
     };
     std::vector<std::vector<Answer>> parallel(tasks), serial;
     ThreadLimit limit(4);
-    ParallelForEach(static_cast<int64_t>(tasks),
-                    [&](int64_t t) { parallel[static_cast<size_t>(t)] = answers(static_cast<size_t>(t)); });
+    ParallelForEach(int64_t(tasks), [&](int64_t t) { parallel[size_t(t)] = answers(size_t(t)); });
     for (size_t t = 0; t < tasks; ++t) serial.push_back(answers(t));
     EXPECT_EQ(parallel, serial);
     for (size_t q = 0; q < s.queries.size(); ++q)
@@ -253,8 +252,8 @@ void CheckDistributionsKeepApart(const SamplerSubject &s) {
     auto ask = [&](const LightDistribution &lights, size_t q) {
         std::vector<Answer> out;
         for (int i = 0; i < n; ++i) {
-            out.push_back(Ask(lights, HashFloat(static_cast<uint64_t>(q), i)));
-            if (!s.ids.empty()) out.push_back({0, 0, lights.PMF(s.ids[(q + static_cast<size_t>(i)) % s.ids.size()])});
+            out.push_back(Ask(lights, HashFloat(uint64_t(q), i)));
+            if (!s.ids.empty()) out.push_back({0, 0, lights.PMF(s.ids[(q + size_t(i)) % s.ids.size()])});
         }
         return out;
     };
@@ -284,7 +283,7 @@ void CheckOneNumberReachesEveryLight(const SamplerSubject &s) {
         for (int i = 0; i < n; ++i)
             if (std::optional<SampledLight> sample = at.Sample(Even(i, n))) met[s.IndexOf(sample->light)] = true;
         for (size_t i = 0; i < s.ids.size(); ++i)
-            if (static_cast<double>(s.pmf[q][i]) * n > 20) {
+            if (double(s.pmf[q][i]) * n > 20) {
                 EXPECT_TRUE(met[i]) << "query " << q << " light " << i;
             }
     }
@@ -298,8 +297,7 @@ void CheckSame(const LightSampler &a, const LightSampler &b, std::span<const Lig
             std::vector<Answer> out;
             LightMemory memory;
             const LightDistribution at = sampler.At(queries[q], memory);
-            for (size_t i = q % step; i < lights; i += step)
-                out.push_back({static_cast<uint32_t>(i), 0, at.PMF(LightId(i))});
+            for (size_t i = q % step; i < lights; i += step) out.push_back({uint32_t(i), 0, at.PMF(LightId(i))});
             for (uint64_t i = 0; i < 20; ++i) out.push_back(Ask(at, HashFloat(i)));
             return out;
         };

@@ -15,7 +15,7 @@ inline Float AffineRadicalInverse(uint32_t base, uint64_t a, uint32_t multiplier
         weight /= base;
         value += double((multiplier * (a % base) + shift) % base) * weight;
     }
-    return std::min(static_cast<Float>(value), OneMinusEpsilon);
+    return std::min(Float(value), OneMinusEpsilon);
 }
 
 /// Directions within the cone cos(theta) >= cosThetaMax about +z.

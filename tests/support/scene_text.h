@@ -86,6 +86,8 @@ class SceneText {
         text_ += QuotedLines(text);
         return *this;
     }
+    /// Rendering space is world space.
+    SceneText &InWorldSpace() { return Head("Option 'rendercoordsys' 'world'"); }
     SceneText &LookAt(const std::string &eyeTargetUp) { return Head("LookAt " + eyeTargetUp); }
     /// A perspective camera.
     SceneText &Camera(double fov) { return Camera("perspective", fmt::format("'float fov' {}", fov)); }

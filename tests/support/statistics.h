@@ -44,7 +44,7 @@ inline double ChiSquareTest(std::span<const double> observed, std::span<const do
 inline double NormalTail(double z) { return std::erfc(std::abs(z) / std::sqrt(2.0)); }
 
 /// The level of each of n tests at which the probability of any false alarm is `alpha`.
-inline double SidakAlpha(double alpha, size_t n) { return 1 - std::pow(1 - alpha, 1.0 / static_cast<double>(n)); }
+inline double SidakAlpha(double alpha, size_t n) { return 1 - std::pow(1 - alpha, 1.0 / double(n)); }
 
 /// Running mean and variance (Welford).
 struct RunningStatistics {
@@ -53,11 +53,11 @@ struct RunningStatistics {
     void Add(double x) {
         ++n;
         double d = x - mean;
-        mean += d / static_cast<double>(n);
+        mean += d / double(n);
         m2 += d * (x - mean);
     }
-    double Variance() const { return n > 1 ? m2 / static_cast<double>(n - 1) : 0; }
-    double StandardError() const { return n > 1 ? std::sqrt(Variance() / static_cast<double>(n)) : 0; }
+    double Variance() const { return n > 1 ? m2 / double(n - 1) : 0; }
+    double StandardError() const { return n > 1 ? std::sqrt(Variance() / double(n)) : 0; }
     /// z of mean == expected.
     double Z(double expected) const {
         double se = StandardError();

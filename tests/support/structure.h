@@ -1,7 +1,21 @@
 #pragma once
+#include <vector>
+
 #include "pbrt/core/state_io.h"
 
 namespace pbrt::test {
+
+template <class T>
+std::string BytesOf(const T &structure) {
+    StateWriter writer;
+    writer(structure);
+    return writer.Joined();
+}
+
+/// The bytes of a state cut in two ways and overwritten.
+inline std::vector<std::string> Damaged(const std::string &bytes) {
+    return {bytes.substr(0, bytes.size() - 1), bytes.substr(0, 20), std::string(bytes.size(), '\x7f')};
+}
 
 /// Replaces element `index` of the vector that StateWriter::Structure wrote at byte `at`, and makes the hash fit.
 template <class T>

@@ -28,9 +28,7 @@ class TemporaryImage {
 
 inline Image RgbImage(Point2i n, const std::function<Rgb(int, int)> &color) {
     Image image(PixelFormat::Float, n, {"R", "G", "B"});
-    for (int y = 0; y < n.y; ++y)
-        for (int x = 0; x < n.x; ++x)
-            for (int c = 0; c < 3; ++c) image.Set({x, y}, c, color(x, y)[c]);
+    ForEachValue(image, [&](Point2i p, int c) { image.Set(p, c, color(p.x, p.y)[c]); });
     return image;
 }
 

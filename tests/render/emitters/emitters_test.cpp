@@ -3,17 +3,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
 #include <set>
 
 #include "emitter_kinds.h"
 #include "estimators.h"
 #include "pbrt/core/error.h"
 #include "pbrt/math/rng.h"
+#include "render/table.h"
 #include "support/build_text.h"
 #include "support/errors.h"
 #include "support/statistics.h"
+#include "support/test_name.h"
 
 namespace pbrt::test {
 namespace {
@@ -41,34 +41,12 @@ bool IsTried(size_t kind, size_t sampler) { return (kind + sampler) % 2 == 0; }
 bool IsTried(const EmitterKind &kind, size_t sampler) {
     const std::vector<EmitterKind> kinds = EmitterKinds();
     const auto sameName = [&](const EmitterKind &k) { return k.name == kind.name; };
-    return IsTried(static_cast<size_t>(std::ranges::find_if(kinds, sameName) - kinds.begin()), sampler);
+    return IsTried(size_t(std::ranges::find_if(kinds, sameName) - kinds.begin()), sampler);
 }
 /// Of the oracle: it sends shadow rays to all lights for each choice.
 bool IsSlow(const std::string &label) { return label.starts_with("oracle"); }
 
-/// Lines of the tables, on standard output at once and in <build>/tables/emitters.txt at the end.
-class Tables : public testing::Environment {
-  public:
-    static void Line(const std::string &line) {
-        std::printf("%s\n", line.c_str());
-        std::fflush(stdout);
-        Lines().push_back(line);
-    }
-    void TearDown() override {
-        if (Lines().empty()) return;
-        std::filesystem::path folder = std::filesystem::path(PBRT_BINARY_DIR) / "tables";
-        std::filesystem::create_directories(folder);
-        std::ofstream out(folder / "emitters.txt");
-        for (const std::string &line : Lines()) out << line << "\n";
-    }
-
-  private:
-    static std::vector<std::string> &Lines() {
-        static std::vector<std::string> lines;
-        return lines;
-    }
-};
-const auto *const kTables = testing::AddGlobalTestEnvironment(new Tables);
+Table &kTable = AddTable("emitters");
 
 /// One line: what it is about, a ratio of means per column, and what broke.
 class Row {
@@ -113,10 +91,10 @@ class EmittersKeepTheLaw : public testing::TestWithParam<EmitterKind> {
         std::vector<std::string> columns = {"simple", "l all", "b all"};
         for (const std::string &s : SamplerLabels())
             for (const char *way : {"l ", "b "}) columns.push_back(way + s.substr(0, s.find(':')));
-        Tables::Line(
+        kTable.Line(
             "Means of light sampling alone (l) and of both together (b), per light sampler, over the mean of "
             "BSDF sampling alone; +- is the largest standard error of a line");
-        Tables::Line(Header("emitter", columns));
+        kTable.Line(Header("emitter", columns));
     }
     static size_t Comparisons() {
         size_t n = 0;
@@ -130,12 +108,12 @@ class EmittersKeepTheLaw : public testing::TestWithParam<EmitterKind> {
     }
     Agreement WithReference(const PixelStatistics &s) const { return Compare(s, {&reference_}, Comparisons(), kAlpha); }
     void Finish(const Row &row) {
-        Tables::Line(row.Text());
+        kTable.Line(row.Text());
         EXPECT_TRUE(row.Holds()) << row.Text();
     }
 
     Studio studio_{BuildText(EmitterScene(GetParam()))};
-    int seed_ = static_cast<int>(HashFloat(std::hash<std::string>()(GetParam().name)) * 1e8f);
+    int seed_ = int(HashFloat(std::hash<std::string>()(GetParam().name)) * 1e8f);
     PixelStatistics reference_;
 };
 
@@ -177,11 +155,7 @@ TEST_P(EmittersKeepTheLaw, WithEveryLightSampler) {
     Finish(grouped);
 }
 
-std::string NameOf(const testing::TestParamInfo<EmitterKind> &info) {
-    std::string name;
-    for (char letter : info.param.name) name += std::isalnum(static_cast<unsigned char>(letter)) ? letter : '_';
-    return name;
-}
+std::string NameOf(const testing::TestParamInfo<EmitterKind> &info) { return TestName(info.param.name); }
 INSTANTIATE_TEST_SUITE_P(Kinds, EmittersKeepTheLaw, testing::ValuesIn(EmitterKinds()), NameOf);
 
 /// The law can be broken: one density a tenth off must be noticed, with the samples and at the level of the table.
@@ -203,8 +177,8 @@ TEST_P(SpoiltDensities, AreNoticed) {
         for (const std::string &s : SamplerLabels())
             pool.push_back(Render(c.estimator, s, IsSlow(s) ? kSlowSamples : kSamples, c.spoilt));
         Agreement a = PoolOverReference(pool, reference_, PoolComparisons());
-        Tables::Line(fmt::format("{:<44}{:<42}{:>8.3f} {:>7.3f}  {} (p {:.1e})", GetParam().name, c.what,
-                                 1 + a.difference, a.error, a.Agrees() ? "NOT NOTICED" : "noticed", a.worstP));
+        kTable.Line(fmt::format("{:<44}{:<42}{:>8.3f} {:>7.3f}  {} (p {:.1e})", GetParam().name, c.what,
+                                1 + a.difference, a.error, a.Agrees() ? "NOT NOTICED" : "noticed", a.worstP));
         EXPECT_FALSE(a.Agrees()) << c.what;
     }
 }
@@ -226,7 +200,7 @@ TEST(EmittersOfTheSuite, AreTheReferencesWithEveryLightSampler) {
                                             "cut_out_card",       "cut_out_triangles"};
     std::vector<std::string> columns = {"all"};
     for (const std::string &s : SamplerLabels()) columns.push_back(s);
-    Tables::Line(Header("mean over that of stock's rays", columns));
+    kTable.Line(Header("mean over that of stock's rays", columns));
     int seed = 1;
     for (size_t scene = 0; scene < names.size(); ++scene) {
         const std::string &name = names[scene];
@@ -249,7 +223,7 @@ TEST(EmittersOfTheSuite, AreTheReferencesWithEveryLightSampler) {
                 row.Add(SamplerLabels()[i], Compare(pool[tried++], {&reference}, comparisons, kAlpha));
             else row.Skip();
         }
-        Tables::Line(row.Text());
+        kTable.Line(row.Text());
         EXPECT_TRUE(row.Holds()) << row.Text();
     }
 }

@@ -1,8 +1,6 @@
 #include "estimators.h"
 
-#include "pbrt/build/light_sampler_spec.h"
 #include "pbrt/integrators/path_integrator.h"
-#include "pbrt/integrators/render_loop.h"
 #include "pbrt/integrators/simple_integrators.h"
 #include "pbrt/transport/vertex.h"
 #include "support/build_text.h"
@@ -11,28 +9,6 @@
 namespace pbrt::test {
 
 namespace {
-
-/// A light sampler whose probabilities are off for all lights but the first.
-class SpoiltSampler final : public WrappedSampler {
-  public:
-    SpoiltSampler(std::unique_ptr<LightSampler> inner, const Spoilt &spoilt)
-        : WrappedSampler(*inner), inner_(std::move(inner)), spoilt_(spoilt) {}
-    void Prepare(PrepareContext &context) override { inner_->Prepare(context); }
-
-  private:
-    std::optional<SampledLight> Choose(const LightQuery &, const void *weights, Float u,
-                                       Point2 *uPoint) const override {
-        std::optional<SampledLight> s = Inner(weights).Sample(u, uPoint);
-        if (s && s->light.value > 0) s->pmf *= spoilt_.ofSamples;
-        return s;
-    }
-    Float Probability(const LightQuery &, const void *weights, LightId light) const override {
-        return Inner(weights).PMF(light) * (light.value > 0 ? spoilt_.ofRays : 1);
-    }
-
-    std::unique_ptr<LightSampler> inner_;
-    Spoilt spoilt_;
-};
 
 /// Direct light by light sampling alone, without lamps that the camera sees.
 class LightSamplingOnly final : public PixelIntegrator {
@@ -84,7 +60,11 @@ class WithoutSeenLamps final : public PixelIntegrator {
 std::unique_ptr<LightSampler> MakeLights(const Scene &scene, const std::string &label, const Spoilt &spoilt) {
     std::unique_ptr<LightSampler> lights = MakeLightSampler(label, scene.Lights());
     if (spoilt.ofSamples == 1 && spoilt.ofRays == 1) return lights;
-    return std::make_unique<SpoiltSampler>(std::move(lights), spoilt);
+    const auto times = [](Float factor) {
+        return
+            [factor](const LightQuery &, const SampledLight &s) { return s.light.value > 0 ? factor * s.pmf : s.pmf; };
+    };
+    return std::make_unique<TamperedSampler>(std::move(lights), times(spoilt.ofSamples), times(spoilt.ofRays));
 }
 
 }  // namespace
@@ -103,25 +83,11 @@ PixelStatistics Studio::Render(Estimator estimator, const std::string &lightSamp
             PBRT_CHECK(built_.maxDepth == 1);
             integrator = std::make_unique<LightSamplingOnly>(scene, MakeLights(scene, lightSampler, spoilt));
         } else {
-            PathSettings path;
-            path.maxDepth = built_.maxDepth;
-            integrator = std::make_unique<PathIntegrator>(context, path, MakeLights(scene, lightSampler, spoilt));
+            integrator = std::make_unique<PathIntegrator>(context, PathSettings{.maxDepth = built_.maxDepth},
+                                                          MakeLights(scene, lightSampler, spoilt));
         }
         if (built_.maxDepth == 1) integrator = std::make_unique<WithoutSeenLamps>(scene, std::move(integrator));
-        Progress progress;
-        PrepareContext prepare = built_.Preparation(progress);
-        prepare.seed = seed;
-        prepare.samplesPerPixel = samplesPerPixel;
-        integrator->Prepare(prepare);
-        std::unique_ptr<Film> film = built_.film->MakeRgbFilm();
-        RenderSettings settings;
-        settings.samplesPerPixel = samplesPerPixel;
-        DiagnosticSink sink;
-        // Independent samples: pixels are, and tiles' variances are known.
-        const std::unique_ptr<Sampler> sampler = Samplers().Make(
-            "independent", ParamSet(), SamplerContext{film->FullResolution(), samplesPerPixel, seed, sink});
-        RenderWaves({*integrator, *built_.camera, *built_.filter, *film, *sampler, progress}, settings);
-        statistics.Add(film->ToImage());
+        statistics.Add(RenderIndependently(built_, *integrator, samplesPerPixel, seed));
     }
     return statistics;
 }

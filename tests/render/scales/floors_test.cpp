@@ -9,52 +9,36 @@ namespace {
 
 constexpr int kFloorRuns = 5;
 
-std::string Triangles(const std::string &points) {
-    return "Shape \"trianglemesh\" \"point3 P\" [" + points + " ] \"integer indices\" [ 0 1 2 1 3 2 ]\n";
+/// Of the corners of a quad.
+constexpr const char *kTwoTriangles = "0 1 2 1 3 2";
+
+/// A floor of the half width r at y = -1; `x`: of its last corner.
+std::string FloorCorners(double r, double x = 1) {
+    return Placement{r}.Points({-1, -1 / r, -1, 1, -1 / r, -1, -1, -1 / r, 1, x, -1 / r, 1});
 }
-std::string Patch(const std::string &points) { return "Shape \"bilinearmesh\" \"point3 P\" [" + points + " ]\n"; }
-
-constexpr const char *kBall =
-    "LightSource \"point\" \"point3 from\" [ -2 3 3 ] \"rgb I\" [ 9 9 9 ]\n"
-    "Material \"diffuse\" \"rgb reflectance\" [ .5 .5 .5 ]\nShape \"sphere\" \"float radius\" .8\n";
-
-/// A floor of the half width r at y = -1.
 struct Floor {
     const char *name;
-    std::string (*text)(double r);
+    Objects (*objects)(double r);
 };
 const Floor kFloors[] = {
-    {"triangles",
-     [](double r) {
-         return Triangles(Placement{r}.Points({-1, -1 / r, -1, 1, -1 / r, -1, -1, -1 / r, 1, 1, -1 / r, 1}));
-     }},
-    {"patch",
-     [](double r) {
-         return Patch(Placement{r}.Points({-1, -1 / r, -1, 1, -1 / r, -1, -1, -1 / r, 1, 1, -1 / r, 1}));
-     }},
-    {"trapezoid",
-     [](double r) {
-         return Patch(Placement{r}.Points({-1, -1 / r, -1, 1, -1 / r, -1, -1, -1 / r, 1, 1.5, -1 / r, 1}));
-     }},
-    {"disk",
-     [](double r) {
-         return fmt::format(
-             "AttributeBegin Translate 0 -1 0 Rotate -90 1 0 0 Shape \"disk\" \"float radius\" {:.9g} AttributeEnd\n",
-             r);
-     }},
+    {"triangles", [](double r) { return Objects().Triangles(FloorCorners(r), kTwoTriangles); }},
+    {"patch", [](double r) { return Objects().Quad(FloorCorners(r)); }},
+    {"trapezoid", [](double r) { return Objects().Quad(FloorCorners(r, 1.5)); }},
+    {"disk", [](double r) { return Objects().Attribute("Translate 0 -1 0 Rotate -90 1 0 0", Objects().Disk(r)); }},
     {"instance",
      [](double r) {
-         return "ObjectBegin \"floor\" " + Triangles(" -1 0 -1 1 0 -1 -1 0 1 1 0 1") + "ObjectEnd\n" +
-                fmt::format(
-                    "AttributeBegin Translate 0 -1 0 Scale {0:.9g} {0:.9g} {0:.9g} ObjectInstance \"floor\" "
-                    "AttributeEnd\n",
-                    r);
+         return Objects()
+             .Add("ObjectBegin 'floor'")
+             .Triangles("-1 0 -1 1 0 -1 -1 0 1 1 0 1", kTwoTriangles)
+             .Add("ObjectEnd")
+             .Attribute(fmt::format("Translate 0 -1 0 Scale {0:.9g} {0:.9g} {0:.9g}", r),
+                        Objects().Add("ObjectInstance 'floor'"));
      }},
 };
 
 std::string FloorText(const Floor &floor, double r, const ScaleIntegrator &integrator) {
-    return ViewText({}, integrator, {0, 4, 5, 0, -.5, 0, 0, 1, 0}, "Camera \"perspective\" \"float fov\" 40", 3) +
-           kBall + floor.text(r);
+    return ViewText({}, integrator, {0, 4, 5, 0, -.5, 0, 0, 1, 0}, 40, 3,
+                    Objects().PointLight("-2 3 3", "9 9 9").Diffuse(".5 .5 .5").Sphere(.8).Add(floor.objects(r)));
 }
 
 void ExpectSame(const std::string &name, const std::vector<Image> &ours, const std::vector<Image> &reference,
@@ -66,53 +50,52 @@ void ExpectSame(const std::string &name, const std::vector<Image> &ours, const s
 
 TEST(Floors, AreAllAlike) {
     for (const Floor &floor : kFloors) {
-        const std::vector<Image> small = RenderSeeds(FloorText(floor, 1e3, {"path"}), {}, kFloorRuns);
+        const std::vector<Image> small = RenderSeeds(FloorText(floor, 1e3, {"path"}), kFloorRuns);
         EXPECT_GT(MeanOf(small[0]), 0.01);
         for (const double r : {1e5, 1e6, 1e7, 1e8})
-            ExpectSame(fmt::format("{} of {:g}", floor.name, r),
-                       RenderSeeds(FloorText(floor, r, {"path"}), {}, kFloorRuns), small, 0.0005);
+            ExpectSame(fmt::format("{} of {:g}", floor.name, r), RenderSeeds(FloorText(floor, r, {"path"}), kFloorRuns),
+                       small, 0.0005);
     }
 }
 
 TEST(Floors, AreAlikeInEveryIntegrator) {
     for (const ScaleIntegrator &integrator : AllIntegrators({})) {
-        const std::vector<Image> small = RenderSeeds(FloorText(kFloors[0], 1e3, integrator), {}, kFloorRuns);
+        const std::vector<Image> small = RenderSeeds(FloorText(kFloors[0], 1e3, integrator), kFloorRuns);
         for (const double r : {1e6, 1e8})
             ExpectSame(fmt::format("{} with a floor of {:g}", integrator.name, r),
-                       RenderSeeds(FloorText(kFloors[0], r, integrator), {}, kFloorRuns), small, 0.001);
+                       RenderSeeds(FloorText(kFloors[0], r, integrator), kFloorRuns), small, 0.001);
     }
 }
 
 /// The ground is a sphere of the size of the Earth.
 TEST(Floors, MayBeAPlanet) {
-    const std::vector<Image> flat = RenderSeeds(FloorText(kFloors[0], 1e3, {"path"}), {}, kFloorRuns);
+    const std::vector<Image> flat = RenderSeeds(FloorText(kFloors[0], 1e3, {"path"}), kFloorRuns);
     const Floor planet{"planet", [](double r) {
-                           return fmt::format(
-                               "AttributeBegin Translate 0 {:.9g} 0 Shape \"sphere\" \"float radius\" "
-                               "{:.9g} AttributeEnd\n",
-                               -r - 1, r);
+                           return Objects().Attribute(
+                               fmt::format("Translate 0 {:.9g} 0", -r - 1),
+                               Objects().Shape("sphere", fmt::format("'float radius' {:.9g}", r)));
                        }};
-    ExpectSame("planet", RenderSeeds(FloorText(planet, 6371000, {"path"}), {}, kFloorRuns), flat, 0.0005);
+    ExpectSame("planet", RenderSeeds(FloorText(planet, 6371000, {"path"}), kFloorRuns), flat, 0.0005);
 }
 
 /// A lamp in the plane z = 5 + behind, seen from z = 5.
-std::string FlashText(const std::string &lamp, double behind, const ScaleIntegrator &integrator) {
-    return ViewText({}, integrator, {0, 0, 5, 0, 0, 0, 0, 1, 0}, "Camera \"perspective\" \"float fov\" 40", 3) +
-           fmt::format(
-               "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [ 5 5 5 ] Translate 0 0 {} "
-               "Rotate 180 0 1 0 {} AttributeEnd\n",
-               5 + behind, lamp) +
-           "Material \"diffuse\" \"rgb reflectance\" [ .7 .6 .5 ]\nShape \"sphere\" \"float radius\" 1\n" +
-           Patch(" -6 -6 -2  6 -6 -2  -6 6 -2  6 6 -2");
+std::string FlashText(const Objects &lamp, double behind, const ScaleIntegrator &integrator) {
+    return ViewText({}, integrator, {0, 0, 5, 0, 0, 0, 0, 1, 0}, 40, 3,
+                    Objects()
+                        .Attribute(fmt::format("Translate 0 0 {} Rotate 180 0 1 0", 5 + behind),
+                                   Objects().AreaLight("5 5 5").Add(lamp))
+                        .Diffuse(".7 .6 .5")
+                        .Sphere(1)
+                        .Quad("-6 -6 -2  6 -6 -2  -6 6 -2  6 6 -2"));
 }
 
 TEST(CameraInThePlaneOfALamp, DoesNotSeeIt) {
     const std::string square = " -.5 -.5 0  .5 -.5 0  -.5 .5 0  .5 .5 0";
     for (const ScaleIntegrator &integrator : AllIntegrators({}))
-        for (const std::string &lamp : {Triangles(square), Patch(square)})
-            ExpectSame(integrator.name + ", " + lamp.substr(7, 14),
-                       RenderSeeds(FlashText(lamp, 0, integrator), {}, kFloorRuns),
-                       RenderSeeds(FlashText(lamp, 1e-4, integrator), {}, kFloorRuns), 0.002);
+        for (const Objects &lamp : {Objects().Triangles(square, kTwoTriangles), Objects().Quad(square)})
+            ExpectSame(integrator.name + ", " + std::string(lamp).substr(7, 14),
+                       RenderSeeds(FlashText(lamp, 0, integrator), kFloorRuns),
+                       RenderSeeds(FlashText(lamp, 1e-4, integrator), kFloorRuns), 0.002);
 }
 
 /// A ball on a floor: as it is, or as an instance. `size`: of both in the units of their object.
@@ -122,16 +105,16 @@ struct Object {
     std::string renderCoordSys{};
 };
 std::string ObjectView(const Object &o, const std::string &object) {
-    const Placement place{.offset = o.at};
-    return ViewText(place, {"path"}, {0, 4, 5, 0, -.5, 0, 0, 1, 0}, "Camera \"perspective\" \"float fov\" 40", 3) +
-           "LightSource \"point\" \"point3 from\" [" + place.Points({-2, 3, 3}) + " ] \"rgb I\" [ 9 9 9 ]\n" +
-           "Material \"diffuse\" \"rgb reflectance\" [ .5 .5 .5 ]\n" + object;
+    const Placement place{.offset = o.at, .renderCoordSys = o.renderCoordSys};
+    return ViewText(place, {"path"}, {0, 4, 5, 0, -.5, 0, 0, 1, 0}, 40, 3,
+                    Objects().PointLight(place.Points({-2, 3, 3}), "9 9 9").Diffuse(".5 .5 .5").Add(object));
 }
 /// Around `origin`, in units of `size`.
 std::string BallAndFloor(double size, const std::array<double, 3> &origin = {0, 0, 0}) {
     const Placement place{size, origin};
-    return "AttributeBegin Translate" + place.Points({0, 0, 0}) + " Shape \"sphere\" \"float radius\" " +
-           place.Length(.8) + " AttributeEnd\n" + Triangles(place.Points({-4, -1, -4, 4, -1, -4, -4, -1, 4, 4, -1, 4}));
+    return Objects()
+        .Attribute("Translate" + place.Points({0, 0, 0}), Objects().Sphere(.8 * size))
+        .Triangles(place.Points({-4, -1, -4, 4, -1, -4, -4, -1, 4, 4, -1, 4}), kTwoTriangles);
 }
 
 TEST(Instances, AreAsExactAsCopies) {
@@ -144,8 +127,7 @@ TEST(Instances, AreAsExactAsCopies) {
         auto define = [](const std::string &shapes) { return "ObjectBegin \"o\" " + shapes + "ObjectEnd\n"; };
         const std::string place = "ObjectInstance \"o\"\n";
         auto in = [](const std::string &text) { return "AttributeBegin " + text + "AttributeEnd\n"; };
-        const Placement how{.renderCoordSys = o.renderCoordSys};
-        auto render = [&](const std::string &object) { return RenderSeeds(ObjectView(o, object), how, kFloorRuns); };
+        auto render = [&](const std::string &object) { return RenderSeeds(ObjectView(o, object), kFloorRuns); };
         const std::string shapes = BallAndFloor(o.size);
         const std::vector<Image> copy = render(in(move + enlarge + shapes));
         const std::string name =

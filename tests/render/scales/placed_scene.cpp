@@ -4,7 +4,6 @@
 
 #include "pbrt/math/statistics.h"
 #include "support/render_scene.h"
-#include "support/scene_text.h"
 
 namespace pbrt::test {
 
@@ -31,30 +30,31 @@ std::vector<ScaleIntegrator> AllIntegrators(const Placement &at) {
             {"simplepath"},
             {"bdpt"},
             {"lightpath", "", 4 * kScaleSamples},
-            {"mlt", "\"integer mutationsperpixel\" 64 \"integer bootstrapsamples\" 4000"},
-            {"sppm", "\"integer photonsperiteration\" 2000 \"float radius\" " + at.Length(0.1)}};
+            {"mlt", "'integer mutationsperpixel' 64 'integer bootstrapsamples' 4000"},
+            {"sppm", "'integer photonsperiteration' 2000 'float radius' " + at.Length(0.1)}};
 }
 
 std::string ViewText(const Placement &at, const ScaleIntegrator &integrator, std::initializer_list<double> fromToUp,
-                     const std::string &camera, int maxDepth) {
+                     double fov, int maxDepth, const std::string &world) {
     const std::vector<double> v(fromToUp);
+    const std::string &space = at.renderCoordSys;
     return SceneText()
+        .Head(space.empty() ? "" : "Option 'rendercoordsys' '" + space + "'")
         .LookAt(fmt::format("{} {}  {} {} {}", at.Points({v[0], v[1], v[2]}), at.Points({v[3], v[4], v[5]}), v[6], v[7],
                             v[8]))
-        .Head(camera)
+        .Camera(fov)
         .Filter("box")
         .Film(kScaleResolution, kScaleResolution, "'bool savefp16' false")
         .Samples(integrator.samples)
         .Integrator(integrator.name, maxDepth, integrator.parameters)
-        .World();
+        .World(world);
 }
 
-std::vector<Image> RenderSeeds(const std::string &text, const Placement &at, int runs, int firstSeed) {
+std::vector<Image> RenderSeeds(const std::string &text, int runs, int firstSeed) {
     std::vector<Image> images;
     for (int run = 0; run < runs; ++run) {
         BuildOptions options;
         options.seed = firstSeed + run;
-        options.renderCoordSys = at.renderCoordSys;
         images.push_back(RenderText(text, options).image);
     }
     return images;
@@ -74,7 +74,7 @@ std::vector<double> GreyTiles(const Image &image) {
         grey.push_back((rgb[i] + rgb[i + 1] + rgb[i + 2]) / 3);
         sum += grey.back();
     }
-    grey.push_back(sum / static_cast<double>(grey.size()));
+    grey.push_back(sum / double(grey.size()));
     return grey;
 }
 
@@ -106,7 +106,7 @@ ScaleDifference CompareRuns(const std::vector<Image> &ours, const std::vector<Im
         const double off = std::abs(relative) - allowed * (isImage ? 1 : 4);
         if (std::isnan(off)) out.worstP = 0;
         if (!(off > 0)) continue;
-        const double dof = static_cast<double>(d.n - 1);
+        const double dof = double(d.n - 1);
         out.worstP = std::min(out.worstP, error > 0 ? StudentTwoSidedP(off / error, dof) : 0.0);
     }
     return out;

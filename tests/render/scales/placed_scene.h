@@ -1,12 +1,11 @@
 #pragma once
-#include <fmt/format.h>
-
 #include <array>
 #include <initializer_list>
 #include <string>
 #include <vector>
 
 #include "pbrt/images/image.h"
+#include "support/scene_text.h"
 
 namespace pbrt::test {
 
@@ -14,7 +13,7 @@ namespace pbrt::test {
 struct Placement {
     double scale = 1;
     std::array<double, 3> offset{0, 0, 0};
-    std::string renderCoordSys{};  ///< BuildOptions::renderCoordSys
+    std::string renderCoordSys{};  ///< empty: the default
     bool instanced = false;        ///< for tests that place shapes by an instance
 
     std::string Name() const;
@@ -37,12 +36,12 @@ struct ScaleIntegrator {
 std::vector<ScaleIntegrator> AllIntegrators(const Placement &at);
 
 constexpr int kScaleResolution = 16;
-/// Film, sampler, integrator and camera of a view of kScaleResolution^2 pixels, up to WorldBegin.
+/// A view of kScaleResolution^2 pixels.
 std::string ViewText(const Placement &at, const ScaleIntegrator &integrator, std::initializer_list<double> fromToUp,
-                     const std::string &camera, int maxDepth);
+                     double fov, int maxDepth, const std::string &world);
 
 /// Renders a scene text with several seeds.
-std::vector<Image> RenderSeeds(const std::string &text, const Placement &at, int runs, int firstSeed = 1);
+std::vector<Image> RenderSeeds(const std::string &text, int runs, int firstSeed = 1);
 
 /// Differences between two sets of renders, run by run: equal seeds give nearly equal noise, which cancels.
 struct ScaleDifference {

@@ -8,14 +8,11 @@ namespace {
 
 /// A view of the floor on one side (-1, 1) of a wall at x = 0.
 std::string BesideWallText(const Placement &at, const ScaleIntegrator &integrator, double side, bool hasWall) {
-    const std::string wall =
-        hasWall ? "Shape \"bilinearmesh\" \"point3 P\" [" + at.Points({0, -1, -2, 0, -1, 2, 0, 2, -2, 0, 2, 2}) + " ]\n"
-                : "";
-    return ViewText(at, integrator, {3 * side, 3, 0, 2 * side, -1, 0, 0, 1, 0},
-                    "Camera \"perspective\" \"float fov\" 30", 1) +
-           "LightSource \"point\" \"point3 from\" [" + at.Points({0, .25, .125}) + " ] \"rgb I\" [ " +
-           at.Intensity(10) + " ]\nMaterial \"diffuse\" \"rgb reflectance\" [ .5 .5 .5 ]\n" + wall +
-           "Shape \"bilinearmesh\" \"point3 P\" [" + at.Points({-4, -1, -4, 4, -1, -4, -4, -1, 4, 4, -1, 4}) + " ]\n";
+    Objects world;
+    world.PointLight(at.Points({0, .25, .125}), at.Intensity(10)).Diffuse(".5 .5 .5");
+    if (hasWall) world.Quad(at.Points({0, -1, -2, 0, -1, 2, 0, 2, -2, 0, 2, 2}));
+    world.Quad(at.Points({-4, -1, -4, 4, -1, -4, -4, -1, 4, 4, -1, 4}));
+    return ViewText(at, integrator, {3 * side, 3, 0, 2 * side, -1, 0, 0, 1, 0}, 30, 1, world);
 }
 
 TEST(PointLights, InThePlaneOfAWallLightBothSides) {
@@ -23,9 +20,9 @@ TEST(PointLights, InThePlaneOfAWallLightBothSides) {
         for (const ScaleIntegrator &integrator : AllIntegrators(at))
             for (const double side : {-1., 1.}) {
                 constexpr int kRuns = 4;
-                const std::vector<Image> without = RenderSeeds(BesideWallText(at, integrator, side, false), at, kRuns);
+                const std::vector<Image> without = RenderSeeds(BesideWallText(at, integrator, side, false), kRuns);
                 const ScaleDifference d =
-                    CompareRuns(RenderSeeds(BesideWallText(at, integrator, side, true), at, kRuns), without, 0.002);
+                    CompareRuns(RenderSeeds(BesideWallText(at, integrator, side, true), kRuns), without, 0.002);
                 EXPECT_GT(MeanOf(without[0]), 0.01) << integrator.name;
                 EXPECT_TRUE(d.Agrees()) << at.Name() << ", side " << side << ", " << integrator.name << ": "
                                         << d.Text();

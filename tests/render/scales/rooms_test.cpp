@@ -11,51 +11,49 @@ namespace {
 constexpr int kRoomRuns = 6;
 
 /// The walls of a room that is open in front, one of them of triangles, and a ball.
-std::string WallsText(const Placement &at) {
-    const auto wall = [&](std::initializer_list<double> corners) {
-        return "Shape \"bilinearmesh\" \"point3 P\" [" + at.Points(corners) + " ]\n";
-    };
-    return "Material \"diffuse\" \"rgb reflectance\" [ .7 .7 .7 ]\n" + wall({-1, 0, -1, 1, 0, -1, -1, 0, 1, 1, 0, 1}) +
-           wall({-1, 0, -1, 1, 0, -1, -1, 2, -1, 1, 2, -1}) + wall({-1, 0, -1, -1, 0, 1, -1, 2, -1, -1, 2, 1}) +
-           "Shape \"trianglemesh\" \"integer indices\" [ 0 1 2 1 3 2 ] \"point3 P\" [" +
-           at.Points({1, 0, -1, 1, 0, 1, 1, 2, -1, 1, 2, 1}) + " ]\n" +
-           fmt::format("AttributeBegin Translate {} Shape \"sphere\" \"float radius\" {} AttributeEnd\n",
-                       at.Points({-.3, .4, .2}), at.Length(.4));
+Objects Walls(const Placement &at) {
+    return Objects()
+        .Diffuse(".7 .7 .7")
+        .Quad(at.Points({-1, 0, -1, 1, 0, -1, -1, 0, 1, 1, 0, 1}))
+        .Quad(at.Points({-1, 0, -1, 1, 0, -1, -1, 2, -1, 1, 2, -1}))
+        .Quad(at.Points({-1, 0, -1, -1, 0, 1, -1, 2, -1, -1, 2, 1}))
+        .Triangles(at.Points({1, 0, -1, 1, 0, 1, 1, 2, -1, 1, 2, 1}), "0 1 2 1 3 2")
+        .Attribute("Translate" + at.Points({-.3, .4, .2}), Objects().Sphere(.4 * at.scale));
+}
+
+std::string RoomView(const Placement &at, const ScaleIntegrator &integrator, const Objects &world) {
+    return ViewText(at, integrator, {0, 1, 3.5, 0, .9, 0, 0, 1, 0}, 60, 3, world);
 }
 
 /// The room, and lights of one kind.
-std::string RoomText(const Placement &at, const ScaleIntegrator &integrator, const std::string &lights) {
-    return ViewText(at, integrator, {0, 1, 3.5, 0, .9, 0, 0, 1, 0}, "Camera \"perspective\" \"float fov\" 60", 3) +
-           lights + WallsText(at);
+std::string RoomText(const Placement &at, const ScaleIntegrator &integrator, const Objects &lights) {
+    return RoomView(at, integrator, Objects().Add(lights).Add(Walls(at)));
 }
 
 /// The room of scale 1 as an instance of one of scale `object`.
-std::string EnlargedRoomText(double object, const ScaleIntegrator &integrator, const std::string &lights) {
-    const std::string factor = fmt::format(" {:.9g}", 1 / object);
-    return ViewText({}, integrator, {0, 1, 3.5, 0, .9, 0, 0, 1, 0}, "Camera \"perspective\" \"float fov\" 60", 3) +
-           lights + "ObjectBegin \"room\"\n" + WallsText({.scale = object}) + "ObjectEnd\nScale" + factor + factor +
-           factor + "\nObjectInstance \"room\"\n";
+std::string EnlargedRoomText(double object, const ScaleIntegrator &integrator, const Objects &lights) {
+    return RoomView(
+        {}, integrator,
+        Objects()
+            .Add(lights)
+            .Add("ObjectBegin 'room'")
+            .Add(Walls({.scale = object}))
+            .Add(fmt::format("ObjectEnd\nScale {0:.9g} {0:.9g} {0:.9g}\nObjectInstance 'room'", 1 / object)));
 }
 
-std::string Bulb(const Placement &at) {
-    return "LightSource \"point\" \"point3 from\" [" + at.Points({.2, 1.5, .5}) + " ] \"rgb I\" [ " + at.Intensity(1) +
-           " ]\n";
+Objects Bulb(const Placement &at) { return Objects().PointLight(at.Points({.2, 1.5, .5}), at.Intensity(1)); }
+/// Lamps under the ceiling.
+Objects TriangleLamp(const Placement &at) {
+    const std::string corners = at.Points({-.4, 1.9, -.4, .4, 1.9, -.4, .4, 1.9, .4, -.4, 1.9, .4});
+    return Objects().Attribute("", Objects().AreaLight("4 4 4").Triangles(corners));
 }
-/// A lamp under the ceiling, of a shape that is described by `shape`.
-std::string Lamp(const std::string &shape) {
-    return "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [ 4 4 4 ] " + shape + " AttributeEnd\n";
+Objects BallLamp(const Placement &at) {
+    return Objects().Attribute("Translate" + at.Points({.4, 1.5, .1}),
+                               Objects().AreaLight("4 4 4").Sphere(.2 * at.scale));
 }
-std::string TriangleLamp(const Placement &at) {
-    return Lamp("Shape \"trianglemesh\" \"point3 P\" [" +
-                at.Points({-.4, 1.9, -.4, .4, 1.9, -.4, .4, 1.9, .4, -.4, 1.9, .4}) +
-                " ] \"integer indices\" [ 0 1 2 0 2 3 ]");
-}
-std::string BallLamp(const Placement &at) {
-    return Lamp("Translate " + at.Points({.4, 1.5, .1}) + " Shape \"sphere\" \"float radius\" " + at.Length(.2));
-}
-std::string Sky(const Placement &) { return "LightSource \"infinite\" \"rgb L\" [ .5 .5 .5 ]\n"; }
+Objects Sky(const Placement &) { return Objects().Sky(".5 .5 .5"); }
 
-using Lights = std::string (*)(const Placement &);
+using Lights = Objects (*)(const Placement &);
 struct Kind {
     const char *name;
     Lights lights;
@@ -66,7 +64,7 @@ constexpr Kind kKinds[] = {{"bulb", Bulb}, {"triangles", TriangleLamp}, {"ball",
 const std::vector<Image> &RoomOfScaleOne(const Kind &kind, const ScaleIntegrator &integrator) {
     static std::map<std::pair<std::string, std::string>, std::vector<Image>> rooms;
     std::vector<Image> &room = rooms[{kind.name, integrator.name}];
-    if (room.empty()) room = RenderSeeds(RoomText({}, integrator, kind.lights({})), {}, kRoomRuns);
+    if (room.empty()) room = RenderSeeds(RoomText({}, integrator, kind.lights({})), kRoomRuns);
     return room;
 }
 
@@ -75,7 +73,7 @@ void ExpectSameRooms(const Placement &at, double allowed) {
     for (const Kind &kind : kKinds) {
         const std::vector<ScaleIntegrator> here = AllIntegrators(at), there = AllIntegrators({});
         for (size_t i = 0; i < here.size(); ++i) {
-            const ScaleDifference d = CompareRuns(RenderSeeds(RoomText(at, here[i], kind.lights(at)), at, kRoomRuns),
+            const ScaleDifference d = CompareRuns(RenderSeeds(RoomText(at, here[i], kind.lights(at)), kRoomRuns),
                                                   RoomOfScaleOne(kind, there[i]), allowed);
             std::printf("%s, %s, %s: %s\n", at.Name().c_str(), kind.name, here[i].name.c_str(), d.Text().c_str());
             EXPECT_TRUE(d.Agrees()) << at.Name() << ", " << kind.name << ", " << here[i].name << ": " << d.Text();
@@ -105,10 +103,9 @@ TEST(RoomsFarAway, AreAlike) {
 TEST(RoomsAsInstances, OfTinyObjectsAreAlike) {
     for (const Kind &kind : kKinds)
         for (const ScaleIntegrator &integrator : AllIntegrators({})) {
-            const std::string lights = kind.lights({});
-            const ScaleDifference d =
-                CompareRuns(RenderSeeds(EnlargedRoomText(1e-8, integrator, lights), {}, kRoomRuns),
-                            RoomOfScaleOne(kind, integrator), 0.002);
+            const Objects lights = kind.lights({});
+            const ScaleDifference d = CompareRuns(RenderSeeds(EnlargedRoomText(1e-8, integrator, lights), kRoomRuns),
+                                                  RoomOfScaleOne(kind, integrator), 0.002);
             EXPECT_TRUE(d.Agrees()) << kind.name << ", " << integrator.name << ": " << d.Text();
         }
 }

@@ -16,16 +16,16 @@ struct ConvexShape {
     const char *text;  ///< about 1 large, around the origin
 };
 constexpr ConvexShape kShapes[] = {
-    {"sphere", "Shape \"sphere\" \"float radius\" 1"},
-    {"ellipsoid", "Scale 1 .2 .5 Shape \"sphere\" \"float radius\" 1"},
-    {"cylinder", "Shape \"cylinder\" \"float radius\" .3"},
-    {"disk", "Shape \"disk\" \"float radius\" .7"},
+    {"sphere", "Shape 'sphere' 'float radius' 1"},
+    {"ellipsoid", "Scale 1 .2 .5 Shape 'sphere' 'float radius' 1"},
+    {"cylinder", "Shape 'cylinder' 'float radius' .3"},
+    {"disk", "Shape 'disk' 'float radius' .7"},
     {"triangles",
-     "Shape \"trianglemesh\" \"point3 P\" [ -1 -1 0  1 -1 0  1 1 0  -1 1 0 ] \"integer indices\" [ 0 1 2 0 2 3 ]"},
-    {"parallelogram", "Shape \"bilinearmesh\" \"point3 P\" [ -1 -.5 0  1 -.5 0  -1 .5 0  1 .5 0 ]"},
-    {"trapezoid", "Shape \"bilinearmesh\" \"point3 P\" [ -1 -.5 0  1 -.5 0  -.5 .5 0  .25 .5 0 ]"},
+     "Shape 'trianglemesh' 'point3 P' [ -1 -1 0  1 -1 0  1 1 0  -1 1 0 ] 'integer indices' [ 0 1 2 0 2 3 ]"},
+    {"parallelogram", "Shape 'bilinearmesh' 'point3 P' [ -1 -.5 0  1 -.5 0  -1 .5 0  1 .5 0 ]"},
+    {"trapezoid", "Shape 'bilinearmesh' 'point3 P' [ -1 -.5 0  1 -.5 0  -.5 .5 0  .25 .5 0 ]"},
     {"octahedron",
-     "Shape \"trianglemesh\" \"point3 P\" [ 1 0 0  -1 0 0  0 1 0  0 -1 0  0 0 1  0 0 -1 ] \"integer indices\" "
+     "Shape 'trianglemesh' 'point3 P' [ 1 0 0  -1 0 0  0 1 0  0 -1 0  0 0 1  0 0 -1 ] 'integer indices' "
      "[ 0 2 4  2 1 4  1 3 4  3 0 4  2 0 5  1 2 5  3 1 5  0 3 5 ]"},
 };
 
@@ -64,10 +64,9 @@ Blocked ConnectToHits(const Scene &scene, Rng &rng) {
     const Float size = Length(bounds.Diagonal()) / 2;
     Blocked count;
     for (int i = 0; i < 4000; ++i) {
-        Ray ray;
-        ray.o = center + 2 * size * SampleUniformSphere(rng.Uniform2());
-        ray.d = Normalize(center + Float(0.3) * size * SampleUniformSphere(rng.Uniform2()) - ray.o);
-        const std::optional<SurfacePoint> hit = scene.Intersect(ray);
+        const Point3 o = center + 2 * size * SampleUniformSphere(rng.Uniform2());
+        const Point3 target = center + Float(0.3) * size * SampleUniformSphere(rng.Uniform2());
+        const std::optional<SurfacePoint> hit = scene.Intersect({.o = o, .d = Normalize(target - o)});
         if (!hit) continue;
         LightLiSample to;
         to.pLight = hit->p;
@@ -88,8 +87,7 @@ Blocked ConnectToSamples(const Scene &scene, Rng &rng) {
     const Float size = Length(bounds.Diagonal()) / 2;
     Blocked count;
     for (int i = 0; i < 4000; ++i) {
-        const LightComponent light =
-            scene.Lights()[LightId(static_cast<uint32_t>(rng.Uniform() * static_cast<Float>(scene.Lights().Size())))];
+        const LightComponent light = scene.Lights()[LightId(uint32_t(rng.Uniform() * Float(scene.Lights().Size())))];
         const ShapePrimitive at = light.Surface();
         const std::optional<ShapeSample> place = at.shape->SampleArea(at.primitive, rng.Uniform2());
         if (!place) continue;
@@ -106,21 +104,18 @@ Blocked ConnectToSamples(const Scene &scene, Rng &rng) {
 }
 
 void ExpectNoneBlocked(const Placement &at) {
+    const std::string lamp = "AreaLightSource 'diffuse' 'rgb L' [ 1 1 1 ] 'bool twosided' true";
     for (const ConvexShape &shape : kShapes)
         for (const bool isLight : {true, false}) {
             if (isLight && at.instanced) continue;
-            const std::string place = fmt::format("Translate {} Scale {} {} {} Rotate 35 1 2 3 ",
-                                                  at.Points({.1, .2, .3}), at.Length(1), at.Length(1), at.Length(1));
-            const std::string text =
-                ViewText(at, {"path"}, {0, 0, 9, 0, 0, 0, 0, 1, 0}, "Camera \"perspective\"", 1) +
-                (at.instanced
-                     ? fmt::format("ObjectBegin \"o\" {} ObjectEnd {} ObjectInstance \"o\"", shape.text, place)
-                     : place +
-                           (isLight ? "AreaLightSource \"diffuse\" \"rgb L\" [ 1 1 1 ] \"bool twosided\" true\n" : "") +
-                           shape.text);
-            BuildOptions options;
-            options.renderCoordSys = at.renderCoordSys;
-            const BuiltScene built = BuildText(text, options);
+            const std::string place =
+                fmt::format("Translate {0} Scale {1} {1} {1} Rotate 35 1 2 3 ", at.Points({.1, .2, .3}), at.Length(1));
+            const Objects object = at.instanced
+                                       ? Objects().Add(fmt::format("ObjectBegin 'o' {} ObjectEnd {} ObjectInstance 'o'",
+                                                                   shape.text, place))
+                                       : Objects().Add(place).Add(isLight ? lamp : "").Add(shape.text);
+            const std::string text = ViewText(at, {"path"}, {0, 0, 9, 0, 0, 0, 0, 1, 0}, 90, 1, object);
+            const BuiltScene built = BuildText(text);
             Rng rng(7);
             const Blocked count = isLight ? ConnectToSamples(*built.scene, rng) : ConnectToHits(*built.scene, rng);
             EXPECT_EQ(count.blocked, 0) << at.Name() << ", " << shape.name << (isLight ? " as light" : "");

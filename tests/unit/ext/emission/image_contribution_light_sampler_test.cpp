@@ -4,9 +4,9 @@
 
 #include <numeric>
 
-#include "pbrt/core/parallel.h"
 #include "support/build_text.h"
 #include "support/light_views.h"
+#include "support/threads.h"
 
 namespace {
 
@@ -49,9 +49,7 @@ struct Prepared {
 Prepared Prepare(const std::string &text, const ImageContributionParams &params) {
     Prepared r{BuildText(text), nullptr};
     r.sampler = std::make_unique<ImageContributionLightSampler>(r.built.scene->Lights(), params);
-    Progress progress;
-    PrepareContext context = r.built.Preparation(progress);
-    r.sampler->Prepare(context);
+    test::PrepareIn(r.built, *r.sampler);
     return r;
 }
 
@@ -72,7 +70,7 @@ TEST(ImageContribution, IsWhatPicturesOfSingleLampsHold) {
         for (size_t i = 0; i < kCount; ++i) {
             gray[i][t] = tiles[i][3 * t] + tiles[i][3 * t + 1] + tiles[i][3 * t + 2];
             brightness[t] += gray[i][t];
-            all += gray[i][t] / static_cast<double>(tileCount);
+            all += gray[i][t] / double(tileCount);
         }
     ASSERT_GT(all, 0);
     std::vector<double> expected(kCount), seen;
@@ -96,35 +94,34 @@ TEST(ImageContributionLightSampler, ChoosesByTheRootOfSeenLightAndPower) {
     double power = 0, found = 0, samples = 0, once = 0;
     std::vector<double> roots;
     for (uint32_t g = 0; g < kCount; ++g) {
-        power += static_cast<double>(groups.Candidate(g).power);
+        power += double(groups.Candidate(g).power);
         found += r.sampler->Contributions()[g].sum;
         samples += r.sampler->Contributions()[g].count;
         once += r.sampler->Contributions()[g].count == 1;
     }
     const double missed = once / samples;
     for (uint32_t g = 0; g < kCount; ++g) {
-        const double share = static_cast<double>(groups.Candidate(g).power) / power;
+        const double share = double(groups.Candidate(g).power) / power;
         roots.push_back(std::sqrt(share * ((1 - missed) * r.sampler->Contributions()[g].sum / found + missed * share)));
     }
     const double sum = std::accumulate(roots.begin(), roots.end(), 0.0);
     for (uint32_t g = 0; g < kCount; ++g) {
-        const double share = static_cast<double>(groups.Candidate(g).power) / power;
-        EXPECT_NEAR(static_cast<double>(r.sampler->PMF({}, LightId(g))), 0.8 * roots[g] / sum + 0.2 * share, 1e-5);
+        const double share = double(groups.Candidate(g).power) / power;
+        EXPECT_NEAR(double(r.sampler->PMF({}, LightId(g))), 0.8 * roots[g] / sum + 0.2 * share, 1e-5);
     }
     EXPECT_GT(r.sampler->PMF({}, LightId(1u)), 0.2f) << "a thousandth of the power of the lamp behind the wall";
     EXPECT_LT(r.sampler->PMF({}, LightId(3u)), 0.25f);
 }
 
 TEST(ImageContributionLightSampler, IsTheSameForAnyNumberOfThreads) {
-    std::vector<Float> expected;
-    for (int threads : {1, 2, 5}) {
-        ThreadLimit limit(threads);
+    const auto prepare = [] {
         const Prepared r = Prepare(AllLamps(), {});
         std::vector<Float> pmf;
         for (uint32_t g = 0; g < kCount; ++g) pmf.push_back(r.sampler->PMF({}, LightId(g)));
-        if (expected.empty()) expected = pmf;
-        EXPECT_EQ(pmf, expected) << threads;
-    }
+        return pmf;
+    };
+    const std::vector<Float> expected = pbrt::test::OnThreads(1, prepare);
+    for (int threads : {2, 5}) EXPECT_EQ(pbrt::test::OnThreads(threads, prepare), expected) << threads;
 }
 
 TEST(ImageContributionLightSampler, ChoosesByPowerIfNothingIsSeen) {

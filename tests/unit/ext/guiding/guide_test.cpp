@@ -7,15 +7,16 @@
 #include "support/errors.h"
 #include "support/scene_text.h"
 #include "support/statistics.h"
+#include "support/structure.h"
 
 namespace pbrt::test {
 using namespace ext;
 namespace {
 
-Vector3 Uniform(Rng &rng) { return EqualAreaSquareToSphere({rng.Uniform(), rng.Uniform()}); }
+Vector3 Uniform(Rng &rng) { return EqualAreaSquareToSphere(rng.Uniform2()); }
 
 std::vector<SourceCluster> SomeClusters(Rng &rng) {
-    std::vector<SourceCluster> targets(1 + static_cast<size_t>(rng.Uniform() * 12));
+    std::vector<SourceCluster> targets(1 + size_t(rng.Uniform() * 12));
     for (SourceCluster &target : targets) {
         for (int axis = 0; axis < 3; ++axis) target.p[axis] = 4 * rng.Uniform() - 2;
         target.r2 = Sqr(rng.Uniform() < 0.3f ? Float(0.01) : rng.Uniform());
@@ -49,9 +50,8 @@ TEST(GuideDirections, SamplesHaveTheirDensityAndItIntegratesToOne) {
             double sum = 0;
             for (size_t y = 0; y < kFine * kSub; ++y)
                 for (size_t x = 0; x < kFine * kSub; ++x) {
-                    const Point2 middle((static_cast<Float>(x) + 0.5f) / (kFine * kSub),
-                                        (static_cast<Float>(y) + 0.5f) / (kFine * kSub));
-                    const double share = static_cast<double>(directions.Pdf(EqualAreaSquareToSphere(middle))) * 4 *
+                    const Point2 middle((Float(x) + 0.5f) / (kFine * kSub), (Float(y) + 0.5f) / (kFine * kSub));
+                    const double share = double(directions.Pdf(EqualAreaSquareToSphere(middle))) * 4 *
                                          std::numbers::pi / (kFine * kSub * kFine * kSub);
                     expected[y / kSub * kFine + x / kSub] += share * kSamples;
                     sum += share;
@@ -59,11 +59,11 @@ TEST(GuideDirections, SamplesHaveTheirDensityAndItIntegratesToOne) {
             EXPECT_NEAR(sum, 1, 0.02) << "the borders of cones do not follow the cells";
             int outside = 0;
             for (int k = 0; k < kSamples; ++k) {
-                const Vector3 w = directions.Sample({rng.Uniform(), rng.Uniform()});
+                const Vector3 w = directions.Sample(rng.Uniform2());
                 EXPECT_NEAR(Length(w), 1, 1e-5f);
                 outside += !(directions.Pdf(w) > 0);
                 const Point2 p = EqualAreaSphereToSquare(w) * Float(kFine);
-                const auto at = [](Float x) { return std::min(static_cast<size_t>(x), kFine - 1); };
+                const auto at = [](Float x) { return std::min(size_t(x), kFine - 1); };
                 ++observed[at(p.y) * kFine + at(p.x)];
             }
             EXPECT_LE(outside, kSamples / 2000) << "only rounding may put a sample outside of its cone";
@@ -116,7 +116,7 @@ TEST(SourceClusters, AreWhereLightComesFrom) {
             for (int i = 0; i < kDirections; ++i) {
                 const Point2 onDisk = SampleUniformDiskConcentric(rng.Uniform2()) * std::sqrt(sine2);
                 const Vector3 w(onDisk.x, onDisk.y, std::sqrt(1 - Sqr(onDisk.x) - Sqr(onDisk.y)));
-                toLamps += static_cast<double>(directions.Pdf(frame.FromLocal(w)) * Pi * sine2 / kDirections);
+                toLamps += double(directions.Pdf(frame.FromLocal(w)) * Pi * sine2 / kDirections);
             }
         }
         // They cover less than a hundredth of what is above p, and are half of the light or more.
@@ -125,12 +125,16 @@ TEST(SourceClusters, AreWhereLightComesFrom) {
     }
 }
 
-GuideParams Directions() {
-    GuideParams params;
-    params.roulette = false;
-    params.directions = true;
-    params.records = 1 << 20;
-    return params;
+GuideParams Directions(bool roulette = false) { return {.roulette = roulette, .records = 1 << 20}; }
+
+/// A bounce from a horizontal surface, drawn by the cosine.
+GuideRecord CosineBounce(const Point3 &p, Rng &rng) {
+    GuideRecord r;
+    r.p = p;
+    r.normal = {0, 0, 1};
+    r.wi = SampleCosineHemisphere(rng.Uniform2());
+    r.pdf = r.bsdfPdf = r.wi.z / Pi;
+    return r;
 }
 
 const std::string kBall = Objects().Light("infinite").Shape("sphere");
@@ -161,12 +165,9 @@ class Learned {
                 for (int x = 0; x < 200; ++x) {
                     const std::optional<size_t> path = guide.PathNumber({x, y}, sample);
                     PathObserver::PathPlaces places = guide.BeginRecords(path);
-                    GuideRecord r;
+                    const Point3 p{2 * rng.Uniform() - 1, 2 * rng.Uniform() - 1, 0};
+                    GuideRecord r = CosineBounce(p, rng);
                     r.beta = 1;
-                    r.p = {2 * rng.Uniform() - 1, 2 * rng.Uniform() - 1, 0};
-                    r.normal = {0, 0, 1};
-                    r.wi = SampleCosineHemisphere({rng.Uniform(), rng.Uniform()});
-                    r.pdf = r.bsdfPdf = r.wi.z / Pi;
                     if (bothSides && rng.Uniform() < 0.5f) r.wi.z = -r.wi.z;
                     if (bothSides) r.pdf = r.bsdfPdf = r.pdf / 2;
                     r.target = r.p + r.wi * Float(30);
@@ -217,9 +218,7 @@ TEST(PathGuide, LearnsWhenEnoughPathsAreRecorded) {
     const BuiltScene built = BuildText(SceneText().Film(20, 20).World(kBall));
     Progress progress;
     const auto learnings = [&](int samples) {
-        GuideParams params;
-        params.roulette = params.directions = false;
-        PathGuide guide(params);
+        PathGuide guide(GuideParams{.roulette = false, .directions = false});
         PrepareContext context = built.Preparation(progress);
         context.samplesPerPixel = samples;
         guide.Prepare(context, 5);
@@ -238,8 +237,7 @@ TEST(PathGuide, LearnsWhenEnoughPathsAreRecorded) {
 }
 
 TEST(PathGuide, LearnsNoDirectionsWhereTheyDoNotPay) {
-    GuideParams params = Directions();
-    params.roulette = true;
+    const GuideParams params = Directions(true);
     const Learned lobe(Lobe, false, false, params), first(Lobe, false, false, params, 7);
     EXPECT_TRUE(lobe.guide.EstimatesDirections());
     EXPECT_TRUE(lobe.guide.Cells().Guide());
@@ -275,11 +273,7 @@ bool Meets(const Point3 &p, const Vector3 &w, const Point3 &lamp, Float radius) 
 /// What a bounce from a floor finds: a lamp, a ball, or else a dim ceiling.
 GuideRecord UnderLamps(const Point3 &p, std::span<const Point3> lamps, Float radius, Float radiance, bool isOfFirstHalf,
                        Rng &rng) {
-    GuideRecord r;
-    r.p = p;
-    r.normal = {0, 0, 1};
-    r.wi = SampleCosineHemisphere(rng.Uniform2());
-    r.pdf = r.bsdfPdf = r.wi.z / Pi;
+    GuideRecord r = CosineBounce(p, rng);
     r.isOfFirstHalf = isOfFirstHalf;
     r.target = r.p + r.wi * (2 / std::max(r.wi.z, Float(0.1)));
     r.radiance = 0.01f;
@@ -330,7 +324,7 @@ TEST(GuideCells, GuideToManyLamps) {
     constexpr int kSide = 6;
     std::vector<Point3> lamps;
     for (int i = 0; i < kSide * kSide; ++i)
-        lamps.emplace_back(0.4f * static_cast<Float>(i % kSide) - 1, 0.4f * static_cast<Float>(i / kSide) - 1, 1);
+        lamps.emplace_back(0.4f * Float(i % kSide) - 1, 0.4f * Float(i / kSide) - 1, 1);
     Rng rng(8);
     std::vector<GuideRecord> records;
     for (int i = 0; i < 200000; ++i)
@@ -365,7 +359,7 @@ TEST(GuideCells, GuideToWhatIsRarelyFound) {
     }
     GuideCells cells;
     cells.Learn(records, 0.7f);
-    EXPECT_LT(static_cast<size_t>(finds), cells.Cells());
+    EXPECT_LT(size_t(finds), cells.Cells());
     constexpr int kPlaces = 200;
     int guiding = 0;
     for (int i = 0; i < kPlaces; ++i) {
@@ -391,28 +385,24 @@ TEST(PathGuide, ASavedStateIsLoadedBitByBitAndADamagedOneRefused) {
         guide.Save(writer);
         return writer.Joined();
     };
-    GuideParams withRoulette = Directions();
-    withRoulette.roulette = true;
-    const Learned lobe(Lobe, false), gaveUp(Even, false, false, withRoulette);
+    const Learned lobe(Lobe, false), gaveUp(Even, false, false, Directions(true));
     const auto check = [&](const PathGuide &guide, const GuideParams &params, bool learns) {
         const std::string state = bytesOf(guide);
         PathGuide other(params);
         load(state, other);
         EXPECT_EQ(bytesOf(other), state);
         EXPECT_EQ(other.EstimatesDirections(), learns);
-        for (const std::string &damaged :
-             {state.substr(0, state.size() - 1), state.substr(0, 20), std::string(state.size(), '\x7f')}) {
+        for (const std::string &damaged : Damaged(state)) {
             PathGuide refusing(params);
             EXPECT_THROW(load(damaged, refusing), UserError);
         }
     };
     check(lobe.guide, Directions(), true);
-    check(gaveUp.guide, withRoulette, false);
+    check(gaveUp.guide, Directions(true), false);
 }
 
 TEST(PathGuide, WhatItLearnedIsOfUseToOtherRenders) {
-    GuideParams params = Directions();
-    params.roulette = true;
+    GuideParams params = Directions(true);
     const Learned lobe(Lobe, false, false, params);
     StateWriter writer;
     lobe.guide.SaveForOthers(writer);
@@ -465,13 +455,12 @@ void CheckGuideMean(const Bsdf &bsdf, bool isGlossy, bool bothSides, Float wrong
     Rng rng(11);
     RunningStatistics own, guided, withoutGuide, wrongShare;
     const auto weightOf = [&](const BsdfSample &s, Float pdf) {
-        return static_cast<double>(s.f.Average() * std::abs(s.wi.z) / pdf * Lobe(vertex.point.p, s.wi));
+        return double(s.f.Average() * std::abs(s.wi.z) / pdf * Lobe(vertex.point.p, s.wi));
     };
     for (int i = 0; i < 400000; ++i) {
-        const std::optional<BsdfSample> a =
-            vertex.bsdf.Sample(vertex.point.wo, rng.Uniform(), {rng.Uniform(), rng.Uniform()});
+        const std::optional<BsdfSample> a = vertex.bsdf.Sample(vertex.point.wo, rng.Uniform(), rng.Uniform2());
         own.Add(a ? weightOf(*a, a->pdf) : 0);
-        const std::optional<BsdfSample> b = bounces.Sample(vertex, rng.Uniform(), {rng.Uniform(), rng.Uniform()});
+        const std::optional<BsdfSample> b = bounces.Sample(vertex, rng.Uniform(), rng.Uniform2());
         guided.Add(b ? weightOf(*b, b->pdf) : 0);
         const Float bsdfPdf = b ? vertex.bsdf.Pdf(vertex.point.wo, b->wi) : 0;
         const Float guidePdf = b ? (b->pdf - (1 - share) * bsdfPdf) / share : 0;

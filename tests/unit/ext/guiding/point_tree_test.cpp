@@ -24,7 +24,7 @@ struct Built {
             return;
         }
         const PointTree::Node n = tree.Nodes()[node];
-        const auto isFirst = [&](const Point3 &p) { return p[static_cast<int>(n.axis)] < n.split; };
+        const auto isFirst = [&](const Point3 &p) { return p[int(n.axis)] < n.split; };
         isOrdered = isOrdered && std::all_of(begin, second, isFirst) && std::none_of(second, end, isFirst);
         Divide(n.below, begin, second, most);
         Divide(n.below + 1, second, end, most);
@@ -71,18 +71,13 @@ TEST(PointTree, RefusesADamagedOne) {
     std::vector<Point3> places(1000);
     for (Point3 &p : places) p = {rng.Uniform(), rng.Uniform(), rng.Uniform()};
     built.Divide(0, places.data(), places.data() + places.size(), 100);
-    const auto bytesOf = [](const PointTree &tree) {
-        StateWriter writer;
-        writer(tree);
-        return writer.Joined();
-    };
-    const std::string saved = bytesOf(built.tree);
+    const std::string saved = BytesOf(built.tree);
     const auto load = [&](const std::string &bytes, size_t roots, size_t leaves) {
         StateReader in(bytes, "tree");
         PointTree tree;
         in(tree);
         in.RequireValid(tree.ValidateFor(roots, leaves));
-        EXPECT_EQ(bytesOf(tree), bytes);
+        EXPECT_EQ(BytesOf(tree), bytes);
     };
     load(saved, 1, built.leaves.size());
     EXPECT_THROW(load(saved, 1, built.leaves.size() - 1), UserError);
@@ -98,8 +93,8 @@ TEST(PointTree, RefusesADamagedOne) {
         refuses([](PointTree::Node &n) { n.below = 0xffffffffu; });
         if (nodes[i].IsLeaf()) continue;
         // Behind the last node, itself, the children of another one, and neighbours that are not siblings.
-        refuses([&](PointTree::Node &n) { n.below = static_cast<uint32_t>(nodes.size() - 1); });
-        refuses([&](PointTree::Node &n) { n.below = static_cast<uint32_t>(i); });
+        refuses([&](PointTree::Node &n) { n.below = uint32_t(nodes.size() - 1); });
+        refuses([&](PointTree::Node &n) { n.below = uint32_t(i); });
         refuses([&](PointTree::Node &n) { n.below += n.below + 3 < nodes.size() ? 2 : -2; });
         refuses([&](PointTree::Node &n) { ++n.below; });
         refuses([](PointTree::Node &n) { n.split = std::numeric_limits<Float>::quiet_NaN(); });

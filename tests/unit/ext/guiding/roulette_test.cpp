@@ -5,6 +5,7 @@
 #include "pbrt/math/rng.h"
 #include "support/light_views.h"
 #include "support/render_waves.h"
+#include "support/structure.h"
 
 namespace pbrt::test {
 using namespace ext;
@@ -13,7 +14,7 @@ namespace {
 constexpr int kSide = 64, kVertices = 4;
 constexpr size_t kPaths = size_t{2} * kSide * kSide;
 Point2i PixelOf(size_t path) {
-    const auto pixel = static_cast<int>(path / 2);
+    const auto pixel = int(path / 2);
     return {pixel % kSide, pixel / kSide};
 }
 const uint32_t kUp = PathRoulette::KindOf({0, 0, 1}, false), kDown = PathRoulette::KindOf({0, 0, -1}, false);
@@ -46,29 +47,28 @@ Float SurvivalAt(const PathRoulette &roulette, const Point3 &p, uint32_t kind, F
 TEST(PathRoulette, FollowsTheFormula) {
     const PathRoulette roulette = LearnedRoulette([](const Point3 &, Float) { return 0.75f; }, EvenImage);
     ASSERT_TRUE(roulette.HasEstimates());
+    const Point3 p(0.1f, 0.2f, 0);
+    const Float importance = roulette.PixelImportance({5, 5});
     // I^2 = 1 + 0.2^2, V0 = 2 / I^2, C0 = 5, M = 0.75^2, C = 2, V = 0.
     const Float expected = PathRoulette::kVarianceCorrection * std::sqrt(0.75f * 0.75f / 2) * std::sqrt(5.f / 2);
-    EXPECT_NEAR(SurvivalAt(roulette, {0.1f, 0.2f, 0}, kUp, 0.9f * roulette.PixelImportance({5, 5})), 0.9f * expected,
-                1e-3f);
-    EXPECT_NEAR(SurvivalAt(roulette, {0.1f, 0.2f, 0}, kUp, 0.8f * roulette.PixelImportance({5, 5})), 0.8f * expected,
-                1e-3f);
-    EXPECT_EQ(SurvivalAt(roulette, {0.1f, 0.2f, 0}, kUp, 0.01f * roulette.PixelImportance({5, 5})),
-              PathRoulette::kMinContinuation);
-    EXPECT_EQ(SurvivalAt(roulette, {0.1f, 0.2f, 0}, kUp, 100 * roulette.PixelImportance({5, 5})), 1);
+    for (Float worth : {0.8f, 0.9f})
+        EXPECT_NEAR(SurvivalAt(roulette, p, kUp, worth * importance), worth * expected, 1e-3f);
+    EXPECT_EQ(SurvivalAt(roulette, p, kUp, 0.01f * importance), PathRoulette::kMinContinuation);
+    EXPECT_EQ(SurvivalAt(roulette, p, kUp, 100 * importance), 1);
     const Float onwards = PathRoulette::kVarianceCorrection * (0.75f / 2) * std::sqrt(5.f / 2);
-    EXPECT_NEAR(roulette.At({0.1f, 0.2f, 0}, kUp).onwards * roulette.PixelImportance({5, 5}), onwards, 1e-3f);
+    EXPECT_NEAR(roulette.At(p, kUp).onwards * importance, onwards, 1e-3f);
     // Nothing is known of the other side.
-    EXPECT_EQ(SurvivalAt(roulette, {0.1f, 0.2f, 0}, kDown, roulette.PixelImportance({5, 5})), 0);
+    EXPECT_EQ(SurvivalAt(roulette, p, kDown, importance), 0);
 }
 
 TEST(PathRoulette, PathsGoOnWhereLightIsFoundRarely) {
     const PathRoulette roulette =
         LearnedRoulette([](const Point3 &p, Float u) { return p.x > 0 ? (u < 0.1f ? 10.f : 0) : 0.1f; }, EvenImage);
     // The means are 1 and 0.1, the roots of the second moments 3.2 and 0.1.
-    EXPECT_GT(SurvivalAt(roulette, {0.5f, 0, 0}, kUp, 0.25f * roulette.PixelImportance({5, 5})), 0.7f);
-    EXPECT_EQ(SurvivalAt(roulette, {0.5f, 0, 0}, kUp, roulette.PixelImportance({5, 5})), 1);
-    EXPECT_EQ(SurvivalAt(roulette, {-0.5f, 0, 0}, kUp, roulette.PixelImportance({5, 5})),
-              PathRoulette::kMinContinuation);
+    const Float importance = roulette.PixelImportance({5, 5});
+    EXPECT_GT(SurvivalAt(roulette, {0.5f, 0, 0}, kUp, 0.25f * importance), 0.7f);
+    EXPECT_EQ(SurvivalAt(roulette, {0.5f, 0, 0}, kUp, importance), 1);
+    EXPECT_EQ(SurvivalAt(roulette, {-0.5f, 0, 0}, kUp, importance), PathRoulette::kMinContinuation);
 }
 
 TEST(PathRoulette, PathsOfDarkPixelsGoOnLonger) {
@@ -100,9 +100,7 @@ Float WorthOf(Sample &&sample) {
     Rng rng(7);
     for (size_t path = 0; path < kSamples * 64; ++path)
         roulette.RecordPath(path, {sample(path % kSamples, rng.Uniform()), 5});
-    roulette.Learn({8, 8}, [](size_t path) {
-        return Point2i(static_cast<int>(path / kSamples % 8), static_cast<int>(path / kSamples / 8));
-    });
+    roulette.Learn({8, 8}, [](size_t path) { return Point2i(int(path / kSamples % 8), int(path / kSamples / 8)); });
     return roulette.PixelImportance({3, 3});
 }
 
@@ -131,22 +129,15 @@ TEST(PathRoulette, SidesAndGlossyPlacesAreApart) {
 TEST(PathRoulette, ASavedStateIsLoadedBitByBitAndADamagedOneRefused) {
     const PathRoulette roulette =
         LearnedRoulette([](const Point3 &p, Float u) { return p.x > 0 ? u : 0.1f; }, EvenImage);
-    const auto bytesOf = [](const PathRoulette &saved) {
-        StateWriter writer;
-        writer(saved);
-        return writer.Joined();
-    };
     const auto load = [](const std::string &bytes) {
         PathRoulette loaded;
         StateReader reader(bytes, "state");
         reader(loaded);
         return loaded;
     };
-    const std::string state = bytesOf(roulette);
-    EXPECT_EQ(bytesOf(load(state)), state);
-    for (const std::string &damaged :
-         {state.substr(0, state.size() - 1), state.substr(0, 20), std::string(state.size(), '\x7f')})
-        EXPECT_THROW(load(damaged), UserError);
+    const std::string state = BytesOf(roulette);
+    EXPECT_EQ(BytesOf(load(state)), state);
+    for (const std::string &damaged : Damaged(state)) EXPECT_THROW(load(damaged), UserError);
 }
 
 TEST(PathRoulette, IsOfUseToOtherPictures) {

@@ -11,9 +11,7 @@
 
 namespace ext::lab {
 
-using test::Contest;
-using test::Fireflies;
-using test::Lognormal;
+using test::Contest, test::Fireflies, test::Lognormal;
 
 namespace {
 
@@ -41,18 +39,16 @@ Alarms CountAlarms(F &&make, bool useAuxiliary) {
                         Contest contest = make(probability, share, spread);
                         contest.common.noisy = where;
                         contest.common.runs = runs;
-                        contest.common.parts = 8;
-                        contest.common.partLength = 2;
                         contest.useAuxiliary = useAuxiliary;
                         contests.push_back(contest);
                     }
     std::atomic<int> alarms = 0;
-    ParallelForEach(static_cast<int64_t>(contests.size()), [&](int64_t i) {
-        const auto k = static_cast<size_t>(i);
+    ParallelForEach(int64_t(contests.size()), [&](int64_t i) {
+        const auto k = size_t(i);
         const std::vector<BiasVerdict> verdicts = Simulate(contests[k], 7000 + k);
         alarms += std::count(verdicts.begin(), verdicts.end(), BiasVerdict::Biased) > 0;
     });
-    return {alarms, static_cast<int>(contests.size())};
+    return {alarms, int(contests.size())};
 }
 
 /// The number of experiments of 20 that find the bias of the first sampler, which never chooses a light in a region.
@@ -60,35 +56,36 @@ int Found(Contest contest, int runs, double bias) {
     contest.common.noisy = [](int x, int y) { return x >= 16 && x < 64 && y >= 16; };
     contest.common.bias = [bias](int x, int y) { return x >= 16 && x < 64 && y >= 16 ? -bias : 0; };
     contest.common.runs = runs;
-    contest.common.parts = 8;
-    contest.common.partLength = 2;
     std::atomic<int> found = 0;
-    ParallelForEach(
-        20, [&](int64_t i) { found += Simulate(contest, 99000 + static_cast<uint64_t>(i))[0] == BiasVerdict::Biased; });
+    ParallelForEach(20, [&](int64_t i) { found += Simulate(contest, 99000 + uint64_t(i))[0] == BiasVerdict::Biased; });
     return found;
 }
 
 const test::Noise kSmooth = Lognormal(0.3);
 
+/// `best` makes the reference of eight pictures, `second` the one that judges `best`.
+Contest ContestOf(std::vector<Contest::Sampler> samplers, size_t best, size_t second) {
+    Contest contest;
+    contest.common.parts = 8;
+    contest.common.partLength = 2;
+    contest.samplers = std::move(samplers);
+    contest.best = best;
+    contest.second = second;
+    return contest;
+}
+
 // Like bvh against octree: the reference that judges bvh is made of many weak samples, that of bvh, which judges
 // octree, of few strong ones.
 Contest TwoOfWhomOneIsRare(double probability, double share, double spread) {
-    Contest contest;
-    contest.samplers = {{Fireflies(probability, share, 0.3, spread), kRare}, {kSmooth, kCalm}};
-    contest.best = 1;
-    contest.second = 0;
-    return contest;
+    return ContestOf({{Fireflies(probability, share, 0.3, spread), kRare}, {kSmooth, kCalm}}, 1, 0);
 }
 
 // As above with a third sampler of the first kind, as bvh over meshes is one; it makes the second reference.
 Contest ThreeOfWhomTwoAreRare(double probability, double share, double spread) {
-    Contest contest;
-    contest.samplers = {{Fireflies(probability, share, 0.3, spread), kRare},
-                        {Fireflies(2 * probability, share, 0.3, spread), kRare},
-                        {kSmooth, kCalm}};
-    contest.best = 2;
-    contest.second = 1;
-    return contest;
+    return ContestOf({{Fireflies(probability, share, 0.3, spread), kRare},
+                      {Fireflies(2 * probability, share, 0.3, spread), kRare},
+                      {kSmooth, kCalm}},
+                     2, 1);
 }
 
 }  // namespace
@@ -117,10 +114,7 @@ TEST(AuxiliaryRuns, WithoutKinSomeFalseAlarmsRemain) {
 TEST(AuxiliaryRuns, BiasOfACalmSamplerIsFoundWhateverTheOthersDo) {
     for (const test::Noise &other :
          {kSmooth, Fireflies(1e-3, 0.3, 0.3), Lognormal(1.5), Fireflies(1e-2, 0.3, 0.8, 0.5)}) {
-        Contest contest;
-        contest.samplers = {{kSmooth, kCalm, true}, {other, kRare}, {kSmooth, kOther}};
-        contest.best = 2;
-        contest.second = 1;
+        const Contest contest = ContestOf({{kSmooth, kCalm, true}, {other, kRare}, {kSmooth, kOther}}, 2, 1);
         EXPECT_GE(Found(contest, 3, 0.03), 12);
         EXPECT_GE(Found(contest, 3, 0.05), 19);
         EXPECT_GE(Found(contest, 12, 0.03), 19);
@@ -129,10 +123,8 @@ TEST(AuxiliaryRuns, BiasOfACalmSamplerIsFoundWhateverTheOthersDo) {
 
 // If samplers of the same kind meet strong samples in the region, the difference must be larger than these can explain.
 TEST(AuxiliaryRuns, KinOfStrongSamplesHidesASmallBiasOnly) {
-    Contest contest;
-    contest.samplers = {{kSmooth, kRare, true}, {Fireflies(1e-2, 0.2, 0.3), kRare}, {kSmooth, kCalm}};
-    contest.best = 2;
-    contest.second = 1;
+    const Contest contest =
+        ContestOf({{kSmooth, kRare, true}, {Fireflies(1e-2, 0.2, 0.3), kRare}, {kSmooth, kCalm}}, 2, 1);
     EXPECT_LE(Found(contest, 3, 0.03), 4);
     EXPECT_GE(Found(contest, 12, 0.4), 18);
 }

@@ -11,11 +11,7 @@
 
 namespace ext::lab {
 
-using test::Experiment;
-using test::Fireflies;
-using test::Lognormal;
-using test::Pareto;
-using test::Simulate;
+using test::Experiment, test::Fireflies, test::Lognormal, test::Pareto, test::Simulate;
 
 namespace {
 
@@ -27,7 +23,7 @@ Count Verdicts(const Experiment &experiment, int experiments, uint64_t seed, con
                bool single = false) {
     std::vector<BiasVerdict> verdicts(static_cast<size_t>(experiments));
     ParallelForEach(experiments, [&](int64_t i) {
-        const auto k = static_cast<size_t>(i);
+        const auto k = size_t(i);
         verdicts[k] = Simulate(experiment, seed + k, settings, single).verdict;
     });
     Count count;
@@ -74,7 +70,7 @@ TEST(BiasCheck, HeavyTailsGiveFewerThanOneFalseAlarmInHundred) {
                 Experiment c = With(noises[i], runs);
                 if (local) c.noisy = [](int x, int y) { return x >= 20 && x < 36 && y >= 24 && y < 36; };
                 const int experiments = runs == 3 ? 14 : runs == 24 ? 4 : 8;
-                alarms += Verdicts(c, experiments, 1000 * (i + 1) + static_cast<uint64_t>(runs)).biased;
+                alarms += Verdicts(c, experiments, 1000 * (i + 1) + uint64_t(runs)).biased;
             }
     EXPECT_LE(alarms, 4);
 }
@@ -117,9 +113,7 @@ TEST(BiasCheck, PValueOfARegionKeepsItsLevel) {
         if (concentrated) c.truth = [](int x, int y) { return x < 8 && y < 8 ? 3.0 : 0.01; };
         const int experiments = 3000;
         std::vector<double> p(experiments);
-        ParallelForEach(experiments, [&](int64_t i) {
-            p[static_cast<size_t>(i)] = Simulate(c, 500 + static_cast<uint64_t>(i)).whole.p;
-        });
+        ParallelForEach(experiments, [&](int64_t i) { p[size_t(i)] = Simulate(c, 500 + uint64_t(i)).whole.p; });
         // The expected number of p-values below 0.01 is 0.01 x 3000 = 30 +- 5.5 under normal noise; the test takes the
         // larger of two variance estimates, which makes it lower.
         EXPECT_LE(std::count_if(p.begin(), p.end(), [](double v) { return v < 0.01; }), 45);
@@ -258,10 +252,7 @@ TEST(BiasCheck, TestsEveryChannel) {
     auto render = [&](int length, double blue) {
         Image image(PixelFormat::Float, {96, 64}, {"R", "G", "B", "A"});
         const test::Noise noise = Lognormal(0.1 / std::sqrt(length));
-        for (int y = 0; y < 64; ++y)
-            for (int x = 0; x < 96; ++x)
-                for (int c = 0; c < 4; ++c)
-                    image.Set({x, y}, c, static_cast<Float>((c == 2 ? 0.02 * blue : 1) * noise(rng)));
+        ForEachValue(image, [&](Point2i p, int c) { image.Set(p, c, Float((c == 2 ? 0.02 * blue : 1) * noise(rng))); });
         return ComputeTileMeans(image);
     };
     BiasReference reference;

@@ -14,7 +14,7 @@ namespace ext::lab::test {
 using Noise = std::function<double(Rng &)>;
 
 inline double Normal(Rng &rng) {
-    const double u = std::max(static_cast<double>(rng.Uniform()), 1e-12), v = static_cast<double>(rng.Uniform());
+    const double u = std::max(double(rng.Uniform()), 1e-12), v = double(rng.Uniform());
     return std::sqrt(-2 * std::log(u)) * std::cos(6.283185307179586 * v);
 }
 /// Lognormal noise; its relL2 is about exp(sigma^2) - 1.
@@ -24,7 +24,7 @@ inline Noise Lognormal(double sigma) {
 /// Noise whose density falls as x^-(alpha + 1); the variance is infinite for alpha <= 2.
 inline Noise Pareto(double alpha) {
     return [alpha](Rng &rng) {
-        const double u = std::max(1 - static_cast<double>(rng.Uniform()), 1e-9);
+        const double u = std::max(1 - double(rng.Uniform()), 1e-9);
         return (alpha - 1) / alpha * std::pow(u, -1 / alpha);
     };
 }
@@ -33,8 +33,7 @@ inline Noise Pareto(double alpha) {
 inline Noise Fireflies(double probability, double share, double sigma, double spread = 0) {
     return [=, smooth = Lognormal(sigma), strength = Lognormal(spread)](Rng &rng) {
         double v = (1 - share) * smooth(rng);
-        if (static_cast<double>(rng.Uniform()) < probability)
-            v += share / probability * (spread > 0 ? strength(rng) : 1);
+        if (double(rng.Uniform()) < probability) v += share / probability * (spread > 0 ? strength(rng) : 1);
         return v;
     };
 }
@@ -54,11 +53,11 @@ struct Experiment {
 };
 
 inline TileMeans Render(const Experiment &c, const Noise &noise, int length, bool biased, Rng &rng) {
-    const size_t width = static_cast<size_t>(c.resolution.x) + 1;
+    const size_t width = size_t(c.resolution.x) + 1;
     const Noise calm = Lognormal(0.3);
-    std::vector<double> relative(width * (static_cast<size_t>(c.resolution.y) + 1));
+    std::vector<double> relative(width * (size_t(c.resolution.y) + 1));
     for (size_t k = 0; k < relative.size(); ++k) {
-        const Noise &here = c.noisy(static_cast<int>(k % width), static_cast<int>(k / width)) ? noise : calm;
+        const Noise &here = c.noisy(int(k % width), int(k / width)) ? noise : calm;
         double sum = 0;
         for (int i = 0; i < length; ++i) sum += here(rng);
         relative[k] = sum / length;
@@ -66,9 +65,9 @@ inline TileMeans Render(const Experiment &c, const Noise &noise, int length, boo
     Image image(PixelFormat::Float, c.resolution, {"Y"});
     for (int y = 0; y < c.resolution.y; ++y)
         for (int x = 0; x < c.resolution.x; ++x) {
-            const double *at = &relative[static_cast<size_t>(y) * width + static_cast<size_t>(x)];
+            const double *at = &relative[size_t(y) * width + size_t(x)];
             const double v = (1 - 2 * c.filter) * at[0] + c.filter * (at[1] + at[width]);
-            image.Set({x, y}, 0, static_cast<Float>(c.truth(x, y) * (biased ? 1 + c.bias(x, y) : 1) * v));
+            image.Set({x, y}, 0, Float(c.truth(x, y) * (biased ? 1 + c.bias(x, y) : 1) * v));
         }
     return ComputeTileMeans(image);
 }

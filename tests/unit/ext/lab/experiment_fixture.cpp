@@ -1,7 +1,5 @@
 #include "experiment_fixture.h"
 
-#include <unistd.h>
-
 #include <cstring>
 #include <fstream>
 
@@ -12,19 +10,25 @@ void register_guide(pbrt::PluginRegistry &registry);  // of ext/guiding
 
 namespace ext::lab {
 
-const char *const kScene = R"(LookAt 0 3 -6  0 0 0  0 1 0
-Camera "perspective" "float fov" 40
-Film "rgb" "integer xresolution" 32 "integer yresolution" 24 "string filename" "scene.exr"
-Sampler "independent" "integer pixelsamples" 4
-Integrator "path" "integer maxdepth" 2
-WorldBegin
-LightSource "point" "point3 from" [ -2 2 0 ] "rgb I" [ 4 4 4 ]
-LightSource "point" "point3 from" [ 0 2 1 ] "rgb I" [ 3 3 4 ]
-LightSource "point" "point3 from" [ 2 2 0 ] "rgb I" [ 4 4 3 ]
-Material "diffuse" "rgb reflectance" [ 0.6 0.4 0.3 ]
-Shape "sphere" "float radius" 0.7
-Shape "bilinearmesh" "point3 P" [ -4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4 ]
-)";
+std::string ViewOf(const std::string &objects) {
+    return SceneText()
+        .LookAt("0 3 -6  0 0 0  0 1 0")
+        .Camera(40)
+        .Film(32, 24, "'string filename' 'scene.exr'")
+        .Samples(4)
+        .Integrator("path", 2)
+        .World(objects);
+}
+
+std::string ThreeLights() {
+    return ViewOf(Objects()
+                      .PointLight("-2 2 0", "4 4 4")
+                      .PointLight("0 2 1", "3 3 4")
+                      .PointLight("2 2 0", "4 4 3")
+                      .Diffuse("0.6 0.4 0.3")
+                      .Sphere(0.7)
+                      .Quad("-4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4"));
+}
 
 namespace {
 
@@ -35,11 +39,11 @@ class TestSampler final : public LightSampler {
         : seen_(lights - blind), interrupt_(std::move(interrupt)) {}
     std::optional<SampledLight> Choose(const LightQuery &, const void *, Float u, Point2 *) const override {
         if (--interrupt_->callsLeft == 0) interrupt_->progress->Cancel();
-        auto i = std::min(static_cast<size_t>(u * static_cast<Float>(seen_)), seen_ - 1);
-        return SampledLight{LightId(i), 1 / static_cast<Float>(seen_)};
+        auto i = std::min(size_t(u * Float(seen_)), seen_ - 1);
+        return SampledLight{LightId(i), 1 / Float(seen_)};
     }
     Float Probability(const LightQuery &, const void *, LightId light) const override {
-        return light.value < seen_ ? 1 / static_cast<Float>(seen_) : 0;
+        return light.value < seen_ ? 1 / Float(seen_) : 0;
     }
     void Report(Json &report) const override { report["leaves"] = 7; }
     void Inspect(const LightQuery &query, std::vector<InspectedValue> &values) const override {
@@ -66,28 +70,16 @@ void ExpectSamePixels(const fs::path &a, const fs::path &b) {
     EXPECT_EQ(std::memcmp(one.Data(), two.Data(), one.Bytes()), 0) << a << " " << b;
 }
 
-void Experiment::SetUp() {
+Experiment::Experiment() {
     SetLogLevel(LogLevel::Error);
-    const auto *info = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ =
-        fs::temp_directory_path() / (std::string("pbrt_experiment_") + info->name() + "_" + std::to_string(getpid()));
-    fs::create_directories(folder_);
-    WriteScene("", "");
+    Write("scene.pbrt", ThreeLights());
     RegisterStockLightSamplers(registry_);
     register_guide(registry_);
     AddSampler("honest", 0);
     AddSampler("blind", 1);
 }
 
-void Experiment::WriteScene(const std::string &part, const std::string &other) {
-    const std::string text = kScene;
-    std::ofstream(folder_ / "scene.pbrt") << std::string(text).replace(text.find(part), part.size(), other);
-}
-
-void Experiment::TearDown() {
-    fs::remove_all(folder_);
-    SetLogLevel(LogLevel::Info);
-}
+Experiment::~Experiment() { SetLogLevel(LogLevel::Info); }
 
 void Experiment::AddSampler(const std::string &name, size_t blind) {
     auto make = [blind, interrupt = switch_](NoParams, const ParamSet &, const LightGroups &groups) {
@@ -98,30 +90,21 @@ void Experiment::AddSampler(const std::string &name, size_t blind) {
 
 ExperimentSettings Experiment::Settings(const std::string &out, const std::vector<std::string> &samplers) {
     ExperimentSettings s;
-    s.scene = (folder_ / "scene.pbrt").string();
+    s.scene = Path("scene.pbrt");
     s.samplers = ParseSamplerChoices(samplers, registry_);
     s.samplesPerPixel = 4;
     s.seeds = 2;
     s.referenceSamples = 32;
     s.selectionWork = 1e5;
-    s.outFolder = (folder_ / out).string();
-    s.cacheFolder = (folder_ / "cache").string();
+    s.outFolder = Path(out);
+    s.cacheFolder = Path("cache");
     return s;
 }
 
-std::optional<ExperimentOutcome> Experiment::Run(const ExperimentSettings &settings) {
+std::optional<ExperimentOutcome> Experiment::TryToRun(const ExperimentSettings &settings) {
     Progress progress;
     switch_->progress = &progress;
     return RunExperiment(settings, registry_, progress, nullptr);
-}
-
-std::string Experiment::ErrorOf(const ExperimentSettings &settings) {
-    try {
-        Run(settings);
-    } catch (const UserError &e) {
-        return e.what();
-    }
-    return "";
 }
 
 void Experiment::ExpectSamePictures(const std::string &a, const std::string &b,

@@ -1,4 +1,3 @@
-#include <fstream>
 #include <thread>
 
 #include "experiment_fixture.h"
@@ -65,20 +64,19 @@ TEST(ExperimentDisplay, TimeLeftIsThatOfTheWholeExperiment) {
 }
 
 TEST_F(Experiment, SceneHashSeesEveryFileThatIsNamed) {
-    auto write = [&](const char *name, const std::string &text) { std::ofstream(folder_ / name) << text; };
-    write("a.pbrt", "Include \"b.pbrt\"\n# \"c.ply\"\n");
-    write("b.pbrt", "Shape \"plymesh\" \"string filename\" \"mesh.ply\"\n");
-    write("mesh.ply", "one");
-    write("c.ply", "comment");
-    const std::string path = (folder_ / "a.pbrt").string(), hash = SceneHash(path);
+    Write("a.pbrt", "Include \"b.pbrt\"\n# \"c.ply\"\n");
+    Write("b.pbrt", "Shape \"plymesh\" \"string filename\" \"mesh.ply\"\n");
+    Write("mesh.ply", "one");
+    Write("c.ply", "comment");
+    const std::string path = Path("a.pbrt"), hash = SceneHash(path);
     EXPECT_EQ(hash.size(), 16u);
     EXPECT_EQ(SceneHash(path), hash);
-    write("c.ply", "not read");
+    Write("c.ply", "not read");
     EXPECT_EQ(SceneHash(path), hash);
-    write("mesh.ply", "two");
+    Write("mesh.ply", "two");
     const std::string second = SceneHash(path);
     EXPECT_NE(second, hash);
-    write("b.pbrt", "Shape \"plymesh\" \"string filename\" \"mesh.ply\" \n");
+    Write("b.pbrt", "Shape \"plymesh\" \"string filename\" \"mesh.ply\" \n");
     EXPECT_NE(SceneHash(path), second);
 }
 

@@ -9,8 +9,7 @@ namespace ext::lab {
 // it rendered.
 TEST_F(Experiment, GoesOnWhateverFileWasCutShort) {
     const std::vector<std::string> samplers = {"uniform", "honest"};
-    const std::optional<ExperimentOutcome> whole = Run(Settings("whole", samplers));
-    ASSERT_TRUE(whole);
+    const ExperimentOutcome whole = Run(Settings("whole", samplers));
     // Another experiment is stopped in its rounds, after it has saved a film.
     auto hasFilm = [&] {
         for (const auto &entry : fs::recursive_directory_iterator(folder_ / "stopped"))
@@ -21,7 +20,7 @@ TEST_F(Experiment, GoesOnWhateverFileWasCutShort) {
         // The pilot runs in one piece; after that a run stops in each round.
         switch_->callsLeft =
             fs::exists(folder_ / "stopped/records/pilot.json") ? 2000 + 100 * attempt : 3000 + 1000 * attempt;
-        ASSERT_FALSE(Run(Settings("stopped", samplers)))
+        ASSERT_FALSE(TryToRun(Settings("stopped", samplers)))
             << "the experiment ended before it was stopped with a film on disk";
         if (hasFilm()) break;
     }
@@ -37,7 +36,7 @@ TEST_F(Experiment, GoesOnWhateverFileWasCutShort) {
         for (const std::string &file : files) {
             const bool decides = file.find("records") == 0 || file.find("seed") != std::string::npos;
             films += file.ends_with(".film");
-            const auto size = static_cast<int64_t>(fs::file_size(folder_ / experiment / file));
+            const auto size = int64_t(fs::file_size(folder_ / experiment / file));
             // The length -1 removes the file.
             for (const int64_t length :
                  decides ? std::vector<int64_t>{-1, 0, size / 2, size - 3} : std::vector<int64_t>{size / 2}) {
@@ -45,23 +44,22 @@ TEST_F(Experiment, GoesOnWhateverFileWasCutShort) {
                 fs::copy(folder_ / experiment, folder_ / "cut", fs::copy_options::recursive);
                 if (length < 0) fs::remove(folder_ / "cut" / file);
                 else fs::resize_file(folder_ / "cut" / file, static_cast<uintmax_t>(length));
-                const std::optional<ExperimentOutcome> outcome = Run(Settings("cut", samplers));
-                ASSERT_TRUE(outcome) << experiment << " " << file << " " << length;
+                SCOPED_TRACE(fmt::format("{} {} {}", experiment, file, length));
+                const ExperimentOutcome outcome = Run(Settings("cut", samplers));
                 ++cuts;
                 ExpectSamePictures("whole", "cut", samplers, 2);
                 for (size_t i = 0; i < samplers.size(); ++i) {
-                    const Json &a = whole->results.at("samplers").at(i), &b = outcome->results.at("samplers").at(i);
-                    EXPECT_EQ(a.at("summary").at("metrics"), b.at("summary").at("metrics"))
-                        << experiment << " " << file << " " << length;
+                    const Json &a = SamplerOf(whole, i), &b = SamplerOf(outcome, i);
+                    EXPECT_EQ(a.at("summary").at("metrics"), b.at("summary").at("metrics"));
                     for (size_t seed = 0; seed < 2; ++seed) {
                         const Json &x = a.at("runs").at(seed).at("rounds"), &y = b.at("runs").at(seed).at("rounds");
-                        ASSERT_EQ(x.size(), y.size()) << experiment << " " << file << " " << length;
+                        ASSERT_EQ(x.size(), y.size());
                         for (size_t r = 0; r < x.size(); ++r) EXPECT_EQ(x.at(r).at("metrics"), y.at(r).at("metrics"));
                     }
                     for (const Json &layer : b.at("views").at("layers")) {
                         const std::string picture =
                             layer.at("file").is_string() ? layer.at("file") : "views/brightest.png";
-                        EXPECT_NO_THROW(ReadImage((folder_ / "cut" / picture).string())) << file << " " << length;
+                        EXPECT_NO_THROW(ReadImage(Path("cut/" + picture)));
                     }
                 }
             }
@@ -72,22 +70,21 @@ TEST_F(Experiment, GoesOnWhateverFileWasCutShort) {
 }
 
 TEST_F(Experiment, RecordsOfAnotherExperimentOrVersionAreNotTakenUp) {
-    ASSERT_TRUE(Run(Settings("whole", {"uniform"})));
+    Run(Settings("whole", {"uniform"}));
     ExperimentSettings settings = Settings("out", {"uniform"});
     settings.samplesPerPixel = 8;
-    ASSERT_TRUE(Run(settings));
+    Run(settings);
     // The file with the settings of the records is lost, and the new settings differ.
     fs::remove(folder_ / "out/records/settings.json");
-    ASSERT_TRUE(Run(Settings("out", {"uniform"})));
+    EXPECT_EQ(SamplerOf(Run(Settings("out", {"uniform"})), 0).at("runs").at(0).at("rounds").size(), 3u);
     ExpectSamePictures("whole", "out", {"uniform"}, 2);
-    EXPECT_EQ(ReadJson(folder_ / "out/results.json").at("samplers").at(0).at("runs").at(0).at("rounds").size(), 3u);
     // A record that lacks a value which this version needs.
     const fs::path record = folder_ / "out/records/uniform/seed1-round02.json";
     Json json = ReadJson(record);
     json.erase("shadowRays");
     json["metrics"]["relL2"] = 0;
     std::ofstream(record) << json;
-    ASSERT_TRUE(Run(Settings("out", {"uniform"})));
+    Run(Settings("out", {"uniform"}));
     EXPECT_EQ(ReadJson(record).at("metrics"),
               ReadJson(folder_ / "whole/records/uniform/seed1-round02.json").at("metrics"));
 }
@@ -95,37 +92,27 @@ TEST_F(Experiment, RecordsOfAnotherExperimentOrVersionAreNotTakenUp) {
 TEST_F(Experiment, MoreSeedsGoOnAndFewerAreAPart) {
     ExperimentSettings settings = Settings("out", {"uniform"});
     settings.seeds = 2;
-    ASSERT_TRUE(Run(settings));
+    Run(settings);
     const auto time = fs::last_write_time(folder_ / "out/uniform/seed1.exr");
     settings.seeds = 3;
-    const std::optional<ExperimentOutcome> more = Run(settings);
-    ASSERT_TRUE(more);
+    const ExperimentOutcome more = Run(settings);
     EXPECT_EQ(fs::last_write_time(folder_ / "out/uniform/seed1.exr"), time);
     ExperimentSettings afresh = settings;
-    afresh.outFolder = (folder_ / "afresh").string();
-    const std::optional<ExperimentOutcome> whole = Run(afresh);
-    ASSERT_TRUE(whole);
-    const auto errors = [](const ExperimentOutcome &o) {
-        return o.results.at("samplers").at(0).at("summary").at("metrics");
-    };
-    EXPECT_EQ(errors(*more), errors(*whole));
+    afresh.outFolder = Path("afresh");
+    EXPECT_EQ(SummaryOf(more, 0).at("metrics"), SummaryOf(Run(afresh), 0).at("metrics"));
     settings.seeds = 1;
-    const std::optional<ExperimentOutcome> fewer = Run(settings);
-    ASSERT_TRUE(fewer);
-    EXPECT_EQ(fewer->results.at("seeds"), 1);
-    EXPECT_EQ(fewer->results.at("samplers").at(0).at("runs").size(), 1u);
+    const ExperimentOutcome fewer = Run(settings);
+    EXPECT_EQ(fewer.results.at("seeds"), 1);
+    EXPECT_EQ(SamplerOf(fewer, 0).at("runs").size(), 1u);
 }
 
 TEST_F(Experiment, OtherSettingsInTheSameFolderAreRefusedUntilRestart) {
     ExperimentSettings settings = Settings("out", {"uniform"});
-    ASSERT_TRUE(Run(settings));
+    Run(settings);
     settings.samplesPerPixel = 2;
-    const std::string error = ErrorOf(settings);
-    for (const char *part : {"spp", "4", "2", "--restart"}) EXPECT_NE(error.find(part), std::string::npos) << error;
+    ExpectError([&] { Run(settings); }, {"spp", "4", "2", "--restart"});
     settings.restart = true;
-    const std::optional<ExperimentOutcome> outcome = Run(settings);
-    ASSERT_TRUE(outcome);
-    EXPECT_EQ(outcome->results.at("budget"), 2);
+    EXPECT_EQ(Run(settings).results.at("budget"), 2);
 }
 
 }  // namespace ext::lab

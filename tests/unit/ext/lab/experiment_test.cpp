@@ -1,7 +1,6 @@
 #include "ext/lab/experiment.h"
 
 #include <algorithm>
-#include <fstream>
 
 #include "experiment_fixture.h"
 #include "pbrt/images/image.h"
@@ -10,19 +9,18 @@ namespace ext::lab {
 
 // Keys and types are those of the schemas (docs.scripting).
 TEST_F(Experiment, LeavesFilesAndResults) {
-    const std::optional<ExperimentOutcome> outcome = Run(Settings("out", {"uniform", "power", "honest"}));
-    ASSERT_TRUE(outcome);
+    const ExperimentOutcome outcome = Run(Settings("out", {"uniform", "power", "honest"}));
     for (const char *name :
          {"results.json", "results.csv", "rounds.csv", "reference-0.exr", "reference-0.png", "uniform/seed0.exr",
           "power/seed1.exr", "honest/result.png", "honest/error.png", "records/uniform/seed0-round00.json"})
         EXPECT_TRUE(fs::exists(folder_ / "out" / name)) << name;
     const Json r = ReadJson(folder_ / "out/results.json");
-    EXPECT_EQ(r, outcome->results);
+    EXPECT_EQ(r, outcome.results);
     const Json expected = {{"schema", 2}, {"sceneName", "scene"}, {"mode", "samples"},      {"budget", 4},
                            {"seeds", 2},  {"maxDepth", 2},        {"resolution", {32, 24}}, {"direct", false}};
     for (const auto &[key, value] : expected.items()) EXPECT_EQ(r.at(key), value) << key;
     for (const Json &sentence : r.at("conclusion").at("sentences"))
-        EXPECT_NE(outcome->text.find(sentence.get<std::string>()), std::string::npos) << sentence;
+        EXPECT_NE(outcome.text.find(sentence.get<std::string>()), std::string::npos) << sentence;
     ASSERT_GE(r.at("references").size(), 1u);
     for (const Json &reference : r.at("references")) {
         EXPECT_TRUE(fs::exists(folder_ / "out" / reference.at("file").get<std::string>()));
@@ -64,15 +62,14 @@ TEST_F(Experiment, LeavesFilesAndResults) {
             mean += run.at("rounds").back().at("metrics").at("relL2").get<double>() / 2;
         EXPECT_NEAR(s.at("summary").at("metrics").at("relL2").at("mean").get<double>(), mean, 1e-12);
     }
-    EXPECT_EQ(r.at("samplers").at(2).at("summary").at("leaves"), 7);
-    EXPECT_EQ(r.at("samplers").at(2).at("structure"), "nothing learned");
-    EXPECT_EQ(r.at("samplers").at(0).at("summary").at("relativeCost"), 1);
-    EXPECT_NE(outcome->text.find("honest"), std::string::npos);
+    EXPECT_EQ(SummaryOf(outcome, 2).at("leaves"), 7);
+    EXPECT_EQ(SamplerOf(outcome, 2).at("structure"), "nothing learned");
+    EXPECT_EQ(SummaryOf(outcome, 0).at("relativeCost"), 1);
+    EXPECT_NE(outcome.text.find("honest"), std::string::npos);
 }
 
 TEST_F(Experiment, InspectsEverySampler) {
-    const std::optional<ExperimentOutcome> outcome = Run(Settings("out", {"power", "honest", "uniform"}));
-    ASSERT_TRUE(outcome);
+    const ExperimentOutcome outcome = Run(Settings("out", {"power", "honest", "uniform"}));
     const auto names = [&](const Json &views) {
         std::vector<std::string> list;
         for (const Json &layer : views.at("layers")) {
@@ -86,17 +83,16 @@ TEST_F(Experiment, InspectsEverySampler) {
         }
         return list;
     };
-    const Json &samplers = outcome->results.at("samplers");
     using Names = std::vector<std::string>;
-    EXPECT_EQ(names(samplers.at(0).at("views")),
+    EXPECT_EQ(names(SamplerOf(outcome, 0).at("views")),
               (Names{"entropy", "brightest_probability", "log10_excess", "path.vertices"}));
-    EXPECT_EQ(names(samplers.at(1).at("views")),
+    EXPECT_EQ(names(SamplerOf(outcome, 1).at("views")),
               (Names{"sampler.side", "entropy", "brightest_probability", "log10_excess", "path.vertices"}));
-    Names ofScene = names(outcome->results.at("views"));
+    Names ofScene = names(outcome.results.at("views"));
     std::sort(ofScene.begin(), ofScene.end());
     EXPECT_EQ(ofScene, (Names{"brightest", "visibility.0", "visibility.1", "visibility.2"}));
     // All three lights have the same probability.
-    const Json &entropy = samplers.at(2).at("views").at("layers").at(0);
+    const Json &entropy = SamplerOf(outcome, 2).at("views").at("layers").at(0);
     EXPECT_NEAR(entropy.at("least").get<double>(), std::log2(3.0), 1e-5);
     EXPECT_NEAR(entropy.at("most").get<double>(), std::log2(3.0), 1e-5);
     EXPECT_EQ(entropy.at("isFlat"), true);
@@ -107,22 +103,17 @@ TEST_F(Experiment, InspectsEverySampler) {
 TEST_F(Experiment, InspectionIsNoPartOfTheMeasurement) {
     ExperimentSettings settings = Settings("without", {"power", "honest"});
     settings.views = false;
-    const std::optional<ExperimentOutcome> without = Run(settings);
-    ASSERT_TRUE(without);
-    EXPECT_FALSE(without->results.contains("views"));
-    EXPECT_FALSE(without->results.at("samplers").at(1).contains("views"));
+    const ExperimentOutcome without = Run(settings);
+    EXPECT_FALSE(without.results.contains("views"));
+    EXPECT_FALSE(SamplerOf(without, 1).contains("views"));
     EXPECT_FALSE(fs::exists(folder_ / "without/honest/views"));
-    ASSERT_TRUE(Run(Settings("with", {"power", "honest"})));
+    const ExperimentOutcome with = Run(Settings("with", {"power", "honest"}));
     ExpectSamePictures("without", "with", {"power", "honest"}, 2);
-    const Json with = ReadJson(folder_ / "with/results.json");
     for (size_t i = 0; i < 2; ++i)
-        EXPECT_EQ(with.at("samplers").at(i).at("summary").at("shadowRays"),
-                  without->results.at("samplers").at(i).at("summary").at("shadowRays"));
+        EXPECT_EQ(SummaryOf(with, i).at("shadowRays"), SummaryOf(without, i).at("shadowRays"));
     // The views of a finished experiment can be made later, with the same result.
     settings.views = true;
-    const std::optional<ExperimentOutcome> later = Run(settings);
-    ASSERT_TRUE(later);
-    EXPECT_EQ(later->results.at("samplers").at(1).at("views"), with.at("samplers").at(1).at("views"));
+    EXPECT_EQ(SamplerOf(Run(settings), 1).at("views"), SamplerOf(with, 1).at("views"));
     for (const char *file : {"honest/views/sampler.side.png", "views/brightest.png"})
         ExpectSamePixels(folder_ / "with" / file, folder_ / "without" / file);
 }
@@ -132,17 +123,17 @@ TEST_F(Experiment, ErrorsAndVerdictsDoNotDependOnTheExposure) {
         ExperimentSettings settings = Settings(name, {"uniform", "power", "blind"});
         settings.samplesPerPixel = 16;
         settings.referenceSamples = 256;
-        return Run(settings).value().results;
+        return Run(settings);
     };
     // The floor has a mean radiance of about 0.1, so an absolute epsilon of 0.01 would matter.
-    const Json plain = run("plain");
-    std::string scene = kScene;
+    const ExperimentOutcome plain = run("plain");
+    std::string scene = ThreeLights();
     for (size_t at = 0; (at = scene.find("\"rgb I\"", at)) != std::string::npos; at += 25)
         scene.insert(at, "\"float scale\" 100 ");
-    std::ofstream(folder_ / "scene.pbrt") << scene;
-    const Json bright = run("bright");
+    Write("scene.pbrt", scene);
+    const ExperimentOutcome bright = run("bright");
     for (size_t i = 0; i < 3; ++i) {
-        const Json &a = plain.at("samplers").at(i).at("summary"), &b = bright.at("samplers").at(i).at("summary");
+        const Json &a = SummaryOf(plain, i), &b = SummaryOf(bright, i);
         for (const char *measure : {"relL2", "relL2Trimmed"}) {
             const double one = a.at("metrics").at(measure).at("mean"), other = b.at("metrics").at(measure).at("mean");
             EXPECT_GT(one, 0.001);
@@ -151,10 +142,11 @@ TEST_F(Experiment, ErrorsAndVerdictsDoNotDependOnTheExposure) {
         EXPECT_EQ(a.at("bias").at("verdict"), b.at("bias").at("verdict"));
         EXPECT_EQ(a.at("firefliesDecide"), b.at("firefliesDecide"));
     }
-    EXPECT_EQ(plain.at("conclusion").at("lowestError"), bright.at("conclusion").at("lowestError"));
-    for (size_t i = 0; i < plain.at("references").size(); ++i)
-        EXPECT_NEAR(bright.at("references").at(i).at("noise").get<double>() /
-                        plain.at("references").at(i).at("noise").get<double>(),
+    EXPECT_EQ(plain.results.at("conclusion").at("lowestError"), bright.results.at("conclusion").at("lowestError"));
+    const Json &references = plain.results.at("references");
+    for (size_t i = 0; i < references.size(); ++i)
+        EXPECT_NEAR(bright.results.at("references").at(i).at("noise").get<double>() /
+                        references.at(i).at("noise").get<double>(),
                     1, 1e-3);
     // One pilot, so one choice of the samplers of the references.
     const Json pilot = ReadJson(folder_ / "plain/records/pilot.json").at("note");
@@ -171,53 +163,45 @@ TEST_F(Experiment, BiasedSamplerIsFoundAndNeverWins) {
     settings.seeds = 4;
     settings.referenceSamples = 1024;
     auto verdict = [](const ExperimentOutcome &outcome, size_t i) {
-        return outcome.results.at("samplers").at(i).at("summary").at("bias").at("verdict").get<std::string>();
+        return SummaryOf(outcome, i).at("bias").at("verdict").get<std::string>();
     };
-    const std::optional<ExperimentOutcome> outcome = Run(settings);
-    ASSERT_TRUE(outcome);
-    EXPECT_NE(verdict(*outcome, 0), "biased");
-    EXPECT_EQ(verdict(*outcome, 1), "biased");
-    EXPECT_NE(verdict(*outcome, 2), "biased");
-    EXPECT_NE(outcome->results.at("conclusion").at("lowestError"), "blind");
+    const ExperimentOutcome outcome = Run(settings);
+    EXPECT_NE(verdict(outcome, 0), "biased");
+    EXPECT_EQ(verdict(outcome, 1), "biased");
+    EXPECT_NE(verdict(outcome, 2), "biased");
+    EXPECT_NE(outcome.results.at("conclusion").at("lowestError"), "blind");
     // The blind sampler has the least noise, but the pilot sees what it lacks.
     EXPECT_NE(ReadJson(folder_ / "out/records/pilot.json").at("note").at(0).at("sampler"), "blind");
-    EXPECT_EQ(outcome->results.at("conclusion").at("doubts").size(), 0u);
+    EXPECT_EQ(outcome.results.at("conclusion").at("doubts").size(), 0u);
 
     // Lamps under the floor make noise for all samplers but "clever", which leaves them out, and a weak lamp, too. The
     // lamp is so weak that the pilot cannot see the loss; but the references contradict each other.
-    std::string scene = kScene;
+    std::string scene = ThreeLights();
     scene.replace(scene.find("[ 4 4 3 ]"), 9, "[ .4 .4 .4 ]");
-    for (int i = 0; i < 20; ++i)
-        scene += fmt::format("LightSource \"point\" \"point3 from\" [ {} -2 0 ] \"rgb I\" [ 4 4 4 ]\n", i % 4 - 2);
-    std::ofstream(folder_ / "scene.pbrt") << scene;
+    for (int i = 0; i < 20; ++i) scene += Objects().PointLight(fmt::format("{} -2 0", i % 4 - 2), "4 4 4");
+    Write("scene.pbrt", scene);
     AddSampler("clever", 21);
     settings.samplers = ParseSamplerChoices({"uniform", "clever", "honest"}, registry_);
-    settings.outFolder = (folder_ / "little").string();
-    const std::optional<ExperimentOutcome> little = Run(settings);
-    ASSERT_TRUE(little);
+    settings.outFolder = Path("little");
+    const ExperimentOutcome little = Run(settings);
     EXPECT_EQ(ReadJson(folder_ / "little/records/pilot.json").at("note").at(0).at("sampler"), "clever");
-    for (const Json &r : little->results.at("references")) EXPECT_NE(r.at("sampler"), "clever");
-    const Json &remarks = little->results.at("conclusion").at("remarks");
+    for (const Json &r : little.results.at("references")) EXPECT_NE(r.at("sampler"), "clever");
+    const Json &remarks = little.results.at("conclusion").at("remarks");
     ASSERT_GE(remarks.size(), 1u);
     EXPECT_NE(remarks.at(0).get<std::string>().find("one is biased"), std::string::npos) << remarks;
-    EXPECT_EQ(verdict(*little, 1), "biased");
-    EXPECT_NE(little->results.at("conclusion").at("lowestError"), "clever");
+    EXPECT_EQ(verdict(little, 1), "biased");
+    EXPECT_NE(little.results.at("conclusion").at("lowestError"), "clever");
 }
 
 // Power and bvh spend half of their samples on a lamp behind the wall. Uniform chooses one of the two strong lamps
 // twice in 4,002 samples: in most pixels never, and its few hits are thousands of times too bright.
 TEST_F(Experiment, SamplerOfRareHitsIsNotTakenForAQuietOne) {
-    std::string scene = kScene;
-    scene.resize(scene.find("LightSource"));
-    for (const char *x : {"-1", "1"})
-        scene += fmt::format("LightSource \"point\" \"point3 from\" [ {} 0 0 ] \"rgb I\" [ 4 4 4 ]\n", x);
-    for (int i = 0; i < 4000; ++i)
-        scene += fmt::format("LightSource \"point\" \"point3 from\" [ 0 9 {} ] \"rgb I\" [ 1e-6 1e-6 1e-6 ]\n", i);
-    scene +=
-        "Shape \"bilinearmesh\" \"point3 P\" [ 0 -2 -9  0 -2 9  0 2 -9  0 2 9 ]\n"
-        "Shape \"bilinearmesh\" \"point3 P\" [ -4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4 ]\n";
-    std::ofstream(folder_ / "scene.pbrt") << scene;
-    ASSERT_TRUE(Run(Settings("out", {"uniform", "power"})));
+    Objects world;
+    for (const char *x : {"-1", "1"}) world.PointLight(fmt::format("{} 0 0", x), "4 4 4");
+    for (int i = 0; i < 4000; ++i) world.PointLight(fmt::format("0 9 {}", i), "1e-6 1e-6 1e-6");
+    world.Quad("0 -2 -9  0 -2 9  0 2 -9  0 2 9").Quad("-4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4");
+    Write("scene.pbrt", ViewOf(world));
+    Run(Settings("out", {"uniform", "power"}));
     const Json pilot = ReadJson(folder_ / "out/records/pilot.json").at("note");
     ASSERT_EQ(pilot.size(), 3u);
     EXPECT_EQ(pilot.at(2).at("sampler"), "uniform") << pilot.dump();
@@ -226,22 +210,23 @@ TEST_F(Experiment, SamplerOfRareHitsIsNotTakenForAQuietOne) {
 
 TEST_F(Experiment, ComparesGuidedPathsWithPlainOnes) {
     // Paths that end at their second vertex have no roulette.
-    WriteScene("maxdepth\" 2", "maxdepth\" 4");
+    std::string scene = ThreeLights();
+    scene.replace(scene.find("maxdepth\" 2"), 11, "maxdepth\" 4");
+    Write("scene.pbrt", scene);
     ExperimentSettings settings = Settings("out", {"honest", "honest+guide"});
     settings.samplesPerPixel = 16;  // the guide learns after 2 and 8
-    ASSERT_TRUE(Run(settings));
-    const fs::path out = folder_ / "out";
-    const Image plain = ReadImage((out / "honest/seed0.exr").string()).image,
-                guided = ReadImage((out / "honest+guide/seed0.exr").string()).image;
+    Run(settings);
+    const Image plain = ReadImage(Path("out/honest/seed0.exr")).image,
+                guided = ReadImage(Path("out/honest+guide/seed0.exr")).image;
     ASSERT_EQ(plain.Bytes(), guided.Bytes());
     EXPECT_NE(std::memcmp(plain.Data(), guided.Data(), plain.Bytes()), 0);
 }
 
 TEST_F(Experiment, ReferenceOfAnotherResolutionIsAnError) {
     ExperimentSettings settings = Settings("out", {"uniform"});
-    settings.referenceFile = (folder_ / "wrong.exr").string();
+    settings.referenceFile = Path("wrong.exr");
     WriteImage(settings.referenceFile, Image(PixelFormat::Float, {16, 16}, {"R", "G", "B"}));
-    EXPECT_NE(ErrorOf(settings).find("16 x 16"), std::string::npos) << ErrorOf(settings);
+    ExpectError([&] { Run(settings); }, {"16 x 16"});
 }
 
 }  // namespace ext::lab

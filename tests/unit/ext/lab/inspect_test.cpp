@@ -2,45 +2,49 @@
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "pbrt/core/parallel.h"
+#include "pbrt/core/files.h"
 #include "pbrt/lightsamplers/simple_light_samplers.h"
 #include "support/build_text.h"
+#include "support/errors.h"
+#include "support/folder_test.h"
 #include "support/render_scene.h"
+#include "support/scene_text.h"
+#include "support/threads.h"
 #include "support/wrapped_sampler.h"
 
 namespace ext::lab {
 namespace {
 
+using test::Objects, test::SceneText;
+
 /// An orthographic view of 4 x 4 units, straight down on a floor of 2 x 2. Lights 0 and 1 are a mesh that faces away
 /// from everything. Light 2 is a point above the middle, seen from everywhere. Light 3 is a point far to the left,
 /// hidden from the right half by a wall in the middle.
-const char *kInspectedScene = R"(LookAt 0 0 10  0 0 0  0 1 0
-Camera "orthographic" "float screenwindow" [ -2 2 -2 2 ]
-Film "rgb" "integer xresolution" 32 "integer yresolution" 32
-Sampler "independent" "integer pixelsamples" 4
-Integrator "path" "string lightsampler" "uniform"
-WorldBegin
-LightSource "point" "point3 from" [ 0 0 1.5 ] "rgb I" [ 1 1 1 ]
-LightSource "point" "point3 from" [ -4 0 0.5 ] "rgb I" [ 400 400 400 ]
-AttributeBegin
-AreaLightSource "diffuse" "rgb L" [ 1 1 1 ]
-Shape "trianglemesh" "point3 P" [ -1 -1 30  1 -1 30  1 1 30  -1 1 30 ] "integer indices" [ 0 1 2  0 2 3 ]
-AttributeEnd
-Material "diffuse" "rgb reflectance" [ .5 .5 .5 ]
-Shape "bilinearmesh" "point3 P" [ -1 -1 0  1 -1 0  -1 1 0  1 1 0 ]
-Shape "bilinearmesh" "point3 P" [ 0 -9 0  0 9 0  0 -9 1  0 9 1 ]
-)";
+std::string InspectedScene() {
+    return SceneText()
+        .InWorldSpace()
+        .LookAt("0 0 10  0 0 0  0 1 0")
+        .Camera("orthographic", "'float screenwindow' [ -2 2 -2 2 ]")
+        .Film(32, 32)
+        .Samples(4)
+        .Integrator("path", "'string lightsampler' 'uniform'")
+        .World(Objects()
+                   .PointLight("0 0 1.5", "1 1 1")
+                   .PointLight("-4 0 0.5", "400 400 400")
+                   .Attribute("", Objects().AreaLight("1 1 1").Triangles("-1 -1 30  1 -1 30  1 1 30  -1 1 30"))
+                   .Diffuse(".5 .5 .5")
+                   .Quad("-1 -1 0  1 -1 0  -1 1 0  1 1 0")
+                   .Quad("0 -9 0  0 9 0  0 -9 1  0 9 1"));
+}
 
 /// A uniform sampler whose inspected values tell the position of the query.
 class Telltale final : public test::WrappedSampler {
   public:
     explicit Telltale(const LightTable &lights) : WrappedSampler(uniform_), uniform_(lights.ByComponent()) {}
     void Inspect(const LightQuery &q, std::vector<InspectedValue> &values) const override {
-        values.push_back({"x place", static_cast<double>(q.p.x), false});
+        values.push_back({"x place", double(q.p.x), false});
         values.push_back({"cell", q.p.y > 0 ? 7.0 : 3.0, true});
     }
     std::string DescribeStructure() const override { return "two cells\n"; }
@@ -56,12 +60,10 @@ class Telltale final : public test::WrappedSampler {
     UniformLightSampler uniform_;
 };
 
-class Inspect : public testing::Test {
+class Inspect : public test::FolderTest {
   protected:
     Inspect() {
-        BuildOptions options;
-        options.renderCoordSys = "world";
-        built_ = test::BuildText(kInspectedScene, options);
+        built_ = test::BuildText(InspectedScene());
         sampler_ = std::make_unique<Telltale>(built_.scene->Lights());
     }
     Inspection MakeInspection(InspectSettings settings = {}) {
@@ -72,7 +74,7 @@ class Inspect : public testing::Test {
     static double At(const Inspection &inspection, int x, int y, const std::string &layer) {
         int channel = inspection.image.FindChannel(layer);
         EXPECT_GE(channel, 0) << layer;
-        return static_cast<double>(inspection.image.Get({x, y}, channel));
+        return double(inspection.image.Get({x, y}, channel));
     }
     BuiltScene built_;
     std::unique_ptr<Telltale> sampler_;
@@ -80,21 +82,19 @@ class Inspect : public testing::Test {
 
 TEST_F(Inspect, ShowsWhatAGuideKnowsAndHowLongPathsAre) {
     // All light comes from the spot's patch on the ceiling.
-    const char *room = R"(LookAt 0 1.2 -2.8  0 0.8 0  0 1 0
-Camera "perspective" "float fov" 60
-Film "rgb" "integer xresolution" 32 "integer yresolution" 32
-Sampler "independent" "integer pixelsamples" 64
-Integrator "path" "integer maxdepth" 4 "bool guide" true
-WorldBegin
-LightSource "spot" "point3 from" [ 0 .6 0 ] "point3 to" [ 1 2 1 ] "rgb I" [ 60 60 60 ] "float coneangle" 32 "float conedeltaangle" 3
-Material "diffuse" "rgb reflectance" [ .6 .5 .4 ]
-Shape "bilinearmesh" "point3 P" [ -3 2 -3  3 2 -3  -3 2 3  3 2 3 ]
-Shape "bilinearmesh" "point3 P" [ -3 0 3  3 0 3  -3 2 3  3 2 3 ]
-Shape "bilinearmesh" "point3 P" [ 3 0 -3  3 0 3  3 2 -3  3 2 3 ]
-Shape "bilinearmesh" "point3 P" [ -3 0 -3  -3 0 3  -3 2 -3  -3 2 3 ]
-Shape "bilinearmesh" "point3 P" [ -3 0 -3  3 0 -3  -3 0 3  3 0 3 ]
-)";
-    built_ = test::BuildText(room);
+    const std::string spot =
+        "LightSource 'spot' 'point3 from' [ 0 .6 0 ] 'point3 to' [ 1 2 1 ] 'rgb I' [ 60 60 60 ] 'float coneangle' 32 "
+        "'float conedeltaangle' 3";
+    Objects world = Objects().Add(spot).Diffuse(".6 .5 .4");
+    using namespace test::room;
+    for (const char *side : {kCeiling, kBack, kRight, kLeft, kFloor}) world.Quad(side);
+    built_ = test::BuildText(SceneText()
+                                 .LookAt("0 1.2 -2.8  0 0.8 0  0 1 0")
+                                 .Camera(60)
+                                 .Film(32, 32)
+                                 .Samples(64)
+                                 .Integrator("path", 4, "'bool guide' true")
+                                 .World(world));
     Progress progress;
     built_.Prepare(progress);
     const RenderSettings settings = built_.Settings();
@@ -182,12 +182,8 @@ TEST_F(Inspect, VisibilityAndContributionAreMeasured) {
 }
 
 TEST_F(Inspect, SameForAnyNumberOfThreads) {
-    std::vector<Inspection> inspections;
-    for (int threads : {1, 3}) {
-        ThreadLimit limit(threads);
-        inspections.push_back(MakeInspection());
-    }
-    EXPECT_TRUE(test::SameBits(inspections[0].image, inspections[1].image));
+    const auto inspect = [&] { return MakeInspection(); };
+    EXPECT_TRUE(test::SameBits(test::OnThreads(1, inspect).image, test::OnThreads(3, inspect).image));
 }
 
 TEST_F(Inspect, LightsAreNamedByTheirPlaceInTheSceneFile) {
@@ -215,14 +211,11 @@ TEST_F(Inspect, TooMuchWorkMeansFewerPixels) {
 }
 
 TEST_F(Inspect, WritesEveryLayerAndSaysWhatItShows) {
-    const std::filesystem::path folder =
-        std::filesystem::temp_directory_path() / fmt::format("pbrt_inspect_{}", getpid());
     Inspection inspection = MakeInspection();
-    WriteInspection(inspection, folder.string(), {{"sampler", "telltale"}});
-    Image layers = ReadImage((folder / "inspect.exr").string()).image;
-    EXPECT_EQ(layers.ChannelCount(), static_cast<int>(inspection.layers.size()));
-    std::ifstream file(folder / "inspect.json");
-    nlohmann::json json = nlohmann::json::parse(file);
+    WriteInspection(inspection, folder_.string(), {{"sampler", "telltale"}});
+    Image layers = ReadImage(Path("inspect.exr")).image;
+    EXPECT_EQ(layers.ChannelCount(), int(inspection.layers.size()));
+    nlohmann::json json = nlohmann::json::parse(ReadFileContents(Path("inspect.json")));
     EXPECT_EQ(json["sampler"], "telltale");
     ASSERT_EQ(json["layers"].size(), inspection.layers.size());
     for (const auto &layer : json["layers"]) {
@@ -232,28 +225,23 @@ TEST_F(Inspect, WritesEveryLayerAndSaysWhatItShows) {
         EXPECT_EQ(layers.Get({10, 12}, channel), inspection.image.Get({10, 12}, inspection.image.FindChannel(name)));
         EXPECT_EQ(layer["file"].is_null(), layer["isFlat"].get<bool>()) << name;
         if (!layer["isFlat"]) {
-            Image picture = ReadImage((folder / layer["file"].get<std::string>()).string()).image;
-            EXPECT_EQ(picture.Resolution().x, 32);
+            EXPECT_EQ(ReadImage(Path(layer["file"].get<std::string>())).image.Resolution().x, 32);
         }
         EXPECT_FALSE(layer["meaning"].get<std::string>().empty());
         EXPECT_TRUE(layer["colours"].is_string() || layer["colours"]["brightest"] > layer["colours"]["darkest"])
             << name;
     }
     // The page shows every picture, describes the other layers in words, and names the lights.
-    std::ifstream pageFile(folder / "index.html");
-    const std::string page((std::istreambuf_iterator<char>(pageFile)), {});
-    const size_t flat = page.find("<p id=\"flat\">");
-    ASSERT_NE(flat, std::string::npos);
+    const std::string page = ReadFileContents(Path("index.html"));
+    EXPECT_NE(page.find("<p id=\"flat\">"), std::string::npos);
     for (const auto &layer : json["layers"]) {
         const std::string name = layer["name"];
         EXPECT_EQ(page.find("src=\"" + name + ".png\"") != std::string::npos, layer["file"].is_string()) << name;
-        EXPECT_EQ(std::filesystem::exists(folder / (name + ".png")), layer["file"].is_string()) << name;
+        EXPECT_EQ(std::filesystem::exists(folder_ / (name + ".png")), layer["file"].is_string()) << name;
     }
     EXPECT_EQ(json["layers"][0]["isFlat"], false);
     // The mesh faces away from everything, the point is seen from everywhere, and the probabilities are uniform.
-    for (const char *part : {"The same everywhere: ", "entropy 1.5", "2 triangles 0;", "2 triangles</td>"})
-        EXPECT_NE(page.find(part), std::string::npos) << part << "\n" << page;
-    std::filesystem::remove_all(folder);
+    test::ExpectWords(page, {"The same everywhere: ", "entropy 1.5", "2 triangles 0;", "2 triangles</td>"});
 }
 
 }  // namespace

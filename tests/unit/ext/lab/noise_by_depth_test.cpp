@@ -1,5 +1,3 @@
-#include <fstream>
-
 #include "experiment_fixture.h"
 
 namespace ext::lab {
@@ -7,13 +5,11 @@ namespace ext::lab {
 TEST(NoiseByDepth, IsTheVarianceOverTheReferenceSquared) {
     Image reference(PixelFormat::Float, {40, 50}, {"R", "G"});
     std::vector<Image> pictures(2, reference);
-    for (int y = 0; y < 50; ++y)
-        for (int x = 0; x < 40; ++x)
-            for (int c = 0; c < 2; ++c) {
-                reference.Set({x, y}, c, 0.3f);
-                pictures[0].Set({x, y}, c, 0.2f);
-                pictures[1].Set({x, y}, c, c == 0 ? 0.4f : 0.2f);
-            }
+    ForEachValue(reference, [&](Point2i p, int c) {
+        reference.Set(p, c, 0.3f);
+        pictures[0].Set(p, c, 0.2f);
+        pictures[1].Set(p, c, c == 0 ? 0.4f : 0.2f);
+    });
     // Of two values 0.2 apart the variance is 0.02, in one of two channels; the epsilon is 0.01 * 0.3^2.
     EXPECT_NEAR(NoiseOf(pictures, reference).plain, 0.01 / 0.0909, 1e-6);
     EXPECT_NEAR(NoiseOf(pictures, reference).trimmed, 0.01 / 0.0909, 1e-6);
@@ -32,18 +28,18 @@ TEST(NoiseByDepth, DepthsEndWithTheLargest) {
 TEST_F(Experiment, TellsWhichVertexBringsTheNoise) {
     // A point light lights the floor without noise but that of colours. What a bounce from it finds on the second floor
     // above is noisy.
-    std::ofstream(folder_ / "scene.pbrt") << R"(LookAt 0 1 -6  0 0 0  0 1 0
-Camera "perspective" "float fov" 40
-Film "rgb" "integer xresolution" 16 "integer yresolution" 16 "string filename" "scene.exr"
-Sampler "independent" "integer pixelsamples" 4
-PixelFilter "box" "float xradius" 0.01 "float yradius" 0.01
-Integrator "path" "integer maxdepth" 2
-WorldBegin
-LightSource "point" "point3 from" [ 0 1 0 ] "rgb I" [ 4 4 4 ]
-Material "diffuse" "rgb reflectance" [ 0.8 0.8 0.8 ]
-Shape "bilinearmesh" "point3 P" [ -4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4 ]
-Shape "bilinearmesh" "point3 P" [ -1 2 -1  1 2 -1  -1 2 1  1 2 1 ]
-)";
+    Write("scene.pbrt", SceneText()
+                            .LookAt("0 1 -6  0 0 0  0 1 0")
+                            .Camera(40)
+                            .Film(16, 16, "'string filename' 'scene.exr'")
+                            .Samples(4)
+                            .Head("PixelFilter 'box' 'float xradius' 0.01 'float yradius' 0.01")
+                            .Integrator("path", 2)
+                            .World(Objects()
+                                       .PointLight("0 1 0", "4 4 4")
+                                       .Diffuse("0.8 0.8 0.8")
+                                       .Quad("-4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4")
+                                       .Quad("-1 2 -1  1 2 -1  -1 2 1  1 2 1")));
     ExperimentSettings settings = Settings("noise", {"uniform", "uniform+guide"});
     settings.samplesPerPixel = 8;
     settings.seeds = 4;

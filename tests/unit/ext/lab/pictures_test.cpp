@@ -1,11 +1,10 @@
 #include "ext/lab/experiment.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
-
 #include <cmath>
-#include <filesystem>
-#include <fstream>
+
+#include "pbrt/core/files.h"
+#include "support/folder_test.h"
 
 namespace ext::lab {
 
@@ -16,7 +15,7 @@ Image Grey(const std::vector<std::pair<double, Float>> &shares) {
     Image image(PixelFormat::Float, {100, 10}, {"R", "G", "B"});
     int x = 0;
     for (const auto &[share, value] : shares)
-        for (int end = x + static_cast<int>(std::lround(100 * share)); x < end; ++x)
+        for (int end = x + int(std::lround(100 * share)); x < end; ++x)
             for (int y = 0; y < 10; ++y)
                 for (int c = 0; c < 3; ++c) image.Set({x, y}, c, value);
     return image;
@@ -40,7 +39,9 @@ TEST(ChooseExposure, PictureWithoutHighlightsIsAsBrightAsItCanBe) {
     EXPECT_EQ(ChooseExposure(Grey({{1, 0}})), 1);
 }
 
-TEST(RangePicture, KeepsEveryBrightness) {
+class RangePicture : public pbrt::test::FolderTest {};
+
+TEST_F(RangePicture, KeepsEveryBrightness) {
     Image image(PixelFormat::Float, {5, 2}, {"R", "G", "B"});
     const Float values[] = {1e-9f, 0.0123f, 0.5f, 1,  255.9f,
                             65504, 3e30f,   0,    -1, std::numeric_limits<Float>::infinity()};
@@ -49,12 +50,8 @@ TEST(RangePicture, KeepsEveryBrightness) {
         image.Set({i % 5, i / 5}, 1, values[i] / 2);
         image.Set({i % 5, i / 5}, 2, 0);
     }
-    const std::filesystem::path path =
-        std::filesystem::temp_directory_path() / ("pbrt_range_" + std::to_string(getpid()) + ".hdr");
-    WriteRangePicture(path.string(), image);
-    std::ifstream in(path, std::ios::binary);
-    const std::string text((std::istreambuf_iterator<char>(in)), {});
-    std::filesystem::remove(path);
+    WriteRangePicture(Path("range.hdr"), image);
+    const std::string text = ReadFileContents(Path("range.hdr"));
     const std::string size = "\n\n-Y 2 +X 5\n";
     const size_t at = text.find(size);
     ASSERT_NE(at, std::string::npos);
@@ -62,17 +59,16 @@ TEST(RangePicture, KeepsEveryBrightness) {
     ASSERT_EQ(text.size(), at + size.size() + 10 * 4);
     for (int i = 0; i < 10; ++i) {
         const char *pixel = text.data() + at + size.size() + 4 * i;
-        const int exponent = static_cast<uint8_t>(pixel[3]);
+        const int exponent = uint8_t(pixel[3]);
         for (int c = 0; c < 3; ++c) {
             const double stored =
                 image.Get({i % 5, i / 5}, c) > 0 && std::isfinite(values[i]) ? double(image.Get({i % 5, i / 5}, c)) : 0;
-            const double shown =
-                exponent ? (static_cast<uint8_t>(pixel[c]) + 0.5) * std::ldexp(1.0, exponent - 136) : 0;
+            const double shown = exponent ? (uint8_t(pixel[c]) + 0.5) * std::ldexp(1.0, exponent - 136) : 0;
             // The tolerance is half a step of the brightest colour of the pixel.
             const double step = exponent ? std::ldexp(1.0, exponent - 136) : 0;
             EXPECT_NEAR(shown, stored, 0.5001 * step) << i << " " << c;
         }
-        const double value = static_cast<double>(values[i]);
+        const double value = double(values[i]);
         if (value > 0 && std::isfinite(value)) {
             EXPECT_LE(std::ldexp(1.0, exponent - 136), value / 128 * 1.0001);
         }

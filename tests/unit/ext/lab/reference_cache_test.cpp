@@ -1,43 +1,41 @@
 #include "ext/lab/reference.h"
 
 #include <cstring>
-#include <fstream>
 
 #include "experiment_fixture.h"
 
 namespace ext::lab {
 
 TEST_F(Experiment, ReferenceIsKeptInTheCacheAndFoundAgain) {
-    const std::optional<ExperimentOutcome> first = Run(Settings("one", {"uniform"}));
-    ASSERT_TRUE(first);
+    const ExperimentOutcome first = Run(Settings("one", {"uniform"}));
     const std::vector<fs::path> kept = ReferencesIn("cache");
     ASSERT_GE(kept.size(), 1u);
     for (const char *elsewhere : {"", "one"}) EXPECT_EQ(ReferencesIn(elsewhere).size(), 0u) << elsewhere;
-    EXPECT_NE(first->text.find(kept[0].parent_path().string()), std::string::npos) << first->text;
+    EXPECT_NE(first.text.find(kept[0].parent_path().string()), std::string::npos) << first.text;
     const auto time = fs::last_write_time(kept[0]);
-    ASSERT_TRUE(Run(Settings("two", {"uniform"})));
+    Run(Settings("two", {"uniform"}));
     EXPECT_EQ(fs::last_write_time(kept[0]), time);
     // A reference file that was cut short is rendered again, with the same result.
     const auto size = fs::file_size(kept[0]);
     fs::resize_file(kept[0], size / 2);
-    ASSERT_TRUE(Run(Settings("three", {"uniform"})));
+    Run(Settings("three", {"uniform"}));
     EXPECT_EQ(fs::file_size(kept[0]), size);
     ExpectSamePictures("one", "three", {"uniform"}, 2);
     // Another scene gets another reference.
-    std::ofstream(folder_ / "scene.pbrt", std::ios::app) << "Shape \"sphere\" \"float radius\" 0.2\n";
-    ASSERT_TRUE(Run(Settings("four", {"uniform"})));
+    Write("scene.pbrt", ThreeLights() + std::string(Objects().Sphere(0.2)));
+    Run(Settings("four", {"uniform"}));
     EXPECT_GT(ReferencesIn("cache").size(), kept.size());
 }
 
 TEST_F(Experiment, ReferencesThatWereChangedAreRenderedAgain) {
-    ASSERT_TRUE(Run(Settings("first", {"uniform"})));
+    Run(Settings("first", {"uniform"}));
     const std::string path = ReferencesIn("cache").at(0).string();
     const ImageFile good = ReadImage(path);
     const auto expectAgain = [&](const std::string &what, auto &&change) {
         ImageFile changed = good;
         change(changed);
         WriteImage(path, changed.image, changed.metadata);
-        ASSERT_TRUE(Run(Settings(what, {"uniform"})));
+        Run(Settings(what, {"uniform"}));
         const ImageFile again = ReadImage(path);
         ASSERT_EQ(again.image.Channels(), good.image.Channels()) << what;
         EXPECT_EQ(std::memcmp(again.image.Data(), good.image.Data(), good.image.Bytes()), 0) << what;
@@ -74,48 +72,40 @@ TEST(ReferenceCache, DefaultFolderIsTheUsers) {
 // Uniform chooses the lamp once in 20,000 samples and finds the ceiling by BSDF samples, so its pictures are quiet but
 // lack a light. The references have few samples. No stock sampler may be called biased for that.
 TEST_F(Experiment, ReferencesOfStockThatContradictEachOtherProveNothing) {
-    std::string scene = kScene;
-    scene.resize(scene.find("LightSource"));
-    scene += "LightSource \"point\" \"point3 from\" [ 0 2 0 ] \"rgb I\" [ 4 4 4 ]\n";
-    for (int i = 0; i < 20000; ++i)
-        scene += fmt::format("LightSource \"point\" \"point3 from\" [ 0 9 {} ] \"rgb I\" [ 1e-6 1e-6 1e-6 ]\n", i);
-    scene +=
-        "Shape \"bilinearmesh\" \"point3 P\" [ -4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4 ]\n"
-        "AreaLightSource \"diffuse\" \"rgb L\" [ 1 1 1 ]\n"
-        "Shape \"bilinearmesh\" \"point3 P\" [ -9 4 -9  -9 4 9  9 4 -9  9 4 9 ]\n";
-    std::ofstream(folder_ / "scene.pbrt") << scene;
+    Objects world;
+    world.PointLight("0 2 0", "4 4 4");
+    for (int i = 0; i < 20000; ++i) world.PointLight(fmt::format("0 9 {}", i), "1e-6 1e-6 1e-6");
+    world.Quad("-4 -1 -4  4 -1 -4  -4 -1 4  4 -1 4").AreaLight("1 1 1").Quad("-9 4 -9  -9 4 9  9 4 -9  9 4 9");
+    Write("scene.pbrt", ViewOf(world));
     ExperimentSettings settings = Settings("out", {"uniform", "bvh"});
     settings.samplesPerPixel = 4;
     settings.seeds = 4;
     settings.referenceSamples = 16;
     settings.selectionWork = 0;
-    const std::optional<ExperimentOutcome> outcome = Run(settings);
-    ASSERT_TRUE(outcome);
+    const ExperimentOutcome outcome = Run(settings);
     bool wouldHaveBeen = false;
-    for (const Json &s : outcome->results.at("samplers")) {
+    for (const Json &s : outcome.results.at("samplers")) {
         const Json &bias = s.at("summary").at("bias");
         EXPECT_NE(bias.at("verdict"), "biased") << bias.dump();
         wouldHaveBeen =
             wouldHaveBeen || bias.at("text").get<std::string>().find("so bias is unknown") != std::string::npos;
     }
     EXPECT_TRUE(wouldHaveBeen);
-    const Json &conclusion = outcome->results.at("conclusion");
+    const Json &conclusion = outcome.results.at("conclusion");
     ASSERT_EQ(conclusion.at("doubts").size(), 1u) << conclusion.dump();
     EXPECT_NE(conclusion.at("doubts").at(0).get<std::string>().find("prove no bias"), std::string::npos)
         << conclusion.dump();
     // Such references rank no sampler, whichever seems to lead, and the terminal says so, too.
     EXPECT_TRUE(conclusion.at("winner").is_null()) << conclusion.dump();
-    EXPECT_NE(outcome->text.find("prove no bias"), std::string::npos) << outcome->text;
+    EXPECT_NE(outcome.text.find("prove no bias"), std::string::npos) << outcome.text;
 }
 
 TEST_F(Experiment, GivenReferenceIsUsedAsItIs) {
-    ASSERT_TRUE(Run(Settings("one", {"power"})));
+    Run(Settings("one", {"power"}));
     ExperimentSettings settings = Settings("two", {"uniform"});
-    settings.referenceFile = (folder_ / "one/reference-0.exr").string();
-    const std::optional<ExperimentOutcome> outcome = Run(settings);
-    ASSERT_TRUE(outcome);
-    ExpectSamePixels(folder_ / "one/reference-0.exr", folder_ / "two/reference-0.exr");
-    EXPECT_EQ(outcome->results.at("references").size(), 1u);
+    settings.referenceFile = Path("one/reference-0.exr");
+    EXPECT_EQ(Run(settings).results.at("references").size(), 1u);
+    ExpectSamePixels(Path("one/reference-0.exr"), Path("two/reference-0.exr"));
     EXPECT_FALSE(fs::exists(folder_ / "two/records/pilot.json"));
 }
 

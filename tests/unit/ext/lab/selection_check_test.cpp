@@ -4,60 +4,54 @@
 
 #include <cmath>
 
-#include "pbrt/core/parallel.h"
 #include "pbrt/lightsamplers/simple_light_samplers.h"
 #include "pbrt/math/rng.h"
 #include "support/build_text.h"
 #include "support/render_scene.h"
+#include "support/scene_text.h"
 #include "support/statistics.h"
+#include "support/threads.h"
 
 namespace ext::lab {
 namespace {
 
-using test::RunningStatistics;
+using test::Objects, test::RunningStatistics, test::SceneText;
 
 /// A floor with a wall, a mirror ball and a glossy ball, under three point lights and a lamp of two triangles.
-const char *kSelectionScene = R"(LookAt 0 -6 4  0 0 0.5  0 0 1
-Camera "perspective" "float fov" 45
-Film "rgb" "integer xresolution" 32 "integer yresolution" 32
-Integrator "path" "integer maxdepth" 3
-WorldBegin
-LightSource "point" "point3 from" [ -2 0 2 ] "rgb I" [ 4 4 4 ]
-LightSource "point" "point3 from" [ 2 0 2 ] "rgb I" [ 3 3 4 ]
-LightSource "point" "point3 from" [ 0 2 3 ] "rgb I" [ 1 .5 .2 ]
-AttributeBegin
-AreaLightSource "diffuse" "rgb L" [ 3 3 3 ]
-Shape "trianglemesh" "point3 P" [ -1 -1 3  -1 1 3  1 1 3  1 -1 3 ] "integer indices" [ 0 1 2  0 2 3 ]
-AttributeEnd
-Material "diffuse" "rgb reflectance" [ .5 .5 .5 ]
-Shape "bilinearmesh" "point3 P" [ -4 -4 0  4 -4 0  -4 4 0  4 4 0 ]
-Shape "bilinearmesh" "point3 P" [ 0 -1 0  0 4 0  0 -1 1.5  0 4 1.5 ]
-Material "conductor" "float roughness" 0
-AttributeBegin
-Translate 1 -1 0.5
-Shape "sphere" "float radius" 0.5
-AttributeEnd
-Material "conductor" "float roughness" 0.2
-AttributeBegin
-Translate -1 -1 0.5
-Shape "sphere" "float radius" 0.5
-AttributeEnd
-)";
+std::string SelectionScene(const std::string &media = "", const std::string &integrator = "path") {
+    const Objects ball = Objects().Sphere(0.5);
+    return SceneText()
+        .LookAt("0 -6 4  0 0 0.5  0 0 1")
+        .Head(media)
+        .Camera(45)
+        .Film(32, 32)
+        .Integrator(integrator, 3)
+        .World(Objects()
+                   .PointLight("-2 0 2", "4 4 4")
+                   .PointLight("2 0 2", "3 3 4")
+                   .PointLight("0 2 3", "1 .5 .2")
+                   .Attribute("", Objects().AreaLight("3 3 3").Triangles("-1 -1 3  -1 1 3  1 1 3  1 -1 3"))
+                   .Diffuse(".5 .5 .5")
+                   .Quad("-4 -4 0  4 -4 0  -4 4 0  4 4 0")
+                   .Quad("0 -1 0  0 4 0  0 -1 1.5  0 4 1.5")
+                   .Attribute("Material 'conductor' 'float roughness' 0 Translate 1 -1 0.5", ball)
+                   .Attribute("Material 'conductor' 'float roughness' 0.2 Translate -1 -1 0.5", ball));
+}
 
 /// Uniform over the lights, except for the defect that a test sets.
 class Spoilt final : public LightSampler {
   public:
     explicit Spoilt(size_t lights) : count_(lights) {}
     std::optional<SampledLight> Choose(const LightQuery &q, const void *, Float u, Point2 *) const override {
-        auto i = std::min(static_cast<size_t>(u * static_cast<Float>(count_)), count_ - 1);
+        auto i = std::min(size_t(u * Float(count_)), count_ - 1);
         if (blindTo && i == *blindTo && where(q)) return {};
         // An eighth of the samples of light 0 returns light 1, without any change of the probabilities.
-        if (takesElsewhere && i == 0 && u * static_cast<Float>(count_) < 0.125f) i = 1;
-        return SampledLight{LightId(i), 1 / static_cast<Float>(count_) * (i == 0 ? claims : 1)};
+        if (takesElsewhere && i == 0 && u * Float(count_) < 0.125f) i = 1;
+        return SampledLight{LightId(i), 1 / Float(count_) * (i == 0 ? claims : 1)};
     }
     Float Probability(const LightQuery &q, const void *, LightId light) const override {
         if (blindTo && light.value == *blindTo && where(q)) return 0;
-        return 1 / static_cast<Float>(count_) * pmfSays;
+        return 1 / Float(count_) * pmfSays;
     }
     std::optional<size_t> blindTo;
     std::function<bool(const LightQuery &)> where = [](const LightQuery &) { return true; };
@@ -70,7 +64,7 @@ class Spoilt final : public LightSampler {
 
 class SelectionCheck : public testing::Test {
   protected:
-    explicit SelectionCheck(const std::string &text = kSelectionScene)
+    explicit SelectionCheck(const std::string &text = SelectionScene())
         : built_(test::BuildText(text)), spoilt_(built_.scene->Lights().Size()) {}
     SelectionReport Check(const LightSampler &lights) {
         Progress progress;
@@ -132,12 +126,8 @@ TEST_F(SelectionCheck, ProbabilitiesThatDoNotAgreeAreSeen) {
 }
 
 TEST_F(SelectionCheck, ThreadsDoNotMatter) {
-    std::vector<std::string> texts;
-    for (int threads : {1, 2}) {
-        ThreadLimit limit(threads);
-        texts.push_back(ToJson(Check(spoilt_)).dump());
-    }
-    EXPECT_EQ(texts[0], texts[1]);
+    const auto text = [&] { return ToJson(Check(spoilt_)).dump(); };
+    EXPECT_EQ(test::OnThreads(1, text), test::OnThreads(2, text));
 }
 
 TEST_F(SelectionCheck, JsonKeepsWhatIsReported) {
@@ -166,22 +156,13 @@ TEST_F(SelectionCheck, BothChecksTogether) {
 }
 
 /// The same scene full of fog, in which most of the first vertices lie.
-std::string InFog() {
-    std::string text = kSelectionScene;
-    auto replace = [&text](const std::string &what, const std::string &by) {
-        text.replace(text.find(what), what.size(), by);
-    };
-    replace("Camera", R"(MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_s" [ .15 .12 .1 ]
-"rgb sigma_a" [ .01 .02 .03 ] "float g" .4
-MediumInterface "" "fog"
-Camera)");
-    replace("Integrator \"path\"", "Integrator \"volpath\"");
-    return text;
-}
-
 class SelectionCheckInFog : public SelectionCheck {
   protected:
-    SelectionCheckInFog() : SelectionCheck(InFog()) {}
+    SelectionCheckInFog()
+        : SelectionCheck(
+              SelectionScene("MakeNamedMedium 'fog' 'string type' 'homogeneous' 'rgb sigma_s' [ .15 .12 .1 ] "
+                             "'rgb sigma_a' [ .01 .02 .03 ] 'float g' .4 MediumInterface '' 'fog'",
+                             "volpath")) {}
     static bool IsInFog(const LightQuery &q) { return q.ns == Normal3(0); }
     static bool IsOnSurface(const LightQuery &q) { return !IsInFog(q); }
 };
@@ -215,26 +196,23 @@ TEST_F(SelectionCheckInFog, ALightThatIsLostInTheFogOnlyIsMissed) {
 /// A wall in a ball of fog, in which light is scattered more than once. The lights are far away, so that no place is so
 /// close to one that chance decides.
 std::string WallInFog(const std::string &scattering) {
-    return R"(LookAt 0 -12 1  0 0 0  0 0 1
-Camera "perspective" "float fov" 40
-Film "rgb" "integer xresolution" 8 "integer yresolution" 8 "bool savefp16" false
-PixelFilter "box"
-Sampler "independent" "integer pixelsamples" 4096
-Integrator "volpath" "integer maxdepth" 16
-WorldBegin
-LightSource "distant" "point3 from" [ -2 -3 3 ] "rgb L" [ 4 4 4 ]
-LightSource "distant" "point3 from" [ 3 -1 0 ] "rgb L" [ 3 3 3 ]
-MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_a" [ .03 .03 .03 ] "float g" .4 "rgb sigma_s" )" +
-           scattering + R"(
-AttributeBegin
-MediumInterface "fog" ""
-Material "interface"
-Shape "sphere" "float radius" 4
-AttributeEnd
-MediumInterface "fog" "fog"
-Material "diffuse" "rgb reflectance" [ .5 .5 .5 ]
-Shape "bilinearmesh" "point3 P" [ -2 1 -2  2 1 -2  -2 1 2  2 1 2 ]
-)";
+    return SceneText()
+        .LookAt("0 -12 1  0 0 0  0 0 1")
+        .Camera(40)
+        .Film(8, 8, "'bool savefp16' false")
+        .Filter("box")
+        .Samples(4096)
+        .Integrator("volpath", 16)
+        .World(Objects()
+                   .Light("distant", "'point3 from' [ -2 -3 3 ] 'rgb L' [ 4 4 4 ]")
+                   .Light("distant", "'point3 from' [ 3 -1 0 ] 'rgb L' [ 3 3 3 ]")
+                   .Add("MakeNamedMedium 'fog' 'string type' 'homogeneous' 'rgb sigma_a' [ .03 .03 .03 ] 'float g' .4 "
+                        "'rgb sigma_s' " +
+                        scattering)
+                   .Attribute("MediumInterface 'fog' '' Material 'interface'", Objects().Sphere(4))
+                   .Add("MediumInterface 'fog' 'fog'")
+                   .Diffuse(".5 .5 .5")
+                   .Quad("-2 1 -2  2 1 -2  -2 1 2  2 1 2"));
 }
 
 RunningStatistics Picture(const std::string &text) { return test::ChannelStatistics(test::RenderText(text).image); }
@@ -250,7 +228,7 @@ RunningStatistics Measured(const std::string &text) {
         double light = 0;
         for (size_t r = 0; r < vertices.RegionCount(); ++r)
             for (const auto &v : vertices.OfRegion(r))
-                for (const auto &m : v.lights) light += static_cast<double>(m.c);
+                for (const auto &m : v.lights) light += double(m.c);
         s.Add(light / (16. * vertices.PathsPerRegion()));
     }
     return s;
@@ -279,11 +257,11 @@ std::vector<std::vector<VertexFinding>> Simulate(Rng &rng, int paths, double pro
                 double found = 0;
                 constexpr int kDraws = 64;
                 for (int d = 0; d < kDraws; ++d)
-                    found += static_cast<double>(rng.Uniform()) < probability ? 1 / probability / kDraws : 0;
+                    found += double(rng.Uniform()) < probability ? 1 / probability / kDraws : 0;
                 if (r == lostIn) found *= 1 - lost;
-                f.excess = f.light * static_cast<float>(found - 1);
+                f.excess = f.light * float(found - 1);
                 f.endsPath = v == 1;
-                regions[static_cast<size_t>(r)].push_back(f);
+                regions[size_t(r)].push_back(f);
             }
     return regions;
 }

@@ -13,14 +13,14 @@ namespace ext::lab {
 TEST(TileGrid, CoversEveryPixelOnce) {
     for (Point2i size : {Point2i(64, 48), Point2i(67, 41), Point2i(5, 9), Point2i(8, 1)}) {
         const TileGrid grid(size);
-        std::vector<int> hits(static_cast<size_t>(size.x * size.y));
+        std::vector<int> hits(size_t(size.x * size.y));
         for (int ty = 0; ty < grid.tilesY; ++ty)
             for (int tx = 0; tx < grid.tilesX; ++tx) {
                 const Bounds2i b = grid.Pixels(tx, ty);
                 EXPECT_GE(b.high.x - b.low.x, std::min(8, size.x));
                 EXPECT_GE(b.high.y - b.low.y, std::min(8, size.y));
                 for (int y = b.low.y; y < b.high.y; ++y)
-                    for (int x = b.low.x; x < b.high.x; ++x) ++hits[static_cast<size_t>(y * size.x + x)];
+                    for (int x = b.low.x; x < b.high.x; ++x) ++hits[size_t(y * size.x + x)];
             }
         for (int h : hits) EXPECT_EQ(h, 1);
     }
@@ -31,8 +31,8 @@ TEST(TileMeans, AreMeansOfTheColorChannels) {
     for (int y = 0; y < 9; ++y)
         for (int x = 0; x < 20; ++x) {
             image.Set({x, y}, 0, 99);
-            image.Set({x, y}, 1, static_cast<Float>(x));
-            image.Set({x, y}, 2, static_cast<Float>(y));
+            image.Set({x, y}, 1, Float(x));
+            image.Set({x, y}, 2, Float(y));
             image.Set({x, y}, 3, 2);
         }
     image.Set({0, 0}, 3, NAN);
@@ -51,13 +51,11 @@ TEST(AverageImages, KnowsItsOwnNoise) {
     const int n = 6;
     Image truth(PixelFormat::Float, {80, 60}, {"R", "G", "B"});
     std::vector<Image> images(n, truth);
-    for (int y = 0; y < 60; ++y)
-        for (int x = 0; x < 80; ++x)
-            for (int c = 0; c < 3; ++c) {
-                const Float value = 1 + 0.02f * static_cast<Float>(x + c);
-                truth.Set({x, y}, c, value);
-                for (Image &image : images) image.Set({x, y}, c, value * (0.5f + rng.Uniform()));
-            }
+    ForEachValue(truth, [&](Point2i p, int c) {
+        const Float value = 1 + 0.02f * Float(p.x + c);
+        truth.Set(p, c, value);
+        for (Image &image : images) image.Set(p, c, value * (0.5f + rng.Uniform()));
+    });
     const MeanImage mean = AverageImages(images);
     const double error = ImageError(mean.image, truth, Metric::RelL2);
     EXPECT_NEAR(mean.noise, error, 0.06 * error);

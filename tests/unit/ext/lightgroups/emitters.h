@@ -1,32 +1,29 @@
 #pragma once
+#include <gtest/gtest.h>
+
 #include <vector>
 
 #include "ext/lightgroups/emitter.h"
 #include "pbrt/math/rng.h"
 #include "pbrt/math/warps.h"
+#include "support/light_query.h"
 
 namespace pbrt::test {
 
 using namespace ext;
 
 inline Emitter Patch(const Point3 &p, const Vector3 &normal, Float intensity) {
-    LightBounds b;
-    b.bounds = Bounds3(p, p + Vector3(0.01f));
-    b.w = normal;
-    b.phi = double(intensity);
-    b.cosTheta_o = 1;
-    b.cosTheta_e = 0;
-    Emitter e;
-    e.bounds = b;
-    e.isArea = true;
-    e.intensity = intensity;
-    return e;
+    const LightBounds b{.bounds = Bounds3(p, p + Vector3(0.01f)), .w = normal, .phi = double(intensity)};
+    return {.bounds = b, .isArea = true, .intensity = intensity};
 }
 
 /// Sizes of a test's set of emitters.
 struct PatchCounts {
     int count, far;
 };
+inline std::string NameOf(const testing::TestParamInfo<PatchCounts> &p) {
+    return std::to_string(p.param.count) + "And" + std::to_string(p.param.far) + "Far";
+}
 
 /// `count` flat patches at random places in a cube, with `far` infinite lights among them.
 inline std::vector<Emitter> Patches(int count, int far) {
@@ -37,21 +34,14 @@ inline std::vector<Emitter> Patches(int count, int far) {
         const Vector3 normal = SampleUniformSphere(rng.Uniform2());
         if (i < count) emitters.push_back(Patch(p, normal, rng.Uniform() + 0.1f));
         if (i >= far) continue;
-        Emitter sky;
-        sky.isFar = true;
-        sky.m0 = 1;
-        sky.m1 = Vector3(0, 0, 0.5f);
-        emitters.push_back(sky);
+        emitters.push_back({.bounds = {}, .isFar = true, .m0 = 1, .m1 = {0, 0, 0.5f}});
     }
     return emitters;
 }
 
 inline LightQuery QueryIn(Rng &rng) {
-    LightQuery q;
-    q.p = {rng.Uniform(), rng.Uniform(), rng.Uniform()};
-    q.n = q.ns = Normal3(SampleUniformSphere(rng.Uniform2()));
-    q.wo = Vector3(q.n);
-    return q;
+    const Point3 p(rng.Uniform(), rng.Uniform(), rng.Uniform());
+    return QueryAt(p, SampleUniformSphere(rng.Uniform2()));
 }
 
 /// The importance G of one emitter.

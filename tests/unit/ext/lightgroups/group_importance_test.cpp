@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "pbrt/lights/environment_light.h"
-
 #include "pbrt/math/rng.h"
 #include "support/build_text.h"
+#include "support/light_query.h"
 #include "support/scene_text.h"
 
 namespace {
@@ -82,7 +82,7 @@ Float Unoccluded(const LightTable &lights, LightId light, const LightQuery &q, c
     if (!s || !(s->pdf > 0)) return 0;
     Float cosine = q.ns == Normal3(0) ? Float(1) : AbsDot(s->wi, q.ns);
     if (q.ns != Normal3(0) && !q.transmits && Dot(s->wi, q.ns) * Dot(q.wo, q.ns) <= 0) return 0;
-    return static_cast<Float>(RootMeanSquare(s->L) * double(cosine) / double(s->pdf) / lights.Unit());
+    return Float(RootMeanSquare(s->L) * double(cosine) / double(s->pdf) / lights.Unit());
 }
 
 class GroupImportanceOfEveryLight : public testing::TestWithParam<bool> {};
@@ -114,9 +114,8 @@ TEST_P(GroupImportanceOfEveryLight, IsPositiveWhereALightContributes) {
 INSTANTIATE_TEST_SUITE_P(GroupedOrNot, GroupImportanceOfEveryLight, testing::Bool());
 
 TEST(GroupImportance, SameNumbersHoweverAsked) {
-    BuiltScene built = pbrt::test::BuildText(kLights);
-    const LightGroups &groups = built.scene->Lights().ByComponent();
-    GroupImportance importance(groups);
+    const BuiltScene built = test::BuildText(kLights);
+    const GroupImportance importance(built.scene->Lights().ByComponent());
     ASSERT_GT(importance.Size(), 8u);
     Rng rng(6);
     for (int i = 0; i < 200; ++i) {
@@ -131,70 +130,58 @@ TEST(GroupImportance, SameNumbersHoweverAsked) {
     }
 }
 
-TEST(GroupImportance, IsAnEstimateOfTheUnoccludedLight) {
+class GroupImportanceByLight : public testing::Test {
+  protected:
+    const BuiltScene built_ = test::BuildText(kLights);
+    const LightTable &lights_ = built_.scene->Lights();
+    const LightGroups &groups_ = lights_.ByLight();
+    const GroupImportance importance_{groups_};
+};
+
+TEST_F(GroupImportanceByLight, IsAnEstimateOfTheUnoccludedLight) {
     // Away from the emitters and above their horizon, G agrees with the irradiance up to a factor.
-    BuiltScene built = pbrt::test::BuildText(kLights);
-    const LightTable &lights = built.scene->Lights();
-    const LightGroups &groups = lights.ByLight();
-    GroupImportance importance(groups);
-    LightQuery q;
-    q.p = Point3(0.3f, -1, 0.2f);
-    q.n = q.ns = Normal3(0, 1, 0);
-    q.wo = Vector3(0, 1, 0);
-    std::vector<Float> g(importance.Padded());
-    importance.Evaluate(q, g);
+    const LightQuery q = test::QueryAt({0.3f, -1, 0.2f}, {0, 1, 0});
+    std::vector<Float> g(importance_.Padded());
+    importance_.Evaluate(q, g);
     Rng rng(7);
-    std::vector<double> truth(groups.Size(), 0);
-    for (uint32_t l = 0; l < lights.Size(); ++l) {
+    std::vector<double> truth(groups_.Size(), 0);
+    for (uint32_t l = 0; l < lights_.Size(); ++l) {
         const int n = 4096;
         for (int k = 0; k < n; ++k)
-            truth[groups.GroupOf(LightId(l))] +=
-                static_cast<double>(Unoccluded(lights, LightId(l), q, rng.Uniform2())) / n;
+            truth[groups_.GroupOf(LightId(l))] += double(Unoccluded(lights_, LightId(l), q, rng.Uniform2())) / n;
     }
     size_t compared = 0;
-    for (uint32_t i = 0; i < groups.Size(); ++i) {
+    for (uint32_t i = 0; i < groups_.Size(); ++i) {
         if (!(truth[i] > 0)) continue;
         ++compared;
-        EXPECT_LT(static_cast<double>(g[i]), 4 * truth[i]) << i;
-        EXPECT_GT(static_cast<double>(g[i]), truth[i] / 4) << i;
+        EXPECT_LT(double(g[i]), 4 * truth[i]) << i;
+        EXPECT_GT(double(g[i]), truth[i] / 4) << i;
     }
     EXPECT_GE(compared, 5u);
 }
 
-TEST(GroupImportance, LightsThatAreNeverSampledHaveNone) {
-    BuiltScene built = pbrt::test::BuildText(kLights);
-    const LightTable &lights = built.scene->Lights();
-    const LightGroups &groups = lights.ByLight();
-    GroupImportance importance(groups);
-    LightQuery q;
-    q.n = q.ns = Normal3(0, 1, 0);
-    q.wo = Vector3(0, 1, 0);
-    for (LightId sky : Skies(lights))
-        if (!OpeningOf(lights, sky)) {
-            EXPECT_EQ(importance.Of(q, groups.GroupOf(sky)), 0);
+TEST_F(GroupImportanceByLight, LightsThatAreNeverSampledHaveNone) {
+    const LightQuery q = test::QueryAt(Point3(0), {0, 1, 0});
+    for (LightId sky : Skies(lights_))
+        if (!OpeningOf(lights_, sky)) {
+            EXPECT_EQ(importance_.Of(q, groups_.GroupOf(sky)), 0);
         }
 }
 
-TEST(GroupImportance, APortalIsALightInItsPlace) {
-    BuiltScene built = pbrt::test::BuildText(kLights);
-    const LightTable &lights = built.scene->Lights();
-    const LightGroups &groups = lights.ByLight();
-    GroupImportance importance(groups);
+TEST_F(GroupImportanceByLight, APortalIsALightInItsPlace) {
     size_t portals = 0;
-    for (LightId sky : Skies(lights)) {
-        auto opening = OpeningOf(lights, sky);
+    for (LightId sky : Skies(lights_)) {
+        auto opening = OpeningOf(lights_, sky);
         if (!opening) continue;
         ++portals;
-        const uint32_t group = groups.GroupOf(sky);
-        auto at = [&](Float distance) {
-            LightQuery q;
-            q.p = opening->Centroid() + opening->w * distance;
-            return importance.Of(q, group);
+        const uint32_t group = groups_.GroupOf(sky);
+        const auto at = [&](Float distance) {
+            return importance_.Of(test::QueryAt(opening->Centroid() + opening->w * distance), group);
         };
         EXPECT_GT(at(3), 0);
         EXPECT_NEAR(at(6) / at(3), 0.25f, 0.05f) << "the importance must fall with the square of the distance";
         EXPECT_EQ(at(-5), 0) << "the portal sends no light to the outside";
-        EXPECT_NEAR(Dot(importance.DirectionTo(opening->Centroid() + opening->w * Float(2), group), -opening->w), 1,
+        EXPECT_NEAR(Dot(importance_.DirectionTo(opening->Centroid() + opening->w * Float(2), group), -opening->w), 1,
                     1e-5f);
     }
     EXPECT_EQ(portals, 2u);

@@ -3,14 +3,12 @@
 #include <gtest/gtest.h>
 
 #include "emitters.h"
-#include "pbrt/core/parallel.h"
+#include "support/threads.h"
 
 namespace {
 
 using namespace ext;
-using test::PatchCounts;
-using test::Patches;
-using test::QueryIn;
+using test::PatchCounts, test::Patches, test::QueryIn;
 
 class LightTreeOfSize : public testing::TestWithParam<PatchCounts> {
   protected:
@@ -49,7 +47,7 @@ TEST_P(LightTreeOfSize, EveryCutHoldsEveryLightOnce) {
                     EXPECT_EQ(tree.PositionOf(tree.LightAt(position)), position);
                 }
             }
-            EXPECT_EQ(next, static_cast<uint32_t>(count + far));
+            EXPECT_EQ(next, uint32_t(count + far));
         }
     }
     EXPECT_LE(tree.BaseCut().size(), LightTree::kBaseNodes + LightTree::kFarNodes);
@@ -87,7 +85,7 @@ TEST_P(LightTreeOfSize, LightsBelowANodeAreSampledAsTheirPmfSays) {
             std::vector<double> pmf;
             double sum = 0;
             for (uint32_t position = range.begin; position < range.end; ++position) {
-                pmf.push_back(static_cast<double>(tree.PMFWithin(node, q, position)));
+                pmf.push_back(double(tree.PMFWithin(node, q, position)));
                 sum += pmf.back();
             }
             // The sum is less than 1 where a node has importance, but both of its children have none: then no light is
@@ -97,7 +95,7 @@ TEST_P(LightTreeOfSize, LightsBelowANodeAreSampledAsTheirPmfSays) {
             std::vector<int> chosen(pmf.size(), 0);
             for (int s = 0; s < kSamples; ++s)
                 if (std::optional<SampledLight> light =
-                        tree.SampleWithin(node, q, (static_cast<Float>(s) + rng.Uniform()) / kSamples)) {
+                        tree.SampleWithin(node, q, (Float(s) + rng.Uniform()) / kSamples)) {
                     const uint32_t position = tree.PositionOf(light->light.value);
                     ASSERT_TRUE(position >= range.begin && position < range.end);
                     EXPECT_EQ(light->pmf, tree.PMFWithin(node, q, position));
@@ -112,27 +110,21 @@ TEST_P(LightTreeOfSize, LightsBelowANodeAreSampledAsTheirPmfSays) {
 INSTANTIATE_TEST_SUITE_P(Sizes, LightTreeOfSize,
                          testing::Values(PatchCounts{1, 0}, PatchCounts{0, 3}, PatchCounts{7, 2}, PatchCounts{65, 0},
                                          PatchCounts{300, 40}),
-                         [](const auto &p) {
-                             return std::to_string(p.param.count) + "And" + std::to_string(p.param.far) + "Far";
-                         });
+                         test::NameOf);
 
 /// The tree is large enough to be built as several tasks.
 TEST(LightTree, IsTheSameForAnyNumberOfThreads) {
     const std::vector<Emitter> emitters = Patches(20000, 1);
-    std::optional<LightTree> trees[2];
-    for (int k = 0; k < 2; ++k) {
-        ThreadLimit limit(k + 1);
-        trees[k].emplace(emitters);
+    const auto build = [&] { return LightTree(emitters); };
+    const LightTree one = test::OnThreads(1, build), two = test::OnThreads(2, build);
+    ASSERT_EQ(one.NodeCount(), two.NodeCount());
+    EXPECT_TRUE(std::ranges::equal(one.BaseCut(), two.BaseCut()));
+    for (uint32_t node = 0; node < one.NodeCount(); ++node) {
+        ASSERT_EQ(one.At(node), two.At(node));
+        ASSERT_EQ(one.Intensity(node), two.Intensity(node));
     }
-    ASSERT_EQ(trees[0]->NodeCount(), trees[1]->NodeCount());
-    EXPECT_TRUE(std::equal(trees[0]->BaseCut().begin(), trees[0]->BaseCut().end(), trees[1]->BaseCut().begin(),
-                           trees[1]->BaseCut().end()));
-    for (uint32_t node = 0; node < trees[0]->NodeCount(); ++node) {
-        ASSERT_EQ(trees[0]->At(node), trees[1]->At(node));
-        ASSERT_EQ(trees[0]->Intensity(node), trees[1]->Intensity(node));
-    }
-    for (uint32_t position = 0; position < trees[0]->LightCount(); ++position)
-        ASSERT_EQ(trees[0]->LightAt(position), trees[1]->LightAt(position));
+    for (uint32_t position = 0; position < one.LightCount(); ++position)
+        ASSERT_EQ(one.LightAt(position), two.LightAt(position));
 }
 
 TEST(LightTree, PutsNeighboursTogetherAndStaysShallow) {
@@ -140,8 +132,7 @@ TEST(LightTree, PutsNeighboursTogetherAndStaysShallow) {
     Rng rng(7);
     std::vector<Emitter> emitters;
     for (int i = 0; i < 400; ++i) {
-        const Point3 p =
-            Point3(static_cast<Float>(i % 4) * 10, 0, 0) + Vector3(rng.Uniform(), rng.Uniform(), rng.Uniform());
+        const Point3 p = Point3(Float(i % 4) * 10, 0, 0) + Vector3(rng.Uniform(), rng.Uniform(), rng.Uniform());
         emitters.push_back(test::Patch(p, Vector3(0, 0, 1), 1));
     }
     const LightTree tree(emitters);

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "support/build_text.h"
+#include "support/light_query.h"
 #include "support/scene_text.h"
-#include "support/statistics.h"
 
 namespace {
 
@@ -27,57 +27,52 @@ std::string Ball(int rings) {
     return test::SceneText().Camera("perspective").World(test::Objects().AreaLight("1 1 1").Triangles(p, indices));
 }
 
-class MeshInteriorOfSize : public testing::TestWithParam<int> {};
+class MeshInteriorOfSize : public testing::TestWithParam<int> {
+  protected:
+    /// Above the ball, facing down.
+    LightQuery Above(const Vector3 &fromCenter) const {
+        return test::QueryAt(built_.scene->Bounds().Center() + fromCenter, {0, -1, 0});
+    }
+    const BuiltScene built_ = test::BuildText(Ball(GetParam()));
+    const LightTable &lights_ = built_.scene->Lights();
+    const MeshInterior interior_{lights_.ByLight()};
+};
 
 TEST_P(MeshInteriorOfSize, SamplesAsItsPmfSays) {
-    BuiltScene built = pbrt::test::BuildText(Ball(GetParam()));
-    const LightTable &lights = built.scene->Lights();
-    const LightGroups &groups = lights.ByLight();
-    ASSERT_EQ(groups.Size(), 1u);
-    MeshInterior interior(groups);
-    LightQuery q;
-    q.p = built.scene->Bounds().Center() + Vector3(0.4f, 2.2f, 0.3f);
-    q.n = q.ns = Normal3(0, -1, 0);
-    q.wo = Vector3(0, -1, 0);
+    ASSERT_EQ(lights_.ByLight().Size(), 1u);
+    const LightQuery q = Above({0.4f, 2.2f, 0.3f});
 
-    std::vector<double> expected(lights.Size()), observed(lights.Size(), 0.0);
+    std::vector<double> expected(lights_.Size()), observed(lights_.Size(), 0.0);
     double sum = 0;
     const int n = 40000;
-    for (uint32_t l = 0; l < lights.Size(); ++l) {
-        sum += static_cast<double>(interior.PMF(q, LightId(l)));
-        expected[l] = n * static_cast<double>(interior.PMF(q, LightId(l)));
+    for (uint32_t l = 0; l < lights_.Size(); ++l) {
+        sum += double(interior_.PMF(q, LightId(l)));
+        expected[l] = n * double(interior_.PMF(q, LightId(l)));
     }
     // A cluster of the tree can have importance although none of its members has: then no light is chosen.
     EXPECT_LE(sum, 1.0001);
     EXPECT_GT(sum, 0.95);
     double missed = 0;
     for (int i = 0; i < n; ++i) {
-        std::optional<SampledLight> s = interior.Sample(0, q, (static_cast<Float>(i) + 0.5f) / n);
+        std::optional<SampledLight> s = interior_.Sample(0, q, (Float(i) + 0.5f) / n);
         if (!s) {
             ++missed;
             continue;
         }
-        EXPECT_EQ(s->pmf, interior.PMF(q, s->light));
+        EXPECT_EQ(s->pmf, interior_.PMF(q, s->light));
         ++observed[s->light.value];
     }
     EXPECT_NEAR(missed, n * (1 - sum), 3 + 1e-3 * n);
     // With equidistant random numbers, the counts follow the probabilities up to rounding at the borders.
-    for (size_t l = 0; l < lights.Size(); ++l) EXPECT_NEAR(observed[l], expected[l], 3 + 1e-3 * expected[l]);
+    for (size_t l = 0; l < lights_.Size(); ++l) EXPECT_NEAR(observed[l], expected[l], 3 + 1e-3 * expected[l]);
 }
 
 TEST_P(MeshInteriorOfSize, PrefersWhatFacesThePoint) {
-    BuiltScene built = pbrt::test::BuildText(Ball(GetParam()));
-    const LightTable &lights = built.scene->Lights();
-    const LightGroups &groups = lights.ByLight();
-    MeshInterior interior(groups);
-    LightQuery q;
-    q.p = built.scene->Bounds().Center() + Vector3(0, 3, 0);
-    q.n = q.ns = Normal3(0, -1, 0);
-    q.wo = Vector3(0, -1, 0);
+    const LightQuery q = Above({0, 3, 0});
     double facing = 0;
-    for (uint32_t l = 0; l < lights.Size(); ++l)
-        if (lights.Candidate(LightId(l)).bounds->Centroid().y > built.scene->Bounds().Center().y)
-            facing += static_cast<double>(interior.PMF(q, LightId(l)));
+    for (uint32_t l = 0; l < lights_.Size(); ++l)
+        if (lights_.Candidate(LightId(l)).bounds->Centroid().y > built_.scene->Bounds().Center().y)
+            facing += double(interior_.PMF(q, LightId(l)));
     EXPECT_GT(facing, 0.97);
 }
 INSTANTIATE_TEST_SUITE_P(ScanAndTree, MeshInteriorOfSize, testing::Values(4, 10));

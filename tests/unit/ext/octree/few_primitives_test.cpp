@@ -20,9 +20,7 @@ size_t Groups(int points, int triangles, bool meshLights) {
     for (int i = 0; i < triangles; ++i) indices += fmt::format(" {} {} {}", 2 * i, 2 * i + 1, 2 * i + 2);
     world.Add("AreaLightSource 'diffuse'").Triangles(corners, indices);
     const BuiltScene built = test::BuildText(test::SceneText().Camera("perspective").World(world));
-    OctreeParams params;
-    params.meshlights = meshLights;
-    const VisibilityOctreeLightSampler octree(built.scene->Lights(), params);
+    const VisibilityOctreeLightSampler octree(built.scene->Lights(), {.meshlights = meshLights});
     nlohmann::ordered_json report;
     octree.Report(report);
     return report["groups"];

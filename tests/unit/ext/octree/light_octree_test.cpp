@@ -3,8 +3,8 @@
 #include <map>
 
 #include "ext/octree/light_octree.h"
-#include "pbrt/core/parallel.h"
 #include "pbrt/math/rng.h"
+#include "support/threads.h"
 
 namespace {
 
@@ -24,9 +24,7 @@ std::vector<Point3> CrowdedPoints(size_t n) {
 const Bounds3 kBounds(Point3(-1, -0.5f, 0), Point3(4, 3, 6));
 
 /// Value of group g at a point: smooth, different per group.
-double ValueAt(const Point3 &p, size_t g) {
-    return 1 + static_cast<double>(g) + std::abs(std::sin(static_cast<double>(p.x) * double(g + 1)));
-}
+double ValueAt(const Point3 &p, size_t g) { return 1 + double(g) + std::abs(std::sin(double(p.x) * double(g + 1))); }
 
 LightOctree BuildTree(const std::vector<Point3> &points, int leaves, size_t groups) {
     LightOctreeBuilder builder(kBounds, points, leaves);
@@ -71,7 +69,7 @@ TEST(LightOctree, LeavesAreVisitedOnceAndKnowHowManyPointsTheyHold) {
         EXPECT_EQ(counted[node], expected[node]);
         EXPECT_LT(row, tree.RowCount());
     });
-    EXPECT_EQ(std::count(visits.begin(), visits.end(), 1), static_cast<long>(tree.LeafCount()));
+    EXPECT_EQ(std::count(visits.begin(), visits.end(), 1), long(tree.LeafCount()));
     EXPECT_EQ(*std::max_element(visits.begin(), visits.end()), 1);
     EXPECT_EQ(deepest, tree.Depth());
 }
@@ -93,8 +91,8 @@ TEST(LightOctree, LeafDistributionIsTheMeanOfItsPoints) {
                 }
         double before = 0;
         for (size_t g = 0; g < groups; ++g) {
-            EXPECT_NEAR(static_cast<double>(tree.Cdf(row)[g]) - before, sum[g] / total, 1e-5);
-            before = static_cast<double>(tree.Cdf(row)[g]);
+            EXPECT_NEAR(double(tree.Cdf(row)[g]) - before, sum[g] / total, 1e-5);
+            before = double(tree.Cdf(row)[g]);
         }
         EXPECT_EQ(tree.Cdf(row)[groups - 1], 1.f);
     }
@@ -122,7 +120,7 @@ TEST(LightOctree, NothingSeenAnywhereGivesEqualShares) {
     LightOctreeBuilder builder(kBounds, points, 64);
     LightOctree tree = builder.Build(4, [](uint32_t, std::span<double>) {});
     std::span<const Float> cdf = tree.Cdf(tree.Row(points[0]));
-    for (size_t g = 0; g < 4; ++g) EXPECT_FLOAT_EQ(cdf[g], static_cast<Float>(g + 1) / 4);
+    for (size_t g = 0; g < 4; ++g) EXPECT_FLOAT_EQ(cdf[g], Float(g + 1) / 4);
     LightOctreeBuilder none(kBounds, {}, 64);
     EXPECT_EQ(none.Build(1, [](uint32_t, std::span<double>) {}).LeafCount(), 64u);
 }
@@ -139,16 +137,8 @@ TEST(LightOctree, CoincidentPointsEndTheSplitting) {
 
 TEST(LightOctree, ThreadsDoNotMatter) {
     std::vector<Point3> points = CrowdedPoints(20000);
-    LightOctree one, many;
-    {
-        ThreadLimit limit(1);
-        one = BuildTree(points, 512, 3);
-    }
-    {
-        ThreadLimit limit(4);
-        many = BuildTree(points, 512, 3);
-    }
-    EXPECT_TRUE(one == many);
+    const auto build = [&] { return BuildTree(points, 512, 3); };
+    EXPECT_TRUE(test::OnThreads(1, build) == test::OnThreads(4, build));
 }
 
 TEST(LightOctree, FootprintIsWithinThePapersTable2) {
@@ -156,8 +146,8 @@ TEST(LightOctree, FootprintIsWithinThePapersTable2) {
     std::vector<Point3> points = CrowdedPoints(400000);
     LightOctree two = BuildTree(points, 4096, 2), nine = BuildTree(points, 4096, 9);
     EXPECT_GT(two.LeafCount(), 3000u);
-    EXPECT_LE(static_cast<double>(two.Bytes()) / static_cast<double>(two.LeafCount()), 239e3 / 5349);
-    EXPECT_LE(static_cast<double>(nine.Bytes()) / static_cast<double>(nine.LeafCount()), 345e3 / 4789);
+    EXPECT_LE(double(two.Bytes()) / double(two.LeafCount()), 239e3 / 5349);
+    EXPECT_LE(double(nine.Bytes()) / double(nine.LeafCount()), 345e3 / 4789);
 }
 
 }  // namespace

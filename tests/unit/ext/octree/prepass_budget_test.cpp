@@ -7,12 +7,7 @@ namespace ext {
 namespace {
 
 PrepassBudget Render(size_t lights, size_t tries, double pixels, int samples) {
-    PrepassBudget effort;
-    effort.lights = lights;
-    effort.raysPerVertex = tries;
-    effort.pixels = pixels;
-    effort.samplesPerPixel = samples;
-    return effort;
+    return {.lights = lights, .raysPerVertex = tries, .pixels = pixels, .samplesPerPixel = samples};
 }
 
 }  // namespace

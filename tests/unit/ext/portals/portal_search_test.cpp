@@ -26,7 +26,7 @@ struct Room {
         Rng rng(seed);
         for (int i = 0; i < count; ++i) {
             Vector3 p(rng.Uniform() * size.x, rng.Uniform() * size.y, rng.Uniform() * size.z), n(0);
-            const auto side = static_cast<int>(rng.Uniform() * 6);
+            const auto side = int(rng.Uniform() * 6);
             p[side / 2] = side % 2 == 0 ? 0 : size[side / 2];
             n[side / 2] = side % 2 == 0 ? 1.f : -1.f;
             Vector3 d = SampleUniformSphere(rng.Uniform2());
@@ -49,7 +49,7 @@ struct Room {
     }
 };
 
-double AreaOf(const Portal &w) { return static_cast<double>((w.high.x - w.low.x) * (w.high.y - w.low.y)); }
+double AreaOf(const Portal &w) { return double((w.high.x - w.low.x) * (w.high.y - w.low.y)); }
 
 TEST(FindPortals, FindsTheWindowsOfARoom) {
     for (const Transform &place : {Transform(), Transform::Translate({30, -4, 2}), Transform::Rotate(33, {0, 0, 1}),

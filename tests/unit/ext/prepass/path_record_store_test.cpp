@@ -11,7 +11,7 @@ namespace {
 using namespace ext;
 
 const Bounds2i kPixels({10, 20}, {47, 31});
-const int kWidth = kPixels.high.x - kPixels.low.x, kCount = static_cast<int>(kPixels.Area());
+const int kWidth = kPixels.high.x - kPixels.low.x, kCount = int(kPixels.Area());
 
 struct Record {
     int32_t x = 0, y = 0, sample = 0, vertex = -1;
@@ -26,7 +26,7 @@ struct Record {
 std::vector<Record> Collect(const RecordedPaths &paths, PathRecordStore<Record> &store, int first, int end,
                             bool backwards) {
     ParallelForEach(kCount, [&](int64_t i) {
-        const int k = backwards ? kCount - 1 - static_cast<int>(i) : static_cast<int>(i);
+        const int k = backwards ? kCount - 1 - int(i) : int(i);
         const Point2i pixel(kPixels.low.x + k % kWidth, kPixels.low.y + k / kWidth);
         for (int sample = first; sample < end; ++sample) {
             PathObserver::PathPlaces places = store.PlacesOf(paths.NumberOf(pixel, sample));
@@ -44,7 +44,7 @@ TEST(PathRecordStore, EverySampleHasAPlaceOfItsOwn) {
     PathRecordStore<Record> store;
     store.Begin(paths.Count(), 2);
     const std::vector<Record> all = Collect(paths, store, 0, 9, false);
-    EXPECT_EQ(all.size(), static_cast<size_t>(kCount) * 3 * 2);
+    EXPECT_EQ(all.size(), size_t(kCount) * 3 * 2);
     for (const Record &r : all) {
         EXPECT_LT(r.vertex, 2) << "a path has room for two records only";
         EXPECT_TRUE(r.sample >= 4 && r.sample < 7) << "the record is not of the samples 4 to 6";

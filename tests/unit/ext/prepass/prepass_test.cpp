@@ -32,7 +32,6 @@ std::vector<PrepassVertex> Trace(int threads, int spp, int depth) {
     BuiltScene built = BuildFloor();
     Progress progress;
     PrepareContext context = built.Preparation(progress);
-    context.samplesPerPixel = 1;
     return TracePrepassPaths(context, spp, depth);
 }
 

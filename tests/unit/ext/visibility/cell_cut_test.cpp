@@ -13,10 +13,8 @@ LightTree Clouds() {
     Rng rng(7);
     std::vector<Emitter> emitters(64);
     for (uint32_t i = 0; i < emitters.size(); ++i) {
-        const Point3 p =
-            Point3(static_cast<Float>(i / 16) * 10, 0, 0) + Vector3(rng.Uniform(), rng.Uniform(), rng.Uniform());
-        emitters[i].bounds = LightBounds{.bounds = Bounds3(p, p), .phi = 1, .cosTheta_o = -1};
-        emitters[i].intensity = 1;
+        const Point3 p = Point3(Float(i / 16) * 10, 0, 0) + Vector3(rng.Uniform(), rng.Uniform(), rng.Uniform());
+        emitters[i] = {.bounds = LightBounds{.bounds = Bounds3(p, p), .phi = 1, .cosTheta_o = -1}, .intensity = 1};
     }
     return LightTree(emitters);
 }
@@ -41,7 +39,7 @@ CellCut Cut(const LightTree &tree, const std::vector<ShadowRaySums> &sums, const
 }
 
 double FactorOf(const LightTree &tree, const CellCut &cut, uint32_t lamp) {
-    return static_cast<double>(cut.Factors()[tree.FindInCut(cut.Nodes(), tree.PositionOf(lamp))]);
+    return double(cut.Factors()[tree.FindInCut(cut.Nodes(), tree.PositionOf(lamp))]);
 }
 
 TEST(CellCut, WithoutTriesAllLightsAreAlike) {
@@ -110,8 +108,7 @@ TEST(CellCut, SpendsItsNodesWhereTheLightIs) {
 TEST(CellCut, FewerNodesAreJoinsOfMore) {
     const LightTree tree = Clouds();
     Rng rng(3);
-    const std::vector<ShadowRaySums> sums =
-        Tries(tree, 40, [&](uint32_t) { return static_cast<double>(rng.Uniform()); });
+    const std::vector<ShadowRaySums> sums = Tries(tree, 40, [&](uint32_t) { return double(rng.Uniform()); });
     CellCut finer = Cut(tree, sums, nullptr, 64);
     EXPECT_EQ(finer.Nodes().size(), 64u);
     for (size_t nodes : {33u, 12u, 5u, 1u}) {

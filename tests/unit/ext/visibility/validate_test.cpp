@@ -9,7 +9,7 @@
 namespace {
 
 using namespace ext;
-using test::WithElement;
+using test::BytesOf, test::WithElement;
 
 const Bounds3 kUnitBox(Point3(0), Point3(1));
 /// Of CellOctree's nodes in the saved bytes, behind the box.
@@ -21,7 +21,7 @@ VisibilityRecords Records() {
     Rng rng(3);
     for (int i = 0; i < 20000; ++i) {
         const Point3 p(rng.Uniform(), rng.Uniform(), rng.Uniform());
-        made.records.push_back({p, static_cast<uint32_t>(made.rays.size()), 2});
+        made.records.push_back({p, uint32_t(made.rays.size()), 2});
         const bool seesFirst = p.x + p.y + p.z < Float(1.5);
         for (uint32_t l = 0; l < 2; ++l) made.rays.push_back({l, 0.5f, 0.5f, seesFirst == (l == 0) ? 1.f : 0.f});
     }
@@ -30,16 +30,7 @@ VisibilityRecords Records() {
 
 VisibilityTree Tree() {
     const VisibilityRecords made = Records();
-    VisibilityBuildSettings settings;
-    settings.lightCount = 2;
-    return VisibilityTreeBuilder(kUnitBox, made.records, made.rays, settings).Build().value();
-}
-
-template <class T>
-std::string Saved(const T &structure) {
-    StateWriter writer;
-    writer(structure);
-    return writer.Joined();
+    return VisibilityTreeBuilder(kUnitBox, made.records, made.rays, {.lightCount = 2}).Build().value();
 }
 
 /// The message about the bytes; empty if they are accepted.
@@ -50,7 +41,7 @@ std::string Fault(const std::string &bytes) {
         T structure;
         reader(structure);
         reader.RequireEnd();
-        EXPECT_EQ(Saved(structure), bytes);
+        EXPECT_EQ(BytesOf(structure), bytes);
     });
 }
 
@@ -62,11 +53,11 @@ std::vector<uint32_t> NodesOf(const std::string &bytes) {
 }
 
 TEST(Validate, AnOctreeThatLookUpsWouldNotLeaveIsRefused) {
-    const std::string saved = Saved(Tree());
+    const std::string saved = BytesOf(Tree());
     ASSERT_EQ(Fault<VisibilityTree>(saved), "");
     const std::vector<uint32_t> nodes = NodesOf(saved);
     ASSERT_GT(nodes.size(), size_t{CellOctree::TopCount + 16});
-    const uint32_t last = static_cast<uint32_t>(nodes.size()) - 8;
+    const uint32_t last = uint32_t(nodes.size()) - 8;
     for (uint32_t i = 0; i < nodes.size(); ++i) {
         std::vector<uint32_t> wrong = {0, i, i & ~7u, last + 1, last + 8, 0x7fffffffu};
         if (nodes[i] & kLeaf) {
@@ -83,7 +74,7 @@ TEST(Validate, AnOctreeThatLookUpsWouldNotLeaveIsRefused) {
 }
 
 TEST(Validate, AChangedLeafIsRefusedByTheHash) {
-    const std::string saved = Saved(Tree());
+    const std::string saved = BytesOf(Tree());
     const std::vector<uint32_t> nodes = NodesOf(saved);
     for (uint32_t i = 0; i < nodes.size(); ++i)
         for (uint32_t other : {nodes[i] ^ 1, kLeaf, uint32_t{0}}) {
@@ -108,7 +99,7 @@ TEST(Validate, LookUpsLeaveTheDeepestOctreeOnly) {
 }
 
 TEST(Validate, AnOctreeIsRefusedWithEveryWrongRow) {
-    const std::string saved = Saved(Tree());
+    const std::string saved = BytesOf(Tree());
     const size_t offsetsAt = kNodesAt + 2 * sizeof(uint64_t) + NodesOf(saved).size() * sizeof(uint32_t);
     StateReader reader(std::string_view(saved).substr(offsetsAt), "offsets");
     std::vector<uint32_t> offsets;
@@ -122,7 +113,7 @@ TEST(Validate, AnOctreeIsRefusedWithEveryWrongRow) {
 }
 
 TEST(Validate, LengthsAreCheckedBeforeMemoryIsTaken) {
-    const std::string saved = Saved(Tree());
+    const std::string saved = BytesOf(Tree());
     for (const uint64_t count : {uint64_t{1} << 60, uint64_t{1} << 32, ~uint64_t{0}}) {
         std::string changed = saved;
         std::memcpy(changed.data() + kNodesAt, &count, sizeof(count));

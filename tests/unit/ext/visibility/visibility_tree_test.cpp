@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "pbrt/core/parallel.h"
 #include "pbrt/math/rng.h"
+#include "support/threads.h"
 
 namespace {
 
@@ -21,10 +21,10 @@ struct Prepass {
         Rng rng(seed);
         for (int i = 0; i < count; ++i) {
             Point3 p(rng.Uniform(), rng.Uniform(), rng.Uniform());
-            records.push_back({p, static_cast<uint32_t>(rays.size()), lights});
+            records.push_back({p, uint32_t(rays.size()), lights});
             for (uint32_t l = 0; l < lights; ++l) {
-                Float share = 1 / static_cast<Float>(lights);
-                rays.push_back({l, share, share, found(p, l, rng.Uniform())});
+                Float share = 1 / Float(lights);
+                rays.push_back({l, share, share, Float(found(p, l, rng.Uniform()))});
             }
         }
     }
@@ -33,11 +33,7 @@ struct Prepass {
     }
 };
 
-VisibilityBuildSettings Settings(int lights) {
-    VisibilityBuildSettings s;
-    s.lightCount = lights;
-    return s;
-}
+VisibilityBuildSettings Settings(int lights) { return {.lightCount = lights}; }
 
 Float FactorAt(const VisibilityTree &tree, const Point3 &p, uint32_t light) {
     VisibilityTree::Row row = tree.RowAt(p);
@@ -46,7 +42,7 @@ Float FactorAt(const VisibilityTree &tree, const Point3 &p, uint32_t light) {
 
 TEST(VisibilityTree, CodesKeepFactorsWithinAFewPercent) {
     for (double a = 1e-6; a < 100; a *= 1.37)
-        EXPECT_NEAR(static_cast<double>(VisibilityTree::Decode(VisibilityTree::Encode(a))) / a, 1, 0.05);
+        EXPECT_NEAR(double(VisibilityTree::Decode(VisibilityTree::Encode(a))) / a, 1, 0.05);
     EXPECT_GT(VisibilityTree::Decode(VisibilityTree::Encode(0)), 0);
 }
 
@@ -65,7 +61,7 @@ TEST(VisibilityTree, AnOpenSceneEndsWithOneLeaf) {
 TEST(VisibilityTree, AWallIsLearned) {
     // Light 0 is seen left of x = 0.3, light 1 right of it, light 2 everywhere.
     auto seen = [](const Point3 &p, uint32_t l) { return l == 2 || (l == 0) == (p.x < 0.3f); };
-    Prepass prepass(40000, 3, [&](const Point3 &p, uint32_t l, Float) { return seen(p, l) ? Float(1) : Float(0); });
+    Prepass prepass(40000, 3, [&](const Point3 &p, uint32_t l, Float) { return seen(p, l); });
     VisibilityTree tree = prepass.Build(Settings(3));
     EXPECT_GT(tree.LeafCount(), 8u);
     Rng rng(9);
@@ -96,9 +92,7 @@ TEST(VisibilityTree, KeepsAllSplitsWithoutPruningAndHoldsFewRecordsPerLeaf) {
 
 TEST(VisibilityTree, ShrinkageKeepsUnseenLightsAlive) {
     // In a corner light 0 is not seen: without shrinkage, its few records there would be taken for certain.
-    Prepass prepass(4000, 2, [](const Point3 &p, uint32_t l, Float) {
-        return l == 1 || p.x > 0.25f || p.y > 0.25f ? Float(1) : Float(0);
-    });
+    Prepass prepass(4000, 2, [](const Point3 &p, uint32_t l, Float) { return l == 1 || p.x > 0.25f || p.y > 0.25f; });
     VisibilityBuildSettings settings = Settings(2);
     settings.records = 5;
     settings.pruneGain = 0;
@@ -121,22 +115,20 @@ struct ManyLights {
         std::vector<Emitter> emitters(kLights);
         for (uint32_t l = 0; l < kLights; ++l) {
             const Point3 p(PlaceOf(l), 0.5f, 0.5f);
-            emitters[l].bounds = LightBounds{
-                .bounds = Bounds3(p, p), .w = Vector3(0, 0, 1), .phi = 1, .cosTheta_o = -1, .cosTheta_e = 0};
-            emitters[l].intensity = 1;
+            emitters[l] = {.bounds = LightBounds{.bounds = Bounds3(p, p), .phi = 1, .cosTheta_o = -1}, .intensity = 1};
         }
         tree = LightTree(emitters);
         Rng rng(3);
         for (int i = 0; i < 20000; ++i) {
             Point3 p(rng.Uniform(), rng.Uniform(), rng.Uniform());
-            records.push_back({p, static_cast<uint32_t>(rays.size()), 16});
+            records.push_back({p, uint32_t(rays.size()), 16});
             for (int k = 0; k < 16; ++k) {
                 const uint32_t l = rng.UniformInt(kLights);
                 rays.push_back({l, 1.f / kLights, 1.f / 16, std::abs(PlaceOf(l) - p.x) < 0.02f ? Float(1) : Float(0)});
             }
         }
     }
-    static Float PlaceOf(uint32_t light) { return static_cast<Float>(light) / kLights; }
+    static Float PlaceOf(uint32_t light) { return Float(light) / kLights; }
     VisibilityTree Build() const {
         VisibilityBuildSettings settings = Settings(kLights);
         settings.lights = &tree;
@@ -166,7 +158,7 @@ TEST(VisibilityTree, ManyLightsAreToldApartWhereTheyMatter) {
         double near = 0, all = 0;
         for (uint32_t l = 0; l < ManyLights::kLights; ++l) {
             const size_t i = lights.tree.FindInCut(row.nodes, lights.tree.PositionOf(l));
-            const auto a = static_cast<double>(VisibilityTree::Decode(row.codes[i]));
+            const auto a = double(VisibilityTree::Decode(row.codes[i]));
             all += a;
             if (std::abs(ManyLights::PlaceOf(l) - x) < 0.25f) near += a;  // cells are an eighth to a quarter wide
         }
@@ -176,30 +168,19 @@ TEST(VisibilityTree, ManyLightsAreToldApartWhereTheyMatter) {
 
 TEST(VisibilityTree, ManyLightsDoNotDependOnThreads) {
     const ManyLights lights;
-    VisibilityTree built[2];
-    for (int k = 0; k < 2; ++k) {
-        ThreadLimit limit(1 + 3 * k);
-        built[k] = lights.Build();
-    }
-    EXPECT_TRUE(built[0] == built[1]);
+    const auto build = [&] { return lights.Build(); };
+    const VisibilityTree one = test::OnThreads(1, build);
+    EXPECT_TRUE(one == test::OnThreads(4, build));
     // A leaf holds at most 50 of the 20,000 records.
-    EXPECT_GT(built[0].LeafCount(), 400u);
+    EXPECT_GT(one.LeafCount(), 400u);
 }
 
 TEST(VisibilityTree, ThreadsDoNotMatter) {
-    Prepass prepass(30000, 4, [](const Point3 &p, uint32_t l, Float u) {
-        return u < 0.9f && std::abs(p.x - static_cast<Float>(l) / 4) < 0.3f ? Float(1) : Float(0);
-    });
-    VisibilityTree one, many;
-    {
-        ThreadLimit limit(1);
-        one = prepass.Build(Settings(4));
-    }
-    {
-        ThreadLimit limit(4);
-        many = prepass.Build(Settings(4));
-    }
-    EXPECT_TRUE(one == many);
+    Prepass prepass(
+        30000, 4, [](const Point3 &p, uint32_t l, Float u) { return u < 0.9f && std::abs(p.x - Float(l) / 4) < 0.3f; });
+    const auto build = [&] { return prepass.Build(Settings(4)); };
+    const VisibilityTree one = test::OnThreads(1, build);
+    EXPECT_TRUE(one == test::OnThreads(4, build));
     EXPECT_GT(one.LeafCount(), 1u);
 }
 
@@ -231,8 +212,7 @@ void ExpectStopsEverywhere(MakeBuilder &&make) {
 
 TEST(VisibilityTree, BuildingStopsAtOnceAtEveryStep) {
     ThreadLimit limit(1);
-    const Prepass prepass(
-        20000, 3, [](const Point3 &p, uint32_t l, Float) { return (l == 0) == (p.x < 0.3f) ? Float(1) : Float(0); });
+    const Prepass prepass(20000, 3, [](const Point3 &p, uint32_t l, Float) { return (l == 0) == (p.x < 0.3f); });
     ExpectStopsEverywhere(
         [&] { return std::make_unique<VisibilityTreeBuilder>(kBounds, prepass.records, prepass.rays, Settings(3)); });
     const ManyLights many;

@@ -22,7 +22,7 @@ TEST(FixedCdf, ProbabilitiesAreTheWeightsOverTheirSum) {
     std::vector<uint32_t> cdf = Build(w);
     double total = std::accumulate(w.begin(), w.end(), 0.0), sum = 0;
     for (uint32_t i = 0; i < w.size(); ++i) {
-        auto p = static_cast<double>(FixedCdfPMF(cdf, i));
+        auto p = double(FixedCdfPMF(cdf, i));
         EXPECT_NEAR(p, w[i] / total, 1e-7 * w[i] / total + 5e-9);
         EXPECT_GT(p, 0);
         sum += p;
@@ -51,7 +51,7 @@ TEST(FixedCdf, FrequenciesMatch) {
     std::vector<double> observed(w.size()), expected(w.size());
     Rng rng(11);
     for (int i = 0; i < n; ++i) ++observed[SampleFixedCdf(cdf, rng.Uniform(), {1, 2, 3})];
-    for (uint32_t i = 0; i < w.size(); ++i) expected[i] = static_cast<double>(FixedCdfPMF(cdf, i)) * n;
+    for (uint32_t i = 0; i < w.size(); ++i) expected[i] = double(FixedCdfPMF(cdf, i)) * n;
     EXPECT_GT(ChiSquareTest(observed, expected), 1e-4);
 }
 
@@ -60,9 +60,9 @@ TEST(FixedCdf, EntriesNarrowerThanTheSpacingOfFloatsAreMetAsOftenAsTheyShould) {
     std::vector<uint32_t> cdf = Build({0x1p26 - 4, 1, 1, 1, 1});
     const int n = 40000;
     std::vector<double> met(5), expected(5);
-    for (int i = 0; i < n; ++i) ++met[SampleFixedCdf(cdf, OneMinusEpsilon, {static_cast<Float>(i), 0, 0})];
+    for (int i = 0; i < n; ++i) ++met[SampleFixedCdf(cdf, OneMinusEpsilon, {Float(i), 0, 0})];
     for (size_t i = 0; i < 5; ++i) {
-        double begin = std::max(static_cast<double>(cdf[i]), 0x1p32 - 256), end = i < 4 ? cdf[i + 1] : 0x1p32;
+        double begin = std::max(double(cdf[i]), 0x1p32 - 256), end = i < 4 ? cdf[i + 1] : 0x1p32;
         expected[i] = n * std::max(0.0, end - begin) / 256;
     }
     EXPECT_GT(expected[4], n / 5);

@@ -17,7 +17,7 @@ TEST(LazyRows, ARowIsMadeOnceAndKept) {
     auto get = [&](size_t row) {
         return rows.Get(row, [&](std::span<int> v) {
             ++calls;
-            for (int &x : v) x = static_cast<int>(row) * 10;
+            for (int &x : v) x = int(row) * 10;
         });
     };
     EXPECT_FALSE(rows.IsFilled(2));
@@ -49,9 +49,9 @@ TEST(LazyRows, ThreadsThatMeetAtARowAllGetTheSameArray) {
             while (ready < threads) std::this_thread::yield();
             for (size_t r = 0; r < count; ++r) {
                 std::span<const uint32_t> row = rows.Get(r, [&](std::span<uint32_t> v) {
-                    for (size_t i = 0; i < v.size(); ++i) v[i] = static_cast<uint32_t>(r * length + i);
+                    for (size_t i = 0; i < v.size(); ++i) v[i] = uint32_t(r * length + i);
                 });
-                seen[static_cast<size_t>(t)][r] = row.data();
+                seen[size_t(t)][r] = row.data();
                 for (size_t i = 0; i < length; ++i)
                     if (row[i] != r * length + i) right = false;
             }

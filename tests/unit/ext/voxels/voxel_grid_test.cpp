@@ -17,7 +17,7 @@ TEST(VoxelGrid, VoxelsAreNearlyCubesAndFillTheBounds) {
     double volume = 0;
     for (uint32_t i = 0; i < grid.Size(); ++i) {
         Vector3 d = grid.PointIn(i, Vector3(1)) - grid.PointIn(i, Vector3(0));
-        volume += static_cast<double>(d.x * d.y * d.z);
+        volume += double(d.x * d.y * d.z);
     }
     EXPECT_NEAR(volume, 8 * 2 * 3, 1e-4);
     EXPECT_EQ(grid.PointIn(0, Vector3(0)), kBounds.low);
@@ -67,7 +67,7 @@ TEST(VoxelGrid, SmallAndLargeScenesHaveTheSameVoxels) {
         VoxelGrid one(kBounds, 16), other(Bounds3(kBounds.low * scale, kBounds.high * scale), 16);
         Rng rng(5);
         for (int i = 0; i < 1000; ++i) {
-            auto voxel = rng.UniformInt(static_cast<uint32_t>(one.Size()));
+            auto voxel = rng.UniformInt(uint32_t(one.Size()));
             EXPECT_EQ(other.Index(one.PointIn(voxel, Vector3(0.5f)) * scale), voxel);
         }
     }

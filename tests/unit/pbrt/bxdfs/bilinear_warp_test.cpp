@@ -7,7 +7,7 @@
 #include "pbrt/math/rng.h"
 #include "support/statistics.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
 
 /// Two slices of 4 x 3 knots, some of which are 0.
@@ -53,9 +53,9 @@ TEST(BilinearWarp, SamplesFollowTheirDensityAndInvert) {
         for (int i = 0; i < kSamples; ++i) {
             Point2 u = rng.Uniform2();
             BilinearWarp::Mapped there = warp.Sample(u, blend);
-            int x = std::min(static_cast<int>(there.p.x * kCells), kCells - 1);
-            int y = std::min(static_cast<int>(there.p.y * kCells), kCells - 1);
-            ++observed[static_cast<size_t>(y * kCells + x)];
+            int x = std::min(int(there.p.x * kCells), kCells - 1);
+            int y = std::min(int(there.p.y * kCells), kCells - 1);
+            ++observed[size_t(y * kCells + x)];
             if (i >= 2000) continue;
             EXPECT_NEAR(double(there.pdf), Expected(there.p, blend), 1e-3);
             BilinearWarp::Mapped back = warp.Invert(there.p, blend);
@@ -68,16 +68,15 @@ TEST(BilinearWarp, SamplesFollowTheirDensityAndInvert) {
         double total = 0;
         for (int j = 0; j < kCells * kSub; ++j)
             for (int i = 0; i < kCells * kSub; ++i) {
-                Point2 p((static_cast<Float>(i) + .5f) / (kCells * kSub),
-                         (static_cast<Float>(j) + .5f) / (kCells * kSub));
+                Point2 p((Float(i) + .5f) / (kCells * kSub), (Float(j) + .5f) / (kCells * kSub));
                 double mass = double(warp.Invert(p, blend).pdf) / Sqr(kCells * kSub);
                 total += mass;
-                expected[static_cast<size_t>(j / kSub * kCells + i / kSub)] += mass * kSamples;
+                expected[size_t(j / kSub * kCells + i / kSub)] += mass * kSamples;
             }
         EXPECT_NEAR(total, 1, 1e-3);
-        EXPECT_GT(test::ChiSquareTest(observed, expected), 1e-5);
+        EXPECT_GT(ChiSquareTest(observed, expected), 1e-5);
     }
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

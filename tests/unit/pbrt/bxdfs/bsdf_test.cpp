@@ -10,6 +10,11 @@ namespace {
 const Normal3 kNormal = Normalize(Vector3(0.3f, -0.7f, 0.4f));
 const Vector3 kTangent(1, 0.2f, -0.1f);
 
+template <class Lobe>
+Bsdf Upright(const Lobe &lobe) {
+    return Bsdf(Normal3(0, 0, 1), Vector3(1, 0, 0), lobe);
+}
+
 TEST(Bsdf, WithoutLobeNothingScatters) {
     Bsdf none;
     EXPECT_FALSE(none);
@@ -46,14 +51,14 @@ TEST(Bsdf, WorksInTheShadingFrame) {
 }
 
 TEST(Bsdf, HorizontalViewAndBlackGiveNothing) {
-    Bsdf diffuse(Normal3(0, 0, 1), Vector3(1, 0, 0), DiffuseBxdf(SampledSpectrum(0.5f)));
+    Bsdf diffuse = Upright(DiffuseBxdf(SampledSpectrum(0.5f)));
     Vector3 flat(1, 0, 0), up(0, 0, 1);
     EXPECT_FALSE(diffuse.F(flat, up));
     EXPECT_FALSE(diffuse.Sample(flat, 0.5f, {0.4f, 0.6f}));
     EXPECT_EQ(diffuse.Pdf(flat, up), 0);
     EXPECT_EQ(diffuse.Pdf(up, -up), 0);
     EXPECT_TRUE(diffuse.Sample(up, 0.5f, {0.4f, 0.6f}));
-    Bsdf black(Normal3(0, 0, 1), Vector3(1, 0, 0), DiffuseBxdf(SampledSpectrum(0)));
+    Bsdf black = Upright(DiffuseBxdf(SampledSpectrum(0)));
     EXPECT_FALSE(black.Sample(up, 0.5f, {0.4f, 0.6f}));
 }
 
@@ -63,7 +68,7 @@ TEST(Bsdf, EveryLobeIsDispatched) {
     SampledSpectrum half(0.5f), zero(0);
     DiffuseBxdf paint(half);
     ConductorBxdf metal(rough, half, half);
-    auto flags = [](const auto &lobe) { return Bsdf(Normal3(0, 0, 1), Vector3(1, 0, 0), lobe).Flags(); };
+    auto flags = [](const auto &lobe) { return Upright(lobe).Flags(); };
     using enum BxdfFlags;
     EXPECT_EQ(flags(paint), Diffuse | Reflection);
     EXPECT_EQ(flags(DiffuseTransmissionBxdf(half, half)), Diffuse | Reflection | Transmission);
@@ -97,7 +102,7 @@ TEST(Bsdf, ApproximateFFollowsF) {
                 Float expected = 0;
                 constexpr int kRuns = 100;  // F of layers is a random estimate
                 for (int r = 0; r < kRuns; ++r)
-                    expected += bsdf.F(wo, Normalize(wi[k] + Vector3(1e-6f * static_cast<Float>(r)))).Average() / kRuns;
+                    expected += bsdf.F(wo, Normalize(wi[k] + Vector3(1e-6f * Float(r)))).Average() / kRuns;
                 EXPECT_GE(f[k], 0);
                 if (!(expected > whereAbove) || AbsDot(wi[k], kNormal) < 0.1f || AbsDot(wo, kNormal) < 0.1f) continue;
                 EXPECT_GT(f[k], 0);
@@ -118,8 +123,7 @@ TEST(Bsdf, ApproximateFFollowsF) {
 }
 
 TEST(Bsdf, RegularizeRoughensMirrors) {
-    Bsdf mirror(Normal3(0, 0, 1), Vector3(1, 0, 0),
-                ConductorBxdf(TrowbridgeReitz(0, 0), SampledSpectrum(0.5f), SampledSpectrum(2)));
+    Bsdf mirror = Upright(ConductorBxdf(TrowbridgeReitz(0, 0), SampledSpectrum(0.5f), SampledSpectrum(2)));
     EXPECT_TRUE(IsSpecular(mirror.Flags()));
     mirror.Regularize();
     EXPECT_FALSE(IsSpecular(mirror.Flags()));
@@ -149,18 +153,15 @@ std::vector<Float> ApproximateOverF(const Bsdf &bsdf, bool alsoBelow) {
     return ratios;
 }
 
-TEST(Bsdf, ApproximationIsFWhereThatIsCheap) {
-    const Bsdf glass(Normal3(0, 0, 1), Vector3(1, 0, 0), DielectricBxdf(1.5f, TrowbridgeReitz(0.3f, 0.3f)));
-    const std::vector<Float> ratios = ApproximateOverF(glass, true);
+TEST(Bsdf, ApproximationIsFForGlassAndLacksTheReflectanceOfAMetal) {
+    const std::vector<Float> ratios =
+        ApproximateOverF(Upright(DielectricBxdf(1.5f, TrowbridgeReitz(0.3f, 0.3f))), true);
     EXPECT_GT(ratios.size(), 100u);
     for (Float r : ratios) EXPECT_NEAR(r, 1, 1e-4);
-}
-
-TEST(Bsdf, ApproximationOfAMetalLacksItsReflectance) {
-    const Bsdf metal(Normal3(0, 0, 1), Vector3(1, 0, 0),
-                     ConductorBxdf(TrowbridgeReitz(0.3f, 0.3f), SampledSpectrum(0.2f), SampledSpectrum(3.9f)));
+    const Bsdf metal =
+        Upright(ConductorBxdf(TrowbridgeReitz(0.3f, 0.3f), SampledSpectrum(0.2f), SampledSpectrum(3.9f)));
     Float least = 1;
-    for (int i = 0; i <= 1000; ++i) least = std::min(least, FresnelConductor(static_cast<Float>(i) / 1000, 0.2f, 3.9f));
+    for (int i = 0; i <= 1000; ++i) least = std::min(least, FresnelConductor(Float(i) / 1000, 0.2f, 3.9f));
     EXPECT_GT(least, 0.9f);
     for (Float r : ApproximateOverF(metal, false)) {
         EXPECT_GT(r, 0.9999f);
@@ -173,7 +174,7 @@ TEST(Bsdf, ApproximationUnderASmoothCoatIsTheFirstBounce) {
     // noisy.
     const CoatedDiffuseBxdf coated(DielectricBxdf(1.5f, TrowbridgeReitz(0, 0)), DiffuseBxdf(SampledSpectrum(0.04f)),
                                    0.1f, SampledSpectrum(0), 0, 10, 64);
-    const std::vector<Float> ratios = ApproximateOverF(Bsdf(Normal3(0, 0, 1), Vector3(1, 0, 0), coated), false);
+    const std::vector<Float> ratios = ApproximateOverF(Upright(coated), false);
     EXPECT_GT(ratios.size(), 100u);
     for (Float r : ratios) {
         EXPECT_GT(r, 0.94f);

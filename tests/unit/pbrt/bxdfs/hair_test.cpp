@@ -6,12 +6,8 @@
 #include "pbrt/bxdfs/fresnel.h"
 #include "sphere_histogram.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
-
-using test::DirectionAt;
-using test::kRadiance;
-using test::Values;
 
 const std::vector<Vector3> &HairViews() {
     static const std::vector<Vector3> views = {DirectionAt(0, 0), DirectionAt(40, 25), DirectionAt(80, 10),
@@ -41,8 +37,8 @@ TEST(Hair, LongitudinalDensityIntegratesToOne) {
             constexpr int kSteps = 40000;
             for (int i = 0; i < kSteps; ++i) {
                 double theta = M_PI * ((i + 0.5) / kSteps - 0.5), c = std::cos(theta);
-                sum += double(LongitudinalDensity(static_cast<Float>(std::sin(theta)), static_cast<Float>(c),
-                                                  std::sin(Radians(thetaO)), std::cos(Radians(thetaO)), variance)) *
+                sum += double(LongitudinalDensity(Float(std::sin(theta)), Float(c), std::sin(Radians(thetaO)),
+                                                  std::cos(Radians(thetaO)), variance)) *
                        c * M_PI / kSteps;
             }
             // The tolerance is the rounding of sines and cosines divided by the variance.
@@ -62,9 +58,8 @@ TEST(Hair, LongitudinalDensityIsThatOfThePaper) {
             for (double o : {-0.9, 0.1, 1.4}) {
                 double a = std::cos(i) * std::cos(o) / v, b = std::sin(i) * std::sin(o) / v;
                 double expected = std::exp(-b) * besselI0(a) / (2 * v * std::sinh(1 / v));
-                Float found = LongitudinalDensity(static_cast<Float>(std::sin(i)), static_cast<Float>(std::cos(i)),
-                                                  static_cast<Float>(std::sin(o)), static_cast<Float>(std::cos(o)),
-                                                  static_cast<Float>(v));
+                Float found = LongitudinalDensity(Float(std::sin(i)), Float(std::cos(i)), Float(std::sin(o)),
+                                                  Float(std::cos(o)), Float(v));
                 EXPECT_NEAR(double(found), expected, 3e-5 * expected + 1e-12) << v << " " << i << " " << o;
             }
 }
@@ -79,36 +74,30 @@ TEST(Hair, LogisticSamplesFollowTheirDensity) {
         double half = std::min(M_PI, 15 * double(scale)), total = 0;
         for (int s = 0; s < kSamples; ++s) {
             double x = double(SampleTrimmedLogistic(rng.Uniform(), scale, mass));
-            int cell = static_cast<int>((x + half) / (2 * half) * kCells);
-            ++observed[static_cast<size_t>(std::clamp(cell, 0, kCells - 1))];
+            int cell = int((x + half) / (2 * half) * kCells);
+            ++observed[size_t(std::clamp(cell, 0, kCells - 1))];
         }
         constexpr int kSub = 50;
         for (int i = 0; i < kCells * kSub; ++i) {
             double x = half * (2 * (i + 0.5) / (kCells * kSub) - 1), w = 2 * half / (kCells * kSub);
-            double p = double(TrimmedLogistic(static_cast<Float>(x), scale, mass)) * w;
+            double p = double(TrimmedLogistic(Float(x), scale, mass)) * w;
             total += p;
-            expected[static_cast<size_t>(i / kSub)] += p * kSamples;
+            expected[size_t(i / kSub)] += p * kSamples;
         }
         EXPECT_NEAR(total, 1, 1e-4) << scale;
-        EXPECT_GT(test::ChiSquareTest(observed, expected), 1e-5) << scale;
+        EXPECT_GT(ChiSquareTest(observed, expected), 1e-5) << scale;
     }
 }
 
 TEST(Hair, SamplesFollowTheirDensity) {
     constexpr size_t kCases = 2 * 2 * 3 * 5;
-    const double level = test::SidakAlpha(1e-4, kCases);
+    const double level = SidakAlpha(1e-4, kCases);
     ForEachHair({0.3f, 0.8f}, [&](Float betaM, Float betaN, Float offset) {
         HairBxdf hair(offset, 1.55f, Values(0.1f, 0.3f, 0.6f, 1.5f), betaM, betaN, 3);
         for (const Vector3 &wo : HairViews()) {
             double mass;
-            double p = test::DirectionTest(
-                [&](Rng &rng) -> std::optional<Vector3> {
-                    Float uc = rng.Uniform();
-                    auto s = hair.Sample(wo, uc, rng.Uniform2(), kRadiance);
-                    if (!s) return {};
-                    return s->wi;
-                },
-                [&](const Vector3 &wi) { return hair.Pdf(wo, wi, kRadiance); }, 10000, 8, &mass);
+            double p = DirectionTest([&](Rng &rng) { return DirectionOf(SampleLobe(hair, wo, rng, kRadiance)); },
+                                     [&](const Vector3 &wi) { return hair.Pdf(wo, wi, kRadiance); }, 10000, 8, &mass);
             EXPECT_GT(p, level) << betaM << " " << betaN << " " << offset;
             EXPECT_NEAR(mass, 1, 0.01) << betaM << " " << betaN << " " << offset;
         }
@@ -121,8 +110,7 @@ TEST(Hair, SampleAgreesWithFAndPdf) {
         HairBxdf hair(offset, 1.45f, Values(0.1f, 0, 0.6f, 4), betaM, betaN, 3.5f);
         for (int i = 0; i < 100; ++i) {
             Vector3 wo = SampleUniformSphere(rng.Uniform2());
-            Float uc = rng.Uniform();
-            auto s = hair.Sample(wo, uc, rng.Uniform2(), kRadiance);
+            auto s = SampleLobe(hair, wo, rng, kRadiance);
             ASSERT_TRUE(s);
             EXPECT_NEAR(Length(s->wi), 1, 1e-5f);
             EXPECT_FLOAT_EQ(hair.Pdf(wo, s->wi, kRadiance), s->pdf);
@@ -142,17 +130,13 @@ TEST(Hair, WhiteFurnace) {
         HairBxdf hair(offset, 1.55f, SampledSpectrum(0), betaM, betaN, 2);
         for (const Vector3 &wo : HairViews()) {
             for (int i = 0; i < 20; ++i) {
-                Float uc = rng.Uniform();
-                auto s = hair.Sample(wo, uc, rng.Uniform2(), kRadiance);
+                auto s = SampleLobe(hair, wo, rng, kRadiance);
                 ASSERT_TRUE(s);
-                EXPECT_NEAR(s->f[0] * AbsCosTheta(s->wi) / s->pdf, 1, 1e-3f);
+                EXPECT_NEAR(WeightOf(*s), 1, 1e-3f);
             }
             if (betaM < 0.25f || betaN < 0.25f) continue;
-            double sum = 0;
-            for (double c : test::SphereHistogram(20, 20).Integrate(
-                     [&](const Vector3 &wi) { return hair.F(wo, wi, kRadiance)[0] * AbsCosTheta(wi); }, 8))
-                sum += c;
-            EXPECT_NEAR(sum, 1, 0.01) << betaM << " " << betaN << " " << offset;
+            auto reflected = [&](const Vector3 &wi) { return hair.F(wo, wi, kRadiance)[0] * AbsCosTheta(wi); };
+            EXPECT_NEAR(SphereIntegral(reflected, 8), 1, 0.01) << betaM << " " << betaN << " " << offset;
         }
     });
 }
@@ -167,8 +151,7 @@ TEST(Hair, AbsorptionTakesWhatTheCrossingsTake) {
         double cosT = std::sqrt(1 - sinO * sinO / double(eta * eta));
         double index = std::sqrt(double(eta * eta) - sinO * sinO) / cosO;
         double path = 2 * std::sqrt(1 - Sqr(double(offset) / index)) / cosT;
-        double fresnel =
-            double(FresnelDielectric(static_cast<Float>(cosO * std::sqrt(1 - double(offset * offset))), eta));
+        double fresnel = double(FresnelDielectric(Float(cosO * std::sqrt(1 - double(offset * offset))), eta));
         for (int k = 0; k < SpectrumSamples; ++k) {
             double inside = (1 - fresnel), out = fresnel;
             for (int crossing = 0; crossing < 100; ++crossing) {
@@ -176,11 +159,8 @@ TEST(Hair, AbsorptionTakesWhatTheCrossingsTake) {
                 out += inside * (1 - fresnel);
                 inside *= fresnel;
             }
-            double sum = 0;
-            for (double c : test::SphereHistogram(20, 20).Integrate(
-                     [&](const Vector3 &wi) { return hair.F(wo, wi, kRadiance)[k] * AbsCosTheta(wi); }, 8))
-                sum += c;
-            EXPECT_NEAR(sum, out, 0.01 * out) << k;
+            auto reflected = [&](const Vector3 &wi) { return hair.F(wo, wi, kRadiance)[k] * AbsCosTheta(wi); };
+            EXPECT_NEAR(SphereIntegral(reflected, 8), out, 0.01 * out) << k;
         }
     }
 }
@@ -248,4 +228,4 @@ TEST(Hair, ReflectanceBecomesAbsorptionAndExtremesStayFinite) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

@@ -4,26 +4,26 @@
 
 #include "sphere_histogram.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
 
 TEST(HenyeyGreenstein, SamplesFollowTheDensityThatIntegratesToOne) {
-    const Vector3 wo = test::DirectionAt(70, 200);
+    const Vector3 wo = DirectionAt(70, 200);
     for (Float g : {-0.6f, 0.f, 5e-4f, 0.3f, 0.7f}) {
         const HenyeyGreenstein phase(g);
         double mass;
-        double p = test::DirectionTest(
-            [&](Rng &rng) -> std::optional<Vector3> { return phase.SampleP(wo, rng.Uniform2()).wi; },
-            [&](const Vector3 &wi) { return phase.P(wo, wi); }, 50000, 4, &mass);
-        EXPECT_GT(p, test::SidakAlpha(1e-4, 5)) << g;
+        double p =
+            DirectionTest([&](Rng &rng) -> std::optional<Vector3> { return phase.SampleP(wo, rng.Uniform2()).wi; },
+                          [&](const Vector3 &wi) { return phase.P(wo, wi); }, 50000, 4, &mass);
+        EXPECT_GT(p, SidakAlpha(1e-4, 5)) << g;
         EXPECT_NEAR(mass, 1, 1e-3) << g;
     }
 }
 
 TEST(HenyeyGreenstein, MeanCosineOfDeflectionIsG) {
-    const Vector3 wo = test::DirectionAt(20, 10);
+    const Vector3 wo = DirectionAt(20, 10);
     for (Float g : {-0.99f, -0.6f, 0.f, 1e-5f, 0.8f}) {
-        test::RunningStatistics cosine;
+        RunningStatistics cosine;
         Rng rng(7);
         const HenyeyGreenstein phase(g);
         EXPECT_EQ(phase.G(), g);
@@ -59,4 +59,4 @@ TEST(HenyeyGreenstein, ExtremeParametersStayFinite) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

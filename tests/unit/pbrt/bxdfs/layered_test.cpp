@@ -9,12 +9,8 @@
 #include "pbrt/math/warps.h"
 #include "sphere_histogram.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
-
-using test::DirectionAt;
-
-constexpr TransportMode kMode = TransportMode::Radiance;
 
 /// The parameters of a stack of layers, from which both the lobe and its reference are made.
 template <class Base>
@@ -46,15 +42,14 @@ void ForEachStack(Check check) {
     Stack<DiffuseBxdf> rough{"rough on diffuse", Coat(1.6f, 0.5f, 0.5f), Paint(0.7f), 0.05f, 0, 0, 12};
     check(smooth);
     check(rough);
-    smooth.name = "smooth on diffuse, exact";
-    smooth.table = CoatTable::Shared(1.5f, 0.05f, 0);
-    check(smooth);
-    rough.name = "rough on diffuse, table for this roughness";
-    rough.table = CoatTable::Shared(1.6f, 0.05f, 0.5f);
-    check(rough);
-    rough.name = "rough on diffuse, table for all";
-    rough.table = CoatTable::Shared(1.6f, 0.05f, {});
-    check(rough);
+    auto checkTable = [&](Stack<DiffuseBxdf> stack, const char *name, std::optional<Float> alpha) {
+        stack.name = name;
+        stack.table = CoatTable::Shared(stack.top.Eta(), 0.05f, alpha);
+        check(stack);
+    };
+    checkTable(smooth, "smooth on diffuse, exact", Float(0));
+    checkTable(rough, "rough on diffuse, table for this roughness", 0.5f);
+    checkTable(rough, "rough on diffuse, table for all", {});
     check(Stack<DiffuseBxdf>{"anisotropic on diffuse", Coat(1.4f, 0.2f, 0.7f), Paint(0.5f), 0.05f, 0, 0, 5});
     check(Stack<DiffuseBxdf>{"rough, medium, diffuse", Coat(1.5f, 0.4f, 0.4f), Paint(0.6f), 0.6f, 0.8f, 0.4f, 16});
     check(Stack<ConductorBxdf>{"smooth on rough metal", Coat(1.5f, 0, 0), Metal(0.4f), 0.01f, 0, 0, 10});
@@ -68,14 +63,9 @@ void ForEachStack(Check check) {
 /// weight (0: none).
 template <class Base>
 double AnalogWalk(const Stack<Base> &stack, Vector3 wo, Rng &rng, Vector3 *leaving) {
-    auto draw = [&](const auto &lobe, const Vector3 &w) {
-        Float uc = rng.Uniform();
-        Point2 u = rng.Uniform2();
-        return lobe.Sample(w, uc, u, kMode);
-    };
-    auto s = draw(stack.top, wo);
+    auto s = SampleLobe(stack.top, wo, rng, kRadiance);
     if (!s) return 0;
-    double weight = double(s->f[0] * AbsCosTheta(s->wi) / s->pdf);
+    double weight = WeightOf(*s);
     double depth = double(stack.thickness);  // the position is 0 below the coat, and `thickness` at the base
     double position = 0;
     Vector3 w = s->wi;
@@ -95,9 +85,9 @@ double AnalogWalk(const Stack<Base> &stack, Vector3 wo, Rng &rng, Vector3 *leavi
         }
         bool atBase = w.z < 0;
         position = atBase ? depth : 0;
-        auto bounce = atBase ? draw(stack.bottom, -w) : draw(stack.top, -w);
+        auto bounce = atBase ? SampleLobe(stack.bottom, -w, rng, kRadiance) : SampleLobe(stack.top, -w, rng, kRadiance);
         if (!bounce) return 0;
-        weight *= double(bounce->f[0] * AbsCosTheta(bounce->wi) / bounce->pdf);
+        weight *= WeightOf(*bounce);
         w = bounce->wi;
     }
     *leaving = w;
@@ -107,45 +97,45 @@ double AnalogWalk(const Stack<Base> &stack, Vector3 wo, Rng &rng, Vector3 *leavi
 /// The cells of the hemisphere: rings of equal projected solid angle, cut into sectors.
 constexpr int kRings = 6, kSectors = 6;
 int Cell(const Vector3 &w) {
-    int ring = std::min(kRings - 1, static_cast<int>((1 - Sqr(w.z)) * kRings));
+    int ring = std::min(kRings - 1, int((1 - Sqr(w.z)) * kRings));
     double phi = std::atan2(double(w.y), double(w.x)) / (2 * M_PI);
-    int sector = static_cast<int>((phi < 0 ? phi + 1 : phi) * kSectors);
+    int sector = int((phi < 0 ? phi + 1 : phi) * kSectors);
     return ring * kSectors + std::min(sector, kSectors - 1);
 }
 
 /// Statistics per cell of the weight that walks of the reference send there.
 template <class Base>
-std::vector<test::RunningStatistics> TwinCells(const Stack<Base> &stack, const Vector3 &wo, int n) {
-    std::vector<test::RunningStatistics> cells(kRings * kSectors);
+std::vector<RunningStatistics> TwinCells(const Stack<Base> &stack, const Vector3 &wo, int n) {
+    std::vector<RunningStatistics> cells(kRings * kSectors);
     std::vector<double> sum(cells.size()), sum2(cells.size());
     Rng rng(11);
     for (int i = 0; i < n; ++i) {
         Vector3 w;
         double weight = AnalogWalk(stack, wo, rng, &w);
         if (weight == 0) continue;
-        auto c = static_cast<size_t>(Cell(w));
+        auto c = size_t(Cell(w));
         sum[c] += weight;
         sum2[c] += weight * weight;
     }
     for (size_t c = 0; c < cells.size(); ++c) {
-        cells[c].n = static_cast<size_t>(n);
+        cells[c].n = size_t(n);
         cells[c].mean = sum[c] / n;
         cells[c].m2 = sum2[c] - sum[c] * sum[c] / n;
     }
     return cells;
 }
 
-double ZOfDifference(const test::RunningStatistics &a, const test::RunningStatistics &b, double floor) {
+double ZOfDifference(const RunningStatistics &a, const RunningStatistics &b, double floor) {
     double variance = a.StandardError() * a.StandardError() + b.StandardError() * b.StandardError() + floor * floor;
     return std::abs(a.mean - b.mean) / std::sqrt(variance);
 }
 
 /// Expects cells that walks of the reference have, except for `left`.
 template <class Base>
-void ExpectCells(const std::vector<test::RunningStatistics> &cells, const Stack<Base> &stack, const Vector3 &wo,
+void ExpectCells(const std::vector<RunningStatistics> &cells, const Stack<Base> &stack, const Vector3 &wo,
                  std::optional<size_t> left = {}) {
     constexpr double kMax = 4.8;  // 11 stacks x 2 views x 36 cells
-    const std::vector<test::RunningStatistics> twin = TwinCells(stack, wo, 40000);
+    const std::vector<RunningStatistics> twin = TwinCells(stack, wo, 40000);
     for (size_t c = 0; c < cells.size(); ++c) {
         if (c == left) continue;
         EXPECT_LT(ZOfDifference(cells[c], twin[c], 1e-5), kMax)
@@ -158,22 +148,22 @@ TEST(Layered, MeanOfConsistentFIsWhatAnalogWalksSend) {
     ForEachStack([&](const auto &stack) {
         auto lobe = stack.Lobe();
         for (Vector3 wo : {DirectionAt(35, 20), DirectionAt(70, 100)}) {
-            std::vector<test::RunningStatistics> cells(kRings * kSectors);
+            std::vector<RunningStatistics> cells(kRings * kSectors);
             Rng rng(12);
             // The samples are uniform in projected solid angle within each cell, so the mean of f * (Pi / cells) is the
             // share of the cell.
             for (int i = 0; i < 40000; ++i) {
-                auto c = static_cast<size_t>(i) % cells.size();
+                auto c = size_t(i) % cells.size();
                 Point2 u = rng.Uniform2();
-                Float sin2 = (static_cast<Float>(c / kSectors) + u.x) / kRings;
-                Float phi = 2 * Pi * (static_cast<Float>(c % kSectors) + u.y) / kSectors;
+                Float sin2 = (Float(c / kSectors) + u.x) / kRings;
+                Float phi = 2 * Pi * (Float(c % kSectors) + u.y) / kSectors;
                 Vector3 wi = SphericalDirection(std::sqrt(sin2), std::sqrt(1 - sin2), phi);
-                cells[c].Add(double(lobe.FConsistent(wo, wi, kMode)[0]) * M_PI / static_cast<double>(cells.size()));
+                cells[c].Add(double(lobe.FConsistent(wo, wi, kRadiance)[0]) * M_PI / double(cells.size()));
             }
             // Mirror images are delta functions, which F leaves out: for stacks that have them, only non-specular light
             // is compared.
             std::optional<size_t> mirrored;
-            if (stack.top.IsSmooth()) mirrored = static_cast<size_t>(Cell(Vector3(-wo.x, -wo.y, wo.z)));
+            if (stack.top.IsSmooth()) mirrored = size_t(Cell(Vector3(-wo.x, -wo.y, wo.z)));
             ExpectCells(cells, stack, wo, mirrored);
         }
     });
@@ -183,18 +173,16 @@ TEST(Layered, SampleSendsWhatAnalogWalksSend) {
     ForEachStack([&](const auto &stack) {
         auto lobe = stack.Lobe();
         for (Vector3 wo : {DirectionAt(35, 20), DirectionAt(70, 100)}) {
-            std::vector<test::RunningStatistics> cells(kRings * kSectors);
+            std::vector<RunningStatistics> cells(kRings * kSectors);
             Rng rng(13);
             for (int i = 0; i < 40000; ++i) {
-                Float uc = rng.Uniform();
-                auto s = lobe.Sample(wo, uc, rng.Uniform2(), kMode);
-                size_t hit = s ? static_cast<size_t>(Cell(s->wi)) : cells.size();
+                auto s = SampleLobe(lobe, wo, rng, kRadiance);
+                size_t hit = s ? size_t(Cell(s->wi)) : cells.size();
                 if (s) {
                     EXPECT_TRUE(s->pdfIsProportional);
                     EXPECT_TRUE(IsReflective(s->flags) && !IsTransmissive(s->flags));
                 }
-                for (size_t c = 0; c < cells.size(); ++c)
-                    cells[c].Add(c == hit ? double(s->f[0] * AbsCosTheta(s->wi) / s->pdf) : 0);
+                for (size_t c = 0; c < cells.size(); ++c) cells[c].Add(c == hit ? WeightOf(*s) : 0);
             }
             ExpectCells(cells, stack, wo);
         }
@@ -205,14 +193,9 @@ TEST(Layered, SampleSendsWhatAnalogWalksSend) {
 /// inside it adds the light that leaves along wi, times (stock's weight - the consistent one).
 template <class Base>
 double ExcessWalk(const Stack<Base> &stack, const Vector3 &wo, const Vector3 &wi, Rng &rng) {
-    auto draw = [&](const auto &lobe, const Vector3 &w, auto... which) {
-        Float uc = rng.Uniform();
-        Point2 u = rng.Uniform2();
-        return lobe.Sample(w, uc, u, kMode, which...);
-    };
-    auto in = draw(stack.top, wo, ReflTransFlags::Transmission);
+    auto in = SampleLobe(stack.top, wo, rng, kRadiance, ReflTransFlags::Transmission);
     if (!in) return 0;
-    double weight = double(in->f[0] * AbsCosTheta(in->wi) / in->pdf), excess = 0, height = double(stack.thickness);
+    double weight = WeightOf(*in), excess = 0, height = double(stack.thickness);
     Vector3 w = in->wi;
     for (int events = 0; events < stack.maxDepth; ++events) {
         double pdf = 0, toBoundary = (w.z < 0 ? height : double(stack.thickness) - height) / std::abs(double(w.z));
@@ -228,19 +211,20 @@ double ExcessWalk(const Stack<Base> &stack, const Vector3 &wo, const Vector3 &wi
             if (stack.albedo == 0) weight *= std::exp(-toBoundary);
             bool atBase = w.z < 0;
             height = atBase ? 0 : double(stack.thickness);
-            auto bounce = atBase ? draw(stack.bottom, -w) : draw(stack.top, -w, ReflTransFlags::Reflection);
+            auto bounce = atBase ? SampleLobe(stack.bottom, -w, rng, kRadiance)
+                                 : SampleLobe(stack.top, -w, rng, kRadiance, ReflTransFlags::Reflection);
             if (!bounce) break;
-            weight *= double(bounce->f[0] * AbsCosTheta(bounce->wi) / bounce->pdf);
+            weight *= WeightOf(*bounce);
             w = bounce->wi;
             if (!atBase) continue;
             pdf = double(bounce->pdf);
         }
         if (w.z < 0) continue;
-        double forward = double(stack.top.Pdf(-w, wi, kMode, ReflTransFlags::Transmission));
-        double backward = double(stack.top.Pdf(wi, -w, kMode, ReflTransFlags::Transmission));
+        double forward = double(stack.top.Pdf(-w, wi, kRadiance, ReflTransFlags::Transmission));
+        double backward = double(stack.top.Pdf(wi, -w, kRadiance, ReflTransFlags::Transmission));
         double difference = pdf * pdf / (pdf * pdf + forward * forward) - pdf * pdf / (pdf * pdf + backward * backward);
         double transmittance = std::exp(-(double(stack.thickness) - height) / double(w.z));
-        double f = double(stack.top.F(-w, wi, kMode)[0]);
+        double f = double(stack.top.F(-w, wi, kRadiance)[0]);
         if (f > 0) excess += weight * transmittance * difference * f;
     }
     return excess;
@@ -252,15 +236,15 @@ TEST(Layered, FExceedsTheConsistentValueByStocksWeights) {
         Vector3 wo0 = DirectionAt(30, 0), wi0 = DirectionAt(50, 140);
         // There is only one technique to leave, so there are no weights.
         if (stack.top.IsSmooth() || IsSpecular(stack.bottom.Flags())) {
-            EXPECT_EQ(lobe.F(wo0, wi0, kMode)[0], lobe.FConsistent(wo0, wi0, kMode)[0]) << stack.name;
+            EXPECT_EQ(lobe.F(wo0, wi0, kRadiance)[0], lobe.FConsistent(wo0, wi0, kRadiance)[0]) << stack.name;
             return;
         }
-        test::RunningStatistics stock, consistent, excess;
+        RunningStatistics stock, consistent, excess;
         Rng rng(20);
         for (int i = 0; i < 40000; ++i) {
             Vector3 wo = DirectionAt(30 + rng.Uniform() * 0.01f, 0), wi = DirectionAt(50, 140 + rng.Uniform() * 0.01f);
-            stock.Add(double(lobe.F(wo, wi, kMode)[0]) - double(lobe.FConsistent(wo, wi, kMode)[0]));
-            consistent.Add(double(lobe.FConsistent(wo, wi, kMode)[0]));
+            stock.Add(double(lobe.F(wo, wi, kRadiance)[0]) - double(lobe.FConsistent(wo, wi, kRadiance)[0]));
+            consistent.Add(double(lobe.FConsistent(wo, wi, kRadiance)[0]));
             excess.Add(ExcessWalk(stack, wo0, wi0, rng));
         }
         EXPECT_GT(stock.mean, 0.02 * consistent.mean) << stack.name;
@@ -274,7 +258,7 @@ TEST(Layered, FExceedsTheConsistentValueByStocksWeights) {
 double ZOfTable(const CoatedDiffuseBxdf &walks, const CoatedDiffuseBxdf &table, Float grazing, uint64_t seed) {
     EXPECT_FALSE(walks.UsesTable());
     EXPECT_TRUE(table.UsesTable());
-    test::RunningStatistics difference;
+    RunningStatistics difference;
     double sum = 0;
     Rng rng(seed);
     for (int i = 0; i < 60000; ++i) {
@@ -282,11 +266,11 @@ double ZOfTable(const CoatedDiffuseBxdf &walks, const CoatedDiffuseBxdf &table, 
         wo.z *= grazing;
         wo = Normalize(wo);
         if (wo.z == 0 || wi.z == 0) continue;
-        const double f = double(table.F(wo, wi, kMode)[0]);
-        difference.Add(f - double(walks.F(wo, wi, kMode)[0]));
+        const double f = double(table.F(wo, wi, kRadiance)[0]);
+        difference.Add(f - double(walks.F(wo, wi, kRadiance)[0]));
         sum += f;
     }
-    return difference.mean / std::hypot(difference.StandardError(), 1e-3 * sum / static_cast<double>(difference.n));
+    return difference.mean / std::hypot(difference.StandardError(), 1e-3 * sum / double(difference.n));
 }
 
 TEST(Layered, TablesHoldTheMeanOfTheWalks) {
@@ -347,9 +331,9 @@ TEST(Layered, DensityUnderASmoothCoatIsTheBasesForTheRefractedDirections) {
     Vector3 wo = DirectionAt(35, 20), in, out;
     for (Vector3 wi : {DirectionAt(20, 190), DirectionAt(60, 50), DirectionAt(85, 230)}) {
         ASSERT_TRUE(Refract(wo, {0, 0, 1}, 1.5f, nullptr, &in) && Refract(wi, {0, 0, 1}, 1.5f, nullptr, &out));
-        Float base = stack.bottom.Pdf(-in, -out, kMode);
-        EXPECT_NEAR(lobe.Pdf(wo, wi, kMode), 0.9f * base + 0.1f * Inv4Pi, 1e-3f * (base + 0.01f));
-        EXPECT_FLOAT_EQ(lobe.Pdf(wo, -wi, kMode), 0.1f * Inv4Pi);
+        Float base = stack.bottom.Pdf(-in, -out, kRadiance);
+        EXPECT_NEAR(lobe.Pdf(wo, wi, kRadiance), 0.9f * base + 0.1f * Inv4Pi, 1e-3f * (base + 0.01f));
+        EXPECT_FLOAT_EQ(lobe.Pdf(wo, -wi, kRadiance), 0.1f * Inv4Pi);
     }
 }
 
@@ -358,21 +342,20 @@ TEST(Layered, MeanDensityUnderARoughCoatIsTheSumOfTheWeightedIntegrals) {
     ForEachStack([&](const auto &stack) {
         if (stack.top.IsSmooth() || IsSpecular(stack.bottom.Flags())) return;
         auto lobe = stack.Lobe();
-        test::RunningStatistics density, twin;
+        RunningStatistics density, twin;
         Rng rng(21);
         for (int i = 0; i < 40000; ++i) {
             Vector3 wo = DirectionAt(30 + rng.Uniform() * 0.01f, 0), wi = DirectionAt(50, 140 + rng.Uniform() * 0.01f);
-            density.Add(double(lobe.Pdf(wo, wi, kMode)));
-            Float uc = rng.Uniform();
-            auto in = stack.top.Sample(wo, uc, rng.Uniform2(), kMode, ReflTransFlags::Transmission);
+            density.Add(double(lobe.Pdf(wo, wi, kRadiance)));
+            auto in = SampleLobe(stack.top, wo, rng, kRadiance, ReflTransFlags::Transmission);
             Vector3 up = SampleUniformHemisphere(rng.Uniform2());
-            double sum = double(stack.top.Pdf(wo, wi, kMode, ReflTransFlags::Reflection));
+            double sum = double(stack.top.Pdf(wo, wi, kRadiance, ReflTransFlags::Reflection));
             if (in) {
-                double base = double(stack.bottom.Pdf(-in->wi, up, kMode));
-                double out = double(stack.top.Pdf(wi, -up, kMode, ReflTransFlags::Transmission));
-                double through = double(stack.top.Pdf(-up, wi, kMode));
-                uc = rng.Uniform();  // a metal may sample a direction into itself; then nothing inside is counted
-                bool counted = stack.bottom.Sample(-in->wi, uc, rng.Uniform2(), kMode).has_value();
+                double base = double(stack.bottom.Pdf(-in->wi, up, kRadiance));
+                double out = double(stack.top.Pdf(wi, -up, kRadiance, ReflTransFlags::Transmission));
+                double through = double(stack.top.Pdf(-up, wi, kRadiance));
+                // A metal may sample a direction into itself; then nothing inside is counted.
+                bool counted = SampleLobe(stack.bottom, -in->wi, rng, kRadiance).has_value();
                 if (out > 0 && counted) sum += 2 * M_PI * out * base * out * out / (out * out + base * base);
                 if (base > 0) sum += 2 * M_PI * base * through * base * base / (base * base + through * through);
             }
@@ -385,13 +368,12 @@ TEST(Layered, MeanDensityUnderARoughCoatIsTheSumOfTheWeightedIntegrals) {
 
 /// The mean of f cos / pdf, with its standard error.
 template <class Lobe>
-test::RunningStatistics AlbedoStatistics(const Lobe &lobe, const Vector3 &wo, int n) {
-    test::RunningStatistics albedo;
+RunningStatistics AlbedoStatistics(const Lobe &lobe, const Vector3 &wo, int n) {
+    RunningStatistics albedo;
     Rng rng(16);
     for (int i = 0; i < n; ++i) {
-        Float uc = rng.Uniform();
-        auto s = lobe.Sample(wo, uc, rng.Uniform2(), kMode);
-        albedo.Add(s ? double(s->f[0] * AbsCosTheta(s->wi) / s->pdf) : 0);
+        auto s = SampleLobe(lobe, wo, rng, kRadiance);
+        albedo.Add(s ? WeightOf(*s) : 0);
     }
     return albedo;
 }
@@ -400,7 +382,7 @@ test::RunningStatistics AlbedoStatistics(const Lobe &lobe, const Vector3 &wo, in
 TEST(Layered, WhiteBaseUnderClearCoatReflectsEverything) {
     const Vector3 wo = DirectionAt(50, 20);
     const auto expectAll = [&](const auto &lobe, const std::string &name) {
-        const test::RunningStatistics a = AlbedoStatistics(lobe, wo, 20000);
+        const RunningStatistics a = AlbedoStatistics(lobe, wo, 20000);
         EXPECT_LT(std::abs(a.mean - 1), 4 * a.StandardError() + 1e-3) << name;
     };
     CoatedDiffuseBxdf clear(Coat(1.5f, 0, 0), Paint(1), 1e-6f, SampledSpectrum(0), 0, 2000, 1);
@@ -414,7 +396,7 @@ TEST(Layered, WhiteBaseUnderClearCoatReflectsEverything) {
         expectAll(CoatedConductorBxdf(Coat(eta, 0, 0), mirror, 1e-6f, SampledSpectrum(0), 0, 2000, 1),
                   fmt::format("mirror under {}", eta));
     // The model loses the light that bounces between facets, but never gains any.
-    const test::RunningStatistics rough = AlbedoStatistics(
+    const RunningStatistics rough = AlbedoStatistics(
         CoatedDiffuseBxdf(Coat(1.5f, 0.1f, 0.1f), Paint(1), 1e-6f, SampledSpectrum(0), 0, 2000, 1), wo, 20000);
     EXPECT_LT(rough.mean, 1 + 4 * rough.StandardError());
     EXPECT_GT(rough.mean, 0.9);
@@ -423,13 +405,13 @@ TEST(Layered, WhiteBaseUnderClearCoatReflectsEverything) {
 TEST(Layered, MoreSamplesSameMeanLessNoise) {
     Stack<DiffuseBxdf> stack{"", Coat(1.5f, 0.4f, 0.4f), Paint(0.8f), 0.3f, 0.6f, 0.2f, 12};
     auto one = stack.Lobe(1), four = stack.Lobe(4);
-    test::RunningStatistics f1, f4;
+    RunningStatistics f1, f4;
     Rng rng(17);
     for (int i = 0; i < 20000; ++i) {
         // The estimate depends on the last bits of the directions, but its mean hardly does.
         Vector3 wo = DirectionAt(30 + rng.Uniform() * 0.01f, 0), wi = DirectionAt(60, 140 + rng.Uniform() * 0.01f);
-        f1.Add(double(one.F(wo, wi, kMode)[0]));
-        f4.Add(double(four.F(wo, wi, kMode)[0]));
+        f1.Add(double(one.F(wo, wi, kRadiance)[0]));
+        f4.Add(double(four.F(wo, wi, kRadiance)[0]));
     }
     EXPECT_LT(ZOfDifference(f1, f4, 0), 4);
     EXPECT_LT(f4.Variance(), f1.Variance() / 3);
@@ -438,12 +420,12 @@ TEST(Layered, MoreSamplesSameMeanLessNoise) {
 TEST(Layered, ReciprocalInTheMean) {
     ForEachStack([&](const auto &stack) {
         auto lobe = stack.Lobe();
-        test::RunningStatistics there, back;
+        RunningStatistics there, back;
         Rng rng(18);
         for (int i = 0; i < 20000; ++i) {
             Vector3 wo = DirectionAt(30 + rng.Uniform() * 0.01f, 0), wi = DirectionAt(55, 140 + rng.Uniform() * 0.01f);
-            there.Add(double(lobe.FConsistent(wo, wi, kMode)[0]));
-            back.Add(double(lobe.FConsistent(wi, wo, kMode)[0]));
+            there.Add(double(lobe.FConsistent(wo, wi, kRadiance)[0]));
+            back.Add(double(lobe.FConsistent(wi, wo, kRadiance)[0]));
         }
         EXPECT_LT(ZOfDifference(there, back, 1e-4 * there.mean), 4.5) << stack.name;
     });
@@ -453,17 +435,17 @@ TEST(Layered, TwoSidedAndRepeatable) {
     ForEachStack([&](const auto &stack) {
         auto lobe = stack.Lobe();
         Vector3 wo = DirectionAt(30, 50), wi = DirectionAt(40, 200);
-        EXPECT_EQ(lobe.F(wo, wi, kMode)[2], lobe.F(wo, wi, kMode)[2]);
-        EXPECT_EQ(lobe.F(wo, wi, kMode)[2], lobe.F(-wo, -wi, kMode)[2]);
-        EXPECT_EQ(lobe.Pdf(wo, wi, kMode), lobe.Pdf(-wo, -wi, kMode));
-        EXPECT_FALSE(lobe.F(wo, -wi, kMode));
+        EXPECT_EQ(lobe.F(wo, wi, kRadiance)[2], lobe.F(wo, wi, kRadiance)[2]);
+        EXPECT_EQ(lobe.F(wo, wi, kRadiance)[2], lobe.F(-wo, -wi, kRadiance)[2]);
+        EXPECT_EQ(lobe.Pdf(wo, wi, kRadiance), lobe.Pdf(-wo, -wi, kRadiance));
+        EXPECT_FALSE(lobe.F(wo, -wi, kRadiance));
         Rng rng(19);
         int drawn = 0;
         for (int i = 0; i < 100; ++i) {
             Float uc = rng.Uniform();
             Point2 u = rng.Uniform2();
-            auto front = lobe.Sample(wo, uc, u, kMode);
-            auto behind = lobe.Sample(-wo, uc, u, kMode);
+            auto front = lobe.Sample(wo, uc, u, kRadiance);
+            auto behind = lobe.Sample(-wo, uc, u, kRadiance);
             ASSERT_EQ(front.has_value(), behind.has_value());
             if (!front) continue;
             ++drawn;
@@ -475,4 +457,4 @@ TEST(Layered, TwoSidedAndRepeatable) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

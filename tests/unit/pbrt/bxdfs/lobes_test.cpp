@@ -8,12 +8,8 @@
 #include "pbrt/bxdfs/fresnel.h"
 #include "sphere_histogram.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
-
-using test::DirectionAt;
-using test::kRadiance;
-using test::Values;
 
 constexpr TransportMode kImportance = TransportMode::Importance;
 constexpr ReflTransFlags kSides[] = {ReflTransFlags::Reflection, ReflTransFlags::Transmission, ReflTransFlags::All};
@@ -24,10 +20,10 @@ std::span<const ReflTransFlags> SidesOf(const Lobe &) {
     return std::span(kSides).last(std::is_same_v<Lobe, DielectricBxdf> ? 3 : 1);
 }
 template <class Lobe>
-auto SampleSides(const Lobe &lobe, const Vector3 &wo, Float uc, const Point2 &u, TransportMode mode,
+auto SampleSides(const Lobe &lobe, const Vector3 &wo, Rng &rng, TransportMode mode,
                  [[maybe_unused]] ReflTransFlags which) {
-    if constexpr (std::is_same_v<Lobe, DielectricBxdf>) return lobe.Sample(wo, uc, u, mode, which);
-    else return lobe.Sample(wo, uc, u, mode);
+    if constexpr (std::is_same_v<Lobe, DielectricBxdf>) return SampleLobe(lobe, wo, rng, mode, which);
+    else return SampleLobe(lobe, wo, rng, mode);
 }
 template <class Lobe>
 Float PdfOfSides(const Lobe &lobe, const Vector3 &wo, const Vector3 &wi, TransportMode mode,
@@ -71,36 +67,28 @@ const std::vector<Vector3> &Views() {
 }
 
 TEST(Lobes, SamplesFollowTheirDensity) {
-    double level = test::SidakAlpha(1e-4, kLobes * Views().size() * 3);
+    double level = SidakAlpha(1e-4, kLobes * Views().size() * 3);
     ForEachNonSpecular([&](const char *name, const auto &lobe) {
         for (const Vector3 &wo : Views())
             for (ReflTransFlags which : SidesOf(lobe)) {
-                auto draw = [&](Rng &rng) -> std::optional<Vector3> {
-                    Float uc = rng.Uniform();
-                    auto s = SampleSides(lobe, wo, uc, rng.Uniform2(), kRadiance, which);
-                    if (!s) return {};
-                    return s->wi;
-                };
-                auto pdf = [&](const Vector3 &wi) { return PdfOfSides(lobe, wo, wi, kRadiance, which); };
-                // Refraction at grazing angles has ridges that only a fine quadrature integrates well; the finest is
-                // needed for index 1.1, where all facets send light almost straight on.
-                double p = 0, mass = 2;
-                for (auto [quadrature, fine] : {std::pair(16, 0), {16, 80}, {80, 320}})
-                    if (!(p > level && mass <= 1.01))
-                        p = test::DirectionTest(draw, pdf, 20000, quadrature, &mass, fine);
-                EXPECT_GT(p, level) << name << " theta " << Degrees(SafeACos(wo.z)) << " sides " << int(which);
-                EXPECT_LE(mass, 1.01) << name;
+                auto draw = [&](Rng &rng) { return DirectionOf(SampleSides(lobe, wo, rng, kRadiance, which)); };
+                return s->wi;
+            };
+        auto pdf = [&](const Vector3 &wi) { return PdfOfSides(lobe, wo, wi, kRadiance, which); };
+        // Refraction at grazing angles has ridges that only a fine quadrature integrates well; the finest is
+        // needed for index 1.1, where all facets send light almost straight on.
+        double p = 0, mass = 2;
+        for (auto [quadrature, fine] : {std::pair(16, 0), {16, 80}, {80, 320}})
+            if (!(p > level && mass <= 1.01)) p = DirectionTest(draw, pdf, 20000, quadrature, &mass, fine);
+        EXPECT_GT(p, level) << name << " theta " << Degrees(SafeACos(wo.z)) << " sides " << int(which);
+        EXPECT_LE(mass, 1.01) << name;
             }
-    });
+});
 }
 
 TEST(Lobes, PdfIntegratesToOneWhereNothingIsLost) {
     auto mass = [](const auto &lobe, const Vector3 &wo, ReflTransFlags which = ReflTransFlags::All) {
-        double sum = 0;
-        for (double c : test::SphereHistogram(20, 20).Integrate(
-                 [&](const Vector3 &wi) { return PdfOfSides(lobe, wo, wi, kRadiance, which); }, 10))
-            sum += c;
-        return sum;
+        return SphereIntegral([&](const Vector3 &wi) { return PdfOfSides(lobe, wo, wi, kRadiance, which); }, 10);
     };
     for (const Vector3 &wo : Views()) {
         EXPECT_NEAR(mass(DiffuseBxdf(SampledSpectrum(0.5f)), wo), 1, 2e-3);
@@ -145,7 +133,7 @@ TEST(Lobes, WhatWalksDrawAtABoundaryAgreesWithFAndPdf) {
         const auto sample = smooth.Sample(wo, uc, {}, kRadiance, ReflTransFlags::All);
         const DielectricBxdf::Drawn drawn = smooth.DrawEither(wo, uc, {}, kRadiance);
         ASSERT_TRUE(sample);
-        EXPECT_NEAR(drawn.weight, sample->f[0] * AbsCosTheta(sample->wi) / sample->pdf, 1e-5f);
+        EXPECT_NEAR(drawn.weight, WeightOf(*sample), 1e-5f);
         EXPECT_LT(Distance(drawn.wi, sample->wi), 1e-5f);
     }
 }
@@ -160,8 +148,7 @@ TEST(Lobes, SampleAgreesWithFAndPdf) {
             Vector3 wo = SampleUniformSphere(rng.Uniform2());
             TransportMode mode = i % 2 ? kRadiance : kImportance;
             ReflTransFlags which = SidesOf(lobe)[i % SidesOf(lobe).size()];
-            Float uc = rng.Uniform();
-            auto s = SampleSides(lobe, wo, uc, rng.Uniform2(), mode, which);
+            auto s = SampleSides(lobe, wo, rng, mode, which);
             // Near the horizon directions in float are too coarse for the half vector of a refraction.
             if (!s || std::abs(s->wi.z) < 0.02f || std::abs(wo.z) < 0.02f) continue;
             ++drawn;
@@ -204,11 +191,8 @@ template <class Lobe>
 double Albedo(const Lobe &lobe, const Vector3 &wo, TransportMode mode, int n = 40000) {
     Rng rng(5);
     double sum = 0;
-    for (int i = 0; i < n; ++i) {
-        Float uc = rng.Uniform();
-        auto s = lobe.Sample(wo, uc, rng.Uniform2(), mode);
-        if (s) sum += double(s->f.MaxComponent() * AbsCosTheta(s->wi) / s->pdf);
-    }
+    for (int i = 0; i < n; ++i)
+        if (auto s = SampleLobe(lobe, wo, rng, mode)) sum += double(s->f.MaxComponent() * AbsCosTheta(s->wi) / s->pdf);
     return sum / n;
 }
 
@@ -237,21 +221,18 @@ TEST(Lobes, ConserveEnergy) {
 /// normals. `fresnel(cosine)` is the share that is mirrored; the rest is refracted by `eta`.
 template <class Fresnel>
 double KeptByFacets(const TrowbridgeReitz &facets, const Vector3 &wo, Float eta, Fresnel fresnel) {
-    double sum = 0;
-    for (double c : test::SphereHistogram(20, 20).Integrate(
-             [&](const Vector3 &wm) -> Float {
-                 if (wm.z <= 0 || Dot(wo, wm) * wo.z <= 0) return 0;
-                 auto seen = [&](const Vector3 &wi) { return facets.G(wo, wi) / facets.G1(wo); };
-                 Float r = fresnel(Dot(wo, wm)), kept = 0;
-                 Vector3 mirrored = Reflect(wo, wm), through;
-                 if (SameHemisphere(wo, mirrored)) kept += r * seen(mirrored);
-                 if (r < 1 && Refract(wo, wm, eta, nullptr, &through) && !SameHemisphere(wo, through))
-                     kept += (1 - r) * seen(through);
-                 return kept * facets.VisiblePdf(wo, wm);
-             },
-             16))
-        sum += c;
-    return sum;
+    return SphereIntegral(
+        [&](const Vector3 &wm) -> Float {
+            if (wm.z <= 0 || Dot(wo, wm) * wo.z <= 0) return 0;
+            auto seen = [&](const Vector3 &wi) { return facets.G(wo, wi) / facets.G1(wo); };
+            Float r = fresnel(Dot(wo, wm)), kept = 0;
+            Vector3 mirrored = Reflect(wo, wm), through;
+            if (SameHemisphere(wo, mirrored)) kept += r * seen(mirrored);
+            if (r < 1 && Refract(wo, wm, eta, nullptr, &through) && !SameHemisphere(wo, through))
+                kept += (1 - r) * seen(through);
+            return kept * facets.VisiblePdf(wo, wm);
+        },
+        16);
 }
 
 TEST(Lobes, RoughOnesLoseExactlyWhatFacetsHide) {
@@ -350,4 +331,4 @@ TEST(Lobes, FlagsTellSmoothFromRough) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

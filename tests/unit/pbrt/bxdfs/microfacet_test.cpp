@@ -4,25 +4,14 @@
 
 #include "sphere_histogram.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
-
-using test::DirectionAt;
-using test::DirectionTest;
-
-/// The integral of f(w) over the sphere.
-template <class F>
-double Integral(F f) {
-    double sum = 0;
-    for (double c : test::SphereHistogram(20, 20).Integrate(f, 40)) sum += c;
-    return sum;
-}
 
 TEST(TrowbridgeReitz, ProjectedAreaOfTheFacetsIsOne) {
     for (auto [ax, ay] : {std::pair{0.1f, 0.1f}, {0.5f, 0.5f}, {0.15f, 0.8f}, {1.f, 0.3f}}) {
         TrowbridgeReitz facets(ax, ay);
         auto projected = [&](const Vector3 &m) { return m.z > 0 ? facets.D(m) * m.z : 0; };
-        EXPECT_NEAR(Integral(projected), 1, 3e-3) << ax << ' ' << ay;
+        EXPECT_NEAR(SphereIntegral(projected, 40), 1, 3e-3) << ax << ' ' << ay;
     }
 }
 
@@ -32,10 +21,10 @@ TEST(TrowbridgeReitz, VisibleFacetsHaveTheProjectedAreaOfTheSurface) {
         for (Float theta : {0.f, 30.f, 60.f, 85.f}) {
             TrowbridgeReitz facets(ax, ay);
             Vector3 w = DirectionAt(theta, 25);
-            double seen = Integral([&](const Vector3 &m) {
+            auto visible = [&](const Vector3 &m) {
                 return m.z > 0 ? facets.G1(w) * std::max(Float(0), Dot(w, m)) * facets.D(m) : 0;
-            });
-            EXPECT_NEAR(seen / double(w.z), 1, 5e-3) << ax << ' ' << ay << ' ' << theta;
+            };
+            EXPECT_NEAR(SphereIntegral(visible, 40) / double(w.z), 1, 5e-3) << ax << ' ' << ay << ' ' << theta;
         }
 }
 
@@ -63,7 +52,7 @@ TEST(TrowbridgeReitz, VisibleNormalsFollowTheirDensity) {
                     [&](Rng &rng) -> std::optional<Vector3> { return (facets.*sample)(w, rng.Uniform2()); },
                     [&](const Vector3 &m) { return m.z > 0 && Dot(w, m) * w.z > 0 ? facets.VisiblePdf(w, m) : 0; },
                     50000, 12, &mass);
-                EXPECT_GT(p, test::SidakAlpha(1e-4, cases)) << ax << ' ' << ay << ' ' << theta;
+                EXPECT_GT(p, SidakAlpha(1e-4, cases)) << ax << ' ' << ay << ' ' << theta;
                 EXPECT_NEAR(mass, 1, 5e-3);
             }
 }
@@ -92,4 +81,4 @@ TEST(TrowbridgeReitz, SmoothnessAndRegularisation) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

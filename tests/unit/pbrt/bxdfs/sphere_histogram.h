@@ -16,15 +16,15 @@ namespace pbrt::test {
 /// lobe about the normal spreads over several cells.
 class SphereHistogram {
   public:
-    SphereHistogram(int nTheta, int nPhi) : nTheta_(nTheta), nPhi_(nPhi), counts_(static_cast<size_t>(nTheta * nPhi)) {}
+    SphereHistogram(int nTheta, int nPhi) : nTheta_(nTheta), nPhi_(nPhi), counts_(size_t(nTheta * nPhi)) {}
 
     void Add(const Vector3 &w, double weight = 1) {
         double theta = std::atan2(std::hypot(double(w.x), double(w.y)), double(w.z)) / M_PI;
         double phi = std::atan2(double(w.y), double(w.x)) / (2 * M_PI);
         if (phi < 0) phi += 1;
-        int i = std::min(static_cast<int>(theta * nTheta_), nTheta_ - 1);
-        int j = std::min(static_cast<int>(phi * nPhi_), nPhi_ - 1);
-        counts_[static_cast<size_t>(i * nPhi_ + j)] += weight;
+        int i = std::min(int(theta * nTheta_), nTheta_ - 1);
+        int j = std::min(int(phi * nPhi_), nPhi_ - 1);
+        counts_[size_t(i * nPhi_ + j)] += weight;
     }
     const std::vector<double> &Counts() const { return counts_; }
 
@@ -32,7 +32,7 @@ class SphereHistogram {
     template <class F>
     std::vector<double> Integrate(F f, int n) const {
         std::vector<double> cells(counts_.size());
-        for (size_t cell = 0; cell < cells.size(); ++cell) cells[cell] = IntegrateCell(f, n, static_cast<int>(cell));
+        for (size_t cell = 0; cell < cells.size(); ++cell) cells[cell] = IntegrateCell(f, n, int(cell));
         return cells;
     }
 
@@ -42,7 +42,7 @@ class SphereHistogram {
         std::vector<double> cells = Integrate(f, n);
         const double few = std::accumulate(cells.begin(), cells.end(), 0.0) / 400;
         for (size_t cell = 0; cell < cells.size(); ++cell)
-            if (cells[cell] > few) cells[cell] = IntegrateCell(f, fine, static_cast<int>(cell));
+            if (cells[cell] > few) cells[cell] = IntegrateCell(f, fine, int(cell));
         return cells;
     }
 
@@ -64,6 +64,25 @@ class SphereHistogram {
     int nTheta_, nPhi_;
     std::vector<double> counts_;
 };
+
+/// The integral of f(w) over the sphere, with n x n points in each of 400 cells.
+template <class F>
+double SphereIntegral(F f, int n) {
+    const std::vector<double> cells = SphereHistogram(20, 20).Integrate(f, n);
+    return std::accumulate(cells.begin(), cells.end(), 0.0);
+}
+
+/// A sample by the next numbers of `rng`.
+template <class Lobe, class... Options>
+std::optional<BsdfSample> SampleLobe(const Lobe &lobe, const Vector3 &wo, Rng &rng, Options... options) {
+    const Float uc = rng.Uniform();
+    return lobe.Sample(wo, uc, rng.Uniform2(), options...);
+}
+inline std::optional<Vector3> DirectionOf(const std::optional<BsdfSample> &s) {
+    return s ? std::optional(s->wi) : std::nullopt;
+}
+/// f cos / pdf at the first wavelength.
+inline double WeightOf(const BsdfSample &s) { return double(s.f[0] * AbsCosTheta(s.wi) / s.pdf); }
 
 /// p-value of the hypothesis that `draw(Rng &)`, which returns an optional direction, has the density `pdf(w)`; the
 /// share of calls without a direction must be the mass that pdf lacks. `mass` (may be null) gets the integral of pdf.

@@ -7,11 +7,8 @@
 #include "pbrt/bxdfs/henyey_greenstein.h"
 #include "sphere_histogram.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
-
-using test::RunningStatistics;
-using test::Values;
 
 TEST(FresnelMoments, ObeyReciprocity) {
     // The mean transmittance from inside is that from outside divided by eta^2, the ratio of solid angles (Duderstadt;
@@ -85,7 +82,7 @@ TEST_P(Table, ProfileIntegratesToReflectance) {
         constexpr int n = 20000;
         for (int i = 0; i < n; ++i) {  // r = 200 t^4
             const double t = (i + .5) / n, r = 200 * t * t * t * t;
-            sum += 2 * M_PI * r * double(table_.Profile(row, static_cast<Float>(r))) * 800 * t * t * t / n;
+            sum += 2 * M_PI * r * double(table_.Profile(row, Float(r))) * 800 * t * t * t / n;
         }
         EXPECT_NEAR(sum, double(row.reflectance), 2e-3 * sum) << albedo;
     }
@@ -102,7 +99,7 @@ TEST_P(Table, RadiiFollowTheProfile) {
         for (int i = 0; i < n; ++i) {
             const double r = double(table_.SampleRadius(row, rng.Uniform()));
             const double cell = cells * std::log(1 + 20 * r) / std::log(401.);
-            ++observed[std::min<size_t>(cells, static_cast<size_t>(cell))];
+            ++observed[std::min<size_t>(cells, size_t(cell))];
         }
         double rest = n;
         for (int i = 0; i < cells; ++i) {
@@ -110,13 +107,13 @@ TEST_P(Table, RadiiFollowTheProfile) {
             constexpr int m = 100;
             for (int k = 0; k < m; ++k) {
                 const double r = edge(i) + (edge(i + 1) - edge(i)) * (k + .5) / m;
-                sum += 2 * M_PI * r * double(table_.Profile(row, static_cast<Float>(r))) / m;
+                sum += 2 * M_PI * r * double(table_.Profile(row, Float(r))) / m;
             }
-            expected[static_cast<size_t>(i)] = n * sum * (edge(i + 1) - edge(i)) / double(row.reflectance);
-            rest -= expected[static_cast<size_t>(i)];
+            expected[size_t(i)] = n * sum * (edge(i + 1) - edge(i)) / double(row.reflectance);
+            rest -= expected[size_t(i)];
         }
         expected[cells] = std::max(rest, 0.);
-        EXPECT_GT(test::ChiSquareTest(observed, expected), test::SidakAlpha(1e-4, 8)) << albedo;
+        EXPECT_GT(ChiSquareTest(observed, expected), SidakAlpha(1e-4, 8)) << albedo;
     }
 }
 
@@ -178,12 +175,12 @@ class BssrdfOnBall : public testing::Test {
         std::vector<Point3> points;
         if (root < 0) return points;
         for (double t : {(-b - std::sqrt(root)) / a, (-b + std::sqrt(root)) / a})
-            if (t > 0 && t < 1) points.push_back(Normalize(probe.from + d * static_cast<Float>(t)));
+            if (t > 0 && t < 1) points.push_back(Normalize(probe.from + d * Float(t)));
         return points;
     }
 
     const SubsurfaceTable table_ = SubsurfaceTable::Compute(0, 1.33f);
-    const Normal3 n_ = test::DirectionAt(40, 70);
+    const Normal3 n_ = DirectionAt(40, 70);
     const Point3 p_ = n_;
     const Normal3 ns_ = Normalize(n_ + Vector3(.1f, .2f, -.1f));
 };
@@ -193,7 +190,7 @@ TEST_F(BssrdfOnBall, CrossingsHaveThePdf) {
         SampledWavelengths lambda = SampledWavelengths::SampleVisible(.3f);
         if (dispersed) lambda.TerminateSecondary();
         const Bssrdf bssrdf = Make(lambda);
-        test::SphereHistogram histogram(12, 12);
+        SphereHistogram histogram(12, 12);
         constexpr int n = 100000;
         Rng rng(5);
         for (int i = 0; i < n; ++i) {
@@ -212,7 +209,7 @@ TEST_F(BssrdfOnBall, CrossingsHaveThePdf) {
             const double z = (histogram.Counts()[i] - mean) / std::sqrt(mean + Sqr(.01 * mean));
             worst = std::max(worst, std::abs(z));
         }
-        EXPECT_GT(test::NormalTail(worst), test::SidakAlpha(1e-4, expected.size())) << "worst z " << worst;
+        EXPECT_GT(NormalTail(worst), SidakAlpha(1e-4, expected.size())) << "worst z " << worst;
     }
 }
 
@@ -226,20 +223,20 @@ TEST_F(BssrdfOnBall, DrawnExitsGiveTheIntegralOfTheProfile) {
         if (auto probe = bssrdf.SampleProbe(uc, rng.Uniform2())) {
             const std::vector<Point3> crossings = Crossings(*probe);
             if (!crossings.empty()) {
-                const auto count = static_cast<uint32_t>(crossings.size());
+                const auto count = uint32_t(crossings.size());
                 const Point3 x = crossings[rng.UniformInt(count)];
-                const Float pdf = bssrdf.Pdf(x, x) / static_cast<Float>(count);
+                const Float pdf = bssrdf.Pdf(x, x) / Float(count);
                 if (pdf > 0) weight = bssrdf.Profile(Distance(p_, x)) / pdf;
             }
         }
-        for (int k = 0; k < SpectrumSamples; ++k) estimate[static_cast<size_t>(k)].Add(double(weight[k]));
+        for (int k = 0; k < SpectrumSamples; ++k) estimate[size_t(k)].Add(double(weight[k]));
     }
-    const test::SphereHistogram sphere(50, 50);
+    const SphereHistogram sphere(50, 50);
     for (int k = 0; k < SpectrumSamples; ++k) {
         double expected = 0;
         for (double cell : sphere.Integrate([&](const Vector3 &x) { return bssrdf.Profile(Distance(p_, x))[k]; }, 16))
             expected += cell;
-        const RunningStatistics &s = estimate[static_cast<size_t>(k)];
+        const RunningStatistics &s = estimate[size_t(k)];
         // The last thousandth of each profile is cut off; the quadrature errs by as much at the peak at p.
         EXPECT_LT(std::abs(s.mean - expected), 4 * s.StandardError() + .004 * expected)
             << k << ": " << s.mean << " for " << expected;
@@ -262,24 +259,18 @@ TEST(ExitLobe, SendsOutWhatComesInAndFollowsItsDensity) {
         const NormalizedFresnelBxdf lobe(eta, 1 / (Pi * (1 - 2 * InnerFresnelMoment(1 / eta, 1))));
         const Vector3 up(0, 0, 1);
         auto albedo = [&](TransportMode mode) {
-            double sum = 0;
-            for (double c : test::SphereHistogram(20, 20).Integrate(
-                     [&](const Vector3 &wi) { return lobe.F(up, wi, mode)[0] * AbsCosTheta(wi); }, 10))
-                sum += c;
-            return sum;
+            return SphereIntegral([&](const Vector3 &wi) { return lobe.F(up, wi, mode)[0] * AbsCosTheta(wi); }, 10);
         };
         EXPECT_NEAR(albedo(TransportMode::Importance), 1, 2e-3) << eta;
-        EXPECT_NEAR(albedo(TransportMode::Radiance), double(Sqr(eta)), 2e-3 * double(Sqr(eta))) << eta;
-        for (const Vector3 &wo : {up, -up, test::DirectionAt(70, 30)}) {
-            const double p = test::DirectionTest(
-                [&](Rng &rng) -> std::optional<Vector3> {
-                    return lobe.Sample(wo, 0, rng.Uniform2(), TransportMode::Radiance)->wi;
-                },
-                [&](const Vector3 &wi) { return lobe.Pdf(wo, wi, TransportMode::Radiance); }, 20000, 16, nullptr);
+        EXPECT_NEAR(albedo(kRadiance), double(Sqr(eta)), 2e-3 * double(Sqr(eta))) << eta;
+        for (const Vector3 &wo : {up, -up, DirectionAt(70, 30)}) {
+            const double p =
+                DirectionTest([&](Rng &rng) { return DirectionOf(SampleLobe(lobe, wo, rng, kRadiance)); },
+                              [&](const Vector3 &wi) { return lobe.Pdf(wo, wi, kRadiance); }, 20000, 16, nullptr);
             EXPECT_GT(p, 1e-5);
         }
     }
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

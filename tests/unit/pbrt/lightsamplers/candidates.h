@@ -5,19 +5,9 @@
 
 namespace pbrt::test {
 
-inline LightCandidate Bounded(const LightBounds &b) {
-    LightCandidate c;
-    c.bounds = b;
-    c.power = static_cast<Float>(b.phi);
-    return c;
-}
+inline LightCandidate Bounded(const LightBounds &b) { return {.power = Float(b.phi), .bounds = b}; }
 
-inline LightCandidate InfiniteCandidate(Float power = 1) {
-    LightCandidate c;
-    c.infinite = true;
-    c.power = power;
-    return c;
-}
+inline LightCandidate InfiniteCandidate(Float power = 1) { return {.power = power, .bounds = {}, .infinite = true}; }
 
 /// Small emitters of all kinds in the unit cube.
 inline LightBounds RandomEmitter(Rng &rng) {

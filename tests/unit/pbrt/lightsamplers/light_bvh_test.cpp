@@ -7,6 +7,7 @@
 #include "candidates.h"
 #include "pbrt/lightsamplers/bvh_light_sampler.h"
 #include "support/given_lights.h"
+#include "support/light_query.h"
 
 namespace pbrt::test {
 namespace {
@@ -42,7 +43,7 @@ TEST(LightBvhBlock, AllNodesAtOnceEqualOneByOne) {
     for (int i = 0; i < 5000; ++i) {
         std::array<LightBounds, kLanes> b;
         LightBvhBlock block;
-        const uint32_t empty = static_cast<uint32_t>(i) % kLanes;
+        const uint32_t empty = uint32_t(i) % kLanes;
         for (uint32_t k = 0; k < kLanes; ++k) {
             b[k] = RandomEmitter(rng);
             if (k != empty) block.Set(k, LightBvhNode(b[k], k % 2 == 0, k));
@@ -107,7 +108,7 @@ TEST(LightBvh, EveryTrailLeadsToItsLight) {
         c.push_back(InfiniteCandidate());
         c.push_back({});
         LightBvh tree(c);
-        EXPECT_EQ(tree.PairCount(), static_cast<size_t>(n - 1));
+        EXPECT_EQ(tree.PairCount(), size_t(n - 1));
         ExpectEveryTrailLeadsToItsLight(c, tree);
     }
 }
@@ -132,7 +133,7 @@ TEST(LightBvh, DepthFitsTheTrailEvenIfEverySplitPeelsOffOneLight) {
         for (int k = -36; k <= 36; ++k) {
             LightBounds b;
             Point3 p(0);
-            p[axis] = std::pow(Float(10), static_cast<Float>(k) / 2);
+            p[axis] = std::pow(Float(10), Float(k) / 2);
             b.bounds = Bounds3(p, p * Float(1.5) + Vector3(1e-18f));
             b.phi = 1;
             c.push_back(Bounded(b));
@@ -147,10 +148,10 @@ TEST(LightBvh, NodesBelowANodeAreNoMorePowerfulTogether) {
     LightBvh tree(c);
     std::function<double(const LightBvhNode &)> check = [&](const LightBvhNode &node) -> double {
         LightSphere s = node.Sphere();
-        if (node.IsLeaf()) return static_cast<double>(s.phi);
+        if (node.IsLeaf()) return double(s.phi);
         const LightBvhNode children[2] = {tree.Child(node, 0), tree.Child(node, 1)};
         double sum = check(children[0]) + check(children[1]);
-        EXPECT_NEAR(static_cast<double>(s.phi) / sum, 1, 1e-4);
+        EXPECT_NEAR(double(s.phi) / sum, 1, 1e-4);
         for (const LightBvhNode &child : children)
             EXPECT_LE(Distance(child.Sphere().center, s.center), s.radius * 1.0001f + 1e-6f);
         return sum;
@@ -168,14 +169,12 @@ TEST(LightBvh, SplittingGroupsByOrientationAndPlaceBeatsChance) {
     double distance = 0;
     constexpr int kQueries = 200;
     for (int q = 0; q < kQueries; ++q) {
-        LightQuery query;
-        query.p = Point3(rng.Uniform(), rng.Uniform(), rng.Uniform());
+        const LightQuery query = QueryAt({rng.Uniform(), rng.Uniform(), rng.Uniform()});
         double total = 0;
-        for (const LightCandidate &light : c)
-            total += static_cast<double>(light.bounds->Importance(query.p, Normal3(0)));
+        for (const LightCandidate &light : c) total += double(light.bounds->Importance(query.p, Normal3(0)));
         for (uint32_t i = 0; i < c.size(); ++i)
-            distance += std::abs(static_cast<double>(bvh.PMF(query, LightId(i))) -
-                                 static_cast<double>(c[i].bounds->Importance(query.p, Normal3(0))) / total);
+            distance += std::abs(double(bvh.PMF(query, LightId(i))) -
+                                 double(c[i].bounds->Importance(query.p, Normal3(0))) / total);
     }
     EXPECT_LT(distance / kQueries / 2, 0.5) << "total variation distance";
 }

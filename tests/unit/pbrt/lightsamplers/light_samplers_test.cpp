@@ -10,11 +10,7 @@ namespace pbrt::test {
 namespace {
 
 LightQuery Query(const Point3 &p, const Normal3 &n = Normal3(0), const Normal3 &ns = Normal3(0)) {
-    LightQuery q;
-    q.p = p;
-    q.n = n;
-    q.ns = ns;
-    return q;
+    return {.p = p, .n = n, .ns = ns};
 }
 
 TEST(UniformLightSampler, DividesTheUnitIntervalEvenly) {
@@ -68,11 +64,7 @@ TYPED_TEST(ByBounds, EveryInfiniteLightCountsLikeAllBoundedOnesTogether) {
 }
 
 TYPED_TEST(ByBounds, ReturnsNothingWhereNoLightShines) {
-    LightBounds b;
-    b.bounds = Bounds3(Point3(0));
-    b.phi = 1;
-    b.w = {0, 0, 1};
-    std::vector<LightCandidate> c = {Bounded(b)};
+    std::vector<LightCandidate> c = {Bounded({.bounds = Bounds3(Point3(0)), .w = {0, 0, 1}, .phi = 1})};
     const auto table = TableOf(c);
     TypeParam sampler(table->ByComponent());
     EXPECT_FALSE(sampler.Sample(Query({0, 0, -1}), 0.3f));
@@ -100,10 +92,10 @@ TEST(ExhaustiveLightSampler, PmfIsTheShareOfImportanceWithTheGeometricNormal) {
             LightQuery query = Query({2 * rng.Uniform(), rng.Uniform(), rng.Uniform()},
                                      SampleUniformSphere(rng.Uniform2()), SampleUniformSphere(rng.Uniform2()));
             double total = 0;
-            for (const LightCandidate &l : c) total += static_cast<double>(l.bounds->Importance(query.p, query.n));
+            for (const LightCandidate &l : c) total += double(l.bounds->Importance(query.p, query.n));
             for (uint32_t i = 0; i < c.size(); ++i) {
-                double share = static_cast<double>(c[i].bounds->Importance(query.p, query.n)) / total;
-                ASSERT_NEAR(static_cast<double>(sampler.PMF(query, LightId(i))), share, 1e-6 + 1e-5 * share);
+                double share = double(c[i].bounds->Importance(query.p, query.n)) / total;
+                ASSERT_NEAR(double(sampler.PMF(query, LightId(i))), share, 1e-6 + 1e-5 * share);
             }
         }
     }
@@ -116,9 +108,9 @@ TEST(ExhaustiveLightSampler, InvertsItsCumulativeDistribution) {
     LightQuery query = Query({0.2f, 0.4f, 1.5f});
     double below = 0;
     for (uint32_t i = 0; i < c.size(); ++i) {
-        double p = static_cast<double>(sampler.PMF(query, LightId(i)));
+        double p = double(sampler.PMF(query, LightId(i)));
         if (p > 1e-5) {
-            auto s = sampler.Sample(query, static_cast<Float>(below + p / 2));
+            auto s = sampler.Sample(query, Float(below + p / 2));
             ASSERT_TRUE(s);
             EXPECT_EQ(s->light.value, i);
         }
@@ -144,11 +136,11 @@ TEST(BVHLightSampler, PmfIsTheProductOfChildSharesWithTheShadingNormal) {
             for (uint64_t trail = tree.Trail(light); !node.IsLeaf() && expected > 0; trail >>= 1) {
                 double w[2];
                 for (uint32_t i = 0; i < 2; ++i)
-                    w[i] = static_cast<double>(tree.Child(node, i).Sphere().Importance(query.p, query.ns));
+                    w[i] = double(tree.Child(node, i).Sphere().Importance(query.p, query.ns));
                 expected = w[trail & 1] > 0 ? expected * w[trail & 1] / (w[0] + w[1]) : 0;
                 node = tree.Child(node, trail & 1);
             }
-            ASSERT_NEAR(static_cast<double>(sampler.PMF(query, LightId(light))), expected, 1e-3 * expected + 1e-9);
+            ASSERT_NEAR(double(sampler.PMF(query, LightId(light))), expected, 1e-3 * expected + 1e-9);
         }
     }
 }

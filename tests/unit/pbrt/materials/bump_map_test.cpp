@@ -5,7 +5,7 @@
 #include "material_test_support.h"
 #include "pbrt/materials/material_params.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
 
 class Height final : public FloatTexture {
@@ -24,28 +24,14 @@ struct Bumps {
     FloatTexturePtr height;
 };
 
-void ExpectNear(const Vector3 &a, const Vector3 &b, Float tolerance = 1e-3f) {
-    EXPECT_LT(Distance(a, b), tolerance) << a.x << " " << a.y << " " << a.z << " against " << b.x << " " << b.y << " "
-                                         << b.z;
-}
-
-/// p = (2 u, 3 v, 0).
-SurfacePoint FlatPoint() {
-    SurfacePoint s;
-    s.uv = {.3f, .6f};
-    s.p = {.6f, 1.8f, 0};
-    s.n = s.shading.n = {0, 0, 1};
-    s.dpdu = s.shading.dpdu = {2, 0, 0};
-    s.dpdv = s.shading.dpdv = {0, 3, 0};
-    return s;
-}
+void ExpectAbout(const Vector3 &a, const Vector3 &b, Float tolerance = 1e-3f) { ExpectNear(a, b, tolerance); }
 
 TEST(BumpMap, EvenHeightOverAPlaneChangesNothing) {
     SurfacePoint s = FlatPoint();
     Bumps([](const TextureContext &) { return 7.f; }).Perturb(s);
-    ExpectNear(s.shading.n, {0, 0, 1});
-    ExpectNear(s.shading.dpdu, {2, 0, 0});
-    ExpectNear(s.shading.dpdv, {0, 3, 0});
+    ExpectAbout(s.shading.n, {0, 0, 1});
+    ExpectAbout(s.shading.dpdu, {2, 0, 0});
+    ExpectAbout(s.shading.dpdv, {0, 3, 0});
 }
 
 TEST(BumpMap, SlopeOfTheHeightTiltsTheNormal) {
@@ -53,11 +39,11 @@ TEST(BumpMap, SlopeOfTheHeightTiltsTheNormal) {
     for (bool byPosition : {true, false}) {
         SurfacePoint s = FlatPoint();
         Bumps([=](const TextureContext &c) { return byPosition ? c.p.x / 2 - c.p.y : c.uv.x - 3 * c.uv.y; }).Perturb(s);
-        ExpectNear(s.shading.n, Normalize(Vector3(-.5f, 1, 1)));
-        ExpectNear(s.shading.dpdu, {2, 0, 1}, 2e-3f);
-        ExpectNear(s.shading.dpdv, {0, 3, -3}, 2e-3f);
-        ExpectNear(s.n, {0, 0, 1});
-        ExpectNear(s.dpdu, {2, 0, 0});
+        ExpectAbout(s.shading.n, Normalize(Vector3(-.5f, 1, 1)));
+        ExpectAbout(s.shading.dpdu, {2, 0, 1}, 2e-3f);
+        ExpectAbout(s.shading.dpdv, {0, 3, -3}, 2e-3f);
+        ExpectAbout(s.n, {0, 0, 1});
+        ExpectAbout(s.dpdu, {2, 0, 0});
     }
 }
 
@@ -87,16 +73,16 @@ TEST(BumpMap, CurvedSurfaceHasTheNormalOfTheMovedOne) {
         auto height = [&](double t) { return 0.3 - slope * t; };
         SurfacePoint s;  // u = phi, v = theta on the unit sphere
         s.p = place(theta, phi, 1);
-        s.uv = {static_cast<Float>(phi), static_cast<Float>(theta)};
+        s.uv = {Float(phi), Float(theta)};
         s.n = s.shading.n = s.p;
         s.dndu = s.shading.dndu = s.dpdu = s.shading.dpdu = place(M_PI / 2, phi + M_PI / 2, std::sin(theta));
         s.dndv = s.shading.dndv = s.dpdv = s.shading.dpdv = place(theta + M_PI / 2, phi, 1);
-        Bumps([&](const TextureContext &c) { return static_cast<Float>(height(double(c.uv.y))); }).Perturb(s);
+        Bumps([&](const TextureContext &c) { return Float(height(double(c.uv.y))); }).Perturb(s);
         auto moved = [&](double t, double f) { return place(t, f, 1 + height(t)); };
         Vector3 du = moved(theta, phi + e) - moved(theta, phi - e), dv = moved(theta + e, phi) - moved(theta - e, phi);
-        ExpectNear(s.shading.n, FaceForward(Normalize(Cross(du, dv)), s.n), 5e-3f);
-        ExpectNear(s.shading.dpdu, du / static_cast<Float>(2 * e), 5e-3f);
-        ExpectNear(s.shading.dpdv, dv / static_cast<Float>(2 * e), 5e-3f);
+        ExpectAbout(s.shading.n, FaceForward(Normalize(Cross(du, dv)), s.n), 5e-3f);
+        ExpectAbout(s.shading.dpdu, du / Float(2 * e), 5e-3f);
+        ExpectAbout(s.shading.dpdv, dv / Float(2 * e), 5e-3f);
     }
 }
 
@@ -104,34 +90,32 @@ TEST(BumpMap, NormalStaysOnTheGeometricSide) {
     SurfacePoint s = FlatPoint();
     s.n = {0, 0, -1};
     Bumps([](const TextureContext &c) { return c.p.x; }).Perturb(s);
-    ExpectNear(s.shading.n, Normalize(Vector3(1, 0, -1)));
+    ExpectAbout(s.shading.n, Normalize(Vector3(1, 0, -1)));
 }
 
 TEST(BumpMap, MaterialsReadDisplacementButTheNormalMapWins) {
-    test::Workshop shop;
-    shop.Define("slope", false, "bilerp", test::Params().F("v00", 0).F("v01", 0).F("v10", 2).F("v11", 2));
+    Workshop shop;
+    shop.Define("slope", false, "bilerp", Ramp(0, 2));
     for (const std::string &type : Materials().Names()) {
         if (type == "mix" || type == "interface" || type == "hair" || type == "measured") continue;
         SurfacePoint s = FlatPoint();
-        shop.Make(type, test::Params("m").Tex("displacement", "slope"))->PerturbShading(s);
-        ExpectNear(s.shading.n, Normalize(Vector3(-1, 0, 1)));
+        shop.Make(type, Params("m").Texture("displacement", "slope"))->PerturbShading(s);
+        ExpectAbout(s.shading.n, Normalize(Vector3(-1, 0, 1)));
         s = FlatPoint();
-        shop.Make(type, test::Params("m").F("displacement", 2))->PerturbShading(s);
-        ExpectNear(s.shading.n, {0, 0, 1});
+        shop.Make(type, Params("m").Number("displacement", 2))->PerturbShading(s);
+        ExpectAbout(s.shading.n, {0, 0, 1});
     }
     EXPECT_EQ(shop.Errors(), 0u);
 
     class Plain final : public SurfaceMaterial {
         Bsdf GetBsdf(const SurfacePoint &, SampledWavelengths &) const override { return {}; }
     } both;
-    Image image(PixelFormat::Float, {1, 1}, {"R", "G", "B"});
-    for (int c = 0; c < 3; ++c) image.Set({0, 0}, c, (Vector3(0, .6f, .8f)[c] + 1) / 2);
-    both.SetNormalMap(std::make_shared<const Image>(std::move(image)));
+    both.SetNormalMap(NormalMapOf({{0, .6f, .8f}}));
     both.SetBumpMap(Bumps([](const TextureContext &c) { return c.p.x; }).height);
     SurfacePoint s = FlatPoint();
     both.PerturbShading(s);
-    ExpectNear(s.shading.n, {0, .6f, .8f});
+    ExpectAbout(s.shading.n, {0, .6f, .8f});
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

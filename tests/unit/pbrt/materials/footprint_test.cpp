@@ -1,41 +1,29 @@
-#include <unistd.h>
-
-#include <filesystem>
-
 #include "material_test_support.h"
-#include "pbrt/images/image.h"
+#include "support/temporary_image.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
 
-using test::Params;
-
-struct FootprintShop : test::Workshop {
-    FootprintShop() {
-        image = std::filesystem::temp_directory_path() / ("pbrt_footprint_test_" + std::to_string(getpid()) + ".exr");
-        Image noise(PixelFormat::Float, {64, 64}, {"R", "G", "B"});
-        for (int y = 0; y < 64; ++y)
-            for (int x = 0; x < 64; ++x)
-                for (int c = 0; c < 3; ++c)
-                    noise.Set({x, y}, c, static_cast<Float>((x * 7 + y * 13 + c * 5) % 17) / 17);
-        WriteImage(image, noise);
-    }
-    ~FootprintShop() { std::filesystem::remove(image); }
-
+struct FootprintShop : Workshop {
     void Define(const std::string &name, const std::string &textureClass, const Params &params,
                 bool isSpectrum = true) {
         textures.Define(name, isSpectrum, textureClass, params, Transform());
     }
-    Params Map(const std::string &filter) { return Params("texture").S("filename", {image}).S("filter", {filter}); }
-    MaterialPtr Diffuse(const std::string &texture) {
-        return Make("diffuse", Params("material").Tex("reflectance", texture));
+    Params Map(const std::string &filter) {
+        return Params().String("filename", noise_.Path()).String("filter", filter);
     }
-    std::string image;
+    MaterialPtr Diffuse(const std::string &texture) {
+        return Make("diffuse", Params().Texture("reflectance", texture));
+    }
+    const TemporaryImage noise_{"footprint.exr", RgbImage({64, 64}, [](int x, int y) {
+                                    auto value = [&](int c) { return Float((x * 7 + y * 13 + c) % 17) / 17; };
+                                    return Rgb(value(0), value(5), value(10));
+                                })};
 };
 
 /// What a material scatters at a point with or without a footprint.
 SampledSpectrum Scattered(const Material &material, bool footprint) {
-    SurfacePoint s = test::TestPoint();
+    SurfacePoint s = TestPoint();
     if (footprint) {
         s.dpdx = Vector3(0.7f, 0, 0.2f);
         s.dpdy = Vector3(0, 0.4f, 0.1f);
@@ -61,46 +49,48 @@ void ExpectFlagIsRight(const MaterialPtr &material, bool needs, const std::strin
 TEST(Footprint, IsNeededExactlyWhereItChangesWhatIsScattered) {
     FootprintShop shop;
     ExpectFlagIsRight(shop.Make("diffuse"), false, "constant");
-    shop.Define("plain", "scale", Params("texture").Rgb("tex", 0.3f, 0.4f, 0.5f).F("scale", 0.5f));
+    shop.Define("plain", "scale", Params().Rgb("tex", 0.3f, 0.4f, 0.5f).Number("scale", 0.5f));
     ExpectFlagIsRight(shop.Diffuse("plain"), false, "scaled constant");
-    shop.Define("corners", "bilerp", Params("texture").Rgb("v00", 0.3f, 0.4f, 0.5f));
+    shop.Define("corners", "bilerp", Params().Rgb("v00", 0.3f, 0.4f, 0.5f));
     ExpectFlagIsRight(shop.Diffuse("corners"), false, "bilerp");
-    shop.Define("dots", "dots", Params("texture").Rgb("inside", 0.3f, 0.4f, 0.5f).Rgb("outside", 0.5f, 0.3f, 0.1f));
+    shop.Define("dots", "dots", Params().Rgb("inside", 0.3f, 0.4f, 0.5f).Rgb("outside", 0.5f, 0.3f, 0.1f));
     ExpectFlagIsRight(shop.Diffuse("dots"), false, "dots");
     // The filters point and bilinear choose a mipmap level by the footprint, too, as in stock pbrt-v4.
     for (const char *filter : {"point", "bilinear", "trilinear", "EWA"}) {
         shop.Define(filter, "imagemap", shop.Map(filter));
         ExpectFlagIsRight(shop.Diffuse(filter), true, filter);
         const std::string scaled = std::string("scaled ") + filter;
-        shop.Define(scaled, "scale", Params("texture").Tex("tex", filter).F("scale", 0.5f));
+        shop.Define(scaled, "scale", Params().Texture("tex", filter).Number("scale", 0.5f));
         ExpectFlagIsRight(shop.Diffuse(scaled), true, scaled);
         const std::string mixed = std::string("mixed ") + filter;
-        shop.Define(mixed, "mix", Params("texture").Tex("tex1", "plain").Tex("tex2", filter).F("amount", 0.5f));
+        shop.Define(mixed, "mix", Params().Texture("tex1", "plain").Texture("tex2", filter).Number("amount", 0.5f));
         ExpectFlagIsRight(shop.Diffuse(mixed), true, mixed);
     }
-    shop.Define("checks", "checkerboard", Params("texture"));
+    shop.Define("checks", "checkerboard", Params());
     ExpectFlagIsRight(shop.Diffuse("checks"), true, "checkerboard");
-    shop.Define("marble", "marble", Params("texture").F("scale", 3));
+    shop.Define("marble", "marble", Params().Number("scale", 3));
     ExpectFlagIsRight(shop.Diffuse("marble"), true, "marble");
     for (const char *octaves : {"fbm", "wrinkled", "windy"}) {
-        shop.Define(octaves, octaves, Params("texture"), false);
+        shop.Define(octaves, octaves, Params(), false);
         const std::string scaled = std::string("scaled by ") + octaves;
-        shop.Define(scaled, "scale", Params("texture").Rgb("tex", 0.3f, 0.4f, 0.5f).Tex("scale", octaves));
+        shop.Define(scaled, "scale", Params().Rgb("tex", 0.3f, 0.4f, 0.5f).Texture("scale", octaves));
         ExpectFlagIsRight(shop.Diffuse(scaled), true, scaled);
     }
 }
 
 TEST(Footprint, IsNeededByBumpsAndByWhatAMixtureOrAStandInIsMadeOf) {
     FootprintShop shop;
-    shop.Define("sharp", "dots", Params("texture"));
+    shop.Define("sharp", "dots", Params());
     shop.Define("soft", "imagemap", shop.Map("trilinear"));
     // A height that uses no footprint itself, but whose measured slope depends on the size of the footprint.
-    shop.Define("slope", "bilerp", Params("texture").F("v11", 4), false);
-    shop.Define("bent", "scale", Params("texture").Tex("tex", "slope").Tex("scale", "slope"), false);
-    ExpectFlagIsRight(shop.Make("diffuse", Params("material").Tex("displacement", "bent")), true, "bump map");
+    shop.Define("slope", "bilerp", Params().Number("v11", 4), false);
+    shop.Define("bent", "scale", Params().Texture("tex", "slope").Texture("scale", "slope"), false);
+    ExpectFlagIsRight(shop.Make("diffuse", Params().Texture("displacement", "bent")), true, "bump map");
 
     shop.named = {{"sharp", shop.Diffuse("sharp")}, {"soft", shop.Diffuse("soft")}};
-    auto mix = [&](const char *other) { return shop.Make("mix", Params("mix").S("materials", {"sharp", other})); };
+    auto mix = [&](const char *other) {
+        return shop.Make("mix", Params("mix").Strings("materials", {"sharp", other}));
+    };
     EXPECT_FALSE(mix("sharp")->NeedsFootprint());
     EXPECT_TRUE(mix("soft")->NeedsFootprint());
     EXPECT_FALSE(ForceDiffuse(shop.named["sharp"])->NeedsFootprint());
@@ -108,4 +98,4 @@ TEST(Footprint, IsNeededByBumpsAndByWhatAMixtureOrAStandInIsMadeOf) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

@@ -1,15 +1,12 @@
 #include "material_test_support.h"
 #include "pbrt/bxdfs/bsdf.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
-
-using test::Params;
-using test::Workshop;
 
 Bsdf BsdfOf(const Material &m) {
     SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
-    return m.GetBsdf(test::TestPoint(), lambda);
+    return m.GetBsdf(TestPoint(), lambda);
 }
 
 TEST(ForcedDiffuse, IsLambertWithTheAlbedoOfTheOriginal) {
@@ -18,8 +15,8 @@ TEST(ForcedDiffuse, IsLambertWithTheAlbedoOfTheOriginal) {
         const MaterialPtr original = shop.Make(type);
         const Bsdf forced = BsdfOf(*ForceDiffuse(original));
         EXPECT_EQ(forced.Flags(), BxdfFlags::Diffuse | BxdfFlags::Reflection) << type;
-        const SampledSpectrum albedo = EstimateAlbedo(BsdfOf(*original), test::TestPoint().wo);
-        const SampledSpectrum f = forced.F(test::TestPoint().wo, Vector3(test::TestPoint().n));
+        const SampledSpectrum albedo = EstimateAlbedo(BsdfOf(*original), TestPoint().wo);
+        const SampledSpectrum f = forced.F(TestPoint().wo, Vector3(TestPoint().n));
         for (int i = 0; i < SpectrumSamples; ++i) {
             EXPECT_GT(albedo[i], 0) << type;
             EXPECT_NEAR(f[i], std::min(albedo[i], Float(1)) * InvPi, 1e-5) << type;
@@ -27,22 +24,18 @@ TEST(ForcedDiffuse, IsLambertWithTheAlbedoOfTheOriginal) {
     }
 }
 
-TEST(ForcedDiffuse, DiffuseStaysAsItIs) {
+TEST(ForcedDiffuse, DiffuseInterfacesAndMixturesStay) {
     Workshop shop;
-    const MaterialPtr original = shop.Make("diffuse");
-    test::ExpectSameScattering(BsdfOf(*original), BsdfOf(*ForceDiffuse(original)));
-}
-
-TEST(ForcedDiffuse, InterfacesAndMixturesStay) {
-    Workshop shop;
+    const MaterialPtr diffuse = shop.Make("diffuse");
+    ExpectSameScattering(BsdfOf(*diffuse), BsdfOf(*ForceDiffuse(diffuse)));
     const MaterialPtr air = shop.Make("interface");
     EXPECT_EQ(ForceDiffuse(air), air);
     shop.named["a"] = ForceDiffuse(shop.Make("conductor"));
     shop.named["b"] = ForceDiffuse(shop.Make("dielectric"));
-    const MaterialPtr mix = ForceDiffuse(shop.Make("mix", Params("mix").S("materials", {"a", "b"})));
-    const Material *chosen = mix->Resolve(test::TestPoint());
+    const MaterialPtr mix = ForceDiffuse(shop.Make("mix", Params("mix").Strings("materials", {"a", "b"})));
+    const Material *chosen = mix->Resolve(TestPoint());
     EXPECT_TRUE(chosen == shop.named["a"].get() || chosen == shop.named["b"].get());
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

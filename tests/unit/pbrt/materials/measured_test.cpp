@@ -12,7 +12,7 @@
 #include "support/folder_test.h"
 #include "support/statistics.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
 
 /// Writes a tensor file in the format of the measured BRDF database, byte by byte.
@@ -26,11 +26,11 @@ class TensorWriter {
         for (const Field &f : fields_) head += 2 + f.name.size() + 2 + 1 + 8 + 8 * f.shape.size();
         std::string out("tensor_file\0", 12), body;
         out += std::string("\1\0", 2);
-        Put<uint32_t>(out, static_cast<uint32_t>(fields_.size()));
+        Put<uint32_t>(out, uint32_t(fields_.size()));
         for (const Field &f : fields_) {
-            Put<uint16_t>(out, static_cast<uint16_t>(f.name.size()));
+            Put<uint16_t>(out, uint16_t(f.name.size()));
             out += f.name;
-            Put<uint16_t>(out, static_cast<uint16_t>(f.shape.size()));
+            Put<uint16_t>(out, uint16_t(f.shape.size()));
             Put<uint8_t>(out, 10);
             Put<uint64_t>(out, head + body.size());
             for (uint64_t n : f.shape) Put<uint64_t>(out, n);
@@ -82,10 +82,9 @@ std::string AnalyticFile(bool isotropic) {
     const int phis = isotropic ? 1 : 5;
     TensorWriter file;
     std::vector<float> theta, phi;
-    for (int i = 0; i < kThetas; ++i) theta.push_back(1.5f * static_cast<float>(i) / (kThetas - 1));
-    for (int i = 0; i < phis; ++i)
-        phi.push_back(isotropic ? 0 : Pi * (2 * static_cast<float>(i) / static_cast<float>(phis - 1) - 1));
-    auto knot = [](int i, int n) { return static_cast<Float>(i) / static_cast<Float>(n - 1); };
+    for (int i = 0; i < kThetas; ++i) theta.push_back(1.5f * float(i) / (kThetas - 1));
+    for (int i = 0; i < phis; ++i) phi.push_back(isotropic ? 0 : Pi * (2 * float(i) / float(phis - 1) - 1));
+    auto knot = [](int i, int n) { return Float(i) / Float(n - 1); };
     std::vector<float> ndf, sigma, normals, luminance, spectra;
     for (int y = 0; y < 2; ++y)
         for (int x = 0; x < kHalf; ++x) {
@@ -130,24 +129,16 @@ std::string AnalyticFile(bool isotropic) {
     return file.Bytes();
 }
 
-class Measured : public test::FolderTest {
+class Measured : public FolderTest {
   protected:
     void Write(const std::string &bytes) { FolderTest::Write("measured", bytes); }
     const std::string path_ = Path("measured");
 };
 
-const std::vector<Vector3> &Views() {
-    static const std::vector<Vector3> views = {test::DirectionAt(2, 30), test::DirectionAt(35, 200),
-                                               test::DirectionAt(60, 80), test::DirectionAt(140, 10)};
-    return views;
-}
-
-/// Directions of view at slices of the anisotropic table; between slices the lobe would be a mixture of two.
-const std::vector<Vector3> &ViewsOfTheTable() {
-    static const std::vector<Vector3> views = {test::DirectionAt(2, 0), test::DirectionAt(35, 90),
-                                               test::DirectionAt(60, 180), test::DirectionAt(140, 270)};
-    return views;
-}
+const Vector3 kViews[] = {DirectionAt(2, 30), DirectionAt(35, 200), DirectionAt(60, 80), DirectionAt(140, 10)};
+/// At slices of the anisotropic table; between slices the lobe would be a mixture of two.
+const Vector3 kViewsOfTheTable[] = {DirectionAt(2, 0), DirectionAt(35, 90), DirectionAt(60, 180),
+                                    DirectionAt(140, 270)};
 
 TEST_F(Measured, TableOfAnAnalyticSurfaceGivesItBack) {
     const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.4f);
@@ -157,18 +148,18 @@ TEST_F(Measured, TableOfAnAnalyticSurfaceGivesItBack) {
         MeasuredBxdf lobe(*brdf, lambda);
         Rng rng(1);
         int compared = 0;
-        for (const Vector3 &wo : isotropic ? Views() : ViewsOfTheTable())
+        for (const Vector3 &wo : isotropic ? kViews : kViewsOfTheTable)
             for (int i = 0; i < 500; ++i) {
                 Vector3 wi = SampleCosineHemisphere(rng.Uniform2());
                 if (wi.z < 0.2f) continue;
                 if (wo.z < 0) wi = -wi;
-                SampledSpectrum f = lobe.F(wo, wi, TransportMode::Radiance);
+                SampledSpectrum f = lobe.F(wo, wi, kRadiance);
                 for (int k = 0; k < SpectrumSamples; ++k) {
                     Float expected = wo.z > 0 ? Analytic(wo, wi, lambda[k]) : Analytic(-wo, -wi, lambda[k]);
                     EXPECT_NEAR(f[k], expected, 0.06f * expected + 2e-3f) << isotropic << " " << wo.z << " " << wi.z;
                 }
                 ++compared;
-                EXPECT_FALSE(lobe.F(wo, -wi, TransportMode::Radiance));
+                EXPECT_FALSE(lobe.F(wo, -wi, kRadiance));
             }
         EXPECT_GT(compared, 1000);
     }
@@ -180,25 +171,19 @@ TEST_F(Measured, SamplesFollowTheirDensity) {
         Write(AnalyticFile(isotropic));
         auto brdf = ReadMeasuredBrdf(path_);
         MeasuredBxdf lobe(*brdf, lambda);
-        for (const Vector3 &wo : Views()) {
+        for (const Vector3 &wo : kViews) {
             double mass;
-            double p = test::DirectionTest(
-                [&](Rng &rng) -> std::optional<Vector3> {
-                    Float uc = rng.Uniform();
-                    auto s = lobe.Sample(wo, uc, rng.Uniform2(), TransportMode::Radiance);
-                    if (!s) return {};
-                    return s->wi;
-                },
-                [&](const Vector3 &wi) { return lobe.Pdf(wo, wi, TransportMode::Radiance); }, 10000, 10, &mass);
-            EXPECT_GT(p, test::SidakAlpha(1e-4, 8)) << isotropic << " " << wo.z;
+            double p = DirectionTest([&](Rng &rng) { return DirectionOf(SampleLobe(lobe, wo, rng, kRadiance)); },
+                                     [&](const Vector3 &wi) { return lobe.Pdf(wo, wi, kRadiance); }, 10000, 10, &mass);
+            EXPECT_GT(p, SidakAlpha(1e-4, 8)) << isotropic << " " << wo.z;
             EXPECT_LT(mass, 1.01);
             EXPECT_GT(mass, 0.7);
             Rng rng(2);
             for (int i = 0; i < 300; ++i) {
-                auto s = lobe.Sample(wo, 0, rng.Uniform2(), TransportMode::Radiance);
+                auto s = lobe.Sample(wo, 0, rng.Uniform2(), kRadiance);
                 if (!s || std::abs(s->wi.z) < 0.05f) continue;
-                EXPECT_NEAR(lobe.Pdf(wo, s->wi, TransportMode::Radiance), s->pdf, 0.02f * s->pdf + 1e-3f);
-                EXPECT_NEAR(lobe.F(wo, s->wi, TransportMode::Radiance)[1], s->f[1], 0.02f * s->f[1] + 1e-3f);
+                EXPECT_NEAR(lobe.Pdf(wo, s->wi, kRadiance), s->pdf, 0.02f * s->pdf + 1e-3f);
+                EXPECT_NEAR(lobe.F(wo, s->wi, kRadiance)[1], s->f[1], 0.02f * s->f[1] + 1e-3f);
             }
         }
     }
@@ -206,9 +191,9 @@ TEST_F(Measured, SamplesFollowTheirDensity) {
 
 TEST_F(Measured, MaterialReadsItsFileAndErrorsNameIt) {
     Write(AnalyticFile(true));
-    test::Workshop shop;
-    MaterialPtr m = shop.Make("measured", test::Params("m").S("filename", {path_}));
-    SurfacePoint s = test::TestPoint();
+    Workshop shop;
+    MaterialPtr m = shop.Make("measured", Params("m").String("filename", path_));
+    SurfacePoint s = TestPoint();
     SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.4f);
     Vector3 wi = Normalize(s.n + s.wo);
     Frame frame = Frame::FromXZ(s.shading.dpdu, s.shading.n);
@@ -216,10 +201,10 @@ TEST_F(Measured, MaterialReadsItsFileAndErrorsNameIt) {
                 0.03f);
     EXPECT_TRUE(shop.sink.All().empty());
 
-    test::ExpectErrorAt([&] { shop.Make("measured", test::Params("m", 3)); }, 3, {"\"string filename\" is missing"});
+    ExpectErrorAt([&] { shop.Make("measured", Params("m", 3)); }, 3, {"\"string filename\" is missing"});
     const auto expect = [&](const std::string &bytes, const std::string &words) {
         Write(bytes);
-        test::ExpectErrorAt([&] { shop.Make("measured", test::Params("m", 3).S("filename", {path_})); }, 4, {words});
+        ExpectErrorAt([&] { shop.Make("measured", Params("m", 3).String("filename", path_)); }, 4, {words});
     };
     expect("tensor_file", "header is missing");
     const std::string bytes = AnalyticFile(true);
@@ -243,4 +228,4 @@ TEST_F(Measured, MaterialReadsItsFileAndErrorsNameIt) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

@@ -3,59 +3,38 @@
 #include "pbrt/math/frame.h"
 #include "support/folder_test.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
 
-/// An image of one column of pixels, top first; each pixel encodes a normal.
-std::shared_ptr<const Image> Picture(const std::vector<Vector3> &normals) {
-    Image image(PixelFormat::Float, {1, static_cast<int>(normals.size())}, {"R", "G", "B"});
-    for (size_t y = 0; y < normals.size(); ++y)
-        for (int c = 0; c < 3; ++c) image.Set({0, static_cast<int>(y)}, c, (normals[y][c] + 1) / 2);
-    return std::make_shared<const Image>(std::move(image));
-}
-
-SurfacePoint PointAtOrigin() {
-    SurfacePoint s;
-    s.n = s.shading.n = {0, 0, 1};
-    s.dpdu = s.shading.dpdu = {2, 0, 0};
-    s.dpdv = s.shading.dpdv = {0, 3, 0};
+SurfacePoint Mapped(const Vector3 &normal, SurfacePoint s = FlatPoint()) {
+    ApplyNormalMap(*NormalMapOf({normal}), s);
     return s;
 }
 
-void ExpectSameVector(const Vector3 &a, const Vector3 &b) {
-    EXPECT_LT(Distance(a, b), 1e-5f) << a.x << " " << a.y << " " << a.z;
+TEST(NormalMap, FrameTurnsToTheMappedNormalWhichNeedNotBeUnit) {
+    SurfacePoint s = Mapped({.6f, 0, .8f});
+    ExpectNear(s.shading.n, {.6f, 0, .8f});
+    ExpectNear(s.shading.dpdu, Vector3(.8f, 0, -.6f) * 2.f);
+    ExpectNear(s.shading.dpdv, {0, 3, 0});
+    ExpectNear(s.n, {0, 0, 1});
+    ExpectNear(s.dpdu, {2, 0, 0});
+    ExpectNear(Mapped({.3f, 0, .4f}).shading.n, {.6f, 0, .8f});
 }
 
-TEST(NormalMap, FrameTurnsToTheMappedNormal) {
-    SurfacePoint s = PointAtOrigin();
-    ApplyNormalMap(*Picture({{.6f, 0, .8f}}), s);
-    ExpectSameVector(s.shading.n, {.6f, 0, .8f});
-    ExpectSameVector(s.shading.dpdu, Vector3(.8f, 0, -.6f) * 2.f);
-    ExpectSameVector(s.shading.dpdv, {0, 3, 0});
-    ExpectSameVector(s.n, {0, 0, 1});
-    ExpectSameVector(s.dpdu, {2, 0, 0});
-}
-
-TEST(NormalMap, PixelsNeedNotBeUnit) {
-    SurfacePoint s = PointAtOrigin();
-    ApplyNormalMap(*Picture({{.3f, 0, .4f}}), s);
-    ExpectSameVector(s.shading.n, {.6f, 0, .8f});
-}
-
-TEST(NormalMap, StraightUpChangesNothing) {
-    SurfacePoint s = test::TestPoint(), t = s;
-    ApplyNormalMap(*Picture({{0, 0, 1}}), t);
-    ExpectSameVector(s.shading.n, t.shading.n);
-    ExpectSameVector(s.shading.dpdu, t.shading.dpdu);
-    ExpectSameVector(s.shading.dpdv, t.shading.dpdv);
+TEST(NormalMap, StraightUpAndNoDirectionChangeNothing) {
+    SurfacePoint s = TestPoint(), t = Mapped({0, 0, 1}, s);
+    ExpectNear(s.shading.n, t.shading.n);
+    ExpectNear(s.shading.dpdu, t.shading.dpdu);
+    ExpectNear(s.shading.dpdv, t.shading.dpdv);
+    ExpectNear(Mapped({0, 0, 0}).shading.n, {0, 0, 1});
 }
 
 TEST(NormalMap, FrameStaysOrthogonalWithItsLengths) {
-    SurfacePoint s = test::TestPoint();
+    SurfacePoint s = TestPoint();
     Vector3 u = s.shading.dpdu, v = s.shading.dpdv, n = s.shading.n;
     Vector3 mapped = Normalize(Vector3(.3f, -.5f, .7f));
-    ApplyNormalMap(*Picture({mapped}), s);
-    ExpectSameVector(s.shading.n, Frame::FromXZ(Normalize(u), n).FromLocal(mapped));
+    s = Mapped(mapped, s);
+    ExpectNear(s.shading.n, Frame::FromXZ(Normalize(u), n).FromLocal(mapped));
     EXPECT_NEAR(Dot(s.shading.n, s.shading.dpdu), 0, 1e-5f);
     EXPECT_NEAR(Dot(s.shading.n, s.shading.dpdv), 0, 1e-5f);
     EXPECT_NEAR(Dot(s.shading.dpdu, s.shading.dpdv), 0, 1e-5f);
@@ -64,33 +43,26 @@ TEST(NormalMap, FrameStaysOrthogonalWithItsLengths) {
 }
 
 TEST(NormalMap, NormalStaysOnTheGeometricSide) {
-    SurfacePoint s = PointAtOrigin();
+    SurfacePoint s = FlatPoint();
     s.n = {0, 0, -1};
-    ApplyNormalMap(*Picture({{.6f, 0, .8f}}), s);
-    ExpectSameVector(s.shading.n, {-.6f, 0, -.8f});
+    ExpectNear(Mapped({.6f, 0, .8f}, s).shading.n, {-.6f, 0, -.8f});
 }
 
 TEST(NormalMap, ZeroVIsTheBottomRowAndItRepeats) {
-    const auto map = Picture({{.6f, 0, .8f}, {0, .6f, .8f}});
+    const auto map = NormalMapOf({{.6f, 0, .8f}, {0, .6f, .8f}});
     for (Float v : {.25f, 1.25f, -.75f}) {
-        SurfacePoint s = PointAtOrigin();
+        SurfacePoint s = FlatPoint();
         s.uv = {.5f, v};
         ApplyNormalMap(*map, s);
-        ExpectSameVector(s.shading.n, {0, .6f, .8f});
+        ExpectNear(s.shading.n, {0, .6f, .8f});
     }
-    SurfacePoint s = PointAtOrigin();
+    SurfacePoint s = FlatPoint();
     s.uv = {.5f, .75f};
     ApplyNormalMap(*map, s);
-    ExpectSameVector(s.shading.n, {.6f, 0, .8f});
+    ExpectNear(s.shading.n, {.6f, 0, .8f});
 }
 
-TEST(NormalMap, NoDirectionChangesNothing) {
-    SurfacePoint s = PointAtOrigin();
-    ApplyNormalMap(*Picture({{0, 0, 0}}), s);
-    ExpectSameVector(s.shading.n, {0, 0, 1});
-}
-
-class NormalMapFile : public test::FolderTest {};
+class NormalMapFile : public FolderTest {};
 
 /// The bytes of a PNG are plain numbers here, not sRGB.
 TEST_F(NormalMapFile, IsReadByTheMaterial) {
@@ -99,18 +71,18 @@ TEST_F(NormalMapFile, IsReadByTheMaterial) {
     for (int i = 0; i < 4; ++i)
         for (int c = 0; c < 3; ++c) image.Set({i & 1, i >> 1}, c, srgb.ToLinear((Vector3(.6f, 0, .8f)[c] + 1) / 2));
     WriteImage(Path("normals.png"), image);
-    test::Workshop shop;
+    Workshop shop;
     MaterialPtr plain = shop.Make("diffuse"),
-                mapped = shop.Make("coateddiffuse", test::Params("m").S("normalmap", {Path("normals.png")}));
-    SurfacePoint s = PointAtOrigin();
+                mapped = shop.Make("coateddiffuse", Params("m").String("normalmap", Path("normals.png")));
+    SurfacePoint s = FlatPoint();
     plain->PerturbShading(s);
-    ExpectSameVector(s.shading.n, {0, 0, 1});
+    ExpectNear(s.shading.n, {0, 0, 1});
     mapped->PerturbShading(s);
-    EXPECT_LT(Distance(s.shading.n, {.6f, 0, .8f}), 0.01f);
+    ExpectNear(s.shading.n, {.6f, 0, .8f}, 0.01f);
     SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
-    ExpectSameVector(mapped->GetBsdf(s, lambda).ShadingFrame().z, s.shading.n);
+    ExpectNear(mapped->GetBsdf(s, lambda).ShadingFrame().z, s.shading.n);
     EXPECT_EQ(shop.Errors(), 0u);
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

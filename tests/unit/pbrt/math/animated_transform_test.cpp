@@ -5,10 +5,8 @@
 #include "pbrt/math/rng.h"
 #include "support/sampling.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
-
-using test::RandomVector;
 
 /// Q diag(d) transpose(Q) with d > 0: a stretch along three orthogonal axes.
 glm::mat4 RandomStretch(Rng &rng) {
@@ -96,4 +94,4 @@ TEST(AnimatedTransform, KnowsWhetherAxesStay) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

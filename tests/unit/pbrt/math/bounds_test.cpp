@@ -6,10 +6,8 @@
 #include "pbrt/math/rng.h"
 #include "support/sampling.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
-
-using test::RandomVector;
 
 TEST(Bounds3, EmptyIsNeutralInUnion) {
     Bounds3 empty, box({1, 2, 3}, {4, 0, 5});
@@ -96,7 +94,7 @@ TEST(DirectionCone, UnionContainsBothAndIsNoWiderThanNeeded) {
         Float tu = SafeACos(u.cosTheta);
         for (const DirectionCone &c : {a, b})
             for (int k = 0; k < 16; ++k) {
-                Vector3 rim = DirectionAt(c.w, SafeACos(c.cosTheta), static_cast<Float>(k) * Pi / 8);
+                Vector3 rim = DirectionAt(c.w, SafeACos(c.cosTheta), Float(k) * Pi / 8);
                 EXPECT_LE(AngleBetween(Normalize(rim), u.w), tu + 2e-3f) << i;
             }
         Float needed = std::max({ta, tb, std::min(Pi, (ta + tb + AngleBetween(a.w, b.w)) / 2)});
@@ -117,4 +115,4 @@ TEST(DirectionCone, SpecialCases) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

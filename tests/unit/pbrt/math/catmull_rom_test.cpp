@@ -18,22 +18,21 @@ const std::vector<Float> kGrowing = {.1f, .2f, .9f, 1, 1.3f, 2, 6};
 Float Value(const std::vector<Float> &values, Float x) {
     std::optional<SplineWeights> w = CatmullRomWeights(kNodes, x);
     Float sum = 0;
-    for (size_t k = 0; k < 4; ++k) sum += w->w[k] * values[static_cast<size_t>(w->first) + k];
+    for (size_t k = 0; k < 4; ++k) sum += w->w[k] * values[size_t(w->first) + k];
     return sum;
 }
 
 double Integral(const std::vector<Float> &values, Float a, Float b) {
     constexpr int n = 4000;
     double sum = 0;
-    for (int i = 0; i < n; ++i) sum += double(Value(values, a + (b - a) * (static_cast<Float>(i) + .5f) / n));
+    for (int i = 0; i < n; ++i) sum += double(Value(values, a + (b - a) * (Float(i) + .5f) / n));
     return sum * double(b - a) / n;
 }
 
 TEST(CatmullRom, PassesThroughItsPoints) {
     for (size_t i = 0; i < kNodes.size(); ++i) EXPECT_NEAR(Value(kBumpy, kNodes[i]), kBumpy[i], 1e-6f);
     for (size_t i = 0; i + 1 < kNodes.size(); ++i) {
-        const SplinePiece piece =
-            CatmullRomPiece(kNodes, static_cast<int>(i), [&](int k) { return kBumpy[static_cast<size_t>(k)]; });
+        const SplinePiece piece = CatmullRomPiece(kNodes, int(i), [&](int k) { return kBumpy[size_t(k)]; });
         for (Float t : {0.f, .3f, .77f, 1.f})
             EXPECT_NEAR(piece.Value(t), Value(kBumpy, piece.x + t * piece.width), 1e-5f);
     }
@@ -85,13 +84,12 @@ TEST(CatmullRom, SamplesFollowTheSpline) {
     Rng rng(7);
     for (int i = 0; i < n; ++i) {
         const Float x = SampleCatmullRom(
-            std::span<const Float>(kNodes), [&](int k) { return kBumpy[static_cast<size_t>(k)]; },
-            [&](int k) { return cdf[static_cast<size_t>(k)]; }, rng.Uniform());
-        ++observed[std::min<size_t>(cells - 1, static_cast<size_t>(x * (cells / 5.f)))];
+            std::span<const Float>(kNodes), [&](int k) { return kBumpy[size_t(k)]; },
+            [&](int k) { return cdf[size_t(k)]; }, rng.Uniform());
+        ++observed[std::min<size_t>(cells - 1, size_t(x * (cells / 5.f)))];
     }
     for (int i = 0; i < cells; ++i)
-        expected[static_cast<size_t>(i)] =
-            n * Integral(kBumpy, static_cast<Float>(i) * 5 / cells, static_cast<Float>(i + 1) * 5 / cells) / whole;
+        expected[size_t(i)] = n * Integral(kBumpy, Float(i) * 5 / cells, Float(i + 1) * 5 / cells) / whole;
     EXPECT_GT(test::ChiSquareTest(observed, expected), 1e-4);
 }
 

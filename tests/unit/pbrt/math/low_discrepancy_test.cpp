@@ -81,7 +81,7 @@ TEST(PlaceInQuad, AllOrdersOccurEquallyOften) {
     constexpr int kCount = 24 * 400;
     std::map<std::vector<uint64_t>, int> orders;
     for (int i = 0; i < kCount; ++i) {
-        const Lanes64 hash = Lanes64{} + (uint64_t(0x100000000) * static_cast<uint64_t>(i)) / kCount;
+        const Lanes64 hash = Lanes64{} + (uint64_t(0x100000000) * uint64_t(i)) / kCount;
         std::vector<uint64_t> order;
         for (uint64_t element = 0; element < 4; ++element) order.push_back(PlaceInQuad(element, hash)[3]);
         ++orders[order];
@@ -113,7 +113,7 @@ TEST(RadicalInverse, MirrorsDigits) {
 TEST(RadicalInverse, InverseUndoes) {
     for (auto [base, digits, count] : {std::tuple{2u, 7, 128u}, {3u, 5, 243u}, {10u, 3, 1000u}})
         for (uint64_t a = 0; a < count; ++a) {
-            auto mirrored = static_cast<uint64_t>(std::lround(double(RadicalInverse(base, a)) * count));
+            auto mirrored = uint64_t(std::lround(double(RadicalInverse(base, a)) * count));
             EXPECT_EQ(InverseRadicalInverse(mirrored, base, digits), a);
         }
 }
@@ -121,9 +121,9 @@ TEST(RadicalInverse, InverseUndoes) {
 /// True if base^k consecutive values lie in different intervals of length base^-k.
 template <class F>
 bool IsStratified(uint32_t base, int k, uint64_t first, const F &value) {
-    auto n = static_cast<uint64_t>(std::lround(std::pow(double(base), k)));
+    auto n = uint64_t(std::lround(std::pow(double(base), k)));
     std::set<int64_t> cells;
-    for (uint64_t i = 0; i < n; ++i) cells.insert(static_cast<int64_t>(double(value(first + i)) * double(n) + 1e-4));
+    for (uint64_t i = 0; i < n; ++i) cells.insert(int64_t(double(value(first + i)) * double(n) + 1e-4));
     return cells.size() == n;
 }
 
@@ -139,7 +139,7 @@ const std::pair<const char *, Scrambling> kScramblings[] = {
 TEST(RadicalInverse, ScramblingsKeepTheStratification) {
     for (uint32_t base : {2u, 3u, 5u, 11u, 31u})
         for (int k : {1, 2}) {
-            auto n = static_cast<uint64_t>(std::lround(std::pow(double(base), k)));
+            auto n = uint64_t(std::lround(std::pow(double(base), k)));
             EXPECT_TRUE(IsStratified(base, k, 3 * n, [&](uint64_t a) { return RadicalInverse(base, a); }));
             for (uint64_t seed : {0ull, 77ull})
                 for (auto [name, scrambled] : kScramblings)
@@ -159,7 +159,7 @@ TEST(RadicalInverse, ScrambledPointsAreUniformOverSeeds) {
                 for (uint64_t s = 0; s < kSeeds; ++s) {
                     const Float u = scrambled(base, a, MixBits(s));
                     ASSERT_TRUE(u >= 0 && u < 1);
-                    ++observed[static_cast<size_t>(u * kCells)];
+                    ++observed[size_t(u * kCells)];
                 }
                 EXPECT_GT(test::ChiSquareTest(observed, expected), test::SidakAlpha(1e-3, 48))
                     << name << " " << base << " " << a;
@@ -172,7 +172,7 @@ TEST(RadicalInverse, OwenChoosesTheSecondDigitByTheFirst) {
     int permutedEqual = 0, owenEqual = 0;
     for (uint64_t seed = 0; seed < 200; ++seed) {
         auto second = [&](auto f, uint64_t first, uint64_t digit) {
-            return static_cast<int>(f(5, first + 5 * digit, seed) * 25) % 5;
+            return int(f(5, first + 5 * digit, seed) * 25) % 5;
         };
         permutedEqual += second(PermutedRadicalInverse, 0, 2) == second(PermutedRadicalInverse, 1, 2);
         owenEqual += second(OwenScrambledRadicalInverse, 0, 2) == second(OwenScrambledRadicalInverse, 1, 2);
@@ -183,18 +183,17 @@ TEST(RadicalInverse, OwenChoosesTheSecondDigitByTheFirst) {
 
 TEST(DigitPermutations, LanesEqualTheSlowTwin) {
     std::vector<uint32_t> multipliers(40);
-    for (size_t d = 0; d < multipliers.size(); ++d)
-        multipliers[d] = 1 + static_cast<uint32_t>(Hash(d) % (Primes[d] - 1));
+    for (size_t d = 0; d < multipliers.size(); ++d) multipliers[d] = 1 + uint32_t(Hash(d) % (Primes[d] - 1));
     const DigitPermutations tables(multipliers, 5);
     Rng rng(3);
     for (size_t first = 0; first < multipliers.size(); ++first)
         for (int i = 0; i < 200; ++i) {
-            const uint64_t a = i < 5 ? static_cast<uint64_t>(i) : uint64_t(rng.Next()) << 18 >> (i % 50);
+            const uint64_t a = i < 5 ? uint64_t(i) : uint64_t(rng.Next()) << 18 >> (i % 50);
             Float values[Lanes64Count];
-            tables.RadicalInverses(static_cast<int>(first), a, values);
+            tables.RadicalInverses(int(first), a, values);
             for (size_t lane = 0; lane < Lanes64Count && first + lane < multipliers.size(); ++lane) {
                 const size_t d = first + lane;
-                const uint64_t seed = DigitPermutations::SeedOf(5, static_cast<int>(d));
+                const uint64_t seed = DigitPermutations::SeedOf(5, int(d));
                 ASSERT_NEAR(values[lane], test::AffineRadicalInverse(Primes[d], a, multipliers[d], seed), 1.2e-7f)
                     << d << " " << a;
             }

@@ -47,9 +47,9 @@ TEST(Rng, UniformIsUniformAndBelowOne) {
         Float u = rng.Uniform();
         ASSERT_GE(u, 0);
         ASSERT_LT(u, 1);
-        ++observed[static_cast<size_t>(u * kCells)];
+        ++observed[size_t(u * kCells)];
         Point2 p = rng.Uniform2();
-        ++pairs[static_cast<size_t>(p.x * 16) * 8 + static_cast<size_t>(p.y * 8)];
+        ++pairs[size_t(p.x * 16) * 8 + size_t(p.y * 8)];
         ++integers[rng.UniformInt(7)];
     }
     std::vector<double> expected(kCells, double(kDraws) / kCells), seventh(7, double(kDraws) / 7);
@@ -66,11 +66,11 @@ TEST(Hash, DependsOnEveryArgumentAndTheirOrder) {
         for (int b = 0; b < 30; ++b) {
             seen.insert(Hash(a, b));
             seen.insert(Hash(a, b, 0));
-            seen.insert(Hash(Point3(static_cast<Float>(a), 0, static_cast<Float>(b))));
+            seen.insert(Hash(Point3(Float(a), 0, Float(b))));
             n += 3;
         }
     seen.insert(Hash(0));
-    EXPECT_EQ(seen.size(), static_cast<size_t>(n + 1));
+    EXPECT_EQ(seen.size(), size_t(n + 1));
 }
 
 TEST(Hash, EveryInputBitFlipsHalfOfTheOutput) {
@@ -87,7 +87,7 @@ TEST(Hash, FloatsOfConsecutiveIntegersAreUniform) {
     for (int i = 0; i < 100000; ++i) {
         Float u = HashFloat(i, 3);
         ASSERT_LT(u, 1);
-        ++observed[static_cast<size_t>(u * kCells)];
+        ++observed[size_t(u * kCells)];
     }
     EXPECT_GT(test::ChiSquareTest(observed, expected), 1e-4);
     EXPECT_LT(HashToFloat(~0ull), 1);

@@ -17,8 +17,7 @@ TEST(Sobol, AllDimensionsAgreeWithBoost) {
     const uint32_t *m = SobolMatrices();
     for (uint64_t i = 1; i < 300; ++i)
         for (int d = 0; d < SobolDimensions; ++d)
-            ASSERT_EQ(SobolBits(m + d * SobolIndexBits, i ^ (i >> 1)), static_cast<uint32_t>(engine() >> 32))
-                << i << " " << d;
+            ASSERT_EQ(SobolBits(m + d * SobolIndexBits, i ^ (i >> 1)), uint32_t(engine() >> 32)) << i << " " << d;
 }
 
 TEST(Sobol, HighIndicesAgreeWithBoost) {
@@ -29,26 +28,19 @@ TEST(Sobol, HighIndicesAgreeWithBoost) {
         engine.seed();
         engine.discard((start - 1) * 64);
         for (int d = 0; d < 64; ++d)
-            ASSERT_EQ(SobolBits(m + d * SobolIndexBits, start ^ (start >> 1)), static_cast<uint32_t>(engine() >> 32))
+            ASSERT_EQ(SobolBits(m + d * SobolIndexBits, start ^ (start >> 1)), uint32_t(engine() >> 32))
                 << bit << " " << d;
     }
 }
 
-TEST(Sobol, TablesOfFourBitsEqualTheMatrices) {
+TEST(Sobol, TablesAndShortcutsEqualTheMatrices) {
+    const uint32_t *m = SobolMatrices();
     Rng rng(2);
     for (int i = 0; i < 20000; ++i) {
         uint64_t index = (uint64_t(rng.Next()) << 32 | rng.Next()) >> (12 + rng.UniformInt(50));
-        auto d = static_cast<size_t>(rng.UniformInt(SobolDimensions));
-        ASSERT_EQ(SobolBitsByTable(SobolTables() + d, index), SobolBits(SobolMatrices() + d * SobolIndexBits, index))
+        auto d = size_t(rng.UniformInt(SobolDimensions));
+        ASSERT_EQ(SobolBitsByTable(SobolTables() + d, index), SobolBits(m + d * SobolIndexBits, index))
             << d << " " << index;
-    }
-}
-
-TEST(Sobol, ShortcutsForTheFirstTwoDimensionsEqualTheMatrices) {
-    const uint32_t *m = SobolMatrices();
-    Rng rng(1);
-    for (int i = 0; i < 2000; ++i) {
-        uint64_t index = (uint64_t(rng.Next()) << 32 | rng.Next()) >> (12 + rng.UniformInt(50));
         ASSERT_EQ(ReverseBits(SobolReversed0(index)), SobolBits(m, index)) << index;
         ASSERT_EQ(ReverseBits(SobolReversed1(index)), SobolBits(m + SobolIndexBits, index)) << index;
     }
@@ -70,7 +62,7 @@ TEST(Scramble, LanesAgreeWithSingleNumbers) {
         }
         const Lanes64 owen = OwenScramble(v, seed);
         for (int lane = 0; lane < Lanes64Count; ++lane)
-            ASSERT_EQ(owen[lane], OwenScramble(static_cast<uint32_t>(v[lane]), uint64_t(seed[lane])));
+            ASSERT_EQ(owen[lane], OwenScramble(uint32_t(v[lane]), uint64_t(seed[lane])));
         const Lanes32 fast = FastOwenScrambleReversed(bits, low, high), reversed = ReverseBits(bits);
         const FloatLanes floats = FractionsToFloat(bits);
         for (int lane = 0; lane < Lanes32Count; ++lane) {
@@ -96,7 +88,7 @@ TEST(Scramble, DigitsDependOnEarlierDigitsOnly) {
         for (int i = 0; i < 2000; ++i) {
             uint32_t v = rng.Next();
             uint64_t seed = uint64_t(rng.Next()) << 32 | rng.Next();
-            int keep = static_cast<int>(rng.UniformInt(32)) + 1;  // number of common leading digits
+            int keep = int(rng.UniformInt(32)) + 1;  // number of common leading digits
             uint32_t mask = keep == 32 ? 0 : ~0u >> keep, other = (v & ~mask) | (rng.Next() & mask);
             uint32_t a = scramble(v, seed), b = scramble(other, seed);
             ASSERT_EQ((a ^ b) & ~mask, 0u) << name;
@@ -144,7 +136,7 @@ TEST(Scramble, DeepDigitsFlipHalfTheTimeInDistantBranches) {
                 for (uint64_t s = 0; s < kSeeds; ++s) {
                     uint32_t fv = (scramble(v, MixBits(s)) ^ v) >> (31 - digit) & 1;
                     uint32_t fw = (scramble(w, MixBits(s)) ^ w) >> (31 - digit) & 1;
-                    flips += static_cast<int>(fv);
+                    flips += int(fv);
                     equal += fv == fw;
                 }
                 EXPECT_NEAR(flips / double(kSeeds), 0.5, 0.025) << name << " " << digit;

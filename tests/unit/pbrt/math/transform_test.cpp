@@ -5,10 +5,8 @@
 #include "pbrt/math/rng.h"
 #include "support/sampling.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
-
-using test::RandomVector;
 
 Transform RandomAffine(Rng &rng) {
     return Transform::Translate(10.f * RandomVector(rng)) * Transform::Rotate(360 * rng.Uniform(), RandomVector(rng)) *
@@ -144,4 +142,4 @@ TEST(Transform, PointErrorBoundsTheRounding) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

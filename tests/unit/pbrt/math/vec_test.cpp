@@ -4,17 +4,10 @@
 
 #include "pbrt/math/frame.h"
 #include "pbrt/math/ray.h"
-#include "pbrt/math/rng.h"
+#include "support/sampling.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
-
-Vector3 RandomDirection(Rng &rng) {
-    for (;;) {
-        Vector3 v(2 * rng.Uniform() - 1, 2 * rng.Uniform() - 1, 2 * rng.Uniform() - 1);
-        if (LengthSquared(v) > 0.01f && LengthSquared(v) < 1) return Normalize(v);
-    }
-}
 
 double AngleInDouble(const Vector3 &a, const Vector3 &b) {
     glm::dvec3 p(a), q(b);
@@ -139,8 +132,7 @@ TEST(Ray, NextFloatIsThatOfTheLibrary) {
     Rng rng(5);
     std::vector<Float> values = {
         0.0f, -0.0f, 1, -1, std::numeric_limits<Float>::max(), std::numeric_limits<Float>::denorm_min()};
-    for (int i = 0; i < 10000; ++i)
-        values.push_back(std::ldexp(rng.Uniform() - 0.5f, static_cast<int>(rng.Uniform() * 280) - 150));
+    for (int i = 0; i < 10000; ++i) values.push_back(std::ldexp(rng.Uniform() - 0.5f, int(rng.Uniform() * 280) - 150));
     for (const Float x : values) {
         EXPECT_EQ(NextFloat(x, true), std::nextafter(x, kInfinity)) << x;
         EXPECT_EQ(NextFloat(x, false), std::nextafter(x, -kInfinity)) << x;
@@ -148,11 +140,8 @@ TEST(Ray, NextFloatIsThatOfTheLibrary) {
 }
 
 TEST(Ray, DifferentialScaleShrinksTowardsTheRay) {
-    Ray ray;
-    ray.o = {1, 2, 3};
-    ray.d = {0, 0, 1};
     RayDifferential d{true, {2, 2, 3}, {1, 4, 3}, {0.1f, 0, 1}, {0, 0.2f, 1}};
-    d.Scale(ray, 0.5f);
+    d.Scale({.o = {1, 2, 3}, .d = {0, 0, 1}}, 0.5f);
     EXPECT_EQ(d.rxOrigin, Point3(1.5f, 2, 3));
     EXPECT_EQ(d.ryOrigin, Point3(1, 3, 3));
     EXPECT_EQ(d.rxDirection, Vector3(0.05f, 0, 1));
@@ -160,4 +149,4 @@ TEST(Ray, DifferentialScaleShrinksTowardsTheRay) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

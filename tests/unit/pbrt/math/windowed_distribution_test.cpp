@@ -24,11 +24,10 @@ struct Table {
         for (int j = 0; j < ny; ++j)
             for (int i = 0; i < nx; ++i) {
                 auto overlap = [](double lo, double hi, int k, int n) {
-                    return std::max(0.0, std::min(hi, (k + 1.0) / n) - std::max(lo, static_cast<double>(k) / n));
+                    return std::max(0.0, std::min(hi, (k + 1.0) / n) - std::max(lo, double(k) / n));
                 };
-                sum += static_cast<double>(f[static_cast<size_t>(j * nx + i)]) *
-                       overlap(static_cast<double>(w.low.x), static_cast<double>(w.high.x), i, nx) *
-                       overlap(static_cast<double>(w.low.y), static_cast<double>(w.high.y), j, ny);
+                sum += double(f[size_t(j * nx + i)]) * overlap(double(w.low.x), double(w.high.x), i, nx) *
+                       overlap(double(w.low.y), double(w.high.y), j, ny);
             }
         return sum;
     }
@@ -49,13 +48,13 @@ Bounds2 RandomWindow(Rng &rng, Float least) {
 TEST(WindowedDistribution, IntegralEqualsTheSumOverCells) {
     Rng rng(1);
     for (int k = 0; k < 300; ++k) {
-        Table t(1 + static_cast<int>(rng.UniformInt(20)), 1 + static_cast<int>(rng.UniformInt(20)), rng, k % 2 == 0);
+        Table t(1 + int(rng.UniformInt(20)), 1 + int(rng.UniformInt(20)), rng, k % 2 == 0);
         Bounds2 w = k % 7 == 0 ? Bounds2{{0, 0}, {1, 1}} : RandomWindow(rng, 0.001f);
         double slow = t.SlowIntegral(w);
         EXPECT_NEAR(t.distribution.Integral(w), slow, 1e-9 + 1e-9 * slow);
         const auto outwards = [](Float v, int n, bool up) {
-            const Float cells = v * static_cast<Float>(n);
-            return (up ? std::ceil(cells) : std::floor(cells)) / static_cast<Float>(n);
+            const Float cells = v * Float(n);
+            return (up ? std::ceil(cells) : std::floor(cells)) / Float(n);
         };
         const Bounds2 around{{outwards(w.low.x, t.nx, false), outwards(w.low.y, t.ny, false)},
                              {outwards(w.high.x, t.nx, true), outwards(w.high.y, t.ny, true)}};
@@ -68,7 +67,7 @@ TEST(WindowedDistribution, SamplesFollowTheDensity) {
     constexpr int kCases = 60, kSide = 6, kSamples = 6000;
     const double alpha = SidakAlpha(1e-3, kCases);
     for (int k = 0; k < kCases; ++k) {
-        Table t(1 + static_cast<int>(rng.UniformInt(16)), 1 + static_cast<int>(rng.UniformInt(16)), rng, k % 2 == 0);
+        Table t(1 + int(rng.UniformInt(16)), 1 + int(rng.UniformInt(16)), rng, k % 2 == 0);
         Bounds2 w = RandomWindow(rng, k % 3 == 0 ? 0.01f : 0.3f);
         double integral = t.SlowIntegral(w);
         if (!(integral > 0)) {
@@ -78,26 +77,23 @@ TEST(WindowedDistribution, SamplesFollowTheDensity) {
             continue;
         }
         std::vector<double> observed(kSide * kSide), expected(kSide * kSide);
-        Vector2 size = (w.high - w.low) / static_cast<Float>(kSide);
+        Vector2 size = (w.high - w.low) / Float(kSide);
         for (int j = 0; j < kSide; ++j)
             for (int i = 0; i < kSide; ++i) {
-                Point2 low = w.low + size * Vector2(static_cast<Float>(i), static_cast<Float>(j));
-                expected[static_cast<size_t>(j * kSide + i)] = t.SlowIntegral({low, low + size}) / integral * kSamples;
+                Point2 low = w.low + size * Vector2(Float(i), Float(j));
+                expected[size_t(j * kSide + i)] = t.SlowIntegral({low, low + size}) / integral * kSamples;
             }
         for (int s = 0; s < kSamples; ++s) {
             Float pdf = 0;
             auto p = t.distribution.Sample(rng.Uniform2(), w, &pdf);
             ASSERT_TRUE(p);
             ASSERT_TRUE(p->x >= w.low.x && p->x <= w.high.x && p->y >= w.low.y && p->y <= w.high.y);
-            auto cell = [](Float x, int n) {
-                return std::clamp(static_cast<int>(x * static_cast<Float>(n)), 0, n - 1);
-            };
-            double value = static_cast<double>(t.f[static_cast<size_t>(cell(p->y, t.ny) * t.nx + cell(p->x, t.nx))]);
-            ASSERT_NEAR(static_cast<double>(pdf), value / integral, 1e-5 * value / integral);
+            auto cell = [](Float x, int n) { return std::clamp(int(x * Float(n)), 0, n - 1); };
+            double value = double(t.f[size_t(cell(p->y, t.ny) * t.nx + cell(p->x, t.nx))]);
+            ASSERT_NEAR(double(pdf), value / integral, 1e-5 * value / integral);
             ASSERT_EQ(pdf, t.distribution.Pdf(*p, w));
             Point2 in = (*p - w.low) / size;
-            observed[static_cast<size_t>(std::clamp(static_cast<int>(in.y), 0, kSide - 1) * kSide +
-                                         std::clamp(static_cast<int>(in.x), 0, kSide - 1))] += 1;
+            observed[size_t(std::clamp(int(in.y), 0, kSide - 1) * kSide + std::clamp(int(in.x), 0, kSide - 1))] += 1;
         }
         // Rounding at the border may put a sample into a cell of zero weight.
         for (size_t i = 0; i < expected.size(); ++i)
@@ -113,7 +109,7 @@ TEST(WindowedDistribution, SamplesKeepTheOrderOfTheNumbers) {
     Bounds2 w = RandomWindow(rng, 0.4f);
     Float pdf = 0, last = -1;
     for (int i = 0; i < 100; ++i) {
-        Float x = t.distribution.Sample({static_cast<Float>(i) / 100, 0.3f}, w, &pdf)->x;
+        Float x = t.distribution.Sample({Float(i) / 100, 0.3f}, w, &pdf)->x;
         EXPECT_GE(x, last);
         last = x;
     }

@@ -86,8 +86,7 @@ TEST(Emission, NoneAt100KelvinAndBelow) {
 TEST(Emission, LeOfAUniformGridIsTheSameEverywhereUnlessLescaleSaysOtherwise) {
     Params plain = CountOf({2, 1, 1});
     plain.Floats(ParamType::Float, "density", {1, 2}).Rgb("Le", 1, 1, 1);
-    Params scaled = CountOf({2, 1, 1});
-    scaled.Floats(ParamType::Float, "density", {1, 2}).Rgb("Le", 1, 1, 1);
+    Params scaled = plain;
     scaled.Floats(ParamType::Float, "Lescale", {5, 0});
     const auto a = MakeMedium("uniformgrid", plain), b = MakeMedium("uniformgrid", scaled);
     const RgbIlluminantSpectrum le(ColorSpace::SRGB(), Rgb(1));

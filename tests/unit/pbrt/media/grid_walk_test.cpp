@@ -10,7 +10,7 @@ namespace {
 MajorantGrid NumberedGrid(const glm::ivec3 &n) {
     return MajorantGrid(n, [n](const glm::ivec3 &c) {
         const int i = (c.z * n.y + c.y) * n.x + c.x;
-        return i % 3 == 0 ? Float(0) : static_cast<Float>(i);
+        return i % 3 == 0 ? Float(0) : Float(i);
     });
 }
 
@@ -37,7 +37,7 @@ void CheckWalk(const MajorantGrid &grid, const AffineMap &map, const Ray &ray, F
                 glm::clamp(glm::ivec3(glm::floor(walk.At((begin + end) / 2))), glm::ivec3(0), n - 1);
             for (int a = 0; a < 3; ++a) {
                 EXPECT_GE(p[a], 0);
-                EXPECT_LE(p[a], static_cast<Float>(n[a]));
+                EXPECT_LE(p[a], Float(n[a]));
             }
             if (t != begin && t != end && grid(cell) != value) {  // on a border both cells are right
                 bool isOnBorder = false;
@@ -113,12 +113,8 @@ TEST(GridWalk, RaysParallelToAxesOnBordersAndThroughCorners) {
 TEST(GridWalk, DirectionsNearlyParallelToAxes) {
     const MajorantGrid grid = NumberedGrid({4, 4, 4});
     for (Float tiny : {1e-45f, 1e-39f, 1e-30f, 1e-12f, 1e-6f, -1e-45f, -1e-20f})
-        for (Float start : {0.f, 1.f, 1.7f, 4.f}) {
-            Ray ray;
-            ray.o = {start, -2, start};
-            ray.d = Vector3(tiny, 1, -tiny);
-            CheckWalk(grid, AffineMap(), ray, Infinity, 1e-4);
-        }
+        for (Float start : {0.f, 1.f, 1.7f, 4.f})
+            CheckWalk(grid, AffineMap(), {.o = {start, -2, start}, .d = {tiny, 1, -tiny}}, Infinity, 1e-4);
 }
 
 TEST(GridWalk, FarRaysKeepTheirCells) {

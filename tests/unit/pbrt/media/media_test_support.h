@@ -38,7 +38,7 @@ inline std::vector<Transform> Places() {
 }
 
 inline Params CountOf(const glm::ivec3 &n) { return Params().Integer("nx", n.x).Integer("ny", n.y).Integer("nz", n.z); }
-inline size_t SizeOf(const glm::ivec3 &n) { return static_cast<size_t>(n.x * n.y * n.z); }
+inline size_t SizeOf(const glm::ivec3 &n) { return size_t(n.x * n.y * n.z); }
 inline std::vector<Float> RandomValues(size_t count, Rng &rng, Float emptyShare) {
     std::vector<Float> v(count);
     for (Float &x : v) x = rng.Uniform() < emptyShare ? 0 : 2 * rng.Uniform();
@@ -87,12 +87,7 @@ inline std::vector<NamedMedium> AllMedia(const Transform &place) {
     return all;
 }
 
-inline Ray RayThrough(const Point3 &from, const Point3 &to) {
-    Ray ray;
-    ray.o = from;
-    ray.d = Normalize(to - from);
-    return ray;
-}
+inline Ray RayThrough(const Point3 &from, const Point3 &to) { return {.o = from, .d = Normalize(to - from)}; }
 /// A point of the box, or of one a little larger.
 inline Point3 PointNear(const Bounds3 &b, Rng &rng, Float larger = 0) {
     const Vector3 u(rng.Uniform(), rng.Uniform(), rng.Uniform());

@@ -39,8 +39,7 @@ TEST(MediumFactory, PresetsComeBeforeCoefficients) {
     EXPECT_FALSE(unknown.HasErrors());
     ASSERT_EQ(unknown.All().size(), 1u);
     EXPECT_EQ(unknown.All()[0].loc.line, 1);
-    ExpectWords(unknown.All()[0].message, {"there is no preset \"Skin3\""});
-    ExpectWords(unknown.All()[0].message, {"Skin1"});
+    ExpectWords(unknown.All()[0].message, {"there is no preset \"Skin3\"", "Skin1"});
     const SampledSpectrum two = RgbUnboundedSpectrum(ColorSpace::SRGB(), Rgb(2)).Sample(kLambda);
     EXPECT_NEAR(medium->At({0, 0, 0}, kLambda).absorption[0], two[0], 1e-3f);
     EXPECT_EQ(medium->At({0, 0, 0}, kLambda).scattering[0], 0);

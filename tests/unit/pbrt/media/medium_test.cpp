@@ -104,7 +104,7 @@ double Trilinear(const std::vector<Float> &values, const glm::ivec3 &n, const gl
     for (int i = 0; i < 8; ++i) {
         const glm::ivec3 at = glm::ivec3(low) + glm::ivec3(i & 1, (i >> 1) & 1, i >> 2);
         if (at.x < 0 || at.y < 0 || at.z < 0 || at.x >= n.x || at.y >= n.y || at.z >= n.z) continue;
-        sum += double(values[static_cast<size_t>((at.z * n.y + at.y) * n.x + at.x)]) * (i & 1 ? w.x : 1 - w.x) *
+        sum += double(values[size_t((at.z * n.y + at.y) * n.x + at.x)]) * (i & 1 ? w.x : 1 - w.x) *
                (i & 2 ? w.y : 1 - w.y) * (i & 4 ? w.z : 1 - w.z);
     }
     return sum;

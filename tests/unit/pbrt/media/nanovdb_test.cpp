@@ -28,8 +28,7 @@ nanovdb::GridHandle<> RandomGrid(const std::string &name, uint64_t seed, Float f
     auto accessor = builder.getAccessor();
     Rng rng(seed);
     for (int i = 0; i < 3000; ++i)
-        accessor.setValue({static_cast<int>(rng.UniformInt(25)) - 7, static_cast<int>(rng.UniformInt(12)) + 3,
-                           static_cast<int>(rng.UniformInt(18)) - 30},
+        accessor.setValue({int(rng.UniformInt(25)) - 7, int(rng.UniformInt(12)) + 3, int(rng.UniformInt(18)) - 30},
                           factor * (rng.Uniform() + 0.1f));
     return builder.getHandle<>(voxel, origin, name);
 }
@@ -55,11 +54,11 @@ TEST_F(NanoVdbMedium, ValuesAreThoseOfTheVoxels) {
     int inside = 0;
     Rng rng(2);
     for (int i = 0; i < 5000; ++i) {
-        const nanovdb::Coord at(box.min()[0] + static_cast<int>(rng.UniformInt(static_cast<uint32_t>(box.dim()[0]))),
-                                box.min()[1] + static_cast<int>(rng.UniformInt(static_cast<uint32_t>(box.dim()[1]))),
-                                box.min()[2] + static_cast<int>(rng.UniformInt(static_cast<uint32_t>(box.dim()[2]))));
+        const nanovdb::Coord at(box.min()[0] + int(rng.UniformInt(uint32_t(box.dim()[0]))),
+                                box.min()[1] + int(rng.UniformInt(uint32_t(box.dim()[1]))),
+                                box.min()[2] + int(rng.UniformInt(uint32_t(box.dim()[2]))));
         const nanovdb::Vec3d world = grid->indexToWorld(nanovdb::Vec3d(at[0], at[1], at[2]));
-        const Point3 p(static_cast<Float>(world[0]), static_cast<Float>(world[1]), static_cast<Float>(world[2]));
+        const Point3 p(Float(world[0]), Float(world[1]), Float(world[2]));
         const Float value = accessor.getValue(at);
         inside += value > 0;
         EXPECT_NEAR(medium->At(place.Point(p), kLambda).absorption[0], value, 1e-3f);
@@ -81,7 +80,7 @@ TEST_F(NanoVdbMedium, DensityAndTemperatureWithTransformationsOfTheirOwn) {
             nanovdb::Coord at;
             for (int a = 0; a < 3; ++a) {
                 const double low = std::floor(v[a]), w = v[a] - low;
-                at[a] = static_cast<int>(low) + ((i >> a) & 1);
+                at[a] = int(low) + ((i >> a) & 1);
                 weight *= (i >> a) & 1 ? w : 1 - w;
             }
             sum += weight * double(accessor.getValue(at));
@@ -108,7 +107,7 @@ TEST_F(NanoVdbMedium, DensityAndTemperatureWithTransformationsOfTheirOwn) {
             ASSERT_NEAR(double(c.absorption[0]), d, 1e-4);
             ASSERT_NEAR(double(c.scattering[3]), d, 1e-4);
             if (d <= 1e-3) continue;
-            const Float kelvin = (static_cast<Float>(interpolate(*heat, at)) - 50) * 3;
+            const Float kelvin = (Float(interpolate(*heat, at)) - 50) * 3;
             if (std::abs(kelvin - 100) < 1) continue;
             hot += kelvin > 100;
             const Float expected = kelvin > 100 ? 2 * BlackbodySpectrum(kelvin).Sample(kLambda)[1] : 0;
@@ -168,7 +167,7 @@ TEST_F(NanoVdbMedium, BrokenFilesAreErrors) {
     int errors = 0;
     for (int i = 0; i < 400; ++i) {
         std::string flipped = blob;
-        const size_t at = 8 + rng.UniformInt(static_cast<uint32_t>(i % 2 ? flipped.size() - 8 : 2000));
+        const size_t at = 8 + rng.UniformInt(uint32_t(i % 2 ? flipped.size() - 8 : 2000));
         flipped[at] = static_cast<char>(flipped[at] ^ (1 + rng.UniformInt(255)));
         DiagnosticSink sink;
         try {

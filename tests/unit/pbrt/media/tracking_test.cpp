@@ -13,7 +13,7 @@ std::array<double, SpectrumSamples> OpticalDepth(const Medium &medium, const Ray
     for (int i = 0; i < steps; ++i) {
         const MediumCoefficients c = medium.At(ray((Float(i) + 0.5f) / Float(steps) * length), kLambda);
         for (int k = 0; k < SpectrumSamples; ++k)
-            depth[static_cast<size_t>(k)] += double(c.absorption[k] + c.scattering[k]) * double(length) / steps;
+            depth[size_t(k)] += double(c.absorption[k] + c.scattering[k]) * double(length) / steps;
     }
     return depth;
 }
@@ -53,7 +53,7 @@ void CheckTransmittance(const std::string &name, const Medium &medium, const Ray
         for (int k = 0; k < SpectrumSamples; ++k) {
             ASSERT_GE(t[k], 0);
             ASSERT_LE(t[k], 1);
-            mean[static_cast<size_t>(k)].Add(double(t[k]));
+            mean[size_t(k)].Add(double(t[k]));
         }
     }
     for (size_t k = 0; k < SpectrumSamples; ++k) {
@@ -162,7 +162,7 @@ TEST(ForEachCollision, CollisionsFollowTheMajorantOfTheFirstWavelength) {
         expected[k] = n * double(segments[k].majorant[0]) * double(segments[k].end - segments[k].begin);
         chi2 += (found[k] - expected[k]) * (found[k] - expected[k]) / expected[k];
     }
-    EXPECT_GT(ChiSquareTail(chi2, static_cast<int>(segments.size())), 1e-4);
+    EXPECT_GT(ChiSquareTail(chi2, int(segments.size())), 1e-4);
 }
 
 TEST(ForEachCollision, TheNumberGivenDecidesTheFirstCollision) {

@@ -8,6 +8,7 @@
 
 #include <functional>
 #include <limits>
+#include <tuple>
 
 #include "pbrt/math/rng.h"
 #include "pbrt/spectra/rgb_primaries.h"
@@ -80,51 +81,47 @@ TEST(ColorSpace, ConvertMatrixRoundTrips) {
 TEST(SigmoidPolynomial, GreysAreFlatAndExact) {
     const ColorSpace &space = ColorSpace::SRGB();
     for (int i = 0; i <= 100; ++i) {
-        Float g = static_cast<Float>(i) / 100;
+        Float g = Float(i) / 100;
         SigmoidPolynomial p = space.ToPolynomial(Rgb(g));
         for (Float lambda : {Float(360), Float(555.5), Float(830)}) EXPECT_NEAR(p(lambda), g, 2e-6) << g;
         EXPECT_NEAR(p.MaxValue(), g, 2e-6);
     }
 }
 
-/// Largest and mean difference over random colours of [0, brightest]^3 whose distance from grey was multiplied by
-/// `saturation`.
-void RoundTripErrors(const ColorSpace &space, Float brightest, Float saturation, double *worst, double *mean) {
+struct Errors {
+    double worst = 0, mean = 0;
+};
+/// Of random colours of [0, brightest]^3 whose distance from grey was multiplied by `saturation`.
+Errors RoundTripErrors(const ColorSpace &space, Float brightest, Float saturation) {
     Rng rng(5);
     constexpr int kColors = 2000;
-    *worst = *mean = 0;
+    Errors errors;
     for (int i = 0; i < kColors; ++i) {
         Rgb rgb(rng.Uniform(), rng.Uniform(), rng.Uniform());
         rgb = brightest * Lerp(saturation, Rgb((rgb.x + rgb.y + rgb.z) / 3), rgb);
         Rgb back = ReflectedRgb(space, RgbAlbedoSpectrum(space, rgb));
         for (int c = 0; c < 3; ++c) {
             double error = std::abs(double(back[c]) - double(rgb[c]));
-            *worst = std::max(*worst, error);
-            *mean += error / (3 * kColors);
+            errors.worst = std::max(errors.worst, error);
+            errors.mean += error / (3 * kColors);
         }
     }
+    return errors;
 }
 
-TEST(SigmoidPolynomial, ModerateColorsRoundTripWithinAThousandth) {
-    // The colours keep away from white, where the coefficients grow without bound and interpolation between table nodes
-    // errs more.
-    for (const std::string &name : ColorSpace::Names()) {
-        double worst, mean;
-        RoundTripErrors(*ColorSpace::Find(name), Float(0.85), name == "aces2065-1" ? Float(0.25) : Float(0.4), &worst,
-                        &mean);
-        EXPECT_LT(worst, 1e-3) << name;
-    }
-}
-
-TEST(SigmoidPolynomial, SaturatedColorsRoundTrip) {
-    // Wider spaces hold colours that no reflectance has, so the colours keep further from their edge. The remaining
-    // error is that of interpolation and of the 5 nm quadrature of the fit, both chosen as in stock pbrt-v4.
-    for (const std::string &name : ColorSpace::Names()) {
-        Float saturation = name == "srgb" ? Float(0.9) : name == "aces2065-1" ? Float(0.4) : Float(0.65);
-        double worst, mean;
-        RoundTripErrors(*ColorSpace::Find(name), 1, saturation, &worst, &mean);
-        EXPECT_LT(worst, 5e-3) << name;
-        EXPECT_LT(mean, 4e-4) << name;
+// Wider spaces hold colours that no reflectance has, so the colours keep further from their edge. The remaining error
+// is that of interpolation and of the 5 nm quadrature of the fit, both chosen as in stock pbrt-v4.
+TEST(SigmoidPolynomial, ColorsRoundTrip) {
+    for (const auto &[name, moderate, saturated] : {std::tuple("srgb", 0.4f, 0.9f),
+                                                    {"dci-p3", 0.4f, 0.65f},
+                                                    {"rec2020", 0.4f, 0.65f},
+                                                    {"aces2065-1", 0.25f, 0.4f}}) {
+        const ColorSpace &space = *ColorSpace::Find(name);
+        // Away from white, where the coefficients grow without bound and interpolation errs more.
+        EXPECT_LT(RoundTripErrors(space, 0.85f, moderate).worst, 1e-3) << name;
+        const Errors errors = RoundTripErrors(space, 1, saturated);
+        EXPECT_LT(errors.worst, 5e-3) << name;
+        EXPECT_LT(errors.mean, 4e-4) << name;
     }
 }
 
@@ -146,7 +143,7 @@ TEST(SigmoidPolynomial, IsContinuousAcrossSlabsAndCells) {
     const ColorSpace &space = ColorSpace::SRGB();
     Float before = -1;
     for (int i = 0; i <= 20000; ++i) {
-        Float t = static_cast<Float>(i) / 20000;
+        Float t = Float(i) / 20000;
         Rgb rgb(Float(0.15) + Float(0.7) * t, Float(0.8) - Float(0.6) * t, Float(0.5) + Float(0.3) * std::sin(7 * t));
         Float value = space.ToPolynomial(rgb)(560);
         if (before >= 0) {

@@ -2,76 +2,54 @@
 
 #include "support/errors.h"
 #include "support/folder_test.h"
+#include "support/given_params.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
 
-class SpectrumParams : public test::FolderTest {
-  protected:
-    SpectrumParams() {
-        file_ = std::make_shared<SourceFile>(SourceFile{"test.pbrt", "Material\n"});
-        params_ = ParamSet("Material \"diffuse\"", Loc(1));
-    }
+using enum SpectrumUse;
 
-    FileLoc Loc(int line) const { return {file_, line, 4}; }
-    Param &Make(ParamType type, int line = 7) {
-        made_ = Param();
-        made_.type = type;
-        made_.name = "x";
-        made_.loc = Loc(line);
-        return made_;
-    }
-    void AddFloats(ParamType type, std::vector<Float> values, int line = 7) {
-        Make(type, line).floats = std::move(values);
-        params_.Add(made_);
-    }
-    void AddName(const std::string &name) {
-        Make(ParamType::Spectrum).strings = {name};
-        params_.Add(made_);
-    }
-    SpectrumPtr Get(SpectrumUse use = SpectrumUse::Albedo) { return Get(SpectrumParam{use}); }
-    SpectrumPtr Get(SpectrumParam param) {
-        ParamReader reader(params_);
+class SpectrumParams : public FolderTest {
+  protected:
+    SpectrumPtr Get(const ParamSet &params, SpectrumParam param = {Albedo}) {
+        ParamReader reader(params);
         ReadParam(reader, "x", param);
         return param.Make(FileResolver(folder_));
     }
-    /// The message of the error that Get throws; checks that it points at line 7.
-    std::string Failure(SpectrumUse use = SpectrumUse::Albedo) {
-        const Diagnostic error = test::ErrorOf([&] { Get(use); });
-        EXPECT_EQ(error.loc.line, 7);
-        EXPECT_NE(error.message, "") << "nothing was thrown";
-        return error.message;
+    /// The error of Get is at the parameter of number `line`.
+    void ExpectFailure(const ParamSet &params, const std::string &word, SpectrumUse use = Albedo, int line = 1) {
+        const Diagnostic error = ErrorOf([&] { Get(params, {use}); });
+        EXPECT_EQ(error.loc.line, line) << error.message;
+        ExpectWords(error.message, {word});
     }
-
-    std::shared_ptr<const SourceFile> file_;
-    ParamSet params_;
-    Param made_;
+    static Params Grey() { return Params().Rgb("x", 0.5f, 0.5f, 0.5f); }
+    static Params Kelvin(std::vector<Float> values) {
+        return Params().Floats(ParamType::Blackbody, "x", std::move(values));
+    }
+    static Params Named(const std::string &name) { return Params().NamedSpectrum("x", name); }
 };
 
 TEST_F(SpectrumParams, AbsentGivesTheDefault) {
-    EXPECT_EQ(Get(), nullptr);
-    EXPECT_EQ((*Get({SpectrumUse::Unbounded, Float(3)}))(500), 3);
-    EXPECT_EQ(Get({SpectrumUse::Unbounded, {}, "metal-Cu-k"}), NamedSpectrum("metal-Cu-k"));
+    EXPECT_EQ(Get(Params()), nullptr);
+    EXPECT_EQ((*Get(Params(), {Unbounded, Float(3)}))(500), 3);
+    EXPECT_EQ(Get(Params(), {Unbounded, {}, "metal-Cu-k"}), NamedSpectrum("metal-Cu-k"));
 }
 
 TEST_F(SpectrumParams, RgbIsUpliftedByUse) {
-    AddFloats(ParamType::Rgb, {0.5f, 0.5f, 0.5f});
-    EXPECT_NEAR((*Get(SpectrumUse::Albedo))(500), 0.5f, 1e-5);
-    EXPECT_NEAR((*Get(SpectrumUse::Unbounded))(500), 0.5f, 1e-5);
-    EXPECT_NEAR((*Get(SpectrumUse::Illuminant))(500), 0.5f * ColorSpace::SRGB().Illuminant()(500), 1e-5);
-    EXPECT_TRUE(std::dynamic_pointer_cast<const RgbIlluminantSpectrum>(Get(SpectrumUse::Illuminant)));
+    EXPECT_NEAR((*Get(Grey()))(500), 0.5f, 1e-5);
+    EXPECT_NEAR((*Get(Grey(), {Unbounded}))(500), 0.5f, 1e-5);
+    EXPECT_NEAR((*Get(Grey(), {Illuminant}))(500), 0.5f * ColorSpace::SRGB().Illuminant()(500), 1e-5);
+    EXPECT_TRUE(std::dynamic_pointer_cast<const RgbIlluminantSpectrum>(Get(Grey(), {Illuminant})));
 }
 
 TEST_F(SpectrumParams, RgbUsesTheColorSpaceOfItsPlace) {
-    Make(ParamType::Rgb).floats = {0.7f, 0.25f, 0.15f};
-    made_.colorSpace = "rec2020";
-    params_.Add(made_);
+    Param p = FloatParam("x", {0.7f, 0.25f, 0.15f}, ParamType::Rgb);
+    p.colorSpace = "rec2020";
     RgbAlbedoSpectrum wanted(*ColorSpace::Find("rec2020"), {0.7f, 0.25f, 0.15f});
-    EXPECT_EQ((*Get())(610), wanted(610));
+    EXPECT_EQ((*Get(Params().Add(p)))(610), wanted(610));
 }
 
 TEST_F(SpectrumParams, WrongValuesAreErrorsOfTheUse) {
-    using enum SpectrumUse;
     struct Case {
         ParamType type;
         std::vector<Float> values;
@@ -87,85 +65,67 @@ TEST_F(SpectrumParams, WrongValuesAreErrorsOfTheUse) {
                           {ParamType::Spectrum, {400, 0.5f, 700}, all, "odd number of values"},
                           {ParamType::Spectrum, {400, 0.5f, 400, 1}, all, "must increase"}}) {
         SCOPED_TRACE(c.word);
-        const ParamSet none = params_;
-        AddFloats(c.type, c.values);
-        for (SpectrumUse use : c.uses) test::ExpectWords(Failure(use), {c.word});
+        const Params params = Params().Floats(c.type, "x", c.values);
+        for (SpectrumUse use : c.uses) ExpectFailure(params, c.word, use);
         if (c.uses.size() == 1) {
-            EXPECT_TRUE(Get(Unbounded));
+            EXPECT_TRUE(Get(params, {Unbounded}));
         }
-        params_ = none;
     }
 }
 
 TEST_F(SpectrumParams, Blackbody) {
-    AddFloats(ParamType::Blackbody, {5000});
-    EXPECT_NEAR((*Get())(2.8977721e6f / 5000), 1, 1e-5);
-    AddFloats(ParamType::Blackbody, {5000, 1});
-    test::ExpectWords(Failure(), {"takes 1 value, found 2"});
-    AddFloats(ParamType::Blackbody, {0});
-    test::ExpectWords(Failure(), {"above 0"});
+    EXPECT_NEAR((*Get(Kelvin({5000})))(2.8977721e6f / 5000), 1, 1e-5);
+    ExpectFailure(Kelvin({5000, 1}), "takes 1 value, found 2");
+    ExpectFailure(Kelvin({0}), "above 0");
 }
 
 TEST_F(SpectrumParams, SamplesAreLinearAndZeroOutside) {
-    AddFloats(ParamType::Spectrum, {400, 0.5f, 500, 1});
-    SpectrumPtr s = Get();
+    SpectrumPtr s = Get(Params().Spectrum("x", {400, 0.5f, 500, 1}));
     EXPECT_NEAR((*s)(450), 0.75f, 1e-6);
     EXPECT_EQ((*s)(399), 0.0f);
     EXPECT_EQ((*s)(501), 0.0f);
 }
 
 TEST_F(SpectrumParams, NamesAndFiles) {
-    AddName("glass-BK7");
-    EXPECT_EQ(Get(), NamedSpectrum("glass-BK7"));
+    EXPECT_EQ(Get(Named("glass-BK7")), NamedSpectrum("glass-BK7"));
     Write("s.spd", "# heading 1 2\n400 .5 # trailing\n  500\t1e0\n");
-    AddName("s.spd");
-    EXPECT_NEAR((*Get())(450), 0.75f, 1e-6);
-    AddName("glass-BK8");
-    test::ExpectWords(Failure(), {"glass-BK7"});
+    EXPECT_NEAR((*Get(Named("s.spd")))(450), 0.75f, 1e-6);
+    ExpectFailure(Named("glass-BK8"), "glass-BK7");
     Write("odd.spd", "400 1 500\n");
-    AddName("odd.spd");
-    test::ExpectWords(Failure(), {"odd number of values"});
+    ExpectFailure(Named("odd.spd"), "odd number of values");
     Write("word.spd", "400 1\n500 red\n");
-    AddName("word.spd");
-    test::ExpectWords(Failure(), {"word.spd:2"});
+    ExpectFailure(Named("word.spd"), "word.spd:2");
     Write("empty.spd", "# nothing\n");
-    AddName("empty.spd");
-    test::ExpectWords(Failure(), {"no samples"});
+    ExpectFailure(Named("empty.spd"), "no samples");
 }
 
 TEST_F(SpectrumParams, FloatOnlyWhereAllowed) {
-    AddFloats(ParamType::Float, {1.5f});
-    EXPECT_EQ(Get(), nullptr);
-    SpectrumPtr s = Get({SpectrumUse::Unbounded, {}, nullptr, true});
+    const Params params = Params().Number("x", 1.5f);
+    EXPECT_EQ(Get(params), nullptr);
+    SpectrumPtr s = Get(params, {Unbounded, {}, nullptr, true});
     ASSERT_TRUE(s);
     EXPECT_TRUE(s->IsConstant());
     EXPECT_EQ((*s)(700), 1.5f);
 }
 
 TEST_F(SpectrumParams, TwoTypesOfOneNameContradict) {
-    AddFloats(ParamType::Rgb, {0.5f, 0.5f, 0.5f}, 6);
-    AddFloats(ParamType::Spectrum, {400, 1, 500, 1});
-    test::ExpectWords(Failure(), {"given both"});
+    ExpectFailure(Grey().Spectrum("x", {400, 1, 500, 1}), "given both", Albedo, 2);
 }
 
 TEST_F(SpectrumParams, OwnValueBeatsAttributeDefaultOfAnotherType) {
-    Make(ParamType::Rgb).floats = {0.5f, 0.5f, 0.5f};
-    params_.AddDefault(made_);
-    EXPECT_NEAR((*Get())(500), 0.5f, 1e-5);
-    AddFloats(ParamType::Spectrum, {400, 1, 600, 1});
-    EXPECT_EQ((*Get())(500), 1.0f);
+    Params params;
+    params.Default(ParamType::Rgb, "x", {0.5f, 0.5f, 0.5f});
+    EXPECT_NEAR((*Get(params))(500), 0.5f, 1e-5);
+    EXPECT_EQ((*Get(params.Spectrum("x", {400, 1, 600, 1})))(500), 1.0f);
 }
 
 TEST_F(SpectrumParams, LaterAttributeDefaultWins) {
-    Make(ParamType::Spectrum, 3).floats = {400, 1, 600, 1};
-    params_.AddDefault(made_);
-    Make(ParamType::Rgb, 4).floats = {0.5f, 0.5f, 0.5f};
-    params_.AddDefault(made_);
-    EXPECT_NEAR((*Get())(500), 0.5f, 1e-5);
-    Make(ParamType::Blackbody, 5).floats = {5000};
-    params_.AddDefault(made_);
-    EXPECT_NEAR((*Get())(2.8977721e6f / 5000), 1, 1e-5);
+    Params params;
+    params.Default(ParamType::Spectrum, "x", {400, 1, 600, 1}).Default(ParamType::Rgb, "x", {0.5f, 0.5f, 0.5f});
+    EXPECT_NEAR((*Get(params))(500), 0.5f, 1e-5);
+    params.Default(ParamType::Blackbody, "x", {5000});
+    EXPECT_NEAR((*Get(params))(2.8977721e6f / 5000), 1, 1e-5);
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

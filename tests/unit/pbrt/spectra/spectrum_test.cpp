@@ -79,7 +79,7 @@ TEST(NamedSpectra, ShortTablesGoOnWithTheirEndValues) {
 
 TEST(DenseSpectrum, TakesTheNearestNanometre) {
     std::vector<Float> values(471);
-    for (size_t i = 0; i < values.size(); ++i) values[i] = static_cast<Float>(i + 1);
+    for (size_t i = 0; i < values.size(); ++i) values[i] = Float(i + 1);
     DenseSpectrum s(values);
     EXPECT_EQ(s(360), 1.0f);
     EXPECT_EQ(s(360.49f), 1.0f);
@@ -105,7 +105,7 @@ TEST(PiecewiseLinearSpectrum, AgreesWithPlainSearch) {
         PiecewiseLinearSpectrum s(lambdas, values);
         for (int i = 0; i < 2000; ++i) {
             Float l = 150 + 900 * rng.Uniform();
-            if (i < static_cast<int>(n)) l = lambdas[static_cast<size_t>(i)];
+            if (i < int(n)) l = lambdas[size_t(i)];
             double wanted = 0;
             for (size_t k = 0; k + 1 < lambdas.size(); ++k)
                 if (l >= lambdas[k] && l < lambdas[k + 1]) {
@@ -128,7 +128,7 @@ TEST(Spectrum, SampleEqualsPointEvaluation) {
     for (const Spectrum *s : {static_cast<const Spectrum *>(&linear), static_cast<const Spectrum *>(&dense),
                               static_cast<const Spectrum *>(&blackbody)})
         for (int i = 0; i < 50; ++i) {
-            SampledWavelengths lambda = SampledWavelengths::SampleVisible(static_cast<Float>(i) / 50);
+            SampledWavelengths lambda = SampledWavelengths::SampleVisible(Float(i) / 50);
             SampledSpectrum v = s->Sample(lambda);
             for (int k = 0; k < SpectrumSamples; ++k) EXPECT_EQ(v[k], (*s)(lambda[k]));
         }
@@ -147,7 +147,7 @@ TEST(Blackbody, PeakIsOneAtWiensWavelength) {
 TEST(Blackbody, IntegralIsStefanBoltzmann) {
     double sum = 0;
     for (double lambda = 50; lambda < 100000; lambda *= 1.001)
-        sum += double(Blackbody(static_cast<Float>(lambda * 1.0005), 5000)) * lambda * 0.001 * 1e-9;
+        sum += double(Blackbody(Float(lambda * 1.0005), 5000)) * lambda * 0.001 * 1e-9;
     double wanted = 5.670374e-8 * std::pow(5000.0, 4) / 3.14159265358979;
     EXPECT_NEAR(sum / wanted, 1, 2e-3);
     EXPECT_EQ(Blackbody(500, 0), 0.0f);

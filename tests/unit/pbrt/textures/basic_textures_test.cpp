@@ -4,12 +4,8 @@
 #include "pbrt/textures/texture_mapping.h"
 #include "texture_test_support.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
-
-using test::Bench;
-using test::ExpectNear;
-using test::Params;
 
 TextureContext PatchPoint(Float u, Float v) {
     TextureContext ctx;
@@ -27,7 +23,7 @@ SampledSpectrum Albedo(Float r, Float g, Float b) {
 
 TEST(ConstantTexture, GivesItsValueAndSaysSo) {
     Bench b;
-    b.Define("a", false, "constant", Params().F("value", 0.45f));
+    b.Define("a", false, "constant", Params().Number("value", 0.45f));
     b.Define("d", false, "constant", Params());
     b.Define("c", true, "constant", Params().Rgb("value", .7f, .3f, .25f));
     b.Define("one", true, "constant", Params());
@@ -42,24 +38,22 @@ TEST(ConstantTexture, GivesItsValueAndSaysSo) {
 TEST(ConstantTexture, IsUpliftedForItsUse) {
     Bench b;
     b.Define("c", true, "constant", Params().Rgb("value", .7f, .3f, .25f));
-    const ColorSpace &cs = ColorSpace::SRGB();
-    Rgb rgb(.7f, .3f, .25f);
-    ExpectNear(b.SpectrumTex("c", SpectrumUse::Unbounded)->Evaluate({}, kLambda),
-               RgbUnboundedSpectrum(cs, rgb).Sample(kLambda), 0);
-    ExpectNear(b.SpectrumTex("c", SpectrumUse::Illuminant)->Evaluate({}, kLambda),
-               RgbIlluminantSpectrum(cs, rgb).Sample(kLambda), 0);
+    const RgbUnboundedSpectrum unbounded(ColorSpace::SRGB(), {.7f, .3f, .25f});
+    const RgbIlluminantSpectrum light(ColorSpace::SRGB(), {.7f, .3f, .25f});
+    ExpectNear(b.SpectrumTex("c", SpectrumUse::Unbounded)->Evaluate({}, kLambda), unbounded.Sample(kLambda), 0);
+    ExpectNear(b.SpectrumTex("c", SpectrumUse::Illuminant)->Evaluate({}, kLambda), light.Sample(kLambda), 0);
     EXPECT_EQ(b.SpectrumTex("c"), b.SpectrumTex("c"));
     EXPECT_NE(b.SpectrumTex("c"), b.SpectrumTex("c", SpectrumUse::Unbounded));
 }
 
 TEST(ScaleTexture, Multiplies) {
     Bench b;
-    b.Define("u", false, "bilerp", Params().F("v00", 0).F("v01", 0).F("v10", 1).F("v11", 1));
+    b.Define("u", false, "bilerp", Ramp());
     b.Define("c", true, "constant", Params().Rgb("value", .7f, .3f, .25f));
-    b.Define("s", true, "scale", Params().Tex("tex", "c").Tex("scale", "u"));
-    b.Define("k", true, "scale", Params().Rgb("tex", .2f, .4f, .6f).F("scale", 0.5f));
-    b.Define("f", false, "scale", Params().Tex("tex", "u").F("scale", 4));
-    b.Define("ff", false, "scale", Params().F("tex", 3).F("scale", 4));
+    b.Define("s", true, "scale", Params().Texture("tex", "c").Texture("scale", "u"));
+    b.Define("k", true, "scale", Params().Rgb("tex", .2f, .4f, .6f).Number("scale", 0.5f));
+    b.Define("f", false, "scale", Params().Texture("tex", "u").Number("scale", 4));
+    b.Define("ff", false, "scale", Params().Number("tex", 3).Number("scale", 4));
     ExpectNear(b.SpectrumTex("s")->Evaluate(PatchPoint(0.25f, 0.9f), kLambda), Albedo(.7f, .3f, .25f) * 0.25f);
     ExpectNear(b.SpectrumTex("s")->Evaluate(PatchPoint(0, 0), kLambda), SampledSpectrum(0), 0);
     ExpectNear(b.SpectrumTex("k")->Evaluate({}, kLambda), Albedo(.2f, .4f, .6f) * 0.5f);
@@ -69,10 +63,10 @@ TEST(ScaleTexture, Multiplies) {
 
 TEST(MixTexture, BlendsFromFirstToSecond) {
     Bench b;
-    b.Define("u", false, "bilerp", Params().F("v00", 0).F("v01", 0).F("v10", 1).F("v11", 1));
-    b.Define("m", true, "mix", Params().Rgb("tex1", .1f, .6f, .5f).Rgb("tex2", .8f, .3f, .3f).Tex("amount", "u"));
+    b.Define("u", false, "bilerp", Ramp());
+    b.Define("m", true, "mix", Params().Rgb("tex1", .1f, .6f, .5f).Rgb("tex2", .8f, .3f, .3f).Texture("amount", "u"));
     b.Define("d", false, "mix", Params());
-    b.Define("first", false, "mix", Params().F("tex1", 7).F("amount", 0));
+    b.Define("first", false, "mix", Params().Number("tex1", 7).Number("amount", 0));
     SampledSpectrum a = Albedo(.1f, .6f, .5f), c = Albedo(.8f, .3f, .3f);
     ExpectNear(b.SpectrumTex("m")->Evaluate(PatchPoint(0, 0), kLambda), a, 0);
     ExpectNear(b.SpectrumTex("m")->Evaluate(PatchPoint(1, 0), kLambda), c, 0);
@@ -83,8 +77,9 @@ TEST(MixTexture, BlendsFromFirstToSecond) {
 
 TEST(DirectionMixTexture, FirstAlongTheDirection) {
     Bench b;
-    b.Define("d", false, "directionmix", Params().F("tex1", 8).F("tex2", 2).V3("dir", 0, 0, -5));
-    b.Define("turned", false, "directionmix", Params().F("tex1", 8).F("tex2", 2), Transform::Rotate(90, {1, 0, 0}));
+    b.Define("d", false, "directionmix", Params().Number("tex1", 8).Number("tex2", 2).Vector("dir", 0, 0, -5));
+    b.Define("turned", false, "directionmix", Params().Number("tex1", 8).Number("tex2", 2),
+             Transform::Rotate(90, {1, 0, 0}));
     TextureContext ctx;
     ctx.n = {0, 0, 1};
     EXPECT_FLOAT_EQ(b.FloatTex("d")->Evaluate(ctx), 8);
@@ -97,7 +92,7 @@ TEST(DirectionMixTexture, FirstAlongTheDirection) {
 
 TEST(BilerpTexture, CornersAreNamedBySThenT) {
     Bench b;
-    b.Define("f", false, "bilerp", Params().F("v00", 1).F("v01", 2).F("v10", 3).F("v11", 4));
+    b.Define("f", false, "bilerp", Params().Number("v00", 1).Number("v01", 2).Number("v10", 3).Number("v11", 4));
     b.Define("s", true, "bilerp", Params().Rgb("v00", .8f, .1f, .1f).Rgb("v10", .1f, .1f, .8f));
     auto f = b.FloatTex("f");
     EXPECT_FLOAT_EQ(f->Evaluate(PatchPoint(0, 0)), 1);
@@ -109,23 +104,22 @@ TEST(BilerpTexture, CornersAreNamedBySThenT) {
                (Albedo(.8f, .1f, .1f) + Albedo(.1f, .1f, .8f)) * .5f);
 }
 
-// Checkerboard ---------------------------------------------------------------------------------------------------
-
 TEST(CheckerboardTexture, CellsAlternateFromTheFirstTexture) {
     Bench b;
-    b.Define("c", false, "checkerboard", Params().F("tex1", 5).F("tex2", 9).F("uscale", 2).F("vscale", 2));
-    auto c = b.FloatTex("c");
-    EXPECT_EQ(c->Evaluate(PatchPoint(.1f, .1f)), 5);
-    EXPECT_EQ(c->Evaluate(PatchPoint(.6f, .1f)), 9);
-    EXPECT_EQ(c->Evaluate(PatchPoint(.1f, .6f)), 9);
-    EXPECT_EQ(c->Evaluate(PatchPoint(.6f, .6f)), 5);
-    EXPECT_EQ(c->Evaluate(PatchPoint(-.1f, .1f)), 9);
-    EXPECT_EQ(c->Evaluate(PatchPoint(-.1f, -.1f)), 5);
+    b.Define("c", false, "checkerboard",
+             Params().Number("tex1", 5).Number("tex2", 9).Number("uscale", 2).Number("vscale", 2));
+    auto value = [&](Float u, Float v) { return b.FloatTex("c")->Evaluate(PatchPoint(u, v)); };
+    EXPECT_EQ(value(.1f, .1f), 5);
+    EXPECT_EQ(value(.6f, .1f), 9);
+    EXPECT_EQ(value(.1f, .6f), 9);
+    EXPECT_EQ(value(.6f, .6f), 5);
+    EXPECT_EQ(value(-.1f, .1f), 9);
+    EXPECT_EQ(value(-.1f, -.1f), 5);
 }
 
 TEST(CheckerboardTexture, ThreeDimensionsUseTextureSpace) {
     Bench b;
-    b.Define("c", false, "checkerboard", Params().I("dimension", 3), Transform::Scale({2, 2, 2}));
+    b.Define("c", false, "checkerboard", Params().Integer("dimension", 3), Transform::Scale({2, 2, 2}));
     auto value = [&](const Point3 &p) {
         TextureContext ctx;
         ctx.p = p;
@@ -140,10 +134,9 @@ TEST(CheckerboardTexture, ThreeDimensionsUseTextureSpace) {
 
 TEST(CheckerboardTexture, OtherDimensionsAreErrors) {
     Bench b;
-    b.Define("c", false, "checkerboard", Params().I("dimension", 4));
+    b.Define("c", false, "checkerboard", Params().Integer("dimension", 4));
     b.FloatTex("c");
-    ASSERT_EQ(b.Errors(), 1u);
-    EXPECT_EQ(b.Last().loc.line, 2);
+    b.ExpectErrors({1});
 }
 
 /// The reference: the unfiltered wave, integrated with the tent filter.
@@ -171,12 +164,9 @@ TEST(CheckerboardTexture, FilteredWaveEqualsSupersampledWave) {
 
 TEST(CheckerboardTexture, FilterCoversOneAndAHalfSteps) {
     Bench b;
-    b.Define("c", false, "checkerboard", Params().F("tex1", 0).F("tex2", 1).F("uscale", 3));
+    b.Define("c", false, "checkerboard", Params().Number("tex1", 0).Number("tex2", 1).Number("uscale", 3));
     TextureContext ctx = PatchPoint(0.29f, 1.95f);
-    ctx.dudx = 0.02f;
-    ctx.dudy = -0.1f;
-    ctx.dvdx = 0.3f;
-    ctx.dvdy = 0.1f;
+    ctx.dudx = 0.02f, ctx.dudy = -0.1f, ctx.dvdx = 0.3f, ctx.dvdy = 0.1f;
     double expected = 0.5 - BruteForceWave(3 * 0.29, 1.5 * 0.3) * BruteForceWave(1.95, 1.5 * 0.3) / 2;
     EXPECT_NEAR(b.FloatTex("c")->Evaluate(ctx), expected, 2e-3);
 }
@@ -190,4 +180,4 @@ TEST(CheckerboardTexture, WideFootprintsGiveTheMean) {
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

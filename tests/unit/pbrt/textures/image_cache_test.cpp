@@ -9,10 +9,8 @@ class ImageCacheTest : public test::FolderTest {
   protected:
     void SetUp() override {
         Image image(PixelFormat::U8, {256, 256}, {"R", "G", "B"});
-        for (int y = 0; y < 256; ++y)
-            for (int x = 0; x < 256; ++x)
-                for (int c = 0; c < 3; ++c)
-                    image.Set({x, y}, c, static_cast<Float>((x * 7 + y * 13 + c * 50) % 256) / 256);
+        ForEachValue(image,
+                     [&](Point2i p, int c) { image.Set(p, c, Float((p.x * 7 + p.y * 13 + c * 50) % 256) / 256); });
         WriteImage(key_.path, image);
     }
     MipMapKey With(TextureFilter filter, Float maxAnisotropy = 8) const {

@@ -2,13 +2,10 @@
 
 #include "pbrt/math/rng.h"
 #include "pbrt/textures/texture_mapping.h"
-#include "support/errors.h"
 #include "texture_test_support.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
-
-using test::Params;
 
 TextureContext ContextAt(const Point3 &p, const Point2 &uv = {}) {
     TextureContext ctx;
@@ -29,77 +26,64 @@ TexCoord2 MapWith(const Params &params, const TextureContext &ctx, const Transfo
     return c;
 }
 
+void ExpectPlace(const TexCoord2 &c, Float s, Float t) {
+    EXPECT_FLOAT_EQ(c.st.x, s);
+    EXPECT_FLOAT_EQ(c.st.y, t);
+}
+
+void ExpectFootprint(const TexCoord2 &c, Float dsdx, Float dsdy, Float dtdx, Float dtdy) {
+    EXPECT_FLOAT_EQ(c.dsdx, dsdx);
+    EXPECT_FLOAT_EQ(c.dsdy, dsdy);
+    EXPECT_FLOAT_EQ(c.dtdx, dtdx);
+    EXPECT_FLOAT_EQ(c.dtdy, dtdy);
+}
+
 TEST(TextureMapping, UvScalesThenShifts) {
     TextureContext ctx = ContextAt({}, {0.25f, 0.5f});
-    ctx.dudx = 0.1f;
-    ctx.dudy = 0.2f;
-    ctx.dvdx = 0.3f;
-    ctx.dvdy = 0.4f;
-    TexCoord2 c = MapWith(Params().F("uscale", 3).F("vscale", 2).F("udelta", 0.25f).F("vdelta", -0.4f), ctx);
-    EXPECT_FLOAT_EQ(c.st.x, 1);
-    EXPECT_FLOAT_EQ(c.st.y, 0.6f);
-    EXPECT_FLOAT_EQ(c.dsdx, 0.3f);
-    EXPECT_FLOAT_EQ(c.dsdy, 0.6f);
-    EXPECT_FLOAT_EQ(c.dtdx, 0.6f);
-    EXPECT_FLOAT_EQ(c.dtdy, 0.8f);
+    ctx.dudx = 0.1f, ctx.dudy = 0.2f, ctx.dvdx = 0.3f, ctx.dvdy = 0.4f;
+    TexCoord2 c =
+        MapWith(Params().Number("uscale", 3).Number("vscale", 2).Number("udelta", 0.25f).Number("vdelta", -0.4f), ctx);
+    ExpectPlace(c, 1, 0.6f);
+    ExpectFootprint(c, 0.3f, 0.6f, 0.6f, 0.8f);
 }
 
 TEST(TextureMapping, SphericalGivesPolarAngleThenAzimuth) {
-    Params spherical = Params().S("mapping", {"spherical"});
-    TexCoord2 c = MapWith(spherical, ContextAt({0, 2, 0}));
-    EXPECT_FLOAT_EQ(c.st.x, 0.5f);
-    EXPECT_FLOAT_EQ(c.st.y, 0.25f);
-    c = MapWith(spherical, ContextAt({1, -1, std::sqrt(2.f)}));
-    EXPECT_FLOAT_EQ(c.st.x, 0.25f);
-    EXPECT_FLOAT_EQ(c.st.y, 0.875f);
-    c = MapWith(spherical, ContextAt({0, 0, -1}));
-    EXPECT_FLOAT_EQ(c.st.x, 1);
+    Params spherical = Params().String("mapping", "spherical");
+    ExpectPlace(MapWith(spherical, ContextAt({0, 2, 0})), 0.5f, 0.25f);
+    ExpectPlace(MapWith(spherical, ContextAt({1, -1, std::sqrt(2.f)})), 0.25f, 0.875f);
+    EXPECT_FLOAT_EQ(MapWith(spherical, ContextAt({0, 0, -1})).st.x, 1);
 }
 
 TEST(TextureMapping, CylindricalGivesAzimuthAndHeight) {
-    Params cylindrical = Params().S("mapping", {"cylindrical"});
-    TexCoord2 c = MapWith(cylindrical, ContextAt({3, 0, -7}));
-    EXPECT_FLOAT_EQ(c.st.x, 0.5f);
-    EXPECT_FLOAT_EQ(c.st.y, -7);
-    c = MapWith(cylindrical, ContextAt({0, -2, 1}));
-    EXPECT_FLOAT_EQ(c.st.x, 0.25f);
+    Params cylindrical = Params().String("mapping", "cylindrical");
+    ExpectPlace(MapWith(cylindrical, ContextAt({3, 0, -7})), 0.5f, -7);
+    EXPECT_FLOAT_EQ(MapWith(cylindrical, ContextAt({0, -2, 1})).st.x, 0.25f);
 }
 
 TEST(TextureMapping, PlanarProjectsOnBothVectors) {
     TextureContext ctx = ContextAt({1, 2, 3});
     ctx.dpdx = {1, 0, 0};
     ctx.dpdy = {0, 0, 1};
-    TexCoord2 c = MapWith(Params()
-                              .S("mapping", {"planar"})
-                              .V3("v1", .7f, .2f, 0)
-                              .V3("v2", 0, .6f, .4f)
-                              .F("udelta", .1f)
-                              .F("vdelta", .35f),
-                          ctx);
-    EXPECT_FLOAT_EQ(c.st.x, 1.2f);
-    EXPECT_FLOAT_EQ(c.st.y, 2.75f);
-    EXPECT_FLOAT_EQ(c.dsdx, .7f);
-    EXPECT_FLOAT_EQ(c.dsdy, 0);
-    EXPECT_FLOAT_EQ(c.dtdx, 0);
-    EXPECT_FLOAT_EQ(c.dtdy, .4f);
+    Params planar = Params().String("mapping", "planar").Vector("v1", .7f, .2f, 0).Vector("v2", 0, .6f, .4f);
+    TexCoord2 c = MapWith(planar.Number("udelta", .1f).Number("vdelta", .35f), ctx);
+    ExpectPlace(c, 1.2f, 2.75f);
+    ExpectFootprint(c, .7f, 0, 0, .4f);
 }
 
 TEST(TextureMapping, PositionsAreTakenToTextureSpace) {
     Transform t = Transform::Translate({1, 2, 3}) * Transform::Scale({2, 4, 8});
     TextureContext ctx = ContextAt({3, 10, 3});
     ctx.dpdx = {1, 1, 0};
-    TexCoord2 c = MapWith(Params().S("mapping", {"planar"}), ctx, t);
-    EXPECT_FLOAT_EQ(c.st.x, 1);
-    EXPECT_FLOAT_EQ(c.st.y, 2);
-    EXPECT_FLOAT_EQ(c.dsdx, 0.5f);
-    EXPECT_FLOAT_EQ(c.dtdx, 0.25f);
+    TexCoord2 c = MapWith(Params().String("mapping", "planar"), ctx, t);
+    ExpectPlace(c, 1, 2);
+    ExpectFootprint(c, 0.5f, 0, 0.25f, 0);
 }
 
 /// The reference: differences of the coordinates themselves. The spherical mapping swaps its two derivatives.
 TEST(TextureMapping, FootprintsAreDerivativesOfTheCoordinates) {
     Rng rng(7);
     for (const char *name : {"spherical", "cylindrical"}) {
-        Params params = Params().S("mapping", {name});
+        Params params = Params().String("mapping", name);
         bool crossed = std::string(name) == "spherical";
         for (int i = 0; i < 100; ++i) {
             Point3 p = Point3(rng.Uniform(), rng.Uniform(), rng.Uniform()) * 2.f + Point3(0.3f);
@@ -120,28 +104,28 @@ TEST(TextureMapping, AxisGivesFiniteFootprints) {
     for (const char *name : {"spherical", "cylindrical"}) {
         TextureContext ctx = ContextAt({0, 0, 1});
         ctx.dpdx = {1, 0, 0};
-        TexCoord2 c = MapWith(Params().S("mapping", {name}), ctx);
+        TexCoord2 c = MapWith(Params().String("mapping", name), ctx);
         EXPECT_TRUE(std::isfinite(c.dsdx) && std::isfinite(c.dtdx) && std::isfinite(c.st.x));
     }
 }
 
 TEST(TextureMapping, UnknownNameWarnsAndMeansUv) {
     DiagnosticSink sink;
-    TextureMapping2D m = Read(Params().S("mapping", {"sphericl"}), {}, sink);
+    TextureMapping2D m = Read(Params().String("mapping", "sphericl"), {}, sink);
     ASSERT_EQ(sink.All().size(), 1u);
     EXPECT_EQ(sink.All()[0].severity, Severity::Warning);
-    EXPECT_EQ(sink.All()[0].loc.line, 2);
-    test::ExpectWords(sink.All()[0].message, {"spherical"});
+    EXPECT_EQ(sink.All()[0].loc.line, 1);
+    ExpectWords(sink.All()[0].message, {"spherical"});
     EXPECT_TRUE(std::holds_alternative<UvMapping>(m));
 }
 
 TEST(TextureMapping, UvScaleIsUnusedElsewhere) {
     DiagnosticSink sink;
-    Params params = Params().S("mapping", {"planar"}).F("uscale", 2);
+    Params params = Params().String("mapping", "planar").Number("uscale", 2);
     Read(params, {}, sink);
     ASSERT_EQ(sink.ErrorCount(), 1u);
-    EXPECT_EQ(sink.All()[0].loc.line, 3);
+    EXPECT_EQ(sink.All()[0].loc.line, 2);
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

@@ -2,19 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include "pbrt/math/rng.h"
+#include "support/sampling.h"
 #include "texture_test_support.h"
 
-namespace pbrt {
+namespace pbrt::test {
 namespace {
-
-using test::Bench;
-using test::Params;
-
-Point3 RandomPoint(Rng &rng, Float extent) {
-    Float x = rng.Uniform(), y = rng.Uniform(), z = rng.Uniform();
-    return (Point3(x, y, z) * Float(2) - Point3(1)) * extent;
-}
 
 TextureContext At(const Point3 &p, Float step = 0) {
     TextureContext ctx;
@@ -28,8 +20,8 @@ TextureContext At(const Point3 &p, Float step = 0) {
 TEST(Noise, VanishesAtLatticePointsAndRepeats) {
     Rng rng(5);
     for (int i = 0; i < 200; ++i) {
-        EXPECT_EQ(GradientNoise(glm::floor(RandomPoint(rng, 400))), 0.0f);
-        Point3 p = glm::floor(RandomPoint(rng, 20) * Float(64)) / Float(64);
+        EXPECT_EQ(GradientNoise(glm::floor(Float(400) * RandomVector(rng))), 0.0f);
+        Point3 p = glm::floor(Float(20 * 64) * RandomVector(rng)) / Float(64);
         EXPECT_EQ(GradientNoise(p), GradientNoise(p + Point3(256, -256, 512)));
     }
 }
@@ -39,7 +31,7 @@ TEST(Noise, IsBoundedWithMeanZeroAndIsNotSmall) {
     double sum = 0, squares = 0, magnitude = 0;
     constexpr int kDraws = 200000;
     for (int i = 0; i < kDraws; ++i) {
-        double n = double(GradientNoise(RandomPoint(rng, 128)));
+        double n = double(GradientNoise(Float(128) * RandomVector(rng)));
         ASSERT_LE(std::abs(n), 1.04);
         sum += n;
         squares += n * n;
@@ -55,7 +47,7 @@ TEST(Noise, IsSmoothAcrossCells) {
     Rng rng(11);
     constexpr Float h = 1e-3f;
     for (int i = 0; i < 300; ++i) {
-        Point3 p = RandomPoint(rng, 30);
+        Point3 p = Float(30) * RandomVector(rng);
         int axis = i % 3;
         p[axis] = std::floor(p[axis]);
         Point3 left = p, right = p;
@@ -70,7 +62,7 @@ TEST(Noise, SlopeIsTheLimitOfDifferences) {
     Rng rng(13);
     constexpr Float h = 1e-3f;
     for (int i = 0; i < 500; ++i) {
-        const Point3 p = i % 5 ? RandomPoint(rng, 8) : glm::floor(RandomPoint(rng, 8));
+        const Point3 p = i % 5 ? Float(8) * RandomVector(rng) : glm::floor(Float(8) * RandomVector(rng));
         const Vector3 slope = GradientNoiseSlope(p);
         for (int axis = 0; axis < 3; ++axis) {
             Point3 low = p, high = p;
@@ -85,7 +77,7 @@ TEST(Noise, SlopeAtALatticePointIsOneOfTheEdgeDirections) {
     constexpr Float h = 1e-2f;
     for (int z = 0; z < 8; ++z)
         for (int x = 0; x < 8; ++x) {
-            const Point3 p(static_cast<Float>(x), 3, static_cast<Float>(z));
+            const Point3 p(Float(x), 3, Float(z));
             int zeros = 0, ones = 0;
             for (int axis = 0; axis < 3; ++axis) {
                 Point3 o(0);
@@ -103,11 +95,10 @@ TEST(Noise, OctavesAddUp) {
     const NoiseOctaves octaves{0.6f, 4};
     Rng rng(13);
     for (int i = 0; i < 50; ++i) {
-        const Point3 p = RandomPoint(rng, 4);
+        const Point3 p = Float(4) * RandomVector(rng);
         Float expected = 0, creased = 0;
         for (int k = 0; k < 4; ++k) {
-            const Float n = GradientNoise(std::pow(1.99f, static_cast<Float>(k)) * p),
-                        w = std::pow(0.6f, static_cast<Float>(k));
+            const Float n = GradientNoise(std::pow(1.99f, Float(k)) * p), w = std::pow(0.6f, Float(k));
             expected += w * n;
             creased += w * std::abs(n);
         }
@@ -120,7 +111,7 @@ TEST(Noise, WideFootprintsLeaveTheMean) {
     const NoiseOctaves octaves{0.5f, 8};
     Rng rng(17);
     for (int i = 0; i < 20; ++i) {
-        const Point3 p = RandomPoint(rng, 4);
+        const Point3 p = Float(4) * RandomVector(rng);
         EXPECT_EQ(octaves.Signed(p, {2, 0, 0}, {0, 1, 0}), 0.0f);
         // Means of the first octave and of all of them.
         EXPECT_NEAR(octaves.Creased(p, {2, 0, 0}, {0, 1, 0}), 0.2f + 0.2f * (2 - std::pow(0.5f, 7.0f)), 1e-5f);
@@ -132,7 +123,7 @@ TEST(Noise, FadesContinuouslyWithTheFootprint) {
     const Point3 p(0.37f, 1.81f, -2.63f);
     Float previous = octaves.Signed(p, {0.001f, 0, 0}, Vector3(0));
     for (int i = 1; i < 4000; ++i) {
-        const Float step = 0.001f * std::pow(1000.0f, static_cast<Float>(i) / 4000);
+        const Float step = 0.001f * std::pow(1000.0f, Float(i) / 4000);
         const Float now = octaves.Signed(p, {step, 0, 0}, Vector3(0));
         ASSERT_NEAR(now, previous, 0.02f) << step;
         previous = now;
@@ -142,7 +133,7 @@ TEST(Noise, FadesContinuouslyWithTheFootprint) {
 TEST(NoiseTextures, WorkInTextureSpace) {
     Bench b;
     const Transform grow = Transform::Scale({0.25f, 0.25f, 0.25f});
-    b.Define("f", false, "fbm", Params().I("octaves", 3).F("roughness", 0.7f), grow);
+    b.Define("f", false, "fbm", Params().Integer("octaves", 3).Number("roughness", 0.7f), grow);
     b.Define("w", false, "wrinkled", Params(), grow);
     b.Define("d", false, "windy", Params(), grow);
     const Point3 p(0.3f, 0.8f, -0.45f);
@@ -158,12 +149,12 @@ TEST(NoiseTextures, WorkInTextureSpace) {
 
 TEST(NoiseTextures, MarbleVeinsRunAlongY) {
     Bench b;
-    b.Define("m", true, "marble", Params().F("variation", 0).F("scale", 3));
+    b.Define("m", true, "marble", Params().Number("variation", 0).Number("scale", 3));
     const SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.4f);
     auto value = [&](Float x, Float y) { return b.SpectrumTex("m")->Evaluate(At({x, y, 0}), lambda); };
     Float low = 1, high = 0;
     for (int i = 0; i < 100; ++i) {
-        const Float y = static_cast<Float>(i) / 30;
+        const Float y = Float(i) / 30;
         for (int k = 0; k < SpectrumSamples; ++k) {
             EXPECT_EQ(value(0, y)[k], value(7, y)[k]);
             EXPECT_NEAR(value(0, y)[k], value(0, y + 2 * Pi / 3)[k], 2e-3f);
@@ -180,14 +171,14 @@ TEST(NoiseTextures, MarbleVeinsRunAlongY) {
 
 TEST(DotsTexture, InsideAndOutsideAreSwappedAsInStock) {
     Bench b;
-    b.Define("d", false, "dots", Params().F("inside", 5).F("outside", 9));
+    b.Define("d", false, "dots", Params().Number("inside", 5).Number("outside", 9));
     // There is never a dot in the corners between cells.
-    for (int i = 0; i < 20; ++i) EXPECT_EQ(b.FloatTex("d")->Evaluate(At({static_cast<Float>(i) + 0.5f, 2.5f, 0})), 5);
+    for (int i = 0; i < 20; ++i) EXPECT_EQ(b.FloatTex("d")->Evaluate(At({Float(i) + 0.5f, 2.5f, 0})), 5);
 }
 
 TEST(DotsTexture, SomeCellsHoldOneDotOfRadius035) {
     Bench b;
-    b.Define("d", false, "dots", Params().F("inside", 0).F("outside", 1));
+    b.Define("d", false, "dots", Params().Number("inside", 0).Number("outside", 1));
     const FloatTexturePtr dots = b.FloatTex("d");
     Rng rng(19);
     int cells = 0, full = 0;
@@ -196,29 +187,26 @@ TEST(DotsTexture, SomeCellsHoldOneDotOfRadius035) {
             constexpr int kSide = 24;
             int inside = 0;
             for (int i = 0; i < kSide * kSide; ++i) {
-                const Point2 o((static_cast<Float>(i % kSide) + 0.5f) / kSide - 0.5f,
-                               (static_cast<Float>(i / kSide) + 0.5f) / kSide - 0.5f);
-                inside += dots->Evaluate(At({static_cast<Float>(x) + o.x, static_cast<Float>(y) + o.y, 0})) == 1;
+                const Point2 o = (Point2(i % kSide, i / kSide) + Float(0.5)) / Float(kSide) - Float(0.5);
+                inside += dots->Evaluate(At({Float(x) + o.x, Float(y) + o.y, 0})) == 1;
             }
             ++cells;
             full += inside > 0;
             if (inside > 0) {
-                EXPECT_NEAR(static_cast<double>(inside) / (kSide * kSide), 3.14159265 * 0.35 * 0.35, 0.03);
+                EXPECT_NEAR(double(inside) / (kSide * kSide), 3.14159265 * 0.35 * 0.35, 0.03);
             }
         }
     // The noise that decides is 0 in the middle of many cells.
-    EXPECT_NEAR(static_cast<double>(full) / cells, 0.4, 0.1);
+    EXPECT_NEAR(double(full) / cells, 0.4, 0.1);
 }
 
 TEST(NoiseTextures, MistakesAreErrors) {
     Bench b;
-    b.Define("f", false, "fbm", Params("Texture \"f\"", 10).I("octaves", -1));
+    b.Define("f", false, "fbm", Params("Texture \"f\"", 10).Integer("octaves", -1));
     b.Define("flat", false, "windy", Params("Texture \"flat\"", 20), Transform::Scale({1, 0, 1}));
     b.textures.CheckAll();
-    ASSERT_EQ(b.Errors(), 2u);
-    EXPECT_EQ(b.sink.All()[0].loc.line, 11);
-    EXPECT_EQ(b.sink.All()[1].loc.line, 20);
+    b.ExpectErrors({11, 20});
 }
 
 }  // namespace
-}  // namespace pbrt
+}  // namespace pbrt::test

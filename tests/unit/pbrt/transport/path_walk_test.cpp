@@ -11,9 +11,7 @@ namespace {
 
 /// The camera is at the origin and looks along +z.
 BuiltScene World(const std::string &shapes) {
-    BuildOptions options;
-    options.renderCoordSys = "world";
-    return BuildText(SceneText().Camera(40).Film(8, 8).Integrator("path").World(shapes), options);
+    return BuildText(SceneText().InWorldSpace().Camera(40).Film(8, 8).Integrator("path").World(shapes));
 }
 
 std::string Disk(double z, const std::string &before) {
@@ -23,36 +21,31 @@ const std::string kInterface = "Material 'interface'", kDiffuse = "Material 'dif
                   kGlow = "AreaLightSource 'diffuse' 'rgb L' [ 2 2 2 ]\nReverseOrientation";
 
 struct Walker {
-    explicit Walker(const BuiltScene &built)
-        : context{*built.scene, *built.camera, 1, true}, walk(context, Start(built)) {}
-    static CameraRay Start(const BuiltScene &built) {
-        CameraSample sample;
-        sample.pFilm = {4.2f, 3.9f};
-        return *built.camera->GenerateRay(sample, SampledWavelengths::SampleVisible(0.5f));
-    }
+    explicit Walker(const std::string &shapes) : built(World(shapes)) {}
+    CameraRay Start() const { return *built.camera->GenerateRay({.pFilm = {4.2f, 3.9f}}, lambda); }
     /// Goes to the next surface that scatters, or to the end of the path; returns the number of surfaces passed.
-    int GoToVertex(PathWalk::Met *met) {
+    int GoToVertex() {
         for (int passed = 0;; ++passed)
-            if ((*met = walk.Next()) != PathWalk::Met::Surface || walk.FindScattering(lambda)) return passed;
+            if ((met = walk.Next()) != PathWalk::Met::Surface || walk.FindScattering(lambda)) return passed;
     }
+    const BuiltScene built;
     SampledWavelengths lambda = SampledWavelengths::SampleVisible(0.5f);
-    PathContext context;
-    PathWalk walk;
+    PathContext context{*built.scene, *built.camera, 1, true};
+    PathWalk walk{context, Start()};
+    PathWalk::Met met = PathWalk::Met::Nothing;
 };
 
 TEST(PathWalk, GoesThroughAsManyInterfacesAsItSaysAndEndsAtTheNext) {
     for (int more : {0, 1}) {
         std::string shapes = Disk(200, kDiffuse);
         for (int i = 0; i < PathWalk::MaxPassed + more; ++i) shapes += Disk(1 + i, kInterface);
-        const BuiltScene built = World(shapes);
-        Walker walker(built);
-        PathWalk::Met met;
-        EXPECT_EQ(walker.GoToVertex(&met), PathWalk::MaxPassed + more);
+        Walker walker(shapes);
+        EXPECT_EQ(walker.GoToVertex(), PathWalk::MaxPassed + more);
         if (more == 0) {
-            ASSERT_EQ(met, PathWalk::Met::Surface);
+            ASSERT_EQ(walker.met, PathWalk::Met::Surface);
             EXPECT_NEAR(walker.walk.Vertex().point.p.z, 200, 1e-3);
         } else {
-            EXPECT_EQ(met, PathWalk::Met::TooManyInterfaces);
+            EXPECT_EQ(walker.met, PathWalk::Met::TooManyInterfaces);
         }
     }
 }
@@ -60,25 +53,21 @@ TEST(PathWalk, GoesThroughAsManyInterfacesAsItSaysAndEndsAtTheNext) {
 TEST(PathWalk, InterfacesAreCountedAnewAfterScattering) {
     std::string shapes = Disk(200, kDiffuse);
     for (int i = 0; i < PathWalk::MaxPassed; ++i) shapes += Disk(1 + i, kInterface);
-    const BuiltScene built = World(shapes);
-    Walker walker(built);
-    PathWalk::Met met;
-    walker.GoToVertex(&met);
-    ASSERT_EQ(met, PathWalk::Met::Surface);
+    Walker walker(shapes);
+    walker.GoToVertex();
+    ASSERT_EQ(walker.met, PathWalk::Met::Surface);
     walker.walk.Leave(-walker.walk.Vertex().point.wo * Float(-1));
-    EXPECT_EQ(walker.GoToVertex(&met), PathWalk::MaxPassed);
-    EXPECT_EQ(met, PathWalk::Met::Nothing);
+    EXPECT_EQ(walker.GoToVertex(), PathWalk::MaxPassed);
+    EXPECT_EQ(walker.met, PathWalk::Met::Nothing);
 }
 
 TEST(PathWalk, TheFootprintBehindAnInterfaceIsThatWithoutIt) {
     const std::string floor =
         Disk(5, "Texture 't' 'spectrum' 'checkerboard' Material 'diffuse' 'texture reflectance' 't'");
     auto footprint = [&](const std::string &between) {
-        const BuiltScene built = World(floor + between);
-        Walker walker(built);
-        PathWalk::Met met;
-        walker.GoToVertex(&met);
-        EXPECT_EQ(met, PathWalk::Met::Surface);
+        Walker walker(floor + between);
+        walker.GoToVertex();
+        EXPECT_EQ(walker.met, PathWalk::Met::Surface);
         return walker.walk.Vertex().point.dpdx;
     };
     const Vector3 bare = footprint(""), behind = footprint(Disk(2, kInterface));
@@ -89,8 +78,7 @@ TEST(PathWalk, TheFootprintBehindAnInterfaceIsThatWithoutIt) {
 TEST(PathWalk, MeetsTheLightOfASurfaceOrOfTheSkyButNotBoth) {
     const std::string skies = "LightSource 'infinite' 'rgb L' [ 1 1 1 ]\nLightSource 'infinite' 'rgb L' [ 3 3 3 ]\n";
     auto met = [&](const std::string &shapes) {
-        const BuiltScene built = World(skies + shapes);
-        Walker walker(built);
+        Walker walker(skies + shapes);
         walker.walk.Next();
         std::vector<std::pair<uint32_t, Float>> lights;
         walker.walk.ForEachEmission(walker.lambda,
@@ -108,25 +96,23 @@ TEST(PathWalk, MeetsTheLightOfASurfaceOrOfTheSkyButNotBoth) {
 }
 
 TEST(PathWalk, ScattersAsASceneIsWalkedByHand) {
-    const BuiltScene built = World(Objects()
-                                       .Attribute("Material 'dielectric' Translate 0 0 4", Objects().Sphere(1))
-                                       .Attribute("ReverseOrientation", Objects().Sphere(20)));
-    Walker walker(built);
+    Walker walker(Objects()
+                      .Attribute("Material 'dielectric' Translate 0 0 4", Objects().Sphere(1))
+                      .Attribute("ReverseOrientation", Objects().Sphere(20)));
     SampledWavelengths lambda = walker.lambda;
-    Ray ray = Walker::Start(built).ray;
+    Ray ray = walker.Start().ray;
     Rng one(3), two(3);
     for (int vertex = 0; vertex < 12; ++vertex) {
-        PathWalk::Met met;
-        walker.GoToVertex(&met);
-        std::optional<SurfacePoint> point = built.scene->Intersect(ray);
-        ASSERT_EQ(met == PathWalk::Met::Surface, point.has_value());
+        walker.GoToVertex();
+        std::optional<SurfacePoint> point = walker.built.scene->Intersect(ray);
+        ASSERT_EQ(walker.met == PathWalk::Met::Surface, point.has_value());
         if (!point) break;
         EXPECT_EQ(walker.walk.Vertex().point.p, point->p) << vertex;
         auto sample = [](const Bsdf &bsdf, const Vector3 &wo, Rng &rng) {
             const Float uc = rng.Uniform();
             return bsdf.Sample(wo, uc, rng.Uniform2());
         };
-        const Bsdf bsdf = ComputeBsdf(*built.scene, *point, lambda);
+        const Bsdf bsdf = ComputeBsdf(*walker.built.scene, *point, lambda);
         const std::optional<BsdfSample> there = sample(walker.walk.Vertex().bsdf, walker.walk.Vertex().point.wo, one),
                                         here = sample(bsdf, point->wo, two);
         ASSERT_EQ(there.has_value(), here.has_value());
@@ -141,11 +127,8 @@ TEST(PathWalk, ScattersAsASceneIsWalkedByHand) {
 TEST(PathWalk, DifferentialsSurviveAMirrorAndEndAtADiffuseSurface) {
     const std::string texture = "Texture 't' 'spectrum' 'checkerboard' ";
     auto second = [&](const std::string &material) {
-        const BuiltScene built =
-            World(texture + Disk(5, material) + Disk(-5, "Material 'diffuse' 'texture reflectance' 't'"));
-        Walker walker(built);
-        PathWalk::Met met;
-        walker.GoToVertex(&met);
+        Walker walker(texture + Disk(5, material) + Disk(-5, "Material 'diffuse' 'texture reflectance' 't'"));
+        walker.GoToVertex();
         const SurfacePoint &point = walker.walk.Vertex().point;
         BsdfSample sample;
         sample.wi = Normalize(Vector3(0.1f, 0, -1));
@@ -153,10 +136,10 @@ TEST(PathWalk, DifferentialsSurviveAMirrorAndEndAtADiffuseSurface) {
                                             : BxdfFlags::Specular | BxdfFlags::Reflection;
         EXPECT_NEAR(point.p.z, 5, 1e-4);
         walker.walk.Scatter(sample);
-        walker.GoToVertex(&met);
-        EXPECT_EQ(met, PathWalk::Met::Surface);
+        walker.GoToVertex();
+        EXPECT_EQ(walker.met, PathWalk::Met::Surface);
         SurfacePoint approximate = walker.walk.Vertex().point;
-        ComputeFootprint(approximate, RayDifferential(), *built.camera, 1);
+        ComputeFootprint(approximate, RayDifferential(), *walker.built.camera, 1);
         return approximate.dpdx == walker.walk.Vertex().point.dpdx;
     };
     EXPECT_TRUE(second(kDiffuse)) << "a diffuse bounce must use the camera's approximation";

@@ -1,14 +1,12 @@
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
-#include <fstream>
 #include <map>
 #include <set>
 
 #include "ext/baselines/neepp/neepp_light_sampler.h"
 #include "support/build_text.h"
+#include "support/folder_test.h"
 #include "support/scene_text.h"
 
 namespace {
@@ -87,8 +85,7 @@ TEST(LightTargets, EveryPointOfALargeLightIsExpected) {
     Rng rng(2);
     int missed = 0, asked = 0;
     for (int i = 0; i < 3000; ++i) {
-        LightSampleContext from;
-        from.p = Vector3{rng.Uniform(), rng.Uniform(), rng.Uniform()} * Float(8) - Float(4);
+        const LightSampleContext from{.p = Vector3{rng.Uniform(), rng.Uniform(), rng.Uniform()} * Float(8) - Float(4)};
         LightId light(rng.UniformInt(3));
         auto s = m.built.scene->Lights()[light].SampleLi(from, rng.Uniform2(), lambda, true);
         if (!s) continue;
@@ -112,7 +109,7 @@ const std::string kSky = std::string("LightSource \"infinite\" \"string filename
 TEST(LightTargets, TheSkyIsInEqualPartsThatCoverWhatIsDrawnFromIt) {
     Rng rng(6);
     for (int i = 0; i < 64 * 50; ++i) {
-        auto part = static_cast<uint32_t>(i % 64);
+        auto part = uint32_t(i % 64);
         Point2 u(0.01f + 0.98f * rng.Uniform(), 0.01f + 0.98f * rng.Uniform());
         EXPECT_EQ(LightTargets::EnvironmentPartOf(LightTargets::DirectionIn(part, u)), part);
     }
@@ -124,9 +121,7 @@ TEST(LightTargets, TheSkyIsInEqualPartsThatCoverWhatIsDrawnFromIt) {
     std::vector<double> value(64);
     double all = 0, unexpected = 0;
     for (int i = 0; i < 20000; ++i) {
-        LightSampleContext from;
-        from.p = {1, 0, 1};
-        auto s = m.built.scene->Lights()[LightId(0u)].SampleLi(from, rng.Uniform2(), lambda, true);
+        auto s = m.built.scene->Lights()[LightId(0u)].SampleLi({.p = {1, 0, 1}}, rng.Uniform2(), lambda, true);
         ASSERT_TRUE(s);
         const uint32_t part = LightTargets::EnvironmentPartOf(s->wi);
         value[part] += 1;
@@ -137,8 +132,8 @@ TEST(LightTargets, TheSkyIsInEqualPartsThatCoverWhatIsDrawnFromIt) {
     double sum = 0;
     for (const LightTargets::Share &s : m.targets.SharesOf(0)) {
         EXPECT_EQ(m.targets[s.target].kind, Kind::EnvironmentPart);
-        EXPECT_NEAR(static_cast<double>(s.weight), value[m.targets[s.target].index] / all, 0.01);
-        sum += static_cast<double>(s.weight);
+        EXPECT_NEAR(double(s.weight), value[m.targets[s.target].index] / all, 0.01);
+        sum += double(s.weight);
     }
     EXPECT_NEAR(sum, 1, 1e-5);
 }
@@ -164,16 +159,17 @@ TEST(LightTargets, UngroupedLightsStandWhereTheirOwnShapeIs) {
         EXPECT_EQ(m.targets[m.targets.SharesOf(g)[0].target].index, m.grid.Index(places[g]));
 }
 
-TEST(LightTargets, ADirectiveThatMakesTwoShapesHasItsLightsOnBoth) {
+class LightTargetsOfFile : public pbrt::test::FolderTest {};
+
+TEST_F(LightTargetsOfFile, ADirectiveThatMakesTwoShapesHasItsLightsOnBoth) {
     // A PLY file of a triangle and a quad becomes a triangle mesh and a bilinear one, both with primitives from 0.
-    std::string file = testing::TempDir() + std::to_string(getpid()) + "_light_targets_two_shapes.ply";
-    std::ofstream(file)
-        << "ply\nformat ascii 1.0\nelement vertex 7\nproperty float x\nproperty float y\nproperty float z\n"
-           "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
-           "-2.6 0.5 0.5\n-2.5 0.5 0.5\n-2.5 0.6 0.5\n"
-           "2.4 0.5 0.5\n2.5 0.5 0.5\n2.5 0.6 0.5\n2.4 0.6 0.5\n3 0 1 2\n4 3 4 5 6\n";
-    Made m = Make("AreaLightSource \"diffuse\"\nShape \"plymesh\" \"string filename\" \"" + file + "\"\n");
-    std::remove(file.c_str());
+    const std::string file =
+        Write("two.ply",
+              "ply\nformat ascii 1.0\nelement vertex 7\nproperty float x\nproperty float y\nproperty float z\n"
+              "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
+              "-2.6 0.5 0.5\n-2.5 0.5 0.5\n-2.5 0.6 0.5\n"
+              "2.4 0.5 0.5\n2.5 0.5 0.5\n2.5 0.6 0.5\n2.4 0.6 0.5\n3 0 1 2\n4 3 4 5 6\n");
+    Made m = Make("AreaLightSource 'diffuse' Shape 'plymesh' 'string filename' '" + file + "'");
     ASSERT_EQ(m.built.scene->Lights().Size(), 2u);
     ASSERT_EQ(m.built.scene->Lights().LightCount(), 1u);
     ASSERT_EQ(m.built.scene->Lights()[LightId(1u)].Surface().primitive, 0u);

@@ -4,12 +4,14 @@
 #include "ext/baselines/neepp/neepp_light_sampler.h"
 #include "support/build_text.h"
 #include "support/errors.h"
+#include "support/light_query.h"
 #include "support/scene_text.h"
 
 namespace {
 
 using namespace ext;
-using pbrt::test::BuildText, pbrt::test::FloorAndCeiling, pbrt::test::Objects, pbrt::test::SceneText;
+using pbrt::test::BuildText, pbrt::test::FloorAndCeiling, pbrt::test::Objects, pbrt::test::PrepareIn,
+    pbrt::test::QueryAt, pbrt::test::SceneText;
 
 /// The bounds are [-4, 4]^3, open at the sides; a wall at x = 0 has a gap below y = -2. Rendering space is world space.
 std::string Halves(const std::string &lights) {
@@ -28,28 +30,9 @@ const std::string kLights = Objects()
 const std::string kSkyImage =
     "LightSource 'infinite' 'string filename' '" PBRT_SOURCE_DIR "/tests/conformance/suite/scenes/assets/env_sky.exr'";
 
-void PrepareIn(const BuiltScene &built, LightSampler &sampler, int seed = 0) {
-    Progress progress;
-    PrepareContext context = built.Preparation(progress);
-    context.seed = seed;
-    context.samplesPerPixel = 1;
-    sampler.Prepare(context);
-}
-LightQuery At(const Point3 &p) {
-    LightQuery q;
-    q.p = p;
-    return q;
-}
-NeeppParams Params(int voxels, int samples) {
-    NeeppParams p;
-    p.voxels = voxels;
-    p.samples = samples;
-    return p;
-}
-
 TEST(Neepp, VisibilityIsTheShareOfFreeSegmentsBetweenTheVoxels) {
     BuiltScene built = BuildText(Halves(kLights + kSkyImage));
-    NeeppLightSampler map(built.scene->Lights(), Params(8, 255));
+    NeeppLightSampler map(built.scene->Lights(), {.voxels = 8, .samples = 255});
     PrepareIn(built, map);
     ASSERT_GT(map.Targets().Size(), 4u + 8u);
     Rng rng(5);
@@ -78,7 +61,7 @@ TEST(Neepp, VisibilityIsTheShareOfFreeSegmentsBetweenTheVoxels) {
                 }
                 open += !built.scene->Occluded(ray);
             }
-            double expected = static_cast<double>(open) / n, found = row[t] / 255.0;
+            double expected = double(open) / n, found = row[t] / 255.0;
             double sigma = std::sqrt(expected * (1 - expected) * (1 / 255.0 + 1.0 / n));
             double z = std::abs(found - expected) / (sigma + 0.004);
             worst = std::max(worst, z);
@@ -91,11 +74,11 @@ TEST(Neepp, VisibilityIsTheShareOfFreeSegmentsBetweenTheVoxels) {
 
 TEST(Neepp, ProbabilityIsTheVisibilityWithAFloorWhateverThePower) {
     BuiltScene built = BuildText(Halves(kLights));
-    NeeppLightSampler sampler(built.scene->Lights(), Params(8, 64));
+    NeeppLightSampler sampler(built.scene->Lights(), {.voxels = 8, .samples = 64});
     PrepareIn(built, sampler);
     // At a point high up on the left, the left light is seen; the right one and the low one behind the wall's edge are
     // not.
-    LightQuery left = At({-3.5f, 3.5f, 0.5f});
+    LightQuery left = QueryAt({-3.5f, 3.5f, 0.5f});
     std::span<const uint8_t> row = sampler.Row(sampler.Grid().Index(left.p));
     Float v[4], sum = 0;
     for (uint32_t g = 0; g < 4; ++g) {
@@ -109,10 +92,10 @@ TEST(Neepp, ProbabilityIsTheVisibilityWithAFloorWhateverThePower) {
     for (uint32_t g = 0; g < 4; ++g) EXPECT_NEAR(sampler.PMF(left, LightId(g)), std::max(v[g], 0.02f) / sum, 1e-6f);
     // In the gap all point lights and the sun are seen, so all have equal probabilities, although one light is 1000
     // times as strong.
-    LightQuery gap = At({0.5f, -3.5f, 0.5f});
+    LightQuery gap = QueryAt({0.5f, -3.5f, 0.5f});
     EXPECT_NEAR(sampler.PMF(gap, LightId(2u)), sampler.PMF(gap, LightId(3u)), 0.02f);
     // On the right only the right lights are seen; the sun is seen only below the wall.
-    LightQuery right = At({3.5f, 3.5f, 0.5f});
+    LightQuery right = QueryAt({3.5f, 3.5f, 0.5f});
     EXPECT_GT(sampler.PMF(right, LightId(1u)), 8 * sampler.PMF(right, LightId(0u)));
     EXPECT_NEAR(sampler.PMF(right, LightId(3u)), sampler.PMF(right, LightId(0u)), 1e-6f);
 }
@@ -123,7 +106,7 @@ TEST(Neepp, AnAreaLightCountsByTheShareOfItThatIsSeen) {
                                             .Add("AreaLightSource 'diffuse'")
                                             .Triangles("-2 3.5 0.1  1 3.5 0.1  1 3.5 0.9  -2 3.5 0.9")
                                             .Triangles("-3.9 3.5 0.1  -3.1 3.5 0.1  -3.1 3.5 0.9  -3.9 3.5 0.9")));
-    NeeppLightSampler sampler(built.scene->Lights(), Params(8, 255));
+    NeeppLightSampler sampler(built.scene->Lights(), {.voxels = 8, .samples = 255});
     PrepareIn(built, sampler);
     std::span<const uint8_t> row = sampler.Row(sampler.Grid().Index({-3.5f, -0.5f, 0.5f}));
     EXPECT_NEAR(sampler.GroupVisibility(row, 0) / sampler.GroupVisibility(row, 1), 2.f / 3, 0.1f);
@@ -131,11 +114,9 @@ TEST(Neepp, AnAreaLightCountsByTheShareOfItThatIsSeen) {
 
 TEST(Neepp, ALightSeenThroughNothingKeepsTheFloor) {
     BuiltScene built = BuildText(Halves(kLights));
-    NeeppParams params = Params(8, 16);
-    params.floor = 0.25f;
-    NeeppLightSampler sampler(built.scene->Lights(), params);
+    NeeppLightSampler sampler(built.scene->Lights(), {.voxels = 8, .samples = 16, .floor = 0.25f});
     PrepareIn(built, sampler);
-    LightQuery left = At({-3.5f, 3.5f, 0.5f});
+    LightQuery left = QueryAt({-3.5f, 3.5f, 0.5f});
     EXPECT_NEAR(sampler.PMF(left, LightId(1u)) / sampler.PMF(left, LightId(0u)), 0.25f, 1e-5f);
 }
 
@@ -144,10 +125,11 @@ TEST(Neepp, OtherSeedsTestOtherSegments) {
     NeeppLightSampler a(built.scene->Lights(), {}), b(built.scene->Lights(), {}), c(built.scene->Lights(), {});
     PrepareIn(built, a);
     PrepareIn(built, b);
-    PrepareIn(built, c, 1);
+    built.seed = 1;
+    PrepareIn(built, c);
     int different = 0;
     for (uint32_t v = 0; v < a.Grid().Size(); v += 7) {
-        LightQuery q = At(a.Grid().PointIn(v, Vector3(0.5f)));
+        LightQuery q = QueryAt(a.Grid().PointIn(v, Vector3(0.5f)));
         EXPECT_EQ(a.PMF(q, LightId(0u)), b.PMF(q, LightId(0u)));
         different += a.PMF(q, LightId(0u)) != c.PMF(q, LightId(0u));
     }
@@ -156,9 +138,9 @@ TEST(Neepp, OtherSeedsTestOtherSegments) {
 
 TEST(Neepp, ReportAndInspectSayWhatIsStored) {
     BuiltScene built = BuildText(Halves(kLights));
-    NeeppLightSampler sampler(built.scene->Lights(), Params(8, 16));
+    NeeppLightSampler sampler(built.scene->Lights(), {.voxels = 8, .samples = 16});
     PrepareIn(built, sampler);
-    sampler.Sample(At({-3.5f, 3.5f, 0.5f}), 0.5f);
+    sampler.Sample(QueryAt({-3.5f, 3.5f, 0.5f}), 0.5f);
     nlohmann::ordered_json report;
     sampler.Report(report);
     EXPECT_EQ(report["voxels"], 512);
@@ -166,7 +148,7 @@ TEST(Neepp, ReportAndInspectSayWhatIsStored) {
     EXPECT_EQ(report["targets"], 4);
     EXPECT_EQ(report["visibilityRays"], 4 * 16);
     std::vector<InspectedValue> values;
-    sampler.Inspect(At({-3.5f, 3.5f, 0.5f}), values);
+    sampler.Inspect(QueryAt({-3.5f, 3.5f, 0.5f}), values);
     ASSERT_EQ(values.size(), 3u);
     EXPECT_EQ(values[1].value, 2);
     EXPECT_NEAR(values[2].value, 0.5, 1e-6);

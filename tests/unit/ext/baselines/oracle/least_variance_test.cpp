@@ -81,7 +81,7 @@ TEST(LeastVariance, NoOtherProbabilitiesAreBetter) {
             double sum = 0;
             Float size = std::pow(Float(10), -2 * rng.Uniform());
             for (double &p : other) {
-                p = std::max(p, 1e-6) * std::exp(static_cast<double>(size * (2 * rng.Uniform() - 1)));
+                p = std::max(p, 1e-6) * std::exp(double(size * (2 * rng.Uniform() - 1)));
                 sum += p;
             }
             for (double &p : other) p /= sum;

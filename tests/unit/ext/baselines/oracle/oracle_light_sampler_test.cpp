@@ -6,9 +6,9 @@
 #include "pbrt/core/counters.h"
 #include "pbrt/core/log.h"
 #include "pbrt/transport/vertex.h"
-#include "plugins.h"
 #include "second_moment.h"
 #include "support/build_text.h"
+#include "support/light_query.h"
 #include "support/scene_text.h"
 
 namespace {
@@ -27,36 +27,25 @@ struct World {
 
     explicit World(const std::string &objects) {
         SetLogLevel(LogLevel::Warning);
-        BuildOptions options;
-        options.renderCoordSys = "world";
         built = test::BuildText(test::SceneText()
+                                    .InWorldSpace()
                                     .LookAt("0 -4 1  0 0 1  0 0 1")
                                     .Camera(60)
                                     .Film(32, 24)
                                     .Samples(4)
-                                    .Integrator("path")
-                                    .World(Objects().Diffuse(".5 .5 .5").Add(objects)),
-                                options);
+                                    .Integrator("path", 3)
+                                    .World(Objects().Diffuse(".5 .5 .5").Add(objects)));
+        built.seed = 5;
     }
     const LightTable &Lights() const { return built.scene->Lights(); }
-    void Prepare(LightSampler &sampler) const {
-        Progress progress;
-        PrepareContext context = built.Preparation(progress);
-        context.seed = 5;
-        context.samplesPerPixel = 4;
-        context.maxDepth = 3;
-        sampler.Prepare(context);
-    }
     std::unique_ptr<OracleLightSampler> Oracle(const OracleParams &params) const {
         auto sampler = std::make_unique<OracleLightSampler>(Lights(), params);
-        Prepare(*sampler);
+        test::PrepareIn(built, *sampler);
         return sampler;
     }
     std::unique_ptr<LightSampler> Named(const std::string &name) const {
-        PluginRegistry registry;
-        RegisterPlugins(registry);
-        std::unique_ptr<LightSampler> sampler = registry.samplers.Find(name).make(ParamSet(), Lights().ByComponent());
-        Prepare(*sampler);
+        std::unique_ptr<LightSampler> sampler = test::MakeLightSampler(name, Lights());
+        test::PrepareIn(built, *sampler);
         return sampler;
     }
 };
@@ -79,10 +68,7 @@ std::string Point(double x, double y, double z, double intensity) {
 const std::string kFloor = Quad("-5 -5 0  5 -5 0  -5 5 0  5 5 0");
 
 LightQuery OnFloor(Float x = 0, Float y = 0) {
-    LightQuery q;
-    q.p = {x, y, 0};
-    q.n = q.ns = {0, 0, 1};
-    q.wo = {0, 0, 1};
+    LightQuery q = test::QueryAt({x, y, 0}, {0, 0, 1});
     q.depth = 1;
     q.pError = Vector3(1e-6f);
     return q;
@@ -101,9 +87,8 @@ TEST(Oracle, PointLightsAreChosenByWhatTheySend) {
     OracleParams params;
     std::unique_ptr<OracleLightSampler> oracle = world.Oracle(params);
     for (uint32_t l = 0; l < 3; ++l) {
-        double expected = (1 - static_cast<double>(params.floor)) * c[l] / total +
-                          static_cast<double>(FloorOf(world, params, OnFloor(), l));
-        EXPECT_NEAR(static_cast<double>(oracle->PMF(OnFloor(), LightId(l))), expected, 1e-4) << l;
+        double expected = (1 - double(params.floor)) * c[l] / total + double(FloorOf(world, params, OnFloor(), l));
+        EXPECT_NEAR(double(oracle->PMF(OnFloor(), LightId(l))), expected, 1e-4) << l;
     }
 }
 
@@ -120,11 +105,7 @@ TEST(Oracle, ALightBehindAWallKeepsTheFloorOnly) {
 TEST(Oracle, HalfHiddenLightIsChosenByTheRootOfTheHalf) {
     // Two equal lamps; seen from the origin, a plate hides the half beyond x = 1 of the second.
     World world(kFloor + LampAbove(-1, 0, 2, 0.02, 10) + LampAbove(1, 0, 2, 0.02, 10) + PlateAbove(0.5, 0.8, -1, 1, 1));
-    OracleParams params;
-    params.samples = 2048;
-    params.floor = 1e-4f;
-    params.mis = false;
-    std::unique_ptr<OracleLightSampler> oracle = world.Oracle(params);
+    std::unique_ptr<OracleLightSampler> oracle = world.Oracle({.samples = 2048, .floor = 1e-4f, .mis = false});
     Float whole = oracle->PMF(OnFloor(), LightId(0u)), half = oracle->PMF(OnFloor(), LightId(1u));
     EXPECT_NEAR(half / whole, std::sqrt(0.5f), 0.01f);
 }
@@ -132,12 +113,8 @@ TEST(Oracle, HalfHiddenLightIsChosenByTheRootOfTheHalf) {
 TEST(Oracle, WhatBsdfSamplingFindsNeedsNoLightSamples) {
     // A lamp that fills most of the sky, and a small one that gives the same irradiance.
     World world(kFloor + LampAbove(0, 0, 1, 5, 1) + LampAbove(0.2, 0, 0.5, 0.02, 500));
-    OracleParams params;
-    params.samples = 256;
-    params.floor = 1e-4f;
-    std::unique_ptr<OracleLightSampler> both = world.Oracle(params);
-    params.mis = false;
-    std::unique_ptr<OracleLightSampler> alone = world.Oracle(params);
+    const std::unique_ptr<OracleLightSampler> both = world.Oracle({.samples = 256, .floor = 1e-4f}),
+                                              alone = world.Oracle({.samples = 256, .floor = 1e-4f, .mis = false});
     EXPECT_LT(both->PMF(OnFloor(), LightId(0u)), alone->PMF(OnFloor(), LightId(0u)) / 2);
 }
 
@@ -174,9 +151,7 @@ TEST(Oracle, WhatScattersDecidesEvenInTheSamePlaceOfMemory) {
     // First a metal, which reflects towards the left or the right lamp depending on the direction of view; then a
     // diffuse surface at the same address.
     World world(kFloor + LampAbove(-1, 0, 1, 0.1, 10) + LampAbove(1, 0, 1, 0.1, 10));
-    OracleParams params;
-    params.mis = false;
-    std::unique_ptr<OracleLightSampler> oracle = world.Oracle(params);
+    std::unique_ptr<OracleLightSampler> oracle = world.Oracle({.mis = false});
     LightQuery q = OnFloor();
     q.wo = Normalize(Vector3(1, 0, 1));
     Bsdf bsdf(q.ns, Vector3(1, 0, 0),
@@ -201,7 +176,7 @@ std::vector<Place> CameraHits(const World &world, int count) {
     std::vector<Place> places;
     Rng rng(8);
     SampledWavelengths lambda = Wavelengths();
-    while (static_cast<int>(places.size()) < count) {
+    while (int(places.size()) < count) {
         CameraSample cs;
         cs.pFilm = rng.Uniform2() * Vector2(world.built.film->FullResolution());
         std::optional<CameraRay> ray = world.built.camera->GenerateRay(cs, lambda);
@@ -241,10 +216,7 @@ TEST_P(OracleAgainst, NoOtherSamplerHasALowerSecondMoment) {
                        Point(0, 0, 3, 2) +
                        "LightSource 'distant' 'point3 from' [ 1 -1 2 ] 'point3 to' [ 0 0 0 ] 'rgb L' [ .3 .3 .3 ]";
     World world(text);
-    OracleParams params;
-    params.mis = mis;
-    params.samples = 64;
-    std::unique_ptr<OracleLightSampler> oracle = world.Oracle(params);
+    std::unique_ptr<OracleLightSampler> oracle = world.Oracle({.samples = 64, .mis = mis});
     std::vector<Place> places = CameraHits(world, 24);
     for (const char *name : {"uniform", "power", "bvh", "exhaustive", "spatial", "neepp", "octree"}) {
         std::unique_ptr<LightSampler> other = world.Named(name);
@@ -255,8 +227,8 @@ TEST_P(OracleAgainst, NoOtherSamplerHasALowerSecondMoment) {
             LightQuery q = LightQueryAt(place, Wavelengths(), 1);
             std::vector<double> ofOracle, ofOther, least(world.Lights().Size());
             for (uint32_t l = 0; l < world.Lights().Size(); ++l) {
-                ofOracle.push_back(static_cast<double>(oracle->PMF(q, LightId(l))));
-                ofOther.push_back(static_cast<double>(other->PMF(q, LightId(l))));
+                ofOracle.push_back(double(oracle->PMF(q, LightId(l))));
+                ofOther.push_back(double(other->PMF(q, LightId(l))));
             }
             if (!LeastVariancePmf(points, least)) continue;
             ++seen;

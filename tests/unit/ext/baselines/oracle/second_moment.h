@@ -23,8 +23,7 @@ inline double SecondMoment(std::span<const LightPoint> points, std::span<const d
     for (size_t l = 0; l < pmf.size(); ++l)
         for (const LightPoint &y : points.subspan(l * perLight, perLight))
             if (y.value > 0)
-                sum += static_cast<double>(y.value) * static_cast<double>(y.value) *
-                       Moment(pmf[l], static_cast<double>(y.ratio)) / static_cast<double>(perLight);
+                sum += double(y.value) * double(y.value) * Moment(pmf[l], double(y.ratio)) / double(perLight);
     return sum;
 }
 

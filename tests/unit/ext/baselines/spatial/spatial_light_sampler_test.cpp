@@ -7,12 +7,14 @@
 #include "pbrt/core/parallel.h"
 #include "support/build_text.h"
 #include "support/errors.h"
+#include "support/light_query.h"
 #include "support/scene_text.h"
 
 namespace {
 
 using namespace ext;
-using pbrt::test::BuildText, pbrt::test::FloorAndCeiling, pbrt::test::Objects, pbrt::test::SceneText;
+using pbrt::test::BuildText, pbrt::test::FloorAndCeiling, pbrt::test::Objects, pbrt::test::QueryAt,
+    pbrt::test::SceneText;
 
 /// The inside of an 8 x 4 x 4 room; the camera stands at the origin, so rendering space is world space.
 std::string Room(const std::string &world) {
@@ -38,26 +40,14 @@ Prepared Prepare(const std::string &text, SpatialParams params = {}, int seed = 
     Prepared r;
     r.built = BuildText(text);
     r.sampler = std::make_unique<SpatialLightSampler>(r.built.scene->Lights(), params);
-    Progress progress;
-    PrepareContext context = r.built.Preparation(progress);
-    context.seed = seed;
-    context.samplesPerPixel = 1;
-    r.sampler->Prepare(context);
+    r.built.seed = seed;
+    test::PrepareIn(r.built, *r.sampler);
     return r;
 }
-LightQuery At(const Point3 &p) {
-    LightQuery q;
-    q.p = p;
-    return q;
-}
-SpatialParams Coarse() {
-    SpatialParams p;
-    p.voxels = 8;
-    return p;
-}
+constexpr SpatialParams kCoarse{.voxels = 8};
 
 TEST(Spatial, ContributionIsEquation3) {
-    Prepared s = Prepare(Room(kLights), Coarse());
+    Prepared s = Prepare(Room(kLights), kCoarse);
     const LightTable &lights = s.built.scene->Lights();
     const VoxelGrid &grid = s.sampler->Grid();
     EXPECT_EQ(grid.Resolution(), glm::ivec3(8, 4, 4));
@@ -70,21 +60,19 @@ TEST(Spatial, ContributionIsEquation3) {
         const int n = 40000;
         Rng rng(8);
         for (int i = 0; i < n; ++i) {
-            LightSampleContext from;
-            from.p = grid.PointIn(voxel, Vector3{rng.Uniform(), rng.Uniform(), rng.Uniform()});
-            mean[1] += 2 / static_cast<double>(DistanceSquared(from.p, {-3, 1, 0})) / n;
-            mean[2] += 7 / static_cast<double>(DistanceSquared(from.p, {3, 1, 0})) / n;
+            const Point3 from = grid.PointIn(voxel, Vector3{rng.Uniform(), rng.Uniform(), rng.Uniform()});
+            mean[1] += 2 / double(DistanceSquared(from, {-3, 1, 0})) / n;
+            mean[2] += 7 / double(DistanceSquared(from, {3, 1, 0})) / n;
             Point3 onQuad(2 * rng.Uniform() - 1, 1.5f, 2 * rng.Uniform() - 1);
-            double d2 = static_cast<double>(DistanceSquared(from.p, onQuad));
-            double cosine = static_cast<double>(std::abs(onQuad.y - from.p.y)) / std::sqrt(d2);
+            double d2 = double(DistanceSquared(from, onQuad));
+            double cosine = double(std::abs(onQuad.y - from.y)) / std::sqrt(d2);
             mean[0] += 5 * 4 * cosine / d2 / n;
             mean[3] += 1.0 / n;
         }
         // The lights scale their spectra, so each is compared with its own radiance straight below it.
         auto unit = [&](uint32_t light, const Point3 &seenFrom, double analytic) {
-            LightSampleContext from;
-            from.p = seenFrom;
-            auto li = lights[LightId(light)].SampleLi(from, {0.5f, 0.5f}, SampledWavelengths::WholeRange(), true);
+            auto li =
+                lights[LightId(light)].SampleLi({.p = seenFrom}, {0.5f, 0.5f}, SampledWavelengths::WholeRange(), true);
             return RootMeanSquare(li->L) / analytic;
         };
         double point = unit(2, {-3, 0, 0}, 2), other = unit(3, {3, 0, 0}, 7), area = unit(0, {0, 0, 0}, 5);
@@ -97,15 +85,13 @@ TEST(Spatial, ContributionIsEquation3) {
 }
 
 TEST(Spatial, ProbabilityIsTheContributionOverItsSumWithAFloor) {
-    SpatialParams params = Coarse();
-    params.floor = 0.3f;
-    Prepared s = Prepare(Room(kLights), params);
+    Prepared s = Prepare(Room(kLights), {.voxels = 8, .floor = 0.3f});
     Point3 p(-3.5f, 0.5f, 0.5f);
     std::vector<double> f = s.sampler->UnshadowedContributions(s.sampler->Grid().Index(p));
     double floor = 0.3 * std::accumulate(f.begin(), f.end(), 0.0) / 4, sum = 0;
     EXPECT_LT(*std::min_element(f.begin(), f.end()), floor);
     for (double &v : f) sum += v = std::max(v, floor);
-    auto pmf = [&](uint32_t light) { return static_cast<double>(s.sampler->PMF(At(p), LightId(light))); };
+    auto pmf = [&](uint32_t light) { return double(s.sampler->PMF(QueryAt(p), LightId(light))); };
     EXPECT_NEAR(pmf(0) + pmf(1), f[0] / sum, 1e-6);
     EXPECT_NEAR(pmf(0), pmf(1), 1e-6);
     for (uint32_t i = 1; i < 4; ++i) EXPECT_NEAR(pmf(i + 1), f[i] / sum, 1e-6);
@@ -113,20 +99,20 @@ TEST(Spatial, ProbabilityIsTheContributionOverItsSumWithAFloor) {
 
 TEST(Spatial, ALightThatGivesNothingKeepsAThousandthOfTheMean) {
     std::string spot = R"(LightSource "spot" "point3 from" [ 0 3 0 ] "point3 to" [ 0 9 0 ] "rgb I" [ 100 100 100 ])";
-    Prepared s = Prepare(Room(kLights + spot), Coarse());
+    Prepared s = Prepare(Room(kLights + spot), kCoarse);
     for (const Point3 &p : {Point3(-3.5f, 0.5f, 0.5f), Point3(0.5f), Point3(3, -1, -1)}) {
         std::vector<double> f = s.sampler->UnshadowedContributions(s.sampler->Grid().Index(p));
         EXPECT_EQ(f[4], 0);
-        EXPECT_NEAR(s.sampler->PMF(At(p), LightId(5u)), 0.001f / 5 / 1.001f, 3e-6f);
+        EXPECT_NEAR(s.sampler->PMF(QueryAt(p), LightId(5u)), 0.001f / 5 / 1.001f, 3e-6f);
     }
 }
 
 TEST(Spatial, NeitherNormalsNorOccludersMatter) {
     // A wall between the halves, which does not enlarge the bounds.
     std::string wall = R"(Shape "bilinearmesh" "point3 P" [ 0 -2 -2  0 2 -2  0 -2 2  0 2 2 ])";
-    Prepared open = Prepare(Room(kLights), Coarse());
-    Prepared walled = Prepare(Room(wall + "\n" + kLights), Coarse());
-    LightQuery q = At({-2, -1, 0.5f}), turned = q;
+    Prepared open = Prepare(Room(kLights), kCoarse);
+    Prepared walled = Prepare(Room(wall + "\n" + kLights), kCoarse);
+    LightQuery q = QueryAt({-2, -1, 0.5f}), turned = q;
     turned.n = turned.ns = Normal3(0, 0, 1);
     for (uint32_t i = 0; i < 5; ++i) {
         EXPECT_EQ(open.sampler->PMF(q, LightId(i)), walled.sampler->PMF(q, LightId(i)));
@@ -135,11 +121,11 @@ TEST(Spatial, NeitherNormalsNorOccludersMatter) {
 }
 
 TEST(Spatial, AVoxelDependsOnTheVoxelAndTheSeedOnly) {
-    Prepared a = Prepare(Room(kLights), Coarse()), b = Prepare(Room(kLights), Coarse());
-    Prepared other = Prepare(Room(kLights), Coarse(), 1);
+    Prepared a = Prepare(Room(kLights), kCoarse), b = Prepare(Room(kLights), kCoarse);
+    Prepared other = Prepare(Room(kLights), kCoarse, 1);
     const VoxelGrid &grid = a.sampler->Grid();
-    const auto n = static_cast<int64_t>(grid.Size());
-    auto place = [&](int64_t i) { return At(grid.PointIn(static_cast<uint32_t>(i), Vector3(0.5f))); };
+    const auto n = int64_t(grid.Size());
+    auto place = [&](int64_t i) { return QueryAt(grid.PointIn(uint32_t(i), Vector3(0.5f))); };
     {
         ThreadLimit limit(4);
         ParallelFor(n, 1, [&](int64_t begin, int64_t end) {
@@ -158,22 +144,23 @@ TEST(Spatial, AVoxelDependsOnTheVoxelAndTheSeedOnly) {
 TEST(Spatial, OnlyVoxelsThatAreAskedAreFilled) {
     Prepared s = Prepare(Room(kLights));
     EXPECT_EQ(s.sampler->Grid().Resolution(), glm::ivec3(64, 32, 32));
-    s.sampler->Sample(At({1, 1, 1}), 0.3f);
-    s.sampler->PMF(At({1, 1, 1}), LightId(2u));
-    s.sampler->Sample(At({-100, 0, 0}), 0.3f);  // a point outside of the grid takes the nearest voxel
+    s.sampler->Sample(QueryAt({1, 1, 1}), 0.3f);
+    s.sampler->PMF(QueryAt({1, 1, 1}), LightId(2u));
+    s.sampler->Sample(QueryAt({-100, 0, 0}), 0.3f);  // a point outside of the grid takes the nearest voxel
     nlohmann::ordered_json report;
     s.sampler->Report(report);
     EXPECT_EQ(report["voxelsFilled"], 2);
     EXPECT_EQ(report["voxels"], 64 * 32 * 32);
-    EXPECT_EQ(s.sampler->PMF(At({-100, 0, 0}), LightId(0u)), s.sampler->PMF(At({-3.99f, 0.01f, 0.01f}), LightId(0u)));
+    EXPECT_EQ(s.sampler->PMF(QueryAt({-100, 0, 0}), LightId(0u)),
+              s.sampler->PMF(QueryAt({-3.99f, 0.01f, 0.01f}), LightId(0u)));
     test::ExpectWords(s.sampler->DescribeStructure(), {"2 of 65536 voxels"});
 }
 
 TEST(Spatial, InspectNamesTheStrongestLight) {
-    Prepared s = Prepare(Room(kLights), Coarse());
+    Prepared s = Prepare(Room(kLights), kCoarse);
     auto inspect = [&](const Point3 &p) {
         std::vector<InspectedValue> v;
-        s.sampler->Inspect(At(p), v);
+        s.sampler->Inspect(QueryAt(p), v);
         return v;
     };
     std::vector<InspectedValue> left = inspect({-3, 0.5f, 0.1f}), right = inspect({3, 0.5f, 0.1f});

@@ -1,7 +1,6 @@
 #include <signal.h>
 #include <sys/stat.h>
 
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -10,6 +9,7 @@
 #include <sstream>
 #include <thread>
 
+#include "support/errors.h"
 #include "unit/pbrt/cmd/pbrt/program.h"
 
 namespace pbrt::test {
@@ -47,19 +47,16 @@ const std::string kSmall = "--samplers uniform,power --spp 4 --seeds 2 --referen
 TEST_F(Lightlab, ComparesAndPrintsATable) {
     const Outcome o = Run("scene.pbrt " + kSmall);
     ASSERT_EQ(o.status, 0) << o.err;
-    for (const char *part : {"sampler", "relL2", "speed-up", "uniform", "power", "reference 0", "bias"})
-        EXPECT_TRUE(Has(o.out, part)) << part << "\n" << o.out;
+    ExpectWords(o.out, {"sampler", "relL2", "speed-up", "uniform", "power", "reference 0", "bias"});
     const nlohmann::json r = Results("scene-lab");
     EXPECT_EQ(r.at("scene"), "scene.pbrt");
     EXPECT_TRUE(Has(r.at("commandLine"), "--reference-spp 32"));
     EXPECT_EQ(r.at("samplers").size(), 2u);
     const std::string csv = Read("scene-lab/results.csv"), rounds = Read("scene-lab/rounds.csv");
-    EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 3);
-    EXPECT_EQ(std::count(rounds.begin(), rounds.end(), '\n'), 1 + 2 * 2 * 3);
-    const std::string header = csv.substr(0, csv.find('\n'));
-    for (const std::string &line :
-         {csv.substr(header.size() + 1, csv.find('\n', header.size() + 1) - header.size() - 1)})
-        EXPECT_EQ(std::count(line.begin(), line.end(), ','), std::count(header.begin(), header.end(), ','));
+    EXPECT_EQ(CountOf(csv, "\n"), 3u);
+    EXPECT_EQ(CountOf(rounds, "\n"), 1u + 2 * 2 * 3);
+    const size_t header = csv.find('\n'), row = csv.find('\n', header + 1);
+    EXPECT_EQ(CountOf(csv.substr(0, row), ","), 2 * CountOf(csv.substr(0, header), ","));
 }
 
 TEST_F(Lightlab, WorksWithEveryIntegratorThatSamplesLights) {
@@ -246,10 +243,9 @@ TEST_F(Lightlab, NumbersOutOfRangeAreShownWhereTheyWereWritten) {
 TEST_F(Lightlab, HelpNamesEveryFlag) {
     const Outcome o = Run("--help");
     EXPECT_EQ(o.status, 0);
-    for (const char *name : {"--samplers", "--samplers-file", "--time", "--spp", "--seeds", "--direct", "--maxdepth",
-                             "--divisor", "--reference", "--reference-spp", "--cache", "--out", "--crops", "--restart",
-                             "--samples-from", "--nthreads", "--quiet", "inspect"})
-        EXPECT_TRUE(Has(o.out, name)) << name;
+    ExpectWords(o.out, {"--samplers", "--samplers-file", "--time", "--spp", "--seeds", "--direct", "--maxdepth",
+                        "--divisor", "--reference", "--reference-spp", "--cache", "--out", "--crops", "--restart",
+                        "--samples-from", "--nthreads", "--quiet", "inspect"});
     EXPECT_EQ(Run("inspect --help").status, 0);
     EXPECT_TRUE(Run("--version").out.starts_with("pbrt_octree "));
     ExpectErrors({{"scene.pbrt --sppp 3", {"unknown flag --sppp; did you mean --spp?"}},
@@ -260,20 +256,17 @@ TEST_F(Lightlab, HelpNamesEveryFlag) {
 }
 
 TEST_F(Lightlab, MissingScriptsCostTheReportOnly) {
-    const std::string arguments = "scene.pbrt --samplers uniform --spp 1 --seeds 1 --reference-spp 8 --out ";
-    setenv("LIGHTLAB_REPORT_SCRIPTS", Path("nowhere").c_str(), 1);
-    const Outcome o = Run(arguments + "one");
-    unsetenv("LIGHTLAB_REPORT_SCRIPTS");
-    EXPECT_EQ(o.status, 0);
-    EXPECT_TRUE(Has(o.err, "charts.py is missing")) << o.err;
-    EXPECT_TRUE(Exists("one/results.json"));
-    setenv("LIGHTLAB_PYTHON", "/nonexistent/python", 1);
-    const Outcome p = Run(arguments + "two");
-    unsetenv("LIGHTLAB_PYTHON");
-    EXPECT_EQ(p.status, 0);
-    EXPECT_TRUE(Has(p.err, "/nonexistent/python")) << p.err;
-    EXPECT_TRUE(Has(p.err, "not started")) << p.err;
-    EXPECT_TRUE(Exists("two/results.json"));
+    const auto expectNoReport = [&](const std::string &out, const char *variable, const std::string &value,
+                                    const std::vector<std::string> &words) {
+        setenv(variable, value.c_str(), 1);
+        const Outcome o = Run("scene.pbrt --samplers uniform --spp 1 --seeds 1 --reference-spp 8 --out " + out);
+        unsetenv(variable);
+        EXPECT_EQ(o.status, 0);
+        ExpectWords(o.err, words);
+        EXPECT_TRUE(Exists(out + "/results.json"));
+    };
+    expectNoReport("one", "LIGHTLAB_REPORT_SCRIPTS", Path("nowhere"), {"charts.py is missing"});
+    expectNoReport("two", "LIGHTLAB_PYTHON", "/nonexistent/python", {"/nonexistent/python", "not started"});
 }
 
 TEST_F(Lightlab, AScriptEndsWithIt) {
@@ -328,9 +321,8 @@ TEST_F(Lightlab, SeveralScenesMakeOneTableAndAPage) {
     const Outcome o = Run(scenes + kSmall);
     ASSERT_EQ(o.status, 0) << o.err;
     const std::string table = o.out.substr(o.out.rfind("All scenes"));
-    for (const char *part :
-         {"\nscene ", "\nscene-2 ", "\nb<2> ", "uniform", "power", "\nover uniform ", "4 samples per pixel"})
-        EXPECT_TRUE(Has(table, part)) << part << "\n" << table;
+    ExpectWords(table,
+                {"\nscene ", "\nscene-2 ", "\nb<2> ", "uniform", "power", "\nover uniform ", "4 samples per pixel"});
     EXPECT_TRUE(Has(o.err, "Wrote scenes-lab/index.html."));
     const nlohmann::json all = nlohmann::json::parse(Read("scenes-lab/scenes.json"));
     ASSERT_EQ(all["scenes"].size(), 3u);
@@ -344,9 +336,8 @@ TEST_F(Lightlab, SeveralScenesMakeOneTableAndAPage) {
     }
     EXPECT_TRUE(Has(table.substr(table.find("over uniform")), fmt::format("{:.3g}\n", std::cbrt(product)))) << table;
     const std::string csv = Read("scenes-lab/scenes.csv"), page = Read("scenes-lab/index.html");
-    EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 3 * 2);
-    for (const char *part : {"href=\"scene/results.json\"", "src=\"b&lt;2&gt;/reference-0.png\"", "<tfoot>"})
-        EXPECT_TRUE(Has(page, part)) << part;
+    EXPECT_EQ(CountOf(csv, "\n"), 1u + 3 * 2);
+    ExpectWords(page, {"href=\"scene/results.json\"", "src=\"b&lt;2&gt;/reference-0.png\"", "<tfoot>"});
     EXPECT_FALSE(Has(page, "b<2>"));
     // The same command renders nothing again.
     const Outcome again = Run(scenes + kSmall);

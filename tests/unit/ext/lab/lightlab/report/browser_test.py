@@ -24,21 +24,24 @@ from selenium.webdriver.common.by import By  # noqa: E402
 from selenium.webdriver.support.ui import WebDriverWait  # noqa: E402
 
 
-def start_browser(profile):
-    return browser.start(profile, "1300,1400", ["browser", "performance"])
-
-
-class Page(unittest.TestCase):
+class InBrowser(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         holder = tempfile.TemporaryDirectory()
         cls.addClassCleanup(holder.cleanup)
-        cls.out = pathlib.Path(holder.name) / "out"
+        cls.folder = pathlib.Path(holder.name)
+        cls.driver = browser.start(cls.folder / "profile", "1300,1400", ["browser", "performance"])
+        cls.addClassCleanup(cls.driver.quit)
+
+
+class Page(InBrowser):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.out = cls.folder / "out"
         cls.results = synthetic.make(cls.out)
         for script in ("charts.py", "report.py"):
             subprocess.run([sys.executable, SCRIPTS / script, cls.out], check=True, stdout=subprocess.DEVNULL)
-        cls.driver = start_browser(f"{holder.name}/profile")
-        cls.addClassCleanup(cls.driver.quit)
 
     def setUp(self):
         self.driver.get("about:blank")
@@ -48,7 +51,7 @@ class Page(unittest.TestCase):
         self.stops = 0
         self.stage = self.find("#stage")
         # The stage must be wholly visible, because WebDriver measures from the middle of the visible part.
-        self.js("arguments[0].scrollIntoView({block: 'center'})", self.stage)
+        self.center(self.stage)
 
     def tearDown(self):
         # Only these tests read pixels back, about which the browser warns.
@@ -67,8 +70,15 @@ class Page(unittest.TestCase):
     def find(self, selector):
         return self.driver.find_element(By.CSS_SELECTOR, selector)
 
+    def find_all(self, selector):
+        return self.driver.find_elements(By.CSS_SELECTOR, selector)
+
     def js(self, code, *arguments):
         return self.driver.execute_script("return " + code, *arguments)
+
+    def center(self, element):
+        self.js("arguments[0].scrollIntoView({block: 'center', inline: 'center'})", element)
+        return element
 
     def clips(self):
         return [self.js("getComputedStyle(document.getElementById(arguments[0])).clipPath", f"layer-{side}")
@@ -138,6 +148,15 @@ class Page(unittest.TestCase):
         self.driver.execute_cdp_cmd("Input.dispatchKeyEvent", {
             "type": "keyDown", "code": code, "key": "!" if shift else code[-1], "modifiers": 8 if shift else 0})
 
+    def expect(self, **names):
+        """These pictures are shown, by side."""
+        for side, name in names.items():
+            self.assertEqual(self.shown(side), name)
+
+    def after(self, *keys, **names):
+        self.press(*keys)
+        self.expect(**names)
+
     def colour_at(self, fraction):
         """The colour on the screen at this fraction of the stage's width and a quarter of its height."""
         from matplotlib import pyplot as plt
@@ -172,7 +191,7 @@ class Page(unittest.TestCase):
         self.press("1")
         self.press_code("Digit2", shift=True)
         red, green = (200, 30), (30, 160)
-        self.assertEqual((self.shown("right"), self.shown("left")), ("uniform/result", "power/result"))
+        self.expect(right="uniform/result", left="power/result")
         self.assert_colour(0.70, red)
         self.assert_colour(0.30, green)
         self.drag(self.find("#wipe"), self.stage.size["width"] // 4, 0)
@@ -214,43 +233,30 @@ class Page(unittest.TestCase):
     def test_KeysAndListsChooseThePictures(self):
         self.assertEqual(self.shown("right"), "octree/result", "it starts with the winner on the right")
         self.assertNotEqual(self.shown("left"), "octree/result")
-        self.press("3")
-        self.assertEqual(self.shown("right"), "bvh/result")
+        self.after("3", right="bvh/result")
         left = self.shown("left")
-        self.press("e")
-        self.assertEqual(self.shown("right"), "bvh/error")
+        self.after("e", right="bvh/error")
         self.assertEqual(self.find("#show-error").get_attribute("aria-pressed"), "true")
-        self.press("e")
-        self.assertEqual(self.shown("left"), left)
+        self.after("e", left=left)
         self.press_code("Digit2", shift=True)
-        self.assertEqual((self.shown("left"), self.shown("right")), ("power/result", "bvh/result"))
-        self.press("r")
-        self.assertEqual(self.shown("right"), "reference/result")
-        self.press("r")
-        self.assertEqual(self.shown("right"), "bvh/result")
-        self.press(Keys.SHIFT, "r")
-        self.assertEqual(self.shown("left"), "reference/result")
-        self.press(Keys.ARROW_RIGHT)
-        self.assertEqual(self.shown("right"), "neepp/result")
+        self.expect(left="power/result", right="bvh/result")
+        self.after("r", right="reference/result")
+        self.after("r", right="bvh/result")
+        self.after(Keys.SHIFT, "r", left="reference/result")
+        self.after(Keys.ARROW_RIGHT, right="neepp/result")
         self.assertIn("biased", self.find("#name-right").text)
         self.press(Keys.ARROW_LEFT)
-        self.press(Keys.ARROW_LEFT)
-        self.assertEqual(self.shown("right"), "power/result")
-        self.press(Keys.SHIFT, Keys.ARROW_RIGHT)
-        self.assertEqual(self.shown("left"), "uniform/result")
-        self.press("x")
-        self.assertEqual((self.shown("left"), self.shown("right")), ("power/result", "uniform/result"))
-        self.press("9")
-        self.assertEqual(self.shown("right"), "uniform/result")
+        self.after(Keys.ARROW_LEFT, right="power/result")
+        self.after(Keys.SHIFT, Keys.ARROW_RIGHT, left="uniform/result")
+        self.after("x", left="power/result", right="uniform/result")
+        self.after("9", right="uniform/result")
         self.find("#pick-left option:nth-child(4)").click()
-        self.assertEqual(self.shown("left"), "bvh/result")
+        self.expect(left="bvh/result")
 
     def test_CropOpensInTheViewer(self):
         fitted = self.transforms()[0]
-        button = self.find('#crops button[aria-label^="crop b, power, error"]')
-        self.js("arguments[0].scrollIntoView({block: 'center'})", button)
-        button.click()
-        self.assertEqual(self.shown("right"), "power/error")
+        self.center(self.find('#crops button[aria-label^="crop b, power, error"]')).click()
+        self.expect(right="power/error")
         left, right = self.transforms()
         self.assertEqual(left, right)
         self.assertGreater(left[0], 2 * fitted[0])
@@ -271,19 +277,16 @@ class Page(unittest.TestCase):
         self.check_pixels(crop, "bvh/result.hdr", 0, 10, 20)
         before = self.colour_at(0.7)
         self.set_exposure(-2)
-        self.assertEqual(self.shown("right"), "bvh/result")
+        self.expect(right="bvh/result")
         self.shown("left")
         self.check_pixels(crop, "bvh/result.hdr", -2, 10, 20)
         self.assertIn("2 stops", self.find("#stops").text)
         self.assertLess(self.colour_at(0.7)[2], 0.7 * before[2])
         # The exposure also changes a picture that was hidden meanwhile; pictures of errors have none.
-        self.press("2")
-        self.assertEqual(self.shown("right"), "power/result")
-        self.press("e")
-        self.assertEqual(self.shown("right"), "power/error")
+        self.after("2", right="power/result")
+        self.after("e", right="power/error")
         self.set_exposure(3)
-        self.press("e")
-        self.assertEqual(self.shown("right"), "power/result")
+        self.after("e", right="power/result")
 
     def test_ExposureByKeys(self):
         self.press("b")
@@ -302,9 +305,9 @@ class Page(unittest.TestCase):
         slider = self.find("#exposure")
         slider.send_keys(Keys.ARROW_RIGHT)
         self.stops = 0.5
-        self.assertEqual(self.shown("right"), right)
+        self.expect(right=right)
         slider.send_keys("3")
-        self.assertEqual(self.shown("right"), "bvh/result")
+        self.expect(right="bvh/result")
         for _ in range(30):
             slider.send_keys("d")
         self.assertEqual(self.find("#stops").text, "\u221212 stops")
@@ -315,7 +318,7 @@ class Page(unittest.TestCase):
             s for s in self.results["samplers"] if s["label"] == label)
         files = {v["name"]: v["file"] for v in entry["views"]["layers"]}
         names = []
-        for button in self.driver.find_elements(By.CSS_SELECTOR, f'#inside .view[data-label="{label}"] button'):
+        for button in self.find_all(f'#inside .view[data-label="{label}"] button'):
             names.append(button.get_attribute("data-view"))
             image = button.find_element(By.CSS_SELECTOR, "img")
             self.assertEqual(self.js("[arguments[0].naturalWidth, arguments[0].naturalHeight]", image),
@@ -327,7 +330,7 @@ class Page(unittest.TestCase):
         return names
 
     def test_EverySamplerIsInspected(self):
-        rows = [r.get_attribute("data-label") for r in self.driver.find_elements(By.CSS_SELECTOR, "#inside .view")]
+        rows = [r.get_attribute("data-label") for r in self.find_all("#inside .view")]
         self.assertEqual(rows, ["the scene", *synthetic.SAMPLERS])
         self.assertEqual(self.views_in("the scene"), ["brightest", "visibility.12"])
         self.assertEqual(self.views_in("bvh"), ["entropy", "brightest_probability"])
@@ -348,56 +351,44 @@ class Page(unittest.TestCase):
         self.assertTrue(self.find('nav a[href="#inside"]').is_displayed())
 
     def test_ViewOpensInTheViewerBesideItsPicture(self):
-        button = self.find('#inside .view[data-label="octree"] button[data-view="sampler.leaf"]')
-        self.js("arguments[0].scrollIntoView({block: 'center'})", button)
-        button.click()
-        self.assertEqual((self.shown("left"), self.shown("right")), ("octree/result", "octree/sampler.leaf"))
+        self.center(self.find('#inside .view[data-label="octree"] button[data-view="sampler.leaf"]')).click()
+        self.expect(left="octree/result", right="octree/sampler.leaf")
         self.assertEqual(self.find("#show-view").get_attribute("aria-pressed"), "true")
         self.assertIn("leaf", self.find("#name-right").text)
         box = self.js("(r => [r.top, r.bottom, innerHeight])(arguments[0].getBoundingClientRect())", self.stage)
         self.assertTrue(box[0] >= -1 and box[1] <= box[2] + 1, "the stage must be in sight")
         # Another sampler has no leaves, so its result is shown.
-        self.press("3")
-        self.assertEqual(self.shown("right"), "bvh/result")
+        self.after("3", right="bvh/result")
         left, right = self.transforms()
         self.assertEqual(left, right)
 
     def test_LooksChangeByKey(self):
         self.press_code("Digit3", shift=True)
         self.press("2")
-        both = lambda: (self.shown("left"), self.shown("right"))  # noqa: E731
-        self.press("v")
-        self.assertEqual(both(), ("bvh/entropy", "power/entropy"))
+        self.after("v", left="bvh/entropy", right="power/entropy")
         self.assertIn("3.25", self.find("#name-right").text)
+        self.after("v", left="bvh/brightest_probability", right="power/brightest_probability")
+        self.after(Keys.SHIFT, "v", left="bvh/result", right="power/brightest_probability")
+        self.after("e", left="bvh/error", right="power/error")
         self.press("v")
-        self.assertEqual(both(), ("bvh/brightest_probability", "power/brightest_probability"))
-        self.press(Keys.SHIFT, "v")
-        self.assertEqual(both(), ("bvh/result", "power/brightest_probability"))
-        self.press("e")
-        self.assertEqual(both(), ("bvh/error", "power/error"))
-        self.press("v")
-        self.press("x")
-        self.assertEqual(both(), ("power/entropy", "bvh/entropy"))
-        self.press("r")
-        self.assertEqual(self.shown("right"), "reference/result")
+        self.after("x", left="power/entropy", right="bvh/entropy")
+        self.after("r", right="reference/result")
         self.find("#show-view").click()
         self.assertEqual(self.find("#show-error").get_attribute("aria-pressed"), "false")
 
     def test_ParametersAreNamesAndValues(self):
         self.find("#details > summary").click()
-        details = next(d for d in self.driver.find_elements(By.CSS_SELECTOR, "#details details")
+        details = next(d for d in self.find_all("#details details")
                        if d.find_element(By.CSS_SELECTOR, "summary").text == "octree:leaves=512")
         details.find_element(By.CSS_SELECTOR, "summary").click()
         self.assertEqual([v.text for v in details.find_elements(By.CSS_SELECTOR, ".parameters li")], ["leaves=512"])
         self.assertNotIn("{", details.text)
 
     def order(self):
-        return [r.get_attribute("data-label") for r in self.driver.find_elements(By.CSS_SELECTOR, "#summary tbody tr")]
+        return [r.get_attribute("data-label") for r in self.find_all("#summary tbody tr")]
 
     def click_heading(self, key):
-        button = self.find(f'#summary th[data-key="{key}"] button')
-        self.js("arguments[0].scrollIntoView({block: 'center', inline: 'center'})", button)
-        button.click()
+        self.center(self.find(f'#summary th[data-key="{key}"] button')).click()
         return self.find(f'#summary th[data-key="{key}"]').get_attribute("aria-sort")
 
     def values(self, value):
@@ -430,7 +421,7 @@ class Page(unittest.TestCase):
         row = self.find('#summary tr[data-label="neepp"]')
         self.assertIn("biased", row.text)
         self.assertEqual(row.find_elements(By.CSS_SELECTOR, ".win, .best"), [])
-        self.assertEqual(len(self.driver.find_elements(By.CSS_SELECTOR, "#summary .win")), 1)
+        self.assertEqual(len(self.find_all("#summary .win")), 1)
 
     def test_TextIsReadableInLightAndDark(self):
         papers = []
@@ -448,8 +439,7 @@ class Page(unittest.TestCase):
         self.assertLess(luminance(papers[1]), 0.1)
 
     def test_PointingAtARowLightsItsCurves(self):
-        row = self.find('#summary tr[data-label="octree"] td')
-        self.js("arguments[0].scrollIntoView({block: 'center'})", row)
+        row = self.center(self.find('#summary tr[data-label="octree"] td'))
         ActionChains(self.driver).move_to_element(row).perform()
         lit = self.js("[...document.querySelectorAll('.chart svg .lit')].map((e) => e.id)")
         self.assertIn("c0-line-4", lit)
@@ -475,32 +465,19 @@ Shape "bilinearmesh" "point3 P" [ 3 -3 .01  -3 -3 .01  3 4 .01  -3 4 .01 ]
 
 
 @unittest.skipUnless(os.environ.get("LIGHTLAB"), "LIGHTLAB does not name the program")
-class Program(unittest.TestCase):
+class Program(InBrowser):
     """Tests the page of a real run."""
-    @classmethod
-    def setUpClass(cls):
-        holder = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(holder.cleanup)
-        cls.folder = pathlib.Path(holder.name)
-        (cls.folder / "room.pbrt").write_text(ROOM)
-        cls.driver = start_browser(f"{holder.name}/profile")
-        cls.addClassCleanup(cls.driver.quit)
-
-    def lightlab(self, *arguments):
-        environment = {**os.environ, "XDG_CACHE_HOME": str(self.folder / "cache"),
-                       "LIGHTLAB_REPORT_SCRIPTS": str(SCRIPTS)}
-        done = subprocess.run([os.environ["LIGHTLAB"], *arguments], cwd=self.folder, env=environment,
-                              capture_output=True, text=True)
-        self.assertEqual(done.returncode, 0, done.stderr)
-
-    def open(self, page):
-        self.driver.get((self.folder / page).as_uri())
-        self.assertEqual([e for e in self.driver.get_log("browser") if e["level"] in ("SEVERE", "WARNING")], [])
 
     def test_ReportShowsTheRoomAndNotItsWindow(self):
-        self.lightlab("room.pbrt", "--samplers", "uniform,power", "--spp", "4", "--seeds", "2", "--reference-spp", "64",
-                      "--out", "out")
-        self.open("out/report.html")
+        (self.folder / "room.pbrt").write_text(ROOM)
+        environment = {**os.environ, "XDG_CACHE_HOME": str(self.folder / "cache"),
+                       "LIGHTLAB_REPORT_SCRIPTS": str(SCRIPTS)}
+        done = subprocess.run([os.environ["LIGHTLAB"], "room.pbrt", "--samplers", "uniform,power", "--spp", "4", "--seeds",
+                               "2", "--reference-spp", "64", "--out", "out"], cwd=self.folder, env=environment,
+                              capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.driver.get((self.folder / "out/report.html").as_uri())
+        self.assertEqual([e for e in self.driver.get_log("browser") if e["level"] in ("SEVERE", "WARNING")], [])
         canvas = '#layer-left canvas.shown'
         WebDriverWait(self.driver, 10).until(
             lambda d: d.execute_script("return document.querySelector(arguments[0])?.dataset.painted", canvas) == "0")

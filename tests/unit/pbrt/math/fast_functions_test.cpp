@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "pbrt/math/rng.h"
 
 namespace pbrt {
@@ -10,7 +12,7 @@ namespace {
 TEST(Trigonometry, EighthsOfATurnAreWithinTheirBound) {
     double sine = 0, cosine = 0;
     for (int i = -(1 << 22); i <= 1 << 22; ++i) {
-        const Float x = static_cast<Float>(i) * 0x1p-22f;
+        const Float x = Float(i) * 0x1p-22f;
         const SineCosine got = SineCosineOfEighth(x);
         const double angle = M_PI / 4 * double(x);
         if (i != 0) sine = std::max(sine, std::abs(double(got.sin) / std::sin(angle) - 1));
@@ -23,7 +25,7 @@ TEST(Trigonometry, EighthsOfATurnAreWithinTheirBound) {
 TEST(Trigonometry, TurnsAreWithinTheirBound) {
     double error = 0;
     for (int i = 0; i <= 1 << 23; ++i) {
-        const Float u = static_cast<Float>(i) * 0x1p-23f;
+        const Float u = Float(i) * 0x1p-23f;
         const SineCosine got = SineCosineOfTurn(u);
         const double angle = 2 * M_PI * double(u);
         error =
@@ -51,6 +53,35 @@ TEST(Trigonometry, ArcTangentIsWithinItsBound) {
     EXPECT_EQ(ArcTangent2(0, 2), 0);
     EXPECT_EQ(ArcTangent2(0, -2), Pi);
     EXPECT_NEAR(ArcTangent2(3, 0), Pi / 2, 1e-6);
+}
+
+TEST(Exponential, IsWithinItsBound) {
+    double worst = 0;
+    const auto check = [&](Float x) {
+        const double exact = std::exp(-double(x));
+        worst = std::max(worst, std::abs(double(ExpOfMinus(x)) / exact - 1));
+    };
+    for (Float x = 1e-12f; x < 86; x *= 1.00002f) check(x);
+    Rng rng(3);
+    for (int i = 0; i < 1000000; ++i) check(86 * rng.Uniform());
+    EXPECT_LT(worst, 2e-7);
+    EXPECT_EQ(ExpOfMinus(0), 1);
+    EXPECT_EQ(ExpOfMinus(87), 0);
+    EXPECT_EQ(ExpOfMinus(std::numeric_limits<Float>::infinity()), 0);
+    EXPECT_GT(ExpOfMinus(86.5f), 0);
+}
+
+TEST(Exponential, DepthsAreWithinTheirBound) {
+    double worst = 0;
+    Rng rng(5);
+    for (int i = 0; i < 1000000; ++i) {
+        const Float u = std::max(rng.Uniform() * std::exp2(-Float(i % 32)), 0x1p-32f);
+        const double exact = -std::log1p(-double(u));
+        worst = std::max(worst, std::abs(double(DepthThatTakes(u)) / exact - 1));
+    }
+    EXPECT_LT(worst, 5e-7);
+    EXPECT_EQ(DepthThatTakes(0), 0);
+    EXPECT_TRUE(std::isfinite(DepthThatTakes(OneMinusEpsilon)));
 }
 
 }  // namespace

@@ -8,11 +8,6 @@ namespace {
 /// A ball of radius 1 that is filled with a medium.
 std::string Ball(const std::string &medium) { return NamedMedium(medium) + FilledWith() + "Shape 'sphere'\n"; }
 
-/// A black wall of radiance 1 before the camera.
-std::string GlowingWall() {
-    return Objects().AreaLight("1 1 1").Diffuse("0 0 0").Quad("-2 -2 1  2 -2 1  -2 2 1  2 2 1");
-}
-
 /// A grid of 3 x 4 x 2 densities in the box around the ball; `values` for each density.
 std::string Grid(const std::string &type, const std::string &name, int values) {
     std::string text = "'string type' '" + type +

@@ -58,7 +58,7 @@ TEST_F(NanoVdbMedium, ValuesAreThoseOfTheVoxels) {
                                 box.min()[1] + int(rng.UniformInt(uint32_t(box.dim()[1]))),
                                 box.min()[2] + int(rng.UniformInt(uint32_t(box.dim()[2]))));
         const nanovdb::Vec3d world = grid->indexToWorld(nanovdb::Vec3d(at[0], at[1], at[2]));
-        const Point3 p(Float(world[0]), Float(world[1]), Float(world[2]));
+        const Point3 p{Float(world[0]), Float(world[1]), Float(world[2])};
         const Float value = accessor.getValue(at);
         inside += value > 0;
         EXPECT_NEAR(medium->At(place.Point(p), kLambda).absorption[0], value, 1e-3f);

@@ -72,18 +72,16 @@ TEST(Lobes, SamplesFollowTheirDensity) {
         for (const Vector3 &wo : Views())
             for (ReflTransFlags which : SidesOf(lobe)) {
                 auto draw = [&](Rng &rng) { return DirectionOf(SampleSides(lobe, wo, rng, kRadiance, which)); };
-                return s->wi;
-            };
-        auto pdf = [&](const Vector3 &wi) { return PdfOfSides(lobe, wo, wi, kRadiance, which); };
-        // Refraction at grazing angles has ridges that only a fine quadrature integrates well; the finest is
-        // needed for index 1.1, where all facets send light almost straight on.
-        double p = 0, mass = 2;
-        for (auto [quadrature, fine] : {std::pair(16, 0), {16, 80}, {80, 320}})
-            if (!(p > level && mass <= 1.01)) p = DirectionTest(draw, pdf, 20000, quadrature, &mass, fine);
-        EXPECT_GT(p, level) << name << " theta " << Degrees(SafeACos(wo.z)) << " sides " << int(which);
-        EXPECT_LE(mass, 1.01) << name;
+                auto pdf = [&](const Vector3 &wi) { return PdfOfSides(lobe, wo, wi, kRadiance, which); };
+                // Refraction at grazing angles has ridges that only a fine quadrature integrates well; the finest is
+                // needed for index 1.1, where all facets send light almost straight on.
+                double p = 0, mass = 2;
+                for (auto [quadrature, fine] : {std::pair(16, 0), {16, 80}, {80, 320}})
+                    if (!(p > level && mass <= 1.01)) p = DirectionTest(draw, pdf, 20000, quadrature, &mass, fine);
+                EXPECT_GT(p, level) << name << " theta " << Degrees(SafeACos(wo.z)) << " sides " << int(which);
+                EXPECT_LE(mass, 1.01) << name;
             }
-});
+    });
 }
 
 TEST(Lobes, PdfIntegratesToOneWhereNothingIsLost) {

@@ -190,9 +190,9 @@ TEST_F(Inspect, LightsAreNamedByTheirPlaceInTheSceneFile) {
     Inspection inspection = MakeInspection();
     EXPECT_NE(inspection.lights[0].label.find("AreaLightSource \"diffuse\" at "), std::string::npos)
         << inspection.lights[0].label;
-    EXPECT_TRUE(inspection.lights[0].label.ends_with(":10, shape at :11, 2 triangles")) << inspection.lights[0].label;
+    EXPECT_TRUE(inspection.lights[0].label.ends_with(":11, shape at :12, 2 triangles")) << inspection.lights[0].label;
     EXPECT_TRUE(inspection.lights[1].label.starts_with("LightSource \"point\" at ")) << inspection.lights[1].label;
-    EXPECT_TRUE(inspection.lights[1].label.ends_with(":7")) << inspection.lights[1].label;
+    EXPECT_TRUE(inspection.lights[1].label.ends_with(":8")) << inspection.lights[1].label;
     EXPECT_EQ(built_.lightNames.Size(), built_.scene->Lights().Size());
     EXPECT_TRUE(built_.lightNames.NameOf(LightId(1u)).ends_with("triangle 2 of 2"));
 }

@@ -112,7 +112,7 @@ TEST(MakeView, TheShutterTimeIsTheExposure) {
     const Float one = brightness("");
     EXPECT_GT(one, 0);
     EXPECT_NEAR(brightness("'float shutterclose' 0.5") / one, 0.5f, 1e-2f);
-    EXPECT_NEAR(brightness("'float shutteropen' 4 'float shutterclose' 2") / one, 2, 1e-2f);
+    EXPECT_NEAR(brightness("'float shutteropen' 2 'float shutterclose' 4") / one, 2, 1e-2f);
 }
 
 TEST(MakeView, TheSamplersOwnSeedBeatsTheOthers) {

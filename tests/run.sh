@@ -15,7 +15,8 @@ run_ctest() { # run_ctest NAME FOLDER [ctest options]: adds ctest's own counts
   local name=$1 folder=$2 log line
   shift 2
   log="$folder/ctest-$name.log"
-  ctest --test-dir "$folder" -j 2 --output-on-failure "$@" > "$log" 2>&1
+  # Three at a time on two cores, as some mostly wait.
+  ctest --test-dir "$folder" -j 3 --output-on-failure "$@" > "$log" 2>&1
   local bad=$?
   # Tables of the conformance and agreement tests are worth seeing.
   line=$(grep -E "tests passed, [0-9]+ tests? failed out of [0-9]+" "$log" | tail -1)

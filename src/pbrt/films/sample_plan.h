@@ -54,9 +54,9 @@ class PixelCells {
 
 /// Samples per pixel of each cell while an adaptive render goes from `begin` to `end` samples per pixel on average.
 struct SamplePlan {
-    static constexpr int kMaxCount = 1 << 23;  ///< of a pixel
-    static constexpr int kMaxGrowth = 4;       ///< `after` over `before`, but for rounding
-    static constexpr int kMinGroup = 4;        ///< see Group
+    static constexpr int kMaxCount = 1 << 23;            ///< of a pixel
+    static constexpr int kMaxGrowth = 4;                 ///< `after` over `before`, but for rounding
+    static constexpr int kMinGroup = 4, kMaxGroup = 16;  ///< see Group
     /// Minimum predicted efficiency of unequal over equal numbers of samples, as long as these are equal. Once the
     /// numbers differ, kMinFurtherGain is enough.
     static constexpr double kMinGain = 1.1, kMinFurtherGain = 1.01;
@@ -83,7 +83,7 @@ struct SamplePlan {
         return samples / pair * block + std::max(0, samples % pair - block);
     }
     /// Samples are added to pixels in groups of this many, which are stratified among themselves.
-    int Group() const { return std::max(halfBlock, kMinGroup); }
+    int Group() const { return std::clamp(halfBlock, kMinGroup, kMaxGroup); }
     /// Samples of the cell's pixels when all pixels have `average`, in [begin, end].
     int CountAt(size_t cell, int average) const {
         if (before.empty()) return average;
@@ -102,8 +102,8 @@ struct SamplePlan {
         double excess = 0;  // of samples over the average
         for (size_t i = 0; isValid && i < before.size(); ++i) {
             isValid = before[i] >= 0 && before[i] <= after[i] && after[i] <= kMaxCount &&
-                      after[i] <= kMaxGrowth * before[i] + Group();
-            excess += cells.PixelsIn(i) * double(after[i] - end - Group());
+                      after[i] <= kMaxGrowth * before[i] + kMaxGroup;
+            excess += cells.PixelsIn(i) * double(after[i] - end - kMaxGroup);
         }
         return isValid && excess <= 0 ? std::nullopt : std::optional("its numbers of samples per cell do not fit");
     }

@@ -10,10 +10,10 @@
 namespace pbrt {
 namespace {
 
-constexpr int kIndependentPilot = 16, kBlock = 16;  ///< samples per pixel
-constexpr double kMaxOutlier = 16;                  ///< a pixel's variance over the mean of its neighbourhood
-constexpr double kUniformShare = 0.1;               ///< added to the square root of the variance, over its mean
-constexpr double kMaxStratification = 4;            ///< of a smooth integrand with scrambled nets
+constexpr int kIndependentPilot = 16, kBlock = SamplePlan::kMaxGroup;  ///< samples per pixel
+constexpr double kMaxOutlier = 16;        ///< a pixel's variance over the mean of its neighbourhood
+constexpr double kUniformShare = 0.1;     ///< added to the square root of the variance, over its mean
+constexpr double kMaxStratification = 4;  ///< of a smooth integrand with scrambled nets
 
 /// Means of all samples and of those in the half film, and their numbers per pixel.
 struct Halves {

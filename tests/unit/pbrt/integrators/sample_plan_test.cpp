@@ -279,7 +279,7 @@ TEST(SamplePlans, OfOtherFilmsAreInvalid) {
         if (fault == 2) bad.before[2] = -1;
         if (fault == 3) bad.cost.pop_back();
         if (fault == 4)
-            for (int &count : bad.after) count += 5;
+            for (int &count : bad.after) count += SamplePlan::kMaxGroup + 1;
         if (fault == 5) bad.isUniform = true;
         if (fault == 6) bad.uniformDecisions = bad.decisions + 1;
         if (fault == 7) bad.gain = std::nan("");

@@ -138,11 +138,10 @@ class Channel {
             const double mean = std::accumulate(values.begin(), values.end(), 0.) / double(values.size());
             const double epsilon = RelL2Epsilon(mean);
             // Pixel filters correlate neighbouring pixels: a tile's mean has about twice the variance.
-            grid_.ForEachTile([&](int x, int y) {
-                const int t = grid_.Index(x, y);
-                const auto area = double(grid_.Pixels(x, y).Area());
+            grid_.ForEachTile([&](int t, const Bounds2i &pixels) {
                 const double value = reference.parts[0](t, channel);
-                known_.push_back(2 * *reference.relL2 * (value * value + epsilon) * weights_[t] * weights_[t] / area);
+                known_.push_back(2 * *reference.relL2 * (value * value + epsilon) * weights_[t] * weights_[t] /
+                                 double(pixels.Area()));
             });
         }
     }
@@ -287,9 +286,8 @@ void CheckInput(std::span<const TileMeans> runs, std::span<const AuxiliaryRuns> 
 double MeanOf(std::span<const TileMeans> pictures) {
     double sum = 0;
     for (const TileMeans &p : pictures)
-        p.grid.ForEachTile([&](int x, int y) {
-            const auto area = double(p.grid.Pixels(x, y).Area());
-            for (int c = 0; c < p.channels; ++c) sum += p(p.grid.Index(x, y), c) * area;
+        p.grid.ForEachTile([&](int tile, const Bounds2i &pixels) {
+            for (int c = 0; c < p.channels; ++c) sum += p(tile, c) * double(pixels.Area());
         });
     return sum / double(pictures.size());
 }

@@ -55,7 +55,7 @@ class Rounds {
           checkpoints_(Checkpoints(settings_)), hasPilot_(!references.pilot.empty()) {
         for (const Reference &r : references.all) measuring_.emplace_back(r.image);
         if (!settings_.samplesFrom.empty()) replay_ = SampleCounts::Read(settings_.samplesFrom, settings_);
-        if (replay_) checkpoints_.resize(replay_->Checkpoints());
+        if (replay_) checkpoints_.resize(replay_->checkpoints);
         for (const SamplerChoice &s : settings_.samplers)
             cost_.push_back(hasPilot_ ? SecondsPerSample(references.pilot, s) : 1);
     }
@@ -68,7 +68,8 @@ class Rounds {
             for (int seed = 0; seed < settings_.seeds; ++seed) {
                 recordsOf_[i].push_back(TakeUpRun(context_.records, context_.scene, settings_.samplers[i].folder, seed,
                                                   checkpoints_.size(), PictureFile(i, seed)));
-                LearnCost(i, recordsOf_[i].back());
+                const RunRecord &record = recordsOf_[i].back();
+                if (!record.rounds.empty()) LearnCost(i, record.rounds.back().samples, record.SecondsPerSample());
             }
         context_.display.SetPhase("rendering");
         context_.display.SetAfter(0);
@@ -108,16 +109,12 @@ class Rounds {
 
     /// Writes the inspection views of a sampler once.
     bool InspectSampler(size_t i, SamplerRun *run) {
-        const SamplerChoice &choice = settings_.samplers[i];
-        if (!settings_.views || ViewsAreWhole(settings_, context_.records.LoadNote(ViewsNote(choice)))) return true;
+        if (!settings_.views || HasViews(context_, i)) return true;
         std::unique_ptr<SamplerRun> again;
         if (!run && !(run = (again = Prepared(i, 0, expected_[i])).get())) return false;
         // A guide learns from the samples.
         if (again && run->GetIntegrator().Directions() && !run->RenderTo({expected_[i], 0})) return false;
-        const Json views = WriteViews(settings_, context_.scene, i, run->GetIntegrator(), context_.cancel);
-        if (views.is_null()) return false;
-        context_.records.SaveNote(ViewsNote(choice), views);
-        return true;
+        return WriteViews(context_, i, run->GetIntegrator());
     }
 
     /// Checks a sampler's light selection once. Skips the oracle, which is not ranked and would take hours.
@@ -154,17 +151,15 @@ class Rounds {
     std::unique_ptr<SamplerRun> Start(size_t i, int seed, const RunRecord &record) {
         if (record.rounds.empty()) return Prepared(i, seed, expected_[i]);
         auto run = Prepared(i, seed, record.expectedSamples);
-        const std::string &folder = settings_.samplers[i].folder;
-        if (run) run->Resume(record, context_.records.FilmFile(folder, seed, record.rounds.back().checkpoint));
+        const int last = record.rounds.back().checkpoint;
+        if (run) run->Resume(record, context_.records.FilmFile(settings_.samplers[i].folder, seed, last));
         return run;
     }
 
     bool RenderTo(size_t i, int seed, size_t checkpoint, SamplerRun &run) {
         const std::string &folder = settings_.samplers[i].folder;
         auto afterWave = [&] {
-            // A run's first samples fill caches and cells; the pilot's estimate is better.
-            if (run.SecondsPerSample() > 0 && (run.Samples() >= kReliableSamples || !WasInPilot(i)))
-                cost_[i] = run.SecondsPerSample();
+            if (run.SecondsPerSample() > 0) LearnCost(i, run.Samples(), run.SecondsPerSample());
             const double sinceRecord = SecondsOf(i, run.Samples(), run.Spent()) - SecondsDone(i, seed);
             context_.display.Show(std::max(0.0, SecondsLeft() - sinceRecord));
         };
@@ -190,7 +185,7 @@ class Rounds {
         for (size_t i = 0; i < settings_.samplers.size(); ++i) {
             const std::string &label = settings_.samplers[i].label;
             int expected = note.value(label, settings_.samplesPerPixel);
-            if (replay_) expected = replay_->Expected(label);
+            if (replay_) expected = replay_->expected.at(label);
             else if (settings_.Timed() && !note.contains(label)) {
                 if (!hasPilot_) {
                     const auto run = Prepared(i, kWarmUpSeed, context_.scene.Batch());
@@ -207,14 +202,13 @@ class Rounds {
     }
 
     RenderTarget TargetOf(size_t i, int seed, size_t checkpoint) const {
-        if (replay_) return {replay_->At(settings_.samplers[i].label, seed, int(checkpoint)), 0};
+        if (replay_) return {replay_->runs.at({settings_.samplers[i].label, seed}).at(checkpoint), 0};
         return checkpoints_[checkpoint];
     }
 
-    bool BySamples() const { return replay_ || !settings_.Timed(); }
     /// Seconds of one run; by samples, at the current cost estimate.
     double SecondsOf(size_t i, int samples, const TimeSpent &spent) const {
-        return BySamples() ? samples * cost_[i] : std::min(spent.wall, settings_.timeBudget);
+        return replay_ || !settings_.Timed() ? samples * cost_[i] : std::min(spent.wall, settings_.timeBudget);
     }
     double SecondsDone(size_t i, int seed) const {
         const RunRecord &record = recordsOf_[i][seed];
@@ -224,20 +218,16 @@ class Rounds {
         double left = 0;
         for (size_t i = 0; i < settings_.samplers.size(); ++i)
             for (int seed = 0; seed < settings_.seeds; ++seed) {
-                const double whole =
-                    BySamples() ? TargetOf(i, seed, checkpoints_.size() - 1).samples * cost_[i] : settings_.timeBudget;
-                left += whole - SecondsDone(i, seed);
+                const int samples = TargetOf(i, seed, checkpoints_.size() - 1).samples;
+                left += SecondsOf(i, samples, {settings_.timeBudget, 0}) - SecondsDone(i, seed);
             }
         return left;
     }
-    /// Estimates the cost per sample from rounds of an earlier session.
-    void LearnCost(size_t i, const RunRecord &record) {
-        if (record.rounds.empty()) return;
-        const RoundRecord &last = record.rounds.back();
-        if (last.samples < kReliableSamples && WasInPilot(i)) return;
-        cost_[i] = (last.spent.wall - record.prepare.wall) / std::max(1, last.samples);
+    /// A run's first samples fill caches and cells; the pilot's estimate is better.
+    void LearnCost(size_t i, int samples, double secondsPerSample) {
+        const bool wasInPilot = hasPilot_ && !settings_.samplers[i].IsOracle();
+        if (samples >= kReliableSamples || !wasInPilot) cost_[i] = secondsPerSample;
     }
-    bool WasInPilot(size_t i) const { return hasPilot_ && !settings_.samplers[i].IsOracle(); }
 
     const ExperimentContext &context_;
     const ExperimentSettings &settings_;
@@ -283,13 +273,6 @@ void CheckCrops(const ExperimentSettings &settings, const LabScene &scene) {
                             c.high.x, c.high.y, resolution.x, resolution.y);
 }
 
-/// Creates an integrator per sampler, so that invalid parameters are reported before rendering.
-void CheckSamplers(const ExperimentSettings &settings, const LabScene &scene) {
-    DiagnosticSink sink;
-    for (const SamplerChoice &choice : settings.samplers) Collect(sink, [&] { scene.MakeIntegrator(choice); });
-    sink.ThrowIfErrors();
-}
-
 }  // namespace
 
 std::vector<RenderTarget> Checkpoints(const ExperimentSettings &settings) {
@@ -307,7 +290,9 @@ std::optional<ExperimentOutcome> RunExperiment(const ExperimentSettings &setting
                                                Progress &cancel, ProgressSink *sink) {
     const LabScene scene = LoadLabScene(settings, registry, cancel);
     CheckCrops(settings, scene);
-    CheckSamplers(settings, scene);
+    DiagnosticSink errors;  // of the samplers' parameters, before anything is rendered
+    for (const SamplerChoice &choice : settings.samplers) Collect(errors, [&] { scene.MakeIntegrator(choice); });
+    errors.ThrowIfErrors();
     if (!settings.referenceFile.empty())
         ReadReference(settings.referenceFile, scene);  // throws if it does not match the film
     const Json identity = IdentityOf(settings, scene.hash, ThreadCount());
@@ -323,20 +308,19 @@ std::optional<ExperimentOutcome> RunExperiment(const ExperimentSettings &setting
     display.Finish();
 
     std::vector<std::vector<Image>> pictures(settings.samplers.size());
-    for (size_t i = 0; i < pictures.size(); ++i)
+    std::vector<std::optional<SelectionReport>> selections(settings.samplers.size());
+    for (size_t i = 0; i < pictures.size(); ++i) {
         for (int seed = 0; seed < settings.seeds; ++seed)
             pictures[i].push_back(ReadImage(rounds.PictureFile(i, seed)).image.Select({"R", "G", "B"}));
-    std::vector<std::optional<SelectionReport>> selections(settings.samplers.size());
-    for (size_t i = 0; i < selections.size(); ++i)
-        if (const Json note = records.LoadNote(SelectionNote(settings.samplers[i]));
-            settings.selectionWork > 0 && note.is_object())
-            selections[i] = SelectionFromJson(note);
+        const Json note = records.LoadNote(SelectionNote(settings.samplers[i]));
+        if (settings.selectionWork > 0 && note.is_object()) selections[i] = SelectionFromJson(note);
+    }
     ExperimentOutcome outcome;
     outcome.results = Header(settings, scene, identity, rounds.CheckpointCount());
-    WritePictures(settings, scene, *references, pictures, &outcome.results);
+    WritePictures(context, *references, pictures, &outcome.results);
     const ExperimentResults results = Summarize(settings, *references, rounds.TakeRecords(), pictures, selections);
     AddToJson(results, &outcome.results);
-    AddViews(settings, records, &outcome.results);
+    AddViews(context, &outcome.results);
     ShortenFloats(&outcome.results);
     outcome.text = TableText(results, *references);
     WriteFile(settings.outFolder + "/results.csv", SummaryCsv(results));

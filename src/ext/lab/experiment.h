@@ -27,17 +27,12 @@ std::optional<ExperimentOutcome> RunExperiment(const ExperimentSettings &setting
 std::vector<RenderTarget> Checkpoints(const ExperimentSettings &settings);
 
 /// Writes inspection views of a sampler at the first visible surfaces, as <sampler>/views/*.png; for sampler 0 also the
-/// sampler-independent ones, as views/*.png. Takes some seconds. Returns what was written; null: cancelled.
-Json WriteViews(const ExperimentSettings &settings, const LabScene &scene, size_t sampler, const Integrator &integrator,
-                Progress &cancel);
-
-/// Name of the record that stores the result of WriteViews.
-std::string ViewsNote(const SamplerChoice &choice);
-/// True if all images of the note exist with its file sizes.
-bool ViewsAreWhole(const ExperimentSettings &settings, const Json &note);
-
+/// sampler-independent ones, as views/*.png. Takes some seconds. Records what was written. Returns false if cancelled.
+bool WriteViews(const ExperimentContext &context, size_t sampler, const Integrator &integrator);
+/// True if all recorded images of the sampler exist with their file sizes.
+bool HasViews(const ExperimentContext &context, size_t sampler);
 /// Adds "views" to results.json, for the scene and every sampler with views.
-void AddViews(const ExperimentSettings &settings, const RecordFolder &records, Json *results);
+void AddViews(const ExperimentContext &context, Json *results);
 
 /// Exposure factor before the PNG's sRGB curve, which clips at 1, from the reference's luminances. Maps the median of
 /// the non-black pixels to mid grey, 0.18, so that interiors are visible, but keeps three quarters of these pixels
@@ -47,7 +42,7 @@ double ChooseExposure(const Image &reference);
 void WriteRangePicture(const std::string &path, const Image &image);
 
 /// Writes references, results and errors as images, and adds them and the crops to `json`.
-void WritePictures(const ExperimentSettings &settings, const LabScene &scene, const References &references,
+void WritePictures(const ExperimentContext &context, const References &references,
                    const std::vector<std::vector<Image>> &pictures, Json *json);
 
 /// Noise of at least two images of a scene: variance per pixel and channel over (r^2 + RelL2Epsilon), averaged over the

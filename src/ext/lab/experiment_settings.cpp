@@ -20,14 +20,6 @@ std::string Trim(const std::string &text) {
     return text.substr(begin, text.find_last_not_of(" \t\r\n") - begin + 1);
 }
 
-SamplerChoice ParseOne(const std::string &text, const PluginRegistry &registry, DiagnosticSink &sink) {
-    LightFlags flags;
-    flags.choice = text;
-    flags.choiceFlag = kSamplersFlag;
-    ReadLightSelection(ParamSet(), flags, registry, sink);
-    return {text, SafeFileName(text), text.substr(0, text.find_first_of(":+")), text.find("+mesh") != text.npos};
-}
-
 }  // namespace
 
 std::string SafeFileName(std::string text, std::string_view kept) {
@@ -69,8 +61,13 @@ std::vector<SamplerChoice> ParseSamplerChoices(const std::vector<std::string> &t
     for (const std::string &text : texts)
         Collect(sink, [&] {
             if (text.empty()) throw UserError("the list of samplers has an empty entry.");
-            SamplerChoice choice = ParseOne(text, registry, sink);
-            if (!labels.insert(choice.label).second) throw UserError("sampler \"{}\" is listed twice.", text);
+            LightFlags flags;
+            flags.choice = text;
+            flags.choiceFlag = kSamplersFlag;
+            ReadLightSelection(ParamSet(), flags, registry, sink);
+            SamplerChoice choice{text, SafeFileName(text), text.substr(0, text.find_first_of(":+")),
+                                 text.find("+mesh") != text.npos};
+            if (!labels.insert(text).second) throw UserError("sampler \"{}\" is listed twice.", text);
             while (!folders.insert(choice.folder).second) choice.folder += "_";
             choices.push_back(choice);
         });
@@ -95,7 +92,7 @@ Json IdentityOf(const ExperimentSettings &settings, const std::string &sceneHash
     if (!settings.referenceFile.empty())
         id["reference-content"] = ContentHash(ReadFileContents(settings.referenceFile)).Hex();
     id["reference-spp"] = settings.referenceSamples;
-    id["samples-from"] = settings.samplesFrom.empty() ? "" : SampleCounts::Read(settings.samplesFrom, settings).Hash();
+    id["samples-from"] = settings.samplesFrom.empty() ? "" : SampleCounts::Read(settings.samplesFrom, settings).hash;
     id["threads"] = threads;
     return id;
 }
@@ -132,17 +129,16 @@ SampleCounts SampleCounts::Read(const std::string &path, const ExperimentSetting
     SampleCounts read;
     ContentHash hash;
     try {
-        read.checkpoints_ = results.at("settings").at("checkpoints").get<int>();
+        read.checkpoints = results.at("settings").at("checkpoints").get<int>();
         for (const Json &sampler : results.at("samplers"))
             for (const Json &run : sampler.at("runs")) {
-                std::vector<int> &counts =
-                    read.counts_[{sampler.at("label").get<std::string>(), run.at("seed").get<int>()}];
-                counts.assign(read.checkpoints_, 0);
+                const std::string label = sampler.at("label");
+                std::vector<int> &counts = read.runs[{label, run.at("seed").get<int>()}];
+                counts.assign(read.checkpoints, 0);
                 for (const Json &round : run.at("rounds"))
                     counts.at(round.at("checkpoint").get<size_t>()) = round.at("samples").get<int>();
                 for (size_t i = 1; i < counts.size(); ++i) counts[i] = std::max(counts[i], counts[i - 1]);
-                int &expected = read.expected_[sampler.at("label").get<std::string>()];
-                expected = run.at("expectedSamples").get<int>();
+                const int expected = read.expected[label] = run.at("expectedSamples").get<int>();
                 hash.Add(fmt::format("{} {}", expected, Json(counts).dump()));
             }
     } catch (const std::exception &) {
@@ -150,9 +146,9 @@ SampleCounts SampleCounts::Read(const std::string &path, const ExperimentSetting
     }
     for (const SamplerChoice &s : settings.samplers)
         for (int seed = 0; seed < settings.seeds; ++seed)
-            if (!read.counts_.contains({s.label, seed}))
+            if (!read.runs.contains({s.label, seed}))
                 throw UserError("{}: has no run of sampler \"{}\" with seed {}.", path, s.label, seed);
-    read.hash_ = hash.Hex();
+    read.hash = hash.Hex();
     return read;
 }
 

@@ -65,24 +65,13 @@ std::string ExperimentKey(Json identity);
 std::vector<std::string> Differences(const Json &old, const Json &now);
 
 /// Sample counts of a finished experiment, replayed by --samples-from.
-class SampleCounts {
-  public:
+struct SampleCounts {
+    std::map<std::pair<std::string, int>, std::vector<int>> runs;  ///< by label and seed: per pixel, at each checkpoint
+    std::map<std::string, int> expected;  ///< by label: samples per pixel expected by the preparation
+    int checkpoints = 0;
+    std::string hash;
     /// Throws UserError if the file is not lightlab's results.json, or lacks a sampler or seed of `settings`.
     static SampleCounts Read(const std::string &path, const ExperimentSettings &settings);
-    int Checkpoints() const { return checkpoints_; }
-    int At(const std::string &label, int seed, int checkpoint) const {
-        return counts_.at({label, seed}).at(checkpoint);
-    }
-    /// Samples per pixel expected by the preparation of a sampler's runs.
-    int Expected(const std::string &label) const { return expected_.at(label); }
-    const std::string &Hash() const { return hash_; }
-
-  private:
-    SampleCounts() = default;
-    std::map<std::pair<std::string, int>, std::vector<int>> counts_;
-    std::map<std::string, int> expected_;
-    int checkpoints_ = 0;
-    std::string hash_;
 };
 
 /// "schema" of results.json, documented in docs/guide/lightlab.md.

@@ -134,11 +134,8 @@ Json WriteLayers(const Inspection &inspection, const std::string &folder, const 
     for (size_t c = 0; c < inspection.layers.size(); ++c) {
         const InspectedLayer &layer = inspection.layers[c];
         if (!wanted(layer)) continue;
-        FalseColorStyle style;
-        style.scale = layer.isId ? FalseColorStyle::Scale::Id : FalseColorStyle::Scale::Ramp;
-        style.least = Float(layer.shownLeast);
-        style.most = Float(layer.shownMost);
-        style.legendRows = legendRows;
+        const FalseColorStyle style{layer.isId ? FalseColorStyle::Scale::Id : FalseColorStyle::Scale::Ramp,
+                                    Float(layer.shownLeast), Float(layer.shownMost), legendRows};
         const std::string file = prefix + layer.name + ".png";
         if (layer.IsFlat()) fs::remove(fs::path(folder) / file);  // removes images of earlier inspections
         else WriteImage(folder + "/" + file, FalseColor(inspection.image, int(c), style, &hit));
@@ -177,12 +174,10 @@ int RunInspect(const InspectOptions &options, const PluginRegistry &registry, Pr
     BuiltScene built = BuildLitScene(description, options.sceneFiles.front(), options.build, registry, sink, progress);
 
     built.Prepare(progress);
-    if (progress.Cancelled()) return 130;
-    if (built.integrator->Directions()) {
-        // The guide learns during rendering; the image is discarded.
+    // A guide learns during rendering; the image is discarded.
+    if (built.integrator->Directions() && !progress.Cancelled())
         RenderWaves(built.Rendering(progress), built.Settings());
-        if (progress.Cancelled()) return 130;
-    }
+    if (progress.Cancelled()) return 130;
     Inspection inspection =
         InspectLights(built, *built.integrator->Lights(), built.integrator.get(), options.settings, progress);
     if (progress.Cancelled()) return 130;

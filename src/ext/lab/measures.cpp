@@ -67,13 +67,12 @@ void LevelRises(std::vector<CurvePoint> &points) {
     };
     std::vector<Block> blocks;
     for (const CurvePoint &p : points) {
-        blocks.push_back({std::log(p.error), 1});
-        while (blocks.size() > 1 && blocks[blocks.size() - 2].Mean() < blocks.back().Mean()) {
-            const Block last = blocks.back();
-            blocks.pop_back();
-            blocks.back().logSum += last.logSum;
-            blocks.back().count += last.count;
+        Block block{std::log(p.error), 1};
+        for (; !blocks.empty() && blocks.back().Mean() < block.Mean(); blocks.pop_back()) {
+            block.logSum += blocks.back().logSum;
+            block.count += blocks.back().count;
         }
+        blocks.push_back(block);
     }
     size_t i = 0;
     for (const Block &block : blocks)

@@ -16,7 +16,6 @@ constexpr size_t MeasureCount = 9;
 constexpr std::array<const char *, MeasureCount> MeasureNames = {
     "relL2", "MSE", "MRSE", "MAE", "SMAPE", "FLIP", "relL2Trimmed", "relL2Abs", "relL2AbsTrimmed"};
 using Measures = std::array<double, MeasureCount>;
-/// The value of one measure.
 template <class T>
 const T &Get(const std::array<T, MeasureCount> &values, Measure which) {
     return values[size_t(which)];

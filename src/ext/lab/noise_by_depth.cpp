@@ -44,22 +44,22 @@ std::string Bars(const Json &json, const char *what) {
                            EscapeHtml(s.at("label")));
         double from = 0;
         int k = 0;
-        const auto at = [&](double noise) { return kLeft + (most > 0 ? noise / most * kWidth : 0); };
+        const auto length = [&](double noise) { return most > 0 ? noise / most * kWidth : 0; };
         for (const Json &d : s.at("depths")) {
             const double to = std::max(from, d.at(what).get<double>());
-            const double width = most > 0 ? (to - from) / most * kWidth : 0;
+            const double x = kLeft + length(from), width = length(to - from);
             svg += fmt::format(
                 "<rect x=\"{:.1f}\" y=\"{}\" width=\"{:.1f}\" height=\"{}\" fill=\"hsl({} 60% {}%)\"><title>up to {} "
                 "scattering events: {:.4g}</title></rect>\n",
-                at(from), y, width, kHeight - 8, 215 - 25 * (k % 8), k % 2 ? 58 : 46, d.at("depth").get<int>(),
+                x, y, width, kHeight - 8, 215 - 25 * (k % 8), k % 2 ? 58 : 46, d.at("depth").get<int>(),
                 d.at(what).get<double>());
             if (width > 22)
-                svg += fmt::format("<text class=\"in\" x=\"{:.1f}\" y=\"{}\">{}</text>\n", at(from) + 5, y + 18,
+                svg += fmt::format("<text class=\"in\" x=\"{:.1f}\" y=\"{}\">{}</text>\n", x + 5, y + 18,
                                    d.at("depth").get<int>());
             from = to;
             ++k;
         }
-        svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\">{:.3g}</text>\n", at(from) + 8, y + 20, from);
+        svg += fmt::format("<text x=\"{:.1f}\" y=\"{}\">{:.3g}</text>\n", kLeft + length(from) + 8, y + 20, from);
         y += kHeight;
     }
     return svg + "</svg>\n";
@@ -167,12 +167,11 @@ int RunNoise(const ExperimentSettings &settings, const PluginRegistry &registry,
         std::printf("\n%-36s%s", "  trimmed", trimmed.c_str());
         json["samplers"].push_back(entry);
     }
-    const std::string &folder = settings.outFolder;
-    MakeFolder(folder);
+    MakeFolder(settings.outFolder);
     ShortenFloats(&json);
-    WriteFile(folder + "/noise.json", json.dump(2) + "\n");
-    WriteFile(folder + "/index.html", Page(json));
-    std::printf("\nWrote %s; index.html shows it.\n", folder.c_str());
+    WriteFile(settings.outFolder + "/noise.json", json.dump(2) + "\n");
+    WriteFile(settings.outFolder + "/index.html", Page(json));
+    std::printf("\nWrote %s; index.html shows it.\n", settings.outFolder.c_str());
     return 0;
 }
 

@@ -18,8 +18,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-template <class T>
-double Percentile(std::vector<T> values, double share) {
+double Percentile(std::vector<float> values, double share) {
     if (values.empty()) return 0;
     auto at = values.begin() + ptrdiff_t(share * double(values.size() - 1));
     std::nth_element(values.begin(), at, values.end());
@@ -55,7 +54,7 @@ double ChooseErrorScale(std::span<const Image> maps) {
     double most = 0;
     for (const Image &map : maps) {
         const auto *values = static_cast<const float *>(map.Data());
-        most = std::max(most, Percentile(std::vector<float>(values, values + map.ValueCount()), 0.99));
+        most = std::max(most, Percentile({values, values + map.ValueCount()}, 0.99));
     }
     return most > 0 ? most : 1;
 }
@@ -94,6 +93,11 @@ std::vector<Bounds2i> ChooseCrops(std::span<const Image> maps, Point2i resolutio
     return crops;
 }
 
+/// Name of the record that stores what WriteViews wrote.
+std::string ViewsNote(const ExperimentContext &context, size_t sampler) {
+    return context.settings.samplers[sampler].folder + "/views.json";
+}
+
 }  // namespace
 
 double ChooseExposure(const Image &reference) {
@@ -123,55 +127,54 @@ void WriteRangePicture(const std::string &path, const Image &image) {
         int exponent = 0;
         std::frexp(brightest, &exponent);
         const bool isBlack = !(brightest > 0) || exponent < -127;
-        const int stored = std::min(exponent, 127) + 128;
-        for (double v : color) {
-            const double byte = isBlack ? 0 : std::min(std::floor(std::ldexp(v, 8 - (stored - 128))), 255.0);
-            text += char(uint8_t(byte));
-        }
-        text += char(uint8_t(isBlack ? 0 : stored));
+        exponent = std::min(exponent, 127);
+        for (double v : color)
+            text += isBlack ? '\0' : char(uint8_t(std::min(std::floor(std::ldexp(v, 8 - exponent)), 255.0)));
+        text += isBlack ? '\0' : char(uint8_t(exponent + 128));
     });
     WriteFile(path, text);
 }
 
-std::string ViewsNote(const SamplerChoice &choice) { return choice.folder + "/views.json"; }
-
-Json WriteViews(const ExperimentSettings &settings, const LabScene &scene, size_t sampler, const Integrator &integrator,
-                Progress &cancel) {
+bool WriteViews(const ExperimentContext &context, size_t sampler, const Integrator &integrator) {
     // Coarser than `lightlab inspect`: some seconds on two cores for any number of lights.
     const InspectSettings how{.samples = 8, .shownLights = sampler > 0 ? 0 : 4, .maxWork = 2e7};
-    const Inspection inspection = InspectLights(scene.built, *integrator.Lights(), &integrator, how, cancel);
-    if (cancel.Cancelled()) return {};
+    const Inspection inspection =
+        InspectLights(context.scene.built, *integrator.Lights(), &integrator, how, context.cancel);
+    if (context.cancel.Cancelled()) return false;
+    const std::string &out = context.settings.outFolder;
     auto write = [&](const std::string &prefix, bool ofScene) {
-        return WriteLayers(inspection, settings.outFolder, prefix, 0, [&](const InspectedLayer &layer) {
+        return WriteLayers(inspection, out, prefix, 0, [&](const InspectedLayer &layer) {
             return layer.name != "hit" && layer.ofScene == ofScene;
         });
     };
     Json views;
     views["everyNthPixel"] = inspection.stride;
     views["samplesPerLight"] = how.samples;
-    views["layers"] = write(settings.samplers[sampler].folder + "/views/", false);
+    views["layers"] = write(context.settings.samplers[sampler].folder + "/views/", false);
     if (sampler == 0) views["layersOfScene"] = write("views/", true);
     views["bytes"] = Json::object();
     for (const char *part : {"layers", "layersOfScene"})
         for (const Json &layer : views.value(part, Json::array()))
             if (layer.at("file").is_string()) {
-                const std::string file = layer.at("file").get<std::string>();
-                views["bytes"][file] = fs::file_size(fs::path(settings.outFolder) / file);
+                const std::string file = layer.at("file");
+                views["bytes"][file] = fs::file_size(fs::path(out) / file);
             }
-    return views;
-}
-
-bool ViewsAreWhole(const ExperimentSettings &settings, const Json &note) {
-    if (!note.is_object()) return false;
-    std::error_code error;
-    for (const auto &[file, bytes] : note.at("bytes").items())
-        if (fs::file_size(fs::path(settings.outFolder) / file, error) != bytes || error) return false;
+    context.records.SaveNote(ViewsNote(context, sampler), views);
     return true;
 }
 
-void AddViews(const ExperimentSettings &settings, const RecordFolder &records, Json *results) {
-    for (size_t i = 0; i < settings.samplers.size(); ++i) {
-        const Json views = records.LoadNote(ViewsNote(settings.samplers[i]));
+bool HasViews(const ExperimentContext &context, size_t sampler) {
+    const Json views = context.records.LoadNote(ViewsNote(context, sampler));
+    if (!views.is_object()) return false;
+    std::error_code error;
+    for (const auto &[file, bytes] : views.at("bytes").items())
+        if (fs::file_size(fs::path(context.settings.outFolder) / file, error) != bytes || error) return false;
+    return true;
+}
+
+void AddViews(const ExperimentContext &context, Json *results) {
+    for (size_t i = 0; i < context.settings.samplers.size(); ++i) {
+        const Json views = context.records.LoadNote(ViewsNote(context, i));
         if (!views.is_object()) continue;
         auto part = [&](const char *layers) {
             return Json{{"everyNthPixel", views.at("everyNthPixel")},
@@ -183,8 +186,9 @@ void AddViews(const ExperimentSettings &settings, const RecordFolder &records, J
     }
 }
 
-void WritePictures(const ExperimentSettings &settings, const LabScene &scene, const References &references,
+void WritePictures(const ExperimentContext &context, const References &references,
                    const std::vector<std::vector<Image>> &pictures, Json *json) {
+    const auto &[settings, scene, registry, records, cancel, display] = context;
     const double exposure = ChooseExposure(references.all[0].image);
     (*json)["references"] = Json::array();
     for (size_t i = 0; i < references.all.size(); ++i) {
@@ -213,8 +217,7 @@ void WritePictures(const ExperimentSettings &settings, const LabScene &scene, co
         if (!settings.samplers[i].IsOracle()) shared.push_back(maps.back());
     }
     const double scale = ChooseErrorScale(maps);
-    FalseColorStyle style;
-    style.most = Float(scale);
+    const FalseColorStyle style{.most = Float(scale)};
     for (size_t i = 0; i < settings.samplers.size(); ++i) {
         const std::string folder = settings.outFolder + "/" + settings.samplers[i].folder;
         WritePicture(folder + "/result.png", pictures[i].front(), exposure);
@@ -226,12 +229,11 @@ void WritePictures(const ExperimentSettings &settings, const LabScene &scene, co
     (*json)["crops"] = Json::array();
     const std::vector<Bounds2i> crops =
         settings.crops.empty() ? ChooseCrops(shared, references.all[0].image.Resolution()) : settings.crops;
-    for (size_t i = 0; i < crops.size(); ++i)
-        (*json)["crops"].push_back({{"name", std::string(1, char('a' + i % 26))},
-                                    {"x0", crops[i].low.x},
-                                    {"y0", crops[i].low.y},
-                                    {"x1", crops[i].high.x},
-                                    {"y1", crops[i].high.y}});
+    for (size_t i = 0; i < crops.size(); ++i) {
+        const auto &[low, high] = crops[i];
+        const std::string name(1, char('a' + i % 26));
+        (*json)["crops"].push_back({{"name", name}, {"x0", low.x}, {"y0", low.y}, {"x1", high.x}, {"y1", high.y}});
+    }
 }
 
 }  // namespace ext::lab

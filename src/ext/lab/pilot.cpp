@@ -36,8 +36,7 @@ struct Pilot {
     std::array<Image, 2> pictures;
     TileMeans tiles;
 
-    explicit Pilot(std::array<Image, 2> pair) : pictures(std::move(pair)) {
-        tiles = ComputeTileMeans(pictures[0]);
+    explicit Pilot(std::array<Image, 2> pair) : pictures(std::move(pair)), tiles(ComputeTileMeans(pictures[0])) {
         const TileMeans second = ComputeTileMeans(pictures[1]);
         for (size_t i = 0; i < tiles.values.size(); ++i) tiles.values[i] = (tiles.values[i] + second.values[i]) / 2;
     }
@@ -48,15 +47,14 @@ struct Pilot {
 /// sampler with the rarest ones. `epsilon`: RelL2Epsilon of all candidates' mean.
 double VarianceBetweenPictures(const std::vector<Pilot> &pilots, size_t which, int samples, double epsilon) {
     const auto &[a, b] = pilots[which].pictures;
-    const TileGrid &grid = pilots[which].tiles.grid;
     double sum = 0;
-    grid.ForEachTile([&](int tx, int ty) {
+    pilots[which].tiles.grid.ForEachTile([&](int tile, const Bounds2i &pixels) {
         for (int c = 0; c < 3; ++c) {
             double others = 0, squares = 0;
             for (size_t k = 0; k < pilots.size(); ++k)
-                if (k != which) others += pilots[k].tiles(grid.Index(tx, ty), c);
+                if (k != which) others += pilots[k].tiles(tile, c);
             others /= double(pilots.size() - 1);
-            ForEachPixel(grid.Pixels(tx, ty), [&](int x, int y) {
+            ForEachPixel(pixels, [&](int x, int y) {
                 const double d = double(a.Get({x, y}, c)) - double(b.Get({x, y}, c));
                 if (std::isfinite(d)) squares += d * d / 2;
             });
@@ -78,15 +76,13 @@ double VarianceAgainstOthers(const std::vector<Pilot> &pilots, size_t which, int
         if (k != which) total += weights[k] = 1 / std::max({between[k], sorted[sorted.size() / 2], 1e-9});
     for (size_t k = 0; k < pilots.size(); ++k) noise += between[k] * weights[k] * weights[k] / (total * total);
 
-    const TileGrid &grid = pilots[which].tiles.grid;
     double sum = 0, area = 0;
-    grid.ForEachTile([&](int tx, int ty) {
+    pilots[which].tiles.grid.ForEachTile([&](int tile, const Bounds2i &bounds) {
+        const auto pixels = double(bounds.Area());
         for (int c = 0; c < 3; ++c) {
-            const int tile = grid.Index(tx, ty);
             double others = 0;
             for (size_t k = 0; k < pilots.size(); ++k) others += weights[k] / total * pilots[k].tiles(tile, c);
             const double d = pilots[which].tiles(tile, c) - others;
-            const auto pixels = double(grid.Pixels(tx, ty).Area());
             sum += pixels * pixels * d * d / (others * others + epsilon);
             area += pixels;
         }

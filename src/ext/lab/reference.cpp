@@ -147,79 +147,69 @@ class ReferenceCache {
     std::vector<std::string> files_;  ///< in search and write order
 };
 
-class ReferenceMaker {
-  public:
-    explicit ReferenceMaker(const ExperimentContext &context)
-        : context_(context), rule_(ReferenceRule::For(context.settings)) {}
+/// With a time budget, from the cost measured by the pilot; recorded, so that a resumed experiment uses the same
+/// number. A replay uses the number of the original experiment.
+int SamplesPerPart(const ExperimentContext &context, const PilotEntry &with, int index) {
+    const ReferenceRule rule = ReferenceRule::For(context.settings);
+    if (rule.samples > 0) return (rule.samples + kParts - 1) / kParts;
+    if (!context.settings.samplesFrom.empty())
+        for (const Json &r : ReadResults(context.settings.samplesFrom).at("references"))
+            if (r.value("sampler", "") == with.choice.label && r.value("samples", 0) > 0)
+                return (r.value("samples", 0) + kParts - 1) / kParts;
+    const std::string note = fmt::format("reference-{}.json", index);
+    const Json known = context.records.LoadNote(note);
+    if (known.is_object() && known.value("sampler", "") == with.choice.label) return known.value("samplesPerPart", 1);
+    const double fit = rule.seconds / std::max(1e-6, with.secondsPerSample);
+    const int samples = int(std::ceil(std::max<double>(kMinSamples, fit) / kParts));
+    context.records.SaveNote(note, {{"sampler", with.choice.label}, {"samplesPerPart", samples}});
+    return samples;
+}
 
-    /// Returns nothing if cancelled.
-    std::optional<Reference> Make(const PilotEntry &with, int index) {
-        const int firstSeed = kFirstSeed + index * kSeedStep;
-        const std::string about =
-            fmt::format("sampler {}; {}; {} parts from seed {}", with.choice.label, rule_.Text(), kParts, firstSeed);
-        ReferenceCache cache(context_.settings, context_.scene, about);
-        if (std::optional<Reference> found = cache.Find()) return found;
-
-        Reference reference;
-        reference.sampler = with.choice.label;
-        const int samples = SamplesPerPart(with, index);
-        reference.samples = samples * kParts;
-        context_.display.SetPhase(fmt::format("reference {}", index));
-        std::vector<std::string> files;
-        for (int part = 0; part < kParts; ++part) {
-            files.push_back(context_.records.File(fmt::format("reference-{}-part{}.exr", cache.Key(), part + 1)));
-            if (!RenderPart(with.choice, firstSeed + part, samples, kParts - 1 - part, files.back(), &reference))
-                return {};
-        }
-        AverageParts(&reference);
-        cache.Store(&reference);
-        for (const std::string &file : files) fs::remove(file);
-        return reference;
-    }
-
-  private:
-    /// With a time budget, from the cost measured by the pilot; recorded, so that a resumed experiment uses the same
-    /// number. A replay uses the number of the original experiment.
-    int SamplesPerPart(const PilotEntry &with, int index) const {
-        if (rule_.samples > 0) return (rule_.samples + kParts - 1) / kParts;
-        if (!context_.settings.samplesFrom.empty())
-            for (const Json &r : ReadResults(context_.settings.samplesFrom).at("references"))
-                if (r.value("sampler", "") == with.choice.label && r.value("samples", 0) > 0)
-                    return (r.value("samples", 0) + kParts - 1) / kParts;
-        const std::string note = fmt::format("reference-{}.json", index);
-        Json known = context_.records.LoadNote(note);
-        if (known.is_object() && known.value("sampler", "") == with.choice.label)
-            return known.value("samplesPerPart", 1);
-        const double fit = rule_.seconds / std::max(1e-6, with.secondsPerSample);
-        const int samples = int(std::ceil(std::max<double>(kMinSamples, fit) / kParts));
-        context_.records.SaveNote(note, {{"sampler", with.choice.label}, {"samplesPerPart", samples}});
-        return samples;
-    }
-
-    bool RenderPart(const SamplerChoice &choice, int seed, int samples, int partsAfter, const std::string &file,
-                    Reference *reference) {
-        if (IsWholePicture(file, context_.scene.Resolution())) {
-            const ImageFile known = ReadImage(file);
-            reference->seconds += double(known.metadata.Attribute<float>("renderTimeSeconds").value_or(0));
-            reference->parts.push_back(known.image.Select({"R", "G", "B"}));
-            return true;
-        }
-        SamplerRun run(context_.scene, choice, seed, samples, context_.cancel);
-        if (!run.Prepare()) return false;
-        if (!run.RenderTo({samples, 0}, [&] {
-                const double samplesLeft = samples * (1.0 + partsAfter) - run.Samples();
-                context_.display.Show(samplesLeft * run.SecondsPerSample());
-            }))
-            return false;
-        WriteImage(file, run.Picture(), run.Metadata());
-        reference->parts.push_back(run.Picture());
-        reference->seconds += run.Spent().wall;
+/// Reads a finished part, or renders it; adds it to the reference. Returns false if cancelled.
+bool AddPart(const ExperimentContext &context, const SamplerChoice &choice, int seed, int samples, int partsAfter,
+             const std::string &file, Reference *reference) {
+    if (IsWholePicture(file, context.scene.Resolution())) {
+        const ImageFile known = ReadImage(file);
+        reference->seconds += Described(file, known.metadata).seconds;
+        reference->parts.push_back(known.image.Select({"R", "G", "B"}));
         return true;
     }
+    SamplerRun run(context.scene, choice, seed, samples, context.cancel);
+    const auto afterWave = [&] {
+        const double samplesLeft = samples * (1.0 + partsAfter) - run.Samples();
+        context.display.Show(samplesLeft * run.SecondsPerSample());
+    };
+    if (!run.Prepare() || !run.RenderTo({samples, 0}, afterWave)) return false;
+    WriteImage(file, run.Picture(), run.Metadata());
+    reference->parts.push_back(run.Picture());
+    reference->seconds += run.Spent().wall;
+    return true;
+}
 
-    const ExperimentContext &context_;
-    ReferenceRule rule_;
-};
+/// Returns nothing if cancelled.
+std::optional<Reference> MakeReference(const ExperimentContext &context, const PilotEntry &with, int index) {
+    const int firstSeed = kFirstSeed + index * kSeedStep;
+    const ReferenceCache cache(context.settings, context.scene,
+                               fmt::format("sampler {}; {}; {} parts from seed {}", with.choice.label,
+                                           ReferenceRule::For(context.settings).Text(), kParts, firstSeed));
+    if (std::optional<Reference> found = cache.Find()) return found;
+
+    Reference reference;
+    reference.sampler = with.choice.label;
+    const int samples = SamplesPerPart(context, with, index);
+    reference.samples = samples * kParts;
+    context.display.SetPhase(fmt::format("reference {}", index));
+    std::vector<std::string> files;
+    for (int part = 0; part < kParts; ++part) {
+        files.push_back(context.records.File(fmt::format("reference-{}-part{}.exr", cache.Key(), part + 1)));
+        if (!AddPart(context, with.choice, firstSeed + part, samples, kParts - 1 - part, files.back(), &reference))
+            return {};
+    }
+    AverageParts(&reference);
+    cache.Store(&reference);
+    for (const std::string &file : files) fs::remove(file);
+    return reference;
+}
 
 bool Contradict(const Reference &a, const Reference &b) {
     return CheckBias(TilesOf(a.parts), BiasReference{TilesOf(b.parts), {}}).verdict == BiasVerdict::Biased;
@@ -281,7 +271,6 @@ std::optional<References> MakeReferences(const ExperimentContext &context) {
     auto isListed = [&](const SamplerChoice &c) {
         return std::ranges::find(settings.samplers, c.label, &SamplerChoice::label) != settings.samplers.end();
     };
-    ReferenceMaker maker(context);
     References references;
     references.pilot = *pilot;
     std::vector<PilotEntry> makers = *pilot;
@@ -295,7 +284,7 @@ std::optional<References> MakeReferences(const ExperimentContext &context) {
             for (size_t k = i + 1; k < wanted; ++k)
                 after += ReferenceRule::For(settings).EstimateSeconds(makers[k].secondsPerSample);
             context.display.SetAfter(after);
-            std::optional<Reference> made = maker.Make(makers[i], int(i));
+            std::optional<Reference> made = MakeReference(context, makers[i], int(i));
             if (!made) return {};
             references.all.push_back(std::move(*made));
         }

@@ -10,13 +10,6 @@ namespace {
 
 constexpr double kFewOracleSamples = 8;
 
-void DropEmptyRounds(RunRecord *run) {
-    std::vector<RoundRecord> kept;
-    for (const RoundRecord &r : run->rounds)
-        if (kept.empty() || r.samples > kept.back().samples) kept.push_back(r);
-    run->rounds = std::move(kept);
-}
-
 /// Mean curve over the seeds, at the checkpoints that all seeds have.
 std::vector<CurvePoint> Curve(const SamplerResult &sampler, bool bySamples) {
     std::vector<std::vector<CurvePoint>> curves(sampler.runs.size());
@@ -70,24 +63,23 @@ Json ReportMean(const SamplerResult &s, const char *name) {
 double PrepassSeconds(const RunRecord &run) { return ReportNumber(run.report, "prepassSeconds").value_or(0); }
 
 void SummarizeOne(SamplerResult *s) {
-    const auto last = [](const RunRecord &run) -> const RoundRecord & { return run.rounds.back(); };
     const auto mean = [&](auto &&value) {
         double sum = 0;
         for (const RunRecord &run : s->runs) sum += value(run);
         return sum / double(s->runs.size());
     };
-    s->samples = mean([&](const RunRecord &r) { return double(last(r).samples); });
+    s->samples = mean([](const RunRecord &r) { return double(r.rounds.back().samples); });
     s->prepareSeconds = mean([](const RunRecord &r) { return r.prepare.wall; });
     s->cpuPerSample = CpuPerSample(s->runs);
     for (size_t m = 0; m < MeasureCount; ++m) s->measures[m] = Summarize(ErrorsOf(s->runs, static_cast<Measure>(m)));
     const double error = Get(s->measures, Measure::RelL2).mean;
     s->firefliesDecide = FirefliesDecide(error, Get(s->measures, Measure::RelL2Trimmed).mean);
 
-    const double seconds = mean([&](const RunRecord &r) { return last(r).spent.wall; });
-    const double cpuSeconds = mean([&](const RunRecord &r) { return last(r).spent.cpu; });
+    const double seconds = mean([](const RunRecord &r) { return r.rounds.back().spent.wall; });
+    const double cpuSeconds = mean([](const RunRecord &r) { return r.rounds.back().spent.cpu; });
     const double prepareCpuSeconds = mean([](const RunRecord &r) { return r.prepare.cpu; });
-    const double shadowRays = mean([&](const RunRecord &r) { return double(last(r).shadowRays); });
-    const double blocked = mean([&](const RunRecord &r) { return double(last(r).shadowRaysBlocked); });
+    const double shadowRays = mean([](const RunRecord &r) { return double(r.rounds.back().shadowRays); });
+    const double blocked = mean([](const RunRecord &r) { return double(r.rounds.back().shadowRaysBlocked); });
     Json &json = s->summary;
     json["samples"] = s->samples;
     json["seconds"] = seconds;
@@ -104,7 +96,7 @@ void SummarizeOne(SamplerResult *s) {
     json["overhead"] = {
         {"prepassSeconds", mean(PrepassSeconds)},
         {"buildSeconds", mean([](const RunRecord &r) { return std::max(0.0, r.prepare.wall - PrepassSeconds(r)); })},
-        {"renderSeconds", mean([&](const RunRecord &r) { return last(r).spent.wall - r.prepare.wall; })}};
+        {"renderSeconds", mean([](const RunRecord &r) { return r.rounds.back().spent.wall - r.prepare.wall; })}};
     json["cpuSecondsPerSample"] = s->cpuPerSample;
     json["relativeCost"] = Json();  // set by CompareSamplers
     json["preparationShare"] = cpuSeconds > 0 ? prepareCpuSeconds / cpuSeconds : 0;
@@ -135,67 +127,57 @@ std::string NameWithoutMesh(std::string label) {
     return label;
 }
 
-class BiasJudge {
-  public:
-    /// `samplers`: with the samples of their runs, in the order of `pictures`.
-    BiasJudge(const References &references, const std::vector<SamplerResult> &samplers,
-              const std::vector<std::vector<Image>> &pictures) {
-        for (const Reference &r : references.all) {
-            Pictures p{NameWithoutMesh(r.sampler), TilesOf(r.parts), double(r.samples)};
-            if (p.tiles.empty()) p.tiles.push_back(ComputeTileMeans(r.image));
-            p.samples /= double(p.tiles.size());
-            references_.push_back(std::move(p));
-            noise_.push_back(r.noise);
-        }
-        for (size_t i = 0; i < samplers.size(); ++i)
-            runs_.push_back({NameWithoutMesh(samplers[i].choice.label), TilesOf(pictures[i]), samplers[i].samples});
-    }
-
-    BiasReport Judge(size_t sampler, size_t reference) const {
-        const Pictures &runs = runs_[sampler], &judge = references_[reference];
-        auto ratio = [&](const Pictures &p) {
-            return p.samples > 0 && runs.samples > 0 ? p.samples / runs.samples : 1;
-        };
-        auto auxiliaryOf = [&](const std::string &name) {
-            std::vector<AuxiliaryRuns> auxiliary;
-            for (const std::vector<Pictures> *list : {&runs_, &references_})
-                for (const Pictures &p : *list)
-                    if (&p != &runs && &p != &judge && !name.empty() && p.name == name)
-                        auxiliary.push_back({p.tiles, ratio(p)});
-            return auxiliary;
-        };
-        const BiasReference against{judge.tiles, noise_[reference], ratio(judge), auxiliaryOf(judge.name)};
-        // The level is the false alarm probability of the whole experiment, which has one verdict per sampler.
-        BiasSettings settings;
-        settings.level = SidakLevel(settings.level, runs_.size());
-        return CheckBias(runs.tiles, against, settings, auxiliaryOf(runs.name));
-    }
-
-  private:
-    struct Pictures {
+/// Sets `bias` of the samplers, which have the samples of their runs and are in the order of `pictures`.
+void JudgeImages(const References &references, const std::vector<std::vector<Image>> &pictures,
+                 std::vector<SamplerResult> &samplers) {
+    struct Source {
         std::string name;
         std::vector<TileMeans> tiles;
-        double samples = 0;  ///< per pixel of one; 0: unknown
+        double samples = 0;  ///< per pixel of one image; 0: unknown
     };
-    std::vector<Pictures> runs_, references_;
-    std::vector<std::optional<double>> noise_;
-};
+    std::vector<Source> sources;  // the samplers, then the references
+    for (size_t i = 0; i < samplers.size(); ++i)
+        sources.push_back({NameWithoutMesh(samplers[i].choice.label), TilesOf(pictures[i]), samplers[i].samples});
+    for (const Reference &r : references.all) {
+        Source &source = sources.emplace_back(Source{NameWithoutMesh(r.sampler), TilesOf(r.parts)});
+        if (r.parts.empty()) source.tiles.push_back(ComputeTileMeans(r.image));
+        source.samples = r.samples / double(source.tiles.size());
+    }
+    // The level is the false alarm probability of the whole experiment, which has one verdict per sampler.
+    BiasSettings settings;
+    settings.level = SidakLevel(settings.level, samplers.size());
+    for (size_t i = 0; i < samplers.size(); ++i) {
+        SamplerResult &s = samplers[i];
+        const Source &runs = sources[i], &judge = sources[samplers.size() + s.reference];
+        auto ratio = [&](const Source &p) { return p.samples > 0 && runs.samples > 0 ? p.samples / runs.samples : 1; };
+        auto auxiliaryOf = [&](const std::string &name) {
+            std::vector<AuxiliaryRuns> auxiliary;
+            for (const Source &p : sources)
+                if (&p != &runs && &p != &judge && !name.empty() && p.name == name)
+                    auxiliary.push_back({p.tiles, ratio(p)});
+            return auxiliary;
+        };
+        const BiasReference reference{judge.tiles, references.all[s.reference].noise, ratio(judge),
+                                      auxiliaryOf(judge.name)};
+        s.bias = CheckBias(runs.tiles, reference, settings, auxiliaryOf(runs.name));
+    }
+}
 
 Json OrNull(const std::optional<double> &value) { return value ? Json(*value) : Json(); }
 
-void CompareSamplers(std::vector<SamplerResult> *samplers) {
+void CompareSamplers(std::vector<SamplerResult> &samplers) {
     std::vector<ErrorCurve> bySeconds, bySamples;
-    for (const SamplerResult &s : *samplers) {
+    for (const SamplerResult &s : samplers) {
         bySeconds.emplace_back(Curve(s, false), s.prepareSeconds);
         bySamples.emplace_back(Curve(s, true));
     }
-    for (size_t i = 0; i < samplers->size(); ++i) {
-        SamplerResult &mine = (*samplers)[i];
-        const double first = samplers->front().cpuPerSample;
+    const double first = samplers.front().cpuPerSample;
+    for (size_t i = 0; i < samplers.size(); ++i) {
+        SamplerResult &mine = samplers[i];
         std::optional<double> ratioToOracle;
         Json speedUps = Json::object();
-        for (size_t k = 0; k < samplers->size(); ++k) {
-            const SamplerResult &other = (*samplers)[k];
+        for (size_t k = 0; k < samplers.size(); ++k) {
+            const SamplerResult &other = samplers[k];
             if (k == i) continue;
             if (other.choice.IsOracle() && !ratioToOracle)
                 ratioToOracle = ErrorRatioAtEqualCost(bySamples[i], bySamples[k]);
@@ -242,15 +224,16 @@ ExperimentResults Summarize(const ExperimentSettings &settings, const References
         s.choice = settings.samplers[i];
         s.reference = references.ofSampler[i];
         s.runs = std::move(runs[i]);
-        for (RunRecord &run : s.runs) DropEmptyRounds(&run);
+        for (RunRecord &run : s.runs) {
+            const auto empty = std::ranges::unique(run.rounds, {}, &RoundRecord::samples);
+            run.rounds.erase(empty.begin(), empty.end());
+        }
         SummarizeOne(&s);
         s.selection = selections[i];
         results.samplers.push_back(std::move(s));
     }
-    const BiasJudge judge(references, results.samplers, pictures);
-    for (size_t i = 0; i < results.samplers.size(); ++i) {
-        SamplerResult &s = results.samplers[i];
-        s.bias = judge.Judge(i, s.reference);
+    JudgeImages(references, pictures, results.samplers);
+    for (SamplerResult &s : results.samplers) {
         if (references.areDoubtful && s.bias.verdict == BiasVerdict::Biased) {
             s.bias.verdict = BiasVerdict::Unknown;
             s.bias.text += " The references contradict each other, so bias is unknown.";
@@ -259,7 +242,7 @@ ExperimentResults Summarize(const ExperimentSettings &settings, const References
         s.summary["bias"] = BiasJson(s.bias);
         if (s.selection) s.summary["bias"]["selection"] = ToJson(*s.selection);
     }
-    CompareSamplers(&results.samplers);
+    CompareSamplers(results.samplers);
     for (const SamplerResult &s : results.samplers)
         results.contenders.push_back({s.choice.label, ErrorsOf(s.runs, Measure::RelL2),
                                       ErrorsOf(s.runs, Measure::RelL2Trimmed), s.bias.verdict, s.choice.IsOracle(),

@@ -105,17 +105,15 @@ std::string SummaryCsv(const ExperimentResults &results) {
 }
 
 std::string RoundsCsv(const ExperimentResults &results) {
-    std::string text = "sampler,seed,checkpoint,samples,seconds,cpuSeconds,shadowRays,shadowRaysBlocked";
-    for (const char *name : MeasureNames) text += std::string(",") + name;
-    text += "\n";
+    std::string text =
+        fmt::format("sampler,seed,checkpoint,samples,seconds,cpuSeconds,shadowRays,shadowRaysBlocked,{}\n",
+                    fmt::join(MeasureNames, ","));
     for (const SamplerResult &s : results.samplers)
         for (const RunRecord &run : s.runs)
-            for (const RoundRecord &r : run.rounds) {
-                text += fmt::format("{},{},{},{},{:.6f},{:.6f},{},{}", Quoted(s.choice.label), run.seed, r.checkpoint,
-                                    r.samples, r.spent.wall, r.spent.cpu, r.shadowRays, r.shadowRaysBlocked);
-                for (double m : r.measures) text += fmt::format(",{:.9g}", m);
-                text += "\n";
-            }
+            for (const RoundRecord &r : run.rounds)
+                text += fmt::format("{},{},{},{},{:.6f},{:.6f},{},{},{:.9g}\n", Quoted(s.choice.label), run.seed,
+                                    r.checkpoint, r.samples, r.spent.wall, r.spent.cpu, r.shadowRays,
+                                    r.shadowRaysBlocked, fmt::join(r.measures, ","));
     return text;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-#include <limits>
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -45,6 +45,10 @@ struct RunRecord {
     Json report = Json::object();  ///< LightSampler::Report at the last checkpoint
     std::string structure;
     std::vector<RoundRecord> rounds;  ///< one per checkpoint, in order
+    /// Mean over at least one round, excluding the preparation.
+    double SecondsPerSample() const {
+        return (rounds.back().spent.wall - prepare.wall) / std::max(1, rounds.back().samples);
+    }
 };
 
 /// Records of an experiment on disk: a JSON file per sampler, seed and checkpoint, and the film sums of unfinished
@@ -56,7 +60,7 @@ class RecordFolder {
         : folder_(std::move(folder)), experiment_(std::move(experiment)) {}
     const std::string &Folder() const { return folder_; }
     /// Loads the rounds of a run up to the first gap, at most `most`.
-    RunRecord LoadRun(const std::string &sampler, int seed, int most = std::numeric_limits<int>::max()) const;
+    RunRecord LoadRun(const std::string &sampler, int seed, size_t most) const;
     void SaveLastRound(const std::string &sampler, const RunRecord &run) const;
     std::string FilmFile(const std::string &sampler, int seed, int checkpoint) const {
         return RoundFile(sampler, seed, checkpoint, "film");

@@ -45,19 +45,16 @@ bool SamplerRun::Prepare() {
     integrator_->Prepare(context);
     record_.prepare = watch.Elapsed();
     record_.prepareShadowRays = SumCounters().shadowRays;
-    spent_ = record_.prepare;
+    now_.spent = record_.prepare;
     return !cancel_.Cancelled();
 }
 
 void SamplerRun::Resume(const RunRecord &record, const std::string &filmFile) {
     LoadFilm(filmFile, *film_);
     record_ = record;
-    const RoundRecord &last = record.rounds.back();
-    renderer_.ContinueFrom(last.samples);
-    spent_ = last.spent;
-    shadowRays_ = last.shadowRays;
-    shadowRaysBlocked_ = last.shadowRaysBlocked;
-    secondsPerSample_ = (last.spent.wall - record.prepare.wall) / std::max(1, last.samples);
+    now_ = record.rounds.back();
+    renderer_.ContinueFrom(now_.samples);
+    secondsPerSample_ = record.SecondsPerSample();
 }
 
 bool SamplerRun::RenderTo(const RenderTarget &target, const std::function<void()> &afterWave) {
@@ -66,7 +63,7 @@ bool SamplerRun::RenderTo(const RenderTarget &target, const std::function<void()
         int size = 1;
         if (renderer_.Done() > 0) {
             double fits = kLongestWave / std::max(secondsPerSample_, 1e-6);
-            if (timed) fits = std::min(fits, (target.seconds - spent_.wall) / secondsPerSample_ + 0.5);
+            if (timed) fits = std::min(fits, (target.seconds - now_.spent.wall) / secondsPerSample_ + 0.5);
             size = std::clamp(int(fits), timed ? 0 : 1, kMaxWave);
         }
         if (!timed) size = std::min(size, target.samples - renderer_.Done());
@@ -76,18 +73,21 @@ bool SamplerRun::RenderTo(const RenderTarget &target, const std::function<void()
         const int taken = renderer_.Render(size);
         if (taken == 0) return false;
         const TimeSpent wave = watch.Elapsed();
-        spent_.wall += wave.wall;
-        spent_.cpu += wave.cpu;
+        now_.spent.wall += wave.wall;
+        now_.spent.cpu += wave.cpu;
         secondsPerSample_ = wave.wall / taken;
         const RenderCounters counters = SumCounters();
-        shadowRays_ += counters.shadowRays;
-        shadowRaysBlocked_ += counters.shadowRaysBlocked;
+        now_.shadowRays += counters.shadowRays;
+        now_.shadowRaysBlocked += counters.shadowRaysBlocked;
         if (afterWave) afterWave();
     }
 }
 
 void SamplerRun::AddRound(int checkpoint, const Measures &measures) {
-    record_.rounds.push_back({checkpoint, Samples(), spent_, shadowRays_, shadowRaysBlocked_, measures});
+    now_.checkpoint = checkpoint;
+    now_.samples = Samples();
+    now_.measures = measures;
+    record_.rounds.push_back(now_);
     record_.report = Json::object();
     if (const LightSampler *lights = integrator_->Lights()) {
         lights->Report(record_.report);
@@ -96,7 +96,7 @@ void SamplerRun::AddRound(int checkpoint, const Measures &measures) {
 }
 
 ImageMetadata SamplerRun::Metadata() const {
-    ImageMetadata m = scene_.Metadata(*film_, label_, Samples(), spent_.wall);
+    ImageMetadata m = scene_.Metadata(*film_, label_, Samples(), Spent().wall);
     m.attributes["lightlab.prepareSeconds"] = float(record_.prepare.wall);
     m.attributes["lightlab.seed"] = record_.seed;
     return m;
@@ -126,12 +126,12 @@ bool IsWholePicture(const std::string &file, Point2i resolution) {
 
 RunRecord TakeUpRun(const RecordFolder &records, const LabScene &scene, const std::string &sampler, int seed,
                     size_t checkpoints, const std::string &picture) {
-    RunRecord run = records.LoadRun(sampler, seed);
+    RunRecord run = records.LoadRun(sampler, seed, checkpoints);
     auto canResume = [&](size_t rounds) {
         if (rounds == checkpoints) return IsWholePicture(picture, scene.Resolution());
         return IsWholeFilm(records.FilmFile(sampler, seed, int(rounds) - 1), scene);
     };
-    size_t kept = std::min(run.rounds.size(), checkpoints);
+    size_t kept = run.rounds.size();
     while (kept > 0 && !canResume(kept)) --kept;
     if (records.CountRounds(sampler, seed, checkpoints) > kept)
         LogWarning("{}/{}: records of seed {} are damaged or missing; {}.", records.Folder(), sampler, seed,
@@ -139,7 +139,7 @@ RunRecord TakeUpRun(const RecordFolder &records, const LabScene &scene, const st
                        ? fmt::format("resuming from {} per pixel", CountText(run.rounds[kept - 1].samples, "sample"))
                        : "restarting this run");
     // Reports and structure must be those of the last kept round.
-    if (kept < run.rounds.size()) run = records.LoadRun(sampler, seed, int(kept));
+    if (kept < run.rounds.size()) run = records.LoadRun(sampler, seed, kept);
     records.RemoveRounds(sampler, seed, kept, checkpoints);
     return run;
 }

@@ -24,7 +24,7 @@ class SamplerRun {
     void AddRound(int checkpoint, const Measures &measures);
 
     int Samples() const { return renderer_.Done(); }
-    const TimeSpent &Spent() const { return spent_; }
+    const TimeSpent &Spent() const { return now_.spent; }
     double SecondsPerSample() const { return secondsPerSample_; }
     const RunRecord &Record() const { return record_; }
     const Integrator &GetIntegrator() const { return *integrator_; }
@@ -42,8 +42,7 @@ class SamplerRun {
     RenderSettings settings_;
     WaveRenderer renderer_;
     RunRecord record_;
-    TimeSpent spent_;
-    uint64_t shadowRays_ = 0, shadowRaysBlocked_ = 0;
+    RoundRecord now_;  ///< times and rays so far
     double secondsPerSample_ = 0;
 };
 
@@ -55,7 +54,6 @@ RunRecord TakeUpRun(const RecordFolder &records, const LabScene &scene, const st
 
 /// True if all values are finite.
 bool IsFinite(const Image &picture);
-
 /// True if the image is readable and has finite R, G and B at this resolution.
 bool IsWholePicture(const std::string &file, Point2i resolution);
 

@@ -221,8 +221,7 @@ SelectionReport JudgeSelection(std::span<const std::vector<VertexFinding>> regio
     std::vector<Sums> sums;
     size_t withLight = 0;
     for (const auto &region : regions) {
-        report.vertices +=
-            std::count_if(region.begin(), region.end(), [](const VertexFinding &v) { return v.light > 0; });
+        report.vertices += std::ranges::count_if(region, [](const VertexFinding &v) { return v.light > 0; });
         sums.push_back(SumUp(region));
         whole += sums.back();
         withLight += sums.back().light > 0;

@@ -5,7 +5,6 @@
 
 #include "pbrt/core/parallel.h"
 #include "pbrt/math/rng.h"
-#include "pbrt/math/warps.h"
 #include "pbrt/transport/path_walk.h"
 #include "pbrt/transport/shadow_transmittance.h"
 #include "pbrt/transport/vertex.h"

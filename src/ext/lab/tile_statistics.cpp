@@ -17,8 +17,7 @@ TileMeans ComputeTileMeans(const Image &image) {
     const std::vector<int> channels = RgbOrAllChannels(image);
     TileMeans means{TileGrid(image.Resolution()), int(channels.size()), {}};
     means.values.reserve(means.grid.Count() * channels.size());
-    means.grid.ForEachTile([&](int tx, int ty) {
-        const Bounds2i pixels = means.grid.Pixels(tx, ty);
+    means.grid.ForEachTile([&](int, const Bounds2i &pixels) {
         for (int c : channels) {
             FiniteMean mean;
             ForEachPixel(pixels, [&](int x, int y) { mean.Add(double(image.Get({x, y}, c))); });
@@ -113,7 +112,7 @@ TileNoise::Estimate TileNoise::Of(const Bounds2i &r) const {
     double bright = 0, brightSquared = 0;
     ForEachPixel(r, [&](int x, int y) {
         double squares = 0;
-        for (size_t i = 0; i < n_; ++i) squares += Residual(i, x, y) * Residual(i, x, y);
+        for (size_t i = 0; i < n_; ++i) squares += Sqr(Residual(i, x, y));
         own += squares;
         ownSquared += squares * squares;
         const double mean = Mean(grid_.Index(x, y)), expected = mean * mean;

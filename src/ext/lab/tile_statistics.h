@@ -28,7 +28,10 @@ struct TileGrid {
     int Count() const { return tilesX * tilesY; }
     int Index(int x, int y) const { return y * tilesX + x; }
     Bounds2i Pixels(int x, int y) const;
-    void ForEachTile(auto &&f) const { ForEachPixel({tilesX, tilesY}, f); }
+    /// Calls f(index, pixels).
+    void ForEachTile(auto &&f) const {
+        ForEachPixel({tilesX, tilesY}, [&](int x, int y) { f(Index(x, y), Pixels(x, y)); });
+    }
     bool operator==(const TileGrid &) const = default;
 };
 

@@ -22,16 +22,19 @@ namespace {
 /// most work ends within this time and then leaves no unfinished files.
 constexpr double kGraceSeconds = 0.4;
 
+std::string ResumeHint(const LightlabOptions &options) {
+    return fmt::format("\nInterrupted: rerun the command to resume from the records in {}.",
+                       options.experiment.outFolder);
+}
+
 /// Compares samplers on one scene. Empty if a signal ended it; `signals` then has the status.
 std::optional<ExperimentOutcome> CompareOn(const ExperimentSettings &settings, const LightlabOptions &options,
                                            const PluginRegistry &registry, SignalWatch &signals, Progress &cancel) {
     std::unique_ptr<ProgressSink> display = MakeTerminalProgress(options.quiet);
-    const std::string resumeHint =
-        fmt::format("\nInterrupted: rerun the command to resume from the records in {}.", options.experiment.outFolder);
-    signals.Cancel("", resumeHint, kGraceSeconds);
+    signals.Cancel("", ResumeHint(options), kGraceSeconds);
     std::optional<ExperimentOutcome> outcome = RunExperiment(settings, registry, cancel, display.get());
     if (!outcome) {
-        LogInfo(resumeHint);
+        LogInfo(ResumeHint(options));
         return {};
     }
     std::printf("%s\n", outcome->text.c_str());
@@ -49,8 +52,7 @@ int Compare(const LightlabOptions &options, const PluginRegistry &registry) {
     ExperimentSettings settings = options.experiment;
     settings.samplers = ParseSamplerChoices(options.samplers, registry);
     Progress cancel;
-    SignalWatch signals(
-        cancel, fmt::format("\nInterrupted: rerun the command to resume from the records in {}.", settings.outFolder));
+    SignalWatch signals(cancel, ResumeHint(options));
     if (options.scenes.size() == 1) {
         CompareOn(settings, options, registry, signals, cancel);
         return signals.Status();

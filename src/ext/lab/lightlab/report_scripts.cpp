@@ -52,17 +52,11 @@ std::string ScriptFolder() {
     _exit(127);
 }
 
-/// Exit status of `python script folder`, or the reason for its absence. Discards its standard output, as lightlab's
+/// Runs `python script folder`. Returns why it failed, empty on success. Discards its standard output, as lightlab's
 /// own holds the table. Call from a thread that lives as long as the process.
-struct ScriptResult {
-    int status = -1;
-    std::string failure;
-};
-ScriptResult RunScript(const std::string &python, const std::string &script, const std::string &folder) {
+std::string RunScript(const std::string &python, const std::string &script, const std::string &folder) {
     const char *arguments[] = {python.c_str(), script.c_str(), folder.c_str(), nullptr};
-    auto notStarted = [](int reason) {
-        return ScriptResult{-1, fmt::format("not started: {}", std::strerror(reason))};
-    };
+    auto notStarted = [](int reason) { return fmt::format("not started: {}", std::strerror(reason)); };
     int failures[2];  // pipe for the errno of a failed start; closed by a successful one
     if (pipe2(failures, O_CLOEXEC) != 0) return notStarted(errno);
     sigset_t all, before;
@@ -79,8 +73,8 @@ ScriptResult RunScript(const std::string &python, const std::string &script, con
     while (pid > 0 && waitpid(pid, &status, 0) < 0)
         if (errno != EINTR) return notStarted(errno);
     if (!started) return notStarted(reason);
-    if (WIFSIGNALED(status)) return {-1, fmt::format("ended by signal {}", WTERMSIG(status))};
-    return {WEXITSTATUS(status), WEXITSTATUS(status) ? fmt::format("exit status {}", WEXITSTATUS(status)) : ""};
+    if (WIFSIGNALED(status)) return fmt::format("ended by signal {}", WTERMSIG(status));
+    return WEXITSTATUS(status) ? fmt::format("exit status {}", WEXITSTATUS(status)) : "";
 }
 
 }  // namespace
@@ -89,15 +83,13 @@ std::string RunReportScripts(const std::string &outFolder, bool quiet) {
     const std::string python = Environment("LIGHTLAB_PYTHON", "/usr/bin/python3");
     const std::string folder = Environment("LIGHTLAB_REPORT_SCRIPTS", ScriptFolder().c_str());
     if (!quiet) std::fprintf(stderr, "drawing charts and report\n");
-    for (const char *name : {"charts.py", "report.py"}) {
+    for (const auto &[name, output] : {std::pair{"charts.py", "charts"}, {"report.py", "report.html"}}) {
         const std::string script = folder + "/" + name;
         if (!std::filesystem::exists(script))
-            return fmt::format("{} is missing: no {}; the results are in {}.", script,
-                               name == std::string("charts.py") ? "charts" : "report.html", outFolder);
-        const ScriptResult result = RunScript(python, script, outFolder);
-        if (result.status != 0)
+            return fmt::format("{} is missing: no {}; the results are in {}.", script, output, outFolder);
+        if (const std::string failure = RunScript(python, script, outFolder); !failure.empty())
             return fmt::format("{} {} {} failed ({}): charts or report.html are missing; the results are in {}.",
-                               python, script, outFolder, result.failure, outFolder);
+                               python, script, outFolder, failure, outFolder);
     }
     return {};
 }

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
-#include <optional>
 
 #include "ext/lab/text_output.h"
 #include "pbrt/core/files.h"
@@ -64,8 +63,8 @@ class Grid {
         const auto found = rows_[scene].find(label);
         return found != rows_[scene].end() ? &found->second : nullptr;
     }
-    /// Geometric mean of the sampler's error over the first sampler's, over the scenes that have both.
-    std::optional<double> Ratio(const std::string &label) const {
+    /// Geometric mean of the sampler's error over the first sampler's, over the scenes that have both; else `none`.
+    std::string RatioText(const std::string &label, const char *none) const {
         double sum = 0;
         int count = 0;
         for (size_t i = 0; i < rows_.size(); ++i) {
@@ -74,7 +73,7 @@ class Grid {
             sum += std::log(mine->error / first->error);
             ++count;
         }
-        return count ? std::optional(std::exp(sum / count)) : std::nullopt;
+        return count ? fmt::format("{:.3g}", std::exp(sum / count)) : none;
     }
 
   private:
@@ -152,10 +151,8 @@ std::string Page(const std::string &folder, const std::vector<SceneOutcome> &out
     if (!grid.Labels().empty()) {
         page += fmt::format("<tfoot><tr><td></td><td>error over that of {}<small>geometric mean</small></td>",
                             EscapeHtml(grid.Labels()[0]));
-        for (const std::string &label : grid.Labels()) {
-            const std::optional<double> ratio = grid.Ratio(label);
-            page += fmt::format("<td class=\"number\">{}</td>", ratio ? fmt::format("{:.3g}", *ratio) : "–");
-        }
+        for (const std::string &label : grid.Labels())
+            page += fmt::format("<td class=\"number\">{}</td>", grid.RatioText(label, "–"));
         page += "<td></td></tr></tfoot>\n";
     }
     return page +
@@ -181,21 +178,17 @@ std::string ScenesText(const std::vector<SceneOutcome> &outcomes) {
     std::vector<std::vector<std::string>> rows = {{"scene"}};
     for (const std::string &label : grid.Labels()) rows[0].push_back(label);
     for (size_t i = 0; i < outcomes.size(); ++i) {
-        std::vector<std::string> &row = rows.emplace_back();
-        row.push_back(outcomes[i].folder);
+        rows.push_back({outcomes[i].folder});
         for (const std::string &label : grid.Labels()) {
             const Cell *c = grid.At(i, label);
-            row.push_back(!c ? "-"
-                             : fmt::format("{:.3g} +- {:.2g}{}{}", c->error, c->standardError, c->wins ? " *" : "",
-                                           c->biasVerdict == "biased" ? " biased" : ""));
+            rows.back().push_back(!c ? "-"
+                                     : fmt::format("{:.3g} +- {:.2g}{}{}", c->error, c->standardError,
+                                                   c->wins ? " *" : "", c->biasVerdict == "biased" ? " biased" : ""));
         }
     }
     if (!grid.Labels().empty()) {
         rows.push_back({"over " + grid.Labels()[0]});
-        for (const std::string &label : grid.Labels()) {
-            const std::optional<double> ratio = grid.Ratio(label);
-            rows.back().push_back(ratio ? fmt::format("{:.3g}", *ratio) : "-");
-        }
+        for (const std::string &label : grid.Labels()) rows.back().push_back(grid.RatioText(label, "-"));
     }
     std::string text = Align(rows);
     text += fmt::format("\n{}. *: the winner. Last row: error over that of the first sampler, geometric mean.\n",

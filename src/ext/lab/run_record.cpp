@@ -18,7 +18,7 @@ bool IsPossible(const RunRecord &run) {
     };
     const RoundRecord &round = run.rounds.back();
     const int before = run.rounds.size() > 1 ? run.rounds[run.rounds.size() - 2].samples : 0;
-    return round.samples > before && run.expectedSamples > 0 && isTime(round.spent) && isTime(run.prepare) &&
+    return round.samples >= before && run.expectedSamples > 0 && isTime(round.spent) && isTime(run.prepare) &&
            round.shadowRaysBlocked <= round.shadowRays;
 }
 

@@ -16,7 +16,7 @@ namespace pbrt::test {
 namespace {
 
 constexpr int kTile = 4;
-constexpr int kSeeds = 8, kFirstReferenceSeed = 101, kReferenceSamples = 256;
+constexpr int kSeeds = 8;
 /// Of the difference of a tile; 5.5 standard errors with two equal variances.
 constexpr double kMinChance = 7e-5;
 
@@ -69,11 +69,12 @@ std::vector<RunningStatistics> TileStatistics(const View &v, const std::string &
     return tiles;
 }
 
-/// Those of the reference, rendered once in this process for all integrators.
+/// Those of the reference, rendered once in this process for all integrators with as many samples.
 const std::vector<RunningStatistics> &ReferenceStatistics(const View &v) {
+    constexpr int kFirstSeed = 101;
     static std::map<std::string, std::vector<RunningStatistics>> references;
-    auto [it, isNew] = references.try_emplace(Scene(v, v.reference, kFirstReferenceSeed, kReferenceSamples));
-    if (isNew) it->second = TileStatistics(v, v.reference, kFirstReferenceSeed, kReferenceSamples);
+    auto [it, isNew] = references.try_emplace(Scene(v, v.reference, kFirstSeed, v.samples));
+    if (isNew) it->second = TileStatistics(v, v.reference, kFirstSeed, v.samples);
     return it->second;
 }
 

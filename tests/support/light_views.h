@@ -39,7 +39,7 @@ extern const std::string kRealisticCamera;
 constexpr int kViewSize = 16;
 Image RenderView(const View &v, const std::string &integrator, int seed, int samples);
 
-/// Expects the mean of the reference, which has 256 samples per pixel: of eight renders each, no tile and
+/// Expects the mean of the reference, which has as many samples per pixel: of eight renders each, no tile and
 /// colour differs, after `allowed` of the mean of the picture, by what chance explains once in 14,000 tiles. The mean
 /// standard error must be below `maxNoise`, or nothing could be told.
 void CheckMean(const View &v, const std::string &integrator, double maxNoise, double allowed = 0);

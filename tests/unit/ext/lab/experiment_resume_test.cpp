@@ -1,9 +1,22 @@
 #include <fstream>
 
 #include "experiment_fixture.h"
+#include "ext/lab/run_record.h"
 #include "pbrt/images/image.h"
 
 namespace ext::lab {
+
+/// As of a timed run whose first sample takes longer than the first rounds.
+TEST_F(Experiment, RoundsWithoutNewSamplesAreNoDamage) {
+    fs::create_directories(folder_ / "records/honest");
+    const RecordFolder records((folder_ / "records").string(), "key");
+    RunRecord run;
+    for (const int samples : {0, 4, 4, 3}) {
+        run.rounds.push_back({.checkpoint = int(run.rounds.size()), .samples = samples});
+        records.SaveLastRound("honest", run);
+    }
+    EXPECT_EQ(records.LoadRun("honest", 0, 9).rounds.size(), 3u);
+}
 
 // Cuts or removes every file that an experiment keeps, both of a finished experiment and of one that was stopped while
 // it rendered.

@@ -12,7 +12,9 @@ TEST_F(Experiment, RoundsWithoutNewSamplesAreNoDamage) {
     const RecordFolder records((folder_ / "records").string(), "key");
     RunRecord run;
     for (const int samples : {0, 4, 4, 3}) {
-        run.rounds.push_back({.checkpoint = int(run.rounds.size()), .samples = samples});
+        RoundRecord &round = run.rounds.emplace_back();
+        round.checkpoint = int(run.rounds.size()) - 1;
+        round.samples = samples;
         records.SaveLastRound("honest", run);
     }
     EXPECT_EQ(records.LoadRun("honest", 0, 9).rounds.size(), 3u);

@@ -62,10 +62,10 @@ TEST_F(SignalWatchTest, LetsWorkEndThatPollsProgress) {
 
 TEST_F(SignalWatchTest, GivesWorkNoMoreThanItsTime) {
     EXPECT_EXIT(Watched([](SignalWatch &watch, Progress &) {
-                    watch.Cancel("finishing", "given up", 0.1);
+                    watch.Cancel("finishing", "stopped", 0.1);
                     kill(getpid(), SIGINT);
                 }),
-                ExitedWithCode(130), "^finishing\ngiven up\n$");
+                ExitedWithCode(130), "^finishing\nstopped\n$");
 }
 
 TEST_F(SignalWatchTest, ASignalHoldsForTheNextPhase) {
@@ -131,7 +131,7 @@ TEST_F(SignalWatchTest, NobodyReadingTheMessageHoldsUpNothing) {
                     if (pipe(ends) != 0) _exit(6);
                     close(ends[0]);
                     dup2(ends[1], STDERR_FILENO);
-                    watch.Cancel("nobody reads this", "nor this", 0.1);
+                    watch.Cancel("not printed", "not printed", 0.1);
                     kill(getpid(), SIGTERM);
                 }),
                 ExitedWithCode(143), "");

@@ -86,7 +86,7 @@ TEST(PreciseSum, IsTheSameInAnyOrderAndAnyPartsToTheBit) {
     int plainDiffers = 0;
     for (int round = 0; round < 200; ++round) {
         for (size_t i = addends.size(); i-- > 1;) std::swap(addends[i], addends[rng.UniformInt(uint32_t(i + 1))]);
-        // Three parts, each summed by itself and then added to the others in any order.
+        // Three parts, summed separately and added in any order.
         const size_t a = rng.UniformInt(1000), b = a + rng.UniformInt(uint32_t(1000 - a));
         PreciseSum parts[3], sum;
         double plainParts[3] = {};

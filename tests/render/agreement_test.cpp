@@ -25,11 +25,12 @@ constexpr double kAlpha = 1e-3;  ///< false alarm anywhere in one scene, if the 
 bool HasOctree() { return AllSamplers().samplers.Has("octree"); }
 
 /// All but the oracle, which would take most of the time (the contract suite has its one-light estimator). What
-/// "spatial" does before rendering is cut down.
+/// "spatial" and "neepp" do before rendering is cut down.
 std::vector<std::string> Labels() {
     std::vector<std::string> labels = AllSamplers().samplers.Names();
     std::erase(labels, "oracle");
     std::ranges::replace(labels, std::string("spatial"), std::string("spatial:voxels=8,samples=64"));
+    std::ranges::replace(labels, std::string("neepp"), std::string("neepp:voxels=8"));
     if (HasOctree())
         labels.insert(labels.end(), {"octree:model=paper", "octree:model=paper,leaves=64", "octree:floor=0.5,tries=2"});
     labels.push_back("bvh+meshlights");

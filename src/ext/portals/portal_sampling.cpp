@@ -22,8 +22,10 @@ constexpr double kMaxSeen = 0.3;
 constexpr size_t kSearchVertices = 4096;
 
 constexpr uint64_t kRayStream = 0x736b79;
-/// With few vertices, up to kMaxPerVertex rays per vertex and light are traced to reach kFewRays.
-constexpr size_t kFewRays = 16384, kMaxPerVertex = 4 * PortalSampling::kRaysPerLight;
+/// With few vertices, up to kMaxPerVertex rays per vertex and light are traced to reach kSearchRays.
+constexpr size_t kSearchRays = 16384, kMaxPerVertex = 4 * PortalSampling::kRaysPerLight;
+/// Vertices and rays that tell whether the scene is outdoors.
+constexpr size_t kFewVertices = kSearchVertices / 16, kFewRays = kSearchRays / 4;
 /// Maximum draws per ray; accepted with probability equal to the cosine.
 constexpr size_t kMaxDraws = 16;
 
@@ -56,13 +58,14 @@ Float MeanCosine(const Portal &portal, const LightQuery &query) {
     return c >= s ? c : Sqr(std::max(c + s, Float(0))) / (4 * s);
 }
 
-/// Traces rays towards the environment lights from `count` of the vertices (at most all), spread over the image.
-/// Directions are proportional to radiance times cosine. Depends on the seed only.
+/// Traces about `minRays` rays, or more, towards each environment light from `count` of the vertices (at most all),
+/// spread over the image. Directions are proportional to radiance times cosine. Depends on the seed only.
 std::vector<EnvironmentRay> TraceEnvironmentRays(PrepareContext &context, std::span<const LightId> lights,
-                                                 std::span<const PrepassVertex> vertices, size_t count) {
+                                                 std::span<const PrepassVertex> vertices, size_t count,
+                                                 size_t minRays) {
     count = std::min(count, vertices.size());
     const size_t perVertex =
-        std::clamp(kFewRays / std::max<size_t>(count, 1), PortalSampling::kRaysPerLight, kMaxPerVertex);
+        std::clamp(minRays / std::max<size_t>(count, 1), PortalSampling::kRaysPerLight, kMaxPerVertex);
     std::vector<std::vector<EnvironmentRay>> raysFrom(count);
     context.progress.BeginPhase("rays to environment lights", int64_t(count));
     ParallelForEach(int64_t(count), [&](int64_t i) {
@@ -183,14 +186,14 @@ void PortalSampling::Use(std::span<const Portal> portals) {
 void PortalSampling::Find(PrepareContext &context, std::span<const PrepassVertex> vertices) {
     const auto start = std::chrono::steady_clock::now();
     std::vector<EnvironmentRay> rays;
-    const auto isSeenMoreThan = [&](double share, size_t count) {
-        rays = TraceEnvironmentRays(context, ids_, vertices, count);
+    const auto isSeenMoreThan = [&](double share, size_t count, size_t minRays) {
+        rays = TraceEnvironmentRays(context, ids_, vertices, count, minRays);
         const auto left = std::ranges::count_if(rays, [](const EnvironmentRay &ray) { return ray.left; });
         seenShare_ = double(left) / double(std::max<size_t>(rays.size(), 1));
         return context.progress.Cancelled() || seenShare_ > share;
     };
-    // Outdoors, a few vertices suffice.
-    if (!isSeenMoreThan(2 * kMaxSeen, kSearchVertices / 16) && !isSeenMoreThan(kMaxSeen, kSearchVertices)) {
+    if (!isSeenMoreThan(2 * kMaxSeen, kFewVertices, kFewRays) &&
+        !isSeenMoreThan(kMaxSeen, kSearchVertices, kSearchRays)) {
         rays = FromIndoors(rays);
         std::vector<Normal3> normals;
         for (const PrepassVertex &vertex : vertices) normals.push_back(vertex.at.n);

@@ -49,8 +49,8 @@ Pieces Split(const FlagText &flag, DiagnosticSink &sink) {
         else if (word == "guide") pieces.guide = word.substr(word.size());
         else if (word.starts_with(kGuide)) pieces.guide = word.substr(kGuide.size());
         else
-            sink.Error(flag.At(word.data() - 1), "\"+{}\" is unknown; a light sampler is written {}.", word,
-                       kLightChoiceSyntax);
+            sink.Error(flag.At(word.data() - 1), "\"+{}\" is unknown; {}a light sampler is written {}.", word,
+                       OldNameHint("suffix", word.substr(0, word.find('='))), kLightChoiceSyntax);
     }
     return pieces;
 }
@@ -65,7 +65,8 @@ Param ReadOne(const FlagText &flag, const std::string &owner, const std::vector<
     if (doc == docs.end()) {
         std::vector<std::string> keys;
         for (const ParamDoc &d : docs) keys.push_back(d.name);
-        throw UserError(loc, "\"{}\" has no parameter \"{}\"; {}.", owner, key, ListChoices(key, keys));
+        throw UserError(loc, "\"{}\" has no parameter \"{}\"; {}{}.", owner, key,
+                        OldNameHint("parameter", fmt::format("{}.{}", owner, key)), ListChoices(key, keys));
     }
     if (equals == std::string::npos) throw UserError(loc, "expected \"{}=value\".", key);
     const std::string_view value = item.substr(equals + 1);

@@ -98,6 +98,7 @@ FlagHints StockFlags() {
         "this program only renders; the pbrt of pbrt-v4 converts scene files with this flag");
     add({"pixelmaterial", "pixelstats", "debugstart", "disableimagetextures"},
         "this program has nothing like it; leave the flag out");
+    add({"shadowgate"}, "it was removed (docs/develop/negative-results.md); leave the flag out");
     return hints;
 }
 

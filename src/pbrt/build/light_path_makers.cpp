@@ -13,7 +13,7 @@ struct ShootingParams {
     std::string shootingSampler = "power";
     void Describe(auto &&v) {
         v("shootingsampler", shootingSampler,
-          "light sampler of light paths: power, uniform or seen; --shooting-sampler overrides it (only here)");
+          "light sampler of light paths, such as power or uniform; --shooting-sampler overrides it (only here)");
     }
 };
 

@@ -247,9 +247,7 @@ std::optional<LightSamplerSpec> ReadShootingSampler(const ParamSet &integrator, 
     const size_t errorsBefore = sink.ErrorCount();
     const FlagText text("--shooting-sampler", flag);
     const auto find = [&](const std::string &name, const FileLoc &loc) -> const LightSamplerRegistry::Entry & {
-        std::vector<std::string> choices;
-        for (const std::string &n : registry.samplers.Names())
-            if (registry.samplers.Find(n).traits.isSameEverywhere) choices.push_back(n);
+        const std::vector<std::string> choices = registry.EmissionSamplerNames();
         if (registry.samplers.Has(name) && !registry.samplers.Find(name).traits.isSameEverywhere)
             throw UserError(loc,
                             "light sampler \"{}\" chooses by place, and light paths have none before they begin; {}.",

@@ -109,7 +109,17 @@ struct RawFlags {
     double memoryLimitMb = 0;
 };
 
-void AddAllFlags(CLI::App &app, CommandLine &o, RawFlags &raw) {
+/// Lines of the help text.
+std::string LightSamplerExamples(const PluginRegistry &registry) {
+    std::string text = "  pbrt --lightsampler bvh+mesh --spp 64 --outfile out.exr scene.pbrt\n";
+    for (const std::string &name : registry.samplers.Names())
+        if (const char *example = registry.samplers.Find(name).traits.example)
+            text += fmt::format("  pbrt --lightsampler {}:{} scene.pbrt\n", name, example);
+    if (!registry.directionSamplings.Names().empty()) text += "  pbrt --lightsampler bvh+mesh+guide scene.pbrt\n";
+    return text;
+}
+
+void AddAllFlags(CLI::App &app, const PluginRegistry &registry, CommandLine &o, RawFlags &raw) {
     BuildOptions &build = o.build;
     app.add_option("scene", o.sceneFiles,
                    "scene files, parsed one after the other as one scene; none or \"-\": standard input");
@@ -189,8 +199,9 @@ void AddAllFlags(CLI::App &app, CommandLine &o, RawFlags &raw) {
                "method that chooses the light for a shadow ray, see below; overrides the scene"},
               {"--mesh-lights", build.meshLights, "the same as +mesh: an emissive mesh is one light"},
               {"--shooting-sampler", build.shootingSampler,
-               "name[:key=value,...] of the light sampler that chooses where light paths begin (bdpt, mlt, lightpath, "
-               "sppm): power, uniform or seen; overrides the scene"}});
+               fmt::format("name[:key=value,...] of the light sampler that chooses where light paths begin (bdpt, mlt, "
+                           "lightpath, sppm): {}; overrides the scene",
+                           fmt::join(registry.EmissionSamplerNames(), ", "))}});
     app.add_flag_callback(
            "--list-lightsamplers", [&o] { o.list = "lightsamplers"; }, "the same as --list lightsamplers")
         ->group(lights);
@@ -226,29 +237,29 @@ void AddAllFlags(CLI::App &app, CommandLine &o, RawFlags &raw) {
 
 }  // namespace
 
-std::optional<int> ParseCommandLine(int argc, const char *const *argv, CommandLine *options) {
+std::optional<int> ParseCommandLine(int argc, const char *const *argv, const PluginRegistry &registry,
+                                    CommandLine *options) {
     CommandLine &o = *options;
     o.text = JoinArguments(argc, argv);
 
     CLI::App app(
-        "Renders pbrt-v4 scene files. An independent renderer compatible with pbrt-v4 scenes, made for\n"
-        "choosing the right light at every shading point.\n\n"
-        "  pbrt scene.pbrt                              with the settings of the scene\n"
-        "  pbrt --lightsampler octree scene.pbrt        lights chosen by the visibility octree\n"
-        "  pbrt --lightsampler octree:budget=0.02,floor=0.1 --spp 64 --outfile out.exr scene.pbrt\n"
-        "  pbrt --lightsampler bvh+mesh+guide scene.pbrt\n"
-        "  pbrt --quick --spp 16 scene.pbrt             a small picture, quickly\n\n"
-        "Ctrl-C, SIGTERM and SIGHUP save what was rendered and end with status 130, 143 and 129; a second one ends\n"
-        "at once. A file that holds more samples of the same scene is kept: the interrupted picture is then\n"
-        "written beside it, as out-unfinished.exr.",
+        fmt::format("Renders pbrt-v4 scene files. An independent renderer compatible with pbrt-v4 scenes, made for\n"
+                    "choosing the right light at every shading point.\n\n"
+                    "  pbrt scene.pbrt                              with the settings of the scene\n"
+                    "  pbrt --quick --spp 16 scene.pbrt             a small image, quickly\n"
+                    "{}\n"
+                    "Ctrl-C, SIGTERM and SIGHUP save what was rendered and end with status 130, 143 and 129; a second "
+                    "one ends\nat once. A file that holds more samples of the same scene is kept: the interrupted image "
+                    "is then\nwritten beside it, as out-unfinished.exr.",
+                    LightSamplerExamples(registry)),
         "pbrt");
     app.footer(
-        "A light sampler is written name[:key=value,...][+mesh][+guide[:key=value,...]], here, in lightlab and in\n"
-        "lightlab inspect: +mesh takes every emissive mesh as one light, +guide is --guide with parameters, guide.key\n"
-        "in a scene. --list-lightsamplers names all samplers with their parameters.");
+        "A light sampler is written name[:key=value,...][+mesh][+guide[:key=value,...]]: +mesh takes every emissive\n"
+        "mesh as one light, +guide is --guide with parameters, guide.key in a scene. --list-lightsamplers names all\n"
+        "samplers with their parameters.");
     app.set_version_flag("--version", VersionText(), "print the version, and stop");
     RawFlags raw;
-    AddAllFlags(app, o, raw);
+    AddAllFlags(app, registry, o, raw);
 
     const std::optional<int> status = ParseFlags(app, CanonicalFlags(app, argc, argv), StockFlags(), [&] {
         if (o.build.mseReferenceImage.empty() != o.build.mseReferenceOut.empty())

@@ -120,7 +120,7 @@ class Rounds {
     /// Checks a sampler's light selection once. Skips the oracle, which is not ranked and would take hours.
     bool Check(size_t i, SamplerRun *run) {
         const SamplerChoice &choice = settings_.samplers[i];
-        if (!(settings_.selectionWork > 0) || choice.IsOracle()) return true;
+        if (!(settings_.selectionWork > 0) || choice.traits.isInstrument) return true;
         // An undecided check is repeated if more work is allowed.
         if (const Json note = context_.records.LoadNote(SelectionNote(choice));
             note.is_object() &&
@@ -225,7 +225,7 @@ class Rounds {
     }
     /// A run's first samples fill caches and cells; the pilot's estimate is better.
     void LearnCost(size_t i, int samples, double secondsPerSample) {
-        const bool wasInPilot = hasPilot_ && !settings_.samplers[i].IsOracle();
+        const bool wasInPilot = hasPilot_ && !settings_.samplers[i].traits.isInstrument;
         if (samples >= kReliableSamples || !wasInPilot) cost_[i] = secondsPerSample;
     }
 

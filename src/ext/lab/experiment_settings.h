@@ -19,7 +19,7 @@ struct SamplerChoice {
     std::string folder;  ///< the label as a safe file name
     std::string name;    ///< of the light sampler
     bool meshLights = false;
-    bool IsOracle() const { return name == "oracle"; }
+    LightSamplerTraits traits{};
 };
 
 /// Splits a list of samplers. A semicolon ends a sampler, and so does a comma unless a "key=value" follows, which

@@ -214,7 +214,7 @@ void WritePictures(const ExperimentContext &context, const References &reference
     std::vector<Image> maps, shared;
     for (size_t i = 0; i < settings.samplers.size(); ++i) {
         maps.push_back(ErrorMap(pictures[i].front(), references.all[references.ofSampler[i]].image));
-        if (!settings.samplers[i].IsOracle()) shared.push_back(maps.back());
+        if (!settings.samplers[i].traits.isInstrument) shared.push_back(maps.back());
     }
     const double scale = ChooseErrorScale(maps);
     const FalseColorStyle style{.most = Float(scale)};

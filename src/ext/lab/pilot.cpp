@@ -16,7 +16,7 @@ constexpr int kPilotSeed = 700001;                          // disjoint from the
 std::vector<SamplerChoice> Candidates(const ExperimentSettings &settings, const PluginRegistry &registry) {
     std::vector<SamplerChoice> candidates;
     for (const SamplerChoice &s : settings.samplers)
-        if (!s.IsOracle()) candidates.push_back(s);
+        if (!s.traits.isInstrument) candidates.push_back(s);
     for (const char *stock : {"bvh", "uniform"})
         if (std::ranges::find(candidates, stock, &SamplerChoice::label) == candidates.end())
             candidates.push_back(ParseSamplerChoices({stock}, registry).front());
@@ -128,10 +128,6 @@ double EstimateRuns(const ExperimentSettings &settings, const std::vector<PilotE
     for (const SamplerChoice &s : settings.samplers)
         seconds += settings.Timed() ? settings.timeBudget : settings.samplesPerPixel * SecondsPerSample(entries, s);
     return seconds * settings.seeds;
-}
-
-bool IsTrusted(const SamplerChoice &choice) {
-    return choice.name == "uniform" || choice.name == "power" || choice.name == "bvh" || choice.name == "exhaustive";
 }
 
 std::optional<std::vector<PilotEntry>> RunPilot(const ExperimentContext &context) {

@@ -179,18 +179,18 @@ void CompareSamplers(std::vector<SamplerResult> &samplers) {
         for (size_t k = 0; k < samplers.size(); ++k) {
             const SamplerResult &other = samplers[k];
             if (k == i) continue;
-            if (other.choice.IsOracle() && !ratioToOracle)
+            if (other.choice.traits.isInstrument && !ratioToOracle)
                 ratioToOracle = ErrorRatioAtEqualCost(bySamples[i], bySamples[k]);
             const std::optional<double> speedUp = SpeedUpToEqualError(bySeconds[i], bySeconds[k]);
             if (!speedUp) continue;
             speedUps[other.choice.label] = *speedUp;
-            const bool counts = !other.choice.IsOracle() && other.bias.verdict != BiasVerdict::Biased;
+            const bool counts = !other.choice.traits.isInstrument && other.bias.verdict != BiasVerdict::Biased;
             if (counts && (!mine.speedUp || *speedUp < *mine.speedUp)) {
                 mine.speedUp = *speedUp;
                 mine.speedUpAgainst = other.choice.label;
             }
         }
-        if (mine.choice.IsOracle()) ratioToOracle = 1;
+        if (mine.choice.traits.isInstrument) ratioToOracle = 1;
         mine.summary["speedUp"] = OrNull(mine.speedUp);
         mine.summary["speedUpAgainst"] = mine.speedUp ? Json(mine.speedUpAgainst) : Json();
         mine.summary["speedUps"] = speedUps;
@@ -203,7 +203,7 @@ std::vector<std::string> RemarksOn(const ExperimentSettings &settings, const Ref
                                    const std::vector<SamplerResult> &samplers) {
     std::vector<std::string> remarks = references.remarks;
     for (const SamplerResult &s : samplers)
-        if (s.choice.IsOracle() && s.samples < kFewOracleSamples)
+        if (s.choice.traits.isInstrument && s.samples < kFewOracleSamples)
             remarks.push_back(fmt::format(
                 "\"{}\" took only {:.1f} samples per pixel, so ratios to it are rough; --spp gives equal samples.",
                 s.choice.label, s.samples));
@@ -245,7 +245,7 @@ ExperimentResults Summarize(const ExperimentSettings &settings, const References
     CompareSamplers(results.samplers);
     for (const SamplerResult &s : results.samplers)
         results.contenders.push_back({s.choice.label, ErrorsOf(s.runs, Measure::RelL2),
-                                      ErrorsOf(s.runs, Measure::RelL2Trimmed), s.bias.verdict, s.choice.IsOracle(),
+                                      ErrorsOf(s.runs, Measure::RelL2Trimmed), s.bias.verdict, s.choice.traits.isInstrument,
                                       s.firefliesDecide, s.speedUp, s.speedUpAgainst});
     results.conclusion = Conclude(results.contenders, references.doubts,
                                   RemarksOn(settings, references, results.samplers), settings.Timed());

@@ -156,9 +156,9 @@ class PathRoulette {
                                                     : std::optional("cells of roulette belong to no tree");
         constexpr int kMaxSide = 1 << 24;
         if (tile_ < 1 || tile_ > kMaxSide || size_.x < 1 || size_.y < 1 || size_.x > kMaxSide || size_.y > kMaxSide)
-            return "roulette was learned for no picture";
+            return "roulette was learned for no image";
         const auto along = [&](int pixels) { return size_t((pixels + tile_ - 1) / tile_); };
-        if (tiles_.size() != along(size_.x) * along(size_.y)) return "the tiles of roulette do not cover the picture";
+        if (tiles_.size() != along(size_.x) * along(size_.y)) return "the tiles of roulette do not cover the image";
         for (const Float tile : tiles_)
             if (!(tile > 0)) return "a tile of roulette has no importance";
         for (const Cell &cell : cells_)

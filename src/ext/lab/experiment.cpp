@@ -269,7 +269,7 @@ void CheckCrops(const ExperimentSettings &settings, const LabScene &scene) {
     const Point2i resolution = scene.Resolution();
     for (const Bounds2i &c : settings.crops)
         if (c.IsEmpty() || Intersect(c, {{0, 0}, resolution}).Area() < c.Area())
-            throw UserError("--crops: {},{},{},{} is not inside the picture of {} x {} pixels.", c.low.x, c.low.y,
+            throw UserError("--crops: {},{},{},{} is not inside the image of {} x {} pixels.", c.low.x, c.low.y,
                             c.high.x, c.high.y, resolution.x, resolution.y);
 }
 

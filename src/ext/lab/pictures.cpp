@@ -114,7 +114,7 @@ double ChooseExposure(const Image &reference) {
     return std::max(0.9 / bright, std::min(0.18 / middle, 0.9 / high));
 }
 
-void WriteRangePicture(const std::string &path, const Image &image) {
+void WriteRangeImage(const std::string &path, const Image &image) {
     const Point2i resolution = image.Resolution();
     std::string text = fmt::format("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {} +X {}\n", resolution.y, resolution.x);
     ForEachPixel(resolution, [&](int x, int y) {
@@ -201,7 +201,7 @@ void WritePictures(const ExperimentContext &context, const References &reference
         const std::string file = settings.outFolder + "/" + name;
         WriteImage(file + ".exr", r.image, metadata);
         WritePicture(file + ".png", r.image, exposure);
-        WriteRangePicture(file + ".hdr", r.image);
+        WriteRangeImage(file + ".hdr", r.image);
         (*json)["references"].push_back({{"file", name + ".exr"},
                                          {"picture", name + ".png"},
                                          {"pictureRange", name + ".hdr"},
@@ -221,7 +221,7 @@ void WritePictures(const ExperimentContext &context, const References &reference
     for (size_t i = 0; i < settings.samplers.size(); ++i) {
         const std::string folder = settings.outFolder + "/" + settings.samplers[i].folder;
         WritePicture(folder + "/result.png", pictures[i].front(), exposure);
-        WriteRangePicture(folder + "/result.hdr", pictures[i].front());
+        WriteRangeImage(folder + "/result.hdr", pictures[i].front());
         WriteImage(folder + "/error.png", FalseColor(maps[i], 0, style));
     }
     (*json)["exposure"] = exposure;

@@ -168,7 +168,7 @@ int SamplesPerPart(const ExperimentContext &context, const PilotEntry &with, int
 /// Reads a finished part, or renders it; adds it to the reference. Returns false if cancelled.
 bool AddPart(const ExperimentContext &context, const SamplerChoice &choice, int seed, int samples, int partsAfter,
              const std::string &file, Reference *reference) {
-    if (IsWholePicture(file, context.scene.Resolution())) {
+    if (IsWholeImage(file, context.scene.Resolution())) {
         const ImageFile known = ReadImage(file);
         reference->seconds += Described(file, known.metadata).seconds;
         reference->parts.push_back(known.image.Select({"R", "G", "B"}));

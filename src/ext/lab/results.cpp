@@ -209,7 +209,7 @@ std::vector<std::string> RemarksOn(const ExperimentSettings &settings, const Ref
                 s.choice.label, s.samples));
     if (settings.sampledLightOnly)
         remarks.emplace_back(
-            "--sampled-light: the pictures lack lights seen directly or by specular reflection, and caustics.");
+            "--sampled-light: the images lack lights seen directly or by specular reflection, and caustics.");
     return remarks;
 }
 

@@ -303,12 +303,12 @@ void AddSelection(const SelectionReport &selection, BiasReport *report) {
         auto size = [](double v) { return std::isfinite(v) ? RoundedPercent(v) : std::string("none"); };
         report->text = fmt::format(
             "No bias detected, and the check at path vertices would have detected one; smallest detectable by the "
-            "pictures alone: {} in the whole image, {} in regions of 1/{} of it.",
+            "images alone: {} in the whole image, {} in regions of 1/{} of it.",
             size(report->visibleImage), size(report->visibleSixteenth), report->sixteenthRegions);
     }
     if (selection.verdict == BiasVerdict::Biased && report->verdict != BiasVerdict::Biased) {
         report->verdict = BiasVerdict::Biased;
-        report->text = "The pictures alone do not show this bias.";
+        report->text = "The images alone do not show this bias.";
     }
     report->text += " Vertex by vertex: " + selection.text + ".";
 }

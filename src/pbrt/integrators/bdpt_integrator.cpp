@@ -19,7 +19,7 @@ struct BdptIntegrator::Sample {
 
 BdptIntegrator::BdptIntegrator(const PathContext &context, int maxDepth, bool regularize,
                                std::unique_ptr<LightSampler> connecting, std::unique_ptr<LightSampler> shooting,
-                               std::unique_ptr<StrategyPictures> strategies)
+                               std::unique_ptr<StrategyImages> strategies)
     : context_(context), maxDepth_(maxDepth), regularize_(regularize),
       shooting_(ByPowerUnless(std::move(shooting), context.scene.Lights())), connecting_(std::move(connecting)),
       hasMedia_(context.scene.HasMedia()), observer_(connecting_ ? connecting_->Observer() : nullptr),
@@ -196,7 +196,7 @@ SampledSpectrum BdptIntegrator::TraceCamera(Sample &sample) const {
     Follow(walk, subpath, sample);
     // Contributions before termination of the secondary wavelengths count on the first one only.
     if (!hasMedia_ || !sample.lambda.SecondaryTerminated()) return subpath.L;
-    for (StrategyPictures::Contribution &f : paths.contributions) {
+    for (StrategyImages::Contribution &f : paths.contributions) {
         f.weighted *= f.mean;
         f.unweighted *= f.mean;
     }
@@ -223,7 +223,7 @@ void BdptIntegrator::AddEmission(const PathWalk &walk, Subpath &path, Sample &sa
     });
 }
 
-void BdptIntegrator::Record(const Sample &sample, const StrategyPictures::Contribution &contribution) const {
+void BdptIntegrator::Record(const Sample &sample, const StrategyImages::Contribution &contribution) const {
     sample.paths.contributions.push_back(contribution);
 }
 

@@ -80,7 +80,7 @@ void CheckKeeping(const CommandLine &o) {
     if (o.timeBudget > 0) fail("--samples and --time exclude each other");
     if (o.build.adaptive || o.noise > 0)
         fail("--samples excludes --adaptive and --noise: parts of a render take the same samples of all pixels");
-    if (o.writePartialImages) fail("--samples and --write-partial-images exclude each other: a part makes no picture");
+    if (o.writePartialImages) fail("--samples and --write-partial-images exclude each other: a part makes no image");
     if (!o.saveLights.empty()) fail("--samples and --save-lights exclude each other: a part lacks samples");
 }
 
@@ -91,7 +91,7 @@ FlagHints StockFlags() {
     };
     add({"gpu", "gpudevice", "wavefront"}, "this program renders on the CPU only; leave the flag out");
     add({"interactive", "fullscreen"},
-        "this program opens no window; --serve and --display-server show the picture as it grows");
+        "this program opens no window; --serve and --display-server show the image as it grows");
     add({"loglevel", "logfile", "logutilization"},
         "this program writes no log; --quiet prints errors only, --stats statistics");
     add({"upgrade", "format", "toply"},
@@ -134,7 +134,7 @@ void AddAllFlags(CLI::App &app, const PluginRegistry &registry, CommandLine &o, 
          Flag(
              "--aov", build.film.aovs,
              fmt::format(
-                 "auxiliary channels, mostly of the first visible surface, added to the picture of any film, separated "
+                 "auxiliary channels, mostly of the first visible surface, added to the image of any film, separated "
                  "by commas: {}; denoisers read these names",
                  fmt::join(AovNames(), ", ")),
              CLI::IsMember(AovNames()))
@@ -145,9 +145,9 @@ void AddAllFlags(CLI::App &app, const PluginRegistry &registry, CommandLine &o, 
     const char *watching = "Watching";
     AddFlags(app, watching,
              {{"--display-server", o.displayServer,
-               "HOST:PORT of a viewer with tev's protocol (tev uses localhost:14158): shows the picture as it grows"}});
+               "HOST:PORT of a viewer with tev's protocol (tev uses localhost:14158): shows the image as it grows"}});
     app.add_flag("--serve", raw.port,
-                 "page for a browser on this machine: the picture as it grows, its error so far, time left; --serve "
+                 "page for a browser on this machine: the image as it grows, its error so far, time left; --serve "
                  "PORT or --serve=PORT, 0: any free port")
         ->group(watching);
 
@@ -186,11 +186,11 @@ void AddAllFlags(CLI::App &app, const PluginRegistry &registry, CommandLine &o, 
           "larger --spp or --time than before continues the render"},
          {"--samples", raw.samples,
           "FIRST:END: render only these samples of every pixel, from FIRST up to END - 1, into the --checkpoint file, "
-          "without a picture; imgtool merge makes the picture from all parts"},
+          "without an image; imgtool merge makes the image from all parts"},
          {"--save-lights", o.saveLights,
           "file for the records of the light sampler and the path guide at the end of the render"},
          {"--load-lights", o.loadLights,
-          "choose lights and guide paths by the records of another render, without learning: for parts of one picture, "
+          "choose lights and guide paths by the records of another render, without learning: for parts of one image, "
           "and frames of an animation with static lights; like --save-lights, renders in world coordinates"}});
 
     const char *lights = "Light selection";

@@ -93,8 +93,8 @@ class PathRoulette {
     const Cell &At(const Point3 &p, uint32_t kind) const { return cells_[tree_.LeafOf(p, kind)]; }
     /// Continuation probability in [least, 1] from a cell's estimate; 0: no estimate. `importance`: throughput (mean
     /// over wavelengths) times PixelImportance.
-    static Float ContinuationProbability(Float estimate, Float importance, Float least = kMinContinuation) {
-        return estimate < 0 ? 0 : std::clamp(importance * estimate, least, Float(1));
+    static Float ContinuationProbability(Float estimate, Float importance, Float min = kMinContinuation) {
+        return estimate < 0 ? 0 : std::clamp(importance * estimate, min, Float(1));
     }
 
     /// sqrt(C0/V0)/I of a pixel, relative to the image corner. A contribution times this, squared, is its variance in

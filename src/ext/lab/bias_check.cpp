@@ -165,19 +165,19 @@ class Channel {
             variance += noise.variance;
             if (noise.dof > 0) squared += noise.variance * noise.variance / noise.dof;
         };
-        double mostDof = kManyDof;
+        double maxDof = kManyDof;
         if (runs > 1) {
             const TileNoise::Estimate noise = runs_.Of(r);
             add(noise);
             // If few runs agree by chance, all noise seems to be the reference's, with too many degrees of freedom.
-            if (runs_.Pictures() < TileNoise::kFew && noise.dof > 0) mostDof = noise.dof;
+            if (runs_.Pictures() < TileNoise::kFew && noise.dof > 0) maxDof = noise.dof;
         }
         if (parts > 1) {
             add(parts_.Of(r));
         } else if (!known_.empty()) {
             ForEachPixel(r, [&](int x, int y) { variance += known_[grid_.Index(x, y)] / (tiles * tiles); });
         }
-        test.dof = squared > 0 ? std::min(variance * variance / squared, mostDof) : kManyDof;
+        test.dof = squared > 0 ? std::min(variance * variance / squared, maxDof) : kManyDof;
         double lack = ofRuns_.Around(around) / (runs * tiles);
         double surplus = ofReference_.Around(around) / (sampleRatio_ * parts * tiles);
         if (runs < 2 || (parts < 2 && known_.empty())) {
@@ -365,13 +365,13 @@ BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &refer
     report.visibleSixteenth = Median(visible(sixteenth - levels.begin()));
     report.visibleSmallest = Median(visible(0));
 
-    auto leastP = [&](auto &&isMeant) {
+    auto minP = [&](auto &&isMeant) {
         auto meant = tests | std::views::filter(isMeant);
         return *std::ranges::min_element(meant, {}, &RegionTest::p);
     };
     const bool anyBiased = std::ranges::any_of(tests, &RegionTest::biased);
-    report.whole = leastP([&](const RegionTest &t) { return t.level == last; });
-    report.worst = leastP([&](const RegionTest &t) { return t.biased == anyBiased; });
+    report.whole = minP([&](const RegionTest &t) { return t.level == last; });
+    report.worst = minP([&](const RegionTest &t) { return t.biased == anyBiased; });
     report.pValue = SidakP(report.worst.p, tests.size());
     // Infinite deviates (p = 0) are shown as a large one.
     report.worstZ = std::copysign(std::min(NormalCritical(report.worst.p), 40.0), report.worst.difference);

@@ -129,7 +129,7 @@ class Rounds {
         std::unique_ptr<SamplerRun> again;
         if (!run && !(run = (again = Prepared(i, 0, expected_[i])).get())) return false;
         SelectionSettings how;
-        how.mostWork = settings_.selectionWork;
+        how.maxWork = settings_.selectionWork;
         how.bias.level = SidakLevel(how.bias.level, settings_.samplers.size());
         if (!vertices_) vertices_.emplace(SelectionVertices::Measure(context_.scene.built, how.seed, context_.cancel));
         if (context_.cancel.Cancelled()) return false;
@@ -137,7 +137,7 @@ class Rounds {
             CheckSelection(*vertices_, *run->GetIntegrator().Lights(), how, context_.cancel);
         if (!report) return false;
         Json note = ToJson(*report);
-        note["work"] = how.mostWork;
+        note["work"] = how.maxWork;
         context_.records.SaveNote(SelectionNote(choice), note);
         return true;
     }

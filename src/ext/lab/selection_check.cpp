@@ -152,11 +152,11 @@ Sums SumUp(std::span<const VertexFinding> region) {
         light += double(v.light);
         paths += v.endsPath;
     }
-    const double most = kMaxVertex * light / double(std::max<size_t>(paths, 1));
+    const double maxLight = kMaxVertex * light / double(std::max<size_t>(paths, 1));
     Sums sums;
     double pathLight = 0, pathExcess = 0;
     for (const VertexFinding &v : region) {
-        const double weight = double(v.light) > most ? most / double(v.light) : 1;
+        const double weight = double(v.light) > maxLight ? maxLight / double(v.light) : 1;
         pathLight += weight * double(v.light);
         pathExcess += weight * double(v.excess);
         sums.unjudged += weight * double(v.unjudged);
@@ -208,7 +208,7 @@ std::optional<SelectionReport> CheckSelection(const SelectionVertices &vertices,
         if (progress.Cancelled()) return {};
         report = JudgeSelection(regions, settings.bias);
         report.draws = draws;
-        if (report.visibleSixteenth <= settings.bias.interest || 4 * draws * count > settings.mostWork) break;
+        if (report.visibleSixteenth <= settings.bias.interest || 4 * draws * count > settings.maxWork) break;
     }
     return report;
 }

@@ -23,7 +23,7 @@ struct FalseColorStyle {
         Id       ///< one unordered colour per number
     };
     Scale scale = Scale::Ramp;
-    Float least = 0, most = 1;
+    Float min = 0, max = 1;
     int legendRows = 0;  ///< height in pixels of the legend bar below the image, low to high; none for Id
 };
 

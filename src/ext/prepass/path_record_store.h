@@ -15,7 +15,7 @@ using namespace pbrt;
 class RecordedPaths {
   public:
     RecordedPaths() = default;
-    /// Uses the smallest stride that gives at most `most` paths; at least one pixel per row.
+    /// Uses the smallest stride that gives at most `maxCount` paths; at least one pixel per row.
     RecordedPaths(const Bounds2i &pixels, int first, int end, size_t maxCount) : pixels_(pixels), first_(first), end_(end) {
         const Vector2i size = pixels.IsEmpty() ? Vector2i(0) : pixels.high - pixels.low;
         for (stride_ = 1;; ++stride_) {

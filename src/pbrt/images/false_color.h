@@ -18,7 +18,7 @@ inline const Rgb Invalid(1, 0, 1);
 
 struct FalseColorStyle {
     enum class Scale {
-        Ramp,    ///< `least` to `most`
+        Ramp,    ///< `min` to `max`
         Signed,  ///< -most to most
         Id       ///< one unordered colour per number
     };

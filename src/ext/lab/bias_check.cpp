@@ -319,20 +319,12 @@ const char *BiasVerdictName(BiasVerdict verdict) {
     return verdict == BiasVerdict::Clean ? "clean" : verdict == BiasVerdict::Biased ? "biased" : "unknown";
 }
 
-BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &reference, const BiasSettings &settings,
-                     std::span<const AuxiliaryRuns> auxiliary) {
-    CheckInput(runs, auxiliary, reference);
-    const TileGrid &grid = runs[0].grid;
-    const std::vector<Cut> levels = Levels(grid, int(runs.size()));
+namespace {
 
-    BiasReport report;
-    report.tiles = grid.Count();
-    report.smallestSide = levels[0].At(0, 0).high.x * TileGrid::kTileSize;
-    const double total = MeanOf(reference.parts);
-    if (total != 0) report.meanDifference = MeanOf(runs) / total - 1;
-
-    for (const Cut &cut : levels) report.tests += cut.Count() * runs[0].channels;
-    const double level = SidakLevel(settings.level, report.tests);
+/// Tests of all regions of all `levels`, each at significance `level`, by channel and level.
+std::vector<RegionTest> TestRegions(std::span<const TileMeans> runs, const BiasReference &reference,
+                                    const BiasSettings &settings, std::span<const AuxiliaryRuns> auxiliary,
+                                    std::span<const Cut> levels, double level) {
     std::vector<RegionTest> tests;
     for (int c = 0; c < runs[0].channels; ++c) {
         const Channel channel(runs, auxiliary, reference, c, levels[0]);
@@ -349,7 +341,26 @@ BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &refer
             });
         }
     }
+    return tests;
+}
 
+}  // namespace
+
+BiasReport CheckBias(std::span<const TileMeans> runs, const BiasReference &reference, const BiasSettings &settings,
+                     std::span<const AuxiliaryRuns> auxiliary) {
+    CheckInput(runs, auxiliary, reference);
+    const TileGrid &grid = runs[0].grid;
+    const std::vector<Cut> levels = Levels(grid, int(runs.size()));
+
+    BiasReport report;
+    report.tiles = grid.Count();
+    report.smallestSide = levels[0].At(0, 0).high.x * TileGrid::kTileSize;
+    const double total = MeanOf(reference.parts);
+    if (total != 0) report.meanDifference = MeanOf(runs) / total - 1;
+
+    for (const Cut &cut : levels) report.tests += cut.Count() * runs[0].channels;
+    const double level = SidakLevel(settings.level, report.tests);
+    const std::vector<RegionTest> tests = TestRegions(runs, reference, settings, auxiliary, levels, level);
     // Level whose regions are closest to 1/16 of the image.
     const auto sixteenth =
         std::ranges::min_element(levels, {}, [](const Cut &cut) { return std::abs(std::log(cut.Count() / 16.0)); });

@@ -67,7 +67,7 @@ std::vector<SamplerChoice> ParseSamplerChoices(const std::vector<std::string> &t
             const std::optional<LightSelection> selection = ReadLightSelection(ParamSet(), flags, registry, sink);
             if (!selection) return;
             const auto &entry = *selection->sampler.entry;
-            SamplerChoice choice{text, SafeFileName(text), entry.name, text.find("+mesh") != text.npos, entry.traits};
+            SamplerChoice choice{text, SafeFileName(text), entry.name, WithoutMesh(text) != text, entry.traits};
             if (!labels.insert(text).second) throw UserError("sampler \"{}\" is listed twice.", text);
             while (!folders.insert(choice.folder).second) choice.folder += "_";
             choices.push_back(choice);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pbrt/build/light_sampler_spec.h"
 #include "pbrt/math/statistics.h"
 
 namespace ext::lab {
@@ -121,12 +122,6 @@ Json BiasJson(const BiasReport &b) {
             {"text", b.text}};
 }
 
-/// Label without "+mesh": runs with and without mesh lights are auxiliary to each other.
-std::string NameWithoutMesh(std::string label) {
-    if (const size_t at = label.find("+mesh"); at != std::string::npos) label.erase(at, 5);
-    return label;
-}
-
 /// Sets `bias` of the samplers, which have the samples of their runs and are in the order of `pictures`.
 void JudgeImages(const References &references, const std::vector<std::vector<Image>> &pictures,
                  std::vector<SamplerResult> &samplers) {
@@ -135,11 +130,11 @@ void JudgeImages(const References &references, const std::vector<std::vector<Ima
         std::vector<TileMeans> tiles;
         double samples = 0;  ///< per pixel of one image; 0: unknown
     };
-    std::vector<Source> sources;  // the samplers, then the references
+    std::vector<Source> sources;  // the samplers, then the references; with and without +mesh auxiliary to each other
     for (size_t i = 0; i < samplers.size(); ++i)
-        sources.push_back({NameWithoutMesh(samplers[i].choice.label), TilesOf(pictures[i]), samplers[i].samples});
+        sources.push_back({WithoutMesh(samplers[i].choice.label), TilesOf(pictures[i]), samplers[i].samples});
     for (const Reference &r : references.all) {
-        Source &source = sources.emplace_back(Source{NameWithoutMesh(r.sampler), TilesOf(r.parts)});
+        Source &source = sources.emplace_back(Source{WithoutMesh(r.sampler), TilesOf(r.parts)});
         if (r.parts.empty()) source.tiles.push_back(ComputeTileMeans(r.image));
         source.samples = r.samples / double(source.tiles.size());
     }

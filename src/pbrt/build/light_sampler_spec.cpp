@@ -35,6 +35,8 @@ size_t FindSuffix(std::string_view text, size_t from) {
     return text.size();
 }
 
+constexpr std::string_view kMesh = "mesh";
+
 Pieces Split(const FlagText &flag, DiagnosticSink &sink) {
     constexpr std::string_view kGuide = "guide:";
     const std::string_view text = flag.Text();
@@ -45,7 +47,7 @@ Pieces Split(const FlagText &flag, DiagnosticSink &sink) {
         const size_t begin = end + 1;
         end = FindSuffix(text, begin);
         const std::string_view word = text.substr(begin, end - begin);
-        if (word == "mesh") pieces.mesh = true;
+        if (word == kMesh) pieces.mesh = true;
         else if (word == "guide") pieces.guide = word.substr(word.size());
         else if (word.starts_with(kGuide)) pieces.guide = word.substr(kGuide.size());
         else
@@ -171,6 +173,15 @@ void WarnOfParamsWithoutEffect(const LightSamplerRegistry::Entry &entry, const P
 }
 
 }  // namespace
+
+std::string WithoutMesh(std::string choice) {
+    for (size_t begin = FindSuffix(choice, 0); begin < choice.size();) {
+        const size_t end = FindSuffix(choice, begin + 1);
+        if (std::string_view(choice).substr(begin + 1, end - begin - 1) == kMesh) choice.erase(begin, end - begin);
+        else begin = end;
+    }
+    return choice;
+}
 
 void DeclareLightParams(ParamReader &reader, const PluginRegistry &registry, bool isGuided) {
     const auto declare = [&](const auto &table) {

@@ -146,6 +146,28 @@ class Channel {
         }
     }
 
+    /// Noise of the difference, from the samples of runs and reference.
+    TileNoise::Estimate SampleNoise(const Bounds2i &r) const {
+        const auto tiles = double(r.Area());
+        double variance = 0, squared = 0, maxDof = kManyDof;
+        auto add = [&](const TileNoise::Estimate &noise) {
+            variance += noise.variance;
+            if (noise.dof > 0) squared += noise.variance * noise.variance / noise.dof;
+        };
+        if (runs_.Pictures() > 1) {
+            const TileNoise::Estimate noise = runs_.Of(r);
+            add(noise);
+            // If few runs agree by chance, all noise seems to be the reference's, with too many degrees of freedom.
+            if (runs_.Pictures() < TileNoise::kFew && noise.dof > 0) maxDof = noise.dof;
+        }
+        if (parts_.Pictures() > 1) {
+            add(parts_.Of(r));
+        } else if (!known_.empty()) {
+            ForEachPixel(r, [&](int x, int y) { variance += known_[grid_.Index(x, y)] / (tiles * tiles); });
+        }
+        return {variance, squared > 0 ? std::min(variance * variance / squared, maxDof) : kManyDof};
+    }
+
     /// `level`: significance level of this test.
     RegionTest Test(const Bounds2i &r, const Bounds2i &around, double allowance, double level) const {
         RegionTest test;
@@ -160,32 +182,12 @@ class Channel {
         unit = std::max(unit, 0.5);
 
         const auto runs = double(runs_.Pictures()), parts = double(parts_.Pictures());
-        double variance = 0, squared = 0;
-        auto add = [&](const TileNoise::Estimate &noise) {
-            variance += noise.variance;
-            if (noise.dof > 0) squared += noise.variance * noise.variance / noise.dof;
-        };
-        double maxDof = kManyDof;
-        if (runs > 1) {
-            const TileNoise::Estimate noise = runs_.Of(r);
-            add(noise);
-            // If few runs agree by chance, all noise seems to be the reference's, with too many degrees of freedom.
-            if (runs_.Pictures() < TileNoise::kFew && noise.dof > 0) maxDof = noise.dof;
-        }
-        if (parts > 1) {
-            add(parts_.Of(r));
-        } else if (!known_.empty()) {
-            ForEachPixel(r, [&](int x, int y) { variance += known_[grid_.Index(x, y)] / (tiles * tiles); });
-        }
-        test.dof = squared > 0 ? std::min(variance * variance / squared, maxDof) : kManyDof;
+        TileNoise::Estimate estimate = SampleNoise(r);
         double lack = ofRuns_.Around(around) / (runs * tiles);
         double surplus = ofReference_.Around(around) / (sampleRatio_ * parts * tiles);
         if (runs < 2 || (parts < 2 && known_.empty())) {
             const TileNoise::Estimate scatter = Scatter(r, test.difference);
-            if (scatter.variance >= variance) {
-                variance = scatter.variance;
-                test.dof = scatter.dof;
-            }
+            if (scatter.variance >= estimate.variance) estimate = scatter;
             if (runs < 2) {
                 const double strongest = StrongestDifference(around) / tiles;
                 lack = std::max(lack, strongest);
@@ -193,7 +195,8 @@ class Channel {
             }
         }
         test.difference /= unit;
-        test.standardError = std::sqrt(variance) / unit;
+        test.dof = estimate.dof;
+        test.standardError = std::sqrt(estimate.variance) / unit;
         if (test.standardError > 0) test.p = StudentTwoSidedP(test.difference / test.standardError, test.dof);
         else test.p = test.difference == 0 ? 1 : 0;
 

@@ -248,9 +248,9 @@ std::optional<int> ParseCommandLine(int argc, const char *const *argv, const Plu
                     "  pbrt scene.pbrt                              with the settings of the scene\n"
                     "  pbrt --quick --spp 16 scene.pbrt             a small image, quickly\n"
                     "{}\n"
-                    "Ctrl-C, SIGTERM and SIGHUP save what was rendered and end with status 130, 143 and 129; a second "
-                    "one ends\nat once. A file that holds more samples of the same scene is kept: the interrupted image "
-                    "is then\nwritten beside it, as out-unfinished.exr.",
+                    "Ctrl-C, SIGTERM and SIGHUP save what was rendered and end with status 130, 143 and 129; a second\n"
+                    "one ends at once. A file that holds more samples of the same scene is kept: the interrupted image\n"
+                    "is then written beside it, as out-unfinished.exr.",
                     LightSamplerExamples(registry)),
         "pbrt");
     app.footer(
